@@ -1,0 +1,5 @@
+#pragma once
+#include "axode/dynamics.hpp"
+#include "axode/kinematics.hpp"
+#include "axode/lie.hpp"
+#include "axode/model.hpp"

@@ -1,0 +1,37 @@
+#pragma once
+#include <span>
+
+#include "axode/lie/twist.hpp"
+
+namespace axode {
+
+/// A wrench applied to a frame, in any representation of that frame: in its own axes about its origin (BodyFixed), in
+/// inertial axes about the inertial origin (Spatial) or about the frame's origin (Hybrid), moment in its own and
+/// force in inertial axes (Mixed). N m and N; its power on the frame's twist goes into the system.
+template <class T = double>
+struct AppliedWrench {
+  int frame;
+  Representation representation;
+  Vec3<T> m, f;
+
+  template <class Rep>
+  constexpr AppliedWrench(int on_frame, const Wrench<Rep, T>& W)
+      : frame(on_frame), representation(value_of(Rep{})), m(W.m), f(W.f) {}
+  constexpr AppliedWrench(int on_frame, Representation in, const Vec3<T>& moment, const Vec3<T>& force)
+      : frame(on_frame), representation(in), m(moment), f(force) {}
+
+ private:
+  static constexpr Representation value_of(BodyFixed) { return Representation::body; }
+  static constexpr Representation value_of(Spatial) { return Representation::spatial; }
+  static constexpr Representation value_of(Hybrid) { return Representation::hybrid; }
+  static constexpr Representation value_of(Mixed) { return Representation::mixed; }
+};
+
+/// What acts on a system besides its drives and gravity.
+template <class T = double>
+struct Loads {
+  std::span<const AppliedWrench<T>> wrenches = {};
+  bool joint_losses = false;  ///< damping d v and Coulomb friction f sign(v) of the joints, which resist the motion
+};
+
+}  // namespace axode

@@ -1,0 +1,104 @@
+#pragma once
+#include "axode/lie/inertia.hpp"
+#include "axode/lie/representation_change.hpp"
+
+/// The Newton-Euler equations of one rigid body, in every representation: the resultant wrench W that gives a body
+/// with inertia M and twist V the acceleration V'. The frame of the body is any frame that moves with it; where its
+/// origin is the centre of mass the first moment h of M is 0.
+namespace axode {
+
+/// W = M V' - ad_Vᵀ M V (eqs. NEs, NEb, NEb0), with M in the same frame as V.
+template <AtFrameOrigin Rep, class T>
+constexpr Wrench<Rep, T> newton_euler(const Inertia<T>& M, const Twist<Rep, T>& V, const TwistRate<Rep, T>& dV) {
+  return M * dV + coad(V, M * V);
+}
+
+/// W^h = M^h V'^h + ad_ω M^h (ω; 0) (eqs. NEh, NEh0), with M^h = Ad_R⁻ᵀ M^b Ad_R⁻¹.
+template <class T>
+constexpr Wrench<Hybrid, T> newton_euler(const Inertia<T>& M, const Twist<Hybrid, T>& V,
+                                         const TwistRate<Hybrid, T>& dV) {
+  const Momentum<Hybrid, T> Pi = M * Twist<Hybrid, T>{V.w, {}};
+  return M * dV + Wrench<Hybrid, T>{cross(V.w, Pi.l), cross(V.w, Pi.p)};
+}
+
+/// Angular part in body axes, linear part in inertial axes (eqs. NEm rot, NEm trans, NEcmixed); M in the body frame,
+/// R its rotation.
+template <class T>
+constexpr Wrench<Mixed, T> newton_euler(const Inertia<T>& M, const SO3<T>& R, const Twist<Mixed, T>& V,
+                                        const TwistRate<Mixed, T>& dV) {
+  return {M.Theta * dV.w + cross(V.w, M.Theta * V.w) + cross(M.h, transpose(R) * dV.v),
+          M.m * dV.v + R * (cross(dV.w, M.h) + cross(V.w, cross(V.w, M.h)))};
+}
+
+/// Measured at F_j, resolved in F_k (eqs. NEij, NE (j,k) with erratum 19): M (V' + (ad_{V_j} + ad_{ω_k - ω_j}) V) -
+/// ad_Vᵀ M V = W, with M = ^kM_i^j. Of the motion of F_j and F_k only the velocity of the origin of F_j and the
+/// angular velocity of F_k remain.
+template <class T>
+constexpr Wrench<InFrames, T> newton_euler(const Inertia<T>& M, const FramePair<T>& jk, const Twist<InFrames, T>& V,
+                                           const TwistRate<InFrames, T>& dV) {
+  const SO3<T> Rt = transpose(jk.R_k);
+  const Screw<T> moved = ad(Screw<T>{Rt * jk.w_k, Rt * jk.dr_j}, Screw<T>{V.w, V.v});
+  const Momentum<InFrames, T> Pi = M * V;
+  return M * TwistRate<InFrames, T>{dV.w + moved.w, dV.v + moved.v} +
+         Wrench<InFrames, T>{cross(V.w, Pi.l) + cross(V.v, Pi.p), cross(V.w, Pi.p)};
+}
+
+/// ^kM_i^j: the inertia of a body with pose C, measured at the origin of F_j and resolved in F_k (erratum 20).
+template <class T>
+constexpr Inertia<T> inertia_in_frames(const FramePair<T>& jk, const SE3<T>& C, const Inertia<T>& M) {
+  return transform(inverse(jk.pose()) * C, M);
+}
+
+/// The resultant wrench on a body with pose C and inertia M in its body frame, from its motion.
+template <class Rep, class T>
+constexpr Wrench<Rep, T> wrench(const SE3<T>& C, const Inertia<T>& M, const Twist<Rep, T>& V,
+                                const TwistRate<Rep, T>& dV) {
+  if constexpr (std::same_as<Rep, BodyFixed>)
+    return newton_euler(M, V, dV);
+  else if constexpr (std::same_as<Rep, Spatial>)
+    return newton_euler(transform(C, M), V, dV);
+  else if constexpr (std::same_as<Rep, Hybrid>)
+    return newton_euler(transform(C.R, M), V, dV);
+  else
+    return newton_euler(M, C.R, V, dV);
+}
+/// The same for a twist measured at F_j and resolved in F_k.
+template <class T>
+constexpr Wrench<InFrames, T> wrench(const SE3<T>& C, const Inertia<T>& M, const FramePair<T>& jk,
+                                     const Twist<InFrames, T>& V, const TwistRate<InFrames, T>& dV) {
+  return newton_euler(inertia_in_frames(jk, C, M), jk, V, dV);
+}
+
+/// The adjugate of a symmetric tensor divided by its determinant.
+template <class T>
+constexpr Sym3<T> inverse(const Sym3<T>& A) {
+  const T xx = A.yy * A.zz - A.yz * A.yz, xy = A.xz * A.yz - A.xy * A.zz, xz = A.xy * A.yz - A.xz * A.yy;
+  const T i = T(1) / (A.xx * xx + A.xy * xy + A.xz * xz);
+  return {i * xx, i * (A.xx * A.zz - A.xz * A.xz), i * (A.xx * A.yy - A.xy * A.xy), i * xy, i * xz,
+          i * (A.xy * A.xz - A.xx * A.yz)};
+}
+
+/// M⁻¹ W = V', solved at the centre of mass. The mass and Θ_c must not be singular.
+template <class Rep, class T>
+constexpr TwistRate<Rep, T> solve(const Inertia<T>& M, const Wrench<Rep, T>& W) {
+  static_assert(!std::same_as<Rep, Mixed>, "the mixed inertia matrix has blocks in different axes");
+  const Vec3<T> c = center_of_mass(M), dw = inverse(inertia_about_com(M)) * (W.m - cross(c, W.f));
+  return {dw, (T(1) / M.m) * W.f - cross(dw, c)};
+}
+
+/// The acceleration V' of a body with pose C and inertia M in its body frame, from the resultant wrench and its twist:
+/// the inverse of wrench().
+template <class Rep, class T>
+constexpr TwistRate<Rep, T> acceleration(const SE3<T>& C, const Inertia<T>& M, const Twist<Rep, T>& V,
+                                         const Wrench<Rep, T>& W) {
+  const Twist<BodyFixed, T> V_b = change<BodyFixed>(C, V);
+  return change<Rep>(C, V_b, solve(M, change<BodyFixed>(C, W) - coad(V_b, M * V_b)));
+}
+template <class T>
+constexpr TwistRate<InFrames, T> acceleration(const SE3<T>& C, const Inertia<T>& M, const FramePair<T>& jk,
+                                              const Twist<InFrames, T>& V, const Wrench<InFrames, T>& W) {
+  const Twist<Spatial, T> V_s = change(jk, V);
+  return change(jk, V_s, acceleration(C, M, V_s, change(jk, W)));
+}
+
+}  // namespace axode

@@ -1,0 +1,241 @@
+#pragma once
+#include <Eigen/Core>
+#include <stdexcept>
+#include <string>
+
+#include "axode/lie.hpp"
+
+/// Eigen's vectors and matrices of the quantities of this library, and back. Six-vectors are angular part first;
+/// the order of other libraries (linear part first) has functions of its own. Nothing is normalised or projected.
+namespace axode {
+
+template <class T> using Vector6 = Eigen::Matrix<T, 6, 1>;
+template <class T> using Matrix6 = Eigen::Matrix<T, 6, 6>;
+
+// ---------------------------------------------------------------------------------------------- skew matrices
+
+/// ã, the matrix of b -> a × b.
+template <class T> Eigen::Matrix3<T> skew(const Vec3<T>& a) {
+  return Eigen::Matrix3<T>{{T(0), -a.z, a.y}, {a.z, T(0), -a.x}, {-a.y, a.x, T(0)}};
+}
+/// X̂, the 4×4 matrix [[w̃, v], [0, 0]] of a screw.
+template <class T> Eigen::Matrix4<T> hat(const Screw<T>& X) {
+  return Eigen::Matrix4<T>{{T(0), -X.w.z, X.w.y, X.v.x},
+                           {X.w.z, T(0), -X.w.x, X.v.y},
+                           {-X.w.y, X.w.x, T(0), X.v.z},
+                           {T(0), T(0), T(0), T(0)}};
+}
+
+// --------------------------------------------------------------------------------------------------- to Eigen
+
+template <class T> Eigen::Vector3<T> to_eigen(const Vec3<T>& a) { return {a.x, a.y, a.z}; }
+template <class T> Eigen::Matrix3<T> to_eigen(const Sym3<T>& A) {
+  return Eigen::Matrix3<T>{{A.xx, A.xy, A.xz}, {A.xy, A.yy, A.yz}, {A.xz, A.yz, A.zz}};
+}
+template <class T> Eigen::Matrix3<T> to_eigen(const SO3<T>& R) {
+  return Eigen::Matrix3<T>{{R.x.x, R.y.x, R.z.x}, {R.x.y, R.y.y, R.z.y}, {R.x.z, R.y.z, R.z.z}};
+}
+/// x y z w, as in Eigen::Quaternion::coeffs().
+template <class T> Eigen::Vector4<T> to_eigen(const Quaternion<T>& a) { return {a.x, a.y, a.z, a.w}; }
+/// The 4×4 matrix [[R, r], [0, 1]].
+template <class T> Eigen::Matrix4<T> to_eigen(const SE3<T>& C) {
+  Eigen::Matrix4<T> matrix = Eigen::Matrix4<T>::Identity();
+  matrix.template topLeftCorner<3, 3>() = to_eigen(C.R);
+  matrix.template topRightCorner<3, 1>() = to_eigen(C.r);
+  return matrix;
+}
+template <class T> Vector6<T> to_eigen(const Screw<T>& X) {
+  return Vector6<T>{X.w.x, X.w.y, X.w.z, X.v.x, X.v.y, X.v.z};
+}
+/// A twist, twist rate, wrench or momentum, angular part first.
+template <template <class, class> class Kind, class Rep, class T>
+  requires is_screw_kind<Kind> Vector6<T> to_eigen(const Kind<Rep, T>& x) {
+    const auto& [a, b] = x;
+    return Vector6<T>{a.x, a.y, a.z, b.x, b.y, b.z};
+  }
+/// M = [[Θ, h̃], [-h̃, m I]] (eq. Mb).
+template <class T> Matrix6<T> to_eigen(const Inertia<T>& M) {
+  Matrix6<T> matrix;
+  matrix << to_eigen(M.Theta), skew(M.h), -skew(M.h), M.m * Eigen::Matrix3<T>::Identity();
+  return matrix;
+}
+
+// ------------------------------------------------------------------------------------------------- from Eigen
+
+namespace detail {
+
+/// A matrix with its shape fixed. The wrong shape does not compile, or throws where sizes are known at run time only.
+template <int Rows, int Cols, class Derived>
+Eigen::Matrix<typename Derived::Scalar, Rows, Cols> shaped(const Eigen::MatrixBase<Derived>& matrix) {
+  constexpr auto fits = [](int size, int wanted) {
+    return size == wanted || size == Eigen::Dynamic || wanted == Eigen::Dynamic;
+  };
+  static_assert(fits(Derived::RowsAtCompileTime, Rows) && fits(Derived::ColsAtCompileTime, Cols),
+                "the Eigen matrix has another shape than the quantity read from it");
+  if (matrix.rows() != Rows || (Cols != Eigen::Dynamic && matrix.cols() != Cols)) {
+    throw std::invalid_argument("expected an Eigen matrix with " + std::to_string(Rows) + " rows" +
+                                (Cols == Eigen::Dynamic ? "" : " and " + std::to_string(Cols) + " columns") +
+                                ", got " + std::to_string(matrix.rows()) + " x " +
+                                std::to_string(matrix.cols()));
+  }
+  return matrix;
+}
+
+template <class Result> struct FromEigen;
+
+template <class T> struct FromEigen<Vec3<T>> {
+  static constexpr int rows = 3, cols = 1;
+  static Vec3<T> read(const Eigen::Vector3<T>& a) { return {a[0], a[1], a[2]}; }
+};
+template <class T> struct FromEigen<Sym3<T>> {
+  static constexpr int rows = 3, cols = 3;
+  static Sym3<T> read(const Eigen::Matrix3<T>& A) {
+    return {A(0, 0), A(1, 1), A(2, 2), A(0, 1), A(0, 2), A(1, 2)};
+  }
+};
+template <class T> struct FromEigen<SO3<T>> {
+  static constexpr int rows = 3, cols = 3;
+  static SO3<T> read(const Eigen::Matrix3<T>& R) {
+    return {FromEigen<Vec3<T>>::read(R.col(0)), FromEigen<Vec3<T>>::read(R.col(1)),
+            FromEigen<Vec3<T>>::read(R.col(2))};
+  }
+};
+template <class T> struct FromEigen<Quaternion<T>> {
+  static constexpr int rows = 4, cols = 1;
+  static Quaternion<T> read(const Eigen::Vector4<T>& a) { return {a[0], a[1], a[2], a[3]}; }
+};
+template <class T> struct FromEigen<SE3<T>> {
+  static constexpr int rows = 4, cols = 4;
+  static SE3<T> read(const Eigen::Matrix4<T>& C) {
+    return {FromEigen<SO3<T>>::read(C.template topLeftCorner<3, 3>()),
+            FromEigen<Vec3<T>>::read(C.template topRightCorner<3, 1>())};
+  }
+};
+template <class T> struct FromEigen<Screw<T>> {
+  static constexpr int rows = 6, cols = 1;
+  static Screw<T> read(const Vector6<T>& x) { return {{x[0], x[1], x[2]}, {x[3], x[4], x[5]}}; }
+};
+template <template <class, class> class Kind, class Rep, class T>
+  requires is_screw_kind<Kind>
+struct FromEigen<Kind<Rep, T>> {
+  static constexpr int rows = 6, cols = 1;
+  static Kind<Rep, T> read(const Vector6<T>& x) { return {{x[0], x[1], x[2]}, {x[3], x[4], x[5]}}; }
+};
+template <class T> struct FromEigen<Inertia<T>> {
+  static constexpr int rows = 6, cols = 6;
+  static Inertia<T> read(const Matrix6<T>& M) {
+    return {M(3, 3), {M(2, 4), M(0, 5), M(1, 3)}, FromEigen<Sym3<T>>::read(M.template topLeftCorner<3, 3>())};
+  }
+};
+
+}  // namespace detail
+
+/// The quantity in an Eigen vector or matrix, e.g. from_eigen<SE3<double>>(matrix). Of matrices with structure
+/// (symmetric, inertia, pose) the entries above the diagonal are read; nothing is checked but the shape.
+template <class Result, class Derived> Result from_eigen(const Eigen::MatrixBase<Derived>& matrix) {
+  using From = detail::FromEigen<Result>;
+  return From::read(detail::shaped<From::rows, From::cols>(matrix));
+}
+/// a of ã.
+template <class Derived> Vec3<typename Derived::Scalar> from_skew(const Eigen::MatrixBase<Derived>& matrix) {
+  const auto A = detail::shaped<3, 3>(matrix);
+  return {A(2, 1), A(0, 2), A(1, 0)};
+}
+/// X of X̂.
+template <class Derived> Screw<typename Derived::Scalar> from_hat(const Eigen::MatrixBase<Derived>& matrix) {
+  const auto A = detail::shaped<4, 4>(matrix);
+  return {{A(2, 1), A(0, 2), A(1, 0)}, {A(0, 3), A(1, 3), A(2, 3)}};
+}
+
+// ------------------------------------------------------------------------------------ orders of other libraries
+
+/// The rows of a 6×n matrix (a vector, a Jacobian) with its angular and its linear half exchanged; its own inverse.
+template <class Derived> auto exchange_halves(const Eigen::MatrixBase<Derived>& matrix) {
+  auto exchanged = detail::shaped<6, Derived::ColsAtCompileTime>(matrix);
+  exchanged << matrix.template bottomRows<3>(), matrix.template topRows<3>();
+  return exchanged;
+}
+/// The linear part before the angular one, the order of Pinocchio and of ROS messages.
+template <class T> Vector6<T> linear_first(const Screw<T>& X) { return exchange_halves(to_eigen(X)); }
+template <template <class, class> class Kind, class Rep, class T>
+  requires is_screw_kind<Kind> Vector6<T> linear_first(const Kind<Rep, T>& x) {
+    return exchange_halves(to_eigen(x));
+  }
+/// [[m I, -h̃], [h̃, Θ]], the inertia matrix for twists with the linear part first.
+template <class T> Matrix6<T> linear_first(const Inertia<T>& M) {
+  return exchange_halves(exchange_halves(to_eigen(M)).transpose());
+}
+/// A screw, twist, twist rate, wrench or momentum from its components with the linear part first.
+template <class Result, class Derived>
+Result from_linear_first(const Eigen::MatrixBase<Derived>& components) {
+  return from_eigen<Result>(exchange_halves(detail::shaped<6, 1>(components)));
+}
+/// w x y z, the order of MuJoCo.
+template <class T> Eigen::Vector4<T> scalar_first(const Quaternion<T>& a) { return {a.w, a.x, a.y, a.z}; }
+/// A quaternion from its components in the order w x y z.
+template <class Derived>
+Quaternion<typename Derived::Scalar> from_scalar_first(const Eigen::MatrixBase<Derived>& components) {
+  const auto a = detail::shaped<4, 1>(components);
+  return {a[1], a[2], a[3], a[0]};
+}
+
+// ------------------------------------------------------------------------------------- matrices of linear maps
+
+/// The 3×3 matrix of a linear map on vectors, from its action.
+template <class T = double, class Map> Eigen::Matrix3<T> matrix3(const Map& f) {
+  Eigen::Matrix3<T> matrix;
+  matrix << to_eigen(f(Vec3<T>{T(1), T(0), T(0)})), to_eigen(f(Vec3<T>{T(0), T(1), T(0)})),
+      to_eigen(f(Vec3<T>{T(0), T(0), T(1)}));
+  return matrix;
+}
+/// The 6×6 matrix of a linear map on screws, from its action.
+template <class T = double, class Map> Matrix6<T> matrix6(const Map& f) {
+  Matrix6<T> matrix;
+  for (int k = 0; k < 6; ++k) matrix.col(k) = to_eigen(f(from_eigen<Screw<T>>(Vector6<T>::Unit(k))));
+  return matrix;
+}
+
+/// Ad_C = [[R, 0], [r̃ R, R]] (eq. Ad).
+template <class T> Matrix6<T> Ad_matrix(const SE3<T>& C) {
+  return matrix6<T>([&](const Screw<T>& Z) { return Ad(C, Z); });
+}
+/// Ad_R = diag(R, R) (eq. AdRr).
+template <class T> Matrix6<T> Ad_matrix(const SO3<T>& R) {
+  return matrix6<T>([&](const Screw<T>& Z) { return Ad(R, Z); });
+}
+/// Ad_r = [[I, 0], [r̃, I]] (eq. AdRr).
+template <class T> Matrix6<T> Ad_matrix(const Vec3<T>& r) {
+  return matrix6<T>([&](const Screw<T>& Z) { return Ad(r, Z); });
+}
+/// ad_X = [[w̃, 0], [ṽ, w̃]] (eq. adse3).
+template <class T> Matrix6<T> ad_matrix(const Screw<T>& X) {
+  return matrix6<T>([&](const Screw<T>& Z) { return ad(X, Z); });
+}
+
+/// dexp on SO(3) and on SE(3), its inverse, and their derivatives when the argument moves along η or U.
+template <class T> Eigen::Matrix3<T> dexp_matrix(const Vec3<T>& xi) {
+  return matrix3<T>([&](const Vec3<T>& z) { return dexp(xi, z); });
+}
+template <class T> Matrix6<T> dexp_matrix(const Screw<T>& X) {
+  return matrix6<T>([&](const Screw<T>& Z) { return dexp(X, Z); });
+}
+template <class T> Eigen::Matrix3<T> dexp_inv_matrix(const Vec3<T>& xi) {
+  return matrix3<T>([&](const Vec3<T>& z) { return dexp_inv(xi, z); });
+}
+template <class T> Matrix6<T> dexp_inv_matrix(const Screw<T>& X) {
+  return matrix6<T>([&](const Screw<T>& Z) { return dexp_inv(X, Z); });
+}
+template <class T> Eigen::Matrix3<T> ddexp_matrix(const Vec3<T>& xi, const Vec3<T>& eta) {
+  return matrix3<T>([&](const Vec3<T>& z) { return ddexp(xi, eta, z); });
+}
+template <class T> Matrix6<T> ddexp_matrix(const Screw<T>& X, const Screw<T>& U) {
+  return matrix6<T>([&](const Screw<T>& Z) { return ddexp(X, U, Z); });
+}
+template <class T> Eigen::Matrix3<T> ddexp_inv_matrix(const Vec3<T>& xi, const Vec3<T>& eta) {
+  return matrix3<T>([&](const Vec3<T>& z) { return ddexp_inv(xi, eta, z); });
+}
+template <class T> Matrix6<T> ddexp_inv_matrix(const Screw<T>& X, const Screw<T>& U) {
+  return matrix6<T>([&](const Screw<T>& Z) { return ddexp_inv(X, U, Z); });
+}
+
+}  // namespace axode

@@ -1,0 +1,49 @@
+#include "axode/kinematics.hpp"
+#include "axode/kinematics/forward_recursion.hpp"
+
+namespace axode {
+namespace {
+
+template <class T>
+const SE3<T>* internal_poses(const Model& model, Workspace<T>& workspace, Numbers<T> q) {
+  workspace.check(model);
+  check_configuration(model, q);
+  typename Workspace<T>::Arena arena(workspace);
+  SE3<T>* C_pi = arena.template per_body<SE3<T>>();
+  SE3<T>* C = arena.template per_body<SE3<T>>();
+  joint_poses(model.tree<T>(), q.data(), C_pi);
+  body_poses(model.tree<T>(), C_pi, C);
+  return C;
+}
+
+}  // namespace
+
+template <class T>
+void poses(const Model& model, Workspace<T>& workspace, Numbers<T> q, std::type_identity_t<std::span<SE3<T>>> C) {
+  check_size("C", C.size(), static_cast<std::size_t>(model.n_frames()), "n_frames");
+  const Tree<T>& tree = model.tree<T>();
+  const SE3<T>* C_body = internal_poses(model, workspace, q);
+  for (int k = 0; k < tree.n_frames(); ++k) C[k] = C_body[tree.frame_body[k]] * tree.frame_offset[k];
+}
+
+template <class T>
+Vec3<T> center_of_mass(const Model& model, Workspace<T>& workspace, Numbers<T> q) {
+  const Tree<T>& tree = model.tree<T>();
+  const SE3<T>* C = internal_poses(model, workspace, q);
+  T m(0);
+  Vec3<T> h;
+  for (int i = 1; i <= tree.n; ++i) {
+    m += tree.M[i].m;
+    h += tree.M[i].m * C[i].r + C[i].R * tree.M[i].h;
+  }
+  if (!(m > T(0)))
+    throw std::domain_error("center_of_mass: model \"" + model.name() + "\" has no mass that moves");
+  return (T(1) / m) * h;
+}
+
+template void poses(const Model&, Workspace<double>&, Numbers<double>, std::span<SE3<double>>);
+template void poses(const Model&, Workspace<float>&, Numbers<float>, std::span<SE3<float>>);
+template Vec3<double> center_of_mass(const Model&, Workspace<double>&, Numbers<double>);
+template Vec3<float> center_of_mass(const Model&, Workspace<float>&, Numbers<float>);
+
+}  // namespace axode

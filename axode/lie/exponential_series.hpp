@@ -1,0 +1,164 @@
+#pragma once
+#include <array>
+#include <cstddef>
+
+#include "axode/lie/vec3.hpp"
+
+/// The coefficient functions of exp, dexp and dexp⁻¹, accurate at every angle.
+///
+/// On so(3) each of the three is P_ξ = I + β(s) ξ̃ + γ(s) ξ̃² with s = ‖ξ‖². On se(3) the angular blocks are P_ξ and
+/// the coupling block is the derivative of P_ξ along the linear part (principle of transference), so that the
+/// directional derivatives on se(3) need β and γ up to their second derivative in s.
+namespace axode {
+
+/// I + β ξ̃ + γ ξ̃² with the derivatives of β and γ with respect to s = ‖ξ‖².
+template <class T>
+struct ScrewOperator {
+  std::array<T, 3> beta, gamma;
+};
+
+/// P_ξ z.
+template <class T>
+constexpr Vec3<T> apply(const ScrewOperator<T>& P, const Vec3<T>& xi, const Vec3<T>& z) {
+  const Vec3<T> xi_z = cross(xi, z);
+  return z + P.beta[0] * xi_z + P.gamma[0] * cross(xi, xi_z);
+}
+
+/// D_η P_ξ z, the first derivative of P_ξ z when ξ moves along η.
+template <class T>
+constexpr Vec3<T> apply(const ScrewOperator<T>& P, const Vec3<T>& xi, const Vec3<T>& eta, const Vec3<T>& z) {
+  const T ds = T(2) * dot(xi, eta);
+  const Vec3<T> xi_z = cross(xi, z), eta_z = cross(eta, z);
+  return P.beta[0] * eta_z + P.gamma[0] * (cross(xi, eta_z) + cross(eta, xi_z)) +
+         ds * (P.beta[1] * xi_z + P.gamma[1] * cross(xi, xi_z));
+}
+
+/// D_ζ D_η P_ξ z, the second derivative, along η and ζ.
+template <class T>
+constexpr Vec3<T> apply(const ScrewOperator<T>& P, const Vec3<T>& xi, const Vec3<T>& eta, const Vec3<T>& zeta,
+                        const Vec3<T>& z) {
+  const T s_eta = T(2) * dot(xi, eta), s_zeta = T(2) * dot(xi, zeta), s_both = T(2) * dot(eta, zeta);
+  const Vec3<T> xi_z = cross(xi, z), eta_z = cross(eta, z), zeta_z = cross(zeta, z);
+  const Vec3<T> N = cross(xi, xi_z), N_eta = cross(xi, eta_z) + cross(eta, xi_z),
+                N_zeta = cross(xi, zeta_z) + cross(zeta, xi_z);
+  return P.gamma[0] * (cross(eta, zeta_z) + cross(zeta, eta_z)) +
+         P.beta[1] * (s_both * xi_z + s_eta * zeta_z + s_zeta * eta_z) +
+         P.gamma[1] * (s_both * N + s_eta * N_zeta + s_zeta * N_eta) +
+         (s_eta * s_zeta) * (P.beta[2] * xi_z + P.gamma[2] * N);
+}
+
+namespace series {
+
+/// Below s = 1 the closed forms of the derivatives cancel, and power series in s are used.
+inline constexpr double radius = 1.0;
+inline constexpr std::size_t terms = 15;
+using Coefficients = std::array<double, terms>;
+
+/// Σ_k (-1)^k s^k / (2k + m)!: sin θ/θ for m = 1, (1 - cos θ)/θ² for m = 2, (θ - sin θ)/θ³ for m = 3.
+constexpr Coefficients alternating_factorials(int m) {
+  Coefficients c{};
+  double term = 1.0;
+  for (int f = 2; f <= m; ++f) term /= f;
+  for (std::size_t k = 0; k < terms; ++k) {
+    c[k] = term;
+    const double f = static_cast<double>(2 * k) + m;
+    term /= -(f + 1.0) * (f + 2.0);
+  }
+  return c;
+}
+
+/// (1 - θ/2 cot(θ/2))/θ² = Σ_k 2 ζ(2k + 2)/(2π)^(2k + 2) s^k, in Bernoulli's numbers |B_{2k+2}|/(2k + 2)!.
+inline constexpr Coefficients cotangent = {
+    8.33333333333333333333e-2,  1.38888888888888888889e-3,  3.30687830687830687831e-5,
+    8.26719576719576719577e-7,  2.08767569878680989792e-8,  5.28419013868749318485e-10,
+    1.33825365306846788328e-11, 3.38968029632258286683e-13, 8.58606205627784456414e-15,
+    2.17486869855806187304e-16, 5.5090028283602295152e-18,  1.39544646858125233407e-19,
+    3.53470703962946747169e-21, 8.9535174270375468504e-23,  2.26795245233768306031e-24};
+
+/// arcsin(x)/(x √(1 - x²)) = Σ_k (2k)!!/(2k + 1)!! s^k with s = x², for log.
+constexpr Coefficients arcsine() {
+  Coefficients c{1.0};
+  for (std::size_t k = 1; k < terms; ++k) {
+    const double f = static_cast<double>(2 * k);
+    c[k] = c[k - 1] * f / (f + 1.0);
+  }
+  return c;
+}
+
+/// The coefficients of the derivative with respect to s.
+constexpr Coefficients derivative(const Coefficients& c) {
+  Coefficients d{};
+  for (std::size_t k = 0; k + 1 < terms; ++k) d[k] = static_cast<double>(k + 1) * c[k + 1];
+  return d;
+}
+
+/// A series with its first two derivatives.
+using Table = std::array<Coefficients, 3>;
+constexpr Table with_derivatives(const Coefficients& c) {
+  return {c, derivative(c), derivative(derivative(c))};
+}
+
+inline constexpr Table a = with_derivatives(alternating_factorials(1));
+inline constexpr Table b = with_derivatives(alternating_factorials(2));
+inline constexpr Table c = with_derivatives(alternating_factorials(3));
+inline constexpr Table g = with_derivatives(cotangent);
+inline constexpr Coefficients half_angle_over_sine = arcsine();
+
+template <class T>
+constexpr T sum(const Coefficients& coefficients, const T& s) {
+  T y = T(coefficients[terms - 1]);
+  for (std::size_t k = terms - 1; k-- > 0;) y = y * s + T(coefficients[k]);
+  return y;
+}
+
+}  // namespace series
+
+/// f(s), f'(s), f''(s) for f = sin θ/θ, (1 - cos θ)/θ², (θ - sin θ)/θ³ and (1 - θ/2 cot(θ/2))/θ², θ² = s.
+template <class T>
+struct ExponentialCoefficients {
+  std::array<T, 3> a, b, c, g;
+
+  explicit constexpr ExponentialCoefficients(const T& s) {
+    const bool near = s < T(series::radius);
+    const T x = select(near, T(1), s);  // keeps the closed forms finite where they are not used
+    const T theta = sqrt(x), i = T(1) / (T(2) * x), half_sine = sin(T(0.5) * theta);
+    const T a0 = sin(theta) / theta, b0 = T(2) * half_sine * half_sine / x, c0 = (T(1) - a0) / x;
+    const T a1 = (cos(theta) - a0) * i, b1 = (a0 - T(2) * b0) * i, c1 = (b0 - T(3) * c0) * i;
+    const T a2 = (T(-0.5) * a0 - T(3) * a1) * i, b2 = (a1 - T(4) * b1) * i, c2 = (b1 - T(5) * c1) * i;
+    const T h = T(1) / (T(2) * b0);  // u = θ/2 cot(θ/2) = a/(2b), g = (1 - u)/s
+    const T u0 = a0 * h, u1 = (a1 - T(2) * u0 * b1) * h, u2 = (a2 - T(4) * u1 * b1 - T(2) * u0 * b2) * h;
+    const T g0 = (T(1) - u0) / x, g1 = (-u1 - g0) / x, g2 = (-u2 - T(2) * g1) / x;
+    a = choose(near, series::a, s, {a0, a1, a2});
+    b = choose(near, series::b, s, {b0, b1, b2});
+    c = choose(near, series::c, s, {c0, c1, c2});
+    g = choose(near, series::g, s, {g0, g1, g2});
+  }
+
+ private:
+  static constexpr std::array<T, 3> choose(bool near, const series::Table& table, const T& s,
+                                           const std::array<T, 3>& closed) {
+    return {select(near, series::sum(table[0], s), closed[0]), select(near, series::sum(table[1], s), closed[1]),
+            select(near, series::sum(table[2], s), closed[2])};
+  }
+};
+
+/// exp_ξ = I + (sin θ/θ) ξ̃ + ((1 - cos θ)/θ²) ξ̃².
+template <class T>
+constexpr ScrewOperator<T> exp_operator(const T& s) {
+  const ExponentialCoefficients<T> k(s);
+  return {k.a, k.b};
+}
+/// dexp_ξ = I + ((1 - cos θ)/θ²) ξ̃ + ((θ - sin θ)/θ³) ξ̃².
+template <class T>
+constexpr ScrewOperator<T> dexp_operator(const T& s) {
+  const ExponentialCoefficients<T> k(s);
+  return {k.b, k.c};
+}
+/// dexp_ξ⁻¹ = I - ξ̃/2 + ((1 - θ/2 cot(θ/2))/θ²) ξ̃².
+template <class T>
+constexpr ScrewOperator<T> dexp_inv_operator(const T& s) {
+  const ExponentialCoefficients<T> k(s);
+  return {{T(-0.5), T(0), T(0)}, k.g};
+}
+
+}  // namespace axode

@@ -1,0 +1,4 @@
+#pragma once
+#include "axode/model/builder.hpp"
+#include "axode/model/configuration.hpp"
+#include "axode/model/model.hpp"

@@ -1,0 +1,134 @@
+#include "axode/model/configuration.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <random>
+#include <stdexcept>
+
+namespace axode {
+namespace {
+
+/// f(joint, i) for every joint with coordinates of its own, in the order of the model.
+template <class F>
+void each_independent_joint(const Model& model, F&& f) {
+  for (int i = 1; i <= model.n_bodies(); ++i)
+    if (!model.joint(i).leader)
+      with_subgroup(model.joint(i).kind, model.joint(i).pitch, [&](const auto& joint) { f(joint, model.joint(i)); });
+}
+
+template <class Real>
+void check(const Model& model, std::span<const Real> q, const char* argument, double tolerance) {
+  check_size(argument, q.size(), static_cast<std::size_t>(model.nq()), "nq");
+  for (int i = 1; i <= model.n_bodies(); ++i) {
+    const Joint& joint = model.joint(i);
+    if (joint.leader || (joint.kind != Subgroup::spherical && joint.kind != Subgroup::free)) continue;
+    const Real* a = &q[joint.iq];
+    const double size = norm(Quaternion<Real>{a[0], a[1], a[2], a[3]});
+    if (!(std::abs(size - 1) <= tolerance))
+      throw std::invalid_argument(std::string(argument) + ": the quaternion of joint \"" + joint.name +
+                                  "\" has norm " + to_text(size) + "; it must be 1 to " + to_text(tolerance));
+  }
+}
+
+}  // namespace
+
+void check_size(const char* argument, std::size_t actual, std::size_t expected, const char* meaning) {
+  if (actual != expected)
+    throw std::invalid_argument(std::string(argument) + " has " + std::to_string(actual) + " entries; expected " +
+                                meaning + " = " + std::to_string(expected));
+}
+
+void check_configuration(const Model& model, std::span<const double> q, const char* argument) {
+  check(model, q, argument, 1e-6);
+}
+void check_configuration(const Model& model, std::span<const float> q, const char* argument) {
+  check(model, q, argument, 1e-4);
+}
+
+std::vector<double> neutral(const Model& model) {
+  std::vector<double> q(model.nq());
+  each_independent_joint(model, [&](const auto& s, const Joint& joint) {
+    std::ranges::copy(s.neutral(), q.begin() + joint.iq);
+  });
+  return q;
+}
+
+std::vector<double> random_configuration(const Model& model, std::uint64_t seed) {
+  std::mt19937_64 bits(seed);
+  const auto uniform = [&](double lower, double upper) {  // the standard's distributions differ between libraries
+    return lower + (upper - lower) * (static_cast<double>(bits() >> 11) * 0x1p-53);
+  };
+  const CoordinateLimits limit = limits(model);
+  std::vector<double> q = neutral(model);
+  const auto draw = [&](int k, double span) {
+    const double lower = limit.lower[k], upper = limit.upper[k];
+    const double a = std::isfinite(lower) ? lower : std::isfinite(upper) ? upper - 2 * span : -span;
+    const double b = std::isfinite(upper) ? upper : std::isfinite(lower) ? lower + 2 * span : span;
+    q[k] = uniform(a, b);
+  };
+  each_independent_joint(model, [&](const auto& s, const Joint& joint) {
+    if constexpr (s.nq == 4 || s.nq == 7) {  // Shoemake 1992
+      const double u = uniform(0, 1), alpha = uniform(0, 2 * std::numbers::pi), beta = uniform(0, 2 * std::numbers::pi);
+      const double r = std::sqrt(1 - u), t = std::sqrt(u);
+      const double a[4] = {r * std::sin(alpha), r * std::cos(alpha), t * std::sin(beta), t * std::cos(beta)};
+      std::ranges::copy(a, q.begin() + joint.iq);
+      for (int k = 4; k < s.nq; ++k) draw(joint.iq + k, 1);
+    } else {
+      for (int k = 0; k < s.nq; ++k) {
+        const bool angle = joint.kind != Subgroup::prismatic && k == 0;
+        draw(joint.iq + k, angle ? std::numbers::pi : 1);
+      }
+    }
+  });
+  return q;
+}
+
+std::vector<double> integrate(const Model& model, std::span<const double> q, std::span<const double> dv) {
+  check_configuration(model, q);
+  check_size("dv", dv.size(), static_cast<std::size_t>(model.nv()), "nv");
+  std::vector<double> out(q.size());
+  each_independent_joint(model, [&](const auto& s, const Joint& joint) {
+    s.integrate(&q[joint.iq], &dv[joint.iv], &out[joint.iq]);
+  });
+  return out;
+}
+
+std::vector<double> difference(const Model& model, std::span<const double> q0, std::span<const double> q1) {
+  check_configuration(model, q0, "q0");
+  check_configuration(model, q1, "q1");
+  std::vector<double> out(model.nv());
+  each_independent_joint(model, [&](const auto& s, const Joint& joint) {
+    s.difference(&q0[joint.iq], &q1[joint.iq], &out[joint.iv]);
+  });
+  return out;
+}
+
+std::vector<double> interpolate(const Model& model, std::span<const double> q0, std::span<const double> q1, double s) {
+  std::vector<double> dv = difference(model, q0, q1);
+  for (double& x : dv) x *= s;
+  return integrate(model, q0, dv);
+}
+
+CoordinateLimits limits(const Model& model) {
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  CoordinateLimits out{std::vector<double>(model.nq(), -infinity), std::vector<double>(model.nq(), infinity)};
+  each_independent_joint(model, [&](const auto& s, const Joint& joint) {
+    const int shift = s.nq - s.nv;  // the rotation of a free joint has four coordinates and three velocities
+    for (int d = (shift > 0 ? 3 : 0); d < s.nv; ++d) {
+      out.lower[joint.iq + d + shift] = joint.dof[d].lower;
+      out.upper[joint.iq + d + shift] = joint.dof[d].upper;
+    }
+  });
+  return out;
+}
+
+std::vector<double> clamp(const Model& model, std::span<const double> q) {
+  check_configuration(model, q);
+  const CoordinateLimits limit = limits(model);
+  std::vector<double> out(q.begin(), q.end());
+  for (std::size_t k = 0; k < out.size(); ++k) out[k] = std::clamp(out[k], limit.lower[k], limit.upper[k]);
+  return out;
+}
+
+}  // namespace axode

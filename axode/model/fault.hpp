@@ -1,0 +1,75 @@
+#pragma once
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace axode {
+
+/// Where a description comes from; an empty file for a mechanism described in code.
+struct Source {
+  std::string file;
+  int line = 0;
+};
+
+enum class Severity { warning, error };
+
+/// What is checked. Each rule has one name in messages, tests and JSON: `to_string`.
+enum class Rule {
+  missing_name,
+  duplicate_name,
+  unknown_predecessor,
+  two_predecessors,
+  cycle,
+  non_finite_number,
+  zero_axis,
+  parallel_axes,
+  pitch_without_helix,
+  not_a_rotation,
+  mass_not_positive,
+  moves_no_mass,
+  inertia_not_realisable,
+  limits_crossed,
+  negative_value,
+  degrees_of_freedom,
+  coupling_unknown_joint,
+  coupling_loop,
+  coupling_kind,
+  unknown_frame_body,
+  no_base,
+  unreadable_file,
+  syntax,
+  unknown_element,
+  missing_element,
+  duplicate_element,
+  wrong_value,
+};
+std::string_view to_string(Rule rule);
+
+/// One thing that is wrong, or doubtful, in a description.
+struct Fault {
+  Severity severity = Severity::error;
+  Rule rule{};
+  std::string element;  ///< e.g. `body "forearm"`
+  std::string message;  ///< the value and the rule, e.g. `mass is -1.2 kg; a mass must be positive`
+  Source source;
+};
+/// `arm.urdf:12: error: body "forearm": mass is -1.2 kg; a mass must be positive`.
+std::string to_string(const Fault& fault);
+
+/// Thrown by ModelBuilder::build() and the readers: every fault of the description at once.
+class ModelError : public std::runtime_error {
+ public:
+  ModelError(std::string_view model, std::vector<Fault> faults);
+  /// All faults, warnings included, in the order of the description.
+  std::span<const Fault> faults() const { return faults_; }
+
+ private:
+  std::vector<Fault> faults_;
+};
+
+/// A number in its shortest decimal form that reads back to the same double.
+std::string to_text(double x);
+
+}  // namespace axode

@@ -1,0 +1,43 @@
+#include "axode/model/model.hpp"
+
+#include <stdexcept>
+
+#include "axode/model/nearest_name.hpp"
+
+namespace axode {
+
+std::string_view to_string(Subgroup kind) {
+  switch (kind) {
+    case Subgroup::revolute: return "revolute";
+    case Subgroup::prismatic: return "prismatic";
+    case Subgroup::helical: return "helical";
+    case Subgroup::spherical: return "spherical";
+    case Subgroup::planar: return "planar";
+    case Subgroup::free: return "free";
+  }
+  return "unknown";
+}
+
+namespace {
+
+template <class Named>
+int index_of(std::string_view name, std::span<const Named> named, const char* what, const std::string& model) {
+  for (std::size_t i = 0; i < named.size(); ++i)
+    if (named[i].name == name) return static_cast<int>(i);
+  throw std::invalid_argument("model \"" + model + "\" has no " + what + " \"" + std::string(name) + "\"" +
+                              did_you_mean(name, named, [](const Named& n) { return n.name; }));
+}
+
+}  // namespace
+
+int Model::body_index(std::string_view name) const { return index_of(name, bodies(), "body", this->name()); }
+int Model::joint_index(std::string_view name) const { return 1 + index_of(name, joints(), "joint", this->name()); }
+int Model::frame_index(std::string_view name) const { return index_of(name, frames(), "frame", this->name()); }
+
+double Model::total_mass() const {
+  double m = 0;
+  for (std::size_t i = 1; i < data_->bodies.size(); ++i) m += data_->bodies[i].M.m;
+  return m;
+}
+
+}  // namespace axode

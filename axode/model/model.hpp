@@ -1,0 +1,107 @@
+#pragma once
+#include <array>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "axode/model/description.hpp"
+#include "axode/model/tree.hpp"
+
+namespace axode {
+
+/// A body that moves (or the ground, index 0), in the frame in which the user placed it.
+struct Body {
+  std::string name;
+  int predecessor = 0;
+  SE3<> A;                ///< reference pose in the inertial frame, C_i(0)
+  SE3<> B;                ///< reference pose in the predecessor's frame
+  SE3<> S_prev, S_self;   ///< joint frame on the predecessor and on the body, B = S_prev S_self⁻¹
+  std::vector<Screw<>> X; ///< joint screw(s) in the body frame, a column for each velocity; Y_i = Ad_A X_i
+  Inertia<> M;            ///< in the body frame, with everything that is fixed to the body
+};
+
+/// The joint that moves a body. Joint i moves body i.
+struct Joint {
+  std::string name;
+  Subgroup kind{};
+  double pitch = 0;
+  int iq = 0, nq = 0;  ///< its coordinates are q[iq] to q[iq + nq - 1]; nq = 0 for a coupled joint
+  int iv = 0, nv = 0;
+  struct Leader {
+    int joint;
+    double ratio, offset;
+  };
+  std::optional<Leader> leader;  ///< of a coupled joint, with chains of couplings resolved
+  std::vector<Dof> dof;          ///< one for each degree of freedom
+};
+std::string_view to_string(Subgroup kind);
+
+/// A named frame: the ground, a body, a body fixed to another, or a frame of interest.
+struct Frame {
+  std::string name;
+  int body = 0;  ///< the body it moves with
+  SE3<> pose;    ///< in the frame of that body
+};
+
+/// An immutable tree of bodies. Copies are cheap and share the data; threads may share a model.
+class Model {
+ public:
+  const std::string& name() const { return data_->description.name; }
+  /// Moving bodies; also joints. Body 0 is the ground, bodies 1 to n_bodies() follow depth-first in declared order.
+  int n_bodies() const { return data_->tree.n; }
+  int nq() const { return data_->tree.nq; }
+  int nv() const { return data_->tree.nv; }
+  int n_frames() const { return data_->tree.n_frames(); }
+  const Vec3<>& gravity() const { return data_->tree.g; }
+
+  const Body& body(int i) const { return data_->bodies[i]; }    ///< i = 0 is the ground
+  const Joint& joint(int i) const { return data_->joints[i]; }  ///< i from 1; the joint that moves body i
+  const Frame& frame(int f) const { return data_->frames[f]; }  ///< 0 to n_bodies(): the bodies; then the others
+  std::span<const Body> bodies() const { return data_->bodies; }
+  std::span<const Joint> joints() const { return std::span(data_->joints).subspan(1); }  ///< of bodies 1, 2, ...
+  std::span<const Frame> frames() const { return data_->frames; }
+
+  /// Indices by name. Throws std::invalid_argument that names what was asked for and the nearest name there is.
+  int body_index(std::string_view name) const;
+  int joint_index(std::string_view name) const;
+  int frame_index(std::string_view name) const;
+
+  /// Σ m of all moving bodies, kg.
+  double total_mass() const;
+
+  /// What is doubtful but did not prevent the build.
+  std::span<const Fault> warnings() const { return data_->warnings; }
+  /// What the model was built from: edit a copy and build again.
+  const Description& description() const { return data_->description; }
+  /// The numbers for the kernels, T = double or float; other scalars: cast<T>(tree<double>()).
+  template <class T>
+  const Tree<T>& tree() const;
+
+ private:
+  friend class ModelBuilder;
+  struct Data {
+    Description description;
+    std::vector<Body> bodies;
+    std::vector<Joint> joints;
+    std::vector<Frame> frames;
+    std::vector<Fault> warnings;
+    Tree<double> tree;
+    Tree<float> tree_float;
+  };
+  explicit Model(std::shared_ptr<const Data> data) : data_(std::move(data)) {}
+  std::shared_ptr<const Data> data_;
+};
+
+template <>
+inline const Tree<double>& Model::tree<double>() const {
+  return data_->tree;
+}
+template <>
+inline const Tree<float>& Model::tree<float>() const {
+  return data_->tree_float;
+}
+
+}  // namespace axode

@@ -1,0 +1,41 @@
+#pragma once
+#include <algorithm>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace axode {
+
+/// The number of single-letter edits between two names.
+inline std::size_t edit_distance(std::string_view a, std::string_view b) {
+  std::vector<std::size_t> row(b.size() + 1);
+  for (std::size_t j = 0; j <= b.size(); ++j) row[j] = j;
+  for (std::size_t i = 1; i <= a.size(); ++i) {
+    std::size_t diagonal = row[0];
+    row[0] = i;
+    for (std::size_t j = 1; j <= b.size(); ++j) {
+      const std::size_t above = row[j];
+      row[j] = std::min({above + 1, row[j - 1] + 1, diagonal + (a[i - 1] == b[j - 1] ? 0 : 1)});
+      diagonal = above;
+    }
+  }
+  return row[b.size()];
+}
+
+/// `; did you mean "forearm"?` for the nearest name there is, or nothing where none is near.
+template <class Range, class NameOf>
+std::string did_you_mean(std::string_view name, const Range& candidates, NameOf name_of) {
+  std::string best;
+  std::size_t least = 1 + name.size() / 3;
+  for (const auto& candidate : candidates) {
+    const std::string other(name_of(candidate));
+    const std::size_t distance = edit_distance(name, other);
+    if (distance <= least && !other.empty()) {
+      if (distance < least || best.empty()) best = other;
+      least = distance;
+    }
+  }
+  return best.empty() ? "" : "; did you mean \"" + best + "\"?";
+}
+
+}  // namespace axode

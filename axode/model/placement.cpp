@@ -1,0 +1,132 @@
+#include "axode/model/placement.hpp"
+
+#include <string>
+#include <unordered_map>
+#include <utility>
+
+namespace axode {
+namespace {
+
+/// Moves the first of the two motions of a joint to a massless body in between.
+BodyDescription split_off(BodyDescription& body, const char* carrier, JointKind first_kind, const char* first,
+                          JointKind second_kind, const char* second, const Vec3<>& second_axis) {
+  const std::string name = body.joint.name.empty() ? body.name + "_joint" : body.joint.name;
+  BodyDescription between{.name = name + "." + carrier,
+                          .predecessor = body.predecessor,
+                          .joint = body.joint,
+                          .geometry = body.geometry,
+                          .source = body.source};
+  between.joint.name = name + "." + first;
+  between.joint.kind = first_kind;
+  body.predecessor = between.name;
+  body.joint.name = name + "." + second;
+  body.joint.kind = second_kind;
+  body.joint.axis = second_axis;
+  if (body.joint.dof.size() == 2) {
+    between.joint.dof = {body.joint.dof[0]};
+    body.joint.dof = {body.joint.dof[1]};
+  }
+  if (std::holds_alternative<InBodyFrame>(body.geometry)) body.geometry = InBodyFrame{};
+  if (auto* joint_frames = std::get_if<InJointFrames>(&body.geometry)) joint_frames->S_prev = joint_frames->S_self;
+  return between;
+}
+
+/// A rotation that is one to working precision, from one that is to 1e-6.
+SO3<> orthonormal(const SO3<>& R) {
+  const SO3<> G = transpose(R) * R;
+  const double off = abs(G.x.x - 1) + abs(G.y.y - 1) + abs(G.z.z - 1) + abs(G.x.y) + abs(G.x.z) + abs(G.y.z);
+  return off > 1e-14 ? rotation(quaternion(R)) : R;
+}
+SE3<> orthonormal(const SE3<>& C) { return {orthonormal(C.R), C.r}; }
+
+/// The joint frame in the frame in which axis and point are given.
+SE3<> joint_frame(const JointDescription& joint) {
+  if (joint.kind == JointKind::spherical || joint.kind == JointKind::fixed) return {{}, joint.point};
+  return {orthonormal(rotation_to((1 / norm(joint.axis)) * joint.axis)), joint.point};
+}
+
+Placement place(const BodyDescription& body, const SE3<>& A_predecessor) {
+  const SE3<> J = joint_frame(body.joint);
+  Placement at;
+  if (const auto* drawn = std::get_if<InConstructionFrame>(&body.geometry)) {
+    at.A = orthonormal(drawn->A);
+    at.B = inverse(A_predecessor) * at.A;
+    at.S_self = inverse(at.A) * J;
+  } else if (const auto* in_body = std::get_if<InBodyFrame>(&body.geometry)) {
+    at.B = orthonormal(in_body->B);
+    at.A = A_predecessor * at.B;
+    at.S_self = J;
+  } else {
+    const auto& frames = std::get<InJointFrames>(body.geometry);
+    const SE3<> S_self = orthonormal(frames.S_self);
+    at.B = orthonormal(frames.S_prev) * inverse(S_self);
+    at.A = A_predecessor * at.B;
+    at.S_self = S_self * J;
+  }
+  if (body.joint.kind == JointKind::free || body.joint.kind == JointKind::fixed) at.S_self = {};
+  return at;
+}
+
+}  // namespace
+
+Description expand(const Description& description) {
+  Description expanded = description;
+  expanded.bodies.clear();
+  for (BodyDescription body : description.bodies) {
+    if (body.joint.kind == JointKind::cylindrical) {
+      expanded.bodies.push_back(split_off(body, "sleeve", JointKind::revolute, "rotation", JointKind::prismatic,
+                                          "translation", body.joint.axis));
+    } else if (body.joint.kind == JointKind::universal) {
+      expanded.bodies.push_back(split_off(body, "cross", JointKind::revolute, "first", JointKind::revolute,
+                                          "second", body.joint.second_axis));
+    }
+    if (body.joint.name.empty()) body.joint.name = body.name + "_joint";
+    expanded.bodies.push_back(std::move(body));
+  }
+  return expanded;
+}
+
+DepthFirstOrder depth_first_order(const Description& description) {
+  const int n = static_cast<int>(description.bodies.size());
+  std::unordered_map<std::string, int> index;
+  for (int i = 0; i < n; ++i) index.emplace(description.bodies[i].name, i);
+
+  DepthFirstOrder result;
+  result.predecessor.assign(n, -1);
+  std::vector<std::vector<int>> children(n + 1);  // the last entry is the ground
+  for (int i = 0; i < n; ++i) {
+    const std::string& predecessor = description.bodies[i].predecessor;
+    if (predecessor == "ground") {
+      children[n].push_back(i);
+    } else if (const auto found = index.find(predecessor); found != index.end()) {
+      result.predecessor[i] = found->second;
+      children[found->second].push_back(i);
+    }
+  }
+  std::vector<int> open(children[n].rbegin(), children[n].rend());
+  while (!open.empty()) {
+    const int i = open.back();
+    open.pop_back();
+    result.order.push_back(i);
+    open.insert(open.end(), children[i].rbegin(), children[i].rend());
+  }
+  return result;
+}
+
+std::vector<Placement> place(const Description& expanded, const DepthFirstOrder& order) {
+  std::vector<Placement> placements(expanded.bodies.size());
+  for (const int i : order.order) {
+    const int p = order.predecessor[i];
+    placements[i] = place(expanded.bodies[i], p < 0 ? SE3<>{} : placements[p].A);
+  }
+  return placements;
+}
+
+Inertia<> body_inertia(const MassProperties& given, const SE3<>& A) {
+  const Inertia<> M = given.about == InertiaAbout::center_of_mass
+                          ? inertia_from_com(given.mass, given.com, given.Theta, given.axes)
+                          : Inertia<>{given.mass, given.mass * given.com, rotate(given.axes, given.Theta)};
+  return given.in == GivenIn::body_frame ? M : transform(inverse(A), M);
+}
+
+}  // namespace axode

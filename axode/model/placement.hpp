@@ -1,0 +1,37 @@
+#pragma once
+#include <span>
+#include <vector>
+
+#include "axode/model/description.hpp"
+
+/// From the three ways in which geometry may be given to one, (A, B, S_self), for every body of a description.
+namespace axode {
+
+/// The same mechanism with cylindrical and universal joints as chains of two joints through a massless body.
+Description expand(const Description& description);
+
+/// Bodies in depth-first order, children as declared, and the index of each body's predecessor, -1 for the ground.
+/// Bodies that hang on no ground (an unknown predecessor, a cycle) are left out of the order.
+struct DepthFirstOrder {
+  std::vector<int> order;
+  std::vector<int> predecessor;
+};
+DepthFirstOrder depth_first_order(const Description& description);
+
+/// Where a body and its joint frame are at q = 0.
+struct Placement {
+  SE3<> A;       ///< body frame in the construction frame
+  SE3<> B;       ///< body frame in the predecessor's
+  SE3<> S_self;  ///< joint frame in the body frame; its z-axis is the joint axis
+};
+/// One for each body of an expanded description; those not in the order stay at the identity.
+///
+/// The joint frame has its origin in the joint's point and is turned the shortest way from the frame in which the
+/// axis is given until its z-axis is the axis; for a spherical joint it keeps the axes of that frame, for a free
+/// joint it is the body frame.
+std::vector<Placement> place(const Description& expanded, const DepthFirstOrder& order);
+
+/// The inertia in the body frame, for a body frame with reference pose A.
+Inertia<> body_inertia(const MassProperties& given, const SE3<>& A);
+
+}  // namespace axode

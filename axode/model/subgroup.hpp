@@ -1,0 +1,185 @@
+#pragma once
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <string_view>
+#include <utility>
+
+#include "axode/lie/twist.hpp"
+
+/// Joints as subgroups of SE(3). A new kind of joint is a new struct here, a new enumerator of Subgroup and a new
+/// line in with_subgroup; no recursion changes.
+///
+/// The joint frame is a frame of the child: its z-axis is the axis of the joint. Velocities are left-trivialised:
+/// components in the child's joint frame, where the motion subspace S is constant. Every struct has
+///   nq, nv                       numbers of coordinates and velocities
+///   vector_coordinates           whether q and v have the same meaning (q' = v)
+///   neutral()                    the coordinates of the identity
+///   pose(B, q)                   B exp(S q), the pose of the child's joint frame, for a reference pose B
+///   twist(v)                     S v in the joint frame
+///   project(W)                   Sᵀ W for a wrench in the joint frame
+///   column(k)                    the k-th column of S
+///   integrate(q, dv, out)        out = q ⊕ dv
+///   difference(q0, q1, out)      q0 ⊕ out = q1
+namespace axode {
+
+enum class Subgroup : unsigned char { revolute, prismatic, helical, spherical, planar, free };
+
+namespace subgroup {
+
+/// Coordinates that are their own velocities' integrals.
+template <class T, int N>
+struct VectorCoordinates {
+  static constexpr int nq = N, nv = N;
+  static constexpr bool vector_coordinates = true;
+  static constexpr std::array<T, N> neutral() { return {}; }
+  static constexpr void integrate(const T* q, const T* dv, T* out) {
+    for (int k = 0; k < N; ++k) out[k] = q[k] + dv[k];
+  }
+  static constexpr void difference(const T* q0, const T* q1, T* out) {
+    for (int k = 0; k < N; ++k) out[k] = q1[k] - q0[k];
+  }
+};
+
+/// The rotation part of B exp(e_z θ).
+template <class T>
+constexpr SO3<T> turn(const SO3<T>& B, const T& theta) {
+  const T s = sin(theta), c = cos(theta);
+  return {c * B.x + s * B.y, c * B.y - s * B.x, B.z};
+}
+
+/// Rotation about z by q rad.
+template <class T>
+struct Revolute : VectorCoordinates<T, 1> {
+  static constexpr SE3<T> pose(const SE3<T>& B, const T* q) { return {turn(B.R, q[0]), B.r}; }
+  static constexpr Twist<BodyFixed, T> twist(const T* v) { return {{T(0), T(0), v[0]}, {T(0), T(0), T(0)}}; }
+  static constexpr std::array<T, 1> project(const Wrench<BodyFixed, T>& W) { return {W.m.z}; }
+  static constexpr Screw<T> column(int) { return {{T(0), T(0), T(1)}, {T(0), T(0), T(0)}}; }
+};
+
+/// Translation along z by q m.
+template <class T>
+struct Prismatic : VectorCoordinates<T, 1> {
+  static constexpr SE3<T> pose(const SE3<T>& B, const T* q) { return {B.R, B.r + q[0] * B.R.z}; }
+  static constexpr Twist<BodyFixed, T> twist(const T* v) { return {{T(0), T(0), T(0)}, {T(0), T(0), v[0]}}; }
+  static constexpr std::array<T, 1> project(const Wrench<BodyFixed, T>& W) { return {W.f.z}; }
+  static constexpr Screw<T> column(int) { return {{T(0), T(0), T(0)}, {T(0), T(0), T(1)}}; }
+};
+
+/// Rotation about z by q rad and translation along z by pitch q m.
+template <class T>
+struct Helical : VectorCoordinates<T, 1> {
+  T pitch;
+  explicit constexpr Helical(const T& h) : pitch(h) {}
+  constexpr SE3<T> pose(const SE3<T>& B, const T* q) const {
+    return {turn(B.R, q[0]), B.r + (pitch * q[0]) * B.R.z};
+  }
+  constexpr Twist<BodyFixed, T> twist(const T* v) const {
+    return {{T(0), T(0), v[0]}, {T(0), T(0), pitch * v[0]}};
+  }
+  constexpr std::array<T, 1> project(const Wrench<BodyFixed, T>& W) const { return {W.m.z + pitch * W.f.z}; }
+  constexpr Screw<T> column(int) const { return {{T(0), T(0), T(1)}, {T(0), T(0), pitch}}; }
+};
+
+/// Rotation about the origin: q = unit quaternion x y z w, v = angular velocity in the child's joint frame.
+template <class T>
+struct Spherical {
+  static constexpr int nq = 4, nv = 3;
+  static constexpr bool vector_coordinates = false;
+  static constexpr std::array<T, 4> neutral() { return {T(0), T(0), T(0), T(1)}; }
+  static constexpr Quaternion<T> quaternion_of(const T* q) { return {q[0], q[1], q[2], q[3]}; }
+  static constexpr SE3<T> pose(const SE3<T>& B, const T* q) { return {B.R * rotation(quaternion_of(q)), B.r}; }
+  static constexpr Twist<BodyFixed, T> twist(const T* v) { return {{v[0], v[1], v[2]}, {T(0), T(0), T(0)}}; }
+  static constexpr std::array<T, 3> project(const Wrench<BodyFixed, T>& W) { return {W.m.x, W.m.y, W.m.z}; }
+  static constexpr Screw<T> column(int k) {
+    return {{T(k == 0), T(k == 1), T(k == 2)}, {T(0), T(0), T(0)}};
+  }
+  static constexpr void integrate(const T* q, const T* dv, T* out) {
+    const Quaternion<T> a = quaternion_of(q) * exp_quaternion(Vec3<T>{dv[0], dv[1], dv[2]});
+    out[0] = a.x, out[1] = a.y, out[2] = a.z, out[3] = a.w;
+  }
+  static constexpr void difference(const T* q0, const T* q1, T* out) {
+    const Vec3<T> xi = log_quaternion(conjugate(quaternion_of(q0)) * quaternion_of(q1));
+    out[0] = xi.x, out[1] = xi.y, out[2] = xi.z;
+  }
+};
+
+/// Motion in the plane normal to z: q = (θ, x, y), v = (ω; v_x, v_y) in the child's joint frame. Differences take
+/// the shorter way round, so that θ is met up to whole turns.
+template <class T>
+struct Planar {
+  static constexpr int nq = 3, nv = 3;
+  static constexpr bool vector_coordinates = false;
+  static constexpr std::array<T, 3> neutral() { return {}; }
+  static constexpr SE3<T> pose(const SE3<T>& B, const T* q) {
+    return {turn(B.R, q[0]), B.r + q[1] * B.R.x + q[2] * B.R.y};
+  }
+  static constexpr Twist<BodyFixed, T> twist(const T* v) { return {{T(0), T(0), v[0]}, {v[1], v[2], T(0)}}; }
+  static constexpr std::array<T, 3> project(const Wrench<BodyFixed, T>& W) { return {W.m.z, W.f.x, W.f.y}; }
+  static constexpr Screw<T> column(int k) {
+    return {{T(0), T(0), T(k == 0)}, {T(k == 1), T(k == 2), T(0)}};
+  }
+  static constexpr void integrate(const T* q, const T* dv, T* out) {
+    const SE3<T> C = exp(Screw<T>{{T(0), T(0), dv[0]}, {dv[1], dv[2], T(0)}});
+    const T s = sin(q[0]), c = cos(q[0]), x = q[1] + c * C.r.x - s * C.r.y, y = q[2] + s * C.r.x + c * C.r.y;
+    out[0] = q[0] + dv[0], out[1] = x, out[2] = y;
+  }
+  static constexpr void difference(const T* q0, const T* q1, T* out) {
+    const T s = sin(q0[0]), c = cos(q0[0]), dx = q1[1] - q0[1], dy = q1[2] - q0[2], d = q1[0] - q0[0];
+    const Vec3<T> w{T(0), T(0), atan2(sin(d), cos(d))};
+    const Vec3<T> v = dexp_inv(w, Vec3<T>{c * dx + s * dy, c * dy - s * dx, T(0)});
+    out[0] = w.z, out[1] = v.x, out[2] = v.y;
+  }
+};
+
+/// Every motion: q = (quaternion x y z w, position), v = body-fixed twist (angular; linear) of the child.
+template <class T>
+struct Free {
+  static constexpr int nq = 7, nv = 6;
+  static constexpr bool vector_coordinates = false;
+  static constexpr std::array<T, 7> neutral() { return {T(0), T(0), T(0), T(1), T(0), T(0), T(0)}; }
+  static constexpr Quaternion<T> quaternion_of(const T* q) { return {q[0], q[1], q[2], q[3]}; }
+  static constexpr Vec3<T> position_of(const T* q) { return {q[4], q[5], q[6]}; }
+  static constexpr SE3<T> pose(const SE3<T>& B, const T* q) {
+    return B * SE3<T>{rotation(quaternion_of(q)), position_of(q)};
+  }
+  static constexpr Twist<BodyFixed, T> twist(const T* v) { return {{v[0], v[1], v[2]}, {v[3], v[4], v[5]}}; }
+  static constexpr std::array<T, 6> project(const Wrench<BodyFixed, T>& W) {
+    return {W.m.x, W.m.y, W.m.z, W.f.x, W.f.y, W.f.z};
+  }
+  static constexpr Screw<T> column(int k) {
+    return {{T(k == 0), T(k == 1), T(k == 2)}, {T(k == 3), T(k == 4), T(k == 5)}};
+  }
+  static constexpr void integrate(const T* q, const T* dv, T* out) {
+    const Screw<T> X{{dv[0], dv[1], dv[2]}, {dv[3], dv[4], dv[5]}};
+    const Quaternion<T> a = quaternion_of(q) * exp_quaternion(X.w);
+    const Vec3<T> r = position_of(q) + rotation(quaternion_of(q)) * dexp(X.w, X.v);
+    out[0] = a.x, out[1] = a.y, out[2] = a.z, out[3] = a.w;
+    out[4] = r.x, out[5] = r.y, out[6] = r.z;
+  }
+  static constexpr void difference(const T* q0, const T* q1, T* out) {
+    const Quaternion<T> inverse = conjugate(quaternion_of(q0));
+    const Vec3<T> w = log_quaternion(inverse * quaternion_of(q1));
+    const Vec3<T> v = dexp_inv(w, rotation(inverse) * (position_of(q1) - position_of(q0)));
+    out[0] = w.x, out[1] = w.y, out[2] = w.z, out[3] = v.x, out[4] = v.y, out[5] = v.z;
+  }
+};
+
+}  // namespace subgroup
+
+/// f(joint) for the struct of a subgroup; the pitch (m/rad) matters to helical joints only.
+template <class T, class F>
+constexpr decltype(auto) with_subgroup(Subgroup kind, const T& pitch, F&& f) {
+  switch (kind) {
+    case Subgroup::revolute: return f(subgroup::Revolute<T>{});
+    case Subgroup::prismatic: return f(subgroup::Prismatic<T>{});
+    case Subgroup::helical: return f(subgroup::Helical<T>{pitch});
+    case Subgroup::spherical: return f(subgroup::Spherical<T>{});
+    case Subgroup::planar: return f(subgroup::Planar<T>{});
+    case Subgroup::free: break;
+  }
+  return f(subgroup::Free<T>{});
+}
+
+}  // namespace axode

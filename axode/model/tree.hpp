@@ -1,0 +1,91 @@
+#pragma once
+#include <vector>
+
+#include "axode/lie/inertia.hpp"
+#include "axode/model/subgroup.hpp"
+
+namespace axode {
+
+/// Bodies whose joints are of one kind: by_kind[begin] to by_kind[end - 1].
+struct JointRun {
+  Subgroup kind;
+  bool coupled;  ///< q_i = ratio q_j + offset; coupled runs come last
+  int begin, end;
+};
+
+/// The numbers of a model that the kernels read. Body 0 is the ground; parent[i] < i; the joint of body i is index i.
+/// The internal frame of body i is its joint frame, so that S_i is sparse; frames carry the user's own as offsets.
+template <class T = double>
+struct Tree {
+  int n = 0, nq = 0, nv = 0;         ///< moving bodies, coordinates, velocities
+  std::vector<int> parent;           ///< n + 1
+  std::vector<JointRun> runs;
+  std::vector<int> by_kind;          ///< n
+  std::vector<int> iq, iv;           ///< n + 1: first coordinate and velocity (of the leader for a coupled joint)
+  std::vector<T> pitch;              ///< n + 1, m/rad
+  std::vector<T> ratio, offset;      ///< n + 1: 1 and 0 for a joint with coordinates of its own
+  std::vector<SE3<T>> B;             ///< n + 1: joint frame of i at q = 0 in the internal frame of its predecessor
+  std::vector<Inertia<T>> M;         ///< n + 1: in the internal frame
+  std::vector<T> armature;           ///< nv, kg m² or kg, of all joints on that velocity
+  std::vector<T> damping, friction;  ///< nv, N m s/rad or N s/m; N m or N
+  std::vector<int> frame_body;       ///< frame f: 0 is the ground, 1..n the bodies as the user placed them, then extra
+  std::vector<SE3<T>> frame_offset;  ///< pose of frame f in the internal frame of its body
+  Vec3<T> g;                         ///< gravity, m/s²
+
+  int n_frames() const { return static_cast<int>(frame_body.size()); }
+};
+
+/// The same numbers as another scalar.
+template <class To, class From>
+constexpr Vec3<To> cast(const Vec3<From>& a) {
+  return {To(a.x), To(a.y), To(a.z)};
+}
+template <class To, class From>
+constexpr SE3<To> cast(const SE3<From>& C) {
+  return {{cast<To>(C.R.x), cast<To>(C.R.y), cast<To>(C.R.z)}, cast<To>(C.r)};
+}
+template <class To, class From>
+constexpr Inertia<To> cast(const Inertia<From>& M) {
+  const Sym3<From>& A = M.Theta;
+  return {To(M.m), cast<To>(M.h), {To(A.xx), To(A.yy), To(A.zz), To(A.xy), To(A.xz), To(A.yz)}};
+}
+template <class To, class From>
+Tree<To> cast(const Tree<From>& tree) {
+  const auto each = [](const auto& in, const auto& convert) {
+    std::vector<decltype(convert(in[0]))> out;
+    out.reserve(in.size());
+    for (const auto& x : in) out.push_back(convert(x));
+    return out;
+  };
+  const auto number = [](const From& x) { return To(x); };
+  const auto pose = [](const SE3<From>& C) { return cast<To>(C); };
+  Tree<To> r;
+  r.n = tree.n, r.nq = tree.nq, r.nv = tree.nv;
+  r.parent = tree.parent, r.runs = tree.runs, r.by_kind = tree.by_kind, r.iq = tree.iq, r.iv = tree.iv;
+  r.pitch = each(tree.pitch, number), r.ratio = each(tree.ratio, number), r.offset = each(tree.offset, number);
+  r.B = each(tree.B, pose), r.M = each(tree.M, [](const Inertia<From>& M) { return cast<To>(M); });
+  r.armature = each(tree.armature, number);
+  r.damping = each(tree.damping, number), r.friction = each(tree.friction, number);
+  r.frame_body = tree.frame_body, r.frame_offset = each(tree.frame_offset, pose);
+  r.g = cast<To>(tree.g);
+  return r;
+}
+
+/// f(joint, i) for every joint with coordinates of its own, kind by kind; then f(joint, i) for the coupled ones.
+template <class T, class F>
+constexpr void each_joint(const Tree<T>& tree, F&& f) {
+  for (const JointRun& run : tree.runs) {
+    if (run.kind == Subgroup::helical) {
+      for (int k = run.begin; k < run.end; ++k) {
+        const int i = tree.by_kind[k];
+        f(subgroup::Helical<T>{tree.pitch[i]}, i, run.coupled);
+      }
+    } else {
+      with_subgroup(run.kind, T(0), [&](const auto& joint) {
+        for (int k = run.begin; k < run.end; ++k) f(joint, tree.by_kind[k], run.coupled);
+      });
+    }
+  }
+}
+
+}  // namespace axode
