@@ -1,7 +1,9 @@
 #pragma once
 #include <Eigen/Core>
+#include <span>
 #include <stdexcept>
 #include <string>
+#include <type_traits>
 
 #include "axode/lie.hpp"
 
@@ -73,10 +75,10 @@ Eigen::Matrix<typename Derived::Scalar, Rows, Cols> shaped(const Eigen::MatrixBa
   static_assert(fits(Derived::RowsAtCompileTime, Rows) && fits(Derived::ColsAtCompileTime, Cols),
                 "the Eigen matrix has another shape than the quantity read from it");
   if (matrix.rows() != Rows || (Cols != Eigen::Dynamic && matrix.cols() != Cols)) {
-    throw std::invalid_argument("expected an Eigen matrix with " + std::to_string(Rows) + " rows" +
-                                (Cols == Eigen::Dynamic ? "" : " and " + std::to_string(Cols) + " columns") +
-                                ", got " + std::to_string(matrix.rows()) + " x " +
-                                std::to_string(matrix.cols()));
+    const std::string wanted =
+        std::to_string(Rows) + " x " + (Cols == Eigen::Dynamic ? "n" : std::to_string(Cols));
+    throw std::invalid_argument("expected an Eigen matrix of shape " + wanted + ", got " +
+                                std::to_string(matrix.rows()) + " x " + std::to_string(matrix.cols()));
   }
   return matrix;
 }
@@ -145,6 +147,34 @@ template <class Derived> Vec3<typename Derived::Scalar> from_skew(const Eigen::M
 template <class Derived> Screw<typename Derived::Scalar> from_hat(const Eigen::MatrixBase<Derived>& matrix) {
   const auto A = detail::shaped<4, 4>(matrix);
   return {{A(2, 1), A(0, 2), A(1, 0)}, {A(0, 3), A(1, 3), A(2, 3)}};
+}
+
+// ------------------------------------------------------------------------------------------------------ spans
+
+/// Eigen vectors whose entries lie one after the other in memory.
+template <class Derived>
+concept ContiguousVector =
+    bool(Derived::IsVectorAtCompileTime) &&
+    bool(Derived::Flags& Eigen::DirectAccessBit) && Derived::InnerStrideAtCompileTime == 1;
+
+/// The entries of an Eigen vector as a span, for reading or for writing.
+template <ContiguousVector Derived>
+std::span<const typename Derived::Scalar> as_span(const Eigen::MatrixBase<Derived>& vector) {
+  return {vector.derived().data(), static_cast<std::size_t>(vector.size())};
+}
+template <ContiguousVector Derived>
+std::span<typename Derived::Scalar> as_span(Eigen::MatrixBase<Derived>& vector) {
+  return {vector.derived().data(), static_cast<std::size_t>(vector.size())};
+}
+/// A span as an Eigen vector; nothing is copied.
+template <class T, std::size_t Extent>
+Eigen::Map<const Eigen::VectorX<T>> as_eigen(std::span<const T, Extent> entries) {
+  return {entries.data(), static_cast<Eigen::Index>(entries.size())};
+}
+template <class T, std::size_t Extent>
+  requires(!std::is_const_v<T>)
+Eigen::Map<Eigen::VectorX<T>> as_eigen(std::span<T, Extent> entries) {
+  return {entries.data(), static_cast<Eigen::Index>(entries.size())};
 }
 
 // ------------------------------------------------------------------------------------ orders of other libraries

@@ -1,20 +1,15 @@
 #pragma once
-#include <span>
-#include <type_traits>
-
-#include "axode/lie/twist.hpp"
-#include "axode/model/configuration.hpp"
-#include "axode/model/workspace.hpp"
+#include "axode/kinematics/arguments.hpp"
+#include "axode/kinematics/higher_order.hpp"
+#include "axode/kinematics/inverse_kinematics.hpp"
+#include "axode/kinematics/jacobian.hpp"
+#include "axode/kinematics/jacobian_partials.hpp"
 
 /// Where every body is and how it moves. T is the scalar of the workspace, double or float; Rep is BodyFixed,
 /// Spatial, Hybrid or Mixed. q has nq, v and a have nv entries; results have n_frames entries: the ground, the bodies
 /// in the model's order, the other frames, each in the frame that the user placed. Everything is O(n), allocates
 /// nothing, and throws std::invalid_argument for a wrong size or a quaternion off 1.
 namespace axode {
-
-/// A read-only argument, e.g. a std::vector<T>.
-template <class T>
-using Numbers = std::type_identity_t<std::span<const T>>;
 
 /// C_i, the pose of every frame in the inertial frame (eqs. POEX, aVbRec2), m.
 template <class T>

@@ -1,4 +1,5 @@
 #include "axode/kinematics.hpp"
+#include "axode/kinematics/check_arguments.hpp"
 #include "axode/kinematics/forward_recursion.hpp"
 
 namespace axode {
@@ -6,8 +7,7 @@ namespace {
 
 template <class T>
 const SE3<T>* internal_poses(const Model& model, Workspace<T>& workspace, Numbers<T> q) {
-  workspace.check(model);
-  check_configuration(model, q);
+  check_state(model, workspace, q);
   typename Workspace<T>::Arena arena(workspace);
   SE3<T>* C_pi = arena.template per_body<SE3<T>>();
   SE3<T>* C = arena.template per_body<SE3<T>>();

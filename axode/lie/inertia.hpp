@@ -65,6 +65,16 @@ constexpr Wrench<Rep, T> operator*(const Inertia<T>& M, const TwistRate<Rep, T>&
   return {M.Theta * dV.w + cross(M.h, dV.v), M.m * dV.v - cross(M.h, dV.w)};
 }
 
+/// M' = -ad_Vᵀ M - M ad_V, the rate of an inertia that moves with the twist V (eq. Msdot); its mass entry is 0.
+template <AtFrameOrigin Rep, class T>
+constexpr Inertia<T> inertia_rate(const Twist<Rep, T>& V, const Inertia<T>& M) {
+  const Sym3<T>& A = M.Theta;
+  const Vec3<T> x = cross(V.w, Vec3<T>{A.xx, A.xy, A.xz}), y = cross(V.w, Vec3<T>{A.xy, A.yy, A.yz}),
+                z = cross(V.w, Vec3<T>{A.xz, A.yz, A.zz});  // columns of ω̃ Θ; its transpose is -Θ ω̃
+  const Sym3<T> turned{x.x + x.x, y.y + y.y, z.z + z.z, x.y + y.x, x.z + z.x, y.z + z.y};
+  return {T(0), cross(V.w, M.h) + M.m * V.v, turned + parallel_axis_tensor(M.h, V.v)};
+}
+
 /// Binet's inertia tensor ϑ = tr(Θ)/2 I - Θ, the second moments of mass.
 template <class T>
 constexpr Sym3<T> binet_tensor(const Sym3<T>& Theta) {

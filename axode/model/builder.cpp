@@ -49,6 +49,7 @@ bool finite(const Vec3<>& a) { return finite(a.x) && finite(a.y) && finite(a.z);
 bool finite(const SO3<>& R) { return finite(R.x) && finite(R.y) && finite(R.z); }
 bool finite(const SE3<>& C) { return finite(C.R) && finite(C.r); }
 bool finite(const Sym3<>& A) { return finite(Vec3<>{A.xx, A.yy, A.zz}) && finite(Vec3<>{A.xy, A.xz, A.yz}); }
+bool finite(const Inertia<>& M) { return finite(M.m) && finite(M.h) && finite(M.Theta); }
 
 int degrees_of_freedom(JointKind kind) {
   switch (kind) {
@@ -110,7 +111,7 @@ class Inspection {
       const std::string element = "frame " + quoted(frame.name);
       if (frame.body != "ground" && !bodies_.contains(frame.body))
         error(Rule::unknown_frame_body, element,
-              "sits on body " + quoted(frame.body) + ", which is not described" + nearest(frame.body),
+              "sits on body " + quoted(frame.body) + ", which is not described" + nearest(frame.body, ""),
               frame.source);
       rotation(element, "pose", frame.pose, frame.source);
     }
@@ -130,12 +131,22 @@ class Inspection {
     note(physics_ == Physics::strict ? Severity::error : Severity::warning, rule, std::move(element),
          std::move(message), source);
   }
-  std::string nearest(std::string_view name) const {
-    return did_you_mean(name, description_.bodies, [](const BodyDescription& b) { return b.name; });
+  /// A suggestion for the name of a body that is not described, where anybody will still read it.
+  std::string nearest(std::string_view name, std::string_view asked_by) const {
+    if (faults_.size() > 100) return "";
+    std::vector<std::string_view> names{"ground"};
+    for (const BodyDescription& body : description_.bodies)
+      if (body.name != asked_by) names.push_back(body.name);
+    return did_you_mean(name, names, [](std::string_view n) { return n; });
   }
 
   void names() {
     std::unordered_set<std::string> joints;
+    const auto joint_is_named = [&](const std::string& name, const Source& source) {
+      if (!joints.insert(name).second)
+        error(Rule::duplicate_name, "joint " + quoted(name), "the name is taken; names of joints must differ",
+              source);
+    };
     const auto body_name = [&](const std::string& name, const std::string& element, const Source& source) {
       if (name.empty()) {
         error(Rule::missing_name, element, "has no name; every body and frame needs one", source);
@@ -157,9 +168,13 @@ class Inspection {
       } else {
         body_name(body.name, "body " + quoted(body.name), body.source);
       }
-      if (!body.joint.name.empty() && !joints.insert(body.joint.name).second)
-        error(Rule::duplicate_name, "joint " + quoted(body.joint.name),
-              "the name is taken; names of joints must differ", joint_source(body));
+      if (body.joint.name.empty() && (body.name.empty() || !is_new)) continue;
+      joint_is_named(joint_name(body), joint_source(body));
+      const std::vector<BodyDescription> parts = expand({.bodies = {body}}).bodies;
+      if (parts.size() == 1) continue;
+      body_name(parts[0].name, "body " + quoted(parts[0].name) + " of joint " + quoted(joint_name(body)),
+                joint_source(body));
+      for (const BodyDescription& part : parts) joint_is_named(part.joint.name, joint_source(body));
     }
     for (const FrameDescription& frame : description_.frames)
       body_name(frame.name, "frame " + quoted(frame.name), frame.source);
@@ -170,7 +185,7 @@ class Inspection {
       if (body.predecessor != "ground" && !bodies_.contains(body.predecessor))
         error(Rule::unknown_predecessor, "body " + quoted(body.name),
               "hangs on body " + quoted(body.predecessor) + ", which is not described" +
-                  nearest(body.predecessor),
+                  nearest(body.predecessor, body.name),
               body.source);
     cycles();
   }
@@ -182,7 +197,7 @@ class Inspection {
       const BodyDescription* at = &start;
       while (at != nullptr && !seen.contains(at->name)) {
         seen.emplace(at->name, &start);
-        const auto next = bodies_.find(at->predecessor);
+        const auto next = at->predecessor == "ground" ? bodies_.end() : bodies_.find(at->predecessor);
         at = next == bodies_.end() ? nullptr : next->second;
       }
       if (at == nullptr || seen.at(at->name) != &start) continue;
@@ -208,7 +223,7 @@ class Inspection {
     const double handed = dot(cross(C.R.x, C.R.y), C.R.z);
     if (off <= rotation_tolerance && handed > 0) return true;
     error(Rule::not_a_rotation, element,
-          handed > 0 ? std::string(what) + " is off a rotation by " + to_text(off) +
+          handed >= 0 ? std::string(what) + " is off a rotation by " + to_text(off) +
                            "; RᵀR must be the identity to 1e-6"
                      : std::string(what) + " mirrors; a rotation has determinant +1",
           source);
@@ -252,6 +267,10 @@ class Inspection {
       need(finite(body.inertia->Theta), element, "rotational inertia");
       good &= rotation(element, "the axes of the inertia", {body.inertia->axes, {}}, body.source);
     }
+    for (const MeshReference& mesh : body.meshes) {
+      good &= rotation(element, "the pose of a mesh", mesh.pose, body.source);
+      need(finite(mesh.scale), element, "the scale of a mesh");
+    }
     return good;
   }
 
@@ -267,12 +286,11 @@ class Inspection {
     const std::string element = "joint " + quoted(joint_name(body));
     const bool has_axis =
         joint.kind != JointKind::fixed && joint.kind != JointKind::spherical && joint.kind != JointKind::free;
-    const auto zero = [&](const Vec3<>& axis) { return !(norm(axis) > 0); };
+    const auto zero = [](const Vec3<>& axis) { return axis.x == 0 && axis.y == 0 && axis.z == 0; };
     if ((has_axis && zero(joint.axis)) || (joint.kind == JointKind::universal && zero(joint.second_axis))) {
       error(Rule::zero_axis, element, "an axis is (0, 0, 0); an axis needs a direction", joint_source(body));
     } else if (joint.kind == JointKind::universal) {
-      const double sine =
-          norm(cross(joint.axis, joint.second_axis)) / (norm(joint.axis) * norm(joint.second_axis));
+      const double sine = norm(cross(direction(joint.axis), direction(joint.second_axis)));
       if (sine < 1e-6)
         error(Rule::parallel_axes, element,
               "its two axes are parallel; those of a universal joint must not be", joint_source(body));
@@ -292,6 +310,11 @@ class Inspection {
       if (dof.lower > dof.upper)
         error(Rule::limits_crossed, element,
               "lower limit " + to_text(dof.lower) + " is above upper limit " + to_text(dof.upper),
+              joint_source(body));
+      constexpr double infinity = std::numeric_limits<double>::infinity();
+      if (dof.lower <= dof.upper && (dof.lower == infinity || dof.upper == -infinity))
+        error(Rule::limits_crossed, element,
+              "limits " + to_text(dof.lower) + " and " + to_text(dof.upper) + " leave no place to be",
               joint_source(body));
       const std::array<std::pair<const char*, double>, 5> not_negative{{{"velocity limit", dof.velocity},
                                                                         {"effort limit", dof.effort},
@@ -333,6 +356,23 @@ class Inspection {
     std::unordered_map<std::string, const BodyDescription*> joints;
     const Description expanded = expand(description_);
     for (const BodyDescription& body : expanded.bodies) joints.emplace(body.joint.name, &body);
+    std::unordered_map<const BodyDescription*, bool> ends_in_loop;
+    const auto follows_a_loop = [&](const BodyDescription* at) {
+      std::vector<const BodyDescription*> walk;
+      bool loop = false;
+      while (at != nullptr && at->joint.coupling) {
+        const auto [known, is_new] = ends_in_loop.emplace(at, true);  // true until the walk finds its end
+        if (!is_new) {
+          loop = known->second;
+          break;
+        }
+        walk.push_back(at);
+        const auto next = joints.find(at->joint.coupling->leader);
+        at = next == joints.end() ? nullptr : next->second;
+      }
+      for (const BodyDescription* body : walk) ends_in_loop[body] = loop;
+      return loop;
+    };
     const auto one_dof = [](JointKind kind) {
       return kind == JointKind::revolute || kind == JointKind::prismatic || kind == JointKind::helical;
     };
@@ -360,17 +400,10 @@ class Inspection {
                   std::string(to_string(found->second->joint.kind)) +
                   "; only revolute, prismatic and helical joints can lead",
               joint_source(body));
-      } else {
-        const BodyDescription* at = found->second;
-        std::size_t steps = 0;
-        while (at != nullptr && at->joint.coupling && steps++ <= description_.bodies.size()) {
-          const auto next = joints.find(at->joint.coupling->leader);
-          at = next == joints.end() ? nullptr : next->second;
-        }
-        if (at != nullptr && at->joint.coupling)
-          error(Rule::coupling_loop, element,
-                "follows joint " + quoted(leader) + " in a loop; one joint must have a coordinate of its own",
-                joint_source(body));
+      } else if (follows_a_loop(found->second)) {
+        error(Rule::coupling_loop, element,
+              "follows joint " + quoted(leader) + " in a loop; one joint must have a coordinate of its own",
+              joint_source(body));
       }
     }
   }
@@ -393,7 +426,8 @@ struct Compilation {
   std::vector<Joint> joints;
   std::vector<Frame> frames;
   Tree<double> tree;
-  std::vector<Fault> warnings;
+  std::vector<int> described;  ///< body of the model -> body of the expanded description, -1 for the ground
+  std::vector<Fault> faults;
 };
 
 /// Merges runs of bodies of one kind; coupled joints last.
@@ -412,13 +446,13 @@ void sort_by_kind(const std::vector<Joint>& joints, Tree<double>& tree) {
 }
 
 /// Resolves q_i = ratio q_leader + offset through chains of couplings.
-void couple(const Description& expanded, const std::vector<int>& described, Compilation& out) {
+void couple(const Description& expanded, Compilation& out) {
   std::unordered_map<std::string, int> index;
   for (int i = 1; i <= out.tree.n; ++i) index.emplace(out.joints[i].name, i);
   for (int i = 1; i <= out.tree.n; ++i) {
     Joint& joint = out.joints[i];
     const auto coupling_of = [&](int j) -> const std::optional<Coupling>& {
-      return expanded.bodies[described[j]].joint.coupling;
+      return expanded.bodies[out.described[j]].joint.coupling;
     };
     if (!coupling_of(i)) continue;
     double ratio = 1, offset = 0;
@@ -437,11 +471,17 @@ void number_coordinates(Compilation& out) {
   Tree<double>& tree = out.tree;
   tree.iq.assign(tree.n + 1, 0), tree.iv.assign(tree.n + 1, 0);
   tree.ratio.assign(tree.n + 1, 1), tree.offset.assign(tree.n + 1, 0);
+  tree.kind = {Subgroup::free}, tree.coupled = {0}, tree.first_screw = {0, 0};
   for (int i = 1; i <= tree.n; ++i) {
     Joint& joint = out.joints[i];
     joint.iq = tree.nq, joint.iv = tree.nv;
-    if (joint.leader) continue;
     with_subgroup(joint.kind, joint.pitch, [&](const auto& s) { joint.nq = s.nq, joint.nv = s.nv; });
+    tree.kind.push_back(joint.kind), tree.coupled.push_back(joint.leader.has_value());
+    tree.first_screw.push_back(tree.n_screws += joint.nv);
+    if (joint.leader) {
+      joint.nq = 0, joint.nv = 0;
+      continue;
+    }
     tree.nq += joint.nq, tree.nv += joint.nv;
     tree.iq[i] = joint.iq, tree.iv[i] = joint.iv;
   }
@@ -463,23 +503,51 @@ void number_coordinates(Compilation& out) {
   }
 }
 
-void warn_of_massless_subtrees(const Description& expanded, const std::vector<int>& described,
-                               Compilation& out) {
+/// A fault of body i of the model.
+Fault fault_of(const Description& expanded, const Compilation& out, int i, Severity severity, Rule rule,
+               std::string element, const char* message) {
+  const Source& source = i > 0 ? expanded.bodies[out.described[i]].source : expanded.source;
+  return {severity, rule, std::move(element), message,
+          source.file.empty() ? Source{expanded.source.file, source.line} : source};
+}
+
+void warn_of_massless_subtrees(const Description& expanded, Compilation& out) {
   std::vector<double> mass(out.tree.n + 1);
   for (int i = out.tree.n; i > 0; --i) {
     mass[i] += out.tree.M[i].m;
     mass[out.tree.parent[i]] += mass[i];
   }
+  std::vector<bool> moves_mass(out.tree.n + 1);  // itself or through the joints that follow it
   for (int i = 1; i <= out.tree.n; ++i) {
     const Joint& joint = out.joints[i];
     const bool armature =
         std::any_of(joint.dof.begin(), joint.dof.end(), [](const Dof& d) { return d.armature > 0; });
-    if (mass[i] > 0 || armature || joint.leader) continue;
-    const Source& source = expanded.bodies[described[i]].source;
-    out.warnings.push_back({Severity::warning, Rule::moves_no_mass, "joint " + quoted(joint.name),
-                            "moves no mass; the mass matrix is singular",
-                            source.file.empty() ? Source{expanded.source.file, source.line} : source});
+    if (mass[i] > 0 || armature) moves_mass[joint.leader && joint.leader->ratio != 0 ? joint.leader->joint : i] = true;
   }
+  for (int i = 1; i <= out.tree.n; ++i) {
+    const Joint& joint = out.joints[i];
+    if (moves_mass[i] || joint.leader) continue;
+    out.faults.push_back(fault_of(expanded, out, i, Severity::warning, Rule::moves_no_mass,
+                                  "joint " + quoted(joint.name), "moves no mass; the mass matrix is singular"));
+  }
+}
+
+/// Finite numbers can be so large that what follows from them is not.
+void report_overflow(const Description& expanded, Compilation& out) {
+  for (int i = 0; i <= out.tree.n; ++i) {
+    const Body& body = out.bodies[i];
+    const bool good = finite(body.A) && finite(body.B) && finite(body.M) && finite(out.tree.B[i]) &&
+                      finite(out.tree.M[i]) && finite(out.tree.ratio[i]) && finite(out.tree.offset[i]);
+    if (!good)
+      out.faults.push_back(fault_of(expanded, out, i, Severity::error, Rule::non_finite_number,
+                                    "body " + quoted(body.name),
+                                    "its numbers are so large that its pose, inertia or coupling overflows"));
+  }
+  for (std::size_t f = 0; f < out.frames.size(); ++f)
+    if (!finite(out.tree.frame_offset[f]) && finite(out.bodies[out.frames[f].body].A))
+      out.faults.push_back(fault_of(expanded, out, out.frames[f].body, Severity::error, Rule::non_finite_number,
+                                    "frame " + quoted(out.frames[f].name),
+                                    "its numbers are so large that its pose overflows"));
 }
 
 Compilation compile(const Description& description) {
@@ -494,8 +562,7 @@ Compilation compile(const Description& description) {
   tree.B = {SE3<>{}}, tree.M = {Inertia<>{}}, tree.pitch = {0};
   Body ground;
   ground.name = "ground";
-  out.bodies = {ground}, out.joints = {Joint{}}, out.frames = {Frame{"ground", 0, {}}};
-  std::vector<int> described{-1};                         // body of the model -> body of the description
+  out.bodies = {ground}, out.joints = {Joint{}}, out.frames = {Frame{"ground", 0, {}}}, out.described = {-1};
   std::vector<int> carrier(expanded.bodies.size());       // body of the description -> body of the model
   std::vector<SE3<>> on_carrier(expanded.bodies.size());  // its frame in the internal frame of that body
   std::vector<SE3<>> offset{SE3<>{}};                     // user's frame in the internal frame, by body
@@ -517,7 +584,7 @@ Compilation compile(const Description& description) {
     const int i = ++tree.n;
     carrier[d] = i, on_carrier[d] = inverse(at.S_self);
     offset.push_back(on_carrier[d]);
-    described.push_back(d);
+    out.described.push_back(d);
     tree.parent.push_back(parent);
     tree.B.push_back(in_parent * at.S_self);
     tree.M.push_back(transform(on_carrier[d], M));
@@ -544,14 +611,15 @@ Compilation compile(const Description& description) {
     const bool on_ground = frame.body == "ground";
     const int d = on_ground ? -1 : index.at(frame.body), body = on_ground ? 0 : carrier[d];
     const SE3<> A = on_ground ? SE3<>{} : placements[d].A, internal = on_ground ? SE3<>{} : on_carrier[d];
-    const SE3<> on_body = frame.in == GivenIn::body_frame ? frame.pose : inverse(A) * frame.pose;
+    const SE3<> pose = orthonormal(frame.pose);
+    const SE3<> on_body = frame.in == GivenIn::body_frame ? pose : inverse(A) * pose;
     extra.push_back({frame.name, body, inverse(offset[body]) * internal * on_body});
   }
 
-  couple(expanded, described, out);
+  couple(expanded, out);
   number_coordinates(out);
   sort_by_kind(out.joints, tree);
-  warn_of_massless_subtrees(expanded, described, out);
+  warn_of_massless_subtrees(expanded, out);
   for (int i = 1; i <= tree.n; ++i) out.frames.push_back({out.bodies[i].name, i, {}});
   out.frames.insert(out.frames.end(), extra.begin(), extra.end());
   for (const Frame& frame : out.frames) {
@@ -559,6 +627,7 @@ Compilation compile(const Description& description) {
     tree.frame_offset.push_back(offset[frame.body] * frame.pose);
   }
   for (int i = 0; i <= tree.n; ++i) out.bodies[i].M = transform(inverse(offset[i]), tree.M[i]);
+  report_overflow(expanded, out);
   return out;
 }
 
@@ -588,8 +657,8 @@ BodyDescription& ModelBuilder::body(std::string_view name) {
 std::vector<Fault> ModelBuilder::check(Physics physics) const {
   std::vector<Fault> faults = Inspection(description_, physics).run();
   if (!has_error(faults)) {
-    std::vector<Fault> warnings = compile(description_).warnings;
-    faults.insert(faults.end(), warnings.begin(), warnings.end());
+    const std::vector<Fault> more = compile(description_).faults;
+    faults.insert(faults.end(), more.begin(), more.end());
   }
   return faults;
 }
@@ -598,7 +667,8 @@ Model ModelBuilder::build(Physics physics) const {
   std::vector<Fault> faults = Inspection(description_, physics).run();
   if (has_error(faults)) throw ModelError(description_.name, std::move(faults));
   Compilation out = compile(description_);
-  faults.insert(faults.end(), out.warnings.begin(), out.warnings.end());
+  faults.insert(faults.end(), out.faults.begin(), out.faults.end());
+  if (has_error(faults)) throw ModelError(description_.name, std::move(faults));
   auto data = std::make_shared<Model::Data>();
   data->description = description_;
   data->bodies = std::move(out.bodies);

@@ -55,6 +55,10 @@ class Model {
   int nq() const { return data_->tree.nq; }
   int nv() const { return data_->tree.nv; }
   int n_frames() const { return data_->tree.n_frames(); }
+  /// Joint screws: one for each degree of freedom of every joint, coupled ones included. Those of joint i start at
+  /// first_screw(i).
+  int n_screws() const { return data_->tree.n_screws; }
+  int first_screw(int i) const { return data_->tree.first_screw[i]; }
   const Vec3<>& gravity() const { return data_->tree.g; }
 
   const Body& body(int i) const { return data_->bodies[i]; }    ///< i = 0 is the ground

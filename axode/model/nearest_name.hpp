@@ -26,11 +26,13 @@ inline std::size_t edit_distance(std::string_view a, std::string_view b) {
 template <class Range, class NameOf>
 std::string did_you_mean(std::string_view name, const Range& candidates, NameOf name_of) {
   std::string best;
+  if (name.size() > 100) return best;
   std::size_t least = 1 + name.size() / 3;
   for (const auto& candidate : candidates) {
     const std::string other(name_of(candidate));
+    if (std::max(name.size(), other.size()) > least + std::min(name.size(), other.size())) continue;
     const std::size_t distance = edit_distance(name, other);
-    if (distance <= least && !other.empty()) {
+    if (distance <= least && distance < std::max(name.size(), other.size()) && !other.empty()) {
       if (distance < least || best.empty()) best = other;
       least = distance;
     }

@@ -1,5 +1,6 @@
 #include "axode/model/placement.hpp"
 
+#include <algorithm>
 #include <string>
 #include <unordered_map>
 #include <utility>
@@ -37,12 +38,10 @@ SO3<> orthonormal(const SO3<>& R) {
   const double off = abs(G.x.x - 1) + abs(G.y.y - 1) + abs(G.z.z - 1) + abs(G.x.y) + abs(G.x.z) + abs(G.y.z);
   return off > 1e-14 ? rotation(quaternion(R)) : R;
 }
-SE3<> orthonormal(const SE3<>& C) { return {orthonormal(C.R), C.r}; }
-
 /// The joint frame in the frame in which axis and point are given.
 SE3<> joint_frame(const JointDescription& joint) {
   if (joint.kind == JointKind::spherical || joint.kind == JointKind::fixed) return {{}, joint.point};
-  return {orthonormal(rotation_to((1 / norm(joint.axis)) * joint.axis)), joint.point};
+  return {orthonormal(rotation_to(direction(joint.axis))), joint.point};
 }
 
 Placement place(const BodyDescription& body, const SE3<>& A_predecessor) {
@@ -68,6 +67,14 @@ Placement place(const BodyDescription& body, const SE3<>& A_predecessor) {
 }
 
 }  // namespace
+
+SE3<> orthonormal(const SE3<>& C) { return {orthonormal(C.R), C.r}; }
+
+Vec3<> direction(const Vec3<>& axis) {
+  const double largest = std::max({abs(axis.x), abs(axis.y), abs(axis.z)});  // so that no square leaves the range
+  const Vec3<> a{axis.x / largest, axis.y / largest, axis.z / largest};
+  return (1 / norm(a)) * a;
+}
 
 Description expand(const Description& description) {
   Description expanded = description;
@@ -123,9 +130,10 @@ std::vector<Placement> place(const Description& expanded, const DepthFirstOrder&
 }
 
 Inertia<> body_inertia(const MassProperties& given, const SE3<>& A) {
+  const SO3<> axes = orthonormal(given.axes);
   const Inertia<> M = given.about == InertiaAbout::center_of_mass
-                          ? inertia_from_com(given.mass, given.com, given.Theta, given.axes)
-                          : Inertia<>{given.mass, given.mass * given.com, rotate(given.axes, given.Theta)};
+                          ? inertia_from_com(given.mass, given.com, given.Theta, axes)
+                          : Inertia<>{given.mass, given.mass * given.com, rotate(axes, given.Theta)};
   return given.in == GivenIn::body_frame ? M : transform(inverse(A), M);
 }
 

@@ -7,6 +7,12 @@
 /// From the three ways in which geometry may be given to one, (A, B, S_self), for every body of a description.
 namespace axode {
 
+/// A pose whose rotation is one to working precision, from one that is to 1e-6.
+SE3<> orthonormal(const SE3<>& C);
+
+/// The unit vector along an axis of any length but 0.
+Vec3<> direction(const Vec3<>& axis);
+
 /// The same mechanism with cylindrical and universal joints as chains of two joints through a massless body.
 Description expand(const Description& description);
 

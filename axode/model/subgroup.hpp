@@ -1,10 +1,5 @@
 #pragma once
-#include <algorithm>
 #include <array>
-#include <cmath>
-#include <numbers>
-#include <string_view>
-#include <utility>
 
 #include "axode/lie/twist.hpp"
 
@@ -20,6 +15,7 @@
 ///   twist(v)                     S v in the joint frame
 ///   project(W)                   Sᵀ W for a wrench in the joint frame
 ///   column(k)                    the k-th column of S
+///   column(C, k)                 Ad_C of it: the joint screw seen from where the joint frame has pose C
 ///   integrate(q, dv, out)        out = q ⊕ dv
 ///   difference(q0, q1, out)      q0 ⊕ out = q1
 namespace axode {
@@ -49,6 +45,12 @@ constexpr SO3<T> turn(const SO3<T>& B, const T& theta) {
   return {c * B.x + s * B.y, c * B.y - s * B.x, B.z};
 }
 
+/// The k-th column of a rotation.
+template <class T>
+constexpr const Vec3<T>& axis(const SO3<T>& R, int k) {
+  return k == 0 ? R.x : k == 1 ? R.y : R.z;
+}
+
 /// Rotation about z by q rad.
 template <class T>
 struct Revolute : VectorCoordinates<T, 1> {
@@ -56,6 +58,7 @@ struct Revolute : VectorCoordinates<T, 1> {
   static constexpr Twist<BodyFixed, T> twist(const T* v) { return {{T(0), T(0), v[0]}, {T(0), T(0), T(0)}}; }
   static constexpr std::array<T, 1> project(const Wrench<BodyFixed, T>& W) { return {W.m.z}; }
   static constexpr Screw<T> column(int) { return {{T(0), T(0), T(1)}, {T(0), T(0), T(0)}}; }
+  static constexpr Screw<T> column(const SE3<T>& C, int) { return {C.R.z, cross(C.r, C.R.z)}; }
 };
 
 /// Translation along z by q m.
@@ -65,6 +68,7 @@ struct Prismatic : VectorCoordinates<T, 1> {
   static constexpr Twist<BodyFixed, T> twist(const T* v) { return {{T(0), T(0), T(0)}, {T(0), T(0), v[0]}}; }
   static constexpr std::array<T, 1> project(const Wrench<BodyFixed, T>& W) { return {W.f.z}; }
   static constexpr Screw<T> column(int) { return {{T(0), T(0), T(0)}, {T(0), T(0), T(1)}}; }
+  static constexpr Screw<T> column(const SE3<T>& C, int) { return {Vec3<T>{}, C.R.z}; }
 };
 
 /// Rotation about z by q rad and translation along z by pitch q m.
@@ -80,6 +84,7 @@ struct Helical : VectorCoordinates<T, 1> {
   }
   constexpr std::array<T, 1> project(const Wrench<BodyFixed, T>& W) const { return {W.m.z + pitch * W.f.z}; }
   constexpr Screw<T> column(int) const { return {{T(0), T(0), T(1)}, {T(0), T(0), pitch}}; }
+  constexpr Screw<T> column(const SE3<T>& C, int) const { return {C.R.z, cross(C.r, C.R.z) + pitch * C.R.z}; }
 };
 
 /// Rotation about the origin: q = unit quaternion x y z w, v = angular velocity in the child's joint frame.
@@ -94,6 +99,10 @@ struct Spherical {
   static constexpr std::array<T, 3> project(const Wrench<BodyFixed, T>& W) { return {W.m.x, W.m.y, W.m.z}; }
   static constexpr Screw<T> column(int k) {
     return {{T(k == 0), T(k == 1), T(k == 2)}, {T(0), T(0), T(0)}};
+  }
+  static constexpr Screw<T> column(const SE3<T>& C, int k) {
+    const Vec3<T>& e = axis(C.R, k);
+    return {e, cross(C.r, e)};
   }
   static constexpr void integrate(const T* q, const T* dv, T* out) {
     const Quaternion<T> a = quaternion_of(q) * exp_quaternion(Vec3<T>{dv[0], dv[1], dv[2]});
@@ -119,6 +128,9 @@ struct Planar {
   static constexpr std::array<T, 3> project(const Wrench<BodyFixed, T>& W) { return {W.m.z, W.f.x, W.f.y}; }
   static constexpr Screw<T> column(int k) {
     return {{T(0), T(0), T(k == 0)}, {T(k == 1), T(k == 2), T(0)}};
+  }
+  static constexpr Screw<T> column(const SE3<T>& C, int k) {
+    return k == 0 ? Revolute<T>::column(C, 0) : Screw<T>{Vec3<T>{}, axis(C.R, k - 1)};
   }
   static constexpr void integrate(const T* q, const T* dv, T* out) {
     const SE3<T> C = exp(Screw<T>{{T(0), T(0), dv[0]}, {dv[1], dv[2], T(0)}});
@@ -150,6 +162,9 @@ struct Free {
   }
   static constexpr Screw<T> column(int k) {
     return {{T(k == 0), T(k == 1), T(k == 2)}, {T(k == 3), T(k == 4), T(k == 5)}};
+  }
+  static constexpr Screw<T> column(const SE3<T>& C, int k) {
+    return k < 3 ? Spherical<T>::column(C, k) : Screw<T>{Vec3<T>{}, axis(C.R, k - 3)};
   }
   static constexpr void integrate(const T* q, const T* dv, T* out) {
     const Screw<T> X{{dv[0], dv[1], dv[2]}, {dv[3], dv[4], dv[5]}};

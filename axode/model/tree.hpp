@@ -18,9 +18,13 @@ struct JointRun {
 template <class T = double>
 struct Tree {
   int n = 0, nq = 0, nv = 0;         ///< moving bodies, coordinates, velocities
+  int n_screws = 0;                  ///< joint screws: a column for each degree of freedom of every joint
   std::vector<int> parent;           ///< n + 1
   std::vector<JointRun> runs;
   std::vector<int> by_kind;          ///< n
+  std::vector<Subgroup> kind;        ///< n + 1
+  std::vector<char> coupled;         ///< n + 1
+  std::vector<int> first_screw;      ///< n + 2: the screws of joint i are first_screw[i] to first_screw[i + 1] - 1
   std::vector<int> iq, iv;           ///< n + 1: first coordinate and velocity (of the leader for a coupled joint)
   std::vector<T> pitch;              ///< n + 1, m/rad
   std::vector<T> ratio, offset;      ///< n + 1: 1 and 0 for a joint with coordinates of its own
@@ -60,7 +64,8 @@ Tree<To> cast(const Tree<From>& tree) {
   const auto number = [](const From& x) { return To(x); };
   const auto pose = [](const SE3<From>& C) { return cast<To>(C); };
   Tree<To> r;
-  r.n = tree.n, r.nq = tree.nq, r.nv = tree.nv;
+  r.n = tree.n, r.nq = tree.nq, r.nv = tree.nv, r.n_screws = tree.n_screws;
+  r.kind = tree.kind, r.coupled = tree.coupled, r.first_screw = tree.first_screw;
   r.parent = tree.parent, r.runs = tree.runs, r.by_kind = tree.by_kind, r.iq = tree.iq, r.iv = tree.iv;
   r.pitch = each(tree.pitch, number), r.ratio = each(tree.ratio, number), r.offset = each(tree.offset, number);
   r.B = each(tree.B, pose), r.M = each(tree.M, [](const Inertia<From>& M) { return cast<To>(M); });
@@ -71,7 +76,13 @@ Tree<To> cast(const Tree<From>& tree) {
   return r;
 }
 
-/// f(joint, i) for every joint with coordinates of its own, kind by kind; then f(joint, i) for the coupled ones.
+/// f(joint) for the joint of body i.
+template <class T, class F>
+constexpr decltype(auto) with_joint(const Tree<T>& tree, int i, F&& f) {
+  return with_subgroup(tree.kind[i], tree.pitch[i], f);
+}
+
+/// f(joint, i, coupled) for every joint with coordinates of its own, kind by kind; then for the coupled ones.
 template <class T, class F>
 constexpr void each_joint(const Tree<T>& tree, F&& f) {
   for (const JointRun& run : tree.runs) {

@@ -60,17 +60,17 @@ struct Taylor {
   }
   /// Sine and cosine together: s' = c a', c' = -s a'.
   friend constexpr std::array<Taylor, 2> sine_cosine(const Taylor& a) {
-    Taylor s(sin(a.c[0])), c(cos(a.c[0]));
+    Taylor sine(sin(a.c[0])), cosine(cos(a.c[0]));
     for (std::size_t k = 1; k < N; ++k) {
       for (std::size_t j = 1; j <= k; ++j) {
         const S da = S(static_cast<double>(j)) * a.c[j];
-        s.c[k] += da * c.c[k - j];
-        c.c[k] -= da * s.c[k - j];
+        sine.c[k] += da * cosine.c[k - j];
+        cosine.c[k] -= da * sine.c[k - j];
       }
-      s.c[k] = s.c[k] / S(static_cast<double>(k));
-      c.c[k] = c.c[k] / S(static_cast<double>(k));
+      sine.c[k] = sine.c[k] / S(static_cast<double>(k));
+      cosine.c[k] = cosine.c[k] / S(static_cast<double>(k));
     }
-    return {s, c};
+    return {sine, cosine};
   }
   friend constexpr Taylor sin(const Taylor& a) { return sine_cosine(a)[0]; }
   friend constexpr Taylor cos(const Taylor& a) { return sine_cosine(a)[1]; }

@@ -1,0 +1,554 @@
+#define TOML_EXCEPTIONS 0
+#define TOML_ENABLE_FORMATTERS 0
+#define TOML_FLOAT_CHARCONV 1
+#define TOML_MAX_NESTED_VALUES 16
+#include <toml++/toml.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <optional>
+#include <utility>
+
+#include "axode/io.hpp"
+#include "axode/io/pose.hpp"
+#include "axode/io/reading.hpp"
+#include "axode/model/nearest_name.hpp"
+
+namespace axode::io {
+namespace {
+
+int line_of(const toml::node& node) { return static_cast<int>(node.source().begin.line); }
+
+std::optional<double> as_number(const toml::node& node) {
+  if (const auto* x = node.as_floating_point()) return x->get();
+  if (const auto* k = node.as_integer()) return static_cast<double>(k->get());
+  return std::nullopt;
+}
+
+/// What stands there, for a message.
+std::string shown(const toml::node& node) {
+  if (const auto* text = node.as_string()) return in_quotes(text->get());
+  if (const auto x = as_number(node)) return to_text(*x);
+  if (const auto* flag = node.as_boolean()) return flag->get() ? "true" : "false";
+  if (const auto* array = node.as_array()) return "an array of " + std::to_string(array->size());
+  return node.is_table() ? "a table" : "a date";
+}
+
+/// The faults of one file.
+struct Notes {
+  std::vector<Fault>& faults;
+  std::string file;
+
+  void error(Rule rule, std::string element, std::string message, int line) const {
+    faults.push_back({Severity::error, rule, std::move(element), std::move(message), {file, line}});
+  }
+};
+
+/// One table of a drawing. Every key that may be there is asked for once; `finish` finds the others.
+class Table {
+ public:
+  Table(const Notes& notes, const toml::table& table, std::string element)
+      : notes_(notes), table_(table), element_(std::move(element)) {}
+
+  int line() const { return line_of(table_); }
+  bool has(std::string_view key) const { return table_.contains(key); }
+  void rename(std::string element) { element_ = std::move(element); }
+  const std::string& element() const { return element_; }
+
+  const toml::node* take(std::string_view key) {
+    known_.push_back(key);
+    return table_.get(key);
+  }
+  void error(Rule rule, std::string message, const toml::node* at = nullptr) const {
+    notes_.error(rule, element_, std::move(message), at == nullptr ? line() : line_of(*at));
+  }
+  void wrong(std::string_view key, const toml::node& value, std::string_view need) const {
+    error(Rule::wrong_value, std::string(key) + " is " + shown(value) + "; " + std::string(need), &value);
+  }
+  void missing(std::string_view key, std::string_view need) const {
+    error(Rule::missing_element, "has no " + std::string(key) + "; " + std::string(need));
+  }
+  /// A key that others of its kind have and this one must not.
+  void refuse(std::string_view key, std::string_view reason) {
+    if (const toml::node* node = take(key))
+      error(Rule::unknown_element, std::string(key) + " means nothing here: " + std::string(reason), node);
+  }
+  void finish() const {
+    for (const auto& [key, value] : table_) {
+      if (std::find(known_.begin(), known_.end(), key.str()) != known_.end()) continue;
+      const auto nearest = did_you_mean(key.str(), known_, [](std::string_view k) { return k; });
+      notes_.error(Rule::unknown_element, element_, "key " + in_quotes(key.str()) + " is not known" + nearest,
+                   static_cast<int>(key.source().begin.line));
+    }
+  }
+
+  std::optional<std::string> text(std::string_view key) {
+    const toml::node* node = take(key);
+    if (node == nullptr) return std::nullopt;
+    const auto* value = node->as_string();
+    if (value != nullptr && printable(value->get())) return value->get();
+    wrong(key, *node, value == nullptr ? "it needs a text in quotes" : "it must not hold control characters");
+    return std::nullopt;
+  }
+  /// A name that must be there; empty, with a fault, where it is not.
+  std::string name(std::string_view key, std::string_view need) {
+    const bool given = has(key);
+    const auto value = text(key);
+    if (!given) missing(key, need);
+    if (value && value->empty())
+      error(Rule::missing_name, std::string(key) + " is empty; " + std::string(need));
+    return value.value_or("");
+  }
+  template <std::size_t N>
+  std::optional<std::size_t> choice(std::string_view key, const std::array<std::string_view, N>& choices) {
+    const toml::node* node = take(key);
+    if (node == nullptr) return std::nullopt;
+    if (const auto* value = node->as_string()) {
+      const auto found = std::find(choices.begin(), choices.end(), value->get());
+      if (found != choices.end()) return static_cast<std::size_t>(found - choices.begin());
+    }
+    std::string list;
+    for (std::size_t k = 0; k < N; ++k)
+      list += (k == 0 ? "" : k + 1 == N ? " or " : ", ") + in_quotes(choices[k]);
+    const auto* value = node->as_string();
+    wrong(key, *node,
+          "it is one of " + list +
+              (value == nullptr ? ""
+                                : did_you_mean(value->get(), choices, [](std::string_view c) { return c; })));
+    return std::nullopt;
+  }
+
+  std::optional<double> number(std::string_view key, bool may_be_infinite = false) {
+    const toml::node* node = take(key);
+    if (node == nullptr) return std::nullopt;
+    const auto x = as_number(*node);
+    if (!x) wrong(key, *node, "it needs a number");
+    return x && finite(key, *node, *x, may_be_infinite) ? x : std::nullopt;
+  }
+  template <std::size_t N>
+  std::optional<std::array<double, N>> numbers(std::string_view key, bool may_be_infinite = false) {
+    const toml::node* node = take(key);
+    if (node == nullptr) return std::nullopt;
+    std::array<double, N> out{};
+    const auto* array = node->as_array();
+    bool good = array != nullptr && array->size() == N;
+    for (std::size_t k = 0; good && k < N; ++k) {
+      const auto x = as_number((*array)[k]);
+      good = x.has_value();
+      if (good && !finite(key, (*array)[k], *x, may_be_infinite)) return std::nullopt;
+      out[k] = x.value_or(0);
+    }
+    if (good) return out;
+    wrong(key, *node, "it needs " + std::to_string(N) + " numbers in brackets");
+    return std::nullopt;
+  }
+  std::optional<Vec3<>> vector(std::string_view key) {
+    const auto x = numbers<3>(key);
+    return x ? std::optional(Vec3<>{(*x)[0], (*x)[1], (*x)[2]}) : std::nullopt;
+  }
+  /// Three numbers, or an axis by its name.
+  std::optional<Vec3<>> direction(std::string_view key) {
+    const toml::node* node = table_.get(key);
+    if (node == nullptr || !node->is_string()) return vector(key);
+    constexpr std::array<std::string_view, 6> names{"x", "y", "z", "-x", "-y", "-z"};
+    const auto chosen = choice(key, names);
+    if (!chosen) return std::nullopt;
+    const double sign = *chosen < 3 ? 1 : -1;
+    const std::size_t k = *chosen % 3;
+    return Vec3<>{k == 0 ? sign : 0, k == 1 ? sign : 0, k == 2 ? sign : 0};
+  }
+  /// Rows of three numbers.
+  std::optional<SO3<>> matrix(std::string_view key) {
+    const toml::node* node = take(key);
+    if (node == nullptr) return std::nullopt;
+    std::array<double, 9> m{};
+    const auto* rows = node->as_array();
+    bool good = rows != nullptr && rows->size() == 3;
+    for (std::size_t i = 0; good && i < 3; ++i) {
+      const auto* row = (*rows)[i].as_array();
+      good = row != nullptr && row->size() == 3;
+      for (std::size_t j = 0; good && j < 3; ++j) {
+        const auto x = as_number((*row)[j]);
+        good = x.has_value();
+        if (good && !finite(key, (*row)[j], *x, false)) return std::nullopt;
+        m[3 * i + j] = x.value_or(0);
+      }
+    }
+    if (good) return SO3<>{{m[0], m[3], m[6]}, {m[1], m[4], m[7]}, {m[2], m[5], m[8]}};
+    wrong(key, *node, "it needs three rows of three numbers");
+    return std::nullopt;
+  }
+  /// Ixx Iyy Izz, or Ixx Iyy Izz Ixy Ixz Iyz, or the rows of a symmetric matrix.
+  std::optional<Sym3<>> symmetric(std::string_view key) {
+    const toml::node* node = table_.get(key);
+    const auto* array = node == nullptr ? nullptr : node->as_array();
+    if (array != nullptr && array->size() == 3 && array->front().is_array()) {
+      const auto A = matrix(key);
+      if (!A) return std::nullopt;
+      const double largest = std::max({std::abs(A->x.x), std::abs(A->y.y), std::abs(A->z.z)});
+      const double skew =
+          std::max({std::abs(A->x.y - A->y.x), std::abs(A->x.z - A->z.x), std::abs(A->y.z - A->z.y)});
+      if (skew <= 1e-9 * largest) return Sym3<>{A->x.x, A->y.y, A->z.z, A->y.x, A->z.x, A->z.y};
+      wrong(key, *node, "its rows must be those of a symmetric matrix");
+      return std::nullopt;
+    }
+    if (array != nullptr && array->size() == 3) {
+      const auto d = vector(key);
+      return d ? std::optional(Sym3<>{d->x, d->y, d->z, 0, 0, 0}) : std::nullopt;
+    }
+    if (node != nullptr && (array == nullptr || array->size() != 6)) {
+      take(key);
+      wrong(key, *node,
+            "it needs [Ixx, Iyy, Izz], [Ixx, Iyy, Izz, Ixy, Ixz, Iyz] or three rows of three numbers");
+      return std::nullopt;
+    }
+    const auto t = numbers<6>(key);
+    return t ? std::optional(Sym3<>{(*t)[0], (*t)[1], (*t)[2], (*t)[3], (*t)[4], (*t)[5]}) : std::nullopt;
+  }
+
+  /// One of `rotation` (rows), `quaternion` (x y z w) and `rpy`; the identity where there is none.
+  SO3<> rotation() {
+    constexpr std::array<std::string_view, 3> ways{"rotation", "quaternion", "rpy"};
+    if (std::count_if(ways.begin(), ways.end(), [&](std::string_view way) { return has(way); }) > 1)
+      error(Rule::wrong_value, "gives more than one of rotation, quaternion and rpy; one is enough");
+    std::optional<SO3<>> R;
+    if (const auto rows = matrix("rotation")) {
+      R = rows;
+      if (!is_rotation(*rows)) {
+        error(Rule::not_a_rotation,
+              "rotation is not one: RᵀR must be the identity to 1e-6 and the determinant +1",
+              table_.get("rotation"));
+        R.reset();
+      }
+    }
+    if (const auto x = numbers<4>("quaternion")) {
+      R = from_quaternion({(*x)[0], (*x)[1], (*x)[2], (*x)[3]});
+      if (!R)
+        error(Rule::not_a_rotation, "quaternion is off norm 1 by more than 1e-6; its order is x, y, z, w",
+              table_.get("quaternion"));
+    }
+    if (const auto angles = vector("rpy")) R = from_roll_pitch_yaw(*angles);
+    return R.value_or(SO3<>{});
+  }
+  SE3<> pose() {
+    const Vec3<> r = vector("position").value_or(Vec3<>{});
+    return {rotation(), r};
+  }
+
+  /// A table inside this one.
+  std::optional<Table> table(std::string_view key) {
+    const toml::node* node = take(key);
+    if (node == nullptr) return std::nullopt;
+    if (const auto* inner = node->as_table()) return Table(notes_, *inner, element_);
+    wrong(key, *node, "it needs a table, { key = value, ... }");
+    return std::nullopt;
+  }
+  std::optional<SE3<>> pose(std::string_view key) {
+    auto inner = table(key);
+    if (!inner) return std::nullopt;
+    const SE3<> C = inner->pose();
+    inner->finish();
+    return C;
+  }
+  /// The tables of an array of tables.
+  std::vector<Table> tables(std::string_view key, const std::string& need) {
+    const toml::node* node = take(key);
+    if (node == nullptr) return {};
+    std::vector<Table> all;
+    const auto* array = node->as_array();
+    if (array == nullptr) {
+      wrong(key, *node, need);
+    } else {
+      for (const toml::node& entry : *array) {
+        if (const auto* inner = entry.as_table()) {
+          all.emplace_back(notes_, *inner, element_);
+        } else {
+          error(Rule::wrong_value, std::string(key) + " holds " + shown(entry) + "; " + need, &entry);
+        }
+      }
+    }
+    return all;
+  }
+
+ private:
+  bool finite(std::string_view key, const toml::node& at, double x, bool may_be_infinite) const {
+    if (std::isfinite(x) || (may_be_infinite && std::isinf(x))) return true;
+    error(Rule::non_finite_number, std::string(key) + " holds " + to_text(x) + ", which is not finite", &at);
+    return false;
+  }
+
+  Notes notes_;
+  const toml::table& table_;
+  std::string element_;
+  std::vector<std::string_view> known_;
+};
+
+constexpr std::array<std::string_view, 9> kind_names{
+    "fixed", "revolute", "prismatic", "helical", "cylindrical", "universal", "spherical", "planar", "free"};
+constexpr std::array<JointKind, 9> kinds{JointKind::fixed,     JointKind::revolute,    JointKind::prismatic,
+                                         JointKind::helical,   JointKind::cylindrical, JointKind::universal,
+                                         JointKind::spherical, JointKind::planar,      JointKind::free};
+
+/// Which of the three ways a body's geometry is given in.
+enum class Way { construction, body, joint };
+
+/// The geometry of a body: A, or B, or S_prev and S_self.
+Way read_geometry(Table& table, BodyDescription& body) {
+  const bool has_A = table.has("A"), has_B = table.has("B"),
+             has_S = table.has("S_prev") || table.has("S_self");
+  if (has_A + has_B + has_S > 1)
+    table.error(Rule::wrong_value,
+                "mixes A, B and S_prev, S_self; a body is placed in one of the three ways");
+  const SE3<> A = table.pose("A").value_or(SE3<>{}), B = table.pose("B").value_or(SE3<>{});
+  const SE3<> S_prev = table.pose("S_prev").value_or(SE3<>{}),
+              S_self = table.pose("S_self").value_or(SE3<>{});
+  if (has_S) {
+    body.geometry = InJointFrames{S_prev, S_self};
+    return Way::joint;
+  }
+  if (has_B) {
+    body.geometry = InBodyFrame{B};
+    return Way::body;
+  }
+  body.geometry = InConstructionFrame{A};
+  return Way::construction;
+}
+
+Dof read_dof(Table& table) {
+  Dof dof;
+  if (const auto limits = table.numbers<2>("limits", true))
+    dof.lower = (*limits)[0], dof.upper = (*limits)[1];
+  dof.velocity = table.number("velocity", true).value_or(dof.velocity);
+  dof.effort = table.number("effort", true).value_or(dof.effort);
+  dof.damping = table.number("damping").value_or(0);
+  dof.friction = table.number("friction").value_or(0);
+  dof.armature = table.number("armature").value_or(0);
+  return dof;
+}
+
+/// The limits and losses of a joint: beside its axis where it has one degree of freedom, else in `dof`.
+void read_dofs(Table& table, JointDescription& joint) {
+  constexpr std::array<std::string_view, 6> keys{"limits",  "velocity", "effort",
+                                                 "damping", "friction", "armature"};
+  const bool single = joint.kind == JointKind::revolute || joint.kind == JointKind::prismatic ||
+                      joint.kind == JointKind::helical;
+  if (single) {
+    table.refuse("dof", "this joint has one degree of freedom; write limits, velocity, ... beside its axis");
+    if (std::any_of(keys.begin(), keys.end(), [&](std::string_view key) { return table.has(key); }))
+      joint.dof = {read_dof(table)};
+    else
+      read_dof(table);
+    return;
+  }
+  for (const std::string_view key : keys)
+    table.refuse(key, joint.kind == JointKind::fixed
+                          ? "a fixed joint does not move"
+                          : "this joint has several degrees of freedom; describe each in dof = [{...}, ...]");
+  for (Table& inner :
+       table.tables("dof", "it needs one table, { limits = ..., ... }, for each degree of freedom")) {
+    joint.dof.push_back(read_dof(inner));
+    inner.finish();
+  }
+}
+
+/// Axis, point and pitch: what a kind of joint needs, and no more.
+void read_screw(Table& table, Way way, JointDescription& joint) {
+  const JointKind kind = joint.kind;
+  const std::string a_kind = "a " + std::string(to_string(kind)) + " joint";
+  const auto axis = [&](std::string_view key, bool needed, Vec3<>& into) {
+    if (needed && !table.has(key) && way != Way::joint)
+      table.missing(key, a_kind + " needs one, such as [0, 0, 1] or \"z\"");
+    into = table.direction(key).value_or(into);
+  };
+  if (kind == JointKind::fixed || kind == JointKind::free || kind == JointKind::spherical) {
+    table.refuse("axis", a_kind + " has no axis");
+  } else {
+    axis("axis", true, joint.axis);
+  }
+  if (kind == JointKind::universal) {
+    axis("second_axis", true, joint.second_axis);
+  } else {
+    table.refuse("second_axis", a_kind + " has no second axis");
+  }
+  if (kind == JointKind::fixed || kind == JointKind::free) {
+    table.refuse("point", a_kind + " has no point");
+  } else {
+    if (kind != JointKind::prismatic && way == Way::construction && !table.has("point"))
+      table.missing("point", a_kind + " needs one: [x, y, z] of a point on its axis, or of its centre");
+    joint.point = table.vector("point").value_or(Vec3<>{});
+  }
+  if (kind == JointKind::helical && table.has("pitch") == table.has("lead"))
+    table.missing("pitch", "a helical joint needs either pitch, m/rad, or lead, m for each turn");
+  joint.pitch = table.number("pitch").value_or(0);
+  if (kind != JointKind::helical) {
+    table.refuse("lead", a_kind + " has no lead");
+  } else if (const auto lead = table.number("lead")) {
+    joint.pitch = *lead / (2 * std::numbers::pi);
+  }
+}
+
+void read_joint(Table& body_table, Way way, BodyDescription& body) {
+  const toml::node* node = body_table.take("joint");
+  if (node == nullptr) {
+    body_table.missing("joint",
+                       "say how it moves, such as joint = { kind = \"revolute\", ... }, or \"fixed\"");
+    return;
+  }
+  body.joint.source = {body.source.file, line_of(*node)};
+  if (node->is_string()) {  // a kind that needs nothing else
+    constexpr std::array<std::string_view, 2> plain{"fixed", "free"};
+    if (const auto kind = body_table.choice("joint", plain))
+      body.joint.kind = *kind == 0 ? JointKind::fixed : JointKind::free;
+    return;
+  }
+  auto table = body_table.table("joint");
+  if (!table) return;
+  body.joint.name = table->text("name").value_or("");
+  table->rename("joint \"" + (body.joint.name.empty() ? body.name + "_joint" : body.joint.name) + '"');
+  const bool given = table->has("kind");
+  const auto kind = table->choice("kind", kind_names);
+  if (!given) table->missing("kind", "such as \"revolute\" or \"prismatic\"");
+  if (!kind) return;
+  body.joint.kind = kinds[*kind];
+  read_screw(*table, way, body.joint);
+  read_dofs(*table, body.joint);
+  if (auto follows = table->table("follows")) {
+    Coupling coupling{.leader = follows->name("joint", "name the joint that leads")};
+    coupling.ratio = follows->number("ratio").value_or(1);
+    coupling.offset = follows->number("offset").value_or(0);
+    follows->finish();
+    if (!coupling.leader.empty()) body.joint.coupling = std::move(coupling);
+  }
+  table->finish();
+}
+
+constexpr std::array<std::string_view, 2> frame_names{"construction", "body"};
+
+std::optional<MassProperties> read_inertia(Table& table, Way way) {
+  MassProperties given;
+  const bool has_mass = table.has("mass");
+  given.in = way == Way::construction ? GivenIn::construction_frame : GivenIn::body_frame;
+  if (const auto in = table.choice("inertia_in", frame_names))
+    given.in = *in == 0 ? GivenIn::construction_frame : GivenIn::body_frame;
+  constexpr std::array<std::string_view, 2> points{"com", "origin"};
+  if (const auto about = table.choice("inertia_about", points))
+    given.about = *about == 0 ? InertiaAbout::center_of_mass : InertiaAbout::frame_origin;
+  if (auto axes = table.table("inertia_axes")) {
+    given.axes = axes->rotation();
+    axes->finish();
+  }
+  for (const std::string_view key : {"com", "inertia"}) {
+    if (has_mass && !table.has(key))
+      table.missing(key, "a body with a mass needs com and inertia; that of a point mass is [0, 0, 0]");
+    if (!has_mass && table.has(key))
+      table.missing("mass", "it has " + std::string(key) + "; a massless body has neither");
+  }
+  const auto mass = table.number("mass");
+  const auto com = table.vector("com");
+  const auto Theta = table.symmetric("inertia");
+  if (!mass || !com || !Theta) return std::nullopt;
+  given.mass = *mass, given.com = *com, given.Theta = *Theta;
+  return given;
+}
+
+MeshReference read_mesh(Table& table) {
+  MeshReference mesh;
+  mesh.file = table.name("file", "name the file of the mesh");
+  constexpr std::array<std::string_view, 2> roles{"visual", "collision"};
+  if (table.choice("role", roles) == 1U) mesh.role = MeshReference::Role::collision;
+  mesh.scale = table.vector("scale").value_or(mesh.scale);
+  mesh.pose = table.pose();
+  table.finish();
+  return mesh;
+}
+
+BodyDescription read_body(Table& table, std::size_t number, const std::string& file) {
+  BodyDescription body;
+  table.rename("body " + std::to_string(number));
+  body.source = {file, table.line()};
+  body.name = table.name("name", "every body needs one");
+  if (!body.name.empty()) table.rename("body \"" + body.name + '"');
+  body.predecessor = table.text("on").value_or("ground");
+  const Way way = read_geometry(table, body);
+  read_joint(table, way, body);
+  body.inertia = read_inertia(table, way);
+  for (Table& mesh : table.tables("mesh", "write [[body.mesh]] before its keys")) {
+    mesh.rename("mesh of " + table.element());
+    body.meshes.push_back(read_mesh(mesh));
+  }
+  table.finish();
+  return body;
+}
+
+FrameDescription read_frame(Table& table, std::size_t number, const std::string& file) {
+  FrameDescription frame;
+  table.rename("frame " + std::to_string(number));
+  frame.source = {file, table.line()};
+  frame.name = table.name("name", "every frame needs one");
+  if (!frame.name.empty()) table.rename("frame \"" + frame.name + '"');
+  frame.body = table.name("on", "name the body that carries it, or \"ground\"");
+  frame.in = table.choice("in", frame_names) == 1U ? GivenIn::body_frame : GivenIn::construction_frame;
+  frame.pose = table.pose();
+  table.finish();
+  return frame;
+}
+
+/// Keys such as a.a.a... nest one table for each dot, and the parser returns from all of them at once.
+std::optional<int> line_of_too_many_dots(std::string_view text) {
+  constexpr int most = 500;
+  int line = 1, dots = 0;
+  for (const char c : text) {
+    dots = c == '\n' ? 0 : dots + (c == '.');
+    line += c == '\n';
+    if (dots > most) return line;
+  }
+  return std::nullopt;
+}
+
+void read_top(Table& top, Reading& result, const std::string& file) {
+  Description& description = result.description;
+  constexpr std::array<std::string_view, 1> formats{"axode drawing 1"};
+  if (!top.has("format")) top.missing("format", "a drawing begins with format = \"axode drawing 1\"");
+  top.choice("format", formats);
+  description.name = top.text("name").value_or(description.name);
+  description.gravity = top.vector("gravity").value_or(description.gravity);
+  std::size_t number = 0;
+  for (Table& body : top.tables("body", "write [[body]] before the keys of each body"))
+    description.bodies.push_back(read_body(body, ++number, file));
+  number = 0;
+  for (Table& frame : top.tables("frame", "write [[frame]] before the keys of each frame"))
+    description.frames.push_back(read_frame(frame, ++number, file));
+  top.finish();
+}
+
+}  // namespace
+
+Reading read_drawing(std::string_view text, const std::string& file) {
+  Reading result;
+  result.description.source = {file, 0};
+  const Notes notes{result.faults, file};
+  if (auto fault = not_text(text, file)) {
+    result.faults.push_back(std::move(*fault));
+  } else if (const auto line = line_of_too_many_dots(text)) {
+    notes.error(Rule::syntax, "", "more than 500 dots in one line; no drawing needs them", *line);
+  } else if (const toml::parse_result parsed = toml::parse(text, file); !parsed) {
+    notes.error(Rule::syntax, "", std::string(parsed.error().description()),
+                static_cast<int>(parsed.error().source().begin.line));
+  } else {
+    Table top(notes, parsed.table(), "drawing");
+    read_top(top, result, file);
+  }
+  return result;
+}
+
+}  // namespace axode::io
+
+namespace axode {
+
+Description read_drawing_text(std::string_view text, const std::string& file_name) {
+  return io::accept(io::read_drawing(text, file_name));
+}
+
+}  // namespace axode

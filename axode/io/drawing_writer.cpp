@@ -1,0 +1,178 @@
+#include <cmath>
+#include <map>
+#include <ostream>
+#include <variant>
+
+#include "axode/io.hpp"
+#include "axode/io/construction_frame.hpp"
+
+namespace axode {
+namespace {
+
+std::string text(double x) { return to_text(x == 0 ? 0.0 : x); }  // no -0
+std::string text(std::string_view s) {
+  constexpr std::string_view digits = "0123456789ABCDEF";
+  std::string out = "\"";
+  for (const char c : s) {
+    const auto byte = static_cast<unsigned char>(c);
+    if (c == '"' || c == '\\') {
+      out += '\\', out += c;
+    } else if (byte < 0x20 || byte == 0x7f) {
+      out += "\\u00", out += digits[byte >> 4], out += digits[byte & 15];
+    } else {
+      out += c;
+    }
+  }
+  return out + '"';
+}
+std::string text(const Vec3<>& a) { return "[" + text(a.x) + ", " + text(a.y) + ", " + text(a.z) + "]"; }
+std::string text(const SO3<>& R) {
+  const SO3<> rows = transpose(R);
+  return "[" + text(rows.x) + ", " + text(rows.y) + ", " + text(rows.z) + "]";
+}
+std::string text(const Sym3<>& A) {
+  std::string out = "[";
+  for (const double x : {A.xx, A.yy, A.zz, A.xy, A.xz}) out += text(x) + ", ";
+  return out + text(A.yz) + "]";
+}
+
+bool is_identity(const SO3<>& R) {
+  const auto is = [](const Vec3<>& a, double x, double y, double z) {
+    return a.x == x && a.y == y && a.z == z;
+  };
+  return is(R.x, 1, 0, 0) && is(R.y, 0, 1, 0) && is(R.z, 0, 0, 1);
+}
+bool is_zero(const Vec3<>& a) { return a.x == 0 && a.y == 0 && a.z == 0; }
+
+class DrawingWriter {
+ public:
+  DrawingWriter(const Model& model, std::ostream& out) : out_(out) {
+    for (const Fault& fault : model.warnings())
+      if (fault.rule == Rule::inertia_not_realisable || fault.rule == Rule::mass_not_positive)
+        impossible_.emplace(fault.element, fault.message);
+  }
+
+  void write(const Description& d) {
+    out_ << "# The mechanism with every joint at zero, in the construction frame. SI units.\n";
+    line("format", text("axode drawing 1"));
+    line("name", text(d.name));
+    line("gravity", text(d.gravity));
+    for (const BodyDescription& body : d.bodies) write(body);
+    for (const FrameDescription& frame : d.frames) write(frame);
+  }
+
+ private:
+  void line(std::string_view key, const std::string& value) { out_ << key << " = " << value << '\n'; }
+
+  void write(const BodyDescription& body) {
+    out_ << "\n[[body]]\n";
+    line("name", text(body.name));
+    line("on", text(body.predecessor));
+    write(body.geometry);
+    write(body.joint, std::holds_alternative<InJointFrames>(body.geometry));
+    const auto doubt = impossible_.find("body \"" + body.name + '"');
+    if (doubt != impossible_.end())
+      out_ << "# To be corrected, or this drawing cannot be read: " << doubt->second << '\n';
+    if (body.inertia) write(*body.inertia, std::holds_alternative<InConstructionFrame>(body.geometry));
+    for (const MeshReference& mesh : body.meshes) {
+      out_ << "\n[[body.mesh]]\n";
+      line("file", text(mesh.file));
+      line("role", text(mesh.role == MeshReference::Role::visual ? "visual" : "collision"));
+      if (mesh.scale.x != 1 || mesh.scale.y != 1 || mesh.scale.z != 1) line("scale", text(mesh.scale));
+      write(mesh.pose);
+    }
+  }
+
+  void write(const SE3<>& pose) {
+    line("position", text(pose.r));
+    if (!is_identity(pose.R)) line("rotation", text(pose.R));
+  }
+  void inline_pose(std::string_view key, const SE3<>& pose) {
+    const std::string rotation = is_identity(pose.R) ? "" : ", rotation = " + text(pose.R);
+    line(key, "{ position = " + text(pose.r) + rotation + " }");
+  }
+  void write(const Geometry& geometry) {
+    if (const auto* drawn = std::get_if<InConstructionFrame>(&geometry)) {
+      if (!is_identity(drawn->A.R) || !is_zero(drawn->A.r)) inline_pose("A", drawn->A);
+    } else if (const auto* in_body = std::get_if<InBodyFrame>(&geometry)) {
+      inline_pose("B", in_body->B);
+    } else {
+      const auto& frames = std::get<InJointFrames>(geometry);
+      inline_pose("S_prev", frames.S_prev);
+      inline_pose("S_self", frames.S_self);
+    }
+  }
+
+  void write(const JointDescription& joint, bool in_joint_frame) {
+    const bool still = joint.kind == JointKind::fixed || joint.kind == JointKind::free;
+    if (still && joint.name.empty() && joint.dof.empty()) {
+      line("joint", text(to_string(joint.kind)));
+      return;
+    }
+    if (!joint.name.empty()) line("joint.name", text(joint.name));
+    line("joint.kind", text(to_string(joint.kind)));
+    const bool has_axis = !still && joint.kind != JointKind::spherical;
+    const bool along_z = joint.axis.x == 0 && joint.axis.y == 0 && joint.axis.z == 1;
+    if (has_axis && !(in_joint_frame && along_z)) line("joint.axis", text(joint.axis));
+    if (joint.kind == JointKind::universal) line("joint.second_axis", text(joint.second_axis));
+    if (!still && !(in_joint_frame && is_zero(joint.point))) line("joint.point", text(joint.point));
+    if (joint.kind == JointKind::helical) line("joint.pitch", text(joint.pitch));
+    if (joint.dof.size() == 1) {
+      for (const auto& [key, value] : entries(joint.dof[0])) line("joint." + key, value);
+    } else if (!joint.dof.empty()) {
+      line("joint.dof", "[");
+      for (const Dof& dof : joint.dof) {
+        std::string all;
+        for (const auto& [key, value] : entries(dof)) all += (all.empty() ? " " : ", ") + key + " = " + value;
+        out_ << "  {" << all << " },\n";
+      }
+      out_ << "]\n";
+    }
+    if (joint.coupling) {
+      const Coupling& c = *joint.coupling;
+      line("joint.follows", "{ joint = " + text(c.leader) + ", ratio = " + text(c.ratio) +
+                                ", offset = " + text(c.offset) + " }");
+    }
+  }
+  static std::vector<std::pair<std::string, std::string>> entries(const Dof& dof) {
+    std::vector<std::pair<std::string, std::string>> all;
+    if (std::isfinite(dof.lower) || std::isfinite(dof.upper))
+      all.emplace_back("limits", "[" + text(dof.lower) + ", " + text(dof.upper) + "]");
+    if (std::isfinite(dof.velocity)) all.emplace_back("velocity", text(dof.velocity));
+    if (std::isfinite(dof.effort)) all.emplace_back("effort", text(dof.effort));
+    if (dof.damping != 0) all.emplace_back("damping", text(dof.damping));
+    if (dof.friction != 0) all.emplace_back("friction", text(dof.friction));
+    if (dof.armature != 0) all.emplace_back("armature", text(dof.armature));
+    return all;
+  }
+
+  void write(const MassProperties& given, bool drawn) {
+    line("mass", text(given.mass));
+    line("com", text(given.com));
+    line("inertia", text(given.Theta));
+    const GivenIn usual = drawn ? GivenIn::construction_frame : GivenIn::body_frame;
+    if (given.in != usual)
+      line("inertia_in", text(given.in == GivenIn::body_frame ? "body" : "construction"));
+    if (given.about == InertiaAbout::frame_origin) line("inertia_about", text("origin"));
+    if (!is_identity(given.axes)) line("inertia_axes", "{ rotation = " + text(given.axes) + " }");
+  }
+
+  void write(const FrameDescription& frame) {
+    out_ << "\n[[frame]]\n";
+    line("name", text(frame.name));
+    line("on", text(frame.body));
+    if (frame.in == GivenIn::body_frame) line("in", text("body"));
+    write(frame.pose);
+  }
+
+  std::ostream& out_;
+  std::map<std::string, std::string> impossible_;  // bodies that only a lenient build accepts
+};
+
+}  // namespace
+
+void write_drawing(const Model& model, std::ostream& out) {
+  DrawingWriter(model, out).write(io::in_construction_frame(model.description()));
+}
+
+}  // namespace axode

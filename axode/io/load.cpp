@@ -1,0 +1,102 @@
+#include <algorithm>
+#include <cerrno>
+#include <fstream>
+#include <iterator>
+#include <system_error>
+#include <utility>
+
+#include "axode/io.hpp"
+#include "axode/io/reading.hpp"
+#include "axode/model/builder.hpp"
+
+namespace axode {
+namespace {
+
+struct Text {
+  std::string content;
+  std::vector<Fault> faults;
+};
+
+Text text_of(const std::filesystem::path& file) {
+  Text text;
+  const auto fail = [&](const std::string& why) {
+    text.faults.push_back(
+        {Severity::error, Rule::unreadable_file, "", "the file cannot be read: " + why, {file.string(), 0}});
+  };
+  std::error_code unknown;
+  if (std::filesystem::is_directory(file, unknown)) {
+    fail("it is a folder");
+    return text;
+  }
+  errno = 0;
+  std::ifstream stream(file, std::ios::binary);
+  text.content.assign(std::istreambuf_iterator<char>(stream), {});
+  if (!stream || stream.bad()) fail(std::generic_category().message(errno != 0 ? errno : EIO));
+  return text;
+}
+
+bool is_urdf(const std::filesystem::path& file, const std::string& content) {
+  const std::string extension = file.extension().string();
+  if (extension == ".toml") return false;
+  if (extension == ".urdf" || extension == ".xml") return true;
+  const std::size_t first = content.find_first_not_of(" \t\r\n\xEF\xBB\xBF");  // past a byte order mark
+  return first != std::string::npos && content[first] == '<';
+}
+
+struct File {
+  io::Reading reading;
+  Physics physics = Physics::strict;
+};
+
+File read(const std::filesystem::path& file) {
+  Text text = text_of(file);
+  if (!text.faults.empty()) {
+    File unread;
+    unread.reading.description.name = file.filename().string();
+    unread.reading.faults = std::move(text.faults);
+    return unread;
+  }
+  if (is_urdf(file, text.content)) return {io::read_urdf(text.content, file.string()), Physics::lenient};
+  return {io::read_drawing(text.content, file.string()), Physics::strict};
+}
+
+/// The faults of the reader, then those of the mechanism as far as it was understood, by line.
+std::vector<Fault> all_faults(File file) {
+  std::vector<Fault> faults = std::move(file.reading.faults);
+  const std::size_t of_reader = faults.size();
+  if (!file.reading.description.bodies.empty())
+    for (Fault& fault : ModelBuilder(std::move(file.reading.description)).check(file.physics)) {
+      const bool known = std::any_of(
+          faults.begin(), faults.begin() + static_cast<std::ptrdiff_t>(of_reader),
+          [&](const Fault& f) { return f.rule == fault.rule && f.source.line == fault.source.line; });
+      if (!known) faults.push_back(std::move(fault));
+    }
+  std::stable_sort(faults.begin(), faults.end(),
+                   [](const Fault& a, const Fault& b) { return a.source.line < b.source.line; });
+  return faults;
+}
+
+Description with_fixed_base(Description description) {
+  for (BodyDescription& body : description.bodies)
+    if (body.predecessor == "ground" && body.joint.kind == JointKind::free)
+      body.joint = {.name = "fixed_base", .source = body.joint.source};
+  return description;
+}
+
+}  // namespace
+
+Model load(const std::filesystem::path& file, Base base) {
+  File read_file = read(file);
+  if (io::has_error(read_file.reading.faults)) {
+    const std::string name = read_file.reading.description.name;
+    throw ModelError(name, all_faults(std::move(read_file)));
+  }
+  Description description = io::accept(std::move(read_file.reading));
+  if (base == Base::free) description = with_free_base(std::move(description));
+  if (base == Base::fixed) description = with_fixed_base(std::move(description));
+  return ModelBuilder(std::move(description)).build(read_file.physics);
+}
+
+std::vector<Fault> check(const std::filesystem::path& file) { return all_faults(read(file)); }
+
+}  // namespace axode

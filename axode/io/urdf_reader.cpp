@@ -1,0 +1,574 @@
+#include <tinyxml2.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <unordered_map>
+#include <utility>
+
+#include "axode/io.hpp"
+#include "axode/io/pose.hpp"
+#include "axode/io/reading.hpp"
+#include "axode/model/nearest_name.hpp"
+
+namespace axode::io {
+namespace {
+
+using tinyxml2::XMLElement;
+
+/// What URDF knows in an element.
+struct Grammar {
+  std::string_view element;
+  std::vector<std::string_view> attributes = {};
+  std::vector<std::string_view> once = {};      ///< children, one of each at most
+  std::vector<std::string_view> repeated = {};  ///< children, any number of each
+};
+
+const Grammar* grammar_of(std::string_view element) {
+  static const std::array<Grammar, 22> all{{
+      {"robot", {"name", "version"}, {}, {"link", "joint", "material"}},
+      {"link", {"name"}, {"inertial"}, {"visual", "collision"}},
+      {"inertial", {}, {"origin", "mass", "inertia"}},
+      {"origin", {"xyz", "rpy", "quat_xyzw"}},
+      {"mass", {"value"}},
+      {"inertia", {"ixx", "ixy", "ixz", "iyy", "iyz", "izz"}},
+      {"visual", {"name"}, {"origin", "geometry", "material"}},
+      {"collision", {"name"}, {"origin", "geometry", "material"}},
+      {"geometry", {}, {"box", "sphere", "cylinder", "capsule", "mesh"}},
+      {"box", {"size"}},
+      {"sphere", {"radius"}},
+      {"cylinder", {"radius", "length"}},
+      {"capsule", {"radius", "length"}},
+      {"mesh", {"filename", "scale"}},
+      {"joint",
+       {"name", "type"},
+       {"origin", "parent", "child", "axis", "calibration", "dynamics", "limit", "mimic",
+        "safety_controller"}},
+      {"parent", {"link"}},
+      {"child", {"link"}},
+      {"axis", {"xyz"}},
+      {"dynamics", {"damping", "friction"}},
+      {"limit", {"lower", "upper", "velocity", "effort", "acceleration", "deceleration", "jerk"}},
+      {"mimic", {"joint", "multiplier", "offset"}},
+      {"safety_controller", {"soft_lower_limit", "soft_upper_limit", "k_position", "k_velocity"}},
+  }};
+  const auto found =
+      std::find_if(all.begin(), all.end(), [&](const Grammar& g) { return g.element == element; });
+  return found == all.end() ? nullptr : &*found;
+}
+
+struct Kind {
+  std::string_view urdf;
+  JointKind kind;
+  std::size_t dof;
+};
+constexpr std::array<Kind, 6> kinds{{{"revolute", JointKind::revolute, 1},
+                                     {"continuous", JointKind::revolute, 1},
+                                     {"prismatic", JointKind::prismatic, 1},
+                                     {"fixed", JointKind::fixed, 0},
+                                     {"floating", JointKind::free, 6},
+                                     {"planar", JointKind::planar, 3}}};
+
+const char* why_not_xml(tinyxml2::XMLError error) {
+  switch (error) {
+    case tinyxml2::XML_ERROR_EMPTY_DOCUMENT: return "the file is empty; a URDF holds one <robot>";
+    case tinyxml2::XML_ERROR_MISMATCHED_ELEMENT:
+      return "this element is not closed, or closed by another name";
+    case tinyxml2::XML_ERROR_PARSING_ELEMENT: return "this is not a well-formed element";
+    case tinyxml2::XML_ERROR_PARSING_ATTRIBUTE: return "this element has a malformed attribute";
+    case tinyxml2::XML_ERROR_PARSING_TEXT: return "this text never ends";
+    case tinyxml2::XML_ERROR_PARSING_CDATA: return "this CDATA section never ends";
+    case tinyxml2::XML_ERROR_PARSING_COMMENT: return "this comment never ends";
+    case tinyxml2::XML_ERROR_PARSING_DECLARATION: return "this <?...?> is malformed or in the wrong place";
+    case tinyxml2::XML_ELEMENT_DEPTH_EXCEEDED: return "elements are nested more than 100 deep";
+    default: return "this is not well-formed XML";
+  }
+}
+
+class UrdfReader {
+ public:
+  UrdfReader(std::string_view text, std::string file) : text_(text), file_(std::move(file)) {
+    description().name = "robot";
+    description().source = {file_, 0};
+  }
+
+  Reading read() {
+    if (auto fault = not_text(text_, file_)) {
+      faults().push_back(std::move(*fault));
+      return std::move(result_);
+    }
+    tinyxml2::XMLDocument document;
+    if (document.Parse(text_.data(), text_.size()) != tinyxml2::XML_SUCCESS) {
+      error(Rule::syntax, "", why_not_xml(document.ErrorID()), document.ErrorLineNum());
+    } else if (const XMLElement* robot = root_of(document)) {
+      read_robot(*robot);
+      assemble();
+      report_ignored();
+    }
+    return std::move(result_);
+  }
+
+ private:
+  struct Link {
+    BodyDescription body;
+    bool has_parent = false;
+  };
+  struct Connection {
+    std::string parent, child;
+    SE3<> origin;
+    JointDescription joint;
+  };
+  struct Ignored {
+    std::string what;
+    int line, count;
+  };
+
+  Description& description() { return result_.description; }
+  std::vector<Fault>& faults() { return result_.faults; }
+  void note(Severity severity, Rule rule, std::string element, std::string message, int line) {
+    faults().push_back({severity, rule, std::move(element), std::move(message), {file_, line}});
+  }
+  void error(Rule rule, std::string element, std::string message, int line) {
+    note(Severity::error, rule, std::move(element), std::move(message), line);
+  }
+  void ignore(std::string what, int line) {
+    const auto [known, is_new] = ignored_index_.emplace(what, ignored_.size());
+    if (is_new) ignored_.push_back({std::move(what), line, 0});
+    ++ignored_[known->second].count;
+  }
+
+  // ---------------------------------------------------------------- elements and attributes
+
+  static std::string tag(const XMLElement& e) { return '<' + std::string(e.Name()) + '>'; }
+
+  const XMLElement* root_of(const tinyxml2::XMLDocument& document) {
+    const XMLElement* root = document.RootElement();
+    if (root == nullptr) {
+      error(Rule::syntax, "", why_not_xml(tinyxml2::XML_ERROR_EMPTY_DOCUMENT), 1);
+      return nullptr;
+    }
+    if (std::string_view(root->Name()) != "robot") {
+      error(Rule::syntax, "", "the root element is " + tag(*root) + "; that of a URDF is <robot>",
+            root->GetLineNum());
+      return nullptr;
+    }
+    for (const tinyxml2::XMLNode* node = document.FirstChild(); node != nullptr; node = node->NextSibling()) {
+      if (node != root && (node->ToElement() != nullptr || node->ToText() != nullptr))
+        error(Rule::syntax, "", "there is something outside <robot>; it must be the only root element",
+              node->GetLineNum());
+    }
+    return root;
+  }
+
+  /// Notes whatever URDF does not know or allow in an element.
+  void inspect(const XMLElement& e, const std::string& owner) {
+    const Grammar* grammar = grammar_of(e.Name());
+    if (grammar == nullptr) return;
+    const auto in = [](const std::vector<std::string_view>& list, std::string_view name) {
+      return std::find(list.begin(), list.end(), name) != list.end();
+    };
+    std::vector<std::string_view> seen;
+    for (const auto* a = e.FirstAttribute(); a != nullptr; a = a->Next()) {
+      const std::string_view name = a->Name();
+      if (name.starts_with("xmlns")) continue;
+      if (!in(grammar->attributes, name)) {
+        ignore("attribute " + std::string(name) + " of " + tag(e), a->GetLineNum());
+      } else if (in(seen, name)) {
+        error(Rule::duplicate_element, owner, tag(e) + " gives " + std::string(name) + " twice",
+              a->GetLineNum());
+      } else {
+        seen.push_back(name);
+      }
+    }
+    seen.clear();
+    for (const tinyxml2::XMLNode* node = e.FirstChild(); node != nullptr; node = node->NextSibling()) {
+      if (node->ToText() != nullptr) ignore("text in " + tag(e), node->GetLineNum());
+      const XMLElement* child = node->ToElement();
+      if (child == nullptr || in(grammar->repeated, child->Name())) continue;
+      if (!in(grammar->once, child->Name())) {
+        ignore(tag(*child), child->GetLineNum());
+      } else if (in(seen, child->Name())) {
+        error(Rule::duplicate_element, owner, tag(e) + " holds " + tag(*child) + " twice",
+              child->GetLineNum());
+      } else {
+        seen.push_back(child->Name());
+      }
+    }
+  }
+
+  /// A child that is inspected on the way; null where there is none.
+  const XMLElement* child_of(const XMLElement& e, const char* name, const std::string& owner) {
+    const XMLElement* child = e.FirstChildElement(name);
+    if (child != nullptr) inspect(*child, owner);
+    return child;
+  }
+  const XMLElement* required_child(const XMLElement& e, const char* name, const std::string& owner) {
+    const XMLElement* child = child_of(e, name, owner);
+    if (child == nullptr)
+      error(Rule::missing_element, owner, tag(e) + " has no <" + name + ">; it needs one", e.GetLineNum());
+    return child;
+  }
+  const char* required(const XMLElement& e, const char* attribute, const std::string& owner) {
+    const char* value = e.Attribute(attribute);
+    if (value == nullptr)
+      error(Rule::missing_element, owner, tag(e) + " has no attribute " + attribute + "; it needs one",
+            e.GetLineNum());
+    return value;
+  }
+  /// A name that an attribute gives; empty, with a fault, where there is none.
+  std::string name(const XMLElement& e, const char* attribute, const std::string& owner) {
+    const char* value = required(e, attribute, owner);
+    if (value == nullptr) return {};
+    if (*value == '\0')
+      error(Rule::missing_name, owner, tag(e) + " has an empty " + attribute, e.GetLineNum());
+    if (!printable(value))
+      error(Rule::wrong_value, owner, in_quotes(value) + " holds a control character; a name must not",
+            e.GetLineNum());
+    return value;
+  }
+
+  /// N numbers of an attribute; nothing where it is absent or, with a fault, where it is wrong.
+  template <std::size_t N>
+  std::optional<std::array<double, N>> numbers(const XMLElement& e, const char* attribute,
+                                               const std::string& owner) {
+    const char* value = e.Attribute(attribute);
+    if (value == nullptr) return std::nullopt;
+    constexpr std::string_view blank = " \t\r\n";
+    std::array<double, N> out{};
+    std::size_t count = 0;
+    std::string_view rest = value;
+    for (std::size_t at; (at = rest.find_first_not_of(blank)) != std::string_view::npos; ++count) {
+      const std::size_t end = std::min(rest.find_first_of(blank, at), rest.size());
+      const std::string_view word = rest.substr(at, end - at);
+      rest.remove_prefix(end);
+      const Number x = number(word);
+      if (x.broken) {
+        error(*x.broken, owner, tag(e) + " " + attribute + ": " + in_quotes(word) + " " + x.complaint,
+              e.GetLineNum());
+        return std::nullopt;
+      }
+      if (count < N) out[count] = x.value;
+    }
+    if (count == N) return out;
+    error(Rule::wrong_value, owner,
+          tag(e) + " " + attribute + " is " + in_quotes(value) + "; it needs " + std::to_string(N) +
+              (N == 1 ? " number" : " numbers") + " and has " + std::to_string(count),
+          e.GetLineNum());
+    return std::nullopt;
+  }
+  std::optional<Vec3<>> vector(const XMLElement& e, const char* attribute, const std::string& owner) {
+    const auto x = numbers<3>(e, attribute, owner);
+    return x ? std::optional(Vec3<>{(*x)[0], (*x)[1], (*x)[2]}) : std::nullopt;
+  }
+  double scalar(const XMLElement& e, const char* attribute, const std::string& owner, double otherwise) {
+    const auto x = numbers<1>(e, attribute, owner);
+    return x ? (*x)[0] : otherwise;
+  }
+  double required_scalar(const XMLElement& e, const char* attribute, const std::string& owner) {
+    return required(e, attribute, owner) == nullptr ? 0 : scalar(e, attribute, owner, 0);
+  }
+
+  SE3<> origin(const XMLElement& e, const std::string& owner) {
+    const XMLElement* origin = child_of(e, "origin", owner);
+    if (origin == nullptr) return {};
+    SE3<> pose;
+    pose.r = vector(*origin, "xyz", owner).value_or(Vec3<>{});
+    if (const auto angles = vector(*origin, "rpy", owner)) pose.R = from_roll_pitch_yaw(*angles);
+    if (const auto x = numbers<4>(*origin, "quat_xyzw", owner)) {
+      const auto R = from_quaternion({(*x)[0], (*x)[1], (*x)[2], (*x)[3]});
+      if (!R)
+        error(Rule::not_a_rotation, owner, "<origin> quat_xyzw is off norm 1 by more than 1e-6",
+              origin->GetLineNum());
+      pose.R = R.value_or(SO3<>{});
+    }
+    return pose;
+  }
+
+  // ---------------------------------------------------------------- links
+
+  void read_robot(const XMLElement& robot) {
+    const std::string owner = "robot";
+    inspect(robot, owner);
+    if (const std::string given = name(robot, "name", owner); !given.empty()) description().name = given;
+    description().source.line = robot.GetLineNum();
+    for (const XMLElement* e = robot.FirstChildElement(); e != nullptr; e = e->NextSiblingElement()) {
+      const std::string_view element = e->Name();
+      if (element == "link") read_link(*e);
+      if (element == "joint") read_joint(*e);
+    }
+    if (links_.empty() && robot.FirstChildElement("link") == nullptr)
+      error(Rule::missing_element, owner, "has no <link>; a robot needs one at least", robot.GetLineNum());
+  }
+
+  void read_link(const XMLElement& e) {
+    Link link;
+    link.body.name = name(e, "name", "link");
+    link.body.source = {file_, e.GetLineNum()};
+    const std::string owner = "link \"" + link.body.name + '"';
+    inspect(e, owner);
+    if (const XMLElement* inertial = child_of(e, "inertial", owner))
+      link.body.inertia = read_inertial(*inertial, owner);
+    for (const XMLElement* shape = e.FirstChildElement(); shape != nullptr;
+         shape = shape->NextSiblingElement()) {
+      if (shape->Name() == std::string_view("visual"))
+        read_mesh(*shape, MeshReference::Role::visual, owner, link.body.meshes);
+      if (shape->Name() == std::string_view("collision"))
+        read_mesh(*shape, MeshReference::Role::collision, owner, link.body.meshes);
+    }
+    if (link.body.name.empty()) return;
+    if (!link_index_.emplace(link.body.name, links_.size()).second) {
+      error(Rule::duplicate_name, owner, "the name is taken; names of links must differ", e.GetLineNum());
+    } else {
+      links_.push_back(std::move(link));
+    }
+  }
+
+  std::optional<MassProperties> read_inertial(const XMLElement& e, const std::string& owner) {
+    const std::size_t faults_before = faults().size();
+    MassProperties result;
+    const SE3<> frame = origin(e, owner);
+    result.com = frame.r, result.axes = frame.R;
+    if (const XMLElement* mass = required_child(e, "mass", owner))
+      result.mass = required_scalar(*mass, "value", owner);
+    if (const XMLElement* inertia = required_child(e, "inertia", owner)) {
+      Sym3<>& Theta = result.Theta;
+      const std::array<std::pair<const char*, double*>, 6> entries{{{"ixx", &Theta.xx},
+                                                                    {"ixy", &Theta.xy},
+                                                                    {"ixz", &Theta.xz},
+                                                                    {"iyy", &Theta.yy},
+                                                                    {"iyz", &Theta.yz},
+                                                                    {"izz", &Theta.zz}}};
+      for (const auto& [attribute, entry] : entries) *entry = required_scalar(*inertia, attribute, owner);
+    }
+    if (faults().size() != faults_before) return std::nullopt;
+    const Sym3<>& I = result.Theta;
+    if (result.mass == 0 && norm(Vec3<>{I.xx, I.yy, I.zz}) + norm(Vec3<>{I.xy, I.xz, I.yz}) == 0) {
+      massless_line_ = massless_count_++ == 0 ? e.GetLineNum() : massless_line_;
+      return std::nullopt;
+    }
+    return result;
+  }
+
+  void read_mesh(const XMLElement& e, MeshReference::Role role, const std::string& owner,
+                 std::vector<MeshReference>& meshes) {
+    inspect(e, owner);
+    MeshReference reference;
+    reference.role = role;
+    reference.pose = origin(e, owner);
+    const XMLElement* geometry = required_child(e, "geometry", owner);
+    if (geometry == nullptr) return;
+    for (const XMLElement* shape = geometry->FirstChildElement(); shape != nullptr;
+         shape = shape->NextSiblingElement())
+      inspect(*shape, owner);
+    const XMLElement* mesh = geometry->FirstChildElement("mesh");
+    if (mesh == nullptr) return;
+    reference.file = name(*mesh, "filename", owner);
+    reference.scale = vector(*mesh, "scale", owner).value_or(Vec3<>{1, 1, 1});
+    if (!reference.file.empty()) meshes.push_back(std::move(reference));
+  }
+
+  // ---------------------------------------------------------------- joints
+
+  void read_joint(const XMLElement& e) {
+    Connection connection;
+    JointDescription& joint = connection.joint;
+    joint.name = name(e, "name", "joint");
+    joint.source = {file_, e.GetLineNum()};
+    const std::string owner = "joint \"" + joint.name + '"';
+    inspect(e, owner);
+    if (const XMLElement* parent = required_child(e, "parent", owner))
+      connection.parent = name(*parent, "link", owner);
+    if (const XMLElement* child = required_child(e, "child", owner))
+      connection.child = name(*child, "link", owner);
+    connection.origin = origin(e, owner);
+    if (const Kind* kind = kind_of(e, owner)) {
+      joint.kind = kind->kind;
+      read_axis(e, owner, joint);
+      read_dof(e, owner, *kind, joint);
+    }
+    if (const XMLElement* mimic = child_of(e, "mimic", owner);
+        mimic != nullptr && joint.kind == JointKind::fixed) {
+      ignore("<mimic> of a fixed joint", mimic->GetLineNum());
+    } else if (mimic != nullptr) {
+      Coupling coupling{.leader = name(*mimic, "joint", owner)};
+      coupling.ratio = scalar(*mimic, "multiplier", owner, 1);
+      coupling.offset = scalar(*mimic, "offset", owner, 0);
+      if (!coupling.leader.empty()) joint.coupling = std::move(coupling);
+    }
+    child_of(e, "safety_controller", owner);
+    connections_.push_back(std::move(connection));
+  }
+
+  const Kind* kind_of(const XMLElement& e, const std::string& owner) {
+    const char* type = required(e, "type", owner);
+    if (type == nullptr) return nullptr;
+    for (const Kind& kind : kinds)
+      if (kind.urdf == type) return &kind;
+    error(Rule::wrong_value, owner,
+          "type is " + in_quotes(type) +
+              "; URDF knows revolute, continuous, prismatic, fixed, floating and planar" +
+              did_you_mean(std::string_view(type).substr(0, 30), kinds, [](const Kind& k) { return k.urdf; }),
+          e.GetLineNum());
+    return nullptr;
+  }
+
+  void read_axis(const XMLElement& e, const std::string& owner, JointDescription& joint) {
+    Vec3<> axis{1, 0, 0};
+    if (const XMLElement* given = child_of(e, "axis", owner);
+        given != nullptr && required(*given, "xyz", owner))
+      axis = vector(*given, "xyz", owner).value_or(axis);
+    if (joint.kind != JointKind::fixed && joint.kind != JointKind::free) joint.axis = axis;
+  }
+
+  /// What URDF says of a joint holds for each of its degrees of freedom; positions are limited for one alone.
+  void read_dof(const XMLElement& e, const std::string& owner, const Kind& kind, JointDescription& joint) {
+    const XMLElement* limit = child_of(e, "limit", owner);
+    const XMLElement* dynamics = child_of(e, "dynamics", owner);
+    Dof dof;
+    if (dynamics != nullptr) {
+      dof.damping = scalar(*dynamics, "damping", owner, 0);
+      dof.friction = scalar(*dynamics, "friction", owner, 0);
+    }
+    const bool needs_limits = kind.urdf == "revolute" || kind.urdf == "prismatic";
+    const auto doubt = [&](std::string message, int line) {
+      note(Severity::warning, Rule::missing_element, owner, std::move(message), line);
+    };
+    if (limit != nullptr) {
+      constexpr double none = std::numeric_limits<double>::infinity();
+      for (const char* attribute : {"velocity", "effort"})
+        if (needs_limits && limit->Attribute(attribute) == nullptr)
+          doubt("<limit> has no " + std::string(attribute) + "; it is taken as unlimited",
+                limit->GetLineNum());
+      dof.velocity = bound(*limit, "velocity", owner, none);
+      dof.effort = bound(*limit, "effort", owner, none);
+      if (needs_limits) {
+        dof.lower = bound(*limit, "lower", owner, 0);
+        dof.upper = bound(*limit, "upper", owner, 0);
+        if (limit->Attribute("lower") == nullptr && limit->Attribute("upper") == nullptr)
+          doubt("<limit> has neither lower nor upper; URDF takes both as 0", limit->GetLineNum());
+      }
+    } else if (needs_limits) {
+      doubt("is " + std::string(kind.urdf) + " and has no <limit>; it is taken as unlimited", e.GetLineNum());
+    }
+    if (limit != nullptr || dynamics != nullptr) joint.dof.assign(kind.dof, dof);
+  }
+
+  /// A limit; the largest double and inf both say that there is none.
+  double bound(const XMLElement& e, const char* attribute, const std::string& owner, double otherwise) {
+    constexpr double infinity = std::numeric_limits<double>::infinity();
+    const char* text = e.Attribute(attribute);
+    const Number x = text == nullptr ? Number{} : number(text);
+    if (x.broken == Rule::non_finite_number && std::isinf(x.value)) return x.value;
+    const double value = scalar(e, attribute, owner, otherwise);
+    return std::abs(value) < std::numeric_limits<double>::max() ? value : std::copysign(infinity, value);
+  }
+
+  // ---------------------------------------------------------------- the tree
+
+  std::string nearest(std::string_view link) {
+    if (++suggestions_ > 20) return "";
+    return did_you_mean(link, links_, [](const Link& l) { return l.body.name; });
+  }
+
+  /// Bodies in the order of their joints in the file, links without a joint to a parent first.
+  void assemble() {
+    std::vector<BodyDescription> children;
+    for (Connection& c : connections_) {
+      const std::string owner = "joint \"" + c.joint.name + '"';
+      const int line = c.joint.source.line;
+      if (!c.parent.empty() && !link_index_.contains(c.parent)) {
+        error(Rule::unknown_predecessor, owner,
+              "its parent is link " + in_quotes(c.parent) + ", which is not described" + nearest(c.parent),
+              line);
+        c.parent = "ground";
+      }
+      if (c.child.empty()) continue;
+      const auto found = link_index_.find(c.child);
+      if (found == link_index_.end()) {
+        error(Rule::unknown_predecessor, owner,
+              "its child is link " + in_quotes(c.child) + ", which is not described" + nearest(c.child),
+              line);
+        continue;
+      }
+      Link& link = links_[found->second];
+      if (link.has_parent) {
+        error(Rule::two_predecessors, owner,
+              "link " + in_quotes(c.child) +
+                  " is already the child of another joint; in a tree every link has one parent",
+              line);
+        continue;
+      }
+      link.has_parent = true;
+      link.body.predecessor = c.parent.empty() ? "ground" : c.parent;
+      link.body.joint = std::move(c.joint);
+      link.body.geometry = InBodyFrame{c.origin};
+      children.push_back(std::move(link.body));
+    }
+    add_roots();
+    for (BodyDescription& body : children) description().bodies.push_back(std::move(body));
+  }
+
+  /// A root link is fixed to the ground; one with the name `ground` is the ground.
+  void add_roots() {
+    std::string names;
+    int count = 0;
+    for (Link& link : links_) {
+      if (link.has_parent) continue;
+      if (++count <= 5) names += (count > 1 ? ", " : "") + in_quotes(link.body.name);
+      if (link.body.name == "ground") {
+        if (link.body.inertia || !link.body.meshes.empty())
+          note(Severity::warning, Rule::unknown_element, "link \"ground\"",
+               "is the inertial frame; its inertial and meshes are ignored", link.body.source.line);
+        continue;
+      }
+      link.body.joint = {.name = "fixed_base", .source = link.body.source};
+      link.body.geometry = InBodyFrame{};
+      description().bodies.push_back(std::move(link.body));
+    }
+    if (count > 1)
+      error(Rule::no_base, "robot",
+            "has " + std::to_string(count) + " root links, " + names + (count > 5 ? ", ..." : "") +
+                "; a URDF describes one tree",
+            description().source.line);
+  }
+
+  static std::string times(int count) {
+    return count > 1 ? " (" + std::to_string(count) + " times, first here)" : "";
+  }
+  void report_ignored() {
+    for (const Ignored& it : ignored_)
+      note(Severity::warning, Rule::unknown_element, it.what,
+           "says nothing about the mechanism and is ignored" + times(it.count), it.line);
+    if (massless_count_ > 0)
+      note(Severity::warning, Rule::mass_not_positive, "<inertial>",
+           "says that mass and inertia are 0; a massless link needs no <inertial>" + times(massless_count_),
+           massless_line_);
+  }
+
+  std::string_view text_;
+  std::string file_;
+  Reading result_;
+  std::vector<Link> links_;
+  std::vector<Connection> connections_;
+  std::unordered_map<std::string, std::size_t> link_index_;
+  std::vector<Ignored> ignored_;
+  std::unordered_map<std::string, std::size_t> ignored_index_;
+  int massless_count_ = 0, massless_line_ = 0;
+  int suggestions_ = 0;  // each one compares with every name there is
+};
+
+}  // namespace
+
+Reading read_urdf(std::string_view text, const std::string& file) { return UrdfReader(text, file).read(); }
+
+}  // namespace axode::io
+
+namespace axode {
+
+Description read_urdf_text(std::string_view text, const std::string& file_name) {
+  return io::accept(io::read_urdf(text, file_name));
+}
+
+}  // namespace axode

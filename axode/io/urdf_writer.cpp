@@ -1,0 +1,241 @@
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <ostream>
+#include <unordered_map>
+#include <unordered_set>
+#include <variant>
+
+#include "axode/io.hpp"
+#include "axode/io/pose.hpp"
+#include "axode/model/placement.hpp"
+
+namespace axode {
+namespace {
+
+/// A link of a URDF must have its origin on the axis of its joint.
+constexpr double on_axis = 1e-12;
+
+std::string text(double x) { return to_text(x == 0 ? 0.0 : x); }  // no -0
+std::string text(const Vec3<>& a) { return text(a.x) + " " + text(a.y) + " " + text(a.z); }
+std::string text(std::string_view s) {
+  std::string out;
+  for (const char c : s) {
+    switch (c) {
+      case '&': out += "&amp;"; break;
+      case '<': out += "&lt;"; break;
+      case '>': out += "&gt;"; break;
+      case '"': out += "&quot;"; break;
+      case '\t': out += "&#9;"; break;
+      case '\n': out += "&#10;"; break;
+      case '\r': out += "&#13;"; break;
+      default: out += c;
+    }
+  }
+  return out;
+}
+/// URDF has no word for "no limit"; readers take the largest number for it.
+std::string limit_text(double x) {
+  return text(std::clamp(x, -std::numeric_limits<double>::max(), std::numeric_limits<double>::max()));
+}
+
+bool bounded(const Dof& dof) { return std::isfinite(dof.lower) || std::isfinite(dof.upper); }
+
+const char* urdf_type(const JointDescription& joint) {
+  switch (joint.kind) {
+    case JointKind::revolute: return !joint.dof.empty() && bounded(joint.dof[0]) ? "revolute" : "continuous";
+    case JointKind::prismatic: return "prismatic";
+    case JointKind::planar: return "planar";
+    case JointKind::free: return "floating";
+    default: return "fixed";
+  }
+}
+
+/// What a mechanism says that a URDF cannot.
+std::vector<Fault> beyond_urdf(const Description& d) {
+  std::vector<Fault> faults;
+  const auto error = [&](std::string element, std::string message, const Source& source) {
+    faults.push_back({Severity::error, Rule::wrong_value, std::move(element), std::move(message), source});
+  };
+  if (norm(d.gravity - Vec3<>{0, 0, -9.81}) > 0)
+    error("gravity", "is (" + text(d.gravity) + ") m/s²; a URDF cannot say so, its users take (0, 0, -9.81)",
+          d.source);
+  for (const BodyDescription& body : d.bodies) {
+    const JointDescription& joint = body.joint;
+    const std::string element = "joint \"" + joint.name + '"';
+    const Source& source = joint.source.line > 0 ? joint.source : body.source;
+    if (joint.kind == JointKind::helical || joint.kind == JointKind::spherical)
+      error(element, "is " + std::string(to_string(joint.kind)) + "; URDF has no such joint", source);
+    const auto armed =
+        std::find_if(joint.dof.begin(), joint.dof.end(), [](const Dof& dof) { return dof.armature != 0; });
+    if (armed != joint.dof.end())
+      error(element, "has an armature of " + text(armed->armature) + "; URDF has no word for it", source);
+    const bool own_limits =
+        joint.dof.size() > 1 && std::any_of(joint.dof.begin(), joint.dof.end(), [&](const Dof& dof) {
+          const Dof& first = joint.dof[0];
+          return bounded(dof) || dof.velocity != first.velocity || dof.effort != first.effort ||
+                 dof.damping != first.damping || dof.friction != first.friction;
+        });
+    if (own_limits)
+      error(element,
+            "has several degrees of freedom with limits of their own; URDF gives a joint one <limit>",
+            source);
+  }
+  return faults;
+}
+
+class UrdfWriter {
+ public:
+  UrdfWriter(const Description& description, std::ostream& out)
+      : d_(expand(description)), order_(depth_first_order(d_)), at_(place(d_, order_)), out_(out) {
+    for (std::size_t i = 0; i < d_.bodies.size(); ++i) bodies_.emplace(d_.bodies[i].name, i);
+    one_fixed_root_ = is_one_fixed_root();
+  }
+
+  void write() {
+    if (std::vector<Fault> faults = beyond_urdf(d_); !faults.empty())
+      throw ModelError(d_.name, std::move(faults));
+    for (const BodyDescription& body : d_.bodies) names_.insert(body.name);
+    for (const FrameDescription& frame : d_.frames) names_.insert(frame.name);
+    out_ << "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<robot name=\"" << text(d_.name) << "\">\n";
+    if (!one_fixed_root_) out_ << "  <link name=\"ground\"/>\n";
+    for (const int i : order_.order) write_body(i);
+    for (const FrameDescription& frame : d_.frames) write_frame(frame);
+    out_ << "</robot>\n";
+  }
+
+ private:
+  bool is_ground(int i) const { return order_.predecessor[i] < 0; }
+  bool is_one_fixed_root() const {
+    int roots = 0;
+    for (const int i : order_.order) roots += is_ground(i);
+    if (roots != 1) return false;
+    const int root = order_.order[0];
+    const SE3<>& A = at_[root].A;
+    return d_.bodies[root].joint.kind == JointKind::fixed && norm(A.r) == 0 && same(A.R, {});
+  }
+  static bool same(const SO3<>& a, const SO3<>& b) {
+    return norm(a.x - b.x) <= on_axis && norm(a.y - b.y) <= on_axis && norm(a.z - b.z) <= on_axis;
+  }
+
+  /// Whether the body's own frame may be the link that its joint moves.
+  bool can_be_link(int i) const {
+    const SE3<>& S = at_[i].S_self;
+    const double scale = 1 + norm(at_[i].A.r);
+    switch (d_.bodies[i].joint.kind) {
+      case JointKind::revolute: return norm(cross(S.R.z, S.r)) <= on_axis * scale;
+      case JointKind::planar: return norm(S.r) <= on_axis * scale && same(S.R, rotation_to(S.R.z));
+      default: return true;
+    }
+  }
+
+  void write_body(int i) {
+    const BodyDescription& body = d_.bodies[i];
+    if (is_ground(i) && one_fixed_root_) {
+      write_link(body.name, &body);
+      return;
+    }
+    const std::string parent = is_ground(i) ? "ground" : body.predecessor;
+    if (can_be_link(i)) {
+      write_link(body.name, &body);
+      write_joint(body.joint, parent, body.name, at_[i].B, at_[i].S_self.R.z);
+      return;
+    }
+    // The joint moves a link with its origin on the axis; the body is fixed to it.
+    const SE3<>& S = at_[i].S_self;
+    const SE3<> on_body{body.joint.kind == JointKind::planar ? S.R : SO3<>{}, S.r};
+    const std::string carrier = free_name(body.joint.name + "_frame");
+    write_link(carrier, nullptr);
+    write_joint(body.joint, parent, carrier, at_[i].B * on_body, transpose(on_body.R) * S.R.z);
+    write_link(body.name, &body);
+    write_joint({.name = carrier + "_to_" + body.name}, carrier, body.name, inverse(on_body), {});
+  }
+
+  void write_frame(const FrameDescription& frame) {
+    const auto found = bodies_.find(frame.body);
+    const SE3<> A = found == bodies_.end() ? SE3<>{} : at_[found->second].A;
+    const SE3<> pose = frame.in == GivenIn::body_frame ? frame.pose : inverse(A) * frame.pose;
+    write_link(frame.name, nullptr);
+    write_joint({.name = frame.name + "_joint"}, frame.body, frame.name, pose, {});
+  }
+
+  std::string free_name(std::string name) {
+    while (!names_.insert(name).second) name += '_';
+    return name;
+  }
+
+  void write_origin(const char* indent, const SE3<>& pose) {
+    out_ << indent << "<origin xyz=\"" << text(pose.r) << "\" rpy=\"" << text(io::to_roll_pitch_yaw(pose.R))
+         << "\"/>\n";
+  }
+
+  void write_link(const std::string& name, const BodyDescription* body) {
+    out_ << "  <link name=\"" << text(name);
+    if (body == nullptr || (!body->inertia && body->meshes.empty())) {
+      out_ << "\"/>\n";
+      return;
+    }
+    out_ << "\">\n";
+    if (body->inertia) write_inertial(*body->inertia, at_[body - d_.bodies.data()].A);
+    for (const MeshReference& mesh : body->meshes) {
+      const char* role = mesh.role == MeshReference::Role::visual ? "visual" : "collision";
+      out_ << "    <" << role << ">\n";
+      write_origin("      ", mesh.pose);
+      out_ << "      <geometry><mesh filename=\"" << text(mesh.file) << "\" scale=\"" << text(mesh.scale)
+           << "\"/></geometry>\n    </" << role << ">\n";
+    }
+    out_ << "  </link>\n";
+  }
+
+  /// About the centre of mass, in the axes of the link.
+  void write_inertial(const MassProperties& given, const SE3<>& A) {
+    const SE3<> to_body = given.in == GivenIn::body_frame ? SE3<>{} : inverse(A);
+    Sym3<> Theta = rotate(given.axes, given.Theta);
+    if (given.about == InertiaAbout::frame_origin && given.mass > 0)
+      Theta = inertia_about_com(Inertia<>{given.mass, given.mass * given.com, Theta});
+    Theta = rotate(to_body.R, Theta);
+    out_ << "    <inertial>\n      <origin xyz=\"" << text(to_body * given.com) << "\" rpy=\"0 0 0\"/>\n"
+         << "      <mass value=\"" << text(given.mass) << "\"/>\n      <inertia ixx=\"" << text(Theta.xx)
+         << "\" ixy=\"" << text(Theta.xy) << "\" ixz=\"" << text(Theta.xz) << "\" iyy=\"" << text(Theta.yy)
+         << "\" iyz=\"" << text(Theta.yz) << "\" izz=\"" << text(Theta.zz) << "\"/>\n    </inertial>\n";
+  }
+
+  void write_joint(const JointDescription& joint, const std::string& parent, const std::string& child,
+                   const SE3<>& origin, const Vec3<>& axis) {
+    const std::string_view type = urdf_type(joint);
+    out_ << "  <joint name=\"" << text(joint.name) << "\" type=\"" << type << "\">\n    <parent link=\""
+         << text(parent) << "\"/>\n    <child link=\"" << text(child) << "\"/>\n";
+    write_origin("    ", origin);
+    if (type != "fixed" && type != "floating") out_ << "    <axis xyz=\"" << text(axis) << "\"/>\n";
+    const Dof dof = joint.dof.empty() ? Dof{} : joint.dof[0];
+    if (type == "revolute" || type == "prismatic") {
+      out_ << "    <limit lower=\"" << limit_text(dof.lower) << "\" upper=\"" << limit_text(dof.upper)
+           << "\" velocity=\"" << limit_text(dof.velocity) << "\" effort=\"" << limit_text(dof.effort)
+           << "\"/>\n";
+    } else if (std::isfinite(dof.velocity) || std::isfinite(dof.effort)) {
+      out_ << "    <limit velocity=\"" << limit_text(dof.velocity) << "\" effort=\"" << limit_text(dof.effort)
+           << "\"/>\n";
+    }
+    if (dof.damping != 0 || dof.friction != 0)
+      out_ << "    <dynamics damping=\"" << text(dof.damping) << "\" friction=\"" << text(dof.friction)
+           << "\"/>\n";
+    if (joint.coupling)
+      out_ << "    <mimic joint=\"" << text(joint.coupling->leader) << "\" multiplier=\""
+           << text(joint.coupling->ratio) << "\" offset=\"" << text(joint.coupling->offset) << "\"/>\n";
+    out_ << "  </joint>\n";
+  }
+
+  Description d_;
+  DepthFirstOrder order_;
+  std::vector<Placement> at_;
+  std::ostream& out_;
+  std::unordered_map<std::string, std::size_t> bodies_;
+  std::unordered_set<std::string> names_;
+  bool one_fixed_root_ = false;
+};
+
+}  // namespace
+
+void write_urdf(const Model& model, std::ostream& out) { UrdfWriter(model.description(), out).write(); }
+
+}  // namespace axode

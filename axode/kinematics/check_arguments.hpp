@@ -1,0 +1,36 @@
+#pragma once
+#include <string>
+
+#include "axode/kinematics/arguments.hpp"
+
+/// The checks that the functions of this and the later floors make before they compute.
+namespace axode {
+
+template <class T>
+void check_state(const Model& model, const Workspace<T>& workspace, Numbers<T> q) {
+  workspace.check(model);
+  check_configuration(model, q);
+}
+template <class T>
+void check_state(const Model& model, const Workspace<T>& workspace, Numbers<T> q, Numbers<T> v) {
+  check_state(model, workspace, q);
+  check_size("v", v.size(), static_cast<std::size_t>(model.nv()), "nv");
+}
+template <class T>
+void check_state(const Model& model, const Workspace<T>& workspace, Numbers<T> q, Numbers<T> v, Numbers<T> a) {
+  check_state(model, workspace, q, v);
+  check_size("a", a.size(), static_cast<std::size_t>(model.nv()), "nv");
+}
+
+inline void check_place(const Model& model, int frame) {
+  if (frame < 0 || frame >= model.n_frames())
+    throw std::invalid_argument("frame is " + std::to_string(frame) + "; model \"" + model.name() +
+                                "\" has frames 0 to " + std::to_string(model.n_frames() - 1));
+}
+
+inline void check_order(int k, int order) {
+  if (k < 0 || k > order)
+    throw std::invalid_argument("order " + std::to_string(k) + " is not among 0 to " + std::to_string(order));
+}
+
+}  // namespace axode
