@@ -1,0 +1,47 @@
+# The vocabulary of the project. Everything is built under build/; `make clean` removes it.
+JOBS ?= $(shell nproc)
+SOURCES = $(shell find axode apps bench examples tests -name '*.hpp' -o -name '*.cpp')
+
+.PHONY: help deps build demo test bench docs lint venv clean
+.DEFAULT_GOAL := help
+
+help: ## Show these targets
+	@awk -F ':.*## ' '/^[a-z]+:.*## / {printf "  make %-6s %s\n", $$1, $$2}' Makefile
+
+deps: ## Install the Debian packages that are missing
+	@tools/install_dependencies.sh
+
+build: deps ## Build the library and the command build/release/axode
+	cmake --preset release
+	cmake --build --preset release --parallel $(JOBS) --target axode_command
+
+demo: build ## Show what axode does, on an arm and a humanoid
+	build/release/axode demo
+
+test: deps ## Run every test: GCC, Clang, sanitizers; the last line counts them
+	@$(MAKE) --no-print-directory venv || echo "No Python environment: the peer tests will be skipped."
+	@python3 tools/run_all_tests.py --jobs $(JOBS)
+
+bench: deps ## Measure the algorithms, and how long a client takes to compile
+	cmake --preset bench
+	cmake --build --preset bench --parallel $(JOBS)
+	@for program in $$(find build/bench/bench -maxdepth 1 -type f -executable); do \
+	  $$program --benchmark_out=$$program.json --benchmark_out_format=json || exit 1; done
+	tools/client_compile_time.sh
+
+docs: ## Check that every link in the documentation leads somewhere
+	python3 tools/check_links.py
+
+lint: deps ## Check the format of all sources, and the library with clang-tidy
+	clang-format-14 --dry-run -Werror $(SOURCES)
+	cmake --preset clang
+	run-clang-tidy-14 -quiet -j $(JOBS) -p build/clang '/(axode|apps)/(?!.*_float\.cpp)'
+
+venv: build/venv/ready ## Create the Python environment of the peer tests
+build/venv/ready: tests/peers/requirements.txt | deps
+	python3 -m venv build/venv
+	build/venv/bin/python -m pip install --quiet -r $<
+	touch $@
+
+clean: ## Remove everything that was built
+	rm -rf build

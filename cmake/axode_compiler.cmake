@@ -1,0 +1,40 @@
+# How every target of the project is compiled.
+
+if(PROJECT_IS_TOP_LEVEL)
+  set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
+  if(NOT CMAKE_BUILD_TYPE AND NOT CMAKE_CONFIGURATION_TYPES)
+    set(CMAKE_BUILD_TYPE Release CACHE STRING "Build type" FORCE)
+  endif()
+  find_program(AXODE_CCACHE ccache)
+  if(AXODE_CCACHE AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
+    set(CMAKE_CXX_COMPILER_LAUNCHER ${AXODE_CCACHE})
+  endif()
+endif()
+
+# Warnings, target architecture and sanitizers. All of it stays inside the project: nothing is passed on to
+# those who link to it.
+function(axode_compile_options target)
+  target_compile_features(${target} PUBLIC cxx_std_20)
+  set_target_properties(${target} PROPERTIES CXX_EXTENSIONS OFF POSITION_INDEPENDENT_CODE ON)
+  target_compile_options(${target} PRIVATE -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion
+                                           -Wno-missing-field-initializers)
+  if(CMAKE_CXX_COMPILER_ID STREQUAL GNU)
+    target_compile_options(${target} PRIVATE -Wno-restrict)  # GCC 12 sees overlaps in std::string (GCC bug 105329)
+  endif()
+  # IEEE arithmetic is kept (no -ffast-math): these two only say that nobody reads errno or traps after sqrt.
+  target_compile_options(${target} PRIVATE -fno-math-errno -fno-trapping-math)
+  # Position-independent code may still be inlined: nobody replaces our functions at load time.
+  target_compile_options(${target} PRIVATE -fno-semantic-interposition)
+  if(AXODE_WERROR)
+    target_compile_options(${target} PRIVATE -Werror)
+  endif()
+  if(AXODE_NATIVE)
+    target_compile_options(${target} PRIVATE -march=native)
+  endif()
+  if(AXODE_SANITIZE)
+    target_compile_options(${target} PRIVATE -fsanitize=${AXODE_SANITIZE} -fno-sanitize-recover=all
+                                             -fno-omit-frame-pointer)
+    target_compile_definitions(${target} PRIVATE _GLIBCXX_ASSERTIONS)
+    target_link_options(${target} PRIVATE -fsanitize=${AXODE_SANITIZE})
+  endif()
+endfunction()

@@ -1,0 +1,33 @@
+# Installation, and how others find it: find_package(axode CONFIG [COMPONENTS core io]) and pkg-config.
+include(CMakePackageConfigHelpers)
+
+install(TARGETS axode_core EXPORT axode-core-targets)
+install(TARGETS axode_io EXPORT axode-io-targets)
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/axode DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} FILES_MATCHING PATTERN *.hpp)
+install(FILES ${PROJECT_SOURCE_DIR}/LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR})
+if(TARGET axode_command)
+  install(TARGETS axode_command)
+  install(DIRECTORY ${PROJECT_SOURCE_DIR}/examples/robots DESTINATION ${CMAKE_INSTALL_DATADIR}/axode OPTIONAL)
+endif()
+
+set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/axode)
+foreach(component core io)
+  install(EXPORT axode-${component}-targets NAMESPACE axode:: DESTINATION ${package_dir})
+endforeach()
+configure_package_config_file(${CMAKE_CURRENT_LIST_DIR}/axode-config.cmake.in
+                              ${PROJECT_BINARY_DIR}/axode-config.cmake INSTALL_DESTINATION ${package_dir})
+write_basic_package_version_file(${PROJECT_BINARY_DIR}/axode-config-version.cmake COMPATIBILITY SameMinorVersion)
+install(FILES ${PROJECT_BINARY_DIR}/axode-config.cmake ${PROJECT_BINARY_DIR}/axode-config-version.cmake
+        DESTINATION ${package_dir})
+
+# Who links to static libraries needs their private dependencies as well.
+set(PKG_CONFIG_IO_REQUIRES "Requires: axode tinyxml2 fmt")
+if(BUILD_SHARED_LIBS)
+  set(PKG_CONFIG_IO_REQUIRES "Requires: axode")
+endif()
+cmake_path(RELATIVE_PATH CMAKE_INSTALL_FULL_INCLUDEDIR BASE_DIRECTORY
+           ${CMAKE_INSTALL_FULL_LIBDIR}/pkgconfig OUTPUT_VARIABLE PKG_CONFIG_INCLUDEDIR)
+foreach(package axode axode-io)
+  configure_file(${CMAKE_CURRENT_LIST_DIR}/${package}.pc.in ${PROJECT_BINARY_DIR}/${package}.pc @ONLY)
+  install(FILES ${PROJECT_BINARY_DIR}/${package}.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
+endforeach()

@@ -1,0 +1,40 @@
+# Laws about the source tree itself, and about the installed package.
+set(guards ${CMAKE_CURRENT_LIST_DIR})
+
+# Includes follow the floors; no machine's paths, no catch-all names.
+add_test(NAME Guards.IncludeFloors COMMAND ${AXODE_PYTHON} ${guards}/include_floors.py ${PROJECT_SOURCE_DIR})
+add_test(NAME Guards.CleanTree COMMAND ${AXODE_PYTHON} ${guards}/clean_tree.py ${PROJECT_SOURCE_DIR})
+set_tests_properties(Guards.IncludeFloors Guards.CleanTree PROPERTIES LABELS guards)
+
+# What mixes representations or kinds does not compile.
+get_target_property(eigen_includes Eigen3::Eigen INTERFACE_INCLUDE_DIRECTORIES)
+file(GLOB files CONFIGURE_DEPENDS ${guards}/must_not_compile/*.cpp)
+foreach(file IN LISTS files)
+  cmake_path(GET file STEM name)
+  add_test(NAME MustNotCompile.${name}
+           COMMAND ${AXODE_PYTHON} ${guards}/must_not_compile.py ${file} ${CMAKE_CXX_COMPILER} -std=c++20
+                   -I${PROJECT_SOURCE_DIR} -isystem ${eigen_includes})
+  set_tests_properties(MustNotCompile.${name} PROPERTIES LABELS guards)
+endforeach()
+
+# A tiny outside project builds and runs against the installed tree, found by find_package and by pkg-config.
+if(AXODE_INSTALL AND NOT AXODE_SANITIZE)
+  set(scratch ${PROJECT_BINARY_DIR}/package)
+  set(prefix ${scratch}/prefix)
+  set(libraries ${prefix}/${CMAKE_INSTALL_LIBDIR})
+  add_test(NAME Package.Install
+           COMMAND sh -c "rm -rf '${scratch}' && '${CMAKE_COMMAND}' --install '${PROJECT_BINARY_DIR}' --prefix '${prefix}'")
+  add_test(
+    NAME Package.FindPackage
+    COMMAND
+      ${CMAKE_CTEST_COMMAND} --build-and-test ${guards}/consumer ${scratch}/find_package --build-generator
+      ${CMAKE_GENERATOR} --build-noclean --build-options -DCMAKE_PREFIX_PATH=${prefix}
+      -DCMAKE_CXX_COMPILER=${CMAKE_CXX_COMPILER} -DCMAKE_BUILD_TYPE=Release --test-command
+      ${scratch}/find_package/consumer)
+  add_test(NAME Package.PkgConfig
+           COMMAND ${CMAKE_COMMAND} -E env PKG_CONFIG_PATH=${libraries}/pkgconfig LD_LIBRARY_PATH=${libraries}
+                   make -C ${guards}/consumer CXX=${CMAKE_CXX_COMPILER} OUT=${scratch}/pkg_config run)
+  set_tests_properties(Package.Install PROPERTIES LABELS package FIXTURES_SETUP installed_tree)
+  set_tests_properties(Package.FindPackage Package.PkgConfig
+                       PROPERTIES LABELS package FIXTURES_REQUIRED installed_tree TIMEOUT 300)
+endif()

@@ -1,0 +1,12 @@
+// expect: no match for or invalid operands
+#include "axode/lie.hpp"
+
+using namespace axode;
+
+auto sum(Twist<BodyFixed> V, [[maybe_unused]] TwistRate<BodyFixed> dV) {
+#ifdef AXODE_CONTROL
+  return V + V;
+#else
+  return V + dV;
+#endif
+}

@@ -1,0 +1,12 @@
+// expect: no match for or invalid operands
+#include "axode/lie.hpp"
+
+using namespace axode;
+
+auto sum(Twist<Spatial> V, [[maybe_unused]] Twist<Hybrid> U) {
+#ifdef AXODE_CONTROL
+  return V + V;
+#else
+  return V + U;
+#endif
+}

@@ -1,0 +1,12 @@
+// expect: no match for or invalid operands
+#include "axode/lie.hpp"
+
+using namespace axode;
+
+auto difference(Wrench<BodyFixed> W, [[maybe_unused]] Wrench<Mixed> F) {
+#ifdef AXODE_CONTROL
+  return W - W;
+#else
+  return W - F;
+#endif
+}

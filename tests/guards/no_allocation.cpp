@@ -1,0 +1,84 @@
+#include <atomic>
+#include <cstdlib>
+#include <new>
+
+#include "tests/laws/law.hpp"
+
+/// The algorithms allocate nothing once the workspace exists: every operator new and delete of this program counts.
+namespace {
+
+std::atomic<long> allocations{0}, releases{0};
+
+void* allocate(std::size_t size, std::size_t alignment) {
+  ++allocations;
+  void* memory = std::aligned_alloc(alignment, (size + alignment - 1) / alignment * alignment);
+  if (memory == nullptr) throw std::bad_alloc();
+  return memory;
+}
+void release(void* memory) noexcept {
+  if (memory != nullptr) ++releases;
+  std::free(memory);
+}
+
+}  // namespace
+
+// The nothrow and array forms of the standard library call these.
+void* operator new(std::size_t size) { return allocate(size, alignof(std::max_align_t)); }
+void* operator new(std::size_t size, std::align_val_t alignment) {
+  return allocate(size, static_cast<std::size_t>(alignment));
+}
+void operator delete(void* memory) noexcept { release(memory); }
+void operator delete(void* memory, std::size_t) noexcept { release(memory); }
+void operator delete(void* memory, std::align_val_t) noexcept { release(memory); }
+void operator delete(void* memory, std::size_t, std::align_val_t) noexcept { release(memory); }
+
+namespace axode::test {
+namespace {
+
+/// How many times f() allocates and releases.
+template <class F> long memory_operations(const F& f) {
+  const long before = allocations + releases;
+  f();
+  return allocations + releases - before;
+}
+
+TEST(NoAllocation, IsWhatTheCounterWouldNotice) {
+  volatile std::size_t size = 3;
+  EXPECT_EQ(memory_operations([&] { std::vector<double> numbers(size); }), 2);
+  const std::align_val_t line{64};
+  EXPECT_EQ(memory_operations([&] { ::operator delete(::operator new(size, line), line); }), 2);
+  EXPECT_GE(memory_operations([&] { std::string text(100 * size, 'x'); }), 2);
+  EXPECT_EQ(memory_operations([] {}), 0);
+}
+
+template <class C> class NoAllocation : public testing::Test {};
+TYPED_TEST_SUITE(NoAllocation, Cases, CaseNames);
+
+TYPED_TEST(NoAllocation, InKinematicsAndDynamics) {
+  using Rep = typename TypeParam::Rep;
+  using T = typename TypeParam::T;
+  for_seeds(100, [&](std::uint64_t seed) {
+    Trial<T> trial{Random<double>(seed)};
+    const Model& model = trial.model;
+    const State<T>& at = trial.state;
+    Workspace<T>& workspace = trial.workspace;
+    std::vector<SE3<T>> C(trial.n_frames());
+    std::vector<Twist<Rep, T>> V(C.size());
+    std::vector<TwistRate<Rep, T>> dV(C.size());
+    std::vector<T> tau(at.v.size());
+    std::vector<Wrench<Rep, T>> W(static_cast<std::size_t>(model.n_bodies()));
+    const Loads<T> loads{.wrenches = at.wrenches, .joint_losses = true};
+
+    EXPECT_EQ(memory_operations([&] { poses<T>(model, workspace, at.q, C); }), 0);
+    EXPECT_EQ(memory_operations([&] { twists<Rep>(model, workspace, at.q, at.v, V); }), 0);
+    EXPECT_EQ(memory_operations([&] { accelerations<Rep>(model, workspace, at.q, at.v, at.a, dV); }), 0);
+    EXPECT_EQ(memory_operations([&] { inverse_dynamics<Rep>(model, workspace, at.q, at.v, at.a, tau, loads); }), 0);
+    EXPECT_EQ(memory_operations([&] { joint_wrenches<Rep>(model, workspace, at.q, at.v, at.a, W, loads); }), 0);
+    if (model.total_mass() > 0) {
+      EXPECT_EQ(memory_operations([&] { center_of_mass<T>(model, workspace, at.q); }), 0);
+    }
+  });
+}
+
+}  // namespace
+}  // namespace axode::test

@@ -1,0 +1,29 @@
+#pragma once
+#include <gtest/gtest.h>
+
+#include <concepts>
+#include <string>
+
+#include "axode/lie/twist.hpp"
+
+/// The combinations of representation and scalar for which every law must hold.
+namespace axode::test {
+
+template <class Representation, class Scalar> struct Case {
+  using Rep = Representation;
+  using T = Scalar;
+};
+using Cases = testing::Types<Case<BodyFixed, double>, Case<Spatial, double>, Case<Hybrid, double>, Case<Mixed, double>,
+                             Case<BodyFixed, float>, Case<Spatial, float>, Case<Hybrid, float>, Case<Mixed, float>>;
+struct CaseNames {
+  template <class C> static std::string GetName(int) {
+    using Rep = typename C::Rep;
+    return std::string(std::same_as<Rep, BodyFixed> ? "body"
+                       : std::same_as<Rep, Spatial> ? "spatial"
+                       : std::same_as<Rep, Hybrid>  ? "hybrid"
+                                                    : "mixed") +
+           (std::same_as<typename C::T, double> ? "_double" : "_float");
+  }
+};
+
+}  // namespace axode::test

@@ -1,0 +1,38 @@
+#!/bin/sh
+# Installs what is missing of the Debian 12 packages that axode is built and tested with.
+# Does nothing, and needs no network, when all are there. Uses sudo only when not root.
+set -eu
+
+packages="
+  g++ clang-14 clang-format-14 clang-tidy-14 libclang-rt-14-dev
+  cmake ninja-build make pkg-config ccache
+  libeigen3-dev libtinyxml2-dev libtomlplusplus-dev libcli11-dev libfmt-dev nlohmann-json3-dev
+  libgtest-dev libgmock-dev libbenchmark-dev
+  python3 python3-venv"
+
+if ! command -v dpkg-query >/dev/null; then
+  echo "dependencies: this is not Debian; please see to these packages yourself:" $packages
+  exit 0
+fi
+
+installed=$(dpkg-query --show --showformat '${binary:Package} ${db:Status-Status}\n' |
+  sed -n 's/^\([^: ]*\)[^ ]* installed$/\1/p')
+missing=$(printf '%s\n' $packages | grep -vxF "$installed" || true)
+if [ -z "$missing" ]; then
+  echo "dependencies: all $(printf '%s\n' $packages | wc -l) packages are installed"
+  exit 0
+fi
+echo "dependencies: installing" $missing
+
+as_root=
+if [ "$(id -u)" -ne 0 ]; then
+  as_root=sudo
+  if ! command -v sudo >/dev/null; then
+    echo "dependencies: run this as root (there is no sudo): apt-get install" $missing >&2
+    exit 1
+  fi
+fi
+
+$as_root apt-get update -q
+$as_root env DEBIAN_FRONTEND=noninteractive apt-get install -q -y --no-install-recommends \
+  -o DPkg::Lock::Timeout=600 $missing
