@@ -1,8 +1,23 @@
+// toml++ 3.3 with its assertions as exceptions: what it would abort for, or take for impossible in a release build,
+// is only bad input here.
+namespace axode::io {
+struct ParserAtALoss {};
+}  // namespace axode::io
+
+#undef NDEBUG
+#define TOML_ASSERT(condition) ((condition) ? void() : throw ::axode::io::ParserAtALoss())
 #define TOML_EXCEPTIONS 0
 #define TOML_ENABLE_FORMATTERS 0
 #define TOML_FLOAT_CHARCONV 1
 #define TOML_MAX_NESTED_VALUES 16
+#if defined(__GNUC__) && !defined(__clang__)
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wterminate"  // in functions of toml++ that are noexcept
+#endif
 #include <toml++/toml.h>
+#if defined(__GNUC__) && !defined(__clang__)
+#pragma GCC diagnostic pop
+#endif
 
 #include <algorithm>
 #include <array>
@@ -14,6 +29,7 @@
 #include "axode/io.hpp"
 #include "axode/io/pose.hpp"
 #include "axode/io/reading.hpp"
+#include "axode/io/toml_scan.hpp"
 #include "axode/model/nearest_name.hpp"
 
 namespace axode::io {
@@ -73,7 +89,7 @@ class Table {
   /// A key that others of its kind have and this one must not.
   void refuse(std::string_view key, std::string_view reason) {
     if (const toml::node* node = take(key))
-      error(Rule::unknown_element, std::string(key) + " means nothing here: " + std::string(reason), node);
+      error(Rule::unknown_element, std::string(key) + " has no meaning here: " + std::string(reason), node);
   }
   void finish() const {
     for (const auto& [key, value] : table_) {
@@ -109,14 +125,13 @@ class Table {
       const auto found = std::find(choices.begin(), choices.end(), value->get());
       if (found != choices.end()) return static_cast<std::size_t>(found - choices.begin());
     }
-    std::string list;
+    std::string list = N == 1 ? "it must be " : "it is one of ";
     for (std::size_t k = 0; k < N; ++k)
       list += (k == 0 ? "" : k + 1 == N ? " or " : ", ") + in_quotes(choices[k]);
     const auto* value = node->as_string();
-    wrong(key, *node,
-          "it is one of " + list +
-              (value == nullptr ? ""
-                                : did_you_mean(value->get(), choices, [](std::string_view c) { return c; })));
+    if (value != nullptr && N > 1)
+      list += did_you_mean(value->get(), choices, [](std::string_view c) { return c; });
+    wrong(key, *node, list);
     return std::nullopt;
   }
 
@@ -380,7 +395,7 @@ void read_screw(Table& table, Way way, JointDescription& joint) {
     joint.point = table.vector("point").value_or(Vec3<>{});
   }
   if (kind == JointKind::helical && table.has("pitch") == table.has("lead"))
-    table.missing("pitch", "a helical joint needs either pitch, m/rad, or lead, m for each turn");
+    table.error(Rule::missing_element, "needs either pitch, m/rad, or lead, m for each turn");
   joint.pitch = table.number("pitch").value_or(0);
   if (kind != JointKind::helical) {
     table.refuse("lead", a_kind + " has no lead");
@@ -409,7 +424,7 @@ void read_joint(Table& body_table, Way way, BodyDescription& body) {
   table->rename("joint \"" + (body.joint.name.empty() ? body.name + "_joint" : body.joint.name) + '"');
   const bool given = table->has("kind");
   const auto kind = table->choice("kind", kind_names);
-  if (!given) table->missing("kind", "such as \"revolute\" or \"prismatic\"");
+  if (!given) table->missing("kind", "give one, such as \"revolute\" or \"prismatic\"");
   if (!kind) return;
   body.joint.kind = kinds[*kind];
   read_screw(*table, way, body.joint);
@@ -443,7 +458,8 @@ std::optional<MassProperties> read_inertia(Table& table, Way way) {
     if (has_mass && !table.has(key))
       table.missing(key, "a body with a mass needs com and inertia; that of a point mass is [0, 0, 0]");
     if (!has_mass && table.has(key))
-      table.missing("mass", "it has " + std::string(key) + "; a massless body has neither");
+      table.error(Rule::missing_element,
+                  "has " + std::string(key) + " but no mass; a massless body has neither", table.take(key));
   }
   const auto mass = table.number("mass");
   const auto com = table.vector("com");
@@ -489,20 +505,37 @@ FrameDescription read_frame(Table& table, std::size_t number, const std::string&
   frame.name = table.name("name", "every frame needs one");
   if (!frame.name.empty()) table.rename("frame \"" + frame.name + '"');
   frame.body = table.name("on", "name the body that carries it, or \"ground\"");
+  if (frame.body.empty()) frame.body = "ground";
   frame.in = table.choice("in", frame_names) == 1U ? GivenIn::body_frame : GivenIn::construction_frame;
   frame.pose = table.pose();
   table.finish();
   return frame;
 }
 
-/// Keys such as a.a.a... nest one table for each dot, and the parser returns from all of them at once.
-std::optional<int> line_of_too_many_dots(std::string_view text) {
-  constexpr int most = 500;
-  int line = 1, dots = 0;
-  for (const char c : text) {
-    dots = c == '\n' ? 0 : dots + (c == '.');
-    line += c == '\n';
-    if (dots > most) return line;
+/// The parser's own words, less its heading and the name of its setting.
+std::string why_not_toml(const toml::parse_error& error) {
+  std::string_view why = error.description();
+  constexpr std::string_view heading = "Error ", setting = " (TOML_MAX_NESTED_VALUES)";
+  if (why.starts_with(heading)) why.remove_prefix(heading.size());
+  if (why.ends_with(setting)) why.remove_suffix(setting.size());
+  return std::string(why);
+}
+
+/// The table that the file is; nothing, with a fault, where it is none.
+std::optional<toml::table> parse(std::string_view text, const Notes& notes) {
+  if (auto fault = not_text(text, notes.file)) {
+    notes.faults.push_back(std::move(*fault));
+  } else if (const auto stray = find_stray(text)) {
+    notes.error(Rule::syntax, "", stray->what, stray->line);
+  } else {
+    try {
+      toml::parse_result parsed = toml::parse(text);
+      if (parsed) return std::move(parsed).table();
+      notes.error(Rule::syntax, "", why_not_toml(parsed.error()),
+                  static_cast<int>(parsed.error().source().begin.line));
+    } catch (const ParserAtALoss&) {
+      notes.error(Rule::syntax, "", "this is not TOML", 0);
+    }
   }
   return std::nullopt;
 }
@@ -529,15 +562,8 @@ Reading read_drawing(std::string_view text, const std::string& file) {
   Reading result;
   result.description.source = {file, 0};
   const Notes notes{result.faults, file};
-  if (auto fault = not_text(text, file)) {
-    result.faults.push_back(std::move(*fault));
-  } else if (const auto line = line_of_too_many_dots(text)) {
-    notes.error(Rule::syntax, "", "more than 500 dots in one line; no drawing needs them", *line);
-  } else if (const toml::parse_result parsed = toml::parse(text, file); !parsed) {
-    notes.error(Rule::syntax, "", std::string(parsed.error().description()),
-                static_cast<int>(parsed.error().source().begin.line));
-  } else {
-    Table top(notes, parsed.table(), "drawing");
+  if (const auto table = parse(text, notes)) {
+    Table top(notes, *table, "drawing");
     read_top(top, result, file);
   }
   return result;

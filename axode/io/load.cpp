@@ -60,17 +60,15 @@ File read(const std::filesystem::path& file) {
   return {io::read_drawing(text.content, file.string()), Physics::strict};
 }
 
-/// The faults of the reader, then those of the mechanism as far as it was understood, by line.
+/// The faults of the reader, and those of the mechanism; of one that was understood in part, only errors that do not
+/// follow from what is missing. By line.
 std::vector<Fault> all_faults(File file) {
   std::vector<Fault> faults = std::move(file.reading.faults);
-  const std::size_t of_reader = faults.size();
-  if (!file.reading.description.bodies.empty())
-    for (Fault& fault : ModelBuilder(std::move(file.reading.description)).check(file.physics)) {
-      const bool known = std::any_of(
-          faults.begin(), faults.begin() + static_cast<std::ptrdiff_t>(of_reader),
-          [&](const Fault& f) { return f.rule == fault.rule && f.source.line == fault.source.line; });
-      if (!known) faults.push_back(std::move(fault));
-    }
+  const bool in_part = io::has_error(faults);
+  if (!in_part || !file.reading.description.bodies.empty())
+    for (Fault& fault : ModelBuilder(std::move(file.reading.description)).check(file.physics))
+      if (!in_part || (fault.severity == Severity::error && fault.rule != Rule::missing_name))
+        faults.push_back(std::move(fault));
   std::stable_sort(faults.begin(), faults.end(),
                    [](const Fault& a, const Fault& b) { return a.source.line < b.source.line; });
   return faults;

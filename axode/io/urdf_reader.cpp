@@ -77,8 +77,9 @@ const char* why_not_xml(tinyxml2::XMLError error) {
     case tinyxml2::XML_ERROR_MISMATCHED_ELEMENT:
       return "this element is not closed, or closed by another name";
     case tinyxml2::XML_ERROR_PARSING_ELEMENT: return "this is not a well-formed element";
-    case tinyxml2::XML_ERROR_PARSING_ATTRIBUTE: return "this element has a malformed attribute";
-    case tinyxml2::XML_ERROR_PARSING_TEXT: return "this text never ends";
+    case tinyxml2::XML_ERROR_PARSING_ATTRIBUTE:
+      return "an attribute of this element is malformed or given twice";
+    case tinyxml2::XML_ERROR_PARSING_TEXT: return "there is text outside the root element";
     case tinyxml2::XML_ERROR_PARSING_CDATA: return "this CDATA section never ends";
     case tinyxml2::XML_ERROR_PARSING_COMMENT: return "this comment never ends";
     case tinyxml2::XML_ERROR_PARSING_DECLARATION: return "this <?...?> is malformed or in the wrong place";
@@ -116,7 +117,7 @@ class UrdfReader {
     bool has_parent = false;
   };
   struct Connection {
-    std::string parent, child;
+    std::string name, parent, child;
     SE3<> origin;
     JointDescription joint;
   };
@@ -169,20 +170,12 @@ class UrdfReader {
     const auto in = [](const std::vector<std::string_view>& list, std::string_view name) {
       return std::find(list.begin(), list.end(), name) != list.end();
     };
-    std::vector<std::string_view> seen;
     for (const auto* a = e.FirstAttribute(); a != nullptr; a = a->Next()) {
-      const std::string_view name = a->Name();
-      if (name.starts_with("xmlns")) continue;
-      if (!in(grammar->attributes, name)) {
-        ignore("attribute " + std::string(name) + " of " + tag(e), a->GetLineNum());
-      } else if (in(seen, name)) {
-        error(Rule::duplicate_element, owner, tag(e) + " gives " + std::string(name) + " twice",
-              a->GetLineNum());
-      } else {
-        seen.push_back(name);
-      }
+      const std::string_view attribute = a->Name();
+      if (!attribute.starts_with("xmlns") && !in(grammar->attributes, attribute))
+        ignore("attribute " + std::string(attribute) + " of " + tag(e), a->GetLineNum());
     }
-    seen.clear();
+    std::vector<std::string_view> seen;
     for (const tinyxml2::XMLNode* node = e.FirstChild(); node != nullptr; node = node->NextSibling()) {
       if (node->ToText() != nullptr) ignore("text in " + tag(e), node->GetLineNum());
       const XMLElement* child = node->ToElement();
@@ -275,6 +268,9 @@ class UrdfReader {
     if (origin == nullptr) return {};
     SE3<> pose;
     pose.r = vector(*origin, "xyz", owner).value_or(Vec3<>{});
+    if (origin->Attribute("rpy") != nullptr && origin->Attribute("quat_xyzw") != nullptr)
+      error(Rule::wrong_value, owner, "<origin> gives both rpy and quat_xyzw; one is enough",
+            origin->GetLineNum());
     if (const auto angles = vector(*origin, "rpy", owner)) pose.R = from_roll_pitch_yaw(*angles);
     if (const auto x = numbers<4>(*origin, "quat_xyzw", owner)) {
       const auto R = from_quaternion({(*x)[0], (*x)[1], (*x)[2], (*x)[3]});
@@ -374,7 +370,7 @@ class UrdfReader {
   void read_joint(const XMLElement& e) {
     Connection connection;
     JointDescription& joint = connection.joint;
-    joint.name = name(e, "name", "joint");
+    joint.name = connection.name = name(e, "name", "joint");
     joint.source = {file_, e.GetLineNum()};
     const std::string owner = "joint \"" + joint.name + '"';
     inspect(e, owner);
@@ -476,7 +472,7 @@ class UrdfReader {
   void assemble() {
     std::vector<BodyDescription> children;
     for (Connection& c : connections_) {
-      const std::string owner = "joint \"" + c.joint.name + '"';
+      const std::string owner = "joint \"" + c.name + '"';
       const int line = c.joint.source.line;
       if (!c.parent.empty() && !link_index_.contains(c.parent)) {
         error(Rule::unknown_predecessor, owner,
@@ -512,6 +508,8 @@ class UrdfReader {
 
   /// A root link is fixed to the ground; one with the name `ground` is the ground.
   void add_roots() {
+    const bool name_is_free = std::none_of(connections_.begin(), connections_.end(),
+                                           [&](const Connection& c) { return c.name == "fixed_base"; });
     std::string names;
     int count = 0;
     for (Link& link : links_) {
@@ -523,7 +521,7 @@ class UrdfReader {
                "is the inertial frame; its inertial and meshes are ignored", link.body.source.line);
         continue;
       }
-      link.body.joint = {.name = "fixed_base", .source = link.body.source};
+      link.body.joint = {.name = count == 1 && name_is_free ? "fixed_base" : "", .source = link.body.source};
       link.body.geometry = InBodyFrame{};
       description().bodies.push_back(std::move(link.body));
     }

@@ -95,8 +95,8 @@ class UrdfWriter {
   void write() {
     if (std::vector<Fault> faults = beyond_urdf(d_); !faults.empty())
       throw ModelError(d_.name, std::move(faults));
-    for (const BodyDescription& body : d_.bodies) names_.insert(body.name);
-    for (const FrameDescription& frame : d_.frames) names_.insert(frame.name);
+    for (const BodyDescription& body : d_.bodies) links_.insert(body.name), joints_.insert(body.joint.name);
+    for (const FrameDescription& frame : d_.frames) links_.insert(frame.name);
     out_ << "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<robot name=\"" << text(d_.name) << "\">\n";
     if (!one_fixed_root_) out_ << "  <link name=\"ground\"/>\n";
     for (const int i : order_.order) write_body(i);
@@ -144,11 +144,12 @@ class UrdfWriter {
     // The joint moves a link with its origin on the axis; the body is fixed to it.
     const SE3<>& S = at_[i].S_self;
     const SE3<> on_body{body.joint.kind == JointKind::planar ? S.R : SO3<>{}, S.r};
-    const std::string carrier = free_name(body.joint.name + "_frame");
+    const std::string carrier = free_name(links_, body.joint.name + "_frame");
     write_link(carrier, nullptr);
     write_joint(body.joint, parent, carrier, at_[i].B * on_body, transpose(on_body.R) * S.R.z);
     write_link(body.name, &body);
-    write_joint({.name = carrier + "_to_" + body.name}, carrier, body.name, inverse(on_body), {});
+    write_joint({.name = free_name(joints_, carrier + "_to_" + body.name)}, carrier, body.name,
+                inverse(on_body), {});
   }
 
   void write_frame(const FrameDescription& frame) {
@@ -156,11 +157,11 @@ class UrdfWriter {
     const SE3<> A = found == bodies_.end() ? SE3<>{} : at_[found->second].A;
     const SE3<> pose = frame.in == GivenIn::body_frame ? frame.pose : inverse(A) * frame.pose;
     write_link(frame.name, nullptr);
-    write_joint({.name = frame.name + "_joint"}, frame.body, frame.name, pose, {});
+    write_joint({.name = free_name(joints_, frame.name + "_joint")}, frame.body, frame.name, pose, {});
   }
 
-  std::string free_name(std::string name) {
-    while (!names_.insert(name).second) name += '_';
+  static std::string free_name(std::unordered_set<std::string>& taken, std::string name) {
+    while (!taken.insert(name).second) name += '_';
     return name;
   }
 
@@ -230,7 +231,7 @@ class UrdfWriter {
   std::vector<Placement> at_;
   std::ostream& out_;
   std::unordered_map<std::string, std::size_t> bodies_;
-  std::unordered_set<std::string> names_;
+  std::unordered_set<std::string> links_, joints_;
   bool one_fixed_root_ = false;
 };
 

@@ -203,9 +203,12 @@ class Inspection {
       if (at == nullptr || seen.at(at->name) != &start) continue;
       std::string chain = quoted(at->name);
       const BodyDescription* member = at;
+      constexpr int most_shown = 8;
+      int count = 0;
       do {
         member = bodies_.at(member->predecessor);
-        chain += " on " + quoted(member->name);
+        if (++count < most_shown || member == at)
+          chain += (count > most_shown ? " on ... on " : " on ") + quoted(member->name);
       } while (member != at);
       error(Rule::cycle, "body " + quoted(at->name),
             "closes a cycle: " + chain + "; every body must hang on the ground in the end", at->source);
@@ -447,22 +450,24 @@ void sort_by_kind(const std::vector<Joint>& joints, Tree<double>& tree) {
 
 /// Resolves q_i = ratio q_leader + offset through chains of couplings.
 void couple(const Description& expanded, Compilation& out) {
-  std::unordered_map<std::string, int> index;
+  std::unordered_map<std::string_view, int> index;
   for (int i = 1; i <= out.tree.n; ++i) index.emplace(out.joints[i].name, i);
+  const auto coupling_of = [&](int i) -> const std::optional<Coupling>& {
+    return expanded.bodies[out.described[i]].joint.coupling;
+  };
   for (int i = 1; i <= out.tree.n; ++i) {
-    Joint& joint = out.joints[i];
-    const auto coupling_of = [&](int j) -> const std::optional<Coupling>& {
-      return expanded.bodies[out.described[j]].joint.coupling;
-    };
-    if (!coupling_of(i)) continue;
-    double ratio = 1, offset = 0;
-    int leader = i;
-    while (const auto& coupling = coupling_of(leader)) {
-      offset += ratio * coupling->offset;
-      ratio *= coupling->ratio;
-      leader = index.at(coupling->leader);
+    std::vector<int> chain;
+    int at = i;
+    while (coupling_of(at) && !out.joints[at].leader) {
+      chain.push_back(at);
+      at = index.at(coupling_of(at)->leader);
     }
-    joint.leader = Joint::Leader{leader, ratio, offset};
+    for (; !chain.empty(); chain.pop_back()) {
+      const Coupling& own = *coupling_of(chain.back());
+      const Joint::Leader next = out.joints[at].leader.value_or(Joint::Leader{at, 1, 0});
+      at = chain.back();
+      out.joints[at].leader = Joint::Leader{next.joint, own.ratio * next.ratio, own.ratio * next.offset + own.offset};
+    }
   }
 }
 

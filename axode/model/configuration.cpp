@@ -5,6 +5,7 @@
 #include <numbers>
 #include <random>
 #include <stdexcept>
+#include <type_traits>
 
 namespace axode {
 namespace {
@@ -68,14 +69,15 @@ std::vector<double> random_configuration(const Model& model, std::uint64_t seed)
     q[k] = uniform(a, b);
   };
   each_independent_joint(model, [&](const auto& s, const Joint& joint) {
-    if constexpr (s.nq == 4 || s.nq == 7) {  // Shoemake 1992
+    constexpr int nq = std::remove_cvref_t<decltype(s)>::nq;
+    if constexpr (nq == 4 || nq == 7) {  // Shoemake 1992
       const double u = uniform(0, 1), alpha = uniform(0, 2 * std::numbers::pi), beta = uniform(0, 2 * std::numbers::pi);
       const double r = std::sqrt(1 - u), t = std::sqrt(u);
       const double a[4] = {r * std::sin(alpha), r * std::cos(alpha), t * std::sin(beta), t * std::cos(beta)};
       std::ranges::copy(a, q.begin() + joint.iq);
-      for (int k = 4; k < s.nq; ++k) draw(joint.iq + k, 1);
+      for (int k = 4; k < nq; ++k) draw(joint.iq + k, 1);
     } else {
-      for (int k = 0; k < s.nq; ++k) {
+      for (int k = 0; k < nq; ++k) {
         const bool angle = joint.kind != Subgroup::prismatic && k == 0;
         draw(joint.iq + k, angle ? std::numbers::pi : 1);
       }
