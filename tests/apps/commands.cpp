@@ -1,0 +1,303 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "axode/io.hpp"
+#include "tests/apps/run_command.hpp"
+
+namespace axode::test {
+namespace {
+
+using Json = nlohmann::ordered_json;
+using testing::HasSubstr;
+using testing::Not;
+
+// ------------------------------------------------------------------------------------------------- the program
+
+TEST(Program, HelpListsTheCommandsAndTheExitCodes) {
+  const Outcome outcome = axode({"--help"});
+  EXPECT_EQ(outcome.code, 0);
+  EXPECT_EQ(outcome.err, "");
+  for (const char* said : {"info", "check", "convert", "eval", "demo", "Exit codes:", "0  all is well",
+                           "1  a file is missing", "2  the command line is wrong"})
+    EXPECT_THAT(outcome.out, HasSubstr(said));
+}
+
+TEST(Program, VersionIsOneLine) {
+  const Outcome outcome = axode({"--version"});
+  EXPECT_EQ(outcome.code, 0);
+  EXPECT_THAT(outcome.out, testing::MatchesRegex("axode [0-9]+\\.[0-9]+\\.[0-9]+\n"));
+}
+
+TEST(Program, ColoursAreForTerminalsWithoutNoColor) {
+  const std::vector<std::string> arguments{"info", robot("arm7.toml")};
+  EXPECT_THAT(axode(arguments).out, Not(HasSubstr("\033")));
+  EXPECT_THAT(axode_on_a_terminal(arguments, ""), HasSubstr("\033["));
+  EXPECT_THAT(axode_on_a_terminal(arguments, "1"), Not(HasSubstr("\033")));
+}
+
+/// The lines below `Example:` up to the next empty one.
+std::string example(const std::string& help) {
+  std::istringstream lines(help.substr(std::min(help.find("Example:\n"), help.size())));
+  std::string line, text;
+  std::getline(lines, line);
+  while (std::getline(lines, line) && !line.empty()) text += line + "\n";
+  return text;
+}
+
+class Help : public testing::TestWithParam<const char*> {};
+
+TEST_P(Help, ShowsAnExampleThatRuns) {
+  const Outcome help = axode({GetParam(), "--help"});
+  EXPECT_EQ(help.code, 0);
+  const std::string shown = example(help.out);
+  ASSERT_THAT(shown, HasSubstr("axode " + std::string(GetParam()))) << help.out;
+  const TemporaryFolder folder;
+  for (const auto& robot : std::filesystem::directory_iterator(AXODE_SOURCE_DIR "/examples/robots"))
+    std::filesystem::copy(robot.path(), folder.path());
+  const Outcome outcome = run({"sh", "-c", "cd \"$0\" && axode() { \"" AXODE_COMMAND "\" \"$@\"; } && " + shown,
+                               folder.path().string()});
+  EXPECT_EQ(outcome.code, 0) << shown << outcome.err;
+  EXPECT_EQ(outcome.err, "");
+  EXPECT_NE(outcome.out, "");
+}
+INSTANTIATE_TEST_SUITE_P(Commands, Help, testing::Values("info", "check", "convert", "eval", "demo"),
+                         [](const auto& p) { return std::string(p.param); });
+
+// ---------------------------------------------------------------------------------------------------- info
+
+TEST(Info, ShowsEveryBodyJointAndFrame) {
+  const Outcome outcome = axode({"info", robot("machine.toml")});
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  const Model model = load(robot("machine.toml"));
+  for (int i = 1; i <= model.n_bodies(); ++i) {
+    EXPECT_THAT(outcome.out, HasSubstr("─ " + model.body(i).name + " "));
+    EXPECT_THAT(outcome.out, HasSubstr("<- " + model.joint(i).name + " "));
+  }
+  for (const Frame& frame : model.frames()) EXPECT_THAT(outcome.out, HasSubstr(frame.name));
+  for (const char* said : {"nq = 20, nv = 18", "q[7:11] v[7:10]", "= 0.000795775 q(feed)", "45.702", "massless"})
+    EXPECT_THAT(outcome.out, HasSubstr(said));
+}
+
+TEST(Info, InJsonHoldsTheModelsOwnNumbers) {
+  const Outcome outcome = axode({"info", robot("machine.toml"), "--format", "json"});
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  const Json out = Json::parse(outcome.out);
+  const Model model = load(robot("machine.toml"));
+  EXPECT_EQ(out["total_mass"], model.total_mass());
+  ASSERT_EQ(out["joints"].size(), model.n_bodies());
+  ASSERT_EQ(out["frames"].size(), model.n_frames());
+  for (int i = 1; i <= model.n_bodies(); ++i) {
+    const Json &joint = out["joints"][i - 1], &body = out["bodies"][i - 1];
+    EXPECT_EQ(joint["name"], model.joint(i).name);
+    EXPECT_EQ(joint["iq"], model.joint(i).iq);
+    EXPECT_EQ(joint["nv"], model.joint(i).nv);
+    EXPECT_EQ(joint.contains("follows"), model.joint(i).leader.has_value());
+    EXPECT_EQ(body["mass"], model.body(i).M.m);
+    for (std::size_t d = 0; d < model.joint(i).dof.size(); ++d) {
+      const double upper = model.joint(i).dof[d].upper;
+      EXPECT_EQ(joint["upper"][d], std::isfinite(upper) ? Json(upper) : Json(nullptr));
+    }
+  }
+}
+
+TEST(Info, SetsTheBaseFree) {
+  EXPECT_THAT(axode({"info", robot("humanoid.urdf"), "--base", "free"}).out, HasSubstr("<- free_base "));
+  EXPECT_THAT(axode({"info", robot("humanoid.urdf")}).out, Not(HasSubstr("free_base")));
+}
+
+// --------------------------------------------------------------------------------------------------- check
+
+constexpr const char* link = R"(<link name="%"><inertial><mass value="1"/>
+<inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link>
+)";
+constexpr const char* hinge = R"(<joint name="hinge" type="continuous"><parent link="a"/><child link="b"/></joint>
+)";
+
+std::string named(std::string text, const std::string& name) { return text.replace(text.find('%'), 1, name); }
+
+std::string replaced(std::string text, const std::string& old, const std::string& now) {
+  return text.replace(text.find(old), old.size(), now);
+}
+
+std::string two_links(const std::string& more = "") {
+  return "<robot name=\"two\">\n" + named(link, "a") + named(link, "b") + hinge + more + "</robot>\n";
+}
+
+TEST(Check, EveryRobotThatTheProjectShipsIsClean) {
+  for (const auto& file : std::filesystem::directory_iterator(AXODE_SOURCE_DIR "/examples/robots")) {
+    const Outcome outcome = axode({"check", file.path().string()});
+    EXPECT_EQ(outcome.code, 0) << outcome.out;
+    EXPECT_EQ(outcome.out, file.path().string() + ": no errors, no warnings\n");
+  }
+}
+
+TEST(Check, HarmlessWarningsAreToldAndPass) {
+  const TemporaryFolder folder;
+  const std::string file = folder.write("two.urdf", two_links("<gazebo/>\n"));
+  const Outcome outcome = axode({"check", file});
+  EXPECT_EQ(outcome.code, 0) << outcome.out;
+  EXPECT_THAT(outcome.out, HasSubstr(file + ":7: warning: <gazebo>"));
+  EXPECT_THAT(outcome.out, HasSubstr(file + ": no errors, 1 warning\n"));
+}
+
+TEST(Check, AJointThatMovesNoMassIsToldAndPasses) {
+  const TemporaryFolder folder;
+  const std::string file = folder.write(
+      "two.urdf", "<robot name=\"two\">\n" + named(link, "a") + "<link name=\"b\"/>\n" + hinge + "</robot>\n");
+  const Outcome outcome = axode({"check", file});
+  EXPECT_EQ(outcome.code, 0) << outcome.out;
+  EXPECT_THAT(outcome.out, HasSubstr("warning: joint \"hinge\": moves no mass"));
+}
+
+TEST(Check, AnInertiaThatNoDensityCanProduceFailsThoughTheUrdfLoads) {
+  const TemporaryFolder folder;
+  const std::string file = folder.write("two.urdf", replaced(two_links(), "ixx=\"1\"", "ixx=\"3\""));
+  EXPECT_EQ(axode({"eval", file}).code, 0);
+  const Outcome outcome = axode({"check", file});
+  EXPECT_EQ(outcome.code, 1);
+  EXPECT_THAT(outcome.out, HasSubstr("error: body \"a\": no density can produce its inertia"));
+}
+
+TEST(Check, EveryFileIsJudgedAndOneErrorFailsAll) {
+  const TemporaryFolder folder;
+  const std::string good = folder.write("good.urdf", two_links());
+  const std::string bad = folder.write("bad.urdf", replaced(two_links(), "child link=\"b\"", "child link=\"c\""));
+  const std::string missing = folder.file("missing.urdf");
+  const Outcome outcome = axode({"check", good, bad, missing});
+  EXPECT_EQ(outcome.code, 1);
+  EXPECT_EQ(outcome.err, "");
+  EXPECT_THAT(outcome.out, HasSubstr(good + ": no errors, no warnings\n"));
+  EXPECT_THAT(outcome.out, HasSubstr(bad + ":6: error: "));
+  EXPECT_THAT(outcome.out, HasSubstr(missing + ": error: the file cannot be read"));
+
+  const Json json = Json::parse(axode({"check", good, bad, missing, "--format", "json"}).out)["files"];
+  ASSERT_EQ(json.size(), 3);
+  EXPECT_EQ(json[0]["errors"], 0);
+  EXPECT_EQ(json[1]["faults"][0]["line"], 6);
+  EXPECT_EQ(json[1]["faults"][0]["severity"], "error");
+  EXPECT_EQ(json[2]["faults"][0]["rule"], "unreadable_file");
+}
+
+TEST(Check, EveryMalformedFileFails) {
+  const std::filesystem::path folder = AXODE_SOURCE_DIR "/tests/data/bad";
+  std::vector<std::string> arguments{"check", "--format", "json"};
+  for (const auto& file : std::filesystem::directory_iterator(folder))
+    if (file.path().extension() == ".toml" || file.path().extension() == ".urdf")
+      arguments.push_back(file.path().string());
+  ASSERT_GE(arguments.size(), 60U);
+  const Outcome outcome = axode(arguments);
+  EXPECT_EQ(outcome.code, 1);
+  EXPECT_EQ(outcome.err, "");
+  arguments.erase(arguments.begin() + 1, arguments.begin() + 3);
+  const Json files = Json::parse(outcome.out)["files"];
+  EXPECT_EQ(files.size(), arguments.size() - 1);
+  for (const Json& file : files) EXPECT_GE(file["errors"], 1) << file["file"];
+}
+
+// -------------------------------------------------------------------------------------------------- convert
+
+/// Every frame's pose and all drive forces at a moving state, as JSON.
+Json answers(const std::string& file, const std::string& base) {
+  const Model model = load(file, base == "free" ? Base::free : Base::fixed);
+  std::vector<double> v(model.nv()), a(model.nv());
+  for (std::size_t k = 0; k < v.size(); ++k)
+    v[k] = std::sin(static_cast<double>(k)), a[k] = std::cos(3.0 * static_cast<double>(k));
+  const Json state{{"q", random_configuration(model, 3)}, {"v", v}, {"a", a}};
+  const Outcome outcome =
+      axode({"eval", file, "--base", base, "--state", "-", "--format", "json", "--want",
+             "inverse_dynamics,poses,twists,accelerations"},
+            state.dump());
+  EXPECT_EQ(outcome.code, 0) << outcome.err;
+  return Json::parse(outcome.out);
+}
+
+/// Both have the same shape and the same words, and numbers that differ by rounding.
+void expect_equal(const Json& x, const Json& y, const std::string& where) {
+  ASSERT_EQ(x.type(), y.type()) << where;
+  if (x.is_structured()) {
+    ASSERT_EQ(x.size(), y.size()) << where;
+    for (const auto& [key, entry] : x.items())
+      expect_equal(entry, x.is_object() ? y[key] : y[std::stoul(key)], where + "/" + key);
+  } else if (x.is_number_float()) {
+    EXPECT_NEAR(x.get<double>(), y.get<double>(), 1e-10 * std::max(1.0, std::abs(x.get<double>()))) << where;
+  } else {
+    EXPECT_EQ(x, y) << where;
+  }
+}
+
+TEST(Convert, ThereAndBackMovesAlike) {
+  const TemporaryFolder folder;
+  const std::string urdf = robot("humanoid.urdf"), drawing = folder.file("h.toml"), again = folder.file("h.urdf");
+  ASSERT_EQ(axode({"convert", urdf, drawing}).code, 0);
+  ASSERT_EQ(axode({"convert", drawing, again}).code, 0);
+  for (const char* base : {"fixed", "free"}) {
+    const Json original = answers(urdf, base);
+    expect_equal(original, answers(drawing, base), "");
+    expect_equal(original, answers(again, base), "");
+  }
+}
+
+TEST(Convert, DoesNotOverwriteUnlessForced) {
+  const TemporaryFolder folder;
+  const std::string out = folder.write("arm.toml", "precious");
+  const Outcome refused = axode({"convert", robot("arm7.toml"), out});
+  EXPECT_EQ(refused.code, 1);
+  EXPECT_EQ(refused.err, "axode convert: " + out + ": the file exists; --force replaces it\n");
+  EXPECT_EQ(contents(out), "precious");
+  EXPECT_EQ(axode({"convert", robot("arm7.toml"), out, "--force"}).code, 0);
+  EXPECT_EQ(axode({"info", out}).code, 0);
+}
+
+TEST(Convert, WhatUrdfHasNoWordsForIsAnErrorAndNothingIsWritten) {
+  const TemporaryFolder folder;
+  const std::string out = folder.file("machine.urdf");
+  const Outcome outcome = axode({"convert", robot("machine.toml"), out});
+  EXPECT_EQ(outcome.code, 1);
+  EXPECT_THAT(outcome.err, HasSubstr("joint \"jack\": is helical"));
+  EXPECT_FALSE(std::filesystem::exists(out));
+}
+
+TEST(Convert, WarningsGoToStandardError) {
+  const TemporaryFolder folder;
+  const std::string in = folder.write("two.urdf", two_links("<gazebo/>\n")), out = folder.file("two.toml");
+  const Outcome outcome = axode({"convert", in, out});
+  EXPECT_EQ(outcome.code, 0);
+  EXPECT_THAT(outcome.err, HasSubstr(in + ":7: warning: <gazebo>"));
+  EXPECT_EQ(outcome.out, out + ": 1 moving bodies, nq = 1, nv = 1\n");
+}
+
+TEST(Convert, SaysThatADrawingMustNotHaveWhatAUrdfMay) {
+  const TemporaryFolder folder;
+  const std::string in = folder.write("two.urdf", replaced(two_links(), "ixx=\"1\"", "ixx=\"3\""));
+  const std::string out = folder.file("two.toml");
+  const Outcome outcome = axode({"convert", in, out});
+  EXPECT_EQ(outcome.code, 0);
+  EXPECT_THAT(outcome.err, HasSubstr(out + ": it has 1 fault that only a URDF may have"));
+  EXPECT_EQ(axode({"check", out}).code, 1);
+}
+
+TEST(Convert, AFileThatCannotBeWrittenIsAnError) {
+  const Outcome outcome = axode({"convert", robot("arm7.toml"), "/nowhere/arm.urdf"});
+  EXPECT_EQ(outcome.code, 1);
+  EXPECT_EQ(outcome.err, "axode convert: /nowhere/arm.urdf: the file cannot be written\n");
+}
+
+// ----------------------------------------------------------------------------------------------------- demo
+
+TEST(Demo, RunsBothRobotsFourWaysInUnderTwentySeconds) {
+  const auto start = std::chrono::steady_clock::now();
+  const Outcome outcome = axode({"demo"});
+  const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
+  EXPECT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_LT(seconds.count(), 20);
+  for (const char* said : {"arm7: 7 moving bodies", "humanoid: 32 moving bodies", "body-fixed", "spatial", "hybrid",
+                           "mixed", "microseconds", "The four representations agree to rounding."})
+    EXPECT_THAT(outcome.out, HasSubstr(said));
+}
+
+}  // namespace
+}  // namespace axode::test

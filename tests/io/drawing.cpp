@@ -1,0 +1,247 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <iterator>
+#include <numbers>
+#include <string>
+
+#include "axode/io.hpp"
+#include "axode/lie/screw_geometry.hpp"
+#include "axode/model/builder.hpp"
+#include "tests/io/same_mechanism.hpp"
+#include "tests/support/shared_files.hpp"
+
+namespace axode {
+namespace {
+
+using ::testing::HasSubstr;
+
+const std::string format = "format = \"axode drawing 1\"\n";
+
+Model model_of(const std::string& text) {
+  return ModelBuilder(read_drawing_text(format + text, "test.toml")).build();
+}
+
+TEST(Drawing, AxisPointAndPitchMakeTheJointScrewInTheConstructionFrame) {
+  const Model model = model_of(R"(
+    [[body]]
+    name = "nut"
+    joint = { name = "screw", kind = "helical", axis = [0, 3, 4], point = [1, 2, 3], pitch = 0.1 }
+    mass = 1
+    com = [0, 0, 0]
+    inertia = [1, 1, 1])");
+  const Screw<> Y = screw(Vec3<>{0, 0.6, 0.8}, Vec3<>{1, 2, 3}, 0.1);
+  EXPECT_LT(test::disparity(model.body(1).X[0], Y), 1e-15);
+}
+
+TEST(Drawing, ALeadIsAPitchForEachTurn) {
+  const std::string body = R"([[body]]
+    name = "nut"
+    joint = { kind = "helical", axis = "z", point = [0, 0, 0], )";
+  EXPECT_DOUBLE_EQ(model_of(body + "lead = 0.005 }").joint(1).pitch, 0.005 / (2 * std::numbers::pi));
+  EXPECT_DOUBLE_EQ(model_of(body + "pitch = 0.005 }").joint(1).pitch, 0.005);
+}
+
+TEST(Drawing, AnAxisMayBeNamed) {
+  for (const auto& [name, axis] : {std::pair{"x", Vec3<>{1, 0, 0}}, std::pair{"-y", Vec3<>{0, -1, 0}},
+                                   std::pair{"z", Vec3<>{0, 0, 1}}, std::pair{"-z", Vec3<>{0, 0, -1}}}) {
+    const Model model = model_of(
+        std::string("[[body]]\nname = \"a\"\njoint = { kind = \"prismatic\", axis = \"") + name + "\" }\n");
+    EXPECT_EQ(norm(model.body(1).X[0].v - axis), 0) << name;
+  }
+}
+
+TEST(Drawing, TheThreeWaysOfPlacingABodyAreOneMechanism) {
+  const std::string base = R"(
+    [[body]]
+    name = "base"
+    joint = { name = "turn", kind = "revolute", axis = "z", point = [0.1, 0, 0] }
+    A = { position = [0.1, 0, 0.5], rpy = [0, 0, 1.5707963267948966] }
+    mass = 2
+    com = [0.1, 0, 0.3]
+    inertia = [0.3, 0.2, 0.1, 0, 0, 0.01]
+    [[body]]
+    name = "arm"
+    on = "base"
+    mass = 1
+  )";
+  // The arm's frame has its origin in (0.1, 1, 0.5), x along -y of the construction frame, z along its x.
+  const Model drawn = model_of(base + R"(
+    joint = { name = "swing", kind = "revolute", axis = "x", point = [0, 1, 0.5] }
+    A = { position = [0.1, 1, 0.5], rotation = [[0, 0, 1], [-1, 0, 0], [0, -1, 0]] }
+    com = [0.1, 0.8, 0.5]
+    inertia = [0.04, 0.03, 0.02]
+  )");
+  const Model in_body_frame = model_of(base + R"(
+    joint = { name = "swing", kind = "revolute", axis = "z", point = [0, 0, -0.1] }
+    B = { position = [1, 0, 0], rotation = [[-1, 0, 0], [0, 0, -1], [0, -1, 0]] }
+    com = [0.2, 0, 0]
+    inertia = [0.03, 0.02, 0.04]
+  )");
+  const Model in_joint_frames = model_of(base + R"(
+    joint = { name = "swing", kind = "revolute" }
+    S_prev = { position = [1, 0, 0], rotation = [[-1, 0, 0], [0, 0, -1], [0, -1, 0]] }
+    com = [0.2, 0, 0]
+    inertia = [0.03, 0.02, 0.04]
+  )");
+  EXPECT_LT(test::disparity(drawn, in_body_frame), 1e-14);
+  EXPECT_LT(test::disparity(drawn, in_joint_frames), 1e-14);
+}
+
+TEST(Drawing, InertiaMayBeGivenInAnyAxesAndAboutComOrOrigin) {
+  const std::string body = R"(
+    [[body]]
+    name = "a"
+    joint = "free"
+    A = { position = [0, 0, 2], quaternion = [0, 0, 0.6, 0.8] }
+    mass = 2
+  )";
+  const Model about_com = model_of(body + "com = [0.5, 0, 2]\ninertia = [0.1, 0.2, 0.25, 0.01, 0, 0]\n");
+  EXPECT_LT(test::disparity(about_com, model_of(body + R"(
+    com = [0.5, 0, 2]
+    inertia = [[0.1, 0.01, 0], [0.01, 0.2, 0], [0, 0, 0.25]])")),
+            1e-15);
+  EXPECT_LT(test::disparity(about_com, model_of(body + R"(
+    com = [0.14, -0.48, 0]
+    inertia = [0.1, 0.2, 0.25, 0.01, 0, 0]
+    inertia_in = "body"
+    inertia_axes = { quaternion = [0, 0, -0.6, 0.8] })")),
+            1e-15);
+  // Θ about the origin of the construction frame: the parallel-axis theorem by hand, m (c·c I - c cᵀ).
+  EXPECT_LT(test::disparity(about_com, model_of(body + R"(
+    com = [0.5, 0, 2]
+    inertia = [8.1, 8.7, 0.75, 0.01, -2, 0]
+    inertia_about = "origin")")),
+            1e-15);
+}
+
+TEST(Drawing, RotationsInThreeWaysAreOne) {
+  const auto frame = [](const std::string& rotation) {
+    return model_of("[[frame]]\nname = \"f\"\non = \"ground\"\nposition = [1, 2, 3]\n" + rotation)
+        .frames()
+        .back()
+        .pose;
+  };
+  const SE3<> rows = frame("rotation = [[0.28, -0.96, 0], [0.96, 0.28, 0], [0, 0, 1]]\n");
+  EXPECT_LT(test::disparity(rows, frame("quaternion = [0, 0, 0.6, 0.8]\n")), 1e-15);
+  EXPECT_LT(test::disparity(rows, frame("rpy = [0, 0, 1.2870022175865687]\n")), 1e-15);
+  // Turned about the fixed axes x, y, z in this order: z lies along x in the end, x along y.
+  const SE3<> turned = frame("rpy = [1.5707963267948966, 0, 1.5707963267948966]\n");
+  EXPECT_LT(norm(turned.R.z - Vec3<>{1, 0, 0}), 1e-15);
+  EXPECT_LT(norm(turned.R.x - Vec3<>{0, 1, 0}), 1e-15);
+}
+
+TEST(Drawing, EveryKeyIsUnderstood) {
+  const auto folder = std::filesystem::path(AXODE_SOURCE_DIR) / "tests/data/good";
+  const Model model = load(folder / "every_key.toml");
+  EXPECT_EQ(model.warnings().size(), 0U);
+  EXPECT_EQ(model.name(), "every \"key\"");
+  EXPECT_EQ(model.gravity().z, -1.62);
+
+  const Joint& turn = model.joint(model.joint_index("turn"));
+  ASSERT_EQ(turn.dof.size(), 1U);
+  const Dof expected{-1, 2, 3, 4, 0.5, 0.6, 0.7};
+  EXPECT_TRUE(test::same(turn.dof[0], expected));
+
+  const Joint& follower = model.joint(model.joint_index("follower"));
+  ASSERT_TRUE(follower.leader);
+  EXPECT_EQ(model.joint(follower.leader->joint).name, "turn");
+  EXPECT_EQ(follower.leader->ratio, -2);
+  EXPECT_EQ(follower.leader->offset, 0.25);
+
+  const Joint& stage = model.joint(model.joint_index("stage"));
+  ASSERT_EQ(stage.dof.size(), 3U);
+  EXPECT_EQ(stage.dof[0].velocity, 1);
+  EXPECT_EQ(stage.dof[1].lower, -0.1);
+  EXPECT_EQ(stage.dof[2].lower, -std::numeric_limits<double>::infinity());
+  EXPECT_EQ(stage.dof[2].upper, 0.2);
+
+  EXPECT_EQ(model.joint(model.joint_index("screw")).kind, Subgroup::helical);
+  EXPECT_EQ(model.joint(model.joint_index("slide")).kind, Subgroup::prismatic);
+  EXPECT_EQ(model.joint(model.joint_index("ball")).kind, Subgroup::spherical);
+  EXPECT_EQ(model.joint(model.joint_index("drift")).kind, Subgroup::free);
+  EXPECT_EQ(model.joint(model.joint_index("cardan.second")).kind, Subgroup::revolute);
+  EXPECT_EQ(model.joint(model.joint_index("sleeve.translation")).kind, Subgroup::prismatic);
+
+  const BodyDescription& plate = model.description().bodies[0];
+  ASSERT_EQ(plate.meshes.size(), 2U);
+  EXPECT_EQ(plate.meshes[0].file, "meshes/plate.stl");
+  EXPECT_EQ(plate.meshes[0].role, MeshReference::Role::visual);
+  EXPECT_EQ(plate.meshes[0].scale.y, 0.001);
+  EXPECT_EQ(plate.meshes[1].role, MeshReference::Role::collision);
+  EXPECT_EQ(plate.meshes[1].pose.r.z, 0.3);
+  EXPECT_NEAR(plate.meshes[1].pose.R.x.y, 1, 1e-15);
+
+  const Frame& tool = model.frame(model.frame_index("tool"));
+  EXPECT_EQ(model.body(tool.body).name, "wheel");
+  EXPECT_LT(norm(tool.pose.r - Vec3<>{0, 0, 0.1}), 1e-15);
+}
+
+TEST(Drawing, TheExampleOfTheDocumentationIsADrawing) {
+  std::ifstream file(std::filesystem::path(AXODE_SOURCE_DIR) / "docs/drawing-format.md");
+  const std::string page{std::istreambuf_iterator<char>(file), {}};
+  const std::string fence = "```toml\n";
+  const std::size_t begin = page.find(fence) + fence.size();
+  const std::string example = page.substr(begin, page.find("```", begin) - begin);
+  const Model crane = ModelBuilder(read_drawing_text(example, "crane.toml")).build();
+  EXPECT_EQ(crane.n_bodies(), 3);
+  EXPECT_EQ(crane.warnings().size(), 0U);
+  EXPECT_EQ(crane.total_mass(), 1160);
+}
+
+TEST(Drawing, IntegersAreNumbersAndLinesAreThoseOfTheFile) {
+  const Description d =
+      read_drawing_text(format +
+                            "[[body]]\nname = \"a\"\njoint = \"fixed\"\n"
+                            "[[body]]\nname = \"b\"\non = \"a\"\njoint.kind = \"prismatic\"\n"
+                            "joint.axis = [1, 0, 0]\n[[frame]]\nname = \"f\"\non = \"b\"\n",
+                        "lines.toml");
+  EXPECT_EQ(d.bodies[0].source.line, 2);
+  EXPECT_EQ(d.bodies[1].source.line, 5);
+  EXPECT_EQ(d.bodies[1].joint.source.line, 8);
+  EXPECT_EQ(d.bodies[1].source.file, "lines.toml");
+  EXPECT_EQ(d.frames[0].source.line, 10);
+}
+
+TEST(Drawing, TextsAndCommentsMayHoldAnything) {
+  const std::string odd = R"(# größer [ # " ' }
+name = """
+[ not a header \""" \
+  ü "" [#]\
+     end""""  # ' "
+[[body]]  # [
+"name" = '\[é]'
+joint . kind = "fixed" # """
+[[  body  ]]
+'name' = """.""."" """
+joint = { "kind" = 'prismatic', axis = [
+  0, # [ {
+  0,
+  1, # ü
+] }
+)";
+  const Description d = read_drawing_text("\xEF\xBB\xBF" + format + odd, "odd.toml");
+  EXPECT_EQ(d.name, "[ not a header \"\"\" ü \"\" [#]end\"");
+  ASSERT_EQ(d.bodies.size(), 2U);
+  EXPECT_EQ(d.bodies[0].name, "\\[é]");
+  EXPECT_EQ(d.bodies[1].name, ".\"\".\"\" ");
+  EXPECT_EQ(d.bodies[1].joint.axis.z, 1);
+}
+
+TEST(Drawing, TheReaderAloneThrowsEveryFaultOfItsOwn) {
+  try {
+    read_drawing_text("[[body]]\nnam = \"a\"\njoint = 1\n[[frames]]\n", "test.toml");
+    FAIL() << "accepted";
+  } catch (const ModelError& error) {
+    EXPECT_EQ(error.faults().size(), 5U);
+    EXPECT_THAT(error.what(),
+                HasSubstr("test.toml:2: error: body 1: key \"nam\" is not known; did you mean \"name\"?"));
+    EXPECT_THAT(
+        error.what(),
+        HasSubstr("test.toml:4: error: drawing: key \"frames\" is not known; did you mean \"frame\"?"));
+  }
+}
+
+}  // namespace
+}  // namespace axode

@@ -1,0 +1,278 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <string>
+
+#include "axode/io.hpp"
+#include "axode/model/builder.hpp"
+#include "tests/io/same_mechanism.hpp"
+#include "tests/model/random_mechanism.hpp"
+#include "tests/support/shared_files.hpp"
+
+namespace axode {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+constexpr double tolerance = 1e-12;
+
+Model read_back(const std::string& drawing) {
+  return ModelBuilder(read_drawing_text(drawing, "drawing.toml")).build(Physics::lenient);
+}
+
+void expect_drawing_round_trip(const Model& model) {
+  const std::string text = test::drawing_of(model);
+  const Model again = read_back(text);
+  EXPECT_LT(test::disparity(model, again), tolerance);
+  EXPECT_EQ(text, test::drawing_of(again));
+}
+void expect_urdf_round_trip(const Model& model) {
+  const std::string text = test::urdf_of(model);
+  const Model again = ModelBuilder(read_urdf_text(text, "model.urdf")).build(Physics::lenient);
+  EXPECT_LT(test::disparity(model, again, test::Compare::named_frames), tolerance);
+  EXPECT_LT(
+      test::disparity(
+          again, ModelBuilder(read_urdf_text(test::urdf_of(again), "again.urdf")).build(Physics::lenient)),
+      tolerance);
+}
+
+/// A random tree, its bodies told in all three ways, with limits, losses, couplings, meshes and frames.
+Description random_description(std::uint64_t seed) {
+  test::Random<double> random(seed);
+  const int n = static_cast<int>(random.number(1, 25));
+  Description tree = test::random_tree(random, n, test::all_kinds);
+  tree = test::told(tree, random, [&](std::size_t) { return static_cast<test::Way>(random.number(0, 3)); });
+  std::string leader;
+  for (BodyDescription& body : tree.bodies) {
+    const JointKind kind = body.joint.kind;
+    const bool one_dof =
+        kind == JointKind::revolute || kind == JointKind::prismatic || kind == JointKind::helical;
+    if (one_dof && random.number(0, 1) < 0.6) {
+      body.joint.dof = {Dof{.lower = -random.number(0, 3),
+                            .upper = random.number(0, 3),
+                            .velocity = random.number(1, 2),
+                            .effort = random.number(1, 100),
+                            .damping = random.number(0, 1),
+                            .friction = random.number(0, 1),
+                            .armature = random.number(0, 1)}};
+      if (!leader.empty() && random.number(0, 1) < 0.4)
+        body.joint.coupling = Coupling{leader, random.number(-2, 2), random.number(-1, 1)};
+      leader = body.joint.name;
+    }
+    if (kind == JointKind::planar || kind == JointKind::spherical)
+      body.joint.dof = {Dof{.velocity = 1}, Dof{.lower = -1}, Dof{.upper = 2, .damping = 0.1}};
+    if (random.number(0, 1) < 0.2) body.inertia.reset();
+    if (body.inertia && random.number(0, 1) < 0.3) {
+      body.inertia->axes = random.rotation();
+      body.inertia->in = random.number(0, 1) < 0.5 ? GivenIn::body_frame : GivenIn::construction_frame;
+    }
+    if (body.inertia && random.number(0, 1) < 0.3) {
+      const Vec3<>& c = body.inertia->com;
+      body.inertia->about = InertiaAbout::frame_origin;
+      body.inertia->axes = {};
+      body.inertia->Theta = body.inertia->Theta + (0.5 * body.inertia->mass) * parallel_axis_tensor(c, c);
+    }
+    if (random.number(0, 1) < 0.2)
+      body.meshes.push_back({MeshReference::Role::collision, "a \"b\"\\c.stl", random.pose(), {1, 2, 3}});
+  }
+  for (int k = 0; k < 3; ++k) {
+    const auto carrier = static_cast<std::size_t>(random.number(0, n));
+    tree.frames.push_back(
+        {.name = test::numbered('f', k),
+         .body = k == 0 ? "ground" : tree.bodies[carrier].name,
+         .pose = random.pose(),
+         .in = random.number(0, 1) < 0.5 ? GivenIn::body_frame : GivenIn::construction_frame});
+  }
+  return tree;
+}
+
+TEST(RoundTrip, ADrawingOfARandomTreeIsTheSameMechanismAndTheSameTextAgain) {
+  for (std::uint64_t seed = 1; seed <= 300 && !HasFailure(); ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    expect_drawing_round_trip(ModelBuilder(random_description(seed)).build());
+  }
+}
+
+TEST(RoundTrip, AUrdfOfARandomTreeIsTheSameMechanism) {
+  constexpr std::array kinds{JointKind::fixed,       JointKind::revolute,  JointKind::prismatic,
+                             JointKind::cylindrical, JointKind::universal, JointKind::planar,
+                             JointKind::free};
+  for (std::uint64_t seed = 1; seed <= 300 && !HasFailure(); ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    test::Random<double> random(seed);
+    Description tree = test::random_tree(random, static_cast<int>(random.number(1, 25)), kinds);
+    tree.gravity = {0, 0, -9.81};
+    for (BodyDescription& body : tree.bodies)
+      if (body.joint.kind == JointKind::revolute || body.joint.kind == JointKind::prismatic) {
+        if (random.number(0, 1) < 0.5) body.joint.dof = {Dof{.lower = -1, .effort = 3, .damping = 0.2}};
+        if (random.number(0, 1) < 0.3) body.joint.dof = {Dof{.velocity = 3}};
+      }
+    tree.frames.push_back({.name = "tool", .body = tree.bodies.back().name, .pose = random.pose()});
+    expect_urdf_round_trip(ModelBuilder(tree).build());
+  }
+}
+
+TEST(RoundTrip, ADrawingKeepsWhatIsInTheConstructionFrameToTheLastBit) {
+  const Model model =
+      ModelBuilder("exact")
+          .add(BodyDescription{.name = "a",
+                               .joint = {.name = "j",
+                                         .kind = JointKind::helical,
+                                         .axis = {0.1, 0.2, 0.30000000000000004},
+                                         .point = {1.0 / 3, 2.0 / 3, 1e-17},
+                                         .pitch = 5e-324},
+                               .inertia = MassProperties{.mass = 0.1,
+                                                         .com = {1e22, 0.7, -0.1},
+                                                         .Theta = {1. / 7, 1. / 7, 1. / 7, 1e-9, 0, 0},
+                                                         .in = GivenIn::construction_frame}})
+          .build();
+  const BodyDescription& body = model.description().bodies[0];
+  const Description again = read_drawing_text(test::drawing_of(model), "exact.toml");
+  EXPECT_EQ(norm(again.bodies[0].joint.axis - body.joint.axis), 0);
+  EXPECT_EQ(norm(again.bodies[0].joint.point - body.joint.point), 0);
+  EXPECT_EQ(again.bodies[0].joint.pitch, body.joint.pitch);
+  EXPECT_EQ(norm(again.bodies[0].inertia->com - body.inertia->com), 0);
+  EXPECT_EQ(again.bodies[0].inertia->Theta.xy, body.inertia->Theta.xy);
+}
+
+TEST(RoundTrip, ExamplesAndGoodFiles) {
+  const std::filesystem::path root(AXODE_SOURCE_DIR);
+  int count = 0;
+  for (const char* folder : {"examples/robots", "tests/data/good"})
+    for (const auto& entry : std::filesystem::directory_iterator(root / folder)) {
+      SCOPED_TRACE(entry.path().filename().string());
+      const Model model = load(entry.path());
+      EXPECT_EQ(model.warnings().size(), 0U);
+      expect_drawing_round_trip(model);
+      ++count;
+    }
+  EXPECT_GE(count, 6);
+}
+
+TEST(RoundTrip, AHumanoidWithAFreeBase) {
+  const auto file = std::filesystem::path(AXODE_SOURCE_DIR) / "examples/robots/humanoid.urdf";
+  const Model model = load(file, Base::free);
+  expect_drawing_round_trip(model);
+  expect_urdf_round_trip(model);
+  EXPECT_EQ(model.nv(), 31 + 6);
+  EXPECT_NEAR(model.total_mass(), 75, 1e-3);
+}
+
+TEST(RoundTrip, UrdfOfAnArmIsTheArm) {
+  expect_urdf_round_trip(load(std::filesystem::path(AXODE_SOURCE_DIR) / "examples/robots/arm7.toml"));
+}
+
+TEST(Writers, UrdfNamesEverythingItCannotSayAndWritesNothing) {
+  const Model model = load(std::filesystem::path(AXODE_SOURCE_DIR) / "tests/data/good/every_key.toml");
+  std::ostringstream out;
+  try {
+    write_urdf(model, out);
+    FAIL() << "written";
+  } catch (const ModelError& error) {
+    for (const char* part :
+         {"gravity: is (0 0 -1.62)", "joint \"screw\": is helical", "joint \"ball\": is spherical",
+          "joint \"turn\": has an armature of 0.7", "joint \"stage\": has several degrees"})
+      EXPECT_THAT(error.what(), HasSubstr(part));
+    EXPECT_THAT(error.what(), Not(HasSubstr("cardan")));
+  }
+  EXPECT_EQ(out.str(), "");
+}
+
+TEST(Writers, ADrawingOfAnImpossibleBodyIsWrittenAndSaysSo) {
+  const auto text = R"(<robot name="r"><link name="a"><inertial><mass value="1"/>
+      <inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="3"/></inertial></link></robot>)";
+  const Model model = ModelBuilder(read_urdf_text(text, "test.urdf")).build(Physics::lenient);
+  const std::string drawing = test::drawing_of(model);
+  EXPECT_THAT(drawing, HasSubstr("# To be corrected, or this drawing cannot be read: no density"));
+  EXPECT_THROW(ModelBuilder(read_drawing_text(drawing, "test.toml")).build(), ModelError);
+  EXPECT_LT(test::disparity(model, read_back(drawing)), tolerance);
+}
+
+TEST(Writers, NamesSurviveWhateverTheyHold) {
+  const std::string name = "a\"b\\c<d>&é 'f'";
+  const Model model =
+      ModelBuilder(name)
+          .add(BodyDescription{.name = name + "1", .joint = {.name = name, .kind = JointKind::revolute}})
+          .add(FrameDescription{.name = name + "2", .body = name + "1"})
+          .build();
+  EXPECT_LT(test::disparity(model, read_back(test::drawing_of(model))), tolerance);
+  const Model again = ModelBuilder(read_urdf_text(test::urdf_of(model), "test.urdf")).build(Physics::lenient);
+  EXPECT_LT(test::disparity(model, again, test::Compare::named_frames), tolerance);
+}
+
+TEST(Writers, UrdfInventsNamesThatNobodyHas) {
+  const Model model =
+      ModelBuilder("names")
+          .add(BodyDescription{.name = "a", .joint = {.name = "fixed_base"}})
+          .add(BodyDescription{.name = "j_frame",
+                               .predecessor = "a",
+                               .joint = {.name = "j", .kind = JointKind::revolute, .point = {1, 0, 0}}})
+          .add(BodyDescription{.name = "b",
+                               .predecessor = "a",
+                               .joint = {.name = "j_frame__to_j_frame", .kind = JointKind::revolute}})
+          .add(BodyDescription{
+              .name = "c", .predecessor = "b", .joint = {.name = "f_joint", .kind = JointKind::revolute}})
+          .add(FrameDescription{.name = "f", .body = "a"})
+          .build();
+  const Model again = ModelBuilder(read_urdf_text(test::urdf_of(model), "names.urdf")).build();
+  EXPECT_LT(test::disparity(model, again, test::Compare::named_frames), tolerance);
+}
+
+TEST(Load, TellsTheFormatByExtensionAndContent) {
+  const auto folder = std::filesystem::temp_directory_path() / "axode_test_load";
+  std::filesystem::create_directories(folder);
+  const std::string urdf = "<robot name=\"robot\"><link name=\"a\"/></robot>", mark = "\xEF\xBB\xBF";
+  const std::string drawing = "name = \"drawing\"\nformat = \"axode drawing 1\"\n";
+  const auto name_of = [&](const char* file, const std::string& text) {
+    std::ofstream(folder / file) << text;
+    return load(folder / file).name();
+  };
+  EXPECT_EQ(name_of("a.urdf", urdf), "robot");
+  EXPECT_EQ(name_of("a.xml", urdf), "robot");
+  EXPECT_EQ(name_of("a", mark + "\n" + urdf), "robot");
+  EXPECT_EQ(name_of("a.txt", drawing), "drawing");
+  EXPECT_EQ(name_of("a.toml", mark + drawing), "drawing");
+  std::filesystem::remove_all(folder);
+}
+
+TEST(Load, TheBaseIsHeldAsAsked) {
+  const auto examples = std::filesystem::path(AXODE_SOURCE_DIR) / "examples/robots";
+  const auto kind_of = [&](Base base, const char* body) {
+    const Model model = load(examples / "machine.toml", base);
+    const int i = model.frame(model.frame_index(body)).body;
+    return i == 0 ? std::string("fixed") : std::string(to_string(model.joint(i).kind));
+  };
+  EXPECT_EQ(kind_of(Base::as_described, "column"), "fixed");
+  EXPECT_EQ(kind_of(Base::as_described, "chip"), "free");
+  EXPECT_EQ(kind_of(Base::free, "column"), "free");
+  EXPECT_EQ(kind_of(Base::fixed, "chip"), "fixed");
+  EXPECT_THROW(load(examples / "double_pendulum.toml", Base::free),
+               ModelError);  // nothing is fixed to the ground
+}
+
+class SharedRobots : public ::testing::Test {
+ protected:
+  std::vector<std::filesystem::path> files = test::files_ending_in(test::robots_folder(), ".urdf");
+  void SetUp() override {
+    if (files.empty()) GTEST_SKIP() << test::missing(test::robots_folder(), "AXODE_ROBOTS");
+  }
+};
+
+TEST_F(SharedRobots, LoadAndRoundTripWithFixedAndFreeBase) {
+  for (const auto& file : files) {
+    SCOPED_TRACE(file.filename().string());
+    const Model fixed = load(file), free = load(file, Base::free);
+    EXPECT_EQ(free.nv(), fixed.nv() + 6);
+    EXPECT_EQ(free.joint(1).name, "free_base");
+    EXPECT_LT(test::disparity(fixed, load(file, Base::fixed)), tolerance);
+    for (const Model& model : {fixed, free}) {
+      expect_drawing_round_trip(model);
+      expect_urdf_round_trip(model);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace axode

@@ -1,0 +1,98 @@
+#pragma once
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <sstream>
+#include <string>
+
+#include "axode/io.hpp"
+
+/// How far two models are from saying the same.
+namespace axode::test {
+
+inline double disparity(const Vec3<>& a, const Vec3<>& b) { return norm(a - b) / std::max(1.0, norm(a)); }
+inline double disparity(const SE3<>& a, const SE3<>& b) {
+  return std::max(
+      {disparity(a.R.x, b.R.x), disparity(a.R.y, b.R.y), disparity(a.R.z, b.R.z), disparity(a.r, b.r)});
+}
+inline double disparity(const Screw<>& a, const Screw<>& b) {
+  return std::max(disparity(a.w, b.w), disparity(a.v, b.v));
+}
+inline double disparity(const Inertia<>& a, const Inertia<>& b) {
+  const Sym3<> d = a.Theta - b.Theta;
+  const double scale = std::max({1.0, a.m, trace(a.Theta)});
+  return std::max({std::abs(a.m - b.m), norm(a.h - b.h), norm(Vec3<>{d.xx, d.yy, d.zz}),
+                   norm(Vec3<>{d.xy, d.xz, d.yz})}) /
+         scale;
+}
+
+inline bool same(const Dof& a, const Dof& b) {
+  return a.lower == b.lower && a.upper == b.upper && a.velocity == b.velocity && a.effort == b.effort &&
+         a.damping == b.damping && a.friction == b.friction && a.armature == b.armature;
+}
+
+/// Pose of every frame in the inertial frame at q = 0.
+inline std::map<std::string, SE3<>> frames_at_zero(const Model& model) {
+  std::map<std::string, SE3<>> poses;
+  for (const Frame& frame : model.frames()) poses[frame.name] = model.body(frame.body).A * frame.pose;
+  return poses;
+}
+
+enum class Compare {
+  everything,
+  named_frames,  ///< bodies may carry other names and frames of their own; what the first names, the second has too
+};
+
+/// The largest difference of reference poses, joint screws, inertias, frames and gravity, relative where larger than
+/// one; infinite where names, kinds, limits, couplings or the order differ.
+inline double disparity(const Model& a, const Model& b, Compare compare = Compare::everything) {
+  const double infinity = std::numeric_limits<double>::infinity();
+  if (a.n_bodies() != b.n_bodies() || a.nq() != b.nq() || a.nv() != b.nv()) return infinity;
+  double largest = disparity(a.gravity(), b.gravity());
+  const auto note = [&](double d) { largest = std::max(largest, std::isnan(d) ? infinity : d); };
+  const bool all = compare == Compare::everything;
+  if (a.name() != b.name()) return infinity;
+  for (int i = 0; i <= a.n_bodies(); ++i) {
+    const Body &x = a.body(i), &y = b.body(i);
+    if (x.predecessor != y.predecessor) return infinity;
+    if (all && x.name != y.name) return infinity;
+    const SE3<> to_zero_x = x.A, to_zero_y = y.A;
+    if (all) note(disparity(x.A, y.A));
+    if (all) note(disparity(x.M, y.M));
+    note(disparity(transform(to_zero_x, x.M), transform(to_zero_y, y.M)));
+    if (i == 0) continue;
+    const Joint &j = a.joint(i), &k = b.joint(i);
+    if (j.name != k.name || j.kind != k.kind || j.iq != k.iq || j.iv != k.iv || j.dof.size() != k.dof.size())
+      return infinity;
+    for (std::size_t d = 0; d < j.dof.size(); ++d)
+      if (!same(j.dof[d], k.dof[d])) return infinity;
+    if (j.leader.has_value() != k.leader.has_value()) return infinity;
+    if (j.leader && (j.leader->joint != k.leader->joint || j.leader->ratio != k.leader->ratio ||
+                     j.leader->offset != k.leader->offset))
+      return infinity;
+    note(std::abs(j.pitch - k.pitch));
+    for (std::size_t c = 0; c < x.X.size(); ++c) note(disparity(Ad(x.A, x.X[c]), Ad(y.A, y.X[c])));
+  }
+  const auto mine = frames_at_zero(a), theirs = frames_at_zero(b);
+  if (all && mine.size() != theirs.size()) return infinity;
+  for (const auto& [name, pose] : mine) {
+    const auto found = theirs.find(name);
+    if (found == theirs.end()) return infinity;
+    note(disparity(pose, found->second));
+  }
+  return largest;
+}
+
+inline std::string drawing_of(const Model& model) {
+  std::ostringstream text;
+  write_drawing(model, text);
+  return text.str();
+}
+inline std::string urdf_of(const Model& model) {
+  std::ostringstream text;
+  write_urdf(model, text);
+  return text.str();
+}
+
+}  // namespace axode::test

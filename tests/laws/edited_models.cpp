@@ -1,0 +1,178 @@
+#include <string_view>
+
+#include "tests/laws/correspondence.hpp"
+
+/// Mechanisms made from others: with couplings taken away, with joints locked, with composite joints taken apart.
+namespace axode::test {
+namespace {
+
+template <class C> class EditedModels : public testing::Test {};
+TYPED_TEST_SUITE(EditedModels, Cases, CaseNames);
+
+TYPED_TEST(EditedModels, CoupledJointsArePartsOfTheirLeaders) {
+  using Rep = typename TypeParam::Rep;
+  using T = typename TypeParam::T;
+  Comparison torque("torque", agreement<T>);
+  for_seeds(250, [&](std::uint64_t seed) {
+    Random<double> random(seed);
+    Description description = told(random_mechanism(random), random);
+    const Model model = ModelBuilder(description).build();
+    for (BodyDescription& body : description.bodies) body.joint.coupling.reset();
+    const Model uncoupled = ModelBuilder(description).build();
+
+    Trial<T> trial(model, random);
+    const Correspondence same(model, uncoupled);
+    State<double> state = same.carry(trial.exact);
+    for (int i = 1; i <= model.n_bodies(); ++i) {
+      const auto& leader = model.joint(i).leader;
+      if (!leader) continue;
+      const Joint &lead = model.joint(leader->joint), &own = uncoupled.joint(same.joint(i));
+      state.q[own.iq] = leader->ratio * trial.exact.q[lead.iq] + leader->offset;
+      state.v[own.iv] = leader->ratio * trial.exact.v[lead.iv];
+      state.a[own.iv] = leader->ratio * trial.exact.a[lead.iv];
+    }
+    Trial<T> free_trial(uncoupled, state);
+    const std::vector<T> tau_free = free_trial.template inverse_dynamics<Rep>();
+    std::vector<double> tau(static_cast<std::size_t>(model.nv()));
+    for (int i = 1; i <= model.n_bodies(); ++i) {
+      const Joint &joint = model.joint(i), &own = uncoupled.joint(same.joint(i));
+      const double ratio = joint.leader ? joint.leader->ratio : 1;
+      for (int k = 0; k < own.nv; ++k) tau[joint.iv + k] += ratio * double(tau_free[own.iv + k]);
+    }
+    torque.expect_equal(cast<double>(trial.template inverse_dynamics<Rep>()), tau, largest(entries(tau_free)));
+  });
+}
+
+TEST(Couplings, InAChainMultiplyTheirRatios) {
+  const auto slider = [](const char* name, std::optional<Coupling> coupling) {
+    return BodyDescription{.name = name,
+                           .joint = {.name = std::string("along ") + name,
+                                     .kind = JointKind::prismatic,
+                                     .coupling = std::move(coupling)}};
+  };
+  const Model model = ModelBuilder("gears")
+                          .add(slider("c", Coupling{"along b", -3, 0.5}))
+                          .add(slider("b", Coupling{"along a", 2, 0.25}))
+                          .add(slider("a", {}))
+                          .build();
+  ASSERT_EQ(model.nv(), 1);
+  const Joint& c = model.joint(model.joint_index("along c"));
+  ASSERT_TRUE(c.leader);
+  EXPECT_EQ(c.leader->joint, model.joint_index("along a"));
+  EXPECT_EQ(c.leader->ratio, -6);
+  EXPECT_EQ(c.leader->offset, -0.25);
+  Trial<double> trial(model, {{0.1}, {1}, {0}});
+  EXPECT_DOUBLE_EQ(trial.poses()[model.frame_index("c")].r.z, -0.85);
+  EXPECT_DOUBLE_EQ(trial.twists<Hybrid>()[model.frame_index("c")].v.z, -6);
+}
+
+TYPED_TEST(EditedModels, LockedJointsRest) {
+  using Rep = typename TypeParam::Rep;
+  using T = typename TypeParam::T;
+  Comparison torque("torque", agreement<T>), wrench("wrench", agreement<T>), pose("pose", agreement<T>);
+  for_seeds(250, [&](std::uint64_t seed) {
+    Random<double> random(seed);
+    const Model model = ModelBuilder(told(random_mechanism(random), random)).build();
+    State<double> state = random_state(model, random);
+    std::vector<std::string_view> locked;
+    const double part = random.number(0, 1);
+    for (const Joint& joint : model.joints()) {
+      if (joint.leader || random.number(0, 1) > part) continue;
+      locked.push_back(joint.name);
+      for (int k = 0; k < joint.nv; ++k) state.v[joint.iv + k] = state.a[joint.iv + k] = 0;
+    }
+    const Model rest = reduced(model, locked, state.q);
+    Trial<T> trial(model, state);
+    const Correspondence same(model, rest);
+    Trial<T> rest_trial(rest, same.carry(state));
+
+    const std::vector<T> tau = trial.template inverse_dynamics<Rep>();
+    const auto [expected, found] = same.common(tau, rest_trial.template inverse_dynamics<Rep>());
+    EXPECT_EQ(static_cast<int>(found.size()), rest.nv());
+    torque.expect_equal(found, expected, largest(entries(tau)));
+
+    const auto W = trial.template joint_wrenches<Rep>(), W_rest = rest_trial.template joint_wrenches<Rep>();
+    std::vector<Wrench<Rep, T>> still_transmitted, transmitted;
+    for (int i = 1; i <= model.n_bodies(); ++i)
+      if (same.joint(i) > 0)
+        still_transmitted.push_back(W_rest[same.joint(i) - 1]), transmitted.push_back(W[i - 1]);
+    wrench.expect_equal(still_transmitted, transmitted, largest(entries(W)));
+
+    const auto C = trial.poses(), C_rest = rest_trial.poses();
+    for (int f = 0; f < model.n_frames(); ++f) {
+      ASSERT_GE(same.frame(f), 0) << "frame " << model.frame(f).name << " got lost";
+      pose.expect_equal(C_rest[same.frame(f)], C[f], 1);
+    }
+    EXPECT_NEAR(rest.total_mass(), [&] {
+      double mass = 0;  // of what still moves
+      for (int i = 1; i <= model.n_bodies(); ++i)
+        if (rest.frame(same.frame(i)).body > 0) mass += model.body(i).M.m;
+      return mass;
+    }(), 1e-12 * model.total_mass());
+  });
+}
+
+/// Cylindrical and universal joints as two joints through a massless body, made by hand.
+Mechanism taken_apart(const Mechanism& mechanism) {
+  Mechanism out{.gravity = mechanism.gravity, .bodies = {}};
+  std::vector<int> index;  // of each body in `out`
+  const auto moved = [&](int i) { return i < 0 ? -1 : index[static_cast<std::size_t>(i)]; };
+  for (DrawnBody body : mechanism.bodies) {
+    body.predecessor = moved(body.predecessor);
+    if (body.kind == JointKind::cylindrical || body.kind == JointKind::universal) {
+      const bool universal = body.kind == JointKind::universal;
+      DrawnBody between{.name = body.joint + (universal ? ".cross" : ".sleeve"),
+                        .joint = body.joint + (universal ? ".first" : ".rotation"),
+                        .predecessor = body.predecessor,
+                        .kind = JointKind::revolute,
+                        .A = body.A,
+                        .J = body.J};
+      if (!body.dof.empty()) between.dof = {body.dof[0]}, body.dof = {body.dof[1]};
+      body.predecessor = static_cast<int>(out.bodies.size());
+      body.joint += universal ? ".second" : ".translation";
+      body.kind = universal ? JointKind::revolute : JointKind::prismatic;
+      if (universal) body.J.R = rotation_to((1 / norm(body.second_axis)) * body.second_axis);
+      out.bodies.push_back(between);
+    }
+    index.push_back(static_cast<int>(out.bodies.size()));
+    out.bodies.push_back(body);
+  }
+  for (DrawnFrame frame : mechanism.frames) {
+    frame.body = moved(frame.body);
+    out.frames.push_back(frame);
+  }
+  return out;
+}
+
+TYPED_TEST(EditedModels, CylindricalAndUniversalJointsAreChains) {
+  using Rep = typename TypeParam::Rep;
+  using T = typename TypeParam::T;
+  Comparison torque("torque", agreement<T>), twist("twist", agreement<T>);
+  int composite = 0;
+  for_seeds(250, [&](std::uint64_t seed) {
+    Random<double> random(seed);
+    const Mechanism drawn = random_mechanism(random);
+    const Model model = ModelBuilder(told(drawn, random)).build();
+    const Model by_hand = ModelBuilder(told(taken_apart(drawn), random)).build();
+    for (const DrawnBody& body : drawn.bodies)
+      composite += body.kind == JointKind::cylindrical || body.kind == JointKind::universal;
+    ASSERT_EQ(by_hand.n_bodies(), model.n_bodies());
+    State<double> state = random_state(model, random);
+    make_loads_spatial(model, state);  // frames of the massless bodies need not be the same
+    Trial<T> trial(model, state);
+    const Correspondence same(model, by_hand);
+    Trial<T> trial_by_hand(by_hand, same.carry(state));
+    const auto [expected, found] =
+        same.common(trial.template inverse_dynamics<Rep>(), trial_by_hand.template inverse_dynamics<Rep>());
+    EXPECT_EQ(static_cast<int>(found.size()), model.nv());
+    torque.expect_equal(found, expected);
+    const auto V = trial.template twists<Spatial>(), V_by_hand = trial_by_hand.template twists<Spatial>();
+    std::vector<Twist<Spatial, T>> in_order;
+    for (int f = 0; f < model.n_frames(); ++f) in_order.push_back(V_by_hand[same.frame(f)]);
+    twist.expect_equal(in_order, V);
+  });
+  EXPECT_GT(composite, 0);
+}
+
+}  // namespace
+}  // namespace axode::test

@@ -1,0 +1,272 @@
+#include <numeric>
+#include <utility>
+
+#include "tests/laws/correspondence.hpp"
+
+/// What the description of a mechanism must not change: where body frames lie and how geometry is told, names and
+/// order, the place of the whole scene, and which body of a floating mechanism is called its base.
+namespace axode::test {
+namespace {
+
+template <class C> class Invariance : public testing::Test {};
+TYPED_TEST_SUITE(Invariance, Cases, CaseNames);
+
+/// Drives whose inertia is told in the components of v, which depend on the frame, would change the mechanism.
+void remove_drives(Mechanism& mechanism, bool (*concerned)(JointKind)) {
+  for (DrawnBody& body : mechanism.bodies)
+    if (concerned(body.kind)) body.dof.clear();
+}
+
+/// Ad_Dᵀ of the six forces of a free joint: seen from the frame D in the frame of the joint.
+std::vector<double> seen_from(const SE3<>& D, const double* tau) {
+  const Wrench<BodyFixed> W =
+      coAd_inv(D, Wrench<Spatial>{{tau[0], tau[1], tau[2]}, {tau[3], tau[4], tau[5]}});
+  return {W.m.x, W.m.y, W.m.z, W.f.x, W.f.y, W.f.z};
+}
+
+TYPED_TEST(Invariance, BodyFramesMayLieAnywhere) {
+  using Rep = typename TypeParam::Rep;
+  using T = typename TypeParam::T;
+  Comparison torque("torque", agreement<T>), twist("twist", agreement<T>);
+  for_seeds(250, [&](std::uint64_t seed) {
+    Random<double> random(seed);
+    Mechanism drawn = random_mechanism(random);
+    remove_drives(drawn, [](JointKind kind) { return kind == JointKind::free; });
+    const Model model = ModelBuilder(told(drawn, random)).build();
+    std::unordered_map<std::string, SE3<>> moved;  // by D, the new body frame in the old one
+    for (DrawnBody& body : drawn.bodies) {
+      const SE3<> D{random.rotation(), random.vector(0.3)};
+      moved.emplace(body.name, D);
+      body.A = body.A * D;
+      if (body.kind == JointKind::free) body.J = body.A;
+    }
+    const Model other = ModelBuilder(told(drawn, random)).build();
+
+    State<double> state = random_state(model, random);
+    make_loads_spatial(model, state);
+    const Correspondence same(model, other);
+    State<double> other_state = same.carry(state);
+    Trial<T> trial(model, state);
+    std::vector<T> tau = trial.template inverse_dynamics<Rep>();
+    for (int i = 1; i <= model.n_bodies(); ++i) {  // free joints: coordinates are those of the body frame
+      const Joint &joint = model.joint(i), &joint_other = other.joint(same.joint(i));
+      if (joint.kind != Subgroup::free) continue;
+      const SE3<> D = moved.at(model.body(i).name);
+      const SE3<> q = inverse(D) * displacement(joint.kind, 0, &state.q[joint.iq]) * D;
+      std::ranges::copy(coordinates(joint.kind, q), &other_state.q[joint_other.iq]);
+      const auto seen = [&](const std::vector<double>& x, std::vector<double>& out) {
+        const Screw<> X = Ad_inv(D, joint_screw(joint.kind, 0, &x[joint.iv]));
+        std::ranges::copy(components(joint.kind, 0, X), &out[joint_other.iv]);
+      };
+      seen(state.v, other_state.v), seen(state.a, other_state.a);
+      const std::vector<double> tau_i(tau.begin() + joint.iv, tau.begin() + joint.iv + 6);
+      std::ranges::copy(cast<T>(seen_from(D, tau_i.data())), &tau[joint.iv]);
+    }
+    Trial<T> other_trial(other, other_state);
+    const auto [expected, found] = same.common(tau, other_trial.template inverse_dynamics<Rep>());
+    torque.expect_equal(found, expected);
+
+    const auto V = trial.template twists<Spatial>(), V_other = other_trial.template twists<Spatial>();
+    std::vector<Twist<Spatial, T>> in_order;
+    for (int f = 0; f < model.n_frames(); ++f) in_order.push_back(V_other[static_cast<std::size_t>(same.frame(f))]);
+    twist.expect_equal(in_order, V);
+  });
+}
+
+TYPED_TEST(Invariance, NamesAndOrderOfDeclarationDoNotMatter) {
+  using Rep = typename TypeParam::Rep;
+  using T = typename TypeParam::T;
+  Comparison torque("torque", agreement<T>), transmitted("wrench", agreement<T>);
+  for_seeds(250, [&](std::uint64_t seed) {
+    Random<double> random(seed);
+    const Mechanism drawn = random_mechanism(random);
+    Description description = told(drawn, random);
+    const Model model = ModelBuilder(description).build();
+
+    const auto renamed = [](const std::string& name) { return name == "ground" ? name : "my " + name; };
+    for (BodyDescription& body : description.bodies) {
+      body.name = renamed(body.name), body.predecessor = renamed(body.predecessor);
+      body.joint.name = renamed(body.joint.name);
+      if (body.joint.coupling) body.joint.coupling->leader = renamed(body.joint.coupling->leader);
+    }
+    for (FrameDescription& frame : description.frames)
+      frame.name = renamed(frame.name), frame.body = renamed(frame.body);
+    const auto shuffle = [&](auto& list) {
+      for (std::size_t k = list.size(); k > 1; --k)
+        std::swap(list[k - 1], list[std::min(k - 1, static_cast<std::size_t>(random.number(0, double(k))))]);
+    };
+    shuffle(description.bodies), shuffle(description.frames);
+    const Model other = ModelBuilder(description).build();
+
+    Trial<T> trial(model, random);
+    const Correspondence same(model, other, renamed);
+    Trial<T> other_trial(other, same.carry(trial.exact));
+    const auto [tau, tau_other] =
+        same.common(trial.template inverse_dynamics<Rep>(), other_trial.template inverse_dynamics<Rep>());
+    EXPECT_EQ(static_cast<int>(tau.size()), model.nv());
+    torque.expect_equal(tau_other, tau);
+    const auto W = trial.template joint_wrenches<Rep>(), W_other = other_trial.template joint_wrenches<Rep>();
+    std::vector<Wrench<Rep, T>> in_order;
+    for (int i = 1; i <= model.n_bodies(); ++i) in_order.push_back(W_other[static_cast<std::size_t>(same.joint(i) - 1)]);
+    transmitted.expect_equal(in_order, W);
+  });
+}
+
+/// The whole scene, ground and gravity included, displaced by D.
+Mechanism displaced(const SE3<>& D, Mechanism mechanism) {
+  mechanism.gravity = D.R * mechanism.gravity;
+  for (DrawnBody& body : mechanism.bodies) {
+    body.A = D * body.A, body.J = D * body.J, body.second_axis = D.R * body.second_axis;
+    if (body.matter)
+      body.matter->com = D * body.matter->com, body.matter->Theta_c = rotate(D.R, body.matter->Theta_c);
+  }
+  for (DrawnFrame& frame : mechanism.frames) frame.pose = D * frame.pose;
+  return mechanism;
+}
+/// A load with the scene displaced: its components in inertial axes turn, those in axes of the frame do not.
+AppliedWrench<> displaced(const SE3<>& D, const AppliedWrench<>& load) {
+  const auto turned = [&](const auto& m, const auto& f) {
+    return AppliedWrench<>(load.frame, load.representation, m, f);
+  };
+  switch (load.representation) {
+    case Representation::body: return load;
+    case Representation::spatial: return turned(D.R * load.m + cross(D.r, D.R * load.f), D.R * load.f);
+    case Representation::hybrid: return turned(D.R * load.m, D.R * load.f);
+    case Representation::mixed: break;
+  }
+  return turned(load.m, D.R * load.f);
+}
+
+TYPED_TEST(Invariance, TheSceneMayStandAnywhere) {
+  using Rep = typename TypeParam::Rep;
+  using T = typename TypeParam::T;
+  Comparison torque("torque", agreement<T>), twist("twist", agreement<T>), pose("pose", agreement<T>);
+  for_seeds(250, [&](std::uint64_t seed) {
+    Random<double> random(seed);
+    const Mechanism drawn = random_mechanism(random);
+    Trial<T> trial(ModelBuilder(told(drawn, random)).build(), random);
+    const SE3<> D{random.rotation(), random.vector()};
+    const Model other = ModelBuilder(told(displaced(D, drawn), random)).build();
+    // Displaced ground frames are no longer where the ground is, but the ground's own frame stays.
+    State<double> state = trial.exact;
+    std::erase_if(state.wrenches, [](const AppliedWrench<>& load) { return load.frame == 0; });
+    for (AppliedWrench<>& load : state.wrenches) load = displaced(D, load);
+    Trial<T> other_trial(other, state);
+    torque.expect_equal(other_trial.template inverse_dynamics<Rep>(), trial.template inverse_dynamics<Rep>());
+
+    std::vector<SE3<T>> C = trial.poses(), C_other = other_trial.poses();
+    for (SE3<T>& C_f : C) C_f = axode::cast<T>(D) * C_f;
+    auto V = trial.template twists<BodyFixed>(), V_other = other_trial.template twists<BodyFixed>();
+    C[0] = C_other[0];
+    twist.expect_equal(V_other, V);
+    pose.expect_equal(C_other, C);
+  });
+}
+
+/// The joint that hangs p on i, of which the reverse hangs i on p: the same coordinate for joints with one, the
+/// inverse displacement for the others.
+DrawnBody with_joint(DrawnBody p, const DrawnBody& joint_of, int predecessor) {
+  p.predecessor = predecessor;
+  p.joint = joint_of.joint, p.kind = joint_of.kind, p.pitch = joint_of.pitch;
+  p.dof = joint_of.dof, p.coupling = joint_of.coupling;
+  p.J = joint_of.J;
+  if (has_one_velocity(p.kind)) p.J.R = {p.J.R.x, -p.J.R.y, -p.J.R.z};
+  if (p.kind == JointKind::free) p.J = p.A;
+  return p;
+}
+
+/// The mechanism with body `base` set free in place of body 0, and the bodies between them hung the other way round.
+Mechanism rerooted(const Mechanism& mechanism, int base, std::vector<int>& path) {
+  Mechanism out = mechanism;
+  const auto body = [&](int i) -> const DrawnBody& { return mechanism.bodies[static_cast<std::size_t>(i)]; };
+  DrawnBody free_base = body(base);
+  free_base.predecessor = -1, free_base.joint = "new base", free_base.kind = JointKind::free;
+  free_base.J = free_base.A, free_base.pitch = 0, free_base.dof = {}, free_base.coupling = {};
+  out.bodies[static_cast<std::size_t>(base)] = free_base;
+  for (int i = base; i != 0; i = body(i).predecessor) {
+    path.push_back(i);
+    const int p = body(i).predecessor;
+    out.bodies[static_cast<std::size_t>(p)] = with_joint(body(p), body(i), i);
+  }
+  return out;
+}
+
+TYPED_TEST(Invariance, AnyBodyOfAFloatingMechanismMayBeItsBase) {
+  using Rep = typename TypeParam::Rep;
+  using T = typename TypeParam::T;
+  Comparison torque("torque", agreement<T>), base_wrench("base wrench", agreement<T>);
+  for_seeds(250, [&](std::uint64_t seed) {
+    Random<double> random(seed);
+    Mechanism drawn = random_mechanism(random, {.composite = false, .one_free_root = true});
+    remove_drives(drawn, [](JointKind kind) { return !has_one_velocity(kind); });
+    const int last = static_cast<int>(drawn.bodies.size()) - 1;
+    if (last == 0) return;
+    int base = last;
+    while (drawn.bodies[static_cast<std::size_t>(base)].kind == JointKind::fixed) --base;
+    if (base == 0) return;
+    std::vector<int> path;
+    const Mechanism other_way = rerooted(drawn, base, path);
+    const Model model = ModelBuilder(told(drawn, random)).build();
+    const Model other = ModelBuilder(told(other_way, random)).build();
+
+    // What the base's joint would have to do acts as a load on the same body, so that the mechanism floats.
+    State<double> state = random_state(model, random);
+    Trial<double> driven(model, state);
+    const std::vector<double> W_0 = driven.template inverse_dynamics<BodyFixed>();
+    state.wrenches.emplace_back(1, Representation::body, Vec3<>{W_0[0], W_0[1], W_0[2]},
+                                Vec3<>{W_0[3], W_0[4], W_0[5]});
+    Trial<double> exact(model, state);
+    Trial<T> trial(model, state);
+    const auto C = exact.poses();
+    const auto V = exact.template twists<BodyFixed>();
+    const auto dV = exact.template accelerations<BodyFixed>();
+    const std::vector<T> tau = trial.template inverse_dynamics<Rep>();
+
+    const Correspondence same(model, other);
+    State<double> other_state = same.carry(state);
+    const std::size_t f = static_cast<std::size_t>(model.frame_index(drawn.name(base)));
+    const int new_base = other.joint_index("new base"), iv = other.joint(new_base).iv;
+    std::ranges::copy(coordinates(Subgroup::free, inverse(drawn.A(base)) * C[f]),
+                      &other_state.q[other.joint(new_base).iq]);
+    std::ranges::copy(entries(V[f]), &other_state.v[iv]);
+    std::ranges::copy(entries(dV[f]), &other_state.a[iv]);
+
+    // Joints of several velocities on the path: C_p = C_i B⁻¹ q' with q' = B q⁻¹ B⁻¹, so that v' = -Ad_{B q} v.
+    for (const int i : path) {
+      const DrawnBody& body = drawn.bodies[static_cast<std::size_t>(i)];
+      if (has_one_velocity(body.kind) || body.kind == JointKind::fixed) continue;
+      const Joint& joint = model.joint(model.joint_index(body.joint));
+      const Joint& joint_other = other.joint(other.joint_index(body.joint));
+      const SE3<> B = body.kind == JointKind::free ? inverse(drawn.A(body.predecessor)) * body.A : SE3<>{};
+      const SE3<> Bq = B * displacement(joint.kind, 0, &state.q[joint.iq]);
+      std::ranges::copy(coordinates(joint.kind, B * inverse(Bq)), &other_state.q[joint_other.iq]);
+      const auto reverse = [&](const std::vector<double>& x, std::vector<double>& out) {
+        const Screw<> X = -Ad(Bq, joint_screw(joint.kind, 0, &x[joint.iv]));
+        std::ranges::copy(components(joint.kind, 0, X), &out[joint_other.iv]);
+      };
+      reverse(state.v, other_state.v), reverse(state.a, other_state.a);
+    }
+    Trial<T> other_trial(other, other_state);
+    const std::vector<T> tau_other = other_trial.template inverse_dynamics<Rep>();
+    std::vector<double> tau_back = cast<double>(tau_other);
+    for (const int i : path) {  // τ = -Ad_{B q}ᵀ τ'
+      const DrawnBody& body = drawn.bodies[static_cast<std::size_t>(i)];
+      if (has_one_velocity(body.kind) || body.kind == JointKind::fixed) continue;
+      const Joint& joint = model.joint(model.joint_index(body.joint));
+      const Joint& joint_other = other.joint(other.joint_index(body.joint));
+      const SE3<> B = body.kind == JointKind::free ? inverse(drawn.A(body.predecessor)) * body.A : SE3<>{};
+      const SE3<> Bq = B * displacement(joint.kind, 0, &state.q[joint.iq]);
+      const Screw<> W = joint_screw(joint.kind, 0, &tau_back[joint_other.iv]);  // a wrench with the forces τ'
+      const Wrench<BodyFixed> back = coAd_inv(Bq, Wrench<Spatial>{W.w, W.v});
+      std::ranges::copy(components(joint.kind, 0, -Screw<>{back.m, back.f}), &tau_back[joint_other.iv]);
+    }
+    const auto [expected, found] = same.common(cast<double>(tau), tau_back);
+    const double scale = std::max(largest(entries(tau)), largest(W_0));
+    torque.expect_equal(found, expected, scale);
+    const auto begin = tau_other.begin() + iv;
+    base_wrench.expect_equal(std::vector<T>(begin, begin + 6), std::vector<T>(6), scale);
+  });
+}
+
+}  // namespace
+}  // namespace axode::test

@@ -1,0 +1,50 @@
+#pragma once
+#include <gtest/gtest.h>
+
+#include <cstdint>
+#include <random>
+#include <string>
+
+#include "axode/lie.hpp"
+
+namespace axode::test {
+
+/// Random quantities of order one. The seed is fixed, so that a failure repeats, and every failure prints it.
+template <class T> class Random {
+ public:
+  explicit Random(std::uint64_t seed = 1)
+      : engine_(seed), trace_(__FILE__, __LINE__, "random quantities with seed " + std::to_string(seed)) {}
+
+  T number(T low, T high) { return low + (high - low) * unit_(engine_); }
+  Vec3<T> vector(T size = T(1)) { return {number(-size, size), number(-size, size), number(-size, size)}; }
+  Vec3<T> direction() {
+    for (;;) {
+      const Vec3<T> a = vector();
+      const T length = norm(a);
+      if (length > T(0.1) && length < T(1)) return (T(1) / length) * a;
+    }
+  }
+  /// A rotation vector with an angle in (low, high).
+  Vec3<T> rotation_vector(T low, T high) { return number(low, high) * direction(); }
+  SO3<T> rotation() { return exp_SO3(rotation_vector(T(0), T(3.1))); }
+  SE3<T> pose() { return {rotation(), vector(T(2))}; }
+  Screw<T> screw() { return {vector(), vector()}; }
+  /// Any pair of vectors: a twist, twist rate, wrench or momentum.
+  template <class Quantity> Quantity any() { return {vector(), vector()}; }
+  Sym3<T> tensor() {
+    return {number(-1, 1), number(-1, 1), number(-1, 1), number(-1, 1), number(-1, 1), number(-1, 1)};
+  }
+  /// The inertia of six point masses in random places.
+  Inertia<T> inertia() {
+    Inertia<T> M;
+    for (int k = 0; k < 6; ++k) M += inertia_from_com(number(T(0.1), T(1)), vector(), Sym3<T>{});
+    return M;
+  }
+
+ private:
+  std::mt19937_64 engine_;
+  testing::ScopedTrace trace_;
+  std::uniform_real_distribution<T> unit_{T(0), T(1)};
+};
+
+}  // namespace axode::test

@@ -1,0 +1,175 @@
+#include <gtest/gtest.h>
+#include <pthread.h>
+
+#include <ctime>
+#include <functional>
+
+#include "axode/dynamics.hpp"
+#include "tests/model/random_mechanism.hpp"
+
+/// Ten thousand bodies in a row or on one: time in proportion to their number, and no deep recursion.
+namespace axode::test {
+namespace {
+
+/// A long tree: body i on body of(i) of those before it, or on the ground where that is negative.
+Description tree(int n, const std::function<int(int)>& predecessor_of) {
+  Description description{.name = "large"};
+  for (int i = 0; i < n; ++i) {
+    const int p = predecessor_of(i);
+    description.bodies.push_back({.name = numbered('b', i),
+                                  .predecessor = p < 0 ? "ground" : numbered('b', p),
+                                  .joint = {.name = numbered('j', i),
+                                            .kind = one_dof_kinds[static_cast<std::size_t>(i) % 2],
+                                            .axis = {0.3, 1, 0},
+                                            .point = {0.001 * i, 0, 0}},
+                                  .geometry = InConstructionFrame{{{}, {0.001 * i, 0, 0}}},
+                                  .inertia = MassProperties{.mass = 1, .Theta = {1, 1, 1, 0, 0, 0}}});
+  }
+  return description;
+}
+Description chain(int n) {
+  return tree(n, [](int i) { return i - 1; });
+}
+Description backward_chain(int n) {  // declared from the tip to the root
+  Description description = chain(n);
+  std::ranges::reverse(description.bodies);
+  return description;
+}
+Description star(int n) {
+  return tree(n, [](int i) { return i == 0 ? -1 : 0; });
+}
+Description forest(int n) {
+  return tree(n, [](int) { return -1; });
+}
+Description fixed_chain(int n) {
+  Description description = chain(n);
+  for (BodyDescription& body : description.bodies)
+    if (body.name != "b0") body.joint.kind = JointKind::fixed;
+  return description;
+}
+Description chain_of_split_joints(int n) {
+  Description description = chain(n);
+  for (BodyDescription& body : description.bodies) body.joint.kind = JointKind::cylindrical;
+  return description;
+}
+Description couplings_on_one_joint(int n) {
+  Description description = star(n);
+  for (BodyDescription& body : description.bodies)
+    if (body.name != "b0") body.joint.coupling = Coupling{"j0"};
+  return description;
+}
+Description chain_of_couplings(int n) {  // each follows the next, declared after it
+  Description description = star(n);
+  for (int i = 0; i + 1 < n; ++i) description.bodies[i].joint.coupling = Coupling{numbered('j', i + 1)};
+  return description;
+}
+Description nothing_but_faults(int n) {
+  Description description = chain(n);
+  for (BodyDescription& body : description.bodies)
+    body.predecessor = "x" + body.name, body.inertia->mass = -1;
+  return description;
+}
+Description ring(int n) {
+  Description description = chain(n);
+  description.bodies[0].predecessor = numbered('b', n - 1);
+  return description;
+}
+Description many_frames(int n) {
+  Description description = chain(10);
+  for (int k = 0; k < n; ++k) description.frames.push_back({.name = numbered('f', k), .body = "b9"});
+  return description;
+}
+
+struct Shape {
+  const char* name;
+  Description (*make)(int n);
+};
+class LargeTrees : public testing::TestWithParam<Shape> {};
+
+/// The least processor time that building takes, in seconds.
+double build_time(const Description& description) {
+  double least = 1e9;
+  for (int run = 0; run < 3; ++run) {
+    const std::clock_t start = std::clock();
+    try {
+      ModelBuilder(description).build();
+    } catch (const ModelError&) {
+    }
+    least = std::min(least, static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC);
+  }
+  return least;
+}
+
+TEST_P(LargeTrees, AreBuiltInTimeProportionalToTheirSize) {
+  const double small = build_time(GetParam().make(2500)), large = build_time(GetParam().make(10'000));
+  RecordProperty("milliseconds", static_cast<int>(1000 * large));
+  EXPECT_LT(large / small, 10) << "four times the bodies took " << small << " s and then " << large << " s";
+  EXPECT_LT(large, 5);
+}
+
+/// Runs a function on a stack of 256 KiB, on which ten thousand nested calls do not fit.
+void on_small_stack(std::function<void()> function) {
+  pthread_attr_t attributes;
+  pthread_t thread;
+  ASSERT_EQ(pthread_attr_init(&attributes), 0);
+  ASSERT_EQ(pthread_attr_setstacksize(&attributes, 256 * 1024), 0);
+  const auto run = [](void* f) -> void* {
+    (*static_cast<std::function<void()>*>(f))();
+    return nullptr;
+  };
+  ASSERT_EQ(pthread_create(&thread, &attributes, run, &function), 0);
+  ASSERT_EQ(pthread_join(thread, nullptr), 0);
+  pthread_attr_destroy(&attributes);
+}
+
+TEST_P(LargeTrees, NeedNoDeepRecursion) {
+  const Description description = GetParam().make(10'000);
+  on_small_stack([&] {
+    try {
+      const Model model = ModelBuilder(description).build();
+      Workspace<double> workspace(model);
+      const std::vector<double> q = neutral(model), zero(model.nv());
+      std::vector<SE3<>> C(model.n_frames());
+      std::vector<double> tau(model.nv());
+      poses(model, workspace, q, C);
+      inverse_dynamics(model, workspace, q, zero, zero, tau);
+      const std::string_view locked[] = {model.joint(1).name};
+      if (!model.joint(1).leader) {
+        EXPECT_EQ(reduced(model, locked, q).n_frames(), model.n_frames());
+      }
+    } catch (const ModelError& error) {
+      EXPECT_FALSE(error.faults().empty());
+    }
+  });
+}
+
+INSTANTIATE_TEST_SUITE_P(, LargeTrees,
+                         testing::Values(Shape{"chain", chain}, Shape{"backward_chain", backward_chain},
+                                         Shape{"star", star}, Shape{"forest", forest},
+                                         Shape{"fixed_chain", fixed_chain},
+                                         Shape{"chain_of_split_joints", chain_of_split_joints},
+                                         Shape{"couplings_on_one_joint", couplings_on_one_joint},
+                                         Shape{"chain_of_couplings", chain_of_couplings},
+                                         Shape{"nothing_but_faults", nothing_but_faults}, Shape{"ring", ring},
+                                         Shape{"many_frames", many_frames}),
+                         [](const auto& shape) { return std::string(shape.param.name); });
+
+TEST(LargeTree, AChainOfTenThousandBodiesIsEvaluatedRight) {
+  const int n = 10'000;
+  const Model model = ModelBuilder(chain(n)).build();
+  ASSERT_EQ(model.n_bodies(), n);
+  for (int i = 1; i <= n; ++i) ASSERT_EQ(model.body(i).predecessor, i - 1);
+  Workspace<double> workspace(model);
+  const std::vector<double> q = neutral(model), zero(model.nv());
+  std::vector<SE3<>> C(model.n_frames());
+  poses(model, workspace, q, C);
+  EXPECT_NEAR(C[n].r.x, 0.001 * (n - 1), 1e-9);
+  std::vector<Wrench<Hybrid>> W(n);
+  joint_wrenches<Hybrid>(model, workspace, q, zero, zero, W);
+  EXPECT_NEAR(W[0].f.z, 9.81 * n, 1e-6) << "the first joint carries all of the weight";
+  EXPECT_NEAR(W[0].m.y, -9.81 * 0.001 * (n - 1.0) * n / 2, 1e-4);
+  EXPECT_NEAR(W[n - 1].f.z, 9.81, 1e-12) << "the last one its own";
+}
+
+}  // namespace
+}  // namespace axode::test

@@ -1,0 +1,107 @@
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <set>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "tests/support/shared_files.hpp"
+
+/// The ledger of the paper's equations: a table with the columns test, id, section, meaning, status and stage, one row
+/// for each equation. Every row of a stage that is reached has a test Paper.<test>.
+namespace axode::test::paper {
+namespace {
+
+const std::set<std::string> stages_reached{"foundation"};
+
+struct Row {
+  std::string test, status, stage;
+};
+
+std::filesystem::path ledger_file() { return shared_folder("AXODE_LEDGER", "shared/paper/equations.tsv"); }
+
+std::vector<Row> read_ledger() {
+  std::vector<Row> rows;
+  std::ifstream stream(ledger_file());
+  std::string line;
+  for (std::getline(stream, line); std::getline(stream, line);) {
+    std::vector<std::string> columns;
+    std::istringstream cells(line);
+    for (std::string cell; std::getline(cells, cell, '\t');) columns.push_back(cell);
+    if (columns.size() != 6) throw std::runtime_error("a row of the ledger has not 6 columns: " + line);
+    rows.push_back({columns[0], columns[4], columns[5]});
+  }
+  return rows;
+}
+
+std::set<std::string> tests_of_the_paper() {
+  std::set<std::string> names;
+  const testing::UnitTest& all = *testing::UnitTest::GetInstance();
+  for (int s = 0; s < all.total_test_suite_count(); ++s) {
+    const testing::TestSuite& suite = *all.GetTestSuite(s);
+    if (suite.name() == std::string("Paper"))
+      for (int t = 0; t < suite.total_test_count(); ++t) names.insert(suite.GetTestInfo(t)->name());
+  }
+  return names;
+}
+
+/// The text of every test of the suite, from its TEST line to the next one.
+std::map<std::string, std::string> texts_of_the_tests() {
+  std::map<std::string, std::string> texts;
+  const std::string start = "TEST(Paper, ";
+  for (const auto& entry :
+       std::filesystem::directory_iterator(std::string(AXODE_SOURCE_DIR) + "/tests/paper")) {
+    if (entry.path().extension() != ".cpp") continue;
+    std::ifstream stream(entry.path());
+    std::string name;
+    for (std::string line; std::getline(stream, line);) {
+      if (line.starts_with(start)) name = line.substr(start.size(), line.find(')') - start.size());
+      if (!name.empty()) texts[name] += line + '\n';
+      if (line == "}") name.clear();
+    }
+  }
+  return texts;
+}
+
+class Ledger : public testing::Test {
+ protected:
+  void SetUp() override {
+    if (!std::filesystem::is_regular_file(ledger_file()))
+      GTEST_SKIP() << "no ledger at " << ledger_file().lexically_normal() << "; AXODE_LEDGER names another";
+    rows = read_ledger();
+    ASSERT_FALSE(rows.empty());
+  }
+  std::vector<Row> rows;
+};
+
+TEST_F(Ledger, EveryRowOfAStageReachedHasATest) {
+  const std::set<std::string> tests = tests_of_the_paper();
+  for (const Row& row : rows)
+    EXPECT_TRUE(!stages_reached.contains(row.stage) || tests.contains(row.test))
+        << "no test Paper." << row.test;
+}
+
+TEST_F(Ledger, EveryTestIsARow) {
+  std::set<std::string> names;
+  for (const Row& row : rows) EXPECT_TRUE(names.insert(row.test).second) << row.test << " appears twice";
+  for (const std::string& test : tests_of_the_paper())
+    EXPECT_TRUE(names.contains(test)) << "Paper." << test << " is in no row";
+}
+
+TEST_F(Ledger, ErrataAndOnlyErrataShowThatThePrintedFormFails) {
+  const std::map<std::string, std::string> texts = texts_of_the_tests();
+  for (const Row& row : rows) {
+    const auto text = texts.find(row.test);
+    if (text == texts.end()) continue;
+    const bool shown = text->second.find("eq.fails(") != std::string::npos;
+    EXPECT_EQ(shown, row.status == "erratum")
+        << "Paper." << row.test << " is a row with status " << row.status;
+    EXPECT_NE(text->second.find("eq.holds("), std::string::npos) << "Paper." << row.test << " shows nothing";
+  }
+}
+
+}  // namespace
+}  // namespace axode::test::paper

@@ -1,0 +1,204 @@
+#include "tests/paper/motion.hpp"
+
+#include "tests/support/any_scalar.hpp"
+#include "tests/support/random_tree.hpp"
+
+namespace axode::test::paper {
+
+Vec6OfT twist_of(const PoseOfT& C, Representation representation) {
+  const Eigen::Matrix4<Series> C_t = to_eigen(C), dC = derivative(C_t), C_inv = to_eigen(inverse(C));
+  const Eigen::Matrix4<Series> body_fixed = C_inv * dC, spatial = dC * C_inv;
+  const Screw<Series> V_b = from_hat(body_fixed), V_s = from_hat(spatial);
+  switch (representation) {
+    case Representation::body: return to_eigen(V_b);
+    case Representation::spatial: return to_eigen(V_s);
+    case Representation::hybrid: return to_eigen(Screw<Series>{V_s.w, derivative(C.r)});
+    case Representation::mixed: break;
+  }
+  return to_eigen(Screw<Series>{V_b.w, derivative(C.r)});
+}
+
+template <class Rep> Motion::Answer<Rep> Motion::ask() const {
+  Workspace<double> workspace(model());
+  const Loads<> loads{.wrenches = system_.loads};
+  const std::size_t n_frames = static_cast<std::size_t>(model().n_frames());
+  Answer<Rep> answer{std::vector<Twist<Rep>>(n_frames), std::vector<TwistRate<Rep>>(n_frames),
+                     std::vector<Wrench<Rep>>(static_cast<std::size_t>(n())), std::vector<double>(v_.size())};
+  axode::twists<Rep>(model(), workspace, q_, v_, answer.V);
+  axode::accelerations<Rep>(model(), workspace, q_, v_, a_, answer.dV);
+  axode::joint_wrenches<Rep>(model(), workspace, q_, v_, a_, answer.W, loads);
+  axode::inverse_dynamics<Rep>(model(), workspace, q_, v_, a_, answer.tau, loads);
+  return answer;
+}
+
+Motion::Motion(System system, std::uint64_t seed) : system_(std::move(system)) {
+  Random<double> random(100 + seed);
+  q_ = random_configuration(model(), 100 + seed);
+  v_ = random_numbers(random, model().nv());
+  a_ = random_numbers(random, model().nv());
+  C_ = poses_of_t(v_, a_);
+  pose_ = poses_at(q_), pose_at_zero_ = poses_at(neutral(model()));
+  answers_ = {ask<BodyFixed>(), ask<Spatial>(), ask<Hybrid>(), ask<Mixed>()};
+}
+
+std::vector<SE3<>> Motion::poses_at(const std::vector<double>& q) const {
+  std::vector<SE3<>> C(static_cast<std::size_t>(model().n_frames()));
+  Workspace<double> workspace(model());
+  axode::poses(model(), workspace, q, C);
+  return C;
+}
+
+std::vector<PoseOfT> Motion::poses_of_t(const std::vector<double>& v, const std::vector<double>& a) const {
+  const Tree<Series> tree = axode::cast<Series>(model().tree<double>());
+  return frame_poses(tree, moving<3>(tree, q_, v, a));
+}
+
+std::vector<int> Motion::children(int i) const {
+  std::vector<int> children;
+  for (int k = i + 1; k <= n(); ++k)
+    if (predecessor(k) == i) children.push_back(k);
+  return children;
+}
+
+std::vector<int> Motion::path(int i) const {
+  std::vector<int> path;
+  for (; i > 0; i = predecessor(i)) path.insert(path.begin(), i);
+  return path;
+}
+
+Mat6X Motion::X(int i) const {
+  Mat6X columns(6, body(i).X.size());
+  for (std::size_t k = 0; k < body(i).X.size(); ++k)
+    columns.col(static_cast<int>(k)) = to_eigen(body(i).X[k]);
+  return columns;
+}
+
+Vec6 Motion::Z(int i) const {
+  const Joint& joint = model().joint(i);
+  return with_subgroup(joint.kind, joint.pitch,
+                       [](const auto& subgroup) { return to_eigen(subgroup.column(0)); });
+}
+
+SE3<> Motion::product_of_Y(int i) const {
+  SE3<> product;
+  for (const int j : path(i)) product = product * exp(q(j) * drawn(j).Y);
+  return product;
+}
+
+Eigen::VectorXd Motion::of_joint(int i, const std::vector<double>& x) const {
+  const Joint& joint = model().joint(i);
+  return Eigen::Map<const Eigen::VectorXd>(&x[joint.iv], joint.nv);
+}
+Eigen::VectorXd Motion::qd(int i) const { return of_joint(i, v_); }
+Eigen::VectorXd Motion::qdd(int i) const { return of_joint(i, a_); }
+
+Vec6OfT Motion::V_of_t(int i, const PoseOfT& F) const {
+  const Vec6OfT V = V_of_t<Hybrid>(i);
+  const Vec3<Series> w{V[0], V[1], V[2]}, dr{V[3], V[4], V[5]};
+  const SO3<Series> Rt = transpose(F.R);
+  return to_eigen(Screw<Series>{Rt * w, Rt * (dr + cross(w, F.r - C_[i].r))});
+}
+
+Vec6OfT Motion::Pi_of_t(int i, const PoseOfT& F) const {
+  const int b = body_of(i);
+  const SO3<Series> Rt = transpose(F.R);
+  Screw<Series> Pi;
+  for (const PointMass& point : drawn(b).points) {
+    const Vec3<Series> p = position(b, point), momentum = Series(point.m) * derivative(p);
+    Pi = Pi + Screw<Series>{Rt * cross(p - F.r, momentum), Rt * momentum};
+  }
+  return to_eigen(Pi);
+}
+
+Mat6 Motion::M(int i, const PoseOfT& F) const {
+  const int b = body_of(i);
+  Mat6 M = Mat6::Zero();
+  for (const PointMass& point : drawn(b).points) {
+    const Mat3 p = tilde(inverse(now(F)) * now(position(b, point)));
+    M += point.m * blocks(-p * p, p, -p, Mat3::Identity());
+  }
+  return M;
+}
+
+Vec6 Motion::W(int i, const PoseOfT& F) const {
+  const int b = body_of(i);
+  const SE3<> F_now = now(F);
+  const SO3<> Rt = transpose(F_now.R);
+  Screw<> W;
+  for (const PointMass& point : drawn(b).points) {
+    const Vec3<Series> p = position(b, point);
+    const Vec3<> force = point.m * second_rate(p);
+    W = W + Screw<>{Rt * cross(now(p) - F_now.r, force), Rt * force};
+  }
+  return to_eigen(W);
+}
+
+double Motion::kinetic_energy(int i) const {
+  double energy = 0;
+  for (const PointMass& point : drawn(i).points) {
+    const Vec3<> dp = rate(position(i, point));
+    energy += 0.5 * point.m * dot(dp, dp);
+  }
+  return energy;
+}
+
+Vec6 Motion::W_app(int i, const PoseOfT& F) const {
+  const SE3<> F_now = now(F);
+  const SO3<> Rt = transpose(F_now.R);
+  Screw<> W;
+  const auto add = [&](const Vec3<>& moment, const Vec3<>& force, const Vec3<>& at) {  // in inertial axes
+    W = W + Screw<>{Rt * (moment + cross(at - F_now.r, force)), Rt * force};
+  };
+  for (const PointMass& point : drawn(i).points)
+    add(Vec3<>{}, point.m * model().gravity(), now(position(i, point)));
+  for (const AppliedWrench<>& load : system_.loads) {
+    if (body_of(load.frame) != i) continue;
+    const SE3<> C = now(C_[load.frame]);
+    switch (load.representation) {
+      case Representation::body: add(C.R * load.m, C.R * load.f, C.r); break;
+      case Representation::spatial: add(load.m, load.f, Vec3<>{}); break;
+      case Representation::hybrid: add(load.m, load.f, C.r); break;
+      case Representation::mixed: add(C.R * load.m, load.f, C.r); break;
+    }
+  }
+  return to_eigen(W);
+}
+
+Vec6 Motion::transmitted(int i, const PoseOfT& F) const {
+  Vec6 sum = W(i, F) - W_app(i, F);
+  for (const int k : children(i)) sum += transmitted(k, F);
+  return sum;
+}
+
+FramePair<> Motion::frame_pair(int j, int k) const {
+  return {pose(j).r, twist<Hybrid>(j).v, pose(k).R, twist<Hybrid>(k).w};
+}
+
+Mat6X Motion::J(int i, int j, Representation representation) const {
+  const Joint& joint = model().joint(j);
+  Mat6X columns(6, joint.nv);
+  for (int k = 0; k < joint.nv; ++k) {
+    std::vector<double> unit(v_.size());
+    unit[joint.iv + k] = 1;
+    const std::vector<PoseOfT> C = poses_of_t(unit, std::vector<double>(v_.size()));
+    columns.col(k) = now(twist_of(C[i], representation));
+  }
+  return columns;
+}
+
+PoseOfT Motion::frame(int f, Representation representation) const {
+  switch (representation) {
+    case Representation::body: return C_[f];
+    case Representation::spatial: return {};
+    case Representation::hybrid: break;
+    case Representation::mixed: break;
+  }
+  return {{}, C_[f].r};
+}
+
+Vec6 Motion::W(int f, Representation representation) const {
+  if (representation != Representation::mixed) return W(f, frame(f, representation));
+  return (Vec6() << angular(W<BodyFixed>(f)), linear(W<Hybrid>(f))).finished();
+}
+
+}  // namespace axode::test::paper
