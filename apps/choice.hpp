@@ -1,0 +1,61 @@
+#pragma once
+#include <array>
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include "axode/io.hpp"
+#include "axode/lie/twist.hpp"
+#include "axode/model/nearest_name.hpp"
+#include "commands.hpp"
+
+/// Words of the command line that stand for a value.
+namespace axode::command {
+
+enum class Format { table, json };
+
+inline constexpr std::array<std::pair<std::string_view, Format>, 2> formats{
+    {{"table", Format::table}, {"json", Format::json}}};
+inline constexpr std::array<std::pair<std::string_view, Base>, 2> bases{
+    {{"fixed", Base::fixed}, {"free", Base::free}}};
+inline constexpr std::array<std::pair<std::string_view, Representation>, 4> representations{
+    {{"body", Representation::body},
+     {"spatial", Representation::spatial},
+     {"hybrid", Representation::hybrid},
+     {"mixed", Representation::mixed}}};
+
+/// `"fre" is none of fixed, free; did you mean "free"?`, where names are the words that would do.
+template <class Range, class NameOf>
+std::string none_of(std::string_view word, const Range& candidates, NameOf name_of) {
+  std::string sentence = '"' + std::string(word) + "\" is none of ";
+  const char* separator = "";
+  for (const auto& candidate : candidates) {
+    sentence += separator + std::string(name_of(candidate));
+    separator = ", ";
+  }
+  return sentence + did_you_mean(word, candidates, name_of);
+}
+
+/// The value of a word. Throws Error where there is no such word; `where` starts the sentence.
+template <class Error = UsageError, class Value, std::size_t N>
+Value choose(const std::string& where, std::string_view word,
+             const std::array<std::pair<std::string_view, Value>, N>& choices) {
+  for (const auto& [name, value] : choices)
+    if (name == word) return value;
+  throw Error(where + ": " + none_of(word, choices, [](const auto& choice) { return choice.first; }));
+}
+
+/// The word for a value.
+template <class Value, std::size_t N>
+std::string_view word_for(Value wanted, const std::array<std::pair<std::string_view, Value>, N>& choices) {
+  for (const auto& [name, value] : choices)
+    if (value == wanted) return name;
+  return "";
+}
+
+/// The value of `--base`, which may be left out.
+inline Base base_of(const std::string& word) {
+  return word.empty() ? Base::as_described : choose("--base", word, bases);
+}
+
+}  // namespace axode::command

@@ -1,0 +1,43 @@
+#pragma once
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace CLI {
+class App;
+}
+
+/// The commands of `axode`. Each adds itself to the command line and, when chosen, leaves its exit code.
+namespace axode::command {
+
+enum ExitCode {
+  all_well = 0,
+  bad_input = 1,    ///< a file is missing, malformed or describes something impossible
+  wrong_usage = 2,  ///< the command line itself is wrong
+};
+
+/// The command line itself is wrong.
+class UsageError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// What was given is wrong: one sentence for each fault.
+class InputError : public std::runtime_error {
+ public:
+  explicit InputError(std::vector<std::string> sentences)
+      : std::runtime_error("bad input"), sentences_(std::move(sentences)) {}
+  explicit InputError(std::string sentence) : InputError(std::vector{std::move(sentence)}) {}
+  const std::vector<std::string>& sentences() const { return sentences_; }
+
+ private:
+  std::vector<std::string> sentences_;
+};
+
+void add_info(CLI::App& app, int& exit_code);
+void add_check(CLI::App& app, int& exit_code);
+void add_convert(CLI::App& app, int& exit_code);
+void add_eval(CLI::App& app, int& exit_code);
+void add_demo(CLI::App& app, int& exit_code);
+
+}  // namespace axode::command

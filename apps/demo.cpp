@@ -1,0 +1,207 @@
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <filesystem>
+#include <random>
+#include <vector>
+
+#include "axode/dynamics.hpp"
+#include "axode/io.hpp"
+#include "commands.hpp"
+#include "quantities.hpp"
+#include "table.hpp"
+#include "terminal.hpp"
+#include "tree_drawing.hpp"
+
+namespace axode::command {
+namespace {
+
+constexpr const char* footer = R"(Example:
+  axode demo
+
+Loads an arm and a humanoid that come with axode, and computes their inverse dynamics in four
+representations of twists and wrenches: they must agree to rounding. Takes a few seconds.)";
+
+constexpr std::array<Representation, 4> all_representations{Representation::body, Representation::spatial,
+                                                            Representation::hybrid, Representation::mixed};
+
+/// The folder of the robots: beside an installed command, or in the source tree.
+std::filesystem::path robots_folder() {
+  std::error_code unknown;
+  const std::filesystem::path program = std::filesystem::read_symlink("/proc/self/exe", unknown);
+  const std::filesystem::path installed = program.parent_path() / AXODE_INSTALLED_ROBOTS;
+  if (std::filesystem::is_directory(installed)) return installed.lexically_normal();
+  if (std::filesystem::is_directory(AXODE_SOURCE_ROBOTS)) return AXODE_SOURCE_ROBOTS;
+  throw InputError("the robots of the demo are neither in " + installed.lexically_normal().string() + " nor in " +
+                   AXODE_SOURCE_ROBOTS);
+}
+
+State random_state(const Model& model) {
+  std::mt19937_64 bits(7);
+  const auto random = [&](double largest) {
+    std::vector<double> x(model.nv());
+    for (double& x_k : x) x_k = largest * (static_cast<double>(bits() >> 11) * 0x1p-52 - 1);
+    return x;
+  };
+  return {random_configuration(model, 7), random(1), random(2), {}};
+}
+
+std::string short_number(double x) { return x == 0 ? "0" : fmt::format("{:.1e}", x); }
+
+double microseconds(double seconds) { return std::round(1e8 * seconds) / 100; }
+
+/// Seconds that one call takes: the median of batches that are long enough for the clock.
+template <class F>
+double median_time(F call) {
+  using Clock = std::chrono::steady_clock;
+  const auto seconds = [&](int calls) {
+    const auto start = Clock::now();
+    for (int k = 0; k < calls; ++k) call();
+    return std::chrono::duration<double>(Clock::now() - start).count() / calls;
+  };
+  const int calls = std::clamp(static_cast<int>(50e-6 / std::max(seconds(100), 1e-9)), 1, 100000);
+  std::array<double, 2001> times{};
+  for (double& time : times) time = seconds(calls);
+  std::nth_element(times.begin(), times.begin() + times.size() / 2, times.end());
+  return times[times.size() / 2];
+}
+
+/// Inverse dynamics of one robot at one state, four times.
+struct FourWays {
+  std::array<std::vector<double>, 4> tau;
+  std::array<double, 4> time{};
+
+  FourWays(const Model& model, const State& state) {
+    Workspace<> workspace(model);
+    for (std::size_t r = 0; r < tau.size(); ++r) {
+      tau[r].resize(model.nv());
+      with_representation(all_representations[r], [&](auto rep) {
+        time[r] = median_time([&] {
+          inverse_dynamics<decltype(rep)>(model, workspace, state.q, state.v, state.a, tau[r]);
+        });
+      });
+    }
+  }
+  /// How far the four are apart in component k.
+  double spread(std::size_t k) const {
+    const auto [least, most] = std::minmax({tau[0][k], tau[1][k], tau[2][k], tau[3][k]});
+    return most - least;
+  }
+  double largest() const {
+    double largest = 0;
+    for (const double x : tau[0]) largest = std::max(largest, std::abs(x));
+    return largest;
+  }
+  double largest_spread() const {
+    double largest = 0;
+    for (std::size_t k = 0; k < tau[0].size(); ++k) largest = std::max(largest, spread(k));
+    return largest;
+  }
+};
+
+void print_forces(const Model& model, const FourWays& ways) {
+  constexpr std::size_t most_rows = 10;
+  const std::vector<std::string> names = velocity_names(model);
+  std::vector<std::size_t> shown(names.size());
+  for (std::size_t k = 0; k < shown.size(); ++k) shown[k] = k;
+  const bool some = shown.size() > most_rows;
+  if (some) {
+    const auto larger = [&](std::size_t i, std::size_t j) {
+      return std::abs(ways.tau[0][i]) > std::abs(ways.tau[0][j]);
+    };
+    std::ranges::sort(shown, larger);
+    shown.resize(most_rows);
+    std::ranges::sort(shown);
+  }
+  Table table({"joint", "body-fixed", "spatial", "hybrid", "mixed", "they differ by"});
+  for (const std::size_t k : shown)
+    table.row({names[k], ways.tau[0][k], ways.tau[1][k], ways.tau[2][k], ways.tau[3][k],
+               short_number(ways.spread(k))});
+  fmt::print("\ndrive forces at a random state, one recursion in four representations{}; N m or N\n{}",
+             some ? fmt::format(" (the {} largest of {})", most_rows, names.size()) : "", table.text());
+}
+
+/// The last frame of a model: where its tool, or its last body, is.
+void print_tip(const Model& model, const State& state) {
+  Workspace<> workspace(model);
+  std::vector<SE3<>> C(model.n_frames());
+  poses(model, workspace, state.q, C);
+  const auto& [R, r] = C.back();
+  fmt::print("\npose of \"{}\" in the inertial frame; m\n", model.frames().back().name);
+  Table pose({"R x", "R y", "R z", "r"});
+  pose.row({R.x.x, R.y.x, R.z.x, r.x}).row({R.x.y, R.y.y, R.z.y, r.y}).row({R.x.z, R.y.z, R.z.z, r.z});
+  fmt::print("{}", pose.text());
+}
+
+void print_reaction(const Model& model, const State& state) {
+  Workspace<> workspace(model);
+  std::vector<Wrench<BodyFixed>> W(model.n_bodies());
+  joint_wrenches(model, workspace, state.q, state.v, state.a, W);
+  fmt::print("\nwhat joint \"{}\" transmits to \"{}\", drive and reaction, in the body's own axes; N m, N\n",
+             model.joint(1).name, model.body(1).name);
+  Table wrench({"m x", "m y", "m z", "f x", "f y", "f z"});
+  wrench.row({W[0].m.x, W[0].m.y, W[0].m.z, W[0].f.x, W[0].f.y, W[0].f.z});
+  fmt::print("{}", wrench.text());
+}
+
+FourWays show(const Model& model) {
+  fmt::print("\n{}: {} moving bodies, nq = {}, nv = {}, {} kg\n{}", in(Ink::heading, model.name()), model.n_bodies(),
+             model.nq(), model.nv(), significant(model.total_mass()), draw_limbs(model));
+  std::fflush(stdout);
+  const State state = random_state(model);
+  const FourWays ways(model, state);
+  print_forces(model, ways);
+  return ways;
+}
+
+void print_summary(const Table& table) {
+  fmt::print("\n{}\n{}", in(Ink::heading, "time of one call of inverse dynamics, one thread, median; microseconds"),
+             table.text());
+}
+
+void run() {
+  const std::filesystem::path folder = robots_folder();
+  const auto start = std::chrono::steady_clock::now();
+  const Model arm = load(folder / "arm7.toml"), humanoid = load(folder / "humanoid.urdf", Base::free);
+  const std::chrono::duration<double, std::milli> loading = std::chrono::steady_clock::now() - start;
+  fmt::print("{}: robots from {}, loaded in {:.1f} ms\n", in(Ink::heading, "axode " AXODE_VERSION), folder.string(),
+             loading.count());
+  Table summary({"robot", "bodies", "body-fixed", "spatial", "hybrid", "mixed", "difference / largest force"});
+  double worst = 0;
+  for (const Model* model : {&arm, &humanoid}) {
+    const FourWays ways = show(*model);
+    if (model == &arm) {
+      const State state = random_state(arm);
+      print_tip(arm, state);
+      print_reaction(arm, state);
+    }
+    const double difference = ways.largest_spread() / ways.largest();
+    worst = std::max(worst, difference);
+    summary.row({model->name(), std::to_string(model->n_bodies()), microseconds(ways.time[0]),
+                 microseconds(ways.time[1]), microseconds(ways.time[2]), microseconds(ways.time[3]), short_number(difference)});
+  }
+  print_summary(summary);
+  const bool agree = worst <= 1e-11;
+  fmt::print("\n{}\n", agree ? in(Ink::good, "The four representations agree to rounding.")
+                             : in(Ink::bad, "The four representations do not agree."));
+  if (!agree) throw InputError("the four representations differ by " + significant(worst, 2) + " of the largest force");
+  fmt::print("Next: axode info {0}\n      axode eval {0} --want poses,twists --representation hybrid\n",
+             (folder / "arm7.toml").string());
+}
+
+}  // namespace
+
+void add_demo(CLI::App& app, int& exit_code) {
+  CLI::App* demo = app.add_subcommand("demo", "Show what axode does, on an arm and a humanoid");
+  demo->footer(footer);
+  demo->callback([&exit_code] {
+    run();
+    exit_code = all_well;
+  });
+}
+
+}  // namespace axode::command

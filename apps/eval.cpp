@@ -1,0 +1,175 @@
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <charconv>
+#include <cmath>
+#include <memory>
+#include <optional>
+
+#include "axode/model/builder.hpp"
+#include "choice.hpp"
+#include "commands.hpp"
+#include "quantities.hpp"
+#include "terminal.hpp"
+
+namespace axode::command {
+namespace {
+
+struct Options {
+  std::string model, state, want = "inverse_dynamics", base, representation = "body", gravity, format = "table";
+  bool joint_losses = false;
+};
+
+constexpr const char* footer = R"(Quantities for --want (several are separated by commas):
+{quantities}
+
+STATE is a JSON object with the keys q, v, a and loads, all of which may be left out:
+  q, v, a   arrays in the model's order (`axode info MODEL` shows it), or objects keyed by joint
+            name; a joint that is not named is neutral or at rest
+  loads     applied wrenches, a list of {"frame": NAME, "representation": "body", "wrench": [moment, force]}
+Units are m, kg, s, rad. Rotations are quaternions x y z w. Twists, accelerations and wrenches have
+their angular part first, in the representation that --representation names.
+
+Example:
+  echo '{"q": {"A4": 0.5}, "loads": [{"frame": "flange", "wrench": [0, 0, 0, 0, 0, -20]}]}' |
+    axode eval arm7.toml --state - --want inverse_dynamics,poses --format json
+
+The JSON is {"model", "nq", "nv", "joints": [...], "results": {name: value}} with arrays in the order
+of "joints", poses, twists and accelerations keyed by frame, joint_wrenches keyed by joint.)";
+
+std::vector<Quantity> wanted(const std::string& list) {
+  std::vector<Quantity> chosen;
+  for (const std::string& name : CLI::detail::split(list, ',')) {
+    const auto& all = quantities();
+    const auto found = std::find_if(all.begin(), all.end(), [&](const Quantity& q) { return q.name == name; });
+    if (found == all.end())
+      throw UsageError("--want: " + none_of(name, all, [](const Quantity& q) { return q.name; }));
+    chosen.push_back(*found);
+  }
+  return chosen;
+}
+
+std::optional<Vec3<>> gravity_of(const std::string& text) {
+  if (text.empty()) return std::nullopt;
+  const UsageError wrong("--gravity: \"" + text + "\" is not three finite numbers in m/s^2, such as 0,0,-9.81");
+  const std::vector<std::string> words = CLI::detail::split(text, ',');
+  std::array<double, 3> g{};
+  if (words.size() != g.size()) throw wrong;
+  for (std::size_t k = 0; k < g.size(); ++k) {
+    const char* end = words[k].data() + words[k].size();
+    const auto [stop, failure] = std::from_chars(words[k].data(), end, g[k]);
+    if (failure != std::errc{} || stop != end || !std::isfinite(g[k])) throw wrong;
+  }
+  return Vec3<>{g[0], g[1], g[2]};
+}
+
+void require_finite(const Json& value, const std::string& where) {
+  if (value.is_number_float() && !std::isfinite(value.get<double>()))
+    throw InputError(where + " is not finite; the numbers of the state or the model are too large");
+  if (value.is_structured())
+    for (const auto& [key, entry] : value.items())
+      require_finite(entry, value.is_object() ? where + " of \"" + key + "\"" : where);
+}
+
+Json joint_layout(const Model& model) {
+  Json layout = Json::object();
+  for (const Joint& joint : model.joints())
+    if (!joint.leader)
+      layout[joint.name] = {{"kind", to_string(joint.kind)},
+                            {"iq", joint.iq}, {"nq", joint.nq}, {"iv", joint.iv}, {"nv", joint.nv}};
+  return layout;
+}
+
+Json as_json(const Question& ask, const std::string& representation, const Json& results, const Json& labels) {
+  Json joints = Json::array(), coupled = Json::array(), warnings = Json::array();
+  for (const Joint& joint : ask.model.joints()) (joint.leader ? coupled : joints).push_back(joint.name);
+  for (const Fault& fault : ask.model.warnings()) warnings.push_back(to_string(fault));
+  Json out{{"model", ask.model.name()}, {"nq", ask.model.nq()}, {"nv", ask.model.nv()}, {"joints", joints}};
+  if (!coupled.empty()) out["coupled_joints"] = coupled;
+  out["layout"] = joint_layout(ask.model);
+  out["representation"] = representation;
+  out["gravity"] = to_json(ask.model.gravity());
+  out["joint_losses"] = ask.joint_losses;
+  out["results"] = results;
+  out["labels"] = labels;
+  if (!warnings.empty()) out["warnings"] = warnings;
+  return out;
+}
+
+void print_state(const Question& ask) {
+  const Model& model = ask.model;
+  fmt::print("{}\n", in(Ink::heading, fmt::format("{}: nq = {}, nv = {}, gravity ({}, {}, {}) m/s^2", model.name(),
+                                                  model.nq(), model.nv(), significant(model.gravity().x),
+                                                  significant(model.gravity().y), significant(model.gravity().z))));
+  const std::vector<std::string> q = coordinate_names(model), v = velocity_names(model);
+  Table coordinates({"coordinate", "q"}), velocities({"velocity", "v", "a"});
+  if (q == v) {
+    Table both({"joint", "q", "v", "a"});
+    for (std::size_t k = 0; k < q.size(); ++k) both.row({q[k], ask.state.q[k], ask.state.v[k], ask.state.a[k]});
+    fmt::print("\nstate; rad or m, and per s, per s^2\n{}", both.text());
+    return;
+  }
+  for (std::size_t k = 0; k < q.size(); ++k) coordinates.row({q[k], ask.state.q[k]});
+  for (std::size_t k = 0; k < v.size(); ++k) velocities.row({v[k], ask.state.v[k], ask.state.a[k]});
+  fmt::print("\nstate, coordinates; rad or m, rotations as quaternions x y z w\n{}", coordinates.text());
+  fmt::print("\nstate, velocities in the joints' own axes; rad/s or m/s, and per s\n{}", velocities.text());
+}
+
+void run(const Options& options) {
+  const std::vector<Quantity> chosen = wanted(options.want);
+  const Format format = choose("--format", options.format, formats);
+  const Representation representation = choose("--representation", options.representation, representations);
+  const std::optional<Vec3<>> gravity = gravity_of(options.gravity);
+  Question ask{load(options.model, base_of(options.base)), {}, representation, options.joint_losses};
+  if (gravity) ask.model = ModelBuilder(ask.model).gravity(*gravity).build(Physics::lenient);
+  ask.state = options.state.empty() ? neutral_state(ask.model) : read_state(ask.model, options.state);
+
+  Json results = Json::object(), labels = Json::object();
+  std::string tables;
+  for (const Quantity& quantity : chosen) {
+    const Answer answer = quantity.answer(ask);
+    const std::string name(quantity.name);
+    require_finite(answer.value, name);
+    results[name] = answer.value;
+    labels[name] = answer.label;
+    tables += "\n" + in(Ink::heading, name) + ": " + answer.label + "\n" + answer.table.text();
+  }
+  if (format == Format::json) {
+    fmt::print("{}", text(as_json(ask, options.representation, results, labels)));
+    return;
+  }
+  print_state(ask);
+  fmt::print("{}", tables);
+  if (const auto warnings = ask.model.warnings(); !warnings.empty())
+    fmt::print("\n{}\n", in(Ink::warning, fmt::format("{} warning{} about the model: axode check {}", warnings.size(),
+                                                      warnings.size() == 1 ? "" : "s", options.model)));
+}
+
+}  // namespace
+
+void add_eval(CLI::App& app, int& exit_code) {
+  const auto options = std::make_shared<Options>();
+  CLI::App* eval = app.add_subcommand("eval", "Compute quantities at a state");
+  eval->add_option("MODEL", options->model, "A drawing (.toml) or a URDF")->required()->type_name("FILE");
+  eval->add_option("--state", options->state, "JSON, - for standard input; neutral and at rest if left out")
+      ->type_name("FILE");
+  eval->add_option("--want", options->want, "What to compute, see below; inverse_dynamics if left out")
+      ->type_name("NAMES");
+  eval->add_option("--base", options->base, "fixed or free; as the file says if left out")->type_name("WORD");
+  eval->add_option("--representation", options->representation, "body (if left out), spatial, hybrid or mixed")
+      ->type_name("WORD");
+  eval->add_option("--gravity", options->gravity, "x,y,z in m/s^2 instead of what the file says")
+      ->type_name("NUMBERS");
+  eval->add_flag("--joint-losses", options->joint_losses, "Count damping and friction of the joints as forces");
+  eval->add_option("--format", options->format, "table (if left out) or json")->type_name("WORD");
+  std::string list;
+  for (const Quantity& quantity : quantities()) list += fmt::format("  {:<18}{}\n", quantity.name, quantity.purpose);
+  std::string help = footer;
+  eval->footer(help.replace(help.find("{quantities}\n"), 13, list));
+  eval->callback([options, &exit_code] {
+    run(*options);
+    exit_code = all_well;
+  });
+}
+
+}  // namespace axode::command

@@ -1,0 +1,198 @@
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <memory>
+
+#include "axode/kinematics.hpp"
+#include "choice.hpp"
+#include "commands.hpp"
+#include "json_text.hpp"
+#include "table.hpp"
+#include "terminal.hpp"
+#include "tree_drawing.hpp"
+
+namespace axode::command {
+namespace {
+
+struct Options {
+  std::string model, base, format = "table";
+};
+
+constexpr const char* footer = R"(Example:
+  axode info humanoid.urdf --base free
+
+Joints are listed with the indices of their coordinates q and velocities v: a joint with a rotation has
+one coordinate more (a quaternion x y z w) than velocities. Coupled joints have neither.)";
+
+constexpr std::size_t most_warnings = 12;
+
+/// A number of each degree of freedom: its name in JSON, its heading, the value where it says nothing.
+struct DofField {
+  const char* name;
+  const char* heading;
+  double Dof::*value;
+};
+constexpr std::array<DofField, 7> dof_fields{{{"lower", "lower", &Dof::lower},
+                                              {"upper", "upper", &Dof::upper},
+                                              {"velocity", "speed", &Dof::velocity},
+                                              {"effort", "effort", &Dof::effort},
+                                              {"damping", "damping", &Dof::damping},
+                                              {"friction", "friction", &Dof::friction},
+                                              {"armature", "armature", &Dof::armature}}};
+
+bool says_nothing(const Dof& dof, const DofField& field) { return dof.*field.value == Dof{}.*field.value; }
+
+/// The centre of mass with every joint at zero, null for a massless model.
+Json neutral_center_of_mass(const Model& model) {
+  if (!(model.total_mass() > 0)) return nullptr;
+  Workspace<> workspace(model);
+  return to_json(center_of_mass(model, workspace, neutral(model)));
+}
+
+Json as_json(const Model& model) {
+  Json out{{"model", model.name()},
+           {"nq", model.nq()},
+           {"nv", model.nv()},
+           {"n_bodies", model.n_bodies()},
+           {"gravity", to_json(model.gravity())},
+           {"total_mass", model.total_mass()},
+           {"center_of_mass", neutral_center_of_mass(model)},
+           {"bodies", Json::array()},
+           {"joints", Json::array()},
+           {"frames", Json::array()},
+           {"warnings", Json::array()}};
+  for (int i = 1; i <= model.n_bodies(); ++i) {
+    const Body& body = model.body(i);
+    const Joint& joint = model.joint(i);
+    Json about{{"name", body.name}, {"predecessor", model.body(body.predecessor).name}, {"joint", joint.name},
+               {"mass", body.M.m}};
+    if (body.M.m > 0) {
+      about["center_of_mass"] = to_json(center_of_mass(body.M));
+      about["inertia_about_center_of_mass"] = to_json(inertia_about_com(body.M));
+    }
+    out["bodies"].push_back(about);
+    Json moves{{"name", joint.name}, {"kind", to_string(joint.kind)}, {"body", body.name}, {"iq", joint.iq},
+               {"nq", joint.nq}, {"iv", joint.iv}, {"nv", joint.nv}};
+    if (joint.kind == Subgroup::helical) moves["pitch"] = joint.pitch;
+    if (joint.leader)
+      moves["follows"] = {{"joint", model.joint(joint.leader->joint).name},
+                          {"ratio", joint.leader->ratio}, {"offset", joint.leader->offset}};
+    for (const DofField& field : dof_fields)
+      for (const Dof& dof : joint.dof) moves[field.name].push_back(dof.*field.value);
+    out["joints"].push_back(moves);
+  }
+  for (const Frame& frame : model.frames())
+    out["frames"].push_back(
+        {{"name", frame.name}, {"body", model.body(frame.body).name}, {"pose", to_json(frame.pose)}});
+  for (const Fault& fault : model.warnings()) out["warnings"].push_back(to_string(fault));
+  return out;
+}
+
+void print_joints(const Model& model) {
+  std::vector<std::string> headings{"#", "joint", "kind", "q", "v"};
+  for (const DofField& field : dof_fields) headings.emplace_back(field.heading);
+  headings.insert(headings.end(), {"pitch", "coupling"});
+  Table table(headings);
+  for (int i = 1; i <= model.n_bodies(); ++i) {
+    const Joint& joint = model.joint(i);
+    for (std::size_t d = 0; d < joint.dof.size(); ++d) {
+      const bool silent = std::all_of(dof_fields.begin(), dof_fields.end(),
+                                      [&](const DofField& field) { return says_nothing(joint.dof[d], field); });
+      if (d > 0 && silent) continue;
+      std::vector<Cell> row;
+      if (d == 0) {
+        row = {std::to_string(i), joint.name, std::string(to_string(joint.kind)),
+               slice('q', joint.iq, joint.nq), slice('v', joint.iv, joint.nv)};
+      } else {
+        row = {"", "", "", "", slice('v', joint.iv + static_cast<int>(d), 1)};
+      }
+      for (const DofField& field : dof_fields)
+        row.push_back(says_nothing(joint.dof[d], field) ? Cell("") : Cell(joint.dof[d].*field.value));
+      row.push_back(joint.kind == Subgroup::helical && d == 0 ? Cell(joint.pitch) : Cell(""));
+      row.push_back(d == 0 ? coupling(model, joint) : "");
+      table.row(std::move(row));
+    }
+  }
+  fmt::print("\n{} (rad or m, N m or N, and per s; pitch in m/rad)\n{}", in(Ink::heading, "joints"), table.text());
+}
+
+void print_bodies(const Model& model) {
+  Table table({"#", "body", "mass", "com x", "com y", "com z"});
+  for (int i = 1; i <= model.n_bodies(); ++i) {
+    const Body& body = model.body(i);
+    if (body.M.m > 0) {
+      const Vec3<> c = center_of_mass(body.M);
+      table.row({std::to_string(i), body.name, body.M.m, c.x, c.y, c.z});
+    } else {
+      table.row({std::to_string(i), body.name, "massless"});
+    }
+  }
+  if (model.total_mass() > 0) {
+    Workspace<> workspace(model);
+    const Vec3<> c = center_of_mass(model, workspace, neutral(model));
+    table.rule().row({"", "all, in the inertial frame at q = 0", model.total_mass(), c.x, c.y, c.z});
+  }
+  fmt::print("\n{} (with what is fixed to them; kg, and centre of mass in the body frame, m)\n{}",
+             in(Ink::heading, "bodies"), table.text());
+}
+
+void print_frames(const Model& model) {
+  Table table({"frame", "on body", "x", "y", "z", "quaternion x", "y", "z", "w"});
+  for (int f = model.n_bodies() + 1; f < model.n_frames(); ++f) {
+    const Frame& frame = model.frame(f);
+    const Quaternion<> a = quaternion(frame.pose.R);
+    const Vec3<>& r = frame.pose.r;
+    table.row({frame.name, model.body(frame.body).name, r.x, r.y, r.z, a.x, a.y, a.z, a.w});
+  }
+  if (!table.empty())
+    fmt::print("\n{} (besides those of the bodies, in the frame of their body; m)\n{}", in(Ink::heading, "frames"),
+               table.text());
+}
+
+void print_warnings(const Model& model, const std::string& file) {
+  const auto warnings = model.warnings();
+  if (warnings.empty()) return;
+  fmt::print("\n{}\n", in(Ink::heading, "warnings"));
+  for (const Fault& fault : warnings.first(std::min(warnings.size(), most_warnings)))
+    fmt::print("  {}\n", in(Ink::warning, to_string(fault)));
+  if (warnings.size() > most_warnings)
+    fmt::print("  and {} more: axode check {}\n", warnings.size() - most_warnings, file);
+}
+
+void run(const Options& options) {
+  const Format format = choose("--format", options.format, formats);
+  const Model model = load(options.model, base_of(options.base));
+  if (format == Format::json) {
+    fmt::print("{}", text(as_json(model)));
+    return;
+  }
+  const Vec3<>& g = model.gravity();
+  fmt::print("{}: {} moving bodies, {} frames, nq = {}, nv = {}, gravity ({}, {}, {}) m/s^2\n\n",
+             in(Ink::heading, model.name()), model.n_bodies(), model.n_frames(), model.nq(), model.nv(),
+             significant(g.x), significant(g.y), significant(g.z));
+  fmt::print("{}", draw_tree(model));
+  print_joints(model);
+  print_bodies(model);
+  print_frames(model);
+  print_warnings(model, options.model);
+}
+
+}  // namespace
+
+void add_info(CLI::App& app, int& exit_code) {
+  const auto options = std::make_shared<Options>();
+  CLI::App* info = app.add_subcommand("info", "Show the tree, joints, masses, frames and warnings of a mechanism");
+  info->add_option("MODEL", options->model, "A drawing (.toml) or a URDF")->required()->type_name("FILE");
+  info->add_option("--base", options->base, "fixed or free; as the file says if left out")->type_name("WORD");
+  info->add_option("--format", options->format, "table (if left out) or json")->type_name("WORD");
+  info->footer(footer);
+  info->callback([options, &exit_code] {
+    run(*options);
+    exit_code = all_well;
+  });
+}
+
+}  // namespace axode::command

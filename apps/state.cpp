@@ -1,0 +1,224 @@
+#include "state.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <iostream>
+#include <set>
+#include <span>
+#include <sstream>
+
+#include "axode/model/configuration.hpp"
+#include "axode/model/nearest_name.hpp"
+#include "choice.hpp"
+#include "commands.hpp"
+#include "json_text.hpp"
+
+namespace axode::command {
+namespace {
+
+/// What stands where something else was expected, cut short where it is long.
+std::string shown(const Json& value) {
+  std::string text = value.dump(-1, ' ', true, Json::error_handler_t::replace);
+  return text.size() <= 40 ? text : text.substr(0, 37) + "...";
+}
+
+std::string read_text(const std::string& file) {
+  std::ostringstream text;
+  if (file == "-") {
+    text << std::cin.rdbuf();
+  } else if (const std::ifstream stream(file, std::ios::binary);
+             std::filesystem::is_directory(file) || !stream || (text << stream.rdbuf(), stream.bad())) {
+    throw InputError(file + ": the file cannot be read");
+  }
+  return text.str();
+}
+
+/// Walks through a state and notes every fault.
+class StateReader {
+ public:
+  StateReader(const Model& model, std::string source) : model_(model), source_(std::move(source)) {}
+
+  State read(const std::string& text) {
+    State state = neutral_state(model_);
+    const Json json = parse(text);
+    if (!json.is_object()) {
+      fault("expected an object with the keys q, v, a and loads, got " + shown(json));
+    } else {
+      for (const auto& [key, value] : json.items()) entry(key, value, state);
+    }
+    if (faults_.empty()) {
+      try {
+        check_configuration(model_, state.q);
+      } catch (const std::invalid_argument& off) {
+        fault(off.what());
+      }
+    }
+    if (!faults_.empty()) throw InputError(std::move(faults_));
+    return state;
+  }
+
+ private:
+  static constexpr std::array<std::string_view, 4> known_keys{"q", "v", "a", "loads"};
+  static constexpr std::array<std::string_view, 3> known_load_keys{"frame", "representation", "wrench"};
+
+  void fault(const std::string& sentence) { faults_.push_back(source_ + ": " + sentence); }
+
+  Json parse(const std::string& text) {
+    std::vector<std::set<std::string>> keys;
+    const auto watch = [&](int, Json::parse_event_t event, Json& value) {
+      if (event == Json::parse_event_t::object_start) keys.emplace_back();
+      if (event == Json::parse_event_t::object_end) keys.pop_back();
+      if (event == Json::parse_event_t::key && !keys.back().insert(value.get<std::string>()).second)
+        fault("the key " + value.dump() + " stands twice in one object");
+      return true;
+    };
+    try {
+      return Json::parse(text, watch);
+    } catch (const Json::exception& error) {
+      const std::string what = error.what();  // [json.exception.parse_error.101] parse error at line 1, ...
+      throw InputError(source_ + ": this is not JSON: " + what.substr(what.find("] ") + 2));
+    }
+  }
+
+  void entry(const std::string& key, const Json& value, State& state) {
+    const auto coordinates = [](const Joint& joint) { return std::pair(joint.iq, joint.nq); };
+    const auto velocities = [](const Joint& joint) { return std::pair(joint.iv, joint.nv); };
+    if (key == "q") {
+      numbers("q", value, coordinates, "nq", state.q);
+    } else if (key == "v") {
+      numbers("v", value, velocities, "nv", state.v);
+    } else if (key == "a") {
+      numbers("a", value, velocities, "nv", state.a);
+    } else if (key == "loads") {
+      loads(value, state.loads);
+    } else {
+      unknown_key("", key, known_keys);
+    }
+  }
+
+  void unknown_key(const std::string& where, const std::string& key, std::span<const std::string_view> known) {
+    fault(where + "the key " + none_of(key, known, [](std::string_view name) { return name; }));
+  }
+
+  /// q, v or a: all numbers in the model's order, or some of them by joint. `place` is where a joint's numbers are.
+  template <class Place>
+  void numbers(const std::string& key, const Json& value, Place place, const char* size, std::vector<double>& out) {
+    if (value.is_array()) {
+      if (value.size() == out.size()) {
+        fill(key, value, out);
+      } else {
+        fault(fmt::format("{} has {} numbers; model \"{}\" takes {} = {}", key, value.size(), model_.name(), size,
+                          out.size()));
+      }
+    } else if (value.is_object()) {
+      for (const auto& [name, x] : value.items()) {
+        if (const Joint* joint = joint_of(key, name)) {
+          const auto [first, count] = place(*joint);
+          joint_numbers(fmt::format("{}: joint \"{}\"", key, name), x, std::span(out).subspan(first, count));
+        }
+      }
+    } else {
+      fault(fmt::format("{} must be an array of numbers or an object keyed by joint name, got {}", key, shown(value)));
+    }
+  }
+
+  const Joint* joint_of(const std::string& key, const std::string& name) {
+    const std::span<const Joint> joints = model_.joints();
+    const auto found = std::find_if(joints.begin(), joints.end(), [&](const Joint& j) { return j.name == name; });
+    if (found == joints.end()) {
+      fault(fmt::format("{}: model \"{}\" has no joint \"{}\"{}", key, model_.name(), name,
+                        did_you_mean(name, joints, [](const Joint& joint) { return joint.name; })));
+    } else if (found->leader) {
+      fault(fmt::format("{}: joint \"{}\" has no coordinate of its own; it follows joint \"{}\"", key, name,
+                        model_.joint(found->leader->joint).name));
+    } else {
+      return &*found;
+    }
+    return nullptr;
+  }
+
+  void joint_numbers(const std::string& where, const Json& value, std::span<double> out) {
+    if (value.is_array() && value.size() == out.size()) {
+      fill(where, value, out);
+    } else if (value.is_number() && out.size() == 1) {
+      out[0] = value.get<double>();
+    } else {
+      fault(fmt::format("{} takes {} number{}, got {}", where, out.size(), out.size() == 1 ? "" : "s", shown(value)));
+    }
+  }
+
+  void fill(const std::string& where, const Json& array, std::span<double> out) {
+    for (std::size_t k = 0; k < out.size(); ++k) {
+      if (array[k].is_number()) {
+        out[k] = array[k].get<double>();
+      } else {
+        fault(fmt::format("{}: entry {} must be a number, got {}", where, k, shown(array[k])));
+      }
+    }
+  }
+
+  void loads(const Json& value, std::vector<AppliedWrench<>>& out) {
+    if (!value.is_array()) {
+      fault("loads must be an array of objects, got " + shown(value));
+      return;
+    }
+    for (std::size_t k = 0; k < value.size(); ++k) load(fmt::format("loads[{}]", k), value[k], out);
+  }
+
+  void load(const std::string& where, const Json& value, std::vector<AppliedWrench<>>& out) {
+    if (!value.is_object()) {
+      fault(where + " must be an object with the keys frame, representation and wrench, got " + shown(value));
+      return;
+    }
+    for (const auto& item : value.items())
+      if (std::ranges::find(known_load_keys, item.key()) == known_load_keys.end())
+        unknown_key(where + ": ", item.key(), known_load_keys);
+    try {
+      const int frame = model_.frame_index(word(value, "frame"));
+      const Representation representation =
+          value.contains("representation")
+              ? choose<std::invalid_argument>("representation", word(value, "representation"), representations)
+              : Representation::body;
+      std::array<double, 6> W{};
+      const Json& wrench = required(value, "wrench");
+      if (!wrench.is_array() || wrench.size() != W.size())
+        throw std::invalid_argument("wrench takes 6 numbers, moment then force, got " + shown(wrench));
+      fill(where + ": wrench", wrench, W);
+      out.emplace_back(frame, representation, Vec3<>{W[0], W[1], W[2]}, Vec3<>{W[3], W[4], W[5]});
+    } catch (const std::invalid_argument& wrong) {
+      fault(where + ": " + wrong.what());
+    }
+  }
+
+  static const Json& required(const Json& object, const std::string& key) {
+    if (!object.contains(key)) throw std::invalid_argument(fmt::format("the key \"{}\" is missing", key));
+    return object[key];
+  }
+
+  static std::string word(const Json& object, const std::string& key) {
+    const Json& value = required(object, key);
+    if (!value.is_string())
+      throw std::invalid_argument(fmt::format("{} must be a word in quotes, got {}", key, shown(value)));
+    return value.get<std::string>();
+  }
+
+  const Model& model_;
+  std::string source_;
+  std::vector<std::string> faults_;
+};
+
+}  // namespace
+
+State neutral_state(const Model& model) {
+  const std::vector<double> rest(model.nv());
+  return {neutral(model), rest, rest, {}};
+}
+
+State read_state(const Model& model, const std::string& file) {
+  return StateReader(model, file == "-" ? "standard input" : file).read(read_text(file));
+}
+
+}  // namespace axode::command

@@ -1,0 +1,27 @@
+#pragma once
+#include <string>
+#include <vector>
+
+#include "axode/dynamics/loads.hpp"
+#include "axode/model/model.hpp"
+
+namespace axode::command {
+
+/// The state of a model, in the model's order.
+struct State {
+  std::vector<double> q, v, a;
+  std::vector<AppliedWrench<>> loads;
+};
+
+/// Every joint at zero and at rest, nothing applied.
+State neutral_state(const Model& model);
+
+/// The state in a JSON file, "-" for standard input:
+///
+///     {"q": [0.1, 0.2], "v": {"elbow": 1}, "a": {}, "loads": [{"frame": "tool", "wrench": [0, 0, 0, 0, 0, -5]}]}
+///
+/// q, v and a are arrays in the model's order or objects keyed by joint name; what is not given is neutral, or zero.
+/// A load's representation is "body" where it says nothing. Throws InputError with everything that is wrong.
+State read_state(const Model& model, const std::string& file);
+
+}  // namespace axode::command
