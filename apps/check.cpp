@@ -43,8 +43,8 @@ int run(const Options& options) {
   std::size_t all_errors = 0;
   for (const std::string& file : options.files) {
     const std::vector<Fault> faults = judged(file);
-    const auto errors = static_cast<std::size_t>(
-        std::count_if(faults.begin(), faults.end(), [](const Fault& f) { return f.severity == Severity::error; }));
+    const auto errors = static_cast<std::size_t>(std::count_if(
+        faults.begin(), faults.end(), [](const Fault& f) { return f.severity == Severity::error; }));
     all_errors += errors;
     if (format == Format::json) {
       Json list = Json::array();
@@ -54,7 +54,8 @@ int run(const Options& options) {
                         {"element", fault.element},
                         {"message", fault.message},
                         {"line", fault.source.line}});
-      files.push_back({{"file", file}, {"errors", errors}, {"warnings", faults.size() - errors}, {"faults", list}});
+      files.push_back(
+          {{"file", file}, {"errors", errors}, {"warnings", faults.size() - errors}, {"faults", list}});
       continue;
     }
     for (const Fault& fault : faults)

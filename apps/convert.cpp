@@ -36,7 +36,8 @@ Writer writer_for(const std::string& file) {
 
 /// A drawing may not have bodies that no matter can make, a URDF may.
 std::ptrdiff_t errors_in(const std::string& file) {
-  return std::ranges::count_if(check(file), [](const Fault& fault) { return fault.severity == Severity::error; });
+  return std::ranges::count_if(check(file),
+                               [](const Fault& fault) { return fault.severity == Severity::error; });
 }
 
 void run(const Options& options) {
@@ -53,9 +54,11 @@ void run(const Options& options) {
   file << text.str();
   file.close();
   if (!file) throw InputError(options.out + ": the file cannot be written");
-  fmt::print("{}: {} moving bodies, nq = {}, nv = {}\n", options.out, model.n_bodies(), model.nq(), model.nv());
+  fmt::print("{}: {} moving bodies, nq = {}, nv = {}\n", options.out, model.n_bodies(), model.nq(),
+             model.nv());
   if (const std::ptrdiff_t n = errors_in(options.out); n > 0)
-    fmt::print(stderr, "{0}: it has {1} fault{2} that only a URDF may have; axode check {0} lists what to mend\n",
+    fmt::print(stderr,
+               "{0}: it has {1} fault{2} that only a URDF may have; axode check {0} lists what to mend\n",
                options.out, n, n == 1 ? "" : "s");
 }
 
@@ -66,7 +69,8 @@ void add_convert(CLI::App& app, int& exit_code) {
   CLI::App* convert = app.add_subcommand("convert", "Write a URDF as a drawing, or a drawing as a URDF");
   convert->add_option("IN", options->in, "A drawing (.toml) or a URDF")->required()->type_name("FILE");
   convert->add_option("OUT", options->out, "The file to write")->required()->type_name("FILE");
-  convert->add_option("--base", options->base, "fixed or free; as the file says if left out")->type_name("WORD");
+  convert->add_option("--base", options->base, "fixed or free; as the file says if left out")
+      ->type_name("WORD");
   convert->add_flag("--force", options->force, "Replace OUT where it exists");
   convert->footer(footer);
   convert->callback([options, &exit_code] {

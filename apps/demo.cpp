@@ -36,8 +36,8 @@ std::filesystem::path robots_folder() {
   const std::filesystem::path installed = program.parent_path() / AXODE_INSTALLED_ROBOTS;
   if (std::filesystem::is_directory(installed)) return installed.lexically_normal();
   if (std::filesystem::is_directory(AXODE_SOURCE_ROBOTS)) return AXODE_SOURCE_ROBOTS;
-  throw InputError("the robots of the demo are neither in " + installed.lexically_normal().string() + " nor in " +
-                   AXODE_SOURCE_ROBOTS);
+  throw InputError("the robots of the demo are neither in " + installed.lexically_normal().string() +
+                   " nor in " + AXODE_SOURCE_ROBOTS);
 }
 
 State random_state(const Model& model) {
@@ -55,8 +55,7 @@ std::string short_number(double x) { return x == 0 ? "0" : fmt::format("{:.1e}",
 double microseconds(double seconds) { return std::round(1e8 * seconds) / 100; }
 
 /// Seconds that one call takes: the median of batches that are long enough for the clock.
-template <class F>
-double median_time(F call) {
+template <class F> double median_time(F call) {
   using Clock = std::chrono::steady_clock;
   const auto seconds = [&](int calls) {
     const auto start = Clock::now();
@@ -80,9 +79,8 @@ struct FourWays {
     for (std::size_t r = 0; r < tau.size(); ++r) {
       tau[r].resize(model.nv());
       with_representation(all_representations[r], [&](auto rep) {
-        time[r] = median_time([&] {
-          inverse_dynamics<decltype(rep)>(model, workspace, state.q, state.v, state.a, tau[r]);
-        });
+        time[r] = median_time(
+            [&] { inverse_dynamics<decltype(rep)>(model, workspace, state.q, state.v, state.a, tau[r]); });
       });
     }
   }
@@ -149,8 +147,8 @@ void print_reaction(const Model& model, const State& state) {
 }
 
 FourWays show(const Model& model) {
-  fmt::print("\n{}: {} moving bodies, nq = {}, nv = {}, {} kg\n{}", in(Ink::heading, model.name()), model.n_bodies(),
-             model.nq(), model.nv(), significant(model.total_mass()), draw_limbs(model));
+  fmt::print("\n{}: {} moving bodies, nq = {}, nv = {}, {} kg\n{}", in(Ink::heading, model.name()),
+             model.n_bodies(), model.nq(), model.nv(), significant(model.total_mass()), draw_limbs(model));
   std::fflush(stdout);
   const State state = random_state(model);
   const FourWays ways(model, state);
@@ -159,7 +157,8 @@ FourWays show(const Model& model) {
 }
 
 void print_summary(const Table& table) {
-  fmt::print("\n{}\n{}", in(Ink::heading, "time of one call of inverse dynamics, one thread, median; microseconds"),
+  fmt::print("\n{}\n{}",
+             in(Ink::heading, "time of one call of inverse dynamics, one thread, median; microseconds"),
              table.text());
 }
 
@@ -168,9 +167,10 @@ void run() {
   const auto start = std::chrono::steady_clock::now();
   const Model arm = load(folder / "arm7.toml"), humanoid = load(folder / "humanoid.urdf", Base::free);
   const std::chrono::duration<double, std::milli> loading = std::chrono::steady_clock::now() - start;
-  fmt::print("{}: robots from {}, loaded in {:.1f} ms\n", in(Ink::heading, "axode " AXODE_VERSION), folder.string(),
-             loading.count());
-  Table summary({"robot", "bodies", "body-fixed", "spatial", "hybrid", "mixed", "difference / largest force"});
+  fmt::print("{}: robots from {}, loaded in {:.1f} ms\n", in(Ink::heading, "axode " AXODE_VERSION),
+             folder.string(), loading.count());
+  Table summary(
+      {"robot", "bodies", "body-fixed", "spatial", "hybrid", "mixed", "difference / largest force"});
   double worst = 0;
   for (const Model* model : {&arm, &humanoid}) {
     const FourWays ways = show(*model);
@@ -182,13 +182,15 @@ void run() {
     const double difference = ways.largest_spread() / ways.largest();
     worst = std::max(worst, difference);
     summary.row({model->name(), std::to_string(model->n_bodies()), microseconds(ways.time[0]),
-                 microseconds(ways.time[1]), microseconds(ways.time[2]), microseconds(ways.time[3]), short_number(difference)});
+                 microseconds(ways.time[1]), microseconds(ways.time[2]), microseconds(ways.time[3]),
+                 short_number(difference)});
   }
   print_summary(summary);
   const bool agree = worst <= 1e-11;
   fmt::print("\n{}\n", agree ? in(Ink::good, "The four representations agree to rounding.")
                              : in(Ink::bad, "The four representations do not agree."));
-  if (!agree) throw InputError("the four representations differ by " + significant(worst, 2) + " of the largest force");
+  if (!agree)
+    throw InputError("the four representations differ by " + significant(worst, 2) + " of the largest force");
   fmt::print("Next: axode info {0}\n      axode eval {0} --want poses,twists --representation hybrid\n",
              (folder / "arm7.toml").string());
 }

@@ -16,7 +16,8 @@ namespace axode::command {
 namespace {
 
 struct Options {
-  std::string model, state, want = "inverse_dynamics", base, representation = "body", gravity, format = "table";
+  std::string model, state, want = "inverse_dynamics", base, representation = "body", gravity,
+                            format = "table";
   bool joint_losses = false;
 };
 
@@ -41,7 +42,8 @@ std::vector<Quantity> wanted(const std::string& list) {
   std::vector<Quantity> chosen;
   for (const std::string& name : CLI::detail::split(list, ',')) {
     const auto& all = quantities();
-    const auto found = std::find_if(all.begin(), all.end(), [&](const Quantity& q) { return q.name == name; });
+    const auto found =
+        std::find_if(all.begin(), all.end(), [&](const Quantity& q) { return q.name == name; });
     if (found == all.end())
       throw UsageError("--want: " + none_of(name, all, [](const Quantity& q) { return q.name; }));
     chosen.push_back(*found);
@@ -51,7 +53,8 @@ std::vector<Quantity> wanted(const std::string& list) {
 
 std::optional<Vec3<>> gravity_of(const std::string& text) {
   if (text.empty()) return std::nullopt;
-  const UsageError wrong("--gravity: \"" + text + "\" is not three finite numbers in m/s^2, such as 0,0,-9.81");
+  const UsageError wrong("--gravity: \"" + text +
+                         "\" is not three finite numbers in m/s^2, such as 0,0,-9.81");
   const std::vector<std::string> words = CLI::detail::split(text, ',');
   std::array<double, 3> g{};
   if (words.size() != g.size()) throw wrong;
@@ -76,11 +79,15 @@ Json joint_layout(const Model& model) {
   for (const Joint& joint : model.joints())
     if (!joint.leader)
       layout[joint.name] = {{"kind", to_string(joint.kind)},
-                            {"iq", joint.iq}, {"nq", joint.nq}, {"iv", joint.iv}, {"nv", joint.nv}};
+                            {"iq", joint.iq},
+                            {"nq", joint.nq},
+                            {"iv", joint.iv},
+                            {"nv", joint.nv}};
   return layout;
 }
 
-Json as_json(const Question& ask, const std::string& representation, const Json& results, const Json& labels) {
+Json as_json(const Question& ask, const std::string& representation, const Json& results,
+             const Json& labels) {
   Json joints = Json::array(), coupled = Json::array(), warnings = Json::array();
   for (const Joint& joint : ask.model.joints()) (joint.leader ? coupled : joints).push_back(joint.name);
   for (const Fault& fault : ask.model.warnings()) warnings.push_back(to_string(fault));
@@ -98,14 +105,16 @@ Json as_json(const Question& ask, const std::string& representation, const Json&
 
 void print_state(const Question& ask) {
   const Model& model = ask.model;
-  fmt::print("{}\n", in(Ink::heading, fmt::format("{}: nq = {}, nv = {}, gravity ({}, {}, {}) m/s^2", model.name(),
-                                                  model.nq(), model.nv(), significant(model.gravity().x),
-                                                  significant(model.gravity().y), significant(model.gravity().z))));
+  fmt::print("{}\n",
+             in(Ink::heading, fmt::format("{}: nq = {}, nv = {}, gravity ({}, {}, {}) m/s^2", model.name(),
+                                          model.nq(), model.nv(), significant(model.gravity().x),
+                                          significant(model.gravity().y), significant(model.gravity().z))));
   const std::vector<std::string> q = coordinate_names(model), v = velocity_names(model);
   Table coordinates({"coordinate", "q"}), velocities({"velocity", "v", "a"});
   if (q == v) {
     Table both({"joint", "q", "v", "a"});
-    for (std::size_t k = 0; k < q.size(); ++k) both.row({q[k], ask.state.q[k], ask.state.v[k], ask.state.a[k]});
+    for (std::size_t k = 0; k < q.size(); ++k)
+      both.row({q[k], ask.state.q[k], ask.state.v[k], ask.state.a[k]});
     fmt::print("\nstate; rad or m, and per s, per s^2\n{}", both.text());
     return;
   }
@@ -141,8 +150,9 @@ void run(const Options& options) {
   print_state(ask);
   fmt::print("{}", tables);
   if (const auto warnings = ask.model.warnings(); !warnings.empty())
-    fmt::print("\n{}\n", in(Ink::warning, fmt::format("{} warning{} about the model: axode check {}", warnings.size(),
-                                                      warnings.size() == 1 ? "" : "s", options.model)));
+    fmt::print("\n{}\n",
+               in(Ink::warning, fmt::format("{} warning{} about the model: axode check {}", warnings.size(),
+                                            warnings.size() == 1 ? "" : "s", options.model)));
 }
 
 }  // namespace
@@ -156,14 +166,17 @@ void add_eval(CLI::App& app, int& exit_code) {
   eval->add_option("--want", options->want, "What to compute, see below; inverse_dynamics if left out")
       ->type_name("NAMES");
   eval->add_option("--base", options->base, "fixed or free; as the file says if left out")->type_name("WORD");
-  eval->add_option("--representation", options->representation, "body (if left out), spatial, hybrid or mixed")
+  eval->add_option("--representation", options->representation,
+                   "body (if left out), spatial, hybrid or mixed")
       ->type_name("WORD");
   eval->add_option("--gravity", options->gravity, "x,y,z in m/s^2 instead of what the file says")
       ->type_name("NUMBERS");
-  eval->add_flag("--joint-losses", options->joint_losses, "Count damping and friction of the joints as forces");
+  eval->add_flag("--joint-losses", options->joint_losses,
+                 "Count damping and friction of the joints as forces");
   eval->add_option("--format", options->format, "table (if left out) or json")->type_name("WORD");
   std::string list;
-  for (const Quantity& quantity : quantities()) list += fmt::format("  {:<18}{}\n", quantity.name, quantity.purpose);
+  for (const Quantity& quantity : quantities())
+    list += fmt::format("  {:<18}{}\n", quantity.name, quantity.purpose);
   std::string help = footer;
   eval->footer(help.replace(help.find("{quantities}\n"), 13, list));
   eval->callback([options, &exit_code] {

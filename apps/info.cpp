@@ -67,19 +67,24 @@ Json as_json(const Model& model) {
   for (int i = 1; i <= model.n_bodies(); ++i) {
     const Body& body = model.body(i);
     const Joint& joint = model.joint(i);
-    Json about{{"name", body.name}, {"predecessor", model.body(body.predecessor).name}, {"joint", joint.name},
+    Json about{{"name", body.name},
+               {"predecessor", model.body(body.predecessor).name},
+               {"joint", joint.name},
                {"mass", body.M.m}};
     if (body.M.m > 0) {
       about["center_of_mass"] = to_json(center_of_mass(body.M));
       about["inertia_about_center_of_mass"] = to_json(inertia_about_com(body.M));
     }
     out["bodies"].push_back(about);
-    Json moves{{"name", joint.name}, {"kind", to_string(joint.kind)}, {"body", body.name}, {"iq", joint.iq},
-               {"nq", joint.nq}, {"iv", joint.iv}, {"nv", joint.nv}};
+    Json moves{{"name", joint.name}, {"kind", to_string(joint.kind)},
+               {"body", body.name},  {"iq", joint.iq},
+               {"nq", joint.nq},     {"iv", joint.iv},
+               {"nv", joint.nv}};
     if (joint.kind == Subgroup::helical) moves["pitch"] = joint.pitch;
     if (joint.leader)
       moves["follows"] = {{"joint", model.joint(joint.leader->joint).name},
-                          {"ratio", joint.leader->ratio}, {"offset", joint.leader->offset}};
+                          {"ratio", joint.leader->ratio},
+                          {"offset", joint.leader->offset}};
     for (const DofField& field : dof_fields)
       for (const Dof& dof : joint.dof) moves[field.name].push_back(dof.*field.value);
     out["joints"].push_back(moves);
@@ -99,8 +104,9 @@ void print_joints(const Model& model) {
   for (int i = 1; i <= model.n_bodies(); ++i) {
     const Joint& joint = model.joint(i);
     for (std::size_t d = 0; d < joint.dof.size(); ++d) {
-      const bool silent = std::all_of(dof_fields.begin(), dof_fields.end(),
-                                      [&](const DofField& field) { return says_nothing(joint.dof[d], field); });
+      const bool silent = std::all_of(dof_fields.begin(), dof_fields.end(), [&](const DofField& field) {
+        return says_nothing(joint.dof[d], field);
+      });
       if (d > 0 && silent) continue;
       std::vector<Cell> row;
       if (d == 0) {
@@ -116,7 +122,8 @@ void print_joints(const Model& model) {
       table.row(std::move(row));
     }
   }
-  fmt::print("\n{} (rad or m, N m or N, and per s; pitch in m/rad)\n{}", in(Ink::heading, "joints"), table.text());
+  fmt::print("\n{} (rad or m, N m or N, and per s; pitch in m/rad)\n{}", in(Ink::heading, "joints"),
+             table.text());
 }
 
 void print_bodies(const Model& model) {
@@ -148,8 +155,8 @@ void print_frames(const Model& model) {
     table.row({frame.name, model.body(frame.body).name, r.x, r.y, r.z, a.x, a.y, a.z, a.w});
   }
   if (!table.empty())
-    fmt::print("\n{} (besides those of the bodies, in the frame of their body; m)\n{}", in(Ink::heading, "frames"),
-               table.text());
+    fmt::print("\n{} (besides those of the bodies, in the frame of their body; m)\n{}",
+               in(Ink::heading, "frames"), table.text());
 }
 
 void print_warnings(const Model& model, const std::string& file) {
@@ -184,7 +191,8 @@ void run(const Options& options) {
 
 void add_info(CLI::App& app, int& exit_code) {
   const auto options = std::make_shared<Options>();
-  CLI::App* info = app.add_subcommand("info", "Show the tree, joints, masses, frames and warnings of a mechanism");
+  CLI::App* info =
+      app.add_subcommand("info", "Show the tree, joints, masses, frames and warnings of a mechanism");
   info->add_option("MODEL", options->model, "A drawing (.toml) or a URDF")->required()->type_name("FILE");
   info->add_option("--base", options->base, "fixed or free; as the file says if left out")->type_name("WORD");
   info->add_option("--format", options->format, "table (if left out) or json")->type_name("WORD");

@@ -55,7 +55,10 @@ Json to_json(const Sym3<>& A) { return {A.xx, A.yy, A.zz, A.xy, A.xz, A.yz}; }
 
 Json to_json(const SE3<>& C) {
   const auto& [R, r] = C;
-  return {{R.x.x, R.y.x, R.z.x, r.x}, {R.x.y, R.y.y, R.z.y, r.y}, {R.x.z, R.y.z, R.z.z, r.z}, {0.0, 0.0, 0.0, 1.0}};
+  return {{R.x.x, R.y.x, R.z.x, r.x},
+          {R.x.y, R.y.y, R.z.y, r.y},
+          {R.x.z, R.y.z, R.z.z, r.z},
+          {0.0, 0.0, 0.0, 1.0}};
 }
 
 std::string text(const Json& value) {

@@ -17,11 +17,10 @@ Json to_json(const Sym3<>& A);
 Json to_json(const SE3<>& C);
 /// Six numbers, angular part first.
 template <template <class, class> class Kind, class Rep>
-  requires is_screw_kind<Kind>
-Json to_json(const Kind<Rep, double>& x) {
-  const auto& [a, b] = x;
-  return {a.x, a.y, a.z, b.x, b.y, b.z};
-}
+  requires is_screw_kind<Kind> Json to_json(const Kind<Rep, double>& x) {
+    const auto& [a, b] = x;
+    return {a.x, a.y, a.z, b.x, b.y, b.z};
+  }
 
 /// One key on a line; arrays of numbers and short objects on one line.
 std::string text(const Json& value);

@@ -87,7 +87,8 @@ int run(int argc, char** argv) {
     for (const std::string& sentence : error.sentences()) report(full_name(app), sentence);
   } catch (const ModelError& error) {
     for (const Fault& fault : error.faults())
-      if (fault.severity == Severity::error) fmt::print(stderr, "{}\n", in(Ink::bad, to_string(fault), stderr));
+      if (fault.severity == Severity::error)
+        fmt::print(stderr, "{}\n", in(Ink::bad, to_string(fault), stderr));
   } catch (const std::exception& error) {
     report(full_name(app), error.what());
   }

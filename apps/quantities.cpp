@@ -21,7 +21,8 @@ std::string twist_axes(Representation representation) {
 std::string rate_axes(Representation representation) {
   switch (representation) {
     case Representation::body: return "in the frame's own axes; v' = R^T r'' - w x v, not r''";
-    case Representation::spatial: return "in inertial axes, about the inertial origin; v' is not r'' of the frame";
+    case Representation::spatial:
+      return "in inertial axes, about the inertial origin; v' is not r'' of the frame";
     case Representation::hybrid: return "in inertial axes; v' = r'' of the frame's origin";
     case Representation::mixed: break;
   }
@@ -55,7 +56,8 @@ std::string headline(std::string_view what, Representation representation, const
 
 /// An answer of six numbers for each name.
 template <class Range, class NameOf>
-Answer six_each(std::string label, std::vector<std::string> headings, const Range& values, NameOf name_of_value) {
+Answer six_each(std::string label, std::vector<std::string> headings, const Range& values,
+                NameOf name_of_value) {
   Answer answer{std::move(label), Json::object(), Table(std::move(headings))};
   int k = 0;
   for (const auto& value : values) {
@@ -94,8 +96,8 @@ Answer poses_answer(const Question& ask) {
   Workspace<> workspace(ask.model);
   std::vector<SE3<>> C(ask.model.n_frames());
   poses(ask.model, workspace, ask.state.q, C);
-  Answer answer{"of the frames in the inertial frame; m. In JSON the rows of the 4x4 matrix [[R, r], [0, 1]]", Json::object(),
-                Table({"frame", "x", "y", "z", "quaternion x", "y", "z", "w"})};
+  Answer answer{"of the frames in the inertial frame; m. In JSON the rows of the 4x4 matrix [[R, r], [0, 1]]",
+                Json::object(), Table({"frame", "x", "y", "z", "quaternion x", "y", "z", "w"})};
   for (int f = 0; f < ask.model.n_frames(); ++f) {
     const std::string& name = ask.model.frame(f).name;
     const auto& [R, r] = C[f];
@@ -111,7 +113,8 @@ Answer twists_answer(const Question& ask) {
     Workspace<> workspace(ask.model);
     std::vector<Twist<decltype(rep)>> V(ask.model.n_frames());
     twists<decltype(rep)>(ask.model, workspace, ask.state.q, ask.state.v, V);
-    return six_each(headline("velocities (w; v) of the frames", ask.representation, twist_axes(ask.representation), "rad/s, m/s"),
+    return six_each(headline("velocities (w; v) of the frames", ask.representation,
+                             twist_axes(ask.representation), "rad/s, m/s"),
                     {"frame", "w x", "w y", "w z", "v x", "v y", "v z"}, V,
                     [&](int f) -> const std::string& { return ask.model.frame(f).name; });
   });
@@ -122,8 +125,8 @@ Answer accelerations_answer(const Question& ask) {
     Workspace<> workspace(ask.model);
     std::vector<TwistRate<decltype(rep)>> dV(ask.model.n_frames());
     accelerations<decltype(rep)>(ask.model, workspace, ask.state.q, ask.state.v, ask.state.a, dV);
-    return six_each(headline("time derivatives of the components of the twists, gravity not included", ask.representation,
-                             rate_axes(ask.representation), "rad/s^2, m/s^2"),
+    return six_each(headline("time derivatives of the components of the twists, gravity not included",
+                             ask.representation, rate_axes(ask.representation), "rad/s^2, m/s^2"),
                     {"frame", "w' x", "w' y", "w' z", "v' x", "v' y", "v' z"}, dV,
                     [&](int f) -> const std::string& { return ask.model.frame(f).name; });
   });
@@ -164,7 +167,11 @@ const std::vector<Quantity>& quantities() {
   return all;
 }
 
-std::vector<std::string> velocity_names(const Model& model) { return numbered(model, &Joint::nv, model.nv()); }
-std::vector<std::string> coordinate_names(const Model& model) { return numbered(model, &Joint::nq, model.nq()); }
+std::vector<std::string> velocity_names(const Model& model) {
+  return numbered(model, &Joint::nv, model.nv());
+}
+std::vector<std::string> coordinate_names(const Model& model) {
+  return numbered(model, &Joint::nq, model.nq());
+}
 
 }  // namespace axode::command

@@ -99,19 +99,21 @@ class StateReader {
     }
   }
 
-  void unknown_key(const std::string& where, const std::string& key, std::span<const std::string_view> known) {
+  void unknown_key(const std::string& where, const std::string& key,
+                   std::span<const std::string_view> known) {
     fault(where + "the key " + none_of(key, known, [](std::string_view name) { return name; }));
   }
 
   /// q, v or a: all numbers in the model's order, or some of them by joint. `place` is where a joint's numbers are.
   template <class Place>
-  void numbers(const std::string& key, const Json& value, Place place, const char* size, std::vector<double>& out) {
+  void numbers(const std::string& key, const Json& value, Place place, const char* size,
+               std::vector<double>& out) {
     if (value.is_array()) {
       if (value.size() == out.size()) {
         fill(key, value, out);
       } else {
-        fault(fmt::format("{} has {} numbers; model \"{}\" takes {} = {}", key, value.size(), model_.name(), size,
-                          out.size()));
+        fault(fmt::format("{} has {} number{}; model \"{}\" takes {} = {}", key, value.size(),
+                          value.size() == 1 ? "" : "s", model_.name(), size, out.size()));
       }
     } else if (value.is_object()) {
       for (const auto& [name, x] : value.items()) {
@@ -121,13 +123,15 @@ class StateReader {
         }
       }
     } else {
-      fault(fmt::format("{} must be an array of numbers or an object keyed by joint name, got {}", key, shown(value)));
+      fault(fmt::format("{} must be an array of numbers or an object keyed by joint name, got {}", key,
+                        shown(value)));
     }
   }
 
   const Joint* joint_of(const std::string& key, const std::string& name) {
     const std::span<const Joint> joints = model_.joints();
-    const auto found = std::find_if(joints.begin(), joints.end(), [&](const Joint& j) { return j.name == name; });
+    const auto found =
+        std::find_if(joints.begin(), joints.end(), [&](const Joint& j) { return j.name == name; });
     if (found == joints.end()) {
       fault(fmt::format("{}: model \"{}\" has no joint \"{}\"{}", key, model_.name(), name,
                         did_you_mean(name, joints, [](const Joint& joint) { return joint.name; })));
@@ -146,7 +150,8 @@ class StateReader {
     } else if (value.is_number() && out.size() == 1) {
       out[0] = value.get<double>();
     } else {
-      fault(fmt::format("{} takes {} number{}, got {}", where, out.size(), out.size() == 1 ? "" : "s", shown(value)));
+      fault(fmt::format("{} takes {} number{}, got {}", where, out.size(), out.size() == 1 ? "" : "s",
+                        shown(value)));
     }
   }
 
@@ -180,7 +185,8 @@ class StateReader {
       const int frame = model_.frame_index(word(value, "frame"));
       const Representation representation =
           value.contains("representation")
-              ? choose<std::invalid_argument>("representation", word(value, "representation"), representations)
+              ? choose<std::invalid_argument>("representation", word(value, "representation"),
+                                              representations)
               : Representation::body;
       std::array<double, 6> W{};
       const Json& wrench = required(value, "wrench");

@@ -74,8 +74,8 @@ std::string trimmed(std::string line) {
 }  // namespace
 
 std::size_t width(std::string_view text) {
-  return static_cast<std::size_t>(
-      std::count_if(text.begin(), text.end(), [](char c) { return (static_cast<unsigned char>(c) & 0xC0) != 0x80; }));
+  return static_cast<std::size_t>(std::count_if(
+      text.begin(), text.end(), [](char c) { return (static_cast<unsigned char>(c) & 0xC0) != 0x80; }));
 }
 
 std::string padded(const std::string& text, std::size_t to, bool right) {
@@ -97,11 +97,12 @@ Table& Table::rule() {
 }
 
 std::string Table::text() const {
+  if (rows_.empty()) return "  none\n";
   std::string head, line;
   std::vector<std::string> body(rows_.size());
   for (std::size_t k = 0; k < headings_.size(); ++k) {
     const Column c = column(rows_, k, headings_[k]);
-    if (c.empty && !rows_.empty()) continue;
+    if (c.empty) continue;
     const std::string gap = head.empty() ? "" : "  ";
     head += gap + padded(headings_[k], c.width, c.numbers);
     for (std::size_t bar = 0; bar < c.width + gap.size(); ++bar) line += "─";

@@ -54,7 +54,8 @@ struct Kinship {
 
 std::string slice(char symbol, int first, int count) {
   if (count == 0) return "";
-  return count == 1 ? fmt::format("{}[{}]", symbol, first) : fmt::format("{}[{}:{}]", symbol, first, first + count);
+  return count == 1 ? fmt::format("{}[{}]", symbol, first)
+                    : fmt::format("{}[{}:{}]", symbol, first, first + count);
 }
 
 std::string coupling(const Model& model, const Joint& joint) {
@@ -81,9 +82,9 @@ std::string draw_tree(const Model& model) {
   std::string out = model.body(0).name + "\n";
   for (int i = 1; i <= model.n_bodies(); ++i) {
     const Joint& joint = model.joint(i);
-    const std::string where =
-        joint.leader ? coupling(model, joint)
-                     : slice('q', joint.iq, joint.nq) + " " + slice('v', joint.iv, joint.nv);
+    const std::string where = joint.leader
+                                  ? coupling(model, joint)
+                                  : slice('q', joint.iq, joint.nq) + " " + slice('v', joint.iv, joint.nv);
     out += fmt::format("{}  <- {}  {}\n", padded(left[i], widest), padded(joint.name, widest_joint),
                        in(Ink::faint, fmt::format("{:<9} {}", to_string(joint.kind), where)));
   }

@@ -1,6 +1,7 @@
 #include <cmath>
 #include <map>
 #include <ostream>
+#include <utility>
 #include <variant>
 
 #include "axode/io.hpp"
@@ -122,9 +123,10 @@ class DrawingWriter {
     } else if (!joint.dof.empty()) {
       line("joint.dof", "[");
       for (const Dof& dof : joint.dof) {
-        std::string all;
-        for (const auto& [key, value] : entries(dof)) all += (all.empty() ? " " : ", ") + key + " = " + value;
-        out_ << "  {" << all << " },\n";
+        const char* separator = "  { ";
+        for (const auto& [key, value] : entries(dof))
+          out_ << std::exchange(separator, ", ") << key << " = " << value;
+        out_ << (separator[0] == ',' ? " },\n" : "  {},\n");
       }
       out_ << "]\n";
     }

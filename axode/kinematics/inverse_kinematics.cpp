@@ -2,7 +2,7 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/QR>
-#include <array>
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -25,57 +25,80 @@ namespace {
 using Matrix = Eigen::MatrixXd;
 using Vector = Eigen::VectorXd;
 
+Eigen::Matrix<double, 6, 1> vector(const Screw<>& X) { return {X.w.x, X.w.y, X.w.z, X.v.x, X.v.y, X.v.z}; }
+Eigen::Matrix<double, 6, 1> weighted(const PoseTarget& target, const Screw<>& X) {
+  return vector({target.angular_weight * X.w, target.linear_weight * X.v});
+}
+
+/// A configuration, how far it is from the targets, and the body-fixed Jacobians of the places there.
+struct Iterate {
+  std::vector<double> q;
+  std::vector<Screw<>> X;  ///< log(C⁻¹ C_target) of each target
+  Vector e;                ///< the same with weights
+  Matrix J;                ///< six rows for each target
+  double residual = 0;     ///< ‖e‖
+
+  Iterate(const Model& model, std::size_t targets)
+      : q(model.nq()), X(targets), e(6 * targets), J(6 * targets, model.nv()) {}
+};
+
 /// Levenberg-Marquardt iterations from one start after the other, on memory of their own.
 class Solver {
  public:
   Solver(const Model& model, std::span<const PoseTarget> targets, const InverseKinematicsOptions& options)
       : model_(model), tree_(model.tree<double>()), targets_(targets), options_(options), limit_(limits(model)),
-        e_(6 * targets.size()), e_try_(6 * targets.size()), J_(6 * targets.size(), model.nv()),
-        H_(model.nv(), model.nv()), damped_(model.nv(), model.nv()), g_(model.nv()), dv_(model.nv()) {}
+        at_(model, targets.size()), next_(model, targets.size()), J_(6 * targets.size(), model.nv()),
+        H_(model.nv(), model.nv()), damped_(model.nv(), model.nv()), g_(model.nv()), step_(model.nv()),
+        solver_(model.nv()) {}
 
   /// Improves q until it is solved, stalls, or uses up its iterations.
-  InverseKinematicsStatus run(std::vector<double>& q, double& residual, int& iterations) {
+  InverseKinematicsStatus run(std::span<const double> q, int& iterations) {
+    std::ranges::copy(q, at_.q.begin());
+    evaluate(at_);
     double damping = 1e-3;
-    residual = error(q, e_);
-    for (int k = 0; k < options_.iterations; ++k) {
-      if (residual <= options_.tolerance) return InverseKinematicsStatus::solved;
+    for (int k = 0; k < options_.iterations && at_.residual > options_.tolerance; ++k) {
       ++iterations;
-      linearise(q);
-      const double before = residual;
-      for (int attempt = 0; attempt < 10 && !(residual < before); ++attempt) {
-        std::vector<double> q_try = moved(q, step(damping));
-        const double next = error(q_try, e_try_);
-        if (next < before) {
-          damping = std::max(next < 0.25 * before ? 0.02 * damping : 0.5 * damping, 1e-14);
-          q = std::move(q_try);
-          e_.swap(e_try_);
-          residual = next;
+      linearise();
+      const double before = at_.residual;
+      for (int attempt = 0; attempt < 10 && !(at_.residual < before); ++attempt) {
+        damped_ = H_;
+        damped_.diagonal().array() += damping * (H_.diagonal().maxCoeff() + 1e-300);
+        step_ = solver_.compute(damped_).solve(g_);
+        move(at_.q, step_, next_.q);
+        evaluate(next_);
+        if (next_.residual < before) {
+          damping = std::max(next_.residual < 0.25 * before ? 0.02 * damping : 0.5 * damping, 1e-14);
+          std::swap(at_, next_);
         } else {
           damping = std::max(10 * damping, 1e-8);
         }
       }
-      if (residual > before * (1 - 1e-3) && residual > options_.tolerance) return InverseKinematicsStatus::stalled;
+      if (at_.residual > before * (1 - 1e-3) && at_.residual > options_.tolerance)
+        return InverseKinematicsStatus::stalled;
     }
-    return residual <= options_.tolerance ? InverseKinematicsStatus::solved
-                                          : InverseKinematicsStatus::iteration_limit;
+    return at_.residual <= options_.tolerance ? InverseKinematicsStatus::solved
+                                              : InverseKinematicsStatus::iteration_limit;
   }
+  /// Where the last run ended.
+  const Iterate& end() const { return at_; }
 
   /// From a solution, moves within the null space of the targets, (I - J⁺J)(posture ⊖ q), and back onto the targets, as
   /// long as that comes nearer to the posture.
   void approach_posture(std::vector<double>& q, double& residual, int& iterations) {
+    std::vector<double> q_try(q.size());
     double gain = 1, distance = way_to_posture(q).norm();
     for (int k = 0; k < options_.iterations && gain > 1e-3; ++k) {
-      error(q, e_);
-      linearise(q);
+      std::ranges::copy(q, at_.q.begin());
+      evaluate(at_);
+      linearise();
       const Vector way = gain * way_to_posture(q);
       const Eigen::CompleteOrthogonalDecomposition<Matrix> J(J_);
-      std::vector<double> q_try = moved(q, way - J.solve(J_ * way));
-      double residual_try = 0;
-      const bool solved = run(q_try, residual_try, iterations) == InverseKinematicsStatus::solved;
-      const double distance_try = solved ? way_to_posture(q_try).norm() : distance;
+      move(q, way - J.solve(J_ * way), q_try);
+      const bool solved = run(q_try, iterations) == InverseKinematicsStatus::solved;
+      const double distance_try = solved ? way_to_posture(at_.q).norm() : distance;
       if (distance_try < distance * (1 - 1e-6)) {
-        q = std::move(q_try);
-        residual = residual_try, distance = distance_try;
+        q = at_.q;
+        residual = at_.residual, distance = distance_try;
       } else {
         gain *= 0.5;
       }
@@ -83,37 +106,39 @@ class Solver {
   }
 
  private:
-  SE3<> pose(const std::vector<double>& q, const Place<>& place) const {
-    return each_body_fixed_column(tree_, q.data(), place, [](int, int, const Screw<>&) {});
-  }
-  static void store(const PoseTarget& target, const Screw<>& X, double* out) {
-    const double a = target.angular_weight, l = target.linear_weight;
-    out[0] = a * X.w.x, out[1] = a * X.w.y, out[2] = a * X.w.z;
-    out[3] = l * X.v.x, out[4] = l * X.v.y, out[5] = l * X.v.z;
-  }
-  double error(const std::vector<double>& q, Vector& e) const {
-    for (std::size_t t = 0; t < targets_.size(); ++t)
-      store(targets_[t], log(inverse(pose(q, targets_[t].place)) * targets_[t].pose), e.data() + 6 * t);
-    return e.norm();
+  /// Error and Jacobians at an iterate's q, from one walk along the path of each target.
+  void evaluate(Iterate& at) const {
+    at.J.setZero();
+    for (std::size_t t = 0; t < targets_.size(); ++t) {
+      const PoseTarget& target = targets_[t];
+      const auto row = 6 * static_cast<Eigen::Index>(t);
+      const SE3<> C = each_body_fixed_column(tree_, at.q.data(), target.place, [&](int, int c, const Screw<>& column) {
+        at.J.block<6, 1>(row, c) += vector(column);
+      });
+      // Where the orientation is free, the error is the way between the origins.
+      const SE3<> goal = target.angular_weight > 0 ? target.pose : SE3<>{C.R, target.pose.r};
+      at.X[t] = log(inverse(C) * goal);
+      at.e.segment<6>(row) = weighted(target, at.X[t]);
+    }
+    at.residual = at.e.norm();
   }
 
   /// J = -∂e/∂q, g = Jᵀe and H = JᵀJ, without the joints that push against a limit.
-  void linearise(const std::vector<double>& q) {
-    J_.setZero();
+  void linearise() {
     for (std::size_t t = 0; t < targets_.size(); ++t) {
-      const PoseTarget& target = targets_[t];
-      const Screw<> X = log(inverse(pose(q, target.place)) * target.pose);
-      each_body_fixed_column(tree_, q.data(), target.place, [&](int, int c, const Screw<>& column) {
-        std::array<double, 6> x;
-        store(target, dexp_inv(X, column), x.data());
-        J_.block<6, 1>(6 * static_cast<Eigen::Index>(t), c) += Eigen::Map<const Eigen::Matrix<double, 6, 1>>(x.data());
-      });
+      const Screw<>& X = at_.X[t];
+      const ScrewOperator<double> dexp_inv_X = dexp_inv_operator(dot(X.w, X.w));
+      for (Eigen::Index c = 0; c < J_.cols(); ++c) {
+        const auto column = at_.J.block<6, 1>(6 * static_cast<Eigen::Index>(t), c);
+        const Screw<> Z{{column[0], column[1], column[2]}, {column[3], column[4], column[5]}};
+        J_.block<6, 1>(6 * static_cast<Eigen::Index>(t), c) = weighted(targets_[t], apply(dexp_inv_X, X, Z));
+      }
     }
-    g_.noalias() = J_.transpose() * e_;
+    g_.noalias() = J_.transpose() * at_.e;
     for (int i = 1; options_.limits && i <= tree_.n; ++i) {
       const Joint& joint = model_.joint(i);
       if (joint.nq != 1) continue;
-      const double x = q[joint.iq], push = g_[joint.iv];
+      const double x = at_.q[joint.iq], push = g_[joint.iv];
       if ((x >= limit_.upper[joint.iq] && push > 0) || (x <= limit_.lower[joint.iq] && push < 0)) {
         J_.col(joint.iv).setZero();
         g_[joint.iv] = 0;
@@ -121,16 +146,15 @@ class Solver {
     }
     H_.noalias() = J_.transpose() * J_;
   }
-  const Vector& step(double damping) {
-    damped_ = H_;
-    damped_.diagonal().array() += damping * (H_.diagonal().maxCoeff() + 1e-300);
-    solver_.compute(damped_);
-    return step_ = solver_.solve(g_);
-  }
-  std::vector<double> moved(const std::vector<double>& q, const Vector& step) {
-    Vector::Map(dv_.data(), model_.nv()) = step;
-    std::vector<double> next = integrate(model_, q, dv_);
-    return options_.limits ? clamp(model_, next) : next;
+  /// q ⊕ dv, within the limits.
+  void move(const std::vector<double>& q, const Vector& dv, std::vector<double>& out) const {
+    for (int i = 1; i <= tree_.n; ++i)
+      if (!tree_.coupled[i])
+        with_joint(tree_, i, [&](const auto& joint) {
+          joint.integrate(&q[tree_.iq[i]], &dv[tree_.iv[i]], &out[tree_.iq[i]]);
+        });
+    for (std::size_t k = 0; options_.limits && k < out.size(); ++k)
+      out[k] = std::clamp(out[k], limit_.lower[k], limit_.upper[k]);
   }
   Vector way_to_posture(const std::vector<double>& q) const {
     const std::vector<double> way = difference(model_, q, options_.posture);
@@ -142,10 +166,9 @@ class Solver {
   std::span<const PoseTarget> targets_;
   const InverseKinematicsOptions& options_;
   CoordinateLimits limit_;
-  Vector e_, e_try_;
+  Iterate at_, next_;
   Matrix J_, H_, damped_;
   Vector g_, step_;
-  std::vector<double> dv_;
   Eigen::LDLT<Matrix> solver_;
 };
 
@@ -185,9 +208,9 @@ InverseKinematicsResult inverse_kinematics(const Model& model, std::span<const P
     std::vector<double> q = start == 0 ? std::vector<double>(q0.begin(), q0.end())
                                        : random_configuration(model, options.seed + static_cast<std::uint64_t>(start));
     if (start == 0 && options.limits) q = clamp(model, q);
-    double residual = 0;
-    const InverseKinematicsStatus status = solver.run(q, residual, best.iterations);
-    if (residual < best.residual) best.q = std::move(q), best.residual = residual;
+    const InverseKinematicsStatus status = solver.run(q, best.iterations);
+    const Iterate& end = solver.end();
+    if (end.residual < best.residual) best.q = end.q, best.residual = end.residual;
     best.restarts = start;
     if (status == InverseKinematicsStatus::iteration_limit || status == InverseKinematicsStatus::solved)
       best.status = status;

@@ -48,12 +48,13 @@ Screw<T> body_fixed_partial(const ScrewPath<T>& path, int a, std::vector<int> al
   return X;
 }
 
-/// Spatial (eq. nthorder): [J_βν, ...[J_β2, [J_β1, J_a]]...] for β sorted from the tip inwards, zero unless none lies
-/// outward of a. Among directions of one joint the one that acts last comes outermost.
+/// Spatial (eq. nthorder): [J_βν, ...[J_β2, [J_β1, J_a]]...] for β sorted from the tip inwards, zero if one lies outward
+/// of a or β1 is a itself. Among directions of one joint the one that acts last comes outermost.
 template <class T>
 Screw<T> spatial_partial(const ScrewPath<T>& path, int a, std::vector<int> alpha) {
   const auto joint = [&](int k) { return path.screws[k].joint; };
   std::stable_sort(alpha.begin(), alpha.end(), [&](int k, int l) { return joint(k) > joint(l); });
+  if (!alpha.empty() && alpha.front() == a) return {};
   Screw<T> X = path.screws[a].spatial;
   for (const int k : alpha) {
     if (joint(k) > joint(a)) return {};

@@ -27,7 +27,8 @@ struct SpatialFactors {
 };
 SpatialFactors spatial_factors(const Model& model, std::span<const double> q);
 
-/// a^b(v) = diag(ad_{X_i v_i}), 6n × 6n (eq. ab).
+/// a^b(v) = diag(ad_{X_i v_i}), 6n × 6n (eq. ab): J^b' = -A^b a^b D^b J^b. Where every joint has one degree of freedom,
+/// a^b X^b = 0 and this is -A^b a^b J^b (eq. u:Jb_dot matrix).
 SystemMatrix a_matrix(const Model& model, std::span<const double> v);
 /// b(V) = diag(ad_{V_1}, ..., ad_{V_n}) of stacked body-fixed or spatial twists (eqs. bb, bs).
 SystemMatrix b_matrix(const Model& model, const Eigen::VectorXd& V);

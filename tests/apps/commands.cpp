@@ -1,11 +1,13 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "axode/io.hpp"
+#include "axode/model/configuration.hpp"
 #include "tests/apps/run_command.hpp"
 
 namespace axode::test {
@@ -58,8 +60,9 @@ TEST_P(Help, ShowsAnExampleThatRuns) {
   const TemporaryFolder folder;
   for (const auto& robot : std::filesystem::directory_iterator(AXODE_SOURCE_DIR "/examples/robots"))
     std::filesystem::copy(robot.path(), folder.path());
-  const Outcome outcome = run({"sh", "-c", "cd \"$0\" && axode() { \"" AXODE_COMMAND "\" \"$@\"; } && " + shown,
-                               folder.path().string()});
+  const Outcome outcome =
+      run({"sh", "-c", "cd \"$0\" && axode() { \"" AXODE_COMMAND "\" \"$@\"; } && " + shown,
+           folder.path().string()});
   EXPECT_EQ(outcome.code, 0) << shown << outcome.err;
   EXPECT_EQ(outcome.err, "");
   EXPECT_NE(outcome.out, "");
@@ -78,7 +81,8 @@ TEST(Info, ShowsEveryBodyJointAndFrame) {
     EXPECT_THAT(outcome.out, HasSubstr("<- " + model.joint(i).name + " "));
   }
   for (const Frame& frame : model.frames()) EXPECT_THAT(outcome.out, HasSubstr(frame.name));
-  for (const char* said : {"nq = 20, nv = 18", "q[7:11] v[7:10]", "= 0.000795775 q(feed)", "45.702", "massless"})
+  for (const char* said :
+       {"nq = 20, nv = 18", "q[7:11] v[7:10]", "= 0.000795775 q(feed)", "45.702", "massless"})
     EXPECT_THAT(outcome.out, HasSubstr(said));
 }
 
@@ -114,7 +118,8 @@ TEST(Info, SetsTheBaseFree) {
 constexpr const char* link = R"(<link name="%"><inertial><mass value="1"/>
 <inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link>
 )";
-constexpr const char* hinge = R"(<joint name="hinge" type="continuous"><parent link="a"/><child link="b"/></joint>
+constexpr const char* hinge =
+    R"(<joint name="hinge" type="continuous"><parent link="a"/><child link="b"/></joint>
 )";
 
 std::string named(std::string text, const std::string& name) { return text.replace(text.find('%'), 1, name); }
@@ -146,8 +151,8 @@ TEST(Check, HarmlessWarningsAreToldAndPass) {
 
 TEST(Check, AJointThatMovesNoMassIsToldAndPasses) {
   const TemporaryFolder folder;
-  const std::string file = folder.write(
-      "two.urdf", "<robot name=\"two\">\n" + named(link, "a") + "<link name=\"b\"/>\n" + hinge + "</robot>\n");
+  const std::string file = folder.write("two.urdf", "<robot name=\"two\">\n" + named(link, "a") +
+                                                        "<link name=\"b\"/>\n" + hinge + "</robot>\n");
   const Outcome outcome = axode({"check", file});
   EXPECT_EQ(outcome.code, 0) << outcome.out;
   EXPECT_THAT(outcome.out, HasSubstr("warning: joint \"hinge\": moves no mass"));
@@ -165,7 +170,8 @@ TEST(Check, AnInertiaThatNoDensityCanProduceFailsThoughTheUrdfLoads) {
 TEST(Check, EveryFileIsJudgedAndOneErrorFailsAll) {
   const TemporaryFolder folder;
   const std::string good = folder.write("good.urdf", two_links());
-  const std::string bad = folder.write("bad.urdf", replaced(two_links(), "child link=\"b\"", "child link=\"c\""));
+  const std::string bad =
+      folder.write("bad.urdf", replaced(two_links(), "child link=\"b\"", "child link=\"c\""));
   const std::string missing = folder.file("missing.urdf");
   const Outcome outcome = axode({"check", good, bad, missing});
   EXPECT_EQ(outcome.code, 1);
@@ -177,8 +183,9 @@ TEST(Check, EveryFileIsJudgedAndOneErrorFailsAll) {
   const Json json = Json::parse(axode({"check", good, bad, missing, "--format", "json"}).out)["files"];
   ASSERT_EQ(json.size(), 3);
   EXPECT_EQ(json[0]["errors"], 0);
-  EXPECT_EQ(json[1]["faults"][0]["line"], 6);
-  EXPECT_EQ(json[1]["faults"][0]["severity"], "error");
+  EXPECT_TRUE(std::ranges::any_of(json[1]["faults"], [](const Json& fault) {
+    return fault["line"] == 6 && fault["severity"] == "error" && fault["rule"] == "unknown_predecessor";
+  })) << json[1];
   EXPECT_EQ(json[2]["faults"][0]["rule"], "unreadable_file");
 }
 
@@ -207,10 +214,9 @@ Json answers(const std::string& file, const std::string& base) {
   for (std::size_t k = 0; k < v.size(); ++k)
     v[k] = std::sin(static_cast<double>(k)), a[k] = std::cos(3.0 * static_cast<double>(k));
   const Json state{{"q", random_configuration(model, 3)}, {"v", v}, {"a", a}};
-  const Outcome outcome =
-      axode({"eval", file, "--base", base, "--state", "-", "--format", "json", "--want",
-             "inverse_dynamics,poses,twists,accelerations"},
-            state.dump());
+  const Outcome outcome = axode({"eval", file, "--base", base, "--state", "-", "--format", "json", "--want",
+                                 "inverse_dynamics,poses,twists,accelerations"},
+                                state.dump());
   EXPECT_EQ(outcome.code, 0) << outcome.err;
   return Json::parse(outcome.out);
 }
@@ -231,7 +237,8 @@ void expect_equal(const Json& x, const Json& y, const std::string& where) {
 
 TEST(Convert, ThereAndBackMovesAlike) {
   const TemporaryFolder folder;
-  const std::string urdf = robot("humanoid.urdf"), drawing = folder.file("h.toml"), again = folder.file("h.urdf");
+  const std::string urdf = robot("humanoid.urdf"), drawing = folder.file("h.toml"),
+                    again = folder.file("h.urdf");
   ASSERT_EQ(axode({"convert", urdf, drawing}).code, 0);
   ASSERT_EQ(axode({"convert", drawing, again}).code, 0);
   for (const char* base : {"fixed", "free"}) {
@@ -294,8 +301,8 @@ TEST(Demo, RunsBothRobotsFourWaysInUnderTwentySeconds) {
   const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
   EXPECT_EQ(outcome.code, 0) << outcome.err;
   EXPECT_LT(seconds.count(), 20);
-  for (const char* said : {"arm7: 7 moving bodies", "humanoid: 32 moving bodies", "body-fixed", "spatial", "hybrid",
-                           "mixed", "microseconds", "The four representations agree to rounding."})
+  for (const char* said : {"arm7: 7 moving bodies", "humanoid: 32 moving bodies", "body-fixed", "spatial",
+                           "hybrid", "mixed", "microseconds", "The four representations agree to rounding."})
     EXPECT_THAT(outcome.out, HasSubstr(said));
 }
 

@@ -1,6 +1,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "tests/apps/run_command.hpp"
 
 /// Every mistake is answered by one sentence on standard error that names the thing, the value and the rule.
@@ -34,43 +36,78 @@ const std::string arm = robot("arm7.toml");
 INSTANTIATE_TEST_SUITE_P(
     Mistakes, CommandLine,
     testing::ValuesIn(std::vector<Mistake>{
-        {"NoCommand", {}, 2,
+        {"NoCommand",
+         {},
+         2,
          "axode: a command is missing; there are info, check, convert, eval, demo (see axode --help)"},
-        {"UnknownCommand", {"evla", arm}, 2,
-         "axode: there is no command \"evla\"; there are info, check, convert, eval, demo; did you mean \"eval\"? "
+        {"UnknownCommand",
+         {"evla", arm},
+         2,
+         "axode: there is no command \"evla\"; there are info, check, convert, eval, demo; did you mean "
+         "\"eval\"? "
          "(see axode --help)"},
-        {"UnknownOptionOfTheProgram", {"--colour"}, 2, "axode: \"--colour\" was not expected (see axode --help)"},
-        {"UnknownOption", {"eval", arm, "--wnat", "poses"}, 2,
+        {"UnknownOptionOfTheProgram",
+         {"--colour"},
+         2,
+         "axode: \"--colour\" was not expected (see axode --help)"},
+        {"UnknownOption",
+         {"eval", arm, "--wnat", "poses"},
+         2,
          "axode eval: \"--wnat\" was not expected; did you mean \"--want\"? (see axode eval --help)"},
-        {"OneFileTooMany", {"info", arm, arm}, 2,
+        {"OneFileTooMany",
+         {"info", arm, arm},
+         2,
          "axode info: \"" + arm + "\" was not expected (see axode info --help)"},
         {"NoModel", {"eval"}, 2, "axode eval: MODEL is required (see axode eval --help)"},
         {"NoOutput", {"convert", arm}, 2, "axode convert: OUT is required (see axode convert --help)"},
-        {"UnknownQuantity", {"eval", arm, "--want", "poses,twist"}, 2,
-         "axode eval: --want: \"twist\" is none of inverse_dynamics, poses, twists, accelerations, joint_wrenches, "
+        {"UnknownQuantity",
+         {"eval", arm, "--want", "poses,twist"},
+         2,
+         "axode eval: --want: \"twist\" is none of inverse_dynamics, poses, twists, accelerations, "
+         "joint_wrenches, "
          "center_of_mass; did you mean \"twists\"? (see axode eval --help)"},
-        {"UnknownBase", {"eval", arm, "--base", "fre"}, 2,
-         "axode eval: --base: \"fre\" is none of fixed, free; did you mean \"free\"? (see axode eval --help)"},
-        {"UnknownRepresentation", {"eval", arm, "--representation", "Body"}, 2,
-         "axode eval: --representation: \"Body\" is none of body, spatial, hybrid, mixed; did you mean \"body\"? "
+        {"UnknownBase",
+         {"eval", arm, "--base", "fre"},
+         2,
+         "axode eval: --base: \"fre\" is none of fixed, free; did you mean \"free\"? (see axode eval "
+         "--help)"},
+        {"UnknownRepresentation",
+         {"eval", arm, "--representation", "Body"},
+         2,
+         "axode eval: --representation: \"Body\" is none of body, spatial, hybrid, mixed; did you mean "
+         "\"body\"? "
          "(see axode eval --help)"},
-        {"UnknownFormat", {"info", arm, "--format", "yaml"}, 2,
+        {"UnknownFormat",
+         {"info", arm, "--format", "yaml"},
+         2,
          "axode info: --format: \"yaml\" is none of table, json (see axode info --help)"},
-        {"GravityOfTwoNumbers", {"eval", arm, "--gravity", "0,-9.81"}, 2,
+        {"GravityOfTwoNumbers",
+         {"eval", arm, "--gravity", "0,-9.81"},
+         2,
          "axode eval: --gravity: \"0,-9.81\" is not three finite numbers in m/s^2, such as 0,0,-9.81 "
          "(see axode eval --help)"},
-        {"GravityThatIsNotFinite", {"eval", arm, "--gravity", "0,0,inf"}, 2,
+        {"GravityThatIsNotFinite",
+         {"eval", arm, "--gravity", "0,0,inf"},
+         2,
          "axode eval: --gravity: \"0,0,inf\" is not three finite numbers in m/s^2, such as 0,0,-9.81 "
          "(see axode eval --help)"},
-        {"GravityThatIsNoNumber", {"eval", arm, "--gravity", "0,0,down"}, 2,
+        {"GravityThatIsNoNumber",
+         {"eval", arm, "--gravity", "0,0,down"},
+         2,
          "axode eval: --gravity: \"0,0,down\" is not three finite numbers in m/s^2, such as 0,0,-9.81 "
          "(see axode eval --help)"},
-        {"UnknownEnding", {"convert", arm, "arm.tml"}, 2,
+        {"UnknownEnding",
+         {"convert", arm, "arm.tml"},
+         2,
          "axode convert: OUT: arm.tml: \".tml\" is none of .toml, .urdf, .xml; did you mean \".toml\"? "
          "(see axode convert --help)"},
-        {"MissingModel", {"eval", "nowhere.toml"}, 1,
+        {"MissingModel",
+         {"eval", "nowhere.toml"},
+         1,
          "nowhere.toml: error: the file cannot be read: No such file or directory"},
-        {"MissingState", {"eval", arm, "--state", "nowhere.json"}, 1,
+        {"MissingState",
+         {"eval", arm, "--state", "nowhere.json"},
+         1,
          "axode eval: nowhere.json: the file cannot be read"},
         {"AFolderAsState", {"eval", arm, "--state", "/"}, 1, "axode eval: /: the file cannot be read"},
     }),
@@ -88,7 +125,8 @@ class State : public testing::TestWithParam<BadState> {};
 
 TEST_P(State, IsRefusedWithASentenceForEachFault) {
   const BadState& bad = GetParam();
-  const Outcome outcome = axode({"eval", robot("machine.toml"), "--state", "-", "--format", "json"}, bad.state);
+  const Outcome outcome =
+      axode({"eval", robot("machine.toml"), "--state", "-", "--format", "json"}, bad.state);
   EXPECT_EQ(outcome.code, 1);
   EXPECT_EQ(outcome.out, "");
   std::istringstream lines(outcome.err);
@@ -104,15 +142,18 @@ INSTANTIATE_TEST_SUITE_P(
     Bad, State,
     testing::ValuesIn(std::vector<BadState>{
         {"NotJson", "{\"q\": [1, }",
-         "this is not JSON: parse error at line 1, column 11: syntax error while parsing value - unexpected '}'; "
+         "this is not JSON: parse error at line 1, column 11: syntax error while parsing value - unexpected "
+         "'}'; "
          "expected '[', '{', or a literal"},
         {"Empty", "",
-         "this is not JSON: parse error at line 1, column 1: syntax error while parsing value - unexpected end of "
+         "this is not JSON: parse error at line 1, column 1: syntax error while parsing value - unexpected "
+         "end of "
          "input; expected '[', '{', or a literal"},
         {"NumberTooLarge", "{\"q\": {\"feed\": 1e999}}", "this is not JSON: number overflow parsing '1e999'"},
         {"NotFinite", "{\"q\": {\"feed\": NaN}}",
-         "this is not JSON: parse error at line 1, column 16: syntax error while parsing value - invalid literal; "
-         "last read: ' N'"},
+         "this is not JSON: parse error at line 1, column 16: syntax error while parsing value - invalid "
+         "literal; "
+         "last read: '\"feed\": N'"},
         {"NotAnObject", "[1, 2]", "expected an object with the keys q, v, a and loads, got [1,2]"},
         {"UnknownKey", "{\"qq\": []}", "the key \"qq\" is none of q, v, a, loads; did you mean \"q\"?"},
         {"KeyTwice", "{\"v\": {\"feed\": 1, \"feed\": 2}}", "the key \"feed\" stands twice in one object"},
@@ -125,7 +166,8 @@ INSTANTIATE_TEST_SUITE_P(
          "q: model \"machine\" has no joint \"jakc\"; did you mean \"jack\"?"},
         {"CoupledJoint", "{\"q\": {\"carriage slide\": 0.1}}",
          "q: joint \"carriage slide\" has no coordinate of its own; it follows joint \"feed\""},
-        {"TooFewNumbersForAJoint", "{\"q\": {\"ball\": [0, 0, 1]}}", "q: joint \"ball\" takes 4 numbers, got [0,0,1]"},
+        {"TooFewNumbersForAJoint", "{\"q\": {\"ball\": [0, 0, 1]}}",
+         "q: joint \"ball\" takes 4 numbers, got [0,0,1]"},
         {"OneNumberForThree", "{\"v\": {\"ball\": 1}}", "v: joint \"ball\" takes 3 numbers, got 1"},
         {"AWordForANumber", "{\"v\": {\"feed\": \"1\"}}", "v: joint \"feed\" takes 1 number, got \"1\""},
         {"AWordAmongNumbers", "{\"v\": {\"ball\": [0, null, 0]}}",
@@ -138,7 +180,8 @@ INSTANTIATE_TEST_SUITE_P(
          "loads[0] must be an object with the keys frame, representation and wrench, got 7"},
         {"LoadWithoutAFrame", "{\"loads\": [{\"wrench\": [0,0,0,0,0,1]}]}",
          "loads[0]: the key \"frame\" is missing"},
-        {"LoadWithoutAWrench", "{\"loads\": [{\"frame\": \"table\"}]}", "loads[0]: the key \"wrench\" is missing"},
+        {"LoadWithoutAWrench", "{\"loads\": [{\"frame\": \"table\"}]}",
+         "loads[0]: the key \"wrench\" is missing"},
         {"LoadOnAnUnknownFrame", "{\"loads\": [{\"frame\": \"tabel\", \"wrench\": [0,0,0,0,0,1]}]}",
          "loads[0]: model \"machine\" has no frame \"tabel\"; did you mean \"table\"?"},
         {"LoadInAnUnknownRepresentation",
@@ -146,13 +189,14 @@ INSTANTIATE_TEST_SUITE_P(
          "loads[0]: representation: \"bdy\" is none of body, spatial, hybrid, mixed; did you mean \"body\"?"},
         {"LoadOfThreeNumbers", "{\"loads\": [{\"frame\": \"table\", \"wrench\": [0,0,1]}]}",
          "loads[0]: wrench takes 6 numbers, moment then force, got [0,0,1]"},
-        {"LoadWithAnUnknownKey", "{\"loads\": [{\"frame\": \"table\", \"wrnch\": 1, \"wrench\": [0,0,0,0,0,1]}]}",
+        {"LoadWithAnUnknownKey",
+         "{\"loads\": [{\"frame\": \"table\", \"wrnch\": 1, \"wrench\": [0,0,0,0,0,1]}]}",
          "loads[0]: the key \"wrnch\" is none of frame, representation, wrench; did you mean \"wrench\"?"},
         {"LoadOfAWord", "{\"loads\": [{\"frame\": \"table\", \"wrench\": [0,0,0,0,0,\"up\"]}]}",
          "loads[0]: wrench: entry 5 must be a number, got \"up\""},
         {"SeveralFaults", "{\"q\": [1], \"v\": {\"nose\": 1}, \"w\": 0}",
-         "q has 1 numbers; model \"machine\" takes nq = 20\nv: model \"machine\" has no joint \"nose\"\n"
-         "the key \"w\" is none of q, v, a, loads; did you mean \"q\"?"},
+         "q has 1 number; model \"machine\" takes nq = 20\nv: model \"machine\" has no joint \"nose\"\n"
+         "the key \"w\" is none of q, v, a, loads"},
     }),
     [](const auto& p) { return p.param.name; });
 
@@ -161,8 +205,9 @@ TEST(Errors, AResultThatIsNotFiniteIsAnErrorAndNotAResult) {
                                 R"({"v": {"A1": 1e200}, "q": {"A2": 1}})");
   EXPECT_EQ(outcome.code, 1);
   EXPECT_EQ(outcome.out, "");
-  EXPECT_EQ(outcome.err,
-            "axode eval: inverse_dynamics is not finite; the numbers of the state or the model are too large\n");
+  EXPECT_EQ(
+      outcome.err,
+      "axode eval: inverse_dynamics is not finite; the numbers of the state or the model are too large\n");
 }
 
 TEST(Errors, AModelWithFaultsIsAnsweredByALineForEach) {
@@ -171,7 +216,7 @@ TEST(Errors, AModelWithFaultsIsAnsweredByALineForEach) {
 [[body]]
 name = "a"
 on = "b"
-joint = { kind = "revolute", axis = [0, 0, 0] }
+joint = { kind = "revolute", axis = [0, 0, 0], point = [0, 0, 0] }
 )");
   const Outcome outcome = axode({"eval", file});
   EXPECT_EQ(outcome.code, 1);
@@ -191,18 +236,21 @@ TEST(Errors, ABaseThatCannotBeSetFreeIsSaid) {
 name = "two"
 [[body]]
 name = "a"
-joint = { kind = "revolute", axis = "z" }
+joint = { kind = "revolute", axis = "z", point = [0, 0, 0] }
 mass = 1
+com = [0, 0, 0]
 inertia = [1, 1, 1]
 )");
   const Outcome outcome = axode({"eval", file, "--base", "free"});
   EXPECT_EQ(outcome.code, 1);
-  EXPECT_THAT(outcome.err, HasSubstr("0 bodies are fixed to the ground; a free base needs exactly one to set free"));
+  EXPECT_THAT(outcome.err,
+              HasSubstr("0 bodies are fixed to the ground; a free base needs exactly one to set free"));
 }
 
 TEST(Errors, OutputThatCannotBeWrittenIsAnError) {
   if (!std::filesystem::exists("/dev/full")) GTEST_SKIP() << "this machine has no /dev/full";
-  const Outcome outcome = run({"sh", "-c", "\"$0\" info \"$1\" > /dev/full", AXODE_COMMAND, robot("arm7.toml")});
+  const Outcome outcome =
+      run({"sh", "-c", "\"$0\" info \"$1\" > /dev/full", AXODE_COMMAND, robot("arm7.toml")});
   EXPECT_EQ(outcome.code, 1);
   EXPECT_THAT(outcome.err, StartsWith("axode"));
   EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;

@@ -7,6 +7,7 @@
 
 #include "axode/dynamics.hpp"
 #include "axode/io.hpp"
+#include "axode/lie/representation_change.hpp"
 #include "tests/apps/run_command.hpp"
 
 namespace axode::test {
@@ -16,8 +17,8 @@ using Json = nlohmann::ordered_json;
 using Numbers = std::vector<double>;
 
 constexpr std::array representation_names{"body", "spatial", "hybrid", "mixed"};
-constexpr std::array representation_values{Representation::body, Representation::spatial, Representation::hybrid,
-                                           Representation::mixed};
+constexpr std::array representation_values{Representation::body, Representation::spatial,
+                                           Representation::hybrid, Representation::mixed};
 
 /// A state that moves every joint; the same numbers on every machine.
 struct Moving {
@@ -44,8 +45,7 @@ Numbers drive_forces(const std::string& file, const Json& state, std::vector<std
   return eval(file, state, std::move(options))["results"]["inverse_dynamics"];
 }
 
-template <class Six>
-Numbers six(const Six& x) {
+template <class Six> Numbers six(const Six& x) {
   const auto& [a, b] = x;
   return {a.x, a.y, a.z, b.x, b.y, b.z};
 }
@@ -59,7 +59,8 @@ double largest(const Numbers& x) {
 double difference(const Numbers& x, const Numbers& y) {
   EXPECT_EQ(x.size(), y.size());
   double largest = 0;
-  for (std::size_t k = 0; k < std::min(x.size(), y.size()); ++k) largest = std::max(largest, std::abs(x[k] - y[k]));
+  for (std::size_t k = 0; k < std::min(x.size(), y.size()); ++k)
+    largest = std::max(largest, std::abs(x[k] - y[k]));
   return largest;
 }
 
@@ -78,10 +79,9 @@ class EvalInRepresentation : public testing::TestWithParam<int> {};
 TEST_P(EvalInRepresentation, GivesTheNumbersOfTheLibrary) {
   const Model model = load(robot("machine.toml"));
   const Moving state(model);
-  const Json out = eval(
-      robot("machine.toml"), state.json(),
-      {"--representation", representation_names[GetParam()], "--want",
-       "inverse_dynamics,poses,twists,accelerations,joint_wrenches,center_of_mass"});
+  const Json out = eval(robot("machine.toml"), state.json(),
+                        {"--representation", representation_names[GetParam()], "--want",
+                         "inverse_dynamics,poses,twists,accelerations,joint_wrenches,center_of_mass"});
   EXPECT_EQ(out["representation"], representation_names[GetParam()]);
   const Json& results = out["results"];
   Workspace<> workspace(model);
@@ -101,8 +101,10 @@ TEST_P(EvalInRepresentation, GivesTheNumbersOfTheLibrary) {
     for (int f = 0; f < model.n_frames(); ++f) {
       const std::string& name = model.frame(f).name;
       const auto& [R, r] = C[f];
-      EXPECT_EQ(results["poses"][name], (Json{{R.x.x, R.y.x, R.z.x, r.x}, {R.x.y, R.y.y, R.z.y, r.y},
-                                              {R.x.z, R.y.z, R.z.z, r.z}, {0.0, 0.0, 0.0, 1.0}}));
+      EXPECT_EQ(results["poses"][name], (Json{{R.x.x, R.y.x, R.z.x, r.x},
+                                              {R.x.y, R.y.y, R.z.y, r.y},
+                                              {R.x.z, R.y.z, R.z.z, r.z},
+                                              {0.0, 0.0, 0.0, 1.0}}));
       EXPECT_EQ(results["twists"][name].get<Numbers>(), six(V[f]));
       EXPECT_EQ(results["accelerations"][name].get<Numbers>(), six(dV[f]));
     }
@@ -159,13 +161,15 @@ TEST(Eval, MissingJointsAreNeutralOrAtRest) {
 TEST(Eval, WithoutAStateTheModelIsNeutralAndAtRest) {
   const Outcome outcome = axode({"eval", robot("double_pendulum.toml"), "--format", "json"});
   ASSERT_EQ(outcome.code, 0) << outcome.err;
-  EXPECT_EQ(Json::parse(outcome.out), eval(robot("double_pendulum.toml"), {{"q", {0, 0}}, {"v", {0, 0}}}, {}));
+  EXPECT_EQ(Json::parse(outcome.out),
+            eval(robot("double_pendulum.toml"), {{"q", {0, 0}}, {"v", {0, 0}}}, {}));
 }
 
 TEST(Eval, ReadsTheStateFromAFileOrFromStandardInput) {
   const TemporaryFolder folder;
   const std::string state = folder.write("state.json", R"({"q": {"elbow": 0.5}})");
-  const Outcome outcome = axode({"eval", robot("double_pendulum.toml"), "--state", state, "--format", "json"});
+  const Outcome outcome =
+      axode({"eval", robot("double_pendulum.toml"), "--state", state, "--format", "json"});
   ASSERT_EQ(outcome.code, 0) << outcome.err;
   EXPECT_EQ(Json::parse(outcome.out), eval(robot("double_pendulum.toml"), {{"q", {{"elbow", 0.5}}}}, {}));
 }
@@ -260,14 +264,16 @@ TEST(Eval, TheTableNamesEveryJointAndSaysInWhichAxes) {
   const Model model = load(robot("machine.toml"));
   for (const Joint& joint : model.joints()) EXPECT_THAT(outcome.out, testing::HasSubstr(joint.name));
   for (const Frame& frame : model.frames()) EXPECT_THAT(outcome.out, testing::HasSubstr(frame.name));
-  for (const char* said : {"hybrid: in inertial axes, v = r' of the frame's origin; rad/s, m/s",
-                           "v' = r'' of the frame's origin; rad/s^2, m/s^2", "about the body's origin; N m, N",
-                           "quaternion x", "N m for angles, N for lengths"})
+  for (const char* said :
+       {"hybrid: in inertial axes, v = r' of the frame's origin; rad/s, m/s",
+        "v' = r'' of the frame's origin; rad/s^2, m/s^2", "about the body's origin; N m, N", "quaternion x",
+        "N m for angles, N for lengths"})
     EXPECT_THAT(outcome.out, testing::HasSubstr(said));
 }
 
 TEST(Eval, EveryJsonResultSaysWhatItIs) {
-  const Json out = eval(robot("arm7.toml"), Json::object(), {"--want", "poses,twists,accelerations,joint_wrenches"});
+  const Json out =
+      eval(robot("arm7.toml"), Json::object(), {"--want", "poses,twists,accelerations,joint_wrenches"});
   for (const auto& item : out["results"].items())
     EXPECT_GT(out["labels"][item.key()].get<std::string>().size(), 20U) << item.key();
 }

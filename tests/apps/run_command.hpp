@@ -28,7 +28,8 @@ inline std::string everything(std::FILE* file) {
   std::rewind(file);
   std::string text;
   std::array<char, 4096> buffer;
-  for (std::size_t n; (n = std::fread(buffer.data(), 1, buffer.size(), file)) > 0;) text.append(buffer.data(), n);
+  for (std::size_t n; (n = std::fread(buffer.data(), 1, buffer.size(), file)) > 0;)
+    text.append(buffer.data(), n);
   std::fclose(file);
   return text;
 }

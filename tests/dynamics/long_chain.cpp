@@ -36,7 +36,8 @@ TEST(LongChain, IsBuiltAndEvaluated) {
 TEST(LongChain, AgreesInAllRepresentations) {
   const Model model = chain();
   Random<double> random(1);
-  std::vector<double> q = random_numbers(random, n), v = random_numbers(random, n), a = random_numbers(random, n);
+  std::vector<double> q = random_numbers(random, n), v = random_numbers(random, n),
+                      a = random_numbers(random, n);
   for (double& x : q) x *= 0.01;
   for (double& x : v) x *= 0.01;
   Trial<double> trial(model, {q, v, a});

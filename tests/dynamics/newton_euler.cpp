@@ -6,7 +6,8 @@
 #include "tests/lie/relative_error.hpp"
 #include "tests/support/cases.hpp"
 
-/// One rigid body: its Newton-Euler equations in every representation, for any body frame and any frames j and k.
+/// One rigid body: its Newton-Euler equations in every representation, for any body frame and any frames j
+/// and k.
 namespace axode::test {
 namespace {
 
@@ -20,9 +21,9 @@ template <class T> struct Cloud {
   SE3<T> C;
   Twist<BodyFixed, T> V;
   TwistRate<BodyFixed, T> dV;
-  Inertia<T> M;                   ///< in the body frame
-  Wrench<Spatial, T> W{};         ///< Σ (p × m p'', m p'') in the inertial frame
-  Momentum<Spatial, T> Pi{};      ///< Σ (p × m p', m p')
+  Inertia<T> M;               ///< in the body frame
+  Wrench<Spatial, T> W{};     ///< Σ (p × m p'', m p'') in the inertial frame
+  Momentum<Spatial, T> Pi{};  ///< Σ (p × m p', m p')
 
   explicit Cloud(Random<T>& random)
       : C{random.rotation(), random.vector()},
@@ -108,7 +109,8 @@ TYPED_TEST(NewtonEulerInFrames, ResultantIsThatOfTheSpatialEquation) {
     const Twist<InFrames, T> V = change(jk, V_s);
     const TwistRate<InFrames, T> dV = change(jk, V_s, dV_s);
     EXPECT_LE(relative_error(change(jk, wrench(body.C, body.M, jk, V, dV)), body.W), 10 * tolerance<T>);
-    EXPECT_LE(relative_error(change(jk, inertia_in_frames(jk, body.C, body.M) * V), body.Pi), 10 * tolerance<T>);
+    EXPECT_LE(relative_error(change(jk, inertia_in_frames(jk, body.C, body.M) * V), body.Pi),
+              10 * tolerance<T>);
   }
 }
 
@@ -121,7 +123,8 @@ TYPED_TEST(NewtonEulerInFrames, AccelerationInvertsWrench) {
     const Twist<InFrames, T> V = random.template any<Twist<InFrames, T>>();
     const TwistRate<InFrames, T> dV = random.template any<TwistRate<InFrames, T>>();
     const Wrench<InFrames, T> W = wrench(body.C, body.M, jk, V, dV);
-    EXPECT_LE(distance(acceleration(body.C, body.M, jk, V, W), dV), 100 * tolerance<T> * (T(1) + to_eigen(W).norm()));
+    EXPECT_LE(distance(acceleration(body.C, body.M, jk, V, W), dV),
+              100 * tolerance<T> * (T(1) + to_eigen(W).norm()));
   }
 }
 
@@ -143,7 +146,8 @@ TYPED_TEST(NewtonEulerInFrames, SpatialBodyFixedAndHybridAreSpecialCases) {
       EXPECT_LE((to_eigen(V_jk) - to_eigen(V)).norm(), tolerance<T> * 10);
       EXPECT_LE((to_eigen(dV_jk) - to_eigen(dV)).norm(), tolerance<T> * 10);
       const auto W = to_eigen(wrench(C, body.M, V, dV));
-      EXPECT_LE((to_eigen(wrench(C, body.M, jk, V_jk, dV_jk)) - W).norm(), 10 * tolerance<T> * (T(1) + W.norm()));
+      EXPECT_LE((to_eigen(wrench(C, body.M, jk, V_jk, dV_jk)) - W).norm(),
+                10 * tolerance<T> * (T(1) + W.norm()));
     };
     agree(FramePair<T>{}, Spatial{});
     agree(FramePair<T>{C.r, V_h.v, C.R, V_h.w}, BodyFixed{});

@@ -4,7 +4,8 @@
 
 #include "tests/laws/law.hpp"
 
-/// The algorithms allocate nothing once the workspace exists: every operator new and delete of this program counts.
+/// The algorithms allocate nothing once the workspace exists: every operator new and delete of this program
+/// counts.
 namespace {
 
 std::atomic<long> allocations{0}, releases{0};
@@ -72,8 +73,10 @@ TYPED_TEST(NoAllocation, InKinematicsAndDynamics) {
     EXPECT_EQ(memory_operations([&] { poses<T>(model, workspace, at.q, C); }), 0);
     EXPECT_EQ(memory_operations([&] { twists<Rep>(model, workspace, at.q, at.v, V); }), 0);
     EXPECT_EQ(memory_operations([&] { accelerations<Rep>(model, workspace, at.q, at.v, at.a, dV); }), 0);
-    EXPECT_EQ(memory_operations([&] { inverse_dynamics<Rep>(model, workspace, at.q, at.v, at.a, tau, loads); }), 0);
-    EXPECT_EQ(memory_operations([&] { joint_wrenches<Rep>(model, workspace, at.q, at.v, at.a, W, loads); }), 0);
+    EXPECT_EQ(
+        memory_operations([&] { inverse_dynamics<Rep>(model, workspace, at.q, at.v, at.a, tau, loads); }), 0);
+    EXPECT_EQ(memory_operations([&] { joint_wrenches<Rep>(model, workspace, at.q, at.v, at.a, W, loads); }),
+              0);
     if (model.total_mass() > 0) {
       EXPECT_EQ(memory_operations([&] { center_of_mass<T>(model, workspace, at.q); }), 0);
     }

@@ -6,7 +6,8 @@ namespace axode::test {
 namespace {
 
 using enum JointKind;
-constexpr JointKind moving_kinds[] = {revolute, prismatic, helical, cylindrical, universal, spherical, planar, free};
+constexpr JointKind moving_kinds[] = {revolute,  prismatic, helical, cylindrical,
+                                      universal, spherical, planar,  free};
 
 /// Two joints of one kind in a row, in any place.
 Model two_joints(JointKind kind, Random<double>& random) {
@@ -72,15 +73,15 @@ TYPED_TEST(JointKinds, AccelerationsAreTheRatesOfTwists) {
     const auto V_t = frame_twists<Rep>(tree, q, v);
     for (std::size_t f = 0; f < dV.size(); ++f) {
       const auto& [w, u] = V_t[f];
-      rate.expect_equal(dV[f], TwistRate<Rep, T>{{w.x.c[1], w.y.c[1], w.z.c[1]}, {u.x.c[1], u.y.c[1], u.z.c[1]}}, 1);
+      rate.expect_equal(dV[f],
+                        TwistRate<Rep, T>{{w.x.c[1], w.y.c[1], w.z.c[1]}, {u.x.c[1], u.y.c[1], u.z.c[1]}}, 1);
     }
   });
 }
 
 /// The one body of a mechanism with one joint; its frame is the joint frame.
 Trial<double> one_joint(JointKind kind, std::vector<double> q, std::vector<double> v, double pitch = 0) {
-  const Model model =
-      ModelBuilder().add({.name = "body", .joint = {.kind = kind, .pitch = pitch}}).build();
+  const Model model = ModelBuilder().add({.name = "body", .joint = {.kind = kind, .pitch = pitch}}).build();
   const std::vector<double> a(v.size());
   return {model, {std::move(q), std::move(v), a}};
 }

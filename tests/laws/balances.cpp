@@ -53,12 +53,14 @@ TYPED_TEST(Balances, DrivesAndLoadsFeedTheEnergy) {
 }
 
 /// The loads on each body, in the spatial representation.
-template <class T> std::vector<Wrench<Spatial, T>> loads_on_bodies(const Trial<T>& trial, const std::vector<SE3<T>>& C) {
+template <class T>
+std::vector<Wrench<Spatial, T>> loads_on_bodies(const Trial<T>& trial, const std::vector<SE3<T>>& C) {
   std::vector<Wrench<Spatial, T>> W(static_cast<std::size_t>(trial.model.n_bodies() + 1));
   for (const AppliedWrench<T>& load : trial.state.wrenches) {
     const std::size_t body = static_cast<std::size_t>(trial.model.frame(load.frame).body);
     with_representation(load.representation, [&](auto rep) {
-      W[body] += change<Spatial>(C[static_cast<std::size_t>(load.frame)], Wrench<decltype(rep), T>{load.m, load.f});
+      W[body] +=
+          change<Spatial>(C[static_cast<std::size_t>(load.frame)], Wrench<decltype(rep), T>{load.m, load.f});
     });
   }
   return W;
@@ -86,7 +88,9 @@ TYPED_TEST(Balances, RootJointsWeightAndLoadsChangeTheMomentum) {
     Momentum<Spatial, S> Pi{};
     Wrench<Spatial, T> sum{};
     double scale = 0;
-    const auto act = [&](const Wrench<Spatial, T>& W_i) { sum += W_i, scale = std::max(scale, largest(entries(W_i))); };
+    const auto act = [&](const Wrench<Spatial, T>& W_i) {
+      sum += W_i, scale = std::max(scale, largest(entries(W_i)));
+    };
     for (int i = 1; i <= trial.model.n_bodies(); ++i) {
       const std::size_t f = static_cast<std::size_t>(i);
       const Body& body = trial.model.body(i);
@@ -94,7 +98,8 @@ TYPED_TEST(Balances, RootJointsWeightAndLoadsChangeTheMomentum) {
       act(loads[f]), act(weight(trial.model.gravity(), C[f], axode::cast<T>(body.M)));
       if (body.predecessor == 0) act(change<Spatial>(C[f], W[f - 1]));
     }
-    const Wrench<Spatial, T> rate{{Pi.l.x.c[1], Pi.l.y.c[1], Pi.l.z.c[1]}, {Pi.p.x.c[1], Pi.p.y.c[1], Pi.p.z.c[1]}};
+    const Wrench<Spatial, T> rate{{Pi.l.x.c[1], Pi.l.y.c[1], Pi.l.z.c[1]},
+                                  {Pi.p.x.c[1], Pi.p.y.c[1], Pi.p.z.c[1]}};
     wrench.expect_equal(sum, rate, scale);
   });
 }
@@ -139,7 +144,8 @@ TYPED_TEST(Balances, DriveForcesAreTheSharesOfJointWrenchesAlongTheJoints) {
       const double ratio = joint.leader ? joint.leader->ratio : 1;
       const Wrench<BodyFixed, T> W_b = change<BodyFixed>(C[f], W[f - 1]);
       for (std::size_t d = 0; d < joint.dof.size(); ++d) {
-        const Screw<T> X{axode::cast<T>(trial.model.body(i).X[d].w), axode::cast<T>(trial.model.body(i).X[d].v)};
+        const Screw<T> X{axode::cast<T>(trial.model.body(i).X[d].w),
+                         axode::cast<T>(trial.model.body(i).X[d].v)};
         const std::size_t k = static_cast<std::size_t>(joint.iv) + d;
         const double share = W_b | twist<BodyFixed>(X);
         scale = std::max(scale, std::abs(share));
@@ -164,7 +170,8 @@ TYPED_TEST(Balances, KineticEnergyIsTheQuadraticFormOfTheMassMatrix) {
       twice += part, scale = std::max(scale, std::abs(part));
     }
     kinetic.expect_equal(
-        2.0 * double(energy<Rep>(trial.model.template tree<T>(), trial.state.q, trial.state.v)), twice, scale);
+        2.0 * double(energy<Rep>(trial.model.template tree<T>(), trial.state.q, trial.state.v)), twice,
+        scale);
   });
 }
 

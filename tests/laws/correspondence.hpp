@@ -13,8 +13,10 @@ using NameOfOther = std::function<std::string(const std::string&)>;
 
 class Correspondence {
  public:
-  /// `name_in_b` says what a joint or frame of `a` is called in `b`. What `b` does not have has no counterpart.
-  Correspondence(const Model& a, const Model& b, const NameOfOther& name_in_b = [](const std::string& s) { return s; })
+  /// `name_in_b` says what a joint or frame of `a` is called in `b`. What `b` does not have has no
+  /// counterpart.
+  Correspondence(
+      const Model& a, const Model& b, const NameOfOther& name_in_b = [](const std::string& s) { return s; })
       : a_(a), b_(b) {
     std::unordered_map<std::string, int> joints, frames;
     for (int i = 1; i <= b.n_bodies(); ++i) joints.emplace(b.joint(i).name, i);
@@ -33,8 +35,8 @@ class Correspondence {
   int joint(int i) const { return joint_[static_cast<std::size_t>(i)]; }
   int frame(int f) const { return frame_[static_cast<std::size_t>(f)]; }
 
-  /// The state of `a` as one of `b`: the same coordinates of each joint, the same components of each load. Joints of
-  /// `b` without a counterpart stay neutral and at rest.
+  /// The state of `a` as one of `b`: the same coordinates of each joint, the same components of each load.
+  /// Joints of `b` without a counterpart stay neutral and at rest.
   State<double> carry(const State<double>& state) const {
     const std::size_t nv = static_cast<std::size_t>(b_.nv());
     State<double> out{neutral(b_), std::vector<double>(nv), std::vector<double>(nv)};

@@ -2,7 +2,8 @@
 
 #include "tests/laws/correspondence.hpp"
 
-/// Mechanisms made from others: with couplings taken away, with joints locked, with composite joints taken apart.
+/// Mechanisms made from others: with couplings taken away, with joints locked, with composite joints taken
+/// apart.
 namespace axode::test {
 namespace {
 
@@ -39,7 +40,8 @@ TYPED_TEST(EditedModels, CoupledJointsArePartsOfTheirLeaders) {
       const double ratio = joint.leader ? joint.leader->ratio : 1;
       for (int k = 0; k < own.nv; ++k) tau[joint.iv + k] += ratio * double(tau_free[own.iv + k]);
     }
-    torque.expect_equal(cast<double>(trial.template inverse_dynamics<Rep>()), tau, largest(entries(tau_free)));
+    torque.expect_equal(cast<double>(trial.template inverse_dynamics<Rep>()), tau,
+                        largest(entries(tau_free)));
   });
 }
 
@@ -103,12 +105,15 @@ TYPED_TEST(EditedModels, LockedJointsRest) {
       ASSERT_GE(same.frame(f), 0) << "frame " << model.frame(f).name << " got lost";
       pose.expect_equal(C_rest[same.frame(f)], C[f], 1);
     }
-    EXPECT_NEAR(rest.total_mass(), [&] {
-      double mass = 0;  // of what still moves
-      for (int i = 1; i <= model.n_bodies(); ++i)
-        if (rest.frame(same.frame(i)).body > 0) mass += model.body(i).M.m;
-      return mass;
-    }(), 1e-12 * model.total_mass());
+    EXPECT_NEAR(
+        rest.total_mass(),
+        [&] {
+          double mass = 0;  // of what still moves
+          for (int i = 1; i <= model.n_bodies(); ++i)
+            if (rest.frame(same.frame(i)).body > 0) mass += model.body(i).M.m;
+          return mass;
+        }(),
+        1e-12 * model.total_mass());
   });
 }
 

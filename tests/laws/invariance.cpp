@@ -3,15 +3,16 @@
 
 #include "tests/laws/correspondence.hpp"
 
-/// What the description of a mechanism must not change: where body frames lie and how geometry is told, names and
-/// order, the place of the whole scene, and which body of a floating mechanism is called its base.
+/// What the description of a mechanism must not change: where body frames lie and how geometry is told, names
+/// and order, the place of the whole scene, and which body of a floating mechanism is called its base.
 namespace axode::test {
 namespace {
 
 template <class C> class Invariance : public testing::Test {};
 TYPED_TEST_SUITE(Invariance, Cases, CaseNames);
 
-/// Drives whose inertia is told in the components of v, which depend on the frame, would change the mechanism.
+/// Drives whose inertia is told in the components of v, which depend on the frame, would change the
+/// mechanism.
 void remove_drives(Mechanism& mechanism, bool (*concerned)(JointKind)) {
   for (DrawnBody& body : mechanism.bodies)
     if (concerned(body.kind)) body.dof.clear();
@@ -68,7 +69,8 @@ TYPED_TEST(Invariance, BodyFramesMayLieAnywhere) {
 
     const auto V = trial.template twists<Spatial>(), V_other = other_trial.template twists<Spatial>();
     std::vector<Twist<Spatial, T>> in_order;
-    for (int f = 0; f < model.n_frames(); ++f) in_order.push_back(V_other[static_cast<std::size_t>(same.frame(f))]);
+    for (int f = 0; f < model.n_frames(); ++f)
+      in_order.push_back(V_other[static_cast<std::size_t>(same.frame(f))]);
     twist.expect_equal(in_order, V);
   });
 }
@@ -107,7 +109,8 @@ TYPED_TEST(Invariance, NamesAndOrderOfDeclarationDoNotMatter) {
     torque.expect_equal(tau_other, tau);
     const auto W = trial.template joint_wrenches<Rep>(), W_other = other_trial.template joint_wrenches<Rep>();
     std::vector<Wrench<Rep, T>> in_order;
-    for (int i = 1; i <= model.n_bodies(); ++i) in_order.push_back(W_other[static_cast<std::size_t>(same.joint(i) - 1)]);
+    for (int i = 1; i <= model.n_bodies(); ++i)
+      in_order.push_back(W_other[static_cast<std::size_t>(same.joint(i) - 1)]);
     transmitted.expect_equal(in_order, W);
   });
 }
@@ -163,8 +166,8 @@ TYPED_TEST(Invariance, TheSceneMayStandAnywhere) {
   });
 }
 
-/// The joint that hangs p on i, of which the reverse hangs i on p: the same coordinate for joints with one, the
-/// inverse displacement for the others.
+/// The joint that hangs p on i, of which the reverse hangs i on p: the same coordinate for joints with one,
+/// the inverse displacement for the others.
 DrawnBody with_joint(DrawnBody p, const DrawnBody& joint_of, int predecessor) {
   p.predecessor = predecessor;
   p.joint = joint_of.joint, p.kind = joint_of.kind, p.pitch = joint_of.pitch;
@@ -175,7 +178,8 @@ DrawnBody with_joint(DrawnBody p, const DrawnBody& joint_of, int predecessor) {
   return p;
 }
 
-/// The mechanism with body `base` set free in place of body 0, and the bodies between them hung the other way round.
+/// The mechanism with body `base` set free in place of body 0, and the bodies between them hung the other way
+/// round.
 Mechanism rerooted(const Mechanism& mechanism, int base, std::vector<int>& path) {
   Mechanism out = mechanism;
   const auto body = [&](int i) -> const DrawnBody& { return mechanism.bodies[static_cast<std::size_t>(i)]; };
@@ -231,7 +235,8 @@ TYPED_TEST(Invariance, AnyBodyOfAFloatingMechanismMayBeItsBase) {
     std::ranges::copy(entries(V[f]), &other_state.v[iv]);
     std::ranges::copy(entries(dV[f]), &other_state.a[iv]);
 
-    // Joints of several velocities on the path: C_p = C_i B⁻¹ q' with q' = B q⁻¹ B⁻¹, so that v' = -Ad_{B q} v.
+    // Joints of several velocities on the path: C_p = C_i B⁻¹ q' with q' = B q⁻¹ B⁻¹, so that v' = -Ad_{B q}
+    // v.
     for (const int i : path) {
       const DrawnBody& body = drawn.bodies[static_cast<std::size_t>(i)];
       if (has_one_velocity(body.kind) || body.kind == JointKind::fixed) continue;

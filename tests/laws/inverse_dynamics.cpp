@@ -34,13 +34,15 @@ template <class Rep, class T> Eigen::MatrixXd mass_matrix(Trial<T>& trial) {
     std::vector<T> a = zero;
     a[static_cast<std::size_t>(k)] = 1;
     const std::vector<T> tau = trial.template inverse_dynamics<Rep>(zero, a, {});
-    for (std::size_t i = 0; i < tau.size(); ++i) M(static_cast<int>(i), k) = double(tau[i]) - double(at_rest[i]);
+    for (std::size_t i = 0; i < tau.size(); ++i)
+      M(static_cast<int>(i), k) = double(tau[i]) - double(at_rest[i]);
   }
   return M;
 }
 
 template <class T> std::vector<T> product(const Eigen::MatrixXd& M, const std::vector<T>& x) {
-  const Eigen::VectorXd y = M * Eigen::Map<const Eigen::VectorX<T>>(x.data(), M.cols()).template cast<double>();
+  const Eigen::VectorXd y =
+      M * Eigen::Map<const Eigen::VectorX<T>>(x.data(), M.cols()).template cast<double>();
   return cast<T>(std::vector<double>(y.begin(), y.end()));
 }
 
@@ -50,7 +52,8 @@ TYPED_TEST(InverseDynamics, MassMatrixIsSymmetricAndNotNegative) {
   Comparison symmetry("symmetry", agreement<T>);
   for_seeds(100, [&](std::uint64_t seed) {
     const bool every_body_has_mass = seed % 2 == 0;
-    Trial<T> trial{Random<double>(seed), {.couplings = !every_body_has_mass, .always_mass = every_body_has_mass}};
+    Trial<T> trial{Random<double>(seed),
+                   {.couplings = !every_body_has_mass, .always_mass = every_body_has_mass}};
     if (trial.model.nv() == 0) return;
     // Gravity would only bury M in rounding.
     trial.model = ModelBuilder(trial.model).gravity({}).build();
@@ -93,7 +96,8 @@ TYPED_TEST(InverseDynamics, VelocityTermsAreQuadratic) {
       for (std::size_t k = 0; k < tau.size(); ++k) tau[k] = (tau[k] - rest[k]) / (scale * scale);
       return tau;
     };
-    const double weight = largest(entries(trial.template inverse_dynamics<Rep>(trial.zero(), trial.zero(), {})));
+    const double weight =
+        largest(entries(trial.template inverse_dynamics<Rep>(trial.zero(), trial.zero(), {})));
     torque.expect_equal(velocity_terms(T(-2)), velocity_terms(T(1)), weight);
   });
 }
@@ -107,7 +111,8 @@ TYPED_TEST(InverseDynamics, LoadsActThroughTheTransposedJacobian) {
     const Model model = ModelBuilder(told(random_mechanism(random), random)).gravity({}).build();
     Trial<T> trial(model, random);
     if (trial.state.wrenches.empty()) return;
-    const std::vector<T> drives = trial.template inverse_dynamics<Rep>(trial.zero(), trial.zero(), trial.state.loads());
+    const std::vector<T> drives =
+        trial.template inverse_dynamics<Rep>(trial.zero(), trial.zero(), trial.state.loads());
     const std::vector<SE3<T>> C = trial.poses();
     std::vector<T> power;
     for (std::size_t k = 0; k < drives.size(); ++k) {

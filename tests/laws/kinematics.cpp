@@ -12,10 +12,13 @@ template <class C> class Kinematics : public testing::Test {};
 TYPED_TEST_SUITE(Kinematics, Cases, CaseNames);
 
 /// The derivative of each entry of a pose at t = 0, as 4×4 matrices.
-template <class T, std::size_t N> std::vector<Eigen::Matrix4<T>> rates(const std::vector<SE3<Taylor<T, N>>>& C) {
+template <class T, std::size_t N>
+std::vector<Eigen::Matrix4<T>> rates(const std::vector<SE3<Taylor<T, N>>>& C) {
   std::vector<Eigen::Matrix4<T>> out;
   for (const SE3<Taylor<T, N>>& C_i : C) {
-    const auto column = [](const Vec3<Taylor<T, N>>& a) { return Eigen::Vector3<T>(a.x.c[1], a.y.c[1], a.z.c[1]); };
+    const auto column = [](const Vec3<Taylor<T, N>>& a) {
+      return Eigen::Vector3<T>(a.x.c[1], a.y.c[1], a.z.c[1]);
+    };
     Eigen::Matrix4<T> dC = Eigen::Matrix4<T>::Zero();
     dC.template topRows<3>() << column(C_i.R.x), column(C_i.R.y), column(C_i.R.z), column(C_i.r);
     out.push_back(dC);

@@ -12,8 +12,8 @@
 #include "tests/support/comparison.hpp"
 #include "tests/support/random_tree.hpp"
 
-/// Laws are tested for every representation and scalar, over random trees with fixed seeds; a failure prints the
-/// seed.
+/// Laws are tested for every representation and scalar, over random trees with fixed seeds; a failure prints
+/// the seed.
 namespace axode::test {
 
 /// What two computations of one quantity may differ by, as a part of the largest entry.

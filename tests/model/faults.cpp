@@ -702,10 +702,11 @@ TEST(Faults, NumbersThatOverflowAreNotFiniteEither) {
                                "its numbers are so large that its pose overflows")));
 }
 
-/// A rotation sheared by `off`.
-SO3<> sheared(double off) {
+/// A rotation sheared and stretched, so that RᵀR is off the identity by `off`.
+SO3<> distorted(double off) {
   SO3<> R = exp_SO3(Vec3<>{0.3, -0.4, 0.5});
   R.x += off * R.y;
+  R.z = (1 + 0.4 * off) * R.z;
   return R;
 }
 
@@ -749,7 +750,7 @@ TEST(Faults, ARotationIsOneToAMillionth) {
     const auto found = [&](const SO3<>& R) { return faults(with([&](auto& d) { place.set(d, R); })); };
     const std::string thing = place.thing;
     for (const double off : {1.0, 1e-2, 1.1e-6, -1.1e-6})
-      EXPECT_THAT(found(sheared(off)),
+      EXPECT_THAT(found(distorted(off)),
                   ElementsAre(says(Rule::not_a_rotation, place.element,
                                    AllOf(StartsWith(thing + " is off a rotation by "),
                                          testing::EndsWith("; RᵀR must be the identity to 1e-6")))))
@@ -763,7 +764,7 @@ TEST(Faults, ARotationIsOneToAMillionth) {
     EXPECT_THAT(found(SO3<>{{1, 0, 0}, {0, 1, 0}, {0, 0, -1}}),
                 ElementsAre(says(Rule::not_a_rotation, place.element,
                                  thing + " mirrors; a rotation has determinant +1")));
-    for (const double off : {0.9e-6, 1e-8, -1e-8, 0.0}) EXPECT_THAT(found(sheared(off)), IsEmpty()) << off;
+    for (const double off : {0.9e-6, 1e-8, -1e-8, 0.0}) EXPECT_THAT(found(distorted(off)), IsEmpty()) << off;
   }
 }
 
@@ -771,8 +772,8 @@ double defect(const SO3<>& R) { return distance(transpose(R) * R, SO3<>{}); }
 
 TEST(Faults, ANearlyRotationIsMadeOne) {
   for (const Place& place : places_of_rotations()) {
-    const Model model = ModelBuilder(with([&](auto& d) { place.set(d, sheared(1e-8)); })).build();
-    const Model exact = ModelBuilder(with([&](auto& d) { place.set(d, sheared(0)); })).build();
+    const Model model = ModelBuilder(with([&](auto& d) { place.set(d, distorted(1e-8)); })).build();
+    const Model exact = ModelBuilder(with([&](auto& d) { place.set(d, distorted(0)); })).build();
     for (int i = 1; i <= model.n_bodies(); ++i) {
       const Body& body = model.body(i);
       for (const SE3<>& C : {body.A, body.B, body.S_prev, body.S_self})

@@ -25,9 +25,11 @@ TEST(Paper, PoseMatrix) {
 TEST(Paper, RelConf) {
   each_body_with_one_screw([](Equation& eq, const Motion& m, int i) {
     const Body& b = m.body(i);
+    const JointFrames at = m.joint_frames(i);
     const SE3<> C_pi = inverse(m.pose(b.predecessor)) * m.pose(i);
-    eq.holds(C_pi, b.S_prev * exp(m.q(i) * from_eigen<Screw<>>(m.Z(i))) * inverse(b.S_self));
+    eq.holds(C_pi, at.S_prev * exp(m.q(i) * at.Z) * inverse(at.S_self));
     eq.holds(C_pi, b.B * exp(m.q(i) * m.X_screw(i)));
+    eq.holds(b.B, at.S_prev * inverse(at.S_self));
     eq.holds(b.B, b.S_prev * inverse(b.S_self));
     eq.holds(b.B, inverse(m.pose_at_zero(b.predecessor)) * m.pose_at_zero(i));
   });
@@ -57,7 +59,7 @@ TEST(Paper, POEY) {
 TEST(Paper, XY) {
   each_body_with_one_screw([](Equation& eq, const Motion& m, int i) {
     eq.holds(m.drawn(i).Y, Ad(m.body(i).A) * m.X(i));
-    eq.holds(m.X(i), Ad(m.body(i).S_self) * m.Z(i));
+    eq.holds(m.X(i), Ad(m.joint_frames(i).S_self) * to_eigen(m.joint_frames(i).Z));
     eq.holds(m.body(i).A, m.pose_at_zero(i));
   });
 }

@@ -20,7 +20,7 @@ template <class Check> void each_pair(const Check& check) {
 // dX̂/dt = V̂_i^s X̂ - X̂ V̂_i^s = [V̂_i^s, X̂] for X = Ad_{C_i} ^iX with ^iX constant. Printed: V̂ X̂ - V̂ X̂, which is 0.
 TEST(Paper, BodyFixedScrewRate) {
   each_body([](Equation& eq, const Motion& m, int i) {
-    const Screw<> iX{m.drawn(i).points[0].p, m.drawn(i).points[1].p};
+    const Screw<> iX{m.drawn(i).points[0].p, m.drawn(i).points[1].p};  // any that is constant
     const Screw<Series> iX_of_t{cast<Series>(iX.w), cast<Series>(iX.v)};
     const Eigen::Matrix4d left = rate(hat(Ad(m.C_of_t(i), iX_of_t)));
     const Screw<> X = Ad(m.pose(i), iX);
@@ -65,7 +65,7 @@ TEST(Paper, Adse3) {
 // [X_1, [X_2, X_3]] + [X_2, [X_3, X_1]] + [X_3, [X_1, X_2]] = 0
 TEST(Paper, JacIdent) {
   each_pair([](Equation& eq, const Motion& m, int i, int j) {
-    const Screw<> X_1 = V_s(m, i), X_2 = V_s(m, j), X_3{m.drawn(i).points[0].p, m.drawn(j).points[0].p};
+    const Screw<> X_1 = V_s(m, i), X_2 = V_s(m, j), X_3 = Ad(m.pose(i), m.X_screw(i));
     eq.holds(ad(X_1, ad(X_2, X_3)), -(ad(X_2, ad(X_3, X_1)) + ad(X_3, ad(X_1, X_2))));
   });
 }
@@ -142,8 +142,8 @@ TEST(Paper, ReciprocalProduct) {
 
     const Vec3<> p = m.pose(i).r, q = m.pose(j).r, e_1 = m.pose(i).R.x, e_2 = m.pose(j).R.y;
     const Screw<> X_1 = screw(e_1, p), X_2 = screw(e_2, q);
-    eq.holds(reciprocal_product(X_1, X_2),
-             dot(p - q, cross(e_1, e_2)));  // distance and angle of the two axes
+    const double distance_and_angle = dot(p - q, cross(e_1, e_2));
+    eq.holds(reciprocal_product(X_1, X_2), distance_and_angle);
     const Screw<> meets = screw(e_2, p), parallel = screw(e_1, q);
     eq.holds(reciprocal_product(X_1, meets), 0.0, norm(p));
     eq.holds(reciprocal_product(X_1, parallel), 0.0, norm(p) + norm(q));

@@ -31,11 +31,22 @@ template <class Rep> Motion::Answer<Rep> Motion::ask() const {
   return answer;
 }
 
+namespace {
+
+/// Neither small nor large, so that no term of an equation is lost in another.
+std::vector<double> generic_numbers(Random<double>& random, int size) {
+  std::vector<double> numbers = random_numbers(random, size);
+  for (double& x : numbers) x = x < 0 ? x - 0.5 : x + 0.5;
+  return numbers;
+}
+
+}  // namespace
+
 Motion::Motion(System system, std::uint64_t seed) : system_(std::move(system)) {
   Random<double> random(100 + seed);
   q_ = random_configuration(model(), 100 + seed);
-  v_ = random_numbers(random, model().nv());
-  a_ = random_numbers(random, model().nv());
+  v_ = generic_numbers(random, model().nv());
+  a_ = generic_numbers(random, model().nv());
   C_ = poses_of_t(v_, a_);
   pose_ = poses_at(q_), pose_at_zero_ = poses_at(neutral(model()));
   answers_ = {ask<BodyFixed>(), ask<Spatial>(), ask<Hybrid>(), ask<Mixed>()};
@@ -73,10 +84,11 @@ Mat6X Motion::X(int i) const {
   return columns;
 }
 
-Vec6 Motion::Z(int i) const {
+JointFrames Motion::joint_frames(int i) const {
+  if (drawn(i).joint_frames) return *drawn(i).joint_frames;
   const Joint& joint = model().joint(i);
-  return with_subgroup(joint.kind, joint.pitch,
-                       [](const auto& subgroup) { return to_eigen(subgroup.column(0)); });
+  const auto Z = [](const auto& subgroup) { return subgroup.column(0); };
+  return {body(i).S_prev, body(i).S_self, with_subgroup(joint.kind, joint.pitch, Z)};
 }
 
 SE3<> Motion::product_of_Y(int i) const {
@@ -89,8 +101,6 @@ Eigen::VectorXd Motion::of_joint(int i, const std::vector<double>& x) const {
   const Joint& joint = model().joint(i);
   return Eigen::Map<const Eigen::VectorXd>(&x[joint.iv], joint.nv);
 }
-Eigen::VectorXd Motion::qd(int i) const { return of_joint(i, v_); }
-Eigen::VectorXd Motion::qdd(int i) const { return of_joint(i, a_); }
 
 Vec6OfT Motion::V_of_t(int i, const PoseOfT& F) const {
   const Vec6OfT V = V_of_t<Hybrid>(i);

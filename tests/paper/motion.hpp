@@ -51,8 +51,8 @@ class Motion {
   // of a joint with one screw
   double q(int i) const { return q_[model().joint(i).iq]; }
   Screw<> X_screw(int i) const { return body(i).X[0]; }
-  Vec6 Z(int i) const;              ///< in the joint frame
-  SE3<> product_of_Y(int i) const;  ///< exp(Y_1 q_1) ... exp(Y_i q_i)
+  JointFrames joint_frames(int i) const;  ///< as drawn, or else those that the library chose
+  SE3<> product_of_Y(int i) const;        ///< exp(Y_1 q_1) ... exp(Y_i q_i)
 
   // Configurations, twists and Jacobians by definition
   const PoseOfT& C_of_t(int f) const { return C_[f]; }

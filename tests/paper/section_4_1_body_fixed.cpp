@@ -107,8 +107,11 @@ TEST(Paper, AWbRec) {
 // Q_i = X_iᵀ W_i, body-fixed
 TEST(Paper, BWbRec) {
   each_body([](Equation& eq, const Motion& m, int i) {
-    eq.holds(m.joint_force<BodyFixed>(i), m.X(i).transpose() * to_eigen(m.joint_wrench<BodyFixed>(i)));
-    eq.holds(m.joint_force<BodyFixed>(i), m.X(i).transpose() * m.transmitted<BodyFixed>(i));
+    const Mat6X X = m.X(i);
+    const Vec6 W = to_eigen(m.joint_wrench<BodyFixed>(i));
+    const double size = X.norm() * W.norm();
+    eq.holds(m.joint_force<BodyFixed>(i), X.transpose() * W, size);
+    eq.holds(m.joint_force<BodyFixed>(i), X.transpose() * m.transmitted<BodyFixed>(i), size);
   });
 }
 

@@ -41,7 +41,7 @@ TEST(Paper, BVsRec) {
     const Vec6 J = m.J<Spatial>(i, i);
     eq.holds(J, Ad(m.pose(i)) * m.X(i));
     eq.holds(J, Ad(m.pose(i) * inverse(m.body(i).A)) * to_eigen(m.drawn(i).Y));
-    eq.holds(J, Ad(m.pose(i) * m.body(i).S_self) * m.Z(i));
+    eq.holds(J, Ad(m.pose(i) * m.joint_frames(i).S_self) * to_eigen(m.joint_frames(i).Z));
     eq.holds(m.push_Xqd<Spatial>(i), J * m.qd(i));
   });
 }
@@ -92,9 +92,11 @@ TEST(Paper, BWsRec) {
 // Q_i = J_iᵀ W_i, spatial
 TEST(Paper, CWsRec) {
   each_body([](Equation& eq, const Motion& m, int i) {
-    const Eigen::Matrix<double, Eigen::Dynamic, 6> J_T = m.J<Spatial>(i, i).transpose();
-    eq.holds(m.joint_force<Spatial>(i), J_T * to_eigen(m.joint_wrench<Spatial>(i)));
-    eq.holds(m.joint_force<Spatial>(i), J_T * m.transmitted<Spatial>(i));
+    const Mat6X J = m.J<Spatial>(i, i);
+    const Vec6 W = to_eigen(m.joint_wrench<Spatial>(i));
+    const double size = J.norm() * W.norm();
+    eq.holds(m.joint_force<Spatial>(i), J.transpose() * W, size);
+    eq.holds(m.joint_force<Spatial>(i), J.transpose() * m.transmitted<Spatial>(i), size);
   });
 }
 

@@ -92,7 +92,7 @@ TEST(Paper, BVhRec2) {
     eq.holds(X, Ad(C.R) * m.X(i));
     eq.holds(X, Ad(-C.r) * m.J<Spatial>(i, i));
     eq.holds(X, Ad(-C.r) * Ad(C * inverse(m.body(i).A)) * Y);
-    eq.holds(X, Ad(C.R) * Ad(m.body(i).S_self) * m.Z(i));
+    eq.holds(X, Ad(C.R) * Ad(m.joint_frames(i).S_self) * to_eigen(m.joint_frames(i).Z));
     eq.holds(m.push_Xqd<Hybrid>(i), X * m.qd(i));
     eq.fails(X, Ad(-C.r) * Y);
   });
@@ -143,9 +143,11 @@ TEST(Paper, BWhRec) {
 // Q_i = Xᵀ W_i, hybrid
 TEST(Paper, CWhRec) {
   each_body([](Equation& eq, const Motion& m, int i) {
-    const Eigen::Matrix<double, Eigen::Dynamic, 6> X_T = m.J<Hybrid>(i, i).transpose();
-    eq.holds(m.joint_force<Hybrid>(i), X_T * to_eigen(m.joint_wrench<Hybrid>(i)));
-    eq.holds(m.joint_force<Hybrid>(i), X_T * m.transmitted<Hybrid>(i));
+    const Mat6X X = m.J<Hybrid>(i, i);
+    const Vec6 W = to_eigen(m.joint_wrench<Hybrid>(i));
+    const double size = X.norm() * W.norm();
+    eq.holds(m.joint_force<Hybrid>(i), X.transpose() * W, size);
+    eq.holds(m.joint_force<Hybrid>(i), X.transpose() * m.transmitted<Hybrid>(i), size);
   });
 }
 

@@ -23,13 +23,24 @@ Plan plan(Topology topology) {
   return {{0, 1, 1, 2, 2, 3, 0, 7}, {free, spherical, revolute, planar, helical, spherical, free, prismatic}};
 }
 
-/// A body at q = 0 as somebody drew it, in the construction frame.
-DrawnBody draw(Random<double>& random, int number, int predecessor, JointKind kind) {
-  DrawnBody body{.name = "body " + std::to_string(number), .joint = "joint " + std::to_string(number)};
+/// A body at q = 0 as somebody drew it; points and poses in the construction frame.
+struct Draft {
+  DrawnBody body;
+  std::vector<PointMass> points;
+  SO3<> inertia_axes, com_axes;
+};
+
+Draft draw(Random<double>& random, int number, int predecessor, JointKind kind) {
+  Draft draft{.body = {.name = "body " + std::to_string(number), .joint = "joint " + std::to_string(number)},
+              .points = {}};
+  DrawnBody& body = draft.body;
   body.predecessor = predecessor - 1, body.kind = kind;
   body.A = random.pose(), body.J = kind == JointKind::free ? body.A : random.pose();
   if (kind == JointKind::helical) body.pitch = random.number(0.1, 0.4);
-  return body;
+  const Vec3<> place = body.A * random.vector(0.5);
+  for (int k = 0; k < 6; ++k) draft.points.push_back({random.number(0.2, 1), place + random.vector(0.4)});
+  draft.inertia_axes = random.rotation(), draft.com_axes = random.rotation();
+  return draft;
 }
 
 /// Mass, centre of mass and moments of points, summed up in the frame F of the construction frame and told in it.
@@ -52,6 +63,44 @@ MassProperties sum(const std::vector<PointMass>& points, const SE3<>& F, GivenIn
   return sums;
 }
 
+/// The body in the words of the library, geometry and inertia in one of the ways that there are.
+BodyDescription tell(const Mechanism& mechanism, const Draft& draft, Way way, Random<double>& random) {
+  BodyDescription description = told(mechanism, draft.body, way, random);
+  const bool in_body = way != Way::body_frame, about_com = way != Way::joint_frames;
+  description.inertia =
+      sum(draft.points, in_body ? draft.body.A : SE3<>{},
+          in_body ? GivenIn::body_frame : GivenIn::construction_frame,
+          about_com ? InertiaAbout::center_of_mass : InertiaAbout::frame_origin, draft.inertia_axes);
+  return description;
+}
+
+FrameDescription com_frame(const Draft& draft) {
+  const Vec3<> com = sum(draft.points, {}, GivenIn::construction_frame, InertiaAbout::center_of_mass, {}).com;
+  return {.name = draft.body.name + ".com",
+          .body = draft.body.name,
+          .pose = {draft.com_axes, com},
+          .in = GivenIn::construction_frame};
+}
+
+/// (e; p × e + h e), or (0; e) of a prismatic joint.
+Screw<> joint_screw(JointKind kind, const Vec3<>& e, const Vec3<>& p, double h) {
+  return kind == JointKind::prismatic ? Screw<>{{}, e} : screw(e, p, h);
+}
+
+Drawn drawn(const Draft& draft, const BodyDescription& description) {
+  const DrawnBody& body = draft.body;
+  Drawn drawn{
+      .Y = joint_screw(body.kind, body.J.R.z, body.J.r, body.pitch), .joint_frames = {}, .points = {}};
+  if (const auto* frames = std::get_if<InJointFrames>(&description.geometry)) {
+    const JointDescription& joint = description.joint;
+    const Vec3<> e = (1 / norm(joint.axis)) * joint.axis;
+    drawn.joint_frames = {frames->S_prev, frames->S_self,
+                          joint_screw(joint.kind, e, joint.point, joint.pitch)};
+  }
+  for (const PointMass& point : draft.points) drawn.points.push_back({point.m, inverse(body.A) * point.p});
+  return drawn;
+}
+
 }  // namespace
 
 std::string_view to_string(Topology topology) {
@@ -65,51 +114,29 @@ std::string_view to_string(Topology topology) {
 
 System make_system(Topology topology, std::uint64_t seed, BodyFrames frames) {
   const Plan plan = paper::plan(topology);
-  const bool at_the_construction_frame = frames == BodyFrames::at_the_construction_frame;
-  Random<double> random(1 + seed);
+  Random<double> random(1 + seed), telling(1000 + seed);
   Mechanism mechanism{.gravity = random.vector(9.81), .bodies = {}};
   ModelBuilder builder(std::string(to_string(topology)) + ", seed " + std::to_string(seed));
   builder.gravity(mechanism.gravity);
-  std::vector<Drawn> drawn_in_order;
-  for (int b = 0; b < static_cast<int>(plan.predecessors.size()); ++b) {
-    const JointKind kind = plan.kinds[(b + seed) % plan.kinds.size()];
-    DrawnBody body = draw(random, b + 1, plan.predecessors[b], kind);
-    std::vector<PointMass> points;  // first in the construction frame
-    const Vec3<> place = body.A * random.vector(0.5);
-    for (int k = 0; k < 6; ++k) points.push_back({random.number(0.2, 1), place + random.vector(0.4)});
-    const SO3<> axes = random.rotation(), R_c = random.rotation();
-    const Way way = static_cast<Way>((b + seed) % 3);
-    Random<double> telling(seed + b);
-    if (at_the_construction_frame) body.A = {};
-    mechanism.bodies.push_back(body);
-
-    BodyDescription description =
-        told(mechanism, body, at_the_construction_frame ? Way::construction_frame : way, telling);
-    const GivenIn in = way == Way::body_frame ? GivenIn::construction_frame : GivenIn::body_frame;
-    const InertiaAbout about =
-        way == Way::joint_frames ? InertiaAbout::frame_origin : InertiaAbout::center_of_mass;
-    description.inertia = sum(points, in == GivenIn::body_frame ? body.A : SE3<>{}, in, about, axes);
-    builder.add(description);
-    const Vec3<> com = sum(points, {}, GivenIn::construction_frame, about, axes).com;
-    builder.add(FrameDescription{.name = body.name + ".com",
-                                 .body = body.name,
-                                 .pose = {R_c, com},
-                                 .in = GivenIn::construction_frame});
-
-    const bool slides = kind == JointKind::prismatic;
-    Drawn drawn{.Y = slides ? Screw<>{{}, body.J.R.z} : screw(body.J.R.z, body.J.r, body.pitch),
-                .points = points};
-    for (PointMass& point : drawn.points) point.p = inverse(body.A) * point.p;
-    drawn_in_order.push_back(std::move(drawn));
+  std::vector<Drawn> drawings;
+  for (std::size_t b = 0; b < plan.predecessors.size(); ++b) {
+    Draft draft = draw(random, static_cast<int>(b) + 1, plan.predecessors[b],
+                       plan.kinds[(b + seed) % plan.kinds.size()]);
+    Way way = static_cast<Way>((b + seed) % 3);
+    if (frames == BodyFrames::at_the_construction_frame) draft.body.A = {}, way = Way::construction_frame;
+    mechanism.bodies.push_back(draft.body);
+    const BodyDescription description = tell(mechanism, draft, way, telling);
+    builder.add(description).add(com_frame(draft));
+    drawings.push_back(drawn(draft, description));
   }
 
   System system{topology, builder.build(), {}, {}};
-  system.drawn.resize(static_cast<std::size_t>(system.model.n_bodies()) + 1);
-  for (std::size_t b = 0; b < drawn_in_order.size(); ++b) {
-    const int i = system.model.body_index(mechanism.bodies[b].name);
-    system.drawn[i] = std::move(drawn_in_order[b]);
-    system.loads.emplace_back(system.model.frame_index(mechanism.bodies[b].name + ".com"),
-                              static_cast<Representation>(b % 4), random.vector(10), random.vector(10));
+  system.drawn.resize(drawings.size() + 1);
+  for (std::size_t b = 0; b < drawings.size(); ++b) {
+    const std::string& name = mechanism.bodies[b].name;
+    system.drawn[system.model.body_index(name)] = std::move(drawings[b]);
+    system.loads.emplace_back(system.model.frame_index(name + ".com"), static_cast<Representation>(b % 4),
+                              random.vector(10), random.vector(10));
   }
   return system;
 }

@@ -1,6 +1,7 @@
 #pragma once
 #include <cstdint>
-#include <string>
+#include <optional>
+#include <string_view>
 #include <vector>
 
 #include "axode/dynamics/loads.hpp"
@@ -21,10 +22,17 @@ struct PointMass {
   Vec3<> p;  ///< in the body frame, m
 };
 
-/// What the drawing says about a body, beyond what the model tells.
+/// The joint frames on the predecessor and on the body, and the joint's screw in them.
+struct JointFrames {
+  SE3<> S_prev, S_self;
+  Screw<> Z;
+};
+
+/// What the drawing says about a body. Screws are of joints that have one.
 struct Drawn {
-  Screw<> Y;                      ///< of a joint with one screw: in the inertial frame, at q = 0
-  std::vector<PointMass> points;  ///< all its matter
+  Screw<> Y;                                ///< in the inertial frame, at q = 0
+  std::optional<JointFrames> joint_frames;  ///< where they were drawn: any, not aligned with the axis
+  std::vector<PointMass> points;            ///< all matter of the body
 };
 
 /// A mechanism with random body frames and joint frames. Each body is a few point masses and gives its geometry and

@@ -17,7 +17,8 @@ template <class T> std::vector<SE3<T>> frame_poses(const Tree<T>& tree, const st
 }
 
 template <class Rep, class T>
-std::vector<Twist<Rep, T>> frame_twists(const Tree<T>& tree, const std::vector<T>& q, const std::vector<T>& v) {
+std::vector<Twist<Rep, T>> frame_twists(const Tree<T>& tree, const std::vector<T>& q,
+                                        const std::vector<T>& v) {
   Workspace<T> workspace(tree.n);
   typename Workspace<T>::Arena arena(workspace);
   const JointMotion<T> joints(arena);
@@ -26,7 +27,8 @@ std::vector<Twist<Rep, T>> frame_twists(const Tree<T>& tree, const std::vector<T
   forward_recursion(tree, joints, Vec3<T>{}, bodies);
   std::vector<Twist<Rep, T>> V;
   for (int f = 0; f < tree.n_frames(); ++f)
-    V.push_back(bodies.link[tree.frame_body[f]].child(tree.frame_offset[f]).down(bodies.V[tree.frame_body[f]]));
+    V.push_back(
+        bodies.link[tree.frame_body[f]].child(tree.frame_offset[f]).down(bodies.V[tree.frame_body[f]]));
   return V;
 }
 
@@ -41,11 +43,11 @@ std::vector<T> generalised_forces(const Tree<T>& tree, const std::vector<T>& q, 
   return tau;
 }
 
-/// q + v t + a t²/2 on the configuration manifold: the coordinates of a motion that has the velocities v and the
-/// accelerations a at t = 0, as series in t.
+/// q + v t + a t²/2 on the configuration manifold: the coordinates of a motion that has the velocities v and
+/// the accelerations a at t = 0, as series in t.
 template <std::size_t N, class T>
-std::vector<Taylor<T, N>> moving(const Tree<Taylor<T, N>>& tree, const std::vector<T>& q, const std::vector<T>& v,
-                                 const std::vector<T>& a) {
+std::vector<Taylor<T, N>> moving(const Tree<Taylor<T, N>>& tree, const std::vector<T>& q,
+                                 const std::vector<T>& v, const std::vector<T>& a) {
   using Series = Taylor<T, N>;
   const std::vector<Series> q0(q.begin(), q.end());
   std::vector<Series> dv(v.size()), out(q.size());

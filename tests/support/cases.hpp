@@ -13,8 +13,9 @@ template <class Representation, class Scalar> struct Case {
   using Rep = Representation;
   using T = Scalar;
 };
-using Cases = testing::Types<Case<BodyFixed, double>, Case<Spatial, double>, Case<Hybrid, double>, Case<Mixed, double>,
-                             Case<BodyFixed, float>, Case<Spatial, float>, Case<Hybrid, float>, Case<Mixed, float>>;
+using Cases =
+    testing::Types<Case<BodyFixed, double>, Case<Spatial, double>, Case<Hybrid, double>, Case<Mixed, double>,
+                   Case<BodyFixed, float>, Case<Spatial, float>, Case<Hybrid, float>, Case<Mixed, float>>;
 struct CaseNames {
   template <class C> static std::string GetName(int) {
     using Rep = typename C::Rep;

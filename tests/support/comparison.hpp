@@ -20,9 +20,7 @@ template <class Derived> void append(std::vector<double>& out, const Eigen::Matr
 }
 template <class Quantity>
   requires requires(const Quantity& x) { to_eigen(x); }
-void append(std::vector<double>& out, const Quantity& x) {
-  append(out, to_eigen(x));
-}
+void append(std::vector<double>& out, const Quantity& x) { append(out, to_eigen(x)); }
 template <class Entry> void append(std::vector<double>& out, const std::vector<Entry>& x) {
   for (const Entry& entry : x) append(out, entry);
 }
@@ -47,7 +45,8 @@ class Comparison {
   Comparison& operator=(const Comparison&) = delete;
 
   /// ‖x - reference‖∞ <= bound max(‖reference‖∞, scale).
-  template <class Quantity> void expect_equal(const Quantity& x, const Quantity& reference, double scale = 0) {
+  template <class Quantity>
+  void expect_equal(const Quantity& x, const Quantity& reference, double scale = 0) {
     const std::vector<double> a = entries(x), b = entries(reference);
     ASSERT_EQ(a.size(), b.size());
     std::vector<double> difference;

@@ -10,8 +10,8 @@
 #include "axode/model/placement.hpp"
 #include "tests/lie/random_quantities.hpp"
 
-/// Random mechanisms. One is first drawn, with everything in the construction frame, and then told to the library
-/// in a random mix of all the ways in which it may be told.
+/// Random mechanisms. One is first drawn, with everything in the construction frame, and then told to the
+/// library in a random mix of all the ways in which it may be told.
 namespace axode::test {
 
 /// A body at q = 0; poses, points and tensors in the construction frame.
@@ -52,14 +52,15 @@ struct Mechanism {
 /// A tensor with principal second moments of mass between `thin` and 1 times the largest, in random axes.
 inline Sym3<> random_theta(Random<double>& random, double mass, double size, double thin = 0.1) {
   const double k = mass * size * size;
-  const Sym3<> binet{k * random.number(thin, 1), k * random.number(thin, 1), k * random.number(thin, 1), 0, 0, 0};
+  const Sym3<> binet{
+      k * random.number(thin, 1), k * random.number(thin, 1), k * random.number(thin, 1), 0, 0, 0};
   return rotate(random.rotation(), rotational_inertia(binet));
 }
 
 /// What random trees are made of.
 struct TreeRecipe {
-  int most_bodies = 60;  ///< that move
-  double length = 0.3;   ///< of bodies, m
+  int most_bodies = 60;   ///< that move
+  double length = 0.3;    ///< of bodies, m
   bool composite = true;  ///< cylindrical and universal joints
   bool couplings = true;
   bool always_mass = false;  ///< every body has a mass
@@ -76,8 +77,8 @@ inline Mechanism random_mechanism(Random<double>& random, const TreeRecipe& reci
   const auto chance = [&](double p) { return random.number(0, 1) < p; };
   const auto below = [&](int n) { return std::min(n - 1, static_cast<int>(random.number(0, n))); };
   const auto nearby = [&] { return SE3<>{random.rotation(), random.vector(recipe.length)}; };
-  constexpr JointKind kinds[] = {revolute, revolute,  revolute,  prismatic, helical, cylindrical, universal,
-                                 spherical, planar, free, fixed, revolute, prismatic};
+  constexpr JointKind kinds[] = {revolute,  revolute, revolute, prismatic, helical,  cylindrical, universal,
+                                 spherical, planar,   free,     fixed,     revolute, prismatic};
 
   Mechanism mechanism{.gravity = random.vector(10), .bodies = {}};
   const int size = 1 + static_cast<int>(recipe.most_bodies * std::pow(random.number(0, 1), 2));
@@ -86,7 +87,8 @@ inline Mechanism random_mechanism(Random<double>& random, const TreeRecipe& reci
   for (int moving = 0, i = 0; moving < size; ++i) {
     DrawnBody body;
     body.name = "body " + std::to_string(i), body.joint = "joint " + std::to_string(i);
-    if (i > 0 && !chance(recipe.one_free_root ? 0 : new_root)) body.predecessor = chance(chain) ? i - 1 : below(i);
+    if (i > 0 && !chance(recipe.one_free_root ? 0 : new_root))
+      body.predecessor = chance(chain) ? i - 1 : below(i);
     body.kind = kinds[below(static_cast<int>(std::size(kinds)))];
     if (recipe.one_free_root && i == 0) body.kind = free;
     const bool composite = body.kind == cylindrical || body.kind == universal;
@@ -101,25 +103,29 @@ inline Mechanism random_mechanism(Random<double>& random, const TreeRecipe& reci
     if ((body.kind == spherical || body.kind == planar) && chance(0.4)) body.A.R = body.J.R;
     if (body.kind == free) body.J = body.A;
     if (body.kind == helical) body.pitch = random.number(-0.2, 0.2);
-    if (body.kind == universal) body.second_axis = body.J.R * Vec3<>{1, random.number(-1, 1), random.number(-1, 1)};
-    const int nv = body.kind == free                                ? 6
-                   : body.kind == spherical || body.kind == planar  ? 3
-                   : composite && !has_one_velocity(body.kind)      ? 2
-                   : body.kind == fixed                             ? 0
-                                                                    : 1;
+    if (body.kind == universal)
+      body.second_axis = body.J.R * Vec3<>{1, random.number(-1, 1), random.number(-1, 1)};
+    const int nv = body.kind == free                               ? 6
+                   : body.kind == spherical || body.kind == planar ? 3
+                   : composite && !has_one_velocity(body.kind)     ? 2
+                   : body.kind == fixed                            ? 0
+                                                                   : 1;
     if (chance(0.3)) {
       body.dof.resize(static_cast<std::size_t>(nv));
       for (Dof& dof : body.dof)
-        dof.damping = random.number(0, 1), dof.friction = random.number(0, 1), dof.armature = random.number(0, 0.1);
+        dof.damping = random.number(0, 1), dof.friction = random.number(0, 1),
+        dof.armature = random.number(0, 0.1);
     }
     if (recipe.couplings && has_one_velocity(body.kind) && !leaders.empty() && chance(0.15))
       body.coupling = Coupling{leaders[static_cast<std::size_t>(below(static_cast<int>(leaders.size())))],
                                random.number(-1.5, 1.5), random.number(-0.5, 0.5)};
     if (has_one_velocity(body.kind)) leaders.push_back(body.joint);
-    if (body.kind == universal) leaders.push_back(body.joint + ".first"), leaders.push_back(body.joint + ".second");
+    if (body.kind == universal)
+      leaders.push_back(body.joint + ".first"), leaders.push_back(body.joint + ".second");
     if (recipe.always_mass || chance(0.85)) {
       const double mass = random.number(0.1, 5);
-      body.matter = {mass, body.A * random.vector(recipe.length), random_theta(random, mass, recipe.length / 3)};
+      body.matter = {mass, body.A * random.vector(recipe.length),
+                     random_theta(random, mass, recipe.length / 3)};
     }
     mechanism.bodies.push_back(std::move(body));
     if (chance(0.1))
@@ -141,11 +147,14 @@ inline bool can_tell(const DrawnBody& body, Way way) {
 }
 
 /// The geometry of body i, told in one way, with an axis of any length and any of its points.
-inline BodyDescription told(const Mechanism& mechanism, const DrawnBody& body, Way way, Random<double>& random) {
+inline BodyDescription told(const Mechanism& mechanism, const DrawnBody& body, Way way,
+                            Random<double>& random) {
   const SE3<> A_p = mechanism.A(body.predecessor), B = inverse(A_p) * body.A;
   const bool turned = body.kind == JointKind::spherical || body.kind == JointKind::planar;
   const SE3<> S_self = turned ? inverse(body.A) * body.J : SE3<>{random.rotation(), random.vector(0.3)};
-  const SE3<> F = way == Way::construction_frame ? SE3<>{} : way == Way::body_frame ? body.A : body.A * S_self;
+  const SE3<> F = way == Way::construction_frame ? SE3<>{}
+                  : way == Way::body_frame       ? body.A
+                                                 : body.A * S_self;
   const SE3<> in_F = inverse(F) * body.J;
   const bool anywhere = body.kind == JointKind::revolute || body.kind == JointKind::prismatic ||
                         body.kind == JointKind::helical || body.kind == JointKind::cylindrical;
@@ -166,8 +175,8 @@ inline BodyDescription told(const Mechanism& mechanism, const DrawnBody& body, W
   return description;
 }
 
-/// Mass, centre of mass and inertia, told in the body or the construction frame, about the centre of mass or the
-/// origin, in turned axes.
+/// Mass, centre of mass and inertia, told in the body or the construction frame, about the centre of mass or
+/// the origin, in turned axes.
 inline MassProperties told(const DrawnBody::Matter& matter, const SE3<>& A, Random<double>& random) {
   MassProperties told{.mass = matter.mass};
   told.in = random.number(0, 1) < 0.5 ? GivenIn::construction_frame : GivenIn::body_frame;
@@ -188,15 +197,17 @@ inline Description told(const Mechanism& mechanism, Random<double>& random) {
   Description description{.name = "random tree", .gravity = mechanism.gravity, .bodies = {}, .frames = {}};
   for (const DrawnBody& body : mechanism.bodies) {
     const Way way = static_cast<Way>(std::min(2, static_cast<int>(random.number(0, 3))));
-    description.bodies.push_back(told(mechanism, body, can_tell(body, way) ? way : Way::joint_frames, random));
+    description.bodies.push_back(
+        told(mechanism, body, can_tell(body, way) ? way : Way::joint_frames, random));
     if (body.matter) description.bodies.back().inertia = told(*body.matter, body.A, random);
   }
   for (const DrawnFrame& frame : mechanism.frames) {
     const bool in_body = random.number(0, 1) < 0.5;
-    description.frames.push_back({.name = frame.name,
-                                  .body = mechanism.name(frame.body),
-                                  .pose = in_body ? inverse(mechanism.A(frame.body)) * frame.pose : frame.pose,
-                                  .in = in_body ? GivenIn::body_frame : GivenIn::construction_frame});
+    description.frames.push_back(
+        {.name = frame.name,
+         .body = mechanism.name(frame.body),
+         .pose = in_body ? inverse(mechanism.A(frame.body)) * frame.pose : frame.pose,
+         .in = in_body ? GivenIn::body_frame : GivenIn::construction_frame});
   }
   return description;
 }

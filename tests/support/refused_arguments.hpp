@@ -11,9 +11,9 @@ namespace axode::test {
 
 /// The message names the argument, the size it has and the size it should have.
 inline auto refused(const std::string& argument, int actual, const std::string& meaning, int expected) {
-  return testing::ThrowsMessage<std::invalid_argument>(testing::AllOf(
-      testing::StartsWith(argument + " has " + std::to_string(actual) + " entries"),
-      testing::EndsWith("expected " + meaning + " = " + std::to_string(expected))));
+  return testing::ThrowsMessage<std::invalid_argument>(
+      testing::AllOf(testing::StartsWith(argument + " has " + std::to_string(actual) + " entries"),
+                     testing::EndsWith("expected " + meaning + " = " + std::to_string(expected))));
 }
 /// The message names the sizes of the workspace and of the model.
 inline auto refused_workspace(int made_for, int n_bodies) {
@@ -23,8 +23,9 @@ inline auto refused_workspace(int made_for, int n_bodies) {
 }
 /// The message names the argument, the joint and the rule.
 inline auto refused_quaternion(const std::string& joint) {
-  return testing::ThrowsMessage<std::invalid_argument>(testing::AllOf(
-      testing::StartsWith("q: "), testing::HasSubstr('"' + joint + '"'), testing::HasSubstr("must be 1 to 1e-0")));
+  return testing::ThrowsMessage<std::invalid_argument>(
+      testing::AllOf(testing::StartsWith("q: "), testing::HasSubstr('"' + joint + '"'),
+                     testing::HasSubstr("must be 1 to 1e-0")));
 }
 
 /// A ball joint with a hinge behind it: nq = 5, nv = 4, three frames.

@@ -27,7 +27,8 @@ inline Sym3<> sym3(const nlohmann::json& rows) {
   return {A.x.x, A.y.y, A.z.z, A.y.x, A.z.x, A.z.y};
 }
 inline Screw<> screw_of(const nlohmann::json& a) {
-  return {{number(a.at(0)), number(a.at(1)), number(a.at(2))}, {number(a.at(3)), number(a.at(4)), number(a.at(5))}};
+  return {{number(a.at(0)), number(a.at(1)), number(a.at(2))},
+          {number(a.at(3)), number(a.at(4)), number(a.at(5))}};
 }
 
 /// How a reference system is told to the library.
@@ -84,9 +85,11 @@ struct ReferenceSystem {
   }
   /// Of a quantity of every frame of the model, that of each body, in the order of the files.
   template <class Quantity>
-  static std::vector<Quantity> in_file_order_of_bodies(const Model& built, const std::vector<Quantity>& frames) {
+  static std::vector<Quantity> in_file_order_of_bodies(const Model& built,
+                                                       const std::vector<Quantity>& frames) {
     std::vector<Quantity> out;
-    for (int i = 1; i <= built.n_bodies(); ++i) out.push_back(frames[static_cast<std::size_t>(frame(built, i))]);
+    for (int i = 1; i <= built.n_bodies(); ++i)
+      out.push_back(frames[static_cast<std::size_t>(frame(built, i))]);
     return out;
   }
   static std::size_t place_of(const Model& built, int index) {
@@ -99,7 +102,8 @@ struct ReferenceSystem {
       const std::string letter = load.at("rep");
       const Screw<> W = screw_of(load.at("W"));
       const std::string letters = "bshm";
-      out.emplace_back(frame(built, load.at("body")), static_cast<Representation>(letters.find(letter)), W.w, W.v);
+      out.emplace_back(frame(built, load.at("body")), static_cast<Representation>(letters.find(letter)), W.w,
+                       W.v);
     }
     return out;
   }
@@ -127,7 +131,8 @@ struct ReferenceSystem {
       along(screw_of(body.at("Z")), out.joint);
       out.geometry = InJointFrames{se3(body.at("S_prev")), se3(body.at("S_self"))};
       const SE3<> A = se3(body.at("A"));
-      inertia.com = A * com, inertia.Theta = sym3(body.at("Theta_c")), inertia.axes = A.R * so3(body.at("R_bc"));
+      inertia.com = A * com, inertia.Theta = sym3(body.at("Theta_c")),
+      inertia.axes = A.R * so3(body.at("R_bc"));
       inertia.in = GivenIn::construction_frame;
     }
     out.inertia = inertia;

@@ -7,7 +7,8 @@
 #include "tests/support/comparison.hpp"
 #include "tests/support/vectors.hpp"
 
-/// Every quantity of every reference system that the library can compute, for every way of telling the system.
+/// Every quantity of every reference system that the library can compute, for every way of telling the
+/// system.
 namespace axode::test {
 namespace {
 
@@ -191,7 +192,8 @@ std::vector<Taylor<double, N>> series(const Model& model, const nlohmann::json& 
 
 /// The order-th derivative of the twists of the bodies, in the order of the files.
 template <class Rep, std::size_t N>
-std::vector<double> derivative_of_twists(const Model& model, const std::vector<Twist<Rep, Taylor<double, N>>>& V,
+std::vector<double> derivative_of_twists(const Model& model,
+                                         const std::vector<Twist<Rep, Taylor<double, N>>>& V,
                                          std::size_t order) {
   std::vector<double> out;
   for (const auto& [w, v] : ReferenceSystem::in_file_order_of_bodies(model, V))
@@ -226,7 +228,8 @@ TEST_P(ReferenceSystems, Jacobians) {
     const auto tree = cast<Taylor<double, N>>(model.tree<double>());
     const auto q = series<N>(model, state, {"q", "qd", "qdd"});
     each_representation([&](auto rep, const char* letter) {
-      std::vector<std::vector<Twist<decltype(rep), Taylor<double, N>>>> J;  // by j: what a unit velocity moves
+      std::vector<std::vector<Twist<decltype(rep), Taylor<double, N>>>>
+          J;  // by j: what a unit velocity moves
       for (int j = 1; j <= model.n_bodies(); ++j) {
         std::vector<Taylor<double, N>> unit(q.size());
         unit[ReferenceSystem::place_of(model, j)] = 1.0;
@@ -251,8 +254,8 @@ TEST_P(ReferenceSystems, Jacobians) {
 }
 
 TEST_P(ReferenceSystems, MomentaEnergiesAndInertiaForces) {
-  Comparison Pi("Pi", bound), total("Pi_s_total", bound), W("W_inertia", bound), kinetic("kinetic energy", bound),
-      potential("potential energy", bound);
+  Comparison Pi("Pi", bound), total("Pi_s_total", bound), W("W_inertia", bound),
+      kinetic("kinetic energy", bound), potential("potential energy", bound);
   each_state([&](const ReferenceSystem&, const Model& model, const nlohmann::json& state) {
     Evaluation at(model, state);
     const nlohmann::json& dynamics = state.at("dynamics");
@@ -276,18 +279,21 @@ TEST_P(ReferenceSystems, MomentaEnergiesAndInertiaForces) {
       if (dynamics.contains("Pi")) Pi.expect_equal(entries(momenta), numbers(dynamics.at("Pi").at(letter)));
       if (dynamics.contains("W_inertia"))
         W.expect_equal(entries(wrenches), numbers(dynamics.at("W_inertia").at(letter)));
-      if (dynamics.contains("Pi_s_total")) total.expect_equal(entries(sum), numbers(dynamics.at("Pi_s_total")));
+      if (dynamics.contains("Pi_s_total"))
+        total.expect_equal(entries(sum), numbers(dynamics.at("Pi_s_total")));
       kinetic.expect_equal(twice_T / 2, number(dynamics.at("kinetic_energy")));
     });
     const Vec3<> c = center_of_mass(model, at.workspace, at.q);
-    potential.expect_equal(-model.total_mass() * dot(model.gravity(), c), number(dynamics.at("potential_energy")));
+    potential.expect_equal(-model.total_mass() * dot(model.gravity(), c),
+                           number(dynamics.at("potential_energy")));
   });
 }
 
 TEST_P(ReferenceSystems, NewtonEulerInAnyPairOfFrames) {
   if (!ReferenceSystem(GetParam()).states.at(0).at("dynamics").contains("newton_euler_jk"))
     GTEST_SKIP() << GetParam() << " comes without pairs of frames";
-  Comparison twist("V", bound), rate("Vdot", bound), inertia("M", bound), force("W", bound), back("Vdot from W", bound);
+  Comparison twist("V", bound), rate("Vdot", bound), inertia("M", bound), force("W", bound),
+      back("Vdot from W", bound);
   each_state([&](const ReferenceSystem&, const Model& model, const nlohmann::json& state) {
     Evaluation at(model, state);
     auto C = at.poses();
@@ -308,8 +314,9 @@ TEST_P(ReferenceSystems, NewtonEulerInAnyPairOfFrames) {
       const Wrench<InFrames> W = wrench(C[i - 1], M[i - 1], jk, V, dV);
       twist.expect_equal(entries(V), numbers(reference.at("V")));
       rate.expect_equal(entries(dV), numbers(reference.at("Vdot")));
-      inertia.expect_equal(entries(Matrix6<double>(to_eigen(inertia_in_frames(jk, C[i - 1], M[i - 1])).transpose())),
-                           numbers(reference.at("M")));
+      inertia.expect_equal(
+          entries(Matrix6<double>(to_eigen(inertia_in_frames(jk, C[i - 1], M[i - 1])).transpose())),
+          numbers(reference.at("M")));
       force.expect_equal(entries(W), numbers(reference.at("W")));
       back.expect_equal(acceleration(C[i - 1], M[i - 1], jk, V, W), dV, largest(entries(W)));
     }
@@ -317,7 +324,8 @@ TEST_P(ReferenceSystems, NewtonEulerInAnyPairOfFrames) {
 }
 
 TEST_P(ReferenceSystems, DriveForces) {
-  Comparison Q("Q", bound), applied("applied_generalized", bound), coriolis("coriolis_vector", bound), M("M", bound);
+  Comparison Q("Q", bound), applied("applied_generalized", bound), coriolis("coriolis_vector", bound),
+      M("M", bound);
   each_state([&](const ReferenceSystem& system, const Model& model, const nlohmann::json& state) {
     Evaluation at(model, state);
     const std::vector<AppliedWrench<>> wrenches = system.loads(model);
@@ -360,10 +368,11 @@ TEST_P(ReferenceSystems, GravityForcesAndForwardDynamics) {
                            numbers(dynamics.at("gravity_vector")));
       if (!dynamics.contains("forward")) return;
       const std::vector<double> a = ReferenceSystem::in_model_order(model, dynamics.at("forward").at("qdd"));
-      // The accelerations are large where the inertia is small: the largest term of the equation is the measure.
+      // The accelerations are large where the inertia is small: the largest term of the equation is the
+      // measure.
       const double scale = largest(at.template inverse_dynamics<Rep>(at.zero(), a));
-      tau.expect_equal(at.template inverse_dynamics<Rep>(at.v, a, {.wrenches = wrenches}), numbers(state.at("tau")),
-                       scale);
+      tau.expect_equal(at.template inverse_dynamics<Rep>(at.v, a, {.wrenches = wrenches}),
+                       numbers(state.at("tau")), scale);
     });
   });
 }

@@ -1,0 +1,129 @@
+"""A robot in Pinocchio, in the conventions of axode.
+
+Angular before linear, quaternions before positions, angles instead of cosines and sines, joints by name, and
+mimic joints as functions of their leaders, whose generalised forces take the share of their followers.
+"""
+
+import xml.etree.ElementTree as ElementTree
+
+import numpy as np
+import pinocchio as pin
+
+from axode_command import FREE_BASE
+
+LOCAL, WORLD = pin.ReferenceFrame.LOCAL, pin.ReferenceFrame.WORLD
+ALIGNED = pin.ReferenceFrame.LOCAL_WORLD_ALIGNED
+
+
+def mimic_joints(file):
+    """Follower -> (leader, ratio, offset) of the joints that move, from the file itself."""
+    found = {}
+    for joint in ElementTree.parse(file).getroot().findall("joint"):
+        mimic = joint.find("mimic")
+        if mimic is not None and joint.get("type") != "fixed":
+            found[joint.get("name")] = (mimic.get("joint"), float(mimic.get("multiplier", 1)),
+                                        float(mimic.get("offset", 0)))
+    return found
+
+
+class Robot:
+    def __init__(self, file, base):
+        root = [pin.JointModelFreeFlyer(), FREE_BASE] if base == "free" else []
+        self.model = pin.buildModelFromUrdf(str(file), *root)
+        self.data = self.model.createData()
+        self.mimic = mimic_joints(file)
+        self.links = {frame.name: index for index, frame in enumerate(self.model.frames)
+                      if frame.type == pin.FrameType.BODY}
+        self.joints = {name: self.model.joints[index] for index, name in enumerate(self.model.names)
+                       if index > 0}
+
+    def independent_joints(self):
+        return [name for name in self.joints if name not in self.mimic]
+
+    def coordinates(self, values):
+        """Pinocchio's q from lists of numbers by joint."""
+        q = np.zeros(self.model.nq)
+        for name, joint in self.joints.items():
+            if name == FREE_BASE:
+                q[joint.idx_q:joint.idx_q + 7] = values[name][4:] + values[name][:4]
+                continue
+            angle = self._follow(name, values, with_offset=True)
+            turns = joint.nq == 2
+            q[joint.idx_q:joint.idx_q + joint.nq] = [np.cos(angle), np.sin(angle)] if turns else [angle]
+        return q
+
+    def velocities(self, values):
+        """Pinocchio's v, or a, from lists of numbers by joint."""
+        v = np.zeros(self.model.nv)
+        for name, joint in self.joints.items():
+            v[joint.idx_v:joint.idx_v + joint.nv] = (values[name][3:] + values[name][:3] if name == FREE_BASE
+                                                     else self._follow(name, values, with_offset=False))
+        return v
+
+    def _follow(self, name, values, with_offset):
+        if name not in self.mimic:
+            return values[name][0]
+        leader, ratio, offset = self.mimic[name]
+        return ratio * self._follow(leader, values, with_offset) + (offset if with_offset else 0)
+
+    def forces(self, tau):
+        """Generalised forces by independent joint from Pinocchio's tau."""
+        found = {name: np.zeros(joint.nv) for name, joint in self.joints.items() if name not in self.mimic}
+        for name, joint in self.joints.items():
+            part = tau[joint.idx_v:joint.idx_v + joint.nv]
+            ratio = 1
+            while name in self.mimic:
+                name, share, _ = self.mimic[name]
+                ratio *= share
+            found[name] = found[name] + ratio * (np.roll(part, 3) if name == FREE_BASE else part)
+        return found
+
+    def update(self, q, v, a):
+        pin.forwardKinematics(self.model, self.data, q, v, a)
+        pin.updateFramePlacements(self.model, self.data)
+
+    def inverse_dynamics(self, q, v, a, loads):
+        """tau with loads (link, representation, wrench); leaves the joints' wrenches in data.f."""
+        self.update(q, v, a)
+        on_joints = [pin.Force.Zero() for _ in range(self.model.njoints)]
+        for link, representation, wrench in loads:
+            frame, C = self.model.frames[self.links[link]], self.pose(link)
+            moment, force = np.array(wrench[:3]), np.array(wrench[3:])
+            R_t = C.rotation.T
+            local = {"body": lambda: pin.Force(force, moment),
+                     "spatial": lambda: C.actInv(pin.Force(force, moment)),
+                     "hybrid": lambda: pin.Force(R_t @ force, R_t @ moment),
+                     "mixed": lambda: pin.Force(R_t @ force, moment)}[representation]()
+            on_joints[frame.parentJoint] += frame.placement.act(local)
+        return pin.rnea(self.model, self.data, q, v, a, on_joints)
+
+    def joint_wrench(self, name):
+        """What a joint transmits, in the frame of its child link."""
+        force = self.data.f[self.model.getJointId(name)]
+        return np.concatenate([force.angular, force.linear])
+
+    def pose(self, link):
+        return self.data.oMf[self.links[link]]
+
+    def twist(self, link, representation):
+        def velocity(frame):
+            return pin.getFrameVelocity(self.model, self.data, self.links[link], frame)
+        return self._motion(velocity, velocity, representation)
+
+    def acceleration(self, link, representation):
+        """The time derivative of the components of the twist: Pinocchio's `acceleration` is that of local and
+        spatial twists, its `classical acceleration` holds r''."""
+        def spatial(frame):
+            return pin.getFrameAcceleration(self.model, self.data, self.links[link], frame)
+
+        def classical(frame):
+            return pin.getFrameClassicalAcceleration(self.model, self.data, self.links[link], frame)
+        return self._motion(spatial, classical, representation)
+
+    @staticmethod
+    def _motion(of_screw, of_origin, representation):
+        angular, linear = {"body": (of_screw(LOCAL).angular, of_screw(LOCAL).linear),
+                           "spatial": (of_screw(WORLD).angular, of_screw(WORLD).linear),
+                           "hybrid": (of_origin(ALIGNED).angular, of_origin(ALIGNED).linear),
+                           "mixed": (of_screw(LOCAL).angular, of_origin(ALIGNED).linear)}[representation]
+        return np.concatenate([angular, linear])
