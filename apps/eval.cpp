@@ -18,16 +18,21 @@ namespace {
 struct Options {
   std::string model, state, want = "inverse_dynamics", base, representation = "body", gravity,
                             format = "table";
+  std::vector<std::string> frames;
+  std::string relative_to = "ground";
+  int order = 1;
   bool joint_losses = false;
 };
 
 constexpr const char* footer = R"(Quantities for --want (several are separated by commas):
 {quantities}
 
-STATE is a JSON object with the keys q, v, a and loads, all of which may be left out:
-  q, v, a   arrays in the model's order (`axode info MODEL` shows it), or objects keyed by joint
+STATE is a JSON object with the keys q, v, a, jerk, snap, loads and targets, all of which may be left out:
+  q, v, a, jerk, snap
+            arrays in the model's order (`axode info MODEL` shows it), or objects keyed by joint
             name; a joint that is not named is neutral or at rest
   loads     applied wrenches, a list of {"frame": NAME, "representation": "body", "wrench": [moment, force]}
+  targets   poses for inverse_kinematics, a list of {"frame": NAME, "pose": [four rows of four numbers]}
 Units are m, kg, s, rad. Rotations are quaternions x y z w. Twists, accelerations and wrenches have
 their angular part first, in the representation that --representation names.
 
@@ -36,7 +41,8 @@ Example:
     axode eval arm7.toml --state - --want inverse_dynamics,poses --format json
 
 The JSON is {"model", "nq", "nv", "joints": [...], "results": {name: value}} with arrays in the order
-of "joints", poses, twists and accelerations keyed by frame, joint_wrenches keyed by joint.)";
+of "joints", poses, twists and accelerations keyed by frame, joint_wrenches keyed by joint. Jacobians are
+keyed by frame: six rows of nv entries; their partial derivatives are lists of them, outermost first.)";
 
 std::vector<Quantity> wanted(const std::string& list) {
   std::vector<Quantity> chosen;
@@ -131,6 +137,9 @@ void run(const Options& options) {
   const std::optional<Vec3<>> gravity = gravity_of(options.gravity);
   Question ask{load(options.model, base_of(options.base)), {}, representation, options.joint_losses};
   if (gravity) ask.model = ModelBuilder(ask.model).gravity(*gravity).build(Physics::lenient);
+  for (const std::string& name : options.frames) ask.frames.push_back(ask.model.frame_index(name));
+  ask.relative_to = ask.model.frame_index(options.relative_to);
+  ask.order = options.order;
   ask.state = options.state.empty() ? neutral_state(ask.model) : read_state(ask.model, options.state);
 
   Json results = Json::object(), labels = Json::object();
@@ -171,6 +180,12 @@ void add_eval(CLI::App& app, int& exit_code) {
       ->type_name("WORD");
   eval->add_option("--gravity", options->gravity, "x,y,z in m/s^2 instead of what the file says")
       ->type_name("NUMBERS");
+  eval->add_option("--frame", options->frames, "Only this frame; may be given again");
+  eval->add_option("--relative-to", options->relative_to, "The observer's frame of relative_jacobian")
+      ->capture_default_str();
+  eval->add_option("--order", options->order, "The order of derivatives, from 0")
+      ->check(CLI::Range(0, 12))
+      ->capture_default_str();
   eval->add_flag("--joint-losses", options->joint_losses,
                  "Count damping and friction of the joints as forces");
   eval->add_option("--format", options->format, "table (if left out) or json")->type_name("WORD");

@@ -7,17 +7,6 @@
 namespace axode::command {
 namespace {
 
-/// Where the six components of a twist live, by representation.
-std::string twist_axes(Representation representation) {
-  switch (representation) {
-    case Representation::body: return "in the frame's own axes, v of its origin";
-    case Representation::spatial: return "in inertial axes, v of the body's point at the inertial origin";
-    case Representation::hybrid: return "in inertial axes, v = r' of the frame's origin";
-    case Representation::mixed: break;
-  }
-  return "w in the frame's own axes, v = r' of its origin in inertial axes";
-}
-
 std::string rate_axes(Representation representation) {
   switch (representation) {
     case Representation::body: return "in the frame's own axes; v' = R^T r'' - w x v, not r''";
@@ -47,11 +36,6 @@ std::string_view name_of(Representation representation) {
     case Representation::mixed: break;
   }
   return "mixed";
-}
-
-std::string headline(std::string_view what, Representation representation, const std::string& axes,
-                     std::string_view units) {
-  return fmt::format("{}, {}: {}; {}", what, name_of(representation), axes, units);
 }
 
 /// An answer of six numbers for each name.
@@ -155,15 +139,34 @@ Answer center_of_mass_answer(const Question& ask) {
 
 }  // namespace
 
+std::string twist_axes(Representation representation) {
+  switch (representation) {
+    case Representation::body: return "in the frame's own axes, v of its origin";
+    case Representation::spatial: return "in inertial axes, v of the body's point at the inertial origin";
+    case Representation::hybrid: return "in inertial axes, v = r' of the frame's origin";
+    case Representation::mixed: break;
+  }
+  return "w in the frame's own axes, v = r' of its origin in inertial axes";
+}
+
+std::string headline(std::string_view what, Representation representation, const std::string& axes,
+                     std::string_view units) {
+  return fmt::format("{}, {}: {}; {}", what, name_of(representation), axes, units);
+}
+
 const std::vector<Quantity>& quantities() {
-  static const std::vector<Quantity> all{
-      {"inverse_dynamics", "the drive forces that make the accelerations a", inverse_dynamics_answer},
-      {"poses", "where every frame is", poses_answer},
-      {"twists", "how every frame moves", twists_answer},
-      {"accelerations", "the time derivatives of the twists", accelerations_answer},
-      {"joint_wrenches", "all six components of what every joint transmits", joint_wrenches_answer},
-      {"center_of_mass", "of all moving bodies", center_of_mass_answer},
-  };
+  static const std::vector<Quantity> all = [] {
+    std::vector<Quantity> list{
+        {"inverse_dynamics", "the drive forces that make the accelerations a", inverse_dynamics_answer},
+        {"poses", "where every frame is", poses_answer},
+        {"twists", "how every frame moves", twists_answer},
+        {"accelerations", "the time derivatives of the twists", accelerations_answer},
+        {"joint_wrenches", "all six components of what every joint transmits", joint_wrenches_answer},
+        {"center_of_mass", "of all moving bodies", center_of_mass_answer},
+    };
+    for (const Quantity& quantity : kinematic_quantities()) list.push_back(quantity);
+    return list;
+  }();
   return all;
 }
 

@@ -15,6 +15,9 @@ struct Question {
   State state;
   Representation representation = Representation::body;
   bool joint_losses = false;
+  std::vector<int> frames = {};  ///< the frames it is about; none: all
+  int relative_to = 0;           ///< the frame of the observer, for relative motion; 0 is the ground
+  int order = 1;                 ///< of derivatives
 };
 
 /// What a quantity is, its units and axes, and its value twice: for programs and for people.
@@ -31,6 +34,14 @@ struct Quantity {
   Answer (*answer)(const Question&);
 };
 const std::vector<Quantity>& quantities();
+/// Those of them that are about Jacobians, their derivatives and motion of higher order.
+std::vector<Quantity> kinematic_quantities();
+
+/// Where the six components of a twist live, by representation.
+std::string twist_axes(Representation representation);
+/// A label: what it is, in which representation and axes, and its units.
+std::string headline(std::string_view what, Representation representation, const std::string& axes,
+                     std::string_view units);
 
 /// A row for each velocity of the model, or coordinate, with the name of its joint: `name` or `name[2]`.
 std::vector<std::string> velocity_names(const Model& model);

@@ -45,7 +45,7 @@ class StateReader {
     State state = neutral_state(model_);
     const Json json = parse(text);
     if (!json.is_object()) {
-      fault("expected an object with the keys q, v, a and loads, got " + shown(json));
+      fault("expected an object with the keys q, v, a, jerk, snap, loads and targets, got " + shown(json));
     } else {
       for (const auto& [key, value] : json.items()) entry(key, value, state);
     }
@@ -61,7 +61,9 @@ class StateReader {
   }
 
  private:
-  static constexpr std::array<std::string_view, 4> known_keys{"q", "v", "a", "loads"};
+  static constexpr std::array<std::string_view, 7> known_keys{"q",    "v",     "a",      "jerk",
+                                                              "snap", "loads", "targets"};
+  static constexpr std::array<std::string_view, 2> known_target_keys{"frame", "pose"};
   static constexpr std::array<std::string_view, 3> known_load_keys{"frame", "representation", "wrench"};
 
   void fault(const std::string& sentence) { faults_.push_back(source_ + ": " + sentence); }
@@ -92,8 +94,16 @@ class StateReader {
       numbers("v", value, velocities, "nv", state.v);
     } else if (key == "a") {
       numbers("a", value, velocities, "nv", state.a);
+    } else if (key == "jerk") {
+      numbers("jerk", value, velocities, "nv", state.jerk);
+    } else if (key == "snap") {
+      numbers("snap", value, velocities, "nv", state.snap);
     } else if (key == "loads") {
-      loads(value, state.loads);
+      each(value, "loads",
+           [&](const std::string& where, const Json& item) { load(where, item, state.loads); });
+    } else if (key == "targets") {
+      each(value, "targets",
+           [&](const std::string& where, const Json& item) { target(where, item, state.targets); });
     } else {
       unknown_key("", key, known_keys);
     }
@@ -165,12 +175,12 @@ class StateReader {
     }
   }
 
-  void loads(const Json& value, std::vector<AppliedWrench<>>& out) {
+  template <class F> void each(const Json& value, const std::string& key, F&& f) {
     if (!value.is_array()) {
-      fault("loads must be an array of objects, got " + shown(value));
+      fault(key + " must be an array of objects, got " + shown(value));
       return;
     }
-    for (std::size_t k = 0; k < value.size(); ++k) load(fmt::format("loads[{}]", k), value[k], out);
+    for (std::size_t k = 0; k < value.size(); ++k) f(fmt::format("{}[{}]", key, k), value[k]);
   }
 
   void load(const std::string& where, const Json& value, std::vector<AppliedWrench<>>& out) {
@@ -199,6 +209,33 @@ class StateReader {
     }
   }
 
+  void target(const std::string& where, const Json& value, std::vector<PoseTarget>& out) {
+    if (!value.is_object()) {
+      fault(where + " must be an object with the keys frame and pose, got " + shown(value));
+      return;
+    }
+    for (const auto& item : value.items())
+      if (std::ranges::find(known_target_keys, item.key()) == known_target_keys.end())
+        unknown_key(where + ": ", item.key(), known_target_keys);
+    try {
+      const int frame = model_.frame_index(word(value, "frame"));
+      const Json& rows = required(value, "pose");
+      std::array<std::array<double, 4>, 3> C{};
+      if (!rows.is_array() || (rows.size() != 3 && rows.size() != 4))
+        throw std::invalid_argument("pose takes the rows of a 4x4 matrix, got " + shown(rows));
+      for (std::size_t r = 0; r < C.size(); ++r) {
+        if (!rows[r].is_array() || rows[r].size() != C[r].size())
+          throw std::invalid_argument(
+              fmt::format("row {} of pose takes 4 numbers, got {}", r, shown(rows[r])));
+        fill(fmt::format("{}: row {} of pose", where, r), rows[r], C[r]);
+      }
+      const auto column = [&](int k) { return Vec3<>{C[0][k], C[1][k], C[2][k]}; };
+      out.push_back({.place = frame, .pose = {{column(0), column(1), column(2)}, column(3)}});
+    } catch (const std::invalid_argument& wrong) {
+      fault(where + ": " + wrong.what());
+    }
+  }
+
   static const Json& required(const Json& object, const std::string& key) {
     if (!object.contains(key)) throw std::invalid_argument(fmt::format("the key \"{}\" is missing", key));
     return object[key];
@@ -220,7 +257,7 @@ class StateReader {
 
 State neutral_state(const Model& model) {
   const std::vector<double> rest(model.nv());
-  return {neutral(model), rest, rest, {}};
+  return {neutral(model), rest, rest, rest, rest, {}, {}};
 }
 
 State read_state(const Model& model, const std::string& file) {

@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "axode/dynamics/loads.hpp"
+#include "axode/kinematics.hpp"
 #include "axode/model/model.hpp"
 
 namespace axode::command {
@@ -10,7 +11,9 @@ namespace axode::command {
 /// The state of a model, in the model's order.
 struct State {
   std::vector<double> q, v, a;
+  std::vector<double> jerk, snap;  ///< the derivatives of a
   std::vector<AppliedWrench<>> loads;
+  std::vector<PoseTarget> targets;
 };
 
 /// Every joint at zero and at rest, nothing applied.
@@ -20,7 +23,8 @@ State neutral_state(const Model& model);
 ///
 ///     {"q": [0.1, 0.2], "v": {"elbow": 1}, "a": {}, "loads": [{"frame": "tool", "wrench": [0, 0, 0, 0, 0, -5]}]}
 ///
-/// q, v and a are arrays in the model's order or objects keyed by joint name; what is not given is neutral, or zero.
+/// q, v, a, jerk and snap are arrays in the model's order or objects keyed by joint name; what is not given is
+/// neutral, or zero. "targets" are poses for inverse kinematics: a list of {"frame", "pose"}, four rows of four numbers.
 /// A load's representation is "body" where it says nothing. Throws InputError with everything that is wrong.
 State read_state(const Model& model, const std::string& file);
 

@@ -12,7 +12,8 @@ namespace axode {
 /// std::invalid_argument for a wrong size, a quaternion off 1 or a load on a frame that does not exist.
 template <class Rep = BodyFixed, class T>
 void inverse_dynamics(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v, Numbers<T> a,
-                      std::type_identity_t<std::span<T>> tau, const std::type_identity_t<Loads<T>>& loads = {});
+                      std::type_identity_t<std::span<T>> tau,
+                      const std::type_identity_t<Loads<T>>& loads = {});
 
 /// The wrench that each joint transmits from the predecessor to the body, all six components: drive and reaction. W
 /// has n_bodies entries; W[i - 1] belongs to joint i, in the representation Rep of body i's frame. Otherwise as

@@ -13,7 +13,8 @@ namespace axode {
 
 /// C_i, the pose of every frame in the inertial frame (eqs. POEX, aVbRec2), m.
 template <class T>
-void poses(const Model& model, Workspace<T>& workspace, Numbers<T> q, std::type_identity_t<std::span<SE3<T>>> C);
+void poses(const Model& model, Workspace<T>& workspace, Numbers<T> q,
+           std::type_identity_t<std::span<SE3<T>>> C);
 
 /// V_i, the twist of every frame (eqs. VbRec, Vsrec, VhRec), rad/s and m/s.
 template <class Rep = BodyFixed, class T>
@@ -28,7 +29,6 @@ void accelerations(const Model& model, Workspace<T>& workspace, Numbers<T> q, Nu
                    std::type_identity_t<std::span<TwistRate<Rep, T>>> dV);
 
 /// The centre of mass of all moving bodies in the inertial frame, m. Throws std::domain_error for a massless model.
-template <class T>
-Vec3<T> center_of_mass(const Model& model, Workspace<T>& workspace, Numbers<T> q);
+template <class T> Vec3<T> center_of_mass(const Model& model, Workspace<T>& workspace, Numbers<T> q);
 
 }  // namespace axode

@@ -17,13 +17,13 @@ constexpr Wrench<Spatial, T> newton_euler(const Link<Spatial, T>& link, const In
   return newton_euler(transform(link.C, M), V, dV);
 }
 template <class T>
-constexpr Wrench<Hybrid, T> newton_euler(const Link<Hybrid, T>& link, const Inertia<T>& M, const Twist<Hybrid, T>& V,
-                                         const TwistRate<Hybrid, T>& dV) {
+constexpr Wrench<Hybrid, T> newton_euler(const Link<Hybrid, T>& link, const Inertia<T>& M,
+                                         const Twist<Hybrid, T>& V, const TwistRate<Hybrid, T>& dV) {
   return newton_euler(transform(link.R, M), V, dV);
 }
 template <class T>
-constexpr Wrench<Mixed, T> newton_euler(const Link<Mixed, T>& link, const Inertia<T>& M, const Twist<Mixed, T>& V,
-                                        const TwistRate<Mixed, T>& dV) {
+constexpr Wrench<Mixed, T> newton_euler(const Link<Mixed, T>& link, const Inertia<T>& M,
+                                        const Twist<Mixed, T>& V, const TwistRate<Mixed, T>& dV) {
   return newton_euler(M, link.R, V, dV);
 }
 
@@ -44,8 +44,7 @@ void sum_applied(const Tree<T>& tree, std::span<const AppliedWrench<T>> wrenches
 }
 
 /// The wrenches that the joints transmit and the generalised forces of one tree.
-template <class Rep, class T>
-struct InverseDynamicsRecursion {
+template <class Rep, class T> struct InverseDynamicsRecursion {
   JointMotion<T> joints;
   BodyMotion<Rep, T> bodies;
   Wrench<Rep, T>* W;
@@ -65,7 +64,8 @@ struct InverseDynamicsRecursion {
   void run(const Tree<T>& tree, const T* q, const T* v, const T* a, const Loads<T>& loads) noexcept {
     joint_motion(tree, q, v, a, joints);
     forward_recursion(tree, joints, -tree.g, bodies);
-    for (int i = 0; i <= tree.n; ++i) W[i] = newton_euler(bodies.link[i], tree.M[i], bodies.V[i], bodies.dV[i]);
+    for (int i = 0; i <= tree.n; ++i)
+      W[i] = newton_euler(bodies.link[i], tree.M[i], bodies.V[i], bodies.dV[i]);
     if (!loads.wrenches.empty()) {
       body_poses(tree, joints.C_pi, C);
       sum_applied(tree, loads.wrenches, C, W_app);

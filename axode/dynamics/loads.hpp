@@ -8,8 +8,7 @@ namespace axode {
 /// A wrench applied to a frame, in any representation of that frame: in its own axes about its origin (BodyFixed), in
 /// inertial axes about the inertial origin (Spatial) or about the frame's origin (Hybrid), moment in its own and
 /// force in inertial axes (Mixed). N m and N; its power on the frame's twist goes into the system.
-template <class T = double>
-struct AppliedWrench {
+template <class T = double> struct AppliedWrench {
   int frame;
   Representation representation;
   Vec3<T> m, f;
@@ -28,10 +27,10 @@ struct AppliedWrench {
 };
 
 /// What acts on a system besides its drives and gravity.
-template <class T = double>
-struct Loads {
+template <class T = double> struct Loads {
   std::span<const AppliedWrench<T>> wrenches = {};
-  bool joint_losses = false;  ///< damping d v and Coulomb friction f sign(v) of the joints, which resist the motion
+  bool joint_losses =
+      false;  ///< damping d v and Coulomb friction f sign(v) of the joints, which resist the motion
 };
 
 }  // namespace axode

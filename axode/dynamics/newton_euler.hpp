@@ -9,7 +9,8 @@ namespace axode {
 
 /// W = M V' - ad_Vᵀ M V (eqs. NEs, NEb, NEb0), with M in the same frame as V.
 template <AtFrameOrigin Rep, class T>
-constexpr Wrench<Rep, T> newton_euler(const Inertia<T>& M, const Twist<Rep, T>& V, const TwistRate<Rep, T>& dV) {
+constexpr Wrench<Rep, T> newton_euler(const Inertia<T>& M, const Twist<Rep, T>& V,
+                                      const TwistRate<Rep, T>& dV) {
   return M * dV + coad(V, M * V);
 }
 
@@ -34,8 +35,8 @@ constexpr Wrench<Mixed, T> newton_euler(const Inertia<T>& M, const SO3<T>& R, co
 /// ad_Vᵀ M V = W, with M = ^kM_i^j. Of the motion of F_j and F_k only the velocity of the origin of F_j and the
 /// angular velocity of F_k remain.
 template <class T>
-constexpr Wrench<InFrames, T> newton_euler(const Inertia<T>& M, const FramePair<T>& jk, const Twist<InFrames, T>& V,
-                                           const TwistRate<InFrames, T>& dV) {
+constexpr Wrench<InFrames, T> newton_euler(const Inertia<T>& M, const FramePair<T>& jk,
+                                           const Twist<InFrames, T>& V, const TwistRate<InFrames, T>& dV) {
   const SO3<T> Rt = transpose(jk.R_k);
   const Screw<T> moved = ad(Screw<T>{Rt * jk.w_k, Rt * jk.dr_j}, Screw<T>{V.w, V.v});
   const Momentum<InFrames, T> Pi = M * V;
@@ -70,12 +71,11 @@ constexpr Wrench<InFrames, T> wrench(const SE3<T>& C, const Inertia<T>& M, const
 }
 
 /// The adjugate of a symmetric tensor divided by its determinant.
-template <class T>
-constexpr Sym3<T> inverse(const Sym3<T>& A) {
+template <class T> constexpr Sym3<T> inverse(const Sym3<T>& A) {
   const T xx = A.yy * A.zz - A.yz * A.yz, xy = A.xz * A.yz - A.xy * A.zz, xz = A.xy * A.yz - A.xz * A.yy;
   const T i = T(1) / (A.xx * xx + A.xy * xy + A.xz * xz);
-  return {i * xx, i * (A.xx * A.zz - A.xz * A.xz), i * (A.xx * A.yy - A.xy * A.xy), i * xy, i * xz,
-          i * (A.xy * A.xz - A.xx * A.yz)};
+  return {i * xx, i * (A.xx * A.zz - A.xz * A.xz), i * (A.xx * A.yy - A.xy * A.xy), i * xy,
+          i * xz, i * (A.xy * A.xz - A.xx * A.yz)};
 }
 
 /// M⁻¹ W = V', solved at the centre of mass. The mass and Θ_c must not be singular.

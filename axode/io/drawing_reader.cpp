@@ -1,24 +1,3 @@
-// toml++ 3.3 with its assertions as exceptions: what it would abort for, or take for impossible in a release build,
-// is only bad input here.
-namespace axode::io {
-struct ParserAtALoss {};
-}  // namespace axode::io
-
-#undef NDEBUG
-#define TOML_ASSERT(condition) ((condition) ? void() : throw ::axode::io::ParserAtALoss())
-#define TOML_EXCEPTIONS 0
-#define TOML_ENABLE_FORMATTERS 0
-#define TOML_FLOAT_CHARCONV 1
-#define TOML_MAX_NESTED_VALUES 16
-#if defined(__GNUC__) && !defined(__clang__)
-#pragma GCC diagnostic push
-#pragma GCC diagnostic ignored "-Wterminate"  // in functions of toml++ that are noexcept
-#endif
-#include <toml++/toml.h>
-#if defined(__GNUC__) && !defined(__clang__)
-#pragma GCC diagnostic pop
-#endif
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -29,27 +8,19 @@ struct ParserAtALoss {};
 #include "axode/io.hpp"
 #include "axode/io/pose.hpp"
 #include "axode/io/reading.hpp"
-#include "axode/io/toml_scan.hpp"
+#include "axode/io/toml.hpp"
 #include "axode/model/nearest_name.hpp"
 
 namespace axode::io {
 namespace {
 
-int line_of(const toml::node& node) { return static_cast<int>(node.source().begin.line); }
-
-std::optional<double> as_number(const toml::node& node) {
-  if (const auto* x = node.as_floating_point()) return x->get();
-  if (const auto* k = node.as_integer()) return static_cast<double>(k->get());
-  return std::nullopt;
-}
-
 /// What stands there, for a message.
-std::string shown(const toml::node& node) {
-  if (const auto* text = node.as_string()) return in_quotes(text->get());
-  if (const auto x = as_number(node)) return to_text(*x);
-  if (const auto* flag = node.as_boolean()) return flag->get() ? "true" : "false";
-  if (const auto* array = node.as_array()) return "an array of " + std::to_string(array->size());
-  return node.is_table() ? "a table" : "a date";
+std::string shown(const toml::Value& value) {
+  if (const auto* text = value.text()) return in_quotes(*text);
+  if (const auto* x = value.number()) return to_text(*x);
+  if (const auto* flag = value.flag()) return *flag ? "true" : "false";
+  if (const auto* array = value.array()) return "an array of " + std::to_string(array->size());
+  return value.table() != nullptr ? "a table" : "a date";
 }
 
 /// The faults of one file.
@@ -65,22 +36,22 @@ struct Notes {
 /// One table of a drawing. Every key that may be there is asked for once; `finish` finds the others.
 class Table {
  public:
-  Table(const Notes& notes, const toml::table& table, std::string element)
-      : notes_(notes), table_(table), element_(std::move(element)) {}
+  Table(const Notes& notes, const toml::Value& table, std::string element)
+      : notes_(notes), entries_(*table.table()), line_(table.line), element_(std::move(element)) {}
 
-  int line() const { return line_of(table_); }
-  bool has(std::string_view key) const { return table_.contains(key); }
+  int line() const { return line_; }
+  bool has(std::string_view key) const { return entries_.contains(key); }
   void rename(std::string element) { element_ = std::move(element); }
   const std::string& element() const { return element_; }
 
-  const toml::node* take(std::string_view key) {
+  const toml::Value* take(std::string_view key) {
     known_.push_back(key);
-    return table_.get(key);
+    return look(key);
   }
-  void error(Rule rule, std::string message, const toml::node* at = nullptr) const {
-    notes_.error(rule, element_, std::move(message), at == nullptr ? line() : line_of(*at));
+  void error(Rule rule, std::string message, const toml::Value* at = nullptr) const {
+    notes_.error(rule, element_, std::move(message), at == nullptr ? line() : at->line);
   }
-  void wrong(std::string_view key, const toml::node& value, std::string_view need) const {
+  void wrong(std::string_view key, const toml::Value& value, std::string_view need) const {
     error(Rule::wrong_value, std::string(key) + " is " + shown(value) + "; " + std::string(need), &value);
   }
   void missing(std::string_view key, std::string_view need) const {
@@ -88,23 +59,23 @@ class Table {
   }
   /// A key that others of its kind have and this one must not.
   void refuse(std::string_view key, std::string_view reason) {
-    if (const toml::node* node = take(key))
+    if (const toml::Value* node = take(key))
       error(Rule::unknown_element, std::string(key) + " has no meaning here: " + std::string(reason), node);
   }
   void finish() const {
-    for (const auto& [key, value] : table_) {
-      if (std::find(known_.begin(), known_.end(), key.str()) != known_.end()) continue;
-      const auto nearest = did_you_mean(key.str(), known_, [](std::string_view k) { return k; });
-      notes_.error(Rule::unknown_element, element_, "key " + in_quotes(key.str()) + " is not known" + nearest,
-                   static_cast<int>(key.source().begin.line));
+    for (const auto& [key, entry] : entries_) {
+      if (std::find(known_.begin(), known_.end(), key) != known_.end()) continue;
+      const auto nearest = did_you_mean(key, known_, [](std::string_view k) { return k; });
+      notes_.error(Rule::unknown_element, element_, "key " + in_quotes(key) + " is not known" + nearest,
+                   entry.line);
     }
   }
 
   std::optional<std::string> text(std::string_view key) {
-    const toml::node* node = take(key);
+    const toml::Value* node = take(key);
     if (node == nullptr) return std::nullopt;
-    const auto* value = node->as_string();
-    if (value != nullptr && printable(value->get())) return value->get();
+    const std::string* value = node->text();
+    if (value != nullptr && printable(*value)) return *value;
     wrong(key, *node, value == nullptr ? "it needs a text in quotes" : "it must not hold control characters");
     return std::nullopt;
   }
@@ -119,41 +90,41 @@ class Table {
   }
   template <std::size_t N>
   std::optional<std::size_t> choice(std::string_view key, const std::array<std::string_view, N>& choices) {
-    const toml::node* node = take(key);
+    const toml::Value* node = take(key);
     if (node == nullptr) return std::nullopt;
-    if (const auto* value = node->as_string()) {
-      const auto found = std::find(choices.begin(), choices.end(), value->get());
+    if (const auto* value = node->text()) {
+      const auto found = std::find(choices.begin(), choices.end(), *value);
       if (found != choices.end()) return static_cast<std::size_t>(found - choices.begin());
     }
     std::string list = N == 1 ? "it must be " : "it is one of ";
     for (std::size_t k = 0; k < N; ++k)
       list += (k == 0 ? "" : k + 1 == N ? " or " : ", ") + in_quotes(choices[k]);
-    const auto* value = node->as_string();
+    const auto* value = node->text();
     if (value != nullptr && N > 1)
-      list += did_you_mean(value->get(), choices, [](std::string_view c) { return c; });
+      list += did_you_mean(*value, choices, [](std::string_view c) { return c; });
     wrong(key, *node, list);
     return std::nullopt;
   }
 
   std::optional<double> number(std::string_view key, bool may_be_infinite = false) {
-    const toml::node* node = take(key);
+    const toml::Value* node = take(key);
     if (node == nullptr) return std::nullopt;
-    const auto x = as_number(*node);
-    if (!x) wrong(key, *node, "it needs a number");
-    return x && finite(key, *node, *x, may_be_infinite) ? x : std::nullopt;
+    const double* x = node->number();
+    if (x == nullptr) wrong(key, *node, "it needs a number");
+    return x != nullptr && finite(key, *node, *x, may_be_infinite) ? std::optional(*x) : std::nullopt;
   }
   template <std::size_t N>
   std::optional<std::array<double, N>> numbers(std::string_view key, bool may_be_infinite = false) {
-    const toml::node* node = take(key);
+    const toml::Value* node = take(key);
     if (node == nullptr) return std::nullopt;
     std::array<double, N> out{};
-    const auto* array = node->as_array();
+    const auto* array = node->array();
     bool good = array != nullptr && array->size() == N;
     for (std::size_t k = 0; good && k < N; ++k) {
-      const auto x = as_number((*array)[k]);
-      good = x.has_value();
-      if (good && !finite(key, (*array)[k], *x, may_be_infinite)) return std::nullopt;
-      out[k] = x.value_or(0);
+      const double* x = (*array)[k]->number();
+      good = x != nullptr;
+      if (good && !finite(key, *(*array)[k], *x, may_be_infinite)) return std::nullopt;
+      if (good) out[k] = *x;
     }
     if (good) return out;
     wrong(key, *node, "it needs " + std::to_string(N) + " numbers in brackets");
@@ -165,8 +136,8 @@ class Table {
   }
   /// Three numbers, or an axis by its name.
   std::optional<Vec3<>> direction(std::string_view key) {
-    const toml::node* node = table_.get(key);
-    if (node == nullptr || !node->is_string()) return vector(key);
+    const toml::Value* node = look(key);
+    if (node == nullptr || node->text() == nullptr) return vector(key);
     constexpr std::array<std::string_view, 6> names{"x", "y", "z", "-x", "-y", "-z"};
     const auto chosen = choice(key, names);
     if (!chosen) return std::nullopt;
@@ -176,19 +147,19 @@ class Table {
   }
   /// Rows of three numbers.
   std::optional<SO3<>> matrix(std::string_view key) {
-    const toml::node* node = take(key);
+    const toml::Value* node = take(key);
     if (node == nullptr) return std::nullopt;
     std::array<double, 9> m{};
-    const auto* rows = node->as_array();
+    const auto* rows = node->array();
     bool good = rows != nullptr && rows->size() == 3;
     for (std::size_t i = 0; good && i < 3; ++i) {
-      const auto* row = (*rows)[i].as_array();
+      const toml::Array* row = (*rows)[i]->array();
       good = row != nullptr && row->size() == 3;
       for (std::size_t j = 0; good && j < 3; ++j) {
-        const auto x = as_number((*row)[j]);
-        good = x.has_value();
-        if (good && !finite(key, (*row)[j], *x, false)) return std::nullopt;
-        m[3 * i + j] = x.value_or(0);
+        const double* x = (*row)[j]->number();
+        good = x != nullptr;
+        if (good && !finite(key, *(*row)[j], *x, false)) return std::nullopt;
+        if (good) m[3 * i + j] = *x;
       }
     }
     if (good) return SO3<>{{m[0], m[3], m[6]}, {m[1], m[4], m[7]}, {m[2], m[5], m[8]}};
@@ -197,9 +168,9 @@ class Table {
   }
   /// Ixx Iyy Izz, or Ixx Iyy Izz Ixy Ixz Iyz, or the rows of a symmetric matrix.
   std::optional<Sym3<>> symmetric(std::string_view key) {
-    const toml::node* node = table_.get(key);
-    const auto* array = node == nullptr ? nullptr : node->as_array();
-    if (array != nullptr && array->size() == 3 && array->front().is_array()) {
+    const toml::Value* node = look(key);
+    const auto* array = node == nullptr ? nullptr : node->array();
+    if (array != nullptr && array->size() == 3 && array->front()->array() != nullptr) {
       const auto A = matrix(key);
       if (!A) return std::nullopt;
       const double largest = std::max({std::abs(A->x.x), std::abs(A->y.y), std::abs(A->z.z)});
@@ -234,7 +205,7 @@ class Table {
       if (!is_rotation(*rows)) {
         error(Rule::not_a_rotation,
               "rotation is not one: RᵀR must be the identity to 1e-6 and the determinant +1",
-              table_.get("rotation"));
+              look("rotation"));
         R.reset();
       }
     }
@@ -242,7 +213,7 @@ class Table {
       R = from_quaternion({(*x)[0], (*x)[1], (*x)[2], (*x)[3]});
       if (!R)
         error(Rule::not_a_rotation, "quaternion is off norm 1 by more than 1e-6; its order is x, y, z, w",
-              table_.get("quaternion"));
+              look("quaternion"));
     }
     if (const auto angles = vector("rpy")) R = from_roll_pitch_yaw(*angles);
     return R.value_or(SO3<>{});
@@ -254,9 +225,9 @@ class Table {
 
   /// A table inside this one.
   std::optional<Table> table(std::string_view key) {
-    const toml::node* node = take(key);
+    const toml::Value* node = take(key);
     if (node == nullptr) return std::nullopt;
-    if (const auto* inner = node->as_table()) return Table(notes_, *inner, element_);
+    if (node->table() != nullptr) return Table(notes_, *node, element_);
     wrong(key, *node, "it needs a table, { key = value, ... }");
     return std::nullopt;
   }
@@ -269,18 +240,18 @@ class Table {
   }
   /// The tables of an array of tables.
   std::vector<Table> tables(std::string_view key, const std::string& need) {
-    const toml::node* node = take(key);
+    const toml::Value* node = take(key);
     if (node == nullptr) return {};
     std::vector<Table> all;
-    const auto* array = node->as_array();
+    const auto* array = node->array();
     if (array == nullptr) {
       wrong(key, *node, need);
     } else {
-      for (const toml::node& entry : *array) {
-        if (const auto* inner = entry.as_table()) {
-          all.emplace_back(notes_, *inner, element_);
+      for (const toml::Value* entry : *array) {
+        if (entry->table() != nullptr) {
+          all.emplace_back(notes_, *entry, element_);
         } else {
-          error(Rule::wrong_value, std::string(key) + " holds " + shown(entry) + "; " + need, &entry);
+          error(Rule::wrong_value, std::string(key) + " holds " + shown(*entry) + "; " + need, entry);
         }
       }
     }
@@ -288,14 +259,19 @@ class Table {
   }
 
  private:
-  bool finite(std::string_view key, const toml::node& at, double x, bool may_be_infinite) const {
+  const toml::Value* look(std::string_view key) const {
+    const auto found = entries_.find(key);
+    return found == entries_.end() ? nullptr : found->second.value;
+  }
+  bool finite(std::string_view key, const toml::Value& at, double x, bool may_be_infinite) const {
     if (std::isfinite(x) || (may_be_infinite && std::isinf(x))) return true;
     error(Rule::non_finite_number, std::string(key) + " holds " + to_text(x) + ", which is not finite", &at);
     return false;
   }
 
   Notes notes_;
-  const toml::table& table_;
+  const toml::Table& entries_;
+  int line_;
   std::string element_;
   std::vector<std::string_view> known_;
 };
@@ -405,14 +381,14 @@ void read_screw(Table& table, Way way, JointDescription& joint) {
 }
 
 void read_joint(Table& body_table, Way way, BodyDescription& body) {
-  const toml::node* node = body_table.take("joint");
+  const toml::Value* node = body_table.take("joint");
   if (node == nullptr) {
     body_table.missing("joint",
                        "say how it moves, such as joint = { kind = \"revolute\", ... }, or \"fixed\"");
     return;
   }
-  body.joint.source = {body.source.file, line_of(*node)};
-  if (node->is_string()) {  // a kind that needs nothing else
+  body.joint.source = {body.source.file, node->line};
+  if (node->text() != nullptr) {  // a kind that needs nothing else
     constexpr std::array<std::string_view, 2> plain{"fixed", "free"};
     if (const auto kind = body_table.choice("joint", plain))
       body.joint.kind = *kind == 0 ? JointKind::fixed : JointKind::free;
@@ -512,34 +488,6 @@ FrameDescription read_frame(Table& table, std::size_t number, const std::string&
   return frame;
 }
 
-/// The parser's own words, less its heading and the name of its setting.
-std::string why_not_toml(const toml::parse_error& error) {
-  std::string_view why = error.description();
-  constexpr std::string_view heading = "Error ", setting = " (TOML_MAX_NESTED_VALUES)";
-  if (why.starts_with(heading)) why.remove_prefix(heading.size());
-  if (why.ends_with(setting)) why.remove_suffix(setting.size());
-  return std::string(why);
-}
-
-/// The table that the file is; nothing, with a fault, where it is none.
-std::optional<toml::table> parse(std::string_view text, const Notes& notes) {
-  if (auto fault = not_text(text, notes.file)) {
-    notes.faults.push_back(std::move(*fault));
-  } else if (const auto stray = find_stray(text)) {
-    notes.error(Rule::syntax, "", stray->what, stray->line);
-  } else {
-    try {
-      toml::parse_result parsed = toml::parse(text);
-      if (parsed) return std::move(parsed).table();
-      notes.error(Rule::syntax, "", why_not_toml(parsed.error()),
-                  static_cast<int>(parsed.error().source().begin.line));
-    } catch (const ParserAtALoss&) {
-      notes.error(Rule::syntax, "", "this is not TOML", 0);
-    }
-  }
-  return std::nullopt;
-}
-
 void read_top(Table& top, Reading& result, const std::string& file) {
   Description& description = result.description;
   constexpr std::array<std::string_view, 1> formats{"axode drawing 1"};
@@ -562,8 +510,15 @@ Reading read_drawing(std::string_view text, const std::string& file) {
   Reading result;
   result.description.source = {file, 0};
   const Notes notes{result.faults, file};
-  if (const auto table = parse(text, notes)) {
-    Table top(notes, *table, "drawing");
+  if (auto fault = not_text(text, file)) {
+    result.faults.push_back(std::move(*fault));
+    return result;
+  }
+  const toml::Document document = toml::parse(text);
+  if (document.failure) {
+    notes.error(Rule::syntax, "", document.failure->message, document.failure->line);
+  } else {
+    Table top(notes, document.root(), "drawing");
     read_top(top, result, file);
   }
   return result;

@@ -9,7 +9,6 @@
 namespace axode {
 
 /// A read-only argument, e.g. a std::vector<T>.
-template <class T>
-using Numbers = std::type_identity_t<std::span<const T>>;
+template <class T> using Numbers = std::type_identity_t<std::span<const T>>;
 
 }  // namespace axode

@@ -6,8 +6,7 @@
 /// The checks that the functions of this and the later floors make before they compute.
 namespace axode {
 
-template <class T>
-void check_state(const Model& model, const Workspace<T>& workspace, Numbers<T> q) {
+template <class T> void check_state(const Model& model, const Workspace<T>& workspace, Numbers<T> q) {
   workspace.check(model);
   check_configuration(model, q);
 }
@@ -17,7 +16,8 @@ void check_state(const Model& model, const Workspace<T>& workspace, Numbers<T> q
   check_size("v", v.size(), static_cast<std::size_t>(model.nv()), "nv");
 }
 template <class T>
-void check_state(const Model& model, const Workspace<T>& workspace, Numbers<T> q, Numbers<T> v, Numbers<T> a) {
+void check_state(const Model& model, const Workspace<T>& workspace, Numbers<T> q, Numbers<T> v,
+                 Numbers<T> a) {
   check_state(model, workspace, q, v);
   check_size("a", a.size(), static_cast<std::size_t>(model.nv()), "nv");
 }

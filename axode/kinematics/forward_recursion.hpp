@@ -6,8 +6,7 @@
 namespace axode {
 
 /// What the joints contribute, before any recursion: C_{p,i} = B exp(S q), S v and S a, in the joint frames.
-template <class T>
-struct JointMotion {
+template <class T> struct JointMotion {
   SE3<T>* C_pi;
   Twist<BodyFixed, T>* Sv;
   TwistRate<BodyFixed, T>* Sa;
@@ -19,8 +18,7 @@ struct JointMotion {
 };
 
 /// C_{p,i} of every joint at q (eq. relConf). A coupled joint takes q from its leader.
-template <class T>
-void joint_poses(const Tree<T>& tree, const T* q, SE3<T>* C_pi) noexcept {
+template <class T> void joint_poses(const Tree<T>& tree, const T* q, SE3<T>* C_pi) noexcept {
   each_joint(tree, [&](const auto& joint, int i, bool coupled) {
     const T* q_i = q + tree.iq[i];
     const T own = tree.ratio[i] * *q_i + tree.offset[i];
@@ -29,8 +27,7 @@ void joint_poses(const Tree<T>& tree, const T* q, SE3<T>* C_pi) noexcept {
 }
 
 /// S x of every joint, for velocities or accelerations x.
-template <class Motion, class T>
-void joint_screws(const Tree<T>& tree, const T* x, Motion* Sx) noexcept {
+template <class Motion, class T> void joint_screws(const Tree<T>& tree, const T* x, Motion* Sx) noexcept {
   each_joint(tree, [&](const auto& joint, int i, bool coupled) {
     const T* x_i = x + tree.iv[i];
     const T own = tree.ratio[i] * *x_i;
@@ -40,22 +37,21 @@ void joint_screws(const Tree<T>& tree, const T* x, Motion* Sx) noexcept {
 }
 
 template <class T>
-void joint_motion(const Tree<T>& tree, const T* q, const T* v, const T* a, const JointMotion<T>& out) noexcept {
+void joint_motion(const Tree<T>& tree, const T* q, const T* v, const T* a,
+                  const JointMotion<T>& out) noexcept {
   joint_poses(tree, q, out.C_pi);
   joint_screws(tree, v, out.Sv);
   joint_screws(tree, a, out.Sa);
 }
 
 /// Poses of all bodies' internal frames, C_i = C_p C_{p,i} (eqs. POEX, aVbRec2). 36 mul, 33 add per body.
-template <class T>
-void body_poses(const Tree<T>& tree, const SE3<T>* C_pi, SE3<T>* C) noexcept {
+template <class T> void body_poses(const Tree<T>& tree, const SE3<T>* C_pi, SE3<T>* C) noexcept {
   C[0] = {};
   for (int i = 1; i <= tree.n; ++i) C[i] = C[tree.parent[i]] * C_pi[i];
 }
 
 /// Links, twists and twist rates of all bodies, in the internal frames.
-template <class Rep, class T>
-struct BodyMotion {
+template <class Rep, class T> struct BodyMotion {
   Link<Rep, T>* link;
   Twist<Rep, T>* V;
   TwistRate<Rep, T>* dV;

@@ -6,8 +6,7 @@
 namespace axode {
 namespace {
 
-template <class T>
-T factorial(int k) {
+template <class T> T factorial(int k) {
   T f(1);
   for (int j = 2; j <= k; ++j) f = f * T(j);
   return f;
@@ -15,27 +14,21 @@ T factorial(int k) {
 
 }  // namespace
 
-template <class T>
-HigherOrderMotion<T>::HigherOrderMotion(const Model& model, int order) : model_(model) {
+template <class T> HigherOrderMotion<T>::HigherOrderMotion(const Model& model, int order) : model_(model) {
   if (order < 0)
-    throw std::invalid_argument("order is " + std::to_string(order) + "; it must not be negative (0 is velocity)");
+    throw std::invalid_argument("order is " + std::to_string(order) +
+                                "; it must not be negative (0 is velocity)");
   series_ = std::make_unique<MotionSeries<T>>(model.tree<T>(), order);
   pose_ = std::make_unique<PoseSeries<T>>(order);
 }
-template <class T>
-HigherOrderMotion<T>::~HigherOrderMotion() = default;
-template <class T>
-HigherOrderMotion<T>::HigherOrderMotion(HigherOrderMotion&&) noexcept = default;
+template <class T> HigherOrderMotion<T>::~HigherOrderMotion() = default;
+template <class T> HigherOrderMotion<T>::HigherOrderMotion(HigherOrderMotion&&) noexcept = default;
 template <class T>
 HigherOrderMotion<T>& HigherOrderMotion<T>::operator=(HigherOrderMotion&&) noexcept = default;
 
-template <class T>
-int HigherOrderMotion<T>::order() const {
-  return series_->order();
-}
+template <class T> int HigherOrderMotion<T>::order() const { return series_->order(); }
 
-template <class T>
-void HigherOrderMotion<T>::evaluate(Numbers<T> q, Numbers<T> rates) {
+template <class T> void HigherOrderMotion<T>::evaluate(Numbers<T> q, Numbers<T> rates) {
   check_configuration(model_, q);
   check_size("rates", rates.size(), static_cast<std::size_t>((order() + 1) * model_.nv()), "(order + 1) nv");
   series_->run(model_.tree<T>(), q.data(), rates.data());
@@ -55,7 +48,8 @@ TwistRate<Rep, T> HigherOrderMotion<T>::twist_derivative(const Place<T>& place, 
 
 template <class T>
 template <class Rep>
-void HigherOrderMotion<T>::jacobian_derivative(const Place<T>& place, int k, std::span<TwistRate<Rep, T>> J) const {
+void HigherOrderMotion<T>::jacobian_derivative(const Place<T>& place, int k,
+                                               std::span<TwistRate<Rep, T>> J) const {
   check_place(model_, place.frame);
   check_order(k, order());
   check_size("J", J.size(), static_cast<std::size_t>(model_.nv()), "nv");
@@ -72,29 +66,37 @@ void HigherOrderMotion<T>::jacobian_derivative(const Place<T>& place, int k, std
 
 template class HigherOrderMotion<double>;
 template class HigherOrderMotion<float>;
-template TwistRate<BodyFixed, double> HigherOrderMotion<double>::twist_derivative<BodyFixed>(const Place<double>&, int) const;
-template void HigherOrderMotion<double>::jacobian_derivative<BodyFixed>(const Place<double>&, int,
-    std::span<TwistRate<BodyFixed, double>>) const;
-template TwistRate<Spatial, double> HigherOrderMotion<double>::twist_derivative<Spatial>(const Place<double>&, int) const;
-template void HigherOrderMotion<double>::jacobian_derivative<Spatial>(const Place<double>&, int,
-    std::span<TwistRate<Spatial, double>>) const;
-template TwistRate<Hybrid, double> HigherOrderMotion<double>::twist_derivative<Hybrid>(const Place<double>&, int) const;
-template void HigherOrderMotion<double>::jacobian_derivative<Hybrid>(const Place<double>&, int,
-    std::span<TwistRate<Hybrid, double>>) const;
-template TwistRate<Mixed, double> HigherOrderMotion<double>::twist_derivative<Mixed>(const Place<double>&, int) const;
-template void HigherOrderMotion<double>::jacobian_derivative<Mixed>(const Place<double>&, int,
-    std::span<TwistRate<Mixed, double>>) const;
-template TwistRate<BodyFixed, float> HigherOrderMotion<float>::twist_derivative<BodyFixed>(const Place<float>&, int) const;
-template void HigherOrderMotion<float>::jacobian_derivative<BodyFixed>(const Place<float>&, int,
-    std::span<TwistRate<BodyFixed, float>>) const;
-template TwistRate<Spatial, float> HigherOrderMotion<float>::twist_derivative<Spatial>(const Place<float>&, int) const;
-template void HigherOrderMotion<float>::jacobian_derivative<Spatial>(const Place<float>&, int,
-    std::span<TwistRate<Spatial, float>>) const;
-template TwistRate<Hybrid, float> HigherOrderMotion<float>::twist_derivative<Hybrid>(const Place<float>&, int) const;
-template void HigherOrderMotion<float>::jacobian_derivative<Hybrid>(const Place<float>&, int,
-    std::span<TwistRate<Hybrid, float>>) const;
-template TwistRate<Mixed, float> HigherOrderMotion<float>::twist_derivative<Mixed>(const Place<float>&, int) const;
+template TwistRate<BodyFixed, double> HigherOrderMotion<double>::twist_derivative<BodyFixed>(
+    const Place<double>&, int) const;
+template void HigherOrderMotion<double>::jacobian_derivative<BodyFixed>(
+    const Place<double>&, int, std::span<TwistRate<BodyFixed, double>>) const;
+template TwistRate<Spatial, double> HigherOrderMotion<double>::twist_derivative<Spatial>(const Place<double>&,
+                                                                                         int) const;
+template void HigherOrderMotion<double>::jacobian_derivative<Spatial>(
+    const Place<double>&, int, std::span<TwistRate<Spatial, double>>) const;
+template TwistRate<Hybrid, double> HigherOrderMotion<double>::twist_derivative<Hybrid>(const Place<double>&,
+                                                                                       int) const;
+template void HigherOrderMotion<double>::jacobian_derivative<Hybrid>(
+    const Place<double>&, int, std::span<TwistRate<Hybrid, double>>) const;
+template TwistRate<Mixed, double> HigherOrderMotion<double>::twist_derivative<Mixed>(const Place<double>&,
+                                                                                     int) const;
+template void HigherOrderMotion<double>::jacobian_derivative<Mixed>(
+    const Place<double>&, int, std::span<TwistRate<Mixed, double>>) const;
+template TwistRate<BodyFixed, float> HigherOrderMotion<float>::twist_derivative<BodyFixed>(
+    const Place<float>&, int) const;
+template void HigherOrderMotion<float>::jacobian_derivative<BodyFixed>(
+    const Place<float>&, int, std::span<TwistRate<BodyFixed, float>>) const;
+template TwistRate<Spatial, float> HigherOrderMotion<float>::twist_derivative<Spatial>(const Place<float>&,
+                                                                                       int) const;
+template void HigherOrderMotion<float>::jacobian_derivative<Spatial>(
+    const Place<float>&, int, std::span<TwistRate<Spatial, float>>) const;
+template TwistRate<Hybrid, float> HigherOrderMotion<float>::twist_derivative<Hybrid>(const Place<float>&,
+                                                                                     int) const;
+template void HigherOrderMotion<float>::jacobian_derivative<Hybrid>(
+    const Place<float>&, int, std::span<TwistRate<Hybrid, float>>) const;
+template TwistRate<Mixed, float> HigherOrderMotion<float>::twist_derivative<Mixed>(const Place<float>&,
+                                                                                   int) const;
 template void HigherOrderMotion<float>::jacobian_derivative<Mixed>(const Place<float>&, int,
-    std::span<TwistRate<Mixed, float>>) const;
+                                                                   std::span<TwistRate<Mixed, float>>) const;
 
 }  // namespace axode

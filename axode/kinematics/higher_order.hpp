@@ -7,15 +7,12 @@
 /// Jerk, snap and every higher order; time derivatives of Jacobians of any order.
 namespace axode {
 
-template <class T>
-class MotionSeries;
-template <class T>
-class PoseSeries;
+template <class T> class MotionSeries;
+template <class T> class PoseSeries;
 
 /// The motion of all bodies of a model as power series in time up to an order: 0 velocity, 1 acceleration, 2 jerk, ...
 /// Make one for a model and an order and evaluate it as often as needed; evaluation allocates nothing. One thread.
-template <class T = double>
-class HigherOrderMotion {
+template <class T = double> class HigherOrderMotion {
  public:
   /// Throws std::invalid_argument for a negative order.
   HigherOrderMotion(const Model& model, int order);
@@ -31,8 +28,7 @@ class HigherOrderMotion {
 
   /// The k-th time derivative of the components of the twist of a place, k = 0 (the twist itself) to order. Classical
   /// jerk and snap of a point are the linear parts of the hybrid ones for k = 2 and 3.
-  template <class Rep = BodyFixed>
-  TwistRate<Rep, T> twist_derivative(const Place<T>& place, int k) const;
+  template <class Rep = BodyFixed> TwistRate<Rep, T> twist_derivative(const Place<T>& place, int k) const;
 
   /// The k-th time derivative of the Jacobian of a place, nv columns, k = 0 (the Jacobian itself) to order.
   template <class Rep = BodyFixed>

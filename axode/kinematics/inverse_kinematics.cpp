@@ -46,9 +46,18 @@ struct Iterate {
 class Solver {
  public:
   Solver(const Model& model, std::span<const PoseTarget> targets, const InverseKinematicsOptions& options)
-      : model_(model), tree_(model.tree<double>()), targets_(targets), options_(options), limit_(limits(model)),
-        at_(model, targets.size()), next_(model, targets.size()), J_(6 * targets.size(), model.nv()),
-        H_(model.nv(), model.nv()), damped_(model.nv(), model.nv()), g_(model.nv()), step_(model.nv()),
+      : model_(model),
+        tree_(model.tree<double>()),
+        targets_(targets),
+        options_(options),
+        limit_(limits(model)),
+        at_(model, targets.size()),
+        next_(model, targets.size()),
+        J_(6 * targets.size(), model.nv()),
+        H_(model.nv(), model.nv()),
+        damped_(model.nv(), model.nv()),
+        g_(model.nv()),
+        step_(model.nv()),
         solver_(model.nv()) {}
 
   /// Improves q until it is solved, stalls, or uses up its iterations.
@@ -59,10 +68,13 @@ class Solver {
     for (int k = 0; k < options_.iterations && at_.residual > options_.tolerance; ++k) {
       ++iterations;
       linearise();
+      g_.noalias() = J_.transpose() * at_.e;
+      hold(g_, g_);
+      H_.noalias() = J_.transpose() * J_;
       const double before = at_.residual;
       for (int attempt = 0; attempt < 10 && !(at_.residual < before); ++attempt) {
         damped_ = H_;
-        damped_.diagonal().array() += damping * (H_.diagonal().maxCoeff() + 1e-300);
+        damped_.diagonal().array() += damping * (H_.trace() + 1e-300);
         step_ = solver_.compute(damped_).solve(g_);
         move(at_.q, step_, next_.q);
         evaluate(next_);
@@ -91,9 +103,10 @@ class Solver {
       std::ranges::copy(q, at_.q.begin());
       evaluate(at_);
       linearise();
-      const Vector way = gain * way_to_posture(q);
-      const Eigen::CompleteOrthogonalDecomposition<Matrix> J(J_);
-      move(q, way - J.solve(J_ * way), q_try);
+      Vector way = gain * way_to_posture(q);
+      do step_ = way - Eigen::CompleteOrthogonalDecomposition<Matrix>(J_).solve(J_ * way);
+      while (hold(step_, way));
+      move(q, step_, q_try);
       const bool solved = run(q_try, iterations) == InverseKinematicsStatus::solved;
       const double distance_try = solved ? way_to_posture(at_.q).norm() : distance;
       if (distance_try < distance * (1 - 1e-6)) {
@@ -112,9 +125,9 @@ class Solver {
     for (std::size_t t = 0; t < targets_.size(); ++t) {
       const PoseTarget& target = targets_[t];
       const auto row = 6 * static_cast<Eigen::Index>(t);
-      const SE3<> C = each_body_fixed_column(tree_, at.q.data(), target.place, [&](int, int c, const Screw<>& column) {
-        at.J.block<6, 1>(row, c) += vector(column);
-      });
+      const SE3<> C = each_body_fixed_column(
+          tree_, at.q.data(), target.place,
+          [&](int, int c, const Screw<>& column) { at.J.block<6, 1>(row, c) += vector(column); });
       // Where the orientation is free, the error is the way between the origins.
       const SE3<> goal = target.angular_weight > 0 ? target.pose : SE3<>{C.R, target.pose.r};
       at.X[t] = log(inverse(C) * goal);
@@ -123,7 +136,7 @@ class Solver {
     at.residual = at.e.norm();
   }
 
-  /// J = -∂e/∂q, g = Jᵀe and H = JᵀJ, without the joints that push against a limit.
+  /// J = -∂e/∂q.
   void linearise() {
     for (std::size_t t = 0; t < targets_.size(); ++t) {
       const Screw<>& X = at_.X[t];
@@ -134,17 +147,22 @@ class Solver {
         J_.block<6, 1>(6 * static_cast<Eigen::Index>(t), c) = weighted(targets_[t], apply(dexp_inv_X, X, Z));
       }
     }
-    g_.noalias() = J_.transpose() * at_.e;
+  }
+  /// Joints at a limit that `push` would move beyond it stay there: takes them out of J, push and way. Whether there was
+  /// one.
+  bool hold(Vector& push, Vector& way) {
+    bool held = false;
     for (int i = 1; options_.limits && i <= tree_.n; ++i) {
       const Joint& joint = model_.joint(i);
       if (joint.nq != 1) continue;
-      const double x = at_.q[joint.iq], push = g_[joint.iv];
-      if ((x >= limit_.upper[joint.iq] && push > 0) || (x <= limit_.lower[joint.iq] && push < 0)) {
+      const double x = at_.q[joint.iq], speed = push[joint.iv];
+      if ((x >= limit_.upper[joint.iq] && speed > 0) || (x <= limit_.lower[joint.iq] && speed < 0)) {
         J_.col(joint.iv).setZero();
-        g_[joint.iv] = 0;
+        push[joint.iv] = way[joint.iv] = 0;
+        held = true;
       }
     }
-    H_.noalias() = J_.transpose() * J_;
+    return held;
   }
   /// q ⊕ dv, within the limits.
   void move(const std::vector<double>& q, const Vector& dv, std::vector<double>& out) const {
@@ -172,14 +190,20 @@ class Solver {
   Eigen::LDLT<Matrix> solver_;
 };
 
-void check(const Model& model, std::span<const PoseTarget> targets, const InverseKinematicsOptions& options) {
+void check(const Model& model, std::span<const PoseTarget> targets, std::span<const double> q0,
+           const InverseKinematicsOptions& options) {
   const auto need = [](bool good, const std::string& what) {
     if (!good) throw std::invalid_argument("inverse_kinematics: " + what);
   };
+  const auto finite = [](double x) { return std::isfinite(x); };
+  check_configuration(model, q0, "q0");
+  need(std::ranges::all_of(q0, finite), "q0 is not finite");
   need(!targets.empty(), "targets is empty; name at least one pose to reach");
   for (const PoseTarget& target : targets) {
     check_place(model, target.place.frame);
-    need(target.angular_weight >= 0 && target.linear_weight >= 0, "a weight is negative");
+    for (const double weight : {target.angular_weight, target.linear_weight})
+      need(std::isfinite(weight) && weight >= 0,
+           "a weight is " + to_text(weight) + "; it must not be negative");
     const Vec3<>& r = target.pose.r;
     need(std::isfinite(r.x + r.y + r.z), "a target position is not finite");
     const SO3<> G = transpose(target.pose.R) * target.pose.R;
@@ -189,24 +213,28 @@ void check(const Model& model, std::span<const PoseTarget> targets, const Invers
          "a target rotation is off a rotation by " + to_text(off) + "; RᵀR must be the identity to 1e-6");
   }
   need(options.tolerance > 0, "tolerance is " + to_text(options.tolerance) + "; it must be positive");
-  need(options.iterations > 0, "iterations is " + std::to_string(options.iterations) + "; it must be positive");
-  need(options.restarts >= 0, "restarts is " + std::to_string(options.restarts) + "; it must not be negative");
+  need(options.iterations > 0,
+       "iterations is " + std::to_string(options.iterations) + "; it must be positive");
+  need(options.restarts >= 0,
+       "restarts is " + std::to_string(options.restarts) + "; it must not be negative");
   if (!options.posture.empty()) check_configuration(model, options.posture, "posture");
+  need(std::ranges::all_of(options.posture, finite), "posture is not finite");
 }
 
 }  // namespace
 
 InverseKinematicsResult inverse_kinematics(const Model& model, std::span<const PoseTarget> targets,
-                                           std::span<const double> q0, const InverseKinematicsOptions& options) {
-  check_configuration(model, q0, "q0");
-  check(model, targets, options);
+                                           std::span<const double> q0,
+                                           const InverseKinematicsOptions& options) {
+  check(model, targets, q0, options);
   Solver solver(model, targets, options);
   InverseKinematicsResult best{.status = InverseKinematicsStatus::stalled,
                                .q = {q0.begin(), q0.end()},
                                .residual = std::numeric_limits<double>::infinity()};
   for (int start = 0; start <= options.restarts; ++start) {
-    std::vector<double> q = start == 0 ? std::vector<double>(q0.begin(), q0.end())
-                                       : random_configuration(model, options.seed + static_cast<std::uint64_t>(start));
+    std::vector<double> q =
+        start == 0 ? std::vector<double>(q0.begin(), q0.end())
+                   : random_configuration(model, options.seed + static_cast<std::uint64_t>(start));
     if (start == 0 && options.limits) q = clamp(model, q);
     const InverseKinematicsStatus status = solver.run(q, best.iterations);
     const Iterate& end = solver.end();

@@ -9,7 +9,8 @@
 namespace axode {
 
 /// A pose that a place shall take. The error is the screw log(C⁻¹ C_target), its angular part (rad) and linear part (m)
-/// scaled by the weights; a weight of 0 leaves a part free.
+/// scaled by the weights. A weight of 0 leaves a part free; where it is the orientation, the error is the distance of
+/// the origins.
 struct PoseTarget {
   Place<> place;
   SE3<> pose;
@@ -17,17 +18,17 @@ struct PoseTarget {
 };
 
 struct InverseKinematicsOptions {
-  double tolerance = 1e-9;                ///< on the norm of the weighted error
-  int iterations = 60;                    ///< at most, from each start
-  int restarts = 40;                      ///< from random configurations within the limits, after the first start
-  std::uint64_t seed = 1;                 ///< of the restarts
-  bool limits = true;                     ///< keep joints within their position limits
-  std::span<const double> posture = {};   ///< a configuration to stay near in the null space of the targets
+  double tolerance = 1e-9;  ///< on the norm of the weighted error
+  int iterations = 60;      ///< at most, from each start
+  int restarts = 40;        ///< from random configurations within the limits, after the first start
+  std::uint64_t seed = 1;   ///< of the restarts
+  bool limits = true;       ///< keep joints within their position limits
+  std::span<const double> posture = {};  ///< a configuration to stay near in the null space of the targets
 };
 
 enum class InverseKinematicsStatus {
-  solved,           ///< the error is within the tolerance
-  stalled,          ///< every start ended in a configuration that no small step improves: out of reach, most likely
+  solved,   ///< the error is within the tolerance
+  stalled,  ///< every start ended in a configuration that no small step improves: out of reach, most likely
   iteration_limit,  ///< some start still improved when its iterations were used up
 };
 std::string_view to_string(InverseKinematicsStatus status);
@@ -44,7 +45,8 @@ struct InverseKinematicsResult {
 /// the exact derivative -dexp⁻¹ J^b of the error. Starts at q0; joints at a limit that they would cross are held there.
 /// With a posture the joints move towards it as far as the targets leave them free. Allocates. Throws std::invalid_argument for
 /// wrong sizes, unknown frames, and numbers that make no sense.
-[[nodiscard]] InverseKinematicsResult inverse_kinematics(const Model& model, std::span<const PoseTarget> targets,
+[[nodiscard]] InverseKinematicsResult inverse_kinematics(const Model& model,
+                                                         std::span<const PoseTarget> targets,
                                                          std::span<const double> q0,
                                                          const InverseKinematicsOptions& options = {});
 

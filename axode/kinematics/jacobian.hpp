@@ -8,12 +8,11 @@ namespace axode {
 
 /// J_f of a place (eqs. JbX, JsX, Jh, JhJb), measured there; O(path length) and nv to clear the rest.
 template <class Rep = BodyFixed, class T>
-void jacobian(const Model& model, Workspace<T>& workspace, Numbers<T> q, const std::type_identity_t<Place<T>>& place,
-              std::type_identity_t<std::span<Twist<Rep, T>>> J);
+void jacobian(const Model& model, Workspace<T>& workspace, Numbers<T> q,
+              const std::type_identity_t<Place<T>>& place, std::type_identity_t<std::span<Twist<Rep, T>>> J);
 
 /// One column of a Jacobian, for velocity c.
-template <class Rep, class T = double>
-struct JacobianColumn {
+template <class Rep, class T = double> struct JacobianColumn {
   int c;
   Twist<Rep, T> J;
 };
@@ -28,7 +27,8 @@ std::size_t jacobian_columns(const Model& model, Workspace<T>& workspace, Number
 /// respect to the base in the role of the inertial frame.
 template <class Rep = BodyFixed, class T>
 void relative_jacobian(const Model& model, Workspace<T>& workspace, Numbers<T> q,
-                       const std::type_identity_t<Place<T>>& place, const std::type_identity_t<Place<T>>& base,
+                       const std::type_identity_t<Place<T>>& place,
+                       const std::type_identity_t<Place<T>>& base,
                        std::type_identity_t<std::span<Twist<Rep, T>>> J);
 
 /// The instantaneous joint screws J_i^s of all joints (eqs. JsX, bVsRec), in spatial representation, where they serve

@@ -26,7 +26,8 @@ Vec3<T> subtree_inertias(const Model& model, const Tree<T>& tree, SE3<T>* C, Ine
     m += tree.M[i].m;
     h += tree.M[i].m * C[i].r + C[i].R * tree.M[i].h;
   }
-  if (!(m > T(0))) throw std::domain_error("model \"" + model.name() + "\" has no mass that moves, so no centre of mass");
+  if (!(m > T(0)))
+    throw std::domain_error("model \"" + model.name() + "\" has no mass that moves, so no centre of mass");
   const Vec3<T> c = (T(1) / m) * h;
   for (int i = 1; i <= tree.n; ++i) {
     C[i].r -= c;
@@ -106,7 +107,8 @@ void centroidal_momentum_matrix_rate(const Model& model, Workspace<T>& workspace
     dM[i] = inertia_rate(V[i], transform(C[i], tree.M[i]));
   }
   for (int i = tree.n; i > 0; --i) dM[tree.parent[i]] += dM[i];
-  const Vec3<T> dc = (T(1) / M[0].m) * dM[0].h;  // velocity of the centre of mass, about which moments are taken
+  const Vec3<T> dc =
+      (T(1) / M[0].m) * dM[0].h;  // velocity of the centre of mass, about which moments are taken
   for (Wrench<Hybrid, T>& column : dA) column = {};
   for (int i = 1; i <= tree.n; ++i)
     each_screw(tree, i, C[i], [&](int c, const Screw<T>& X) {
@@ -116,16 +118,19 @@ void centroidal_momentum_matrix_rate(const Model& model, Workspace<T>& workspace
     });
 }
 
-template void joint_screws(const Model&, Workspace<double>&, Numbers<double>, std::span<Twist<Spatial, double>>);
+template void joint_screws(const Model&, Workspace<double>&, Numbers<double>,
+                           std::span<Twist<Spatial, double>>);
 template void joint_screws(const Model&, Workspace<float>&, Numbers<float>, std::span<Twist<Spatial, float>>);
-template void center_of_mass_jacobian(const Model&, Workspace<double>&, Numbers<double>, std::span<Vec3<double>>);
-template void center_of_mass_jacobian(const Model&, Workspace<float>&, Numbers<float>, std::span<Vec3<float>>);
+template void center_of_mass_jacobian(const Model&, Workspace<double>&, Numbers<double>,
+                                      std::span<Vec3<double>>);
+template void center_of_mass_jacobian(const Model&, Workspace<float>&, Numbers<float>,
+                                      std::span<Vec3<float>>);
 template void centroidal_momentum_matrix(const Model&, Workspace<double>&, Numbers<double>,
                                          std::span<Momentum<Hybrid, double>>);
 template void centroidal_momentum_matrix(const Model&, Workspace<float>&, Numbers<float>,
                                          std::span<Momentum<Hybrid, float>>);
-template void centroidal_momentum_matrix_rate(const Model&, Workspace<double>&, Numbers<double>, Numbers<double>,
-                                              std::span<Wrench<Hybrid, double>>);
+template void centroidal_momentum_matrix_rate(const Model&, Workspace<double>&, Numbers<double>,
+                                              Numbers<double>, std::span<Wrench<Hybrid, double>>);
 template void centroidal_momentum_matrix_rate(const Model&, Workspace<float>&, Numbers<float>, Numbers<float>,
                                               std::span<Wrench<Hybrid, float>>);
 

@@ -10,11 +10,14 @@ namespace axode {
 /// coefficients J(t) = Σ J_k t^k this reads
 ///   V_{i,k} = V_{p,k} + Σ_{l<=k} J_l v_{k-l}        (k + 1) J_{k+1} = Σ_{l<=k} [V_{i,l}, J_{k-l}].
 /// Every joint screw is one column, whatever the kind of joint. Cost O(n k²).
-template <class T>
-class MotionSeries {
+template <class T> class MotionSeries {
  public:
   MotionSeries(const Tree<T>& tree, int order)
-      : order_(order), stride_(order + 1), V_((tree.n + 1) * stride_), J_(tree.n_screws * stride_), C_(tree.n + 1),
+      : order_(order),
+        stride_(order + 1),
+        V_((tree.n + 1) * stride_),
+        J_(tree.n_screws * stride_),
+        C_(tree.n + 1),
         v_(tree.nv * stride_) {}
 
   int order() const { return order_; }
@@ -64,8 +67,7 @@ class MotionSeries {
 };
 
 /// The pose series of a place: R' = ω̃ R and r' = v^s + ω × r from the spatial twist of its body.
-template <class T>
-class PoseSeries {
+template <class T> class PoseSeries {
  public:
   explicit PoseSeries(int order) : r_(order + 2), R_(order + 2) {}
 
@@ -86,8 +88,7 @@ class PoseSeries {
   }
   /// Coefficient k of a spatial screw series X, seen from the place: hybrid (w; v + w × r), and its parts in body axes
   /// where Rep asks for them.
-  template <class Rep>
-  Screw<T> coefficient(const Screw<T>* X, int k) const noexcept {
+  template <class Rep> Screw<T> coefficient(const Screw<T>* X, int k) const noexcept {
     if constexpr (std::same_as<Rep, Spatial>) {
       return X[k];
     } else if constexpr (std::same_as<Rep, Hybrid>) {

@@ -5,8 +5,7 @@
 namespace axode {
 
 /// The pose of body i's joint frame in its predecessor's internal frame, B exp(S q).
-template <class T>
-SE3<T> joint_pose(const Tree<T>& tree, int i, const T* q) noexcept {
+template <class T> SE3<T> joint_pose(const Tree<T>& tree, int i, const T* q) noexcept {
   return with_joint(tree, i, [&](const auto& joint) {
     const T* q_i = q + tree.iq[i];
     const T own = tree.ratio[i] * *q_i + tree.offset[i];
@@ -16,8 +15,7 @@ SE3<T> joint_pose(const Tree<T>& tree, int i, const T* q) noexcept {
 
 /// f(c, screw) for every joint screw of body i, seen from where its joint frame has pose C. A coupled joint's screw
 /// is scaled by its ratio, so that it belongs to a unit velocity of its leader. c is the index of the velocity.
-template <class T, class F>
-void each_screw(const Tree<T>& tree, int i, const SE3<T>& C, F&& f) noexcept {
+template <class T, class F> void each_screw(const Tree<T>& tree, int i, const SE3<T>& C, F&& f) noexcept {
   with_joint(tree, i, [&](const auto& joint) {
     for (int k = 0; k < joint.nv; ++k) f(tree.iv[i] + k, tree.ratio[i] * joint.column(C, k));
   });

@@ -4,8 +4,7 @@
 namespace axode {
 
 /// A place on a mechanism: a frame of the model, or a point or pose given in that frame.
-template <class T = double>
-struct Place {
+template <class T = double> struct Place {
   int frame;
   SE3<T> offset;
 

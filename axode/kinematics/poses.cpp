@@ -5,8 +5,7 @@
 namespace axode {
 namespace {
 
-template <class T>
-const SE3<T>* internal_poses(const Model& model, Workspace<T>& workspace, Numbers<T> q) {
+template <class T> const SE3<T>* internal_poses(const Model& model, Workspace<T>& workspace, Numbers<T> q) {
   check_state(model, workspace, q);
   typename Workspace<T>::Arena arena(workspace);
   SE3<T>* C_pi = arena.template per_body<SE3<T>>();
@@ -19,15 +18,15 @@ const SE3<T>* internal_poses(const Model& model, Workspace<T>& workspace, Number
 }  // namespace
 
 template <class T>
-void poses(const Model& model, Workspace<T>& workspace, Numbers<T> q, std::type_identity_t<std::span<SE3<T>>> C) {
+void poses(const Model& model, Workspace<T>& workspace, Numbers<T> q,
+           std::type_identity_t<std::span<SE3<T>>> C) {
   check_size("C", C.size(), static_cast<std::size_t>(model.n_frames()), "n_frames");
   const Tree<T>& tree = model.tree<T>();
   const SE3<T>* C_body = internal_poses(model, workspace, q);
   for (int k = 0; k < tree.n_frames(); ++k) C[k] = C_body[tree.frame_body[k]] * tree.frame_offset[k];
 }
 
-template <class T>
-Vec3<T> center_of_mass(const Model& model, Workspace<T>& workspace, Numbers<T> q) {
+template <class T> Vec3<T> center_of_mass(const Model& model, Workspace<T>& workspace, Numbers<T> q) {
   const Tree<T>& tree = model.tree<T>();
   const SE3<T>* C = internal_poses(model, workspace, q);
   T m(0);

@@ -13,12 +13,10 @@
 /// the child of the body's, with S v = 0.
 namespace axode {
 
-template <class Rep, class T>
-struct Link;
+template <class Rep, class T> struct Link;
 
 /// V^b = Ad_{C_ip} V_p^b + X v (eq. VbRec).
-template <class T>
-struct Link<BodyFixed, T> {
+template <class T> struct Link<BodyFixed, T> {
   SE3<T> C_pi;
 
   static constexpr Link root() { return {}; }
@@ -34,10 +32,7 @@ struct Link<BodyFixed, T> {
     const Vec3<T> f = C_pi.R * W.f;
     return {C_pi.R * W.m + cross(C_pi.r, f), f};
   }
-  template <class Screwlike>
-  constexpr Screwlike push(const Screwlike& X) const {
-    return X;
-  }
+  template <class Screwlike> constexpr Screwlike push(const Screwlike& X) const { return X; }
   constexpr Wrench<BodyFixed, T> pull(const Wrench<BodyFixed, T>& W) const { return W; }
   /// [V_i, X v] (eqs. crecVbi, cVbRec2).
   constexpr TwistRate<BodyFixed, T> bias(const Twist<BodyFixed, T>&, const Twist<BodyFixed, T>& V,
@@ -48,17 +43,13 @@ struct Link<BodyFixed, T> {
 };
 
 /// V^s = V_p^s + J^s v (eqs. Vsrec, Vsirec).
-template <class T>
-struct Link<Spatial, T> {
+template <class T> struct Link<Spatial, T> {
   SE3<T> C;
 
   static constexpr Link root() { return {}; }
   constexpr Link child(const SE3<T>& C_pi) const { return {C * C_pi}; }
 
-  template <class Screwlike>
-  constexpr Screwlike down(const Screwlike& V_p) const {
-    return V_p;
-  }
+  template <class Screwlike> constexpr Screwlike down(const Screwlike& V_p) const { return V_p; }
   constexpr Wrench<Spatial, T> up(const Wrench<Spatial, T>& W) const { return W; }
   /// J^s = Ad_C X (eq. bVsRec).
   template <template <class, class> class V>
@@ -78,8 +69,7 @@ struct Link<Spatial, T> {
 };
 
 /// V^h = Ad_{r_ip} V_p^h + Ad_R X v (eq. VhRec); r_pi from p to i, in inertial axes.
-template <class T>
-struct Link<Hybrid, T> {
+template <class T> struct Link<Hybrid, T> {
   SO3<T> R;
   Vec3<T> r_pi;
 
@@ -88,16 +78,12 @@ struct Link<Hybrid, T> {
 
   template <template <class, class> class V>
     requires Motion<V>
-  constexpr V<Hybrid, T> down(const V<Hybrid, T>& V_p) const {
-    return {V_p.w, V_p.v + cross(V_p.w, r_pi)};
-  }
+  constexpr V<Hybrid, T> down(const V<Hybrid, T>& V_p) const { return {V_p.w, V_p.v + cross(V_p.w, r_pi)}; }
   constexpr Wrench<Hybrid, T> up(const Wrench<Hybrid, T>& W) const { return {W.m + cross(r_pi, W.f), W.f}; }
   /// ^0X^i = Ad_R X (eq. bVhRec2).
   template <template <class, class> class V>
     requires Motion<V>
-  constexpr V<Hybrid, T> push(const V<BodyFixed, T>& X) const {
-    return {R * X.w, R * X.v};
-  }
+  constexpr V<Hybrid, T> push(const V<BodyFixed, T>& X) const { return {R * X.w, R * X.v}; }
   constexpr Wrench<Hybrid, T> push(const Wrench<BodyFixed, T>& W) const { return {R * W.m, R * W.f}; }
   constexpr Wrench<BodyFixed, T> pull(const Wrench<Hybrid, T>& W) const {
     const SO3<T> Rt = transpose(R);
@@ -111,8 +97,7 @@ struct Link<Hybrid, T> {
 };
 
 /// V^m = (ω^b, r'): the angular part of body-fixed, the linear part of hybrid twists.
-template <class T>
-struct Link<Mixed, T> {
+template <class T> struct Link<Mixed, T> {
   SE3<T> C_pi;
   SO3<T> R_p, R;
 
@@ -129,9 +114,7 @@ struct Link<Mixed, T> {
   }
   template <template <class, class> class V>
     requires Motion<V>
-  constexpr V<Mixed, T> push(const V<BodyFixed, T>& X) const {
-    return {X.w, R * X.v};
-  }
+  constexpr V<Mixed, T> push(const V<BodyFixed, T>& X) const { return {X.w, R * X.v}; }
   constexpr Wrench<Mixed, T> push(const Wrench<BodyFixed, T>& W) const { return {W.m, R * W.f}; }
   constexpr Wrench<BodyFixed, T> pull(const Wrench<Mixed, T>& W) const { return {W.m, transpose(R) * W.f}; }
   /// The hybrid bias with its angular part in body axes, where (Rᵀ)' ω^s = -ω × ω = 0 leaves ω_i × (S v).

@@ -8,8 +8,7 @@
 namespace axode {
 
 /// A joint screw on the path to a place: its joint, the velocity that moves it, and its coordinates.
-template <class T>
-struct PathScrew {
+template <class T> struct PathScrew {
   int joint;
   int c;
   Screw<T> body_fixed;  ///< J_{f,c}^b
@@ -17,8 +16,7 @@ struct PathScrew {
 };
 
 /// The path to a place, from the root outwards.
-template <class T>
-struct ScrewPath {
+template <class T> struct ScrewPath {
   std::vector<PathScrew<T>> screws;
   SE3<T> C;  ///< pose of the place
 
@@ -26,7 +24,8 @@ struct ScrewPath {
     C = each_body_fixed_column(tree, q, place, [&](int i, int c, const Screw<T>& X) {
       screws.push_back({i, c, X, {}});
     });
-    std::stable_sort(screws.begin(), screws.end(), [](const auto& a, const auto& b) { return a.joint < b.joint; });
+    std::stable_sort(screws.begin(), screws.end(),
+                     [](const auto& a, const auto& b) { return a.joint < b.joint; });
     for (PathScrew<T>& screw : screws) screw.spatial = Ad(C, screw.body_fixed);
   }
 };
@@ -35,8 +34,7 @@ struct ScrewPath {
 ///
 /// Body-fixed (eq. nthorderBody): [...[[J_a, J_β1], J_β2]..., J_βν] for β sorted from the root outwards, zero unless
 /// all lie outward of a. Among directions of one joint the one that acts last comes first.
-template <class T>
-Screw<T> body_fixed_partial(const ScrewPath<T>& path, int a, std::vector<int> alpha) {
+template <class T> Screw<T> body_fixed_partial(const ScrewPath<T>& path, int a, std::vector<int> alpha) {
   const auto joint = [&](int k) { return path.screws[k].joint; };
   std::reverse(alpha.begin(), alpha.end());
   std::stable_sort(alpha.begin(), alpha.end(), [&](int k, int l) { return joint(k) < joint(l); });
@@ -50,8 +48,7 @@ Screw<T> body_fixed_partial(const ScrewPath<T>& path, int a, std::vector<int> al
 
 /// Spatial (eq. nthorder): [J_βν, ...[J_β2, [J_β1, J_a]]...] for β sorted from the tip inwards, zero if one lies outward
 /// of a or β1 is a itself. Among directions of one joint the one that acts last comes outermost.
-template <class T>
-Screw<T> spatial_partial(const ScrewPath<T>& path, int a, std::vector<int> alpha) {
+template <class T> Screw<T> spatial_partial(const ScrewPath<T>& path, int a, std::vector<int> alpha) {
   const auto joint = [&](int k) { return path.screws[k].joint; };
   std::stable_sort(alpha.begin(), alpha.end(), [&](int k, int l) { return joint(k) > joint(l); });
   if (!alpha.empty() && alpha.front() == a) return {};
@@ -71,22 +68,20 @@ inline std::vector<int> subset(const std::vector<int>& alpha, unsigned mask) {
   return members;
 }
 
-template <class T>
-Vec3<T> position_partial(const ScrewPath<T>& path, const std::vector<int>& alpha);
+template <class T> Vec3<T> position_partial(const ScrewPath<T>& path, const std::vector<int>& alpha);
 
 /// Hybrid: J^h = (w; v + w × r) in the spatial (w; v), so the product rule over all ways to split alpha.
-template <class T>
-Screw<T> hybrid_partial(const ScrewPath<T>& path, int a, const std::vector<int>& alpha) {
+template <class T> Screw<T> hybrid_partial(const ScrewPath<T>& path, int a, const std::vector<int>& alpha) {
   Screw<T> X = spatial_partial(path, a, alpha);
   const unsigned all = (1U << alpha.size()) - 1;
   for (unsigned mask = 0; mask <= all; ++mask)
-    X.v += cross(spatial_partial(path, a, subset(alpha, mask)).w, position_partial(path, subset(alpha, all & ~mask)));
+    X.v += cross(spatial_partial(path, a, subset(alpha, mask)).w,
+                 position_partial(path, subset(alpha, all & ~mask)));
   return X;
 }
 
 /// The derivatives of the position r of the place: ∂r/∂q_k is the linear part of J_k^h.
-template <class T>
-Vec3<T> position_partial(const ScrewPath<T>& path, const std::vector<int>& alpha) {
+template <class T> Vec3<T> position_partial(const ScrewPath<T>& path, const std::vector<int>& alpha) {
   if (alpha.empty()) return path.C.r;
   return hybrid_partial(path, alpha.front(), {alpha.begin() + 1, alpha.end()}).v;
 }
@@ -107,11 +102,15 @@ Screw<T> partial(const ScrewPath<T>& path, int a, const std::vector<int>& alpha)
 /// along all of them, the lowest index innermost. With W_i(u) = Σ J_c u_c over the path to body i,
 ///   D_S J_c = Σ_{A ⊆ S∖s} [W_i(u_s)^A, J_c^{S∖s∖A}],  s the lowest index in S,
 /// by the product rule on D_u J_c = [W_i(u), J_c]; r and Rᵀ of the place follow in the same way.
-template <class T>
-class DirectionalDerivatives {
+template <class T> class DirectionalDerivatives {
  public:
   DirectionalDerivatives(const ScrewPath<T>& path, int order, const T* directions, int nv)
-      : path_(path), sets_(1U << order), order_(order), J_(path.screws.size() * sets_), W_(order * sets_), r_(sets_),
+      : path_(path),
+        sets_(1U << order),
+        order_(order),
+        J_(path.screws.size() * sets_),
+        W_(order * sets_),
+        r_(sets_),
         Rt_(sets_) {
     const int n = static_cast<int>(path.screws.size());
     for (int begin = 0, end = 0; begin < n; begin = end) {
@@ -122,8 +121,7 @@ class DirectionalDerivatives {
   }
 
   /// D_S of column c for all directions, in a representation at the place.
-  template <class Rep>
-  Screw<T> of(int c) const {
+  template <class Rep> Screw<T> of(int c) const {
     const unsigned S = sets_ - 1;
     if constexpr (std::same_as<Rep, Spatial>) return J(c, S);
     const Screw<T> X{J(c, S).w, linear(c, S)};
@@ -139,8 +137,7 @@ class DirectionalDerivatives {
  private:
   const Screw<T>& J(int c, unsigned S) const { return J_[c * sets_ + S]; }
   static int lowest(unsigned S) { return S & 1U ? 0 : 1 + lowest(S >> 1); }
-  template <class F>
-  static void each_subset(unsigned S, F&& f) {
+  template <class F> static void each_subset(unsigned S, F&& f) {
     for (unsigned A = S;; A = (A - 1) & S) {
       f(A);
       if (A == 0) break;

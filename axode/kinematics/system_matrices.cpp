@@ -20,8 +20,7 @@ Screw<> unit_screw(int k) {
   return {{double(k == 0), double(k == 1), double(k == 2)}, {double(k == 3), double(k == 4), double(k == 5)}};
 }
 /// The block of body i (row) and j (column) of a linear map on screws.
-template <class F>
-void add_block(Triplets& triplets, int i, int j, F&& map) {
+template <class F> void add_block(Triplets& triplets, int i, int j, F&& map) {
   for (int k = 0; k < 6; ++k) add_column(triplets, 6 * (i - 1), 6 * (j - 1) + k, map(unit_screw(k)));
 }
 SystemMatrix matrix(int rows, int columns, const Triplets& triplets) {
@@ -29,14 +28,12 @@ SystemMatrix matrix(int rows, int columns, const Triplets& triplets) {
   M.setFromTriplets(triplets.begin(), triplets.end());
   return M;
 }
-template <class Rep>
-Twist<Rep> twist_of(const Eigen::VectorXd& V, int i) {
+template <class Rep> Twist<Rep> twist_of(const Eigen::VectorXd& V, int i) {
   if (i == 0) return {};
   const double* x = V.data() + 6 * (i - 1);
   return {{x[0], x[1], x[2]}, {x[3], x[4], x[5]}};
 }
-template <class Motion>
-void store(const Motion& V, int i, Eigen::VectorXd& out) {
+template <class Motion> void store(const Motion& V, int i, Eigen::VectorXd& out) {
   out.segment<6>(6 * (i - 1)) << V.w.x, V.w.y, V.w.z, V.v.x, V.v.y, V.v.z;
 }
 
@@ -105,8 +102,7 @@ void check_stacked(const Model& model, const char* argument, const Eigen::Vector
 
 }  // namespace
 
-template <class Rep>
-SystemMatrices system_matrices(const Model& model, std::span<const double> q) {
+template <class Rep> SystemMatrices system_matrices(const Model& model, std::span<const double> q) {
   return matrices<Rep>(model, user_links<Rep>(model, q));
 }
 
@@ -194,32 +190,38 @@ Eigen::VectorXd joint_accelerations(const Model& model, std::span<const double> 
 }
 
 template SystemMatrices system_matrices<BodyFixed>(const Model&, std::span<const double>);
-template Eigen::VectorXd system_twist<BodyFixed>(const Model&, std::span<const double>, std::span<const double>);
-template Eigen::VectorXd system_acceleration<BodyFixed>(const Model&, std::span<const double>, std::span<const double>,
+template Eigen::VectorXd system_twist<BodyFixed>(const Model&, std::span<const double>,
                                                  std::span<const double>);
-template Eigen::VectorXd joint_velocities<BodyFixed>(const Model&, std::span<const double>, const Eigen::VectorXd&);
-template Eigen::VectorXd joint_accelerations<BodyFixed>(const Model&, std::span<const double>, const Eigen::VectorXd&,
-                                                 const Eigen::VectorXd&);
+template Eigen::VectorXd system_acceleration<BodyFixed>(const Model&, std::span<const double>,
+                                                        std::span<const double>, std::span<const double>);
+template Eigen::VectorXd joint_velocities<BodyFixed>(const Model&, std::span<const double>,
+                                                     const Eigen::VectorXd&);
+template Eigen::VectorXd joint_accelerations<BodyFixed>(const Model&, std::span<const double>,
+                                                        const Eigen::VectorXd&, const Eigen::VectorXd&);
 template SystemMatrices system_matrices<Spatial>(const Model&, std::span<const double>);
-template Eigen::VectorXd system_twist<Spatial>(const Model&, std::span<const double>, std::span<const double>);
-template Eigen::VectorXd system_acceleration<Spatial>(const Model&, std::span<const double>, std::span<const double>,
-                                                 std::span<const double>);
-template Eigen::VectorXd joint_velocities<Spatial>(const Model&, std::span<const double>, const Eigen::VectorXd&);
-template Eigen::VectorXd joint_accelerations<Spatial>(const Model&, std::span<const double>, const Eigen::VectorXd&,
-                                                 const Eigen::VectorXd&);
+template Eigen::VectorXd system_twist<Spatial>(const Model&, std::span<const double>,
+                                               std::span<const double>);
+template Eigen::VectorXd system_acceleration<Spatial>(const Model&, std::span<const double>,
+                                                      std::span<const double>, std::span<const double>);
+template Eigen::VectorXd joint_velocities<Spatial>(const Model&, std::span<const double>,
+                                                   const Eigen::VectorXd&);
+template Eigen::VectorXd joint_accelerations<Spatial>(const Model&, std::span<const double>,
+                                                      const Eigen::VectorXd&, const Eigen::VectorXd&);
 template SystemMatrices system_matrices<Hybrid>(const Model&, std::span<const double>);
 template Eigen::VectorXd system_twist<Hybrid>(const Model&, std::span<const double>, std::span<const double>);
-template Eigen::VectorXd system_acceleration<Hybrid>(const Model&, std::span<const double>, std::span<const double>,
-                                                 std::span<const double>);
-template Eigen::VectorXd joint_velocities<Hybrid>(const Model&, std::span<const double>, const Eigen::VectorXd&);
-template Eigen::VectorXd joint_accelerations<Hybrid>(const Model&, std::span<const double>, const Eigen::VectorXd&,
-                                                 const Eigen::VectorXd&);
+template Eigen::VectorXd system_acceleration<Hybrid>(const Model&, std::span<const double>,
+                                                     std::span<const double>, std::span<const double>);
+template Eigen::VectorXd joint_velocities<Hybrid>(const Model&, std::span<const double>,
+                                                  const Eigen::VectorXd&);
+template Eigen::VectorXd joint_accelerations<Hybrid>(const Model&, std::span<const double>,
+                                                     const Eigen::VectorXd&, const Eigen::VectorXd&);
 template SystemMatrices system_matrices<Mixed>(const Model&, std::span<const double>);
 template Eigen::VectorXd system_twist<Mixed>(const Model&, std::span<const double>, std::span<const double>);
-template Eigen::VectorXd system_acceleration<Mixed>(const Model&, std::span<const double>, std::span<const double>,
-                                                 std::span<const double>);
-template Eigen::VectorXd joint_velocities<Mixed>(const Model&, std::span<const double>, const Eigen::VectorXd&);
-template Eigen::VectorXd joint_accelerations<Mixed>(const Model&, std::span<const double>, const Eigen::VectorXd&,
+template Eigen::VectorXd system_acceleration<Mixed>(const Model&, std::span<const double>,
+                                                    std::span<const double>, std::span<const double>);
+template Eigen::VectorXd joint_velocities<Mixed>(const Model&, std::span<const double>,
                                                  const Eigen::VectorXd&);
+template Eigen::VectorXd joint_accelerations<Mixed>(const Model&, std::span<const double>,
+                                                    const Eigen::VectorXd&, const Eigen::VectorXd&);
 
 }  // namespace axode

@@ -12,14 +12,10 @@
 namespace axode {
 
 /// I + β ξ̃ + γ ξ̃² with the derivatives of β and γ with respect to s = ‖ξ‖².
-template <class T>
-struct ScrewOperator {
-  std::array<T, 3> beta, gamma;
-};
+template <class T> struct ScrewOperator { std::array<T, 3> beta, gamma; };
 
 /// P_ξ z.
-template <class T>
-constexpr Vec3<T> apply(const ScrewOperator<T>& P, const Vec3<T>& xi, const Vec3<T>& z) {
+template <class T> constexpr Vec3<T> apply(const ScrewOperator<T>& P, const Vec3<T>& xi, const Vec3<T>& z) {
   const Vec3<T> xi_z = cross(xi, z);
   return z + P.beta[0] * xi_z + P.gamma[0] * cross(xi, xi_z);
 }
@@ -104,8 +100,7 @@ inline constexpr Table c = with_derivatives(alternating_factorials(3));
 inline constexpr Table g = with_derivatives(cotangent);
 inline constexpr Coefficients half_angle_over_sine = arcsine();
 
-template <class T>
-constexpr T sum(const Coefficients& coefficients, const T& s) {
+template <class T> constexpr T sum(const Coefficients& coefficients, const T& s) {
   T y = T(coefficients[terms - 1]);
   for (std::size_t k = terms - 1; k-- > 0;) y = y * s + T(coefficients[k]);
   return y;
@@ -114,8 +109,7 @@ constexpr T sum(const Coefficients& coefficients, const T& s) {
 }  // namespace series
 
 /// f(s), f'(s), f''(s) for f = sin θ/θ, (1 - cos θ)/θ², (θ - sin θ)/θ³ and (1 - θ/2 cot(θ/2))/θ², θ² = s.
-template <class T>
-struct ExponentialCoefficients {
+template <class T> struct ExponentialCoefficients {
   std::array<T, 3> a, b, c, g;
 
   explicit constexpr ExponentialCoefficients(const T& s) {
@@ -137,26 +131,24 @@ struct ExponentialCoefficients {
  private:
   static constexpr std::array<T, 3> choose(bool near, const series::Table& table, const T& s,
                                            const std::array<T, 3>& closed) {
-    return {select(near, series::sum(table[0], s), closed[0]), select(near, series::sum(table[1], s), closed[1]),
+    return {select(near, series::sum(table[0], s), closed[0]),
+            select(near, series::sum(table[1], s), closed[1]),
             select(near, series::sum(table[2], s), closed[2])};
   }
 };
 
 /// exp_ξ = I + (sin θ/θ) ξ̃ + ((1 - cos θ)/θ²) ξ̃².
-template <class T>
-constexpr ScrewOperator<T> exp_operator(const T& s) {
+template <class T> constexpr ScrewOperator<T> exp_operator(const T& s) {
   const ExponentialCoefficients<T> k(s);
   return {k.a, k.b};
 }
 /// dexp_ξ = I + ((1 - cos θ)/θ²) ξ̃ + ((θ - sin θ)/θ³) ξ̃².
-template <class T>
-constexpr ScrewOperator<T> dexp_operator(const T& s) {
+template <class T> constexpr ScrewOperator<T> dexp_operator(const T& s) {
   const ExponentialCoefficients<T> k(s);
   return {k.b, k.c};
 }
 /// dexp_ξ⁻¹ = I - ξ̃/2 + ((1 - θ/2 cot(θ/2))/θ²) ξ̃².
-template <class T>
-constexpr ScrewOperator<T> dexp_inv_operator(const T& s) {
+template <class T> constexpr ScrewOperator<T> dexp_inv_operator(const T& s) {
   const ExponentialCoefficients<T> k(s);
   return {{T(-0.5), T(0), T(0)}, k.g};
 }

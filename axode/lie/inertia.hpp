@@ -5,21 +5,16 @@ namespace axode {
 
 /// The inertia of a rigid body in a frame: mass m (kg), first moment h = m c (kg m) and rotational inertia Θ (kg m²)
 /// about the origin of that frame, all in its axes. As a matrix M = [[Θ, h̃], [-h̃, m I]] (eq. Mb).
-template <class T = double>
-struct Inertia {
+template <class T = double> struct Inertia {
   T m{};
   Vec3<T> h;
   Sym3<T> Theta;
 };
 
-template <class T>
-constexpr Inertia<T> operator+(const Inertia<T>& a, const Inertia<T>& b) {
+template <class T> constexpr Inertia<T> operator+(const Inertia<T>& a, const Inertia<T>& b) {
   return {a.m + b.m, a.h + b.h, a.Theta + b.Theta};
 }
-template <class T>
-constexpr Inertia<T>& operator+=(Inertia<T>& a, const Inertia<T>& b) {
-  return a = a + b;
-}
+template <class T> constexpr Inertia<T>& operator+=(Inertia<T>& a, const Inertia<T>& b) { return a = a + b; }
 
 /// Inertia in a body frame from the mass, the centre of mass c in that frame and Θ_c about the centre of mass, given
 /// in axes rotated by R_bc against the body frame (eqs. Mbc, Mb: the parallel-axis theorem).
@@ -29,26 +24,21 @@ constexpr Inertia<T> inertia_from_com(const T& m, const Vec3<T>& c, const Sym3<T
   return {m, m * c, rotate(R_bc, Theta_c) + (T(0.5) * m) * parallel_axis_tensor(c, c)};
 }
 /// Θ_c, the rotational inertia about the centre of mass, in the axes of the frame of M. The mass must not be 0.
-template <class T>
-constexpr Sym3<T> inertia_about_com(const Inertia<T>& M) {
+template <class T> constexpr Sym3<T> inertia_about_com(const Inertia<T>& M) {
   return M.Theta - (T(0.5) / M.m) * parallel_axis_tensor(M.h, M.h);
 }
 /// The centre of mass in the frame of M. The mass must not be 0.
-template <class T>
-constexpr Vec3<T> center_of_mass(const Inertia<T>& M) {
-  return (T(1) / M.m) * M.h;
-}
+template <class T> constexpr Vec3<T> center_of_mass(const Inertia<T>& M) { return (T(1) / M.m) * M.h; }
 
 /// Ad_S⁻ᵀ M Ad_S⁻¹: the inertia in the frame in which S is the pose of the frame of M (eqs. Ms, Mb).
-template <class T>
-constexpr Inertia<T> transform(const SE3<T>& S, const Inertia<T>& M) {
+template <class T> constexpr Inertia<T> transform(const SE3<T>& S, const Inertia<T>& M) {
   const Vec3<T> h = S.R * M.h;
-  return {M.m, h + M.m * S.r,
-          rotate(S.R, M.Theta) + parallel_axis_tensor(h, S.r) + (T(0.5) * M.m) * parallel_axis_tensor(S.r, S.r)};
+  return {
+      M.m, h + M.m * S.r,
+      rotate(S.R, M.Theta) + parallel_axis_tensor(h, S.r) + (T(0.5) * M.m) * parallel_axis_tensor(S.r, S.r)};
 }
 /// Ad_Rᵀ⁻¹ M Ad_R⁻¹: the inertia in rotated axes about the same point (eq. aWhRec).
-template <class T>
-constexpr Inertia<T> transform(const SO3<T>& R, const Inertia<T>& M) {
+template <class T> constexpr Inertia<T> transform(const SO3<T>& R, const Inertia<T>& M) {
   return {M.m, R * M.h, rotate(R, M.Theta)};
 }
 
@@ -76,13 +66,11 @@ constexpr Inertia<T> inertia_rate(const Twist<Rep, T>& V, const Inertia<T>& M) {
 }
 
 /// Binet's inertia tensor ϑ = tr(Θ)/2 I - Θ, the second moments of mass.
-template <class T>
-constexpr Sym3<T> binet_tensor(const Sym3<T>& Theta) {
+template <class T> constexpr Sym3<T> binet_tensor(const Sym3<T>& Theta) {
   return identity_tensor(T(0.5) * trace(Theta)) - Theta;
 }
 /// Θ = tr(ϑ) I - ϑ, the rotational inertia of which ϑ is Binet's tensor.
-template <class T>
-constexpr Sym3<T> rotational_inertia(const Sym3<T>& binet) {
+template <class T> constexpr Sym3<T> rotational_inertia(const Sym3<T>& binet) {
   return identity_tensor(trace(binet)) - binet;
 }
 

@@ -8,8 +8,7 @@ namespace axode {
 /// Frames j and k for ^kV^j, measured at the origin of F_j and resolved in F_k, with their motion. All vectors are
 /// resolved in the inertial frame. Spatial: both frames inertial. Body-fixed: both the body. Hybrid: j the body, k
 /// inertial.
-template <class T = double>
-struct FramePair {
+template <class T = double> struct FramePair {
   Vec3<T> r_j;   ///< position of the origin of F_j
   Vec3<T> dr_j;  ///< its velocity
   SO3<T> R_k;    ///< rotation of F_k
@@ -20,17 +19,13 @@ struct FramePair {
 
 namespace detail {
 
-template <class Rep>
-struct Change;  // body-fixed <-> Rep
+template <class Rep> struct Change;  // body-fixed <-> Rep
 
-template <>
-struct Change<BodyFixed> {
-  template <class T>
-  static constexpr Twist<BodyFixed, T> to(const SE3<T>&, const Twist<BodyFixed, T>& V) {
+template <> struct Change<BodyFixed> {
+  template <class T> static constexpr Twist<BodyFixed, T> to(const SE3<T>&, const Twist<BodyFixed, T>& V) {
     return V;
   }
-  template <class T>
-  static constexpr Twist<BodyFixed, T> from(const SE3<T>&, const Twist<BodyFixed, T>& V) {
+  template <class T> static constexpr Twist<BodyFixed, T> from(const SE3<T>&, const Twist<BodyFixed, T>& V) {
     return V;
   }
   template <class T>
@@ -53,14 +48,11 @@ struct Change<BodyFixed> {
   }
 };
 
-template <>
-struct Change<Spatial> {
-  template <class T>
-  static constexpr Twist<Spatial, T> to(const SE3<T>& C, const Twist<BodyFixed, T>& V) {
+template <> struct Change<Spatial> {
+  template <class T> static constexpr Twist<Spatial, T> to(const SE3<T>& C, const Twist<BodyFixed, T>& V) {
     return Ad(C, V);
   }
-  template <class T>
-  static constexpr Twist<BodyFixed, T> from(const SE3<T>& C, const Twist<Spatial, T>& V) {
+  template <class T> static constexpr Twist<BodyFixed, T> from(const SE3<T>& C, const Twist<Spatial, T>& V) {
     return Ad_inv(C, V);
   }
   template <class T>
@@ -89,14 +81,11 @@ struct Change<Spatial> {
   }
 };
 
-template <>
-struct Change<Hybrid> {
-  template <class T>
-  static constexpr Twist<Hybrid, T> to(const SE3<T>& C, const Twist<BodyFixed, T>& V) {
+template <> struct Change<Hybrid> {
+  template <class T> static constexpr Twist<Hybrid, T> to(const SE3<T>& C, const Twist<BodyFixed, T>& V) {
     return {C.R * V.w, C.R * V.v};
   }
-  template <class T>
-  static constexpr Twist<BodyFixed, T> from(const SE3<T>& C, const Twist<Hybrid, T>& V) {
+  template <class T> static constexpr Twist<BodyFixed, T> from(const SE3<T>& C, const Twist<Hybrid, T>& V) {
     const SO3<T> Rt = transpose(C.R);
     return {Rt * V.w, Rt * V.v};
   }
@@ -124,14 +113,11 @@ struct Change<Hybrid> {
   }
 };
 
-template <>
-struct Change<Mixed> {
-  template <class T>
-  static constexpr Twist<Mixed, T> to(const SE3<T>& C, const Twist<BodyFixed, T>& V) {
+template <> struct Change<Mixed> {
+  template <class T> static constexpr Twist<Mixed, T> to(const SE3<T>& C, const Twist<BodyFixed, T>& V) {
     return {V.w, C.R * V.v};
   }
-  template <class T>
-  static constexpr Twist<BodyFixed, T> from(const SE3<T>& C, const Twist<Mixed, T>& V) {
+  template <class T> static constexpr Twist<BodyFixed, T> from(const SE3<T>& C, const Twist<Mixed, T>& V) {
     return {V.w, transpose(C.R) * V.v};
   }
   template <class T>
@@ -181,13 +167,11 @@ constexpr Momentum<To, T> change(const SE3<T>& C, const Momentum<From, T>& Pi) {
 }
 
 /// ^kV_i^j, the spatial twist measured at F_j and resolved in F_k, and back.
-template <class T>
-constexpr Twist<InFrames, T> change(const FramePair<T>& jk, const Twist<Spatial, T>& V) {
+template <class T> constexpr Twist<InFrames, T> change(const FramePair<T>& jk, const Twist<Spatial, T>& V) {
   const Screw<T> X = Ad_inv(jk.pose(), screw(V));
   return {X.w, X.v};
 }
-template <class T>
-constexpr Twist<Spatial, T> change(const FramePair<T>& jk, const Twist<InFrames, T>& V) {
+template <class T> constexpr Twist<Spatial, T> change(const FramePair<T>& jk, const Twist<InFrames, T>& V) {
   return twist<Spatial>(Ad(jk.pose(), Screw<T>{V.w, V.v}));
 }
 /// The rate of ^kV_i^j, and back; the moving frames F_j and F_k add their part (erratum 19).
@@ -208,13 +192,11 @@ constexpr TwistRate<Spatial, T> change(const FramePair<T>& jk, const Twist<InFra
   return {dw, dv_j - cross(dw, jk.r_j) - cross(w, jk.dr_j)};
 }
 /// The spatial wrench measured at F_j and resolved in F_k, and back.
-template <class T>
-constexpr Wrench<InFrames, T> change(const FramePair<T>& jk, const Wrench<Spatial, T>& W) {
+template <class T> constexpr Wrench<InFrames, T> change(const FramePair<T>& jk, const Wrench<Spatial, T>& W) {
   const Wrench<BodyFixed, T> W_jk = coAd_inv(jk.pose(), W);
   return {W_jk.m, W_jk.f};
 }
-template <class T>
-constexpr Wrench<Spatial, T> change(const FramePair<T>& jk, const Wrench<InFrames, T>& W) {
+template <class T> constexpr Wrench<Spatial, T> change(const FramePair<T>& jk, const Wrench<InFrames, T>& W) {
   return coAd(jk.pose(), Wrench<BodyFixed, T>{W.m, W.f});
 }
 /// The spatial momentum measured at F_j and resolved in F_k, and back.

@@ -13,9 +13,6 @@ using std::sin;
 using std::sqrt;
 
 /// `a` where the condition holds, else `b`; both are evaluated, so that no kernel branches on a scalar.
-template <std::floating_point T>
-constexpr T select(bool condition, T a, T b) {
-  return condition ? a : b;
-}
+template <std::floating_point T> constexpr T select(bool condition, T a, T b) { return condition ? a : b; }
 
 }  // namespace axode

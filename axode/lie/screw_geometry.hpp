@@ -7,42 +7,34 @@ namespace axode {
 
 /// The geometry of a screw: a line with direction e (unit) through the point p, a pitch h in m/rad, a magnitude.
 /// An infinite pitch marks a translation (or a couple): then only e and the magnitude mean anything and p is 0.
-template <class T = double>
-struct ScrewAxis {
+template <class T = double> struct ScrewAxis {
   Vec3<T> e, p;
   T h{};
   T magnitude{};
 };
 
 /// Plücker coordinates of the axis: the direction and the moment p × e.
-template <class T = double>
-struct PlueckerLine {
-  Vec3<T> e, moment;
-};
+template <class T = double> struct PlueckerLine { Vec3<T> e, moment; };
 
-template <class T>
-constexpr PlueckerLine<T> pluecker(const ScrewAxis<T>& axis) {
+template <class T> constexpr PlueckerLine<T> pluecker(const ScrewAxis<T>& axis) {
   return {axis.e, cross(axis.p, axis.e)};
 }
 
 /// Screw coordinates (e; p × e + h e) of an axis, or (0; e) for an infinite pitch, times the magnitude.
-template <class T>
-constexpr Screw<T> screw(const ScrewAxis<T>& a) {
+template <class T> constexpr Screw<T> screw(const ScrewAxis<T>& a) {
   const bool finite = a.h < std::numeric_limits<T>::infinity();
   const T h = select(finite, a.h, T(0));
   const Screw<T> X{a.e, cross(a.p, a.e) + h * a.e}, translation{Vec3<T>{}, a.e};
   return a.magnitude * (finite ? X : translation);
 }
 /// The joint screw (e; p × e + h e) of a line with direction e (unit) through p, with pitch h in m/rad.
-template <class T>
-constexpr Screw<T> screw(const Vec3<T>& e, const Vec3<T>& p, const T& h = T(0)) {
+template <class T> constexpr Screw<T> screw(const Vec3<T>& e, const Vec3<T>& p, const T& h = T(0)) {
   return {e, cross(p, e) + h * e};
 }
 
 /// Axis, the axis point nearest to the origin, pitch and magnitude of a screw; the magnitude is ‖w‖, or ‖v‖ where
 /// w = 0. The zero screw has magnitude 0 and direction 0.
-template <class T>
-constexpr ScrewAxis<T> screw_axis(const Screw<T>& X) {
+template <class T> constexpr ScrewAxis<T> screw_axis(const Screw<T>& X) {
   const T w2 = dot(X.w, X.w);
   if (w2 > T(0)) {
     const T w = sqrt(w2);
@@ -54,14 +46,12 @@ constexpr ScrewAxis<T> screw_axis(const Screw<T>& X) {
 }
 /// The instantaneous screw axis of a motion; body-fixed twists give it in the body frame, spatial ones in the
 /// inertial frame.
-template <AtFrameOrigin Rep, class T>
-constexpr ScrewAxis<T> screw_axis(const Twist<Rep, T>& V) {
+template <AtFrameOrigin Rep, class T> constexpr ScrewAxis<T> screw_axis(const Twist<Rep, T>& V) {
   return screw_axis(Screw<T>{V.w, V.v});
 }
 /// The central axis of a wrench (Poinsot): its direction is that of the force, its pitch moment·force/‖force‖²,
 /// infinite for a couple.
-template <AtFrameOrigin Rep, class T>
-constexpr ScrewAxis<T> screw_axis(const Wrench<Rep, T>& W) {
+template <AtFrameOrigin Rep, class T> constexpr ScrewAxis<T> screw_axis(const Wrench<Rep, T>& W) {
   return screw_axis(Screw<T>{W.f, W.m});
 }
 

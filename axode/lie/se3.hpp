@@ -5,99 +5,69 @@
 namespace axode {
 
 /// A pose C = (R, r): takes coordinates in the posed frame to coordinates in the frame it is given in.
-template <class T = double>
-struct SE3 {
+template <class T = double> struct SE3 {
   SO3<T> R;
   Vec3<T> r;
 };
 
-template <class T>
-constexpr SE3<T> operator*(const SE3<T>& A, const SE3<T>& B) {
+template <class T> constexpr SE3<T> operator*(const SE3<T>& A, const SE3<T>& B) {
   return {A.R * B.R, A.r + A.R * B.r};
 }
 /// The point with coordinates p in the posed frame.
-template <class T>
-constexpr Vec3<T> operator*(const SE3<T>& C, const Vec3<T>& p) {
-  return C.r + C.R * p;
-}
-template <class T>
-constexpr SE3<T> inverse(const SE3<T>& C) {
+template <class T> constexpr Vec3<T> operator*(const SE3<T>& C, const Vec3<T>& p) { return C.r + C.R * p; }
+template <class T> constexpr SE3<T> inverse(const SE3<T>& C) {
   const SO3<T> Rt = transpose(C.R);
   return {Rt, -(Rt * C.r)};
 }
 
 /// Screw coordinates X = (w; v): angular before linear, in a frame that the context names. A joint screw, an
 /// element of se(3), the argument of exp. A screw that is the velocity of a body is a Twist.
-template <class T = double>
-struct Screw {
-  Vec3<T> w, v;
-};
+template <class T = double> struct Screw { Vec3<T> w, v; };
 
-template <class T>
-constexpr Screw<T> operator+(const Screw<T>& a, const Screw<T>& b) {
+template <class T> constexpr Screw<T> operator+(const Screw<T>& a, const Screw<T>& b) {
   return {a.w + b.w, a.v + b.v};
 }
-template <class T>
-constexpr Screw<T> operator-(const Screw<T>& a, const Screw<T>& b) {
+template <class T> constexpr Screw<T> operator-(const Screw<T>& a, const Screw<T>& b) {
   return {a.w - b.w, a.v - b.v};
 }
-template <class T>
-constexpr Screw<T> operator-(const Screw<T>& a) {
-  return {-a.w, -a.v};
-}
-template <class T>
-constexpr Screw<T> operator*(const T& s, const Screw<T>& a) {
-  return {s * a.w, s * a.v};
-}
+template <class T> constexpr Screw<T> operator-(const Screw<T>& a) { return {-a.w, -a.v}; }
+template <class T> constexpr Screw<T> operator*(const T& s, const Screw<T>& a) { return {s * a.w, s * a.v}; }
 
 /// Ad_C X, the frame transformation of screws (eq. Ad).
-template <class T>
-constexpr Screw<T> Ad(const SE3<T>& C, const Screw<T>& X) {
+template <class T> constexpr Screw<T> Ad(const SE3<T>& C, const Screw<T>& X) {
   const Vec3<T> w = C.R * X.w;
   return {w, C.R * X.v + cross(C.r, w)};
 }
 /// Ad_C⁻¹ X.
-template <class T>
-constexpr Screw<T> Ad_inv(const SE3<T>& C, const Screw<T>& X) {
+template <class T> constexpr Screw<T> Ad_inv(const SE3<T>& C, const Screw<T>& X) {
   const SO3<T> Rt = transpose(C.R);
   return {Rt * X.w, Rt * (X.v - cross(C.r, X.w))};
 }
 /// Ad_R X, the rotational part of Ad (eq. AdRr).
-template <class T>
-constexpr Screw<T> Ad(const SO3<T>& R, const Screw<T>& X) {
-  return {R * X.w, R * X.v};
-}
+template <class T> constexpr Screw<T> Ad(const SO3<T>& R, const Screw<T>& X) { return {R * X.w, R * X.v}; }
 /// Ad_r X, the translational part of Ad (eq. AdRr).
-template <class T>
-constexpr Screw<T> Ad(const Vec3<T>& r, const Screw<T>& X) {
+template <class T> constexpr Screw<T> Ad(const Vec3<T>& r, const Screw<T>& X) {
   return {X.w, X.v + cross(r, X.w)};
 }
 /// ad_X Z = [X, Z], the Lie bracket or screw product (eqs. ScrewProd, adse3).
-template <class T>
-constexpr Screw<T> ad(const Screw<T>& X, const Screw<T>& Z) {
+template <class T> constexpr Screw<T> ad(const Screw<T>& X, const Screw<T>& Z) {
   return {cross(X.w, Z.w), cross(X.v, Z.w) + cross(X.w, Z.v)};
 }
 /// X ⊙ Z, the reciprocal product of two screws.
-template <class T>
-constexpr T reciprocal_product(const Screw<T>& X, const Screw<T>& Z) {
+template <class T> constexpr T reciprocal_product(const Screw<T>& X, const Screw<T>& Z) {
   return dot(X.w, Z.v) + dot(X.v, Z.w);
 }
 
 /// exp: se(3) → SE(3).
-template <class T>
-constexpr SE3<T> exp(const Screw<T>& X) {
-  return {exp_SO3(X.w), dexp(X.w, X.v)};
-}
+template <class T> constexpr SE3<T> exp(const Screw<T>& X) { return {exp_SO3(X.w), dexp(X.w, X.v)}; }
 /// log: SE(3) → se(3), the inverse of exp with the angle in [0, π].
-template <class T>
-constexpr Screw<T> log(const SE3<T>& C) {
+template <class T> constexpr Screw<T> log(const SE3<T>& C) {
   const Vec3<T> w = log_SO3(C.R);
   return {w, dexp_inv(w, C.r)};
 }
 
 /// P_X Z on se(3): the angular blocks are P_ξ, the coupling block is its derivative along the linear part of X.
-template <class T>
-constexpr Screw<T> apply(const ScrewOperator<T>& P, const Screw<T>& X, const Screw<T>& Z) {
+template <class T> constexpr Screw<T> apply(const ScrewOperator<T>& P, const Screw<T>& X, const Screw<T>& Z) {
   return {apply(P, X.w, Z.w), apply(P, X.w, Z.v) + apply(P, X.w, X.v, Z.w)};
 }
 /// D_U P_X Z on se(3), the derivative when X moves along U.
@@ -107,23 +77,19 @@ constexpr Screw<T> apply(const ScrewOperator<T>& P, const Screw<T>& X, const Scr
           apply(P, X.w, U.w, Z.v) + apply(P, X.w, U.v, Z.w) + apply(P, X.w, X.v, U.w, Z.w)};
 }
 /// dexp_X Z: the right-trivialised differential, (d/dt exp X) exp(-X) = dexp_X X' (eq. Vdexp).
-template <class T>
-constexpr Screw<T> dexp(const Screw<T>& X, const Screw<T>& Z) {
+template <class T> constexpr Screw<T> dexp(const Screw<T>& X, const Screw<T>& Z) {
   return apply(dexp_operator(dot(X.w, X.w)), X, Z);
 }
 /// dexp_X⁻¹ Z; singular at angles 2π, 4π, ...
-template <class T>
-constexpr Screw<T> dexp_inv(const Screw<T>& X, const Screw<T>& Z) {
+template <class T> constexpr Screw<T> dexp_inv(const Screw<T>& X, const Screw<T>& Z) {
   return apply(dexp_inv_operator(dot(X.w, X.w)), X, Z);
 }
 /// The derivative of dexp_X Z when X moves along U.
-template <class T>
-constexpr Screw<T> ddexp(const Screw<T>& X, const Screw<T>& U, const Screw<T>& Z) {
+template <class T> constexpr Screw<T> ddexp(const Screw<T>& X, const Screw<T>& U, const Screw<T>& Z) {
   return apply(dexp_operator(dot(X.w, X.w)), X, U, Z);
 }
 /// The derivative of dexp_X⁻¹ Z when X moves along U.
-template <class T>
-constexpr Screw<T> ddexp_inv(const Screw<T>& X, const Screw<T>& U, const Screw<T>& Z) {
+template <class T> constexpr Screw<T> ddexp_inv(const Screw<T>& X, const Screw<T>& U, const Screw<T>& Z) {
   return apply(dexp_inv_operator(dot(X.w, X.w)), X, U, Z);
 }
 

@@ -15,24 +15,15 @@ namespace axode {
 
 std::string_view to_string(JointKind kind) {
   switch (kind) {
-    case JointKind::fixed:
-      return "fixed";
-    case JointKind::revolute:
-      return "revolute";
-    case JointKind::prismatic:
-      return "prismatic";
-    case JointKind::helical:
-      return "helical";
-    case JointKind::cylindrical:
-      return "cylindrical";
-    case JointKind::universal:
-      return "universal";
-    case JointKind::spherical:
-      return "spherical";
-    case JointKind::planar:
-      return "planar";
-    case JointKind::free:
-      return "free";
+    case JointKind::fixed: return "fixed";
+    case JointKind::revolute: return "revolute";
+    case JointKind::prismatic: return "prismatic";
+    case JointKind::helical: return "helical";
+    case JointKind::cylindrical: return "cylindrical";
+    case JointKind::universal: return "universal";
+    case JointKind::spherical: return "spherical";
+    case JointKind::planar: return "planar";
+    case JointKind::free: return "free";
   }
   return "unknown";
 }
@@ -53,38 +44,27 @@ bool finite(const Inertia<>& M) { return finite(M.m) && finite(M.h) && finite(M.
 
 int degrees_of_freedom(JointKind kind) {
   switch (kind) {
-    case JointKind::fixed:
-      return 0;
+    case JointKind::fixed: return 0;
     case JointKind::cylindrical:
-    case JointKind::universal:
-      return 2;
+    case JointKind::universal: return 2;
     case JointKind::spherical:
-    case JointKind::planar:
-      return 3;
-    case JointKind::free:
-      return 6;
+    case JointKind::planar: return 3;
+    case JointKind::free: return 6;
     case JointKind::revolute:
     case JointKind::prismatic:
-    case JointKind::helical:
-      break;
+    case JointKind::helical: break;
   }
   return 1;
 }
 
 Subgroup subgroup_of(JointKind kind) {
   switch (kind) {
-    case JointKind::prismatic:
-      return Subgroup::prismatic;
-    case JointKind::helical:
-      return Subgroup::helical;
-    case JointKind::spherical:
-      return Subgroup::spherical;
-    case JointKind::planar:
-      return Subgroup::planar;
-    case JointKind::free:
-      return Subgroup::free;
-    default:
-      return Subgroup::revolute;
+    case JointKind::prismatic: return Subgroup::prismatic;
+    case JointKind::helical: return Subgroup::helical;
+    case JointKind::spherical: return Subgroup::spherical;
+    case JointKind::planar: return Subgroup::planar;
+    case JointKind::free: return Subgroup::free;
+    default: return Subgroup::revolute;
   }
 }
 
@@ -227,8 +207,8 @@ class Inspection {
     if (off <= rotation_tolerance && handed > 0) return true;
     error(Rule::not_a_rotation, element,
           handed >= 0 ? std::string(what) + " is off a rotation by " + to_text(off) +
-                           "; RᵀR must be the identity to 1e-6"
-                     : std::string(what) + " mirrors; a rotation has determinant +1",
+                            "; RᵀR must be the identity to 1e-6"
+                      : std::string(what) + " mirrors; a rotation has determinant +1",
           source);
     return false;
   }
@@ -466,7 +446,8 @@ void couple(const Description& expanded, Compilation& out) {
       const Coupling& own = *coupling_of(chain.back());
       const Joint::Leader next = out.joints[at].leader.value_or(Joint::Leader{at, 1, 0});
       at = chain.back();
-      out.joints[at].leader = Joint::Leader{next.joint, own.ratio * next.ratio, own.ratio * next.offset + own.offset};
+      out.joints[at].leader =
+          Joint::Leader{next.joint, own.ratio * next.ratio, own.ratio * next.offset + own.offset};
     }
   }
 }
@@ -527,13 +508,15 @@ void warn_of_massless_subtrees(const Description& expanded, Compilation& out) {
     const Joint& joint = out.joints[i];
     const bool armature =
         std::any_of(joint.dof.begin(), joint.dof.end(), [](const Dof& d) { return d.armature > 0; });
-    if (mass[i] > 0 || armature) moves_mass[joint.leader && joint.leader->ratio != 0 ? joint.leader->joint : i] = true;
+    if (mass[i] > 0 || armature)
+      moves_mass[joint.leader && joint.leader->ratio != 0 ? joint.leader->joint : i] = true;
   }
   for (int i = 1; i <= out.tree.n; ++i) {
     const Joint& joint = out.joints[i];
     if (moves_mass[i] || joint.leader) continue;
     out.faults.push_back(fault_of(expanded, out, i, Severity::warning, Rule::moves_no_mass,
-                                  "joint " + quoted(joint.name), "moves no mass; the mass matrix is singular"));
+                                  "joint " + quoted(joint.name),
+                                  "moves no mass; the mass matrix is singular"));
   }
 }
 
@@ -550,8 +533,8 @@ void report_overflow(const Description& expanded, Compilation& out) {
   }
   for (std::size_t f = 0; f < out.frames.size(); ++f)
     if (!finite(out.tree.frame_offset[f]) && finite(out.bodies[out.frames[f].body].A))
-      out.faults.push_back(fault_of(expanded, out, out.frames[f].body, Severity::error, Rule::non_finite_number,
-                                    "frame " + quoted(out.frames[f].name),
+      out.faults.push_back(fault_of(expanded, out, out.frames[f].body, Severity::error,
+                                    Rule::non_finite_number, "frame " + quoted(out.frames[f].name),
                                     "its numbers are so large that its pose overflows"));
 }
 

@@ -11,11 +11,11 @@ namespace axode {
 namespace {
 
 /// f(joint, i) for every joint with coordinates of its own, in the order of the model.
-template <class F>
-void each_independent_joint(const Model& model, F&& f) {
+template <class F> void each_independent_joint(const Model& model, F&& f) {
   for (int i = 1; i <= model.n_bodies(); ++i)
     if (!model.joint(i).leader)
-      with_subgroup(model.joint(i).kind, model.joint(i).pitch, [&](const auto& joint) { f(joint, model.joint(i)); });
+      with_subgroup(model.joint(i).kind, model.joint(i).pitch,
+                    [&](const auto& joint) { f(joint, model.joint(i)); });
 }
 
 template <class Real>
@@ -36,8 +36,8 @@ void check(const Model& model, std::span<const Real> q, const char* argument, do
 
 void check_size(const char* argument, std::size_t actual, std::size_t expected, const char* meaning) {
   if (actual != expected)
-    throw std::invalid_argument(std::string(argument) + " has " + std::to_string(actual) + " entries; expected " +
-                                meaning + " = " + std::to_string(expected));
+    throw std::invalid_argument(std::string(argument) + " has " + std::to_string(actual) +
+                                " entries; expected " + meaning + " = " + std::to_string(expected));
 }
 
 void check_configuration(const Model& model, std::span<const double> q, const char* argument) {
@@ -57,7 +57,8 @@ std::vector<double> neutral(const Model& model) {
 
 std::vector<double> random_configuration(const Model& model, std::uint64_t seed) {
   std::mt19937_64 bits(seed);
-  const auto uniform = [&](double lower, double upper) {  // the standard's distributions differ between libraries
+  const auto uniform = [&](double lower,
+                           double upper) {  // the standard's distributions differ between libraries
     return lower + (upper - lower) * (static_cast<double>(bits() >> 11) * 0x1p-53);
   };
   const CoordinateLimits limit = limits(model);
@@ -71,7 +72,8 @@ std::vector<double> random_configuration(const Model& model, std::uint64_t seed)
   each_independent_joint(model, [&](const auto& s, const Joint& joint) {
     constexpr int nq = std::remove_cvref_t<decltype(s)>::nq;
     if constexpr (nq == 4 || nq == 7) {  // Shoemake 1992
-      const double u = uniform(0, 1), alpha = uniform(0, 2 * std::numbers::pi), beta = uniform(0, 2 * std::numbers::pi);
+      const double u = uniform(0, 1), alpha = uniform(0, 2 * std::numbers::pi),
+                   beta = uniform(0, 2 * std::numbers::pi);
       const double r = std::sqrt(1 - u), t = std::sqrt(u);
       const double a[4] = {r * std::sin(alpha), r * std::cos(alpha), t * std::sin(beta), t * std::cos(beta)};
       std::ranges::copy(a, q.begin() + joint.iq);
@@ -106,7 +108,8 @@ std::vector<double> difference(const Model& model, std::span<const double> q0, s
   return out;
 }
 
-std::vector<double> interpolate(const Model& model, std::span<const double> q0, std::span<const double> q1, double s) {
+std::vector<double> interpolate(const Model& model, std::span<const double> q0, std::span<const double> q1,
+                                double s) {
   std::vector<double> dv = difference(model, q0, q1);
   for (double& x : dv) x *= s;
   return integrate(model, q0, dv);

@@ -24,7 +24,8 @@ std::vector<double> integrate(const Model& model, std::span<const double> q, std
 std::vector<double> difference(const Model& model, std::span<const double> q0, std::span<const double> q1);
 
 /// q0 ⊕ s (q1 ⊖ q0): screw motion of every joint, q0 at s = 0 and q1 at s = 1.
-std::vector<double> interpolate(const Model& model, std::span<const double> q0, std::span<const double> q1, double s);
+std::vector<double> interpolate(const Model& model, std::span<const double> q0, std::span<const double> q1,
+                                double s);
 
 /// Lower and upper limit of each coordinate; infinite where there is none and for quaternions.
 struct CoordinateLimits {

@@ -21,7 +21,8 @@ std::string_view to_string(Subgroup kind) {
 namespace {
 
 template <class Named>
-int index_of(std::string_view name, std::span<const Named> named, const char* what, const std::string& model) {
+int index_of(std::string_view name, std::span<const Named> named, const char* what,
+             const std::string& model) {
   for (std::size_t i = 0; i < named.size(); ++i)
     if (named[i].name == name) return static_cast<int>(i);
   throw std::invalid_argument("model \"" + model + "\" has no " + what + " \"" + std::string(name) + "\"" +
@@ -31,8 +32,12 @@ int index_of(std::string_view name, std::span<const Named> named, const char* wh
 }  // namespace
 
 int Model::body_index(std::string_view name) const { return index_of(name, bodies(), "body", this->name()); }
-int Model::joint_index(std::string_view name) const { return 1 + index_of(name, joints(), "joint", this->name()); }
-int Model::frame_index(std::string_view name) const { return index_of(name, frames(), "frame", this->name()); }
+int Model::joint_index(std::string_view name) const {
+  return 1 + index_of(name, joints(), "joint", this->name());
+}
+int Model::frame_index(std::string_view name) const {
+  return index_of(name, frames(), "frame", this->name());
+}
 
 double Model::total_mass() const {
   double m = 0;

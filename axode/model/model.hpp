@@ -16,11 +16,11 @@ namespace axode {
 struct Body {
   std::string name;
   int predecessor = 0;
-  SE3<> A;                ///< reference pose in the inertial frame, C_i(0)
-  SE3<> B;                ///< reference pose in the predecessor's frame
-  SE3<> S_prev, S_self;   ///< joint frame on the predecessor and on the body, B = S_prev S_self⁻¹
-  std::vector<Screw<>> X; ///< joint screw(s) in the body frame, a column for each velocity; Y_i = Ad_A X_i
-  Inertia<> M;            ///< in the body frame, with everything that is fixed to the body
+  SE3<> A;                 ///< reference pose in the inertial frame, C_i(0)
+  SE3<> B;                 ///< reference pose in the predecessor's frame
+  SE3<> S_prev, S_self;    ///< joint frame on the predecessor and on the body, B = S_prev S_self⁻¹
+  std::vector<Screw<>> X;  ///< joint screw(s) in the body frame, a column for each velocity; Y_i = Ad_A X_i
+  Inertia<> M;             ///< in the body frame, with everything that is fixed to the body
 };
 
 /// The joint that moves a body. Joint i moves body i.
@@ -63,9 +63,13 @@ class Model {
 
   const Body& body(int i) const { return data_->bodies[i]; }    ///< i = 0 is the ground
   const Joint& joint(int i) const { return data_->joints[i]; }  ///< i from 1; the joint that moves body i
-  const Frame& frame(int f) const { return data_->frames[f]; }  ///< 0 to n_bodies(): the bodies; then the others
+  const Frame& frame(int f) const {
+    return data_->frames[f];
+  }  ///< 0 to n_bodies(): the bodies; then the others
   std::span<const Body> bodies() const { return data_->bodies; }
-  std::span<const Joint> joints() const { return std::span(data_->joints).subspan(1); }  ///< of bodies 1, 2, ...
+  std::span<const Joint> joints() const {
+    return std::span(data_->joints).subspan(1);
+  }  ///< of bodies 1, 2, ...
   std::span<const Frame> frames() const { return data_->frames; }
 
   /// Indices by name. Throws std::invalid_argument that names what was asked for and the nearest name there is.
@@ -81,8 +85,7 @@ class Model {
   /// What the model was built from: edit a copy and build again.
   const Description& description() const { return data_->description; }
   /// The numbers for the kernels, T = double or float; other scalars: cast<T>(tree<double>()).
-  template <class T>
-  const Tree<T>& tree() const;
+  template <class T> const Tree<T>& tree() const;
 
  private:
   friend class ModelBuilder;
@@ -99,13 +102,7 @@ class Model {
   std::shared_ptr<const Data> data_;
 };
 
-template <>
-inline const Tree<double>& Model::tree<double>() const {
-  return data_->tree;
-}
-template <>
-inline const Tree<float>& Model::tree<float>() const {
-  return data_->tree_float;
-}
+template <> inline const Tree<double>& Model::tree<double>() const { return data_->tree; }
+template <> inline const Tree<float>& Model::tree<float>() const { return data_->tree_float; }
 
 }  // namespace axode

@@ -28,7 +28,8 @@ BodyDescription split_off(BodyDescription& body, const char* carrier, JointKind 
     body.joint.dof = {body.joint.dof[1]};
   }
   if (std::holds_alternative<InBodyFrame>(body.geometry)) body.geometry = InBodyFrame{};
-  if (auto* joint_frames = std::get_if<InJointFrames>(&body.geometry)) joint_frames->S_prev = joint_frames->S_self;
+  if (auto* joint_frames = std::get_if<InJointFrames>(&body.geometry))
+    joint_frames->S_prev = joint_frames->S_self;
   return between;
 }
 
@@ -71,7 +72,8 @@ Placement place(const BodyDescription& body, const SE3<>& A_predecessor) {
 SE3<> orthonormal(const SE3<>& C) { return {orthonormal(C.R), C.r}; }
 
 Vec3<> direction(const Vec3<>& axis) {
-  const double largest = std::max({abs(axis.x), abs(axis.y), abs(axis.z)});  // so that no square leaves the range
+  const double largest =
+      std::max({abs(axis.x), abs(axis.y), abs(axis.z)});  // so that no square leaves the range
   const Vec3<> a{axis.x / largest, axis.y / largest, axis.z / largest};
   return (1 / norm(a)) * a;
 }
@@ -81,8 +83,8 @@ Description expand(const Description& description) {
   expanded.bodies.clear();
   for (BodyDescription body : description.bodies) {
     if (body.joint.kind == JointKind::cylindrical) {
-      expanded.bodies.push_back(split_off(body, "sleeve", JointKind::revolute, "rotation", JointKind::prismatic,
-                                          "translation", body.joint.axis));
+      expanded.bodies.push_back(split_off(body, "sleeve", JointKind::revolute, "rotation",
+                                          JointKind::prismatic, "translation", body.joint.axis));
     } else if (body.joint.kind == JointKind::universal) {
       expanded.bodies.push_back(split_off(body, "cross", JointKind::revolute, "first", JointKind::revolute,
                                           "second", body.joint.second_axis));

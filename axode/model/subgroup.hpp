@@ -25,8 +25,7 @@ enum class Subgroup : unsigned char { revolute, prismatic, helical, spherical, p
 namespace subgroup {
 
 /// Coordinates that are their own velocities' integrals.
-template <class T, int N>
-struct VectorCoordinates {
+template <class T, int N> struct VectorCoordinates {
   static constexpr int nq = N, nv = N;
   static constexpr bool vector_coordinates = true;
   static constexpr std::array<T, N> neutral() { return {}; }
@@ -39,21 +38,18 @@ struct VectorCoordinates {
 };
 
 /// The rotation part of B exp(e_z θ).
-template <class T>
-constexpr SO3<T> turn(const SO3<T>& B, const T& theta) {
+template <class T> constexpr SO3<T> turn(const SO3<T>& B, const T& theta) {
   const T s = sin(theta), c = cos(theta);
   return {c * B.x + s * B.y, c * B.y - s * B.x, B.z};
 }
 
 /// The k-th column of a rotation.
-template <class T>
-constexpr const Vec3<T>& axis(const SO3<T>& R, int k) {
+template <class T> constexpr const Vec3<T>& axis(const SO3<T>& R, int k) {
   return k == 0 ? R.x : k == 1 ? R.y : R.z;
 }
 
 /// Rotation about z by q rad.
-template <class T>
-struct Revolute : VectorCoordinates<T, 1> {
+template <class T> struct Revolute : VectorCoordinates<T, 1> {
   static constexpr SE3<T> pose(const SE3<T>& B, const T* q) { return {turn(B.R, q[0]), B.r}; }
   static constexpr Twist<BodyFixed, T> twist(const T* v) { return {{T(0), T(0), v[0]}, {T(0), T(0), T(0)}}; }
   static constexpr std::array<T, 1> project(const Wrench<BodyFixed, T>& W) { return {W.m.z}; }
@@ -62,8 +58,7 @@ struct Revolute : VectorCoordinates<T, 1> {
 };
 
 /// Translation along z by q m.
-template <class T>
-struct Prismatic : VectorCoordinates<T, 1> {
+template <class T> struct Prismatic : VectorCoordinates<T, 1> {
   static constexpr SE3<T> pose(const SE3<T>& B, const T* q) { return {B.R, B.r + q[0] * B.R.z}; }
   static constexpr Twist<BodyFixed, T> twist(const T* v) { return {{T(0), T(0), T(0)}, {T(0), T(0), v[0]}}; }
   static constexpr std::array<T, 1> project(const Wrench<BodyFixed, T>& W) { return {W.f.z}; }
@@ -72,8 +67,7 @@ struct Prismatic : VectorCoordinates<T, 1> {
 };
 
 /// Rotation about z by q rad and translation along z by pitch q m.
-template <class T>
-struct Helical : VectorCoordinates<T, 1> {
+template <class T> struct Helical : VectorCoordinates<T, 1> {
   T pitch;
   explicit constexpr Helical(const T& h) : pitch(h) {}
   constexpr SE3<T> pose(const SE3<T>& B, const T* q) const {
@@ -88,18 +82,17 @@ struct Helical : VectorCoordinates<T, 1> {
 };
 
 /// Rotation about the origin: q = unit quaternion x y z w, v = angular velocity in the child's joint frame.
-template <class T>
-struct Spherical {
+template <class T> struct Spherical {
   static constexpr int nq = 4, nv = 3;
   static constexpr bool vector_coordinates = false;
   static constexpr std::array<T, 4> neutral() { return {T(0), T(0), T(0), T(1)}; }
   static constexpr Quaternion<T> quaternion_of(const T* q) { return {q[0], q[1], q[2], q[3]}; }
-  static constexpr SE3<T> pose(const SE3<T>& B, const T* q) { return {B.R * rotation(quaternion_of(q)), B.r}; }
+  static constexpr SE3<T> pose(const SE3<T>& B, const T* q) {
+    return {B.R * rotation(quaternion_of(q)), B.r};
+  }
   static constexpr Twist<BodyFixed, T> twist(const T* v) { return {{v[0], v[1], v[2]}, {T(0), T(0), T(0)}}; }
   static constexpr std::array<T, 3> project(const Wrench<BodyFixed, T>& W) { return {W.m.x, W.m.y, W.m.z}; }
-  static constexpr Screw<T> column(int k) {
-    return {{T(k == 0), T(k == 1), T(k == 2)}, {T(0), T(0), T(0)}};
-  }
+  static constexpr Screw<T> column(int k) { return {{T(k == 0), T(k == 1), T(k == 2)}, {T(0), T(0), T(0)}}; }
   static constexpr Screw<T> column(const SE3<T>& C, int k) {
     const Vec3<T>& e = axis(C.R, k);
     return {e, cross(C.r, e)};
@@ -116,8 +109,7 @@ struct Spherical {
 
 /// Motion in the plane normal to z: q = (θ, x, y), v = (ω; v_x, v_y) in the child's joint frame. Differences take
 /// the shorter way round, so that θ is met up to whole turns.
-template <class T>
-struct Planar {
+template <class T> struct Planar {
   static constexpr int nq = 3, nv = 3;
   static constexpr bool vector_coordinates = false;
   static constexpr std::array<T, 3> neutral() { return {}; }
@@ -126,9 +118,7 @@ struct Planar {
   }
   static constexpr Twist<BodyFixed, T> twist(const T* v) { return {{T(0), T(0), v[0]}, {v[1], v[2], T(0)}}; }
   static constexpr std::array<T, 3> project(const Wrench<BodyFixed, T>& W) { return {W.m.z, W.f.x, W.f.y}; }
-  static constexpr Screw<T> column(int k) {
-    return {{T(0), T(0), T(k == 0)}, {T(k == 1), T(k == 2), T(0)}};
-  }
+  static constexpr Screw<T> column(int k) { return {{T(0), T(0), T(k == 0)}, {T(k == 1), T(k == 2), T(0)}}; }
   static constexpr Screw<T> column(const SE3<T>& C, int k) {
     return k == 0 ? Revolute<T>::column(C, 0) : Screw<T>{Vec3<T>{}, axis(C.R, k - 1)};
   }
@@ -146,8 +136,7 @@ struct Planar {
 };
 
 /// Every motion: q = (quaternion x y z w, position), v = body-fixed twist (angular; linear) of the child.
-template <class T>
-struct Free {
+template <class T> struct Free {
   static constexpr int nq = 7, nv = 6;
   static constexpr bool vector_coordinates = false;
   static constexpr std::array<T, 7> neutral() { return {T(0), T(0), T(0), T(1), T(0), T(0), T(0)}; }
@@ -184,8 +173,7 @@ struct Free {
 }  // namespace subgroup
 
 /// f(joint) for the struct of a subgroup; the pitch (m/rad) matters to helical joints only.
-template <class T, class F>
-constexpr decltype(auto) with_subgroup(Subgroup kind, const T& pitch, F&& f) {
+template <class T, class F> constexpr decltype(auto) with_subgroup(Subgroup kind, const T& pitch, F&& f) {
   switch (kind) {
     case Subgroup::revolute: return f(subgroup::Revolute<T>{});
     case Subgroup::prismatic: return f(subgroup::Prismatic<T>{});

@@ -15,24 +15,25 @@ struct JointRun {
 
 /// The numbers of a model that the kernels read. Body 0 is the ground; parent[i] < i; the joint of body i is index i.
 /// The internal frame of body i is its joint frame, so that S_i is sparse; frames carry the user's own as offsets.
-template <class T = double>
-struct Tree {
-  int n = 0, nq = 0, nv = 0;         ///< moving bodies, coordinates, velocities
-  int n_screws = 0;                  ///< joint screws: a column for each degree of freedom of every joint
-  std::vector<int> parent;           ///< n + 1
+template <class T = double> struct Tree {
+  int n = 0, nq = 0, nv = 0;  ///< moving bodies, coordinates, velocities
+  int n_screws = 0;           ///< joint screws: a column for each degree of freedom of every joint
+  std::vector<int> parent;    ///< n + 1
   std::vector<JointRun> runs;
-  std::vector<int> by_kind;          ///< n
-  std::vector<Subgroup> kind;        ///< n + 1
-  std::vector<char> coupled;         ///< n + 1
-  std::vector<int> first_screw;      ///< n + 2: the screws of joint i are first_screw[i] to first_screw[i + 1] - 1
-  std::vector<int> iq, iv;           ///< n + 1: first coordinate and velocity (of the leader for a coupled joint)
-  std::vector<T> pitch;              ///< n + 1, m/rad
-  std::vector<T> ratio, offset;      ///< n + 1: 1 and 0 for a joint with coordinates of its own
-  std::vector<SE3<T>> B;             ///< n + 1: joint frame of i at q = 0 in the internal frame of its predecessor
-  std::vector<Inertia<T>> M;         ///< n + 1: in the internal frame
-  std::vector<T> armature;           ///< nv, kg m² or kg, of all joints on that velocity
+  std::vector<int> by_kind;    ///< n
+  std::vector<Subgroup> kind;  ///< n + 1
+  std::vector<char> coupled;   ///< n + 1
+  std::vector<int>
+      first_screw;          ///< n + 2: the screws of joint i are first_screw[i] to first_screw[i + 1] - 1
+  std::vector<int> iq, iv;  ///< n + 1: first coordinate and velocity (of the leader for a coupled joint)
+  std::vector<T> pitch;     ///< n + 1, m/rad
+  std::vector<T> ratio, offset;  ///< n + 1: 1 and 0 for a joint with coordinates of its own
+  std::vector<SE3<T>> B;      ///< n + 1: joint frame of i at q = 0 in the internal frame of its predecessor
+  std::vector<Inertia<T>> M;  ///< n + 1: in the internal frame
+  std::vector<T> armature;    ///< nv, kg m² or kg, of all joints on that velocity
   std::vector<T> damping, friction;  ///< nv, N m s/rad or N s/m; N m or N
-  std::vector<int> frame_body;       ///< frame f: 0 is the ground, 1..n the bodies as the user placed them, then extra
+  std::vector<int>
+      frame_body;  ///< frame f: 0 is the ground, 1..n the bodies as the user placed them, then extra
   std::vector<SE3<T>> frame_offset;  ///< pose of frame f in the internal frame of its body
   Vec3<T> g;                         ///< gravity, m/s²
 
@@ -40,21 +41,17 @@ struct Tree {
 };
 
 /// The same numbers as another scalar.
-template <class To, class From>
-constexpr Vec3<To> cast(const Vec3<From>& a) {
+template <class To, class From> constexpr Vec3<To> cast(const Vec3<From>& a) {
   return {To(a.x), To(a.y), To(a.z)};
 }
-template <class To, class From>
-constexpr SE3<To> cast(const SE3<From>& C) {
+template <class To, class From> constexpr SE3<To> cast(const SE3<From>& C) {
   return {{cast<To>(C.R.x), cast<To>(C.R.y), cast<To>(C.R.z)}, cast<To>(C.r)};
 }
-template <class To, class From>
-constexpr Inertia<To> cast(const Inertia<From>& M) {
+template <class To, class From> constexpr Inertia<To> cast(const Inertia<From>& M) {
   const Sym3<From>& A = M.Theta;
   return {To(M.m), cast<To>(M.h), {To(A.xx), To(A.yy), To(A.zz), To(A.xy), To(A.xz), To(A.yz)}};
 }
-template <class To, class From>
-Tree<To> cast(const Tree<From>& tree) {
+template <class To, class From> Tree<To> cast(const Tree<From>& tree) {
   const auto each = [](const auto& in, const auto& convert) {
     std::vector<decltype(convert(in[0]))> out;
     out.reserve(in.size());
@@ -67,7 +64,8 @@ Tree<To> cast(const Tree<From>& tree) {
   r.n = tree.n, r.nq = tree.nq, r.nv = tree.nv, r.n_screws = tree.n_screws;
   r.kind = tree.kind, r.coupled = tree.coupled, r.first_screw = tree.first_screw;
   r.parent = tree.parent, r.runs = tree.runs, r.by_kind = tree.by_kind, r.iq = tree.iq, r.iv = tree.iv;
-  r.pitch = each(tree.pitch, number), r.ratio = each(tree.ratio, number), r.offset = each(tree.offset, number);
+  r.pitch = each(tree.pitch, number), r.ratio = each(tree.ratio, number),
+  r.offset = each(tree.offset, number);
   r.B = each(tree.B, pose), r.M = each(tree.M, [](const Inertia<From>& M) { return cast<To>(M); });
   r.armature = each(tree.armature, number);
   r.damping = each(tree.damping, number), r.friction = each(tree.friction, number);
@@ -77,14 +75,12 @@ Tree<To> cast(const Tree<From>& tree) {
 }
 
 /// f(joint) for the joint of body i.
-template <class T, class F>
-constexpr decltype(auto) with_joint(const Tree<T>& tree, int i, F&& f) {
+template <class T, class F> constexpr decltype(auto) with_joint(const Tree<T>& tree, int i, F&& f) {
   return with_subgroup(tree.kind[i], tree.pitch[i], f);
 }
 
 /// f(joint, i, coupled) for every joint with coordinates of its own, kind by kind; then for the coupled ones.
-template <class T, class F>
-constexpr void each_joint(const Tree<T>& tree, F&& f) {
+template <class T, class F> constexpr void each_joint(const Tree<T>& tree, F&& f) {
   for (const JointRun& run : tree.runs) {
     if (run.kind == Subgroup::helical) {
       for (int k = run.begin; k < run.end; ++k) {

@@ -11,8 +11,7 @@ namespace axode {
 
 /// Scratch memory for one thread: make one for a model and use it in every call, nothing is allocated afterwards. It
 /// holds no results; no call depends on an earlier one. T is the scalar of the computation, double or float.
-template <class T = double>
-class Workspace {
+template <class T = double> class Workspace {
  public:
   explicit Workspace(const Model& model) : Workspace(model.n_bodies()) {}
   explicit Workspace(int n_bodies)
@@ -34,8 +33,7 @@ class Workspace {
     explicit Arena(Workspace& workspace)
         : next_(reinterpret_cast<std::byte*>(workspace.lines_.data())), n_(workspace.n_bodies_ + 1) {}
     /// One U for each body and the ground. All that one call takes fits into numbers_per_body numbers for each body.
-    template <class U>
-    U* per_body() {
+    template <class U> U* per_body() {
       U* p = std::launder(reinterpret_cast<U*>(next_));
       next_ += n_ * sizeof(U);
       return p;

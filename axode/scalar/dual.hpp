@@ -1,6 +1,8 @@
 #pragma once
 #include <array>
+#include <concepts>
 #include <cstddef>
+#include <type_traits>
 
 #include "axode/lie/scalar.hpp"
 
@@ -8,21 +10,25 @@ namespace axode {
 
 /// A number and its derivatives in N directions: run a kernel on it and every result carries its gradient. Nest it for
 /// second derivatives. Cost of a product: 2N + 1.
-template <class S, std::size_t N>
-struct Dual {
+template <class S, std::size_t N> struct Dual {
   S x{};                  ///< the value
   std::array<S, N> dx{};  ///< the derivatives
 
   constexpr Dual() = default;
-  constexpr Dual(const S& value) : x(value) {}  // NOLINT(google-explicit-constructor): constants have no derivative
+  constexpr Dual(const S& value)
+      : x(value) {}  // NOLINT(google-explicit-constructor): constants have no derivative
   constexpr Dual(const S& value, const std::array<S, N>& derivatives) : x(value), dx(derivatives) {}
   /// A constant of the scalar below S, where S itself is a Dual.
   template <class Number>
     requires(!std::same_as<Number, S> && std::constructible_from<S, Number> && std::is_arithmetic_v<Number>)
   constexpr Dual(Number value) : x(value) {}  // NOLINT(google-explicit-constructor)
 
-  friend constexpr Dual operator+(const Dual& a, const Dual& b) { return linear(a.x + b.x, a, S(1), b, S(1)); }
-  friend constexpr Dual operator-(const Dual& a, const Dual& b) { return linear(a.x - b.x, a, S(1), b, S(-1)); }
+  friend constexpr Dual operator+(const Dual& a, const Dual& b) {
+    return linear(a.x + b.x, a, S(1), b, S(1));
+  }
+  friend constexpr Dual operator-(const Dual& a, const Dual& b) {
+    return linear(a.x - b.x, a, S(1), b, S(-1));
+  }
   friend constexpr Dual operator-(const Dual& a) { return chain(-a.x, a, S(-1)); }
   friend constexpr Dual operator*(const Dual& a, const Dual& b) { return linear(a.x * b.x, a, b.x, b, a.x); }
   friend constexpr Dual operator/(const Dual& a, const Dual& b) {
@@ -38,9 +44,9 @@ struct Dual {
   }
   friend constexpr Dual sin(const Dual& a) { return chain(sin(a.x), a, cos(a.x)); }
   friend constexpr Dual cos(const Dual& a) { return chain(cos(a.x), a, -sin(a.x)); }
-  friend constexpr Dual atan2(const Dual& y, const Dual& x) {
-    const S i = S(1) / (x.x * x.x + y.x * y.x);
-    return linear(atan2(y.x, x.x), y, x.x * i, x, -(y.x * i));
+  friend constexpr Dual atan2(const Dual& a, const Dual& b) {
+    const S i = S(1) / (b.x * b.x + a.x * a.x);
+    return linear(atan2(a.x, b.x), a, b.x * i, b, -(a.x * i));
   }
   friend constexpr bool operator<(const Dual& a, const Dual& b) { return a.x < b.x; }
   friend constexpr bool operator>(const Dual& a, const Dual& b) { return b < a; }
@@ -52,7 +58,8 @@ struct Dual {
     for (std::size_t k = 0; k < N; ++k) r.dx[k] = slope * a.dx[k];
     return r;
   }
-  static constexpr Dual linear(const S& value, const Dual& a, const S& slope_a, const Dual& b, const S& slope_b) {
+  static constexpr Dual linear(const S& value, const Dual& a, const S& slope_a, const Dual& b,
+                               const S& slope_b) {
     Dual r(value);
     for (std::size_t k = 0; k < N; ++k) r.dx[k] = slope_a * a.dx[k] + slope_b * b.dx[k];
     return r;

@@ -9,12 +9,13 @@ namespace axode {
 
 /// The first N coefficients of a power series in t, c[0] + c[1] t + c[2] t² + ...: run a kernel on it and every result
 /// carries its time derivatives, k! c[k]. Division and sqrt need c[0] ≠ 0. Cost of a product: N²/2.
-template <class S, std::size_t N>
-struct Taylor {
+template <class S, std::size_t N> struct Taylor {
   std::array<S, N> c{};
 
   constexpr Taylor() = default;
-  constexpr Taylor(const S& value) { c[0] = value; }  // NOLINT(google-explicit-constructor): constants are series
+  constexpr Taylor(const S& value) {
+    c[0] = value;
+  }  // NOLINT(google-explicit-constructor): constants are series
   template <class Number>
     requires std::is_arithmetic_v<Number>
   constexpr Taylor(Number value) : Taylor(static_cast<S>(value)) {}  // NOLINT(google-explicit-constructor)
@@ -89,12 +90,13 @@ struct Taylor {
   }
   friend constexpr bool operator<(const Taylor& a, const Taylor& b) { return a.c[0] < b.c[0]; }
   friend constexpr bool operator>(const Taylor& a, const Taylor& b) { return b < a; }
-  friend constexpr Taylor select(bool condition, const Taylor& a, const Taylor& b) { return condition ? a : b; }
+  friend constexpr Taylor select(bool condition, const Taylor& a, const Taylor& b) {
+    return condition ? a : b;
+  }
 };
 
 /// The k-th time derivative of a series at t = 0.
-template <class S, std::size_t N>
-constexpr S derivative(const Taylor<S, N>& a, std::size_t k) {
+template <class S, std::size_t N> constexpr S derivative(const Taylor<S, N>& a, std::size_t k) {
   S factorial(1);
   for (std::size_t j = 2; j <= k; ++j) factorial = factorial * S(static_cast<double>(j));
   return factorial * a.c[k];

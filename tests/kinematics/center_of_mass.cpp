@@ -23,20 +23,23 @@ TYPED_TEST(CenterOfMassOf, ATreeIsTheMeanOfItsMatterWeightedByMass) {
     Vec3<T> h;
     for (const DrawnBody& body : drawn.bodies) {
       const int frame = trial.model.frame_index(body.name);
-      if (!body.matter || trial.model.frame(frame).body == 0) continue;  // what is fixed to the ground does not move
+      if (!body.matter || trial.model.frame(frame).body == 0)
+        continue;  // what is fixed to the ground does not move
       const T m = static_cast<T>(body.matter->mass);
       const Vec3<T> c = C[frame] * axode::cast<T>(inverse(body.A) * body.matter->com);
       mass += m, h += m * c, reach = std::max(reach, norm(c));
     }
     if (mass > T(0))
-      position.expect_equal(center_of_mass(trial.model, trial.workspace, trial.state.q), (T(1) / mass) * h, reach);
+      position.expect_equal(center_of_mass(trial.model, trial.workspace, trial.state.q), (T(1) / mass) * h,
+                            reach);
   });
 }
 
 TYPED_TEST(CenterOfMassOf, AMasslessModelIsAnError) {
   using T = TypeParam;
-  const Model model = ModelBuilder("ghost").add({.name = "link", .joint = {.kind = JointKind::revolute}}).build(
-      Physics::lenient);
+  const Model model = ModelBuilder("ghost")
+                          .add({.name = "link", .joint = {.kind = JointKind::revolute}})
+                          .build(Physics::lenient);
   Workspace<T> workspace(model);
   const std::vector<T> q(1);
   try {

@@ -64,7 +64,8 @@ TYPED_TEST(CenterOfMass, MovesWithItsJacobianTimesTheVelocities) {
     center_of_mass_jacobian(trial.model, trial.workspace, trial.state.q, J);
     Vec3<T> dc;
     for (int c = 0; c < at.nv(); ++c) dc += trial.state.v[c] * J[c];
-    velocity.expect_equal(dc, time_derivative(mean_position(trial.model, frame_poses(at.tree, at.q)), 1), 0.1);
+    velocity.expect_equal(dc, time_derivative(mean_position(trial.model, frame_poses(at.tree, at.q)), 1),
+                          0.1);
   });
 }
 
@@ -117,7 +118,8 @@ TYPED_TEST(CenterOfMass, MomentumMatrixRateIsItsTimeDerivative) {
     std::vector<Wrench<Hybrid, T>> dA(static_cast<std::size_t>(at.nv())), expected;
     centroidal_momentum_matrix_rate(trial.model, trial.workspace, trial.state.q, trial.state.v, dA);
     for (int c = 0; c < at.nv(); ++c) {
-      const auto dPi = time_derivative(momentum_about_com(trial.model, at.tree, at.q, at.unit_velocity(c)), 1);
+      const auto dPi =
+          time_derivative(momentum_about_com(trial.model, at.tree, at.q, at.unit_velocity(c)), 1);
       expected.push_back({dPi.l, dPi.p});
     }
     column.expect_equal(dA, expected, 1);
@@ -125,8 +127,9 @@ TYPED_TEST(CenterOfMass, MomentumMatrixRateIsItsTimeDerivative) {
 }
 
 TEST(CenterOfMassErrors, AMasslessModelIsNamed) {
-  const Model model = ModelBuilder("ghost").add({.name = "link", .joint = {.kind = JointKind::revolute}}).build(
-      Physics::lenient);
+  const Model model = ModelBuilder("ghost")
+                          .add({.name = "link", .joint = {.kind = JointKind::revolute}})
+                          .build(Physics::lenient);
   Workspace<> workspace(model);
   const std::vector<double> q(1), v(1);
   std::vector<Vec3<>> J(1);

@@ -28,7 +28,8 @@ template <class T> Tree<T> on(const Model& model) { return axode::cast<T>(model.
 template <class T> std::vector<T> on(const std::vector<double>& x) { return {x.begin(), x.end()}; }
 
 /// q ⊕ dv.
-template <class T> std::vector<T> moved(const Tree<T>& tree, const std::vector<T>& q, const std::vector<T>& dv) {
+template <class T>
+std::vector<T> moved(const Tree<T>& tree, const std::vector<T>& q, const std::vector<T>& dv) {
   std::vector<T> out(q.size());
   each_joint(tree, [&](const auto& joint, int i, bool coupled) {
     if (!coupled) joint.integrate(&q[tree.iq[i]], &dv[tree.iv[i]], &out[tree.iq[i]]);

@@ -36,7 +36,8 @@ struct Motion {
     q_t = flow(model, q, v_t);
   }
   std::span<const double> rate(int k) const {
-    return std::span(rates).subspan(static_cast<std::size_t>(k * model.nv()), static_cast<std::size_t>(model.nv()));
+    return std::span(rates).subspan(static_cast<std::size_t>(k * model.nv()),
+                                    static_cast<std::size_t>(model.nv()));
   }
   HigherOrderMotion<> evaluated(int order = highest) const {
     HigherOrderMotion<> motion(model, order);
@@ -50,13 +51,15 @@ template <class Rep> std::vector<TwistRate<Rep>> rates_of(const std::vector<Twis
   for (const auto& [w, v] : J) out.push_back({w, v});
   return out;
 }
-template <class Rep> std::vector<TwistRate<Rep>> twist_derivatives(const HigherOrderMotion<>& motion, int frames, int k) {
+template <class Rep>
+std::vector<TwistRate<Rep>> twist_derivatives(const HigherOrderMotion<>& motion, int frames, int k) {
   std::vector<TwistRate<Rep>> V_k;
   for (int f = 0; f < frames; ++f) V_k.push_back(motion.twist_derivative<Rep>(f, k));
   return V_k;
 }
 template <class Rep>
-std::vector<TwistRate<Rep>> jacobian_derivative(const HigherOrderMotion<>& motion, const Place<>& place, int nv, int k) {
+std::vector<TwistRate<Rep>> jacobian_derivative(const HigherOrderMotion<>& motion, const Place<>& place,
+                                                int nv, int k) {
   std::vector<TwistRate<Rep>> J_k(static_cast<std::size_t>(nv), {{9, 9, 9}, {9, 9, 9}});
   motion.jacobian_derivative<Rep>(place, k, J_k);
   return J_k;
@@ -142,7 +145,8 @@ TYPED_TEST(HigherOrder, OrdersZeroAndOneAreTheTwistTheJacobianAndTheAcceleration
     const Model& model = trial.model;
     HigherOrderMotion<> motion(model, 0), next(model, 1);
     motion.evaluate(trial.state.q, trial.state.v);
-    V.expect_equal(twist_derivatives<Rep>(motion, model.n_frames(), 0), rates_of(trial.template twists<Rep>()));
+    V.expect_equal(twist_derivatives<Rep>(motion, model.n_frames(), 0),
+                   rates_of(trial.template twists<Rep>()));
     std::vector<Twist<Rep>> J_f(static_cast<std::size_t>(model.nv()));
     jacobian<Rep>(model, trial.workspace, trial.state.q, model.n_frames() - 1, J_f);
     J.expect_equal(jacobian_derivative<Rep>(motion, model.n_frames() - 1, model.nv(), 0), rates_of(J_f));
@@ -197,7 +201,8 @@ std::vector<Column> path_columns(const Model& model, int body) {
   for (int i = body; i > 0; i = model.body(i).predecessor) path.insert(path.begin(), i);
   for (const int i : path)
     for (int k = 0; k < static_cast<int>(model.body(i).X.size()); ++k)
-      columns.push_back({i, model.joint(i).iv + k, model.joint(i).leader ? model.joint(i).leader->ratio : 1.0});
+      columns.push_back(
+          {i, model.joint(i).iv + k, model.joint(i).leader ? model.joint(i).leader->ratio : 1.0});
   return columns;
 }
 
@@ -214,7 +219,8 @@ struct JerkOf {
   explicit JerkOf(std::uint64_t seed)
       : at(seed),
         motion(at.evaluated(2)),
-        trial(at.model, {at.q, {at.rate(0).begin(), at.rate(0).end()}, {at.rate(1).begin(), at.rate(1).end()}}),
+        trial(at.model,
+              {at.q, {at.rate(0).begin(), at.rate(0).end()}, {at.rate(1).begin(), at.rate(1).end()}}),
         C(trial.poses()),
         body(at.model.n_bodies()) {
     columns = path_columns(at.model, body);
@@ -334,13 +340,16 @@ TEST(HigherOrderErrors, NameTheValueAndTheRule) {
   EXPECT_EQ(motion.order(), 2);
   EXPECT_EQ(message_of([&] { motion.evaluate(at.q, std::vector<double>(2)); }),
             "rates has 2 entries; expected (order + 1) nv = " + std::to_string(3 * model.nv()));
-  EXPECT_EQ(message_of([&] { static_cast<void>(motion.twist_derivative(0, 3)); }), "order 3 is not among 0 to 2");
-  EXPECT_EQ(message_of([&] { static_cast<void>(motion.twist_derivative(0, -1)); }), "order -1 is not among 0 to 2");
+  EXPECT_EQ(message_of([&] { static_cast<void>(motion.twist_derivative(0, 3)); }),
+            "order 3 is not among 0 to 2");
+  EXPECT_EQ(message_of([&] { static_cast<void>(motion.twist_derivative(0, -1)); }),
+            "order -1 is not among 0 to 2");
   EXPECT_EQ(message_of([&] { static_cast<void>(motion.twist_derivative(model.n_frames(), 0)); }).substr(0, 9),
             "frame is ");
   std::vector<TwistRate<BodyFixed>> J(static_cast<std::size_t>(model.nv()) + 1);
-  EXPECT_EQ(message_of([&] { motion.jacobian_derivative<BodyFixed>(0, 0, J); }),
-            "J has " + std::to_string(model.nv() + 1) + " entries; expected nv = " + std::to_string(model.nv()));
+  EXPECT_EQ(
+      message_of([&] { motion.jacobian_derivative<BodyFixed>(0, 0, J); }),
+      "J has " + std::to_string(model.nv() + 1) + " entries; expected nv = " + std::to_string(model.nv()));
 }
 
 }  // namespace

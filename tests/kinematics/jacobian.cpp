@@ -10,11 +10,13 @@ TYPED_TEST_SUITE(Jacobian, Cases, CaseNames);
 const TreeRecipe trees{.most_bodies = 30};
 
 template <class Rep, class T> std::vector<Twist<Rep, T>> jacobian_of(Trial<T>& trial, const Place<T>& place) {
-  std::vector<Twist<Rep, T>> J(static_cast<std::size_t>(trial.model.nv()), {{T(9), T(9), T(9)}, {T(9), T(9), T(9)}});
+  std::vector<Twist<Rep, T>> J(static_cast<std::size_t>(trial.model.nv()),
+                               {{T(9), T(9), T(9)}, {T(9), T(9), T(9)}});
   jacobian<Rep>(trial.model, trial.workspace, trial.state.q, place, J);
   return J;
 }
-template <class Rep, class T> Twist<Rep, T> times(const std::vector<Twist<Rep, T>>& J, const std::vector<T>& v) {
+template <class Rep, class T>
+Twist<Rep, T> times(const std::vector<Twist<Rep, T>>& J, const std::vector<T>& v) {
   Twist<Rep, T> V{};
   for (std::size_t c = 0; c < J.size(); ++c) V += v[c] * J[c];
   return V;
@@ -27,7 +29,8 @@ TYPED_TEST(Jacobian, TimesTheVelocitiesIsTheTwistOfEveryFrame) {
   for_seeds(100, [&](std::uint64_t seed) {
     Trial<T> trial{Random<double>(seed), trees};
     std::vector<Twist<Rep, T>> V;
-    for (int f = 0; f < trial.model.n_frames(); ++f) V.push_back(times(jacobian_of<Rep, T>(trial, f), trial.state.v));
+    for (int f = 0; f < trial.model.n_frames(); ++f)
+      V.push_back(times(jacobian_of<Rep, T>(trial, f), trial.state.v));
     twist.expect_equal(V, trial.template twists<Rep>());
   });
 }
@@ -46,7 +49,8 @@ TYPED_TEST(Jacobian, IsTheSumOfItsColumnsAlongThePath) {
       Comparison("column", agreement<T>).expect_equal(jacobian_of<Rep, T>(trial, f), sum);
 
       std::size_t screws_on_path = 0;
-      for (int i = model.frame(f).body; i > 0; i = model.body(i).predecessor) screws_on_path += model.body(i).X.size();
+      for (int i = model.frame(f).body; i > 0; i = model.body(i).predecessor)
+        screws_on_path += model.body(i).X.size();
       EXPECT_EQ(count, screws_on_path);
     }
   });
@@ -91,7 +95,8 @@ TYPED_TEST(Jacobian, ChangesItsRepresentationLikeTwists) {
 }
 
 template <class Rep, class T>
-std::vector<Twist<Rep, T>> relative_jacobian_of(Trial<T>& trial, const Place<T>& place, const Place<T>& base) {
+std::vector<Twist<Rep, T>> relative_jacobian_of(Trial<T>& trial, const Place<T>& place,
+                                                const Place<T>& base) {
   std::vector<Twist<Rep, T>> J(static_cast<std::size_t>(trial.model.nv()));
   relative_jacobian<Rep>(trial.model, trial.workspace, trial.state.q, place, base, J);
   return J;
@@ -116,7 +121,8 @@ TYPED_TEST(Jacobian, OfOnePlaceRelativeToAnotherIsThatOfTheRelativePose) {
     const SE3<S> C_series = inverse(pose(base)) * pose(place);
     const SE3<T> C = time_derivative(C_series, 0), dC = time_derivative(C_series, 1);
 
-    const Twist<Rep, T> V = times(relative_jacobian_of<Rep, T>(trial, on<T>(place), on<T>(base)), trial.state.v);
+    const Twist<Rep, T> V =
+        times(relative_jacobian_of<Rep, T>(trial, on<T>(place), on<T>(base)), trial.state.v);
     const Eigen::Matrix4<T> C_V = to_eigen(C) * hat(screw(change<BodyFixed>(C, V)));
     Eigen::Matrix4<T> expected = to_eigen(dC);
     expected(3, 3) = 0;
@@ -133,7 +139,8 @@ TYPED_TEST(Jacobian, RelativeToTheGroundIsTheJacobianAndRelativeToItselfIsZero) 
     const int frame = trial.model.n_frames() - 1;
     const auto J = jacobian_of<Rep, T>(trial, frame);
     to_ground.expect_equal(relative_jacobian_of<Rep, T>(trial, frame, 0), J);
-    to_itself.expect_equal(relative_jacobian_of<Rep, T>(trial, frame, frame), std::vector<Twist<Rep, T>>(J.size()), 1);
+    to_itself.expect_equal(relative_jacobian_of<Rep, T>(trial, frame, frame),
+                           std::vector<Twist<Rep, T>>(J.size()), 1);
   });
 }
 
@@ -198,7 +205,9 @@ TEST(JacobianErrors, NameTheArgumentAndTheRule) {
   const std::vector<double>& q = trial.state.q;
   std::vector<Twist<BodyFixed>> J(static_cast<std::size_t>(model.nv()));
   const std::string nv = std::to_string(model.nv()), one_more = std::to_string(model.nv() + 1);
-  const auto with_frame = [&](int frame) { return message_of([&] { jacobian(model, workspace, q, frame, J); }); };
+  const auto with_frame = [&](int frame) {
+    return message_of([&] { jacobian(model, workspace, q, frame, J); });
+  };
   const std::string frames =
       "; model \"random tree\" has frames 0 to " + std::to_string(model.n_frames() - 1);
   EXPECT_EQ(with_frame(-1), "frame is -1" + frames);

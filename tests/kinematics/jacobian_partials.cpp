@@ -7,10 +7,11 @@ namespace {
 template <class F> void each_representation(const F& f) {
   f(BodyFixed{}), f(Spatial{}), f(Hybrid{}), f(Mixed{});
 }
-template <class Rep> constexpr std::size_t index_of = std::same_as<Rep, BodyFixed> ? 0
-                                                      : std::same_as<Rep, Spatial> ? 1
-                                                      : std::same_as<Rep, Hybrid>  ? 2
-                                                                                   : 3;
+template <class Rep>
+constexpr std::size_t index_of = std::same_as<Rep, BodyFixed> ? 0
+                                 : std::same_as<Rep, Spatial> ? 1
+                                 : std::same_as<Rep, Hybrid>  ? 2
+                                                              : 3;
 
 /// A random tree with a configuration and a place on it.
 struct Sample {
@@ -44,12 +45,8 @@ struct Sample {
 };
 
 /// Dual numbers nested to a depth carry the mixed derivative along one direction at each level.
-template <int depth> struct Nested {
-  using Type = Dual<typename Nested<depth - 1>::Type, 1>;
-};
-template <> struct Nested<0> {
-  using Type = double;
-};
+template <int depth> struct Nested { using Type = Dual<typename Nested<depth - 1>::Type, 1>; };
+template <> struct Nested<0> { using Type = double; };
 /// The unit of a level, 0 the outermost.
 template <int depth> typename Nested<depth>::Type infinitesimal(int level) {
   if constexpr (depth == 0)
@@ -83,12 +80,15 @@ template <int depth> class NestedJacobian {
           const double u_k = u[static_cast<std::size_t>(tree_.iv[i] + k)];
           dv[static_cast<std::size_t>(k)] = T(u_k) * epsilon, moves = moves || u_k != 0;
         }
-        if (moves) joint.integrate(std::vector<T>(&q_[tree_.iq[i]], &q_[tree_.iq[i]] + joint.nq).data(), dv.data(), &q_[tree_.iq[i]]);
+        if (moves)
+          joint.integrate(std::vector<T>(&q_[tree_.iq[i]], &q_[tree_.iq[i]] + joint.nq).data(), dv.data(),
+                          &q_[tree_.iq[i]]);
       });
     }
   }
   template <class Rep> std::vector<Twist<Rep>> derivative() const {
-    return each_number(jacobian_on<Rep>(tree_, q_, place_), [](const T& x) { return mixed_derivative<depth>(x); });
+    return each_number(jacobian_on<Rep>(tree_, q_, place_),
+                       [](const T& x) { return mixed_derivative<depth>(x); });
   }
 
  private:
@@ -279,7 +279,8 @@ TEST(JacobianPartials, AreExactlyZeroWhereThePaperSaysSoAndNowhereElse) {
       EXPECT_EQ(is_zero(spatial_1[at]), !(k < j && j <= body)) << j << ' ' << k;
       for (int r = 1; r <= n; ++r) {
         const std::size_t at_2 = static_cast<std::size_t>((r - 1) * n * n) + at;
-        EXPECT_EQ(is_zero(body_2[at_2]), !(j < std::min(k, r) && std::max(k, r) <= body)) << j << ' ' << k << ' ' << r;
+        EXPECT_EQ(is_zero(body_2[at_2]), !(j < std::min(k, r) && std::max(k, r) <= body))
+            << j << ' ' << k << ' ' << r;
         EXPECT_EQ(is_zero(spatial_2[at_2]), !(std::max(k, r) < j && j <= body)) << j << ' ' << k << ' ' << r;
       }
     }
@@ -293,9 +294,11 @@ TEST(JacobianPartials, OfHybridScrewsHaveTwoCasesOfWhichNoneIsZero) {
   Comparison column("column", agreement<double>);
   for (int j = 1; j <= n; ++j)
     for (int k = 1; k <= n; ++k) {
-      const Twist<Hybrid> &J_j = J[j - 1], &J_k = J[k - 1], &d = dJ[static_cast<std::size_t>((k - 1) * n + j - 1)];
+      const Twist<Hybrid>&J_j = J[j - 1], &J_k = J[k - 1],
+            &d = dJ[static_cast<std::size_t>((k - 1) * n + j - 1)];
       EXPECT_EQ(is_zero(d), std::max(j, k) > body);
-      const Screw<> X_j{J_j.w, J_j.v}, w_k{J_k.w, {}}, v_k{{}, J_k.v}, expected = j <= k ? ad(X_j, v_k) : ad(w_k, X_j);
+      const Screw<> X_j{J_j.w, J_j.v}, w_k{J_k.w, {}}, v_k{{}, J_k.v},
+          expected = j <= k ? ad(X_j, v_k) : ad(w_k, X_j);
       if (std::max(j, k) <= body) column.expect_equal(Screw<>{d.w, d.v}, expected, 1);
     }
 }
@@ -357,8 +360,8 @@ TEST(JacobianPartialsErrors, NameTheValueAndTheRule) {
   EXPECT_EQ(partials(2, 4), "J has 16 entries; expected nv^(order + 1) = 64");
   const auto along = [&](int order, std::size_t directions) {
     return message_of([&] {
-      jacobian_derivative_along(sample.model, sample.workspace, sample.q, 4, order, std::vector<double>(directions),
-                                std::span(J).first(4));
+      jacobian_derivative_along(sample.model, sample.workspace, sample.q, 4, order,
+                                std::vector<double>(directions), std::span(J).first(4));
     });
   };
   EXPECT_EQ(along(2, 8), "no error");
@@ -369,7 +372,8 @@ TEST(JacobianPartialsErrors, NameTheValueAndTheRule) {
 TEST(JacobianPartialsErrors, ATensorBeyondAllMemoryIsRefused) {
   Sample sample(chain(JointKind::revolute, 32), 1, 32);  // 32^13 = 2^65
   std::vector<Twist<BodyFixed>> none;
-  EXPECT_THROW(jacobian_partials(sample.model, sample.workspace, sample.q, 32, 12, none), std::invalid_argument);
+  EXPECT_THROW(jacobian_partials(sample.model, sample.workspace, sample.q, 32, 12, none),
+               std::invalid_argument);
 }
 
 }  // namespace

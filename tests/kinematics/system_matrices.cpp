@@ -42,7 +42,8 @@ bool is_ancestor_or_self(const Model& model, int j, int i) {
 
 TYPED_TEST(System, JacobianIsTheProductOfItsFactors) {
   using Rep = TypeParam;
-  Comparison jacobian_of("J", agreement<double>), twist("V", agreement<double>), inverse("(I - D) A", agreement<double>);
+  Comparison jacobian_of("J", agreement<double>), twist("V", agreement<double>),
+      inverse("(I - D) A", agreement<double>);
   for_seeds(100, [&](std::uint64_t seed) {
     Trial<double> trial = random_trial(seed);
     const Model& model = trial.model;
@@ -64,7 +65,9 @@ TYPED_TEST(System, BlocksLieOnThePathsOnly) {
     const Matrix A = system.A, D = system.D;
     for (int i = 1; i <= model.n_bodies(); ++i)
       for (int j = 1; j <= model.n_bodies(); ++j) {
-        const auto block = [&](const Matrix& M) { return M.block<6, 6>(6 * (i - 1), 6 * (j - 1)).cwiseAbs().maxCoeff(); };
+        const auto block = [&](const Matrix& M) {
+          return M.block<6, 6>(6 * (i - 1), 6 * (j - 1)).cwiseAbs().maxCoeff();
+        };
         EXPECT_EQ(block(A) == 0, !is_ancestor_or_self(model, j, i));
         EXPECT_EQ(block(D) == 0, model.body(i).predecessor != j);
       }
@@ -145,7 +148,8 @@ TEST(SpatialSystem, JacobianHasThreeFactorisations) {
     const Model& model = trial.model;
     const auto& [q, v, a, wrenches] = trial.state;
     const SpatialFactors factors = spatial_factors(model, q);
-    const SystemMatrices spatial = system_matrices<Spatial>(model, q), body = system_matrices<BodyFixed>(model, q);
+    const SystemMatrices spatial = system_matrices<Spatial>(model, q),
+                         body = system_matrices<BodyFixed>(model, q);
     const Matrix J = stacked_jacobian<Spatial>(trial);
     jacobian_of.expect_equal(Matrix(factors.A_s * factors.Y_s), J);
     jacobian_of.expect_equal(Matrix(factors.A_sb * body.X), J);
@@ -169,13 +173,14 @@ TEST(SystemErrors, NameTheArgumentAndItsSize) {
   const Model& model = trial.model;
   const std::vector<double>& q = trial.state.q;
   const Vector V = Vector::Zero(6 * model.n_bodies()), longer = Vector::Zero(6 * model.n_bodies() + 1);
-  const std::string expected = " has " + std::to_string(longer.size()) + " entries; expected 6 n_bodies = " +
-                               std::to_string(V.size());
+  const std::string expected =
+      " has " + std::to_string(longer.size()) + " entries; expected 6 n_bodies = " + std::to_string(V.size());
   EXPECT_EQ(message_of([&] { joint_velocities(model, q, longer); }), "V" + expected);
   EXPECT_EQ(message_of([&] { joint_accelerations(model, q, V, longer); }), "dV" + expected);
   EXPECT_EQ(message_of([&] { b_matrix(model, longer); }), "V" + expected);
   EXPECT_EQ(message_of([&] { a_matrix(model, std::vector<double>(3 + q.size())); }).substr(0, 6), "v has ");
-  EXPECT_EQ(message_of([&] { system_matrices(model, std::vector<double>(3 + q.size())); }).substr(0, 6), "q has ");
+  EXPECT_EQ(message_of([&] { system_matrices(model, std::vector<double>(3 + q.size())); }).substr(0, 6),
+            "q has ");
 }
 
 }  // namespace

@@ -141,7 +141,8 @@ TEST(Edit, APayloadMakesANewModelAndLeavesTheOld) {
   const Model loaded = builder.build();
   EXPECT_DOUBLE_EQ(model.total_mass(), 6);
   EXPECT_DOUBLE_EQ(loaded.total_mass(), 16);
-  const double elbow = 1, g = 9.81;
+  const std::size_t elbow = 1;
+  const double g = 9.81;
   EXPECT_NEAR(torque_at_rest(model, elbow), -g * (2 * (0.1 - 0.4) + 2 * (0.8 - 0.4)), 1e-12);
   EXPECT_NEAR(torque_at_rest(loaded, elbow), -g * (2 * (0.1 - 0.4) + 12 * (0.8 - 0.4)), 1e-12);
 }

@@ -44,7 +44,9 @@ TEST(Dual, Quotients) {
   expect_dual(1 / x, 1 / x0, -1 / (x0 * x0), 0);
 }
 
-TEST(Dual, SquareRoots) { expect_dual(sqrt(x * x + y * y), std::hypot(x0, y0), x0 / std::hypot(x0, y0), y0 / std::hypot(x0, y0)); }
+TEST(Dual, SquareRoots) {
+  expect_dual(sqrt(x * x + y * y), std::hypot(x0, y0), x0 / std::hypot(x0, y0), y0 / std::hypot(x0, y0));
+}
 
 TEST(Dual, SinesAndCosines) {
   expect_dual(sin(2 * x), std::sin(2 * x0), 2 * std::cos(2 * x0), 0);
@@ -75,8 +77,8 @@ TEST(Dual, NestedCarriesSecondDerivatives) {
   EXPECT_NEAR(f.dx[1].dx[1], -x0 * s - 2 * x0 * y0 / r4, 1e-14);
   EXPECT_NEAR(f.dx[0].dx[1], -y0 * s + 0.5 / std::sqrt(x0) + (y0 * y0 - x0 * x0) / r4, 1e-14);
   EXPECT_NEAR(f.dx[0].dx[0],
-              -y0 * y0 * s / x0 - 2 * y0 * c / (x0 * x0) + 2 * s / std::pow(x0, 3) - 0.25 * y0 * std::pow(x0, -1.5) +
-                  2 * x0 * y0 / r4,
+              -y0 * y0 * s / x0 - 2 * y0 * c / (x0 * x0) + 2 * s / std::pow(x0, 3) -
+                  0.25 * y0 * std::pow(x0, -1.5) + 2 * x0 * y0 / r4,
               1e-14);
   EXPECT_DOUBLE_EQ(f.dx[0].dx[1], f.dx[1].dx[0]);
   EXPECT_DOUBLE_EQ(f.x.dx[0], f.dx[0].x) << "both levels carry the gradient";
@@ -100,7 +102,8 @@ TEST(DualThroughTheGroup, ExpAndLogAreSmoothAtZero) {
     out.dx[k] = 1;
     return out;
   };
-  const Screw<T> X{{variable(0, 0), variable(1, 0), variable(2, 0)}, {variable(3, 0), variable(4, 0), variable(5, 0)}};
+  const Screw<T> X{{variable(0, 0), variable(1, 0), variable(2, 0)},
+                   {variable(3, 0), variable(4, 0), variable(5, 0)}};
   const SE3<T> C = exp(X);
   EXPECT_EQ(C.R.x.y.dx, (std::array<double, 6>{0, 0, 1, 0, 0, 0}));
   EXPECT_EQ(C.R.z.x.dx, (std::array<double, 6>{0, 1, 0, 0, 0, 0}));
@@ -129,8 +132,9 @@ TEST(DualThroughTheGroup, LogInvertsExpWithItsDerivativesAtEveryAngle) {
     const auto entry = [](double value, double slope_1, double slope_2) {
       return T({value, {slope_1}}, {Dual<double, 1>(slope_2)});
     };
-    const Screw<T> X{{entry(angle * 2 / 3, 0.3, -0.2), entry(-angle / 3, -0.7, 0.8), entry(angle * 2 / 3, 0.4, 0.3)},
-                     {entry(0.1, 0.6, 0.7), entry(0.5, -0.5, -0.3), entry(-0.9, 0.2, 0.4)}};
+    const Screw<T> X{
+        {entry(angle * 2 / 3, 0.3, -0.2), entry(-angle / 3, -0.7, 0.8), entry(angle * 2 / 3, 0.4, 0.3)},
+        {entry(0.1, 0.6, 0.7), entry(0.5, -0.5, -0.3), entry(-0.9, 0.2, 0.4)}};
     const Screw<T> error = log(exp(X)) - X;
     for (const T& e : {error.w.x, error.w.y, error.w.z, error.v.x, error.v.y, error.v.z})
       for (const double part : {e.x.x, e.x.dx[0], e.dx[0].x, e.dx[0].dx[0]})

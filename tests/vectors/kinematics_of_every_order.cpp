@@ -47,7 +47,9 @@ struct ReferenceState {
   }
   std::size_t n() const { return static_cast<std::size_t>(model.nv()); }
   int frame(int index) const { return ReferenceSystem::frame(model, index); }
-  std::vector<double> rate(std::size_t k) const { return {rates.begin() + k * n(), rates.begin() + (k + 1) * n()}; }
+  std::vector<double> rate(std::size_t k) const {
+    return {rates.begin() + k * n(), rates.begin() + (k + 1) * n()};
+  }
 };
 
 class KinematicsOfReferenceSystems : public testing::TestWithParam<std::string> {
@@ -63,7 +65,8 @@ class KinematicsOfReferenceSystems : public testing::TestWithParam<std::string> 
       GTEST_SKIP() << GetParam() << " comes without " << quantity;
     for (const nlohmann::json& json : system.states)
       for (const Telling telling : tellings) {
-        SCOPED_TRACE("state " + json.at("state").dump() + ", told in way " + std::to_string(static_cast<int>(telling)));
+        SCOPED_TRACE("state " + json.at("state").dump() + ", told in way " +
+                     std::to_string(static_cast<int>(telling)));
         ReferenceState state(system, json, telling);
         check(state);
       }
@@ -91,7 +94,8 @@ TEST_P(KinematicsOfReferenceSystems, TwistsUpToSnap) {
 
 /// The columns of the listed pairs (body, joint), and that all the others are zero.
 template <class Column>
-std::vector<double> listed_columns(const ReferenceState& at, const std::vector<std::vector<Column>>& J_of_bodies) {
+std::vector<double> listed_columns(const ReferenceState& at,
+                                   const std::vector<std::vector<Column>>& J_of_bodies) {
   std::vector<std::vector<double>> others;  // by body and by the file's joint
   for (const auto& J : J_of_bodies)
     for (std::size_t j = 1; j <= at.n(); ++j) others.push_back(entries(J[at.place[j]]));
@@ -112,7 +116,8 @@ TEST_P(KinematicsOfReferenceSystems, Jacobians) {
     each_representation([&](auto rep, const char* letter) {
       using Rep = decltype(rep);
       std::vector<std::vector<Twist<Rep>>> J(at.n(), std::vector<Twist<Rep>>(at.n()));
-      for (int i = 1; i <= at.model.n_bodies(); ++i) jacobian<Rep>(at.model, at.workspace, at.q, at.frame(i), J[i - 1]);
+      for (int i = 1; i <= at.model.n_bodies(); ++i)
+        jacobian<Rep>(at.model, at.workspace, at.q, at.frame(i), J[i - 1]);
       column.expect_equal(listed_columns(at, J), numbers(at.kinematics.at("J").at(letter)));
     });
   });
@@ -128,7 +133,8 @@ TEST_P(KinematicsOfReferenceSystems, TimeDerivativesOfJacobians) {
       using Rep = decltype(rep);
       for (int k = 0; k <= 2; ++k) {
         std::vector<std::vector<TwistRate<Rep>>> J(at.n(), std::vector<TwistRate<Rep>>(at.n()));
-        for (int i = 1; i <= at.model.n_bodies(); ++i) motion.jacobian_derivative<Rep>(at.frame(i), k, J[i - 1]);
+        for (int i = 1; i <= at.model.n_bodies(); ++i)
+          motion.jacobian_derivative<Rep>(at.frame(i), k, J[i - 1]);
         column.expect_equal(listed_columns(at, J), numbers(at.kinematics.at(keys[k]).at(letter)));
       }
     });
@@ -192,12 +198,14 @@ TEST_P(KinematicsOfReferenceSystems, SecondPartialsOfJacobians) {
       for (int i = 1; i <= at.model.n_bodies(); ++i) ddJ.push_back(partials<Rep>(at, i, 2));
       std::vector<Twist<Rep>> listed, contracted;
       for (const nlohmann::json& quad : at.kinematics.at("ddJ_quads")) {
-        const std::size_t i = quad.at(0), j = at.place[quad.at(1)], k = at.place[quad.at(2)], r = at.place[quad.at(3)];
+        const std::size_t i = quad.at(0), j = at.place[quad.at(1)], k = at.place[quad.at(2)],
+                          r = at.place[quad.at(3)];
         listed.push_back(ddJ[i - 1][(k * at.n() + r) * at.n() + j]);
         std::vector<double> units(2 * at.n());
         units[r] = 1, units[at.n() + k] = 1;
         std::vector<Twist<Rep>> J(at.n());
-        jacobian_derivative_along<Rep>(at.model, at.workspace, at.q, at.frame(static_cast<int>(i)), 2, units, J);
+        jacobian_derivative_along<Rep>(at.model, at.workspace, at.q, at.frame(static_cast<int>(i)), 2, units,
+                                       J);
         contracted.push_back(J[j]);
       }
       partial.expect_equal(entries(listed), numbers(at.kinematics.at("ddJ").at(letter)));
@@ -228,8 +236,16 @@ TEST_P(KinematicsOfReferenceSystems, SystemMatrices) {
                                 h = system_matrices<Hybrid>(at.model, at.q);
     const SpatialFactors s = spatial_factors(at.model, at.q);
     const std::pair<const char*, Eigen::MatrixXd> matrices[] = {
-        {"A_b", b.A}, {"D_b", b.D}, {"X_b", b.X}, {"A_s", s.A_s}, {"Y_s", s.Y_s}, {"A_sb", s.A_sb},
-        {"A_h", h.A}, {"D_h", h.D}, {"X_h", h.X}, {"a_b", a_matrix(at.model, v)},
+        {"A_b", b.A},
+        {"D_b", b.D},
+        {"X_b", b.X},
+        {"A_s", s.A_s},
+        {"Y_s", s.Y_s},
+        {"A_sb", s.A_sb},
+        {"A_h", h.A},
+        {"D_h", h.D},
+        {"X_h", h.X},
+        {"a_b", a_matrix(at.model, v)},
         {"b_b", b_matrix(at.model, system_twist<BodyFixed>(at.model, at.q, v))},
         {"b_s", b_matrix(at.model, system_twist<Spatial>(at.model, at.q, v))}};
     EXPECT_EQ(at.kinematics.at("system_matrices").size(), std::size(matrices));
@@ -253,7 +269,8 @@ TEST_P(KinematicsOfReferenceSystems, VelocitiesAndAccelerationsAreRecoveredFromT
       };
       const Eigen::VectorXd V = in_model_order("V"), dV = in_model_order("Vdot");
       const std::vector<double> v = at.rate(0), a = at.rate(1);
-      velocity.expect_equal(joint_velocities<decltype(rep)>(at.model, at.q, V), Eigen::VectorXd(as_eigen(std::span(v))));
+      velocity.expect_equal(joint_velocities<decltype(rep)>(at.model, at.q, V),
+                            Eigen::VectorXd(as_eigen(std::span(v))));
       acceleration.expect_equal(joint_accelerations<decltype(rep)>(at.model, at.q, V, dV),
                                 Eigen::VectorXd(as_eigen(std::span(a))));
     });
