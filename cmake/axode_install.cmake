@@ -21,7 +21,7 @@ install(FILES ${PROJECT_BINARY_DIR}/axode-config.cmake ${PROJECT_BINARY_DIR}/axo
         DESTINATION ${package_dir})
 
 # Who links to static libraries needs their private dependencies as well.
-set(PKG_CONFIG_IO_REQUIRES "Requires: axode tinyxml2 fmt")
+set(PKG_CONFIG_IO_REQUIRES "Requires: axode tinyxml2")
 if(BUILD_SHARED_LIBS)
   set(PKG_CONFIG_IO_REQUIRES "Requires: axode")
 endif()

@@ -3,8 +3,6 @@
 
 find_package(Eigen3 3.4 REQUIRED NO_MODULE)
 find_package(tinyxml2 REQUIRED)
-find_package(tomlplusplus REQUIRED)
-find_package(fmt REQUIRED)
 
 set(AXODE_REPRESENTATIONS BodyFixed Spatial Hybrid Mixed)
 set(AXODE_SCALARS double float)
@@ -41,13 +39,5 @@ endforeach()
 
 axode_add_library(axode_io io)
 file(GLOB sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/axode/io/*.cpp)
-if(NOT sources)
-  file(WRITE ${PROJECT_BINARY_DIR}/generated/no_reader_yet.cpp "")
-  set(sources ${PROJECT_BINARY_DIR}/generated/no_reader_yet.cpp)
-endif()
 target_sources(axode_io PRIVATE ${sources})
-target_link_libraries(axode_io PUBLIC axode::axode PRIVATE tinyxml2::tinyxml2 fmt::fmt)
-# toml++ is used as headers alone, so an installed axode::io does not ask for it.
-target_include_directories(
-  axode_io SYSTEM PRIVATE $<TARGET_PROPERTY:tomlplusplus::tomlplusplus,INTERFACE_INCLUDE_DIRECTORIES>)
-target_compile_definitions(axode_io PRIVATE TOML_HEADER_ONLY=1)
+target_link_libraries(axode_io PUBLIC axode::axode PRIVATE tinyxml2::tinyxml2)

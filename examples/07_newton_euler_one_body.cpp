@@ -1,4 +1,4 @@
-// Newton and Euler for one body: the wrench behind a motion, in four representations, and the motion back from it.
+// Newton and Euler for one body: the wrench behind a motion in four representations, and the way back.
 #include <cstdio>
 
 #include "axode/dynamics/newton_euler.hpp"

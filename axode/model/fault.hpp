@@ -62,7 +62,7 @@ std::string to_string(const Fault& fault);
 class ModelError : public std::runtime_error {
  public:
   ModelError(std::string_view model, std::vector<Fault> faults);
-  /// All faults, warnings included, in the order of the description.
+  /// All faults, warnings included, as they were found: names and tree first, couplings last.
   std::span<const Fault> faults() const { return faults_; }
 
  private:

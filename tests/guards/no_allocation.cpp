@@ -83,5 +83,39 @@ TYPED_TEST(NoAllocation, InKinematicsAndDynamics) {
   });
 }
 
+TYPED_TEST(NoAllocation, InJacobiansAndMotionOfHigherOrder) {
+  using Rep = typename TypeParam::Rep;
+  using T = typename TypeParam::T;
+  for_seeds(100, [&](std::uint64_t seed) {
+    Trial<T> trial{Random<double>(seed)};
+    const Model& model = trial.model;
+    const std::vector<T>&q = trial.state.q, &v = trial.state.v;
+    Workspace<T>& workspace = trial.workspace;
+    const int tip = model.n_frames() - 1, order = 4;
+    std::vector<Twist<Rep, T>> J(v.size());
+    std::vector<JacobianColumn<Rep, T>> columns(static_cast<std::size_t>(model.n_screws()));
+    std::vector<Twist<Spatial, T>> screws(columns.size());
+    EXPECT_EQ(memory_operations([&] { jacobian<Rep>(model, workspace, q, tip, J); }), 0);
+    EXPECT_EQ(memory_operations([&] { jacobian_columns<Rep>(model, workspace, q, tip, columns); }), 0);
+    EXPECT_EQ(memory_operations([&] { relative_jacobian<Rep>(model, workspace, q, tip, 1, J); }), 0);
+    EXPECT_EQ(memory_operations([&] { joint_screws(model, workspace, q, screws); }), 0);
+    if (model.total_mass() > 0) {
+      std::vector<Vec3<T>> J_com(v.size());
+      std::vector<Momentum<Hybrid, T>> A(v.size());
+      std::vector<Wrench<Hybrid, T>> dA(v.size());
+      EXPECT_EQ(memory_operations([&] { center_of_mass_jacobian(model, workspace, q, J_com); }), 0);
+      EXPECT_EQ(memory_operations([&] { centroidal_momentum_matrix(model, workspace, q, A); }), 0);
+      EXPECT_EQ(memory_operations([&] { centroidal_momentum_matrix_rate(model, workspace, q, v, dA); }), 0);
+    }
+
+    HigherOrderMotion<T> motion(model, order);
+    const std::vector<T> rates((order + 1) * v.size(), T(0.5));
+    std::vector<TwistRate<Rep, T>> dJ(v.size());
+    EXPECT_EQ(memory_operations([&] { motion.evaluate(q, rates); }), 0);
+    EXPECT_EQ(memory_operations([&] { dJ[0] = motion.template twist_derivative<Rep>(tip, order); }), 0);
+    EXPECT_EQ(memory_operations([&] { motion.template jacobian_derivative<Rep>(tip, order, dJ); }), 0);
+  });
+}
+
 }  // namespace
 }  // namespace axode::test

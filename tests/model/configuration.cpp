@@ -66,7 +66,7 @@ std::vector<double> random_step(Random<double>& random, const Model& model, doub
   return dv;
 }
 
-// ---------------------------------------------------------------------------------------------------- neutral
+// --------------------------------------------------------------------------------------------------- neutral
 
 TEST(Configuration, NeutralIsTheDrawing) {
   for (std::uint64_t seed = 1; seed < 20; ++seed) {
@@ -81,7 +81,7 @@ TEST(Configuration, NeutralIsTheDrawing) {
       << "whatever the limits are";
 }
 
-// ------------------------------------------------------------------------------------- integrate and difference
+// ---------------------------------------------------------------------------------- integrate and difference
 
 TEST(Configuration, DifferenceIsTheInverseOfIntegrate) {
   Random<double> random(51);
@@ -233,7 +233,7 @@ TEST(Configuration, CoupledJointsAddNothing) {
   EXPECT_THAT(limits(model).lower, ElementsAre(-infinity)) << "those of the leader";
 }
 
-// ----------------------------------------------------------------------------------------------- random, limits
+// -------------------------------------------------------------------------------------------- random, limits
 
 std::vector<Dof> six_limits() {
   std::vector<Dof> dof(6);
@@ -337,7 +337,7 @@ TEST(Configuration, RandomRotationsFavourNoDirection) {
   }
 }
 
-// ------------------------------------------------------------------------------------------------- bad arguments
+// --------------------------------------------------------------------------------------------- bad arguments
 
 auto throws(const std::string& message) { return ThrowsMessage<std::invalid_argument>(message); }
 

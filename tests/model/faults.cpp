@@ -79,7 +79,7 @@ TEST(Faults, ASoundDescriptionHasNone) {
   EXPECT_EQ(ModelBuilder(two_bodies()).build().n_bodies(), 2);
 }
 
-// ------------------------------------------------------------------------------------------------------- names
+// ----------------------------------------------------------------------------------------------------- names
 
 TEST(Faults, EveryBodyAndFrameNeedsAName) {
   EXPECT_THAT(
@@ -286,7 +286,7 @@ TEST(Faults, AMassIsPositive) {
 }
 
 TEST(Faults, AnInertiaIsThatOfSomeDensity) {
-  // Principal moments 1, 1, 3 about the centre of mass: the third exceeds the sum of the others by a third of itself.
+  // Principal moments 1, 1, 3 about the centre of mass: 3 exceeds 1 + 1 by a third of itself.
   const auto disc = [](BodyDescription& b) {
     b.inertia = MassProperties{.mass = 1, .com = {0.5, 0.1, -0.2}, .Theta = {1, 1, 3, 0, 0, 0}};
   };
@@ -490,7 +490,7 @@ TEST(Faults, WhatBrakesIsNotNegative) {
   negative([](Dof& d) { d.effort = -0.5; }, "effort limit");
 }
 
-// -------------------------------------------------------------------------------------------------- couplings
+// ------------------------------------------------------------------------------------------------- couplings
 
 Description coupled(const std::string& leader, JointKind kind = JointKind::revolute) {
   return with_joint([&](auto& j) {
@@ -710,7 +710,7 @@ SO3<> distorted(double off) {
   return R;
 }
 
-/// Puts a rotation into each of the places for one, and names the element and the thing that a fault should name.
+/// One of the places for a rotation: how to put one there, and which element and thing a fault should name.
 struct Place {
   const char* element;
   const char* thing;
@@ -786,7 +786,7 @@ TEST(Faults, ANearlyRotationIsMadeOne) {
   }
 }
 
-// -------------------------------------------------------------------------------------------------- the report
+// ------------------------------------------------------------------------------------------------ the report
 
 TEST(Faults, AllOfThemComeInOneError) {
   const Description wrong{

@@ -225,7 +225,7 @@ TEST(Geometry, PosesFollowTheProductOfExponentials) {
   }
 }
 
-// -------------------------------------------------------------- which frame the joint frame keeps its axes from
+// ----------------------------------------------------------- which frame the joint frame keeps its axes from
 
 /// The joint frame, in the frame in which the axis was given, of a joint told in each of the ways.
 void each_joint_frame(const JointDescription& joint,

@@ -38,7 +38,7 @@ double torque_at_rest(const Model& model, std::size_t k) {
   return tau[k];
 }
 
-// ---------------------------------------------------------------------------------------------------- lookups
+// --------------------------------------------------------------------------------------------------- lookups
 
 TEST(Lookup, NamesGiveIndices) {
   const Model model = arm();
@@ -99,7 +99,7 @@ TEST(Lookup, NamesMayBeAnyText) {
   EXPECT_EQ(model.joint_index(odd + "_joint"), 1);
 }
 
-// -------------------------------------------------------------------------------------------------------- models
+// ---------------------------------------------------------------------------------------------------- models
 
 TEST(Edit, TotalMassIsThatOfEverythingThatMoves) {
   EXPECT_DOUBLE_EQ(arm().total_mass(), 6);

@@ -55,7 +55,7 @@ template <class Kinds> Description random_tree(Random<double>& random, int n, co
 
 enum class Way { construction_frame, body_frame, joint_frames };
 
-/// A body that is drawn in the construction frame told in another way; J is the joint frame that the third way takes.
+/// A body that is drawn in the construction frame told in another way; the third way takes the joint frame J.
 inline BodyDescription told(BodyDescription body, Way way, const SE3<>& A_predecessor, const SE3<>& J) {
   const SE3<> A = std::get<InConstructionFrame>(body.geometry).A;
   SE3<> frame;  // of axis and point

@@ -52,7 +52,7 @@ std::vector<double> torques(const Model& model, const std::vector<double>& q, co
   return tau;
 }
 
-// ------------------------------------------------------------------------------------------------------- order
+// ----------------------------------------------------------------------------------------------------- order
 
 TEST(Structure, BodiesFollowDepthFirstInDeclaredOrder) {
   const Model model = ModelBuilder()
@@ -110,7 +110,7 @@ TEST(Structure, DeclaringBodiesInAnotherOrderChangesNoMotion) {
   }
 }
 
-// -------------------------------------------------------------------------------------------------- fixed bodies
+// ---------------------------------------------------------------------------------------------- fixed bodies
 
 TEST(Structure, FixedBodiesMergeAndStayFrames) {
   Random<double> random(32);
@@ -204,7 +204,7 @@ TEST(Structure, AModelMayHaveNothingThatMoves) {
   EXPECT_THAT(neutral(rock), IsEmpty());
 }
 
-// -------------------------------------------------------------------------------------------------------- frames
+// ---------------------------------------------------------------------------------------------------- frames
 
 TEST(Structure, FramesSitWhereTheyAreDrawn) {
   Random<double> random(34);
@@ -301,7 +301,7 @@ TEST(Structure, SplitJointsMoveAsTheirTwoScrews) {
   }
 }
 
-// ------------------------------------------------------------------------------------------------------ coupling
+// -------------------------------------------------------------------------------------------------- coupling
 
 /// A tree of joints with one degree of freedom in which j2 follows j0 and j4 follows j2, which come after it.
 Description coupled_tree(Random<double>& random) {
@@ -437,7 +437,7 @@ TEST(Structure, RunsOfOneKindCoverEveryJointOnce) {
   }
 }
 
-// ------------------------------------------------------------------------------------------------------ free base
+// ------------------------------------------------------------------------------------------------- free base
 
 TEST(Structure, AFreeBaseIsSetFreeWhereItWasFixed) {
   Random<double> random(40);

@@ -44,6 +44,7 @@ TEST(Paper, Msdot) {
   each_body([](Equation& eq, const Motion& m, int i) {
     const Mat6 ad_V = ad(m.V<Spatial>(i)), M = M_s(m, i);
     eq.holds(rate(M_s_of_t(m, i)), -(ad_V.transpose() * M + M * ad_V));
+    eq.holds(rate(M_s_of_t(m, i)), inertia_rate(m.twist<Spatial>(i), transform(m.pose(i), m.M(i))));
   });
 }
 

@@ -17,8 +17,10 @@ TEST(Paper, OriginAccelerationFromBodyTwist) {
     const Mat3 Rt = to_matrix(m.C(i).R).transpose();
     eq.holds(Rt * m.ddr(i), dv_wv);
     eq.holds(Rt * to_vector(m.twist_rate<Mixed>(i).v), dv_wv);
-    const TwistRate<Mixed> dV_m = change<Mixed>(m.pose(i), m.twist<BodyFixed>(i), m.twist_rate<BodyFixed>(i));
-    eq.holds(Rt * to_vector(dV_m.v), dv_wv);
+    const auto V_b = m.twist<BodyFixed>(i);
+    const auto dV_b = m.twist_rate<BodyFixed>(i);
+    eq.holds(Rt * to_vector(change<Hybrid>(m.pose(i), V_b, dV_b).v), dv_wv);
+    eq.holds(Rt * to_vector(change<Mixed>(m.pose(i), V_b, dV_b).v), dv_wv);
     eq.fails(m.ddr(i), dv_wv);
   });
 }

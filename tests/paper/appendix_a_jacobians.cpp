@@ -1,0 +1,84 @@
+#include "tests/paper/columns.hpp"
+
+/// Appendix A: Jacobians. With more than one screw to a joint, J_{i,j} has a column for each.
+namespace axode::test::paper {
+namespace {
+
+template <class Rep> void expect_twist_by_columns(Equation& eq, const Motion& m, int i) {
+  Vec6 sum = Vec6::Zero();
+  for (const int j : m.path(i)) sum += m.J<Rep>(i, j) * m.qd(j);
+  const Eigen::Map<const Eigen::VectorXd> qd(m.v().data(), m.model().nv());
+  eq.holds(m.V<Rep>(i), sum);
+  eq.holds(m.V<Rep>(i), jacobian_of<Rep>(m, i) * qd);
+}
+
+// V_i = Σ_{j<=i} J_{i,j} q̇_j = J_i q̇, body-fixed and spatial
+TEST(Paper, VbJac) {
+  each_body([](Equation& eq, const Motion& m, int i) {
+    expect_twist_by_columns<BodyFixed>(eq, m, i);
+    expect_twist_by_columns<Spatial>(eq, m, i);
+    eq.holds(m.V<BodyFixed>(i), m.twist<BodyFixed>(i));
+  });
+}
+
+// V_i = Σ_{j<=i} J_{i,j} q̇_j = J_i q̇, hybrid and mixed
+TEST(Paper, VhVmJac) {
+  each_body([](Equation& eq, const Motion& m, int i) {
+    expect_twist_by_columns<Hybrid>(eq, m, i);
+    expect_twist_by_columns<Mixed>(eq, m, i);
+    eq.holds(m.V<Hybrid>(i), m.twist<Hybrid>(i));
+  });
+}
+
+template <class Rep> Mat6X library_columns(const Motion& m, int i, int j) {
+  return jacobian_of<Rep>(m, i).middleCols(velocity(m, j), m.model().joint(j).nv);
+}
+
+// J_{i,j}^b = Ad_{C_{i,j}} X_j = Ad_{C_{i,j} A_j⁻¹} Y_j
+TEST(Paper, JbX) {
+  each_body_with_one_screw([](Equation& eq, const Motion& m, int i) {
+    for (const int j : m.path(i)) {
+      const SE3<> C_ij = inverse(m.pose(i)) * m.pose(j);
+      eq.holds(m.J<BodyFixed>(i, j), Ad(C_ij) * m.X(j));
+      eq.holds(library_columns<BodyFixed>(m, i, j), m.J<BodyFixed>(i, j));
+      eq.holds(m.J<BodyFixed>(i, j), Ad(C_ij * inverse(m.body(j).A)) * to_eigen(m.drawn(j).Y));
+    }
+  });
+}
+
+// J_j^s = Ad_{C_j} X_j = Ad_{C_j A_j⁻¹} Y_j, the same for every body i >= j
+TEST(Paper, JsX) {
+  each_body_with_one_screw([](Equation& eq, const Motion& m, int i) {
+    for (const int j : m.path(i)) {
+      eq.holds(m.J<Spatial>(i, j), Ad(m.pose(j)) * m.X(j));
+      eq.holds(library_columns<Spatial>(m, i, j), m.J<Spatial>(i, j));
+      eq.holds(m.J<Spatial>(i, j), Ad(m.pose(j) * inverse(m.body(j).A)) * to_eigen(m.drawn(j).Y));
+    }
+  });
+}
+
+// J_{i,j}^h = Ad_{r_{i,j}} ^0X_j^j for j <= i
+TEST(Paper, Jh) {
+  each_body([](Equation& eq, const Motion& m, int i) {
+    for (const int j : m.path(i)) {
+      const Mat6X right = Ad(m.pose(j).r - m.pose(i).r) * Ad(m.pose(j).R) * m.X(j);
+      eq.holds(m.J<Hybrid>(i, j), right);
+      eq.holds(library_columns<Hybrid>(m, i, j), right);
+    }
+  });
+}
+
+// J_j^s = Ad_{r_i} J_{i,j}^h = Ad_{C_i} J_{i,j}^b, J_{i,j}^h = Ad_{R_i} J_{i,j}^b
+TEST(Paper, JhJb) {
+  each_body([](Equation& eq, const Motion& m, int i) {
+    const SE3<> C = m.pose(i);
+    for (const int j : m.path(i)) {
+      eq.holds(m.J<Spatial>(i, j), Ad(C.r) * library_columns<Hybrid>(m, i, j));
+      eq.holds(m.J<Spatial>(i, j), Ad(C) * library_columns<BodyFixed>(m, i, j));
+      eq.holds(m.J<Hybrid>(i, j), Ad(C.R) * library_columns<BodyFixed>(m, i, j));
+    }
+  });
+}
+
+}  // namespace
+}  // namespace axode::test::paper
