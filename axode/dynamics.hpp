@@ -1,5 +1,10 @@
 #pragma once
-#include "axode/dynamics/loads.hpp"
+#include "axode/dynamics/coriolis.hpp"
+#include "axode/dynamics/energy.hpp"
+#include "axode/dynamics/forward_dynamics.hpp"
+#include "axode/dynamics/mass_matrix.hpp"
+#include "axode/dynamics/momentum.hpp"
+#include "axode/dynamics/regressor.hpp"
 #include "axode/kinematics.hpp"
 
 /// Forces from motion. Conventions as in axode/kinematics.hpp: T is the scalar of the workspace, Rep the

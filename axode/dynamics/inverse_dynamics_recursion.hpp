@@ -43,6 +43,12 @@ void sum_applied(const Tree<T>& tree, std::span<const AppliedWrench<T>> wrenches
   }
 }
 
+/// The generalised force with which damping and Coulomb friction resist velocity c.
+template <class T> T joint_loss(const Tree<T>& tree, int c, const T& v_c) noexcept {
+  const T sign = select(v_c > T(0), T(1), select(v_c < T(0), T(-1), T(0)));
+  return tree.damping[c] * v_c + tree.friction[c] * sign;
+}
+
 /// The wrenches that the joints transmit and the generalised forces of one tree.
 template <class Rep, class T> struct InverseDynamicsRecursion {
   JointMotion<T> joints;
@@ -51,7 +57,7 @@ template <class Rep, class T> struct InverseDynamicsRecursion {
   SE3<T>* C;
   Wrench<BodyFixed, T>* W_app;
 
-  explicit InverseDynamicsRecursion(typename Workspace<T>::Arena arena)
+  explicit InverseDynamicsRecursion(typename Workspace<T>::Arena& arena)
       : joints(arena),
         bodies(arena),
         W(arena.template per_body<Wrench<Rep, T>>()),
@@ -62,8 +68,12 @@ template <class Rep, class T> struct InverseDynamicsRecursion {
   /// (eqs. aWbRec, bWsRec, bWhRec with erratum 22):
   ///   W_i = Σ_children up W_c + M_i V'_i + (velocity terms) - W_i^app
   void run(const Tree<T>& tree, const T* q, const T* v, const T* a, const Loads<T>& loads) noexcept {
+    run(tree, q, v, a, loads, tree.g);
+  }
+  void run(const Tree<T>& tree, const T* q, const T* v, const T* a, const Loads<T>& loads,
+           const Vec3<T>& g) noexcept {
     joint_motion(tree, q, v, a, joints);
-    forward_recursion(tree, joints, -tree.g, bodies);
+    forward_recursion(tree, joints, -g, bodies);
     for (int i = 0; i <= tree.n; ++i)
       W[i] = newton_euler(bodies.link[i], tree.M[i], bodies.V[i], bodies.dV[i]);
     if (!loads.wrenches.empty()) {
@@ -87,12 +97,8 @@ template <class Rep, class T> struct InverseDynamicsRecursion {
       }
     });
     for (int k = 0; k < tree.nv; ++k) tau[k] += tree.armature[k] * a[k];
-    if (joint_losses) {
-      for (int k = 0; k < tree.nv; ++k) {
-        const T sign = select(v[k] > T(0), T(1), select(v[k] < T(0), T(-1), T(0)));
-        tau[k] += tree.damping[k] * v[k] + tree.friction[k] * sign;
-      }
-    }
+    if (joint_losses)
+      for (int k = 0; k < tree.nv; ++k) tau[k] += joint_loss(tree, k, v[k]);
   }
 };
 

@@ -22,6 +22,12 @@ void check_state(const Model& model, const Workspace<T>& workspace, Numbers<T> q
   check_size("a", a.size(), static_cast<std::size_t>(model.nv()), "nv");
 }
 
+/// A result with an entry for each pair of velocities.
+inline void check_square(const char* name, std::size_t size, const Model& model) {
+  const std::size_t nv = static_cast<std::size_t>(model.nv());
+  check_size(name, size, nv * nv, "nv * nv");
+}
+
 inline void check_place(const Model& model, int frame) {
   if (frame < 0 || frame >= model.n_frames())
     throw std::invalid_argument("frame is " + std::to_string(frame) + "; model \"" + model.name() +

@@ -50,6 +50,28 @@ template <class T> void body_poses(const Tree<T>& tree, const SE3<T>* C_pi, SE3<
   for (int i = 1; i <= tree.n; ++i) C[i] = C[tree.parent[i]] * C_pi[i];
 }
 
+/// The links of all bodies at q.
+template <class Rep, class T>
+Link<Rep, T>* body_links(const Tree<T>& tree, typename Workspace<T>::Arena& arena, const T* q) noexcept {
+  SE3<T>* C_pi = arena.template per_body<SE3<T>>();
+  Link<Rep, T>* link = arena.template per_body<Link<Rep, T>>();
+  joint_poses(tree, q, C_pi);
+  link[0] = Link<Rep, T>::root();
+  for (int i = 1; i <= tree.n; ++i) link[i] = link[tree.parent[i]].child(C_pi[i]);
+  return link;
+}
+
+/// The screws of all joints in Rep. A coupled joint's screw is for a unit velocity of its leader.
+template <class Rep, class T>
+void joint_columns(const Tree<T>& tree, const Link<Rep, T>* link, Twist<Rep, T>* S) noexcept {
+  each_joint(tree, [&](const auto& joint, int i, bool) {
+    for (int k = 0; k < joint.nv; ++k) {
+      const Screw<T> e = tree.ratio[i] * joint.column(k);
+      S[tree.first_screw[i] + k] = link[i].push(Twist<BodyFixed, T>{e.w, e.v});
+    }
+  });
+}
+
 /// Links, twists and twist rates of all bodies, in the internal frames.
 template <class Rep, class T> struct BodyMotion {
   Link<Rep, T>* link;

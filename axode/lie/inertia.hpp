@@ -30,16 +30,17 @@ template <class T> constexpr Sym3<T> inertia_about_com(const Inertia<T>& M) {
 /// The centre of mass in the frame of M. The mass must not be 0.
 template <class T> constexpr Vec3<T> center_of_mass(const Inertia<T>& M) { return (T(1) / M.m) * M.h; }
 
-/// Ad_S⁻ᵀ M Ad_S⁻¹: the inertia in the frame in which S is the pose of the frame of M (eqs. Ms, Mb).
-template <class T> constexpr Inertia<T> transform(const SE3<T>& S, const Inertia<T>& M) {
-  const Vec3<T> h = S.R * M.h;
-  return {
-      M.m, h + M.m * S.r,
-      rotate(S.R, M.Theta) + parallel_axis_tensor(h, S.r) + (T(0.5) * M.m) * parallel_axis_tensor(S.r, S.r)};
-}
-/// Ad_Rᵀ⁻¹ M Ad_R⁻¹: the inertia in rotated axes about the same point (eq. aWhRec).
+/// Ad_R⁻ᵀ M Ad_R⁻¹: the inertia in rotated axes about the same point (eq. aWhRec).
 template <class T> constexpr Inertia<T> transform(const SO3<T>& R, const Inertia<T>& M) {
   return {M.m, R * M.h, rotate(R, M.Theta)};
+}
+/// Ad_r⁻ᵀ M Ad_r⁻¹: the inertia about a point from which the old one is at r, in the same axes.
+template <class T> constexpr Inertia<T> transform(const Vec3<T>& r, const Inertia<T>& M) {
+  return {M.m, M.h + M.m * r, M.Theta + parallel_axis_tensor(M.h + (T(0.5) * M.m) * r, r)};
+}
+/// Ad_S⁻ᵀ M Ad_S⁻¹: the inertia in the frame in which S is the pose of the frame of M (eqs. Ms, Mb).
+template <class T> constexpr Inertia<T> transform(const SE3<T>& S, const Inertia<T>& M) {
+  return transform(S.r, transform(S.R, M));
 }
 
 /// Π = M V for any representation in which M is the inertia matrix (body-fixed, spatial, hybrid, (j, k)).

@@ -10,6 +10,7 @@
 
 #include "axode/model/nearest_name.hpp"
 #include "axode/model/placement.hpp"
+#include "axode/model/velocity_parents.hpp"
 
 namespace axode {
 
@@ -487,6 +488,7 @@ void number_coordinates(Compilation& out) {
       tree.friction[joint.iv + d] += std::abs(k) * joint.dof[d].friction;
     }
   }
+  tree.velocity_parent = velocity_parents(tree);
 }
 
 /// A fault of body i of the model.

@@ -24,9 +24,11 @@ template <class T = double> struct Tree {
   std::vector<Subgroup> kind;  ///< n + 1
   std::vector<char> coupled;   ///< n + 1
   std::vector<int>
-      first_screw;          ///< n + 2: the screws of joint i are first_screw[i] to first_screw[i + 1] - 1
-  std::vector<int> iq, iv;  ///< n + 1: first coordinate and velocity (of the leader for a coupled joint)
-  std::vector<T> pitch;     ///< n + 1, m/rad
+      first_screw;  ///< n + 2: the screws of joint i are first_screw[i] to first_screw[i + 1] - 1
+  std::vector<int>
+      velocity_parent;           ///< nv: M = LᵀDL has entries L(c, velocity_parent[c]), ...; -1 at the end
+  std::vector<int> iq, iv;       ///< n + 1: first coordinate and velocity (of the leader for a coupled joint)
+  std::vector<T> pitch;          ///< n + 1, m/rad
   std::vector<T> ratio, offset;  ///< n + 1: 1 and 0 for a joint with coordinates of its own
   std::vector<SE3<T>> B;      ///< n + 1: joint frame of i at q = 0 in the internal frame of its predecessor
   std::vector<Inertia<T>> M;  ///< n + 1: in the internal frame
@@ -62,7 +64,8 @@ template <class To, class From> Tree<To> cast(const Tree<From>& tree) {
   const auto pose = [](const SE3<From>& C) { return cast<To>(C); };
   Tree<To> r;
   r.n = tree.n, r.nq = tree.nq, r.nv = tree.nv, r.n_screws = tree.n_screws;
-  r.kind = tree.kind, r.coupled = tree.coupled, r.first_screw = tree.first_screw;
+  r.velocity_parent = tree.velocity_parent, r.kind = tree.kind, r.coupled = tree.coupled,
+  r.first_screw = tree.first_screw;
   r.parent = tree.parent, r.runs = tree.runs, r.by_kind = tree.by_kind, r.iq = tree.iq, r.iv = tree.iv;
   r.pitch = each(tree.pitch, number), r.ratio = each(tree.ratio, number),
   r.offset = each(tree.offset, number);

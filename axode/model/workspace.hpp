@@ -10,47 +10,63 @@
 namespace axode {
 
 /// Scratch memory for one thread: make one for a model and use it in every call, nothing is allocated afterwards. It
-/// holds no results; no call depends on an earlier one. T is the scalar of the computation, double or float.
+/// holds no results; no call depends on an earlier one. T is the scalar of the computation, double or float. Where
+/// joints are coupled it has room for a mass matrix.
 template <class T = double> class Workspace {
- public:
-  explicit Workspace(const Model& model) : Workspace(model.n_bodies()) {}
-  explicit Workspace(int n_bodies)
-      : n_bodies_(n_bodies), lines_((n_bodies + 1) * numbers_per_body * sizeof(T) / sizeof(Line) + 1) {}
+  struct Size {
+    explicit Size(const Model& model)
+        : bodies(static_cast<std::size_t>(model.n_bodies())),
+          screws(static_cast<std::size_t>(model.n_screws())),
+          pairs(model.n_screws() > model.nv() ? static_cast<std::size_t>(model.nv() * model.nv()) : 0) {}
+    std::size_t numbers() const { return 144 * (bodies + 1) + 32 * screws + pairs; }
+    std::string text() const {
+      return std::to_string(bodies) + " bodies with " + std::to_string(screws) + " joint screws" +
+             (pairs > 0 ? " and a mass matrix of " + std::to_string(pairs) + " entries" : "");
+    }
+    std::size_t bodies, screws, pairs;
+  };
 
-  int n_bodies() const { return n_bodies_; }
+ public:
+  explicit Workspace(const Model& model)
+      : size_(model), lines_(size_.numbers() * sizeof(T) / sizeof(Line) + 1) {}
+
   std::size_t bytes() const { return lines_.size() * sizeof(Line); }
 
   /// Throws std::invalid_argument where the workspace is too small for a model.
   void check(const Model& model) const {
-    if (n_bodies_ < model.n_bodies())
-      throw std::invalid_argument("workspace: made for " + std::to_string(n_bodies_) + " bodies; model \"" +
-                                  model.name() + "\" has " + std::to_string(model.n_bodies()));
+    const Size needed(model);
+    if (size_.bodies < needed.bodies || size_.screws < needed.screws || size_.pairs < needed.pairs)
+      throw std::invalid_argument("workspace: made for " + size_.text() + "; model \"" + model.name() +
+                                  "\" has " + needed.text());
   }
 
   /// Hands out the memory of a workspace, from its start, for the length of one call.
   class Arena {
    public:
     explicit Arena(Workspace& workspace)
-        : next_(reinterpret_cast<std::byte*>(workspace.lines_.data())), n_(workspace.n_bodies_ + 1) {}
-    /// One U for each body and the ground. All that one call takes fits into numbers_per_body numbers for each body.
-    template <class U> U* per_body() {
+        : next_(reinterpret_cast<std::byte*>(workspace.lines_.data())), size_(workspace.size_) {}
+    /// One U for each body and the ground, for each joint screw, for each pair of velocities (where joints are
+    /// coupled). All that one call takes fits into the numbers of Size.
+    template <class U> U* per_body() { return take<U>(size_.bodies + 1); }
+    template <class U> U* per_screw() { return take<U>(size_.screws); }
+    template <class U> U* per_pair() { return take<U>(size_.pairs); }
+
+   private:
+    template <class U> U* take(std::size_t n) {
       U* p = std::launder(reinterpret_cast<U*>(next_));
-      next_ += n_ * sizeof(U);
+      next_ += n * sizeof(U);
       return p;
     }
 
-   private:
     std::byte* next_;
-    std::size_t n_;
+    Size size_;
   };
-
-  static constexpr std::size_t numbers_per_body = 112;
 
  private:
   struct alignas(64) Line {
     std::byte bytes[64];
   };
-  int n_bodies_;
+  Size size_;
   std::vector<Line> lines_;
 };
 

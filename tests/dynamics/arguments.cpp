@@ -56,7 +56,7 @@ TYPED_TEST(DynamicsArguments, LoadsOnFramesThatDoNotExistAreRefused) {
 }
 
 TYPED_TEST(DynamicsArguments, AWorkspaceOfASmallerModelIsRefused) {
-  this->workspace = Workspace<typename TypeParam::T>(1);
+  this->workspace = Workspace<typename TypeParam::T>(one_body());
   this->expect_both(refused_workspace(1, 2));
 }
 

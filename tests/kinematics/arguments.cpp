@@ -43,7 +43,7 @@ TYPED_TEST(KinematicsArguments, OfTheWrongSizeAreNamed) {
 }
 
 TYPED_TEST(KinematicsArguments, AWorkspaceOfASmallerModelIsRefused) {
-  this->workspace = Workspace<typename TypeParam::T>(1);
+  this->workspace = Workspace<typename TypeParam::T>(one_body());
   const auto too_small = refused_workspace(1, 2);
   EXPECT_THAT([&] { this->find_poses(); }, too_small);
   EXPECT_THAT([&] { this->find_twists(this->zero); }, too_small);

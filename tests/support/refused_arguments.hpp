@@ -44,4 +44,9 @@ inline Model shoulder() {
       .build();
 }
 
+/// A model of one hinge, for which a workspace is too small for any other.
+inline Model one_body() {
+  return ModelBuilder("door").add({.name = "leaf", .inertia = MassProperties{.mass = 1}}).build();
+}
+
 }  // namespace axode::test

@@ -1,0 +1,15 @@
+#pragma once
+#include "axode/dynamics/loads.hpp"
+#include "axode/kinematics/check_arguments.hpp"
+
+namespace axode {
+
+template <class T> void check_loads(const Model& model, const Loads<T>& loads) {
+  for (const AppliedWrench<T>& load : loads.wrenches)
+    if (load.frame < 0 || load.frame >= model.n_frames())
+      throw std::invalid_argument("loads: a wrench acts on frame " + std::to_string(load.frame) +
+                                  "; model \"" + model.name() + "\" has frames 0 to " +
+                                  std::to_string(model.n_frames() - 1));
+}
+
+}  // namespace axode

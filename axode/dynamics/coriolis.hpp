@@ -1,0 +1,41 @@
+#pragma once
+#include "axode/dynamics/loads.hpp"
+#include "axode/kinematics/arguments.hpp"
+
+/// The terms of M(q) a + C(q, v) v + g(q) = τ + Q, one by one.
+namespace axode {
+
+/// C(q, v) v: what the motion asks of the drives without gravity, loads and accelerations. nv entries, O(n).
+template <class Rep = BodyFixed, class T>
+void coriolis_vector(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v,
+                     std::type_identity_t<std::span<T>> Cv);
+/// g(q) = ∂U/∂q: the drive forces that hold the system at rest against gravity. nv entries, O(n).
+template <class Rep = BodyFixed, class T>
+void gravity_vector(const Model& model, Workspace<T>& workspace, Numbers<T> q,
+                    std::type_identity_t<std::span<T>> g);
+/// Q = Σ Jᵀ W: the generalised forces of the loads, with damping and friction where asked. nv entries, O(n).
+template <class Rep = BodyFixed, class T>
+void generalized_loads(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v,
+                       const std::type_identity_t<Loads<T>>& loads, std::type_identity_t<std::span<T>> Q);
+
+/// Which matrix C with C v = the Coriolis vector.
+enum class CoriolisForm {
+  paper,    ///< the paper's C = -Jᵀ (M A a + bᵀ M) J (eq. CMat); M' - 2C is not skew
+  skew,     ///< C' = -Jᵀ (M A a + bᵀ M - M b) J: M' - 2C is skew
+  spatial,  ///< Jᵀ (M J' - ad_Vᵀ M J) in spatial twists; the same matrix as C'
+  christoffel  ///< C_ij = Σ Γ_ijk v_k; M' - 2C is skew. On multi-DOF joints Γ is the Levi-Civita connection of M
+};
+/// C(q, v), nv × nv entries, row by row. O(n d) for depth d, and nv² to clear.
+template <class T>
+void coriolis_matrix(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v,
+                     CoriolisForm form, std::type_identity_t<std::span<T>> C);
+
+/// Christoffel symbols of the first kind, Γ_ijk at [(i nv + j) nv + k], nv³ entries, from joint screws and composite
+/// inertias (eq. Gamma with erratum 25): 2 Γ_ijk = J_kᵀ M^c [J_i, J_j] + J_jᵀ M^c [J_i, J_k] + J_iᵀ M^c [J_s, J_r] with s, r the
+/// inner and the outer of j, k, and M^c behind the outermost of the three. Symmetric in j, k but for velocities of one
+/// multi-DOF joint, where Γ_ijk - Γ_ikj belongs to [S_k, S_j]. O(n d²), and nv³ to clear.
+template <class T>
+void christoffel_symbols(const Model& model, Workspace<T>& workspace, Numbers<T> q,
+                         std::type_identity_t<std::span<T>> Gamma);
+
+}  // namespace axode

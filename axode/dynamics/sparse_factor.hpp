@@ -1,0 +1,47 @@
+#pragma once
+#include "axode/dynamics/articulated_bodies.hpp"
+
+/// M = LᵀDL without fill-in (Featherstone), in the memory of M: D on the diagonal, L below it. Row c has entries in the
+/// columns parent(c), parent(parent(c)), ...
+namespace axode {
+
+/// M to its factors. Returns the first velocity whose pivot counts as 0, or -1.
+template <class T> int factorize(const Tree<T>& tree, T* H) noexcept {
+  const int nv = tree.nv;
+  const std::vector<int>& parent = tree.velocity_parent;
+  const auto at = [&](int r, int c) -> T& { return H[static_cast<std::ptrdiff_t>(r) * nv + c]; };
+  for (int c = 0; c + 1 < nv; ++c)
+    at(c, c + 1) = at(c, c);  // above the diagonal, to tell how much a pivot has lost
+  int singular = -1;
+  for (int c = nv - 1; c >= 0; --c) {
+    if (is_singular(at(c, c), c + 1 < nv ? at(c, c + 1) : at(c, c))) singular = c;
+    for (int i = parent[c]; i >= 0; i = parent[i]) {
+      const T L_ci = at(c, i) / at(c, c);
+      for (int j = i; j >= 0; j = parent[j]) at(i, j) -= L_ci * at(c, j);
+      at(c, i) = L_ci;
+    }
+  }
+  return singular;
+}
+
+/// x := (LᵀDL)⁻¹ x.
+template <class T> void solve(const Tree<T>& tree, const T* H, T* x) noexcept {
+  const int nv = tree.nv;
+  const std::vector<int>& parent = tree.velocity_parent;
+  for (int c = nv - 1; c >= 0; --c)
+    for (int i = parent[c]; i >= 0; i = parent[i]) x[i] -= H[static_cast<std::ptrdiff_t>(c) * nv + i] * x[c];
+  for (int c = 0; c < nv; ++c) {
+    const T* row = H + static_cast<std::ptrdiff_t>(c) * nv;
+    x[c] = x[c] / row[c];
+    for (int i = parent[c]; i >= 0; i = parent[i]) x[c] -= row[i] * x[i];
+  }
+}
+
+/// The body that a velocity moves.
+template <class T> int body_of_velocity(const Tree<T>& tree, int c) noexcept {
+  for (int i = tree.n; i > 0; --i)
+    if (!tree.coupled[i] && tree.iv[i] <= c) return i;
+  return 0;
+}
+
+}  // namespace axode

@@ -1,0 +1,95 @@
+#pragma once
+#include <gtest/gtest.h>
+
+#include "axode/axode.hpp"
+#include "tests/support/comparison.hpp"
+#include "tests/support/vectors.hpp"
+
+/// The states of the reference systems, as tests go through them.
+namespace axode::test {
+
+inline constexpr double bound = 1e-12;  // of the largest entry of a quantity
+
+inline const std::string none = "none";  // what a suite runs on where the files are absent
+inline std::vector<std::string> systems() {
+  const std::string ending = "_model.json";
+  std::vector<std::string> names;
+  for (const auto& file : files_ending_in(vectors_folder(), ending)) {
+    const std::string name = file.filename().string();
+    names.push_back(name.substr(0, name.size() - ending.size()));
+  }
+  return names.empty() ? std::vector{none} : names;
+}
+inline std::string name_of(const testing::TestParamInfo<std::string>& system) { return system.param; }
+
+/// f(Rep{}, "b") and so on.
+template <class F> void each_representation(const F& f) {
+  f(BodyFixed{}, "b"), f(Spatial{}, "s"), f(Hybrid{}, "h"), f(Mixed{}, "m");
+}
+
+/// A state of a reference system: the model, its coordinates and their derivatives.
+struct ReferenceState {
+  const nlohmann::json& kinematics;
+  const nlohmann::json& dynamics;
+  Model model;
+  Workspace<> workspace;
+  std::vector<double> q, rates, tau;
+  std::vector<std::size_t> place;  ///< in q and v of the file's joint j at index j
+  std::vector<AppliedWrench<>> wrenches;
+
+  ReferenceState(const ReferenceSystem& system, const nlohmann::json& state, Telling telling)
+      : kinematics(state.at("kinematics")),
+        dynamics(state.at("dynamics")),
+        model(system.build(telling)),
+        workspace(model),
+        q(ReferenceSystem::in_model_order(model, state.at("q"))),
+        tau(ReferenceSystem::in_model_order(model, state.at("tau"))),
+        place{0},
+        wrenches(system.loads(model)) {
+    for (const char* key : {"qd", "qdd", "qddd", "qdddd"})
+      for (const double x : ReferenceSystem::in_model_order(model, state.at(key))) rates.push_back(x);
+    for (int j = 1; j <= model.nv(); ++j) place.push_back(ReferenceSystem::place_of(model, j));
+  }
+  std::size_t n() const { return static_cast<std::size_t>(model.nv()); }
+  int frame(int index) const { return ReferenceSystem::frame(model, index); }
+  std::vector<double> rate(std::size_t k) const {
+    return {rates.begin() + k * n(), rates.begin() + (k + 1) * n()};
+  }
+  std::vector<double> v() const { return rate(0); }
+  std::vector<double> a() const { return rate(1); }
+
+  /// An array over `dimensions` indices of joints, row by row, from the order of the model to that of the files.
+  std::vector<double> in_file_order(const std::vector<double>& x, int dimensions) const {
+    std::vector<double> out;
+    const auto walk = [&](const auto& self, int left, std::size_t at) -> void {
+      if (left == 0) return out.push_back(x[at]);
+      for (std::size_t j = 1; j <= n(); ++j) self(self, left - 1, at * n() + place[j]);
+    };
+    walk(walk, dimensions, 0);
+    return out;
+  }
+};
+
+/// A suite over all reference systems.
+class ReferenceStates : public testing::TestWithParam<std::string> {
+ protected:
+  void SetUp() override {
+    if (GetParam() == none) GTEST_SKIP() << missing(vectors_folder(), "AXODE_VECTORS");
+  }
+  /// check(state) for every state that has the quantity, for every way of telling the system.
+  template <class Check> static void each_state_with(const char* part, const char* quantity, const Check& check) {
+    const ReferenceSystem system(GetParam());
+    ASSERT_FALSE(system.states.empty());
+    if (!system.states.front().at(part).contains(quantity))
+      GTEST_SKIP() << GetParam() << " comes without " << quantity;
+    for (const nlohmann::json& json : system.states)
+      for (const Telling telling : tellings) {
+        SCOPED_TRACE("state " + json.at("state").dump() + ", told in way " +
+                     std::to_string(static_cast<int>(telling)));
+        ReferenceState state(system, json, telling);
+        check(state);
+      }
+  }
+};
+
+}  // namespace axode::test
