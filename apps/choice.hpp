@@ -4,6 +4,7 @@
 #include <string_view>
 #include <utility>
 
+#include "axode/dynamics/coriolis.hpp"
 #include "axode/io.hpp"
 #include "axode/lie/twist.hpp"
 #include "axode/model/nearest_name.hpp"
@@ -23,6 +24,12 @@ inline constexpr std::array<std::pair<std::string_view, Representation>, 4> repr
      {"spatial", Representation::spatial},
      {"hybrid", Representation::hybrid},
      {"mixed", Representation::mixed}}};
+
+inline constexpr std::array<std::pair<std::string_view, CoriolisForm>, 4> coriolis_forms{
+    {{"paper", CoriolisForm::paper},
+     {"skew", CoriolisForm::skew},
+     {"spatial", CoriolisForm::spatial},
+     {"christoffel", CoriolisForm::christoffel}}};
 
 /// `"fre" is none of fixed, free; did you mean "free"?`, where names are the words that would do.
 template <class Range, class NameOf>

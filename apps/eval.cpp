@@ -21,14 +21,15 @@ struct Options {
   std::vector<std::string> frames;
   std::string relative_to = "ground";
   int order = 1;
+  std::string coriolis = "christoffel";
   bool joint_losses = false;
 };
 
 constexpr const char* footer = R"(Quantities for --want (several are separated by commas):
 {quantities}
 
-STATE is a JSON object with the keys q, v, a, jerk, snap, loads and targets, all of which may be left out:
-  q, v, a, jerk, snap
+STATE is a JSON object with the keys q, v, a, jerk, snap, tau, p, loads and targets, all of which may be left out:
+  q, v, a, jerk, snap, tau, p
             arrays in the model's order (`axode info MODEL` shows it), or objects keyed by joint
             name; a joint that is not named is neutral or at rest
   loads     applied wrenches, a list of {"frame": NAME, "representation": "body", "wrench": [moment, force]}
@@ -140,6 +141,7 @@ void run(const Options& options) {
   for (const std::string& name : options.frames) ask.frames.push_back(ask.model.frame_index(name));
   ask.relative_to = ask.model.frame_index(options.relative_to);
   ask.order = options.order;
+  ask.coriolis = choose("--coriolis", options.coriolis, coriolis_forms);
   ask.state = options.state.empty() ? neutral_state(ask.model) : read_state(ask.model, options.state);
 
   Json results = Json::object(), labels = Json::object();
@@ -186,12 +188,14 @@ void add_eval(CLI::App& app, int& exit_code) {
   eval->add_option("--order", options->order, "The order of derivatives, from 0")
       ->check(CLI::Range(0, 12))
       ->capture_default_str();
+  eval->add_option("--coriolis", options->coriolis, "The form of C: paper, skew, spatial or christoffel")
+      ->capture_default_str();
   eval->add_flag("--joint-losses", options->joint_losses,
                  "Count damping and friction of the joints as forces");
   eval->add_option("--format", options->format, "table (if left out) or json")->type_name("WORD");
   std::string list;
   for (const Quantity& quantity : quantities())
-    list += fmt::format("  {:<18}{}\n", quantity.name, quantity.purpose);
+    list += fmt::format("  {:<32}{}\n", quantity.name, quantity.purpose);
   std::string help = footer;
   eval->footer(help.replace(help.find("{quantities}\n"), 13, list));
   eval->callback([options, &exit_code] {

@@ -18,16 +18,6 @@ std::string rate_axes(Representation representation) {
   return "w' in the frame's own axes; v' = r'' of its origin in inertial axes";
 }
 
-std::string wrench_axes(Representation representation) {
-  switch (representation) {
-    case Representation::body: return "in the body's own axes, about its origin";
-    case Representation::spatial: return "in inertial axes, about the inertial origin";
-    case Representation::hybrid: return "in inertial axes, about the body's origin";
-    case Representation::mixed: break;
-  }
-  return "moment in the body's own axes, about its origin; force in inertial axes";
-}
-
 std::string_view name_of(Representation representation) {
   switch (representation) {
     case Representation::body: return "body-fixed";
@@ -139,6 +129,16 @@ Answer center_of_mass_answer(const Question& ask) {
 
 }  // namespace
 
+std::string wrench_axes(Representation representation) {
+  switch (representation) {
+    case Representation::body: return "in the body's own axes, about its origin";
+    case Representation::spatial: return "in inertial axes, about the inertial origin";
+    case Representation::hybrid: return "in inertial axes, about the body's origin";
+    case Representation::mixed: break;
+  }
+  return "moment in the body's own axes, about its origin; force in inertial axes";
+}
+
 std::string twist_axes(Representation representation) {
   switch (representation) {
     case Representation::body: return "in the frame's own axes, v of its origin";
@@ -164,7 +164,8 @@ const std::vector<Quantity>& quantities() {
         {"joint_wrenches", "all six components of what every joint transmits", joint_wrenches_answer},
         {"center_of_mass", "of all moving bodies", center_of_mass_answer},
     };
-    for (const Quantity& quantity : kinematic_quantities()) list.push_back(quantity);
+    for (const auto& more : {kinematic_quantities(), dynamic_quantities()})
+      list.insert(list.end(), more.begin(), more.end());
     return list;
   }();
   return all;

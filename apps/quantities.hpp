@@ -2,6 +2,7 @@
 #include <string>
 #include <vector>
 
+#include "axode/dynamics/coriolis.hpp"
 #include "axode/model/model.hpp"
 #include "json_text.hpp"
 #include "state.hpp"
@@ -18,6 +19,7 @@ struct Question {
   std::vector<int> frames = {};  ///< the frames it is about; none: all
   int relative_to = 0;           ///< the frame of the observer, for relative motion; 0 is the ground
   int order = 1;                 ///< of derivatives
+  CoriolisForm coriolis = CoriolisForm::christoffel;
 };
 
 /// What a quantity is, its units and axes, and its value twice: for programs and for people.
@@ -36,9 +38,12 @@ struct Quantity {
 const std::vector<Quantity>& quantities();
 /// Those of them that are about Jacobians, their derivatives and motion of higher order.
 std::vector<Quantity> kinematic_quantities();
+/// Mass and Coriolis matrices, forward dynamics, momenta, energies, regressors, inertia at a frame.
+std::vector<Quantity> dynamic_quantities();
 
 /// Where the six components of a twist live, by representation.
 std::string twist_axes(Representation representation);
+std::string wrench_axes(Representation representation);
 /// A label: what it is, in which representation and axes, and its units.
 std::string headline(std::string_view what, Representation representation, const std::string& axes,
                      std::string_view units);

@@ -45,7 +45,8 @@ class StateReader {
     State state = neutral_state(model_);
     const Json json = parse(text);
     if (!json.is_object()) {
-      fault("expected an object with the keys q, v, a, jerk, snap, loads and targets, got " + shown(json));
+      fault("expected an object with the keys q, v, a, jerk, snap, tau, p, loads and targets, got " +
+            shown(json));
     } else {
       for (const auto& [key, value] : json.items()) entry(key, value, state);
     }
@@ -61,8 +62,8 @@ class StateReader {
   }
 
  private:
-  static constexpr std::array<std::string_view, 7> known_keys{"q",    "v",     "a",      "jerk",
-                                                              "snap", "loads", "targets"};
+  static constexpr std::array<std::string_view, 9> known_keys{"q",   "v", "a",     "jerk",   "snap",
+                                                              "tau", "p", "loads", "targets"};
   static constexpr std::array<std::string_view, 2> known_target_keys{"frame", "pose"};
   static constexpr std::array<std::string_view, 3> known_load_keys{"frame", "representation", "wrench"};
 
@@ -98,6 +99,11 @@ class StateReader {
       numbers("jerk", value, velocities, "nv", state.jerk);
     } else if (key == "snap") {
       numbers("snap", value, velocities, "nv", state.snap);
+    } else if (key == "tau") {
+      numbers("tau", value, velocities, "nv", state.tau);
+    } else if (key == "p") {
+      state.p.assign(static_cast<std::size_t>(model_.nv()), 0);
+      numbers("p", value, velocities, "nv", state.p);
     } else if (key == "loads") {
       each(value, "loads",
            [&](const std::string& where, const Json& item) { load(where, item, state.loads); });
@@ -257,7 +263,15 @@ class StateReader {
 
 State neutral_state(const Model& model) {
   const std::vector<double> rest(model.nv());
-  return {neutral(model), rest, rest, rest, rest, {}, {}};
+  return {.q = neutral(model),
+          .v = rest,
+          .a = rest,
+          .jerk = rest,
+          .snap = rest,
+          .tau = rest,
+          .p = {},
+          .loads = {},
+          .targets = {}};
 }
 
 State read_state(const Model& model, const std::string& file) {
