@@ -52,7 +52,8 @@ std::vector<Quantity> wanted(const std::string& list) {
     const auto found =
         std::find_if(all.begin(), all.end(), [&](const Quantity& q) { return q.name == name; });
     if (found == all.end())
-      throw UsageError("--want: " + none_of(name, all, [](const Quantity& q) { return q.name; }));
+      throw UsageError("--want: there is no quantity \"" + name + '"' +
+                       did_you_mean(name, all, [](const Quantity& q) { return q.name; }));
     chosen.push_back(*found);
   }
   return chosen;

@@ -63,9 +63,8 @@ INSTANTIATE_TEST_SUITE_P(
         {"UnknownQuantity",
          {"eval", arm, "--want", "poses,twist"},
          2,
-         "axode eval: --want: \"twist\" is none of inverse_dynamics, poses, twists, accelerations, "
-         "joint_wrenches, "
-         "center_of_mass; did you mean \"twists\"? (see axode eval --help)"},
+         "axode eval: --want: there is no quantity \"twist\"; did you mean \"twists\"? (see axode eval "
+         "--help)"},
         {"UnknownBase",
          {"eval", arm, "--base", "fre"},
          2,
@@ -96,6 +95,35 @@ INSTANTIATE_TEST_SUITE_P(
          2,
          "axode eval: --gravity: \"0,0,down\" is not three finite numbers in m/s^2, such as 0,0,-9.81 "
          "(see axode eval --help)"},
+        {"UnknownFrame",
+         {"eval", arm, "--want", "jacobian", "--frame", "flagne"},
+         1,
+         "axode eval: model \"arm7\" has no frame \"flagne\"; did you mean \"flange\"?"},
+        {"UnknownObserver",
+         {"eval", arm, "--want", "relative_jacobian", "--relative-to", "moon"},
+         1,
+         "axode eval: model \"arm7\" has no frame \"moon\""},
+        {"OrderBelowZero",
+         {"eval", arm, "--want", "twist_derivative", "--order", "-1"},
+         2,
+         "axode eval: --order: Value -1 not in range 0 to 12 (see axode eval --help)"},
+        {"UnknownFormOfC",
+         {"eval", arm, "--want", "coriolis_matrix", "--coriolis", "skewed"},
+         2,
+         "axode eval: --coriolis: \"skewed\" is none of paper, skew, spatial, christoffel; did you mean "
+         "\"skew\"? "
+         "(see axode eval --help)"},
+        {"NoTargets",
+         {"eval", arm, "--want", "inverse_kinematics"},
+         1,
+         "axode eval: inverse_kinematics: the state has no \"targets\"; give a list of {\"frame\", "
+         "\"pose\"}"},
+        {"AFrameThatCannotMoveEveryWay",
+         {"eval", arm, "--want", "operational_space_inertia", "--frame", "link 3"},
+         1,
+         "axode eval: operational_space_inertia: frame \"link 3\" can move in 2 directions only, so that it "
+         "has none; "
+         "ask for its mobility, or for another --frame"},
         {"UnknownEnding",
          {"convert", arm, "arm.tml"},
          2,
@@ -154,8 +182,10 @@ INSTANTIATE_TEST_SUITE_P(
          "this is not JSON: parse error at line 1, column 16: syntax error while parsing value - invalid "
          "literal; "
          "last read: '\"feed\": N'"},
-        {"NotAnObject", "[1, 2]", "expected an object with the keys q, v, a and loads, got [1,2]"},
-        {"UnknownKey", "{\"qq\": []}", "the key \"qq\" is none of q, v, a, loads; did you mean \"q\"?"},
+        {"NotAnObject", "[1, 2]",
+         "expected an object with the keys q, v, a, jerk, snap, tau, p, loads and targets, got [1,2]"},
+        {"UnknownKey", "{\"qq\": []}",
+         "the key \"qq\" is none of q, v, a, jerk, snap, tau, p, loads, targets; did you mean \"q\"?"},
         {"KeyTwice", "{\"v\": {\"feed\": 1, \"feed\": 2}}", "the key \"feed\" stands twice in one object"},
         {"TooFewCoordinates", "{\"q\": [1, 2]}", "q has 2 numbers; model \"machine\" takes nq = 20"},
         {"TooManyVelocities", "{\"v\": [0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0]}",
@@ -196,7 +226,7 @@ INSTANTIATE_TEST_SUITE_P(
          "loads[0]: wrench: entry 5 must be a number, got \"up\""},
         {"SeveralFaults", "{\"q\": [1], \"v\": {\"nose\": 1}, \"w\": 0}",
          "q has 1 number; model \"machine\" takes nq = 20\nv: model \"machine\" has no joint \"nose\"\n"
-         "the key \"w\" is none of q, v, a, loads"},
+         "the key \"w\" is none of q, v, a, jerk, snap, tau, p, loads, targets"},
     }),
     [](const auto& p) { return p.param.name; });
 

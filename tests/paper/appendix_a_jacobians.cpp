@@ -80,5 +80,53 @@ TEST(Paper, JhJb) {
   });
 }
 
+// V = A X q̇ of all bodies, body-fixed
+TEST(Paper, VbAX) {
+  each_system([](Equation& eq, const Motion& m) {
+    const SystemMatrices s = system_matrices<BodyFixed>(m.model(), m.q());
+    eq.holds(system_V<BodyFixed>(m), s.A * s.X * as_vector(m.v()));
+    eq.holds(system_V<BodyFixed>(m), system_twist<BodyFixed>(m.model(), m.q(), m.v()));
+  });
+}
+
+/// A has the block f(i, j) for every j <= i and D that of the predecessor; (I - D) A = I.
+template <class F>
+void expect_blocks(Equation& eq, const Motion& m, const SystemMatrices& system, const F& f) {
+  Eigen::MatrixXd A = Eigen::MatrixXd::Zero(6 * m.n(), 6 * m.n()), D = A;
+  for (int i = 1; i <= m.n(); ++i) {
+    for (const int j : m.path(i)) A.block<6, 6>(6 * (i - 1), 6 * (j - 1)) = f(i, j);
+    if (const int p = m.predecessor(i); p > 0) D.block<6, 6>(6 * (i - 1), 6 * (p - 1)) = f(i, p);
+  }
+  eq.holds(Eigen::MatrixXd(system.A), A);
+  eq.holds(Eigen::MatrixXd(system.D), D);
+  eq.holds((Eigen::MatrixXd::Identity(A.rows(), A.cols()) - D) * A,
+           Eigen::MatrixXd::Identity(A.rows(), A.cols()));
+}
+
+// J^b = A^b X^b, J^s = A^s Y^s = A^sb X^b, J^h = A^h X^h of all bodies
+TEST(Paper, JbSys) {
+  each_system_with_one_screw_joints([](Equation& eq, const Motion& m) {
+    const SystemMatrices body = system_matrices<BodyFixed>(m.model(), m.q()),
+                         spatial = system_matrices<Spatial>(m.model(), m.q()),
+                         hybrid = system_matrices<Hybrid>(m.model(), m.q()),
+                         mixed = system_matrices<Mixed>(m.model(), m.q());
+    const SpatialFactors factors = spatial_factors(m.model(), m.q());
+    expect_blocks(eq, m, body, [&](int i, int j) { return Ad(m.C(i, j)); });
+    expect_blocks(eq, m, spatial, [&](int, int) { return Mat6::Identity().eval(); });
+    expect_blocks(eq, m, hybrid, [&](int i, int j) { return Ad(m.C(j).r - m.C(i).r); });
+    eq.holds(system_jacobian<BodyFixed>(m), body.A * body.X);
+    eq.holds(system_jacobian<Spatial>(m), spatial.A * spatial.X);
+    eq.holds(system_jacobian<Spatial>(m), factors.A_s * factors.Y_s);
+    eq.holds(system_jacobian<Spatial>(m), factors.A_sb * body.X);
+    eq.holds(system_jacobian<Hybrid>(m), hybrid.A * hybrid.X);
+    eq.holds(system_jacobian<Mixed>(m), mixed.A * mixed.X);
+    for (int i = 1; i <= m.n(); ++i) {
+      const Eigen::MatrixXd Y = factors.Y_s, X = body.X;
+      eq.holds(Y.block<6, 1>(6 * (i - 1), velocity(m, i)), to_eigen(m.drawn(i).Y));
+      eq.holds(X.block<6, 1>(6 * (i - 1), velocity(m, i)), m.X(i));
+    }
+  });
+}
+
 }  // namespace
 }  // namespace axode::test::paper

@@ -1,4 +1,5 @@
 #pragma once
+#include <Eigen/SparseCore>
 #include <functional>
 #include <string>
 
@@ -16,6 +17,7 @@ inline constexpr double tolerance = 1e-12;
 inline constexpr double clearly_wrong = 1e-3;
 
 template <class Derived> Eigen::MatrixXd numbers_of(const Eigen::MatrixBase<Derived>& x) { return x; }
+template <class Derived> Eigen::MatrixXd numbers_of(const Eigen::SparseMatrixBase<Derived>& x) { return x; }
 inline Eigen::MatrixXd numbers_of(double x) { return Eigen::MatrixXd::Constant(1, 1, x); }
 template <class Quantity>
   requires requires(const Quantity& x) { to_eigen(x); }

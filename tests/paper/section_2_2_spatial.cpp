@@ -41,5 +41,134 @@ TEST(Paper, Vsdottemp) {
   });
 }
 
+// J̇_j = Σ_{k<=j} [J_k, J_j] q̇_k = [Σ_{k<=j} J_k q̇_k, J_j] = [V_j, J_j], spatial
+TEST(Paper, TimeDerJs) {
+  each_body_with_one_screw([](Equation& eq, const Motion& m, int j) {
+    Vec6 first = Vec6::Zero(), inner = Vec6::Zero(), printed = Vec6::Zero();
+    for (const int k : m.path(j)) {
+      first += bracket(J(m, k), J(m, j)) * m.qd(k)[0];
+      inner += J(m, k) * m.qd(k)[0];
+      printed += J(m, k);
+    }
+    const Vec6 left = dJ<Spatial>(m, j, j);
+    const double size = J(m, j).norm();
+    eq.holds(left, first, size);
+    eq.holds(left, bracket(inner, J(m, j)), size);
+    eq.holds(left, bracket(m.V<Spatial>(j), J(m, j)), size);
+    eq.holds(jacobian_rate<Spatial>(m, j).col(velocity(m, j)), left, size);
+    eq.fails(left, bracket(printed, J(m, j)) * m.qd(j)[0]);  // q̇_k with a free index k, read as q̇_j
+  });
+}
+
+// V̇ = J q̈ + L b diag(J_1, ..., J_n) q̇ of all bodies, spatial; L has identities where A has blocks
+TEST(Paper, VsdotMat) {
+  each_system([](Equation& eq, const Motion& m) {
+    const SystemMatrices s = system_matrices<Spatial>(m.model(), m.q());
+    const SystemMatrix b = b_matrix(m.model(), system_V<Spatial>(m));
+    Eigen::MatrixXd diagonal = Eigen::MatrixXd::Zero(6 * m.n(), m.model().nv());
+    for (int i = 1; i <= m.n(); ++i)
+      diagonal.block(6 * (i - 1), velocity(m, i), 6, m.model().joint(i).nv) = m.J<Spatial>(i, i);
+    eq.holds(s.X, diagonal);
+    eq.holds(system_dV<Spatial>(m),
+             system_jacobian<Spatial>(m) * as_vector(m.a()) + s.A * b * diagonal * as_vector(m.v()));
+  });
+}
+
+// b(V) = diag(ad_{V_1}, ..., ad_{V_n}), spatial
+TEST(Paper, Bs) {
+  each_system([](Equation& eq, const Motion& m) {
+    eq.holds(b_matrix(m.model(), system_V<Spatial>(m)),
+             block_diagonal_of(m, [&](int i) { return ad(to_eigen(m.twist<Spatial>(i))); }));
+  });
+}
+
+// ∂²J_i/∂q_k∂q_j = [J_k, [J_j, J_i]] for k < j < i, [J_j, [J_k, J_i]] for j <= k < i, spatial
+TEST(Paper, Jsder2) {
+  each_body_with_one_screw([](Equation& eq, const Motion& m, int i) {
+    const Mat6X library = partials_of<Spatial>(m, i, 2);
+    const int nv = m.model().nv();
+    for (const int k : m.path(i))
+      for (const int j : m.path(i)) {
+        Vec6 right = Vec6::Zero();
+        if (k < j && j < i) right = bracket(J(m, k), bracket(J(m, j), J(m, i)));
+        if (j <= k && k < i) right = bracket(J(m, j), bracket(J(m, k), J(m, i)));
+        const double size = J(m, i).norm();
+        eq.holds(partial_of<Spatial>(m, i, i, std::array{k, j}), right, size);
+        eq.holds(library.col((velocity(m, j) * nv + velocity(m, k)) * nv + velocity(m, i)), right, size);
+      }
+  });
+}
+
+/// Σ_{k<=j} J_k q̈_k.
+Vec6 accelerated(const Motion& m, int j) {
+  Vec6 sum = Vec6::Zero();
+  for (const int k : m.path(j)) sum += J(m, k) * m.qdd(k)[0];
+  return sum;
+}
+
+// V̈_i = Σ_{j<=i} (J_j q⃛_j + 2 [V_j, J_j] q̈_j + Σ_{k<=j} [J_k q̈_k, J_j] q̇_j + [V_{j-1} + V_j - V_i, [V_j, J_j]] q̇_j), spatial
+TEST(Paper, VsddotForm1) {
+  each_body_with_one_screw([](Equation& eq, const Motion& m, int i) {
+    const auto V = [&](int j) { return m.V<Spatial>(j); };
+    Vec6 right = Vec6::Zero();
+    for (const int j : m.path(i)) {
+      const Vec6 J_j = J(m, j), dJ_j = bracket(V(j), J_j);
+      right += J_j * qddd(j) + 2 * dJ_j * m.qdd(j)[0] + bracket(accelerated(m, j), J_j) * m.qd(j)[0] +
+               bracket(V(m.predecessor(j)) + V(j) - V(i), dJ_j) * m.qd(j)[0];
+    }
+    eq.holds(ddV<Spatial>(m, i), right);
+    eq.holds(jerk<Spatial>(m, i), right);
+  });
+}
+
+// V̈_i = Σ_{j<=i} (J_j q⃛_j + [[V_j, J_j], V_i - 2 V_j] q̇_j + [Σ_{k<=j} J_k q̈_k + [V_j, J_j] q̇_j, J_j] q̇_j + 2 [V_j, J_j] q̈_j)
+TEST(Paper, VsddotForm2) {
+  each_body_with_one_screw([](Equation& eq, const Motion& m, int i) {
+    const auto V = [&](int j) { return m.V<Spatial>(j); };
+    Vec6 right = Vec6::Zero();
+    for (const int j : m.path(i)) {
+      const Vec6 J_j = J(m, j), dJ_j = bracket(V(j), J_j);
+      right += J_j * qddd(j) + bracket(dJ_j, V(i) - 2 * V(j)) * m.qd(j)[0] +
+               bracket(accelerated(m, j) + dJ_j * m.qd(j)[0], J_j) * m.qd(j)[0] + 2 * dJ_j * m.qdd(j)[0];
+    }
+    eq.holds(ddV<Spatial>(m, i), right);
+    eq.holds(jerk<Spatial>(m, i), right);
+  });
+}
+
+/// [J_βν, ... [J_β1, J_i]] for βν <= ... <= β1 < i, else 0; β is α from the outermost to the innermost joint.
+template <std::size_t Order> Vec6 nested(const Motion& m, int i, std::array<int, Order> alpha) {
+  std::sort(alpha.rbegin(), alpha.rend());
+  Vec6 product = J(m, i);
+  for (const int beta : alpha) product = beta >= i ? Vec6::Zero().eval() : bracket(J(m, beta), product);
+  return product;
+}
+
+// ∂^ν J_i/∂q_α1...∂q_αν = [J_βν, ... [J_β1, J_i]] = ad_{J_βν} ... ad_{J_β1} J_i = [J_βν, ∂^(ν-1) J_i/∂q_β1...∂q_β(ν-1)]
+// for βν <= ... <= β1 < i, else 0; spatial
+TEST(Paper, Nthorder) {
+  each_body_with_one_screw([](Equation& eq, const Motion& m, int i) {
+    const Mat6X library = partials_of<Spatial>(m, i, 3);
+    const int nv = m.model().nv();
+    const double size = J(m, i).norm();
+    for (const int a : m.path(i)) {
+      eq.holds(partial_of<Spatial>(m, i, i, std::array{a}), nested(m, i, std::array{a}), size);
+      for (const int b : m.path(i)) {
+        eq.holds(partial_of<Spatial>(m, i, i, std::array{a, b}), nested(m, i, std::array{a, b}), size);
+        for (const int c : m.path(i)) {
+          const Vec6 left = partial_of<Spatial>(m, i, i, std::array{a, b, c});
+          eq.holds(left, nested(m, i, std::array{a, b, c}), size);
+          const int at = ((velocity(m, c) * nv + velocity(m, b)) * nv + velocity(m, a)) * nv + velocity(m, i);
+          eq.holds(library.col(at), left, size);
+          if (c <= b && b <= a && a < i) {
+            eq.holds(left, ad(J(m, c)) * ad(J(m, b)) * ad(J(m, a)) * J(m, i), size);
+            eq.holds(left, bracket(J(m, c), partial_of<Spatial>(m, i, i, std::array{a, b})), size);
+          }
+        }
+      }
+    }
+  });
+}
+
 }  // namespace
 }  // namespace axode::test::paper
