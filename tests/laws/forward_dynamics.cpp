@@ -13,7 +13,8 @@ TYPED_TEST_SUITE(ForwardDynamics, Cases, CaseNames);
 template <class Rep, class T> Eigen::MatrixX<T> mass_matrix(Trial<T>& trial) {
   const int nv = trial.model.nv();
   Eigen::MatrixX<T> M(nv, nv);
-  axode::mass_matrix<Rep>(trial.model, trial.workspace, trial.state.q, std::span(M.data(), static_cast<std::size_t>(M.size())));
+  axode::mass_matrix<Rep>(trial.model, trial.workspace, trial.state.q,
+                          std::span(M.data(), static_cast<std::size_t>(M.size())));
   return M;
 }
 
@@ -38,7 +39,8 @@ TYPED_TEST(ForwardDynamics, UndoesInverseDynamics) {
     loads.joint_losses = seed % 2 == 0;
     const std::vector<T> tau = trial.template inverse_dynamics<Rep>(trial.state.v, trial.state.a, loads);
     std::vector<T> a = trial.zero();
-    const Solvability solvability = forward_dynamics<Rep>(trial.model, trial.workspace, trial.state.q, trial.state.v, tau, a, loads);
+    const Solvability solvability =
+        forward_dynamics<Rep>(trial.model, trial.workspace, trial.state.q, trial.state.v, tau, a, loads);
     const double pivot = definiteness(mass_matrix<Rep>(trial));
     if (solvability.ok()) {
       ++solved;

@@ -40,6 +40,7 @@ class Motion {
   const SE3<>& S_bc(int i) const { return model().frame(com(i)).pose; }
   const Inertia<>& M(int i) const { return body(i).M; }
   const Drawn& drawn(int i) const { return system_.drawn[i]; }
+  const std::vector<AppliedWrench<>>& loads() const { return system_.loads; }
   const std::vector<double>& q() const { return q_; }
   const std::vector<double>& v() const { return v_; }
   const std::vector<double>& a() const { return a_; }
