@@ -14,10 +14,11 @@ namespace axode {
 /// joints are coupled it has room for a mass matrix.
 template <class T = double> class Workspace {
   struct Size {
-    explicit Size(const Model& model)
-        : bodies(static_cast<std::size_t>(model.n_bodies())),
-          screws(static_cast<std::size_t>(model.n_screws())),
-          pairs(model.n_screws() > model.nv() ? static_cast<std::size_t>(model.nv() * model.nv()) : 0) {}
+    template <class U>
+    explicit Size(const Tree<U>& tree)
+        : bodies(static_cast<std::size_t>(tree.n)),
+          screws(static_cast<std::size_t>(tree.n_screws)),
+          pairs(tree.n_screws > tree.nv ? static_cast<std::size_t>(tree.nv * tree.nv) : 0) {}
     std::size_t numbers() const { return 144 * (bodies + 1) + 32 * screws + pairs; }
     std::string text() const {
       return std::to_string(bodies) + " bodies with " + std::to_string(screws) + " joint screws" +
@@ -27,14 +28,17 @@ template <class T = double> class Workspace {
   };
 
  public:
-  explicit Workspace(const Model& model)
-      : size_(model), lines_(size_.numbers() * sizeof(T) / sizeof(Line) + 1) {}
+  explicit Workspace(const Model& model) : Workspace(model.tree<double>()) {}
+  /// For kernels on another scalar.
+  template <class U>
+  explicit Workspace(const Tree<U>& tree)
+      : size_(tree), lines_(size_.numbers() * sizeof(T) / sizeof(Line) + 1) {}
 
   std::size_t bytes() const { return lines_.size() * sizeof(Line); }
 
   /// Throws std::invalid_argument where the workspace is too small for a model.
   void check(const Model& model) const {
-    const Size needed(model);
+    const Size needed(model.tree<double>());
     if (size_.bodies < needed.bodies || size_.screws < needed.screws || size_.pairs < needed.pairs)
       throw std::invalid_argument("workspace: made for " + size_.text() + "; model \"" + model.name() +
                                   "\" has " + needed.text());

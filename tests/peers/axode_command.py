@@ -24,13 +24,24 @@ def robots():
     return [pytest.param(file, id=file.stem) for file in files]
 
 
+def run_eval(model, state, want, base, representation):
+    return subprocess.run([COMMAND, "eval", model, "--state", "-", "--want", want, "--base", base,
+                           "--representation", representation, "--format", "json"],
+                          input=json.dumps(state), capture_output=True, text=True)
+
+
 def evaluate(model, state, want, base, representation):
     """The answer of `axode eval` to a state, as its JSON says it."""
-    run = subprocess.run([COMMAND, "eval", model, "--state", "-", "--want", ",".join(want), "--base", base,
-                          "--representation", representation, "--format", "json"],
-                         input=json.dumps(state), capture_output=True, text=True)
+    run = run_eval(model, state, ",".join(want), base, representation)
     assert run.returncode == 0, run.stderr
     return json.loads(run.stdout)
+
+
+def refusal(model, state, want, base):
+    """The sentence with which `axode eval` refuses to answer."""
+    run = run_eval(model, state, want, base, "body")
+    assert run.returncode == 1 and run.stdout == "", "an answer, not a refusal"
+    return run.stderr
 
 
 def by_joint(answer, vector):

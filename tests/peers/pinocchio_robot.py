@@ -66,6 +66,18 @@ class Robot:
         leader, ratio, offset = self.mimic[name]
         return ratio * self._follow(leader, values, with_offset) + (offset if with_offset else 0)
 
+    def velocity_map(self, joints):
+        """P with Pinocchio's v = P times the velocities of independent joints in the order of `joints`."""
+        sizes = [6 if name == FREE_BASE else 1 for name in joints]
+        columns = []
+        for at in np.eye(sum(sizes)):
+            values, start = {}, 0
+            for name, size in zip(joints, sizes):
+                values[name] = at[start:start + size].tolist()
+                start += size
+            columns.append(self.velocities(values))
+        return np.array(columns).T
+
     def forces(self, tau):
         """Generalised forces by independent joint from Pinocchio's tau."""
         found = {name: np.zeros(joint.nv) for name, joint in self.joints.items() if name not in self.mimic}
@@ -119,6 +131,24 @@ class Robot:
         def classical(frame):
             return pin.getFrameClassicalAcceleration(self.model, self.data, self.links[link], frame)
         return self._motion(spatial, classical, representation)
+
+    def jacobian(self, link, representation):
+        """Angular rows first, a column for each of Pinocchio's velocities; after computeJointJacobians."""
+        def of(frame):
+            return pin.getFrameJacobian(self.model, self.data, self.links[link], frame)
+        return self._rows(of, representation)
+
+    def jacobian_rate(self, link, representation):
+        """Its time derivative; after computeJointJacobiansTimeVariation."""
+        def of(frame):
+            return pin.getFrameJacobianTimeVariation(self.model, self.data, self.links[link], frame)
+        return self._rows(of, representation)
+
+    @staticmethod
+    def _rows(of, representation):
+        angular, linear = {"body": (LOCAL, LOCAL), "spatial": (WORLD, WORLD), "hybrid": (ALIGNED, ALIGNED),
+                           "mixed": (LOCAL, ALIGNED)}[representation]
+        return np.vstack([of(angular)[3:], of(linear)[:3]])
 
     @staticmethod
     def _motion(of_screw, of_origin, representation):

@@ -3,41 +3,12 @@
 import numpy as np
 import pinocchio as pin
 import pytest
-from axode_command import FREE_BASE, REPRESENTATIONS, by_joint, evaluate, robots
+from axode_command import REPRESENTATIONS, by_joint, evaluate, robots
 from pinocchio_robot import Robot
+from states import arrays, assert_equal, as_json, random_state
 
-BOUND = 1e-10  # of the largest entry
 STATES = 3
 WANT = ["inverse_dynamics", "poses", "twists", "accelerations", "joint_wrenches", "center_of_mass"]
-
-
-def assert_equal(quantity, ours, theirs):
-    """Both map names to numbers: the same names, and the same numbers to a part of the largest one."""
-    assert ours.keys() == theirs.keys(), quantity
-    scale = max(np.max(np.abs(x), initial=0) for x in theirs.values())
-    worst = max(ours, key=lambda name: np.max(np.abs(ours[name] - theirs[name]), initial=0))
-    error = np.max(np.abs(ours[worst] - theirs[worst]))
-    assert error <= BOUND * scale, f"{quantity} of {worst} differs by {error} in {scale}"
-
-
-def random_state(robot, random):
-    """Numbers by joint, and a few loads on links."""
-    values = {key: {name: random.uniform(-1, 1, 6 if name == FREE_BASE else 1).tolist()
-                    for name in robot.independent_joints()} for key in ("q", "v", "a")}
-    for name in robot.independent_joints():
-        if name == FREE_BASE:
-            quaternion = random.normal(size=4)
-            position = random.uniform(-1, 1, 3)
-            values["q"][name] = [*(quaternion / np.linalg.norm(quaternion)).tolist(), *position.tolist()]
-        else:
-            values["q"][name] = [np.pi * values["q"][name][0]]
-    loads = [(str(random.choice(list(robot.links))), str(random.choice(REPRESENTATIONS)),
-              random.uniform(-20, 20, 6).tolist()) for _ in range(4)]
-    return values, loads
-
-
-def arrays(by_name, names=None):
-    return {name: np.array(by_name[name]) for name in names or by_name}
 
 
 @pytest.mark.parametrize("representation", REPRESENTATIONS)
@@ -49,9 +20,7 @@ def test_agrees(file, base, representation):
     assert robot.model.nv > 0
     for seed in range(STATES):
         values, loads = random_state(robot, np.random.default_rng(seed))
-        keys = ("frame", "representation", "wrench")
-        state = {**values, "loads": [dict(zip(keys, load)) for load in loads]}
-        answer = evaluate(file, state, WANT, base, representation)
+        answer = evaluate(file, as_json(values, loads), WANT, base, representation)
         ours = answer["results"]
 
         q, v, a = robot.coordinates(values["q"]), robot.velocities(values["v"]), robot.velocities(values["a"])

@@ -19,7 +19,7 @@ template <class T> std::vector<SE3<T>> frame_poses(const Tree<T>& tree, const st
 template <class Rep, class T>
 std::vector<Twist<Rep, T>> frame_twists(const Tree<T>& tree, const std::vector<T>& q,
                                         const std::vector<T>& v) {
-  Workspace<T> workspace(tree.n);
+  Workspace<T> workspace(tree);
   typename Workspace<T>::Arena arena(workspace);
   const JointMotion<T> joints(arena);
   const BodyMotion<Rep, T> bodies(arena);
@@ -35,8 +35,9 @@ std::vector<Twist<Rep, T>> frame_twists(const Tree<T>& tree, const std::vector<T
 template <class Rep, class T>
 std::vector<T> generalised_forces(const Tree<T>& tree, const std::vector<T>& q, const std::vector<T>& v,
                                   const std::vector<T>& a, const Loads<T>& loads = {}) {
-  Workspace<T> workspace(tree.n);
-  InverseDynamicsRecursion<Rep, T> recursion{typename Workspace<T>::Arena(workspace)};
+  Workspace<T> workspace(tree);
+  typename Workspace<T>::Arena arena(workspace);
+  InverseDynamicsRecursion<Rep, T> recursion{arena};
   recursion.run(tree, q.data(), v.data(), a.data(), loads);
   std::vector<T> tau(static_cast<std::size_t>(tree.nv));
   recursion.project(tree, v.data(), a.data(), loads.joint_losses, tau.data());
