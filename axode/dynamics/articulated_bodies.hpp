@@ -44,8 +44,8 @@ template <class Rep, class T> struct ArticulatedBodies {
   int factorize(const Tree<T>& tree, const T* armature) noexcept {
     joint_columns(tree, link, S);
     for (int i = 0; i <= tree.n; ++i) {
-      M[i] = articulated(link[i], tree.M[i]);
       composite[i] = inertia(link[i], tree.M[i]);
+      M[i] = articulated(link[i], composite[i]);
     }
     int singular_body = 0;
     for (int i = tree.n; i > 0; --i) {

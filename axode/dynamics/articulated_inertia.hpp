@@ -30,15 +30,14 @@ constexpr void give_way(ArticulatedInertia<Rep, T>& M, const Wrench<Rep, T>& U, 
   M.L = M.L + d * square(U.f);
 }
 
-/// The inertia of a rigid body in Rep.
+/// The matrix of a rigid body's inertia(link, M).
 template <class Rep, class T>
 constexpr ArticulatedInertia<Rep, T> articulated(const Link<Rep, T>& link, const Inertia<T>& M) {
+  const Mat3<T> h = skew_matrix(M.h);
   if constexpr (std::same_as<Rep, Mixed>)
-    return {M.Theta, skew_matrix(M.h) * transpose(link.R), identity_tensor(M.m)};
-  else {
-    const Inertia<T> M_i = inertia(link, M);
-    return {M_i.Theta, skew_matrix(M_i.h), identity_tensor(M_i.m)};
-  }
+    return {M.Theta, h * transpose(link.R), identity_tensor(M.m)};
+  else
+    return {M.Theta, h, identity_tensor(M.m)};
 }
 
 /// The congruence with Ad_r: M about a point from which its own is at r, in the same axes.

@@ -117,5 +117,62 @@ TYPED_TEST(NoAllocation, InJacobiansAndMotionOfHigherOrder) {
   });
 }
 
+TYPED_TEST(NoAllocation, InTheEquationsOfMotion) {
+  using Rep = typename TypeParam::Rep;
+  using T = typename TypeParam::T;
+  for_seeds(100, [&](std::uint64_t seed) {
+    Trial<T> trial{Random<double>(seed), {.most_bodies = 20}};
+    const Model& model = trial.model;
+    const std::vector<T>&q = trial.state.q, &v = trial.state.v, &a = trial.state.a;
+    Workspace<T>& workspace = trial.workspace;
+    const std::size_t nv = v.size(), n = static_cast<std::size_t>(model.n_bodies());
+    const int tip = model.n_frames() - 1;
+    std::vector<T> x(nv), y(nv), M(nv * nv), tensor(nv * nv * nv), regressor(nv * 10 * n), energy(10 * n),
+        six(36);
+    std::vector<Twist<Rep, T>> Y(nv), V(n);
+    std::vector<TwistRate<Rep, T>> dV(n);
+    std::vector<Momentum<Rep, T>> Pi(n);
+    std::vector<Momentum<Spatial, T>> Pi_s(n);
+    std::vector<Wrench<Spatial, T>> dPi(n);
+    const Loads<T> loads{.wrenches = trial.state.wrenches, .joint_losses = true};
+    std::vector<T> power(loads.wrenches.size());
+    MassMatrixFactor<T> factor(model);
+    const auto counted = [&](const auto& f) {
+      const long operations = memory_operations([&] { static_cast<void>(f()); });
+      EXPECT_EQ(operations, 0);
+    };
+    const auto none = [](const auto& f) {
+      return [&f] {
+        f();
+        return 0;
+      };
+    };
+    counted([&] { return forward_dynamics<Rep>(model, workspace, q, v, a, x, loads); });
+    counted(none([&] { mass_matrix<Rep>(model, workspace, q, M); }));
+    counted([&] { return factor.factorize(M); });
+    counted([&] { return inverse_mass_matrix<Rep>(model, workspace, q, M); });
+    counted(none([&] { mass_matrix_partials(model, workspace, q, tensor); }));
+    counted(none([&] { coriolis_vector<Rep>(model, workspace, q, v, x); }));
+    counted(none([&] { gravity_vector<Rep>(model, workspace, q, x); }));
+    counted(none([&] { generalized_loads<Rep>(model, workspace, q, v, loads, x); }));
+    counted(none([&] { coriolis_matrix(model, workspace, q, v, CoriolisForm::christoffel, M); }));
+    counted(none([&] { christoffel_symbols(model, workspace, q, tensor); }));
+    counted([&] { return impulse_response<Rep>(model, workspace, q, tip, Y); });
+    counted([&] { return mobility<Rep>(model, workspace, q, tip, six); });
+    counted([&] { return operational_space_inertia<Rep>(model, workspace, q, tip, six); });
+    counted(none([&] { generalized_momenta(model, workspace, q, v, x); }));
+    counted([&] { return momentum_form(model, workspace, q, v, a, x, y, loads); });
+    counted(none([&] { body_momenta<Rep>(model, workspace, q, v, Pi); }));
+    counted([&] { return twist_form<Rep>(model, workspace, q, V, a, x, dV, loads); });
+    counted([&] { return spatial_momentum_form(model, workspace, q, Pi_s, a, x, dPi, loads); });
+    counted([&] { return kinetic_energy(model, workspace, q, v) + potential_energy(model, workspace, q); });
+    counted([&] { return spatial_momentum(model, workspace, q, v).p.x; });
+    counted(none([&] { load_powers(model, workspace, q, v, loads, power); }));
+    counted(none([&] { torque_regressor(model, workspace, q, v, a, regressor); }));
+    counted(none([&] { kinetic_energy_regressor(model, workspace, q, v, energy); }));
+    counted(none([&] { potential_energy_regressor(model, workspace, q, energy); }));
+  });
+}
+
 }  // namespace
 }  // namespace axode::test

@@ -1,4 +1,5 @@
 #include "tests/kinematics/derivatives.hpp"
+#include "tests/support/refused_arguments.hpp"
 
 /// Jacobians are what makes twists of velocities.
 namespace axode::test {
@@ -221,7 +222,7 @@ TEST(JacobianErrors, NameTheArgumentAndTheRule) {
   std::vector<JacobianColumn<BodyFixed>> none;
   const std::string too_short = message_of([&] { jacobian_columns(model, workspace, q, 1, none); });
   EXPECT_EQ(too_short.substr(0, 40), "columns has 0 entries; the path to the p");
-  Workspace<> small(0);
+  Workspace<> small(one_body());
   EXPECT_EQ(message_of([&] { jacobian(model, small, q, 1, J); }).substr(0, 10), "workspace:");
 }
 

@@ -46,7 +46,7 @@ inline Model shoulder() {
 
 /// A model of one hinge, for which a workspace is too small for any other.
 inline Model one_body() {
-  return ModelBuilder("door").add({.name = "leaf", .inertia = MassProperties{.mass = 1}}).build();
+  return ModelBuilder("door").add({.name = "leaf", .joint = {.kind = JointKind::revolute}}).build();
 }
 
 }  // namespace axode::test

@@ -1,0 +1,61 @@
+#pragma once
+#include <type_traits>
+
+#include "axode/lie/scalar.hpp"
+
+namespace axode {
+
+/// How many operations of each kind.
+struct Operations {
+  long products = 0, sums = 0, divisions = 0, roots = 0, angles = 0;  ///< angles: sin, cos, atan2
+
+  /// Everything, in units of one product or sum.
+  long total() const { return products + sums + divisions + roots + angles; }
+};
+
+/// A number that counts what is done with it, those with an exact 0 or 1 included: run a kernel on it and read count().
+class Counted {
+ public:
+  Counted() = default;
+  template <class Number>
+    requires std::is_arithmetic_v<Number> Counted(Number value)
+        : x_(static_cast<double>(value)) {}  // NOLINT(google-explicit-constructor): a constant
+    explicit operator double() const { return x_; }
+
+    /// The operations of this thread since it was set.
+    static Operations& count() {
+      thread_local Operations operations;
+      return operations;
+    }
+
+    friend Counted operator+(const Counted& a, const Counted& b) {
+      return ++count().sums, Counted(a.x_ + b.x_);
+    }
+    friend Counted operator-(const Counted& a, const Counted& b) {
+      return ++count().sums, Counted(a.x_ - b.x_);
+    }
+    friend Counted operator-(const Counted& a) { return Counted(-a.x_); }
+    friend Counted operator*(const Counted& a, const Counted& b) {
+      return ++count().products, Counted(a.x_ * b.x_);
+    }
+    friend Counted operator/(const Counted& a, const Counted& b) {
+      return ++count().divisions, Counted(a.x_ / b.x_);
+    }
+    Counted& operator+=(const Counted& b) { return *this = *this + b; }
+    Counted& operator-=(const Counted& b) { return *this = *this - b; }
+    friend Counted sqrt(const Counted& a) { return ++count().roots, Counted(std::sqrt(a.x_)); }
+    friend Counted sin(const Counted& a) { return ++count().angles, Counted(std::sin(a.x_)); }
+    friend Counted cos(const Counted& a) { return ++count().angles, Counted(std::cos(a.x_)); }
+    friend Counted atan2(const Counted& a, const Counted& b) {
+      return ++count().angles, Counted(std::atan2(a.x_, b.x_));
+    }
+    friend bool operator<(const Counted& a, const Counted& b) { return a.x_ < b.x_; }
+    friend bool operator>(const Counted& a, const Counted& b) { return a.x_ > b.x_; }
+    friend bool operator<=(const Counted& a, const Counted& b) { return a.x_ <= b.x_; }
+    friend Counted select(bool condition, const Counted& a, const Counted& b) { return condition ? a : b; }
+
+   private:
+    double x_ = 0;
+};
+
+}  // namespace axode

@@ -1,0 +1,76 @@
+#include <array>
+
+#include "tests/laws/law.hpp"
+
+/// Forward dynamics of long chains: how well the accelerations meet the forces that they were found from.
+namespace axode::test {
+namespace {
+
+/// n links of 20 cm and 1 kg with hinges about x, y and z in turn, the first one `away` from the inertial origin, m.
+Model chain(int n, double away) {
+  ModelBuilder builder("chain");
+  const Vec3<> axes[] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  for (int i = 0; i < n; ++i) {
+    BodyDescription link{.name = "link " + std::to_string(i)};
+    if (i > 0) link.predecessor = "link " + std::to_string(i - 1);
+    link.joint = {.kind = JointKind::revolute, .axis = axes[i % 3]};
+    link.geometry = InBodyFrame{{{}, i == 0 ? Vec3<>{away, 0, 0} : Vec3<>{0, 0, -0.2}}};
+    link.inertia = MassProperties{.mass = 1, .com = {0.01, 0, -0.1}, .Theta = {0.01, 0.01, 0.002}};
+    builder.add(std::move(link));
+  }
+  return builder.build();
+}
+
+/// ‖τ - ID(FD(τ))‖∞ / ‖τ‖∞ with τ = ID(a).
+template <class Rep> double residual(Trial<double>& t) {
+  const std::vector<double> tau = t.inverse_dynamics<Rep>();
+  std::vector<double> a = t.zero();
+  EXPECT_TRUE(forward_dynamics<Rep>(t.model, t.workspace, t.state.q, t.state.v, tau, a).ok());
+  std::vector<double> off = t.inverse_dynamics<Rep>(t.state.v, a, {});
+  for (std::size_t c = 0; c < off.size(); ++c) off[c] -= tau[c];
+  return largest(off) / largest(tau);
+}
+
+/// The residuals in the representations body, spatial, hybrid, mixed; the joints' angles are up to `bend`, rad.
+std::array<double, 4> residuals(int n, double bend, double away, std::uint64_t seed) {
+  Random<double> random(seed);
+  std::vector<double> q = random_numbers(random, n), v = random_numbers(random, n),
+                      a = random_numbers(random, n);
+  for (double& x : q) x *= bend;
+  Trial<double> trial(chain(n, away), {q, v, a});
+  return {residual<BodyFixed>(trial), residual<Spatial>(trial), residual<Hybrid>(trial),
+          residual<Mixed>(trial)};
+}
+const char* const names[] = {"body", "spatial", "hybrid", "mixed"};
+
+TEST(LongChain, ForwardDynamicsUndoesInverseDynamics) {
+  for (const double bend : {0.001, 1.0})  // stretched out, and curled
+    for (const int n : {10, 100, 1000}) {
+      std::array<double, 4> worst{};
+      for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+        const std::array<double, 4> found = residuals(n, bend, 0, seed);
+        for (std::size_t r = 0; r < 4; ++r) worst[r] = std::max(worst[r], found[r]);
+      }
+      for (std::size_t r = 0; r < 4; ++r) {
+        EXPECT_LE(worst[r], 1e-8) << names[r] << ", n = " << n << ", bend " << bend;
+        RecordProperty((bend < 1 ? "stretched " : "curled ") + std::to_string(n) + " " + names[r],
+                       to_text(worst[r]));
+      }
+    }
+}
+
+TEST(LongChain, OnlySpatialTwistsSufferFarFromTheInertialOrigin) {
+  for (const double away : {1e2, 1e4, 1e6}) {
+    const std::array<double, 4> found = residuals(100, 1, away, 1);
+    for (std::size_t r = 0; r < 4; ++r) {
+      if (r != 1) {
+        EXPECT_LE(found[r], 1e-12) << names[r] << ", " << away << " m away";
+      }
+      RecordProperty(to_text(away) + " m away " + names[r], to_text(found[r]));
+    }
+    EXPECT_LE(found[1], 1e-15 * away * away) << away << " m away";
+  }
+}
+
+}  // namespace
+}  // namespace axode::test
