@@ -25,7 +25,8 @@ template <class F> std::vector<double> filled(const ReferenceState& at, int dime
 std::vector<double> rows(const Eigen::MatrixXd& M) { return entries(Eigen::MatrixXd(M.transpose())); }
 
 TEST_P(EquationsOfMotion, MassMatrixAndItsInverse) {
-  Comparison M("M", bound), closed("M in closed form", bound), inverse("M_inverse", bound), sparse("LDL", bound);
+  Comparison M("M", bound), closed("M in closed form", bound), inverse("M_inverse", bound),
+      sparse("LDL", bound);
   each_state_with("M", [&](ReferenceState& at) {
     each_representation([&](auto rep, const char*) {
       using Rep = decltype(rep);
@@ -81,8 +82,8 @@ TEST_P(EquationsOfMotion, ForwardDynamics) {
 }
 
 TEST_P(EquationsOfMotion, VectorsOfForces) {
-  Comparison coriolis("coriolis_vector", bound), gravity("gravity_vector", bound), loads("applied_generalized", bound),
-      Q("Q", bound);
+  Comparison coriolis("coriolis_vector", bound), gravity("gravity_vector", bound),
+      loads("applied_generalized", bound), Q("Q", bound);
   each_state_with("Q", [&](ReferenceState& at) {
     each_representation([&](auto rep, const char*) {
       using Rep = decltype(rep);
@@ -98,8 +99,9 @@ TEST_P(EquationsOfMotion, VectorsOfForces) {
       Q.expect_equal(at.in_file_order(entries(tau), 1), numbers(at.dynamics.at("Q")));
     });
     const Loads<> applied{.wrenches = at.wrenches};
-    for (const Eigen::VectorXd& tau : {closed_form::momentum_balance(at.model, at.q, at.v(), at.a(), applied),
-                                       closed_form::lagrange_equations(at.model, at.q, at.v(), at.a(), applied)})
+    for (const Eigen::VectorXd& tau :
+         {closed_form::momentum_balance(at.model, at.q, at.v(), at.a(), applied),
+          closed_form::lagrange_equations(at.model, at.q, at.v(), at.a(), applied)})
       Q.expect_equal(at.in_file_order(entries(tau), 1), numbers(at.dynamics.at("Q")));
   });
 }
@@ -113,10 +115,12 @@ TEST_P(EquationsOfMotion, CoriolisMatrices) {
                                                           {CoriolisForm::christoffel, "christoffel"}};
     for (const auto& [form, key] : forms) {
       const std::vector<double> reference = numbers(at.dynamics.at("C_matrix").at(key));
-      const auto matrix = [&](auto& out) { coriolis_matrix(at.model, at.workspace, at.q, at.v(), form, out); };
+      const auto matrix = [&](auto& out) {
+        coriolis_matrix(at.model, at.workspace, at.q, at.v(), form, out);
+      };
       C.expect_equal(filled(at, 2, matrix), reference);
-      closed.expect_equal(at.in_file_order(rows(closed_form::coriolis_matrix(at.model, at.q, at.v(), form)), 2),
-                          reference);
+      closed.expect_equal(
+          at.in_file_order(rows(closed_form::coriolis_matrix(at.model, at.q, at.v(), form)), 2), reference);
     }
   });
 }
@@ -138,13 +142,16 @@ TEST_P(EquationsOfMotion, MomentaAndEnergies) {
       std::vector<Momentum<decltype(rep)>> bodies(at.n());
       body_momenta<decltype(rep)>(at.model, at.workspace, at.q, at.v(), bodies);
       std::vector<Momentum<decltype(rep)>> listed;
-      for (int i = 1; i <= at.model.n_bodies(); ++i) listed.push_back(bodies[static_cast<std::size_t>(at.frame(i) - 1)]);
+      for (int i = 1; i <= at.model.n_bodies(); ++i)
+        listed.push_back(bodies[static_cast<std::size_t>(at.frame(i) - 1)]);
       Pi.expect_equal(entries(listed), numbers(at.dynamics.at("Pi").at(letter)));
     });
     total.expect_equal(entries(spatial_momentum(at.model, at.workspace, at.q, at.v())),
                        numbers(at.dynamics.at("Pi_s_total")));
-    kinetic.expect_equal(kinetic_energy(at.model, at.workspace, at.q, at.v()), number(at.dynamics.at("kinetic_energy")));
-    potential.expect_equal(potential_energy(at.model, at.workspace, at.q), number(at.dynamics.at("potential_energy")));
+    kinetic.expect_equal(kinetic_energy(at.model, at.workspace, at.q, at.v()),
+                         number(at.dynamics.at("kinetic_energy")));
+    potential.expect_equal(potential_energy(at.model, at.workspace, at.q),
+                           number(at.dynamics.at("potential_energy")));
   });
 }
 

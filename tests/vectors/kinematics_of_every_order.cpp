@@ -1,79 +1,17 @@
-#include <gtest/gtest.h>
-
-#include "axode/axode.hpp"
 #include "axode/kinematics/system_matrices.hpp"
-#include "tests/support/comparison.hpp"
-#include "tests/support/vectors.hpp"
+#include "tests/vectors/reference_state.hpp"
 
 /// Jacobians, their rates and partials, motion of higher order and system matrices of every reference system.
 namespace axode::test {
 namespace {
 
-constexpr double bound = 1e-12;  // of the largest entry of a quantity
-
-const std::string ending = "_model.json";
-const std::string none = "none";
-
-std::vector<std::string> systems() {
-  std::vector<std::string> names;
-  for (const auto& file : files_ending_in(vectors_folder(), ending)) {
-    const std::string name = file.filename().string();
-    names.push_back(name.substr(0, name.size() - ending.size()));
-  }
-  return names.empty() ? std::vector{none} : names;
-}
-
-template <class F> void each_representation(const F& f) {
-  f(BodyFixed{}, "b"), f(Spatial{}, "s"), f(Hybrid{}, "h"), f(Mixed{}, "m");
-}
-
-/// A state of a reference system: the model, its coordinates and their derivatives.
-struct ReferenceState {
-  const nlohmann::json& kinematics;
-  Model model;
-  Workspace<> workspace;
-  std::vector<double> q, rates;
-  std::vector<std::size_t> place;  ///< in q and v of the file's joint j at index j
-
-  ReferenceState(const ReferenceSystem& system, const nlohmann::json& state, Telling telling)
-      : kinematics(state.at("kinematics")),
-        model(system.build(telling)),
-        workspace(model),
-        q(ReferenceSystem::in_model_order(model, state.at("q"))),
-        place{0} {
-    for (const char* key : {"qd", "qdd", "qddd", "qdddd"})
-      for (const double x : ReferenceSystem::in_model_order(model, state.at(key))) rates.push_back(x);
-    for (int j = 1; j <= model.nv(); ++j) place.push_back(ReferenceSystem::place_of(model, j));
-  }
-  std::size_t n() const { return static_cast<std::size_t>(model.nv()); }
-  int frame(int index) const { return ReferenceSystem::frame(model, index); }
-  std::vector<double> rate(std::size_t k) const {
-    return {rates.begin() + k * n(), rates.begin() + (k + 1) * n()};
-  }
-};
-
-class KinematicsOfReferenceSystems : public testing::TestWithParam<std::string> {
+class KinematicsOfReferenceSystems : public ReferenceStates {
  protected:
-  void SetUp() override {
-    if (GetParam() == none) GTEST_SKIP() << missing(vectors_folder(), "AXODE_VECTORS");
-  }
-  /// check(state) for every state that has the quantity, for every way of telling the system.
   template <class Check> static void each_state_with(const char* quantity, const Check& check) {
-    const ReferenceSystem system(GetParam());
-    ASSERT_FALSE(system.states.empty());
-    if (!system.states.front().at("kinematics").contains(quantity))
-      GTEST_SKIP() << GetParam() << " comes without " << quantity;
-    for (const nlohmann::json& json : system.states)
-      for (const Telling telling : tellings) {
-        SCOPED_TRACE("state " + json.at("state").dump() + ", told in way " +
-                     std::to_string(static_cast<int>(telling)));
-        ReferenceState state(system, json, telling);
-        check(state);
-      }
+    ReferenceStates::each_state_with("kinematics", quantity, check);
   }
 };
-INSTANTIATE_TEST_SUITE_P(Vectors, KinematicsOfReferenceSystems, testing::ValuesIn(systems()),
-                         [](const testing::TestParamInfo<std::string>& system) { return system.param; });
+INSTANTIATE_TEST_SUITE_P(Vectors, KinematicsOfReferenceSystems, testing::ValuesIn(systems()), name_of);
 
 TEST_P(KinematicsOfReferenceSystems, TwistsUpToSnap) {
   const char* const keys[] = {"V", "Vdot", "Vddot", "Vdddot"};

@@ -77,7 +77,8 @@ class ReferenceStates : public testing::TestWithParam<std::string> {
     if (GetParam() == none) GTEST_SKIP() << missing(vectors_folder(), "AXODE_VECTORS");
   }
   /// check(state) for every state that has the quantity, for every way of telling the system.
-  template <class Check> static void each_state_with(const char* part, const char* quantity, const Check& check) {
+  template <class Check>
+  static void each_state_with(const char* part, const char* quantity, const Check& check) {
     const ReferenceSystem system(GetParam());
     ASSERT_FALSE(system.states.empty());
     if (!system.states.front().at(part).contains(quantity))

@@ -1,30 +1,12 @@
-#include <gtest/gtest.h>
-
-#include "axode/axode.hpp"
 #include "axode/dynamics/newton_euler.hpp"
 #include "axode/kinematics/product_of_exponentials.hpp"
 #include "tests/support/any_scalar.hpp"
-#include "tests/support/comparison.hpp"
-#include "tests/support/vectors.hpp"
+#include "tests/vectors/reference_state.hpp"
 
 /// Every quantity of every reference system that the library can compute, for every way of telling the
 /// system.
 namespace axode::test {
 namespace {
-
-constexpr double bound = 1e-12;  // of the largest entry of a quantity
-
-const std::string ending = "_model.json";
-const std::string none = "none";
-
-std::vector<std::string> systems() {
-  std::vector<std::string> names;
-  for (const auto& file : files_ending_in(vectors_folder(), ending)) {
-    const std::string name = file.filename().string();
-    names.push_back(name.substr(0, name.size() - ending.size()));
-  }
-  return names.empty() ? std::vector{none} : names;
-}
 
 class ReferenceSystems : public testing::TestWithParam<std::string> {
  protected:
@@ -54,13 +36,7 @@ class ReferenceSystems : public testing::TestWithParam<std::string> {
   }
 };
 
-INSTANTIATE_TEST_SUITE_P(Vectors, ReferenceSystems, testing::ValuesIn(systems()),
-                         [](const testing::TestParamInfo<std::string>& system) { return system.param; });
-
-/// f(Rep{}, "b") and so on.
-template <class F> void each_representation(const F& f) {
-  f(BodyFixed{}, "b"), f(Spatial{}, "s"), f(Hybrid{}, "h"), f(Mixed{}, "m");
-}
+INSTANTIATE_TEST_SUITE_P(Vectors, ReferenceSystems, testing::ValuesIn(systems()), name_of);
 
 /// What the library computes for a model in a state of the files; bodies in the order of the files.
 struct Evaluation {
