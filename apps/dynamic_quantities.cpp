@@ -3,7 +3,8 @@
 #include "commands.hpp"
 #include "quantities.hpp"
 
-/// Mass and Coriolis matrices, forward dynamics, momenta, energies, regressors and what a frame shows to a wrench.
+/// Mass and Coriolis matrices, forward dynamics, momenta, energies, regressors and what a frame shows to a
+/// wrench.
 namespace axode::command {
 namespace {
 

@@ -81,7 +81,8 @@ Answer jerk_answer(const Question& ask) { return twist_derivative(ask, "jerk", 2
 Answer snap_answer(const Question& ask) { return twist_derivative(ask, "snap", 3); }
 Answer twist_derivative_answer(const Question& ask) { return twist_derivative(ask, "twist", ask.order); }
 
-/// The tensor as nested lists: an index for each derivative, the outermost first, then six rows of nv entries.
+/// The tensor as nested lists: an index for each derivative, the outermost first, then six rows of nv
+/// entries.
 template <class Column> Json nested(std::span<const Column> tensor, int order, int nv) {
   if (order == 0) return rows_of(tensor);
   Json list = Json::array();

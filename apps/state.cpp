@@ -120,7 +120,8 @@ class StateReader {
     fault(where + "the key " + none_of(key, known, [](std::string_view name) { return name; }));
   }
 
-  /// q, v or a: all numbers in the model's order, or some of them by joint. `place` is where a joint's numbers are.
+  /// q, v or a: all numbers in the model's order, or some of them by joint. `place` is where a joint's
+  /// numbers are.
   template <class Place>
   void numbers(const std::string& key, const Json& value, Place place, const char* size,
                std::vector<double>& out) {

@@ -25,9 +25,10 @@ State neutral_state(const Model& model);
 ///
 ///     {"q": [0.1, 0.2], "v": {"elbow": 1}, "a": {}, "loads": [{"frame": "tool", "wrench": [0, 0, 0, 0, 0, -5]}]}
 ///
-/// q, v, a, jerk, snap, tau and p are arrays in the model's order or objects keyed by joint name; what is not given is
-/// neutral, or zero. "targets" are poses for inverse kinematics: a list of {"frame", "pose"}, four rows of four numbers.
-/// A load's representation is "body" where it says nothing. Throws InputError with everything that is wrong.
+/// q, v, a, jerk, snap, tau and p are arrays in the model's order or objects keyed by joint name; what is not
+/// given is neutral, or zero. "targets" are poses for inverse kinematics: a list of {"frame", "pose"}, four
+/// rows of four numbers. A load's representation is "body" where it says nothing. Throws InputError with
+/// everything that is wrong.
 State read_state(const Model& model, const std::string& file);
 
 }  // namespace axode::command

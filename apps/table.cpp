@@ -10,7 +10,8 @@
 namespace axode::command {
 namespace {
 
-/// How the numbers of one column are written: six digits of the largest, without the zeros at the end that all share.
+/// How the numbers of one column are written: six digits of the largest, without the zeros at the end that
+/// all share.
 class NumberStyle {
  public:
   explicit NumberStyle(const std::vector<double>& column) {

@@ -8,8 +8,8 @@ namespace axode::command {
 /// Text as it stands, or a number that is written with as many decimals as its column needs.
 using Cell = std::variant<std::string, double>;
 
-/// A table for a terminal. Columns of numbers are aligned on the decimal point, with at most six digits for the
-/// largest number of the column; columns without any entry are left out.
+/// A table for a terminal. Columns of numbers are aligned on the decimal point, with at most six digits for
+/// the largest number of the column; columns without any entry are left out.
 class Table {
  public:
   explicit Table(std::vector<std::string> headings) : headings_(std::move(headings)) {}

@@ -7,8 +7,9 @@
 
 #include "axode/lie.hpp"
 
-/// Eigen's vectors and matrices of the quantities of this library, and back. Six-vectors are angular part first;
-/// the order of other libraries (linear part first) has functions of its own. Nothing is normalised or projected.
+/// Eigen's vectors and matrices of the quantities of this library, and back. Six-vectors are angular part
+/// first; the order of other libraries (linear part first) has functions of its own. Nothing is normalised or
+/// projected.
 namespace axode {
 
 template <class T> using Vector6 = Eigen::Matrix<T, 6, 1>;
@@ -66,7 +67,8 @@ template <class T> Matrix6<T> to_eigen(const Inertia<T>& M) {
 
 namespace detail {
 
-/// A matrix with its shape fixed. The wrong shape does not compile, or throws where sizes are known at run time only.
+/// A matrix with its shape fixed. The wrong shape does not compile, or throws where sizes are known at run
+/// time only.
 template <int Rows, int Cols, class Derived>
 Eigen::Matrix<typename Derived::Scalar, Rows, Cols> shaped(const Eigen::MatrixBase<Derived>& matrix) {
   constexpr auto fits = [](int size, int wanted) {
@@ -132,8 +134,9 @@ template <class T> struct FromEigen<Inertia<T>> {
 
 }  // namespace detail
 
-/// The quantity in an Eigen vector or matrix, e.g. from_eigen<SE3<double>>(matrix). Of matrices with structure
-/// (symmetric, inertia, pose) the entries above the diagonal are read; nothing is checked but the shape.
+/// The quantity in an Eigen vector or matrix, e.g. from_eigen<SE3<double>>(matrix). Of matrices with
+/// structure (symmetric, inertia, pose) the entries above the diagonal are read; nothing is checked but the
+/// shape.
 template <class Result, class Derived> Result from_eigen(const Eigen::MatrixBase<Derived>& matrix) {
   using From = detail::FromEigen<Result>;
   return From::read(detail::shaped<From::rows, From::cols>(matrix));
@@ -166,6 +169,13 @@ template <ContiguousVector Derived>
 std::span<typename Derived::Scalar> as_span(Eigen::MatrixBase<Derived>& vector) {
   return {vector.derived().data(), static_cast<std::size_t>(vector.size())};
 }
+/// The entries of an Eigen matrix in the order in which it stores them: column by column, unless its type
+/// says RowMajor. Results of this library that are matrices come row by row.
+template <class Derived>
+  requires(!Derived::IsVectorAtCompileTime)
+std::span<typename Derived::Scalar> as_span(Eigen::PlainObjectBase<Derived>& matrix) {
+  return {matrix.data(), static_cast<std::size_t>(matrix.size())};
+}
 /// A span as an Eigen vector; nothing is copied.
 template <class T, std::size_t Extent>
 Eigen::Map<const Eigen::VectorX<T>> as_eigen(std::span<const T, Extent> entries) {
@@ -179,7 +189,8 @@ Eigen::Map<Eigen::VectorX<T>> as_eigen(std::span<T, Extent> entries) {
 
 // ------------------------------------------------------------------------------------ orders of other libraries
 
-/// The rows of a 6×n matrix (a vector, a Jacobian) with its angular and its linear half exchanged; its own inverse.
+/// The rows of a 6×n matrix (a vector, a Jacobian) with its angular and its linear half exchanged; its own
+/// inverse.
 template <class Derived> auto exchange_halves(const Eigen::MatrixBase<Derived>& matrix) {
   auto exchanged = detail::shaped<6, Derived::ColsAtCompileTime>(matrix);
   exchanged << matrix.template bottomRows<3>(), matrix.template topRows<3>();

@@ -17,13 +17,14 @@ enum class Base {
   free,          ///< the one body that is fixed to the ground is set free by the joint `free_base`
 };
 
-/// Reads and builds the mechanism of a file: `.toml` is a drawing, `.urdf` or `.xml` a URDF, otherwise a file whose
-/// first character is `<` is a URDF. In a URDF, bodies that no matter can make are warnings; in a drawing, errors.
-/// Throws ModelError with every fault of the file; what is only doubtful stays in Model::warnings().
+/// Reads and builds the mechanism of a file: `.toml` is a drawing, `.urdf` or `.xml` a URDF, otherwise a file
+/// whose first character is `<` is a URDF. In a URDF, bodies that no matter can make are warnings; in a
+/// drawing, errors. Throws ModelError with every fault of the file; what is only doubtful stays in
+/// Model::warnings().
 Model load(const std::filesystem::path& file, Base base = Base::as_described);
 
-/// Everything wrong or doubtful with a file, errors and warnings, in the order of its lines. Throws nothing for a bad
-/// file; one that cannot be read is a fault as well.
+/// Everything wrong or doubtful with a file, errors and warnings, in the order of its lines. Throws nothing
+/// for a bad file; one that cannot be read is a fault as well.
 std::vector<Fault> check(const std::filesystem::path& file);
 
 /// What a text says, not yet built; doubts are in Description::warnings. `file_name` is for messages. Throws
@@ -31,12 +32,13 @@ std::vector<Fault> check(const std::filesystem::path& file);
 Description read_drawing_text(std::string_view text, const std::string& file_name);
 Description read_urdf_text(std::string_view text, const std::string& file_name);
 
-/// Writes the mechanism as a drawing, in the construction frame. Reading it gives the same mechanism, and writing
-/// that gives the same text.
+/// Writes the mechanism as a drawing, in the construction frame. Reading it gives the same mechanism, and
+/// writing that gives the same text.
 void write_drawing(const Model& model, std::ostream& out);
 
-/// Writes the mechanism as a URDF. Throws ModelError that names everything URDF has no words for, such as helical and
-/// spherical joints, armature, or another gravity than (0, 0, -9.81) m/s²; then nothing is written.
+/// Writes the mechanism as a URDF. Throws ModelError that names everything URDF has no words for, such as
+/// helical and spherical joints, armature, or another gravity than (0, 0, -9.81) m/s²; then nothing is
+/// written.
 void write_urdf(const Model& model, std::ostream& out);
 
 }  // namespace axode

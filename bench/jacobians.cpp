@@ -1,4 +1,5 @@
-// All joint Jacobians at once, accelerations, and jerk of all bodies, in one thread, on states drawn at random.
+// All joint Jacobians at once, accelerations, and jerk of all bodies, in one thread, on states drawn at
+// random.
 #include <benchmark/benchmark.h>
 
 #include <array>
@@ -27,11 +28,12 @@ Vec3<> random_vector() { return {random_number(-1, 1), random_number(-1, 1), ran
 Model chain(int n) {
   ModelBuilder builder("chain" + std::to_string(n));
   for (int i = 1; i <= n; ++i)
-    builder.add({.name = std::to_string(i),
-                 .predecessor = i == 1 ? "ground" : std::to_string(i - 1),
-                 .joint = {.kind = JointKind::revolute, .axis = random_vector(), .point = 0.1 * random_vector()},
-                 .geometry = InBodyFrame{exp(Screw<>{random_vector(), 0.3 * random_vector()})},
-                 .inertia = MassProperties{.mass = 1, .com = 0.1 * random_vector(), .Theta = {.1, .1, .1, 0, 0, 0}}});
+    builder.add(
+        {.name = std::to_string(i),
+         .predecessor = i == 1 ? "ground" : std::to_string(i - 1),
+         .joint = {.kind = JointKind::revolute, .axis = random_vector(), .point = 0.1 * random_vector()},
+         .geometry = InBodyFrame{exp(Screw<>{random_vector(), 0.3 * random_vector()})},
+         .inertia = MassProperties{.mass = 1, .com = 0.1 * random_vector(), .Theta = {.1, .1, .1, 0, 0, 0}}});
   return builder.build();
 }
 
@@ -62,8 +64,7 @@ void joint_screws_of_all(benchmark::State& state, const Model& model) {
   }
 }
 
-template <class Rep>
-void accelerations_of_all(benchmark::State& state, const Model& model) {
+template <class Rep> void accelerations_of_all(benchmark::State& state, const Model& model) {
   Workspace<> workspace(model);
   States states(model, 2);
   std::vector<TwistRate<Rep>> dV(static_cast<std::size_t>(model.n_frames()));
@@ -77,8 +78,7 @@ void accelerations_of_all(benchmark::State& state, const Model& model) {
   }
 }
 
-template <class Rep>
-void jerk_of_all(benchmark::State& state, const Model& model) {
+template <class Rep> void jerk_of_all(benchmark::State& state, const Model& model) {
   HigherOrderMotion<> motion(model, 2);
   States states(model, 3);
   std::vector<TwistRate<Rep>> jerk(static_cast<std::size_t>(model.n_bodies() + 1));
@@ -108,7 +108,8 @@ pinocchio::Model peer(const Model& model) {
   }
   return out;
 }
-std::vector<Eigen::VectorXd> vectors(const std::vector<std::vector<double>>& x, Eigen::Index first, Eigen::Index size) {
+std::vector<Eigen::VectorXd> vectors(const std::vector<std::vector<double>>& x, Eigen::Index first,
+                                     Eigen::Index size) {
   std::vector<Eigen::VectorXd> out;
   for (const auto& x_s : x) out.push_back(Eigen::VectorXd::Map(x_s.data() + first, size));
   return out;

@@ -15,19 +15,21 @@ int main(int argc, char** argv) {
   const std::vector<double> q = random_configuration(arm, 7);
   const int tool = arm.n_frames() - 1;
 
-  std::vector<Twist<Hybrid>> J(arm.nv());  // hybrid: inertial axes, velocity of the origin of the tool's frame
+  std::vector<Twist<Hybrid>> J(
+      arm.nv());  // hybrid: inertial axes, velocity of the origin of the tool's frame
   jacobian<Hybrid>(arm, workspace, q, tool, J);
   std::printf("hybrid Jacobian of %s\n  %-6s %26s   %s\n", arm.frame(tool).name.c_str(), "", "angular, rad/s",
               "linear, m/s");
   for (const Joint& joint : arm.joints())
     for (int c = joint.iv; c < joint.iv + joint.nv; ++c)
-      std::printf("  %-6s (%8.3f %8.3f %8.3f)  (%8.3f %8.3f %8.3f)\n", joint.name.c_str(), J[c].w.x, J[c].w.y, J[c].w.z,
-                  J[c].v.x, J[c].v.y, J[c].v.z);
+      std::printf("  %-6s (%8.3f %8.3f %8.3f)  (%8.3f %8.3f %8.3f)\n", joint.name.c_str(), J[c].w.x, J[c].w.y,
+                  J[c].w.z, J[c].v.x, J[c].v.y, J[c].v.z);
 
   Eigen::MatrixXd linear(3, arm.nv());
   for (int c = 0; c < arm.nv(); ++c) linear.col(c) = to_eigen(J[c].v);
   const Eigen::Vector3d s = linear.jacobiSvd().singularValues();
-  std::printf("the joints move it at %.3f m/s in its best direction and at %.3f m/s in its worst\n", s[0], s[2]);
+  std::printf("the joints move it at %.3f m/s in its best direction and at %.3f m/s in its worst\n", s[0],
+              s[2]);
 
   // A point in the tool's frame, 10 cm ahead of it, as an observer on the first link sees it move.
   relative_jacobian<Hybrid>(arm, workspace, q, {tool, Vec3<>{0, 0, 0.1}}, 1, J);

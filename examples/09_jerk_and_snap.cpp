@@ -22,12 +22,14 @@ int main(int argc, char** argv) {
   const char* const names[] = {"velocity", "acceleration", "jerk", "snap"};
   const char* const units[] = {"m/s", "m/s²", "m/s³", "m/s⁴"};
   for (int k = 0; k <= order; ++k) {
-    const TwistRate<Hybrid> V_k = motion.twist_derivative<Hybrid>(tool, k);  // linear part: that of the origin
+    const TwistRate<Hybrid> V_k =
+        motion.twist_derivative<Hybrid>(tool, k);  // linear part: that of the origin
     std::printf("  %-12s (%8.4f %8.4f %8.4f) %s\n", names[k], V_k.v.x, V_k.v.y, V_k.v.z, units[k]);
   }
 
   std::vector<TwistRate<BodyFixed>> dJ(arm.nv());
   motion.jacobian_derivative<BodyFixed>(tool, 1, dJ);
-  std::printf("the first column of its body-fixed Jacobian changes by (%.4f %.4f %.4f; %.4f %.4f %.4f) per second\n",
-              dJ[0].w.x, dJ[0].w.y, dJ[0].w.z, dJ[0].v.x, dJ[0].v.y, dJ[0].v.z);
+  std::printf(
+      "the first column of its body-fixed Jacobian changes by (%.4f %.4f %.4f; %.4f %.4f %.4f) per second\n",
+      dJ[0].w.x, dJ[0].w.y, dJ[0].w.z, dJ[0].v.x, dJ[0].v.y, dJ[0].v.z);
 }

@@ -19,7 +19,8 @@ int main() {
 
   std::vector<Twist<BodyFixed>> J(n), dJ(n * n);
   jacobian(arm, workspace, q, tool, J);
-  jacobian_partials(arm, workspace, q, tool, 1, dJ);  // dJ[k n + j] = ∂J_j/∂q_k = [J_j, J_k] for j < k, else 0
+  jacobian_partials(arm, workspace, q, tool, 1,
+                    dJ);  // dJ[k n + j] = ∂J_j/∂q_k = [J_j, J_k] for j < k, else 0
   print("the screw of A2 when A5 turns", dJ[A5 * n + A2]);
   print("the same as a screw product  ", ad(J[A2], J[A5]));
   print("the screw of A5 when A2 turns", dJ[A2 * n + A5]);

@@ -6,16 +6,16 @@
 
 namespace axode {
 
-/// Whether a pivot of the mass matrix counts as 0: it is what remains of the diagonal entry M_cc after the other joints
-/// have given way.
+/// Whether a pivot of the mass matrix counts as 0: it is what remains of the diagonal entry M_cc after the
+/// other joints have given way.
 template <class T> constexpr bool is_singular(const T& pivot, const T& M_cc) {
   return pivot <= T(0) || pivot <= T(16) * std::numeric_limits<T>::epsilon() * M_cc;
 }
 
 /// The articulated-body algorithm: M a = τ in O(n), for trees without coupled joints.
 ///
-/// A joint with several degrees of freedom gives way in one after the other, like a chain of joints through massless
-/// bodies. For each screw S_c, from the leaves to the roots, with M_i^A of the body behind it:
+/// A joint with several degrees of freedom gives way in one after the other, like a chain of joints through
+/// massless bodies. For each screw S_c, from the leaves to the roots, with M_i^A of the body behind it:
 ///   U = M_i^A S,  D = Sᵀ U + armature,  M_i^A -= U Uᵀ / D;   at the end of a joint M_p^A += up M_i^A
 template <class Rep, class T> struct ArticulatedBodies {
   Link<Rep, T>* link = nullptr;
@@ -40,7 +40,8 @@ template <class Rep, class T> struct ArticulatedBodies {
         D(arena.template per_screw<T>()),
         u(arena.template per_screw<T>()) {}
 
-  /// Joint screws, U and D at the configuration of the links. Returns the body of the first joint that moves no mass, or 0.
+  /// Joint screws, U and D at the configuration of the links. Returns the body of the first joint that moves
+  /// no mass, or 0.
   int factorize(const Tree<T>& tree, const T* armature) noexcept {
     joint_columns(tree, link, S);
     for (int i = 0; i <= tree.n; ++i) {

@@ -4,8 +4,8 @@
 
 namespace axode {
 
-/// A symmetric matrix [[A, B], [Bᵀ, L]] from twists to wrenches in Rep: the inertia that a body shows when the joints
-/// behind it are free to give way.
+/// A symmetric matrix [[A, B], [Bᵀ, L]] from twists to wrenches in Rep: the inertia that a body shows when
+/// the joints behind it are free to give way.
 template <class Rep, class T> struct ArticulatedInertia {
   Sym3<T> A;
   Mat3<T> B;

@@ -4,8 +4,8 @@
 
 namespace axode {
 
-/// The composite-body algorithm. With M_i^c = M_i + Σ_children up M_c^c, the impulse F = M_i^c S of everything behind
-/// joint i is carried to the root; at each joint j on the way M_cj = F | S_j.
+/// The composite-body algorithm. With M_i^c = M_i + Σ_children up M_c^c, the impulse F = M_i^c S of
+/// everything behind joint i is carried to the root; at each joint j on the way M_cj = F | S_j.
 template <class Rep, class T> struct CompositeBodies {
   Link<Rep, T>* link;
   Inertia<T>* M;

@@ -2,9 +2,9 @@
 #include "axode/kinematics/representation.hpp"
 #include "axode/lie/inertia.hpp"
 
-/// Inertia in the table of representations: what a body's inertia is in Rep, what it is at the predecessor, and the
-/// wrench for a unit of time that gives it a twist. The mixed inertia matrix has blocks in different axes and is kept by
-/// the inertia in body axes.
+/// Inertia in the table of representations: what a body's inertia is in Rep, what it is at the predecessor,
+/// and the wrench for a unit of time that gives it a twist. The mixed inertia matrix has blocks in different
+/// axes and is kept by the inertia in body axes.
 namespace axode {
 
 /// M_i in Rep (eqs. Ms, aWsRec, aWhRec).

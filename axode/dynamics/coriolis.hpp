@@ -30,10 +30,11 @@ template <class T>
 void coriolis_matrix(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v,
                      CoriolisForm form, std::type_identity_t<std::span<T>> C);
 
-/// Christoffel symbols of the first kind, Γ_ijk at [(i nv + j) nv + k], nv³ entries, from joint screws and composite
-/// inertias (eq. Gamma with erratum 25): 2 Γ_ijk = J_kᵀ M^c [J_i, J_j] + J_jᵀ M^c [J_i, J_k] + J_iᵀ M^c [J_s, J_r] with s, r the
-/// inner and the outer of j, k, and M^c behind the outermost of the three. Symmetric in j, k but for velocities of one
-/// multi-DOF joint, where Γ_ijk - Γ_ikj belongs to [S_k, S_j]. O(n d²), and nv³ to clear.
+/// Christoffel symbols of the first kind, Γ_ijk at [(i nv + j) nv + k], nv³ entries, from joint screws and
+/// composite inertias (eq. Gamma with erratum 25): 2 Γ_ijk = J_kᵀ M^c [J_i, J_j] + J_jᵀ M^c [J_i, J_k] + J_iᵀ
+/// M^c [J_s, J_r] with s, r the inner and the outer of j, k, and M^c behind the outermost of the three.
+/// Symmetric in j, k but for velocities of one multi-DOF joint, where Γ_ijk - Γ_ikj belongs to [S_k, S_j].
+/// O(n d²), and nv³ to clear.
 template <class T>
 void christoffel_symbols(const Model& model, Workspace<T>& workspace, Numbers<T> q,
                          std::type_identity_t<std::span<T>> Gamma);

@@ -14,8 +14,8 @@ template <class T>
 void load_powers(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v,
                  const std::type_identity_t<Loads<T>>& loads, std::type_identity_t<std::span<T>> power);
 
-/// The inertia of the whole system about its centre of mass, in inertial axes, as if the joints were locked: h = 0. Armatures
-/// are not part of it. O(n). Throws std::domain_error for a massless model.
+/// The inertia of the whole system about its centre of mass, in inertial axes, as if the joints were locked:
+/// h = 0. Armatures are not part of it. O(n). Throws std::domain_error for a massless model.
 template <class T> Inertia<T> centroidal_inertia(const Model& model, Workspace<T>& workspace, Numbers<T> q);
 
 }  // namespace axode

@@ -64,8 +64,8 @@ template <class Rep, class T> struct InverseDynamicsRecursion {
         C(arena.template per_body<SE3<T>>()),
         W_app(arena.template per_body<Wrench<BodyFixed, T>>()) {}
 
-  /// Forward: poses, twists, accelerations with gravity as V'_0 = (0, -g). Backward, from the leaves to the roots
-  /// (eqs. aWbRec, bWsRec, bWhRec with erratum 22):
+  /// Forward: poses, twists, accelerations with gravity as V'_0 = (0, -g). Backward, from the leaves to the
+  /// roots (eqs. aWbRec, bWsRec, bWhRec with erratum 22):
   ///   W_i = Σ_children up W_c + M_i V'_i + (velocity terms) - W_i^app
   void run(const Tree<T>& tree, const T* q, const T* v, const T* a, const Loads<T>& loads) noexcept {
     run(tree, q, v, a, loads, tree.g);
@@ -84,8 +84,8 @@ template <class Rep, class T> struct InverseDynamicsRecursion {
     for (int i = tree.n; i > 0; --i) W[tree.parent[i]] += bodies.link[i].up(W[i]);
   }
 
-  /// τ = Sᵀ W of every joint (eqs. bWbRec, cWsRec, cWhRec), its armature and, where asked for, its losses. A coupled
-  /// joint adds its share to its leader's.
+  /// τ = Sᵀ W of every joint (eqs. bWbRec, cWsRec, cWhRec), its armature and, where asked for, its losses. A
+  /// coupled joint adds its share to its leader's.
   void project(const Tree<T>& tree, const T* v, const T* a, bool joint_losses, T* tau) const noexcept {
     each_joint(tree, [&](const auto& joint, int i, bool coupled) {
       const auto Q = joint.project(bodies.link[i].pull(W[i]));

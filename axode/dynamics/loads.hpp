@@ -5,9 +5,10 @@
 
 namespace axode {
 
-/// A wrench applied to a frame, in any representation of that frame: in its own axes about its origin (BodyFixed), in
-/// inertial axes about the inertial origin (Spatial) or about the frame's origin (Hybrid), moment in its own and
-/// force in inertial axes (Mixed). N m and N; its power on the frame's twist goes into the system.
+/// A wrench applied to a frame, in any representation of that frame: in its own axes about its origin
+/// (BodyFixed), in inertial axes about the inertial origin (Spatial) or about the frame's origin (Hybrid),
+/// moment in its own and force in inertial axes (Mixed). N m and N; its power on the frame's twist goes into
+/// the system.
 template <class T = double> struct AppliedWrench {
   int frame;
   Representation representation;

@@ -5,8 +5,8 @@
 
 namespace axode {
 
-/// M x = b at one configuration: by the articulated-body algorithm, or, where joints are coupled, by the mass matrix
-/// that their couplings project, and its sparse factors.
+/// M x = b at one configuration: by the articulated-body algorithm, or, where joints are coupled, by the mass
+/// matrix that their couplings project, and its sparse factors.
 template <class Rep, class T> class MassMatrixSolver {
  public:
   MassMatrixSolver(const Tree<T>& tree, typename Workspace<T>::Arena& arena, Link<Rep, T>* link) noexcept

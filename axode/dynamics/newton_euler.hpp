@@ -2,9 +2,9 @@
 #include "axode/lie/inertia.hpp"
 #include "axode/lie/representation_change.hpp"
 
-/// The Newton-Euler equations of one rigid body, in every representation: the resultant wrench W that gives a body
-/// with inertia M and twist V the acceleration V'. The frame of the body is any frame that moves with it; where its
-/// origin is the centre of mass the first moment h of M is 0.
+/// The Newton-Euler equations of one rigid body, in every representation: the resultant wrench W that gives a
+/// body with inertia M and twist V the acceleration V'. The frame of the body is any frame that moves with
+/// it; where its origin is the centre of mass the first moment h of M is 0.
 namespace axode {
 
 /// W = M V' - ad_Vᵀ M V (eqs. NEs, NEb, NEb0), with M in the same frame as V.
@@ -22,8 +22,8 @@ constexpr Wrench<Hybrid, T> newton_euler(const Inertia<T>& M, const Twist<Hybrid
   return M * dV + Wrench<Hybrid, T>{cross(V.w, Pi.l), cross(V.w, Pi.p)};
 }
 
-/// Angular part in body axes, linear part in inertial axes (eqs. NEm rot, NEm trans, NEcmixed); M in the body frame,
-/// R its rotation.
+/// Angular part in body axes, linear part in inertial axes (eqs. NEm rot, NEm trans, NEcmixed); M in the body
+/// frame, R its rotation.
 template <class T>
 constexpr Wrench<Mixed, T> newton_euler(const Inertia<T>& M, const SO3<T>& R, const Twist<Mixed, T>& V,
                                         const TwistRate<Mixed, T>& dV) {
@@ -31,9 +31,9 @@ constexpr Wrench<Mixed, T> newton_euler(const Inertia<T>& M, const SO3<T>& R, co
           M.m * dV.v + R * (cross(dV.w, M.h) + cross(V.w, cross(V.w, M.h)))};
 }
 
-/// Measured at F_j, resolved in F_k (eqs. NEij, NE (j,k) with erratum 19): M (V' + (ad_{V_j} + ad_{ω_k - ω_j}) V) -
-/// ad_Vᵀ M V = W, with M = ^kM_i^j. Of the motion of F_j and F_k only the velocity of the origin of F_j and the
-/// angular velocity of F_k remain.
+/// Measured at F_j, resolved in F_k (eqs. NEij, NE (j,k) with erratum 19): M (V' + (ad_{V_j} + ad_{ω_k -
+/// ω_j}) V) - ad_Vᵀ M V = W, with M = ^kM_i^j. Of the motion of F_j and F_k only the velocity of the origin
+/// of F_j and the angular velocity of F_k remain.
 template <class T>
 constexpr Wrench<InFrames, T> newton_euler(const Inertia<T>& M, const FramePair<T>& jk,
                                            const Twist<InFrames, T>& V, const TwistRate<InFrames, T>& dV) {
@@ -44,7 +44,8 @@ constexpr Wrench<InFrames, T> newton_euler(const Inertia<T>& M, const FramePair<
          Wrench<InFrames, T>{cross(V.w, Pi.l) + cross(V.v, Pi.p), cross(V.w, Pi.p)};
 }
 
-/// ^kM_i^j: the inertia of a body with pose C, measured at the origin of F_j and resolved in F_k (erratum 20).
+/// ^kM_i^j: the inertia of a body with pose C, measured at the origin of F_j and resolved in F_k (erratum
+/// 20).
 template <class T>
 constexpr Inertia<T> inertia_in_frames(const FramePair<T>& jk, const SE3<T>& C, const Inertia<T>& M) {
   return transform(inverse(jk.pose()) * C, M);
@@ -86,8 +87,8 @@ constexpr TwistRate<Rep, T> solve(const Inertia<T>& M, const Wrench<Rep, T>& W) 
   return {dw, (T(1) / M.m) * W.f - cross(dw, c)};
 }
 
-/// The acceleration V' of a body with pose C and inertia M in its body frame, from the resultant wrench and its twist:
-/// the inverse of wrench().
+/// The acceleration V' of a body with pose C and inertia M in its body frame, from the resultant wrench and
+/// its twist: the inverse of wrench().
 template <class Rep, class T>
 constexpr TwistRate<Rep, T> acceleration(const SE3<T>& C, const Inertia<T>& M, const Twist<Rep, T>& V,
                                          const Wrench<Rep, T>& W) {

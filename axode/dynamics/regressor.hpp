@@ -6,10 +6,11 @@
 #include "axode/kinematics/arguments.hpp"
 #include "axode/lie/inertia.hpp"
 
-/// The equations of motion are linear in the inertia of the bodies: ten parameters for each moving body, in the frame of
-/// that body with everything fixed to it,
+/// The equations of motion are linear in the inertia of the bodies: ten parameters for each moving body, in
+/// the frame of that body with everything fixed to it,
 ///   π = (m, m c_x, m c_y, m c_z, Θ_xx, Θ_yy, Θ_zz, Θ_xy, Θ_xz, Θ_yz), Θ about the origin of the body frame.
-/// Columns 10 (i - 1) to 10 (i - 1) + 9 belong to body i. Armatures, damping, friction and loads are not part of it.
+/// Columns 10 (i - 1) to 10 (i - 1) + 9 belong to body i. Armatures, damping, friction and loads are not part
+/// of it.
 namespace axode {
 
 std::array<double, 10> inertial_parameters(const Inertia<double>& M);

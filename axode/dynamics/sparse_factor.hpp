@@ -1,8 +1,8 @@
 #pragma once
 #include "axode/dynamics/articulated_bodies.hpp"
 
-/// M = LᵀDL without fill-in (Featherstone), in the memory of M: D on the diagonal, L below it. Row c has entries in the
-/// columns parent(c), parent(parent(c)), ...
+/// M = LᵀDL without fill-in (Featherstone), in the memory of M: D on the diagonal, L below it. Row c has
+/// entries in the columns parent(c), parent(parent(c)), ...
 namespace axode {
 
 /// M to its factors. Returns the first velocity whose pivot counts as 0, or -1.

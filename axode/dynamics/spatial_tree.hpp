@@ -3,8 +3,8 @@
 
 namespace axode {
 
-/// What every formula on joint screws in spatial representation starts from: J_i^s of all joints and the inertia M_i^c of
-/// all that joint i moves, about the inertial origin.
+/// What every formula on joint screws in spatial representation starts from: J_i^s of all joints and the
+/// inertia M_i^c of all that joint i moves, about the inertial origin.
 template <class T> struct SpatialTree {
   const Tree<T>& tree;
   typename Workspace<T>::Arena arena;

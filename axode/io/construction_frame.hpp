@@ -3,11 +3,12 @@
 
 namespace axode::io {
 
-/// The same mechanism with axes, points, centres of mass, inertias and frames in the construction frame. What is
-/// given there already keeps its numbers; poses and what had to be moved lose rounding noise around 0 and ±1.
+/// The same mechanism with axes, points, centres of mass, inertias and frames in the construction frame. What
+/// is given there already keeps its numbers; poses and what had to be moved lose rounding noise around 0 and
+/// ±1.
 ///
-/// A planar or spherical joint whose frame is turned against the one that the construction frame gives it keeps its
-/// joint frames, and its body its inertia, for its coordinates would else change their meaning.
+/// A planar or spherical joint whose frame is turned against the one that the construction frame gives it
+/// keeps its joint frames, and its body its inertia, for its coordinates would else change their meaning.
 Description in_construction_frame(const Description& description);
 
 }  // namespace axode::io

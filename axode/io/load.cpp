@@ -60,8 +60,8 @@ File read(const std::filesystem::path& file) {
   return {io::read_drawing(text.content, file.string()), Physics::strict};
 }
 
-/// The faults of the reader, and those of the mechanism; of one that was understood in part, only errors that do not
-/// follow from what is missing. By line.
+/// The faults of the reader, and those of the mechanism; of one that was understood in part, only errors that
+/// do not follow from what is missing. By line.
 std::vector<Fault> all_faults(File file) {
   std::vector<Fault> faults = std::move(file.reading.faults);
   const bool in_part = io::has_error(faults);

@@ -9,8 +9,8 @@
 /// What all readers have in common: the text, its numbers, and what comes of reading it.
 namespace axode::io {
 
-/// What a reader has understood. Where there are errors the description is what could be saved: enough to look for
-/// further faults, not to build from.
+/// What a reader has understood. Where there are errors the description is what could be saved: enough to
+/// look for further faults, not to build from.
 struct Reading {
   Description description;
   std::vector<Fault> faults;
@@ -29,8 +29,8 @@ std::optional<Fault> not_text(std::string_view text, const std::string& file);
 /// Whether a name can stand in a line of text: no control characters.
 bool printable(std::string_view name);
 
-/// A decimal number, whatever the locale, or what is wrong with it: the rule and the rest of a sentence that begins
-/// with what was read, such as `is not a number`.
+/// A decimal number, whatever the locale, or what is wrong with it: the rule and the rest of a sentence that
+/// begins with what was read, such as `is not a number`.
 struct Number {
   double value = 0;
   std::optional<Rule> broken = {};

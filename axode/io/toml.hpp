@@ -7,8 +7,8 @@
 #include <variant>
 #include <vector>
 
-/// TOML 1.0, read into values that know their lines. Written here because the toml++ of Debian 12 (3.3) does not
-/// survive malformed files, nor some that are well-formed.
+/// TOML 1.0, read into values that know their lines. Written here because the toml++ of Debian 12 (3.3) does
+/// not survive malformed files, nor some that are well-formed.
 namespace axode::io::toml {
 
 struct Value;

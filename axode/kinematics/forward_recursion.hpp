@@ -84,7 +84,8 @@ template <class Rep, class T> struct BodyMotion {
         dV(arena.template per_body<TwistRate<Rep, T>>()) {}
 };
 
-/// The forward kinematics recursion in any representation (eqs. VbRec, Vsrec, VhRec, cVbRec2, dVsRec, dVhRec2):
+/// The forward kinematics recursion in any representation (eqs. VbRec, Vsrec, VhRec, cVbRec2, dVsRec,
+/// dVhRec2):
 ///   V_i  = down V_p  + S v
 ///   V'_i = down V'_p + S a + bias(V_p, V_i, S v)
 /// dV_0 is the acceleration of the ground: 0, or (0, -g) to fold gravity in.

@@ -10,8 +10,9 @@ namespace axode {
 template <class T> class MotionSeries;
 template <class T> class PoseSeries;
 
-/// The motion of all bodies of a model as power series in time up to an order: 0 velocity, 1 acceleration, 2 jerk, ...
-/// Make one for a model and an order and evaluate it as often as needed; evaluation allocates nothing. One thread.
+/// The motion of all bodies of a model as power series in time up to an order: 0 velocity, 1 acceleration, 2
+/// jerk, ... Make one for a model and an order and evaluate it as often as needed; evaluation allocates
+/// nothing. One thread.
 template <class T = double> class HigherOrderMotion {
  public:
   /// Throws std::invalid_argument for a negative order.
@@ -22,12 +23,12 @@ template <class T = double> class HigherOrderMotion {
 
   int order() const;
 
-  /// From q and the derivatives of the velocities v, v', v'', ...: (order + 1) nv numbers, row by row, all in the joints'
-  /// left-trivialised directions. O(n order²).
+  /// From q and the derivatives of the velocities v, v', v'', ...: (order + 1) nv numbers, row by row, all in
+  /// the joints' left-trivialised directions. O(n order²).
   void evaluate(Numbers<T> q, Numbers<T> rates);
 
-  /// The k-th time derivative of the components of the twist of a place, k = 0 (the twist itself) to order. Classical
-  /// jerk and snap of a point are the linear parts of the hybrid ones for k = 2 and 3.
+  /// The k-th time derivative of the components of the twist of a place, k = 0 (the twist itself) to order.
+  /// Classical jerk and snap of a point are the linear parts of the hybrid ones for k = 2 and 3.
   template <class Rep = BodyFixed> TwistRate<Rep, T> twist_derivative(const Place<T>& place, int k) const;
 
   /// The k-th time derivative of the Jacobian of a place, nv columns, k = 0 (the Jacobian itself) to order.

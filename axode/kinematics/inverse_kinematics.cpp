@@ -94,8 +94,8 @@ class Solver {
   /// Where the last run ended.
   const Iterate& end() const { return at_; }
 
-  /// From a solution, moves within the null space of the targets, (I - J⁺J)(posture ⊖ q), and back onto the targets, as
-  /// long as that comes nearer to the posture.
+  /// From a solution, moves within the null space of the targets, (I - J⁺J)(posture ⊖ q), and back onto the
+  /// targets, as long as that comes nearer to the posture.
   void approach_posture(std::vector<double>& q, double& residual, int& iterations) {
     std::vector<double> q_try(q.size());
     double gain = 1, distance = way_to_posture(q).norm();
@@ -148,8 +148,8 @@ class Solver {
       }
     }
   }
-  /// Joints at a limit that `push` would move beyond it stay there: takes them out of J, push and way. Whether there was
-  /// one.
+  /// Joints at a limit that `push` would move beyond it stay there: takes them out of J, push and way.
+  /// Whether there was one.
   bool hold(Vector& push, Vector& way) {
     bool held = false;
     for (int i = 1; options_.limits && i <= tree_.n; ++i) {

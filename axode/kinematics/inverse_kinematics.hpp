@@ -8,9 +8,9 @@
 
 namespace axode {
 
-/// A pose that a place shall take. The error is the screw log(C⁻¹ C_target), its angular part (rad) and linear part (m)
-/// scaled by the weights. A weight of 0 leaves a part free; where it is the orientation, the error is the distance of
-/// the origins.
+/// A pose that a place shall take. The error is the screw log(C⁻¹ C_target), its angular part (rad) and
+/// linear part (m) scaled by the weights. A weight of 0 leaves a part free; where it is the orientation, the
+/// error is the distance of the origins.
 struct PoseTarget {
   Place<> place;
   SE3<> pose;
@@ -41,10 +41,10 @@ struct InverseKinematicsResult {
   int restarts = 0;
 };
 
-/// The configuration in which places take given poses, by Levenberg and Marquardt's damped least squares on SE(3) with
-/// the exact derivative -dexp⁻¹ J^b of the error. Starts at q0; joints at a limit that they would cross are held there.
-/// With a posture the joints move towards it as far as the targets leave them free. Allocates. Throws std::invalid_argument for
-/// wrong sizes, unknown frames, and numbers that make no sense.
+/// The configuration in which places take given poses, by Levenberg and Marquardt's damped least squares on
+/// SE(3) with the exact derivative -dexp⁻¹ J^b of the error. Starts at q0; joints at a limit that they would
+/// cross are held there. With a posture the joints move towards it as far as the targets leave them free.
+/// Allocates. Throws std::invalid_argument for wrong sizes, unknown frames, and numbers that make no sense.
 [[nodiscard]] InverseKinematicsResult inverse_kinematics(const Model& model,
                                                          std::span<const PoseTarget> targets,
                                                          std::span<const double> q0,

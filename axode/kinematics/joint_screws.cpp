@@ -16,8 +16,8 @@ SE3<T>* internal_poses(const Tree<T>& tree, typename Workspace<T>::Arena& arena,
   return C;
 }
 
-/// The inertia of everything that a joint moves, M_i^A = Σ M_l^s over the subtree of i, about the centre of mass of the
-/// whole in inertial axes. Moves the poses C there, and returns where it was.
+/// The inertia of everything that a joint moves, M_i^A = Σ M_l^s over the subtree of i, about the centre of
+/// mass of the whole in inertial axes. Moves the poses C there, and returns where it was.
 template <class T>
 Vec3<T> subtree_inertias(const Model& model, const Tree<T>& tree, SE3<T>* C, Inertia<T>* M) {
   T m(0);

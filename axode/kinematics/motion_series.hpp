@@ -5,9 +5,9 @@
 
 namespace axode {
 
-/// The motion of a tree as power series in time, to any order, in spatial representation, where one rule makes every
-/// order: J' = [V_i, J] for the joint screws of body i (eq. timeDerJs) and V_i = V_p + J v (eq. Vsirec). With
-/// coefficients J(t) = Σ J_k t^k this reads
+/// The motion of a tree as power series in time, to any order, in spatial representation, where one rule
+/// makes every order: J' = [V_i, J] for the joint screws of body i (eq. timeDerJs) and V_i = V_p + J v (eq.
+/// Vsirec). With coefficients J(t) = Σ J_k t^k this reads
 ///   V_{i,k} = V_{p,k} + Σ_{l<=k} J_l v_{k-l}        (k + 1) J_{k+1} = Σ_{l<=k} [V_{i,l}, J_{k-l}].
 /// Every joint screw is one column, whatever the kind of joint. Cost O(n k²).
 template <class T> class MotionSeries {
@@ -22,7 +22,8 @@ template <class T> class MotionSeries {
 
   int order() const { return order_; }
 
-  /// Series to orders V: 0..order and J: 0..order + 1 from q and the rates v, v', v'', ... (order + 1 rows of nv).
+  /// Series to orders V: 0..order and J: 0..order + 1 from q and the rates v, v', v'', ... (order + 1 rows of
+  /// nv).
   void run(const Tree<T>& tree, const T* q, const T* rates) noexcept {
     T factorial(1);
     for (int k = 0; k <= order_; ++k) {
@@ -86,8 +87,8 @@ template <class T> class PoseSeries {
       R_[k + 1] = {scale * R.x, scale * R.y, scale * R.z};
     }
   }
-  /// Coefficient k of a spatial screw series X, seen from the place: hybrid (w; v + w × r), and its parts in body axes
-  /// where Rep asks for them.
+  /// Coefficient k of a spatial screw series X, seen from the place: hybrid (w; v + w × r), and its parts in
+  /// body axes where Rep asks for them.
   template <class Rep> Screw<T> coefficient(const Screw<T>* X, int k) const noexcept {
     if constexpr (std::same_as<Rep, Spatial>) {
       return X[k];

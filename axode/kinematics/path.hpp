@@ -13,16 +13,17 @@ template <class T> SE3<T> joint_pose(const Tree<T>& tree, int i, const T* q) noe
   });
 }
 
-/// f(c, screw) for every joint screw of body i, seen from where its joint frame has pose C. A coupled joint's screw
-/// is scaled by its ratio, so that it belongs to a unit velocity of its leader. c is the index of the velocity.
+/// f(c, screw) for every joint screw of body i, seen from where its joint frame has pose C. A coupled joint's
+/// screw is scaled by its ratio, so that it belongs to a unit velocity of its leader. c is the index of the
+/// velocity.
 template <class T, class F> void each_screw(const Tree<T>& tree, int i, const SE3<T>& C, F&& f) noexcept {
   with_joint(tree, i, [&](const auto& joint) {
     for (int k = 0; k < joint.nv; ++k) f(tree.iv[i] + k, tree.ratio[i] * joint.column(C, k));
   });
 }
 
-/// Walks from a place to the root: f(i, c, X) with the body-fixed Jacobian's column X = J_{f,c}^b of joint i for
-/// velocity c (eq. JbX). Returns the pose of the place in the inertial frame. O(path length).
+/// Walks from a place to the root: f(i, c, X) with the body-fixed Jacobian's column X = J_{f,c}^b of joint i
+/// for velocity c (eq. JbX). Returns the pose of the place in the inertial frame. O(path length).
 template <class T, class F>
 SE3<T> each_body_fixed_column(const Tree<T>& tree, const T* q, const Place<T>& place, F&& f) noexcept {
   SE3<T> E = tree.frame_offset[place.frame] * place.offset;  // the place in the joint frame of body i

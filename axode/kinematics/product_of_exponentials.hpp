@@ -4,12 +4,12 @@
 #include "axode/lie/se3.hpp"
 #include "axode/model/model.hpp"
 
-/// The paper's own description of a mechanism, screw by screw, in the frames that the user placed. The kernels use
-/// the joint-aligned frames of Tree instead; both give the same poses.
+/// The paper's own description of a mechanism, screw by screw, in the frames that the user placed. The
+/// kernels use the joint-aligned frames of Tree instead; both give the same poses.
 namespace axode {
 
-/// The displacement exp(X q) of a joint with one screw X, or the ordered motion of its joint frame carried to the
-/// body frame, S_self C_J(q) S_self⁻¹, for joints with more; q holds the joint's own coordinates.
+/// The displacement exp(X q) of a joint with one screw X, or the ordered motion of its joint frame carried to
+/// the body frame, S_self C_J(q) S_self⁻¹, for joints with more; q holds the joint's own coordinates.
 template <class T> SE3<T> joint_displacement(const Model& model, int i, const T* q) {
   const Joint& joint = model.joint(i);
   if (joint.leader || joint.nv == 1) {
@@ -23,7 +23,8 @@ template <class T> SE3<T> joint_displacement(const Model& model, int i, const T*
                        [&](const auto& subgroup) { return subgroup.pose(S, q) * inverse(S); });
 }
 
-/// C_i = B_1 exp(X_1 q_1) B_2 exp(X_2 q_2) ... along the path to body i, for the ground and every body (eq. POEX).
+/// C_i = B_1 exp(X_1 q_1) B_2 exp(X_2 q_2) ... along the path to body i, for the ground and every body (eq.
+/// POEX).
 template <class T> std::vector<SE3<T>> poses_by_body_screws(const Model& model, const T* q) {
   std::vector<SE3<T>> C(model.n_bodies() + 1);
   for (int i = 1; i <= model.n_bodies(); ++i) {
@@ -33,7 +34,8 @@ template <class T> std::vector<SE3<T>> poses_by_body_screws(const Model& model, 
   return C;
 }
 
-/// C_i = exp(Y_1 q_1) exp(Y_2 q_2) ... A_i along the path to body i, for the ground and every body (eq. POEY).
+/// C_i = exp(Y_1 q_1) exp(Y_2 q_2) ... A_i along the path to body i, for the ground and every body (eq.
+/// POEY).
 template <class T> std::vector<SE3<T>> poses_by_spatial_screws(const Model& model, const T* q) {
   std::vector<SE3<T>> exponentials(model.n_bodies() + 1), C(model.n_bodies() + 1);
   for (int i = 1; i <= model.n_bodies(); ++i) {

@@ -9,8 +9,8 @@
 ///   up        Ad_{C_ip}ᵀ            identity        Ad_{r_ip}ᵀ                its transpose     wrench of i -> at p
 ///   bias      ad_V (S v)            ad_V (S v)      ad_{r'_ip} V_p + ad_ω Sv  from definition   V'_i - down(V'_p) - S a
 ///
-/// A Link is that for body i with predecessor p. A frame on a body is a body that never moves against it: its Link is
-/// the child of the body's, with S v = 0.
+/// A Link is that for body i with predecessor p. A frame on a body is a body that never moves against it: its
+/// Link is the child of the body's, with S v = 0.
 namespace axode {
 
 template <class Rep, class T> struct Link;

@@ -32,8 +32,8 @@ template <class T> struct ScrewPath {
 
 /// The derivatives of screw a along screws alpha, alpha[0] first; all are indices into path.screws.
 ///
-/// Body-fixed (eq. nthorderBody): [...[[J_a, J_β1], J_β2]..., J_βν] for β sorted from the root outwards, zero unless
-/// all lie outward of a. Among directions of one joint the one that acts last comes first.
+/// Body-fixed (eq. nthorderBody): [...[[J_a, J_β1], J_β2]..., J_βν] for β sorted from the root outwards, zero
+/// unless all lie outward of a. Among directions of one joint the one that acts last comes first.
 template <class T> Screw<T> body_fixed_partial(const ScrewPath<T>& path, int a, std::vector<int> alpha) {
   const auto joint = [&](int k) { return path.screws[k].joint; };
   std::reverse(alpha.begin(), alpha.end());
@@ -46,8 +46,8 @@ template <class T> Screw<T> body_fixed_partial(const ScrewPath<T>& path, int a, 
   return X;
 }
 
-/// Spatial (eq. nthorder): [J_βν, ...[J_β2, [J_β1, J_a]]...] for β sorted from the tip inwards, zero if one lies outward
-/// of a or β1 is a itself. Among directions of one joint the one that acts last comes outermost.
+/// Spatial (eq. nthorder): [J_βν, ...[J_β2, [J_β1, J_a]]...] for β sorted from the tip inwards, zero if one
+/// lies outward of a or β1 is a itself. Among directions of one joint the one that acts last comes outermost.
 template <class T> Screw<T> spatial_partial(const ScrewPath<T>& path, int a, std::vector<int> alpha) {
   const auto joint = [&](int k) { return path.screws[k].joint; };
   std::stable_sort(alpha.begin(), alpha.end(), [&](int k, int l) { return joint(k) > joint(l); });
@@ -98,8 +98,8 @@ Screw<T> partial(const ScrewPath<T>& path, int a, const std::vector<int>& alpha)
     return {body_fixed_partial(path, a, alpha).w, hybrid_partial(path, a, alpha).v};
 }
 
-/// Directional derivatives along several directions at once. For a set S of directions X^S means D_S X, the derivative
-/// along all of them, the lowest index innermost. With W_i(u) = Σ J_c u_c over the path to body i,
+/// Directional derivatives along several directions at once. For a set S of directions X^S means D_S X, the
+/// derivative along all of them, the lowest index innermost. With W_i(u) = Σ J_c u_c over the path to body i,
 ///   D_S J_c = Σ_{A ⊆ S∖s} [W_i(u_s)^A, J_c^{S∖s∖A}],  s the lowest index in S,
 /// by the product rule on D_u J_c = [W_i(u), J_c]; r and Rᵀ of the place follow in the same way.
 template <class T> class DirectionalDerivatives {

@@ -4,31 +4,33 @@
 #include "axode/lie/twist.hpp"
 #include "axode/model/model.hpp"
 
-/// The kinematics of the whole system as sparse block matrices over the bodies 1..n in the frames that the user placed:
-/// six rows for each body, angular before linear; blocks outside the ancestor relation are zero. Meant for analysis and
-/// for reading the paper; the recursions are faster. All functions throw std::invalid_argument for wrong sizes.
+/// The kinematics of the whole system as sparse block matrices over the bodies 1..n in the frames that the
+/// user placed: six rows for each body, angular before linear; blocks outside the ancestor relation are zero.
+/// Meant for analysis and for reading the paper; the recursions are faster. All functions throw
+/// std::invalid_argument for wrong sizes.
 namespace axode {
 
 using SystemMatrix = Eigen::SparseMatrix<double>;
 
-/// V = A X v with (I - D) A = I (eqs. VbAX, JbSys): D holds the transformation of the predecessor's twist at the block
-/// (i, predecessor(i)), A its products along the paths, X the joint screws, 6n × nv.
+/// V = A X v with (I - D) A = I (eqs. VbAX, JbSys): D holds the transformation of the predecessor's twist at
+/// the block (i, predecessor(i)), A its products along the paths, X the joint screws, 6n × nv.
 struct SystemMatrices {
   SystemMatrix A, D, X;
 };
-/// In representation Rep. A^b has blocks Ad_{C_ij}, A^h has Ad_{r_ij}; spatial D has identities, and X the instantaneous
-/// screws J_i^s, so that A is the lower block-triangular identity L.
+/// In representation Rep. A^b has blocks Ad_{C_ij}, A^h has Ad_{r_ij}; spatial D has identities, and X the
+/// instantaneous screws J_i^s, so that A is the lower block-triangular identity L.
 template <class Rep = BodyFixed>
 SystemMatrices system_matrices(const Model& model, std::span<const double> q);
 
-/// The other factorisations of the spatial Jacobian, J^s = A^s Y^s = A^sb X^b (eq. JbSys), with constant Y^s = diag(Y_i).
+/// The other factorisations of the spatial Jacobian, J^s = A^s Y^s = A^sb X^b (eq. JbSys), with constant Y^s
+/// = diag(Y_i).
 struct SpatialFactors {
   SystemMatrix A_s, Y_s, A_sb;
 };
 SpatialFactors spatial_factors(const Model& model, std::span<const double> q);
 
-/// a^b(v) = diag(ad_{X_i v_i}), 6n × 6n (eq. ab): J^b' = -A^b a^b D^b J^b. Where every joint has one degree of freedom,
-/// a^b X^b = 0 and this is -A^b a^b J^b (eq. u:Jb_dot matrix).
+/// a^b(v) = diag(ad_{X_i v_i}), 6n × 6n (eq. ab): J^b' = -A^b a^b D^b J^b. Where every joint has one degree
+/// of freedom, a^b X^b = 0 and this is -A^b a^b J^b (eq. u:Jb_dot matrix).
 SystemMatrix a_matrix(const Model& model, std::span<const double> v);
 /// b(V) = diag(ad_{V_1}, ..., ad_{V_n}) of stacked body-fixed or spatial twists (eqs. bb, bs).
 SystemMatrix b_matrix(const Model& model, const Eigen::VectorXd& V);
@@ -41,12 +43,12 @@ template <class Rep = BodyFixed>
 Eigen::VectorXd system_acceleration(const Model& model, std::span<const double> q, std::span<const double> v,
                                     std::span<const double> a);
 
-/// The velocities v that belong to given twists of all bodies, (XᵀX)⁻¹ Xᵀ (I - D) V: the overall inverse kinematics. The
-/// least-squares solution where no v makes V.
+/// The velocities v that belong to given twists of all bodies, (XᵀX)⁻¹ Xᵀ (I - D) V: the overall inverse
+/// kinematics. The least-squares solution where no v makes V.
 template <class Rep = BodyFixed>
 Eigen::VectorXd joint_velocities(const Model& model, std::span<const double> q, const Eigen::VectorXd& V);
-/// The accelerations that belong to given twists and twist rates of all bodies, (XᵀX)⁻¹ Xᵀ ((I - D) V' - bias) (eq.
-/// solqddot1, where the bias is -a^b V^b).
+/// The accelerations that belong to given twists and twist rates of all bodies, (XᵀX)⁻¹ Xᵀ ((I - D) V' -
+/// bias) (eq. solqddot1, where the bias is -a^b V^b).
 template <class Rep = BodyFixed>
 Eigen::VectorXd joint_accelerations(const Model& model, std::span<const double> q, const Eigen::VectorXd& V,
                                     const Eigen::VectorXd& dV);

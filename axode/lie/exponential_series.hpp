@@ -6,9 +6,9 @@
 
 /// The coefficient functions of exp, dexp and dexp⁻¹, accurate at every angle.
 ///
-/// On so(3) each of the three is P_ξ = I + β(s) ξ̃ + γ(s) ξ̃² with s = ‖ξ‖². On se(3) the angular blocks are P_ξ and
-/// the coupling block is the derivative of P_ξ along the linear part (principle of transference), so that the
-/// directional derivatives on se(3) need β and γ up to their second derivative in s.
+/// On so(3) each of the three is P_ξ = I + β(s) ξ̃ + γ(s) ξ̃² with s = ‖ξ‖². On se(3) the angular blocks are
+/// P_ξ and the coupling block is the derivative of P_ξ along the linear part (principle of transference), so
+/// that the directional derivatives on se(3) need β and γ up to their second derivative in s.
 namespace axode {
 
 /// I + β ξ̃ + γ ξ̃² with the derivatives of β and γ with respect to s = ‖ξ‖².

@@ -3,8 +3,8 @@
 
 namespace axode {
 
-/// The inertia of a rigid body in a frame: mass m (kg), first moment h = m c (kg m) and rotational inertia Θ (kg m²)
-/// about the origin of that frame, all in its axes. As a matrix M = [[Θ, h̃], [-h̃, m I]] (eq. Mb).
+/// The inertia of a rigid body in a frame: mass m (kg), first moment h = m c (kg m) and rotational inertia Θ
+/// (kg m²) about the origin of that frame, all in its axes. As a matrix M = [[Θ, h̃], [-h̃, m I]] (eq. Mb).
 template <class T = double> struct Inertia {
   T m{};
   Vec3<T> h;
@@ -16,14 +16,15 @@ template <class T> constexpr Inertia<T> operator+(const Inertia<T>& a, const Ine
 }
 template <class T> constexpr Inertia<T>& operator+=(Inertia<T>& a, const Inertia<T>& b) { return a = a + b; }
 
-/// Inertia in a body frame from the mass, the centre of mass c in that frame and Θ_c about the centre of mass, given
-/// in axes rotated by R_bc against the body frame (eqs. Mbc, Mb: the parallel-axis theorem).
+/// Inertia in a body frame from the mass, the centre of mass c in that frame and Θ_c about the centre of
+/// mass, given in axes rotated by R_bc against the body frame (eqs. Mbc, Mb: the parallel-axis theorem).
 template <class T>
 constexpr Inertia<T> inertia_from_com(const T& m, const Vec3<T>& c, const Sym3<T>& Theta_c,
                                       const SO3<T>& R_bc = {}) {
   return {m, m * c, rotate(R_bc, Theta_c) + (T(0.5) * m) * parallel_axis_tensor(c, c)};
 }
-/// Θ_c, the rotational inertia about the centre of mass, in the axes of the frame of M. The mass must not be 0.
+/// Θ_c, the rotational inertia about the centre of mass, in the axes of the frame of M. The mass must not be
+/// 0.
 template <class T> constexpr Sym3<T> inertia_about_com(const Inertia<T>& M) {
   return M.Theta - (T(0.5) / M.m) * parallel_axis_tensor(M.h, M.h);
 }
@@ -56,7 +57,8 @@ constexpr Wrench<Rep, T> operator*(const Inertia<T>& M, const TwistRate<Rep, T>&
   return {M.Theta * dV.w + cross(M.h, dV.v), M.m * dV.v - cross(M.h, dV.w)};
 }
 
-/// M' = -ad_Vᵀ M - M ad_V, the rate of an inertia that moves with the twist V (eq. Msdot); its mass entry is 0.
+/// M' = -ad_Vᵀ M - M ad_V, the rate of an inertia that moves with the twist V (eq. Msdot); its mass entry is
+/// 0.
 template <AtFrameOrigin Rep, class T>
 constexpr Inertia<T> inertia_rate(const Twist<Rep, T>& V, const Inertia<T>& M) {
   const Sym3<T>& A = M.Theta;
@@ -81,9 +83,10 @@ struct EigenvalueRange {
 };
 EigenvalueRange eigenvalue_range(const Sym3<double>& A);
 
-/// How far an inertia is from one that a mass distribution can have: the smallest eigenvalue of Binet's tensor about
-/// the centre of mass, as a fraction of the largest principal moment. A density exists where it is >= 0; -0.5 at
-/// worst where all principal moments are positive. What may be rounding of Θ counts as 0. The mass must be positive.
+/// How far an inertia is from one that a mass distribution can have: the smallest eigenvalue of Binet's
+/// tensor about the centre of mass, as a fraction of the largest principal moment. A density exists where it
+/// is >= 0; -0.5 at worst where all principal moments are positive. What may be rounding of Θ counts as 0.
+/// The mass must be positive.
 double realisability(const Inertia<double>& M);
 
 }  // namespace axode

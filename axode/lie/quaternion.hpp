@@ -55,7 +55,8 @@ template <class T> constexpr Quaternion<T> exp_quaternion(const Vec3<T>& xi) {
   return {k * xi.x, k * xi.y, k * xi.z, T(1) - s * half.b[0]};
 }
 
-/// The rotation vector of a quaternion, angle in [0, π]; its axis stays accurate at π, where either sign is right.
+/// The rotation vector of a quaternion, angle in [0, π]; its axis stays accurate at π, where either sign is
+/// right.
 template <class T> constexpr Vec3<T> log_quaternion(const Quaternion<T>& a) {
   const T sign = select(a.w < T(0), T(-1), T(1)), w = sign * a.w;
   const Vec3<T> v{sign * a.x, sign * a.y, sign * a.z};

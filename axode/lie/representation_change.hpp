@@ -1,13 +1,13 @@
 #pragma once
 #include "axode/lie/twist.hpp"
 
-/// change<To>(C, x): the same twist, wrench, momentum or twist rate of a body with pose C in another representation
-/// (eqs. VhVb, VsVb, Vmbhs). Everything passes through the body-fixed representation.
+/// change<To>(C, x): the same twist, wrench, momentum or twist rate of a body with pose C in another
+/// representation (eqs. VhVb, VsVb, Vmbhs). Everything passes through the body-fixed representation.
 namespace axode {
 
-/// Frames j and k for ^kV^j, measured at the origin of F_j and resolved in F_k, with their motion. All vectors are
-/// resolved in the inertial frame. Spatial: both frames inertial. Body-fixed: both the body. Hybrid: j the body, k
-/// inertial.
+/// Frames j and k for ^kV^j, measured at the origin of F_j and resolved in F_k, with their motion. All
+/// vectors are resolved in the inertial frame. Spatial: both frames inertial. Body-fixed: both the body.
+/// Hybrid: j the body, k inertial.
 template <class T = double> struct FramePair {
   Vec3<T> r_j;   ///< position of the origin of F_j
   Vec3<T> dr_j;  ///< its velocity

@@ -2,8 +2,8 @@
 #include <cmath>
 #include <concepts>
 
-/// Everything in this library is written for any scalar T closed under + - * /, sqrt, sin, cos, atan2 and select.
-/// double and float are such scalars; axode/scalar/ has more.
+/// Everything in this library is written for any scalar T closed under + - * /, sqrt, sin, cos, atan2 and
+/// select. double and float are such scalars; axode/scalar/ has more.
 namespace axode {
 
 using std::abs;

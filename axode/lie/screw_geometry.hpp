@@ -5,8 +5,9 @@
 
 namespace axode {
 
-/// The geometry of a screw: a line with direction e (unit) through the point p, a pitch h in m/rad, a magnitude.
-/// An infinite pitch marks a translation (or a couple): then only e and the magnitude mean anything and p is 0.
+/// The geometry of a screw: a line with direction e (unit) through the point p, a pitch h in m/rad, a
+/// magnitude. An infinite pitch marks a translation (or a couple): then only e and the magnitude mean
+/// anything and p is 0.
 template <class T = double> struct ScrewAxis {
   Vec3<T> e, p;
   T h{};
@@ -32,8 +33,8 @@ template <class T> constexpr Screw<T> screw(const Vec3<T>& e, const Vec3<T>& p, 
   return {e, cross(p, e) + h * e};
 }
 
-/// Axis, the axis point nearest to the origin, pitch and magnitude of a screw; the magnitude is ‖w‖, or ‖v‖ where
-/// w = 0. The zero screw has magnitude 0 and direction 0.
+/// Axis, the axis point nearest to the origin, pitch and magnitude of a screw; the magnitude is ‖w‖, or ‖v‖
+/// where w = 0. The zero screw has magnitude 0 and direction 0.
 template <class T> constexpr ScrewAxis<T> screw_axis(const Screw<T>& X) {
   const T w2 = dot(X.w, X.w);
   if (w2 > T(0)) {
@@ -49,8 +50,8 @@ template <class T> constexpr ScrewAxis<T> screw_axis(const Screw<T>& X) {
 template <AtFrameOrigin Rep, class T> constexpr ScrewAxis<T> screw_axis(const Twist<Rep, T>& V) {
   return screw_axis(Screw<T>{V.w, V.v});
 }
-/// The central axis of a wrench (Poinsot): its direction is that of the force, its pitch moment·force/‖force‖²,
-/// infinite for a couple.
+/// The central axis of a wrench (Poinsot): its direction is that of the force, its pitch
+/// moment·force/‖force‖², infinite for a couple.
 template <AtFrameOrigin Rep, class T> constexpr ScrewAxis<T> screw_axis(const Wrench<Rep, T>& W) {
   return screw_axis(Screw<T>{W.f, W.m});
 }

@@ -66,7 +66,8 @@ template <class T> constexpr Screw<T> log(const SE3<T>& C) {
   return {w, dexp_inv(w, C.r)};
 }
 
-/// P_X Z on se(3): the angular blocks are P_ξ, the coupling block is its derivative along the linear part of X.
+/// P_X Z on se(3): the angular blocks are P_ξ, the coupling block is its derivative along the linear part of
+/// X.
 template <class T> constexpr Screw<T> apply(const ScrewOperator<T>& P, const Screw<T>& X, const Screw<T>& Z) {
   return {apply(P, X.w, Z.w), apply(P, X.w, Z.v) + apply(P, X.w, X.v, Z.w)};
 }

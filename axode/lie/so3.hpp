@@ -4,7 +4,8 @@
 
 namespace axode {
 
-/// A rotation R, stored by its columns. R * a resolves in the outer frame what `a` resolves in the rotated one.
+/// A rotation R, stored by its columns. R * a resolves in the outer frame what `a` resolves in the rotated
+/// one.
 template <class T = double> struct SO3 {
   Vec3<T> x{T(1), T(0), T(0)}, y{T(0), T(1), T(0)}, z{T(0), T(0), T(1)};
 };

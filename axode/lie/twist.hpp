@@ -3,8 +3,8 @@
 
 #include "axode/lie/se3.hpp"
 
-/// Twists, their rates, wrenches and momenta. The type says in which axes and about which point the components are
-/// written, so that two representations never mix by accident.
+/// Twists, their rates, wrenches and momenta. The type says in which axes and about which point the
+/// components are written, so that two representations never mix by accident.
 namespace axode {
 
 struct BodyFixed {};  ///< axes of the body frame, about its origin: V^b
@@ -33,8 +33,8 @@ concept AtFrameOrigin = std::same_as<Rep, BodyFixed> || std::same_as<Rep, Spatia
 
 /// V = (w; v) in rad/s and m/s.
 template <class Rep, class T = double> struct Twist { Vec3<T> w, v; };
-/// V' = (w; v) in rad/s² and m/s²: the time derivative of the components of a twist. Changing its representation
-/// needs the twist.
+/// V' = (w; v) in rad/s² and m/s²: the time derivative of the components of a twist. Changing its
+/// representation needs the twist.
 template <class Rep, class T = double> struct TwistRate { Vec3<T> w, v; };
 /// W = (m; f), moment in N m and force in N; dual to the twist of the same representation.
 template <class Rep, class T = double> struct Wrench { Vec3<T> m, f; };

@@ -42,12 +42,13 @@ class ModelBuilder {
   Description description_;
 };
 
-/// The description with its one body fixed to the ground set free by a joint named `free_base`. Throws ModelError
-/// (rule no_base) where not exactly one body is fixed to the ground.
+/// The description with its one body fixed to the ground set free by a joint named `free_base`. Throws
+/// ModelError (rule no_base) where not exactly one body is fixed to the ground.
 Description with_free_base(Description description);
 
-/// A new model in which the named joints are fixed at their place in q (nq coordinates of `model`); a joint coupled to
-/// a locked one is locked with it. Throws std::invalid_argument for an unknown or coupled joint and a wrong q.
+/// A new model in which the named joints are fixed at their place in q (nq coordinates of `model`); a joint
+/// coupled to a locked one is locked with it. Throws std::invalid_argument for an unknown or coupled joint
+/// and a wrong q.
 Model reduced(const Model& model, std::span<const std::string_view> locked, std::span<const double> q);
 
 }  // namespace axode

@@ -10,8 +10,8 @@
 
 /// What an engineer says about a mechanism; ModelBuilder checks it and compiles it into a Model.
 ///
-/// The mechanism is drawn with every joint at zero. Its one construction frame is the inertial frame, and the body
-/// "ground" rests in it.
+/// The mechanism is drawn with every joint at zero. Its one construction frame is the inertial frame, and the
+/// body "ground" rests in it.
 namespace axode {
 
 enum class JointKind {
@@ -57,16 +57,18 @@ struct JointDescription {
   Source source = {};                     ///< where it differs from that of the body
 };
 
-/// Everything in the construction frame: axis and point are those of Y_i; A is the reference pose of the body frame.
+/// Everything in the construction frame: axis and point are those of Y_i; A is the reference pose of the body
+/// frame.
 struct InConstructionFrame {
   SE3<> A;
 };
-/// Axis and point in the body frame, as in X_i; B is the reference pose of the body frame in the predecessor's.
+/// Axis and point in the body frame, as in X_i; B is the reference pose of the body frame in the
+/// predecessor's.
 struct InBodyFrame {
   SE3<> B;
 };
-/// Axis and point in the joint frame, as in Z_i; the joint frame has pose S_prev = S_{i-1,i} on the predecessor and
-/// S_self = S_{i,i} on the body.
+/// Axis and point in the joint frame, as in Z_i; the joint frame has pose S_prev = S_{i-1,i} on the
+/// predecessor and S_self = S_{i,i} on the body.
 struct InJointFrames {
   SE3<> S_prev, S_self;
 };

@@ -50,13 +50,14 @@ struct Frame {
 class Model {
  public:
   const std::string& name() const { return data_->description.name; }
-  /// Moving bodies; also joints. Body 0 is the ground, bodies 1 to n_bodies() follow depth-first in declared order.
+  /// Moving bodies; also joints. Body 0 is the ground, bodies 1 to n_bodies() follow depth-first in declared
+  /// order.
   int n_bodies() const { return data_->tree.n; }
   int nq() const { return data_->tree.nq; }
   int nv() const { return data_->tree.nv; }
   int n_frames() const { return data_->tree.n_frames(); }
-  /// Joint screws: one for each degree of freedom of every joint, coupled ones included. Those of joint i start at
-  /// first_screw(i).
+  /// Joint screws: one for each degree of freedom of every joint, coupled ones included. Those of joint i
+  /// start at first_screw(i).
   int n_screws() const { return data_->tree.n_screws; }
   int first_screw(int i) const { return data_->tree.first_screw[i]; }
   const Vec3<>& gravity() const { return data_->tree.g; }
@@ -72,7 +73,8 @@ class Model {
   }  ///< of bodies 1, 2, ...
   std::span<const Frame> frames() const { return data_->frames; }
 
-  /// Indices by name. Throws std::invalid_argument that names what was asked for and the nearest name there is.
+  /// Indices by name. Throws std::invalid_argument that names what was asked for and the nearest name there
+  /// is.
   int body_index(std::string_view name) const;
   int joint_index(std::string_view name) const;
   int frame_index(std::string_view name) const;

@@ -4,7 +4,8 @@
 
 #include "axode/model/description.hpp"
 
-/// From the three ways in which geometry may be given to one, (A, B, S_self), for every body of a description.
+/// From the three ways in which geometry may be given to one, (A, B, S_self), for every body of a
+/// description.
 namespace axode {
 
 /// A pose whose rotation is one to working precision, from one that is to 1e-6.
@@ -16,8 +17,8 @@ Vec3<> direction(const Vec3<>& axis);
 /// The same mechanism with cylindrical and universal joints as chains of two joints through a massless body.
 Description expand(const Description& description);
 
-/// Bodies in depth-first order, children as declared, and the index of each body's predecessor, -1 for the ground.
-/// Bodies that hang on no ground (an unknown predecessor, a cycle) are left out of the order.
+/// Bodies in depth-first order, children as declared, and the index of each body's predecessor, -1 for the
+/// ground. Bodies that hang on no ground (an unknown predecessor, a cycle) are left out of the order.
 struct DepthFirstOrder {
   std::vector<int> order;
   std::vector<int> predecessor;
@@ -32,9 +33,9 @@ struct Placement {
 };
 /// One for each body of an expanded description; those not in the order stay at the identity.
 ///
-/// The joint frame has its origin in the joint's point and is turned the shortest way from the frame in which the
-/// axis is given until its z-axis is the axis; for a spherical joint it keeps the axes of that frame, for a free
-/// joint it is the body frame.
+/// The joint frame has its origin in the joint's point and is turned the shortest way from the frame in which
+/// the axis is given until its z-axis is the axis; for a spherical joint it keeps the axes of that frame, for
+/// a free joint it is the body frame.
 std::vector<Placement> place(const Description& expanded, const DepthFirstOrder& order);
 
 /// The inertia in the body frame, for a body frame with reference pose A.

@@ -30,7 +30,8 @@ Model reduced(const Model& model, std::span<const std::string_view> locked, std:
   for (int i = 1; i <= model.n_bodies(); ++i)
     if (const auto& leader = model.joint(i).leader; leader && is_locked[leader->joint]) is_locked[i] = true;
 
-  // Every body relative to its predecessor, so that nothing else depends on a joint that moves away from zero.
+  // Every body relative to its predecessor, so that nothing else depends on a joint that moves away from
+  // zero.
   Description description = expand(model.description());
   const std::vector<Placement> placements = place(description, depth_first_order(description));
   std::unordered_map<std::string_view, int> index;

@@ -3,11 +3,12 @@
 
 #include "axode/lie/twist.hpp"
 
-/// Joints as subgroups of SE(3). A new kind of joint is a new struct here, a new enumerator of Subgroup and a new
-/// line in with_subgroup; no recursion changes.
+/// Joints as subgroups of SE(3). A new kind of joint is a new struct here, a new enumerator of Subgroup and a
+/// new line in with_subgroup; no recursion changes.
 ///
-/// The joint frame is a frame of the child: its z-axis is the axis of the joint. Velocities are left-trivialised:
-/// components in the child's joint frame, where the motion subspace S is constant. Every struct has
+/// The joint frame is a frame of the child: its z-axis is the axis of the joint. Velocities are
+/// left-trivialised: components in the child's joint frame, where the motion subspace S is constant. Every
+/// struct has
 ///   nq, nv                       numbers of coordinates and velocities
 ///   vector_coordinates           whether q and v have the same meaning (q' = v)
 ///   neutral()                    the coordinates of the identity
@@ -107,8 +108,8 @@ template <class T> struct Spherical {
   }
 };
 
-/// Motion in the plane normal to z: q = (θ, x, y), v = (ω; v_x, v_y) in the child's joint frame. Differences take
-/// the shorter way round, so that θ is met up to whole turns.
+/// Motion in the plane normal to z: q = (θ, x, y), v = (ω; v_x, v_y) in the child's joint frame. Differences
+/// take the shorter way round, so that θ is met up to whole turns.
 template <class T> struct Planar {
   static constexpr int nq = 3, nv = 3;
   static constexpr bool vector_coordinates = false;

@@ -13,8 +13,9 @@ struct JointRun {
   int begin, end;
 };
 
-/// The numbers of a model that the kernels read. Body 0 is the ground; parent[i] < i; the joint of body i is index i.
-/// The internal frame of body i is its joint frame, so that S_i is sparse; frames carry the user's own as offsets.
+/// The numbers of a model that the kernels read. Body 0 is the ground; parent[i] < i; the joint of body i is
+/// index i. The internal frame of body i is its joint frame, so that S_i is sparse; frames carry the user's
+/// own as offsets.
 template <class T = double> struct Tree {
   int n = 0, nq = 0, nv = 0;  ///< moving bodies, coordinates, velocities
   int n_screws = 0;           ///< joint screws: a column for each degree of freedom of every joint

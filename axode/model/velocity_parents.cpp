@@ -36,7 +36,8 @@ std::vector<std::vector<int>> later_neighbours(const Tree<double>& tree) {
 std::vector<int> velocity_parents(const Tree<double>& tree) {
   if (std::none_of(tree.coupled.begin(), tree.coupled.end(), [](char c) { return c != 0; }))
     return along_the_paths(tree);
-  // Liu's algorithm: the root of every subtree that velocity c reaches becomes its child; paths are shortened on the way.
+  // Liu's algorithm: the root of every subtree that velocity c reaches becomes its child; paths are shortened
+  // on the way.
   const std::vector<std::vector<int>> later = later_neighbours(tree);
   std::vector<int> parent(static_cast<std::size_t>(tree.nv), -1), root = parent;
   for (int c = tree.nv - 1; c >= 0; --c)

@@ -9,9 +9,9 @@
 
 namespace axode {
 
-/// Scratch memory for one thread: make one for a model and use it in every call, nothing is allocated afterwards. It
-/// holds no results; no call depends on an earlier one. T is the scalar of the computation, double or float. Where
-/// joints are coupled it has room for a mass matrix.
+/// Scratch memory for one thread: make one for a model and use it in every call, nothing is allocated
+/// afterwards. It holds no results; no call depends on an earlier one. T is the scalar of the computation,
+/// double or float. Where joints are coupled it has room for a mass matrix.
 template <class T = double> class Workspace {
   struct Size {
     template <class U>
@@ -49,8 +49,8 @@ template <class T = double> class Workspace {
    public:
     explicit Arena(Workspace& workspace)
         : next_(reinterpret_cast<std::byte*>(workspace.lines_.data())), size_(workspace.size_) {}
-    /// One U for each body and the ground, for each joint screw, for each pair of velocities (where joints are
-    /// coupled). All that one call takes fits into the numbers of Size.
+    /// One U for each body and the ground, for each joint screw, for each pair of velocities (where joints
+    /// are coupled). All that one call takes fits into the numbers of Size.
     template <class U> U* per_body() { return take<U>(size_.bodies + 1); }
     template <class U> U* per_screw() { return take<U>(size_.screws); }
     template <class U> U* per_pair() { return take<U>(size_.pairs); }

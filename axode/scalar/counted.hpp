@@ -13,7 +13,8 @@ struct Operations {
   long total() const { return products + sums + divisions + roots + angles; }
 };
 
-/// A number that counts what is done with it, those with an exact 0 or 1 included: run a kernel on it and read count().
+/// A number that counts what is done with it, those with an exact 0 or 1 included: run a kernel on it and
+/// read count().
 class Counted {
  public:
   Counted() = default;

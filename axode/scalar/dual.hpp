@@ -8,8 +8,8 @@
 
 namespace axode {
 
-/// A number and its derivatives in N directions: run a kernel on it and every result carries its gradient. Nest it for
-/// second derivatives. Cost of a product: 2N + 1.
+/// A number and its derivatives in N directions: run a kernel on it and every result carries its gradient.
+/// Nest it for second derivatives. Cost of a product: 2N + 1.
 template <class S, std::size_t N> struct Dual {
   S x{};                  ///< the value
   std::array<S, N> dx{};  ///< the derivatives

@@ -7,8 +7,9 @@
 
 namespace axode {
 
-/// The first N coefficients of a power series in t, c[0] + c[1] t + c[2] t² + ...: run a kernel on it and every result
-/// carries its time derivatives, k! c[k]. Division and sqrt need c[0] ≠ 0. Cost of a product: N²/2.
+/// The first N coefficients of a power series in t, c[0] + c[1] t + c[2] t² + ...: run a kernel on it and
+/// every result carries its time derivatives, k! c[k]. Division and sqrt need c[0] ≠ 0. Cost of a product:
+/// N²/2.
 template <class S, std::size_t N> struct Taylor {
   std::array<S, N> c{};
 

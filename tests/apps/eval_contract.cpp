@@ -198,8 +198,8 @@ TEST(Eval, CoupledJointsAreNamedApartAndHaveNoNumbers) {
   EXPECT_EQ(out["results"]["inverse_dynamics"].size(), nv);
 }
 
-/// One load, said in the four representations of its frame, gives the same drive forces; they are those of the
-/// library.
+/// One load, said in the four representations of its frame, gives the same drive forces; they are those of
+/// the library.
 TEST(Eval, ALoadIsTheSameInWhicheverRepresentationItIsGiven) {
   const Model model = load(robot("arm7.toml"));
   const Moving state(model);

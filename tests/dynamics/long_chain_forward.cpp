@@ -6,7 +6,8 @@
 namespace axode::test {
 namespace {
 
-/// n links of 20 cm and 1 kg with hinges about x, y and z in turn, the first one `away` from the inertial origin, m.
+/// n links of 20 cm and 1 kg with hinges about x, y and z in turn, the first one `away` from the inertial
+/// origin, m.
 Model chain(int n, double away) {
   ModelBuilder builder("chain");
   const Vec3<> axes[] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
@@ -31,7 +32,8 @@ template <class Rep> double residual(Trial<double>& t) {
   return largest(off) / largest(tau);
 }
 
-/// The residuals in the representations body, spatial, hybrid, mixed; the joints' angles are up to `bend`, rad.
+/// The residuals in the representations body, spatial, hybrid, mixed; the joints' angles are up to `bend`,
+/// rad.
 std::array<double, 4> residuals(int n, double bend, double away, std::uint64_t seed) {
   Random<double> random(seed);
   std::vector<double> q = random_numbers(random, n), v = random_numbers(random, n),

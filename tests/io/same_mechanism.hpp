@@ -44,8 +44,8 @@ enum class Compare {
   named_frames,  ///< bodies may carry other names and frames of their own; what the first names, the second has too
 };
 
-/// The largest difference of reference poses, joint screws, inertias, frames and gravity, relative where larger than
-/// one; infinite where names, kinds, limits, couplings or the order differ.
+/// The largest difference of reference poses, joint screws, inertias, frames and gravity, relative where
+/// larger than one; infinite where names, kinds, limits, couplings or the order differ.
 inline double disparity(const Model& a, const Model& b, Compare compare = Compare::everything) {
   const double infinity = std::numeric_limits<double>::infinity();
   if (a.n_bodies() != b.n_bodies() || a.nq() != b.nq() || a.nv() != b.nv()) return infinity;

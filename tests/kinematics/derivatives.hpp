@@ -37,8 +37,8 @@ std::vector<T> moved(const Tree<T>& tree, const std::vector<T>& q, const std::ve
   return out;
 }
 
-/// The series q(t) that starts at q and has the left-trivialised velocities v(t): the coefficients of q' = d/dε (q ⊕ ε v)
-/// give those of q one order further.
+/// The series q(t) that starts at q and has the left-trivialised velocities v(t): the coefficients of q' =
+/// d/dε (q ⊕ ε v) give those of q one order further.
 template <std::size_t N>
 std::vector<Taylor<double, N>> flow(const Model& model, const std::vector<double>& q0,
                                     const std::vector<Taylor<double, N>>& v) {

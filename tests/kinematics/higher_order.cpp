@@ -1,7 +1,7 @@
 #include "tests/kinematics/derivatives.hpp"
 
-/// Jerk, snap and beyond: the recursion on coefficients agrees with the kernels of every representation run on power
-/// series, and with the explicit formulas.
+/// Jerk, snap and beyond: the recursion on coefficients agrees with the kernels of every representation run
+/// on power series, and with the explicit formulas.
 namespace axode::test {
 namespace {
 
@@ -282,7 +282,8 @@ TEST(Jerk, SpatialFollowsFromTheTwistsAndAccelerationsOfTheBodies) {
   });
 }
 
-/// The hybrid jerk with erratum 10, in the joint screws ⁰X_j^j at the bodies that they move; r_ij points from i to j.
+/// The hybrid jerk with erratum 10, in the joint screws ⁰X_j^j at the bodies that they move; r_ij points from
+/// i to j.
 Screw<> hybrid_jerk(JerkOf& at) {
   const auto V = at.trial.twists<Hybrid>();
   const auto dV = at.trial.accelerations<Hybrid>();

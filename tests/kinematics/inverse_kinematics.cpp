@@ -95,8 +95,9 @@ TEST(InverseKinematics, TakesSeveralPlacesAtOnce) {
   PosesOf pose(humanoid);
   for (int k = 1; k <= 20; ++k) {
     const std::vector<double> q = random_configuration(humanoid, k);
-    const PoseTarget targets[] = {{.place = left, .pose = pose(q, left)},
-                                  {.place = right, .pose = pose(q, right), .angular_weight = 0.3, .linear_weight = 2}};
+    const PoseTarget targets[] = {
+        {.place = left, .pose = pose(q, left)},
+        {.place = right, .pose = pose(q, right), .angular_weight = 0.3, .linear_weight = 2}};
     const auto result = inverse_kinematics(humanoid, targets, neutral(humanoid));
     EXPECT_EQ(result.status, solved) << "target " << k;
     EXPECT_LE(residual_of(humanoid, targets, result.q), 1e-9);
@@ -143,7 +144,8 @@ TEST(InverseKinematics, SaysThatAPlaceIsOutOfReachAndHowFar) {
   const int tool = arm.frame_index("flange");
   const double reach = 0.42 + 0.4 + 0.126;  // from the shoulder at (0, 0, 0.36)
   for (const Vec3<>& direction : {Vec3<>{1, 0, 0}, Vec3<>{0, 0.6, 0.8}, Vec3<>{-0.6, 0, 0.8}}) {
-    const PoseTarget target{.place = tool, .pose = {{}, Vec3<>{0, 0, 0.36} + 2.0 * direction}, .angular_weight = 0};
+    const PoseTarget target{
+        .place = tool, .pose = {{}, Vec3<>{0, 0, 0.36} + 2.0 * direction}, .angular_weight = 0};
     const auto result = inverse_kinematics(arm, {{target}}, neutral(arm), {.restarts = 10});
     EXPECT_NE(result.status, solved);
     EXPECT_EQ(result.restarts, 10);
@@ -219,7 +221,8 @@ TEST(InverseKinematics, StaysOnTheTargetAndComesAsNearAPostureAsItCan) {
 TEST(InverseKinematics, TakesThePostureItselfWhereTheTargetAllowsIt) {
   const Model arm = example("arm7.toml");
   const int tool = arm.frame_index("flange");
-  const std::vector<double> posture{0.2, 0.5, -0.3, 0.9, 0.1, -0.4, 0.3}, start{0.3, 0.4, -0.4, 0.8, 0.2, -0.3, 0.2};
+  const std::vector<double> posture{0.2, 0.5, -0.3, 0.9, 0.1, -0.4, 0.3},
+      start{0.3, 0.4, -0.4, 0.8, 0.2, -0.3, 0.2};
   const PoseTarget target{.place = tool, .pose = PosesOf(arm)(posture, tool)};
   const auto result = inverse_kinematics(arm, {{target}}, start, {.posture = posture});
   EXPECT_EQ(result.status, solved);
@@ -239,7 +242,8 @@ TEST(InverseKinematics, OfOneSeedIsOneResult) {
 }
 
 TEST(InverseKinematics, OfWhatCannotMoveComparesAndStops) {
-  const Model statue = ModelBuilder("statue").add({.name = "block", .joint = {.kind = JointKind::fixed}}).build();
+  const Model statue =
+      ModelBuilder("statue").add({.name = "block", .joint = {.kind = JointKind::fixed}}).build();
   const PoseTarget here{.place = 0, .pose = {}}, there{.place = 0, .pose = {{}, {0, 0, 2}}};
   EXPECT_EQ(inverse_kinematics(statue, {{here}}, {}).status, solved);
   const auto result = inverse_kinematics(statue, {{there}}, {}, {.restarts = 0});
@@ -272,11 +276,14 @@ TEST(InverseKinematicsErrors, NameTheArgumentTheValueAndTheRule) {
             }),
             where + "q0 is not finite");
   EXPECT_EQ(with({.place = 99, .pose = {}}).substr(0, 12), "frame is 99;");
-  EXPECT_EQ(with({.place = 1, .pose = {}, .angular_weight = -1}), where + "a weight is -1; it must not be negative");
-  EXPECT_EQ(with({.place = 1, .pose = {{}, {std::nan(""), 0, 0}}}), where + "a target position is not finite");
+  EXPECT_EQ(with({.place = 1, .pose = {}, .angular_weight = -1}),
+            where + "a weight is -1; it must not be negative");
+  EXPECT_EQ(with({.place = 1, .pose = {{}, {std::nan(""), 0, 0}}}),
+            where + "a target position is not finite");
   const SO3<> twice{{2, 0, 0}, {0, 2, 0}, {0, 0, 2}}, mirror{{-1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
   for (const SO3<>& R : {twice, mirror})
-    EXPECT_EQ(with({.place = 1, .pose = {R, {}}}).substr(0, 55), where + "a target rotation is off a rotation");
+    EXPECT_EQ(with({.place = 1, .pose = {R, {}}}).substr(0, 55),
+              where + "a target rotation is off a rotation");
   EXPECT_EQ(with(good, {.tolerance = 0}), where + "tolerance is 0; it must be positive");
   EXPECT_EQ(with(good, {.iterations = 0}), where + "iterations is 0; it must be positive");
   EXPECT_EQ(with(good, {.restarts = -1}), where + "restarts is -1; it must not be negative");

@@ -62,7 +62,8 @@ template <int depth> double mixed_derivative(const typename Nested<depth>::Type&
     return mixed_derivative<depth - 1>(x.dx[0]);
 }
 
-/// The Jacobian at ((q ⊕ ε_n u_n) ⊕ ...) ⊕ ε_1 u_1, in all representations, and its derivative in ε_1, ..., ε_n.
+/// The Jacobian at ((q ⊕ ε_n u_n) ⊕ ...) ⊕ ε_1 u_1, in all representations, and its derivative in ε_1, ...,
+/// ε_n.
 template <int depth> class NestedJacobian {
  public:
   using T = typename Nested<depth>::Type;
@@ -265,8 +266,9 @@ Model chain(JointKind kind, int n) {
 }
 template <class Rep> bool is_zero(const Twist<Rep>& X) { return largest(entries(X)) == 0; }
 
-/// Body-fixed: zero unless every derivative lies outward of the column's joint; spatial: unless every derivative lies
-/// inward of it (eqs. der1, der2Jb, Jsder, Jsder2 and erratum 2). Joints beyond the place have no part in either.
+/// Body-fixed: zero unless every derivative lies outward of the column's joint; spatial: unless every
+/// derivative lies inward of it (eqs. der1, der2Jb, Jsder, Jsder2 and erratum 2). Joints beyond the place
+/// have no part in either.
 TEST(JacobianPartials, AreExactlyZeroWhereThePaperSaysSoAndNowhereElse) {
   const int n = 6, body = 5;
   Sample sample(chain(JointKind::revolute, n), 1, body);
@@ -286,7 +288,8 @@ TEST(JacobianPartials, AreExactlyZeroWhereThePaperSaysSoAndNowhereElse) {
     }
 }
 
-/// ∂J^h_ij/∂q_k is [J_ij, vJ_ik] for j <= k, a linear velocity, and [wJ_ik, J_ij] for k < j, which is not zero.
+/// ∂J^h_ij/∂q_k is [J_ij, vJ_ik] for j <= k, a linear velocity, and [wJ_ik, J_ij] for k < j, which is not
+/// zero.
 TEST(JacobianPartials, OfHybridScrewsHaveTwoCasesOfWhichNoneIsZero) {
   const int n = 6, body = 5;
   Sample sample(chain(JointKind::revolute, n), 2, body);

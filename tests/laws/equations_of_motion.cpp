@@ -1,7 +1,8 @@
 #include "axode/dynamics/closed_form.hpp"
 #include "tests/laws/law.hpp"
 
-/// The terms of the equations of motion fit together, on trees with joints of all kinds, massless bodies and couplings.
+/// The terms of the equations of motion fit together, on trees with joints of all kinds, massless bodies and
+/// couplings.
 namespace axode::test {
 namespace {
 

@@ -2,8 +2,8 @@
 
 #include "tests/laws/law.hpp"
 
-/// Forward dynamics undoes inverse dynamics, in every representation and with every load; a mass matrix that cannot be
-/// inverted is reported, and only such.
+/// Forward dynamics undoes inverse dynamics, in every representation and with every load; a mass matrix that
+/// cannot be inverted is reported, and only such.
 namespace axode::test {
 namespace {
 

@@ -164,7 +164,8 @@ TYPED_TEST(MomentumForm, StatesInTwistsAndInSpatialMomentaMoveAlike) {
           twist_form<Rep>(trial.model, trial.workspace, trial.state.q, bodies, tau, v, dV, loads).ok());
       expected.erase(expected.begin()), expected.resize(n);
       velocity.expect_equal(v, trial.state.v);
-      // Accelerations are as good as M is far from singular: compared by what they ask of the drives in another test.
+      // Accelerations are as good as M is far from singular: compared by what they ask of the drives in
+      // another test.
       if (largest(entries(a)) < 1e4) twist.expect_equal(dV, expected, 1e3 * largest(entries(a)));
     };
     check(BodyFixed{}), check(Spatial{}), check(Hybrid{}), check(Mixed{});

@@ -152,6 +152,12 @@ TEST(EigenAdaptors, VectorsAndSpansShareTheirEntries) {
   EXPECT_EQ(tail[0], 7);
   as_eigen(writable) *= 2;
   EXPECT_EQ(as_eigen(readable)[3], 14);
+
+  Eigen::MatrixXd M = Eigen::MatrixXd::Zero(2, 3);
+  const std::span<double> by_columns = as_span(M);
+  EXPECT_EQ(by_columns.size(), 6u);
+  by_columns[1] = 5;
+  EXPECT_EQ(M(1, 0), 5);
 }
 
 }  // namespace

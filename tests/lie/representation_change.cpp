@@ -6,8 +6,8 @@
 #include "tests/lie/random_quantities.hpp"
 #include "tests/lie/relative_error.hpp"
 
-/// Changes of representation of twists, their rates, wrenches and momenta: between the four representations, and to
-/// any pair of frames.
+/// Changes of representation of twists, their rates, wrenches and momenta: between the four representations,
+/// and to any pair of frames.
 namespace axode::test {
 namespace {
 

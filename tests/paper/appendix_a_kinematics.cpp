@@ -1,7 +1,7 @@
 #include "tests/paper/equation.hpp"
 
-/// Appendix A: summary of basic kinematic relations. "i - 1" is the predecessor p of body i; with more than one screw
-/// to a joint, X_i q̇_i is the sum of its screws times their rates.
+/// Appendix A: summary of basic kinematic relations. "i - 1" is the predecessor p of body i; with more than
+/// one screw to a joint, X_i q̇_i is the sum of its screws times their rates.
 namespace axode::test::paper {
 namespace {
 
@@ -88,8 +88,8 @@ TEST(Paper, AdRr) {
   });
 }
 
-// V̂^b = [[ω̃^b, v^b], [0, 0]] = C⁻¹ Ċ, V̂^s = [[ω̃^s, v^s], [0, 0]] = Ċ C⁻¹ with ω̃^b = Rᵀ Ṙ, v^b = Rᵀ ṙ, ω̃^s = Ṙ Rᵀ,
-// v^s = ṙ + r × ω^s; V^h = (ω^s, ṙ), V^m = (ω^b, ṙ)
+// V̂^b = [[ω̃^b, v^b], [0, 0]] = C⁻¹ Ċ, V̂^s = [[ω̃^s, v^s], [0, 0]] = Ċ C⁻¹ with ω̃^b = Rᵀ Ṙ, v^b = Rᵀ ṙ,
+// ω̃^s = Ṙ Rᵀ, v^s = ṙ + r × ω^s; V^h = (ω^s, ṙ), V^m = (ω^b, ṙ)
 TEST(Paper, TwistDefinitions) {
   each_body([](Equation& eq, const Motion& m, int i) {
     const Mat3 R = to_matrix(m.C(i).R), dR = rate(to_eigen(m.C_of_t(i).R));

@@ -2,8 +2,8 @@
 
 #include "tests/paper/equation.hpp"
 
-/// Appendix B: rigid body motions and the Lie group SE(3). The screws are twists, joint screws and joint wrenches of
-/// the bodies.
+/// Appendix B: rigid body motions and the Lie group SE(3). The screws are twists, joint screws and joint
+/// wrenches of the bodies.
 namespace axode::test::paper {
 namespace {
 
@@ -17,7 +17,8 @@ template <class Check> void each_pair(const Check& check) {
   });
 }
 
-// dX̂/dt = V̂_i^s X̂ - X̂ V̂_i^s = [V̂_i^s, X̂] for X = Ad_{C_i} ^iX with ^iX constant. Printed: V̂ X̂ - V̂ X̂, which is 0.
+// dX̂/dt = V̂_i^s X̂ - X̂ V̂_i^s = [V̂_i^s, X̂] for X = Ad_{C_i} ^iX with ^iX constant. Printed: V̂ X̂ - V̂
+// X̂, which is 0.
 TEST(Paper, BodyFixedScrewRate) {
   each_body([](Equation& eq, const Motion& m, int i) {
     const Screw<> iX{m.drawn(i).points[0].p, m.drawn(i).points[1].p};  // any that is constant
@@ -79,7 +80,8 @@ TEST(Paper, ScrewRateInMovingFrame) {
   });
 }
 
-// V = (ω; 0) + (0; v), ad_ω = [[ω̃, 0], [0, ω̃]], ad_v = [[0, 0], [ṽ, 0]]: infinitesimal versions of Ad_R and Ad_r
+// V = (ω; 0) + (0; v), ad_ω = [[ω̃, 0], [0, ω̃]], ad_v = [[0, 0], [ṽ, 0]]: infinitesimal versions of Ad_R and
+// Ad_r
 TEST(Paper, AngularLinearParts) {
   each_body([](Equation& eq, const Motion& m, int i) {
     const Twist<Hybrid> V = m.twist<Hybrid>(i);
@@ -131,8 +133,8 @@ TEST(Paper, WrenchTransform) {
   });
 }
 
-// X_1 ⊙ X_2 = ξ_1ᵀ η_2 + η_1ᵀ ξ_2: the power of a wrench written as a screw; 0 for two axes without pitch that meet or
-// are parallel
+// X_1 ⊙ X_2 = ξ_1ᵀ η_2 + η_1ᵀ ξ_2: the power of a wrench written as a screw; 0 for two axes without pitch
+// that meet or are parallel
 TEST(Paper, ReciprocalProduct) {
   each_pair([](Equation& eq, const Motion& m, int i, int j) {
     const Wrench<Spatial> W = m.joint_wrench<Spatial>(i);

@@ -3,8 +3,8 @@
 #include "tests/paper/equation.hpp"
 #include "tests/support/any_scalar.hpp"
 
-/// Derivatives of Jacobian columns without formulas. What moves is a series: in t, or in one ε for each coordinate in
-/// which is differentiated.
+/// Derivatives of Jacobian columns without formulas. What moves is a series: in t, or in one ε for each
+/// coordinate in which is differentiated.
 namespace axode::test::paper {
 
 using Mat4 = Eigen::Matrix4d;

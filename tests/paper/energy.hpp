@@ -1,8 +1,8 @@
 #pragma once
 #include "tests/paper/columns.hpp"
 
-/// Lagrange's quantities without formulas: the kinetic energy of the point masses, differentiated by series. For joints with
-/// one screw; index k is of velocities.
+/// Lagrange's quantities without formulas: the kinetic energy of the point masses, differentiated by series.
+/// For joints with one screw; index k is of velocities.
 namespace axode::test::paper {
 
 /// T(q, v) on any scalar.

@@ -7,8 +7,8 @@
 
 #include "tests/paper/motion.hpp"
 
-/// How an equation of the paper is tested: both of its sides, for every body, on a chain and on a tree, at random
-/// states. "i - 1" is the predecessor of body i, and the ground where it has none.
+/// How an equation of the paper is tested: both of its sides, for every body, on a chain and on a tree, at
+/// random states. "i - 1" is the predecessor of body i, and the ground where it has none.
 namespace axode::test::paper {
 
 /// An equation holds where its sides differ by less than this, relative to the larger side.

@@ -10,8 +10,8 @@
 
 #include "tests/support/shared_files.hpp"
 
-/// The ledger of the paper's equations: a table with the columns test, id, section, meaning, status and stage, one row
-/// for each equation. Every row of a stage that is reached has a test Paper.<test>.
+/// The ledger of the paper's equations: a table with the columns test, id, section, meaning, status and
+/// stage, one row for each equation. Every row of a stage that is reached has a test Paper.<test>.
 namespace axode::test::paper {
 namespace {
 

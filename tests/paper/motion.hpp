@@ -22,9 +22,9 @@ inline constexpr Representation value_of = std::same_as<Rep, BodyFixed> ? Repres
 
 /// A system that moves with random q, v, a at t = 0, in the frames that the user placed.
 ///
-/// Symbols of the paper (C, V, J, Π, W, ...) are evaluated from their definitions: poses that are series in t, and
-/// point masses. Words (pose, twist, joint_wrench, ...) are what the library answers. Frames are those of the model:
-/// 0 is the ground, 1 to n() are the bodies, com(i) is that of body i in its centre of mass.
+/// Symbols of the paper (C, V, J, Π, W, ...) are evaluated from their definitions: poses that are series in
+/// t, and point masses. Words (pose, twist, joint_wrench, ...) are what the library answers. Frames are those
+/// of the model: 0 is the ground, 1 to n() are the bodies, com(i) is that of body i in its centre of mass.
 class Motion {
  public:
   Motion(System system, std::uint64_t seed);
@@ -64,7 +64,8 @@ class Motion {
   template <class Rep> Vec6OfT V_of_t(int f) const { return twist_of(C_[f], value_of<Rep>); }
   template <class Rep> Vec6 V(int f) const { return now(V_of_t<Rep>(f)); }
   template <class Rep> Vec6 dV(int f) const { return rate(V_of_t<Rep>(f)); }
-  /// J_{i,j}: the twist of body i when only joint j moves, at unit rate; a column for each velocity of the joint.
+  /// J_{i,j}: the twist of body i when only joint j moves, at unit rate; a column for each velocity of the
+  /// joint.
   template <class Rep> Mat6X J(int i, int j) const { return J(i, j, value_of<Rep>); }
   Vec3d ddr(int f) const { return to_vector(second_rate(C_[f].r)); }
 

@@ -2,8 +2,8 @@
 
 #include "tests/paper/columns.hpp"
 
-/// Section 2.1: accelerations and partial derivatives, body-fixed representation. j < i means that joint j is on the
-/// path to joint i.
+/// Section 2.1: accelerations and partial derivatives, body-fixed representation. j < i means that joint j is
+/// on the path to joint i.
 namespace axode::test::paper {
 namespace {
 
@@ -61,7 +61,8 @@ Mat4 product_back(const Motion& m, int i, int j) {
 }
 
 // C_i⁻¹ C_j = A_i⁻¹ exp(-Ŷ_i q_i) ... exp(-Ŷ_{j+1} q_{j+1}) A_j, its partial
-// = -A_i⁻¹ exp(-Ŷ_i q_i) ... exp(-Ŷ_{k+1} q_{k+1}) Ŷ_k exp(-Ŷ_k q_k) ... exp(-Ŷ_{j+1} q_{j+1}) A_j for j < k <= i
+// = -A_i⁻¹ exp(-Ŷ_i q_i) ... exp(-Ŷ_{k+1} q_{k+1}) Ŷ_k exp(-Ŷ_k q_k) ... exp(-Ŷ_{j+1} q_{j+1}) A_j for j < k
+// <= i
 TEST(Paper, RelativePosePartial) {
   each_body_with_one_screw([](Equation& eq, const Motion& m, int i) {
     each_pair_before(m, i, [&](int j, int k) {
@@ -72,7 +73,8 @@ TEST(Paper, RelativePosePartial) {
   });
 }
 
-// ∂(C_i⁻¹ C_j)/∂q_k = -C_i⁻¹ C_k A_k⁻¹ Ŷ_k A_k C_k⁻¹ C_j = -C_i⁻¹ C_k A_k⁻¹ Ŷ_k A_k C_k⁻¹ C_i C_i⁻¹ C_j for j < k <= i
+// ∂(C_i⁻¹ C_j)/∂q_k = -C_i⁻¹ C_k A_k⁻¹ Ŷ_k A_k C_k⁻¹ C_j = -C_i⁻¹ C_k A_k⁻¹ Ŷ_k A_k C_k⁻¹ C_i C_i⁻¹ C_j for j
+// < k <= i
 TEST(Paper, RelativePosePartialContracted) {
   each_body_with_one_screw([](Equation& eq, const Motion& m, int i) {
     each_pair_before(m, i, [&](int j, int k) {
@@ -155,7 +157,8 @@ TEST(Paper, AccelerationByJacobianRate) {
   });
 }
 
-// ∂J_{i,j}/∂q_k = [J_{i,j}, J_{i,k}] = Ad_{C_{i,k}} [J_{k,j}, X_k] = -Ad_{C_{i,k}} ad_{X_k} J_{k,j} for j < k <= i
+// ∂J_{i,j}/∂q_k = [J_{i,j}, J_{i,k}] = Ad_{C_{i,k}} [J_{k,j}, X_k] = -Ad_{C_{i,k}} ad_{X_k} J_{k,j} for j < k
+// <= i
 TEST(Paper, DJbij) {
   each_body_with_one_screw([](Equation& eq, const Motion& m, int i) {
     each_pair_before(m, i, [&](int j, int k) {
@@ -249,8 +252,8 @@ template <std::size_t Order> Vec6 nested(const Motion& m, int i, int j, std::arr
   return product;
 }
 
-// ∂²J_{i,j}/∂q_k∂q_r = [[J_{i,j}, J_{i,k}], J_{i,r}] for j < k <= r <= i, [[J_{i,j}, J_{i,r}], J_{i,k}] for j < r < k <= i,
-// else 0; body-fixed
+// ∂²J_{i,j}/∂q_k∂q_r = [[J_{i,j}, J_{i,k}], J_{i,r}] for j < k <= r <= i, [[J_{i,j}, J_{i,r}], J_{i,k}] for j
+// < r < k <= i, else 0; body-fixed
 TEST(Paper, Der2Jb) {
   each_body_with_one_screw([](Equation& eq, const Motion& m, int i) {
     const Mat6X library = partials_of<BodyFixed>(m, i, 2);
@@ -269,7 +272,8 @@ TEST(Paper, Der2Jb) {
   });
 }
 
-// V̈_i = Σ_{j<=i} J_{i,j} q⃛_j + 2 Σ_{j<k<=i} [J_{i,j}, J_{i,k}] q̈_j q̇_k + Σ_{j<k<=i} [J_{i,j}, J_{i,k}] q̇_j q̈_k
+// V̈_i = Σ_{j<=i} J_{i,j} q⃛_j + 2 Σ_{j<k<=i} [J_{i,j}, J_{i,k}] q̈_j q̇_k + Σ_{j<k<=i} [J_{i,j}, J_{i,k}]
+// q̇_j q̈_k
 //       + 2 Σ_{j<k<r<=i} [[J_{i,j}, J_{i,k}], J_{i,r}] q̇_j q̇_k q̇_r + Σ_{j<k<=i} [[J_{i,j}, J_{i,k}], J_{i,k}] q̇_j q̇_k²
 TEST(Paper, Vbddot) {
   each_body_with_one_screw([](Equation& eq, const Motion& m, int i) {
@@ -288,7 +292,8 @@ TEST(Paper, Vbddot) {
   });
 }
 
-// ∂^ν J_{i,j}/∂q_α1...∂q_αν = [...[[J_{i,j}, J_{i,β1}], J_{i,β2}], ..., J_{i,βν}] for j < β1 <= ... <= βν <= i, else 0
+// ∂^ν J_{i,j}/∂q_α1...∂q_αν = [...[[J_{i,j}, J_{i,β1}], J_{i,β2}], ..., J_{i,βν}] for j < β1 <= ... <= βν <=
+// i, else 0
 TEST(Paper, NthorderBody) {
   each_body_with_one_screw([](Equation& eq, const Motion& m, int i) {
     const Mat6X library = partials_of<BodyFixed>(m, i, 3);

@@ -2,8 +2,8 @@
 
 #include "tests/paper/columns.hpp"
 
-/// Section 2.2: accelerations and partial derivatives, spatial representation. j < i means that joint j is on the path
-/// to joint i.
+/// Section 2.2: accelerations and partial derivatives, spatial representation. j < i means that joint j is on
+/// the path to joint i.
 namespace axode::test::paper {
 namespace {
 
@@ -106,7 +106,8 @@ Vec6 accelerated(const Motion& m, int j) {
   return sum;
 }
 
-// V̈_i = Σ_{j<=i} (J_j q⃛_j + 2 [V_j, J_j] q̈_j + Σ_{k<=j} [J_k q̈_k, J_j] q̇_j + [V_{j-1} + V_j - V_i, [V_j, J_j]] q̇_j), spatial
+// V̈_i = Σ_{j<=i} (J_j q⃛_j + 2 [V_j, J_j] q̈_j + Σ_{k<=j} [J_k q̈_k, J_j] q̇_j + [V_{j-1} + V_j - V_i, [V_j,
+// J_j]] q̇_j), spatial
 TEST(Paper, VsddotForm1) {
   each_body_with_one_screw([](Equation& eq, const Motion& m, int i) {
     const auto V = [&](int j) { return m.V<Spatial>(j); };
@@ -121,7 +122,8 @@ TEST(Paper, VsddotForm1) {
   });
 }
 
-// V̈_i = Σ_{j<=i} (J_j q⃛_j + [[V_j, J_j], V_i - 2 V_j] q̇_j + [Σ_{k<=j} J_k q̈_k + [V_j, J_j] q̇_j, J_j] q̇_j + 2 [V_j, J_j] q̈_j)
+// V̈_i = Σ_{j<=i} (J_j q⃛_j + [[V_j, J_j], V_i - 2 V_j] q̇_j + [Σ_{k<=j} J_k q̈_k + [V_j, J_j] q̇_j, J_j]
+// q̇_j + 2 [V_j, J_j] q̈_j)
 TEST(Paper, VsddotForm2) {
   each_body_with_one_screw([](Equation& eq, const Motion& m, int i) {
     const auto V = [&](int j) { return m.V<Spatial>(j); };
@@ -144,8 +146,8 @@ template <std::size_t Order> Vec6 nested(const Motion& m, int i, std::array<int,
   return product;
 }
 
-// ∂^ν J_i/∂q_α1...∂q_αν = [J_βν, ... [J_β1, J_i]] = ad_{J_βν} ... ad_{J_β1} J_i = [J_βν, ∂^(ν-1) J_i/∂q_β1...∂q_β(ν-1)]
-// for βν <= ... <= β1 < i, else 0; spatial
+// ∂^ν J_i/∂q_α1...∂q_αν = [J_βν, ... [J_β1, J_i]] = ad_{J_βν} ... ad_{J_β1} J_i = [J_βν, ∂^(ν-1)
+// J_i/∂q_β1...∂q_β(ν-1)] for βν <= ... <= β1 < i, else 0; spatial
 TEST(Paper, Nthorder) {
   each_body_with_one_screw([](Equation& eq, const Motion& m, int i) {
     const Mat6X library = partials_of<Spatial>(m, i, 3);

@@ -1,7 +1,7 @@
 #include "tests/paper/columns.hpp"
 
-/// Section 2.3: accelerations and partial derivatives, hybrid representation. j < i means that joint j is on the path to
-/// joint i; j - 1 is the predecessor of body j.
+/// Section 2.3: accelerations and partial derivatives, hybrid representation. j < i means that joint j is on
+/// the path to joint i; j - 1 is the predecessor of body j.
 namespace axode::test::paper {
 namespace {
 
@@ -31,8 +31,9 @@ TEST(Paper, JhSplit) {
   });
 }
 
-// ∂J_{i,j}^h/∂q_k = ∂Ad_{R_i}/∂q_k J_{i,j}^b + Ad_{R_i} ∂J_{i,j}^b/∂q_k = ad_{ωJ_{i,k}} Ad_{R_i} J_{i,j}^b + Ad_{R_i} [J_{i,j}^b,
-// J_{i,k}^b] = [ωJ_{i,k}, J_{i,j}] + [J_{i,j}, J_{i,k}] = [J_{i,j}, J_{i,k} - ωJ_{i,k}] for j <= k <= i
+// ∂J_{i,j}^h/∂q_k = ∂Ad_{R_i}/∂q_k J_{i,j}^b + Ad_{R_i} ∂J_{i,j}^b/∂q_k = ad_{ωJ_{i,k}} Ad_{R_i} J_{i,j}^b +
+// Ad_{R_i} [J_{i,j}^b, J_{i,k}^b] = [ωJ_{i,k}, J_{i,j}] + [J_{i,j}, J_{i,k}] = [J_{i,j}, J_{i,k} - ωJ_{i,k}]
+// for j <= k <= i
 TEST(Paper, JhderDerivation) {
   each_body_with_one_screw([](Equation& eq, const Motion& m, int i) {
     const Mat6 Ad_R = Ad(m.C(i).R);
@@ -52,7 +53,8 @@ TEST(Paper, JhderDerivation) {
   });
 }
 
-// ∂J_{i,j}/∂q_k = [J_{i,j}, vJ_{i,k}] = -ad_{vJ_{i,k}} J_{i,j} for j <= k <= i, [ωJ_{i,k}, J_{i,j}] for k < j; hybrid
+// ∂J_{i,j}/∂q_k = [J_{i,j}, vJ_{i,k}] = -ad_{vJ_{i,k}} J_{i,j} for j <= k <= i, [ωJ_{i,k}, J_{i,j}] for k <
+// j; hybrid
 TEST(Paper, Jhder) {
   each_body_with_one_screw([](Equation& eq, const Motion& m, int i) {
     const Mat6X library = partials_of<Hybrid>(m, i, 1);
@@ -78,7 +80,8 @@ Vec6 vDeltaV(const Motion& m, int j, int i) {
   return Delta - angular_screw(Delta);
 }
 
-// J̇_{i,j} = Σ_{j<=k<=i} [J_{i,j}, vJ_{i,k}] q̇_k + Σ_{k<j} [ωJ_{i,k}, J_{i,j}] q̇_k = [J_{i,j}, vΔV_{j-1,i}] + ad_{ω_{j-1}} J_{i,j}
+// J̇_{i,j} = Σ_{j<=k<=i} [J_{i,j}, vJ_{i,k}] q̇_k + Σ_{k<j} [ωJ_{i,k}, J_{i,j}] q̇_k = [J_{i,j}, vΔV_{j-1,i}]
+// + ad_{ω_{j-1}} J_{i,j}
 TEST(Paper, JhdotViaDeltaV) {
   each_body_with_one_screw([](Equation& eq, const Motion& m, int i) {
     const Mat6X library = jacobian_rate<Hybrid>(m, i);
@@ -135,7 +138,8 @@ TEST(Paper, JhdotLine2b) {
   });
 }
 
-// V̇_i = Σ_{j<=i} J_{i,j} q̈_j + Σ_{j<=k<=i} [J_{i,j}, vJ_{i,k}] q̇_j q̇_k + Σ_{k<j<=i} [ωJ_{i,k}, J_{i,j}] q̇_j q̇_k, hybrid
+// V̇_i = Σ_{j<=i} J_{i,j} q̈_j + Σ_{j<=k<=i} [J_{i,j}, vJ_{i,k}] q̇_j q̇_k + Σ_{k<j<=i} [ωJ_{i,k}, J_{i,j}]
+// q̇_j q̇_k, hybrid
 TEST(Paper, VhdotLine1a) {
   each_body_with_one_screw([](Equation& eq, const Motion& m, int i) {
     Vec6 printed = Vec6::Zero(), missing = Vec6::Zero();
@@ -179,7 +183,8 @@ TEST(Paper, VhdotLine2) {
   });
 }
 
-// J̈_{i,j} = (ad_{r̈_{i,j}} + 2 ad_{ṙ_{i,j}} ad_{ω_j} + Ad_{r_{i,j}} (ad_{ω̇_j} + ad_{ω_j} ad_{ω_j})) ^0X_j^j, hybrid
+// J̈_{i,j} = (ad_{r̈_{i,j}} + 2 ad_{ṙ_{i,j}} ad_{ω_j} + Ad_{r_{i,j}} (ad_{ω̇_j} + ad_{ω_j} ad_{ω_j}))
+// ^0X_j^j, hybrid
 TEST(Paper, Jhddot) {
   each_body_with_one_screw([](Equation& eq, const Motion& m, int i) {
     const HigherOrderMotion<> motion = jerk_motion(m);
@@ -195,8 +200,8 @@ TEST(Paper, Jhddot) {
   });
 }
 
-// V̈_i = Σ_{j<=i} (J_{i,j} q⃛_j + (2 (ad_{ṙ_{i,j}} + Ad_{r_{i,j}} ad_{ω_j}) q̈_j + (ad_{r̈_{i,j}} + 2 ad_{ṙ_{i,j}} ad_{ω_j} +
-// Ad_{r_{i,j}} (ad_{ω̇_j} + ad_{ω_j} ad_{ω_j})) q̇_j) ^0X_j^j), hybrid
+// V̈_i = Σ_{j<=i} (J_{i,j} q⃛_j + (2 (ad_{ṙ_{i,j}} + Ad_{r_{i,j}} ad_{ω_j}) q̈_j + (ad_{r̈_{i,j}} + 2
+// ad_{ṙ_{i,j}} ad_{ω_j} + Ad_{r_{i,j}} (ad_{ω̇_j} + ad_{ω_j} ad_{ω_j})) q̇_j) ^0X_j^j), hybrid
 TEST(Paper, Vhddot) {
   each_body_with_one_screw([](Equation& eq, const Motion& m, int i) {
     Vec6 right = Vec6::Zero(), printed = Vec6::Zero();

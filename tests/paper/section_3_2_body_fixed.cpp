@@ -48,8 +48,8 @@ TEST(Paper, NEb) {
   });
 }
 
-// Θ_b ω̇ + ω̃ Θ_b ω + m d̃_bc (v̇ + ω̃ v) = t^b, body-fixed. Printed: ... - m (v̇ + ω̃ v) d̃_bc, a column times a matrix,
-// which means nothing; with the factors in the order that does, its sign is wrong.
+// Θ_b ω̇ + ω̃ Θ_b ω + m d̃_bc (v̇ + ω̃ v) = t^b, body-fixed. Printed: ... - m (v̇ + ω̃ v) d̃_bc, a column
+// times a matrix, which means nothing; with the factors in the order that does, its sign is wrong.
 TEST(Paper, NEbexp1) {
   each_body([](Equation& eq, const Motion& m, int i) {
     const Mat3 Theta = to_eigen(m.M(i).Theta), md = tilde(m.M(i).h);

@@ -1,7 +1,7 @@
 #include "tests/paper/equation.hpp"
 
-/// Section 3.5: Newton-Euler equations of body i, measured at the origin of frame j and resolved in frame k; any
-/// body or the ground each. Left sides come from point masses.
+/// Section 3.5: Newton-Euler equations of body i, measured at the origin of frame j and resolved in frame k;
+/// any body or the ground each. Left sides come from point masses.
 namespace axode::test::paper {
 namespace {
 
@@ -90,8 +90,8 @@ TEST(Paper, NEInFramesJK) {
   });
 }
 
-// ^jV̇_i^j = Ad_{R_{j,k}} ^kV̇_i^j + ad_{^j(ω_k - ω_j)} Ad_{R_{j,k}} ^kV_i^j. Printed: ad of ^jω_k, the absolute angular
-// velocity of F_k instead of that relative to F_j.
+// ^jV̇_i^j = Ad_{R_{j,k}} ^kV̇_i^j + ad_{^j(ω_k - ω_j)} Ad_{R_{j,k}} ^kV_i^j. Printed: ad of ^jω_k, the
+// absolute angular velocity of F_k instead of that relative to F_j.
 TEST(Paper, TwistRateChangeOfResolvingFrame) {
   each_body_in_frames([](Equation& eq, const Motion& m, int i, int j, int k) {
     const Vec6OfT kV = m.V_of_t(i, m.frame_jk(j, k));
@@ -105,8 +105,8 @@ TEST(Paper, TwistRateChangeOfResolvingFrame) {
   });
 }
 
-// M (^kV̇_i^j + (ad_{^kV_j^j} + ad_{^k(ω_k - ω_j)}) ^kV_i^j) - ad_{^kV_i^j}ᵀ M ^kV_i^j = ^kW_i^j with M = ^kM_i^j.
-// Printed: ad of ^kω_k, the absolute angular velocity of F_k instead of that relative to F_j.
+// M (^kV̇_i^j + (ad_{^kV_j^j} + ad_{^k(ω_k - ω_j)}) ^kV_i^j) - ad_{^kV_i^j}ᵀ M ^kV_i^j = ^kW_i^j with M =
+// ^kM_i^j. Printed: ad of ^kω_k, the absolute angular velocity of F_k instead of that relative to F_j.
 TEST(Paper, NEJKBoxed) {
   each_body_in_frames([](Equation& eq, const Motion& m, int i, int j, int k) {
     const PoseOfT F = m.frame_jk(j, k);

@@ -1,7 +1,7 @@
 #include "tests/paper/equation.hpp"
 
-/// Section 4.1: recursive Newton-Euler algorithm, body-fixed representation. "i - 1" is the predecessor p of body i;
-/// with more than one screw to a joint, X_i q̇_i is the sum of its screws times their rates.
+/// Section 4.1: recursive Newton-Euler algorithm, body-fixed representation. "i - 1" is the predecessor p of
+/// body i; with more than one screw to a joint, X_i q̇_i is the sum of its screws times their rates.
 namespace axode::test::paper {
 namespace {
 
@@ -46,8 +46,8 @@ TEST(Paper, CrecVbi) {
   });
 }
 
-// q̈_i = X_iᵀ (V̇_i - Ad_{C_{i,i-1}} V̇_{i-1} + [V_i, Ad_{C_{i,i-1}} V_{i-1}]) / ‖X_i‖², body-fixed. Printed: V_i
-// instead of V̇_i.
+// q̈_i = X_iᵀ (V̇_i - Ad_{C_{i,i-1}} V̇_{i-1} + [V_i, Ad_{C_{i,i-1}} V_{i-1}]) / ‖X_i‖², body-fixed. Printed:
+// V_i instead of V̇_i.
 TEST(Paper, RemAfterCrecVbi) {
   each_body_with_one_screw([](Equation& eq, const Motion& m, int i) {
     const int p = m.predecessor(i);
@@ -87,8 +87,8 @@ TEST(Paper, CVbRec2) {
   });
 }
 
-// For i = n..1: W_i = Σ_{children k} Ad_{C_{k,i}}ᵀ W_k + M_i V̇_i - ad_{V_i}ᵀ M_i V_i - W_i^app, body-fixed. Printed:
-// from i = n - 1, with body i + 1 as the only successor and with + W_i^app.
+// For i = n..1: W_i = Σ_{children k} Ad_{C_{k,i}}ᵀ W_k + M_i V̇_i - ad_{V_i}ᵀ M_i V_i - W_i^app, body-fixed.
+// Printed: from i = n - 1, with body i + 1 as the only successor and with + W_i^app.
 TEST(Paper, AWbRec) {
   each_body([](Equation& eq, const Motion& m, int i) {
     const auto Ad_T_W = [&](int k) -> Vec6 {

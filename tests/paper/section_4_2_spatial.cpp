@@ -1,7 +1,7 @@
 #include "tests/paper/equation.hpp"
 
-/// Section 4.2: recursive Newton-Euler algorithm, spatial representation. "i - 1" is the predecessor p of body i; with
-/// more than one screw to a joint, J_i q̇_i is the sum of its screws times their rates.
+/// Section 4.2: recursive Newton-Euler algorithm, spatial representation. "i - 1" is the predecessor p of
+/// body i; with more than one screw to a joint, J_i q̇_i is the sum of its screws times their rates.
 namespace axode::test::paper {
 namespace {
 
@@ -74,8 +74,8 @@ TEST(Paper, AWsRec) {
   });
 }
 
-// For i = n..1: W_i = Σ_{children k} W_k + M_i V̇_i - ad_{V_i}ᵀ M_i V_i - W_i^app, spatial. Printed: from i = n - 1,
-// with body i + 1 as the only successor and with + W_i^app.
+// For i = n..1: W_i = Σ_{children k} W_k + M_i V̇_i - ad_{V_i}ᵀ M_i V_i - W_i^app, spatial. Printed: from i =
+// n - 1, with body i + 1 as the only successor and with + W_i^app.
 TEST(Paper, BWsRec) {
   each_body([](Equation& eq, const Motion& m, int i) {
     const auto W = [&](int k) -> Vec6 { return to_eigen(m.joint_wrench<Spatial>(k)); };

@@ -1,8 +1,8 @@
 #include "tests/paper/equation.hpp"
 
-/// Section 4.3: recursive Newton-Euler algorithm, hybrid representation. "i - 1" is the predecessor p of body i,
-/// r_{i,i-1} = r_{i-1} - r_i, and X below is ^0X_i^i = Ad_{R_i} X_i; with more than one screw to a joint, X q̇_i is the
-/// sum of its screws times their rates.
+/// Section 4.3: recursive Newton-Euler algorithm, hybrid representation. "i - 1" is the predecessor p of body
+/// i, r_{i,i-1} = r_{i-1} - r_i, and X below is ^0X_i^i = Ad_{R_i} X_i; with more than one screw to a joint,
+/// X q̇_i is the sum of its screws times their rates.
 namespace axode::test::paper {
 namespace {
 
@@ -61,8 +61,8 @@ TEST(Paper, RecVhdot3) {
   });
 }
 
-// ad_{ṙ_i} (V_i - X q̇_i) = ad_{ṙ_i} V_{i-1}, ad_{ṙ_i} + ad_{ω_i} = ad_{V_i}, V_{i-1} = Ad_{r_{i,i-1}}⁻¹ (V_i - X q̇_i),
-// ad_{ṙ_{i,i-1}} Ad_{r_{i,i-1}}⁻¹ = ad_{ṙ_{i,i-1}}, hybrid
+// ad_{ṙ_i} (V_i - X q̇_i) = ad_{ṙ_i} V_{i-1}, ad_{ṙ_i} + ad_{ω_i} = ad_{V_i}, V_{i-1} = Ad_{r_{i,i-1}}⁻¹ (V_i
+// - X q̇_i), ad_{ṙ_{i,i-1}} Ad_{r_{i,i-1}}⁻¹ = ad_{ṙ_{i,i-1}}, hybrid
 TEST(Paper, RecVhdotHelperIdentities) {
   each_body([](Equation& eq, const Motion& m, int i) {
     const Step s(m, i);
@@ -74,7 +74,8 @@ TEST(Paper, RecVhdotHelperIdentities) {
   });
 }
 
-// C_i = C_{i-1} B_i exp(X_i q_i) = exp(Y_1 q_1) ... exp(Y_i q_i) A_i; the hybrid recursion carries R_i and r_i - r_{i-1}
+// C_i = C_{i-1} B_i exp(X_i q_i) = exp(Y_1 q_1) ... exp(Y_i q_i) A_i; the hybrid recursion carries R_i and
+// r_i - r_{i-1}
 TEST(Paper, AVhRec2) {
   each_body_with_one_screw([](Equation& eq, const Motion& m, int i) {
     const SE3<> C_p = m.pose(m.predecessor(i));
@@ -123,8 +124,8 @@ TEST(Paper, AWhRec) {
   });
 }
 
-// For i = n..1: W_i = Σ_{children k} Ad_{r_{k,i}}ᵀ W_k + M_i V̇_i + ad_{ω_i} M_i (ω_i; 0) - W_i^app, hybrid. Printed: from
-// i = n - 1, with body i + 1 as the only successor and with + W_i^app.
+// For i = n..1: W_i = Σ_{children k} Ad_{r_{k,i}}ᵀ W_k + M_i V̇_i + ad_{ω_i} M_i (ω_i; 0) - W_i^app, hybrid.
+// Printed: from i = n - 1, with body i + 1 as the only successor and with + W_i^app.
 TEST(Paper, BWhRec) {
   each_body([](Equation& eq, const Motion& m, int i) {
     const auto Ad_T_W = [&](int k) -> Vec6 {

@@ -11,7 +11,8 @@ Eigen::VectorXd inverse_dynamics_of(const Model& model, const Motion& m) {
   return tau;
 }
 
-// A_i = I: all body frames at the construction frame when q = 0. Then Y_i = X_i, and C_i = exp(X_1 q_1) ... exp(X_i q_i).
+// A_i = I: all body frames at the construction frame when q = 0. Then Y_i = X_i, and C_i = exp(X_1 q_1) ...
+// exp(X_i q_i).
 TEST(Paper, GlobalFrameChoice) {
   for (const Topology topology : one_screw_joints) {
     Equation eq;

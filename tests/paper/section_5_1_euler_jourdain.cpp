@@ -1,7 +1,8 @@
 #include "axode/dynamics/closed_form.hpp"
 #include "tests/paper/energy.hpp"
 
-/// Section 5.1: the projected Newton-Euler equations of all bodies, and the general form of the equations of motion.
+/// Section 5.1: the projected Newton-Euler equations of all bodies, and the general form of the equations of
+/// motion.
 namespace axode::test::paper {
 namespace {
 
@@ -26,7 +27,8 @@ TEST(Paper, EOM) {
   });
 }
 
-// M_i V̇_i - ad_{V_i}ᵀ M_i V_i - W_i^app - W_i^c = 0 for each body, body-fixed; what the joints transmit is W^c and the drive
+// M_i V̇_i - ad_{V_i}ᵀ M_i V_i - W_i^app - W_i^c = 0 for each body, body-fixed; what the joints transmit is
+// W^c and the drive
 TEST(Paper, NEBodyWithConstraintWrench) {
   each_body([](Equation& eq, const Motion& m, int i) {
     const Mat6 M = to_eigen(m.M(i));
@@ -53,7 +55,8 @@ Vec6 drive_wrench(const Motion& m, int i) {
   return W;
 }
 
-// Jᵀ (M_1 V̇_1 - ad_{V_1}ᵀ M_1 V_1 - W_1^app; ...; M_n V̇_n - ad_{V_n}ᵀ M_n V_n - W_n^app) = 0, body-fixed; W^app with the drives
+// Jᵀ (M_1 V̇_1 - ad_{V_1}ᵀ M_1 V_1 - W_1^app; ...; M_n V̇_n - ad_{V_n}ᵀ M_n V_n - W_n^app) = 0, body-fixed;
+// W^app with the drives
 TEST(Paper, PE) {
   each_system([](Equation& eq, const Motion& m) {
     const Eigen::MatrixXd Jt = system_jacobian<BodyFixed>(m).transpose();

@@ -159,7 +159,8 @@ TEST(Paper, EOMComponents) {
   });
 }
 
-/// check(Γ_ijk by definition, Γ_ijk of the library, i, j, k) for the joints of all symbols with j <= k, and how large they are.
+/// check(Γ_ijk by definition, Γ_ijk of the library, i, j, k) for the joints of all symbols with j <= k, and
+/// how large they are.
 template <class Check>
 void each_symbol(const Motion& m, const std::vector<double>& library, const Check& check) {
   const std::vector<double> Gamma = christoffel_symbols_of(m);
@@ -183,8 +184,9 @@ std::vector<int> behind(const Motion& m, int i, int j, int k) {
   return bodies;
 }
 
-// Γ_ijk = (1/2) Σ_l (J_{l,k}ᵀ M_l ad_{J_{l,i}} J_{l,j} + J_{l,j}ᵀ M_l ad_{J_{l,i}} J_{l,k} + J_{l,i}ᵀ M_l ad_{J_{l,s}} J_{l,r}) for
-// any i and j <= k, with r = k, s = j, over the bodies l that have i, j and k on their path
+// Γ_ijk = (1/2) Σ_l (J_{l,k}ᵀ M_l ad_{J_{l,i}} J_{l,j} + J_{l,j}ᵀ M_l ad_{J_{l,i}} J_{l,k} + J_{l,i}ᵀ M_l
+// ad_{J_{l,s}} J_{l,r}) for any i and j <= k, with r = k, s = j, over the bodies l that have i, j and k on
+// their path
 TEST(Paper, Gamma) {
   each_system_of_lagrange([](Equation& eq, const Motion& m, const SystemOfLagrange&) {
     const auto J = [&](int l, int j) -> Vec6 { return m.J<BodyFixed>(l, j); };
@@ -208,7 +210,8 @@ TEST(Paper, Gamma) {
   });
 }
 
-// Γ_ijk = Σ_l tr(Ĵ_{l,i} P_l (Ĵ_{l,j} Ĵ_{l,k})ᵀ) for j <= k, P_l = [[ϑ_l, m c], [m cᵀ, m]], over the same bodies l
+// Γ_ijk = Σ_l tr(Ĵ_{l,i} P_l (Ĵ_{l,j} Ĵ_{l,k})ᵀ) for j <= k, P_l = [[ϑ_l, m c], [m cᵀ, m]], over the same
+// bodies l
 TEST(Paper, GammaBinet) {
   each_system_of_lagrange([](Equation& eq, const Motion& m, const SystemOfLagrange&) {
     const auto J = [&](int l, int j) -> Vec6 { return m.J<BodyFixed>(l, j); };

@@ -7,8 +7,8 @@
 #include "axode/model/tree.hpp"
 #include "axode/scalar/taylor.hpp"
 
-/// Time derivatives without formulas: whatever moves is a series in t, and its coefficients are its derivatives at
-/// t = 0. Matrices and vectors are Eigen's, six-vectors angular part first.
+/// Time derivatives without formulas: whatever moves is a series in t, and its coefficients are its
+/// derivatives at t = 0. Matrices and vectors are Eigen's, six-vectors angular part first.
 namespace axode::test::paper {
 
 using Vec3d = Eigen::Vector3d;

@@ -43,7 +43,8 @@ Draft draw(Random<double>& random, int number, int predecessor, JointKind kind) 
   return draft;
 }
 
-/// Mass, centre of mass and moments of points, summed up in the frame F of the construction frame and told in it.
+/// Mass, centre of mass and moments of points, summed up in the frame F of the construction frame and told in
+/// it.
 MassProperties sum(const std::vector<PointMass>& points, const SE3<>& F, GivenIn in, InertiaAbout about,
                    const SO3<>& axes) {
   MassProperties sums{.in = in, .about = about, .axes = axes};

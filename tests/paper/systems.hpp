@@ -35,8 +35,9 @@ struct Drawn {
   std::vector<PointMass> points;            ///< all matter of the body
 };
 
-/// A mechanism with random body frames and joint frames. Each body is a few point masses and gives its geometry and
-/// its inertia in another of the ways that there are; each has a frame "<body>.com" in its centre of mass.
+/// A mechanism with random body frames and joint frames. Each body is a few point masses and gives its
+/// geometry and its inertia in another of the ways that there are; each has a frame "<body>.com" in its
+/// centre of mass.
 struct System {
   Topology topology;
   Model model;
@@ -44,7 +45,8 @@ struct System {
   std::vector<AppliedWrench<>> loads;  ///< in every representation
 };
 
-/// Which body frames a mechanism gets: random ones, or all of them at the construction frame, A_i = I (section 4.4).
+/// Which body frames a mechanism gets: random ones, or all of them at the construction frame, A_i = I
+/// (section 4.4).
 enum class BodyFrames { random, at_the_construction_frame };
 
 /// The same mechanism for the same topology and seed, whatever the frames.

@@ -1,7 +1,8 @@
 """A robot in MuJoCo, in the conventions of axode.
 
-MuJoCo's free joint has its velocity as (linear part in inertial axes; angular part in body axes) and its position before
-its quaternion w x y z. Its reader of URDF knows no mimic joints: they are coupled by a matrix here.
+MuJoCo's free joint has its velocity as (linear part in inertial axes; angular part in body axes) and its
+position before its quaternion w x y z. Its reader of URDF knows no mimic joints: they are coupled by a matrix
+here.
 """
 
 import xml.etree.ElementTree as ElementTree

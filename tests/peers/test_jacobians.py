@@ -48,7 +48,7 @@ def test_agrees_about_the_centre_of_mass(file, base):
             assert_equal(quantity, {"robot": np.array(ours[quantity]) @ times}, {"robot": theirs}, bound)
         compare("center_of_mass_jacobian", pin.jacobianCenterOfMass(model, data, q) @ P, times=np.eye(P.shape[1]))
         compare("centroidal_momentum_matrix", A(0), times=np.eye(P.shape[1]))
-        # Pinocchio's matrix is not the rate of its own one, though their product with v is: both are compared with that.
+        # Pinocchio's rate is not the derivative of its own matrix, though its product with v is that of the momentum.
         h = 1e-6
         compare("centroidal_momentum_matrix_rate", (A(h) - A(-h)) / (2 * h), bound=1e-7, times=np.eye(P.shape[1]))
         dA = np.roll(pin.computeCentroidalMapTimeVariation(model, data, q, v), 3, axis=0)

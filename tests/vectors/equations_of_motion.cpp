@@ -1,7 +1,8 @@
 #include "axode/dynamics/closed_form.hpp"
 #include "tests/vectors/reference_state.hpp"
 
-/// Mass matrix, Coriolis matrices, forward dynamics, momenta, energies and regressors of every reference system.
+/// Mass matrix, Coriolis matrices, forward dynamics, momenta, energies and regressors of every reference
+/// system.
 namespace axode::test {
 namespace {
 

@@ -152,7 +152,8 @@ TEST_P(KinematicsOfReferenceSystems, SecondPartialsOfJacobians) {
   });
 }
 
-/// The rows and columns of a matrix over the bodies in the order of the files, as its rows one after the other.
+/// The rows and columns of a matrix over the bodies in the order of the files, as its rows one after the
+/// other.
 std::vector<double> in_file_order(const ReferenceState& at, const Eigen::MatrixXd& M) {
   const bool square = M.cols() == M.rows();
   std::vector<double> out;

@@ -58,7 +58,8 @@ struct ReferenceState {
   std::vector<double> v() const { return rate(0); }
   std::vector<double> a() const { return rate(1); }
 
-  /// An array over `dimensions` indices of joints, row by row, from the order of the model to that of the files.
+  /// An array over `dimensions` indices of joints, row by row, from the order of the model to that of the
+  /// files.
   std::vector<double> in_file_order(const std::vector<double>& x, int dimensions) const {
     std::vector<double> out;
     const auto walk = [&](const auto& self, int left, std::size_t at) -> void {

@@ -1,0 +1,186 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "axode/dynamics.hpp"
+#include "axode/eigen.hpp"
+#include "axode/io.hpp"
+#include "tests/apps/run_command.hpp"
+
+/// Every quantity that `axode eval --help` lists, asked of a machine with all kinds of joints and of an arm.
+namespace axode::test {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// The names that the help lists.
+std::vector<std::string> quantities() {
+  std::istringstream help(axode({"eval", "--help"}).out);
+  std::vector<std::string> names;
+  bool listing = false;
+  for (std::string line; std::getline(help, line);) {
+    if (line.starts_with("Quantities for --want")) {
+      listing = true;
+    } else if (listing && line.empty()) {
+      break;
+    } else if (listing) {
+      std::istringstream words(line);
+      std::string name;
+      words >> name;
+      names.push_back(name);
+    }
+  }
+  return names;
+}
+
+/// A state in which everything has a value that is not zero.
+Json moving(const Model& model) {
+  std::vector<double> v, a;
+  for (int c = 0; c < model.nv(); ++c) v.push_back(std::sin(1.0 + c)), a.push_back(std::cos(2.0 + c));
+  const std::string tool = model.frame(model.n_frames() - 1).name;
+  Json pose = Json::array({{1, 0, 0, 0.3}, {0, 1, 0, 0.1}, {0, 0, 1, 0.5}, {0, 0, 0, 1}});
+  return {{"q", random_configuration(model, 4)},
+          {"v", v},
+          {"a", a},
+          {"jerk", v},
+          {"snap", a},
+          {"tau", v},
+          {"loads", Json::array({{{"frame", tool}, {"wrench", {1, 2, 3, 4, 5, 6}}}})},
+          {"targets", Json::array({{{"frame", tool}, {"pose", pose}}})}};
+}
+
+bool finite(const Json& value) {
+  if (value.is_structured()) return std::all_of(value.begin(), value.end(), finite);
+  return value.is_string() || (value.is_number() && std::isfinite(value.get<double>()));
+}
+
+std::vector<double> flat(const Json& value) {
+  if (!value.is_structured()) return {value.get<double>()};
+  std::vector<double> out;
+  for (const Json& entry : value)
+    for (const double x : flat(entry)) out.push_back(x);
+  return out;
+}
+
+Json answer(const std::string& file, const Json& state, const std::string& want,
+            std::vector<std::string> options = {}) {
+  options.insert(options.begin(), {"eval", file, "--state", "-", "--format", "json", "--want", want});
+  const Outcome outcome = axode(options, state.dump());
+  EXPECT_EQ(outcome.code, 0) << outcome.err;
+  return outcome.code == 0 ? Json::parse(outcome.out).at("results") : Json();
+}
+
+TEST(EvalQuantities, AllAnswerInJsonAndAsATable) {
+  ASSERT_GE(quantities().size(), 40u);
+  const std::string arm = robot("arm7.toml"), machine = robot("machine.toml");
+  for (const std::string& file : {arm, machine}) {
+    const Json state = moving(load(file));
+    for (const std::string& name : quantities()) {
+      SCOPED_TRACE(file + ", " + name);
+      std::vector<std::string> options;
+      if (name == "operational_space_inertia") {
+        if (file == machine) continue;  // none of its frames moves in every direction
+        options = {"--frame", "flange"};
+      }
+      const Json results = answer(file, state, name, options);
+      ASSERT_TRUE(results.contains(name));
+      EXPECT_TRUE(finite(results.at(name))) << results.at(name).dump();
+      options.insert(options.begin(), {"eval", file, "--state", "-", "--want", name});
+      const Outcome table = axode(options, state.dump());
+      EXPECT_EQ(table.code, 0) << table.err;
+      EXPECT_THAT(table.out, testing::HasSubstr("\n" + name + ": "));
+    }
+  }
+}
+
+TEST(EvalQuantities, FitTogether) {
+  const std::string arm = robot("arm7.toml");
+  const Model model = load(arm);
+  const Json state = moving(model);
+  const Json results =
+      answer(arm, state,
+             "mass_matrix,coriolis_vector,gravity_vector,generalized_loads,inverse_dynamics,"
+             "forward_dynamics,generalized_momenta,momentum_form,kinetic_energy,torque_regressor,"
+             "inertial_parameters,inverse_mass_matrix,coriolis_matrix");
+  const auto matrix = [&](const char* name) {
+    const std::vector<double> x = flat(results.at(name));
+    return Eigen::MatrixXd(
+        Eigen::Map<const Eigen::MatrixXd>(x.data(), 7, static_cast<int>(x.size()) / 7).transpose());
+  };
+  const auto vector = [&](const char* name) {
+    const std::vector<double> x = flat(results.at(name));
+    return Eigen::VectorXd(Eigen::Map<const Eigen::VectorXd>(x.data(), static_cast<int>(x.size())));
+  };
+  const auto given = [&](const char* name) {
+    const std::vector<double> x = flat(state.at(name));
+    return Eigen::VectorXd(Eigen::Map<const Eigen::VectorXd>(x.data(), static_cast<int>(x.size())));
+  };
+  const auto near = [](const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
+    return (a - b).norm() <= 1e-9 * (1 + b.norm());
+  };
+  const Eigen::MatrixXd M = matrix("mass_matrix");
+  const Eigen::VectorXd terms =
+      vector("coriolis_vector") + vector("gravity_vector") - vector("generalized_loads");
+  EXPECT_TRUE(near(vector("inverse_dynamics"), M * given("a") + terms));
+  EXPECT_TRUE(near(given("tau"), M * vector("forward_dynamics") + terms));
+  EXPECT_TRUE(near(matrix("inverse_mass_matrix") * (M * given("a")), given("a")));
+  EXPECT_TRUE(near(vector("generalized_momenta"), M * given("v")));
+  EXPECT_TRUE(near(matrix("coriolis_matrix") * given("v"), vector("coriolis_vector")));
+  EXPECT_NEAR(flat(results.at("kinetic_energy"))[0], 0.5 * given("v").dot(M * given("v")), 1e-9);
+  const std::vector<double> Y = flat(results.at("torque_regressor"));
+  const Eigen::Map<const Eigen::Matrix<double, -1, -1, Eigen::RowMajor>> regressor(Y.data(), 7, 70);
+  EXPECT_TRUE(near(regressor * vector("inertial_parameters"),
+                   vector("inverse_dynamics") + vector("generalized_loads")));
+  const std::vector<double> v = flat(results.at("momentum_form").at("v"));
+  EXPECT_TRUE(near(Eigen::Map<const Eigen::VectorXd>(v.data(), 7), given("v")));
+}
+
+TEST(EvalQuantities, FormsOfCDifferAndMakeTheSameForces) {
+  const std::string arm = robot("arm7.toml");
+  const Json state = moving(load(arm));
+  std::vector<std::vector<double>> C;
+  for (const char* form : {"paper", "skew", "spatial", "christoffel"})
+    C.push_back(flat(answer(arm, state, "coriolis_matrix", {"--coriolis", form}).at("coriolis_matrix")));
+  const auto distance = [](const std::vector<double>& a, const std::vector<double>& b) {
+    double largest = 0;
+    for (std::size_t k = 0; k < a.size(); ++k) largest = std::max(largest, std::abs(a[k] - b[k]));
+    return largest;
+  };
+  EXPECT_GT(distance(C[0], C[1]), 1e-3);
+  EXPECT_LT(distance(C[1], C[2]), 1e-12);
+  EXPECT_GT(distance(C[2], C[3]), 1e-3);
+}
+
+TEST(EvalQuantities, MomentaOfTheStateComeBeforeItsVelocities) {
+  const std::string arm = robot("arm7.toml");
+  Json state = moving(load(arm));
+  state["p"] = std::vector<double>{1, 0, 0, 0, 0, 0, 0};
+  const Json form = answer(arm, state, "momentum_form").at("momentum_form");
+  EXPECT_EQ(flat(form.at("p")), flat(state.at("p")));
+  const Json again = answer(arm, {{"q", state.at("q")}, {"v", form.at("v")}}, "generalized_momenta");
+  EXPECT_NEAR(flat(again.at("generalized_momenta"))[0], 1, 1e-12);
+}
+
+TEST(EvalQuantities, FramesOrdersAndObserversAreChosen) {
+  const std::string arm = robot("arm7.toml");
+  const Json state = moving(load(arm));
+  const Json one =
+      answer(arm, state, "jacobian,jerk,twist_derivative,jacobian_derivative,jacobian_rate,relative_jacobian",
+             {"--frame", "flange", "--order", "2", "--relative-to", "link 2"});
+  ASSERT_EQ(one.at("jacobian").size(), 1u);
+  EXPECT_EQ(one.at("jerk"), one.at("twist_derivative")) << "jerk is of order 2";
+  EXPECT_NE(one.at("jacobian_derivative"), one.at("jacobian_rate"));
+  const Json first = answer(arm, state, "jacobian_derivative", {"--frame", "flange", "--order", "1"});
+  EXPECT_EQ(first.at("jacobian_derivative"), one.at("jacobian_rate"));
+  const Json J = one.at("relative_jacobian").at("flange");
+  for (const Json& row : J)
+    EXPECT_NEAR(row.at(0).get<double>(), 0, 1e-15) << "joint A1 moves the observer along";
+  const Json two = answer(arm, state, "jacobian", {"--frame", "flange", "--frame", "link 3"});
+  EXPECT_EQ(two.at("jacobian").size(), 2u);
+}
+
+}  // namespace
+}  // namespace axode::test
