@@ -6,13 +6,13 @@
 #include "axode/dynamics/energy.hpp"
 #include "axode/dynamics/momentum_recursion.hpp"
 #include "axode/kinematics/check_arguments.hpp"
+#include "axode/kinematics/mass_center.hpp"
 
 namespace axode {
 namespace {
 
 template <class T> void require_mass(const Model& model, const Inertia<T>& whole) {
-  if (!(whole.m > T(0)))
-    throw std::domain_error("model \"" + model.name() + "\" has no mass that moves, so no centre of mass");
+  if (!(whole.m > T(0))) throw no_mass(model);
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 #include "axode/kinematics/check_arguments.hpp"
 #include "axode/kinematics/forward_recursion.hpp"
 #include "axode/kinematics/jacobian.hpp"
+#include "axode/kinematics/mass_center.hpp"
 #include "axode/kinematics/path.hpp"
 #include "axode/lie/inertia.hpp"
 
@@ -20,15 +21,7 @@ SE3<T>* internal_poses(const Tree<T>& tree, typename Workspace<T>::Arena& arena,
 /// mass of the whole in inertial axes. Moves the poses C there, and returns where it was.
 template <class T>
 Vec3<T> subtree_inertias(const Model& model, const Tree<T>& tree, SE3<T>* C, Inertia<T>* M) {
-  T m(0);
-  Vec3<T> h;
-  for (int i = 1; i <= tree.n; ++i) {
-    m += tree.M[i].m;
-    h += tree.M[i].m * C[i].r + C[i].R * tree.M[i].h;
-  }
-  if (!(m > T(0)))
-    throw std::domain_error("model \"" + model.name() + "\" has no mass that moves, so no centre of mass");
-  const Vec3<T> c = (T(1) / m) * h;
+  const Vec3<T> c = mass_center(model, tree, C);
   for (int i = 1; i <= tree.n; ++i) {
     C[i].r -= c;
     M[i] = transform(C[i], tree.M[i]);

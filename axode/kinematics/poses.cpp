@@ -1,6 +1,7 @@
 #include "axode/kinematics.hpp"
 #include "axode/kinematics/check_arguments.hpp"
 #include "axode/kinematics/forward_recursion.hpp"
+#include "axode/kinematics/mass_center.hpp"
 
 namespace axode {
 namespace {
@@ -27,17 +28,7 @@ void poses(const Model& model, Workspace<T>& workspace, Numbers<T> q,
 }
 
 template <class T> Vec3<T> center_of_mass(const Model& model, Workspace<T>& workspace, Numbers<T> q) {
-  const Tree<T>& tree = model.tree<T>();
-  const SE3<T>* C = internal_poses(model, workspace, q);
-  T m(0);
-  Vec3<T> h;
-  for (int i = 1; i <= tree.n; ++i) {
-    m += tree.M[i].m;
-    h += tree.M[i].m * C[i].r + C[i].R * tree.M[i].h;
-  }
-  if (!(m > T(0)))
-    throw std::domain_error("center_of_mass: model \"" + model.name() + "\" has no mass that moves");
-  return (T(1) / m) * h;
+  return mass_center(model, model.tree<T>(), internal_poses(model, workspace, q));
 }
 
 template void poses(const Model&, Workspace<double>&, Numbers<double>, std::span<SE3<double>>);

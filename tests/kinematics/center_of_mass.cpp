@@ -46,7 +46,7 @@ TYPED_TEST(CenterOfMassOf, AMasslessModelIsAnError) {
     center_of_mass(model, workspace, q);
     FAIL() << "no error";
   } catch (const std::domain_error& error) {
-    EXPECT_STREQ(error.what(), "center_of_mass: model \"ghost\" has no mass that moves");
+    EXPECT_STREQ(error.what(), "model \"ghost\" has no mass that moves, so no centre of mass");
   }
 }
 

@@ -1,4 +1,5 @@
 #include "tests/kinematics/derivatives.hpp"
+#include "tests/support/refused_arguments.hpp"
 
 /// Jerk, snap and beyond: the recursion on coefficients agrees with the kernels of every representation run
 /// on power series, and with the explicit formulas.
@@ -321,15 +322,6 @@ TEST(Jerk, MixedIsTheHybridOneWithItsAngularPartInTheBody) {
     const auto V_2 = at.motion.twist_derivative<Mixed>(at.body, 2);
     jerk.expect_equal(Screw<>{V_2.w, V_2.v}, Screw<>{transpose(at.C[at.body].R) * (h.w - cross(w, dw)), h.v});
   });
-}
-
-template <class F> std::string message_of(const F& f) {
-  try {
-    f();
-  } catch (const std::invalid_argument& error) {
-    return error.what();
-  }
-  return "no error";
 }
 
 TEST(HigherOrderErrors, NameTheValueAndTheRule) {

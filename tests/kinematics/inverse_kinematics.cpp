@@ -3,6 +3,7 @@
 
 #include "axode/io.hpp"
 #include "tests/kinematics/derivatives.hpp"
+#include "tests/support/refused_arguments.hpp"
 
 /// Inverse kinematics finds configurations that put places where they shall be.
 namespace axode::test {
@@ -249,15 +250,6 @@ TEST(InverseKinematics, OfWhatCannotMoveComparesAndStops) {
   const auto result = inverse_kinematics(statue, {{there}}, {}, {.restarts = 0});
   EXPECT_EQ(result.status, stalled);
   EXPECT_EQ(result.residual, 2);
-}
-
-template <class F> std::string message_of(const F& f) {
-  try {
-    f();
-  } catch (const std::invalid_argument& error) {
-    return error.what();
-  }
-  return "no error";
 }
 
 TEST(InverseKinematicsErrors, NameTheArgumentTheValueAndTheRule) {

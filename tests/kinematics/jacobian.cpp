@@ -190,15 +190,6 @@ TYPED_TEST(JointScrews, AreTheReferenceScrewsCarriedByTheirBodies) {
   });
 }
 
-template <class F> std::string message_of(const F& f) {
-  try {
-    f();
-  } catch (const std::invalid_argument& error) {
-    return error.what();
-  }
-  return "no error";
-}
-
 TEST(JacobianErrors, NameTheArgumentAndTheRule) {
   Trial<double> trial{Random<double>(3), {.most_bodies = 5}};
   const Model& model = trial.model;

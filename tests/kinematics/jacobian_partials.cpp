@@ -1,4 +1,5 @@
 #include "tests/kinematics/derivatives.hpp"
+#include "tests/support/refused_arguments.hpp"
 
 /// Closed forms of partial derivatives agree with what scalars that carry derivatives say.
 namespace axode::test {
@@ -339,15 +340,6 @@ TEST(JacobianPartials, OfSecondOrderWithinABallJointDifferByTheBracketOfTheirDir
         commutator.expect_equal(DD[(y * n + z) * n + j] - DD[(z * n + y) * n + j], D[x * n + j], 1);
       }
   });
-}
-
-template <class F> std::string message_of(const F& f) {
-  try {
-    f();
-  } catch (const std::invalid_argument& error) {
-    return error.what();
-  }
-  return "no error";
 }
 
 TEST(JacobianPartialsErrors, NameTheValueAndTheRule) {

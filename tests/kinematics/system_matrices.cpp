@@ -1,6 +1,7 @@
 #include "axode/kinematics/system_matrices.hpp"
 
 #include "tests/kinematics/derivatives.hpp"
+#include "tests/support/refused_arguments.hpp"
 
 /// The kinematics of the whole system as matrices: factorisations, and what they are good for backwards.
 namespace axode::test {
@@ -157,15 +158,6 @@ TEST(SpatialSystem, JacobianHasThreeFactorisations) {
     acceleration.expect_equal(Vector(J * vector(a) + spatial.A * (b_s * (spatial.X * vector(v)))),
                               system_acceleration<Spatial>(model, q, v, a));
   });
-}
-
-template <class F> std::string message_of(const F& f) {
-  try {
-    f();
-  } catch (const std::invalid_argument& error) {
-    return error.what();
-  }
-  return "no error";
 }
 
 TEST(SystemErrors, NameTheArgumentAndItsSize) {

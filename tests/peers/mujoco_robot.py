@@ -10,7 +10,7 @@ import xml.etree.ElementTree as ElementTree
 import mujoco
 import numpy as np
 from axode_command import FREE_BASE
-from pinocchio_robot import mimic_joints
+from coordinates import CoupledCoordinates
 
 
 class CannotLoad(Exception):
@@ -41,21 +41,15 @@ def without_geometry(file, base):
     return ElementTree.tostring(root, encoding="unicode")
 
 
-class Robot:
+class Robot(CoupledCoordinates):
     def __init__(self, file, base):
         try:
             self.model = mujoco.MjModel.from_xml_string(without_geometry(file, base))
         except ValueError as error:
             raise CannotLoad(str(error).splitlines()[0]) from error
         self.data = mujoco.MjData(self.model)
-        self.mimic = mimic_joints(file)
+        super().__init__(file)
         self.joints = {self.model.joint(k).name: self.model.joint(k) for k in range(self.model.njnt)}
-
-    def _follow(self, name, values, with_offset):
-        if name not in self.mimic:
-            return values[name][0]
-        leader, ratio, offset = self.mimic[name]
-        return ratio * self._follow(leader, values, with_offset) + (offset if with_offset else 0)
 
     def set(self, values):
         """q and v from lists of numbers by joint."""
@@ -64,7 +58,7 @@ class Robot:
                 x, y, z, w, *position = values["q"][name]
                 self.data.qpos[joint.qposadr[0]:joint.qposadr[0] + 7] = [*position, w, x, y, z]
             else:
-                self.data.qpos[joint.qposadr[0]] = self._follow(name, values["q"], with_offset=True)
+                self.data.qpos[joint.qposadr[0]] = self.follow(name, values["q"], with_offset=True)
         self.R = np.eye(3)
         mujoco.mj_kinematics(self.model, self.data)
         if FREE_BASE in self.joints:
@@ -79,20 +73,8 @@ class Robot:
             if name == FREE_BASE:
                 v[at:at + 3], v[at + 3:at + 6] = self.R @ values[name][3:], values[name][:3]
             else:
-                v[at] = self._follow(name, values, with_offset=False)
+                v[at] = self.follow(name, values, with_offset=False)
         return v
-
-    def velocity_map(self, joints):
-        """P with MuJoCo's v = P times the velocities of independent joints in the order of `joints`."""
-        sizes = [6 if name == FREE_BASE else 1 for name in joints]
-        columns = []
-        for at in np.eye(sum(sizes)):
-            values, start = {}, 0
-            for name, size in zip(joints, sizes):
-                values[name] = at[start:start + size].tolist()
-                start += size
-            columns.append(self.velocities(values))
-        return np.array(columns).T
 
     def mass_matrix(self):
         M = np.zeros((self.model.nv, self.model.nv))

@@ -4,34 +4,22 @@ Angular before linear, quaternions before positions, angles instead of cosines a
 mimic joints as functions of their leaders, whose generalised forces take the share of their followers.
 """
 
-import xml.etree.ElementTree as ElementTree
-
 import numpy as np
 import pinocchio as pin
 
 from axode_command import FREE_BASE
+from coordinates import CoupledCoordinates
 
 LOCAL, WORLD = pin.ReferenceFrame.LOCAL, pin.ReferenceFrame.WORLD
 ALIGNED = pin.ReferenceFrame.LOCAL_WORLD_ALIGNED
 
 
-def mimic_joints(file):
-    """Follower -> (leader, ratio, offset) of the joints that move, from the file itself."""
-    found = {}
-    for joint in ElementTree.parse(file).getroot().findall("joint"):
-        mimic = joint.find("mimic")
-        if mimic is not None and joint.get("type") != "fixed":
-            found[joint.get("name")] = (mimic.get("joint"), float(mimic.get("multiplier", 1)),
-                                        float(mimic.get("offset", 0)))
-    return found
-
-
-class Robot:
+class Robot(CoupledCoordinates):
     def __init__(self, file, base):
         root = [pin.JointModelFreeFlyer(), FREE_BASE] if base == "free" else []
         self.model = pin.buildModelFromUrdf(str(file), *root)
         self.data = self.model.createData()
-        self.mimic = mimic_joints(file)
+        super().__init__(file)
         self.links = {frame.name: index for index, frame in enumerate(self.model.frames)
                       if frame.type == pin.FrameType.BODY}
         self.joints = {name: self.model.joints[index] for index, name in enumerate(self.model.names)
@@ -47,7 +35,7 @@ class Robot:
             if name == FREE_BASE:
                 q[joint.idx_q:joint.idx_q + 7] = values[name][4:] + values[name][:4]
                 continue
-            angle = self._follow(name, values, with_offset=True)
+            angle = self.follow(name, values, with_offset=True)
             turns = joint.nq == 2
             q[joint.idx_q:joint.idx_q + joint.nq] = [np.cos(angle), np.sin(angle)] if turns else [angle]
         return q
@@ -57,26 +45,8 @@ class Robot:
         v = np.zeros(self.model.nv)
         for name, joint in self.joints.items():
             v[joint.idx_v:joint.idx_v + joint.nv] = (values[name][3:] + values[name][:3] if name == FREE_BASE
-                                                     else self._follow(name, values, with_offset=False))
+                                                     else self.follow(name, values, with_offset=False))
         return v
-
-    def _follow(self, name, values, with_offset):
-        if name not in self.mimic:
-            return values[name][0]
-        leader, ratio, offset = self.mimic[name]
-        return ratio * self._follow(leader, values, with_offset) + (offset if with_offset else 0)
-
-    def velocity_map(self, joints):
-        """P with Pinocchio's v = P times the velocities of independent joints in the order of `joints`."""
-        sizes = [6 if name == FREE_BASE else 1 for name in joints]
-        columns = []
-        for at in np.eye(sum(sizes)):
-            values, start = {}, 0
-            for name, size in zip(joints, sizes):
-                values[name] = at[start:start + size].tolist()
-                start += size
-            columns.append(self.velocities(values))
-        return np.array(columns).T
 
     def forces(self, tau):
         """Generalised forces by independent joint from Pinocchio's tau."""

@@ -9,6 +9,16 @@
 /// What the library says of arguments that it refuses.
 namespace axode::test {
 
+/// What f() throws, or that it does not.
+template <class F> std::string message_of(const F& f) {
+  try {
+    f();
+  } catch (const std::invalid_argument& error) {
+    return error.what();
+  }
+  return "no error";
+}
+
 /// The message names the argument, the size it has and the size it should have.
 inline auto refused(const std::string& argument, int actual, const std::string& meaning, int expected) {
   return testing::ThrowsMessage<std::invalid_argument>(
