@@ -97,6 +97,30 @@ Answer inverse_mass_matrix_answer(const Question& ask) {
     require(ask, inverse_mass_matrix(ask.model, workspace, ask.state.q, M));
   });
 }
+Answer mass_matrix_factors_answer(const Question& ask) {
+  Workspace<> workspace(ask.model);
+  MassMatrixFactor<> factor(ask.model);
+  const std::size_t nv = ask.model.nv();
+  std::vector<double> M(nv * nv), L, D;
+  mass_matrix(ask.model, workspace, ask.state.q, M);
+  require(ask, factor.factorize(M));
+  for (int r = 0; r < ask.model.nv(); ++r) {
+    D.push_back(factor.D(r));
+    for (int c = 0; c < ask.model.nv(); ++c) L.push_back(factor.L(r, c));
+  }
+  const std::vector<std::string> names = velocity_names(ask.model);
+  Answer answer{"M = L^T D L; the table has L",
+                Json{{"L", rows_of(L, std::max<std::size_t>(1, nv))}, {"D", D}},
+                Table(heading("velocity", names))};
+  tabulate(L, names, answer.table);
+  return answer;
+}
+Answer inverse_mass_matrix_partials_answer(const Question& ask) {
+  Workspace<> workspace(ask.model);
+  return tensor_answer(ask, "d(M^-1)/dq_k, a matrix for each k", "k", [&](auto& dM) {
+    require(ask, inverse_mass_matrix_partials(ask.model, workspace, ask.state.q, dM));
+  });
+}
 Answer mass_matrix_partials_answer(const Question& ask) {
   Workspace<> workspace(ask.model);
   return tensor_answer(ask, "dM/dq_k, a matrix for each k", "k",
@@ -164,6 +188,51 @@ Answer momentum_form_answer(const Question& ask) {
   const std::vector<std::string> names = velocity_names(ask.model);
   for (std::size_t c = 0; c < names.size(); ++c) answer.table.row({names[c], p[c], v[c], dp[c]});
   return answer;
+}
+/// The rates of a state of which each body has six unknowns: v, and a rate of type Rate by body.
+template <class Rate>
+Answer body_rates_answer(const Question& ask, std::string label, std::vector<std::string> headings,
+                         const char* key, const std::vector<double>& v, const std::vector<Rate>& rates) {
+  Answer answer{std::move(label), Json{{"v", v}, {key, Json::object()}}, Table(std::move(headings))};
+  for (int i = 1; i <= ask.model.n_bodies(); ++i) {
+    const auto& [x, y] = rates[i - 1];
+    answer.value[key][ask.model.body(i).name] = to_json(rates[i - 1]);
+    answer.table.row({ask.model.body(i).name, x.x, x.y, x.z, y.x, y.y, y.z});
+  }
+  return answer;
+}
+Answer twist_form_answer(const Question& ask) {
+  return with_representation(ask.representation, [&](auto rep) {
+    using Rep = decltype(rep);
+    Workspace<> workspace(ask.model);
+    const std::size_t n = ask.model.n_bodies();
+    std::vector<Twist<Rep>> V(ask.model.n_frames());
+    twists<Rep>(ask.model, workspace, ask.state.q, ask.state.v, V);
+    std::vector<double> v(ask.model.nv());
+    std::vector<TwistRate<Rep>> dV(n);
+    require(ask, twist_form<Rep>(ask.model, workspace, ask.state.q, std::span(V).subspan(1, n), ask.state.tau,
+                                 v, dV, loads_of(ask)));
+    return body_rates_answer(
+        ask,
+        headline("rates of the state (q, V) under the drive forces tau, V being the twists of "
+                 "the bodies at the state's v",
+                 ask.representation, twist_axes(ask.representation), "rad/s^2, m/s^2"),
+        {"body", "w' x", "w' y", "w' z", "v' x", "v' y", "v' z"}, "dV", v, dV);
+  });
+}
+Answer spatial_momentum_form_answer(const Question& ask) {
+  Workspace<> workspace(ask.model);
+  std::vector<Momentum<Spatial>> Pi(ask.model.n_bodies());
+  body_momenta<Spatial>(ask.model, workspace, ask.state.q, ask.state.v, Pi);
+  std::vector<double> v(ask.model.nv());
+  std::vector<Wrench<Spatial>> dPi(Pi.size());
+  require(ask,
+          spatial_momentum_form(ask.model, workspace, ask.state.q, Pi, ask.state.tau, v, dPi, loads_of(ask)));
+  return body_rates_answer(
+      ask,
+      "rates of the state (q, Pi) under the drive forces tau, Pi being the spatial momenta of "
+      "the bodies at the state's v; N m, N",
+      {"body", "l' x", "l' y", "l' z", "p' x", "p' y", "p' z"}, "dPi", v, dPi);
 }
 Answer body_momenta_answer(const Question& ask) {
   return with_representation(ask.representation, [&](auto rep) {
@@ -335,6 +404,8 @@ std::vector<Quantity> dynamic_quantities() {
       {"mass_matrix", "M(q)", mass_matrix_answer},
       {"inverse_mass_matrix", "its inverse", inverse_mass_matrix_answer},
       {"mass_matrix_partials", "its partial derivatives in the configuration", mass_matrix_partials_answer},
+      {"inverse_mass_matrix_partials", "those of its inverse", inverse_mass_matrix_partials_answer},
+      {"mass_matrix_factors", "L and D of M = L^T D L", mass_matrix_factors_answer},
       {"coriolis_matrix", "C(q, v) in the form --coriolis", coriolis_matrix_answer},
       {"coriolis_vector", "C(q, v) v", coriolis_vector_answer},
       {"gravity_vector", "what holds the system at rest", gravity_vector_answer},
@@ -342,6 +413,9 @@ std::vector<Quantity> dynamic_quantities() {
       {"christoffel_symbols", "of the first kind", christoffel_symbols_answer},
       {"generalized_momenta", "p = M v", generalized_momenta_answer},
       {"momentum_form", "the rates of (q, p) under the drive forces tau", momentum_form_answer},
+      {"twist_form", "the rates of (q, V) under the drive forces tau", twist_form_answer},
+      {"spatial_momentum_form", "the rates of (q, Pi) under the drive forces tau",
+       spatial_momentum_form_answer},
       {"body_momenta", "of every body", body_momenta_answer},
       {"spatial_momentum", "of the whole system", spatial_momentum_answer},
       {"centroidal_momentum", "about the centre of mass", centroidal_momentum_answer},

@@ -50,7 +50,7 @@ TYPED_TEST(EquationsOfMotion, AreTheSumOfTheirTerms) {
   using Rep = typename TypeParam::Rep;
   using T = typename TypeParam::T;
   Comparison torque("torque", agreement<T>);
-  for_seeds(500, [&](std::uint64_t seed) {
+  for_seeds(2000, [&](std::uint64_t seed) {
     Trial<T> trial{Random<double>(seed)};
     Loads<T> loads = trial.state.loads();
     loads.joint_losses = seed % 2 == 0;
@@ -138,6 +138,24 @@ TYPED_TEST(EquationsOfMotion, AFrameAnswersAnImpulse) {
   });
 }
 
+TYPED_TEST(EquationsOfMotion, GravityIsTheGradientOfThePotentialEnergy) {
+  using Rep = typename TypeParam::Rep;
+  Comparison work("g v", 1e-7);  // differences, in double
+  for_seeds(2000, [&](std::uint64_t seed) {
+    Trial<double> trial{Random<double>(seed), {.most_bodies = 20}};
+    const double h = 1e-5;
+    const auto energy = [&](double s) {
+      std::vector<double> step = trial.exact.v;
+      for (double& x : step) x *= s;
+      return potential_energy(trial.model, trial.workspace, integrate(trial.model, trial.exact.q, step));
+    };
+    std::vector<double> g = trial.zero();
+    gravity_vector<Rep>(trial.model, trial.workspace, trial.exact.q, g);
+    const double size = norm(trial.model.gravity()) * trial.model.total_mass() + std::abs(energy(0));
+    work.expect_equal((energy(h) - energy(-h)) / (2 * h), vector(g).dot(vector(trial.exact.v)), size);
+  });
+}
+
 // --------------------------------------------------------------------------------------------------- double only
 
 class ClosedForms : public testing::Test {};
@@ -178,7 +196,7 @@ TEST_F(ClosedForms, PartialsOfTheMassMatrixAreItsDerivatives) {
 
 TEST_F(ClosedForms, CoriolisMatricesMakeTheCoriolisVector) {
   Comparison forces("C v", 1e-11), closed("C in closed form", 1e-11);
-  for_seeds(1000, [&](std::uint64_t seed) {
+  for_seeds(2000, [&](std::uint64_t seed) {
     Trial<double> trial{Random<double>(seed), {.most_bodies = 30}};
     std::vector<double> Cv = trial.zero();
     coriolis_vector<Spatial>(trial.model, trial.workspace, trial.state.q, trial.state.v, Cv);
@@ -196,7 +214,7 @@ TEST_F(ClosedForms, CoriolisMatricesMakeTheCoriolisVector) {
 TEST_F(ClosedForms, MassMatrixRateMinusTwiceCIsSkewWhereItIsClaimed) {
   Comparison skew("M' - 2C", 1e-11);
   int not_skew = 0, trees = 0;
-  for_seeds(1000, [&](std::uint64_t seed) {
+  for_seeds(2000, [&](std::uint64_t seed) {
     Trial<double> trial{Random<double>(seed), {.most_bodies = 30}};
     const MatrixXd dM = mass_matrix_rate(trial);
     const auto symmetric_part = [&](CoriolisForm form) {

@@ -52,7 +52,7 @@ std::vector<double> momentum_rate(Trial<double>& t) {
 TYPED_TEST(MomentumForm, GivesBackTheVelocitiesAndTheRateOfTheMomenta) {
   using T = TypeParam;
   Comparison velocity("M v", agreement<T>), rate("p'", 1e-6), again("p'", agreement<T>);
-  for_seeds(1000, [&](std::uint64_t seed) {
+  for_seeds(2000, [&](std::uint64_t seed) {
     Trial<T> trial{Random<double>(seed), {.most_bodies = 25}};
     Loads<T> loads = trial.state.loads();
     loads.joint_losses = seed % 2 == 0;
@@ -80,7 +80,7 @@ TYPED_TEST(MomentumForm, GivesBackTheVelocitiesAndTheRateOfTheMomenta) {
 TYPED_TEST(MomentumForm, OfBodiesAddUpToThatOfTheSystem) {
   using T = TypeParam;
   Comparison total("Π", agreement<T>), energy("T", agreement<T>), centroidal("A v", agreement<T>);
-  for_seeds(500, [&](std::uint64_t seed) {
+  for_seeds(2000, [&](std::uint64_t seed) {
     Trial<T> trial{Random<double>(seed)};
     const std::vector<SE3<T>> C = trial.poses();
     Momentum<Spatial, T> sum{};
@@ -115,7 +115,7 @@ TYPED_TEST(MomentumForm, OfBodiesAddUpToThatOfTheSystem) {
 
 TEST(EnergyBalance, EnergyChangesWithThePowerOfDrivesAndLoads) {
   Comparison power("power", 1e-6);
-  for_seeds(500, [&](std::uint64_t seed) {
+  for_seeds(2000, [&](std::uint64_t seed) {
     Trial<double> trial{Random<double>(seed), {.most_bodies = 25}};
     const Loads<double> loads{.wrenches = trial.exact.wrenches};
     const auto energy = [&](double s) {
@@ -144,7 +144,7 @@ TEST(EnergyBalance, EnergyChangesWithThePowerOfDrivesAndLoads) {
 TYPED_TEST(MomentumForm, StatesInTwistsAndInSpatialMomentaMoveAlike) {
   using T = TypeParam;
   Comparison velocity("v", agreement<T>), twist("V'", agreement<T>), momentum("Π'", agreement<T>);
-  for_seeds(300, [&](std::uint64_t seed) {
+  for_seeds(2000, [&](std::uint64_t seed) {
     Trial<T> trial{Random<double>(seed), {.most_bodies = 25, .always_mass = true}};
     const std::size_t n = static_cast<std::size_t>(trial.model.n_bodies());
     const Loads<T> loads = trial.state.loads();
@@ -204,7 +204,7 @@ TYPED_TEST(MomentumForm, StatesInTwistsAndInSpatialMomentaMoveAlike) {
 TYPED_TEST(MomentumForm, RegressorsAreLinearInTheInertialParameters) {
   using T = TypeParam;
   Comparison torque("Y π", agreement<T>), kinetic("T", agreement<T>), potential("U", agreement<T>);
-  for_seeds(300, [&](std::uint64_t seed) {
+  for_seeds(2000, [&](std::uint64_t seed) {
     Random<double> random(seed);
     Description description = told(random_mechanism(random), random);
     for (BodyDescription& body : description.bodies)
@@ -234,7 +234,7 @@ TYPED_TEST(MomentumForm, RegressorsAreLinearInTheInertialParameters) {
 TYPED_TEST(MomentumForm, CentroidalInertiaIsWhatALockedSystemHas) {
   using T = TypeParam;
   Comparison inertia("I v", agreement<T>);
-  for_seeds(300, [&](std::uint64_t seed) {
+  for_seeds(2000, [&](std::uint64_t seed) {
     Trial<T> trial{Random<double>(seed), {.couplings = false, .one_free_root = true}};
     if (!(trial.model.total_mass() > 0)) return;
     std::vector<T> v = trial.zero();  // the base moves, the joints do not
