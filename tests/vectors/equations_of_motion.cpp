@@ -114,8 +114,9 @@ TEST_P(EquationsOfMotion, CoriolisMatrices) {
                                                           {CoriolisForm::spatial, "spatial"},
                                                           {CoriolisForm::skew, "spatial"},
                                                           {CoriolisForm::christoffel, "christoffel"}};
-    for (const auto& [form, key] : forms) {
-      const std::vector<double> reference = numbers(at.dynamics.at("C_matrix").at(key));
+    for (const auto& pair : forms) {
+      const CoriolisForm form = pair.first;
+      const std::vector<double> reference = numbers(at.dynamics.at("C_matrix").at(pair.second));
       const auto matrix = [&](auto& out) {
         coriolis_matrix(at.model, at.workspace, at.q, at.v(), form, out);
       };
