@@ -51,8 +51,8 @@ TYPED_TEST(ForwardDynamics, UndoesInverseDynamics) {
       EXPECT_TRUE(std::all_of(a.begin(), a.end(), [](T x) { return std::isnan(x); }));
     }
   });
-  EXPECT_GE(solved, 50);
-  EXPECT_GE(singular, 50);
+  EXPECT_GE(solved, (solved + singular) / 10);
+  EXPECT_GE(singular, (solved + singular) / 10);
 }
 
 }  // namespace
