@@ -22,16 +22,27 @@ template <class T, class F> void each_screw(const Tree<T>& tree, int i, const SE
   });
 }
 
-/// Walks from a place to the root: f(i, c, X) with the body-fixed Jacobian's column X = J_{f,c}^b of joint i
-/// for velocity c (eq. JbX). Returns the pose of the place in the inertial frame. O(path length).
+/// Walks from a place to the root, or to body `until`: f(i, c, X) with the body-fixed Jacobian's column X =
+/// J_{f,c}^b of joint i for velocity c (eq. JbX). Returns the pose of the place in the inertial frame, or in
+/// the internal frame of that body. O(path length).
 template <class T, class F>
-SE3<T> each_body_fixed_column(const Tree<T>& tree, const T* q, const Place<T>& place, F&& f) noexcept {
+SE3<T> each_body_fixed_column(const Tree<T>& tree, const T* q, const Place<T>& place, F&& f,
+                              int until = 0) noexcept {
   SE3<T> E = tree.frame_offset[place.frame] * place.offset;  // the place in the joint frame of body i
-  for (int i = tree.frame_body[place.frame]; i > 0; i = tree.parent[i]) {
+  for (int i = tree.frame_body[place.frame]; i != until; i = tree.parent[i]) {
     each_screw(tree, i, inverse(E), [&](int c, const Screw<T>& X) { f(i, c, X); });
     E = joint_pose(tree, i, q) * E;
   }
   return E;
+}
+
+/// The last body on the paths to both of two bodies; the ground where there is no other.
+template <class T> int common_predecessor(const Tree<T>& tree, int i, int j) noexcept {
+  while (i != j) {
+    int& later = i > j ? i : j;
+    later = tree.parent[later];
+  }
+  return i;
 }
 
 }  // namespace axode
