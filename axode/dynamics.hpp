@@ -16,7 +16,7 @@ namespace axode {
 /// entries, N m or N. Armature is part of it; damping and friction only where loads.joint_losses asks. O(n),
 /// no allocation. Throws std::invalid_argument for a wrong size, a quaternion off 1 or a load on a frame that
 /// does not exist.
-template <class Rep = BodyFixed, class T>
+template <class Rep = Fast, class T>
 void inverse_dynamics(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v, Numbers<T> a,
                       std::type_identity_t<std::span<T>> tau,
                       const std::type_identity_t<Loads<T>>& loads = {});

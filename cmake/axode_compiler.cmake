@@ -23,13 +23,18 @@ function(axode_compile_options target)
   endif()
   # IEEE arithmetic is kept (no -ffast-math): these two only say that nobody reads errno or traps after sqrt.
   target_compile_options(${target} PRIVATE -fno-math-errno -fno-trapping-math)
+  # Vectors of our own never cross the library's boundary, where their calling convention would matter.
+  target_compile_options(${target} PRIVATE -Wno-psabi)
+  if(CMAKE_CXX_COMPILER_ID MATCHES Clang)  # as GCC does: a product and a sum may become one instruction
+    target_compile_options(${target} PRIVATE -ffp-contract=fast)
+  endif()
   # Position-independent code may still be inlined: nobody replaces our functions at load time.
   target_compile_options(${target} PRIVATE -fno-semantic-interposition)
   if(AXODE_WERROR)
     target_compile_options(${target} PRIVATE -Werror)
   endif()
   if(AXODE_NATIVE)
-    target_compile_options(${target} PRIVATE -march=native)
+    target_compile_options(${target} PRIVATE -march=native -mprefer-vector-width=512)
     if(CMAKE_CXX_COMPILER_ID STREQUAL GNU)
       target_compile_options(${target} PRIVATE -Wno-maybe-uninitialized)  # in its own AVX-512 header (GCC bug 105593)
     endif()

@@ -10,7 +10,7 @@ namespace axode {
 /// inverse of inverse_dynamics with the same loads. a has nv entries. O(n) by the articulated-body algorithm;
 /// where joints are coupled, O(n d²) by the mass matrix that they project. Where the mass matrix is singular
 /// the status names a body, and a is NaN.
-template <class Rep = BodyFixed, class T>
+template <class Rep = Fast, class T>
 Solvability forward_dynamics(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v,
                              Numbers<T> tau, std::type_identity_t<std::span<T>> a,
                              const std::type_identity_t<Loads<T>>& loads = {});

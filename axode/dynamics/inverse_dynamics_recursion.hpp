@@ -49,6 +49,14 @@ template <class T> T joint_loss(const Tree<T>& tree, int c, const T& v_c) noexce
   return tree.damping[c] * v_c + tree.friction[c] * sign;
 }
 
+/// What the drives of the joints themselves take: armature and, where asked for, losses.
+template <class T>
+void add_joint_terms(const Tree<T>& tree, const T* v, const T* a, bool joint_losses, T* tau) noexcept {
+  for (int k = 0; k < tree.nv; ++k) tau[k] += tree.armature[k] * a[k];
+  if (joint_losses)
+    for (int k = 0; k < tree.nv; ++k) tau[k] += joint_loss(tree, k, v[k]);
+}
+
 /// The wrenches that the joints transmit and the generalised forces of one tree.
 template <class Rep, class T> struct InverseDynamicsRecursion {
   JointMotion<T> joints;
@@ -96,9 +104,7 @@ template <class Rep, class T> struct InverseDynamicsRecursion {
         for (int k = 0; k < joint.nv; ++k) tau_i[k] = Q[k];
       }
     });
-    for (int k = 0; k < tree.nv; ++k) tau[k] += tree.armature[k] * a[k];
-    if (joint_losses)
-      for (int k = 0; k < tree.nv; ++k) tau[k] += joint_loss(tree, k, v[k]);
+    add_joint_terms(tree, v, a, joint_losses, tau);
   }
 };
 

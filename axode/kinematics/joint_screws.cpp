@@ -1,4 +1,5 @@
 #include "axode/kinematics/check_arguments.hpp"
+#include "axode/kinematics/fast_poses.hpp"
 #include "axode/kinematics/forward_recursion.hpp"
 #include "axode/kinematics/jacobian.hpp"
 #include "axode/kinematics/mass_center.hpp"
@@ -40,9 +41,18 @@ void joint_screws(const Model& model, Workspace<T>& workspace, Numbers<T> q,
   check_size("J", J.size(), static_cast<std::size_t>(model.n_screws()), "n_screws");
   const Tree<T>& tree = model.tree<T>();
   typename Workspace<T>::Arena arena(workspace);
-  const SE3<T>* C = internal_poses(tree, arena, q.data());
-  each_joint(tree, [&](const auto& joint, int i, bool) {
-    for (int k = 0; k < joint.nv; ++k) J[tree.first_screw[i] + k] = twist<Spatial>(joint.column(C[i], k));
+  FastPoses<T> poses(arena);
+  poses.run(tree, q.data(), [&](int i, const auto& at) {
+    Twist<Spatial, T>* J_i = J.data() + tree.first_screw[i];
+    if (is_hinge(tree, i)) [[likely]] {
+      using Factor = typename FastPoses<T>::G::Factor;
+      J_i[0] = {at.R.z, cross(Factor(at.r), Factor(at.R.z))};
+    } else {
+      with_joint(tree, i, [&](const auto& joint) {
+        const SE3<T> C = pose<T>(at);
+        for (int k = 0; k < joint.nv; ++k) J_i[k] = twist<Spatial>(joint.column(C, k));
+      });
+    }
   });
 }
 

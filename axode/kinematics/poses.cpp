@@ -1,5 +1,6 @@
 #include "axode/kinematics.hpp"
 #include "axode/kinematics/check_arguments.hpp"
+#include "axode/kinematics/fast_poses.hpp"
 #include "axode/kinematics/forward_recursion.hpp"
 #include "axode/kinematics/mass_center.hpp"
 
@@ -22,8 +23,12 @@ template <class T>
 void poses(const Model& model, Workspace<T>& workspace, Numbers<T> q,
            std::type_identity_t<std::span<SE3<T>>> C) {
   check_size("C", C.size(), static_cast<std::size_t>(model.n_frames()), "n_frames");
+  check_state(model, workspace, q);
   const Tree<T>& tree = model.tree<T>();
-  const SE3<T>* C_body = internal_poses(model, workspace, q);
+  typename Workspace<T>::Arena arena(workspace);
+  SE3<T>* C_body = arena.template per_body<SE3<T>>();
+  C_body[0] = {};
+  FastPoses<T>(arena).run(tree, q.data(), [&](int i, const auto& at) { C_body[i] = pose<T>(at); });
   for (int k = 0; k < tree.n_frames(); ++k) C[k] = C_body[tree.frame_body[k]] * tree.frame_offset[k];
 }
 

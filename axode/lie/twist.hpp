@@ -11,6 +11,8 @@ struct BodyFixed {};  ///< axes of the body frame, about its origin: V^b
 struct Spatial {};    ///< axes of the inertial frame, about its origin: V^s
 struct Hybrid {};     ///< axes of the inertial frame, about the origin of the body frame: V^h
 struct Mixed {};  ///< angular part in body axes, linear part in inertial axes, about the body's origin: V^m
+struct Fast {
+};  ///< not one of them: an algorithm in the frames, mixed as they may be, in which it is quickest
 struct InFrames {};  ///< measured at the origin of a frame j, resolved in a frame k: ^kV^j
 
 /// The same four as a value, for programs that learn the representation at run time.

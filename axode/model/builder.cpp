@@ -414,6 +414,59 @@ struct Compilation {
   std::vector<Fault> faults;
 };
 
+/// A pivot of the mass matrix is looked at more closely where it is below 1e-8 of a bound of the inertia that
+/// the joint moves, with every joint at zero: trace of the rotational inertia about the joint's origin, or
+/// the mass.
+void set_pivot_floors(Tree<double>& tree) {
+  constexpr double small = 1e-8;
+  std::vector<Inertia<>> composite(tree.M);
+  for (int i = tree.n; i > 0; --i) composite[tree.parent[i]] += transform(tree.B[i], composite[i]);
+  for (int i = 1; i <= tree.n; ++i)
+    with_joint(tree, i, [&](const auto& joint) {
+      for (int k = 0; k < joint.nv; ++k) {
+        const Screw<> X = joint.column(k);
+        const double armature = tree.coupled[i] ? 0 : tree.armature[tree.iv[i] + k];
+        tree.pivot_floor.push_back(
+            small * (dot(X.w, X.w) * trace(composite[i].Theta) + dot(X.v, X.v) * composite[i].m + armature));
+      }
+    });
+}
+
+/// What kernels would otherwise work out in every call.
+void prepare_sweeps(Tree<double>& tree) {
+  constexpr std::size_t most_lanes = 16;
+  tree.angle.assign(tree.iq.begin() + 1, tree.iq.end());
+  tree.angle.resize((tree.angle.size() + most_lanes - 1) / most_lanes * most_lanes);
+  for (int i = 1; i <= tree.n; ++i)
+    if (tree.coupled[i])
+      tree.coupled_bodies.push_back(i);
+    else if (tree.kind[i] == Subgroup::spherical || tree.kind[i] == Subgroup::free)
+      tree.quaternion_bodies.push_back(i);
+  for (int i = 0; i <= tree.n; ++i) tree.packed.body.emplace_back(tree.B[i], tree.M[i]);
+  tree.inertia_stride = static_cast<int>((tree.n + 2 * most_lanes) / most_lanes * most_lanes);
+  tree.inertia_arrays.resize(10 * static_cast<std::size_t>(tree.inertia_stride));
+  for (int i = 1; i <= tree.n; ++i) {
+    const Inertia<>& M = tree.M[i];
+    const Sym3<>& A = M.Theta;
+    int k = i;
+    for (const double x : {M.h.x, M.h.y, M.h.z, A.xx, A.yy, A.zz, A.xy, A.xz, A.yz, M.m})
+      tree.inertia_arrays[std::exchange(k, k + tree.inertia_stride)] = x;
+  }
+  tree.hinges.resize(tree.n + 2);
+  for (int i = tree.n; i > 0; --i)
+    tree.hinges[i] = tree.kind[i] == Subgroup::revolute && !tree.coupled[i] ? tree.hinges[i + 1] + 1 : 0;
+  tree.branches.resize(tree.n + 1), tree.subtree_end.resize(tree.n + 1);
+  for (int i = tree.n; i >= 0; --i) {
+    tree.subtree_end[i] = std::max(tree.subtree_end[i], i + 1);
+    const int p = tree.parent[i];
+    if (p != i - 1) tree.branches[p] = 1;
+    tree.subtree_end[p] = std::max(tree.subtree_end[p], tree.subtree_end[i]);
+  }
+  for (int i = 1; i <= tree.n; ++i)
+    for (int s = tree.first_screw[i]; s < tree.first_screw[i + 1] && !tree.coupled[i]; ++s)
+      tree.velocity_end.push_back(tree.subtree_end[i] <= tree.n ? tree.iv[tree.subtree_end[i]] : tree.nv);
+}
+
 /// Merges runs of bodies of one kind; coupled joints last.
 void sort_by_kind(const std::vector<Joint>& joints, Tree<double>& tree) {
   tree.by_kind.resize(tree.n);
@@ -617,6 +670,8 @@ Compilation compile(const Description& description) {
     tree.frame_offset.push_back(offset[frame.body] * frame.pose);
   }
   for (int i = 0; i <= tree.n; ++i) out.bodies[i].M = transform(inverse(offset[i]), tree.M[i]);
+  prepare_sweeps(tree);
+  set_pivot_floors(tree);
   report_overflow(expanded, out);
   return out;
 }

@@ -21,9 +21,8 @@ template <class F> void each_independent_joint(const Model& model, F&& f) {
 template <class Real>
 void check(const Model& model, std::span<const Real> q, const char* argument, double tolerance) {
   check_size(argument, q.size(), static_cast<std::size_t>(model.nq()), "nq");
-  for (int i = 1; i <= model.n_bodies(); ++i) {
+  for (const int i : model.tree<double>().quaternion_bodies) {
     const Joint& joint = model.joint(i);
-    if (joint.leader || (joint.kind != Subgroup::spherical && joint.kind != Subgroup::free)) continue;
     const Real* a = &q[joint.iq];
     const double size = norm(Quaternion<Real>{a[0], a[1], a[2], a[3]});
     if (!(std::abs(size - 1) <= tolerance))

@@ -38,9 +38,8 @@ template <class T, int N> struct VectorCoordinates {
   }
 };
 
-/// The rotation part of B exp(e_z θ).
-template <class T> constexpr SO3<T> turn(const SO3<T>& B, const T& theta) {
-  const T s = sin(theta), c = cos(theta);
+/// The rotation part of B exp(e_z θ), from sine and cosine of θ.
+template <class T> constexpr SO3<T> turn(const SO3<T>& B, const T& s, const T& c) {
   return {c * B.x + s * B.y, c * B.y - s * B.x, B.z};
 }
 
@@ -51,7 +50,7 @@ template <class T> constexpr const Vec3<T>& axis(const SO3<T>& R, int k) {
 
 /// Rotation about z by q rad.
 template <class T> struct Revolute : VectorCoordinates<T, 1> {
-  static constexpr SE3<T> pose(const SE3<T>& B, const T* q) { return {turn(B.R, q[0]), B.r}; }
+  static constexpr SE3<T> pose(const SE3<T>& B, const T* q) { return {turn(B.R, sin(q[0]), cos(q[0])), B.r}; }
   static constexpr Twist<BodyFixed, T> twist(const T* v) { return {{T(0), T(0), v[0]}, {T(0), T(0), T(0)}}; }
   static constexpr std::array<T, 1> project(const Wrench<BodyFixed, T>& W) { return {W.m.z}; }
   static constexpr Screw<T> column(int) { return {{T(0), T(0), T(1)}, {T(0), T(0), T(0)}}; }
@@ -72,7 +71,7 @@ template <class T> struct Helical : VectorCoordinates<T, 1> {
   T pitch;
   explicit constexpr Helical(const T& h) : pitch(h) {}
   constexpr SE3<T> pose(const SE3<T>& B, const T* q) const {
-    return {turn(B.R, q[0]), B.r + (pitch * q[0]) * B.R.z};
+    return {turn(B.R, sin(q[0]), cos(q[0])), B.r + (pitch * q[0]) * B.R.z};
   }
   constexpr Twist<BodyFixed, T> twist(const T* v) const {
     return {{T(0), T(0), v[0]}, {T(0), T(0), pitch * v[0]}};
@@ -115,7 +114,7 @@ template <class T> struct Planar {
   static constexpr bool vector_coordinates = false;
   static constexpr std::array<T, 3> neutral() { return {}; }
   static constexpr SE3<T> pose(const SE3<T>& B, const T* q) {
-    return {turn(B.R, q[0]), B.r + q[1] * B.R.x + q[2] * B.R.y};
+    return {turn(B.R, sin(q[0]), cos(q[0])), B.r + q[1] * B.R.x + q[2] * B.R.y};
   }
   static constexpr Twist<BodyFixed, T> twist(const T* v) { return {{T(0), T(0), v[0]}, {v[1], v[2], T(0)}}; }
   static constexpr std::array<T, 3> project(const Wrench<BodyFixed, T>& W) { return {W.m.z, W.f.x, W.f.y}; }

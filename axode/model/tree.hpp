@@ -2,7 +2,7 @@
 #include <vector>
 
 #include "axode/lie/inertia.hpp"
-#include "axode/model/subgroup.hpp"
+#include "axode/model/body_constants.hpp"
 
 namespace axode {
 
@@ -27,13 +27,24 @@ template <class T = double> struct Tree {
   std::vector<int>
       first_screw;  ///< n + 2: the screws of joint i are first_screw[i] to first_screw[i + 1] - 1
   std::vector<int>
-      velocity_parent;           ///< nv: M = LᵀDL has entries L(c, velocity_parent[c]), ...; -1 at the end
-  std::vector<int> iq, iv;       ///< n + 1: first coordinate and velocity (of the leader for a coupled joint)
+      velocity_parent;      ///< nv: M = LᵀDL has entries L(c, velocity_parent[c]), ...; -1 at the end
+  std::vector<int> iq, iv;  ///< n + 1: first coordinate and velocity (of the leader for a coupled joint)
+  std::vector<int> angle;   ///< iq of joints 1 to n, and 0 up to a multiple of the lanes of any SIMD register
+  std::vector<int> coupled_bodies, quaternion_bodies;  ///< those whose joint is coupled; has a quaternion
+  std::vector<char> branches;    ///< n + 1: whether a body other than the next one hangs on it
+  std::vector<int> subtree_end;  ///< n + 1: the bodies that joint i moves are i to subtree_end[i] - 1
+  std::vector<int>
+      velocity_end;  ///< nv: without couplings, the velocities that move along with c are c to velocity_end[c] - 1
+  std::vector<T> pivot_floor;    ///< n_screws: a pivot of M below this is small against what the joint moves
   std::vector<T> pitch;          ///< n + 1, m/rad
   std::vector<T> ratio, offset;  ///< n + 1: 1 and 0 for a joint with coordinates of its own
   std::vector<SE3<T>> B;      ///< n + 1: joint frame of i at q = 0 in the internal frame of its predecessor
   std::vector<Inertia<T>> M;  ///< n + 1: in the internal frame
-  std::vector<T> armature;    ///< nv, kg m² or kg, of all joints on that velocity
+  std::vector<T> inertia_arrays;  ///< the same in arrays: h, Θ (xx yy zz xy xz yz), m; entry i for body i
+  int inertia_stride = 0;         ///< from one array to the next
+  std::vector<int> hinges;  ///< n + 1: how many hinges with coordinates of their own follow, from joint i on
+  PackedConstants<T> packed;         ///< the same again for sweeps, of n + 1 bodies
+  std::vector<T> armature;           ///< nv, kg m² or kg, of all joints on that velocity
   std::vector<T> damping, friction;  ///< nv, N m s/rad or N s/m; N m or N
   std::vector<int>
       frame_body;  ///< frame f: 0 is the ground, 1..n the bodies as the user placed them, then extra
@@ -50,9 +61,11 @@ template <class To, class From> constexpr Vec3<To> cast(const Vec3<From>& a) {
 template <class To, class From> constexpr SE3<To> cast(const SE3<From>& C) {
   return {{cast<To>(C.R.x), cast<To>(C.R.y), cast<To>(C.R.z)}, cast<To>(C.r)};
 }
+template <class To, class From> constexpr Sym3<To> cast(const Sym3<From>& A) {
+  return {To(A.xx), To(A.yy), To(A.zz), To(A.xy), To(A.xz), To(A.yz)};
+}
 template <class To, class From> constexpr Inertia<To> cast(const Inertia<From>& M) {
-  const Sym3<From>& A = M.Theta;
-  return {To(M.m), cast<To>(M.h), {To(A.xx), To(A.yy), To(A.zz), To(A.xy), To(A.xz), To(A.yz)}};
+  return {To(M.m), cast<To>(M.h), cast<To>(M.Theta)};
 }
 template <class To, class From> Tree<To> cast(const Tree<From>& tree) {
   const auto each = [](const auto& in, const auto& convert) {
@@ -67,10 +80,18 @@ template <class To, class From> Tree<To> cast(const Tree<From>& tree) {
   r.n = tree.n, r.nq = tree.nq, r.nv = tree.nv, r.n_screws = tree.n_screws;
   r.velocity_parent = tree.velocity_parent, r.kind = tree.kind, r.coupled = tree.coupled,
   r.first_screw = tree.first_screw;
+  r.angle = tree.angle, r.coupled_bodies = tree.coupled_bodies, r.quaternion_bodies = tree.quaternion_bodies,
+  r.subtree_end = tree.subtree_end, r.branches = tree.branches;
+  r.velocity_end = tree.velocity_end;
+  r.pivot_floor = each(tree.pivot_floor, number);
+  r.inertia_arrays = each(tree.inertia_arrays, number), r.inertia_stride = tree.inertia_stride,
+  r.hinges = tree.hinges;
   r.parent = tree.parent, r.runs = tree.runs, r.by_kind = tree.by_kind, r.iq = tree.iq, r.iv = tree.iv;
   r.pitch = each(tree.pitch, number), r.ratio = each(tree.ratio, number),
   r.offset = each(tree.offset, number);
   r.B = each(tree.B, pose), r.M = each(tree.M, [](const Inertia<From>& M) { return cast<To>(M); });
+  if constexpr (std::floating_point<To>)
+    for (int i = 0; i <= r.n; ++i) r.packed.body.emplace_back(r.B[i], r.M[i]);
   r.armature = each(tree.armature, number);
   r.damping = each(tree.damping, number), r.friction = each(tree.friction, number);
   r.frame_body = tree.frame_body, r.frame_offset = each(tree.frame_offset, pose);

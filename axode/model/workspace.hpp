@@ -1,10 +1,12 @@
 #pragma once
 #include <cstddef>
+#include <cstdint>
 #include <new>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
+#include "axode/model/lanes.hpp"
 #include "axode/model/model.hpp"
 
 namespace axode {
@@ -13,13 +15,15 @@ namespace axode {
 /// afterwards. It holds no results; no call depends on an earlier one. T is the scalar of the computation,
 /// double or float. Where joints are coupled it has room for a mass matrix.
 template <class T = double> class Workspace {
+  static constexpr std::size_t most_lanes = 16;  ///< of a SIMD register
+
   struct Size {
     template <class U>
     explicit Size(const Tree<U>& tree)
         : bodies(static_cast<std::size_t>(tree.n)),
           screws(static_cast<std::size_t>(tree.n_screws)),
           pairs(tree.n_screws > tree.nv ? static_cast<std::size_t>(tree.nv * tree.nv) : 0) {}
-    std::size_t numbers() const { return 144 * (bodies + 1) + 32 * screws + pairs; }
+    std::size_t numbers() const { return 144 * (bodies + 1) + 32 * screws + pairs + 40 * 2 * most_lanes; }
     std::string text() const {
       return std::to_string(bodies) + " bodies with " + std::to_string(screws) + " joint screws" +
              (pairs > 0 ? " and a mass matrix of " + std::to_string(pairs) + " entries" : "");
@@ -31,8 +35,12 @@ template <class T = double> class Workspace {
   explicit Workspace(const Model& model) : Workspace(model.tree<double>()) {}
   /// For kernels on another scalar.
   template <class U>
-  explicit Workspace(const Tree<U>& tree)
-      : size_(tree), lines_(size_.numbers() * sizeof(T) / sizeof(Line) + 1) {}
+  explicit Workspace(const Tree<U>& tree) : size_(tree), lines_(bytes_for(tree) / sizeof(Line)) {}
+
+  /// What a workspace takes.
+  template <class U> static std::size_t bytes_for(const Tree<U>& tree) {
+    return (Size(tree).numbers() * sizeof(T) / sizeof(Line) + 1) * sizeof(Line);
+  }
 
   std::size_t bytes() const { return lines_.size() * sizeof(Line); }
 
@@ -49,14 +57,31 @@ template <class T = double> class Workspace {
    public:
     explicit Arena(Workspace& workspace)
         : next_(reinterpret_cast<std::byte*>(workspace.lines_.data())), size_(workspace.size_) {}
+    /// From memory of the caller's, aligned to a cache line.
+    template <class U> Arena(std::byte* memory, const Tree<U>& tree) : next_(memory), size_(tree) {}
+    template <class U> U* array(std::size_t n) { return take<U>(n); }
     /// One U for each body and the ground, for each joint screw, for each pair of velocities (where joints
     /// are coupled). All that one call takes fits into the numbers of Size.
     template <class U> U* per_body() { return take<U>(size_.bodies + 1); }
     template <class U> U* per_screw() { return take<U>(size_.screws); }
+    /// One U for each body, and for the lanes behind the last one.
+    template <class U> U* per_lane() {
+      return take<U>((size_.bodies + most_lanes) / most_lanes * most_lanes);
+    }
+    /// n arrays of one U for each body and the ground, or for each joint screw, and the lanes behind the last
+    /// one.
+    template <class U> Arrays<U> arrays(int n) { return arrays_of<U>(n, size_.bodies + 1); }
+    template <class U> Arrays<U> screw_arrays(int n) { return arrays_of<U>(n, size_.screws); }
     template <class U> U* per_pair() { return take<U>(size_.pairs); }
 
    private:
+    template <class U> Arrays<U> arrays_of(int n, std::size_t entries) {
+      const std::size_t stride = (entries + 2 * most_lanes - 1) / most_lanes * most_lanes;
+      next_ += -reinterpret_cast<std::uintptr_t>(next_) % sizeof(Line);
+      return {take<U>(static_cast<std::size_t>(n) * stride), static_cast<std::ptrdiff_t>(stride)};
+    }
     template <class U> U* take(std::size_t n) {
+      next_ += -reinterpret_cast<std::uintptr_t>(next_) % alignof(U);
       U* p = std::launder(reinterpret_cast<U*>(next_));
       next_ += n * sizeof(U);
       return p;

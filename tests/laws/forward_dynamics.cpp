@@ -8,7 +8,7 @@ namespace axode::test {
 namespace {
 
 template <class C> class ForwardDynamics : public testing::Test {};
-TYPED_TEST_SUITE(ForwardDynamics, Cases, CaseNames);
+TYPED_TEST_SUITE(ForwardDynamics, CasesWithFast, CaseNames);
 
 template <class Rep, class T> Eigen::MatrixX<T> mass_matrix(Trial<T>& trial) {
   const int nv = trial.model.nv();

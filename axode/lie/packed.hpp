@@ -1,0 +1,144 @@
+#pragma once
+#include "axode/lie/inertia.hpp"
+#include "axode/lie/mat3.hpp"
+
+/// Vectors of three in one SIMD register of four lanes, the last of them 0: the quickest way through one
+/// state of one mechanism. A kernel is written once over Packed<T> and Plain<T>, whose members have the same
+/// names.
+namespace axode {
+
+namespace packed {
+
+template <class T> struct alignas(4 * sizeof(T)) Vector {
+  using Lanes [[gnu::vector_size(4 * sizeof(T))]] = T;
+  Lanes x{};
+
+  Vector() = default;
+  explicit Vector(const Lanes& lanes) : x(lanes) {}
+  Vector(const Vec3<T>& a)
+      : x{a.x, a.y, a.z, T(0)} {}  // NOLINT(google-explicit-constructor): the same vector
+  Vector(T a, T b, T c) : x{a, b, c, T(0)} {}
+  static Vector all(T a) { return Vector(a - Lanes{}); }
+  operator Vec3<T>() const { return {x[0], x[1], x[2]}; }  // NOLINT(google-explicit-constructor)
+
+  friend Vector operator+(const Vector& a, const Vector& b) { return Vector(a.x + b.x); }
+  friend Vector operator-(const Vector& a, const Vector& b) { return Vector(a.x - b.x); }
+  friend Vector operator-(const Vector& a) { return Vector(-a.x); }
+  friend Vector operator*(T s, const Vector& a) { return Vector(s * a.x); }
+  Vector& operator+=(const Vector& b) { return x += b.x, *this; }
+  Vector& operator-=(const Vector& b) { return x -= b.x, *this; }
+};
+
+/// Lanes i, j, k and l.
+template <int i, int j, int k, int l, class T> Vector<T> permute(const Vector<T>& a) {
+#if defined(__clang__)
+  return Vector<T>(__builtin_shufflevector(a.x, a.x, i, j, k, l));
+#else
+  using Integer = std::conditional_t<sizeof(T) == 8, long long, int>;
+  using Order [[gnu::vector_size(4 * sizeof(T))]] = Integer;
+  return Vector<T>(__builtin_shuffle(a.x, Order{i, j, k, l}));
+#endif
+}
+
+/// A vector as a factor of cross products.
+template <class T> struct Factor {
+  Vector<T> yzx, zxy;
+  Factor() = default;
+  explicit Factor(const Vector<T>& a) : yzx(permute<1, 2, 0, 3>(a)), zxy(permute<2, 0, 1, 3>(a)) {}
+};
+template <class T> Vector<T> cross(const Factor<T>& a, const Factor<T>& b) {
+  return Vector<T>(a.yzx.x * b.zxy.x - a.zxy.x * b.yzx.x);
+}
+
+/// The components of a vector, each in all lanes.
+template <class T> struct Spread {
+  Vector<T> x, y, z;
+  explicit Spread(const Vector<T>& a)
+      : x(permute<0, 0, 0, 0>(a)), y(permute<1, 1, 1, 1>(a)), z(permute<2, 2, 2, 2>(a)) {}
+  /// From memory, which costs nothing more than reading it.
+  explicit Spread(const Vec3<T>& a)
+      : x(Vector<T>::all(a.x)), y(Vector<T>::all(a.y)), z(Vector<T>::all(a.z)) {}
+};
+
+/// Three columns.
+template <class T> struct Matrix {
+  Vector<T> x, y, z;
+  Matrix() = default;
+  Matrix(const Vector<T>& a, const Vector<T>& b, const Vector<T>& c) : x(a), y(b), z(c) {}
+  explicit Matrix(const SO3<T>& R) : x(R.x), y(R.y), z(R.z) {}
+  explicit Matrix(const Sym3<T>& A) : x(A.xx, A.xy, A.xz), y(A.xy, A.yy, A.yz), z(A.xz, A.yz, A.zz) {}
+};
+template <class T> Vector<T> operator*(const Matrix<T>& A, const Spread<T>& a) {
+  return Vector<T>(A.x.x * a.x.x + A.y.x * a.y.x + A.z.x * a.z.x);
+}
+/// A number in all lanes.
+template <class T> struct Number {
+  Vector<T> lanes;
+  Number() = default;
+  Number(T a) : lanes(Vector<T>::all(a)) {}  // NOLINT(google-explicit-constructor): the same number
+  explicit Number(const Vector<T>& in_all_lanes) : lanes(in_all_lanes) {}
+  friend Number operator+(const Number& a, const Number& b) { return Number(a.lanes + b.lanes); }
+  friend Number operator-(const Number& a, const Number& b) { return Number(a.lanes - b.lanes); }
+  friend Number operator-(const Number& a) { return Number(-a.lanes); }
+  friend Number operator*(const Number& a, const Number& b) {
+    return Number(Vector<T>(a.lanes.x * b.lanes.x));
+  }
+  friend Number operator/(const Number& a, const Number& b) {
+    return Number(Vector<T>(a.lanes.x / b.lanes.x));
+  }
+  friend Vector<T> operator*(const Number& a, const Vector<T>& b) { return Vector<T>(a.lanes.x * b.x); }
+};
+template <class T> T value(const Number<T>& a) { return a.lanes.x[0]; }
+/// The sum of the lanes of the products.
+template <class T> Number<T> sum(const Vector<T>& products) {
+  const Vector<T> pairs = products + permute<1, 0, 3, 2>(products);
+  return Number<T>(pairs + permute<2, 3, 0, 1>(pairs));
+}
+template <class T> Number<T> dot(const Vector<T>& a, const Vector<T>& b) { return sum(Vector<T>(a.x * b.x)); }
+/// a · b + c · d.
+template <class T>
+Number<T> dot(const Vector<T>& a, const Vector<T>& b, const Vector<T>& c, const Vector<T>& d) {
+  return sum(Vector<T>(a.x * b.x + c.x * d.x));
+}
+
+/// a × b e_z, and a + b e_z.
+template <class T> Vector<T> cross_z(const Vector<T>& a, T b) {
+  return Vector<T>(permute<1, 0, 2, 3>(a).x * (b * Vector<T>(T(1), T(-1), T(0)).x));
+}
+template <class T> Vector<T> add_z(const Vector<T>& a, T b) {
+  return Vector<T>(a.x + b * Vector<T>(T(0), T(0), T(1)).x);
+}
+template <class T> T z(const Vector<T>& a) { return a.x[2]; }
+
+}  // namespace packed
+
+template <class T> constexpr Vec3<T> cross_z(const Vec3<T>& a, const T& b) {
+  return {a.y * b, -(a.x * b), T(0)};
+}
+template <class T> constexpr T dot(const Vec3<T>& a, const Vec3<T>& b, const Vec3<T>& c, const Vec3<T>& d) {
+  return dot(a, b) + dot(c, d);
+}
+template <class T> constexpr const T& value(const T& a) { return a; }
+template <class T> constexpr Vec3<T> add_z(const Vec3<T>& a, const T& b) { return {a.x, a.y, a.z + b}; }
+template <class T> constexpr const T& z(const Vec3<T>& a) { return a.z; }
+
+/// Three-vectors as three numbers of any scalar T, and the constants of a tree of scalar S.
+template <class T> struct Plain {
+  using Number = T;
+  using Vector = Vec3<T>;
+  using Factor = Vec3<T>;
+  using Spread = Vec3<T>;
+  using Matrix = SO3<T>;
+  using Tensor = Sym3<T>;
+};
+/// Three-vectors in registers of four; T is double or float.
+template <class T> struct Packed {
+  using Number = packed::Number<T>;
+  using Vector = packed::Vector<T>;
+  using Factor = packed::Factor<T>;
+  using Spread = packed::Spread<T>;
+  using Matrix = packed::Matrix<T>;
+  using Tensor = packed::Matrix<T>;
+};
+
+}  // namespace axode
