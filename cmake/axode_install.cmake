@@ -1,8 +1,9 @@
-# Installation, and how others find it: find_package(axode CONFIG [COMPONENTS core io]) and pkg-config.
+# Installation, and how others find it: find_package(axode CONFIG [COMPONENTS core io batch]) and pkg-config.
 include(CMakePackageConfigHelpers)
 
 install(TARGETS axode_core EXPORT axode-core-targets)
 install(TARGETS axode_io EXPORT axode-io-targets)
+install(TARGETS axode_batch EXPORT axode-batch-targets)
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/axode DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} FILES_MATCHING PATTERN *.hpp)
 install(FILES ${PROJECT_SOURCE_DIR}/LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR})
 if(TARGET axode_command)
@@ -11,7 +12,7 @@ if(TARGET axode_command)
 endif()
 
 set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/axode)
-foreach(component core io)
+foreach(component core io batch)
   install(EXPORT axode-${component}-targets NAMESPACE axode:: DESTINATION ${package_dir})
 endforeach()
 configure_package_config_file(${CMAKE_CURRENT_LIST_DIR}/axode-config.cmake.in
@@ -22,12 +23,14 @@ install(FILES ${PROJECT_BINARY_DIR}/axode-config.cmake ${PROJECT_BINARY_DIR}/axo
 
 # Who links to static libraries needs their private dependencies as well.
 set(PKG_CONFIG_IO_REQUIRES "Requires: axode tinyxml2")
+set(PKG_CONFIG_BATCH_REQUIRES "Requires: axode tbb")
 if(BUILD_SHARED_LIBS)
   set(PKG_CONFIG_IO_REQUIRES "Requires: axode")
+  set(PKG_CONFIG_BATCH_REQUIRES "Requires: axode")
 endif()
 cmake_path(RELATIVE_PATH CMAKE_INSTALL_FULL_INCLUDEDIR BASE_DIRECTORY
            ${CMAKE_INSTALL_FULL_LIBDIR}/pkgconfig OUTPUT_VARIABLE PKG_CONFIG_INCLUDEDIR)
-foreach(package axode axode-io)
+foreach(package axode axode-io axode-batch)
   configure_file(${CMAKE_CURRENT_LIST_DIR}/${package}.pc.in ${PROJECT_BINARY_DIR}/${package}.pc @ONLY)
   install(FILES ${PROJECT_BINARY_DIR}/${package}.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
 endforeach()

@@ -6,6 +6,13 @@ add_test(NAME Guards.IncludeFloors COMMAND ${AXODE_PYTHON} ${guards}/include_flo
 add_test(NAME Guards.CleanTree COMMAND ${AXODE_PYTHON} ${guards}/clean_tree.py ${PROJECT_SOURCE_DIR})
 set_tests_properties(Guards.IncludeFloors Guards.CleanTree PROPERTIES LABELS guards)
 
+# Code for one instruction set stays out of programs that run without it. (Unoptimised code inlines too little.)
+if(CMAKE_BUILD_TYPE STREQUAL Release AND NOT AXODE_NATIVE)
+  add_test(NAME Guards.InstructionSets COMMAND ${AXODE_PYTHON} ${guards}/instruction_sets.py ${CMAKE_NM}
+                                               $<TARGET_OBJECTS:axode_batch> COMMAND_EXPAND_LISTS)
+  set_tests_properties(Guards.InstructionSets PROPERTIES LABELS guards)
+endif()
+
 # What mixes representations or kinds does not compile.
 get_target_property(eigen_includes Eigen3::Eigen INTERFACE_INCLUDE_DIRECTORIES)
 file(GLOB files CONFIGURE_DEPENDS ${guards}/must_not_compile/*.cpp)

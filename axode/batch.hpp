@@ -1,0 +1,62 @@
+#pragma once
+#include <cstddef>
+#include <span>
+#include <type_traits>
+
+#include "axode/dynamics/solvability.hpp"
+#include "axode/kinematics/arguments.hpp"
+
+/// Many states of one mechanism at once: several in the lanes of each core's SIMD registers (SSE2, AVX2 or
+/// AVX-512, whichever the processor has), and on several cores.
+///
+/// N states lie one behind the other: q has nq N numbers, v, a and tau have nv N, matrices nv nv N (row by
+/// row), poses n_frames N; in the terms of linear algebra, a column for each state. N is read off q; any N
+/// will do, 0 and 1 included. A state's result does not depend, to the last bit, on its place among the
+/// others or on the number of threads, which is the largest number of cores to use. Frames, units and
+/// conventions are those of the functions of the same name for one state. Each call allocates a workspace for
+/// each thread. Throws std::invalid_argument for a wrong size, a quaternion off 1 (it names the state) and
+/// for threads < 1.
+namespace axode::batch {
+
+/// τ of N states, see axode::inverse_dynamics.
+template <class T>
+void inverse_dynamics(const Model& model, std::span<const T> q, Numbers<T> v, Numbers<T> a,
+                      std::type_identity_t<std::span<T>> tau, int threads = 1);
+
+/// What came of N states whose mass matrices had to be inverted.
+struct [[nodiscard]] Outcome {
+  std::size_t singular_states = 0;  ///< their results are NaN
+  std::size_t first = 0;            ///< the first of them
+  Solvability solvability;          ///< of that one
+  bool ok() const { return singular_states == 0; }
+};
+
+/// a of N states, see axode::forward_dynamics.
+template <class T>
+Outcome forward_dynamics(const Model& model, std::span<const T> q, Numbers<T> v, Numbers<T> tau,
+                         std::type_identity_t<std::span<T>> a, int threads = 1);
+
+/// M of N states, see axode::mass_matrix.
+template <class T>
+void mass_matrix(const Model& model, std::span<const T> q, std::type_identity_t<std::span<T>> M,
+                 int threads = 1);
+
+/// M⁻¹ of N states, see axode::inverse_mass_matrix.
+template <class T>
+Outcome inverse_mass_matrix(const Model& model, std::span<const T> q,
+                            std::type_identity_t<std::span<T>> M_inverse, int threads = 1);
+
+/// C of every frame in N states, see axode::poses.
+template <class T>
+void poses(const Model& model, std::span<const T> q, std::type_identity_t<std::span<SE3<T>>> C,
+           int threads = 1);
+
+/// The spatial screws of all joints in N states, n_screws N entries, see axode::joint_screws.
+template <class T>
+void joint_screws(const Model& model, std::span<const T> q,
+                  std::type_identity_t<std::span<Twist<Spatial, T>>> J, int threads = 1);
+
+/// The instruction set that this processor is served with: "SSE2", "AVX2" or "AVX-512".
+const char* instruction_set();
+
+}  // namespace axode::batch

@@ -1,0 +1,187 @@
+#include "axode/batch.hpp"
+
+#include <gmock/gmock.h>
+
+#include "tests/laws/law.hpp"
+
+/// Many states at once give what they give one by one, whatever their number, their order and the number of
+/// threads.
+namespace axode::test {
+namespace {
+
+template <class T> class ManyStates : public testing::Test {};
+using Scalars = testing::Types<double, float>;
+TYPED_TEST_SUITE(ManyStates, Scalars);
+
+template <class T> struct States {
+  Model model;
+  std::size_t N, nq, nv;
+  std::vector<T> q, v, x;  ///< x: accelerations or forces
+
+  States(const Model& built, Random<double>& random, std::size_t count)
+      : model(built),
+        N(count),
+        nq(static_cast<std::size_t>(built.nq())),
+        nv(static_cast<std::size_t>(built.nv())) {
+    for (std::size_t k = 0; k < N; ++k) {
+      const State<T> state = cast<T>(random_state(built, random));
+      q.insert(q.end(), state.q.begin(), state.q.end());
+      v.insert(v.end(), state.v.begin(), state.v.end());
+      x.insert(x.end(), state.a.begin(), state.a.end());
+    }
+  }
+  std::span<const T> q_of(std::size_t k) const { return std::span(q).subspan(k * nq, nq); }
+  std::span<const T> v_of(std::size_t k) const { return std::span(v).subspan(k * nv, nv); }
+  std::span<const T> x_of(std::size_t k) const { return std::span(x).subspan(k * nv, nv); }
+};
+
+Model tree(Random<double>& random) {
+  for (;;) {
+    Model model = ModelBuilder(told(random_mechanism(random, {}), random)).build();
+    if (model.nq() > 0) return model;
+  }
+}
+std::size_t some_number(std::uint64_t seed) {
+  const std::size_t numbers[]{1, 2, 3, 7, 8, 9, 16, 17, 31, 33};
+  return numbers[seed % std::size(numbers)];
+}
+template <class T> std::vector<T> part(const std::vector<T>& all, std::size_t k, std::size_t n) {
+  return {all.begin() + static_cast<std::ptrdiff_t>(k * n),
+          all.begin() + static_cast<std::ptrdiff_t>((k + 1) * n)};
+}
+
+TYPED_TEST(ManyStates, GiveWhatTheyGiveOneByOne) {
+  using T = TypeParam;
+  Comparison force("force", agreement<T>), inertia("mass matrix", agreement<T>), pose("pose", agreement<T>);
+  int singular = 0, regular = 0;
+  for_seeds(300, [&](std::uint64_t seed) {
+    Random<double> random(seed);
+    const States<T> states(tree(random), random, some_number(seed));
+    const Model& model = states.model;
+    const std::size_t N = states.N, nv = states.nv;
+    const std::vector<T>&q = states.q, &v = states.v, &x = states.x;
+    std::vector<T> tau(N * nv), a(N * nv), M(N * nv * nv), M_inverse(N * nv * nv);
+    const std::size_t n_frames = static_cast<std::size_t>(model.n_frames()),
+                      n_screws = static_cast<std::size_t>(model.n_screws());
+    std::vector<SE3<T>> C(N * n_frames);
+    std::vector<Twist<Spatial, T>> J(N * n_screws);
+    batch::inverse_dynamics<T>(model, q, v, x, tau);
+    const batch::Outcome solved = batch::forward_dynamics<T>(model, q, v, tau, a);
+    batch::mass_matrix<T>(model, q, M);
+    const batch::Outcome inverted = batch::inverse_mass_matrix<T>(model, q, M_inverse);
+    batch::poses<T>(model, q, C);
+    batch::joint_screws<T>(model, q, J);
+    Workspace<T> workspace(model);
+    std::size_t singular_states = 0;
+    for (std::size_t k = 0; k < N; ++k) {
+      std::vector<T> one(nv);
+      inverse_dynamics(model, workspace, states.q_of(k), states.v_of(k), states.x_of(k), one);
+      force.expect_equal(part(tau, k, nv), one);
+      const bool ok =
+          forward_dynamics(model, workspace, states.q_of(k), states.v_of(k), part(tau, k, nv), one).ok();
+      if (ok) {  // accelerations may be as ill-conditioned as M: compared by the forces that they need
+        std::vector<T> back(nv);
+        inverse_dynamics(model, workspace, states.q_of(k), states.v_of(k), part(a, k, nv), back);
+        force.expect_equal(back, part(tau, k, nv));
+      } else {
+        if (singular_states++ == 0) {
+          EXPECT_EQ(solved.first, k);
+        }
+        EXPECT_TRUE(std::isnan(a[k * nv]));
+      }
+      std::vector<T> matrix(nv * nv);
+      mass_matrix(model, workspace, states.q_of(k), matrix);
+      inertia.expect_equal(part(M, k, nv * nv), matrix);
+      std::vector<SE3<T>> C_k(n_frames);
+      poses(model, workspace, states.q_of(k), C_k);
+      for (std::size_t f = 0; f < n_frames; ++f) pose.expect_equal(C[k * n_frames + f], C_k[f]);
+      std::vector<Twist<Spatial, T>> J_k(n_screws);
+      joint_screws(model, workspace, states.q_of(k), J_k);
+      for (std::size_t s = 0; s < n_screws; ++s) pose.expect_equal(J[k * n_screws + s], J_k[s]);
+    }
+    EXPECT_EQ(solved.singular_states, singular_states);
+    EXPECT_EQ(inverted.singular_states, singular_states);
+    (singular_states > 0 ? singular : regular) += 1;
+  });
+  EXPECT_GE(singular, (singular + regular) / 20);
+  EXPECT_GE(regular, (singular + regular) / 20);
+}
+
+TYPED_TEST(ManyStates, DependOnNeitherTheirPlaceNorTheThreads) {
+  using T = TypeParam;
+  for_seeds(60, [&](std::uint64_t seed) {
+    Random<double> random(1000 + seed);
+    const States<T> states(tree(random), random, 37);
+    const Model& model = states.model;
+    const std::size_t N = states.N, nq = states.nq, nv = states.nv;
+    const std::vector<T>&q = states.q, &v = states.v, &x = states.x;
+    const auto everything = [&](std::span<const T> q_, std::span<const T> v_, std::span<const T> x_,
+                                int threads) {
+      const std::size_t n = q_.size() / nq;
+      std::vector<T> all(n * nv * 2 + n * nv * nv * 2);
+      const std::span<T> out(all);
+      batch::inverse_dynamics<T>(model, q_, v_, x_, out.first(n * nv), threads);
+      static_cast<void>(batch::forward_dynamics<T>(model, q_, v_, x_, out.subspan(n * nv, n * nv), threads));
+      batch::mass_matrix<T>(model, q_, out.subspan(2 * n * nv, n * nv * nv), threads);
+      static_cast<void>(batch::inverse_mass_matrix<T>(model, q_, out.last(n * nv * nv), threads));
+      return all;
+    };
+    const auto same = [](T a, T b) { return a == b || (std::isnan(a) && std::isnan(b)); };
+    const std::vector<T> alone = everything(q, v, x, 1);
+    for (const int threads : {2, 5}) {
+      const std::vector<T> shared = everything(q, v, x, threads);
+      EXPECT_TRUE(std::equal(alone.begin(), alone.end(), shared.begin(), same)) << threads << " threads";
+    }
+    for (std::size_t k = 0; k < N; k += 5) {
+      const std::vector<T> one = everything(states.q_of(k), states.v_of(k), states.x_of(k), 1);
+      EXPECT_TRUE(std::equal(one.begin(), one.begin() + static_cast<std::ptrdiff_t>(nv),
+                             alone.begin() + static_cast<std::ptrdiff_t>(k * nv), same));
+      EXPECT_TRUE(std::equal(one.end() - static_cast<std::ptrdiff_t>(nv * nv), one.end(),
+                             alone.end() - static_cast<std::ptrdiff_t>((N - k) * nv * nv), same));
+    }
+  });
+}
+
+TYPED_TEST(ManyStates, MayBeNone) {
+  using T = TypeParam;
+  Random<double> random(1);
+  const Model model = tree(random);
+  std::vector<T> none;
+  batch::inverse_dynamics<T>(model, none, none, none, none);
+  EXPECT_TRUE(batch::forward_dynamics<T>(model, none, none, none, none, 3).ok());
+  batch::mass_matrix<T>(model, none, none);
+  EXPECT_TRUE(batch::inverse_mass_matrix<T>(model, none, none).ok());
+}
+
+/// The sentence of the exception that f() throws.
+template <class F> std::string complaint(const F& f) {
+  try {
+    f();
+  } catch (const std::invalid_argument& error) {
+    return error.what();
+  }
+  return "nothing was thrown";
+}
+
+TEST(ManyStatesArguments, AreChecked) {
+  const Model model = ModelBuilder("ball")
+                          .add({.name = "ball",
+                                .joint = {.kind = JointKind::spherical},
+                                .inertia = MassProperties{.mass = 1, .Theta = {1, 1, 1, 0, 0, 0}}})
+                          .build();
+  const std::vector<double> q{0, 0, 0, 1, 0, 0, 0, 1}, v(6), a(5), off{0, 0, 0, 1, 0, 0, 0, 1.1};
+  std::vector<double> tau(6);
+  const auto call = [&](const std::vector<double>& q_, const std::vector<double>& v_,
+                        const std::vector<double>& a_, int threads = 1) {
+    return complaint([&] { batch::inverse_dynamics<double>(model, q_, v_, a_, tau, threads); });
+  };
+  EXPECT_EQ(call(q, v, a), "a has 5 entries; expected nv N = 6");
+  EXPECT_EQ(call(q, a, v), "v has 5 entries; expected nv N = 6");
+  EXPECT_EQ(call({0, 0, 1}, v, v), "q has 3 entries; expected a multiple of nq = 4");
+  EXPECT_EQ(call(q, v, v, 0), "threads is 0; expected 1 or more");
+  EXPECT_THAT(call(off, v, v),
+              testing::StartsWith("state 1: q: the quaternion of joint \"ball_joint\" has norm 1.1"));
+}
+
+}  // namespace
+}  // namespace axode::test

@@ -1,0 +1,35 @@
+"""No function that was compiled for AVX is one that other code has as well: instruction_sets.py NM OBJECT...
+
+The linker keeps one copy of an inline function that several objects have. Were it the one of an object compiled for AVX, the
+program would stop on processors without: so what those objects define weakly must belong to their own Batch types.
+"""
+
+import re
+import subprocess
+import sys
+
+
+def shared_functions(nm, objects):
+    found = []
+    for file in objects:
+        if not re.search(r"kernels_avx", file):
+            continue
+        listing = subprocess.run([nm, "--demangle", "--defined-only", file], check=True, capture_output=True, text=True)
+        for line in listing.stdout.splitlines():
+            kind, name = line.split(maxsplit=2)[1:] if not line.startswith(" ") else (None, None)
+            if kind in ("W", "V", "w", "v", "u") and not re.search(r"Batch<(double|float), ", name):
+                found.append(f"{file}: {name}")
+    return found
+
+
+def main():
+    nm, *objects = sys.argv[1:]
+    if sum("kernels_avx" in file for file in objects) != 4:
+        sys.exit("expected four objects for AVX2 and AVX-512 among\n" + "\n".join(objects))
+    found = shared_functions(nm, objects)
+    if found:
+        sys.exit("code for another processor may use these:\n" + "\n".join(found))
+
+
+if __name__ == "__main__":
+    main()
