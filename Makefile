@@ -22,11 +22,12 @@ test: deps ## Run every test: GCC, Clang, sanitizers; the last line counts them
 	@$(MAKE) --no-print-directory venv || echo "No Python environment: the peer tests will be skipped."
 	@python3 tools/run_all_tests.py --jobs $(JOBS)
 
-bench: deps ## Measure the algorithms, and how long a client takes to compile
-	cmake --preset bench
-	cmake --build --preset bench --parallel $(JOBS)
-	@for program in $$(find build/bench/bench -maxdepth 1 -type f -executable); do \
-	  $$program --benchmark_out=$$program.json --benchmark_out_format=json || exit 1; done
+bench: deps venv ## Measure every function beside its peers, with GCC and with Clang; redraws docs/performance.svg
+	build/venv/bin/python -m pip install --quiet -r bench/requirements.txt
+	for preset in bench bench-clang; do \
+	  cmake --preset $$preset && cmake --build --preset $$preset --parallel $(JOBS) || exit 1; done
+	build/venv/bin/python tools/benchmark.py build/bench build/bench-clang --plot docs/performance.svg
+	build/bench/bench/inverse_kinematics
 	tools/client_compile_time.sh
 
 docs: ## Check that every link in the documentation leads somewhere

@@ -1,0 +1,83 @@
+// Every function that a control loop calls, in one thread, on states drawn at random.
+#include "bench/subjects.hpp"
+
+namespace {
+
+using namespace axode;
+using namespace axode::bench;
+
+/// f(model, workspace, q, v, a, out) on every model; out has a number for each pair of velocities.
+template <class F>
+void measure_function(const std::string& function, const std::string& variant, const F& f) {
+  measure(function, variant, [f](benchmark::State& state, const Model& model) {
+    Workspace<> workspace(model);
+    States states(model);
+    const std::size_t nv = static_cast<std::size_t>(model.nv());
+    std::vector<double> out(nv * nv);
+    repeat(state, out.data(), [&] {
+      const std::size_t s = states.next();
+      f(model, workspace, states.q[s], states.v[s], states.a[s], std::span(out));
+    });
+  });
+}
+
+/// f(model, workspace, q, v, a, out) with an Entry for each frame.
+template <class Entry, class F>
+void measure_frames(const std::string& function, const std::string& variant, const F& f) {
+  measure(function, variant, [f](benchmark::State& state, const Model& model) {
+    Workspace<> workspace(model);
+    States states(model);
+    std::vector<Entry> out(static_cast<std::size_t>(std::max(model.n_frames(), model.n_screws())));
+    repeat(state, out.data(), [&] {
+      const std::size_t s = states.next();
+      f(model, workspace, states.q[s], states.v[s], states.a[s], std::span(out));
+    });
+  });
+}
+
+template <class Rep> void measure_representation(const std::string& name) {
+  measure_function("inverse_dynamics", name,
+                   [](const Model& m, auto& w, auto& q, auto& v, auto& a, auto out) {
+                     inverse_dynamics<Rep>(m, w, q, v, a, out.first(v.size()));
+                   });
+  measure_function("forward_dynamics", name,
+                   [](const Model& m, auto& w, auto& q, auto& v, auto& a, auto out) {
+                     benchmark::DoNotOptimize(forward_dynamics<Rep>(m, w, q, v, a, out.first(v.size())));
+                   });
+  measure_function("mass_matrix", name, [](const Model& m, auto& w, auto& q, auto&, auto&, auto out) {
+    mass_matrix<Rep>(m, w, q, out);
+  });
+  measure_function("inverse_mass_matrix", name, [](const Model& m, auto& w, auto& q, auto&, auto&, auto out) {
+    benchmark::DoNotOptimize(inverse_mass_matrix<Rep>(m, w, q, out));
+  });
+}
+
+const bool registered = [] {
+  measure_representation<Fast>("fast");
+  measure_representation<BodyFixed>("body");
+  measure_representation<Spatial>("spatial");
+  measure_representation<Hybrid>("hybrid");
+  measure_representation<Mixed>("mixed");
+  measure_function(
+      "forward_dynamics", "momentum_form", [](const Model& m, auto& w, auto& q, auto& v, auto& a, auto out) {
+        benchmark::DoNotOptimize(momentum_form(m, w, q, v, a, out.first(v.size()), out.last(v.size())));
+      });
+  measure_frames<Twist<Spatial>>("joint_jacobians", "fast",
+                                 [](const Model& m, auto& w, auto& q, auto&, auto&, auto out) {
+                                   joint_screws(m, w, q, out.first(static_cast<std::size_t>(m.n_screws())));
+                                 });
+  measure_frames<SE3<>>("poses", "fast", [](const Model& m, auto& w, auto& q, auto&, auto&, auto out) {
+    poses(m, w, q, out.first(static_cast<std::size_t>(m.n_frames())));
+  });
+  measure_frames<TwistRate<BodyFixed>>(
+      "accelerations", "body", [](const Model& m, auto& w, auto& q, auto& v, auto& a, auto out) {
+        accelerations<BodyFixed>(m, w, q, v, a, out.first(static_cast<std::size_t>(m.n_frames())));
+      });
+  measure_frames<TwistRate<Hybrid>>(
+      "accelerations", "hybrid", [](const Model& m, auto& w, auto& q, auto& v, auto& a, auto out) {
+        accelerations<Hybrid>(m, w, q, v, a, out.first(static_cast<std::size_t>(m.n_frames())));
+      });
+  return true;
+}();
+
+}  // namespace

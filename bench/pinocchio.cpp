@@ -1,0 +1,97 @@
+// The same functions of Pinocchio, on the same mechanisms and states.
+#include <pinocchio/multibody.hpp>
+
+#include <pinocchio/algorithm/aba.hpp>
+#include <pinocchio/algorithm/crba.hpp>
+#include <pinocchio/algorithm/jacobian.hpp>
+#include <pinocchio/algorithm/kinematics.hpp>
+#include <pinocchio/algorithm/rnea.hpp>
+
+#include "axode/eigen.hpp"
+#include "bench/subjects.hpp"
+
+namespace {
+
+using namespace axode;
+using namespace axode::bench;
+using pinocchio::Data;
+
+/// The mechanism with every axis along z, for which Pinocchio has its fastest joints.
+pinocchio::Model peer(const Model& model) {
+  const Tree<double>& tree = model.tree<double>();
+  pinocchio::Model out;
+  for (int i = 1; i <= tree.n; ++i) {
+    const SE3<>& B = tree.B[i];
+    const pinocchio::SE3 placement(to_eigen(B.R), to_eigen(B.r));
+    const std::string& name = model.joint(i).name;
+    switch (tree.kind[i]) {
+      case Subgroup::revolute:
+        out.addJoint(tree.parent[i], pinocchio::JointModelRZ(), placement, name);
+        break;
+      case Subgroup::prismatic:
+        out.addJoint(tree.parent[i], pinocchio::JointModelPZ(), placement, name);
+        break;
+      case Subgroup::free:
+        out.addJoint(tree.parent[i], pinocchio::JointModelFreeFlyer(), placement, name);
+        break;
+      default: throw std::logic_error("no such joint in the benchmarks");
+    }
+    const Inertia<>& M = tree.M[i];
+    if (M.m > 0) out.appendBodyToJoint(i, {M.m, to_eigen(center_of_mass(M)), to_eigen(inertia_about_com(M))});
+  }
+  return out;
+}
+
+/// States in Pinocchio's order: positions before quaternions, linear before angular.
+struct PeerStates {
+  std::vector<Eigen::VectorXd> q, v, a;
+
+  PeerStates(const Model& model, States& states) {
+    for (std::size_t s = 0; s < States::count; ++s) {
+      q.push_back(Eigen::VectorXd::Map(states.q[s].data(), model.nq()));
+      v.push_back(Eigen::VectorXd::Map(states.v[s].data(), model.nv()));
+      a.push_back(Eigen::VectorXd::Map(states.a[s].data(), model.nv()));
+      if (model.joint(1).kind != Subgroup::free) continue;
+      const Eigen::Matrix<double, 7, 1> base = q.back().head<7>();
+      q.back().head<7>() << base.tail<3>(), base.head<4>();
+      for (Eigen::VectorXd* x : {&v.back(), &a.back()}) x->head<3>().swap(x->segment<3>(3));
+    }
+  }
+};
+
+/// f(model, data, q, v, a) of Pinocchio on every model.
+template <class F> void measure_peer(const std::string& function, const F& f) {
+  measure(function, "pinocchio", [f](benchmark::State& state, const Model& model) {
+    const pinocchio::Model other = peer(model);
+    Data data(other);
+    States states(model);
+    const PeerStates x(model, states);
+    repeat(state, &data, [&] {
+      const std::size_t s = states.next();
+      f(other, data, x.q[s], x.v[s], x.a[s]);
+    });
+  });
+}
+
+const bool registered = [] {
+  using namespace pinocchio;
+  using M = pinocchio::Model;
+  using V = Eigen::VectorXd;
+  measure_peer("inverse_dynamics",
+               [](const M& m, Data& d, const V& q, const V& v, const V& a) { rnea(m, d, q, v, a); });
+  measure_peer("forward_dynamics",
+               [](const M& m, Data& d, const V& q, const V& v, const V& tau) { aba(m, d, q, v, tau); });
+  measure_peer("mass_matrix", [](const M& m, Data& d, const V& q, const V&, const V&) { crba(m, d, q); });
+  measure_peer("inverse_mass_matrix",
+               [](const M& m, Data& d, const V& q, const V&, const V&) { computeMinverse(m, d, q); });
+  measure_peer("joint_jacobians",
+               [](const M& m, Data& d, const V& q, const V&, const V&) { computeJointJacobians(m, d, q); });
+  measure_peer("poses",
+               [](const M& m, Data& d, const V& q, const V&, const V&) { forwardKinematics(m, d, q); });
+  measure_peer("accelerations", [](const M& m, Data& d, const V& q, const V& v, const V& a) {
+    forwardKinematics(m, d, q, v, a);
+  });
+  return true;
+}();
+
+}  // namespace

@@ -1,0 +1,82 @@
+#include "bench/subjects.hpp"
+
+#include <cstdlib>
+#include <filesystem>
+
+#include "axode/io.hpp"
+
+namespace axode::bench {
+namespace {
+
+class Random {
+ public:
+  double number() { return std::uniform_real_distribution(-1.0, 1.0)(engine_); }
+  Vec3<> vector() { return {number(), number(), number()}; }
+
+ private:
+  std::mt19937_64 engine_{1};
+};
+
+/// A hinge in general position.
+BodyDescription link(Random& random, int i, int predecessor) {
+  return {.name = std::to_string(i),
+          .predecessor = predecessor == 0 ? "ground" : std::to_string(predecessor),
+          .joint = {.kind = JointKind::revolute, .axis = random.vector(), .point = 0.1 * random.vector()},
+          .geometry = InBodyFrame{exp(Screw<>{random.vector(), 0.3 * random.vector()})},
+          .inertia = MassProperties{.mass = 1, .com = 0.1 * random.vector(), .Theta = {.1, .1, .1, 0, 0, 0}}};
+}
+Model chain(int n) {
+  Random random;
+  ModelBuilder builder("chain" + std::to_string(n));
+  for (int i = 1; i <= n; ++i) builder.add(link(random, i, i - 1));
+  return builder.build();
+}
+Model binary_tree(int n) {
+  Random random;
+  ModelBuilder builder("tree" + std::to_string(n));
+  for (int i = 1; i <= n; ++i) builder.add(link(random, i, i / 2));
+  return builder.build();
+}
+
+Model robot(const std::filesystem::path& file, Base base) {
+  Description description = load(file, base).description();
+  for (BodyDescription& body : description.bodies) body.joint.coupling.reset();
+  description.name = file.stem().string();
+  return ModelBuilder(std::move(description)).build(Physics::lenient);
+}
+
+std::vector<Model> load_models() {
+  std::vector<Model> all{load(AXODE_ROBOTS_DIR "/arm7.toml")};
+  const char* set = std::getenv("AXODE_ROBOTS");
+  const std::filesystem::path folder = set ? set : AXODE_SHARED_ROBOTS;
+  const std::pair<const char*, Base> robots[]{{"panda", Base::fixed},        {"ur5_robot", Base::fixed},
+                                              {"anymal_b", Base::free},      {"solo12", Base::free},
+                                              {"talos_reduced", Base::free}, {"simple_humanoid", Base::free}};
+  for (const auto& [name, base] : robots) {
+    const std::filesystem::path file = folder / (std::string(name) + ".urdf");
+    if (std::filesystem::exists(file)) all.push_back(robot(file, base));
+  }
+  for (int n : {7, 10, 36, 50, 100, 200}) all.push_back(chain(n));
+  all.push_back(binary_tree(63));
+  return all;
+}
+
+}  // namespace
+
+const std::vector<Model>& models() {
+  static const std::vector<Model> all = load_models();
+  return all;
+}
+
+States::States(const Model& model) {
+  Random random;
+  for (std::size_t s = 0; s < count; ++s) {
+    q.push_back(random_configuration(model, s));
+    for (auto* rates : {&v, &a, &jerk}) {
+      rates->emplace_back(static_cast<std::size_t>(model.nv()));
+      for (double& x : rates->back()) x = random.number();
+    }
+  }
+}
+
+}  // namespace axode::bench

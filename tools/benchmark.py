@@ -1,0 +1,116 @@
+"""Measures every function beside its peers, each with GCC and with Clang, and compares the better ones.
+
+    build/venv/bin/python tools/benchmark.py build/bench build/bench-clang --plot docs/performance.svg
+
+Runs <build>/bench/single_thread of every build folder given, writes build/bench/ratios.json, a list of
+{"function", "model", "variant", "ours_ns", "ours_compiler", "peer", "peer_compiler", "peer_ns", "ratio"}, prints it as a
+table, and draws it. Times are medians of repetitions, in nanoseconds for one state.
+"""
+
+import argparse
+import json
+import subprocess
+import sys
+from collections import defaultdict
+from pathlib import Path
+
+PEERS = ["pinocchio"]
+FAST = {"inverse_dynamics": "fast", "forward_dynamics": "fast", "mass_matrix": "fast", "inverse_mass_matrix": "fast",
+        "joint_jacobians": "fast", "poses": "fast", "accelerations": "hybrid"}
+
+
+def compiler_of(build):
+    for line in (build / "CMakeCache.txt").read_text(encoding="utf-8").splitlines():
+        if line.startswith("CMAKE_CXX_COMPILER:"):
+            return Path(line.split("=", 1)[1]).name
+    raise SystemExit(f"{build} has no compiler in its CMakeCache.txt")
+
+
+def run(build, arguments):
+    """(function, model, variant) -> median nanoseconds for one state."""
+    program = build / "bench" / "single_thread"
+    if not program.exists():
+        raise SystemExit(f"{program} is not there: build it with `make bench`")
+    output = build / "single_thread.json"
+    command = [program, f"--benchmark_out={output}", "--benchmark_out_format=json",
+               f"--benchmark_min_time={arguments.min_time}", f"--benchmark_repetitions={arguments.repetitions}",
+               "--benchmark_enable_random_interleaving=true", "--benchmark_report_aggregates_only=true",
+               f"--benchmark_filter={arguments.filter}"]
+    print(f"{program} ...", file=sys.stderr, flush=True)
+    subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
+    times = {}
+    for entry in json.loads(output.read_text(encoding="utf-8"))["benchmarks"]:
+        if entry.get("aggregate_name", "median") == "median":
+            times[tuple(entry["run_name"].split("/")[:3])] = entry["real_time"] / entry.get("states", 1)
+    return times
+
+
+def compare(times):
+    """Our variants over the better compiler of each peer."""
+    best = defaultdict(lambda: (float("inf"), None))
+    for compiler, measured in times.items():
+        for key, nanoseconds in measured.items():
+            best[key] = min(best[key], (nanoseconds, compiler))
+    rows = []
+    for (function, model, variant), (ours, compiler) in best.items():
+        if variant in PEERS:
+            continue
+        for peer in PEERS:
+            theirs, peer_compiler = best.get((function, model, peer), (None, None))
+            rows.append({"function": function, "model": model, "variant": variant, "ours_ns": round(ours, 1),
+                         "ours_compiler": compiler, "peer": peer if theirs else None, "peer_compiler": peer_compiler,
+                         "peer_ns": theirs and round(theirs, 1), "ratio": theirs and round(ours / theirs, 3)})
+    return rows
+
+
+def print_table(rows):
+    print("| function | model | variant | ours ns | compiler | peer | peer ns | compiler | ratio |")
+    print("|---|---|---|--:|---|---|--:|---|--:|")
+    for row in rows:
+        cells = [row["function"], row["model"], row["variant"], f"{row['ours_ns']:.0f}", row["ours_compiler"], row["peer"] or "",
+                 f"{row['peer_ns']:.0f}" if row["peer_ns"] else "", row["peer_compiler"] or "", row["ratio"] or ""]
+        print("| " + " | ".join(str(cell) for cell in cells) + " |")
+
+
+def draw(rows, file):
+    import matplotlib
+
+    matplotlib.use("svg")
+    matplotlib.rcParams["svg.hashsalt"] = "axode"
+    from matplotlib import pyplot
+
+    shown = [row for row in rows if row["ratio"] and FAST.get(row["function"]) == row["variant"]]
+    functions = [f for f in FAST if any(row["function"] == f for row in shown)]
+    models = list(dict.fromkeys(row["model"] for row in shown))
+    figure, axes = pyplot.subplots(figsize=(11, 5.5), layout="constrained")
+    for k, function in enumerate(functions):
+        ratio = {row["model"]: row["ratio"] for row in shown if row["function"] == function}
+        places = [m + (k - len(functions) / 2 + 0.5) * 0.8 / len(functions) for m in range(len(models))]
+        axes.bar(places, [ratio.get(m, 0) for m in models], 0.8 / len(functions), label=function.replace("_", " "))
+    axes.axhline(1, color="black", linewidth=0.8)
+    axes.set_xticks(range(len(models)), models, rotation=25, ha="right")
+    axes.set_ylabel("our time / Pinocchio's, each at its better compiler")
+    axes.set_title("One state, one thread: lower is faster")
+    axes.legend(ncols=4, fontsize="small")
+    figure.savefig(file, metadata={"Date": None})
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("builds", nargs="+", type=Path, help="folders built with the presets bench and bench-clang")
+    parser.add_argument("--min-time", default="0.05", help="seconds of each repetition")
+    parser.add_argument("--repetitions", default="5")
+    parser.add_argument("--filter", default=".", help="regular expression on <function>/<model>/<variant>")
+    parser.add_argument("--output", type=Path, default=Path("build/bench/ratios.json"))
+    parser.add_argument("--plot", type=Path, help="an SVG to draw (needs matplotlib)")
+    arguments = parser.parse_args()
+    rows = compare({compiler_of(build): run(build, arguments) for build in arguments.builds})
+    arguments.output.parent.mkdir(parents=True, exist_ok=True)
+    arguments.output.write_text(json.dumps(rows, indent=1) + "\n", encoding="utf-8")
+    print_table(rows)
+    if arguments.plot:
+        draw(rows, arguments.plot)
+
+
+if __name__ == "__main__":
+    main()
