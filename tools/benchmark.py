@@ -9,6 +9,7 @@ table, and draws it. Times are medians of repetitions, in nanoseconds for one st
 
 import argparse
 import json
+import re
 import subprocess
 import sys
 from collections import defaultdict
@@ -60,7 +61,17 @@ def compare(times):
             rows.append({"function": function, "model": model, "variant": variant, "ours_ns": round(ours, 1),
                          "ours_compiler": compiler, "peer": peer if theirs else None, "peer_compiler": peer_compiler,
                          "peer_ns": theirs and round(theirs, 1), "ratio": theirs and round(ours / theirs, 3)})
-    return rows
+    functions = list(FAST)
+
+    def natural(text):
+        return [int(part) if part.isdigit() else part for part in re.split(r"(\d+)", text)]
+
+    def place(row):
+        known = row["function"] in functions
+        return (functions.index(row["function"]) if known else len(functions), row["function"],
+                row["model"].startswith(("chain", "tree")), natural(row["model"]), row["variant"])
+
+    return sorted(rows, key=place)
 
 
 def print_table(rows):
@@ -91,7 +102,7 @@ def draw(rows, file):
     axes.set_xticks(range(len(models)), models, rotation=25, ha="right")
     axes.set_ylabel("our time / Pinocchio's, each at its better compiler")
     axes.set_title("One state, one thread: lower is faster")
-    axes.legend(ncols=4, fontsize="small")
+    figure.legend(loc="outside lower center", ncols=len(functions), fontsize="small")
     figure.savefig(file, metadata={"Date": None})
 
 
