@@ -32,31 +32,57 @@ template <class S, std::size_t N, std::size_t s = 1> void transpose(std::array<B
   }
 }
 
+/// Calls f(k) for blocks of N out of n numbers; the last block overlaps the one before where they do not come out even.
+template <int N, class F> void each_block(int n, const F& f) {
+  int k = 0;
+  for (; k + N <= n; k += N) f(k);
+  if (k < n) f(n - N);
+}
+
 /// in[l * n + k], number k of the state in lane l, to out[k].
 template <class S, std::size_t N> void gather(const S* in, int n, Batch<S, N>* out) {
   constexpr int lanes = static_cast<int>(N);
   std::array<Batch<S, N>, N> rows;
-  int k = 0;
-  for (; k + lanes <= n; k += lanes) {
-    for (int l = 0; l < lanes; ++l) rows[l] = Batch<S, N>::load(in + static_cast<std::ptrdiff_t>(l) * n + k);
-    transpose(rows);
-    for (int l = 0; l < lanes; ++l) out[k + l] = rows[l];
+  if (n >= lanes) {
+    each_block<lanes>(n, [&](int k) {
+      for (int l = 0; l < lanes; ++l)
+        rows[l] = Batch<S, N>::load(in + static_cast<std::ptrdiff_t>(l) * n + k);
+      transpose(rows);
+      for (int l = 0; l < lanes; ++l) out[k + l] = rows[l];
+    });
+    return;
   }
-  for (; k < n; ++k)
-    for (int l = 0; l < lanes; ++l) out[k].x[l] = in[static_cast<std::ptrdiff_t>(l) * n + k];
+  for (int l = 0; l < lanes; ++l) {  // what follows a short row is the next state, and of no use
+    if (l * n + lanes <= lanes * n) {
+      rows[l] = Batch<S, N>::load(in + l * n);
+    } else {
+      rows[l] = Batch<S, N>(S(0));
+      for (int k = 0; k < n; ++k) rows[l].x[k] = in[l * n + k];
+    }
+  }
+  transpose(rows);
+  for (int k = 0; k < n; ++k) out[k] = rows[k];
 }
 /// in[k] to out[l * n + k].
 template <class S, std::size_t N> void scatter(const Batch<S, N>* in, int n, S* out) {
   constexpr int lanes = static_cast<int>(N);
   std::array<Batch<S, N>, N> rows;
-  int k = 0;
-  for (; k + lanes <= n; k += lanes) {
-    for (int l = 0; l < lanes; ++l) rows[l] = in[k + l];
-    transpose(rows);
-    for (int l = 0; l < lanes; ++l) rows[l].store(out + static_cast<std::ptrdiff_t>(l) * n + k);
+  if (n >= lanes) {
+    each_block<lanes>(n, [&](int k) {
+      for (int l = 0; l < lanes; ++l) rows[l] = in[k + l];
+      transpose(rows);
+      for (int l = 0; l < lanes; ++l) rows[l].store(out + static_cast<std::ptrdiff_t>(l) * n + k);
+    });
+    return;
   }
-  for (; k < n; ++k)
-    for (int l = 0; l < lanes; ++l) out[static_cast<std::ptrdiff_t>(l) * n + k] = in[k].x[l];
+  for (int k = 0; k < lanes; ++k) rows[k] = k < n ? in[k] : Batch<S, N>(S(0));
+  transpose(rows);
+  for (int l = 0; l < lanes; ++l) {  // what a row writes too much, the next one mends
+    if (l * n + lanes <= lanes * n)
+      rows[l].store(out + l * n);
+    else
+      for (int k = 0; k < n; ++k) out[l * n + k] = rows[l].x[k];
+  }
 }
 
 }  // namespace axode::batch

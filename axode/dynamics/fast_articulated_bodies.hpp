@@ -314,14 +314,12 @@ bool solve_fast_forward_dynamics(const Tree<T>& tree, typename Workspace<T>::Are
   auto* motion = arena.template per_body<typename FastArticulatedBodies<G, T>::Motion>();
   bodies.place_and_move(tree, q, v, motion);
   if (!loads.wrenches.empty()) {
-    SE3<T>* C_pi = arena.template per_body<SE3<T>>();
-    SE3<T>* C = arena.template per_body<SE3<T>>();
-    Wrench<BodyFixed, T>* W_app = arena.template per_body<Wrench<BodyFixed, T>>();
-    joint_poses(tree, q, C_pi);
-    body_poses(tree, C_pi, C);
-    sum_applied(tree, loads.wrenches, C, W_app);
-    for (int i = 1; i <= tree.n; ++i)
-      bodies.body[i].m -= C[i].R * W_app[i].m, bodies.body[i].f -= C[i].R * W_app[i].f;
+    AppliedWrenches<T> applied(arena);
+    applied.run(tree, q, loads.wrenches);
+    for (int i = 1; i <= tree.n; ++i) {
+      const SO3<T>& R = applied.C[i].R;
+      bodies.body[i].m -= R * applied.W[i].m, bodies.body[i].f -= R * applied.W[i].f;
+    }
   }
   const T* drive = tau;
   if (loads.joint_losses) {

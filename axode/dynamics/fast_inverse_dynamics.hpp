@@ -130,19 +130,30 @@ template <class G, class T> struct FastInverseDynamics {
   }
 };
 
-/// The same for any tree, loads and losses, in one thread.
-template <class T> struct InverseDynamicsRecursion<Fast, T> {
-  using G = typename FastGeometry<T>::type;
-  FastInverseDynamics<G, T> fast;
+/// Applied wrenches summed up for each body in its internal frame, and the poses of all bodies.
+template <class T> struct AppliedWrenches {
   SE3<T>* C_pi;
   SE3<T>* C;
-  Wrench<BodyFixed, T>* W_app;
+  Wrench<BodyFixed, T>* W;
 
-  explicit InverseDynamicsRecursion(typename Workspace<T>::Arena& arena)
-      : fast(arena),
-        C_pi(arena.template per_body<SE3<T>>()),
+  explicit AppliedWrenches(typename Workspace<T>::Arena& arena)
+      : C_pi(arena.template per_body<SE3<T>>()),
         C(arena.template per_body<SE3<T>>()),
-        W_app(arena.template per_body<Wrench<BodyFixed, T>>()) {}
+        W(arena.template per_body<Wrench<BodyFixed, T>>()) {}
+
+  void run(const Tree<T>& tree, const T* q, std::span<const AppliedWrench<T>> wrenches) noexcept {
+    joint_poses(tree, q, C_pi);
+    body_poses(tree, C_pi, C);
+    sum_applied(tree, wrenches, C, W);
+  }
+};
+
+/// The same for any tree, loads and losses, in one thread.
+template <class T> struct InverseDynamicsRecursion<Fast, T> {
+  FastInverseDynamics<typename FastGeometry<T>::type, T> fast;
+  AppliedWrenches<T> applied;
+
+  explicit InverseDynamicsRecursion(typename Workspace<T>::Arena& arena) : fast(arena), applied(arena) {}
 
   void run(const Tree<T>& tree, const T* q, const T* v, const T* a, const Loads<T>& loads) noexcept {
     run(tree, q, v, a, loads, tree.g);
@@ -151,10 +162,8 @@ template <class T> struct InverseDynamicsRecursion<Fast, T> {
            const Vec3<T>& g) noexcept {
     fast.forward(tree, q, v, a, g);
     if (loads.wrenches.empty()) return;
-    joint_poses(tree, q, C_pi);
-    body_poses(tree, C_pi, C);
-    sum_applied(tree, loads.wrenches, C, W_app);
-    for (int i = 1; i <= tree.n; ++i) fast.body[i].m -= W_app[i].m, fast.body[i].f -= W_app[i].f;
+    applied.run(tree, q, loads.wrenches);
+    for (int i = 1; i <= tree.n; ++i) fast.body[i].m -= applied.W[i].m, fast.body[i].f -= applied.W[i].f;
   }
   void project(const Tree<T>& tree, const T* v, const T* a, bool joint_losses, T* tau) noexcept {
     fast.backward(tree, tau);

@@ -76,7 +76,9 @@ template <class T = double> class Workspace {
 
    private:
     template <class U> Arrays<U> arrays_of(int n, std::size_t entries) {
-      const std::size_t stride = (entries + 2 * most_lanes - 1) / most_lanes * most_lanes;
+      // Whole registers; or, for entries as long as a cache line, an odd number of them, which no cache folds.
+      const std::size_t stride =
+          Lanes<U>::width > 1 ? (entries + 2 * most_lanes - 1) / most_lanes * most_lanes : entries | 1;
       next_ += -reinterpret_cast<std::uintptr_t>(next_) % sizeof(Line);
       return {take<U>(static_cast<std::size_t>(n) * stride), static_cast<std::ptrdiff_t>(stride)};
     }

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 
 #include "tests/laws/law.hpp"
+#include "tests/support/refused_arguments.hpp"
 
 /// Many states at once give what they give one by one, whatever their number, their order and the number of
 /// threads.
@@ -153,16 +154,6 @@ TYPED_TEST(ManyStates, MayBeNone) {
   EXPECT_TRUE(batch::inverse_mass_matrix<T>(model, none, none).ok());
 }
 
-/// The sentence of the exception that f() throws.
-template <class F> std::string complaint(const F& f) {
-  try {
-    f();
-  } catch (const std::invalid_argument& error) {
-    return error.what();
-  }
-  return "nothing was thrown";
-}
-
 TEST(ManyStatesArguments, AreChecked) {
   const Model model = ModelBuilder("ball")
                           .add({.name = "ball",
@@ -173,7 +164,7 @@ TEST(ManyStatesArguments, AreChecked) {
   std::vector<double> tau(6);
   const auto call = [&](const std::vector<double>& q_, const std::vector<double>& v_,
                         const std::vector<double>& a_, int threads = 1) {
-    return complaint([&] { batch::inverse_dynamics<double>(model, q_, v_, a_, tau, threads); });
+    return message_of([&] { batch::inverse_dynamics<double>(model, q_, v_, a_, tau, threads); });
   };
   EXPECT_EQ(call(q, v, a), "a has 5 entries; expected nv N = 6");
   EXPECT_EQ(call(q, a, v), "v has 5 entries; expected nv N = 6");
