@@ -116,7 +116,7 @@ template <class E> struct Argument {
 };
 
 /// kernel(tree, memory, inputs..., output) on all N states, the first argument being q. Returns for every
-/// state whether a kernel doubts its group; kernels that return nothing doubt nothing.
+/// state whether a kernel doubts it; kernels that return nothing doubt nothing.
 template <class S, class Kernel, class E, class... In>
 std::vector<char> run_lanes(const Model& model, int threads, const Kernel& kernel, Argument<E> out,
                             Argument<In>... in) {
@@ -129,10 +129,12 @@ std::vector<char> run_lanes(const Model& model, int threads, const Kernel& kerne
       const auto call = [&](auto&... each) {
         return kernel(tree, memory.data(), each.at(first, count, lanes)..., out.at(first, count, lanes));
       };
-      if constexpr (std::is_void_v<decltype(std::apply(call, ins))>)
+      if constexpr (std::is_void_v<decltype(std::apply(call, ins))>) {
         std::apply(call, ins);
-      else if (std::apply(call, ins))
-        std::fill_n(doubtful.begin() + static_cast<std::ptrdiff_t>(first), count, 1);
+      } else {
+        const unsigned doubts = std::apply(call, ins);
+        for (std::size_t l = 0; l < count; ++l) doubtful[first + l] = doubts >> l & 1;
+      }
       out.take_back(first, count, lanes);
     };
   });
