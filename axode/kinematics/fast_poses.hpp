@@ -4,10 +4,12 @@
 
 namespace axode {
 
-/// The geometry in which one state is computed fastest: packed vectors for one number, plain ones for many at
-/// once.
+/// The geometry in which one state is computed fastest: packed vectors for one number where the processor has
+/// them, plain ones otherwise.
 template <class T> struct FastGeometry { using type = Plain<T>; };
+#if defined(__AVX2__)  // without, no register holds four numbers, and packing costs more than it gains
 template <std::floating_point T> struct FastGeometry<T> { using type = Packed<T>; };
+#endif
 
 /// The constants of body i in the geometry G.
 template <class G, class T, class S>
