@@ -1,11 +1,12 @@
 #include "axode/batch.hpp"
 
-#include <tbb/blocked_range.h>
 #include <tbb/info.h>
 #include <tbb/parallel_for.h>
-#include <tbb/task_arena.h>
 
 #include <algorithm>
+#include <atomic>
+#include <memory>
+#include <new>
 #include <string>
 #include <tuple>
 #include <vector>
@@ -62,32 +63,39 @@ template <class S> std::size_t check_states(const Model& model, std::span<const 
   return q.size() / nq;
 }
 
-struct Memory {
-  struct alignas(64) Line {
-    std::byte bytes[64];
+/// Scratch memory from a cache line on.
+class Memory {
+ public:
+  explicit Memory(std::size_t bytes)
+      : data_(static_cast<std::byte*>(::operator new (bytes, std::align_val_t{64}))) {}
+  std::byte* data() const { return data_.get(); }
+
+ private:
+  struct Free {
+    void operator()(std::byte* p) const { ::operator delete (p, std::align_val_t{64}); }
   };
-  explicit Memory(std::size_t bytes) : lines(bytes / sizeof(Line) + 1) {}
-  std::byte* data() { return reinterpret_cast<std::byte*>(lines.data()); }
-  std::vector<Line> lines;
+  std::unique_ptr<std::byte, Free> data_;
 };
 
-/// work(first, count) for the first state of every group of `group` out of N, the last group with fewer
-/// states; a work() is made for each run of groups on one core.
+/// work(first, count) for the first state of every group of `group` out of N, the last group with fewer states.
+/// As many tasks as there are cores to use, each with a work() of its own, take the groups in portions. They
+/// run wherever the caller's tasks would, where the threads are awake.
 template <class Make> void each_group(std::size_t N, std::size_t group, int threads, const Make& make_work) {
   const std::size_t groups = (N + group - 1) / group;
-  const auto run = [&](std::size_t begin, std::size_t end) {
+  const std::size_t tasks =
+      std::min(groups, static_cast<std::size_t>(std::min(threads, tbb::info::default_concurrency())));
+  const std::size_t portion = std::max<std::size_t>(1, groups / (8 * std::max<std::size_t>(1, tasks)));
+  std::atomic<std::size_t> next = 0;
+  const auto run = [&](std::size_t) {
     auto work = make_work();
-    for (std::size_t g = begin; g < end; ++g) work(g * group, std::min(group, N - g * group));
+    for (std::size_t begin; (begin = next.fetch_add(portion)) < groups;)
+      for (std::size_t g = begin; g < std::min(begin + portion, groups); ++g)
+        work(g * group, std::min(group, N - g * group));
   };
-  const int cores = std::min(threads, tbb::info::default_concurrency());
-  if (cores == 1 || groups < 2) return run(0, groups);
-  tbb::task_arena arena(cores);
-  arena.execute([&] {
-    const std::size_t grain = std::max<std::size_t>(1, groups / (4 * static_cast<std::size_t>(cores)));
-    tbb::parallel_for(
-        tbb::blocked_range<std::size_t>(0, groups, grain),
-        [&](const auto& range) { run(range.begin(), range.end()); }, tbb::simple_partitioner());
-  });
+  if (tasks < 2)
+    run(0);
+  else
+    tbb::parallel_for(std::size_t{0}, tasks, run, tbb::simple_partitioner());
 }
 
 /// An argument with `rows` entries for each state. Where a group of states is not full, its last one is

@@ -32,6 +32,8 @@ template <class S, std::size_t N, std::size_t s = 1> void transpose(std::array<B
   }
 }
 
+template <class S> constexpr int cache_line = static_cast<int>(64 / sizeof(S));
+
 /// Calls f(k) for blocks of N out of n numbers; the last block overlaps the one before where they do not come out even.
 template <int N, class F> void each_block(int n, const F& f) {
   int k = 0;
@@ -42,6 +44,8 @@ template <int N, class F> void each_block(int n, const F& f) {
 /// in[l * n + k], number k of the state in lane l, to out[k].
 template <class S, std::size_t N> void gather(const S* in, int n, Batch<S, N>* out) {
   constexpr int lanes = static_cast<int>(N);
+  for (int k = lanes * n; k < 2 * lanes * n; k += cache_line<S>)
+    __builtin_prefetch(in + k);  // the states that follow
   std::array<Batch<S, N>, N> rows;
   if (n >= lanes) {
     each_block<lanes>(n, [&](int k) {
@@ -65,13 +69,17 @@ template <class S, std::size_t N> void gather(const S* in, int n, Batch<S, N>* o
 }
 /// in[k] to out[l * n + k].
 template <class S, std::size_t N> void scatter(const Batch<S, N>* in, int n, S* out) {
-  constexpr int lanes = static_cast<int>(N);
+  constexpr int lanes = static_cast<int>(N), ahead = 8 * cache_line<S>;
   std::array<Batch<S, N>, N> rows;
   if (n >= lanes) {
     each_block<lanes>(n, [&](int k) {
       for (int l = 0; l < lanes; ++l) rows[l] = in[k + l];
       transpose(rows);
-      for (int l = 0; l < lanes; ++l) rows[l].store(out + static_cast<std::ptrdiff_t>(l) * n + k);
+      for (int l = 0; l < lanes; ++l) {
+        S* const row = out + static_cast<std::ptrdiff_t>(l) * n + k;
+        __builtin_prefetch(row + ahead, 1);
+        rows[l].store(row);
+      }
     });
     return;
   }

@@ -24,8 +24,13 @@ template <class G, class T> struct FastArticulatedBodies {
   using Articulated =
       decltype(articulated(std::declval<Tensor>(), std::declval<Vector>(), std::declval<T>()));
   struct Body {
-    Matrix R;
+    Vector n;  ///< the third axis
     Vector r;  ///< from the predecessor's origin to the body's
+    Vector h, m, f;
+    Tensor Theta;
+  };
+  /// What the bodies that hang on a body besides the next one hand over.
+  struct Handed {
     Articulated M;
     Vector m, f;
   };
@@ -40,49 +45,56 @@ template <class G, class T> struct FastArticulatedBodies {
   };
   JointAngles<T> angles;
   Body* body;
+  Matrix* R;       ///< of the bodies on which others hang, and of those whose joint is no hinge
+  Handed* handed;  ///< to bodies on which others hang
   Pivot* pivot;
   decltype(T() < T()) doubtful{};  ///< whether a pivot D is so small that M may be singular
 
   template <class Arena>
   explicit FastArticulatedBodies(Arena& arena)
-      : angles(arena), body(arena.template per_body<Body>()), pivot(arena.template per_screw<Pivot>()) {}
+      : angles(arena),
+        body(arena.template per_body<Body>()),
+        R(arena.template per_body<Matrix>()),
+        handed(arena.template per_body<Handed>()),
+        pivot(arena.template per_screw<Pivot>()) {}
 
   /// Places and inertias of all bodies.
   template <class S> void place(const Tree<S>& tree, const T* q) noexcept {
     angles.run(tree, q);
-    body[0].R = Matrix(SO3<T>{});
-    for (int i = 1; i <= tree.n; ++i) place(tree, i, q, body[tree.parent[i]].R);
+    Matrix last_R = R[0] = Matrix(SO3<T>{});
+    for (int i = 1; i <= tree.n; ++i) place(tree, i, q, last_R);
   }
 
   /// And the wrenches that keep the accelerations of all joints at 0.
   template <class S>
   void place_and_move(const Tree<S>& tree, const T* q, const T* v, Motion* motion) noexcept {
     angles.run(tree, q);
-    body[0].R = Matrix(SO3<T>{});
+    Matrix last_R = R[0] = Matrix(SO3<T>{});
     Motion last{{}, {}, Vector(-cast<T>(tree.g)), {}, {}};
     motion[0] = last;
     for (int i = 1; i <= tree.n; ++i) {
       const int p = tree.parent[i];
       if (p != i - 1) last = motion[p];
-      const auto [h, Theta, mass] = place(tree, i, q, body[p].R);
+      place(tree, i, q, last_R);
       Body& b = body[i];
       const Factor r(b.r);
       last.a += cross(last.dw_, r) + cross(last.w_, Factor(cross(last.w_, r)));
       if (is_hinge(tree, i)) [[likely]] {
-        const Vector w_J = Number(v[tree.iv[i]]) * b.R.z;
+        const Vector w_J = Number(v[tree.iv[i]]) * b.n;
         last.dw += cross(last.w_, Factor(w_J)), last.w += w_J;
       } else {
         const Twist<BodyFixed, T> V = joint_twist(tree, i, v);
-        const Vector w_J = b.R * Spread(Vector(V.w)), v_J = b.R * Spread(Vector(V.v)), w = last.w + w_J;
+        const Vector w_J = last_R * Spread(Vector(V.w)), v_J = last_R * Spread(Vector(V.v)), w = last.w + w_J;
         last.dw += cross(last.w_, Factor(w_J));
         last.a += cross(Factor(last.w + w), Factor(v_J));
         last.w = w;
       }
       last.w_ = Factor(last.w), last.dw_ = Factor(last.dw);
-      const Factor h_(h);
-      b.f = Number(mass) * last.a + (cross(last.dw_, h_) + cross(last.w_, Factor(cross(last.w_, h_))));
-      b.m = Theta * Spread(last.dw) +
-            (cross(last.w_, Factor(Theta * Spread(last.w))) + cross(h_, Factor(last.a)));
+      const Factor h_(b.h);
+      b.f = Number(constants<G, T>(tree, i).m) * last.a +
+            (cross(last.dw_, h_) + cross(last.w_, Factor(cross(last.w_, h_))));
+      b.m = b.Theta * Spread(last.dw) +
+            (cross(last.w_, Factor(b.Theta * Spread(last.w))) + cross(h_, Factor(last.a)));
       if (tree.branches[i]) motion[i] = last;
     }
   }
@@ -93,12 +105,12 @@ template <class G, class T> struct FastArticulatedBodies {
     Vector m{}, f{};
     for (int i = tree.n; i > 0; --i) {
       const Body& b = body[i];
-      M += b.M, m += b.m, f += b.f;
+      M += inertia(tree, i), m += b.m, f += b.f;
+      if (tree.branches[i]) M += handed[i].M, m += handed[i].m, f += handed[i].f;
       const Factor r(b.r);
       if (is_hinge(tree, i)) [[likely]] {
-        Pivot& c = pivot[tree.first_screw[i]];
-        c = give_way_about_hinge(tree, i, tree.armature.data(), M);
-        c.u = c.D_inv * (Number(tau[tree.iv[i]]) - dot(b.R.z, m));
+        Pivot& c = give_way_about_hinge(tree, i, tree.armature.data(), M);
+        c.u = c.D_inv * (Number(tau[tree.iv[i]]) - dot(b.n, m));
         m += cross(r, Factor(f)) + c.u * c.U_m, f += c.u * c.U_f;
       } else {
         give_way_along(tree, i, tree.armature.data(), M);
@@ -110,7 +122,7 @@ template <class G, class T> struct FastArticulatedBodies {
         m += cross(r, Factor(f));
       }
       const int p = tree.parent[i];
-      if (p != i - 1) body[p].M += M, body[p].m += m, body[p].f += f;
+      if (p > 0 && p != i - 1) handed[p].M += M, handed[p].m += m, handed[p].f += f;
       if (p != i - 1 || p == 0) M = {}, m = f = Vector{};
     }
     Vector w{}, dv{};  // what the joints add to the acceleration of the body
@@ -122,7 +134,7 @@ template <class G, class T> struct FastArticulatedBodies {
       if (is_hinge(tree, i)) [[likely]] {
         const Pivot& c = pivot[tree.first_screw[i]];
         const Number a_i = c.u - c.D_inv * dot(c.U_m, w, c.U_f, dv);
-        dv += cross(Factor(w), Factor(b.r)), w += a_i * b.R.z;
+        dv += cross(Factor(w), Factor(b.r)), w += a_i * b.n;
         a[tree.iv[i]] = value(a_i);
       } else {
         dv += cross(Factor(w), Factor(b.r));
@@ -141,13 +153,14 @@ template <class G, class T> struct FastArticulatedBodies {
   template <class S> void factorize(const Tree<S>& tree) noexcept {
     Articulated M{};
     for (int i = tree.n; i > 0; --i) {
-      M += body[i].M;
+      M += inertia(tree, i);
+      if (tree.branches[i]) M += handed[i].M;
       if (is_hinge(tree, i)) [[likely]]
-        pivot[tree.first_screw[i]] = give_way_about_hinge(tree, i, tree.armature.data(), M);
+        give_way_about_hinge(tree, i, tree.armature.data(), M);
       else
         give_way_along(tree, i, tree.armature.data(), M);
       const int p = tree.parent[i];
-      if (p != i - 1) body[p].M += M;
+      if (p > 0 && p != i - 1) handed[p].M += M;
       if (p != i - 1 || p == 0) M = {};
     }
   }
@@ -178,7 +191,7 @@ template <class G, class T> struct FastArticulatedBodies {
       const int first_screw = tree.first_screw[i], c = tree.iv[i] - first;
       if (is_hinge(tree, i)) [[likely]] {
         const Pivot& p = pivots[first_screw];
-        const Several x = value(p.D_inv) * (unit(c) - dot(vector(bodies[i].R.z), F.m));
+        const Several x = value(p.D_inv) * (unit(c) - dot(vector(bodies[i].n), F.m));
         u[first_screw] = x;
         F.m += cross(r, F.f) + x * vector(p.U_m), F.f += x * vector(p.U_f);
       } else {
@@ -208,7 +221,7 @@ template <class G, class T> struct FastArticulatedBodies {
         store(a, out + static_cast<std::ptrdiff_t>(tree.iv[i] + s - tree.first_screw[i]) * nv + first,
               end - first);
         if (hinge)
-          X.m += a * vector(bodies[i].R.z), X.f = moved;
+          X.m += a * vector(bodies[i].n), X.f = moved;
         else
           X.m += a * vector(p.w), X.f += a * vector(p.v);
       }
@@ -242,21 +255,21 @@ template <class G, class T> struct FastArticulatedBodies {
       for (int l = 0; l < room; ++l) out[l] = entries[l];
     }
   }
-  struct RotatedInertia {
-    Vector h;
-    Tensor Theta;
-    T m;
-  };
+  /// Body i; last_R is that of body i - 1, then that of body i.
   template <class S>
-  [[gnu::always_inline]] RotatedInertia place(const Tree<S>& tree, int i, const T* q,
-                                              const Matrix& R_p) noexcept {
+  [[gnu::always_inline]] void place(const Tree<S>& tree, int i, const T* q, Matrix& last_R) noexcept {
+    const int p = tree.parent[i];
+    if (p != i - 1) last_R = R[p];
     const auto& body_i = constants<G, T>(tree, i);
+    const auto at = axode::place<G>(tree, i, q, angles, last_R);
     Body& b = body[i];
-    const auto [R, r] = axode::place<G>(tree, i, q, angles, R_p);
-    b.R = R, b.r = r;
-    const RotatedInertia M{R * Spread(body_i.h), rotate(R, body_i.Theta), body_i.m};
-    b.M = articulated(M.Theta, M.h, M.m);
-    return M;
+    last_R = at.R;
+    b.n = at.R.z, b.r = at.r, b.h = at.R * Spread(body_i.h), b.Theta = rotate(at.R, body_i.Theta);
+    if (tree.branches[i]) R[i] = at.R, handed[i] = {};
+    if (!is_hinge(tree, i)) R[i] = at.R;
+  }
+  template <class S> Articulated inertia(const Tree<S>& tree, int i) const noexcept {
+    return articulated(body[i].Theta, body[i].h, constants<G, T>(tree, i).m);
   }
   template <class S>
   [[gnu::noinline]] static Twist<BodyFixed, T> joint_twist(const Tree<S>& tree, int i, const T* v) noexcept {
@@ -271,16 +284,18 @@ template <class G, class T> struct FastArticulatedBodies {
   }
   /// The hinge of body i gives way: M becomes what the predecessor feels.
   template <class S>
-  [[gnu::always_inline]] Pivot give_way_about_hinge(const Tree<S>& tree, int i, const S* armature,
-                                                    Articulated& M) noexcept {
+  [[gnu::always_inline]] Pivot& give_way_about_hinge(const Tree<S>& tree, int i, const S* armature,
+                                                     Articulated& M) noexcept {
     const Body& b = body[i];
-    const auto [U_m, U_f] = about_axis(M, b.R.z);
-    const Number D = dot(b.R.z, U_m) + Number(T(armature[tree.iv[i]])), D_inv = Number(T(1)) / D;
+    const auto [U_m, U_f] = about_axis(M, b.n);
+    const Number D = dot(b.n, U_m) + Number(T(armature[tree.iv[i]])), D_inv = Number(T(1)) / D;
     doubtful = doubtful || !(value(D) > floor_of(tree, tree.first_screw[i]));
     const Vector moved = U_m + cross(Factor(b.r), Factor(U_f));
     M = shifted(M, b.r);
     give_way(M, moved, U_f, D_inv);
-    return {moved, U_f, {}, {}, D_inv, {}};
+    Pivot& c = pivot[tree.first_screw[i]];
+    c.U_m = moved, c.U_f = U_f, c.D_inv = D_inv;
+    return c;
   }
   /// The same for a joint of any kind.
   template <class S>
@@ -291,7 +306,7 @@ template <class G, class T> struct FastArticulatedBodies {
     with_subgroup(tree.kind[i], T(tree.pitch[i]), [&](const auto& joint) {
       for (int k = joint.nv; k-- > 0;) {
         const Screw<T> X = joint.column(k);
-        c[k].w = b.R * Spread(Vector(X.w)), c[k].v = b.R * Spread(Vector(X.v));
+        c[k].w = R[i] * Spread(Vector(X.w)), c[k].v = R[i] * Spread(Vector(X.v));
         std::tie(c[k].U_m, c[k].U_f) = along_twist(M, c[k].w, c[k].v);
         const Number D = dot(c[k].w, c[k].U_m, c[k].v, c[k].U_f) + Number(T(armature[tree.iv[i] + k]));
         c[k].D_inv = Number(T(1)) / D;

@@ -1,4 +1,6 @@
 #pragma once
+#include <algorithm>
+
 #include "axode/dynamics/fast_inverse_dynamics.hpp"
 #include "axode/model/lanes.hpp"
 
@@ -24,7 +26,8 @@ template <class T> struct FastCompositeBodies {
         S(arena.template screw_arrays<T>(6)),
         F(arena.template screw_arrays<T>(6)) {}
 
-  template <class Real> void run(const Tree<Real>& tree, const T* q, T* out) noexcept {
+  /// Screws and impulses of all joints about the root.
+  template <class Real> void run(const Tree<Real>& tree, const T* q) noexcept {
     poses.template run<FastPoses<T>::From::root>(tree, q, [&](int i, const auto& at) {
       C.set3(at.R.x, 0, i), C.set3(at.R.y, 3, i), C.set3(at.R.z, 6, i), C.set3(at.r, 9, i);
     });
@@ -47,7 +50,47 @@ template <class T> struct FastCompositeBodies {
         ++i;
       }
     }
-    write(tree, out);
+  }
+
+  /// M, nv × nv: M_ij = S_i | F_j for i <= j where joint i moves j, and its mirror image.
+  template <class Real> void write(const Tree<Real>& tree, T* out) const noexcept {
+    const int nv = tree.nv;
+    const Arrays<T> several = F;
+    if constexpr (L::width > 1) std::fill_n(out, static_cast<std::ptrdiff_t>(nv) * nv, T(0));
+    for (int i = 0; i < nv; ++i) {
+      const Six one(S, i);
+      const int end = tree.velocity_end[i];
+      T* row = out + static_cast<std::ptrdiff_t>(i) * nv;
+      if constexpr (L::width == 1) {
+        T* const column = out + i;
+        for (int j = i; j < end; ++j)
+          row[j] = column[static_cast<std::ptrdiff_t>(j) * nv] = product(several, j, one);
+        for (int j = end; j < nv; ++j) row[j] = column[static_cast<std::ptrdiff_t>(j) * nv] = T(0);
+      } else if (end - i >= L::width) {
+        for (int j = i; j < end; j += L::width) {
+          const int first = std::min(j, end - L::width);  // the last ones overlap
+          L::store(product(several, first, one), row + first);
+        }
+        for (int j = i + 1; j < end; ++j) out[static_cast<std::ptrdiff_t>(j) * nv + i] = row[j];
+      } else {
+        T entries[L::width];
+        L::store(product(several, i, one), entries);
+        for (int j = i; j < end; ++j) row[j] = out[static_cast<std::ptrdiff_t>(j) * nv + i] = entries[j - i];
+      }
+      row[i] += T(tree.armature[i]);
+    }
+  }
+
+  /// Only M_ij where velocity j moves i or is i.
+  template <class Real> void write_paths(const Tree<Real>& tree, T* out) const noexcept {
+    static_assert(L::width == 1);
+    const Arrays<T> several = S;
+    for (int i = 0; i < tree.nv; ++i) {
+      const Six one(F, i);
+      T* row = out + static_cast<std::ptrdiff_t>(i) * tree.nv;
+      for (int j = i; j >= 0; j = tree.velocity_parent[j]) row[j] = product(several, j, one);
+      row[i] += T(tree.armature[i]);
+    }
   }
 
  private:
@@ -102,29 +145,6 @@ template <class T> struct FastCompositeBodies {
         F.set3(Pi.l + cross(r, Pi.p), 0, c), F.set3(Pi.p, 3, c);
       }
     });
-  }
-  /// M_ij = S_i | F_j for i <= j where joint i moves j, and its mirror image.
-  template <class Real> void write(const Tree<Real>& tree, T* out) const noexcept {
-    const int nv = tree.nv;
-    const Arrays<T> several = F;
-    for (int k = 0; k < nv * nv; ++k) out[k] = T(0);
-    for (int i = 0; i < nv; ++i) {
-      const Six one(S, i);
-      const int end = tree.velocity_end[i];
-      T* row = out + static_cast<std::ptrdiff_t>(i) * nv;
-      if (end - i >= L::width) {
-        for (int j = i; j < end; j += L::width) {
-          const int first = std::min(j, end - L::width);  // the last ones overlap
-          L::store(product(several, first, one), row + first);
-        }
-        for (int j = i + 1; j < end; ++j) out[static_cast<std::ptrdiff_t>(j) * nv + i] = row[j];
-      } else {
-        T entries[L::width];
-        L::store(product(several, i, one), entries);
-        for (int j = i; j < end; ++j) row[j] = out[static_cast<std::ptrdiff_t>(j) * nv + i] = entries[j - i];
-      }
-      row[i] += T(tree.armature[i]);
-    }
   }
   /// The six components of entry r.
   struct Six {

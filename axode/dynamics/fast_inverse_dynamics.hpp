@@ -132,18 +132,15 @@ template <class G, class T> struct FastInverseDynamics {
 
 /// Applied wrenches summed up for each body in its internal frame, and the poses of all bodies.
 template <class T> struct AppliedWrenches {
-  SE3<T>* C_pi;
   SE3<T>* C;
   Wrench<BodyFixed, T>* W;
 
   explicit AppliedWrenches(typename Workspace<T>::Arena& arena)
-      : C_pi(arena.template per_body<SE3<T>>()),
-        C(arena.template per_body<SE3<T>>()),
-        W(arena.template per_body<Wrench<BodyFixed, T>>()) {}
+      : C(arena.template per_body<SE3<T>>()), W(arena.template per_body<Wrench<BodyFixed, T>>()) {}
 
   void run(const Tree<T>& tree, const T* q, std::span<const AppliedWrench<T>> wrenches) noexcept {
-    joint_poses(tree, q, C_pi);
-    body_poses(tree, C_pi, C);
+    joint_poses(tree, q, C);
+    body_poses(tree, C, C);
     sum_applied(tree, wrenches, C, W);
   }
 };

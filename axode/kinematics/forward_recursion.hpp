@@ -44,7 +44,8 @@ void joint_motion(const Tree<T>& tree, const T* q, const T* v, const T* a,
   joint_screws(tree, a, out.Sa);
 }
 
-/// Poses of all bodies' internal frames, C_i = C_p C_{p,i} (eqs. POEX, aVbRec2). 36 mul, 33 add per body.
+/// Poses of all bodies' internal frames, C_i = C_p C_{p,i} (eqs. POEX, aVbRec2); they may take the place of
+/// C_pi. 36 mul, 33 add per body.
 template <class T> void body_poses(const Tree<T>& tree, const SE3<T>* C_pi, SE3<T>* C) noexcept {
   C[0] = {};
   for (int i = 1; i <= tree.n; ++i) C[i] = C[tree.parent[i]] * C_pi[i];

@@ -465,6 +465,11 @@ void prepare_sweeps(Tree<double>& tree) {
   for (int i = 1; i <= tree.n; ++i)
     for (int s = tree.first_screw[i]; s < tree.first_screw[i + 1] && !tree.coupled[i]; ++s)
       tree.velocity_end.push_back(tree.subtree_end[i] <= tree.n ? tree.iv[tree.subtree_end[i]] : tree.nv);
+  std::vector<int> depth(tree.velocity_parent.size());
+  for (std::size_t c = 0; c < depth.size(); ++c) {
+    depth[c] = tree.velocity_parent[c] < 0 ? 1 : depth[tree.velocity_parent[c]] + 1;
+    tree.depth = std::max(tree.depth, depth[c]);
+  }
 }
 
 /// Merges runs of bodies of one kind; coupled joints last.

@@ -35,6 +35,7 @@ template <class T = double> struct Tree {
   std::vector<int> subtree_end;  ///< n + 1: the bodies that joint i moves are i to subtree_end[i] - 1
   std::vector<int>
       velocity_end;  ///< nv: without couplings, the velocities that move along with c are c to velocity_end[c] - 1
+  int depth = 0;                 ///< velocities on the longest path from the ground
   std::vector<T> pivot_floor;    ///< n_screws: a pivot of M below this is small against what the joint moves
   std::vector<T> pitch;          ///< n + 1, m/rad
   std::vector<T> ratio, offset;  ///< n + 1: 1 and 0 for a joint with coordinates of its own
@@ -82,7 +83,7 @@ template <class To, class From> Tree<To> cast(const Tree<From>& tree) {
   r.first_screw = tree.first_screw;
   r.angle = tree.angle, r.coupled_bodies = tree.coupled_bodies, r.quaternion_bodies = tree.quaternion_bodies,
   r.subtree_end = tree.subtree_end, r.branches = tree.branches;
-  r.velocity_end = tree.velocity_end;
+  r.velocity_end = tree.velocity_end, r.depth = tree.depth;
   r.pivot_floor = each(tree.pivot_floor, number);
   r.inertia_arrays = each(tree.inertia_arrays, number), r.inertia_stride = tree.inertia_stride,
   r.hinges = tree.hinges;

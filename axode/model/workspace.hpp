@@ -23,7 +23,7 @@ template <class T = double> class Workspace {
         : bodies(static_cast<std::size_t>(tree.n)),
           screws(static_cast<std::size_t>(tree.n_screws)),
           pairs(tree.n_screws > tree.nv ? static_cast<std::size_t>(tree.nv * tree.nv) : 0) {}
-    std::size_t numbers() const { return 144 * (bodies + 1) + 32 * screws + pairs + 40 * 2 * most_lanes; }
+    std::size_t numbers() const { return 152 * (bodies + 1) + 32 * screws + pairs + 40 * 2 * most_lanes; }
     std::string text() const {
       return std::to_string(bodies) + " bodies with " + std::to_string(screws) + " joint screws" +
              (pairs > 0 ? " and a mass matrix of " + std::to_string(pairs) + " entries" : "");

@@ -93,6 +93,11 @@ TYPED_TEST(ManyStates, GiveWhatTheyGiveOneByOne) {
       std::vector<T> matrix(nv * nv);
       mass_matrix(model, workspace, states.q_of(k), matrix);
       inertia.expect_equal(part(M, k, nv * nv), matrix);
+      if (ok) {
+        std::vector<T> inverse(nv * nv);
+        EXPECT_TRUE(inverse_mass_matrix(model, workspace, states.q_of(k), inverse).ok());
+        expect_same_inverse(part(M_inverse, k, nv * nv), inverse, matrix);
+      }
       std::vector<SE3<T>> C_k(n_frames);
       poses(model, workspace, states.q_of(k), C_k);
       for (std::size_t f = 0; f < n_frames; ++f) pose.expect_equal(C[k * n_frames + f], C_k[f]);

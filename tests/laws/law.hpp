@@ -75,4 +75,17 @@ template <class T> struct Trial {
   std::size_t n_frames() const { return static_cast<std::size_t>(model.n_frames()); }
 };
 
+/// Two inverses of M agree as far as the condition of M lets either be known.
+template <class T>
+void expect_same_inverse(const std::vector<T>& one, const std::vector<T>& other, const std::vector<T>& M) {
+  const auto largest = [](const std::vector<T>& matrix) {
+    double x = 0;
+    for (const T entry : matrix) x = std::max(x, std::abs(static_cast<double>(entry)));
+    return x;
+  };
+  const double scale = largest(other),
+               tolerance = agreement<T> * scale * std::max(1.0, scale * largest(M) * 1e-2);
+  for (std::size_t k = 0; k < other.size(); ++k) EXPECT_NEAR(one[k], other[k], tolerance);
+}
+
 }  // namespace axode::test
