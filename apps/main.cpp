@@ -72,6 +72,7 @@ int run(int argc, char** argv) {
   add_check(app, exit_code);
   add_convert(app, exit_code);
   add_eval(app, exit_code);
+  add_codegen(app, exit_code);
   add_demo(app, exit_code);
   try {
     app.parse(argc, argv);

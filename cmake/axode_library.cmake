@@ -1,5 +1,6 @@
-# The library: axode::axode (standard library and Eigen's headers only), axode::io (the readers and writers of files) and
-# axode::batch (many states at once; oneTBB). Sources lie beside their headers in axode/<floor>/.
+# The library: axode::axode (standard library and Eigen's headers only), axode::io (the readers and writers of files),
+# axode::batch (many states at once; oneTBB) and axode::codegen (C source for one mechanism). Sources lie beside their
+# headers in axode/<floor>/.
 
 find_package(Eigen3 3.4 REQUIRED NO_MODULE)
 find_package(tinyxml2 REQUIRED)
@@ -65,6 +66,12 @@ foreach(ISA sse2 avx2 avx512)
     set_source_files_properties(${unit} PROPERTIES COMPILE_OPTIONS "${options_of_${ISA}}")
   endforeach()
 endforeach()
+
+axode_add_library(axode_codegen codegen)
+file(GLOB sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/axode/codegen/*.cpp)
+target_sources(axode_codegen PRIVATE ${sources})
+target_link_libraries(axode_codegen PUBLIC axode::axode)
+target_compile_definitions(axode_codegen PRIVATE AXODE_VERSION="${PROJECT_VERSION}")
 
 axode_add_library(axode_io io)
 file(GLOB sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/axode/io/*.cpp)

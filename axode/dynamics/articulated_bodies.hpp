@@ -40,28 +40,34 @@ template <class Rep, class T> struct ArticulatedBodies {
         D(arena.template per_screw<T>()),
         u(arena.template per_screw<T>()) {}
 
-  /// Joint screws, U and D at the configuration of the links. Returns the body of the first joint that moves
-  /// no mass, or 0.
-  int factorize(const Tree<T>& tree, const T* armature) noexcept {
+  /// Joint screws, U and D at the configuration of the links. judge(i, c, D, M_cc) sees the pivot of every
+  /// screw c of body i before it divides.
+  template <class Judge> void factorize(const Tree<T>& tree, const T* armature, Judge&& judge) noexcept {
     joint_columns(tree, link, S);
     for (int i = 0; i <= tree.n; ++i) {
       composite[i] = inertia(link[i], tree.M[i]);
       M[i] = articulated(link[i], composite[i]);
     }
-    int singular_body = 0;
     for (int i = tree.n; i > 0; --i) {
       const int first = tree.first_screw[i];
       for (int c = tree.first_screw[i + 1] - 1; c >= first; --c) {
         const T I = armature[tree.iv[i] + c - first];
         U[c] = M[i] * S[c];
         D[c] = (U[c] | S[c]) + I;
-        if (is_singular(D[c], (impulse(link[i], composite[i], S[c]) | S[c]) + I)) singular_body = i;
+        judge(i, c, D[c], (impulse(link[i], composite[i], S[c]) | S[c]) + I);
         give_way(M[i], U[c], D[c]);
       }
       const int p = tree.parent[i];
       M[p] += up(link[i], M[i]);
       composite[p] += up(link[i], composite[i]);
     }
+  }
+  /// Returns the body of the first joint that moves no mass, or 0.
+  int factorize(const Tree<T>& tree, const T* armature) noexcept {
+    int singular_body = 0;
+    factorize(tree, armature, [&](int i, int, const T& pivot, const T& M_cc) {
+      if (is_singular(pivot, M_cc)) singular_body = i;
+    });
     return singular_body;
   }
 

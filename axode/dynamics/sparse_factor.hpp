@@ -5,22 +5,28 @@
 /// entries in the columns parent(c), parent(parent(c)), ...
 namespace axode {
 
-/// M to its factors. Returns the first velocity whose pivot counts as 0, or -1.
-template <class T> int factorize(const Tree<T>& tree, T* H) noexcept {
+/// M to its factors. judge(c, pivot, M_cc) sees every pivot before it divides.
+template <class T, class Judge> void factorize(const Tree<T>& tree, T* H, Judge&& judge) noexcept {
   const int nv = tree.nv;
   const std::vector<int>& parent = tree.velocity_parent;
   const auto at = [&](int r, int c) -> T& { return H[static_cast<std::ptrdiff_t>(r) * nv + c]; };
   for (int c = 0; c + 1 < nv; ++c)
     at(c, c + 1) = at(c, c);  // above the diagonal, to tell how much a pivot has lost
-  int singular = -1;
   for (int c = nv - 1; c >= 0; --c) {
-    if (is_singular(at(c, c), c + 1 < nv ? at(c, c + 1) : at(c, c))) singular = c;
+    judge(c, at(c, c), c + 1 < nv ? at(c, c + 1) : at(c, c));
     for (int i = parent[c]; i >= 0; i = parent[i]) {
       const T L_ci = at(c, i) / at(c, c);
       for (int j = i; j >= 0; j = parent[j]) at(i, j) -= L_ci * at(c, j);
       at(c, i) = L_ci;
     }
   }
+}
+/// Returns the first velocity whose pivot counts as 0, or -1.
+template <class T> int factorize(const Tree<T>& tree, T* H) noexcept {
+  int singular = -1;
+  factorize(tree, H, [&](int c, const T& pivot, const T& M_cc) {
+    if (is_singular(pivot, M_cc)) singular = c;
+  });
   return singular;
 }
 

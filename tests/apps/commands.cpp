@@ -23,8 +23,8 @@ TEST(Program, HelpListsTheCommandsAndTheExitCodes) {
   const Outcome outcome = axode({"--help"});
   EXPECT_EQ(outcome.code, 0);
   EXPECT_EQ(outcome.err, "");
-  for (const char* said : {"info", "check", "convert", "eval", "demo", "Exit codes:", "0  all is well",
-                           "1  a file is missing", "2  the command line is wrong"})
+  for (const char* said : {"info", "check", "convert", "eval", "codegen", "demo", "Exit codes:",
+                           "0  all is well", "1  a file is missing", "2  the command line is wrong"})
     EXPECT_THAT(outcome.out, HasSubstr(said));
 }
 
@@ -67,7 +67,8 @@ TEST_P(Help, ShowsAnExampleThatRuns) {
   EXPECT_EQ(outcome.err, "");
   EXPECT_NE(outcome.out, "");
 }
-INSTANTIATE_TEST_SUITE_P(Commands, Help, testing::Values("info", "check", "convert", "eval", "demo"),
+INSTANTIATE_TEST_SUITE_P(Commands, Help,
+                         testing::Values("info", "check", "convert", "eval", "codegen", "demo"),
                          [](const auto& p) { return std::string(p.param); });
 
 // ---------------------------------------------------------------------------------------------------- info

@@ -39,11 +39,13 @@ INSTANTIATE_TEST_SUITE_P(
         {"NoCommand",
          {},
          2,
-         "axode: a command is missing; there are info, check, convert, eval, demo (see axode --help)"},
+         "axode: a command is missing; there are info, check, convert, eval, codegen, demo (see axode "
+         "--help)"},
         {"UnknownCommand",
          {"evla", arm},
          2,
-         "axode: there is no command \"evla\"; there are info, check, convert, eval, demo; did you mean "
+         "axode: there is no command \"evla\"; there are info, check, convert, eval, codegen, demo; did you "
+         "mean "
          "\"eval\"? "
          "(see axode --help)"},
         {"UnknownOptionOfTheProgram",
@@ -129,6 +131,46 @@ INSTANTIATE_TEST_SUITE_P(
          2,
          "axode convert: OUT: arm.tml: \".tml\" is none of .toml, .urdf, .xml; did you mean \".toml\"? "
          "(see axode convert --help)"},
+        {"UnknownFunction",
+         {"codegen", arm, "--functions", "inverse_dynamics,mass_matrx"},
+         2,
+         "axode codegen: --functions: \"mass_matrx\" is none of inverse_dynamics, forward_dynamics, "
+         "mass_matrix, jacobian; did you mean \"mass_matrix\"? (see axode codegen --help)"},
+        {"JacobianOfNothing",
+         {"codegen", arm, "--functions", "jacobian"},
+         2,
+         "axode codegen: --functions: jacobian needs a frame: jacobian:FRAME or jacobian:FRAME:REP (see "
+         "axode "
+         "codegen --help)"},
+        {"JacobianOfAnUnknownFrame",
+         {"codegen", arm, "--functions", "jacobian:flagne"},
+         1,
+         "axode codegen: model \"arm7\" has no frame \"flagne\"; did you mean \"flange\"?"},
+        {"JacobianInAnUnknownRepresentation",
+         {"codegen", arm, "--functions", "jacobian:flange:hybird"},
+         2,
+         "axode codegen: --functions: flange:hybird: \"hybird\" is none of body, spatial, hybrid, mixed; did "
+         "you mean \"hybrid\"? (see axode codegen --help)"},
+        {"FrameOfAFunctionThatHasNone",
+         {"codegen", arm, "--functions", "mass_matrix:flange"},
+         2,
+         "axode codegen: --functions: \"mass_matrix:flange\": only jacobian is about a frame (see axode "
+         "codegen "
+         "--help)"},
+        {"FunctionAskedForTwice",
+         {"codegen", arm, "--functions", "mass_matrix,mass_matrix"},
+         1,
+         "axode codegen: arm7_mass_matrix is asked for twice"},
+        {"NameThatIsNoIdentifier",
+         {"codegen", arm, "--name", "arm-7"},
+         2,
+         "axode codegen: --name: \"arm-7\" is no C identifier: letters, digits and underscores, no digit "
+         "first "
+         "(see axode codegen --help)"},
+        {"OutputThatCannotBeWritten",
+         {"codegen", arm, "--output", "/nowhere/arm7.c"},
+         1,
+         "axode codegen: /nowhere/arm7.c: the file cannot be written"},
         {"MissingModel",
          {"eval", "nowhere.toml"},
          1,

@@ -5,7 +5,7 @@ import sys
 import tempfile
 from pathlib import Path
 
-FLOORS = ["lie", "scalar", "model", "kinematics", "dynamics", "derivatives", "integration", "io", "batch"]
+FLOORS = ["lie", "scalar", "model", "kinematics", "dynamics", "derivatives", "integration", "io", "batch", "codegen"]
 OWN_CEILING = {"axode.hpp": "batch", "eigen.hpp": "dynamics"}  # top-level headers that gather several floors
 INCLUDE = re.compile(r'^\s*#\s*include\s*["<](axode/[^">]+)[">]', re.MULTILINE)
 

@@ -1,0 +1,119 @@
+#include "axode/codegen.hpp"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <array>
+#include <fstream>
+#include <memory>
+
+#include "choice.hpp"
+#include "commands.hpp"
+
+namespace axode::command {
+namespace {
+
+using codegen::Quantity;
+
+struct Options {
+  std::string model, functions = "inverse_dynamics", base, name, out;
+  bool single_precision = false;
+};
+
+constexpr const char* footer = R"(Functions (several are separated by commas):
+  inverse_dynamics         tau from q, v, a
+  forward_dynamics         a from q, v, tau; returns 1 where the mass matrix may be singular, else 0
+  mass_matrix              M from q, nv x nv
+  jacobian:FRAME[:REP]     J of a frame from q, 6 x nv, angular rows first; REP is body (if left out),
+                           spatial, hybrid or mixed
+
+Example:
+  axode codegen arm7.toml --functions inverse_dynamics,jacobian:flange:hybrid
+
+The file is C99 (and C++), needs no other, and says what its arguments are. Only the operations that this
+mechanism needs are in it: products with 0 and 1, signs and repetitions are gone, and inertia that a joint
+does not turn is counted to the body before it. Results differ from those of `axode eval` by rounding, for
+angles up to 1e5 rad. Fast with cc -O3 -march=native -ffp-contract=fast, wrong with -ffast-math.)";
+
+constexpr std::array<std::pair<std::string_view, Quantity>, 4> quantities{
+    {{"inverse_dynamics", Quantity::inverse_dynamics},
+     {"forward_dynamics", Quantity::forward_dynamics},
+     {"mass_matrix", Quantity::mass_matrix},
+     {"jacobian", Quantity::jacobian}}};
+
+bool has_frame(const Model& model, std::string_view name) {
+  return std::ranges::any_of(model.frames(), [&](const Frame& frame) { return frame.name == name; });
+}
+
+/// `jacobian:FRAME` or `jacobian:FRAME:REP`; the name of a frame may have colons itself.
+codegen::Function jacobian(const Model& model, std::string frame) {
+  if (frame.empty())
+    throw UsageError("--functions: jacobian needs a frame: jacobian:FRAME or jacobian:FRAME:REP");
+  Representation representation = Representation::body;
+  const std::size_t colon = frame.rfind(':');
+  if (colon != std::string::npos && !has_frame(model, frame)) {
+    representation = choose("--functions: " + frame, frame.substr(colon + 1), representations);
+    frame.resize(colon);
+  }
+  return {Quantity::jacobian, model.frame_index(frame), representation};
+}
+
+std::vector<codegen::Function> wanted(const Model& model, const std::string& list) {
+  std::vector<codegen::Function> functions;
+  for (const std::string& word : CLI::detail::split(list, ',')) {
+    const std::size_t colon = std::min(word.find(':'), word.size());
+    const Quantity quantity = choose("--functions", word.substr(0, colon), quantities);
+    const std::string rest = word.substr(std::min(colon + 1, word.size()));
+    if (quantity != Quantity::jacobian && colon < word.size())
+      throw UsageError("--functions: \"" + word + "\": only jacobian is about a frame");
+    functions.push_back(quantity == Quantity::jacobian ? jacobian(model, rest) : codegen::Function{quantity});
+  }
+  return functions;
+}
+
+void run(const Options& options) {
+  const Model model = load(options.model, base_of(options.base));
+  if (!options.name.empty() && !codegen::is_identifier(options.name))
+    throw UsageError("--name: \"" + options.name +
+                     "\" is no C identifier: letters, digits and underscores, no digit first");
+  const std::vector<codegen::Function> functions = wanted(model, options.functions);
+  const codegen::Source source =
+      codegen::c_source(model, functions, {options.name, options.single_precision});
+  if (options.out.empty()) {
+    fmt::print("{}", source.text);
+    return;
+  }
+  std::ofstream file(options.out, std::ios::binary);
+  file << source.text;
+  file.close();
+  if (!file) throw InputError(options.out + ": the file cannot be written");
+  for (const auto& [name, n] : source.functions)
+    fmt::print(stderr, "{}: {} products, {} sums, {} divisions, {} sines and cosines\n", name, n.products,
+               n.sums, n.divisions, n.angles);
+}
+
+}  // namespace
+
+void add_codegen(CLI::App& app, int& exit_code) {
+  const auto options = std::make_shared<Options>();
+  CLI::App* codegen =
+      app.add_subcommand("codegen", "Write the dynamics of a mechanism as C without loops and branches");
+  codegen->add_option("MODEL", options->model, "A drawing (.toml) or a URDF")->required()->type_name("FILE");
+  codegen->add_option("--functions", options->functions, "What to write; inverse_dynamics if left out")
+      ->type_name("LIST");
+  codegen->add_option("--base", options->base, "fixed or free; as the file says if left out")
+      ->type_name("WORD");
+  codegen->add_flag("--float", options->single_precision, "float instead of double");
+  codegen->add_option("--name", options->name, "What all names begin with; the model's name if left out")
+      ->type_name("PREFIX");
+  codegen->add_option("--output", options->out, "The file to write; standard output if left out")
+      ->type_name("FILE");
+  codegen->footer(footer);
+  codegen->callback([options, &exit_code] {
+    run(*options);
+    exit_code = all_well;
+  });
+}
+
+}  // namespace axode::command

@@ -1,0 +1,62 @@
+#pragma once
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "axode/lie/twist.hpp"
+#include "axode/model/model.hpp"
+#include "axode/scalar/counted.hpp"
+
+/// C source for one mechanism: functions without loops and branches over its joints, in which only the
+/// operations are left that this mechanism needs. They are what the kernels of the library do on a Trace.
+namespace axode::codegen {
+
+enum class Quantity { inverse_dynamics, forward_dynamics, mass_matrix, jacobian };
+
+/// A function to generate.
+struct Function {
+  Quantity quantity;
+  int frame = 0;                                         ///< of a Jacobian
+  Representation representation = Representation::body;  ///< of a Jacobian
+};
+
+struct Options {
+  std::string prefix;             ///< of all names, a C identifier; made from the model's name if empty
+  bool single_precision = false;  ///< float instead of double
+};
+
+/// A file in C99 that needs nothing but a compiler, and what each of its functions costs.
+struct Source {
+  struct Cost {
+    std::string name;
+    Operations operations;  ///< of one call; a sine and a cosine of one angle are two of `angles`
+  };
+  std::string text;
+  std::vector<Cost> functions;
+};
+
+/// Whether a prefix will do: letters of ASCII, digits and underscores, no digit first.
+bool is_identifier(std::string_view name);
+
+/// The functions of a model, with the units, frames, coordinates and results of their namesakes in the
+/// library, where PREFIX stands for the prefix, NAME for a frame's name as an identifier and T for double or
+/// float:
+///
+///     void PREFIX_inverse_dynamics(const T *q, const T *v, const T *a, T *tau)
+///     int  PREFIX_forward_dynamics(const T *q, const T *v, const T *tau, T *a)
+///     void PREFIX_mass_matrix(const T *q, T *M)
+///     void PREFIX_jacobian_NAME(const T *q, T *J)
+///
+/// M is nv x nv; J is 6 x nv, row by row, angular before linear; in another representation than body-fixed its
+/// function is PREFIX_jacobian_NAME_spatial and so on. forward_dynamics returns 0, or 1 where the mass matrix
+/// may be singular, and then `a` is not to be trusted. Arrays must not overlap. Armature and gravity are
+/// those of the model; joint losses and loads have no part in it. Results differ from the library's by
+/// rounding, for angles up to 1e5 rad.
+///
+/// Time and memory are proportional to the operations, O(n) or, for the mass matrix, O(n²). Throws
+/// std::invalid_argument for a prefix that is no C identifier, a frame that there is not, no functions, and
+/// one that is asked for twice.
+Source c_source(const Model& model, std::span<const Function> functions, const Options& options = {});
+
+}  // namespace axode::codegen

@@ -1,0 +1,200 @@
+#include <algorithm>
+#include <cctype>
+#include <set>
+#include <stdexcept>
+
+#include "axode/codegen.hpp"
+#include "axode/codegen/c_function.hpp"
+#include "axode/kinematics/check_arguments.hpp"
+
+namespace axode::codegen {
+namespace {
+
+bool is_letter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_'; }
+bool is_digit(char c) { return c >= '0' && c <= '9'; }
+
+/// A name in which everything that C has no place for is an underscore.
+std::string identifier(const std::string& name) {
+  std::string text;
+  for (const char c : name) text += is_letter(c) || is_digit(c) ? c : '_';
+  return text;
+}
+/// The name of each frame as an identifier; where two would be the same, the later one gets a number.
+std::vector<std::string> frame_identifiers(const Model& model) {
+  std::set<std::string> taken;
+  std::vector<std::string> names;
+  for (const Frame& frame : model.frames()) {
+    const std::string plain = identifier(frame.name);
+    std::string name = plain;
+    for (int k = 2; !taken.insert(name).second; ++k) name = plain + '_' + std::to_string(k);
+    names.push_back(name);
+  }
+  return names;
+}
+
+const char* word_for(Quantity quantity) {
+  switch (quantity) {
+    case Quantity::inverse_dynamics: return "inverse_dynamics";
+    case Quantity::forward_dynamics: return "forward_dynamics";
+    case Quantity::mass_matrix: return "mass_matrix";
+    case Quantity::jacobian: break;
+  }
+  return "jacobian";
+}
+const char* word_for(Representation representation) {
+  switch (representation) {
+    case Representation::body: return "body";
+    case Representation::spatial: return "spatial";
+    case Representation::hybrid: return "hybrid";
+    case Representation::mixed: break;
+  }
+  return "mixed";
+}
+/// The axes of the rows of a Jacobian.
+const char* axes_of(Representation representation) {
+  switch (representation) {
+    case Representation::body: return "both in the axes of the frame, the linear one of its origin";
+    case Representation::spatial:
+      return "both in inertial axes, the linear one of the point that is at the inertial origin";
+    case Representation::hybrid: return "both in inertial axes, the linear one of the frame's origin";
+    case Representation::mixed: break;
+  }
+  return "the angular one in the axes of the frame, the linear one of its origin in inertial axes";
+}
+
+/// A name inside a comment, which it cannot end.
+std::string in_comment(std::string text) {
+  for (std::size_t k = 0; k + 1 < text.size(); ++k)
+    if ((text[k] == '*' && text[k + 1] == '/') || (text[k] == '/' && text[k + 1] == '*'))
+      text.insert(k + 1, " ");
+  return text;
+}
+std::string padded(std::string text, std::size_t width) {
+  text.resize(std::max(text.size(), width), ' ');
+  return text;
+}
+std::string range(int first, int n) {
+  if (n == 0) return "-";
+  return std::to_string(first) + (n > 1 ? " to " + std::to_string(first + n - 1) : "");
+}
+
+std::string coordinates(const Model& model) {
+  std::size_t width = 5;
+  for (const Joint& joint : model.joints()) width = std::max(width, joint.name.size());
+  std::string text = "     " + padded("joint", width) + "  kind       q         v\n";
+  for (const Joint& joint : model.joints()) {
+    text += "     " + padded(joint.name, width) + "  " + padded(std::string(to_string(joint.kind)), 9) + "  ";
+    if (joint.leader)
+      text += "follows " + model.joint(joint.leader->joint).name + "\n";
+    else
+      text += padded(range(joint.iq, joint.nq), 8) + "  " + range(joint.iv, joint.nv) + "\n";
+  }
+  return in_comment(text);
+}
+
+std::string counted(const Operations& count) {
+  return std::to_string(count.products) + " products, " + std::to_string(count.sums) + " sums, " +
+         std::to_string(count.divisions) + " divisions, " + std::to_string(count.angles) +
+         " sines and cosines";
+}
+
+struct Part {
+  Function function;
+  std::string name;
+  Recording recording;
+};
+
+std::string purpose(const Model& model, const Function& function) {
+  const std::string nv = std::to_string(model.nv());
+  switch (function.quantity) {
+    case Quantity::inverse_dynamics:
+      return "The drive forces tau (N m or N) that make the accelerations a at q, v.";
+    case Quantity::forward_dynamics:
+      return "The accelerations a that the drive forces tau (N m or N) make at q, v. Returns 0, or 1 where "
+             "the\n"
+             "   mass matrix may be singular; a is then not to be trusted.";
+    case Quantity::mass_matrix:
+      return "The mass matrix M (kg m^2, kg m, kg), " + nv + " x " + nv + ", row by row.";
+    case Quantity::jacobian: break;
+  }
+  return "The Jacobian J of frame \"" + in_comment(model.frame(function.frame).name) + "\" in " +
+         word_for(function.representation) + " representation, 6 x " + nv +
+         ", row by row: the angular\n   velocity (rad/s) and then the linear velocity (m/s) for a unit of "
+         "each "
+         "velocity,\n   " +
+         axes_of(function.representation) + ".";
+}
+
+void check(const Model& model, std::span<const Function> functions, const std::string& prefix) {
+  if (functions.empty()) throw std::invalid_argument("there are no functions to generate");
+  for (const Function& function : functions)
+    if (function.quantity == Quantity::jacobian) check_place(model, function.frame);
+  if (!is_identifier(prefix))
+    throw std::invalid_argument("the prefix \"" + prefix +
+                                "\" is no C identifier: letters, digits and underscores, no digit first");
+}
+
+}  // namespace
+
+bool is_identifier(std::string_view name) {
+  return !name.empty() && is_letter(name[0]) &&
+         std::all_of(name.begin(), name.end(), [](char c) { return is_letter(c) || is_digit(c); });
+}
+
+Source c_source(const Model& model, std::span<const Function> functions, const Options& options) {
+  std::string prefix = options.prefix;
+  if (prefix.empty()) {
+    prefix = identifier(model.name());
+    if (!is_identifier(prefix)) prefix.insert(0, "model_");
+  }
+  check(model, functions, prefix);
+  const Precision precision{options.single_precision};
+  const std::vector<std::string> frames = frame_identifiers(model);
+  std::set<std::string> names;
+  std::vector<Part> parts;
+  for (const Function& function : functions) {
+    std::string name = prefix + '_' + word_for(function.quantity);
+    if (function.quantity == Quantity::jacobian) {
+      name += '_' + frames[static_cast<std::size_t>(function.frame)];
+      if (function.representation != Representation::body)
+        name += std::string("_") + word_for(function.representation);
+    }
+    if (!names.insert(name).second) throw std::invalid_argument(name + " is asked for twice");
+    parts.push_back({function, name, record(model, function, options.single_precision)});
+  }
+
+  Source source;
+  std::string& text = source.text;
+  const std::string nq = std::to_string(model.nq()), nv = std::to_string(model.nv());
+  text = "/* " + in_comment(model.name()) +
+         ", generated by axode " AXODE_VERSION
+         ".\n\n"
+         "   Units are m, kg, s, rad. q has " +
+         nq + " entries; v, a and tau have " + nv + ":\n\n" + coordinates(model) +
+         "\n   Rotations are unit quaternions x y z w. Arrays must not overlap. To be compiled without\n"
+         "   -ffast-math, which breaks the sines; products and sums may become one instruction\n"
+         "   (-ffp-contract=fast). */\n\n"
+         "#ifdef __FAST_MATH__\n#error \"compile this file without -ffast-math\"\n#endif\n";
+  const bool calls = std::any_of(parts.begin(), parts.end(),
+                                 [](const Part& part) { return operations(part.recording).roots > 0; });
+  if (calls) text += "#include <math.h>\n";
+  text +=
+      "#ifdef __cplusplus\n#define AXODE_RESTRICT __restrict\nextern \"C\" {\n#else\n"
+      "#define AXODE_RESTRICT restrict\n#endif\n\n";
+  for (const Part& part : parts) {
+    const Operations count = operations(part.recording);
+    source.functions.push_back({part.name, count});
+    text += "/* " + purpose(model, part.function) + "\n   " + counted(count) + ". */\n" +
+            c_signature(part.recording, part.name, precision) + ";\n\n";
+  }
+  const std::string sine_cosine = prefix + "_sine_cosine";
+  if (std::any_of(source.functions.begin(), source.functions.end(),
+                  [](const Source::Cost& cost) { return cost.operations.angles > 0; }))
+    text += c_sine_cosine(sine_cosine, precision) + "\n";
+  for (const Part& part : parts)
+    text += c_definition(part.recording, part.name, sine_cosine, precision) + "\n";
+  text += "#undef AXODE_RESTRICT\n#ifdef __cplusplus\n}\n#endif\n";
+  return source;
+}
+
+}  // namespace axode::codegen

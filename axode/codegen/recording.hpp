@@ -1,0 +1,33 @@
+#pragma once
+#include <array>
+#include <string>
+#include <vector>
+
+#include "axode/codegen.hpp"
+#include "axode/scalar/trace.hpp"
+
+namespace axode::codegen {
+
+/// A function as the operations that lead from its arguments to its results.
+struct Recording {
+  std::vector<std::string> arguments;  ///< by the number of the array
+  std::string result;                  ///< the name of the array of results
+  std::vector<Tape::Node> nodes;
+  std::vector<Trace> results;
+  bool returns_doubt = false;
+  Trace::Condition doubt{};  ///< whether the mass matrix may be singular, where this is returned
+};
+
+/// The kernels of the library on a Trace, in the representation in which they leave the fewest operations.
+Recording record(const Model& model, const Function& function, bool single_precision);
+
+/// How many operations the results need.
+Operations operations(const Recording& recording);
+
+/// For each node whether the results, or the doubt, depend on it.
+std::vector<char> needed(const Recording& recording);
+
+/// The nodes that a node is computed from; those that it does not use are node 0, the number 1.
+std::array<int, 3> operands(const Tape::Node& node);
+
+}  // namespace axode::codegen

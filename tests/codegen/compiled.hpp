@@ -1,0 +1,38 @@
+#pragma once
+#include <dlfcn.h>
+
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "tests/apps/run_command.hpp"
+
+namespace axode::test {
+
+/// C source, compiled by the compiler of these tests into a library that is loaded.
+class Compiled {
+ public:
+  explicit Compiled(const std::string& source) {
+    const std::string file = folder_.write("generated.c", source), library = folder_.file("generated.so");
+    const Outcome outcome =
+        run({AXODE_COMPILER, "-x", "c", "-std=c99", "-O0", "-fPIC", "-shared", file, "-o", library});
+    if (outcome.code != 0) throw std::runtime_error("the generated file does not compile: " + outcome.err);
+    handle_ = dlopen(library.c_str(), RTLD_NOW | RTLD_LOCAL);
+    if (handle_ == nullptr) throw std::runtime_error(dlerror());
+  }
+  ~Compiled() { dlclose(handle_); }
+  Compiled(const Compiled&) = delete;
+  Compiled& operator=(const Compiled&) = delete;
+
+  template <class Signature> Signature* function(const std::string& name) const {
+    void* address = dlsym(handle_, name.c_str());
+    if (address == nullptr) throw std::runtime_error("the generated file has no function " + name);
+    return reinterpret_cast<Signature*>(address);
+  }
+
+ private:
+  TemporaryFolder folder_;
+  void* handle_ = nullptr;
+};
+
+}  // namespace axode::test
