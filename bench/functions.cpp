@@ -6,21 +6,6 @@ namespace {
 using namespace axode;
 using namespace axode::bench;
 
-/// f(model, workspace, q, v, a, out) on every model; out has a number for each pair of velocities.
-template <class F>
-void measure_function(const std::string& function, const std::string& variant, const F& f) {
-  measure(function, variant, [f](benchmark::State& state, const Model& model) {
-    Workspace<> workspace(model);
-    States states(model);
-    const std::size_t nv = static_cast<std::size_t>(model.nv());
-    std::vector<double> out(nv * nv);
-    repeat(state, out.data(), [&] {
-      const std::size_t s = states.next();
-      f(model, workspace, states.q[s], states.v[s], states.a[s], std::span(out));
-    });
-  });
-}
-
 /// f(model, workspace, q, v, a, out) with an Entry for each frame.
 template <class Entry, class F>
 void measure_frames(const std::string& function, const std::string& variant, const F& f) {

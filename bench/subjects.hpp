@@ -30,8 +30,10 @@ struct States {
 };
 
 /// Registers f(benchmark state, model) under <function>/<model>/<variant> for every model.
-template <class F> void measure(const std::string& function, const std::string& variant, const F& f) {
-  for (const Model& model : models())
+template <class F>
+void measure(const std::string& function, const std::string& variant, const F& f,
+             const std::vector<Model>& subjects = models()) {
+  for (const Model& model : subjects)
     benchmark::RegisterBenchmark((function + "/" + model.name() + "/" + variant).c_str(), f, model);
 }
 
@@ -42,6 +44,25 @@ template <class Out, class F> void repeat(benchmark::State& state, Out* out, con
     benchmark::DoNotOptimize(out);
     benchmark::ClobberMemory();
   }
+}
+
+/// f(model, workspace, q, v, a, out) on every model; out has a number for each pair of velocities.
+template <class F>
+void measure_function(const std::string& function, const std::string& variant, const F& f,
+                      const std::vector<Model>& subjects = models()) {
+  measure(
+      function, variant,
+      [f](benchmark::State& state, const Model& model) {
+        Workspace<> workspace(model);
+        States states(model);
+        const std::size_t nv = static_cast<std::size_t>(model.nv());
+        std::vector<double> out(nv * nv);
+        repeat(state, out.data(), [&] {
+          const std::size_t s = states.next();
+          f(model, workspace, states.q[s], states.v[s], states.a[s], std::span(out));
+        });
+      },
+      subjects);
 }
 
 }  // namespace axode::bench

@@ -16,6 +16,7 @@ from collections import defaultdict
 from pathlib import Path
 
 PEERS = ["pinocchio"]
+OWN_PEERS = {"generated": "fast"}  # variants of ours that are compared with another one of ours
 FAST = {"inverse_dynamics": "fast", "forward_dynamics": "fast", "mass_matrix": "fast", "inverse_mass_matrix": "fast",
         "joint_jacobians": "fast", "poses": "fast", "accelerations": "hybrid"}
 
@@ -56,7 +57,7 @@ def compare(times):
     for (function, model, variant), (ours, compiler) in best.items():
         if variant in PEERS:
             continue
-        for peer in PEERS:
+        for peer in [OWN_PEERS[variant]] if variant in OWN_PEERS else PEERS:
             theirs, peer_compiler = best.get((function, model, peer), (None, None))
             rows.append({"function": function, "model": model, "variant": variant, "ours_ns": round(ours, 1),
                          "ours_compiler": compiler, "peer": peer if theirs else None, "peer_compiler": peer_compiler,

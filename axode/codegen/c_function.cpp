@@ -168,7 +168,7 @@ std::string c_signature(const Recording& recording, const std::string& name, con
   const std::string type = precision.type();
   std::string text = (recording.returns_doubt ? "int " : "void ") + name + "(\n    ";
   for (const std::string& argument : recording.arguments)
-    text += "const " + type + " *AXODE_RESTRICT " + argument + ", ";
+    text.append("const ").append(type).append(" *AXODE_RESTRICT ").append(argument).append(", ");
   return text + type + " *AXODE_RESTRICT " + recording.result + ')';
 }
 
@@ -192,14 +192,14 @@ std::string c_sine_cosine(const std::string& name, const Precision& precision) {
   const auto polynomial = [&](const auto& c) {
     std::string text = precision.literal(c[std::size(c) - 1]);
     for (std::size_t k = std::size(c) - 1; k-- > 0;)
-      text = '(' + text + " * z + " + precision.literal(c[k]) + ')';
+      text.insert(0, 1, '(').append(" * z + ").append(precision.literal(c[k])).append(1, ')');
     return text;
   };
   const auto number = [](double x) { return Precision{false}.literal(x); };
   return filled(
       R"(/* Sines and cosines without a branch, so that several are computed at once: x = m pi/2 + r + low with
-   pi/2 in parts whose products with m are exact (Cody and Waite), and polynomials in r. The error is below
-   2 units in the last place for |x| <= 1e5. */
+   pi/2 in parts whose products with m are exact, and polynomials in r. The error is below 2 units in the
+   last place for |x| <= 1e5. */
 static void @NAME@(
     const @T@ *AXODE_RESTRICT angle, @T@ *AXODE_RESTRICT sine, @T@ *AXODE_RESTRICT cosine, int count) {
   int k;

@@ -141,6 +141,17 @@ Recording jacobian(const Tree<double>& tree, int frame, Representation represent
   return traced.with(std::move(J));
 }
 
+/// Whether factors of the mass matrix could take fewer operations than articulated bodies, of which a joint
+/// needs a few hundred.
+bool may_be_factorized(const Tree<double>& tree) {
+  long products = 0;
+  for (int c = 0; c < tree.nv; ++c) {
+    long depth = 0;
+    for (int i = tree.velocity_parent[c]; i >= 0; i = tree.velocity_parent[i]) products += ++depth;
+  }
+  return products < 500L * tree.nv;
+}
+
 }  // namespace
 
 Recording record(const Model& model, const Function& function, bool single_precision) {
@@ -152,9 +163,10 @@ Recording record(const Model& model, const Function& function, bool single_preci
     case Quantity::forward_dynamics: break;
   }
   const double coarser = single_precision ? 1e5 : 1;  // fewer digits
-  Recording by_factors = forward_dynamics(tree, solve_factorized, coarser);
-  if (!tree.coupled_bodies.empty()) return by_factors;
+  if (!tree.coupled_bodies.empty()) return forward_dynamics(tree, solve_factorized, coarser);
   Recording by_bodies = forward_dynamics(tree, solve_articulated, coarser);
+  if (!may_be_factorized(tree)) return by_bodies;
+  Recording by_factors = forward_dynamics(tree, solve_factorized, coarser);
   return operations(by_bodies).total() < operations(by_factors).total() ? by_bodies : by_factors;
 }
 

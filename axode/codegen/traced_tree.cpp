@@ -51,16 +51,6 @@ void move_inertias(Tree<double>& tree) {
   tree.M[0] = {};
 }
 
-/// The inertias once more, as the composite-body algorithm reads them.
-void fill_inertia_arrays(Tree<double>& tree) {
-  for (int i = 0; i <= tree.n; ++i) {
-    const auto& [m, h, Theta] = tree.M[i];
-    int k = 0;
-    for (const double x : {h.x, h.y, h.z, Theta.xx, Theta.yy, Theta.zz, Theta.xy, Theta.xz, Theta.yz, m})
-      tree.inertia_arrays[static_cast<std::size_t>(k++ * tree.inertia_stride + i)] = x;
-  }
-}
-
 }  // namespace
 
 Tree<double> traced_tree(const Tree<double>& tree) {
@@ -68,7 +58,7 @@ Tree<double> traced_tree(const Tree<double>& tree) {
   for (SE3<>& B : traced.B) snap(B);
   for (SE3<>& offset : traced.frame_offset) snap(offset);
   move_inertias(traced);
-  fill_inertia_arrays(traced);
+  traced.inertia_arrays.clear(), traced.packed.body.clear();
   return traced;
 }
 

@@ -294,6 +294,39 @@ TEST(Convert, AFileThatCannotBeWrittenIsAnError) {
   EXPECT_EQ(outcome.err, "axode convert: /nowhere/arm.urdf: the file cannot be written\n");
 }
 
+// -------------------------------------------------------------------------------------------------- codegen
+
+TEST(Codegen, WritesToStandardOutputOrToAFileAndThenSaysWhatItCosts) {
+  const TemporaryFolder folder;
+  const std::string out = folder.file("arm.c");
+  const std::vector<std::string> arguments{"codegen",     robot("arm7.toml"),
+                                           "--functions", "forward_dynamics,jacobian:flange:hybrid",
+                                           "--name",      "arm"};
+  const Outcome shown = axode(arguments);
+  EXPECT_EQ(shown.code, 0);
+  EXPECT_EQ(shown.err, "");
+  EXPECT_THAT(shown.out, HasSubstr("int arm_forward_dynamics(\n    const double *"));
+  EXPECT_THAT(shown.out, HasSubstr("void arm_jacobian_flange_hybrid("));
+  EXPECT_THAT(shown.out, HasSubstr("A7     revolute   6         6"));
+  std::vector<std::string> with_output = arguments;
+  with_output.insert(with_output.end(), {"--output", out});
+  const Outcome written = axode(with_output);
+  EXPECT_EQ(written.code, 0);
+  EXPECT_EQ(written.out, "");
+  EXPECT_THAT(written.err,
+              testing::MatchesRegex("arm_forward_dynamics: [0-9]+ products, [0-9]+ sums, [0-9]+ divisions, "
+                                    "[0-9]+ sines and cosines\narm_jacobian_flange_hybrid: .*\n"));
+  EXPECT_EQ(contents(out), shown.out);
+}
+
+TEST(Codegen, WritesFloatsAndTheBaseThatIsAskedFor) {
+  const Outcome outcome =
+      axode({"codegen", robot("humanoid.urdf"), "--base", "free", "--float", "--functions", "mass_matrix"});
+  EXPECT_EQ(outcome.code, 0);
+  EXPECT_THAT(outcome.out, HasSubstr("q has 38 entries; v, a and tau have 37"));
+  EXPECT_THAT(outcome.out, HasSubstr("void humanoid_mass_matrix(\n    const float *"));
+}
+
 // ----------------------------------------------------------------------------------------------------- demo
 
 TEST(Demo, RunsBothRobotsEveryWayInUnderTwentySeconds) {
