@@ -44,22 +44,22 @@ class Statements {
       if (x.operation == sine || x.operation == cosine) ++stage_[k];
       stages_ = std::max(stages_, stage_[k] + 1);
     }
-    for (const Trace& x : recording.results) ++uses[static_cast<std::size_t>(x.node())];
+    std::vector<std::vector<std::size_t>> results(size());  // by the number that they are multiples of
+    for (std::size_t r = 0; r < recording.results.size(); ++r) {
+      const auto k = static_cast<std::size_t>(recording.results[r].node());
+      results[k].push_back(r), ++uses[k];
+    }
     for (int stage = 0; stage < stages_; ++stage) {
       if (stage > 0) turn(stage, need);
       for (std::size_t k = 0; k < size(); ++k) {
-        if (!need[k] || stage_[k] != stage || !text_[k].empty()) continue;
+        if (!need[k] || stage_[k] != stage) continue;
         // What only one sum needs stays in it, where product and sum may become one instruction.
         if (node(k).operation == product && uses[k] == 1 && uses_in_sums[k] == 1)
           text_[k] = expression(node(k));
-        else
+        else if (text_[k].empty())
           define(k);
+        for (const std::size_t r : results[k]) write_result(r);  // at once, so that k need not be kept
       }
-    }
-    for (std::size_t k = 0; k < recording.results.size(); ++k) {
-      const Trace& x = recording.results[k];
-      body_ +=
-          "  " + recording.result + '[' + std::to_string(k) + "] = " + scaled(x.factor(), x.node()) + ";\n";
     }
     if (recording.returns_doubt)
       body_ += "  return " +
@@ -101,6 +101,12 @@ class Statements {
          {"N", std::to_string(room)},
          {"LIST", list},
          {"CALL", sine_cosine_}});
+  }
+
+  void write_result(std::size_t r) {
+    const Trace& x = recording_.results[r];
+    body_ +=
+        "  " + recording_.result + '[' + std::to_string(r) + "] = " + scaled(x.factor(), x.node()) + ";\n";
   }
 
   void define(std::size_t k) {

@@ -10,7 +10,6 @@
 #include "axode/dynamics/fast_inverse_dynamics.hpp"
 #include "axode/dynamics/sparse_factor.hpp"
 #include "axode/kinematics/path.hpp"
-#include "axode/lie/representation_change.hpp"
 
 namespace axode::codegen {
 namespace {
@@ -123,22 +122,45 @@ Recording forward_dynamics(const Tree<double>& tree, Solver solver, double coars
   return traced.with(std::move(x));
 }
 
+/// The twist of a frame for a unit of each velocity. In the axes of the frame the joint screws are found on
+/// the way from it to the ground, in inertial axes from the poses of the bodies.
+template <class Rep> std::vector<Twist<Rep, T>> columns(Traced& traced, const Numbers& q, int frame) {
+  const Tree<T>& tree = traced.constants;
+  std::vector<Twist<Rep, T>> J(static_cast<std::size_t>(tree.nv));
+  const auto add = [&](int c, const Screw<T>& X) { J[c] += Twist<Rep, T>{X.w, X.v}; };
+  if constexpr (std::same_as<Rep, BodyFixed>) {
+    each_body_fixed_column(tree, q.data(), Place<T>(frame),
+                           [&](int, int c, const Screw<T>& X) { add(c, X); });
+  } else {
+    Arena arena(traced.workspace);
+    SE3<T>* C_pi = arena.per_body<SE3<T>>();
+    SE3<T>* C = arena.per_body<SE3<T>>();
+    joint_poses(tree, q.data(), C_pi);
+    body_poses(tree, C_pi, C);
+    const int body = tree.frame_body[frame];
+    const SE3<T> place = C[body] * tree.frame_offset[frame];
+    const Vec3<T> origin = std::same_as<Rep, Spatial> ? Vec3<T>{} : place.r;
+    for (int i = body; i > 0; i = tree.parent[i]) each_screw(tree, i, {C[i].R, C[i].r - origin}, add);
+    if constexpr (std::same_as<Rep, Mixed>)
+      for (auto& [w, v] : J) w = transpose(place.R) * w;
+  }
+  return J;
+}
+
 Recording jacobian(const Tree<double>& tree, int frame, Representation representation) {
   Traced traced(tree, "J");
   const Numbers q = traced.argument("q", tree.nq);
   const std::size_t nv = static_cast<std::size_t>(tree.nv);
-  std::vector<Screw<T>> columns(nv);
-  const SE3<T> C =
-      each_body_fixed_column(traced.constants, q.data(), Place<T>(frame),
-                             [&](int, int c, const Screw<T>& X) { columns[c] = columns[c] + X; });
-  Numbers J(6 * nv);
-  for (std::size_t c = 0; c < nv; ++c)
-    with_representation(representation, [&](auto rep) {
-      const auto [w, v] = change<decltype(rep)>(C, Twist<BodyFixed, T>{columns[c].w, columns[c].v});
-      const T column[]{w.x, w.y, w.z, v.x, v.y, v.z};
-      for (std::size_t r = 0; r < 6; ++r) J[r * nv + c] = column[r];
-    });
-  return traced.with(std::move(J));
+  Numbers rows(6 * nv);
+  with_representation(representation, [&](auto rep) {
+    const auto J = columns<decltype(rep)>(traced, q, frame);
+    for (std::size_t c = 0; c < nv; ++c) {
+      const Vec3<T>&w = J[c].w, &v = J[c].v;
+      std::size_t r = 0;
+      for (const T& x : {w.x, w.y, w.z, v.x, v.y, v.z}) rows[r++ * nv + c] = x;
+    }
+  });
+  return traced.with(std::move(rows));
 }
 
 /// Whether factors of the mass matrix could take fewer operations than articulated bodies, of which a joint
