@@ -1,0 +1,23 @@
+// The dynamics of one arm as C that needs nothing else: what a controller without axode compiles and calls.
+#include <cstdio>
+#include <vector>
+
+#include "axode/codegen.hpp"
+#include "axode/io.hpp"
+
+using namespace axode;
+
+int main() {
+  const Model arm = load(AXODE_ROBOTS_DIR "/arm7.toml");
+  using codegen::Quantity;
+  const std::vector<codegen::Function> functions{
+      {Quantity::inverse_dynamics},
+      {Quantity::forward_dynamics},
+      {Quantity::jacobian, arm.frame_index("flange"), Representation::hybrid}};
+  const codegen::Source source = codegen::c_source(arm, functions, {.prefix = "arm"});
+
+  std::printf("%zu bytes of C\n", source.text.size());  // std::ofstream("arm.c") << source.text;
+  for (const auto& [name, count] : source.functions)
+    std::printf("%s: %ld products, %ld sums, %ld divisions, %ld sines and cosines\n", name.c_str(),
+                count.products, count.sums, count.divisions, count.angles);
+}
