@@ -42,9 +42,11 @@ template <class Rep, class T> struct ArticulatedBodies {
 
   /// Joint screws, U and D at the configuration of the links. judge(i, c, D, M_cc) sees the pivot of every
   /// screw c of body i before it divides.
-  template <class Judge> void factorize(const Tree<T>& tree, const T* armature, Judge&& judge) noexcept {
+  template <TreeOf<T> AnyTree, class Judge>
+  void factorize(const AnyTree& tree, const T* armature, Judge&& judge) noexcept {
     joint_columns(tree, link, S);
-    for (int i = 0; i <= tree.n; ++i) {
+    composite[0] = {}, M[0] = {};
+    for (int i = 1; i <= tree.n; ++i) {
       composite[i] = inertia(link[i], tree.M[i]);
       M[i] = articulated(link[i], composite[i]);
     }
@@ -63,7 +65,7 @@ template <class Rep, class T> struct ArticulatedBodies {
     }
   }
   /// Returns the body of the first joint that moves no mass, or 0.
-  int factorize(const Tree<T>& tree, const T* armature) noexcept {
+  template <TreeOf<T> AnyTree> int factorize(const AnyTree& tree, const T* armature) noexcept {
     int singular_body = 0;
     factorize(tree, armature, [&](int i, int, const T& pivot, const T& M_cc) {
       if (is_singular(pivot, M_cc)) singular_body = i;

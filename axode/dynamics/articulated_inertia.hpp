@@ -43,6 +43,7 @@ constexpr ArticulatedInertia<Rep, T> articulated(const Link<Rep, T>& link, const
 /// The congruence with Ad_r: M about a point from which its own is at r, in the same axes.
 template <class Rep, class T>
 constexpr ArticulatedInertia<Rep, T> transform(const Vec3<T>& r, const ArticulatedInertia<Rep, T>& M) {
+  const Noted<T> noted(ScrewOperation::tensor_translation);
   const Mat3<T> B = M.B + cross(r, matrix(M.L));
   const Mat3<T> Br = cross(r, transpose(B));  // -B r̃, transposed
   const Mat3<T> rB = cross(r, transpose(M.B));
@@ -57,9 +58,11 @@ constexpr ArticulatedInertia<Rep, T> up(const Link<Rep, T>& link, const Articula
   } else if constexpr (std::same_as<Rep, Hybrid>) {
     return transform(link.r_pi, M);
   } else if constexpr (std::same_as<Rep, BodyFixed>) {
+    const Noted<T> noted(ScrewOperation::tensor_transformation);
     const SO3<T>&R = link.C_pi.R, Rt = transpose(R);
     return transform(link.C_pi.r, ArticulatedInertia<Rep, T>{rotate(R, M.A), (R * M.B) * Rt, rotate(R, M.L)});
   } else {  // by way of the predecessor's axes
+    const Noted<T> noted(ScrewOperation::tensor_transformation);
     const SO3<T> R_p = link.R_p, Rt_p = transpose(R_p);
     const ArticulatedInertia<Rep, T> M_p = transform(
         link.C_pi.r,

@@ -15,11 +15,12 @@ template <class Rep, class T> struct CompositeBodies {
       : link(links), M(arena.template per_body<Inertia<T>>()), S(arena.template per_screw<Twist<Rep, T>>()) {}
 
   /// The mass matrix, row by row.
-  void run(const Tree<T>& tree, const T* armature, T* out) noexcept {
+  template <TreeOf<T> AnyTree> void run(const AnyTree& tree, const T* armature, T* out) noexcept {
     const int nv = tree.nv;
     const auto at = [&](int r, int c) -> T& { return out[static_cast<std::ptrdiff_t>(r) * nv + c]; };
     joint_columns(tree, link, S);
-    for (int i = 0; i <= tree.n; ++i) M[i] = inertia(link[i], tree.M[i]);
+    M[0] = {};
+    for (int i = 1; i <= tree.n; ++i) M[i] = inertia(link[i], tree.M[i]);
     for (int i = tree.n; i > 0; --i) M[tree.parent[i]] += up(link[i], M[i]);
     for (int k = 0; k < nv * nv; ++k) out[k] = T(0);
     for (int c = 0; c < nv; ++c) at(c, c) = armature[c];

@@ -8,7 +8,8 @@
 namespace axode {
 
 /// M_i in Rep (eqs. Ms, aWsRec, aWhRec).
-template <class Rep, class T> constexpr Inertia<T> inertia(const Link<Rep, T>& link, const Inertia<T>& M) {
+template <class Rep, class T, class InertiaOfBody>
+constexpr Inertia<T> inertia(const Link<Rep, T>& link, const InertiaOfBody& M) {
   if constexpr (std::same_as<Rep, Spatial>)
     return transform(link.C, M);
   else if constexpr (std::same_as<Rep, Hybrid>)

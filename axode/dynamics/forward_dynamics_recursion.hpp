@@ -5,8 +5,8 @@
 namespace axode {
 
 /// a = M⁻¹ (τ - inverse dynamics at a = 0).
-template <class Rep, class T>
-Solvability solve_forward_dynamics(const Tree<T>& tree, typename Workspace<T>::Arena arena, const T* q,
+template <class Rep, class T, TreeOf<T> AnyTree>
+Solvability solve_forward_dynamics(const AnyTree& tree, typename Workspace<T>::Arena arena, const T* q,
                                    const T* v, const T* tau, const Loads<T>& loads, T* a) noexcept {
   InverseDynamicsRecursion<Rep, T> recursion{arena};
   T* zero = arena.template per_screw<T>();

@@ -6,23 +6,23 @@
 namespace axode {
 
 /// The resultant wrench on body i with inertia M, by its link (eqs. NEb, NEs, NEh and the mixed form).
-template <class T>
-constexpr Wrench<BodyFixed, T> newton_euler(const Link<BodyFixed, T>&, const Inertia<T>& M,
+template <class T, class InertiaOfBody>
+constexpr Wrench<BodyFixed, T> newton_euler(const Link<BodyFixed, T>&, const InertiaOfBody& M,
                                             const Twist<BodyFixed, T>& V, const TwistRate<BodyFixed, T>& dV) {
   return newton_euler(M, V, dV);
 }
-template <class T>
-constexpr Wrench<Spatial, T> newton_euler(const Link<Spatial, T>& link, const Inertia<T>& M,
+template <class T, class InertiaOfBody>
+constexpr Wrench<Spatial, T> newton_euler(const Link<Spatial, T>& link, const InertiaOfBody& M,
                                           const Twist<Spatial, T>& V, const TwistRate<Spatial, T>& dV) {
   return newton_euler(transform(link.C, M), V, dV);
 }
-template <class T>
-constexpr Wrench<Hybrid, T> newton_euler(const Link<Hybrid, T>& link, const Inertia<T>& M,
+template <class T, class InertiaOfBody>
+constexpr Wrench<Hybrid, T> newton_euler(const Link<Hybrid, T>& link, const InertiaOfBody& M,
                                          const Twist<Hybrid, T>& V, const TwistRate<Hybrid, T>& dV) {
   return newton_euler(transform(link.R, M), V, dV);
 }
-template <class T>
-constexpr Wrench<Mixed, T> newton_euler(const Link<Mixed, T>& link, const Inertia<T>& M,
+template <class T, class InertiaOfBody>
+constexpr Wrench<Mixed, T> newton_euler(const Link<Mixed, T>& link, const InertiaOfBody& M,
                                         const Twist<Mixed, T>& V, const TwistRate<Mixed, T>& dV) {
   return newton_euler(M, link.R, V, dV);
 }
@@ -75,14 +75,17 @@ template <class Rep, class T> struct InverseDynamicsRecursion {
   /// Forward: poses, twists, accelerations with gravity as V'_0 = (0, -g). Backward, from the leaves to the
   /// roots (eqs. aWbRec, bWsRec, bWhRec with erratum 22):
   ///   W_i = Σ_children up W_c + M_i V'_i + (velocity terms) - W_i^app
-  void run(const Tree<T>& tree, const T* q, const T* v, const T* a, const Loads<T>& loads) noexcept {
+  template <TreeOf<T> AnyTree>
+  void run(const AnyTree& tree, const T* q, const T* v, const T* a, const Loads<T>& loads) noexcept {
     run(tree, q, v, a, loads, tree.g);
   }
-  void run(const Tree<T>& tree, const T* q, const T* v, const T* a, const Loads<T>& loads,
+  template <TreeOf<T> AnyTree>
+  void run(const AnyTree& tree, const T* q, const T* v, const T* a, const Loads<T>& loads,
            const Vec3<T>& g) noexcept {
     joint_motion(tree, q, v, a, joints);
     forward_recursion(tree, joints, -g, bodies);
-    for (int i = 0; i <= tree.n; ++i)
+    W[0] = {};
+    for (int i = 1; i <= tree.n; ++i)
       W[i] = newton_euler(bodies.link[i], tree.M[i], bodies.V[i], bodies.dV[i]);
     if (!loads.wrenches.empty()) {
       body_poses(tree, joints.C_pi, C);
@@ -94,7 +97,8 @@ template <class Rep, class T> struct InverseDynamicsRecursion {
 
   /// τ = Sᵀ W of every joint (eqs. bWbRec, cWsRec, cWhRec), its armature and, where asked for, its losses. A
   /// coupled joint adds its share to its leader's.
-  void project(const Tree<T>& tree, const T* v, const T* a, bool joint_losses, T* tau) const noexcept {
+  template <TreeOf<T> AnyTree>
+  void project(const AnyTree& tree, const T* v, const T* a, bool joint_losses, T* tau) const noexcept {
     each_joint(tree, [&](const auto& joint, int i, bool coupled) {
       const auto Q = joint.project(bodies.link[i].pull(W[i]));
       T* tau_i = tau + tree.iv[i];

@@ -9,9 +9,11 @@ namespace axode {
 /// matrix that their couplings project, and its sparse factors.
 template <class Rep, class T> class MassMatrixSolver {
  public:
-  MassMatrixSolver(const Tree<T>& tree, typename Workspace<T>::Arena& arena, Link<Rep, T>* link) noexcept
+  template <TreeOf<T> AnyTree>
+  MassMatrixSolver(const AnyTree& tree, typename Workspace<T>::Arena& arena, Link<Rep, T>* link) noexcept
       : MassMatrixSolver(tree, arena, link, tree.armature.data()) {}
-  MassMatrixSolver(const Tree<T>& tree, typename Workspace<T>::Arena& arena, Link<Rep, T>* link,
+  template <TreeOf<T> AnyTree>
+  MassMatrixSolver(const AnyTree& tree, typename Workspace<T>::Arena& arena, Link<Rep, T>* link,
                    const T* armature) noexcept
       : tree_(tree), coupled_(tree.n_screws > tree.nv) {
     if (coupled_) {

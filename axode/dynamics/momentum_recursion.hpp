@@ -34,8 +34,8 @@ template <class T> Twist<Spatial, T>* twists_at(SpatialTree<T>& s, const T* v) n
 }
 
 /// The rates v and dp of the state (q, p), see momentum_form().
-template <class T>
-Solvability solve_momentum_form(const Tree<T>& tree, Workspace<T>& workspace, const T* q, const T* p,
+template <class T, TreeOf<T> AnyTree>
+Solvability solve_momentum_form(const AnyTree& tree, Workspace<T>& workspace, const T* q, const T* p,
                                 const T* tau, const Loads<T>& loads, T* v, T* dp) noexcept {
   SpatialTree<T> s(tree, workspace, q);
   typename Workspace<T>::Arena rest = s.arena;

@@ -13,16 +13,17 @@ template <class T> struct SpatialTree {
   Inertia<T>* M;  ///< composite
   Twist<Spatial, T>* J;
 
-  SpatialTree(const Tree<T>& t, Workspace<T>& workspace, const T* q) noexcept
+  template <TreeOf<T> AnyTree>
+  SpatialTree(const AnyTree& t, Workspace<T>& workspace, const T* q) noexcept
       : tree(t),
         arena(workspace),
-        link(body_links<Spatial>(tree, arena, q)),
+        link(body_links<Spatial>(t, arena, q)),
         M_body(arena.template per_body<Inertia<T>>()),
         M(arena.template per_body<Inertia<T>>()),
         J(arena.template per_screw<Twist<Spatial, T>>()) {
-    joint_columns(tree, link, J);
+    joint_columns(t, link, J);
     M_body[0] = M[0] = {};
-    for (int i = 1; i <= tree.n; ++i) M_body[i] = M[i] = transform(link[i].C, tree.M[i]);
+    for (int i = 1; i <= tree.n; ++i) M_body[i] = M[i] = transform(link[i].C, t.M[i]);
     for (int i = tree.n; i > 0; --i) M[tree.parent[i]] += M[i];
   }
 

@@ -18,7 +18,8 @@ template <class T> struct JointMotion {
 };
 
 /// C_{p,i} of every joint at q (eq. relConf). A coupled joint takes q from its leader.
-template <class T> void joint_poses(const Tree<T>& tree, const T* q, SE3<T>* C_pi) noexcept {
+template <class T, TreeOf<T> AnyTree>
+void joint_poses(const AnyTree& tree, const T* q, SE3<T>* C_pi) noexcept {
   each_joint(tree, [&](const auto& joint, int i, bool coupled) {
     const T* q_i = q + tree.iq[i];
     const T own = tree.ratio[i] * *q_i + tree.offset[i];
@@ -27,7 +28,8 @@ template <class T> void joint_poses(const Tree<T>& tree, const T* q, SE3<T>* C_p
 }
 
 /// S x of every joint, for velocities or accelerations x.
-template <class Motion, class T> void joint_screws(const Tree<T>& tree, const T* x, Motion* Sx) noexcept {
+template <class Motion, class T, TreeOf<T> AnyTree>
+void joint_screws(const AnyTree& tree, const T* x, Motion* Sx) noexcept {
   each_joint(tree, [&](const auto& joint, int i, bool coupled) {
     const T* x_i = x + tree.iv[i];
     const T own = tree.ratio[i] * *x_i;
@@ -36,24 +38,24 @@ template <class Motion, class T> void joint_screws(const Tree<T>& tree, const T*
   });
 }
 
-template <class T>
-void joint_motion(const Tree<T>& tree, const T* q, const T* v, const T* a,
+template <class T, TreeOf<T> AnyTree>
+void joint_motion(const AnyTree& tree, const T* q, const T* v, const T* a,
                   const JointMotion<T>& out) noexcept {
   joint_poses(tree, q, out.C_pi);
   joint_screws(tree, v, out.Sv);
   joint_screws(tree, a, out.Sa);
 }
 
-/// Poses of all bodies' internal frames, C_i = C_p C_{p,i} (eqs. POEX, aVbRec2); they may take the place of
-/// C_pi. 36 mul, 33 add per body.
+/// Poses of all bodies' frames, C_i = C_p C_{p,i} (eqs. POEX, aVbRec2); they may take the place of C_pi.
+/// 36 mul, 33 add per body.
 template <class T> void body_poses(const Tree<T>& tree, const SE3<T>* C_pi, SE3<T>* C) noexcept {
   C[0] = {};
   for (int i = 1; i <= tree.n; ++i) C[i] = C[tree.parent[i]] * C_pi[i];
 }
 
 /// The links of all bodies at q.
-template <class Rep, class T>
-Link<Rep, T>* body_links(const Tree<T>& tree, typename Workspace<T>::Arena& arena, const T* q) noexcept {
+template <class Rep, class T, TreeOf<T> AnyTree>
+Link<Rep, T>* body_links(const AnyTree& tree, typename Workspace<T>::Arena& arena, const T* q) noexcept {
   SE3<T>* C_pi = arena.template per_body<SE3<T>>();
   Link<Rep, T>* link = arena.template per_body<Link<Rep, T>>();
   joint_poses(tree, q, C_pi);
@@ -63,8 +65,8 @@ Link<Rep, T>* body_links(const Tree<T>& tree, typename Workspace<T>::Arena& aren
 }
 
 /// The screws of all joints in Rep. A coupled joint's screw is for a unit velocity of its leader.
-template <class Rep, class T>
-void joint_columns(const Tree<T>& tree, const Link<Rep, T>* link, Twist<Rep, T>* S) noexcept {
+template <class Rep, class T, TreeOf<T> AnyTree>
+void joint_columns(const AnyTree& tree, const Link<Rep, T>* link, Twist<Rep, T>* S) noexcept {
   each_joint(tree, [&](const auto& joint, int i, bool) {
     for (int k = 0; k < joint.nv; ++k) {
       const Screw<T> e = tree.ratio[i] * joint.column(k);

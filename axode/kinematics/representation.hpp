@@ -29,6 +29,7 @@ template <class T> struct Link<BodyFixed, T> {
     return {X.w, X.v};
   }
   constexpr Wrench<BodyFixed, T> up(const Wrench<BodyFixed, T>& W) const {
+    const Noted<T> noted(ScrewOperation::transformation);
     const Vec3<T> f = C_pi.R * W.f;
     return {C_pi.R * W.m + cross(C_pi.r, f), f};
   }
@@ -78,20 +79,35 @@ template <class T> struct Link<Hybrid, T> {
 
   template <template <class, class> class V>
     requires Motion<V>
-  constexpr V<Hybrid, T> down(const V<Hybrid, T>& V_p) const { return {V_p.w, V_p.v + cross(V_p.w, r_pi)}; }
-  constexpr Wrench<Hybrid, T> up(const Wrench<Hybrid, T>& W) const { return {W.m + cross(r_pi, W.f), W.f}; }
+  constexpr V<Hybrid, T> down(const V<Hybrid, T>& V_p) const {
+    const Noted<T> noted(ScrewOperation::translation);
+    return {V_p.w, V_p.v + cross(V_p.w, r_pi)};
+  }
+  constexpr Wrench<Hybrid, T> up(const Wrench<Hybrid, T>& W) const {
+    const Noted<T> noted(ScrewOperation::translation);
+    return {W.m + cross(r_pi, W.f), W.f};
+  }
   /// ^0X^i = Ad_R X (eq. bVhRec2).
   template <template <class, class> class V>
     requires Motion<V>
-  constexpr V<Hybrid, T> push(const V<BodyFixed, T>& X) const { return {R * X.w, R * X.v}; }
-  constexpr Wrench<Hybrid, T> push(const Wrench<BodyFixed, T>& W) const { return {R * W.m, R * W.f}; }
+  constexpr V<Hybrid, T> push(const V<BodyFixed, T>& X) const {
+    const Noted<T> noted(ScrewOperation::rotation);
+    return {R * X.w, R * X.v};
+  }
+  constexpr Wrench<Hybrid, T> push(const Wrench<BodyFixed, T>& W) const {
+    const Noted<T> noted(ScrewOperation::rotation);
+    return {R * W.m, R * W.f};
+  }
   constexpr Wrench<BodyFixed, T> pull(const Wrench<Hybrid, T>& W) const {
+    const Noted<T> noted(ScrewOperation::rotation);
     const SO3<T> Rt = transpose(R);
     return {Rt * W.m, Rt * W.f};
   }
   /// ad_{r'_ip} V_p + ad_ω (X v) with r'_ip = r'_p - r'_i (eqs. recVhdot1, dVhRec2).
   constexpr TwistRate<Hybrid, T> bias(const Twist<Hybrid, T>& V_p, const Twist<Hybrid, T>& V,
                                       const Twist<Hybrid, T>& Sv) const {
+    Noted<T>{ScrewOperation::bracket};
+    Noted<T>{ScrewOperation::bracket};
     return {cross(V.w, Sv.w), cross(V_p.v - V.v, V_p.w) + cross(V.w, Sv.v)};
   }
 };
@@ -107,19 +123,32 @@ template <class T> struct Link<Mixed, T> {
   template <template <class, class> class V>
     requires Motion<V>
   constexpr V<Mixed, T> down(const V<Mixed, T>& V_p) const {
+    const Noted<T> noted(ScrewOperation::transformation);
     return {transpose(C_pi.R) * V_p.w, V_p.v + R_p * cross(V_p.w, C_pi.r)};
   }
   constexpr Wrench<Mixed, T> up(const Wrench<Mixed, T>& W) const {
+    const Noted<T> noted(ScrewOperation::transformation);
     return {C_pi.R * W.m + cross(C_pi.r, transpose(R_p) * W.f), W.f};
   }
   template <template <class, class> class V>
     requires Motion<V>
-  constexpr V<Mixed, T> push(const V<BodyFixed, T>& X) const { return {X.w, R * X.v}; }
-  constexpr Wrench<Mixed, T> push(const Wrench<BodyFixed, T>& W) const { return {W.m, R * W.f}; }
-  constexpr Wrench<BodyFixed, T> pull(const Wrench<Mixed, T>& W) const { return {W.m, transpose(R) * W.f}; }
+  constexpr V<Mixed, T> push(const V<BodyFixed, T>& X) const {
+    const Noted<T> noted(ScrewOperation::rotation);
+    return {X.w, R * X.v};
+  }
+  constexpr Wrench<Mixed, T> push(const Wrench<BodyFixed, T>& W) const {
+    const Noted<T> noted(ScrewOperation::rotation);
+    return {W.m, R * W.f};
+  }
+  constexpr Wrench<BodyFixed, T> pull(const Wrench<Mixed, T>& W) const {
+    const Noted<T> noted(ScrewOperation::rotation);
+    return {W.m, transpose(R) * W.f};
+  }
   /// The hybrid bias with its angular part in body axes, where (Rᵀ)' ω^s = -ω × ω = 0 leaves ω_i × (S v).
   constexpr TwistRate<Mixed, T> bias(const Twist<Mixed, T>& V_p, const Twist<Mixed, T>& V,
                                      const Twist<Mixed, T>& Sv) const {
+    Noted<T>{ScrewOperation::bracket};
+    Noted<T>{ScrewOperation::bracket};
     return {cross(V.w, Sv.w), cross(V_p.v - V.v, R_p * V_p.w) + cross(R * V.w, Sv.v)};
   }
 };

@@ -33,14 +33,39 @@ template <class T> constexpr Vec3<T> center_of_mass(const Inertia<T>& M) { retur
 
 /// Ad_R⁻ᵀ M Ad_R⁻¹: the inertia in rotated axes about the same point (eq. aWhRec).
 template <class T> constexpr Inertia<T> transform(const SO3<T>& R, const Inertia<T>& M) {
+  const Noted<T> noted(ScrewOperation::tensor_rotation);
   return {M.m, R * M.h, rotate(R, M.Theta)};
 }
 /// Ad_r⁻ᵀ M Ad_r⁻¹: the inertia about a point from which the old one is at r, in the same axes.
 template <class T> constexpr Inertia<T> transform(const Vec3<T>& r, const Inertia<T>& M) {
+  const Noted<T> noted(ScrewOperation::tensor_translation);
   return {M.m, M.h + M.m * r, M.Theta + parallel_axis_tensor(M.h + (T(0.5) * M.m) * r, r)};
 }
 /// Ad_S⁻ᵀ M Ad_S⁻¹: the inertia in the frame in which S is the pose of the frame of M (eqs. Ms, Mb).
 template <class T> constexpr Inertia<T> transform(const SE3<T>& S, const Inertia<T>& M) {
+  const Noted<T> noted(ScrewOperation::tensor_transformation);
+  return transform(S.r, transform(S.R, M));
+}
+
+/// The inertia in a frame whose origin is the centre of mass, M = diag(Θ, m I) (eq. Mbc).
+template <class T = double> struct CentralInertia {
+  T m{};
+  Sym3<T> Theta;
+  constexpr operator Inertia<T>() const {  // NOLINT(google-explicit-constructor): it is one
+    return {m, {}, Theta};
+  }
+};
+/// The same transformations of it.
+template <class T> constexpr CentralInertia<T> transform(const SO3<T>& R, const CentralInertia<T>& M) {
+  const Noted<T> noted(ScrewOperation::tensor_rotation);
+  return {M.m, rotate(R, M.Theta)};
+}
+template <class T> constexpr Inertia<T> transform(const Vec3<T>& r, const CentralInertia<T>& M) {
+  const Noted<T> noted(ScrewOperation::tensor_translation);
+  return {M.m, M.m * r, M.Theta + parallel_axis_tensor((T(0.5) * M.m) * r, r)};
+}
+template <class T> constexpr Inertia<T> transform(const SE3<T>& S, const CentralInertia<T>& M) {
+  const Noted<T> noted(ScrewOperation::tensor_transformation);
   return transform(S.r, transform(S.R, M));
 }
 

@@ -23,10 +23,10 @@ template <class T> constexpr SO3<T> transpose(const SO3<T>& R) {
 }
 /// R A Rᵀ.
 template <class T> constexpr Sym3<T> rotate(const SO3<T>& R, const Sym3<T>& A) {
-  const SO3<T> P{A * Vec3<T>{R.x.x, R.y.x, R.z.x}, A * Vec3<T>{R.x.y, R.y.y, R.z.y},
-                 A * Vec3<T>{R.x.z, R.y.z, R.z.z}};  // columns of A Rᵀ
-  const Vec3<T> a = R * P.x, b = R * P.y, c = R * P.z;
-  return {a.x, b.y, c.z, b.x, c.x, c.y};
+  const SO3<T> rows = transpose(R);
+  const Vec3<T>&x = rows.x, &y = rows.y, &z = rows.z;
+  const Vec3<T> Ax = A * x, Ay = A * y, Az = A * z;  // columns of A Rᵀ
+  return {dot(x, Ax), dot(y, Ay), dot(z, Az), dot(x, Ay), dot(x, Az), dot(y, Az)};
 }
 template <class T> constexpr SO3<T> select(bool condition, const SO3<T>& A, const SO3<T>& B) {
   return {select(condition, A.x, B.x), select(condition, A.y, B.y), select(condition, A.z, B.z)};

@@ -109,11 +109,13 @@ constexpr Twist<Rep, T> ad(const Twist<Rep, T>& V1, const Twist<Rep, T>& V2) {
 /// -ad_Vᵀ Π: the rate of a momentum that moves with V.
 template <AtFrameOrigin Rep, class T>
 constexpr Wrench<Rep, T> coad(const Twist<Rep, T>& V, const Momentum<Rep, T>& Pi) {
+  const Noted<T> noted(ScrewOperation::bracket);
   return {cross(V.w, Pi.l) + cross(V.v, Pi.p), cross(V.w, Pi.p)};
 }
 /// -ad_Xᵀ W, the twin of ad on wrenches.
 template <AtFrameOrigin Rep, class T>
 constexpr Wrench<Rep, T> coad(const Twist<Rep, T>& X, const Wrench<Rep, T>& W) {
+  const Noted<T> noted(ScrewOperation::bracket);
   return {cross(X.w, W.m) + cross(X.v, W.f), cross(X.w, W.f)};
 }
 
@@ -126,10 +128,12 @@ template <class T> constexpr Twist<BodyFixed, T> Ad_inv(const SE3<T>& C, const T
 }
 /// Ad_C⁻ᵀ W^b and its inverse: W^s measured at the inertial origin from W^b measured at the body's.
 template <class T> constexpr Wrench<Spatial, T> coAd(const SE3<T>& C, const Wrench<BodyFixed, T>& W) {
+  const Noted<T> noted(ScrewOperation::transformation);
   const Vec3<T> f = C.R * W.f;
   return {C.R * W.m + cross(C.r, f), f};
 }
 template <class T> constexpr Wrench<BodyFixed, T> coAd_inv(const SE3<T>& C, const Wrench<Spatial, T>& W) {
+  const Noted<T> noted(ScrewOperation::transformation);
   const SO3<T> Rt = transpose(C.R);
   return {Rt * (W.m - cross(C.r, W.f)), Rt * W.f};
 }

@@ -1,4 +1,5 @@
 #pragma once
+#include <concepts>
 #include <vector>
 
 #include "axode/lie/inertia.hpp"
@@ -54,6 +55,11 @@ template <class T = double> struct Tree {
 
   int n_frames() const { return static_cast<int>(frame_body.size()); }
 };
+
+/// A tree of numbers T, in whatever frames: what a kernel takes that reads joints with each_joint and poses and
+/// inertias of no other place than B and M.
+template <class X, class T>
+concept TreeOf = std::derived_from<X, Tree<T>>;
 
 /// The same numbers as another scalar.
 template <class To, class From> constexpr Vec3<To> cast(const Vec3<From>& a) {

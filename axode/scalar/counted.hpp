@@ -1,16 +1,20 @@
 #pragma once
+#include <array>
 #include <type_traits>
 
+#include "axode/lie/noted.hpp"
 #include "axode/lie/scalar.hpp"
 
 namespace axode {
 
-/// How many operations of each kind.
+/// How many operations of each kind: on numbers, and, made of those, on screws.
 struct Operations {
   long products = 0, sums = 0, divisions = 0, roots = 0, angles = 0;  ///< angles: sin, cos, atan2
+  std::array<long, n_screw_operations> screws{};
 
-  /// Everything, in units of one product or sum.
+  /// Everything done to numbers, in units of one product or sum.
   long total() const { return products + sums + divisions + roots + angles; }
+  long operator[](ScrewOperation kind) const { return screws[static_cast<std::size_t>(kind)]; }
 };
 
 /// A number that counts what is done with it, those with an exact 0 or 1 included: run a kernel on it and
@@ -57,6 +61,22 @@ class Counted {
 
    private:
     double x_ = 0;
+};
+
+/// Counts an operation on screws, unless it is a part of one.
+template <> struct [[maybe_unused]] Noted<Counted> {
+  explicit Noted(ScrewOperation kind) {
+    if (depth()++ == 0) ++Counted::count().screws[static_cast<std::size_t>(kind)];
+  }
+  ~Noted() { --depth(); }
+  Noted(const Noted&) = delete;
+  Noted& operator=(const Noted&) = delete;
+
+ private:
+  static int& depth() {
+    thread_local int operations_under_way = 0;
+    return operations_under_way;
+  }
 };
 
 }  // namespace axode
