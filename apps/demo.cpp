@@ -6,11 +6,11 @@
 #include <chrono>
 #include <cmath>
 #include <filesystem>
-#include <random>
 #include <vector>
 
 #include "axode/dynamics.hpp"
 #include "axode/io.hpp"
+#include "call_timer.hpp"
 #include "commands.hpp"
 #include "quantities.hpp"
 #include "table.hpp"
@@ -40,34 +40,9 @@ std::filesystem::path robots_folder() {
                    " nor in " + AXODE_SOURCE_ROBOTS);
 }
 
-State random_state(const Model& model) {
-  std::mt19937_64 bits(7);
-  const auto random = [&](double largest) {
-    std::vector<double> x(model.nv());
-    for (double& x_k : x) x_k = largest * (static_cast<double>(bits() >> 11) * 0x1p-52 - 1);
-    return x;
-  };
-  return {random_configuration(model, 7), random(1), random(2), {}};
-}
-
 std::string short_number(double x) { return x == 0 ? "0" : fmt::format("{:.1e}", x); }
 
 double microseconds(double seconds) { return std::round(1e8 * seconds) / 100; }
-
-/// Seconds that one call takes: the median of batches that are long enough for the clock.
-template <class F> double median_time(F call) {
-  using Clock = std::chrono::steady_clock;
-  const auto seconds = [&](int calls) {
-    const auto start = Clock::now();
-    for (int k = 0; k < calls; ++k) call();
-    return std::chrono::duration<double>(Clock::now() - start).count() / calls;
-  };
-  const int calls = std::clamp(static_cast<int>(50e-6 / std::max(seconds(100), 1e-9)), 1, 100000);
-  std::array<double, 2001> times{};
-  for (double& time : times) time = seconds(calls);
-  std::nth_element(times.begin(), times.begin() + times.size() / 2, times.end());
-  return times[times.size() / 2];
-}
 
 /// Inverse dynamics of one robot at one state: in the four representations, and in whatever frames are quickest.
 struct FiveWays {
@@ -78,8 +53,12 @@ struct FiveWays {
     Workspace<> workspace(model);
     const auto run = [&](std::size_t r, auto rep) {
       tau[r].resize(model.nv());
-      time[r] = median_time(
-          [&] { inverse_dynamics<decltype(rep)>(model, workspace, state.q, state.v, state.a, tau[r]); });
+      CallTimer timer([&](int calls) {
+        for (int k = 0; k < calls; ++k)
+          inverse_dynamics<decltype(rep)>(model, workspace, state.q, state.v, state.a, tau[r]);
+      });
+      timer.sample(2001);
+      time[r] = timer.median();
     };
     for (std::size_t r = 0; r < 4; ++r)
       with_representation(all_representations[r], [&](auto rep) { run(r, rep); });

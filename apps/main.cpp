@@ -73,6 +73,7 @@ int run(int argc, char** argv) {
   add_convert(app, exit_code);
   add_eval(app, exit_code);
   add_codegen(app, exit_code);
+  add_study(app, exit_code);
   add_demo(app, exit_code);
   try {
     app.parse(argc, argv);

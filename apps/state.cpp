@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <fstream>
 #include <iostream>
+#include <random>
 #include <set>
 #include <span>
 #include <sstream>
@@ -273,6 +274,18 @@ State neutral_state(const Model& model) {
           .p = {},
           .loads = {},
           .targets = {}};
+}
+
+State random_state(const Model& model) {
+  std::mt19937_64 bits(7);
+  const auto random = [&](double largest) {
+    std::vector<double> x(model.nv());
+    for (double& x_k : x) x_k = largest * (static_cast<double>(bits() >> 11) * 0x1p-52 - 1);
+    return x;
+  };
+  State state = neutral_state(model);
+  state.q = random_configuration(model, 7), state.v = random(1), state.a = random(2);
+  return state;
 }
 
 State read_state(const Model& model, const std::string& file) {

@@ -21,6 +21,9 @@ struct State {
 /// Every joint at zero and at rest, nothing applied.
 State neutral_state(const Model& model);
 
+/// Some state in motion, always the same one, nothing applied.
+State random_state(const Model& model);
+
 /// The state in a JSON file, "-" for standard input:
 ///
 ///     {"q": [0.1, 0.2], "v": {"elbow": 1}, "a": {}, "loads": [{"frame": "tool", "wrench": [0, 0, 0, 0, 0, -5]}]}

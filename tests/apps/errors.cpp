@@ -39,12 +39,13 @@ INSTANTIATE_TEST_SUITE_P(
         {"NoCommand",
          {},
          2,
-         "axode: a command is missing; there are info, check, convert, eval, codegen, demo (see axode "
+         "axode: a command is missing; there are info, check, convert, eval, codegen, study, demo (see axode "
          "--help)"},
         {"UnknownCommand",
          {"evla", arm},
          2,
-         "axode: there is no command \"evla\"; there are info, check, convert, eval, codegen, demo; did you "
+         "axode: there is no command \"evla\"; there are info, check, convert, eval, codegen, study, demo; "
+         "did you "
          "mean "
          "\"eval\"? "
          "(see axode --help)"},
@@ -171,6 +172,19 @@ INSTANTIATE_TEST_SUITE_P(
          {"codegen", arm, "--output", "/nowhere/arm7.c"},
          1,
          "axode codegen: /nowhere/arm7.c: the file cannot be written"},
+        {"StudyOfNoModel", {"study"}, 2, "axode study: MODEL is required (see axode study --help)"},
+        {"StudyInAnUnknownFormat",
+         {"study", arm, "--format", "csv"},
+         2,
+         "axode study: --format: \"csv\" is none of table, json (see axode study --help)"},
+        {"StudyOfAMissingModel",
+         {"study", "nowhere.toml"},
+         1,
+         "nowhere.toml: error: the file cannot be read: No such file or directory"},
+        {"StudyIntoNoFolder",
+         {"study", robot("double_pendulum.toml"), "--csv", "nowhere/study.csv"},
+         1,
+         "axode study: nowhere/study.csv: the file cannot be written"},
         {"MissingModel",
          {"eval", "nowhere.toml"},
          1,

@@ -1,0 +1,253 @@
+#include "study.hpp"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <cmath>
+#include <fstream>
+
+#include "axode/dynamics/mass_matrix.hpp"
+#include "call_timer.hpp"
+#include "choice.hpp"
+#include "commands.hpp"
+#include "json_text.hpp"
+#include "table.hpp"
+#include "terminal.hpp"
+
+namespace axode::command {
+namespace {
+
+struct Options {
+  std::vector<std::string> models;
+  std::string base, csv, plot, format = "table";
+};
+
+constexpr const char* footer = R"(Example:
+  axode study double_pendulum.toml --csv study.csv --plot study.svg
+
+Every algorithm in every representation and four choices of body frames:
+  joint         the library's own: the axis of the joint is the z-axis of the body, at its origin
+  user          where the file has the bodies
+  com           at the centres of mass, parallel to the joint frames
+  construction  all at the inertial frame when the joints are at zero
+and the fast path, which is in no representation. For each:
+  mul, add, div, sqrt, sin cos   operations on numbers that the code executes, zeros and ones included
+  Ad, Ad_R, Ad_r                 twists, wrenches and screws transformed: by a pose, a rotation, a translation
+  M Ad, M Ad_R, M Ad_r           inertias transformed by the same
+  ad                             Lie brackets, of twists with twists or wrenches
+  ns                             time of one call in one thread, median, nanoseconds
+
+What is computed does not depend on the frames; docs/comparative-study.md says more. The CSV has a line for
+each row of the tables. In the plot, bars are times and ticks are mul + add + div + sqrt + sin cos, to the scale
+at which they meet the bar of body-fixed twists in joint frames.)";
+
+/// A count of an effort: its heading in a table, its name in a file.
+struct Column {
+  std::string_view heading, name;
+  long (*count)(const Operations&);
+};
+template <ScrewOperation kind> long count_of(const Operations& x) { return x[kind]; }
+constexpr std::array<Column, 12> columns{
+    {{"mul", "mul", [](const Operations& x) { return x.products; }},
+     {"add", "add", [](const Operations& x) { return x.sums; }},
+     {"div", "div", [](const Operations& x) { return x.divisions; }},
+     {"sqrt", "sqrt", [](const Operations& x) { return x.roots; }},
+     {"sin cos", "sin_cos", [](const Operations& x) { return x.angles; }},
+     {"Ad", "screw_transformations", count_of<ScrewOperation::transformation>},
+     {"Ad_R", "screw_rotations", count_of<ScrewOperation::rotation>},
+     {"Ad_r", "screw_translations", count_of<ScrewOperation::translation>},
+     {"M Ad", "tensor_transformations", count_of<ScrewOperation::tensor_transformation>},
+     {"M Ad_R", "tensor_rotations", count_of<ScrewOperation::tensor_rotation>},
+     {"M Ad_r", "tensor_translations", count_of<ScrewOperation::tensor_translation>},
+     {"ad", "brackets", count_of<ScrewOperation::bracket>}}};
+
+constexpr std::string_view fast = "fast";
+
+/// One way to compute, and how long each algorithm took that way.
+struct Way {
+  std::string_view frames, representation;
+  std::unique_ptr<Subject> subject;
+};
+
+template <class Frames> void add_ways(std::vector<Way>& ways, std::string_view frames, const Model& model) {
+  const State state = random_state(model);
+  for (const auto& [name, representation] : representations)
+    with_representation(representation, [&, name = name](auto rep) {
+      ways.push_back({frames, name, make_subject<decltype(rep), Frames>(model, state)});
+    });
+  if constexpr (std::same_as<Frames, JointFrames>)
+    ways.push_back({frames, fast, make_subject<Fast, JointFrames>(model, state)});
+}
+
+std::vector<Way> ways_of(const Model& model) {
+  std::vector<Way> ways;
+  add_ways<JointFrames>(ways, "joint", model);
+  add_ways<UserFrames>(ways, "user", model);
+  add_ways<MassCenterFrames>(ways, "com", model);
+  add_ways<ConstructionFrames>(ways, "construction", model);
+  return ways;
+}
+
+/// A line that a terminal shows while something takes long.
+void show_progress(std::string_view text) {
+  if (!is_terminal(stderr)) return;
+  fmt::print(stderr, "\r\033[K{}", text);
+  std::fflush(stderr);
+}
+
+bool needs_mass_matrix_inverse(Algorithm algorithm) {
+  return algorithm == Algorithm::forward_dynamics || algorithm == Algorithm::inverse_mass_matrix ||
+         algorithm == Algorithm::momentum_form;
+}
+
+Study studied(const Model& model) {
+  constexpr int rounds = 6, batches = 50;  // rounds: what slows the machine for a while slows all alike
+  Study study{model.name(), model.n_bodies(), model.nv(), {}, {}};
+  Workspace<> workspace(model);
+  std::vector<double> inverse(static_cast<std::size_t>(model.nv()) * static_cast<std::size_t>(model.nv()));
+  const Solvability solvability =
+      inverse_mass_matrix<Hybrid>(model, workspace, random_state(model).q, inverse);
+  if (!solvability.ok())
+    study.left_out = "forward_dynamics, inverse_mass_matrix and momentum_form are left out: " +
+                     to_string(model, solvability);
+
+  const std::vector<Way> ways = ways_of(model);
+  std::vector<CallTimer> timers;
+  for (const auto& [name, algorithm] : algorithms)
+    for (const Way& way : ways) {
+      if (!way.subject->can(algorithm) || (!solvability.ok() && needs_mass_matrix_inverse(algorithm)))
+        continue;
+      study.efforts.push_back(
+          {algorithm, way.frames, way.representation, way.subject->operations(algorithm), 0});
+      timers.emplace_back(
+          [&subject = *way.subject, algorithm = algorithm](int calls) { subject.run(algorithm, calls); });
+    }
+  for (int round = 0; round < rounds; ++round) {
+    show_progress(fmt::format("{}: round {} of {}", model.name(), round + 1, rounds));
+    for (CallTimer& timer : timers) timer.sample(batches);
+  }
+  show_progress("");
+  for (std::size_t k = 0; k < timers.size(); ++k) study.efforts[k].seconds = timers[k].median();
+  return study;
+}
+
+double nanoseconds(const Effort& effort) { return std::round(1e10 * effort.seconds) / 10; }
+
+void print(const Study& study) {
+  fmt::print("{}\n", in(Ink::heading, fmt::format("{}: {} moving bodies, nv = {}", study.model, study.bodies,
+                                                  study.velocities)));
+  if (!study.left_out.empty()) fmt::print("{}\n", in(Ink::warning, study.left_out));
+  for (const auto& [name, algorithm] : algorithms) {
+    std::vector<std::string> headings{"frames", "representation"};
+    for (const Column& column : columns) headings.emplace_back(column.heading);
+    headings.emplace_back("ns");
+    Table table(headings);
+    std::string_view frames;
+    for (const Effort& effort : study.efforts) {
+      if (effort.algorithm != algorithm) continue;
+      if (!frames.empty() && effort.frames != frames) table.rule();
+      std::vector<Cell> row{std::string(effort.frames == frames ? "" : effort.frames),
+                            std::string(effort.representation)};
+      frames = effort.frames;
+      for (const Column& column : columns) {
+        const long count = column.count(effort.operations);
+        row.push_back(count == 0 ? Cell("") : Cell(static_cast<double>(count)));
+      }
+      row.emplace_back(nanoseconds(effort));
+      table.row(std::move(row));
+    }
+    if (!table.empty()) fmt::print("\n{}\n{}", in(Ink::heading, name), table.text());
+  }
+}
+
+std::string quoted(const std::string& text) {
+  std::string out = "\"";
+  for (const char c : text) out += c == '"' ? std::string("\"\"") : std::string(1, c);
+  return out + '"';
+}
+
+std::string as_csv(const std::vector<Study>& studies) {
+  std::string out = "model,bodies,velocities,algorithm,frames,representation";
+  for (const Column& column : columns) out += fmt::format(",{}", column.name);
+  out += ",ns\n";
+  for (const Study& study : studies)
+    for (const Effort& effort : study.efforts) {
+      out += fmt::format("{},{},{},{},{},{}", quoted(study.model), study.bodies, study.velocities,
+                         word_for(effort.algorithm, algorithms), effort.frames, effort.representation);
+      for (const Column& column : columns) out += fmt::format(",{}", column.count(effort.operations));
+      out += fmt::format(",{}\n", nanoseconds(effort));
+    }
+  return out;
+}
+
+Json as_json(const std::vector<Study>& studies) {
+  Json out = Json::array();
+  for (const Study& study : studies) {
+    Json efforts = Json::array();
+    for (const Effort& effort : study.efforts) {
+      Json row{{"algorithm", word_for(effort.algorithm, algorithms)},
+               {"frames", effort.frames},
+               {"representation", effort.representation}};
+      for (const Column& column : columns) row[std::string(column.name)] = column.count(effort.operations);
+      row["ns"] = nanoseconds(effort);
+      efforts.push_back(row);
+    }
+    out.push_back({{"model", study.model},
+                   {"bodies", study.bodies},
+                   {"velocities", study.velocities},
+                   {"efforts", efforts}});
+    if (!study.left_out.empty()) out.back()["left_out"] = study.left_out;
+  }
+  return out;
+}
+
+void write(const std::string& name, const std::string& text) {
+  if (name.empty()) return;
+  std::ofstream file(name, std::ios::binary);
+  file << text;
+  file.close();
+  if (!file) throw InputError(name + ": the file cannot be written");
+}
+
+void run(const Options& options) {
+  const Format format = choose("--format", options.format, formats);
+  const Base base = base_of(options.base);
+  std::vector<Model> models;
+  for (const std::string& file : options.models) {
+    models.push_back(load(file, base));
+    if (models.back().nv() == 0) throw InputError(file + ": nothing moves, there is nothing to study");
+  }
+  std::vector<Study> studies;
+  for (const Model& model : models) studies.push_back(studied(model));
+  write(options.csv, as_csv(studies));
+  write(options.plot, plot(studies));
+  if (format == Format::json) {
+    fmt::print("{}", text(as_json(studies)));
+    return;
+  }
+  for (std::size_t k = 0; k < studies.size(); ++k) {
+    if (k > 0) fmt::print("\n");
+    print(studies[k]);
+  }
+}
+
+}  // namespace
+
+void add_study(CLI::App& app, int& exit_code) {
+  const auto options = std::make_shared<Options>();
+  CLI::App* study = app.add_subcommand("study", "Compare representations and frames: operations and times");
+  study->add_option("MODEL", options->models, "Drawings (.toml) or URDFs")->required()->type_name("FILE ...");
+  study->add_option("--base", options->base, "fixed or free; as the file says if left out")
+      ->type_name("WORD");
+  study->add_option("--csv", options->csv, "Write the numbers to this file")->type_name("FILE");
+  study->add_option("--plot", options->plot, "Draw the times and operations into this SVG")
+      ->type_name("FILE");
+  study->add_option("--format", options->format, "table (if left out) or json")->type_name("WORD");
+  study->footer(footer);
+  study->callback([options, &exit_code] {
+    run(*options);
+    exit_code = all_well;
+  });
+}
+
+}  // namespace axode::command

@@ -1,0 +1,158 @@
+#pragma once
+#include "axode/dynamics/fast_articulated_bodies.hpp"
+#include "axode/dynamics/fast_composite_bodies.hpp"
+#include "axode/dynamics/momentum_recursion.hpp"
+#include "study.hpp"
+
+namespace axode::command {
+
+template <class T> struct Numbers {
+  std::vector<T> q, v, a, out, out_2;
+
+  Numbers(const State& state, std::size_t nv)
+      : q(state.q.begin(), state.q.end()),
+        v(state.v.begin(), state.v.end()),
+        a(state.a.begin(), state.a.end()),
+        out(std::max(nv * nv, nv)),
+        out_2(nv) {}
+};
+
+/// M⁻¹, column by column.
+template <class Rep, class T, TreeOf<T> AnyTree>
+void invert(const AnyTree& tree, typename Workspace<T>::Arena& arena, Numbers<T>& x) {
+  const MassMatrixSolver<Rep, T> solver{tree, arena, body_links<Rep>(tree, arena, x.q.data())};
+  const std::size_t nv = static_cast<std::size_t>(tree.nv);
+  std::fill(x.out.begin(), x.out.end(), T(0));
+  for (std::size_t c = 0; c < nv; ++c) x.out[c * nv + c] = T(1);
+  for (std::size_t c = 0; c < nv; ++c) solver.solve(x.out.data() + c * nv);
+}
+
+/// One call of an algorithm by the recursion in Rep.
+template <class Rep, class T, TreeOf<T> AnyTree>
+void call(Algorithm algorithm, const AnyTree& tree, Workspace<T>& workspace, Numbers<T>& x) {
+  typename Workspace<T>::Arena arena(workspace);
+  const T *q = x.q.data(), *v = x.v.data(), *a = x.a.data();
+  T* out = x.out.data();
+  switch (algorithm) {
+    case Algorithm::inverse_dynamics: {
+      InverseDynamicsRecursion<Rep, T> recursion{arena};
+      recursion.run(tree, q, v, a, {});
+      recursion.project(tree, v, a, false, out);
+      break;
+    }
+    case Algorithm::forward_dynamics:
+      static_cast<void>(solve_forward_dynamics<Rep>(tree, arena, q, v, a, {}, out));
+      break;
+    case Algorithm::mass_matrix:
+      CompositeBodies<Rep, T>{arena, body_links<Rep>(tree, arena, q)}.run(tree, tree.armature.data(), out);
+      break;
+    case Algorithm::inverse_mass_matrix: invert<Rep>(tree, arena, x); break;
+    case Algorithm::accelerations: {
+      const JointMotion<T> joints(arena);
+      const BodyMotion<Rep, T> bodies(arena);
+      joint_motion(tree, q, v, a, joints);
+      forward_recursion(tree, joints, Vec3<T>{}, bodies);
+      break;
+    }
+    case Algorithm::momentum_form:
+      if constexpr (std::same_as<Rep, Spatial>)
+        static_cast<void>(solve_momentum_form(tree, workspace, q, v, a, {}, out, x.out_2.data()));
+      break;
+  }
+}
+
+/// The same by the fast path.
+template <class T>
+void call_fast(Algorithm algorithm, const Tree<double>& tree, Workspace<T>& workspace, Numbers<T>& x) {
+  typename Workspace<T>::Arena arena(workspace);
+  const T *q = x.q.data(), *v = x.v.data(), *a = x.a.data();
+  T* out = x.out.data();
+  using G = typename FastGeometry<T>::type;
+  using Bodies = FastArticulatedBodies<G, T>;
+  switch (algorithm) {
+    case Algorithm::inverse_dynamics: {
+      FastInverseDynamics<G, T> recursion(arena);
+      recursion.forward(tree, q, v, a, cast<T>(tree.g));
+      recursion.backward(tree, out);
+      for (int c = 0; c < tree.nv; ++c) out[c] += T(tree.armature[c]) * a[c];
+      break;
+    }
+    case Algorithm::forward_dynamics: {
+      Bodies bodies(arena);
+      auto* motion = arena.template per_body<typename Bodies::Motion>();
+      bodies.place_and_move(tree, q, v, motion);
+      bodies.solve(tree, a, motion, out);
+      break;
+    }
+    case Algorithm::mass_matrix: FastCompositeBodies<T>(arena).run(tree, q, out); break;
+    case Algorithm::inverse_mass_matrix: {
+      Bodies bodies(arena);
+      auto* columns = arena.template per_body<typename Bodies::Columns>();
+      auto* u = arena.template per_screw<typename Bodies::Several>();
+      bodies.place(tree, q);
+      bodies.factorize(tree);
+      bodies.inverse(tree, columns, u, out);
+      break;
+    }
+    case Algorithm::accelerations:
+    case Algorithm::momentum_form: break;
+  }
+}
+
+template <class T, class Frames> struct TreeIn { using type = FramedTree<T, Frames>; };
+template <class T> struct TreeIn<T, JointFrames> { using type = Tree<T>; };
+
+template <class Rep, class Frames> class SubjectIn : public Subject {
+  static constexpr bool fast = std::same_as<Rep, Fast>;
+
+ public:
+  SubjectIn(const Model& model, const State& state)
+      : model_(model), tree_(model.tree<double>()), state_(state), workspace_(model), numbers_(state, nv()) {}
+
+  bool can(Algorithm algorithm) const override {
+    if (algorithm == Algorithm::momentum_form) return std::same_as<Rep, Spatial>;
+    if (!fast || algorithm == Algorithm::inverse_dynamics) return true;
+    return algorithm != Algorithm::accelerations && tree_.coupled_bodies.empty();
+  }
+  void run(Algorithm algorithm, int calls) override {
+    for (int k = 0; k < calls; ++k) call_once(algorithm, tree_, workspace_, numbers_);
+  }
+  Operations operations(Algorithm algorithm) override {
+    Numbers<Counted> numbers(state_, nv());
+    Workspace<Counted> workspace(tree_);
+    if constexpr (fast) {
+      Counted::count() = {};
+      call_once(algorithm, tree_, workspace, numbers);
+      Counted::count().screws = {};  // what it does is not done by the operations that count
+    } else {
+      const typename TreeIn<Counted, Frames>::type tree(cast<Counted>(model_.tree<double>()));
+      Counted::count() = {};
+      call_once(algorithm, tree, workspace, numbers);
+    }
+    return Counted::count();
+  }
+
+ private:
+  template <class T, class AnyTree>
+  static void call_once(Algorithm algorithm, const AnyTree& tree, Workspace<T>& workspace,
+                        Numbers<T>& numbers) {
+    if constexpr (fast)
+      call_fast(algorithm, tree, workspace, numbers);
+    else
+      call<Rep>(algorithm, tree, workspace, numbers);
+  }
+  std::size_t nv() const { return static_cast<std::size_t>(tree_.nv); }
+
+  const Model model_;
+  const typename TreeIn<double, Frames>::type tree_;
+  const State state_;
+  Workspace<double> workspace_;
+  Numbers<double> numbers_;
+};
+
+template <class Rep, class Frames>
+std::unique_ptr<Subject> make_subject(const Model& model, const State& state) {
+  return std::make_unique<SubjectIn<Rep, Frames>>(model, state);
+}
+
+}  // namespace axode::command

@@ -1,0 +1,137 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <map>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <sstream>
+
+#include "tests/apps/run_command.hpp"
+
+/// `axode study`: what it prints, writes and draws says the same, for every algorithm, representation and choice of frames.
+namespace axode::test {
+namespace {
+
+using Json = nlohmann::ordered_json;
+using testing::HasSubstr;
+using testing::Not;
+
+constexpr const char* header =
+    "model,bodies,velocities,algorithm,frames,representation,mul,add,div,sqrt,sin_cos,screw_transformations,"
+    "screw_rotations,screw_translations,tensor_transformations,tensor_rotations,tensor_translations,brackets,"
+    "ns";
+
+std::vector<std::string> split(const std::string& text, char separator) {
+  std::istringstream in(text);
+  std::vector<std::string> parts;
+  for (std::string part; std::getline(in, part, separator);) parts.push_back(part);
+  return parts;
+}
+
+/// How many rows each algorithm has: four frames in four representations, and the fast path in one.
+const std::map<std::string, int> rows_of{{"inverse_dynamics", 17}, {"forward_dynamics", 17},
+                                         {"mass_matrix", 17},      {"inverse_mass_matrix", 17},
+                                         {"accelerations", 16},    {"momentum_form", 4}};
+
+TEST(Study, WritesARowForEveryWayToCompute) {
+  const TemporaryFolder folder;
+  const std::string csv = folder.file("study.csv"), svg = folder.file("study.svg");
+  const Outcome outcome = axode({"study", robot("arm7.toml"), "--csv", csv, "--plot", svg});
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_EQ(outcome.err, "") << "progress is for terminals";
+  for (const char* said : {"arm7: 7 moving bodies, nv = 7", "joint ", "user ", "com ", "construction", "body",
+                           "spatial", "hybrid", "mixed", "fast", "mul", "add", "sin cos", "Ad_R", "M Ad"})
+    EXPECT_THAT(outcome.out, HasSubstr(said));
+
+  const std::vector<std::string> lines = split(contents(csv), '\n');
+  EXPECT_EQ(lines.at(0), header);
+  std::map<std::string, int> rows;
+  std::set<std::string> ways;
+  for (std::size_t k = 1; k < lines.size(); ++k) {
+    const std::vector<std::string> cells = split(lines[k], ',');
+    ASSERT_EQ(cells.size(), split(header, ',').size()) << lines[k];
+    EXPECT_EQ(cells[0] + cells[1] + cells[2], "\"arm7\"77");
+    ++rows[cells[3]];
+    EXPECT_TRUE(ways.insert(cells[3] + cells[4] + cells[5]).second) << lines[k];
+    EXPECT_GT(std::stol(cells[6]), 0);
+    EXPECT_GT(std::stod(cells[18]), 0);
+    EXPECT_THAT(outcome.out, HasSubstr(cells[3]));
+  }
+  EXPECT_EQ(rows, rows_of);
+
+  const Outcome parsed = run({"python3", "-c",
+                              "import sys, xml.dom.minidom as x; d = x.parse(sys.argv[1]); "
+                              "print(len(d.getElementsByTagName('rect')))",
+                              svg});
+  EXPECT_EQ(parsed.code, 0) << parsed.err;
+  EXPECT_EQ(parsed.out, std::to_string(lines.size() - 1 + 5) + "\n") << "a bar for each row, and the legend";
+}
+
+TEST(Study, CountsTheSameInJsonAndCsv) {
+  const TemporaryFolder folder;
+  const std::string csv = folder.file("study.csv");
+  const Outcome outcome =
+      axode({"study", robot("double_pendulum.toml"), robot("arm7.toml"), "--csv", csv, "--format", "json"});
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  const std::vector<std::string> lines = split(contents(csv), '\n'), names = split(header, ',');
+  std::size_t line = 1;
+  for (const Json& study : Json::parse(outcome.out))
+    for (const Json& effort : study["efforts"]) {
+      const std::vector<std::string> cells = split(lines.at(line++), ',');
+      EXPECT_EQ(cells[0], '"' + study["model"].get<std::string>() + '"');
+      for (std::size_t k = 3; k < names.size(); ++k) {
+        const Json& value = effort[names[k]];
+        if (value.is_string())
+          EXPECT_EQ(cells[k], value.get<std::string>());
+        else
+          EXPECT_EQ(std::stod(cells[k]), value.get<double>());
+      }
+    }
+  EXPECT_EQ(line, lines.size());
+}
+
+TEST(Study, CountsForASingleHingeWhatThePaperCounts) {
+  const TemporaryFolder folder;
+  const std::string drawing = folder.write("door.toml", R"(format = "axode drawing 1"
+name = "a \"door\" & <hinge>"
+[[body]]
+name = "leaf"
+joint = { kind = "revolute", axis = "z", point = [0, 0, 0] }
+mass = 20
+com = [0.4, 0, 1]
+inertia = [7, 8, 1]
+)");
+  const std::string csv = folder.file("door.csv"), svg = folder.file("door.svg");
+  const Outcome outcome = axode({"study", drawing, "--csv", csv, "--plot", svg});
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_THAT(contents(csv), HasSubstr("\n\"a \"\"door\"\" & <hinge>\",1,1,inverse_dynamics,joint,body,"));
+  EXPECT_THAT(contents(csv), HasSubstr(",2,3,0,0,0,0,0,2,"));
+  EXPECT_EQ(run({"python3", "-c", "import sys, xml.dom.minidom as x; x.parse(sys.argv[1])", svg}).code, 0);
+}
+
+TEST(Study, LeavesOutWhatASingularMassMatrixForbids) {
+  const TemporaryFolder folder;
+  const std::string drawing = folder.write("weightless.toml", R"(format = "axode drawing 1"
+name = "weightless"
+[[body]]
+name = "pointer"
+joint = { kind = "revolute", axis = "z", point = [0, 0, 0] }
+)");
+  const std::string csv = folder.file("study.csv");
+  const Outcome outcome = axode({"study", drawing, "--csv", csv});
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_THAT(outcome.out,
+              HasSubstr("forward_dynamics, inverse_mass_matrix and momentum_form are left out: "));
+  EXPECT_THAT(contents(csv), HasSubstr(",inverse_dynamics,"));
+  EXPECT_THAT(contents(csv), Not(HasSubstr(",forward_dynamics,")));
+}
+
+TEST(Study, SetsTheBaseFree) {
+  const TemporaryFolder folder;
+  const std::string csv = folder.file("study.csv");
+  ASSERT_EQ(axode({"study", robot("humanoid.urdf"), "--base", "free", "--csv", csv}).code, 0);
+  EXPECT_THAT(contents(csv), HasSubstr("\"humanoid\",32,37,inverse_dynamics,construction,mixed,"));
+}
+
+}  // namespace
+}  // namespace axode::test
