@@ -218,6 +218,7 @@ void run(const Options& options) {
     if (models.back().nv() == 0) throw InputError(file + ": nothing moves, there is nothing to study");
   }
   std::vector<Study> studies;
+  studies.reserve(models.size());
   for (const Model& model : models) studies.push_back(studied(model));
   write(options.csv, as_csv(studies));
   write(options.plot, plot(studies));

@@ -170,8 +170,7 @@ template <class T, class Frames> struct FramedTree : Tree<T> {
     for (int f = 0; f < tree.n_frames(); ++f)
       this->frame_offset[f] = inverse(in_joint[tree.frame_body[f]]) * tree.frame_offset[f];
     axode::each_joint(tree, [&](const auto& joint, int i, bool) {
-      for (int k = 0; k < joint.nv; ++k)
-        X[static_cast<std::size_t>(tree.first_screw[i] + k)] = Ad_inv(in_joint[i], joint.column(k));
+      for (int k = 0; k < joint.nv; ++k) X[tree.first_screw[i] + k] = Ad_inv(in_joint[i], joint.column(k));
     });
     sort_joints(tree.runs, in_joint);
   }

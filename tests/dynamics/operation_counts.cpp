@@ -207,6 +207,7 @@ TEST(OperationCounts, AnInertiaTakesThreeTimesAsManyAsAScrewToTransform) {
   EXPECT_EQ(of_one([&] { static_cast<void>(ad(X, X)); }), (PerHinge{18, 12}));
   EXPECT_EQ(of_one([&] { static_cast<void>(transform(C, M)); }), (PerHinge{77, 59}));
   EXPECT_EQ(of_one([&] { static_cast<void>(transform(C.R, M)); }), (PerHinge{54, 36}));
+  EXPECT_EQ(of_one([&] { static_cast<void>(transform(C.r, M)); }), (PerHinge{23, 23}));
 }
 
 TEST(OperationCounts, NoOperationCountsWithinAnother) {
