@@ -84,7 +84,12 @@ void call_fast(Algorithm algorithm, const Tree<double>& tree, Workspace<T>& work
       bodies.solve(tree, a, motion, out);
       break;
     }
-    case Algorithm::mass_matrix: FastCompositeBodies<T>(arena).run(tree, q, out); break;
+    case Algorithm::mass_matrix: {
+      FastCompositeBodies<T> bodies(arena);
+      bodies.run(tree, q);
+      bodies.write(tree, out);
+      break;
+    }
     case Algorithm::inverse_mass_matrix: {
       Bodies bodies(arena);
       auto* columns = arena.template per_body<typename Bodies::Columns>();

@@ -163,16 +163,8 @@ Recording jacobian(const Tree<double>& tree, int frame, Representation represent
   return traced.with(std::move(rows));
 }
 
-/// Whether factors of the mass matrix could take fewer operations than articulated bodies, of which a joint
-/// needs a few hundred.
-bool may_be_factorized(const Tree<double>& tree) {
-  long products = 0;
-  for (int c = 0; c < tree.nv; ++c) {
-    long depth = 0;
-    for (int i = tree.velocity_parent[c]; i >= 0; i = tree.velocity_parent[i]) products += ++depth;
-  }
-  return products < 500L * tree.nv;
-}
+/// The longest path of velocities on which factors of the mass matrix lose next to no digits.
+constexpr int longest_path = 16;
 
 }  // namespace
 
@@ -187,7 +179,7 @@ Recording record(const Model& model, const Function& function, bool single_preci
   const double coarser = single_precision ? 1e5 : 1;  // fewer digits
   if (!tree.coupled_bodies.empty()) return forward_dynamics(tree, solve_factorized, coarser);
   Recording by_bodies = forward_dynamics(tree, solve_articulated, coarser);
-  if (!may_be_factorized(tree)) return by_bodies;
+  if (tree.depth > longest_path) return by_bodies;
   Recording by_factors = forward_dynamics(tree, solve_factorized, coarser);
   return operations(by_bodies).total() < operations(by_factors).total() ? by_bodies : by_factors;
 }
