@@ -170,7 +170,13 @@ std::span<typename Derived::Scalar> as_span(Eigen::MatrixBase<Derived>& vector) 
   return {vector.derived().data(), static_cast<std::size_t>(vector.size())};
 }
 /// The entries of an Eigen matrix in the order in which it stores them: column by column, unless its type
-/// says RowMajor. Results of this library that are matrices come row by row.
+/// says RowMajor: with a column for each state, as axode/batch.hpp takes many states. Results of this library that
+/// are matrices come row by row.
+template <class Derived>
+  requires(!Derived::IsVectorAtCompileTime)
+std::span<const typename Derived::Scalar> as_span(const Eigen::PlainObjectBase<Derived>& matrix) {
+  return {matrix.data(), static_cast<std::size_t>(matrix.size())};
+}
 template <class Derived>
   requires(!Derived::IsVectorAtCompileTime)
 std::span<typename Derived::Scalar> as_span(Eigen::PlainObjectBase<Derived>& matrix) {
