@@ -160,14 +160,23 @@ class Statements {
 }  // namespace
 
 std::string Precision::literal(double x) const {
-  if (std::isnan(x)) return "(0.0 / 0.0)";
-  if (std::isinf(x)) return x < 0 ? "(-1.0 / 0.0)" : "(1.0 / 0.0)";
+  const double value = single ? static_cast<float>(x) : x;
+  if (std::isnan(value)) return "(0.0 / 0.0)";
+  if (std::isinf(value)) return value < 0 ? "(-1.0 / 0.0)" : "(1.0 / 0.0)";
   char digits[32];
   const auto [end, error] = single ? std::to_chars(digits, digits + sizeof digits, static_cast<float>(x))
                                    : std::to_chars(digits, digits + sizeof digits, x);
   std::string text(digits, end);
   if (text.find_first_of(".e") == std::string::npos) text += ".0";
   return single ? text + 'f' : text;
+}
+
+bool calls_math_library(const Recording& recording) {
+  const std::vector<char> need = needed(recording);
+  for (std::size_t k = 0; k < need.size(); ++k)
+    if (need[k] && (recording.nodes[k].operation == root || recording.nodes[k].operation == angle))
+      return true;
+  return false;
 }
 
 std::string c_signature(const Recording& recording, const std::string& name, const Precision& precision) {

@@ -20,7 +20,10 @@ std::string c_signature(const Recording& recording, const std::string& name, con
 std::string c_definition(const Recording& recording, const std::string& name, const std::string& sine_cosine,
                          const Precision& precision);
 
-/// The definition of that function.
+/// Whether the function takes roots or angles, for which it needs <math.h>.
+bool calls_math_library(const Recording& recording);
+
+/// The definition of the function for n angles, errors below 2 ulp up to 1e5 rad.
 std::string c_sine_cosine(const std::string& name, const Precision& precision);
 
 }  // namespace axode::codegen

@@ -175,9 +175,8 @@ Source c_source(const Model& model, std::span<const Function> functions, const O
          "   -ffast-math, which breaks the sines; products and sums may become one instruction\n"
          "   (-ffp-contract=fast). */\n\n"
          "#ifdef __FAST_MATH__\n#error \"compile this file without -ffast-math\"\n#endif\n";
-  const bool calls = std::any_of(parts.begin(), parts.end(),
-                                 [](const Part& part) { return operations(part.recording).roots > 0; });
-  if (calls) text += "#include <math.h>\n";
+  if (std::ranges::any_of(parts, [](const Part& part) { return calls_math_library(part.recording); }))
+    text += "#include <math.h>\n";
   text +=
       "#ifdef __cplusplus\n#define AXODE_RESTRICT __restrict\nextern \"C\" {\n#else\n"
       "#define AXODE_RESTRICT restrict\n#endif\n\n";

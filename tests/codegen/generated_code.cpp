@@ -1,6 +1,7 @@
 #include <memory>
 
 #include "axode/codegen.hpp"
+#include "axode/codegen/c_function.hpp"
 #include "axode/io.hpp"
 #include "tests/codegen/compiled.hpp"
 #include "tests/laws/law.hpp"
@@ -198,6 +199,40 @@ TYPED_TEST(GeneratedCode, HasSinesAndCosinesOfTwoUnitsInTheLastPlace) {
     function(&q, J);
     EXPECT_LE(units(-J[3], std::sin(static_cast<double>(q))), 2) << q;
     EXPECT_LE(units(J[4], std::cos(static_cast<double>(q))), 2) << q;
+  }
+}
+
+/// Every operation of a tape, with sines of sines, as a function of C.
+TYPED_TEST(GeneratedCode, ComputesWhatIsRecorded) {
+  using T = TypeParam;
+  const auto computed = [](auto x, auto y, auto z) {
+    using N = decltype(x);
+    const N a = sin(x) * cos(y) + z / (N(2) + x * x), b = sqrt(N(1) + a * a) - N(3) * y,
+            c = atan2(b, sin(a) - y);
+    const auto less = [](const N& u, const N& v) { return !(v <= u); };
+    return std::vector<N>{
+        a, -b, N(0.1) * c, N(7), x, select(x < y && y <= z, a, b), select(less(z, a) || y < x, a, -a)};
+  };
+  codegen::Recording recording{.arguments = {"q"}, .result = "f"};
+  {
+    Tape tape;
+    recording.results = computed(tape.input(0, 0), tape.input(0, 1), tape.input(0, 2));
+    recording.nodes = tape.nodes();
+  }
+  EXPECT_TRUE(codegen::calls_math_library(recording));
+  const codegen::Precision precision{std::same_as<T, float>};
+  const Compiled library("#include <math.h>\n#define AXODE_RESTRICT restrict\n" +
+                         codegen::c_sine_cosine("turn", precision) +
+                         codegen::c_definition(recording, "f_of_q", "turn", precision));
+  const auto function = library.function<typename Generated<T>::OfConfiguration>("f_of_q");
+  Comparison value("value", std::same_as<T, double> ? 1e-14 : 1e-5);
+  Random<double> random(7);
+  for (int trial = 0; trial < 1000; ++trial) {
+    const T q[]{static_cast<T>(random.number(-1, 1)), static_cast<T>(random.number(-1, 1)),
+                static_cast<T>(random.number(-1, 1))};
+    std::vector<T> f(7);
+    function(q, f.data());
+    value.expect_equal(f, computed(q[0], q[1], q[2]));
   }
 }
 
