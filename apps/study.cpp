@@ -63,28 +63,31 @@ constexpr std::array<Column, 12> columns{
 
 constexpr std::string_view fast = "fast";
 
-/// One way to compute, and how long each algorithm took that way.
+/// One way to compute.
 struct Way {
   std::string_view frames, representation;
   std::unique_ptr<Subject> subject;
+  Operations (*operations)(Algorithm, const Model&, const State&);
 };
 
-template <class Frames> void add_ways(std::vector<Way>& ways, std::string_view frames, const Model& model) {
-  const State state = random_state(model);
+template <class Frames>
+void add_ways(std::vector<Way>& ways, std::string_view frames, const Model& model, const State& state) {
   for (const auto& [name, representation] : representations)
     with_representation(representation, [&, name = name](auto rep) {
-      ways.push_back({frames, name, make_subject<decltype(rep), Frames>(model, state)});
+      ways.push_back({frames, name, make_subject<decltype(rep), Frames>(model, state),
+                      operations<decltype(rep), Frames>});
     });
   if constexpr (std::same_as<Frames, JointFrames>)
-    ways.push_back({frames, fast, make_subject<Fast, JointFrames>(model, state)});
+    ways.push_back(
+        {frames, fast, make_subject<Fast, JointFrames>(model, state), operations<Fast, JointFrames>});
 }
 
-std::vector<Way> ways_of(const Model& model) {
+std::vector<Way> ways_of(const Model& model, const State& state) {
   std::vector<Way> ways;
-  add_ways<JointFrames>(ways, "joint", model);
-  add_ways<UserFrames>(ways, "user", model);
-  add_ways<MassCenterFrames>(ways, "com", model);
-  add_ways<ConstructionFrames>(ways, "construction", model);
+  add_ways<JointFrames>(ways, "joint", model, state);
+  add_ways<UserFrames>(ways, "user", model, state);
+  add_ways<MassCenterFrames>(ways, "com", model, state);
+  add_ways<ConstructionFrames>(ways, "construction", model, state);
   return ways;
 }
 
@@ -102,23 +105,23 @@ bool needs_mass_matrix_inverse(Algorithm algorithm) {
 
 Study studied(const Model& model) {
   constexpr int rounds = 6, batches = 50;  // rounds: what slows the machine for a while slows all alike
+  const State state = random_state(model);
   Study study{model.name(), model.n_bodies(), model.nv(), {}, {}};
   Workspace<> workspace(model);
   std::vector<double> inverse(static_cast<std::size_t>(model.nv()) * static_cast<std::size_t>(model.nv()));
-  const Solvability solvability =
-      inverse_mass_matrix<Hybrid>(model, workspace, random_state(model).q, inverse);
+  const Solvability solvability = inverse_mass_matrix<Hybrid>(model, workspace, state.q, inverse);
   if (!solvability.ok())
     study.left_out = "forward_dynamics, inverse_mass_matrix and momentum_form are left out: " +
                      to_string(model, solvability);
 
-  const std::vector<Way> ways = ways_of(model);
+  const std::vector<Way> ways = ways_of(model, state);
   std::vector<CallTimer> timers;
   for (const auto& [name, algorithm] : algorithms)
     for (const Way& way : ways) {
       if (!way.subject->can(algorithm) || (!solvability.ok() && needs_mass_matrix_inverse(algorithm)))
         continue;
       study.efforts.push_back(
-          {algorithm, way.frames, way.representation, way.subject->operations(algorithm), 0});
+          {algorithm, way.frames, way.representation, way.operations(algorithm, model, state), 0});
       timers.emplace_back(
           [&subject = *way.subject, algorithm = algorithm](int calls) { subject.run(algorithm, calls); });
     }

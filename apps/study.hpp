@@ -38,11 +38,13 @@ class Subject {
   virtual ~Subject() = default;
   virtual bool can(Algorithm algorithm) const = 0;
   virtual void run(Algorithm algorithm, int calls) = 0;
-  virtual Operations operations(Algorithm algorithm) = 0;
 };
 /// Rep: BodyFixed, Spatial, Hybrid, Mixed, or Fast with JointFrames only.
 template <class Rep, class Frames>
 std::unique_ptr<Subject> make_subject(const Model& model, const State& state);
+/// What one call of an algorithm that the subject can do executes.
+template <class Rep, class Frames>
+Operations operations(Algorithm algorithm, const Model& model, const State& state);
 
 /// What one algorithm costs in one way.
 struct Effort {

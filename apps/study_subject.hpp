@@ -29,6 +29,7 @@ void invert(const AnyTree& tree, typename Workspace<T>::Arena& arena, Numbers<T>
 
 /// One call of an algorithm by the recursion in Rep.
 template <class Rep, class T, TreeOf<T> AnyTree>
+  requires(!std::same_as<Rep, Fast>)
 void call(Algorithm algorithm, const AnyTree& tree, Workspace<T>& workspace, Numbers<T>& x) {
   typename Workspace<T>::Arena arena(workspace);
   const T *q = x.q.data(), *v = x.v.data(), *a = x.a.data();
@@ -62,8 +63,8 @@ void call(Algorithm algorithm, const AnyTree& tree, Workspace<T>& workspace, Num
 }
 
 /// The same by the fast path.
-template <class T>
-void call_fast(Algorithm algorithm, const Tree<double>& tree, Workspace<T>& workspace, Numbers<T>& x) {
+template <std::same_as<Fast> Rep, class T>
+void call(Algorithm algorithm, const Tree<double>& tree, Workspace<T>& workspace, Numbers<T>& x) {
   typename Workspace<T>::Arena arena(workspace);
   const T *q = x.q.data(), *v = x.v.data(), *a = x.a.data();
   T* out = x.out.data();
@@ -112,7 +113,9 @@ template <class Rep, class Frames> class SubjectIn : public Subject {
 
  public:
   SubjectIn(const Model& model, const State& state)
-      : model_(model), tree_(model.tree<double>()), state_(state), workspace_(model), numbers_(state, nv()) {}
+      : tree_(model.tree<double>()),
+        workspace_(model),
+        numbers_(state, static_cast<std::size_t>(model.nv())) {}
 
   bool can(Algorithm algorithm) const override {
     if (algorithm == Algorithm::momentum_form) return std::same_as<Rep, Spatial>;
@@ -120,37 +123,11 @@ template <class Rep, class Frames> class SubjectIn : public Subject {
     return algorithm != Algorithm::accelerations && tree_.coupled_bodies.empty();
   }
   void run(Algorithm algorithm, int calls) override {
-    for (int k = 0; k < calls; ++k) call_once(algorithm, tree_, workspace_, numbers_);
-  }
-  Operations operations(Algorithm algorithm) override {
-    Numbers<Counted> numbers(state_, nv());
-    Workspace<Counted> workspace(tree_);
-    if constexpr (fast) {
-      Counted::count() = {};
-      call_once(algorithm, tree_, workspace, numbers);
-      Counted::count().screws = {};  // what it does is not done by the operations that count
-    } else {
-      const typename TreeIn<Counted, Frames>::type tree(cast<Counted>(model_.tree<double>()));
-      Counted::count() = {};
-      call_once(algorithm, tree, workspace, numbers);
-    }
-    return Counted::count();
+    for (int k = 0; k < calls; ++k) call<Rep>(algorithm, tree_, workspace_, numbers_);
   }
 
  private:
-  template <class T, class AnyTree>
-  static void call_once(Algorithm algorithm, const AnyTree& tree, Workspace<T>& workspace,
-                        Numbers<T>& numbers) {
-    if constexpr (fast)
-      call_fast(algorithm, tree, workspace, numbers);
-    else
-      call<Rep>(algorithm, tree, workspace, numbers);
-  }
-  std::size_t nv() const { return static_cast<std::size_t>(tree_.nv); }
-
-  const Model model_;
   const typename TreeIn<double, Frames>::type tree_;
-  const State state_;
   Workspace<double> workspace_;
   Numbers<double> numbers_;
 };
