@@ -51,6 +51,13 @@ const bool registered = [] {
                                  [](const Model& m, auto& w, auto& q, auto&, auto&, auto out) {
                                    joint_screws(m, w, q, out.first(static_cast<std::size_t>(m.n_screws())));
                                  });
+  measure_frames<Twist<Hybrid>>("body_jacobians", "hybrid",
+                                [](const Model& m, auto& w, auto& q, auto& v, auto&, auto out) {
+                                  for (int i = 1; i <= m.n_bodies(); ++i) {
+                                    jacobian<Hybrid>(m, w, q, i, out.first(v.size()));
+                                    benchmark::ClobberMemory();
+                                  }
+                                });
   measure_frames<SE3<>>("poses", "fast", [](const Model& m, auto& w, auto& q, auto&, auto&, auto out) {
     poses(m, w, q, out.first(static_cast<std::size_t>(m.n_frames())));
   });

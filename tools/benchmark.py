@@ -4,7 +4,8 @@
 
 Runs <build>/bench/single_thread of every build folder given, writes build/bench/ratios.json, a list of
 {"function", "model", "variant", "ours_ns", "ours_compiler", "peer", "peer_compiler", "peer_ns", "ratio"}, prints it as a
-table, and draws it. Times are medians of repetitions, in nanoseconds for one state.
+table, and draws what is beside Pinocchio. What is beside MuJoCo, which is not compiled here, has a table of its own.
+Times are medians of repetitions, in nanoseconds for one state.
 """
 
 import argparse
@@ -15,10 +16,11 @@ import sys
 from collections import defaultdict
 from pathlib import Path
 
-PEERS = ["pinocchio"]
+PEERS = ["pinocchio", "mujoco"]
+COMPILED_BY_ITS_MAKERS = {"mujoco": "wheel"}  # peers that have a table of their own
 OWN_PEERS = {"generated": "fast"}  # variants of ours that are compared with another one of ours
 FAST = {"inverse_dynamics": "fast", "forward_dynamics": "fast", "mass_matrix": "fast", "inverse_mass_matrix": "fast",
-        "joint_jacobians": "fast", "poses": "fast", "accelerations": "hybrid"}
+        "joint_jacobians": "fast", "body_jacobians": "hybrid", "poses": "fast", "accelerations": "hybrid"}
 
 
 def compiler_of(build):
@@ -59,6 +61,9 @@ def compare(times):
             continue
         for peer in [OWN_PEERS[variant]] if variant in OWN_PEERS else PEERS:
             theirs, peer_compiler = best.get((function, model, peer), (None, None))
+            if theirs is None and peer in COMPILED_BY_ITS_MAKERS:
+                continue
+            peer_compiler = COMPILED_BY_ITS_MAKERS.get(peer, peer_compiler)
             rows.append({"function": function, "model": model, "variant": variant, "ours_ns": round(ours, 1),
                          "ours_compiler": compiler, "peer": peer if theirs else None, "peer_compiler": peer_compiler,
                          "peer_ns": theirs and round(theirs, 1), "ratio": theirs and round(ours / theirs, 3)})
@@ -84,6 +89,19 @@ def print_table(rows):
         print("| " + " | ".join(str(cell) for cell in cells) + " |")
 
 
+def print_beside(peer, rows):
+    """Our fast variants: a row for each model, a column for each function."""
+    cells = {(row["model"], row["function"]): f"{row['ours_ns']:.0f} / {row['peer_ns']:.0f} = {row['ratio']:.2f}"
+             for row in rows if row["peer"] == peer and FAST.get(row["function"]) == row["variant"]}
+    if not cells:
+        return
+    functions = [function for function in FAST if any(function == key[1] for key in cells)]
+    print("\n| ours / " + peer + " | " + " | ".join(function.replace("_", " ") for function in functions) + " |")
+    print("|---" * (1 + len(functions)) + "|")
+    for model in dict.fromkeys(model for model, _ in cells):
+        print(f"| {model} | " + " | ".join(cells.get((model, function), "") for function in functions) + " |")
+
+
 def draw(rows, file):
     import matplotlib
 
@@ -91,7 +109,7 @@ def draw(rows, file):
     matplotlib.rcParams["svg.hashsalt"] = "axode"
     from matplotlib import pyplot
 
-    shown = [row for row in rows if row["ratio"] and FAST.get(row["function"]) == row["variant"]]
+    shown = [row for row in rows if row["peer"] == "pinocchio" and FAST.get(row["function"]) == row["variant"]]
     functions = [f for f in FAST if any(row["function"] == f for row in shown)]
     models = list(dict.fromkeys(row["model"] for row in shown))
     figure, axes = pyplot.subplots(figsize=(11, 5.5), layout="constrained")
@@ -119,7 +137,9 @@ def main():
     rows = compare({compiler_of(build): run(build, arguments) for build in arguments.builds})
     arguments.output.parent.mkdir(parents=True, exist_ok=True)
     arguments.output.write_text(json.dumps(rows, indent=1) + "\n", encoding="utf-8")
-    print_table(rows)
+    print_table([row for row in rows if row["peer"] not in COMPILED_BY_ITS_MAKERS])
+    for peer in COMPILED_BY_ITS_MAKERS:
+        print_beside(peer, rows)
     if arguments.plot:
         draw(rows, arguments.plot)
 
