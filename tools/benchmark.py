@@ -59,10 +59,9 @@ def compare(times):
     for (function, model, variant), (ours, compiler) in best.items():
         if variant in PEERS:
             continue
-        for peer in [OWN_PEERS[variant]] if variant in OWN_PEERS else PEERS:
+        peers = [peer for peer in PEERS if (function, model, peer) in best]
+        for peer in [OWN_PEERS[variant]] if variant in OWN_PEERS else peers or [None]:
             theirs, peer_compiler = best.get((function, model, peer), (None, None))
-            if theirs is None and peer in COMPILED_BY_ITS_MAKERS:
-                continue
             peer_compiler = COMPILED_BY_ITS_MAKERS.get(peer, peer_compiler)
             rows.append({"function": function, "model": model, "variant": variant, "ours_ns": round(ours, 1),
                          "ours_compiler": compiler, "peer": peer if theirs else None, "peer_compiler": peer_compiler,
