@@ -1,6 +1,7 @@
 #pragma once
 #include "axode/kinematics/place.hpp"
 #include "axode/model/tree.hpp"
+#include "axode/scalar/sine_cosine.hpp"
 
 namespace axode {
 
@@ -28,10 +29,28 @@ template <class T, class F> void each_screw(const Tree<T>& tree, int i, const SE
 template <class T, class F>
 SE3<T> each_body_fixed_column(const Tree<T>& tree, const T* q, const Place<T>& place, F&& f,
                               int until = 0) noexcept {
+  constexpr int most = 16;  // joints whose sines and cosines are computed at once
   SE3<T> E = tree.frame_offset[place.frame] * place.offset;  // the place in the joint frame of body i
-  for (int i = tree.frame_body[place.frame]; i != until; i = tree.parent[i]) {
-    each_screw(tree, i, inverse(E), [&](int c, const Screw<T>& X) { f(i, c, X); });
-    E = joint_pose(tree, i, q) * E;
+  for (int i = tree.frame_body[place.frame]; i != until;) {
+    int body[most], n = 0;
+    T angle[most]{}, sine[most], cosine[most];
+    for (; i != until && n < most; i = tree.parent[i], ++n)
+      body[n] = i, angle[n] = tree.ratio[i] * q[tree.iq[i]] + tree.offset[i];
+    sine_cosine(angle, sine, cosine, n);
+    for (int k = 0; k < n; ++k) {
+      const int j = body[k];
+      if (tree.kind[j] == Subgroup::revolute) [[likely]] {
+        const T &ratio = tree.ratio[j], x = E.r.x, y = E.r.y;
+        const SO3<T>& R = E.R;
+        const Screw<T> X{{R.x.z, R.y.z, R.z.z},
+                         {R.x.y * x - R.x.x * y, R.y.y * x - R.y.x * y, R.z.y * x - R.z.x * y}};
+        f(j, tree.iv[j], ratio * X);
+        E = SE3<T>{subgroup::turn(tree.B[j].R, sine[k], cosine[k]), tree.B[j].r} * E;
+      } else {
+        each_screw(tree, j, inverse(E), [&](int c, const Screw<T>& X) { f(j, c, X); });
+        E = joint_pose(tree, j, q) * E;
+      }
+    }
   }
   return E;
 }
