@@ -3,7 +3,7 @@
 #include <cstddef>
 #include <type_traits>
 
-#include "axode/lie/scalar.hpp"
+#include "axode/scalar/sine_cosine.hpp"
 
 namespace axode {
 
@@ -61,7 +61,7 @@ template <class S, std::size_t N> struct Taylor {
     return r;
   }
   /// Sine and cosine together: s' = c a', c' = -s a'.
-  friend constexpr std::array<Taylor, 2> sine_cosine(const Taylor& a) {
+  friend constexpr SineCosine<Taylor> sine_cosine(const Taylor& a) {
     Taylor sine(sin(a.c[0])), cosine(cos(a.c[0]));
     for (std::size_t k = 1; k < N; ++k) {
       for (std::size_t j = 1; j <= k; ++j) {
@@ -74,8 +74,8 @@ template <class S, std::size_t N> struct Taylor {
     }
     return {sine, cosine};
   }
-  friend constexpr Taylor sin(const Taylor& a) { return sine_cosine(a)[0]; }
-  friend constexpr Taylor cos(const Taylor& a) { return sine_cosine(a)[1]; }
+  friend constexpr Taylor sin(const Taylor& a) { return sine_cosine(a).sine; }
+  friend constexpr Taylor cos(const Taylor& a) { return sine_cosine(a).cosine; }
   /// φ' = (x y' - y x')/(x² + y²).
   friend constexpr Taylor atan2(const Taylor& y, const Taylor& x) {
     Taylor numerator;  // of φ', shifted down by one order
