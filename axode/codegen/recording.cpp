@@ -8,6 +8,7 @@
 #include "axode/dynamics/articulated_bodies.hpp"
 #include "axode/dynamics/composite_bodies.hpp"
 #include "axode/dynamics/fast_inverse_dynamics.hpp"
+#include "axode/dynamics/fast_inverse_mass_matrix.hpp"
 #include "axode/dynamics/sparse_factor.hpp"
 #include "axode/kinematics/path.hpp"
 
@@ -163,9 +164,6 @@ Recording jacobian(const Tree<double>& tree, int frame, Representation represent
   return traced.with(std::move(rows));
 }
 
-/// The longest path of velocities on which factors of the mass matrix lose next to no digits.
-constexpr int longest_path = 16;
-
 }  // namespace
 
 Recording record(const Model& model, const Function& function, bool single_precision) {
@@ -179,7 +177,7 @@ Recording record(const Model& model, const Function& function, bool single_preci
   const double coarser = single_precision ? 1e5 : 1;  // fewer digits
   if (!tree.coupled_bodies.empty()) return forward_dynamics(tree, solve_factorized, coarser);
   Recording by_bodies = forward_dynamics(tree, solve_articulated, coarser);
-  if (tree.depth > longest_path) return by_bodies;
+  if (tree.depth > FastInverseMassMatrix<double>::longest_path) return by_bodies;  // factors lose digits
   Recording by_factors = forward_dynamics(tree, solve_factorized, coarser);
   return operations(by_bodies).total() < operations(by_factors).total() ? by_bodies : by_factors;
 }
