@@ -5,11 +5,11 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>
-#include <fstream>
 #include <memory>
 
 #include "choice.hpp"
 #include "commands.hpp"
+#include "text_file.hpp"
 
 namespace axode::command {
 namespace {
@@ -84,10 +84,7 @@ void run(const Options& options) {
     fmt::print("{}", source.text);
     return;
   }
-  std::ofstream file(options.out, std::ios::binary);
-  file << source.text;
-  file.close();
-  if (!file) throw InputError(options.out + ": the file cannot be written");
+  write_text(options.out, source.text);
   for (const auto& [name, n] : source.functions)
     fmt::print(stderr, "{}: {} products, {} sums, {} divisions, {} sines and cosines\n", name, n.products,
                n.sums, n.divisions, n.angles);

@@ -4,13 +4,13 @@
 #include <algorithm>
 #include <array>
 #include <filesystem>
-#include <fstream>
 #include <memory>
 #include <sstream>
 
 #include "choice.hpp"
 #include "commands.hpp"
 #include "terminal.hpp"
+#include "text_file.hpp"
 
 namespace axode::command {
 namespace {
@@ -50,10 +50,7 @@ void run(const Options& options) {
     fmt::print(stderr, "{}\n", in(Ink::warning, to_string(fault), stderr));
   std::ostringstream text;
   write(model, text);
-  std::ofstream file(options.out, std::ios::binary);
-  file << text.str();
-  file.close();
-  if (!file) throw InputError(options.out + ": the file cannot be written");
+  write_text(options.out, text.str());
   fmt::print("{}: {} moving bodies, nq = {}, nv = {}\n", options.out, model.n_bodies(), model.nq(),
              model.nv());
   if (const std::ptrdiff_t n = errors_in(options.out); n > 0)

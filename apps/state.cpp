@@ -3,19 +3,16 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <filesystem>
-#include <fstream>
-#include <iostream>
 #include <random>
 #include <set>
 #include <span>
-#include <sstream>
 
 #include "axode/model/configuration.hpp"
 #include "axode/model/nearest_name.hpp"
 #include "choice.hpp"
 #include "commands.hpp"
 #include "json_text.hpp"
+#include "text_file.hpp"
 
 namespace axode::command {
 namespace {
@@ -24,17 +21,6 @@ namespace {
 std::string shown(const Json& value) {
   std::string text = value.dump(-1, ' ', true, Json::error_handler_t::replace);
   return text.size() <= 40 ? text : text.substr(0, 37) + "...";
-}
-
-std::string read_text(const std::string& file) {
-  std::ostringstream text;
-  if (file == "-") {
-    text << std::cin.rdbuf();
-  } else if (const std::ifstream stream(file, std::ios::binary);
-             std::filesystem::is_directory(file) || !stream || (text << stream.rdbuf(), stream.bad())) {
-    throw InputError(file + ": the file cannot be read");
-  }
-  return text.str();
 }
 
 /// Walks through a state and notes every fault.

@@ -4,7 +4,6 @@
 
 #include <CLI/CLI.hpp>
 #include <cmath>
-#include <fstream>
 
 #include "axode/dynamics/mass_matrix.hpp"
 #include "call_timer.hpp"
@@ -13,6 +12,7 @@
 #include "json_text.hpp"
 #include "table.hpp"
 #include "terminal.hpp"
+#include "text_file.hpp"
 
 namespace axode::command {
 namespace {
@@ -204,14 +204,6 @@ Json as_json(const std::vector<Study>& studies) {
   return out;
 }
 
-void write(const std::string& name, const std::string& text) {
-  if (name.empty()) return;
-  std::ofstream file(name, std::ios::binary);
-  file << text;
-  file.close();
-  if (!file) throw InputError(name + ": the file cannot be written");
-}
-
 void run(const Options& options) {
   const Format format = choose("--format", options.format, formats);
   const Base base = base_of(options.base);
@@ -223,8 +215,8 @@ void run(const Options& options) {
   std::vector<Study> studies;
   studies.reserve(models.size());
   for (const Model& model : models) studies.push_back(studied(model));
-  write(options.csv, as_csv(studies));
-  write(options.plot, plot(studies));
+  if (!options.csv.empty()) write_text(options.csv, as_csv(studies));
+  if (!options.plot.empty()) write_text(options.plot, plot(studies));
   if (format == Format::json) {
     fmt::print("{}", text(as_json(studies)));
     return;
