@@ -1,8 +1,8 @@
 # The vocabulary of the project. Everything is built under build/; `make clean` removes it.
 JOBS ?= $(shell nproc)
-SOURCES = $(shell find axode apps bench examples tests -name '*.hpp' -o -name '*.cpp')
+SOURCES = $(shell find axode apps bench examples python tests -name '*.hpp' -o -name '*.cpp')
 
-.PHONY: help deps build demo test bench docs lint venv clean
+.PHONY: help deps build demo python test bench docs lint venv clean
 .DEFAULT_GOAL := help
 
 help: ## Show these targets
@@ -17,6 +17,9 @@ build: deps ## Build the library and the command build/release/axode
 
 demo: build ## Show what axode does, on an arm and a humanoid
 	build/release/axode demo
+
+python: deps venv ## Build the Python package and install it into build/venv
+	build/venv/bin/python -m pip install --quiet --no-build-isolation --no-deps --config-settings=cmake.define.AXODE_WERROR=ON .
 
 test: deps ## Run every test: GCC, Clang, sanitizers; the last line counts them
 	@$(MAKE) --no-print-directory venv || echo "No Python environment: the peer tests will be skipped."
@@ -38,10 +41,10 @@ lint: deps ## Check the format of all sources, and the library with clang-tidy
 	cmake --preset clang
 	run-clang-tidy-14 -quiet -j $(JOBS) -p build/clang '/(axode|apps)/(?!.*_float\.cpp)'
 
-venv: build/venv/ready ## Create the Python environment of the peer tests
-build/venv/ready: tests/peers/requirements.txt | deps
+venv: build/venv/ready ## Create the Python environment of the tests
+build/venv/ready: tests/peers/requirements.txt tests/python/requirements.txt | deps
 	python3 -m venv build/venv
-	build/venv/bin/python -m pip install --quiet -r $<
+	build/venv/bin/python -m pip install --quiet $(foreach file,$^,-r $(file))
 	touch $@
 
 clean: ## Remove everything that was built

@@ -7,7 +7,9 @@ if(PROJECT_IS_TOP_LEVEL)
   endif()
   find_program(AXODE_CCACHE ccache)
   if(AXODE_CCACHE AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
-    set(CMAKE_CXX_COMPILER_LAUNCHER ${AXODE_CCACHE})
+    # Paths count as relative, so that what one build folder has compiled serves the others.
+    set(CMAKE_CXX_COMPILER_LAUNCHER ${CMAKE_COMMAND} -E env CCACHE_BASEDIR=${PROJECT_SOURCE_DIR} CCACHE_NOHASHDIR=1
+                                    ${AXODE_CCACHE})
   endif()
 endif()
 

@@ -509,18 +509,22 @@ void read_top(Table& top, Reading& result, const std::string& file) {
 Reading read_drawing(std::string_view text, const std::string& file) {
   Reading result;
   result.description.source = {file, 0};
-  const Notes notes{result.faults, file};
   if (auto fault = not_text(text, file)) {
     result.faults.push_back(std::move(*fault));
     return result;
   }
   const toml::Document document = toml::parse(text);
-  if (document.failure) {
-    notes.error(Rule::syntax, "", document.failure->message, document.failure->line);
-  } else {
-    Table top(notes, document.root(), "drawing");
-    read_top(top, result, file);
-  }
+  if (!document.failure) return read_drawing(document.root(), file);
+  Notes{result.faults, file}.error(Rule::syntax, "", document.failure->message, document.failure->line);
+  return result;
+}
+
+Reading read_drawing(const toml::Value& drawing, const std::string& file) {
+  Reading result;
+  result.description.source = {file, 0};
+  const Notes notes{result.faults, file};
+  Table top(notes, drawing, "drawing");
+  read_top(top, result, file);
   return result;
 }
 

@@ -60,13 +60,12 @@ File read(const std::filesystem::path& file) {
   return {io::read_drawing(text.content, file.string()), Physics::strict};
 }
 
-/// The faults of the reader, and those of the mechanism; of one that was understood in part, only errors that
-/// do not follow from what is missing. By line.
-std::vector<Fault> all_faults(File file) {
-  std::vector<Fault> faults = std::move(file.reading.faults);
+/// The faults of the reader, and those of the mechanism.
+std::vector<Fault> all_faults(io::Reading reading, Physics physics) {
+  std::vector<Fault> faults = std::move(reading.faults);
   const bool in_part = io::has_error(faults);
-  if (!in_part || !file.reading.description.bodies.empty())
-    for (Fault& fault : ModelBuilder(std::move(file.reading.description)).check(file.physics))
+  if (!in_part || !reading.description.bodies.empty())
+    for (Fault& fault : ModelBuilder(std::move(reading.description)).check(physics))
       if (!in_part || (fault.severity == Severity::error && fault.rule != Rule::missing_name))
         faults.push_back(std::move(fault));
   std::stable_sort(faults.begin(), faults.end(),
@@ -83,18 +82,25 @@ Description with_fixed_base(Description description) {
 
 }  // namespace
 
-Model load(const std::filesystem::path& file, Base base) {
-  File read_file = read(file);
-  if (io::has_error(read_file.reading.faults)) {
-    const std::string name = read_file.reading.description.name;
-    throw ModelError(name, all_faults(std::move(read_file)));
+Model io::build(Reading reading, Base base, Physics physics) {
+  if (has_error(reading.faults)) {
+    const std::string name = reading.description.name;
+    throw ModelError(name, all_faults(std::move(reading), physics));
   }
-  Description description = io::accept(std::move(read_file.reading));
+  Description description = accept(std::move(reading));
   if (base == Base::free) description = with_free_base(std::move(description));
   if (base == Base::fixed) description = with_fixed_base(std::move(description));
-  return ModelBuilder(std::move(description)).build(read_file.physics);
+  return ModelBuilder(std::move(description)).build(physics);
 }
 
-std::vector<Fault> check(const std::filesystem::path& file) { return all_faults(read(file)); }
+Model load(const std::filesystem::path& file, Base base) {
+  auto [reading, physics] = read(file);
+  return io::build(std::move(reading), base, physics);
+}
+
+std::vector<Fault> check(const std::filesystem::path& file) {
+  auto [reading, physics] = read(file);
+  return all_faults(std::move(reading), physics);
+}
 
 }  // namespace axode

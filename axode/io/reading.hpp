@@ -4,7 +4,9 @@
 #include <string_view>
 #include <vector>
 
-#include "axode/model/description.hpp"
+#include "axode/io.hpp"
+#include "axode/io/toml.hpp"
+#include "axode/model/builder.hpp"
 
 /// What all readers have in common: the text, its numbers, and what comes of reading it.
 namespace axode::io {
@@ -16,12 +18,17 @@ struct Reading {
   std::vector<Fault> faults;
 };
 Reading read_drawing(std::string_view text, const std::string& file);
+Reading read_drawing(const toml::Value& drawing, const std::string& file);
 Reading read_urdf(std::string_view text, const std::string& file);
 
 bool has_error(const std::vector<Fault>& faults);
 
 /// The description with its doubts as warnings. Throws ModelError where there is an error.
 Description accept(Reading reading);
+
+/// The mechanism that was read. Throws ModelError with the faults of the reader and those of the mechanism; of
+/// one that was understood in part, only errors that do not follow from what is missing. By line.
+Model build(Reading reading, Base base, Physics physics);
 
 /// Why a file is no text at all: a byte that is zero or not UTF-8, and its line.
 std::optional<Fault> not_text(std::string_view text, const std::string& file);

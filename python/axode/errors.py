@@ -1,0 +1,57 @@
+"""What this package raises besides ValueError, KeyError and TypeError."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = ["Fault", "ModelError", "SingularError"]
+
+
+@dataclass(frozen=True)
+class Fault:
+    """One thing that is wrong, or doubtful, in a mechanism.
+
+    `rule` is a short name that stays the same (`mass_not_positive`), `element` what it is about (`body "forearm"`),
+    `message` the value and the rule. `file` and `line` are "" and 0 for mechanisms described in Python.
+    """
+
+    severity: Literal["error", "warning"]
+    rule: str
+    element: str
+    message: str
+    file: str
+    line: int
+    _text: str = field(repr=False)
+
+    def __str__(self) -> str:
+        return self._text
+
+
+class ModelError(ValueError):
+    """A mechanism that cannot be built. `faults` lists everything that is wrong with it, not only the first."""
+
+    def __init__(self, text: str, faults: list[Fault]):
+        super().__init__(text, faults)
+        self.faults = faults
+
+    def __str__(self) -> str:
+        return str(self.args[0])
+
+
+class SingularError(ArithmeticError):
+    """The mass matrix of some states cannot be inverted; the message names the joint.
+
+    `states` are their numbers ([0] for a single state), `result` is what was asked for, NaN in those states.
+    """
+
+    def __init__(self, text: str, states: list[int], result: NDArray[np.float64]):
+        super().__init__(text, states, result)
+        self.states = states
+        self.result = result
+
+    def __str__(self) -> str:
+        return str(self.args[0])

@@ -1,0 +1,138 @@
+#include "array.hpp"
+
+#define NPY_NO_DEPRECATED_API NPY_1_22_API_VERSION
+#define PY_ARRAY_UNIQUE_SYMBOL axode_numpy_api
+#include <numpy/arrayobject.h>
+
+#include <bit>
+#include <cmath>
+#include <cstdint>
+
+namespace axode::python {
+namespace {
+
+std::string text_of(const nb::ssize_t* lengths, int axes) {
+  std::string text = "(";
+  for (int k = 0; k < axes; ++k) text += (k > 0 ? ", " : "") + std::to_string(lengths[k]);
+  return text + (axes == 1 ? ",)" : ")");
+}
+
+/// Infinities and NaNs have all bits of the exponent set.
+bool all_finite(const double* x, nb::ssize_t n) {
+  constexpr std::uint64_t exponent = 0x7ff0000000000000;
+  constexpr nb::ssize_t lanes = 8;
+  std::array<std::uint64_t, lanes> carry{};  // into the sign, where adding one to the exponent overflows it
+  nb::ssize_t k = 0;
+  for (; k + lanes <= n; k += lanes)
+    for (nb::ssize_t l = 0; l < lanes; ++l)
+      carry[l] |= (std::bit_cast<std::uint64_t>(x[k + l]) & exponent) + (std::uint64_t{1} << 52);
+  for (; k < n; ++k) carry[0] |= (std::bit_cast<std::uint64_t>(x[k]) & exponent) + (std::uint64_t{1} << 52);
+  std::uint64_t any = 0;
+  for (const std::uint64_t c : carry) any |= c;
+  return any >> 63 == 0;
+}
+
+PyArrayObject* as_array(PyObject* object) { return reinterpret_cast<PyArrayObject*>(object); }
+
+/// The argument as an array of doubles in C order.
+nb::object converted(const std::string& name, PyObject* given) {
+  nb::object array = nb::steal(PyArray_FromAny(given, nullptr, 0, 0, 0, nullptr));
+  if (!array.is_valid()) {
+    nb::python_error error;
+    nb::raise_from(error, PyExc_ValueError, "%s: expected numbers in rows of equal length, got %s",
+                   name.c_str(), Py_TYPE(given)->tp_name);
+  }
+  const PyArray_Descr* type = PyArray_DESCR(as_array(array.ptr()));
+  if (type->kind != 'f' && type->kind != 'i' && type->kind != 'u') {
+    const std::string got = nb::str(nb::handle(reinterpret_cast<const PyObject*>(type))).c_str();
+    throw nb::value_error((name + ": expected real numbers (float64), got " +
+                           (PyArray_Check(given) ? "dtype " + got : std::string(Py_TYPE(given)->tp_name)))
+                              .c_str());
+  }
+  array = nb::steal(PyArray_FromAny(array.ptr(), PyArray_DescrFromType(NPY_DOUBLE), 0, 0,
+                                    NPY_ARRAY_CARRAY_RO | NPY_ARRAY_FORCECAST, nullptr));
+  if (!array.is_valid()) throw nb::python_error();
+  return array;
+}
+
+}  // namespace
+
+nb::ssize_t Shape::size() const {
+  nb::ssize_t n = 1;
+  for (int k = 0; k < axes; ++k) n *= length[static_cast<std::size_t>(k)];
+  return n;
+}
+
+Shape Shape::times(nb::ssize_t n) const {
+  Shape more{n};
+  for (int k = 0; k < axes; ++k)
+    more.length[static_cast<std::size_t>(more.axes++)] = length[static_cast<std::size_t>(k)];
+  return more;
+}
+
+std::string Shape::text() const { return text_of(length.data(), axes); }
+
+Numbers::Numbers(std::string name, ArrayLike given) : name_(std::move(name)) {
+  PyObject* object = given.given;
+  if (!PyArray_CheckExact(object) || PyArray_TYPE(as_array(object)) != NPY_DOUBLE ||
+      !PyArray_ISCARRAY_RO(as_array(object))) {
+    copy_ = converted(name_, object);
+    object = copy_.ptr();
+  }
+  PyArrayObject* array = as_array(object);
+  lengths_ = PyArray_DIMS(array);
+  data_ = static_cast<const double*>(PyArray_DATA(array));
+  size_ = PyArray_SIZE(array);
+  axes_ = PyArray_NDIM(array);
+  if (all_finite(data_, size_)) return;
+  nb::ssize_t k = 0;
+  while (std::isfinite(data_[k])) ++k;
+  std::string at;
+  for (int axis = axes_ - 1; axis >= 0; k /= lengths_[axis], --axis)
+    at = std::to_string(k % lengths_[axis]) + (at.empty() ? "" : ", ") + at;
+  nb::ssize_t first = 0;
+  while (std::isfinite(data_[first])) ++first;
+  throw nb::value_error((name_ + (axes_ > 0 ? "[" + at + "]" : "") + " is " +
+                         (std::isnan(data_[first]) ? "nan"
+                          : data_[first] > 0       ? "inf"
+                                                   : "-inf") +
+                         "; expected finite numbers")
+                            .c_str());
+}
+
+std::string Numbers::shape_text() const { return text_of(lengths_, axes_); }
+
+bool Numbers::ends_with(const Shape& item) const {
+  if (axes_ < item.axes) return false;
+  for (int k = 0; k < item.axes; ++k)
+    if (lengths_[axes_ - item.axes + k] != item.length[static_cast<std::size_t>(k)]) return false;
+  return true;
+}
+
+void Numbers::wrong_shape(const std::string& expected) const {
+  throw nb::value_error((name_ + ": expected shape " + expected + ", got " + shape_text()).c_str());
+}
+
+NewArray::NewArray(const Shape& shape)
+    : array_(nb::steal(PyArray_SimpleNew(shape.axes, shape.length.data(), NPY_DOUBLE))), data_(nullptr) {
+  if (!array_.is_valid()) throw nb::python_error();
+  data_ = static_cast<double*>(PyArray_DATA(as_array(array_.ptr())));
+}
+
+Array NewArray::transposed() {
+  const int axes = PyArray_NDIM(as_array(array_.ptr()));
+  nb::object view = nb::steal(PyArray_SwapAxes(as_array(array_.ptr()), axes - 2, axes - 1));
+  if (!view.is_valid()) throw nb::python_error();
+  return {std::move(view)};
+}
+
+Array NewArray::read_only() {
+  PyArray_CLEARFLAGS(as_array(array_.ptr()), NPY_ARRAY_WRITEABLE);
+  return array();
+}
+
+void import_numpy() {
+  if (_import_array() < 0) throw nb::python_error();
+}
+
+}  // namespace axode::python

@@ -1,0 +1,104 @@
+#pragma once
+#include <nanobind/nanobind.h>
+
+#include <array>
+#include <cstddef>
+#include <span>
+#include <string>
+
+/// Numbers of numpy's. Its headers are included in array.cpp only; arrays are read where they lie.
+namespace axode::python {
+
+namespace nb = nanobind;
+
+/// The lengths of the axes of an array.
+struct Shape {
+  static constexpr int most = 16;
+  std::array<nb::ssize_t, most> length{};
+  int axes = 0;
+
+  Shape(std::initializer_list<nb::ssize_t> lengths) {
+    for (const nb::ssize_t n : lengths) length[static_cast<std::size_t>(axes++)] = n;
+  }
+  nb::ssize_t size() const;
+  /// With an axis in front.
+  Shape times(nb::ssize_t n) const;
+  std::string text() const;  ///< `(2, 7)`
+};
+
+/// An argument that may hold numbers of any real type in any layout: arrays, lists, tuples. Annotated in
+/// Python as numpy.typing.ArrayLike.
+struct ArrayLike {
+  PyObject* given = nullptr;
+};
+/// A result, annotated in Python as an array of float64.
+struct Array {
+  nb::object array;
+};
+
+/// The numbers of an argument as doubles in C order: the array's own where it has that layout, otherwise a
+/// copy. Throws nb::value_error that names the argument for anything but finite real numbers.
+class Numbers {
+ public:
+  Numbers(std::string name, ArrayLike given);
+
+  int axes() const { return axes_; }
+  nb::ssize_t length(int axis) const { return lengths_[axis]; }
+  nb::ssize_t size() const { return size_; }
+  const double* data() const { return data_; }
+  std::string shape_text() const;
+  /// Whether the last axes are those of an item.
+  bool ends_with(const Shape& item) const;
+  /// Throws nb::value_error where the shape is another one; `expected` says which it should be.
+  [[noreturn]] void wrong_shape(const std::string& expected) const;
+
+ private:
+  std::string name_;
+  nb::object copy_;
+  const nb::ssize_t* lengths_ = nullptr;
+  const double* data_ = nullptr;
+  nb::ssize_t size_ = 0;
+  int axes_ = 0;
+};
+
+/// A new array of doubles in C order. Its entries are not set.
+class NewArray {
+ public:
+  explicit NewArray(const Shape& shape);
+  double* data() const { return data_; }
+  Array array() { return {std::move(array_)}; }
+  /// The last two axes exchanged: what was written column by column, as a matrix.
+  Array transposed();
+  /// For entries that Python must not change, such as constants of a model.
+  Array read_only();
+
+ private:
+  nb::object array_;
+  double* data_;
+};
+
+/// To be called once, when the module is imported.
+void import_numpy();
+
+}  // namespace axode::python
+
+namespace nanobind::detail {
+
+template <> struct type_caster<axode::python::ArrayLike> {
+  NB_TYPE_CASTER(axode::python::ArrayLike, const_name("numpy.typing.ArrayLike"))
+  bool from_python(handle source, uint32_t, cleanup_list*) noexcept {
+    value.given = source.ptr();
+    return true;
+  }
+};
+template <> struct type_caster<axode::python::Array> {
+  NB_TYPE_CASTER(axode::python::Array, const_name("numpy.typing.NDArray[numpy.float64]"))
+  static handle from_cpp(axode::python::Array& result, rv_policy, cleanup_list*) noexcept {
+    return result.array.release();
+  }
+  static handle from_cpp(axode::python::Array&& result, rv_policy, cleanup_list*) noexcept {
+    return result.array.release();
+  }
+};
+
+}  // namespace nanobind::detail

@@ -1,0 +1,101 @@
+#pragma once
+#include <nanobind/nanobind.h>
+
+#include <array>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "axode/dynamics/coriolis.hpp"
+#include "axode/io.hpp"
+#include "axode/lie/twist.hpp"
+#include "axode/model/nearest_name.hpp"
+
+/// Arguments that are one word of a few, annotated in Python as typing.Literal. Another word, or something
+/// else than a word, is a ValueError.
+namespace axode::python {
+
+namespace nb = nanobind;
+
+/// The place of a word among those that are allowed.
+template <std::size_t N>
+std::size_t choose(const char* argument, nb::handle given, const std::array<std::string_view, N>& words) {
+  if (PyUnicode_Check(given.ptr())) {
+    Py_ssize_t size = 0;
+    const char* text = PyUnicode_AsUTF8AndSize(given.ptr(), &size);
+    if (text == nullptr) throw nb::python_error();
+    for (std::size_t k = 0; k < N; ++k)
+      if (words[k] == std::string_view(text, static_cast<std::size_t>(size))) return k;
+  }
+  std::string sentence = std::string(argument) + " is " + nb::repr(given).c_str() + "; expected one of ";
+  for (std::size_t k = 0; k < N; ++k) sentence += (k == 0 ? "'" : ", '") + std::string(words[k]) + "'";
+  if (nb::isinstance<nb::str>(given))
+    sentence += did_you_mean(nb::str(given).c_str(), words, [](std::string_view word) { return word; });
+  throw nb::value_error(sentence.c_str());
+}
+
+/// The recursion to run: in a representation, or (none) on the fast path.
+struct Algorithm {
+  std::optional<Representation> representation;
+};
+
+template <class Value> struct Words;
+template <> struct Words<Representation> {
+  static constexpr auto name = nb::detail::const_name("typing.Literal['body', 'spatial', 'hybrid', 'mixed']");
+  static constexpr const char* argument = "representation";
+  static constexpr std::array<std::string_view, 4> words{"body", "spatial", "hybrid", "mixed"};
+  static Representation value(std::size_t k) { return static_cast<Representation>(k); }
+};
+template <> struct Words<Algorithm> {
+  static constexpr auto name =
+      nb::detail::const_name("typing.Literal['fast', 'body', 'spatial', 'hybrid', 'mixed']");
+  static constexpr const char* argument = "representation";
+  static constexpr std::array<std::string_view, 5> words{"fast", "body", "spatial", "hybrid", "mixed"};
+  static Algorithm value(std::size_t k) {
+    return k == 0 ? Algorithm{} : Algorithm{static_cast<Representation>(k - 1)};
+  }
+};
+template <> struct Words<Base> {
+  static constexpr auto name = nb::detail::const_name("typing.Literal['fixed', 'free']");
+  static constexpr const char* argument = "base";
+  static constexpr std::array<std::string_view, 2> words{"fixed", "free"};
+  static constexpr Base none = Base::as_described;
+  static Base value(std::size_t k) { return k == 0 ? Base::fixed : Base::free; }
+};
+template <> struct Words<CoriolisForm> {
+  static constexpr auto name =
+      nb::detail::const_name("typing.Literal['paper', 'skew', 'spatial', 'christoffel']");
+  static constexpr const char* argument = "form";
+  static constexpr std::array<std::string_view, 4> words{"paper", "skew", "spatial", "christoffel"};
+  static CoriolisForm value(std::size_t k) { return static_cast<CoriolisForm>(k); }
+};
+
+/// f(Rep{}) for the type of the representation, or f(Fast{}).
+template <class F> decltype(auto) with_algorithm(const Algorithm& algorithm, F&& f) {
+  return algorithm.representation ? with_representation(*algorithm.representation, f) : f(Fast{});
+}
+
+}  // namespace axode::python
+
+namespace nanobind::detail {
+
+template <class T> struct WordCaster {
+  NB_TYPE_CASTER(T, axode::python::Words<T>::name)
+  bool from_python(handle source, uint32_t, cleanup_list*) {
+    using Words = axode::python::Words<T>;
+    if constexpr (requires { Words::none; })
+      if (source.is_none()) {
+        value = Words::none;
+        return true;
+      }
+    value = Words::value(axode::python::choose(Words::argument, source, Words::words));
+    return true;
+  }
+};
+
+template <> struct type_caster<axode::Representation> : WordCaster<axode::Representation> {};
+template <> struct type_caster<axode::python::Algorithm> : WordCaster<axode::python::Algorithm> {};
+template <> struct type_caster<axode::Base> : WordCaster<axode::Base> {};
+template <> struct type_caster<axode::CoriolisForm> : WordCaster<axode::CoriolisForm> {};
+
+}  // namespace nanobind::detail

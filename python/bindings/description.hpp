@@ -1,0 +1,20 @@
+#pragma once
+#include <nanobind/nanobind.h>
+
+#include "axode/io.hpp"
+
+/// Descriptions of mechanisms as Python's objects.
+namespace axode::python {
+
+namespace nb = nanobind;
+
+/// Every field of a description as nested tuples, for pickle; and back.
+nb::tuple packed(const Description& description);
+Description unpacked(nb::handle tuple);
+
+/// A mechanism in the words of the drawing format (docs/drawing-format.md), as a dict: what a drawing reads
+/// as. Throws ModelError with every fault, and nb::type_error for what a drawing cannot hold.
+Model from_dict(const nb::dict& drawing, Base base);
+nb::dict to_dict(const Model& model);
+
+}  // namespace axode::python

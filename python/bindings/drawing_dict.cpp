@@ -1,0 +1,102 @@
+#include <sstream>
+
+#include "axode/io.hpp"
+#include "axode/io/reading.hpp"
+#include "axode/io/toml.hpp"
+#include "description.hpp"
+
+namespace axode::python {
+namespace {
+
+namespace toml = io::toml;
+
+std::string text_of(nb::handle string) {
+  Py_ssize_t size = 0;
+  const char* text = PyUnicode_AsUTF8AndSize(string.ptr(), &size);
+  if (text == nullptr) throw nb::python_error();
+  return {text, static_cast<std::size_t>(size)};
+}
+
+/// Fills a document from dicts, lists, tuples, numpy's arrays and numbers, strings, numbers and truth values.
+class Writer {
+ public:
+  explicit Writer(toml::Document& document) : document_(document) {}
+
+  toml::Value* value(nb::handle from, const std::string& where) {
+    if (++depth_ > 20) throw nb::value_error((where + ": nested too deeply for a mechanism").c_str());
+    toml::Value& to = document_.values.emplace_back();
+    to.line = 0;
+    if (nb::isinstance<nb::bool_>(from)) {
+      to.content = nb::cast<bool>(from);
+    } else if (nb::isinstance<nb::str>(from)) {
+      to.content = text_of(from);
+    } else if (nb::isinstance<nb::dict>(from)) {
+      to.content = table(nb::borrow<nb::dict>(from), where);
+    } else if (nb::hasattr(from, "tolist")) {  // numpy's arrays and scalars
+      to.content = value(from.attr("tolist")(), where)->content;
+    } else if (PyFloat_Check(from.ptr()) || PyLong_Check(from.ptr())) {
+      to.content = nb::cast<double>(from);
+    } else if (PyList_Check(from.ptr()) || PyTuple_Check(from.ptr())) {
+      to.content = array(from, where);
+    } else {
+      throw nb::type_error(
+          (where + ": expected a number, text, list or dict, got " + Py_TYPE(from.ptr())->tp_name).c_str());
+    }
+    --depth_;
+    return &to;
+  }
+
+ private:
+  toml::Table table(const nb::dict& from, const std::string& where) {
+    toml::Table entries;
+    for (const auto& [key, each] : from) {
+      if (!nb::isinstance<nb::str>(key))
+        throw nb::type_error((where + ": a key is " + nb::repr(key).c_str() + "; expected text").c_str());
+      const std::string name = text_of(key);
+      entries.insert_or_assign(name, toml::Entry{0, value(each, where.empty() ? name : where + "." + name)});
+    }
+    return entries;
+  }
+  toml::Array array(nb::handle from, const std::string& where) {
+    toml::Array entries;
+    for (const nb::handle each : from)
+      entries.push_back(value(each, where + "[" + std::to_string(entries.size()) + "]"));
+    return entries;
+  }
+
+  toml::Document& document_;
+  int depth_ = 0;
+};
+
+nb::object to_python(const toml::Value& value) {
+  if (const auto* table = value.table()) {
+    nb::dict entries;
+    for (const auto& [key, entry] : *table)
+      entries[nb::str(key.data(), key.size())] = to_python(*entry.value);
+    return entries;
+  }
+  if (const auto* array = value.array()) {
+    nb::list entries;
+    for (const toml::Value* each : *array) entries.append(to_python(*each));
+    return entries;
+  }
+  if (const auto* text = value.text()) return nb::str(text->data(), text->size());
+  if (const auto* flag = value.flag()) return nb::bool_(*flag);
+  return nb::float_(*value.number());
+}
+
+}  // namespace
+
+Model from_dict(const nb::dict& drawing, Base base) {
+  toml::Document document;
+  const toml::Value* root = Writer(document).value(drawing, "");
+  return io::build(io::read_drawing(*root, ""), base, Physics::strict);
+}
+
+nb::dict to_dict(const Model& model) {
+  std::ostringstream text;
+  write_drawing(model, text);
+  return nb::borrow<nb::dict>(to_python(toml::parse(text.str()).root()));
+}
+
+}  // namespace axode::python

@@ -1,0 +1,90 @@
+#include <nanobind/stl/filesystem.h>
+#include <nanobind/stl/string.h>
+
+#include <fstream>
+#include <sstream>
+
+#include "axode/io.hpp"
+#include "axode/io/reading.hpp"
+#include "bindings.hpp"
+#include "bound_model.hpp"
+#include "choice.hpp"
+#include "raise.hpp"
+
+namespace axode::python {
+namespace {
+
+using namespace nb::literals;
+
+std::string drawing_text(const BoundModel& m) {
+  std::ostringstream text;
+  write_drawing(m, text);
+  return text.str();
+}
+std::string urdf_text(const BoundModel& m) {
+  std::ostringstream text;
+  write_urdf(m, text);
+  return text.str();
+}
+
+}  // namespace
+
+void add_files(nb::module_& module) {
+  module.def(
+      "load", [](const std::filesystem::path& path, Base base) { return BoundModel(load(path, base)); },
+      "path"_a, "base"_a = nb::none(), R"(
+The mechanism of a file: a drawing (.toml) or a URDF (.urdf, .xml, or any file that begins with `<`).
+
+base="free" sets the body that is fixed to the ground free by a joint named `free_base`, base="fixed" fixes one that
+hangs on the ground by a free joint; without it the file decides. ModelError lists every fault of a file with its line;
+what is only doubtful is in `Model.warnings`.
+
+>>> arm = axode.load(axode.robots / "arm7.toml")
+>>> arm.nv
+7
+)");
+  module.def(
+      "check", [](const std::filesystem::path& path) { return fault_list(check(path)); }, "path"_a,
+      nb::sig("def check(path: str | os.PathLike[str]) -> list[axode.Fault]"), R"(
+Everything wrong or doubtful with a file, by line. A file that cannot be read is a fault as well.
+
+>>> axode.check(axode.robots / "arm7.toml")
+[]
+)");
+  module.def(
+      "read_drawing",
+      [](const std::string& text, Base base) {
+        return BoundModel(io::build(io::read_drawing(text, ""), base, Physics::strict));
+      },
+      "text"_a, "base"_a = nb::none(), R"(
+The mechanism of a drawing, from its text (TOML); otherwise as `load`.
+
+>>> axode.read_drawing(axode.drawing(arm)).name
+'arm7'
+)");
+  module.def(
+      "read_urdf",
+      [](const std::string& text, Base base) {
+        return BoundModel(io::build(io::read_urdf(text, ""), base, Physics::lenient));
+      },
+      "text"_a, "base"_a = nb::none(), R"(
+The mechanism of a URDF, from its text; otherwise as `load`.
+
+>>> axode.read_urdf('<robot name="stone"><link name="base"/></robot>').nq
+0
+)");
+  module.def("drawing", &drawing_text, "m"_a, R"(
+The text of a drawing of the mechanism, all in the construction frame; `read_drawing` makes the same model of it.
+
+>>> print(axode.drawing(arm)[:60])
+# The mechanism with every joint at zero, in the construction
+)");
+  module.def("urdf", &urdf_text, "m"_a, R"(
+The text of a URDF of the mechanism. ModelError names everything that URDF has no words for.
+
+>>> axode.urdf(axode.read_urdf('<robot name="stone"><link name="base"/></robot>'))[:5]
+'<?xml'
+)");
+}
+
+}  // namespace axode::python

@@ -1,0 +1,472 @@
+#include <nanobind/stl/optional.h>
+#include <nanobind/stl/pair.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/tuple.h>
+#include <nanobind/stl/vector.h>
+
+#include "axode/io.hpp"
+#include "axode/model/builder.hpp"
+#include "axode/model/configuration.hpp"
+#include "bindings.hpp"
+#include "bound_model.hpp"
+#include "choice.hpp"
+#include "conversions.hpp"
+#include "description.hpp"
+#include "raise.hpp"
+#include "states.hpp"
+
+namespace axode::python {
+namespace {
+
+using namespace nb::literals;
+
+template <class Range> std::vector<std::string> names(const Range& named) {
+  std::vector<std::string> found;
+  for (const auto& each : named) found.push_back(each.name);
+  return found;
+}
+
+/// index(name), where a name that there is not is a KeyError.
+template <class Index> int index_of(const Index& index, const char* argument, nb::handle name) {
+  if (!nb::isinstance<nb::str>(name))
+    throw nb::value_error(
+        (std::string(argument) + " is " + nb::repr(name).c_str() + "; expected a name").c_str());
+  try {
+    return index(nb::str(name).c_str());
+  } catch (const std::invalid_argument& unknown) {
+    throw nb::key_error(unknown.what());
+  }
+}
+
+/// A joint with the names that its numbers stand for.
+struct BoundJoint {
+  const BoundModel* model;
+  int i;
+  const Joint& operator*() const { return (*model)->joint(i); }
+};
+struct BoundBody {
+  const BoundModel* model;
+  int i;
+  const Body& operator*() const { return (*model)->body(i); }
+};
+
+/// One number of each degree of freedom of a joint.
+template <double Dof::*number> Array of_each_dof(const BoundJoint& joint) {
+  NewArray out({static_cast<nb::ssize_t>((*joint).dof.size())});
+  double* to = out.data();
+  for (const Dof& dof : (*joint).dof) *to++ = dof.*number;
+  return out.array();
+}
+
+std::string rounded(double x) {
+  std::array<char, 32> text;
+  return {text.data(), static_cast<std::size_t>(std::snprintf(text.data(), text.size(), "%.6g", x))};
+}
+
+std::string repr(const BoundModel& model) {
+  const auto count = [](int n, const char* one, const char* many) {
+    return std::to_string(n) + (n == 1 ? one : many);
+  };
+  return "Model(\"" + model->name() + "\": " + count(model->n_bodies(), " moving body", " moving bodies") +
+         ", nq = " + std::to_string(model->nq()) + ", nv = " + std::to_string(model->nv()) + ", " +
+         count(model->n_frames(), " frame", " frames") + ", " + rounded(model->total_mass()) + " kg)";
+}
+
+std::string indices(int first, int n) {
+  if (n == 0) return "-";
+  return n == 1 ? std::to_string(first) : std::to_string(first) + ":" + std::to_string(first + n);
+}
+
+/// A line for each joint: its kind, its coordinates, the body it moves and that body's predecessor.
+std::string table(const BoundModel& model) {
+  std::vector<std::array<std::string, 6>> rows{{"joint", "kind", "q", "v", "body", "on"}};
+  for (int i = 1; i <= model->n_bodies(); ++i) {
+    const Joint& joint = model->joint(i);
+    rows.push_back({joint.name, std::string(to_string(joint.kind)), indices(joint.iq, joint.nq),
+                    indices(joint.iv, joint.nv), model->body(i).name,
+                    model->body(model->body(i).predecessor).name});
+  }
+  std::array<std::size_t, 6> width{};
+  for (const auto& row : rows)
+    for (std::size_t c = 0; c < row.size(); ++c) width[c] = std::max(width[c], row[c].size());
+  std::string text = repr(model);
+  for (const auto& row : rows) {
+    text += "\n ";
+    for (std::size_t c = 0; c < row.size(); ++c)
+      text += " " + row[c] + (c + 1 < row.size() ? std::string(width[c] - row[c].size() + 1, ' ') : "");
+  }
+  return text;
+}
+
+void add_parts(nb::module_& module) {
+  nb::class_<BoundJoint>(module, "Joint", "The joint that moves a body; read only.")
+      .def_prop_ro("name", [](const BoundJoint& j) { return (*j).name; })
+      .def_prop_ro(
+          "kind", [](const BoundJoint& j) { return std::string(to_string((*j).kind)); },
+          "revolute, prismatic, helical, spherical, planar or free.")
+      .def_prop_ro(
+          "pitch", [](const BoundJoint& j) { return (*j).pitch; }, "Of a helical joint, m/rad.")
+      .def_prop_ro(
+          "q", [](const BoundJoint& j) { return nb::slice((*j).iq, (*j).iq + (*j).nq, 1); },
+          nb::sig("def q(self) -> slice[int, int, int]"),
+          "Where its coordinates are in q: `q[m.joint(name).q]`. Empty for a coupled joint.")
+      .def_prop_ro(
+          "v", [](const BoundJoint& j) { return nb::slice((*j).iv, (*j).iv + (*j).nv, 1); },
+          nb::sig("def v(self) -> slice[int, int, int]"), "Where its velocities are in v, a and tau.")
+      .def_prop_ro("nq", [](const BoundJoint& j) { return (*j).nq; })
+      .def_prop_ro("nv", [](const BoundJoint& j) { return (*j).nv; })
+      .def_prop_ro(
+          "leader",
+          [](const BoundJoint& j) -> std::optional<std::tuple<std::string, double, double>> {
+            if (!(*j).leader) return std::nullopt;
+            return std::tuple((*j.model)->joint((*j).leader->joint).name, (*j).leader->ratio,
+                              (*j).leader->offset);
+          },
+          "(name, ratio, offset) where its coordinate is ratio * that of another joint + offset, else None.")
+      .def_prop_ro("lower", &of_each_dof<&Dof::lower>,
+                   "Lower limit of each degree of freedom, rad or m; may be -inf.")
+      .def_prop_ro("upper", &of_each_dof<&Dof::upper>,
+                   "Upper limit of each degree of freedom, rad or m; may be inf.")
+      .def_prop_ro("velocity", &of_each_dof<&Dof::velocity>, "Largest speed, rad/s or m/s; may be inf.")
+      .def_prop_ro("effort", &of_each_dof<&Dof::effort>, "Largest drive force, N m or N; may be inf.")
+      .def_prop_ro("damping", &of_each_dof<&Dof::damping>,
+                   "N m s/rad or N s/m; felt where `joint_losses` asks.")
+      .def_prop_ro("friction", &of_each_dof<&Dof::friction>,
+                   "Coulomb friction, N m or N; felt where `joint_losses` asks.")
+      .def_prop_ro("armature", &of_each_dof<&Dof::armature>,
+                   "Inertia of the drive at the joint, kg m^2 or kg.")
+      .def("__repr__", [](const BoundJoint& j) {
+        return "Joint(\"" + (*j).name + "\": " + std::string(to_string((*j).kind)) + ", q " +
+               indices((*j).iq, (*j).nq) + ", v " + indices((*j).iv, (*j).nv) + ")";
+      });
+  nb::class_<BoundBody>(module, "Body", "A body that moves, in the frame in which it was placed; read only.")
+      .def_prop_ro("name", [](const BoundBody& b) { return (*b).name; })
+      .def_prop_ro(
+          "predecessor", [](const BoundBody& b) { return (*b.model)->body((*b).predecessor).name; },
+          "The body that carries it, or \"ground\".")
+      .def_prop_ro(
+          "A", [](const BoundBody& b) { return to_array((*b).A); },
+          "C_i(0), pose at q = 0 in the inertial frame, (4, 4), m.")
+      .def_prop_ro(
+          "B", [](const BoundBody& b) { return to_array((*b).B); },
+          "Pose at q = 0 in the predecessor's frame, (4, 4), m.")
+      .def_prop_ro(
+          "X", [](const BoundBody& b) { return columns(std::span<const Screw<>>((*b).X)); },
+          "Joint screws in the body frame, (6, d), angular before linear; a column for each velocity.")
+      .def_prop_ro(
+          "M", [](const BoundBody& b) { return to_array((*b).M); },
+          "Inertia matrix [[Theta, h~], [-h~, m I]] in the body frame, (6, 6), with all that is fixed to it "
+          "(eq. Mb).")
+      .def_prop_ro(
+          "mass", [](const BoundBody& b) { return (*b).M.m; }, "kg.")
+      .def("__repr__", [](const BoundBody& b) {
+        return "Body(\"" + (*b).name + "\" on \"" + (*b.model)->body((*b).predecessor).name + "\", " +
+               rounded((*b).M.m) + " kg)";
+      });
+}
+
+void add_configurations(nb::class_<BoundModel>& model) {
+  model
+      .def(
+          "neutral", [](const BoundModel& m) { return to_array(neutral(m)); }, R"(
+Every joint at zero, quaternions (x y z w) at the identity: shape (nq,).
+
+>>> arm.neutral()
+array([0., 0., 0., 0., 0., 0., 0.])
+)")
+      .def(
+          "random",
+          [](const BoundModel& m, std::uint64_t seed) { return to_array(random_configuration(m, seed)); },
+          "seed"_a = 0, R"(
+A configuration within the limits, uniform for each joint, shape (nq,); the same for the same seed.
+
+Unlimited angles are in [-pi, pi], unlimited lengths in [-1, 1] m, rotations uniform on SO(3).
+
+>>> q = arm.random(seed=3)
+>>> q.shape
+(7,)
+)")
+      .def(
+          "integrate",
+          [](const BoundModel& m, ArrayLike q, ArrayLike dv) {
+            const States states(m, q, 1);
+            const Items d = states.velocities("dv", dv);
+            NewArray out = states.result({m->nq()});
+            states.each(linear_cost(m),
+                        [&](Workspace<>&, std::size_t k) { put(integrate(m, states.q(k), d[k]), out, k); });
+            return out.array();
+          },
+          "q"_a, "dv"_a, R"(
+q (+) dv: every joint moved along its left-trivialised direction.
+
+q has shape (nq,) or (N, nq), dv (nv,) or (N, nv), rad and m; a step of length h with velocity v is dv = h v.
+
+>>> arm.integrate(arm.neutral(), np.full(7, 0.1))
+array([0.1, 0.1, 0.1, 0.1, 0.1, 0.1, 0.1])
+)")
+      .def(
+          "difference",
+          [](const BoundModel& m, ArrayLike q0, ArrayLike q1) {
+            const States states(m, q0, 1);
+            const Items to = states.items("q1", q1, {m->nq()}, "nq numbers");
+            NewArray out = states.result({m->nv()});
+            states.each(linear_cost(m),
+                        [&](Workspace<>&, std::size_t k) { put(difference(m, states.q(k), to[k]), out, k); });
+            return out.array();
+          },
+          "q0"_a, "q1"_a, R"(
+q1 (-) q0: the dv with integrate(q0, dv) = q1, the shorter way round on rotations.
+
+Shapes (nq,) or (N, nq) to (nv,) or (N, nv), rad and m.
+
+>>> arm.difference(arm.neutral(), np.full(7, 0.2))
+array([0.2, 0.2, 0.2, 0.2, 0.2, 0.2, 0.2])
+)")
+      .def(
+          "interpolate",
+          [](const BoundModel& m, ArrayLike q0, ArrayLike q1, double s) {
+            const States states(m, q0, 1);
+            const Items to = states.items("q1", q1, {m->nq()}, "nq numbers");
+            NewArray out = states.result({m->nq()});
+            states.each(linear_cost(m), [&](Workspace<>&, std::size_t k) {
+              put(interpolate(m, states.q(k), to[k], s), out, k);
+            });
+            return out.array();
+          },
+          "q0"_a, "q1"_a, "s"_a, R"(
+q0 (+) s (q1 (-) q0): screw motion of every joint, q0 at s = 0 and q1 at s = 1.
+
+Shapes (nq,) or (N, nq).
+
+>>> arm.interpolate(arm.neutral(), np.full(7, 0.2), 0.5)
+array([0.1, 0.1, 0.1, 0.1, 0.1, 0.1, 0.1])
+)")
+      .def(
+          "clamp",
+          [](const BoundModel& m, ArrayLike q) {
+            const States states(m, q, 1);
+            NewArray out = states.result({m->nq()});
+            states.each(linear_cost(m),
+                        [&](Workspace<>&, std::size_t k) { put(clamp(m, states.q(k)), out, k); });
+            return out.array();
+          },
+          "q"_a, R"(
+The nearest configuration within the limits, shape (nq,) or (N, nq).
+
+>>> bool(np.all(arm.clamp(np.full(7, 10.0)) <= arm.limits()[1]))
+True
+)")
+      .def(
+          "limits",
+          [](const BoundModel& m) {
+            const CoordinateLimits found = limits(m);
+            return std::pair(to_array(found.lower), to_array(found.upper));
+          },
+          R"(
+(lower, upper) limit of each coordinate, two arrays (nq,), rad and m; infinite where there is none.
+
+>>> lower, upper = arm.limits()
+>>> float(upper[0])
+2.96705972839036
+)");
+}
+
+/// A drawing of these bodies and frames.
+nb::dict drawing_of(nb::handle bodies, nb::handle frames, const std::string& name, nb::handle gravity) {
+  nb::dict drawing;
+  drawing["format"] = "axode drawing 1";
+  drawing["name"] = name;
+  drawing["gravity"] = gravity;
+  drawing["body"] = bodies;
+  if (nb::len(frames) > 0) drawing["frame"] = frames;
+  return drawing;
+}
+
+void add_construction(nb::class_<BoundModel>& model) {
+  model
+      .def_static(
+          "from_bodies",
+          [](nb::handle bodies, nb::handle frames, const std::string& name, nb::handle gravity, Base base) {
+            return BoundModel(from_dict(drawing_of(bodies, frames, name, gravity), base));
+          },
+          "bodies"_a, "frames"_a = nb::make_tuple(), nb::kw_only(), "name"_a = "mechanism",
+          "gravity"_a = nb::make_tuple(0.0, 0.0, -9.81), "base"_a = nb::none(),
+          nb::sig(
+              "def from_bodies(bodies: collections.abc.Sequence[collections.abc.Mapping[str, typing.Any]], "
+              "frames: collections.abc.Sequence[collections.abc.Mapping[str, typing.Any]] = (), *, "
+              "name: str = 'mechanism', gravity: numpy.typing.ArrayLike = (0.0, 0.0, -9.81), "
+              "base: typing.Literal['fixed', 'free'] | None = None) -> Model"),
+          R"(
+A mechanism from axes, points, masses and inertias, all in one frame with every joint at zero.
+
+Each body and frame is a dict with the keys of the drawing format (docs/drawing-format.md): name, on, joint, mass, com,
+inertia, ... SI units. ModelError lists every fault.
+
+>>> pendulum = axode.Model.from_bodies([
+...     {"name": "rod", "joint": {"kind": "revolute", "axis": "y", "point": [0, 0, 0]},
+...      "mass": 1.0, "com": [0, 0, -0.5], "inertia": [1/12, 1/12, 0.001]}])
+>>> axode.gravity_torques(pendulum, [np.pi / 2]).round(3)
+array([4.905])
+)")
+      .def_static(
+          "from_dict",
+          [](const nb::dict& drawing, Base base) { return BoundModel(from_dict(drawing, base)); },
+          "drawing"_a, "base"_a = nb::none(),
+          nb::sig("def from_dict(drawing: dict[str, typing.Any], base: typing.Literal['fixed', 'free'] | "
+                  "None = None) -> Model"),
+          R"(
+The mechanism of a whole drawing, as a dict: what `to_dict` gives, edited, or what tomllib reads.
+
+>>> drawing = arm.to_dict()
+>>> drawing["gravity"] = [0, 0, -1.62]
+>>> axode.Model.from_dict(drawing).gravity
+array([ 0.  ,  0.  , -1.62])
+)")
+      .def(
+          "to_dict", [](const BoundModel& m) { return to_dict(*m); },
+          nb::sig("def to_dict(self) -> dict[str, typing.Any]"), R"(
+The mechanism as a drawing in a dict, everything in the construction frame, to edit and to build again.
+
+>>> arm.to_dict()["body"][0]["name"]
+'link 1'
+)");
+}
+
+void add_lookup(nb::class_<BoundModel>& model) {
+  const auto joint_of = [](const BoundModel& m, nb::handle name) {
+    return BoundJoint{&m, index_of([&](const char* s) { return m->joint_index(s); }, "name", name)};
+  };
+  const auto body_of = [](const BoundModel& m, nb::handle name) {
+    return BoundBody{&m, index_of([&](const char* s) { return m->body_index(s); }, "name", name)};
+  };
+  model
+      .def("joint", joint_of, "name"_a, nb::sig("def joint(self, name: str) -> Joint"),
+           nb::keep_alive<0, 1>(), R"(
+The joint of a name; KeyError with the nearest name where there is none.
+
+>>> q = arm.neutral()
+>>> q[arm.joint("A2").q] = 0.8
+>>> arm.joint("A2")
+Joint("A2": revolute, q 1, v 1)
+)")
+      .def("body", body_of, "name"_a, nb::sig("def body(self, name: str) -> Body"), nb::keep_alive<0, 1>(),
+           R"(
+The moving body of a name, or "ground"; KeyError with the nearest name where there is none.
+
+>>> arm.body("link 2").predecessor
+'link 1'
+)")
+      .def(
+          "frame_pose",
+          [](const BoundModel& m, FrameName frame) {
+            const Frame& found = m->frame(frame.in(m));
+            return std::pair(m->body(found.body).name, to_array(found.pose));
+          },
+          "frame"_a, R"(
+(body, pose): the body that a frame is fixed to, and its pose (4, 4) in that body's frame, m.
+
+>>> body, pose = arm.frame_pose("flange")
+>>> body
+'link 7'
+)")
+      .def(
+          "reduced",
+          [](const BoundModel& m, const std::vector<std::string>& locked, ArrayLike q) {
+            const States states(m, q, 1);
+            if (states.many()) throw nb::value_error("q: expected one configuration, shape (nq,)");
+            std::vector<std::string_view> views(locked.begin(), locked.end());
+            for (const std::string& name : locked)
+              index_of([&](const char* s) { return m->joint_index(s); }, "locked", nb::str(name.c_str()));
+            return BoundModel(reduced(m, views, states.q(0)));
+          },
+          "locked"_a, "q"_a, R"(
+A new model in which the named joints are fixed at their place in q, shape (nq,).
+
+>>> arm.reduced(["A6", "A7"], arm.neutral()).nv
+5
+)");
+}
+
+}  // namespace
+
+int FrameName::in(const Model& model, const char* argument) const {
+  const nb::handle name(given);
+  if (nb::isinstance<nb::str>(name))
+    return index_of([&](const char* s) { return model.frame_index(s); }, argument, name);
+  if (!PyLong_Check(given))
+    throw nb::value_error((std::string(argument) + " is " + nb::repr(name).c_str() +
+                           "; expected the name of a frame, or its number")
+                              .c_str());
+  const long number = PyLong_AsLong(given);
+  if (PyErr_Occurred() != nullptr) PyErr_Clear();
+  if (number < 0 || number >= model.n_frames())
+    throw nb::value_error((std::string(argument) + " is " + nb::repr(name).c_str() + "; model \"" +
+                           model.name() + "\" has frames 0 to " + std::to_string(model.n_frames() - 1))
+                              .c_str());
+  return static_cast<int>(number);
+}
+
+Place<> place(const Model& model, FrameName frame, nb::handle offset) {
+  const int f = frame.in(model);
+  if (offset.is_none()) return f;
+  const Numbers numbers("offset", {offset.ptr()});
+  const double* x = numbers.data();
+  if (numbers.axes() == 1 && numbers.ends_with({3})) return {f, Vec3<>{x[0], x[1], x[2]}};
+  if (numbers.axes() != 2 || !numbers.ends_with({4, 4}))
+    numbers.wrong_shape("(3,), a point in the frame, or (4, 4), a pose in it,");
+  return {f, pose_from("offset", x)};
+}
+
+void add_model(nb::module_& module) {
+  add_parts(module);
+  nb::class_<BoundModel> model(module, "Model", R"(
+An immutable tree of bodies: what `load`, `Model.from_bodies` and `Builder` make. Threads may share it.
+
+Moving bodies are numbered depth-first in the order in which they were declared; joint i moves body i. Frames are the
+ground, the bodies, then all other names; the functions that answer for every frame do so in the order of
+`frame_names`. print(model) shows which coordinates are which joint's.
+
+>>> arm
+Model("arm7": 7 moving bodies, nq = 7, nv = 7, 10 frames, 26.334 kg)
+)");
+  model.def_prop_ro("name", [](const BoundModel& m) { return m->name(); })
+      .def_prop_ro(
+          "nq", [](const BoundModel& m) { return m->nq(); }, "Coordinates; four for a rotation.")
+      .def_prop_ro(
+          "nv", [](const BoundModel& m) { return m->nv(); }, "Velocities, the degrees of freedom.")
+      .def_prop_ro(
+          "n_bodies", [](const BoundModel& m) { return m->n_bodies(); }, "Bodies that move.")
+      .def_prop_ro("n_frames", [](const BoundModel& m) { return m->n_frames(); })
+      .def_prop_ro(
+          "body_names", [](const BoundModel& m) { return names(m->bodies().subspan(1)); },
+          "Of the bodies that move, in the model's order.")
+      .def_prop_ro(
+          "joint_names", [](const BoundModel& m) { return names(m->joints()); },
+          "One for each moving body, in the model's order.")
+      .def_prop_ro(
+          "frame_names", [](const BoundModel& m) { return names(m->frames()); },
+          "\"ground\", the moving bodies, then everything that is fixed to one of them.")
+      .def_prop_ro(
+          "gravity", [](const BoundModel& m) { return to_array(m->gravity()); },
+          "In the inertial frame, (3,), m/s^2.")
+      .def_prop_ro(
+          "total_mass", [](const BoundModel& m) { return m->total_mass(); }, "Of all moving bodies, kg.")
+      .def_prop_ro(
+          "warnings", [](const BoundModel& m) { return fault_list(m->warnings()); },
+          nb::sig("def warnings(self) -> list[axode.Fault]"),
+          "What is doubtful about the mechanism but did not prevent the build.")
+      .def("__repr__", &repr)
+      .def("__str__", &table)
+      .def("__copy__", [](const BoundModel& m) { return BoundModel(*m); })
+      .def(
+          "__deepcopy__", [](const BoundModel& m, nb::handle) { return BoundModel(*m); }, "memo"_a)
+      .def("__getstate__", [](const BoundModel& m) { return packed(m->description()); })
+      .def("__setstate__", [](BoundModel& m, const nb::tuple& state) {
+        new (&m) BoundModel(ModelBuilder(unpacked(state)).build(Physics::lenient));
+      });
+  add_construction(model);
+  add_lookup(model);
+  add_configurations(model);
+}
+
+}  // namespace axode::python

@@ -1,0 +1,122 @@
+#include <tuple>
+#include <type_traits>
+
+#include "description.hpp"
+
+namespace axode::python {
+namespace {
+
+// What each struct consists of; packing and unpacking follow from it.
+template <class D, class T>
+concept Like = std::same_as<std::remove_const_t<D>, T>;
+
+auto fields(Like<Vec3<>> auto& a) { return std::tie(a.x, a.y, a.z); }
+auto fields(Like<Sym3<>> auto& A) { return std::tie(A.xx, A.yy, A.zz, A.xy, A.xz, A.yz); }
+auto fields(Like<SO3<>> auto& R) { return std::tie(R.x, R.y, R.z); }
+auto fields(Like<SE3<>> auto& C) { return std::tie(C.R, C.r); }
+auto fields(Like<Source> auto& s) { return std::tie(s.file, s.line); }
+auto fields(Like<Fault> auto& f) { return std::tie(f.severity, f.rule, f.element, f.message, f.source); }
+auto fields(Like<Dof> auto& d) {
+  return std::tie(d.lower, d.upper, d.velocity, d.effort, d.damping, d.friction, d.armature);
+}
+auto fields(Like<Coupling> auto& c) { return std::tie(c.leader, c.ratio, c.offset); }
+auto fields(Like<JointDescription> auto& j) {
+  return std::tie(j.name, j.kind, j.axis, j.second_axis, j.point, j.pitch, j.dof, j.coupling, j.source);
+}
+auto fields(Like<InConstructionFrame> auto& g) { return std::tie(g.A); }
+auto fields(Like<InBodyFrame> auto& g) { return std::tie(g.B); }
+auto fields(Like<InJointFrames> auto& g) { return std::tie(g.S_prev, g.S_self); }
+auto fields(Like<MassProperties> auto& m) { return std::tie(m.mass, m.com, m.Theta, m.in, m.about, m.axes); }
+auto fields(Like<MeshReference> auto& m) { return std::tie(m.role, m.file, m.pose, m.scale); }
+auto fields(Like<BodyDescription> auto& b) {
+  return std::tie(b.name, b.predecessor, b.joint, b.geometry, b.inertia, b.meshes, b.source);
+}
+auto fields(Like<FrameDescription> auto& f) { return std::tie(f.name, f.body, f.pose, f.in, f.source); }
+auto fields(Like<Description> auto& d) {
+  return std::tie(d.name, d.gravity, d.bodies, d.frames, d.source, d.warnings);
+}
+
+template <class T> struct Packing {
+  static nb::object pack(const T& x) {
+    return std::apply(
+        [](const auto&... each) -> nb::object {
+          return nb::make_tuple(Packing<std::remove_cvref_t<decltype(each)>>::pack(each)...);
+        },
+        fields(x));
+  }
+  static void unpack(nb::handle from, T& x) {
+    std::apply(
+        [&](auto&... each) {
+          if (nb::len(from) != sizeof...(each))
+            throw nb::value_error("a pickled model of another version of axode");
+          std::size_t k = 0;
+          (Packing<std::remove_cvref_t<decltype(each)>>::unpack(from[k++], each), ...);
+        },
+        fields(x));
+  }
+};
+template <class T>
+  requires std::is_arithmetic_v<T>
+struct Packing<T> {
+  static nb::object pack(T x) { return nb::cast(x); }
+  static void unpack(nb::handle from, T& x) { x = nb::cast<T>(from); }
+};
+template <class T>
+  requires std::is_enum_v<T>
+struct Packing<T> {
+  static nb::object pack(T x) { return nb::cast(static_cast<int>(x)); }
+  static void unpack(nb::handle from, T& x) { x = static_cast<T>(nb::cast<int>(from)); }
+};
+template <> struct Packing<std::string> {
+  static nb::object pack(const std::string& x) { return nb::bytes(x.data(), x.size()); }
+  static void unpack(nb::handle from, std::string& x) {
+    const nb::bytes text = nb::cast<nb::bytes>(from);
+    x.assign(text.c_str(), text.size());
+  }
+};
+template <class E> struct Packing<std::vector<E>> {
+  static nb::object pack(const std::vector<E>& all) {
+    nb::list list;
+    for (const E& x : all) list.append(Packing<E>::pack(x));
+    return list;
+  }
+  static void unpack(nb::handle from, std::vector<E>& all) {
+    for (const nb::handle each : from) Packing<E>::unpack(each, all.emplace_back());
+  }
+};
+template <class E> struct Packing<std::optional<E>> {
+  static nb::object pack(const std::optional<E>& x) { return x ? Packing<E>::pack(*x) : nb::none(); }
+  static void unpack(nb::handle from, std::optional<E>& x) {
+    if (!from.is_none()) Packing<E>::unpack(from, x.emplace());
+  }
+};
+template <> struct Packing<Geometry> {
+  static nb::object pack(const Geometry& geometry) {
+    return std::visit(
+        [&](const auto& way) -> nb::object {
+          return nb::make_tuple(geometry.index(), Packing<std::remove_cvref_t<decltype(way)>>::pack(way));
+        },
+        geometry);
+  }
+  static void unpack(nb::handle from, Geometry& geometry) {
+    switch (nb::cast<int>(from[0])) {
+      case 0: return Packing<InConstructionFrame>::unpack(from[1], geometry.emplace<0>());
+      case 1: return Packing<InBodyFrame>::unpack(from[1], geometry.emplace<1>());
+      default: return Packing<InJointFrames>::unpack(from[1], geometry.emplace<2>());
+    }
+  }
+};
+
+}  // namespace
+
+nb::tuple packed(const Description& description) {
+  return nb::borrow<nb::tuple>(Packing<Description>::pack(description));
+}
+
+Description unpacked(nb::handle tuple) {
+  Description description;
+  Packing<Description>::unpack(tuple, description);
+  return description;
+}
+
+}  // namespace axode::python

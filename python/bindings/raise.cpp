@@ -1,0 +1,45 @@
+#include "raise.hpp"
+
+namespace axode::python {
+namespace {
+
+nb::object errors(const char* name) { return nb::module_::import_("axode.errors").attr(name); }
+
+void set_error(const nb::object& error) {
+  PyErr_SetObject(reinterpret_cast<PyObject*>(Py_TYPE(error.ptr())), error.ptr());
+}
+
+nb::str text(std::string_view s) { return nb::str(s.data(), s.size()); }
+
+}  // namespace
+
+nb::object fault_object(const Fault& fault) {
+  return errors("Fault")(fault.severity == Severity::error ? "error" : "warning", text(to_string(fault.rule)),
+                         text(fault.element), text(fault.message), text(fault.source.file), fault.source.line,
+                         text(to_string(fault)));
+}
+
+nb::list fault_list(std::span<const Fault> faults) {
+  nb::list list;
+  for (const Fault& fault : faults) list.append(fault_object(fault));
+  return list;
+}
+
+void raise_singular(const std::string& sentence, const std::vector<std::size_t>& states, Array result) {
+  nb::list numbers;
+  for (const std::size_t k : states) numbers.append(k);
+  set_error(errors("SingularError")(text(sentence), numbers, result.array));
+  throw nb::python_error();
+}
+
+void translate_exceptions() {
+  nb::register_exception_translator([](const std::exception_ptr& thrown, void*) {
+    try {
+      std::rethrow_exception(thrown);
+    } catch (const ModelError& error) {
+      set_error(errors("ModelError")(text(error.what()), fault_list(error.faults())));
+    }
+  });
+}
+
+}  // namespace axode::python

@@ -1,0 +1,133 @@
+#include "states.hpp"
+
+#include "choice.hpp"
+#include "raise.hpp"
+
+namespace axode::python {
+namespace {
+
+/// The leading axis of a shape whose last axes are an item, where it has one.
+std::optional<std::size_t> rows(const Numbers& numbers, const Shape& item) {
+  return numbers.axes() == item.axes ? std::nullopt
+                                     : std::optional(static_cast<std::size_t>(numbers.length(0)));
+}
+
+Items configurations(const Model& model, ArrayLike given, bool& many, std::size_t& count) {
+  const Shape item{model.nq()};
+  Numbers q("q", given);
+  if (!q.ends_with(item) || q.axes() > 2)
+    q.wrong_shape(item.text() + " or (N, " + std::to_string(model.nq()) +
+                  ") with nq = " + std::to_string(model.nq()) + " coordinates");
+  const auto N = rows(q, item);
+  many = N.has_value();
+  count = N.value_or(1);
+  return {std::move(q), many, item.size()};
+}
+
+int positive(int threads) {
+  if (threads < 1)
+    throw nb::value_error(("threads is " + std::to_string(threads) + "; expected 1 or more").c_str());
+  return threads;
+}
+
+}  // namespace
+
+double linear_cost(const Model& model) { return 0.2 * model.n_bodies(); }
+double quadratic_cost(const Model& model) { return linear_cost(model) + 0.01 * model.nv() * model.nv(); }
+double cubic_cost(const Model& model) {
+  return quadratic_cost(model) + 0.01 * model.nv() * model.nv() * model.nv();
+}
+
+States::States(const BoundModel& model, ArrayLike q, int threads)
+    : bound_(model),
+      many_(false),
+      threads_(positive(threads)),
+      count_(1),
+      q_(configurations(model, q, many_, count_)) {}
+
+Items States::items(const char* name, ArrayLike given, const Shape& item, const char* meaning) const {
+  Numbers numbers(name, given);
+  const Shape expected = many_ ? item.times(static_cast<nb::ssize_t>(count_)) : item;
+  if (numbers.axes() != expected.axes || !numbers.ends_with(expected))
+    numbers.wrong_shape(expected.text() +
+                        (many_ ? ", " + std::to_string(count_) + " states as in q, each with " : ", ") +
+                        meaning);
+  return {std::move(numbers), many_, item.size()};
+}
+
+Items States::velocities(const char* name, ArrayLike given) const {
+  return items(name, given, {model().nv()}, "nv numbers");
+}
+
+void States::singular(const std::vector<std::size_t>& states, const Solvability& first,
+                      NewArray& result) const {
+  std::string sentence = to_string(model(), first);
+  if (many_)
+    sentence = "state " + std::to_string(states.front()) +
+               (states.size() > 1 ? " and " + std::to_string(states.size() - 1) + " others: " : ": ") +
+               sentence;
+  raise_singular(sentence, states, result.array());
+}
+
+void States::refuse_singular(const std::vector<Solvability>& found, NewArray& result) const {
+  std::vector<std::size_t> states;
+  for (std::size_t k = 0; k < found.size(); ++k)
+    if (!found[k].ok()) states.push_back(k);
+  if (!states.empty()) singular(states, found[states.front()], result);
+}
+
+AppliedLoads::AppliedLoads(const States& states, LoadList given, bool joint_losses)
+    : joint_losses_(joint_losses) {
+  const nb::handle list(given.given);
+  if (list.is_none()) return;
+  if (!PyList_Check(list.ptr()) && !PyTuple_Check(list.ptr()))
+    throw nb::value_error(
+        (std::string("loads: expected a list of dicts with the keys frame, representation and "
+                     "wrench, got ") +
+         Py_TYPE(list.ptr())->tp_name)
+            .c_str());
+  std::size_t number = 0;
+  for (const nb::handle load : list) {
+    const std::string where = "loads[" + std::to_string(number++) + "]";
+    if (!nb::isinstance<nb::dict>(load))
+      throw nb::value_error((where +
+                             ": expected a dict with the keys frame, representation and wrench, got " +
+                             Py_TYPE(load.ptr())->tp_name)
+                                .c_str());
+    nb::dict entries = nb::borrow<nb::dict>(load);
+    for (const auto& [key, value] : entries)
+      choose(where.c_str(), key, std::array<std::string_view, 3>{"frame", "representation", "wrench"});
+    for (const char* key : {"frame", "wrench"})
+      if (!entries.contains(key)) throw nb::key_error((where + " has no " + key).c_str());
+    const int frame =
+        FrameName{nb::object(entries["frame"]).ptr()}.in(states.model(), (where + ".frame").c_str());
+    const Representation representation =
+        entries.contains("representation")
+            ? Words<Representation>::value(choose((where + ".representation").c_str(),
+                                                  entries["representation"], Words<Representation>::words))
+            : Representation::body;
+    Numbers wrench(where + ".wrench", {nb::object(entries["wrench"]).ptr()});
+    const bool one = wrench.axes() == 1 && wrench.ends_with({6});
+    const Shape each = Shape{6}.times(static_cast<nb::ssize_t>(states.count()));
+    if (!one && !(states.many() && wrench.axes() == 2 && wrench.ends_with(each)))
+      wrench.wrong_shape("(6,)" + (states.many() ? " or " + each.text() : "") +
+                         ", moment (N m) before force (N)");
+    const double* W = wrench.data();
+    if (one || states.count() > 0)
+      first_.emplace_back(frame, representation, Vec3<>{W[0], W[1], W[2]}, Vec3<>{W[3], W[4], W[5]});
+    varies_ = varies_ || !one;
+    wrenches_.emplace_back(std::move(wrench), !one, 6);
+  }
+}
+
+std::vector<AppliedWrench<double>> AppliedLoads::at(std::size_t k) const {
+  std::vector<AppliedWrench<double>> now = first_;
+  for (std::size_t load = 0; load < now.size(); ++load) {
+    const std::span<const double> W = wrenches_[load][k];
+    now[load].m = {W[0], W[1], W[2]};
+    now[load].f = {W[3], W[4], W[5]};
+  }
+  return now;
+}
+
+}  // namespace axode::python

@@ -1,0 +1,150 @@
+#pragma once
+#include <tbb/parallel_for.h>
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "array.hpp"
+#include "axode/dynamics/loads.hpp"
+#include "axode/dynamics/solvability.hpp"
+#include "bound_model.hpp"
+
+namespace axode::python {
+
+/// What one state costs by about how much, in microseconds; decides whether a call lets other threads run.
+double linear_cost(const Model& model);     ///< O(n): a recursion
+double quadratic_cost(const Model& model);  ///< O(n²): a matrix
+double cubic_cost(const Model& model);      ///< O(n³): a tensor
+
+/// One argument of a function of the state: an item, or N of them.
+class Items {
+ public:
+  Items(Numbers numbers, bool many, nb::ssize_t item_size)
+      : numbers_(std::move(numbers)), size_(item_size), step_(many ? item_size : 0) {}
+  std::span<const double> operator[](std::size_t k) const {
+    return {numbers_.data() + static_cast<nb::ssize_t>(k) * step_, static_cast<std::size_t>(size_)};
+  }
+  std::span<const double> all() const { return {numbers_.data(), static_cast<std::size_t>(numbers_.size())}; }
+
+ private:
+  Numbers numbers_;
+  nb::ssize_t size_, step_;
+};
+
+/// The states that a function is called with, one, shape (nq,), or N, shape (N, nq), and how it goes through
+/// them.
+class States {
+ public:
+  /// Throws nb::value_error for a wrong shape, numbers that are not finite, and threads < 1.
+  States(const BoundModel& model, ArrayLike q, int threads);
+
+  const Model& model() const { return bound_; }
+  bool many() const { return many_; }
+  std::size_t count() const { return count_; }
+  int threads() const { return threads_; }
+  std::span<const double> q(std::size_t k) const { return q_[k]; }
+  std::span<const double> q() const { return q_.all(); }
+
+  /// Another argument: an item for the one state, or one for each. `meaning` says what its shape is in words.
+  Items items(const char* name, ArrayLike given, const Shape& item, const char* meaning) const;
+  /// One with nv numbers.
+  Items velocities(const char* name, ArrayLike given) const;
+
+  /// The array for an item, or N of them.
+  NewArray result(const Shape& item) const {
+    return NewArray(many_ ? item.times(static_cast<nb::ssize_t>(count_)) : item);
+  }
+
+  /// f(workspace, k) for every state k. Lets other Python threads run where that takes more than 20 us.
+  template <class F> void each(double microseconds, const F& f) const {
+    if (threads_ > 1 && count_ > 1) return on_cores(f);
+    const BoundModel::Lease workspace(bound_);
+    std::optional<nb::gil_scoped_release> released;
+    if (takes_long(microseconds)) released.emplace();
+    for (std::size_t k = 0; k < count_; ++k) run(f, *workspace, k);
+  }
+  /// The same for an f that returns whether it could solve; throws SingularError with the result where it
+  /// could not.
+  template <class F> void solve(double microseconds, NewArray& result, const F& f) const {
+    std::vector<Solvability> found(count_);
+    each(microseconds, [&](Workspace<>& workspace, std::size_t k) { found[k] = f(workspace, k); });
+    refuse_singular(found, result);
+  }
+  /// f() on all states at once, with other Python threads running.
+  template <class F> auto unlocked(double microseconds, const F& f) const {
+    std::optional<nb::gil_scoped_release> released;
+    if (takes_long(microseconds)) released.emplace();
+    return f();
+  }
+
+  /// Throws SingularError that names the states and the body.
+  [[noreturn]] void singular(const std::vector<std::size_t>& states, const Solvability& first,
+                             NewArray& result) const;
+
+ private:
+  bool takes_long(double microseconds) const { return microseconds * static_cast<double>(count_) > 20; }
+  void refuse_singular(const std::vector<Solvability>& found, NewArray& result) const;
+
+  template <class F> void run(const F& f, Workspace<>& workspace, std::size_t k) const {
+    if (!many_) return f(workspace, k);
+    try {
+      f(workspace, k);
+    } catch (const std::invalid_argument& error) {
+      throw std::invalid_argument("state " + std::to_string(k) + ": " + error.what());
+    }
+  }
+  template <class F> void on_cores(const F& f) const {
+    const nb::gil_scoped_release released;
+    const std::size_t tasks = std::min(count_, static_cast<std::size_t>(threads_));
+    tbb::parallel_for(std::size_t{0}, tasks, [&](std::size_t task) {
+      Workspace<> workspace(model());
+      for (std::size_t k = count_ * task / tasks; k < count_ * (task + 1) / tasks; ++k) run(f, workspace, k);
+    });
+  }
+
+  const BoundModel& bound_;
+  bool many_;
+  int threads_;
+  std::size_t count_;
+  Items q_;
+};
+
+/// `loads=` and `joint_losses=` of a call, annotated in Python as `Sequence[Load] | None`.
+struct LoadList {
+  PyObject* given = nullptr;
+};
+/// Wrenches on frames, each the same in all states or with one for each state.
+class AppliedLoads {
+ public:
+  AppliedLoads(const States& states, LoadList given, bool joint_losses);
+  bool none() const { return first_.empty() && !joint_losses_; }
+  std::size_t count() const { return first_.size(); }
+  /// f(loads) with the loads of state k.
+  template <class F> auto with(std::size_t k, const F& f) const {
+    if (!varies_) return f(Loads<double>{first_, joint_losses_});
+    const std::vector<AppliedWrench<double>> now = at(k);
+    return f(Loads<double>{now, joint_losses_});
+  }
+
+ private:
+  std::vector<AppliedWrench<double>> at(std::size_t k) const;
+
+  std::vector<AppliedWrench<double>> first_;
+  std::vector<Items> wrenches_;
+  bool varies_ = false, joint_losses_;
+};
+
+}  // namespace axode::python
+
+namespace nanobind::detail {
+
+template <> struct type_caster<axode::python::LoadList> {
+  NB_TYPE_CASTER(axode::python::LoadList, const_name("collections.abc.Sequence[axode.Load]"))
+  bool from_python(handle source, uint32_t, cleanup_list*) noexcept {
+    value.given = source.ptr();
+    return true;
+  }
+};
+
+}  // namespace nanobind::detail
