@@ -46,6 +46,7 @@ template <class T = double> class MassMatrixFactor {
   /// Entry (c, p) of L.
   T L(int c, int p) const { return c == p ? T(1) : c < p ? T(0) : H_[static_cast<std::size_t>(c * nv_ + p)]; }
   T D(int c) const { return H_[static_cast<std::size_t>(c * nv_ + c)]; }
+  int nv() const { return nv_; }
 
  private:
   Model model_;

@@ -1,21 +1,106 @@
-"""Dynamics of multibody systems in screws and SE(3)."""
+"""Dynamics of multibody systems in the language of screws and SE(3).
+
+    import axode
+    arm = axode.load("robot.urdf")
+    tau = axode.inverse_dynamics(arm, q, v, a)
+
+q has shape (nq,), v, a and tau have (nv,); or (N, nq) and (N, nv) for N states at once, and then every result has that
+axis as well. Units are SI: m, kg, s, rad, N. Six-vectors are angular before linear, quaternions x y z w, accelerations
+the true time derivatives of the components, without gravity. Velocities of spherical, planar and free joints are
+components in the child's joint frame. Arguments may be arrays of any real type and layout, lists or tuples; float64
+arrays in C order are not copied. Results are new arrays of float64.
+
+The examples in the docstrings use `arm = axode.load(axode.robots / "arm7.toml")` and numpy as `np`.
+"""
+
+from __future__ import annotations
 
 from pathlib import Path
 
 from ._axode import (
     Body,
     Joint,
+    MassMatrixFactor,
     Model,
+    accelerations,
+    body_momenta,
+    center_of_mass,
+    center_of_mass_jacobian,
+    centroidal_inertia,
+    centroidal_momentum,
+    centroidal_momentum_matrix,
+    centroidal_momentum_matrix_rate,
     check,
+    christoffel,
+    coriolis_matrix,
+    coriolis_vector,
     drawing,
+    forward_dynamics,
+    from_momenta,
+    generalized_loads,
+    gravity_torques,
+    impulse_response,
+    inertial_parameters,
     inverse_dynamics,
+    inverse_kinematics,
+    inverse_mass_matrix,
+    inverse_mass_matrix_partials,
+    jacobian,
+    jacobian_columns,
+    jacobian_derivative_along,
+    jacobian_derivatives,
+    jacobian_partials,
+    jacobian_rate,
+    joint_screws,
+    joint_wrenches,
+    kinetic_energy,
+    kinetic_energy_regressor,
     load,
+    load_powers,
+    mass_matrix,
+    mass_matrix_partials,
+    mobility,
+    momenta,
+    momentum_form,
+    operational_space_inertia,
     poses,
+    potential_energy,
+    potential_energy_regressor,
     read_drawing,
     read_urdf,
+    regressor,
+    relative_jacobian,
+    spatial_momentum,
+    spatial_momentum_form,
+    twist_derivatives,
+    twist_form,
     twists,
     urdf,
 )
+from .builder import Builder
 from .errors import Fault, ModelError, SingularError
+from .records import InverseKinematics, Load, Target
 
-robots = Path(__file__).parent / "robots"
+#: The folder of the mechanisms that come with the package: arm7.toml, double_pendulum.toml, humanoid.urdf, machine.toml.
+robots: Path = Path(__file__).parent / "robots"
+
+__all__ = [
+    # mechanisms
+    "Model", "Body", "Joint", "Builder", "load", "check", "read_drawing", "read_urdf", "drawing", "urdf", "robots",
+    # kinematics
+    "poses", "twists", "accelerations", "jacobian", "jacobian_rate", "jacobian_partials", "jacobian_derivatives",
+    "jacobian_derivative_along", "jacobian_columns", "relative_jacobian", "joint_screws", "twist_derivatives",
+    "center_of_mass", "center_of_mass_jacobian", "centroidal_momentum_matrix", "centroidal_momentum_matrix_rate",
+    "inverse_kinematics",
+    # dynamics
+    "inverse_dynamics", "forward_dynamics", "joint_wrenches", "mass_matrix", "inverse_mass_matrix",
+    "mass_matrix_partials", "inverse_mass_matrix_partials", "MassMatrixFactor", "coriolis_matrix", "coriolis_vector",
+    "christoffel", "gravity_torques", "generalized_loads", "kinetic_energy", "potential_energy", "load_powers",
+    "centroidal_inertia", "impulse_response", "mobility", "operational_space_inertia", "regressor",
+    "kinetic_energy_regressor", "potential_energy_regressor", "inertial_parameters",
+    # momentum form
+    "momenta", "from_momenta", "momentum_form", "body_momenta", "spatial_momentum", "centroidal_momentum",
+    "twist_form", "spatial_momentum_form",
+    # what else is taken, given and raised
+    "Load", "Target", "InverseKinematics", "Fault", "ModelError", "SingularError",
+]

@@ -32,7 +32,15 @@ class Fault:
 
 
 class ModelError(ValueError):
-    """A mechanism that cannot be built. `faults` lists everything that is wrong with it, not only the first."""
+    """A mechanism that cannot be built. `faults` lists everything that is wrong with it, not only the first.
+
+    >>> try:
+    ...     axode.Model.from_bodies([{"name": "rod", "joint": {"kind": "prismatic", "axis": [0, 0, 0]}, "mass": -1,
+    ...                               "com": [0, 0, 0], "inertia": [1, 1, 1]}])
+    ... except axode.ModelError as error:
+    ...     print([fault.rule for fault in error.faults])
+    ['zero_axis', 'mass_not_positive']
+    """
 
     def __init__(self, text: str, faults: list[Fault]):
         super().__init__(text, faults)
@@ -46,6 +54,13 @@ class SingularError(ArithmeticError):
     """The mass matrix of some states cannot be inverted; the message names the joint.
 
     `states` are their numbers ([0] for a single state), `result` is what was asked for, NaN in those states.
+
+    >>> massless = axode.Model.from_bodies([{"name": "slide", "joint": {"kind": "prismatic", "axis": "z"}}])
+    >>> try:
+    ...     axode.forward_dynamics(massless, [0.0], [0.0], [0.0])
+    ... except axode.SingularError as error:
+    ...     print(error.states, error.result)
+    [0] [nan]
     """
 
     def __init__(self, text: str, states: list[int], result: NDArray[np.float64]):

@@ -114,9 +114,16 @@ void Numbers::wrong_shape(const std::string& expected) const {
 }
 
 NewArray::NewArray(const Shape& shape)
-    : array_(nb::steal(PyArray_SimpleNew(shape.axes, shape.length.data(), NPY_DOUBLE))), data_(nullptr) {
+    : array_(nb::steal(PyArray_SimpleNew(shape.axes, shape.length.data(), NPY_DOUBLE))),
+      data_(nullptr),
+      size_(shape.size()) {
   if (!array_.is_valid()) throw nb::python_error();
   data_ = static_cast<double*>(PyArray_DATA(as_array(array_.ptr())));
+}
+
+Array NewArray::array() {
+  if (PyArray_NDIM(as_array(array_.ptr())) > 0) return {std::move(array_)};
+  return {nb::steal(PyArray_Return(as_array(array_.release().ptr())))};  // a number
 }
 
 Array NewArray::transposed() {
@@ -124,11 +131,6 @@ Array NewArray::transposed() {
   nb::object view = nb::steal(PyArray_SwapAxes(as_array(array_.ptr()), axes - 2, axes - 1));
   if (!view.is_valid()) throw nb::python_error();
   return {std::move(view)};
-}
-
-Array NewArray::read_only() {
-  PyArray_CLEARFLAGS(as_array(array_.ptr()), NPY_ARRAY_WRITEABLE);
-  return array();
 }
 
 void import_numpy() {

@@ -66,15 +66,15 @@ class NewArray {
  public:
   explicit NewArray(const Shape& shape);
   double* data() const { return data_; }
-  Array array() { return {std::move(array_)}; }
+  std::span<double> all() const { return {data_, static_cast<std::size_t>(size_)}; }
+  Array array();  ///< a number where there are no axes
   /// The last two axes exchanged: what was written column by column, as a matrix.
   Array transposed();
-  /// For entries that Python must not change, such as constants of a model.
-  Array read_only();
 
  private:
   nb::object array_;
   double* data_;
+  nb::ssize_t size_;
 };
 
 /// To be called once, when the module is imported.

@@ -17,9 +17,11 @@ namespace axode::python {
 
 namespace nb = nanobind;
 
-/// The place of a word among those that are allowed.
+/// The place of a word among those that are allowed. Throws an error where it is none of them.
 template <std::size_t N>
-std::size_t choose(const char* argument, nb::handle given, const std::array<std::string_view, N>& words) {
+std::size_t choose(const std::string& argument, nb::handle given,
+                   const std::array<std::string_view, N>& words,
+                   nb::builtin_exception (*error)(const char*) = nb::value_error) {
   if (PyUnicode_Check(given.ptr())) {
     Py_ssize_t size = 0;
     const char* text = PyUnicode_AsUTF8AndSize(given.ptr(), &size);
@@ -27,11 +29,11 @@ std::size_t choose(const char* argument, nb::handle given, const std::array<std:
     for (std::size_t k = 0; k < N; ++k)
       if (words[k] == std::string_view(text, static_cast<std::size_t>(size))) return k;
   }
-  std::string sentence = std::string(argument) + " is " + nb::repr(given).c_str() + "; expected one of ";
+  std::string sentence = argument + " is " + nb::repr(given).c_str() + "; expected one of ";
   for (std::size_t k = 0; k < N; ++k) sentence += (k == 0 ? "'" : ", '") + std::string(words[k]) + "'";
   if (nb::isinstance<nb::str>(given))
     sentence += did_you_mean(nb::str(given).c_str(), words, [](std::string_view word) { return word; });
-  throw nb::value_error(sentence.c_str());
+  throw error(sentence.c_str());
 }
 
 /// The recursion to run: in a representation, or (none) on the fast path.

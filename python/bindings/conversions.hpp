@@ -38,20 +38,17 @@ template <class Screwlike> Array columns(std::span<const Screwlike> screws) {
   return out.transposed();
 }
 
-/// The numbers of one state into its place in the result.
-inline void put(const std::vector<double>& numbers, const NewArray& out, std::size_t k) {
-  std::copy(numbers.begin(), numbers.end(), out.data() + k * numbers.size());
+inline void put(const std::vector<double>& numbers, std::span<double> out) {
+  std::copy(numbers.begin(), numbers.end(), out.begin());
 }
 
-/// The place in a result where the screws of state k lie, one behind the other.
-template <class Screwlike> std::span<Screwlike> screws_of(const NewArray& out, std::size_t k, int n) {
+/// Numbers, six by six, as screws that lie one behind the other.
+template <class Screwlike> std::span<Screwlike> screws(std::span<double> numbers) {
   static_assert(sizeof(Screwlike) == 6 * sizeof(double));
-  return {reinterpret_cast<Screwlike*>(out.data()) + k * static_cast<std::size_t>(n),
-          static_cast<std::size_t>(n)};
+  return {reinterpret_cast<Screwlike*>(numbers.data()), numbers.size() / 6};
 }
-/// The place in a result where the numbers of state k lie.
-inline std::span<double> numbers_of(const NewArray& out, std::size_t k, int n) {
-  return {out.data() + k * static_cast<std::size_t>(n), static_cast<std::size_t>(n)};
+template <class Screwlike> std::span<const Screwlike> screws(std::span<const double> numbers) {
+  return {reinterpret_cast<const Screwlike*>(numbers.data()), numbers.size() / 6};
 }
 
 }  // namespace axode::python

@@ -76,8 +76,8 @@ The mechanism of a URDF, from its text; otherwise as `load`.
   module.def("drawing", &drawing_text, "m"_a, R"(
 The text of a drawing of the mechanism, all in the construction frame; `read_drawing` makes the same model of it.
 
->>> print(axode.drawing(arm)[:60])
-# The mechanism with every joint at zero, in the construction
+>>> print(axode.drawing(arm).splitlines()[1])
+format = "axode drawing 1"
 )");
   module.def("urdf", &urdf_text, "m"_a, R"(
 The text of a URDF of the mechanism. ModelError names everything that URDF has no words for.

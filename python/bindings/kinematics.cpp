@@ -1,5 +1,8 @@
 #include "axode/kinematics.hpp"
 
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/tuple.h>
+
 #include "axode/batch.hpp"
 #include "bindings.hpp"
 #include "choice.hpp"
@@ -11,11 +14,15 @@ namespace {
 
 using namespace nb::literals;
 
+/// Six rows and a column for each of n screws, which are what f writes.
+template <class... Arguments> Array columns_of(const Arguments&... arguments) {
+  return map_states(arguments...).transposed();
+}
+
 Array poses_of(const BoundModel& m, ArrayLike q, int threads) {
   const States states(m, q, threads);
-  const std::size_t frames = static_cast<std::size_t>(m->n_frames());
   NewArray out = states.result({m->n_frames(), 4, 4});
-  std::vector<SE3<>> C(states.count() * frames);
+  std::vector<SE3<>> C(states.count() * static_cast<std::size_t>(m->n_frames()));
   states.unlocked(linear_cost(m), [&] {
     batch::poses<double>(m, states.q(), C, states.threads());
     for (std::size_t k = 0; k < C.size(); ++k) write(C[k], out.data() + 16 * k);
@@ -23,42 +30,428 @@ Array poses_of(const BoundModel& m, ArrayLike q, int threads) {
   return out.array();
 }
 
-Array twists_of(const BoundModel& m, ArrayLike q, ArrayLike v, Representation representation, int threads) {
+Array joint_screws_of(const BoundModel& m, ArrayLike q, int threads) {
   const States states(m, q, threads);
-  const Items velocities = states.velocities("v", v);
-  NewArray out = states.result({m->n_frames(), 6});
-  with_representation(representation, [&](auto rep) {
-    using Rep = decltype(rep);
-    states.each(linear_cost(m), [&](Workspace<>& workspace, std::size_t k) {
-      twists<Rep>(m, workspace, states.q(k), velocities[k], screws_of<Twist<Rep>>(out, k, m->n_frames()));
+  NewArray out = states.result({m->n_screws(), 6});
+  states.unlocked(linear_cost(m), [&] {
+    batch::joint_screws<double>(m, states.q(), screws<Twist<Spatial>>(out.all()), states.threads());
+  });
+  return out.transposed();
+}
+
+Array twists_of(const BoundModel& m, ArrayLike q, ArrayLike v, Representation representation, int threads) {
+  return with_representation(representation, [&]<class Rep>(Rep) {
+    return map_states(
+               m, threads, linear_cost(m), {m->n_frames(), 6}, q,
+               [&](auto& workspace, auto qk, auto vk, auto out) {
+                 twists<Rep>(m, workspace, qk, vk, screws<Twist<Rep>>(out));
+               },
+               Named{"v", v})
+        .array();
+  });
+}
+
+Array accelerations_of(const BoundModel& m, ArrayLike q, ArrayLike v, ArrayLike a,
+                       Representation representation, int threads) {
+  return with_representation(representation, [&]<class Rep>(Rep) {
+    return map_states(
+               m, threads, linear_cost(m), {m->n_frames(), 6}, q,
+               [&](auto& workspace, auto qk, auto vk, auto ak, auto out) {
+                 accelerations<Rep>(m, workspace, qk, vk, ak, screws<TwistRate<Rep>>(out));
+               },
+               Named{"v", v}, Named{"a", a})
+        .array();
+  });
+}
+
+Array jacobian_of(const BoundModel& m, ArrayLike q, FrameName frame, Representation representation,
+                  nb::handle offset, int threads) {
+  const Place<> at = place(m, frame, offset);
+  return with_representation(representation, [&]<class Rep>(Rep) {
+    return columns_of(m, threads, linear_cost(m), Shape{m->nv(), 6}, q,
+                      [&](auto& workspace, auto qk, auto out) {
+                        jacobian<Rep>(m, workspace, qk, at, screws<Twist<Rep>>(out));
+                      });
+  });
+}
+
+Array jacobian_rate_of(const BoundModel& m, ArrayLike q, ArrayLike v, FrameName frame,
+                       Representation representation, nb::handle offset, int threads) {
+  const Place<> at = place(m, frame, offset);
+  return with_representation(representation, [&]<class Rep>(Rep) {
+    return columns_of(
+        m, threads, linear_cost(m), Shape{m->nv(), 6}, q,
+        [&](auto& workspace, auto qk, auto vk, auto out) {
+          jacobian_derivative_along<Rep>(m, workspace, qk, at, 1, vk, screws<Twist<Rep>>(out));
+        },
+        Named{"v", v});
+  });
+}
+
+Array relative_jacobian_of(const BoundModel& m, ArrayLike q, FrameName frame, FrameName base,
+                           Representation representation, nb::handle offset, nb::handle base_offset,
+                           int threads) {
+  const Place<> at = place(m, frame, offset), observer = place(m, base, base_offset, "base");
+  return with_representation(representation, [&]<class Rep>(Rep) {
+    return columns_of(m, threads, linear_cost(m), Shape{m->nv(), 6}, q,
+                      [&](auto& workspace, auto qk, auto out) {
+                        relative_jacobian<Rep>(m, workspace, qk, at, observer, screws<Twist<Rep>>(out));
+                      });
+  });
+}
+
+std::tuple<nb::object, Array> jacobian_columns_of(const BoundModel& m, ArrayLike q, FrameName frame,
+                                                  Representation representation, nb::handle offset) {
+  const Place<> at = place(m, frame, offset);
+  const States states(m, q, 1);
+  if (states.many()) throw nb::value_error("q: expected one configuration, shape (nq,)");
+  return with_representation(representation, [&]<class Rep>(Rep) {
+    std::vector<JacobianColumn<Rep>> found(static_cast<std::size_t>(m->n_screws()));
+    states.each(linear_cost(m), [&](auto& workspace, std::size_t) {
+      found.resize(jacobian_columns<Rep>(m, workspace, states.q(0), at, found));
+    });
+    nb::list velocities;
+    std::vector<Twist<Rep>> J;
+    for (const JacobianColumn<Rep>& column : found) velocities.append(column.c), J.push_back(column.J);
+    return std::tuple(nb::object(velocities), columns(std::span<const Twist<Rep>>(J)));
+  });
+}
+
+Array jacobian_partials_of(const BoundModel& m, ArrayLike q, FrameName frame, Representation representation,
+                           int order, nb::handle offset, int threads) {
+  const Place<> at = place(m, frame, offset);
+  if (order < 0 || order > largest_partial_order)
+    throw nb::value_error(
+        ("order is " + std::to_string(order) + "; expected 0 to " + std::to_string(largest_partial_order))
+            .c_str());
+  Shape shape{m->nv(), 6};
+  for (int k = 0; k < order; ++k) shape = shape.times(m->nv());
+  const double cost = linear_cost(m) + 0.02 * static_cast<double>(shape.size());
+  return with_representation(representation, [&]<class Rep>(Rep) {
+    return columns_of(m, threads, cost, shape, q, [&](auto& workspace, auto qk, auto out) {
+      jacobian_partials<Rep>(m, workspace, qk, at, order, screws<Twist<Rep>>(out));
     });
   });
-  return out.array();
+}
+
+Array jacobian_derivative_along_of(const BoundModel& m, ArrayLike q, FrameName frame, ArrayLike directions,
+                                   Representation representation, nb::handle offset, int threads) {
+  const Place<> at = place(m, frame, offset);
+  const States states(m, q, threads);
+  const Rows rows(states, "directions", directions, "a row of nv numbers for each derivative");
+  return with_representation(representation, [&]<class Rep>(Rep) {
+    return each_item(states, linear_cost(m), {m->nv(), 6},
+                     [&](auto& workspace, std::size_t k, auto out) {
+                       jacobian_derivative_along<Rep>(m, workspace, states.q(k), at, rows.count(), rows[k],
+                                                      screws<Twist<Rep>>(out));
+                     })
+        .transposed();
+  });
+}
+
+/// Motion of higher order: f(motion, out) for every state, `out` having an entry for each order.
+template <class F>
+NewArray each_motion(const States& states, const Rows& rates, const Shape& item_shape, const F& f) {
+  const Model& m = states.model();
+  if (rates.count() == 0) throw nb::value_error("rates: expected at least one row, the velocities");
+  const int orders = rates.count();
+  return each_item(states, linear_cost(m) * orders * orders, item_shape.times(orders),
+                   [&](auto&, std::size_t k, std::span<double> out) {
+                     HigherOrderMotion<> motion(m, orders - 1);
+                     motion.evaluate(states.q(k), rates[k]);
+                     const std::size_t size = out.size() / static_cast<std::size_t>(orders);
+                     for (int order = 0; order < orders; ++order)
+                       f(motion, order, out.subspan(static_cast<std::size_t>(order) * size, size));
+                   });
+}
+
+constexpr const char* rates_meaning = "rows of nv numbers: v, v', v'', ...";
+
+Array twist_derivatives_of(const BoundModel& m, ArrayLike q, ArrayLike rates, FrameName frame,
+                           Representation representation, nb::handle offset, int threads) {
+  const Place<> at = place(m, frame, offset);
+  const States states(m, q, threads);
+  return with_representation(representation, [&]<class Rep>(Rep) {
+    return each_motion(states, Rows(states, "rates", rates, rates_meaning), {6},
+                       [&](const HigherOrderMotion<>& motion, int order, std::span<double> out) {
+                         screws<TwistRate<Rep>>(out)[0] = motion.twist_derivative<Rep>(at, order);
+                       })
+        .array();
+  });
+}
+
+Array jacobian_derivatives_of(const BoundModel& m, ArrayLike q, ArrayLike rates, FrameName frame,
+                              Representation representation, nb::handle offset, int threads) {
+  const Place<> at = place(m, frame, offset);
+  const States states(m, q, threads);
+  return with_representation(representation, [&]<class Rep>(Rep) {
+    return each_motion(states, Rows(states, "rates", rates, rates_meaning), {m->nv(), 6},
+                       [&](const HigherOrderMotion<>& motion, int order, std::span<double> out) {
+                         motion.jacobian_derivative<Rep>(at, order, screws<TwistRate<Rep>>(out));
+                       })
+        .transposed();
+  });
+}
+
+template <class Entry> const nb::object entry(const nb::dict& from, const char* key, Entry&& otherwise) {
+  return from.contains(key) ? nb::object(from[key]) : nb::object(otherwise);
+}
+
+std::vector<PoseTarget> pose_targets(const Model& m, nb::handle targets) {
+  if (!PyList_Check(targets.ptr()) && !PyTuple_Check(targets.ptr()))
+    throw nb::value_error("targets: expected a list of dicts with the keys frame and pose");
+  std::vector<PoseTarget> found;
+  for (const nb::handle target : targets) {
+    const std::string where = "targets[" + std::to_string(found.size()) + "]";
+    const nb::dict from = entries_of(
+        target, where,
+        std::array<std::string_view, 5>{"frame", "pose", "offset", "angular_weight", "linear_weight"},
+        {"frame", "pose"});
+    const nb::object frame = from["frame"], pose = from["pose"];
+    const Numbers C(where + ".pose", {pose.ptr()});
+    if (C.axes() != 2 || !C.ends_with({4, 4})) C.wrong_shape("(4, 4)");
+    found.push_back({place(m, {frame.ptr()}, entry(from, "offset", nb::none())),
+                     pose_from((where + ".pose").c_str(), C.data()),
+                     nb::cast<double>(entry(from, "angular_weight", nb::float_(1.0))),
+                     nb::cast<double>(entry(from, "linear_weight", nb::float_(1.0)))});
+  }
+  return found;
+}
+
+nb::object inverse_kinematics_of(const BoundModel& m, nb::handle given, ArrayLike q0, double tolerance,
+                                 int iterations, int restarts, std::uint64_t seed, bool keep_limits,
+                                 nb::handle posture) {
+  const std::vector<PoseTarget> targets = pose_targets(m, given);
+  const States states(m, q0, 1, "q0");
+  if (states.many()) throw nb::value_error("q0: expected one configuration, shape (nq,)");
+  InverseKinematicsOptions options{tolerance, iterations, restarts, seed, keep_limits, {}};
+  std::optional<Items> near;
+  if (!posture.is_none()) {
+    near.emplace(states.configurations("posture", {posture.ptr()}));
+    options.posture = (*near)[0];
+  }
+  const InverseKinematicsResult found =
+      states.unlocked(1000, [&] { return inverse_kinematics(m, targets, states.q(0), options); });
+  const std::string_view status = to_string(found.status);
+  return nb::module_::import_("axode.records")
+      .attr("InverseKinematics")(nb::str(status.data(), status.size()), to_array(found.q).array,
+                                 found.residual, found.iterations, found.restarts);
 }
 
 }  // namespace
 
 void add_kinematics(nb::module_& module) {
   module.def("poses", &poses_of, "m"_a, "q"_a, nb::kw_only(), "threads"_a = 1, R"(
-C_i, the pose of every frame in the inertial frame, shape (n_frames, 4, 4) or (N, n_frames, 4, 4), m (eqs. POEX, aVbRec2).
+C_i, the pose of every frame in the inertial frame (eqs. POEX, aVbRec2).
 
-In the order of `m.frame_names`. O(n).
+Shape (n_frames, 4, 4), or (N, n_frames, 4, 4) for q of shape (N, nq); m. In the order of `m.frame_names`. O(n).
 
 >>> C = axode.poses(arm, arm.neutral())
 >>> C[arm.frame_names.index("flange")][:3, 3]
-array([0.   , 0.   , 1.266])
+array([0.   , 0.   , 1.306])
 )");
   module.def("twists", &twists_of, "m"_a, "q"_a, "v"_a, "representation"_a = "body", nb::kw_only(),
              "threads"_a = 1, R"(
-V_i, the twist of every frame, shape (n_frames, 6) or (N, n_frames, 6): angular (rad/s), then linear (m/s).
+V_i, the twist of every frame: angular (rad/s), then linear (m/s) (eqs. VbRec, Vsrec, VhRec).
 
-body: axes of the frame, about its origin; spatial: inertial axes, about the inertial origin; hybrid: inertial axes,
-about the frame's origin; mixed: angular part in the frame's axes, linear part in inertial axes (eqs. VbRec, Vsrec,
-VhRec). In the order of `m.frame_names`. O(n).
+Shape (n_frames, 6) or (N, n_frames, 6), in the order of `m.frame_names`.
+body: axes of the frame, about its origin. spatial: inertial axes, about the inertial origin. hybrid: inertial axes,
+about the frame's origin. mixed: angular part in the frame's axes, linear part in inertial axes. O(n).
 
 >>> V = axode.twists(arm, arm.neutral(), np.ones(7), "hybrid")
 >>> V.shape
-(9, 6)
+(10, 6)
+)");
+  module.def("accelerations", &accelerations_of, "m"_a, "q"_a, "v"_a, "a"_a, "representation"_a = "body",
+             nb::kw_only(), "threads"_a = 1, R"(
+V'_i, the time derivative of the components of every twist, rad/s^2 and m/s^2 (eqs. cVbRec2, dVsRec, dVhRec2).
+
+Shape (n_frames, 6) or (N, n_frames, 6), in the order of `m.frame_names`. Hybrid and mixed ones hold the classical
+acceleration r'' of the frame's origin; body-fixed and spatial ones do not. Gravity is not part of it. O(n).
+
+>>> dV = axode.accelerations(arm, arm.neutral(), np.zeros(7), np.ones(7), "hybrid")
+>>> dV[arm.frame_names.index("flange")].round(3)
+array([0.   , 1.   , 4.   , 0.546, 0.   , 0.   ])
+)");
+  module.def("jacobian", &jacobian_of, "m"_a, "q"_a, "frame"_a, "representation"_a = "body", nb::kw_only(),
+             "offset"_a = nb::none(), "threads"_a = 1, R"(
+J with V = J v for a frame, shape (6, nv) or (N, 6, nv), angular rows first (eqs. JbX, JsX, Jh, JhJb).
+
+`offset` is a point (3,) or a pose (4, 4) given in the frame, m; J is then that of the offset frame. O(n).
+
+>>> J = axode.jacobian(arm, arm.neutral(), "flange", "hybrid")
+>>> J[:, 0]
+array([0., 0., 1., 0., 0., 0.])
+)");
+  module.def("jacobian_rate", &jacobian_rate_of, "m"_a, "q"_a, "v"_a, "frame"_a, "representation"_a = "body",
+             nb::kw_only(), "offset"_a = nb::none(), "threads"_a = 1, R"(
+J', the time derivative of the Jacobian of a frame: V' = J a + J' v. Shape (6, nv) or (N, 6, nv).
+
+`offset` as in `jacobian`. O(n).
+
+>>> dJ = axode.jacobian_rate(arm, arm.neutral(), np.zeros(7), "flange")
+>>> float(abs(dJ).max())
+0.0
+)");
+  module.def("jacobian_partials", &jacobian_partials_of, "m"_a, "q"_a, "frame"_a, "representation"_a = "body",
+             "order"_a = 1, nb::kw_only(), "offset"_a = nb::none(), "threads"_a = 1, R"(
+The partial derivatives of the Jacobian of a frame, of any order up to 12, in closed form (eqs. der1, nthorder, Jhder).
+
+Shape (nv, ..., nv, 6, nv), one axis for each derivative, the outermost first: entry [k, :, j] of the first order is
+the derivative of column j along direction e_k, d/de J(q (+) e e_k). N states add an axis in front.
+
+>>> dJ = axode.jacobian_partials(arm, arm.neutral(), "flange", "spatial")
+>>> dJ.shape
+(7, 6, 7)
+)");
+  module.def("jacobian_derivative_along", &jacobian_derivative_along_of, "m"_a, "q"_a, "frame"_a,
+             "directions"_a, "representation"_a = "body", nb::kw_only(), "offset"_a = nb::none(),
+             "threads"_a = 1, R"(
+The partial derivatives contracted with one direction for each order, D_uk ... D_u1 J: shape (6, nv) or (N, 6, nv).
+
+`directions` has shape (k, nv), u1 (taken first) in row 0, or (N, k, nv). The tensor of `jacobian_partials` is never
+built.
+
+>>> axode.jacobian_derivative_along(arm, arm.neutral(), "flange", [np.ones(7), np.ones(7)]).shape
+(6, 7)
+)");
+  module.def("relative_jacobian", &relative_jacobian_of, "m"_a, "q"_a, "frame"_a, "base"_a,
+             "representation"_a = "body", nb::kw_only(), "offset"_a = nb::none(),
+             "base_offset"_a = nb::none(), "threads"_a = 1, R"(
+The Jacobian of the motion of a frame as an observer at rest in the frame `base` sees it, (6, nv) or (N, 6, nv).
+
+The base is in the role of the inertial frame. `offset` and `base_offset` as in `jacobian`.
+
+>>> J = axode.relative_jacobian(arm, arm.neutral(), "flange", "link 6")
+>>> np.flatnonzero(abs(J).max(axis=0))
+array([6])
+)");
+  module.def("jacobian_columns", &jacobian_columns_of, "m"_a, "q"_a, "frame"_a, "representation"_a = "body",
+             nb::kw_only(), "offset"_a = nb::none(),
+             nb::sig("def jacobian_columns(m: Model, q: numpy.typing.ArrayLike, frame: str | int, "
+                     "representation: typing.Literal['body', 'spatial', 'hybrid', 'mixed'] = 'body', *, "
+                     "offset: numpy.typing.ArrayLike | None = None) -> tuple[list[int], "
+                     "numpy.typing.NDArray[numpy.float64]]"),
+             R"(
+(velocities, columns): the columns of a Jacobian along the path from the frame to the ground only, (6, k).
+
+Columns of the same velocity (coupled joints) add up. One state. O(path length).
+
+>>> axode.jacobian_columns(arm, arm.neutral(), "link 2")[0]
+[1, 0]
+)");
+  module.def("joint_screws", &joint_screws_of, "m"_a, "q"_a, nb::kw_only(), "threads"_a = 1, R"(
+The instantaneous screws J_i^s of all joints, in inertial axes about the inertial origin (eqs. JsX, bVsRec).
+
+Shape (6, n) or (N, 6, n) with a column for each degree of freedom, in the model's order, coupled joints included. O(n).
+
+>>> axode.joint_screws(arm, arm.neutral())[:, 0]
+array([0., 0., 1., 0., 0., 0.])
+)");
+  module.def(
+      "center_of_mass",
+      [](const BoundModel& m, ArrayLike q, int threads) {
+        return map_states(m, threads, linear_cost(m), {3}, q,
+                          [&](auto& workspace, auto qk, auto out) {
+                            write(center_of_mass(*m, workspace, qk), out.data());
+                          })
+            .array();
+      },
+      "m"_a, "q"_a, nb::kw_only(), "threads"_a = 1, R"(
+The center of mass of all moving bodies in the inertial frame, shape (3,) or (N, 3), m. O(n).
+
+ValueError for a massless model.
+
+>>> axode.center_of_mass(arm, arm.neutral()).shape
+(3,)
+)");
+  module.def(
+      "center_of_mass_jacobian",
+      [](const BoundModel& m, ArrayLike q, int threads) {
+        return columns_of(
+            m, threads, linear_cost(m), Shape{m->nv(), 3}, q, [&](auto& workspace, auto qk, auto out) {
+              center_of_mass_jacobian(*m, workspace, qk,
+                                      std::span(reinterpret_cast<Vec3<>*>(out.data()), out.size() / 3));
+            });
+      },
+      "m"_a, "q"_a, nb::kw_only(), "threads"_a = 1, R"(
+J with r_com' = J v, in inertial axes, shape (3, nv) or (N, 3, nv), m. O(n).
+
+>>> axode.center_of_mass_jacobian(arm, arm.neutral()).shape
+(3, 7)
+)");
+  module.def(
+      "centroidal_momentum_matrix",
+      [](const BoundModel& m, ArrayLike q, int threads) {
+        return columns_of(m, threads, linear_cost(m), Shape{m->nv(), 6}, q,
+                          [&](auto& workspace, auto qk, auto out) {
+                            centroidal_momentum_matrix(*m, workspace, qk, screws<Momentum<Hybrid>>(out));
+                          });
+      },
+      "m"_a, "q"_a, nb::kw_only(), "threads"_a = 1, R"(
+A with A v = the momentum about the center of mass, in inertial axes, angular rows first: (6, nv) or (N, 6, nv). O(n).
+
+>>> A = axode.centroidal_momentum_matrix(arm, arm.neutral())
+>>> np.allclose(A @ np.ones(7), axode.centroidal_momentum(arm, arm.neutral(), np.ones(7)))
+True
+)");
+  module.def(
+      "centroidal_momentum_matrix_rate",
+      [](const BoundModel& m, ArrayLike q, ArrayLike v, int threads) {
+        return columns_of(
+            m, threads, linear_cost(m), Shape{m->nv(), 6}, q,
+            [&](auto& workspace, auto qk, auto vk, auto out) {
+              centroidal_momentum_matrix_rate(*m, workspace, qk, vk, screws<Wrench<Hybrid>>(out));
+            },
+            Named{"v", v});
+      },
+      "m"_a, "q"_a, "v"_a, nb::kw_only(), "threads"_a = 1, R"(
+The time derivative of the centroidal momentum matrix, (6, nv) or (N, 6, nv). O(n).
+
+>>> axode.centroidal_momentum_matrix_rate(arm, arm.neutral(), np.ones(7)).shape
+(6, 7)
+)");
+  module.def("twist_derivatives", &twist_derivatives_of, "m"_a, "q"_a, "rates"_a, "frame"_a,
+             "representation"_a = "body", nb::kw_only(), "offset"_a = nb::none(), "threads"_a = 1, R"(
+The twist of a frame and its time derivatives: row k is the k-th derivative of the components, shape (K, 6).
+
+`rates` has K rows of nv numbers, v, v', v'', ..., or (N, K, nv) for N states, whose result is (N, K, 6). Classical jerk
+and snap of the frame's origin are the linear parts of rows 2 and 3 in hybrid representation. O(n K^2).
+
+>>> rates = np.zeros((3, 7))
+>>> rates[2, 1] = 1.0
+>>> axode.twist_derivatives(arm, arm.neutral(), rates, "flange", "hybrid")[2].round(3)
+array([0.   , 1.   , 0.   , 0.946, 0.   , 0.   ])
+)");
+  module.def("jacobian_derivatives", &jacobian_derivatives_of, "m"_a, "q"_a, "rates"_a, "frame"_a,
+             "representation"_a = "body", nb::kw_only(), "offset"_a = nb::none(), "threads"_a = 1, R"(
+The Jacobian of a frame and its time derivatives up to an order, shape (K, 6, nv) or (N, K, 6, nv).
+
+`rates` as in `twist_derivatives`; entry k needs rows 0 to k - 1 of it. O(n K^2).
+
+>>> axode.jacobian_derivatives(arm, arm.neutral(), np.ones((4, 7)), "flange").shape
+(4, 6, 7)
+)");
+  module.def(
+      "inverse_kinematics", &inverse_kinematics_of, "m"_a, "targets"_a, "q0"_a, nb::kw_only(),
+      "tolerance"_a = 1e-9, "iterations"_a = 60, "restarts"_a = 40, "seed"_a = 1, "limits"_a = true,
+      "posture"_a = nb::none(),
+      nb::sig(
+          "def inverse_kinematics(m: Model, targets: collections.abc.Sequence[axode.Target], "
+          "q0: numpy.typing.ArrayLike, *, tolerance: float = 1e-9, iterations: int = 60, restarts: int = 40, "
+          "seed: int = 1, limits: bool = True, posture: numpy.typing.ArrayLike | None = None) -> "
+          "axode.InverseKinematics"),
+      R"(
+The configuration in which frames take given poses, by damped least squares on SE(3), from q0 and then random starts.
+
+`targets` is a list of `axode.Target`. The error of one is log(C^-1 C_target), rad and m, scaled by its weights; a weight
+of 0 leaves a part free. `limits` keeps joints within theirs; `posture` is a configuration to stay near where the targets
+leave freedom. The result says whether it is "solved", "stalled" or at its "iteration_limit", and has q.
+
+>>> goal = axode.poses(arm, np.full(7, 0.3))[arm.frame_names.index("flange")]
+>>> found = axode.inverse_kinematics(arm, [{"frame": "flange", "pose": goal}], arm.neutral())
+>>> found.status
+'solved'
 )");
 }
 

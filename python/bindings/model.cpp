@@ -189,12 +189,11 @@ Unlimited angles are in [-pi, pi], unlimited lengths in [-1, 1] m, rotations uni
       .def(
           "integrate",
           [](const BoundModel& m, ArrayLike q, ArrayLike dv) {
-            const States states(m, q, 1);
-            const Items d = states.velocities("dv", dv);
-            NewArray out = states.result({m->nq()});
-            states.each(linear_cost(m),
-                        [&](Workspace<>&, std::size_t k) { put(integrate(m, states.q(k), d[k]), out, k); });
-            return out.array();
+            return map_states(
+                       m, 1, linear_cost(m), {m->nq()}, q,
+                       [&](auto&, auto from, auto by, auto out) { put(integrate(m, from, by), out); },
+                       Named{"dv", dv})
+                .array();
           },
           "q"_a, "dv"_a, R"(
 q (+) dv: every joint moved along its left-trivialised direction.
@@ -207,12 +206,12 @@ array([0.1, 0.1, 0.1, 0.1, 0.1, 0.1, 0.1])
       .def(
           "difference",
           [](const BoundModel& m, ArrayLike q0, ArrayLike q1) {
-            const States states(m, q0, 1);
-            const Items to = states.items("q1", q1, {m->nq()}, "nq numbers");
-            NewArray out = states.result({m->nv()});
-            states.each(linear_cost(m),
-                        [&](Workspace<>&, std::size_t k) { put(difference(m, states.q(k), to[k]), out, k); });
-            return out.array();
+            const States states(m, q0, 1, "q0");
+            const Items to = states.configurations("q1", q1);
+            return each_item(
+                       states, linear_cost(m), {m->nv()},
+                       [&](auto&, std::size_t k, auto out) { put(difference(m, states.q(k), to[k]), out); })
+                .array();
           },
           "q0"_a, "q1"_a, R"(
 q1 (-) q0: the dv with integrate(q0, dv) = q1, the shorter way round on rotations.
@@ -225,13 +224,13 @@ array([0.2, 0.2, 0.2, 0.2, 0.2, 0.2, 0.2])
       .def(
           "interpolate",
           [](const BoundModel& m, ArrayLike q0, ArrayLike q1, double s) {
-            const States states(m, q0, 1);
-            const Items to = states.items("q1", q1, {m->nq()}, "nq numbers");
-            NewArray out = states.result({m->nq()});
-            states.each(linear_cost(m), [&](Workspace<>&, std::size_t k) {
-              put(interpolate(m, states.q(k), to[k], s), out, k);
-            });
-            return out.array();
+            const States states(m, q0, 1, "q0");
+            const Items to = states.configurations("q1", q1);
+            return each_item(states, linear_cost(m), {m->nq()},
+                             [&](auto&, std::size_t k, auto out) {
+                               put(interpolate(m, states.q(k), to[k], s), out);
+                             })
+                .array();
           },
           "q0"_a, "q1"_a, "s"_a, R"(
 q0 (+) s (q1 (-) q0): screw motion of every joint, q0 at s = 0 and q1 at s = 1.
@@ -244,11 +243,9 @@ array([0.1, 0.1, 0.1, 0.1, 0.1, 0.1, 0.1])
       .def(
           "clamp",
           [](const BoundModel& m, ArrayLike q) {
-            const States states(m, q, 1);
-            NewArray out = states.result({m->nq()});
-            states.each(linear_cost(m),
-                        [&](Workspace<>&, std::size_t k) { put(clamp(m, states.q(k)), out, k); });
-            return out.array();
+            return map_states(m, 1, linear_cost(m), {m->nq()}, q,
+                              [&](auto&, auto from, auto out) { put(clamp(m, from), out); })
+                .array();
           },
           "q"_a, R"(
 The nearest configuration within the limits, shape (nq,) or (N, nq).
@@ -267,7 +264,7 @@ True
 
 >>> lower, upper = arm.limits()
 >>> float(upper[0])
-2.96705972839036
+2.96706
 )");
 }
 
@@ -327,7 +324,7 @@ array([ 0.  ,  0.  , -1.62])
           nb::sig("def to_dict(self) -> dict[str, typing.Any]"), R"(
 The mechanism as a drawing in a dict, everything in the construction frame, to edit and to build again.
 
->>> arm.to_dict()["body"][0]["name"]
+>>> arm.to_dict()["body"][1]["name"]
 'link 1'
 )");
 }
@@ -406,8 +403,8 @@ int FrameName::in(const Model& model, const char* argument) const {
   return static_cast<int>(number);
 }
 
-Place<> place(const Model& model, FrameName frame, nb::handle offset) {
-  const int f = frame.in(model);
+Place<> place(const Model& model, FrameName frame, nb::handle offset, const char* argument) {
+  const int f = frame.in(model, argument);
   if (offset.is_none()) return f;
   const Numbers numbers("offset", {offset.ptr()});
   const double* x = numbers.data();

@@ -10,4 +10,5 @@ NB_MODULE(_axode, module) {
   add_files(module);
   add_kinematics(module);
   add_dynamics(module);
+  add_momentum(module);
 }

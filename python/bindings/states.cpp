@@ -1,6 +1,7 @@
 #include "states.hpp"
 
 #include "choice.hpp"
+#include "conversions.hpp"
 #include "raise.hpp"
 
 namespace axode::python {
@@ -12,9 +13,9 @@ std::optional<std::size_t> rows(const Numbers& numbers, const Shape& item) {
                                      : std::optional(static_cast<std::size_t>(numbers.length(0)));
 }
 
-Items configurations(const Model& model, ArrayLike given, bool& many, std::size_t& count) {
+Items states_in(const Model& model, const char* name, ArrayLike given, bool& many, std::size_t& count) {
   const Shape item{model.nq()};
-  Numbers q("q", given);
+  Numbers q(name, given);
   if (!q.ends_with(item) || q.axes() > 2)
     q.wrong_shape(item.text() + " or (N, " + std::to_string(model.nq()) +
                   ") with nq = " + std::to_string(model.nq()) + " coordinates");
@@ -38,21 +39,24 @@ double cubic_cost(const Model& model) {
   return quadratic_cost(model) + 0.01 * model.nv() * model.nv() * model.nv();
 }
 
-States::States(const BoundModel& model, ArrayLike q, int threads)
+States::States(const BoundModel& model, ArrayLike q, int threads, const char* name)
     : bound_(model),
       many_(false),
       threads_(positive(threads)),
       count_(1),
-      q_(configurations(model, q, many_, count_)) {}
+      q_(states_in(model, name, q, many_, count_)) {}
 
 Items States::items(const char* name, ArrayLike given, const Shape& item, const char* meaning) const {
   Numbers numbers(name, given);
   const Shape expected = many_ ? item.times(static_cast<nb::ssize_t>(count_)) : item;
   if (numbers.axes() != expected.axes || !numbers.ends_with(expected))
     numbers.wrong_shape(expected.text() +
-                        (many_ ? ", " + std::to_string(count_) + " states as in q, each with " : ", ") +
-                        meaning);
+                        (many_ ? ", " + std::to_string(count_) + " states, each with " : ", ") + meaning);
   return {std::move(numbers), many_, item.size()};
+}
+
+Items States::configurations(const char* name, ArrayLike given) const {
+  return items(name, given, {model().nq()}, "nq numbers");
 }
 
 Items States::velocities(const char* name, ArrayLike given) const {
@@ -76,6 +80,16 @@ void States::refuse_singular(const std::vector<Solvability>& found, NewArray& re
   if (!states.empty()) singular(states, found[states.front()], result);
 }
 
+Rows::Rows(const States& states, const char* name, ArrayLike given, const char* meaning)
+    : count_(0), items_([&] {
+        const Numbers numbers(name, given);
+        const int axis = states.many() ? 1 : 0;
+        if (numbers.axes() != axis + 2)
+          numbers.wrong_shape((states.many() ? "(N, k, nv), " : "(k, nv), ") + std::string(meaning) + ",");
+        count_ = static_cast<int>(numbers.length(axis));
+        return states.items(name, given, {count_, states.model().nv()}, meaning);
+      }()) {}
+
 AppliedLoads::AppliedLoads(const States& states, LoadList given, bool joint_losses)
     : joint_losses_(joint_losses) {
   const nb::handle list(given.given);
@@ -89,16 +103,9 @@ AppliedLoads::AppliedLoads(const States& states, LoadList given, bool joint_loss
   std::size_t number = 0;
   for (const nb::handle load : list) {
     const std::string where = "loads[" + std::to_string(number++) + "]";
-    if (!nb::isinstance<nb::dict>(load))
-      throw nb::value_error((where +
-                             ": expected a dict with the keys frame, representation and wrench, got " +
-                             Py_TYPE(load.ptr())->tp_name)
-                                .c_str());
-    nb::dict entries = nb::borrow<nb::dict>(load);
-    for (const auto& [key, value] : entries)
-      choose(where.c_str(), key, std::array<std::string_view, 3>{"frame", "representation", "wrench"});
-    for (const char* key : {"frame", "wrench"})
-      if (!entries.contains(key)) throw nb::key_error((where + " has no " + key).c_str());
+    const nb::dict entries =
+        entries_of(load, where, std::array<std::string_view, 3>{"frame", "representation", "wrench"},
+                   {"frame", "wrench"});
     const int frame =
         FrameName{nb::object(entries["frame"]).ptr()}.in(states.model(), (where + ".frame").c_str());
     const Representation representation =
@@ -112,9 +119,9 @@ AppliedLoads::AppliedLoads(const States& states, LoadList given, bool joint_loss
     if (!one && !(states.many() && wrench.axes() == 2 && wrench.ends_with(each)))
       wrench.wrong_shape("(6,)" + (states.many() ? " or " + each.text() : "") +
                          ", moment (N m) before force (N)");
-    const double* W = wrench.data();
-    if (one || states.count() > 0)
-      first_.emplace_back(frame, representation, Vec3<>{W[0], W[1], W[2]}, Vec3<>{W[3], W[4], W[5]});
+    const std::array<double, 6> zero{};  // of no states
+    const double* W = wrench.size() > 0 ? wrench.data() : zero.data();
+    first_.emplace_back(frame, representation, vector_from(W), vector_from(W + 3));
     varies_ = varies_ || !one;
     wrenches_.emplace_back(std::move(wrench), !one, 6);
   }
@@ -123,9 +130,9 @@ AppliedLoads::AppliedLoads(const States& states, LoadList given, bool joint_loss
 std::vector<AppliedWrench<double>> AppliedLoads::at(std::size_t k) const {
   std::vector<AppliedWrench<double>> now = first_;
   for (std::size_t load = 0; load < now.size(); ++load) {
-    const std::span<const double> W = wrenches_[load][k];
-    now[load].m = {W[0], W[1], W[2]};
-    now[load].f = {W[3], W[4], W[5]};
+    const double* W = wrenches_[load][k].data();
+    now[load].m = vector_from(W);
+    now[load].f = vector_from(W + 3);
   }
   return now;
 }

@@ -1,6 +1,7 @@
 #pragma once
 #include <tbb/parallel_for.h>
 
+#include <array>
 #include <optional>
 #include <string>
 #include <vector>
@@ -9,6 +10,7 @@
 #include "axode/dynamics/loads.hpp"
 #include "axode/dynamics/solvability.hpp"
 #include "bound_model.hpp"
+#include "choice.hpp"
 
 namespace axode::python {
 
@@ -37,7 +39,7 @@ class Items {
 class States {
  public:
   /// Throws nb::value_error for a wrong shape, numbers that are not finite, and threads < 1.
-  States(const BoundModel& model, ArrayLike q, int threads);
+  States(const BoundModel& model, ArrayLike q, int threads, const char* name = "q");
 
   const Model& model() const { return bound_; }
   bool many() const { return many_; }
@@ -48,6 +50,8 @@ class States {
 
   /// Another argument: an item for the one state, or one for each. `meaning` says what its shape is in words.
   Items items(const char* name, ArrayLike given, const Shape& item, const char* meaning) const;
+  /// One with nq numbers.
+  Items configurations(const char* name, ArrayLike given) const;
   /// One with nv numbers.
   Items velocities(const char* name, ArrayLike given) const;
 
@@ -109,6 +113,70 @@ class States {
   std::size_t count_;
   Items q_;
 };
+
+/// An argument with some rows of nv numbers for each state.
+class Rows {
+ public:
+  Rows(const States& states, const char* name, ArrayLike given, const char* meaning);
+  int count() const { return count_; }
+  std::span<const double> operator[](std::size_t k) const { return items_[k]; }
+
+ private:
+  int count_;
+  Items items_;
+};
+
+/// A dict with some of these keys and all that are needed. Throws nb::value_error or nb::key_error that says
+/// where.
+template <std::size_t N>
+nb::dict entries_of(nb::handle given, const std::string& where, const std::array<std::string_view, N>& keys,
+                    std::initializer_list<const char*> needed) {
+  if (!nb::isinstance<nb::dict>(given))
+    throw nb::value_error((where + ": expected a dict, got " + Py_TYPE(given.ptr())->tp_name).c_str());
+  nb::dict entries = nb::borrow<nb::dict>(given);
+  for (const auto& [key, value] : entries) choose(where + ": a key", key, keys, nb::key_error);
+  for (const char* key : needed)
+    if (!entries.contains(key)) throw nb::key_error((where + " has no " + key).c_str());
+  return entries;
+}
+
+/// The part of a result that belongs to state k.
+inline std::span<double> item(const NewArray& out, std::size_t k, const Shape& shape) {
+  const std::size_t size = static_cast<std::size_t>(shape.size());
+  return {out.data() + k * size, size};
+}
+
+/// f(workspace, k, out), where `out` is the item of state k. An f that can fail returns a Solvability.
+template <class F>
+NewArray each_item(const States& states, double microseconds, const Shape& shape, const F& f) {
+  NewArray out = states.result(shape);
+  const auto g = [&](Workspace<>& workspace, std::size_t k) { return f(workspace, k, item(out, k, shape)); };
+  if constexpr (std::is_void_v<decltype(f(std::declval<Workspace<>&>(), 0, std::span<double>()))>)
+    states.each(microseconds, g);
+  else
+    states.solve(microseconds, out, g);
+  return out;
+}
+
+/// An argument with nv numbers for each state, and its name.
+struct Named {
+  const char* name;
+  ArrayLike given;
+};
+/// f(workspace, q, v, ..., out) for every state; v, ... are the named arguments.
+template <class F, class... More>
+NewArray map_states(const BoundModel& model, int threads, double microseconds, const Shape& shape,
+                    ArrayLike q, const F& f, const More&... more) {
+  const States states(model, q, threads);
+  const std::array<Items, sizeof...(More)> items{states.velocities(more.name, more.given)...};
+  return [&]<std::size_t... I>(std::index_sequence<I...>) {
+    return each_item(states, microseconds, shape,
+                     [&](Workspace<>& workspace, std::size_t k, std::span<double> out) {
+                       return f(workspace, states.q(k), items[I][k]..., out);
+                     });
+  }
+  (std::index_sequence_for<More...>());
+}
 
 /// `loads=` and `joint_losses=` of a call, annotated in Python as `Sequence[Load] | None`.
 struct LoadList {

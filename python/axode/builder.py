@@ -1,0 +1,64 @@
+"""A mechanism, written down body by body."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, Literal
+
+from numpy.typing import ArrayLike
+
+from ._axode import Model
+
+__all__ = ["Builder"]
+
+
+class Builder:
+    """Collects bodies and frames in the words of the drawing format, and builds a model of them.
+
+    Everything is given in one frame with every joint at zero, in SI units; docs/drawing-format.md has every key.
+    Nothing is checked before `build`, which then names every fault at once.
+
+    >>> crane = axode.Builder("crane")
+    >>> crane.body("column", joint={"kind": "revolute", "axis": "z", "point": [0, 0, 0]},
+    ...            mass=800, com=[0, 0, 1.5], inertia=[620, 620, 40])
+    Builder("crane": column)
+    >>> crane.body("jib", on="column", joint={"kind": "revolute", "axis": [0, -1, 0], "point": [0.3, 0, 3]},
+    ...            mass=300, com=[2.1, 0, 3], inertia=[8, 330, 330])
+    Builder("crane": column, jib)
+    >>> crane.frame("hook", on="jib", position=[4, 0, 3]).build()
+    Model("crane": 2 moving bodies, nq = 2, nv = 2, 4 frames, 1100 kg)
+    """
+
+    def __init__(self, name: str = "mechanism", gravity: ArrayLike = (0.0, 0.0, -9.81)):
+        self.name = name
+        self.gravity = gravity
+        self.bodies: list[dict[str, Any]] = []
+        self.frames: list[dict[str, Any]] = []
+
+    def body(self, name: str, *, on: str = "ground", joint: Mapping[str, Any] | str, **keys: Any) -> Builder:
+        """Adds a body that hangs on another one by a joint. Returns the builder.
+
+        `joint` is a dict such as {"kind": "revolute", "axis": "z", "point": [0, 0, 0]}, or just "fixed" or "free";
+        mass (kg), com (m), inertia (kg m^2) and the other keys are those of a body in a drawing.
+        """
+        joint = joint if isinstance(joint, str) else dict(joint)
+        self.bodies.append({"name": name, "on": on, "joint": joint, **keys})
+        return self
+
+    def frame(self, name: str, *, on: str, **keys: Any) -> Builder:
+        """Adds a frame of interest to a body: a tool, a sensor. Returns the builder.
+
+        `position` (m) and a rotation are given in the construction frame unless in_="body" asks for the body's.
+        """
+        if "in_" in keys:
+            keys["in"] = keys.pop("in_")
+        self.frames.append({"name": name, "on": on, **keys})
+        return self
+
+    def build(self, base: Literal["fixed", "free"] | None = None) -> Model:
+        """The model. ModelError lists every fault; `base` as in `load`."""
+        return Model.from_bodies(self.bodies, self.frames, name=self.name, gravity=self.gravity, base=base)
+
+    def __repr__(self) -> str:
+        names = ", ".join(str(body["name"]) for body in self.bodies)
+        return f'Builder("{self.name}": {names or "no bodies"})'

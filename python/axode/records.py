@@ -1,0 +1,61 @@
+"""What some functions take and give besides arrays."""
+
+from __future__ import annotations
+
+from typing import Literal, NamedTuple, TypedDict
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+__all__ = ["InverseKinematics", "Load", "Target"]
+
+Representation = Literal["body", "spatial", "hybrid", "mixed"]
+
+
+class _LoadNeeds(TypedDict):
+    frame: str | int
+    wrench: ArrayLike
+
+
+class Load(_LoadNeeds, total=False):
+    """A wrench on a frame: moment (N m), then force (N), shape (6,), or (N, 6) for N states.
+
+    `representation` says in which axes and about which point: "body" (the frame's own, which is the rule), "spatial"
+    (inertial axes, about the inertial origin), "hybrid" (inertial axes, about the frame's origin) or "mixed". It is a
+    dict; `axode.Load(frame="flange", wrench=W)` is the same as `{"frame": "flange", "wrench": W}`.
+
+    >>> weight = axode.Load(frame="flange", representation="hybrid", wrench=[0, 0, 0, 0, 0, -50])
+    >>> axode.generalized_loads(arm, np.full(7, 0.5), np.zeros(7), [weight])[1].round(3)
+    np.float64(13.174)
+    """
+
+    representation: Representation
+
+
+class _TargetNeeds(TypedDict):
+    frame: str | int
+    pose: ArrayLike
+
+
+class Target(_TargetNeeds, total=False):
+    """A pose (4, 4) in the inertial frame that a frame, or a point (3,) or pose (4, 4) `offset` in it, shall take.
+
+    `angular_weight` and `linear_weight` (1 if absent) scale the parts of the error; 0 leaves one free.
+
+    >>> axode.Target(frame="flange", pose=np.eye(4), angular_weight=0.0)["frame"]
+    'flange'
+    """
+
+    offset: ArrayLike
+    angular_weight: float
+    linear_weight: float
+
+
+class InverseKinematics(NamedTuple):
+    """The best configuration that `inverse_kinematics` met, and what is left of the error there (rad and m)."""
+
+    status: Literal["solved", "stalled", "iteration_limit"]
+    q: NDArray[np.float64]
+    residual: float
+    iterations: int
+    restarts: int

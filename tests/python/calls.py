@@ -1,0 +1,96 @@
+"""Every function of the state, as f(m, q, v, a) of states that are one row or many."""
+
+import axode
+import numpy as np
+from mechanisms import REPRESENTATIONS
+
+
+def tool(m):
+    """The last frame, which is farthest from the ground."""
+    return m.frame_names[-1]
+
+
+def load_on(m, q):
+    """A wrench that is another one in every state."""
+    return [axode.Load(frame=tool(m), representation="hybrid", wrench=np.ones(np.shape(q)[:-1] + (6,)) * q[..., :1]),
+            axode.Load(frame=m.body_names[0], representation="spatial", wrench=[1, 2, 3, 4, 5, 6])]
+
+
+def rates(v, a):
+    return np.stack([v, a, v * a], axis=-2)
+
+
+def bodies_of(m, frames):
+    return frames[..., 1:1 + m.n_bodies, :]
+
+
+CALLS = {
+    "integrate": lambda m, q, v, a: m.integrate(q, v),
+    "difference": lambda m, q, v, a: m.difference(q, m.integrate(q, a)),
+    "interpolate": lambda m, q, v, a: m.interpolate(q, m.integrate(q, a), 0.3),
+    "clamp": lambda m, q, v, a: m.clamp(m.integrate(q, 9 * a)),
+    "poses": lambda m, q, v, a: axode.poses(m, q),
+    "joint_screws": lambda m, q, v, a: axode.joint_screws(m, q),
+    "center_of_mass": lambda m, q, v, a: axode.center_of_mass(m, q),
+    "center_of_mass_jacobian": lambda m, q, v, a: axode.center_of_mass_jacobian(m, q),
+    "centroidal_momentum_matrix": lambda m, q, v, a: axode.centroidal_momentum_matrix(m, q),
+    "centroidal_momentum_matrix_rate": lambda m, q, v, a: axode.centroidal_momentum_matrix_rate(m, q, v),
+    "inverse_dynamics": lambda m, q, v, a: axode.inverse_dynamics(m, q, v, a),
+    "inverse_dynamics with loads": lambda m, q, v, a: axode.inverse_dynamics(m, q, v, a, loads=load_on(m, q),
+                                                                             joint_losses=True),
+    "forward_dynamics": lambda m, q, v, a: axode.forward_dynamics(m, q, v, a),
+    "forward_dynamics with loads": lambda m, q, v, a: axode.forward_dynamics(m, q, v, a, loads=load_on(m, q),
+                                                                             joint_losses=True),
+    "mass_matrix": lambda m, q, v, a: axode.mass_matrix(m, q),
+    "inverse_mass_matrix": lambda m, q, v, a: axode.inverse_mass_matrix(m, q),
+    "mass_matrix_partials": lambda m, q, v, a: axode.mass_matrix_partials(m, q),
+    "inverse_mass_matrix_partials": lambda m, q, v, a: axode.inverse_mass_matrix_partials(m, q),
+    "coriolis_vector": lambda m, q, v, a: axode.coriolis_vector(m, q, v),
+    "christoffel": lambda m, q, v, a: axode.christoffel(m, q),
+    "gravity_torques": lambda m, q, v, a: axode.gravity_torques(m, q),
+    "generalized_loads": lambda m, q, v, a: axode.generalized_loads(m, q, v, load_on(m, q), joint_losses=True),
+    "load_powers": lambda m, q, v, a: axode.load_powers(m, q, v, load_on(m, q)),
+    "kinetic_energy": lambda m, q, v, a: axode.kinetic_energy(m, q, v),
+    "potential_energy": lambda m, q, v, a: axode.potential_energy(m, q),
+    "centroidal_inertia": lambda m, q, v, a: axode.centroidal_inertia(m, q),
+    "regressor": lambda m, q, v, a: axode.regressor(m, q, v, a),
+    "kinetic_energy_regressor": lambda m, q, v, a: axode.kinetic_energy_regressor(m, q, v),
+    "potential_energy_regressor": lambda m, q, v, a: axode.potential_energy_regressor(m, q),
+    "momenta": lambda m, q, v, a: axode.momenta(m, q, v),
+    "from_momenta": lambda m, q, v, a: axode.from_momenta(m, q, v),
+    "momentum_form": lambda m, q, v, a: np.stack(axode.momentum_form(m, q, v, a, load_on(m, q)), axis=-2),
+    "spatial_momentum": lambda m, q, v, a: axode.spatial_momentum(m, q, v),
+    "centroidal_momentum": lambda m, q, v, a: axode.centroidal_momentum(m, q, v),
+    "spatial_momentum_form": lambda m, q, v, a: axode.spatial_momentum_form(
+        m, q, axode.body_momenta(m, q, v, "spatial"), a)[1],
+}
+for form in ["paper", "skew", "spatial", "christoffel"]:
+    CALLS[f"coriolis_matrix {form}"] = lambda m, q, v, a, form=form: axode.coriolis_matrix(m, q, v, form)
+for rep in REPRESENTATIONS:
+    CALLS |= {
+        f"twists {rep}": lambda m, q, v, a, rep=rep: axode.twists(m, q, v, rep),
+        f"accelerations {rep}": lambda m, q, v, a, rep=rep: axode.accelerations(m, q, v, a, rep),
+        f"jacobian {rep}": lambda m, q, v, a, rep=rep: axode.jacobian(m, q, tool(m), rep),
+        f"jacobian {rep} of a point": lambda m, q, v, a, rep=rep: axode.jacobian(m, q, tool(m), rep, offset=[1, 2, 3]),
+        f"jacobian_rate {rep}": lambda m, q, v, a, rep=rep: axode.jacobian_rate(m, q, v, tool(m), rep),
+        f"jacobian_partials {rep}": lambda m, q, v, a, rep=rep: axode.jacobian_partials(m, q, tool(m), rep, 2),
+        f"jacobian_derivative_along {rep}": lambda m, q, v, a, rep=rep: axode.jacobian_derivative_along(
+            m, q, tool(m), np.stack([v, a], axis=-2), rep),
+        f"relative_jacobian {rep}": lambda m, q, v, a, rep=rep: axode.relative_jacobian(
+            m, q, tool(m), m.body_names[0], rep),
+        f"twist_derivatives {rep}": lambda m, q, v, a, rep=rep: axode.twist_derivatives(m, q, rates(v, a), tool(m), rep),
+        f"jacobian_derivatives {rep}": lambda m, q, v, a, rep=rep: axode.jacobian_derivatives(
+            m, q, rates(v, a), tool(m), rep),
+        f"inverse_dynamics {rep}": lambda m, q, v, a, rep=rep: axode.inverse_dynamics(m, q, v, a, rep),
+        f"forward_dynamics {rep}": lambda m, q, v, a, rep=rep: axode.forward_dynamics(m, q, v, a, rep),
+        f"mass_matrix {rep}": lambda m, q, v, a, rep=rep: axode.mass_matrix(m, q, rep),
+        f"inverse_mass_matrix {rep}": lambda m, q, v, a, rep=rep: axode.inverse_mass_matrix(m, q, rep),
+        f"joint_wrenches {rep}": lambda m, q, v, a, rep=rep: axode.joint_wrenches(m, q, v, a, rep, load_on(m, q)),
+        f"impulse_response {rep}": lambda m, q, v, a, rep=rep: axode.impulse_response(m, q, tool(m), rep),
+        f"mobility {rep}": lambda m, q, v, a, rep=rep: axode.mobility(m, q, tool(m), rep),
+        f"operational_space_inertia {rep}": lambda m, q, v, a, rep=rep: axode.operational_space_inertia(
+            m, q, tool(m), rep),
+        f"body_momenta {rep}": lambda m, q, v, a, rep=rep: axode.body_momenta(m, q, v, rep),
+        f"twist_form {rep}": lambda m, q, v, a, rep=rep: axode.twist_form(
+            m, q, bodies_of(m, axode.twists(m, q, v, rep)), a, rep)[1],
+    }
