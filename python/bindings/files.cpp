@@ -32,7 +32,10 @@ std::string urdf_text(const BoundModel& m) {
 void add_files(nb::module_& module) {
   module.def(
       "load", [](const std::filesystem::path& path, Base base) { return BoundModel(load(path, base)); },
-      "path"_a, "base"_a = nb::none(), R"(
+      "path"_a, "base"_a = nb::none(),
+      nb::sig("def load(path: str | os.PathLike[str], base: typing.Literal['fixed', 'free'] | None = None) "
+              "-> Model"),
+      R"(
 The mechanism of a file: a drawing (.toml) or a URDF (.urdf, .xml, or any file that begins with `<`).
 
 base="free" sets the body that is fixed to the ground free by a joint named `free_base`, base="fixed" fixes one that

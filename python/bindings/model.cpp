@@ -457,10 +457,15 @@ Model("arm7": 7 moving bodies, nq = 7, nv = 7, 10 frames, 26.334 kg)
       .def("__copy__", [](const BoundModel& m) { return BoundModel(*m); })
       .def(
           "__deepcopy__", [](const BoundModel& m, nb::handle) { return BoundModel(*m); }, "memo"_a)
-      .def("__getstate__", [](const BoundModel& m) { return packed(m->description()); })
-      .def("__setstate__", [](BoundModel& m, const nb::tuple& state) {
-        new (&m) BoundModel(ModelBuilder(unpacked(state)).build(Physics::lenient));
-      });
+      .def(
+          "__getstate__", [](const BoundModel& m) { return packed(m->description()); },
+          nb::sig("def __getstate__(self) -> tuple[typing.Any, ...]"))
+      .def(
+          "__setstate__",
+          [](BoundModel& m, const nb::tuple& state) {
+            new (&m) BoundModel(ModelBuilder(unpacked(state)).build(Physics::lenient));
+          },
+          nb::sig("def __setstate__(self, state: tuple[typing.Any, ...], /) -> None"));
   add_construction(model);
   add_lookup(model);
   add_configurations(model);

@@ -1,0 +1,230 @@
+"""That the numbers are in the places, axes and orders which the docstrings say."""
+
+import axode
+import numpy as np
+import pytest
+from calls import load_on, tool
+from mechanisms import MECHANISMS, REPRESENTATIONS, close, random_states
+
+EVERYWHERE = pytest.mark.parametrize("mechanism", MECHANISMS)
+EVERY_WAY = pytest.mark.parametrize("representation", REPRESENTATIONS)
+
+
+def state(mechanism, seed=1):
+    m = MECHANISMS[mechanism]
+    return m, *(x[0] for x in random_states(m, 1, seed))
+
+
+def rate(m, q, v, f, h=1e-5):
+    """Central differences of f along v."""
+    return (f(m.integrate(q, h * v)) - f(m.integrate(q, -h * v))) / (2 * h)
+
+
+@EVERYWHERE
+@EVERY_WAY
+def test_all_representations_give_the_same_forces_and_accelerations(mechanism, representation):
+    m, q, v, a, _ = state(mechanism)
+    loads = load_on(m, q)
+    tau = axode.inverse_dynamics(m, q, v, a, representation, loads, joint_losses=True)
+    assert close(tau, axode.inverse_dynamics(m, q, v, a, loads=loads, joint_losses=True))
+    assert close(axode.forward_dynamics(m, q, v, tau, representation, loads, joint_losses=True), a, 1e-9)
+    assert close(axode.mass_matrix(m, q, representation), axode.mass_matrix(m, q))
+    assert close(axode.inverse_mass_matrix(m, q, representation) @ axode.mass_matrix(m, q), np.eye(m.nv), 1e-9)
+
+
+@EVERYWHERE
+@pytest.mark.parametrize("form", ["paper", "skew", "spatial", "christoffel"])
+def test_the_terms_add_up_to_inverse_dynamics(mechanism, form):
+    m, q, v, a, _ = state(mechanism)
+    M, C = axode.mass_matrix(m, q), axode.coriolis_matrix(m, q, v, form)
+    loads = load_on(m, q)
+    tau = M @ a + C @ v + axode.gravity_torques(m, q) - axode.generalized_loads(m, q, v, loads, joint_losses=True)
+    assert close(tau, axode.inverse_dynamics(m, q, v, a, loads=loads, joint_losses=True))
+    if form != "paper":
+        dM = np.einsum("kij,k->ij", axode.mass_matrix_partials(m, q), v)
+        assert close(dM - 2 * C, -(dM - 2 * C).T)
+
+
+@EVERYWHERE
+def test_christoffel_symbols_and_partials_have_the_documented_order(mechanism):
+    m, q, v, _, _ = state(mechanism)
+    assert close(np.einsum("ijk,j,k->i", axode.christoffel(m, q), v, v), axode.coriolis_vector(m, q, v))
+    assert close(axode.christoffel(m, q) @ v, axode.coriolis_matrix(m, q, v, "christoffel"))
+    assert close(np.tensordot(v, axode.mass_matrix_partials(m, q), 1), rate(m, q, v, lambda x: axode.mass_matrix(m, x)), 1e-7)
+    W = axode.inverse_mass_matrix(m, q)
+    assert close(axode.inverse_mass_matrix_partials(m, q), -W @ axode.mass_matrix_partials(m, q) @ W, 1e-7)
+
+
+@EVERYWHERE
+@EVERY_WAY
+def test_jacobians_give_twists_and_accelerations(mechanism, representation):
+    m, q, v, a, _ = state(mechanism)
+    V, dV = axode.twists(m, q, v, representation), axode.accelerations(m, q, v, a, representation)
+    for k, frame in enumerate(m.frame_names):
+        J, dJ = axode.jacobian(m, q, frame, representation), axode.jacobian_rate(m, q, v, frame, representation)
+        assert close(J @ v, V[k]) if k else not (J @ v).any()
+        assert close(J @ a + dJ @ v, dV[k]) if k else not (J @ a).any()
+        assert np.array_equal(axode.jacobian(m, q, k, representation), J)
+        velocities, columns = axode.jacobian_columns(m, q, frame, representation)
+        dense = np.zeros((6, m.nv))
+        np.add.at(dense.T, velocities, columns.T)
+        assert close(dense, J)
+
+
+@EVERYWHERE
+@EVERY_WAY
+def test_derivatives_of_jacobians_are_their_differences(mechanism, representation):
+    m, q, v, a, tau = state(mechanism)
+    frame = tool(m)
+    J = lambda x: axode.jacobian(m, x, frame, representation)
+    assert close(axode.jacobian_rate(m, q, v, frame, representation), rate(m, q, v, J), 1e-7)
+    first = axode.jacobian_partials(m, q, frame, representation)
+    assert first.shape == (m.nv, 6, m.nv)
+    assert close(first[1], rate(m, q, np.eye(m.nv)[1], J), 1e-7)
+    outer = rate(m, q, v, lambda x: axode.jacobian_derivative_along(m, x, frame, [a], representation))
+    assert close(axode.jacobian_derivative_along(m, q, frame, [a, v], representation), outer, 1e-6)
+    if m.nv < 20:
+        second = axode.jacobian_partials(m, q, frame, representation, order=2)
+        assert close(np.einsum("kl...,k,l->...", second, v, a), outer, 1e-6)
+
+
+@EVERYWHERE
+@EVERY_WAY
+def test_higher_derivatives_of_twists_continue_the_lower_ones(mechanism, representation):
+    m, q, v, a, jerk = state(mechanism)
+    frame, k = tool(m), m.frame_names.index(tool(m))
+    found = axode.twist_derivatives(m, q, [v, a, jerk], frame, representation)
+    assert close(found[0], axode.twists(m, q, v, representation)[k])
+    assert close(found[1], axode.accelerations(m, q, v, a, representation)[k])
+    h = 1e-5
+    at = [axode.accelerations(m, m.integrate(q, s * v + s * s / 2 * a), v + s * a, a + s * jerk, representation)[k]
+          for s in (h, -h)]
+    assert close(found[2], (at[0] - at[1]) / (2 * h), 1e-6)
+    J = axode.jacobian_derivatives(m, q, [v, a, jerk], frame, representation)
+    assert close(J[0], axode.jacobian(m, q, frame, representation))
+    assert close(J[1], axode.jacobian_rate(m, q, v, frame, representation))
+    assert close(J[2] @ v + 2 * J[1] @ a + J[0] @ jerk, found[2])
+
+
+@EVERYWHERE
+def test_offsets_move_the_frame(mechanism):
+    m, q, v, _, _ = state(mechanism)
+    J, p = axode.jacobian(m, q, tool(m), "hybrid"), np.array([0.3, -0.2, 0.5])
+    C = axode.poses(m, q)[m.frame_names.index(tool(m))]
+    moved = axode.jacobian(m, q, tool(m), "hybrid", offset=p) @ v
+    assert close(moved, np.append((J @ v)[:3], (J @ v)[3:] + np.cross((J @ v)[:3], C[:3, :3] @ p)))
+    S = np.eye(4)
+    S[:3, 3] = p
+    assert close(axode.jacobian(m, q, tool(m), "hybrid", offset=S) @ v, moved)
+
+
+@EVERYWHERE
+def test_momenta_energies_and_powers_agree(mechanism):
+    m, q, v, a, tau = state(mechanism)
+    p = axode.momenta(m, q, v)
+    assert close(p, axode.mass_matrix(m, q) @ v)
+    assert close(axode.from_momenta(m, q, p), v, 1e-9)
+    assert close(axode.kinetic_energy(m, q, v), v @ p / 2)
+    assert isinstance(axode.kinetic_energy(m, q, v), float)
+    assert close(rate(m, q, v, lambda x: axode.potential_energy(m, x)), axode.gravity_torques(m, q) @ v, 1e-7)
+    loads = load_on(m, q)
+    assert close(axode.load_powers(m, q, v, loads).sum(), axode.generalized_loads(m, q, v, loads) @ v)
+    rates = axode.momentum_form(m, q, p, tau, loads)
+    a = axode.forward_dynamics(m, q, v, tau, loads=loads)
+    assert close(rates[0], v, 1e-9)
+    dM = np.tensordot(v, axode.mass_matrix_partials(m, q), 1)
+    assert close(rates[1], axode.mass_matrix(m, q) @ a + dM @ v, 1e-8)
+    Pi = axode.body_momenta(m, q, v, "spatial")
+    assert close(Pi.sum(axis=0), axode.spatial_momentum(m, q, v))
+    J = axode.joint_screws(m, q)
+    if J.shape[1] == m.nv:  # no joints coupled
+        assert close(axode.centroidal_momentum_matrix(m, q) @ v, axode.centroidal_momentum(m, q, v))
+    assert close(axode.center_of_mass_jacobian(m, q) @ v, axode.centroidal_momentum(m, q, v)[3:] / m.total_mass)
+    assert close(axode.centroidal_momentum_matrix_rate(m, q, v) @ v,
+                 rate(m, q, v, lambda x: axode.centroidal_momentum_matrix(m, x) @ v), 1e-7)
+
+
+@EVERYWHERE
+@EVERY_WAY
+def test_states_in_twists_and_momenta_have_the_rates_of_the_joints(mechanism, representation):
+    m, q, v, _, tau = state(mechanism)
+    loads = load_on(m, q)
+    a = axode.forward_dynamics(m, q, v, tau, loads=loads)
+    bodies = slice(1, 1 + m.n_bodies)
+    V = axode.twists(m, q, v, representation)[bodies]
+    found, dV = axode.twist_form(m, q, V, tau, representation, loads)
+    assert close(found, v, 1e-9)
+    assert close(dV, axode.accelerations(m, q, v, a, representation)[bodies], 1e-8)
+    found, dPi = axode.spatial_momentum_form(m, q, axode.body_momenta(m, q, v, "spatial"), tau, loads)
+    assert close(found, v, 1e-9)
+    h = 1e-7  # some accelerations are large
+    at = [axode.body_momenta(m, m.integrate(q, s * v + s * s / 2 * a), v + s * a, "spatial") for s in (h, -h)]
+    assert close(dPi, (at[0] - at[1]) / (2 * h), 1e-6)
+
+
+@EVERYWHERE
+@EVERY_WAY
+def test_impulses_mobility_and_operational_inertia_agree(mechanism, representation):
+    m, q, _, _, _ = state(mechanism)
+    J = axode.jacobian(m, q, tool(m), representation)
+    Y = axode.impulse_response(m, q, tool(m), representation)
+    assert close(Y, axode.inverse_mass_matrix(m, q) @ J.T, 1e-9)
+    assert close(axode.mobility(m, q, tool(m), representation), J @ Y, 1e-9)
+    Lambda = axode.operational_space_inertia(m, q, tool(m), representation)
+    if np.isfinite(Lambda).all():
+        assert close(Lambda @ (J @ Y), np.eye(6), 1e-6)
+    else:
+        assert np.linalg.cond(J @ Y) > 1e9
+
+
+@EVERYWHERE
+def test_regressors_times_parameters_are_forces_and_energies(mechanism):
+    m, q, v, a, _ = state(mechanism)
+    pi = axode.inertial_parameters(m)
+    armature = np.zeros(m.nv)
+    for name in m.joint_names:
+        if m.joint(name).leader is None:
+            armature[m.joint(name).v] = m.joint(name).armature
+    followers = [m.joint(name).leader for name in m.joint_names if m.joint(name).leader]
+    if not followers:
+        tau = axode.inverse_dynamics(m, q, v, a) - armature * a
+        assert close(axode.regressor(m, q, v, a) @ pi, tau)
+        assert close(axode.kinetic_energy_regressor(m, q, v) @ pi, axode.kinetic_energy(m, q, v) - v @ (armature * v) / 2)
+    assert close(axode.potential_energy_regressor(m, q) @ pi, axode.potential_energy(m, q))
+
+
+@EVERYWHERE
+def test_joint_wrenches_hold_the_drive_forces(mechanism):
+    m, q, v, a, _ = state(mechanism)
+    tau, W = axode.inverse_dynamics(m, q, v, a), axode.joint_wrenches(m, q, v, a)
+    for k, name in enumerate(m.body_names):
+        joint = m.joint(m.joint_names[k])
+        if joint.leader is None and not any(m.joint(n).leader and m.joint(n).leader[0] == joint.name for n in m.joint_names):
+            assert close(m.body(name).X.T @ W[k] + joint.armature * a[joint.v], tau[joint.v], 1e-9)
+
+
+def test_a_solved_target_is_reached():
+    m = MECHANISMS["arm"]
+    goal = axode.poses(m, m.random(4))[m.frame_names.index("flange")]
+    found = axode.inverse_kinematics(m, [axode.Target(frame="flange", pose=goal)], m.neutral())
+    assert found.status == "solved" and close(axode.poses(m, found.q)[m.frame_names.index("flange")], goal, 1e-8)
+    goal[:3, 3] = 10
+    assert axode.inverse_kinematics(m, [{"frame": "flange", "pose": goal}], m.neutral(), restarts=2).status != "solved"
+    with pytest.raises(ValueError, match="targets.0..pose: expected a pose"):
+        axode.inverse_kinematics(m, [{"frame": "flange", "pose": 2 * np.eye(4)}], m.neutral())
+    with pytest.raises(KeyError, match="targets.0. has no pose"):
+        axode.inverse_kinematics(m, [{"frame": "flange"}], m.neutral())
+
+
+def test_the_factor_of_the_mass_matrix_is_lower_triangular():
+    m, q, _, _, _ = state("humanoid")
+    M = axode.mass_matrix(m, q)
+    factor = axode.MassMatrixFactor(m, M)
+    L = factor.L
+    assert np.array_equal(L, np.tril(L)) and close(L.T @ np.diag(factor.D) @ L, M)
+    assert close(factor.inverse(), axode.inverse_mass_matrix(m, q), 1e-9)
+    assert close(factor.solve(M), np.eye(m.nv), 1e-9)
+    with pytest.raises(ValueError, match=r"x: expected shape \(\d+,\) or \(N, \d+\), got \(3,\)"):
+        factor.solve(np.ones(3))
+    with pytest.raises(ValueError, match="M: expected shape"):
+        axode.MassMatrixFactor(m, M[:2])

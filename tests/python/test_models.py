@@ -1,0 +1,227 @@
+"""Mechanisms from files, from Python, from pickles; their names and configurations."""
+
+import copy
+import pickle
+import tomllib
+
+import axode
+import numpy as np
+import pytest
+from mechanisms import MECHANISMS, close, random_states
+
+EVERYWHERE = pytest.mark.parametrize("mechanism", MECHANISMS)
+
+
+def same_dynamics(m, n, exactly=True):
+    q, v, a, _ = random_states(m, 5)
+    x, y = (axode.inverse_dynamics(model, q, v, a) for model in (m, n))
+    return np.array_equal(x, y) if exactly else close(x, y)
+
+
+def same_names(m, n):
+    return all(getattr(m, what) == getattr(n, what)
+               for what in ("name", "nq", "nv", "body_names", "joint_names", "frame_names", "warnings"))
+
+
+@EVERYWHERE
+@pytest.mark.parametrize("twin", [lambda m: pickle.loads(pickle.dumps(m)), copy.deepcopy, copy.copy])
+def test_pickles_and_copies_are_the_same_to_the_last_bit(mechanism, twin):
+    m = MECHANISMS[mechanism]
+    n = twin(m)
+    assert n is not m and same_names(m, n) and same_dynamics(m, n)
+    assert np.array_equal(m.gravity, n.gravity) and np.array_equal(np.array(m.limits()), np.array(n.limits()))
+
+
+def test_pickles_keep_warnings_with_their_lines(tmp_path):
+    file = tmp_path / "doubtful.urdf"
+    file.write_text('<robot name="r"><link name="a"/>\n<link name="b"><inertial><mass value="1"/><inertia ixx="1" iyy="1" '
+                    'izz="9" ixy="0" ixz="0" iyz="0"/></inertial></link>\n<joint name="j" type="continuous">'
+                    '<parent link="a"/><child link="b"/></joint></robot>')
+    m = axode.load(file)
+    assert [fault.rule for fault in m.warnings] == ["inertia_not_realisable"] and m.warnings[0].line == 2
+    assert str(m.warnings[0]).startswith(f"{file}:2: warning: body \"b\"")
+    assert pickle.loads(pickle.dumps(m)).warnings == m.warnings
+
+
+def test_a_pickle_of_something_else_is_refused():
+    for state in ((), (1, 2), ("x",) * 6):
+        with pytest.raises((ValueError, RuntimeError, TypeError)):
+            axode.Model.__new__(axode.Model).__setstate__(state)
+
+
+@EVERYWHERE
+def test_a_dict_and_a_text_of_the_drawing_make_the_same_mechanism(mechanism):
+    m = MECHANISMS[mechanism]
+    from_dict, from_text = axode.Model.from_dict(m.to_dict()), axode.read_drawing(axode.drawing(m))
+    assert same_names(from_dict, from_text) and same_dynamics(from_dict, from_text)
+    assert same_dynamics(m, from_dict, exactly=False)
+    assert m.to_dict() == tomllib.loads(axode.drawing(m))
+
+
+@pytest.mark.parametrize("file", ["arm7.toml", "machine.toml", "double_pendulum.toml"])
+def test_a_drawing_read_by_tomllib_is_the_same_mechanism(file):
+    drawing = tomllib.loads((axode.robots / file).read_text())
+    m, n = axode.load(axode.robots / file), axode.Model.from_dict(drawing)
+    assert same_names(m, n) and same_dynamics(m, n)
+
+
+def test_the_builder_makes_what_from_bodies_makes():
+    drawing = tomllib.loads((axode.robots / "machine.toml").read_text())
+    builder = axode.Builder(drawing["name"], drawing.get("gravity", (0, 0, -9.81)))
+    for body in drawing["body"]:
+        builder.body(**{"on": "ground"} | body)
+    for frame in drawing.get("frame", []):
+        builder.frame(**{{"in": "in_"}.get(key, key): value for key, value in frame.items()})
+    assert same_names(builder.build(), MECHANISMS["machine"]) and same_dynamics(builder.build(), MECHANISMS["machine"])
+
+
+def test_numpy_numbers_and_arrays_describe_a_body():
+    plain = {"name": "rod", "joint": {"kind": "revolute", "axis": [0, 1, 0], "point": [0, 0, 2]}, "mass": 1,
+             "com": [0, 0, 1], "inertia": [1, 1, 0.5]}
+    typed = {"name": "rod", "joint": {"kind": "revolute", "axis": np.array([0, 1, 0]), "point": (0.0, np.float32(0), 2)},
+             "mass": np.int64(1), "com": np.array([0, 0, 1.0]), "inertia": np.diag([1, 1, 0.5])}
+    assert same_dynamics(*(axode.Model.from_bodies([body]) for body in (plain, typed)))
+
+
+def test_every_fault_of_a_mechanism_is_listed():
+    with pytest.raises(axode.ModelError) as caught:
+        axode.Model.from_bodies([
+            {"name": "a", "joint": {"kind": "revolute", "axis": [0, 0, 0], "point": [0, 0, 0]}, "mass": -1,
+             "com": [0, 0, 0], "inertia": [1, 1, 1]},
+            {"name": "b", "on": "nobody", "joint": "free"},
+            {"name": "a", "on": "a", "joint": {"kind": "prismatic", "axis": "z"}, "mass": 1, "com": [0, 0, np.nan],
+             "inertia": [1, 1, 9]}])
+    rules = {fault.rule for fault in caught.value.faults}
+    assert {"zero_axis", "mass_not_positive", "unknown_predecessor", "two_predecessors"} <= rules
+    assert "non_finite_number" in rules
+    assert isinstance(caught.value, ValueError)
+    for fault in caught.value.faults:
+        assert fault.message in str(caught.value) and fault.element in str(caught.value)
+    assert pickle.loads(pickle.dumps(caught.value)).faults == caught.value.faults
+
+
+@pytest.mark.parametrize("body", [5, "rod", None, [], {"name": 3}, {"name": "rod", 7: 1}, {"name": "rod", "joint": {1, 2}},
+                                  {"name": "rod", "joint": "free", "com": object()}, {"name": "rod\0", "joint": "free"},
+                                  {"name": "\ud800", "joint": "free"}])
+def test_what_is_no_body_is_refused(body):
+    with pytest.raises((axode.ModelError, TypeError, ValueError)):
+        axode.Model.from_bodies([body])
+
+
+def test_bodies_that_hold_themselves_are_refused():
+    body = {"name": "rod", "joint": "free"}
+    body["mesh"] = [body]
+    with pytest.raises(ValueError, match="nested too deeply"):
+        axode.Model.from_bodies([body])
+
+
+def test_faults_of_files_have_their_lines(tmp_path):
+    file = tmp_path / "bad.toml"
+    file.write_text('format = "axode drawing 1"\n[[body]]\nname = "a"\njoint = "fre"\nmass = "x"\n')
+    with pytest.raises(axode.ModelError) as caught:
+        axode.load(file)
+    assert {fault.line for fault in caught.value.faults} >= {4, 5}
+    assert axode.check(file) == caught.value.faults
+    with pytest.raises(axode.ModelError, match="cannot be read"):
+        axode.load(tmp_path / "none.urdf")
+    with pytest.raises(axode.ModelError):
+        axode.read_drawing("format = ")
+    with pytest.raises(axode.ModelError):
+        axode.read_urdf("<robot")
+
+
+def test_the_base_is_as_asked_for():
+    free, fixed = (axode.load(axode.robots / "humanoid.urdf", base=base) for base in ("free", "fixed"))
+    assert free.nv == fixed.nv + 6 and free.joint_names[0] == "free_base"
+    assert axode.load(axode.robots / "humanoid.urdf").nv == fixed.nv
+    assert axode.load(str(axode.robots / "humanoid.urdf")).nv == fixed.nv
+    assert axode.Model.from_dict(free.to_dict(), base="fixed").nv == fixed.nv
+    with pytest.raises(ValueError, match="base is 'floating'; expected one of 'fixed', 'free'"):
+        axode.load(axode.robots / "humanoid.urdf", base="floating")
+
+
+def test_what_a_urdf_cannot_say_is_named():
+    with pytest.raises(axode.ModelError, match="helical"):
+        axode.urdf(MECHANISMS["machine"])
+
+
+@EVERYWHERE
+def test_names_are_of_bodies_joints_and_frames_in_order(mechanism):
+    m = MECHANISMS[mechanism]
+    assert len(m.body_names) == len(m.joint_names) == m.n_bodies and len(m.frame_names) == m.n_frames
+    assert m.frame_names[0] == "ground" and m.frame_names[1:1 + m.n_bodies] == m.body_names
+    q, v = np.zeros(m.nq), np.zeros(m.nv)
+    for name in m.joint_names:
+        joint = m.joint(name)
+        assert joint.name == name and len(q[joint.q]) == joint.nq and len(v[joint.v]) == joint.nv
+        assert (joint.nq == 0) == (joint.leader is not None)
+        q[joint.q] += 1
+        v[joint.v] += 1
+        assert len(joint.lower) == len(joint.upper) == len(joint.armature)
+    assert (q == 1).all() and (v == 1).all()
+    for name in m.body_names:
+        body = m.body(name)
+        assert body.predecessor in ["ground", *m.body_names]
+        assert close(axode.poses(m, m.neutral())[m.frame_names.index(name)], body.A)
+    assert sum(m.body(name).mass for name in m.body_names) == pytest.approx(m.total_mass)
+    for name in m.frame_names:
+        body, pose = m.frame_pose(name)
+        C = axode.poses(m, m.random(1))
+        assert close(C[m.frame_names.index(body)] @ pose, C[m.frame_names.index(name)])
+
+
+@EVERYWHERE
+def test_what_is_printed_names_the_mechanism_and_its_joints(mechanism):
+    m = MECHANISMS[mechanism]
+    assert f'"{m.name}"' in repr(m) and f"nq = {m.nq}" in repr(m) and f"nv = {m.nv}" in repr(m)
+    assert "\n" not in repr(m)
+    assert len(str(m).splitlines()) == m.n_bodies + 2
+    assert all(name in str(m) and body in str(m) for name, body in zip(m.joint_names, m.body_names))
+    assert m.joint_names[0] in repr(m.joint(m.joint_names[0])) and m.body_names[0] in repr(m.body(m.body_names[0]))
+
+
+@EVERYWHERE
+def test_difference_undoes_integrate(mechanism):
+    m = MECHANISMS[mechanism]
+    q, dv, _, _ = random_states(m, 30)
+    assert close(m.difference(q, m.integrate(q, dv)), dv)
+    assert close(m.difference(m.neutral(), m.interpolate(m.neutral(), m.integrate(m.neutral(), dv[0]), 0.25)), dv[0] / 4)
+    with pytest.raises(ValueError, match=r"^q0: expected shape"):
+        m.difference(q[0, :-1], q[0])
+    with pytest.raises(ValueError, match=r"^q1: expected shape"):
+        m.difference(q[0], q[0, :-1])
+    with pytest.raises(ValueError, match=r"^dv: expected shape"):
+        m.integrate(q[0], dv[0, :-1])
+
+
+@EVERYWHERE
+def test_random_configurations_are_repeatable_and_within_limits(mechanism):
+    m = MECHANISMS[mechanism]
+    assert np.array_equal(m.random(5), m.random(5)) and not np.array_equal(m.random(5), m.random(6))
+    lower, upper = m.limits()
+    assert all((lower <= q).all() and (q <= upper).all() for q in map(m.random, range(50)))
+    assert close(m.clamp(m.random(3)), m.random(3))
+
+
+def test_locked_joints_do_not_move():
+    m = MECHANISMS["arm"]
+    q, v, a, _ = random_states(m, 1)
+    v[0, 5:] = a[0, 5:] = 0
+    n = m.reduced(["A6", "A7"], q[0])
+    assert n.joint_names == m.joint_names[:5]
+    assert close(axode.inverse_dynamics(n, q[0, :5], v[0, :5], a[0, :5]), axode.inverse_dynamics(m, q[0], v[0], a[0])[:5])
+
+
+def test_models_cannot_be_changed():
+    m = MECHANISMS["arm"]
+    for attribute in ("nq", "gravity", "body_names"):
+        with pytest.raises(AttributeError):
+            setattr(m, attribute, 3)
+    m.gravity[2] = 5
+    m.body("link 1").M[:] = 0
+    assert m.gravity[2] == -9.81 and m.body("link 1").M[3, 3] > 0
+
+
+def test_parts_outlive_their_model():
+    joint, body = (lambda m: (m.joint("A2"), m.body("link 2")))(axode.load(axode.robots / "arm7.toml"))
+    assert joint.name == "A2" and body.name == "link 2"
