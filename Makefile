@@ -21,8 +21,8 @@ demo: build ## Show what axode does, on an arm and a humanoid
 python: deps venv ## Build the Python package and install it into build/venv
 	build/venv/bin/python -m pip install --quiet --no-build-isolation --no-deps --config-settings=cmake.define.AXODE_WERROR=ON .
 
-test: deps ## Run every test: GCC, Clang, sanitizers; the last line counts them
-	@$(MAKE) --no-print-directory venv || echo "No Python environment: the peer tests will be skipped."
+test: deps ## Run every test: GCC, Clang, sanitizers, Python; the last line counts them
+	@$(MAKE) --no-print-directory venv || echo "No Python environment: the tests of the package and of peers will be skipped."
 	@python3 tools/run_all_tests.py --jobs $(JOBS)
 
 bench: deps venv ## Measure every function beside its peers, with GCC and with Clang; redraws docs/performance.svg

@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 SOURCE = Path(__file__).resolve().parents[1]
+PYTHON = SOURCE / "build/venv/bin/python"
 
 
 class Stage(NamedTuple):
@@ -63,23 +64,44 @@ def test(stage, jobs):
     return results
 
 
+def test_python():
+    """Outcomes of the Python package's tests; skipped where `make venv` could not make an environment."""
+    if not PYTHON.exists():
+        return {"package": "skipped"}
+    if not run("make", "python"):
+        return {"package": "failed"}
+    junit = SOURCE / "build/python/tests.xml"
+    junit.unlink(missing_ok=True)
+    passed = run(str(PYTHON), "-m", "pytest", "-q", "-rs", "-p", "no:cacheprovider", "--junit-xml", str(junit), "tests/python")
+    results = {}
+    for case in ElementTree.parse(junit).getroot().iter("testcase") if junit.exists() else []:
+        wrong = case.find("failure") is not None or case.find("error") is not None
+        results[f"{case.get('classname')}.{case.get('name')}"] = (
+            "failed" if wrong else "skipped" if case.find("skipped") is not None else "passed")
+    if not passed and "failed" not in results.values():
+        results["pytest"] = "failed"
+    return results
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--jobs", default=str(os.cpu_count()))
-    parser.add_argument("--only", choices=[stage.preset for stage in STAGES], help="run one configuration")
+    runs = {stage.preset: lambda stage=stage: test(stage, arguments.jobs) for stage in STAGES}
+    runs["python"] = test_python  # after release, whose objects the compiler cache gives it
+    parser.add_argument("--only", choices=runs, help="run one configuration, or the tests of the Python package")
     arguments = parser.parse_args()
 
     results = {}
-    for stage in STAGES:
-        if arguments.only in (None, stage.preset):
+    for name, test_all in runs.items():
+        if arguments.only in (None, name):
             start = time.monotonic()
-            results.update({(stage.preset, name): outcome for name, outcome in test(stage, arguments.jobs).items()})
-            print(f"{stage.preset}: {time.monotonic() - start:.0f} s\n", flush=True)
+            results.update({(name, case): outcome for case, outcome in test_all().items()})
+            print(f"{name}: {time.monotonic() - start:.0f} s\n", flush=True)
 
     for outcome in ("skipped", "failed"):
-        for (preset, name), found in results.items():
+        for (configuration, case), found in results.items():
             if found == outcome:
-                print(f"{outcome}: {preset}: {name}")
+                print(f"{outcome}: {configuration}: {case}")
     count = {outcome: list(results.values()).count(outcome) for outcome in ("passed", "failed", "skipped")}
     skipped = f", {count['skipped']} skipped" if count["skipped"] else ""
     print(f"{count['passed']} passed, {count['failed']} failed{skipped}")

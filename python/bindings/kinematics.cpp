@@ -23,18 +23,34 @@ Array poses_of(const BoundModel& m, ArrayLike q, int threads) {
   const States states(m, q, threads);
   NewArray out = states.result({m->n_frames(), 4, 4});
   std::vector<SE3<>> C(states.count() * static_cast<std::size_t>(m->n_frames()));
-  states.unlocked(linear_cost(m), [&] {
-    batch::poses<double>(m, states.q(), C, states.threads());
+  const auto write_all = [&] {
     for (std::size_t k = 0; k < C.size(); ++k) write(C[k], out.data() + 16 * k);
-  });
+  };
+  if (states.many()) {
+    states.unlocked(linear_cost(m), [&] {
+      batch::poses<double>(m, states.q(), C, threads);
+      write_all();
+    });
+  } else {
+    states.each(linear_cost(m), [&](auto& workspace, std::size_t) {
+      poses(*m, workspace, states.q(), C);
+      write_all();
+    });
+  }
   return out.array();
 }
 
 Array joint_screws_of(const BoundModel& m, ArrayLike q, int threads) {
   const States states(m, q, threads);
+  if (!states.many())
+    return each_item(states, linear_cost(m), {m->n_screws(), 6},
+                     [&](auto& workspace, std::size_t, auto out) {
+                       joint_screws(*m, workspace, states.q(), screws<Twist<Spatial>>(out));
+                     })
+        .transposed();
   NewArray out = states.result({m->n_screws(), 6});
   states.unlocked(linear_cost(m), [&] {
-    batch::joint_screws<double>(m, states.q(), screws<Twist<Spatial>>(out.all()), states.threads());
+    batch::joint_screws<double>(m, states.q(), screws<Twist<Spatial>>(out.all()), threads);
   });
   return out.transposed();
 }

@@ -1,6 +1,8 @@
 """What holds for every function of the state, whatever it computes."""
 
 import inspect
+import sys
+import threading
 from concurrent.futures import ThreadPoolExecutor
 
 import axode
@@ -87,6 +89,30 @@ def test_eight_threads_on_one_model_agree_with_one(call):
         states = [pool.submit(CALLS[call], m, *state) for state in zip(q, v, a)]
         assert all(same(batch.result(), expected) for batch in batches)
         assert all(same(state.result(), one) for state, one in zip(states, single))
+
+
+@pytest.mark.parametrize("representation", ["fast", "body"])
+@pytest.mark.parametrize("threads", [1, 2])
+def test_other_threads_run_during_a_long_call(representation, threads):
+    m = MECHANISMS["humanoid"]
+    q, v, a, _ = (np.repeat(x, 20000, axis=0) for x in random_states(m, 1))
+    started, ended = threading.Event(), threading.Event()
+
+    def call():
+        started.set()
+        axode.inverse_dynamics(m, q, v, a, representation, threads=threads)
+        ended.set()
+
+    interval = sys.getswitchinterval()
+    sys.setswitchinterval(60)  # nobody is interrupted: others run only where the call lets them
+    try:
+        thread = threading.Thread(target=call)
+        thread.start()
+        started.wait()
+        assert not ended.is_set()
+    finally:
+        sys.setswitchinterval(interval)
+        thread.join()
 
 
 def functions_of_states():
