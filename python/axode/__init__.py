@@ -22,6 +22,7 @@ from ._axode import (
     Joint,
     MassMatrixFactor,
     Model,
+    __version__,
     accelerations,
     body_momenta,
     center_of_mass,
@@ -85,6 +86,7 @@ from .records import InverseKinematics, Load, Target
 robots: Path = Path(__file__).parent / "robots"
 
 __all__ = [
+    "__version__",
     # mechanisms
     "Model", "Body", "Joint", "Builder", "load", "check", "read_drawing", "read_urdf", "drawing", "urdf", "robots",
     # kinematics

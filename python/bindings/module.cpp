@@ -6,6 +6,7 @@ NB_MODULE(_axode, module) {
   using namespace axode::python;
   import_numpy();
   translate_exceptions();
+  module.attr("__version__") = AXODE_VERSION;
   add_model(module);
   add_files(module);
   add_kinematics(module);
