@@ -8,10 +8,12 @@
 #include <cmath>
 #include <cstdint>
 
+#include "text.hpp"
+
 namespace axode::python {
 namespace {
 
-std::string text_of(const nb::ssize_t* lengths, int axes) {
+std::string shape_text_of(const nb::ssize_t* lengths, int axes) {
   std::string text = "(";
   for (int k = 0; k < axes; ++k) text += (k > 0 ? ", " : "") + std::to_string(lengths[k]);
   return text + (axes == 1 ? ",)" : ")");
@@ -44,7 +46,7 @@ nb::object converted(const std::string& name, PyObject* given) {
   }
   const PyArray_Descr* type = PyArray_DESCR(as_array(array.ptr()));
   if (type->kind != 'f' && type->kind != 'i' && type->kind != 'u') {
-    const std::string got = nb::str(nb::handle(reinterpret_cast<const PyObject*>(type))).c_str();
+    const std::string got = text_of(nb::str(nb::handle(reinterpret_cast<const PyObject*>(type))));
     throw nb::value_error((name + ": expected real numbers (float64), got " +
                            (PyArray_Check(given) ? "dtype " + got : std::string(Py_TYPE(given)->tp_name)))
                               .c_str());
@@ -70,7 +72,7 @@ Shape Shape::times(nb::ssize_t n) const {
   return more;
 }
 
-std::string Shape::text() const { return text_of(length.data(), axes); }
+std::string Shape::text() const { return shape_text_of(length.data(), axes); }
 
 Numbers::Numbers(std::string name, ArrayLike given) : name_(std::move(name)) {
   PyObject* object = given.given;
@@ -100,7 +102,7 @@ Numbers::Numbers(std::string name, ArrayLike given) : name_(std::move(name)) {
                             .c_str());
 }
 
-std::string Numbers::shape_text() const { return text_of(lengths_, axes_); }
+std::string Numbers::shape_text() const { return shape_text_of(lengths_, axes_); }
 
 bool Numbers::ends_with(const Shape& item) const {
   if (axes_ < item.axes) return false;
@@ -131,6 +133,12 @@ Array NewArray::transposed() {
   nb::object view = nb::steal(PyArray_SwapAxes(as_array(array_.ptr()), axes - 2, axes - 1));
   if (!view.is_valid()) throw nb::python_error();
   return {std::move(view)};
+}
+
+double number(const std::string& name, nb::handle given) {
+  const Numbers numbers(name, {given.ptr()});
+  if (numbers.axes() > 0) numbers.wrong_shape("(), a number,");
+  return *numbers.data();
 }
 
 void import_numpy() {

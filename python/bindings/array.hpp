@@ -61,6 +61,9 @@ class Numbers {
   int axes_ = 0;
 };
 
+/// One finite number. Throws nb::value_error that names the argument for anything else.
+double number(const std::string& name, nb::handle given);
+
 /// A new array of doubles in C order. Its entries are not set.
 class NewArray {
  public:

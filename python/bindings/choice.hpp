@@ -10,6 +10,7 @@
 #include "axode/io.hpp"
 #include "axode/lie/twist.hpp"
 #include "axode/model/nearest_name.hpp"
+#include "text.hpp"
 
 /// Arguments that are one word of a few, annotated in Python as typing.Literal. Another word, or something
 /// else than a word, is a ValueError.
@@ -29,10 +30,10 @@ std::size_t choose(const std::string& argument, nb::handle given,
     for (std::size_t k = 0; k < N; ++k)
       if (words[k] == std::string_view(text, static_cast<std::size_t>(size))) return k;
   }
-  std::string sentence = argument + " is " + nb::repr(given).c_str() + "; expected one of ";
+  std::string sentence = argument + " is " + shown(given) + "; expected one of ";
   for (std::size_t k = 0; k < N; ++k) sentence += (k == 0 ? "'" : ", '") + std::string(words[k]) + "'";
   if (nb::isinstance<nb::str>(given))
-    sentence += did_you_mean(nb::str(given).c_str(), words, [](std::string_view word) { return word; });
+    sentence += did_you_mean(text_of(given), words, [](std::string_view word) { return word; });
   throw error(sentence.c_str());
 }
 

@@ -8,14 +8,14 @@ void write(const SE3<>& C, double* to) {
   std::copy_n(rows, 16, to);
 }
 
-SE3<> pose_from(const char* argument, const double* C) {
+SE3<> pose_from(const std::string& argument, const double* C) {
   const SE3<> pose{{{C[0], C[4], C[8]}, {C[1], C[5], C[9]}, {C[2], C[6], C[10]}}, {C[3], C[7], C[11]}};
   const SO3<> R = pose.R, RtR = transpose(R) * R;
   const double off = std::max({norm(RtR.x - Vec3<>{1, 0, 0}), norm(RtR.y - Vec3<>{0, 1, 0}),
                                norm(RtR.z - Vec3<>{0, 0, 1}), norm(cross(R.x, R.y) - R.z)});
   if (off > 1e-6 || C[12] != 0 || C[13] != 0 || C[14] != 0 || C[15] != 1)
     throw nb::value_error(
-        (std::string(argument) +
+        (argument +
          ": expected a pose, a matrix of a rotation and an origin with (0, 0, 0, 1) as its last "
          "row; " +
          (off > 1e-6 ? "its rotation is off by " + std::to_string(off) : "its last row is another"))

@@ -19,7 +19,7 @@ void write(const SE3<>& C, double* to);
 
 /// A pose from 16 numbers, row by row. Throws nb::value_error that names the argument where the rotation is off
 /// by more than 1e-6 or the last row is not (0, 0, 0, 1).
-SE3<> pose_from(const char* argument, const double* matrix);
+SE3<> pose_from(const std::string& argument, const double* matrix);
 inline Vec3<> vector_from(const double* x) { return {x[0], x[1], x[2]}; }
 
 Array to_array(std::span<const double> numbers);

@@ -4,18 +4,12 @@
 #include "axode/io/reading.hpp"
 #include "axode/io/toml.hpp"
 #include "description.hpp"
+#include "text.hpp"
 
 namespace axode::python {
 namespace {
 
 namespace toml = io::toml;
-
-std::string text_of(nb::handle string) {
-  Py_ssize_t size = 0;
-  const char* text = PyUnicode_AsUTF8AndSize(string.ptr(), &size);
-  if (text == nullptr) throw nb::python_error();
-  return {text, static_cast<std::size_t>(size)};
-}
 
 /// Fills a document from dicts, lists, tuples, numpy's arrays and numbers, strings, numbers and truth values.
 class Writer {
@@ -35,7 +29,12 @@ class Writer {
     } else if (nb::hasattr(from, "tolist")) {  // numpy's arrays and scalars
       to.content = value(from.attr("tolist")(), where)->content;
     } else if (PyFloat_Check(from.ptr()) || PyLong_Check(from.ptr())) {
-      to.content = nb::cast<double>(from);
+      const double x = PyFloat_AsDouble(from.ptr());
+      if (PyErr_Occurred() != nullptr) {
+        PyErr_Clear();
+        throw nb::value_error((where + ": a number too large for a double").c_str());
+      }
+      to.content = x;
     } else if (PyList_Check(from.ptr()) || PyTuple_Check(from.ptr())) {
       to.content = array(from, where);
     } else {
@@ -51,7 +50,7 @@ class Writer {
     toml::Table entries;
     for (const auto& [key, each] : from) {
       if (!nb::isinstance<nb::str>(key))
-        throw nb::type_error((where + ": a key is " + nb::repr(key).c_str() + "; expected text").c_str());
+        throw nb::type_error((where + ": a key is " + shown(key) + "; expected text").c_str());
       const std::string name = text_of(key);
       entries.insert_or_assign(name, toml::Entry{0, value(each, where.empty() ? name : where + "." + name)});
     }
@@ -71,8 +70,7 @@ class Writer {
 nb::object to_python(const toml::Value& value) {
   if (const auto* table = value.table()) {
     nb::dict entries;
-    for (const auto& [key, entry] : *table)
-      entries[nb::str(key.data(), key.size())] = to_python(*entry.value);
+    for (const auto& [key, entry] : *table) entries[to_str(key)] = to_python(*entry.value);
     return entries;
   }
   if (const auto* array = value.array()) {
@@ -80,7 +78,7 @@ nb::object to_python(const toml::Value& value) {
     for (const toml::Value* each : *array) entries.append(to_python(*each));
     return entries;
   }
-  if (const auto* text = value.text()) return nb::str(text->data(), text->size());
+  if (const auto* text = value.text()) return to_str(*text);
   if (const auto* flag = value.flag()) return nb::bool_(*flag);
   return nb::float_(*value.number());
 }

@@ -8,6 +8,7 @@
 #include "choice.hpp"
 #include "conversions.hpp"
 #include "states.hpp"
+#include "text.hpp"
 
 namespace axode::python {
 namespace {
@@ -227,9 +228,9 @@ std::vector<PoseTarget> pose_targets(const Model& m, nb::handle targets) {
     const Numbers C(where + ".pose", {pose.ptr()});
     if (C.axes() != 2 || !C.ends_with({4, 4})) C.wrong_shape("(4, 4)");
     found.push_back({place(m, {frame.ptr()}, entry(from, "offset", nb::none())),
-                     pose_from((where + ".pose").c_str(), C.data()),
-                     nb::cast<double>(entry(from, "angular_weight", nb::float_(1.0))),
-                     nb::cast<double>(entry(from, "linear_weight", nb::float_(1.0)))});
+                     pose_from(where + ".pose", C.data()),
+                     number(where + ".angular_weight", entry(from, "angular_weight", nb::float_(1.0))),
+                     number(where + ".linear_weight", entry(from, "linear_weight", nb::float_(1.0)))});
   }
   return found;
 }
@@ -250,8 +251,8 @@ nb::object inverse_kinematics_of(const BoundModel& m, nb::handle given, ArrayLik
       states.unlocked(1000, [&] { return inverse_kinematics(m, targets, states.q(0), options); });
   const std::string_view status = to_string(found.status);
   return nb::module_::import_("axode.records")
-      .attr("InverseKinematics")(nb::str(status.data(), status.size()), to_array(found.q).array,
-                                 found.residual, found.iterations, found.restarts);
+      .attr("InverseKinematics")(to_str(status), to_array(found.q).array, found.residual, found.iterations,
+                                 found.restarts);
 }
 
 }  // namespace

@@ -14,6 +14,7 @@
 #include "description.hpp"
 #include "raise.hpp"
 #include "states.hpp"
+#include "text.hpp"
 
 namespace axode::python {
 namespace {
@@ -29,10 +30,9 @@ template <class Range> std::vector<std::string> names(const Range& named) {
 /// index(name), where a name that there is not is a KeyError.
 template <class Index> int index_of(const Index& index, const char* argument, nb::handle name) {
   if (!nb::isinstance<nb::str>(name))
-    throw nb::value_error(
-        (std::string(argument) + " is " + nb::repr(name).c_str() + "; expected a name").c_str());
+    throw nb::value_error((std::string(argument) + " is " + shown(name) + "; expected a name").c_str());
   try {
-    return index(nb::str(name).c_str());
+    return index(text_of(name));
   } catch (const std::invalid_argument& unknown) {
     throw nb::key_error(unknown.what());
   }
@@ -331,10 +331,10 @@ The mechanism as a drawing in a dict, everything in the construction frame, to e
 
 void add_lookup(nb::class_<BoundModel>& model) {
   const auto joint_of = [](const BoundModel& m, nb::handle name) {
-    return BoundJoint{&m, index_of([&](const char* s) { return m->joint_index(s); }, "name", name)};
+    return BoundJoint{&m, index_of([&](const std::string& s) { return m->joint_index(s); }, "name", name)};
   };
   const auto body_of = [](const BoundModel& m, nb::handle name) {
-    return BoundBody{&m, index_of([&](const char* s) { return m->body_index(s); }, "name", name)};
+    return BoundBody{&m, index_of([&](const std::string& s) { return m->body_index(s); }, "name", name)};
   };
   model
       .def("joint", joint_of, "name"_a, nb::sig("def joint(self, name: str) -> Joint"),
@@ -373,7 +373,7 @@ The moving body of a name, or "ground"; KeyError with the nearest name where the
             if (states.many()) throw nb::value_error("q: expected one configuration, shape (nq,)");
             std::vector<std::string_view> views(locked.begin(), locked.end());
             for (const std::string& name : locked)
-              index_of([&](const char* s) { return m->joint_index(s); }, "locked", nb::str(name.c_str()));
+              index_of([&](const std::string& s) { return m->joint_index(s); }, "locked", to_str(name));
             return BoundModel(reduced(m, views, states.q(0)));
           },
           "locked"_a, "q"_a, R"(
@@ -389,16 +389,16 @@ A new model in which the named joints are fixed at their place in q, shape (nq,)
 int FrameName::in(const Model& model, const char* argument) const {
   const nb::handle name(given);
   if (nb::isinstance<nb::str>(name))
-    return index_of([&](const char* s) { return model.frame_index(s); }, argument, name);
+    return index_of([&](const std::string& s) { return model.frame_index(s); }, argument, name);
   if (!PyLong_Check(given))
-    throw nb::value_error((std::string(argument) + " is " + nb::repr(name).c_str() +
-                           "; expected the name of a frame, or its number")
-                              .c_str());
+    throw nb::value_error(
+        (std::string(argument) + " is " + shown(name) + "; expected the name of a frame, or its number")
+            .c_str());
   const long number = PyLong_AsLong(given);
   if (PyErr_Occurred() != nullptr) PyErr_Clear();
   if (number < 0 || number >= model.n_frames())
-    throw nb::value_error((std::string(argument) + " is " + nb::repr(name).c_str() + "; model \"" +
-                           model.name() + "\" has frames 0 to " + std::to_string(model.n_frames() - 1))
+    throw nb::value_error((std::string(argument) + " is " + shown(name) + "; model \"" + model.name() +
+                           "\" has frames 0 to " + std::to_string(model.n_frames() - 1))
                               .c_str());
   return static_cast<int>(number);
 }

@@ -1,5 +1,7 @@
 #include "raise.hpp"
 
+#include "text.hpp"
+
 namespace axode::python {
 namespace {
 
@@ -9,14 +11,12 @@ void set_error(const nb::object& error) {
   PyErr_SetObject(reinterpret_cast<PyObject*>(Py_TYPE(error.ptr())), error.ptr());
 }
 
-nb::str text(std::string_view s) { return nb::str(s.data(), s.size()); }
-
 }  // namespace
 
 nb::object fault_object(const Fault& fault) {
-  return errors("Fault")(fault.severity == Severity::error ? "error" : "warning", text(to_string(fault.rule)),
-                         text(fault.element), text(fault.message), text(fault.source.file), fault.source.line,
-                         text(to_string(fault)));
+  return errors("Fault")(fault.severity == Severity::error ? "error" : "warning",
+                         to_str(to_string(fault.rule)), to_str(fault.element), to_str(fault.message),
+                         to_str(fault.source.file), fault.source.line, to_str(to_string(fault)));
 }
 
 nb::list fault_list(std::span<const Fault> faults) {
@@ -28,7 +28,7 @@ nb::list fault_list(std::span<const Fault> faults) {
 void raise_singular(const std::string& sentence, const std::vector<std::size_t>& states, Array result) {
   nb::list numbers;
   for (const std::size_t k : states) numbers.append(k);
-  set_error(errors("SingularError")(text(sentence), numbers, result.array));
+  set_error(errors("SingularError")(to_str(sentence), numbers, result.array));
   throw nb::python_error();
 }
 
@@ -37,7 +37,7 @@ void translate_exceptions() {
     try {
       std::rethrow_exception(thrown);
     } catch (const ModelError& error) {
-      set_error(errors("ModelError")(text(error.what()), fault_list(error.faults())));
+      set_error(errors("ModelError")(to_str(error.what()), fault_list(error.faults())));
     }
   });
 }

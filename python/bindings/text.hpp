@@ -1,0 +1,29 @@
+#pragma once
+#include <nanobind/nanobind.h>
+
+#include <string>
+#include <string_view>
+
+/// Texts, which in Python may hold what is not UTF-8, and in C++ what is not Unicode.
+namespace axode::python {
+
+namespace nb = nanobind;
+
+/// The UTF-8 of a str. Throws Python's UnicodeEncodeError, a ValueError, where it has none.
+inline std::string text_of(nb::handle string) {
+  Py_ssize_t size = 0;
+  const char* text = PyUnicode_AsUTF8AndSize(string.ptr(), &size);
+  if (text == nullptr) throw nb::python_error();
+  return {text, static_cast<std::size_t>(size)};
+}
+
+/// A str; bytes that are not UTF-8 are shown by their numbers.
+inline nb::str to_str(std::string_view text) {
+  return nb::steal<nb::str>(
+      PyUnicode_DecodeUTF8(text.data(), static_cast<Py_ssize_t>(text.size()), "backslashreplace"));
+}
+
+/// What stands there, for a message.
+inline std::string shown(nb::handle value) { return text_of(nb::repr(value)); }
+
+}  // namespace axode::python
