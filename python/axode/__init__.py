@@ -17,6 +17,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from . import closed_form, codegen, lie
 from ._axode import (
     Body,
     Joint,

@@ -74,7 +74,7 @@ Shape Shape::times(nb::ssize_t n) const {
 
 std::string Shape::text() const { return shape_text_of(length.data(), axes); }
 
-Numbers::Numbers(std::string name, ArrayLike given) : name_(std::move(name)) {
+Numbers::Numbers(std::string name, ArrayLike given, Infinities infinities) : name_(std::move(name)) {
   PyObject* object = given.given;
   if (!PyArray_CheckExact(object) || PyArray_TYPE(as_array(object)) != NPY_DOUBLE ||
       !PyArray_ISCARRAY_RO(as_array(object))) {
@@ -87,13 +87,16 @@ Numbers::Numbers(std::string name, ArrayLike given) : name_(std::move(name)) {
   size_ = PyArray_SIZE(array);
   axes_ = PyArray_NDIM(array);
   if (all_finite(data_, size_)) return;
-  nb::ssize_t k = 0;
-  while (std::isfinite(data_[k])) ++k;
+  const auto allowed = [&](double x) {
+    return infinities == Infinities::allowed ? !std::isnan(x) : std::isfinite(x);
+  };
+  nb::ssize_t first = 0;
+  while (first < size_ && allowed(data_[first])) ++first;
+  if (first == size_) return;
   std::string at;
+  nb::ssize_t k = first;
   for (int axis = axes_ - 1; axis >= 0; k /= lengths_[axis], --axis)
     at = std::to_string(k % lengths_[axis]) + (at.empty() ? "" : ", ") + at;
-  nb::ssize_t first = 0;
-  while (std::isfinite(data_[first])) ++first;
   throw nb::value_error((name_ + (axes_ > 0 ? "[" + at + "]" : "") + " is " +
                          (std::isnan(data_[first]) ? "nan"
                           : data_[first] > 0       ? "inf"

@@ -36,11 +36,14 @@ struct Array {
   nb::object array;
 };
 
+/// Whether numbers may be infinite, as some limits and pitches are. None may be NaN.
+enum class Infinities { refused, allowed };
+
 /// The numbers of an argument as doubles in C order: the array's own where it has that layout, otherwise a
 /// copy. Throws nb::value_error that names the argument for anything but finite real numbers.
 class Numbers {
  public:
-  Numbers(std::string name, ArrayLike given);
+  Numbers(std::string name, ArrayLike given, Infinities infinities = Infinities::refused);
 
   int axes() const { return axes_; }
   nb::ssize_t length(int axis) const { return lengths_[axis]; }

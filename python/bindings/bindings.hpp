@@ -4,14 +4,15 @@
 /// What each file of this folder adds to the module, in the order of the library's floors.
 namespace axode::python {
 
-void add_lie(nanobind::module_& module);
+void add_lie(nanobind::module_& lie);
+void add_rigid_body(nanobind::module_& lie);
 void add_model(nanobind::module_& module);
 void add_kinematics(nanobind::module_& module);
-void add_system_matrices(nanobind::module_& module);
+void add_system_matrices(nanobind::module_& closed_form);
 void add_dynamics(nanobind::module_& module);
 void add_momentum(nanobind::module_& module);
-void add_closed_form(nanobind::module_& module);
+void add_closed_form(nanobind::module_& closed_form);
 void add_files(nanobind::module_& module);
-void add_codegen(nanobind::module_& module);
+void add_codegen(nanobind::module_& codegen);
 
 }  // namespace axode::python

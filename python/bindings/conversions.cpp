@@ -1,5 +1,8 @@
 #include "conversions.hpp"
 
+#include <cmath>
+#include <limits>
+
 namespace axode::python {
 
 void write(const SE3<>& C, double* to) {
@@ -8,11 +11,18 @@ void write(const SE3<>& C, double* to) {
   std::copy_n(rows, 16, to);
 }
 
+double rotation_error(const SO3<>& R) {
+  const SO3<> RtR = transpose(R) * R;
+  double off = 0;
+  for (const Vec3<>& d :
+       {RtR.x - Vec3<>{1, 0, 0}, RtR.y - Vec3<>{0, 1, 0}, RtR.z - Vec3<>{0, 0, 1}, cross(R.x, R.y) - R.z})
+    off = std::isfinite(norm(d)) ? std::max(off, norm(d)) : std::numeric_limits<double>::infinity();
+  return off;
+}
+
 SE3<> pose_from(const std::string& argument, const double* C) {
   const SE3<> pose{{{C[0], C[4], C[8]}, {C[1], C[5], C[9]}, {C[2], C[6], C[10]}}, {C[3], C[7], C[11]}};
-  const SO3<> R = pose.R, RtR = transpose(R) * R;
-  const double off = std::max({norm(RtR.x - Vec3<>{1, 0, 0}), norm(RtR.y - Vec3<>{0, 1, 0}),
-                               norm(RtR.z - Vec3<>{0, 0, 1}), norm(cross(R.x, R.y) - R.z)});
+  const double off = rotation_error(pose.R);
   if (off > 1e-6 || C[12] != 0 || C[13] != 0 || C[14] != 0 || C[15] != 1)
     throw nb::value_error(
         (argument +

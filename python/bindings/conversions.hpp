@@ -1,5 +1,6 @@
 #pragma once
 #include <algorithm>
+#include <concepts>
 #include <span>
 #include <vector>
 
@@ -17,6 +18,8 @@ template <class Screwlike> void write_screw(const Screwlike& X, double* to) {
 }
 void write(const SE3<>& C, double* to);
 
+/// How far a matrix is from a rotation; infinite where the products overflow.
+double rotation_error(const SO3<>& R);
 /// A pose from 16 numbers, row by row. Throws nb::value_error that names the argument where the rotation is off
 /// by more than 1e-6 or the last row is not (0, 0, 0, 1).
 SE3<> pose_from(const std::string& argument, const double* matrix);
@@ -27,6 +30,9 @@ inline Array to_array(const std::vector<double>& numbers) { return to_array(std:
 Array to_array(const Vec3<>& a);
 Array to_array(const SE3<>& C);
 Array to_array(const Inertia<>& M);
+template <std::same_as<Eigen::VectorXd> Vector> Array to_array(const Vector& x) {
+  return to_array(as_span(x));
+}
 /// Row by row, whatever the order in which the matrix is stored.
 Array to_array(const Eigen::Ref<const Eigen::MatrixXd>& matrix);
 

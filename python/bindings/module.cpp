@@ -7,9 +7,17 @@ NB_MODULE(_axode, module) {
   import_numpy();
   translate_exceptions();
   module.attr("__version__") = AXODE_VERSION;
+  nb::module_ lie = module.def_submodule("lie", "See axode.lie.");
+  add_lie(lie);
+  add_rigid_body(lie);
   add_model(module);
   add_files(module);
   add_kinematics(module);
   add_dynamics(module);
   add_momentum(module);
+  nb::module_ closed_form = module.def_submodule("closed_form", "See axode.closed_form.");
+  add_system_matrices(closed_form);
+  add_closed_form(closed_form);
+  nb::module_ codegen = module.def_submodule("codegen", "See axode.codegen.");
+  add_codegen(codegen);
 }

@@ -1,0 +1,132 @@
+"""SE(3), screws, and single rigid bodies.
+
+Everything takes arrays of one item or of many, with any axes in front: exp maps (..., 6) to (..., 4, 4). Arguments have
+the same leading axes, or none. Results are new arrays of float64.
+
+Screws and twists are (angular; linear), wrenches (moment; force), quaternions x y z w; poses are matrices
+[[R, r], [0, 1]] that take coordinates in a frame to those in the frame they are given in. Linear maps of screws, such
+as Ad, ad and dexp, are matrices, to be used with @. The functions dexp are right-trivialised. SI units.
+
+>>> X = axode.lie.screw([0, 0, 1], [1, 0, 0])  # turns about the axis in z through (1, 0, 0)
+>>> C = axode.lie.exp(np.linspace(0, np.pi, 3)[:, None] * X)
+>>> C.shape
+(3, 4, 4)
+>>> C[1].round(3)
+array([[ 0., -1.,  0.,  1.],
+       [ 1.,  0.,  0., -1.],
+       [ 0.,  0.,  1.,  0.],
+       [ 0.,  0.,  0.,  1.]])
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ._axode.lie import (
+    Ad,
+    ad,
+    center_of_mass,
+    change_momentum,
+    change_twist,
+    change_twist_rate,
+    change_wrench,
+    ddexp,
+    ddexp_inv,
+    ddexp_inv_SO3,
+    ddexp_SO3,
+    dexp,
+    dexp_inv,
+    dexp_inv_SO3,
+    dexp_SO3,
+    exchange_halves,
+    exp,
+    exp_quaternion,
+    exp_SO3,
+    from_hat,
+    from_scalar_first,
+    from_skew,
+    hat,
+    inertia,
+    inertia_about_com,
+    inverse,
+    log,
+    log_quaternion,
+    log_SO3,
+    newton_euler,
+    pluecker,
+    quaternion,
+    quaternion_product,
+    realisability,
+    reciprocal_product,
+    rotation,
+    rotation_to,
+    scalar_first,
+    screw,
+    screw_axis,
+    skew,
+    transform_inertia,
+)
+
+__all__ = [
+    "Ad",
+    "ScrewAxis",
+    "ad",
+    "center_of_mass",
+    "change_momentum",
+    "change_twist",
+    "change_twist_rate",
+    "change_wrench",
+    "ddexp",
+    "ddexp_SO3",
+    "ddexp_inv",
+    "ddexp_inv_SO3",
+    "dexp",
+    "dexp_SO3",
+    "dexp_inv",
+    "dexp_inv_SO3",
+    "exchange_halves",
+    "exp",
+    "exp_SO3",
+    "exp_quaternion",
+    "from_hat",
+    "from_scalar_first",
+    "from_skew",
+    "hat",
+    "inertia",
+    "inertia_about_com",
+    "inverse",
+    "log",
+    "log_SO3",
+    "log_quaternion",
+    "newton_euler",
+    "pluecker",
+    "quaternion",
+    "quaternion_product",
+    "realisability",
+    "reciprocal_product",
+    "rotation",
+    "rotation_to",
+    "scalar_first",
+    "screw",
+    "screw_axis",
+    "skew",
+    "transform_inertia",
+]
+
+
+class ScrewAxis(NamedTuple):
+    """The geometry of screws, in the order of the arguments of `screw`.
+
+    >>> axode.lie.screw_axis([0, 0, 0, 0, 3, 0]).e  # a translation
+    array([0., 1., 0.])
+    """
+
+    e: NDArray[np.float64]
+    """Direction, a unit vector, (..., 3)."""
+    p: NDArray[np.float64]
+    """The point of the axis that is nearest to the origin, m, (..., 3)."""
+    h: NDArray[np.float64]
+    """Pitch, m/rad, (...); inf for a translation."""
+    magnitude: NDArray[np.float64]
+    """(...), e.g. rad/s of a twist that turns, m/s of one that does not."""

@@ -1,0 +1,149 @@
+#include "axode/dynamics/closed_form.hpp"
+
+#include "bindings.hpp"
+#include "choice.hpp"
+#include "conversions.hpp"
+#include "one_state.hpp"
+
+namespace axode::python {
+namespace {
+
+using namespace nb::literals;
+
+Array inertia_matrix_of(const BoundModel& m, ArrayLike q, Representation representation) {
+  const States state = one_state(m, q);
+  return to_array(with_representation(
+      representation, [&](auto rep) { return closed_form::inertia_matrix<decltype(rep)>(m, state.q()); }));
+}
+
+Array mass_matrix_of(const BoundModel& m, ArrayLike q, Representation representation) {
+  const States state = one_state(m, q);
+  return to_array(state.unlocked(cubic_cost(m), [&] {
+    return with_representation(
+        representation, [&](auto rep) { return closed_form::mass_matrix<decltype(rep)>(m, state.q()); });
+  }));
+}
+
+/// f(q, v, a, loads).
+template <class F>
+Array equations(const BoundModel& m, ArrayLike q, ArrayLike v, ArrayLike a, LoadList given, bool joint_losses,
+                const F& f) {
+  const States state = one_state(m, q);
+  const Items velocities = state.velocities("v", v), accelerations = state.velocities("a", a);
+  const AppliedLoads loads(state, given, joint_losses);
+  return to_array(state.unlocked(cubic_cost(m), [&] {
+    return loads.with(0, [&](const Loads<double>& applied) {
+      return f(state.q(), velocities.all(), accelerations.all(), applied);
+    });
+  }));
+}
+
+Array projection_equations_of(const BoundModel& m, ArrayLike q, ArrayLike v, ArrayLike a,
+                              Representation representation, LoadList loads, bool joint_losses) {
+  return equations(m, q, v, a, loads, joint_losses, [&](auto... arguments) {
+    return with_representation(representation, [&](auto rep) {
+      return closed_form::projection_equations<decltype(rep)>(m, arguments...);
+    });
+  });
+}
+
+Array momentum_balance_of(const BoundModel& m, ArrayLike q, ArrayLike v, ArrayLike a, LoadList loads,
+                          bool joint_losses) {
+  return equations(m, q, v, a, loads, joint_losses,
+                   [&](auto... arguments) { return closed_form::momentum_balance(m, arguments...); });
+}
+
+Array lagrange_equations_of(const BoundModel& m, ArrayLike q, ArrayLike v, ArrayLike a, LoadList loads,
+                            bool joint_losses) {
+  return equations(m, q, v, a, loads, joint_losses,
+                   [&](auto... arguments) { return closed_form::lagrange_equations(m, arguments...); });
+}
+
+Array coriolis_matrix_of(const BoundModel& m, ArrayLike q, ArrayLike v, CoriolisForm form) {
+  const States state = one_state(m, q);
+  const Items velocities = state.velocities("v", v);
+  return to_array(state.unlocked(
+      cubic_cost(m), [&] { return closed_form::coriolis_matrix(m, state.q(), velocities.all(), form); }));
+}
+
+Array christoffel_symbols_of(const BoundModel& m, ArrayLike q) {
+  const States state = one_state(m, q);
+  const std::vector<double> Gamma =
+      state.unlocked(cubic_cost(m), [&] { return closed_form::christoffel_symbols(m, state.q()); });
+  NewArray out({m->nv(), m->nv(), m->nv()});
+  put(Gamma, out.all());
+  return out.array();
+}
+
+}  // namespace
+
+void add_closed_form(nb::module_& module) {
+  module.def("inertia_matrix", &inertia_matrix_of, "m"_a, "q"_a, "representation"_a = "body", R"(
+M = diag(M_1, ..., M_n), (6n, 6n), the inertia matrices of the moving bodies at q (nq,); kg m^2, kg m, kg.
+
+>>> np.array_equal(axode.closed_form.inertia_matrix(arm, arm.neutral())[:6, :6], arm.body("link 1").M)
+True
+)");
+  module.def("projection_equations", &projection_equations_of, "m"_a, "q"_a, "v"_a, "a"_a,
+             "representation"_a = "body", "loads"_a = nb::none(), nb::kw_only(), "joint_losses"_a = false, R"(
+tau = J^T (M_i V'_i - ad_V^T M_i V_i - W_i^app), the Euler-Jourdain (projection, Kane) equations: (nv,) (eq. PE).
+
+N m or N. Gravity is an applied wrench. q has shape (nq,), v and a (nv,); loads and joint_losses are those of
+`axode.inverse_dynamics`, which gives the same in O(n).
+
+>>> q, v, a = arm.random(), np.ones(7), np.ones(7)
+>>> tau = axode.closed_form.projection_equations(arm, q, v, a, "hybrid")
+>>> np.allclose(tau, axode.inverse_dynamics(arm, q, v, a))
+True
+)");
+  module.def("momentum_balance", &momentum_balance_of, "m"_a, "q"_a, "v"_a, "a"_a, "loads"_a = nb::none(),
+             nb::kw_only(), "joint_losses"_a = false, R"(
+tau = (J^s)^T (Pi'_i - W_i^app), the projected balance of spatial momentum: (nv,), N m or N (eq. PEs).
+
+q has shape (nq,), v and a (nv,); loads and joint_losses as in `axode.inverse_dynamics`.
+
+>>> q, v, a = arm.random(), np.ones(7), np.ones(7)
+>>> np.allclose(axode.closed_form.momentum_balance(arm, q, v, a), axode.inverse_dynamics(arm, q, v, a))
+True
+)");
+  module.def("mass_matrix", &mass_matrix_of, "m"_a, "q"_a, "representation"_a = "body", R"(
+M = J^T M J, with the armatures: (nv, nv) at q (nq,), kg m^2, kg m, kg (eq. MLE). The same in all representations.
+
+>>> M = axode.closed_form.mass_matrix(arm, arm.random())
+>>> np.allclose(M, M.T)
+True
+)");
+  module.def("coriolis_matrix", &coriolis_matrix_of, "m"_a, "q"_a, "v"_a, "form"_a = "paper", R"(
+C with C v = the Coriolis and centrifugal forces, by the formula of its form: (nv, nv) (eq. CMat).
+
+paper: -J^T (M A a + b^T M) J; skew: -J^T (M A a + b^T M - M b) J, for which M' - 2C is skew; spatial: the same matrix
+in spatial twists; christoffel: the sum of Gamma_ijk v_k. q has shape (nq,), v (nv,).
+
+>>> q, v = arm.random(), np.ones(7)
+>>> C, D = (axode.closed_form.coriolis_matrix(arm, q, v, form) for form in ("paper", "skew"))
+>>> np.allclose(C @ v, D @ v), np.allclose(C, D)
+(True, False)
+)");
+  module.def("lagrange_equations", &lagrange_equations_of, "m"_a, "q"_a, "v"_a, "a"_a, "loads"_a = nb::none(),
+             nb::kw_only(), "joint_losses"_a = false, R"(
+tau = M a + C v + dU/dq - Q, Lagrange's equations with the paper's C: (nv,), N m or N (eq. LE).
+
+q has shape (nq,), v and a (nv,); loads and joint_losses as in `axode.inverse_dynamics`.
+
+>>> q, v, a = arm.random(), np.ones(7), np.ones(7)
+>>> np.allclose(axode.closed_form.lagrange_equations(arm, q, v, a), axode.inverse_dynamics(arm, q, v, a))
+True
+)");
+  module.def("christoffel_symbols", &christoffel_symbols_of, "m"_a, "q"_a, R"(
+Gamma_ijk, the Christoffel symbols of the first kind with Binet's inertia tensor: (nv, nv, nv) (eq. GammaBinet).
+
+Gamma @ v is the Christoffel form of C, at q (nq,). O(n^4). ValueError where a joint has not one degree of freedom.
+
+>>> q, v = arm.random(), np.ones(7)
+>>> C = axode.closed_form.coriolis_matrix(arm, q, v, "christoffel")
+>>> np.allclose(axode.closed_form.christoffel_symbols(arm, q) @ v, C)
+True
+)");
+}
+
+}  // namespace axode::python

@@ -1,0 +1,96 @@
+#include "axode/codegen.hpp"
+
+#include <nanobind/stl/string.h>
+
+#include "bindings.hpp"
+#include "bound_model.hpp"
+#include "choice.hpp"
+#include "named_tuple.hpp"
+
+namespace axode::python {
+namespace {
+
+using namespace nb::literals;
+using codegen::Quantity;
+
+constexpr std::array<std::string_view, 4> quantities{"inverse_dynamics", "forward_dynamics", "mass_matrix",
+                                                     "jacobian"};
+
+[[noreturn]] void wrong_function(const std::string& where, nb::handle given) {
+  throw nb::value_error(
+      (where + " is " + nb::repr(given).c_str() +
+       "; expected a name, or (\"jacobian\", frame) or (\"jacobian\", frame, representation)")
+          .c_str());
+}
+
+/// A word, or a tuple of the word jacobian, a frame and its representation.
+codegen::Function function_from(const Model& model, const std::string& where, nb::handle given) {
+  const bool is_tuple = PyTuple_Check(given.ptr());
+  if (!is_tuple && !nb::isinstance<nb::str>(given)) wrong_function(where, given);
+  const std::size_t entries = is_tuple ? nb::len(given) : 1;
+  if (entries == 0 || entries > 3) wrong_function(where, given);
+  const nb::object word = is_tuple ? nb::object(given[0]) : nb::borrow(given);
+  const Quantity quantity = static_cast<Quantity>(choose(where.c_str(), word, quantities));
+  if ((quantity == Quantity::jacobian) != (entries > 1)) wrong_function(where, given);
+  codegen::Function function{quantity};
+  if (entries > 1)
+    function.frame = FrameName{nb::object(given[1]).ptr()}.in(model, (where + ", frame").c_str());
+  if (entries > 2)
+    function.representation = Words<Representation>::value(
+        choose((where + ", representation").c_str(), nb::object(given[2]), Words<Representation>::words));
+  return function;
+}
+
+nb::object c_source_of(const BoundModel& m, nb::handle functions, const std::string& prefix,
+                       bool single_precision) {
+  if (!PyList_Check(functions.ptr()) && !PyTuple_Check(functions.ptr()))
+    throw nb::value_error(
+        (std::string("functions is ") + nb::repr(functions).c_str() + "; expected a list of functions")
+            .c_str());
+  std::vector<codegen::Function> wanted;
+  for (const nb::handle each : functions)
+    wanted.push_back(function_from(m, "functions[" + std::to_string(wanted.size()) + "]", each));
+  const codegen::Source source = [&] {
+    const nb::gil_scoped_release released;
+    return codegen::c_source(m, wanted, {prefix, single_precision});
+  }();
+  nb::list costs;
+  for (const auto& [name, n] : source.functions)
+    costs.append(
+        named_tuple("axode.codegen", "Cost", name, n.products, n.sums, n.divisions, n.roots, n.angles));
+  return named_tuple("axode.codegen", "Source", source.text, costs);
+}
+
+}  // namespace
+
+void add_codegen(nb::module_& module) {
+  module.def(
+      "c_source", &c_source_of, "m"_a, "functions"_a, "prefix"_a = "", "single_precision"_a = false,
+      nb::sig("def c_source(m: axode.Model, functions: collections.abc.Sequence[axode.codegen.Function], "
+              "prefix: str = '', single_precision: bool = False) -> axode.codegen.Source"),
+      R"(
+A file in C99 for this one mechanism, which needs nothing but a compiler, and what each of its functions costs.
+
+functions are "inverse_dynamics", "forward_dynamics", "mass_matrix", ("jacobian", frame) and ("jacobian", frame,
+representation). With PREFIX for prefix (made from the model's name if empty), NAME for the frame's name and T for
+double or, in single precision, float, they become
+
+    void PREFIX_inverse_dynamics(const T *q, const T *v, const T *a, T *tau)
+    int  PREFIX_forward_dynamics(const T *q, const T *v, const T *tau, T *a)
+    void PREFIX_mass_matrix(const T *q, T *M)
+    void PREFIX_jacobian_NAME(const T *q, T *J), PREFIX_jacobian_NAME_hybrid, ...
+
+with the units and frames of their namesakes here; M is (nv, nv) and J (6, nv), row by row. forward_dynamics returns 0,
+or 1 where the mass matrix may be singular. Armature and gravity are part of them, joint losses and loads are not.
+Results differ by rounding, for angles up to 1e5 rad. Compile it without -ffast-math. KeyError for an unknown frame,
+ValueError for an unknown function, one that is asked for twice, none, and a prefix that is no C identifier.
+
+>>> source = axode.codegen.c_source(arm, ["inverse_dynamics", ("jacobian", "flange", "hybrid")], prefix="arm")
+>>> [cost.name for cost in source.functions]
+['arm_inverse_dynamics', 'arm_jacobian_flange_hybrid']
+>>> "void arm_inverse_dynamics(" in source.text
+True
+)");
+}
+
+}  // namespace axode::python
