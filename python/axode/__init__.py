@@ -17,7 +17,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from . import closed_form, codegen, lie
+from . import closed_form, codegen, convert, lie
 from ._axode import (
     Body,
     Joint,

@@ -1,0 +1,418 @@
+"""States of a mechanism in the orders of Pinocchio and of MuJoCo, and back.
+
+Pinocchio: joints by the names of their joints at each fork, as buildModelFromUrdf has them; positions before
+quaternions x y z w, linear before angular velocities in the body's frame, (cos, sin) for an unlimited angle,
+(x, y, cos, sin) for a planar joint. MuJoCo: joints in the order of the file; positions before quaternions w x y z,
+linear velocities of a free body in inertial axes, angular ones in the body's, three joints for a planar one.
+
+Both map velocities by a matrix P, v_there = P v, the rows of which are images of unit vectors; forces go the other way:
+
+>>> q = arm.neutral()
+>>> P = axode.convert.to_pinocchio(arm, np.tile(q, (arm.nv, 1)), np.eye(arm.nv))[1].T
+>>> tau_there = np.ones(7)
+>>> tau = P.T @ tau_there
+"""
+
+from __future__ import annotations
+
+import atexit
+from collections.abc import Sequence
+from functools import lru_cache
+from typing import TYPE_CHECKING, Any, NamedTuple, overload
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+if TYPE_CHECKING:
+    from ._axode import Model
+
+__all__ = ["from_mujoco", "from_pinocchio", "to_mujoco", "to_pinocchio"]
+
+Array = NDArray[np.float64]
+
+
+@overload
+def from_pinocchio(m: Model, q: ArrayLike, v: ArrayLike, *, joints: Sequence[str] | None = None,
+                   tolerance: float = 1e-9) -> tuple[Array, Array]: ...
+@overload
+def from_pinocchio(m: Model, q: ArrayLike, v: None = None, *, joints: Sequence[str] | None = None,
+                   tolerance: float = 1e-9) -> tuple[Array, None]: ...
+def from_pinocchio(m: Model, q: ArrayLike, v: ArrayLike | None = None, *, joints: Sequence[str] | None = None,
+                   tolerance: float = 1e-9) -> tuple[Array, Array | None]:
+    """(q, v) of axode, (nq,) and (nv,) or (N, nq) and (N, nv), from Pinocchio's; v may be None, and is then returned.
+
+    Pinocchio's model is that of buildModelFromUrdf on the file of m, with a free flyer at its root where m has a free
+    base, and with or without mimic=True: the length of q tells. Without it followers are joints of their own, and a
+    ValueError says where one is off its place by more than `tolerance`, rad or m, or rad/s or m/s; np.inf drops them.
+    Unlimited angles are in [-pi, pi], as Pinocchio's (cos, sin) do not count turns.
+
+    `joints` are the names of m's joints in the order of a Pinocchio model made in another way. KeyError for unknown
+    names; ValueError for wrong shapes, (cos, sin) off the unit circle by more than 1e-6, and joints that Pinocchio
+    does not have in this form: helical, planar ones that move in another plane than z = 0 of their body.
+
+    >>> q, v = axode.convert.from_pinocchio(arm, np.full(7, 0.1), np.ones(7))
+    >>> q
+    array([0.1, 0.1, 0.1, 0.1, 0.1, 0.1, 0.1])
+    """
+    names = None if joints is None else tuple(joints)
+    plain, coupled = (_layout(m, "Pinocchio", names, followers) for followers in (True, False))
+    layout = coupled if np.shape(q)[-1:] == (coupled.nq,) else plain
+    return layout.from_there(q, v, tolerance)
+
+
+@overload
+def to_pinocchio(m: Model, q: ArrayLike, v: ArrayLike, *, joints: Sequence[str] | None = None,
+                 mimic: bool = False) -> tuple[Array, Array]: ...
+@overload
+def to_pinocchio(m: Model, q: ArrayLike, v: None = None, *, joints: Sequence[str] | None = None,
+                 mimic: bool = False) -> tuple[Array, None]: ...
+def to_pinocchio(m: Model, q: ArrayLike, v: ArrayLike | None = None, *, joints: Sequence[str] | None = None,
+                 mimic: bool = False) -> tuple[Array, Array | None]:
+    """(q, v) of Pinocchio from axode's, (nq,) and (nv,) or (N, nq) and (N, nv); v may be None, and is then returned.
+
+    Otherwise as `from_pinocchio`. Followers get the place and velocity that their leaders give them; with mimic=True
+    they are left out, as in buildModelFromUrdf(..., mimic=True).
+
+    >>> q, v = axode.convert.to_pinocchio(arm, arm.neutral(), np.ones(7))
+    >>> v
+    array([1., 1., 1., 1., 1., 1., 1.])
+    """
+    names = None if joints is None else tuple(joints)
+    return _layout(m, "Pinocchio", names, not mimic).to_there(q, v)
+
+
+@overload
+def from_mujoco(m: Model, q: ArrayLike, v: ArrayLike, *, joints: Sequence[str] | None = None,
+                tolerance: float = 1e-9) -> tuple[Array, Array]: ...
+@overload
+def from_mujoco(m: Model, q: ArrayLike, v: None = None, *, joints: Sequence[str] | None = None,
+                tolerance: float = 1e-9) -> tuple[Array, None]: ...
+def from_mujoco(m: Model, q: ArrayLike, v: ArrayLike | None = None, *, joints: Sequence[str] | None = None,
+                tolerance: float = 1e-9) -> tuple[Array, Array | None]:
+    """(q, v) of axode, (nq,) and (nv,) or (N, nq) and (N, nv), from MuJoCo's qpos and qvel; v may be None, and is then
+    returned.
+
+    MuJoCo's model is the URDF of m, compiled, or MJCF of the same tree, in which bodies and axes are those of m, a
+    planar joint is two slides and a hinge, and coupled joints are joints of their own: a ValueError says where one is
+    off its place by more than `tolerance`, rad or m, or rad/s or m/s. np.inf drops them, for MuJoCo's soft equalities.
+
+    `joints` are the names of m's joints in the order of MuJoCo's, where that is not the order of m. KeyError for
+    unknown names; ValueError for wrong shapes, quaternions of free joints off unit length by more than 1e-6, and
+    joints that MuJoCo does not have: helical.
+
+    >>> q, v = axode.convert.from_mujoco(arm, np.full(7, 0.1), np.ones(7))
+    >>> q
+    array([0.1, 0.1, 0.1, 0.1, 0.1, 0.1, 0.1])
+    """
+    names = None if joints is None else tuple(joints)
+    return _layout(m, "MuJoCo", names, True).from_there(q, v, tolerance)
+
+
+@overload
+def to_mujoco(m: Model, q: ArrayLike, v: ArrayLike, *,
+              joints: Sequence[str] | None = None) -> tuple[Array, Array]: ...
+@overload
+def to_mujoco(m: Model, q: ArrayLike, v: None = None, *,
+              joints: Sequence[str] | None = None) -> tuple[Array, None]: ...
+def to_mujoco(m: Model, q: ArrayLike, v: ArrayLike | None = None, *,
+              joints: Sequence[str] | None = None) -> tuple[Array, Array | None]:
+    """(qpos, qvel) of MuJoCo from axode's q and v, (nq,) and (nv,) or (N, nq) and (N, nv); v may be None, and is then
+    returned.
+
+    Otherwise as `from_mujoco`. Followers get the place and velocity that their leaders give them.
+
+    >>> qpos, qvel = axode.convert.to_mujoco(arm, arm.neutral(), np.ones(7))
+    >>> qvel
+    array([1., 1., 1., 1., 1., 1., 1.])
+    """
+    names = None if joints is None else tuple(joints)
+    return _layout(m, "MuJoCo", names, True).to_there(q, v)
+
+
+class _Coding:
+    """The numbers of one joint in N states: q and v in axode; number k in the other library is number order[k]."""
+
+    def __init__(self, q_order: Sequence[int], v_order: Sequence[int]):
+        self.q_order, self.v_order = list(q_order), list(v_order)
+
+    def q_there(self, q: Array) -> Array:
+        return q[:, self.q_order]
+
+    def q_here(self, there: Array) -> Array:
+        return there[:, np.argsort(self.q_order)]
+
+    def v_there(self, q: Array, v: Array) -> Array:
+        return v[:, self.v_order]
+
+    def v_here(self, q: Array, there: Array) -> Array:
+        return there[:, np.argsort(self.v_order)]
+
+
+class _CosSin(_Coding):
+    """An angle as (cos, sin), behind the lengths x and y of a planar joint."""
+
+    def __init__(self, joint: str, lengths: Sequence[int] = ()):
+        super().__init__([*lengths, 0, 0], [*lengths, 0])
+        self.joint = joint
+
+    def q_there(self, q: Array) -> Array:
+        there = super().q_there(q)
+        there[:, -2], there[:, -1] = np.cos(q[:, 0]), np.sin(q[:, 0])
+        return there
+
+    def q_here(self, there: Array) -> Array:
+        c, s = there[:, -2], there[:, -1]
+        _check_length(np.hypot(c, s), f'(cos, sin) of joint "{self.joint}"')
+        return np.column_stack([np.arctan2(s, c), there[:, :-2]])
+
+
+class _SlidesAndHinge(_Coding):
+    """A planar joint as x, y, angle one behind the other: the axes of x and y do not turn with the angle."""
+
+    def __init__(self) -> None:
+        super().__init__([1, 2, 0], [1, 2, 0])
+
+    def v_there(self, q: Array, v: Array) -> Array:
+        return super().v_there(q, self._turned(q[:, 0], v))
+
+    def v_here(self, q: Array, there: Array) -> Array:
+        return self._turned(-q[:, 0], super().v_here(q, there))
+
+    @staticmethod
+    def _turned(angle: Array, v: Array) -> Array:
+        c, s = np.cos(angle), np.sin(angle)
+        return np.column_stack([v[:, 0], c * v[:, 1] - s * v[:, 2], s * v[:, 1] + c * v[:, 2]])
+
+
+class _FreeBody(_Coding):
+    """A free joint by the pose of its body, C = A C(q), with the linear velocity in inertial axes."""
+
+    def __init__(self, joint: str, A: Array):
+        super().__init__([4, 5, 6, 3, 0, 1, 2], [3, 4, 5, 0, 1, 2])
+        self.joint, self.r, self.Q = joint, A[:3, 3], _quaternion(A[:3, :3])[None]
+
+    def q_there(self, q: Array) -> Array:
+        self._check(q)
+        return super().q_there(np.hstack([_product(self.Q, q[:, :4]), self.r + _rotated(self.Q, q[:, 4:])]))
+
+    def q_here(self, there: Array) -> Array:
+        pose = super().q_here(there)
+        self._check(pose)
+        return np.hstack([_product(_inverse(self.Q), pose[:, :4]), _rotated(_inverse(self.Q), pose[:, 4:] - self.r)])
+
+    def v_there(self, q: Array, v: Array) -> Array:
+        Q = _product(self.Q, q[:, :4])
+        return super().v_there(q, np.hstack([v[:, :3], _rotated(Q, v[:, 3:])]))
+
+    def v_here(self, q: Array, there: Array) -> Array:
+        Q, v = _product(self.Q, q[:, :4]), super().v_here(q, there)
+        return np.hstack([v[:, :3], _rotated(_inverse(Q), v[:, 3:])])
+
+    def _check(self, pose: Array) -> None:
+        _check_length(np.linalg.norm(pose[:, :4], axis=1), f'the quaternion of joint "{self.joint}"')
+
+
+def _inverse(Q: Array) -> Array:
+    return np.asarray(Q * [-1, -1, -1, 1])
+
+
+def _product(a: Array, b: Array) -> Array:
+    """The quaternions of R(a) R(b)."""
+    vector = a[:, 3:] * b[:, :3] + b[:, 3:] * a[:, :3] + np.cross(a[:, :3], b[:, :3])
+    scalar = a[:, 3] * b[:, 3] - a[:, 0] * b[:, 0] - a[:, 1] * b[:, 1] - a[:, 2] * b[:, 2]
+    return np.column_stack([vector, scalar])
+
+
+def _rotated(Q: Array, v: Array) -> Array:
+    """R(Q) v."""
+    t = 2 * np.cross(Q[:, :3], v)
+    return v + Q[:, 3:] * t + np.cross(Q[:, :3], t)
+
+
+def _quaternion(R: Array) -> Array:
+    """Of a rotation: the row of 4 Q Q^T with the largest diagonal, made a unit."""
+    rows = np.empty((4, 4))
+    rows[:3, :3] = R + R.T + (1 - np.trace(R)) * np.eye(3)
+    rows[:3, 3] = rows[3, :3] = R[2, 1] - R[1, 2], R[0, 2] - R[2, 0], R[1, 0] - R[0, 1]
+    rows[3, 3] = 1 + np.trace(R)
+    row = rows[np.argmax(np.diag(rows))]
+    return np.asarray(row / np.linalg.norm(row))
+
+
+def _check_length(length: Array, what: str) -> None:
+    k = int(np.argmax(np.abs(length - 1))) if len(length) > 0 else 0
+    if len(length) > 0 and abs(length[k] - 1) > 1e-6:
+        raise ValueError(f"q: {what} has length {length[k]:.9g} in state {k}; expected 1 within 1e-6")
+
+
+def _check_axes(m: Model, joint: str, body: str, screws: Array, library: str) -> None:
+    if not np.allclose(m.body(body).X[:len(screws)], screws, rtol=0, atol=1e-9):
+        raise ValueError(f'joint "{joint}": its axes are not those of body "{body}", in which {library} has the '
+                         f"coordinates of a {m.joint(joint).kind} joint")
+
+
+def _pinocchio_coding(m: Model, joint: str, body: str) -> _Coding:
+    kind = m.joint(joint).kind
+    if kind == "revolute" and np.isinf(m.joint(joint).lower[0]) and np.isinf(m.joint(joint).upper[0]):
+        return _CosSin(joint)
+    if kind in ("revolute", "prismatic"):
+        return _Coding([0], [0])
+    if kind == "planar":
+        _check_axes(m, joint, body, np.eye(6)[:, 2:5], "Pinocchio")
+        return _CosSin(joint, [1, 2])
+    if kind == "spherical":
+        _check_axes(m, joint, body, np.eye(3), "Pinocchio")
+        return _Coding(range(4), range(3))
+    if kind == "free":
+        _check_axes(m, joint, body, np.eye(6), "Pinocchio")
+        return _Coding([4, 5, 6, 0, 1, 2, 3], [3, 4, 5, 0, 1, 2])
+    raise ValueError(f'joint "{joint}": is {kind}; no URDF, and so no model of Pinocchio\'s from one, has such a joint')
+
+
+def _mujoco_coding(m: Model, joint: str, body: str) -> _Coding:
+    kind = m.joint(joint).kind
+    if kind in ("revolute", "prismatic"):
+        return _Coding([0], [0])
+    if kind == "planar":
+        return _SlidesAndHinge()
+    if kind == "spherical":
+        _check_axes(m, joint, body, np.eye(3), "MuJoCo")
+        return _Coding([3, 0, 1, 2], range(3))
+    if kind == "free":
+        _check_axes(m, joint, body, np.eye(6), "MuJoCo")
+        return _FreeBody(joint, m.body(body).A)
+    raise ValueError(f'joint "{joint}": is {kind}; MuJoCo has no such joint')
+
+
+def _sorted_by_name(m: Model) -> list[str]:
+    """The joints depth-first, at each link by the names of the joints that it carries, fixed ones included."""
+    moved_by = dict(zip(m.body_names, m.joint_names))
+    links: dict[str, Any] = {link["name"]: link for link in m.to_dict()["body"]}
+    carried: dict[str, list[tuple[str, str, list[str]]]] = {}
+    for name, link in links.items():
+        joints: list[str] = []
+        body = name
+        while body in moved_by and (body == name or body not in links):  # two bodies for a cylindrical joint
+            joints.insert(0, moved_by[body])
+            body = m.body(body).predecessor
+        joint = link.get("joint")
+        fixed = joint.get("name") if isinstance(joint, dict) else None
+        carried.setdefault(link["on"], []).append(((joints or [fixed or name + "_joint"])[0], name, joints))
+    found: list[str] = []
+    ahead = sorted(carried.get("ground", []), reverse=True)
+    while ahead:
+        _, name, joints = ahead.pop()
+        found += joints
+        ahead += sorted(carried.get(name, []), reverse=True)
+    return found
+
+
+class _Place(NamedTuple):
+    """A joint: where its numbers are in axode (its leader's for a follower) and in the other library."""
+
+    joint: str
+    coding: _Coding
+    leader: str | None
+    ratio: float
+    offset: float
+    q: slice
+    v: slice
+    q_there: slice
+    v_there: slice
+
+
+class _Layout:
+    """The joints of m as another library has them, with or without its followers."""
+
+    def __init__(self, m: Model, library: str, order: Sequence[str], followers: bool):
+        self.m, self.places = m, list[_Place]()
+        self.nq = self.nv = 0
+        self.coordinates = f"{library}'s coordinates"
+        self.velocities = f"{library}'s velocities"
+        body_of = dict(zip(m.joint_names, m.body_names))
+        for name in order:
+            leader, ratio, offset = m.joint(name).leader or (None, 1.0, 0.0)
+            if leader is not None and not followers:
+                continue
+            coding = (_pinocchio_coding if library == "Pinocchio" else _mujoco_coding)(m, name, body_of[name])
+            nq, nv = self.nq + len(coding.q_order), self.nv + len(coding.v_order)
+            own = m.joint(leader or name)
+            self.places.append(_Place(name, coding, leader, ratio, offset, own.q, own.v, slice(self.nq, nq),
+                                      slice(self.nv, nv)))
+            self.nq, self.nv = nq, nv
+
+    def to_there(self, q: ArrayLike, v: ArrayLike | None) -> tuple[Array, Array | None]:
+        given = _numbers("q", q, self.m.nq, "nq numbers")
+        here, states = np.atleast_2d(given), given.shape[:-1]
+        there = np.empty((len(here), self.nq))
+        for x in self.places:
+            there[:, x.q_there] = x.coding.q_there(x.ratio * here[:, x.q] + x.offset)
+        if v is None:
+            return there.reshape(*states, self.nq), None
+        v_here = np.atleast_2d(_numbers("v", v, self.m.nv, "nv numbers", states))
+        v_there = np.empty((len(here), self.nv))
+        for x in self.places:
+            v_there[:, x.v_there] = x.coding.v_there(here[:, x.q], x.ratio * v_here[:, x.v])
+        return there.reshape(*states, self.nq), v_there.reshape(*states, self.nv)
+
+    def from_there(self, q: ArrayLike, v: ArrayLike | None, tolerance: float) -> tuple[Array, Array | None]:
+        given = _numbers("q", q, self.nq, self.coordinates)
+        there, states = np.atleast_2d(given), given.shape[:-1]
+        here = np.empty((len(there), self.m.nq))
+        own, followers = ([x for x in self.places if (x.leader is not None) == f] for f in (False, True))
+        for x in own:
+            here[:, x.q] = x.coding.q_here(there[:, x.q_there])
+        for x in followers:
+            off = x.coding.q_here(there[:, x.q_there]) - (x.ratio * here[:, x.q] + x.offset)
+            if isinstance(x.coding, _CosSin):  # which does not count turns
+                off = np.arctan2(np.sin(off), np.cos(off))
+            _check_follower("q", x, off, tolerance)
+        if v is None:
+            return here.reshape(*states, self.m.nq), None
+        v_there = np.atleast_2d(_numbers("v", v, self.nv, self.velocities, states))
+        v_here = np.empty((len(there), self.m.nv))
+        for x in own:
+            v_here[:, x.v] = x.coding.v_here(here[:, x.q], v_there[:, x.v_there])
+        for x in followers:
+            _check_follower("v", x, v_there[:, x.v_there] - x.ratio * v_here[:, x.v], tolerance)
+        return here.reshape(*states, self.m.nq), v_here.reshape(*states, self.m.nv)
+
+
+def _check_follower(name: str, x: _Place, off: Array, tolerance: float) -> None:
+    worst = np.max(np.abs(off), initial=0)
+    if not worst <= tolerance:
+        k = int(np.argmax(np.abs(off)))
+        raise ValueError(f'{name}: joint "{x.joint}" follows joint "{x.leader}" and is off its place by {worst:.3g} in '
+                         f"state {k}; expected {tolerance:g} or less, the tolerance")
+
+
+def _numbers(name: str, given: ArrayLike, length: int, meaning: str, states: tuple[int, ...] | None = None) -> Array:
+    """An array (length,) or (N, length), with the given N where there is one."""
+    try:
+        x = np.asarray(given)
+    except ValueError as error:
+        raise ValueError(f"{name}: expected numbers in rows of equal length") from error
+    if x.dtype.kind not in "fiu":
+        raise ValueError(f"{name}: expected real numbers (float64), got dtype {x.dtype}")
+    if x.ndim not in (1, 2) or x.shape[-1] != length or states not in (None, x.shape[:-1]):
+        expected = f"({length},) or (N, {length})" if states is None else str((*states, length))
+        raise ValueError(f"{name}: expected shape {expected}, {meaning}, got {x.shape}")
+    if not np.all(np.isfinite(x)):
+        at = tuple(int(k) for k in np.argwhere(~np.isfinite(x))[0])
+        raise ValueError(f"{name}[{', '.join(map(str, at))}] is {x[at]}; expected finite numbers")
+    return x.astype(np.float64, copy=False)
+
+
+@lru_cache(maxsize=32)
+def _layout(m: Model, library: str, joints: tuple[str, ...] | None, followers: bool) -> _Layout:
+    if joints is None:
+        joints = tuple(_sorted_by_name(m) if library == "Pinocchio" else m.joint_names)
+    for name in joints:
+        m.joint(name)
+    if sorted(joints) != sorted(m.joint_names):
+        wrong = [name for name in m.joint_names if joints.count(name) != 1]
+        raise ValueError(f"joints: expected every joint of the model once; it is not so for {', '.join(wrong)}")
+    return _Layout(m, library, joints, followers)
+
+
+atexit.register(_layout.cache_clear)  # models do not outlive the module of their type

@@ -1,0 +1,21 @@
+"""What compares axode with other libraries is in tests/peers; the tests here take it from there."""
+
+import sys
+from pathlib import Path
+
+import pytest
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "peers"))
+
+from axode_command import ROBOTS  # noqa: E402
+
+
+def pytest_generate_tests(metafunc):
+    """`robot` is every URDF, or one skipped parameter that says why there is none; `base` is fixed and free."""
+    if "robot" in metafunc.fixturenames:
+        reason = f"there are no URDF files in {ROBOTS}; set AXODE_ROBOTS"
+        none = pytest.param(None, id="none", marks=pytest.mark.skip(reason=reason))
+        files = [pytest.param(file, id=file.stem) for file in sorted(ROBOTS.glob("*.urdf"))]
+        metafunc.parametrize("robot", files or [none])
+    if "base" in metafunc.fixturenames:
+        metafunc.parametrize("base", ["fixed", "free"])
