@@ -106,4 +106,6 @@ __all__ = [
     "twist_form", "spatial_momentum_form",
     # what else is taken, given and raised
     "Load", "Target", "InverseKinematics", "Fault", "ModelError", "SingularError",
+    # modules
+    "convert",
 ]

@@ -1,16 +1,22 @@
 """States of a mechanism in the orders of Pinocchio and of MuJoCo, and back.
 
-Pinocchio: joints by the names of their joints at each fork, as buildModelFromUrdf has them; positions before
-quaternions x y z w, linear before angular velocities in the body's frame, (cos, sin) for an unlimited angle,
-(x, y, cos, sin) for a planar joint. MuJoCo: joints in the order of the file; positions before quaternions w x y z,
-linear velocities of a free body in inertial axes, angular ones in the body's, three joints for a planar one.
+| | Pinocchio | MuJoCo |
+|---|---|---|
+| joints | depth-first, at each link by the names of the joints | depth-first, in the order of the file, as in axode |
+| unlimited angle | (cos, sin) | angle |
+| planar joint | (x, y, cos, sin); (v_x, v_y, w) in axes that turn with it | (x, y, angle) and its rates, a joint each |
+| free joint, q | position in its frame, quaternion x y z w | position of the body, quaternion w x y z |
+| free joint, v | linear, angular; both in axes of the body | linear in inertial axes, angular in those of the body |
+| spherical joint | quaternion x y z w | quaternion w x y z |
+| follower | a joint of its own; not so with mimic=True | a joint of its own |
 
-Both map velocities by a matrix P, v_there = P v, the rows of which are images of unit vectors; forces go the other way:
+Velocities there are P v, the columns of P the images of unit vectors; forces are mapped by its transpose:
 
->>> q = arm.neutral()
->>> P = axode.convert.to_pinocchio(arm, np.tile(q, (arm.nv, 1)), np.eye(arm.nv))[1].T
+>>> P = axode.convert.to_pinocchio(arm, np.tile(arm.neutral(), (arm.nv, 1)), np.eye(arm.nv))[1].T
 >>> tau_there = np.ones(7)
 >>> tau = P.T @ tau_there
+
+Accelerations there are P a, and for MuJoCo P a + P' v, where a free base turns the axes of its linear velocity.
 """
 
 from __future__ import annotations
@@ -39,25 +45,29 @@ def from_pinocchio(m: Model, q: ArrayLike, v: None = None, *, joints: Sequence[s
                    tolerance: float = 1e-9) -> tuple[Array, None]: ...
 def from_pinocchio(m: Model, q: ArrayLike, v: ArrayLike | None = None, *, joints: Sequence[str] | None = None,
                    tolerance: float = 1e-9) -> tuple[Array, Array | None]:
-    """(q, v) of axode, (nq,) and (nv,) or (N, nq) and (N, nv), from Pinocchio's; v may be None, and is then returned.
+    """(q, v) of axode, (nq,) and (nv,) or (N, nq) and (N, nv), from Pinocchio's. Where v is None, so is the result's.
 
     Pinocchio's model is that of buildModelFromUrdf on the file of m, with a free flyer at its root where m has a free
-    base, and with or without mimic=True: the length of q tells. Without it followers are joints of their own, and a
-    ValueError says where one is off its place by more than `tolerance`, rad or m, or rad/s or m/s; np.inf drops them.
-    Unlimited angles are in [-pi, pi], as Pinocchio's (cos, sin) do not count turns.
+    base, and with or without mimic=True: the length of q tells. Without it followers have coordinates: ValueError
+    where one is off its place by more than `tolerance`, in rad, m, rad/s and m/s; np.inf drops them. Unlimited angles
+    come in [-pi, pi], as (cos, sin) do not count turns.
 
-    `joints` are the names of m's joints in the order of a Pinocchio model made in another way. KeyError for unknown
-    names; ValueError for wrong shapes, (cos, sin) off the unit circle by more than 1e-6, and joints that Pinocchio
-    does not have in this form: helical, planar ones that move in another plane than z = 0 of their body.
+    `joints` are the names of the joints of m in the order of a model of Pinocchio made in another way: its names[1:],
+    with "free_base" for its "root_joint". KeyError for unknown names. ValueError for wrong shapes, for (cos, sin) off
+    the unit circle by more than 1e-6, and for joints that Pinocchio does not have so: helical ones, and planar ones
+    whose plane is not z = 0 of their body.
 
-    >>> q, v = axode.convert.from_pinocchio(arm, np.full(7, 0.1), np.ones(7))
-    >>> q
-    array([0.1, 0.1, 0.1, 0.1, 0.1, 0.1, 0.1])
+    >>> m = axode.load(axode.robots / "humanoid.urdf", base="free")
+    >>> q_there = np.zeros(m.nq)
+    >>> q_there[:7] = [0.1, 0.2, 0.3, 0, 0, 0, 1]
+    >>> q, v = axode.convert.from_pinocchio(m, q_there, np.zeros(m.nv))
+    >>> q[m.joint("free_base").q]
+    array([0. , 0. , 0. , 1. , 0.1, 0.2, 0.3])
     """
-    names = None if joints is None else tuple(joints)
+    names, given = None if joints is None else tuple(joints), _array("q", q)
     plain, coupled = (_layout(m, "Pinocchio", names, followers) for followers in (True, False))
-    layout = coupled if np.shape(q)[-1:] == (coupled.nq,) else plain
-    return layout.from_there(q, v, tolerance)
+    layout = coupled if given.shape[-1:] == (coupled.nq,) else plain
+    return layout.from_there(given, v, tolerance)
 
 
 @overload
@@ -68,14 +78,15 @@ def to_pinocchio(m: Model, q: ArrayLike, v: None = None, *, joints: Sequence[str
                  mimic: bool = False) -> tuple[Array, None]: ...
 def to_pinocchio(m: Model, q: ArrayLike, v: ArrayLike | None = None, *, joints: Sequence[str] | None = None,
                  mimic: bool = False) -> tuple[Array, Array | None]:
-    """(q, v) of Pinocchio from axode's, (nq,) and (nv,) or (N, nq) and (N, nv); v may be None, and is then returned.
+    """(q, v) of Pinocchio from axode's, (nq,) and (nv,) or (N, nq) and (N, nv). Where v is None, so is the result's.
 
     Otherwise as `from_pinocchio`. Followers get the place and velocity that their leaders give them; with mimic=True
-    they are left out, as in buildModelFromUrdf(..., mimic=True).
+    they are left out, as by buildModelFromUrdf(..., mimic=True).
 
-    >>> q, v = axode.convert.to_pinocchio(arm, arm.neutral(), np.ones(7))
-    >>> v
-    array([1., 1., 1., 1., 1., 1., 1.])
+    >>> m = axode.load(axode.robots / "humanoid.urdf", base="free")
+    >>> q_there, v_there = axode.convert.to_pinocchio(m, m.neutral(), np.zeros(m.nv))
+    >>> q_there[:7]
+    array([0., 0., 0., 0., 0., 0., 1.])
     """
     names = None if joints is None else tuple(joints)
     return _layout(m, "Pinocchio", names, not mimic).to_there(q, v)
@@ -89,20 +100,22 @@ def from_mujoco(m: Model, q: ArrayLike, v: None = None, *, joints: Sequence[str]
                 tolerance: float = 1e-9) -> tuple[Array, None]: ...
 def from_mujoco(m: Model, q: ArrayLike, v: ArrayLike | None = None, *, joints: Sequence[str] | None = None,
                 tolerance: float = 1e-9) -> tuple[Array, Array | None]:
-    """(q, v) of axode, (nq,) and (nv,) or (N, nq) and (N, nv), from MuJoCo's qpos and qvel; v may be None, and is then
-    returned.
+    """(q, v) of axode, (nq,) and (nv,) or (N, nq) and (N, nv), from MuJoCo's qpos and qvel. v may be None.
 
-    MuJoCo's model is the URDF of m, compiled, or MJCF of the same tree, in which bodies and axes are those of m, a
-    planar joint is two slides and a hinge, and coupled joints are joints of their own: a ValueError says where one is
-    off its place by more than `tolerance`, rad or m, or rad/s or m/s. np.inf drops them, for MuJoCo's soft equalities.
+    MuJoCo's model is the URDF of m, compiled, or MJCF of the same tree with the same frames of the bodies, in which a
+    planar joint is two slides and a hinge. Followers are joints of their own: ValueError where one is off its place
+    by more than `tolerance`, in rad, m, rad/s and m/s; np.inf drops them, as MuJoCo's equalities are soft.
 
-    `joints` are the names of m's joints in the order of MuJoCo's, where that is not the order of m. KeyError for
-    unknown names; ValueError for wrong shapes, quaternions of free joints off unit length by more than 1e-6, and
-    joints that MuJoCo does not have: helical.
+    `joints` are the names of the joints of m in the order of MuJoCo's, where that is not the order of m. KeyError for
+    unknown names. ValueError for wrong shapes, for quaternions of free joints off unit length by more than 1e-6, and
+    for helical joints, which MuJoCo does not have.
 
-    >>> q, v = axode.convert.from_mujoco(arm, np.full(7, 0.1), np.ones(7))
-    >>> q
-    array([0.1, 0.1, 0.1, 0.1, 0.1, 0.1, 0.1])
+    >>> m = axode.load(axode.robots / "humanoid.urdf", base="free")
+    >>> qpos = np.zeros(m.nq)
+    >>> qpos[:7] = [0.1, 0.2, 0.3, 1, 0, 0, 0]
+    >>> q, v = axode.convert.from_mujoco(m, qpos, np.zeros(m.nv))
+    >>> q[m.joint("free_base").q]
+    array([0. , 0. , 0. , 1. , 0.1, 0.2, 0.3])
     """
     names = None if joints is None else tuple(joints)
     return _layout(m, "MuJoCo", names, True).from_there(q, v, tolerance)
@@ -116,14 +129,14 @@ def to_mujoco(m: Model, q: ArrayLike, v: None = None, *,
               joints: Sequence[str] | None = None) -> tuple[Array, None]: ...
 def to_mujoco(m: Model, q: ArrayLike, v: ArrayLike | None = None, *,
               joints: Sequence[str] | None = None) -> tuple[Array, Array | None]:
-    """(qpos, qvel) of MuJoCo from axode's q and v, (nq,) and (nv,) or (N, nq) and (N, nv); v may be None, and is then
-    returned.
+    """(qpos, qvel) of MuJoCo from axode's q and v, (nq,) and (nv,) or (N, nq) and (N, nv). v may be None.
 
     Otherwise as `from_mujoco`. Followers get the place and velocity that their leaders give them.
 
-    >>> qpos, qvel = axode.convert.to_mujoco(arm, arm.neutral(), np.ones(7))
-    >>> qvel
-    array([1., 1., 1., 1., 1., 1., 1.])
+    >>> m = axode.load(axode.robots / "humanoid.urdf", base="free")
+    >>> qpos, qvel = axode.convert.to_mujoco(m, m.neutral(), np.zeros(m.nv))
+    >>> qpos[:7]
+    array([0., 0., 0., 1., 0., 0., 0.])
     """
     names = None if joints is None else tuple(joints)
     return _layout(m, "MuJoCo", names, True).to_there(q, v)
@@ -240,9 +253,9 @@ def _quaternion(R: Array) -> Array:
 
 
 def _check_length(length: Array, what: str) -> None:
-    k = int(np.argmax(np.abs(length - 1))) if len(length) > 0 else 0
-    if len(length) > 0 and abs(length[k] - 1) > 1e-6:
-        raise ValueError(f"q: {what} has length {length[k]:.9g} in state {k}; expected 1 within 1e-6")
+    off = np.flatnonzero(np.abs(length - 1) > 1e-6)
+    if off.size > 0:
+        raise ValueError(f"q: {what} has length {length[off[0]]:.9g} in state {off[0]}; expected 1 within 1e-6")
 
 
 def _check_axes(m: Model, joint: str, body: str, screws: Array, library: str) -> None:
@@ -359,7 +372,8 @@ class _Layout:
         given = _numbers("q", q, self.nq, self.coordinates)
         there, states = np.atleast_2d(given), given.shape[:-1]
         here = np.empty((len(there), self.m.nq))
-        own, followers = ([x for x in self.places if (x.leader is not None) == f] for f in (False, True))
+        own = [x for x in self.places if x.leader is None]
+        followers = [x for x in self.places if x.leader is not None]
         for x in own:
             here[:, x.q] = x.coding.q_here(there[:, x.q_there])
         for x in followers:
@@ -379,21 +393,25 @@ class _Layout:
 
 
 def _check_follower(name: str, x: _Place, off: Array, tolerance: float) -> None:
-    worst = np.max(np.abs(off), initial=0)
-    if not worst <= tolerance:
+    if not np.max(np.abs(off), initial=0) <= tolerance:
         k = int(np.argmax(np.abs(off)))
-        raise ValueError(f'{name}: joint "{x.joint}" follows joint "{x.leader}" and is off its place by {worst:.3g} in '
-                         f"state {k}; expected {tolerance:g} or less, the tolerance")
+        raise ValueError(f'{name}: joint "{x.joint}" follows joint "{x.leader}" and is off its place by '
+                         f"{abs(off[k, 0]):.3g} in state {k}; the tolerance is {tolerance:g}")
 
 
-def _numbers(name: str, given: ArrayLike, length: int, meaning: str, states: tuple[int, ...] | None = None) -> Array:
-    """An array (length,) or (N, length), with the given N where there is one."""
+def _array(name: str, given: ArrayLike) -> NDArray[Any]:
     try:
         x = np.asarray(given)
     except ValueError as error:
         raise ValueError(f"{name}: expected numbers in rows of equal length") from error
     if x.dtype.kind not in "fiu":
         raise ValueError(f"{name}: expected real numbers (float64), got dtype {x.dtype}")
+    return x
+
+
+def _numbers(name: str, given: ArrayLike, length: int, meaning: str, states: tuple[int, ...] | None = None) -> Array:
+    """An array (length,) or (N, length), with the N of `states` where these are given."""
+    x = _array(name, given)
     if x.ndim not in (1, 2) or x.shape[-1] != length or states not in (None, x.shape[:-1]):
         expected = f"({length},) or (N, {length})" if states is None else str((*states, length))
         raise ValueError(f"{name}: expected shape {expected}, {meaning}, got {x.shape}")

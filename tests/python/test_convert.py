@@ -7,21 +7,9 @@ import axode
 import numpy as np
 import pytest
 from axode import convert
+from mechanisms import close, random_states
 
 STATES = 5
-
-
-def random_states(m, seed, n=STATES):
-    """n configurations, unlimited angles in (-pi, pi), and velocities, accelerations."""
-    numbers = np.random.default_rng(seed)
-    q = np.array([m.random(seed=int(s)) for s in numbers.integers(2**32, size=n)])
-    return q, numbers.uniform(-1, 1, (n, m.nv)), numbers.uniform(-1, 1, (n, m.nv))
-
-
-def close(ours, theirs, bound=1e-12):
-    ours, theirs = np.asarray(ours), np.asarray(theirs)
-    assert ours.shape == theirs.shape
-    np.testing.assert_allclose(ours, theirs, rtol=0, atol=bound * max(1, np.max(np.abs(theirs), initial=0)))
 
 
 # ---------------------------------------------------------------- mechanisms
@@ -78,31 +66,28 @@ class Pinocchio:
         pin, model, data = self.pin, self.model, self.data
         pin.forwardKinematics(model, data, q, v)
         pin.updateFramePlacements(model, data)
-        twists = {name: pin.getFrameVelocity(model, data, k, pin.ReferenceFrame.LOCAL).vector
-                  for name, k in self.bodies.items()}
-        return ({name: data.oMf[k].homogeneous for name, k in self.bodies.items()},
-                {name: np.roll(V, 3) for name, V in twists.items()})
+        twists = [pin.getFrameVelocity(model, data, k, pin.ReferenceFrame.LOCAL).vector for k in self.bodies.values()]
+        return [data.oMf[k].homogeneous for k in self.bodies.values()], np.roll(twists, 3, axis=1)
 
     def check_motion(self, m, mimic=False):
-        q, v, _ = random_states(m, 1)
+        q, v, _, _ = random_states(m, STATES)
         there = convert.to_pinocchio(m, q, v, mimic=mimic)
         assert there[0].shape == (len(q), self.model.nq) and there[1].shape == (len(v), self.model.nv)
-        C, V = axode.poses(m, q), axode.twists(m, q, v, "body")
-        for k, (q_there, v_there) in enumerate(zip(*there)):
-            poses, twists = self.poses_and_twists(q_there, v_there)
-            for name in self.bodies:
-                close(C[k, m.frame_names.index(name)], poses[name])
-                close(V[k, m.frame_names.index(name)], twists[name])
+        frames = [m.frame_names.index(name) for name in self.bodies]
+        C, V = axode.poses(m, q)[:, frames], axode.twists(m, q, v, "body")[:, frames]
+        for k, state in enumerate(zip(*there)):
+            poses, twists = self.poses_and_twists(*state)
+            assert close(C[k], poses)
+            assert close(V[k], twists)
 
     def check_forces(self, m, mimic=False):
         """P' tau_there = tau for the matrix P with v_there = P v, and a_there = P a."""
-        for q, v, a in zip(*random_states(m, 2)):
-            unit = np.eye(m.nv)
-            P = convert.to_pinocchio(m, np.tile(q, (m.nv, 1)), unit, mimic=mimic)[1].T
+        for q, v, a, _ in zip(*random_states(m, STATES)):
+            P = convert.to_pinocchio(m, np.tile(q, (m.nv, 1)), np.eye(m.nv), mimic=mimic)[1].T
             q_there, v_there = convert.to_pinocchio(m, q, v, mimic=mimic)
-            close(v_there, P @ v, 1e-15)
+            assert close(v_there, P @ v, 1e-15)
             tau_there = self.pin.rnea(self.model, self.data, q_there, v_there, P @ a)
-            close(axode.inverse_dynamics(m, q, v, a), P.T @ tau_there)
+            assert close(axode.inverse_dynamics(m, q, v, a), P.T @ tau_there)
 
 
 def test_pinocchio_moves_as_we_do(robot, base):
@@ -160,13 +145,31 @@ def test_joints_of_pinocchio_may_be_named():
     pin = pytest.importorskip("pinocchio")
     m = axode.load(axode.robots / "humanoid.urdf", "free")
     model = pin.buildModelFromUrdf(str(axode.robots / "humanoid.urdf"), pin.JointModelFreeFlyer(), "free_base")
-    q, v, _ = random_states(m, 5)
+    q, v, _, _ = random_states(m, STATES)
     for ours, named in zip(convert.to_pinocchio(m, q, v), convert.to_pinocchio(m, q, v, joints=list(model.names)[1:])):
         np.testing.assert_array_equal(ours, named)
     back = convert.from_pinocchio(m, *convert.to_pinocchio(m, q, v, joints=m.joint_names), joints=m.joint_names)
-    close(back[0], q, 1e-15)
+    assert close(back[0], q, 1e-15)
     unlike = convert.to_pinocchio(m, q, v, joints=[m.joint_names[0], *m.joint_names[:0:-1]])
     np.testing.assert_array_equal(unlike[1][:, 6:], v[:, :5:-1])
+
+
+def test_pinocchio_moves_as_we_do_with_joints_that_urdf_does_not_have():
+    pin = pytest.importorskip("pinocchio")
+    model = pin.Model()
+    inertia = pin.Inertia(1.0, np.array([0.1, 0, 0.2]), np.diag([1, 1.1, 0.9]))
+    for parent, joint, name in [(0, pin.JointModelFreeFlyer(), "base"), (1, pin.JointModelSpherical(), "shoulder")]:
+        placement = pin.SE3(pin.exp3(np.array([0.1, 0.2, 0.3])), np.array([1.0, 2, 3]))
+        number = model.addJoint(parent, joint, placement, name)
+        model.appendBodyToJoint(number, inertia, pin.SE3.Identity())
+        model.addFrame(pin.Frame(f"body {number}", number, pin.SE3.Identity(), pin.FrameType.BODY))
+    pose = {"position": [1, 2, 3], "quaternion": list(pin.Quaternion(placement.rotation).coeffs())}
+    ours = {"B": pose, "mass": 1.0, "com": [0.1, 0, 0.2], "inertia": [1, 1.1, 0.9]}
+    m = axode.Model.from_bodies([
+        {"name": "body 1", "joint": {"kind": "free", "name": "base"}, **ours},
+        {"name": "body 2", "on": "body 1", "joint": {"kind": "spherical", "name": "shoulder"}, **ours}])
+    Pinocchio(model).check_motion(m)
+    Pinocchio(model).check_forces(m)
 
 
 # ---------------------------------------------------------------- MuJoCo
@@ -179,32 +182,30 @@ class MuJoCo:
         self.mujoco, self.model, self.data = mujoco, model, mujoco.MjData(model)
 
     def check_motion(self, m):
-        q, v, _ = random_states(m, 3)
-        qpos, qvel = convert.to_mujoco(m, q, v)
-        C, V = axode.poses(m, q), axode.twists(m, q, v, "hybrid")
-        compared = [(name, self.model.body("root of the robot" if name == "world" else name).id)
-                    for name in m.body_names]  # as the adapter renames it
-        for k in range(len(q)):
-            self.data.qpos[:], self.data.qvel[:] = qpos[k], qvel[k]
+        q, v, _, _ = random_states(m, STATES)
+        bodies = [self.model.body("root of the robot" if name == "world" else name).id
+                  for name in m.body_names]  # as the adapter renames it
+        C, V = axode.poses(m, q)[:, 1:1 + m.n_bodies], axode.twists(m, q, v, "hybrid")[:, 1:1 + m.n_bodies]
+        for k, state in enumerate(zip(*convert.to_mujoco(m, q, v))):
+            self.data.qpos[:], self.data.qvel[:] = state
             self.mujoco.mj_forward(self.model, self.data)
-            for name, b in compared:
-                f = m.frame_names.index(name)
-                close(C[k, f, :3, 3], self.data.xpos[b])
-                close(C[k, f, :3, :3], self.data.xmat[b].reshape(3, 3))
-                twist = np.empty(6)
+            twists = np.empty((len(bodies), 6))
+            for b, twist in zip(bodies, twists):
                 self.mujoco.mj_objectVelocity(self.model, self.data, self.mujoco.mjtObj.mjOBJ_XBODY, b, twist, 0)
-                close(V[k, f], twist)
+            assert close(C[k, :, :3, 3], self.data.xpos[bodies])
+            assert close(C[k, :, :3, :3], self.data.xmat[bodies].reshape(-1, 3, 3))
+            assert close(V[k], twists)
 
     def check_forces(self, m):
         """P' tau_there = tau for v_there = P v, where a_there = P a + P' v."""
-        for q, v, a in zip(*random_states(m, 4)):
+        for q, v, a, _ in zip(*random_states(m, STATES)):
             P, h = self.map(m, q), 1e-6
             self.data.qpos[:], self.data.qvel[:] = convert.to_mujoco(m, q, v)
-            close(self.data.qvel, P @ v, 1e-14)
+            assert close(self.data.qvel, P @ v, 1e-14)
             P_rate = (self.map(m, m.integrate(q, h * v)) - self.map(m, m.integrate(q, -h * v))) / (2 * h)
             self.data.qacc[:] = P @ a + P_rate @ v
             self.mujoco.mj_inverse(self.model, self.data)
-            close(axode.inverse_dynamics(m, q, v, a), P.T @ self.data.qfrc_inverse, 1e-9)  # for P_rate
+            assert close(axode.inverse_dynamics(m, q, v, a), P.T @ self.data.qfrc_inverse, 1e-9)  # for P_rate
 
     @staticmethod
     def map(m, q):
@@ -263,7 +264,7 @@ def test_mujoco_moves_as_we_do_from_mjcf():
          **inertia}])
     MuJoCo(model).check_motion(m)
     MuJoCo(model).check_forces(m)
-    close(convert.to_mujoco(m, m.neutral())[0], model.qpos0)
+    assert close(convert.to_mujoco(m, m.neutral())[0], model.qpos0)
 
 
 # ---------------------------------------------------------------- there and back
@@ -274,11 +275,11 @@ EVERY = ("revolute", "continuous", "prismatic", "fixed", "planar", "floating")
 
 
 def check_there_and_back(m, to, back):
-    q, v, _ = random_states(m, 6, n=20)
+    q, v, _, _ = random_states(m, 20)
     q_there, v_there = to(m, q, v)
     q_again, v_again = back(m, q_there, v_there)
-    close(q_again, q, 1e-14)
-    close(v_again, v, 1e-14)
+    assert close(q_again, q, 1e-14)
+    assert close(v_again, v, 1e-14)
     only_q, nothing = back(m, q_there, None)
     assert nothing is None and to(m, q)[1] is None
     np.testing.assert_array_equal(only_q, q_again)
@@ -391,6 +392,8 @@ def test_wrong_arguments_are_named(f):
                        (n.astype(complex), n, r"q: expected real numbers \(float64\), got dtype complex128")]:
         with pytest.raises(ValueError, match=says):
             f(m, q, v)
+    with pytest.raises(ValueError, match="q: expected numbers in rows of equal length"):
+        f(m, [[0.0] * 7, [0.0]], n)
     with pytest.raises(KeyError, match="A9"):
         f(m, n, n, joints=["A9", *m.joint_names[1:]])
     with pytest.raises(ValueError, match="joints: expected every joint of the model once; it is not so for A1, A2"):
