@@ -277,7 +277,6 @@ def _pinocchio_coding(m: Model, joint: str, body: str) -> _Coding:
         _check_axes(m, joint, body, np.eye(3), "Pinocchio")
         return _Coding(range(4), range(3))
     if kind == "free":
-        _check_axes(m, joint, body, np.eye(6), "Pinocchio")
         return _Coding([4, 5, 6, 0, 1, 2, 3], [3, 4, 5, 0, 1, 2])
     raise ValueError(f'joint "{joint}": is {kind}; no URDF, and so no model of Pinocchio\'s from one, has such a joint')
 
@@ -292,7 +291,6 @@ def _mujoco_coding(m: Model, joint: str, body: str) -> _Coding:
         _check_axes(m, joint, body, np.eye(3), "MuJoCo")
         return _Coding([3, 0, 1, 2], range(3))
     if kind == "free":
-        _check_axes(m, joint, body, np.eye(6), "MuJoCo")
         return _FreeBody(joint, m.body(body).A)
     raise ValueError(f'joint "{joint}": is {kind}; MuJoCo has no such joint')
 

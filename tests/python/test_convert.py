@@ -48,6 +48,14 @@ def tree(seed, kinds, axes=("0 0 1",), followers=0):
     return f'<robot name="random">{"".join(elements)}</robot>'
 
 
+def one_body(**more):
+    return axode.Model.from_bodies([{"name": "b", "mass": 1.0, "com": [0, 0, 0], "inertia": [1, 1, 1], **more}])
+
+
+def one_joint(**joint):
+    return one_body(joint=joint)
+
+
 AXES = ("0 0 1", "0 0 -1", "1 0 0", "0.6 0 0.8", "0.3 0.4 0.5")
 TREES = range(40)
 
@@ -267,6 +275,16 @@ def test_mujoco_moves_as_we_do_from_mjcf():
     assert close(convert.to_mujoco(m, m.neutral())[0], model.qpos0)
 
 
+@pytest.mark.parametrize("x, y, z, w", [(0, 0, 0, 1), (1, 0, 0, 0), (0, 1, 0, 0), (0, 0, 1, 0), (0.5, -0.5, 0.7, 0.1)])
+def test_mujoco_places_a_free_body_where_we_do(x, y, z, w):
+    mujoco = pytest.importorskip("mujoco")
+    Q = np.array([x, y, z, w]) / np.linalg.norm([x, y, z, w])
+    model = mujoco.MjModel.from_xml_string(f"""<mujoco><worldbody>
+        <body name="b" pos="1 2 3" quat="{Q[3]} {Q[0]} {Q[1]} {Q[2]}"><freejoint/>
+          <inertial pos="0 0 0" mass="1" diaginertia="1 1 1"/></body></worldbody></mujoco>""")
+    MuJoCo(model).check_motion(one_body(joint="free", B={"position": [1, 2, 3], "quaternion": Q}))
+
+
 # ---------------------------------------------------------------- there and back
 
 WAYS = {"pinocchio": (convert.to_pinocchio, convert.from_pinocchio),
@@ -316,11 +334,6 @@ def test_no_states_are_states(way):
 
 # ---------------------------------------------------------------- refusals
 
-def one_joint(**joint):
-    return axode.Model.from_bodies([{"name": "b", "joint": joint, "mass": 1.0, "com": [0, 0, 0],
-                                     "inertia": [1, 1, 1]}])
-
-
 COUPLED = f"""<robot name="coupled"><link name="base"/><link name="b"/><link name="c"/>
   <joint name="b" type="revolute"><parent link="base"/><child link="b"/>{LIMIT}</joint>
   <joint name="c" type="continuous"><parent link="b"/><child link="c"/><mimic joint="b" multiplier="2" offset="0.1"/>
@@ -344,6 +357,13 @@ def test_planes_that_pinocchio_does_not_have_are_refused():
     m = one_joint(name="table", kind="planar", axis="x", point=[0, 0, 0])
     with pytest.raises(ValueError, match='joint "table": its axes'):
         convert.to_pinocchio(m, m.neutral())
+
+
+@pytest.mark.parametrize("f", [f for way in WAYS.values() for f in way])
+def test_balls_in_axes_of_their_own_are_refused(f):
+    m = one_body(joint={"kind": "spherical", "name": "ball", "point": [0, 0, 0]}, A={"quaternion": [0.6, 0, 0, 0.8]})
+    with pytest.raises(ValueError, match='joint "ball": its axes are not those of body "b"'):
+        f(m, m.neutral())
 
 
 def test_angles_off_the_unit_circle_are_refused():
