@@ -147,18 +147,19 @@ class _Coding:
 
     def __init__(self, q_order: Sequence[int], v_order: Sequence[int]):
         self.q_order, self.v_order = list(q_order), list(v_order)
+        self.q_back, self.v_back = np.argsort(self.q_order), np.argsort(self.v_order)
 
     def q_there(self, q: Array) -> Array:
         return q[:, self.q_order]
 
     def q_here(self, there: Array) -> Array:
-        return there[:, np.argsort(self.q_order)]
+        return there[:, self.q_back]
 
     def v_there(self, q: Array, v: Array) -> Array:
         return v[:, self.v_order]
 
     def v_here(self, q: Array, there: Array) -> Array:
-        return there[:, np.argsort(self.v_order)]
+        return there[:, self.v_back]
 
 
 class _CosSin(_Coding):

@@ -25,8 +25,10 @@ def tree(seed, kinds, axes=("0 0 1",), followers=0):
     links, joints = [f"link {k}" for k in range(n)], [f"joint {k}" for k in range(1, n)]
     chance.shuffle(links)
     chance.shuffle(joints)
-    vector = lambda scale: " ".join(f"{scale * chance.uniform(-1, 1):.3f}" for _ in range(3))  # noqa: E731
     elements, leaders = [], []
+
+    def vector(scale):
+        return " ".join(f"{scale * chance.uniform(-1, 1):.3f}" for _ in range(3))
     for k in range(1, n):
         kind = chance.choice(kinds)
         parent = links[chance.randrange(max(0, k - 4), k)]
@@ -35,15 +37,16 @@ def tree(seed, kinds, axes=("0 0 1",), followers=0):
         mimic = ""
         if kind in ("revolute", "continuous", "prismatic"):
             if followers and leaders and chance.random() < followers:
-                mimic = f'<mimic joint="{chance.choice(leaders)}" multiplier="{chance.uniform(-2, 2):.3f}" offset="0.1"/>'
+                mimic = (f'<mimic joint="{chance.choice(leaders)}" multiplier="{chance.uniform(-2, 2):.3f}" '
+                         'offset="0.1"/>')
             else:
                 leaders.append(joints[k - 1])
         elements.append(f'<joint name="{joints[k - 1]}" type="{kind}"><origin xyz="{vector(1)}" rpy="{vector(3)}"/>'
                         f'<parent link="{parent}"/><child link="{links[k]}"/>{LIMIT}{mimic}'
                         f'<axis xyz="{chance.choice(axes)}"/></joint>')
     for link in links:
-        elements.append(f'<link name="{link}"><inertial><origin xyz="{vector(0.5)}" rpy="{vector(3)}"/><mass value="2"/>'
-                        '<inertia ixx="1" iyy="1.2" izz="0.9" ixy="0.1" ixz="0" iyz="0.05"/></inertial></link>')
+        elements.append(f'<link name="{link}"><inertial><origin xyz="{vector(0.5)}" rpy="{vector(3)}"/>'
+                        '<mass value="2"/><inertia ixx="1" iyy="1.2" izz="0.9" ixy="0.1" ixz="0" iyz="0.05"/></inertial></link>')
     chance.shuffle(elements)
     return f'<robot name="random">{"".join(elements)}</robot>'
 
@@ -302,7 +305,8 @@ def check_there_and_back(m, to, back):
     assert nothing is None and to(m, q)[1] is None
     np.testing.assert_array_equal(only_q, q_again)
     for k in range(len(q)):  # one state at a time, bit for bit
-        for many, one in [((q_there, v_there), to(m, q[k], v[k])), ((q_again, v_again), back(m, q_there[k], v_there[k]))]:
+        for many, one in [((q_there, v_there), to(m, q[k], v[k])),
+                          ((q_again, v_again), back(m, q_there[k], v_there[k]))]:
             np.testing.assert_array_equal(many[0][k], one[0])
             np.testing.assert_array_equal(many[1][k], one[1])
 
