@@ -23,7 +23,6 @@ from ._axode import (
     Joint,
     MassMatrixFactor,
     Model,
-    __version__,
     accelerations,
     body_momenta,
     center_of_mass,
@@ -79,6 +78,7 @@ from ._axode import (
     twists,
     urdf,
 )
+from ._axode import version as __version__
 from .builder import Builder
 from .errors import Fault, ModelError, SingularError
 from .records import InverseKinematics, Load, Target
@@ -87,7 +87,6 @@ from .records import InverseKinematics, Load, Target
 robots: Path = Path(__file__).parent / "robots"
 
 __all__ = [
-    "__version__",
     # mechanisms
     "Model", "Body", "Joint", "Builder", "load", "check", "read_drawing", "read_urdf", "drawing", "urdf", "robots",
     # kinematics

@@ -6,7 +6,7 @@ NB_MODULE(_axode, module) {
   using namespace axode::python;
   import_numpy();
   translate_exceptions();
-  module.attr("__version__") = AXODE_VERSION;
+  module.attr("version") = AXODE_VERSION;
   nb::module_ lie = module.def_submodule("lie", "See axode.lie.");
   add_lie(lie);
   add_rigid_body(lie);
