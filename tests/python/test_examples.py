@@ -1,0 +1,89 @@
+"""The examples run from any folder, and what they print is so."""
+
+import os
+import re
+import runpy
+import subprocess
+import sys
+import xml.etree.ElementTree as ElementTree
+from pathlib import Path
+
+import axode
+import numpy as np
+import pytest
+from mechanisms import REPRESENTATIONS
+
+EXAMPLES = Path(__file__).resolve().parents[2] / "examples/python"
+
+
+def run(folder, name, *arguments):
+    """What the example prints."""
+    done = subprocess.run([sys.executable, EXAMPLES / name, *arguments], cwd=folder, capture_output=True, text=True,
+                          env={**os.environ, "MPLBACKEND": "Agg"})
+    assert done.returncode == 0 and done.stderr == "", done.stderr
+    return done.stdout
+
+
+def numbers_behind(text, words):
+    """The numbers of the line that begins with these words, in their order."""
+    line = next(line for line in text.splitlines() if line.startswith(words))
+    return [float(number) for number in re.findall(r"(?<![\w^.])-?\d+\.?\d*(?:e-?\d+)?", line.removeprefix(words))]
+
+
+def test_every_example_is_run_here():
+    assert sorted(file.name for file in EXAMPLES.glob("*.py")) == [
+        "01_drawing_to_dynamics.py", "02_representations.py", "03_batch_trajectory.py"]
+
+
+def test_the_crane_holds_what_levers_say_and_dynamics_are_inverse(tmp_path):
+    printed = run(tmp_path, "01_drawing_to_dynamics.py")
+    slew, luff, travel = numbers_behind(printed, "to hold it:")
+    assert (slew, travel) == (0, 0)
+    assert [luff] == numbers_behind(printed, "luff by hand:")
+    loaded = numbers_behind(printed, "with 500 kg on the hook:")[0]
+    assert loaded - luff == pytest.approx(500 * 9.81 * 2.5, abs=0.1)
+    slip = numbers_behind(printed, "the trolley slips:")
+    assert slip[0] == slip[-1] > 0
+    assert "these drive forces again: True" in printed
+
+
+@pytest.mark.parametrize("arguments", [[], ["figure.svg"]])
+def test_the_figure_shows_three_lines_and_their_length_in_eight_panels(tmp_path, arguments):
+    run(tmp_path, "02_representations.py", *arguments)
+    assert [file.name for file in tmp_path.iterdir()] == (arguments or ["representations.svg"])
+    figure = ElementTree.parse(next(tmp_path.iterdir())).getroot()
+    panels = [group for group in figure.findall(".//{*}g") if re.fullmatch(r"axes_\d+", group.get("id", ""))]
+    assert len(panels) == 8
+    assert all(len(panel.findall("{*}g/{*}path[@clip-path]")) == 4 for panel in panels)
+    text = next(tmp_path.iterdir()).read_text()
+    for label in ["angular part in rad/s", "linear part in m/s", "time in s", *REPRESENTATIONS]:
+        assert f"<!-- {label}" in text
+
+
+def test_the_four_twists_are_those_of_the_jacobians(tmp_path):
+    printed = run(tmp_path, "02_representations.py", "figure.png")
+    assert (tmp_path / "figure.png").read_bytes().startswith(b"\x89PNG")
+    grinder = axode.Model.from_bodies(
+        [{"name": "arm", "joint": {"kind": "revolute", "axis": "z", "point": [0, 0, 0]}},
+         {"name": "wheel", "on": "arm", "joint": {"kind": "revolute", "axis": "x", "point": [0, 0, 0.5]}}],
+        [{"name": "center", "on": "wheel", "position": [1, 0, 0.5]}])
+    for representation in REPRESENTATIONS:
+        J = axode.jacobian(grinder, np.pi / 4 * np.array([1, 3]), "center", representation)
+        assert numbers_behind(printed, representation) == pytest.approx(J @ [1, 3], abs=6e-4)
+
+
+def test_peaks_and_means_of_the_torques_are_those_of_the_equations_of_motion(tmp_path):
+    printed = run(tmp_path, "03_batch_trajectory.py")
+    example = runpy.run_path(str(EXAMPLES / "03_batch_trajectory.py"))
+    arm, q, v, a = (example[name] for name in ("arm", "q", "v", "a"))
+    tau = np.einsum("nij,nj->ni", axode.mass_matrix(arm, q), a) + axode.coriolis_vector(arm, q, v) \
+        + axode.gravity_torques(arm, q)
+    for joint in map(arm.joint, arm.joint_names):
+        peak, rms, effort, used = numbers_behind(printed, joint.name)
+        torque = np.abs(tau[:, joint.v])
+        assert [peak, rms] == pytest.approx([torque.max(), np.linalg.norm(torque) / np.sqrt(len(q))], abs=0.006)
+        assert peak < effort == joint.effort[0]
+        assert used == pytest.approx(100 * peak / effort, abs=0.06)
+    assert "all torques within the limits: True" in printed
+    assert numbers_behind(printed, "largest difference to a loop:")[0] < 1e-11
+    assert numbers_behind(printed, "loop over 4096 states:")[0] > 0
