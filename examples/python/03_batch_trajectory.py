@@ -1,8 +1,8 @@
 """Drive torques of a whole trajectory in one call, and whether the drives can deliver them."""
 
 # %% [markdown]
-# Every function takes one state, q of shape (nq,), or N of them, (N, nq): no loop in Python. Here an arm carries 8 kg at
-# its flange, and its seven joints swing about a posture for four seconds, each at a rhythm of its own.
+# Functions take one state, q of shape (nq,), or N of them, (N, nq), and then need no loop in Python. Here an arm carries
+# 8 kg at its flange, and its joints swing about a posture for four seconds, each at a rhythm of its own.
 
 # %%
 from timeit import repeat
