@@ -1,14 +1,15 @@
 """Drive torques of a whole trajectory in one call, and whether the drives can deliver them."""
 
 # %% [markdown]
-# Functions take one state, q of shape (nq,), or N of them, (N, nq), and then need no loop in Python. Here an arm carries
-# 8 kg at its flange, and its joints swing about a posture for four seconds, each at a rhythm of its own.
+# Functions take one state, q of shape (nq,), or N of them, (N, nq), and then need no loop in Python. Here an arm
+# carries 8 kg at its flange, and its joints swing about a posture for four seconds, each at a rhythm of its own.
 
 # %%
 from timeit import repeat
 
 import axode
 import numpy as np
+from numpy.typing import NDArray
 
 drawing = axode.load(axode.robots / "arm7.toml").to_dict()
 drawing["body"].append({"name": "payload", "on": "link 7", "joint": "fixed", "mass": 8.0, "com": [0.04, 0, 1.4],
@@ -42,7 +43,7 @@ print("all torques within the limits:", bool((np.abs(tau) <= effort).all()))
 # other Python threads run meanwhile. The numbers agree to rounding; times are the best of five.
 
 # %%
-def loop() -> list[np.typing.NDArray[np.float64]]:
+def loop() -> list[NDArray[np.float64]]:
     return [axode.inverse_dynamics(arm, *state) for state in zip(q, v, a)]
 
 

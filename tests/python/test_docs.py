@@ -48,4 +48,5 @@ def test_the_tables_list_the_public_names_and_no_others(module):
 
 def test_the_packages_to_install_are_among_those_that_make_deps_installs():
     named = re.search(r"^sudo apt install (.*)$", (SOURCE / "docs/python.md").read_text(encoding="utf-8"), re.MULTILINE)
-    assert set(named[1].split()) <= set((SOURCE / "tools/install_dependencies.sh").read_text().replace('"', " ").split())
+    installed = (SOURCE / "tools/install_dependencies.sh").read_text(encoding="utf-8").replace('"', " ")
+    assert set(named[1].split()) <= set(installed.split())
