@@ -89,6 +89,7 @@ robots: Path = Path(__file__).parent / "robots"
 __all__ = [
     # mechanisms
     "Model", "Body", "Joint", "Builder", "load", "check", "read_drawing", "read_urdf", "drawing", "urdf", "robots",
+    "__version__",
     # kinematics
     "poses", "twists", "accelerations", "jacobian", "jacobian_rate", "jacobian_partials", "jacobian_derivatives",
     "jacobian_derivative_along", "jacobian_columns", "relative_jacobian", "joint_screws", "twist_derivatives",
@@ -106,5 +107,5 @@ __all__ = [
     # what else is taken, given and raised
     "Load", "Target", "InverseKinematics", "Fault", "ModelError", "SingularError",
     # modules
-    "convert",
+    "lie", "closed_form", "codegen", "convert",
 ]

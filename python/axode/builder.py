@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from typing import Any, Literal
 
 from numpy.typing import ArrayLike
@@ -35,13 +34,12 @@ class Builder:
         self.bodies: list[dict[str, Any]] = []
         self.frames: list[dict[str, Any]] = []
 
-    def body(self, name: str, *, on: str = "ground", joint: Mapping[str, Any] | str, **keys: Any) -> Builder:
+    def body(self, name: str, *, on: str = "ground", joint: dict[str, Any] | str, **keys: Any) -> Builder:
         """Adds a body that hangs on another one by a joint. Returns the builder.
 
         `joint` is a dict such as {"kind": "revolute", "axis": "z", "point": [0, 0, 0]}, or just "fixed" or "free";
         mass (kg), com (m), inertia (kg m^2) and the other keys are those of a body in a drawing.
         """
-        joint = joint if isinstance(joint, str) else dict(joint)
         self.bodies.append({"name": name, "on": on, "joint": joint, **keys})
         return self
 

@@ -21,16 +21,16 @@ Accelerations there are P a, and for MuJoCo P a + P' v, where a free base turns 
 
 from __future__ import annotations
 
-import atexit
 from collections.abc import Sequence
-from functools import lru_cache
-from typing import TYPE_CHECKING, Any, NamedTuple, overload
+from typing import Any, NamedTuple, overload
+
+from weakref import WeakKeyDictionary
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-if TYPE_CHECKING:
-    from ._axode import Model
+from . import lie
+from ._axode import Model
 
 __all__ = ["from_mujoco", "from_pinocchio", "to_mujoco", "to_pinocchio"]
 
@@ -203,23 +203,23 @@ class _FreeBody(_Coding):
 
     def __init__(self, joint: str, A: Array):
         super().__init__([4, 5, 6, 3, 0, 1, 2], [3, 4, 5, 0, 1, 2])
-        self.joint, self.r, self.Q = joint, A[:3, 3], _quaternion(A[:3, :3])[None]
+        self.joint, self.r, self.Q = joint, A[:3, 3], lie.quaternion(A[:3, :3])
 
     def q_there(self, q: Array) -> Array:
         self._check(q)
-        return super().q_there(np.hstack([_product(self.Q, q[:, :4]), self.r + _rotated(self.Q, q[:, 4:])]))
+        return super().q_there(np.hstack([lie.quaternion_product(self.Q, q[:, :4]), self.r + _rotated(self.Q, q[:, 4:])]))
 
     def q_here(self, there: Array) -> Array:
         pose = super().q_here(there)
         self._check(pose)
-        return np.hstack([_product(_inverse(self.Q), pose[:, :4]), _rotated(_inverse(self.Q), pose[:, 4:] - self.r)])
+        return np.hstack([lie.quaternion_product(_inverse(self.Q), pose[:, :4]), _rotated(_inverse(self.Q), pose[:, 4:] - self.r)])
 
     def v_there(self, q: Array, v: Array) -> Array:
-        Q = _product(self.Q, q[:, :4])
+        Q = lie.quaternion_product(self.Q, q[:, :4])
         return super().v_there(q, np.hstack([v[:, :3], _rotated(Q, v[:, 3:])]))
 
     def v_here(self, q: Array, there: Array) -> Array:
-        Q, v = _product(self.Q, q[:, :4]), super().v_here(q, there)
+        Q, v = lie.quaternion_product(self.Q, q[:, :4]), super().v_here(q, there)
         return np.hstack([v[:, :3], _rotated(_inverse(Q), v[:, 3:])])
 
     def _check(self, pose: Array) -> None:
@@ -230,27 +230,8 @@ def _inverse(Q: Array) -> Array:
     return np.asarray(Q * [-1, -1, -1, 1])
 
 
-def _product(a: Array, b: Array) -> Array:
-    """The quaternions of R(a) R(b)."""
-    vector = a[:, 3:] * b[:, :3] + b[:, 3:] * a[:, :3] + np.cross(a[:, :3], b[:, :3])
-    scalar = a[:, 3] * b[:, 3] - a[:, 0] * b[:, 0] - a[:, 1] * b[:, 1] - a[:, 2] * b[:, 2]
-    return np.column_stack([vector, scalar])
-
-
 def _rotated(Q: Array, v: Array) -> Array:
-    """R(Q) v."""
-    t = 2 * np.cross(Q[:, :3], v)
-    return v + Q[:, 3:] * t + np.cross(Q[:, :3], t)
-
-
-def _quaternion(R: Array) -> Array:
-    """Of a rotation: the row of 4 Q Q^T with the largest diagonal, made a unit."""
-    rows = np.empty((4, 4))
-    rows[:3, :3] = R + R.T + (1 - np.trace(R)) * np.eye(3)
-    rows[:3, 3] = rows[3, :3] = R[2, 1] - R[1, 2], R[0, 2] - R[2, 0], R[1, 0] - R[0, 1]
-    rows[3, 3] = 1 + np.trace(R)
-    row = rows[np.argmax(np.diag(rows))]
-    return np.asarray(row / np.linalg.norm(row))
+    return np.asarray((lie.rotation(Q) @ v[..., None])[..., 0])
 
 
 def _check_length(length: Array, what: str) -> None:
@@ -337,7 +318,8 @@ class _Layout:
     """The joints of m as another library has them, with or without its followers."""
 
     def __init__(self, m: Model, library: str, order: Sequence[str], followers: bool):
-        self.m, self.places = m, list[_Place]()
+        self.places: list[_Place] = []
+        self.nq_here, self.nv_here = m.nq, m.nv
         self.nq = self.nv = 0
         self.coordinates = f"{library}'s coordinates"
         self.velocities = f"{library}'s velocities"
@@ -354,23 +336,25 @@ class _Layout:
             self.nq, self.nv = nq, nv
 
     def to_there(self, q: ArrayLike, v: ArrayLike | None) -> tuple[Array, Array | None]:
-        given = _numbers("q", q, self.m.nq, "nq numbers")
+        given = _numbers("q", q, self.nq_here, "nq numbers")
         here, states = np.atleast_2d(given), given.shape[:-1]
         there = np.empty((len(here), self.nq))
         for x in self.places:
             there[:, x.q_there] = x.coding.q_there(x.ratio * here[:, x.q] + x.offset)
         if v is None:
             return there.reshape(*states, self.nq), None
-        v_here = np.atleast_2d(_numbers("v", v, self.m.nv, "nv numbers", states))
+        v_here = np.atleast_2d(_numbers("v", v, self.nv_here, "nv numbers", states))
         v_there = np.empty((len(here), self.nv))
         for x in self.places:
             v_there[:, x.v_there] = x.coding.v_there(here[:, x.q], x.ratio * v_here[:, x.v])
         return there.reshape(*states, self.nq), v_there.reshape(*states, self.nv)
 
     def from_there(self, q: ArrayLike, v: ArrayLike | None, tolerance: float) -> tuple[Array, Array | None]:
+        if not tolerance >= 0:
+            raise ValueError(f"tolerance is {tolerance}; expected 0 or more")
         given = _numbers("q", q, self.nq, self.coordinates)
         there, states = np.atleast_2d(given), given.shape[:-1]
-        here = np.empty((len(there), self.m.nq))
+        here = np.empty((len(there), self.nq_here))
         own = [x for x in self.places if x.leader is None]
         followers = [x for x in self.places if x.leader is not None]
         for x in own:
@@ -381,14 +365,14 @@ class _Layout:
                 off = np.arctan2(np.sin(off), np.cos(off))
             _check_follower("q", x, off, tolerance)
         if v is None:
-            return here.reshape(*states, self.m.nq), None
+            return here.reshape(*states, self.nq_here), None
         v_there = np.atleast_2d(_numbers("v", v, self.nv, self.velocities, states))
-        v_here = np.empty((len(there), self.m.nv))
+        v_here = np.empty((len(there), self.nv_here))
         for x in own:
             v_here[:, x.v] = x.coding.v_here(here[:, x.q], v_there[:, x.v_there])
         for x in followers:
             _check_follower("v", x, v_there[:, x.v_there] - x.ratio * v_here[:, x.v], tolerance)
-        return here.reshape(*states, self.m.nq), v_here.reshape(*states, self.m.nv)
+        return here.reshape(*states, self.nq_here), v_here.reshape(*states, self.nv_here)
 
 
 def _check_follower(name: str, x: _Place, off: Array, tolerance: float) -> None:
@@ -420,16 +404,22 @@ def _numbers(name: str, given: ArrayLike, length: int, meaning: str, states: tup
     return x.astype(np.float64, copy=False)
 
 
-@lru_cache(maxsize=32)
+#: Those that were asked for, as long as their models live.
+_layouts: WeakKeyDictionary[Model, dict[tuple[str, tuple[str, ...] | None, bool], _Layout]] = WeakKeyDictionary()
+
+
 def _layout(m: Model, library: str, joints: tuple[str, ...] | None, followers: bool) -> _Layout:
-    if joints is None:
-        joints = tuple(_sorted_by_name(m) if library == "Pinocchio" else m.joint_names)
-    for name in joints:
-        m.joint(name)
-    if sorted(joints) != sorted(m.joint_names):
-        wrong = [name for name in m.joint_names if joints.count(name) != 1]
-        raise ValueError(f"joints: expected every joint of the model once; it is not so for {', '.join(wrong)}")
-    return _Layout(m, library, joints, followers)
-
-
-atexit.register(_layout.cache_clear)  # models do not outlive the module of their type
+    key = library, joints, followers
+    if not isinstance(m, Model):
+        raise TypeError(f"m: expected an axode.Model, got {type(m).__name__}")
+    known = _layouts.setdefault(m, {})
+    if key not in known:
+        order = joints if joints is not None else tuple(
+            _sorted_by_name(m) if library == "Pinocchio" else m.joint_names)
+        for name in order:
+            m.joint(name)
+        if sorted(order) != sorted(m.joint_names):
+            wrong = [name for name in m.joint_names if order.count(name) != 1]
+            raise ValueError(f"joints: expected every joint of the model once; it is not so for {', '.join(wrong)}")
+        known[key] = _Layout(m, library, order, followers)
+    return known[key]

@@ -140,7 +140,7 @@ Array NewArray::transposed() {
 
 double number(const std::string& name, nb::handle given) {
   const Numbers numbers(name, {given.ptr()});
-  if (numbers.axes() > 0) numbers.wrong_shape("(), a number,");
+  if (numbers.axes() > 0) numbers.wrong_shape("(), a number");
   return *numbers.data();
 }
 

@@ -54,7 +54,7 @@ struct FrameName {
 };
 
 /// A frame, or a point (3,) or pose (4, 4) given in it.
-Place<> place(const Model& model, FrameName frame, nb::handle offset, const char* argument = "frame");
+Place<> place(const Model& model, FrameName frame, ArrayLike offset, const char* argument = "frame");
 
 }  // namespace axode::python
 

@@ -6,6 +6,7 @@
 #include "bound_model.hpp"
 #include "choice.hpp"
 #include "named_tuple.hpp"
+#include "text.hpp"
 
 namespace axode::python {
 namespace {
@@ -18,7 +19,7 @@ constexpr std::array<std::string_view, 4> quantities{"inverse_dynamics", "forwar
 
 [[noreturn]] void wrong_function(const std::string& where, nb::handle given) {
   throw nb::value_error(
-      (where + " is " + nb::repr(given).c_str() +
+      (where + " is " + shown(given) +
        "; expected a name, or (\"jacobian\", frame) or (\"jacobian\", frame, representation)")
           .c_str());
 }
@@ -45,8 +46,7 @@ nb::object c_source_of(const BoundModel& m, nb::handle functions, const std::str
                        bool single_precision) {
   if (!PyList_Check(functions.ptr()) && !PyTuple_Check(functions.ptr()))
     throw nb::value_error(
-        (std::string("functions is ") + nb::repr(functions).c_str() + "; expected a list of functions")
-            .c_str());
+        (std::string("functions is ") + shown(functions) + "; expected a list of functions").c_str());
   std::vector<codegen::Function> wanted;
   for (const nb::handle each : functions)
     wanted.push_back(function_from(m, "functions[" + std::to_string(wanted.size()) + "]", each));

@@ -50,7 +50,8 @@ class Writer {
     toml::Table entries;
     for (const auto& [key, each] : from) {
       if (!nb::isinstance<nb::str>(key))
-        throw nb::type_error((where + ": a key is " + shown(key) + "; expected text").c_str());
+        throw nb::type_error(
+            ((where.empty() ? "drawing" : where) + ": a key is " + shown(key) + "; expected text").c_str());
       const std::string name = text_of(key);
       entries.insert_or_assign(name, toml::Entry{0, value(each, where.empty() ? name : where + "." + name)});
     }

@@ -332,7 +332,7 @@ True
           [](MassMatrixFactor<>* self, const BoundModel& m, ArrayLike M) {
             const Numbers matrix("M", M);
             if (matrix.axes() != 2 || !matrix.ends_with({m->nv(), m->nv()}))
-              matrix.wrong_shape(Shape{m->nv(), m->nv()}.text() + ", nv by nv,");
+              matrix.wrong_shape(Shape{m->nv(), m->nv()}.text() + ", nv by nv");
             MassMatrixFactor<> factor(m);
             const Solvability found =
                 factor.factorize(std::span(matrix.data(), static_cast<std::size_t>(matrix.size())));
@@ -450,7 +450,7 @@ True
 void add_operational_space(nb::module_& module) {
   module.def(
       "impulse_response",
-      [](const BoundModel& m, ArrayLike q, FrameName frame, Representation representation, nb::handle offset,
+      [](const BoundModel& m, ArrayLike q, FrameName frame, Representation representation, ArrayLike offset,
          int threads) {
         const Place<> at = place(m, frame, offset);
         return with_representation(representation, [&]<class Rep>(Rep) {
@@ -472,7 +472,7 @@ M^-1 J^T of a frame, (nv, 6) or (N, nv, 6): the jump of the velocities under a u
 )");
   module.def(
       "mobility",
-      [](const BoundModel& m, ArrayLike q, FrameName frame, Representation representation, nb::handle offset,
+      [](const BoundModel& m, ArrayLike q, FrameName frame, Representation representation, ArrayLike offset,
          int threads) {
         const Place<> at = place(m, frame, offset);
         return with_representation(representation, [&]<class Rep>(Rep) {
@@ -492,7 +492,7 @@ np.int64(6)
 )");
   module.def(
       "operational_space_inertia",
-      [](const BoundModel& m, ArrayLike q, FrameName frame, Representation representation, nb::handle offset,
+      [](const BoundModel& m, ArrayLike q, FrameName frame, Representation representation, ArrayLike offset,
          int threads) {
         const Place<> at = place(m, frame, offset);
         const States states(m, q, threads);

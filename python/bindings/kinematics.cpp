@@ -82,7 +82,7 @@ Array accelerations_of(const BoundModel& m, ArrayLike q, ArrayLike v, ArrayLike 
 }
 
 Array jacobian_of(const BoundModel& m, ArrayLike q, FrameName frame, Representation representation,
-                  nb::handle offset, int threads) {
+                  ArrayLike offset, int threads) {
   const Place<> at = place(m, frame, offset);
   return with_representation(representation, [&]<class Rep>(Rep) {
     return columns_of(m, threads, linear_cost(m), Shape{m->nv(), 6}, q,
@@ -93,7 +93,7 @@ Array jacobian_of(const BoundModel& m, ArrayLike q, FrameName frame, Representat
 }
 
 Array jacobian_rate_of(const BoundModel& m, ArrayLike q, ArrayLike v, FrameName frame,
-                       Representation representation, nb::handle offset, int threads) {
+                       Representation representation, ArrayLike offset, int threads) {
   const Place<> at = place(m, frame, offset);
   return with_representation(representation, [&]<class Rep>(Rep) {
     return columns_of(
@@ -106,7 +106,7 @@ Array jacobian_rate_of(const BoundModel& m, ArrayLike q, ArrayLike v, FrameName 
 }
 
 Array relative_jacobian_of(const BoundModel& m, ArrayLike q, FrameName frame, FrameName base,
-                           Representation representation, nb::handle offset, nb::handle base_offset,
+                           Representation representation, ArrayLike offset, ArrayLike base_offset,
                            int threads) {
   const Place<> at = place(m, frame, offset), observer = place(m, base, base_offset, "base");
   return with_representation(representation, [&]<class Rep>(Rep) {
@@ -118,7 +118,7 @@ Array relative_jacobian_of(const BoundModel& m, ArrayLike q, FrameName frame, Fr
 }
 
 std::tuple<nb::object, Array> jacobian_columns_of(const BoundModel& m, ArrayLike q, FrameName frame,
-                                                  Representation representation, nb::handle offset) {
+                                                  Representation representation, ArrayLike offset) {
   const Place<> at = place(m, frame, offset);
   const States states(m, q, 1);
   if (states.many()) throw nb::value_error("q: expected one configuration, shape (nq,)");
@@ -135,7 +135,7 @@ std::tuple<nb::object, Array> jacobian_columns_of(const BoundModel& m, ArrayLike
 }
 
 Array jacobian_partials_of(const BoundModel& m, ArrayLike q, FrameName frame, Representation representation,
-                           int order, nb::handle offset, int threads) {
+                           int order, ArrayLike offset, int threads) {
   const Place<> at = place(m, frame, offset);
   if (order < 0 || order > largest_partial_order)
     throw nb::value_error(
@@ -152,7 +152,7 @@ Array jacobian_partials_of(const BoundModel& m, ArrayLike q, FrameName frame, Re
 }
 
 Array jacobian_derivative_along_of(const BoundModel& m, ArrayLike q, FrameName frame, ArrayLike directions,
-                                   Representation representation, nb::handle offset, int threads) {
+                                   Representation representation, ArrayLike offset, int threads) {
   const Place<> at = place(m, frame, offset);
   const States states(m, q, threads);
   const Rows rows(states, "directions", directions, "a row of nv numbers for each derivative");
@@ -185,7 +185,7 @@ NewArray each_motion(const States& states, const Rows& rates, const Shape& item_
 constexpr const char* rates_meaning = "rows of nv numbers: v, v', v'', ...";
 
 Array twist_derivatives_of(const BoundModel& m, ArrayLike q, ArrayLike rates, FrameName frame,
-                           Representation representation, nb::handle offset, int threads) {
+                           Representation representation, ArrayLike offset, int threads) {
   const Place<> at = place(m, frame, offset);
   const States states(m, q, threads);
   return with_representation(representation, [&]<class Rep>(Rep) {
@@ -198,7 +198,7 @@ Array twist_derivatives_of(const BoundModel& m, ArrayLike q, ArrayLike rates, Fr
 }
 
 Array jacobian_derivatives_of(const BoundModel& m, ArrayLike q, ArrayLike rates, FrameName frame,
-                              Representation representation, nb::handle offset, int threads) {
+                              Representation representation, ArrayLike offset, int threads) {
   const Place<> at = place(m, frame, offset);
   const States states(m, q, threads);
   return with_representation(representation, [&]<class Rep>(Rep) {
@@ -227,7 +227,7 @@ std::vector<PoseTarget> pose_targets(const Model& m, nb::handle targets) {
     const nb::object frame = from["frame"], pose = from["pose"];
     const Numbers C(where + ".pose", {pose.ptr()});
     if (C.axes() != 2 || !C.ends_with({4, 4})) C.wrong_shape("(4, 4)");
-    found.push_back({place(m, {frame.ptr()}, entry(from, "offset", nb::none())),
+    found.push_back({place(m, {frame.ptr()}, {entry(from, "offset", nb::none()).ptr()}),
                      pose_from(where + ".pose", C.data()),
                      number(where + ".angular_weight", entry(from, "angular_weight", nb::float_(1.0))),
                      number(where + ".linear_weight", entry(from, "linear_weight", nb::float_(1.0)))});

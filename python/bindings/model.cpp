@@ -223,16 +223,21 @@ array([0.2, 0.2, 0.2, 0.2, 0.2, 0.2, 0.2])
 )")
       .def(
           "interpolate",
-          [](const BoundModel& m, ArrayLike q0, ArrayLike q1, double s) {
+          [](const BoundModel& m, ArrayLike q0, ArrayLike q1, nb::handle s) {
+            const double part = number("s", s);
             const States states(m, q0, 1, "q0");
             const Items to = states.configurations("q1", q1);
             return each_item(states, linear_cost(m), {m->nq()},
                              [&](auto&, std::size_t k, auto out) {
-                               put(interpolate(m, states.q(k), to[k], s), out);
+                               put(interpolate(m, states.q(k), to[k], part), out);
                              })
                 .array();
           },
-          "q0"_a, "q1"_a, "s"_a, R"(
+          "q0"_a, "q1"_a, "s"_a,
+          nb::sig(
+              "def interpolate(self, q0: numpy.typing.ArrayLike, q1: numpy.typing.ArrayLike, s: float) -> "
+              "numpy.typing.NDArray[numpy.float64]"),
+          R"(
 q0 (+) s (q1 (-) q0): screw motion of every joint, q0 at s = 0 and q1 at s = 1.
 
 Shapes (nq,) or (N, nq).
@@ -275,7 +280,7 @@ nb::dict drawing_of(nb::handle bodies, nb::handle frames, const std::string& nam
   drawing["name"] = name;
   drawing["gravity"] = gravity;
   drawing["body"] = bodies;
-  if (nb::len(frames) > 0) drawing["frame"] = frames;
+  drawing["frame"] = frames;
   return drawing;
 }
 
@@ -288,11 +293,10 @@ void add_construction(nb::class_<BoundModel>& model) {
           },
           "bodies"_a, "frames"_a = nb::make_tuple(), nb::kw_only(), "name"_a = "mechanism",
           "gravity"_a = nb::make_tuple(0.0, 0.0, -9.81), "base"_a = nb::none(),
-          nb::sig(
-              "def from_bodies(bodies: collections.abc.Sequence[collections.abc.Mapping[str, typing.Any]], "
-              "frames: collections.abc.Sequence[collections.abc.Mapping[str, typing.Any]] = (), *, "
-              "name: str = 'mechanism', gravity: numpy.typing.ArrayLike = (0.0, 0.0, -9.81), "
-              "base: typing.Literal['fixed', 'free'] | None = None) -> Model"),
+          nb::sig("def from_bodies(bodies: collections.abc.Sequence[dict[str, typing.Any]], "
+                  "frames: collections.abc.Sequence[dict[str, typing.Any]] = (), *, "
+                  "name: str = 'mechanism', gravity: numpy.typing.ArrayLike = (0.0, 0.0, -9.81), "
+                  "base: typing.Literal['fixed', 'free'] | None = None) -> Model"),
           R"(
 A mechanism from axes, points, masses and inertias, all in one frame with every joint at zero.
 
@@ -354,6 +358,13 @@ The moving body of a name, or "ground"; KeyError with the nearest name where the
 'link 1'
 )")
       .def(
+          "frame_index", [](const BoundModel& m, FrameName frame) { return frame.in(m); }, "frame"_a, R"(
+Where a frame is in `frame_names`, and so in `poses`, `twists` and `accelerations`; KeyError for an unknown name.
+
+>>> axode.poses(arm, arm.neutral())[arm.frame_index("flange"), :3, 3]
+array([0.   , 0.   , 1.306])
+)")
+      .def(
           "frame_pose",
           [](const BoundModel& m, FrameName frame) {
             const Frame& found = m->frame(frame.in(m));
@@ -390,12 +401,11 @@ int FrameName::in(const Model& model, const char* argument) const {
   const nb::handle name(given);
   if (nb::isinstance<nb::str>(name))
     return index_of([&](const std::string& s) { return model.frame_index(s); }, argument, name);
-  if (!PyLong_Check(given))
+  if (!PyIndex_Check(given) || PyBool_Check(given))
     throw nb::value_error(
         (std::string(argument) + " is " + shown(name) + "; expected the name of a frame, or its number")
             .c_str());
-  const long number = PyLong_AsLong(given);
-  if (PyErr_Occurred() != nullptr) PyErr_Clear();
+  const Py_ssize_t number = PyNumber_AsSsize_t(given, nullptr);  // too large a one becomes the largest
   if (number < 0 || number >= model.n_frames())
     throw nb::value_error((std::string(argument) + " is " + shown(name) + "; model \"" + model.name() +
                            "\" has frames 0 to " + std::to_string(model.n_frames() - 1))
@@ -403,20 +413,20 @@ int FrameName::in(const Model& model, const char* argument) const {
   return static_cast<int>(number);
 }
 
-Place<> place(const Model& model, FrameName frame, nb::handle offset, const char* argument) {
+Place<> place(const Model& model, FrameName frame, ArrayLike offset, const char* argument) {
   const int f = frame.in(model, argument);
-  if (offset.is_none()) return f;
-  const Numbers numbers("offset", {offset.ptr()});
+  if (nb::handle(offset.given).is_none()) return f;
+  const Numbers numbers("offset", offset);
   const double* x = numbers.data();
   if (numbers.axes() == 1 && numbers.ends_with({3})) return {f, Vec3<>{x[0], x[1], x[2]}};
   if (numbers.axes() != 2 || !numbers.ends_with({4, 4}))
-    numbers.wrong_shape("(3,), a point in the frame, or (4, 4), a pose in it,");
+    numbers.wrong_shape("(3,), a point in the frame, or (4, 4), a pose in it");
   return {f, pose_from("offset", x)};
 }
 
 void add_model(nb::module_& module) {
   add_parts(module);
-  nb::class_<BoundModel> model(module, "Model", R"(
+  nb::class_<BoundModel> model(module, "Model", nb::is_weak_referenceable(), R"(
 An immutable tree of bodies: what `load`, `Model.from_bodies` and `Builder` make. Threads may share it.
 
 Moving bodies are numbered depth-first in the order in which they were declared; joint i moves body i. Frames are the

@@ -68,7 +68,9 @@ void States::singular(const std::vector<std::size_t>& states, const Solvability&
   std::string sentence = to_string(model(), first);
   if (many_)
     sentence = "state " + std::to_string(states.front()) +
-               (states.size() > 1 ? " and " + std::to_string(states.size() - 1) + " others: " : ": ") +
+               (states.size() > 1 ? " and " + std::to_string(states.size() - 1) +
+                                        (states.size() > 2 ? " others: " : " other: ")
+                                  : ": ") +
                sentence;
   raise_singular(sentence, states, result.array());
 }
@@ -85,7 +87,7 @@ Rows::Rows(const States& states, const char* name, ArrayLike given, const char* 
         const Numbers numbers(name, given);
         const int axis = states.many() ? 1 : 0;
         if (numbers.axes() != axis + 2)
-          numbers.wrong_shape((states.many() ? "(N, k, nv), " : "(k, nv), ") + std::string(meaning) + ",");
+          numbers.wrong_shape(std::string(states.many() ? "(N, k, nv), " : "(k, nv), ") + meaning);
         count_ = static_cast<int>(numbers.length(axis));
         return states.items(name, given, {count_, states.model().nv()}, meaning);
       }()) {}

@@ -93,7 +93,7 @@ def test_unknown_names_are_key_errors_with_the_nearest_name():
         ARM.reduced(["A8"], Q)
 
 
-@pytest.mark.parametrize("frame", [-1, 10, 10**30, 1.0, b"flange", ["flange"]])
+@pytest.mark.parametrize("frame", [-1, 10, 10**30, np.int64(10), True, 1.0, b"flange", ["flange"]])
 def test_what_is_no_frame_is_refused(frame):
     with pytest.raises(ValueError, match="^frame is .*; (expected|model)"):
         axode.jacobian(ARM, Q, frame)
@@ -137,10 +137,16 @@ def test_wrong_keys_of_a_load_are_key_errors():
 
 
 def test_offsets_are_points_or_poses():
-    with pytest.raises(ValueError, match=r"offset: expected shape \(3,\).*got \(2,\)"):
+    with pytest.raises(ValueError, match=r"offset: expected shape \(3,\).* in it, got \(2,\)"):
         axode.jacobian(ARM, Q, "flange", offset=[1, 2])
     with pytest.raises(ValueError, match="offset: expected a pose"):
         axode.jacobian(ARM, Q, "flange", offset=np.full((4, 4), 2.0))
+
+
+def test_the_part_of_the_way_is_a_number():
+    for s in (np.nan, "half", [0.5]):
+        with pytest.raises(ValueError, match="^s(:| is) "):
+            ARM.interpolate(Q, Q, s)
 
 
 def test_orders_out_of_range_are_refused():

@@ -64,7 +64,9 @@ def test_jacobians_give_twists_and_accelerations(mechanism, representation):
         J, dJ = axode.jacobian(m, q, frame, representation), axode.jacobian_rate(m, q, v, frame, representation)
         assert close(J @ v, V[k]) if k else not (J @ v).any()
         assert close(J @ a + dJ @ v, dV[k]) if k else not (J @ a).any()
+        assert m.frame_index(frame) == k
         assert np.array_equal(axode.jacobian(m, q, k, representation), J)
+        assert np.array_equal(axode.jacobian(m, q, np.int32(k), representation), J)
         velocities, columns = axode.jacobian_columns(m, q, frame, representation)
         dense = np.zeros((6, m.nv))
         np.add.at(dense.T, velocities, columns.T)

@@ -115,6 +115,15 @@ def test_bodies_that_hold_themselves_are_refused():
         axode.Model.from_bodies([body])
 
 
+@pytest.mark.parametrize("joint", [5, None, ["revolute"], {"kind": 3}, {"axis": "z"}, "revolve"])
+def test_the_builder_refuses_what_is_no_joint_with_the_faults(joint):
+    builder = axode.Builder("x").body("a", joint=joint)
+    with pytest.raises((axode.ModelError, TypeError), match="joint"):
+        builder.build()
+    with pytest.raises(axode.ModelError, match="frame is 5"):
+        axode.Model.from_bodies([], frames=5)
+
+
 def test_faults_of_files_have_their_lines(tmp_path):
     file = tmp_path / "bad.toml"
     file.write_text('format = "axode drawing 1"\n[[body]]\nname = "a"\njoint = "fre"\nmass = "x"\n')
