@@ -30,12 +30,13 @@ test: deps ## Run every test: GCC, Clang, sanitizers, Python; the last line coun
 	@$(MAKE) --no-print-directory venv || echo "No Python environment: the tests of the package and of peers will be skipped."
 	@python3 tools/run_all_tests.py --jobs $(JOBS)
 
-bench: deps venv ## Measure every function beside its peers, with GCC and with Clang; redraws docs/performance.svg
+bench: python ## Measure every function beside its peers, with GCC, with Clang and from Python; redraws docs/performance.svg
 	build/venv/bin/python -m pip install --quiet -r bench/requirements.txt
 	for preset in bench bench-clang; do \
 	  cmake --preset $$preset && cmake --build --preset $$preset --parallel $(JOBS) || exit 1; done
 	build/venv/bin/python tools/benchmark.py build/bench build/bench-clang --plot docs/performance.svg
 	build/bench/bench/inverse_kinematics
+	build/venv/bin/python bench/python_calls.py
 	tools/client_compile_time.sh
 
 docs: ## Check that every link in the documentation leads somewhere

@@ -22,7 +22,7 @@ grinder = (
 t = np.linspace(0, 2 * np.pi, 201)  # s, one turn of the arm
 v = np.tile([1.0, 3.0], (len(t), 1))  # rad/s
 q = t[:, None] * v
-center = grinder.frame_names.index("center")
+center = grinder.frame_index("center")
 
 # %% [markdown]
 # One call for each representation gives the twists of all frames at all times, (201, n_frames, 6), angular part first.

@@ -264,7 +264,7 @@ C_i, the pose of every frame in the inertial frame (eqs. POEX, aVbRec2).
 Shape (n_frames, 4, 4), or (N, n_frames, 4, 4) for q of shape (N, nq); m. In the order of `m.frame_names`. O(n).
 
 >>> C = axode.poses(arm, arm.neutral())
->>> C[arm.frame_names.index("flange")][:3, 3]
+>>> C[arm.frame_index("flange"), :3, 3]
 array([0.   , 0.   , 1.306])
 )");
   module.def("twists", &twists_of, "m"_a, "q"_a, "v"_a, "representation"_a = "body", nb::kw_only(),
@@ -287,7 +287,7 @@ Shape (n_frames, 6) or (N, n_frames, 6), in the order of `m.frame_names`. Hybrid
 acceleration r'' of the frame's origin; body-fixed and spatial ones do not. Gravity is not part of it. O(n).
 
 >>> dV = axode.accelerations(arm, arm.neutral(), np.zeros(7), np.ones(7), "hybrid")
->>> dV[arm.frame_names.index("flange")].round(3)
+>>> dV[arm.frame_index("flange")].round(3)
 array([0.   , 1.   , 4.   , 0.546, 0.   , 0.   ])
 )");
   module.def("jacobian", &jacobian_of, "m"_a, "q"_a, "frame"_a, "representation"_a = "body", nb::kw_only(),
@@ -465,7 +465,7 @@ The configuration in which frames take given poses, by damped least squares on S
 of 0 leaves a part free. `limits` keeps joints within theirs; `posture` is a configuration to stay near where the targets
 leave freedom. The result says whether it is "solved", "stalled" or at its "iteration_limit", and has q.
 
->>> goal = axode.poses(arm, np.full(7, 0.3))[arm.frame_names.index("flange")]
+>>> goal = axode.poses(arm, np.full(7, 0.3))[arm.frame_index("flange")]
 >>> found = axode.inverse_kinematics(arm, [{"frame": "flange", "pose": goal}], arm.neutral())
 >>> found.status
 'solved'

@@ -14,7 +14,7 @@ CATCH_ALL = {"utils", "util", "common", "helpers", "helper", "misc"}
 MACHINE_PATH = re.compile(r"(?<![\w./}-])/(?:work|home|root|Users|tmp|mnt|opt)/\w")
 OUTSIDE = re.compile(r"\.\./shared")
 BUILT = {"build", ".git", "__pycache__"}
-FOR_USERS = ("axode/", "apps/", "examples/", "docs/", "README.md", "Makefile")
+FOR_USERS = ("axode/", "apps/", "python/", "examples/", "docs/", "README.md", "Makefile")
 
 
 def tracked_files(source):

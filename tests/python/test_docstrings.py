@@ -47,4 +47,4 @@ def test_what_is_public_is_what_the_modules_list():
         assert len(module.__all__) == len(set(module.__all__))
         callables = {name for name, value in vars(module).items() if not name.startswith("_") and callable(value)
                      and getattr(value, "__module__", "").startswith("axode")}
-        assert callables <= set(module.__all__), callables - set(module.__all__)
+        assert callables <= {*module.__all__, *axode.__all__}, callables - set(module.__all__)
