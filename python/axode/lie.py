@@ -21,9 +21,10 @@ array([[ 0., -1.,  0.,  1.],
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from ._axode.lie import (
+    acceleration,
     Ad,
     ad,
     center_of_mass,
@@ -49,11 +50,13 @@ from ._axode.lie import (
     hat,
     inertia,
     inertia_about_com,
+    inertia_in_frames,
     inverse,
     log,
     log_quaternion,
     log_SO3,
     newton_euler,
+    newton_euler_in_frames,
     pluecker,
     quaternion,
     quaternion_product,
@@ -66,11 +69,16 @@ from ._axode.lie import (
     screw_axis,
     skew,
     transform_inertia,
+    twist_in_frames,
+    twist_rate_in_frames,
+    wrench_in_frames,
 )
 
 __all__ = [
     "Ad",
+    "FramePair",
     "ScrewAxis",
+    "acceleration",
     "ad",
     "center_of_mass",
     "change_momentum",
@@ -95,11 +103,13 @@ __all__ = [
     "hat",
     "inertia",
     "inertia_about_com",
+    "inertia_in_frames",
     "inverse",
     "log",
     "log_SO3",
     "log_quaternion",
     "newton_euler",
+    "newton_euler_in_frames",
     "pluecker",
     "quaternion",
     "quaternion_product",
@@ -112,6 +122,9 @@ __all__ = [
     "screw_axis",
     "skew",
     "transform_inertia",
+    "twist_in_frames",
+    "twist_rate_in_frames",
+    "wrench_in_frames",
 ]
 
 
@@ -130,3 +143,26 @@ class ScrewAxis(NamedTuple):
     """Pitch, m/rad, (...); inf for a translation."""
     magnitude: NDArray[np.float64]
     """(...), e.g. rad/s of a twist that turns, m/s of one that does not."""
+
+
+class FramePair(NamedTuple):
+    """A frame F_j, at whose origin motions and forces are measured, and a frame F_k, in whose axes they are resolved.
+
+    Both may move; all four are in the inertial frame, with any axes in front. The body frame as both is the body-fixed
+    representation, the inertial frame as both the spatial one.
+
+    >>> V = axode.twists(arm, arm.neutral(), np.ones(7), "spatial")[arm.frame_index("flange")]
+    >>> tip = axode.poses(arm, arm.neutral())[arm.frame_index("flange"), :3, 3]
+    >>> jk = axode.lie.FramePair(r_j=tip, dr_j=[0, 0, 0], R_k=np.eye(3), w_k=[0, 0, 0])  # now as hybrid
+    >>> np.allclose(axode.lie.twist_in_frames(jk, V), axode.twists(arm, arm.neutral(), np.ones(7), "hybrid")[9])
+    True
+    """
+
+    r_j: ArrayLike
+    """Position of the origin of F_j, m, (..., 3)."""
+    dr_j: ArrayLike
+    """Its velocity, m/s, (..., 3)."""
+    R_k: ArrayLike
+    """Rotation of F_k, (..., 3, 3)."""
+    w_k: ArrayLike
+    """Angular velocity of F_k, rad/s, (..., 3)."""

@@ -13,6 +13,10 @@ struct Source {
 struct Target {
   Representation representation;
 };
+/// Two frames, annotated in Python as FramePair.
+struct PairOfFrames {
+  PyObject* given = nullptr;
+};
 
 }  // namespace
 
@@ -30,6 +34,13 @@ template <> struct Words<Target> : Words<Representation> {
 namespace nanobind::detail {
 template <> struct type_caster<axode::python::Source> : WordCaster<axode::python::Source> {};
 template <> struct type_caster<axode::python::Target> : WordCaster<axode::python::Target> {};
+template <> struct type_caster<axode::python::PairOfFrames> {
+  NB_TYPE_CASTER(axode::python::PairOfFrames, const_name("axode.lie.FramePair"))
+  bool from_python(handle source, uint32_t, cleanup_list*) noexcept {
+    value.given = source.ptr();
+    return true;
+  }
+};
 }  // namespace nanobind::detail
 
 namespace axode::python {
@@ -120,6 +131,8 @@ template <class CoScrew> Screw<> as_screw(const CoScrew& W) {
   const auto& [a, b] = W;
   return {a, b};
 }
+template <class Screwlike> Screw<> as_item(const Screwlike& X) { return as_screw(X); }
+Inertia<> as_item(const Inertia<>& M) { return M; }
 
 Array newton_euler_of(ArrayLike M, ArrayLike V, ArrayLike dV, Representation representation, ArrayLike R) {
   const Given<Inertia<>> inertia{"M", M};
@@ -148,6 +161,124 @@ Array newton_euler_of(ArrayLike M, ArrayLike V, ArrayLike dV, Representation rep
     case Representation::hybrid: return run(Hybrid{});
     default: return run(BodyFixed{});
   }
+}
+
+Array acceleration_of(ArrayLike C, ArrayLike M, ArrayLike V, ArrayLike W, Representation representation) {
+  return with_representation(representation, [&]<class Rep>(Rep) {
+    return map_items(
+        [](const SE3<>& pose, const Inertia<>& M_b, const Screw<>& X, const Screw<>& Y) {
+          check_mass(M_b);
+          return as_screw(acceleration(pose, M_b, as_twist<Rep>(X), Wrench<Rep>{Y.w, Y.v}));
+        },
+        Given<SE3<>>{"C", C}, Given<Inertia<>>{"M", M}, Given<Screw<>>{"V", V}, Given<Screw<>>{"W", W});
+  });
+}
+
+// ---------------------------------------------------------------------------------- measured at F_j, resolved in F_k
+
+/// f(jk, x, ...) for a pair of frames given as (r_j, dr_j, R_k, w_k), each with any axes in front.
+template <class F, class... T> Array in_frames(PairOfFrames jk, const F& f, const Given<T>&... given) {
+  const nb::handle pair(jk.given);
+  if (!PyTuple_Check(jk.given) || nb::len(pair) != 4)
+    throw nb::value_error("jk: expected an axode.lie.FramePair, (r_j, dr_j, R_k, w_k)");
+  const std::array<nb::object, 4> part{pair[0], pair[1], pair[2], pair[3]};
+  return map_items(
+      [&](const Vec3<>& r_j, const Vec3<>& dr_j, const SO3<>& R_k, const Vec3<>& w_k, const T&... x) {
+        return as_item(f(FramePair<>{r_j, dr_j, R_k, w_k}, x...));
+      },
+      Given<Vec3<>>{"jk.r_j", {part[0].ptr()}}, Given<Vec3<>>{"jk.dr_j", {part[1].ptr()}},
+      Given<SO3<>>{"jk.R_k", {part[2].ptr()}}, Given<Vec3<>>{"jk.w_k", {part[3].ptr()}}, given...);
+}
+
+void add_frame_pairs(nb::module_& lie) {
+  lie.def(
+      "twist_in_frames",
+      [](PairOfFrames jk, ArrayLike V) {
+        return in_frames(
+            jk, [](const FramePair<>& pair, const Screw<>& X) { return change(pair, as_twist<Spatial>(X)); },
+            Given<Screw<>>{"V", V});
+      },
+      "jk"_a, "V"_a, R"(
+^kV^j, a twist measured at the origin of a frame F_j and resolved in a frame F_k, from the spatial twist: (..., 6).
+
+rad/s and m/s; see `FramePair`.
+
+>>> jk = axode.lie.FramePair(r_j=[1, 0, 0], dr_j=[0, 0, 0], R_k=np.eye(3), w_k=[0, 0, 0])
+>>> axode.lie.twist_in_frames(jk, [0, 0, 2, 0, 0, 0])
+array([0., 0., 2., 0., 2., 0.])
+)");
+  lie.def(
+      "twist_rate_in_frames",
+      [](PairOfFrames jk, ArrayLike V, ArrayLike dV) {
+        return in_frames(
+            jk,
+            [](const FramePair<>& pair, const Screw<>& X, const Screw<>& dX) {
+              return change(pair, as_twist<Spatial>(X), as_rate<Spatial>(dX));
+            },
+            Given<Screw<>>{"V", V}, Given<Screw<>>{"dV", dV});
+      },
+      "jk"_a, "V"_a, "dV"_a, R"(
+The time derivative of the components of ^kV^j, from the spatial twist and its rate: (..., 6), rad/s^2 and m/s^2.
+
+>>> jk = axode.lie.FramePair(r_j=[0, 0, 0], dr_j=[0, 0, 0], R_k=np.eye(3), w_k=[0, 0, 1])
+>>> axode.lie.twist_rate_in_frames(jk, [0, 0, 0, 1, 0, 0], np.zeros(6))  # F_k turns away from a steady twist
+array([ 0.,  0.,  0.,  0., -1.,  0.])
+)");
+  lie.def(
+      "wrench_in_frames",
+      [](PairOfFrames jk, ArrayLike W) {
+        return in_frames(
+            jk,
+            [](const FramePair<>& pair, const Screw<>& Y) {
+              return change(pair, Wrench<Spatial>{Y.w, Y.v});
+            },
+            Given<Screw<>>{"W", W});
+      },
+      "jk"_a, "W"_a, R"(
+A wrench measured at the origin of F_j and resolved in F_k, from the spatial wrench: (..., 6), N m and N.
+
+>>> jk = axode.lie.FramePair(r_j=[2, 0, 0], dr_j=[0, 0, 0], R_k=np.eye(3), w_k=[0, 0, 0])
+>>> axode.lie.wrench_in_frames(jk, [0, 0, 0, 0, 10, 0])
+array([  0.,   0., -20.,   0.,  10.,   0.])
+)");
+  lie.def(
+      "inertia_in_frames",
+      [](PairOfFrames jk, ArrayLike C, ArrayLike M) {
+        return in_frames(
+            jk,
+            [](const FramePair<>& pair, const SE3<>& pose, const Inertia<>& M_b) {
+              return inertia_in_frames(pair, pose, M_b);
+            },
+            Given<SE3<>>{"C", C}, Given<Inertia<>>{"M", M});
+      },
+      "jk"_a, "C"_a, "M"_a, R"(
+^kM^j of a body with the pose C (..., 4, 4) and the inertia matrix M (..., 6, 6) in its own frame: (..., 6, 6).
+
+>>> jk = axode.lie.FramePair(r_j=[1, 0, 0], dr_j=[0, 0, 0], R_k=np.eye(3), w_k=[0, 0, 0])
+>>> M = axode.lie.inertia(2, [0, 0, 0], np.eye(3))
+>>> axode.lie.center_of_mass(axode.lie.inertia_in_frames(jk, np.eye(4), M))
+array([-1.,  0.,  0.])
+)");
+  lie.def(
+      "newton_euler_in_frames",
+      [](PairOfFrames jk, ArrayLike M, ArrayLike V, ArrayLike dV) {
+        return in_frames(
+            jk,
+            [](const FramePair<>& pair, const Inertia<>& M_jk, const Screw<>& X, const Screw<>& dX) {
+              return newton_euler(M_jk, pair, as_twist<InFrames>(X), as_rate<InFrames>(dX));
+            },
+            Given<Inertia<>>{"M", M}, Given<Screw<>>{"V", V}, Given<Screw<>>{"dV", dV});
+      },
+      "jk"_a, "M"_a, "V"_a, "dV"_a, R"(
+The wrench ^kW^j that a body needs for its motion, all measured at F_j and resolved in F_k (eq. NEij, corrected): (..., 6).
+
+M (..., 6, 6), V, dV (..., 6) as `inertia_in_frames`, `twist_in_frames` and `twist_rate_in_frames` give them; N m and N,
+without gravity.
+
+>>> jk = axode.lie.FramePair(r_j=[0, 0, 0], dr_j=[0, 0, 0], R_k=np.eye(3), w_k=[0, 0, 0])
+>>> axode.lie.newton_euler_in_frames(jk, axode.lie.inertia(2, [0, 0, 0], np.eye(3)), np.zeros(6), [0, 0, 1, 0, 5, 0])
+array([ 0.,  0.,  1.,  0., 10.,  0.])
+)");
 }
 
 // ---------------------------------------------------------------------------------------- changes of representation
@@ -251,6 +382,17 @@ m/s, and per s; the result is in N m and N, without gravity. ValueError where R 
 >>> axode.lie.newton_euler(M, [0, 0, 3, 0, 0, 0], [0, 0, 1, 0, 5, 0])
 array([ 0.,  0.,  1.,  0., 10.,  0.])
 )");
+  lie.def("acceleration", &acceleration_of, "C"_a, "M"_a, "V"_a, "W"_a, "representation"_a = "body", R"(
+V', the acceleration of a body with the twist V under the resultant wrench W, the inverse of Newton-Euler: (..., 6).
+
+C (..., 4, 4) is the pose of the body and M (..., 6, 6) its inertia matrix, always in the body frame; V, W (..., 6) and the
+result are in the representation; rad/s^2 and m/s^2. ValueError where the mass is not > 0.
+
+>>> M = axode.lie.inertia(2, [0, 0, 0], np.eye(3))
+>>> axode.lie.acceleration(np.eye(4), M, np.zeros(6), [0, 0, 1, 0, 10, 0], "hybrid")
+array([0., 0., 1., 0., 5., 0.])
+)");
+  add_frame_pairs(lie);
   add_changes(lie);
 }
 

@@ -265,7 +265,7 @@ ITEMS = {  # of every argument of every function; words are the same for all
     "ddexp_inv": (X, U), "dexp_SO3": (XI,), "dexp_inv_SO3": (XI,), "ddexp_SO3": (XI, E), "ddexp_inv_SO3": (XI, E),
     "screw": (E, XI, XI[:, 0], XI[:, 1]), "screw_axis": (U,), "pluecker": (U,), "reciprocal_product": (X, U),
     "exchange_halves": (X,), "inertia": (U[:, 0], XI, M[:, :3, :3]), "transform_inertia": (C, M),
-    "center_of_mass": (M,), "inertia_about_com": (M,), "realisability": (M,), "newton_euler": (M, X, U),
+    "center_of_mass": (M,), "inertia_about_com": (M,), "realisability": (M,), "newton_euler": (M, X, U), "acceleration": (C, M, X, U),
     "change_twist": (C, X, "body", "spatial"), "change_twist_rate": (C, X, U, "hybrid", "body"),
     "change_wrench": (C, X, "mixed", "spatial"), "change_momentum": (C, X, "spatial", "mixed"),
 }
@@ -288,7 +288,8 @@ def results(found):
 
 
 def test_every_function_is_among_those_that_are_tried():
-    assert set(ITEMS) == {name for name in lie.__all__ if not inspect.isclass(getattr(lie, name))}
+    tried = {*ITEMS, *(name for name in lie.__all__ if name.endswith("_in_frames"))}  # those in a test of their own
+    assert tried == {name for name in lie.__all__ if not inspect.isclass(getattr(lie, name))}
 
 
 @pytest.mark.parametrize("name", ITEMS)
@@ -390,3 +391,50 @@ def test_what_is_no_such_item_is_refused(kind):
 
 def test_float32_rotations_are_taken():
     assert close(lie.exp(lie.log(C.astype(np.float32))), C, 1e-6)
+
+
+# ---------------------------------------------------------------- one body: the way back, and any pair of frames
+
+def random_body(random, N):
+    """Poses, inertia matrices, spatial twists and their rates."""
+    C = lie.exp(random.normal(size=(N, 6)))
+    A = random.normal(size=(N, 3, 3))
+    M = lie.inertia(random.uniform(1, 2, N), random.normal(size=(N, 3)), A @ np.swapaxes(A, 1, 2) + np.eye(3))
+    return C, M, random.normal(size=(N, 6)), random.normal(size=(N, 6))
+
+
+@pytest.mark.parametrize("representation", ["body", "spatial", "hybrid", "mixed"])
+def test_acceleration_undoes_newton_euler(representation):
+    C, M, V, dV = random_body(np.random.default_rng(5), 50)
+    W = lie.newton_euler(lie.transform_inertia(C, M), V, dV, "spatial")
+    found = lie.acceleration(C, M, lie.change_twist(C, V, "spatial", representation),
+                             lie.change_wrench(C, W, "spatial", representation), representation)
+    expected = lie.change_twist_rate(C, V, dV, "spatial", representation)
+    assert np.abs(found - expected).max() <= 1e-11 * np.abs(expected).max()
+    with pytest.raises(ValueError, match="mass"):
+        lie.acceleration(C[0], 0 * M[0], V[0], W[0])
+
+
+def test_newton_euler_in_any_pair_of_frames_gives_the_same_wrench():
+    random = np.random.default_rng(6)
+    C, M, V, dV = random_body(random, 50)
+    r_j, dr_j, w_k = random.normal(size=(3, 50, 3))
+    jk = lie.FramePair(r_j, dr_j, lie.exp_SO3(random.normal(size=(50, 3))), w_k)
+    W = lie.newton_euler(lie.transform_inertia(C, M), V, dV, "spatial")
+    found = lie.newton_euler_in_frames(jk, lie.inertia_in_frames(jk, C, M), lie.twist_in_frames(jk, V),
+                                       lie.twist_rate_in_frames(jk, V, dV))
+    expected = lie.wrench_in_frames(jk, W)
+    assert np.abs(found - expected).max() <= 1e-11 * np.abs(expected).max()
+    first = lie.FramePair(*(part[0] for part in jk))
+    assert np.array_equal(lie.wrench_in_frames(first, W[0]), expected[0])
+    assert np.array_equal(lie.inertia_in_frames(first, C[0], M[0]), lie.inertia_in_frames(jk, C, M)[0])
+    power = np.einsum("ni,ni->n", expected, lie.twist_in_frames(jk, V))
+    assert np.allclose(power, np.einsum("ni,ni->n", W, V), rtol=1e-10)
+
+
+def test_a_pair_of_frames_has_four_entries():
+    for wrong in (None, 3, np.eye(4), ([0, 0, 0],) * 3):
+        with pytest.raises((ValueError, TypeError), match="jk"):
+            lie.twist_in_frames(wrong, np.zeros(6))
+    with pytest.raises(ValueError, match="jk.R_k: expected a rotation"):
+        lie.twist_in_frames(lie.FramePair([0, 0, 0], [0, 0, 0], np.zeros((3, 3)), [0, 0, 0]), np.zeros(6))
