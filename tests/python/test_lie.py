@@ -265,7 +265,8 @@ ITEMS = {  # of every argument of every function; words are the same for all
     "ddexp_inv": (X, U), "dexp_SO3": (XI,), "dexp_inv_SO3": (XI,), "ddexp_SO3": (XI, E), "ddexp_inv_SO3": (XI, E),
     "screw": (E, XI, XI[:, 0], XI[:, 1]), "screw_axis": (U,), "pluecker": (U,), "reciprocal_product": (X, U),
     "exchange_halves": (X,), "inertia": (U[:, 0], XI, M[:, :3, :3]), "transform_inertia": (C, M),
-    "center_of_mass": (M,), "inertia_about_com": (M,), "realisability": (M,), "newton_euler": (M, X, U), "acceleration": (C, M, X, U),
+    "center_of_mass": (M,), "inertia_about_com": (M,), "realisability": (M,), "newton_euler": (M, X, U),
+    "acceleration": (C, M, X, U),
     "change_twist": (C, X, "body", "spatial"), "change_twist_rate": (C, X, U, "hybrid", "body"),
     "change_wrench": (C, X, "mixed", "spatial"), "change_momentum": (C, X, "spatial", "mixed"),
 }
