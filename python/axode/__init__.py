@@ -83,7 +83,8 @@ from .builder import Builder
 from .errors import Fault, ModelError, SingularError
 from .records import InverseKinematics, Load, Target
 
-#: The folder of the mechanisms that come with the package: arm7.toml, double_pendulum.toml, humanoid.urdf, machine.toml.
+#: The folder of the mechanisms that come with the package: arm7.toml, double_pendulum.toml, humanoid.urdf,
+#: machine.toml.
 robots: Path = Path(__file__).parent / "robots"
 
 __all__ = [

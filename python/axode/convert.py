@@ -207,12 +207,14 @@ class _FreeBody(_Coding):
 
     def q_there(self, q: Array) -> Array:
         self._check(q)
-        return super().q_there(np.hstack([lie.quaternion_product(self.Q, q[:, :4]), self.r + _rotated(self.Q, q[:, 4:])]))
+        Q = lie.quaternion_product(self.Q, q[:, :4])
+        return super().q_there(np.hstack([Q, self.r + _rotated(self.Q, q[:, 4:])]))
 
     def q_here(self, there: Array) -> Array:
         pose = super().q_here(there)
         self._check(pose)
-        return np.hstack([lie.quaternion_product(_inverse(self.Q), pose[:, :4]), _rotated(_inverse(self.Q), pose[:, 4:] - self.r)])
+        Q = lie.quaternion_product(_inverse(self.Q), pose[:, :4])
+        return np.hstack([Q, _rotated(_inverse(self.Q), pose[:, 4:] - self.r)])
 
     def v_there(self, q: Array, v: Array) -> Array:
         Q = lie.quaternion_product(self.Q, q[:, :4])

@@ -78,7 +78,8 @@ for rep in REPRESENTATIONS:
             m, q, tool(m), np.stack([v, a], axis=-2), rep),
         f"relative_jacobian {rep}": lambda m, q, v, a, rep=rep: axode.relative_jacobian(
             m, q, tool(m), m.body_names[0], rep),
-        f"twist_derivatives {rep}": lambda m, q, v, a, rep=rep: axode.twist_derivatives(m, q, rates(v, a), tool(m), rep),
+        f"twist_derivatives {rep}": lambda m, q, v, a, rep=rep: axode.twist_derivatives(
+            m, q, rates(v, a), tool(m), rep),
         f"jacobian_derivatives {rep}": lambda m, q, v, a, rep=rep: axode.jacobian_derivatives(
             m, q, rates(v, a), tool(m), rep),
         f"inverse_dynamics {rep}": lambda m, q, v, a, rep=rep: axode.inverse_dynamics(m, q, v, a, rep),

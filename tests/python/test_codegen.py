@@ -77,7 +77,8 @@ def test_costs_are_those_that_the_text_says():
     source = axode.codegen.c_source(ARM, ("inverse_dynamics", ("jacobian", "flange")))
     assert [cost.name for cost in source.functions] == ["arm7_inverse_dynamics", "arm7_jacobian_flange"]
     for cost in source.functions:
-        assert f"{cost.products} products, {cost.sums} sums, {cost.divisions} divisions, {cost.angles} sines" in source.text
+        assert (f"{cost.products} products, {cost.sums} sums, {cost.divisions} divisions, {cost.angles} sines"
+                in source.text)
         assert cost.products > 10 and cost.sums > 10 and cost.angles == 12
         assert cost.divisions == cost.roots == 0
 

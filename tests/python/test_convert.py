@@ -46,7 +46,8 @@ def tree(seed, kinds, axes=("0 0 1",), followers=0):
                         f'<axis xyz="{chance.choice(axes)}"/></joint>')
     for link in links:
         elements.append(f'<link name="{link}"><inertial><origin xyz="{vector(0.5)}" rpy="{vector(3)}"/>'
-                        '<mass value="2"/><inertia ixx="1" iyy="1.2" izz="0.9" ixy="0.1" ixz="0" iyz="0.05"/></inertial></link>')
+                        '<mass value="2"/><inertia ixx="1" iyy="1.2" izz="0.9" ixy="0.1" ixz="0" iyz="0.05"/>'
+                        '</inertial></link>')
     chance.shuffle(elements)
     return f'<robot name="random">{"".join(elements)}</robot>'
 

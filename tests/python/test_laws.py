@@ -50,7 +50,8 @@ def test_christoffel_symbols_and_partials_have_the_documented_order(mechanism):
     m, q, v, _, _ = state(mechanism)
     assert close(np.einsum("ijk,j,k->i", axode.christoffel(m, q), v, v), axode.coriolis_vector(m, q, v))
     assert close(axode.christoffel(m, q) @ v, axode.coriolis_matrix(m, q, v, "christoffel"))
-    assert close(np.tensordot(v, axode.mass_matrix_partials(m, q), 1), rate(m, q, v, lambda x: axode.mass_matrix(m, x)), 1e-7)
+    assert close(np.tensordot(v, axode.mass_matrix_partials(m, q), 1),
+                 rate(m, q, v, lambda x: axode.mass_matrix(m, x)), 1e-7)
     W = axode.inverse_mass_matrix(m, q)
     assert close(axode.inverse_mass_matrix_partials(m, q), -W @ axode.mass_matrix_partials(m, q) @ W, 1e-7)
 
@@ -191,7 +192,8 @@ def test_regressors_times_parameters_are_forces_and_energies(mechanism):
     if not followers:
         tau = axode.inverse_dynamics(m, q, v, a) - armature * a
         assert close(axode.regressor(m, q, v, a) @ pi, tau)
-        assert close(axode.kinetic_energy_regressor(m, q, v) @ pi, axode.kinetic_energy(m, q, v) - v @ (armature * v) / 2)
+        assert close(axode.kinetic_energy_regressor(m, q, v) @ pi,
+                     axode.kinetic_energy(m, q, v) - v @ (armature * v) / 2)
     assert close(axode.potential_energy_regressor(m, q) @ pi, axode.potential_energy(m, q))
 
 
@@ -199,9 +201,10 @@ def test_regressors_times_parameters_are_forces_and_energies(mechanism):
 def test_joint_wrenches_hold_the_drive_forces(mechanism):
     m, q, v, a, _ = state(mechanism)
     tau, W = axode.inverse_dynamics(m, q, v, a), axode.joint_wrenches(m, q, v, a)
+    leaders = {m.joint(name).leader[0] for name in m.joint_names if m.joint(name).leader}
     for k, name in enumerate(m.body_names):
         joint = m.joint(m.joint_names[k])
-        if joint.leader is None and not any(m.joint(n).leader and m.joint(n).leader[0] == joint.name for n in m.joint_names):
+        if joint.leader is None and joint.name not in leaders:
             assert close(m.body(name).X.T @ W[k] + joint.armature * a[joint.v], tau[joint.v], 1e-9)
 
 

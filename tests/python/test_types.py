@@ -70,7 +70,8 @@ def test_mistakes_are_found_where_they_are(tmp_path):
     (tmp_path / "bad.py").write_text("\n".join(lines) + "\n")
     _, output = mypy(tmp_path, "bad.py")
     for number, (line, kind) in enumerate(BAD.items(), start=4):
-        assert any(f"bad.py:{number}: error" in found and f"[{kind}]" in found for found in output.splitlines()), (line, output)
+        found = [message for message in output.splitlines() if message.startswith(f"bad.py:{number}: error")]
+        assert any(f"[{kind}]" in message for message in found), (line, output)
 
 
 def test_the_examples_are_typed(tmp_path):
