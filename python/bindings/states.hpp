@@ -1,5 +1,6 @@
 #pragma once
 #include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
 
 #include <array>
 #include <optional>
@@ -100,7 +101,8 @@ class States {
   }
   template <class F> void on_cores(const F& f) const {
     const nb::gil_scoped_release released;
-    const std::size_t tasks = std::min(count_, static_cast<std::size_t>(threads_));
+    const int cores = std::min(threads_, tbb::this_task_arena::max_concurrency());
+    const std::size_t tasks = std::min(count_, static_cast<std::size_t>(cores));
     tbb::parallel_for(std::size_t{0}, tasks, [&](std::size_t task) {
       Workspace<> workspace(model());
       for (std::size_t k = count_ * task / tasks; k < count_ * (task + 1) / tasks; ++k) run(f, workspace, k);
