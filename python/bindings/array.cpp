@@ -38,6 +38,9 @@ PyArrayObject* as_array(PyObject* object) { return reinterpret_cast<PyArrayObjec
 
 /// The argument as an array of doubles in C order.
 nb::object converted(const std::string& name, PyObject* given) {
+  if (PyArray_Check(given) && nb::hasattr(given, "mask") &&
+      PyObject_IsTrue(nb::handle(given).attr("mask").attr("any")().ptr()) == 1)
+    throw nb::value_error((name + ": has masked entries; expected finite numbers").c_str());
   nb::object array = nb::steal(PyArray_FromAny(given, nullptr, 0, 0, 0, nullptr));
   if (!array.is_valid()) {
     nb::python_error error;

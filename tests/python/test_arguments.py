@@ -19,6 +19,7 @@ WRONG = {
     "truth values": (lambda x: x == 0, "{name}: expected real numbers .*, got dtype bool"),
     "objects": (lambda x: np.array([None] * 7), "{name}: expected real numbers .*, got dtype object"),
     "dates": (lambda x: np.zeros(7, "datetime64[s]"), r"{name}: expected real numbers .*, got dtype datetime64\[s\]"),
+    "masked": (lambda x: np.ma.masked_array(x, mask=np.arange(7) == 2), "{name}: has masked entries"),
     "text": (lambda x: "1234567", "{name}: expected real numbers .*, got str"),
     "ragged": (lambda x: [[1, 2], [3]], "{name}: expected numbers in rows of equal length, got list"),
     "a dict": (lambda x: {"A1": 0.0}, "{name}: expected real numbers .*, got dict"),

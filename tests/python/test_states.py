@@ -54,6 +54,7 @@ def test_layout_and_type_of_arguments_change_nothing(call):
     assert same(CALLS[call](m, *(np.asfortranarray(x) for x in (q, v, a))), expected)
     strided = [np.repeat(x, 2, axis=1)[:, ::2] for x in (q, v, a)]
     assert same(CALLS[call](m, *strided), expected)
+    assert same(CALLS[call](m, *(np.ma.masked_array(x) for x in (q, v, a))), expected)  # with nothing masked
     read_only = [x.copy() for x in (q, v, a)]
     for x in read_only:
         x.flags.writeable = False
