@@ -72,7 +72,8 @@ def test_python():
         return {"package": "failed"}
     junit = SOURCE / "build/python/tests.xml"
     junit.unlink(missing_ok=True)
-    passed = run(str(PYTHON), "-m", "pytest", "-q", "-rs", "-p", "no:cacheprovider", "--junit-xml", str(junit), "tests/python")
+    passed = run(str(PYTHON), "-m", "pytest", "-q", "-rs", "-p", "no:cacheprovider", "--junit-xml", str(junit),
+                 "tests/python")
     results = {}
     for case in ElementTree.parse(junit).getroot().iter("testcase") if junit.exists() else []:
         wrong = case.find("failure") is not None or case.find("error") is not None
