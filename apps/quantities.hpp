@@ -1,4 +1,5 @@
 #pragma once
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -20,6 +21,8 @@ struct Question {
   int relative_to = 0;           ///< the frame of the observer, for relative motion; 0 is the ground
   int order = 1;                 ///< of derivatives
   CoriolisForm coriolis = CoriolisForm::christoffel;
+
+  Loads<> loads() const { return {state.loads, joint_losses}; }
 };
 
 /// What a quantity is, its units and axes, and its value twice: for programs and for people.
@@ -31,19 +34,19 @@ struct Answer {
 
 /// What `axode eval` can compute.
 struct Quantity {
-  std::string_view name;
-  std::string_view purpose;
-  Answer (*answer)(const Question&);
+  std::string_view name, purpose;
+  std::function<Answer(const Question&)> answer;
 };
+/// All, in the order of the documentation: the functions of the catalogue, and those that are none of one state.
 const std::vector<Quantity>& quantities();
-/// Those of them that are about Jacobians, their derivatives and motion of higher order.
-std::vector<Quantity> kinematic_quantities();
-/// Mass and Coriolis matrices, forward dynamics, momenta, energies, regressors, inertia at a frame.
-std::vector<Quantity> dynamic_quantities();
+/// Those that are not in the catalogue: they take an order or targets, or make more than numbers.
+std::vector<Quantity> other_quantities();
+
+/// The frames that the question is about: those it names, or all but the inertial one.
+std::vector<int> frames_of(const Question& ask);
 
 /// Where the six components of a twist live, by representation.
 std::string twist_axes(Representation representation);
-std::string wrench_axes(Representation representation);
 /// A label: what it is, in which representation and axes, and its units.
 std::string headline(std::string_view what, Representation representation, const std::string& axes,
                      std::string_view units);
@@ -51,5 +54,7 @@ std::string headline(std::string_view what, Representation representation, const
 /// A row for each velocity of the model, or coordinate, with the name of its joint: `name` or `name[2]`.
 std::vector<std::string> velocity_names(const Model& model);
 std::vector<std::string> coordinate_names(const Model& model);
+/// Ten for each body.
+std::vector<std::string> parameter_names(const Model& model);
 
 }  // namespace axode::command

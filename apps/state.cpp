@@ -56,9 +56,14 @@ class StateReader {
 
   void fault(const std::string& sentence) { faults_.push_back(source_ + ": " + sentence); }
 
+  /// Nothing in a state is nested deeper than the rows of a target's pose, and what is deep takes a deep stack to look at.
+  static constexpr int deepest = 16;
+
   Json parse(const std::string& text) {
     std::vector<std::set<std::string>> keys;
-    const auto watch = [&](int, Json::parse_event_t event, Json& value) {
+    const auto watch = [&](int depth, Json::parse_event_t event, Json& value) {
+      if (depth > deepest)
+        throw InputError(source_ + fmt::format(": it is nested deeper than {} levels", deepest));
       if (event == Json::parse_event_t::object_start) keys.emplace_back();
       if (event == Json::parse_event_t::object_end) keys.pop_back();
       if (event == Json::parse_event_t::key && !keys.back().insert(value.get<std::string>()).second)
@@ -223,6 +228,8 @@ class StateReader {
               fmt::format("row {} of pose takes 4 numbers, got {}", r, shown(rows[r])));
         fill(fmt::format("{}: row {} of pose", where, r), rows[r], C[r]);
       }
+      if (rows.size() == 4 && rows[3] != Json{0, 0, 0, 1} && rows[3] != Json{0.0, 0.0, 0.0, 1.0})
+        throw std::invalid_argument("row 3 of pose must be [0, 0, 0, 1], got " + shown(rows[3]));
       const auto column = [&](int k) { return Vec3<>{C[0][k], C[1][k], C[2][k]}; };
       out.push_back({.place = frame, .pose = {{column(0), column(1), column(2)}, column(3)}});
     } catch (const std::invalid_argument& wrong) {

@@ -2,9 +2,9 @@
 #include <string>
 #include <vector>
 
-#include "axode/dynamics/loads.hpp"
 #include "axode/kinematics.hpp"
 #include "axode/model/model.hpp"
+#include "axode/recursion/loads.hpp"
 
 namespace axode::command {
 

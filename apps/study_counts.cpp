@@ -5,8 +5,8 @@ namespace axode::command {
 template <class Rep, class Frames>
 Operations operations(Algorithm algorithm, const Model& model, const State& state) {
   const Tree<double>& tree = model.tree<double>();
-  Numbers<Counted> numbers(state, static_cast<std::size_t>(tree.nv));
-  Workspace<Counted> workspace(tree);
+  Numbers<Counted> numbers(state, static_cast<std::size_t>(tree->nv));
+  Workspace<Counted> workspace(*tree.topology(), footprint_of_study<Counted>(*tree.topology()));
   if constexpr (std::same_as<Rep, Fast>) {
     Counted::count() = {};
     call<Fast>(algorithm, tree, workspace, numbers);

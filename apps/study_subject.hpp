@@ -1,63 +1,74 @@
 #pragma once
-#include "axode/dynamics/fast_articulated_bodies.hpp"
-#include "axode/dynamics/fast_composite_bodies.hpp"
-#include "axode/dynamics/momentum_recursion.hpp"
+#include "axode/fast/articulated_bodies.hpp"
+#include "axode/fast/composite_bodies.hpp"
+#include "axode/fast/inverse_dynamics.hpp"
+#include "axode/model/workspace.hpp"
+#include "axode/recursion/composite_bodies.hpp"
+#include "axode/recursion/forward_dynamics.hpp"
+#include "axode/recursion/momentum.hpp"
 #include "study.hpp"
 
 namespace axode::command {
 
 template <class T> struct Numbers {
   std::vector<T> q, v, a, out, out_2;
+  std::vector<AppliedWrench<T>> wrenches;
 
   Numbers(const State& state, std::size_t nv)
       : q(state.q.begin(), state.q.end()),
         v(state.v.begin(), state.v.end()),
         a(state.a.begin(), state.a.end()),
         out(std::max(nv * nv, nv)),
-        out_2(nv) {}
+        out_2(nv) {
+    for (const AppliedWrench<>& W : state.loads)
+      wrenches.emplace_back(W.frame, W.representation, axode::cast<T>(W.m), axode::cast<T>(W.f));
+  }
+  Loads<T> loads() const { return {.wrenches = wrenches}; }
 };
 
-/// M⁻¹, column by column.
-template <class Rep, class T, TreeOf<T> AnyTree>
-void invert(const AnyTree& tree, typename Workspace<T>::Arena& arena, Numbers<T>& x) {
-  const MassMatrixSolver<Rep, T> solver{tree, arena, body_links<Rep>(tree, arena, x.q.data())};
-  const std::size_t nv = static_cast<std::size_t>(tree.nv);
-  std::fill(x.out.begin(), x.out.end(), T(0));
-  for (std::size_t c = 0; c < nv; ++c) x.out[c * nv + c] = T(1);
-  for (std::size_t c = 0; c < nv; ++c) solver.solve(x.out.data() + c * nv);
+/// What the algorithms take of a workspace.
+template <class T> std::size_t footprint_of_study(const Topology& t) {
+  const auto of = [&]<class Rep>(Rep) {
+    return footprint<ForwardDynamicsRecursion<Rep, T>, CompositeBodies<Rep, T>>(t);
+  };
+  return std::max({of(BodyFixed{}), of(Spatial{}), of(Hybrid{}), of(Mixed{}),
+                   footprint<MomentumForm<T>, FastInverseDynamics<typename FastGeometry<T>::type, T>,
+                             FastForwardDynamics<T>, FastInverse<T>, FastCompositeBodies<T>>(t)});
 }
 
 /// One call of an algorithm by the recursion in Rep.
 template <class Rep, class T, TreeOf<T> AnyTree>
   requires(!std::same_as<Rep, Fast>)
 void call(Algorithm algorithm, const AnyTree& tree, Workspace<T>& workspace, Numbers<T>& x) {
-  typename Workspace<T>::Arena arena(workspace);
+  Arena arena = workspace.arena(*tree.operator->());
   const T *q = x.q.data(), *v = x.v.data(), *a = x.a.data();
   T* out = x.out.data();
   switch (algorithm) {
     case Algorithm::inverse_dynamics: {
       InverseDynamicsRecursion<Rep, T> recursion{arena};
-      recursion.run(tree, q, v, a, {});
+      recursion.run(tree, q, v, a, x.loads());
       recursion.project(tree, v, a, false, out);
       break;
     }
     case Algorithm::forward_dynamics:
-      static_cast<void>(solve_forward_dynamics<Rep>(tree, arena, q, v, a, {}, out));
+      static_cast<void>(ForwardDynamicsRecursion<Rep, T>(arena).run(tree, q, v, a, x.loads(), out));
       break;
     case Algorithm::mass_matrix:
-      CompositeBodies<Rep, T>{arena, body_links<Rep>(tree, arena, q)}.run(tree, tree.armature.data(), out);
+      CompositeBodies<Rep, T>(arena).run(tree, q, tree.armature.data(), out);
       break;
-    case Algorithm::inverse_mass_matrix: invert<Rep>(tree, arena, x); break;
-    case Algorithm::accelerations: {
-      const JointMotion<T> joints(arena);
-      const BodyMotion<Rep, T> bodies(arena);
-      joint_motion(tree, q, v, a, joints);
-      forward_recursion(tree, joints, Vec3<T>{}, bodies);
+    case Algorithm::inverse_mass_matrix: {
+      ArticulatedBodies<Rep, T> bodies(arena);
+      static_cast<void>(bodies.factorize(tree, q, tree.armature.data()));
+      const std::size_t nv = static_cast<std::size_t>(tree->nv);
+      std::fill(x.out.begin(), x.out.end(), T(0));
+      for (std::size_t c = 0; c < nv; ++c) x.out[c * nv + c] = T(1);
+      for (std::size_t c = 0; c < nv; ++c) bodies.solve(tree, x.out.data() + c * nv);
       break;
     }
+    case Algorithm::accelerations: TreeMotion<Rep, T>(arena).run(tree, q, v, a); break;
     case Algorithm::momentum_form:
       if constexpr (std::same_as<Rep, Spatial>)
-        static_cast<void>(solve_momentum_form(tree, workspace, q, v, a, {}, out, x.out_2.data()));
+        static_cast<void>(MomentumForm<T>(arena).run(tree, q, v, a, x.loads(), out, x.out_2.data()));
       break;
   }
 }
@@ -65,7 +76,7 @@ void call(Algorithm algorithm, const AnyTree& tree, Workspace<T>& workspace, Num
 /// The same by the fast path.
 template <std::same_as<Fast> Rep, class T>
 void call(Algorithm algorithm, const Tree<double>& tree, Workspace<T>& workspace, Numbers<T>& x) {
-  typename Workspace<T>::Arena arena(workspace);
+  Arena arena = workspace.arena(*tree.topology());
   const T *q = x.q.data(), *v = x.v.data(), *a = x.a.data();
   T* out = x.out.data();
   using G = typename FastGeometry<T>::type;
@@ -73,16 +84,17 @@ void call(Algorithm algorithm, const Tree<double>& tree, Workspace<T>& workspace
   switch (algorithm) {
     case Algorithm::inverse_dynamics: {
       FastInverseDynamics<G, T> recursion(arena);
+      for (int c = 0; c < tree->nv; ++c) out[c] = T(tree.armature[c]) * a[c];
       recursion.forward(tree, q, v, a, cast<T>(tree.g));
       recursion.backward(tree, out);
-      for (int c = 0; c < tree.nv; ++c) out[c] += T(tree.armature[c]) * a[c];
       break;
     }
     case Algorithm::forward_dynamics: {
       Bodies bodies(arena);
       auto* motion = arena.template per_body<typename Bodies::Motion>();
       bodies.place_and_move(tree, q, v, motion);
-      bodies.solve(tree, a, motion, out);
+      bodies.factorize(tree, a);
+      bodies.accelerate(tree, motion, out);
       break;
     }
     case Algorithm::mass_matrix: {
@@ -118,12 +130,22 @@ template <class Rep, class Frames> class SubjectIn : public Subject {
         numbers_(state, static_cast<std::size_t>(model.nv())) {}
 
   bool can(Algorithm algorithm) const override {
+    if (fast && !numbers_.wrenches.empty()) return false;
     if (algorithm == Algorithm::momentum_form) return std::same_as<Rep, Spatial>;
     if (!fast || algorithm == Algorithm::inverse_dynamics) return true;
-    return algorithm != Algorithm::accelerations && tree_.coupled_bodies.empty();
+    return algorithm != Algorithm::accelerations && tree_->coupled_bodies.empty();
   }
   void run(Algorithm algorithm, int calls) override {
     for (int k = 0; k < calls; ++k) call<Rep>(algorithm, tree_, workspace_, numbers_);
+  }
+  std::vector<double> results_of(Algorithm algorithm) override {
+    run(algorithm, 1);
+    const bool square = algorithm == Algorithm::mass_matrix || algorithm == Algorithm::inverse_mass_matrix;
+    const std::ptrdiff_t nv = tree_->nv;
+    std::vector<double> results(numbers_.out.begin(), numbers_.out.begin() + (square ? nv * nv : nv));
+    if (algorithm == Algorithm::momentum_form)
+      results.insert(results.end(), numbers_.out_2.begin(), numbers_.out_2.end());
+    return results;
   }
 
  private:

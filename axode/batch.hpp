@@ -1,10 +1,11 @@
 #pragma once
 #include <cstddef>
+#include <functional>
 #include <span>
 #include <type_traits>
 
-#include "axode/dynamics/solvability.hpp"
 #include "axode/kinematics/arguments.hpp"
+#include "axode/recursion/solvability.hpp"
 
 /// Many states of one mechanism at once: several in the lanes of each core's SIMD registers (SSE2, AVX2 or
 /// AVX-512, whichever the processor has), and on several cores.
@@ -14,47 +15,56 @@
 /// will do, 0 and 1 included. A state's result does not depend, to the last bit, on its place among the
 /// others or on the number of threads, which is the largest number of cores to use. Frames, units and
 /// conventions are those of the functions of the same name for one state. Each call allocates a workspace for
-/// each thread. Throws std::invalid_argument for a wrong size, a quaternion off 1 (it names the state) and
-/// for threads < 1.
+/// each thread. Throws std::invalid_argument for a wrong size, a quaternion off 1 (it names the state), a result that
+/// shares memory with an argument, and for threads < 1.
 namespace axode::batch {
 
-/// τ of N states, see axode::inverse_dynamics.
-template <class T>
-void inverse_dynamics(const Model& model, std::span<const T> q, Numbers<T> v, Numbers<T> a,
-                      std::type_identity_t<std::span<T>> tau, int threads = 1);
+/// Told every 20 milliseconds, in the thread of the call, about how many states of how many are done; the call ends
+/// early where it returns false. The first states are then done, as many as the call says; of the others some may be.
+using Monitor = std::function<bool(std::size_t done, std::size_t of)>;
 
-/// What came of N states whose mass matrices had to be inverted.
+/// τ of N states, see axode::inverse_dynamics. Returns how many are done.
+template <class T>
+std::size_t inverse_dynamics(const Model& model, std::span<const T> q, Numbers<T> v, Numbers<T> a,
+                             std::type_identity_t<std::span<T>> tau, int threads = 1,
+                             const Monitor& monitor = {});
+
+/// What came of N states whose mass matrices had to be inverted, or whose numbers were not finite.
 struct [[nodiscard]] Outcome {
   std::size_t singular_states = 0;  ///< their results are NaN
   std::size_t first = 0;            ///< the first of them
   Solvability solvability;          ///< of that one
+  std::size_t done = 0;             ///< N, unless the monitor ended the call
   bool ok() const { return singular_states == 0; }
 };
 
 /// a of N states, see axode::forward_dynamics.
 template <class T>
 Outcome forward_dynamics(const Model& model, std::span<const T> q, Numbers<T> v, Numbers<T> tau,
-                         std::type_identity_t<std::span<T>> a, int threads = 1);
+                         std::type_identity_t<std::span<T>> a, int threads = 1, const Monitor& monitor = {});
 
-/// M of N states, see axode::mass_matrix.
+/// M of N states, see axode::mass_matrix. Returns how many are done.
 template <class T>
-void mass_matrix(const Model& model, std::span<const T> q, std::type_identity_t<std::span<T>> M,
-                 int threads = 1);
+std::size_t mass_matrix(const Model& model, std::span<const T> q, std::type_identity_t<std::span<T>> M,
+                        int threads = 1, const Monitor& monitor = {});
 
 /// M⁻¹ of N states, see axode::inverse_mass_matrix.
 template <class T>
 Outcome inverse_mass_matrix(const Model& model, std::span<const T> q,
-                            std::type_identity_t<std::span<T>> M_inverse, int threads = 1);
+                            std::type_identity_t<std::span<T>> M_inverse, int threads = 1,
+                            const Monitor& monitor = {});
 
-/// C of every frame in N states, see axode::poses.
+/// C of every frame in N states, see axode::poses. Returns how many are done.
 template <class T>
-void poses(const Model& model, std::span<const T> q, std::type_identity_t<std::span<SE3<T>>> C,
-           int threads = 1);
+std::size_t poses(const Model& model, std::span<const T> q, std::type_identity_t<std::span<SE3<T>>> C,
+                  int threads = 1, const Monitor& monitor = {});
 
 /// The spatial screws of all joints in N states, n_screws N entries, see axode::joint_screws.
+/// Returns how many are done.
 template <class T>
-void joint_screws(const Model& model, std::span<const T> q,
-                  std::type_identity_t<std::span<Twist<Spatial, T>>> J, int threads = 1);
+std::size_t joint_screws(const Model& model, std::span<const T> q,
+                         std::type_identity_t<std::span<Twist<Spatial, T>>> J, int threads = 1,
+                         const Monitor& monitor = {});
 
 /// The instruction set that this processor is served with: "SSE2", "AVX2" or "AVX-512".
 const char* instruction_set();

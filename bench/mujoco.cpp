@@ -22,13 +22,13 @@ struct LeftOut : std::runtime_error {
 };
 
 const char* kind_in_mjcf(const Tree<double>& tree, int i) {
-  if (tree.coupled[i]) throw LeftOut("a coupled joint would be a constraint");
-  switch (tree.kind[i]) {
+  if (tree->coupled[i]) throw LeftOut("a coupled joint would be a constraint");
+  switch (tree->kind[i]) {
     case Subgroup::revolute: return "hinge";
     case Subgroup::prismatic: return "slide";
     case Subgroup::spherical: return "ball";
     case Subgroup::free:
-      if (tree.parent[i] == 0) return "free";
+      if (tree->parent[i] == 0) return "free";
       throw LeftOut("a free joint hangs on a moving body");
     default: throw LeftOut("it has no such joint");
   }
@@ -48,15 +48,15 @@ std::string mjcf(const Model& model) {
   numbers("gravity", tree.g.x, tree.g.y, tree.g.z);
   out << "><flag constraint='disable'/></option><worldbody>";
   std::vector<int> open{0};  // the bodies from the ground to the one before
-  for (int i = 1; i <= tree.n; ++i) {
-    for (; open.back() != tree.parent[i]; open.pop_back()) out << "</body>";
+  for (int i = 1; i <= tree->n; ++i) {
+    for (; open.back() != tree->parent[i]; open.pop_back()) out << "</body>";
     open.push_back(i);
     const Vec3<>& r = tree.B[i].r;
     const Quaternion<> p = quaternion(tree.B[i].R);
     out << "<body";
     numbers("pos", r.x, r.y, r.z), numbers("quat", p.w, p.x, p.y, p.z);
     out << "><joint axis='0 0 1' type='" << kind_in_mjcf(tree, i) << '\'';
-    numbers("armature", tree.armature[tree.iv[i]]);
+    numbers("armature", tree.armature[tree->iv[i]]);
     out << "/>";
     if (const Inertia<>& M = tree.M[i]; M.m > 0) {
       const Vec3<> c = center_of_mass(M);
@@ -93,10 +93,10 @@ struct PeerState {
             std::vector<double> tau_)
       : q(std::move(q_)), v(std::move(v_)), a(std::move(a_)), tau(std::move(tau_)) {
     const Tree<double>& tree = model.tree<double>();
-    for (int i = 1; i <= tree.n; ++i) {
-      double* const at = &q[tree.iq[i]];
-      if (tree.kind[i] == Subgroup::spherical) std::rotate(at, at + 3, at + 4);
-      if (tree.kind[i] == Subgroup::free) place(tree.B[i], at, tree.iv[i]);
+    for (int i = 1; i <= tree->n; ++i) {
+      double* const at = &q[tree->iq[i]];
+      if (tree->kind[i] == Subgroup::spherical) std::rotate(at, at + 3, at + 4);
+      if (tree->kind[i] == Subgroup::free) place(tree.B[i], at, tree->iv[i]);
     }
   }
 

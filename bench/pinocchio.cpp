@@ -20,19 +20,19 @@ using pinocchio::Data;
 pinocchio::Model peer(const Model& model) {
   const Tree<double>& tree = model.tree<double>();
   pinocchio::Model out;
-  for (int i = 1; i <= tree.n; ++i) {
+  for (int i = 1; i <= tree->n; ++i) {
     const SE3<>& B = tree.B[i];
     const pinocchio::SE3 placement(to_eigen(B.R), to_eigen(B.r));
     const std::string& name = model.joint(i).name;
-    switch (tree.kind[i]) {
+    switch (tree->kind[i]) {
       case Subgroup::revolute:
-        out.addJoint(tree.parent[i], pinocchio::JointModelRZ(), placement, name);
+        out.addJoint(tree->parent[i], pinocchio::JointModelRZ(), placement, name);
         break;
       case Subgroup::prismatic:
-        out.addJoint(tree.parent[i], pinocchio::JointModelPZ(), placement, name);
+        out.addJoint(tree->parent[i], pinocchio::JointModelPZ(), placement, name);
         break;
       case Subgroup::free:
-        out.addJoint(tree.parent[i], pinocchio::JointModelFreeFlyer(), placement, name);
+        out.addJoint(tree->parent[i], pinocchio::JointModelFreeFlyer(), placement, name);
         break;
       default: throw std::logic_error("no such joint in the benchmarks");
     }

@@ -5,9 +5,6 @@
 find_package(Eigen3 3.4 REQUIRED NO_MODULE)
 find_package(tinyxml2 REQUIRED)
 
-set(AXODE_REPRESENTATIONS BodyFixed Spatial Hybrid Mixed)
-set(AXODE_SCALARS double float)
-
 # Target names differ from the file names because the command `axode` takes the plain one.
 function(axode_add_library target name)
   add_library(${target})
@@ -26,26 +23,83 @@ function(axode_add_library target name)
                LIBRARY_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/lib)
 endfunction()
 
+# Sources that are compiled once for each scalar, and once for each representation and scalar (AXODE_T, AXODE_REP, see
+# axode/recursion/instantiate.hpp). What takes Fast in the place of a representation is named by itself: these are the
+# kernels that have to be quick, and each is a unit of its own. The others become one unit for each combination, which is
+# quicker to compile.
+set(AXODE_PER_SCALAR
+    kinematics/center_of_mass
+    kinematics/higher_order
+    kinematics/joint_screws
+    kinematics/poses
+    dynamics/coriolis
+    dynamics/definite_inverse
+    dynamics/energy
+    dynamics/mass_matrix_partials
+    dynamics/momentum
+    dynamics/momentum_form
+    dynamics/regressor)
+set(AXODE_PER_REPRESENTATION
+    kinematics/jacobian
+    kinematics/jacobian_partials
+    kinematics/twists
+    dynamics/body_momenta
+    dynamics/joint_wrenches
+    dynamics/operational_space
+    dynamics/twist_form)
+set(AXODE_PER_REPRESENTATION_AND_FAST
+    dynamics/forward_dynamics
+    dynamics/inverse_dynamics
+    dynamics/mass_matrix
+    dynamics/terms
+    catalog/functions)
+
 axode_add_library(axode_core axode)
 set_target_properties(axode_core PROPERTIES OUTPUT_NAME axode)
 target_link_libraries(axode_core PUBLIC Eigen3::Eigen)
-foreach(floor lie scalar model kinematics dynamics derivatives integration)
-  file(GLOB sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/axode/${floor}/*.cpp)
-  target_sources(axode_core PRIVATE ${sources})
-  file(GLOB templates CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/axode/${floor}/*.cpp.in)
-  foreach(template IN LISTS templates)
-    set(reps ${AXODE_REPRESENTATIONS})
-    if(template MATCHES "/(inverse_dynamics|forward_dynamics|mass_matrix)\\.cpp\\.in$")
-      list(APPEND reps Fast)
-    endif()
-    axode_instantiate(axode_core ${template} REPS ${reps} SCALARS ${AXODE_SCALARS})
-  endforeach()
+file(GLOB sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/axode/*.cpp)
+foreach(floor lie scalar model recursion fast kinematics dynamics derivatives constraints integration catalog)
+  file(GLOB more CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/axode/${floor}/*.cpp)
+  list(APPEND sources ${more})
 endforeach()
+
+# axode_instantiate(<library> <name> <definitions> <source>...): the sources under these definitions, as part of the
+# library.
+function(axode_instantiate library name definitions)
+  list(TRANSFORM ARGN PREPEND ${PROJECT_SOURCE_DIR}/axode/)
+  list(TRANSFORM ARGN APPEND .cpp)
+  add_library(${name} OBJECT ${ARGN})
+  axode_compile_options(${name})
+  target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR})
+  target_link_libraries(${name} PRIVATE Eigen3::Eigen)
+  target_compile_definitions(${name} PRIVATE ${definitions})
+  if(CMAKE_CXX_COMPILER_ID STREQUAL GNU)  # what is inlined may not depend on what else is in the unit
+    target_compile_options(${name} PRIVATE --param=inline-unit-growth=1000 --param=large-function-growth=1000)
+  endif()
+  set_target_properties(${name} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 0)
+  target_sources(${library} PRIVATE $<TARGET_OBJECTS:${name}>)
+endfunction()
+foreach(quick IN LISTS AXODE_PER_REPRESENTATION_AND_FAST)
+  set_source_files_properties(${PROJECT_SOURCE_DIR}/axode/${quick}.cpp PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
+endforeach()
+foreach(T double float)
+  axode_instantiate(axode_core axode_core_${T} AXODE_T=${T} ${AXODE_PER_SCALAR})
+  foreach(REP BodyFixed Spatial Hybrid Mixed)
+    axode_instantiate(axode_core axode_core_${REP}_${T} "AXODE_REP=${REP};AXODE_T=${T}" ${AXODE_PER_REPRESENTATION}
+                      ${AXODE_PER_REPRESENTATION_AND_FAST})
+  endforeach()
+  axode_instantiate(axode_core axode_core_Fast_${T} "AXODE_REP=Fast;AXODE_T=${T}" ${AXODE_PER_REPRESENTATION_AND_FAST})
+endforeach()
+foreach(instantiated IN LISTS AXODE_PER_SCALAR AXODE_PER_REPRESENTATION AXODE_PER_REPRESENTATION_AND_FAST)
+  list(REMOVE_ITEM sources ${PROJECT_SOURCE_DIR}/axode/${instantiated}.cpp)
+endforeach()
+target_sources(axode_core PRIVATE ${sources})
 
 # Many states at once: the same kernels for each instruction set, chosen at run time.
 find_package(TBB REQUIRED)
 axode_add_library(axode_batch batch)
-target_sources(axode_batch PRIVATE ${PROJECT_SOURCE_DIR}/axode/batch/batch.cpp)
+target_sources(axode_batch PRIVATE ${PROJECT_SOURCE_DIR}/axode/batch/batch.cpp
+                                   ${PROJECT_SOURCE_DIR}/axode/batch/portions.cpp)
 target_link_libraries(axode_batch PUBLIC axode::axode PRIVATE TBB::tbb)
 set(options_of_sse2 -mno-avx)
 set(options_of_avx2 -mno-avx512f -mavx2 -mfma)
@@ -60,10 +114,8 @@ foreach(ISA sse2 avx2 avx512)
     else()
       math(EXPR LANES "${bytes_of_${ISA}} / 4")
     endif()
-    set(unit ${PROJECT_BINARY_DIR}/generated/axode/batch/kernels_${ISA}_${T}.cpp)
-    configure_file(${PROJECT_SOURCE_DIR}/axode/batch/kernels.cpp.in ${unit} @ONLY)
-    target_sources(axode_batch PRIVATE ${unit})
-    set_source_files_properties(${unit} PROPERTIES COMPILE_OPTIONS "${options_of_${ISA}}")
+    axode_instantiate(axode_batch axode_batch_${ISA}_${T} "AXODE_ISA=${ISA};AXODE_T=${T};AXODE_LANES=${LANES}" batch/kernels)
+    target_compile_options(axode_batch_${ISA}_${T} PRIVATE ${options_of_${ISA}})
   endforeach()
 endforeach()
 
@@ -77,3 +129,6 @@ axode_add_library(axode_io io)
 file(GLOB sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/axode/io/*.cpp)
 target_sources(axode_io PRIVATE ${sources})
 target_link_libraries(axode_io PUBLIC axode::axode PRIVATE tinyxml2::tinyxml2)
+
+# For a build beside this one that takes the libraries as they are, see AXODE_LIBRARIES.
+export(TARGETS axode_core axode_batch axode_codegen axode_io NAMESPACE axode:: FILE ${PROJECT_BINARY_DIR}/axode-built.cmake)

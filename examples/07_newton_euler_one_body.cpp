@@ -1,8 +1,8 @@
 // Newton and Euler for one body: the wrench behind a motion in four representations, and the way back.
 #include <cstdio>
 
-#include "axode/dynamics/newton_euler.hpp"
 #include "axode/eigen.hpp"
+#include "axode/lie/newton_euler.hpp"
 
 using namespace axode;
 

@@ -34,7 +34,7 @@ int main() {
       v[c] = 0.5 - (s * 7 + c * 3) % 10 / 10.0, a[c] = 1 - (s * 3 + c * 7) % 20 / 10.0;
     inverse_dynamics(loaded, loaded_workspace, q, v, a, tau);  // the measurement
     inverse_dynamics(arm, workspace, q, v, a, expected);
-    torque_regressor(arm, workspace, q, v, a, Y);
+    regressor(arm, workspace, q, v, a, Y);
     for (int c = 0; c < nv; ++c) {
       A.row(s * nv + c) = Eigen::Map<Eigen::RowVectorXd>(&Y[c * width + 10 * (last - 1)], 10);
       b[s * nv + c] = tau[c] - expected[c];

@@ -15,9 +15,9 @@ int main() {
   const int tool = arm.frame_index("flange");
 
   std::array<double, 36> Lambda;  // row by row, angular before linear
-  const OperationalSpace outcome = operational_space_inertia<Hybrid>(arm, workspace, q, tool, Lambda);
+  const Solvability outcome = operational_space_inertia<Hybrid>(arm, workspace, q, tool, Lambda);
   if (!outcome.ok()) {
-    std::printf("the tool can move in %d directions only\n", outcome.directions);
+    std::puts(to_string(arm, outcome).c_str());
     return 1;
   }
   std::printf("pushed along x, y, z the tool shows %.2f, %.2f, %.2f kg\n", Lambda[6 * 3 + 3],

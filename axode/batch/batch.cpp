@@ -1,10 +1,6 @@
 #include "axode/batch.hpp"
 
-#include <tbb/info.h>
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
-#include <atomic>
 #include <memory>
 #include <new>
 #include <string>
@@ -12,7 +8,9 @@
 #include <vector>
 
 #include "axode/batch/kernels.hpp"
+#include "axode/batch/portions.hpp"
 #include "axode/dynamics.hpp"
+#include "axode/kinematics/check_arguments.hpp"
 
 namespace axode::batch {
 namespace {
@@ -31,13 +29,13 @@ InstructionSet chosen_instruction_set() {
   return chosen;
 }
 
-template <class S> const Kernels<S>& kernels() {
+template <class S> const Kernels<S>& best_kernels() {
   switch (chosen_instruction_set()) {
-    case InstructionSet::avx512: return kernels_avx512(S());
-    case InstructionSet::avx2: return kernels_avx2(S());
+    case InstructionSet::avx512: return kernels<batch::avx512, S>();
+    case InstructionSet::avx2: return kernels<batch::avx2, S>();
     case InstructionSet::sse2: break;
   }
-  return kernels_sse2(S());
+  return kernels<batch::sse2, S>();
 }
 
 /// The number of states, from q.
@@ -52,7 +50,7 @@ template <class S> std::size_t check_states(const Model& model, std::span<const 
   if (q.size() % nq != 0)
     throw std::invalid_argument("q has " + std::to_string(q.size()) +
                                 " entries; expected a multiple of nq = " + std::to_string(nq));
-  if (!model.tree<double>().quaternion_bodies.empty())
+  if (!model.tree<double>()->quaternion_bodies.empty())
     for (std::size_t k = 0; k < q.size() / nq; ++k) {
       try {
         check_configuration(model, q.subspan(k * nq, nq));
@@ -67,36 +65,15 @@ template <class S> std::size_t check_states(const Model& model, std::span<const 
 class Memory {
  public:
   explicit Memory(std::size_t bytes)
-      : data_(static_cast<std::byte*>(::operator new (bytes, std::align_val_t{64}))) {}
+      : data_(static_cast<std::byte*>(::operator new (bytes, std::align_val_t{64})), Free{}) {}
   std::byte* data() const { return data_.get(); }
 
  private:
   struct Free {
     void operator()(std::byte* p) const { ::operator delete (p, std::align_val_t{64}); }
   };
-  std::unique_ptr<std::byte, Free> data_;
+  std::shared_ptr<std::byte> data_;
 };
-
-/// work(first, count) for the first state of every group of `group` out of N, the last group with fewer states.
-/// As many tasks as there are cores to use, each with a work() of its own, take the groups in portions. They
-/// run wherever the caller's tasks would, where the threads are awake.
-template <class Make> void each_group(std::size_t N, std::size_t group, int threads, const Make& make_work) {
-  const std::size_t groups = (N + group - 1) / group;
-  const std::size_t tasks =
-      std::min(groups, static_cast<std::size_t>(std::min(threads, tbb::info::default_concurrency())));
-  const std::size_t portion = std::max<std::size_t>(1, groups / (8 * std::max<std::size_t>(1, tasks)));
-  std::atomic<std::size_t> next = 0;
-  const auto run = [&](std::size_t) {
-    auto work = make_work();
-    for (std::size_t begin; (begin = next.fetch_add(portion)) < groups;)
-      for (std::size_t g = begin; g < std::min(begin + portion, groups); ++g)
-        work(g * group, std::min(group, N - g * group));
-  };
-  if (tasks < 2)
-    run(0);
-  else
-    tbb::parallel_for(std::size_t{0}, tasks, run, tbb::simple_partitioner());
-}
 
 /// An argument with `rows` entries for each state. Where a group of states is not full, its last one is
 /// repeated in a copy.
@@ -123,19 +100,27 @@ template <class E> struct Argument {
   }
 };
 
-/// kernel(tree, memory, inputs..., output) on all N states, the first argument being q. Returns for every
-/// state whether a kernel doubts it; kernels that return nothing doubt nothing.
+/// What run_lanes has done: how many states, and of each whether a kernel doubts it.
+struct Lanes {
+  std::size_t done;
+  std::vector<char> doubtful;
+};
+
+/// kernel(tree, arena, inputs..., output) on all N states, the first argument being q. Kernels that return nothing doubt
+/// nothing.
 template <class S, class Kernel, class E, class... In>
-std::vector<char> run_lanes(const Model& model, int threads, const Kernel& kernel, Argument<E> out,
-                            Argument<In>... in) {
+Lanes run_lanes(const Model& model, int threads, const Monitor& monitor, const Kernel& kernel,
+                Argument<E> out, Argument<In>... in) {
   const Tree<S>& tree = model.tree<S>();
-  const std::size_t lanes = static_cast<std::size_t>(kernels<S>().lanes), N = out.all.size() / out.rows;
+  const std::size_t lanes = static_cast<std::size_t>(best_kernels<S>().lanes), N = out.all.size() / out.rows,
+                    bytes = best_kernels<S>().bytes(tree);
   std::vector<char> doubtful(N, 0);
-  each_group(N, lanes, threads, [&] {
-    return [&, memory = Memory(kernels<S>().bytes(tree)), out, ins = std::tuple(in...)](
-               std::size_t first, std::size_t count) mutable {
+  const std::size_t done = in_portions(N, lanes, threads, monitor, [&] {
+    return [&, memory = Memory(bytes), out, ins = std::tuple(in...)](std::size_t first,
+                                                                     std::size_t count) mutable {
+      const Arena arena(*tree.topology(), memory.data(), bytes);
       const auto call = [&](auto&... each) {
-        return kernel(tree, memory.data(), each.at(first, count, lanes)..., out.at(first, count, lanes));
+        return kernel(tree, arena, each.at(first, count, lanes)..., out.at(first, count, lanes));
       };
       if constexpr (std::is_void_v<decltype(std::apply(call, ins))>) {
         std::apply(call, ins);
@@ -146,72 +131,92 @@ std::vector<char> run_lanes(const Model& model, int threads, const Kernel& kerne
       out.take_back(first, count, lanes);
     };
   });
-  return doubtful;
+  return {done, std::move(doubtful)};
 }
 
 /// The states that a kernel doubts, or that no kernel takes, one by one: solve(workspace, state) as for a
-/// single state.
+/// single state. Those of the others whose results are not finite count as singular as well.
 template <class S, class F>
-Outcome solve_each(const Model& model, const std::vector<char>& doubtful, const F& solve) {
+Outcome solve_each(const Model& model, const Lanes& lanes, std::span<const S> results, int threads,
+                   const Monitor& monitor, const F& solve) {
+  std::vector<std::size_t> left;
+  for (std::size_t k = 0; k < lanes.done; ++k)
+    if (lanes.doubtful[k]) left.push_back(k);
+  std::vector<Solvability> found(left.size());
+  const std::size_t solved = in_portions(left.size(), 1, threads, monitor, [&] {
+    return [&, workspace = Workspace<S>(model)](std::size_t l, std::size_t) mutable {
+      found[l] = solve(workspace, left[l]);
+    };
+  });
   Outcome outcome;
-  if (std::find(doubtful.begin(), doubtful.end(), 1) == doubtful.end()) return outcome;
-  Workspace<S> workspace(model);
-  for (std::size_t k = 0; k < doubtful.size(); ++k) {
-    if (!doubtful[k]) continue;
-    const Solvability solvability = solve(workspace, k);
-    if (!solvability.ok() && outcome.singular_states++ == 0)
-      outcome.first = k, outcome.solvability = solvability;
+  outcome.done = solved < left.size() ? left[solved] : lanes.done;
+  const std::size_t rows = results.size() / std::max<std::size_t>(1, lanes.doubtful.size());
+  for (std::size_t k = 0, l = 0; k < outcome.done; ++k) {
+    Solvability of_state;
+    if (lanes.doubtful[k]) {
+      of_state = found[l++];
+    } else {
+      S none(0);
+      for (const S x : results.subspan(k * rows, rows)) none += x - x;
+      of_state.not_finite = !(none == S(0));
+    }
+    if (!of_state.ok() && outcome.singular_states++ == 0) outcome.first = k, outcome.solvability = of_state;
   }
   return outcome;
 }
 
-bool coupled(const Model& model) { return !model.tree<double>().coupled_bodies.empty(); }
+bool coupled(const Model& model) { return !model.tree<double>()->coupled_bodies.empty(); }
 std::size_t size(int n) { return static_cast<std::size_t>(n); }
+Lanes all_doubtful(std::size_t N) { return {N, std::vector<char>(N, 1)}; }
 
 }  // namespace
 
 template <class S>
-void inverse_dynamics(const Model& model, std::span<const S> q, Numbers<S> v, Numbers<S> a,
-                      std::type_identity_t<std::span<S>> tau, int threads) {
+std::size_t inverse_dynamics(const Model& model, std::span<const S> q, Numbers<S> v, Numbers<S> a,
+                             std::type_identity_t<std::span<S>> tau, int threads, const Monitor& monitor) {
   const std::size_t N = check_states(model, q, threads), nv = size(model.nv());
   const Argument<const S> in_v{"v", "nv N", v, nv}, in_a{"a", "nv N", a, nv};
   const Argument<S> out{"tau", "nv N", tau, nv};
   in_v.check(N), in_a.check(N), out.check(N);
-  if (N > 0 && nv > 0)
-    run_lanes<S>(model, threads, kernels<S>().inverse_dynamics, out,
-                 Argument<const S>{"q", "nq N", q, size(model.nq())}, in_v, in_a);
+  check_separate("tau", tau, "q", q), check_separate("tau", tau, "v", v), check_separate("tau", tau, "a", a);
+  if (N == 0 || nv == 0) return N;
+  return run_lanes<S>(model, threads, monitor, best_kernels<S>().inverse_dynamics, out,
+                      Argument<const S>{"q", "nq N", q, size(model.nq())}, in_v, in_a)
+      .done;
 }
 
 template <class S>
 Outcome forward_dynamics(const Model& model, std::span<const S> q, Numbers<S> v, Numbers<S> tau,
-                         std::type_identity_t<std::span<S>> a, int threads) {
+                         std::type_identity_t<std::span<S>> a, int threads, const Monitor& monitor) {
   const std::size_t N = check_states(model, q, threads), nq = size(model.nq()), nv = size(model.nv());
   const Argument<const S> in_v{"v", "nv N", v, nv}, in_tau{"tau", "nv N", tau, nv};
   const Argument<S> out{"a", "nv N", a, nv};
   in_v.check(N), in_tau.check(N), out.check(N);
-  std::vector<char> doubtful(N, coupled(model));
-  if (N > 0 && !coupled(model))
-    doubtful = run_lanes<S>(model, threads, kernels<S>().forward_dynamics, out,
-                            Argument<const S>{"q", "nq N", q, nq}, in_v, in_tau);
-  return solve_each<S>(model, doubtful, [&](Workspace<S>& workspace, std::size_t k) {
+  check_separate("a", a, "q", q), check_separate("a", a, "v", v), check_separate("a", a, "tau", tau);
+  const Lanes lanes = N == 0 || coupled(model)
+                          ? all_doubtful(N)
+                          : run_lanes<S>(model, threads, monitor, best_kernels<S>().forward_dynamics, out,
+                                         Argument<const S>{"q", "nq N", q, nq}, in_v, in_tau);
+  return solve_each<S>(model, lanes, a, threads, monitor, [&](Workspace<S>& workspace, std::size_t k) {
     return axode::forward_dynamics(model, workspace, q.subspan(k * nq, nq), v.subspan(k * nv, nv),
                                    tau.subspan(k * nv, nv), a.subspan(k * nv, nv));
   });
 }
 
 template <class S>
-void mass_matrix(const Model& model, std::span<const S> q, std::type_identity_t<std::span<S>> M,
-                 int threads) {
+std::size_t mass_matrix(const Model& model, std::span<const S> q, std::type_identity_t<std::span<S>> M,
+                        int threads, const Monitor& monitor) {
   const std::size_t N = check_states(model, q, threads), nq = size(model.nq()),
-                    nv2 = size(model.nv() * model.nv());
+                    nv2 = size(model.nv()) * size(model.nv());
   const Argument<S> out{"M", "nv nv N", M, nv2};
   out.check(N);
-  if (N == 0) return;
-  if (!coupled(model)) {
-    run_lanes<S>(model, threads, kernels<S>().mass_matrix, out, Argument<const S>{"q", "nq N", q, nq});
-    return;
-  }
-  each_group(N, 1, threads, [&] {
+  check_separate("M", M, "q", q);
+  if (N == 0) return 0;
+  if (!coupled(model))
+    return run_lanes<S>(model, threads, monitor, best_kernels<S>().mass_matrix, out,
+                        Argument<const S>{"q", "nq N", q, nq})
+        .done;
+  return in_portions(N, 1, threads, monitor, [&] {
     return [&, workspace = Workspace<S>(model)](std::size_t k, std::size_t) mutable {
       axode::mass_matrix(model, workspace, q.subspan(k * nq, nq), M.subspan(k * nv2, nv2));
     };
@@ -220,40 +225,49 @@ void mass_matrix(const Model& model, std::span<const S> q, std::type_identity_t<
 
 template <class S>
 Outcome inverse_mass_matrix(const Model& model, std::span<const S> q,
-                            std::type_identity_t<std::span<S>> M_inverse, int threads) {
+                            std::type_identity_t<std::span<S>> M_inverse, int threads,
+                            const Monitor& monitor) {
   const std::size_t N = check_states(model, q, threads), nq = size(model.nq()),
-                    nv2 = size(model.nv() * model.nv());
+                    nv2 = size(model.nv()) * size(model.nv());
   const Argument<S> out{"M_inverse", "nv nv N", M_inverse, nv2};
   out.check(N);
-  std::vector<char> doubtful(N, coupled(model));
-  if (N > 0 && !coupled(model))
-    doubtful = run_lanes<S>(model, threads, kernels<S>().inverse_mass_matrix, out,
-                            Argument<const S>{"q", "nq N", q, nq});
-  return solve_each<S>(model, doubtful, [&](Workspace<S>& workspace, std::size_t k) {
-    return axode::inverse_mass_matrix(model, workspace, q.subspan(k * nq, nq),
-                                      M_inverse.subspan(k * nv2, nv2));
-  });
+  check_separate("M_inverse", M_inverse, "q", q);
+  const Lanes lanes = N == 0 || coupled(model)
+                          ? all_doubtful(N)
+                          : run_lanes<S>(model, threads, monitor, best_kernels<S>().inverse_mass_matrix, out,
+                                         Argument<const S>{"q", "nq N", q, nq});
+  return solve_each<S>(model, lanes, M_inverse, threads, monitor,
+                       [&](Workspace<S>& workspace, std::size_t k) {
+                         return axode::inverse_mass_matrix(model, workspace, q.subspan(k * nq, nq),
+                                                           M_inverse.subspan(k * nv2, nv2));
+                       });
 }
 
 template <class S>
-void poses(const Model& model, std::span<const S> q, std::type_identity_t<std::span<SE3<S>>> C, int threads) {
+std::size_t poses(const Model& model, std::span<const S> q, std::type_identity_t<std::span<SE3<S>>> C,
+                  int threads, const Monitor& monitor) {
   const std::size_t N = check_states(model, q, threads);
   const Argument<SE3<S>> out{"C", "n_frames N", C, size(model.n_frames())};
   out.check(N);
-  if (N > 0)
-    run_lanes<S>(model, threads, kernels<S>().poses, out,
-                 Argument<const S>{"q", "nq N", q, size(model.nq())});
+  check_separate("C", C, "q", q);
+  if (N == 0) return 0;
+  return run_lanes<S>(model, threads, monitor, best_kernels<S>().poses, out,
+                      Argument<const S>{"q", "nq N", q, size(model.nq())})
+      .done;
 }
 
 template <class S>
-void joint_screws(const Model& model, std::span<const S> q,
-                  std::type_identity_t<std::span<Twist<Spatial, S>>> J, int threads) {
+std::size_t joint_screws(const Model& model, std::span<const S> q,
+                         std::type_identity_t<std::span<Twist<Spatial, S>>> J, int threads,
+                         const Monitor& monitor) {
   const std::size_t N = check_states(model, q, threads);
   const Argument<Twist<Spatial, S>> out{"J", "n_screws N", J, size(model.n_screws())};
   out.check(N);
-  if (N > 0)
-    run_lanes<S>(model, threads, kernels<S>().joint_screws, out,
-                 Argument<const S>{"q", "nq N", q, size(model.nq())});
+  check_separate("J", J, "q", q);
+  if (N == 0) return 0;
+  return run_lanes<S>(model, threads, monitor, best_kernels<S>().joint_screws, out,
+                      Argument<const S>{"q", "nq N", q, size(model.nq())})
+      .done;
 }
 
 const char* instruction_set() {
@@ -265,21 +279,27 @@ const char* instruction_set() {
   return "SSE2";
 }
 
-template void inverse_dynamics(const Model&, std::span<const double>, Numbers<double>, Numbers<double>,
-                               std::span<double>, int);
-template void inverse_dynamics(const Model&, std::span<const float>, Numbers<float>, Numbers<float>,
-                               std::span<float>, int);
+template std::size_t inverse_dynamics(const Model&, std::span<const double>, Numbers<double>, Numbers<double>,
+                                      std::span<double>, int, const Monitor&);
 template Outcome forward_dynamics(const Model&, std::span<const double>, Numbers<double>, Numbers<double>,
-                                  std::span<double>, int);
+                                  std::span<double>, int, const Monitor&);
+template std::size_t mass_matrix(const Model&, std::span<const double>, std::span<double>, int,
+                                 const Monitor&);
+template Outcome inverse_mass_matrix(const Model&, std::span<const double>, std::span<double>, int,
+                                     const Monitor&);
+template std::size_t poses(const Model&, std::span<const double>, std::span<SE3<double>>, int,
+                           const Monitor&);
+template std::size_t joint_screws(const Model&, std::span<const double>, std::span<Twist<Spatial, double>>,
+                                  int, const Monitor&);
+template std::size_t inverse_dynamics(const Model&, std::span<const float>, Numbers<float>, Numbers<float>,
+                                      std::span<float>, int, const Monitor&);
 template Outcome forward_dynamics(const Model&, std::span<const float>, Numbers<float>, Numbers<float>,
-                                  std::span<float>, int);
-template void mass_matrix(const Model&, std::span<const double>, std::span<double>, int);
-template void mass_matrix(const Model&, std::span<const float>, std::span<float>, int);
-template Outcome inverse_mass_matrix(const Model&, std::span<const double>, std::span<double>, int);
-template Outcome inverse_mass_matrix(const Model&, std::span<const float>, std::span<float>, int);
-template void poses(const Model&, std::span<const double>, std::span<SE3<double>>, int);
-template void poses(const Model&, std::span<const float>, std::span<SE3<float>>, int);
-template void joint_screws(const Model&, std::span<const double>, std::span<Twist<Spatial, double>>, int);
-template void joint_screws(const Model&, std::span<const float>, std::span<Twist<Spatial, float>>, int);
+                                  std::span<float>, int, const Monitor&);
+template std::size_t mass_matrix(const Model&, std::span<const float>, std::span<float>, int, const Monitor&);
+template Outcome inverse_mass_matrix(const Model&, std::span<const float>, std::span<float>, int,
+                                     const Monitor&);
+template std::size_t poses(const Model&, std::span<const float>, std::span<SE3<float>>, int, const Monitor&);
+template std::size_t joint_screws(const Model&, std::span<const float>, std::span<Twist<Spatial, float>>, int,
+                                  const Monitor&);
 
 }  // namespace axode::batch

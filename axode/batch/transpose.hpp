@@ -35,22 +35,21 @@ template <class S, std::size_t N, std::size_t s = 1> void transpose(std::array<B
 template <class S> constexpr int cache_line = static_cast<int>(64 / sizeof(S));
 
 /// Calls f(k) for blocks of N out of n numbers; the last block overlaps the one before where they do not come out even.
-template <int N, class F> void each_block(int n, const F& f) {
-  int k = 0;
+template <int N, class F> void each_block(std::ptrdiff_t n, const F& f) {
+  std::ptrdiff_t k = 0;
   for (; k + N <= n; k += N) f(k);
   if (k < n) f(n - N);
 }
 
 /// in[l * n + k], number k of the state in lane l, to out[k].
-template <class S, std::size_t N> void gather(const S* in, int n, Batch<S, N>* out) {
+template <class S, std::size_t N> void gather(const S* in, std::ptrdiff_t n, Batch<S, N>* out) {
   constexpr int lanes = static_cast<int>(N);
-  for (int k = lanes * n; k < 2 * lanes * n; k += cache_line<S>)
+  for (std::ptrdiff_t k = lanes * n; k < 2 * lanes * n; k += cache_line<S>)
     __builtin_prefetch(in + k);  // the states that follow
   std::array<Batch<S, N>, N> rows;
   if (n >= lanes) {
-    each_block<lanes>(n, [&](int k) {
-      for (int l = 0; l < lanes; ++l)
-        rows[l] = Batch<S, N>::load(in + static_cast<std::ptrdiff_t>(l) * n + k);
+    each_block<lanes>(n, [&](std::ptrdiff_t k) {
+      for (int l = 0; l < lanes; ++l) rows[l] = Batch<S, N>::load(in + l * n + k);
       transpose(rows);
       for (int l = 0; l < lanes; ++l) out[k + l] = rows[l];
     });
@@ -68,15 +67,15 @@ template <class S, std::size_t N> void gather(const S* in, int n, Batch<S, N>* o
   for (int k = 0; k < n; ++k) out[k] = rows[k];
 }
 /// in[k] to out[l * n + k].
-template <class S, std::size_t N> void scatter(const Batch<S, N>* in, int n, S* out) {
+template <class S, std::size_t N> void scatter(const Batch<S, N>* in, std::ptrdiff_t n, S* out) {
   constexpr int lanes = static_cast<int>(N), ahead = 8 * cache_line<S>;
   std::array<Batch<S, N>, N> rows;
   if (n >= lanes) {
-    each_block<lanes>(n, [&](int k) {
+    each_block<lanes>(n, [&](std::ptrdiff_t k) {
       for (int l = 0; l < lanes; ++l) rows[l] = in[k + l];
       transpose(rows);
       for (int l = 0; l < lanes; ++l) {
-        S* const row = out + static_cast<std::ptrdiff_t>(l) * n + k;
+        S* const row = out + l * n + k;
         __builtin_prefetch(row + ahead, 1);
         rows[l].store(row);
       }

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <cctype>
 #include <set>
 #include <stdexcept>
@@ -19,14 +20,20 @@ std::string identifier(const std::string& name) {
   for (const char c : name) text += is_letter(c) || is_digit(c) ? c : '_';
   return text;
 }
-/// The name of each frame as an identifier; where two would be the same, the later one gets a number.
+/// The name of each frame as an identifier; where two would be the same, with or without a representation behind them,
+/// the later one gets a number.
 std::vector<std::string> frame_identifiers(const Model& model) {
+  constexpr std::array endings{"", "_spatial", "_hybrid", "_mixed"};
   std::set<std::string> taken;
+  const auto is_taken = [&](const std::string& name) {
+    return std::ranges::any_of(endings, [&](const char* ending) { return taken.contains(name + ending); });
+  };
   std::vector<std::string> names;
   for (const Frame& frame : model.frames()) {
     const std::string plain = identifier(frame.name);
     std::string name = plain;
-    for (int k = 2; !taken.insert(name).second; ++k) name = plain + '_' + std::to_string(k);
+    for (int k = 2; is_taken(name); ++k) name = plain + '_' + std::to_string(k);
+    for (const char* ending : endings) taken.insert(name + ending);
     names.push_back(name);
   }
   return names;

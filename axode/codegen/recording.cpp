@@ -5,27 +5,49 @@
 #include <limits>
 
 #include "axode/codegen/traced_tree.hpp"
-#include "axode/dynamics/articulated_bodies.hpp"
-#include "axode/dynamics/composite_bodies.hpp"
-#include "axode/dynamics/fast_inverse_dynamics.hpp"
-#include "axode/dynamics/fast_inverse_mass_matrix.hpp"
-#include "axode/dynamics/sparse_factor.hpp"
+#include "axode/fast/inverse_dynamics.hpp"
+#include "axode/fast/inverse_mass_matrix.hpp"
 #include "axode/kinematics/path.hpp"
+#include "axode/model/workspace.hpp"
+#include "axode/recursion/articulated_bodies.hpp"
+#include "axode/recursion/composite_bodies.hpp"
+#include "axode/recursion/sparse_factor.hpp"
 
 namespace axode::codegen {
 namespace {
 
 using T = Trace;
 using Numbers = std::vector<T>;
-using Arena = Workspace<T>::Arena;
 
 Numbers zeros(int n) { return Numbers(static_cast<std::size_t>(n)); }
+
+template <class Kernel> using OnTape = WithScratch<T, Kernel>;
+
+/// Doubts a solution where a pivot is small against what feeds the velocity with every joint at zero.
+class Doubt {
+ public:
+  Doubt(const Tree<double>& tree, double coarser)
+      : fed_(static_cast<std::size_t>(tree->nv)), small_(1e-8 * coarser) {
+    for (int i = 1; i <= tree->n; ++i)
+      for (int s = tree->first_screw[i]; s < tree->first_screw[i + 1]; ++s)
+        fed_[static_cast<std::size_t>(tree->iv[i] + s - tree->first_screw[i])] +=
+            tree.fed[static_cast<std::size_t>(s)];
+  }
+  template <class Fed> void see(int c, const T& pivot, const Fed&) {
+    doubt_ = doubt_ || !(pivot > T(small_ * fed_[static_cast<std::size_t>(c)]));
+  }
+  const Trace::Condition& verdict() const { return doubt_; }
+
+ private:
+  std::vector<double> fed_;
+  double small_;
+  Trace::Condition doubt_;
+};
 
 /// The arguments of a function, which become inputs of the tape, and what its kernels read.
 struct Traced {
   const Tree<double>& tree;
   Tree<T> constants = cast<T>(tree);
-  Workspace<T> workspace{tree};
   Tape tape;
   Recording recording;
 
@@ -47,28 +69,25 @@ struct Traced {
 
 /// Without what the armatures take.
 Numbers forces(Traced& traced, const Numbers& q, const Numbers& v, const Numbers& a) {
-  Arena arena(traced.workspace);
-  FastInverseDynamics<Plain<T>, T> recursion(arena);
-  Numbers tau = zeros(traced.tree.nv);
-  recursion.forward(traced.tree, q.data(), v.data(), a.data(), cast<T>(traced.tree.g));
-  recursion.backward(traced.tree, tau.data());
+  OnTape<FastInverseDynamics<Plain<T>, T>> recursion(*traced.tree.topology());
+  Numbers tau = zeros(traced.tree->nv);
+  recursion->forward(traced.tree, q.data(), v.data(), a.data(), cast<T>(traced.tree.g));
+  recursion->backward(traced.tree, tau.data());
   return tau;
 }
 
 /// Body-fixed, where joint screws are constant and sparse.
 Numbers composite(Traced& traced, const Numbers& q) {
-  Arena arena(traced.workspace);
-  Link<BodyFixed, T>* links = body_links<BodyFixed>(traced.constants, arena, q.data());
-  Numbers M = zeros(traced.tree.nv * traced.tree.nv);
-  CompositeBodies<BodyFixed, T>(arena, links)
-      .run(traced.constants, traced.constants.armature.data(), M.data());
+  OnTape<CompositeBodies<BodyFixed, T>> bodies(*traced.tree.topology());
+  Numbers M = zeros(traced.tree->nv * traced.tree->nv);
+  bodies->run(traced.constants, q.data(), traced.constants.armature.data(), M.data());
   return M;
 }
 
 Recording inverse_dynamics(const Tree<double>& tree) {
   Traced traced(tree, "tau");
-  const Numbers q = traced.argument("q", tree.nq), v = traced.argument("v", tree.nv),
-                a = traced.argument("a", tree.nv);
+  const Numbers q = traced.argument("q", tree->nq), v = traced.argument("v", tree->nv),
+                a = traced.argument("a", tree->nv);
   Numbers tau = forces(traced, q, v, a);
   for (std::size_t c = 0; c < tau.size(); ++c) tau[c] += T(tree.armature[c]) * a[c];
   return traced.with(std::move(tau));
@@ -76,7 +95,7 @@ Recording inverse_dynamics(const Tree<double>& tree) {
 
 Recording mass_matrix(const Tree<double>& tree) {
   Traced traced(tree, "M");
-  return traced.with(composite(traced, traced.argument("q", tree.nq)));
+  return traced.with(composite(traced, traced.argument("q", tree->nq)));
 }
 
 /// How accelerations are found from what the forces leave over, x := M⁻¹ x, and what makes it doubtful.
@@ -84,37 +103,29 @@ using Solver = Trace::Condition (*)(Traced&, const Numbers& q, Numbers& x, doubl
 
 /// The articulated-body algorithm.
 Trace::Condition solve_articulated(Traced& traced, const Numbers& q, Numbers& x, double coarser) {
-  Arena arena(traced.workspace);
-  Link<BodyFixed, T>* links = body_links<BodyFixed>(traced.constants, arena, q.data());
-  ArticulatedBodies<BodyFixed, T> bodies(arena, links);
-  Trace::Condition doubt;
-  bodies.factorize(traced.constants, traced.constants.armature.data(), [&](int, int c, const T& D, const T&) {
-    doubt = doubt || !(D > T(coarser * traced.tree.pivot_floor[static_cast<std::size_t>(c)]));
-  });
-  bodies.solve(traced.constants, x.data());
-  return doubt;
+  OnTape<ArticulatedBodies<BodyFixed, T>> bodies(*traced.tree.topology());
+  Doubt doubt(traced.tree, coarser);
+  bodies->links.run(traced.constants, q.data());
+  bodies->factorize(traced.constants, traced.constants.armature.data(), doubt);
+  bodies->solve(traced.constants, x.data());
+  return doubt.verdict();
 }
 
 /// The mass matrix and its sparse factors.
 Trace::Condition solve_factorized(Traced& traced, const Numbers& q, Numbers& x, double coarser) {
-  constexpr double small = 1e-8;  // where joints are coupled, whose screws share their pivots
-  const Tree<double>& tree = traced.tree;
-  const bool coupled = !tree.coupled_bodies.empty();
   Numbers H = composite(traced, q);
-  Trace::Condition doubt;
-  factorize(traced.constants, H.data(), [&](int c, const T& pivot, const T& M_cc) {
-    const T floor = coupled ? T(small) * M_cc : T(tree.pivot_floor[static_cast<std::size_t>(c)]);
-    doubt = doubt || !(pivot > T(coarser) * floor);
-  });
+  const Numbers fed = zeros(traced.tree->nv);  // not asked for
+  Doubt doubt(traced.tree, coarser);
+  factorize(traced.constants, fed.data(), H.data(), doubt);
   solve(traced.constants, H.data(), x.data());
-  return doubt;
+  return doubt.verdict();
 }
 
 Recording forward_dynamics(const Tree<double>& tree, Solver solver, double coarser) {
   Traced traced(tree, "a");
-  const Numbers q = traced.argument("q", tree.nq), v = traced.argument("v", tree.nv);
-  Numbers x = traced.argument("tau", tree.nv);
-  const Numbers bias = forces(traced, q, v, zeros(tree.nv));
+  const Numbers q = traced.argument("q", tree->nq), v = traced.argument("v", tree->nv);
+  Numbers x = traced.argument("tau", tree->nv);
+  const Numbers bias = forces(traced, q, v, zeros(tree->nv));
   for (std::size_t c = 0; c < x.size(); ++c) x[c] -= bias[c];
   traced.recording.returns_doubt = true;
   const Trace::Condition doubt = traced.recording.doubt = solver(traced, q, x, coarser);
@@ -127,21 +138,19 @@ Recording forward_dynamics(const Tree<double>& tree, Solver solver, double coars
 /// the way from it to the ground, in inertial axes from the poses of the bodies.
 template <class Rep> std::vector<Twist<Rep, T>> columns(Traced& traced, const Numbers& q, int frame) {
   const Tree<T>& tree = traced.constants;
-  std::vector<Twist<Rep, T>> J(static_cast<std::size_t>(tree.nv));
+  std::vector<Twist<Rep, T>> J(static_cast<std::size_t>(tree->nv));
   const auto add = [&](int c, const Screw<T>& X) { J[c] += Twist<Rep, T>{X.w, X.v}; };
   if constexpr (std::same_as<Rep, BodyFixed>) {
     each_body_fixed_column(tree, q.data(), Place<T>(frame),
                            [&](int, int c, const Screw<T>& X) { add(c, X); });
   } else {
-    Arena arena(traced.workspace);
-    SE3<T>* C_pi = arena.per_body<SE3<T>>();
-    SE3<T>* C = arena.per_body<SE3<T>>();
-    joint_poses(tree, q.data(), C_pi);
-    body_poses(tree, C_pi, C);
-    const int body = tree.frame_body[frame];
+    OnTape<BodyPoses<T>> poses(*tree.topology());
+    poses->run(tree, q.data());
+    const SE3<T>* C = poses->C;
+    const int body = tree->frame_body[frame];
     const SE3<T> place = C[body] * tree.frame_offset[frame];
     const Vec3<T> origin = std::same_as<Rep, Spatial> ? Vec3<T>{} : place.r;
-    for (int i = body; i > 0; i = tree.parent[i]) each_screw(tree, i, {C[i].R, C[i].r - origin}, add);
+    for (int i = body; i > 0; i = tree->parent[i]) each_screw(tree, i, {C[i].R, C[i].r - origin}, add);
     if constexpr (std::same_as<Rep, Mixed>)
       for (auto& [w, v] : J) w = transpose(place.R) * w;
   }
@@ -150,8 +159,8 @@ template <class Rep> std::vector<Twist<Rep, T>> columns(Traced& traced, const Nu
 
 Recording jacobian(const Tree<double>& tree, int frame, Representation representation) {
   Traced traced(tree, "J");
-  const Numbers q = traced.argument("q", tree.nq);
-  const std::size_t nv = static_cast<std::size_t>(tree.nv);
+  const Numbers q = traced.argument("q", tree->nq);
+  const std::size_t nv = static_cast<std::size_t>(tree->nv);
   Numbers rows(6 * nv);
   with_representation(representation, [&](auto rep) {
     const auto J = columns<decltype(rep)>(traced, q, frame);
@@ -175,9 +184,8 @@ Recording record(const Model& model, const Function& function, bool single_preci
     case Quantity::forward_dynamics: break;
   }
   const double coarser = single_precision ? 1e5 : 1;  // fewer digits
-  if (!tree.coupled_bodies.empty()) return forward_dynamics(tree, solve_factorized, coarser);
   Recording by_bodies = forward_dynamics(tree, solve_articulated, coarser);
-  if (tree.depth > FastInverseMassMatrix<double>::longest_path) return by_bodies;  // factors lose digits
+  if (tree->depth > FastInverseMassMatrix<double>::longest_path) return by_bodies;  // factors lose digits
   Recording by_factors = forward_dynamics(tree, solve_factorized, coarser);
   return operations(by_bodies).total() < operations(by_factors).total() ? by_bodies : by_factors;
 }

@@ -38,12 +38,12 @@ Inertia<> share_of_predecessor(Subgroup kind, const Inertia<>& M) {
 }
 
 /// From the leaves to the ground.
-void move_inertias(Tree<double>& tree) {
-  for (int i = tree.n; i > 0; --i) {
+void move_inertias(const Topology& topology, TreeNumbers<double>& tree) {
+  for (int i = topology.n; i > 0; --i) {
     Inertia<>& M = tree.M[i];
-    const Inertia<> share = share_of_predecessor(tree.kind[i], M);
+    const Inertia<> share = share_of_predecessor(topology.kind[i], M);
     const double Theta = trace(M.Theta), h = norm(M.h);
-    tree.M[tree.parent[i]] += transform(tree.B[i], share);
+    tree.M[topology.parent[i]] += transform(tree.B[i], share);
     M = {M.m - share.m, M.h - share.h, M.Theta - share.Theta};
     snap({&M.h.x, &M.h.y, &M.h.z}, h);
     snap({&M.Theta.xx, &M.Theta.yy, &M.Theta.zz, &M.Theta.xy, &M.Theta.xz, &M.Theta.yz}, Theta);
@@ -54,12 +54,11 @@ void move_inertias(Tree<double>& tree) {
 }  // namespace
 
 Tree<double> traced_tree(const Tree<double>& tree) {
-  Tree<double> traced = tree;
+  TreeNumbers<double> traced = tree;
   for (SE3<>& B : traced.B) snap(B);
   for (SE3<>& offset : traced.frame_offset) snap(offset);
-  move_inertias(traced);
-  traced.inertia_arrays.clear(), traced.packed.body.clear();
-  return traced;
+  move_inertias(*tree.topology(), traced);
+  return {tree.topology(), std::move(traced)};
 }
 
 }  // namespace axode::codegen

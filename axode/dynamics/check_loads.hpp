@@ -1,6 +1,6 @@
 #pragma once
-#include "axode/dynamics/loads.hpp"
 #include "axode/kinematics/check_arguments.hpp"
+#include "axode/recursion/loads.hpp"
 
 namespace axode {
 

@@ -3,11 +3,11 @@
 #include <stdexcept>
 
 #include "axode/dynamics/check_loads.hpp"
-#include "axode/dynamics/newton_euler.hpp"
 #include "axode/eigen.hpp"
 #include "axode/kinematics.hpp"
 #include "axode/kinematics/check_arguments.hpp"
 #include "axode/kinematics/system_matrices.hpp"
+#include "axode/lie/newton_euler.hpp"
 
 namespace axode::closed_form {
 namespace {
@@ -63,8 +63,8 @@ VectorXd applied_wrenches(const Model& model, const std::vector<SE3<>>& C, const
 VectorXd joint_forces(const Model& model, std::span<const double> v, std::span<const double> a,
                       const Loads<double>& loads) {
   const Tree<double>& tree = model.tree<double>();
-  VectorXd tau(tree.nv);
-  for (int c = 0; c < tree.nv; ++c) {
+  VectorXd tau(tree->nv);
+  for (int c = 0; c < tree->nv; ++c) {
     tau[c] = tree.armature[c] * a[c];
     if (loads.joint_losses)
       tau[c] += tree.damping[c] * v[c] + tree.friction[c] * double((v[c] > 0) - (v[c] < 0));
@@ -92,7 +92,8 @@ void each_motion(const Model& model, std::span<const double> q, std::span<const 
 
 }  // namespace
 
-template <class Rep> MatrixXd inertia_matrix(const Model& model, std::span<const double> q) {
+template <RecursionRepresentation Rep>
+MatrixXd inertia_matrix(const Model& model, std::span<const double> q) {
   const std::vector<SE3<>> C = frame_poses(model, q);
   MatrixXd M = MatrixXd::Zero(6 * model.n_bodies(), 6 * model.n_bodies());
   for (int i = 1; i <= model.n_bodies(); ++i)
@@ -100,7 +101,7 @@ template <class Rep> MatrixXd inertia_matrix(const Model& model, std::span<const
   return M;
 }
 
-template <class Rep>
+template <RecursionRepresentation Rep>
 VectorXd projection_equations(const Model& model, std::span<const double> q, std::span<const double> v,
                               std::span<const double> a, const Loads<double>& loads) {
   check(model, q, v, a, loads);
@@ -124,7 +125,7 @@ VectorXd momentum_balance(const Model& model, std::span<const double> q, std::sp
   return jacobian<Spatial>(model, q).transpose() * W + joint_forces(model, v, a, loads);
 }
 
-template <class Rep> MatrixXd mass_matrix(const Model& model, std::span<const double> q) {
+template <RecursionRepresentation Rep> MatrixXd mass_matrix(const Model& model, std::span<const double> q) {
   const MatrixXd J = jacobian<Rep>(model, q);
   MatrixXd M = J.transpose() * inertia_matrix<Rep>(model, q) * J;
   M.diagonal() += as_eigen(std::span(model.tree<double>().armature));
@@ -139,7 +140,7 @@ MatrixXd coriolis_matrix(const Model& model, std::span<const double> q, std::spa
     const Eigen::Index nv = model.nv();
     Workspace<> workspace(model);
     std::vector<double> Gamma(static_cast<std::size_t>(nv * nv * nv));
-    axode::christoffel_symbols(model, workspace, q, Gamma);
+    axode::christoffel(model, workspace, q, Gamma);
     MatrixXd C(nv, nv);
     for (Eigen::Index i = 0; i < nv; ++i)
       C.row(i) = Eigen::Map<const MatrixXd>(Gamma.data() + i * nv * nv, nv, nv).transpose() * as_eigen(v);
@@ -170,7 +171,7 @@ VectorXd lagrange_equations(const Model& model, std::span<const double> q, std::
   return M * as_eigen(a) + C * as_eigen(v) - Q + joint_forces(model, v, at_rest, loads);
 }
 
-std::vector<double> christoffel_symbols(const Model& model, std::span<const double> q) {
+std::vector<double> christoffel(const Model& model, std::span<const double> q) {
   for (const Joint& joint : model.joints())
     if (joint.dof.size() != 1)
       throw std::invalid_argument("joint \"" + joint.name + "\" has " + std::to_string(joint.dof.size()) +

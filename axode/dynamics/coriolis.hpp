@@ -1,22 +1,7 @@
 #pragma once
-#include "axode/dynamics/loads.hpp"
 #include "axode/kinematics/arguments.hpp"
 
-/// The terms of M(q) a + C(q, v) v + g(q) = τ + Q, one by one.
 namespace axode {
-
-/// C(q, v) v: what the motion asks of the drives without gravity, loads and accelerations. nv entries, O(n).
-template <class Rep = BodyFixed, class T>
-void coriolis_vector(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v,
-                     std::type_identity_t<std::span<T>> Cv);
-/// g(q) = ∂U/∂q: the drive forces that hold the system at rest against gravity. nv entries, O(n).
-template <class Rep = BodyFixed, class T>
-void gravity_vector(const Model& model, Workspace<T>& workspace, Numbers<T> q,
-                    std::type_identity_t<std::span<T>> g);
-/// Q = Σ Jᵀ W: the generalised forces of the loads, with damping and friction where asked. nv entries, O(n).
-template <class Rep = BodyFixed, class T>
-void generalized_loads(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v,
-                       const std::type_identity_t<Loads<T>>& loads, std::type_identity_t<std::span<T>> Q);
 
 /// Which matrix C with C v = the Coriolis vector.
 enum class CoriolisForm {
@@ -36,7 +21,7 @@ void coriolis_matrix(const Model& model, Workspace<T>& workspace, Numbers<T> q, 
 /// Symmetric in j, k but for velocities of one multi-DOF joint, where Γ_ijk - Γ_ikj belongs to [S_k, S_j].
 /// O(n d²), and nv³ to clear.
 template <class T>
-void christoffel_symbols(const Model& model, Workspace<T>& workspace, Numbers<T> q,
-                         std::type_identity_t<std::span<T>> Gamma);
+void christoffel(const Model& model, Workspace<T>& workspace, Numbers<T> q,
+                 std::type_identity_t<std::span<T>> Gamma);
 
 }  // namespace axode

@@ -1,7 +1,7 @@
 #pragma once
-#include "axode/dynamics/loads.hpp"
 #include "axode/kinematics/arguments.hpp"
 #include "axode/lie/inertia.hpp"
+#include "axode/recursion/loads.hpp"
 
 namespace axode {
 

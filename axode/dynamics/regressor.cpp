@@ -1,8 +1,9 @@
 #include "axode/dynamics/regressor.hpp"
 
-#include "axode/dynamics/inverse_dynamics_recursion.hpp"
+#include "axode/dynamics/scratch.hpp"
 #include "axode/kinematics/check_arguments.hpp"
 #include "axode/kinematics/path.hpp"
+#include "axode/recursion/instantiate.hpp"
 
 namespace axode {
 namespace {
@@ -14,57 +15,35 @@ template <class T> Inertia<T> unit_inertia(int k) {
 }
 
 /// f(i, V, V') in the frame of every body, body-fixed, with the ground accelerated against gravity.
-template <class T, class F>
-void each_body(const Tree<T>& tree, typename Workspace<T>::Arena& arena, const T* q, const T* v, const T* a,
-               SE3<T>* C, F&& f) {
-  const JointMotion<T> joints(arena);
-  const BodyMotion<BodyFixed, T> bodies(arena);
-  joint_motion(tree, q, v, a, joints);
-  forward_recursion(tree, joints, -tree.g, bodies);
-  body_poses(tree, joints.C_pi, C);
-  for (int i = 1; i <= tree.n; ++i) {
+template <class T, class F> void each_body(const Tree<T>& tree, const PosesAndMotion<T>& at, F&& f) {
+  for (int i = 1; i <= tree->n; ++i) {
     const Link<BodyFixed, T> user{tree.frame_offset[i]};
-    f(i, user.down(bodies.V[i]), user.down(bodies.dV[i]));
+    f(i, user.down(at.motion.bodies.V[i]), user.down(at.motion.bodies.dV[i]));
   }
 }
 
 }  // namespace
 
-std::array<double, 10> inertial_parameters(const Inertia<double>& M) {
-  const Sym3<double>& A = M.Theta;
-  return {M.m, M.h.x, M.h.y, M.h.z, A.xx, A.yy, A.zz, A.xy, A.xz, A.yz};
-}
-Inertia<double> inertia_of(std::span<const double, 10> p) {
-  return {p[0], {p[1], p[2], p[3]}, {p[4], p[5], p[6], p[7], p[8], p[9]}};
-}
-std::vector<double> inertial_parameters(const Model& model) {
-  std::vector<double> all;
-  for (int i = 1; i <= model.n_bodies(); ++i) {
-    const std::array<double, 10> own = inertial_parameters(model.body(i).M);
-    all.insert(all.end(), own.begin(), own.end());
-  }
-  return all;
-}
-
 template <class T>
-void torque_regressor(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v, Numbers<T> a,
-                      std::type_identity_t<std::span<T>> Y) {
+void regressor(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v, Numbers<T> a,
+               std::type_identity_t<std::span<T>> Y) {
   check_state(model, workspace, q, v, a);
   const Tree<T>& tree = model.tree<T>();
-  const std::size_t width = 10 * static_cast<std::size_t>(tree.n);
-  check_size("Y", Y.size(), static_cast<std::size_t>(tree.nv) * width, "nv * 10 * n_bodies");
+  const std::size_t width = 10 * static_cast<std::size_t>(tree->n);
+  check_size("Y", Y.size(), static_cast<std::size_t>(tree->nv) * width, "nv * 10 * n_bodies");
+  Arena arena = workspace.arena(model.topology());
+  PosesAndMotion<T> at(arena);
+  at.motion.run(tree, q.data(), v.data(), a.data(), -tree.g);
+  at.C.run(tree, at.motion.joints.C_pi);
   for (T& y : Y) y = T(0);
-  typename Workspace<T>::Arena arena(workspace);
-  SE3<T>* C = arena.template per_body<SE3<T>>();
-  each_body(tree, arena, q.data(), v.data(), a.data(), C, [&](int i, const auto& V, const auto& dV) {
-    std::array<Wrench<Spatial, T>, 10> W;
-    for (int k = 0; k < 10; ++k)
-      W[static_cast<std::size_t>(k)] =
-          coAd(C[i] * tree.frame_offset[i], newton_euler(unit_inertia<T>(k), V, dV));
-    for (int j = i; j > 0; j = tree.parent[j])
-      each_screw(tree, j, C[j], [&](int c, const Screw<T>& X) {
+  each_body(tree, at, [&](int i, const auto& V, const auto& dV) {
+    std::array<Wrench<BodyFixed, T>, 10> W;
+    for (int k = 0; k < 10; ++k) W[static_cast<std::size_t>(k)] = newton_euler(unit_inertia<T>(k), V, dV);
+    const SE3<T> from_user = inverse(at.C[i] * tree.frame_offset[i]);
+    for (int j = i; j > 0; j = tree->parent[j])
+      each_screw(tree, j, from_user * at.C[j], [&](int c, const Screw<T>& X) {
         T* y = &Y[static_cast<std::size_t>(c) * width + 10 * static_cast<std::size_t>(i - 1)];
-        for (std::size_t k = 0; k < 10; ++k) y[k] += W[k] | twist<Spatial>(X);
+        for (std::size_t k = 0; k < 10; ++k) y[k] += W[k] | twist<BodyFixed>(X);
       });
   });
 }
@@ -74,10 +53,11 @@ void kinetic_energy_regressor(const Model& model, Workspace<T>& workspace, Numbe
                               std::type_identity_t<std::span<T>> y) {
   check_state(model, workspace, q, v);
   const Tree<T>& tree = model.tree<T>();
-  check_size("y", y.size(), 10 * static_cast<std::size_t>(tree.n), "10 * n_bodies");
-  typename Workspace<T>::Arena arena(workspace);
-  SE3<T>* C = arena.template per_body<SE3<T>>();
-  each_body(tree, arena, q.data(), v.data(), v.data(), C, [&](int i, const auto& V, const auto&) {
+  check_size("y", y.size(), 10 * static_cast<std::size_t>(tree->n), "10 * n_bodies");
+  Arena arena = workspace.arena(model.topology());
+  PosesAndMotion<T> at(arena);
+  at.motion.run(tree, q.data(), v.data(), v.data());
+  each_body(tree, at, [&](int i, const auto& V, const auto&) {
     for (int k = 0; k < 10; ++k)
       y[static_cast<std::size_t>(10 * (i - 1) + k)] = T(0.5) * ((unit_inertia<T>(k) * V) | V);
   });
@@ -88,13 +68,10 @@ void potential_energy_regressor(const Model& model, Workspace<T>& workspace, Num
                                 std::type_identity_t<std::span<T>> y) {
   check_state(model, workspace, q);
   const Tree<T>& tree = model.tree<T>();
-  check_size("y", y.size(), 10 * static_cast<std::size_t>(tree.n), "10 * n_bodies");
-  typename Workspace<T>::Arena arena(workspace);
-  SE3<T>* C_pi = arena.template per_body<SE3<T>>();
-  SE3<T>* C = arena.template per_body<SE3<T>>();
-  joint_poses(tree, q.data(), C_pi);
-  body_poses(tree, C_pi, C);
-  for (int i = 1; i <= tree.n; ++i) {
+  check_size("y", y.size(), 10 * static_cast<std::size_t>(tree->n), "10 * n_bodies");
+  Arena arena = workspace.arena(model.topology());
+  const BodyPoses<T> C(arena, tree, q.data());
+  for (int i = 1; i <= tree->n; ++i) {
     const SE3<T> C_user = C[i] * tree.frame_offset[i];
     const Vec3<T> g = transpose(C_user.R) * tree.g;
     const std::array<T, 10> own{-dot(tree.g, C_user.r), -g.x, -g.y, -g.z};
@@ -102,16 +79,11 @@ void potential_energy_regressor(const Model& model, Workspace<T>& workspace, Num
   }
 }
 
-template void torque_regressor(const Model&, Workspace<double>&, Numbers<double>, Numbers<double>,
-                               Numbers<double>, std::span<double>);
-template void torque_regressor(const Model&, Workspace<float>&, Numbers<float>, Numbers<float>,
-                               Numbers<float>, std::span<float>);
-template void kinetic_energy_regressor(const Model&, Workspace<double>&, Numbers<double>, Numbers<double>,
-                                       std::span<double>);
-template void kinetic_energy_regressor(const Model&, Workspace<float>&, Numbers<float>, Numbers<float>,
-                                       std::span<float>);
-template void potential_energy_regressor(const Model&, Workspace<double>&, Numbers<double>,
-                                         std::span<double>);
-template void potential_energy_regressor(const Model&, Workspace<float>&, Numbers<float>, std::span<float>);
+template void regressor(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>, Numbers<AXODE_T>,
+                        Numbers<AXODE_T>, std::span<AXODE_T>);
+template void kinetic_energy_regressor(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>, Numbers<AXODE_T>,
+                                       std::span<AXODE_T>);
+template void potential_energy_regressor(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>,
+                                         std::span<AXODE_T>);
 
 }  // namespace axode

@@ -73,13 +73,6 @@ std::vector<Fault> all_faults(io::Reading reading, Physics physics) {
   return faults;
 }
 
-Description with_fixed_base(Description description) {
-  for (BodyDescription& body : description.bodies)
-    if (body.predecessor == "ground" && body.joint.kind == JointKind::free)
-      body.joint = {.name = "fixed_base", .source = body.joint.source};
-  return description;
-}
-
 }  // namespace
 
 Model io::build(Reading reading, Base base, Physics physics) {

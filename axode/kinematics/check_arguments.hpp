@@ -1,4 +1,5 @@
 #pragma once
+#include <cstdint>
 #include <string>
 
 #include "axode/kinematics/arguments.hpp"
@@ -20,6 +21,15 @@ void check_state(const Model& model, const Workspace<T>& workspace, Numbers<T> q
                  Numbers<T> a) {
   check_state(model, workspace, q, v);
   check_size("a", a.size(), static_cast<std::size_t>(model.nv()), "nv");
+}
+
+/// Throws std::invalid_argument where a result shares memory with an argument that is still being read.
+template <class Out, class In>
+void check_separate(const char* result, std::span<Out> out, const char* argument, std::span<In> in) {
+  const auto begin = [](const auto& x) { return reinterpret_cast<std::uintptr_t>(x.data()); };
+  if (begin(out) < begin(in) + in.size_bytes() && begin(in) < begin(out) + out.size_bytes())
+    throw std::invalid_argument(std::string(result) + " shares memory with " + argument +
+                                "; this result needs memory of its own");
 }
 
 /// A result with an entry for each pair of velocities.

@@ -2,6 +2,7 @@
 
 #include "axode/kinematics/check_arguments.hpp"
 #include "axode/kinematics/motion_series.hpp"
+#include "axode/recursion/instantiate.hpp"
 
 namespace axode {
 namespace {
@@ -35,68 +36,51 @@ template <class T> void HigherOrderMotion<T>::evaluate(Numbers<T> q, Numbers<T> 
 }
 
 template <class T>
-template <class Rep>
+template <RecursionRepresentation Rep>
 TwistRate<Rep, T> HigherOrderMotion<T>::twist_derivative(const Place<T>& place, int k) const {
   check_place(model_, place.frame);
   check_order(k, order());
   const Tree<T>& tree = model_.tree<T>();
-  const int i = tree.frame_body[place.frame];
+  const int i = tree->frame_body[place.frame];
   pose_->run(k, series_->twist(i), series_->pose(i) * tree.frame_offset[place.frame] * place.offset);
   const Screw<T> V_k = factorial<T>(k) * pose_->template coefficient<Rep>(series_->twist(i), k);
   return {V_k.w, V_k.v};
 }
 
 template <class T>
-template <class Rep>
+template <RecursionRepresentation Rep>
 void HigherOrderMotion<T>::jacobian_derivative(const Place<T>& place, int k,
                                                std::span<TwistRate<Rep, T>> J) const {
   check_place(model_, place.frame);
   check_order(k, order());
   check_size("J", J.size(), static_cast<std::size_t>(model_.nv()), "nv");
   const Tree<T>& tree = model_.tree<T>();
-  const int body = tree.frame_body[place.frame];
+  const int body = tree->frame_body[place.frame];
   pose_->run(k, series_->twist(body), series_->pose(body) * tree.frame_offset[place.frame] * place.offset);
   for (TwistRate<Rep, T>& column : J) column = {};
-  for (int i = body; i > 0; i = tree.parent[i])
-    for (int s = tree.first_screw[i]; s < tree.first_screw[i + 1]; ++s) {
+  for (int i = body; i > 0; i = tree->parent[i])
+    for (int s = tree->first_screw[i]; s < tree->first_screw[i + 1]; ++s) {
       const Screw<T> J_k = factorial<T>(k) * pose_->template coefficient<Rep>(series_->screw(s), k);
-      J[tree.iv[i] + s - tree.first_screw[i]] += TwistRate<Rep, T>{J_k.w, J_k.v};
+      J[tree->iv[i] + s - tree->first_screw[i]] += TwistRate<Rep, T>{J_k.w, J_k.v};
     }
 }
 
-template class HigherOrderMotion<double>;
-template class HigherOrderMotion<float>;
-template TwistRate<BodyFixed, double> HigherOrderMotion<double>::twist_derivative<BodyFixed>(
-    const Place<double>&, int) const;
-template void HigherOrderMotion<double>::jacobian_derivative<BodyFixed>(
-    const Place<double>&, int, std::span<TwistRate<BodyFixed, double>>) const;
-template TwistRate<Spatial, double> HigherOrderMotion<double>::twist_derivative<Spatial>(const Place<double>&,
-                                                                                         int) const;
-template void HigherOrderMotion<double>::jacobian_derivative<Spatial>(
-    const Place<double>&, int, std::span<TwistRate<Spatial, double>>) const;
-template TwistRate<Hybrid, double> HigherOrderMotion<double>::twist_derivative<Hybrid>(const Place<double>&,
+template class HigherOrderMotion<AXODE_T>;
+template TwistRate<BodyFixed, AXODE_T> HigherOrderMotion<AXODE_T>::twist_derivative<BodyFixed>(
+    const Place<AXODE_T>&, int) const;
+template void HigherOrderMotion<AXODE_T>::jacobian_derivative<BodyFixed>(
+    const Place<AXODE_T>&, int, std::span<TwistRate<BodyFixed, AXODE_T>>) const;
+template TwistRate<Spatial, AXODE_T> HigherOrderMotion<AXODE_T>::twist_derivative<Spatial>(
+    const Place<AXODE_T>&, int) const;
+template void HigherOrderMotion<AXODE_T>::jacobian_derivative<Spatial>(
+    const Place<AXODE_T>&, int, std::span<TwistRate<Spatial, AXODE_T>>) const;
+template TwistRate<Hybrid, AXODE_T> HigherOrderMotion<AXODE_T>::twist_derivative<Hybrid>(
+    const Place<AXODE_T>&, int) const;
+template void HigherOrderMotion<AXODE_T>::jacobian_derivative<Hybrid>(
+    const Place<AXODE_T>&, int, std::span<TwistRate<Hybrid, AXODE_T>>) const;
+template TwistRate<Mixed, AXODE_T> HigherOrderMotion<AXODE_T>::twist_derivative<Mixed>(const Place<AXODE_T>&,
                                                                                        int) const;
-template void HigherOrderMotion<double>::jacobian_derivative<Hybrid>(
-    const Place<double>&, int, std::span<TwistRate<Hybrid, double>>) const;
-template TwistRate<Mixed, double> HigherOrderMotion<double>::twist_derivative<Mixed>(const Place<double>&,
-                                                                                     int) const;
-template void HigherOrderMotion<double>::jacobian_derivative<Mixed>(
-    const Place<double>&, int, std::span<TwistRate<Mixed, double>>) const;
-template TwistRate<BodyFixed, float> HigherOrderMotion<float>::twist_derivative<BodyFixed>(
-    const Place<float>&, int) const;
-template void HigherOrderMotion<float>::jacobian_derivative<BodyFixed>(
-    const Place<float>&, int, std::span<TwistRate<BodyFixed, float>>) const;
-template TwistRate<Spatial, float> HigherOrderMotion<float>::twist_derivative<Spatial>(const Place<float>&,
-                                                                                       int) const;
-template void HigherOrderMotion<float>::jacobian_derivative<Spatial>(
-    const Place<float>&, int, std::span<TwistRate<Spatial, float>>) const;
-template TwistRate<Hybrid, float> HigherOrderMotion<float>::twist_derivative<Hybrid>(const Place<float>&,
-                                                                                     int) const;
-template void HigherOrderMotion<float>::jacobian_derivative<Hybrid>(
-    const Place<float>&, int, std::span<TwistRate<Hybrid, float>>) const;
-template TwistRate<Mixed, float> HigherOrderMotion<float>::twist_derivative<Mixed>(const Place<float>&,
-                                                                                   int) const;
-template void HigherOrderMotion<float>::jacobian_derivative<Mixed>(const Place<float>&, int,
-                                                                   std::span<TwistRate<Mixed, float>>) const;
+template void HigherOrderMotion<AXODE_T>::jacobian_derivative<Mixed>(
+    const Place<AXODE_T>&, int, std::span<TwistRate<Mixed, AXODE_T>>) const;
 
 }  // namespace axode

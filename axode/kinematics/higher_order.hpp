@@ -29,10 +29,11 @@ template <class T = double> class HigherOrderMotion {
 
   /// The k-th time derivative of the components of the twist of a place, k = 0 (the twist itself) to order.
   /// Classical jerk and snap of a point are the linear parts of the hybrid ones for k = 2 and 3.
-  template <class Rep = BodyFixed> TwistRate<Rep, T> twist_derivative(const Place<T>& place, int k) const;
+  template <RecursionRepresentation Rep = BodyFixed>
+  TwistRate<Rep, T> twist_derivative(const Place<T>& place, int k) const;
 
   /// The k-th time derivative of the Jacobian of a place, nv columns, k = 0 (the Jacobian itself) to order.
-  template <class Rep = BodyFixed>
+  template <RecursionRepresentation Rep = BodyFixed>
   void jacobian_derivative(const Place<T>& place, int k, std::span<TwistRate<Rep, T>> J) const;
 
  private:

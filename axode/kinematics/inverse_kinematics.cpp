@@ -152,7 +152,7 @@ class Solver {
   /// Whether there was one.
   bool hold(Vector& push, Vector& way) {
     bool held = false;
-    for (int i = 1; options_.limits && i <= tree_.n; ++i) {
+    for (int i = 1; options_.limits && i <= tree_->n; ++i) {
       const Joint& joint = model_.joint(i);
       if (joint.nq != 1) continue;
       const double x = at_.q[joint.iq], speed = push[joint.iv];
@@ -166,10 +166,10 @@ class Solver {
   }
   /// q ⊕ dv, within the limits.
   void move(const std::vector<double>& q, const Vector& dv, std::vector<double>& out) const {
-    for (int i = 1; i <= tree_.n; ++i)
-      if (!tree_.coupled[i])
+    for (int i = 1; i <= tree_->n; ++i)
+      if (!tree_->coupled[i])
         with_joint(tree_, i, [&](const auto& joint) {
-          joint.integrate(&q[tree_.iq[i]], &dv[tree_.iv[i]], &out[tree_.iq[i]]);
+          joint.integrate(&q[tree_->iq[i]], &dv[tree_->iv[i]], &out[tree_->iq[i]]);
         });
     for (std::size_t k = 0; options_.limits && k < out.size(); ++k)
       out[k] = std::clamp(out[k], limit_.lower[k], limit_.upper[k]);

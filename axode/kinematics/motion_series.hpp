@@ -15,10 +15,10 @@ template <class T> class MotionSeries {
   MotionSeries(const Tree<T>& tree, int order)
       : order_(order),
         stride_(order + 1),
-        V_((tree.n + 1) * stride_),
-        J_(tree.n_screws * stride_),
-        C_(tree.n + 1),
-        v_(tree.nv * stride_) {}
+        V_((tree->n + 1) * stride_),
+        J_(tree->n_screws * stride_),
+        C_(tree->n + 1),
+        v_(tree->nv * stride_) {}
 
   int order() const { return order_; }
 
@@ -28,24 +28,24 @@ template <class T> class MotionSeries {
     T factorial(1);
     for (int k = 0; k <= order_; ++k) {
       if (k > 1) factorial = factorial * T(k);
-      for (int c = 0; c < tree.nv; ++c) v_[c * stride_ + k] = rates[k * tree.nv + c] / factorial;
+      for (int c = 0; c < tree->nv; ++c) v_[c * stride_ + k] = rates[k * tree->nv + c] / factorial;
     }
     C_[0] = {};
     for (int k = 0; k <= order_; ++k) V_[k] = {};
-    for (int i = 1; i <= tree.n; ++i) {
-      const int p = tree.parent[i];
+    for (int i = 1; i <= tree->n; ++i) {
+      const int p = tree->parent[i];
       C_[i] = C_[p] * joint_pose(tree, i, q);
-      int s = tree.first_screw[i];
+      int s = tree->first_screw[i];
       each_screw(tree, i, C_[i], [&](int, const Screw<T>& X) { J_[s++ * stride_] = X; });
       for (int k = 0; k <= order_; ++k) {
         Screw<T> V_k = V_[p * stride_ + k];
-        for (s = tree.first_screw[i]; s < tree.first_screw[i + 1]; ++s) {
-          const int c = tree.iv[i] + s - tree.first_screw[i];
+        for (s = tree->first_screw[i]; s < tree->first_screw[i + 1]; ++s) {
+          const int c = tree->iv[i] + s - tree->first_screw[i];
           for (int l = 0; l <= k; ++l) V_k = V_k + v_[c * stride_ + k - l] * J_[s * stride_ + l];
         }
         V_[i * stride_ + k] = V_k;
         if (k == order_) break;
-        for (s = tree.first_screw[i]; s < tree.first_screw[i + 1]; ++s) {
+        for (s = tree->first_screw[i]; s < tree->first_screw[i + 1]; ++s) {
           Screw<T> J_next;
           for (int l = 0; l <= k; ++l) J_next = J_next + ad(V_[i * stride_ + l], J_[s * stride_ + k - l]);
           J_[s * stride_ + k + 1] = (T(1) / T(k + 1)) * J_next;

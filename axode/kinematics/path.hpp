@@ -8,9 +8,9 @@ namespace axode {
 /// The pose of body i's joint frame in its predecessor's internal frame, B exp(S q).
 template <class T> SE3<T> joint_pose(const Tree<T>& tree, int i, const T* q) noexcept {
   return with_joint(tree, i, [&](const auto& joint) {
-    const T* q_i = q + tree.iq[i];
+    const T* q_i = q + tree->iq[i];
     const T own = tree.ratio[i] * *q_i + tree.offset[i];
-    return joint.pose(tree.B[i], tree.coupled[i] ? &own : q_i);
+    return joint.pose(tree.B[i], tree->coupled[i] ? &own : q_i);
   });
 }
 
@@ -19,7 +19,7 @@ template <class T> SE3<T> joint_pose(const Tree<T>& tree, int i, const T* q) noe
 /// velocity.
 template <class T, class F> void each_screw(const Tree<T>& tree, int i, const SE3<T>& C, F&& f) noexcept {
   with_joint(tree, i, [&](const auto& joint) {
-    for (int k = 0; k < joint.nv; ++k) f(tree.iv[i] + k, tree.ratio[i] * joint.column(C, k));
+    for (int k = 0; k < joint.nv; ++k) f(tree->iv[i] + k, tree.ratio[i] * joint.column(C, k));
   });
 }
 
@@ -31,20 +31,20 @@ SE3<T> each_body_fixed_column(const Tree<T>& tree, const T* q, const Place<T>& p
                               int until = 0) noexcept {
   constexpr int most = 16;  // joints whose sines and cosines are computed at once
   SE3<T> E = tree.frame_offset[place.frame] * place.offset;  // the place in the joint frame of body i
-  for (int i = tree.frame_body[place.frame]; i != until;) {
+  for (int i = tree->frame_body[place.frame]; i != until;) {
     int body[most], n = 0;
     T angle[most]{}, sine[most], cosine[most];
-    for (; i != until && n < most; i = tree.parent[i], ++n)
-      body[n] = i, angle[n] = tree.ratio[i] * q[tree.iq[i]] + tree.offset[i];
+    for (; i != until && n < most; i = tree->parent[i], ++n)
+      body[n] = i, angle[n] = tree.ratio[i] * q[tree->iq[i]] + tree.offset[i];
     sine_cosine(angle, sine, cosine, n);
     for (int k = 0; k < n; ++k) {
       const int j = body[k];
-      if (tree.kind[j] == Subgroup::revolute) [[likely]] {
+      if (tree->kind[j] == Subgroup::revolute) [[likely]] {
         const T &ratio = tree.ratio[j], x = E.r.x, y = E.r.y;
         const SO3<T>& R = E.R;
         const Screw<T> X{{R.x.z, R.y.z, R.z.z},
                          {R.x.y * x - R.x.x * y, R.y.y * x - R.y.x * y, R.z.y * x - R.z.x * y}};
-        f(j, tree.iv[j], ratio * X);
+        f(j, tree->iv[j], ratio * X);
         E = SE3<T>{subgroup::turn(tree.B[j].R, sine[k], cosine[k]), tree.B[j].r} * E;
       } else {
         each_screw(tree, j, inverse(E), [&](int c, const Screw<T>& X) { f(j, c, X); });
@@ -59,7 +59,7 @@ SE3<T> each_body_fixed_column(const Tree<T>& tree, const T* q, const Place<T>& p
 template <class T> int common_predecessor(const Tree<T>& tree, int i, int j) noexcept {
   while (i != j) {
     int& later = i > j ? i : j;
-    later = tree.parent[later];
+    later = tree->parent[later];
   }
   return i;
 }

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "axode/kinematics.hpp"
-#include "axode/kinematics/representation.hpp"
+#include "axode/recursion/link.hpp"
 
 namespace axode {
 namespace {
@@ -84,7 +84,7 @@ SystemMatrices matrices(const Model& model, const std::vector<Link<Rep, double>>
     for (int k = 0; k < static_cast<int>(model.body(i).X.size()); ++k) {
       const Screw<>& X_k = model.body(i).X[k];
       const auto [c, ratio] = velocity_of(model, i, k);
-      const Twist<Rep> J = links[i].push(Twist<BodyFixed>{X_k.w, X_k.v});
+      const Twist<Rep> J = push(links[i], Twist<BodyFixed>{X_k.w, X_k.v});
       add_column(X, 6 * (i - 1), c, ratio * Screw<>{J.w, J.v});
     }
   }
@@ -102,7 +102,8 @@ void check_stacked(const Model& model, const char* argument, const Eigen::Vector
 
 }  // namespace
 
-template <class Rep> SystemMatrices system_matrices(const Model& model, std::span<const double> q) {
+template <RecursionRepresentation Rep>
+SystemMatrices system_matrices(const Model& model, std::span<const double> q) {
   return matrices<Rep>(model, user_links<Rep>(model, q));
 }
 
@@ -146,7 +147,7 @@ SystemMatrix b_matrix(const Model& model, const Eigen::VectorXd& V) {
   return matrix(6 * model.n_bodies(), 6 * model.n_bodies(), b);
 }
 
-template <class Rep>
+template <RecursionRepresentation Rep>
 Eigen::VectorXd system_twist(const Model& model, std::span<const double> q, std::span<const double> v) {
   Workspace<> workspace(model);
   std::vector<Twist<Rep>> V(model.n_frames());
@@ -156,7 +157,7 @@ Eigen::VectorXd system_twist(const Model& model, std::span<const double> q, std:
   return out;
 }
 
-template <class Rep>
+template <RecursionRepresentation Rep>
 Eigen::VectorXd system_acceleration(const Model& model, std::span<const double> q, std::span<const double> v,
                                     std::span<const double> a) {
   Workspace<> workspace(model);
@@ -167,14 +168,14 @@ Eigen::VectorXd system_acceleration(const Model& model, std::span<const double> 
   return out;
 }
 
-template <class Rep>
+template <RecursionRepresentation Rep>
 Eigen::VectorXd joint_velocities(const Model& model, std::span<const double> q, const Eigen::VectorXd& V) {
   check_stacked(model, "V", V);
   const SystemMatrices system = system_matrices<Rep>(model, q);
   return least_squares(system.X, V - system.D * V);
 }
 
-template <class Rep>
+template <RecursionRepresentation Rep>
 Eigen::VectorXd joint_accelerations(const Model& model, std::span<const double> q, const Eigen::VectorXd& V,
                                     const Eigen::VectorXd& dV) {
   check_stacked(model, "V", V);

@@ -19,7 +19,7 @@ struct SystemMatrices {
 };
 /// In representation Rep. A^b has blocks Ad_{C_ij}, A^h has Ad_{r_ij}; spatial D has identities, and X the
 /// instantaneous screws J_i^s, so that A is the lower block-triangular identity L.
-template <class Rep = BodyFixed>
+template <RecursionRepresentation Rep = BodyFixed>
 SystemMatrices system_matrices(const Model& model, std::span<const double> q);
 
 /// The other factorisations of the spatial Jacobian, J^s = A^s Y^s = A^sb X^b (eq. JbSys), with constant Y^s
@@ -36,20 +36,20 @@ SystemMatrix a_matrix(const Model& model, std::span<const double> v);
 SystemMatrix b_matrix(const Model& model, const Eigen::VectorXd& V);
 
 /// V = J v of all bodies, stacked, 6n.
-template <class Rep = BodyFixed>
+template <RecursionRepresentation Rep = BodyFixed>
 Eigen::VectorXd system_twist(const Model& model, std::span<const double> q, std::span<const double> v);
 /// V' of all bodies, stacked, 6n.
-template <class Rep = BodyFixed>
+template <RecursionRepresentation Rep = BodyFixed>
 Eigen::VectorXd system_acceleration(const Model& model, std::span<const double> q, std::span<const double> v,
                                     std::span<const double> a);
 
 /// The velocities v that belong to given twists of all bodies, (XᵀX)⁻¹ Xᵀ (I - D) V: the overall inverse
 /// kinematics. The least-squares solution where no v makes V.
-template <class Rep = BodyFixed>
+template <RecursionRepresentation Rep = BodyFixed>
 Eigen::VectorXd joint_velocities(const Model& model, std::span<const double> q, const Eigen::VectorXd& V);
 /// The accelerations that belong to given twists and twist rates of all bodies, (XᵀX)⁻¹ Xᵀ ((I - D) V' -
 /// bias) (eq. solqddot1, where the bias is -a^b V^b).
-template <class Rep = BodyFixed>
+template <RecursionRepresentation Rep = BodyFixed>
 Eigen::VectorXd joint_accelerations(const Model& model, std::span<const double> q, const Eigen::VectorXd& V,
                                     const Eigen::VectorXd& dV);
 

@@ -11,9 +11,15 @@ struct BodyFixed {};  ///< axes of the body frame, about its origin: V^b
 struct Spatial {};    ///< axes of the inertial frame, about its origin: V^s
 struct Hybrid {};     ///< axes of the inertial frame, about the origin of the body frame: V^h
 struct Mixed {};  ///< angular part in body axes, linear part in inertial axes, about the body's origin: V^m
-struct Fast {
-};  ///< not one of them: an algorithm in the frames, mixed as they may be, in which it is quickest
 struct InFrames {};  ///< measured at the origin of a frame j, resolved in a frame k: ^kV^j
+
+/// The four in which recursions run: BodyFixed, Spatial, Hybrid, Mixed.
+template <class Rep>
+concept RecursionRepresentation = std::same_as<Rep, BodyFixed> || std::same_as<Rep, Spatial> ||
+    std::same_as<Rep, Hybrid> || std::same_as<Rep, Mixed>;
+/// What a twist can be written in: one of the four, or InFrames.
+template <class Rep>
+concept TwistRepresentation = RecursionRepresentation<Rep> || std::same_as<Rep, InFrames>;
 
 /// The same four as a value, for programs that learn the representation at run time.
 enum class Representation { body, spatial, hybrid, mixed };
@@ -34,14 +40,26 @@ template <class Rep>
 concept AtFrameOrigin = std::same_as<Rep, BodyFixed> || std::same_as<Rep, Spatial>;
 
 /// V = (w; v) in rad/s and m/s.
-template <class Rep, class T = double> struct Twist { Vec3<T> w, v; };
+template <class Rep, class T = double> struct Twist {
+  static_assert(TwistRepresentation<Rep>, "a twist is BodyFixed, Spatial, Hybrid, Mixed or InFrames");
+  Vec3<T> w, v;
+};
 /// V' = (w; v) in rad/s² and m/s²: the time derivative of the components of a twist. Changing its
 /// representation needs the twist.
-template <class Rep, class T = double> struct TwistRate { Vec3<T> w, v; };
+template <class Rep, class T = double> struct TwistRate {
+  static_assert(TwistRepresentation<Rep>, "a twist's rate is BodyFixed, Spatial, Hybrid, Mixed or InFrames");
+  Vec3<T> w, v;
+};
 /// W = (m; f), moment in N m and force in N; dual to the twist of the same representation.
-template <class Rep, class T = double> struct Wrench { Vec3<T> m, f; };
+template <class Rep, class T = double> struct Wrench {
+  static_assert(TwistRepresentation<Rep>, "a wrench is BodyFixed, Spatial, Hybrid, Mixed or InFrames");
+  Vec3<T> m, f;
+};
 /// Π = (l; p), the momentum co-screw: angular in N m s and linear in N s; dual to the twist.
-template <class Rep, class T = double> struct Momentum { Vec3<T> l, p; };
+template <class Rep, class T = double> struct Momentum {
+  static_assert(TwistRepresentation<Rep>, "a momentum is BodyFixed, Spatial, Hybrid, Mixed or InFrames");
+  Vec3<T> l, p;
+};
 
 template <template <class, class> class Kind> inline constexpr bool is_screw_kind = false;
 template <> inline constexpr bool is_screw_kind<Twist> = true;
@@ -69,73 +87,84 @@ constexpr Kind<Rep, T> operator-(const Kind<Rep, T>& x, const Kind<Rep, T>& y) {
   const auto& [y1, y2] = y;
   return {x1 - y1, x2 - y2};
 }
-template <template <class, class> class Kind, class Rep, class T>
-  requires is_screw_kind<Kind>
-constexpr Kind<Rep, T> operator-(const Kind<Rep, T>& x) {
-  const auto& [x1, x2] = x;
-  return {-x1, -x2};
-}
-template <template <class, class> class Kind, class Rep, class T>
-  requires is_screw_kind<Kind>
-constexpr Kind<Rep, T> operator*(const T& s, const Kind<Rep, T>& x) {
-  const auto& [x1, x2] = x;
-  return {s * x1, s * x2};
-}
-template <template <class, class> class Kind, class Rep, class T>
-  requires is_screw_kind<Kind>
-constexpr Kind<Rep, T>& operator+=(Kind<Rep, T>& x, const Kind<Rep, T>& y) { return x = x + y; }
-template <template <class, class> class Kind, class Rep, class T>
-  requires is_screw_kind<Kind>
-constexpr Kind<Rep, T>& operator-=(Kind<Rep, T>& x, const Kind<Rep, T>& y) { return x = x - y; }
+/// Quantities in different representations do not add: change<To>(C, x) first.
+template <template <class, class> class Kind, class Rep, class Other, class T>
+  requires is_screw_kind<Kind> &&(!std::same_as<Rep, Other>)void operator+(const Kind<Rep, T>&,
+                                                                           const Kind<Other, T>&) = delete;
+  template <template <class, class> class Kind, class Rep, class Other, class T>
+    requires is_screw_kind<Kind> &&(!std::same_as<Rep, Other>)void operator-(const Kind<Rep, T>&,
+                                                                             const Kind<Other, T>&) = delete;
+    template <template <class, class> class Kind, class Rep, class T>
+      requires is_screw_kind<Kind>
+    constexpr Kind<Rep, T> operator-(const Kind<Rep, T>& x) {
+      const auto& [x1, x2] = x;
+      return {-x1, -x2};
+    }
+    template <template <class, class> class Kind, class Rep, class T>
+      requires is_screw_kind<Kind>
+    constexpr Kind<Rep, T> operator*(const T& s, const Kind<Rep, T>& x) {
+      const auto& [x1, x2] = x;
+      return {s * x1, s * x2};
+    }
+    template <template <class, class> class Kind, class Rep, class T>
+      requires is_screw_kind<Kind>
+    constexpr Kind<Rep, T>& operator+=(Kind<Rep, T>& x, const Kind<Rep, T>& y) { return x = x + y; }
+    template <template <class, class> class Kind, class Rep, class T>
+      requires is_screw_kind<Kind>
+    constexpr Kind<Rep, T>& operator-=(Kind<Rep, T>& x, const Kind<Rep, T>& y) { return x = x - y; }
 
-/// W | V, the power of a wrench on a twist in W.
-template <class Rep, class T> constexpr T operator|(const Wrench<Rep, T>& W, const Twist<Rep, T>& V) {
-  return dot(W.m, V.w) + dot(W.f, V.v);
-}
-/// Π | V, twice the kinetic energy where Π = M V, in J.
-template <class Rep, class T> constexpr T operator|(const Momentum<Rep, T>& Pi, const Twist<Rep, T>& V) {
-  return dot(Pi.l, V.w) + dot(Pi.p, V.v);
-}
+    /// W | V, the power of a wrench on a twist in W.
+    template <class Rep, class T> constexpr T operator|(const Wrench<Rep, T>& W, const Twist<Rep, T>& V) {
+      return dot(W.m, V.w) + dot(W.f, V.v);
+    }
+    /// Π | V, twice the kinetic energy where Π = M V, in J.
+    template <class Rep, class T> constexpr T operator|(const Momentum<Rep, T>& Pi, const Twist<Rep, T>& V) {
+      return dot(Pi.l, V.w) + dot(Pi.p, V.v);
+    }
 
-/// The coordinates of a twist as a screw, and back; for representations that are screws.
-template <AtFrameOrigin Rep, class T> constexpr Screw<T> screw(const Twist<Rep, T>& V) { return {V.w, V.v}; }
-template <AtFrameOrigin Rep, class T> constexpr Twist<Rep, T> twist(const Screw<T>& X) { return {X.w, X.v}; }
+    /// The coordinates of a twist as a screw, and back; for representations that are screws.
+    template <AtFrameOrigin Rep, class T> constexpr Screw<T> screw(const Twist<Rep, T>& V) {
+      return {V.w, V.v};
+    }
+    template <AtFrameOrigin Rep, class T> constexpr Twist<Rep, T> twist(const Screw<T>& X) {
+      return {X.w, X.v};
+    }
 
-/// ad_V1 V2 = [V1, V2] (eq. ScrewProd).
-template <AtFrameOrigin Rep, class T>
-constexpr Twist<Rep, T> ad(const Twist<Rep, T>& V1, const Twist<Rep, T>& V2) {
-  return twist<Rep>(ad(screw(V1), screw(V2)));
-}
-/// -ad_Vᵀ Π: the rate of a momentum that moves with V.
-template <AtFrameOrigin Rep, class T>
-constexpr Wrench<Rep, T> coad(const Twist<Rep, T>& V, const Momentum<Rep, T>& Pi) {
-  const Noted<T> noted(ScrewOperation::bracket);
-  return {cross(V.w, Pi.l) + cross(V.v, Pi.p), cross(V.w, Pi.p)};
-}
-/// -ad_Xᵀ W, the twin of ad on wrenches.
-template <AtFrameOrigin Rep, class T>
-constexpr Wrench<Rep, T> coad(const Twist<Rep, T>& X, const Wrench<Rep, T>& W) {
-  const Noted<T> noted(ScrewOperation::bracket);
-  return {cross(X.w, W.m) + cross(X.v, W.f), cross(X.w, W.f)};
-}
+    /// ad_V1 V2 = [V1, V2] (eq. ScrewProd).
+    template <AtFrameOrigin Rep, class T>
+    constexpr Twist<Rep, T> ad(const Twist<Rep, T>& V1, const Twist<Rep, T>& V2) {
+      return twist<Rep>(ad(screw(V1), screw(V2)));
+    }
+    /// -ad_Vᵀ Π: the rate of a momentum that moves with V.
+    template <AtFrameOrigin Rep, class T>
+    constexpr Wrench<Rep, T> coad(const Twist<Rep, T>& V, const Momentum<Rep, T>& Pi) {
+      const Noted<T> noted(ScrewOperation::bracket);
+      return {cross(V.w, Pi.l) + cross(V.v, Pi.p), cross(V.w, Pi.p)};
+    }
+    /// -ad_Xᵀ W, the twin of ad on wrenches.
+    template <AtFrameOrigin Rep, class T>
+    constexpr Wrench<Rep, T> coad(const Twist<Rep, T>& X, const Wrench<Rep, T>& W) {
+      const Noted<T> noted(ScrewOperation::bracket);
+      return {cross(X.w, W.m) + cross(X.v, W.f), cross(X.w, W.f)};
+    }
 
-/// Ad_C V^b and its inverse (eq. VsVb).
-template <class T> constexpr Twist<Spatial, T> Ad(const SE3<T>& C, const Twist<BodyFixed, T>& V) {
-  return twist<Spatial>(Ad(C, screw(V)));
-}
-template <class T> constexpr Twist<BodyFixed, T> Ad_inv(const SE3<T>& C, const Twist<Spatial, T>& V) {
-  return twist<BodyFixed>(Ad_inv(C, screw(V)));
-}
-/// Ad_C⁻ᵀ W^b and its inverse: W^s measured at the inertial origin from W^b measured at the body's.
-template <class T> constexpr Wrench<Spatial, T> coAd(const SE3<T>& C, const Wrench<BodyFixed, T>& W) {
-  const Noted<T> noted(ScrewOperation::transformation);
-  const Vec3<T> f = C.R * W.f;
-  return {C.R * W.m + cross(C.r, f), f};
-}
-template <class T> constexpr Wrench<BodyFixed, T> coAd_inv(const SE3<T>& C, const Wrench<Spatial, T>& W) {
-  const Noted<T> noted(ScrewOperation::transformation);
-  const SO3<T> Rt = transpose(C.R);
-  return {Rt * (W.m - cross(C.r, W.f)), Rt * W.f};
-}
+    /// Ad_C V^b and its inverse (eq. VsVb).
+    template <class T> constexpr Twist<Spatial, T> Ad(const SE3<T>& C, const Twist<BodyFixed, T>& V) {
+      return twist<Spatial>(Ad(C, screw(V)));
+    }
+    template <class T> constexpr Twist<BodyFixed, T> Ad_inv(const SE3<T>& C, const Twist<Spatial, T>& V) {
+      return twist<BodyFixed>(Ad_inv(C, screw(V)));
+    }
+    /// Ad_C⁻ᵀ W^b and its inverse: W^s measured at the inertial origin from W^b measured at the body's.
+    template <class T> constexpr Wrench<Spatial, T> coAd(const SE3<T>& C, const Wrench<BodyFixed, T>& W) {
+      const Noted<T> noted(ScrewOperation::transformation);
+      const Vec3<T> f = C.R * W.f;
+      return {C.R * W.m + cross(C.r, f), f};
+    }
+    template <class T> constexpr Wrench<BodyFixed, T> coAd_inv(const SE3<T>& C, const Wrench<Spatial, T>& W) {
+      const Noted<T> noted(ScrewOperation::transformation);
+      const SO3<T> Rt = transpose(C.R);
+      return {Rt * (W.m - cross(C.r, W.f)), Rt * W.f};
+    }
 
 }  // namespace axode

@@ -42,9 +42,12 @@ class ModelBuilder {
   Description description_;
 };
 
-/// The description with its one body fixed to the ground set free by a joint named `free_base`. Throws
-/// ModelError (rule no_base) where not exactly one body is fixed to the ground.
+/// The description with its one body fixed to the ground set free by a joint named `free_base` (or free_base_2, ...
+/// where there is one). Throws ModelError (rule no_base) where not exactly one body is fixed to the ground.
 Description with_free_base(Description description);
+/// The description with all bodies that are free on the ground fixed to it: one by a joint named `fixed_base`, several
+/// by joints without a name.
+Description with_fixed_base(Description description);
 
 /// A new model in which the named joints are fixed at their place in q (nq coordinates of `model`); a joint
 /// coupled to a locked one is locked with it. Throws std::invalid_argument for an unknown or coupled joint

@@ -21,13 +21,25 @@ template <class F> void each_independent_joint(const Model& model, F&& f) {
 template <class Real>
 void check(const Model& model, std::span<const Real> q, const char* argument, double tolerance) {
   check_size(argument, q.size(), static_cast<std::size_t>(model.nq()), "nq");
-  for (const int i : model.tree<double>().quaternion_bodies) {
+  for (const int i : model.tree<double>()->quaternion_bodies) {
     const Joint& joint = model.joint(i);
     const Real* a = &q[joint.iq];
     const double size = norm(Quaternion<Real>{a[0], a[1], a[2], a[3]});
     if (!(std::abs(size - 1) <= tolerance))
       throw std::invalid_argument(std::string(argument) + ": the quaternion of joint \"" + joint.name +
                                   "\" has norm " + to_text(size) + "; it must be 1 to " + to_text(tolerance));
+  }
+}
+
+/// Throws std::invalid_argument where a step is so large that a result is not finite, or was not finite itself.
+void check_finite(const Model& model, const char* step, int Joint::*first, int Joint::*count,
+                  std::span<const double> results) {
+  for (const Joint& joint : model.joints()) {
+    if (joint.leader) continue;
+    for (const double x : results.subspan(joint.*first, joint.*count))
+      if (!std::isfinite(x))
+        throw std::invalid_argument(std::string(step) + ": at joint \"" + joint.name +
+                                    "\" it is not finite, or so large that the result is not");
   }
 }
 
@@ -58,7 +70,8 @@ std::vector<double> random_configuration(const Model& model, std::uint64_t seed)
   std::mt19937_64 bits(seed);
   const auto uniform = [&](double lower,
                            double upper) {  // the standard's distributions differ between libraries
-    return lower + (upper - lower) * (static_cast<double>(bits() >> 11) * 0x1p-53);
+    const double s = static_cast<double>(bits() >> 11) * 0x1p-53;
+    return lower * (1 - s) + upper * s;  // where the difference overflows as well
   };
   const CoordinateLimits limit = limits(model);
   std::vector<double> q = neutral(model);
@@ -69,19 +82,16 @@ std::vector<double> random_configuration(const Model& model, std::uint64_t seed)
     q[k] = uniform(a, b);
   };
   each_independent_joint(model, [&](const auto& s, const Joint& joint) {
-    constexpr int nq = std::remove_cvref_t<decltype(s)>::nq;
-    if constexpr (nq == 4 || nq == 7) {  // Shoemake 1992
+    using Kind = std::remove_cvref_t<decltype(s)>;
+    if constexpr (Kind::nq > Kind::nv) {  // Shoemake 1992
       const double u = uniform(0, 1), alpha = uniform(0, 2 * std::numbers::pi),
                    beta = uniform(0, 2 * std::numbers::pi);
       const double r = std::sqrt(1 - u), t = std::sqrt(u);
       const double a[4] = {r * std::sin(alpha), r * std::cos(alpha), t * std::sin(beta), t * std::cos(beta)};
       std::ranges::copy(a, q.begin() + joint.iq);
-      for (int k = 4; k < nq; ++k) draw(joint.iq + k, 1);
+      for (int k = 4; k < Kind::nq; ++k) draw(joint.iq + k, 1);
     } else {
-      for (int k = 0; k < nq; ++k) {
-        const bool angle = joint.kind != Subgroup::prismatic && k == 0;
-        draw(joint.iq + k, angle ? std::numbers::pi : 1);
-      }
+      for (int k = 0; k < Kind::nq; ++k) draw(joint.iq + k, k < Kind::angles ? std::numbers::pi : 1);
     }
   });
   return q;
@@ -94,6 +104,7 @@ std::vector<double> integrate(const Model& model, std::span<const double> q, std
   each_independent_joint(model, [&](const auto& s, const Joint& joint) {
     s.integrate(&q[joint.iq], &dv[joint.iv], &out[joint.iq]);
   });
+  check_finite(model, "dv", &Joint::iq, &Joint::nq, out);
   return out;
 }
 
@@ -104,6 +115,7 @@ std::vector<double> difference(const Model& model, std::span<const double> q0, s
   each_independent_joint(model, [&](const auto& s, const Joint& joint) {
     s.difference(&q0[joint.iq], &q1[joint.iq], &out[joint.iv]);
   });
+  check_finite(model, "q1 - q0", &Joint::iv, &Joint::nv, out);
   return out;
 }
 

@@ -6,7 +6,8 @@
 #include "axode/model/model.hpp"
 
 /// The configuration manifold: q has model.nq() coordinates, tangent vectors have model.nv() components, in
-/// the joints' left-trivialised directions. All functions throw std::invalid_argument for a wrong size.
+/// the joints' left-trivialised directions. All functions throw std::invalid_argument for a wrong size, and for steps
+/// so large that a result would not be finite.
 namespace axode {
 
 /// Every joint at zero, quaternions at the identity.

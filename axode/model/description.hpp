@@ -25,7 +25,6 @@ enum class JointKind {
   planar,
   free,
 };
-std::string_view to_string(JointKind kind);
 
 /// What bounds and brakes one degree of freedom of a joint. Units by kind: rad or m, N m or N.
 struct Dof {

@@ -6,18 +6,6 @@
 
 namespace axode {
 
-std::string_view to_string(Subgroup kind) {
-  switch (kind) {
-    case Subgroup::revolute: return "revolute";
-    case Subgroup::prismatic: return "prismatic";
-    case Subgroup::helical: return "helical";
-    case Subgroup::spherical: return "spherical";
-    case Subgroup::planar: return "planar";
-    case Subgroup::free: return "free";
-  }
-  return "unknown";
-}
-
 namespace {
 
 template <class Named>

@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "axode/model/description.hpp"
+#include "axode/model/joint_kinds.hpp"
 #include "axode/model/tree.hpp"
 
 namespace axode {
@@ -37,7 +37,6 @@ struct Joint {
   std::optional<Leader> leader;  ///< of a coupled joint, with chains of couplings resolved
   std::vector<Dof> dof;          ///< one for each degree of freedom
 };
-std::string_view to_string(Subgroup kind);
 
 /// A named frame: the ground, a body, a body fixed to another, or a frame of interest.
 struct Frame {
@@ -49,17 +48,21 @@ struct Frame {
 /// An immutable tree of bodies. Copies are cheap and share the data; threads may share a model.
 class Model {
  public:
+  // A model that was moved from stays what it was: there is no empty one.
+  Model(const Model&) = default;
+  Model& operator=(const Model&) = default;
+
   const std::string& name() const { return data_->description.name; }
   /// Moving bodies; also joints. Body 0 is the ground, bodies 1 to n_bodies() follow depth-first in declared
   /// order.
-  int n_bodies() const { return data_->tree.n; }
-  int nq() const { return data_->tree.nq; }
-  int nv() const { return data_->tree.nv; }
-  int n_frames() const { return data_->tree.n_frames(); }
+  int n_bodies() const { return data_->tree->n; }
+  int nq() const { return data_->tree->nq; }
+  int nv() const { return data_->tree->nv; }
+  int n_frames() const { return data_->tree->n_frames(); }
   /// Joint screws: one for each degree of freedom of every joint, coupled ones included. Those of joint i
   /// start at first_screw(i).
-  int n_screws() const { return data_->tree.n_screws; }
-  int first_screw(int i) const { return data_->tree.first_screw[i]; }
+  int n_screws() const { return data_->tree->n_screws; }
+  int first_screw(int i) const { return data_->tree->first_screw[i]; }
   const Vec3<>& gravity() const { return data_->tree.g; }
 
   const Body& body(int i) const { return data_->bodies[i]; }    ///< i = 0 is the ground
@@ -86,6 +89,7 @@ class Model {
   std::span<const Fault> warnings() const { return data_->warnings; }
   /// What the model was built from: edit a copy and build again.
   const Description& description() const { return data_->description; }
+  const Topology& topology() const { return *data_->tree.topology(); }
   /// The numbers for the kernels, T = double or float; other scalars: cast<T>(tree<double>()).
   template <class T> const Tree<T>& tree() const;
 

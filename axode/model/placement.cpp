@@ -11,7 +11,7 @@ namespace {
 /// Moves the first of the two motions of a joint to a massless body in between.
 BodyDescription split_off(BodyDescription& body, const char* carrier, JointKind first_kind, const char* first,
                           JointKind second_kind, const char* second, const Vec3<>& second_axis) {
-  const std::string name = body.joint.name.empty() ? body.name + "_joint" : body.joint.name;
+  const std::string name = joint_name(body);
   BodyDescription between{.name = name + "." + carrier,
                           .predecessor = body.predecessor,
                           .joint = body.joint,
@@ -47,29 +47,46 @@ SE3<> joint_frame(const JointDescription& joint) {
 
 Placement place(const BodyDescription& body, const SE3<>& A_predecessor) {
   const SE3<> J = joint_frame(body.joint);
+  const bool at_body = body.joint.kind == JointKind::free || body.joint.kind == JointKind::fixed;
   Placement at;
   if (const auto* drawn = std::get_if<InConstructionFrame>(&body.geometry)) {
     at.A = orthonormal(drawn->A);
-    at.B = inverse(A_predecessor) * at.A;
-    at.S_self = inverse(at.A) * J;
-  } else if (const auto* in_body = std::get_if<InBodyFrame>(&body.geometry)) {
+    at.B = relative(A_predecessor, at.A);
+    at.J = at_body ? at.A : J;
+    at.S_self = at_body ? SE3<>{} : relative(at.A, J);
+    return at;
+  }
+  if (const auto* in_body = std::get_if<InBodyFrame>(&body.geometry)) {
     at.B = orthonormal(in_body->B);
-    at.A = A_predecessor * at.B;
     at.S_self = J;
   } else {
     const auto& frames = std::get<InJointFrames>(body.geometry);
     const SE3<> S_self = orthonormal(frames.S_self);
     at.B = orthonormal(frames.S_prev) * inverse(S_self);
-    at.A = A_predecessor * at.B;
     at.S_self = S_self * J;
   }
-  if (body.joint.kind == JointKind::free || body.joint.kind == JointKind::fixed) at.S_self = {};
+  at.A = A_predecessor * at.B;
+  if (at_body) at.S_self = {};
+  at.J = at.A * at.S_self;
   return at;
 }
 
 }  // namespace
 
 SE3<> orthonormal(const SE3<>& C) { return {orthonormal(C.R), C.r}; }
+
+SE3<> relative(const SE3<>& A, const SE3<>& B) {
+  const SO3<> Rt = transpose(A.R);
+  return {Rt * B.R, Rt * (B.r - A.r)};
+}
+
+std::string joint_name(const BodyDescription& body) {
+  return body.joint.name.empty() ? body.name + "_joint" : body.joint.name;
+}
+
+bool is_drawn(const BodyDescription& body) {
+  return std::holds_alternative<InConstructionFrame>(body.geometry);
+}
 
 Vec3<> direction(const Vec3<>& axis) {
   const double largest =
@@ -89,7 +106,7 @@ Description expand(const Description& description) {
       expanded.bodies.push_back(split_off(body, "cross", JointKind::revolute, "first", JointKind::revolute,
                                           "second", body.joint.second_axis));
     }
-    if (body.joint.name.empty()) body.joint.name = body.name + "_joint";
+    body.joint.name = joint_name(body);
     expanded.bodies.push_back(std::move(body));
   }
   return expanded;
@@ -131,12 +148,18 @@ std::vector<Placement> place(const Description& expanded, const DepthFirstOrder&
   return placements;
 }
 
-Inertia<> body_inertia(const MassProperties& given, const SE3<>& A) {
-  const SO3<> axes = orthonormal(given.axes);
-  const Inertia<> M = given.about == InertiaAbout::center_of_mass
-                          ? inertia_from_com(given.mass, given.com, given.Theta, axes)
-                          : Inertia<>{given.mass, given.mass * given.com, rotate(axes, given.Theta)};
-  return given.in == GivenIn::body_frame ? M : transform(inverse(A), M);
+Inertia<> inertia_in(const SE3<>& F, const MassProperties& given) {
+  const SO3<> axes = orthonormal(given.axes), Rt = transpose(F.R);
+  return given.about == InertiaAbout::center_of_mass
+             ? inertia_from_com(given.mass, Rt * (given.com - F.r), given.Theta, Rt * axes)
+             : transform(inverse(F),
+                         Inertia<>{given.mass, given.mass * given.com, rotate(axes, given.Theta)});
+}
+
+Inertia<> inertia_in(const SE3<>& J, const SE3<>& A, const MassProperties& given) {
+  if (given.about == InertiaAbout::frame_origin) return inertia_in(relative(A, J), given);
+  const SO3<> axes = orthonormal(given.axes), Rt = transpose(J.R);
+  return inertia_from_com(given.mass, Rt * ((A.r - J.r) + A.R * given.com), given.Theta, Rt * A.R * axes);
 }
 
 }  // namespace axode

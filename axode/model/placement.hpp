@@ -11,6 +11,15 @@ namespace axode {
 /// A pose whose rotation is one to working precision, from one that is to 1e-6.
 SE3<> orthonormal(const SE3<>& C);
 
+/// A⁻¹ B: B seen from A. Where the two are near each other but far from the origin nothing is lost.
+SE3<> relative(const SE3<>& A, const SE3<>& B);
+
+/// The name of the joint of a body, `<body>_joint` where it has none of its own.
+std::string joint_name(const BodyDescription& body);
+
+/// Whether a body and its joint are drawn in the construction frame.
+bool is_drawn(const BodyDescription& body);
+
 /// The unit vector along an axis of any length but 0.
 Vec3<> direction(const Vec3<>& axis);
 
@@ -30,6 +39,7 @@ struct Placement {
   SE3<> A;       ///< body frame in the construction frame
   SE3<> B;       ///< body frame in the predecessor's
   SE3<> S_self;  ///< joint frame in the body frame; its z-axis is the joint axis
+  SE3<> J;       ///< joint frame in the construction frame
 };
 /// One for each body of an expanded description; those not in the order stay at the identity.
 ///
@@ -38,7 +48,10 @@ struct Placement {
 /// a free joint it is the body frame.
 std::vector<Placement> place(const Description& expanded, const DepthFirstOrder& order);
 
-/// The inertia in the body frame, for a body frame with reference pose A.
-Inertia<> body_inertia(const MassProperties& given, const SE3<>& A);
+/// The inertia in the frame F, seen from the frame in which it is given; or in the frame J, where it is given in A and
+/// both are seen from one frame. It goes by the centre of mass, so that nothing is lost where the origin in which it is
+/// given is far away, unless it is the inertia about that origin.
+Inertia<> inertia_in(const SE3<>& F, const MassProperties& given);
+Inertia<> inertia_in(const SE3<>& J, const SE3<>& A, const MassProperties& given);
 
 }  // namespace axode

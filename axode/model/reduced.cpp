@@ -42,11 +42,15 @@ Model reduced(const Model& model, std::span<const std::string_view> locked, std:
     const Placement& at = placements[d];
     A.emplace(body.name, at.A);
     if (body.inertia && body.inertia->in == GivenIn::construction_frame) {
-      const Inertia<> M = body_inertia(*body.inertia, at.A);
-      body.inertia = MassProperties{.mass = M.m,
-                                    .com = M.m > 0 ? center_of_mass(M) : Vec3<>{},
-                                    .Theta = M.Theta,
-                                    .about = InertiaAbout::frame_origin};
+      MassProperties& given = *body.inertia;
+      if (given.about == InertiaAbout::frame_origin) {
+        const Inertia<> M = inertia_in(at.A, given);
+        given.com = M.m > 0 ? center_of_mass(M) : Vec3<>{}, given.Theta = M.Theta, given.axes = {};
+      } else {
+        const SO3<> Rt = transpose(at.A.R);
+        given.com = Rt * (given.com - at.A.r), given.axes = Rt * given.axes;
+      }
+      given.in = GivenIn::body_frame;
     }
     const auto moving = index.find(body.name);
     if (moving == index.end() || is_locked[moving->second]) {
@@ -60,7 +64,7 @@ Model reduced(const Model& model, std::span<const std::string_view> locked, std:
   }
   for (FrameDescription& frame : description.frames) {
     if (frame.in == GivenIn::construction_frame && frame.body != "ground")
-      frame.pose = inverse(A.at(frame.body)) * frame.pose;
+      frame.pose = relative(A.at(frame.body), frame.pose);
     frame.in = GivenIn::body_frame;
   }
   return ModelBuilder(std::move(description)).build(Physics::lenient);

@@ -9,7 +9,8 @@
 /// The joint frame is a frame of the child: its z-axis is the axis of the joint. Velocities are
 /// left-trivialised: components in the child's joint frame, where the motion subspace S is constant. Every
 /// struct has
-///   nq, nv                       numbers of coordinates and velocities
+///   nq, nv                       numbers of coordinates and velocities; where nq > nv the first four are a quaternion
+///   angles                       how many velocities, the first ones, are angular
 ///   vector_coordinates           whether q and v have the same meaning (q' = v)
 ///   neutral()                    the coordinates of the identity
 ///   pose(B, q)                   B exp(S q), the pose of the child's joint frame, for a reference pose B
@@ -50,6 +51,7 @@ template <class T> constexpr const Vec3<T>& axis(const SO3<T>& R, int k) {
 
 /// Rotation about z by q rad.
 template <class T> struct Revolute : VectorCoordinates<T, 1> {
+  static constexpr int angles = 1;
   static constexpr SE3<T> pose(const SE3<T>& B, const T* q) { return {turn(B.R, sin(q[0]), cos(q[0])), B.r}; }
   static constexpr Twist<BodyFixed, T> twist(const T* v) { return {{T(0), T(0), v[0]}, {T(0), T(0), T(0)}}; }
   static constexpr std::array<T, 1> project(const Wrench<BodyFixed, T>& W) { return {W.m.z}; }
@@ -59,6 +61,7 @@ template <class T> struct Revolute : VectorCoordinates<T, 1> {
 
 /// Translation along z by q m.
 template <class T> struct Prismatic : VectorCoordinates<T, 1> {
+  static constexpr int angles = 0;
   static constexpr SE3<T> pose(const SE3<T>& B, const T* q) { return {B.R, B.r + q[0] * B.R.z}; }
   static constexpr Twist<BodyFixed, T> twist(const T* v) { return {{T(0), T(0), T(0)}, {T(0), T(0), v[0]}}; }
   static constexpr std::array<T, 1> project(const Wrench<BodyFixed, T>& W) { return {W.f.z}; }
@@ -68,6 +71,7 @@ template <class T> struct Prismatic : VectorCoordinates<T, 1> {
 
 /// Rotation about z by q rad and translation along z by pitch q m.
 template <class T> struct Helical : VectorCoordinates<T, 1> {
+  static constexpr int angles = 1;
   T pitch;
   explicit constexpr Helical(const T& h) : pitch(h) {}
   constexpr SE3<T> pose(const SE3<T>& B, const T* q) const {
@@ -83,7 +87,7 @@ template <class T> struct Helical : VectorCoordinates<T, 1> {
 
 /// Rotation about the origin: q = unit quaternion x y z w, v = angular velocity in the child's joint frame.
 template <class T> struct Spherical {
-  static constexpr int nq = 4, nv = 3;
+  static constexpr int nq = 4, nv = 3, angles = 3;
   static constexpr bool vector_coordinates = false;
   static constexpr std::array<T, 4> neutral() { return {T(0), T(0), T(0), T(1)}; }
   static constexpr Quaternion<T> quaternion_of(const T* q) { return {q[0], q[1], q[2], q[3]}; }
@@ -110,7 +114,7 @@ template <class T> struct Spherical {
 /// Motion in the plane normal to z: q = (θ, x, y), v = (ω; v_x, v_y) in the child's joint frame. Differences
 /// take the shorter way round, so that θ is met up to whole turns.
 template <class T> struct Planar {
-  static constexpr int nq = 3, nv = 3;
+  static constexpr int nq = 3, nv = 3, angles = 1;
   static constexpr bool vector_coordinates = false;
   static constexpr std::array<T, 3> neutral() { return {}; }
   static constexpr SE3<T> pose(const SE3<T>& B, const T* q) {
@@ -137,7 +141,7 @@ template <class T> struct Planar {
 
 /// Every motion: q = (quaternion x y z w, position), v = body-fixed twist (angular; linear) of the child.
 template <class T> struct Free {
-  static constexpr int nq = 7, nv = 6;
+  static constexpr int nq = 7, nv = 6, angles = 3;
   static constexpr bool vector_coordinates = false;
   static constexpr std::array<T, 7> neutral() { return {T(0), T(0), T(0), T(1), T(0), T(0), T(0)}; }
   static constexpr Quaternion<T> quaternion_of(const T* q) { return {q[0], q[1], q[2], q[3]}; }

@@ -74,4 +74,6 @@ template <class S, std::size_t N> struct alignas(N * sizeof(S)) Batch {
     }
 };
 
+template <class S, std::size_t N> inline constexpr double unit_roundoff<Batch<S, N>> = unit_roundoff<S>;
+
 }  // namespace axode

@@ -79,4 +79,6 @@ template <> struct [[maybe_unused]] Noted<Counted> {
   }
 };
 
+template <> inline constexpr double unit_roundoff<Counted> = unit_roundoff<double>;
+
 }  // namespace axode

@@ -66,4 +66,6 @@ template <class S, std::size_t N> struct Dual {
   }
 };
 
+template <class S, std::size_t N> inline constexpr double unit_roundoff<Dual<S, N>> = unit_roundoff<S>;
+
 }  // namespace axode

@@ -103,4 +103,6 @@ template <class S, std::size_t N> constexpr S derivative(const Taylor<S, N>& a, 
   return factorial * a.c[k];
 }
 
+template <class S, std::size_t N> inline constexpr double unit_roundoff<Taylor<S, N>> = unit_roundoff<S>;
+
 }  // namespace axode

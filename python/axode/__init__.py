@@ -80,7 +80,7 @@ from ._axode import (
 )
 from ._axode import version as __version__
 from .builder import Builder
-from .errors import Fault, ModelError, SingularError
+from .errors import Fault, ModelError, NotFiniteError, SingularError, StatesError
 from .records import InverseKinematics, Load, Target
 
 #: The folder of the mechanisms that come with the package: arm7.toml, double_pendulum.toml, humanoid.urdf,
@@ -106,7 +106,7 @@ __all__ = [
     "momenta", "from_momenta", "momentum_form", "body_momenta", "spatial_momentum", "centroidal_momentum",
     "twist_form", "spatial_momentum_form",
     # what else is taken, given and raised
-    "Load", "Target", "InverseKinematics", "Fault", "ModelError", "SingularError",
+    "Load", "Target", "InverseKinematics", "Fault", "ModelError", "NotFiniteError", "SingularError", "StatesError",
     # modules
     "lie", "closed_form", "codegen", "convert",
 ]

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from ._axode.closed_form import (
     a_matrix,
     b_matrix,
-    christoffel_symbols,
+    christoffel,
     coriolis_matrix,
     inertia_matrix,
     joint_accelerations,
@@ -38,7 +38,7 @@ __all__ = [
     "SystemMatrices",
     "a_matrix",
     "b_matrix",
-    "christoffel_symbols",
+    "christoffel",
     "coriolis_matrix",
     "inertia_matrix",
     "joint_accelerations",

@@ -8,7 +8,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Fault", "ModelError", "SingularError"]
+__all__ = ["Fault", "ModelError", "NotFiniteError", "SingularError", "StatesError"]
 
 
 @dataclass(frozen=True)
@@ -50,17 +50,12 @@ class ModelError(ValueError):
         return str(self.args[0])
 
 
-class SingularError(ArithmeticError):
-    """The mass matrix of some states cannot be inverted; the message names the joint.
+class StatesError(ArithmeticError):
+    """Some of the states of a call have no result. `states` are their numbers ([0] for a single state), `result` is what
+    was asked for, with the others in it.
 
-    `states` are their numbers ([0] for a single state), `result` is what was asked for, NaN in those states.
-
-    >>> massless = axode.Model.from_bodies([{"name": "slide", "joint": {"kind": "prismatic", "axis": "z"}}])
-    >>> try:
-    ...     axode.forward_dynamics(massless, [0.0], [0.0], [0.0])
-    ... except axode.SingularError as error:
-    ...     print(error.states, error.result)
-    [0] [nan]
+    >>> issubclass(axode.SingularError, axode.StatesError)
+    True
     """
 
     def __init__(self, text: str, states: list[int], result: NDArray[np.float64]):
@@ -70,3 +65,26 @@ class SingularError(ArithmeticError):
 
     def __str__(self) -> str:
         return str(self.args[0])
+
+
+class SingularError(StatesError):
+    """The mass matrix of some states cannot be inverted; the message names the joint. Their results are NaN.
+
+    >>> massless = axode.Model.from_bodies([{"name": "slide", "joint": {"kind": "prismatic", "axis": "z"}}])
+    >>> try:
+    ...     axode.forward_dynamics(massless, [0.0], [0.0], [0.0])
+    ... except axode.SingularError as error:
+    ...     print(error.states, error.result)
+    [0] [nan]
+    """
+
+
+class NotFiniteError(StatesError):
+    """The numbers of some states are so large that their results overflow.
+
+    >>> try:
+    ...     axode.kinetic_energy(arm, arm.neutral(), np.full(7, 1e200))
+    ... except axode.NotFiniteError as error:
+    ...     print(error.states, error.result)
+    [0] nan
+    """

@@ -4,6 +4,7 @@
 #define PY_ARRAY_UNIQUE_SYMBOL axode_numpy_api
 #include <numpy/arrayobject.h>
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <cstdint>
@@ -19,21 +20,6 @@ std::string shape_text_of(const nb::ssize_t* lengths, int axes) {
   return text + (axes == 1 ? ",)" : ")");
 }
 
-/// Infinities and NaNs have all bits of the exponent set.
-bool all_finite(const double* x, nb::ssize_t n) {
-  constexpr std::uint64_t exponent = 0x7ff0000000000000;
-  constexpr nb::ssize_t lanes = 8;
-  std::array<std::uint64_t, lanes> carry{};  // into the sign, where adding one to the exponent overflows it
-  nb::ssize_t k = 0;
-  for (; k + lanes <= n; k += lanes)
-    for (nb::ssize_t l = 0; l < lanes; ++l)
-      carry[l] |= (std::bit_cast<std::uint64_t>(x[k + l]) & exponent) + (std::uint64_t{1} << 52);
-  for (; k < n; ++k) carry[0] |= (std::bit_cast<std::uint64_t>(x[k]) & exponent) + (std::uint64_t{1} << 52);
-  std::uint64_t any = 0;
-  for (const std::uint64_t c : carry) any |= c;
-  return any >> 63 == 0;
-}
-
 PyArrayObject* as_array(PyObject* object) { return reinterpret_cast<PyArrayObject*>(object); }
 
 /// The argument as an array of doubles in C order.
@@ -44,6 +30,7 @@ nb::object converted(const std::string& name, PyObject* given) {
   nb::object array = nb::steal(PyArray_FromAny(given, nullptr, 0, 0, 0, nullptr));
   if (!array.is_valid()) {
     nb::python_error error;
+    if (!error.matches(PyExc_Exception)) throw error;  // KeyboardInterrupt and the like
     nb::raise_from(error, PyExc_ValueError, "%s: expected numbers in rows of equal length, got %s",
                    name.c_str(), Py_TYPE(given)->tp_name);
   }
@@ -61,6 +48,22 @@ nb::object converted(const std::string& name, PyObject* given) {
 }
 
 }  // namespace
+
+bool all_finite(std::span<const double> numbers) {  // infinities and NaNs have all bits of the exponent set
+  const double* const x = numbers.data();
+  const nb::ssize_t n = static_cast<nb::ssize_t>(numbers.size());
+  constexpr std::uint64_t exponent = 0x7ff0000000000000;
+  constexpr nb::ssize_t lanes = 8;
+  std::array<std::uint64_t, lanes> carry{};  // into the sign, where adding one to the exponent overflows it
+  nb::ssize_t k = 0;
+  for (; k + lanes <= n; k += lanes)
+    for (nb::ssize_t l = 0; l < lanes; ++l)
+      carry[l] |= (std::bit_cast<std::uint64_t>(x[k + l]) & exponent) + (std::uint64_t{1} << 52);
+  for (; k < n; ++k) carry[0] |= (std::bit_cast<std::uint64_t>(x[k]) & exponent) + (std::uint64_t{1} << 52);
+  std::uint64_t any = 0;
+  for (const std::uint64_t c : carry) any |= c;
+  return any >> 63 == 0;
+}
 
 nb::ssize_t Shape::size() const {
   nb::ssize_t n = 1;
@@ -89,7 +92,7 @@ Numbers::Numbers(std::string name, ArrayLike given, Infinities infinities) : nam
   data_ = static_cast<const double*>(PyArray_DATA(array));
   size_ = PyArray_SIZE(array);
   axes_ = PyArray_NDIM(array);
-  if (all_finite(data_, size_)) return;
+  if (all_finite({data_, static_cast<std::size_t>(size_)})) return;
   const auto allowed = [&](double x) {
     return infinities == Infinities::allowed ? !std::isnan(x) : std::isfinite(x);
   };
@@ -139,6 +142,22 @@ Array NewArray::transposed() {
   nb::object view = nb::steal(PyArray_SwapAxes(as_array(array_.ptr()), axes - 2, axes - 1));
   if (!view.is_valid()) throw nb::python_error();
   return {std::move(view)};
+}
+
+Array NewArray::part(nb::ssize_t k, int axes) const {
+  const PyArrayObject* all = as_array(array_.ptr());
+  const int axis = PyArray_NDIM(all) - axes - 1;
+  Shape shape{};
+  nb::ssize_t outer = 1, inner = 1;
+  for (int each = 0; each < PyArray_NDIM(all); ++each) {
+    if (each == axis) continue;
+    shape.length[static_cast<std::size_t>(shape.axes++)] = PyArray_DIM(all, each);
+    (each < axis ? outer : inner) *= PyArray_DIM(all, each);
+  }
+  NewArray one(shape);
+  for (nb::ssize_t o = 0; o < outer; ++o)
+    std::copy_n(data_ + (o * PyArray_DIM(all, axis) + k) * inner, inner, one.data() + o * inner);
+  return one.array();
 }
 
 double number(const std::string& name, nb::handle given) {

@@ -64,6 +64,9 @@ class Numbers {
   int axes_ = 0;
 };
 
+/// Whether there is neither an infinity nor a NaN among them.
+bool all_finite(std::span<const double> numbers);
+
 /// One finite number. Throws nb::value_error that names the argument for anything else.
 double number(const std::string& name, nb::handle given);
 
@@ -76,6 +79,8 @@ class NewArray {
   Array array();  ///< a number where there are no axes
   /// The last two axes exchanged: what was written column by column, as a matrix.
   Array transposed();
+  /// Entry k along the axis before the last `axes`, in an array of its own.
+  Array part(nb::ssize_t k, int axes) const;
 
  private:
   nb::object array_;

@@ -73,11 +73,6 @@ template <> struct Words<CoriolisForm> {
   static CoriolisForm value(std::size_t k) { return static_cast<CoriolisForm>(k); }
 };
 
-/// f(Rep{}) for the type of the representation, or f(Fast{}).
-template <class F> decltype(auto) with_algorithm(const Algorithm& algorithm, F&& f) {
-  return algorithm.representation ? with_representation(*algorithm.representation, f) : f(Fast{});
-}
-
 }  // namespace axode::python
 
 namespace nanobind::detail {

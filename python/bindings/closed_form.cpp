@@ -18,7 +18,7 @@ Array inertia_matrix_of(const BoundModel& m, ArrayLike q, Representation represe
 
 Array mass_matrix_of(const BoundModel& m, ArrayLike q, Representation representation) {
   const States state = one_state(m, q);
-  return to_array(state.unlocked(cubic_cost(m), [&] {
+  return to_array(state.released(cubic_cost(m), [&] {
     return with_representation(
         representation, [&](auto rep) { return closed_form::mass_matrix<decltype(rep)>(m, state.q()); });
   }));
@@ -31,7 +31,7 @@ Array equations(const BoundModel& m, ArrayLike q, ArrayLike v, ArrayLike a, Load
   const States state = one_state(m, q);
   const Items velocities = state.velocities("v", v), accelerations = state.velocities("a", a);
   const AppliedLoads loads(state, given, joint_losses);
-  return to_array(state.unlocked(cubic_cost(m), [&] {
+  return to_array(state.released(cubic_cost(m), [&] {
     return loads.with(0, [&](const Loads<double>& applied) {
       return f(state.q(), velocities.all(), accelerations.all(), applied);
     });
@@ -62,14 +62,14 @@ Array lagrange_equations_of(const BoundModel& m, ArrayLike q, ArrayLike v, Array
 Array coriolis_matrix_of(const BoundModel& m, ArrayLike q, ArrayLike v, CoriolisForm form) {
   const States state = one_state(m, q);
   const Items velocities = state.velocities("v", v);
-  return to_array(state.unlocked(
+  return to_array(state.released(
       cubic_cost(m), [&] { return closed_form::coriolis_matrix(m, state.q(), velocities.all(), form); }));
 }
 
-Array christoffel_symbols_of(const BoundModel& m, ArrayLike q) {
+Array christoffel_of(const BoundModel& m, ArrayLike q) {
   const States state = one_state(m, q);
   const std::vector<double> Gamma =
-      state.unlocked(cubic_cost(m), [&] { return closed_form::christoffel_symbols(m, state.q()); });
+      state.released(cubic_cost(m), [&] { return closed_form::christoffel(m, state.q()); });
   NewArray out({m->nv(), m->nv(), m->nv()});
   put(Gamma, out.all());
   return out.array();
@@ -134,14 +134,14 @@ q has shape (nq,), v and a (nv,); loads and joint_losses as in `axode.inverse_dy
 >>> np.allclose(axode.closed_form.lagrange_equations(arm, q, v, a), axode.inverse_dynamics(arm, q, v, a))
 True
 )");
-  module.def("christoffel_symbols", &christoffel_symbols_of, "m"_a, "q"_a, R"(
+  module.def("christoffel", &christoffel_of, "m"_a, "q"_a, R"(
 Gamma_ijk, the Christoffel symbols of the first kind with Binet's inertia tensor: (nv, nv, nv) (eq. GammaBinet).
 
 Gamma @ v is the Christoffel form of C, at q (nq,). O(n^4). ValueError where a joint has not one degree of freedom.
 
 >>> q, v = arm.random(), np.ones(7)
 >>> C = axode.closed_form.coriolis_matrix(arm, q, v, "christoffel")
->>> np.allclose(axode.closed_form.christoffel_symbols(arm, q) @ v, C)
+>>> np.allclose(axode.closed_form.christoffel(arm, q) @ v, C)
 True
 )");
 }

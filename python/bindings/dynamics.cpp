@@ -1,158 +1,42 @@
 #include "axode/dynamics.hpp"
+#include "axode/model/inertial_parameters.hpp"
 
 #include <nanobind/stl/string.h>
 
-#include "axode/batch.hpp"
 #include "bindings.hpp"
 #include "choice.hpp"
 #include "conversions.hpp"
 #include "raise.hpp"
-#include "states.hpp"
+#include "state_function.hpp"
 
 namespace axode::python {
 namespace {
 
 using namespace nb::literals;
 
-/// The result of a batch kernel that inverts mass matrices: SingularError where it could not.
-template <class F> Array solved(const States& states, const Shape& shape, const F& f) {
-  NewArray out = states.result(shape);
-  const batch::Outcome outcome =
-      states.unlocked(quadratic_cost(states.model()), [&] { return f(out.all()); });
-  if (outcome.ok()) return out.array();
-  std::vector<std::size_t> singular;  // their results are NaN
-  for (std::size_t k = 0; k < states.count(); ++k)
-    if (std::isnan(item(out, k, shape)[0])) singular.push_back(k);
-  states.singular(singular, outcome.solvability, out);
-}
-
-Array inverse_dynamics_of(const BoundModel& m, ArrayLike q, ArrayLike v, ArrayLike a, Algorithm algorithm,
-                          LoadList given, bool joint_losses, int threads) {
-  const States states(m, q, threads);
-  const Items velocities = states.velocities("v", v), accelerations = states.velocities("a", a);
-  const AppliedLoads loads(states, given, joint_losses);
-  if (states.many() && !algorithm.representation && loads.none()) {
-    NewArray tau = states.result({m->nv()});
-    states.unlocked(linear_cost(m), [&] {
-      batch::inverse_dynamics<double>(m, states.q(), velocities.all(), accelerations.all(), tau.all(),
-                                      threads);
-    });
-    return tau.array();
-  }
-  return with_algorithm(algorithm, [&]<class Rep>(Rep) {
-    return each_item(states, linear_cost(m), {m->nv()},
-                     [&](auto& workspace, std::size_t k, auto tau) {
-                       loads.with(k, [&](const Loads<double>& now) {
-                         inverse_dynamics<Rep>(m, workspace, states.q(k), velocities[k], accelerations[k],
-                                               tau, now);
-                       });
-                     })
-        .array();
-  });
-}
-
-Array forward_dynamics_of(const BoundModel& m, ArrayLike q, ArrayLike v, ArrayLike tau, Algorithm algorithm,
-                          LoadList given, bool joint_losses, int threads) {
-  const States states(m, q, threads);
-  const Items velocities = states.velocities("v", v), forces = states.velocities("tau", tau);
-  const AppliedLoads loads(states, given, joint_losses);
-  if (states.many() && !algorithm.representation && loads.none())
-    return solved(states, {m->nv()}, [&](std::span<double> a) {
-      return batch::forward_dynamics<double>(m, states.q(), velocities.all(), forces.all(), a, threads);
-    });
-  return with_algorithm(algorithm, [&]<class Rep>(Rep) {
-    return each_item(states, linear_cost(m), {m->nv()},
-                     [&](auto& workspace, std::size_t k, auto a) {
-                       return loads.with(k, [&](const Loads<double>& now) {
-                         return forward_dynamics<Rep>(m, workspace, states.q(k), velocities[k], forces[k], a,
-                                                      now);
-                       });
-                     })
-        .array();
-  });
-}
-
-Array mass_matrix_of(const BoundModel& m, ArrayLike q, Algorithm algorithm, int threads) {
-  const States states(m, q, threads);
-  const Shape shape{m->nv(), m->nv()};
-  if (states.many() && !algorithm.representation) {
-    NewArray M = states.result(shape);
-    states.unlocked(quadratic_cost(m), [&] { batch::mass_matrix<double>(m, states.q(), M.all(), threads); });
-    return M.array();
-  }
-  return with_algorithm(algorithm, [&]<class Rep>(Rep) {
-    return each_item(states, quadratic_cost(m), shape,
-                     [&](auto& workspace, std::size_t k, auto M) {
-                       mass_matrix<Rep>(m, workspace, states.q(k), M);
-                     })
-        .array();
-  });
-}
-
-Array inverse_mass_matrix_of(const BoundModel& m, ArrayLike q, Algorithm algorithm, int threads) {
-  const States states(m, q, threads);
-  const Shape shape{m->nv(), m->nv()};
-  if (states.many() && !algorithm.representation)
-    return solved(states, shape, [&](std::span<double> M_inverse) {
-      return batch::inverse_mass_matrix<double>(m, states.q(), M_inverse, threads);
-    });
-  return with_algorithm(algorithm, [&]<class Rep>(Rep) {
-    return each_item(states, quadratic_cost(m), shape,
-                     [&](auto& workspace, std::size_t k, auto M_inverse) {
-                       return inverse_mass_matrix<Rep>(m, workspace, states.q(k), M_inverse);
-                     })
-        .array();
-  });
-}
-
-Array joint_wrenches_of(const BoundModel& m, ArrayLike q, ArrayLike v, ArrayLike a,
-                        Representation representation, LoadList given, bool joint_losses, int threads) {
-  const States states(m, q, threads);
-  const Items velocities = states.velocities("v", v), accelerations = states.velocities("a", a);
-  const AppliedLoads loads(states, given, joint_losses);
-  return with_representation(representation, [&]<class Rep>(Rep) {
-    return each_item(states, linear_cost(m), {m->n_bodies(), 6},
-                     [&](auto& workspace, std::size_t k, auto out) {
-                       loads.with(k, [&](const Loads<double>& now) {
-                         joint_wrenches<Rep>(m, workspace, states.q(k), velocities[k], accelerations[k],
-                                             screws<Wrench<Rep>>(out), now);
-                       });
-                     })
-        .array();
-  });
-}
-
-Array generalized_loads_of(const BoundModel& m, ArrayLike q, ArrayLike v, LoadList given, bool joint_losses,
-                           int threads) {
-  const States states(m, q, threads);
-  const Items velocities = states.velocities("v", v);
-  const AppliedLoads loads(states, given, joint_losses);
-  return each_item(states, linear_cost(m), {m->nv()},
-                   [&](auto& workspace, std::size_t k, auto Q) {
-                     loads.with(k, [&](const Loads<double>& now) {
-                       generalized_loads(*m, workspace, states.q(k), velocities[k], now, Q);
-                     });
-                   })
-      .array();
-}
-
-Array load_powers_of(const BoundModel& m, ArrayLike q, ArrayLike v, LoadList given, int threads) {
-  const States states(m, q, threads);
-  const Items velocities = states.velocities("v", v);
-  const AppliedLoads loads(states, given, false);
-  return each_item(states, linear_cost(m), {static_cast<nb::ssize_t>(loads.count())},
-                   [&](auto& workspace, std::size_t k, auto power) {
-                     loads.with(k, [&](const Loads<double>& now) {
-                       load_powers(*m, workspace, states.q(k), velocities[k], now, power);
-                     });
-                   })
-      .array();
+/// f(), with other Python threads running.
+template <class F> auto released(const F& f) {
+  const nb::gil_scoped_release others_run;
+  return f();
 }
 
 void add_equations_of_motion(nb::module_& module) {
-  module.def("inverse_dynamics", &inverse_dynamics_of, "m"_a, "q"_a, "v"_a, "a"_a,
-             "representation"_a = "fast", "loads"_a = nb::none(), nb::kw_only(), "joint_losses"_a = false,
-             "threads"_a = 1, R"(
+  const StateFunctions functions(module);
+  module.def(
+      "inverse_dynamics",
+      [f = StateFunction("inverse_dynamics")](const BoundModel& m, ArrayLike q, ArrayLike v, ArrayLike a,
+                                              Algorithm algorithm, LoadList loads, bool joint_losses,
+                                              int threads) {
+        return f(m, {.q = q,
+                     .v = v,
+                     .a = a,
+                     .algorithm = algorithm,
+                     .loads = loads,
+                     .joint_losses = joint_losses,
+                     .threads = threads});
+      },
+      "m"_a, "q"_a, "v"_a, "a"_a, "representation"_a = "fast", "loads"_a = nb::none(), nb::kw_only(),
+      "joint_losses"_a = false, "threads"_a = 1, R"(
 tau = M(q) a + C(q, v) v + g(q) - (applied forces): the drive forces that make the accelerations a.
 
 Shape (nv,) or (N, nv), N m or N. `loads` are wrenches on frames, see `axode.Load`; joint_losses adds damping and
@@ -164,9 +48,21 @@ states in SIMD lanes on up to `threads` cores. O(n), by the recursive Newton-Eul
 >>> axode.inverse_dynamics(arm, q, v, a)[:4].round(3)
 array([  2.67 , -50.147,  -0.109,  14.362])
 )");
-  module.def("forward_dynamics", &forward_dynamics_of, "m"_a, "q"_a, "v"_a, "tau"_a,
-             "representation"_a = "fast", "loads"_a = nb::none(), nb::kw_only(), "joint_losses"_a = false,
-             "threads"_a = 1, R"(
+  module.def(
+      "forward_dynamics",
+      [f = StateFunction("forward_dynamics")](const BoundModel& m, ArrayLike q, ArrayLike v, ArrayLike tau,
+                                              Algorithm algorithm, LoadList loads, bool joint_losses,
+                                              int threads) {
+        return f(m, {.q = q,
+                     .v = v,
+                     .tau = tau,
+                     .algorithm = algorithm,
+                     .loads = loads,
+                     .joint_losses = joint_losses,
+                     .threads = threads});
+      },
+      "m"_a, "q"_a, "v"_a, "tau"_a, "representation"_a = "fast", "loads"_a = nb::none(), nb::kw_only(),
+      "joint_losses"_a = false, "threads"_a = 1, R"(
 The accelerations a that the drive forces tau make, the inverse of `inverse_dynamics` with the same loads.
 
 Shape (nv,) or (N, nv). O(n) by the articulated-body algorithm. SingularError, which names the joint, where the mass
@@ -177,8 +73,21 @@ matrix is singular; of N states the others are in its `result`.
 >>> axode.forward_dynamics(arm, q, v, tau).round(9)
 array([1., 1., 1., 1., 1., 1., 1.])
 )");
-  module.def("joint_wrenches", &joint_wrenches_of, "m"_a, "q"_a, "v"_a, "a"_a, "representation"_a = "body",
-             "loads"_a = nb::none(), nb::kw_only(), "joint_losses"_a = false, "threads"_a = 1, R"(
+  module.def(
+      "joint_wrenches",
+      [f = StateFunction("joint_wrenches")](const BoundModel& m, ArrayLike q, ArrayLike v, ArrayLike a,
+                                            Representation representation, LoadList loads, bool joint_losses,
+                                            int threads) {
+        return f(m, {.q = q,
+                     .v = v,
+                     .a = a,
+                     .algorithm = {representation},
+                     .loads = loads,
+                     .joint_losses = joint_losses,
+                     .threads = threads});
+      },
+      "m"_a, "q"_a, "v"_a, "a"_a, "representation"_a = "body", "loads"_a = nb::none(), nb::kw_only(),
+      "joint_losses"_a = false, "threads"_a = 1, R"(
 The wrench that each joint transmits to its body, drive and reaction: moment (N m), then force (N).
 
 Shape (n_bodies, 6) or (N, n_bodies, 6), row i for body i of `m.body_names`, in the representation of its frame. O(n).
@@ -187,38 +96,26 @@ Shape (n_bodies, 6) or (N, n_bodies, 6), row i for body i of `m.body_names`, in 
 >>> W[0, 3:].round(3)
 array([ 0.   ,  0.   , 258.337])
 )");
-  module.def(
-      "coriolis_vector",
-      [](const BoundModel& m, ArrayLike q, ArrayLike v, int threads) {
-        return map_states(
-                   m, threads, linear_cost(m), {m->nv()}, q,
-                   [&](auto& workspace, auto qk, auto vk, auto Cv) {
-                     coriolis_vector(*m, workspace, qk, vk, Cv);
-                   },
-                   Named{"v", v})
-            .array();
-      },
-      "m"_a, "q"_a, "v"_a, nb::kw_only(), "threads"_a = 1, R"(
+  functions.of_q_v("coriolis_vector", R"(
 C(q, v) v, what the motion asks of the drives without gravity, loads and accelerations: (nv,) or (N, nv). O(n).
 
 >>> axode.coriolis_vector(arm, arm.neutral(), np.zeros(7)).any()
 np.False_
 )");
-  module.def(
-      "gravity_torques",
-      [](const BoundModel& m, ArrayLike q, int threads) {
-        return map_states(m, threads, linear_cost(m), {m->nv()}, q,
-                          [&](auto& workspace, auto qk, auto g) { gravity_vector(*m, workspace, qk, g); })
-            .array();
-      },
-      "m"_a, "q"_a, nb::kw_only(), "threads"_a = 1, R"(
+  functions.of_q("gravity_torques", R"(
 g(q) = dU/dq, the drive forces that hold the mechanism at rest against gravity: (nv,) or (N, nv), N m or N. O(n).
 
 >>> axode.gravity_torques(arm, np.full(7, 0.5))[1].round(3)
 np.float64(-26.588)
 )");
-  module.def("generalized_loads", &generalized_loads_of, "m"_a, "q"_a, "v"_a, "loads"_a = nb::none(),
-             nb::kw_only(), "joint_losses"_a = false, "threads"_a = 1, R"(
+  module.def(
+      "generalized_loads",
+      [f = StateFunction("generalized_loads")](const BoundModel& m, ArrayLike q, ArrayLike v, LoadList loads,
+                                               bool joint_losses, int threads) {
+        return f(m, {.q = q, .v = v, .loads = loads, .joint_losses = joint_losses, .threads = threads});
+      },
+      "m"_a, "q"_a, "v"_a, "loads"_a = nb::none(), nb::kw_only(), "joint_losses"_a = false, "threads"_a = 1,
+      R"(
 Q, the sum of J^T W over the loads, with damping and friction where asked: (nv,) or (N, nv). O(n).
 
 >>> push = [{"frame": "flange", "representation": "hybrid", "wrench": [0, 0, 0, 10, 0, 0]}]
@@ -228,8 +125,8 @@ array([ 9.46, -5.26,  1.26])
 }
 
 void add_matrices(nb::module_& module) {
-  module.def("mass_matrix", &mass_matrix_of, "m"_a, "q"_a, "representation"_a = "fast", nb::kw_only(),
-             "threads"_a = 1, R"(
+  const StateFunctions functions(module);
+  functions.of_q_by("mass_matrix", R"(
 M(q), the generalized mass matrix, armature included: (nv, nv) or (N, nv, nv), symmetric.
 
 By the composite-body algorithm, O(n d) for depth d; all representations give the same.
@@ -238,8 +135,7 @@ By the composite-body algorithm, O(n d) for depth d; all representations give th
 >>> bool((M == M.T).all())
 True
 )");
-  module.def("inverse_mass_matrix", &inverse_mass_matrix_of, "m"_a, "q"_a, "representation"_a = "fast",
-             nb::kw_only(), "threads"_a = 1, R"(
+  functions.of_q_by("inverse_mass_matrix", R"(
 The inverse of M(q), (nv, nv) or (N, nv, nv), by the articulated-body algorithm. O(n^2).
 
 SingularError where M is singular.
@@ -250,14 +146,9 @@ True
 )");
   module.def(
       "coriolis_matrix",
-      [](const BoundModel& m, ArrayLike q, ArrayLike v, CoriolisForm form, int threads) {
-        return map_states(
-                   m, threads, quadratic_cost(m), {m->nv(), m->nv()}, q,
-                   [&](auto& workspace, auto qk, auto vk, auto C) {
-                     coriolis_matrix(*m, workspace, qk, vk, form, C);
-                   },
-                   Named{"v", v})
-            .array();
+      [f = StateFunction("coriolis_matrix")](const BoundModel& m, ArrayLike q, ArrayLike v, CoriolisForm form,
+                                             int threads) {
+        return f(m, {.q = q, .v = v, .form = form, .threads = threads});
       },
       "m"_a, "q"_a, "v"_a, "form"_a = "christoffel", nb::kw_only(), "threads"_a = 1, R"(
 C(q, v) with C v = `coriolis_vector`: (nv, nv) or (N, nv, nv). O(n d).
@@ -270,16 +161,7 @@ matrix as "skew". "christoffel": C_ij = sum of Gamma_ijk v_k; M' - 2C is skew.
 >>> np.allclose(C @ v, axode.coriolis_vector(arm, arm.neutral(), v))
 True
 )");
-  module.def(
-      "christoffel",
-      [](const BoundModel& m, ArrayLike q, int threads) {
-        return map_states(m, threads, cubic_cost(m), {m->nv(), m->nv(), m->nv()}, q,
-                          [&](auto& workspace, auto qk, auto Gamma) {
-                            christoffel_symbols(*m, workspace, qk, Gamma);
-                          })
-            .array();
-      },
-      "m"_a, "q"_a, nb::kw_only(), "threads"_a = 1, R"(
+  functions.of_q("christoffel", R"(
 Christoffel symbols of the first kind, Gamma[i, j, k]: (nv, nv, nv) or (N, nv, nv, nv) (eq. Gamma, corrected).
 
 Symmetric in j, k but for velocities of one joint with several degrees of freedom. O(n d^2).
@@ -288,30 +170,13 @@ Symmetric in j, k but for velocities of one joint with several degrees of freedo
 >>> np.allclose(Gamma @ v @ v, axode.coriolis_vector(arm, np.full(7, 0.3), v))
 True
 )");
-  module.def(
-      "mass_matrix_partials",
-      [](const BoundModel& m, ArrayLike q, int threads) {
-        return map_states(
-                   m, threads, cubic_cost(m), {m->nv(), m->nv(), m->nv()}, q,
-                   [&](auto& workspace, auto qk, auto dM) { mass_matrix_partials(*m, workspace, qk, dM); })
-            .array();
-      },
-      "m"_a, "q"_a, nb::kw_only(), "threads"_a = 1, R"(
+  functions.of_q("mass_matrix_partials", R"(
 The partial derivatives of M, entry [k] = dM/dq_k along q (+) e_k: (nv, nv, nv) or (N, nv, nv, nv). O(n d^2).
 
 >>> axode.mass_matrix_partials(arm, arm.neutral()).shape
 (7, 7, 7)
 )");
-  module.def(
-      "inverse_mass_matrix_partials",
-      [](const BoundModel& m, ArrayLike q, int threads) {
-        return map_states(m, threads, cubic_cost(m) * m->nv(), {m->nv(), m->nv(), m->nv()}, q,
-                          [&](auto& workspace, auto qk, auto dM_inverse) {
-                            return inverse_mass_matrix_partials(m, workspace, qk, dM_inverse);
-                          })
-            .array();
-      },
-      "m"_a, "q"_a, nb::kw_only(), "threads"_a = 1, R"(
+  functions.of_q("inverse_mass_matrix_partials", R"(
 The partial derivatives of the inverse of M, -M^-1 dM/dq_k M^-1, in the order of `mass_matrix_partials`. O(n^4).
 
 >>> axode.inverse_mass_matrix_partials(arm, arm.neutral()).shape
@@ -334,9 +199,11 @@ True
             if (matrix.axes() != 2 || !matrix.ends_with({m->nv(), m->nv()}))
               matrix.wrong_shape(Shape{m->nv(), m->nv()}.text() + ", nv by nv");
             MassMatrixFactor<> factor(m);
-            const Solvability found =
-                factor.factorize(std::span(matrix.data(), static_cast<std::size_t>(matrix.size())));
-            if (!found.ok()) raise_singular(to_string(*m, found), {0}, {nb::object(nb::none())});
+            const Solvability found = released([&] {
+              return factor.factorize(std::span(matrix.data(), static_cast<std::size_t>(matrix.size())));
+            });
+            if (!found.ok())
+              raise_of_states("SingularError", to_string(*m, found), {0}, {nb::object(nb::none())});
             new (self) MassMatrixFactor<>(std::move(factor));
           },
           "m"_a, "M"_a)
@@ -349,8 +216,10 @@ True
               x.wrong_shape(Shape{n}.text() + " or (N, " + std::to_string(n) + ")");
             NewArray out(x.axes() == 1 ? Shape{n} : Shape{x.length(0), n});
             std::copy_n(x.data(), x.size(), out.data());
-            for (nb::ssize_t k = 0; k < x.size(); k += n)
-              factor.solve(std::span(out.data() + k, static_cast<std::size_t>(n)));
+            released([&] {
+              for (nb::ssize_t k = 0; k < x.size(); k += n)
+                factor.solve(std::span(out.data() + k, static_cast<std::size_t>(n)));
+            });
             return out.array();
           },
           "x"_a, "M^-1 x for x of shape (nv,), or for each row of (N, nv). O(n d).")
@@ -358,7 +227,7 @@ True
           "inverse",
           [](const MassMatrixFactor<>& factor) {
             NewArray out({factor.nv(), factor.nv()});
-            factor.inverse(out.all());
+            released([&] { factor.inverse(out.all()); });
             return out.array();
           },
           "M^-1, (nv, nv). O(n^2 d).")
@@ -386,57 +255,35 @@ True
 }
 
 void add_energies(nb::module_& module) {
-  module.def(
-      "kinetic_energy",
-      [](const BoundModel& m, ArrayLike q, ArrayLike v, int threads) {
-        return map_states(
-                   m, threads, linear_cost(m), {}, q,
-                   [&](auto& workspace, auto qk, auto vk, auto T) {
-                     T[0] = kinetic_energy(*m, workspace, qk, vk);
-                   },
-                   Named{"v", v})
-            .array();
-      },
-      "m"_a, "q"_a, "v"_a, nb::kw_only(), "threads"_a = 1, R"(
+  const StateFunctions functions(module);
+  functions.of_q_v("kinetic_energy", R"(
 T = v^T M v / 2 of bodies and armatures, J: a number, or (N,). O(n).
 
 >>> float(axode.kinetic_energy(arm, arm.neutral(), np.zeros(7)))
 0.0
 )");
-  module.def(
-      "potential_energy",
-      [](const BoundModel& m, ArrayLike q, int threads) {
-        return map_states(
-                   m, threads, linear_cost(m), {}, q,
-                   [&](auto& workspace, auto qk, auto U) { U[0] = potential_energy(*m, workspace, qk); })
-            .array();
-      },
-      "m"_a, "q"_a, nb::kw_only(), "threads"_a = 1, R"(
+  functions.of_q("potential_energy", R"(
 U, the potential of gravity, 0 at the inertial origin, J: a number, or (N,). O(n).
 
 >>> U = axode.potential_energy(arm, arm.neutral())
 >>> bool(np.isclose(U, 9.81 * arm.total_mass * axode.center_of_mass(arm, arm.neutral())[2]))
 True
 )");
-  module.def("load_powers", &load_powers_of, "m"_a, "q"_a, "v"_a, "loads"_a, nb::kw_only(), "threads"_a = 1,
-             R"(
+  module.def(
+      "load_powers",
+      [f = StateFunction("load_powers")](const BoundModel& m, ArrayLike q, ArrayLike v, LoadList loads,
+                                         int threads) {
+        return f(m, {.q = q, .v = v, .loads = loads, .threads = threads});
+      },
+      "m"_a, "q"_a, "v"_a, "loads"_a, nb::kw_only(), "threads"_a = 1,
+      R"(
 The power of every load, W: shape (number of loads,) or (N, number of loads). O(n).
 
 >>> push = [{"frame": "flange", "representation": "hybrid", "wrench": [0, 0, 0, 10, 0, 0]}]
 >>> axode.load_powers(arm, arm.neutral(), np.zeros(7), push)
 array([0.])
 )");
-  module.def(
-      "centroidal_inertia",
-      [](const BoundModel& m, ArrayLike q, int threads) {
-        return map_states(m, threads, linear_cost(m), {6, 6}, q,
-                          [&](auto& workspace, auto qk, auto out) {
-                            Eigen::Map<Matrix6<double>>(out.data()) =
-                                to_eigen(centroidal_inertia(*m, workspace, qk)).transpose();
-                          })
-            .array();
-      },
-      "m"_a, "q"_a, nb::kw_only(), "threads"_a = 1, R"(
+  functions.of_q("centroidal_inertia", R"(
 The inertia matrix of the whole mechanism about its center of mass, in inertial axes, as if the joints were locked.
 
 Shape (6, 6) or (N, 6, 6). Armatures are not part of it. O(n).
@@ -448,18 +295,13 @@ True
 }
 
 void add_operational_space(nb::module_& module) {
+  const StateFunctions functions(module);
   module.def(
       "impulse_response",
-      [](const BoundModel& m, ArrayLike q, FrameName frame, Representation representation, ArrayLike offset,
-         int threads) {
-        const Place<> at = place(m, frame, offset);
-        return with_representation(representation, [&]<class Rep>(Rep) {
-          return map_states(m, threads, 6 * linear_cost(m), {m->nv(), 6}, q,
-                            [&](auto& workspace, auto qk, auto out) {
-                              return impulse_response<Rep>(m, workspace, qk, at, screws<Twist<Rep>>(out));
-                            })
-              .array();
-        });
+      [f = StateFunction("impulse_response")](const BoundModel& m, ArrayLike q, FrameName frame,
+                                              Representation representation, ArrayLike offset, int threads) {
+        return f.in_rows(
+            m, {.q = q, .algorithm = {representation}, .place = place(m, frame, offset), .threads = threads});
       },
       "m"_a, "q"_a, "frame"_a, "representation"_a = "body", nb::kw_only(), "offset"_a = nb::none(),
       "threads"_a = 1, R"(
@@ -470,43 +312,13 @@ M^-1 J^T of a frame, (nv, 6) or (N, nv, 6): the jump of the velocities under a u
 >>> axode.impulse_response(arm, arm.neutral(), "flange").shape
 (7, 6)
 )");
-  module.def(
-      "mobility",
-      [](const BoundModel& m, ArrayLike q, FrameName frame, Representation representation, ArrayLike offset,
-         int threads) {
-        const Place<> at = place(m, frame, offset);
-        return with_representation(representation, [&]<class Rep>(Rep) {
-          return map_states(m, threads, 6 * linear_cost(m), {6, 6}, q,
-                            [&](auto& workspace, auto qk, auto out) {
-                              return mobility<Rep>(m, workspace, qk, at, out);
-                            })
-              .array();
-        });
-      },
-      "m"_a, "q"_a, "frame"_a, "representation"_a = "body", nb::kw_only(), "offset"_a = nb::none(),
-      "threads"_a = 1, R"(
+  functions.of_q_at("mobility", R"(
 J M^-1 J^T of a frame, (6, 6) or (N, 6, 6): the twist that it gets from an impulse. Its rank says how it can move.
 
 >>> np.linalg.matrix_rank(axode.mobility(arm, np.full(7, 0.5), "flange"))
 np.int64(6)
 )");
-  module.def(
-      "operational_space_inertia",
-      [](const BoundModel& m, ArrayLike q, FrameName frame, Representation representation, ArrayLike offset,
-         int threads) {
-        const Place<> at = place(m, frame, offset);
-        const States states(m, q, threads);
-        return with_representation(representation, [&]<class Rep>(Rep) {
-          return each_item(
-                     states, 6 * linear_cost(m), {6, 6},
-                     [&](auto& workspace, std::size_t k, auto out) {
-                       return operational_space_inertia<Rep>(m, workspace, states.q(k), at, out).mass_matrix;
-                     })
-              .array();
-        });
-      },
-      "m"_a, "q"_a, "frame"_a, "representation"_a = "body", nb::kw_only(), "offset"_a = nb::none(),
-      "threads"_a = 1, R"(
+  functions.of_q_at("operational_space_inertia", R"(
 (J M^-1 J^T)^-1 of a frame, (6, 6) or (N, 6, 6): the inertia that it shows to a wrench.
 
 NaN where the frame cannot move, or nearly cannot, in all six directions. SingularError where M is singular.
@@ -517,19 +329,8 @@ True
 }
 
 void add_regressors(nb::module_& module) {
-  const auto parameters = [](const BoundModel& m) { return Shape{10 * m->n_bodies()}; };
-  module.def(
-      "regressor",
-      [](const BoundModel& m, ArrayLike q, ArrayLike v, ArrayLike a, int threads) {
-        return map_states(
-                   m, threads, 4 * quadratic_cost(m), {m->nv(), 10 * m->n_bodies()}, q,
-                   [&](auto& workspace, auto qk, auto vk, auto ak, auto Y) {
-                     torque_regressor(*m, workspace, qk, vk, ak, Y);
-                   },
-                   Named{"v", v}, Named{"a", a})
-            .array();
-      },
-      "m"_a, "q"_a, "v"_a, "a"_a, nb::kw_only(), "threads"_a = 1, R"(
+  const StateFunctions functions(module);
+  functions.of_q_v_a("regressor", R"(
 Y with Y pi = M a + C v + g for the inertial parameters pi: (nv, 10 n_bodies) or (N, nv, 10 n_bodies).
 
 See `inertial_parameters` for their order. Armature, losses and loads are not part of it. O(n d).
@@ -539,33 +340,13 @@ See `inertial_parameters` for their order. Armature, losses and loads are not pa
 >>> np.allclose(Y @ axode.inertial_parameters(arm), axode.inverse_dynamics(arm, q, v, a))
 True
 )");
-  module.def(
-      "kinetic_energy_regressor",
-      [=](const BoundModel& m, ArrayLike q, ArrayLike v, int threads) {
-        return map_states(
-                   m, threads, linear_cost(m), parameters(m), q,
-                   [&](auto& workspace, auto qk, auto vk, auto y) {
-                     kinetic_energy_regressor(*m, workspace, qk, vk, y);
-                   },
-                   Named{"v", v})
-            .array();
-      },
-      "m"_a, "q"_a, "v"_a, nb::kw_only(), "threads"_a = 1, R"(
+  functions.of_q_v("kinetic_energy_regressor", R"(
 y with y pi = the kinetic energy of the bodies, J: (10 n_bodies,) or (N, 10 n_bodies). O(n).
 
 >>> axode.kinetic_energy_regressor(arm, arm.neutral(), np.ones(7)).shape
 (70,)
 )");
-  module.def(
-      "potential_energy_regressor",
-      [=](const BoundModel& m, ArrayLike q, int threads) {
-        return map_states(m, threads, linear_cost(m), parameters(m), q,
-                          [&](auto& workspace, auto qk, auto y) {
-                            potential_energy_regressor(*m, workspace, qk, y);
-                          })
-            .array();
-      },
-      "m"_a, "q"_a, nb::kw_only(), "threads"_a = 1, R"(
+  functions.of_q("potential_energy_regressor", R"(
 y with y pi = the potential energy of gravity, J: (10 n_bodies,) or (N, 10 n_bodies). O(n).
 
 >>> axode.potential_energy_regressor(arm, arm.neutral()).shape

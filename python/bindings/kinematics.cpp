@@ -3,11 +3,12 @@
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/tuple.h>
 
-#include "axode/batch.hpp"
 #include "bindings.hpp"
 #include "choice.hpp"
 #include "conversions.hpp"
-#include "states.hpp"
+#include "named_tuple.hpp"
+#include "one_state.hpp"
+#include "state_function.hpp"
 #include "text.hpp"
 
 namespace axode::python {
@@ -20,108 +21,10 @@ template <class... Arguments> Array columns_of(const Arguments&... arguments) {
   return map_states(arguments...).transposed();
 }
 
-Array poses_of(const BoundModel& m, ArrayLike q, int threads) {
-  const States states(m, q, threads);
-  NewArray out = states.result({m->n_frames(), 4, 4});
-  std::vector<SE3<>> C(states.count() * static_cast<std::size_t>(m->n_frames()));
-  const auto write_all = [&] {
-    for (std::size_t k = 0; k < C.size(); ++k) write(C[k], out.data() + 16 * k);
-  };
-  if (states.many()) {
-    states.unlocked(linear_cost(m), [&] {
-      batch::poses<double>(m, states.q(), C, threads);
-      write_all();
-    });
-  } else {
-    states.each(linear_cost(m), [&](auto& workspace, std::size_t) {
-      poses(*m, workspace, states.q(), C);
-      write_all();
-    });
-  }
-  return out.array();
-}
-
-Array joint_screws_of(const BoundModel& m, ArrayLike q, int threads) {
-  const States states(m, q, threads);
-  if (!states.many())
-    return each_item(states, linear_cost(m), {m->n_screws(), 6},
-                     [&](auto& workspace, std::size_t, auto out) {
-                       joint_screws(*m, workspace, states.q(), screws<Twist<Spatial>>(out));
-                     })
-        .transposed();
-  NewArray out = states.result({m->n_screws(), 6});
-  states.unlocked(linear_cost(m), [&] {
-    batch::joint_screws<double>(m, states.q(), screws<Twist<Spatial>>(out.all()), threads);
-  });
-  return out.transposed();
-}
-
-Array twists_of(const BoundModel& m, ArrayLike q, ArrayLike v, Representation representation, int threads) {
-  return with_representation(representation, [&]<class Rep>(Rep) {
-    return map_states(
-               m, threads, linear_cost(m), {m->n_frames(), 6}, q,
-               [&](auto& workspace, auto qk, auto vk, auto out) {
-                 twists<Rep>(m, workspace, qk, vk, screws<Twist<Rep>>(out));
-               },
-               Named{"v", v})
-        .array();
-  });
-}
-
-Array accelerations_of(const BoundModel& m, ArrayLike q, ArrayLike v, ArrayLike a,
-                       Representation representation, int threads) {
-  return with_representation(representation, [&]<class Rep>(Rep) {
-    return map_states(
-               m, threads, linear_cost(m), {m->n_frames(), 6}, q,
-               [&](auto& workspace, auto qk, auto vk, auto ak, auto out) {
-                 accelerations<Rep>(m, workspace, qk, vk, ak, screws<TwistRate<Rep>>(out));
-               },
-               Named{"v", v}, Named{"a", a})
-        .array();
-  });
-}
-
-Array jacobian_of(const BoundModel& m, ArrayLike q, FrameName frame, Representation representation,
-                  ArrayLike offset, int threads) {
-  const Place<> at = place(m, frame, offset);
-  return with_representation(representation, [&]<class Rep>(Rep) {
-    return columns_of(m, threads, linear_cost(m), Shape{m->nv(), 6}, q,
-                      [&](auto& workspace, auto qk, auto out) {
-                        jacobian<Rep>(m, workspace, qk, at, screws<Twist<Rep>>(out));
-                      });
-  });
-}
-
-Array jacobian_rate_of(const BoundModel& m, ArrayLike q, ArrayLike v, FrameName frame,
-                       Representation representation, ArrayLike offset, int threads) {
-  const Place<> at = place(m, frame, offset);
-  return with_representation(representation, [&]<class Rep>(Rep) {
-    return columns_of(
-        m, threads, linear_cost(m), Shape{m->nv(), 6}, q,
-        [&](auto& workspace, auto qk, auto vk, auto out) {
-          jacobian_derivative_along<Rep>(m, workspace, qk, at, 1, vk, screws<Twist<Rep>>(out));
-        },
-        Named{"v", v});
-  });
-}
-
-Array relative_jacobian_of(const BoundModel& m, ArrayLike q, FrameName frame, FrameName base,
-                           Representation representation, ArrayLike offset, ArrayLike base_offset,
-                           int threads) {
-  const Place<> at = place(m, frame, offset), observer = place(m, base, base_offset, "base");
-  return with_representation(representation, [&]<class Rep>(Rep) {
-    return columns_of(m, threads, linear_cost(m), Shape{m->nv(), 6}, q,
-                      [&](auto& workspace, auto qk, auto out) {
-                        relative_jacobian<Rep>(m, workspace, qk, at, observer, screws<Twist<Rep>>(out));
-                      });
-  });
-}
-
 std::tuple<nb::object, Array> jacobian_columns_of(const BoundModel& m, ArrayLike q, FrameName frame,
                                                   Representation representation, ArrayLike offset) {
   const Place<> at = place(m, frame, offset);
-  const States states(m, q, 1);
-  if (states.many()) throw nb::value_error("q: expected one configuration, shape (nq,)");
+  const States states = one_state(m, q);
   return with_representation(representation, [&]<class Rep>(Rep) {
     std::vector<JacobianColumn<Rep>> found(static_cast<std::size_t>(m->n_screws()));
     states.each(linear_cost(m), [&](auto& workspace, std::size_t) {
@@ -210,8 +113,8 @@ Array jacobian_derivatives_of(const BoundModel& m, ArrayLike q, ArrayLike rates,
   });
 }
 
-template <class Entry> const nb::object entry(const nb::dict& from, const char* key, Entry&& otherwise) {
-  return from.contains(key) ? nb::object(from[key]) : nb::object(otherwise);
+nb::object entry(const nb::dict& from, const char* key, nb::object otherwise) {
+  return from.contains(key) ? nb::object(from[key]) : otherwise;
 }
 
 std::vector<PoseTarget> pose_targets(const Model& m, nb::handle targets) {
@@ -239,8 +142,7 @@ nb::object inverse_kinematics_of(const BoundModel& m, nb::handle given, ArrayLik
                                  int iterations, int restarts, std::uint64_t seed, bool keep_limits,
                                  nb::handle posture) {
   const std::vector<PoseTarget> targets = pose_targets(m, given);
-  const States states(m, q0, 1, "q0");
-  if (states.many()) throw nb::value_error("q0: expected one configuration, shape (nq,)");
+  const States states = one_state(m, q0, "q0");
   InverseKinematicsOptions options{tolerance, iterations, restarts, seed, keep_limits, {}};
   std::optional<Items> near;
   if (!posture.is_none()) {
@@ -248,17 +150,16 @@ nb::object inverse_kinematics_of(const BoundModel& m, nb::handle given, ArrayLik
     options.posture = (*near)[0];
   }
   const InverseKinematicsResult found =
-      states.unlocked(1000, [&] { return inverse_kinematics(m, targets, states.q(0), options); });
-  const std::string_view status = to_string(found.status);
-  return nb::module_::import_("axode.records")
-      .attr("InverseKinematics")(to_str(status), to_array(found.q).array, found.residual, found.iterations,
-                                 found.restarts);
+      states.released(1000, [&] { return inverse_kinematics(m, targets, states.q(0), options); });
+  return named_tuple("axode.records", "InverseKinematics", to_str(to_string(found.status)), to_array(found.q),
+                     found.residual, found.iterations, found.restarts);
 }
 
 }  // namespace
 
 void add_kinematics(nb::module_& module) {
-  module.def("poses", &poses_of, "m"_a, "q"_a, nb::kw_only(), "threads"_a = 1, R"(
+  const StateFunctions functions(module);
+  functions.of_q("poses", R"(
 C_i, the pose of every frame in the inertial frame (eqs. POEX, aVbRec2).
 
 Shape (n_frames, 4, 4), or (N, n_frames, 4, 4) for q of shape (N, nq); m. In the order of `m.frame_names`. O(n).
@@ -267,8 +168,7 @@ Shape (n_frames, 4, 4), or (N, n_frames, 4, 4) for q of shape (N, nq); m. In the
 >>> C[arm.frame_index("flange"), :3, 3]
 array([0.   , 0.   , 1.306])
 )");
-  module.def("twists", &twists_of, "m"_a, "q"_a, "v"_a, "representation"_a = "body", nb::kw_only(),
-             "threads"_a = 1, R"(
+  functions.of_q_v_in("twists", R"(
 V_i, the twist of every frame: angular (rad/s), then linear (m/s) (eqs. VbRec, Vsrec, VhRec).
 
 Shape (n_frames, 6) or (N, n_frames, 6), in the order of `m.frame_names`.
@@ -279,8 +179,7 @@ about the frame's origin. mixed: angular part in the frame's axes, linear part i
 >>> V.shape
 (10, 6)
 )");
-  module.def("accelerations", &accelerations_of, "m"_a, "q"_a, "v"_a, "a"_a, "representation"_a = "body",
-             nb::kw_only(), "threads"_a = 1, R"(
+  functions.of_q_v_a_in("accelerations", R"(
 V'_i, the time derivative of the components of every twist, rad/s^2 and m/s^2 (eqs. cVbRec2, dVsRec, dVhRec2).
 
 Shape (n_frames, 6) or (N, n_frames, 6), in the order of `m.frame_names`. Hybrid and mixed ones hold the classical
@@ -290,8 +189,7 @@ acceleration r'' of the frame's origin; body-fixed and spatial ones do not. Grav
 >>> dV[arm.frame_index("flange")].round(3)
 array([0.   , 1.   , 4.   , 0.546, 0.   , 0.   ])
 )");
-  module.def("jacobian", &jacobian_of, "m"_a, "q"_a, "frame"_a, "representation"_a = "body", nb::kw_only(),
-             "offset"_a = nb::none(), "threads"_a = 1, R"(
+  functions.of_q_at("jacobian", R"(
 J with V = J v for a frame, shape (6, nv) or (N, 6, nv), angular rows first (eqs. JbX, JsX, Jh, JhJb).
 
 `offset` is a point (3,) or a pose (4, 4) given in the frame, m; J is then that of the offset frame. O(n).
@@ -300,8 +198,7 @@ J with V = J v for a frame, shape (6, nv) or (N, 6, nv), angular rows first (eqs
 >>> J[:, 0]
 array([0., 0., 1., 0., 0., 0.])
 )");
-  module.def("jacobian_rate", &jacobian_rate_of, "m"_a, "q"_a, "v"_a, "frame"_a, "representation"_a = "body",
-             nb::kw_only(), "offset"_a = nb::none(), "threads"_a = 1, R"(
+  functions.of_q_v_at("jacobian_rate", R"(
 J', the time derivative of the Jacobian of a frame: V' = J a + J' v. Shape (6, nv) or (N, 6, nv).
 
 `offset` as in `jacobian`. O(n).
@@ -332,9 +229,19 @@ built.
 >>> axode.jacobian_derivative_along(arm, arm.neutral(), "flange", [np.ones(7), np.ones(7)]).shape
 (6, 7)
 )");
-  module.def("relative_jacobian", &relative_jacobian_of, "m"_a, "q"_a, "frame"_a, "base"_a,
-             "representation"_a = "body", nb::kw_only(), "offset"_a = nb::none(),
-             "base_offset"_a = nb::none(), "threads"_a = 1, R"(
+  module.def(
+      "relative_jacobian",
+      [f = StateFunction("relative_jacobian")](const BoundModel& m, ArrayLike q, FrameName frame,
+                                               FrameName base, Representation representation,
+                                               ArrayLike offset, ArrayLike base_offset, int threads) {
+        return f(m, {.q = q,
+                     .algorithm = {representation},
+                     .place = place(m, frame, offset),
+                     .base = place(m, base, base_offset, "base"),
+                     .threads = threads});
+      },
+      "m"_a, "q"_a, "frame"_a, "base"_a, "representation"_a = "body", nb::kw_only(), "offset"_a = nb::none(),
+      "base_offset"_a = nb::none(), "threads"_a = 1, R"(
 The Jacobian of the motion of a frame as an observer at rest in the frame `base` sees it, (6, nv) or (N, 6, nv).
 
 The base is in the role of the inertial frame. `offset` and `base_offset` as in `jacobian`.
@@ -357,7 +264,7 @@ Columns of the same velocity (coupled joints) add up. One state. O(path length).
 >>> axode.jacobian_columns(arm, arm.neutral(), "link 2")[0]
 [1, 0]
 )");
-  module.def("joint_screws", &joint_screws_of, "m"_a, "q"_a, nb::kw_only(), "threads"_a = 1, R"(
+  functions.of_q("joint_screws", R"(
 The instantaneous screws J_i^s of all joints, in inertial axes about the inertial origin (eqs. JsX, bVsRec).
 
 Shape (6, n) or (N, 6, n) with a column for each degree of freedom, in the model's order, coupled joints included. O(n).
@@ -365,16 +272,7 @@ Shape (6, n) or (N, 6, n) with a column for each degree of freedom, in the model
 >>> axode.joint_screws(arm, arm.neutral())[:, 0]
 array([0., 0., 1., 0., 0., 0.])
 )");
-  module.def(
-      "center_of_mass",
-      [](const BoundModel& m, ArrayLike q, int threads) {
-        return map_states(m, threads, linear_cost(m), {3}, q,
-                          [&](auto& workspace, auto qk, auto out) {
-                            write(center_of_mass(*m, workspace, qk), out.data());
-                          })
-            .array();
-      },
-      "m"_a, "q"_a, nb::kw_only(), "threads"_a = 1, R"(
+  functions.of_q("center_of_mass", R"(
 The center of mass of all moving bodies in the inertial frame, shape (3,) or (N, 3), m. O(n).
 
 ValueError for a massless model.
@@ -382,47 +280,20 @@ ValueError for a massless model.
 >>> axode.center_of_mass(arm, arm.neutral()).shape
 (3,)
 )");
-  module.def(
-      "center_of_mass_jacobian",
-      [](const BoundModel& m, ArrayLike q, int threads) {
-        return columns_of(
-            m, threads, linear_cost(m), Shape{m->nv(), 3}, q, [&](auto& workspace, auto qk, auto out) {
-              center_of_mass_jacobian(*m, workspace, qk,
-                                      std::span(reinterpret_cast<Vec3<>*>(out.data()), out.size() / 3));
-            });
-      },
-      "m"_a, "q"_a, nb::kw_only(), "threads"_a = 1, R"(
+  functions.of_q("center_of_mass_jacobian", R"(
 J with r_com' = J v, in inertial axes, shape (3, nv) or (N, 3, nv), m. O(n).
 
 >>> axode.center_of_mass_jacobian(arm, arm.neutral()).shape
 (3, 7)
 )");
-  module.def(
-      "centroidal_momentum_matrix",
-      [](const BoundModel& m, ArrayLike q, int threads) {
-        return columns_of(m, threads, linear_cost(m), Shape{m->nv(), 6}, q,
-                          [&](auto& workspace, auto qk, auto out) {
-                            centroidal_momentum_matrix(*m, workspace, qk, screws<Momentum<Hybrid>>(out));
-                          });
-      },
-      "m"_a, "q"_a, nb::kw_only(), "threads"_a = 1, R"(
+  functions.of_q("centroidal_momentum_matrix", R"(
 A with A v = the momentum about the center of mass, in inertial axes, angular rows first: (6, nv) or (N, 6, nv). O(n).
 
 >>> A = axode.centroidal_momentum_matrix(arm, arm.neutral())
 >>> np.allclose(A @ np.ones(7), axode.centroidal_momentum(arm, arm.neutral(), np.ones(7)))
 True
 )");
-  module.def(
-      "centroidal_momentum_matrix_rate",
-      [](const BoundModel& m, ArrayLike q, ArrayLike v, int threads) {
-        return columns_of(
-            m, threads, linear_cost(m), Shape{m->nv(), 6}, q,
-            [&](auto& workspace, auto qk, auto vk, auto out) {
-              centroidal_momentum_matrix_rate(*m, workspace, qk, vk, screws<Wrench<Hybrid>>(out));
-            },
-            Named{"v", v});
-      },
-      "m"_a, "q"_a, "v"_a, nb::kw_only(), "threads"_a = 1, R"(
+  functions.of_q_v("centroidal_momentum_matrix_rate", R"(
 The time derivative of the centroidal momentum matrix, (6, nv) or (N, 6, nv). O(n).
 
 >>> axode.centroidal_momentum_matrix_rate(arm, arm.neutral(), np.ones(7)).shape

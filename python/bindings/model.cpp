@@ -12,6 +12,7 @@
 #include "choice.hpp"
 #include "conversions.hpp"
 #include "description.hpp"
+#include "one_state.hpp"
 #include "raise.hpp"
 #include "states.hpp"
 #include "text.hpp"
@@ -380,8 +381,7 @@ array([0.   , 0.   , 1.306])
       .def(
           "reduced",
           [](const BoundModel& m, const std::vector<std::string>& locked, ArrayLike q) {
-            const States states(m, q, 1);
-            if (states.many()) throw nb::value_error("q: expected one configuration, shape (nq,)");
+            const States states = one_state(m, q);
             std::vector<std::string_view> views(locked.begin(), locked.end());
             for (const std::string& name : locked)
               index_of([&](const std::string& s) { return m->joint_index(s); }, "locked", to_str(name));

@@ -1,11 +1,11 @@
-#include "axode/dynamics/momentum.hpp"
+#include "axode/dynamics.hpp"
 
 #include <nanobind/stl/tuple.h>
 
 #include "bindings.hpp"
 #include "choice.hpp"
 #include "conversions.hpp"
-#include "states.hpp"
+#include "state_function.hpp"
 
 namespace axode::python {
 namespace {
@@ -22,19 +22,6 @@ std::tuple<Array, Array> each_pair(const States& states, const Shape& first, con
                            return f(workspace, k, out, item(rates, k, second));
                          });
   return {v.array(), rates.array()};
-}
-
-std::tuple<Array, Array> momentum_form_of(const BoundModel& m, ArrayLike q, ArrayLike p, ArrayLike tau,
-                                          LoadList given, bool joint_losses, int threads) {
-  const States states(m, q, threads);
-  const Items momenta = states.velocities("p", p), forces = states.velocities("tau", tau);
-  const AppliedLoads loads(states, given, joint_losses);
-  return each_pair(states, {m->nv()}, {m->nv()},
-                   [&](auto& workspace, std::size_t k, std::span<double> v, std::span<double> dp) {
-                     return loads.with(k, [&](const Loads<double>& now) {
-                       return momentum_form(*m, workspace, states.q(k), momenta[k], forces[k], v, dp, now);
-                     });
-                   });
 }
 
 std::tuple<Array, Array> twist_form_of(const BoundModel& m, ArrayLike q, ArrayLike V, ArrayLike tau,
@@ -77,46 +64,31 @@ std::tuple<Array, Array> spatial_momentum_form_of(const BoundModel& m, ArrayLike
 }  // namespace
 
 void add_momentum(nb::module_& module) {
-  module.def(
-      "momenta",
-      [](const BoundModel& m, ArrayLike q, ArrayLike v, int threads) {
-        return map_states(
-                   m, threads, linear_cost(m), {m->nv()}, q,
-                   [&](auto& workspace, auto qk, auto vk, auto p) {
-                     generalized_momenta(*m, workspace, qk, vk, p);
-                   },
-                   Named{"v", v})
-            .array();
-      },
-      "m"_a, "q"_a, "v"_a, nb::kw_only(), "threads"_a = 1, R"(
+  const StateFunctions functions(module);
+  functions.of_q_v("momenta", R"(
 p = M(q) v, the generalized momenta, armature included: (nv,) or (N, nv), kg m^2/s or kg m/s. O(n).
 
 >>> q, v = np.full(7, 0.3), np.ones(7)
 >>> np.allclose(axode.momenta(arm, q, v), axode.mass_matrix(arm, q) @ v)
 True
 )");
-  module.def(
-      "from_momenta",
-      [](const BoundModel& m, ArrayLike q, ArrayLike p, int threads) {
-        const std::vector<double> zero(static_cast<std::size_t>(m->nv()));
-        return map_states(
-                   m, threads, linear_cost(m), {m->nv()}, q,
-                   [&](auto& workspace, auto qk, auto pk, auto v) {
-                     std::vector<double> dp(zero.size());
-                     return momentum_form(*m, workspace, qk, pk, zero, v, dp);
-                   },
-                   Named{"p", p})
-            .array();
-      },
-      "m"_a, "q"_a, "p"_a, nb::kw_only(), "threads"_a = 1, R"(
+  functions.of_q_p("from_momenta", R"(
 v = M(q)^-1 p, the velocities of generalized momenta: (nv,) or (N, nv). O(n). SingularError where M is singular.
 
 >>> q, v = np.full(7, 0.3), np.ones(7)
 >>> np.allclose(axode.from_momenta(arm, q, axode.momenta(arm, q, v)), v)
 True
 )");
-  module.def("momentum_form", &momentum_form_of, "m"_a, "q"_a, "p"_a, "tau"_a, "loads"_a = nb::none(),
-             nb::kw_only(), "joint_losses"_a = false, "threads"_a = 1, R"(
+  module.def(
+      "momentum_form",
+      [f = StateFunction("momentum_form")](const BoundModel& m, ArrayLike q, ArrayLike p, ArrayLike tau,
+                                           LoadList loads, bool joint_losses, int threads) {
+        return f.both(
+            m,
+            {.q = q, .tau = tau, .p = p, .loads = loads, .joint_losses = joint_losses, .threads = threads});
+      },
+      "m"_a, "q"_a, "p"_a, "tau"_a, "loads"_a = nb::none(), nb::kw_only(), "joint_losses"_a = false,
+      "threads"_a = 1, R"(
 (v, p'): the rates of the state (q, p), two arrays (nv,) or (N, nv): Hamilton's equations in O(n).
 
 Without accelerations and their bias terms, in spatial twists. SingularError where M is singular.
@@ -125,54 +97,19 @@ Without accelerations and their bias terms, in spatial twists. SingularError whe
 >>> np.allclose(dp, -axode.gravity_torques(arm, np.full(7, 0.3)))
 True
 )");
-  module.def(
-      "body_momenta",
-      [](const BoundModel& m, ArrayLike q, ArrayLike v, Representation representation, int threads) {
-        return with_representation(representation, [&]<class Rep>(Rep) {
-          return map_states(
-                     m, threads, linear_cost(m), {m->n_bodies(), 6}, q,
-                     [&](auto& workspace, auto qk, auto vk, auto Pi) {
-                       body_momenta<Rep>(m, workspace, qk, vk, screws<Momentum<Rep>>(Pi));
-                     },
-                     Named{"v", v})
-              .array();
-        });
-      },
-      "m"_a, "q"_a, "v"_a, "representation"_a = "body", nb::kw_only(), "threads"_a = 1, R"(
+  functions.of_q_v_in("body_momenta", R"(
 Pi_i = M_i V_i of every body in its own frame, (n_bodies, 6) or (N, n_bodies, 6): angular (N m s), then linear (N s). O(n).
 
 >>> axode.body_momenta(arm, arm.neutral(), np.ones(7), "hybrid").shape
 (7, 6)
 )");
-  module.def(
-      "spatial_momentum",
-      [](const BoundModel& m, ArrayLike q, ArrayLike v, int threads) {
-        return map_states(
-                   m, threads, linear_cost(m), {6}, q,
-                   [&](auto& workspace, auto qk, auto vk, auto out) {
-                     write_screw(spatial_momentum(*m, workspace, qk, vk), out.data());
-                   },
-                   Named{"v", v})
-            .array();
-      },
-      "m"_a, "q"_a, "v"_a, nb::kw_only(), "threads"_a = 1, R"(
+  functions.of_q_v("spatial_momentum", R"(
 The momentum of the whole mechanism about the inertial origin, in inertial axes, (6,) or (N, 6). O(n).
 
 >>> axode.spatial_momentum(arm, arm.neutral(), np.zeros(7))
 array([0., 0., 0., 0., 0., 0.])
 )");
-  module.def(
-      "centroidal_momentum",
-      [](const BoundModel& m, ArrayLike q, ArrayLike v, int threads) {
-        return map_states(
-                   m, threads, linear_cost(m), {6}, q,
-                   [&](auto& workspace, auto qk, auto vk, auto out) {
-                     write_screw(centroidal_momentum(*m, workspace, qk, vk), out.data());
-                   },
-                   Named{"v", v})
-            .array();
-      },
-      "m"_a, "q"_a, "v"_a, nb::kw_only(), "threads"_a = 1, R"(
+  functions.of_q_v("centroidal_momentum", R"(
 The momentum of the whole mechanism about its center of mass, in inertial axes, (6,) or (N, 6). O(n).
 
 ValueError for a massless model.

@@ -25,10 +25,11 @@ nb::list fault_list(std::span<const Fault> faults) {
   return list;
 }
 
-void raise_singular(const std::string& sentence, const std::vector<std::size_t>& states, Array result) {
+void raise_of_states(const char* error, const std::string& sentence, const std::vector<std::size_t>& states,
+                     Array result) {
   nb::list numbers;
   for (const std::size_t k : states) numbers.append(k);
-  set_error(errors("SingularError")(to_str(sentence), numbers, result.array));
+  set_error(errors(error)(to_str(sentence), numbers, result.array));
   throw nb::python_error();
 }
 

@@ -1,4 +1,4 @@
-#include "axode/dynamics/newton_euler.hpp"
+#include "axode/lie/newton_euler.hpp"
 #include "bindings.hpp"
 #include "choice.hpp"
 #include "map_items.hpp"

@@ -1,5 +1,7 @@
 #include "states.hpp"
 
+#include <algorithm>
+
 #include "choice.hpp"
 #include "conversions.hpp"
 #include "raise.hpp"
@@ -63,23 +65,31 @@ Items States::velocities(const char* name, ArrayLike given) const {
   return items(name, given, {model().nv()}, "nv numbers");
 }
 
-void States::singular(const std::vector<std::size_t>& states, const Solvability& first,
-                      NewArray& result) const {
+void States::refuse(const std::vector<Solvability>& found, NewArray& result,
+                    const Solvability& otherwise) const {
+  const bool solved =
+      std::all_of(found.begin(), found.end(), [](const Solvability& each) { return each.ok(); });
+  if (solved && all_finite(result.all())) return;
+  std::vector<std::size_t> refused;
+  Solvability first;
+  const std::size_t size = count_ == 0 ? 0 : result.all().size() / count_;
+  for (std::size_t k = 0; k < count_; ++k) {
+    Solvability state = found.empty() ? Solvability{} : found[k];
+    if (state.directions < 6) continue;  // such a frame has no inertia, and NaN says so
+    if (state.ok() && !all_finite(result.all().subspan(k * size, size))) state = otherwise;
+    if (state.ok()) continue;
+    if (refused.empty()) first = state;
+    refused.push_back(k);
+  }
+  if (refused.empty()) return;
   std::string sentence = to_string(model(), first);
   if (many_)
-    sentence = "state " + std::to_string(states.front()) +
-               (states.size() > 1 ? " and " + std::to_string(states.size() - 1) +
-                                        (states.size() > 2 ? " others: " : " other: ")
-                                  : ": ") +
+    sentence = "state " + std::to_string(refused.front()) +
+               (refused.size() > 1 ? " and " + std::to_string(refused.size() - 1) +
+                                         (refused.size() > 2 ? " others: " : " other: ")
+                                   : ": ") +
                sentence;
-  raise_singular(sentence, states, result.array());
-}
-
-void States::refuse_singular(const std::vector<Solvability>& found, NewArray& result) const {
-  std::vector<std::size_t> states;
-  for (std::size_t k = 0; k < found.size(); ++k)
-    if (!found[k].ok()) states.push_back(k);
-  if (!states.empty()) singular(states, found[states.front()], result);
+  raise_of_states(first.not_finite ? "NotFiniteError" : "SingularError", sentence, refused, result.array());
 }
 
 Rows::Rows(const States& states, const char* name, ArrayLike given, const char* meaning)
@@ -95,7 +105,7 @@ Rows::Rows(const States& states, const char* name, ArrayLike given, const char* 
 AppliedLoads::AppliedLoads(const States& states, LoadList given, bool joint_losses)
     : joint_losses_(joint_losses) {
   const nb::handle list(given.given);
-  if (list.is_none()) return;
+  if (!list.is_valid() || list.is_none()) return;
   if (!PyList_Check(list.ptr()) && !PyTuple_Check(list.ptr()))
     throw nb::value_error(
         (std::string("loads: expected a list of dicts with the keys frame, representation and "

@@ -1,15 +1,13 @@
 #pragma once
-#include <tbb/parallel_for.h>
-#include <tbb/task_arena.h>
-
 #include <array>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "array.hpp"
-#include "axode/dynamics/loads.hpp"
-#include "axode/dynamics/solvability.hpp"
+#include "axode/batch/portions.hpp"
+#include "axode/recursion/loads.hpp"
+#include "axode/recursion/solvability.hpp"
 #include "bound_model.hpp"
 #include "choice.hpp"
 
@@ -61,35 +59,40 @@ class States {
     return NewArray(many_ ? item.times(static_cast<nb::ssize_t>(count_)) : item);
   }
 
-  /// f(workspace, k) for every state k. Lets other Python threads run where that takes more than 20 us.
+  /// f(workspace, k) for every state k. Where that takes more than 20 us, other Python threads run and Ctrl-C ends it.
   template <class F> void each(double microseconds, const F& f) const {
-    if (threads_ > 1 && count_ > 1) return on_cores(f);
+    if (threads_ > 1 || takes_long(microseconds)) return on_cores(f);
     const BoundModel::Lease workspace(bound_);
-    std::optional<nb::gil_scoped_release> released;
-    if (takes_long(microseconds)) released.emplace();
     for (std::size_t k = 0; k < count_; ++k) run(f, *workspace, k);
   }
-  /// The same for an f that returns whether it could solve; throws SingularError with the result where it
-  /// could not.
-  template <class F> void solve(double microseconds, NewArray& result, const F& f) const {
-    std::vector<Solvability> found(count_);
-    each(microseconds, [&](Workspace<>& workspace, std::size_t k) { found[k] = f(workspace, k); });
-    refuse_singular(found, result);
-  }
-  /// f() on all states at once, with other Python threads running.
-  template <class F> auto unlocked(double microseconds, const F& f) const {
+  /// f() with other Python threads running.
+  template <class F> auto released(double microseconds, const F& f) const {
     std::optional<nb::gil_scoped_release> released;
     if (takes_long(microseconds)) released.emplace();
     return f();
   }
+  /// f(monitor) on all states at once, with other Python threads running, and Ctrl-C heard through the monitor.
+  template <class F> auto unlocked(double microseconds, const F& f) const {
+    std::optional<nb::gil_scoped_release> released;
+    if (takes_long(microseconds)) released.emplace();
+    bool interrupted = false;
+    const auto outcome = f([&](std::size_t, std::size_t) {
+      const nb::gil_scoped_acquire acquired;
+      interrupted = PyErr_CheckSignals() != 0;
+      return !interrupted;
+    });
+    released.reset();
+    if (interrupted) throw nb::python_error();
+    return outcome;
+  }
 
-  /// Throws SingularError that names the states and the body.
-  [[noreturn]] void singular(const std::vector<std::size_t>& states, const Solvability& first,
-                             NewArray& result) const;
+  /// Throws SingularError or NotFiniteError, with the result, where some states could not be solved or have results that
+  /// are not finite. `found` has an entry for each state, or none; then `otherwise` says what is wrong.
+  void refuse(const std::vector<Solvability>& found, NewArray& result,
+              const Solvability& otherwise = {.not_finite = true}) const;
 
  private:
   bool takes_long(double microseconds) const { return microseconds * static_cast<double>(count_) > 20; }
-  void refuse_singular(const std::vector<Solvability>& found, NewArray& result) const;
 
   template <class F> void run(const F& f, Workspace<>& workspace, std::size_t k) const {
     if (!many_) return f(workspace, k);
@@ -100,12 +103,12 @@ class States {
     }
   }
   template <class F> void on_cores(const F& f) const {
-    const nb::gil_scoped_release released;
-    const int cores = std::min(threads_, tbb::this_task_arena::max_concurrency());
-    const std::size_t tasks = std::min(count_, static_cast<std::size_t>(cores));
-    tbb::parallel_for(std::size_t{0}, tasks, [&](std::size_t task) {
-      Workspace<> workspace(model());
-      for (std::size_t k = count_ * task / tasks; k < count_ * (task + 1) / tasks; ++k) run(f, workspace, k);
+    unlocked(100, [&](const batch::Monitor& monitor) {
+      return batch::in_portions(count_, 1, threads_, monitor, [&]() -> batch::Work {
+        return [&, workspace = Workspace<>(model())](std::size_t k, std::size_t) mutable {
+          run(f, workspace, k);
+        };
+      });
     });
   }
 
@@ -152,11 +155,17 @@ inline std::span<double> item(const NewArray& out, std::size_t k, const Shape& s
 template <class F>
 NewArray each_item(const States& states, double microseconds, const Shape& shape, const F& f) {
   NewArray out = states.result(shape);
-  const auto g = [&](Workspace<>& workspace, std::size_t k) { return f(workspace, k, item(out, k, shape)); };
-  if constexpr (std::is_void_v<decltype(f(std::declval<Workspace<>&>(), 0, std::span<double>()))>)
-    states.each(microseconds, g);
-  else
-    states.solve(microseconds, out, g);
+  std::vector<Solvability> found;
+  if constexpr (std::is_void_v<decltype(f(std::declval<Workspace<>&>(), 0, std::span<double>()))>) {
+    states.each(microseconds,
+                [&](Workspace<>& workspace, std::size_t k) { f(workspace, k, item(out, k, shape)); });
+  } else {
+    found.resize(states.count());
+    states.each(microseconds, [&](Workspace<>& workspace, std::size_t k) {
+      found[k] = f(workspace, k, item(out, k, shape));
+    });
+  }
+  states.refuse(found, out);
   return out;
 }
 

@@ -25,7 +25,7 @@ Eigen::VectorXd stacked(const Model& model, const char* name, ArrayLike given) {
 
 nb::object system_matrices_of(const BoundModel& m, ArrayLike q, Representation representation) {
   const States state = one_state(m, q);
-  const SystemMatrices found = state.unlocked(quadratic_cost(m), [&] {
+  const SystemMatrices found = state.released(quadratic_cost(m), [&] {
     return with_representation(representation,
                                [&](auto rep) { return system_matrices<decltype(rep)>(m, state.q()); });
   });
@@ -35,7 +35,7 @@ nb::object system_matrices_of(const BoundModel& m, ArrayLike q, Representation r
 nb::object spatial_factors_of(const BoundModel& m, ArrayLike q) {
   const States state = one_state(m, q);
   const SpatialFactors found =
-      state.unlocked(quadratic_cost(m), [&] { return spatial_factors(m, state.q()); });
+      state.released(quadratic_cost(m), [&] { return spatial_factors(m, state.q()); });
   return named_tuple("axode.closed_form", "SpatialFactors", dense(found.A_s), dense(found.Y_s),
                      dense(found.A_sb));
 }

@@ -124,9 +124,13 @@ INSTANTIATE_TEST_SUITE_P(
         {"AFrameThatCannotMoveEveryWay",
          {"eval", arm, "--want", "operational_space_inertia", "--frame", "link 3"},
          1,
-         "axode eval: operational_space_inertia: frame \"link 3\" can move in 2 directions only, so that it "
-         "has none; "
-         "ask for its mobility, or for another --frame"},
+         "axode eval: operational_space_inertia: frame \"link 3\": the frame can move in 2 of six "
+         "directions, so that "
+         "it shows no inertia to a wrench; ask for its mobility"},
+        {"AnEmptyWord",
+         {"codegen", arm, "--output", ""},
+         2,
+         "axode codegen: --output is empty (see axode codegen --help)"},
         {"UnknownEnding",
          {"convert", arm, "arm.tml"},
          2,
@@ -280,11 +284,29 @@ INSTANTIATE_TEST_SUITE_P(
          "loads[0]: the key \"wrnch\" is none of frame, representation, wrench; did you mean \"wrench\"?"},
         {"LoadOfAWord", "{\"loads\": [{\"frame\": \"table\", \"wrench\": [0,0,0,0,0,\"up\"]}]}",
          "loads[0]: wrench: entry 5 must be a number, got \"up\""},
+        {"TargetWithAWordForItsLastRow",
+         "{\"targets\": [{\"frame\": \"table\", \"pose\": [[1,0,0,0],[0,1,0,0],[0,0,1,0],\"last\"]}]}",
+         "targets[0]: row 3 of pose must be [0, 0, 0, 1], got \"last\""},
+        {"TargetThatIsNoPose",
+         "{\"targets\": [{\"frame\": \"table\", \"pose\": [[1,0,0,0],[0,1,0,0],[0,0,1,0],[0,0,0,2]]}]}",
+         "targets[0]: row 3 of pose must be [0, 0, 0, 1], got [0,0,0,2]"},
         {"SeveralFaults", "{\"q\": [1], \"v\": {\"nose\": 1}, \"w\": 0}",
          "q has 1 number; model \"machine\" takes nq = 20\nv: model \"machine\" has no joint \"nose\"\n"
          "the key \"w\" is none of q, v, a, jerk, snap, tau, p, loads, targets"},
     }),
     [](const auto& p) { return p.param.name; });
+
+TEST(Errors, AStateThatIsNestedDeeplyIsRefused) {
+  const std::size_t depth = 100'000;
+  std::string lists = std::string(depth, '[') + std::string(depth, ']'), objects;
+  for (std::size_t k = 0; k < depth; ++k) objects += "{\"q\":";
+  objects += '1' + std::string(depth, '}');
+  for (const std::string& state : {lists, objects, "{\"q\": " + lists + '}'}) {
+    const Outcome outcome = axode({"eval", arm, "--state", "-"}, state);
+    EXPECT_EQ(outcome.code, 1);
+    EXPECT_EQ(outcome.err, "axode eval: standard input: it is nested deeper than 16 levels\n");
+  }
+}
 
 TEST(Errors, AResultThatIsNotFiniteIsAnErrorAndNotAResult) {
   const Outcome outcome = axode({"eval", robot("arm7.toml"), "--state", "-", "--format", "json"},

@@ -96,7 +96,7 @@ TYPED_TEST(ManyStates, GiveWhatTheyGiveOneByOne) {
       if (ok) {
         std::vector<T> inverse(nv * nv);
         EXPECT_TRUE(inverse_mass_matrix(model, workspace, states.q_of(k), inverse).ok());
-        expect_same_inverse(part(M_inverse, k, nv * nv), inverse, matrix);
+        expect_same_inverse(part(M_inverse, k, nv * nv), inverse, matrix, agreement<T>);
       }
       std::vector<SE3<T>> C_k(n_frames);
       poses(model, workspace, states.q_of(k), C_k);

@@ -94,7 +94,7 @@ struct EquationsOfMotionArguments : testing::Test {
   Workspace<> workspace{model};
   std::vector<double> q{0, 0, 0, 1, 0}, v = std::vector<double>(4), a = v, tau = v, p = v;
   std::vector<double> out = v, out2 = v, matrix = std::vector<double>(16), tensor = std::vector<double>(64);
-  std::vector<double> regressor = std::vector<double>(80), energies = std::vector<double>(20),
+  std::vector<double> columns = std::vector<double>(80), energies = std::vector<double>(20),
                       six = std::vector<double>(36);
   std::vector<Twist<BodyFixed>> Y{4}, V{2};
   std::vector<TwistRate<BodyFixed>> dV{2};
@@ -109,14 +109,14 @@ struct EquationsOfMotionArguments : testing::Test {
       [this] { mass_matrix_partials(model, workspace, q, tensor); },
       [this] { static_cast<void>(inverse_mass_matrix_partials(model, workspace, q, tensor)); },
       [this] { coriolis_vector(model, workspace, q, v, out); },
-      [this] { gravity_vector(model, workspace, q, out); },
+      [this] { gravity_torques(model, workspace, q, out); },
       [this] { generalized_loads(model, workspace, q, v, {}, out); },
       [this] { coriolis_matrix(model, workspace, q, v, CoriolisForm::paper, matrix); },
-      [this] { christoffel_symbols(model, workspace, q, tensor); },
+      [this] { christoffel(model, workspace, q, tensor); },
       [this] { static_cast<void>(impulse_response(model, workspace, q, 1, Y)); },
       [this] { static_cast<void>(mobility(model, workspace, q, 1, six)); },
       [this] { static_cast<void>(operational_space_inertia(model, workspace, q, 1, six)); },
-      [this] { generalized_momenta(model, workspace, q, v, out); },
+      [this] { momenta(model, workspace, q, v, out); },
       [this] { static_cast<void>(momentum_form(model, workspace, q, p, tau, out, out2)); },
       [this] { body_momenta(model, workspace, q, v, Pi); },
       [this] { static_cast<void>(twist_form<BodyFixed>(model, workspace, q, V, tau, out, dV)); },
@@ -126,7 +126,7 @@ struct EquationsOfMotionArguments : testing::Test {
       [this] { static_cast<void>(kinetic_energy(model, workspace, q, v)); },
       [this] { static_cast<void>(potential_energy(model, workspace, q)); },
       [this] { static_cast<void>(centroidal_inertia(model, workspace, q)); },
-      [this] { torque_regressor(model, workspace, q, v, a, regressor); },
+      [this] { regressor(model, workspace, q, v, a, columns); },
       [this] { kinetic_energy_regressor(model, workspace, q, v, energies); },
       [this] { potential_energy_regressor(model, workspace, q, energies); },
   };
@@ -178,7 +178,7 @@ TEST_F(EquationsOfMotionArguments, OfTheWrongSizeAreNamed) {
   EXPECT_THAT(off(Y, 3), ElementsAre("J has 3 entries; expected nv = 4"));
   EXPECT_THAT(off(six, 6), ElementsAre("Lambda has 6 entries; expected 6 * 6 = 36",
                                        "mobility has 6 entries; expected 6 * 6 = 36"));
-  EXPECT_THAT(off(regressor, 40), ElementsAre("Y has 40 entries; expected nv * 10 * n_bodies = 80"));
+  EXPECT_THAT(off(columns, 40), ElementsAre("Y has 40 entries; expected nv * 10 * n_bodies = 80"));
   EXPECT_THAT(off(energies, 10), ElementsAre("y has 10 entries; expected 10 * n_bodies = 20"));
 }
 
@@ -220,7 +220,7 @@ TEST_F(EquationsOfMotionArguments, AMassMatrixThatIsSingularNamesTheJoint) {
           .build();
   Workspace<> own(massless);
   const std::vector<double> zero(2);
-  std::vector<double> x(2), M(4);
+  std::vector<double> x(2), y(2), M(4);
   const Solvability solvability = forward_dynamics(massless, own, zero, zero, zero, x);
   ASSERT_FALSE(solvability.ok());
   EXPECT_EQ(to_string(massless, solvability),
@@ -231,7 +231,7 @@ TEST_F(EquationsOfMotionArguments, AMassMatrixThatIsSingularNamesTheJoint) {
   MassMatrixFactor<> factor(massless);
   mass_matrix(massless, own, zero, M);
   EXPECT_EQ(factor.factorize(M).singular_body, 2);
-  EXPECT_EQ(momentum_form(massless, own, zero, zero, zero, x, x).singular_body, 2);
+  EXPECT_EQ(momentum_form(massless, own, zero, zero, zero, x, y).singular_body, 2);
 }
 
 }  // namespace

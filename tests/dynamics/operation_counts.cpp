@@ -1,5 +1,7 @@
-#include "axode/dynamics/momentum_recursion.hpp"
-#include "axode/model/framed_tree.hpp"
+#include "apps/framed_tree.hpp"
+#include "axode/recursion/composite_bodies.hpp"
+#include "axode/recursion/forward_dynamics.hpp"
+#include "axode/recursion/momentum.hpp"
 #include "axode/scalar/counted.hpp"
 #include "tests/laws/law.hpp"
 
@@ -22,52 +24,45 @@ Model chain(int n) {
   return builder.build();
 }
 
-/// The operations of f(tree, workspace, q, x, out, out2) on numbers that count.
-template <class AnyTree, class F> Operations operations_of(const AnyTree& tree, const F& f) {
-  Workspace<Counted> workspace(tree);
-  const std::vector<Counted> q(static_cast<std::size_t>(tree.nq), 0.3),
-      x(static_cast<std::size_t>(tree.nv), 0.2);
+Tree<Counted> counting(const Model& model) { return cast<Counted>(model.tree<double>()); }
+
+/// The operations of f(kernel, q, x, out, out2) on numbers that count.
+template <class Kernel, class AnyTree, class F> Operations operations_of(const AnyTree& tree, const F& f) {
+  WithScratch<Counted, Kernel> kernel(*tree.operator->());
+  const std::vector<Counted> q(static_cast<std::size_t>(tree->nq), 0.3),
+      x(static_cast<std::size_t>(tree->nv), 0.2);
   std::vector<Counted> out(x.size() * x.size()), out2(x.size());
   Counted::count() = {};
-  f(tree, workspace, q.data(), x.data(), out.data(), out2.data());
+  f(*kernel, q.data(), x.data(), out.data(), out2.data());
   return Counted::count();
 }
-Tree<Counted> counting(const Model& model) { return cast<Counted>(model.tree<double>()); }
-using Arena = Workspace<Counted>::Arena;
 
-template <class Rep, class AnyTree> Operations of_accelerations(const AnyTree& model) {
-  return operations_of(model, [](const auto& tree, auto& workspace, auto* q, auto* x, auto*, auto*) {
-    Arena arena(workspace);
-    const JointMotion<Counted> joints(arena);
-    const BodyMotion<Rep, Counted> bodies(arena);
-    joint_motion(tree, q, x, x, joints);
-    forward_recursion(tree, joints, Vec3<Counted>{}, bodies);
-  });
+template <class Rep, class AnyTree> Operations of_accelerations(const AnyTree& tree) {
+  return operations_of<TreeMotion<Rep, Counted>>(
+      tree, [&](auto& motion, auto* q, auto* x, auto*, auto*) { motion.run(tree, q, x, x); });
 }
-template <class Rep, class AnyTree> Operations of_inverse_dynamics(const AnyTree& model) {
-  return operations_of(model, [](const auto& tree, auto& workspace, auto* q, auto* x, auto* out, auto*) {
-    Arena arena(workspace);
-    InverseDynamicsRecursion<Rep, Counted> recursion{arena};
-    recursion.run(tree, q, x, x, {});
-    recursion.project(tree, x, x, false, out);
-  });
+template <class Rep, class AnyTree> Operations of_inverse_dynamics(const AnyTree& tree) {
+  return operations_of<InverseDynamicsRecursion<Rep, Counted>>(
+      tree, [&](auto& recursion, auto* q, auto* x, auto* out, auto*) {
+        recursion.run(tree, q, x, x, {});
+        recursion.project(tree, x, x, false, out);
+      });
 }
-template <class Rep, class AnyTree> Operations of_mass_matrix(const AnyTree& model) {
-  return operations_of(model, [](const auto& tree, auto& workspace, auto* q, auto*, auto* out, auto*) {
-    Arena arena(workspace);
-    CompositeBodies<Rep, Counted> bodies{arena, body_links<Rep>(tree, arena, q)};
-    bodies.run(tree, tree.armature.data(), out);
-  });
+template <class Rep, class AnyTree> Operations of_mass_matrix(const AnyTree& tree) {
+  return operations_of<CompositeBodies<Rep, Counted>>(tree,
+                                                      [&](auto& bodies, auto* q, auto*, auto* out, auto*) {
+                                                        bodies.run(tree, q, tree.armature.data(), out);
+                                                      });
 }
-template <class Rep, class AnyTree> Operations of_forward_dynamics(const AnyTree& model) {
-  return operations_of(model, [](const auto& tree, auto& workspace, auto* q, auto* x, auto* out, auto*) {
-    const Arena arena(workspace);
-    EXPECT_TRUE((solve_forward_dynamics<Rep, Counted>(tree, arena, q, x, x, {}, out).ok()));
-  });
+template <class Rep, class AnyTree> Operations of_forward_dynamics(const AnyTree& tree) {
+  return operations_of<ForwardDynamicsRecursion<Rep, Counted>>(
+      tree, [&](auto& recursion, auto* q, auto* x, auto* out, auto*) {
+        EXPECT_TRUE(recursion.run(tree, q, x, x, {}, out).ok());
+      });
 }
-template <class AnyTree> Operations of_momentum_form(const AnyTree& model) {
-  return operations_of(model, [](const auto& tree, auto& workspace, auto* q, auto* x, auto* out, auto* out2) {
-    EXPECT_TRUE(solve_momentum_form<Counted>(tree, workspace, q, x, x, {}, out, out2).ok());
+template <class AnyTree> Operations of_momentum_form(const AnyTree& tree) {
+  return operations_of<MomentumForm<Counted>>(tree, [&](auto& form, auto* q, auto* x, auto* out, auto* out2) {
+    EXPECT_TRUE(form.run(tree, q, x, x, {}, out, out2).ok());
   });
 }
 

@@ -1,67 +1,69 @@
-#include <cstring>
+#include <functional>
 #include <thread>
 
 #include "tests/laws/law.hpp"
+#include "tests/support/functions.hpp"
 
 /// Threads share a model; each has a workspace of its own, and no call leaves anything behind in it.
 namespace axode::test {
 namespace {
 
-template <class C> class Threads : public testing::Test {};
-TYPED_TEST_SUITE(Threads, Cases, CaseNames);
+class Threads : public Law {};
+INSTANTIATE_TEST_SUITE_P(Dynamics, Threads, testing::ValuesIn(cases_with_fast()), name_of);
 
-/// Poses, accelerations, torques and joint wrenches of every state, one after the other.
-template <class Rep, class T>
-std::vector<double> results(const Model& model, const std::vector<State<double>>& states) {
-  std::vector<double> all;
+/// A fingerprint of the bits of every result: of every function at all states, one after the other.
+using Fingerprints = std::vector<std::size_t>;
+template <class T>
+Fingerprints results(const Case& c, const Model& model, const std::vector<Arguments<T>>& states) {
+  Fingerprints all;
+  std::vector<T> out;
   Workspace<T> workspace(model);
-  for (const State<double>& exact : states) {
-    const State<T> state = cast<T>(exact);
-    std::vector<SE3<T>> C(static_cast<std::size_t>(model.n_frames()));
-    std::vector<TwistRate<Rep, T>> dV(C.size());
-    std::vector<T> tau(static_cast<std::size_t>(model.nv()));
-    std::vector<Wrench<Rep, T>> W(static_cast<std::size_t>(model.n_bodies()));
-    poses<T>(model, workspace, state.q, C);
-    accelerations<Rep>(model, workspace, state.q, state.v, state.a, dV);
-    inverse_dynamics<Rep>(model, workspace, state.q, state.v, state.a, tau, state.loads());
-    joint_wrenches<Rep>(model, workspace, state.q, state.v, state.a, W, state.loads());
-    append(all, C), append(all, dV), append(all, tau), append(all, W);
-  }
+  for (const catalog::Function<T>& function : functions_of<T>(c))
+    for (const Arguments<T>& state : states) {
+      out.assign(function.size(model, state.wrenches.size()), T(0));
+      static_cast<void>(function.call(model, workspace, state.given(), out));
+      const std::string_view bits(reinterpret_cast<const char*>(out.data()), out.size() * sizeof(T));
+      all.push_back(std::hash<std::string_view>{}(bits));
+    }
   return all;
 }
 
-bool same_bits(const std::vector<double>& a, const std::vector<double>& b) {
-  return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(double)) == 0;
+Model any_tree(Random<double>& random) {
+  return ModelBuilder(told(random_mechanism(random), random)).build();
 }
 
-TYPED_TEST(Threads, AgreeToTheLastBit) {
-  using Rep = typename TypeParam::Rep;
-  using T = typename TypeParam::T;
-  Random<double> random(5);
-  const Model model = ModelBuilder(told(random_mechanism(random), random)).build();
-  ASSERT_GT(model.n_bodies(), 5);
-  std::vector<State<double>> states;
-  for (int k = 0; k < 100; ++k) states.push_back(random_state(model, random));
+TEST_P(Threads, AgreeToTheLastBit) {
+  with_scalar(GetParam(), [&](auto scalar) {
+    using T = decltype(scalar);
+    Random<double> random(5);
+    const Model model = any_tree(random);
+    ASSERT_GT(model.n_bodies(), 5);
+    std::vector<Arguments<T>> states;
+    for (int k = 0; k < 100; ++k) states.emplace_back(model, random);
 
-  const std::vector<double> alone = results<Rep, T>(model, states);
-  std::vector<std::vector<double>> together(2);
-  std::vector<std::thread> threads;
-  for (std::vector<double>& mine : together)
-    threads.emplace_back([&] { mine = results<Rep, T>(model, states); });
-  for (std::thread& thread : threads) thread.join();
-  for (const std::vector<double>& mine : together) EXPECT_TRUE(same_bits(mine, alone));
+    const Fingerprints alone = results<T>(GetParam(), model, states);
+    std::vector<Fingerprints> together(2);
+    std::vector<std::thread> threads;
+    for (Fingerprints& mine : together)
+      threads.emplace_back([&] { mine = results<T>(GetParam(), model, states); });
+    for (std::thread& thread : threads) thread.join();
+    for (const Fingerprints& mine : together) EXPECT_TRUE(mine == alone);
+  });
 }
 
-TYPED_TEST(Threads, AWorkspaceRemembersNothing) {
-  using Rep = typename TypeParam::Rep;
-  using T = typename TypeParam::T;
-  Random<double> random(5);
-  const Model model = ModelBuilder(told(random_mechanism(random), random)).build();
-  const State<double> state = random_state(model, random), other = random_state(model, random);
-  const std::vector<double> fresh = results<Rep, T>(model, {state});
-  const std::vector<double> later = results<Rep, T>(model, {other, state});
-  ASSERT_GT(later.size(), fresh.size());
-  EXPECT_TRUE(same_bits({later.end() - static_cast<std::ptrdiff_t>(fresh.size()), later.end()}, fresh));
+TEST_P(Threads, AWorkspaceRemembersNothing) {
+  with_scalar(GetParam(), [&](auto scalar) {
+    using T = decltype(scalar);
+    Random<double> random(5);
+    const Model model = any_tree(random);
+    const Arguments<T> state(model, random), other(model, random);
+    const Fingerprints fresh = results<T>(GetParam(), model, {state});
+    const Fingerprints later = results<T>(GetParam(), model, {other, state});
+    ASSERT_EQ(later.size(), 2 * fresh.size());
+    for (std::size_t k = 0; k < fresh.size(); ++k)
+      EXPECT_EQ(later[2 * k + 1], fresh[k]) << functions_of<T>(GetParam())[k].name;
+    EXPECT_NE(later[0], fresh[0]);
+  });
 }
 
 }  // namespace

@@ -8,8 +8,11 @@ set_tests_properties(Guards.IncludeFloors Guards.CleanTree PROPERTIES LABELS gua
 
 # Code for one instruction set stays out of programs that run without it. (Unoptimised code inlines too little.)
 if(CMAKE_BUILD_TYPE STREQUAL Release AND NOT AXODE_NATIVE)
+  foreach(kernels avx2_double avx2_float avx512_double avx512_float)
+    list(APPEND avx_objects $<TARGET_OBJECTS:axode_batch_${kernels}>)
+  endforeach()
   add_test(NAME Guards.InstructionSets COMMAND ${AXODE_PYTHON} ${guards}/instruction_sets.py ${CMAKE_NM}
-                                               $<TARGET_OBJECTS:axode_batch> COMMAND_EXPAND_LISTS)
+                                               ${avx_objects} COMMAND_EXPAND_LISTS)
   set_tests_properties(Guards.InstructionSets PROPERTIES LABELS guards)
 endif()
 

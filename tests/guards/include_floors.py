@@ -5,8 +5,10 @@ import sys
 import tempfile
 from pathlib import Path
 
-FLOORS = ["lie", "scalar", "model", "kinematics", "dynamics", "derivatives", "integration", "io", "batch", "codegen"]
-OWN_CEILING = {"axode.hpp": "batch", "eigen.hpp": "dynamics"}  # top-level headers that gather several floors
+FLOORS = ["lie", "scalar", "model", "recursion", "fast", "kinematics", "dynamics", "derivatives", "constraints",
+          "integration", "io", "batch", "codegen", "catalog"]
+# Files of axode/ itself that gather several floors.
+OWN_CEILING = {"axode.hpp": "batch", "eigen.hpp": "dynamics", "workspace.cpp": "integration"}
 INCLUDE = re.compile(r'^\s*#\s*include\s*["<](axode/[^">]+)[">]', re.MULTILINE)
 
 

@@ -15,7 +15,7 @@ HARMLESS = {"__clang_call_terminate", "DW.ref.__gxx_personality_v0"}  # calls st
 def shared_functions(nm, objects):
     found = []
     for file in objects:
-        if not re.search(r"kernels_avx", file):
+        if not re.search(r"batch_avx", file):
             continue
         listing = subprocess.run([nm, "--demangle", "--defined-only", file], check=True, capture_output=True, text=True)
         for line in listing.stdout.splitlines():
@@ -27,7 +27,7 @@ def shared_functions(nm, objects):
 
 def main():
     nm, *objects = sys.argv[1:]
-    if sum("kernels_avx" in file for file in objects) != 4:
+    if sum("batch_avx" in file for file in objects) != 4:
         sys.exit("expected four objects for AVX2 and AVX-512 among\n" + "\n".join(objects))
     found = shared_functions(nm, objects)
     if found:

@@ -252,6 +252,24 @@ TEST(Load, TheBaseIsHeldAsAsked) {
                ModelError);  // nothing is fixed to the ground
 }
 
+TEST(Load, SeveralFreeBodiesAreFixedTogether) {
+  Description two{.name = "two"};
+  for (const char* name : {"a", "b"})
+    two.bodies.push_back(
+        {.name = name, .joint = {.name = std::string(name) + " floats", .kind = JointKind::free}});
+  two.bodies.push_back(
+      {.name = "c", .predecessor = "b", .joint = {.name = "hinge", .kind = JointKind::revolute}});
+  const Model model = ModelBuilder(with_fixed_base(two)).build();
+  EXPECT_EQ(model.nv(), 1);
+  two.bodies.pop_back(), two.bodies.pop_back();
+  two.bodies.push_back(
+      {.name = "c", .predecessor = "a", .joint = {.name = "fixed_base", .kind = JointKind::revolute}});
+  EXPECT_EQ(ModelBuilder(with_fixed_base(two)).build().joint(1).name, "fixed_base");
+  two.bodies[0].joint = {};
+  two.bodies[1].joint.name = "free_base";
+  EXPECT_EQ(ModelBuilder(with_free_base(two)).build().joint(1).name, "free_base_2");
+}
+
 class SharedRobots : public ::testing::Test {
  protected:
   std::vector<std::filesystem::path> files = test::files_ending_in(test::robots_folder(), ".urdf");

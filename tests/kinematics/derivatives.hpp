@@ -32,7 +32,7 @@ template <class T>
 std::vector<T> moved(const Tree<T>& tree, const std::vector<T>& q, const std::vector<T>& dv) {
   std::vector<T> out(q.size());
   each_joint(tree, [&](const auto& joint, int i, bool coupled) {
-    if (!coupled) joint.integrate(&q[tree.iq[i]], &dv[tree.iv[i]], &out[tree.iq[i]]);
+    if (!coupled) joint.integrate(&q[tree->iq[i]], &dv[tree->iv[i]], &out[tree->iq[i]]);
   });
   return out;
 }
@@ -57,7 +57,7 @@ std::vector<Taylor<double, N>> flow(const Model& model, const std::vector<double
 /// The Jacobian of a place on any scalar.
 template <class Rep, class T>
 std::vector<Twist<Rep, T>> jacobian_on(const Tree<T>& tree, const std::vector<T>& q, const Place<T>& place) {
-  std::vector<Twist<BodyFixed, T>> columns(static_cast<std::size_t>(tree.nv));
+  std::vector<Twist<BodyFixed, T>> columns(static_cast<std::size_t>(tree->nv));
   const SE3<T> C = each_body_fixed_column(tree, q.data(), place, [&](int, int c, const Screw<T>& X) {
     columns[static_cast<std::size_t>(c)] += twist<BodyFixed>(X);
   });

@@ -73,18 +73,18 @@ template <int depth> class NestedJacobian {
 
   void move(int level, const std::vector<double>& u) {
     const T epsilon = infinitesimal<depth>(level);
-    for (int i = 1; i <= tree_.n; ++i) {
-      if (tree_.coupled[i]) continue;
+    for (int i = 1; i <= tree_->n; ++i) {
+      if (tree_->coupled[i]) continue;
       with_joint(tree_, i, [&](const auto& joint) {
         std::array<T, 6> dv;
         bool moves = false;
         for (int k = 0; k < joint.nv; ++k) {
-          const double u_k = u[static_cast<std::size_t>(tree_.iv[i] + k)];
+          const double u_k = u[static_cast<std::size_t>(tree_->iv[i] + k)];
           dv[static_cast<std::size_t>(k)] = T(u_k) * epsilon, moves = moves || u_k != 0;
         }
         if (moves)
-          joint.integrate(std::vector<T>(&q_[tree_.iq[i]], &q_[tree_.iq[i]] + joint.nq).data(), dv.data(),
-                          &q_[tree_.iq[i]]);
+          joint.integrate(std::vector<T>(&q_[tree_->iq[i]], &q_[tree_->iq[i]] + joint.nq).data(), dv.data(),
+                          &q_[tree_->iq[i]]);
       });
     }
   }

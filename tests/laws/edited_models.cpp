@@ -7,13 +7,11 @@
 namespace axode::test {
 namespace {
 
-template <class C> class EditedModels : public testing::Test {};
-TYPED_TEST_SUITE(EditedModels, Cases, CaseNames);
+class EditedModels : public Law {};
+INSTANTIATE_TEST_SUITE_P(Laws, EditedModels, testing::ValuesIn(cases()), name_of);
 
-TYPED_TEST(EditedModels, CoupledJointsArePartsOfTheirLeaders) {
-  using Rep = typename TypeParam::Rep;
-  using T = typename TypeParam::T;
-  Comparison torque("torque", agreement<T>);
+TEST_P(EditedModels, CoupledJointsArePartsOfTheirLeaders) {
+  Comparison torque("torque", GetParam().agreement());
   for_seeds(250, [&](std::uint64_t seed) {
     Random<double> random(seed);
     Description description = told(random_mechanism(random), random);
@@ -21,27 +19,26 @@ TYPED_TEST(EditedModels, CoupledJointsArePartsOfTheirLeaders) {
     for (BodyDescription& body : description.bodies) body.joint.coupling.reset();
     const Model uncoupled = ModelBuilder(description).build();
 
-    Trial<T> trial(model, random);
+    Trial trial(GetParam(), model, random);
     const Correspondence same(model, uncoupled);
-    State<double> state = same.carry(trial.exact);
+    State<double> state = same.carry(trial.state);
     for (int i = 1; i <= model.n_bodies(); ++i) {
       const auto& leader = model.joint(i).leader;
       if (!leader) continue;
       const Joint &lead = model.joint(leader->joint), &own = uncoupled.joint(same.joint(i));
-      state.q[own.iq] = leader->ratio * trial.exact.q[lead.iq] + leader->offset;
-      state.v[own.iv] = leader->ratio * trial.exact.v[lead.iv];
-      state.a[own.iv] = leader->ratio * trial.exact.a[lead.iv];
+      state.q[own.iq] = leader->ratio * trial.state.q[lead.iq] + leader->offset;
+      state.v[own.iv] = leader->ratio * trial.state.v[lead.iv];
+      state.a[own.iv] = leader->ratio * trial.state.a[lead.iv];
     }
-    Trial<T> free_trial(uncoupled, state);
-    const std::vector<T> tau_free = free_trial.template inverse_dynamics<Rep>();
+    Trial free_trial(GetParam(), uncoupled, state);
+    const std::vector<double> tau_free = free_trial.inverse_dynamics();
     std::vector<double> tau(static_cast<std::size_t>(model.nv()));
     for (int i = 1; i <= model.n_bodies(); ++i) {
       const Joint &joint = model.joint(i), &own = uncoupled.joint(same.joint(i));
       const double ratio = joint.leader ? joint.leader->ratio : 1;
-      for (int k = 0; k < own.nv; ++k) tau[joint.iv + k] += ratio * double(tau_free[own.iv + k]);
+      for (int k = 0; k < own.nv; ++k) tau[joint.iv + k] += ratio * tau_free[own.iv + k];
     }
-    torque.expect_equal(cast<double>(trial.template inverse_dynamics<Rep>()), tau,
-                        largest(entries(tau_free)));
+    torque.expect_equal(trial.inverse_dynamics(), tau, largest(tau_free));
   });
 }
 
@@ -63,15 +60,14 @@ TEST(Couplings, InAChainMultiplyTheirRatios) {
   EXPECT_EQ(c.leader->joint, model.joint_index("along a"));
   EXPECT_EQ(c.leader->ratio, -6);
   EXPECT_EQ(c.leader->offset, -0.25);
-  Trial<double> trial(model, {{0.1}, {1}, {0}});
+  Trial trial(scalars()[0], model, {{0.1}, {1}, {0}});
   EXPECT_DOUBLE_EQ(trial.poses()[model.frame_index("c")].r.z, -0.85);
-  EXPECT_DOUBLE_EQ(trial.twists<Hybrid>()[model.frame_index("c")].v.z, -6);
+  EXPECT_DOUBLE_EQ(trial.twists()[model.frame_index("c")].b.z, -6);
 }
 
-TYPED_TEST(EditedModels, LockedJointsRest) {
-  using Rep = typename TypeParam::Rep;
-  using T = typename TypeParam::T;
-  Comparison torque("torque", agreement<T>), wrench("wrench", agreement<T>), pose("pose", agreement<T>);
+TEST_P(EditedModels, LockedJointsRest) {
+  Comparison torque("torque", GetParam().agreement()), wrench("wrench", GetParam().agreement()),
+      pose("pose", GetParam().agreement());
   for_seeds(250, [&](std::uint64_t seed) {
     Random<double> random(seed);
     const Model model = ModelBuilder(told(random_mechanism(random), random)).build();
@@ -84,17 +80,17 @@ TYPED_TEST(EditedModels, LockedJointsRest) {
       for (int k = 0; k < joint.nv; ++k) state.v[joint.iv + k] = state.a[joint.iv + k] = 0;
     }
     const Model rest = reduced(model, locked, state.q);
-    Trial<T> trial(model, state);
+    Trial trial(GetParam(), model, state);
     const Correspondence same(model, rest);
-    Trial<T> rest_trial(rest, same.carry(state));
+    Trial rest_trial(GetParam(), rest, same.carry(state));
 
-    const std::vector<T> tau = trial.template inverse_dynamics<Rep>();
-    const auto [expected, found] = same.common(tau, rest_trial.template inverse_dynamics<Rep>());
+    const std::vector<double> tau = trial.inverse_dynamics();
+    const auto [expected, found] = same.common(tau, rest_trial.inverse_dynamics());
     EXPECT_EQ(static_cast<int>(found.size()), rest.nv());
-    torque.expect_equal(found, expected, largest(entries(tau)));
+    torque.expect_equal(found, expected, largest(tau));
 
-    const auto W = trial.template joint_wrenches<Rep>(), W_rest = rest_trial.template joint_wrenches<Rep>();
-    std::vector<Wrench<Rep, T>> still_transmitted, transmitted;
+    const auto W = trial.joint_wrenches(), W_rest = rest_trial.joint_wrenches();
+    std::vector<Six> still_transmitted, transmitted;
     for (int i = 1; i <= model.n_bodies(); ++i)
       if (same.joint(i) > 0)
         still_transmitted.push_back(W_rest[same.joint(i) - 1]), transmitted.push_back(W[i - 1]);
@@ -149,10 +145,8 @@ Mechanism taken_apart(const Mechanism& mechanism) {
   return out;
 }
 
-TYPED_TEST(EditedModels, CylindricalAndUniversalJointsAreChains) {
-  using Rep = typename TypeParam::Rep;
-  using T = typename TypeParam::T;
-  Comparison torque("torque", agreement<T>), twist("twist", agreement<T>);
+TEST_P(EditedModels, CylindricalAndUniversalJointsAreChains) {
+  Comparison torque("torque", GetParam().agreement()), twist("twist", GetParam().agreement());
   int composite = 0;
   for_seeds(250, [&](std::uint64_t seed) {
     Random<double> random(seed);
@@ -164,17 +158,15 @@ TYPED_TEST(EditedModels, CylindricalAndUniversalJointsAreChains) {
     ASSERT_EQ(by_hand.n_bodies(), model.n_bodies());
     State<double> state = random_state(model, random);
     make_loads_spatial(model, state);  // frames of the massless bodies need not be the same
-    Trial<T> trial(model, state);
+    Trial trial(GetParam(), model, state);
     const Correspondence same(model, by_hand);
-    Trial<T> trial_by_hand(by_hand, same.carry(state));
-    const auto [expected, found] =
-        same.common(trial.template inverse_dynamics<Rep>(), trial_by_hand.template inverse_dynamics<Rep>());
+    Trial trial_by_hand(GetParam(), by_hand, same.carry(state));
+    const auto [expected, found] = same.common(trial.inverse_dynamics(), trial_by_hand.inverse_dynamics());
     EXPECT_EQ(static_cast<int>(found.size()), model.nv());
     torque.expect_equal(found, expected);
-    const auto V = trial.template twists<Spatial>(), V_by_hand = trial_by_hand.template twists<Spatial>();
-    std::vector<Twist<Spatial, T>> in_order;
-    for (int f = 0; f < model.n_frames(); ++f) in_order.push_back(V_by_hand[same.frame(f)]);
-    twist.expect_equal(in_order, V);
+    Trial spatial = trial.by(Representation::spatial),
+          spatial_by_hand = trial_by_hand.by(Representation::spatial);
+    twist.expect_equal(same.of_frames(spatial_by_hand.twists()), spatial.twists());
   });
   EXPECT_GT(composite, 0);
 }

@@ -5,58 +5,45 @@
 namespace axode::test {
 namespace {
 
-template <class T> class FastPath : public testing::Test {};
-using Scalars = testing::Types<double, float>;
-TYPED_TEST_SUITE(FastPath, Scalars);
+using Numbers = std::vector<double>;
 
-template <class T> std::vector<T> square(const Model& model) {
-  return std::vector<T>(static_cast<std::size_t>(model.nv()) * static_cast<std::size_t>(model.nv()));
-}
+class FastPath : public Law {};
+INSTANTIATE_TEST_SUITE_P(Laws, FastPath, testing::ValuesIn(scalars()), name_of);
 
-TYPED_TEST(FastPath, GivesTheSameForces) {
-  using T = TypeParam;
-  Comparison force("force", agreement<T>);
+TEST_P(FastPath, GivesTheSameForces) {
+  Comparison force("force", GetParam().agreement());
   for_seeds(2000, [&](std::uint64_t seed) {
-    Trial<T> trial{Random<double>(seed)};
-    const std::vector<T>&q = trial.state.q, &v = trial.state.v, &a = trial.state.a;
-    Loads<T> loads = trial.state.loads();
-    loads.joint_losses = seed % 2 == 0;
-    const auto all = [&](auto rep) {
-      using Rep = decltype(rep);
-      std::vector<T> forces = trial.template inverse_dynamics<Rep>(v, a, loads), part = trial.zero();
-      const auto append = [&] { forces.insert(forces.end(), part.begin(), part.end()); };
-      coriolis_vector<Rep>(trial.model, trial.workspace, q, v, part), append();
-      gravity_vector<Rep>(trial.model, trial.workspace, q, part), append();
-      generalized_loads<Rep>(trial.model, trial.workspace, q, v, loads, part), append();
+    Trial hybrid(GetParam(), Random<double>(seed)), fastest = hybrid.by(fast(GetParam()));
+    Ask ask = hybrid.ask();
+    ask.loads.joint_losses = seed % 2 == 0;
+    const auto all = [&](Trial& trial) {
+      Numbers forces;
+      for (const char* function :
+           {"inverse_dynamics", "coriolis_vector", "gravity_torques", "generalized_loads"}) {
+        const Numbers part = trial.call(function, ask);
+        forces.insert(forces.end(), part.begin(), part.end());
+      }
       return forces;
     };
-    force.expect_equal(all(Fast{}), all(Hybrid{}));
+    force.expect_equal(all(fastest), all(hybrid));
   });
 }
 
-TYPED_TEST(FastPath, GivesTheSameMassMatrixAndJudgesItsInverseAlike) {
-  using T = TypeParam;
-  Comparison inertia("mass matrix", agreement<T>);
+TEST_P(FastPath, GivesTheSameMassMatrixAndJudgesItsInverseAlike) {
+  Comparison inertia("mass matrix", GetParam().agreement());
   for_seeds(2000, [&](std::uint64_t seed) {
-    Trial<T> trial{Random<double>(seed)};
-    const int nv = trial.model.nv();
-    std::vector<T> one = square<T>(trial.model), other = one;
-    mass_matrix<Fast>(trial.model, trial.workspace, trial.state.q, one);
-    mass_matrix<Hybrid>(trial.model, trial.workspace, trial.state.q, other);
-    inertia.expect_equal(one, other);
-    for (int i = 0; i < nv && trial.model.n_screws() == nv; ++i)
-      for (int j = 0; j < i; ++j) {
-        const std::size_t ij = static_cast<std::size_t>(i * nv + j),
-                          ji = static_cast<std::size_t>(j * nv + i);
-        EXPECT_EQ(one[ij], one[ji]) << "symmetric to the last bit where no joints are coupled";
-      }
-    std::vector<T> inverse = square<T>(trial.model), judged = inverse;
-    const Solvability fast = inverse_mass_matrix<Fast>(trial.model, trial.workspace, trial.state.q, inverse),
-                      hybrid =
-                          inverse_mass_matrix<Hybrid>(trial.model, trial.workspace, trial.state.q, judged);
-    EXPECT_EQ(fast.singular_body, hybrid.singular_body);
-    if (!fast.ok()) return;
-    expect_same_inverse(inverse, judged, one);
+    Trial hybrid(GetParam(), Random<double>(seed)), fastest = hybrid.by(fast(GetParam()));
+    const Numbers M = fastest.call("mass_matrix");
+    inertia.expect_equal(M, hybrid.call("mass_matrix"));
+    const std::size_t nv = hybrid.state.v.size();
+    for (std::size_t i = 0; i < nv && hybrid.model.n_screws() == hybrid.model.nv(); ++i)
+      for (std::size_t j = 0; j < i; ++j)
+        EXPECT_EQ(M[i * nv + j], M[j * nv + i]) << "symmetric to the last bit where no joints are coupled";
+    const Answer inverse = fastest.answer("inverse_mass_matrix", fastest.ask()),
+                 judged = hybrid.answer("inverse_mass_matrix", hybrid.ask());
+    EXPECT_EQ(inverse.solvability.singular_body, judged.solvability.singular_body);
+    if (inverse.solvability.ok())
+      expect_same_inverse(inverse.numbers, judged.numbers, M, GetParam().agreement());
   });
 }
 

@@ -1,5 +1,3 @@
-#include <Eigen/Eigenvalues>
-
 #include "tests/laws/law.hpp"
 
 /// Forward dynamics undoes inverse dynamics, in every representation and with every load; a mass matrix that
@@ -7,48 +5,26 @@
 namespace axode::test {
 namespace {
 
-template <class C> class ForwardDynamics : public testing::Test {};
-TYPED_TEST_SUITE(ForwardDynamics, CasesWithFast, CaseNames);
+class ForwardDynamics : public Law {};
+INSTANTIATE_TEST_SUITE_P(Laws, ForwardDynamics, testing::ValuesIn(cases_with_fast()), name_of);
 
-template <class Rep, class T> Eigen::MatrixX<T> mass_matrix(Trial<T>& trial) {
-  const int nv = trial.model.nv();
-  Eigen::MatrixX<T> M(nv, nv);
-  axode::mass_matrix<Rep>(trial.model, trial.workspace, trial.state.q,
-                          std::span(M.data(), static_cast<std::size_t>(M.size())));
-  return M;
-}
-
-/// The smallest eigenvalue of M scaled to a unit diagonal: how far it is from singular.
-template <class T> double definiteness(const Eigen::MatrixX<T>& M) {
-  Eigen::MatrixXd S = M.template cast<double>();
-  if (S.rows() == 0) return 1;
-  if (S.diagonal().minCoeff() <= 0) return 0;
-  const Eigen::VectorXd scale = S.diagonal().cwiseSqrt().cwiseInverse();
-  S = (scale.asDiagonal() * S * scale.asDiagonal()).eval();
-  return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(S, Eigen::EigenvaluesOnly).eigenvalues()[0];
-}
-
-TYPED_TEST(ForwardDynamics, UndoesInverseDynamics) {
-  using Rep = typename TypeParam::Rep;
-  using T = typename TypeParam::T;
-  Comparison torque("torque", agreement<T>);
+TEST_P(ForwardDynamics, UndoesInverseDynamics) {
+  const double agreement = GetParam().agreement();
+  Comparison torque("torque", agreement);
   int solved = 0, singular = 0;
   for_seeds(2000, [&](std::uint64_t seed) {
-    Trial<T> trial{Random<double>(seed)};
-    Loads<T> loads = trial.state.loads();
-    loads.joint_losses = seed % 2 == 0;
-    const std::vector<T> tau = trial.template inverse_dynamics<Rep>(trial.state.v, trial.state.a, loads);
-    std::vector<T> a = trial.zero();
-    const Solvability solvability =
-        forward_dynamics<Rep>(trial.model, trial.workspace, trial.state.q, trial.state.v, tau, a, loads);
-    const double pivot = definiteness(mass_matrix<Rep>(trial));
+    Trial trial(GetParam(), Random<double>(seed));
+    Ask ask = trial.ask();
+    ask.loads.joint_losses = seed % 2 == 0;
+    ask.tau = trial.inverse_dynamics(ask.v, ask.a, ask.loads);
+    const auto [a, solvability] = trial.answer("forward_dynamics", ask);
     if (solvability.ok()) {
       ++solved;
-      torque.expect_equal(trial.template inverse_dynamics<Rep>(trial.state.v, a, loads), tau);
+      torque.expect_equal(trial.inverse_dynamics(ask.v, a, ask.loads), ask.tau);
     } else {
       ++singular;
-      EXPECT_LE(pivot, agreement<T> / 10);
-      EXPECT_TRUE(std::all_of(a.begin(), a.end(), [](T x) { return std::isnan(x); }));
+      EXPECT_LE(definiteness(trial.mass_matrix()), agreement / 10);
+      EXPECT_TRUE(std::all_of(a.begin(), a.end(), [](double x) { return std::isnan(x); }));
     }
   });
   EXPECT_GE(solved, (solved + singular) / 10);

@@ -1,7 +1,4 @@
-#include <Eigen/Eigenvalues>
-
-#include "axode/dynamics/momentum_recursion.hpp"
-#include "axode/model/framed_tree.hpp"
+#include "apps/study.hpp"
 #include "tests/laws/law.hpp"
 
 /// Drive forces, accelerations of the joints and mass matrices do not depend on the frames of the bodies: in the user's,
@@ -9,114 +6,107 @@
 namespace axode::test {
 namespace {
 
-template <class Rep_, class Frames_> struct Choice {
-  using Rep = Rep_;
-  using Frames = Frames_;
+using command::Algorithm;
+using Numbers = std::vector<double>;
+
+/// A choice of body frames for a recursion, by which the comparison of algorithms computes as well.
+struct Choice {
+  std::string name;
+  std::unique_ptr<command::Subject> (*subject)(const Model&, const command::State&);
 };
-using Choices = testing::Types<
-    Choice<BodyFixed, UserFrames>, Choice<BodyFixed, MassCenterFrames>, Choice<BodyFixed, ConstructionFrames>,
-    Choice<Spatial, UserFrames>, Choice<Spatial, MassCenterFrames>, Choice<Spatial, ConstructionFrames>,
-    Choice<Hybrid, UserFrames>, Choice<Hybrid, MassCenterFrames>, Choice<Hybrid, ConstructionFrames>,
-    Choice<Mixed, UserFrames>, Choice<Mixed, MassCenterFrames>, Choice<Mixed, ConstructionFrames>>;
+template <class Frames> void add(std::vector<Choice>& choices, const char* frames) {
+  for (const Representation representation : representations)
+    with_representation(representation, [&](auto rep) {
+      choices.push_back(
+          {name(representation) + std::string("_") + frames, command::make_subject<decltype(rep), Frames>});
+    });
+}
+const std::vector<Choice>& choices() {
+  static const std::vector<Choice> all = [] {
+    std::vector<Choice> made;
+    add<UserFrames>(made, "user");
+    add<MassCenterFrames>(made, "mass_center");
+    add<ConstructionFrames>(made, "construction");
+    return made;
+  }();
+  return all;
+}
+std::ostream& operator<<(std::ostream& out, const Choice& choice) { return out << choice.name; }
+std::string name_of_choice(const testing::TestParamInfo<Choice>& info) { return info.param.name; }
 
-template <class Choice> class ChoiceOfFrames : public testing::Test {};
-TYPED_TEST_SUITE(ChoiceOfFrames, Choices);
+const Case how = scalars()[0];
 
-TYPED_TEST(ChoiceOfFrames, DoesNotChangeTheForces) {
-  using Rep = typename TypeParam::Rep;
-  Comparison force("force", agreement<double>);
+class ChoiceOfFrames : public testing::TestWithParam<Choice> {
+ protected:
+  /// What an algorithm makes of the state of a trial; those that take forces take tau.
+  Numbers results_of(Algorithm algorithm, const Trial& t, const Numbers& a_or_tau) const {
+    const command::State state{.q = t.state.q, .v = t.state.v, .a = a_or_tau, .loads = t.state.wrenches};
+    return GetParam().subject(t.model, state)->results_of(algorithm);
+  }
+};
+INSTANTIATE_TEST_SUITE_P(Laws, ChoiceOfFrames, testing::ValuesIn(choices()), name_of_choice);
+
+TEST_P(ChoiceOfFrames, DoesNotChangeTheForces) {
+  Comparison force("force", how.agreement());
   for_seeds(500, [&](std::uint64_t seed) {
-    Trial<double> trial{Random<double>(seed)};
-    const FramedTree<double, typename TypeParam::Frames> tree(trial.model.tree<double>());
-    Workspace<>::Arena arena(trial.workspace);
-    InverseDynamicsRecursion<Rep, double> recursion{arena};
-    const auto& [q, v, a, wrenches] = trial.state;
-    recursion.run(tree, q.data(), v.data(), a.data(), trial.state.loads());
-    std::vector<double> tau = trial.zero();
-    recursion.project(tree, v.data(), a.data(), false, tau.data());
-    force.expect_equal(tau, trial.inverse_dynamics<Hybrid>());
+    Trial trial(how, Random<double>(seed));
+    force.expect_equal(results_of(Algorithm::inverse_dynamics, trial, trial.state.a),
+                       trial.inverse_dynamics());
   });
 }
 
-TYPED_TEST(ChoiceOfFrames, DoesNotChangeTheMassMatrix) {
-  using Rep = typename TypeParam::Rep;
-  Comparison inertia("mass matrix", agreement<double>);
+TEST_P(ChoiceOfFrames, DoesNotChangeTheMassMatrix) {
+  Comparison inertia("mass matrix", how.agreement());
   for_seeds(500, [&](std::uint64_t seed) {
-    Trial<double> trial{Random<double>(seed)};
-    const FramedTree<double, typename TypeParam::Frames> tree(trial.model.tree<double>());
-    const std::size_t nv = trial.zero().size();
-    std::vector<double> M(nv * nv), reference(nv * nv);
-    Workspace<>::Arena arena(trial.workspace);
-    CompositeBodies<Rep, double> bodies{arena, body_links<Rep>(tree, arena, trial.state.q.data())};
-    bodies.run(tree, tree.armature.data(), M.data());
-    mass_matrix<Hybrid>(trial.model, trial.workspace, trial.state.q, reference);
-    inertia.expect_equal(M, reference);
+    Trial trial(how, Random<double>(seed));
+    inertia.expect_equal(results_of(Algorithm::mass_matrix, trial, trial.state.a), trial.call("mass_matrix"));
   });
 }
 
-/// The smallest eigenvalue of the mass matrix scaled to a unit diagonal.
-double definiteness(Trial<double>& trial) {
-  const int nv = trial.model.nv();
-  Eigen::MatrixXd M(nv, nv);
-  mass_matrix<Hybrid>(trial.model, trial.workspace, trial.state.q,
-                      std::span(M.data(), static_cast<std::size_t>(M.size())));
-  if (nv == 0) return 1;
-  if (M.diagonal().minCoeff() <= 0) return 0;
-  const Eigen::VectorXd scale = M.diagonal().cwiseSqrt().cwiseInverse();
-  M = (scale.asDiagonal() * M * scale.asDiagonal()).eval();
-  return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(M, Eigen::EigenvaluesOnly).eigenvalues()[0];
-}
-
-TYPED_TEST(ChoiceOfFrames, DoesNotChangeTheAccelerations) {
-  using Rep = typename TypeParam::Rep;
-  Comparison force("force", agreement<double>);
+TEST_P(ChoiceOfFrames, DoesNotChangeTheAccelerations) {
+  Comparison force("force", how.agreement());
   int solved = 0, singular = 0;
   for_seeds(500, [&](std::uint64_t seed) {
-    Trial<double> trial{Random<double>(seed)};
-    const FramedTree<double, typename TypeParam::Frames> tree(trial.model.tree<double>());
-    const auto& [q, v, a, wrenches] = trial.state;
-    const std::vector<double> tau = trial.inverse_dynamics<Hybrid>();
-    std::vector<double> found = trial.zero();
-    const Solvability solvability =
-        solve_forward_dynamics<Rep>(tree, Workspace<>::Arena(trial.workspace), q.data(), v.data(), tau.data(),
-                                    trial.state.loads(), found.data());
+    Trial trial(how, Random<double>(seed));
     // Where M is singular to rounding, rounding decides, which differs from frame to frame.
-    if (definiteness(trial) <= agreement<double> / 10) {
+    if (definiteness(trial.mass_matrix()) <= how.agreement() / 10) {
       ++singular;
-    } else {
-      ++solved;
-      EXPECT_TRUE(solvability.ok());
-      force.expect_equal(trial.inverse_dynamics<Hybrid>(v, found, trial.state.loads()), tau);
+      return;
     }
+    ++solved;
+    const Numbers tau = trial.inverse_dynamics(), a = results_of(Algorithm::forward_dynamics, trial, tau);
+    EXPECT_FALSE(std::isnan(largest(a))) << "taken for singular";
+    force.expect_equal(trial.inverse_dynamics(trial.state.v, a, trial.state.loads()), tau);
   });
   EXPECT_GE(solved, (solved + singular) / 10);
   EXPECT_GE(singular, (solved + singular) / 10);
 }
 
-template <class Frames> class MomentaInFrames : public testing::Test {};
-using OtherFrames = testing::Types<UserFrames, MassCenterFrames, ConstructionFrames>;
-TYPED_TEST_SUITE(MomentaInFrames, OtherFrames);
+class MomentaInFrames : public testing::TestWithParam<Choice> {};
+INSTANTIATE_TEST_SUITE_P(Laws, MomentaInFrames, testing::Values(choices()[1], choices()[5], choices()[9]),
+                         name_of_choice);
 
-TYPED_TEST(MomentaInFrames, GiveTheSameVelocitiesAndRates) {
-  Comparison momentum("M v", agreement<double>), rate("p'", agreement<double>);
+TEST_P(MomentaInFrames, GiveTheSameVelocitiesAndRates) {
+  Comparison momentum("M v", how.agreement()), rate("p'", how.agreement());
   int compared = 0;
   for_seeds(500, [&](std::uint64_t seed) {
-    Trial<double> trial{Random<double>(seed)};
-    if (definiteness(trial) < 1e-2) return;  // the rates follow from the velocities, which M has to tell
+    Trial trial(how, Random<double>(seed));
+    if (definiteness(trial.mass_matrix()) < 1e-2)
+      return;  // the rates follow from the velocities, which M has to tell
     ++compared;
-    const FramedTree<double, TypeParam> tree(trial.model.tree<double>());
-    const std::vector<double>&q = trial.state.q, tau = trial.inverse_dynamics<Spatial>();
-    std::vector<double> p = trial.zero(), v = p, dp = p, v_reference = p, dp_reference = p, again = p;
-    generalized_momenta(trial.model, trial.workspace, q, trial.state.v, p);
-    ASSERT_TRUE(
-        momentum_form(trial.model, trial.workspace, q, p, tau, v_reference, dp_reference, trial.state.loads())
-            .ok());
-    ASSERT_TRUE(solve_momentum_form(tree, trial.workspace, q.data(), p.data(), tau.data(),
-                                    trial.state.loads(), v.data(), dp.data())
-                    .ok());
-    generalized_momenta(trial.model, trial.workspace, q, v, again);
-    momentum.expect_equal(again, p);
-    rate.expect_equal(dp, dp_reference, largest(entries(tau)));
+    const auto momenta = [&](const Numbers& v) {
+      return trial.call("momenta", {.q = trial.state.q, .v = v});
+    };
+    Ask ask = trial.ask();
+    ask.tau = trial.inverse_dynamics(), ask.p = momenta(trial.state.v);
+    const auto [reference, solvability] = trial.answer("momentum_form", ask);
+    ASSERT_TRUE(solvability.ok());
+    const command::State state{.q = ask.q, .v = ask.p, .a = ask.tau, .loads = trial.state.wrenches};
+    const Numbers found = GetParam().subject(trial.model, state)->results_of(Algorithm::momentum_form);
+    const std::ptrdiff_t nv = trial.model.nv();
+    const auto rates = [&](const Numbers& both) { return Numbers(both.begin() + nv, both.end()); };
+    momentum.expect_equal(momenta({found.begin(), found.begin() + nv}), ask.p);
+    rate.expect_equal(rates(found), rates(reference), largest(ask.tau));
   });
   EXPECT_GE(compared, 10);
 }
@@ -128,9 +118,9 @@ template <class F> void each_screw(const Model& model, const F& f) {
 }
 
 TEST(Frames, OfTheUserHaveTheScrewsOfTheModel) {
-  Comparison screw("X", agreement<double>), pose("B", agreement<double>);
+  Comparison screw("X", how.agreement()), pose("B", how.agreement());
   for_seeds(500, [&](std::uint64_t seed) {
-    const Trial<double> trial{Random<double>(seed)};
+    const Trial trial(how, Random<double>(seed));
     const FramedTree<double, UserFrames> tree(trial.model.tree<double>());
     each_screw(trial.model, [&](int i, int c, int k) {
       pose.expect_equal(tree.B[i], trial.model.body(i).B);
@@ -140,9 +130,9 @@ TEST(Frames, OfTheUserHaveTheScrewsOfTheModel) {
 }
 
 TEST(Frames, InTheConstructionFrameHaveSpatialScrewsAndNothingBetweenBodies) {
-  Comparison screw("Y", agreement<double>), pose("B", agreement<double>);
+  Comparison screw("Y", how.agreement()), pose("B", how.agreement());
   for_seeds(500, [&](std::uint64_t seed) {
-    const Trial<double> trial{Random<double>(seed)};
+    const Trial trial(how, Random<double>(seed));
     const FramedTree<double, ConstructionFrames> tree(trial.model.tree<double>());
     each_screw(trial.model, [&](int i, int c, int k) {
       pose.expect_equal(tree.B[i], SE3<>{});

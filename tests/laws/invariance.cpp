@@ -8,8 +8,11 @@
 namespace axode::test {
 namespace {
 
-template <class C> class Invariance : public testing::Test {};
-TYPED_TEST_SUITE(Invariance, Cases, CaseNames);
+class Invariance : public Law {
+ protected:
+  const double agreement = GetParam().agreement();
+};
+INSTANTIATE_TEST_SUITE_P(Laws, Invariance, testing::ValuesIn(cases()), name_of);
 
 /// Drives whose inertia is told in the components of v, which depend on the frame, would change the
 /// mechanism.
@@ -25,10 +28,8 @@ std::vector<double> seen_from(const SE3<>& D, const double* tau) {
   return {W.m.x, W.m.y, W.m.z, W.f.x, W.f.y, W.f.z};
 }
 
-TYPED_TEST(Invariance, BodyFramesMayLieAnywhere) {
-  using Rep = typename TypeParam::Rep;
-  using T = typename TypeParam::T;
-  Comparison torque("torque", agreement<T>), twist("twist", agreement<T>);
+TEST_P(Invariance, BodyFramesMayLieAnywhere) {
+  Comparison torque("torque", agreement), twist("twist", agreement);
   for_seeds(250, [&](std::uint64_t seed) {
     Random<double> random(seed);
     Mechanism drawn = random_mechanism(random);
@@ -47,8 +48,8 @@ TYPED_TEST(Invariance, BodyFramesMayLieAnywhere) {
     make_loads_spatial(model, state);
     const Correspondence same(model, other);
     State<double> other_state = same.carry(state);
-    Trial<T> trial(model, state);
-    std::vector<T> tau = trial.template inverse_dynamics<Rep>();
+    Trial trial(GetParam(), model, state);
+    std::vector<double> tau = trial.inverse_dynamics();
     for (int i = 1; i <= model.n_bodies(); ++i) {  // free joints: coordinates are those of the body frame
       const Joint &joint = model.joint(i), &joint_other = other.joint(same.joint(i));
       if (joint.kind != Subgroup::free) continue;
@@ -61,24 +62,20 @@ TYPED_TEST(Invariance, BodyFramesMayLieAnywhere) {
       };
       seen(state.v, other_state.v), seen(state.a, other_state.a);
       const std::vector<double> tau_i(tau.begin() + joint.iv, tau.begin() + joint.iv + 6);
-      std::ranges::copy(cast<T>(seen_from(D, tau_i.data())), &tau[joint.iv]);
+      std::ranges::copy(seen_from(D, tau_i.data()), &tau[joint.iv]);
     }
-    Trial<T> other_trial(other, other_state);
-    const auto [expected, found] = same.common(tau, other_trial.template inverse_dynamics<Rep>());
+    Trial other_trial(GetParam(), other, other_state);
+    const auto [expected, found] = same.common(tau, other_trial.inverse_dynamics());
     torque.expect_equal(found, expected);
 
-    const auto V = trial.template twists<Spatial>(), V_other = other_trial.template twists<Spatial>();
-    std::vector<Twist<Spatial, T>> in_order;
-    for (int f = 0; f < model.n_frames(); ++f)
-      in_order.push_back(V_other[static_cast<std::size_t>(same.frame(f))]);
-    twist.expect_equal(in_order, V);
+    Trial spatial = trial.by(Representation::spatial),
+          other_spatial = other_trial.by(Representation::spatial);
+    twist.expect_equal(same.of_frames(other_spatial.twists()), spatial.twists());
   });
 }
 
-TYPED_TEST(Invariance, NamesAndOrderOfDeclarationDoNotMatter) {
-  using Rep = typename TypeParam::Rep;
-  using T = typename TypeParam::T;
-  Comparison torque("torque", agreement<T>), transmitted("wrench", agreement<T>);
+TEST_P(Invariance, NamesAndOrderOfDeclarationDoNotMatter) {
+  Comparison torque("torque", agreement), transmitted("wrench", agreement);
   for_seeds(250, [&](std::uint64_t seed) {
     Random<double> random(seed);
     const Mechanism drawn = random_mechanism(random);
@@ -100,15 +97,14 @@ TYPED_TEST(Invariance, NamesAndOrderOfDeclarationDoNotMatter) {
     shuffle(description.bodies), shuffle(description.frames);
     const Model other = ModelBuilder(description).build();
 
-    Trial<T> trial(model, random);
+    Trial trial(GetParam(), model, random);
     const Correspondence same(model, other, renamed);
-    Trial<T> other_trial(other, same.carry(trial.exact));
-    const auto [tau, tau_other] =
-        same.common(trial.template inverse_dynamics<Rep>(), other_trial.template inverse_dynamics<Rep>());
+    Trial other_trial(GetParam(), other, same.carry(trial.state));
+    const auto [tau, tau_other] = same.common(trial.inverse_dynamics(), other_trial.inverse_dynamics());
     EXPECT_EQ(static_cast<int>(tau.size()), model.nv());
     torque.expect_equal(tau_other, tau);
-    const auto W = trial.template joint_wrenches<Rep>(), W_other = other_trial.template joint_wrenches<Rep>();
-    std::vector<Wrench<Rep, T>> in_order;
+    const auto W = trial.joint_wrenches(), W_other = other_trial.joint_wrenches();
+    std::vector<Six> in_order;
     for (int i = 1; i <= model.n_bodies(); ++i)
       in_order.push_back(W_other[static_cast<std::size_t>(same.joint(i) - 1)]);
     transmitted.expect_equal(in_order, W);
@@ -140,28 +136,27 @@ AppliedWrench<> displaced(const SE3<>& D, const AppliedWrench<>& load) {
   return turned(load.m, D.R * load.f);
 }
 
-TYPED_TEST(Invariance, TheSceneMayStandAnywhere) {
-  using Rep = typename TypeParam::Rep;
-  using T = typename TypeParam::T;
-  Comparison torque("torque", agreement<T>), twist("twist", agreement<T>), pose("pose", agreement<T>);
+TEST_P(Invariance, TheSceneMayStandAnywhere) {
+  Comparison torque("torque", agreement), twist("twist", agreement), pose("pose", agreement);
   for_seeds(250, [&](std::uint64_t seed) {
     Random<double> random(seed);
     const Mechanism drawn = random_mechanism(random);
-    Trial<T> trial(ModelBuilder(told(drawn, random)).build(), random);
+    Trial trial(GetParam(), ModelBuilder(told(drawn, random)).build(), random);
     const SE3<> D{random.rotation(), random.vector()};
     const Model other = ModelBuilder(told(displaced(D, drawn), random)).build();
     // Displaced ground frames are no longer where the ground is, but the ground's own frame stays.
-    State<double> state = trial.exact;
+    State<double> state = trial.state;
     std::erase_if(state.wrenches, [](const AppliedWrench<>& load) { return load.frame == 0; });
     for (AppliedWrench<>& load : state.wrenches) load = displaced(D, load);
-    Trial<T> other_trial(other, state);
-    torque.expect_equal(other_trial.template inverse_dynamics<Rep>(), trial.template inverse_dynamics<Rep>());
+    Trial other_trial(GetParam(), other, state);
+    torque.expect_equal(other_trial.inverse_dynamics(), trial.inverse_dynamics());
 
-    std::vector<SE3<T>> C = trial.poses(), C_other = other_trial.poses();
-    for (SE3<T>& C_f : C) C_f = axode::cast<T>(D) * C_f;
-    auto V = trial.template twists<BodyFixed>(), V_other = other_trial.template twists<BodyFixed>();
+    Trial body_fixed = trial.by(Representation::body),
+          other_body_fixed = other_trial.by(Representation::body);
+    twist.expect_equal(other_body_fixed.twists(), body_fixed.twists());
+    std::vector<SE3<>> C = trial.poses(), C_other = other_trial.poses();
+    for (SE3<>& C_f : C) C_f = D * C_f;
     C[0] = C_other[0];
-    twist.expect_equal(V_other, V);
     pose.expect_equal(C_other, C);
   });
 }
@@ -195,10 +190,8 @@ Mechanism rerooted(const Mechanism& mechanism, int base, std::vector<int>& path)
   return out;
 }
 
-TYPED_TEST(Invariance, AnyBodyOfAFloatingMechanismMayBeItsBase) {
-  using Rep = typename TypeParam::Rep;
-  using T = typename TypeParam::T;
-  Comparison torque("torque", agreement<T>), base_wrench("base wrench", agreement<T>);
+TEST_P(Invariance, AnyBodyOfAFloatingMechanismMayBeItsBase) {
+  Comparison torque("torque", agreement), base_wrench("base wrench", agreement);
   for_seeds(250, [&](std::uint64_t seed) {
     Random<double> random(seed);
     Mechanism drawn = random_mechanism(random, {.composite = false, .one_free_root = true});
@@ -213,18 +206,18 @@ TYPED_TEST(Invariance, AnyBodyOfAFloatingMechanismMayBeItsBase) {
     const Model model = ModelBuilder(told(drawn, random)).build();
     const Model other = ModelBuilder(told(other_way, random)).build();
 
+    const Case body_double = in(Representation::body, in_double(GetParam()));
     // What the base's joint would have to do acts as a load on the same body, so that the mechanism floats.
     State<double> state = random_state(model, random);
-    Trial<double> driven(model, state);
-    const std::vector<double> W_0 = driven.template inverse_dynamics<BodyFixed>();
+    Trial driven(body_double, model, state);
+    const std::vector<double> W_0 = driven.inverse_dynamics();
     state.wrenches.emplace_back(1, Representation::body, Vec3<>{W_0[0], W_0[1], W_0[2]},
                                 Vec3<>{W_0[3], W_0[4], W_0[5]});
-    Trial<double> exact(model, state);
-    Trial<T> trial(model, state);
-    const auto C = exact.poses();
-    const auto V = exact.template twists<BodyFixed>();
-    const auto dV = exact.template accelerations<BodyFixed>();
-    const std::vector<T> tau = trial.template inverse_dynamics<Rep>();
+    Trial exact(body_double, model, state);
+    Trial trial(GetParam(), model, state);
+    const std::vector<SE3<>> C = exact.poses();
+    const std::vector<Six> V = exact.twists(), dV = exact.accelerations();
+    const std::vector<double> tau = trial.inverse_dynamics();
 
     const Correspondence same(model, other);
     State<double> other_state = same.carry(state);
@@ -251,9 +244,9 @@ TYPED_TEST(Invariance, AnyBodyOfAFloatingMechanismMayBeItsBase) {
       };
       reverse(state.v, other_state.v), reverse(state.a, other_state.a);
     }
-    Trial<T> other_trial(other, other_state);
-    const std::vector<T> tau_other = other_trial.template inverse_dynamics<Rep>();
-    std::vector<double> tau_back = cast<double>(tau_other);
+    Trial other_trial(GetParam(), other, other_state);
+    const std::vector<double> tau_other = other_trial.inverse_dynamics();
+    std::vector<double> tau_back = tau_other;
     for (const int i : path) {  // τ = -Ad_{B q}ᵀ τ'
       const DrawnBody& body = drawn.bodies[static_cast<std::size_t>(i)];
       if (has_one_velocity(body.kind) || body.kind == JointKind::fixed) continue;
@@ -265,11 +258,11 @@ TYPED_TEST(Invariance, AnyBodyOfAFloatingMechanismMayBeItsBase) {
       const Wrench<BodyFixed> back = coAd_inv(Bq, Wrench<Spatial>{W.w, W.v});
       std::ranges::copy(components(joint.kind, 0, -Screw<>{back.m, back.f}), &tau_back[joint_other.iv]);
     }
-    const auto [expected, found] = same.common(cast<double>(tau), tau_back);
-    const double scale = std::max(largest(entries(tau)), largest(W_0));
+    const auto [expected, found] = same.common(tau, tau_back);
+    const double scale = std::max(largest(tau), largest(W_0));
     torque.expect_equal(found, expected, scale);
     const auto begin = tau_other.begin() + iv;
-    base_wrench.expect_equal(std::vector<T>(begin, begin + 6), std::vector<T>(6), scale);
+    base_wrench.expect_equal(std::vector<double>(begin, begin + 6), std::vector<double>(6), scale);
   });
 }
 

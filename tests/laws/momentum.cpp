@@ -4,247 +4,245 @@
 namespace axode::test {
 namespace {
 
-template <class T> class MomentumForm : public testing::Test {};
-struct ScalarNames {
-  template <class T> static std::string GetName(int) { return std::same_as<T, double> ? "double" : "float"; }
-};
-using Scalars = testing::Types<double, float>;
-TYPED_TEST_SUITE(MomentumForm, Scalars, ScalarNames);
+using Numbers = std::vector<double>;
 
-template <class T> std::vector<T> momenta(Trial<T>& t, const std::vector<T>& v) {
-  std::vector<T> p = t.zero();
-  generalized_momenta(t.model, t.workspace, t.state.q, v, p);
-  return p;
+class MomentumForm : public Law {
+ protected:
+  const Case how = in(Representation::spatial, GetParam());
+  const double agreement = how.agreement();
+};
+INSTANTIATE_TEST_SUITE_P(Laws, MomentumForm, testing::ValuesIn(scalars()), name_of);
+
+Numbers momenta(Trial& t, const Numbers& v) { return t.call("momenta", {.q = t.state.q, .v = v}); }
+
+Numbers minus(Numbers x, const Numbers& y) {
+  for (std::size_t c = 0; c < x.size(); ++c) x[c] -= y[c];
+  return x;
 }
 
-TYPED_TEST(MomentumForm, MomentaAreMTimesV) {
-  using T = TypeParam;
-  Comparison momentum("p", agreement<T>);
+TEST_P(MomentumForm, MomentaAreMTimesV) {
+  Comparison momentum("p", agreement);
   for_seeds(2000, [&](std::uint64_t seed) {
-    Trial<T> trial{Random<double>(seed)};
-    const std::vector<T> with = trial.template inverse_dynamics<Spatial>(trial.zero(), trial.state.v, {}),
-                         without = trial.template inverse_dynamics<Spatial>(trial.zero(), trial.zero(), {});
-    std::vector<T> Mv = with;
-    for (std::size_t c = 0; c < Mv.size(); ++c) Mv[c] -= without[c];
-    momentum.expect_equal(momenta(trial, trial.state.v), Mv, largest(entries(with)));
+    Trial trial(how, Random<double>(seed));
+    const Numbers with = trial.inverse_dynamics(trial.zero(), trial.state.v, {}),
+                  without = trial.inverse_dynamics(trial.zero(), trial.zero(), {});
+    momentum.expect_equal(momenta(trial, trial.state.v), minus(with, without), largest(with));
   });
 }
 
-/// p' = M a + M' v by differences of p along the motion, in double.
-std::vector<double> momentum_rate(Trial<double>& t) {
+/// The state that the motion with constant accelerations has reached after a time s.
+State<double> after(double s, const Trial& t) {
+  Numbers step = t.zero(), v = t.state.v;
+  for (std::size_t c = 0; c < v.size(); ++c) {
+    step[c] = s * t.state.v[c] + s * s / 2 * t.state.a[c];
+    v[c] += s * t.state.a[c];
+  }
+  return {integrate(t.model, t.state.q, step), v, t.state.a};
+}
+
+/// p' = M a + M' v by differences of p along the motion.
+Numbers momentum_rate(Trial& t) {
   const double h = 1e-5;
   const auto at = [&](double s) {
-    Trial<double> there(t.model, t.exact);
-    std::vector<double> step = t.zero(), v = t.state.v;
-    for (std::size_t c = 0; c < v.size(); ++c) {
-      step[c] = s * t.state.v[c] + s * s / 2 * t.state.a[c];
-      v[c] += s * t.state.a[c];
-    }
-    there.state.q = integrate(t.model, t.state.q, step);
-    return momenta(there, v);
+    const State<double> there = after(s, t);
+    return t.call("momenta", {.q = there.q, .v = there.v});
   };
-  std::vector<double> rate = at(h);
-  const std::vector<double> before = at(-h);
-  for (std::size_t c = 0; c < rate.size(); ++c) rate[c] = (rate[c] - before[c]) / (2 * h);
+  Numbers rate = minus(at(h), at(-h));
+  for (double& x : rate) x /= 2 * h;
   return rate;
 }
 
-TYPED_TEST(MomentumForm, GivesBackTheVelocitiesAndTheRateOfTheMomenta) {
-  using T = TypeParam;
-  Comparison velocity("M v", agreement<T>), rate("p'", 1e-6), again("p'", agreement<T>);
+TEST_P(MomentumForm, GivesBackTheVelocitiesAndTheRateOfTheMomenta) {
+  Comparison velocity("M v", agreement), rate("p'", 1e-6), again("p'", agreement);
   for_seeds(2000, [&](std::uint64_t seed) {
-    Trial<T> trial{Random<double>(seed), {.most_bodies = 25}};
-    Loads<T> loads = trial.state.loads();
-    loads.joint_losses = seed % 2 == 0;
-    const std::vector<T> tau = trial.template inverse_dynamics<Spatial>(trial.state.v, trial.state.a, loads),
-                         p = momenta(trial, trial.state.v);
-    std::vector<T> v = trial.zero(), dp = trial.zero();
-    if (!momentum_form(trial.model, trial.workspace, trial.state.q, p, tau, v, dp, loads).ok()) return;
-    velocity.expect_equal(momenta(trial, v), p);
-    if constexpr (std::same_as<T, double>) {
-      const double size = std::max(largest(entries(tau)), largest(dp));
-      if (!loads.joint_losses) rate.expect_equal(dp, momentum_rate(trial), size);
-      // The same rate from the drives that (v, a) take: τ - p' does not depend on the accelerations.
-      std::vector<double> other = trial.state.a, dp_other = trial.zero();
-      for (double& x : other) x = -2 * x;
-      const std::vector<double> tau_other =
-          trial.template inverse_dynamics<Spatial>(trial.state.v, other, loads);
-      ASSERT_TRUE(
-          momentum_form(trial.model, trial.workspace, trial.state.q, p, tau_other, v, dp_other, loads).ok());
-      for (std::size_t c = 0; c < dp.size(); ++c) dp_other[c] += tau[c] - tau_other[c];
-      again.expect_equal(dp_other, dp, std::max(size, largest(entries(tau_other))));
-    }
+    Trial trial(how, Random<double>(seed), {.most_bodies = 25});
+    Ask ask = trial.ask();
+    ask.loads.joint_losses = seed % 2 == 0;
+    ask.tau = trial.call("inverse_dynamics", ask), ask.p = momenta(trial, ask.v);
+    const auto [v_and_dp, solvability] = trial.answer("momentum_form", ask);
+    if (!solvability.ok()) return;
+    const auto middle = v_and_dp.begin() + trial.model.nv();
+    const Numbers v(v_and_dp.begin(), middle), dp(middle, v_and_dp.end());
+    velocity.expect_equal(momenta(trial, v), ask.p);
+    if (how.single) return;
+    const double size = std::max(largest(ask.tau), largest(dp));
+    if (!ask.loads.joint_losses) rate.expect_equal(dp, momentum_rate(trial), size);
+    // The same rate from the drives that (v, a) take: τ - p' does not depend on the accelerations.
+    Ask other = ask;
+    for (double& x : other.a) x = -2 * x;
+    other.tau = trial.call("inverse_dynamics", other);
+    const auto [other_rates, other_solvability] = trial.answer("momentum_form", other);
+    ASSERT_TRUE(other_solvability.ok());
+    const Numbers dp_other(other_rates.begin() + trial.model.nv(), other_rates.end());
+    again.expect_equal(minus(dp_other, minus(other.tau, ask.tau)), dp, std::max(size, largest(other.tau)));
   });
 }
 
-TYPED_TEST(MomentumForm, OfBodiesAddUpToThatOfTheSystem) {
-  using T = TypeParam;
-  Comparison total("Π", agreement<T>), energy("T", agreement<T>), centroidal("A v", agreement<T>);
+TEST_P(MomentumForm, OfBodiesAddUpToThatOfTheSystem) {
+  Comparison total("Π", agreement), energy("T", agreement), centroidal("A v", agreement);
   for_seeds(2000, [&](std::uint64_t seed) {
-    Trial<T> trial{Random<double>(seed)};
-    const std::vector<SE3<T>> C = trial.poses();
-    Momentum<Spatial, T> sum{};
-    T twice(0);
-    const auto add = [&](auto rep) {
-      using Rep = decltype(rep);
-      std::vector<Momentum<Rep, T>> Pi(static_cast<std::size_t>(trial.model.n_bodies()));
-      body_momenta<Rep>(trial.model, trial.workspace, trial.state.q, trial.state.v, Pi);
-      const std::vector<Twist<Rep, T>> V = trial.template twists<Rep>();
-      sum = {}, twice = T(0);
+    Trial trial(how, Random<double>(seed));
+    const std::vector<SE3<>> C = trial.poses();
+    const Numbers &v = trial.state.v, armature = trial.model.tree<double>().armature;
+    for (const Representation representation : representations) {
+      Trial in_this = trial.by(representation);
+      const std::vector<Six> Pi = sixes_of(in_this.call("body_momenta")), V = in_this.twists();
+      Six sum{};
+      double twice = 0;
       for (std::size_t i = 0; i < Pi.size(); ++i) {
-        sum += change<Spatial>(C[i + 1], change<BodyFixed>(C[i + 1], Pi[i]));
+        sum = sum + changed_wrench(Representation::spatial, representation, C[i + 1], Pi[i]);
         twice += Pi[i] | V[i + 1];
       }
-      const Tree<T>& tree = trial.model.template tree<T>();
-      for (std::size_t c = 0; c < trial.state.v.size(); ++c)
-        twice += tree.armature[c] * trial.state.v[c] * trial.state.v[c];
-      total.expect_equal(spatial_momentum(trial.model, trial.workspace, trial.state.q, trial.state.v), sum);
-      energy.expect_equal(kinetic_energy(trial.model, trial.workspace, trial.state.q, trial.state.v),
-                          T(0.5) * twice);
-    };
-    add(BodyFixed{}), add(Spatial{}), add(Hybrid{}), add(Mixed{});
+      for (std::size_t c = 0; c < v.size(); ++c) twice += armature[c] * v[c] * v[c];
+      total.expect_equal(sixes_of(trial.call("spatial_momentum"))[0], sum);
+      energy.expect_equal(trial.call("kinetic_energy")[0], 0.5 * twice);
+    }
     if (!(trial.model.total_mass() > 0)) return;
-    std::vector<Momentum<Hybrid, T>> A(trial.state.v.size());
-    centroidal_momentum_matrix(trial.model, trial.workspace, trial.state.q, A);
-    Momentum<Hybrid, T> Av{};
-    for (std::size_t c = 0; c < A.size(); ++c) Av += trial.state.v[c] * A[c];
-    centroidal.expect_equal(centroidal_momentum(trial.model, trial.workspace, trial.state.q, trial.state.v),
-                            Av);
+    Six Av{};
+    const std::vector<Six> A = sixes_of(trial.call("centroidal_momentum_matrix"));
+    for (std::size_t c = 0; c < A.size(); ++c) Av = Av + Six{v[c] * A[c].a, v[c] * A[c].b};
+    centroidal.expect_equal(sixes_of(trial.call("centroidal_momentum"))[0], Av);
   });
 }
 
 TEST(EnergyBalance, EnergyChangesWithThePowerOfDrivesAndLoads) {
   Comparison power("power", 1e-6);
   for_seeds(2000, [&](std::uint64_t seed) {
-    Trial<double> trial{Random<double>(seed), {.most_bodies = 25}};
-    const Loads<double> loads{.wrenches = trial.exact.wrenches};
+    Trial trial(in(Representation::spatial, scalars()[0]), Random<double>(seed), {.most_bodies = 25});
     const auto energy = [&](double s) {
-      std::vector<double> step = trial.zero(), v = trial.exact.v;
-      for (std::size_t c = 0; c < v.size(); ++c) {
-        step[c] = s * trial.exact.v[c] + s * s / 2 * trial.exact.a[c];
-        v[c] += s * trial.exact.a[c];
-      }
-      const std::vector<double> q = integrate(trial.model, trial.exact.q, step);
-      return kinetic_energy(trial.model, trial.workspace, q, v) +
-             potential_energy(trial.model, trial.workspace, q);
+      const State<double> there = after(s, trial);
+      return trial.call("kinetic_energy", {.q = there.q, .v = there.v})[0] +
+             trial.call("potential_energy", {.q = there.q})[0];
     };
     const double h = 1e-5, rate = (energy(h) - energy(-h)) / (2 * h);
-    Trial<double> exact(trial.model, trial.exact);
-    const std::vector<double> tau = exact.inverse_dynamics<Spatial>(trial.exact.v, trial.exact.a, loads);
-    std::vector<double> of_loads(loads.wrenches.size());
-    load_powers(trial.model, trial.workspace, trial.exact.q, trial.exact.v, loads, of_loads);
+    const Numbers tau = trial.inverse_dynamics();
     double sum = 0, size = std::abs(energy(0));
     for (std::size_t c = 0; c < tau.size(); ++c)
-      sum += tau[c] * trial.exact.v[c], size += std::abs(tau[c] * trial.exact.v[c]);
-    for (const double x : of_loads) sum += x, size += std::abs(x);
+      sum += tau[c] * trial.state.v[c], size += std::abs(tau[c] * trial.state.v[c]);
+    for (const double x : trial.call("load_powers")) sum += x, size += std::abs(x);
     power.expect_equal(rate, sum, size);
   });
 }
 
-TYPED_TEST(MomentumForm, StatesInTwistsAndInSpatialMomentaMoveAlike) {
-  using T = TypeParam;
-  Comparison velocity("v", agreement<T>), twist("V'", agreement<T>), momentum("Π'", agreement<T>);
+/// What a form of the state makes: velocities, and six numbers for each body.
+struct Rates {
+  Numbers v, bodies;
+  bool solved;
+};
+template <class Quantity, class T> std::span<Quantity> as(std::vector<T>& numbers) {
+  return {reinterpret_cast<Quantity*>(numbers.data()), numbers.size() / 6};
+}
+/// The form in the twists of the bodies, or in their momenta about the inertial origin.
+template <class T> Rates by_twists(const Trial& t, Representation in, const Numbers& V, const Numbers& tau) {
+  Workspace<T> workspace(t.model);
+  const State<T> at = cast<T>(t.state);
+  std::vector<T> V_T = cast<T>(V), tau_T = cast<T>(tau), v(at.v.size()), dV(V.size());
+  const bool solved = with_representation(in, [&](auto rep) {
+    using Rep = decltype(rep);
+    return twist_form<Rep>(t.model, workspace, at.q, as<Twist<Rep, T>>(V_T), tau_T, v,
+                           as<TwistRate<Rep, T>>(dV), at.loads())
+        .ok();
+  });
+  return {cast<double>(v), cast<double>(dV), solved};
+}
+template <class T> Rates by_momenta(const Trial& t, const Numbers& Pi, const Numbers& tau) {
+  Workspace<T> workspace(t.model);
+  const State<T> at = cast<T>(t.state);
+  std::vector<T> Pi_T = cast<T>(Pi), tau_T = cast<T>(tau), v(at.v.size()), dPi(Pi.size());
+  const bool solved = spatial_momentum_form(t.model, workspace, at.q, as<Momentum<Spatial, T>>(Pi_T), tau_T,
+                                            v, as<Wrench<Spatial, T>>(dPi), at.loads())
+                          .ok();
+  return {cast<double>(v), cast<double>(dPi), solved};
+}
+
+TEST_P(MomentumForm, StatesInTwistsAndInSpatialMomentaMoveAlike) {
+  Comparison velocity("v", agreement), twist("V'", agreement), momentum("Π'", agreement);
   for_seeds(2000, [&](std::uint64_t seed) {
-    Trial<T> trial{Random<double>(seed), {.most_bodies = 25, .always_mass = true}};
-    const std::size_t n = static_cast<std::size_t>(trial.model.n_bodies());
-    const Loads<T> loads = trial.state.loads();
-    const std::vector<T> tau = trial.template inverse_dynamics<Spatial>();
-    std::vector<T> a = trial.zero();
-    if (!forward_dynamics<Spatial>(trial.model, trial.workspace, trial.state.q, trial.state.v, tau, a, loads)
-             .ok())
-      return;
+    Trial trial(how, Random<double>(seed), {.most_bodies = 25, .always_mass = true});
+    const std::size_t n = trial.n_bodies();
+    Ask ask = trial.ask();
+    ask.tau = trial.inverse_dynamics();
+    const auto [a, solvability] = trial.answer("forward_dynamics", ask);
+    if (!solvability.ok()) return;
     trial.state.a = a;
-    const auto check = [&](auto rep) {
-      using Rep = decltype(rep);
-      std::vector<Twist<Rep, T>> V = trial.template twists<Rep>();
-      std::vector<TwistRate<Rep, T>> dV(n), expected = trial.template accelerations<Rep>();
-      std::vector<T> v = trial.zero();
-      const std::span<const Twist<Rep, T>> bodies = std::span<const Twist<Rep, T>>(V).subspan(1, n);
-      EXPECT_TRUE(
-          twist_form<Rep>(trial.model, trial.workspace, trial.state.q, bodies, tau, v, dV, loads).ok());
-      expected.erase(expected.begin()), expected.resize(n);
+    for (const Representation representation : representations) {
+      Trial in_this = trial.by(representation);
+      const auto of_bodies = [&](const Numbers& frames) {
+        const auto begin = frames.begin() + 6;
+        return Numbers(begin, begin + 6 * trial.model.n_bodies());
+      };
+      const Numbers V = of_bodies(in_this.call("twists")), dV = of_bodies(in_this.call("accelerations"));
+      const auto [v, dV_found, solved] =
+          (how.single ? by_twists<float> : by_twists<double>)(trial, representation, V, ask.tau);
+      EXPECT_TRUE(solved);
       velocity.expect_equal(v, trial.state.v);
       // Accelerations are as good as M is far from singular: compared by what they ask of the drives in
       // another test.
-      if (largest(entries(a)) < 1e4) twist.expect_equal(dV, expected, 1e3 * largest(entries(a)));
-    };
-    check(BodyFixed{}), check(Spatial{}), check(Hybrid{}), check(Mixed{});
+      if (largest(a) < 1e4) twist.expect_equal(dV_found, dV, 1e3 * largest(a));
+    }
 
-    std::vector<Momentum<Spatial, T>> Pi(n);
-    body_momenta<Spatial>(trial.model, trial.workspace, trial.state.q, trial.state.v, Pi);
-    std::vector<Wrench<Spatial, T>> dPi(n);
-    std::vector<T> v = trial.zero();
-    if (!spatial_momentum_form(trial.model, trial.workspace, trial.state.q, Pi, tau, v, dPi, loads).ok())
-      return;
+    const auto [v, dPi, solved] =
+        (how.single ? by_momenta<float> : by_momenta<double>)(trial, trial.call("body_momenta"), ask.tau);
+    if (!solved) return;
     velocity.expect_equal(momenta(trial, v), momenta(trial, trial.state.v));
     // Π' of all bodies is what loads, gravity and the ground's joints do to the system.
-    Wrench<Spatial, T> sum{}, external{};
-    for (const Wrench<Spatial, T>& x : dPi) sum += x;
-    const std::vector<SE3<T>> C = trial.poses();
-    const std::vector<Wrench<Spatial, T>> W = trial.template joint_wrenches<Spatial>();
+    Six sum{}, external{};
+    for (const Six& x : sixes_of(dPi)) sum = sum + x;
+    const std::vector<SE3<>> C = trial.poses();
+    const std::vector<Six> W = trial.joint_wrenches();
     double size = 0;
     for (std::size_t i = 1; i <= n; ++i) {
       const Body& body = trial.model.body(static_cast<int>(i));
-      if (body.predecessor == 0) external += W[i - 1];
-      const Inertia<T> M = transform(C[i], axode::cast<T>(body.M));
-      external += M * TwistRate<Spatial, T>{{}, trial.model.template tree<T>().g};
+      if (body.predecessor == 0) external = external + W[i - 1];
+      external = external + six(transform(C[i], body.M) * TwistRate<Spatial>{{}, trial.model.gravity()});
       size = std::max(size, largest(entries(W[i - 1])));
     }
-    for (const AppliedWrench<T>& load : trial.state.wrenches)
-      if (trial.model.frame(load.frame).body > 0) {
-        const SE3<T> C_f = C[static_cast<std::size_t>(load.frame)];
-        with_representation(load.representation, [&](auto rep) {
-          external += change<Spatial>(C_f, change<BodyFixed>(C_f, Wrench<decltype(rep), T>{load.m, load.f}));
-        });
-      }
-    momentum.expect_equal(sum, external, 10 * std::max(size, largest(entries(dPi))));
+    for (const AppliedWrench<>& load : trial.state.wrenches)
+      if (trial.model.frame(load.frame).body > 0)
+        external = external + changed_wrench(Representation::spatial, load.representation,
+                                             C[static_cast<std::size_t>(load.frame)], {load.m, load.f});
+    momentum.expect_equal(sum, external, 10 * std::max(size, largest(dPi)));
   });
 }
 
-TYPED_TEST(MomentumForm, RegressorsAreLinearInTheInertialParameters) {
-  using T = TypeParam;
-  Comparison torque("Y π", agreement<T>), kinetic("T", agreement<T>), potential("U", agreement<T>);
+TEST_P(MomentumForm, RegressorsAreLinearInTheInertialParameters) {
+  Comparison torque("Y π", agreement), kinetic("T", agreement), potential("U", agreement);
   for_seeds(2000, [&](std::uint64_t seed) {
     Random<double> random(seed);
     Description description = told(random_mechanism(random), random);
     for (BodyDescription& body : description.bodies)
       for (Dof& dof : body.joint.dof) dof.armature = 0;
-    Trial<T> trial(ModelBuilder(std::move(description)).build(), random);
-    const std::vector<double> pi = inertial_parameters(trial.model);
-    const std::size_t nv = trial.state.v.size(), width = pi.size();
-    std::vector<T> Y(nv * width), y(width);
-    torque_regressor(trial.model, trial.workspace, trial.state.q, trial.state.v, trial.state.a, Y);
-    const auto times_pi = [&](const T* row) {
-      double sum = 0;
-      for (std::size_t k = 0; k < width; ++k) sum += double(row[k]) * pi[k];
-      return static_cast<T>(sum);
+    Trial trial(how, ModelBuilder(std::move(description)).build(), random);
+    const Numbers pi = inertial_parameters(trial.model);
+    const auto times_pi = [&](const Numbers& rows) {
+      Numbers sums;
+      for (std::size_t k = 0; k < rows.size(); ++k) {
+        if (k % pi.size() == 0) sums.push_back(0);
+        sums.back() += rows[k] * pi[k % pi.size()];
+      }
+      return sums;
     };
-    std::vector<T> tau;
-    for (std::size_t c = 0; c < nv; ++c) tau.push_back(times_pi(Y.data() + c * width));
-    torque.expect_equal(tau, trial.template inverse_dynamics<Spatial>(trial.state.v, trial.state.a, {}));
-    kinetic_energy_regressor(trial.model, trial.workspace, trial.state.q, trial.state.v, y);
-    kinetic.expect_equal(times_pi(y.data()),
-                         kinetic_energy(trial.model, trial.workspace, trial.state.q, trial.state.v));
-    potential_energy_regressor(trial.model, trial.workspace, trial.state.q, y);
-    potential.expect_equal(times_pi(y.data()), potential_energy(trial.model, trial.workspace, trial.state.q),
+    torque.expect_equal(times_pi(trial.call("regressor")),
+                        trial.inverse_dynamics(trial.state.v, trial.state.a, {}));
+    kinetic.expect_equal(times_pi(trial.call("kinetic_energy_regressor")), trial.call("kinetic_energy"));
+    potential.expect_equal(times_pi(trial.call("potential_energy_regressor")), trial.call("potential_energy"),
                            10 * trial.model.total_mass());
   });
 }
 
-TYPED_TEST(MomentumForm, CentroidalInertiaIsWhatALockedSystemHas) {
-  using T = TypeParam;
-  Comparison inertia("I v", agreement<T>);
+TEST_P(MomentumForm, CentroidalInertiaIsWhatALockedSystemHas) {
+  Comparison inertia("I v", agreement);
   for_seeds(2000, [&](std::uint64_t seed) {
-    Trial<T> trial{Random<double>(seed), {.couplings = false, .one_free_root = true}};
+    Trial trial(how, Random<double>(seed), {.couplings = false, .one_free_root = true});
     if (!(trial.model.total_mass() > 0)) return;
-    std::vector<T> v = trial.zero();  // the base moves, the joints do not
-    for (std::size_t c = 0; c < 6; ++c) v[c] = trial.state.v[c];
-    const Inertia<T> M = centroidal_inertia(trial.model, trial.workspace, trial.state.q);
-    const Vec3<T> c = center_of_mass(trial.model, trial.workspace, trial.state.q);
-    const Twist<Spatial, T> V = trial.template twists<Spatial>(v)[1];
-    const Vec3<T> dc = V.v + cross(V.w, c);
-    const Momentum<Hybrid, T> Pi = centroidal_momentum(trial.model, trial.workspace, trial.state.q, v);
-    inertia.expect_equal(Pi, Momentum<Hybrid, T>{M.Theta * V.w, M.m * dc});
+    Numbers v = trial.zero();  // the base moves, the joints do not
+    std::copy_n(trial.state.v.begin(), 6, v.begin());
+    const Numbers M = trial.call("centroidal_inertia");  // m, h, Θ
+    const Sym3<> Theta{M[4], M[5], M[6], M[7], M[8], M[9]};
+    const Vec3<> c = vectors_of(trial.call("center_of_mass"))[0];
+    const Six V = trial.twists(v)[1],
+              Pi = sixes_of(trial.call("centroidal_momentum", {.q = trial.state.q, .v = v}))[0];
+    inertia.expect_equal(Pi, Six{Theta * V.a, M[0] * (V.b + cross(V.a, c))});
   });
 }
 

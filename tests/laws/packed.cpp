@@ -1,4 +1,5 @@
-#include "axode/dynamics/fast_articulated_bodies.hpp"
+#include "axode/fast/articulated_bodies.hpp"
+#include "axode/fast/inverse_dynamics.hpp"
 #include "tests/laws/law.hpp"
 
 /// The fast kernels give the same on packed vectors, which the library uses where the processor has registers for
@@ -6,48 +7,65 @@
 namespace axode::test {
 namespace {
 
-template <class T> class PackedVectors : public testing::Test {};
-using Scalars = testing::Types<double, float>;
-TYPED_TEST_SUITE(PackedVectors, Scalars);
+using Numbers = std::vector<double>;
 
-template <class G, class T> std::vector<T> forces(Trial<T>& trial) {
-  typename Workspace<T>::Arena arena(trial.workspace);
-  const Tree<T>& tree = trial.model.template tree<T>();
+class PackedVectors : public Law {};
+INSTANTIATE_TEST_SUITE_P(Laws, PackedVectors, testing::ValuesIn(scalars()), name_of);
+
+/// The fast kernels on one kind of vectors, for a model.
+struct Kernels {
+  Numbers (*forces)(const Model&, const State<double>&);
+  /// Nothing where the mass matrix may be singular.
+  Numbers (*accelerations)(const Model&, const State<double>&, const Numbers& tau);
+};
+
+template <class G, class T> Numbers forces(const Model& model, const State<double>& state) {
+  Workspace<T> workspace(model);
+  Arena arena = workspace.arena(model.topology());
+  const Tree<T>& tree = model.tree<T>();
+  const State<T> at = cast<T>(state);
   FastInverseDynamics<G, T> recursion(arena);
-  recursion.forward(tree, trial.state.q.data(), trial.state.v.data(), trial.state.a.data(), tree.g);
-  std::vector<T> tau = trial.zero();
+  recursion.forward(tree, at.q.data(), at.v.data(), at.a.data(), tree.g);
+  std::vector<T> tau(at.v.size());
   recursion.backward(tree, tau.data());
-  return tau;
+  return cast<double>(tau);
 }
 
-/// Accelerations, then the inverse of the mass matrix; nothing where it may be singular.
-template <class G, class T> std::vector<T> accelerations(Trial<T>& trial, const std::vector<T>& tau) {
-  typename Workspace<T>::Arena arena(trial.workspace);
-  const Tree<T>& tree = trial.model.template tree<T>();
+template <class G, class T>
+Numbers accelerations(const Model& model, const State<double>& state, const Numbers& drives) {
+  Workspace<T> workspace(model);
+  Arena arena = workspace.arena(model.topology());
+  const Tree<T>& tree = model.tree<T>();
+  const State<T> at = cast<T>(state);
+  const std::vector<T> tau = cast<T>(drives);
   using Bodies = FastArticulatedBodies<G, T>;
   Bodies bodies(arena);
   auto* motion = arena.template per_body<typename Bodies::Motion>();
-  bodies.place_and_move(tree, trial.state.q.data(), trial.state.v.data(), motion);
-  std::vector<T> a = trial.zero();
-  bodies.solve(tree, tau.data(), motion, a.data());
+  bodies.place_and_move(tree, at.q.data(), at.v.data(), motion);
+  std::vector<T> a(at.v.size());
+  bodies.factorize(tree, tau.data());
   if (bodies.doubtful) return {};
-  return a;
+  bodies.accelerate(tree, motion, a.data());
+  return cast<double>(a);
 }
 
-TYPED_TEST(PackedVectors, GiveWhatPlainOnesGive) {
-  using T = TypeParam;
-  Comparison force("force", agreement<T>);
+template <class G, class T> constexpr Kernels kernels{forces<G, T>, accelerations<G, T>};
+
+TEST_P(PackedVectors, GiveWhatPlainOnesGive) {
+  const Kernels packed = GetParam().single ? kernels<Packed<float>, float> : kernels<Packed<double>, double>,
+                plain = GetParam().single ? kernels<Plain<float>, float> : kernels<Plain<double>, double>;
+  Comparison force("force", GetParam().agreement());
   int solved = 0;
   for_seeds(500, [&](std::uint64_t seed) {
-    Trial<T> trial{Random<double>(seed)};
-    force.expect_equal(forces<Packed<T>>(trial), forces<Plain<T>>(trial));
+    Trial trial(GetParam(), Random<double>(seed));
+    force.expect_equal(packed.forces(trial.model, trial.state), plain.forces(trial.model, trial.state));
     if (trial.model.n_screws() != trial.model.nv()) return;
-    const std::vector<T> tau = trial.template inverse_dynamics<Hybrid>(trial.state.v, trial.state.a, {});
-    for (const std::vector<T>& a :
-         {accelerations<Packed<T>>(trial, tau), accelerations<Plain<T>>(trial, tau)}) {
+    const Numbers tau = trial.inverse_dynamics(trial.state.v, trial.state.a, {});
+    for (const Kernels& kernels : {packed, plain}) {
+      const Numbers a = kernels.accelerations(trial.model, trial.state, tau);
       if (a.empty()) continue;
       ++solved;
-      force.expect_equal(trial.template inverse_dynamics<Hybrid>(trial.state.v, a, {}), tau);
+      force.expect_equal(trial.inverse_dynamics(trial.state.v, a, {}), tau);
     }
   });
   EXPECT_GE(solved, 10);

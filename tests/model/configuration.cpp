@@ -293,6 +293,12 @@ TEST(Configuration, RandomIsWithinTheLimitsAndRepeatsWithItsSeed) {
   }
 }
 
+TEST(Configuration, RandomIsFiniteWithinAnyLimits) {
+  const Model model = one_joint(JointKind::prismatic, {{.lower = -1e308, .upper = 1e308}});
+  for (std::uint64_t seed = 0; seed < 100; ++seed)
+    EXPECT_LE(std::abs(random_configuration(model, seed)[0]), 1e308);
+}
+
 /// Shares of samples in ten equal bins must not be far from a tenth (six standard deviations).
 void expect_uniform(const std::vector<double>& samples, double lower, double upper, const char* what) {
   std::array<int, 10> bins{};
@@ -354,6 +360,21 @@ TEST(Configuration, WrongSizesAreNamed) {
   EXPECT_THAT([&] { interpolate(model, q, wrong, 0.5); }, throws("q1 has 5 entries; expected nq = 7"));
   EXPECT_THAT([&] { clamp(model, wrong); }, throws("q has 5 entries; expected nq = 7"));
   EXPECT_THAT([&] { check_size("tau", 3, 4, "nv"); }, throws("tau has 3 entries; expected nv = 4"));
+}
+
+TEST(Configuration, StepsWithoutAFiniteResultAreRefused) {
+  const Model ball = one_joint(JointKind::spherical), slide = one_joint(JointKind::prismatic);
+  const auto refused = [](const std::string& step) {
+    return throws(step + ": at joint \"j\" it is not finite, or so large that the result is not");
+  };
+  EXPECT_THAT([&] { integrate(ball, neutral(ball), std::vector<double>{0, 1e200, 0}); }, refused("dv"));
+  EXPECT_THAT(
+      [&] {
+        integrate(ball, neutral(ball), std::vector<double>{0, std::nan(""), 0});
+      },
+      refused("dv"));
+  EXPECT_THAT([&] { difference(slide, std::vector{-1e308}, std::vector{1e308}); }, refused("q1 - q0"));
+  EXPECT_THAT(integrate(slide, std::vector{0.0}, std::vector{1e200}), ElementsAre(1e200));
 }
 
 TEST(Configuration, QuaternionsAreNotNormalisedBehindTheUsersBack) {

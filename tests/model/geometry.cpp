@@ -24,17 +24,17 @@ constexpr std::array kinds_that_stay_whole{JointKind::fixed,   JointKind::revolu
 Way any_way(Random<double>& random) { return ways[static_cast<std::size_t>(random.number(0, 3))]; }
 
 void expect_equal_trees(const Tree<double>& a, const Tree<double>& b) {
-  EXPECT_EQ(a.parent, b.parent);
-  EXPECT_EQ(a.by_kind, b.by_kind);
-  EXPECT_EQ(a.iq, b.iq);
-  EXPECT_EQ(a.iv, b.iv);
+  EXPECT_EQ(a->parent, b->parent);
+  EXPECT_EQ(a->by_kind, b->by_kind);
+  EXPECT_EQ(a->iq, b->iq);
+  EXPECT_EQ(a->iv, b->iv);
   EXPECT_EQ(a.pitch, b.pitch);
-  EXPECT_EQ(a.frame_body, b.frame_body);
-  for (int i = 0; i <= a.n; ++i) {
+  EXPECT_EQ(a->frame_body, b->frame_body);
+  for (int i = 0; i <= a->n; ++i) {
     EXPECT_LE(distance(a.B[i], b.B[i]), rounding);
     EXPECT_LE(distance(a.M[i], b.M[i]), 10 * rounding);
   }
-  for (int f = 0; f < a.n_frames(); ++f) EXPECT_LE(distance(a.frame_offset[f], b.frame_offset[f]), rounding);
+  for (int f = 0; f < a->n_frames(); ++f) EXPECT_LE(distance(a.frame_offset[f], b.frame_offset[f]), rounding);
 }
 
 /// A, B, the screws and the inertia of every body and the pose of every frame; these are the user's.
@@ -335,9 +335,9 @@ TEST(Geometry, TheFloatTreeIsTheDoubleOneRounded) {
   const Model model = ModelBuilder(random_tree(random, 30, all_kinds)).build();
   const Tree<double>& a = model.tree<double>();
   const Tree<float>& b = model.tree<float>();
-  EXPECT_EQ(a.parent, b.parent);
-  EXPECT_EQ(a.iq, b.iq);
-  for (int i = 0; i <= a.n; ++i) {
+  EXPECT_EQ(a->parent, b->parent);
+  EXPECT_EQ(a->iq, b->iq);
+  for (int i = 0; i <= a->n; ++i) {
     EXPECT_EQ(static_cast<float>(a.B[i].r.x), b.B[i].r.x);
     EXPECT_EQ(static_cast<float>(a.B[i].R.y.z), b.B[i].R.y.z);
     EXPECT_EQ(static_cast<float>(a.M[i].Theta.xy), b.M[i].Theta.xy);

@@ -114,16 +114,16 @@ class Nonsense {
 void expect_consistent(const Model& model) {
   const Tree<double>& tree = model.tree<double>();
   const int n = model.n_bodies();
-  ASSERT_EQ(tree.parent.size(), static_cast<std::size_t>(n) + 1);
+  ASSERT_EQ(tree->parent.size(), static_cast<std::size_t>(n) + 1);
   ASSERT_EQ(model.bodies().size(), static_cast<std::size_t>(n) + 1);
   ASSERT_EQ(model.joints().size(), static_cast<std::size_t>(n));
-  ASSERT_EQ(tree.by_kind.size(), static_cast<std::size_t>(n));
+  ASSERT_EQ(tree->by_kind.size(), static_cast<std::size_t>(n));
   std::set<std::string> joints, frames;
   int nq = 0, nv = 0;
   for (int i = 1; i <= n; ++i) {
     const Joint& joint = model.joint(i);
-    EXPECT_LT(tree.parent[i], i);
-    EXPECT_EQ(model.body(i).predecessor, tree.parent[i]);
+    EXPECT_LT(tree->parent[i], i);
+    EXPECT_EQ(model.body(i).predecessor, tree->parent[i]);
     EXPECT_EQ(model.frame(i).name, model.body(i).name);
     EXPECT_TRUE(joints.insert(joint.name).second) << joint.name;
     if (!joint.leader) {
@@ -145,7 +145,7 @@ void expect_consistent(const Model& model) {
     EXPECT_GE(frame.body, 0);
     EXPECT_LE(frame.body, n);
   }
-  std::vector<int> kinds = tree.by_kind;
+  std::vector<int> kinds = tree->by_kind;
   std::ranges::sort(kinds);
   for (int i = 1; i <= n; ++i) EXPECT_EQ(kinds[i - 1], i);
 }

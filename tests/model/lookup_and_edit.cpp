@@ -130,7 +130,7 @@ TEST(Edit, ACopyOutlivesTheModelItWasTakenFrom) {
   const Model copy = *model;
   model.reset();
   EXPECT_EQ(copy.body(2).name, "forearm");
-  EXPECT_EQ(copy.tree<double>().n, 2);
+  EXPECT_EQ(copy.tree<double>()->n, 2);
 }
 
 TEST(Edit, APayloadMakesANewModelAndLeavesTheOld) {

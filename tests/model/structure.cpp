@@ -336,7 +336,7 @@ TEST(Structure, ACoupledJointHasNoCoordinateOfItsOwn) {
       EXPECT_EQ(joint.iv, model.joint(leader).iv);
       const Tree<double>& tree = model.tree<double>();
       const int i = model.joint_index(name);
-      EXPECT_EQ(tree.iq[i], tree.iq[leader]);
+      EXPECT_EQ(tree->iq[i], tree->iq[leader]);
       EXPECT_DOUBLE_EQ(tree.ratio[i], ratio);
       EXPECT_DOUBLE_EQ(tree.offset[i], offset);
     };
@@ -390,7 +390,7 @@ TEST(Structure, DriveInertiaAndLossesOfCoupledJointsAddUpOnTheLeader) {
                           .add(link("sixth", Coupling{"half_joint", 1.0 / 3}))
                           .build();
   const Tree<double>& tree = model.tree<double>();
-  ASSERT_EQ(tree.nv, 1);
+  ASSERT_EQ(tree->nv, 1);
   EXPECT_DOUBLE_EQ(tree.damping[0], 2 * (1 + 1 / 4.0 + 1 / 36.0));
   EXPECT_DOUBLE_EQ(tree.friction[0], 3 * (1 + 1 / 2.0 + 1 / 6.0));
   EXPECT_DOUBLE_EQ(tree.armature[0], 5 * (1 + 1 / 4.0 + 1 / 36.0));
@@ -417,23 +417,23 @@ TEST(Structure, RunsOfOneKindCoverEveryJointOnce) {
     description.bodies[21].joint.coupling = Coupling{"j20"};
     const Model model = ModelBuilder(description).build();
     const Tree<double>& tree = model.tree<double>();
-    std::vector<int> seen(tree.n + 1);
+    std::vector<int> seen(tree->n + 1);
     bool coupled_before = false;
     int next = 0;
-    for (const JointRun& run : tree.runs) {
+    for (const JointRun& run : tree->runs) {
       EXPECT_EQ(run.begin, next);
       EXPECT_LT(run.begin, run.end);
       EXPECT_GE(run.coupled, coupled_before) << "coupled ones come last";
       coupled_before = run.coupled, next = run.end;
       for (int k = run.begin; k < run.end; ++k) {
-        const Joint& joint = model.joint(tree.by_kind[k]);
+        const Joint& joint = model.joint(tree->by_kind[k]);
         EXPECT_EQ(joint.kind, run.kind);
         EXPECT_EQ(joint.leader.has_value(), run.coupled);
-        ++seen[tree.by_kind[k]];
+        ++seen[tree->by_kind[k]];
       }
     }
-    EXPECT_EQ(next, tree.n);
-    EXPECT_EQ(std::count(seen.begin() + 1, seen.end(), 1), tree.n);
+    EXPECT_EQ(next, tree->n);
+    EXPECT_EQ(std::count(seen.begin() + 1, seen.end(), 1), tree->n);
   }
 }
 

@@ -4,9 +4,9 @@
 #include <vector>
 
 #include "axode/axode.hpp"
-#include "axode/dynamics/newton_euler.hpp"
 #include "axode/kinematics/product_of_exponentials.hpp"
-#include "axode/kinematics/representation.hpp"
+#include "axode/lie/newton_euler.hpp"
+#include "axode/recursion/link.hpp"
 #include "tests/paper/series.hpp"
 #include "tests/paper/systems.hpp"
 
@@ -105,7 +105,7 @@ class Motion {
     return link<Rep>(predecessor(i)).child(C(predecessor(i), i));
   }
   template <class Rep> Twist<Rep> push_Xqd(int i) const {
-    return link<Rep>(i).push(from_eigen<Twist<BodyFixed>>(Xqd(i)));
+    return push(link<Rep>(i), from_eigen<Twist<BodyFixed>>(Xqd(i)));
   }
   template <class Rep> Vec6 bias(int i) const {
     return to_eigen(link<Rep>(i).bias(twist<Rep>(predecessor(i)), twist<Rep>(i), push_Xqd<Rep>(i)));

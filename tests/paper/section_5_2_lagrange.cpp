@@ -81,7 +81,7 @@ TEST(Paper, ConjugateMomentum) {
     eq.holds(p, s.J.transpose() * s.M * s.V);
     Workspace<> workspace(m.model());
     std::vector<double> library(m.v().size());
-    generalized_momenta(m.model(), workspace, m.q(), m.v(), library);
+    momenta(m.model(), workspace, m.q(), m.v(), library);
     eq.holds(p, as_vector(library));
   });
 }
@@ -137,7 +137,7 @@ TEST(Paper, CMat) {
 std::vector<double> library_symbols(const Motion& m) {
   Workspace<> workspace(m.model());
   std::vector<double> Gamma(m.v().size() * m.v().size() * m.v().size());
-  christoffel_symbols(m.model(), workspace, m.q(), Gamma);
+  christoffel(m.model(), workspace, m.q(), Gamma);
   return Gamma;
 }
 
@@ -216,7 +216,7 @@ TEST(Paper, GammaBinet) {
   each_system_of_lagrange([](Equation& eq, const Motion& m, const SystemOfLagrange&) {
     const auto J = [&](int l, int j) -> Vec6 { return m.J<BodyFixed>(l, j); };
     const auto J_hat = [&](int l, int j) -> Mat4 { return hat(from_eigen<Screw<double>>(J(l, j))); };
-    const std::vector<double> library = closed_form::christoffel_symbols(m.model(), m.q());
+    const std::vector<double> library = closed_form::christoffel(m.model(), m.q());
     each_symbol(m, library, [&](double left, double by_library, int i, int j, int k, double size) {
       double right = 0, printed = 0;
       for (const int l : behind(m, i, j, k)) {

@@ -4,8 +4,8 @@
 #include <string_view>
 #include <vector>
 
-#include "axode/dynamics/loads.hpp"
 #include "axode/model.hpp"
+#include "axode/recursion/loads.hpp"
 
 /// The mechanisms on which the paper's equations are evaluated.
 namespace axode::test::paper {

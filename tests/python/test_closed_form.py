@@ -117,10 +117,10 @@ def test_coriolis_matrices_are_those_of_the_recursions(mechanism, form):
 
 def test_christoffel_symbols_are_those_of_joint_screws_where_joints_have_one_degree_of_freedom():
     m, q, _, _ = state("arm")
-    assert close(closed_form.christoffel_symbols(m, q), axode.christoffel(m, q), 1e-10)
+    assert close(closed_form.christoffel(m, q), axode.christoffel(m, q), 1e-10)
     humanoid, q, _, _ = state("humanoid")
     with pytest.raises(ValueError, match='joint "free_base" has 6 degrees of freedom'):
-        closed_form.christoffel_symbols(humanoid, q)
+        closed_form.christoffel(humanoid, q)
 
 
 ARM = MECHANISMS["arm"]
@@ -130,7 +130,7 @@ CALLS = {
     "system_twist": ("q", "v"), "system_acceleration": ("q", "v", "a"), "joint_velocities": ("q", "V"),
     "joint_accelerations": ("q", "V", "dV"), "inertia_matrix": ("q",), "projection_equations": ("q", "v", "a"),
     "momentum_balance": ("q", "v", "a"), "mass_matrix": ("q",), "coriolis_matrix": ("q", "v"),
-    "lagrange_equations": ("q", "v", "a"), "christoffel_symbols": ("q",),
+    "lagrange_equations": ("q", "v", "a"), "christoffel": ("q",),
 }
 
 

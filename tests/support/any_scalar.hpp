@@ -1,46 +1,42 @@
 #pragma once
 #include <vector>
 
-#include "axode/dynamics/inverse_dynamics_recursion.hpp"
+#include "axode/model/workspace.hpp"
+#include "axode/recursion/inverse_dynamics.hpp"
 #include "axode/scalar/taylor.hpp"
 
 /// The kernels on a scalar of choice, for every frame of a tree. On Taylor series they give time derivatives.
 namespace axode::test {
 
 template <class T> std::vector<SE3<T>> frame_poses(const Tree<T>& tree, const std::vector<T>& q) {
-  const std::size_t n = static_cast<std::size_t>(tree.n + 1);
-  std::vector<SE3<T>> C_pi(n), C(n), frames;
-  joint_poses(tree, q.data(), C_pi.data());
-  body_poses(tree, C_pi.data(), C.data());
-  for (int f = 0; f < tree.n_frames(); ++f) frames.push_back(C[tree.frame_body[f]] * tree.frame_offset[f]);
+  WithScratch<T, BodyPoses<T>> C(*tree.topology());
+  C->run(tree, q.data());
+  std::vector<SE3<T>> frames;
+  for (int f = 0; f < tree->n_frames(); ++f)
+    frames.push_back((*C)[tree->frame_body[f]] * tree.frame_offset[f]);
   return frames;
 }
 
 template <class Rep, class T>
 std::vector<Twist<Rep, T>> frame_twists(const Tree<T>& tree, const std::vector<T>& q,
                                         const std::vector<T>& v) {
-  Workspace<T> workspace(tree);
-  typename Workspace<T>::Arena arena(workspace);
-  const JointMotion<T> joints(arena);
-  const BodyMotion<Rep, T> bodies(arena);
-  joint_motion(tree, q.data(), v.data(), v.data(), joints);
-  forward_recursion(tree, joints, Vec3<T>{}, bodies);
+  WithScratch<T, TreeMotion<Rep, T>> motion(*tree.topology());
+  motion->run(tree, q.data(), v.data(), v.data());
+  const BodyMotion<Rep, T>& bodies = motion->bodies;
   std::vector<Twist<Rep, T>> V;
-  for (int f = 0; f < tree.n_frames(); ++f)
+  for (int f = 0; f < tree->n_frames(); ++f)
     V.push_back(
-        bodies.link[tree.frame_body[f]].child(tree.frame_offset[f]).down(bodies.V[tree.frame_body[f]]));
+        bodies.link[tree->frame_body[f]].child(tree.frame_offset[f]).down(bodies.V[tree->frame_body[f]]));
   return V;
 }
 
 template <class Rep, class T>
 std::vector<T> generalised_forces(const Tree<T>& tree, const std::vector<T>& q, const std::vector<T>& v,
                                   const std::vector<T>& a, const Loads<T>& loads = {}) {
-  Workspace<T> workspace(tree);
-  typename Workspace<T>::Arena arena(workspace);
-  InverseDynamicsRecursion<Rep, T> recursion{arena};
-  recursion.run(tree, q.data(), v.data(), a.data(), loads);
-  std::vector<T> tau(static_cast<std::size_t>(tree.nv));
-  recursion.project(tree, v.data(), a.data(), loads.joint_losses, tau.data());
+  WithScratch<T, InverseDynamicsRecursion<Rep, T>> recursion(*tree.topology());
+  recursion->run(tree, q.data(), v.data(), a.data(), loads);
+  std::vector<T> tau(static_cast<std::size_t>(tree->nv));
+  recursion->project(tree, v.data(), a.data(), loads.joint_losses, tau.data());
   return tau;
 }
 
@@ -57,7 +53,7 @@ std::vector<Taylor<T, N>> moving(const Tree<Taylor<T, N>>& tree, const std::vect
     if constexpr (N > 2) dv[k].c[2] = T(0.5) * a[k];
   }
   each_joint(tree, [&](const auto& joint, int i, bool coupled) {
-    if (!coupled) joint.integrate(&q0[tree.iq[i]], &dv[tree.iv[i]], &out[tree.iq[i]]);
+    if (!coupled) joint.integrate(&q0[tree->iq[i]], &dv[tree->iv[i]], &out[tree->iq[i]]);
   });
   return out;
 }

@@ -4,7 +4,7 @@
 #include <concepts>
 #include <string>
 
-#include "axode/lie/twist.hpp"
+#include "axode/fast/fast.hpp"
 
 /// The combinations of representation and scalar for which every law must hold.
 namespace axode::test {

@@ -1,13 +1,12 @@
 #pragma once
-#include <cmath>
 #include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "axode/dynamics/loads.hpp"
 #include "axode/model.hpp"
 #include "axode/model/placement.hpp"
+#include "axode/recursion/loads.hpp"
 #include "tests/lie/random_quantities.hpp"
 
 /// Random mechanisms. One is first drawn, with everything in the construction frame, and then told to the
@@ -49,14 +48,6 @@ struct Mechanism {
   std::string name(int i) const { return i < 0 ? "ground" : bodies[static_cast<std::size_t>(i)].name; }
 };
 
-/// A tensor with principal second moments of mass between `thin` and 1 times the largest, in random axes.
-inline Sym3<> random_theta(Random<double>& random, double mass, double size, double thin = 0.1) {
-  const double k = mass * size * size;
-  const Sym3<> binet{
-      k * random.number(thin, 1), k * random.number(thin, 1), k * random.number(thin, 1), 0, 0, 0};
-  return rotate(random.rotation(), rotational_inertia(binet));
-}
-
 /// What random trees are made of.
 struct TreeRecipe {
   int most_bodies = 60;   ///< that move
@@ -67,150 +58,18 @@ struct TreeRecipe {
   bool one_free_root = false;
 };
 
-inline bool has_one_velocity(JointKind kind) {
-  return kind == JointKind::revolute || kind == JointKind::prismatic || kind == JointKind::helical;
-}
+bool has_one_velocity(JointKind kind);
 
 /// Draws a mechanism with all kinds of joints, several roots, massless bodies, frames and drives.
-inline Mechanism random_mechanism(Random<double>& random, const TreeRecipe& recipe = {}) {
-  using enum JointKind;
-  const auto chance = [&](double p) { return random.number(0, 1) < p; };
-  const auto below = [&](int n) { return std::min(n - 1, static_cast<int>(random.number(0, n))); };
-  const auto nearby = [&] { return SE3<>{random.rotation(), random.vector(recipe.length)}; };
-  constexpr JointKind kinds[] = {revolute,  revolute, revolute, prismatic, helical,  cylindrical, universal,
-                                 spherical, planar,   free,     fixed,     revolute, prismatic};
-
-  Mechanism mechanism{.gravity = random.vector(10), .bodies = {}};
-  const int size = 1 + static_cast<int>(recipe.most_bodies * std::pow(random.number(0, 1), 2));
-  const double chain = random.number(0, 1), new_root = chance(0.3) ? 0.2 : 0;
-  std::vector<std::string> leaders;
-  for (int moving = 0, i = 0; moving < size; ++i) {
-    DrawnBody body;
-    body.name = "body " + std::to_string(i), body.joint = "joint " + std::to_string(i);
-    if (i > 0 && !chance(recipe.one_free_root ? 0 : new_root))
-      body.predecessor = chance(chain) ? i - 1 : below(i);
-    body.kind = kinds[below(static_cast<int>(std::size(kinds)))];
-    if (recipe.one_free_root && i == 0) body.kind = free;
-    const bool composite = body.kind == cylindrical || body.kind == universal;
-    if (composite && (!recipe.composite || moving + 2 > size)) body.kind = revolute;
-    moving += body.kind == fixed ? 0 : body.kind == cylindrical || body.kind == universal ? 2 : 1;
-
-    const SE3<> A_p = mechanism.A(body.predecessor);
-    body.J = A_p * nearby();
-    body.A = A_p * nearby();
-    if (body.kind == spherical && chance(0.4)) body.J.R = {};
-    if (body.kind == planar && chance(0.4)) body.J.R = rotation_to(body.J.R.z);
-    if ((body.kind == spherical || body.kind == planar) && chance(0.4)) body.A.R = body.J.R;
-    if (body.kind == free) body.J = body.A;
-    if (body.kind == helical) body.pitch = random.number(-0.2, 0.2);
-    if (body.kind == universal)
-      body.second_axis = body.J.R * Vec3<>{1, random.number(-1, 1), random.number(-1, 1)};
-    const int nv = body.kind == free                               ? 6
-                   : body.kind == spherical || body.kind == planar ? 3
-                   : composite && !has_one_velocity(body.kind)     ? 2
-                   : body.kind == fixed                            ? 0
-                                                                   : 1;
-    if (chance(0.3)) {
-      body.dof.resize(static_cast<std::size_t>(nv));
-      for (Dof& dof : body.dof)
-        dof.damping = random.number(0, 1), dof.friction = random.number(0, 1),
-        dof.armature = random.number(0, 0.1);
-    }
-    if (recipe.couplings && has_one_velocity(body.kind) && !leaders.empty() && chance(0.15))
-      body.coupling = Coupling{leaders[static_cast<std::size_t>(below(static_cast<int>(leaders.size())))],
-                               random.number(-1.5, 1.5), random.number(-0.5, 0.5)};
-    if (has_one_velocity(body.kind)) leaders.push_back(body.joint);
-    if (body.kind == universal)
-      leaders.push_back(body.joint + ".first"), leaders.push_back(body.joint + ".second");
-    if (recipe.always_mass || chance(0.85)) {
-      const double mass = random.number(0.1, 5);
-      body.matter = {mass, body.A * random.vector(recipe.length),
-                     random_theta(random, mass, recipe.length / 3)};
-    }
-    mechanism.bodies.push_back(std::move(body));
-    if (chance(0.1))
-      mechanism.frames.push_back({"tool " + std::to_string(i), below(i + 2) - 1, body.A * nearby()});
-  }
-  return mechanism;
-}
+Mechanism random_mechanism(Random<double>& random, const TreeRecipe& recipe = {});
 
 /// The three ways in which the geometry of a body may be given.
 enum class Way { construction_frame, body_frame, joint_frames };
 
-/// Whether a way leaves the joint frame turned as drawn; matters where velocities have components in it.
-inline bool can_tell(const DrawnBody& body, Way way) {
-  if (body.kind != JointKind::spherical && body.kind != JointKind::planar) return true;
-  if (way == Way::joint_frames) return true;
-  const SO3<> R = way == Way::body_frame ? transpose(body.A.R) * body.J.R : body.J.R;
-  const SO3<> told = body.kind == JointKind::planar ? rotation_to(R.z) : SO3<>{};
-  return norm(told.x - R.x) + norm(told.y - R.y) < 1e-12;
-}
-
-/// The geometry of body i, told in one way, with an axis of any length and any of its points.
-inline BodyDescription told(const Mechanism& mechanism, const DrawnBody& body, Way way,
-                            Random<double>& random) {
-  const SE3<> A_p = mechanism.A(body.predecessor), B = inverse(A_p) * body.A;
-  const bool turned = body.kind == JointKind::spherical || body.kind == JointKind::planar;
-  const SE3<> S_self = turned ? inverse(body.A) * body.J : SE3<>{random.rotation(), random.vector(0.3)};
-  const SE3<> F = way == Way::construction_frame ? SE3<>{}
-                  : way == Way::body_frame       ? body.A
-                                                 : body.A * S_self;
-  const SE3<> in_F = inverse(F) * body.J;
-  const bool anywhere = body.kind == JointKind::revolute || body.kind == JointKind::prismatic ||
-                        body.kind == JointKind::helical || body.kind == JointKind::cylindrical;
-
-  BodyDescription description{.name = body.name, .predecessor = mechanism.name(body.predecessor)};
-  description.joint = {.name = body.joint,
-                       .kind = body.kind,
-                       .axis = random.number(0.2, 3) * in_F.R.z,
-                       .second_axis = random.number(0.2, 3) * (transpose(F.R) * body.second_axis),
-                       .point = in_F.r + (anywhere ? random.number(-0.3, 0.3) : 0) * in_F.R.z,
-                       .pitch = body.pitch,
-                       .dof = body.dof,
-                       .coupling = body.coupling};
-  if (body.kind != JointKind::universal) description.joint.second_axis = {1, 0, 0};
-  if (way == Way::construction_frame) description.geometry = InConstructionFrame{body.A};
-  if (way == Way::body_frame) description.geometry = InBodyFrame{B};
-  if (way == Way::joint_frames) description.geometry = InJointFrames{B * S_self, S_self};
-  return description;
-}
-
-/// Mass, centre of mass and inertia, told in the body or the construction frame, about the centre of mass or
-/// the origin, in turned axes.
-inline MassProperties told(const DrawnBody::Matter& matter, const SE3<>& A, Random<double>& random) {
-  MassProperties told{.mass = matter.mass};
-  told.in = random.number(0, 1) < 0.5 ? GivenIn::construction_frame : GivenIn::body_frame;
-  told.about = random.number(0, 1) < 0.5 ? InertiaAbout::center_of_mass : InertiaAbout::frame_origin;
-  if (random.number(0, 1) < 0.5) told.axes = random.rotation();
-  const SE3<> F = told.in == GivenIn::body_frame ? A : SE3<>{};
-  told.com = inverse(F) * matter.com;
-  const Sym3<> Theta_c = rotate(transpose(F.R), matter.Theta_c);
-  const Sym3<> Theta = told.about == InertiaAbout::center_of_mass
-                           ? Theta_c
-                           : inertia_from_com(matter.mass, told.com, Theta_c).Theta;
-  told.Theta = rotate(transpose(told.axes), Theta);
-  return told;
-}
-
+/// The geometry of a body, told in one way, with an axis of any length and any of its points.
+BodyDescription told(const Mechanism& mechanism, const DrawnBody& body, Way way, Random<double>& random);
 /// Tells a mechanism: every body in a way of its own.
-inline Description told(const Mechanism& mechanism, Random<double>& random) {
-  Description description{.name = "random tree", .gravity = mechanism.gravity, .bodies = {}, .frames = {}};
-  for (const DrawnBody& body : mechanism.bodies) {
-    const Way way = static_cast<Way>(std::min(2, static_cast<int>(random.number(0, 3))));
-    description.bodies.push_back(
-        told(mechanism, body, can_tell(body, way) ? way : Way::joint_frames, random));
-    if (body.matter) description.bodies.back().inertia = told(*body.matter, body.A, random);
-  }
-  for (const DrawnFrame& frame : mechanism.frames) {
-    const bool in_body = random.number(0, 1) < 0.5;
-    description.frames.push_back(
-        {.name = frame.name,
-         .body = mechanism.name(frame.body),
-         .pose = in_body ? inverse(mechanism.A(frame.body)) * frame.pose : frame.pose,
-         .in = in_body ? GivenIn::body_frame : GivenIn::construction_frame});
-  }
-  return description;
-}
+Description told(const Mechanism& mechanism, Random<double>& random);
 
 /// A state of a model and what acts on it.
 template <class T> struct State {
@@ -234,22 +93,10 @@ template <class To, class From> State<To> cast(const State<From>& state) {
   return out;
 }
 
-inline std::vector<double> random_numbers(Random<double>& random, int size) {
-  std::vector<double> numbers(static_cast<std::size_t>(size));
-  for (double& x : numbers) x = random.number(-1, 1);
-  return numbers;
-}
+std::vector<double> random_numbers(Random<double>& random, int size);
 
 /// Any configuration, velocities and accelerations of order one, up to four loads on any frames in any
 /// representations.
-inline State<double> random_state(const Model& model, Random<double>& random) {
-  State<double> state{random_configuration(model, static_cast<std::uint64_t>(random.number(0, 1e15))),
-                      random_numbers(random, model.nv()), random_numbers(random, model.nv())};
-  for (int n = static_cast<int>(random.number(0, 5)); n > 0; --n)
-    state.wrenches.emplace_back(static_cast<int>(random.number(0, model.n_frames())),
-                                static_cast<Representation>(static_cast<int>(random.number(0, 4))),
-                                random.vector(10), random.vector(10));
-  return state;
-}
+State<double> random_state(const Model& model, Random<double>& random);
 
 }  // namespace axode::test

@@ -2,9 +2,9 @@
 #include <string>
 #include <vector>
 
-#include "axode/dynamics/loads.hpp"
 #include "axode/eigen.hpp"
 #include "axode/model.hpp"
+#include "axode/recursion/loads.hpp"
 #include "tests/support/json_numbers.hpp"
 #include "tests/support/shared_files.hpp"
 

@@ -91,7 +91,7 @@ TEST_P(EquationsOfMotion, VectorsOfForces) {
       std::vector<double> x(at.n());
       coriolis_vector<Rep>(at.model, at.workspace, at.q, at.v(), x);
       coriolis.expect_equal(at.in_file_order(x, 1), numbers(at.dynamics.at("coriolis_vector")));
-      gravity_vector<Rep>(at.model, at.workspace, at.q, x);
+      gravity_torques<Rep>(at.model, at.workspace, at.q, x);
       gravity.expect_equal(at.in_file_order(x, 1), numbers(at.dynamics.at("gravity_vector")));
       generalized_loads<Rep>(at.model, at.workspace, at.q, at.v(), {.wrenches = at.wrenches}, x);
       loads.expect_equal(at.in_file_order(x, 1), numbers(at.dynamics.at("applied_generalized")));
@@ -131,9 +131,9 @@ TEST_P(EquationsOfMotion, ChristoffelSymbols) {
   Comparison Gamma("Gamma", bound), Binet("Gamma by Binet", bound);
   each_state_with("Gamma", [&](ReferenceState& at) {
     const std::vector<double> reference = numbers(at.dynamics.at("Gamma"));
-    const auto symbols = [&](auto& out) { christoffel_symbols(at.model, at.workspace, at.q, out); };
+    const auto symbols = [&](auto& out) { christoffel(at.model, at.workspace, at.q, out); };
     Gamma.expect_equal(filled(at, 3, symbols), reference);
-    Binet.expect_equal(at.in_file_order(closed_form::christoffel_symbols(at.model, at.q), 3), reference);
+    Binet.expect_equal(at.in_file_order(closed_form::christoffel(at.model, at.q), 3), reference);
   });
 }
 
@@ -162,7 +162,7 @@ TEST_P(EquationsOfMotion, Regressor) {
   each_state_with("regressor", [&](ReferenceState& at) {
     const std::size_t n = at.n(), width = 10 * n;
     std::vector<double> y(n * width), listed;
-    torque_regressor(at.model, at.workspace, at.q, at.v(), at.a(), y);
+    regressor(at.model, at.workspace, at.q, at.v(), at.a(), y);
     for (std::size_t j = 1; j <= n; ++j)
       for (int i = 1; i <= at.model.n_bodies(); ++i)
         for (std::size_t k = 0; k < 10; ++k)

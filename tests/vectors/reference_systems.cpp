@@ -1,5 +1,5 @@
-#include "axode/dynamics/newton_euler.hpp"
 #include "axode/kinematics/product_of_exponentials.hpp"
+#include "axode/lie/newton_euler.hpp"
 #include "tests/support/any_scalar.hpp"
 #include "tests/vectors/reference_state.hpp"
 

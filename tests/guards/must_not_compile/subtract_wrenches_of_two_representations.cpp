@@ -1,4 +1,4 @@
-// expect: no match for or invalid operands
+// expect: deleted
 #include "axode/lie.hpp"
 
 using namespace axode;

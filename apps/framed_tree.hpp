@@ -1,0 +1,279 @@
+#pragma once
+#include <algorithm>
+#include <type_traits>
+
+#include "axode/model/tree.hpp"
+
+/// A tree in body frames other than the joint frames of Tree: a second view of the same mechanism, to compare choices
+/// of frames. The recursions take it in the place of a Tree; drive forces and mass matrices are the same.
+namespace axode {
+
+struct UserFrames {};        ///< where the user placed the bodies; joint screws may be anything
+struct MassCenterFrames {};  ///< at the centres of mass, parallel to the joint frames; h = 0
+struct ConstructionFrames {
+};  ///< all at the inertial frame at q = 0: B_i = I, C_i = exp(Y_1 q_1) ... exp(Y_i q_i)
+
+namespace framed {
+
+/// The entries of a pose that is C_0 + sin q C_s + cos q C_c, one after the other. None of the three is a pose.
+template <class T> struct Terms { SE3<T> C_0, C_s, C_c; };
+
+/// L exp(e_z q) D for poses L and D.
+template <class T> Terms<T> terms(const SE3<T>& L, const SE3<T>& D) {
+  const SO3<T> along{{}, {}, L.R.z}, sine{L.R.y, -L.R.x, {}}, cosine{L.R.x, L.R.y, {}};
+  return {{along * D.R, L.r + along * D.r}, {sine * D.R, sine * D.r}, {cosine * D.R, cosine * D.r}};
+}
+
+/// A revolute or a helical joint with the screw X = (n; y) in the body frame. The reference pose is among the constants.
+template <class T, class Frames, bool helical> struct Turning : subgroup::VectorCoordinates<T, 1> {
+  Terms<T> C;
+  Screw<T> X;
+  Vec3<T> lead;  ///< in the predecessor's frame, for q = 1
+
+  /// For the joint frame L on the predecessor, and the body frame D on the joint frame.
+  Turning(const SE3<T>& L, const SE3<T>& D, const T& pitch)
+      : C(terms(L, D)),
+        X(Ad_inv(D, Screw<T>{{T(0), T(0), T(1)}, {T(0), T(0), pitch}})),
+        lead(pitch * L.R.z) {}
+
+  SE3<T> pose(const SE3<T>&, const T* q) const {
+    SE3<T> out = turned(sin(q[0]), cos(q[0]));
+    if constexpr (helical) out.r += q[0] * lead;
+    return out;
+  }
+  Twist<BodyFixed, T> twist(const T* v) const {
+    if constexpr (std::same_as<Frames, MassCenterFrames>)  // n = e_z
+      return {{T(0), T(0), v[0]}, {X.v.x * v[0], X.v.y * v[0], helical ? X.v.z * v[0] : T(0)}};
+    else
+      return {v[0] * X.w, v[0] * X.v};
+  }
+  std::array<T, 1> project(const Wrench<BodyFixed, T>& W) const {
+    if constexpr (!std::same_as<Frames, MassCenterFrames>)
+      return {dot(X.w, W.m) + dot(X.v, W.f)};
+    else if constexpr (helical)
+      return {W.m.z + dot(X.v, W.f)};
+    else
+      return {W.m.z + (X.v.x * W.f.x + X.v.y * W.f.y)};
+  }
+  const Screw<T>& column(int) const { return X; }
+
+ private:
+  SE3<T> turned(const T& s, const T& c) const {
+    const auto sum = [&](Vec3<T> SO3<T>::*column) {
+      return C.C_0.R.*column + (s * (C.C_s.R.*column) + c * (C.C_c.R.*column));
+    };
+    if constexpr (std::same_as<Frames, ConstructionFrames>) {
+      // C(0) = I leaves R = I + s ñ + (c - 1) (-ñ²), r = s r_s + (c - 1) r_c
+      const T k = c - T(1);
+      const SO3<T>& P = C.C_c.R;
+      const T xx = k * P.x.x, yy = k * P.y.y, zz = k * P.z.z, xy = k * P.x.y, xz = k * P.x.z, yz = k * P.y.z;
+      const Vec3<T> n = s * X.w;
+      return {
+          {{T(1) + xx, xy + n.z, xz - n.y}, {xy - n.z, T(1) + yy, yz + n.x}, {xz + n.y, yz - n.x, T(1) + zz}},
+          s * C.C_s.r + k * C.C_c.r};
+    } else {
+      const Vec3<T> r = C.C_0.r + (s * C.C_s.r + c * C.C_c.r);
+      if constexpr (std::same_as<Frames, MassCenterFrames>)
+        return {subgroup::turn(SO3<T>{C.C_c.R.x, C.C_c.R.y, C.C_0.R.z}, s, c), r};
+      else
+        return {{sum(&SO3<T>::x), sum(&SO3<T>::y), sum(&SO3<T>::z)}, r};
+    }
+  }
+};
+
+/// A prismatic joint along any axis: C = C_0 + q (0, u).
+template <class T, class Frames> struct Sliding : subgroup::VectorCoordinates<T, 1> {
+  SE3<T> C_0;
+  Vec3<T> u, e;  ///< the axis in the predecessor's and in the body's frame
+
+  Sliding(const SE3<T>& L, const SE3<T>& D) : C_0(L * D), u(L.R.z), e(transpose(D.R).z) {}
+
+  SE3<T> pose(const SE3<T>&, const T* q) const {
+    if constexpr (std::same_as<Frames, ConstructionFrames>)
+      return {{}, q[0] * u};
+    else
+      return {C_0.R, C_0.r + q[0] * u};
+  }
+  Twist<BodyFixed, T> twist(const T* v) const { return {{}, v[0] * e}; }
+  std::array<T, 1> project(const Wrench<BodyFixed, T>& W) const { return {dot(e, W.f)}; }
+  Screw<T> column(int) const { return {{}, e}; }
+};
+
+/// The body frame on the joint frame: any pose, or a mere displacement.
+template <class Frames, class T>
+using Offset = std::conditional_t<std::same_as<Frames, MassCenterFrames>, Vec3<T>, SE3<T>>;
+
+template <class T> SE3<T> moved(const SE3<T>& C, const SE3<T>& D) { return C * D; }
+template <class T> SE3<T> moved(const SE3<T>& C, const Vec3<T>& d) { return {C.R, C.r + C.R * d}; }
+template <class T> Twist<BodyFixed, T> seen_from(const SE3<T>& D, const Twist<BodyFixed, T>& V) {
+  return twist<BodyFixed>(Ad_inv(D, screw(V)));
+}
+template <class T> Twist<BodyFixed, T> seen_from(const Vec3<T>& d, const Twist<BodyFixed, T>& V) {
+  const Noted<T> noted(ScrewOperation::translation);
+  return {V.w, V.v + cross(V.w, d)};
+}
+template <class T> Wrench<BodyFixed, T> brought_back(const SE3<T>& D, const Wrench<BodyFixed, T>& W) {
+  const Wrench<Spatial, T> W_joint = coAd(D, W);  // the joint frame in the place of the inertial one
+  return {W_joint.m, W_joint.f};
+}
+template <class T> Wrench<BodyFixed, T> brought_back(const Vec3<T>& d, const Wrench<BodyFixed, T>& W) {
+  const Noted<T> noted(ScrewOperation::translation);
+  return {W.m + cross(d, W.f), W.f};
+}
+
+/// A joint with several degrees of freedom, conjugated by the offset: L exp(S q) D.
+template <class Joint, class T, class Offset> struct Conjugated {
+  static constexpr int nq = Joint::nq, nv = Joint::nv;
+  const SE3<T>& L;
+  const Offset& D;
+  const Screw<T>* X;
+
+  SE3<T> pose(const SE3<T>&, const T* q) const { return moved(Joint::pose(L, q), D); }
+  Twist<BodyFixed, T> twist(const T* v) const { return seen_from(D, Joint::twist(v)); }
+  auto project(const Wrench<BodyFixed, T>& W) const { return Joint::project(brought_back(D, W)); }
+  const Screw<T>& column(int k) const { return X[k]; }
+};
+
+}  // namespace framed
+
+/// The numbers of a tree in other frames. Bodies whose frame is their joint frame keep the joints of the tree; all others
+/// have joints with constant screws that need not be sparse. What does not depend on frames is that of the tree.
+template <class T, class Frames> class FramedTree {
+ public:
+  static constexpr bool central = std::same_as<Frames, MassCenterFrames>;
+  using InertiaOfBody = std::conditional_t<central, CentralInertia<T>, Inertia<T>>;
+
+ private:
+  const Tree<T> tree_;
+
+ public:
+  const std::vector<T>&pitch = tree_.pitch, &ratio = tree_.ratio, &offset = tree_.offset;
+  const std::vector<T>&armature = tree_.armature, &damping = tree_.damping, &friction = tree_.friction;
+  const Vec3<T>& g = tree_.g;
+  std::vector<SE3<T>> B, frame_offset;  ///< in these frames, as all that follows
+  std::vector<InertiaOfBody> M;         ///< n + 1
+  std::vector<JointRun> runs;
+  std::vector<int> by_kind;
+  std::vector<std::ptrdiff_t>
+      at;  ///< of each run: its first joint in revolute, helical or prismatic; -1 for a
+           ///< run of bodies whose frames are their joint frames
+  std::vector<framed::Turning<T, Frames, false>> revolute;
+  std::vector<framed::Turning<T, Frames, true>> helical;
+  std::vector<framed::Sliding<T, Frames>> prismatic;
+  std::vector<SE3<T>> L;                     ///< n + 1: joint frame in the predecessor's frame, at q = 0
+  std::vector<framed::Offset<Frames, T>> D;  ///< n + 1: body frame in the joint frame
+  std::vector<Screw<T>> X;                   ///< n_screws: joint screws in the body frame
+
+  explicit FramedTree(Tree<T> of)
+      : tree_(std::move(of)), B(tree_.B), frame_offset(tree_.frame_offset), by_kind(tree_->by_kind) {
+    const Tree<T>& tree = tree_;
+    const std::vector<SE3<T>> in_joint = offsets(tree);
+    X.resize(static_cast<std::size_t>(tree->n_screws));
+    for (int i = 0; i <= tree->n; ++i) {
+      L.push_back(inverse(in_joint[tree->parent[i]]) * tree.B[i]);
+      B[i] = L[i] * in_joint[i];
+      if constexpr (central) {
+        D.push_back(in_joint[i].r);
+        M.push_back({tree.M[i].m, tree.M[i].m > T(0) ? inertia_about_com(tree.M[i]) : tree.M[i].Theta});
+      } else {
+        D.push_back(in_joint[i]);
+        M.push_back(transform(inverse(in_joint[i]), tree.M[i]));
+      }
+    }
+    for (int f = 0; f < tree->n_frames(); ++f)
+      frame_offset[f] = inverse(in_joint[tree->frame_body[f]]) * tree.frame_offset[f];
+    axode::each_joint(tree, [&](const auto& joint, int i, bool) {
+      for (int k = 0; k < joint.nv; ++k) X[tree->first_screw[i] + k] = Ad_inv(in_joint[i], joint.column(k));
+    });
+    sort_joints(tree->runs, in_joint);
+  }
+  FramedTree(const FramedTree&) = delete;
+  FramedTree& operator=(const FramedTree&) = delete;
+  const Topology* operator->() const { return tree_.operator->(); }
+
+ private:
+  /// The poses of the body frames in the joint frames.
+  static std::vector<SE3<T>> offsets(const Tree<T>& tree) {
+    std::vector<SE3<T>> D(static_cast<std::size_t>(tree->n + 1)), C(D);
+    for (int i = 1; i <= tree->n; ++i) {
+      C[i] = C[tree->parent[i]] * tree.B[i];
+      if constexpr (central)
+        D[i].r = tree.M[i].m > T(0) ? center_of_mass(tree.M[i]) : Vec3<T>{};
+      else if constexpr (std::same_as<Frames, UserFrames>)
+        D[i] = tree.frame_offset[i];
+      else
+        D[i] = inverse(C[i]);
+    }
+    return D;
+  }
+  /// Whether a joint stays what it is in a tree of joint frames.
+  static bool keeps_its_joint(Subgroup kind, const SE3<T>& D) {
+    const Vec3<T> x = D.R.x - Vec3<T>{T(1), T(0), T(0)}, y = D.R.y - Vec3<T>{T(0), T(1), T(0)};
+    const bool at_joint = !(dot(x, x) + dot(y, y) + dot(D.r, D.r) > T(0));
+    return at_joint || (central && kind == Subgroup::prismatic);
+  }
+  /// Each run in two: those whose joints stay and those that have constants of their own.
+  void sort_joints(const std::vector<JointRun>& before, const std::vector<SE3<T>>& in_joint) {
+    runs.clear();
+    for (const JointRun& run : before) {
+      const auto begin = by_kind.begin() + run.begin, end = by_kind.begin() + run.end;
+      const auto middle =
+          std::stable_partition(begin, end, [&](int i) { return keeps_its_joint(run.kind, in_joint[i]); });
+      const int split = static_cast<int>(middle - by_kind.begin());
+      if (begin != middle) add_run({run.kind, run.coupled, run.begin, split}, -1);
+      if (middle == end) continue;
+      const std::ptrdiff_t first = run.kind == Subgroup::revolute  ? std::ssize(revolute)
+                                   : run.kind == Subgroup::helical ? std::ssize(helical)
+                                                                   : std::ssize(prismatic);
+      add_run({run.kind, run.coupled, split, run.end}, first);
+      for (auto i = middle; i != end; ++i) {
+        if (run.kind == Subgroup::revolute) revolute.emplace_back(L[*i], in_joint[*i], T(0));
+        if (run.kind == Subgroup::helical) helical.emplace_back(L[*i], in_joint[*i], pitch[*i]);
+        if (run.kind == Subgroup::prismatic) prismatic.emplace_back(L[*i], in_joint[*i]);
+      }
+    }
+  }
+  void add_run(const JointRun& run, std::ptrdiff_t first) { runs.push_back(run), at.push_back(first); }
+};
+
+/// f(joint, i, coupled) for every joint, kind by kind; coupled ones last.
+template <class T, class Frames, class F>
+constexpr void each_joint(const FramedTree<T, Frames>& tree, F&& f) {
+  for (std::size_t r = 0; r < tree.runs.size(); ++r) {
+    const JointRun& run = tree.runs[r];
+    const auto over = [&](const auto& joint_of) {
+      for (int k = run.begin; k < run.end; ++k) f(joint_of(k), tree.by_kind[k], run.coupled);
+    };
+    const auto stored = [&](const auto& joints) {
+      over([&](int k) -> const auto& {
+        return joints[static_cast<std::size_t>(tree.at[r] + k - run.begin)];
+      });
+    };
+    const auto conjugated = [&](auto joint) {
+      over([&](int k) {
+        const int i = tree.by_kind[k];
+        return framed::Conjugated<decltype(joint), T, framed::Offset<Frames, T>>{
+            tree.L[i], tree.D[i], &tree.X[tree->first_screw[i]]};
+      });
+    };
+    if (tree.at[r] < 0 && run.kind == Subgroup::helical)
+      over([&](int k) { return subgroup::Helical<T>{tree.pitch[tree.by_kind[k]]}; });
+    else if (tree.at[r] < 0)
+      with_subgroup(run.kind, T(0),
+                    [&](const auto& joint) { over([&](int) -> const auto& { return joint; }); });
+    else if (run.kind == Subgroup::revolute)
+      stored(tree.revolute);
+    else if (run.kind == Subgroup::helical)
+      stored(tree.helical);
+    else if (run.kind == Subgroup::prismatic)
+      stored(tree.prismatic);
+    else if (run.kind == Subgroup::spherical)
+      conjugated(subgroup::Spherical<T>{});
+    else if (run.kind == Subgroup::planar)
+      conjugated(subgroup::Planar<T>{});
+    else
+      conjugated(subgroup::Free<T>{});
+  }
+}
+
+}  // namespace axode

@@ -1,0 +1,190 @@
+// Compiled for one instruction set. Nothing here may be a function that code for another processor has as
+// well: every template is one of Batch<AXODE_T, AXODE_LANES>, which no other instruction set uses.
+#include "axode/batch/kernels.hpp"
+
+#include "axode/batch/transpose.hpp"
+#include "axode/fast/articulated_bodies.hpp"
+#include "axode/fast/composite_bodies.hpp"
+#include "axode/fast/inverse_dynamics.hpp"
+#include "axode/fast/inverse_mass_matrix.hpp"
+
+#ifndef AXODE_ISA  // as an editor sees it
+#define AXODE_ISA sse2
+#define AXODE_T double
+#define AXODE_LANES 2
+#endif
+
+namespace axode::batch {
+namespace {
+
+using S = AXODE_T;
+constexpr int lanes = AXODE_LANES;
+using Number = Batch<S, lanes>;
+using G = Plain<Number>;
+
+/// Numbers of the states of a call: what it is given, and what it makes.
+struct Room {
+  Number *q, *v, *a, *out;
+  Room(Arena& arena, std::size_t results)
+      : q(arena.array<Number>(static_cast<std::size_t>(arena.topology().nq))),
+        v(arena.per_velocity<Number>()),
+        a(arena.per_velocity<Number>()),
+        out(arena.array<Number>(results)) {}
+};
+std::size_t n_velocities(Arena& arena) { return static_cast<std::size_t>(arena.topology().nv); }
+/// With a number, or with a matrix, for each velocity.
+struct VectorRoom : Room {
+  explicit VectorRoom(Arena& arena) : Room(arena, n_velocities(arena)) {}
+};
+struct MatrixRoom : Room {
+  explicit MatrixRoom(Arena& arena) : Room(arena, n_velocities(arena) * n_velocities(arena)) {}
+};
+
+struct InverseDynamics : VectorRoom {
+  FastInverseDynamics<G, Number> recursion;
+  explicit InverseDynamics(Arena& arena) : VectorRoom(arena), recursion(arena) {}
+};
+using ArticulatedBodies = FastArticulatedBodies<G, Number>;
+struct ForwardDynamics : VectorRoom {
+  ArticulatedBodies bodies;
+  ArticulatedBodies::Motion* motion;
+  explicit ForwardDynamics(Arena& arena)
+      : VectorRoom(arena), bodies(arena), motion(arena.per_body<ArticulatedBodies::Motion>()) {}
+};
+struct MassMatrix : MatrixRoom {
+  FastCompositeBodies<Number> bodies;
+  explicit MassMatrix(Arena& arena) : MatrixRoom(arena), bodies(arena) {}
+};
+struct InverseByFactors : MassMatrix {
+  FastInverseMassMatrix<Number> inverse;
+  explicit InverseByFactors(Arena& arena) : MassMatrix(arena), inverse(arena) {}
+};
+struct InverseByBodies : MatrixRoom {
+  ArticulatedBodies bodies;
+  ArticulatedBodies::Columns* columns;
+  Number* u;
+  explicit InverseByBodies(Arena& arena)
+      : MatrixRoom(arena),
+        bodies(arena),
+        columns(arena.per_body<ArticulatedBodies::Columns>()),
+        u(arena.per_screw<Number>()) {}
+};
+struct Poses : VectorRoom {
+  SE3<Number>* body;
+  FastPoses<Number> poses;
+  explicit Poses(Arena& arena) : VectorRoom(arena), body(arena.per_body<SE3<Number>>()), poses(arena) {}
+};
+
+std::size_t bytes(const Tree<S>& tree) {
+  const std::size_t vectors = footprint<InverseDynamics, ForwardDynamics, Poses>(*tree.topology());
+  if (!tree->coupled_bodies.empty()) return vectors;  // and no matrices
+  const bool factors = FastInverseMassMatrix<Number>::suits(tree);
+  return std::max({vectors, footprint<MassMatrix>(*tree.topology()),
+                   factors ? footprint<InverseByFactors>(*tree.topology())
+                           : footprint<InverseByBodies>(*tree.topology())});
+}
+
+std::size_t n_entries(const Tree<S>& tree) {
+  return static_cast<std::size_t>(tree->nv) * static_cast<std::size_t>(tree->nv);
+}
+
+/// Bit l for lane l.
+unsigned bits(const Number::Mask& mask) {
+  unsigned all = 0;
+  for (unsigned l = 0; l < lanes; ++l) all |= static_cast<unsigned>(mask[l]) << l;
+  return all;
+}
+
+void inverse_dynamics(const Tree<S>& tree, Arena arena, const S* q, const S* v, const S* a, S* tau) noexcept {
+  InverseDynamics at(arena);
+  gather(q, tree->nq, at.q), gather(v, tree->nv, at.v), gather(a, tree->nv, at.a);
+  for (int c = 0; c < tree->nv; ++c) at.out[c] = Number(tree.armature[c]) * at.a[c];
+  at.recursion.forward(tree, at.q, at.v, at.a, cast<Number>(tree.g));
+  at.recursion.backward(tree, at.out);
+  scatter(at.out, tree->nv, tau);
+}
+
+unsigned forward_dynamics(const Tree<S>& tree, Arena arena, const S* q, const S* v, const S* tau,
+                          S* a) noexcept {
+  ForwardDynamics at(arena);
+  gather(q, tree->nq, at.q), gather(v, tree->nv, at.v), gather(tau, tree->nv, at.a);
+  at.bodies.place_and_move(tree, at.q, at.v, at.motion);
+  at.bodies.factorize(tree, at.a);
+  at.bodies.accelerate(tree, at.motion, at.out);
+  scatter(at.out, tree->nv, a);
+  return bits(at.bodies.doubtful);
+}
+
+void mass_matrix(const Tree<S>& tree, Arena arena, const S* q, S* M) noexcept {
+  MassMatrix at(arena);
+  gather(q, tree->nq, at.q);
+  at.bodies.run(tree, at.q);
+  at.bodies.write(tree, at.out);
+  scatter(at.out, n_entries(tree), M);
+}
+
+unsigned inverse_mass_matrix(const Tree<S>& tree, Arena arena, const S* q, S* M_inverse) noexcept {
+  if (FastInverseMassMatrix<Number>::suits(tree)) {
+    InverseByFactors at(arena);
+    gather(q, tree->nq, at.q);
+    at.bodies.run(tree, at.q);
+    at.bodies.write_paths(tree, at.out);
+    at.inverse.run(tree, at.out);
+    scatter(at.out, n_entries(tree), M_inverse);
+    return bits(at.inverse.doubtful);
+  }
+  InverseByBodies at(arena);
+  gather(q, tree->nq, at.q);
+  at.bodies.place(tree, at.q);
+  at.bodies.factorize(tree);
+  at.bodies.inverse(tree, at.columns, at.u, at.out);
+  scatter(at.out, n_entries(tree), M_inverse);
+  return bits(at.bodies.doubtful);
+}
+
+void store(const Vec3<Number>& a, int lane, Vec3<S>& out) { out = {a.x[lane], a.y[lane], a.z[lane]}; }
+
+void poses(const Tree<S>& tree, Arena arena, const S* q, SE3<S>* C) noexcept {
+  Poses at(arena);
+  gather(q, tree->nq, at.q);
+  at.body[0] = {};
+  at.poses.run(tree, at.q, [&](int i, const auto& placed) { at.body[i] = pose<Number>(placed); });
+  const int n = tree->n_frames();
+  for (int f = 0; f < n; ++f) {
+    const SE3<Number> C_f = at.body[tree->frame_body[f]] * cast<Number>(tree.frame_offset[f]);
+    for (int l = 0; l < lanes; ++l) {
+      SE3<S>& out = C[l * n + f];
+      store(C_f.R.x, l, out.R.x), store(C_f.R.y, l, out.R.y), store(C_f.R.z, l, out.R.z),
+          store(C_f.r, l, out.r);
+    }
+  }
+}
+
+void joint_screws(const Tree<S>& tree, Arena arena, const S* q, Twist<Spatial, S>* J) noexcept {
+  Poses at(arena);
+  gather(q, tree->nq, at.q);
+  const int n = tree->n_screws;
+  at.poses.run(tree, at.q, [&](int i, const auto& placed) {
+    const SE3<Number> C = pose<Number>(placed);
+    with_subgroup(tree->kind[i], Number(tree.pitch[i]), [&](const auto& joint) {
+      for (int k = 0; k < joint.nv; ++k) {
+        const Screw<Number> X = joint.column(C, k);
+        for (int l = 0; l < lanes; ++l) {
+          Twist<Spatial, S>& out = J[l * n + tree->first_screw[i] + k];
+          store(X.w, l, out.w), store(X.v, l, out.v);
+        }
+      }
+    });
+  });
+}
+
+}  // namespace
+
+template <> const Kernels<S>& kernels<AXODE_ISA, S>() {
+  static constexpr Kernels<S> all{
+      lanes, bytes,       inverse_dynamics, forward_dynamics, mass_matrix, inverse_mass_matrix,
+      poses, joint_screws};
+  return all;
+}
+
+}  // namespace axode::batch

@@ -1,0 +1,57 @@
+#include "axode/batch/portions.hpp"
+
+#include <tbb/info.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <atomic>
+#include <thread>
+
+namespace axode::batch {
+
+bool Watch::go_on(std::size_t done) {
+  if (!monitor_ || ++calls_ < calls_between_looks_) return true;
+  const Clock::time_point now = Clock::now();
+  const bool soon = now - looked_ < std::chrono::milliseconds(2);
+  calls_between_looks_ =
+      soon ? std::min(2 * calls_between_looks_, 1024) : std::max(calls_between_looks_ / 4, 1);
+  calls_ = 0, looked_ = now;
+  if (now - told_ < std::chrono::milliseconds(20)) return true;
+  told_ = now;
+  return monitor_(done, of_);
+}
+
+std::size_t in_portions(std::size_t N, std::size_t group, int threads, const Monitor& monitor,
+                        const std::function<Work()>& make_work) {
+  constexpr std::size_t largest_portion = 256;  // groups; below a millisecond for most mechanisms
+  const std::size_t groups = (N + group - 1) / group;
+  const std::size_t tasks =
+      std::min(groups, static_cast<std::size_t>(std::min(threads, tbb::info::default_concurrency())));
+  const std::size_t portion =
+      std::clamp<std::size_t>(groups / (8 * std::max<std::size_t>(1, tasks)), 1, largest_portion);
+  const std::thread::id caller = std::this_thread::get_id();
+  Watch watch(monitor, N);
+  std::atomic<std::size_t> next = 0, first_left = groups;
+  std::atomic<bool> stopped = false;
+  const auto run = [&](std::size_t) {
+    const Work work = make_work();
+    const bool is_caller = std::this_thread::get_id() == caller;
+    for (std::size_t begin; (begin = next.fetch_add(portion)) < groups;)
+      for (std::size_t g = begin; g < std::min(begin + portion, groups); ++g) {
+        if (stopped) {
+          for (std::size_t left = first_left; g < left && !first_left.compare_exchange_weak(left, g);) {
+          }
+          return;
+        }
+        work(g * group, std::min(group, N - g * group));
+        if (is_caller && !watch.go_on(g * group)) stopped = true;
+      }
+  };
+  if (tasks < 2)
+    run(0);
+  else
+    tbb::parallel_for(std::size_t{0}, tasks, run, tbb::simple_partitioner());
+  return std::min(first_left * group, N);
+}
+
+}  // namespace axode::batch

@@ -1,0 +1,59 @@
+#include "axode/catalog.hpp"
+
+#include <algorithm>
+
+namespace axode::catalog {
+
+std::string_view to_string(Input input) {
+  switch (input) {
+    case Input::q: return "q";
+    case Input::v: return "v";
+    case Input::a: return "a";
+    case Input::tau: return "tau";
+    case Input::p: return "p";
+    case Input::loads: return "loads";
+    case Input::place: return "frame";
+    case Input::base: return "base";
+    case Input::form: break;
+  }
+  return "form";
+}
+
+int numbers_of(Entry entry) {
+  switch (entry) {
+    case Entry::number: return 1;
+    case Entry::vector: return 3;
+    case Entry::pose: return 12;
+    case Entry::inertia: return 10;
+    default: return 6;
+  }
+}
+
+std::size_t value_of(Extent extent, const Model& model, std::size_t n_loads) {
+  const auto size = [](int n) { return static_cast<std::size_t>(n); };
+  switch (extent) {
+    case Extent::nv: return size(model.nv());
+    case Extent::n_bodies:
+    case Extent::n_joints: return size(model.n_bodies());
+    case Extent::n_frames: return size(model.n_frames());
+    case Extent::n_screws: return size(model.n_screws());
+    case Extent::n_parameters: return 10 * size(model.n_bodies());
+    case Extent::n_loads: return n_loads;
+    case Extent::six: break;
+  }
+  return 6;
+}
+
+template <class T> bool Function<T>::takes_input(Input input) const {
+  return std::find(takes.begin(), takes.end(), input) != takes.end();
+}
+template <class T> std::size_t Function<T>::size(const Model& model, std::size_t n_loads) const {
+  std::size_t n = static_cast<std::size_t>(numbers_of(entry)) * symbols.size();
+  for (const Extent extent : shape) n *= value_of(extent, model, n_loads);
+  return n;
+}
+
+template struct Function<double>;
+template struct Function<float>;
+
+}  // namespace axode::catalog

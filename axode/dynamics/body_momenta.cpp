@@ -1,0 +1,30 @@
+#include "axode/dynamics/body_momenta.hpp"
+
+#include "axode/dynamics/scratch.hpp"
+#include "axode/kinematics/check_arguments.hpp"
+#include "axode/recursion/instantiate.hpp"
+
+namespace axode {
+
+template <RecursionRepresentation Rep, class T>
+void body_momenta(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v,
+                  std::type_identity_t<std::span<Momentum<Rep, T>>> Pi) {
+  check_state(model, workspace, q, v);
+  check_size("Pi", Pi.size(), static_cast<std::size_t>(model.n_bodies()), "n_bodies");
+  const Tree<T>& tree = model.tree<T>();
+  Arena arena = workspace.arena(model.topology());
+  PosesAndMotion<T> at(arena);
+  auto& [C, motion] = at;
+  motion.run(tree, q.data(), v.data(), v.data());
+  C.run(tree, motion.joints.C_pi);
+  for (int i = 1; i <= tree->n; ++i) {
+    const SE3<T>& offset = tree.frame_offset[i];
+    const Twist<BodyFixed, T> V = Link<BodyFixed, T>{offset}.down(motion.bodies.V[i]);
+    Pi[i - 1] = change<Rep>(C[i] * offset, transform(inverse(offset), tree.M[i]) * V);
+  }
+}
+
+template void body_momenta<AXODE_REP>(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>, Numbers<AXODE_T>,
+                                      std::span<Momentum<AXODE_REP, AXODE_T>>);
+
+}  // namespace axode

@@ -1,0 +1,37 @@
+#include "axode/dynamics/joint_wrenches.hpp"
+
+#include "axode/dynamics/check_loads.hpp"
+#include "axode/kinematics/check_arguments.hpp"
+#include "axode/recursion/instantiate.hpp"
+#include "axode/recursion/inverse_dynamics.hpp"
+
+namespace axode {
+
+template <RecursionRepresentation Rep, class T>
+void joint_wrenches(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v, Numbers<T> a,
+                    std::type_identity_t<std::span<Wrench<Rep, T>>> W,
+                    const std::type_identity_t<Loads<T>>& loads) {
+  check_state(model, workspace, q, v, a);
+  check_loads(model, loads);
+  check_size("W", W.size(), static_cast<std::size_t>(model.n_bodies()), "n_bodies");
+  const Tree<T>& tree = model.tree<T>();
+  Arena arena = workspace.arena(model.topology());
+  InverseDynamicsRecursion<Rep, T> recursion{arena};
+  recursion.run(tree, q.data(), v.data(), a.data(), loads);
+  for (int i = 1; i <= tree->n; ++i) {  // the internal frame as a body on the user's frame
+    const SE3<T>& offset = tree.frame_offset[i];
+    const Link<Rep, T> user = recursion.motion.bodies.link[i].child(offset);
+    W[i - 1] = user.child(inverse(offset)).up(recursion.W[i]);
+  }
+  if constexpr (std::same_as<Rep, Spatial>)
+    each_root(model.topology(), [&](int root) {
+      for (int i = root; i < tree->subtree_end[root]; ++i)
+        W[i - 1].m += cross(recursion.origin[root], W[i - 1].f);
+    });
+}
+
+template void joint_wrenches<AXODE_REP>(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>, Numbers<AXODE_T>,
+                                        Numbers<AXODE_T>, std::span<Wrench<AXODE_REP, AXODE_T>>,
+                                        const Loads<AXODE_T>&);
+
+}  // namespace axode

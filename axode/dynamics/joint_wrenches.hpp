@@ -1,0 +1,15 @@
+#pragma once
+#include "axode/kinematics/arguments.hpp"
+#include "axode/recursion/loads.hpp"
+
+namespace axode {
+
+/// The wrench that each joint transmits from the predecessor to the body, all six components: drive and
+/// reaction. W has n_bodies entries; W[i - 1] belongs to joint i, in the representation Rep of body i's
+/// frame. Otherwise as inverse_dynamics.
+template <RecursionRepresentation Rep = BodyFixed, class T>
+void joint_wrenches(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v, Numbers<T> a,
+                    std::type_identity_t<std::span<Wrench<Rep, T>>> W,
+                    const std::type_identity_t<Loads<T>>& loads = {});
+
+}  // namespace axode

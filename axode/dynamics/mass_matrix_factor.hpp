@@ -1,0 +1,38 @@
+#pragma once
+#include <span>
+#include <type_traits>
+#include <vector>
+
+#include "axode/recursion/solvability.hpp"
+
+namespace axode {
+
+/// M = LᵀDL with a unit lower triangular L that has entries only where velocities are on one path, as M has.
+/// It makes room once; nothing is allocated afterwards.
+template <class T = double> class MassMatrixFactor {
+ public:
+  explicit MassMatrixFactor(const Model& model);
+  /// From the entries of M, O(n d²), and nv² to look at them. Where it fails the factor is of no use. Throws
+  /// std::invalid_argument for a wrong size, an M that is not symmetric, and an entry of velocities on different paths.
+  Solvability factorize(std::type_identity_t<std::span<const T>> M);
+  /// x := M⁻¹ x, O(n d).
+  void solve(std::type_identity_t<std::span<T>> x) const;
+  /// nv × nv entries, O(n² d).
+  void inverse(std::type_identity_t<std::span<T>> M_inverse) const;
+  /// Entry (c, p) of L.
+  T L(int c, int p) const { return c == p ? T(1) : c < p ? T(0) : H_[at(c, p)]; }
+  T D(int c) const { return H_[at(c, c)]; }
+  int nv() const { return nv_; }
+
+ private:
+  std::size_t at(int r, int c) const {
+    return static_cast<std::size_t>(r) * static_cast<std::size_t>(nv_) + static_cast<std::size_t>(c);
+  }
+  void check(std::span<const T> M) const;
+
+  Model model_;
+  int nv_;
+  std::vector<T> H_, fed_;  ///< the size of the inertia that feeds each velocity
+};
+
+}  // namespace axode

@@ -1,0 +1,31 @@
+#pragma once
+#include "axode/kinematics/arguments.hpp"
+#include "axode/recursion/loads.hpp"
+#include "axode/recursion/solvability.hpp"
+
+/// The equations of motion as rates of (q, p) with p = M(q) v, and of (q, Π). Everything is in
+/// spatial twists, where momenta of bodies add up without a transformation.
+namespace axode {
+
+/// The rates of (q, p): velocities v = M⁻¹ p and
+///   p'_i = τ_i + J_iᵀ W_i^A + (ad_{V_i} J_i)ᵀ Π_i^A
+/// with the momentum Π_i^A of all that joint i moves and the wrench W_i^A of gravity and loads on it. O(n),
+/// without accelerations and their bias terms; v and dp have nv
+/// entries. Where the mass matrix is singular the status names a body, and both are NaN.
+template <class T>
+Solvability momentum_form(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> p,
+                          Numbers<T> tau, std::type_identity_t<std::span<T>> v,
+                          std::type_identity_t<std::span<T>> dp,
+                          const std::type_identity_t<Loads<T>>& loads = {});
+
+/// The state as (q, Π^s), n + 6n unknowns (eqs. PEs with erratum 24): the rates of q and Π that belong to the
+/// spatial momenta Π of all bodies. v has nv and dPi n_bodies entries. M_i J_i v = Π_i is solved by its
+/// projection JᵀΠ = (JᵀMJ) v, so that massless bodies do no harm. O(n).
+template <class T>
+Solvability spatial_momentum_form(const Model& model, Workspace<T>& workspace, Numbers<T> q,
+                                  std::type_identity_t<std::span<const Momentum<Spatial, T>>> Pi,
+                                  Numbers<T> tau, std::type_identity_t<std::span<T>> v,
+                                  std::type_identity_t<std::span<Wrench<Spatial, T>>> dPi,
+                                  const std::type_identity_t<Loads<T>>& loads = {});
+
+}  // namespace axode

@@ -1,0 +1,84 @@
+#include "axode/dynamics/operational_space.hpp"
+
+#include <algorithm>
+
+#include "axode/dynamics/definite_inverse.hpp"
+#include "axode/dynamics/scratch.hpp"
+#include "axode/kinematics/check_arguments.hpp"
+#include "axode/kinematics/jacobian.hpp"
+#include "axode/lie/six.hpp"
+#include "axode/recursion/instantiate.hpp"
+
+namespace axode {
+namespace {
+
+/// J to M⁻¹ Jᵀ: each of the six rows is a generalised force.
+template <class Rep, class T>
+Solvability respond(const Tree<T>& tree, FrameResponse<Rep, T>& at, const T* q, Twist<Rep, T>* columns) {
+  const Solvability factorized = at.bodies.factorize(tree, q, tree.armature.data());
+  Solvability verdict = factorized;
+  for (int k = 0; k < 6; ++k) {
+    for (int c = 0; c < tree->nv; ++c) at.x[c] = entry(columns[c], k);
+    if (factorized.ok()) at.bodies.solve(tree, at.x);
+    const Solvability row = solved(factorized, tree->nv, at.x);
+    if (!row.ok()) verdict = row;
+    for (int c = 0; c < tree->nv; ++c) entry(columns[c], k) = at.x[c];
+  }
+  return verdict;
+}
+
+}  // namespace
+
+template <RecursionRepresentation Rep, class T>
+Solvability impulse_response(const Model& model, Workspace<T>& workspace, Numbers<T> q,
+                             const std::type_identity_t<Place<T>>& place,
+                             std::type_identity_t<std::span<Twist<Rep, T>>> Y) {
+  jacobian<Rep>(model, workspace, q, place, Y);
+  Arena arena = workspace.arena(model.topology());
+  FrameResponse<Rep, T> at(arena);
+  return respond(model.tree<T>(), at, q.data(), Y.data());
+}
+
+template <RecursionRepresentation Rep, class T>
+Solvability mobility(const Model& model, Workspace<T>& workspace, Numbers<T> q,
+                     const std::type_identity_t<Place<T>>& place,
+                     std::type_identity_t<std::span<T>> mobility) {
+  check_state(model, workspace, q);
+  check_size("mobility", mobility.size(), 36, "6 * 6");
+  const std::size_t nv = static_cast<std::size_t>(model.nv());
+  Arena arena = workspace.arena(model.topology());
+  FrameResponse<Rep, T> at(arena);
+  const std::span<Twist<Rep, T>> J(at.J, nv), Y(at.Y, nv);
+  jacobian<Rep>(model, workspace, q, place, J);  // takes nothing of the workspace
+  std::copy(J.begin(), J.end(), Y.begin());
+  const Solvability verdict = respond(model.tree<T>(), at, q.data(), Y.data());
+  for (T& x : mobility) x = T(0);
+  for (std::size_t c = 0; c < nv; ++c)
+    for (int r = 0; r < 6; ++r)
+      for (int s = 0; s < 6; ++s)
+        mobility[static_cast<std::size_t>(6 * r + s)] += entry(J[c], r) * entry(Y[c], s);
+  for (std::size_t r = 0; r < 6; ++r)
+    for (std::size_t s = 0; s < r; ++s)
+      mobility[6 * r + s] = mobility[6 * s + r] = T(0.5) * (mobility[6 * r + s] + mobility[6 * s + r]);
+  return solved(verdict, 36, mobility.data());
+}
+
+template <RecursionRepresentation Rep, class T>
+Solvability operational_space_inertia(const Model& model, Workspace<T>& workspace, Numbers<T> q,
+                                      const std::type_identity_t<Place<T>>& place,
+                                      std::type_identity_t<std::span<T>> Lambda) {
+  check_size("Lambda", Lambda.size(), 36, "6 * 6");
+  Solvability solvability = mobility<Rep>(model, workspace, q, place, Lambda);
+  const int directions = invert_definite(std::span<T, 36>(Lambda.data(), 36));
+  if (solvability.ok()) solvability.directions = directions;
+  return solvability;
+}
+
+template Solvability impulse_response<AXODE_REP>(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>,
+                                                 const Place<AXODE_T>&, std::span<Twist<AXODE_REP, AXODE_T>>);
+template Solvability mobility<AXODE_REP>(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>,
+                                         const Place<AXODE_T>&, std::span<AXODE_T>);
+template Solvability operational_space_inertia<AXODE_REP>(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>,
+                                                          const Place<AXODE_T>&, std::span<AXODE_T>);
+
+}  // namespace axode

@@ -1,0 +1,98 @@
+#pragma once
+#include "axode/fast/inverse_dynamics.hpp"
+#include "axode/lie/six.hpp"
+#include "axode/recursion/articulated_bodies.hpp"
+#include "axode/recursion/forward_dynamics.hpp"
+#include "axode/recursion/momentum.hpp"
+
+/// What the functions of this floor take of a workspace, besides the recursions themselves.
+namespace axode {
+
+/// The forces without accelerations.
+template <class Rep, class T> struct ForcesAlone {
+  InverseDynamicsRecursion<Rep, T> recursion;
+  T* zero;
+
+  explicit ForcesAlone(Arena& arena) : recursion(arena), zero(arena.per_velocity<T>()) {}
+
+  /// At velocity v, under gravity g and loads, whose joint losses are those at v_losses. Without a velocity the system
+  /// is at rest.
+  void run(const Tree<T>& tree, const T* q, const T* v, const T* v_losses, const Loads<T>& loads,
+           const Vec3<T>& g, T* tau) noexcept {
+    for (int c = 0; c < tree->nv; ++c) zero[c] = T(0);
+    recursion.run(tree, q, v ? v : zero, zero, loads, g);
+    recursion.project(tree, v_losses ? v_losses : zero, zero, loads.joint_losses, tau);
+  }
+};
+
+/// How a frame answers impulses.
+template <class Rep, class T> struct FrameResponse {
+  ArticulatedBodies<Rep, T> bodies;
+  Twist<Rep, T>*J, *Y;
+  T* x;
+
+  explicit FrameResponse(Arena& arena)
+      : bodies(arena),
+        J(arena.per_velocity<Twist<Rep, T>>()),
+        Y(arena.per_velocity<Twist<Rep, T>>()),
+        x(arena.per_velocity<T>()) {}
+};
+
+/// Momenta of a moving tree.
+template <class T> struct MovingMass {
+  SpatialTree<T> spatial;
+  SubtreeMomenta<T> momenta;
+  T* own;
+
+  explicit MovingMass(Arena& arena) : spatial(arena), momenta(arena), own(arena.per_velocity<T>()) {}
+  MovingMass(Arena& arena, const Tree<T>& tree, const T* q, const T* v) noexcept : MovingMass(arena) {
+    spatial.run(tree, q);
+    momenta.run(spatial, v);
+  }
+};
+
+/// The state as (q, V) or (q, Π): velocities from it, then accelerations of all bodies.
+template <class Rep, class T> struct StateForm {
+  BodyPoses<T> C;
+  Twist<Spatial, T>* V_s;
+  SpatialTree<T> spatial;
+  Momentum<Spatial, T>* Pi;
+  ArticulatedBodies<Spatial, T> bodies;
+  ForwardDynamicsRecursion<Rep, T> dynamics;
+  TreeMotion<Rep, T> motion;
+  T *v, *a, *zero;
+
+  explicit StateForm(Arena& arena)
+      : C(arena),
+        V_s(arena.per_body<Twist<Spatial, T>>()),
+        spatial(arena),
+        Pi(arena.per_body<Momentum<Spatial, T>>()),
+        bodies(arena),
+        dynamics(arena),
+        motion(arena),
+        v(arena.per_velocity<T>()),
+        a(arena.per_velocity<T>()),
+        zero(arena.per_velocity<T>()) {}
+};
+
+/// Poses and motion of a tree.
+template <class T> struct PosesAndMotion {
+  BodyPoses<T> C;
+  TreeMotion<BodyFixed, T> motion;
+
+  explicit PosesAndMotion(Arena& arena) : C(arena), motion(arena) {}
+};
+
+/// The bodies of a Coriolis matrix.
+template <class T> struct CoriolisBodies {
+  SpatialTree<T> spatial;
+  Twist<Spatial, T>* V;
+  TwistToWrench<Spatial, T>* B;
+
+  explicit CoriolisBodies(Arena& arena)
+      : spatial(arena),
+        V(arena.per_body<Twist<Spatial, T>>()),
+        B(arena.per_body<TwistToWrench<Spatial, T>>()) {}
+};
+
+}  // namespace axode

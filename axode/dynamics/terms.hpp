@@ -1,0 +1,22 @@
+#pragma once
+#include "axode/fast/fast.hpp"
+#include "axode/kinematics/arguments.hpp"
+#include "axode/recursion/loads.hpp"
+
+/// The terms of M(q) a + C(q, v) v + g(q) = τ + Q, one by one. nv entries each, O(n).
+namespace axode {
+
+/// C(q, v) v: what the motion asks of the drives without gravity, loads and accelerations.
+template <RecursionChoice Rep = Fast, class T>
+void coriolis_vector(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v,
+                     std::type_identity_t<std::span<T>> Cv);
+/// g(q) = ∂U/∂q: the drive forces that hold the system at rest against gravity.
+template <RecursionChoice Rep = Fast, class T>
+void gravity_torques(const Model& model, Workspace<T>& workspace, Numbers<T> q,
+                     std::type_identity_t<std::span<T>> g);
+/// Q = Σ Jᵀ W: the generalised forces of the loads, with damping and friction where asked.
+template <RecursionChoice Rep = Fast, class T>
+void generalized_loads(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v,
+                       const std::type_identity_t<Loads<T>>& loads, std::type_identity_t<std::span<T>> Q);
+
+}  // namespace axode

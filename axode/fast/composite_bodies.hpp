@@ -1,0 +1,160 @@
+#pragma once
+#include <algorithm>
+
+#include "axode/fast/poses.hpp"
+
+namespace axode {
+
+/// The composite-body algorithm for trees without coupled joints. Inertias are composed about the bodies'
+/// origins in inertial axes; screws and impulses are then carried to the root, where M_ij = S_i | F_j is a
+/// product of two rows of numbers, one entry for each velocity: those of the bodies behind a joint follow
+/// each other.
+template <class T> struct FastCompositeBodies {
+  using L = Lanes<T>;
+  using Number = typename L::Number;
+  FastPoses<T> poses;
+  Arrays<T> C;  ///< columns of R (0 to 8), r from the root (9 to 11)
+  Arrays<T> M;  ///< h (0 to 2), Theta (3 to 8), m (9)
+  Arrays<T> S, F;
+
+  explicit FastCompositeBodies(Arena& arena)
+      : poses(arena),
+        C(arena, 12, arena.topology().n + 1),
+        M(arena, 10, arena.topology().n + 1),
+        S(arena, 6, arena.topology().n_screws),
+        F(arena, 6, arena.topology().n_screws) {}
+
+  /// Screws and impulses of all joints about the root.
+  template <class Real> void run(const Tree<Real>& tree, const T* q) noexcept {
+    poses.template run<FastPoses<T>::From::root>(tree, q, [&](int i, const auto& at) {
+      C.set3(at.R.x, 0, i), C.set3(at.R.y, 3, i), C.set3(at.R.z, 6, i), C.set3(at.r, 9, i);
+    });
+    for (int i = 0; i <= tree->n; i += L::width) {
+      const SO3<Number> R{C.load3(0, i), C.load3(3, i), C.load3(6, i)};
+      const auto constant = [&](int k) { return inertia_constant(tree, k, i); };
+      const Sym3<Number> Theta = rotate(
+          R, Sym3<Number>{constant(3), constant(4), constant(5), constant(6), constant(7), constant(8)});
+      M.store3(R * Vec3<Number>{constant(0), constant(1), constant(2)}, 0, i);
+      M.store3({Theta.xx, Theta.yy, Theta.zz}, 3, i), M.store3({Theta.xy, Theta.xz, Theta.yz}, 6, i);
+      L::store(constant(9), M.array(9) + i);
+    }
+    compose(tree);
+    for (int i = 1; i <= tree->n;) {
+      if (is_hinge(tree, i)) [[likely]] {
+        set_hinges(i, tree->iv[i]);
+        i += std::max(1, std::min(L::width, tree->hinges[i]));
+      } else {
+        set_columns(tree, i);
+        ++i;
+      }
+    }
+  }
+
+  /// M, nv × nv: M_ij = S_i | F_j for i <= j where joint i moves j, and its mirror image.
+  template <class Real> void write(const Tree<Real>& tree, T* out) const noexcept {
+    const int nv = tree->nv;
+    const Arrays<T> several = F;
+    if constexpr (L::width > 1) std::fill_n(out, static_cast<std::ptrdiff_t>(nv) * nv, T(0));
+    for (int i = 0; i < nv; ++i) {
+      const Six one(S, i);
+      const int end = tree->velocity_end[i];
+      T* row = out + static_cast<std::ptrdiff_t>(i) * nv;
+      if constexpr (L::width == 1) {
+        T* const column = out + i;
+        for (int j = i; j < end; ++j)
+          row[j] = column[static_cast<std::ptrdiff_t>(j) * nv] = product(several, j, one);
+        for (int j = end; j < nv; ++j) row[j] = column[static_cast<std::ptrdiff_t>(j) * nv] = T(0);
+      } else if (end - i >= L::width) {
+        for (int j = i; j < end; j += L::width) {
+          const int first = std::min(j, end - L::width);  // the last ones overlap
+          L::store(product(several, first, one), row + first);
+        }
+        for (int j = i + 1; j < end; ++j) out[static_cast<std::ptrdiff_t>(j) * nv + i] = row[j];
+      } else {
+        T entries[L::width];
+        L::store(product(several, i, one), entries);
+        for (int j = i; j < end; ++j) row[j] = out[static_cast<std::ptrdiff_t>(j) * nv + i] = entries[j - i];
+      }
+      row[i] += T(tree.armature[i]);
+    }
+  }
+
+  /// Only M_ij where velocity j moves i or is i.
+  template <class Real> void write_paths(const Tree<Real>& tree, T* out) const noexcept {
+    static_assert(L::width == 1);
+    const Arrays<T> several = S;
+    for (int i = 0; i < tree->nv; ++i) {
+      const Six one(F, i);
+      T* row = out + static_cast<std::ptrdiff_t>(i) * tree->nv;
+      for (int j = i; j >= 0; j = tree->velocity_parent[j]) row[j] = product(several, j, one);
+      row[i] += T(tree.armature[i]);
+    }
+  }
+
+ private:
+  template <class Real> static Number inertia_constant(const Tree<Real>& tree, int k, int i) {
+    if constexpr (std::floating_point<T>)
+      return L::load(tree.inertia_arrays.data() + k * tree.inertia_stride + i);
+    else
+      return T(tree.inertia_arrays[static_cast<std::size_t>(k * tree.inertia_stride + i)]);
+  }
+
+  /// M_p += M_i about the predecessor's origin, from the leaves to the roots.
+  template <class Real> void compose(const Tree<Real>& tree) noexcept {
+    Inertia<T> carried{};
+    for (int i = tree->n; i > 0; --i) {
+      const int p = tree->parent[i];
+      const Inertia<T> M_i = get(i) + carried;
+      put(i, M_i);
+      if (p > 0) carried = transform(C.get3(9, i) - C.get3(9, p), M_i);
+      if (p > 0 && p != i - 1) put(p, get(p) + carried);
+      if (p == 0 || p != i - 1) carried = {};
+    }
+  }
+  Inertia<T> get(int i) const {
+    return {M.array(9)[i],
+            M.get3(0, i),
+            {M.array(3)[i], M.array(4)[i], M.array(5)[i], M.array(6)[i], M.array(7)[i], M.array(8)[i]}};
+  }
+  void put(int i, const Inertia<T>& M_i) const {
+    const Sym3<T>& A = M_i.Theta;
+    M.array(9)[i] = M_i.m, M.set3(M_i.h, 0, i), M.set3({A.xx, A.yy, A.zz}, 3, i),
+    M.set3({A.xy, A.xz, A.yz}, 6, i);
+  }
+
+  /// Screws and impulses of the hinges of the bodies from i on, which are velocities from c on.
+  void set_hinges(int i, int c) noexcept {
+    const Vec3<Number> n = C.load3(6, i), r = C.load3(9, i), h = M.load3(0, i);
+    const Vec3<Number> d = M.load3(3, i), o = M.load3(6, i);
+    const Vec3<Number> f = cross(n, h), m = Sym3<Number>{d.x, d.y, d.z, o.x, o.y, o.z} * n + cross(r, f);
+    S.store3(n, 0, c), S.store3(cross(r, n), 3, c);
+    F.store3(m, 0, c), F.store3(f, 3, c);
+  }
+  template <class Real> [[gnu::noinline]] void set_columns(const Tree<Real>& tree, int i) noexcept {
+    const SO3<T> R{C.get3(0, i), C.get3(3, i), C.get3(6, i)};
+    const Vec3<T> r = C.get3(9, i);
+    const Inertia<T> M_i = get(i);
+    with_subgroup(tree->kind[i], T(tree.pitch[i]), [&](const auto& joint) {
+      for (int k = 0; k < joint.nv; ++k) {
+        const Screw<T> X = Ad(R, joint.column(k));
+        const Momentum<Hybrid, T> Pi = M_i * Twist<Hybrid, T>{X.w, X.v};
+        const int c = tree->iv[i] + k;
+        S.set3(X.w, 0, c), S.set3(X.v + cross(r, X.w), 3, c);
+        F.set3(Pi.l + cross(r, Pi.p), 0, c), F.set3(Pi.p, 3, c);
+      }
+    });
+  }
+  /// The six components of entry r.
+  struct Six {
+    Number x[6];
+    Six(const Arrays<T>& from, int r) {
+      for (int k = 0; k < 6; ++k) x[k] = Number(from.array(k)[r]);
+    }
+  };
+  static Number product(const Arrays<T>& several, int c, const Six& one) noexcept {
+    const auto term = [&](int k) { return L::load(several.array(k) + c) * one.x[k]; };
+    return ((term(0) + term(1)) + term(2)) + ((term(3) + term(4)) + term(5));
+  }
+};
+
+}  // namespace axode

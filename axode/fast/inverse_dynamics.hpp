@@ -1,0 +1,165 @@
+#pragma once
+#include "axode/fast/fast.hpp"
+#include "axode/fast/poses.hpp"
+#include "axode/recursion/inverse_dynamics.hpp"
+
+namespace axode {
+
+/// The recursive Newton-Euler algorithm on the classical accelerations r'' of the bodies' origins, everything
+/// in the axes of the internal frames. Linear velocities never appear: with R, r of C_{p,i} and (ω_J; v_J) =
+/// S v, (α_J; a_J) = S a,
+///   ω_i = Rᵀ ω_p + ω_J,   ω'_i = Rᵀ ω'_p + Rᵀ ω_p × ω_J + α_J,
+///   r''_i = Rᵀ (r''_p + ω'_p × r + ω_p × (ω_p × r)) + (Rᵀ ω_p + ω_i) × v_J + a_J.
+/// About 150 products and sums per hinge.
+template <class G, class T> struct FastInverseDynamics {
+  using Vector = typename G::Vector;
+  using Factor = typename G::Factor;
+  using Spread = typename G::Spread;
+  using Matrix = typename G::Matrix;
+  /// ω and ω' of a body, ready for every product that they enter, and r''.
+  struct Motion {
+    Vector w, dw, a;
+    Spread w_each, dw_each;
+    Factor w_, dw_;
+    Motion(const Vector& angular_velocity, const Vector& angular_acceleration, const Vector& acceleration)
+        : w(angular_velocity),
+          dw(angular_acceleration),
+          a(acceleration),
+          w_each(w),
+          dw_each(dw),
+          w_(w),
+          dw_(dw) {}
+  };
+  struct Body {
+    Matrix R;
+    Vector r, m, f;
+  };
+  JointAngles<T> angles;
+  Motion* motion;
+  Body* body;
+
+  explicit FastInverseDynamics(Arena& arena)
+      : angles(arena), motion(arena.per_body<Motion>()), body(arena.per_body<Body>()) {}
+
+  /// The wrench on every body that makes its motion.
+  template <class S>
+  void forward(const Tree<S>& tree, const T* q, const T* v, const T* a, const Vec3<T>& g) noexcept {
+    angles.run(tree, q);
+    Motion last(Vector{}, Vector{}, Vector(-g));
+    motion[0] = last;
+    for (int i = 1; i <= tree->n; ++i) {
+      const int p = tree->parent[i];
+      if (p != i - 1) last = motion[p];
+      const auto& body_i = constants<G, T>(tree, i);
+      Body& b = body[i];
+      if (is_hinge(tree, i)) [[likely]] {
+        const T s = angles.sine[i - 1], c = angles.cosine[i - 1], dq = v[tree->iv[i]];
+        const auto Rt = body_i.rows(s, c);
+        b.R = body_i.columns(s, c), b.r = Vector(body_i.r);
+        const Vector w = Rt * last.w_each;
+        const Vector a_i = last.a + (cross(last.dw_, body_i.r_factor()) +
+                                     cross(last.w_, Factor(cross(last.w_, body_i.r_factor()))));
+        last =
+            Motion(add_z(w, dq), Rt * last.dw_each + add_z(cross_z(w, dq), a[tree->iv[i]]), Rt * Spread(a_i));
+      } else {
+        const JointState joint = joint_state(tree, i, q, v, a);
+        const Matrix Rt(transpose(joint.C.R));
+        b.R = Matrix(joint.C.R), b.r = Vector(joint.C.r);
+        const Factor r(b.r), w_J(Vector(joint.V.w)), v_J(Vector(joint.V.v));
+        const Vector w = Rt * last.w_each, w_i = w + Vector(joint.V.w);
+        const Vector a_i = last.a + (cross(last.dw_, r) + cross(last.w_, Factor(cross(last.w_, r))));
+        last = Motion(w_i, Rt * last.dw_each + (cross(Factor(w), w_J) + Vector(joint.A.w)),
+                      Rt * Spread(a_i) + (cross(Factor(w + w_i), v_J) + Vector(joint.A.v)));
+      }
+      const typename G::Tensor Theta(body_i.Theta);
+      const Factor& h = body_i.h_factor();
+      b.f = body_i.m * last.a + (cross(last.dw_, h) + cross(last.w_, Factor(cross(last.w_, h))));
+      b.m = Theta * last.dw_each + (cross(last.w_, Factor(Theta * last.w_each)) + cross(h, Factor(last.a)));
+      if (tree->branches[i]) motion[i] = last;
+    }
+  }
+
+  /// From the leaves to the roots: the wrench that every joint transmits, and its share that the joint moves
+  /// along, which it adds to tau.
+  template <class S> void backward(const Tree<S>& tree, T* tau) noexcept {
+    Vector m{}, f{};  // from the body behind, where its predecessor is the next one
+    for (int i = tree->n; i > 0; --i) {
+      const Body& b = body[i];
+      m += b.m, f += b.f;
+      T* tau_i = tau + tree->iv[i];
+      if (is_hinge(tree, i)) [[likely]]
+        tau_i[0] += z(m);
+      else
+        project(tree, i, {m, f}, tau_i);
+      const int p = tree->parent[i];
+      f = b.R * Spread(f);
+      m = b.R * Spread(m) + cross(Factor(b.r), Factor(f));
+      if (p != i - 1) {
+        body[p].m += m, body[p].f += f;
+        m = f = Vector{};
+      }
+    }
+  }
+
+ private:
+  /// A joint of any kind, in its own frame.
+  struct JointState {
+    SE3<T> C;
+    Twist<BodyFixed, T> V, A;
+  };
+  template <class S>
+  [[gnu::noinline]] static JointState joint_state(const Tree<S>& tree, int i, const T* q, const T* v,
+                                                  const T* a) noexcept {
+    return with_subgroup(tree->kind[i], T(tree.pitch[i]), [&](const auto& joint) {
+      const T *q_i = q + tree->iq[i], *v_i = v + tree->iv[i], *a_i = a + tree->iv[i];
+      const T ratio(tree.ratio[i]), own_q = ratio * q_i[0] + T(tree.offset[i]), own_v = ratio * v_i[0],
+                                    own_a = ratio * a_i[0];
+      const bool coupled = tree->coupled[i];
+      return JointState{joint.pose(cast<T>(tree.B[i]), coupled ? &own_q : q_i),
+                        joint.twist(coupled ? &own_v : v_i), joint.twist(coupled ? &own_a : a_i)};
+    });
+  }
+  template <class S>
+  [[gnu::noinline]] static void project(const Tree<S>& tree, int i, const Wrench<BodyFixed, T>& W,
+                                        T* tau_i) noexcept {
+    with_subgroup(tree->kind[i], T(tree.pitch[i]), [&](const auto& joint) {
+      const auto Q = joint.project(W);
+      for (int k = 0; k < joint.nv; ++k) tau_i[k] += T(tree.ratio[i]) * Q[k];
+    });
+  }
+};
+
+/// The same for any tree, loads and losses, in one thread.
+template <class T> struct InverseDynamicsRecursion<Fast, T> {
+  FastInverseDynamics<typename FastGeometry<T>::type, T> fast;
+  BodyPoses<T> C;
+  Wrench<BodyFixed, T>* W_app;
+  T* own;
+
+  explicit InverseDynamicsRecursion(Arena& arena)
+      : fast(arena), C(arena), W_app(arena.per_body<Wrench<BodyFixed, T>>()), own(arena.per_velocity<T>()) {}
+
+  void run(const Tree<T>& tree, const T* q, const T* v, const T* a, const Loads<T>& loads) noexcept {
+    run(tree, q, v, a, loads, tree.g);
+  }
+  void run(const Tree<T>& tree, const T* q, const T* v, const T* a, const Loads<T>& loads,
+           const Vec3<T>& g) noexcept {
+    fast.forward(tree, q, v, a, g);
+    if (loads.wrenches.empty()) return;
+    C[0] = {};
+    for (int i = 1; i <= tree->n; ++i) {
+      const auto& b = fast.body[i];
+      C[i] = C[tree->parent[i]] * SE3<T>{{b.R.x, b.R.y, b.R.z}, b.r};
+    }
+    sum_applied(tree, loads.wrenches, C.C, W_app);
+    for (int i = 1; i <= tree->n; ++i) fast.body[i].m -= W_app[i].m, fast.body[i].f -= W_app[i].f;
+  }
+  /// τ may take the place of v or a.
+  void project(const Tree<T>& tree, const T* v, const T* a, bool joint_losses, T* tau) noexcept {
+    joint_terms(tree, v, a, joint_losses, own);
+    for (int c = 0; c < tree->nv; ++c) tau[c] = own[c];
+    fast.backward(tree, tau);
+  }
+};
+
+}  // namespace axode

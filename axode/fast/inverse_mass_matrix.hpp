@@ -1,0 +1,76 @@
+#pragma once
+#include "axode/model/tree.hpp"
+
+namespace axode {
+
+/// M⁻¹ from M = LᵀDL for states in SIMD lanes, on trees with short paths, where little is lost by it and less
+/// is to be done than with articulated bodies. L has entries L_ci only where velocity i moves c along, and so
+/// has X = L⁻ᵀ; M⁻¹_ij = Σ_k X_ki X_kj / D_k over the velocities k that move both. O(n d²).
+template <class T> struct FastInverseMassMatrix {
+  static constexpr int longest_path = 16;
+  static constexpr int most_velocities = 64;
+  T* X;
+  T* D_inv;
+  T* x;
+  decltype(T() < T()) doubtful{};  ///< whether a pivot has lost more than two digits
+
+  template <class S> static bool suits(const Tree<S>& tree) {
+    return tree->depth <= longest_path && tree->nv <= most_velocities;
+  }
+
+  explicit FastInverseMassMatrix(Arena& arena)
+      : X(arena.array<T>(static_cast<std::size_t>(arena.topology().nv) *
+                         static_cast<std::size_t>(arena.topology().nv))),
+        D_inv(arena.per_velocity<T>()),
+        x(arena.per_velocity<T>()) {}
+
+  /// M⁻¹ in the place of M, of which only M_ij is read where velocity j moves i or is i.
+  template <class S> void run(const Tree<S>& tree, T* M) noexcept {
+    factorize(tree, M);
+    multiply(tree, M);
+  }
+
+ private:
+  /// From the last row on, x_c = -L_ci of the velocities c that i moves along, D_i and row i of X.
+  template <class S> void factorize(const Tree<S>& tree, T* M) noexcept {
+    const std::ptrdiff_t nv = tree->nv;
+    const int* const parent = tree->velocity_parent.data();
+    for (int i = tree->nv - 1; i >= 0; --i) {
+      const int end = tree->velocity_end[i];
+      T* const M_i = M + i * nv;
+      T* const X_i = X + i * nv;
+      const T M_ii = M_i[i];
+      for (int c = i + 1; c < end; ++c) x[c] = -(M[c * nv + i] * D_inv[c]);
+      for (int j = i; j >= 0; j = parent[j]) {
+        T sum = M_i[j];
+        for (int c = i + 1; c < end; ++c) sum += x[c] * M[c * nv + j];
+        M_i[j] = sum;
+      }
+      doubtful = doubtful || !(M_i[i] > T(0.01) * M_ii);
+      D_inv[i] = T(1) / M_i[i];
+      X_i[i] = T(1);
+      for (int j = i + 1; j < end; ++j) {
+        T sum = x[j];
+        for (int c = parent[j]; c > i; c = parent[c]) sum += x[c] * X[c * nv + j];
+        X_i[j] = sum;
+      }
+    }
+  }
+  template <class S> void multiply(const Tree<S>& tree, T* out) const noexcept {
+    const std::ptrdiff_t nv = tree->nv;
+    const int* const parent = tree->velocity_parent.data();
+    for (int i = 0; i < tree->nv; ++i) {
+      const T* X_k[longest_path];
+      int n = 0;
+      for (int k = i; k >= 0; k = parent[k], ++n) X_k[n] = X + k * nv, x[n] = X_k[n][i] * D_inv[k];
+      for (int j = i, k = i, first = 0; j < tree->nv; ++j) {
+        while (k >= 0 && tree->velocity_end[k] <= j) k = parent[k], ++first;
+        T sum(0);
+        for (int l = first; l < n; ++l) sum += x[l] * X_k[l][j];
+        out[i * nv + j] = out[j * nv + i] = sum;
+      }
+    }
+  }
+};
+
+}  // namespace axode

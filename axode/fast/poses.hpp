@@ -1,0 +1,89 @@
+#pragma once
+#include "axode/fast/joint_angles.hpp"
+#include "axode/fast/lanes.hpp"
+
+namespace axode {
+
+/// The geometry in which one state is computed fastest: packed vectors for one number where the processor has
+/// them, plain ones otherwise.
+template <class T> struct FastGeometry { using type = Plain<T>; };
+#if defined(__AVX2__)  // without, no register holds four numbers, and packing costs more than it gains
+template <std::floating_point T> struct FastGeometry<T> { using type = Packed<T>; };
+#endif
+
+/// The constants of body i in the geometry G.
+template <class G, class T, class S>
+[[gnu::always_inline]] inline decltype(auto) constants(const Tree<S>& tree, int i) {
+  if constexpr (std::same_as<G, Packed<S>>)
+    return (tree.packed.body[i]);
+  else
+    return BodyConstants<G>(cast<T>(tree.B[i]), cast<T>(tree.M[i]));
+}
+
+/// A hinge that has its own coordinate: nearly every joint of nearly every machine.
+template <class S> bool is_hinge(const Tree<S>& tree, int i) { return tree->hinges[i] > 0; }
+
+/// C_{p,i} of a joint of any kind.
+template <class T, class S>
+[[gnu::noinline]] SE3<T> any_joint_pose(const Tree<S>& tree, int i, const T* q) noexcept {
+  return with_subgroup(tree->kind[i], T(tree.pitch[i]), [&](const auto& joint) {
+    const T own = T(tree.ratio[i]) * q[tree->iq[i]] + T(tree.offset[i]);
+    return joint.pose(cast<T>(tree.B[i]), tree->coupled[i] ? &own : q + tree->iq[i]);
+  });
+}
+
+/// A body's rotation in some axes, and the way to its origin from its predecessor's in the same axes.
+template <class G> struct Placed {
+  typename G::Matrix R;
+  typename G::Vector r;
+};
+template <class G, class T, class S>
+[[gnu::always_inline]] inline Placed<G> place(const Tree<S>& tree, int i, const T* q,
+                                              const JointAngles<T>& angles,
+                                              const typename G::Matrix& R_p) noexcept {
+  using Spread = typename G::Spread;
+  typename G::Matrix R;
+  typename G::Vector r;
+  if (is_hinge(tree, i)) [[likely]] {
+    const auto& body = constants<G, T>(tree, i);
+    R = body.columns(angles.sine[i - 1], angles.cosine[i - 1]);
+    r = R_p * Spread(body.r);
+  } else {
+    const SE3<T> C = any_joint_pose(tree, i, q);
+    R = typename G::Matrix(C.R);
+    r = R_p * Spread(typename G::Vector(C.r));
+  }
+  return {{R_p * Spread(R.x), R_p * Spread(R.y), R_p * Spread(R.z)}, r};
+}
+
+/// C_i of all bodies' internal frames, each handed to put(i, (R, r)): r is the place in the inertial frame,
+/// or (From::root) against the body's root, the one of its predecessors that hangs on the ground. 51 products
+/// and sums for a hinge.
+template <class T> struct FastPoses {
+  using G = typename FastGeometry<T>::type;
+  enum class From { inertial_frame, root };
+  JointAngles<T> angles;
+  Placed<G>* branch;
+
+  explicit FastPoses(Arena& arena) : angles(arena), branch(arena.per_body<Placed<G>>()) {}
+
+  template <From from = From::inertial_frame, class S, class Put>
+  [[gnu::always_inline]] void run(const Tree<S>& tree, const T* q, Put&& put) noexcept {
+    using Vector = typename G::Vector;
+    angles.run(tree, q);
+    Placed<G> last{typename G::Matrix(SO3<T>{}), Vector{}};
+    branch[0] = last;
+    for (int i = 1; i <= tree->n; ++i) {
+      const int p = tree->parent[i];
+      if (p != i - 1) last = branch[p];
+      const Placed<G> next = place<G>(tree, i, q, angles, last.R);
+      last.R = next.R;
+      last.r = from == From::root && p == 0 ? Vector{} : last.r + next.r;
+      put(i, last);
+      if (tree->branches[i]) branch[i] = last;
+    }
+  }
+};
+template <class T, class G> SE3<T> pose(const Placed<G>& at) { return {{at.R.x, at.R.y, at.R.z}, at.r}; }
+
+}  // namespace axode

@@ -1,0 +1,99 @@
+#include "axode/kinematics/jacobian.hpp"
+
+#include "axode/kinematics/check_arguments.hpp"
+#include "axode/kinematics/path.hpp"
+#include "axode/lie/representation_change.hpp"
+#include "axode/recursion/instantiate.hpp"
+
+namespace axode {
+
+template <RecursionRepresentation Rep, class T>
+void jacobian(const Model& model, Workspace<T>& workspace, Numbers<T> q,
+              const std::type_identity_t<Place<T>>& place, std::type_identity_t<std::span<Twist<Rep, T>>> J) {
+  check_state(model, workspace, q);
+  check_place(model, place.frame);
+  check_size("J", J.size(), static_cast<std::size_t>(model.nv()), "nv");
+  check_separate("J", J, "q", q);
+  for (Twist<Rep, T>& column : J) column = {};
+  // The pose of the place is known at the end of the walk, so the columns wait for it in body-fixed
+  // representation.
+  const SE3<T> C =
+      each_body_fixed_column(model.tree<T>(), q.data(), place, [&](int, int c, const Screw<T>& X) {
+        J[c].w += X.w;
+        J[c].v += X.v;
+      });
+  if constexpr (!std::same_as<Rep, BodyFixed>)
+    for (Twist<Rep, T>& column : J) column = change<Rep>(C, Twist<BodyFixed, T>{column.w, column.v});
+}
+
+template <RecursionRepresentation Rep, class T>
+std::size_t jacobian_columns(const Model& model, Workspace<T>& workspace, Numbers<T> q,
+                             const std::type_identity_t<Place<T>>& place,
+                             std::type_identity_t<std::span<JacobianColumn<Rep, T>>> columns) {
+  check_state(model, workspace, q);
+  check_place(model, place.frame);
+  check_separate("columns", columns, "q", q);
+  const Tree<T>& tree = model.tree<T>();
+  std::size_t count = 0;
+  for (int i = tree->frame_body[place.frame]; i > 0; i = tree->parent[i])
+    count += static_cast<std::size_t>(tree->first_screw[i + 1] - tree->first_screw[i]);
+  if (columns.size() < count)
+    throw std::invalid_argument("columns has " + std::to_string(columns.size()) +
+                                " entries; the path to the place has " + std::to_string(count) +
+                                " joint screws");
+  std::size_t k = 0;
+  const SE3<T> C = each_body_fixed_column(tree, q.data(), place, [&](int, int c, const Screw<T>& X) {
+    columns[k++] = {c, {X.w, X.v}};
+  });
+  if constexpr (!std::same_as<Rep, BodyFixed>)
+    for (k = 0; k < count; ++k)
+      columns[k].J = change<Rep>(C, Twist<BodyFixed, T>{columns[k].J.w, columns[k].J.v});
+  return count;
+}
+
+template <RecursionRepresentation Rep, class T>
+void relative_jacobian(const Model& model, Workspace<T>& workspace, Numbers<T> q,
+                       const std::type_identity_t<Place<T>>& place,
+                       const std::type_identity_t<Place<T>>& base,
+                       std::type_identity_t<std::span<Twist<Rep, T>>> J) {
+  check_state(model, workspace, q);
+  check_place(model, place.frame);
+  check_place(model, base.frame);
+  check_size("J", J.size(), static_cast<std::size_t>(model.nv()), "nv");
+  check_separate("J", J, "q", q);
+  const Tree<T>& tree = model.tree<T>();
+  for (Twist<Rep, T>& column : J) column = {};
+  // What moves both moves neither against the other.
+  const int common = common_predecessor(tree, tree->frame_body[base.frame], tree->frame_body[place.frame]);
+  // The observer's own screws first: seen from the place they enter with the opposite sign.
+  const auto subtract = [&](int, int c, const Screw<T>& X) {
+    J[c].w -= X.w;
+    J[c].v -= X.v;
+  };
+  const SE3<T> C_base = each_body_fixed_column(tree, q.data(), base, subtract, common);
+  const SE3<T> C_place = each_body_fixed_column(
+      tree, q.data(), place, [](int, int, const Screw<T>&) {}, common);
+  const SE3<T> C = inverse(C_base) * C_place;
+  for (Twist<Rep, T>& column : J) {
+    const Screw<T> X = Ad_inv(C, Screw<T>{column.w, column.v});
+    column = {X.w, X.v};
+  }
+  const auto add = [&](int, int c, const Screw<T>& X) {
+    J[c].w += X.w;
+    J[c].v += X.v;
+  };
+  each_body_fixed_column(tree, q.data(), place, add, common);
+  if constexpr (!std::same_as<Rep, BodyFixed>)
+    for (Twist<Rep, T>& column : J) column = change<Rep>(C, Twist<BodyFixed, T>{column.w, column.v});
+}
+
+template void jacobian<AXODE_REP>(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>, const Place<AXODE_T>&,
+                                  std::span<Twist<AXODE_REP, AXODE_T>>);
+template std::size_t jacobian_columns<AXODE_REP>(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>,
+                                                 const Place<AXODE_T>&,
+                                                 std::span<JacobianColumn<AXODE_REP, AXODE_T>>);
+template void relative_jacobian<AXODE_REP>(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>,
+                                           const Place<AXODE_T>&, const Place<AXODE_T>&,
+                                           std::span<Twist<AXODE_REP, AXODE_T>>);
+
+}  // namespace axode

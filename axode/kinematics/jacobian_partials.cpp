@@ -1,0 +1,80 @@
+#include "axode/kinematics/jacobian_partials.hpp"
+
+#include <limits>
+
+#include "axode/kinematics/check_arguments.hpp"
+#include "axode/kinematics/screw_partials.hpp"
+#include "axode/recursion/instantiate.hpp"
+
+namespace axode {
+namespace {
+
+/// nv^(order + 1), or the largest number where that is beyond it.
+std::size_t tensor_size(std::size_t nv, int order) {
+  constexpr std::size_t largest = std::numeric_limits<std::size_t>::max();
+  std::size_t size = nv;
+  for (int k = 0; k < order && nv > 0; ++k) size = size > largest / nv ? largest : size * nv;
+  return size;
+}
+
+}  // namespace
+
+template <RecursionRepresentation Rep, class T>
+void jacobian_partials(const Model& model, Workspace<T>& workspace, Numbers<T> q,
+                       const std::type_identity_t<Place<T>>& place, int order,
+                       std::type_identity_t<std::span<Twist<Rep, T>>> J) {
+  check_state(model, workspace, q);
+  check_place(model, place.frame);
+  check_order(order, largest_partial_order);
+  check_size("J", J.size(), tensor_size(static_cast<std::size_t>(model.nv()), order), "nv^(order + 1)");
+  check_separate("J", J, "q", q);
+  for (Twist<Rep, T>& column : J) column = {};
+
+  const ScrewPath<T> path(model.tree<T>(), q.data(), place);
+  const int m = static_cast<int>(path.screws.size());
+  if (m == 0) return;
+  std::vector<int> alpha(order, 0);  // a multi-index over the screws of the path
+  for (bool more = true; more;) {
+    std::size_t at = 0;
+    for (int k = order; k-- > 0;)
+      at = at * static_cast<std::size_t>(model.nv()) + static_cast<std::size_t>(path.screws[alpha[k]].c);
+    for (int a = 0; a < m; ++a) {
+      const Screw<T> X = partial<Rep>(path, a, alpha);
+      J[at * static_cast<std::size_t>(model.nv()) + static_cast<std::size_t>(path.screws[a].c)] +=
+          Twist<Rep, T>{X.w, X.v};
+    }
+    more = false;
+    for (int k = 0; k < order && !more; ++k) {
+      more = ++alpha[k] < m;
+      if (!more) alpha[k] = 0;
+    }
+  }
+}
+
+template <RecursionRepresentation Rep, class T>
+void jacobian_derivative_along(const Model& model, Workspace<T>& workspace, Numbers<T> q,
+                               const std::type_identity_t<Place<T>>& place, int order, Numbers<T> directions,
+                               std::type_identity_t<std::span<Twist<Rep, T>>> J) {
+  check_state(model, workspace, q);
+  check_place(model, place.frame);
+  check_order(order, largest_partial_order);
+  check_size("directions", directions.size(), static_cast<std::size_t>(order * model.nv()), "order nv");
+  check_size("J", J.size(), static_cast<std::size_t>(model.nv()), "nv");
+  check_separate("J", J, "q", q);
+  check_separate("J", J, "directions", directions);
+  for (Twist<Rep, T>& column : J) column = {};
+  const ScrewPath<T> path(model.tree<T>(), q.data(), place);
+  const DirectionalDerivatives<T> derivatives(path, order, directions.data(), model.nv());
+  for (int a = 0; a < static_cast<int>(path.screws.size()); ++a) {
+    const Screw<T> X = derivatives.template of<Rep>(a);
+    J[path.screws[a].c] += Twist<Rep, T>{X.w, X.v};
+  }
+}
+
+template void jacobian_partials<AXODE_REP>(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>,
+                                           const Place<AXODE_T>&, int, std::span<Twist<AXODE_REP, AXODE_T>>);
+template void jacobian_derivative_along<AXODE_REP>(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>,
+                                                   const Place<AXODE_T>&, int, Numbers<AXODE_T>,
+                                                   std::span<Twist<AXODE_REP, AXODE_T>>);
+
+}  // namespace axode

@@ -1,0 +1,11 @@
+#pragma once
+#include "axode/kinematics/arguments.hpp"
+
+namespace axode {
+
+/// C_i, the pose of every frame in the inertial frame (eqs. POEX, aVbRec2), m. n_frames entries, O(n).
+template <class T>
+void poses(const Model& model, Workspace<T>& workspace, Numbers<T> q,
+           std::type_identity_t<std::span<SE3<T>>> C);
+
+}  // namespace axode

@@ -1,0 +1,81 @@
+#pragma once
+#include <cassert>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <new>
+
+#include "axode/model/topology.hpp"
+
+namespace axode {
+
+// Always inlined, for code for one instruction set must not become that of others.
+
+/// Hands out scratch memory from its start, for the length of one call. A kernel takes what it needs in its
+/// constructor, so that the same constructor, on an arena without memory, says how much that is: see footprint().
+class Arena {
+ public:
+  static constexpr std::size_t line = 64;        ///< bytes of a cache line, to which the memory is aligned
+  static constexpr std::size_t most_lanes = 16;  ///< of a SIMD register
+
+  [[gnu::always_inline]] Arena(const Topology& topology, std::byte* begin, std::size_t bytes)
+      : topology_(&topology),
+        begin_(reinterpret_cast<std::uintptr_t>(begin)),
+        next_(begin_),
+        end_(begin_ + bytes) {}
+  /// One that only counts.
+  [[gnu::always_inline]] explicit Arena(const Topology& topology)
+      : topology_(&topology), end_(std::numeric_limits<std::uintptr_t>::max()) {}
+
+  [[gnu::always_inline]] const Topology& topology() const { return *topology_; }
+  [[gnu::always_inline]] std::size_t bytes_taken() const { return next_ - begin_; }
+
+  template <class U> [[gnu::always_inline]] U* array(std::size_t n) {
+    next_ += -next_ % alignof(U);
+    U* const p = reinterpret_cast<U*>(next_);
+    next_ += n * sizeof(U);
+    assert(next_ <= end_);
+    return p;
+  }
+  /// From the start of a cache line.
+  template <class U> [[gnu::always_inline]] U* lines(std::size_t n) {
+    next_ += -next_ % line;
+    return array<U>(n);
+  }
+  /// One U for each body and the ground, for each joint screw, for each velocity, for each tie of coupled joints, for
+  /// each tie and each screw of its body, for each pair of ties of one body.
+  template <class U> [[gnu::always_inline]] U* per_body() { return array<U>(size(topology_->n + 1)); }
+  template <class U> [[gnu::always_inline]] U* per_screw() { return array<U>(size(topology_->n_screws)); }
+  template <class U> [[gnu::always_inline]] U* per_velocity() { return array<U>(size(topology_->nv)); }
+  template <class U> [[gnu::always_inline]] U* per_tie() { return array<U>(topology_->ties.velocity.size()); }
+  template <class U> [[gnu::always_inline]] U* per_tie_and_screw() {
+    return array<U>(size(topology_->ties.of_screws.back()));
+  }
+  template <class U> [[gnu::always_inline]] U* per_pair_of_ties() {
+    return array<U>(size(topology_->ties.square.back()));
+  }
+  /// One U for each body, and for the lanes behind the last one.
+  template <class U> [[gnu::always_inline]] U* per_lane() {
+    return array<U>((size(topology_->n) + most_lanes) / most_lanes * most_lanes);
+  }
+
+ private:
+  [[gnu::always_inline]] static std::size_t size(int n) { return static_cast<std::size_t>(n); }
+
+  const Topology* topology_;
+  std::uintptr_t begin_ = 0, next_ = 0, end_;
+};
+
+/// What each of these kernels takes of an arena, and the largest of it, in bytes.
+template <class... Kernels> std::size_t footprint(const Topology& topology) {
+  std::size_t most = 0;
+  const auto count = [&]<class Kernel>(Kernel*) {
+    Arena arena(topology);
+    static_cast<void>(Kernel(arena));
+    if (arena.bytes_taken() > most) most = arena.bytes_taken();
+  };
+  (count(static_cast<Kernels*>(nullptr)), ...);
+  return most;
+}
+
+}  // namespace axode

@@ -1,0 +1,18 @@
+#pragma once
+#include <cmath>
+
+#include "axode/lie/inertia.hpp"
+
+/// Whether every number of something is finite.
+namespace axode {
+
+inline bool finite(double x) { return std::isfinite(x); }
+inline bool finite(const Vec3<>& a) { return finite(a.x) && finite(a.y) && finite(a.z); }
+inline bool finite(const SO3<>& R) { return finite(R.x) && finite(R.y) && finite(R.z); }
+inline bool finite(const SE3<>& C) { return finite(C.R) && finite(C.r); }
+inline bool finite(const Sym3<>& A) {
+  return finite(Vec3<>{A.xx, A.yy, A.zz}) && finite(Vec3<>{A.xy, A.xz, A.yz});
+}
+inline bool finite(const Inertia<>& M) { return finite(M.m) && finite(M.h) && finite(M.Theta); }
+
+}  // namespace axode

@@ -1,0 +1,355 @@
+#include "axode/model/inspection.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <unordered_map>
+#include <unordered_set>
+#include <utility>
+
+#include "axode/model/finite.hpp"
+#include "axode/model/joint_kinds.hpp"
+#include "axode/model/nearest_name.hpp"
+#include "axode/model/placement.hpp"
+
+namespace axode {
+namespace {
+
+constexpr double rotation_tolerance = 1e-6;
+constexpr double realisability_tolerance = 1e-9;
+
+std::string quoted(std::string_view name) { return '"' + std::string(name) + '"'; }
+
+class Inspection {
+ public:
+  Inspection(const Description& description, Physics physics)
+      : description_(description), physics_(physics) {}
+
+  std::vector<Fault> run() {
+    faults_ = description_.warnings;
+    if (!finite(description_.gravity))
+      error(Rule::non_finite_number, "gravity", "a component is not finite; give three numbers in m/s²",
+            description_.source);
+    names();
+    predecessors();
+    for (const BodyDescription& body : description_.bodies) {
+      if (numbers(body)) {
+        joint(body);
+        inertia(body);
+      }
+    }
+    for (const FrameDescription& frame : description_.frames) {
+      const std::string element = "frame " + quoted(frame.name);
+      if (frame.body != "ground" && !bodies_.contains(frame.body))
+        error(
+            Rule::unknown_frame_body, element,
+            "sits on body " + quoted(frame.body) + ", which is not described" + nearest_body(frame.body, ""),
+            frame.source);
+      rotation(element, "pose", frame.pose, frame.source);
+    }
+    couplings();
+    return std::move(faults_);
+  }
+
+ private:
+  void note(Severity severity, Rule rule, std::string element, std::string message, const Source& source) {
+    faults_.push_back({severity, rule, std::move(element), std::move(message),
+                       source.file.empty() ? Source{description_.source.file, source.line} : source});
+  }
+  void error(Rule rule, std::string element, std::string message, const Source& source) {
+    note(Severity::error, rule, std::move(element), std::move(message), source);
+  }
+  void physical(Rule rule, std::string element, std::string message, const Source& source) {
+    note(physics_ == Physics::strict ? Severity::error : Severity::warning, rule, std::move(element),
+         std::move(message), source);
+  }
+  /// A suggestion for a name that nothing has, where anybody will still read it.
+  template <class Range, class NameOf>
+  std::string nearest(std::string_view name, const Range& range, NameOf name_of) const {
+    return faults_.size() > 100 ? "" : did_you_mean(name, range, name_of);
+  }
+  std::string nearest_body(std::string_view name, std::string_view asked_by) const {
+    if (faults_.size() > 100) return "";
+    std::vector<std::string_view> names{"ground"};
+    for (const BodyDescription& body : description_.bodies)
+      if (body.name != asked_by) names.push_back(body.name);
+    return nearest(name, names, [](std::string_view n) { return n; });
+  }
+
+  void names() {
+    std::unordered_set<std::string> joints;
+    const auto joint_is_named = [&](const std::string& name, const Source& source) {
+      if (!joints.insert(name).second)
+        error(Rule::duplicate_name, "joint " + quoted(name), "the name is taken; names of joints must differ",
+              source);
+    };
+    const auto body_name = [&](const std::string& name, const std::string& element, const Source& source) {
+      if (name.empty()) {
+        error(Rule::missing_name, element, "has no name; every body and frame needs one", source);
+      } else if (name == "ground") {
+        error(Rule::duplicate_name, element, "\"ground\" names the inertial frame; choose another name",
+              source);
+      } else if (!taken_.insert(name).second) {
+        error(Rule::duplicate_name, element, "the name is taken; names of bodies and frames must differ",
+              source);
+      }
+    };
+    for (const BodyDescription& body : description_.bodies) {
+      const auto [same, is_new] = bodies_.emplace(body.name, &body);
+      if (!is_new && !body.name.empty() && same->second->predecessor != body.predecessor) {
+        error(Rule::two_predecessors, "body " + quoted(body.name),
+              "has two predecessors, " + quoted(same->second->predecessor) + " and " +
+                  quoted(body.predecessor) + "; in a tree every body has one",
+              body.source);
+      } else {
+        body_name(body.name, "body " + quoted(body.name), body.source);
+      }
+      if (body.joint.name.empty() && (body.name.empty() || !is_new)) continue;
+      joint_is_named(joint_name(body), joint_source(body));
+      const std::vector<BodyDescription> parts = expand({.bodies = {body}}).bodies;
+      if (parts.size() == 1) continue;
+      body_name(parts[0].name, "body " + quoted(parts[0].name) + " of joint " + quoted(joint_name(body)),
+                joint_source(body));
+      for (const BodyDescription& part : parts) joint_is_named(part.joint.name, joint_source(body));
+    }
+    for (const FrameDescription& frame : description_.frames)
+      body_name(frame.name, "frame " + quoted(frame.name), frame.source);
+  }
+
+  void predecessors() {
+    for (const BodyDescription& body : description_.bodies)
+      if (body.predecessor != "ground" && !bodies_.contains(body.predecessor))
+        error(Rule::unknown_predecessor, "body " + quoted(body.name),
+              "hangs on body " + quoted(body.predecessor) + ", which is not described" +
+                  nearest_body(body.predecessor, body.name),
+              body.source);
+    cycles();
+  }
+
+  /// Follows predecessors from every body; a body met again on the same walk closes a cycle.
+  void cycles() {
+    std::unordered_map<std::string_view, const BodyDescription*> seen;  // body -> where its walk started
+    for (const BodyDescription& start : description_.bodies) {
+      const BodyDescription* at = &start;
+      while (at != nullptr && !seen.contains(at->name)) {
+        seen.emplace(at->name, &start);
+        const auto next = at->predecessor == "ground" ? bodies_.end() : bodies_.find(at->predecessor);
+        at = next == bodies_.end() ? nullptr : next->second;
+      }
+      if (at == nullptr || seen.at(at->name) != &start) continue;
+      std::string chain = quoted(at->name);
+      const BodyDescription* member = at;
+      constexpr int most_shown = 8;
+      int count = 0;
+      do {
+        member = bodies_.at(member->predecessor);
+        if (++count < most_shown || member == at)
+          chain += (count > most_shown ? " on ... on " : " on ") + quoted(member->name);
+      } while (member != at);
+      error(Rule::cycle, "body " + quoted(at->name),
+            "closes a cycle: " + chain + "; every body must hang on the ground in the end", at->source);
+    }
+  }
+
+  bool rotation(const std::string& element, const char* what, const SE3<>& C, const Source& source) {
+    if (!finite(C)) {
+      error(Rule::non_finite_number, element, std::string(what) + " is not finite", source);
+      return false;
+    }
+    const SO3<> G = transpose(C.R) * C.R;
+    const double off = std::max({std::abs(G.x.x - 1), std::abs(G.y.y - 1), std::abs(G.z.z - 1),
+                                 std::abs(G.x.y), std::abs(G.x.z), std::abs(G.y.z)});
+    const double handed = dot(cross(C.R.x, C.R.y), C.R.z);
+    if (off <= rotation_tolerance && handed > 0) return true;
+    error(Rule::not_a_rotation, element,
+          handed >= 0 ? std::string(what) + " is off a rotation by " + to_text(off) +
+                            "; RᵀR must be the identity to 1e-6"
+                      : std::string(what) + " mirrors; a rotation has determinant +1",
+          source);
+    return false;
+  }
+
+  /// Whether every number of the body is finite and every pose one.
+  bool numbers(const BodyDescription& body) {
+    const std::string element = "body " + quoted(body.name), joint = "joint " + quoted(joint_name(body));
+    bool good = true;
+    const auto need = [&](bool is_finite, const std::string& where, const char* what) {
+      if (is_finite) return;
+      error(Rule::non_finite_number, where, std::string(what) + " is not finite",
+            where == joint ? joint_source(body) : body.source);
+      good = false;
+    };
+    need(finite(body.joint.axis), joint, "axis");
+    need(finite(body.joint.second_axis), joint, "second axis");
+    need(finite(body.joint.point), joint, "point");
+    need(finite(body.joint.pitch), joint, "pitch");
+    for (const Dof& dof : body.joint.dof) {
+      need(!std::isnan(dof.lower) && !std::isnan(dof.upper), joint, "a limit");
+      need(!std::isnan(dof.velocity) && !std::isnan(dof.effort), joint, "a limit");
+      need(finite(dof.damping) && finite(dof.friction) && finite(dof.armature), joint,
+           "damping, friction or armature");
+    }
+    if (body.joint.coupling)
+      need(finite(body.joint.coupling->ratio) && finite(body.joint.coupling->offset), joint, "the coupling");
+    if (const auto* drawn = std::get_if<InConstructionFrame>(&body.geometry)) {
+      good &= rotation(element, "A", drawn->A, body.source);
+    } else if (const auto* in_body = std::get_if<InBodyFrame>(&body.geometry)) {
+      good &= rotation(element, "B", in_body->B, body.source);
+    } else {
+      const auto& frames = std::get<InJointFrames>(body.geometry);
+      good &= rotation(joint, "S_prev", frames.S_prev, joint_source(body));
+      good &= rotation(joint, "S_self", frames.S_self, joint_source(body));
+    }
+    if (body.inertia) {
+      need(finite(body.inertia->mass), element, "mass");
+      need(finite(body.inertia->com), element, "centre of mass");
+      need(finite(body.inertia->Theta), element, "rotational inertia");
+      good &= rotation(element, "the axes of the inertia", {body.inertia->axes, {}}, body.source);
+    }
+    for (const MeshReference& mesh : body.meshes) {
+      good &= rotation(element, "the pose of a mesh", mesh.pose, body.source);
+      need(finite(mesh.scale), element, "the scale of a mesh");
+    }
+    return good;
+  }
+
+  static const Source& joint_source(const BodyDescription& body) {
+    return body.joint.source.line > 0 ? body.joint.source : body.source;
+  }
+
+  void joint(const BodyDescription& body) {
+    const JointDescription& joint = body.joint;
+    const std::string element = "joint " + quoted(joint_name(body));
+    const auto zero = [](const Vec3<>& axis) { return axis.x == 0 && axis.y == 0 && axis.z == 0; };
+    if ((traits(joint.kind).axis && zero(joint.axis)) ||
+        (joint.kind == JointKind::universal && zero(joint.second_axis))) {
+      error(Rule::zero_axis, element, "an axis is (0, 0, 0); an axis needs a direction", joint_source(body));
+    } else if (joint.kind == JointKind::universal) {
+      const double sine = norm(cross(direction(joint.axis), direction(joint.second_axis)));
+      if (sine < 1e-6)
+        error(Rule::parallel_axes, element,
+              "its two axes are parallel; those of a universal joint must not be", joint_source(body));
+    }
+    if (joint.pitch != 0 && joint.kind != JointKind::helical)
+      error(Rule::pitch_without_helix, element,
+            "has a pitch of " + to_text(joint.pitch) + " m/rad but is " + std::string(to_string(joint.kind)) +
+                "; only helical joints have a pitch",
+            joint_source(body));
+    const int n = traits(joint.kind).dof;
+    if (!joint.dof.empty() && static_cast<int>(joint.dof.size()) != n)
+      error(Rule::degrees_of_freedom, element,
+            "describes " + std::to_string(joint.dof.size()) + " degrees of freedom; a " +
+                std::string(to_string(joint.kind)) + " joint has " + std::to_string(n),
+            joint_source(body));
+    for (const Dof& dof : joint.dof) {
+      if (dof.lower > dof.upper)
+        error(Rule::limits_crossed, element,
+              "lower limit " + to_text(dof.lower) + " is above upper limit " + to_text(dof.upper),
+              joint_source(body));
+      constexpr double infinity = std::numeric_limits<double>::infinity();
+      if (dof.lower <= dof.upper && (dof.lower == infinity || dof.upper == -infinity))
+        error(Rule::limits_crossed, element,
+              "limits " + to_text(dof.lower) + " and " + to_text(dof.upper) + " leave no place to be",
+              joint_source(body));
+      const std::array<std::pair<const char*, double>, 5> not_negative{{{"velocity limit", dof.velocity},
+                                                                        {"effort limit", dof.effort},
+                                                                        {"damping", dof.damping},
+                                                                        {"friction", dof.friction},
+                                                                        {"armature", dof.armature}}};
+      for (const auto& [what, value] : not_negative)
+        if (value < 0)
+          error(Rule::negative_value, element,
+                std::string(what) + " is " + to_text(value) + "; it must not be negative",
+                joint_source(body));
+    }
+  }
+
+  void inertia(const BodyDescription& body) {
+    if (!body.inertia) return;
+    const MassProperties& given = *body.inertia;
+    const std::string element = "body " + quoted(body.name);
+    if (given.mass < 0) {
+      error(Rule::mass_not_positive, element,
+            "mass is " + to_text(given.mass) + " kg; a mass must be positive", body.source);
+    } else if (given.mass == 0) {
+      physical(Rule::mass_not_positive, element,
+               "mass is 0; a mass must be positive, and a massless body needs no mass at all", body.source);
+    } else {
+      // The axes and the choice of frame do not matter to what a density can produce.
+      const double worst = realisability(inertia_in({}, given));
+      if (worst < -realisability_tolerance)
+        physical(
+            Rule::inertia_not_realisable, element,
+            "no density can produce its inertia: a principal moment about the centre of mass exceeds the sum "
+            "of the other two by " +
+                to_text(std::round(-2e4 * worst) / 100) + " % of the largest, or is negative",
+            body.source);
+    }
+  }
+
+  void couplings() {
+    std::unordered_map<std::string, const BodyDescription*> joints;
+    const Description expanded = expand(description_);
+    for (const BodyDescription& body : expanded.bodies) joints.emplace(body.joint.name, &body);
+    std::unordered_map<const BodyDescription*, bool> ends_in_loop;
+    const auto follows_a_loop = [&](const BodyDescription* at) {
+      std::vector<const BodyDescription*> walk;
+      bool loop = false;
+      while (at != nullptr && at->joint.coupling) {
+        const auto [known, is_new] = ends_in_loop.emplace(at, true);  // true until the walk finds its end
+        if (!is_new) {
+          loop = known->second;
+          break;
+        }
+        walk.push_back(at);
+        const auto next = joints.find(at->joint.coupling->leader);
+        at = next == joints.end() ? nullptr : next->second;
+      }
+      for (const BodyDescription* body : walk) ends_in_loop[body] = loop;
+      return loop;
+    };
+    for (const BodyDescription& body : description_.bodies) {
+      if (!body.joint.coupling) continue;
+      const std::string element = "joint " + quoted(joint_name(body));
+      const std::string& leader = body.joint.coupling->leader;
+      if (!can_couple(body.joint.kind)) {
+        error(Rule::coupling_kind, element,
+              "is " + std::string(to_string(body.joint.kind)) +
+                  " and coupled; only revolute, prismatic and helical joints can follow another joint",
+              joint_source(body));
+        continue;
+      }
+      const auto found = joints.find(leader);
+      if (found == joints.end()) {
+        error(Rule::coupling_unknown_joint, element,
+              "follows joint " + quoted(leader) + ", which is not described" +
+                  nearest(leader, expanded.bodies, [](const BodyDescription& b) { return b.joint.name; }),
+              joint_source(body));
+      } else if (!can_couple(found->second->joint.kind)) {
+        error(Rule::coupling_kind, element,
+              "follows joint " + quoted(leader) + ", which is " +
+                  std::string(to_string(found->second->joint.kind)) +
+                  "; only revolute, prismatic and helical joints can lead",
+              joint_source(body));
+      } else if (follows_a_loop(found->second)) {
+        error(Rule::coupling_loop, element,
+              "follows joint " + quoted(leader) + " in a loop; one joint must have a coordinate of its own",
+              joint_source(body));
+      }
+    }
+  }
+
+  const Description& description_;
+  Physics physics_;
+  std::vector<Fault> faults_;
+  std::unordered_map<std::string, const BodyDescription*> bodies_;
+  std::unordered_set<std::string> taken_;
+};
+
+}  // namespace
+
+std::vector<Fault> inspect(const Description& description, Physics physics) {
+  return Inspection(description, physics).run();
+}
+
+}  // namespace axode

@@ -1,0 +1,11 @@
+#pragma once
+#include <vector>
+
+#include "axode/model/builder.hpp"
+
+namespace axode {
+
+/// Everything that is wrong or doubtful with a description as it stands, before it is compiled.
+std::vector<Fault> inspect(const Description& description, Physics physics);
+
+}  // namespace axode

@@ -1,0 +1,244 @@
+#pragma once
+#include "axode/recursion/forward_kinematics.hpp"
+#include "axode/recursion/solvability.hpp"
+
+namespace axode {
+
+/// The articulated-body algorithm: M x = b in O(n).
+///
+/// For each screw S of joint i, from the leaves to the roots, with the inertia M^A that the body behind it shows:
+/// its velocity enters, V = V' + S v, and gives way,
+///   U = M^A S,  D = Sᵀ U + armature,  M^A -= U Uᵀ / D;     at the end of a joint M_p^A += up M^A.
+/// A joint with several degrees of freedom gives way in one after the other, like a chain of joints through massless
+/// bodies.
+///
+/// A velocity that several joints share (coupled joints) enters at each of them and gives way where their paths meet.
+/// On the way there (Topology::Ties) it is carried along as a seventh column of the inertia: the wrench U_c and the
+/// forces D_cd that its motion makes. So coupled joints cost no more than the ties that they make.
+template <class Rep, class T> struct ArticulatedBodies {
+  BodyLinks<Rep, T> links;
+  ArticulatedInertia<Rep, T>* M;
+  Inertia<T>* composite;
+  Twist<Rep, T>* S;
+  Wrench<Rep, T>* U;
+  T* D;
+  // Of ties:
+  Wrench<Rep, T>* U_tie;
+  T* D_tie;    ///< k × k for the k ties of a body
+  T* fed_tie;  ///< the size of the inertia that feeds D
+  T* D_screw;  ///< of every screw with the ties of its body, from ties.of_screws of the body on
+  // Of a solution:
+  Wrench<Rep, T>* W;
+  Twist<Rep, T>* X;
+  T *u, *u_tie;
+
+  explicit ArticulatedBodies(Arena& arena)
+      : links(arena),
+        M(arena.per_body<ArticulatedInertia<Rep, T>>()),
+        composite(arena.per_body<Inertia<T>>()),
+        S(arena.per_screw<Twist<Rep, T>>()),
+        U(arena.per_screw<Wrench<Rep, T>>()),
+        D(arena.per_screw<T>()),
+        U_tie(arena.per_tie<Wrench<Rep, T>>()),
+        D_tie(arena.per_pair_of_ties<T>()),
+        fed_tie(arena.per_tie<T>()),
+        D_screw(arena.per_tie_and_screw<T>()),
+        W(arena.per_body<Wrench<Rep, T>>()),
+        X(arena.per_body<Twist<Rep, T>>()),
+        u(arena.per_screw<T>()),
+        u_tie(arena.per_tie<T>()) {}
+
+  template <TreeOf<T> AnyTree>
+  Solvability factorize(const AnyTree& tree, const T* q, const T* armature) noexcept {
+    links.run(tree, q);
+    return factorize(tree, armature);
+  }
+  /// At the configuration of the links.
+  template <TreeOf<T> AnyTree> Solvability factorize(const AnyTree& tree, const T* armature) noexcept {
+    PivotJudge<T> judge;
+    factorize(tree, armature, judge);
+    return judge.verdict(*tree.operator->());
+  }
+  template <TreeOf<T> AnyTree, class Judge>
+  void factorize(const AnyTree& tree, const T* armature, Judge& judge) noexcept {
+    joint_columns(tree, links.link, S);
+    const Topology::Ties& ties = tree->ties;
+    for (int t = 0; t < ties.begin[tree->n + 1]; ++t) U_tie[t] = {}, fed_tie[t] = T(0);
+    for (int t = 0; t < ties.square[tree->n + 1]; ++t) D_tie[t] = T(0);
+    composite[0] = {}, M[0] = {};
+    for (int i = 1; i <= tree->n; ++i) {
+      composite[i] = links.link[i].inertia(tree.M[i]);
+      M[i] = articulated(links.link[i], composite[i]);
+    }
+    for (int i = tree->n; i > 0; --i) {
+      const int first = tree->first_screw[i];
+      for (int s = tree->first_screw[i + 1] - 1; s >= first; --s) {
+        if (ties.own[i] >= 0) {
+          enter(tree, i, s);
+        } else {
+          const T I = armature[tree->iv[i] + s - first];
+          U[s] = M[i] * S[s];
+          D[s] = (U[s] | S[s]) + I;
+          judge.see(tree->iv[i] + s - first, D[s], [&] { return fed(i, S[s]) + I; });
+          release(tree, i, s);
+        }
+      }
+      release_ties(tree, i, armature, judge);
+      const int p = tree->parent[i];
+      M[p] += links.link[i].up(M[i]);
+      composite[p] += links.link[i].up(composite[i]);
+      hand_over_ties(tree, i);
+    }
+    release_ties(tree, 0, armature, judge);
+  }
+
+  /// x := M⁻¹ x.
+  template <TreeOf<T> AnyTree> void solve(const AnyTree& tree, T* x) noexcept {
+    const Topology::Ties& ties = tree->ties;
+    for (int i = 0; i <= tree->n; ++i) W[i] = {};
+    for (int t = 0; t < ties.begin[tree->n + 1]; ++t) u_tie[t] = T(0);
+    for (int i = tree->n; i > 0; --i) {
+      const int first = tree->first_screw[i];
+      for (int s = tree->first_screw[i + 1] - 1; s >= first; --s) {
+        if (ties.own[i] >= 0) {
+          u_tie[ties.own[i]] += W[i] | S[s];
+        } else {
+          u[s] = x[tree->iv[i] + s - first] - (W[i] | S[s]);
+          const T k = u[s] / D[s];
+          W[i] += k * U[s];
+          const T* D_s = of_screw(tree, i, s);
+          for (int t = ties.begin[i]; t < ties.begin[i + 1]; ++t) u_tie[t] += k * *D_s++;
+        }
+      }
+      pull_ties(tree, i, x);
+      W[tree->parent[i]] += links.link[i].up(W[i]);
+    }
+    pull_ties(tree, 0, x);
+    X[0] = {};
+    push_ties(tree, 0, x);
+    for (int i = 1; i <= tree->n; ++i) {
+      X[i] = links.link[i].down(X[tree->parent[i]]);
+      push_ties(tree, i, x);
+      const int first = tree->first_screw[i];
+      for (int s = first; s < tree->first_screw[i + 1]; ++s) {
+        T& x_s = x[tree->iv[i] + s - first];
+        if (ties.own[i] < 0) {
+          T rest = u[s] - (U[s] | X[i]);
+          const T* D_s = of_screw(tree, i, s);
+          for (int t = ties.begin[i]; t < ties.begin[i + 1]; ++t) rest -= *D_s++ * x[ties.velocity[t]];
+          x_s = rest / D[s];
+        }
+        X[i] += x_s * S[s];
+      }
+    }
+  }
+
+ private:
+  /// The size of the inertia that a unit of S feels, with nothing giving way.
+  T fed(int i, const Twist<Rep, T>& unit) const noexcept {
+    return dot(unit.w, unit.w) * trace(composite[i].Theta) + dot(unit.v, unit.v) * composite[i].m;
+  }
+  template <class AnyTree> T* of_screw(const AnyTree& tree, int i, int s) const noexcept {
+    const Topology::Ties& ties = tree->ties;
+    return D_screw + ties.of_screws[i] + (s - tree->first_screw[i]) * (ties.begin[i + 1] - ties.begin[i]);
+  }
+  /// Row t of the D of the ties of body i.
+  template <class AnyTree> T* row(const AnyTree& tree, int i, int t) const noexcept {
+    const Topology::Ties& ties = tree->ties;
+    return D_tie + ties.square[i] + (t - ties.begin[i]) * (ties.begin[i + 1] - ties.begin[i]) - ties.begin[i];
+  }
+
+  /// A shared velocity enters at the joint of body i.
+  template <class AnyTree> void enter(const AnyTree& tree, int i, int s) noexcept {
+    const Topology::Ties& ties = tree->ties;
+    const int own = ties.own[i];
+    const Wrench<Rep, T> MS = M[i] * S[s];
+    for (int t = ties.begin[i]; t < ties.begin[i + 1]; ++t) {
+      const T D_ts = U_tie[t] | S[s];
+      if (t == own) {
+        row(tree, i, t)[t] += D_ts + D_ts + (MS | S[s]);
+      } else {
+        row(tree, i, t)[own] += D_ts, row(tree, i, own)[t] += D_ts;
+      }
+    }
+    U_tie[own] += MS;
+    fed_tie[own] += fed(i, S[s]);
+  }
+  /// The velocity of screw s of body i gives way, while the ties of the body wait.
+  template <class AnyTree> void release(const AnyTree& tree, int i, int s) noexcept {
+    const Topology::Ties& ties = tree->ties;
+    give_way(M[i], U[s], D[s]);
+    if (ties.begin[i] == ties.begin[i + 1]) return;
+    T* const D_s = of_screw(tree, i, s) - ties.begin[i];
+    for (int t = ties.begin[i]; t < ties.begin[i + 1]; ++t) D_s[t] = U_tie[t] | S[s];
+    for (int t = ties.begin[i]; t < ties.begin[i + 1]; ++t) {
+      const T k = D_s[t] / D[s];
+      U_tie[t] -= k * U[s];
+      for (int o = ties.begin[i]; o < ties.begin[i + 1]; ++o) row(tree, i, t)[o] -= k * D_s[o];
+    }
+  }
+  /// The shared velocities whose paths meet at body i give way.
+  template <class AnyTree, class Judge>
+  void release_ties(const AnyTree& tree, int i, const T* armature, Judge& judge) noexcept {
+    const Topology::Ties& ties = tree->ties;
+    for (int t = ties.begin[i]; t < ties.begin[i + 1]; ++t) {
+      if (ties.up[t] >= 0) continue;
+      T* const D_t = row(tree, i, t);
+      const T I = armature[ties.velocity[t]];
+      D_t[t] += I;
+      judge.see(ties.velocity[t], D_t[t], [&] { return fed_tie[t] + I; });
+      give_way(M[i], U_tie[t], D_t[t]);
+      for (int r = ties.begin[i]; r < ties.begin[i + 1]; ++r) {
+        if (!waits(ties, r, t)) continue;
+        const T k = D_t[r] / D_t[t];
+        U_tie[r] -= k * U_tie[t];
+        for (int o = ties.begin[i]; o < ties.begin[i + 1]; ++o)
+          if (waits(ties, o, t)) row(tree, i, r)[o] -= k * D_t[o];
+      }
+    }
+  }
+  /// The other ones go on to the predecessor.
+  template <class AnyTree> void hand_over_ties(const AnyTree& tree, int i) noexcept {
+    const Topology::Ties& ties = tree->ties;
+    const int p = tree->parent[i];
+    for (int t = ties.begin[i]; t < ties.begin[i + 1]; ++t) {
+      if (ties.up[t] < 0) continue;
+      U_tie[ties.up[t]] += links.link[i].up(U_tie[t]);
+      fed_tie[ties.up[t]] += fed_tie[t];
+      for (int o = ties.begin[i]; o < ties.begin[i + 1]; ++o)
+        if (ties.up[o] >= 0) row(tree, p, ties.up[t])[ties.up[o]] += row(tree, i, t)[o];
+    }
+  }
+  /// Whether tie o of a body is still there when tie t gives way.
+  static bool waits(const Topology::Ties& ties, int o, int t) { return ties.up[o] >= 0 || o > t; }
+
+  /// u of the velocities that give way at body i, and what the others feel of it.
+  template <class AnyTree> void pull_ties(const AnyTree& tree, int i, const T* x) noexcept {
+    const Topology::Ties& ties = tree->ties;
+    for (int t = ties.begin[i]; t < ties.begin[i + 1]; ++t) {
+      if (ties.up[t] >= 0) continue;
+      const T* const D_t = row(tree, i, t);
+      u_tie[t] = x[ties.velocity[t]] - u_tie[t];
+      const T k = u_tie[t] / D_t[t];
+      W[i] += k * U_tie[t];
+      for (int o = ties.begin[i]; o < ties.begin[i + 1]; ++o)
+        if (waits(ties, o, t)) u_tie[o] += k * D_t[o];
+    }
+    for (int t = ties.begin[i]; t < ties.begin[i + 1]; ++t)
+      if (ties.up[t] >= 0) u_tie[ties.up[t]] += u_tie[t];
+  }
+  /// The same velocities from the motion X of body i without its joint.
+  template <class AnyTree> void push_ties(const AnyTree& tree, int i, T* x) noexcept {
+    const Topology::Ties& ties = tree->ties;
+    for (int t = ties.begin[i + 1]; t-- > ties.begin[i];) {
+      if (ties.up[t] >= 0) continue;
+      const T* const D_t = row(tree, i, t);
+      T rest = u_tie[t] - (U_tie[t] | X[i]);
+      for (int o = ties.begin[i]; o < ties.begin[i + 1]; ++o)
+        if (waits(ties, o, t)) rest -= D_t[o] * x[ties.velocity[o]];
+      x[ties.velocity[t]] = rest / D_t[t];
+    }
+  }
+};
+
+}  // namespace axode

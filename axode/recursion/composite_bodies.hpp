@@ -1,0 +1,48 @@
+#pragma once
+#include "axode/recursion/forward_kinematics.hpp"
+
+namespace axode {
+
+/// The composite-body algorithm. With M_i^c = M_i + Σ_children up M_c^c, the impulse F = M_i^c S of
+/// everything behind joint i is carried to the root; at each joint j on the way M_cj = F | S_j.
+template <class Rep, class T> struct CompositeBodies {
+  BodyLinks<Rep, T> links;
+  Inertia<T>* M;
+  Twist<Rep, T>* S;
+
+  explicit CompositeBodies(Arena& arena)
+      : links(arena), M(arena.per_body<Inertia<T>>()), S(arena.per_screw<Twist<Rep, T>>()) {}
+
+  /// The mass matrix, row by row.
+  template <TreeOf<T> AnyTree> void run(const AnyTree& tree, const T* q, const T* armature, T* out) noexcept {
+    const Link<Rep, T>* link = links.run(tree, q);
+    const int nv = tree->nv;
+    const auto at = [&](int r, int c) -> T& { return out[static_cast<std::ptrdiff_t>(r) * nv + c]; };
+    joint_columns(tree, link, S);
+    M[0] = {};
+    for (int i = 1; i <= tree->n; ++i) M[i] = link[i].inertia(tree.M[i]);
+    for (int i = tree->n; i > 0; --i) M[tree->parent[i]] += link[i].up(M[i]);
+    for (std::ptrdiff_t k = 0; k < static_cast<std::ptrdiff_t>(nv) * nv; ++k) out[k] = T(0);
+    for (int c = 0; c < nv; ++c) at(c, c) = armature[c];
+    for (int i = tree->n; i > 0; --i) {
+      for (int s = tree->first_screw[i]; s < tree->first_screw[i + 1]; ++s) {
+        const int c = tree->iv[i] + s - tree->first_screw[i];
+        Wrench<Rep, T> F = impulse(link[i], M[i], S[s]);
+        for (int r = tree->first_screw[i]; r < tree->first_screw[i + 1]; ++r)
+          at(c, tree->iv[i] + r - tree->first_screw[i]) += F | S[r];
+        for (int j = i; tree->parent[j] > 0;) {
+          F = link[j].up(F);
+          j = tree->parent[j];
+          for (int r = tree->first_screw[j]; r < tree->first_screw[j + 1]; ++r) {
+            const int b = tree->iv[j] + r - tree->first_screw[j];
+            const T M_cb = F | S[r];
+            at(c, b) += M_cb;
+            at(b, c) += M_cb;
+          }
+        }
+      }
+    }
+  }
+};
+
+}  // namespace axode

@@ -1,0 +1,160 @@
+#pragma once
+#include "axode/model/arena.hpp"
+#include "axode/model/tree.hpp"
+#include "axode/recursion/link.hpp"
+
+namespace axode {
+
+/// What the joints contribute, before any recursion: C_{p,i} = B exp(S q), S v and S a, in the joint frames.
+template <class T> struct JointMotion {
+  SE3<T>* C_pi;
+  Twist<BodyFixed, T>* Sv;
+  TwistRate<BodyFixed, T>* Sa;
+
+  explicit JointMotion(Arena& arena)
+      : C_pi(arena.per_body<SE3<T>>()),
+        Sv(arena.per_body<Twist<BodyFixed, T>>()),
+        Sa(arena.per_body<TwistRate<BodyFixed, T>>()) {}
+};
+
+/// C_{p,i} of every joint at q (eq. relConf). A coupled joint takes q from its leader.
+template <class T, TreeOf<T> AnyTree>
+void joint_poses(const AnyTree& tree, const T* q, SE3<T>* C_pi) noexcept {
+  each_joint(tree, [&](const auto& joint, int i, bool coupled) {
+    const T* q_i = q + tree->iq[i];
+    const T own = tree.ratio[i] * *q_i + tree.offset[i];
+    C_pi[i] = joint.pose(tree.B[i], coupled ? &own : q_i);
+  });
+}
+
+/// S x of every joint, for velocities or accelerations x.
+template <class Motion, class T, TreeOf<T> AnyTree>
+void joint_screws(const AnyTree& tree, const T* x, Motion* Sx) noexcept {
+  each_joint(tree, [&](const auto& joint, int i, bool coupled) {
+    const T* x_i = x + tree->iv[i];
+    const T own = tree.ratio[i] * *x_i;
+    const Twist<BodyFixed, T> X = joint.twist(coupled ? &own : x_i);
+    Sx[i] = {X.w, X.v};
+  });
+}
+
+template <class T, TreeOf<T> AnyTree>
+void joint_motion(const AnyTree& tree, const T* q, const T* v, const T* a,
+                  const JointMotion<T>& out) noexcept {
+  joint_poses(tree, q, out.C_pi);
+  joint_screws(tree, v, out.Sv);
+  joint_screws(tree, a, out.Sa);
+}
+
+/// Poses of all bodies' internal frames, C_i = C_p C_{p,i} (eqs. POEX, aVbRec2), with every coupling. 36 mul, 33 add
+/// per body.
+template <class T> struct BodyPoses {
+  SE3<T>* C;
+
+  explicit BodyPoses(Arena& arena) : C(arena.per_body<SE3<T>>()) {}
+  BodyPoses(Arena& arena, const Tree<T>& tree, const T* q) noexcept : BodyPoses(arena) { run(tree, q); }
+
+  void run(const Tree<T>& tree, const T* q) noexcept {
+    joint_poses(tree, q, C);
+    run(tree, C);
+  }
+  /// From the poses of the joints, which may stand where the results will.
+  template <TreeOf<T> AnyTree> void run(const AnyTree& tree, const SE3<T>* C_pi) noexcept {
+    C[0] = {};
+    for (int i = 1; i <= tree->n; ++i) C[i] = C[tree->parent[i]] * C_pi[i];
+  }
+  const SE3<T>& operator[](int i) const { return C[i]; }
+  SE3<T>& operator[](int i) { return C[i]; }
+};
+
+/// f(i) for every body that hangs on the ground.
+template <class F> void each_root(const Topology& topology, F&& f) {
+  for (int i = 1; i <= topology.n; i = topology.subtree_end[i]) f(i);
+}
+
+/// Forces do not depend on the inertial origin, but digits do: so recursions for forces take the origin of each root
+/// body, at this instant, for that of all bodies behind it. Moves the roots there, and remembers where they were.
+template <class T> void move_to_roots(const Topology& topology, SE3<T>* C_pi, Vec3<T>* origin) noexcept {
+  each_root(topology, [&](int i) { origin[i] = C_pi[i].r, C_pi[i].r = {}; });
+}
+
+/// The links of all bodies at a configuration, about the origins of their roots.
+template <class Rep, class T> struct BodyLinks {
+  SE3<T>* C_pi;
+  Vec3<T>* origin;  ///< of the roots
+  Link<Rep, T>* link;
+
+  explicit BodyLinks(Arena& arena)
+      : C_pi(arena.per_body<SE3<T>>()),
+        origin(arena.per_body<Vec3<T>>()),
+        link(arena.per_body<Link<Rep, T>>()) {}
+
+  template <TreeOf<T> AnyTree> Link<Rep, T>* run(const AnyTree& tree, const T* q) noexcept {
+    joint_poses(tree, q, C_pi);
+    move_to_roots(*tree.operator->(), C_pi, origin);
+    link[0] = Link<Rep, T>::root();
+    for (int i = 1; i <= tree->n; ++i) link[i] = link[tree->parent[i]].child(C_pi[i]);
+    return link;
+  }
+};
+
+/// The screws of all joints in Rep. A coupled joint's screw is for a unit velocity of its leader.
+template <class Rep, class T, TreeOf<T> AnyTree>
+void joint_columns(const AnyTree& tree, const Link<Rep, T>* link, Twist<Rep, T>* S) noexcept {
+  each_joint(tree, [&](const auto& joint, int i, bool) {
+    for (int k = 0; k < joint.nv; ++k) {
+      const Screw<T> e = tree.ratio[i] * joint.column(k);
+      S[tree->first_screw[i] + k] = push(link[i], Twist<BodyFixed, T>{e.w, e.v});
+    }
+  });
+}
+
+/// Links, twists and twist rates of all bodies, in the internal frames.
+template <class Rep, class T> struct BodyMotion {
+  Link<Rep, T>* link;
+  Twist<Rep, T>* V;
+  TwistRate<Rep, T>* dV;
+
+  explicit BodyMotion(Arena& arena)
+      : link(arena.per_body<Link<Rep, T>>()),
+        V(arena.per_body<Twist<Rep, T>>()),
+        dV(arena.per_body<TwistRate<Rep, T>>()) {}
+};
+
+/// The forward kinematics recursion in any representation (eqs. VbRec, Vsrec, VhRec, cVbRec2, dVsRec,
+/// dVhRec2):
+///   V_i  = down V_p  + S v
+///   V'_i = down V'_p + S a + bias(V_p, V_i, S v)
+/// dV_0 is the acceleration of the ground: 0, or (0, -g) to fold gravity in.
+template <class Rep, class T, TreeOf<T> AnyTree>
+void forward_recursion(const AnyTree& tree, const JointMotion<T>& joints, const Vec3<T>& ground_acceleration,
+                       const BodyMotion<Rep, T>& out) noexcept {
+  out.link[0] = Link<Rep, T>::root();
+  out.V[0] = {};
+  out.dV[0] = {{}, ground_acceleration};
+  for (int i = 1; i <= tree->n; ++i) {
+    const int p = tree->parent[i];
+    const Link<Rep, T> link = out.link[p].child(joints.C_pi[i]);
+    const Twist<Rep, T> V_p = out.V[p], Sv = push(link, joints.Sv[i]);
+    const Twist<Rep, T> V = link.down(V_p) + Sv;
+    out.dV[i] = link.down(out.dV[p]) + push(link, joints.Sa[i]) + link.bias(V_p, V, Sv);
+    out.V[i] = V;
+    out.link[i] = link;
+  }
+}
+
+/// Joints and bodies of a tree in motion.
+template <class Rep, class T> struct TreeMotion {
+  JointMotion<T> joints;
+  BodyMotion<Rep, T> bodies;
+
+  explicit TreeMotion(Arena& arena) : joints(arena), bodies(arena) {}
+  template <TreeOf<T> AnyTree>
+  void run(const AnyTree& tree, const T* q, const T* v, const T* a,
+           const Vec3<T>& ground_acceleration = {}) const noexcept {
+    joint_motion(tree, q, v, a, joints);
+    forward_recursion(tree, joints, ground_acceleration, bodies);
+  }
+};
+
+}  // namespace axode

@@ -1,0 +1,96 @@
+#pragma once
+#include "axode/recursion/forward_kinematics.hpp"
+#include "axode/recursion/loads.hpp"
+
+namespace axode {
+
+/// Applied wrenches, summed up for each body in its internal frame; C are the poses of the internal frames.
+template <class T, TreeOf<T> AnyTree>
+void sum_applied(const AnyTree& tree, std::span<const AppliedWrench<T>> wrenches, const SE3<T>* C,
+                 Wrench<BodyFixed, T>* W_app) noexcept {
+  for (int i = 0; i <= tree->n; ++i) W_app[i] = {};
+  for (const AppliedWrench<T>& load : wrenches) {
+    const int i = tree->frame_body[load.frame];
+    const SE3<T>& offset = tree.frame_offset[load.frame];
+    const Wrench<BodyFixed, T> W = with_representation(load.representation, [&](auto rep) {
+      return change<BodyFixed>(C[i] * offset, Wrench<decltype(rep), T>{load.m, load.f});
+    });
+    const Wrench<Spatial, T> W_i = coAd(offset, W);  // the internal frame in the place of the inertial one
+    W_app[i] += Wrench<BodyFixed, T>{W_i.m, W_i.f};
+  }
+}
+
+/// The generalised force with which damping and Coulomb friction resist velocity c.
+template <class T, TreeOf<T> AnyTree> T joint_loss(const AnyTree& tree, int c, const T& v_c) noexcept {
+  const T sign = select(v_c > T(0), T(1), select(v_c < T(0), T(-1), T(0)));
+  return tree.damping[c] * v_c + tree.friction[c] * sign;
+}
+
+/// What the drives of the joints themselves take: armature and, where asked for, losses.
+template <class T, TreeOf<T> AnyTree>
+void joint_terms(const AnyTree& tree, const T* v, const T* a, bool joint_losses, T* own) noexcept {
+  for (int c = 0; c < tree->nv; ++c) own[c] = tree.armature[c] * a[c];
+  if (joint_losses)
+    for (int c = 0; c < tree->nv; ++c) own[c] += joint_loss(tree, c, v[c]);
+}
+
+/// The wrenches that the joints transmit and the generalised forces of one tree.
+template <class Rep, class T> struct InverseDynamicsRecursion {
+  TreeMotion<Rep, T> motion;  ///< about the origins of the roots
+  Vec3<T>* origin;            ///< of the roots, in the inertial frame
+  Wrench<Rep, T>* W;
+  BodyPoses<T> C;
+  Wrench<BodyFixed, T>* W_app;
+  T* own;
+
+  explicit InverseDynamicsRecursion(Arena& arena)
+      : motion(arena),
+        origin(arena.per_body<Vec3<T>>()),
+        W(arena.per_body<Wrench<Rep, T>>()),
+        C(arena),
+        W_app(arena.per_body<Wrench<BodyFixed, T>>()),
+        own(arena.per_velocity<T>()) {}
+
+  /// Forward: poses, twists, accelerations with gravity as V'_0 = (0, -g). Backward, from the leaves to the
+  /// roots (eqs. aWbRec, bWsRec, bWhRec with erratum 22):
+  ///   W_i = Σ_children up W_c + M_i V'_i + (velocity terms) - W_i^app
+  template <TreeOf<T> AnyTree>
+  void run(const AnyTree& tree, const T* q, const T* v, const T* a, const Loads<T>& loads) noexcept {
+    run(tree, q, v, a, loads, tree.g);
+  }
+  template <TreeOf<T> AnyTree>
+  void run(const AnyTree& tree, const T* q, const T* v, const T* a, const Loads<T>& loads,
+           const Vec3<T>& g) noexcept {
+    joint_motion(tree, q, v, a, motion.joints);
+    if (!loads.wrenches.empty()) C.run(tree, motion.joints.C_pi);
+    move_to_roots(*tree.operator->(), motion.joints.C_pi, origin);
+    forward_recursion(tree, motion.joints, -g, motion.bodies);
+    const auto& [link, V, dV] = motion.bodies;
+    W[0] = {};
+    for (int i = 1; i <= tree->n; ++i) W[i] = link[i].newton_euler(tree.M[i], V[i], dV[i]);
+    if (!loads.wrenches.empty()) {
+      sum_applied(tree, loads.wrenches, C.C, W_app);
+      for (int i = 1; i <= tree->n; ++i) W[i] -= push(link[i], W_app[i]);
+    }
+    for (int i = tree->n; i > 0; --i) W[tree->parent[i]] += link[i].up(W[i]);
+  }
+
+  /// τ = Sᵀ W of every joint (eqs. bWbRec, cWsRec, cWhRec), its armature and, where asked for, its losses. A
+  /// coupled joint adds its share to its leader's. τ may take the place of v or a.
+  template <TreeOf<T> AnyTree>
+  void project(const AnyTree& tree, const T* v, const T* a, bool joint_losses, T* tau) const noexcept {
+    joint_terms(tree, v, a, joint_losses, own);
+    for (int c = 0; c < tree->nv; ++c) tau[c] = own[c];
+    each_joint(tree, [&](const auto& joint, int i, bool coupled) {
+      const auto Q = joint.project(pull(motion.bodies.link[i], W[i]));
+      T* tau_i = tau + tree->iv[i];
+      if (coupled) {
+        *tau_i += tree.ratio[i] * Q[0];
+      } else {
+        for (int k = 0; k < joint.nv; ++k) tau_i[k] += Q[k];
+      }
+    });
+  }
+};
+
+}  // namespace axode

@@ -1,0 +1,211 @@
+#pragma once
+#include "axode/lie/newton_euler.hpp"
+#include "axode/lie/representation_change.hpp"
+#include "axode/recursion/articulated_inertia.hpp"
+
+/// The table of representations: what one body contributes to any recursion over a tree.
+///
+///                  body-fixed         spatial        hybrid                    mixed
+///   push, pull     identity           Ad_C           Ad_R                      diag(I, R)        body-fixed <-> Rep
+///   down           Ad_{C_ip}          identity       Ad_{r_ip}                 block of the two  twist of p -> at i
+///   up             Ad_{C_ip}ᵀ         identity       Ad_{r_ip}ᵀ                its transpose     wrench of i -> at p
+///   bias           ad_V (S v)         ad_V (S v)     ad_{r'_ip} V_p + ad_ω Sv  from definition   V'_i - down(V'_p) - S a
+///   inertia        M                  Ad_C⁻ᵀMAd_C⁻¹  Ad_R⁻ᵀMAd_R⁻¹             M, see impulse    of body i
+///   newton_euler   eq. NEb            eq. NEs        eq. NEh                   eq. NEcmixed      its resultant wrench
+///
+/// A Link is that for body i with predecessor p. A frame on a body is a body that never moves against it: its
+/// Link is the child of the body's, with S v = 0.
+namespace axode {
+
+template <class Rep, class T> struct Link;
+
+/// V^b = Ad_{C_ip} V_p^b + X v (eq. VbRec).
+template <class T> struct Link<BodyFixed, T> {
+  SE3<T> C_pi;
+
+  static constexpr Link root() { return {}; }
+  constexpr Link child(const SE3<T>& C) const { return {C}; }
+  constexpr SE3<T> place() const { return {}; }
+
+  template <template <class, class> class V>
+    requires Motion<V>
+  constexpr V<BodyFixed, T> down(const V<BodyFixed, T>& V_p) const {
+    const Screw<T> X = Ad_inv(C_pi, Screw<T>{V_p.w, V_p.v});
+    return {X.w, X.v};
+  }
+  constexpr Wrench<BodyFixed, T> up(const Wrench<BodyFixed, T>& W) const {
+    const Noted<T> noted(ScrewOperation::transformation);
+    const Vec3<T> f = C_pi.R * W.f;
+    return {C_pi.R * W.m + cross(C_pi.r, f), f};
+  }
+  constexpr Inertia<T> up(const Inertia<T>& M) const { return transform(C_pi, M); }
+  constexpr ArticulatedInertia<BodyFixed, T> up(const ArticulatedInertia<BodyFixed, T>& M) const {
+    const Noted<T> noted(ScrewOperation::tensor_transformation);
+    const SO3<T>&R = C_pi.R, Rt = transpose(R);
+    return transform(C_pi.r,
+                     ArticulatedInertia<BodyFixed, T>{rotate(R, M.A), (R * M.B) * Rt, rotate(R, M.L)});
+  }
+  /// [V_i, X v] (eqs. crecVbi, cVbRec2).
+  constexpr TwistRate<BodyFixed, T> bias(const Twist<BodyFixed, T>&, const Twist<BodyFixed, T>& V,
+                                         const Twist<BodyFixed, T>& Sv) const {
+    const Twist<BodyFixed, T> X = ad(V, Sv);
+    return {X.w, X.v};
+  }
+  template <class InertiaOfBody> constexpr Inertia<T> inertia(const InertiaOfBody& M) const { return M; }
+  template <class InertiaOfBody>
+  constexpr Wrench<BodyFixed, T> newton_euler(const InertiaOfBody& M, const Twist<BodyFixed, T>& V,
+                                              const TwistRate<BodyFixed, T>& dV) const {
+    return axode::newton_euler(M, V, dV);
+  }
+};
+
+/// V^s = V_p^s + J^s v (eqs. Vsrec, Vsirec).
+template <class T> struct Link<Spatial, T> {
+  SE3<T> C;
+
+  static constexpr Link root() { return {}; }
+  constexpr Link child(const SE3<T>& C_pi) const { return {C * C_pi}; }
+  constexpr const SE3<T>& place() const { return C; }
+
+  template <class Screwlike> constexpr Screwlike down(const Screwlike& V_p) const { return V_p; }
+  template <class Anything> constexpr const Anything& up(const Anything& W) const { return W; }
+  /// [V_i, J v] (eqs. timeDerJs, Visdotrec).
+  constexpr TwistRate<Spatial, T> bias(const Twist<Spatial, T>&, const Twist<Spatial, T>& V,
+                                       const Twist<Spatial, T>& Sv) const {
+    const Twist<Spatial, T> X = ad(V, Sv);
+    return {X.w, X.v};
+  }
+  template <class InertiaOfBody> constexpr Inertia<T> inertia(const InertiaOfBody& M) const {
+    return transform(C, M);
+  }
+  template <class InertiaOfBody>
+  constexpr Wrench<Spatial, T> newton_euler(const InertiaOfBody& M, const Twist<Spatial, T>& V,
+                                            const TwistRate<Spatial, T>& dV) const {
+    return axode::newton_euler(transform(C, M), V, dV);
+  }
+};
+
+/// V^h = Ad_{r_ip} V_p^h + Ad_R X v (eq. VhRec); r_pi from p to i, in inertial axes.
+template <class T> struct Link<Hybrid, T> {
+  SO3<T> R;
+  Vec3<T> r_pi;
+
+  static constexpr Link root() { return {}; }
+  constexpr Link child(const SE3<T>& C_pi) const { return {R * C_pi.R, R * C_pi.r}; }
+  constexpr SE3<T> place() const { return {R, {}}; }
+
+  template <template <class, class> class V>
+    requires Motion<V>
+  constexpr V<Hybrid, T> down(const V<Hybrid, T>& V_p) const {
+    const Noted<T> noted(ScrewOperation::translation);
+    return {V_p.w, V_p.v + cross(V_p.w, r_pi)};
+  }
+  constexpr Wrench<Hybrid, T> up(const Wrench<Hybrid, T>& W) const {
+    const Noted<T> noted(ScrewOperation::translation);
+    return {W.m + cross(r_pi, W.f), W.f};
+  }
+  constexpr Inertia<T> up(const Inertia<T>& M) const { return transform(r_pi, M); }
+  constexpr ArticulatedInertia<Hybrid, T> up(const ArticulatedInertia<Hybrid, T>& M) const {
+    return transform(r_pi, M);
+  }
+  /// ad_{r'_ip} V_p + ad_ω (X v) with r'_ip = r'_p - r'_i (eqs. recVhdot1, dVhRec2).
+  constexpr TwistRate<Hybrid, T> bias(const Twist<Hybrid, T>& V_p, const Twist<Hybrid, T>& V,
+                                      const Twist<Hybrid, T>& Sv) const {
+    Noted<T>{ScrewOperation::bracket};
+    Noted<T>{ScrewOperation::bracket};
+    return {cross(V.w, Sv.w), cross(V_p.v - V.v, V_p.w) + cross(V.w, Sv.v)};
+  }
+  template <class InertiaOfBody> constexpr Inertia<T> inertia(const InertiaOfBody& M) const {
+    return transform(R, M);
+  }
+  template <class InertiaOfBody>
+  constexpr Wrench<Hybrid, T> newton_euler(const InertiaOfBody& M, const Twist<Hybrid, T>& V,
+                                           const TwistRate<Hybrid, T>& dV) const {
+    return axode::newton_euler(transform(R, M), V, dV);
+  }
+};
+
+/// V^m = (ω^b, r'): the angular part of body-fixed, the linear part of hybrid twists.
+template <class T> struct Link<Mixed, T> {
+  SE3<T> C_pi;
+  SO3<T> R_p, R;
+
+  static constexpr Link root() { return {}; }
+  constexpr Link child(const SE3<T>& C) const { return {C, R, R * C.R}; }
+  constexpr SE3<T> place() const { return {R, {}}; }
+
+  template <template <class, class> class V>
+    requires Motion<V>
+  constexpr V<Mixed, T> down(const V<Mixed, T>& V_p) const {
+    const Noted<T> noted(ScrewOperation::transformation);
+    return {transpose(C_pi.R) * V_p.w, V_p.v + R_p * cross(V_p.w, C_pi.r)};
+  }
+  constexpr Wrench<Mixed, T> up(const Wrench<Mixed, T>& W) const {
+    const Noted<T> noted(ScrewOperation::transformation);
+    return {C_pi.R * W.m + cross(C_pi.r, transpose(R_p) * W.f), W.f};
+  }
+  constexpr Inertia<T> up(const Inertia<T>& M) const { return transform(C_pi, M); }
+  /// By way of the predecessor's axes.
+  constexpr ArticulatedInertia<Mixed, T> up(const ArticulatedInertia<Mixed, T>& M) const {
+    const Noted<T> noted(ScrewOperation::tensor_transformation);
+    const SO3<T> Rt_p = transpose(R_p);
+    const ArticulatedInertia<Mixed, T> M_p = transform(
+        C_pi.r, ArticulatedInertia<Mixed, T>{rotate(C_pi.R, M.A), (C_pi.R * M.B) * R_p, rotate(Rt_p, M.L)});
+    return {M_p.A, M_p.B * Rt_p, M.L};
+  }
+  /// The hybrid bias with its angular part in body axes, where (Rᵀ)' ω^s = -ω × ω = 0 leaves ω_i × (S v).
+  constexpr TwistRate<Mixed, T> bias(const Twist<Mixed, T>& V_p, const Twist<Mixed, T>& V,
+                                     const Twist<Mixed, T>& Sv) const {
+    Noted<T>{ScrewOperation::bracket};
+    Noted<T>{ScrewOperation::bracket};
+    return {cross(V.w, Sv.w), cross(V_p.v - V.v, R_p * V_p.w) + cross(R * V.w, Sv.v)};
+  }
+  /// The mixed inertia matrix has blocks in different axes; it is kept by the inertia in body axes.
+  template <class InertiaOfBody> constexpr Inertia<T> inertia(const InertiaOfBody& M) const { return M; }
+  template <class InertiaOfBody>
+  constexpr Wrench<Mixed, T> newton_euler(const InertiaOfBody& M, const Twist<Mixed, T>& V,
+                                          const TwistRate<Mixed, T>& dV) const {
+    return axode::newton_euler(M, R, V, dV);
+  }
+};
+
+/// What is body-fixed in Rep: a joint's screw (eqs. bVsRec, bVhRec2) or its rate with the link at rest, a wrench.
+template <template <class, class> class V, class Rep, class T>
+  requires Motion<V>
+constexpr V<Rep, T> push(const Link<Rep, T>& link, const V<BodyFixed, T>& X) {
+  const Twist<Rep, T> J = change<Rep>(link.place(), Twist<BodyFixed, T>{X.w, X.v});
+  return {J.w, J.v};
+}
+template <class Rep, class T>
+constexpr Wrench<Rep, T> push(const Link<Rep, T>& link, const Wrench<BodyFixed, T>& W) {
+  return change<Rep>(link.place(), W);
+}
+/// A wrench in Rep, body-fixed.
+template <class Rep, class T>
+constexpr Wrench<BodyFixed, T> pull(const Link<Rep, T>& link, const Wrench<Rep, T>& W) {
+  return change<BodyFixed>(link.place(), W);
+}
+
+/// M V for the inertia of a link, as the impulse that gives M the twist V from rest.
+template <class Rep, class T>
+constexpr Wrench<Rep, T> impulse(const Link<Rep, T>& link, const Inertia<T>& M, const Twist<Rep, T>& V) {
+  if constexpr (std::same_as<Rep, Mixed>) {
+    const Momentum<BodyFixed, T> Pi = M * Twist<BodyFixed, T>{V.w, transpose(link.R) * V.v};
+    return {Pi.l, link.R * Pi.p};
+  } else {
+    const Momentum<Rep, T> Pi = M * V;
+    return {Pi.l, Pi.p};
+  }
+}
+
+/// The matrix of a rigid body's inertia in Rep.
+template <class Rep, class T>
+constexpr ArticulatedInertia<Rep, T> articulated(const Link<Rep, T>& link, const Inertia<T>& M) {
+  const Mat3<T> h = skew_matrix(M.h);
+  if constexpr (std::same_as<Rep, Mixed>)
+    return {M.Theta, h * transpose(link.R), identity_tensor(M.m)};
+  else
+    return {M.Theta, h, identity_tensor(M.m)};
+}
+
+}  // namespace axode

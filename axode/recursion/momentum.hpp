@@ -1,0 +1,57 @@
+#pragma once
+#include "axode/recursion/articulated_bodies.hpp"
+#include "axode/recursion/inverse_dynamics.hpp"
+#include "axode/recursion/spatial_tree.hpp"
+
+namespace axode {
+
+/// The rates of the state (q, p): v = M⁻¹ p, and p' = τ + Jᵀ W^A + (ad_V J)ᵀ Π^A. See momentum_form().
+template <class T> struct MomentumForm {
+  SpatialTree<T> spatial;
+  SubtreeMomenta<T> momenta;
+  ArticulatedBodies<Spatial, T> bodies;
+  Wrench<Spatial, T>* W;
+  Wrench<BodyFixed, T>* W_app;
+  T *velocity, *force;
+
+  explicit MomentumForm(Arena& arena)
+      : spatial(arena),
+        momenta(arena),
+        bodies(arena),
+        W(arena.per_body<Wrench<Spatial, T>>()),
+        W_app(arena.per_body<Wrench<BodyFixed, T>>()),
+        velocity(arena.per_velocity<T>()),
+        force(arena.per_velocity<T>()) {}
+
+  /// The results may take the place of arguments.
+  template <TreeOf<T> AnyTree>
+  Solvability run(const AnyTree& tree, const T* q, const T* p, const T* tau, const Loads<T>& loads, T* v,
+                  T* dp) noexcept {
+    spatial.run(tree, q);
+    bodies.links.link = spatial.link;
+    Solvability verdict = bodies.factorize(tree, tree.armature.data());
+    for (int c = 0; c < tree->nv; ++c) velocity[c] = p[c];
+    if (verdict.ok()) bodies.solve(tree, velocity);
+    verdict = solved(verdict, tree->nv, velocity);
+
+    momenta.run(spatial, velocity);
+    for (int i = 0; i <= tree->n; ++i) W[i] = spatial.M_body[i] * TwistRate<Spatial, T>{{}, tree.g};
+    if (!loads.wrenches.empty()) {
+      SE3<T>* const C = spatial.links.C_pi;
+      for (int i = 0; i <= tree->n; ++i) C[i] = spatial.pose(i);
+      sum_applied(tree, loads.wrenches, C, W_app);
+      for (int i = 0; i <= tree->n; ++i) W[i] += push(spatial.link[i], W_app[i]);
+    }
+    sum_subtrees(*spatial.topology, W);
+    for (int c = 0; c < tree->nv; ++c)
+      force[c] = loads.joint_losses ? tau[c] - joint_loss(tree, c, velocity[c]) : tau[c];
+    for (int i = 1; i <= tree->n; ++i)
+      spatial.each_screw(i, [&](int c, const Twist<Spatial, T>& J) {
+        force[c] += (W[i] | J) + (momenta.Pi[i] | ad(momenta.V[i], J));
+      });
+    for (int c = 0; c < tree->nv; ++c) v[c] = velocity[c], dp[c] = force[c];
+    return solved(verdict, tree->nv, dp);
+  }
+};
+
+}  // namespace axode

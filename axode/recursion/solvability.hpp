@@ -1,0 +1,64 @@
+#pragma once
+#include <concepts>
+#include <limits>
+#include <string>
+
+#include "axode/model/model.hpp"
+
+/// What counts as a singular mass matrix, in one place.
+namespace axode {
+
+/// Whether accelerations (or velocities) could be found from forces (or momenta): the mass matrix must be
+/// positive definite. It is not where a joint moves no mass, or where it moves mass only as other joints do
+/// as well. The inertia of a frame asks more: the frame must be able to move in all directions.
+struct [[nodiscard]] Solvability {
+  int singular_body = 0;    ///< the body on whose joint the elimination stopped; 0 where all went well
+  bool not_finite = false;  ///< whether NaN or infinity came in, or came out because numbers overflowed
+  int directions = 6;       ///< in which the frame can move whose inertia was asked for
+  bool ok() const { return singular_body == 0 && !not_finite && directions == 6; }
+  bool operator==(const Solvability&) const = default;
+};
+/// One sentence for the user.
+std::string to_string(const Model& model, const Solvability& solvability);
+
+/// The body that a velocity moves; of coupled joints that of the leader.
+inline int body_of_velocity(const Topology& topology, int c) noexcept {
+  int i = topology.n;
+  while (topology.coupled[i] || topology.iv[i] > c) --i;
+  return i;
+}
+
+/// Judges the pivots of an elimination.
+template <class T> class PivotJudge {
+ public:
+  /// The pivot of velocity c: what is left, after the other joints have given way, of an inertia of the size fed(). It
+  /// counts as 0 where it may be what rounding left of that.
+  template <class Fed> void see(int c, const T& pivot, const Fed& fed) {
+    if (singular_velocity_ >= 0 || T(16 * unit_roundoff<T>) * fed() < pivot)
+      return;  // what follows the first is no news
+    singular_velocity_ = c;
+    not_finite_ = !(pivot - pivot < T(1));
+  }
+  Solvability verdict(const Topology& topology) const {
+    if (not_finite_) return {.not_finite = true};
+    return {.singular_body = singular_velocity_ < 0 ? 0 : body_of_velocity(topology, singular_velocity_)};
+  }
+
+ private:
+  int singular_velocity_ = -1;
+  bool not_finite_ = false;
+};
+
+/// The verdict of an elimination, and on its n results: all NaN where it failed.
+template <class T> Solvability solved(Solvability verdict, int n, T* results) {
+  if (!verdict.ok()) {
+    for (int k = 0; k < n; ++k) results[k] = T(std::numeric_limits<double>::quiet_NaN());
+  } else if constexpr (std::floating_point<T>) {
+    T none(0);
+    for (int k = 0; k < n; ++k) none += results[k] - results[k];
+    verdict.not_finite = !(none == T(0));
+  }
+  return verdict;
+}
+
+}  // namespace axode

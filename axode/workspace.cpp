@@ -1,0 +1,34 @@
+#include "axode/model/workspace.hpp"
+#include "axode/dynamics/scratch.hpp"
+#include "axode/fast/articulated_bodies.hpp"
+#include "axode/fast/composite_bodies.hpp"
+#include "axode/kinematics/scratch.hpp"
+#include "axode/recursion/composite_bodies.hpp"
+
+/// A workspace is as large as the largest of what the functions of the library take of it.
+namespace axode {
+namespace {
+
+template <class Rep, class T> std::size_t of_representation(const Topology& t) {
+  return footprint<TreeMotion<Rep, T>, ForcesAlone<Rep, T>, ForwardDynamicsRecursion<Rep, T>,
+                   CompositeBodies<Rep, T>, FrameResponse<Rep, T>, StateForm<Rep, T>>(t);
+}
+
+template <class T> std::size_t of_all(const Topology& t) {
+  return std::max({of_representation<BodyFixed, T>(t), of_representation<Spatial, T>(t),
+                   of_representation<Hybrid, T>(t), of_representation<Mixed, T>(t),
+                   footprint<FramePoses<T>, SubtreeInertias<T>, MovingMass<T>, PosesAndMotion<T>,
+                             CoriolisBodies<T>, MomentumForm<T>, ForcesAlone<Fast, T>, FastForwardDynamics<T>,
+                             FastInverse<T>, FastCompositeBodies<T>>(t)});
+}
+
+}  // namespace
+
+template <>
+Workspace<double>::Workspace(const Model& model)
+    : Workspace(model.topology(), of_all<double>(model.topology())) {}
+template <>
+Workspace<float>::Workspace(const Model& model)
+    : Workspace(model.topology(), of_all<float>(model.topology())) {}
+
+}  // namespace axode

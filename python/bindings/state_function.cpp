@@ -1,0 +1,266 @@
+#include "state_function.hpp"
+
+#include "axode/eigen.hpp"
+#include "axode/fast/fast.hpp"
+#include "conversions.hpp"
+
+namespace axode::python {
+namespace {
+
+using namespace nb::literals;
+using catalog::Choice;
+using catalog::Entry;
+using catalog::Extent;
+using catalog::Input;
+
+/// The axes that an entry has to numpy.
+Shape axes_of(Entry entry) {
+  switch (entry) {
+    case Entry::number: return {};
+    case Entry::vector: return {3};
+    case Entry::pose: return {4, 4};
+    case Entry::inertia: return {6, 6};
+    default: return {6};
+  }
+}
+
+double cost_of(catalog::Cost cost, const Model& model) {
+  switch (cost) {
+    case catalog::Cost::linear: return linear_cost(model);
+    case catalog::Cost::quadratic: return quadratic_cost(model);
+    case catalog::Cost::cubic: break;
+  }
+  return cubic_cost(model);
+}
+
+/// Entries that numpy has as matrices lie packed at the front; each is moved to its place, the last one first.
+template <int packed, int unpacked, class F> void unpack(std::span<double> numbers, const F& f) {
+  for (std::size_t k = numbers.size() / unpacked; k-- > 0;) {
+    std::array<double, packed> x;
+    std::copy_n(numbers.data() + k * packed, packed, x.begin());
+    f(x, numbers.data() + k * unpacked);
+  }
+}
+void unpack(Entry entry, std::span<double> numbers) {
+  if (entry == Entry::pose)
+    unpack<12, 16>(numbers, [](const auto& x, double* to) {
+      for (std::size_t r = 0; r < 4; ++r)
+        for (std::size_t c = 0; c < 4; ++c) to[4 * r + c] = r < 3 ? x[3 * c + r] : c < 3 ? 0 : 1;
+    });
+  if (entry == Entry::inertia)
+    unpack<10, 36>(numbers, [](const auto& x, double* to) {
+      const Inertia<> M{x[0], {x[1], x[2], x[3]}, {x[4], x[5], x[6], x[7], x[8], x[9]}};
+      Eigen::Map<Eigen::Matrix<double, 6, 6, Eigen::RowMajor>> matrix(to);
+      matrix = to_eigen(M);
+    });
+}
+
+batch::Outcome done(std::size_t states) { return {.done = states}; }
+
+}  // namespace
+
+StateFunction::InLanes StateFunction::in_lanes(std::string_view name) {
+  using G = catalog::Given<double>;
+  using Out = std::span<double>;
+  using M = batch::Monitor;
+  static constexpr std::pair<std::string_view, InLanes> all[] = {
+      {"inverse_dynamics",
+       [](const Model& m, const G& g, Out tau, int threads, const M& monitor) {
+         return done(batch::inverse_dynamics<double>(m, g.q, g.v, g.a, tau, threads, monitor));
+       }},
+      {"forward_dynamics",
+       [](const Model& m, const G& g, Out a, int threads, const M& monitor) {
+         return batch::forward_dynamics<double>(m, g.q, g.v, g.tau, a, threads, monitor);
+       }},
+      {"mass_matrix",
+       [](const Model& m, const G& g, Out M_of_q, int threads, const M& monitor) {
+         return done(batch::mass_matrix<double>(m, g.q, M_of_q, threads, monitor));
+       }},
+      {"inverse_mass_matrix",
+       [](const Model& m, const G& g, Out inverse, int threads, const M& monitor) {
+         return batch::inverse_mass_matrix<double>(m, g.q, inverse, threads, monitor);
+       }},
+      {"poses",
+       [](const Model& m, const G& g, Out C, int threads, const M& monitor) {
+         static_assert(sizeof(SE3<>) == 12 * sizeof(double));
+         return done(batch::poses<double>(m, g.q, {reinterpret_cast<SE3<>*>(C.data()), C.size() / 12},
+                                          threads, monitor));
+       }},
+      {"joint_screws",
+       [](const Model& m, const G& g, Out J, int threads, const M& monitor) {
+         return done(batch::joint_screws<double>(m, g.q, screws<Twist<Spatial>>(J), threads, monitor));
+       }},
+  };
+  for (const auto& [of, call] : all)
+    if (of == name) return call;
+  return nullptr;
+}
+
+StateFunction::StateFunction(const char* name)
+    : rows_{catalog::find<BodyFixed>(name), catalog::find<Spatial>(name), catalog::find<Hybrid>(name),
+            catalog::find<Mixed>(name), catalog::find<Fast>(name)},
+      in_lanes_(in_lanes(name)),
+      takes_v_(rows_[0]->takes_input(Input::v)),
+      takes_a_(rows_[0]->takes_input(Input::a)),
+      takes_tau_(rows_[0]->takes_input(Input::tau)),
+      takes_p_(rows_[0]->takes_input(Input::p)) {}
+
+const catalog::Function<double>& StateFunction::row(const Algorithm& algorithm) const {
+  return *rows_[algorithm.representation ? static_cast<std::size_t>(*algorithm.representation)
+                                         : rows_.size() - 1];
+}
+
+NewArray StateFunction::run(const BoundModel& m, const Arguments& given, const Row& row) const {
+  const States states(m, given.q, given.threads);
+  std::optional<Items> v, a, tau, p;
+  if (takes_v_) v.emplace(states.velocities("v", given.v));
+  if (takes_a_) a.emplace(states.velocities("a", given.a));
+  if (takes_tau_) tau.emplace(states.velocities("tau", given.tau));
+  if (takes_p_) p.emplace(states.velocities("p", given.p));
+  const AppliedLoads loads(states, given.loads, given.joint_losses);
+
+  Shape shape{};
+  const auto append = [&](nb::ssize_t length) {
+    shape.length[static_cast<std::size_t>(shape.axes++)] = length;
+  };
+  if (row.symbols.size() > 1) append(static_cast<nb::ssize_t>(row.symbols.size()));
+  for (const Extent extent : row.shape)
+    append(static_cast<nb::ssize_t>(catalog::value_of(extent, *m, loads.count())));
+  const Shape entry = axes_of(row.entry);
+  for (int k = 0; k < entry.axes; ++k) append(entry.length[static_cast<std::size_t>(k)]);
+  NewArray out = states.result(shape);
+
+  const double cost = cost_of(row.cost, *m);
+  const std::size_t size = row.size(*m, loads.count());
+  std::vector<Solvability> found;
+  Solvability otherwise{.not_finite = true};
+  if (states.many() && in_lanes_ != nullptr && loads.none() &&
+      (row.choice != Choice::recursion || !given.algorithm.representation)) {
+    catalog::Given<double> all{.q = states.q()};
+    if (v) all.v = v->all();
+    if (a) all.a = a->all();
+    if (tau) all.tau = tau->all();
+    const batch::Outcome outcome = states.unlocked(cost, [&](const batch::Monitor& monitor) {
+      return in_lanes_(*m, all, out.all().first(states.count() * size), given.threads, monitor);
+    });
+    if (!outcome.ok()) otherwise = outcome.solvability;
+  } else {
+    found.resize(states.count());
+    states.each(cost, [&](Workspace<>& workspace, std::size_t k) {
+      catalog::Given<double> one{
+          .q = states.q(k), .place = given.place, .base = given.base, .form = given.form};
+      if (v) one.v = (*v)[k];
+      if (a) one.a = (*a)[k];
+      if (tau) one.tau = (*tau)[k];
+      if (p) one.p = (*p)[k];
+      found[k] = loads.with(k, [&](const Loads<double>& now) {
+        one.loads = now;
+        return row.call(*m, workspace, one, out.all().subspan(k * size, size));
+      });
+    });
+  }
+  unpack(row.entry, out.all());
+  states.refuse(found, out, otherwise);
+  return out;
+}
+
+Array StateFunction::operator()(const BoundModel& m, const Arguments& given) const {
+  const Row& called = row(given.algorithm);
+  NewArray out = run(m, given, called);
+  return called.columns ? out.transposed() : out.array();
+}
+
+Array StateFunction::in_rows(const BoundModel& m, const Arguments& given) const {
+  return run(m, given, row(given.algorithm)).array();
+}
+
+std::tuple<Array, Array> StateFunction::both(const BoundModel& m, const Arguments& given) const {
+  NewArray out = run(m, given, row(given.algorithm));
+  return {out.part(0, 1), out.part(1, 1)};
+}
+
+void StateFunctions::of_q(const char* name, const char* doc) const {
+  module_.def(
+      name,
+      [f = StateFunction(name)](const BoundModel& m, ArrayLike q, int threads) {
+        return f(m, {.q = q, .threads = threads});
+      },
+      "m"_a, "q"_a, nb::kw_only(), "threads"_a = 1, doc);
+}
+void StateFunctions::of_q_v(const char* name, const char* doc) const {
+  module_.def(
+      name,
+      [f = StateFunction(name)](const BoundModel& m, ArrayLike q, ArrayLike v, int threads) {
+        return f(m, {.q = q, .v = v, .threads = threads});
+      },
+      "m"_a, "q"_a, "v"_a, nb::kw_only(), "threads"_a = 1, doc);
+}
+void StateFunctions::of_q_p(const char* name, const char* doc) const {
+  module_.def(
+      name,
+      [f = StateFunction(name)](const BoundModel& m, ArrayLike q, ArrayLike p, int threads) {
+        return f(m, {.q = q, .p = p, .threads = threads});
+      },
+      "m"_a, "q"_a, "p"_a, nb::kw_only(), "threads"_a = 1, doc);
+}
+void StateFunctions::of_q_v_a(const char* name, const char* doc) const {
+  module_.def(
+      name,
+      [f = StateFunction(name)](const BoundModel& m, ArrayLike q, ArrayLike v, ArrayLike a, int threads) {
+        return f(m, {.q = q, .v = v, .a = a, .threads = threads});
+      },
+      "m"_a, "q"_a, "v"_a, "a"_a, nb::kw_only(), "threads"_a = 1, doc);
+}
+void StateFunctions::of_q_v_in(const char* name, const char* doc) const {
+  module_.def(
+      name,
+      [f = StateFunction(name)](const BoundModel& m, ArrayLike q, ArrayLike v, Representation representation,
+                                int threads) {
+        return f(m, {.q = q, .v = v, .algorithm = {representation}, .threads = threads});
+      },
+      "m"_a, "q"_a, "v"_a, "representation"_a = "body", nb::kw_only(), "threads"_a = 1, doc);
+}
+void StateFunctions::of_q_v_a_in(const char* name, const char* doc) const {
+  module_.def(
+      name,
+      [f = StateFunction(name)](const BoundModel& m, ArrayLike q, ArrayLike v, ArrayLike a,
+                                Representation representation, int threads) {
+        return f(m, {.q = q, .v = v, .a = a, .algorithm = {representation}, .threads = threads});
+      },
+      "m"_a, "q"_a, "v"_a, "a"_a, "representation"_a = "body", nb::kw_only(), "threads"_a = 1, doc);
+}
+void StateFunctions::of_q_at(const char* name, const char* doc) const {
+  module_.def(
+      name,
+      [f = StateFunction(name)](const BoundModel& m, ArrayLike q, FrameName frame,
+                                Representation representation, ArrayLike offset, int threads) {
+        return f(
+            m, {.q = q, .algorithm = {representation}, .place = place(m, frame, offset), .threads = threads});
+      },
+      "m"_a, "q"_a, "frame"_a, "representation"_a = "body", nb::kw_only(), "offset"_a = nb::none(),
+      "threads"_a = 1, doc);
+}
+void StateFunctions::of_q_v_at(const char* name, const char* doc) const {
+  module_.def(
+      name,
+      [f = StateFunction(name)](const BoundModel& m, ArrayLike q, ArrayLike v, FrameName frame,
+                                Representation representation, ArrayLike offset, int threads) {
+        return f(m, {.q = q,
+                     .v = v,
+                     .algorithm = {representation},
+                     .place = place(m, frame, offset),
+                     .threads = threads});
+      },
+      "m"_a, "q"_a, "v"_a, "frame"_a, "representation"_a = "body", nb::kw_only(), "offset"_a = nb::none(),
+      "threads"_a = 1, doc);
+}
+void StateFunctions::of_q_by(const char* name, const char* doc) const {
+  module_.def(
+      name,
+      [f = StateFunction(name)](const BoundModel& m, ArrayLike q, Algorithm algorithm, int threads) {
+        return f(m, {.q = q, .algorithm = algorithm, .threads = threads});
+      },
+      "m"_a, "q"_a, "representation"_a = "fast", nb::kw_only(), "threads"_a = 1, doc);
+}
+
+}  // namespace axode::python

@@ -1,0 +1,207 @@
+#include <cstring>
+
+#include "tests/laws/law.hpp"
+#include "tests/support/functions.hpp"
+
+/// What holds for every function of the catalogue, in every representation and by the fast path.
+namespace axode::test {
+namespace {
+
+using catalog::Function, catalog::Given, catalog::Input;
+
+class EveryFunction : public Law {};
+INSTANTIATE_TEST_SUITE_P(Laws, EveryFunction, testing::ValuesIn(cases_with_fast()), name_of);
+
+/// What a call came to.
+template <class T> struct Outcome {
+  std::vector<T> numbers;
+  Solvability solvability;
+  std::string refusal;  ///< of the arguments; empty where it was none
+
+  bool operator==(const Outcome& other) const {
+    return numbers.size() == other.numbers.size() && refusal == other.refusal &&
+           solvability == other.solvability &&
+           std::equal(numbers.begin(), numbers.end(), other.numbers.begin(), [](T x, T y) {
+             return std::memcmp(&x, &y, sizeof x) == 0 || (std::isnan(x) && std::isnan(y));
+           });
+  }
+};
+
+/// A model, and arguments for every function of it.
+template <class T> class Calls {
+ public:
+  Calls(const TreeRecipe& recipe, Random<double> random)
+      : model(ModelBuilder(told(random_mechanism(random, recipe), random)).build()),
+        arguments(model, random),
+        others(model, random),
+        workspace(model) {}
+
+  const Model model;
+  Arguments<T> arguments;
+  const Arguments<T> others;
+  Workspace<T> workspace;
+
+  std::size_t size(const Function<T>& function) const {
+    return function.size(model, arguments.wrenches.size());
+  }
+  /// Calls with results in given memory.
+  Outcome<T> call(const Function<T>& function, const Given<T>& given, std::span<T> out) {
+    Outcome<T> outcome;
+    try {
+      outcome.solvability = function.call(model, workspace, given, out);
+    } catch (const std::invalid_argument& error) {
+      return {{}, {}, error.what()};
+    } catch (const std::domain_error& error) {  // nothing has mass
+      return {{}, {}, error.what()};
+    }
+    outcome.numbers.assign(out.begin(), out.end());
+    return outcome;
+  }
+  Outcome<T> call(const Function<T>& function, const Given<T>& given) {
+    std::vector<T> out(size(function));
+    return call(function, given, out);
+  }
+  Outcome<T> call(const Function<T>& function) { return call(function, arguments.given()); }
+};
+
+const TreeRecipe small{.most_bodies = 8};
+
+/// law(calls, function) for every function.
+template <class Law> void for_functions(const Case& c, int trees, const TreeRecipe& recipe, const Law& law) {
+  with_scalar(c, [&](auto scalar) {
+    using T = decltype(scalar);
+    for_seeds(trees, [&](std::uint64_t seed) {
+      Calls<T> calls(recipe, Random<double>(seed));
+      for (const Function<T>& function : functions_of<T>(c)) {
+        SCOPED_TRACE(function.name);
+        law(calls, function);
+      }
+    });
+  });
+}
+
+TEST_P(EveryFunction, InPlaceIsRightOrRefused) {
+  int right = 0, refused = 0;
+  for_functions(GetParam(), 50, small, [&]<class T>(Calls<T>& calls, const Function<T>& function) {
+    const Outcome<T> separate = calls.call(function);
+    for (const Input input : inputs_of_numbers(function))
+      for (const std::ptrdiff_t shift : {0, 1, -1}) {  // from the argument's first number to the result's
+        SCOPED_TRACE(std::string(to_string(input)) + " shifted by " + std::to_string(shift));
+        Given<T> given = calls.arguments.given();
+        std::span<const T>& argument = numbers_of(given, input);
+        const std::size_t size = calls.size(function);
+        std::vector<T> memory(std::max(argument.size(), size) + 1);
+        T* const begin = memory.data() + std::max<std::ptrdiff_t>(0, -shift);
+        std::copy(argument.begin(), argument.end(), begin);
+        argument = {begin, argument.size()};
+        const Outcome<T> in_place = calls.call(function, given, {begin + shift, size});
+        if (in_place.refusal.find("shares memory") != std::string::npos) {
+          ++refused;
+        } else {
+          ++right;
+          EXPECT_TRUE(in_place == separate) << in_place.refusal;
+        }
+      }
+  });
+  EXPECT_GT(right, refused);
+}
+
+TEST_P(EveryFunction, RemembersNothing) {
+  for_functions(GetParam(), 50, {.most_bodies = 8},
+                [&]<class T>(Calls<T>& calls, const Function<T>& function) {
+                  Arguments<T> none = calls.others;  // with numbers that are none
+                  for (std::vector<T>* numbers : {&none.v, &none.a, &none.tau, &none.p})
+                    std::fill(numbers->begin(), numbers->end(), std::numeric_limits<T>::quiet_NaN());
+                  Workspace<T> used = calls.workspace;  // by the functions before this one
+                  calls.workspace = Workspace<T>(calls.model);
+                  const Outcome<T> fresh = calls.call(function);
+                  calls.workspace = std::move(used);
+                  calls.call(function, calls.others.given());
+                  EXPECT_TRUE(calls.call(function) == fresh) << "after another state";
+                  calls.call(function, none.given());
+                  EXPECT_TRUE(calls.call(function) == fresh) << "after NaN";
+                });
+}
+
+TEST_P(EveryFunction, RefusesWrongSizes) {
+  for_functions(GetParam(), 20, small, [&]<class T>(Calls<T>& calls, const Function<T>& function) {
+    for (const Input input : inputs_of_numbers(function))
+      for (const int change : {-1, 1}) {
+        Given<T> given = calls.arguments.given();
+        std::span<const T>& argument = numbers_of(given, input);
+        if (argument.empty() && change < 0) continue;
+        std::vector<T> numbers(argument.begin(), argument.end());
+        numbers.resize(numbers.size() + static_cast<std::size_t>(change));
+        argument = numbers;
+        const std::string refusal = calls.call(function, given).refusal;
+        EXPECT_NE(refusal.find(" has " + std::to_string(numbers.size()) + " entries"), std::string::npos)
+            << refusal;
+      }
+    if (function.shape.empty()) return;  // one entry, for which the caller has memory
+    std::size_t n_entries = 1;
+    for (const catalog::Extent extent : function.shape)
+      n_entries *= value_of(extent, calls.model, calls.arguments.wrenches.size());
+    const std::size_t size = calls.size(function), entry = n_entries == 0 ? 6 : size / n_entries;
+    std::vector<T> memory(size + entry);
+    for (const std::size_t wrong : {size - std::min(size, entry), size + entry})
+      if (wrong != size) {
+        EXPECT_NE(calls.call(function, calls.arguments.given(), {memory.data(), wrong}).refusal, "") << wrong;
+      }
+  });
+}
+
+/// Those that invert the mass matrix, and say whether they could.
+bool solves(std::string_view function) {
+  constexpr std::array all{"forward_dynamics",
+                           "inverse_mass_matrix",
+                           "from_momenta",
+                           "momentum_form",
+                           "impulse_response",
+                           "mobility",
+                           "operational_space_inertia",
+                           "inverse_mass_matrix_partials"};
+  return std::find(all.begin(), all.end(), function) != all.end();
+}
+
+TEST_P(EveryFunction, NotFiniteIsSaid) {
+  int said = 0, well = 0;
+  const TreeRecipe recipe{.most_bodies = 8, .always_mass = true, .one_free_root = true};
+  for_functions(GetParam(), 50, recipe, [&]<class T>(Calls<T>& calls, const Function<T>& function) {
+    if (!solves(function.name)) return;
+    const auto check = [&](const Outcome<T>& outcome) {
+      if (!outcome.refusal.empty()) return;
+      const bool finite =
+          std::all_of(outcome.numbers.begin(), outcome.numbers.end(), [](T x) { return std::isfinite(x); });
+      EXPECT_TRUE(finite || !outcome.solvability.ok());
+      ++(outcome.solvability.ok() ? well : said);
+    };
+    check(calls.call(function));
+    const T nan = std::numeric_limits<T>::quiet_NaN(), infinity = std::numeric_limits<T>::infinity(),
+            huge = T(1e-8) * std::numeric_limits<T>::max();
+    for (const Input input : inputs_of_numbers(function)) {
+      Given<T> given = calls.arguments.given();
+      std::span<const T>& argument = numbers_of(given, input);
+      std::vector<T> numbers(argument.begin(), argument.end());
+      argument = numbers;
+      for (T& x : numbers)
+        for (const T wrong : {nan, infinity, huge}) {
+          SCOPED_TRACE(std::string(to_string(input)) + " has " + std::to_string(wrong));
+          const T right = std::exchange(x, wrong);
+          check(calls.call(function, given));
+          x = right;
+        }
+    }
+    if (!function.takes_input(Input::place)) return;
+    for (const T wrong : {nan, infinity, huge}) {
+      SCOPED_TRACE("a place at " + std::to_string(wrong));
+      Given<T> given = calls.arguments.given();
+      given.place.offset.r.x = wrong;
+      check(calls.call(function, given));
+    }
+  });
+  EXPECT_GT(said, 100);
+  EXPECT_GT(well, 100);
+}
+
+}  // namespace
+}  // namespace axode::test

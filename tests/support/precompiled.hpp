@@ -1,0 +1,10 @@
+#pragma once
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <Eigen/Dense>
+#include <nlohmann/json.hpp>
+
+#include "axode/axode.hpp"
+#include "axode/eigen.hpp"
+#include "axode/io.hpp"

@@ -1,0 +1,52 @@
+#pragma once
+#include <memory>
+#include <string_view>
+#include <vector>
+
+#include "tests/support/dense.hpp"
+#include "tests/support/subject.hpp"
+
+namespace axode::test {
+
+/// A random tree, a state of it, and the quantities of it that laws speak of, computed in one way.
+class Trial {
+ public:
+  using Numbers = std::vector<double>;
+
+  Trial(const Case& c, Model built, const State<double>& at);
+  Trial(const Case& c, const Model& built, Random<double>& random);
+  Trial(const Case& c, Random<double> random, const TreeRecipe& recipe = {});
+  ~Trial();
+
+  const Case how;
+  const Model model;
+  State<double> state;  ///< rounded to the scalar
+
+  /// The same mechanism and state, computed in another way.
+  Trial by(const Case& other) const;
+  Trial by(Representation representation) const;
+
+  /// q, v, a and the wrenches of the state, to be changed where another is meant.
+  Ask ask() const;
+  Answer answer(std::string_view function, const Ask& with);
+  Numbers call(std::string_view function, const Ask& with);
+  Numbers call(std::string_view function);
+
+  std::vector<SE3<>> poses();
+  std::vector<Six> twists(const Numbers& v);
+  std::vector<Six> twists();
+  std::vector<Six> accelerations();
+  std::vector<Six> joint_wrenches();
+  Numbers inverse_dynamics(const Numbers& v, const Numbers& a, const Loads<>& loads);
+  Numbers inverse_dynamics();
+  Eigen::MatrixXd mass_matrix();
+
+  Numbers zero() const;
+  std::size_t n_frames() const { return static_cast<std::size_t>(model.n_frames()); }
+  std::size_t n_bodies() const { return static_cast<std::size_t>(model.n_bodies()); }
+
+ private:
+  std::unique_ptr<Subject> subject_;
+};
+
+}  // namespace axode::test
