@@ -2,11 +2,11 @@
 JOBS ?= $(shell nproc)
 SOURCES = $(shell find axode apps bench examples python tests -name '*.hpp' -o -name '*.cpp')
 
-.PHONY: help deps build demo python wheel test bench docs lint venv clean
+.PHONY: help deps build demo python wheel test test-one nightly bench docs lint venv clean
 .DEFAULT_GOAL := help
 
 help: ## Show these targets
-	@awk -F ':.*## ' '/^[a-z]+:.*## / {printf "  make %-6s %s\n", $$1, $$2}' Makefile
+	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "  make %-8s %s\n", $$1, $$2}' Makefile
 
 deps: ## Install the Debian packages that are missing
 	@tools/install_dependencies.sh
@@ -27,9 +27,15 @@ wheel: python ## Build a wheel that brings its libraries along, in build/wheels
 	build/venv/bin/python -m pip wheel --quiet --no-build-isolation --no-deps --wheel-dir build/wheels/local .
 	PATH="$(CURDIR)/build/venv/bin:$$PATH" auditwheel repair --wheel-dir build/wheels build/wheels/local/axode-*.whl
 
-test: deps ## Run every test: GCC, Clang, sanitizers, Python; the last line counts them
+test: deps ## Run every test: GCC, Clang with sanitizers, Python; the last line counts them
 	@$(MAKE) --no-print-directory venv || echo "No Python environment: the tests of the package and of peers will be skipped."
 	@python3 tools/run_all_tests.py --jobs $(JOBS)
+
+test-one: deps ## Build and run the tests whose names begin with T, e.g. make test-one T=Paper.Der1
+	@tools/test_one.sh '$(T)' $(JOBS)
+
+nightly: deps venv ## What takes hours: Clang, sanitizers on everything, threads, many trees, fuzzing, benchmarks
+	@python3 tools/run_all_tests.py --nightly --jobs $(JOBS)
 
 bench: python ## Measure every function beside its peers, with GCC, with Clang and from Python; redraws docs/performance.svg
 	build/venv/bin/python -m pip install --quiet -r bench/requirements.txt

@@ -1,14 +1,18 @@
-"""Builds and tests every configuration that must hold, and counts: what `make test` runs.
+"""Builds and tests every configuration that must hold, and counts: what `make test` and `make nightly` run.
 
-The last line reads `N passed, N failed` (and `, N skipped` where some were). Exits with 1 after any failure.
+Prints what each part took of the processor. The last line reads `N passed, N failed` (and `, N skipped` where some were).
+Exits with 1 after any failure.
 """
 
 import argparse
 import os
+import resource
 import subprocess
 import sys
 import time
 import xml.etree.ElementTree as ElementTree
+from collections import Counter
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import NamedTuple
 
@@ -17,16 +21,27 @@ PYTHON = SOURCE / "build/venv/bin/python"
 
 
 class Stage(NamedTuple):
+    """A preset to build and to test. Its suites run case by case, as ctest lists them, or as whole programs."""
+
     preset: str
-    ctest: list = []  # which tests
+    ctest: tuple = ()  # which tests
+    programs: str = ""  # or: which cases of every program, a filter of GoogleTest
     environment: dict = {}
 
 
-STAGES = [
-    Stage("release"),
-    Stage("clang", ctest=["--label-exclude", "peers|package"]),
-    Stage("asan", ctest=["--label-exclude", "peers|guards"], environment={"AXODE_RANDOM_TREES": "50"}),
-]
+FEW_TREES = {"AXODE_RANDOM_TREES": "50"}
+TEST = {
+    "release": Stage("release"),
+    "asan": Stage("asan", programs="*", environment=FEW_TREES),
+}
+NIGHTLY = {
+    "clang": Stage("clang", ctest=("--label-exclude", "peers|package")),
+    "asan-apps": Stage("asan-apps", ctest=("--label-exclude", "peers|guards"), environment=FEW_TREES),
+    "tsan": Stage("tsan", programs="*Threads*:*ManyStates*", environment=FEW_TREES),
+    "trees": Stage("release", programs="*InverseOfInverseDynamics*:*RecursionAndClosedForm*:*FastPath*:*Correspondence*",
+                   environment={"AXODE_RANDOM_TREES": "100000"}),
+}
+FUZZ_SECONDS = 600
 
 
 def run(*command, environment=None):
@@ -34,7 +49,70 @@ def run(*command, environment=None):
     return subprocess.run(command, cwd=SOURCE, env={**os.environ, **(environment or {})}).returncode == 0
 
 
-def outcomes(junit):
+def processor_seconds():
+    used = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return used.ru_utime + used.ru_stime
+
+
+class Costs:
+    """CPU seconds by configuration and part."""
+
+    def __init__(self):
+        self.rows = []
+
+    def measure(self, configuration, part, call, split=lambda: {}):
+        """The result of a call; `split` says which parts it took how long for, in any unit."""
+        start = processor_seconds()
+        result = call()
+        spent = processor_seconds() - start
+        shares = split() or {part: 1}
+        for name, share in shares.items():
+            self.rows.append((configuration, name, spent * share / sum(shares.values())))
+        return result
+
+    def print(self):
+        print("\nCPU seconds, by part")
+        for configuration in dict.fromkeys(row[0] for row in self.rows):
+            rows = [row[1:] for row in self.rows if row[0] == configuration]
+            print(f"  {configuration:32} {sum(seconds for _, seconds in rows):6.0f}")
+            for name, seconds in rows:
+                print(f"    {name:30} {seconds:6.0f}")
+        print(f"  {'all':32} {sum(row[2] for row in self.rows):6.0f}\n", flush=True)
+
+
+def part_of(output):
+    """Which part of the tree a file of a build belongs to."""
+    steps = Path(output).parts
+    if steps[0] == "tests" and len(steps) > 1:
+        return "build tests/" + (steps[2] if steps[1] == "CMakeFiles" else steps[1]).removeprefix("test_").split(".")[0]
+    if steps[0] in ("apps", "examples", "bench"):
+        return f"build {steps[0]}"
+    return "build axode" if steps[0] in ("CMakeFiles", "lib") else "build apps"
+
+
+def compiled(log):
+    """What a log of ninja holds: one line for each file that was built."""
+    return set(log.read_text().splitlines()[1:]) if log.exists() else set()
+
+
+def time_by_part(lines):
+    """Seconds of building by part of the tree."""
+    parts = Counter()
+    for start, end, *_, output, _ in (line.split("\t") for line in lines):
+        if not Path(output).is_absolute():
+            parts[part_of(output)] += (int(end) - int(start)) / 1000
+    return dict(sorted(parts.items()))
+
+
+def build(preset, jobs, costs, target=()):
+    log = SOURCE / "build" / preset / ".ninja_log"
+    before = compiled(log)
+    return costs.measure(preset, "configure", lambda: run("cmake", "--preset", preset)) and costs.measure(
+        preset, "build", lambda: run("cmake", "--build", "--preset", preset, "--parallel", str(jobs), *target),
+        split=lambda: time_by_part(compiled(log) - before))
+
+
+def outcomes_of_ctest(junit):
     """Name -> passed, failed or skipped. What ctest could not run is skipped only where the test itself said so."""
     found = {}
     for case in ElementTree.parse(junit).getroot().iter("testcase"):
@@ -48,62 +126,131 @@ def outcomes(junit):
     return found
 
 
-def test(stage, jobs):
-    """Outcomes of one stage; a stage that does not build, or finds no test, is one failure."""
-    junit = SOURCE / "build" / stage.preset / "tests.xml"
+def outcomes_of_program(xml):
+    """The same, of a program of GoogleTest or of pytest."""
+    found = {}
+    for case in ElementTree.parse(xml).getroot().iter("testcase") if xml.exists() else []:
+        if case.get("status", "run") == "run":
+            wrong = case.find("failure") is not None or case.find("error") is not None
+            found[f"{case.get('classname')}.{case.get('name')}"] = (
+                "failed" if wrong else "skipped" if case.find("skipped") is not None else "passed")
+    return found
+
+
+def run_ctest(stage, jobs, folder):
+    junit = folder / "tests.xml"
     junit.unlink(missing_ok=True)
-    built = run("cmake", "--preset", stage.preset) and run("cmake", "--build", "--preset", stage.preset,
-                                                           "--parallel", jobs)
-    if not built:
-        return {"build": "failed"}
-    passed = run("ctest", "--preset", stage.preset, "--parallel", jobs, "--no-tests=error", "--output-junit",
+    passed = run("ctest", "--preset", stage.preset, "--parallel", str(jobs), "--no-tests=error", "--output-junit",
                  str(junit), *stage.ctest, environment=stage.environment)
-    results = outcomes(junit) if junit.exists() else {}
+    results = outcomes_of_ctest(junit) if junit.exists() else {}
     if not passed and "failed" not in results.values():
         results["ctest"] = "failed"
     return results
 
 
-def test_python():
+def run_shard(program, shard, shards, stage):
+    """Outcomes of a part of a program, which reports failures alone."""
+    xml = program.with_name(f"{program.name}_{shard}.xml")
+    xml.unlink(missing_ok=True)
+    done = subprocess.run(
+        [program, f"--gtest_filter={stage.programs}", f"--gtest_output=xml:{xml}", "--gtest_brief=1"], cwd=SOURCE,
+        env={**os.environ, **stage.environment, "GTEST_TOTAL_SHARDS": str(shards), "GTEST_SHARD_INDEX": str(shard)},
+        stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, errors="replace")
+    results = outcomes_of_program(xml)
+    if done.returncode and "failed" not in results.values():
+        results[f"{program.name}, shard {shard}"] = "failed"
+    if "failed" in results.values():
+        print(done.stdout[-20000:], flush=True)
+    return results
+
+
+def run_programs(stage, jobs, folder):
+    programs = sorted(path for path in (folder / "tests").glob("test_*") if path.is_file() and os.access(path, os.X_OK))
+    print("+", *(program.name for program in programs), f"--gtest_filter={stage.programs}", flush=True)
+    results = {}
+    with ThreadPoolExecutor(jobs) as pool:
+        for found in pool.map(lambda part: run_shard(*part, jobs, stage),
+                              [(program, shard) for program in programs for shard in range(jobs)]):
+            results.update(found)
+    return results or {"programs": "failed"}
+
+
+def test(name, stage, jobs, costs):
+    """Outcomes of one stage; a stage that does not build, or finds no test, is one failure."""
+    if not build(stage.preset, jobs, costs):
+        return {"build": "failed"}
+    run_tests = run_programs if stage.programs else run_ctest
+    return costs.measure(name, "run", lambda: run_tests(stage, jobs, SOURCE / "build" / stage.preset))
+
+
+def test_python(costs):
     """Outcomes of the Python package's tests; skipped where `make venv` could not make an environment."""
     if not PYTHON.exists():
         return {"package": "skipped"}
-    if not run("make", "python"):
+    if not costs.measure("python", "build", lambda: run("make", "python")):
         return {"package": "failed"}
-    junit = SOURCE / "build/python/tests.xml"
-    junit.unlink(missing_ok=True)
-    passed = run(str(PYTHON), "-m", "pytest", "-q", "-rs", "-p", "no:cacheprovider", "--junit-xml", str(junit),
-                 "tests/python")
-    results = {}
-    for case in ElementTree.parse(junit).getroot().iter("testcase") if junit.exists() else []:
-        wrong = case.find("failure") is not None or case.find("error") is not None
-        results[f"{case.get('classname')}.{case.get('name')}"] = (
-            "failed" if wrong else "skipped" if case.find("skipped") is not None else "passed")
+    xml = SOURCE / "build/python/tests.xml"
+    xml.unlink(missing_ok=True)
+    passed = costs.measure("python", "run", lambda: run(
+        str(PYTHON), "-m", "pytest", "-q", "-rs", "-p", "no:cacheprovider", "--junit-xml", str(xml), "tests/python"))
+    results = outcomes_of_program(xml)
     if not passed and "failed" not in results.values():
         results["pytest"] = "failed"
     return results
 
 
+def fuzz(jobs, costs):
+    """One outcome for each reader of files: no input of ten minutes' search makes it fail."""
+    if not build("fuzz", jobs, costs):
+        return {"build": "failed"}
+    folder = SOURCE / "build/fuzz/tests/fuzz"
+
+    def search(reader):
+        found = folder / f"found_{reader}"
+        found.mkdir(exist_ok=True)
+        return "passed" if run(str(folder / reader), str(found), f"tests/fuzz/corpus/{reader}", "-timeout=10",
+                               f"-max_total_time={FUZZ_SECONDS}", "-verbosity=0", "-print_final_stats=1",
+                               f"-artifact_prefix={folder}/") else "failed"
+
+    readers = [path.stem for path in sorted((SOURCE / "tests/fuzz").glob("*.cpp"))]
+    with ThreadPoolExecutor(jobs) as pool:
+        return costs.measure("fuzz", "run", lambda: dict(zip(readers, pool.map(search, readers))))
+
+
+def measure_speed(jobs, costs):
+    """The benchmarks run to their end."""
+    if not costs.measure("bench", "run", lambda: run("make", "bench", f"JOBS={jobs}")):
+        return {"bench": "failed"}
+    return {"bench": "passed"}
+
+
 def main():
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--jobs", default=str(os.cpu_count()))
-    runs = {stage.preset: lambda stage=stage: test(stage, arguments.jobs) for stage in STAGES}
-    runs["python"] = test_python  # after release, whose objects the compiler cache gives it
-    parser.add_argument("--only", choices=runs, help="run one configuration, or the tests of the Python package")
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--jobs", type=int, default=os.cpu_count())
+    parser.add_argument("--nightly", action="store_true", help="run what `make nightly` adds instead")
     arguments = parser.parse_args()
+
+    jobs, costs = arguments.jobs, Costs()
+    runs = {name: lambda name=name, stage=stage: test(name, stage, jobs, costs)
+            for name, stage in (NIGHTLY if arguments.nightly else TEST).items()}
+    if arguments.nightly:
+        runs["fuzz"] = lambda: fuzz(jobs, costs)
+        runs["bench"] = lambda: measure_speed(jobs, costs)
+    else:
+        runs["python"] = lambda: test_python(costs)  # with the libraries of release
 
     results = {}
     for name, test_all in runs.items():
-        if arguments.only in (None, name):
-            start = time.monotonic()
-            results.update({(name, case): outcome for case, outcome in test_all().items()})
-            print(f"{name}: {time.monotonic() - start:.0f} s\n", flush=True)
+        start = time.monotonic()
+        results.update({(name, case): outcome for case, outcome in test_all().items()})
+        print(f"{name}: {time.monotonic() - start:.0f} s\n", flush=True)
 
     for outcome in ("skipped", "failed"):
         for (configuration, case), found in results.items():
             if found == outcome:
                 print(f"{outcome}: {configuration}: {case}")
-    count = {outcome: list(results.values()).count(outcome) for outcome in ("passed", "failed", "skipped")}
+    costs.print()
+    count = Counter(results.values())
     skipped = f", {count['skipped']} skipped" if count["skipped"] else ""
     print(f"{count['passed']} passed, {count['failed']} failed{skipped}")
     return 1 if count["failed"] or not count["passed"] else 0
