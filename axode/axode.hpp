@@ -1,4 +1,5 @@
 #pragma once
+#include "axode/derivatives.hpp"
 #include "axode/dynamics.hpp"
 #include "axode/kinematics.hpp"
 #include "axode/lie.hpp"

@@ -24,8 +24,8 @@ function(axode_add_library target name)
 endfunction()
 
 # Sources that are compiled once for each scalar, and once for each representation and scalar (AXODE_T, AXODE_REP, see
-# axode/recursion/instantiate.hpp). What takes Fast in the place of a representation is named by itself: these are the
-# kernels that have to be quick, and each is a unit of its own. The others become one unit for each combination, which is
+# axode/recursion/instantiate.hpp). What has to be quick, and what takes Fast in the place of a representation, is named by
+# itself: each of these is a unit of its own. The others become one unit for each combination, which is
 # quicker to compile.
 set(AXODE_PER_SCALAR
     kinematics/center_of_mass
@@ -54,6 +54,12 @@ set(AXODE_PER_REPRESENTATION_AND_FAST
     dynamics/terms
     catalog/functions)
 
+set(AXODE_QUICK_PER_SCALAR
+    derivatives/forward_dynamics_derivatives
+    derivatives/hessian
+    derivatives/inverse_dynamics_derivatives
+    derivatives/products)
+
 axode_add_library(axode_core axode)
 set_target_properties(axode_core PROPERTIES OUTPUT_NAME axode)
 target_link_libraries(axode_core PUBLIC Eigen3::Eigen)
@@ -79,18 +85,18 @@ function(axode_instantiate library name definitions)
   set_target_properties(${name} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 0)
   target_sources(${library} PRIVATE $<TARGET_OBJECTS:${name}>)
 endfunction()
-foreach(quick IN LISTS AXODE_PER_REPRESENTATION_AND_FAST)
+foreach(quick IN LISTS AXODE_PER_REPRESENTATION_AND_FAST AXODE_QUICK_PER_SCALAR)
   set_source_files_properties(${PROJECT_SOURCE_DIR}/axode/${quick}.cpp PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
 endforeach()
 foreach(T double float)
-  axode_instantiate(axode_core axode_core_${T} AXODE_T=${T} ${AXODE_PER_SCALAR})
+  axode_instantiate(axode_core axode_core_${T} AXODE_T=${T} ${AXODE_PER_SCALAR} ${AXODE_QUICK_PER_SCALAR})
   foreach(REP BodyFixed Spatial Hybrid Mixed)
     axode_instantiate(axode_core axode_core_${REP}_${T} "AXODE_REP=${REP};AXODE_T=${T}" ${AXODE_PER_REPRESENTATION}
                       ${AXODE_PER_REPRESENTATION_AND_FAST})
   endforeach()
   axode_instantiate(axode_core axode_core_Fast_${T} "AXODE_REP=Fast;AXODE_T=${T}" ${AXODE_PER_REPRESENTATION_AND_FAST})
 endforeach()
-foreach(instantiated IN LISTS AXODE_PER_SCALAR AXODE_PER_REPRESENTATION AXODE_PER_REPRESENTATION_AND_FAST)
+foreach(instantiated IN LISTS AXODE_PER_SCALAR AXODE_QUICK_PER_SCALAR AXODE_PER_REPRESENTATION AXODE_PER_REPRESENTATION_AND_FAST)
   list(REMOVE_ITEM sources ${PROJECT_SOURCE_DIR}/axode/${instantiated}.cpp)
 endforeach()
 target_sources(axode_core PRIVATE ${sources})

@@ -85,7 +85,7 @@ template <class G, class T> struct FastArticulatedBodies {
         const Vector w_J = Number(v[tree->iv[i]]) * b.n;
         last.dw += cross(last.w_, Factor(w_J)), last.w += w_J;
       } else {
-        const Twist<BodyFixed, T> V = joint_twist(tree, i, v);
+        const Twist<BodyFixed, T> V = any_joint_twist(tree, i, v);
         const Vector w_J = last_R * Spread(Vector(V.w)), v_J = last_R * Spread(Vector(V.v)), w = last.w + w_J;
         last.dw += cross(last.w_, Factor(w_J));
         last.a += cross(Factor(last.w + w), Factor(v_J));
@@ -132,14 +132,52 @@ template <class G, class T> struct FastArticulatedBodies {
     }
   }
 
-  /// M⁻¹ after factorize, several columns at once.
+  /// x := M⁻¹ x after factorize.
+  template <class S> void solve_one(const Tree<S>& tree, Motion* motion, T* x) noexcept {
+    Vector m{}, f{};
+    for (int i = tree->n; i > 0; --i) {
+      const Body& b = body[i];
+      if (tree->branches[i]) m += handed[i].m, f += handed[i].f, handed[i].m = handed[i].f = Vector{};
+      if (is_hinge(tree, i)) [[likely]] {
+        Pivot& c = pivot[tree->first_screw[i]];
+        c.u = c.D_inv * (Number(x[tree->iv[i]]) - dot(b.n, m));
+        m += cross(Factor(b.r), Factor(f)) + c.u * c.U_m, f += c.u * c.U_f;
+      } else {
+        for (int s = tree->first_screw[i + 1]; s-- > tree->first_screw[i];) {
+          Pivot& c = pivot[s];
+          c.u = c.D_inv * (Number(x[tree->iv[i] + s - tree->first_screw[i]]) - dot(c.w, m, c.v, f));
+          m += c.u * c.U_m, f += c.u * c.U_f;
+        }
+        m += cross(Factor(b.r), Factor(f));
+      }
+      const int p = tree->parent[i];
+      if (p > 0 && p != i - 1) handed[p].m += m, handed[p].f += f;
+      if (p != i - 1 || p == 0) m = f = Vector{};
+    }
+    accelerate(tree, motion, x);
+  }
+
+  /// After factorize, several columns at once: M⁻¹,
   using L = Lanes<T>;
   using Several = typename L::Number;
   struct Columns {
     Vec3<Several> m, f;
   };
   template <class S> void inverse(const Tree<S>& tree, Columns* W, Several* u, T* out) noexcept {
-    for (int first = 0; first < tree->nv; first += L::width) inverse(tree, first, W, u, out);
+    for (int first = 0; first < tree->nv; first += L::width) {
+      const auto reaches = [&](int i) {
+        return tree->iv[i] < first + L::width && tree->velocity_end[tree->iv[i]] > first;
+      };
+      solve(tree, first, reaches, [&](int c) { return unit(c - first); }, W, u, out);
+    }
+  }
+  /// and x := M⁻¹ x for a matrix of nv columns.
+  template <class S> void solve(const Tree<S>& tree, Columns* W, Several* u, T* x) noexcept {
+    const std::ptrdiff_t nv = tree->nv;
+    for (int first = 0; first < tree->nv; first += L::width)
+      solve(
+          tree, first, [](int) { return true; }, [&](int c) { return load(x + c * nv + first, tree->nv - first); }, W,
+          u, x);
   }
 
  private:
@@ -152,7 +190,7 @@ template <class G, class T> struct FastArticulatedBodies {
       if (tree->branches[i]) M += handed[i].M;
       if constexpr (forces) {
         m += b.m, f += b.f;
-        if (tree->branches[i]) m += handed[i].m, f += handed[i].f;
+        if (tree->branches[i]) m += handed[i].m, f += handed[i].f, handed[i].m = handed[i].f = Vector{};
       }
       if (is_hinge(tree, i)) [[likely]] {
         [[maybe_unused]] Pivot& c = give_way_about_hinge(tree, i, tree.armature.data(), M);
@@ -180,29 +218,31 @@ template <class G, class T> struct FastArticulatedBodies {
     }
   }
 
-  template <class S>
-  void inverse(const Tree<S>& tree, int first, Columns* const W, Several* const u, T* const out) noexcept {
+  /// Columns first, ... of the solution for right sides that are 0 but at joints of which one reaches.
+  template <class S, class Reaches, class RightSide>
+  [[gnu::always_inline]] void solve(const Tree<S>& tree, int first, const Reaches& reaches,
+                                    const RightSide& right_side, Columns* const W, Several* const u,
+                                    T* const out) noexcept {
     const Body* const bodies = body;  // local copies, which no result can overwrite
     const Pivot* const pivots = pivot;
-    const int nv = tree->nv, end = std::min(first + L::width, nv);
-    const auto reaches = [&](int i) { return tree->iv[i] < end && tree->velocity_end[tree->iv[i]] > first; };
+    const int nv = tree->nv, room = nv - first;
     for (int i = 0; i <= tree->n; ++i)
       if (i == 0 || reaches(i)) W[i] = {};
     for (int i = tree->n; i > 0; --i) {
       if (!reaches(i)) continue;
       Columns F = W[i];
       const Vec3<Several> r = vector(bodies[i].r);
-      const int first_screw = tree->first_screw[i], c = tree->iv[i] - first;
+      const int first_screw = tree->first_screw[i], c = tree->iv[i];
       if (is_hinge(tree, i)) [[likely]] {
         const Pivot& p = pivots[first_screw];
-        const Several x = value(p.D_inv) * (unit(c) - dot(vector(bodies[i].n), F.m));
+        const Several x = value(p.D_inv) * (right_side(c) - dot(vector(bodies[i].n), F.m));
         u[first_screw] = x;
         F.m += cross(r, F.f) + x * vector(p.U_m), F.f += x * vector(p.U_f);
       } else {
         for (int s = tree->first_screw[i + 1]; s-- > first_screw;) {
           const Pivot& p = pivots[s];
           const Several x =
-              value(p.D_inv) * (unit(c + s - first_screw) - dot(vector(p.w), F.m, vector(p.v), F.f));
+              value(p.D_inv) * (right_side(c + s - first_screw) - dot(vector(p.w), F.m, vector(p.v), F.f));
           u[s] = x;
           F.m += x * vector(p.U_m), F.f += x * vector(p.U_f);
         }
@@ -223,7 +263,7 @@ template <class G, class T> struct FastArticulatedBodies {
         const Several a =
             (reached ? u[s] : Several(T(0))) - value(p.D_inv) * dot(vector(p.U_m), X.m, vector(p.U_f), X.f);
         store(a, out + static_cast<std::ptrdiff_t>(tree->iv[i] + s - tree->first_screw[i]) * nv + first,
-              end - first);
+              room);
         if (hinge)
           X.m += a * vector(bodies[i].n), X.f = moved;
         else
@@ -250,6 +290,12 @@ template <class G, class T> struct FastArticulatedBodies {
       return k >= 0 && k < L::width ? L::load(shifted.data() + L::width - k) : Several(T(0));
     }
   }
+  static Several load(const T* x, int room) noexcept {
+    if (room >= L::width) return L::load(x);
+    T entries[L::width] = {};
+    for (int l = 0; l < room; ++l) entries[l] = x[l];
+    return L::load(entries);
+  }
   static void store(const Several& x, T* out, int room) noexcept {
     if (room >= L::width) {
       L::store(x, out);
@@ -274,11 +320,6 @@ template <class G, class T> struct FastArticulatedBodies {
   }
   template <class S> Articulated inertia(const Tree<S>& tree, int i) const noexcept {
     return articulated(body[i].Theta, body[i].h, constants<G, T>(tree, i).m);
-  }
-  template <class S>
-  [[gnu::noinline]] static Twist<BodyFixed, T> joint_twist(const Tree<S>& tree, int i, const T* v) noexcept {
-    return with_subgroup(tree->kind[i], T(tree.pitch[i]),
-                         [&](const auto& joint) { return joint.twist(v + tree->iv[i]); });
   }
 
   /// The pivot of joint screw s below which M may be singular and is looked at more closely: half of the digits of what

@@ -31,12 +31,11 @@ template <class T> struct FastCompositeBodies {
     });
     for (int i = 0; i <= tree->n; i += L::width) {
       const SO3<Number> R{C.load3(0, i), C.load3(3, i), C.load3(6, i)};
-      const auto constant = [&](int k) { return inertia_constant(tree, k, i); };
-      const Sym3<Number> Theta = rotate(
-          R, Sym3<Number>{constant(3), constant(4), constant(5), constant(6), constant(7), constant(8)});
-      M.store3(R * Vec3<Number>{constant(0), constant(1), constant(2)}, 0, i);
+      const Inertia<Number> M_i = transform(R, inertias_in_lanes<T>(tree, i));
+      const Sym3<Number>& Theta = M_i.Theta;
+      M.store3(M_i.h, 0, i);
       M.store3({Theta.xx, Theta.yy, Theta.zz}, 3, i), M.store3({Theta.xy, Theta.xz, Theta.yz}, 6, i);
-      L::store(constant(9), M.array(9) + i);
+      L::store(M_i.m, M.array(9) + i);
     }
     compose(tree);
     for (int i = 1; i <= tree->n;) {
@@ -92,13 +91,6 @@ template <class T> struct FastCompositeBodies {
   }
 
  private:
-  template <class Real> static Number inertia_constant(const Tree<Real>& tree, int k, int i) {
-    if constexpr (std::floating_point<T>)
-      return L::load(tree.inertia_arrays.data() + k * tree.inertia_stride + i);
-    else
-      return T(tree.inertia_arrays[static_cast<std::size_t>(k * tree.inertia_stride + i)]);
-  }
-
   /// M_p += M_i about the predecessor's origin, from the leaves to the roots.
   template <class Real> void compose(const Tree<Real>& tree) noexcept {
     Inertia<T> carried{};

@@ -62,14 +62,15 @@ template <class G, class T> struct FastInverseDynamics {
         last =
             Motion(add_z(w, dq), Rt * last.dw_each + add_z(cross_z(w, dq), a[tree->iv[i]]), Rt * Spread(a_i));
       } else {
-        const JointState joint = joint_state(tree, i, q, v, a);
-        const Matrix Rt(transpose(joint.C.R));
-        b.R = Matrix(joint.C.R), b.r = Vector(joint.C.r);
-        const Factor r(b.r), w_J(Vector(joint.V.w)), v_J(Vector(joint.V.v));
-        const Vector w = Rt * last.w_each, w_i = w + Vector(joint.V.w);
+        const SE3<T> C = any_joint_pose(tree, i, q);
+        const Twist<BodyFixed, T> V = any_joint_twist(tree, i, v), A = any_joint_twist(tree, i, a);
+        const Matrix Rt(transpose(C.R));
+        b.R = Matrix(C.R), b.r = Vector(C.r);
+        const Factor r(b.r), w_J(Vector(V.w)), v_J(Vector(V.v));
+        const Vector w = Rt * last.w_each, w_i = w + Vector(V.w);
         const Vector a_i = last.a + (cross(last.dw_, r) + cross(last.w_, Factor(cross(last.w_, r))));
-        last = Motion(w_i, Rt * last.dw_each + (cross(Factor(w), w_J) + Vector(joint.A.w)),
-                      Rt * Spread(a_i) + (cross(Factor(w + w_i), v_J) + Vector(joint.A.v)));
+        last = Motion(w_i, Rt * last.dw_each + (cross(Factor(w), w_J) + Vector(A.w)),
+                      Rt * Spread(a_i) + (cross(Factor(w + w_i), v_J) + Vector(A.v)));
       }
       const typename G::Tensor Theta(body_i.Theta);
       const Factor& h = body_i.h_factor();
@@ -86,11 +87,10 @@ template <class G, class T> struct FastInverseDynamics {
     for (int i = tree->n; i > 0; --i) {
       const Body& b = body[i];
       m += b.m, f += b.f;
-      T* tau_i = tau + tree->iv[i];
       if (is_hinge(tree, i)) [[likely]]
-        tau_i[0] += z(m);
+        tau[tree->iv[i]] += z(m);
       else
-        project(tree, i, {m, f}, tau_i);
+        project_on_any_joint<T>(tree, i, {m, f}, tau);
       const int p = tree->parent[i];
       f = b.R * Spread(f);
       m = b.R * Spread(m) + cross(Factor(b.r), Factor(f));
@@ -99,33 +99,6 @@ template <class G, class T> struct FastInverseDynamics {
         m = f = Vector{};
       }
     }
-  }
-
- private:
-  /// A joint of any kind, in its own frame.
-  struct JointState {
-    SE3<T> C;
-    Twist<BodyFixed, T> V, A;
-  };
-  template <class S>
-  [[gnu::noinline]] static JointState joint_state(const Tree<S>& tree, int i, const T* q, const T* v,
-                                                  const T* a) noexcept {
-    return with_subgroup(tree->kind[i], T(tree.pitch[i]), [&](const auto& joint) {
-      const T *q_i = q + tree->iq[i], *v_i = v + tree->iv[i], *a_i = a + tree->iv[i];
-      const T ratio(tree.ratio[i]), own_q = ratio * q_i[0] + T(tree.offset[i]), own_v = ratio * v_i[0],
-                                    own_a = ratio * a_i[0];
-      const bool coupled = tree->coupled[i];
-      return JointState{joint.pose(cast<T>(tree.B[i]), coupled ? &own_q : q_i),
-                        joint.twist(coupled ? &own_v : v_i), joint.twist(coupled ? &own_a : a_i)};
-    });
-  }
-  template <class S>
-  [[gnu::noinline]] static void project(const Tree<S>& tree, int i, const Wrench<BodyFixed, T>& W,
-                                        T* tau_i) noexcept {
-    with_subgroup(tree->kind[i], T(tree.pitch[i]), [&](const auto& joint) {
-      const auto Q = joint.project(W);
-      for (int k = 0; k < joint.nv; ++k) tau_i[k] += T(tree.ratio[i]) * Q[k];
-    });
   }
 };
 

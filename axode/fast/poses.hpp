@@ -1,4 +1,5 @@
 #pragma once
+#include "axode/fast/any_joint.hpp"
 #include "axode/fast/joint_angles.hpp"
 #include "axode/fast/lanes.hpp"
 
@@ -20,17 +21,23 @@ template <class G, class T, class S>
     return BodyConstants<G>(cast<T>(tree.B[i]), cast<T>(tree.M[i]));
 }
 
+/// The inertias of the bodies from i on, one in each lane.
+template <class T, class S>
+[[gnu::always_inline]] inline Inertia<typename Lanes<T>::Number> inertias_in_lanes(const Tree<S>& tree, int i) {
+  const auto constant = [&](int k) {
+    const S* const at = tree.inertia_arrays.data() + k * tree.inertia_stride + i;
+    if constexpr (std::floating_point<T>)
+      return Lanes<T>::load(at);
+    else
+      return T(*at);
+  };
+  return {constant(9),
+          {constant(0), constant(1), constant(2)},
+          {constant(3), constant(4), constant(5), constant(6), constant(7), constant(8)}};
+}
+
 /// A hinge that has its own coordinate: nearly every joint of nearly every machine.
 template <class S> bool is_hinge(const Tree<S>& tree, int i) { return tree->hinges[i] > 0; }
-
-/// C_{p,i} of a joint of any kind.
-template <class T, class S>
-[[gnu::noinline]] SE3<T> any_joint_pose(const Tree<S>& tree, int i, const T* q) noexcept {
-  return with_subgroup(tree->kind[i], T(tree.pitch[i]), [&](const auto& joint) {
-    const T own = T(tree.ratio[i]) * q[tree->iq[i]] + T(tree.offset[i]);
-    return joint.pose(cast<T>(tree.B[i]), tree->coupled[i] ? &own : q + tree->iq[i]);
-  });
-}
 
 /// A body's rotation in some axes, and the way to its origin from its predecessor's in the same axes.
 template <class G> struct Placed {

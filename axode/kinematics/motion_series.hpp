@@ -24,7 +24,18 @@ template <class T> class MotionSeries {
 
   /// Series to orders V: 0..order and J: 0..order + 1 from q and the rates v, v', v'', ... (order + 1 rows of
   /// nv).
-  void run(const Tree<T>& tree, const T* q, const T* rates) noexcept {
+  void run(const Tree<T>& tree, const T* q, const T* rates) noexcept { run<false>(tree, q, rates); }
+  /// The same about the origins of the roots at t = 0, in inertial axes.
+  void run_about_roots(const Tree<T>& tree, const T* q, const T* rates) noexcept { run<true>(tree, q, rates); }
+
+  /// Coefficients 0..order of the spatial twist of body i and of joint screw s.
+  const Screw<T>* twist(int i) const { return &V_[i * stride_]; }
+  const Screw<T>* screw(int s) const { return &J_[s * stride_]; }
+  /// The pose of body i's internal frame at t = 0.
+  const SE3<T>& pose(int i) const { return C_[i]; }
+
+ private:
+  template <bool about_roots> void run(const Tree<T>& tree, const T* q, const T* rates) noexcept {
     T factorial(1);
     for (int k = 0; k <= order_; ++k) {
       if (k > 1) factorial = factorial * T(k);
@@ -35,6 +46,7 @@ template <class T> class MotionSeries {
     for (int i = 1; i <= tree->n; ++i) {
       const int p = tree->parent[i];
       C_[i] = C_[p] * joint_pose(tree, i, q);
+      if (about_roots && p == 0) C_[i].r = {};
       int s = tree->first_screw[i];
       each_screw(tree, i, C_[i], [&](int, const Screw<T>& X) { J_[s++ * stride_] = X; });
       for (int k = 0; k <= order_; ++k) {
@@ -54,13 +66,6 @@ template <class T> class MotionSeries {
     }
   }
 
-  /// Coefficients 0..order of the spatial twist of body i and of joint screw s.
-  const Screw<T>* twist(int i) const { return &V_[i * stride_]; }
-  const Screw<T>* screw(int s) const { return &J_[s * stride_]; }
-  /// The pose of body i's internal frame at t = 0.
-  const SE3<T>& pose(int i) const { return C_[i]; }
-
- private:
   int order_, stride_;
   std::vector<Screw<T>> V_, J_;
   std::vector<SE3<T>> C_;
@@ -87,6 +92,10 @@ template <class T> class PoseSeries {
       R_[k + 1] = {scale * R.x, scale * R.y, scale * R.z};
     }
   }
+  /// Coefficients of the axes and of the origin of the place.
+  const SO3<T>& axes(int k) const { return R_[k]; }
+  const Vec3<T>& origin(int k) const { return r_[k]; }
+
   /// Coefficient k of a spatial screw series X, seen from the place: hybrid (w; v + w × r), and its parts in
   /// body axes where Rep asks for them.
   template <class Rep> Screw<T> coefficient(const Screw<T>* X, int k) const noexcept {

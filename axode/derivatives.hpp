@@ -1,0 +1,7 @@
+#pragma once
+#include "axode/derivatives/forward_dynamics_derivatives.hpp"
+#include "axode/derivatives/hessian.hpp"
+#include "axode/derivatives/inverse_dynamics_derivatives.hpp"
+#include "axode/derivatives/products.hpp"
+
+/// Derivatives of dynamics: in state, time, geometry and inertia (section 6).

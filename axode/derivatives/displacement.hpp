@@ -1,0 +1,54 @@
+#pragma once
+#include "axode/lie/inertia.hpp"
+#include "axode/lie/mat3.hpp"
+
+/// The derivative of everything along a displacement, written once. Everything behind a place in the tree is displaced
+/// along a screw J: for a velocity J is its joint screw, for a geometric parameter a unit screw at B_i, for a base any
+/// screw at its place. Everything is spatial: inertial axes, one point O for one tree.
+///
+/// Seen by one who is displaced along, the only thing that happened is that the ground under the place has gained the
+/// velocity ψ' and the acceleration ψ''. That changes the wrench of a body of inertia M, twist V and momentum M V by
+/// M ψ'' + B ψ', where B X = M' X - ad_Xᵀ M V is the Coriolis force of a velocity, once for each of the two.
+namespace axode {
+
+/// An element of se(3) in inertial axes: a twist, its rate, a screw and its rates.
+template <class T> using Motion6 = Twist<Spatial, T>;
+
+/// The first two time derivatives ψ' and ψ'' of a screw J where it is fixed to a body with V_p and V'_p.
+template <class T> struct CarriedScrew {
+  Motion6<T> first, second;
+
+  CarriedScrew(const Motion6<T>& V_p, const Motion6<T>& dV_p, const Motion6<T>& J)
+      : first(ad(V_p, J)), second(ad(dV_p, J) + ad(V_p, first)) {}
+};
+
+/// B = 2 [[D, 0], [-p~, 0]] of bodies that move rigidly, each with its own twist: 12 numbers that add up. With the place r
+/// and the velocity r' of the mass, D = tr(E) 1 - E, E = ∫ r' rᵀ dm and p = ∫ r' dm: B X = 2 ∫ (r × (w × r'); w × r') dm.
+template <class T> struct CoriolisInertia {
+  Mat3<T> D;
+  Vec3<T> p;
+
+  /// Of one body with inertia M about O.
+  static constexpr CoriolisInertia of(const Inertia<T>& M, const Motion6<T>& V) {
+    const Mat3<T> E = cross(V.w, matrix(binet_tensor(M.Theta))) + outer_product(V.v, M.h);
+    return {{{E.y.y + E.z.z, -E.x.y, -E.x.z}, {-E.y.x, E.x.x + E.z.z, -E.y.z}, {-E.z.x, -E.z.y, E.x.x + E.y.y}},
+            M.m * V.v + cross(V.w, M.h)};
+  }
+  constexpr Wrench<Spatial, T> operator*(const Motion6<T>& X) const {
+    const Vec3<T> w = T(2) * X.w;
+    return {D * w, cross(w, p)};
+  }
+  /// The moment of Bᵀ X, which has no force.
+  constexpr Vec3<T> transposed_times(const Motion6<T>& X) const {
+    return T(2) * (transposed_times_(X.w) + cross(p, X.v));
+  }
+  constexpr CoriolisInertia& operator+=(const CoriolisInertia& other) {
+    D += other.D, p += other.p;
+    return *this;
+  }
+
+ private:
+  constexpr Vec3<T> transposed_times_(const Vec3<T>& w) const { return axode::transposed_times(D, w); }
+};
+
+}  // namespace axode

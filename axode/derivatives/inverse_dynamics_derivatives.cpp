@@ -1,0 +1,36 @@
+#include "axode/derivatives/inverse_dynamics_derivatives.hpp"
+
+#include "axode/derivatives/first_order.hpp"
+#include "axode/dynamics/check_loads.hpp"
+#include "axode/recursion/instantiate.hpp"
+
+namespace axode {
+
+template <class T>
+void inverse_dynamics_derivatives(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v,
+                                  Numbers<T> a, const std::type_identity_t<InverseDynamicsDerivatives<T>>& dtau,
+                                  const std::type_identity_t<Loads<T>>& loads) {
+  check_state(model, workspace, q, v, a);
+  check_loads(model, loads);
+  check_square("dtau.q", dtau.q.size(), model);
+  check_square("dtau.v", dtau.v.size(), model);
+  check_square("dtau.a", dtau.a.size(), model);
+  check_separate("dtau.q", dtau.q, "dtau.v", dtau.v);
+  check_separate("dtau.q", dtau.q, "dtau.a", dtau.a);
+  check_separate("dtau.v", dtau.v, "dtau.a", dtau.a);
+  const Tree<T>& tree = model.tree<T>();
+  Arena arena = workspace.arena(model.topology());
+  FirstOrder<T> first_order(arena);
+  first_order.run(tree, q.data(), v.data(), a.data(), loads);
+  if (!dtau.tau.empty()) {
+    check_size("dtau.tau", dtau.tau.size(), static_cast<std::size_t>(model.nv()), "nv");
+    first_order.project(tree, v.data(), a.data(), loads.joint_losses, dtau.tau.data());
+  }
+  first_order.write(tree, loads, dtau.q.data(), dtau.v.data(), dtau.a.data());
+}
+
+template void inverse_dynamics_derivatives(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>, Numbers<AXODE_T>,
+                                           Numbers<AXODE_T>, const InverseDynamicsDerivatives<AXODE_T>&,
+                                           const Loads<AXODE_T>&);
+
+}  // namespace axode

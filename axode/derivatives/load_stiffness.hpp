@@ -1,0 +1,64 @@
+#pragma once
+#include "axode/lie/mat3.hpp"
+#include "axode/lie/twist.hpp"
+
+/// Wrenches whose components are constant in a representation turn, or do not, with the body on which they act.
+namespace axode {
+
+/// What a displacement X of a body adds to a load W on it, L(X) W, where W is constant in a representation; both
+/// resolved in the loaded frame.
+template <class T>
+constexpr Wrench<BodyFixed, T> turned(Representation representation, const Wrench<BodyFixed, T>& W,
+                                      const Twist<BodyFixed, T>& X) {
+  switch (representation) {
+    case Representation::body: break;
+    case Representation::spatial: return T(-1) * coad(X, W);
+    case Representation::hybrid: return {cross(W.m, X.w), cross(W.f, X.w)};
+    case Representation::mixed: return {{}, cross(W.f, X.w)};
+  }
+  return {};
+}
+/// The gradient of L(X) W | Y with respect to X.
+template <class T>
+constexpr Wrench<BodyFixed, T> turned_transposed(Representation representation, const Wrench<BodyFixed, T>& W,
+                                                 const Twist<BodyFixed, T>& Y) {
+  switch (representation) {
+    case Representation::body: break;
+    case Representation::spatial: return coad(Y, W);
+    case Representation::hybrid: return {cross(Y.w, W.m) + cross(Y.v, W.f), {}};
+    case Representation::mixed: return {cross(Y.v, W.f), {}};
+  }
+  return {};
+}
+
+/// N of wrenches that are constant in a representation: with everything behind a place displaced along X the wrench that
+/// holds against them has gained N X, seen by one who is displaced along. N = [[A, -b~], [-f~, 0]], 15 numbers.
+template <class T> struct LoadStiffness {
+  Mat3<T> A;
+  Vec3<T> b, f;
+
+  /// Of a wrench about the point r, in inertial axes; body-fixed ones add nothing.
+  static constexpr LoadStiffness of(Representation representation, const Vec3<T>& r, const Vec3<T>& m,
+                                    const Vec3<T>& f) {
+    const auto minus = [](const Mat3<T>& X) { return T(-1) * X; };
+    switch (representation) {
+      case Representation::body: break;
+      case Representation::spatial: return {minus(skew_matrix(m + cross(r, f))), f, f};
+      case Representation::hybrid: return {minus(skew_matrix(m) + cross(r, skew_matrix(f))), {}, f};
+      case Representation::mixed: return {minus(cross(r, skew_matrix(f))), {}, f};
+    }
+    return {};
+  }
+  constexpr Wrench<Spatial, T> operator*(const Twist<Spatial, T>& X) const {
+    return {A * X.w + cross(X.v, b), cross(X.w, f)};
+  }
+  constexpr Wrench<Spatial, T> transposed_times(const Twist<Spatial, T>& X) const {
+    return {axode::transposed_times(A, X.w) + cross(f, X.v), cross(b, X.w)};
+  }
+  constexpr LoadStiffness& operator+=(const LoadStiffness& other) {
+    A += other.A, b += other.b, f += other.f;
+    return *this;
+  }
+};
+
+}  // namespace axode

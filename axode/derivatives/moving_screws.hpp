@@ -1,0 +1,212 @@
+#pragma once
+#include <algorithm>
+#include <array>
+#include <bit>
+
+#include "axode/derivatives/displacement.hpp"
+#include "axode/fast/poses.hpp"
+#include "axode/recursion/inverse_dynamics.hpp"
+
+namespace axode {
+
+/// What the wrench of a body depends on when it is displaced: inertia M, its Coriolis twin B, the wrench F. Of several bodies
+/// they add up.
+template <class T> struct MovingInertia {
+  Inertia<T> M;
+  CoriolisInertia<T> B;
+  Wrench<Spatial, T> F;  ///< M V' + B V / 2 less the applied wrenches
+
+  static constexpr std::size_t size = 28;  ///< numbers
+  using Numbers = std::array<T, size>;
+
+  static constexpr MovingInertia of(const Inertia<T>& M, const Motion6<T>& V, const Motion6<T>& dV) {
+    const auto B = CoriolisInertia<T>::of(M, V);
+    const Momentum<Spatial, T> Pi = M * dV;
+    return {M, B, {Pi.l + B.D * V.w, Pi.p + cross(V.w, B.p)}};
+  }
+};
+
+/// What a displacement along a joint screw S does to the wrenches behind it and to the joints before it. With l before or
+/// at k, and within a joint by what stands to the right of the first column:
+///   dτ_l/dq_k = S_l|P_k   dτ_l/dv_k = S_l|R_k   M_lk = S_l|U_k
+///   dτ_k/dq_l = U_k|ψ''_l + t_k·ω(ψ'_l) + N_kᵀS_k|S_l   dτ_k/dv_l = U_k|σ_l + t_k·ω(S_l)
+template <class T> struct ScrewEffects {
+  Motion6<T> S, psi_2, sigma;
+  Wrench<Spatial, T> U, P, R;
+  Vec3<T> psi_1, t;  ///< psi_1: its angular part
+
+  static constexpr std::size_t size = 42;
+  using Numbers = std::array<T, size>;
+
+  /// V_p and V'_p of the predecessor, V of the body.
+  static constexpr ScrewEffects of(const MovingInertia<T>& moved, const Motion6<T>& S, const Motion6<T>& V_p,
+                                   const Motion6<T>& dV_p, const Motion6<T>& V) {
+    const CarriedScrew<T> psi(V_p, dV_p, S);
+    const Motion6<T> sigma = psi.first + ad(V, S);
+    const auto M = [&](const Motion6<T>& X) {
+      const Momentum<Spatial, T> Pi = moved.M * X;
+      return Wrench<Spatial, T>{Pi.l, Pi.p};
+    };
+    return {S,
+            psi.second,
+            sigma,
+            M(S),
+            M(psi.second) + moved.B * psi.first + coad(S, moved.F),
+            M(sigma) + moved.B * S,
+            psi.first.w,
+            moved.B.transposed_times(S)};
+  }
+};
+
+/// A six-vector from components 0 to 5 of entries i, ..., and into entry i.
+template <class T> Motion6<typename Lanes<T>::Number> load6(const Arrays<T>& x, int i) {
+  return {x.load3(0, i), x.load3(3, i)};
+}
+template <class T> void set6(const Arrays<T>& x, int i, const Motion6<T>& X) {
+  x.set3(X.w, 0, i), x.set3(X.v, 3, i);
+}
+
+/// The joint screws of a moving tree and all that displacements along them depend on, about the origins of the roots at this
+/// instant. A column is one joint screw; those behind a joint are adjacent. A coupled joint's screw is for a unit of
+/// its leader's velocity. About 650 products and sums for a hinge.
+template <class T> struct MovingScrews {
+  using L = Lanes<T>;
+  using Number = typename L::Number;
+  struct Moving {
+    Motion6<T> V, dV;
+  };
+  static constexpr std::size_t row = 32;  ///< numbers from one body's MovingInertia to the next
+
+  FastPoses<T> poses;
+  Arrays<T> C, V, dV;           ///< of bodies: columns of R, then r; twists; their rates, gravity folded in
+  Moving* moving;               ///< the same
+  T* moved;                     ///< MovingInertia of each body, then of all that its joint moves
+  Arrays<T> S, V_p, dV_p, V_i;  ///< of columns: the screw; twist and rate of the predecessor; twist of the body
+  Arrays<T> behind;             ///< of columns: MovingInertia of all that they move
+
+  explicit MovingScrews(Arena& arena)
+      : poses(arena),
+        C(arena, 12, arena.topology().n + 1),
+        V(arena, 6, arena.topology().n + 1),
+        dV(arena, 6, arena.topology().n + 1),
+        moving(arena.per_body<Moving>()),
+        moved(arena.lines<T>(row * static_cast<std::size_t>(arena.topology().n + 1))),
+        S(arena, 6, arena.topology().n_screws),
+        V_p(arena, 6, arena.topology().n_screws),
+        dV_p(arena, 6, arena.topology().n_screws),
+        V_i(arena, 6, arena.topology().n_screws),
+        behind(arena, static_cast<int>(MovingInertia<T>::size), arena.topology().n_screws) {}
+
+  /// Motions and inertias of the bodies, each for itself.
+  template <class Real>
+  void run(const Tree<Real>& tree, const T* q, const T* v, const T* a, const Vec3<T>& g) noexcept {
+    moving[0] = {{}, {{}, -g}};
+    poses.template run<FastPoses<T>::From::root>(tree, q, [&](int i, const auto& at) {
+      const SE3<T> C_i = axode::pose<T>(at);
+      Moving next = moving[tree->parent[i]];
+      if (is_hinge(tree, i)) [[likely]] {
+        const int s = tree->first_screw[i], c = tree->iv[i];
+        add(s, {C_i.R.z, cross(C_i.r, C_i.R.z)}, moving[tree->parent[i]], v[c], a[c], next);
+        set6(V_i, s, next.V);
+      } else {
+        add_joint(tree, i, C_i, v, a, next);
+      }
+      C.set3(C_i.R.x, 0, i), C.set3(C_i.R.y, 3, i), C.set3(C_i.R.z, 6, i), C.set3(C_i.r, 9, i);
+      set6(V, i, next.V), set6(dV, i, next.dV);
+      moving[i] = next;
+    });
+    for (int i = 0; i <= tree->n; i += L::width) {
+      const SE3<Number> at{{C.load3(0, i), C.load3(3, i), C.load3(6, i)}, C.load3(9, i)};
+      const Inertia<Number> M = transform(at, inertias_in_lanes<T>(tree, i));
+      put_rows(i, tree->n, MovingInertia<Number>::of(M, load6(V, i), load6(dV, i)));
+    }
+  }
+
+  /// A wrench on body i, about O.
+  void load(int i, const Wrench<Spatial, T>& W) const noexcept {
+    T* const F = row_of(i) + 22;
+    F[0] -= W.m.x, F[1] -= W.m.y, F[2] -= W.m.z, F[3] -= W.f.x, F[4] -= W.f.y, F[5] -= W.f.z;
+  }
+
+  /// From what bodies need to what is behind the joints.
+  void compose(const Topology& topology) noexcept {
+    for (int i = topology.n; i > 0; --i)
+      if (const int p = topology.parent[i]; p > 0)
+        for (std::size_t k = 0; k < row; ++k) row_of(p)[k] += row_of(i)[k];
+    for (int i = 1; i <= topology.n; ++i)
+      for (int c = topology.first_screw[i]; c < topology.first_screw[i + 1]; ++c)
+        for (std::size_t k = 0; k < MovingInertia<T>::size; ++k)
+          behind.array(static_cast<int>(k))[c] = row_of(i)[k];
+  }
+  /// The wrench that the joint of body i transmits, once composed.
+  Wrench<Spatial, T> transmitted(int i) const {
+    const T* const F = row_of(i) + 22;
+    return {{F[0], F[1], F[2]}, {F[3], F[4], F[5]}};
+  }
+
+  /// Of the columns from c on, once composed.
+  ScrewEffects<Number> effects(int c) const {
+    return ScrewEffects<Number>::of(behind_columns(c), load6(S, c), load6(V_p, c), load6(dV_p, c), load6(V_i, c));
+  }
+  /// Of body i alone, before anything is composed.
+  MovingInertia<T> body(int i) const {
+    typename MovingInertia<T>::Numbers numbers;
+    std::copy_n(row_of(i), numbers.size(), numbers.begin());
+    return std::bit_cast<MovingInertia<T>>(numbers);
+  }
+  /// Of all that column c and the next ones move, once composed.
+  MovingInertia<Number> behind_columns(int c) const {
+    typename MovingInertia<Number>::Numbers numbers;
+    for (std::size_t k = 0; k < numbers.size(); ++k)
+      numbers[k] = L::load(behind.array(static_cast<int>(k)) + c);
+    return std::bit_cast<MovingInertia<Number>>(numbers);
+  }
+  MovingInertia<T> behind_column(int c) const {
+    typename MovingInertia<T>::Numbers numbers;
+    for (std::size_t k = 0; k < numbers.size(); ++k) numbers[k] = behind.array(static_cast<int>(k))[c];
+    return std::bit_cast<MovingInertia<T>>(numbers);
+  }
+  /// Of body i, about the origin of its root.
+  SE3<T> pose(int i) const { return {{C.get3(0, i), C.get3(3, i), C.get3(6, i)}, C.get3(9, i)}; }
+  Motion6<T> screw(int c) const { return {S.get3(0, c), S.get3(3, c)}; }
+
+ private:
+  /// Puts a column, and adds S v and S a + [V_p, S v] to the motion: of several screws the sum is [V_i, S v] as well.
+  void add(int c, const Motion6<T>& S_c, const Moving& p, const T& v, const T& a, Moving& next) noexcept {
+    set6(S, c, S_c), set6(V_p, c, p.V), set6(dV_p, c, p.dV);
+    const Motion6<T> psi = ad(p.V, S_c);
+    next.V += v * S_c;
+    next.dV += a * S_c + v * psi;
+  }
+  template <class Real>
+  [[gnu::noinline]] void add_joint(const Tree<Real>& tree, int i, const SE3<T>& C_i, const T* v, const T* a,
+                                   Moving& next) noexcept {
+    const Moving p = next;
+    const int first = tree->first_screw[i], c = tree->iv[i];
+    const T ratio(tree.ratio[i]);
+    with_subgroup(tree->kind[i], T(tree.pitch[i]), [&](const auto& joint) {
+      for (int k = 0; k < joint.nv; ++k) {
+        const Screw<T> X = joint.column(C_i, k);
+        add(first + k, ratio * Motion6<T>{X.w, X.v}, p, v[c + k], a[c + k], next);
+      }
+      for (int k = 0; k < joint.nv; ++k) set6(V_i, first + k, next.V);
+    });
+  }
+  void put_rows(int first, int last, const MovingInertia<Number>& X) noexcept {
+    const auto numbers = std::bit_cast<typename MovingInertia<Number>::Numbers>(X);
+    for (std::size_t k = 0; k < numbers.size(); ++k) {
+      if constexpr (L::width == 1) {
+        row_of(first)[k] = numbers[k];
+      } else {
+        for (int l = 0; l < L::width && first + l <= last; ++l)
+          row_of(first + l)[k] = numbers[k][static_cast<std::size_t>(l)];
+      }
+    }
+    for (int l = 0; l < L::width && first + l <= last; ++l)
+      for (std::size_t k = numbers.size(); k < row; ++k) row_of(first + l)[k] = T(0);
+  }
+
+  T* row_of(int i) const { return moved + static_cast<std::size_t>(i) * row; }
+};
+
+}  // namespace axode

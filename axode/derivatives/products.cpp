@@ -1,0 +1,114 @@
+#include "axode/derivatives/products.hpp"
+
+#include "axode/derivatives/accelerations.hpp"
+#include "axode/derivatives/inverse_dynamics_products.hpp"
+#include "axode/derivatives/scratch.hpp"
+#include "axode/dynamics/check_loads.hpp"
+#include "axode/recursion/instantiate.hpp"
+
+namespace axode {
+namespace {
+
+template <class T> void check_velocities(const Model& model, const char* name, std::span<T> x) {
+  check_size(name, x.size(), static_cast<std::size_t>(model.nv()), "nv");
+}
+
+}  // namespace
+
+template <class T>
+void inverse_dynamics_jvp(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v, Numbers<T> a,
+                          Numbers<T> dq, Numbers<T> dv, Numbers<T> da, std::type_identity_t<std::span<T>> dtau,
+                          const std::type_identity_t<Loads<T>>& loads) {
+  check_state(model, workspace, q, v, a);
+  check_loads(model, loads);
+  check_velocities(model, "dq", dq), check_velocities(model, "dv", dv), check_velocities(model, "da", da);
+  check_velocities(model, "dtau", dtau);
+  Arena arena = workspace.arena(model.topology());
+  InverseDynamicsJvp<T>(arena).run(model.tree<T>(), q.data(), v.data(), a.data(), dq.data(), dv.data(), da.data(),
+                                   loads, dtau.data());
+}
+
+template <class T>
+void inverse_dynamics_vjp(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v, Numbers<T> a,
+                          Numbers<T> w, const std::type_identity_t<InverseDynamicsGradients<T>>& gradient,
+                          const std::type_identity_t<Loads<T>>& loads) {
+  check_state(model, workspace, q, v, a);
+  check_loads(model, loads);
+  check_velocities(model, "w", w);
+  check_velocities(model, "gradient.q", gradient.q), check_velocities(model, "gradient.v", gradient.v);
+  check_velocities(model, "gradient.a", gradient.a);
+  Arena arena = workspace.arena(model.topology());
+  InverseDynamicsVjp<T> vjp(arena);
+  vjp.run(model.tree<T>(), q.data(), v.data(), a.data(), w.data(), loads);
+  std::copy_n(vjp.by_q, gradient.q.size(), gradient.q.data());
+  std::copy_n(vjp.by_v, gradient.v.size(), gradient.v.data());
+  std::copy_n(vjp.by_a, gradient.a.size(), gradient.a.data());
+}
+
+template <class T>
+Solvability forward_dynamics_jvp(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v,
+                                 Numbers<T> tau, Numbers<T> dq, Numbers<T> dv, Numbers<T> dtau,
+                                 std::type_identity_t<std::span<T>> da,
+                                 const std::type_identity_t<Loads<T>>& loads) {
+  check_state(model, workspace, q, v);
+  check_loads(model, loads);
+  check_velocities(model, "tau", tau);
+  check_velocities(model, "dq", dq), check_velocities(model, "dv", dv), check_velocities(model, "dtau", dtau);
+  check_velocities(model, "da", da);
+  Arena arena = workspace.arena(model.topology());
+  ForwardJvp<T> s(arena);
+  const Tree<T>& tree = model.tree<T>();
+  const Solvability verdict = s.forward.run(tree, q.data(), v.data(), tau.data(), loads);
+  if (!verdict.ok()) return solved(verdict, tree->nv, da.data());
+  std::fill_n(s.zero, tree->nv, T(0));
+  s.jvp.run(tree, q.data(), v.data(), s.forward.a, dq.data(), dv.data(), s.zero, loads, s.x);
+  for (std::size_t c = 0; c < da.size(); ++c) s.x[c] = dtau[c] - s.x[c];
+  s.forward.solve_one(tree, s.x);
+  std::copy_n(s.x, da.size(), da.data());
+  return solved(verdict, tree->nv, da.data());
+}
+
+template <class T>
+Solvability forward_dynamics_vjp(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v,
+                                 Numbers<T> tau, Numbers<T> w,
+                                 const std::type_identity_t<ForwardDynamicsGradients<T>>& gradient,
+                                 const std::type_identity_t<Loads<T>>& loads) {
+  check_state(model, workspace, q, v);
+  check_loads(model, loads);
+  check_velocities(model, "tau", tau), check_velocities(model, "w", w);
+  check_velocities(model, "gradient.q", gradient.q), check_velocities(model, "gradient.v", gradient.v);
+  check_velocities(model, "gradient.tau", gradient.tau);
+  Arena arena = workspace.arena(model.topology());
+  ForwardVjp<T> s(arena);
+  const Tree<T>& tree = model.tree<T>();
+  const int nv = tree->nv;
+  const Solvability verdict = s.forward.run(tree, q.data(), v.data(), tau.data(), loads);
+  if (verdict.ok()) {
+    std::copy_n(w.data(), nv, s.mu);
+    s.forward.solve_one(tree, s.mu);
+    s.vjp.run(tree, q.data(), v.data(), s.forward.a, s.mu, loads);
+    for (int c = 0; c < nv; ++c) s.vjp.by_q[c] = -s.vjp.by_q[c], s.vjp.by_v[c] = -s.vjp.by_v[c];
+  }
+  std::copy_n(s.vjp.by_q, nv, gradient.q.data());
+  std::copy_n(s.vjp.by_v, nv, gradient.v.data());
+  std::copy_n(s.mu, nv, gradient.tau.data());
+  Solvability all = solved(verdict, nv, gradient.q.data());
+  for (T* const part : {gradient.v.data(), gradient.tau.data()})
+    if (const Solvability one = solved(verdict, nv, part); all.ok()) all = one;
+  return all;
+}
+
+template void inverse_dynamics_jvp(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>, Numbers<AXODE_T>,
+                                   Numbers<AXODE_T>, Numbers<AXODE_T>, Numbers<AXODE_T>, Numbers<AXODE_T>,
+                                   std::span<AXODE_T>, const Loads<AXODE_T>&);
+template void inverse_dynamics_vjp(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>, Numbers<AXODE_T>,
+                                   Numbers<AXODE_T>, Numbers<AXODE_T>, const InverseDynamicsGradients<AXODE_T>&,
+                                   const Loads<AXODE_T>&);
+template Solvability forward_dynamics_jvp(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>, Numbers<AXODE_T>,
+                                          Numbers<AXODE_T>, Numbers<AXODE_T>, Numbers<AXODE_T>, Numbers<AXODE_T>,
+                                          std::span<AXODE_T>, const Loads<AXODE_T>&);
+template Solvability forward_dynamics_vjp(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>, Numbers<AXODE_T>,
+                                          Numbers<AXODE_T>, Numbers<AXODE_T>,
+                                          const ForwardDynamicsGradients<AXODE_T>&, const Loads<AXODE_T>&);
+
+}  // namespace axode
