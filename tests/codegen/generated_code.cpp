@@ -6,6 +6,7 @@
 #include "axode/io.hpp"
 #include "tests/codegen/compiled.hpp"
 #include "tests/laws/law.hpp"
+#include "tests/support/functions.hpp"
 #include "tests/support/refused_arguments.hpp"
 
 /// Generated functions give what the library gives.
@@ -15,108 +16,128 @@ namespace {
 using codegen::Function;
 using codegen::Quantity;
 
-template <class T> class GeneratedCode : public testing::Test {};
-using Scalars = testing::Types<double, float>;
-TYPED_TEST_SUITE(GeneratedCode, Scalars);
+class GeneratedCode : public Law {};
+INSTANTIATE_TEST_SUITE_P(Codegen, GeneratedCode, testing::ValuesIn(scalars()), name_of);
+
+/// What a generated function makes, and returns.
+struct Result {
+  std::vector<double> numbers;
+  int status = 0;
+};
+/// Calls name(arguments..., out) with memory for so many numbers.
+template <class T, class Returned = void>
+Result call_in(const Compiled& library, const std::string& name,
+               const std::vector<std::vector<double>>& arguments, std::size_t size) {
+  std::vector<std::vector<T>> x;
+  for (const std::vector<double>& argument : arguments) x.push_back(cast<T>(argument));
+  std::vector<T> out(size);
+  int status = 0;
+  const auto call = [&](auto... pointers) {
+    Returned (*function)(decltype(pointers)..., T*) =
+        library.function<Returned(decltype(pointers)..., T*)>(name);
+    if constexpr (std::same_as<Returned, int>)
+      status = function(pointers..., out.data());
+    else
+      function(pointers..., out.data());
+  };
+  const auto pointer = [&](std::size_t k) { return static_cast<const T*>(x.at(k).data()); };
+  if (x.size() == 1)
+    call(pointer(0));
+  else
+    call(pointer(0), pointer(1), pointer(2));
+  return {cast<double>(out), status};
+}
+/// In the scalar of a case.
+std::vector<double> called(const Case& c, const Compiled& library, const std::string& name,
+                           const std::vector<std::vector<double>>& arguments, std::size_t size) {
+  return (c.single ? call_in<float> : call_in<double>)(library, name, arguments, size).numbers;
+}
+Result solved(const Case& c, const Compiled& library, const std::string& name,
+              const std::vector<std::vector<double>>& arguments, std::size_t size) {
+  return (c.single ? call_in<float, int> : call_in<double, int>)(library, name, arguments, size);
+}
 
 /// The generated functions of one model. Those of several models are compiled together.
-template <class T> struct Generated {
-  using OfState = void(const T*, const T*, const T*, T*);
-  using Solve = int(const T*, const T*, const T*, T*);
-  using OfConfiguration = void(const T*, T*);
-
-  Trial<T> trial;
+struct Generated {
+  Trial trial;
   Random<double> random;
   Function jacobian;
   codegen::Source source;
 
-  explicit Generated(std::uint64_t seed)
-      : trial(Random<double>(seed), TreeRecipe{.most_bodies = 25}),
+  Generated(const Case& c, std::uint64_t seed)
+      : trial(c, Random<double>(seed), TreeRecipe{.most_bodies = 25}),
         random(seed + 1000),
         jacobian{Quantity::jacobian} {
     jacobian.frame = static_cast<int>(random.number(0, trial.model.n_frames()));
     jacobian.representation = static_cast<Representation>(seed % 4);
     const std::vector<Function> functions{
         {Quantity::inverse_dynamics}, {Quantity::forward_dynamics}, {Quantity::mass_matrix}, jacobian};
-    source =
-        codegen::c_source(trial.model, functions, {"tree" + std::to_string(seed), std::same_as<T, float>});
+    source = codegen::c_source(trial.model, functions, {"tree" + std::to_string(seed), c.single});
   }
-  template <class Signature> Signature* function(const Compiled& library, std::size_t k) const {
-    return library.function<Signature>(source.functions[k].name);
-  }
+  const std::string& name(std::size_t k) const { return source.functions[k].name; }
 };
 
-template <class T>
-std::vector<T> library_jacobian(Trial<T>& trial, const Function& wanted, const std::vector<T>& q) {
-  const std::size_t nv = static_cast<std::size_t>(trial.model.nv());
-  std::vector<T> rows(6 * nv);
-  with_representation(wanted.representation, [&](auto rep) {
-    using Rep = decltype(rep);
-    std::vector<Twist<Rep, T>> J(nv);
-    jacobian<Rep>(trial.model, trial.workspace, q, wanted.frame, J);
-    for (std::size_t c = 0; c < nv; ++c) {
-      const T column[]{J[c].w.x, J[c].w.y, J[c].w.z, J[c].v.x, J[c].v.y, J[c].v.z};
-      for (std::size_t r = 0; r < 6; ++r) rows[r * nv + c] = column[r];
-    }
-  });
+/// The library's Jacobian, row by row.
+std::vector<double> library_jacobian(const Trial& trial, const Function& wanted, const Ask& at) {
+  Trial in_wanted = trial.by(wanted.representation);
+  Ask ask = at;
+  ask.place = wanted.frame;
+  const std::vector<double> columns = in_wanted.call("jacobian", ask);
+  const std::size_t nv = columns.size() / 6;
+  std::vector<double> rows(columns.size());
+  for (std::size_t c = 0; c < nv; ++c)
+    for (std::size_t r = 0; r < 6; ++r) rows[r * nv + c] = columns[6 * c + r];
   return rows;
 }
 
-TYPED_TEST(GeneratedCode, GivesWhatTheLibraryGives) {
-  using T = TypeParam;
-  using G = Generated<T>;
-  Comparison force("force", agreement<T>), inertia("mass matrix", agreement<T>),
-      columns("Jacobian", agreement<T>);
-  int singular = 0, solved = 0, doubted = 0, coupled = 0;
+TEST_P(GeneratedCode, GivesWhatTheLibraryGives) {
+  const Case fastest = fast(GetParam());
+  const double agreement = fastest.agreement();
+  Comparison force("force", agreement), inertia("mass matrix", agreement), columns("Jacobian", agreement);
+  int singular = 0, solvable = 0, doubted = 0, coupled = 0;
   constexpr int models = 60, in_a_file = 10;
   for (int first = 1; first <= models && !testing::Test::HasFailure(); first += in_a_file) {
-    std::vector<std::unique_ptr<G>> group;
+    std::vector<std::unique_ptr<Generated>> group;
     std::string text;
     for (int seed = first; seed < first + in_a_file; ++seed) {
-      group.push_back(std::make_unique<G>(static_cast<std::uint64_t>(seed)));
+      group.push_back(std::make_unique<Generated>(fastest, static_cast<std::uint64_t>(seed)));
       text += group.back()->source.text;
     }
     const Compiled library(text);
     for (std::size_t k = 0; k < group.size(); ++k) {
       SCOPED_TRACE("seed " + std::to_string(first + static_cast<int>(k)));
-      G& generated = *group[k];
-      Trial<T>& trial = generated.trial;
+      Generated& generated = *group[k];
+      Trial& trial = generated.trial;
       const Model& model = trial.model;
+      const std::size_t nv = static_cast<std::size_t>(model.nv());
       coupled += model.n_screws() > model.nv();
       for (int s = 0; s < 4; ++s) {
-        const State<T> state = cast<T>(random_state(model, generated.random));
-        const std::vector<T>&q = state.q, &v = state.v, &a = state.a;
-        std::vector<T> tau = trial.zero(), expected = tau, back = tau, found = tau;
-        inverse_dynamics(model, trial.workspace, q, v, a, expected);
-        generated.template function<typename G::OfState>(library, 0)(q.data(), v.data(), a.data(),
-                                                                     tau.data());
-        force.expect_equal(tau, expected);
+        const State<double> state = rounded(fastest, random_state(model, generated.random));
+        Ask ask{.q = state.q, .v = state.v, .a = state.a};
+        ask.tau = trial.call("inverse_dynamics", ask);
+        force.expect_equal(called(fastest, library, generated.name(0), {ask.q, ask.v, ask.a}, nv), ask.tau);
 
-        const int doubt = generated.template function<typename G::Solve>(library, 1)(
-            q.data(), v.data(), expected.data(), found.data());
-        const bool ok = forward_dynamics(model, trial.workspace, q, v, expected, back).ok();
+        const auto [found, doubt] = solved(fastest, library, generated.name(1), {ask.q, ask.v, ask.tau}, nv);
+        const bool ok = trial.answer("forward_dynamics", ask).solvability.ok();
         EXPECT_TRUE(ok || doubt == 1) << "a singular mass matrix is told";
         singular += !ok, doubted += ok && doubt == 1;
         if (doubt ==
             0) {  // accelerations may be as ill-conditioned as M: compared by the forces that they need
-          ++solved;
-          inverse_dynamics(model, trial.workspace, q, v, found, back);
-          force.expect_equal(back, expected);
+          ++solvable;
+          force.expect_equal(trial.call("inverse_dynamics", {.q = ask.q, .v = ask.v, .a = found}), ask.tau);
         }
 
-        std::vector<T> M(tau.size() * tau.size()), J(6 * tau.size()), M_expected = M;
-        mass_matrix(model, trial.workspace, q, M_expected);
-        generated.template function<typename G::OfConfiguration>(library, 2)(q.data(), M.data());
-        inertia.expect_equal(M, M_expected);
-        generated.template function<typename G::OfConfiguration>(library, 3)(q.data(), J.data());
-        columns.expect_equal(J, library_jacobian(trial, generated.jacobian, q));
+        inertia.expect_equal(called(fastest, library, generated.name(2), {ask.q}, nv * nv),
+                             trial.call("mass_matrix", ask));
+        columns.expect_equal(called(fastest, library, generated.name(3), {ask.q}, 6 * nv),
+                             library_jacobian(trial, generated.jacobian, ask));
       }
     }
   }
   EXPECT_GE(singular, 10);
-  EXPECT_GE(solved, 100);
+  EXPECT_GE(solvable, 100);
   EXPECT_GE(coupled, 5);
-  EXPECT_LE(doubted, solved / 20) << "doubt is rare where the library finds accelerations";
+  EXPECT_LE(doubted, solvable / 20) << "doubt is rare where the library finds accelerations";
 }
 
 /// What a compiler says about C source.
@@ -128,7 +149,7 @@ std::string complaints(const std::string& source, std::vector<std::string> words
   return run(words).err;
 }
 
-TYPED_TEST(GeneratedCode, CompilesWithoutWarningsAsC99AndAsCpp) {
+TEST_P(GeneratedCode, CompilesWithoutWarningsAsC99AndAsCpp) {
   const std::vector<Function> functions{{Quantity::inverse_dynamics},
                                         {Quantity::forward_dynamics},
                                         {Quantity::mass_matrix},
@@ -137,9 +158,8 @@ TYPED_TEST(GeneratedCode, CompilesWithoutWarningsAsC99AndAsCpp) {
   for (const auto& [file, base] :
        {std::pair("arm7.toml", Base::fixed), std::pair("machine.toml", Base::as_described),
         std::pair("humanoid.urdf", Base::free)}) {
-    const codegen::Source source =
-        codegen::c_source(load(robot(file), base), functions,
-                          {.prefix = "robot", .single_precision = std::same_as<TypeParam, float>});
+    const codegen::Source source = codegen::c_source(
+        load(robot(file), base), functions, {.prefix = "robot", .single_precision = GetParam().single});
     EXPECT_EQ(complaints(source.text, {"-x", "c", "-std=c99"}), "") << file;
     EXPECT_EQ(complaints(source.text, {"-x", "c++"}), "") << file;
     EXPECT_NE(complaints(source.text, {"-x", "c", "-std=c99", "-ffast-math"}), "") << file;
@@ -162,80 +182,82 @@ Model wrist(double mass = 1) {
       .build();
 }
 
-TYPED_TEST(GeneratedCode, TellsWhereTheMassMatrixIsSingular) {
-  using T = TypeParam;
+TEST_P(GeneratedCode, TellsWhereTheMassMatrixIsSingular) {
   const std::vector<Function> functions{{Quantity::forward_dynamics}};
-  const bool single = std::same_as<T, float>;
+  const bool single = GetParam().single;
   const Compiled library(codegen::c_source(wrist(), functions, {"wrist", single}).text);
   const Compiled massless(codegen::c_source(wrist(0), functions, {"wrist", single}).text);
-  const T straight[]{T(0.3), T(0), T(0.2)}, bent[]{T(0.3), T(1), T(0.2)}, zero[]{T(0), T(0), T(0)};
-  T a[3];
-  const char* name = "wrist_forward_dynamics";
-  EXPECT_EQ(library.function<typename Generated<T>::Solve>(name)(bent, zero, zero, a), 0);
-  EXPECT_EQ(library.function<typename Generated<T>::Solve>(name)(straight, zero, zero, a), 1);
-  EXPECT_EQ(massless.function<typename Generated<T>::Solve>(name)(bent, zero, zero, a), 1);
+  const std::vector<double> straight{0.3, 0, 0.2}, bent{0.3, 1, 0.2}, zero{0, 0, 0};
+  const auto status = [&](const Compiled& of, const std::vector<double>& q) {
+    return solved(GetParam(), of, "wrist_forward_dynamics", {q, zero, zero}, 3).status;
+  };
+  EXPECT_EQ(status(library, bent), 0);
+  EXPECT_EQ(status(library, straight), 1);
+  EXPECT_EQ(status(massless, bent), 1);
+}
+
+/// The distance of x from a number, in units of the last place.
+template <class T> double units(T x, double exact) {
+  const T nearest = static_cast<T>(exact);
+  const double unit = std::abs(static_cast<double>(std::nextafter(nearest, T(2)) - nearest));
+  return std::abs(static_cast<double>(x) - exact) / unit;
 }
 
 /// The turning point of a crank of 1 m moves with -sin q and cos q.
-TYPED_TEST(GeneratedCode, HasSinesAndCosinesOfTwoUnitsInTheLastPlace) {
-  using T = TypeParam;
+TEST_P(GeneratedCode, HasSinesAndCosinesOfTwoUnitsInTheLastPlace) {
   const Model crank = ModelBuilder("crank")
                           .add({.name = "crank", .joint = {.kind = JointKind::revolute, .axis = {0, 0, 1}}})
                           .add(FrameDescription{.name = "pin", .body = "crank", .pose = {{}, {1, 0, 0}}})
                           .build();
   const std::vector<Function> functions{
       {Quantity::jacobian, crank.frame_index("pin"), Representation::hybrid}};
-  const Compiled library(codegen::c_source(crank, functions, {"crank", std::same_as<T, float>}).text);
-  const auto function = library.function<typename Generated<T>::OfConfiguration>("crank_jacobian_pin_hybrid");
-  Random<double> random(1);
-  const auto units = [](T x, double exact) {
-    const T nearest = static_cast<T>(exact);
-    const double unit = std::abs(static_cast<double>(std::nextafter(nearest, T(2)) - nearest));
-    return std::abs(static_cast<double>(x) - exact) / unit;
-  };
-  for (int trial = 0; trial < 200000 && !testing::Test::HasFailure(); ++trial) {
-    const double size = std::pow(10.0, random.number(-6, 5));
-    const double anywhere = random.number(-size, size);
-    const double quarter_turns = std::round(random.number(-6e4, 6e4)) * std::numbers::pi / 2;
-    const T q = static_cast<T>(trial % 2 == 0 ? anywhere : quarter_turns);
-    T J[6];
-    function(&q, J);
-    EXPECT_LE(units(-J[3], std::sin(static_cast<double>(q))), 2) << q;
-    EXPECT_LE(units(J[4], std::cos(static_cast<double>(q))), 2) << q;
-  }
+  const Compiled library(codegen::c_source(crank, functions, {"crank", GetParam().single}).text);
+  with_scalar(GetParam(), [&](auto scalar) {
+    using T = decltype(scalar);
+    const auto function = library.function<void(const T*, T*)>("crank_jacobian_pin_hybrid");
+    Random<double> random(1);
+    for (int trial = 0; trial < 200000 && !testing::Test::HasFailure(); ++trial) {
+      const double size = std::pow(10.0, random.number(-6, 5));
+      const double anywhere = random.number(-size, size);
+      const double quarter_turns = std::round(random.number(-6e4, 6e4)) * std::numbers::pi / 2;
+      const T q = static_cast<T>(trial % 2 == 0 ? anywhere : quarter_turns);
+      T J[6];
+      function(&q, J);
+      EXPECT_LE(units(-J[3], std::sin(static_cast<double>(q))), 2) << q;
+      EXPECT_LE(units(J[4], std::cos(static_cast<double>(q))), 2) << q;
+    }
+  });
 }
 
-/// Every operation of a tape, with sines of sines, as a function of C.
-TYPED_TEST(GeneratedCode, ComputesWhatIsRecorded) {
-  using T = TypeParam;
-  const auto computed = [](auto x, auto y, auto z) {
-    using N = decltype(x);
-    const N a = sin(x) * cos(y) + z / (N(2) + x * x), b = sqrt(N(1) + a * a) - N(3) * y,
-            c = atan2(b, sin(a) - y);
-    const auto less = [](const N& u, const N& v) { return !(v <= u); };
-    return std::vector<N>{
-        a, -b, N(0.1) * c, N(7), x, select(x < y && y <= z, a, b), select(less(z, a) || y < x, a, -a)};
-  };
+/// Every operation of a tape, with sines of sines.
+template <class N> std::vector<N> every_operation(N x, N y, N z) {
+  const N a = sin(x) * cos(y) + z / (N(2) + x * x), b = sqrt(N(1) + a * a) - N(3) * y,
+          c = atan2(b, sin(a) - y);
+  const auto less = [](const N& u, const N& v) { return !(v <= u); };
+  return {a, -b, N(0.1) * c, N(7), x, select(x < y && y <= z, a, b), select(less(z, a) || y < x, a, -a)};
+}
+
+TEST_P(GeneratedCode, ComputesWhatIsRecorded) {
   codegen::Recording recording{.arguments = {"q"}, .result = "f"};
   {
     Tape tape;
-    recording.results = computed(tape.input(0, 0), tape.input(0, 1), tape.input(0, 2));
+    recording.results = every_operation(tape.input(0, 0), tape.input(0, 1), tape.input(0, 2));
     recording.nodes = tape.nodes();
   }
   EXPECT_TRUE(codegen::calls_math_library(recording));
-  const codegen::Precision precision{std::same_as<T, float>};
+  const codegen::Precision precision{GetParam().single};
   const Compiled library("#include <math.h>\n#define AXODE_RESTRICT restrict\n" +
                          codegen::c_sine_cosine("turn", precision) +
                          codegen::c_definition(recording, "f_of_q", "turn", precision));
-  const auto function = library.function<typename Generated<T>::OfConfiguration>("f_of_q");
-  Comparison value("value", std::same_as<T, double> ? 1e-14 : 1e-5);
+  Comparison value("value", GetParam().single ? 1e-5 : 1e-14);
   Random<double> random(7);
   for (int trial = 0; trial < 1000; ++trial) {
-    const T q[]{static_cast<T>(random.number(-1, 1)), static_cast<T>(random.number(-1, 1)),
-                static_cast<T>(random.number(-1, 1))};
-    std::vector<T> f(7);
-    function(q, f.data());
-    value.expect_equal(f, computed(q[0], q[1], q[2]));
+    const auto number = [&] {
+      const double x = random.number(-1, 1);
+      return GetParam().single ? static_cast<double>(static_cast<float>(x)) : x;
+    };
+    const std::vector<double> q{number(), number(), number()};
+    value.expect_equal(called(GetParam(), library, "f_of_q", {q}, 7), every_operation(q[0], q[1], q[2]));
   }
 }
 

@@ -25,12 +25,12 @@ TEST(LongChain, IsBuiltAndEvaluated) {
   ASSERT_EQ(model.n_bodies(), n);
   EXPECT_NEAR(model.total_mass(), 100, 1e-9);
   std::vector<double> zero(n);
-  Trial<double> hanging(model, {zero, zero, zero});
+  Trial hanging(scalars()[0], model, {zero, zero, zero});
   EXPECT_NEAR(hanging.poses()[n].r.z, -0.01 * (n - 1), 1e-9);
-  EXPECT_LE(largest(hanging.inverse_dynamics<BodyFixed>()), 1e-9) << "it hangs straight down";
-  const auto W = hanging.joint_wrenches<Hybrid>();
-  EXPECT_NEAR(W[0].f.z, 100 * 9.81, 1e-6) << "the first hinge carries all of it";
-  EXPECT_NEAR(W[n - 1].f.z, 0.01 * 9.81, 1e-12) << "the last hinge carries its link";
+  EXPECT_LE(largest(hanging.by(Representation::body).inverse_dynamics()), 1e-9) << "it hangs straight down";
+  const std::vector<Six> W = hanging.joint_wrenches();
+  EXPECT_NEAR(W[0].b.z, 100 * 9.81, 1e-6) << "the first hinge carries all of it";
+  EXPECT_NEAR(W[n - 1].b.z, 0.01 * 9.81, 1e-12) << "the last hinge carries its link";
 }
 
 TEST(LongChain, AgreesInAllRepresentations) {
@@ -40,12 +40,11 @@ TEST(LongChain, AgreesInAllRepresentations) {
                       a = random_numbers(random, n);
   for (double& x : q) x *= 0.01;
   for (double& x : v) x *= 0.01;
-  Trial<double> trial(model, {q, v, a});
-  const std::vector<double> tau = trial.inverse_dynamics<BodyFixed>();
+  Trial body(in(Representation::body, scalars()[0]), model, {q, v, a});
+  const std::vector<double> tau = body.inverse_dynamics();
   Comparison torque("torque", agreement<double>);
-  torque.expect_equal(trial.inverse_dynamics<Spatial>(), tau);
-  torque.expect_equal(trial.inverse_dynamics<Hybrid>(), tau);
-  torque.expect_equal(trial.inverse_dynamics<Mixed>(), tau);
+  for (const Representation other : {Representation::spatial, Representation::hybrid, Representation::mixed})
+    torque.expect_equal(body.by(other).inverse_dynamics(), tau);
 }
 
 }  // namespace

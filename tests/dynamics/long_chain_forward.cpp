@@ -23,13 +23,14 @@ Model chain(int n, double away) {
 }
 
 /// ‖τ - ID(FD(τ))‖∞ / ‖τ‖∞ with τ = ID(a).
-template <class Rep> double residual(Trial<double>& t) {
-  const std::vector<double> tau = t.inverse_dynamics<Rep>();
-  std::vector<double> a = t.zero();
-  EXPECT_TRUE(forward_dynamics<Rep>(t.model, t.workspace, t.state.q, t.state.v, tau, a).ok());
-  std::vector<double> off = t.inverse_dynamics<Rep>(t.state.v, a, {});
-  for (std::size_t c = 0; c < off.size(); ++c) off[c] -= tau[c];
-  return largest(off) / largest(tau);
+double residual(Trial t) {
+  Ask ask = t.ask();
+  ask.tau = t.inverse_dynamics();
+  const auto [a, solvability] = t.answer("forward_dynamics", ask);
+  EXPECT_TRUE(solvability.ok());
+  std::vector<double> off = t.inverse_dynamics(t.state.v, a, {});
+  for (std::size_t c = 0; c < off.size(); ++c) off[c] -= ask.tau[c];
+  return largest(off) / largest(ask.tau);
 }
 
 /// The residuals in the representations body, spatial, hybrid, mixed; the joints' angles are up to `bend`,
@@ -39,11 +40,11 @@ std::array<double, 4> residuals(int n, double bend, double away, std::uint64_t s
   std::vector<double> q = random_numbers(random, n), v = random_numbers(random, n),
                       a = random_numbers(random, n);
   for (double& x : q) x *= bend;
-  Trial<double> trial(chain(n, away), {q, v, a});
-  return {residual<BodyFixed>(trial), residual<Spatial>(trial), residual<Hybrid>(trial),
-          residual<Mixed>(trial)};
+  const Trial trial(scalars()[0], chain(n, away), {q, v, a});
+  std::array<double, 4> all{};
+  for (std::size_t r = 0; r < 4; ++r) all[r] = residual(trial.by(representations[r]));
+  return all;
 }
-const char* const names[] = {"body", "spatial", "hybrid", "mixed"};
 
 TEST(LongChain, ForwardDynamicsUndoesInverseDynamics) {
   for (const double bend : {0.001, 1.0})  // stretched out, and curled
@@ -54,9 +55,10 @@ TEST(LongChain, ForwardDynamicsUndoesInverseDynamics) {
         for (std::size_t r = 0; r < 4; ++r) worst[r] = std::max(worst[r], found[r]);
       }
       for (std::size_t r = 0; r < 4; ++r) {
-        EXPECT_LE(worst[r], 1e-8) << names[r] << ", n = " << n << ", bend " << bend;
-        RecordProperty((bend < 1 ? "stretched " : "curled ") + std::to_string(n) + " " + names[r],
-                       to_text(worst[r]));
+        EXPECT_LE(worst[r], 1e-8) << name(representations[r]) << ", n = " << n << ", bend " << bend;
+        RecordProperty(
+            (bend < 1 ? "stretched " : "curled ") + std::to_string(n) + " " + name(representations[r]),
+            to_text(worst[r]));
       }
     }
 }
@@ -65,8 +67,8 @@ TEST(LongChain, NoRepresentationSuffersFarFromTheInertialOrigin) {
   for (const double away : {1e2, 1e4, 1e6}) {
     const std::array<double, 4> found = residuals(100, 1, away, 1);
     for (std::size_t r = 0; r < 4; ++r) {
-      EXPECT_LE(found[r], 1e-12) << names[r] << ", " << away << " m away";
-      RecordProperty(to_text(away) + " m away " + names[r], to_text(found[r]));
+      EXPECT_LE(found[r], 1e-12) << name(representations[r]) << ", " << away << " m away";
+      RecordProperty(to_text(away) + " m away " + name(representations[r]), to_text(found[r]));
     }
   }
 }

@@ -1,20 +1,55 @@
 #include "axode/lie/newton_euler.hpp"
 
-#include <gtest/gtest.h>
-
-#include "tests/lie/random_quantities.hpp"
+#include "tests/laws/law.hpp"
 #include "tests/lie/relative_error.hpp"
-#include "tests/support/cases.hpp"
+#include "tests/support/functions.hpp"
 
 /// One rigid body: its Newton-Euler equations in every representation, for any body frame and any frames j
 /// and k.
 namespace axode::test {
 namespace {
 
-constexpr int samples = 500;
+class NewtonEuler : public Law {
+ protected:
+  const double tolerance = GetParam().single ? test::tolerance<float> : test::tolerance<double>;
 
-template <class C> class NewtonEuler : public testing::Test {};
-TYPED_TEST_SUITE(NewtonEuler, Cases, CaseNames);
+  static constexpr int samples = 500;
+  /// law(representation, random) with random quantities in the scalar of the case, a number of times.
+  template <class F> static void for_samples(const F& law) {
+    with_scalar(GetParam(), [&](auto scalar) {
+      Random<decltype(scalar)> random;
+      for (int k = 0; k < samples; ++k)
+        with_representation(GetParam().representation, [&](auto rep) { law(rep, random); });
+    });
+  }
+};
+INSTANTIATE_TEST_SUITE_P(Dynamics, NewtonEuler, testing::ValuesIn(cases()), name_of);
+class NewtonEulerInFrames : public NewtonEuler {
+ protected:
+  template <class F> static void for_samples(const F& law) {
+    with_scalar(GetParam(), [&](auto scalar) {
+      Random<decltype(scalar)> random;
+      for (int k = 0; k < samples; ++k) law(random);
+    });
+  }
+};
+INSTANTIATE_TEST_SUITE_P(Dynamics, NewtonEulerInFrames, testing::ValuesIn(scalars()), name_of);
+
+/// A quantity in double.
+template <template <class, class> class Kind, class Rep, class T> Six in_double(const Kind<Rep, T>& x) {
+  const auto& [a, b] = x;
+  return {axode::cast<double>(a), axode::cast<double>(b)};
+}
+void expect_close(const Six& x, const Six& reference, double bound) {
+  EXPECT_LE(relative_error(x, reference), bound);
+}
+template <template <class, class> class Kind, class Rep, class T>
+void expect_close(const Kind<Rep, T>& x, const std::type_identity_t<Kind<Rep, T>>& reference, double bound) {
+  expect_close(in_double(x), in_double(reference), bound);
+}
+template <class T> void expect_close(const Vec3<T>& x, const Vec3<T>& reference, double bound) {
+  expect_close({axode::cast<double>(x), {}}, {axode::cast<double>(reference), {}}, bound);
+}
 
 /// A body of point masses, where it is and how it moves. Everything else follows from Newton.
 template <class T> struct Cloud {
@@ -42,40 +77,30 @@ template <class T> struct Cloud {
   }
 };
 
-TYPED_TEST(NewtonEuler, ResultantIsNewtonsForEveryPointOfTheBody) {
-  using Rep = typename TypeParam::Rep;
-  using T = typename TypeParam::T;
-  Random<T> random;
-  for (int k = 0; k < samples; ++k) {
+TEST_P(NewtonEuler, ResultantIsNewtonsForEveryPointOfTheBody) {
+  for_samples([&]<class Rep, class T>(Rep, Random<T>& random) {
     const Cloud<T> body(random);
     const Twist<Rep, T> V = change<Rep>(body.C, body.V);
     const TwistRate<Rep, T> dV = change<Rep>(body.C, body.V, body.dV);
-    EXPECT_LE(relative_error(change<Spatial>(body.C, wrench(body.C, body.M, V, dV)), body.W), tolerance<T>);
-    EXPECT_LE(relative_error(change<Spatial>(body.C, body.M * body.V), body.Pi), tolerance<T>);
-  }
+    expect_close(change<Spatial>(body.C, wrench(body.C, body.M, V, dV)), body.W, tolerance);
+    expect_close(change<Spatial>(body.C, body.M * body.V), body.Pi, tolerance);
+  });
 }
 
-TYPED_TEST(NewtonEuler, AccelerationInvertsWrench) {
-  using Rep = typename TypeParam::Rep;
-  using T = typename TypeParam::T;
-  Random<T> random;
-  for (int k = 0; k < samples; ++k) {
+TEST_P(NewtonEuler, AccelerationInvertsWrench) {
+  for_samples([&]<class Rep, class T>(Rep, Random<T>& random) {
     const Cloud<T> body(random);
     const Twist<Rep, T> V = change<Rep>(body.C, body.V);
     const TwistRate<Rep, T> dV = change<Rep>(body.C, body.V, body.dV);
     const Wrench<Rep, T> W = wrench(body.C, body.M, V, dV);
-    EXPECT_LE(relative_error(acceleration(body.C, body.M, V, W), dV), 100 * tolerance<T>);
+    expect_close(acceleration(body.C, body.M, V, W), dV, 100 * tolerance);
     const Wrench<Rep, T> given = random.template any<Wrench<Rep, T>>();
-    EXPECT_LE(relative_error(wrench(body.C, body.M, V, acceleration(body.C, body.M, V, given)), given),
-              100 * tolerance<T>);
-  }
+    expect_close(wrench(body.C, body.M, V, acceleration(body.C, body.M, V, given)), given, 100 * tolerance);
+  });
 }
 
-TYPED_TEST(NewtonEuler, AtTheCentreOfMassForceAndMomentDecouple) {
-  using Rep = typename TypeParam::Rep;
-  using T = typename TypeParam::T;
-  Random<T> random;
-  for (int k = 0; k < samples; ++k) {
+TEST_P(NewtonEuler, AtTheCentreOfMassForceAndMomentDecouple) {
+  for_samples([&]<class Rep, class T>(Rep, Random<T>& random) {
     const Cloud<T> body(random);
     const SE3<T> to_com{{}, center_of_mass(body.M)};
     const SE3<T> C = body.C * to_com;
@@ -85,53 +110,48 @@ TYPED_TEST(NewtonEuler, AtTheCentreOfMassForceAndMomentDecouple) {
     const Wrench<Hybrid, T> W = change<Hybrid>(C, wrench(C, M, change<Rep>(C, V), change<Rep>(C, V, dV)));
     const TwistRate<Hybrid, T> dV_h = change<Hybrid>(C, V, dV);
     const Vec3<T> moment = C.R * (M.Theta * V.w);
-    EXPECT_LE(relative_error(W.f, M.m * dV_h.v), tolerance<T>);
-    EXPECT_LE(relative_error(W.m, C.R * (M.Theta * dV.w) + cross(C.R * V.w, moment)), tolerance<T>);
-    EXPECT_LE(relative_error(change<Spatial>(C, W), body.W), 10 * tolerance<T>);
-  }
+    expect_close(W.f, M.m * dV_h.v, tolerance);
+    expect_close(W.m, C.R * (M.Theta * dV.w) + cross(C.R * V.w, moment), tolerance);
+    expect_close(change<Spatial>(C, W), body.W, 10 * tolerance);
+  });
 }
-
-template <class T> class NewtonEulerInFrames : public testing::Test {};
-TYPED_TEST_SUITE(NewtonEulerInFrames, Scalars, ScalarNames);
 
 template <class T> FramePair<T> random_pair(Random<T>& random) {
   return {random.vector(), random.vector(), random.rotation(), random.vector()};
 }
 
-TYPED_TEST(NewtonEulerInFrames, ResultantIsThatOfTheSpatialEquation) {
-  using T = TypeParam;
-  Random<T> random;
-  for (int k = 0; k < samples; ++k) {
+TEST_P(NewtonEulerInFrames, ResultantIsThatOfTheSpatialEquation) {
+  for_samples([&]<class T>(Random<T>& random) {
     const Cloud<T> body(random);
     const FramePair<T> jk = random_pair(random);
     const Twist<Spatial, T> V_s = change<Spatial>(body.C, body.V);
     const TwistRate<Spatial, T> dV_s = change<Spatial>(body.C, body.V, body.dV);
     const Twist<InFrames, T> V = change(jk, V_s);
     const TwistRate<InFrames, T> dV = change(jk, V_s, dV_s);
-    EXPECT_LE(relative_error(change(jk, wrench(body.C, body.M, jk, V, dV)), body.W), 10 * tolerance<T>);
-    EXPECT_LE(relative_error(change(jk, inertia_in_frames(jk, body.C, body.M) * V), body.Pi),
-              10 * tolerance<T>);
-  }
+    expect_close(change(jk, wrench(body.C, body.M, jk, V, dV)), body.W, 10 * tolerance);
+    expect_close(change(jk, inertia_in_frames(jk, body.C, body.M) * V), body.Pi, 10 * tolerance);
+  });
 }
 
-TYPED_TEST(NewtonEulerInFrames, AccelerationInvertsWrench) {
-  using T = TypeParam;
-  Random<T> random;
-  for (int k = 0; k < samples; ++k) {
+/// ‖x - y‖ <= bound.
+template <class X, class Y> void expect_near(const X& x, const Y& y, double bound) {
+  EXPECT_LE(distance(in_double(x), in_double(y)), bound);
+}
+double norm(const Six& x) { return distance(x, Six{}); }
+
+TEST_P(NewtonEulerInFrames, AccelerationInvertsWrench) {
+  for_samples([&]<class T>(Random<T>& random) {
     const Cloud<T> body(random);
     const FramePair<T> jk = random_pair(random);
     const Twist<InFrames, T> V = random.template any<Twist<InFrames, T>>();
     const TwistRate<InFrames, T> dV = random.template any<TwistRate<InFrames, T>>();
     const Wrench<InFrames, T> W = wrench(body.C, body.M, jk, V, dV);
-    EXPECT_LE(distance(acceleration(body.C, body.M, jk, V, W), dV),
-              100 * tolerance<T> * (T(1) + to_eigen(W).norm()));
-  }
+    expect_near(acceleration(body.C, body.M, jk, V, W), dV, 100 * tolerance * (1 + norm(in_double(W))));
+  });
 }
 
-TYPED_TEST(NewtonEulerInFrames, SpatialBodyFixedAndHybridAreSpecialCases) {
-  using T = TypeParam;
-  Random<T> random;
-  for (int k = 0; k < samples; ++k) {
+TEST_P(NewtonEulerInFrames, SpatialBodyFixedAndHybridAreSpecialCases) {
+  for_samples([&]<class T>(Random<T>& random) {
     const Cloud<T> body(random);
     const SE3<T>& C = body.C;
     const Twist<Spatial, T> V_s = change<Spatial>(C, body.V);
@@ -143,16 +163,15 @@ TYPED_TEST(NewtonEulerInFrames, SpatialBodyFixedAndHybridAreSpecialCases) {
       const TwistRate<Rep, T> dV = change<Rep>(C, body.V, body.dV);
       const Twist<InFrames, T> V_jk = change(jk, V_s);
       const TwistRate<InFrames, T> dV_jk = change(jk, V_s, dV_s);
-      EXPECT_LE((to_eigen(V_jk) - to_eigen(V)).norm(), tolerance<T> * 10);
-      EXPECT_LE((to_eigen(dV_jk) - to_eigen(dV)).norm(), tolerance<T> * 10);
-      const auto W = to_eigen(wrench(C, body.M, V, dV));
-      EXPECT_LE((to_eigen(wrench(C, body.M, jk, V_jk, dV_jk)) - W).norm(),
-                10 * tolerance<T> * (T(1) + W.norm()));
+      expect_near(V_jk, V, 10 * tolerance);
+      expect_near(dV_jk, dV, 10 * tolerance);
+      const Wrench<Rep, T> W = wrench(C, body.M, V, dV);
+      expect_near(wrench(C, body.M, jk, V_jk, dV_jk), W, 10 * tolerance * (1 + norm(in_double(W))));
     };
     agree(FramePair<T>{}, Spatial{});
     agree(FramePair<T>{C.r, V_h.v, C.R, V_h.w}, BodyFixed{});
     agree(FramePair<T>{C.r, V_h.v, {}, {}}, Hybrid{});
-  }
+  });
 }
 
 }  // namespace

@@ -8,27 +8,25 @@ namespace {
 
 constexpr double g = 9.81;
 
-template <class C> class Textbook : public testing::Test {
+class Textbook : public Law {
  protected:
-  using Real = typename C::T;
   /// The drive forces of a model in a state.
   static std::vector<double> drives(const Model& model, const State<double>& state,
                                     bool joint_losses = false) {
-    Trial<Real> trial(model, state);
-    return cast<double>(trial.template inverse_dynamics<typename C::Rep>(
-        trial.state.v, trial.state.a, {.wrenches = trial.state.wrenches, .joint_losses = joint_losses}));
+    Trial trial(GetParam(), model, state);
+    return trial.inverse_dynamics(trial.state.v, trial.state.a, {.joint_losses = joint_losses});
   }
   static void expect_drives(const Model& model, const State<double>& state,
                             const std::vector<double>& expected) {
-    Comparison torque("torque", std::same_as<Real, double> ? 1e-14 : 1e-5);
+    Comparison torque("torque", GetParam().single ? 1e-5 : 1e-14);
     torque.expect_equal(drives(model, state), expected, 1 + g * model.total_mass());
   }
 };
-TYPED_TEST_SUITE(Textbook, Cases, CaseNames);
+INSTANTIATE_TEST_SUITE_P(Dynamics, Textbook, testing::ValuesIn(cases()), name_of);
 
 MassProperties point_mass(double mass, const Vec3<>& at) { return {.mass = mass, .com = at}; }
 
-TYPED_TEST(Textbook, PendulumWithRotor) {  // (m l² + I) q'' + m g l sin q
+TEST_P(Textbook, PendulumWithRotor) {  // (m l² + I) q'' + m g l sin q
   const double m = 2, l = 0.5, I = 0.3, q = 0.7, v = 1.3, a = -0.4;
   const Model model =
       ModelBuilder()
@@ -36,10 +34,10 @@ TYPED_TEST(Textbook, PendulumWithRotor) {  // (m l² + I) q'' + m g l sin q
                 .joint = {.kind = JointKind::revolute, .axis = {0, -3, 0}, .dof = {{.armature = I}}},
                 .inertia = point_mass(m, {0, 0, -l})})
           .build();
-  this->expect_drives(model, {{q}, {v}, {a}}, {(m * l * l + I) * a + m * g * l * std::sin(q)});
+  expect_drives(model, {{q}, {v}, {a}}, {(m * l * l + I) * a + m * g * l * std::sin(q)});
 }
 
-TYPED_TEST(Textbook, DoublePendulum) {
+TEST_P(Textbook, DoublePendulum) {
   const double m1 = 1.5, m2 = 0.8, l1 = 0.6, l2 = 0.4;
   const double q1 = 0.3, q2 = -1.1, v1 = 2, v2 = -1, a1 = 0.5, a2 = 3;
   const auto hinge = [](double z) {
@@ -60,10 +58,10 @@ TYPED_TEST(Textbook, DoublePendulum) {
                       (m2 * l2 * l2 + k * c2) * a2 - k * s2 * (2 * v1 * v2 + v2 * v2) +
                       (m1 + m2) * g * l1 * std::sin(q1) + weight2;
   const double tau2 = (m2 * l2 * l2 + k * c2) * a1 + m2 * l2 * l2 * a2 + k * s2 * v1 * v1 + weight2;
-  this->expect_drives(model, {{q1, q2}, {v1, v2}, {a1, a2}}, {tau1, tau2});
+  expect_drives(model, {{q1, q2}, {v1, v2}, {a1, a2}}, {tau1, tau2});
 }
 
-TYPED_TEST(Textbook, CartWithPendulum) {
+TEST_P(Textbook, CartWithPendulum) {
   const double M = 3, m = 0.5, l = 0.7, x = 0.2, q = 0.9, vx = 1, v = 2, ax = -1, a = 4;
   const Model model = ModelBuilder()
                           .add({.name = "cart",
@@ -75,12 +73,11 @@ TYPED_TEST(Textbook, CartWithPendulum) {
                                 .inertia = point_mass(m, {0, 0, -l})})
                           .build();
   const double c = std::cos(q), s = std::sin(q);
-  this->expect_drives(
-      model, {{x, q}, {vx, v}, {ax, a}},
-      {(M + m) * ax + m * l * (c * a - s * v * v), m * l * c * ax + m * l * l * a + m * g * l * s});
+  expect_drives(model, {{x, q}, {vx, v}, {ax, a}},
+                {(M + m) * ax + m * l * (c * a - s * v * v), m * l * c * ax + m * l * l * a + m * g * l * s});
 }
 
-TYPED_TEST(Textbook, NutOnAScrew) {  // (I + m h²) q'' + m g h
+TEST_P(Textbook, NutOnAScrew) {  // (I + m h²) q'' + m g h
   const double m = 2, I = 0.01, h = 0.05, a = 7;
   const Model model =
       ModelBuilder()
@@ -88,10 +85,10 @@ TYPED_TEST(Textbook, NutOnAScrew) {  // (I + m h²) q'' + m g h
                 .joint = {.kind = JointKind::helical, .point = {0.3, -0.2, 0}, .pitch = h},
                 .inertia = MassProperties{.mass = m, .com = {0.3, -0.2, 0.5}, .Theta = {I, I, I}}})
           .build();
-  this->expect_drives(model, {{2}, {30}, {a}}, {(I + m * h * h) * a + m * g * h});
+  expect_drives(model, {{2}, {30}, {a}}, {(I + m * h * h) * a + m * g * h});
 }
 
-TYPED_TEST(Textbook, MassesOnAPulley) {  // Atwood: one coordinate, two masses
+TEST_P(Textbook, MassesOnAPulley) {  // Atwood: one coordinate, two masses
   const double m1 = 3, m2 = 2, a = 0.6;
   const Model model =
       ModelBuilder()
@@ -102,10 +99,10 @@ TYPED_TEST(Textbook, MassesOnAPulley) {  // Atwood: one coordinate, two masses
                 .joint = {.kind = JointKind::prismatic, .coupling = Coupling{"rope", -1, 0.4}},
                 .inertia = point_mass(m2, {1, 0, 0})})
           .build();
-  this->expect_drives(model, {{0.1}, {2}, {a}}, {(m1 + m2) * a + (m1 - m2) * g});
+  expect_drives(model, {{0.1}, {2}, {a}}, {(m1 + m2) * a + (m1 - m2) * g});
 }
 
-TYPED_TEST(Textbook, FreeFallNeedsNoDrive) {
+TEST_P(Textbook, FreeFallNeedsNoDrive) {
   const Model model = ModelBuilder()
                           .add({.name = "stone",
                                 .joint = {.kind = JointKind::free},
@@ -115,12 +112,12 @@ TYPED_TEST(Textbook, FreeFallNeedsNoDrive) {
   const double R_yz = 2 * s * c, R_zz = c * c - s * s;
   // v' = Rᵀ g - ω × v in the axes of the stone.
   const Vec3<> w{1, -2, 0.5}, v{3, 1, -1}, fall = Vec3<>{0, -g * R_yz, -g * R_zz} - cross(w, v);
-  this->expect_drives(
-      model, {{s, 0, 0, c, 1, 2, 3}, {w.x, w.y, w.z, v.x, v.y, v.z}, {0, 0, 0, fall.x, fall.y, fall.z}},
-      {0, 0, 0, 0, 0, 0});
+  expect_drives(model,
+                {{s, 0, 0, c, 1, 2, 3}, {w.x, w.y, w.z, v.x, v.y, v.z}, {0, 0, 0, fall.x, fall.y, fall.z}},
+                {0, 0, 0, 0, 0, 0});
 }
 
-TYPED_TEST(Textbook, FreeRotationObeysEuler) {  // τ = Θ ω' + ω × Θ ω
+TEST_P(Textbook, FreeRotationObeysEuler) {  // τ = Θ ω' + ω × Θ ω
   const Sym3<> Theta{0.3, 0.5, 0.6, 0, 0, 0};
   const Model model = ModelBuilder()
                           .gravity({})
@@ -130,10 +127,10 @@ TYPED_TEST(Textbook, FreeRotationObeysEuler) {  // τ = Θ ω' + ω × Θ ω
                           .build();
   const Vec3<> w{2, -1, 0.5}, a{0.1, 0.2, -0.3};
   const Vec3<> tau = Theta * a + cross(w, Theta * w);
-  this->expect_drives(model, {{0, 0.6, 0, 0.8}, {w.x, w.y, w.z}, {a.x, a.y, a.z}}, {tau.x, tau.y, tau.z});
+  expect_drives(model, {{0, 0.6, 0, 0.8}, {w.x, w.y, w.z}, {a.x, a.y, a.z}}, {tau.x, tau.y, tau.z});
 }
 
-TYPED_TEST(Textbook, HeavyTopPrecessesSteadily) {
+TEST_P(Textbook, HeavyTopPrecessesSteadily) {
   // Precession Ω about the vertical, spin n about the axis, nutation θ: the moment of the weight keeps it
   // going where Ω (J n + (J - I) Ω cos θ) = m g l, I about the support, n relative to the precessing frame.
   const double m = 1.2, l = 0.2, I = 0.08, J = 0.02, theta = 0.5, precession = 3;
@@ -149,10 +146,10 @@ TYPED_TEST(Textbook, HeavyTopPrecessesSteadily) {
                 .joint = turn({0, 0, 1}),
                 .inertia = MassProperties{.mass = m, .com = {0, 0, l}, .Theta = {I_c, I_c, J}}})
           .build();
-  this->expect_drives(model, {{0.4, theta, -0.7}, {precession, 0, spin}, {0, 0, 0}}, {0, 0, 0});
+  expect_drives(model, {{0.4, theta, -0.7}, {precession, 0, spin}, {0, 0, 0}}, {0, 0, 0});
 }
 
-TYPED_TEST(Textbook, PlanarSlideOnAnIncline) {
+TEST_P(Textbook, PlanarSlideOnAnIncline) {
   // A disc on a plane through e_y, inclined by 30°: gravity has the component g/2 down the slope.
   const double m = 2, J = 0.1, slope = std::numbers::pi / 6;
   const Model model =
@@ -163,11 +160,11 @@ TYPED_TEST(Textbook, PlanarSlideOnAnIncline) {
           .build();
   // The disc is not turned, its x-axis points down the slope; v' = a + ω × v.
   const double w = 3, vx = 1, vy = 2, ax = 0.5, ay = -0.25, dw = 4;
-  this->expect_drives(model, {{0, 0.3, 0.1}, {w, vx, vy}, {dw, ax, ay}},
-                      {J * dw, m * (ax - w * vy) - m * g / 2, m * (ay + w * vx)});
+  expect_drives(model, {{0, 0.3, 0.1}, {w, vx, vy}, {dw, ax, ay}},
+                {J * dw, m * (ax - w * vy) - m * g / 2, m * (ay + w * vx)});
 }
 
-TYPED_TEST(Textbook, LossesResistTheMotion) {
+TEST_P(Textbook, LossesResistTheMotion) {
   const Model model = ModelBuilder()
                           .gravity({})
                           .add({.name = "sled",
@@ -176,24 +173,23 @@ TYPED_TEST(Textbook, LossesResistTheMotion) {
                                           .dof = {{.damping = 3, .friction = 0.5}}},
                                 .inertia = point_mass(2, {})})
                           .build();
-  EXPECT_EQ(this->drives(model, {{0}, {-4}, {1}}), std::vector<double>{2});
-  EXPECT_EQ(this->drives(model, {{0}, {-4}, {1}}, true), std::vector<double>{2 - 12 - 0.5});
-  EXPECT_EQ(this->drives(model, {{0}, {0}, {1}}, true), std::vector<double>{2});
+  EXPECT_EQ(drives(model, {{0}, {-4}, {1}}), std::vector<double>{2});
+  EXPECT_EQ(drives(model, {{0}, {-4}, {1}}, true), std::vector<double>{2 - 12 - 0.5});
+  EXPECT_EQ(drives(model, {{0}, {0}, {1}}, true), std::vector<double>{2});
 }
 
-TYPED_TEST(Textbook, JointsOfACantileverTransmitItsWeight) {
-  using Rep = typename TypeParam::Rep;
-  using T = typename TypeParam::T;
+TEST_P(Textbook, JointsOfACantileverTransmitItsWeight) {
   const double m = 3, l = 0.8;  // a beam along x, held by a hinge about the vertical, which feels none of it
   const Model model = ModelBuilder()
                           .add({.name = "beam",
                                 .joint = {.kind = JointKind::revolute, .axis = {0, 0, 1}},
                                 .inertia = point_mass(m, {l, 0, 0})})
                           .build();
-  Trial<T> trial(model, {{0.5}, {0}, {0}});
-  const auto W = change<BodyFixed>(trial.poses()[1], trial.template joint_wrenches<Rep>()[0]);
-  Comparison wrench("wrench", std::same_as<T, double> ? 1e-15 : 1e-6);
-  wrench.expect_equal(W, Wrench<BodyFixed, T>{{0, T(-m * g * l), 0}, {0, 0, T(m * g)}});
+  Trial trial(GetParam(), model, {{0.5}, {0}, {0}});
+  const Six W = changed_wrench(Representation::body, GetParam().representation, trial.poses()[1],
+                               trial.joint_wrenches()[0]);
+  Comparison wrench("wrench", GetParam().single ? 1e-6 : 1e-15);
+  wrench.expect_equal(W, Six{{0, -m * g * l, 0}, {0, 0, m * g}});
 }
 
 }  // namespace

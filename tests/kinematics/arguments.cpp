@@ -5,83 +5,80 @@
 namespace axode::test {
 namespace {
 
-template <class C> class KinematicsArguments : public testing::Test {
+constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+
+class KinematicsArguments : public Law {
  protected:
-  using Real = typename C::T;
-  using Rep = typename C::Rep;
-  Model model = shoulder();
-  Workspace<Real> workspace{model};
-  std::vector<Real> q{0, 0, 0, 1, 0}, zero{0, 0, 0, 0};
-  std::vector<SE3<Real>> C_f = std::vector<SE3<Real>>(3);
-  std::vector<Twist<Rep, Real>> V = std::vector<Twist<Rep, Real>>(3);
-  std::vector<TwistRate<Rep, Real>> dV = std::vector<TwistRate<Rep, Real>>(3);
+  const Model model = shoulder();
+  std::unique_ptr<Subject> subject = test::subject(GetParam(), model);
+  Ask ask{.q = {0, 0, 0, 1, 0}, .v = {0, 0, 0, 0}, .a = {0, 0, 0, 0}};
 
-  void find_poses() { poses<Real>(model, workspace, q, C_f); }
-  void find_twists(const std::vector<Real>& v) { twists<Rep>(model, workspace, q, v, V); }
-  void find_accelerations(const std::vector<Real>& v, const std::vector<Real>& a) {
-    accelerations<Rep>(model, workspace, q, v, a, dV);
+  /// Of frames, with memory for so many.
+  std::vector<SE3<>> poses(std::size_t n = 3) {
+    return poses_of(subject->call("poses", ask, 12 * n).numbers);
   }
-  void find_center_of_mass() { center_of_mass<Real>(model, workspace, q); }
+  std::vector<Six> twists(std::size_t n = 3) { return sixes_of(subject->call("twists", ask, 6 * n).numbers); }
+  std::vector<Six> accelerations(std::size_t n = 3) {
+    return sixes_of(subject->call("accelerations", ask, 6 * n).numbers);
+  }
+  void expect_poses(const Refusal& refusal, std::size_t n = 3) {
+    EXPECT_THAT([&] { poses(n); }, refusal);
+  }
+  void expect_twists(const Refusal& refusal, std::size_t n = 3) {
+    EXPECT_THAT([&] { twists(n); }, refusal);
+  }
+  void expect_accelerations(const Refusal& refusal, std::size_t n = 3) {
+    EXPECT_THAT([&] { accelerations(n); }, refusal);
+  }
+  void expect_all(const Refusal& refusal) {
+    expect_poses(refusal), expect_twists(refusal), expect_accelerations(refusal);
+    EXPECT_THAT([&] { subject->call("center_of_mass", ask); }, refusal);
+  }
 };
-TYPED_TEST_SUITE(KinematicsArguments, Cases, CaseNames);
+INSTANTIATE_TEST_SUITE_P(Kinematics, KinematicsArguments, testing::ValuesIn(cases()), name_of);
 
-TYPED_TEST(KinematicsArguments, OfTheWrongSizeAreNamed) {
-  const std::vector<typename TypeParam::T> good(4), bad(6);
-  EXPECT_THAT([&] { this->find_twists(bad); }, refused("v", 6, "nv", 4));
-  EXPECT_THAT([&] { this->find_accelerations(bad, good); }, refused("v", 6, "nv", 4));
-  EXPECT_THAT([&] { this->find_accelerations(good, bad); }, refused("a", 6, "nv", 4));
-  this->C_f.resize(2), this->V.resize(4), this->dV.resize(1);
-  EXPECT_THAT([&] { this->find_poses(); }, refused("C", 2, "n_frames", 3));
-  EXPECT_THAT([&] { this->find_twists(good); }, refused("V", 4, "n_frames", 3));
-  EXPECT_THAT([&] { this->find_accelerations(good, good); }, refused("dV", 1, "n_frames", 3));
-  this->C_f.resize(3), this->V.resize(3), this->dV.resize(3);
-  this->q.pop_back();
-  EXPECT_THAT([&] { this->find_poses(); }, refused("q", 4, "nq", 5));
-  EXPECT_THAT([&] { this->find_twists(good); }, refused("q", 4, "nq", 5));
-  EXPECT_THAT([&] { this->find_accelerations(good, good); }, refused("q", 4, "nq", 5));
-  EXPECT_THAT([&] { this->find_center_of_mass(); }, refused("q", 4, "nq", 5));
+TEST_P(KinematicsArguments, OfTheWrongSizeAreNamed) {
+  ask.v.resize(6);
+  expect_twists(refused("v", 6, "nv", 4));
+  expect_accelerations(refused("v", 6, "nv", 4));
+  ask.v.resize(4), ask.a.resize(6);
+  expect_accelerations(refused("a", 6, "nv", 4));
+  ask.a.resize(4);
+  expect_poses(refused("C", 2, "n_frames", 3), 2);
+  expect_twists(refused("V", 4, "n_frames", 3), 4);
+  expect_accelerations(refused("dV", 1, "n_frames", 3), 1);
+  ask.q.pop_back();
+  expect_all(refused("q", 4, "nq", 5));
 }
 
-TYPED_TEST(KinematicsArguments, AWorkspaceOfASmallerModelIsRefused) {
-  this->workspace = Workspace<typename TypeParam::T>(one_body());
-  const auto too_small = refused_workspace(1, 2);
-  EXPECT_THAT([&] { this->find_poses(); }, too_small);
-  EXPECT_THAT([&] { this->find_twists(this->zero); }, too_small);
-  EXPECT_THAT([&] { this->find_accelerations(this->zero, this->zero); }, too_small);
-  EXPECT_THAT([&] { this->find_center_of_mass(); }, too_small);
+TEST_P(KinematicsArguments, AWorkspaceOfASmallerModelIsRefused) {
+  subject = test::subject(GetParam(), model, one_body());
+  expect_all(refused_workspace(1, 2));
 }
 
-TYPED_TEST(KinematicsArguments, QuaternionsAreNotNormalisedInSilence) {
-  using T = typename TypeParam::T;
-  const T allowed = std::same_as<T, double> ? T(5e-7) : T(5e-5);
-  this->q[3] = 1 + allowed;
-  EXPECT_NO_THROW(this->find_poses());
-  for (const T w : {1 + 4 * allowed, T(2), T(0), std::numeric_limits<T>::quiet_NaN()}) {
-    this->q[3] = w;
-    EXPECT_THAT([&] { this->find_poses(); }, refused_quaternion("ball"));
-    EXPECT_THAT([&] { this->find_twists(this->zero); }, refused_quaternion("ball"));
-    EXPECT_THAT([&] { this->find_accelerations(this->zero, this->zero); }, refused_quaternion("ball"));
-    EXPECT_THAT([&] { this->find_center_of_mass(); }, refused_quaternion("ball"));
+TEST_P(KinematicsArguments, QuaternionsAreNotNormalisedInSilence) {
+  const double allowed = GetParam().single ? 5e-5 : 5e-7;
+  ask.q[3] = 1 + allowed;
+  EXPECT_NO_THROW(poses());
+  for (const double w : {1 + 4 * allowed, 2.0, 0.0, nan}) {
+    ask.q[3] = w;
+    expect_all(refused_quaternion("ball"));
   }
 }
 
-TYPED_TEST(KinematicsArguments, WhatIsNotANumberPassesThrough) {
-  using T = typename TypeParam::T;
-  const T nan = std::numeric_limits<T>::quiet_NaN();
-  this->q[4] = nan;  // the elbow
-  EXPECT_NO_THROW(this->find_poses());
-  EXPECT_FALSE(std::isnan(largest(entries(this->C_f[1]))));
-  EXPECT_TRUE(std::isnan(largest(entries(this->C_f[2]))));
-  this->q[4] = 0;
-  std::vector<T> v = this->zero, a = this->zero;
-  v[3] = nan;
-  EXPECT_NO_THROW(this->find_twists(v));
-  EXPECT_FALSE(std::isnan(largest(entries(this->V[1]))));
-  EXPECT_TRUE(std::isnan(largest(entries(this->V[2]))));
-  a[3] = nan;
-  EXPECT_NO_THROW(this->find_accelerations(this->zero, a));
-  EXPECT_FALSE(std::isnan(largest(entries(this->dV[1]))));
-  EXPECT_TRUE(std::isnan(largest(entries(this->dV[2]))));
+/// Of the two bodies, only the forearm has numbers that are none.
+template <class Quantity> void expect_nan_in_the_forearm(const std::vector<Quantity>& frames) {
+  EXPECT_FALSE(std::isnan(largest(entries(frames[1]))));
+  EXPECT_TRUE(std::isnan(largest(entries(frames[2]))));
+}
+
+TEST_P(KinematicsArguments, WhatIsNotANumberPassesThrough) {
+  ask.q[4] = nan;  // the elbow
+  expect_nan_in_the_forearm(poses());
+  ask.q[4] = 0, ask.v[3] = nan;
+  expect_nan_in_the_forearm(twists());
+  ask.v[3] = 0, ask.a[3] = nan;
+  expect_nan_in_the_forearm(accelerations());
 }
 
 }  // namespace

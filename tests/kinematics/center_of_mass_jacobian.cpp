@@ -4,17 +4,15 @@
 namespace axode::test {
 namespace {
 
-template <class T> class CenterOfMass : public testing::Test {};
-using Scalars = testing::Types<double, float>;
-struct ScalarNames {
-  template <class T> static std::string GetName(int) { return std::same_as<T, double> ? "double" : "float"; }
-};
-TYPED_TEST_SUITE(CenterOfMass, Scalars, ScalarNames);
+using S = Taylor<double, 2>;
+
+class CenterOfMass : public Law {};
+INSTANTIATE_TEST_SUITE_P(Kinematics, CenterOfMass, testing::ValuesIn(scalars()), name_of);
 
 const TreeRecipe trees{.most_bodies = 20, .always_mass = true};
 
 /// Mass-weighted mean of the bodies' centres of mass, in the frames that the user placed.
-template <class S> Vec3<S> mean_position(const Model& model, const std::vector<SE3<S>>& frames) {
+Vec3<S> mean_position(const Model& model, const std::vector<SE3<S>>& frames) {
   Vec3<S> h;
   for (int i = 1; i <= model.n_bodies(); ++i) {
     const Inertia<S> M = axode::cast<S>(model.body(i).M);
@@ -24,7 +22,6 @@ template <class S> Vec3<S> mean_position(const Model& model, const std::vector<S
 }
 
 /// Σ M_i V_i of all bodies, with moments about the centre of mass.
-template <class S>
 Momentum<Hybrid, S> momentum_about_com(const Model& model, const Tree<S>& tree, const std::vector<S>& q,
                                        const std::vector<S>& v) {
   const std::vector<SE3<S>> C = frame_poses(tree, q);
@@ -40,89 +37,73 @@ Momentum<Hybrid, S> momentum_about_com(const Model& model, const Tree<S>& tree, 
 }
 
 /// A random tree that moves, as series in time.
-template <class T> struct MovingTree {
-  using S = Taylor<T, 2>;
-  Trial<T> trial;
+struct MovingTree {
+  Trial trial;
   Tree<S> tree;
   std::vector<S> q;
 
-  explicit MovingTree(std::uint64_t seed)
-      : trial(Random<double>(seed), trees),
-        tree(axode::cast<S>(trial.model.template tree<T>())),
+  MovingTree(const Case& c, std::uint64_t seed)
+      : trial(c, Random<double>(seed), trees),
+        tree(on<S>(trial.model)),
         q(moving<2>(tree, trial.state.q, trial.state.v, trial.zero())) {}
   int nv() const { return trial.model.nv(); }
-  std::vector<S> unit_velocity(int c) const { return on<S>(unit(nv(), c)); }
+  /// The momentum for a unit of velocity c.
+  Momentum<Hybrid, S> momentum(int c) const {
+    return momentum_about_com(trial.model, tree, q, on<S>(unit(nv(), c)));
+  }
 };
 
-TYPED_TEST(CenterOfMass, MovesWithItsJacobianTimesTheVelocities) {
-  using T = TypeParam;
-  Comparison velocity("velocity", agreement<T>);
+TEST_P(CenterOfMass, MovesWithItsJacobianTimesTheVelocities) {
+  Comparison velocity("velocity", GetParam().agreement());
   for_seeds(200, [&](std::uint64_t seed) {
-    MovingTree<T> at(seed);
-    Trial<T>& trial = at.trial;
-    std::vector<Vec3<T>> J(static_cast<std::size_t>(at.nv()));
-    center_of_mass_jacobian(trial.model, trial.workspace, trial.state.q, J);
-    Vec3<T> dc;
-    for (int c = 0; c < at.nv(); ++c) dc += trial.state.v[c] * J[c];
-    velocity.expect_equal(dc, time_derivative(mean_position(trial.model, frame_poses(at.tree, at.q)), 1),
+    MovingTree at(GetParam(), seed);
+    const std::vector<Vec3<>> J = vectors_of(at.trial.call("center_of_mass_jacobian"));
+    Vec3<> dc;
+    for (std::size_t c = 0; c < J.size(); ++c) dc += at.trial.state.v[c] * J[c];
+    velocity.expect_equal(dc, time_derivative(mean_position(at.trial.model, frame_poses(at.tree, at.q)), 1),
                           0.1);
   });
 }
 
-TYPED_TEST(CenterOfMass, JacobianColumnsArePartialDerivatives) {
-  using T = TypeParam;
-  using S = Taylor<T, 2>;
-  Comparison column("column", agreement<T>);
+TEST_P(CenterOfMass, JacobianColumnsArePartialDerivatives) {
+  Comparison column("column", GetParam().agreement());
   for_seeds(60, [&](std::uint64_t seed) {
-    MovingTree<T> at(seed);
-    Trial<T>& trial = at.trial;
-    std::vector<Vec3<T>> J(static_cast<std::size_t>(at.nv())), expected;
-    center_of_mass_jacobian(trial.model, trial.workspace, trial.state.q, J);
+    MovingTree at(GetParam(), seed);
+    Trial& trial = at.trial;
+    std::vector<Vec3<>> expected;
     for (int c = 0; c < at.nv(); ++c) {
-      std::vector<T> e = trial.zero();
-      e[c] = T(1);
-      const std::vector<S> q = moving<2>(at.tree, trial.state.q, e, trial.zero());
+      const std::vector<S> q = moving<2>(at.tree, trial.state.q, unit(at.nv(), c), trial.zero());
       expected.push_back(time_derivative(mean_position(trial.model, frame_poses(at.tree, q)), 1));
     }
-    column.expect_equal(J, expected);
+    column.expect_equal(vectors_of(trial.call("center_of_mass_jacobian")), expected);
   });
 }
 
-TYPED_TEST(CenterOfMass, MomentumMatrixHasTheMomentaOfUnitVelocities) {
-  using T = TypeParam;
-  Comparison column("column", agreement<T>), linear("linear", agreement<T>);
+TEST_P(CenterOfMass, MomentumMatrixHasTheMomentaOfUnitVelocities) {
+  Comparison column("column", GetParam().agreement()), linear("linear", GetParam().agreement());
   for_seeds(60, [&](std::uint64_t seed) {
-    MovingTree<T> at(seed);
-    Trial<T>& trial = at.trial;
-    std::vector<Momentum<Hybrid, T>> A(static_cast<std::size_t>(at.nv())), expected;
-    std::vector<Vec3<T>> J(A.size()), p, m_J;
-    centroidal_momentum_matrix(trial.model, trial.workspace, trial.state.q, A);
-    center_of_mass_jacobian(trial.model, trial.workspace, trial.state.q, J);
+    MovingTree at(GetParam(), seed);
+    const std::vector<Six> A = sixes_of(at.trial.call("centroidal_momentum_matrix"));
+    const std::vector<Vec3<>> J = vectors_of(at.trial.call("center_of_mass_jacobian"));
+    std::vector<Six> expected;
+    std::vector<Vec3<>> p, m_J;
     for (int c = 0; c < at.nv(); ++c) {
-      const auto Pi = momentum_about_com(trial.model, at.tree, at.q, at.unit_velocity(c));
-      expected.push_back(time_derivative(Pi, 0));
-      p.push_back(A[c].p);
-      m_J.push_back(static_cast<T>(trial.model.total_mass()) * J[c]);
+      expected.push_back(six(time_derivative(at.momentum(c), 0)));
+      p.push_back(A[static_cast<std::size_t>(c)].b);
+      m_J.push_back(at.trial.model.total_mass() * J[static_cast<std::size_t>(c)]);
     }
     column.expect_equal(A, expected);
     linear.expect_equal(p, m_J);
   });
 }
 
-TYPED_TEST(CenterOfMass, MomentumMatrixRateIsItsTimeDerivative) {
-  using T = TypeParam;
-  Comparison column("column", agreement<T>);
+TEST_P(CenterOfMass, MomentumMatrixRateIsItsTimeDerivative) {
+  Comparison column("column", GetParam().agreement());
   for_seeds(60, [&](std::uint64_t seed) {
-    MovingTree<T> at(seed);
-    Trial<T>& trial = at.trial;
-    std::vector<Wrench<Hybrid, T>> dA(static_cast<std::size_t>(at.nv())), expected;
-    centroidal_momentum_matrix_rate(trial.model, trial.workspace, trial.state.q, trial.state.v, dA);
-    for (int c = 0; c < at.nv(); ++c) {
-      const auto dPi =
-          time_derivative(momentum_about_com(trial.model, at.tree, at.q, at.unit_velocity(c)), 1);
-      expected.push_back({dPi.l, dPi.p});
-    }
-    column.expect_equal(dA, expected, 1);
+    MovingTree at(GetParam(), seed);
+    std::vector<Six> expected;
+    for (int c = 0; c < at.nv(); ++c) expected.push_back(six(time_derivative(at.momentum(c), 1)));
+    column.expect_equal(sixes_of(at.trial.call("centroidal_momentum_matrix_rate")), expected, 1);
   });
 }
 

@@ -13,10 +13,8 @@
 /// Motions on scalars that carry derivatives, and the derivatives that they carry.
 namespace axode::test {
 
-using Representations = testing::Types<BodyFixed, Spatial, Hybrid, Mixed>;
-struct RepresentationNames {
-  template <class Rep> static std::string GetName(int) { return CaseNames::GetName<Case<Rep, double>>(0); }
-};
+/// The four representations in double.
+inline auto representations_in_double() { return testing::ValuesIn(cases().begin(), cases().begin() + 4); }
 
 /// A random tree, and further random quantities from the same source.
 inline Model random_model(Random<double>& random, const TreeRecipe& recipe) {

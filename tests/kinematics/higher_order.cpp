@@ -6,8 +6,11 @@
 namespace axode::test {
 namespace {
 
-template <class R> class HigherOrder : public testing::Test {};
-TYPED_TEST_SUITE(HigherOrder, Representations, RepresentationNames);
+class HigherOrder : public Law {
+ protected:
+  const Representation in = GetParam().representation;
+};
+INSTANTIATE_TEST_SUITE_P(Kinematics, HigherOrder, representations_in_double(), name_of);
 
 constexpr int highest = 6;
 constexpr std::size_t N = highest + 2;
@@ -47,133 +50,162 @@ struct Motion {
   }
 };
 
-template <class Rep> std::vector<TwistRate<Rep>> rates_of(const std::vector<Twist<Rep>>& J) {
-  std::vector<TwistRate<Rep>> out;
-  for (const auto& [w, v] : J) out.push_back({w, v});
-  return out;
+/// The k-th derivatives of twists, in a representation of choice.
+template <class T>
+Six twist_derivative(Representation in, const HigherOrderMotion<T>& motion, const Place<>& place, int k) {
+  return with_representation(in, [&](auto rep) {
+    const auto [a, b] = motion.template twist_derivative<decltype(rep)>(on<T>(place), k);
+    return Six{axode::cast<double>(a), axode::cast<double>(b)};
+  });
 }
-template <class Rep>
-std::vector<TwistRate<Rep>> twist_derivatives(const HigherOrderMotion<>& motion, int frames, int k) {
-  std::vector<TwistRate<Rep>> V_k;
-  for (int f = 0; f < frames; ++f) V_k.push_back(motion.twist_derivative<Rep>(f, k));
+std::vector<Six> twist_derivatives(Representation in, const HigherOrderMotion<>& motion, int frames, int k) {
+  std::vector<Six> V_k;
+  for (int f = 0; f < frames; ++f) V_k.push_back(twist_derivative(in, motion, f, k));
   return V_k;
 }
-template <class Rep>
-std::vector<TwistRate<Rep>> jacobian_derivative(const HigherOrderMotion<>& motion, const Place<>& place,
-                                                int nv, int k) {
-  std::vector<TwistRate<Rep>> J_k(static_cast<std::size_t>(nv), {{9, 9, 9}, {9, 9, 9}});
-  motion.jacobian_derivative<Rep>(place, k, J_k);
-  return J_k;
+/// And of a Jacobian.
+std::vector<Six> jacobian_derivative(Representation in, const HigherOrderMotion<>& motion,
+                                     const Place<>& place, int nv, int k) {
+  std::vector<Six> out;
+  with_representation(in, [&](auto rep) {
+    std::vector<TwistRate<decltype(rep)>> J_k(static_cast<std::size_t>(nv), {{9, 9, 9}, {9, 9, 9}});
+    motion.jacobian_derivative<decltype(rep)>(place, k, J_k);
+    for (const auto& column : J_k) out.push_back(six(column));
+  });
+  return out;
 }
 
-TYPED_TEST(HigherOrder, TwistsAreThoseOfTheRecursionOnSeries) {
-  using Rep = TypeParam;
+/// Twists as series.
+struct SixSeries {
+  Vec3<Series> a, b;
+
+  Six derivative(int k) const {
+    return {time_derivative(a, static_cast<std::size_t>(k)), time_derivative(b, static_cast<std::size_t>(k))};
+  }
+};
+std::vector<Six> derivatives(const std::vector<SixSeries>& twists, int k) {
+  std::vector<Six> all;
+  for (const SixSeries& V : twists) all.push_back(V.derivative(k));
+  return all;
+}
+/// By the recursion in a representation, on series.
+std::vector<SixSeries> frame_twists_in(Representation in, const Motion& at, const std::vector<Series>& v) {
+  std::vector<SixSeries> all;
+  with_representation(in, [&](auto rep) {
+    for (const auto& [a, b] : frame_twists<decltype(rep)>(at.tree, at.q_t, v)) all.push_back({a, b});
+  });
+  return all;
+}
+std::vector<SixSeries> jacobian_in(Representation in, const Motion& at, const Place<>& place) {
+  std::vector<SixSeries> all;
+  with_representation(in, [&](auto rep) {
+    for (const auto& [a, b] : jacobian_on<decltype(rep)>(at.tree, at.q_t, on<Series>(place)))
+      all.push_back({a, b});
+  });
+  return all;
+}
+
+TEST_P(HigherOrder, TwistsAreThoseOfTheRecursionOnSeries) {
   Comparison derivative_of("derivative", agreement<double>);
   for_seeds(100, [&](std::uint64_t seed) {
     const Motion at(seed);
     const HigherOrderMotion<> motion = at.evaluated();
-    const auto V = frame_twists<Rep>(at.tree, at.q_t, at.v_t);
+    const std::vector<SixSeries> V = frame_twists_in(in, at, at.v_t);
     for (int k = 0; k <= highest; ++k) {
       SCOPED_TRACE("order " + std::to_string(k));
-      derivative_of.expect_equal(twist_derivatives<Rep>(motion, at.model.n_frames(), k),
-                                 rates_of(time_derivative(V, static_cast<std::size_t>(k))), 1);
+      derivative_of.expect_equal(twist_derivatives(in, motion, at.model.n_frames(), k), derivatives(V, k), 1);
     }
   });
 }
 
-TYPED_TEST(HigherOrder, JacobiansAreThoseOfTheRecursionOnSeriesForUnitVelocities) {
-  using Rep = TypeParam;
+TEST_P(HigherOrder, JacobiansAreThoseOfTheRecursionOnSeriesForUnitVelocities) {
   Comparison derivative_of("derivative", agreement<double>);
   for_seeds(40, [&](std::uint64_t seed) {
     const Motion at(seed);
     const HigherOrderMotion<> motion = at.evaluated();
     const int frame = at.model.n_frames() - 1;
-    std::vector<Twist<Rep, Series>> J;
+    std::vector<SixSeries> J;
     for (int c = 0; c < at.model.nv(); ++c)
-      J.push_back(frame_twists<Rep>(at.tree, at.q_t, on<Series>(unit(at.model.nv(), c))).back());
+      J.push_back(frame_twists_in(in, at, on<Series>(unit(at.model.nv(), c))).back());
     for (int k = 0; k <= highest; ++k) {
       SCOPED_TRACE("order " + std::to_string(k));
-      derivative_of.expect_equal(jacobian_derivative<Rep>(motion, frame, at.model.nv(), k),
-                                 rates_of(time_derivative(J, static_cast<std::size_t>(k))), 1);
+      derivative_of.expect_equal(jacobian_derivative(in, motion, frame, at.model.nv(), k), derivatives(J, k),
+                                 1);
     }
   });
 }
 
-TYPED_TEST(HigherOrder, PlacesBesideAFrameMoveWithIt) {
-  using Rep = TypeParam;
+TEST_P(HigherOrder, PlacesBesideAFrameMoveWithIt) {
   Comparison column("column", agreement<double>), twist("twist", agreement<double>);
   for_seeds(100, [&](std::uint64_t seed) {
     Motion at(seed);
     const HigherOrderMotion<> motion = at.evaluated();
     const Place<> place = random_place(at.model, at.random);
-    const auto J = jacobian_on<Rep>(at.tree, at.q_t, on<Series>(place));
-    Twist<Rep, Series> V{};
-    for (std::size_t c = 0; c < J.size(); ++c) V += at.v_t[c] * J[c];
+    const std::vector<SixSeries> J = jacobian_in(in, at, place);
+    SixSeries V{};
+    for (std::size_t c = 0; c < J.size(); ++c) V.a += at.v_t[c] * J[c].a, V.b += at.v_t[c] * J[c].b;
     for (int k = highest; k >= 0; --k) {
-      column.expect_equal(jacobian_derivative<Rep>(motion, place, at.model.nv(), k),
-                          rates_of(time_derivative(J, static_cast<std::size_t>(k))), 1);
-      const Twist<Rep> V_k = time_derivative(V, static_cast<std::size_t>(k));
-      twist.expect_equal(motion.twist_derivative<Rep>(place, k), TwistRate<Rep>{V_k.w, V_k.v}, 1);
+      column.expect_equal(jacobian_derivative(in, motion, place, at.model.nv(), k), derivatives(J, k), 1);
+      twist.expect_equal(twist_derivative(in, motion, place, k), V.derivative(k), 1);
     }
   });
 }
 
-TYPED_TEST(HigherOrder, TwistsFollowFromJacobiansByTheProductRule) {
-  using Rep = TypeParam;
+TEST_P(HigherOrder, TwistsFollowFromJacobiansByTheProductRule) {
   Comparison sum("sum", agreement<double>);
   for_seeds(100, [&](std::uint64_t seed) {
     const Motion at(seed);
     const HigherOrderMotion<> motion = at.evaluated();
     const int frame = at.model.n_frames() - 1;
     for (int k = 0; k <= highest; ++k) {
-      TwistRate<Rep> V_k{};
+      Six V_k{};
       double binomial = 1;
       for (int l = 0; l <= k; ++l) {
-        const auto J_l = jacobian_derivative<Rep>(motion, frame, at.model.nv(), l);
-        for (int c = 0; c < at.model.nv(); ++c) V_k += (binomial * at.rate(k - l)[c]) * J_l[c];
+        const std::vector<Six> J_l = jacobian_derivative(in, motion, frame, at.model.nv(), l);
+        for (std::size_t c = 0; c < J_l.size(); ++c) {
+          const double v = binomial * at.rate(k - l)[c];
+          V_k = V_k + Six{v * J_l[c].a, v * J_l[c].b};
+        }
         binomial = binomial * (k - l) / (l + 1);
       }
-      sum.expect_equal(motion.twist_derivative<Rep>(frame, k), V_k, 1);
+      sum.expect_equal(twist_derivative(in, motion, frame, k), V_k, 1);
     }
   });
 }
 
-TYPED_TEST(HigherOrder, OrdersZeroAndOneAreTheTwistTheJacobianAndTheAcceleration) {
-  using Rep = TypeParam;
+TEST_P(HigherOrder, OrdersZeroAndOneAreTheTwistTheJacobianAndTheAcceleration) {
   Comparison V("V", agreement<double>), dV("dV", agreement<double>), J("J", agreement<double>);
   for_seeds(100, [&](std::uint64_t seed) {
-    Trial<double> trial{Random<double>(seed), trees};
+    Trial trial(GetParam(), Random<double>(seed), trees);
     const Model& model = trial.model;
     HigherOrderMotion<> motion(model, 0), next(model, 1);
     motion.evaluate(trial.state.q, trial.state.v);
-    V.expect_equal(twist_derivatives<Rep>(motion, model.n_frames(), 0),
-                   rates_of(trial.template twists<Rep>()));
-    std::vector<Twist<Rep>> J_f(static_cast<std::size_t>(model.nv()));
-    jacobian<Rep>(model, trial.workspace, trial.state.q, model.n_frames() - 1, J_f);
-    J.expect_equal(jacobian_derivative<Rep>(motion, model.n_frames() - 1, model.nv(), 0), rates_of(J_f));
+    V.expect_equal(twist_derivatives(in, motion, model.n_frames(), 0), trial.twists());
+    Ask ask = trial.ask();
+    ask.place = model.n_frames() - 1;
+    J.expect_equal(jacobian_derivative(in, motion, ask.place, model.nv(), 0),
+                   sixes_of(trial.call("jacobian", ask)));
 
     std::vector<double> rates = trial.state.v;
     rates.insert(rates.end(), trial.state.a.begin(), trial.state.a.end());
     next.evaluate(trial.state.q, rates);
-    dV.expect_equal(twist_derivatives<Rep>(next, model.n_frames(), 1), trial.template accelerations<Rep>());
+    dV.expect_equal(twist_derivatives(in, next, model.n_frames(), 1), trial.accelerations());
   });
 }
 
-TYPED_TEST(HigherOrder, AnEvaluationDoesNotDependOnAnEarlierOne) {
-  using Rep = TypeParam;
+TEST_P(HigherOrder, AnEvaluationDoesNotDependOnAnEarlierOne) {
   const Motion at(8);
   HigherOrderMotion<> motion(at.model, highest);
   motion.evaluate(random_configuration(at.model, 99), std::vector<double>(at.rates.size(), 3.0));
-  static_cast<void>(motion.twist_derivative<Rep>(at.model.n_frames() - 1, highest));
+  static_cast<void>(twist_derivative(in, motion, at.model.n_frames() - 1, highest));
   motion.evaluate(at.q, at.rates);
   const HigherOrderMotion<> fresh = at.evaluated();
   for (int k = 0; k <= highest; ++k)
-    EXPECT_EQ(entries(twist_derivatives<Rep>(motion, at.model.n_frames(), k)),
-              entries(twist_derivatives<Rep>(fresh, at.model.n_frames(), k)));
+    EXPECT_EQ(entries(twist_derivatives(in, motion, at.model.n_frames(), k)),
+              entries(twist_derivatives(in, fresh, at.model.n_frames(), k)));
 }
 
-TYPED_TEST(HigherOrder, InSinglePrecisionAgreesToItsDigits) {
-  using Rep = TypeParam;
+TEST_P(HigherOrder, InSinglePrecisionAgreesToItsDigits) {
   Comparison derivative_of("derivative", agreement<float>);
   for_seeds(50, [&](std::uint64_t seed) {
     const Motion at(seed);
@@ -181,11 +213,9 @@ TYPED_TEST(HigherOrder, InSinglePrecisionAgreesToItsDigits) {
     HigherOrderMotion<float> single(at.model, highest);
     single.evaluate(cast<float>(at.q), cast<float>(at.rates));
     const int frame = at.model.n_frames() - 1;
-    for (int k = 0; k <= highest; ++k) {
-      const TwistRate<Rep, float> V_k = single.twist_derivative<Rep>(Place<float>(frame), k);
-      derivative_of.expect_equal(each_number(V_k, [](float x) { return static_cast<double>(x); }),
-                                 motion.twist_derivative<Rep>(frame, k));
-    }
+    for (int k = 0; k <= highest; ++k)
+      derivative_of.expect_equal(twist_derivative(in, single, frame, k),
+                                 twist_derivative(in, motion, frame, k));
   });
 }
 
@@ -211,7 +241,7 @@ std::vector<Column> path_columns(const Model& model, int body) {
 struct JerkOf {
   Motion at;
   HigherOrderMotion<> motion;
-  Trial<double> trial;
+  Trial trial;
   std::vector<SE3<>> C;
   std::vector<Column> columns;
   std::vector<Screw<>> X;  ///< of each column, in the frame of its body, for a unit velocity
@@ -220,7 +250,7 @@ struct JerkOf {
   explicit JerkOf(std::uint64_t seed)
       : at(seed),
         motion(at.evaluated(2)),
-        trial(at.model,
+        trial(scalars()[0], at.model,
               {at.q, {at.rate(0).begin(), at.rate(0).end()}, {at.rate(1).begin(), at.rate(1).end()}}),
         C(trial.poses()),
         body(at.model.n_bodies()) {
@@ -270,12 +300,12 @@ TEST(Jerk, SpatialFollowsFromTheTwistsAndAccelerationsOfTheBodies) {
   Comparison jerk("jerk", agreement<double>);
   for_seeds(100, [&](std::uint64_t seed) {
     JerkOf at(seed);
-    const auto V = at.trial.twists<Spatial>();
-    const auto dV = at.trial.accelerations<Spatial>();
+    Trial spatial = at.trial.by(Representation::spatial);
+    const std::vector<Six> V = spatial.twists(), dV = spatial.accelerations();
     Screw<> sum;
     for (std::size_t j = 0; j < at.columns.size(); ++j) {
-      const int i = at.columns[j].joint;
-      const Screw<> J = at.spatial(j), V_j = screw(V[i]), dV_j{dV[i].w, dV[i].v}, dJ = ad(V_j, J);
+      const std::size_t i = static_cast<std::size_t>(at.columns[j].joint);
+      const Screw<> J = at.spatial(j), V_j{V[i].a, V[i].b}, dV_j{dV[i].a, dV[i].b}, dJ = ad(V_j, J);
       sum = sum + at.v(j, 2) * J + (2 * at.v(j, 1)) * dJ + at.v(j, 0) * (ad(dV_j, J) + ad(V_j, dJ));
     }
     const auto V_2 = at.motion.twist_derivative<Spatial>(at.body, 2);
@@ -286,18 +316,18 @@ TEST(Jerk, SpatialFollowsFromTheTwistsAndAccelerationsOfTheBodies) {
 /// The hybrid jerk with erratum 10, in the joint screws ⁰X_j^j at the bodies that they move; r_ij points from
 /// i to j.
 Screw<> hybrid_jerk(JerkOf& at) {
-  const auto V = at.trial.twists<Hybrid>();
-  const auto dV = at.trial.accelerations<Hybrid>();
+  const std::vector<Six> V = at.trial.twists(), dV = at.trial.accelerations();
   const auto ad_r = [](const Vec3<>& r, const Screw<>& X) { return Screw<>{{}, cross(r, X.w)}; };
   const auto ad_w = [](const Vec3<>& w, const Screw<>& X) { return Screw<>{cross(w, X.w), cross(w, X.v)}; };
   Screw<> sum;
   for (std::size_t a = 0; a < at.columns.size(); ++a) {
-    const int j = at.columns[a].joint, i = at.body;
+    const std::size_t j = static_cast<std::size_t>(at.columns[a].joint),
+                      i = static_cast<std::size_t>(at.body);
     const Screw<> X = Ad(at.C[j].R, at.X[a]);
-    const Vec3<> r = at.C[j].r - at.C[i].r, dr = V[j].v - V[i].v, ddr = dV[j].v - dV[i].v, w = V[j].w;
+    const Vec3<> r = at.C[j].r - at.C[i].r, dr = V[j].b - V[i].b, ddr = dV[j].b - dV[i].b, w = V[j].a;
     const Screw<> wX = ad_w(w, X);
     const Screw<> J = Ad(r, X), dJ = ad_r(dr, X) + Ad(r, wX),
-                  ddJ = ad_r(ddr, X) + 2.0 * ad_r(dr, wX) + Ad(r, ad_w(dV[j].w, X) + ad_w(w, wX));
+                  ddJ = ad_r(ddr, X) + 2.0 * ad_r(dr, wX) + Ad(r, ad_w(dV[j].a, X) + ad_w(w, wX));
     sum = sum + at.v(a, 2) * J + (2 * at.v(a, 1)) * dJ + at.v(a, 0) * ddJ;
   }
   return sum;
@@ -318,7 +348,8 @@ TEST(Jerk, MixedIsTheHybridOneWithItsAngularPartInTheBody) {
   for_seeds(100, [&](std::uint64_t seed) {
     JerkOf at(seed);
     const Screw<> h = hybrid_jerk(at);
-    const Vec3<> w = at.trial.twists<Hybrid>()[at.body].w, dw = at.trial.accelerations<Hybrid>()[at.body].w;
+    const std::size_t i = static_cast<std::size_t>(at.body);
+    const Vec3<> w = at.trial.twists()[i].a, dw = at.trial.accelerations()[i].a;
     const auto V_2 = at.motion.twist_derivative<Mixed>(at.body, 2);
     jerk.expect_equal(Screw<>{V_2.w, V_2.v}, Screw<>{transpose(at.C[at.body].R) * (h.w - cross(w, dw)), h.v});
   });

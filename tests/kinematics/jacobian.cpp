@@ -5,50 +5,68 @@
 namespace axode::test {
 namespace {
 
-template <class C> class Jacobian : public testing::Test {};
-TYPED_TEST_SUITE(Jacobian, Cases, CaseNames);
+class Jacobian : public Law {
+ protected:
+  const Representation in = GetParam().representation;
+};
+INSTANTIATE_TEST_SUITE_P(Kinematics, Jacobian, testing::ValuesIn(cases()), name_of);
 
 const TreeRecipe trees{.most_bodies = 30};
 
-template <class Rep, class T> std::vector<Twist<Rep, T>> jacobian_of(Trial<T>& trial, const Place<T>& place) {
-  std::vector<Twist<Rep, T>> J(static_cast<std::size_t>(trial.model.nv()),
-                               {{T(9), T(9), T(9)}, {T(9), T(9), T(9)}});
-  jacobian<Rep>(trial.model, trial.workspace, trial.state.q, place, J);
-  return J;
+std::vector<Six> jacobian_of(Trial& trial, const Place<>& place) {
+  return sixes_of(trial.call("jacobian", {.q = trial.state.q, .place = place}));
 }
-template <class Rep, class T>
-Twist<Rep, T> times(const std::vector<Twist<Rep, T>>& J, const std::vector<T>& v) {
-  Twist<Rep, T> V{};
-  for (std::size_t c = 0; c < J.size(); ++c) V += v[c] * J[c];
+Six times(const std::vector<Six>& J, const std::vector<double>& v) {
+  Six V{};
+  for (std::size_t c = 0; c < J.size(); ++c) V = V + Six{v[c] * J[c].a, v[c] * J[c].b};
   return V;
 }
 
-TYPED_TEST(Jacobian, TimesTheVelocitiesIsTheTwistOfEveryFrame) {
-  using Rep = typename TypeParam::Rep;
-  using T = typename TypeParam::T;
-  Comparison twist("twist", agreement<T>);
+TEST_P(Jacobian, TimesTheVelocitiesIsTheTwistOfEveryFrame) {
+  Comparison twist("twist", GetParam().agreement());
   for_seeds(100, [&](std::uint64_t seed) {
-    Trial<T> trial{Random<double>(seed), trees};
-    std::vector<Twist<Rep, T>> V;
-    for (int f = 0; f < trial.model.n_frames(); ++f)
-      V.push_back(times(jacobian_of<Rep, T>(trial, f), trial.state.v));
-    twist.expect_equal(V, trial.template twists<Rep>());
+    Trial trial(GetParam(), Random<double>(seed), trees);
+    std::vector<Six> V;
+    for (int f = 0; f < trial.model.n_frames(); ++f) V.push_back(times(jacobian_of(trial, f), trial.state.v));
+    twist.expect_equal(V, trial.twists());
   });
 }
 
-TYPED_TEST(Jacobian, IsTheSumOfItsColumnsAlongThePath) {
-  using Rep = typename TypeParam::Rep;
-  using T = typename TypeParam::T;
-  for_seeds(100, [&](std::uint64_t seed) {
-    Trial<T> trial{Random<double>(seed), trees};
-    const Model& model = trial.model;
-    std::vector<JacobianColumn<Rep, T>> columns(static_cast<std::size_t>(model.n_screws()));
-    for (int f = 0; f < model.n_frames(); ++f) {
-      const std::size_t count = jacobian_columns<Rep>(model, trial.workspace, trial.state.q, f, columns);
-      std::vector<Twist<Rep, T>> sum(static_cast<std::size_t>(model.nv()));
-      for (std::size_t k = 0; k < count; ++k) sum[columns[k].c] += columns[k].J;
-      Comparison("column", agreement<T>).expect_equal(jacobian_of<Rep, T>(trial, f), sum);
+/// For every frame the sum of its columns along the path, for each velocity, and how many there are.
+struct SumOfColumns {
+  std::vector<Six> J;
+  std::size_t count;
+};
+template <class Rep, class T> std::vector<SumOfColumns> sums_of_columns(const Trial& trial) {
+  const Model& model = trial.model;
+  Workspace<T> workspace(model);
+  const std::vector<T> q = cast<T>(trial.state.q);
+  std::vector<JacobianColumn<Rep, T>> columns(static_cast<std::size_t>(model.n_screws()));
+  std::vector<SumOfColumns> all;
+  for (int f = 0; f < model.n_frames(); ++f) {
+    SumOfColumns sum{std::vector<Six>(static_cast<std::size_t>(model.nv())),
+                     jacobian_columns<Rep>(model, workspace, q, f, columns)};
+    for (std::size_t k = 0; k < sum.count; ++k) {
+      Six& J_c = sum.J[static_cast<std::size_t>(columns[k].c)];
+      J_c = J_c + Six{axode::cast<double>(columns[k].J.w), axode::cast<double>(columns[k].J.v)};
+    }
+    all.push_back(std::move(sum));
+  }
+  return all;
+}
 
+TEST_P(Jacobian, IsTheSumOfItsColumnsAlongThePath) {
+  Comparison column("column", GetParam().agreement());
+  for_seeds(100, [&](std::uint64_t seed) {
+    Trial trial(GetParam(), Random<double>(seed), trees);
+    const Model& model = trial.model;
+    const std::vector<SumOfColumns> sums = with_representation(in, [&](auto rep) {
+      using Rep = decltype(rep);
+      return GetParam().single ? sums_of_columns<Rep, float>(trial) : sums_of_columns<Rep, double>(trial);
+    });
+    for (int f = 0; f < model.n_frames(); ++f) {
+      const auto& [sum, count] = sums[static_cast<std::size_t>(f)];
+      column.expect_equal(jacobian_of(trial, f), sum);
       std::size_t screws_on_path = 0;
       for (int i = model.frame(f).body; i > 0; i = model.body(i).predecessor)
         screws_on_path += model.body(i).X.size();
@@ -57,10 +75,8 @@ TYPED_TEST(Jacobian, IsTheSumOfItsColumnsAlongThePath) {
   });
 }
 
-TYPED_TEST(Jacobian, OfAPoseInAFrameIsThatOfAFrameThere) {
-  using Rep = typename TypeParam::Rep;
-  using T = typename TypeParam::T;
-  Comparison pose("pose", agreement<T>), point("point", agreement<T>);
+TEST_P(Jacobian, OfAPoseInAFrameIsThatOfAFrameThere) {
+  Comparison pose("pose", GetParam().agreement()), point("point", GetParam().agreement());
   for_seeds(100, [&](std::uint64_t seed) {
     Random<double> random(seed);
     Description description = told(random_mechanism(random, trees), random);
@@ -68,133 +84,116 @@ TYPED_TEST(Jacobian, OfAPoseInAFrameIsThatOfAFrameThere) {
     const SE3<> offset{random.rotation(), random.vector()};
     description.frames.push_back({.name = "place", .body = body, .pose = offset});
     description.frames.push_back({.name = "point", .body = body, .pose = {{}, offset.r}});
-    Trial<T> trial(ModelBuilder(description).build(), random);
+    Trial trial(GetParam(), ModelBuilder(description).build(), random);
     const int frame = trial.model.frame_index(body);
-    pose.expect_equal(jacobian_of<Rep, T>(trial, {frame, axode::cast<T>(offset)}),
-                      jacobian_of<Rep, T>(trial, trial.model.frame_index("place")));
-    point.expect_equal(jacobian_of<Rep, T>(trial, {frame, axode::cast<T>(offset.r)}),
-                       jacobian_of<Rep, T>(trial, trial.model.frame_index("point")));
+    pose.expect_equal(jacobian_of(trial, {frame, offset}),
+                      jacobian_of(trial, trial.model.frame_index("place")));
+    point.expect_equal(jacobian_of(trial, {frame, offset.r}),
+                       jacobian_of(trial, trial.model.frame_index("point")));
   });
 }
 
-TYPED_TEST(Jacobian, ChangesItsRepresentationLikeTwists) {
-  using Rep = typename TypeParam::Rep;
-  using T = typename TypeParam::T;
-  Comparison column("column", agreement<T>);
+TEST_P(Jacobian, ChangesItsRepresentationLikeTwists) {
+  Comparison column("column", GetParam().agreement());
   for_seeds(100, [&](std::uint64_t seed) {
-    Trial<T> trial{Random<double>(seed), trees};
+    Trial trial(GetParam(), Random<double>(seed), trees);
     const int frame = trial.model.n_frames() - 1;
-    const SE3<T> C = trial.poses().back();
-    const auto compare = [&](auto other) {
-      using Other = decltype(other);
-      std::vector<Twist<Rep, T>> changed;
-      for (const auto& J_c : jacobian_of<Other, T>(trial, frame)) changed.push_back(change<Rep>(C, J_c));
-      column.expect_equal(jacobian_of<Rep, T>(trial, frame), changed);
-    };
-    compare(BodyFixed{}), compare(Spatial{}), compare(Hybrid{}), compare(Mixed{});
+    const SE3<> C = trial.poses().back();
+    for (const Representation other : representations) {
+      Trial in_other = trial.by(other);
+      std::vector<Six> changed;
+      for (const Six& J_c : jacobian_of(in_other, frame)) changed.push_back(changed_twist(in, other, C, J_c));
+      column.expect_equal(jacobian_of(trial, frame), changed);
+    }
   });
 }
 
-template <class Rep, class T>
-std::vector<Twist<Rep, T>> relative_jacobian_of(Trial<T>& trial, const Place<T>& place,
-                                                const Place<T>& base) {
-  std::vector<Twist<Rep, T>> J(static_cast<std::size_t>(trial.model.nv()));
-  relative_jacobian<Rep>(trial.model, trial.workspace, trial.state.q, place, base, J);
-  return J;
+std::vector<Six> relative_jacobian_of(Trial& trial, const Place<>& place, const Place<>& base) {
+  return sixes_of(trial.call("relative_jacobian", {.q = trial.state.q, .place = place, .base = base}));
 }
 
-TYPED_TEST(Jacobian, OfOnePlaceRelativeToAnotherIsThatOfTheRelativePose) {
-  using Rep = typename TypeParam::Rep;
-  using T = typename TypeParam::T;
-  using S = Taylor<T, 2>;
-  Comparison rate("rate", agreement<T>);
+TEST_P(Jacobian, OfOnePlaceRelativeToAnotherIsThatOfTheRelativePose) {
+  using S = Taylor<double, 2>;
+  Comparison rate("rate", GetParam().agreement());
   for_seeds(150, [&](std::uint64_t seed) {
     Random<double> random(seed);
-    Trial<T> trial(random_model(random, trees), random);
+    Trial trial(GetParam(), random_model(random, trees), random);
     const Place<> place = random_place(trial.model, random), base = random_place(trial.model, random);
-    const Tree<S> tree = axode::cast<S>(trial.model.template tree<T>());
-    const std::vector<T> zero = trial.zero();
-    const std::vector<S> q = moving<2>(tree, trial.state.q, trial.state.v, zero);
-    const std::vector<SE3<S>> frames = frame_poses(tree, q);
+    const Tree<S> tree = on<S>(trial.model);
+    const std::vector<SE3<S>> frames =
+        frame_poses(tree, moving<2>(tree, trial.state.q, trial.state.v, trial.zero()));
     const auto pose = [&](const Place<>& at) {
       return frames[static_cast<std::size_t>(at.frame)] * axode::cast<S>(at.offset);
     };
     const SE3<S> C_series = inverse(pose(base)) * pose(place);
-    const SE3<T> C = time_derivative(C_series, 0), dC = time_derivative(C_series, 1);
+    const SE3<> C = time_derivative(C_series, 0), dC = time_derivative(C_series, 1);
 
-    const Twist<Rep, T> V =
-        times(relative_jacobian_of<Rep, T>(trial, on<T>(place), on<T>(base)), trial.state.v);
-    const Eigen::Matrix4<T> C_V = to_eigen(C) * hat(screw(change<BodyFixed>(C, V)));
-    Eigen::Matrix4<T> expected = to_eigen(dC);
-    expected(3, 3) = 0;
-    rate.expect_equal(C_V, expected, 1);
+    const Six V = times(relative_jacobian_of(trial, place, base), trial.state.v);
+    const auto [w, v] = changed_twist(Representation::body, in, C, V);
+    const auto columns = [](const SE3<>& A) { return std::vector<Vec3<>>{A.R.x, A.R.y, A.R.z, A.r}; };
+    const SE3<> C_V{{C.R * Vec3<>{0, w.z, -w.y}, C.R * Vec3<>{-w.z, 0, w.x}, C.R * Vec3<>{w.y, -w.x, 0}},
+                    C.R * v};
+    rate.expect_equal(columns(C_V), columns(dC), 1);
   });
 }
 
-TYPED_TEST(Jacobian, RelativeToTheGroundIsTheJacobianAndRelativeToItselfIsZero) {
-  using Rep = typename TypeParam::Rep;
-  using T = typename TypeParam::T;
-  Comparison to_ground("ground", agreement<T>), to_itself("itself", agreement<T>);
+TEST_P(Jacobian, RelativeToTheGroundIsTheJacobianAndRelativeToItselfIsZero) {
+  Comparison to_ground("ground", GetParam().agreement()), to_itself("itself", GetParam().agreement());
   for_seeds(50, [&](std::uint64_t seed) {
-    Trial<T> trial{Random<double>(seed), trees};
+    Trial trial(GetParam(), Random<double>(seed), trees);
     const int frame = trial.model.n_frames() - 1;
-    const auto J = jacobian_of<Rep, T>(trial, frame);
-    to_ground.expect_equal(relative_jacobian_of<Rep, T>(trial, frame, 0), J);
-    to_itself.expect_equal(relative_jacobian_of<Rep, T>(trial, frame, frame),
-                           std::vector<Twist<Rep, T>>(J.size()), 1);
+    const std::vector<Six> J = jacobian_of(trial, frame);
+    to_ground.expect_equal(relative_jacobian_of(trial, frame, 0), J);
+    to_itself.expect_equal(relative_jacobian_of(trial, frame, frame), std::vector<Six>(J.size()), 1);
   });
 }
 
-template <class T> class JointScrews : public testing::Test {};
-using Scalars = testing::Types<double, float>;
-struct ScalarNames {
-  template <class T> static std::string GetName(int) { return std::same_as<T, double> ? "double" : "float"; }
-};
-TYPED_TEST_SUITE(JointScrews, Scalars, ScalarNames);
+class JointScrews : public Law {};
+INSTANTIATE_TEST_SUITE_P(Kinematics, JointScrews, testing::ValuesIn(scalars()), name_of);
 
-TYPED_TEST(JointScrews, SumUpAlongEveryPathToTheSpatialTwist) {
-  using T = TypeParam;
-  Comparison twist("twist", agreement<T>);
+TEST_P(JointScrews, SumUpAlongEveryPathToTheSpatialTwist) {
+  Comparison twist("twist", GetParam().agreement());
   for_seeds(200, [&](std::uint64_t seed) {
-    Trial<T> trial{Random<double>(seed), trees};
+    Trial trial(in(Representation::spatial, GetParam()), Random<double>(seed), trees);
     const Model& model = trial.model;
-    std::vector<Twist<Spatial, T>> J(static_cast<std::size_t>(model.n_screws()));
-    joint_screws(model, trial.workspace, trial.state.q, J);
-    std::vector<Twist<Spatial, T>> V(static_cast<std::size_t>(model.n_bodies() + 1));
+    const std::vector<Six> J = sixes_of(trial.call("joint_screws"));
+    std::vector<Six> V(trial.n_bodies() + 1);
     for (int i = 1; i <= model.n_bodies(); ++i) {
-      V[i] = V[model.body(i).predecessor];
-      for (int k = 0; k < static_cast<int>(model.body(i).X.size()); ++k) {
-        const T ratio = model.joint(i).leader ? T(model.joint(i).leader->ratio) : T(1);
-        V[i] += (ratio * trial.state.v[model.joint(i).iv + k]) * J[model.first_screw(i) + k];
+      Six& V_i = V[static_cast<std::size_t>(i)];
+      V_i = V[static_cast<std::size_t>(model.body(i).predecessor)];
+      const double ratio = model.joint(i).leader ? model.joint(i).leader->ratio : 1;
+      for (std::size_t k = 0; k < model.body(i).X.size(); ++k) {
+        const double v = ratio * trial.state.v[static_cast<std::size_t>(model.joint(i).iv) + k];
+        const Six& J_k = J[static_cast<std::size_t>(model.first_screw(i)) + k];
+        V_i = V_i + Six{v * J_k.a, v * J_k.b};
       }
     }
-    std::vector<Twist<Spatial, T>> expected = trial.template twists<Spatial>();
+    std::vector<Six> expected = trial.twists();
     expected.resize(V.size());
     twist.expect_equal(V, expected);
   });
 }
 
-TYPED_TEST(JointScrews, AreTheReferenceScrewsCarriedByTheirBodies) {
-  using T = TypeParam;
-  Comparison screw_of("screw", agreement<T>);
+TEST_P(JointScrews, AreTheReferenceScrewsCarriedByTheirBodies) {
+  Comparison screw_of("screw", GetParam().agreement());
   for_seeds(100, [&](std::uint64_t seed) {
-    Trial<T> trial{Random<double>(seed), trees};
-    const Model& model = trial.model;
-    std::vector<Twist<Spatial, T>> J(static_cast<std::size_t>(model.n_screws())), expected;
-    joint_screws(model, trial.workspace, trial.state.q, J);
-    const std::vector<SE3<T>> C = trial.poses();
-    for (int i = 1; i <= model.n_bodies(); ++i)
-      for (const Screw<>& X : model.body(i).X)
-        expected.push_back(twist<Spatial>(Ad(C[i], Screw<T>{axode::cast<T>(X.w), axode::cast<T>(X.v)})));
-    screw_of.expect_equal(J, expected);
+    Trial trial(GetParam(), Random<double>(seed), trees);
+    const std::vector<SE3<>> C = trial.poses();
+    std::vector<Six> expected;
+    for (int i = 1; i <= trial.model.n_bodies(); ++i)
+      for (const Screw<>& X : trial.model.body(i).X) {
+        const Screw<> J = Ad(C[static_cast<std::size_t>(i)], X);
+        expected.push_back({J.w, J.v});
+      }
+    screw_of.expect_equal(sixes_of(trial.call("joint_screws")), expected);
   });
 }
 
 TEST(JacobianErrors, NameTheArgumentAndTheRule) {
-  Trial<double> trial{Random<double>(3), {.most_bodies = 5}};
-  const Model& model = trial.model;
-  Workspace<>& workspace = trial.workspace;
-  const std::vector<double>& q = trial.state.q;
+  Random<double> random(3);
+  const Model model = random_model(random, {.most_bodies = 5});
+  Workspace<> workspace(model);
+  const std::vector<double> q = neutral(model);
   std::vector<Twist<BodyFixed>> J(static_cast<std::size_t>(model.nv()));
   const std::string nv = std::to_string(model.nv()), one_more = std::to_string(model.nv() + 1);
   const auto with_frame = [&](int frame) {

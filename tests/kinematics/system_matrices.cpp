@@ -7,104 +7,127 @@
 namespace axode::test {
 namespace {
 
-template <class R> class System : public testing::Test {};
-TYPED_TEST_SUITE(System, Representations, RepresentationNames);
+using Eigen::MatrixXd, Eigen::VectorXd;
 
 const TreeRecipe trees{.most_bodies = 15};
-using Matrix = Eigen::MatrixXd;
-using Vector = Eigen::VectorXd;
 
-Trial<double> random_trial(std::uint64_t seed) { return Trial<double>{Random<double>(seed), trees}; }
+/// The functions of the library, in a representation of choice and with dense matrices.
+struct DenseSystem {
+  MatrixXd A, D, X;
+  Eigen::Index stored_in_D, stored_in_X;
+};
+DenseSystem system_matrices_in(Representation in, const Model& model, const std::vector<double>& q) {
+  const auto [A, D, X] =
+      with_representation(in, [&](auto rep) { return system_matrices<decltype(rep)>(model, q); });
+  return {A, D, X, D.nonZeros(), X.nonZeros()};
+}
+VectorXd system_twist_in(Representation in, const Model& model, const State<double>& at) {
+  return with_representation(in, [&](auto rep) { return system_twist<decltype(rep)>(model, at.q, at.v); });
+}
+VectorXd system_acceleration_in(Representation in, const Model& model, const State<double>& at) {
+  return with_representation(
+      in, [&](auto rep) { return system_acceleration<decltype(rep)>(model, at.q, at.v, at.a); });
+}
+VectorXd joint_velocities_in(Representation in, const Model& model, const std::vector<double>& q,
+                             const VectorXd& V) {
+  return with_representation(in, [&](auto rep) { return joint_velocities<decltype(rep)>(model, q, V); });
+}
+VectorXd joint_accelerations_in(Representation in, const Model& model, const std::vector<double>& q,
+                                const VectorXd& V, const VectorXd& dV) {
+  return with_representation(in,
+                             [&](auto rep) { return joint_accelerations<decltype(rep)>(model, q, V, dV); });
+}
 
-Vector vector(const std::vector<double>& x) { return as_eigen(std::span(x)); }
+Trial random_trial(const Case& c, std::uint64_t seed) { return {c, Random<double>(seed), trees}; }
 
 /// Quantities of the bodies 1..n, one below the other.
-template <class Quantity> Vector stacked(const Model& model, const std::vector<Quantity>& frames) {
-  Vector out(6 * model.n_bodies());
-  for (int i = 1; i <= model.n_bodies(); ++i) out.segment<6>(6 * (i - 1)) = to_eigen(frames[i]);
-  return out;
+VectorXd stacked(const Model& model, const std::vector<Six>& frames) {
+  return vector(entries(std::vector<Six>(frames.begin() + 1, frames.begin() + 1 + model.n_bodies())));
 }
 /// The Jacobians of the bodies 1..n, one below the other.
-template <class Rep> Matrix stacked_jacobian(Trial<double>& trial) {
-  Matrix out(6 * trial.model.n_bodies(), trial.model.nv());
-  std::vector<Twist<Rep>> J(static_cast<std::size_t>(trial.model.nv()));
+MatrixXd stacked_jacobian(Trial& trial) {
+  MatrixXd out(6 * trial.model.n_bodies(), trial.model.nv());
+  Ask ask = trial.ask();
   for (int i = 1; i <= trial.model.n_bodies(); ++i) {
-    jacobian<Rep>(trial.model, trial.workspace, trial.state.q, i, J);
-    for (int c = 0; c < trial.model.nv(); ++c) out.block<6, 1>(6 * (i - 1), c) = to_eigen(J[c]);
+    ask.place = i;
+    out.middleRows(6 * (i - 1), 6) = matrix(trial.model.nv(), trial.call("jacobian", ask)).transpose();
   }
   return out;
 }
-Matrix identity(const Model& model) { return Matrix::Identity(6 * model.n_bodies(), 6 * model.n_bodies()); }
+MatrixXd identity(const Model& model) {
+  return MatrixXd::Identity(6 * model.n_bodies(), 6 * model.n_bodies());
+}
+
+class System : public Law {
+ protected:
+  const Representation in = GetParam().representation;
+};
+INSTANTIATE_TEST_SUITE_P(Kinematics, System, representations_in_double(), name_of);
 
 bool is_ancestor_or_self(const Model& model, int j, int i) {
   while (i > j) i = model.body(i).predecessor;
   return i == j;
 }
 
-TYPED_TEST(System, JacobianIsTheProductOfItsFactors) {
-  using Rep = TypeParam;
+TEST_P(System, JacobianIsTheProductOfItsFactors) {
   Comparison jacobian_of("J", agreement<double>), twist("V", agreement<double>),
       inverse("(I - D) A", agreement<double>);
   for_seeds(100, [&](std::uint64_t seed) {
-    Trial<double> trial = random_trial(seed);
+    Trial trial = random_trial(GetParam(), seed);
     const Model& model = trial.model;
-    const SystemMatrices system = system_matrices<Rep>(model, trial.state.q);
-    inverse.expect_equal(Matrix((identity(model) - Matrix(system.D)) * Matrix(system.A)), identity(model));
-    jacobian_of.expect_equal(Matrix(system.A * system.X), stacked_jacobian<Rep>(trial));
-    const Vector V = stacked(model, trial.template twists<Rep>());
-    twist.expect_equal(Vector(system.A * (system.X * vector(trial.state.v))), V);
-    twist.expect_equal(system_twist<Rep>(model, trial.state.q, trial.state.v), V);
+    const auto [A, D, X, stored_in_D, stored_in_X] = system_matrices_in(in, model, trial.state.q);
+    inverse.expect_equal(product(identity(model) - D, A), identity(model));
+    jacobian_of.expect_equal(product(A, X), stacked_jacobian(trial));
+    const VectorXd V = stacked(model, trial.twists());
+    twist.expect_equal(product(A, product(X, vector(trial.state.v))), V);
+    twist.expect_equal(system_twist_in(in, model, trial.state), V);
   });
 }
 
-TYPED_TEST(System, BlocksLieOnThePathsOnly) {
-  using Rep = TypeParam;
+TEST_P(System, BlocksLieOnThePathsOnly) {
   for_seeds(30, [&](std::uint64_t seed) {
-    Trial<double> trial = random_trial(seed);
+    const Trial trial = random_trial(GetParam(), seed);
     const Model& model = trial.model;
-    const SystemMatrices system = system_matrices<Rep>(model, trial.state.q);
-    const Matrix A = system.A, D = system.D;
+    const auto [A, D, X, stored_in_D, stored_in_X] = system_matrices_in(in, model, trial.state.q);
     for (int i = 1; i <= model.n_bodies(); ++i)
       for (int j = 1; j <= model.n_bodies(); ++j) {
-        const auto block = [&](const Matrix& M) {
-          return M.block<6, 6>(6 * (i - 1), 6 * (j - 1)).cwiseAbs().maxCoeff();
+        const auto block = [&](const MatrixXd& M) {
+          return largest_entry(M.block<6, 6>(6 * (i - 1), 6 * (j - 1)));
         };
         EXPECT_EQ(block(A) == 0, !is_ancestor_or_self(model, j, i));
         EXPECT_EQ(block(D) == 0, model.body(i).predecessor != j);
       }
-    EXPECT_LE(system.D.nonZeros(), 36 * model.n_bodies()) << "stored";
-    EXPECT_LE(system.X.nonZeros(), 6 * model.n_screws()) << "stored";
+    EXPECT_LE(stored_in_D, 36 * model.n_bodies());
+    EXPECT_LE(stored_in_X, 6 * model.n_screws());
   });
 }
 
-TYPED_TEST(System, VelocitiesAndAccelerationsAreRecoveredFromTheMotionOfTheBodies) {
-  using Rep = TypeParam;
+TEST_P(System, VelocitiesAndAccelerationsAreRecoveredFromTheMotionOfTheBodies) {
   Comparison velocity("v", 1e-10), acceleration("a", 1e-10), rate("dV", agreement<double>);
   for_seeds(100, [&](std::uint64_t seed) {
-    Trial<double> trial = random_trial(seed);
+    Trial trial = random_trial(GetParam(), seed);
     const Model& model = trial.model;
-    const auto& [q, v, a, wrenches] = trial.state;
-    const Vector V = system_twist<Rep>(model, q, v), dV = system_acceleration<Rep>(model, q, v, a);
-    rate.expect_equal(dV, stacked(model, trial.template accelerations<Rep>()));
-    velocity.expect_equal(joint_velocities<Rep>(model, q, V), vector(v));
-    acceleration.expect_equal(joint_accelerations<Rep>(model, q, V, dV), vector(a));
+    const State<double>& at = trial.state;
+    const VectorXd V = system_twist_in(in, model, at), dV = system_acceleration_in(in, model, at);
+    rate.expect_equal(dV, stacked(model, trial.accelerations()));
+    velocity.expect_equal(joint_velocities_in(in, model, at.q, V), vector(at.v));
+    acceleration.expect_equal(joint_accelerations_in(in, model, at.q, V, dV), vector(at.a));
   });
 }
 
 /// Twists that no velocities make: the residual X v - (I - D) V is orthogonal to every joint screw.
-TYPED_TEST(System, VelocitiesOfImpossibleTwistsLeaveTheLeastResidual) {
-  using Rep = TypeParam;
+TEST_P(System, VelocitiesOfImpossibleTwistsLeaveTheLeastResidual) {
   Comparison normal("normal equations", 1e-10);
   for_seeds(50, [&](std::uint64_t seed) {
-    Trial<double> trial = random_trial(seed);
+    const Trial trial = random_trial(GetParam(), seed);
     const Model& model = trial.model;
     Random<double> random(seed);
-    const Vector V = vector(random_numbers(random, 6 * model.n_bodies()));
-    const SystemMatrices system = system_matrices<Rep>(model, trial.state.q);
-    const Matrix X = system.X;
-    const Vector right = V - system.D * V;
-    normal.expect_equal(Vector(X.transpose() * (X * joint_velocities<Rep>(model, trial.state.q, V))),
-                        Vector(X.transpose() * right));
+    const VectorXd V = vector(random_numbers(random, 6 * model.n_bodies()));
+    const auto [A, D, X, stored_in_D, stored_in_X] = system_matrices_in(in, model, trial.state.q);
+    const MatrixXd X_transposed = X.transpose();
+    const VectorXd v = joint_velocities_in(in, model, trial.state.q, V);
+    normal.expect_equal(product(X_transposed, product(X, v)),
+                        product(X_transposed, product(identity(model) - D, V)));
   });
 }
 
@@ -114,27 +137,29 @@ TEST(BodyFixedSystem, JacobianChangesByTheMatrixOfJointTwists) {
   Comparison rate("rate", agreement<double>), acceleration("acceleration", agreement<double>);
   int singles = 0;
   for_seeds(100, [&](std::uint64_t seed) {
-    Trial<double> trial = random_trial(seed);
+    const Trial trial = random_trial(scalars()[0], seed);
     const Model& model = trial.model;
-    const auto& [q, v, a, wrenches] = trial.state;
-    const SystemMatrices system = system_matrices<BodyFixed>(model, q);
-    const Matrix J = system.A * system.X, a_b = a_matrix(model, v);
-    std::vector<double> rates(v);
-    rates.insert(rates.end(), a.begin(), a.end());
+    const State<double>& at = trial.state;
+    const DenseSystem system = system_matrices_in(Representation::body, model, at.q);
+    const MatrixXd J = product(system.A, system.X), a_b = a_matrix(model, at.v), A_a = product(system.A, a_b);
+    std::vector<double> rates(at.v);
+    rates.insert(rates.end(), at.a.begin(), at.a.end());
     HigherOrderMotion<> motion(model, 1);
-    motion.evaluate(q, rates);
-    Matrix dJ(J.rows(), J.cols());
-    std::vector<TwistRate<BodyFixed>> columns(v.size());
+    motion.evaluate(at.q, rates);
+    MatrixXd dJ(J.rows(), J.cols());
+    std::vector<TwistRate<BodyFixed>> columns(at.v.size());
     for (int i = 1; i <= model.n_bodies(); ++i) {
       motion.jacobian_derivative<BodyFixed>(i, 1, columns);
-      for (int c = 0; c < model.nv(); ++c) dJ.block<6, 1>(6 * (i - 1), c) = to_eigen(columns[c]);
+      for (int c = 0; c < model.nv(); ++c)
+        dJ.block<6, 1>(6 * (i - 1), c) = to_eigen(columns[static_cast<std::size_t>(c)]);
     }
-    rate.expect_equal(Matrix(-(system.A * (a_b * (system.D * J)))), dJ, 1);
+    rate.expect_equal(product(-A_a, product(system.D, J)), dJ, 1);
     const bool single = std::ranges::all_of(model.joints(), [](const Joint& joint) { return joint.nv == 1; });
-    if (single) rate.expect_equal(Matrix(-(system.A * (a_b * J))), dJ, 1);
+    if (single) rate.expect_equal(product(-A_a, J), dJ, 1);
     singles += single;
-    acceleration.expect_equal(Vector(J * vector(a) - system.A * (a_b * system_twist<BodyFixed>(model, q, v))),
-                              system_acceleration<BodyFixed>(model, q, v, a));
+    const VectorXd V = system_twist_in(Representation::body, model, at);
+    acceleration.expect_equal(VectorXd(product(J, vector(at.a)) - product(A_a, V)),
+                              system_acceleration_in(Representation::body, model, at));
   });
   if (std::getenv("AXODE_RANDOM_TREES") == nullptr) {
     EXPECT_GT(singles, 10);
@@ -145,26 +170,27 @@ TEST(BodyFixedSystem, JacobianChangesByTheMatrixOfJointTwists) {
 TEST(SpatialSystem, JacobianHasThreeFactorisations) {
   Comparison jacobian_of("J", agreement<double>), acceleration("acceleration", agreement<double>);
   for_seeds(100, [&](std::uint64_t seed) {
-    Trial<double> trial = random_trial(seed);
+    Trial trial = random_trial(test::in(Representation::spatial, scalars()[0]), seed);
     const Model& model = trial.model;
-    const auto& [q, v, a, wrenches] = trial.state;
-    const SpatialFactors factors = spatial_factors(model, q);
-    const SystemMatrices spatial = system_matrices<Spatial>(model, q),
-                         body = system_matrices<BodyFixed>(model, q);
-    const Matrix J = stacked_jacobian<Spatial>(trial);
-    jacobian_of.expect_equal(Matrix(factors.A_s * factors.Y_s), J);
-    jacobian_of.expect_equal(Matrix(factors.A_sb * body.X), J);
-    const SystemMatrix b_s = b_matrix(model, system_twist<Spatial>(model, q, v));
-    acceleration.expect_equal(Vector(J * vector(a) + spatial.A * (b_s * (spatial.X * vector(v)))),
-                              system_acceleration<Spatial>(model, q, v, a));
+    const State<double>& at = trial.state;
+    const SpatialFactors factors = spatial_factors(model, at.q);
+    const DenseSystem spatial = system_matrices_in(Representation::spatial, model, at.q),
+                      body = system_matrices_in(Representation::body, model, at.q);
+    const MatrixXd J = stacked_jacobian(trial);
+    jacobian_of.expect_equal(product(MatrixXd(factors.A_s), MatrixXd(factors.Y_s)), J);
+    jacobian_of.expect_equal(product(MatrixXd(factors.A_sb), body.X), J);
+    const MatrixXd b_s = b_matrix(model, system_twist_in(Representation::spatial, model, at));
+    acceleration.expect_equal(VectorXd(product(J, vector(at.a)) +
+                                       product(spatial.A, product(b_s, product(spatial.X, vector(at.v))))),
+                              system_acceleration_in(Representation::spatial, model, at));
   });
 }
 
 TEST(SystemErrors, NameTheArgumentAndItsSize) {
-  Trial<double> trial = random_trial(2);
+  const Trial trial = random_trial(scalars()[0], 2);
   const Model& model = trial.model;
   const std::vector<double>& q = trial.state.q;
-  const Vector V = Vector::Zero(6 * model.n_bodies()), longer = Vector::Zero(6 * model.n_bodies() + 1);
+  const VectorXd V = VectorXd::Zero(6 * model.n_bodies()), longer = VectorXd::Zero(6 * model.n_bodies() + 1);
   const std::string expected =
       " has " + std::to_string(longer.size()) + " entries; expected 6 n_bodies = " + std::to_string(V.size());
   EXPECT_EQ(message_of([&] { joint_velocities(model, q, longer); }), "V" + expected);

@@ -81,7 +81,7 @@ TEST_P(EquationsOfMotion, AFrameAnswersAnImpulse) {
   for_seeds(200, [&](std::uint64_t seed) {
     Trial trial(GetParam(), Random<double>(seed), {.always_mass = true});
     Ask ask = trial.ask();
-    ask.frame = trial.model.n_frames() - 1, ask.point = {0.1, -0.2, 0.05};
+    ask.place = {trial.model.n_frames() - 1, Vec3<>{0.1, -0.2, 0.05}};
     const auto [columns_of_Y, solvability] = trial.answer("impulse_response", ask);
     if (!solvability.ok()) return;
     const MatrixXd J_transposed = matrix(trial.model.nv(), trial.call("jacobian", ask)),

@@ -16,8 +16,8 @@ Arguments<T>::Arguments(const Ask& ask)
       tau(cast<T>(ask.tau)),
       p(cast<T>(ask.p)),
       joint_losses(ask.loads.joint_losses),
-      place(ask.frame, axode::cast<T>(ask.point)),
-      base(ask.base),
+      place(ask.place.frame, axode::cast<T>(ask.place.offset)),
+      base(ask.base.frame, axode::cast<T>(ask.base.offset)),
       form(ask.form) {
   for (const AppliedWrench<>& W : ask.loads.wrenches)
     wrenches.emplace_back(W.frame, W.representation, axode::cast<T>(W.m), axode::cast<T>(W.f));
@@ -32,9 +32,8 @@ Ask any(const Model& model, const State<double>& state, Random<double>& random) 
           .tau = random_numbers(random, model.nv()),
           .p = random_numbers(random, model.nv()),
           .loads = {.wrenches = state.wrenches, .joint_losses = true},
-          .frame = model.n_frames() - 1,
-          .base = 1,
-          .point = random.vector()};
+          .place = {model.n_frames() - 1, random.vector()},
+          .base = 1};
 }
 State<double> loaded_state(const Model& model, Random<double>& random) {
   State<double> state = random_state(model, random);

@@ -1,6 +1,7 @@
 #pragma once
 #include <gmock/gmock.h>
 
+#include <functional>
 #include <stdexcept>
 #include <string>
 
@@ -19,20 +20,23 @@ template <class F> std::string message_of(const F& f) {
   return "no error";
 }
 
+/// How a call is refused.
+using Refusal = testing::Matcher<const std::function<void()>&>;
+
 /// The message names the argument, the size it has and the size it should have.
-inline auto refused(const std::string& argument, int actual, const std::string& meaning, int expected) {
+inline Refusal refused(const std::string& argument, int actual, const std::string& meaning, int expected) {
   return testing::ThrowsMessage<std::invalid_argument>(
       testing::AllOf(testing::StartsWith(argument + " has " + std::to_string(actual) + " entries"),
                      testing::EndsWith("expected " + meaning + " = " + std::to_string(expected))));
 }
 /// The message names the sizes of the workspace and of the model.
-inline auto refused_workspace(int made_for, int n_bodies) {
+inline Refusal refused_workspace(int made_for, int n_bodies) {
   return testing::ThrowsMessage<std::invalid_argument>(
       testing::AllOf(testing::HasSubstr("workspace: made for " + std::to_string(made_for)),
                      testing::HasSubstr("has " + std::to_string(n_bodies))));
 }
 /// The message names the argument, the joint and the rule.
-inline auto refused_quaternion(const std::string& joint) {
+inline Refusal refused_quaternion(const std::string& joint) {
   return testing::ThrowsMessage<std::invalid_argument>(
       testing::AllOf(testing::StartsWith("q: "), testing::HasSubstr('"' + joint + '"'),
                      testing::HasSubstr("must be 1 to 1e-0")));

@@ -36,12 +36,16 @@ template <class T> const catalog::Function<T>& function_of(const Case& c, std::s
 
 template <class T> class SubjectOf : public Subject {
  public:
-  SubjectOf(const Case& c, const Model& model) : case_(c), model_(model), workspace_(model) {}
+  SubjectOf(const Case& c, const Model& model, const Model& workspace_of)
+      : case_(c), model_(model), workspace_(workspace_of) {}
 
   Answer call(std::string_view wanted, const Ask& ask) override {
+    return call(wanted, ask, function_of<T>(case_, wanted).size(model_, ask.loads.wrenches.size()));
+  }
+  Answer call(std::string_view wanted, const Ask& ask, std::size_t size) override {
     const catalog::Function<T>& function = function_of<T>(case_, wanted);
     const Arguments<T> arguments(ask);
-    std::vector<T> out(function.size(model_, arguments.wrenches.size()));
+    std::vector<T> out(size);
     const Solvability solvability = function.call(model_, workspace_, arguments.given(), out);
     return {cast<double>(out), solvability};
   }
@@ -99,9 +103,10 @@ Six changed_wrench(Representation to, Representation from, const SE3<>& C, const
   });
 }
 
-std::unique_ptr<Subject> subject(const Case& c, const Model& model) {
-  if (c.single) return std::make_unique<SubjectOf<float>>(c, model);
-  return std::make_unique<SubjectOf<double>>(c, model);
+std::unique_ptr<Subject> subject(const Case& c, const Model& model) { return subject(c, model, model); }
+std::unique_ptr<Subject> subject(const Case& c, const Model& model, const Model& workspace_of) {
+  if (c.single) return std::make_unique<SubjectOf<float>>(c, model, workspace_of);
+  return std::make_unique<SubjectOf<double>>(c, model, workspace_of);
 }
 
 std::vector<SE3<>> poses_of(const std::vector<double>& numbers) {

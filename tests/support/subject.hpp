@@ -76,8 +76,7 @@ template <template <class, class> class Kind, class Rep> Six six(const Kind<Rep,
 struct Ask {
   std::vector<double> q = {}, v = {}, a = {}, tau = {}, p = {};
   Loads<> loads = {};
-  int frame = 0, base = 0;
-  Vec3<> point = {};  ///< in the frame
+  Place<> place = 0, base = 0;
   CoriolisForm form = CoriolisForm::christoffel;
 };
 struct Answer {
@@ -91,8 +90,12 @@ class Subject {
   virtual ~Subject() = default;
   /// A function of the catalogue, by name. Numbers pass through the scalar of the case.
   virtual Answer call(std::string_view function, const Ask& ask) = 0;
+  /// The same with memory for so many numbers, whether or not that is how many there are.
+  virtual Answer call(std::string_view function, const Ask& ask, std::size_t size) = 0;
 };
 std::unique_ptr<Subject> subject(const Case& c, const Model& model);
+/// With a workspace that was made for another model.
+std::unique_ptr<Subject> subject(const Case& c, const Model& model, const Model& workspace_of);
 
 std::vector<SE3<>> poses_of(const std::vector<double>& numbers);
 std::vector<Six> sixes_of(const std::vector<double>& numbers);
