@@ -260,7 +260,8 @@ Answer answer(const Question& ask, std::string_view name) {
   const Model& model = ask.model;
   Workspace<> workspace(model);
   const State& state = ask.state;
-  catalog::Given<double> given{state.q, state.v, state.a, state.tau, state.p, ask.loads()};
+  catalog::Given<double> given{state.q, state.v, state.a, state.tau, state.p};
+  given.loads = ask.loads();
   given.base = ask.relative_to, given.form = ask.coriolis;
   std::vector<double> p(model.nv());
   if (ask.state.p.empty()) {

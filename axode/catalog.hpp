@@ -1,4 +1,5 @@
 #pragma once
+#include <array>
 #include <cstddef>
 #include <span>
 #include <string_view>
@@ -17,12 +18,19 @@ namespace axode::catalog {
 /// What a function can be given. What it does not take stays as it is.
 template <class T> struct Given {
   std::span<const T> q, v, a, tau, p;
+  std::span<const T> dq = {}, dv = {}, da = {}, dtau = {};  ///< a direction
+  std::span<const T> w = {};                                ///< weights of a result
   Loads<T> loads = {};
   Place<T> place = 0, base = 0;
   CoriolisForm form = CoriolisForm::christoffel;
 };
-enum class Input { q, v, a, tau, p, loads, place, base, form };
+enum class Input { q, v, a, tau, p, dq, dv, da, dtau, weights, loads, place, base, form };
+/// Those that are numbers for each coordinate or velocity.
+inline constexpr std::array inputs_of_numbers{Input::q,  Input::v,  Input::a,  Input::tau,  Input::p,
+                                              Input::dq, Input::dv, Input::da, Input::dtau, Input::weights};
 std::string_view to_string(Input input);
+/// Where such an input stands.
+template <class T> std::span<const T>& numbers(Given<T>& given, Input input);
 
 /// What an entry of a result is: so many numbers, six-vectors angular before linear.
 enum class Entry {

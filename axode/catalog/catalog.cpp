@@ -11,6 +11,11 @@ std::string_view to_string(Input input) {
     case Input::a: return "a";
     case Input::tau: return "tau";
     case Input::p: return "p";
+    case Input::dq: return "dq";
+    case Input::dv: return "dv";
+    case Input::da: return "da";
+    case Input::dtau: return "dtau";
+    case Input::weights: return "w";
     case Input::loads: return "loads";
     case Input::place: return "frame";
     case Input::base: return "base";
@@ -18,6 +23,23 @@ std::string_view to_string(Input input) {
   }
   return "form";
 }
+
+template <class T> std::span<const T>& numbers(Given<T>& given, Input input) {
+  switch (input) {
+    case Input::q: return given.q;
+    case Input::v: return given.v;
+    case Input::a: return given.a;
+    case Input::tau: return given.tau;
+    case Input::p: return given.p;
+    case Input::dq: return given.dq;
+    case Input::dv: return given.dv;
+    case Input::da: return given.da;
+    case Input::dtau: return given.dtau;
+    default: return given.w;
+  }
+}
+template std::span<const double>& numbers(Given<double>&, Input);
+template std::span<const float>& numbers(Given<float>&, Input);
 
 int numbers_of(Entry entry) {
   switch (entry) {

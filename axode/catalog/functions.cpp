@@ -2,6 +2,7 @@
 #include <array>
 
 #include "axode/catalog.hpp"
+#include "axode/derivatives.hpp"
 #include "axode/dynamics.hpp"
 #include "axode/kinematics/place.hpp"
 #include "axode/recursion/instantiate.hpp"
@@ -28,6 +29,9 @@ template <class E> std::span<E> as(Out out) {
   return {reinterpret_cast<E*>(out.data()), out.size() / (sizeof(E) / sizeof(T))};
 }
 template <class E> void put(const E& result, Out out) { as<E>(out)[0] = result; }
+
+/// Part k of n results, one after the other.
+Out part(Out out, std::size_t k, std::size_t n) { return out.subspan(k * (out.size() / n), out.size() / n); }
 
 constexpr Solvability done{};
 
@@ -187,6 +191,53 @@ std::vector<Function<T>> make() {
       {"centroidal_momentum", "of the whole system, about its centre of mass, in inertial axes", impulses, {q, v},
        Choice::none, momentum, {}, rows, {"Pi"}, Cost::linear, scratch,
        call([](auto& m, auto& w, auto& g, auto out) { put(centroidal_momentum(m, w, g.q, g.v), out); })},
+
+      {"inverse_dynamics_derivatives", "partial derivatives of inverse dynamics", "of tau per unit of the direction",
+       {q, v, a, loads}, Choice::none, number, {nv, nv}, rows, {"dtau/dq", "dtau/dv", "dtau/da"}, Cost::quadratic, scratch,
+       call([](auto& m, auto& w, auto& g, auto out) {
+         inverse_dynamics_derivatives(m, w, g.q, g.v, g.a, {part(out, 0, 3), part(out, 1, 3), part(out, 2, 3)}, g.loads);
+       })},
+      {"forward_dynamics_derivatives", "partial derivatives of forward dynamics", "of a per unit of the direction",
+       {q, v, tau, loads}, Choice::none, number, {nv, nv}, rows, {"da/dq", "da/dv", "da/dtau"}, Cost::quadratic, scratch,
+       call([](auto& m, auto& w, auto& g, auto out) {
+         return forward_dynamics_derivatives(m, w, g.q, g.v, g.tau, {part(out, 0, 3), part(out, 1, 3), part(out, 2, 3)},
+                                             g.loads);
+       })},
+      {"inverse_dynamics_jvp", "what a direction (dq, dv, da) does to the drive forces", forces,
+       {q, v, a, dq, dv, da, loads}, Choice::none, number, {nv}, rows, {"dtau"}, Cost::linear, scratch,
+       call([](auto& m, auto& w, auto& g, auto out) {
+         inverse_dynamics_jvp(m, w, g.q, g.v, g.a, g.dq, g.dv, g.da, out, g.loads);
+       })},
+      {"inverse_dynamics_vjp", "gradient of the drive forces weighed with w", "of w tau per unit of the direction",
+       {q, v, a, weights, loads}, Choice::none, number, {nv}, rows, {"by q", "by v", "by a"}, Cost::linear, scratch,
+       call([](auto& m, auto& w, auto& g, auto out) {
+         inverse_dynamics_vjp(m, w, g.q, g.v, g.a, g.w, {part(out, 0, 3), part(out, 1, 3), part(out, 2, 3)}, g.loads);
+       })},
+      {"forward_dynamics_jvp", "what a direction (dq, dv, dtau) does to the accelerations", rates,
+       {q, v, tau, dq, dv, dtau, loads}, Choice::none, number, {nv}, rows, {"da"}, Cost::linear, scratch,
+       call([](auto& m, auto& w, auto& g, auto out) {
+         return forward_dynamics_jvp(m, w, g.q, g.v, g.tau, g.dq, g.dv, g.dtau, out, g.loads);
+       })},
+      {"forward_dynamics_vjp", "gradient of the accelerations weighed with w", "of w a per unit of the direction",
+       {q, v, tau, weights, loads}, Choice::none, number, {nv}, rows, {"by q", "by v", "by tau"}, Cost::linear, scratch,
+       call([](auto& m, auto& w, auto& g, auto out) {
+         return forward_dynamics_vjp(m, w, g.q, g.v, g.tau, g.w, {part(out, 0, 3), part(out, 1, 3), part(out, 2, 3)},
+                                     g.loads);
+       })},
+      {"inverse_dynamics_hessian", "second partial derivatives of the drive forces weighed with w",
+       "of w tau per units of the directions", {q, v, a, weights, loads}, Choice::none, number, {nv, nv}, rows,
+       {"by q, q", "by q, v", "by v, v", "by a, q"}, Cost::quadratic, scratch,
+       call([](auto& m, auto& w, auto& g, auto out) {
+         inverse_dynamics_hessian(m, w, g.q, g.v, g.a, g.w,
+                                  {part(out, 0, 4), part(out, 1, 4), part(out, 2, 4), part(out, 3, 4)}, g.loads);
+       })},
+      {"forward_dynamics_hessian", "second partial derivatives of the accelerations weighed with w",
+       "of w a per units of the directions", {q, v, tau, weights, loads}, Choice::none, number, {nv, nv}, rows,
+       {"by q, q", "by q, v", "by v, v", "by tau, q"}, Cost::cubic, scratch,
+       call([](auto& m, auto& w, auto& g, auto out) {
+         return forward_dynamics_hessian(m, w, g.q, g.v, g.tau, g.w,
+                                         {part(out, 0, 4), part(out, 1, 4), part(out, 2, 4), part(out, 3, 4)}, g.loads);
+       })},
       // clang-format on
   };
 }

@@ -88,7 +88,7 @@ TEST_P(EveryFunction, InPlaceIsRightOrRefused) {
       for (const std::ptrdiff_t shift : {0, 1, -1}) {  // from the argument's first number to the result's
         SCOPED_TRACE(std::string(to_string(input)) + " shifted by " + std::to_string(shift));
         Given<T> given = calls.arguments.given();
-        std::span<const T>& argument = numbers_of(given, input);
+        std::span<const T>& argument = catalog::numbers(given, input);
         const std::size_t size = calls.size(function);
         std::vector<T> memory(std::max(argument.size(), size) + 1);
         T* const begin = memory.data() + std::max<std::ptrdiff_t>(0, -shift);
@@ -128,7 +128,7 @@ TEST_P(EveryFunction, RefusesWrongSizes) {
     for (const Input input : inputs_of_numbers(function))
       for (const int change : {-1, 1}) {
         Given<T> given = calls.arguments.given();
-        std::span<const T>& argument = numbers_of(given, input);
+        std::span<const T>& argument = catalog::numbers(given, input);
         if (argument.empty() && change < 0) continue;
         std::vector<T> numbers(argument.begin(), argument.end());
         numbers.resize(numbers.size() + static_cast<std::size_t>(change));
@@ -180,7 +180,7 @@ TEST_P(EveryFunction, NotFiniteIsSaid) {
             huge = T(1e-8) * std::numeric_limits<T>::max();
     for (const Input input : inputs_of_numbers(function)) {
       Given<T> given = calls.arguments.given();
-      std::span<const T>& argument = numbers_of(given, input);
+      std::span<const T>& argument = catalog::numbers(given, input);
       std::vector<T> numbers(argument.begin(), argument.end());
       argument = numbers;
       for (T& x : numbers)

@@ -15,6 +15,11 @@ Arguments<T>::Arguments(const Ask& ask)
       a(cast<T>(ask.a)),
       tau(cast<T>(ask.tau)),
       p(cast<T>(ask.p)),
+      dq(cast<T>(ask.dq)),
+      dv(cast<T>(ask.dv)),
+      da(cast<T>(ask.da)),
+      dtau(cast<T>(ask.dtau)),
+      w(cast<T>(ask.w)),
       joint_losses(ask.loads.joint_losses),
       place(ask.place.frame, axode::cast<T>(ask.place.offset)),
       base(ask.base.frame, axode::cast<T>(ask.base.offset)),
@@ -31,6 +36,11 @@ Ask any(const Model& model, const State<double>& state, Random<double>& random) 
           .a = state.a,
           .tau = random_numbers(random, model.nv()),
           .p = random_numbers(random, model.nv()),
+          .dq = random_numbers(random, model.nv()),
+          .dv = random_numbers(random, model.nv()),
+          .da = random_numbers(random, model.nv()),
+          .dtau = random_numbers(random, model.nv()),
+          .w = random_numbers(random, model.nv()),
           .loads = {.wrenches = state.wrenches, .joint_losses = true},
           .place = {model.n_frames() - 1, random.vector()},
           .base = 1};
@@ -48,7 +58,7 @@ Arguments<T>::Arguments(const Model& model, Random<double>& random)
     : Arguments(any(model, loaded_state(model, random), random)) {}
 
 template <class T> catalog::Given<T> Arguments<T>::given() const {
-  catalog::Given<T> given{q, v, a, tau, p};
+  catalog::Given<T> given{q, v, a, tau, p, dq, dv, da, dtau, w};
   given.loads = {wrenches, joint_losses};
   given.place = place, given.base = base, given.form = form;
   return given;

@@ -20,7 +20,7 @@ template <class T> struct Arguments {
   /// Any state under any forces, with one load at least and with losses, and two frames of the model.
   Arguments(const Model& model, Random<double>& random);
 
-  std::vector<T> q, v, a, tau, p;
+  std::vector<T> q, v, a, tau, p, dq, dv, da, dtau, w;
   std::vector<AppliedWrench<T>> wrenches;
   bool joint_losses;
   Place<T> place, base;
@@ -30,20 +30,10 @@ template <class T> struct Arguments {
   catalog::Given<T> given() const;
 };
 
-/// The numbers that a function is given as one of its inputs q, v, a, tau or p.
-template <class T> std::span<const T>& numbers_of(catalog::Given<T>& given, catalog::Input input) {
-  using enum catalog::Input;
-  return input == q     ? given.q
-         : input == v   ? given.v
-         : input == a   ? given.a
-         : input == tau ? given.tau
-                        : given.p;
-}
-/// Those that a function takes.
+/// The inputs of numbers that a function takes.
 template <class T> std::vector<catalog::Input> inputs_of_numbers(const catalog::Function<T>& function) {
-  using enum catalog::Input;
   std::vector<catalog::Input> taken;
-  for (const catalog::Input input : {q, v, a, tau, p})
+  for (const catalog::Input input : catalog::inputs_of_numbers)
     if (function.takes_input(input)) taken.push_back(input);
   return taken;
 }

@@ -75,6 +75,7 @@ template <template <class, class> class Kind, class Rep> Six six(const Kind<Rep,
 /// What a function of the state is called with.
 struct Ask {
   std::vector<double> q = {}, v = {}, a = {}, tau = {}, p = {};
+  std::vector<double> dq = {}, dv = {}, da = {}, dtau = {}, w = {};
   Loads<> loads = {};
   Place<> place = 0, base = 0;
   CoriolisForm form = CoriolisForm::christoffel;
