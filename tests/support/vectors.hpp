@@ -53,6 +53,9 @@ struct ReferenceSystem {
       if (file.filename().string().starts_with(system + "_state")) states.push_back(read_json(file));
   }
 
+  ReferenceSystem(const std::string& system, nlohmann::json description)
+      : name(system), model(std::move(description)) {}
+
   std::size_t n() const { return model.at("bodies").size(); }
   static std::string body_name(int index) { return index == 0 ? "ground" : std::to_string(index); }
   static std::string joint_name(int index) { return "joint " + std::to_string(index); }
@@ -113,9 +116,12 @@ struct ReferenceSystem {
     BodyDescription out{.name = body_name(index), .predecessor = body_name(body.at("parent"))};
     const std::string type = body.at("joint_type");
     out.joint = {.name = joint_name(index),
-                 .kind = type == "R"   ? JointKind::revolute
-                         : type == "P" ? JointKind::prismatic
-                                       : JointKind::helical};
+                 .kind = type == "R"           ? JointKind::revolute
+                         : type == "P"         ? JointKind::prismatic
+                         : type == "H"         ? JointKind::helical
+                         : type == "spherical" ? JointKind::spherical
+                         : type == "planar"    ? JointKind::planar
+                                               : JointKind::free};
     if (type == "H") out.joint.pitch = number(body.at("pitch"));
     MassProperties inertia{.mass = number(body.at("mass"))};
     const Vec3<> com = vec3(body.at("com"));
@@ -127,6 +133,13 @@ struct ReferenceSystem {
       along(screw_of(body.at("Y")), out.joint);
       out.geometry = InConstructionFrame{se3(body.at("A"))};
       inertia.com = com, inertia.Theta = sym3(body.at("Theta_b")), inertia.about = InertiaAbout::frame_origin;
+    } else if (!body.contains("A")) {
+      if (body.contains("Z"))
+        along(screw_of(body.at("Z")), out.joint);
+      else if (out.joint.kind == JointKind::planar)
+        out.joint.axis = {0, 0, 1};
+      out.geometry = InJointFrames{se3(body.at("S_prev")), se3(body.at("S_self"))};
+      inertia.com = com, inertia.Theta = sym3(body.at("Theta_c")), inertia.axes = so3(body.at("R_bc"));
     } else {
       along(screw_of(body.at("Z")), out.joint);
       out.geometry = InJointFrames{se3(body.at("S_prev")), se3(body.at("S_self"))};

@@ -1,0 +1,214 @@
+#include "axode/model/configuration.hpp"
+#include "axode/recursion/inverse_dynamics.hpp"
+#include "axode/scalar/dual.hpp"
+#include "tests/laws/law.hpp"
+
+/// Derivatives of dynamics are what differences of the same functions tend to, and hang together: matrices, their products
+/// with vectors, the values, second derivatives contracted.
+namespace axode::test {
+namespace {
+
+using Eigen::MatrixXd, Eigen::VectorXd;
+using Numbers = Trial::Numbers;
+
+class Derivatives : public Law {};
+INSTANTIATE_TEST_SUITE_P(Laws, Derivatives, testing::ValuesIn(scalars()), name_of);
+
+/// Any state, with damping and armature in play, and directions and weights.
+Ask any(const Trial& trial, Random<double>& random) {
+  Ask ask = trial.ask();
+  ask.loads.joint_losses = true;
+  for (Numbers* const x : {&ask.tau, &ask.dq, &ask.dv, &ask.da, &ask.dtau, &ask.w})
+    *x = random_numbers(random, trial.model.nv());
+  return ask;
+}
+
+/// Part k of n matrices, one after the other.
+MatrixXd part(const Trial& trial, const Numbers& all, std::size_t k) {
+  const std::size_t size = static_cast<std::size_t>(trial.model.nv()) * static_cast<std::size_t>(trial.model.nv());
+  return matrix(trial.model.nv(), Numbers(all.begin() + static_cast<std::ptrdiff_t>(k * size),
+                                          all.begin() + static_cast<std::ptrdiff_t>((k + 1) * size)));
+}
+VectorXd row(const Trial& trial, const Numbers& all, std::size_t k) {
+  return vector(all).segment(static_cast<Eigen::Index>(k) * trial.model.nv(), trial.model.nv());
+}
+
+/// f at q ⊕ ε x, v + ε y, a + ε z (or τ) by central differences.
+template <class F> VectorXd difference(const Trial& trial, const Ask& at, const Ask& along, const F& f) {
+  const double h = 1e-5;
+  const auto moved = [&](double eps) {
+    const auto plus = [&](const Numbers& x, const Numbers& dx) { return numbers(vector(x) + eps * vector(dx)); };
+    Ask ask = at;
+    ask.q = integrate(trial.model, at.q, numbers(eps * vector(along.dq)));
+    ask.v = plus(at.v, along.dv), ask.a = plus(at.a, along.da), ask.tau = plus(at.tau, along.dtau);
+    return VectorXd(vector(f(ask)));
+  };
+  return (8 * (moved(h) - moved(-h)) - (moved(2 * h) - moved(-2 * h))) / (12 * h);
+}
+
+TEST_P(Derivatives, OfInverseDynamicsAreLimitsOfDifferences) {
+  Comparison direction("derivative", GetParam().single ? 1e-3 : 1e-8);
+  for_seeds(200, [&](std::uint64_t seed) {
+    Random<double> random(seed);
+    Trial trial(GetParam(), random);
+    if (trial.model.nv() == 0) return;
+    Trial exact = trial.by(in_double(GetParam()));
+    const Ask ask = any(trial, random);
+    const VectorXd jvp = vector(trial.call("inverse_dynamics_jvp", ask));
+    direction.expect_equal(
+        jvp, difference(trial, ask, ask, [&](const Ask& at) { return exact.call("inverse_dynamics", at); }),
+        largest(exact.call("inverse_dynamics", ask)));
+  });
+}
+
+TEST_P(Derivatives, OfInverseDynamicsAreThoseOfDualNumbers) {
+  if (GetParam().single) GTEST_SKIP() << "in double";
+  Comparison direction("derivative", 1e-12);
+  for_seeds(200, [&](std::uint64_t seed) {
+    Random<double> random(seed);
+    Trial trial(GetParam(), random);
+    if (trial.model.nv() == 0) return;
+    const Ask ask = any(trial, random);
+    using D = Dual<double, 1>;
+    const Tree<D> tree = axode::cast<D>(trial.model.tree<double>());
+    const auto dual = [](const Numbers& x, const Numbers& dx) {
+      std::vector<D> out(x.size());
+      for (std::size_t k = 0; k < x.size(); ++k) out[k] = D(x[k], {dx[k]});
+      return out;
+    };
+    const std::vector<D> q = dual(ask.q, Numbers(ask.q.size())), v = dual(ask.v, ask.dv), a = dual(ask.a, ask.da),
+                         step = dual(trial.zero(), ask.dq);
+    std::vector<D> moved(q);
+    for (int i = 1; i <= tree->n; ++i)
+      if (!tree->coupled[i])
+        with_joint(tree, i, [&](const auto& joint) {
+          joint.integrate(&q[tree->iq[i]], &step[tree->iv[i]], &moved[tree->iq[i]]);
+        });
+    WithScratch<D, InverseDynamicsRecursion<Hybrid, D>> recursion(trial.model.topology());
+    std::vector<AppliedWrench<D>> wrenches;
+    for (const AppliedWrench<>& W : ask.loads.wrenches)
+      wrenches.emplace_back(W.frame, W.representation, axode::cast<D>(W.m), axode::cast<D>(W.f));
+    const Loads<D> loads{wrenches, true};
+    std::vector<D> tau(v.size());
+    recursion->run(tree, moved.data(), v.data(), a.data(), loads);
+    recursion->project(tree, v.data(), a.data(), true, tau.data());
+    Numbers expected;
+    for (const D& x : tau) expected.push_back(x.dx[0]);
+    direction.expect_equal(trial.call("inverse_dynamics_jvp", ask), expected,
+                           largest(trial.call("inverse_dynamics", ask)));
+  });
+}
+
+TEST_P(Derivatives, ProductsAreMatricesTimesVectors) {
+  const double agreement = GetParam().agreement();
+  Comparison jvp("jvp", agreement), vjp("vjp", agreement), mass("mass matrix", agreement);
+  for_seeds(200, [&](std::uint64_t seed) {
+    Random<double> random(seed);
+    Trial trial(GetParam(), random);
+    const Ask ask = any(trial, random);
+    const Numbers all = trial.call("inverse_dynamics_derivatives", ask);
+    const MatrixXd dq = part(trial, all, 0), dv = part(trial, all, 1), da = part(trial, all, 2);
+    const double scale = std::max({largest_entry(dq), largest_entry(dv), largest_entry(da)});
+    jvp.expect_equal(vector(trial.call("inverse_dynamics_jvp", ask)),
+                     VectorXd(product(dq, vector(ask.dq)) + product(dv, vector(ask.dv)) + product(da, vector(ask.da))),
+                     scale);
+    const Numbers gradient = trial.call("inverse_dynamics_vjp", ask);
+    const VectorXd w = vector(ask.w);
+    vjp.expect_equal(row(trial, gradient, 0), VectorXd(product(MatrixXd(dq.transpose()), w)), scale);
+    vjp.expect_equal(row(trial, gradient, 1), VectorXd(product(MatrixXd(dv.transpose()), w)), scale);
+    vjp.expect_equal(row(trial, gradient, 2), VectorXd(product(MatrixXd(da.transpose()), w)), scale);
+    mass.expect_equal(da, trial.mass_matrix());
+  });
+}
+
+TEST_P(Derivatives, OfForwardDynamicsSolveThoseOfInverseDynamics) {
+  if (GetParam().single) GTEST_SKIP() << "conditions of random trees are beyond float";
+  Comparison residual("residual", 1e-9), jvp("jvp", 1e-9), vjp("vjp", 1e-9);
+  for_seeds(200, [&](std::uint64_t seed) {
+    Random<double> random(seed);
+    Trial trial(GetParam(), random, {.always_mass = true});
+    if (trial.model.nv() == 0) return;
+    Ask ask = any(trial, random);
+    const Answer accelerations = trial.answer("forward_dynamics", ask);
+    ASSERT_TRUE(accelerations.solvability.ok());
+    ask.a = accelerations.numbers;
+    const Numbers inverse = trial.call("inverse_dynamics_derivatives", ask);
+    const Answer forward = trial.answer("forward_dynamics_derivatives", ask);
+    ASSERT_TRUE(forward.solvability.ok());
+    const MatrixXd M = part(trial, inverse, 2);
+    for (std::size_t k = 0; k < 2; ++k) {
+      const MatrixXd x = part(trial, forward.numbers, k);
+      residual.expect_equal(MatrixXd(-product(M, x)), part(trial, inverse, k), largest_entry(M) * largest_entry(x));
+    }
+    const MatrixXd M_inverse = part(trial, forward.numbers, 2);
+    residual.expect_equal(product(M, M_inverse), MatrixXd(MatrixXd::Identity(M.rows(), M.rows())),
+                          largest_entry(M) * largest_entry(M_inverse));
+    const MatrixXd da_dq = part(trial, forward.numbers, 0), da_dv = part(trial, forward.numbers, 1);
+    const double scale = std::max({largest_entry(da_dq), largest_entry(da_dv), largest_entry(M_inverse)});
+    jvp.expect_equal(vector(trial.call("forward_dynamics_jvp", ask)),
+                     VectorXd(product(da_dq, vector(ask.dq)) + product(da_dv, vector(ask.dv)) +
+                              product(M_inverse, vector(ask.dtau))),
+                     scale);
+    const Numbers gradient = trial.call("forward_dynamics_vjp", ask);
+    const VectorXd w = vector(ask.w);
+    for (std::size_t k = 0; k < 3; ++k)
+      vjp.expect_equal(row(trial, gradient, k),
+                       VectorXd(product(MatrixXd(part(trial, forward.numbers, k).transpose()), w)), scale);
+  });
+}
+
+/// The derivative of a gradient along direction c of one of its arguments, for every c: [outer][inner].
+template <class F> MatrixXd differences(const Trial& trial, const Ask& ask, Numbers Ask::*along, const F& gradient) {
+  MatrixXd out(trial.model.nv(), trial.model.nv());
+  for (int c = 0; c < trial.model.nv(); ++c) {
+    Ask direction;
+    direction.dq = direction.dv = direction.da = direction.dtau = trial.zero();
+    (direction.*along)[static_cast<std::size_t>(c)] = 1;
+    out.row(c) = difference(trial, ask, direction, gradient).transpose();
+  }
+  return out;
+}
+
+TEST_P(Derivatives, HessianOfInverseDynamicsIsTheDerivativeOfTheGradient) {
+  Comparison second("second derivatives", GetParam().single ? 1e-3 : 1e-8);
+  for_seeds(100, [&](std::uint64_t seed) {
+    Random<double> random(seed);
+    Trial trial(GetParam(), random, {.most_bodies = 12});
+    Trial exact = trial.by(in_double(GetParam()));
+    if (trial.model.nv() == 0) return;
+    const Ask ask = any(trial, random);
+    const auto gradient = [&](std::size_t k) {
+      return [&exact, k](const Ask& at) { return numbers(row(exact, exact.call("inverse_dynamics_vjp", at), k)); };
+    };
+    const Numbers all = trial.call("inverse_dynamics_hessian", ask);
+    const double scale = largest(exact.call("inverse_dynamics_vjp", ask));
+    second.expect_equal(part(trial, all, 0), differences(trial, ask, &Ask::dq, gradient(0)), scale);
+    second.expect_equal(part(trial, all, 1), differences(trial, ask, &Ask::dq, gradient(1)), scale);
+    second.expect_equal(part(trial, all, 2), differences(trial, ask, &Ask::dv, gradient(1)), scale);
+    second.expect_equal(part(trial, all, 3), differences(trial, ask, &Ask::da, gradient(0)), scale);
+  });
+}
+
+TEST_P(Derivatives, HessianOfForwardDynamicsIsTheDerivativeOfTheGradient) {
+  if (GetParam().single) GTEST_SKIP() << "conditions of random trees are beyond float";
+  Comparison second("second derivatives", 1e-6);
+  for_seeds(100, [&](std::uint64_t seed) {
+    Random<double> random(seed);
+    Trial trial(GetParam(), random, {.most_bodies = 8, .always_mass = true});
+    if (trial.model.nv() == 0) return;
+    const Ask ask = any(trial, random);
+    const auto gradient = [&](std::size_t k) {
+      return [&trial, k](const Ask& at) { return numbers(row(trial, trial.call("forward_dynamics_vjp", at), k)); };
+    };
+    const Answer all = trial.answer("forward_dynamics_hessian", ask);
+    ASSERT_TRUE(all.solvability.ok());
+    const double scale = largest(all.numbers);
+    second.expect_equal(part(trial, all.numbers, 0), differences(trial, ask, &Ask::dq, gradient(0)), scale);
+    second.expect_equal(part(trial, all.numbers, 1), differences(trial, ask, &Ask::dq, gradient(1)), scale);
+    second.expect_equal(part(trial, all.numbers, 2), differences(trial, ask, &Ask::dv, gradient(1)), scale);
+    second.expect_equal(part(trial, all.numbers, 3), differences(trial, ask, &Ask::dtau, gradient(0)), scale);
+  });
+}
+
+}  // namespace
+}  // namespace axode::test

@@ -1,0 +1,145 @@
+#include "axode/catalog.hpp"
+#include "tests/vectors/reference_state.hpp"
+
+/// First and second derivatives of inverse and forward dynamics of every reference system, with and without loads.
+namespace axode::test {
+namespace {
+
+std::vector<std::string> derivative_files() {
+  std::vector<std::string> names;
+  for (const auto& file : files_ending_in(vectors_folder(), ".json")) {
+    const std::string name = file.stem().string();
+    if (name.find("_derivatives") != std::string::npos ||
+        (name.starts_with("multidof") && name.find("_trajectory") == std::string::npos))
+      names.push_back(name);
+  }
+  return names.empty() ? std::vector{none} : names;
+}
+
+/// A model and a state of it, as a file of derivatives has them.
+struct DerivativeState {
+  nlohmann::json file;
+  Model model;
+  std::vector<std::size_t> place;  ///< in the model of the file's velocity k
+  std::vector<double> q;
+  std::vector<AppliedWrench<>> wrenches;
+
+  explicit DerivativeState(const std::string& name)
+      : file(read_json(vectors_folder() / (name + ".json"))), model(build(name, file)) {
+    const nlohmann::json& coordinates = file.at("input").at("q");
+    q.resize(static_cast<std::size_t>(model.nq()));
+    for (std::size_t i = 0; i < coordinates.size(); ++i) {
+      const Joint& joint = model.joint(model.joint_index(ReferenceSystem::joint_name(static_cast<int>(i) + 1)));
+      for (int k = 0; k < joint.nq; ++k)
+        q[static_cast<std::size_t>(joint.iq + k)] =
+            number(coordinates[i].is_array() ? coordinates[i][static_cast<std::size_t>(k)] : coordinates[i]);
+      for (int k = 0; k < joint.nv; ++k) place.push_back(static_cast<std::size_t>(joint.iv + k));
+    }
+    wrenches = system(name, file).loads(model);
+  }
+  std::size_t nv() const { return place.size(); }
+
+  std::vector<double> velocities(const char* key) const { return in_model_order(numbers(file.at("input").at(key))); }
+  std::vector<double> in_model_order(const std::vector<double>& x) const {
+    std::vector<double> out(nv());
+    for (std::size_t k = 0; k < nv(); ++k) out[place[k]] = x[k];
+    return out;
+  }
+  /// An array over so many indices of velocities, in the order of the file.
+  std::vector<double> in_file_order(std::span<const double> x, int dimensions) const {
+    std::vector<double> out;
+    const auto walk = [&](const auto& self, int left, std::size_t at) -> void {
+      if (left == 0) return out.push_back(x[at]);
+      for (const std::size_t k : place) self(self, left - 1, at * nv() + k);
+    };
+    walk(walk, dimensions, 0);
+    return out;
+  }
+
+  /// A function of the catalogue; result k of n.
+  std::vector<std::vector<double>> call(const char* name, catalog::Given<double> given, bool loaded, int dimensions) {
+    const catalog::Function<double>& function = *catalog::find<BodyFixed>(name);
+    given.q = q;
+    if (loaded) given.loads.wrenches = wrenches;
+    std::vector<double> out(function.size(model, 0));
+    Workspace<> workspace(model);
+    EXPECT_TRUE(function.call(model, workspace, given, out).ok());
+    std::vector<std::vector<double>> results;
+    const std::size_t size = out.size() / function.symbols.size();
+    for (std::size_t k = 0; k < function.symbols.size(); ++k)
+      results.push_back(in_file_order(std::span(out).subspan(k * size, size), dimensions));
+    return results;
+  }
+  /// The entry of a group of results, without loads or with them where these do not matter.
+  const nlohmann::json& expected(bool loaded, const char* group, const char* key) const {
+    const nlohmann::json& found = file.at(loaded ? "with_loads" : "without_loads").at(group);
+    return found.contains(key) ? found.at(key) : file.at("with_loads").at(group).at(key);
+  }
+
+ private:
+  static ReferenceSystem system(const std::string& name, const nlohmann::json& file) {
+    if (file.contains("model")) return {name, file.at("model")};
+    return ReferenceSystem(name.substr(0, name.find("_derivatives")));
+  }
+  static Model build(const std::string& name, const nlohmann::json& file) {
+    return system(name, file).build(Telling::joint_frames);
+  }
+};
+
+class ReferenceDerivatives : public testing::TestWithParam<std::string> {
+ protected:
+  void SetUp() override {
+    if (GetParam() == none) GTEST_SKIP() << missing(vectors_folder(), "AXODE_VECTORS");
+  }
+};
+INSTANTIATE_TEST_SUITE_P(Vectors, ReferenceDerivatives, testing::ValuesIn(derivative_files()), name_of);
+
+TEST_P(ReferenceDerivatives, FirstOrder) {
+  DerivativeState at(GetParam());
+  const std::vector<double> v = at.velocities("v"), a = at.velocities("a"), tau = at.velocities("tau");
+  Comparison inverse("inverse", bound), forward("forward", bound);
+  for (const bool loaded : {true, false}) {
+    const auto dtau = at.call("inverse_dynamics_derivatives", {.v = v, .a = a}, loaded, 2);
+    const auto da = at.call("forward_dynamics_derivatives", {.v = v, .tau = tau}, loaded, 2);
+    std::size_t k = 0;
+    for (const char* const key : {"dtau_dq", "dtau_dv", "dtau_da"})
+      inverse.expect_equal(dtau[k++], numbers(at.expected(loaded, "inverse", key)));
+    k = 0;
+    for (const char* const key : {"da_dq", "da_dv", "da_dtau"})
+      forward.expect_equal(da[k++], numbers(at.expected(loaded, "forward", key)));
+  }
+}
+
+TEST_P(ReferenceDerivatives, SecondOrder) {
+  DerivativeState at(GetParam());
+  const bool contracted = at.file.at("second_partials") == "contracted";
+  const std::vector<double> v = at.velocities("v"), a = at.velocities("a"), tau = at.velocities("tau");
+  const std::size_t nv = at.nv();
+  const auto check = [&](const char* function, bool loaded, const catalog::Given<double>& given, const char* group,
+                         std::initializer_list<const char*> keys, Comparison& comparison) {
+    std::vector<std::vector<double>> found(keys.size());
+    for (std::size_t i = 0; i < (contracted ? 1 : nv); ++i) {
+      catalog::Given<double> weighed = given;
+      std::vector<double> w(nv);
+      if (contracted)
+        w = at.velocities("weights");
+      else
+        w[at.place[i]] = 1;
+      weighed.w = w;
+      const auto blocks = at.call(function, weighed, loaded, 2);
+      for (std::size_t k = 0; k < blocks.size(); ++k) found[k].insert(found[k].end(), blocks[k].begin(), blocks[k].end());
+    }
+    std::size_t k = 0;
+    for (const char* const key : keys) comparison.expect_equal(found[k++], numbers(at.expected(loaded, group, key)));
+  };
+  Comparison inverse("inverse", 1e-10), forward("forward", 1e-10);
+  for (const bool loaded : {true, false}) {
+    check("inverse_dynamics_hessian", loaded, {.v = v, .a = a}, "inverse",
+          {"d2tau_dqdq", "d2tau_dqdv", "d2tau_dvdv", "d2tau_dadq"}, inverse);
+    check("forward_dynamics_hessian", loaded, {.v = v, .tau = tau}, "forward",
+          {"d2a_dqdq", "d2a_dqdv", "d2a_dvdv", "d2a_dtaudq"}, forward);
+  }
+}
+
+}  // namespace
+}  // namespace axode::test
