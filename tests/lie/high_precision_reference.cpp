@@ -26,7 +26,7 @@ struct Case {
 
 std::vector<Case> cases() {
   std::vector<Case> all;
-  const nlohmann::json file = read_json(AXODE_SOURCE_DIR "/tests/data/lie_reference.json");
+  const Json file = read_json(AXODE_SOURCE_DIR "/tests/data/lie_reference.json");
   for (const auto& c : file.at("cases")) {
     const auto screw_at = [&](const char* key) { return screw_of(numbers(c.at(key))); };
     const std::vector<double> C = numbers(c.at("exp")), q = numbers(c.at("quaternion"));
@@ -52,7 +52,7 @@ template <class Error> void expect_below_bound(const Error& error) {
   double largest = 0;
   for (const Case& c : all) {
     const double e = error(c);
-    EXPECT_LE(e, bound) << "at X = " << to_eigen(c.X).transpose().format(Eigen::FullPrecision);
+    EXPECT_LE(e, bound) << "at X = " << testing::PrintToString(as_span(to_eigen(c.X)));
     largest = std::max(largest, e);
   }
   testing::Test::RecordProperty("largest_error", testing::PrintToString(largest));

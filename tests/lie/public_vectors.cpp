@@ -14,11 +14,11 @@ namespace {
 
 constexpr double bound = 1e-13;  // normwise, relative to the reference
 
-Screw<> screw_of(const nlohmann::json& field) {
+Screw<> screw_of(const Json& field) {
   return from_eigen<Screw<>>(Eigen::Map<const Vector6<double>>(numbers(field).data()));
 }
 
-template <int Rows, int Cols> Eigen::Matrix<double, Rows, Cols> matrix_of(const nlohmann::json& field) {
+template <int Rows, int Cols> Eigen::Matrix<double, Rows, Cols> matrix_of(const Json& field) {
   const std::vector<double> entries = numbers(field);
   if (entries.size() != Rows * Cols) throw std::runtime_error("a field of another shape");
   Eigen::Matrix<double, Rows, Cols> matrix;
@@ -35,10 +35,10 @@ void expect_close(const Matrix& computed, const Matrix& reference, const std::st
 TEST(PublicVectors, EveryFunctionOnSE3) {
   const std::filesystem::path file = vectors_folder() / "se3_functions.json";
   if (!std::filesystem::exists(file)) GTEST_SKIP() << missing(vectors_folder(), "AXODE_VECTORS");
-  const nlohmann::json all = read_json(file);
+  const Json all = read_json(file);
   ASSERT_GE(all.at("cases").size(), 1u);
   for (const auto& c : all.at("cases")) {
-    SCOPED_TRACE(c.at("label").dump());
+    SCOPED_TRACE(c.at("label").text());
     const Screw<> X = screw_of(c.at("X")), Z = screw_of(c.at("Z"));
     const SE3<> C = exp(X);
     const auto field6 = [&](const char* key) { return matrix_of<6, 6>(c.at(key)); };

@@ -9,15 +9,13 @@ namespace {
 TEST(Paper, PoseMatrix) {
   each_body([](Equation& eq, const Motion& m, int i) {
     const SE3<> C = m.pose(i);
-    Eigen::Matrix4d matrix = Eigen::Matrix4d::Zero(), product = Eigen::Matrix4d::Identity();
-    matrix.topLeftCorner<3, 3>() = to_matrix(C.R), matrix.topRightCorner<3, 1>() = to_vector(C.r),
-                            matrix(3, 3) = 1;
-    for (const int j : m.path(i)) product = product * to_eigen(m.C(m.predecessor(j), j));
-    eq.holds(to_eigen(C), matrix);
-    eq.holds(to_eigen(C), product);
+    const Mat4 matrix = blocks(C.R, C.r, Matrix(1, 3), 1.0);
+    Mat4 product = identity(4);
+    for (const int j : m.path(i)) product = product * to_matrix(m.C(m.predecessor(j), j));
+    eq.holds(to_matrix(C), matrix);
+    eq.holds(to_matrix(C), product);
     const Vec3<> p = m.drawn(i).points[0].p;
-    const Eigen::Vector4d p_1(p.x, p.y, p.z, 1);
-    eq.holds((matrix * p_1).head<3>(), C * p);
+    eq.holds(matrix * stack(p, 1.0), stack(C * p, 1.0));
   });
 }
 
@@ -59,7 +57,7 @@ TEST(Paper, POEY) {
 TEST(Paper, XY) {
   each_body_with_one_screw([](Equation& eq, const Motion& m, int i) {
     eq.holds(m.drawn(i).Y, Ad(m.body(i).A) * m.X(i));
-    eq.holds(m.X(i), Ad(m.joint_frames(i).S_self) * to_eigen(m.joint_frames(i).Z));
+    eq.holds(m.X(i), Ad(m.joint_frames(i).S_self) * to_matrix(m.joint_frames(i).Z));
     eq.holds(m.body(i).A, m.pose_at_zero(i));
   });
 }
@@ -69,9 +67,9 @@ TEST(Paper, Ad) {
   each_body([](Equation& eq, const Motion& m, int i) {
     const SE3<> C = m.pose(i);
     const Mat3 R = to_matrix(C.R);
-    eq.holds(Ad_matrix(C), blocks(R, Mat3::Zero(), tilde(C.r) * R, R));
+    eq.holds(Ad(C), blocks(R, Mat3(), tilde(C.r) * R, R));
     const Screw<> X = m.X_screw(i);
-    eq.holds(hat(axode::Ad(C, X)), to_eigen(C) * hat(X) * to_eigen(C).inverse());
+    eq.holds(hat(axode::Ad(C, X)), to_matrix(C) * hat(X) * to_matrix(C).inverse());
   });
 }
 
@@ -79,12 +77,12 @@ TEST(Paper, Ad) {
 TEST(Paper, AdRr) {
   each_body([](Equation& eq, const Motion& m, int i) {
     const SE3<> C = m.pose(i);
-    const Mat3 R = to_matrix(C.R), I = Mat3::Identity();
-    eq.holds(Ad_matrix(C.R), block_diagonal(R, R));
-    eq.holds(Ad_matrix(C.r), blocks(I, Mat3::Zero(), tilde(C.r), I));
-    eq.holds(Ad_matrix(C), Ad_matrix(C.r) * Ad_matrix(C.R));
-    eq.holds(Ad_matrix(C.R), Ad_matrix(SE3<>{C.R, {}}));
-    eq.holds(Ad_matrix(C.r), Ad_matrix(SE3<>{{}, C.r}));
+    const Mat3 R = to_matrix(C.R), I = identity(3);
+    eq.holds(Ad(C.R), block_diagonal(R, R));
+    eq.holds(Ad(C.r), blocks(I, Mat3(), tilde(C.r), I));
+    eq.holds(Ad(C), Ad(C.r) * Ad(C.R));
+    eq.holds(Ad(C.R), Ad(SE3<>{C.R, {}}));
+    eq.holds(Ad(C.r), Ad(SE3<>{{}, C.r}));
   });
 }
 
@@ -92,8 +90,8 @@ TEST(Paper, AdRr) {
 // ω̃^s = Ṙ Rᵀ, v^s = ṙ + r × ω^s; V^h = (ω^s, ṙ), V^m = (ω^b, ṙ)
 TEST(Paper, TwistDefinitions) {
   each_body([](Equation& eq, const Motion& m, int i) {
-    const Mat3 R = to_matrix(m.C(i).R), dR = rate(to_eigen(m.C_of_t(i).R));
-    const Vec3d r = to_vector(m.C(i).r), dr = to_vector(rate(m.C_of_t(i).r));
+    const Mat3 R = to_matrix(m.C(i).R), dR = rate(to_matrix(m.C_of_t(i).R));
+    const Vec3d r = to_matrix(m.C(i).r), dr = to_matrix(rate(m.C_of_t(i).r));
     const Twist<BodyFixed> V_b = m.twist<BodyFixed>(i);
     const Twist<Spatial> V_s = m.twist<Spatial>(i);
     eq.holds(V_b, m.V<BodyFixed>(i));
@@ -101,9 +99,9 @@ TEST(Paper, TwistDefinitions) {
     eq.holds(V_b.v, R.transpose() * dr);
     eq.holds(V_s, m.V<Spatial>(i));
     eq.holds(tilde(V_s.w), dR * R.transpose());
-    eq.holds(V_s.v, dr + r.cross(to_vector(V_s.w)));
-    eq.holds(m.twist<Hybrid>(i), (Vec6() << to_vector(V_s.w), dr).finished());
-    eq.holds(m.twist<Mixed>(i), (Vec6() << to_vector(V_b.w), dr).finished());
+    eq.holds(V_s.v, dr + r.cross(to_matrix(V_s.w)));
+    eq.holds(m.twist<Hybrid>(i), stack(to_matrix(V_s.w), dr));
+    eq.holds(m.twist<Mixed>(i), stack(to_matrix(V_b.w), dr));
   });
 }
 
@@ -132,11 +130,11 @@ TEST(Paper, VsVb) {
 // V^m = diag(I, R) V^b = diag(Rᵀ, I) V^h = [[Rᵀ, 0], [-r̃, I]] V^s
 TEST(Paper, Vmbhs) {
   each_body([](Equation& eq, const Motion& m, int i) {
-    const Mat3 R = to_matrix(m.pose(i).R), I = Mat3::Identity();
+    const Mat3 R = to_matrix(m.pose(i).R), I = identity(3);
     const Vec6 V_m = m.V<Mixed>(i);
     eq.holds(V_m, block_diagonal(I, R) * m.V<BodyFixed>(i));
     eq.holds(V_m, block_diagonal(R.transpose(), I) * m.V<Hybrid>(i));
-    eq.holds(V_m, blocks(R.transpose(), Mat3::Zero(), -tilde(m.pose(i).r), I) * m.V<Spatial>(i));
+    eq.holds(V_m, blocks(R.transpose(), Mat3(), -tilde(m.pose(i).r), I) * m.V<Spatial>(i));
     eq.holds(V_m, change<Mixed>(m.pose(i), m.twist<BodyFixed>(i)));
     eq.holds(V_m, change<Mixed>(m.pose(i), m.twist<Hybrid>(i)));
     eq.holds(V_m, change<Mixed>(m.pose(i), m.twist<Spatial>(i)));

@@ -23,9 +23,9 @@ TEST(Paper, BodyFixedScrewRate) {
   each_body([](Equation& eq, const Motion& m, int i) {
     const Screw<> iX{m.drawn(i).points[0].p, m.drawn(i).points[1].p};  // any that is constant
     const Screw<Series> iX_of_t{cast<Series>(iX.w), cast<Series>(iX.v)};
-    const Eigen::Matrix4d left = rate(hat(Ad(m.C_of_t(i), iX_of_t)));
+    const Mat4 left = rate(hat(Ad(m.C_of_t(i), iX_of_t)));
     const Screw<> X = Ad(m.pose(i), iX);
-    const Eigen::Matrix4d V_hat = hat(V_s(m, i)), X_hat = hat(X);
+    const Mat4 V_hat = hat(V_s(m, i)), X_hat = hat(X);
     eq.holds(left, V_hat * X_hat - X_hat * V_hat);
     eq.holds(left, hat(ad(V_s(m, i), X)));
     eq.fails(left, V_hat * X_hat - V_hat * X_hat);
@@ -43,12 +43,12 @@ TEST(Paper, LieBracketSE3) {
 // [X_1, X_2] = (ξ_1 × ξ_2, η_1 × ξ_2 + ξ_1 × η_2) = ad_{X_1} X_2 with X = (ξ, η)
 TEST(Paper, ScrewProd) {
   each_pair([](Equation& eq, const Motion& m, int i, int j) {
-    const Vec6 X_1 = to_eigen(V_s(m, i)), X_2 = to_eigen(V_s(m, j));
+    const Vec6 X_1 = to_matrix(V_s(m, i)), X_2 = to_matrix(V_s(m, j));
     const Vec3d xi_1 = angular(X_1), xi_2 = angular(X_2), eta_1 = linear(X_1), eta_2 = linear(X_2);
-    const Vec6 product = (Vec6() << xi_1.cross(xi_2), eta_1.cross(xi_2) + xi_1.cross(eta_2)).finished();
+    const Vec6 product = stack(xi_1.cross(xi_2), eta_1.cross(xi_2) + xi_1.cross(eta_2));
     eq.holds(ad(V_s(m, i), V_s(m, j)), product);
     eq.holds(ad(m.twist<Spatial>(i), m.twist<Spatial>(j)), product);
-    eq.holds(ad_matrix(V_s(m, i)) * X_2, product);
+    eq.holds(ad(V_s(m, i)) * X_2, product);
   });
 }
 
@@ -57,9 +57,9 @@ TEST(Paper, Adse3) {
   each_body([](Equation& eq, const Motion& m, int i) {
     const Screw<> X = V_s(m, i);
     const Mat3 xi = tilde(X.w), eta = tilde(X.v);
-    eq.holds(ad_matrix(X), blocks(xi, Mat3::Zero(), eta, xi));
+    eq.holds(ad(X), blocks(xi, Mat3(), eta, xi));
     const Series t({0, 1, 0});
-    eq.holds(ad_matrix(X), rate(Ad_matrix(exp(t * Screw<Series>{cast<Series>(X.w), cast<Series>(X.v)}))));
+    eq.holds(ad(X), rate(Ad(exp(t * Screw<Series>{cast<Series>(X.w), cast<Series>(X.v)}))));
   });
 }
 
@@ -75,7 +75,7 @@ TEST(Paper, JacIdent) {
 TEST(Paper, ScrewRateInMovingFrame) {
   each_pair([](Equation& eq, const Motion& m, int i, int j) {
     const Vec6OfT iX = Ad(inverse(m.C_of_t(i))) * m.V_of_t<Spatial>(j);
-    const Vec6 left = Ad(m.pose(i)).inverse() * to_eigen(m.twist_rate<Spatial>(j));
+    const Vec6 left = Ad(m.pose(i)).inverse() * to_matrix(m.twist_rate<Spatial>(j));
     eq.holds(left, rate(iX) + ad(m.V<BodyFixed>(i)) * now(iX));
   });
 }
@@ -85,12 +85,12 @@ TEST(Paper, ScrewRateInMovingFrame) {
 TEST(Paper, AngularLinearParts) {
   each_body([](Equation& eq, const Motion& m, int i) {
     const Twist<Hybrid> V = m.twist<Hybrid>(i);
-    const Mat6 ad_omega = ad_matrix(Screw<>{V.w, {}}), ad_dr = ad_matrix(Screw<>{{}, V.v});
+    const Mat6 ad_omega = ad(Screw<>{V.w, {}}), ad_dr = ad(Screw<>{{}, V.v});
     eq.holds(ad_omega, block_diagonal(tilde(V.w), tilde(V.w)));
-    eq.holds(ad_dr, blocks(Mat3::Zero(), Mat3::Zero(), tilde(V.v), Mat3::Zero()));
-    eq.holds(ad_omega + ad_dr, ad_matrix(Screw<>{V.w, V.v}));
-    eq.holds(rate(Ad_matrix(m.C_of_t(i).R)), ad_omega * Ad_matrix(m.pose(i).R));
-    eq.holds(rate(Ad_matrix(m.C_of_t(i).r)), ad_dr);
+    eq.holds(ad_dr, blocks(Mat3(), Mat3(), tilde(V.v), Mat3()));
+    eq.holds(ad_omega + ad_dr, ad(Screw<>{V.w, V.v}));
+    eq.holds(rate(Ad(m.C_of_t(i).R)), ad_omega * Ad(m.pose(i).R));
+    eq.holds(rate(Ad(m.C_of_t(i).r)), ad_dr);
   });
 }
 
@@ -123,13 +123,13 @@ TEST(Paper, WrenchTransform) {
   each_body([](Equation& eq, const Motion& m, int i) {
     const int c = m.com(i);
     const SE3<> S = m.S_bc(i);
-    const auto W_1 = from_eigen<Wrench<BodyFixed>>(m.W<BodyFixed>(i));
-    const auto W_2 = from_eigen<Wrench<BodyFixed>>(m.W<BodyFixed>(c));
-    eq.holds(W_2, Ad(S).transpose() * to_eigen(W_1));
+    const auto W_1 = from_six<Wrench<BodyFixed>>(m.W<BodyFixed>(i));
+    const auto W_2 = from_six<Wrench<BodyFixed>>(m.W<BodyFixed>(c));
+    eq.holds(W_2, Ad(S).transpose() * to_matrix(W_1));
     eq.holds(W_1, Link<BodyFixed, double>{S}.up(W_2));
     eq.holds(W_2 | m.twist<BodyFixed>(c), W_1 | m.twist<BodyFixed>(i));
     eq.holds(m.W<BodyFixed>(i), Ad(m.C(i)).transpose() * m.W<Spatial>(i));
-    eq.holds(m.W<BodyFixed>(i), coAd_inv(m.pose(i), from_eigen<Wrench<Spatial>>(m.W<Spatial>(i))));
+    eq.holds(m.W<BodyFixed>(i), coAd_inv(m.pose(i), from_six<Wrench<Spatial>>(m.W<Spatial>(i))));
   });
 }
 

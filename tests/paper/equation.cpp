@@ -2,14 +2,25 @@
 
 #include <algorithm>
 #include <span>
+#include <sstream>
 
 namespace axode::test::paper {
 namespace {
 
 /// ‖l - r‖ / max(‖l‖, ‖r‖, size).
-double residual(const Eigen::MatrixXd& l, const Eigen::MatrixXd& r, double size = 0) {
+double residual(const Matrix& l, const Matrix& r, double size = 0) {
   const double difference = (l - r).norm();
   return difference == 0 ? 0 : difference / std::max({l.norm(), r.norm(), size});
+}
+
+/// Row by row.
+std::string text_of(const Matrix& x) {
+  std::ostringstream text;
+  for (int r = 0; r < x.rows(); ++r) {
+    for (int c = 0; c < x.cols(); ++c) text << x(r, c) << ' ';
+    text << '\n';
+  }
+  return text.str();
 }
 
 void each_body(std::span<const Topology> topologies, const CheckOfBody& check) {
@@ -30,14 +41,14 @@ void each_body(std::span<const Topology> topologies, const CheckOfBody& check) {
 
 }  // namespace
 
-void Equation::expect_equal(const Eigen::MatrixXd& l, const Eigen::MatrixXd& r, double size) {
+void Equation::holds(const Matrix& l, const Matrix& r, double size) {
   const double error = residual(l, r, size);
   largest_ = std::max(largest_, error);
   ++sides_;
-  EXPECT_LE(error, tolerance) << where_ << "\nleft\n" << l << "\nright\n" << r;
+  EXPECT_LE(error, tolerance) << where_ << "\nleft\n" << text_of(l) << "right\n" << text_of(r);
 }
 
-void Equation::note_printed_form(const Eigen::MatrixXd& l, const Eigen::MatrixXd& r) {
+void Equation::fails(const Matrix& l, const Matrix& r) {
   has_erratum_ = true;
   largest_of_erratum_ = std::max(largest_of_erratum_, residual(l, r));
 }

@@ -1,5 +1,4 @@
 #pragma once
-#include <Eigen/SparseCore>
 #include <functional>
 #include <string>
 
@@ -16,33 +15,19 @@ inline constexpr double tolerance = 1e-12;
 /// A wrong one differs by more than this somewhere.
 inline constexpr double clearly_wrong = 1e-3;
 
-template <class Derived> Eigen::MatrixXd numbers_of(const Eigen::MatrixBase<Derived>& x) { return x; }
-template <class Derived> Eigen::MatrixXd numbers_of(const Eigen::SparseMatrixBase<Derived>& x) { return x; }
-inline Eigen::MatrixXd numbers_of(double x) { return Eigen::MatrixXd::Constant(1, 1, x); }
-template <class Quantity>
-  requires requires(const Quantity& x) { to_eigen(x); }
-Eigen::MatrixXd numbers_of(const Quantity& x) { return to_eigen(x); }
-
 /// One equation on the systems of one topology.
 class Equation {
  public:
   /// The equation, or a member of it, as it is right; with the size of its terms where they may cancel to 0.
-  template <class Left, class Right> void holds(const Left& l, const Right& r, double size = 0) {
-    expect_equal(numbers_of(l), numbers_of(r), size);
-  }
+  void holds(const Matrix& l, const Matrix& r, double size = 0);
   /// The equation as it is printed where that is wrong.
-  template <class Left, class Right> void fails(const Left& l, const Right& r) {
-    note_printed_form(numbers_of(l), numbers_of(r));
-  }
+  void fails(const Matrix& l, const Matrix& r);
 
   void at(std::string where) { where_ = std::move(where); }
   /// After all systems of a topology: something was evaluated, and a wrong form turned out wrong.
   void conclude(Topology topology) const;
 
  private:
-  void expect_equal(const Eigen::MatrixXd& l, const Eigen::MatrixXd& r, double size);
-  void note_printed_form(const Eigen::MatrixXd& l, const Eigen::MatrixXd& r);
-
   std::string where_;
   int sides_ = 0;
   bool has_erratum_ = false;

@@ -52,8 +52,8 @@ std::set<std::string> tests_of_the_paper() {
 std::map<std::string, std::string> texts_of_the_tests() {
   std::map<std::string, std::string> texts;
   const std::string start = "TEST(Paper, ";
-  for (const auto& entry :
-       std::filesystem::directory_iterator(std::string(AXODE_SOURCE_DIR) + "/tests/paper")) {
+  const std::filesystem::path sources(AXODE_SOURCE_DIR);
+  for (const auto& entry : std::filesystem::directory_iterator(sources / "tests" / "paper")) {
     if (entry.path().extension() != ".cpp") continue;
     std::ifstream stream(entry.path());
     std::string name;

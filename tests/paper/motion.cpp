@@ -5,19 +5,6 @@
 
 namespace axode::test::paper {
 
-Vec6OfT twist_of(const PoseOfT& C, Representation representation) {
-  const Eigen::Matrix4<Series> C_t = to_eigen(C), dC = derivative(C_t), C_inv = to_eigen(inverse(C));
-  const Eigen::Matrix4<Series> body_fixed = C_inv * dC, spatial = dC * C_inv;
-  const Screw<Series> V_b = from_hat(body_fixed), V_s = from_hat(spatial);
-  switch (representation) {
-    case Representation::body: return to_eigen(V_b);
-    case Representation::spatial: return to_eigen(V_s);
-    case Representation::hybrid: return to_eigen(Screw<Series>{V_s.w, derivative(C.r)});
-    case Representation::mixed: break;
-  }
-  return to_eigen(Screw<Series>{V_b.w, derivative(C.r)});
-}
-
 template <class Rep> Motion::Answer<Rep> Motion::ask() const {
   Workspace<double> workspace(model());
   const Loads<> loads{.wrenches = system_.loads};
@@ -77,10 +64,9 @@ std::vector<int> Motion::path(int i) const {
   return path;
 }
 
-Mat6X Motion::X(int i) const {
-  Mat6X columns(6, body(i).X.size());
-  for (std::size_t k = 0; k < body(i).X.size(); ++k)
-    columns.col(static_cast<int>(k)) = to_eigen(body(i).X[k]);
+Matrix Motion::X(int i) const {
+  Matrix columns(6, model().joint(i).nv);
+  for (int k = 0; k < columns.cols(); ++k) columns.set_block(0, k, body(i).X[k]);
   return columns;
 }
 
@@ -97,16 +83,16 @@ SE3<> Motion::product_of_Y(int i) const {
   return product;
 }
 
-Eigen::VectorXd Motion::of_joint(int i, const std::vector<double>& x) const {
+Matrix Motion::of_joint(int i, const std::vector<double>& x) const {
   const Joint& joint = model().joint(i);
-  return Eigen::Map<const Eigen::VectorXd>(&x[joint.iv], joint.nv);
+  return Matrix(std::vector<double>(&x[joint.iv], &x[joint.iv] + joint.nv));
 }
 
 Vec6OfT Motion::V_of_t(int i, const PoseOfT& F) const {
   const Vec6OfT V = V_of_t<Hybrid>(i);
   const Vec3<Series> w{V[0], V[1], V[2]}, dr{V[3], V[4], V[5]};
   const SO3<Series> Rt = transpose(F.R);
-  return to_eigen(Screw<Series>{Rt * w, Rt * (dr + cross(w, F.r - C_[i].r))});
+  return Screw<Series>{Rt * w, Rt * (dr + cross(w, F.r - C_[i].r))};
 }
 
 Vec6OfT Motion::Pi_of_t(int i, const PoseOfT& F) const {
@@ -117,15 +103,15 @@ Vec6OfT Motion::Pi_of_t(int i, const PoseOfT& F) const {
     const Vec3<Series> p = position(b, point), momentum = Series(point.m) * derivative(p);
     Pi = Pi + Screw<Series>{Rt * cross(p - F.r, momentum), Rt * momentum};
   }
-  return to_eigen(Pi);
+  return Pi;
 }
 
 Mat6 Motion::M(int i, const PoseOfT& F) const {
   const int b = body_of(i);
-  Mat6 M = Mat6::Zero();
+  Mat6 M;
   for (const PointMass& point : drawn(b).points) {
     const Mat3 p = tilde(inverse(now(F)) * now(position(b, point)));
-    M += point.m * blocks(-p * p, p, -p, Mat3::Identity());
+    M += point.m * blocks(-p * p, p, -p, identity(3));
   }
   return M;
 }
@@ -140,7 +126,7 @@ Vec6 Motion::W(int i, const PoseOfT& F) const {
     const Vec3<> force = point.m * second_rate(p);
     W = W + Screw<>{Rt * cross(now(p) - F_now.r, force), Rt * force};
   }
-  return to_eigen(W);
+  return W;
 }
 
 double Motion::kinetic_energy(int i) const {
@@ -171,7 +157,7 @@ Vec6 Motion::W_app(int i, const PoseOfT& F) const {
       case Representation::mixed: add(C.R * load.m, load.f, C.r); break;
     }
   }
-  return to_eigen(W);
+  return W;
 }
 
 Vec6 Motion::transmitted(int i, const PoseOfT& F) const {
@@ -184,14 +170,33 @@ FramePair<> Motion::frame_pair(int j, int k) const {
   return {pose(j).r, twist<Hybrid>(j).v, pose(k).R, twist<Hybrid>(k).w};
 }
 
-Mat6X Motion::J(int i, int j, Representation representation) const {
+template <class Rep> Link<Rep, double> Motion::link(int i) const {
+  if (i == 0) return Link<Rep, double>::root();
+  return link<Rep>(predecessor(i)).child(C(predecessor(i), i));
+}
+template <class Rep> Twist<Rep> Motion::push_Xqd(int i) const {
+  return push(link<Rep>(i), from_six<Twist<BodyFixed>>(Xqd(i)));
+}
+template <class Rep> Vec6 Motion::bias(int i) const {
+  return link<Rep>(i).bias(twist<Rep>(predecessor(i)), twist<Rep>(i), push_Xqd<Rep>(i));
+}
+template Link<Spatial, double> Motion::link(int i) const;
+template Link<Hybrid, double> Motion::link(int i) const;
+template Twist<BodyFixed> Motion::push_Xqd(int i) const;
+template Twist<Spatial> Motion::push_Xqd(int i) const;
+template Twist<Hybrid> Motion::push_Xqd(int i) const;
+template Vec6 Motion::bias<BodyFixed>(int i) const;
+template Vec6 Motion::bias<Spatial>(int i) const;
+template Vec6 Motion::bias<Hybrid>(int i) const;
+
+Matrix Motion::J(int i, int j, Representation representation) const {
   const Joint& joint = model().joint(j);
-  Mat6X columns(6, joint.nv);
+  Matrix columns(6, joint.nv);
   for (int k = 0; k < joint.nv; ++k) {
     std::vector<double> unit(v_.size());
     unit[joint.iv + k] = 1;
     const std::vector<PoseOfT> C = poses_of_t(unit, std::vector<double>(v_.size()));
-    columns.col(k) = now(twist_of(C[i], representation));
+    columns.set_block(0, k, now(twist_of(C[i], representation)));
   }
   return columns;
 }
@@ -208,7 +213,7 @@ PoseOfT Motion::frame(int f, Representation representation) const {
 
 Vec6 Motion::W(int f, Representation representation) const {
   if (representation != Representation::mixed) return W(f, frame(f, representation));
-  return (Vec6() << angular(W<BodyFixed>(f)), linear(W<Hybrid>(f))).finished();
+  return stack(angular(W<BodyFixed>(f)), linear(W<Hybrid>(f)));
 }
 
 }  // namespace axode::test::paper

@@ -12,8 +12,6 @@
 
 namespace axode::test::paper {
 
-using Mat6X = Eigen::Matrix<double, 6, Eigen::Dynamic>;
-
 template <class Rep>
 inline constexpr Representation value_of = std::same_as<Rep, BodyFixed> ? Representation::body
                                            : std::same_as<Rep, Spatial> ? Representation::spatial
@@ -44,9 +42,9 @@ class Motion {
   const std::vector<double>& q() const { return q_; }
   const std::vector<double>& v() const { return v_; }
   const std::vector<double>& a() const { return a_; }
-  Eigen::VectorXd qd(int i) const { return of_joint(i, v_); }
-  Eigen::VectorXd qdd(int i) const { return of_joint(i, a_); }
-  Mat6X X(int i) const;  ///< a column for each velocity of the joint
+  Matrix qd(int i) const { return of_joint(i, v_); }
+  Matrix qdd(int i) const { return of_joint(i, a_); }
+  Matrix X(int i) const;  ///< a column for each velocity of the joint
   Vec6 Xqd(int i) const { return X(i) * qd(i); }
   Vec6 Xqdd(int i) const { return X(i) * qdd(i); }
   // of a joint with one screw
@@ -66,8 +64,8 @@ class Motion {
   template <class Rep> Vec6 dV(int f) const { return rate(V_of_t<Rep>(f)); }
   /// J_{i,j}: the twist of body i when only joint j moves, at unit rate; a column for each velocity of the
   /// joint.
-  template <class Rep> Mat6X J(int i, int j) const { return J(i, j, value_of<Rep>); }
-  Vec3d ddr(int f) const { return to_vector(second_rate(C_[f].r)); }
+  template <class Rep> Matrix J(int i, int j) const { return J(i, j, value_of<Rep>); }
+  Vec3d ddr(int f) const { return second_rate(C_[f].r); }
 
   // A frame from which the motion of a body is described
   /// Where a representation measures and resolves; the mixed one resolves angular parts as body-fixed.
@@ -97,19 +95,11 @@ class Motion {
   template <class Rep> TwistRate<Rep> twist_rate(int f) const { return answer<Rep>().dV[f]; }
   template <class Rep> Wrench<Rep> joint_wrench(int i) const { return answer<Rep>().W[i - 1]; }
   /// The forces of joint i, one for each velocity, with loads.
-  template <class Rep> Eigen::VectorXd joint_force(int i) const { return of_joint(i, answer<Rep>().tau); }
+  template <class Rep> Matrix joint_force(int i) const { return of_joint(i, answer<Rep>().tau); }
   FramePair<> frame_pair(int j, int k) const;
-  /// What body i contributes to the recursions of a representation.
-  template <class Rep> Link<Rep, double> link(int i) const {
-    if (i == 0) return Link<Rep, double>::root();
-    return link<Rep>(predecessor(i)).child(C(predecessor(i), i));
-  }
-  template <class Rep> Twist<Rep> push_Xqd(int i) const {
-    return push(link<Rep>(i), from_eigen<Twist<BodyFixed>>(Xqd(i)));
-  }
-  template <class Rep> Vec6 bias(int i) const {
-    return to_eigen(link<Rep>(i).bias(twist<Rep>(predecessor(i)), twist<Rep>(i), push_Xqd<Rep>(i)));
-  }
+  template <class Rep> Link<Rep, double> link(int i) const;  ///< what body i contributes to the recursions
+  template <class Rep> Twist<Rep> push_Xqd(int i) const;  ///< X_i q̇_i in the recursions of a representation
+  template <class Rep> Vec6 bias(int i) const;            ///< what they add to V̇_i
 
  private:
   template <class Rep> struct Answer {
@@ -120,9 +110,9 @@ class Motion {
   };
   template <class Rep> const Answer<Rep>& answer() const { return std::get<Answer<Rep>>(answers_); }
   template <class Rep> Answer<Rep> ask() const;
-  Eigen::VectorXd of_joint(int i, const std::vector<double>& x) const;
+  Matrix of_joint(int i, const std::vector<double>& x) const;
   std::vector<PoseOfT> poses_of_t(const std::vector<double>& v, const std::vector<double>& a) const;
-  Mat6X J(int i, int j, Representation representation) const;
+  Matrix J(int i, int j, Representation representation) const;
   PoseOfT frame(int f, Representation representation) const;
   Vec6 W(int f, Representation representation) const;
   Vec6 W_app(int i, const PoseOfT& F) const;

@@ -8,9 +8,9 @@ namespace axode::test::paper {
 namespace {
 
 Vec6 J(const Motion& m, int i, int j) { return m.J<BodyFixed>(i, j); }
-Mat4 J_hat(const Motion& m, int i, int j) { return hat(from_eigen<Screw<double>>(J(m, i, j))); }
-Mat4 C_of(const Motion& m, int i, int j) { return to_eigen(m.C(i, j)); }  // C_i⁻¹ C_j
-Mat4 A_of(const Motion& m, int i) { return to_eigen(m.body(i).A); }
+Mat4 J_hat(const Motion& m, int i, int j) { return hat(from_six(J(m, i, j))); }
+Mat4 C_of(const Motion& m, int i, int j) { return to_matrix(m.C(i, j)); }  // C_i⁻¹ C_j
+Mat4 A_of(const Motion& m, int i) { return to_matrix(m.body(i).A); }
 Mat4 Y_hat(const Motion& m, int i) { return hat(m.drawn(i).Y); }
 /// A_i⁻¹ Ŷ_i A_i
 Mat4 X_by_Y(const Motion& m, int i) { return A_of(m, i).inverse() * Y_hat(m, i) * A_of(m, i); }
@@ -25,13 +25,13 @@ template <class Check> void each_pair_before(const Motion& m, int i, const Check
 // V̇_i = Σ_{j<=i} J_{i,j} q̈_j + Σ_{j<=i} Σ_{k<=i} ∂J_{i,j}/∂q_k q̇_j q̇_k, body-fixed
 TEST(Paper, AccelerationByPartials) {
   each_body_with_one_screw([](Equation& eq, const Motion& m, int i) {
-    const Mat6X library = partials_of<BodyFixed>(m, i, 1);
-    Vec6 right = Vec6::Zero(), by_library = Vec6::Zero();
+    const Matrix library = partials_of<BodyFixed>(m, i, 1);
+    Vec6 right, by_library;
     for (const int j : m.path(i)) {
       right += J(m, i, j) * m.qdd(j)[0], by_library += J(m, i, j) * m.qdd(j)[0];
       for (const int k : m.path(i)) {
         const double rates = m.qd(j)[0] * m.qd(k)[0];
-        right += partial_of<BodyFixed>(m, i, j, std::array{k}) * rates;
+        right += partial_of<BodyFixed>(m, i, j, {k}) * rates;
         by_library += library.col(velocity(m, k) * m.model().nv() + velocity(m, j)) * rates;
       }
     }
@@ -44,7 +44,7 @@ TEST(Paper, AccelerationByPartials) {
 TEST(Paper, DerTemp) {
   each_body_with_one_screw([](Equation& eq, const Motion& m, int i) {
     each_pair_before(m, i, [&](int j, int k) {
-      const Mat4 left = hat(from_eigen<Screw<double>>(partial_of<BodyFixed>(m, i, j, std::array{k})));
+      const Mat4 left = hat(from_six(partial_of<BodyFixed>(m, i, j, {k})));
       const Mat4 first = relative_pose_partial(m, i, j, k) * X_by_Y(m, j),
                  second = C_of(m, i, j) * X_by_Y(m, j) * relative_pose_partial(m, j, i, k);
       eq.holds(left, first * C_of(m, j, i) + second);
@@ -55,8 +55,8 @@ TEST(Paper, DerTemp) {
 
 /// exp(-Ŷ_i q_i) ... exp(-Ŷ_{j+1} q_{j+1}), along the path.
 Mat4 product_back(const Motion& m, int i, int j) {
-  Mat4 product = Mat4::Identity();
-  for (int k = i; k != j; k = m.predecessor(k)) product *= to_eigen(exp(-m.q(k) * m.drawn(k).Y));
+  Mat4 product = identity(4);
+  for (int k = i; k != j; k = m.predecessor(k)) product *= to_matrix(exp(-m.q(k) * m.drawn(k).Y));
   return product;
 }
 
@@ -90,10 +90,10 @@ TEST(Paper, RelativePosePartialFinal) {
   each_body_with_one_screw([](Equation& eq, const Motion& m, int i) {
     each_pair_before(m, i, [&](int j, int k) {
       eq.holds(relative_pose_partial(m, i, j, k), -J_hat(m, i, k) * C_of(m, i, j));
-      eq.holds(relative_pose_partial(m, i, k, j), Mat4::Zero(), 1);
+      eq.holds(relative_pose_partial(m, i, k, j), Mat4(), 1);
     });
     for (const int j : m.path(i)) {
-      eq.holds(relative_pose_partial(m, i, j, j), Mat4::Zero(), 1);
+      eq.holds(relative_pose_partial(m, i, j, j), Mat4(), 1);
       eq.fails(relative_pose_partial(m, i, j, j), -J_hat(m, i, j) * C_of(m, i, j));
     }
   });
@@ -113,7 +113,7 @@ TEST(Paper, InverseRelativePosePartial) {
 TEST(Paper, DJhatCommutator) {
   each_body_with_one_screw([](Equation& eq, const Motion& m, int i) {
     each_pair_before(m, i, [&](int j, int k) {
-      const Mat4 left = hat(from_eigen<Screw<double>>(partial_of<BodyFixed>(m, i, j, std::array{k})));
+      const Mat4 left = hat(from_six(partial_of<BodyFixed>(m, i, j, {k})));
       eq.holds(left, J_hat(m, i, j) * J_hat(m, i, k) - J_hat(m, i, k) * J_hat(m, i, j), 1);
     });
   });
@@ -122,13 +122,13 @@ TEST(Paper, DJhatCommutator) {
 // ∂J_{i,j} / ∂q_k = [J_{i,j}, J_{i,k}] for j < k <= i, else 0; body-fixed
 TEST(Paper, Der1) {
   each_body_with_one_screw([](Equation& eq, const Motion& m, int i) {
-    const Mat6X library = partials_of<BodyFixed>(m, i, 1);
+    const Matrix library = partials_of<BodyFixed>(m, i, 1);
     for (const int j : m.path(i))
       for (int k = 1; k <= m.n(); ++k) {
         const Vec6 J_k = J(m, i, k);  // 0 unless k <= i
-        const Vec6 right = j < k ? bracket(J(m, i, j), J_k) : Vec6::Zero().eval();
+        const Vec6 right = j < k ? bracket(J(m, i, j), J_k) : Vec6();
         const double size = J(m, i, j).norm();
-        eq.holds(partial_of<BodyFixed>(m, i, j, std::array{k}), right, size);
+        eq.holds(partial_of<BodyFixed>(m, i, j, {k}), right, size);
         eq.holds(library.col(velocity(m, k) * m.model().nv() + velocity(m, j)), right, size);
       }
   });
@@ -137,7 +137,7 @@ TEST(Paper, Der1) {
 // V̇_i = Σ_{j<=i} J_{i,j} q̈_j + Σ_{j<k<=i} [J_{i,j}, J_{i,k}] q̇_j q̇_k, body-fixed
 TEST(Paper, Vbdot) {
   each_body_with_one_screw([](Equation& eq, const Motion& m, int i) {
-    Vec6 right = Vec6::Zero();
+    Vec6 right;
     for (const int j : m.path(i)) {
       right += J(m, i, j) * m.qdd(j)[0];
       for (const int k : m.path(i))
@@ -151,8 +151,7 @@ TEST(Paper, Vbdot) {
 // V̇_i = J_i q̈ + J̇_i q̇, body-fixed
 TEST(Paper, AccelerationByJacobianRate) {
   each_body([](Equation& eq, const Motion& m, int i) {
-    const Eigen::Map<const Eigen::VectorXd> qd(m.v().data(), m.model().nv()),
-        qdd(m.a().data(), m.model().nv());
+    const Matrix qd = as_vector(m.v()), qdd = as_vector(m.a());
     eq.holds(m.dV<BodyFixed>(i), jacobian_of<BodyFixed>(m, i) * qdd + jacobian_rate<BodyFixed>(m, i) * qd);
   });
 }
@@ -162,7 +161,7 @@ TEST(Paper, AccelerationByJacobianRate) {
 TEST(Paper, DJbij) {
   each_body_with_one_screw([](Equation& eq, const Motion& m, int i) {
     each_pair_before(m, i, [&](int j, int k) {
-      const Vec6 left = partial_of<BodyFixed>(m, i, j, std::array{k}), X_k = m.X(k);
+      const Vec6 left = partial_of<BodyFixed>(m, i, j, {k}), X_k = m.X(k);
       const double size = J(m, i, j).norm();
       eq.holds(left, bracket(J(m, i, j), J(m, i, k)), size);
       eq.holds(left, Ad(m.C(i, k)) * bracket(J(m, k, j), X_k), size);
@@ -174,9 +173,9 @@ TEST(Paper, DJbij) {
 // J̇_{i,j} = Σ_{j<k<=i} [J_{i,j}, J_{i,k}] q̇_k = -Σ_{j<k<=i} Ad_{C_{i,k}} ad_{X_k} J_{k,j} q̇_k, body-fixed
 TEST(Paper, JbijDot) {
   each_body_with_one_screw([](Equation& eq, const Motion& m, int i) {
-    const Mat6X library = jacobian_rate<BodyFixed>(m, i);
+    const Matrix library = jacobian_rate<BodyFixed>(m, i);
     for (const int j : m.path(i)) {
-      Vec6 first = Vec6::Zero(), second = Vec6::Zero();
+      Vec6 first, second;
       for (const int k : m.path(i))
         if (j < k) {
           first += bracket(J(m, i, j), J(m, i, k)) * m.qd(k)[0];
@@ -194,11 +193,11 @@ TEST(Paper, JbijDot) {
 // J̇ = -A a A X = -A a J of all bodies, body-fixed
 TEST(Paper, JbDotMatrix) {
   each_system_with_one_screw_joints([](Equation& eq, const Motion& m) {
-    const SystemMatrices s = system_matrices<BodyFixed>(m.model(), m.q());
-    const Eigen::MatrixXd a = a_matrix(m.model(), m.v()), J_all = system_jacobian<BodyFixed>(m);
-    Eigen::MatrixXd left = Eigen::MatrixXd::Zero(J_all.rows(), J_all.cols());
+    const MatricesOfSystem s = system_matrices<BodyFixed>(m.model(), m.q());
+    const Matrix a = a_matrix(m.model(), m.v()), J_all = system_jacobian<BodyFixed>(m);
+    Matrix left(J_all.rows(), J_all.cols());
     for (int i = 1; i <= m.n(); ++i)
-      for (const int j : m.path(i)) left.block<6, 1>(6 * (i - 1), velocity(m, j)) = dJ<BodyFixed>(m, i, j);
+      for (const int j : m.path(i)) left.set_block(6 * (i - 1), velocity(m, j), dJ<BodyFixed>(m, i, j));
     eq.holds(left, -(s.A * a * s.A * s.X));
     eq.holds(left, -(s.A * a * J_all));
   });
@@ -207,16 +206,15 @@ TEST(Paper, JbDotMatrix) {
 // a(q̇) = diag(q̇_1 ad_{X_1}, ..., q̇_n ad_{X_n}), body-fixed
 TEST(Paper, Ab) {
   each_system([](Equation& eq, const Motion& m) {
-    eq.holds(Eigen::MatrixXd(a_matrix(m.model(), m.v())),
-             block_diagonal_of(m, [&](int i) { return ad(m.Xqd(i)); }));
+    eq.holds(a_matrix(m.model(), m.v()), block_diagonal_of(m, [&](int i) { return ad(m.Xqd(i)); }));
   });
 }
 
 // V̇ = J q̈ - A a J q̇ = J q̈ - A a V of all bodies, body-fixed
 TEST(Paper, VbdotMat) {
   each_system_with_one_screw_joints([](Equation& eq, const Motion& m) {
-    const SystemMatrices s = system_matrices<BodyFixed>(m.model(), m.q());
-    const Eigen::MatrixXd a = a_matrix(m.model(), m.v()), J_all = system_jacobian<BodyFixed>(m);
+    const MatricesOfSystem s = system_matrices<BodyFixed>(m.model(), m.q());
+    const Matrix a = a_matrix(m.model(), m.v()), J_all = system_jacobian<BodyFixed>(m);
     eq.holds(system_dV<BodyFixed>(m), J_all * as_vector(m.a()) - s.A * a * J_all * as_vector(m.v()));
     eq.holds(system_dV<BodyFixed>(m), J_all * as_vector(m.a()) - s.A * a * system_V<BodyFixed>(m));
   });
@@ -225,11 +223,12 @@ TEST(Paper, VbdotMat) {
 // q̈ = (Xᵀ X)⁻¹ Xᵀ ((I - D) V̇ + a V) of all bodies, body-fixed
 TEST(Paper, Solqddot1) {
   each_system_with_one_screw_joints([](Equation& eq, const Motion& m) {
-    const SystemMatrices s = system_matrices<BodyFixed>(m.model(), m.q());
-    const Eigen::MatrixXd a = a_matrix(m.model(), m.v()), X = s.X, XtX = X.transpose() * X;
-    const Eigen::VectorXd V = system_V<BodyFixed>(m), dV = system_dV<BodyFixed>(m);
+    const MatricesOfSystem s = system_matrices<BodyFixed>(m.model(), m.q());
+    const Matrix a = a_matrix(m.model(), m.v()), X = s.X, XtX = X.transpose() * X;
+    const Matrix V = system_V<BodyFixed>(m), dV = system_dV<BodyFixed>(m);
     eq.holds(as_vector(m.a()), XtX.inverse() * X.transpose() * (dV - s.D * dV + a * V));
-    eq.holds(as_vector(m.a()), joint_accelerations<BodyFixed>(m.model(), m.q(), V, dV));
+    eq.holds(as_vector(m.a()),
+             joint_accelerations<BodyFixed>(m.model(), m.q(), to_eigen_vector(V), to_eigen_vector(dV)));
   });
 }
 
@@ -240,15 +239,15 @@ TEST(Paper, SolqddotComponents) {
     const Vec6 X = m.X(i);
     const Vec6 moved =
         m.dV<BodyFixed>(i) - Ad(m.C(i, p)) * m.dV<BodyFixed>(p) + m.qd(i)[0] * bracket(X, m.V<BodyFixed>(i));
-    eq.holds(m.qdd(i)[0], X.dot(moved) / X.squaredNorm());
+    eq.holds(m.qdd(i)[0], X.dot(moved) / X.squared_norm());
   });
 }
 
 /// [...[[J_{i,j}, J_{i,β1}], J_{i,β2}], ...] for j < β1 <= β2 <= ..., else 0; β is the ordered α.
-template <std::size_t Order> Vec6 nested(const Motion& m, int i, int j, std::array<int, Order> alpha) {
+Vec6 nested(const Motion& m, int i, int j, std::vector<int> alpha) {
   std::sort(alpha.begin(), alpha.end());
   Vec6 product = J(m, i, j);
-  for (const int beta : alpha) product = beta <= j ? Vec6::Zero().eval() : bracket(product, J(m, i, beta));
+  for (const int beta : alpha) product = beta <= j ? Vec6() : bracket(product, J(m, i, beta));
   return product;
 }
 
@@ -256,17 +255,17 @@ template <std::size_t Order> Vec6 nested(const Motion& m, int i, int j, std::arr
 // < r < k <= i, else 0; body-fixed
 TEST(Paper, Der2Jb) {
   each_body_with_one_screw([](Equation& eq, const Motion& m, int i) {
-    const Mat6X library = partials_of<BodyFixed>(m, i, 2);
+    const Matrix library = partials_of<BodyFixed>(m, i, 2);
     const int nv = m.model().nv();
     for (const int j : m.path(i))
       for (int k = 1; k <= m.n(); ++k)
         for (int r = 1; r <= m.n(); ++r) {
           const Vec6 J_ij = J(m, i, j), J_ik = J(m, i, k), J_ir = J(m, i, r);  // 0 off the path
-          Vec6 right = Vec6::Zero();
+          Vec6 right;
           if (j < k && k <= r) right = bracket(bracket(J_ij, J_ik), J_ir);
           if (j < r && r < k) right = bracket(bracket(J_ij, J_ir), J_ik);
           const double size = J_ij.norm();
-          eq.holds(partial_of<BodyFixed>(m, i, j, std::array{k, r}), right, size);
+          eq.holds(partial_of<BodyFixed>(m, i, j, {k, r}), right, size);
           eq.holds(library.col((velocity(m, r) * nv + velocity(m, k)) * nv + velocity(m, j)), right, size);
         }
   });
@@ -277,7 +276,7 @@ TEST(Paper, Der2Jb) {
 //       + 2 Σ_{j<k<r<=i} [[J_{i,j}, J_{i,k}], J_{i,r}] q̇_j q̇_k q̇_r + Σ_{j<k<=i} [[J_{i,j}, J_{i,k}], J_{i,k}] q̇_j q̇_k²
 TEST(Paper, Vbddot) {
   each_body_with_one_screw([](Equation& eq, const Motion& m, int i) {
-    Vec6 common = Vec6::Zero(), cubic = Vec6::Zero(), diagonal = Vec6::Zero();
+    Vec6 common, cubic, diagonal;
     for (const int j : m.path(i)) common += J(m, i, j) * qddd(j);
     each_pair_before(m, i, [&](int j, int k) {
       const Vec6 J_jk = bracket(J(m, i, j), J(m, i, k));
@@ -296,17 +295,17 @@ TEST(Paper, Vbddot) {
 // i, else 0
 TEST(Paper, NthorderBody) {
   each_body_with_one_screw([](Equation& eq, const Motion& m, int i) {
-    const Mat6X library = partials_of<BodyFixed>(m, i, 3);
+    const Matrix library = partials_of<BodyFixed>(m, i, 3);
     const int nv = m.model().nv();
     for (const int j : m.path(i)) {
       const double size = J(m, i, j).norm();
       for (const int a : m.path(i)) {
-        eq.holds(partial_of<BodyFixed>(m, i, j, std::array{a}), nested(m, i, j, std::array{a}), size);
+        eq.holds(partial_of<BodyFixed>(m, i, j, {a}), nested(m, i, j, {a}), size);
         for (const int b : m.path(i)) {
-          eq.holds(partial_of<BodyFixed>(m, i, j, std::array{a, b}), nested(m, i, j, std::array{a, b}), size);
+          eq.holds(partial_of<BodyFixed>(m, i, j, {a, b}), nested(m, i, j, {a, b}), size);
           for (const int c : m.path(i)) {
-            const Vec6 right = nested(m, i, j, std::array{a, b, c});
-            eq.holds(partial_of<BodyFixed>(m, i, j, std::array{a, b, c}), right, size);
+            const Vec6 right = nested(m, i, j, {a, b, c});
+            eq.holds(partial_of<BodyFixed>(m, i, j, {a, b, c}), right, size);
             const int at =
                 ((velocity(m, c) * nv + velocity(m, b)) * nv + velocity(m, a)) * nv + velocity(m, j);
             eq.holds(library.col(at), right, size);

@@ -12,13 +12,13 @@ Vec6 J(const Motion& m, int j) { return m.J<Spatial>(j, j); }
 // ∂J_j / ∂q_k = [J_k, J_j] for k < j, else 0; spatial
 TEST(Paper, Jsder) {
   each_body_with_one_screw([](Equation& eq, const Motion& m, int j) {
-    const Mat6X library = partials_of<Spatial>(m, j, 1);
+    const Matrix library = partials_of<Spatial>(m, j, 1);
     const std::vector<int> path = m.path(j);
     for (int k = 1; k <= m.n(); ++k) {
       const bool before = k < j && std::find(path.begin(), path.end(), k) != path.end();
-      const Vec6 right = before ? bracket(J(m, k), J(m, j)) : Vec6::Zero().eval();
+      const Vec6 right = before ? bracket(J(m, k), J(m, j)) : Vec6();
       const double size = J(m, k).norm() * J(m, j).norm();
-      eq.holds(partial_of<Spatial>(m, j, j, std::array{k}), right, size);
+      eq.holds(partial_of<Spatial>(m, j, j, {k}), right, size);
       eq.holds(library.col(velocity(m, k) * m.model().nv() + velocity(m, j)), right, size);
     }
   });
@@ -27,7 +27,7 @@ TEST(Paper, Jsder) {
 // V̇_i = Σ_{j<=i} J_j q̈_j + Σ_{k<j<=i} [J_k, J_j] q̇_j q̇_k = Σ_{j<=i} (J_j q̈_j + [V_j, J_j] q̇_j), spatial
 TEST(Paper, Vsdottemp) {
   each_body_with_one_screw([](Equation& eq, const Motion& m, int i) {
-    Vec6 first = Vec6::Zero(), second = Vec6::Zero();
+    Vec6 first, second;
     for (const int j : m.path(i)) {
       first += J(m, j) * m.qdd(j)[0];
       for (const int k : m.path(j))
@@ -44,7 +44,7 @@ TEST(Paper, Vsdottemp) {
 // J̇_j = Σ_{k<=j} [J_k, J_j] q̇_k = [Σ_{k<=j} J_k q̇_k, J_j] = [V_j, J_j], spatial
 TEST(Paper, TimeDerJs) {
   each_body_with_one_screw([](Equation& eq, const Motion& m, int j) {
-    Vec6 first = Vec6::Zero(), inner = Vec6::Zero(), printed = Vec6::Zero();
+    Vec6 first, inner, printed;
     for (const int k : m.path(j)) {
       first += bracket(J(m, k), J(m, j)) * m.qd(k)[0];
       inner += J(m, k) * m.qd(k)[0];
@@ -63,11 +63,10 @@ TEST(Paper, TimeDerJs) {
 // V̇ = J q̈ + L b diag(J_1, ..., J_n) q̇ of all bodies, spatial; L has identities where A has blocks
 TEST(Paper, VsdotMat) {
   each_system([](Equation& eq, const Motion& m) {
-    const SystemMatrices s = system_matrices<Spatial>(m.model(), m.q());
-    const SystemMatrix b = b_matrix(m.model(), system_V<Spatial>(m));
-    Eigen::MatrixXd diagonal = Eigen::MatrixXd::Zero(6 * m.n(), m.model().nv());
-    for (int i = 1; i <= m.n(); ++i)
-      diagonal.block(6 * (i - 1), velocity(m, i), 6, m.model().joint(i).nv) = m.J<Spatial>(i, i);
+    const MatricesOfSystem s = system_matrices<Spatial>(m.model(), m.q());
+    const Matrix b = b_matrix(m.model(), to_eigen_vector(system_V<Spatial>(m)));
+    Matrix diagonal(6 * m.n(), m.model().nv());
+    for (int i = 1; i <= m.n(); ++i) diagonal.set_block(6 * (i - 1), velocity(m, i), m.J<Spatial>(i, i));
     eq.holds(s.X, diagonal);
     eq.holds(system_dV<Spatial>(m),
              system_jacobian<Spatial>(m) * as_vector(m.a()) + s.A * b * diagonal * as_vector(m.v()));
@@ -77,23 +76,23 @@ TEST(Paper, VsdotMat) {
 // b(V) = diag(ad_{V_1}, ..., ad_{V_n}), spatial
 TEST(Paper, Bs) {
   each_system([](Equation& eq, const Motion& m) {
-    eq.holds(b_matrix(m.model(), system_V<Spatial>(m)),
-             block_diagonal_of(m, [&](int i) { return ad(to_eigen(m.twist<Spatial>(i))); }));
+    eq.holds(b_matrix(m.model(), to_eigen_vector(system_V<Spatial>(m))),
+             block_diagonal_of(m, [&](int i) { return ad(to_matrix(m.twist<Spatial>(i))); }));
   });
 }
 
 // ∂²J_i/∂q_k∂q_j = [J_k, [J_j, J_i]] for k < j < i, [J_j, [J_k, J_i]] for j <= k < i, spatial
 TEST(Paper, Jsder2) {
   each_body_with_one_screw([](Equation& eq, const Motion& m, int i) {
-    const Mat6X library = partials_of<Spatial>(m, i, 2);
+    const Matrix library = partials_of<Spatial>(m, i, 2);
     const int nv = m.model().nv();
     for (const int k : m.path(i))
       for (const int j : m.path(i)) {
-        Vec6 right = Vec6::Zero();
+        Vec6 right;
         if (k < j && j < i) right = bracket(J(m, k), bracket(J(m, j), J(m, i)));
         if (j <= k && k < i) right = bracket(J(m, j), bracket(J(m, k), J(m, i)));
         const double size = J(m, i).norm();
-        eq.holds(partial_of<Spatial>(m, i, i, std::array{k, j}), right, size);
+        eq.holds(partial_of<Spatial>(m, i, i, {k, j}), right, size);
         eq.holds(library.col((velocity(m, j) * nv + velocity(m, k)) * nv + velocity(m, i)), right, size);
       }
   });
@@ -101,7 +100,7 @@ TEST(Paper, Jsder2) {
 
 /// Σ_{k<=j} J_k q̈_k.
 Vec6 accelerated(const Motion& m, int j) {
-  Vec6 sum = Vec6::Zero();
+  Vec6 sum;
   for (const int k : m.path(j)) sum += J(m, k) * m.qdd(k)[0];
   return sum;
 }
@@ -111,7 +110,7 @@ Vec6 accelerated(const Motion& m, int j) {
 TEST(Paper, VsddotForm1) {
   each_body_with_one_screw([](Equation& eq, const Motion& m, int i) {
     const auto V = [&](int j) { return m.V<Spatial>(j); };
-    Vec6 right = Vec6::Zero();
+    Vec6 right;
     for (const int j : m.path(i)) {
       const Vec6 J_j = J(m, j), dJ_j = bracket(V(j), J_j);
       right += J_j * qddd(j) + 2 * dJ_j * m.qdd(j)[0] + bracket(accelerated(m, j), J_j) * m.qd(j)[0] +
@@ -127,7 +126,7 @@ TEST(Paper, VsddotForm1) {
 TEST(Paper, VsddotForm2) {
   each_body_with_one_screw([](Equation& eq, const Motion& m, int i) {
     const auto V = [&](int j) { return m.V<Spatial>(j); };
-    Vec6 right = Vec6::Zero();
+    Vec6 right;
     for (const int j : m.path(i)) {
       const Vec6 J_j = J(m, j), dJ_j = bracket(V(j), J_j);
       right += J_j * qddd(j) + bracket(dJ_j, V(i) - 2 * V(j)) * m.qd(j)[0] +
@@ -139,10 +138,10 @@ TEST(Paper, VsddotForm2) {
 }
 
 /// [J_βν, ... [J_β1, J_i]] for βν <= ... <= β1 < i, else 0; β is α from the outermost to the innermost joint.
-template <std::size_t Order> Vec6 nested(const Motion& m, int i, std::array<int, Order> alpha) {
+Vec6 nested(const Motion& m, int i, std::vector<int> alpha) {
   std::sort(alpha.rbegin(), alpha.rend());
   Vec6 product = J(m, i);
-  for (const int beta : alpha) product = beta >= i ? Vec6::Zero().eval() : bracket(J(m, beta), product);
+  for (const int beta : alpha) product = beta >= i ? Vec6() : bracket(J(m, beta), product);
   return product;
 }
 
@@ -150,21 +149,21 @@ template <std::size_t Order> Vec6 nested(const Motion& m, int i, std::array<int,
 // J_i/∂q_β1...∂q_β(ν-1)] for βν <= ... <= β1 < i, else 0; spatial
 TEST(Paper, Nthorder) {
   each_body_with_one_screw([](Equation& eq, const Motion& m, int i) {
-    const Mat6X library = partials_of<Spatial>(m, i, 3);
+    const Matrix library = partials_of<Spatial>(m, i, 3);
     const int nv = m.model().nv();
     const double size = J(m, i).norm();
     for (const int a : m.path(i)) {
-      eq.holds(partial_of<Spatial>(m, i, i, std::array{a}), nested(m, i, std::array{a}), size);
+      eq.holds(partial_of<Spatial>(m, i, i, {a}), nested(m, i, {a}), size);
       for (const int b : m.path(i)) {
-        eq.holds(partial_of<Spatial>(m, i, i, std::array{a, b}), nested(m, i, std::array{a, b}), size);
+        eq.holds(partial_of<Spatial>(m, i, i, {a, b}), nested(m, i, {a, b}), size);
         for (const int c : m.path(i)) {
-          const Vec6 left = partial_of<Spatial>(m, i, i, std::array{a, b, c});
-          eq.holds(left, nested(m, i, std::array{a, b, c}), size);
+          const Vec6 left = partial_of<Spatial>(m, i, i, {a, b, c});
+          eq.holds(left, nested(m, i, {a, b, c}), size);
           const int at = ((velocity(m, c) * nv + velocity(m, b)) * nv + velocity(m, a)) * nv + velocity(m, i);
           eq.holds(library.col(at), left, size);
           if (c <= b && b <= a && a < i) {
             eq.holds(left, ad(J(m, c)) * ad(J(m, b)) * ad(J(m, a)) * J(m, i), size);
-            eq.holds(left, bracket(J(m, c), partial_of<Spatial>(m, i, i, std::array{a, b})), size);
+            eq.holds(left, bracket(J(m, c), partial_of<Spatial>(m, i, i, {a, b})), size);
           }
         }
       }

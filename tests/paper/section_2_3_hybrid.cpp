@@ -11,7 +11,7 @@ Vec6 vJ(const Motion& m, int i, int j) { return J(m, i, j) - wJ(m, i, j); }
 /// ^0X_j^j, the screw of joint j in inertial axes, measured at body j.
 Vec6 X(const Motion& m, int j) { return Ad(m.C(j).R) * m.X(j); }
 
-Vec3d r(const Motion& m, int i, int j) { return to_vector(m.C(j).r - m.C(i).r); }  // r_{i,j}, from i to j
+Vec3d r(const Motion& m, int i, int j) { return to_matrix(m.C(j).r - m.C(i).r); }  // r_{i,j}, from i to j
 Vec3d dr(const Motion& m, int i) { return linear(m.V<Hybrid>(i)); }
 Vec3d dr(const Motion& m, int i, int j) { return dr(m, j) - dr(m, i); }
 Vec3d ddr(const Motion& m, int i, int j) { return m.ddr(j) - m.ddr(i); }
@@ -23,8 +23,7 @@ TEST(Paper, JhSplit) {
   each_body_with_one_screw([](Equation& eq, const Motion& m, int i) {
     for (const int k : m.path(i)) {
       const Mat4 dC = relative_pose_partial(m, 0, i, k);
-      Vec6 linear_part = Vec6::Zero();
-      linear_part.tail<3>() = dC.topRightCorner<3, 1>();
+      const Vec6 linear_part = stack(Vec3d(), dC.block(0, 3, 3, 1));
       eq.holds(jacobian_of<Hybrid>(m, i).col(velocity(m, k)),
                angular_screw(m.J<Spatial>(i, k)) + linear_part);
     }
@@ -40,12 +39,11 @@ TEST(Paper, JhderDerivation) {
     for (const int j : m.path(i))
       for (const int k : m.path(i)) {
         if (k < j) continue;
-        const Vec6 left = partial_of<Hybrid>(m, i, j, std::array{k});
+        const Vec6 left = partial_of<Hybrid>(m, i, j, {k});
         const Vec6 J_b = m.J<BodyFixed>(i, j), J_b_k = m.J<BodyFixed>(i, k);
-        const Mat3 dR = relative_pose_partial(m, 0, i, k).topLeftCorner<3, 3>();
+        const Mat3 dR = relative_pose_partial(m, 0, i, k).block(0, 0, 3, 3);
         const double size = J(m, i, j).norm();
-        eq.holds(left, block_diagonal(dR, dR) * J_b + Ad_R * partial_of<BodyFixed>(m, i, j, std::array{k}),
-                 size);
+        eq.holds(left, block_diagonal(dR, dR) * J_b + Ad_R * partial_of<BodyFixed>(m, i, j, {k}), size);
         eq.holds(left, ad(wJ(m, i, k)) * Ad_R * J_b + Ad_R * bracket(J_b, J_b_k), size);
         eq.holds(left, bracket(wJ(m, i, k), J(m, i, j)) + bracket(J(m, i, j), J(m, i, k)), size);
         eq.holds(left, bracket(J(m, i, j), J(m, i, k) - wJ(m, i, k)), size);
@@ -57,10 +55,10 @@ TEST(Paper, JhderDerivation) {
 // j; hybrid
 TEST(Paper, Jhder) {
   each_body_with_one_screw([](Equation& eq, const Motion& m, int i) {
-    const Mat6X library = partials_of<Hybrid>(m, i, 1);
+    const Matrix library = partials_of<Hybrid>(m, i, 1);
     for (const int j : m.path(i))
       for (const int k : m.path(i)) {
-        const Vec6 left = partial_of<Hybrid>(m, i, j, std::array{k});
+        const Vec6 left = partial_of<Hybrid>(m, i, j, {k});
         const double size = J(m, i, j).norm();
         if (j <= k) {
           eq.holds(left, bracket(J(m, i, j), vJ(m, i, k)), size);
@@ -84,9 +82,9 @@ Vec6 vDeltaV(const Motion& m, int j, int i) {
 // + ad_{ω_{j-1}} J_{i,j}
 TEST(Paper, JhdotViaDeltaV) {
   each_body_with_one_screw([](Equation& eq, const Motion& m, int i) {
-    const Mat6X library = jacobian_rate<Hybrid>(m, i);
+    const Matrix library = jacobian_rate<Hybrid>(m, i);
     for (const int j : m.path(i)) {
-      Vec6 right = Vec6::Zero(), printed = Vec6::Zero();
+      Vec6 right, printed;
       for (const int k : m.path(i)) {
         right += (j <= k ? bracket(J(m, i, j), vJ(m, i, k)) : bracket(wJ(m, i, k), J(m, i, j))) * m.qd(k)[0];
         if (k <= j) printed += bracket(J(m, i, j), vJ(m, i, k)) * m.qd(k)[0];
@@ -142,7 +140,7 @@ TEST(Paper, JhdotLine2b) {
 // q̇_j q̇_k, hybrid
 TEST(Paper, VhdotLine1a) {
   each_body_with_one_screw([](Equation& eq, const Motion& m, int i) {
-    Vec6 printed = Vec6::Zero(), missing = Vec6::Zero();
+    Vec6 printed, missing;
     for (const int j : m.path(i)) {
       printed += J(m, i, j) * m.qdd(j)[0];
       for (const int k : m.path(i)) {
@@ -160,7 +158,7 @@ TEST(Paper, VhdotLine1a) {
 // V̇_i = Σ_{j<=i} (J_{i,j} q̈_j + [J_{i,j}, vΔV_{j-1,i}] q̇_j + ad_{ω_{j-1}} J_{i,j} q̇_j), hybrid
 TEST(Paper, VhdotLine1b) {
   each_body_with_one_screw([](Equation& eq, const Motion& m, int i) {
-    Vec6 printed = Vec6::Zero(), missing = Vec6::Zero();
+    Vec6 printed, missing;
     for (const int j : m.path(i)) {
       printed += J(m, i, j) * m.qdd(j)[0] + bracket(J(m, i, j), vDeltaV(m, j, i)) * m.qd(j)[0];
       missing += ad_omega(m, m.predecessor(j)) * J(m, i, j) * m.qd(j)[0];
@@ -173,7 +171,7 @@ TEST(Paper, VhdotLine1b) {
 // V̇_i = Σ_{j<=i} (J_{i,j} q̈_j + (ad_{ṙ_{i,j}} + Ad_{r_{i,j}} ad_{ω_j}) ^0X_j^j q̇_j), hybrid
 TEST(Paper, VhdotLine2) {
   each_body([](Equation& eq, const Motion& m, int i) {
-    Vec6 right = Vec6::Zero();
+    Vec6 right;
     for (const int j : m.path(i)) {
       const Vec6 Xqd = Ad(m.C(j).R) * m.Xqd(j);
       right += m.J<Hybrid>(i, j) * m.qdd(j) + (ad_v(dr(m, i, j)) + Ad(r(m, i, j)) * ad_omega(m, j)) * Xqd;
@@ -204,7 +202,7 @@ TEST(Paper, Jhddot) {
 // ad_{ṙ_{i,j}} ad_{ω_j} + Ad_{r_{i,j}} (ad_{ω̇_j} + ad_{ω_j} ad_{ω_j})) q̇_j) ^0X_j^j), hybrid
 TEST(Paper, Vhddot) {
   each_body_with_one_screw([](Equation& eq, const Motion& m, int i) {
-    Vec6 right = Vec6::Zero(), printed = Vec6::Zero();
+    Vec6 right, printed;
     for (const int j : m.path(i)) {
       const double qd = m.qd(j)[0], qdd = m.qdd(j)[0];
       const Mat6 ad_dr = ad_v(dr(m, i, j)), ad_w_j = ad_omega(m, j), Ad_r = Ad(r(m, i, j));

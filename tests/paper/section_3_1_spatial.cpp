@@ -5,16 +5,14 @@ namespace axode::test::paper {
 namespace {
 
 /// M^s as the library computes it.
-Mat6 M_s(const Motion& m, int i) { return to_eigen(transform(m.pose(i), m.M(i))); }
-Matrix6<Series> M_s_of_t(const Motion& m, int i) {
-  return to_eigen(transform(m.C_of_t(i), cast<Series>(m.M(i))));
-}
+Mat6 M_s(const Motion& m, int i) { return to_matrix(transform(m.pose(i), m.M(i))); }
+MatrixOfT M_s_of_t(const Motion& m, int i) { return to_matrix(transform(m.C_of_t(i), cast<Series>(m.M(i)))); }
 
 // M^s = Ad_C⁻ᵀ M^b Ad_C⁻¹
 TEST(Paper, Ms) {
   each_body([](Equation& eq, const Motion& m, int i) {
     const Mat6 Ad_inv = Ad(m.C(i)).inverse();
-    eq.holds(M_s(m, i), Ad_inv.transpose() * to_eigen(m.M(i)) * Ad_inv);
+    eq.holds(M_s(m, i), Ad_inv.transpose() * to_matrix(m.M(i)) * Ad_inv);
     eq.holds(m.M(i, m.frame<Spatial>(i)), M_s(m, i));
   });
 }
@@ -26,8 +24,8 @@ TEST(Paper, Pis) {
     const Vec6 V_s = m.V<Spatial>(i);
     const Momentum<BodyFixed> Pi_b = m.M(i) * m.twist<BodyFixed>(i);
     eq.holds(m.Pi<Spatial>(i), transform(m.pose(i), m.M(i)) * m.twist<Spatial>(i));
-    eq.holds(m.Pi<Spatial>(i), Ad_inv.transpose() * to_eigen(m.M(i)) * Ad_inv * V_s);
-    eq.holds(m.Pi<Spatial>(i), Ad_inv.transpose() * to_eigen(Pi_b));
+    eq.holds(m.Pi<Spatial>(i), Ad_inv.transpose() * to_matrix(m.M(i)) * Ad_inv * V_s);
+    eq.holds(m.Pi<Spatial>(i), Ad_inv.transpose() * to_matrix(Pi_b));
     eq.holds(m.Pi<Spatial>(i), change<Spatial>(m.pose(i), Pi_b));
   });
 }

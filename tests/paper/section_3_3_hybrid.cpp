@@ -9,15 +9,15 @@ Inertia<> M_c(const Motion& m, int i) { return transform(inverse(m.S_bc(i)), m.M
 /// M_c^h and M^h as the library computes them.
 Inertia<> M_c_h(const Motion& m, int i) { return transform(m.pose(m.com(i)).R, M_c(m, i)); }
 Inertia<> M_h(const Motion& m, int i) { return transform(m.pose(i).R, m.M(i)); }
-Matrix6<Series> M_c_h_of_t(const Motion& m, int i) {
-  return to_eigen(transform(m.C_of_t(m.com(i)).R, cast<Series>(M_c(m, i))));
+MatrixOfT M_c_h_of_t(const Motion& m, int i) {
+  return to_matrix(transform(m.C_of_t(m.com(i)).R, cast<Series>(M_c(m, i))));
 }
-Matrix6<Series> M_h_of_t(const Motion& m, int i) {
-  return to_eigen(transform(m.C_of_t(i).R, cast<Series>(m.M(i))));
+MatrixOfT M_h_of_t(const Motion& m, int i) {
+  return to_matrix(transform(m.C_of_t(i).R, cast<Series>(m.M(i))));
 }
 /// d_bc, from the origin of the body frame to the centre of mass, in the inertial frame.
 Vec3<> d_bc(const Motion& m, int i) { return now(m.r_of_t(i, m.com(i))); }
-Vec3d dd_bc(const Motion& m, int i) { return to_vector(rate(m.r_of_t(i, m.com(i)))); }
+Vec3d dd_bc(const Motion& m, int i) { return to_matrix(rate(m.r_of_t(i, m.com(i)))); }
 /// ω^s and ω̇^s.
 Vec3d w_s(const Motion& m, int i) { return angular(m.V<Spatial>(i)); }
 Vec3d dw_s(const Motion& m, int i) { return angular(m.dV<Spatial>(i)); }
@@ -27,7 +27,7 @@ TEST(Paper, HybridComTwist) {
   each_body([](Equation& eq, const Motion& m, int i) {
     const int c = m.com(i);
     const Mat6 Ad_R = Ad(m.C(c).R);
-    const Vec6 V_c_b = to_eigen(m.twist<BodyFixed>(c));
+    const Vec6 V_c_b = to_matrix(m.twist<BodyFixed>(c));
     eq.holds(m.V<Hybrid>(c), Ad_R * V_c_b);
     eq.holds(change<Hybrid>(m.pose(c), m.twist<BodyFixed>(c)), Ad_R * V_c_b);
     eq.fails(m.V<Hybrid>(c), Ad_R.inverse() * V_c_b);
@@ -39,10 +39,10 @@ TEST(Paper, M0h) {
   each_body([](Equation& eq, const Motion& m, int i) {
     const int c = m.com(i);
     const Mat6 Ad_inv = Ad(m.C(c).R).inverse(), M_c_b = m.M(i, m.C_of_t(c));
-    const Mat3 R = to_matrix(m.C(c).R), Theta_c = M_c_b.topLeftCorner<3, 3>();
+    const Mat3 R = to_matrix(m.C(c).R), Theta_c = M_c_b.block(0, 0, 3, 3);
     eq.holds(M_c_h(m, i), m.M(i, m.frame<Hybrid>(c)));
     eq.holds(M_c_h(m, i), Ad_inv.transpose() * M_c_b * Ad_inv);
-    eq.holds(M_c_h(m, i), block_diagonal(R * Theta_c * R.transpose(), m.M(i).m * Mat3::Identity()));
+    eq.holds(M_c_h(m, i), block_diagonal(R * Theta_c * R.transpose(), m.M(i).m * identity(3)));
   });
 }
 
@@ -57,7 +57,7 @@ TEST(Paper, HybridComMomentumBalance) {
 // Ṁ_c^h = -ad_ωᵀ M_c^h - M_c^h ad_ω, -ad_ωᵀ = ad_ω with ω = ω^s
 TEST(Paper, HybridComInertiaRate) {
   each_body([](Equation& eq, const Motion& m, int i) {
-    const Mat6 ad_ws = ad_w(w_s(m, i)), M = to_eigen(M_c_h(m, i));
+    const Mat6 ad_ws = ad_w(w_s(m, i)), M = to_matrix(M_c_h(m, i));
     eq.holds(rate(M_c_h_of_t(m, i)), -(ad_ws.transpose() * M + M * ad_ws));
     eq.holds(-ad_ws.transpose(), ad_ws);
   });
@@ -67,7 +67,7 @@ TEST(Paper, HybridComInertiaRate) {
 TEST(Paper, NEh0) {
   each_body([](Equation& eq, const Motion& m, int i) {
     const int c = m.com(i);
-    const Mat6 M = to_eigen(M_c_h(m, i));
+    const Mat6 M = to_matrix(M_c_h(m, i));
     const Vec6 V = m.V<Hybrid>(c);
     eq.holds(m.W<Hybrid>(c), M * m.dV<Hybrid>(c) + ad_w(angular(V)) * M * angular_screw(V));
     eq.holds(m.W<Hybrid>(c), wrench(m.pose(c), M_c(m, i), m.twist<Hybrid>(c), m.twist_rate<Hybrid>(c)));
@@ -78,7 +78,7 @@ TEST(Paper, NEh0) {
 TEST(Paper, NEhCOM) {
   each_body([](Equation& eq, const Motion& m, int i) {
     const int c = m.com(i);
-    const Mat3 Theta = to_eigen(M_c_h(m, i).Theta);
+    const Mat3 Theta = to_matrix(M_c_h(m, i).Theta);
     const Vec3d w = w_s(m, i), t = Theta * dw_s(m, i) + tilde(w) * Theta * w;
     const double size = m.W<Hybrid>(c).norm();  // t = 0 for a body that only slides
     eq.holds(angular(m.W<Hybrid>(c)), t, size);
@@ -109,10 +109,10 @@ TEST(Paper, Mh) {
   each_body([](Equation& eq, const Motion& m, int i) {
     const Mat6 Ad_inv = Ad(d_bc(m, i)).inverse(), M_c_h = m.M(i, m.frame<Hybrid>(m.com(i)));
     const double mass = M_c_h(3, 3);
-    const Mat3 Theta_c = M_c_h.topLeftCorner<3, 3>(), d = tilde(d_bc(m, i));
+    const Mat3 Theta_c = M_c_h.block(0, 0, 3, 3), d = tilde(d_bc(m, i));
     eq.holds(M_h(m, i), m.M(i, m.frame<Hybrid>(i)));
     eq.holds(M_h(m, i), Ad_inv.transpose() * M_c_h * Ad_inv);
-    eq.holds(M_h(m, i), blocks(Theta_c - mass * d * d, mass * d, -mass * d, mass * Mat3::Identity()));
+    eq.holds(M_h(m, i), blocks(Theta_c - mass * d * d, mass * d, -mass * d, mass * identity(3)));
   });
 }
 
@@ -129,7 +129,7 @@ TEST(Paper, Pihdot) {
 // (Ad_d⁻¹)˙ = -ad_ḋ with d = d_bc
 TEST(Paper, AdTranslationInverseRate) {
   each_body([](Equation& eq, const Motion& m, int i) {
-    const Matrix6<Series> Ad_inv = Ad(-m.r_of_t(i, m.com(i)));
+    const MatrixOfT Ad_inv = Ad(-m.r_of_t(i, m.com(i)));
     eq.holds(now(Ad_inv), Ad(d_bc(m, i)).inverse());
     eq.holds(rate(Ad_inv), -ad_v(dd_bc(m, i)));
   });
@@ -147,7 +147,7 @@ TEST(Paper, AdTranslationInverseRateCommutator) {
 // W^h = M^h V̇^h + ad_ω M^h (ω; 0) with ω = ω^s
 TEST(Paper, NEh) {
   each_body([](Equation& eq, const Motion& m, int i) {
-    const Mat6 M = to_eigen(M_h(m, i));
+    const Mat6 M = to_matrix(M_h(m, i));
     const Vec6 V = m.V<Hybrid>(i);
     eq.holds(m.W<Hybrid>(i), M * m.dV<Hybrid>(i) + ad_w(angular(V)) * M * angular_screw(V));
     eq.holds(m.W<Hybrid>(i), wrench(m.pose(i), m.M(i), m.twist<Hybrid>(i), m.twist_rate<Hybrid>(i)));
@@ -157,7 +157,7 @@ TEST(Paper, NEh) {
 // Θ^h ω̇ + ω̃ Θ^h ω + m d̃_bc r̈ = t^h with ω = ω^s
 TEST(Paper, NEhexp1) {
   each_body([](Equation& eq, const Motion& m, int i) {
-    const Mat3 Theta = to_eigen(M_h(m, i).Theta), d = tilde(d_bc(m, i));
+    const Mat3 Theta = to_matrix(M_h(m, i).Theta), d = tilde(d_bc(m, i));
     const Vec3d w = w_s(m, i);
     const Vec3d t = Theta * dw_s(m, i) + tilde(w) * Theta * w + m.M(i).m * d * m.ddr(i);
     eq.holds(angular(m.W<Hybrid>(i)), t);
@@ -169,7 +169,7 @@ TEST(Paper, NEhexp1) {
 TEST(Paper, NEhexp2) {
   each_body([](Equation& eq, const Motion& m, int i) {
     const Mat3 w = tilde(w_s(m, i)), dw = tilde(dw_s(m, i));
-    const Vec3d f = m.M(i).m * (m.ddr(i) + (dw + w * w) * to_vector(d_bc(m, i)));
+    const Vec3d f = m.M(i).m * (m.ddr(i) + (dw + w * w) * to_matrix(d_bc(m, i)));
     eq.holds(linear(m.W<Hybrid>(i)), f);
     eq.holds(newton_euler(M_h(m, i), m.twist<Hybrid>(i), m.twist_rate<Hybrid>(i)).f, f);
     eq.holds(linear(m.W<Spatial>(i)), f);

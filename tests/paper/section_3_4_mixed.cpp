@@ -16,11 +16,11 @@ TEST(Paper, OriginAccelerationFromBodyTwist) {
     const Vec3d dv_wv = linear(m.dV<BodyFixed>(i)) + tilde(angular(V)) * linear(V);
     const Mat3 Rt = to_matrix(m.C(i).R).transpose();
     eq.holds(Rt * m.ddr(i), dv_wv);
-    eq.holds(Rt * to_vector(m.twist_rate<Mixed>(i).v), dv_wv);
+    eq.holds(Rt * to_matrix(m.twist_rate<Mixed>(i).v), dv_wv);
     const auto V_b = m.twist<BodyFixed>(i);
     const auto dV_b = m.twist_rate<BodyFixed>(i);
-    eq.holds(Rt * to_vector(change<Hybrid>(m.pose(i), V_b, dV_b).v), dv_wv);
-    eq.holds(Rt * to_vector(change<Mixed>(m.pose(i), V_b, dV_b).v), dv_wv);
+    eq.holds(Rt * to_matrix(change<Hybrid>(m.pose(i), V_b, dV_b).v), dv_wv);
+    eq.holds(Rt * to_matrix(change<Mixed>(m.pose(i), V_b, dV_b).v), dv_wv);
     eq.fails(m.ddr(i), dv_wv);
   });
 }
@@ -28,7 +28,7 @@ TEST(Paper, OriginAccelerationFromBodyTwist) {
 // Θ_b ω̇ + ω̃ Θ_b ω + m d̃_bc Rᵀ r̈ = t^b with ω = ω^b
 TEST(Paper, NEmRot) {
   each_body([](Equation& eq, const Motion& m, int i) {
-    const Mat3 Theta = to_eigen(m.M(i).Theta), d = tilde(m.S_bc(i).r), Rt = to_matrix(m.C(i).R).transpose();
+    const Mat3 Theta = to_matrix(m.M(i).Theta), d = tilde(m.S_bc(i).r), Rt = to_matrix(m.C(i).R).transpose();
     const Vec3d w = angular(m.V<Mixed>(i)), dw = angular(m.dV<Mixed>(i));
     const Vec3d t = Theta * dw + tilde(w) * Theta * w + m.M(i).m * d * Rt * m.ddr(i);
     eq.holds(angular(m.W<Mixed>(i)), t);
@@ -41,7 +41,7 @@ TEST(Paper, NEmTrans) {
   each_body([](Equation& eq, const Motion& m, int i) {
     const Mat3 w = tilde(angular(m.V<Mixed>(i))), dw = tilde(angular(m.dV<Mixed>(i))),
                R = to_matrix(m.C(i).R);
-    const Vec3d f = m.M(i).m * (m.ddr(i) + R * (dw + w * w) * to_vector(m.S_bc(i).r));
+    const Vec3d f = m.M(i).m * (m.ddr(i) + R * (dw + w * w) * to_matrix(m.S_bc(i).r));
     eq.holds(linear(m.W<Hybrid>(i)), f);
     eq.holds(W_m(m, i, m.M(i)).f, f);
   });
@@ -52,7 +52,7 @@ TEST(Paper, NEcmixed) {
   each_body([](Equation& eq, const Motion& m, int i) {
     const int c = m.com(i);
     const Inertia<> M_c = transform(inverse(m.S_bc(i)), m.M(i));
-    const Mat3 Theta = to_eigen(M_c.Theta);
+    const Mat3 Theta = to_matrix(M_c.Theta);
     const Vec3d w = angular(m.V<Mixed>(c)), t = Theta * angular(m.dV<Mixed>(c)) + tilde(w) * Theta * w;
     const double size = m.W<Mixed>(c).norm();  // t = 0 for a body that only slides
     eq.holds(angular(m.W<Mixed>(c)), t, size);

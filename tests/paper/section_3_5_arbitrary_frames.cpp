@@ -33,7 +33,7 @@ template <class Check> void each_body_in_frame(const Check& check) {
 // Ad_{C_j}ᵀ Π̇_i^s = Ad_{C_j}ᵀ W_i^s
 TEST(Paper, NEInFrameJ) {
   each_body_in_frame([](Equation& eq, const Motion& m, int i, int j) {
-    const Matrix6<Series> M_s_of_t = to_eigen(transform(m.C_of_t(i), cast<Series>(m.M(i))));
+    const MatrixOfT M_s_of_t = to_matrix(transform(m.C_of_t(i), cast<Series>(m.M(i))));
     const Vec6 left = Ad(m.C(j)).transpose() * rate(M_s_of_t * m.V_of_t<Spatial>(i));
     eq.holds(left, Ad(m.C(j)).transpose() * m.W<Spatial>(i));
     eq.holds(left, m.W(i, m.C_of_t(j)));

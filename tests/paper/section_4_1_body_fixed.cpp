@@ -9,7 +9,7 @@ namespace {
 TEST(Paper, RelativeAdRate) {
   each_body([](Equation& eq, const Motion& m, int i) {
     const int p = m.predecessor(i);
-    const Vec6 V_p = to_eigen(m.twist<BodyFixed>(p));
+    const Vec6 V_p = to_matrix(m.twist<BodyFixed>(p));
     eq.holds(rate(Ad(m.C_of_t(i, p))) * V_p, ad(Ad(m.C(i, p)) * V_p) * m.Xqd(i));
   });
 }
@@ -52,10 +52,10 @@ TEST(Paper, RemAfterCrecVbi) {
   each_body_with_one_screw([](Equation& eq, const Motion& m, int i) {
     const int p = m.predecessor(i);
     const Mat6 Ad_ip = Ad(m.C(i, p));
-    const Vec6 X = m.X(i), V_i = to_eigen(m.twist<BodyFixed>(i)), V_p = to_eigen(m.twist<BodyFixed>(p));
-    const Vec6 dV_i = to_eigen(m.twist_rate<BodyFixed>(i)), dV_p = to_eigen(m.twist_rate<BodyFixed>(p));
+    const Vec6 X = m.X(i), V_i = to_matrix(m.twist<BodyFixed>(i)), V_p = to_matrix(m.twist<BodyFixed>(p));
+    const Vec6 dV_i = to_matrix(m.twist_rate<BodyFixed>(i)), dV_p = to_matrix(m.twist_rate<BodyFixed>(p));
     const auto side = [&](const Vec6& first) {
-      return X.dot(first - Ad_ip * dV_p + ad(V_i) * Ad_ip * V_p) / X.squaredNorm();
+      return X.dot(first - Ad_ip * dV_p + ad(V_i) * Ad_ip * V_p) / X.squared_norm();
     };
     eq.holds(m.qdd(i), side(dV_i));
     eq.fails(m.qdd(i), side(V_i));
@@ -92,9 +92,9 @@ TEST(Paper, CVbRec2) {
 TEST(Paper, AWbRec) {
   each_body([](Equation& eq, const Motion& m, int i) {
     const auto Ad_T_W = [&](int k) -> Vec6 {
-      return Ad(m.C(k, i)).transpose() * to_eigen(m.joint_wrench<BodyFixed>(k));
+      return Ad(m.C(k, i)).transpose() * to_matrix(m.joint_wrench<BodyFixed>(k));
     };
-    const Mat6 M = to_eigen(m.M(i));
+    const Mat6 M = to_matrix(m.M(i));
     const Vec6 V = m.V<BodyFixed>(i), own = M * m.dV<BodyFixed>(i) - ad(V).transpose() * M * V;
     Vec6 right = own - m.W_app<BodyFixed>(i);
     for (const int k : m.children(i)) right += Ad_T_W(k);
@@ -107,8 +107,8 @@ TEST(Paper, AWbRec) {
 // Q_i = X_iᵀ W_i, body-fixed
 TEST(Paper, BWbRec) {
   each_body([](Equation& eq, const Motion& m, int i) {
-    const Mat6X X = m.X(i);
-    const Vec6 W = to_eigen(m.joint_wrench<BodyFixed>(i));
+    const Matrix X = m.X(i);
+    const Vec6 W = to_matrix(m.joint_wrench<BodyFixed>(i));
     const double size = X.norm() * W.norm();
     eq.holds(m.joint_force<BodyFixed>(i), X.transpose() * W, size);
     eq.holds(m.joint_force<BodyFixed>(i), X.transpose() * m.transmitted<BodyFixed>(i), size);

@@ -40,8 +40,8 @@ TEST(Paper, BVsRec) {
   each_body_with_one_screw([](Equation& eq, const Motion& m, int i) {
     const Vec6 J = m.J<Spatial>(i, i);
     eq.holds(J, Ad(m.pose(i)) * m.X(i));
-    eq.holds(J, Ad(m.pose(i) * inverse(m.body(i).A)) * to_eigen(m.drawn(i).Y));
-    eq.holds(J, Ad(m.pose(i) * m.joint_frames(i).S_self) * to_eigen(m.joint_frames(i).Z));
+    eq.holds(J, Ad(m.pose(i) * inverse(m.body(i).A)) * to_matrix(m.drawn(i).Y));
+    eq.holds(J, Ad(m.pose(i) * m.joint_frames(i).S_self) * to_matrix(m.joint_frames(i).Z));
     eq.holds(m.push_Xqd<Spatial>(i), J * m.qd(i));
   });
 }
@@ -68,7 +68,7 @@ TEST(Paper, DVsRec) {
 // M_i^s = Ad_{C_i}⁻ᵀ M_i^b Ad_{C_i}⁻¹
 TEST(Paper, AWsRec) {
   each_body([](Equation& eq, const Motion& m, int i) {
-    const Mat6 Ad_inv = Ad(m.pose(i)).inverse(), right = Ad_inv.transpose() * to_eigen(m.M(i)) * Ad_inv;
+    const Mat6 Ad_inv = Ad(m.pose(i)).inverse(), right = Ad_inv.transpose() * to_matrix(m.M(i)) * Ad_inv;
     eq.holds(transform(m.link<Spatial>(i).C, m.M(i)), right);
     eq.holds(m.M(i, m.frame<Spatial>(i)), right);
   });
@@ -78,7 +78,7 @@ TEST(Paper, AWsRec) {
 // n - 1, with body i + 1 as the only successor and with + W_i^app.
 TEST(Paper, BWsRec) {
   each_body([](Equation& eq, const Motion& m, int i) {
-    const auto W = [&](int k) -> Vec6 { return to_eigen(m.joint_wrench<Spatial>(k)); };
+    const auto W = [&](int k) -> Vec6 { return to_matrix(m.joint_wrench<Spatial>(k)); };
     const Mat6 M = m.M(i, m.frame<Spatial>(i));
     const Vec6 V = m.V<Spatial>(i), own = M * m.dV<Spatial>(i) - ad(V).transpose() * M * V;
     Vec6 right = own - m.W_app<Spatial>(i);
@@ -92,8 +92,8 @@ TEST(Paper, BWsRec) {
 // Q_i = J_iᵀ W_i, spatial
 TEST(Paper, CWsRec) {
   each_body([](Equation& eq, const Motion& m, int i) {
-    const Mat6X J = m.J<Spatial>(i, i);
-    const Vec6 W = to_eigen(m.joint_wrench<Spatial>(i));
+    const Matrix J = m.J<Spatial>(i, i);
+    const Vec6 W = to_matrix(m.joint_wrench<Spatial>(i));
     const double size = J.norm() * W.norm();
     eq.holds(m.joint_force<Spatial>(i), J.transpose() * W, size);
     eq.holds(m.joint_force<Spatial>(i), J.transpose() * m.transmitted<Spatial>(i), size);

@@ -15,9 +15,9 @@ struct Step {
   Step(const Motion& m, int i) {
     const int p = m.predecessor(i);
     V_i = m.V<Hybrid>(i), V_p = m.V<Hybrid>(p), dV_i = m.dV<Hybrid>(i), dV_p = m.dV<Hybrid>(p);
-    const Mat6X X = m.J<Hybrid>(i, i);
+    const Matrix X = m.J<Hybrid>(i, i);
     Xqd = X * m.qd(i), Xqdd = X * m.qdd(i);
-    Ad_ip = Ad(now(m.r_of_t(i, p))), ad_dr_ip = ad_v(to_vector(rate(m.r_of_t(i, p))));
+    Ad_ip = Ad(now(m.r_of_t(i, p))), ad_dr_ip = ad_v(to_matrix(rate(m.r_of_t(i, p))));
     ad_dr_i = ad_v(linear(V_i)), ad_dr_p = ad_v(linear(V_p)), ad_w_i = ad_w(angular(V_i));
   }
 };
@@ -28,7 +28,7 @@ TEST(Paper, TranslationAdRate) {
     const int p = m.predecessor(i);
     const Mat6 left = rate(Ad(m.r_of_t(i, p)));
     eq.holds(left, Step(m, i).ad_dr_ip);
-    const Vec3d dr_i = to_vector(m.twist<Hybrid>(i).v), dr_p = to_vector(m.twist<Hybrid>(p).v);
+    const Vec3d dr_i = to_matrix(m.twist<Hybrid>(i).v), dr_p = to_matrix(m.twist<Hybrid>(p).v);
     eq.holds(left, ad_v(dr_p) - ad_v(dr_i));
   });
 }
@@ -66,8 +66,8 @@ TEST(Paper, RecVhdot3) {
 TEST(Paper, RecVhdotHelperIdentities) {
   each_body([](Equation& eq, const Motion& m, int i) {
     const Step s(m, i);
-    const Vec6 V_i = to_eigen(m.twist<Hybrid>(i)), V_p = to_eigen(m.twist<Hybrid>(m.predecessor(i)));
-    eq.holds(s.ad_dr_i * (V_i - s.Xqd), s.ad_dr_i * V_p, V_i.squaredNorm());
+    const Vec6 V_i = to_matrix(m.twist<Hybrid>(i)), V_p = to_matrix(m.twist<Hybrid>(m.predecessor(i)));
+    eq.holds(s.ad_dr_i * (V_i - s.Xqd), s.ad_dr_i * V_p, V_i.squared_norm());
     eq.holds(s.ad_dr_i + s.ad_w_i, ad(V_i));
     eq.holds(V_i, s.Ad_ip * V_p + s.Xqd);
     eq.holds(s.ad_dr_ip * s.Ad_ip.inverse(), s.ad_dr_ip);
@@ -88,12 +88,12 @@ TEST(Paper, AVhRec2) {
 // ^0X_i^i = Ad_{R_i} X_i = Ad_{-r_i} J_i^s = Ad_{R_i} Ad_{S_{i,i}} Z_i. Printed: Ad_{-r_i} Y_i in the middle.
 TEST(Paper, BVhRec2) {
   each_body_with_one_screw([](Equation& eq, const Motion& m, int i) {
-    const Vec6 X = m.J<Hybrid>(i, i), Y = to_eigen(m.drawn(i).Y);
+    const Vec6 X = m.J<Hybrid>(i, i), Y = to_matrix(m.drawn(i).Y);
     const SE3<> C = m.pose(i);
     eq.holds(X, Ad(C.R) * m.X(i));
     eq.holds(X, Ad(-C.r) * m.J<Spatial>(i, i));
     eq.holds(X, Ad(-C.r) * Ad(C * inverse(m.body(i).A)) * Y);
-    eq.holds(X, Ad(C.R) * Ad(m.joint_frames(i).S_self) * to_eigen(m.joint_frames(i).Z));
+    eq.holds(X, Ad(C.R) * Ad(m.joint_frames(i).S_self) * to_matrix(m.joint_frames(i).Z));
     eq.holds(m.push_Xqd<Hybrid>(i), X * m.qd(i));
     eq.fails(X, Ad(-C.r) * Y);
   });
@@ -118,7 +118,7 @@ TEST(Paper, DVhRec2) {
 // M_i^h = Ad_{R_i}⁻ᵀ M_i^b Ad_{R_i}⁻¹
 TEST(Paper, AWhRec) {
   each_body([](Equation& eq, const Motion& m, int i) {
-    const Mat6 Ad_inv = Ad(m.pose(i).R).inverse(), right = Ad_inv.transpose() * to_eigen(m.M(i)) * Ad_inv;
+    const Mat6 Ad_inv = Ad(m.pose(i).R).inverse(), right = Ad_inv.transpose() * to_matrix(m.M(i)) * Ad_inv;
     eq.holds(transform(m.link<Hybrid>(i).R, m.M(i)), right);
     eq.holds(m.M(i, m.frame<Hybrid>(i)), right);
   });
@@ -129,7 +129,7 @@ TEST(Paper, AWhRec) {
 TEST(Paper, BWhRec) {
   each_body([](Equation& eq, const Motion& m, int i) {
     const auto Ad_T_W = [&](int k) -> Vec6 {
-      return Ad(now(m.r_of_t(k, i))).transpose() * to_eigen(m.joint_wrench<Hybrid>(k));
+      return Ad(now(m.r_of_t(k, i))).transpose() * to_matrix(m.joint_wrench<Hybrid>(k));
     };
     const Mat6 M = m.M(i, m.frame<Hybrid>(i));
     const Vec6 V = m.V<Hybrid>(i), own = M * m.dV<Hybrid>(i) + ad_w(angular(V)) * M * angular_screw(V);
@@ -144,8 +144,8 @@ TEST(Paper, BWhRec) {
 // Q_i = Xᵀ W_i, hybrid
 TEST(Paper, CWhRec) {
   each_body([](Equation& eq, const Motion& m, int i) {
-    const Mat6X X = m.J<Hybrid>(i, i);
-    const Vec6 W = to_eigen(m.joint_wrench<Hybrid>(i));
+    const Matrix X = m.J<Hybrid>(i, i);
+    const Vec6 W = to_matrix(m.joint_wrench<Hybrid>(i));
     const double size = X.norm() * W.norm();
     eq.holds(m.joint_force<Hybrid>(i), X.transpose() * W, size);
     eq.holds(m.joint_force<Hybrid>(i), X.transpose() * m.transmitted<Hybrid>(i), size);

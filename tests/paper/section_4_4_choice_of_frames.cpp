@@ -4,10 +4,10 @@
 namespace axode::test::paper {
 namespace {
 
-Eigen::VectorXd inverse_dynamics_of(const Model& model, const Motion& m) {
+Matrix inverse_dynamics_of(const Model& model, const Motion& m) {
   Workspace<double> workspace(model);
-  Eigen::VectorXd tau(model.nv());
-  inverse_dynamics(model, workspace, m.q(), m.v(), m.a(), std::span(tau.data(), m.v().size()));
+  Matrix tau(model.nv(), 1);
+  inverse_dynamics(model, workspace, m.q(), m.v(), m.a(), tau.entries());
   return tau;
 }
 

@@ -7,7 +7,7 @@ namespace axode::test::paper {
 namespace {
 
 /// Loads as the motion has them.
-Eigen::VectorXd by_projection(const Motion& m) {
+Matrix by_projection(const Motion& m) {
   return closed_form::projection_equations<BodyFixed>(m.model(), m.q(), m.v(), m.a(),
                                                       {.wrenches = m.loads()});
 }
@@ -17,12 +17,9 @@ TEST(Paper, EOM) {
   each_system([](Equation& eq, const Motion& m) {
     const int n = m.model().nv();
     Workspace<> workspace(m.model());
-    Eigen::MatrixXd M(n, n), C(n, n);
-    const auto entries_of = [](Eigen::MatrixXd& x) {
-      return std::span(x.data(), static_cast<std::size_t>(x.size()));
-    };
-    mass_matrix(m.model(), workspace, m.q(), entries_of(M));
-    coriolis_matrix(m.model(), workspace, m.q(), m.v(), CoriolisForm::christoffel, entries_of(C));
+    Matrix M(n, n), C(n, n);  // row by row: transposed
+    mass_matrix(m.model(), workspace, m.q(), M.entries());
+    coriolis_matrix(m.model(), workspace, m.q(), m.v(), CoriolisForm::christoffel, C.entries());
     eq.holds(M * as_vector(m.a()) + C.transpose() * as_vector(m.v()), generalised_forces(m));
   });
 }
@@ -31,15 +28,15 @@ TEST(Paper, EOM) {
 // W^c and the drive
 TEST(Paper, NEBodyWithConstraintWrench) {
   each_body([](Equation& eq, const Motion& m, int i) {
-    const Mat6 M = to_eigen(m.M(i));
+    const Mat6 M = to_matrix(m.M(i));
     const Vec6 V = m.V<BodyFixed>(i);
-    Vec6 joints = to_eigen(m.joint_wrench<BodyFixed>(i));
+    Vec6 joints = to_matrix(m.joint_wrench<BodyFixed>(i));
     for (const int k : m.children(i))
-      joints -= Ad(m.C(k, i)).transpose() * to_eigen(m.joint_wrench<BodyFixed>(k));
+      joints -= Ad(m.C(k, i)).transpose() * to_matrix(m.joint_wrench<BodyFixed>(k));
     const Vec6 inertia = M * m.dV<BodyFixed>(i) - ad(V).transpose() * M * V;
     eq.holds(inertia - m.W_app<BodyFixed>(i), joints);
     eq.holds(inertia, m.W<BodyFixed>(i));
-    const Vec6 drive_and_reaction = to_eigen(m.joint_wrench<BodyFixed>(i));
+    const Vec6 drive_and_reaction = to_matrix(m.joint_wrench<BodyFixed>(i));
     eq.holds(m.X(i).transpose() * drive_and_reaction, m.joint_force<BodyFixed>(i), drive_and_reaction.norm());
   });
 }
@@ -47,7 +44,7 @@ TEST(Paper, NEBodyWithConstraintWrench) {
 /// The drive wrenches of joint i and of the joints behind it, on body i.
 Vec6 drive_wrench(const Motion& m, int i) {
   const auto own = [&](int k) -> Vec6 {  // in the span of the joint's own screws
-    const Mat6X X = m.X(k);
+    const Matrix X = m.X(k);
     return X * (X.transpose() * X).inverse() * m.joint_force<BodyFixed>(k);
   };
   Vec6 W = own(i);
@@ -59,14 +56,14 @@ Vec6 drive_wrench(const Motion& m, int i) {
 // W^app with the drives
 TEST(Paper, PE) {
   each_system([](Equation& eq, const Motion& m) {
-    const Eigen::MatrixXd Jt = system_jacobian<BodyFixed>(m).transpose();
-    const Eigen::VectorXd bodies = stacked(m, [&](int i) -> Vec6 {
-      const Mat6 M = to_eigen(m.M(i));
+    const Matrix Jt = system_jacobian<BodyFixed>(m).transpose();
+    const Matrix bodies = stacked(m, [&](int i) -> Vec6 {
+      const Mat6 M = to_matrix(m.M(i));
       const Vec6 V = m.V<BodyFixed>(i);
       return M * m.dV<BodyFixed>(i) - ad(V).transpose() * M * V - m.W_app<BodyFixed>(i);
     });
-    const Eigen::VectorXd drives = stacked(m, [&](int i) { return drive_wrench(m, i); });
-    eq.holds(Jt * (bodies - drives), Eigen::VectorXd::Zero(Jt.rows()), (Jt * drives).norm());
+    const Matrix drives = stacked(m, [&](int i) { return drive_wrench(m, i); });
+    eq.holds(Jt * (bodies - drives), Matrix(Jt.rows(), 1), (Jt * drives).norm());
     eq.holds(Jt * bodies, by_projection(m));
   });
 }
@@ -74,12 +71,12 @@ TEST(Paper, PE) {
 // Jᵀ (Π̇_1 - W_1^app; ...; Π̇_n - W_n^app) = 0, spatial; W^app with the drives
 TEST(Paper, PEsLine1) {
   each_system([](Equation& eq, const Motion& m) {
-    const Eigen::MatrixXd Jt = system_jacobian<Spatial>(m).transpose();
-    const Eigen::VectorXd bodies =
+    const Matrix Jt = system_jacobian<Spatial>(m).transpose();
+    const Matrix bodies =
         stacked(m, [&](int i) -> Vec6 { return rate(m.Pi_of_t<Spatial>(i)) - m.W_app<Spatial>(i); });
-    const Eigen::VectorXd drives =
+    const Matrix drives =
         stacked(m, [&](int i) -> Vec6 { return Ad(inverse(m.C(i))).transpose() * drive_wrench(m, i); });
-    eq.holds(Jt * (bodies - drives), Eigen::VectorXd::Zero(Jt.rows()), (Jt * drives).norm());
+    eq.holds(Jt * (bodies - drives), Matrix(Jt.rows(), 1), (Jt * drives).norm());
     eq.holds(Jt * bodies,
              closed_form::momentum_balance(m.model(), m.q(), m.v(), m.a(), {.wrenches = m.loads()}));
   });
@@ -88,8 +85,8 @@ TEST(Paper, PEsLine1) {
 // M_i [J_1 ... J_i 0 ...] q̇ = Π_i for i = 1, ..., n, spatial
 TEST(Paper, PEsLine2) {
   each_body([](Equation& eq, const Motion& m, int i) {
-    const Mat6 M = to_eigen(transform(m.C(i), m.M(i)));
-    Vec6 V = Vec6::Zero();
+    const Mat6 M = to_matrix(transform(m.C(i), m.M(i)));
+    Vec6 V;
     for (const int j : m.path(i)) V += m.J<Spatial>(j, j) * m.qd(j);
     eq.holds(M * V, m.Pi<Spatial>(i));
     eq.fails(M * m.J<Spatial>(i, i) * m.qd(i), m.Pi<Spatial>(i));  // with the screw J_i of joint i alone

@@ -9,13 +9,13 @@ namespace {
 
 /// M, A, X, a, b and J of the paper.
 struct SystemOfLagrange {
-  Eigen::MatrixXd M, A, X, a, b, J;
-  Eigen::VectorXd qd, qdd, V;
+  Matrix M, A, X, a, b, J;
+  Matrix qd, qdd, V;
 
   explicit SystemOfLagrange(const Motion& m)
-      : M(block_diagonal_of(m, [&](int i) { return to_eigen(m.M(i)); })),
+      : M(block_diagonal_of(m, [&](int i) { return to_matrix(m.M(i)); })),
         a(a_matrix(m.model(), m.v())),
-        b(b_matrix(m.model(), system_V<BodyFixed>(m))),
+        b(b_matrix(m.model(), to_eigen_vector(system_V<BodyFixed>(m)))),
         J(system_jacobian<BodyFixed>(m)),
         qd(as_vector(m.v())),
         qdd(as_vector(m.a())),
@@ -30,28 +30,27 @@ void each_system_of_lagrange(const CheckOfSystem& check) {
       [&](Equation& eq, const Motion& m) { check(eq, m, SystemOfLagrange(m)); });
 }
 
-Eigen::MatrixXd mass_matrix_by_recursion(const Motion& m) {
+Matrix mass_matrix_by_recursion(const Motion& m) {
   Workspace<> workspace(m.model());
-  Eigen::MatrixXd M(m.model().nv(), m.model().nv());
-  mass_matrix(m.model(), workspace, m.q(), std::span(M.data(), static_cast<std::size_t>(M.size())));
+  Matrix M(m.model().nv(), m.model().nv());
+  mass_matrix(m.model(), workspace, m.q(), M.entries());
   return M;
 }
-Eigen::MatrixXd coriolis_matrix_by_recursion(const Motion& m) {
+Matrix coriolis_matrix_by_recursion(const Motion& m) {
   Workspace<> workspace(m.model());
-  Eigen::MatrixXd Ct(m.model().nv(), m.model().nv());  // row by row: transposed
-  coriolis_matrix(m.model(), workspace, m.q(), m.v(), CoriolisForm::paper,
-                  std::span(Ct.data(), static_cast<std::size_t>(Ct.size())));
+  Matrix Ct(m.model().nv(), m.model().nv());  // row by row: transposed
+  coriolis_matrix(m.model(), workspace, m.q(), m.v(), CoriolisForm::paper, Ct.entries());
   return Ct.transpose();
 }
 /// C q̇ by definition: d/dt ∂T/∂q̇ - ∂T/∂q - M q̈.
-Eigen::VectorXd coriolis_forces_of(const Motion& m) {
+Matrix coriolis_forces_of(const Motion& m) {
   return conjugate_momenta(m).dp - energy_gradient(m) - mass_matrix_of(m) * as_vector(m.a());
 }
 
 // d/dt (∂T/∂q̇)ᵀ - (∂T/∂q)ᵀ = M q̈ + C q̇ = Q
 TEST(Paper, LE) {
   each_system_of_lagrange([](Equation& eq, const Motion& m, const SystemOfLagrange& s) {
-    const Eigen::VectorXd left = conjugate_momenta(m).dp - energy_gradient(m);
+    const Matrix left = conjugate_momenta(m).dp - energy_gradient(m);
     eq.holds(left, mass_matrix_by_recursion(m) * s.qdd + coriolis_matrix_by_recursion(m) * s.qd);
     eq.holds(left, generalised_forces(m));
     eq.holds(drive_forces(m),
@@ -62,7 +61,7 @@ TEST(Paper, LE) {
 // M = Jᵀ M J; T = V^T M V / 2 = q̇ᵀ M q̇ / 2
 TEST(Paper, MLE) {
   each_system_of_lagrange([](Equation& eq, const Motion& m, const SystemOfLagrange& s) {
-    const Eigen::MatrixXd M = mass_matrix_of(m);
+    const Matrix M = mass_matrix_of(m);
     eq.holds(M, s.J.transpose() * s.M * s.J);
     eq.holds(M, mass_matrix_by_recursion(m));
     double T = 0;
@@ -77,7 +76,7 @@ TEST(Paper, MLE) {
 // (∂T/∂q̇)ᵀ = Jᵀ M V
 TEST(Paper, ConjugateMomentum) {
   each_system_of_lagrange([](Equation& eq, const Motion& m, const SystemOfLagrange& s) {
-    const Eigen::VectorXd p = conjugate_momenta(m).p;
+    const Matrix p = conjugate_momenta(m).p;
     eq.holds(p, s.J.transpose() * s.M * s.V);
     Workspace<> workspace(m.model());
     std::vector<double> library(m.v().size());
@@ -89,7 +88,7 @@ TEST(Paper, ConjugateMomentum) {
 // d/dt (∂T/∂q̇)ᵀ = M q̈ - Jᵀ ((M A a)ᵀ + M A a) J q̇
 TEST(Paper, ConjugateMomentumRate) {
   each_system_of_lagrange([](Equation& eq, const Motion& m, const SystemOfLagrange& s) {
-    const Eigen::MatrixXd MAa = s.M * s.A * s.a;
+    const Matrix MAa = s.M * s.A * s.a;
     eq.holds(conjugate_momenta(m).dp,
              mass_matrix_of(m) * s.qdd - s.J.transpose() * (MAa.transpose() + MAa) * s.J * s.qd);
   });
@@ -105,19 +104,19 @@ TEST(Paper, KineticEnergyGradient) {
 // b(V) = diag(ad_{V_1}, ..., ad_{V_n}), body-fixed
 TEST(Paper, Bb) {
   each_system([](Equation& eq, const Motion& m) {
-    eq.holds(b_matrix(m.model(), system_V<BodyFixed>(m)),
-             block_diagonal_of(m, [&](int i) { return ad(to_eigen(m.twist<BodyFixed>(i))); }));
+    eq.holds(b_matrix(m.model(), to_eigen_vector(system_V<BodyFixed>(m))),
+             block_diagonal_of(m, [&](int i) { return ad(to_matrix(m.twist<BodyFixed>(i))); }));
   });
 }
 
 // C = -Jᵀ ((M A a)ᵀ + M A a) J - (M A b X)ᵀ J = -(a J + b X)ᵀ Aᵀ M J - Jᵀ M A a J
 TEST(Paper, CMatTmp) {
   each_system_of_lagrange([](Equation& eq, const Motion& m, const SystemOfLagrange& s) {
-    const Eigen::MatrixXd MAa = s.M * s.A * s.a;
-    const Eigen::MatrixXd first =
+    const Matrix MAa = s.M * s.A * s.a;
+    const Matrix first =
         -s.J.transpose() * (MAa.transpose() + MAa) * s.J - (s.M * s.A * s.b * s.X).transpose() * s.J;
-    const Eigen::MatrixXd second = -(s.a * s.J + s.b * s.X).transpose() * s.A.transpose() * s.M * s.J -
-                                   s.J.transpose() * s.M * s.A * s.a * s.J;
+    const Matrix second = -(s.a * s.J + s.b * s.X).transpose() * s.A.transpose() * s.M * s.J -
+                          s.J.transpose() * s.M * s.A * s.a * s.J;
     eq.holds(coriolis_forces_of(m), first * s.qd);
     eq.holds(coriolis_matrix_by_recursion(m), first);
     eq.holds(coriolis_matrix_by_recursion(m), second);
@@ -127,7 +126,7 @@ TEST(Paper, CMatTmp) {
 // C = -Jᵀ (M A a + bᵀ M) J
 TEST(Paper, CMat) {
   each_system_of_lagrange([](Equation& eq, const Motion& m, const SystemOfLagrange& s) {
-    const Eigen::MatrixXd C = -s.J.transpose() * (s.M * s.A * s.a + s.b.transpose() * s.M) * s.J;
+    const Matrix C = -s.J.transpose() * (s.M * s.A * s.a + s.b.transpose() * s.M) * s.J;
     eq.holds(coriolis_forces_of(m), C * s.qd);
     eq.holds(coriolis_matrix_by_recursion(m), C);
     eq.holds(closed_form::coriolis_matrix(m.model(), m.q(), m.v(), CoriolisForm::paper), C);
@@ -144,8 +143,8 @@ std::vector<double> library_symbols(const Motion& m) {
 // Σ_j M_ij q̈_j + Σ_jk Γ_ijk q̇_j q̇_k = Q_i
 TEST(Paper, EOMComponents) {
   each_system_of_lagrange([](Equation& eq, const Motion& m, const SystemOfLagrange&) {
-    const Eigen::MatrixXd M = mass_matrix_of(m);
-    const Eigen::VectorXd Q = generalised_forces(m);
+    const Matrix M = mass_matrix_of(m);
+    const Matrix Q = generalised_forces(m);
     const int n = m.model().nv();
     for (const std::vector<double>& Gamma : {christoffel_symbols_of(m), library_symbols(m)})
       for (int i = 0; i < n; ++i) {
@@ -165,7 +164,7 @@ template <class Check>
 void each_symbol(const Motion& m, const std::vector<double>& library, const Check& check) {
   const std::vector<double> Gamma = christoffel_symbols_of(m);
   const int n = m.model().nv();
-  const double size = as_vector(Gamma).lpNorm<Eigen::Infinity>();
+  const double size = as_vector(Gamma).largest_entry();
   for (int i = 1; i <= m.n(); ++i)
     for (int j = 1; j <= m.n(); ++j)
       for (int k = j; k <= m.n(); ++k) {
@@ -194,7 +193,7 @@ TEST(Paper, Gamma) {
       const auto sum = [&](int r, int s) {
         double x = 0;
         for (const int l : behind(m, i, j, k)) {
-          const Mat6 M = to_eigen(m.M(l));
+          const Mat6 M = to_matrix(m.M(l));
           x +=
               0.5 * (J(l, k).dot(M * bracket(J(l, i), J(l, j))) + J(l, j).dot(M * bracket(J(l, i), J(l, k))) +
                      J(l, i).dot(M * bracket(J(l, s), J(l, r))));
@@ -215,20 +214,19 @@ TEST(Paper, Gamma) {
 TEST(Paper, GammaBinet) {
   each_system_of_lagrange([](Equation& eq, const Motion& m, const SystemOfLagrange&) {
     const auto J = [&](int l, int j) -> Vec6 { return m.J<BodyFixed>(l, j); };
-    const auto J_hat = [&](int l, int j) -> Mat4 { return hat(from_eigen<Screw<double>>(J(l, j))); };
+    const auto J_hat = [&](int l, int j) -> Mat4 { return hat(from_six(J(l, j))); };
     const std::vector<double> library = closed_form::christoffel(m.model(), m.q());
     each_symbol(m, library, [&](double left, double by_library, int i, int j, int k, double size) {
       double right = 0, printed = 0;
       for (const int l : behind(m, i, j, k)) {
         const Inertia<>& M = m.M(l);
-        const Mat3 Theta = to_eigen(M.Theta), binet = 0.5 * Theta.trace() * Mat3::Identity() - Theta;
-        const Vec3d mc = to_vector(M.h);
-        Mat4 P;
-        P << binet, mc, mc.transpose(), M.m;
+        const Mat3 Theta = to_matrix(M.Theta), binet = 0.5 * Theta.trace() * identity(3) - Theta;
+        const Vec3d mc = to_matrix(M.h);
+        const Mat4 P = blocks(binet, mc, mc.transpose(), M.m);
         right += (J_hat(l, i) * P * (J_hat(l, j) * J_hat(l, k)).transpose()).trace();
-        const Vec3d c = mc / M.m;
+        const Vec3d c = (1 / M.m) * mc;
         const Mat6 M_check_c =
-            block_diagonal(to_eigen(binet_tensor(inertia_about_com(M))), M.m * Mat3::Identity());
+            block_diagonal(to_matrix(binet_tensor(inertia_about_com(M))), M.m * identity(3));
         const Mat6 M_check = Ad(Vec3d(-c)).transpose() * M_check_c * Ad(Vec3d(-c));
         printed += 0.5 * J(l, j).dot(M_check * ad(angular_screw(J(l, k))) * J(l, i));
       }

@@ -15,7 +15,7 @@ PoseOfT constant(const SE3<>& C) { return cast<Series>(C); }
 // V̂^b = C⁻¹ Ċ and V̂^s = Ċ C⁻¹
 TEST(Paper, Vbs) {
   each_body([](Equation& eq, const Motion& m, int i) {
-    const Eigen::Matrix4d C = to_eigen(m.pose(i)), dC = rate(to_eigen(m.C_of_t(i)));
+    const Mat4 C = to_matrix(m.pose(i)), dC = rate(to_matrix(m.C_of_t(i)));
     eq.holds(hat(screw(m.twist<BodyFixed>(i))), C.inverse() * dC);
     eq.holds(hat(screw(m.twist<Spatial>(i))), dC * C.inverse());
   });
@@ -26,11 +26,11 @@ TEST(Paper, VdexpBody) {
   each_body([](Equation& eq, const Motion& m, int i) {
     const PoseOfT increment = constant(inverse(pose_before(m, i))) * m.C_of_t(i);
     const Screw<Series> X = log(increment);
-    const Vec6OfT X_of_t = to_eigen(X);
-    eq.holds(now(increment), exp(from_eigen<Screw<>>(now(X_of_t))));
-    const Screw<> X_now = from_eigen<Screw<>>(now(X_of_t)), dX = from_eigen<Screw<>>(rate(X_of_t));
+    const Vec6OfT X_of_t = to_matrix(X);
+    eq.holds(now(increment), exp(from_six(now(X_of_t))));
+    const Screw<> X_now = from_six(now(X_of_t)), dX = from_six(rate(X_of_t));
     eq.holds(m.V<BodyFixed>(i), dexp(-X_now, dX));
-    eq.holds(m.twist<BodyFixed>(i), dexp_matrix(-X_now) * to_eigen(dX));
+    eq.holds(m.twist<BodyFixed>(i), to_matrix(dexp_matrix(-X_now)) * dX);
   });
 }
 
@@ -40,8 +40,8 @@ TEST(Paper, VdexpSpatial) {
   each_body([](Equation& eq, const Motion& m, int i) {
     const SE3<> C_before = pose_before(m, i);
     const auto dexp_X_dX = [](const PoseOfT& increment) -> Vec6 {
-      const Vec6OfT X = to_eigen(log(increment));
-      return to_eigen(dexp(from_eigen<Screw<>>(now(X)), from_eigen<Screw<>>(rate(X))));
+      const Vec6OfT X = to_matrix(log(increment));
+      return to_matrix(dexp(from_six(now(X)), from_six(rate(X))));
     };
     const PoseOfT right_increment = constant(inverse(C_before)) * m.C_of_t(i);
     const PoseOfT left_increment = m.C_of_t(i) * constant(inverse(C_before));

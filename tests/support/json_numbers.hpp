@@ -1,37 +1,42 @@
 #pragma once
-#include <cstdlib>
+#include <cstddef>
 #include <filesystem>
-#include <fstream>
-#include <nlohmann/json.hpp>
-#include <stdexcept>
 #include <string>
 #include <vector>
 
 /// Reference values are JSON arrays (of arrays) of decimal strings, with more digits than a double holds.
 namespace axode::test {
 
-inline nlohmann::json read_json(const std::filesystem::path& file) {
-  std::ifstream stream(file);
-  if (!stream) throw std::runtime_error("cannot read " + file.string());
-  return nlohmann::json::parse(stream);
-}
+/// A value of a JSON file; the parser is compiled once. Members and entries that do not exist, and values of another
+/// kind, throw std::runtime_error.
+class Json {
+ public:
+  const Json& at(const std::string& key) const;
+  const Json& at(std::size_t index) const;
+  bool contains(const std::string& key) const;
+  /// The entries of an array.
+  std::size_t size() const { return entries_.size(); }
+  auto begin() const { return entries_.begin(); }
+  auto end() const { return entries_.end(); }
+  bool is_array() const { return is_array_; }
+  operator int() const { return std::stoi(text_); }
+  operator std::string() const { return text_; }
+  /// A string, or how a number is written.
+  const std::string& text() const { return text_; }
 
-inline double number(const nlohmann::json& value) {
-  return value.is_string() ? std::strtod(value.get_ref<const std::string&>().c_str(), nullptr)
-                           : value.get<double>();
-}
+ private:
+  friend Json read_json(const std::filesystem::path& file);
+  template <class Parsed> static Json copy_of(const Parsed& value);
 
+  bool is_array_ = false;
+  std::string text_;
+  std::vector<std::string> keys_;  ///< of the members of an object, which are its entries
+  std::vector<Json> entries_;
+};
+
+Json read_json(const std::filesystem::path& file);
+double number(const Json& value);
 /// All numbers of an array, rows one after the other.
-inline std::vector<double> numbers(const nlohmann::json& array) {
-  std::vector<double> all;
-  for (const nlohmann::json& entry : array) {
-    if (entry.is_array()) {
-      for (const double x : numbers(entry)) all.push_back(x);
-    } else {
-      all.push_back(number(entry));
-    }
-  }
-  return all;
-}
+std::vector<double> numbers(const Json& array);
 
 }  // namespace axode::test

@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Dense>
-#include <nlohmann/json.hpp>
 
 #include "axode/axode.hpp"
 #include "axode/eigen.hpp"

@@ -11,22 +11,22 @@
 /// Reference systems with reference values, from `<system>_model.json` and `<system>_state*.json`.
 namespace axode::test {
 
-inline Vec3<> vec3(const nlohmann::json& a) { return {number(a.at(0)), number(a.at(1)), number(a.at(2))}; }
+inline Vec3<> vec3(const Json& a) { return {number(a.at(0)), number(a.at(1)), number(a.at(2))}; }
 /// A rotation from its rows; of longer rows the first three entries.
-inline SO3<> so3(const nlohmann::json& rows) {
+inline SO3<> so3(const Json& rows) {
   const auto column = [&](std::size_t k) {
     return Vec3<>{number(rows.at(0).at(k)), number(rows.at(1).at(k)), number(rows.at(2).at(k))};
   };
   return {column(0), column(1), column(2)};
 }
-inline SE3<> se3(const nlohmann::json& rows) {
+inline SE3<> se3(const Json& rows) {
   return {so3(rows), {number(rows.at(0).at(3)), number(rows.at(1).at(3)), number(rows.at(2).at(3))}};
 }
-inline Sym3<> sym3(const nlohmann::json& rows) {
+inline Sym3<> sym3(const Json& rows) {
   const SO3<> A = so3(rows);  // three columns
   return {A.x.x, A.y.y, A.z.z, A.y.x, A.z.x, A.z.y};
 }
-inline Screw<> screw_of(const nlohmann::json& a) {
+inline Screw<> screw_of(const Json& a) {
   return {{number(a.at(0)), number(a.at(1)), number(a.at(2))},
           {number(a.at(3)), number(a.at(4)), number(a.at(5))}};
 }
@@ -44,8 +44,8 @@ inline constexpr Telling tellings[] = {Telling::joint_axes, Telling::spatial_scr
 /// One reference system; bodies are named "1", "2", ... by their index in the files, joints "joint 1", ...
 struct ReferenceSystem {
   std::string name;
-  nlohmann::json model;
-  std::vector<nlohmann::json> states;
+  Json model;
+  std::vector<Json> states;
 
   explicit ReferenceSystem(const std::string& system) : name(system) {
     model = read_json(vectors_folder() / (system + "_model.json"));
@@ -63,7 +63,7 @@ struct ReferenceSystem {
   Model build(Telling telling, bool with_gravity = true) const {
     Description description{.name = name, .bodies = {}};
     description.gravity = with_gravity ? vec3(model.at("gravity")) : Vec3<>{};
-    for (const nlohmann::json& body : model.at("bodies")) {
+    for (const Json& body : model.at("bodies")) {
       const int index = body.at("index");
       const Telling way = telling == Telling::mixed ? tellings[index % 3] : telling;
       description.bodies.push_back(told(body, index, way));
@@ -75,7 +75,7 @@ struct ReferenceSystem {
   static int frame(const Model& built, int index) { return built.frame_index(body_name(index)); }
 
   /// Coordinates, velocities, ... of the files, in the order of the model.
-  static std::vector<double> in_model_order(const Model& built, const nlohmann::json& coordinates) {
+  static std::vector<double> in_model_order(const Model& built, const Json& coordinates) {
     std::vector<double> out(static_cast<std::size_t>(built.nv()));
     for (int k = 0; k < built.nv(); ++k) out[place_of(built, k + 1)] = number(coordinates.at(k));
     return out;
@@ -101,7 +101,7 @@ struct ReferenceSystem {
 
   std::vector<AppliedWrench<>> loads(const Model& built) const {
     std::vector<AppliedWrench<>> out;
-    for (const nlohmann::json& load : model.at("applied_wrenches")) {
+    for (const Json& load : model.at("applied_wrenches")) {
       const std::string letter = load.at("rep");
       const Screw<> W = screw_of(load.at("W"));
       const std::string letters = "bshm";
@@ -112,7 +112,7 @@ struct ReferenceSystem {
   }
 
  private:
-  static BodyDescription told(const nlohmann::json& body, int index, Telling way) {
+  static BodyDescription told(const Json& body, int index, Telling way) {
     BodyDescription out{.name = body_name(index), .predecessor = body_name(body.at("parent"))};
     const std::string type = body.at("joint_type");
     out.joint = {.name = joint_name(index),

@@ -38,7 +38,7 @@ std::vector<double> listed_columns(const ReferenceState& at,
   for (const auto& J : J_of_bodies)
     for (std::size_t j = 1; j <= at.n(); ++j) others.push_back(entries(J[at.place[j]]));
   std::vector<double> listed;
-  for (const nlohmann::json& pair : at.kinematics.at("pairs")) {
+  for (const Json& pair : at.kinematics.at("pairs")) {
     const std::size_t i = pair.at(0), j = pair.at(1);
     std::vector<double>& column = others[(i - 1) * at.n() + j - 1];
     listed.insert(listed.end(), column.begin(), column.end());
@@ -115,7 +115,7 @@ TEST_P(KinematicsOfReferenceSystems, FirstPartialsOfJacobians) {
       std::vector<std::vector<Twist<Rep>>> dJ;
       for (int i = 1; i <= at.model.n_bodies(); ++i) dJ.push_back(partials<Rep>(at, i, 1));
       std::vector<Twist<Rep>> listed;
-      for (const nlohmann::json& triple : at.kinematics.at("dJ_triples")) {
+      for (const Json& triple : at.kinematics.at("dJ_triples")) {
         const std::size_t i = triple.at(0), j = triple.at(1), k = triple.at(2);
         Twist<Rep>& column = dJ[i - 1][at.place[k] * at.n() + at.place[j]];
         listed.push_back(column);
@@ -135,7 +135,7 @@ TEST_P(KinematicsOfReferenceSystems, SecondPartialsOfJacobians) {
       std::vector<std::vector<Twist<Rep>>> ddJ;
       for (int i = 1; i <= at.model.n_bodies(); ++i) ddJ.push_back(partials<Rep>(at, i, 2));
       std::vector<Twist<Rep>> listed, contracted;
-      for (const nlohmann::json& quad : at.kinematics.at("ddJ_quads")) {
+      for (const Json& quad : at.kinematics.at("ddJ_quads")) {
         const std::size_t i = quad.at(0), j = at.place[quad.at(1)], k = at.place[quad.at(2)],
                           r = at.place[quad.at(3)];
         listed.push_back(ddJ[i - 1][(k * at.n() + r) * at.n() + j]);

@@ -29,15 +29,15 @@ template <class F> void each_representation(const F& f) {
 
 /// A state of a reference system: the model, its coordinates and their derivatives.
 struct ReferenceState {
-  const nlohmann::json& kinematics;
-  const nlohmann::json& dynamics;
+  const Json& kinematics;
+  const Json& dynamics;
   Model model;
   Workspace<> workspace;
   std::vector<double> q, rates, tau;
   std::vector<std::size_t> place;  ///< in q and v of the file's joint j at index j
   std::vector<AppliedWrench<>> wrenches;
 
-  ReferenceState(const ReferenceSystem& system, const nlohmann::json& state, Telling telling)
+  ReferenceState(const ReferenceSystem& system, const Json& state, Telling telling)
       : kinematics(state.at("kinematics")),
         dynamics(state.at("dynamics")),
         model(system.build(telling)),
@@ -84,9 +84,9 @@ class ReferenceStates : public testing::TestWithParam<std::string> {
     ASSERT_FALSE(system.states.empty());
     if (!system.states.front().at(part).contains(quantity))
       GTEST_SKIP() << GetParam() << " comes without " << quantity;
-    for (const nlohmann::json& json : system.states)
+    for (const Json& json : system.states)
       for (const Telling telling : tellings) {
-        SCOPED_TRACE("state " + json.at("state").dump() + ", told in way " +
+        SCOPED_TRACE("state " + json.at("state").text() + ", told in way " +
                      std::to_string(static_cast<int>(telling)));
         ReferenceState state(system, json, telling);
         check(state);

@@ -27,8 +27,8 @@ class ReferenceSystems : public testing::TestWithParam<std::string> {
     each_telling(
         [&](const ReferenceSystem& system, const Model& model) {
           ASSERT_FALSE(system.states.empty());
-          for (const nlohmann::json& state : system.states) {
-            SCOPED_TRACE("state " + state.at("state").dump());
+          for (const Json& state : system.states) {
+            SCOPED_TRACE("state " + state.at("state").text());
             check(system, model, state);
           }
         },
@@ -44,7 +44,7 @@ struct Evaluation {
   Workspace<> workspace;
   std::vector<double> q, v, a;
 
-  Evaluation(const Model& of, const nlohmann::json& state)
+  Evaluation(const Model& of, const Json& state)
       : model(of),
         workspace(of),
         q(ReferenceSystem::in_model_order(of, state.at("q"))),
@@ -93,7 +93,7 @@ struct Evaluation {
 TEST_P(ReferenceSystems, AreToldInEveryWay) {
   Comparison A("A", bound), B("B", bound), X("X", bound), Y("Y", bound), Z("Z", bound), S("S", bound);
   each_telling([&](const ReferenceSystem& system, const Model& model) {
-    for (const nlohmann::json& reference : system.model.at("bodies")) {
+    for (const Json& reference : system.model.at("bodies")) {
       const int i = ReferenceSystem::frame(model, reference.at("index"));
       const Body& body = model.body(i);
       EXPECT_EQ(body.predecessor, ReferenceSystem::frame(model, reference.at("parent")));
@@ -112,7 +112,7 @@ TEST_P(ReferenceSystems, AreToldInEveryWay) {
 TEST_P(ReferenceSystems, Inertias) {
   Comparison M_b("M_b", bound), params10("params10", bound);
   each_telling([&](const ReferenceSystem& system, const Model& model) {
-    for (const nlohmann::json& reference : system.model.at("bodies")) {
+    for (const Json& reference : system.model.at("bodies")) {
       const Inertia<> M = model.body(ReferenceSystem::frame(model, reference.at("index"))).M;
       const Matrix6<double> by_rows = to_eigen(M).transpose();
       M_b.expect_equal(entries(by_rows), numbers(reference.at("M_b")));
@@ -125,10 +125,10 @@ TEST_P(ReferenceSystems, Inertias) {
 
 TEST_P(ReferenceSystems, Poses) {
   Comparison C("C", bound), by_X("C by X", bound), by_Y("C by Y", bound);
-  each_state([&](const ReferenceSystem&, const Model& model, const nlohmann::json& state) {
+  each_state([&](const ReferenceSystem&, const Model& model, const Json& state) {
     Evaluation at(model, state);
     std::vector<SE3<>> reference;
-    for (const nlohmann::json& rows : state.at("kinematics").at("C")) reference.push_back(se3(rows));
+    for (const Json& rows : state.at("kinematics").at("C")) reference.push_back(se3(rows));
     C.expect_equal(at.poses(), reference);
     const auto in_file_order = [&](const std::vector<SE3<>>& bodies) {
       return ReferenceSystem::in_file_order_of_bodies(model, bodies);
@@ -140,11 +140,11 @@ TEST_P(ReferenceSystems, Poses) {
 
 TEST_P(ReferenceSystems, TwistsAndAccelerations) {
   Comparison V("V", bound), Vdot("Vdot", bound);
-  each_state([&](const ReferenceSystem&, const Model& model, const nlohmann::json& state) {
+  each_state([&](const ReferenceSystem&, const Model& model, const Json& state) {
     Evaluation at(model, state);
     each_representation([&](auto rep, const char* letter) {
       using Rep = decltype(rep);
-      const nlohmann::json& kinematics = state.at("kinematics");
+      const Json& kinematics = state.at("kinematics");
       V.expect_equal(entries(at.template twists<Rep>()), numbers(kinematics.at("V").at(letter)));
       Vdot.expect_equal(entries(at.template accelerations<Rep>()), numbers(kinematics.at("Vdot").at(letter)));
     });
@@ -153,7 +153,7 @@ TEST_P(ReferenceSystems, TwistsAndAccelerations) {
 
 /// Σ x_k t^k/k! of every coordinate, for derivatives x_0, x_1, ... of the files.
 template <std::size_t N>
-std::vector<Taylor<double, N>> series(const Model& model, const nlohmann::json& state,
+std::vector<Taylor<double, N>> series(const Model& model, const Json& state,
                                       std::initializer_list<const char*> derivatives) {
   std::vector<Taylor<double, N>> out(static_cast<std::size_t>(model.nv()));
   double factorial = 1;
@@ -180,13 +180,13 @@ std::vector<double> derivative_of_twists(const Model& model,
 TEST_P(ReferenceSystems, HigherDerivativesOfTwists) {
   constexpr std::size_t N = 4;
   Comparison Vddot("Vddot", bound), Vdddot("Vdddot", bound);
-  each_state([&](const ReferenceSystem&, const Model& model, const nlohmann::json& state) {
+  each_state([&](const ReferenceSystem&, const Model& model, const Json& state) {
     const auto tree = cast<Taylor<double, N>>(model.tree<double>());
     const auto q = series<N>(model, state, {"q", "qd", "qdd", "qddd"});
     const auto v = series<N>(model, state, {"qd", "qdd", "qddd", "qdddd"});
     each_representation([&](auto rep, const char* letter) {
       const auto V = frame_twists<decltype(rep)>(tree, q, v);
-      const nlohmann::json& kinematics = state.at("kinematics");
+      const Json& kinematics = state.at("kinematics");
       Vddot.expect_equal(derivative_of_twists(model, V, 2), numbers(kinematics.at("Vddot").at(letter)));
       Vdddot.expect_equal(derivative_of_twists(model, V, 3), numbers(kinematics.at("Vdddot").at(letter)));
     });
@@ -199,8 +199,8 @@ TEST_P(ReferenceSystems, Jacobians) {
   if (!ReferenceSystem(GetParam()).states.at(0).at("kinematics").contains("pairs"))
     GTEST_SKIP() << GetParam() << " comes without Jacobians";
   Comparison worst("J", bound);
-  each_state([&](const ReferenceSystem&, const Model& model, const nlohmann::json& state) {
-    const nlohmann::json& kinematics = state.at("kinematics");
+  each_state([&](const ReferenceSystem&, const Model& model, const Json& state) {
+    const Json& kinematics = state.at("kinematics");
     const auto tree = cast<Taylor<double, N>>(model.tree<double>());
     const auto q = series<N>(model, state, {"q", "qd", "qdd"});
     each_representation([&](auto rep, const char* letter) {
@@ -215,7 +215,7 @@ TEST_P(ReferenceSystems, Jacobians) {
         std::vector<std::vector<double>> others;
         for (const auto& J_j : J) others.push_back(derivative_of_twists(model, J_j, order));
         std::vector<double> listed;
-        for (const nlohmann::json& pair : kinematics.at("pairs")) {
+        for (const Json& pair : kinematics.at("pairs")) {
           const std::size_t i = pair.at(0), j = pair.at(1);
           for (std::size_t k = 6 * (i - 1); k < 6 * i; ++k) {
             listed.push_back(others[j - 1][k]);
@@ -232,9 +232,9 @@ TEST_P(ReferenceSystems, Jacobians) {
 TEST_P(ReferenceSystems, MomentaEnergiesAndInertiaForces) {
   Comparison Pi("Pi", bound), total("Pi_s_total", bound), W("W_inertia", bound),
       kinetic("kinetic energy", bound), potential("potential energy", bound);
-  each_state([&](const ReferenceSystem&, const Model& model, const nlohmann::json& state) {
+  each_state([&](const ReferenceSystem&, const Model& model, const Json& state) {
     Evaluation at(model, state);
-    const nlohmann::json& dynamics = state.at("dynamics");
+    const Json& dynamics = state.at("dynamics");
     const std::vector<SE3<>> C = at.poses();
     const std::vector<Inertia<>> M = at.inertias();
     const std::vector<Twist<BodyFixed>> V_b = at.twists<BodyFixed>();
@@ -270,7 +270,7 @@ TEST_P(ReferenceSystems, NewtonEulerInAnyPairOfFrames) {
     GTEST_SKIP() << GetParam() << " comes without pairs of frames";
   Comparison twist("V", bound), rate("Vdot", bound), inertia("M", bound), force("W", bound),
       back("Vdot from W", bound);
-  each_state([&](const ReferenceSystem&, const Model& model, const nlohmann::json& state) {
+  each_state([&](const ReferenceSystem&, const Model& model, const Json& state) {
     Evaluation at(model, state);
     auto C = at.poses();
     auto V_h = at.twists<Hybrid>();
@@ -280,7 +280,7 @@ TEST_P(ReferenceSystems, NewtonEulerInAnyPairOfFrames) {
     const auto motion_of = [&](int index) {  // of frame F_index, in inertial axes
       return index == 0 ? std::pair<SE3<>, Twist<Hybrid>>{} : std::pair{C[index - 1], V_h[index - 1]};
     };
-    for (const nlohmann::json& reference : state.at("dynamics").at("newton_euler_jk")) {
+    for (const Json& reference : state.at("dynamics").at("newton_euler_jk")) {
       const int i = reference.at("i");
       const auto [C_j, V_j] = motion_of(reference.at("j"));
       const auto [C_k, V_k] = motion_of(reference.at("k"));
@@ -302,7 +302,7 @@ TEST_P(ReferenceSystems, NewtonEulerInAnyPairOfFrames) {
 TEST_P(ReferenceSystems, DriveForces) {
   Comparison Q("Q", bound), applied("applied_generalized", bound), coriolis("coriolis_vector", bound),
       M("M", bound);
-  each_state([&](const ReferenceSystem& system, const Model& model, const nlohmann::json& state) {
+  each_state([&](const ReferenceSystem& system, const Model& model, const Json& state) {
     Evaluation at(model, state);
     const std::vector<AppliedWrench<>> wrenches = system.loads(model);
     each_representation([&](auto rep, const char*) {
@@ -311,9 +311,9 @@ TEST_P(ReferenceSystems, DriveForces) {
     });
   });
   each_state(
-      [&](const ReferenceSystem& system, const Model& model, const nlohmann::json& state) {
+      [&](const ReferenceSystem& system, const Model& model, const Json& state) {
         Evaluation at(model, state);
-        const nlohmann::json& dynamics = state.at("dynamics");
+        const Json& dynamics = state.at("dynamics");
         const std::vector<AppliedWrench<>> wrenches = system.loads(model);
         each_representation([&](auto rep, const char*) {
           using Rep = decltype(rep);
@@ -334,9 +334,9 @@ TEST_P(ReferenceSystems, DriveForces) {
 
 TEST_P(ReferenceSystems, GravityForcesAndForwardDynamics) {
   Comparison gravity("gravity_vector", bound), tau("tau", bound);
-  each_state([&](const ReferenceSystem& system, const Model& model, const nlohmann::json& state) {
+  each_state([&](const ReferenceSystem& system, const Model& model, const Json& state) {
     Evaluation at(model, state);
-    const nlohmann::json& dynamics = state.at("dynamics");
+    const Json& dynamics = state.at("dynamics");
     const std::vector<AppliedWrench<>> wrenches = system.loads(model);
     each_representation([&](auto rep, const char*) {
       using Rep = decltype(rep);
@@ -357,7 +357,7 @@ TEST_P(ReferenceSystems, TimeDerivativesOfDriveForces) {
   constexpr std::size_t N = 3;
   using S = Taylor<double, N>;
   Comparison Qdot("Qdot", bound), Qddot("Qddot", bound);
-  each_state([&](const ReferenceSystem& system, const Model& model, const nlohmann::json& state) {
+  each_state([&](const ReferenceSystem& system, const Model& model, const Json& state) {
     const auto tree = cast<S>(model.tree<double>());
     const auto q = series<N>(model, state, {"q", "qd", "qdd"});
     const auto v = series<N>(model, state, {"qd", "qdd", "qddd"});

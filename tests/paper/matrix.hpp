@@ -1,0 +1,123 @@
+#pragma once
+#include <Eigen/SparseCore>
+#include <concepts>
+#include <vector>
+
+#include "axode/lie.hpp"
+#include "axode/scalar/taylor.hpp"
+
+/// Matrices as the paper writes them, of any size, compiled once. A column of numbers is a matrix with one column, and
+/// what the library answers becomes a matrix where one is wanted. Shapes that do not fit throw std::logic_error.
+namespace axode::test::paper {
+
+/// Of numbers, or of series in t.
+template <class T> class MatrixOf {
+ public:
+  MatrixOf() = default;
+  MatrixOf(int rows, int cols);  ///< zeros
+  /// Of the library's quantities, angular part first.
+  MatrixOf(const Vec3<T>& x);
+  MatrixOf(const SO3<T>& R);
+  MatrixOf(const SE3<T>& C);  ///< 4×4
+  MatrixOf(const Sym3<T>& A);
+  MatrixOf(const Inertia<T>& M);
+  MatrixOf(const Screw<T>& X);
+  template <template <class, class> class Kind, class Rep>
+    requires is_screw_kind<Kind> MatrixOf(const Kind<Rep, T>& x) : MatrixOf(screw_of(x)) {}
+    /// Of the library's vectors and matrices.
+    template <int Rows, int Cols> MatrixOf(const Eigen::Matrix<T, Rows, Cols>& x);
+    MatrixOf(const Eigen::SparseMatrix<T>& x);
+    /// One entry, or a column of them.
+    MatrixOf(const T& x) : rows_(1), cols_(1), entries_{x} {}
+    explicit MatrixOf(std::vector<T> column)
+        : rows_(static_cast<int>(column.size())), cols_(1), entries_(std::move(column)) {}
+
+    int rows() const { return rows_; }
+    int cols() const { return cols_; }
+    /// Column by column.
+    const std::vector<T>& entries() const { return entries_; }
+    std::vector<T>& entries() { return entries_; }
+    T& operator()(int r, int c) { return entries_[static_cast<std::size_t>(c * rows_ + r)]; }
+    const T& operator()(int r, int c) const { return entries_[static_cast<std::size_t>(c * rows_ + r)]; }
+    T& operator[](int k) { return entries_[static_cast<std::size_t>(k)]; }
+    const T& operator[](int k) const { return entries_[static_cast<std::size_t>(k)]; }
+
+    MatrixOf operator+(const MatrixOf& B) const;
+    MatrixOf operator-(const MatrixOf& B) const;
+    MatrixOf operator*(const MatrixOf& B) const;
+    MatrixOf operator*(const T& x) const;
+    MatrixOf operator-() const;
+    MatrixOf& operator+=(const MatrixOf& B) { return *this = *this + B; }
+    MatrixOf& operator*=(const MatrixOf& B) { return *this = *this * B; }
+    MatrixOf& operator-=(const MatrixOf& B) { return *this = *this - B; }
+    friend MatrixOf operator*(const T& x, const MatrixOf& A) { return A * x; }
+    MatrixOf transpose() const;
+
+    MatrixOf block(int row, int col, int rows, int cols) const;
+    MatrixOf col(int c) const { return block(0, c, rows_, 1); }
+    MatrixOf middle_cols(int c, int n) const { return block(0, c, rows_, n); }
+    /// Puts B where its first entry is (row, col).
+    void set_block(int row, int col, const MatrixOf& B);
+
+    // Of numbers
+    MatrixOf inverse() const requires std::same_as<T, double>;
+    double norm() const  ///< of Frobenius
+        requires std::same_as<T, double>;
+    double squared_norm() const requires std::same_as<T, double> { return norm() * norm(); }
+    double largest_entry() const requires std::same_as<T, double>;
+    double trace() const requires std::same_as<T, double>;
+    double dot(const MatrixOf& b) const requires std::same_as<T, double> { return (transpose() * b)[0]; }
+    MatrixOf cross(const MatrixOf& b) const requires std::same_as<T, double>;
+
+   private:
+    template <template <class, class> class Kind, class Rep> static Screw<T> screw_of(const Kind<Rep, T>& x) {
+      const auto& [a, b] = x;
+      return {a, b};
+    }
+
+    int rows_ = 0, cols_ = 0;
+    std::vector<T> entries_;
+};
+
+using Matrix = MatrixOf<double>;
+using Series = Taylor<double, 3>;
+extern template class MatrixOf<double>;
+extern template class MatrixOf<Series>;
+
+void expect_shape(int rows, int cols, int wanted_rows, int wanted_cols);
+
+/// A matrix whose name says its shape; zero at first.
+template <class T, int Rows, int Cols> class Shaped : public MatrixOf<T> {
+ public:
+  Shaped() : MatrixOf<T>(Rows, Cols) {}
+  template <std::convertible_to<MatrixOf<T>> Quantity> Shaped(const Quantity& x) : MatrixOf<T>(x) {
+    expect_shape(this->rows(), this->cols(), Rows, Cols);
+  }
+};
+using Vec3d = Shaped<double, 3, 1>;
+using Vec6 = Shaped<double, 6, 1>;
+using Mat3 = Shaped<double, 3, 3>;
+using Mat4 = Shaped<double, 4, 4>;
+using Mat6 = Shaped<double, 6, 6>;
+using MatrixOfT = MatrixOf<Series>;
+using Vec6OfT = Shaped<Series, 6, 1>;
+
+Matrix identity(int n);
+/// (a; b).
+Matrix stack(const Matrix& a, const Matrix& b);
+/// [[A, B], [C, D]].
+Matrix blocks(const Matrix& A, const Matrix& B, const Matrix& C, const Matrix& D);
+/// diag(A, B).
+Matrix block_diagonal(const Matrix& A, const Matrix& B);
+
+/// A column for the library's functions of vectors.
+Eigen::VectorXd to_eigen_vector(const Matrix& x);
+inline Matrix to_matrix(const Matrix& x) { return x; }
+inline MatrixOfT to_matrix(const MatrixOfT& x) { return x; }
+/// The vector, screw, twist, rate, wrench or momentum with such components.
+inline Vec3<> vec3(const Vec3d& x) { return {x[0], x[1], x[2]}; }
+template <class Quantity = Screw<>> Quantity from_six(const Vec6& x) {
+  return {{x[0], x[1], x[2]}, {x[3], x[4], x[5]}};
+}
+
+}  // namespace axode::test::paper
