@@ -53,7 +53,7 @@ struct ReferenceSystem {
       if (file.filename().string().starts_with(system + "_state")) states.push_back(read_json(file));
   }
 
-  ReferenceSystem(const std::string& system, nlohmann::json description)
+  ReferenceSystem(const std::string& system, Json description)
       : name(system), model(std::move(description)) {}
 
   std::size_t n() const { return model.at("bodies").size(); }

@@ -18,7 +18,7 @@ std::vector<std::string> derivative_files() {
 
 /// A model and a state of it, as a file of derivatives has them.
 struct DerivativeState {
-  nlohmann::json file;
+  Json file;
   Model model;
   std::vector<std::size_t> place;  ///< in the model of the file's velocity k
   std::vector<double> q;
@@ -26,13 +26,13 @@ struct DerivativeState {
 
   explicit DerivativeState(const std::string& name)
       : file(read_json(vectors_folder() / (name + ".json"))), model(build(name, file)) {
-    const nlohmann::json& coordinates = file.at("input").at("q");
+    const Json& coordinates = file.at("input").at("q");
     q.resize(static_cast<std::size_t>(model.nq()));
     for (std::size_t i = 0; i < coordinates.size(); ++i) {
       const Joint& joint = model.joint(model.joint_index(ReferenceSystem::joint_name(static_cast<int>(i) + 1)));
       for (int k = 0; k < joint.nq; ++k)
         q[static_cast<std::size_t>(joint.iq + k)] =
-            number(coordinates[i].is_array() ? coordinates[i][static_cast<std::size_t>(k)] : coordinates[i]);
+            number(coordinates.at(i).is_array() ? coordinates.at(i).at(static_cast<std::size_t>(k)) : coordinates.at(i));
       for (int k = 0; k < joint.nv; ++k) place.push_back(static_cast<std::size_t>(joint.iv + k));
     }
     wrenches = system(name, file).loads(model);
@@ -71,17 +71,17 @@ struct DerivativeState {
     return results;
   }
   /// The entry of a group of results, without loads or with them where these do not matter.
-  const nlohmann::json& expected(bool loaded, const char* group, const char* key) const {
-    const nlohmann::json& found = file.at(loaded ? "with_loads" : "without_loads").at(group);
+  const Json& expected(bool loaded, const char* group, const char* key) const {
+    const Json& found = file.at(loaded ? "with_loads" : "without_loads").at(group);
     return found.contains(key) ? found.at(key) : file.at("with_loads").at(group).at(key);
   }
 
  private:
-  static ReferenceSystem system(const std::string& name, const nlohmann::json& file) {
+  static ReferenceSystem system(const std::string& name, const Json& file) {
     if (file.contains("model")) return {name, file.at("model")};
     return ReferenceSystem(name.substr(0, name.find("_derivatives")));
   }
-  static Model build(const std::string& name, const nlohmann::json& file) {
+  static Model build(const std::string& name, const Json& file) {
     return system(name, file).build(Telling::joint_frames);
   }
 };
@@ -112,7 +112,7 @@ TEST_P(ReferenceDerivatives, FirstOrder) {
 
 TEST_P(ReferenceDerivatives, SecondOrder) {
   DerivativeState at(GetParam());
-  const bool contracted = at.file.at("second_partials") == "contracted";
+  const bool contracted = at.file.at("second_partials").text() == "contracted";
   const std::vector<double> v = at.velocities("v"), a = at.velocities("a"), tau = at.velocities("tau");
   const std::size_t nv = at.nv();
   const auto check = [&](const char* function, bool loaded, const catalog::Given<double>& given, const char* group,
