@@ -12,20 +12,23 @@ namespace axode {
 /// A joint with several degrees of freedom gives way in one after the other, like a chain of joints through massless
 /// bodies.
 ///
+/// A pivot D is what is left of larger numbers, whose rounding it carries. How large they are is what the same motion,
+/// with the joints behind giving way as they do, makes of the sizes of the inertias, which F collects along with M.
+///
 /// A velocity that several joints share (coupled joints) enters at each of them and gives way where their paths meet.
 /// On the way there (Topology::Ties) it is carried along as a seventh column of the inertia: the wrench U_c and the
 /// forces D_cd that its motion makes. So coupled joints cost no more than the ties that they make.
 template <class Rep, class T> struct ArticulatedBodies {
   BodyLinks<Rep, T> links;
   ArticulatedInertia<Rep, T>* M;
-  Inertia<T>* composite;
+  ArticulatedInertia<Rep, T>* F;  ///< the sizes of the numbers of which M is made, in the same motion
   Twist<Rep, T>* S;
   Wrench<Rep, T>* U;
   T* D;
   // Of ties:
   Wrench<Rep, T>* U_tie;
   T* D_tie;    ///< k × k for each group of k ties
-  T* fed_tie;  ///< the size of the inertia that feeds D
+  T* fed_tie;  ///< as F, of D
   T* D_screw;  ///< of every screw with the ties of its body, from ties.of_screws of the body on
   // Of a solution:
   Wrench<Rep, T>* W;
@@ -35,7 +38,7 @@ template <class Rep, class T> struct ArticulatedBodies {
   explicit ArticulatedBodies(Arena& arena)
       : links(arena),
         M(arena.per_body<ArticulatedInertia<Rep, T>>()),
-        composite(arena.per_body<Inertia<T>>()),
+        F(arena.per_body<ArticulatedInertia<Rep, T>>()),
         S(arena.per_screw<Twist<Rep, T>>()),
         U(arena.per_screw<Wrench<Rep, T>>()),
         D(arena.per_screw<T>()),
@@ -65,10 +68,10 @@ template <class Rep, class T> struct ArticulatedBodies {
     const Topology::Ties& ties = tree->ties;
     for (int t = 0; t < ties.begin[tree->n + 1]; ++t) U_tie[t] = {}, fed_tie[t] = T(0);
     for (std::size_t k = 0; k < ties.n_pairs; ++k) D_tie[k] = T(0);
-    composite[0] = {}, M[0] = {};
+    M[0] = {}, F[0] = {};
     for (int i = 1; i <= tree->n; ++i) {
-      composite[i] = links.link[i].inertia(tree.M[i]);
-      M[i] = articulated(links.link[i], composite[i]);
+      const Inertia<T> own = links.link[i].inertia(tree.M[i]);
+      M[i] = articulated(links.link[i], own), F[i] = size_of<Rep>(own);
     }
     for (int i = tree->n; i > 0; --i) {
       for (int t = ties.begin[i]; t < ties.begin[i + 1]; ++t)
@@ -81,14 +84,16 @@ template <class Rep, class T> struct ArticulatedBodies {
           const T I = armature[tree->iv[i] + s - first];
           U[s] = M[i] * S[s];
           D[s] = (U[s] | S[s]) + I;
-          judge.see(tree->iv[i] + s - first, D[s], [&] { return fed(i, S[s]) + I; });
-          release(tree, i, s);
+          const Wrench<Rep, T> G = F[i] * S[s];
+          const T size = (G | S[s]) + I;
+          judge.see(tree->iv[i] + s - first, D[s], [&] { return size; });
+          release(tree, i, s, G, size);
         }
       }
       if (own_ends(ties, i)) release_tie(tree, i, ties.own[i], armature, judge);
       const int p = tree->parent[i];
       M[p] += links.link[i].up(M[i]);
-      composite[p] += links.link[i].up(composite[i]);
+      F[p] += links.link[i].up(F[i]);
       hand_over_ties(tree, i);
     }
     for (int t = ties.begin[0]; t < ties.begin[1]; ++t) release_tie(tree, 0, t, armature, judge);
@@ -144,10 +149,6 @@ template <class Rep, class T> struct ArticulatedBodies {
   }
 
  private:
-  /// The size of the inertia that a unit of S feels, with nothing giving way.
-  T fed(int i, const Twist<Rep, T>& unit) const noexcept {
-    return dot(unit.w, unit.w) * trace(composite[i].Theta) + dot(unit.v, unit.v) * composite[i].m;
-  }
   /// When a tie of a body gives way: before the joint of the body does, after that has entered, or at a predecessor.
   enum Turn { before, after, later };
   static Turn turn(const Topology::Ties& ties, int i, int t) {
@@ -188,12 +189,14 @@ template <class Rep, class T> struct ArticulatedBodies {
       }
     }
     U_tie[own] += MS;
-    fed_tie[own] += fed(i, S[s]);
+    fed_tie[own] += F[i] * S[s] | S[s];
   }
   /// The velocity of screw s of body i gives way, while the ties that go on wait.
-  template <class AnyTree> void release(const AnyTree& tree, int i, int s) noexcept {
+  template <class AnyTree>
+  void release(const AnyTree& tree, int i, int s, const Wrench<Rep, T>& G, const T& size) noexcept {
     const Topology::Ties& ties = tree->ties;
     give_way(M[i], U[s], D[s]);
+    follow(F[i], G, size, U[s], D[s]);
     if (ties.begin[i] == ties.begin[i + 1]) return;
     T* const D_s = of_screw(tree, i, s);
     for (int t = ties.begin[i]; t < ties.begin[i + 1]; ++t)
@@ -202,6 +205,7 @@ template <class Rep, class T> struct ArticulatedBodies {
       if (ties.up[t] < 0) continue;
       const T k = D_s[t] / D[s];
       U_tie[t] -= k * U[s];
+      fed_tie[t] += k * k * size;
       for (int o = ties.group_begin[t]; o < ties.group_end[t]; ++o)
         if (ties.up[o] >= 0) row(ties, t)[o] -= k * D_s[o];
     }
@@ -213,12 +217,15 @@ template <class Rep, class T> struct ArticulatedBodies {
     T* const D_t = row(ties, t);
     const T I = armature[ties.velocity[t]];
     D_t[t] += I;
-    judge.see(ties.velocity[t], D_t[t], [&] { return fed_tie[t] + I; });
+    const T size = fed_tie[t] + I;
+    judge.see(ties.velocity[t], D_t[t], [&] { return size; });
     give_way(M[i], U_tie[t], D_t[t]);
+    follow(F[i], {}, size, U_tie[t], D_t[t]);
     for (int r = ties.group_begin[t]; r < ties.group_end[t]; ++r) {
       if (!waits(ties, i, r, t)) continue;
       const T k = D_t[r] / D_t[t];
       U_tie[r] -= k * U_tie[t];
+      fed_tie[r] += k * k * size;
       for (int o = ties.group_begin[t]; o < ties.group_end[t]; ++o)
         if (waits(ties, i, o, t)) row(ties, r)[o] -= k * D_t[o];
     }
