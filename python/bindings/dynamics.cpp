@@ -14,10 +14,15 @@ namespace {
 
 using namespace nb::literals;
 
-/// f(), with other Python threads running.
-template <class F> auto released(const F& f) {
-  const nb::gil_scoped_release others_run;
-  return f();
+/// x := M⁻¹ x for every row, until Ctrl-C.
+void solve_rows(const MassMatrixFactor<>& factor, const NewArray& rows) {
+  const std::size_t n = static_cast<std::size_t>(factor.nv());
+  LongCall call(true);
+  const batch::Monitor monitor = call.monitor();
+  batch::Watch watch(monitor, rows.all().size());
+  for (std::size_t k = 0; k < rows.all().size() && watch.go_on(k); k += n)
+    factor.solve(rows.all().subspan(k, n));
+  call.end();
 }
 
 void add_equations_of_motion(nb::module_& module) {
@@ -199,11 +204,13 @@ True
             if (matrix.axes() != 2 || !matrix.ends_with({m->nv(), m->nv()}))
               matrix.wrong_shape(Shape{m->nv(), m->nv()}.text() + ", nv by nv");
             MassMatrixFactor<> factor(m);
-            const Solvability found = released([&] {
-              return factor.factorize(std::span(matrix.data(), static_cast<std::size_t>(matrix.size())));
-            });
+            const Solvability found = [&] {
+              const nb::gil_scoped_release others_run;
+              return factor.factorize({matrix.data(), static_cast<std::size_t>(matrix.size())});
+            }();
             if (!found.ok())
-              raise_of_states("SingularError", to_string(*m, found), {0}, {nb::object(nb::none())});
+              raise_of_states(found.not_finite ? "NotFiniteError" : "SingularError", to_string(*m, found),
+                              {0}, {nb::object(nb::none())});
             new (self) MassMatrixFactor<>(std::move(factor));
           },
           "m"_a, "M"_a)
@@ -216,18 +223,18 @@ True
               x.wrong_shape(Shape{n}.text() + " or (N, " + std::to_string(n) + ")");
             NewArray out(x.axes() == 1 ? Shape{n} : Shape{x.length(0), n});
             std::copy_n(x.data(), x.size(), out.data());
-            released([&] {
-              for (nb::ssize_t k = 0; k < x.size(); k += n)
-                factor.solve(std::span(out.data() + k, static_cast<std::size_t>(n)));
-            });
+            solve_rows(factor, out);
             return out.array();
           },
           "x"_a, "M^-1 x for x of shape (nv,), or for each row of (N, nv). O(n d).")
       .def(
           "inverse",
           [](const MassMatrixFactor<>& factor) {
-            NewArray out({factor.nv(), factor.nv()});
-            released([&] { factor.inverse(out.all()); });
+            const nb::ssize_t n = factor.nv();
+            NewArray out({n, n});
+            std::fill(out.all().begin(), out.all().end(), 0);
+            for (nb::ssize_t k = 0; k < n; ++k) out.data()[k * n + k] = 1;
+            solve_rows(factor, out);
             return out.array();
           },
           "M^-1, (nv, nv). O(n^2 d).")
