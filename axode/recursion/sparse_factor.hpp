@@ -7,7 +7,8 @@
 namespace axode {
 
 /// M to its factors; `fed` is, for each velocity, the size of the inertia that feeds it. Above the diagonal stand the sizes
-/// of the numbers of which the pivots are left: what feeds a velocity, and what follows it as the later ones give way.
+/// of the numbers of which the pivots are left: what feeds a velocity, what follows it as the later ones give
+/// way, and what is subtracted for them.
 template <class T, class Judge>
 void factorize(const Tree<T>& tree, const T* fed, T* H, Judge& judge) noexcept {
   const int nv = tree->nv;
@@ -20,7 +21,7 @@ void factorize(const Tree<T>& tree, const T* fed, T* H, Judge& judge) noexcept {
     judge.see(c, at(c, c), [&] { return size; });
     for (int i = parent[c]; i >= 0; i = parent[i]) {
       const T L_ci = at(c, i) / at(c, c);
-      at(i, i + 1) += L_ci * L_ci * size;
+      at(i, i + 1) += L_ci * L_ci * (size + at(c, c));
       for (int j = i; j >= 0; j = parent[j]) at(i, j) -= L_ci * at(c, j);
       at(c, i) = L_ci;
     }

@@ -14,15 +14,19 @@ namespace {
 
 using namespace nb::literals;
 
-/// x := M⁻¹ x for every row, until Ctrl-C.
-void solve_rows(const MassMatrixFactor<>& factor, const NewArray& rows) {
-  const std::size_t n = static_cast<std::size_t>(factor.nv());
+/// M⁻¹ x in every row of `out`, until Ctrl-C; set(k, row) writes the x of row k.
+template <class F> Array solved_rows(const MassMatrixFactor<>& factor, NewArray out, const F& set) {
+  const std::size_t n = static_cast<std::size_t>(factor.nv()), rows = n == 0 ? 0 : out.all().size() / n;
   LongCall call(true);
   const batch::Monitor monitor = call.monitor();
-  batch::Watch watch(monitor, rows.all().size());
-  for (std::size_t k = 0; k < rows.all().size() && watch.go_on(k); k += n)
-    factor.solve(rows.all().subspan(k, n));
+  batch::Watch watch(monitor, rows);
+  for (std::size_t k = 0; k < rows && watch.go_on(k); ++k) {
+    const std::span<double> row = out.all().subspan(k * n, n);
+    set(k, row);
+    factor.solve(row);
+  }
   call.end();
+  return out.array();
 }
 
 void add_equations_of_motion(nb::module_& module) {
@@ -221,21 +225,20 @@ True
             const nb::ssize_t n = factor.nv();
             if (x.axes() < 1 || x.axes() > 2 || !x.ends_with({n}))
               x.wrong_shape(Shape{n}.text() + " or (N, " + std::to_string(n) + ")");
-            NewArray out(x.axes() == 1 ? Shape{n} : Shape{x.length(0), n});
-            std::copy_n(x.data(), x.size(), out.data());
-            solve_rows(factor, out);
-            return out.array();
+            return solved_rows(factor, NewArray(x.axes() == 1 ? Shape{n} : Shape{x.length(0), n}),
+                               [&](std::size_t k, std::span<double> row) {
+                                 std::copy_n(x.data() + k * row.size(), row.size(), row.data());
+                               });
           },
           "x"_a, "M^-1 x for x of shape (nv,), or for each row of (N, nv). O(n d).")
       .def(
           "inverse",
           [](const MassMatrixFactor<>& factor) {
-            const nb::ssize_t n = factor.nv();
-            NewArray out({n, n});
-            std::fill(out.all().begin(), out.all().end(), 0);
-            for (nb::ssize_t k = 0; k < n; ++k) out.data()[k * n + k] = 1;
-            solve_rows(factor, out);
-            return out.array();
+            return solved_rows(factor, NewArray({factor.nv(), factor.nv()}),
+                               [](std::size_t k, std::span<double> row) {
+                                 std::fill(row.begin(), row.end(), 0);
+                                 row[k] = 1;
+                               });
           },
           "M^-1, (nv, nv). O(n^2 d).")
       .def_prop_ro(
