@@ -14,7 +14,7 @@ std::string read_text(const std::string& file) {
   if (file == "-") {
     text << std::cin.rdbuf();
   } else if (const std::ifstream stream(file, std::ios::binary);
-             std::filesystem::is_directory(file) || !stream || (text << stream.rdbuf(), stream.bad())) {
+             std::filesystem::is_directory(file) || !stream || (text << stream.rdbuf(), text.bad())) {
     throw InputError(file + ": the file cannot be read");
   }
   return text.str();

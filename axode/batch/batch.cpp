@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <memory>
 #include <new>
+#include <optional>
 #include <string>
 #include <tuple>
 #include <vector>
@@ -100,74 +101,97 @@ template <class E> struct Argument {
   }
 };
 
-/// What run_lanes has done: how many states, and of each whether a kernel doubts it.
-struct Lanes {
-  std::size_t done;
-  std::vector<char> doubtful;
+/// kernel(tree, arena, inputs..., output) on a group of states in the lanes, the first argument being q. It returns what
+/// the kernel does.
+template <class S, class Kernel, class E, class... In> class LaneCall {
+ public:
+  LaneCall(const Tree<S>& tree, const Kernel& kernel, Argument<E> out, Argument<In>... in)
+      : tree_(tree),
+        kernel_(kernel),
+        bytes_(best_kernels<S>().bytes(tree)),
+        memory_(bytes_),
+        out_(std::move(out)),
+        in_(std::move(in)...) {}
+
+  auto operator()(std::size_t first, std::size_t count) {
+    const auto call = [&](auto&... each) {
+      return kernel_(tree_, Arena(*tree_.topology(), memory_.data(), bytes_),
+                     each.at(first, count, lanes())..., out_.at(first, count, lanes()));
+    };
+    if constexpr (std::is_void_v<decltype(std::apply(call, in_))>) {
+      std::apply(call, in_);
+      out_.take_back(first, count, lanes());
+    } else {
+      const unsigned doubts = std::apply(call, in_);
+      out_.take_back(first, count, lanes());
+      return doubts;
+    }
+  }
+  static std::size_t lanes() { return static_cast<std::size_t>(best_kernels<S>().lanes); }
+
+ private:
+  const Tree<S>& tree_;
+  Kernel kernel_;
+  std::size_t bytes_;
+  Memory memory_;
+  Argument<E> out_;
+  std::tuple<Argument<In>...> in_;
 };
 
-/// kernel(tree, arena, inputs..., output) on all N states, the first argument being q. Kernels that return nothing doubt
-/// nothing.
+/// A kernel that succeeds, on all states. Returns how many are done.
 template <class S, class Kernel, class E, class... In>
-Lanes run_lanes(const Model& model, int threads, const Monitor& monitor, const Kernel& kernel,
-                Argument<E> out, Argument<In>... in) {
-  const Tree<S>& tree = model.tree<S>();
-  const std::size_t lanes = static_cast<std::size_t>(best_kernels<S>().lanes), N = out.all.size() / out.rows,
-                    bytes = best_kernels<S>().bytes(tree);
-  std::vector<char> doubtful(N, 0);
-  const std::size_t done = in_portions(N, lanes, threads, monitor, [&] {
-    return [&, memory = Memory(bytes), out, ins = std::tuple(in...)](std::size_t first,
-                                                                     std::size_t count) mutable {
-      const Arena arena(*tree.topology(), memory.data(), bytes);
-      const auto call = [&](auto&... each) {
-        return kernel(tree, arena, each.at(first, count, lanes)..., out.at(first, count, lanes));
-      };
-      if constexpr (std::is_void_v<decltype(std::apply(call, ins))>) {
-        std::apply(call, ins);
-      } else {
-        const unsigned doubts = std::apply(call, ins);
-        for (std::size_t l = 0; l < count; ++l) doubtful[first + l] = doubts >> l & 1;
-      }
-      out.take_back(first, count, lanes);
-    };
-  });
-  return {done, std::move(doubtful)};
+std::size_t run_lanes(const Model& model, int threads, const Monitor& monitor, const Kernel& kernel,
+                      const Argument<E>& out, const Argument<In>&... in) {
+  using Call = LaneCall<S, Kernel, E, In...>;
+  return in_portions(out.all.size() / out.rows, Call::lanes(), threads, monitor,
+                     [&] { return Call(model.tree<S>(), kernel, out, in...); });
 }
 
-/// The states that a kernel doubts, or that no kernel takes, one by one: solve(workspace, state) as for a
-/// single state. Those of the others whose results are not finite count as singular as well.
-template <class S, class F>
-Outcome solve_each(const Model& model, const Lanes& lanes, std::span<const S> results, int threads,
-                   const Monitor& monitor, const F& solve) {
-  std::vector<std::size_t> left;
-  for (std::size_t k = 0; k < lanes.done; ++k)
-    if (lanes.doubtful[k]) left.push_back(k);
-  std::vector<Solvability> found(left.size());
-  const std::size_t solved = in_portions(left.size(), 1, threads, monitor, [&] {
-    return [&, workspace = Workspace<S>(model)](std::size_t l, std::size_t) mutable {
-      found[l] = solve(workspace, left[l]);
+bool coupled(const Model& model) { return !model.tree<double>()->coupled_bodies.empty(); }
+
+/// A kernel that returns which states it doubts, on all states. These, and all where joints are coupled, which no kernel
+/// takes, are solved one by one: solve(workspace, state) as for a single state.
+template <class S, class Solve, class Kernel, class... In>
+Outcome solve_lanes(const Model& model, int threads, const Monitor& monitor, const Solve& solve,
+                    const Kernel& kernel, const Argument<S>& out, const Argument<In>&... in) {
+  using Call = LaneCall<S, Kernel, S, In...>;
+  enum Verdict : char { solved, singular, not_finite };
+  const std::size_t N = out.rows == 0 ? 0 : out.all.size() / out.rows;
+  const bool one_by_one = coupled(model);
+  std::vector<Verdict> verdicts(N, solved);
+  const auto finite = [&](std::size_t k) {
+    S none(0);
+    for (const S x : out.all.subspan(k * out.rows, out.rows)) none += x - x;
+    return none == S(0);
+  };
+  Outcome outcome;
+  outcome.done = in_portions(N, Call::lanes(), threads, monitor, [&] {
+    return [&, call = Call(model.tree<S>(), kernel, out, in...), workspace = std::optional<Workspace<S>>()](
+               std::size_t first, std::size_t count) mutable {
+      const unsigned doubts = one_by_one ? ~0u : call(first, count);
+      for (std::size_t l = 0; l < count; ++l) {
+        const std::size_t k = first + l;
+        if ((doubts >> l & 1) == 0) {
+          verdicts[k] = finite(k) ? solved : not_finite;
+        } else {
+          if (!workspace) workspace.emplace(model);
+          verdicts[k] = solve(*workspace, k).ok() ? solved : singular;
+        }
+      }
     };
   });
-  Outcome outcome;
-  outcome.done = solved < left.size() ? left[solved] : lanes.done;
-  const std::size_t rows = results.size() / std::max<std::size_t>(1, lanes.doubtful.size());
-  for (std::size_t k = 0, l = 0; k < outcome.done; ++k) {
-    Solvability of_state;
-    if (lanes.doubtful[k]) {
-      of_state = found[l++];
-    } else {
-      S none(0);
-      for (const S x : results.subspan(k * rows, rows)) none += x - x;
-      of_state.not_finite = !(none == S(0));
-    }
-    if (!of_state.ok() && outcome.singular_states++ == 0) outcome.first = k, outcome.solvability = of_state;
+  for (std::size_t k = 0; k < outcome.done; ++k)
+    if (verdicts[k] != solved && outcome.singular_states++ == 0) outcome.first = k;
+  if (outcome.ok()) return outcome;
+  outcome.solvability.not_finite = true;
+  if (verdicts[outcome.first] == singular) {
+    Workspace<S> workspace(model);
+    outcome.solvability = solve(workspace, outcome.first);
   }
   return outcome;
 }
 
-bool coupled(const Model& model) { return !model.tree<double>()->coupled_bodies.empty(); }
 std::size_t size(int n) { return static_cast<std::size_t>(n); }
-Lanes all_doubtful(std::size_t N) { return {N, std::vector<char>(N, 1)}; }
 
 }  // namespace
 
@@ -181,8 +205,7 @@ std::size_t inverse_dynamics(const Model& model, std::span<const S> q, Numbers<S
   check_separate("tau", tau, "q", q), check_separate("tau", tau, "v", v), check_separate("tau", tau, "a", a);
   if (N == 0 || nv == 0) return N;
   return run_lanes<S>(model, threads, monitor, best_kernels<S>().inverse_dynamics, out,
-                      Argument<const S>{"q", "nq N", q, size(model.nq())}, in_v, in_a)
-      .done;
+                      Argument<const S>{"q", "nq N", q, size(model.nq())}, in_v, in_a);
 }
 
 template <class S>
@@ -193,14 +216,12 @@ Outcome forward_dynamics(const Model& model, std::span<const S> q, Numbers<S> v,
   const Argument<S> out{"a", "nv N", a, nv};
   in_v.check(N), in_tau.check(N), out.check(N);
   check_separate("a", a, "q", q), check_separate("a", a, "v", v), check_separate("a", a, "tau", tau);
-  const Lanes lanes = N == 0 || coupled(model)
-                          ? all_doubtful(N)
-                          : run_lanes<S>(model, threads, monitor, best_kernels<S>().forward_dynamics, out,
-                                         Argument<const S>{"q", "nq N", q, nq}, in_v, in_tau);
-  return solve_each<S>(model, lanes, a, threads, monitor, [&](Workspace<S>& workspace, std::size_t k) {
+  const auto solve = [&](Workspace<S>& workspace, std::size_t k) {
     return axode::forward_dynamics(model, workspace, q.subspan(k * nq, nq), v.subspan(k * nv, nv),
                                    tau.subspan(k * nv, nv), a.subspan(k * nv, nv));
-  });
+  };
+  return solve_lanes<S>(model, threads, monitor, solve, best_kernels<S>().forward_dynamics, out,
+                        Argument<const S>{"q", "nq N", q, nq}, in_v, in_tau);
 }
 
 template <class S>
@@ -214,8 +235,7 @@ std::size_t mass_matrix(const Model& model, std::span<const S> q, std::type_iden
   if (N == 0) return 0;
   if (!coupled(model))
     return run_lanes<S>(model, threads, monitor, best_kernels<S>().mass_matrix, out,
-                        Argument<const S>{"q", "nq N", q, nq})
-        .done;
+                        Argument<const S>{"q", "nq N", q, nq});
   return in_portions(N, 1, threads, monitor, [&] {
     return [&, workspace = Workspace<S>(model)](std::size_t k, std::size_t) mutable {
       axode::mass_matrix(model, workspace, q.subspan(k * nq, nq), M.subspan(k * nv2, nv2));
@@ -232,15 +252,12 @@ Outcome inverse_mass_matrix(const Model& model, std::span<const S> q,
   const Argument<S> out{"M_inverse", "nv nv N", M_inverse, nv2};
   out.check(N);
   check_separate("M_inverse", M_inverse, "q", q);
-  const Lanes lanes = N == 0 || coupled(model)
-                          ? all_doubtful(N)
-                          : run_lanes<S>(model, threads, monitor, best_kernels<S>().inverse_mass_matrix, out,
-                                         Argument<const S>{"q", "nq N", q, nq});
-  return solve_each<S>(model, lanes, M_inverse, threads, monitor,
-                       [&](Workspace<S>& workspace, std::size_t k) {
-                         return axode::inverse_mass_matrix(model, workspace, q.subspan(k * nq, nq),
-                                                           M_inverse.subspan(k * nv2, nv2));
-                       });
+  const auto solve = [&](Workspace<S>& workspace, std::size_t k) {
+    return axode::inverse_mass_matrix(model, workspace, q.subspan(k * nq, nq),
+                                      M_inverse.subspan(k * nv2, nv2));
+  };
+  return solve_lanes<S>(model, threads, monitor, solve, best_kernels<S>().inverse_mass_matrix, out,
+                        Argument<const S>{"q", "nq N", q, nq});
 }
 
 template <class S>
@@ -252,8 +269,7 @@ std::size_t poses(const Model& model, std::span<const S> q, std::type_identity_t
   check_separate("C", C, "q", q);
   if (N == 0) return 0;
   return run_lanes<S>(model, threads, monitor, best_kernels<S>().poses, out,
-                      Argument<const S>{"q", "nq N", q, size(model.nq())})
-      .done;
+                      Argument<const S>{"q", "nq N", q, size(model.nq())});
 }
 
 template <class S>
@@ -266,8 +282,7 @@ std::size_t joint_screws(const Model& model, std::span<const S> q,
   check_separate("J", J, "q", q);
   if (N == 0) return 0;
   return run_lanes<S>(model, threads, monitor, best_kernels<S>().joint_screws, out,
-                      Argument<const S>{"q", "nq N", q, size(model.nq())})
-      .done;
+                      Argument<const S>{"q", "nq N", q, size(model.nq())});
 }
 
 const char* instruction_set() {

@@ -27,8 +27,6 @@ std::size_t in_portions(std::size_t N, std::size_t group, int threads, const Mon
   const std::size_t groups = (N + group - 1) / group;
   const std::size_t tasks =
       std::min(groups, static_cast<std::size_t>(std::min(threads, tbb::info::default_concurrency())));
-  const std::size_t portion =
-      std::clamp<std::size_t>(groups / (8 * std::max<std::size_t>(1, tasks)), 1, largest_portion);
   const std::thread::id caller = std::this_thread::get_id();
   Watch watch(monitor, N);
   std::atomic<std::size_t> next = 0, first_left = groups;
@@ -36,8 +34,11 @@ std::size_t in_portions(std::size_t N, std::size_t group, int threads, const Mon
   const auto run = [&](std::size_t) {
     const Work work = make_work();
     const bool is_caller = std::this_thread::get_id() == caller;
-    for (std::size_t begin; (begin = next.fetch_add(portion)) < groups;)
-      for (std::size_t g = begin; g < std::min(begin + portion, groups); ++g) {
+    for (std::size_t begin = next; begin < groups; begin = next) {
+      const std::size_t end =
+          begin + std::clamp<std::size_t>((groups - begin) / (8 * tasks), 1, largest_portion);
+      if (!next.compare_exchange_weak(begin, end)) continue;
+      for (std::size_t g = begin; g < end; ++g) {
         if (stopped) {
           for (std::size_t left = first_left; g < left && !first_left.compare_exchange_weak(left, g);) {
           }
@@ -46,6 +47,7 @@ std::size_t in_portions(std::size_t N, std::size_t group, int threads, const Mon
         work(g * group, std::min(group, N - g * group));
         if (is_caller && !watch.go_on(g * group)) stopped = true;
       }
+    }
   };
   if (tasks < 2)
     run(0);

@@ -30,13 +30,13 @@ template <class T> void MassMatrixFactor<T>::check(std::span<const T> M) const {
                                 to_text(entry(r, c)) + why);
   };
   for (int r = 0; r < nv_; ++r)
-    for (int c = 0, path = parent[r]; c < r; ++c) {
+    for (int c = r - 1, path = parent[r]; c >= 0; --c) {
       const double size = rounding * std::sqrt(std::abs(entry(r, r) * entry(c, c)));
       if (std::abs(entry(r, c) - entry(c, r)) > size)
         refuse(r, c,
                " and M(" + std::to_string(c) + ", " + std::to_string(r) + ") is " + to_text(entry(c, r)) +
                    "; a mass matrix is symmetric");
-      for (path = parent[r]; path > c;) path = parent[path];
+      while (path > c) path = parent[path];
       if (path != c && std::abs(entry(r, c)) > size)
         refuse(r, c,
                "; velocities " + std::to_string(r) + " and " + std::to_string(c) +

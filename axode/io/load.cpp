@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <fstream>
-#include <iterator>
+#include <sstream>
 #include <system_error>
 #include <utility>
 
@@ -30,8 +30,10 @@ Text text_of(const std::filesystem::path& file) {
   }
   errno = 0;
   std::ifstream stream(file, std::ios::binary);
-  text.content.assign(std::istreambuf_iterator<char>(stream), {});
-  if (!stream || stream.bad()) fail(std::generic_category().message(errno != 0 ? errno : EIO));
+  std::ostringstream content;
+  if (stream) content << stream.rdbuf();
+  text.content = std::move(content).str();
+  if (!stream || content.bad()) fail(std::generic_category().message(errno != 0 ? errno : EIO));
   return text;
 }
 

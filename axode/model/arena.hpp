@@ -43,16 +43,16 @@ class Arena {
     return array<U>(n);
   }
   /// One U for each body and the ground, for each joint screw, for each velocity, for each tie of coupled joints, for
-  /// each tie and each screw of its body, for each pair of ties of one body.
+  /// each tie and each screw of its body, for each pair of ties of one group.
   template <class U> [[gnu::always_inline]] U* per_body() { return array<U>(size(topology_->n + 1)); }
   template <class U> [[gnu::always_inline]] U* per_screw() { return array<U>(size(topology_->n_screws)); }
   template <class U> [[gnu::always_inline]] U* per_velocity() { return array<U>(size(topology_->nv)); }
   template <class U> [[gnu::always_inline]] U* per_tie() { return array<U>(topology_->ties.velocity.size()); }
   template <class U> [[gnu::always_inline]] U* per_tie_and_screw() {
-    return array<U>(size(topology_->ties.of_screws.back()));
+    return array<U>(topology_->ties.of_screws.back());
   }
   template <class U> [[gnu::always_inline]] U* per_pair_of_ties() {
-    return array<U>(size(topology_->ties.square.back()));
+    return array<U>(topology_->ties.n_pairs);
   }
   /// One U for each body, and for the lanes behind the last one.
   template <class U> [[gnu::always_inline]] U* per_lane() {

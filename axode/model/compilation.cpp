@@ -59,11 +59,14 @@ class Compiler {
   }
 
  private:
-  /// The body of the model that carries a body of the description, and its internal frame seen from the body frame.
+  /// The body of the model that carries a body of the description. Its internal frame is seen from the joint of the body
+  /// and that from the body frame, which may be far from both.
   struct Carried {
     int carrier = 0;
-    SE3<> F;
+    SE3<> S, F;
   };
+  /// A pose that is seen from the body frame, in the internal frame of the carrier.
+  static SE3<> in_carrier(const Carried& on, const SE3<>& C) { return relative(on.F, relative(on.S, C)); }
 
   int n_bodies() const { return static_cast<int>(bodies_.size()); }
 
@@ -73,7 +76,8 @@ class Compiler {
     if (!from.inertia) return {};
     const MassProperties& given = *from.inertia;
     if (given.in == GivenIn::construction_frame) return inertia_in(J, given);
-    return is_drawn(from) ? inertia_in(J, placements_[d].A, given) : inertia_in(on_[d].F, given);
+    return is_drawn(from) ? inertia_in(J, placements_[d].A, given)
+                          : inertia_in(on_[d].F, seen_from(on_[d].S, given));
   }
 
   void merge(int d) {
@@ -81,9 +85,15 @@ class Compiler {
     const Placement& at = placements_[d];
     const Carried on = p < 0 ? Carried{} : on_[p];
     const SE3<>& J = internal_[on.carrier];
-    const bool drawn = is_drawn(expanded_.bodies[d]);
-    on_[d] = {on.carrier, drawn ? relative(at.A, J) : relative(at.B, on.F)};
-    const SE3<> offset = drawn ? relative(J, at.A) : relative(on.F, at.B);
+    SE3<> offset;
+    if (is_drawn(expanded_.bodies[d])) {
+      offset = relative(J, at.A);
+      on_[d] = {on.carrier, relative(at.A, J), {}};
+    } else {
+      const SE3<> joint = in_carrier(on, at.S_prev);
+      offset = joint * inverse(at.S_self);
+      on_[d] = {on.carrier, at.S_self, inverse(joint)};
+    }
     numbers_.M[on.carrier] += inertia_of(d, J);
     extra_.push_back({{expanded_.bodies[d].name, on.carrier, inverse(offset_[on.carrier]) * offset}, offset});
   }
@@ -95,10 +105,10 @@ class Compiler {
     const Carried on = p < 0 ? Carried{} : on_[p];
     const int parent = on.carrier;
     const bool drawn = is_drawn(from);
-    const SE3<> B = drawn ? relative(internal_[parent], at.J) : relative(on.F, at.B * at.S_self);
+    const SE3<> B = drawn ? relative(internal_[parent], at.J) : in_carrier(on, at.S_prev);
     const SE3<> J = drawn ? at.J : internal_[parent] * B;
     const SE3<> offset = drawn ? relative(J, at.A) : inverse(at.S_self);
-    on_[d] = {n_bodies(), at.S_self};
+    on_[d] = {n_bodies(), at.S_self, {}};
     internal_.push_back(J);
     connections_.parent.push_back(parent);
     add_body(from.joint.pitch, traits(from.joint.kind).subgroup, offset, B);
@@ -129,7 +139,8 @@ class Compiler {
   void add(const FrameDescription& frame) {
     const SE3<> pose = orthonormal(frame.pose);
     const Carried on = frame.body == "ground" ? Carried{} : on_[index_.at(frame.body)];
-    const SE3<> offset = relative(frame.in == GivenIn::body_frame ? on.F : internal_[on.carrier], pose);
+    const SE3<> offset =
+        frame.in == GivenIn::body_frame ? in_carrier(on, pose) : relative(internal_[on.carrier], pose);
     extra_.push_back({{frame.name, on.carrier, inverse(offset_[on.carrier]) * offset}, offset});
   }
 

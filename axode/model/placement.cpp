@@ -45,28 +45,33 @@ SE3<> joint_frame(const JointDescription& joint) {
   return {orthonormal(rotation_to(direction(joint.axis))), joint.point};
 }
 
-Placement place(const BodyDescription& body, const SE3<>& A_predecessor) {
+/// The predecessor is nullptr for the ground.
+Placement place(const BodyDescription& body, const Placement* predecessor) {
+  const SE3<> A_predecessor = predecessor == nullptr ? SE3<>{} : predecessor->A;
   const SE3<> J = joint_frame(body.joint);
-  const bool at_body = body.joint.kind == JointKind::free || body.joint.kind == JointKind::fixed;
+  const bool fixed = body.joint.kind == JointKind::fixed,
+             at_body = fixed || body.joint.kind == JointKind::free;
   Placement at;
   if (const auto* drawn = std::get_if<InConstructionFrame>(&body.geometry)) {
     at.A = orthonormal(drawn->A);
     at.B = relative(A_predecessor, at.A);
-    at.J = at_body ? at.A : J;
-    at.S_self = at_body ? SE3<>{} : relative(at.A, J);
+    at.J = fixed && predecessor != nullptr ? predecessor->J : at_body ? at.A : J;
+    at.S_prev = relative(A_predecessor, at.J);
+    at.S_self = relative(at.A, at.J);
     return at;
   }
   if (const auto* in_body = std::get_if<InBodyFrame>(&body.geometry)) {
     at.B = orthonormal(in_body->B);
-    at.S_self = J;
+    at.S_self = at_body ? SE3<>{} : J;
+    at.S_prev = at.B * at.S_self;
   } else {
     const auto& frames = std::get<InJointFrames>(body.geometry);
-    const SE3<> S_self = orthonormal(frames.S_self);
-    at.B = orthonormal(frames.S_prev) * inverse(S_self);
-    at.S_self = S_self * J;
+    const SE3<> S_prev = orthonormal(frames.S_prev), S_self = orthonormal(frames.S_self);
+    at.B = S_prev * inverse(S_self);
+    at.S_prev = fixed ? S_prev : at_body ? at.B : S_prev * J;
+    at.S_self = fixed ? S_self : at_body ? SE3<>{} : S_self * J;
   }
   at.A = A_predecessor * at.B;
-  if (at_body) at.S_self = {};
   at.J = at.A * at.S_self;
   return at;
 }
@@ -143,7 +148,7 @@ std::vector<Placement> place(const Description& expanded, const DepthFirstOrder&
   std::vector<Placement> placements(expanded.bodies.size());
   for (const int i : order.order) {
     const int p = order.predecessor[i];
-    placements[i] = place(expanded.bodies[i], p < 0 ? SE3<>{} : placements[p].A);
+    placements[i] = place(expanded.bodies[i], p < 0 ? nullptr : &placements[p]);
   }
   return placements;
 }
@@ -160,6 +165,19 @@ Inertia<> inertia_in(const SE3<>& J, const SE3<>& A, const MassProperties& given
   if (given.about == InertiaAbout::frame_origin) return inertia_in(relative(A, J), given);
   const SO3<> axes = orthonormal(given.axes), Rt = transpose(J.R);
   return inertia_from_com(given.mass, Rt * ((A.r - J.r) + A.R * given.com), given.Theta, Rt * A.R * axes);
+}
+
+MassProperties seen_from(const SE3<>& S, const MassProperties& given) {
+  MassProperties seen = given;
+  const SO3<> axes = orthonormal(given.axes), Rt = transpose(S.R);
+  if (given.about == InertiaAbout::center_of_mass) {
+    seen.com = Rt * (given.com - S.r), seen.axes = Rt * axes;
+  } else {
+    const Inertia<> M = inertia_in(S, given);
+    seen.com = M.m > 0 ? center_of_mass(M) : Vec3<>{}, seen.Theta = M.Theta, seen.axes = {};
+  }
+  seen.in = GivenIn::body_frame;
+  return seen;
 }
 
 }  // namespace axode

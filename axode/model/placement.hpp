@@ -38,6 +38,7 @@ DepthFirstOrder depth_first_order(const Description& description);
 struct Placement {
   SE3<> A;       ///< body frame in the construction frame
   SE3<> B;       ///< body frame in the predecessor's
+  SE3<> S_prev;  ///< joint frame in the predecessor's frame
   SE3<> S_self;  ///< joint frame in the body frame; its z-axis is the joint axis
   SE3<> J;       ///< joint frame in the construction frame
 };
@@ -45,7 +46,8 @@ struct Placement {
 ///
 /// The joint frame has its origin in the joint's point and is turned the shortest way from the frame in which
 /// the axis is given until its z-axis is the axis; for a spherical joint it keeps the axes of that frame, for
-/// a free joint it is the body frame.
+/// a free joint it is the body frame. That of a fixed one moves nothing: as given; of a drawn body that of its
+/// predecessor, which is near where body frames may be far; else the body frame.
 std::vector<Placement> place(const Description& expanded, const DepthFirstOrder& order);
 
 /// The inertia in the frame F, seen from the frame in which it is given; or in the frame J, where it is given in A and
@@ -53,5 +55,7 @@ std::vector<Placement> place(const Description& expanded, const DepthFirstOrder&
 /// given is far away, unless it is the inertia about that origin.
 Inertia<> inertia_in(const SE3<>& F, const MassProperties& given);
 Inertia<> inertia_in(const SE3<>& J, const SE3<>& A, const MassProperties& given);
+/// The same matter, given in the body frame, as one gives it in the frame S that is seen from that.
+MassProperties seen_from(const SE3<>& S, const MassProperties& given);
 
 }  // namespace axode

@@ -31,7 +31,7 @@ Model reduced(const Model& model, std::span<const std::string_view> locked, std:
     if (const auto& leader = model.joint(i).leader; leader && is_locked[leader->joint]) is_locked[i] = true;
 
   // Every body relative to its predecessor, so that nothing else depends on a joint that moves away from
-  // zero.
+  // zero; by joint frames, which are near each other where body frames may be far.
   Description description = expand(model.description());
   const std::vector<Placement> placements = place(description, depth_first_order(description));
   std::unordered_map<std::string_view, int> index;
@@ -41,24 +41,15 @@ Model reduced(const Model& model, std::span<const std::string_view> locked, std:
     BodyDescription& body = description.bodies[d];
     const Placement& at = placements[d];
     A.emplace(body.name, at.A);
-    if (body.inertia && body.inertia->in == GivenIn::construction_frame) {
-      MassProperties& given = *body.inertia;
-      if (given.about == InertiaAbout::frame_origin) {
-        const Inertia<> M = inertia_in(at.A, given);
-        given.com = M.m > 0 ? center_of_mass(M) : Vec3<>{}, given.Theta = M.Theta, given.axes = {};
-      } else {
-        const SO3<> Rt = transpose(at.A.R);
-        given.com = Rt * (given.com - at.A.r), given.axes = Rt * given.axes;
-      }
-      given.in = GivenIn::body_frame;
-    }
+    if (body.inertia && body.inertia->in == GivenIn::construction_frame)
+      body.inertia = seen_from(at.A, *body.inertia);
     const auto moving = index.find(body.name);
     if (moving == index.end() || is_locked[moving->second]) {
       const SE3<> C_J = moving == index.end() ? SE3<>{} : displacement(model.joint(moving->second), q);
-      body.geometry = InBodyFrame{at.B * at.S_self * C_J * inverse(at.S_self)};
+      body.geometry = InJointFrames{at.S_prev * C_J, at.S_self};
       body.joint = {.name = body.joint.name, .kind = JointKind::fixed};
     } else {
-      body.geometry = InJointFrames{at.B * at.S_self, at.S_self};
+      body.geometry = InJointFrames{at.S_prev, at.S_self};
       body.joint.axis = {0, 0, 1}, body.joint.point = {0, 0, 0};
     }
   }

@@ -112,43 +112,98 @@ int meeting_point(const Topology& t, int i, int j) {
   return i;
 }
 
+/// A velocity that joints share, by its leader, and the body through which it comes to another one.
+struct Arrival {
+  int leader, from;
+};
+
+/// What arrives at every body, by leader; the velocity of a body's own joint comes from the body itself.
+std::vector<std::vector<Arrival>> arrivals(const std::vector<int>& leader, const std::vector<int>& meets,
+                                           const Topology& t) {
+  std::vector<std::vector<Arrival>> all(size(t.n + 1));
+  for (int i = t.n; i >= 0; --i) {
+    std::vector<Arrival>& here = all[i];
+    const int own = leader[i] > 0 ? leader[i] : i;
+    if (i > 0 && meets[own] >= 0) here.push_back({own, i});
+    std::sort(here.begin(), here.end(), [](Arrival a, Arrival b) { return a.leader < b.leader; });
+    for (std::size_t k = 0; k < here.size(); ++k)
+      if (meets[here[k].leader] != i && (k == 0 || here[k - 1].leader != here[k].leader))
+        all[t.parent[i]].push_back({here[k].leader, i});
+  }
+  return all;
+}
+
+/// The ties of one body: its leaders, each once, and for each the smallest number of its group.
+struct Groups {
+  std::vector<int> leaders, group;
+
+  /// `first_from` is scratch memory: -1 for every body, before and after.
+  Groups(const std::vector<Arrival>& here, const std::vector<int>& meets, int i,
+         std::vector<int>& first_from) {
+    for (const auto& [leader, from] : here) {
+      const int k = static_cast<int>(leaders.size()) - (!leaders.empty() && leaders.back() == leader);
+      if (k == static_cast<int>(leaders.size())) leaders.push_back(leader), group.push_back(k);
+      unite(k, first_from[from] < 0 ? k : first_from[from]);
+      first_from[from] = k;
+      if (meets[leader] == i) continue;
+      unite(k, first_from[i] < 0 ? k : first_from[i]);  // what goes on, and what the joint of the body has
+      first_from[i] = k;
+    }
+    for (int k = 0; k < static_cast<int>(group.size()); ++k) group[k] = root(k);
+    for (const auto& [leader, from] : here) first_from[from] = -1;
+    first_from[i] = -1;
+  }
+
+ private:
+  int root(int k) {
+    while (group[k] != k) k = group[k] = group[group[k]];
+    return k;
+  }
+  void unite(int a, int b) {
+    a = root(a), b = root(b);
+    group[std::max(a, b)] = std::min(a, b);
+  }
+};
+
 void find_ties(const std::vector<int>& leader, Topology& t) {
   std::vector<int> meets(size(t.n + 1), -1);  // by leader: where all that share its velocity meet
   for (const int i : t.coupled_bodies) {
     int& at = meets[leader[i]];
     at = meeting_point(t, at < 0 ? leader[i] : at, i);
   }
-  std::vector<std::vector<int>> leaders(size(t.n + 1));  // of the velocities that pass through a body
-  for (int i = t.n; i > 0; --i) {
-    const int own = leader[i] > 0 ? leader[i] : i;
-    std::vector<int>& here = leaders[i];
-    if (meets[own] >= 0) here.push_back(own);
-    std::sort(here.begin(), here.end());
-    here.erase(std::unique(here.begin(), here.end()), here.end());
-    for (const int l : here)
-      if (meets[l] != i) leaders[t.parent[i]].push_back(l);
-  }
-  std::sort(leaders[0].begin(), leaders[0].end());
-  leaders[0].erase(std::unique(leaders[0].begin(), leaders[0].end()), leaders[0].end());
-
-  Topology::Ties& ties = t.ties;
-  ties.begin = ties.square = ties.of_screws = {0};
+  const std::vector<std::vector<Arrival>> here = arrivals(leader, meets, t);
+  std::vector<int> first_from(size(t.n + 1), -1);
+  std::vector<std::vector<std::pair<int, int>>> entries(size(t.n + 1));  // (leader, entry), by leader
   const auto entry = [&](int i, int l) {
-    const std::vector<int>& here = leaders[i];
-    return ties.begin[i] + static_cast<int>(std::lower_bound(here.begin(), here.end(), l) - here.begin());
+    return std::lower_bound(entries[i].begin(), entries[i].end(), std::pair(l, 0))->second;
   };
+  Topology::Ties& ties = t.ties;
+  ties.begin = {0}, ties.of_screws = {0};
   for (int i = 0; i <= t.n; ++i) {
+    const Groups groups(here[i], meets, i, first_from);
+    const std::size_t count = groups.leaders.size();
+    std::vector<int> order(count);
+    std::iota(order.begin(), order.end(), 0);
+    std::stable_sort(order.begin(), order.end(),
+                     [&](int a, int b) { return groups.group[a] < groups.group[b]; });
+    for (std::size_t begin = 0, end = 0; begin < count; begin = end) {
+      while (end < count && groups.group[order[end]] == groups.group[order[begin]]) ++end;
+      for (std::size_t k = begin; k < end; ++k) {
+        const int l = groups.leaders[order[k]];
+        entries[i].emplace_back(l, ties.begin[i] + static_cast<int>(k));
+        ties.velocity.push_back(t.iv[l]);
+        ties.up.push_back(meets[l] == i ? -1 : entry(t.parent[i], l));
+        ties.group_begin.push_back(ties.begin[i] + static_cast<int>(begin));
+        ties.group_end.push_back(ties.begin[i] + static_cast<int>(end));
+        ties.row.push_back(std::exchange(ties.n_pairs, ties.n_pairs + (end - begin)));
+      }
+    }
+    std::sort(entries[i].begin(), entries[i].end());
     const int own = leader[i] > 0 ? leader[i] : i;
     ties.own.push_back(i > 0 && meets[own] >= 0 ? entry(i, own) : -1);
-    for (const int l : leaders[i]) {
-      ties.velocity.push_back(t.iv[l]);
-      ties.up.push_back(meets[l] == i ? -1 : entry(t.parent[i], l));
-    }
-    const int count = static_cast<int>(leaders[i].size());
-    ties.begin.push_back(ties.begin.back() + count);
-    ties.square.push_back(ties.square.back() + count * count);
+    ties.begin.push_back(ties.begin.back() + static_cast<int>(count));
     ties.of_screws.push_back(ties.of_screws.back() +
-                             count * (i > 0 ? t.first_screw[i + 1] - t.first_screw[i] : 0));
+                             count * size(i > 0 ? t.first_screw[i + 1] - t.first_screw[i] : 0));
   }
 }
 

@@ -1,4 +1,5 @@
 #pragma once
+#include <cstddef>
 #include <vector>
 
 #include "axode/model/subgroup.hpp"
@@ -49,15 +50,19 @@ struct Topology {
 
   /// Velocities that several joints share, on their way through an elimination from the leaves to the ground: one
   /// entry for each body between a joint that has the velocity and the body where the paths of all that have it meet.
-  /// There it gives way. Entries ties.begin[i] to ties.begin[i + 1] - 1 are those of body i, 0 for the ground.
+  /// There it gives way, before the joint of that body does, unless that joint has it as well. Entries ties.begin[i] to
+  /// ties.begin[i + 1] - 1 are those of body i, 0 for the ground. Those that come through one body or go on together
+  /// are a group, next to each other; entries of different groups do not feel each other.
   struct Ties {
-    std::vector<int> begin;   ///< n + 2
-    std::vector<int> square;  ///< n + 2: as begin, where body i has an entry for each pair of its entries
-    std::vector<int>
-        of_screws;  ///< n + 2: as begin, where body i has its entries once for each screw of its joint
+    std::vector<int> begin;     ///< n + 2
     std::vector<int> velocity;  ///< of each entry
     std::vector<int> up;        ///< the entry of the predecessor for the same velocity; -1 where it gives way
     std::vector<int> own;  ///< n + 1: the entry for the joint of the body itself; -1 where it shares none
+    std::vector<int> group_begin, group_end;  ///< of each entry: the entries of its group
+    std::vector<std::size_t> row;  ///< of each entry: its first pair, where it has one with each of its group
+    std::size_t n_pairs = 0;
+    std::vector<std::size_t>
+        of_screws;  ///< n + 2: as begin, where body i has its entries once for each screw of its joint
   } ties;
 
   // For sweeps that take several bodies at once.

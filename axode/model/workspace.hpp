@@ -37,12 +37,13 @@ template <class T = double> class Workspace {
  private:
   /// What footprints grow with.
   struct Extent {
-    explicit Extent(const Topology& t) : bodies(t.n), screws(t.n_screws), ties(t.ties.square.back()) {}
+    explicit Extent(const Topology& t) : bodies(t.n), screws(t.n_screws), ties(t.ties.n_pairs) {}
     std::string text() const {
       return std::to_string(bodies) + " bodies with " + std::to_string(screws) + " joint screws" +
              (ties > 0 ? " and " + std::to_string(ties) + " ties of coupled joints" : "");
     }
-    int bodies, screws, ties;
+    int bodies, screws;
+    std::size_t ties;
   };
   struct alignas(Arena::line) Line {
     std::byte bytes[Arena::line];

@@ -12,20 +12,23 @@ namespace axode {
 /// A joint with several degrees of freedom gives way in one after the other, like a chain of joints through massless
 /// bodies.
 ///
+/// A pivot D is what is left of larger numbers, whose rounding it carries. How large they are is what the same motion,
+/// with the joints behind giving way as they do, makes of the sizes of the inertias, which F collects along with M.
+///
 /// A velocity that several joints share (coupled joints) enters at each of them and gives way where their paths meet.
 /// On the way there (Topology::Ties) it is carried along as a seventh column of the inertia: the wrench U_c and the
 /// forces D_cd that its motion makes. So coupled joints cost no more than the ties that they make.
 template <class Rep, class T> struct ArticulatedBodies {
   BodyLinks<Rep, T> links;
   ArticulatedInertia<Rep, T>* M;
-  Inertia<T>* composite;
+  ArticulatedInertia<Rep, T>* F;  ///< the sizes of the numbers of which M is made, in the same motion
   Twist<Rep, T>* S;
   Wrench<Rep, T>* U;
   T* D;
   // Of ties:
   Wrench<Rep, T>* U_tie;
-  T* D_tie;    ///< k × k for the k ties of a body
-  T* fed_tie;  ///< the size of the inertia that feeds D
+  T* D_tie;    ///< k × k for each group of k ties
+  T* fed_tie;  ///< as F, of D
   T* D_screw;  ///< of every screw with the ties of its body, from ties.of_screws of the body on
   // Of a solution:
   Wrench<Rep, T>* W;
@@ -35,7 +38,7 @@ template <class Rep, class T> struct ArticulatedBodies {
   explicit ArticulatedBodies(Arena& arena)
       : links(arena),
         M(arena.per_body<ArticulatedInertia<Rep, T>>()),
-        composite(arena.per_body<Inertia<T>>()),
+        F(arena.per_body<ArticulatedInertia<Rep, T>>()),
         S(arena.per_screw<Twist<Rep, T>>()),
         U(arena.per_screw<Wrench<Rep, T>>()),
         D(arena.per_screw<T>()),
@@ -64,13 +67,15 @@ template <class Rep, class T> struct ArticulatedBodies {
     joint_columns(tree, links.link, S);
     const Topology::Ties& ties = tree->ties;
     for (int t = 0; t < ties.begin[tree->n + 1]; ++t) U_tie[t] = {}, fed_tie[t] = T(0);
-    for (int t = 0; t < ties.square[tree->n + 1]; ++t) D_tie[t] = T(0);
-    composite[0] = {}, M[0] = {};
+    for (std::size_t k = 0; k < ties.n_pairs; ++k) D_tie[k] = T(0);
+    M[0] = {}, F[0] = {};
     for (int i = 1; i <= tree->n; ++i) {
-      composite[i] = links.link[i].inertia(tree.M[i]);
-      M[i] = articulated(links.link[i], composite[i]);
+      const Inertia<T> own = links.link[i].inertia(tree.M[i]);
+      M[i] = articulated(links.link[i], own), F[i] = size_of<Rep>(own);
     }
     for (int i = tree->n; i > 0; --i) {
+      for (int t = ties.begin[i]; t < ties.begin[i + 1]; ++t)
+        if (turn(ties, i, t) == before) release_tie(tree, i, t, armature, judge);
       const int first = tree->first_screw[i];
       for (int s = tree->first_screw[i + 1] - 1; s >= first; --s) {
         if (ties.own[i] >= 0) {
@@ -79,17 +84,19 @@ template <class Rep, class T> struct ArticulatedBodies {
           const T I = armature[tree->iv[i] + s - first];
           U[s] = M[i] * S[s];
           D[s] = (U[s] | S[s]) + I;
-          judge.see(tree->iv[i] + s - first, D[s], [&] { return fed(i, S[s]) + I; });
-          release(tree, i, s);
+          const Wrench<Rep, T> G = F[i] * S[s];
+          const T size = (G | S[s]) + I;
+          judge.see(tree->iv[i] + s - first, D[s], [&] { return size; });
+          release(tree, i, s, G, size);
         }
       }
-      release_ties(tree, i, armature, judge);
+      if (own_ends(ties, i)) release_tie(tree, i, ties.own[i], armature, judge);
       const int p = tree->parent[i];
       M[p] += links.link[i].up(M[i]);
-      composite[p] += links.link[i].up(composite[i]);
+      F[p] += links.link[i].up(F[i]);
       hand_over_ties(tree, i);
     }
-    release_ties(tree, 0, armature, judge);
+    for (int t = ties.begin[0]; t < ties.begin[1]; ++t) release_tie(tree, 0, t, armature, judge);
   }
 
   /// x := M⁻¹ x.
@@ -98,6 +105,8 @@ template <class Rep, class T> struct ArticulatedBodies {
     for (int i = 0; i <= tree->n; ++i) W[i] = {};
     for (int t = 0; t < ties.begin[tree->n + 1]; ++t) u_tie[t] = T(0);
     for (int i = tree->n; i > 0; --i) {
+      for (int t = ties.begin[i]; t < ties.begin[i + 1]; ++t)
+        if (turn(ties, i, t) == before) pull_tie(tree, i, t, x);
       const int first = tree->first_screw[i];
       for (int s = tree->first_screw[i + 1] - 1; s >= first; --s) {
         if (ties.own[i] >= 0) {
@@ -106,46 +115,63 @@ template <class Rep, class T> struct ArticulatedBodies {
           u[s] = x[tree->iv[i] + s - first] - (W[i] | S[s]);
           const T k = u[s] / D[s];
           W[i] += k * U[s];
-          const T* D_s = of_screw(tree, i, s);
-          for (int t = ties.begin[i]; t < ties.begin[i + 1]; ++t) u_tie[t] += k * *D_s++;
+          const T* const D_s = of_screw(tree, i, s);
+          for (int t = ties.begin[i]; t < ties.begin[i + 1]; ++t)
+            if (ties.up[t] >= 0) u_tie[t] += k * D_s[t];
         }
       }
-      pull_ties(tree, i, x);
+      if (own_ends(ties, i)) pull_tie(tree, i, ties.own[i], x);
+      for (int t = ties.begin[i]; t < ties.begin[i + 1]; ++t)
+        if (ties.up[t] >= 0) u_tie[ties.up[t]] += u_tie[t];
       W[tree->parent[i]] += links.link[i].up(W[i]);
     }
-    pull_ties(tree, 0, x);
+    for (int t = ties.begin[0]; t < ties.begin[1]; ++t) pull_tie(tree, 0, t, x);
     X[0] = {};
-    push_ties(tree, 0, x);
+    for (int t = ties.begin[1]; t-- > ties.begin[0];) push_tie(tree, 0, t, x);
     for (int i = 1; i <= tree->n; ++i) {
       X[i] = links.link[i].down(X[tree->parent[i]]);
-      push_ties(tree, i, x);
+      if (own_ends(ties, i)) push_tie(tree, i, ties.own[i], x);
       const int first = tree->first_screw[i];
       for (int s = first; s < tree->first_screw[i + 1]; ++s) {
         T& x_s = x[tree->iv[i] + s - first];
         if (ties.own[i] < 0) {
           T rest = u[s] - (U[s] | X[i]);
-          const T* D_s = of_screw(tree, i, s);
-          for (int t = ties.begin[i]; t < ties.begin[i + 1]; ++t) rest -= *D_s++ * x[ties.velocity[t]];
+          const T* const D_s = of_screw(tree, i, s);
+          for (int t = ties.begin[i]; t < ties.begin[i + 1]; ++t)
+            if (ties.up[t] >= 0) rest -= D_s[t] * x[ties.velocity[t]];
           x_s = rest / D[s];
         }
         X[i] += x_s * S[s];
       }
+      for (int t = ties.begin[i + 1]; t-- > ties.begin[i];)
+        if (turn(ties, i, t) == before) push_tie(tree, i, t, x);
     }
   }
 
  private:
-  /// The size of the inertia that a unit of S feels, with nothing giving way.
-  T fed(int i, const Twist<Rep, T>& unit) const noexcept {
-    return dot(unit.w, unit.w) * trace(composite[i].Theta) + dot(unit.v, unit.v) * composite[i].m;
+  /// When a tie of a body gives way: before the joint of the body does, after that has entered, or at a predecessor.
+  enum Turn { before, after, later };
+  static Turn turn(const Topology::Ties& ties, int i, int t) {
+    return ties.up[t] >= 0 ? later : t == ties.own[i] ? after : before;
   }
+  /// Whether the velocity of the joint of body i, which others share, gives way here.
+  static bool own_ends(const Topology::Ties& ties, int i) {
+    return ties.own[i] >= 0 && ties.up[ties.own[i]] < 0;
+  }
+  /// Whether tie o of body i is still there when tie t gives way.
+  static bool waits(const Topology::Ties& ties, int i, int o, int t) {
+    const Turn of_o = turn(ties, i, o), of_t = turn(ties, i, t);
+    return of_o > of_t || (of_o == of_t && o > t);
+  }
+  /// D of screw s of body i with its ties; by tie, counted as all are.
   template <class AnyTree> T* of_screw(const AnyTree& tree, int i, int s) const noexcept {
     const Topology::Ties& ties = tree->ties;
-    return D_screw + ties.of_screws[i] + (s - tree->first_screw[i]) * (ties.begin[i + 1] - ties.begin[i]);
+    return D_screw + ties.of_screws[i] + (s - tree->first_screw[i]) * (ties.begin[i + 1] - ties.begin[i]) -
+           ties.begin[i];
   }
-  /// Row t of the D of the ties of body i.
-  template <class AnyTree> T* row(const AnyTree& tree, int i, int t) const noexcept {
-    const Topology::Ties& ties = tree->ties;
-    return D_tie + ties.square[i] + (t - ties.begin[i]) * (ties.begin[i + 1] - ties.begin[i]) - ties.begin[i];
+  /// Row t of the D of its group; by tie.
+  T* row(const Topology::Ties& ties, int t) const noexcept {
+    return D_tie + ties.row[t] - ties.group_begin[t];
   }
 
   /// A shared velocity enters at the joint of body i.
@@ -154,90 +180,86 @@ template <class Rep, class T> struct ArticulatedBodies {
     const int own = ties.own[i];
     const Wrench<Rep, T> MS = M[i] * S[s];
     for (int t = ties.begin[i]; t < ties.begin[i + 1]; ++t) {
+      if (turn(ties, i, t) == before) continue;
       const T D_ts = U_tie[t] | S[s];
       if (t == own) {
-        row(tree, i, t)[t] += D_ts + D_ts + (MS | S[s]);
+        row(ties, t)[t] += D_ts + D_ts + (MS | S[s]);
       } else {
-        row(tree, i, t)[own] += D_ts, row(tree, i, own)[t] += D_ts;
+        row(ties, t)[own] += D_ts, row(ties, own)[t] += D_ts;
       }
     }
     U_tie[own] += MS;
-    fed_tie[own] += fed(i, S[s]);
+    fed_tie[own] += F[i] * S[s] | S[s];
   }
-  /// The velocity of screw s of body i gives way, while the ties of the body wait.
-  template <class AnyTree> void release(const AnyTree& tree, int i, int s) noexcept {
+  /// The velocity of screw s of body i gives way, while the ties that go on wait.
+  template <class AnyTree>
+  void release(const AnyTree& tree, int i, int s, const Wrench<Rep, T>& G, const T& size) noexcept {
     const Topology::Ties& ties = tree->ties;
     give_way(M[i], U[s], D[s]);
+    follow(F[i], G, size, U[s], D[s]);
     if (ties.begin[i] == ties.begin[i + 1]) return;
-    T* const D_s = of_screw(tree, i, s) - ties.begin[i];
-    for (int t = ties.begin[i]; t < ties.begin[i + 1]; ++t) D_s[t] = U_tie[t] | S[s];
+    T* const D_s = of_screw(tree, i, s);
+    for (int t = ties.begin[i]; t < ties.begin[i + 1]; ++t)
+      if (ties.up[t] >= 0) D_s[t] = U_tie[t] | S[s];
     for (int t = ties.begin[i]; t < ties.begin[i + 1]; ++t) {
+      if (ties.up[t] < 0) continue;
       const T k = D_s[t] / D[s];
       U_tie[t] -= k * U[s];
-      for (int o = ties.begin[i]; o < ties.begin[i + 1]; ++o) row(tree, i, t)[o] -= k * D_s[o];
+      fed_tie[t] += k * k * size;
+      for (int o = ties.group_begin[t]; o < ties.group_end[t]; ++o)
+        if (ties.up[o] >= 0) row(ties, t)[o] -= k * D_s[o];
     }
   }
-  /// The shared velocities whose paths meet at body i give way.
+  /// The shared velocity t gives way at body i, where its paths meet.
   template <class AnyTree, class Judge>
-  void release_ties(const AnyTree& tree, int i, const T* armature, Judge& judge) noexcept {
+  void release_tie(const AnyTree& tree, int i, int t, const T* armature, Judge& judge) noexcept {
     const Topology::Ties& ties = tree->ties;
-    for (int t = ties.begin[i]; t < ties.begin[i + 1]; ++t) {
-      if (ties.up[t] >= 0) continue;
-      T* const D_t = row(tree, i, t);
-      const T I = armature[ties.velocity[t]];
-      D_t[t] += I;
-      judge.see(ties.velocity[t], D_t[t], [&] { return fed_tie[t] + I; });
-      give_way(M[i], U_tie[t], D_t[t]);
-      for (int r = ties.begin[i]; r < ties.begin[i + 1]; ++r) {
-        if (!waits(ties, r, t)) continue;
-        const T k = D_t[r] / D_t[t];
-        U_tie[r] -= k * U_tie[t];
-        for (int o = ties.begin[i]; o < ties.begin[i + 1]; ++o)
-          if (waits(ties, o, t)) row(tree, i, r)[o] -= k * D_t[o];
-      }
+    T* const D_t = row(ties, t);
+    const T I = armature[ties.velocity[t]];
+    D_t[t] += I;
+    const T size = fed_tie[t] + I;
+    judge.see(ties.velocity[t], D_t[t], [&] { return size; });
+    give_way(M[i], U_tie[t], D_t[t]);
+    follow(F[i], {}, size, U_tie[t], D_t[t]);
+    for (int r = ties.group_begin[t]; r < ties.group_end[t]; ++r) {
+      if (!waits(ties, i, r, t)) continue;
+      const T k = D_t[r] / D_t[t];
+      U_tie[r] -= k * U_tie[t];
+      fed_tie[r] += k * k * size;
+      for (int o = ties.group_begin[t]; o < ties.group_end[t]; ++o)
+        if (waits(ties, i, o, t)) row(ties, r)[o] -= k * D_t[o];
     }
   }
   /// The other ones go on to the predecessor.
   template <class AnyTree> void hand_over_ties(const AnyTree& tree, int i) noexcept {
     const Topology::Ties& ties = tree->ties;
-    const int p = tree->parent[i];
     for (int t = ties.begin[i]; t < ties.begin[i + 1]; ++t) {
       if (ties.up[t] < 0) continue;
       U_tie[ties.up[t]] += links.link[i].up(U_tie[t]);
       fed_tie[ties.up[t]] += fed_tie[t];
-      for (int o = ties.begin[i]; o < ties.begin[i + 1]; ++o)
-        if (ties.up[o] >= 0) row(tree, p, ties.up[t])[ties.up[o]] += row(tree, i, t)[o];
+      for (int o = ties.group_begin[t]; o < ties.group_end[t]; ++o)
+        if (ties.up[o] >= 0) row(ties, ties.up[t])[ties.up[o]] += row(ties, t)[o];
     }
   }
-  /// Whether tie o of a body is still there when tie t gives way.
-  static bool waits(const Topology::Ties& ties, int o, int t) { return ties.up[o] >= 0 || o > t; }
 
-  /// u of the velocities that give way at body i, and what the others feel of it.
-  template <class AnyTree> void pull_ties(const AnyTree& tree, int i, const T* x) noexcept {
+  /// u of a velocity that gives way at body i, and what the others feel of it.
+  template <class AnyTree> void pull_tie(const AnyTree& tree, int i, int t, const T* x) noexcept {
     const Topology::Ties& ties = tree->ties;
-    for (int t = ties.begin[i]; t < ties.begin[i + 1]; ++t) {
-      if (ties.up[t] >= 0) continue;
-      const T* const D_t = row(tree, i, t);
-      u_tie[t] = x[ties.velocity[t]] - u_tie[t];
-      const T k = u_tie[t] / D_t[t];
-      W[i] += k * U_tie[t];
-      for (int o = ties.begin[i]; o < ties.begin[i + 1]; ++o)
-        if (waits(ties, o, t)) u_tie[o] += k * D_t[o];
-    }
-    for (int t = ties.begin[i]; t < ties.begin[i + 1]; ++t)
-      if (ties.up[t] >= 0) u_tie[ties.up[t]] += u_tie[t];
+    const T* const D_t = row(ties, t);
+    u_tie[t] = x[ties.velocity[t]] - u_tie[t];
+    const T k = u_tie[t] / D_t[t];
+    W[i] += k * U_tie[t];
+    for (int o = ties.group_begin[t]; o < ties.group_end[t]; ++o)
+      if (waits(ties, i, o, t)) u_tie[o] += k * D_t[o];
   }
-  /// The same velocities from the motion X of body i without its joint.
-  template <class AnyTree> void push_ties(const AnyTree& tree, int i, T* x) noexcept {
+  /// The same velocity from the motion X of body i.
+  template <class AnyTree> void push_tie(const AnyTree& tree, int i, int t, T* x) noexcept {
     const Topology::Ties& ties = tree->ties;
-    for (int t = ties.begin[i + 1]; t-- > ties.begin[i];) {
-      if (ties.up[t] >= 0) continue;
-      const T* const D_t = row(tree, i, t);
-      T rest = u_tie[t] - (U_tie[t] | X[i]);
-      for (int o = ties.begin[i]; o < ties.begin[i + 1]; ++o)
-        if (waits(ties, o, t)) rest -= D_t[o] * x[ties.velocity[o]];
-      x[ties.velocity[t]] = rest / D_t[t];
-    }
+    const T* const D_t = row(ties, t);
+    T rest = u_tie[t] - (U_tie[t] | X[i]);
+    for (int o = ties.group_begin[t]; o < ties.group_end[t]; ++o)
+      if (waits(ties, i, o, t)) rest -= D_t[o] * x[ties.velocity[o]];
+    x[ties.velocity[t]] = rest / D_t[t];
   }
 };
 

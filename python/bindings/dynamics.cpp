@@ -14,10 +14,19 @@ namespace {
 
 using namespace nb::literals;
 
-/// f(), with other Python threads running.
-template <class F> auto released(const F& f) {
-  const nb::gil_scoped_release others_run;
-  return f();
+/// M⁻¹ x in every row of `out`, until Ctrl-C; set(k, row) writes the x of row k.
+template <class F> Array solved_rows(const MassMatrixFactor<>& factor, NewArray out, const F& set) {
+  const std::size_t n = static_cast<std::size_t>(factor.nv()), rows = n == 0 ? 0 : out.all().size() / n;
+  LongCall call(true);
+  const batch::Monitor monitor = call.monitor();
+  batch::Watch watch(monitor, rows);
+  for (std::size_t k = 0; k < rows && watch.go_on(k); ++k) {
+    const std::span<double> row = out.all().subspan(k * n, n);
+    set(k, row);
+    factor.solve(row);
+  }
+  call.end();
+  return out.array();
 }
 
 void add_equations_of_motion(nb::module_& module) {
@@ -199,11 +208,13 @@ True
             if (matrix.axes() != 2 || !matrix.ends_with({m->nv(), m->nv()}))
               matrix.wrong_shape(Shape{m->nv(), m->nv()}.text() + ", nv by nv");
             MassMatrixFactor<> factor(m);
-            const Solvability found = released([&] {
-              return factor.factorize(std::span(matrix.data(), static_cast<std::size_t>(matrix.size())));
-            });
+            const Solvability found = [&] {
+              const nb::gil_scoped_release others_run;
+              return factor.factorize({matrix.data(), static_cast<std::size_t>(matrix.size())});
+            }();
             if (!found.ok())
-              raise_of_states("SingularError", to_string(*m, found), {0}, {nb::object(nb::none())});
+              raise_of_states(found.not_finite ? "NotFiniteError" : "SingularError", to_string(*m, found),
+                              {0}, {nb::object(nb::none())});
             new (self) MassMatrixFactor<>(std::move(factor));
           },
           "m"_a, "M"_a)
@@ -214,21 +225,20 @@ True
             const nb::ssize_t n = factor.nv();
             if (x.axes() < 1 || x.axes() > 2 || !x.ends_with({n}))
               x.wrong_shape(Shape{n}.text() + " or (N, " + std::to_string(n) + ")");
-            NewArray out(x.axes() == 1 ? Shape{n} : Shape{x.length(0), n});
-            std::copy_n(x.data(), x.size(), out.data());
-            released([&] {
-              for (nb::ssize_t k = 0; k < x.size(); k += n)
-                factor.solve(std::span(out.data() + k, static_cast<std::size_t>(n)));
-            });
-            return out.array();
+            return solved_rows(factor, NewArray(x.axes() == 1 ? Shape{n} : Shape{x.length(0), n}),
+                               [&](std::size_t k, std::span<double> row) {
+                                 std::copy_n(x.data() + k * row.size(), row.size(), row.data());
+                               });
           },
           "x"_a, "M^-1 x for x of shape (nv,), or for each row of (N, nv). O(n d).")
       .def(
           "inverse",
           [](const MassMatrixFactor<>& factor) {
-            NewArray out({factor.nv(), factor.nv()});
-            released([&] { factor.inverse(out.all()); });
-            return out.array();
+            return solved_rows(factor, NewArray({factor.nv(), factor.nv()}),
+                               [](std::size_t k, std::span<double> row) {
+                                 std::fill(row.begin(), row.end(), 0);
+                                 row[k] = 1;
+                               });
           },
           "M^-1, (nv, nv). O(n^2 d).")
       .def_prop_ro(

@@ -1,11 +1,11 @@
 #pragma once
 #include <array>
-#include <optional>
 #include <span>
 #include <tuple>
 #include <utility>
 
 #include "conversions.hpp"
+#include "long_call.hpp"
 
 /// Functions of one item, such as a screw (6,), for arrays of items with any axes in front, (..., 6).
 namespace axode::python {
@@ -157,14 +157,15 @@ template <class... T> class Results<std::tuple<T...>> {
   std::tuple<Results<T>...> results_;
 };
 
-/// f of every item. Lets other Python threads run where there are many.
+/// f of every item. Where there are many, other Python threads run, and Ctrl-C ends it.
 template <class F, class... T> auto map_items(const F& f, const Given<T>&... given) {
   const std::array operands{Operand(given.name, given.array, Item<T>::shape, infinities_of<T>)...};
   const Shape leading = common_leading(operands);
   Results<std::invoke_result_t<const F&, const T&...>> results(leading);
-  std::optional<nb::gil_scoped_release> released;
-  if (leading.size() > 200) released.emplace();
-  for (nb::ssize_t k = 0; k < leading.size(); ++k) {
+  LongCall call(leading.size() > 200);
+  const batch::Monitor monitor = call.monitor();
+  batch::Watch watch(monitor, static_cast<std::size_t>(leading.size()));
+  for (nb::ssize_t k = 0; k < leading.size() && watch.go_on(static_cast<std::size_t>(k)); ++k) {
     try {
       [&]<std::size_t... n>(std::index_sequence<n...>) {
         results.write(k, f(Item<T>::read(operands[n].name(), operands[n][k])...));
@@ -174,7 +175,7 @@ template <class F, class... T> auto map_items(const F& f, const Given<T>&... giv
       rethrow_with_place(error, leading, k);
     }
   }
-  released.reset();
+  call.end();
   return results.take();
 }
 

@@ -134,7 +134,7 @@ NewArray StateFunction::run(const BoundModel& m, const Arguments& given, const R
   const std::size_t size = row.size(*m, loads.count());
   std::vector<Solvability> found;
   Solvability otherwise{.not_finite = true};
-  if (states.many() && in_lanes_ != nullptr && loads.none() &&
+  if (states.many() && m->nq() > 0 && in_lanes_ != nullptr && loads.none() &&  // lanes count states by q
       (row.choice != Choice::recursion || !given.algorithm.representation)) {
     catalog::Given<double> all{.q = states.q()};
     if (v) all.v = v->all();

@@ -5,11 +5,11 @@
 #include <vector>
 
 #include "array.hpp"
-#include "axode/batch/portions.hpp"
 #include "axode/recursion/loads.hpp"
 #include "axode/recursion/solvability.hpp"
 #include "bound_model.hpp"
 #include "choice.hpp"
+#include "long_call.hpp"
 
 namespace axode::python {
 
@@ -73,16 +73,9 @@ class States {
   }
   /// f(monitor) on all states at once, with other Python threads running, and Ctrl-C heard through the monitor.
   template <class F> auto unlocked(double microseconds, const F& f) const {
-    std::optional<nb::gil_scoped_release> released;
-    if (takes_long(microseconds)) released.emplace();
-    bool interrupted = false;
-    const auto outcome = f([&](std::size_t, std::size_t) {
-      const nb::gil_scoped_acquire acquired;
-      interrupted = PyErr_CheckSignals() != 0;
-      return !interrupted;
-    });
-    released.reset();
-    if (interrupted) throw nb::python_error();
+    LongCall call(takes_long(microseconds));
+    const auto outcome = f(call.monitor());
+    call.end();
     return outcome;
   }
 

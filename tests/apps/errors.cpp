@@ -197,6 +197,10 @@ INSTANTIATE_TEST_SUITE_P(
          {"eval", arm, "--state", "nowhere.json"},
          1,
          "axode eval: nowhere.json: the file cannot be read"},
+        {"AStateThatBreaksOff",
+         {"eval", arm, "--state", "/proc/self/mem"},
+         1,
+         "axode eval: /proc/self/mem: the file cannot be read"},
         {"AFolderAsState", {"eval", arm, "--state", "/"}, 1, "axode eval: /: the file cannot be read"},
     }),
     [](const auto& p) { return p.param.name; });

@@ -1,0 +1,193 @@
+#include <functional>
+
+#include "axode/batch.hpp"
+#include "tests/laws/law.hpp"
+#include "tests/support/refused_arguments.hpp"
+
+/// Calls on many states that a monitor ends, and results where there must be none.
+namespace axode::test {
+namespace {
+
+using batch::Monitor;
+
+/// A function of N states of a model: fills its results and says how many are done.
+struct Function {
+  std::string name;
+  std::function<std::size_t(const Model&)> size;  ///< numbers of a result
+  std::function<std::size_t(const Model&, std::span<const double> q, std::span<const double> x,
+                            std::span<double> out, int threads, const Monitor&)>
+      call;  ///< x are velocities, accelerations and forces alike
+};
+
+std::size_t number(int n) { return static_cast<std::size_t>(n); }
+
+const std::vector<Function>& functions() {
+  using Numbers = std::span<const double>;
+  using Out = std::span<double>;
+  const auto nv = [](const Model& m) { return number(m.nv()); };
+  const auto nv2 = [](const Model& m) { return number(m.nv() * m.nv()); };
+  static const std::vector<Function> all{
+      {"inverse_dynamics", nv,
+       [](const Model& m, Numbers q, Numbers x, Out out, int threads, const Monitor& monitor) {
+         return batch::inverse_dynamics(m, q, x, x, out, threads, monitor);
+       }},
+      {"forward_dynamics", nv,
+       [](const Model& m, Numbers q, Numbers x, Out out, int threads, const Monitor& monitor) {
+         return batch::forward_dynamics(m, q, x, x, out, threads, monitor).done;
+       }},
+      {"mass_matrix", nv2,
+       [](const Model& m, Numbers q, Numbers, Out out, int threads, const Monitor& monitor) {
+         return batch::mass_matrix(m, q, out, threads, monitor);
+       }},
+      {"inverse_mass_matrix", nv2,
+       [](const Model& m, Numbers q, Numbers, Out out, int threads, const Monitor& monitor) {
+         return batch::inverse_mass_matrix(m, q, out, threads, monitor).done;
+       }},
+      {"poses", [](const Model& m) { return 12 * number(m.n_frames()); },
+       [](const Model& m, Numbers q, Numbers, Out out, int threads, const Monitor& monitor) {
+         return batch::poses(m, q, {reinterpret_cast<SE3<>*>(out.data()), out.size() / 12}, threads, monitor);
+       }},
+      {"joint_screws", [](const Model& m) { return 6 * number(m.n_screws()); },
+       [](const Model& m, Numbers q, Numbers, Out out, int threads, const Monitor& monitor) {
+         return batch::joint_screws(m, q, {reinterpret_cast<Twist<Spatial>*>(out.data()), out.size() / 6},
+                                    threads, monitor);
+       }}};
+  return all;
+}
+
+/// Three hinges; the last of them moves a mass, none, or as the first does.
+enum class Wrist { solid, massless, coupled };
+Model arm(Wrist wrist) {
+  Description arm{.name = "arm"};
+  const auto add = [&](const char* name, const char* on, Vec3<> axis, bool mass) {
+    BodyDescription body{.name = name, .predecessor = on};
+    body.joint = {.name = std::string(name) + " joint",
+                  .kind = JointKind::revolute,
+                  .axis = axis,
+                  .point = {0, 0, 0.3}};
+    if (mass) body.inertia = MassProperties{.mass = 1, .com = {0.1, 0.2, 0.3}, .Theta = {1, 1, 1}};
+    arm.bodies.push_back(std::move(body));
+  };
+  add("upper", "ground", {0, 1, 0}, true), add("fore", "upper", {1, 0, 0}, true);
+  add("hand", "fore", {0, 0, 1}, wrist != Wrist::massless);
+  if (wrist == Wrist::coupled) arm.bodies.back().joint.coupling = Coupling{"upper joint", 2, 0};
+  return ModelBuilder(arm).build(Physics::lenient);
+}
+
+std::vector<double> any_numbers(std::size_t size) {
+  std::vector<double> x(size);
+  for (std::size_t k = 0; k < size; ++k) x[k] = std::sin(static_cast<double>(k));
+  return x;
+}
+
+class Batches : public testing::TestWithParam<Wrist> {};
+INSTANTIATE_TEST_SUITE_P(, Batches, testing::Values(Wrist::solid, Wrist::massless, Wrist::coupled),
+                         [](const auto& wrist) {
+                           return std::string(wrist.param == Wrist::solid      ? "solid"
+                                              : wrist.param == Wrist::massless ? "massless"
+                                                                               : "coupled");
+                         });
+
+TEST_P(Batches, TheFirstResultsAreThereAndTheMonitorIsAskedNoMore) {
+  const Model model = arm(GetParam());
+  const std::size_t nq = number(model.nq());
+  for (const Function& function : functions())
+    for (const int threads : {1, 2}) {
+      SCOPED_TRACE(function.name + " on " + std::to_string(threads));
+      int asked = 0;
+      const Monitor stop = [&](std::size_t done, std::size_t of) {
+        EXPECT_LE(done, of);
+        ++asked;
+        return false;
+      };
+      for (std::size_t N = 100'000; asked == 0;
+           N *= 2) {  // until the call takes long enough to be asked about
+        ASSERT_LT(N, 100'000'000u);
+        const std::vector<double> q = any_numbers(nq * N);
+        const std::size_t size = function.size(model);
+        std::vector<double> out(size * N, -1);
+        const std::size_t done = function.call(model, q, q, out, threads, stop);
+        if (asked == 0) {
+          EXPECT_EQ(done, N);
+          continue;
+        }
+        EXPECT_EQ(asked, 1);
+        EXPECT_LT(done, N);
+        EXPECT_GT(done, 0u);
+        const std::size_t some = std::min<std::size_t>(done, 5000);  // the last ones of those that are done
+        const std::span<const double> q_last = std::span(q).subspan((done - some) * nq, some * nq);
+        std::vector<double> expected(size * some);
+        function.call(model, q_last, q_last, expected, 1, {});
+        for (std::size_t k = 0; k < expected.size(); ++k) {
+          const double x = out[(done - some) * size + k];
+          ASSERT_TRUE(x == expected[k] || (std::isnan(x) && std::isnan(expected[k])));
+        }
+      }
+    }
+}
+
+TEST_P(Batches, OutcomesCountTheStatesThatAreDone) {
+  const Model model = arm(GetParam());
+  for (std::size_t N = 100'000;; N *= 2) {
+    ASSERT_LT(N, 100'000'000u);
+    const std::vector<double> q = any_numbers(number(model.nq()) * N);
+    std::vector<double> a(q.size());
+    const batch::Outcome outcome =
+        batch::forward_dynamics<double>(model, q, q, q, a, 1, [](std::size_t, std::size_t) { return false; });
+    EXPECT_EQ(outcome.singular_states, GetParam() == Wrist::massless ? outcome.done : 0);
+    EXPECT_EQ(outcome.first, 0u);
+    if (outcome.done < N) break;
+  }
+}
+
+TEST(ManyStatesArguments, ResultsHaveMemoryOfTheirOwn) {
+  const Model model = arm(Wrist::solid);
+  const std::size_t N = 20;
+  for (const Function& function : functions()) {
+    const std::size_t size = N * function.size(model);
+    std::vector<double> memory = any_numbers(size + 6 * N);
+    const std::span<double> all(memory);
+    for (const std::size_t at : {std::size_t{0}, std::size_t{1}, size - 1})
+      EXPECT_THAT(message_of([&] {
+                    const std::span<double> q = all.subspan(at, 3 * N);
+                    function.call(model, q, q, all.first(size), 1, {});
+                  }),
+                  testing::HasSubstr(" shares memory with q; this result needs memory of its own"))
+          << function.name << " at " << at;
+    const std::span<double> beside = all.subspan(size, 3 * N);
+    EXPECT_EQ(message_of([&] { function.call(model, beside, beside, all.first(size), 1, {}); }), "no error");
+  }
+  const std::vector<double> q = any_numbers(3 * N);
+  std::vector<double> x = any_numbers(3 * N);
+  EXPECT_EQ(message_of([&] { batch::inverse_dynamics<double>(model, q, q, x, x); }),
+            "tau shares memory with a; this result needs memory of its own");
+  EXPECT_EQ(message_of([&] { batch::inverse_dynamics<double>(model, q, x, q, x); }),
+            "tau shares memory with v; this result needs memory of its own");
+  EXPECT_EQ(message_of([&] { static_cast<void>(batch::forward_dynamics<double>(model, q, q, x, x)); }),
+            "a shares memory with tau; this result needs memory of its own");
+}
+
+TEST_P(Batches, WhatIsNotFiniteIsCountedAndTheOthersAreRight) {
+  const Model model = arm(GetParam());
+  const std::size_t N = 100, nv = number(model.nv());
+  const std::vector<double> q = any_numbers(number(model.nq()) * N);
+  for (const double wrong : {std::nan(""), std::numeric_limits<double>::infinity(), 1e300}) {
+    std::vector<double> v = any_numbers(nv * N), tau = v, a(nv * N), right(nv * N);
+    const batch::Outcome before = batch::forward_dynamics<double>(model, q, v, tau, right);
+    v[37 * nv] = wrong, v[64 * nv + 1] = wrong;
+    const batch::Outcome outcome = batch::forward_dynamics<double>(model, q, v, tau, a);
+    if (GetParam() == Wrist::massless) {
+      EXPECT_EQ(outcome.singular_states, N);
+      continue;
+    }
+    EXPECT_TRUE(before.ok());
+    EXPECT_EQ(outcome.singular_states, 2u);
+    EXPECT_EQ(outcome.first, 37u);
+    EXPECT_TRUE(outcome.solvability.not_finite);
+    for (std::size_t k = 0; k < N; ++k)
+      for (std::size_t c = 0; c < nv && k != 37 && k != 64; ++c) EXPECT_EQ(a[k * nv + c], right[k * nv + c]);
+  }
+}
+
+}  // namespace
+}  // namespace axode::test

@@ -1,0 +1,105 @@
+#include "axode/batch.hpp"
+#include "tests/laws/law.hpp"
+
+/// What is singular but for rounding is refused, and what is not refused is right: by every function that inverts the
+/// mass matrix, in every representation, by the fast path and in batches.
+namespace axode::test {
+namespace {
+
+class SingularToRounding : public Law {};
+INSTANTIATE_TEST_SUITE_P(Laws, SingularToRounding, testing::ValuesIn(cases_with_fast()), name_of);
+
+/// A thin body that no joint holds, drawn in any direction; its principal inertias are 1, 1 and `third`, kg m².
+Model rod(double third, const SO3<>& R) {
+  return ModelBuilder("rod")
+      .add({.name = "rod",
+            .joint = {.kind = JointKind::free},
+            .inertia = MassProperties{.mass = 0.1, .Theta = {1, 1, third, 0, 0, 0}, .axes = R}})
+      .build(Physics::lenient);
+}
+
+/// M⁻¹ of three copies of a state.
+template <class T> Answer inverse_in_batch(const Model& model, const std::vector<double>& q) {
+  std::vector<T> all;
+  for (int k = 0; k < 3; ++k) all.insert(all.end(), q.begin(), q.end());
+  const std::size_t nv2 = static_cast<std::size_t>(model.nv() * model.nv());
+  std::vector<T> inverse(3 * nv2);
+  const batch::Outcome outcome = batch::inverse_mass_matrix<T>(model, all, inverse);
+  EXPECT_EQ(outcome.singular_states, outcome.ok() ? 0 : 3);
+  return {{inverse.begin(), inverse.begin() + static_cast<std::ptrdiff_t>(nv2)}, outcome.solvability};
+}
+template <class T> Answer accelerations_in_batch(const Model& model, const Ask& ask) {
+  std::vector<T> q, v, tau;
+  for (int k = 0; k < 3; ++k) {
+    q.insert(q.end(), ask.q.begin(), ask.q.end());
+    v.insert(v.end(), ask.v.begin(), ask.v.end());
+    tau.insert(tau.end(), ask.tau.begin(), ask.tau.end());
+  }
+  std::vector<T> a(v.size());
+  const batch::Outcome outcome = batch::forward_dynamics<T>(model, q, v, tau, a);
+  EXPECT_EQ(outcome.singular_states, outcome.ok() ? 0 : 3);
+  return {{a.begin(), a.begin() + model.nv()}, outcome.solvability};
+}
+
+/// A state of the rod, and a torque about its axis alone.
+struct Thin {
+  SO3<> R;
+  Model model;
+  Ask ask;
+
+  Thin(double third, Random<double>& random) : R(random.rotation()), model(rod(third, R)) {
+    ask.q = random_state(model, random).q, ask.v.assign(6, 0);
+    ask.tau = ask.p = {axis().x, axis().y, axis().z, 0, 0, 0};
+    ask.frame = 1;
+  }
+  Vec3<> axis() const { return R.z; }  ///< in the body frame
+};
+
+TEST_P(SingularToRounding, IsRefusedInEveryDirection) {
+  for_seeds(1000, [&](std::uint64_t seed) {
+    Random<double> random(seed);
+    const Thin thin(0, random);
+    const auto on = subject(GetParam(), thin.model);
+    for (const char* function : {"forward_dynamics", "inverse_mass_matrix", "from_momenta", "momentum_form",
+                                 "impulse_response", "mobility", "operational_space_inertia"})
+      EXPECT_FALSE(on->call(function, thin.ask).solvability.ok()) << function;
+    if (!GetParam().fast) return;
+    EXPECT_FALSE((GetParam().single ? inverse_in_batch<float>(thin.model, thin.ask.q)
+                                    : inverse_in_batch<double>(thin.model, thin.ask.q))
+                     .solvability.ok())
+        << "in a batch";
+    EXPECT_FALSE((GetParam().single ? accelerations_in_batch<float>(thin.model, thin.ask)
+                                    : accelerations_in_batch<double>(thin.model, thin.ask))
+                     .solvability.ok())
+        << "in a batch";
+  });
+}
+
+TEST_P(SingularToRounding, IsRefusedOrRight) {
+  int right = 0, refused = 0;
+  for_seeds(1000, [&](std::uint64_t seed) {
+    Random<double> random(seed);
+    const double third = std::pow(10, random.number(-18, 0));
+    const Thin thin(third, random);
+    const auto check = [&](const Answer& answer, const char* how) {
+      if (!answer.solvability.ok()) {
+        ++refused;
+        return;
+      }
+      ++right;
+      const Vec3<> a{answer.numbers[0], answer.numbers[1], answer.numbers[2]};
+      EXPECT_LE(norm(third * a - thin.axis()), 0.5) << how << " with " << third;
+    };
+    check(subject(GetParam(), thin.model)->call("forward_dynamics", thin.ask), "one");
+    check(subject(GetParam(), thin.model)->call("from_momenta", thin.ask), "momenta");
+    if (!GetParam().fast) return;
+    check(GetParam().single ? accelerations_in_batch<float>(thin.model, thin.ask)
+                            : accelerations_in_batch<double>(thin.model, thin.ask),
+          "many");
+  });
+  EXPECT_GT(right, (right + refused) / 10);
+  EXPECT_GT(refused, (right + refused) / 20);
+}
+
+}  // namespace
+}  // namespace axode::test

@@ -1,0 +1,129 @@
+"""Ctrl-C is answered in the middle of every call on many states or items."""
+
+import os
+import signal
+import subprocess
+import sys
+import time
+
+import axode
+import numpy as np
+import pytest
+from mechanisms import MECHANISMS, random_states
+
+ARM, MACHINE = MECHANISMS["arm"], MECHANISMS["machine"]
+POSES = axode.poses(ARM, ARM.random())
+
+
+def of_states(m, f):
+    """f(q, v, a) of N states of m, as a function that makes the arguments of N and one that takes them."""
+    state = random_states(m, 16)[:3]
+    return lambda N: [np.resize(x, (N, x.shape[1])) for x in state], lambda q, v, a: f(q, v, a)
+
+
+def of_items(f, *items):
+    return lambda N: [np.repeat(item[None], N, axis=0) for item in items], f
+
+
+LONG = {
+    "inverse dynamics": of_states(ARM, lambda q, v, a: axode.inverse_dynamics(ARM, q, v, a)),
+    "inverse dynamics on two threads": of_states(ARM, lambda q, v, a: axode.inverse_dynamics(ARM, q, v, a, threads=2)),
+    "inverse dynamics, body": of_states(ARM, lambda q, v, a: axode.inverse_dynamics(ARM, q, v, a, "body")),
+    "forward dynamics": of_states(ARM, lambda q, v, a: axode.forward_dynamics(ARM, q, v, a)),
+    "forward dynamics, coupled": of_states(MACHINE, lambda q, v, a: axode.forward_dynamics(MACHINE, q, v, a)),
+    "forward dynamics, body, two threads": of_states(
+        ARM, lambda q, v, a: axode.forward_dynamics(ARM, q, v, a, "body", threads=2)),
+    "forward dynamics with losses": of_states(ARM, lambda q, v, a: axode.forward_dynamics(ARM, q, v, a,
+                                                                                          joint_losses=True)),
+    "mass matrix": of_states(ARM, lambda q, v, a: axode.mass_matrix(ARM, q)),
+    "mass matrix, coupled": of_states(MACHINE, lambda q, v, a: axode.mass_matrix(MACHINE, q)),
+    "its inverse": of_states(ARM, lambda q, v, a: axode.inverse_mass_matrix(ARM, q)),
+    "its partials": of_states(ARM, lambda q, v, a: axode.mass_matrix_partials(ARM, q)),
+    "poses": of_states(ARM, lambda q, v, a: axode.poses(ARM, q)),
+    "jacobian": of_states(ARM, lambda q, v, a: axode.jacobian(ARM, q, "flange")),
+    "partials of the jacobian": of_states(ARM, lambda q, v, a: axode.jacobian_partials(ARM, q, "flange", order=2)),
+    "higher derivatives": of_states(ARM, lambda q, v, a: axode.twist_derivatives(
+        ARM, q, np.stack([v, a, v, a], axis=1), "flange")),
+    "energy": of_states(ARM, lambda q, v, a: axode.kinetic_energy(ARM, q, v)),
+    "integrate": of_states(MACHINE, lambda q, v, a: MACHINE.integrate(q, v)),
+    "difference": of_states(MACHINE, lambda q, v, a: MACHINE.difference(q, q)),
+    "interpolate": of_states(MACHINE, lambda q, v, a: MACHINE.interpolate(q, q, 0.5)),
+    "clamp": of_states(MACHINE, lambda q, v, a: MACHINE.clamp(q)),
+    "exp": of_items(axode.lie.exp, np.ones(6)),
+    "log": of_items(axode.lie.log, POSES[-1]),
+    "ddexp": of_items(axode.lie.ddexp, np.ones(6), np.ones(6)),
+    "Ad": of_items(axode.lie.Ad, POSES[-1]),
+    "solutions by a factor": of_items(axode.MassMatrixFactor(ARM, axode.mass_matrix(ARM, ARM.neutral())).solve,
+                                      np.ones(7)),
+}
+
+
+def processor_time(f):
+    start = time.process_time()
+    f()
+    return time.process_time() - start
+
+
+@pytest.mark.parametrize("call", LONG)
+def test_ctrl_c_is_answered_long_before_the_call_would_have_ended(call):
+    make, f = LONG[call]
+    full, after = 0.5, 0.05  # seconds of processor time, which do not depend on what else the machine does
+    N, took = 500, 0
+    while took < full / 10:
+        N *= 2
+        arguments = make(N)
+        took = processor_time(lambda: f(*arguments))
+    arguments = make(int(N * full / took))
+    before = signal.signal(signal.SIGPROF, signal.default_int_handler)
+    start = time.process_time()
+    try:
+        with pytest.raises(KeyboardInterrupt):
+            signal.setitimer(signal.ITIMER_PROF, after)
+            f(*arguments)
+        assert time.process_time() - start < full / 2
+    finally:
+        signal.setitimer(signal.ITIMER_PROF, 0)
+        signal.signal(signal.SIGPROF, before)
+    few = make(10)
+    assert np.shape(f(*few))[0] == 10  # and the next call is as if nothing had been
+
+
+def test_ctrl_c_from_another_process_ends_a_program():
+    program = """
+import axode, numpy as np
+m = axode.load(axode.robots / "humanoid.urdf", base="free")
+q = np.repeat(m.neutral()[None], 3000, axis=0)
+v = np.zeros((3000, m.nv))
+print("started", flush=True)
+while True:
+    axode.inverse_mass_matrix_partials(m, q)
+"""
+    child = subprocess.Popen([sys.executable, "-c", program], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    assert child.stdout.readline() == "started\n"
+    time.sleep(0.3)
+    os.kill(child.pid, signal.SIGINT)
+    try:
+        error = child.communicate(timeout=20)[1]
+    finally:
+        child.kill()
+    assert child.returncode == -signal.SIGINT
+    assert error.rstrip().endswith("KeyboardInterrupt")
+
+
+def test_ctrl_c_while_an_argument_is_read_is_no_other_error():
+    class Slow:
+        def __array__(self, *args, **kwargs):
+            raise KeyboardInterrupt
+
+    class Wrong:
+        def __array__(self, *args, **kwargs):
+            raise OSError("no file")
+
+    for f in (lambda x: axode.mass_matrix(ARM, x), axode.lie.exp, ARM.clamp,
+              lambda x: axode.inverse_dynamics(ARM, np.zeros(7), np.zeros(7), x),
+              lambda x: axode.MassMatrixFactor(ARM, x)):
+        with pytest.raises(KeyboardInterrupt):
+            f(Slow())
+        with pytest.raises(ValueError, match="expected numbers") as raised:
+            f(Wrong())
+        assert isinstance(raised.value.__cause__, OSError)
