@@ -55,9 +55,10 @@ Placement place(const BodyDescription& body, const Placement* predecessor) {
   if (const auto* drawn = std::get_if<InConstructionFrame>(&body.geometry)) {
     at.A = orthonormal(drawn->A);
     at.B = relative(A_predecessor, at.A);
-    at.J = fixed && predecessor != nullptr ? predecessor->J : at_body ? at.A : J;
+    const bool of_predecessor = fixed && predecessor != nullptr, own = at_body && !of_predecessor;
+    at.J = own ? at.A : of_predecessor ? predecessor->J : J;
     at.S_prev = relative(A_predecessor, at.J);
-    at.S_self = relative(at.A, at.J);
+    at.S_self = own ? SE3<>{} : relative(at.A, at.J);
     return at;
   }
   if (const auto* in_body = std::get_if<InBodyFrame>(&body.geometry)) {
