@@ -37,9 +37,8 @@ TYPED_TEST(CenterOfMassOf, ATreeIsTheMeanOfItsMatterWeightedByMass) {
 
 TYPED_TEST(CenterOfMassOf, AMasslessModelIsAnError) {
   using T = TypeParam;
-  const Model model = ModelBuilder("ghost")
-                          .add({.name = "link", .joint = {.kind = JointKind::revolute}})
-                          .build(Physics::lenient);
+  const Model model =
+      ModelBuilder("ghost").add({.name = "link", .joint = {.kind = JointKind::revolute}}).build();
   Workspace<T> workspace(model);
   const std::vector<T> q(1);
   try {
