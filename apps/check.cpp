@@ -7,31 +7,24 @@
 #include "choice.hpp"
 #include "commands.hpp"
 #include "json_text.hpp"
+#include "model_options.hpp"
 #include "terminal.hpp"
 
 namespace axode::command {
 namespace {
 
 struct Options {
-  std::vector<std::string> files;
+  ModelOptions mechanisms;
   std::string format = "table";
 };
 
 constexpr const char* footer = R"(Example:
   axode check arm7.toml humanoid.urdf
 
-Every fault is one line, FILE:LINE: error: ... or FILE:LINE: warning: ... A body that no matter can make
-(a mass of 0, an inertia that no density produces) is an error here, even where a URDF with it can be
-loaded. The exit code is 1 where there is an error in any of the files.)";
-
-/// The faults of a file; bodies that no matter can make are errors whatever the format of the file.
-std::vector<Fault> judged(const std::string& file) {
-  std::vector<Fault> faults = check(file);
-  for (Fault& fault : faults)
-    if (fault.rule == Rule::mass_not_positive || fault.rule == Rule::inertia_not_realisable)
-      fault.severity = Severity::error;
-  return faults;
-}
+Every fault is one line, FILE:LINE: error: ... or FILE:LINE: warning: ... What can be computed although it is
+doubtful (a mass of 0, an inertia that no density produces, limits the wrong way round, a joint that follows
+one which does not exist) is a warning, and with --strict an error, as for every command. The exit code is 1
+where there is an error in any of the files.)";
 
 std::string counted(std::size_t n, const char* what) {
   return fmt::format("{} {}{}", n == 0 ? "no" : std::to_string(n), what, n == 1 ? "" : "s");
@@ -41,8 +34,9 @@ int run(const Options& options) {
   const Format format = choose("--format", options.format, formats);
   Json files = Json::array();
   std::size_t all_errors = 0;
-  for (const std::string& file : options.files) {
-    const std::vector<Fault> faults = judged(file);
+  const Base base = options.mechanisms.held();
+  for (const std::string& file : options.mechanisms.files) {
+    const std::vector<Fault> faults = axode::check(file, base, options.mechanisms.strictness());
     const auto errors = static_cast<std::size_t>(std::count_if(
         faults.begin(), faults.end(), [](const Fault& f) { return f.severity == Severity::error; }));
     all_errors += errors;
@@ -73,7 +67,7 @@ int run(const Options& options) {
 void add_check(CLI::App& app, int& exit_code) {
   const auto options = std::make_shared<Options>();
   CLI::App* check = app.add_subcommand("check", "List every fault of drawings and URDFs");
-  check->add_option("MODEL", options->files, "Drawings (.toml) and URDFs")->required()->type_name("FILES");
+  add_model_options(*check, options->mechanisms, Files::several);
   check->add_option("--format", options->format, "table (if left out) or json")->type_name("WORD");
   check->footer(footer);
   check->callback([options, &exit_code] { exit_code = run(*options); });

@@ -4,8 +4,8 @@
 #include <string_view>
 #include <utility>
 
+#include "axode/catalog.hpp"
 #include "axode/dynamics/coriolis.hpp"
-#include "axode/io.hpp"
 #include "axode/lie/twist.hpp"
 #include "axode/model/nearest_name.hpp"
 #include "commands.hpp"
@@ -17,8 +17,6 @@ enum class Format { table, json };
 
 inline constexpr std::array<std::pair<std::string_view, Format>, 2> formats{
     {{"table", Format::table}, {"json", Format::json}}};
-inline constexpr std::array<std::pair<std::string_view, Base>, 2> bases{
-    {{"fixed", Base::fixed}, {"free", Base::free}}};
 inline constexpr std::array<std::pair<std::string_view, Representation>, 4> representations{
     {{"body", Representation::body},
      {"spatial", Representation::spatial},
@@ -31,6 +29,16 @@ inline constexpr std::array<std::pair<std::string_view, CoriolisForm>, 4> coriol
      {"spatial", CoriolisForm::spatial},
      {"christoffel", CoriolisForm::christoffel}}};
 
+/// `; did you mean "poses"?`, or what a name of other libraries is called here; nothing where nothing is near.
+template <class Range, class NameOf>
+std::string suggestion(std::string_view word, const Range& candidates, NameOf name_of) {
+  const std::string_view here = catalog::name_here(word);
+  for (const auto& candidate : candidates)
+    if (!here.empty() && here == name_of(candidate))
+      return "; it is called \"" + std::string(here) + "\" here";
+  return did_you_mean(word, candidates, name_of);
+}
+
 /// `"fre" is none of fixed, free; did you mean "free"?`, where names are the words that would do.
 template <class Range, class NameOf>
 std::string none_of(std::string_view word, const Range& candidates, NameOf name_of) {
@@ -40,7 +48,7 @@ std::string none_of(std::string_view word, const Range& candidates, NameOf name_
     sentence += separator + std::string(name_of(candidate));
     separator = ", ";
   }
-  return sentence + did_you_mean(word, candidates, name_of);
+  return sentence + suggestion(word, candidates, name_of);
 }
 
 /// The value of a word. Throws Error where there is no such word; `where` starts the sentence.
@@ -58,11 +66,6 @@ std::string_view word_for(Value wanted, const std::array<std::pair<std::string_v
   for (const auto& [name, value] : choices)
     if (value == wanted) return name;
   return "";
-}
-
-/// The value of `--base`, which may be left out.
-inline Base base_of(const std::string& word) {
-  return word.empty() ? Base::as_described : choose("--base", word, bases);
 }
 
 }  // namespace axode::command

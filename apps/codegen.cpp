@@ -9,6 +9,7 @@
 
 #include "choice.hpp"
 #include "commands.hpp"
+#include "model_options.hpp"
 #include "text_file.hpp"
 
 namespace axode::command {
@@ -17,7 +18,8 @@ namespace {
 using codegen::Quantity;
 
 struct Options {
-  std::string model, functions = "inverse_dynamics", base, name, out;
+  ModelOptions mechanism;
+  std::string functions = "inverse_dynamics", name, out;
   bool single_precision = false;
 };
 
@@ -73,7 +75,7 @@ std::vector<codegen::Function> wanted(const Model& model, const std::string& lis
 }
 
 void run(const Options& options) {
-  const Model model = load(options.model, base_of(options.base));
+  const Model model = load(options.mechanism);
   if (!options.name.empty() && !codegen::is_identifier(options.name))
     throw UsageError("--name: \"" + options.name +
                      "\" is no C identifier: letters, digits and underscores, no digit first");
@@ -96,11 +98,9 @@ void add_codegen(CLI::App& app, int& exit_code) {
   const auto options = std::make_shared<Options>();
   CLI::App* codegen =
       app.add_subcommand("codegen", "Write the dynamics of a mechanism as C without loops and branches");
-  codegen->add_option("MODEL", options->model, "A drawing (.toml) or a URDF")->required()->type_name("FILE");
+  add_model_options(*codegen, options->mechanism);
   codegen->add_option("--functions", options->functions, "What to write; inverse_dynamics if left out")
       ->type_name("LIST");
-  codegen->add_option("--base", options->base, "fixed or free; as the file says if left out")
-      ->type_name("WORD");
   codegen->add_flag("--float", options->single_precision, "float instead of double");
   codegen->add_option("--name", options->name, "What all names begin with; the model's name if left out")
       ->type_name("PREFIX");

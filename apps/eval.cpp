@@ -9,6 +9,7 @@
 #include "axode/model/builder.hpp"
 #include "choice.hpp"
 #include "commands.hpp"
+#include "model_options.hpp"
 #include "quantities.hpp"
 #include "terminal.hpp"
 
@@ -16,8 +17,8 @@ namespace axode::command {
 namespace {
 
 struct Options {
-  std::string model, state, want = "inverse_dynamics", base, representation = "body", gravity,
-                            format = "table";
+  ModelOptions mechanism;
+  std::string state, want = "inverse_dynamics", representation = "body", gravity, format = "table";
   std::vector<std::string> frames;
   std::string relative_to = "ground";
   int order = 1;
@@ -53,7 +54,7 @@ std::vector<Quantity> wanted(const std::string& list) {
         std::find_if(all.begin(), all.end(), [&](const Quantity& q) { return q.name == name; });
     if (found == all.end())
       throw UsageError("--want: there is no quantity \"" + name + '"' +
-                       did_you_mean(name, all, [](const Quantity& q) { return q.name; }));
+                       suggestion(name, all, [](const Quantity& q) { return q.name; }));
     chosen.push_back(*found);
   }
   return chosen;
@@ -137,8 +138,8 @@ void run(const Options& options) {
   const Format format = choose("--format", options.format, formats);
   const Representation representation = choose("--representation", options.representation, representations);
   const std::optional<Vec3<>> gravity = gravity_of(options.gravity);
-  Question ask{load(options.model, base_of(options.base)), {}, representation, options.joint_losses};
-  if (gravity) ask.model = ModelBuilder(ask.model).gravity(*gravity).build(Physics::lenient);
+  Question ask{load(options.mechanism), {}, representation, options.joint_losses};
+  if (gravity) ask.model = ModelBuilder(ask.model).gravity(*gravity).build();
   for (const std::string& name : options.frames) ask.frames.push_back(ask.model.frame_index(name));
   ask.relative_to = ask.model.frame_index(options.relative_to);
   ask.order = options.order;
@@ -162,9 +163,9 @@ void run(const Options& options) {
   print_state(ask);
   fmt::print("{}", tables);
   if (const auto warnings = ask.model.warnings(); !warnings.empty())
-    fmt::print("\n{}\n",
-               in(Ink::warning, fmt::format("{} warning{} about the model: axode check {}", warnings.size(),
-                                            warnings.size() == 1 ? "" : "s", options.model)));
+    fmt::print("\n{}\n", in(Ink::warning,
+                            fmt::format("{} warning{} about the model: axode check {}", warnings.size(),
+                                        warnings.size() == 1 ? "" : "s", options.mechanism.files.front())));
 }
 
 }  // namespace
@@ -172,12 +173,11 @@ void run(const Options& options) {
 void add_eval(CLI::App& app, int& exit_code) {
   const auto options = std::make_shared<Options>();
   CLI::App* eval = app.add_subcommand("eval", "Compute quantities at a state");
-  eval->add_option("MODEL", options->model, "A drawing (.toml) or a URDF")->required()->type_name("FILE");
+  add_model_options(*eval, options->mechanism);
   eval->add_option("--state", options->state, "JSON, - for standard input; neutral and at rest if left out")
       ->type_name("FILE");
   eval->add_option("--want", options->want, "What to compute, see below; inverse_dynamics if left out")
       ->type_name("NAMES");
-  eval->add_option("--base", options->base, "fixed or free; as the file says if left out")->type_name("WORD");
   eval->add_option("--representation", options->representation,
                    "body (if left out), spatial, hybrid or mixed")
       ->type_name("WORD");

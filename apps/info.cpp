@@ -10,6 +10,7 @@
 #include "choice.hpp"
 #include "commands.hpp"
 #include "json_text.hpp"
+#include "model_options.hpp"
 #include "table.hpp"
 #include "terminal.hpp"
 #include "tree_drawing.hpp"
@@ -18,7 +19,8 @@ namespace axode::command {
 namespace {
 
 struct Options {
-  std::string model, base, format = "table";
+  ModelOptions mechanism;
+  std::string format = "table";
 };
 
 constexpr const char* footer = R"(Example:
@@ -171,7 +173,7 @@ void print_warnings(const Model& model, const std::string& file) {
 
 void run(const Options& options) {
   const Format format = choose("--format", options.format, formats);
-  const Model model = load(options.model, base_of(options.base));
+  const Model model = load(options.mechanism);
   if (format == Format::json) {
     fmt::print("{}", text(as_json(model)));
     return;
@@ -184,7 +186,7 @@ void run(const Options& options) {
   print_joints(model);
   print_bodies(model);
   print_frames(model);
-  print_warnings(model, options.model);
+  print_warnings(model, options.mechanism.files.front());
 }
 
 }  // namespace
@@ -193,8 +195,7 @@ void add_info(CLI::App& app, int& exit_code) {
   const auto options = std::make_shared<Options>();
   CLI::App* info =
       app.add_subcommand("info", "Show the tree, joints, masses, frames and warnings of a mechanism");
-  info->add_option("MODEL", options->model, "A drawing (.toml) or a URDF")->required()->type_name("FILE");
-  info->add_option("--base", options->base, "fixed or free; as the file says if left out")->type_name("WORD");
+  add_model_options(*info, options->mechanism);
   info->add_option("--format", options->format, "table (if left out) or json")->type_name("WORD");
   info->footer(footer);
   info->callback([options, &exit_code] {

@@ -10,6 +10,7 @@
 #include "choice.hpp"
 #include "commands.hpp"
 #include "json_text.hpp"
+#include "model_options.hpp"
 #include "table.hpp"
 #include "terminal.hpp"
 #include "text_file.hpp"
@@ -18,12 +19,12 @@ namespace axode::command {
 namespace {
 
 struct Options {
-  std::vector<std::string> models;
-  std::string base, csv, plot, format = "table";
+  ModelOptions mechanisms;
+  std::string csv, format = "table";
 };
 
 constexpr const char* footer = R"(Example:
-  axode study double_pendulum.toml --csv study.csv --plot study.svg
+  axode study double_pendulum.toml --csv study.csv
 
 Every algorithm in every representation and four choices of body frames:
   joint         the library's own: the axis of the joint is the z-axis of the body, at its origin
@@ -38,8 +39,7 @@ and the fast path, which is in no representation. For each:
   ns                             time of one call in one thread, median, nanoseconds
 
 What is computed does not depend on the frames; docs/comparative-study.md says more. The CSV has a line for
-each row of the tables. In the plot, bars are times and ticks are mul + add + div + sqrt + sin cos, to the scale
-at which they meet the bar of body-fixed twists in joint frames.)";
+each row of the tables.)";
 
 /// A count of an effort: its heading in a table, its name in a file.
 struct Column {
@@ -206,17 +206,14 @@ Json as_json(const std::vector<Study>& studies) {
 
 void run(const Options& options) {
   const Format format = choose("--format", options.format, formats);
-  const Base base = base_of(options.base);
-  std::vector<Model> models;
-  for (const std::string& file : options.models) {
-    models.push_back(load(file, base));
-    if (models.back().nv() == 0) throw InputError(file + ": nothing moves, there is nothing to study");
-  }
+  const std::vector<Model> models = load_all(options.mechanisms);
+  for (std::size_t k = 0; k < models.size(); ++k)
+    if (models[k].nv() == 0)
+      throw InputError(options.mechanisms.files[k] + ": nothing moves, there is nothing to study");
   std::vector<Study> studies;
   studies.reserve(models.size());
   for (const Model& model : models) studies.push_back(studied(model));
   if (!options.csv.empty()) write_text(options.csv, as_csv(studies));
-  if (!options.plot.empty()) write_text(options.plot, plot(studies));
   if (format == Format::json) {
     fmt::print("{}", text(as_json(studies)));
     return;
@@ -232,12 +229,8 @@ void run(const Options& options) {
 void add_study(CLI::App& app, int& exit_code) {
   const auto options = std::make_shared<Options>();
   CLI::App* study = app.add_subcommand("study", "Compare representations and frames: operations and times");
-  study->add_option("MODEL", options->models, "Drawings (.toml) or URDFs")->required()->type_name("FILE ...");
-  study->add_option("--base", options->base, "fixed or free; as the file says if left out")
-      ->type_name("WORD");
+  add_model_options(*study, options->mechanisms, Files::several);
   study->add_option("--csv", options->csv, "Write the numbers to this file")->type_name("FILE");
-  study->add_option("--plot", options->plot, "Draw the times and operations into this SVG")
-      ->type_name("FILE");
   study->add_option("--format", options->format, "table (if left out) or json")->type_name("WORD");
   study->footer(footer);
   study->callback([options, &exit_code] {

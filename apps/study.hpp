@@ -63,7 +63,4 @@ struct Study {
   std::string left_out;         ///< a sentence, where some algorithms cannot run
 };
 
-/// Times beside operations, as an SVG: a column for each model, a row for each algorithm.
-std::string plot(const std::vector<Study>& studies);
-
 }  // namespace axode::command

@@ -84,4 +84,7 @@ template <RecursionChoice Rep, class T = double> std::span<const Function<T>> fu
 /// The row of that name, or nullptr.
 template <RecursionChoice Rep, class T = double> const Function<T>* find(std::string_view name);
 
+/// The name here of what other libraries call so (`crba` is `mass_matrix`), or nothing.
+std::string_view name_here(std::string_view theirs);
+
 }  // namespace axode::catalog

@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-#include "axode/model/model.hpp"
+#include "axode/model/builder.hpp"
 
 /// Mechanisms from files and to files: drawings (docs/drawing-format.md) and URDF.
 namespace axode {
@@ -18,19 +18,26 @@ enum class Base {
 };
 
 /// Reads and builds the mechanism of a file: `.toml` is a drawing, `.urdf` or `.xml` a URDF, otherwise a file
-/// whose first character is `<` is a URDF. In a URDF, bodies that no matter can make are warnings; in a
-/// drawing, errors. Throws ModelError with every fault of the file; what is only doubtful stays in
-/// Model::warnings().
-Model load(const std::filesystem::path& file, Base base = Base::as_described);
+/// whose first character is `<` is a URDF. Throws ModelError with every fault of the file; what is only
+/// doubtful stays in Model::warnings().
+///
+/// Whatever the format, a lenient reader makes a warning of a body that no matter can make, of limits the wrong
+/// way round (there are none then), of a joint that follows one that does not exist (it moves on its own), and
+/// in a URDF of a wrong scale of a mesh and of an element that is there twice in the same words.
+Model load(const std::filesystem::path& file, Base base = Base::as_described,
+           Strictness strictness = Strictness::lenient);
 
-/// Everything wrong or doubtful with a file, errors and warnings, in the order of its lines. Throws nothing
-/// for a bad file; one that cannot be read is a fault as well.
-std::vector<Fault> check(const std::filesystem::path& file);
+/// Everything that `load` finds wrong or doubtful with a file, errors and warnings, in the order of its lines.
+/// Throws nothing for a bad file; one that cannot be read is a fault as well.
+std::vector<Fault> check(const std::filesystem::path& file, Base base = Base::as_described,
+                         Strictness strictness = Strictness::lenient);
 
 /// What a text says, not yet built; doubts are in Description::warnings. `file_name` is for messages. Throws
 /// ModelError with every fault that the reader finds.
-Description read_drawing_text(std::string_view text, const std::string& file_name);
-Description read_urdf_text(std::string_view text, const std::string& file_name);
+Description read_drawing_text(std::string_view text, const std::string& file_name,
+                              Strictness strictness = Strictness::lenient);
+Description read_urdf_text(std::string_view text, const std::string& file_name,
+                           Strictness strictness = Strictness::lenient);
 
 /// Writes the mechanism as a drawing, in the construction frame. Reading it gives the same mechanism, and
 /// writing that gives the same text.

@@ -42,7 +42,7 @@ Model robot(const std::filesystem::path& file, Base base) {
   Description description = load(file, base).description();
   for (BodyDescription& body : description.bodies) body.joint.coupling.reset();
   description.name = file.stem().string();
-  return ModelBuilder(std::move(description)).build(Physics::lenient);
+  return ModelBuilder(std::move(description)).build();
 }
 
 std::vector<Model> load_models() {

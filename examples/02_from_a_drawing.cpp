@@ -1,4 +1,5 @@
-// A crane straight from its drawing: axes, points, masses, all in one frame with every joint at zero.
+// A crane straight from its drawing: axes, points, masses, all in one frame with every joint at zero. That is the frame
+// of every body as well, so the pose of a body is its displacement; what is at a place of its own has a frame, "load".
 #include <cstdio>
 #include <vector>
 

@@ -6,6 +6,7 @@
 #include <utility>
 #include <variant>
 
+#include "axode/model/joint_kinds.hpp"
 #include "axode/model/placement.hpp"
 
 namespace axode::io {
@@ -45,7 +46,7 @@ SE3<> given_frame(const Geometry& geometry) {
 
 void move_joint(BodyDescription& body, const Placement& at) {
   JointDescription& joint = body.joint;
-  if (joint.kind == JointKind::fixed || joint.kind == JointKind::free) {
+  if (!traits(joint.kind).axis && !traits(joint.kind).point) {
     joint.axis = {0, 0, 1}, joint.point = {};
     body.geometry = InConstructionFrame{clean(at.A)};
     return;

@@ -9,6 +9,8 @@
 #include "axode/io/pose.hpp"
 #include "axode/io/reading.hpp"
 #include "axode/io/toml.hpp"
+#include "axode/io/words_of_others.hpp"
+#include "axode/model/joint_kinds.hpp"
 #include "axode/model/nearest_name.hpp"
 
 namespace axode::io {
@@ -41,6 +43,10 @@ class Table {
 
   int line() const { return line_; }
   bool has(std::string_view key) const { return entries_.contains(key); }
+  const toml::Value* look(std::string_view key) const {
+    const auto found = entries_.find(key);
+    return found == entries_.end() ? nullptr : found->second.value;
+  }
   void rename(std::string element) { element_ = std::move(element); }
   const std::string& element() const { return element_; }
 
@@ -65,7 +71,8 @@ class Table {
   void finish() const {
     for (const auto& [key, entry] : entries_) {
       if (std::find(known_.begin(), known_.end(), key) != known_.end()) continue;
-      const auto nearest = did_you_mean(key, known_, [](std::string_view k) { return k; });
+      std::string nearest = called_here(key, known_);
+      if (nearest.empty()) nearest = did_you_mean(key, known_, [](std::string_view k) { return k; });
       notes_.error(Rule::unknown_element, element_, "key " + in_quotes(key) + " is not known" + nearest,
                    entry.line);
     }
@@ -100,8 +107,10 @@ class Table {
     for (std::size_t k = 0; k < N; ++k)
       list += (k == 0 ? "" : k + 1 == N ? " or " : ", ") + in_quotes(choices[k]);
     const auto* value = node->text();
-    if (value != nullptr && N > 1)
-      list += did_you_mean(*value, choices, [](std::string_view c) { return c; });
+    if (value != nullptr && N > 1) {
+      const std::string called = called_here(*value, choices);
+      list += called.empty() ? did_you_mean(*value, choices, [](std::string_view c) { return c; }) : called;
+    }
     wrong(key, *node, list);
     return std::nullopt;
   }
@@ -259,10 +268,6 @@ class Table {
   }
 
  private:
-  const toml::Value* look(std::string_view key) const {
-    const auto found = entries_.find(key);
-    return found == entries_.end() ? nullptr : found->second.value;
-  }
   bool finite(std::string_view key, const toml::Value& at, double x, bool may_be_infinite) const {
     if (std::isfinite(x) || (may_be_infinite && std::isinf(x))) return true;
     error(Rule::non_finite_number, std::string(key) + " holds " + to_text(x) + ", which is not finite", &at);
@@ -276,11 +281,11 @@ class Table {
   std::vector<std::string_view> known_;
 };
 
-constexpr std::array<std::string_view, 9> kind_names{
-    "fixed", "revolute", "prismatic", "helical", "cylindrical", "universal", "spherical", "planar", "free"};
-constexpr std::array<JointKind, 9> kinds{JointKind::fixed,     JointKind::revolute,    JointKind::prismatic,
-                                         JointKind::helical,   JointKind::cylindrical, JointKind::universal,
-                                         JointKind::spherical, JointKind::planar,      JointKind::free};
+constexpr auto kind_names = [] {
+  std::array<std::string_view, joint_kinds.size()> names;
+  std::ranges::transform(joint_kinds, names.begin(), &JointTraits::name);
+  return names;
+}();
 
 /// Which of the three ways a body's geometry is given in.
 enum class Way { construction, body, joint };
@@ -288,10 +293,10 @@ enum class Way { construction, body, joint };
 /// The geometry of a body: A, or B, or S_prev and S_self.
 Way read_geometry(Table& table, BodyDescription& body) {
   const bool has_A = table.has("A"), has_B = table.has("B"),
-             has_S = table.has("S_prev") || table.has("S_self");
-  if (has_A + has_B + has_S > 1)
+             has_S = table.has("S_prev") || table.has("S_self"), has_frame = table.has("frame");
+  if (has_A + has_B + has_S + has_frame > 1)
     table.error(Rule::wrong_value,
-                "mixes A, B and S_prev, S_self; a body is placed in one of the three ways");
+                "mixes frame, A, B and S_prev, S_self; a body is placed in one of these ways");
   const SE3<> A = table.pose("A").value_or(SE3<>{}), B = table.pose("B").value_or(SE3<>{});
   const SE3<> S_prev = table.pose("S_prev").value_or(SE3<>{}),
               S_self = table.pose("S_self").value_or(SE3<>{});
@@ -307,6 +312,9 @@ Way read_geometry(Table& table, BodyDescription& body) {
   return Way::construction;
 }
 
+constexpr std::array<std::string_view, 6> dof_keys{"limits",  "velocity", "effort",
+                                                   "damping", "friction", "armature"};
+
 Dof read_dof(Table& table) {
   Dof dof;
   if (const auto limits = table.numbers<2>("limits", true))
@@ -321,19 +329,15 @@ Dof read_dof(Table& table) {
 
 /// The limits and losses of a joint: beside its axis where it has one degree of freedom, else in `dof`.
 void read_dofs(Table& table, JointDescription& joint) {
-  constexpr std::array<std::string_view, 6> keys{"limits",  "velocity", "effort",
-                                                 "damping", "friction", "armature"};
-  const bool single = joint.kind == JointKind::revolute || joint.kind == JointKind::prismatic ||
-                      joint.kind == JointKind::helical;
-  if (single) {
+  if (traits(joint.kind).dof == 1) {
     table.refuse("dof", "this joint has one degree of freedom; write limits, velocity, ... beside its axis");
-    if (std::any_of(keys.begin(), keys.end(), [&](std::string_view key) { return table.has(key); }))
+    if (std::any_of(dof_keys.begin(), dof_keys.end(), [&](std::string_view key) { return table.has(key); }))
       joint.dof = {read_dof(table)};
     else
       read_dof(table);
     return;
   }
-  for (const std::string_view key : keys)
+  for (const std::string_view key : dof_keys)
     table.refuse(key, joint.kind == JointKind::fixed
                           ? "a fixed joint does not move"
                           : "this joint has several degrees of freedom; describe each in dof = [{...}, ...]");
@@ -353,20 +357,21 @@ void read_screw(Table& table, Way way, JointDescription& joint) {
       table.missing(key, a_kind + " needs one, such as [0, 0, 1] or \"z\"");
     into = table.direction(key).value_or(into);
   };
-  if (kind == JointKind::fixed || kind == JointKind::free || kind == JointKind::spherical) {
-    table.refuse("axis", a_kind + " has no axis");
-  } else {
+  const bool has_axis = traits(kind).axis, has_point = traits(kind).point;
+  if (has_axis) {
     axis("axis", true, joint.axis);
+  } else {
+    table.refuse("axis", a_kind + " has no axis");
   }
   if (kind == JointKind::universal) {
     axis("second_axis", true, joint.second_axis);
   } else {
     table.refuse("second_axis", a_kind + " has no second axis");
   }
-  if (kind == JointKind::fixed || kind == JointKind::free) {
+  if (!has_axis && !has_point) {
     table.refuse("point", a_kind + " has no point");
   } else {
-    if (kind != JointKind::prismatic && way == Way::construction && !table.has("point"))
+    if (has_point && way == Way::construction && !table.has("point"))
       table.missing("point", a_kind + " needs one: [x, y, z] of a point on its axis, or of its centre");
     joint.point = table.vector("point").value_or(Vec3<>{});
   }
@@ -401,8 +406,14 @@ void read_joint(Table& body_table, Way way, BodyDescription& body) {
   const bool given = table->has("kind");
   const auto kind = table->choice("kind", kind_names);
   if (!given) table->missing("kind", "give one, such as \"revolute\" or \"prismatic\"");
-  if (!kind) return;
-  body.joint.kind = kinds[*kind];
+  if (!kind) {  // what it may have is not known
+    for (const std::string_view key : {"axis", "second_axis", "point", "pitch", "lead", "dof", "follows"})
+      table->take(key);
+    for (const std::string_view key : dof_keys) table->take(key);
+    table->finish();
+    return;
+  }
+  body.joint.kind = joint_kinds[*kind].kind;
   read_screw(*table, way, body.joint);
   read_dofs(*table, body.joint);
   if (auto follows = table->table("follows")) {
@@ -445,6 +456,33 @@ std::optional<MassProperties> read_inertia(Table& table, Way way) {
   return given;
 }
 
+/// The frame of a drawn body where `frame` asks for it: in a point of its joint or in its centre of mass, parallel to
+/// the construction frame.
+void move_frame(Table& table, BodyDescription& body) {
+  constexpr std::array<std::string_view, 2> places{"joint", "com"};
+  const toml::Value* at = table.look("frame");
+  const auto place = table.choice("frame", places);
+  auto* drawn = std::get_if<InConstructionFrame>(&body.geometry);
+  if (!place || drawn == nullptr) return;
+  if (*place == 0) {
+    const toml::Value* joint = table.look("joint");
+    const bool has_point = joint != nullptr && joint->table() != nullptr && joint->table()->contains("point");
+    if (!has_point && !traits(body.joint.kind).point)  // a kind that needs one has its fault already
+      table.error(
+          Rule::wrong_value,
+          "frame is \"joint\", and its " + std::string(to_string(body.joint.kind)) + " joint has no point",
+          at);
+    drawn->A = {{}, body.joint.point};
+  } else {
+    if (!body.inertia || body.inertia->in != GivenIn::construction_frame) {
+      table.error(Rule::wrong_value, "frame is \"com\"; it needs mass and com, in the construction frame",
+                  at);
+      return;
+    }
+    drawn->A = {{}, body.inertia->com};
+  }
+}
+
 MeshReference read_mesh(Table& table) {
   MeshReference mesh;
   mesh.file = table.name("file", "name the file of the mesh");
@@ -466,6 +504,7 @@ BodyDescription read_body(Table& table, std::size_t number, const std::string& f
   const Way way = read_geometry(table, body);
   read_joint(table, way, body);
   body.inertia = read_inertia(table, way);
+  move_frame(table, body);
   for (Table& mesh : table.tables("mesh", "write [[body.mesh]] before its keys")) {
     mesh.rename("mesh of " + table.element());
     body.meshes.push_back(read_mesh(mesh));
@@ -506,7 +545,7 @@ void read_top(Table& top, Reading& result, const std::string& file) {
 
 }  // namespace
 
-Reading read_drawing(std::string_view text, const std::string& file) {
+Reading read_drawing(std::string_view text, const std::string& file, Strictness strictness) {
   Reading result;
   result.description.source = {file, 0};
   if (auto fault = not_text(text, file)) {
@@ -514,17 +553,18 @@ Reading read_drawing(std::string_view text, const std::string& file) {
     return result;
   }
   const toml::Document document = toml::parse(text);
-  if (!document.failure) return read_drawing(document.root(), file);
+  if (!document.failure) return read_drawing(document.root(), file, strictness);
   Notes{result.faults, file}.error(Rule::syntax, "", document.failure->message, document.failure->line);
   return result;
 }
 
-Reading read_drawing(const toml::Value& drawing, const std::string& file) {
+Reading read_drawing(const toml::Value& drawing, const std::string& file, Strictness strictness) {
   Reading result;
   result.description.source = {file, 0};
   const Notes notes{result.faults, file};
   Table top(notes, drawing, "drawing");
   read_top(top, result, file);
+  if (strictness == Strictness::lenient) forgive(result);
   return result;
 }
 
@@ -532,8 +572,8 @@ Reading read_drawing(const toml::Value& drawing, const std::string& file) {
 
 namespace axode {
 
-Description read_drawing_text(std::string_view text, const std::string& file_name) {
-  return io::accept(io::read_drawing(text, file_name));
+Description read_drawing_text(std::string_view text, const std::string& file_name, Strictness strictness) {
+  return io::accept(io::read_drawing(text, file_name, strictness));
 }
 
 }  // namespace axode

@@ -1,11 +1,11 @@
 #include <cmath>
-#include <map>
 #include <ostream>
 #include <utility>
 #include <variant>
 
 #include "axode/io.hpp"
 #include "axode/io/construction_frame.hpp"
+#include "axode/model/joint_kinds.hpp"
 
 namespace axode {
 namespace {
@@ -47,11 +47,7 @@ bool is_zero(const Vec3<>& a) { return a.x == 0 && a.y == 0 && a.z == 0; }
 
 class DrawingWriter {
  public:
-  DrawingWriter(const Model& model, std::ostream& out) : out_(out) {
-    for (const Fault& fault : model.warnings())
-      if (fault.rule == Rule::inertia_not_realisable || fault.rule == Rule::mass_not_positive)
-        impossible_.emplace(fault.element, fault.message);
-  }
+  explicit DrawingWriter(std::ostream& out) : out_(out) {}
 
   void write(const Description& d) {
     out_ << "# The mechanism with every joint at zero, in the construction frame. SI units.\n";
@@ -71,9 +67,6 @@ class DrawingWriter {
     line("on", text(body.predecessor));
     write(body.geometry);
     write(body.joint, std::holds_alternative<InJointFrames>(body.geometry));
-    const auto doubt = impossible_.find("body \"" + body.name + '"');
-    if (doubt != impossible_.end())
-      out_ << "# To be corrected, or this drawing cannot be read: " << doubt->second << '\n';
     if (body.inertia) write(*body.inertia, std::holds_alternative<InConstructionFrame>(body.geometry));
     for (const MeshReference& mesh : body.meshes) {
       out_ << "\n[[body.mesh]]\n";
@@ -105,14 +98,13 @@ class DrawingWriter {
   }
 
   void write(const JointDescription& joint, bool in_joint_frame) {
-    const bool still = joint.kind == JointKind::fixed || joint.kind == JointKind::free;
+    const bool has_axis = traits(joint.kind).axis, still = !has_axis && !traits(joint.kind).point;
     if (still && joint.name.empty() && joint.dof.empty()) {
       line("joint", text(to_string(joint.kind)));
       return;
     }
     if (!joint.name.empty()) line("joint.name", text(joint.name));
     line("joint.kind", text(to_string(joint.kind)));
-    const bool has_axis = !still && joint.kind != JointKind::spherical;
     const bool along_z = joint.axis.x == 0 && joint.axis.y == 0 && joint.axis.z == 1;
     if (has_axis && !(in_joint_frame && along_z)) line("joint.axis", text(joint.axis));
     if (joint.kind == JointKind::universal) line("joint.second_axis", text(joint.second_axis));
@@ -168,13 +160,12 @@ class DrawingWriter {
   }
 
   std::ostream& out_;
-  std::map<std::string, std::string> impossible_;  // bodies that only a lenient build accepts
 };
 
 }  // namespace
 
 void write_drawing(const Model& model, std::ostream& out) {
-  DrawingWriter(model, out).write(io::in_construction_frame(model.description()));
+  DrawingWriter(out).write(io::in_construction_frame(model.description()));
 }
 
 }  // namespace axode

@@ -45,29 +45,37 @@ bool is_urdf(const std::filesystem::path& file, const std::string& content) {
   return first != std::string::npos && content[first] == '<';
 }
 
-struct File {
-  io::Reading reading;
-  Physics physics = Physics::strict;
-};
-
-File read(const std::filesystem::path& file) {
+io::Reading read(const std::filesystem::path& file, Strictness strictness) {
   Text text = text_of(file);
   if (!text.faults.empty()) {
-    File unread;
-    unread.reading.description.name = file.filename().string();
-    unread.reading.faults = std::move(text.faults);
+    io::Reading unread;
+    unread.description.name = file.filename().string();
+    unread.faults = std::move(text.faults);
     return unread;
   }
-  if (is_urdf(file, text.content)) return {io::read_urdf(text.content, file.string()), Physics::lenient};
-  return {io::read_drawing(text.content, file.string()), Physics::strict};
+  return is_urdf(file, text.content) ? io::read_urdf(text.content, file.string(), strictness)
+                                     : io::read_drawing(text.content, file.string(), strictness);
+}
+
+Description held(Description description, Base base) {
+  if (base == Base::free) return with_free_base(std::move(description));
+  if (base == Base::fixed) return with_fixed_base(std::move(description));
+  return description;
 }
 
 /// The faults of the reader, and those of the mechanism.
-std::vector<Fault> all_faults(io::Reading reading, Physics physics) {
+std::vector<Fault> all_faults(io::Reading reading, Base base, Strictness strictness) {
   std::vector<Fault> faults = std::move(reading.faults);
   const bool in_part = io::has_error(faults);
+  if (!in_part) {
+    try {
+      reading.description = held(reading.description, base);
+    } catch (const ModelError& error) {
+      faults.insert(faults.end(), error.faults().begin(), error.faults().end());
+    }
+  }
   if (!in_part || !reading.description.bodies.empty())
-    for (Fault& fault : ModelBuilder(std::move(reading.description)).check(physics))
+    for (Fault& fault : ModelBuilder(std::move(reading.description)).check(strictness))
       if (!in_part || (fault.severity == Severity::error && fault.rule != Rule::missing_name))
         faults.push_back(std::move(fault));
   std::stable_sort(faults.begin(), faults.end(),
@@ -77,25 +85,20 @@ std::vector<Fault> all_faults(io::Reading reading, Physics physics) {
 
 }  // namespace
 
-Model io::build(Reading reading, Base base, Physics physics) {
+Model io::build(Reading reading, Base base, Strictness strictness) {
   if (has_error(reading.faults)) {
     const std::string name = reading.description.name;
-    throw ModelError(name, all_faults(std::move(reading), physics));
+    throw ModelError(name, all_faults(std::move(reading), base, strictness));
   }
-  Description description = accept(std::move(reading));
-  if (base == Base::free) description = with_free_base(std::move(description));
-  if (base == Base::fixed) description = with_fixed_base(std::move(description));
-  return ModelBuilder(std::move(description)).build(physics);
+  return ModelBuilder(held(accept(std::move(reading)), base)).build(strictness);
 }
 
-Model load(const std::filesystem::path& file, Base base) {
-  auto [reading, physics] = read(file);
-  return io::build(std::move(reading), base, physics);
+Model load(const std::filesystem::path& file, Base base, Strictness strictness) {
+  return io::build(read(file, strictness), base, strictness);
 }
 
-std::vector<Fault> check(const std::filesystem::path& file) {
-  auto [reading, physics] = read(file);
-  return all_faults(std::move(reading), physics);
+std::vector<Fault> check(const std::filesystem::path& file, Base base, Strictness strictness) {
+  return all_faults(read(file, strictness), base, strictness);
 }
 
 }  // namespace axode

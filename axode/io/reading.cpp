@@ -3,7 +3,12 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <limits>
+#include <unordered_set>
 #include <utility>
+
+#include "axode/model/nearest_name.hpp"
+#include "axode/model/placement.hpp"
 
 namespace axode::io {
 namespace {
@@ -34,6 +39,36 @@ std::size_t character_length(std::string_view text) {
 bool has_error(const std::vector<Fault>& faults) {
   return std::any_of(faults.begin(), faults.end(),
                      [](const Fault& f) { return f.severity == Severity::error; });
+}
+
+void forgive(Reading& reading) {
+  constexpr double none = std::numeric_limits<double>::infinity();
+  std::vector<std::string> joints;
+  for (const BodyDescription& body : expand(reading.description).bodies) joints.push_back(body.joint.name);
+  const std::unordered_set<std::string_view> known(joints.begin(), joints.end());
+  int suggestions = 0;
+  for (BodyDescription& body : reading.description.bodies) {
+    const auto warn = [&](Rule rule, std::string message) {
+      reading.faults.push_back({Severity::warning, rule, "joint \"" + joint_name(body) + '"',
+                                std::move(message),
+                                body.joint.source.line > 0 ? body.joint.source : body.source});
+    };
+    for (Dof& dof : body.joint.dof) {
+      if (!(dof.lower > dof.upper)) continue;
+      warn(Rule::limits_crossed, "lower limit " + to_text(dof.lower) + " is above upper limit " +
+                                     to_text(dof.upper) + "; it is taken as unlimited");
+      dof.lower = -none, dof.upper = none;
+    }
+    if (body.joint.coupling && !known.contains(body.joint.coupling->leader)) {
+      const std::string& leader = body.joint.coupling->leader;
+      warn(Rule::coupling_unknown_joint,
+           "follows joint " + in_quotes(leader) + ", which is not described, and moves on its own" +
+               (++suggestions > most_suggestions
+                    ? ""
+                    : did_you_mean(leader, joints, [](const std::string& name) { return name; })));
+      body.joint.coupling.reset();
+    }
+  }
 }
 
 Description accept(Reading reading) {

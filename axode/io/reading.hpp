@@ -17,9 +17,13 @@ struct Reading {
   Description description;
   std::vector<Fault> faults;
 };
-Reading read_drawing(std::string_view text, const std::string& file);
-Reading read_drawing(const toml::Value& drawing, const std::string& file);
-Reading read_urdf(std::string_view text, const std::string& file);
+Reading read_drawing(std::string_view text, const std::string& file, Strictness strictness);
+Reading read_drawing(const toml::Value& drawing, const std::string& file, Strictness strictness);
+Reading read_urdf(std::string_view text, const std::string& file, Strictness strictness);
+
+/// Mends what can be mended, with a warning for each: limits the wrong way round are none, and a joint that
+/// follows one that does not exist moves on its own.
+void forgive(Reading& reading);
 
 bool has_error(const std::vector<Fault>& faults);
 
@@ -28,7 +32,7 @@ Description accept(Reading reading);
 
 /// The mechanism that was read. Throws ModelError with the faults of the reader and those of the mechanism; of
 /// one that was understood in part, only errors that do not follow from what is missing. By line.
-Model build(Reading reading, Base base, Physics physics);
+Model build(Reading reading, Base base, Strictness strictness);
 
 /// Why a file is no text at all: a byte that is zero or not UTF-8, and its line.
 std::optional<Fault> not_text(std::string_view text, const std::string& file);

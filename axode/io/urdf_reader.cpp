@@ -11,6 +11,7 @@
 #include "axode/io.hpp"
 #include "axode/io/pose.hpp"
 #include "axode/io/reading.hpp"
+#include "axode/io/urdf_kinds.hpp"
 #include "axode/model/nearest_name.hpp"
 
 namespace axode::io {
@@ -59,17 +60,7 @@ const Grammar* grammar_of(std::string_view element) {
   return found == all.end() ? nullptr : &*found;
 }
 
-struct Kind {
-  std::string_view urdf;
-  JointKind kind;
-  std::size_t dof;
-};
-constexpr std::array<Kind, 6> kinds{{{"revolute", JointKind::revolute, 1},
-                                     {"continuous", JointKind::revolute, 1},
-                                     {"prismatic", JointKind::prismatic, 1},
-                                     {"fixed", JointKind::fixed, 0},
-                                     {"floating", JointKind::free, 6},
-                                     {"planar", JointKind::planar, 3}}};
+constexpr const char* expand_first = "; this is a xacro file: expand it with xacro first";
 
 const char* why_not_xml(tinyxml2::XMLError error) {
   switch (error) {
@@ -90,7 +81,8 @@ const char* why_not_xml(tinyxml2::XMLError error) {
 
 class UrdfReader {
  public:
-  UrdfReader(std::string_view text, std::string file) : text_(text), file_(std::move(file)) {
+  UrdfReader(std::string_view text, std::string file, Strictness strictness)
+      : text_(text), file_(std::move(file)), strictness_(strictness) {
     description().name = "robot";
     description().source = {file_, 0};
   }
@@ -103,10 +95,11 @@ class UrdfReader {
     tinyxml2::XMLDocument document;
     if (document.Parse(text_.data(), text_.size()) != tinyxml2::XML_SUCCESS) {
       error(Rule::syntax, "", why_not_xml(document.ErrorID()), document.ErrorLineNum());
-    } else if (const XMLElement* robot = root_of(document)) {
+    } else if (const XMLElement* robot = root_of(document); robot != nullptr && !is_xacro(*robot)) {
       read_robot(*robot);
       assemble();
       report_ignored();
+      if (strictness_ == Strictness::lenient) forgive(result_);
     }
     return std::move(result_);
   }
@@ -134,6 +127,8 @@ class UrdfReader {
   void error(Rule rule, std::string element, std::string message, int line) {
     note(Severity::error, rule, std::move(element), std::move(message), line);
   }
+  /// What others forgive.
+  Severity doubt() const { return strictness_ == Strictness::strict ? Severity::error : Severity::warning; }
   void ignore(std::string what, int line) {
     const auto [known, is_new] = ignored_index_.emplace(what, ignored_.size());
     if (is_new) ignored_.push_back({std::move(what), line, 0});
@@ -163,6 +158,26 @@ class UrdfReader {
     return root;
   }
 
+  /// Whether an element that URDF knows holds an expression, with a fault for the first.
+  bool is_xacro(const XMLElement& robot) {
+    std::vector<const XMLElement*> open{&robot};
+    while (!open.empty()) {
+      const XMLElement& e = *open.back();
+      open.pop_back();
+      if (grammar_of(e.Name()) == nullptr) continue;
+      for (const auto* a = e.FirstAttribute(); a != nullptr; a = a->Next()) {
+        if (std::string_view(a->Value()).find("${") == std::string_view::npos) continue;
+        error(Rule::syntax, "", tag(e) + " " + a->Name() + " is " + in_quotes(a->Value()) + expand_first,
+              a->GetLineNum());
+        return true;
+      }
+      for (const XMLElement* child = e.LastChildElement(); child != nullptr;
+           child = child->PreviousSiblingElement())
+        open.push_back(child);
+    }
+    return false;
+  }
+
   /// Notes whatever URDF does not know or allow in an element.
   void inspect(const XMLElement& e, const std::string& owner) {
     const Grammar* grammar = grammar_of(e.Name());
@@ -175,18 +190,24 @@ class UrdfReader {
       if (!attribute.starts_with("xmlns") && !in(grammar->attributes, attribute))
         ignore("attribute " + std::string(attribute) + " of " + tag(e), a->GetLineNum());
     }
-    std::vector<std::string_view> seen;
+    std::vector<const XMLElement*> seen;
     for (const tinyxml2::XMLNode* node = e.FirstChild(); node != nullptr; node = node->NextSibling()) {
       if (node->ToText() != nullptr) ignore("text in " + tag(e), node->GetLineNum());
       const XMLElement* child = node->ToElement();
       if (child == nullptr || in(grammar->repeated, child->Name())) continue;
+      const auto before = std::find_if(seen.begin(), seen.end(), [&](const XMLElement* other) {
+        return std::string_view(other->Name()) == child->Name();
+      });
       if (!in(grammar->once, child->Name())) {
         ignore(tag(*child), child->GetLineNum());
-      } else if (in(seen, child->Name())) {
+      } else if (before == seen.end()) {
+        seen.push_back(child);
+      } else if (child->NoChildren() && (*before)->NoChildren() && child->ShallowEqual(*before)) {
+        note(doubt(), Rule::duplicate_element, owner, tag(e) + " holds the same " + tag(*child) + " twice",
+             child->GetLineNum());
+      } else {
         error(Rule::duplicate_element, owner, tag(e) + " holds " + tag(*child) + " twice",
               child->GetLineNum());
-      } else {
-        seen.push_back(child->Name());
       }
     }
   }
@@ -225,9 +246,12 @@ class UrdfReader {
   /// N numbers of an attribute; nothing where it is absent or, with a fault, where it is wrong.
   template <std::size_t N>
   std::optional<std::array<double, N>> numbers(const XMLElement& e, const char* attribute,
-                                               const std::string& owner) {
+                                               const std::string& owner,
+                                               Severity severity = Severity::error) {
     const char* value = e.Attribute(attribute);
     if (value == nullptr) return std::nullopt;
+    const std::string what = tag(e) + " " + attribute;
+    const char* outcome = severity == Severity::warning ? "; it is ignored" : "";
     constexpr std::string_view blank = " \t\r\n";
     std::array<double, N> out{};
     std::size_t count = 0;
@@ -238,21 +262,22 @@ class UrdfReader {
       rest.remove_prefix(end);
       const Number x = number(word);
       if (x.broken) {
-        error(*x.broken, owner, tag(e) + " " + attribute + ": " + in_quotes(word) + " " + x.complaint,
-              e.GetLineNum());
+        note(severity, *x.broken, owner, what + ": " + in_quotes(word) + " " + x.complaint + outcome,
+             e.GetLineNum());
         return std::nullopt;
       }
       if (count < N) out[count] = x.value;
     }
     if (count == N) return out;
-    error(Rule::wrong_value, owner,
-          tag(e) + " " + attribute + " is " + in_quotes(value) + "; it needs " + std::to_string(N) +
-              (N == 1 ? " number" : " numbers") + " and has " + std::to_string(count),
-          e.GetLineNum());
+    note(severity, Rule::wrong_value, owner,
+         what + " is " + in_quotes(value) + "; it needs " + std::to_string(N) +
+             (N == 1 ? " number" : " numbers") + " and has " + std::to_string(count) + outcome,
+         e.GetLineNum());
     return std::nullopt;
   }
-  std::optional<Vec3<>> vector(const XMLElement& e, const char* attribute, const std::string& owner) {
-    const auto x = numbers<3>(e, attribute, owner);
+  std::optional<Vec3<>> vector(const XMLElement& e, const char* attribute, const std::string& owner,
+                               Severity severity = Severity::error) {
+    const auto x = numbers<3>(e, attribute, owner, severity);
     return x ? std::optional(Vec3<>{(*x)[0], (*x)[1], (*x)[2]}) : std::nullopt;
   }
   double scalar(const XMLElement& e, const char* attribute, const std::string& owner, double otherwise) {
@@ -287,15 +312,26 @@ class UrdfReader {
   void read_robot(const XMLElement& robot) {
     const std::string owner = "robot";
     inspect(robot, owner);
-    if (const std::string given = name(robot, "name", owner); !given.empty()) description().name = given;
+    if (const char* given = required(robot, "name", owner)) {  // it may be empty
+      if (printable(given)) {
+        description().name = given;
+      } else {
+        error(Rule::wrong_value, owner, "its name holds a control character", robot.GetLineNum());
+      }
+    }
     description().source.line = robot.GetLineNum();
     for (const XMLElement* e = robot.FirstChildElement(); e != nullptr; e = e->NextSiblingElement()) {
       const std::string_view element = e->Name();
       if (element == "link") read_link(*e);
       if (element == "joint") read_joint(*e);
     }
-    if (links_.empty() && robot.FirstChildElement("link") == nullptr)
-      error(Rule::missing_element, owner, "has no <link>; a robot needs one at least", robot.GetLineNum());
+    if (links_.empty() && robot.FirstChildElement("link") == nullptr) {
+      const bool is_xacro = std::any_of(ignored_.begin(), ignored_.end(),
+                                        [](const Ignored& it) { return it.what.starts_with("<xacro:"); });
+      error(Rule::missing_element, owner,
+            std::string("has no <link>; a robot needs one at least") + (is_xacro ? expand_first : ""),
+            robot.GetLineNum());
+    }
   }
 
   void read_link(const XMLElement& e) {
@@ -361,7 +397,7 @@ class UrdfReader {
     const XMLElement* mesh = geometry->FirstChildElement("mesh");
     if (mesh == nullptr) return;
     reference.file = name(*mesh, "filename", owner);
-    reference.scale = vector(*mesh, "scale", owner).value_or(Vec3<>{1, 1, 1});
+    reference.scale = vector(*mesh, "scale", owner, doubt()).value_or(Vec3<>{1, 1, 1});
     if (!reference.file.empty()) meshes.push_back(std::move(reference));
   }
 
@@ -379,7 +415,7 @@ class UrdfReader {
     if (const XMLElement* child = required_child(e, "child", owner))
       connection.child = name(*child, "link", owner);
     connection.origin = origin(e, owner);
-    if (const Kind* kind = kind_of(e, owner)) {
+    if (const UrdfKind* kind = kind_of(e, owner)) {
       joint.kind = kind->kind;
       read_axis(e, owner, joint);
       read_dof(e, owner, *kind, joint);
@@ -397,15 +433,16 @@ class UrdfReader {
     connections_.push_back(std::move(connection));
   }
 
-  const Kind* kind_of(const XMLElement& e, const std::string& owner) {
+  const UrdfKind* kind_of(const XMLElement& e, const std::string& owner) {
     const char* type = required(e, "type", owner);
     if (type == nullptr) return nullptr;
-    for (const Kind& kind : kinds)
-      if (kind.urdf == type) return &kind;
+    for (const UrdfKind& kind : urdf_kinds)
+      if (kind.type == type) return &kind;
     error(Rule::wrong_value, owner,
           "type is " + in_quotes(type) +
               "; URDF knows revolute, continuous, prismatic, fixed, floating and planar" +
-              did_you_mean(std::string_view(type).substr(0, 30), kinds, [](const Kind& k) { return k.urdf; }),
+              did_you_mean(std::string_view(type).substr(0, 30), urdf_kinds,
+                           [](const UrdfKind& k) { return k.type; }),
           e.GetLineNum());
     return nullptr;
   }
@@ -415,11 +452,12 @@ class UrdfReader {
     if (const XMLElement* given = child_of(e, "axis", owner);
         given != nullptr && required(*given, "xyz", owner))
       axis = vector(*given, "xyz", owner).value_or(axis);
-    if (joint.kind != JointKind::fixed && joint.kind != JointKind::free) joint.axis = axis;
+    if (traits(joint.kind).axis) joint.axis = axis;
   }
 
   /// What URDF says of a joint holds for each of its degrees of freedom; positions are limited for one alone.
-  void read_dof(const XMLElement& e, const std::string& owner, const Kind& kind, JointDescription& joint) {
+  void read_dof(const XMLElement& e, const std::string& owner, const UrdfKind& kind,
+                JointDescription& joint) {
     const XMLElement* limit = child_of(e, "limit", owner);
     const XMLElement* dynamics = child_of(e, "dynamics", owner);
     Dof dof;
@@ -427,28 +465,29 @@ class UrdfReader {
       dof.damping = scalar(*dynamics, "damping", owner, 0);
       dof.friction = scalar(*dynamics, "friction", owner, 0);
     }
-    const bool needs_limits = kind.urdf == "revolute" || kind.urdf == "prismatic";
-    const auto doubt = [&](std::string message, int line) {
+    const bool needs_limits = kind.type == "revolute" || kind.type == "prismatic";
+    const auto warn = [&](std::string message, int line) {
       note(Severity::warning, Rule::missing_element, owner, std::move(message), line);
     };
     if (limit != nullptr) {
       constexpr double none = std::numeric_limits<double>::infinity();
       for (const char* attribute : {"velocity", "effort"})
         if (needs_limits && limit->Attribute(attribute) == nullptr)
-          doubt("<limit> has no " + std::string(attribute) + "; it is taken as unlimited",
-                limit->GetLineNum());
+          warn("<limit> has no " + std::string(attribute) + "; it is taken as unlimited",
+               limit->GetLineNum());
       dof.velocity = bound(*limit, "velocity", owner, none);
       dof.effort = bound(*limit, "effort", owner, none);
       if (needs_limits) {
         dof.lower = bound(*limit, "lower", owner, 0);
         dof.upper = bound(*limit, "upper", owner, 0);
         if (limit->Attribute("lower") == nullptr && limit->Attribute("upper") == nullptr)
-          doubt("<limit> has neither lower nor upper; URDF takes both as 0", limit->GetLineNum());
+          warn("<limit> has neither lower nor upper; URDF takes both as 0", limit->GetLineNum());
       }
     } else if (needs_limits) {
-      doubt("is " + std::string(kind.urdf) + " and has no <limit>; it is taken as unlimited", e.GetLineNum());
+      warn("is " + std::string(kind.type) + " and has no <limit>; it is taken as unlimited", e.GetLineNum());
     }
-    if (limit != nullptr || dynamics != nullptr) joint.dof.assign(kind.dof, dof);
+    if (limit != nullptr || dynamics != nullptr)
+      joint.dof.assign(static_cast<std::size_t>(traits(kind.kind).dof), dof);
   }
 
   /// A limit; the largest double and inf both say that there is none.
@@ -464,7 +503,7 @@ class UrdfReader {
   // ---------------------------------------------------------------- the tree
 
   std::string nearest(std::string_view link) {
-    if (++suggestions_ > 20) return "";
+    if (++suggestions_ > most_suggestions) return "";
     return did_you_mean(link, links_, [](const Link& l) { return l.body.name; });
   }
 
@@ -540,13 +579,14 @@ class UrdfReader {
       note(Severity::warning, Rule::unknown_element, it.what,
            "says nothing about the mechanism and is ignored" + times(it.count), it.line);
     if (massless_count_ > 0)
-      note(Severity::warning, Rule::mass_not_positive, "<inertial>",
+      note(doubt(), Rule::mass_not_positive, "<inertial>",
            "says that mass and inertia are 0; a massless link needs no <inertial>" + times(massless_count_),
            massless_line_);
   }
 
   std::string_view text_;
   std::string file_;
+  Strictness strictness_;
   Reading result_;
   std::vector<Link> links_;
   std::vector<Connection> connections_;
@@ -554,19 +594,21 @@ class UrdfReader {
   std::vector<Ignored> ignored_;
   std::unordered_map<std::string, std::size_t> ignored_index_;
   int massless_count_ = 0, massless_line_ = 0;
-  int suggestions_ = 0;  // each one compares with every name there is
+  int suggestions_ = 0;
 };
 
 }  // namespace
 
-Reading read_urdf(std::string_view text, const std::string& file) { return UrdfReader(text, file).read(); }
+Reading read_urdf(std::string_view text, const std::string& file, Strictness strictness) {
+  return UrdfReader(text, file, strictness).read();
+}
 
 }  // namespace axode::io
 
 namespace axode {
 
-Description read_urdf_text(std::string_view text, const std::string& file_name) {
-  return io::accept(io::read_urdf(text, file_name));
+Description read_urdf_text(std::string_view text, const std::string& file_name, Strictness strictness) {
+  return io::accept(io::read_urdf(text, file_name, strictness));
 }
 
 }  // namespace axode

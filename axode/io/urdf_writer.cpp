@@ -8,6 +8,7 @@
 
 #include "axode/io.hpp"
 #include "axode/io/pose.hpp"
+#include "axode/io/urdf_kinds.hpp"
 #include "axode/model/placement.hpp"
 
 namespace axode {
@@ -41,14 +42,11 @@ std::string limit_text(double x) {
 
 bool bounded(const Dof& dof) { return std::isfinite(dof.lower) || std::isfinite(dof.upper); }
 
-const char* urdf_type(const JointDescription& joint) {
-  switch (joint.kind) {
-    case JointKind::revolute: return !joint.dof.empty() && bounded(joint.dof[0]) ? "revolute" : "continuous";
-    case JointKind::prismatic: return "prismatic";
-    case JointKind::planar: return "planar";
-    case JointKind::free: return "floating";
-    default: return "fixed";
-  }
+/// The first type that URDF has for a kind, and none where it has none.
+std::string_view urdf_type(const JointDescription& joint) {
+  if (joint.kind == JointKind::revolute && (joint.dof.empty() || !bounded(joint.dof[0]))) return "continuous";
+  const auto found = std::ranges::find(io::urdf_kinds, joint.kind, &io::UrdfKind::kind);
+  return found == io::urdf_kinds.end() ? "" : found->type;
 }
 
 /// What a mechanism says that a URDF cannot.
@@ -64,7 +62,7 @@ std::vector<Fault> beyond_urdf(const Description& d) {
     const JointDescription& joint = body.joint;
     const std::string element = "joint \"" + joint.name + '"';
     const Source& source = joint.source.line > 0 ? joint.source : body.source;
-    if (joint.kind == JointKind::helical || joint.kind == JointKind::spherical)
+    if (urdf_type(joint).empty())
       error(element, "is " + std::string(to_string(joint.kind)) + "; URDF has no such joint", source);
     const auto armed =
         std::find_if(joint.dof.begin(), joint.dof.end(), [](const Dof& dof) { return dof.armature != 0; });
@@ -207,7 +205,7 @@ class UrdfWriter {
     out_ << "  <joint name=\"" << text(joint.name) << "\" type=\"" << type << "\">\n    <parent link=\""
          << text(parent) << "\"/>\n    <child link=\"" << text(child) << "\"/>\n";
     write_origin("    ", origin);
-    if (type != "fixed" && type != "floating") out_ << "    <axis xyz=\"" << text(axis) << "\"/>\n";
+    if (traits(joint.kind).axis) out_ << "    <axis xyz=\"" << text(axis) << "\"/>\n";
     const Dof dof = joint.dof.empty() ? Dof{} : joint.dof[0];
     if (type == "revolute" || type == "prismatic") {
       out_ << "    <limit lower=\"" << limit_text(dof.lower) << "\" upper=\"" << limit_text(dof.upper)

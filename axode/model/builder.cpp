@@ -40,8 +40,8 @@ BodyDescription& ModelBuilder::body(std::string_view name) {
       did_you_mean(name, description_.bodies, [](const BodyDescription& b) { return b.name; }));
 }
 
-std::vector<Fault> ModelBuilder::check(Physics physics) const {
-  std::vector<Fault> faults = inspect(description_, physics);
+std::vector<Fault> ModelBuilder::check(Strictness strictness) const {
+  std::vector<Fault> faults = inspect(description_, strictness);
   if (!has_error(faults)) {
     const std::vector<Fault> more = compile(description_).faults;
     faults.insert(faults.end(), more.begin(), more.end());
@@ -49,8 +49,8 @@ std::vector<Fault> ModelBuilder::check(Physics physics) const {
   return faults;
 }
 
-Model ModelBuilder::build(Physics physics) const {
-  std::vector<Fault> faults = inspect(description_, physics);
+Model ModelBuilder::build(Strictness strictness) const {
+  std::vector<Fault> faults = inspect(description_, strictness);
   if (has_error(faults)) throw ModelError(description_.name, std::move(faults));
   Compilation out = compile(description_);
   faults.insert(faults.end(), out.faults.begin(), out.faults.end());

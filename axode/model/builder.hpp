@@ -6,10 +6,11 @@
 
 namespace axode {
 
-/// How strict the build is about bodies that no matter can make (inertia_not_realisable, a mass of 0).
-enum class Physics {
+/// What becomes of what is doubtful and can be computed all the same: bodies that no matter can make
+/// (inertia_not_realisable, a mass of 0), and in files what other readers forgive.
+enum class Strictness {
+  lenient,  ///< a warning: the files of real robots have it
   strict,   ///< an error
-  lenient,  ///< a warning: the files of real robots have them
 };
 
 /// Collects a description, checks all of it and compiles it.
@@ -34,9 +35,9 @@ class ModelBuilder {
   const Description& description() const { return description_; }
 
   /// Everything wrong or doubtful with the description, errors and warnings, without building it.
-  std::vector<Fault> check(Physics physics = Physics::strict) const;
+  std::vector<Fault> check(Strictness strictness = Strictness::lenient) const;
   /// Throws ModelError with every fault if there is one of severity error; warnings stay on the model.
-  Model build(Physics physics = Physics::strict) const;
+  Model build(Strictness strictness = Strictness::lenient) const;
 
  private:
   Description description_;

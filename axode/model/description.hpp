@@ -57,7 +57,8 @@ struct JointDescription {
 };
 
 /// Everything in the construction frame: axis and point are those of Y_i; A is the reference pose of the body
-/// frame.
+/// frame. Where nothing is said that is the construction frame itself, whose origin need not be on the body;
+/// InConstructionFrame{{{}, point}} puts it at the joint, and `in` of MassProperties says where com is given.
 struct InConstructionFrame {
   SE3<> A;
 };

@@ -22,8 +22,8 @@ std::string quoted(std::string_view name) { return '"' + std::string(name) + '"'
 
 class Inspection {
  public:
-  Inspection(const Description& description, Physics physics)
-      : description_(description), physics_(physics) {}
+  Inspection(const Description& description, Strictness strictness)
+      : description_(description), strictness_(strictness) {}
 
   std::vector<Fault> run() {
     faults_ = description_.warnings;
@@ -59,17 +59,17 @@ class Inspection {
   void error(Rule rule, std::string element, std::string message, const Source& source) {
     note(Severity::error, rule, std::move(element), std::move(message), source);
   }
-  void physical(Rule rule, std::string element, std::string message, const Source& source) {
-    note(physics_ == Physics::strict ? Severity::error : Severity::warning, rule, std::move(element),
+  void doubt(Rule rule, std::string element, std::string message, const Source& source) {
+    note(strictness_ == Strictness::strict ? Severity::error : Severity::warning, rule, std::move(element),
          std::move(message), source);
   }
-  /// A suggestion for a name that nothing has, where anybody will still read it.
+  /// A suggestion for a name that nothing has.
   template <class Range, class NameOf>
-  std::string nearest(std::string_view name, const Range& range, NameOf name_of) const {
-    return faults_.size() > 100 ? "" : did_you_mean(name, range, name_of);
+  std::string nearest(std::string_view name, const Range& range, NameOf name_of) {
+    return ++suggestions_ > most_suggestions ? "" : did_you_mean(name, range, name_of);
   }
-  std::string nearest_body(std::string_view name, std::string_view asked_by) const {
-    if (faults_.size() > 100) return "";
+  std::string nearest_body(std::string_view name, std::string_view asked_by) {
+    if (suggestions_ >= most_suggestions) return "";
     std::vector<std::string_view> names{"ground"};
     for (const BodyDescription& body : description_.bodies)
       if (body.name != asked_by) names.push_back(body.name);
@@ -272,13 +272,13 @@ class Inspection {
       error(Rule::mass_not_positive, element,
             "mass is " + to_text(given.mass) + " kg; a mass must be positive", body.source);
     } else if (given.mass == 0) {
-      physical(Rule::mass_not_positive, element,
-               "mass is 0; a mass must be positive, and a massless body needs no mass at all", body.source);
+      doubt(Rule::mass_not_positive, element,
+            "mass is 0; a mass must be positive, and a massless body needs no mass at all", body.source);
     } else {
       // The axes and the choice of frame do not matter to what a density can produce.
       const double worst = realisability(inertia_in({}, given));
       if (worst < -realisability_tolerance)
-        physical(
+        doubt(
             Rule::inertia_not_realisable, element,
             "no density can produce its inertia: a principal moment about the centre of mass exceeds the sum "
             "of the other two by " +
@@ -340,16 +340,17 @@ class Inspection {
   }
 
   const Description& description_;
-  Physics physics_;
+  Strictness strictness_;
   std::vector<Fault> faults_;
+  int suggestions_ = 0;
   std::unordered_map<std::string, const BodyDescription*> bodies_;
   std::unordered_set<std::string> taken_;
 };
 
 }  // namespace
 
-std::vector<Fault> inspect(const Description& description, Physics physics) {
-  return Inspection(description, physics).run();
+std::vector<Fault> inspect(const Description& description, Strictness strictness) {
+  return Inspection(description, strictness).run();
 }
 
 }  // namespace axode

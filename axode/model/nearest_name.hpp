@@ -22,6 +22,9 @@ inline std::size_t edit_distance(std::string_view a, std::string_view b) {
   return row[b.size()];
 }
 
+/// Of many names that nobody has only the first get a suggestion, for each is compared with every name there is.
+inline constexpr int most_suggestions = 20;
+
 /// `; did you mean "forearm"?` for the nearest name there is, or nothing where none is near.
 template <class Range, class NameOf>
 std::string did_you_mean(std::string_view name, const Range& candidates, NameOf name_of) {

@@ -58,7 +58,7 @@ Model reduced(const Model& model, std::span<const std::string_view> locked, std:
       frame.pose = relative(A.at(frame.body), frame.pose);
     frame.in = GivenIn::body_frame;
   }
-  return ModelBuilder(std::move(description)).build(Physics::lenient);
+  return ModelBuilder(std::move(description)).build();
 }
 
 }  // namespace axode

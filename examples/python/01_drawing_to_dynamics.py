@@ -2,7 +2,8 @@
 
 # %% [markdown]
 # A slewing crane: a column that turns, a jib that luffs, a trolley that runs out along the jib. Every axis, point and
-# center of mass is read off one drawing with all joints at zero, in m and kg.
+# center of mass is read off one drawing with all joints at zero, in m and kg. The frame of the drawing is that of every
+# body as well; `frame="joint"` or `frame="com"` in a body would put its frame there.
 
 # %%
 import axode

@@ -15,7 +15,9 @@ The examples in the docstrings use `arm = axode.load(axode.robots / "arm7.toml")
 
 from __future__ import annotations
 
+import difflib
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 from . import closed_form, codegen, convert, lie
 from ._axode import (
@@ -78,6 +80,7 @@ from ._axode import (
     twists,
     urdf,
 )
+from ._axode import name_here as _name_here
 from ._axode import version as __version__
 from .builder import Builder
 from .errors import Fault, ModelError, NotFiniteError, SingularError, StatesError
@@ -110,3 +113,12 @@ __all__ = [
     # modules
     "lie", "closed_form", "codegen", "convert",
 ]
+
+if not TYPE_CHECKING:  # to a type checker every name would be known
+
+    def __getattr__(name: str) -> Any:
+        message = f"module {__name__!r} has no attribute {name!r}"
+        if (here := _name_here(name)) in __all__:
+            raise AttributeError(f"{message}; it is called {here!r} here")
+        near = difflib.get_close_matches(name, __all__, n=1)
+        raise AttributeError(message + (f"; did you mean {near[0]!r}?" if near else ""))

@@ -14,8 +14,10 @@ __all__ = ["Builder"]
 class Builder:
     """Collects bodies and frames in the words of the drawing format, and builds a model of them.
 
-    Everything is given in one frame with every joint at zero, in SI units; docs/drawing-format.md has every key.
-    Nothing is checked before `build`, which then names every fault at once.
+    Everything is given in one frame with every joint at zero, in SI units; docs/drawing-format.md has every key. It is
+    the frame of every body as well, with an origin that may be far from the body, unless it is given another one:
+    frame="joint" puts its origin at the joint, frame="com" at the centre of mass. Nothing is checked before `build`,
+    which then names every fault at once.
 
     >>> crane = axode.Builder("crane")
     >>> crane.body("column", joint={"kind": "revolute", "axis": "z", "point": [0, 0, 0]},
@@ -38,7 +40,7 @@ class Builder:
         """Adds a body that hangs on another one by a joint. Returns the builder.
 
         `joint` is a dict such as {"kind": "revolute", "axis": "z", "point": [0, 0, 0]}, or just "fixed" or "free";
-        mass (kg), com (m), inertia (kg m^2) and the other keys are those of a body in a drawing.
+        mass (kg), com (m), inertia (kg m^2), frame and the other keys are those of a body in a drawing.
         """
         self.bodies.append({"name": name, "on": on, "joint": joint, **keys})
         return self
@@ -53,9 +55,11 @@ class Builder:
         self.frames.append({"name": name, "on": on, **keys})
         return self
 
-    def build(self, base: Literal["fixed", "free"] | None = None) -> Model:
-        """The model. ModelError lists every fault; `base` as in `load`."""
-        return Model.from_bodies(self.bodies, self.frames, name=self.name, gravity=self.gravity, base=base)
+    def build(self, base: Literal["fixed", "free"] | None = None, *, strict: bool = False) -> Model:
+        """The model. ModelError lists every fault; `base` and `strict` as in `load`."""
+        return Model.from_bodies(
+            self.bodies, self.frames, name=self.name, gravity=self.gravity, base=base, strict=strict
+        )
 
     def __repr__(self) -> str:
         names = ", ".join(str(body["name"]) for body in self.bodies)

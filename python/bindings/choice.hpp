@@ -1,11 +1,13 @@
 #pragma once
 #include <nanobind/nanobind.h>
 
+#include <algorithm>
 #include <array>
 #include <optional>
 #include <string>
 #include <string_view>
 
+#include "axode/catalog.hpp"
 #include "axode/dynamics/coriolis.hpp"
 #include "axode/io.hpp"
 #include "axode/lie/twist.hpp"
@@ -32,8 +34,13 @@ std::size_t choose(const std::string& argument, nb::handle given,
   }
   std::string sentence = argument + " is " + shown(given) + "; expected one of ";
   for (std::size_t k = 0; k < N; ++k) sentence += (k == 0 ? "'" : ", '") + std::string(words[k]) + "'";
-  if (nb::isinstance<nb::str>(given))
-    sentence += did_you_mean(text_of(given), words, [](std::string_view word) { return word; });
+  if (nb::isinstance<nb::str>(given)) {
+    const std::string_view here = catalog::name_here(text_of(given));
+    if (std::find(words.begin(), words.end(), here) != words.end())
+      sentence += "; it is called '" + std::string(here) + "' here";
+    else
+      sentence += did_you_mean(text_of(given), words, [](std::string_view word) { return word; });
+  }
   throw error(sentence.c_str());
 }
 

@@ -12,9 +12,12 @@ namespace nb = nanobind;
 nb::tuple packed(const Description& description);
 Description unpacked(nb::handle tuple);
 
+/// The argument `strict`.
+inline Strictness strictness(bool strict) { return strict ? Strictness::strict : Strictness::lenient; }
+
 /// A mechanism in the words of the drawing format (docs/drawing-format.md), as a dict: what a drawing reads
 /// as. Throws ModelError with every fault, and nb::type_error for what a drawing cannot hold.
-Model from_dict(const nb::dict& drawing, Base base);
+Model from_dict(const nb::dict& drawing, Base base, Strictness strictness);
 nb::dict to_dict(const Model& model);
 
 }  // namespace axode::python

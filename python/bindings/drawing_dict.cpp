@@ -86,10 +86,10 @@ nb::object to_python(const toml::Value& value) {
 
 }  // namespace
 
-Model from_dict(const nb::dict& drawing, Base base) {
+Model from_dict(const nb::dict& drawing, Base base, Strictness strictness) {
   toml::Document document;
   const toml::Value* root = Writer(document).value(drawing, "");
-  return io::build(io::read_drawing(*root, ""), base, Physics::strict);
+  return io::build(io::read_drawing(*root, "", strictness), base, strictness);
 }
 
 nb::dict to_dict(const Model& model) {

@@ -9,6 +9,7 @@
 #include "bindings.hpp"
 #include "bound_model.hpp"
 #include "choice.hpp"
+#include "description.hpp"
 #include "raise.hpp"
 
 namespace axode::python {
@@ -31,35 +32,46 @@ std::string urdf_text(const BoundModel& m) {
 
 void add_files(nb::module_& module) {
   module.def(
-      "load", [](const std::filesystem::path& path, Base base) { return BoundModel(load(path, base)); },
-      "path"_a, "base"_a = nb::none(),
-      nb::sig("def load(path: str | os.PathLike[str], base: typing.Literal['fixed', 'free'] | None = None) "
-              "-> Model"),
+      "load",
+      [](const std::filesystem::path& path, Base base, bool strict) {
+        return BoundModel(load(path, base, strictness(strict)));
+      },
+      "path"_a, "base"_a = nb::none(), nb::kw_only(), "strict"_a = false,
+      nb::sig("def load(path: str | os.PathLike[str], base: typing.Literal['fixed', 'free'] | None = None, "
+              "*, strict: bool = False) -> Model"),
       R"(
 The mechanism of a file: a drawing (.toml) or a URDF (.urdf, .xml, or any file that begins with `<`).
 
 base="free" sets the body that is fixed to the ground free by a joint named `free_base`, base="fixed" fixes one that
-hangs on the ground by a free joint; without it the file decides. ModelError lists every fault of a file with its line;
-what is only doubtful is in `Model.warnings`.
+hangs on the ground by a free joint; without it the file decides. ModelError lists every fault of a file with its line.
+What is doubtful and can be computed all the same, such as an inertia that no density produces, is in `Model.warnings`;
+with strict=True it is a fault.
 
 >>> arm = axode.load(axode.robots / "arm7.toml")
 >>> arm.nv
 7
 )");
   module.def(
-      "check", [](const std::filesystem::path& path) { return fault_list(check(path)); }, "path"_a,
-      nb::sig("def check(path: str | os.PathLike[str]) -> list[axode.Fault]"), R"(
-Everything wrong or doubtful with a file, by line. A file that cannot be read is a fault as well.
+      "check",
+      [](const std::filesystem::path& path, Base base, bool strict) {
+        return fault_list(check(path, base, strictness(strict)));
+      },
+      "path"_a, "base"_a = nb::none(), nb::kw_only(), "strict"_a = false,
+      nb::sig("def check(path: str | os.PathLike[str], base: typing.Literal['fixed', 'free'] | None = None, "
+              "*, strict: bool = False) -> list[axode.Fault]"),
+      R"(
+Everything that `load` finds wrong or doubtful with a file, by line. A file that cannot be read is a fault as well.
 
 >>> axode.check(axode.robots / "arm7.toml")
 []
 )");
   module.def(
       "read_drawing",
-      [](const std::string& text, Base base) {
-        return BoundModel(io::build(io::read_drawing(text, ""), base, Physics::strict));
+      [](const std::string& text, Base base, bool strict) {
+        return BoundModel(
+            io::build(io::read_drawing(text, "", strictness(strict)), base, strictness(strict)));
       },
-      "text"_a, "base"_a = nb::none(), R"(
+      "text"_a, "base"_a = nb::none(), nb::kw_only(), "strict"_a = false, R"(
 The mechanism of a drawing, from its text (TOML); otherwise as `load`.
 
 >>> axode.read_drawing(axode.drawing(arm)).name
@@ -67,10 +79,10 @@ The mechanism of a drawing, from its text (TOML); otherwise as `load`.
 )");
   module.def(
       "read_urdf",
-      [](const std::string& text, Base base) {
-        return BoundModel(io::build(io::read_urdf(text, ""), base, Physics::lenient));
+      [](const std::string& text, Base base, bool strict) {
+        return BoundModel(io::build(io::read_urdf(text, "", strictness(strict)), base, strictness(strict)));
       },
-      "text"_a, "base"_a = nb::none(), R"(
+      "text"_a, "base"_a = nb::none(), nb::kw_only(), "strict"_a = false, R"(
 The mechanism of a URDF, from its text; otherwise as `load`.
 
 >>> axode.read_urdf('<robot name="stone"><link name="base"/></robot>').nq

@@ -289,20 +289,22 @@ void add_construction(nb::class_<BoundModel>& model) {
   model
       .def_static(
           "from_bodies",
-          [](nb::handle bodies, nb::handle frames, const std::string& name, nb::handle gravity, Base base) {
-            return BoundModel(from_dict(drawing_of(bodies, frames, name, gravity), base));
+          [](nb::handle bodies, nb::handle frames, const std::string& name, nb::handle gravity, Base base,
+             bool strict) {
+            return BoundModel(from_dict(drawing_of(bodies, frames, name, gravity), base, strictness(strict)));
           },
           "bodies"_a, "frames"_a = nb::make_tuple(), nb::kw_only(), "name"_a = "mechanism",
-          "gravity"_a = nb::make_tuple(0.0, 0.0, -9.81), "base"_a = nb::none(),
+          "gravity"_a = nb::make_tuple(0.0, 0.0, -9.81), "base"_a = nb::none(), "strict"_a = false,
           nb::sig("def from_bodies(bodies: collections.abc.Sequence[dict[str, typing.Any]], "
                   "frames: collections.abc.Sequence[dict[str, typing.Any]] = (), *, "
                   "name: str = 'mechanism', gravity: numpy.typing.ArrayLike = (0.0, 0.0, -9.81), "
-                  "base: typing.Literal['fixed', 'free'] | None = None) -> Model"),
+                  "base: typing.Literal['fixed', 'free'] | None = None, strict: bool = False) -> Model"),
           R"(
 A mechanism from axes, points, masses and inertias, all in one frame with every joint at zero.
 
 Each body and frame is a dict with the keys of the drawing format (docs/drawing-format.md): name, on, joint, mass, com,
-inertia, ... SI units. ModelError lists every fault.
+inertia, ... SI units. The frame of a body is the construction frame unless its dict says another, such as
+"frame": "joint" or "frame": "com". ModelError lists every fault; base and strict are those of `load`.
 
 >>> pendulum = axode.Model.from_bodies([
 ...     {"name": "rod", "joint": {"kind": "revolute", "axis": "y", "point": [0, 0, 0]},
@@ -312,12 +314,14 @@ array([4.905])
 )")
       .def_static(
           "from_dict",
-          [](const nb::dict& drawing, Base base) { return BoundModel(from_dict(drawing, base)); },
-          "drawing"_a, "base"_a = nb::none(),
+          [](const nb::dict& drawing, Base base, bool strict) {
+            return BoundModel(from_dict(drawing, base, strictness(strict)));
+          },
+          "drawing"_a, "base"_a = nb::none(), nb::kw_only(), "strict"_a = false,
           nb::sig("def from_dict(drawing: dict[str, typing.Any], base: typing.Literal['fixed', 'free'] | "
-                  "None = None) -> Model"),
+                  "None = None, *, strict: bool = False) -> Model"),
           R"(
-The mechanism of a whole drawing, as a dict: what `to_dict` gives, edited, or what tomllib reads.
+The mechanism of a whole drawing, as a dict: what `to_dict` gives, edited, or what tomllib reads. Otherwise as `load`.
 
 >>> drawing = arm.to_dict()
 >>> drawing["gravity"] = [0, 0, -1.62]
@@ -473,7 +477,7 @@ Model("arm7": 7 moving bodies, nq = 7, nv = 7, 10 frames, 26.334 kg)
       .def(
           "__setstate__",
           [](BoundModel& m, const nb::tuple& state) {
-            new (&m) BoundModel(ModelBuilder(unpacked(state)).build(Physics::lenient));
+            new (&m) BoundModel(ModelBuilder(unpacked(state)).build());
           },
           nb::sig("def __setstate__(self, state: tuple[typing.Any, ...], /) -> None"));
   add_construction(model);

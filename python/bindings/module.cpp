@@ -1,4 +1,7 @@
+#include <nanobind/stl/string_view.h>
+
 #include "array.hpp"
+#include "axode/catalog.hpp"
 #include "bindings.hpp"
 #include "raise.hpp"
 
@@ -7,6 +10,8 @@ NB_MODULE(_axode, module) {
   import_numpy();
   translate_exceptions();
   module.attr("version") = AXODE_VERSION;
+  module.def("name_here", &axode::catalog::name_here, nb::arg("theirs"),
+             "What a function of other libraries is called here, or ''.");
   nb::module_ lie = module.def_submodule("lie", "See axode.lie.");
   add_lie(lie);
   add_rigid_body(lie);

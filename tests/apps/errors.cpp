@@ -127,6 +127,18 @@ INSTANTIATE_TEST_SUITE_P(
          "axode eval: operational_space_inertia: frame \"link 3\": the frame can move in 2 of six "
          "directions, so that "
          "it shows no inertia to a wrench; ask for its mobility"},
+        {"ANameOfAnotherLibrary",
+         {"eval", arm, "--want", "poses,gravity_vector"},
+         2,
+         "axode eval: --want: there is no quantity \"gravity_vector\"; it is called \"gravity_torques\" here "
+         "(see axode "
+         "eval --help)"},
+        {"AFunctionOfAnotherLibrary",
+         {"codegen", arm, "--functions", "crba"},
+         2,
+         "axode codegen: --functions: \"crba\" is none of inverse_dynamics, forward_dynamics, mass_matrix, "
+         "jacobian; it is "
+         "called \"mass_matrix\" here (see axode codegen --help)"},
         {"AnEmptyWord",
          {"codegen", arm, "--output", ""},
          2,

@@ -71,7 +71,7 @@ Model arm(Wrist wrist) {
   add("upper", "ground", {0, 1, 0}, true), add("fore", "upper", {1, 0, 0}, true);
   add("hand", "fore", {0, 0, 1}, wrist != Wrist::massless);
   if (wrist == Wrist::coupled) arm.bodies.back().joint.coupling = Coupling{"upper joint", 2, 0};
-  return ModelBuilder(arm).build(Physics::lenient);
+  return ModelBuilder(arm).build();
 }
 
 std::vector<double> any_numbers(std::size_t size) {

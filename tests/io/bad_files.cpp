@@ -2,11 +2,13 @@
 #include <gtest/gtest.h>
 
 #include <fstream>
+#include <set>
 #include <sstream>
 #include <string>
 #include <vector>
 
 #include "axode/io.hpp"
+#include "tests/io/same_mechanism.hpp"
 #include "tests/support/shared_files.hpp"
 
 namespace axode {
@@ -58,13 +60,13 @@ class BadFile : public ::testing::TestWithParam<Expectation> {};
 TEST_P(BadFile, IsRefusedWithRuleLineAndReason) {
   const Expectation& e = GetParam();
   const std::filesystem::path file = bad_folder() / e.file;
-  const std::vector<Fault> faults = check(file);
+  const std::vector<Fault> faults = check(file, Base::as_described, Strictness::strict);
   EXPECT_TRUE(std::any_of(faults.begin(), faults.end(), [&](const Fault& f) { return meets(f, e); }))
       << "expected " << e.rule << " in line " << e.line << ": " << e.message << "; found\n"
       << all(faults);
   for (const Fault& fault : faults) EXPECT_EQ(fault.source.file, file.string());
   try {
-    load(file);
+    load(file, Base::as_described, Strictness::strict);
     ADD_FAILURE() << "load() accepts what check() refuses";
   } catch (const ModelError& error) {
     EXPECT_THAT(error.what(), HasSubstr(e.message));
@@ -86,6 +88,39 @@ TEST(BadFiles, EachHasARowInTheTable) {
     const bool listed =
         std::any_of(rows.begin(), rows.end(), [&](const Expectation& e) { return e.file == name; });
     EXPECT_TRUE(listed || name == "expected.tsv") << name;
+  }
+}
+
+// What others forgive, or what can be computed although no matter can be so.
+TEST(BadFiles, ThoseThatAreOnlyDoubtfulAreLoadedWithTheSameFaultsAsWarnings) {
+  const std::set<std::string> doubtful{"limits_crossed.urdf",
+                                       "limits_crossed.toml",
+                                       "mimic_of_unknown_joint.urdf",
+                                       "mass_zero.toml",
+                                       "follows_unknown_joint.toml",
+                                       "inertia_of_no_density.toml",
+                                       "inertia_negative.toml",
+                                       "second_axis_that_is_equal.urdf",
+                                       "mesh_scale_of_four_numbers.urdf",
+                                       "mass_and_inertia_zero.urdf"};
+  for (const auto& entry : std::filesystem::directory_iterator(bad_folder())) {
+    const std::string name = entry.path().filename().string();
+    if (name == "expected.tsv") continue;
+    if (!doubtful.contains(name)) {
+      EXPECT_THROW(load(entry.path()), ModelError) << name;
+      continue;
+    }
+    const std::vector<Fault> strict = check(entry.path(), Base::as_described, Strictness::strict);
+    const Model model = load(entry.path());
+    ASSERT_GE(model.warnings().size(), strict.size()) << name;
+    EXPECT_EQ(model.warnings().size(), check(entry.path()).size());
+    for (const Fault& fault : strict)
+      EXPECT_TRUE(std::any_of(model.warnings().begin(), model.warnings().end(), [&](const Fault& warning) {
+        return warning.severity == Severity::warning && warning.rule == fault.rule &&
+               warning.element == fault.element && warning.source.line == fault.source.line;
+      })) << to_string(fault);
+    EXPECT_EQ(test::disparity(model, ModelBuilder(read_drawing_text(test::drawing_of(model), name)).build()),
+              0);
   }
 }
 

@@ -6,9 +6,12 @@
 #include <numbers>
 #include <string>
 
+#include "axode/dynamics.hpp"
 #include "axode/io.hpp"
+#include "axode/kinematics.hpp"
 #include "axode/lie/screw_geometry.hpp"
 #include "axode/model/builder.hpp"
+#include "axode/model/configuration.hpp"
 #include "tests/io/same_mechanism.hpp"
 #include "tests/support/shared_files.hpp"
 
@@ -114,6 +117,77 @@ TEST(Drawing, InertiaMayBeGivenInAnyAxesAndAboutComOrOrigin) {
     inertia = [8.1, 8.7, 0.75, 0.01, -2, 0]
     inertia_about = "origin")")),
             1e-15);
+}
+
+/// A crane far from the origin, its bodies' frames where `frames` says.
+Model crane(const std::string& column_frame, const std::string& jib_frame) {
+  return model_of("[[body]]\nname = \"column\"\n" + column_frame + R"(
+    joint = { name = "slew", kind = "revolute", axis = "z", point = [10, 20, 0] }
+    mass = 800
+    com = [10, 20.1, 1.5]
+    inertia = [620, 620, 40]
+    [[body]]
+    name = "jib"
+    on = "column"
+    )" + jib_frame +
+                  R"(
+    joint = { name = "luff", kind = "revolute", axis = [0, -1, 0], point = [10.3, 20, 3] }
+    mass = 300
+    com = [12.1, 20, 3]
+    inertia = [8, 330, 330, 0, 2.5, 0]
+    [[frame]]
+    name = "hook"
+    on = "jib"
+    position = [14, 20, 3]
+  )");
+}
+
+TEST(Drawing, TheFrameOfABodyIsTheConstructionFrameOrAtItsJointOrItsCentreOfMass) {
+  const Model drawn = crane("", ""), moved = crane("frame = \"joint\"", "frame = \"com\"");
+  EXPECT_EQ(norm(drawn.body(2).A.r), 0);
+  EXPECT_EQ(norm(moved.body(1).A.r - Vec3<>{10, 20, 0}), 0);
+  EXPECT_EQ(norm(moved.body(2).A.r - Vec3<>{12.1, 20, 3}), 0);
+  EXPECT_EQ(norm(center_of_mass(moved.body(2).M)), 0);
+  EXPECT_EQ(norm(moved.body(1).X[0].v), 0);  // its joint passes through it
+  EXPECT_EQ(test::disparity(test::frames_at_zero(drawn).at("hook"), test::frames_at_zero(moved).at("hook")),
+            0);
+  const std::string in_words = "A = { position = [10, 20, 0] }",
+                    in_more_words = "A = { position = [12.1, 20, 3] }";
+  EXPECT_EQ(test::disparity(moved, crane(in_words, in_more_words)), 0);
+  EXPECT_EQ(
+      test::disparity(moved, ModelBuilder(read_drawing_text(test::drawing_of(moved), "again.toml")).build()),
+      0);
+}
+
+TEST(Drawing, PosesAndJacobiansFollowTheFrameOfABodyAndDynamicsDoNot) {
+  const Model drawn = crane("", ""), moved = crane("frame = \"joint\"", "frame = \"com\"");
+  Workspace<> of_drawn(drawn), of_moved(moved);
+  const std::vector<double> q{0.4, 0.7}, v{-0.3, 0.5}, a{1, -2};
+  std::vector<SE3<>> C(static_cast<std::size_t>(drawn.n_frames())), D(C.size());
+  poses(drawn, of_drawn, q, C), poses(moved, of_moved, q, D);
+  std::vector<Twist<BodyFixed>> J(2), K(2);
+  for (int i = 1; i <= 2; ++i) {
+    const SE3<> shift = inverse(drawn.body(i).A) * moved.body(i).A;
+    EXPECT_LT(test::disparity(C[i] * shift, D[i]), 1e-14);
+    jacobian<BodyFixed>(drawn, of_drawn, q, i, J), jacobian<BodyFixed>(moved, of_moved, q, i, K);
+    for (int k = 0; k < 2; ++k)
+      EXPECT_LT(test::disparity(Ad(inverse(shift), Screw<>{J[k].w, J[k].v}), Screw<>{K[k].w, K[k].v}), 1e-13);
+  }
+  std::vector<double> tau(2), tau_moved(2);
+  inverse_dynamics(drawn, of_drawn, q, v, a, tau), inverse_dynamics(moved, of_moved, q, v, a, tau_moved);
+  for (int k = 0; k < 2; ++k) EXPECT_NEAR(tau[k], tau_moved[k], 1e-12 * std::abs(tau[k]));
+}
+
+TEST(Drawing, AFreeBodyIsAtItsFrame) {
+  const std::string body =
+      "[[body]]\nname = \"stone\"\njoint = \"free\"\nmass = 2\ncom = [1, 2, 3]\n"
+      "inertia = [1, 1, 1]\n";
+  const Model model = model_of(body + "frame = \"com\"\n");
+  Workspace<> workspace(model);
+  std::vector<SE3<>> C(static_cast<std::size_t>(model.n_frames()));
+  poses(model, workspace, neutral(model), C);
+  EXPECT_EQ(norm(C[1].r - Vec3<>{1, 2, 3}), 0);
+  EXPECT_EQ(norm(center_of_mass(model.body(1).M)), 0);
 }
 
 TEST(Drawing, RotationsInThreeWaysAreOne) {

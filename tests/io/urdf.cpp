@@ -20,7 +20,7 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 
 Model model_of(const std::string& elements) {
   const std::string text = "<robot name=\"r\">\n" + elements + "</robot>\n";
-  return ModelBuilder(read_urdf_text(text, "test.urdf")).build(Physics::lenient);
+  return ModelBuilder(read_urdf_text(text, "test.urdf")).build();
 }
 
 std::string link(const std::string& name) {
@@ -127,6 +127,60 @@ TEST(Urdf, FloatingAndPlanarJointsHaveSixAndThreeDegreesOfFreedom) {
   for (const Dof& dof : model.joint(2).dof)
     EXPECT_TRUE(test::same(dof, Dof{-infinity, infinity, 2, 3, 0.1, 0, 0}));
   EXPECT_EQ(norm(model.body(2).X[0].w - Vec3<>{0, 1, 0}), 0);  // the normal
+}
+
+TEST(Urdf, LimitsTheWrongWayRoundAreNone) {
+  const Model model =
+      model_of(link("a") + link("b") +
+               joint("j", "revolute", "a", "b", R"(<limit lower="1" upper="-1" velocity="2" effort="3"/>)"));
+  EXPECT_TRUE(test::same(model.joint(1).dof[0], Dof{-infinity, infinity, 2, 3, 0, 0, 0}));
+  EXPECT_THAT(messages(model),
+              ElementsAre(HasSubstr("joint \"j\": lower limit 1 is above upper limit -1; it is "
+                                    "taken as unlimited")));
+}
+
+TEST(Urdf, AJointThatFollowsOneWhichDoesNotExistMovesOnItsOwn) {
+  const Model model = model_of(link("a") + link("b") + link("c") + joint("left", "continuous", "a", "b") +
+                               joint("right", "continuous", "a", "c", R"(<mimic joint="lefd"/>)"));
+  EXPECT_EQ(model.nq(), 2);
+  EXPECT_THAT(messages(model),
+              ElementsAre(HasSubstr("joint \"right\": follows joint \"lefd\", which is not "
+                                    "described, and moves on its own; did you mean \"left\"?")));
+}
+
+TEST(Urdf, OfManyUnknownLeadersOnlyTheFirstGetASuggestion) {
+  constexpr int n = 10000;
+  std::string elements = "<link name=\"base\"/>";
+  for (int k = 0; k < n; ++k) {
+    const std::string id = std::to_string(k);
+    elements += "<link name=\"l" + id + "\"/>" +
+                joint("joint_" + id, "continuous", "base", "l" + id, "<mimic joint=\"jiont_" + id + "\"/>");
+  }
+  for (const Strictness strictness : {Strictness::lenient, Strictness::strict}) {
+    const std::vector<Fault> faults = [&] {
+      const std::string text = "<robot name=\"r\">" + elements + "</robot>";
+      return ModelBuilder(read_urdf_text(text, "many.urdf", strictness)).check(strictness);
+    }();
+    ASSERT_GE(faults.size(), static_cast<std::size_t>(n));
+    const auto suggestions = std::count_if(faults.begin(), faults.end(), [](const Fault& fault) {
+      return fault.message.find("did you mean") != std::string::npos;
+    });
+    EXPECT_GT(suggestions, 0);
+    EXPECT_LE(suggestions, 20);
+  }
+}
+
+TEST(Urdf, ASecondEqualElementAndAScaleOfFourNumbersAreDoubts) {
+  const Model model = model_of(
+      "<link name=\"a\"/>\n<link name=\"b\"><visual><geometry><mesh filename=\"b.stl\" scale=\"2 2 2 2\"/>"
+      "</geometry></visual></link>\n" +
+      joint("j", "continuous", "a", "b", R"(<axis xyz="0 0 1"/><axis xyz="0 0 1"/>)"));
+  EXPECT_EQ(model.body(1).X[0].w.z, 1);
+  EXPECT_EQ(model.description().bodies[1].meshes[0].scale.x, 1);
+  EXPECT_THAT(
+      messages(model),
+      ElementsAre(HasSubstr("<mesh> scale is \"2 2 2 2\"; it needs 3 numbers and has 4; it is ignored"),
+                  HasSubstr("joint \"j\": <joint> holds the same <axis> twice"), HasSubstr("moves no mass")));
 }
 
 TEST(Urdf, MimicCouplesAJoint) {

@@ -29,9 +29,8 @@ TEST_P(CenterOfMassOf, ATreeIsTheMeanOfItsMatterWeightedByMass) {
 }
 
 TEST_P(CenterOfMassOf, AMasslessModelIsAnError) {
-  const Model model = ModelBuilder("ghost")
-                          .add({.name = "link", .joint = {.kind = JointKind::revolute}})
-                          .build(Physics::lenient);
+  const Model model =
+      ModelBuilder("ghost").add({.name = "link", .joint = {.kind = JointKind::revolute}}).build();
   try {
     subject(GetParam(), model)->call("center_of_mass", {.q = {0}});
     FAIL() << "no error";

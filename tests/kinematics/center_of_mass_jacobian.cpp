@@ -108,9 +108,8 @@ TEST_P(CenterOfMass, MomentumMatrixRateIsItsTimeDerivative) {
 }
 
 TEST(CenterOfMassErrors, AMasslessModelIsNamed) {
-  const Model model = ModelBuilder("ghost")
-                          .add({.name = "link", .joint = {.kind = JointKind::revolute}})
-                          .build(Physics::lenient);
+  const Model model =
+      ModelBuilder("ghost").add({.name = "link", .joint = {.kind = JointKind::revolute}}).build();
   Workspace<> workspace(model);
   const std::vector<double> q(1), v(1);
   std::vector<Vec3<>> J(1);

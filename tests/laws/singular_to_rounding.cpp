@@ -15,7 +15,7 @@ Model rod(double third, const SO3<>& R) {
       .add({.name = "rod",
             .joint = {.kind = JointKind::free},
             .inertia = MassProperties{.mass = 0.1, .Theta = {1, 1, third, 0, 0, 0}, .axes = R}})
-      .build(Physics::lenient);
+      .build();
 }
 
 /// M⁻¹ of three copies of a state.

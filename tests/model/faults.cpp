@@ -58,9 +58,9 @@ Description with_joint(const std::function<void(JointDescription&)>& change) {
 }
 
 /// What build() throws: the faults of a ModelError, or none.
-std::vector<Fault> faults(const Description& description, Physics physics = Physics::strict) {
+std::vector<Fault> faults(const Description& description, Strictness strictness = Strictness::strict) {
   try {
-    ModelBuilder(description).build(physics);
+    ModelBuilder(description).build(strictness);
   } catch (const ModelError& error) {
     return {error.faults().begin(), error.faults().end()};
   }
@@ -322,13 +322,13 @@ TEST(Faults, RodsPlatesAndPointMassesArePermitted) {
                 IsEmpty());
 }
 
-TEST(Faults, LenientPhysicsMakesWarningsOfTheTwoPhysicalRulesAndOfNoOther) {
+TEST(Faults, LenientBuildsMakeWarningsOfTheTwoPhysicalRulesAndOfNoOther) {
   const Description impossible = with([](auto& d) {
     d.bodies[0].inertia->Theta = {1, 1, 3, 0, 0, 0};
     d.bodies[1].inertia->mass = 0;
   });
   EXPECT_EQ(faults(impossible).size(), 2u);
-  const Model model = ModelBuilder(impossible).build(Physics::lenient);
+  const Model model = ModelBuilder(impossible).build();
   const std::vector<Fault> warnings(model.warnings().begin(), model.warnings().end());
   EXPECT_THAT(
       warnings,
@@ -339,9 +339,9 @@ TEST(Faults, LenientPhysicsMakesWarningsOfTheTwoPhysicalRulesAndOfNoOther) {
                Severity::warning)));
   EXPECT_EQ(model.total_mass(), 2.0);
   EXPECT_THAT(
-      faults(with_body([](auto& b) { b.inertia->mass = -1; }), Physics::lenient),
+      faults(with_body([](auto& b) { b.inertia->mass = -1; }), Strictness::lenient),
       ElementsAre(says(Rule::mass_not_positive, "body \"fore\"", "mass is -1 kg; a mass must be positive")));
-  EXPECT_THAT(faults(with_joint([](auto& j) { j.axis = {}; }), Physics::lenient),
+  EXPECT_THAT(faults(with_joint([](auto& j) { j.axis = {}; }), Strictness::lenient),
               ElementsAre(says(Rule::zero_axis, "joint \"elbow\"", testing::_)));
 }
 
@@ -854,8 +854,9 @@ TEST(Faults, CheckFindsWhatBuildThrows) {
     d.bodies[0].inertia->mass = 0;
     d.bodies[1].joint.axis = {};
   });
-  for (const Physics physics : {Physics::strict, Physics::lenient}) {
-    const std::vector<Fault> thrown = faults(wrong, physics), checked = ModelBuilder(wrong).check(physics);
+  for (const Strictness strictness : {Strictness::strict, Strictness::lenient}) {
+    const std::vector<Fault> thrown = faults(wrong, strictness),
+                             checked = ModelBuilder(wrong).check(strictness);
     ASSERT_EQ(thrown.size(), checked.size());
     for (std::size_t k = 0; k < thrown.size(); ++k) EXPECT_EQ(to_string(thrown[k]), to_string(checked[k]));
   }

@@ -172,7 +172,7 @@ void expect_usable(const Model& model, Nonsense& nonsense) {
         EXPECT_EQ(fault.rule, Rule::non_finite_number) << error.what();
       }
   }
-  EXPECT_EQ(ModelBuilder(model).build(Physics::lenient).n_bodies(), model.n_bodies());
+  EXPECT_EQ(ModelBuilder(model).build().n_bodies(), model.n_bodies());
 }
 
 /// How many of the descriptions could be built.
@@ -182,11 +182,11 @@ int build_all(std::uint64_t first_seed, int count, double share_of_nonsense) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     Nonsense nonsense(seed, share_of_nonsense);
     const Description description = nonsense.description();
-    const Physics physics = nonsense.whole(0, 1) ? Physics::strict : Physics::lenient;
-    const std::vector<Fault> checked = ModelBuilder(description).check(physics);
+    const Strictness strictness = nonsense.whole(0, 1) ? Strictness::strict : Strictness::lenient;
+    const std::vector<Fault> checked = ModelBuilder(description).check(strictness);
     const auto errors = std::ranges::count(checked, Severity::error, &Fault::severity);
     try {
-      const Model model = ModelBuilder(description).build(physics);
+      const Model model = ModelBuilder(description).build(strictness);
       ++built;
       EXPECT_EQ(errors, 0);
       EXPECT_EQ(model.warnings().size(), checked.size());

@@ -91,6 +91,7 @@ def test_frames_are_names_or_numbers():
 WRONG = {
     "no functions": ([], {}, "there are no functions"),
     "a word instead of a list": ("inverse_dynamics", {}, "functions is 'inverse_dynamics'; expected a list"),
+    "a function of another library": (["crba"], {}, r"functions\[0\] is 'crba'; .*it is called 'mass_matrix' here"),
     "an unknown function": (["inverse_dynamic"], {}, r"functions\[0\] is 'inverse_dynamic'; .*did you mean"),
     "a jacobian of nothing": (["mass_matrix", "jacobian"], {}, r"functions\[1\] is 'jacobian'; expected .*frame"),
     "a mass matrix of a frame": ([("mass_matrix", "flange")], {}, r"functions\[0\] is .*; expected"),

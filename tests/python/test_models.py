@@ -58,6 +58,73 @@ def test_a_dict_and_a_text_of_the_drawing_make_the_same_mechanism(mechanism):
     assert m.to_dict() == tomllib.loads(axode.drawing(m))
 
 
+def same_mass_matrix(m, n, tolerance):
+    q = np.array([m.random(seed) for seed in range(3)])
+    x, y = axode.mass_matrix(m, q), axode.mass_matrix(n, q)
+    return np.abs(x - y).max() <= tolerance * np.abs(x).max()
+
+
+def test_a_robot_is_the_same_from_its_dict_its_drawing_and_its_urdf(robot, base):
+    m = axode.load(robot, base)
+    twins = axode.Model.from_dict(m.to_dict()), axode.read_drawing(axode.drawing(m)), axode.read_urdf(axode.urdf(m))
+    for n in twins:
+        assert m.joint_names == n.joint_names and set(m.frame_names) <= set(n.frame_names)
+        assert same_mass_matrix(m, n, 1e-13)
+    q, v, a, _ = random_states(m, 3)
+    tau = axode.inverse_dynamics(m, q, v, a)
+    for n in twins:
+        assert np.abs(axode.inverse_dynamics(n, q, v, a) - tau).max() <= 1e-13 * np.abs(tau).max()
+
+
+DOUBTFUL = {"name": "plate", "joint": {"kind": "revolute", "axis": "z", "point": [0, 0, 0]}, "mass": 1,
+            "com": [1, 0, 0], "inertia": [1, 1, 3]}
+
+
+def test_doubts_are_warnings_and_errors_with_strict(tmp_path):
+    m = axode.Model.from_bodies([DOUBTFUL])
+    assert [fault.rule for fault in m.warnings] == ["inertia_not_realisable"]
+    drawing, urdf = tmp_path / "plate.toml", tmp_path / "plate.urdf"
+    drawing.write_text(axode.drawing(m))
+    urdf.write_text(axode.urdf(m))
+    ways = [lambda **strict: axode.load(drawing, **strict), lambda **strict: axode.load(urdf, **strict),
+            lambda **strict: axode.read_drawing(axode.drawing(m), **strict),
+            lambda **strict: axode.read_urdf(axode.urdf(m), **strict),
+            lambda **strict: axode.Model.from_dict(m.to_dict(), **strict),
+            lambda **strict: axode.Model.from_bodies([DOUBTFUL], **strict),
+            lambda **strict: axode.Builder().body(**DOUBTFUL).build(**strict)]
+    for way in ways:
+        assert [fault.severity for fault in way().warnings] == ["warning"]
+        with pytest.raises(axode.ModelError, match="no density can produce its inertia"):
+            way(strict=True)
+    for file in (drawing, urdf):
+        assert [fault.severity for fault in axode.check(file)] == ["warning"]
+        assert [fault.severity for fault in axode.check(file, strict=True)] == ["error"]
+    assert axode.check(drawing, "free")[0].rule == "no_base"
+
+
+def test_the_frame_of_a_body_is_where_it_is_asked_for():
+    body = {key: value for key, value in DOUBTFUL.items() if key != "joint"} | {"com": [3, 0, 0]}
+    joint = {"kind": "revolute", "axis": "z", "point": [2, 0, 0]}
+    origins = {"joint": [2, 0, 0], "com": [3, 0, 0]}
+    drawn = axode.Builder().body(joint=joint, **body).build()
+    assert np.array_equal(axode.poses(drawn, [0])[1], np.eye(4))
+    for frame, origin in origins.items():
+        m = axode.Builder().body(joint=joint, frame=frame, **body).build()
+        assert np.array_equal(axode.poses(m, [0])[1, :3, 3], origin)
+        assert np.array_equal(axode.poses(axode.Model.from_dict(m.to_dict()), [0.3]), axode.poses(m, [0.3]))
+        assert same_dynamics(drawn, m, exactly=False)
+    with pytest.raises(axode.ModelError, match='key "parent" is not known; it is called "on" here'):
+        axode.Builder().body(joint=joint, parent="ground", **body).build()
+
+
+def test_names_of_other_libraries_are_told_what_they_are_called_here():
+    told = {"crba": "it is called 'mass_matrix' here", "gravity_vector": "it is called 'gravity_torques' here",
+            "mass_matrx": "did you mean 'mass_matrix'?", "zzz": "no attribute 'zzz'$"}
+    for name, says in told.items():
+        with pytest.raises(AttributeError, match=says):
+            getattr(axode, name)
+
+
 @pytest.mark.parametrize("file", ["arm7.toml", "machine.toml", "double_pendulum.toml"])
 def test_a_drawing_read_by_tomllib_is_the_same_mechanism(file):
     drawing = tomllib.loads((axode.robots / file).read_text())

@@ -1,0 +1,41 @@
+#include "model_options.hpp"
+
+#include <CLI/CLI.hpp>
+
+#include "choice.hpp"
+
+namespace axode::command {
+namespace {
+
+constexpr std::array<std::pair<std::string_view, Base>, 2> bases{
+    {{"fixed", Base::fixed}, {"free", Base::free}}};
+
+}  // namespace
+
+Base ModelOptions::held() const { return base.empty() ? Base::as_described : choose("--base", base, bases); }
+
+void add_model_options(CLI::App& command, ModelOptions& options, Files files, const char* name) {
+  if (files == Files::one) {
+    const auto keep = [&options](const std::string& file) { options.files = {file}; };
+    command.add_option_function<std::string>(name, keep, "A drawing (.toml) or a URDF")
+        ->required()
+        ->type_name("FILE");
+  } else {
+    command.add_option(name, options.files, "Drawings (.toml) and URDFs")->required()->type_name("FILE ...");
+  }
+  command.add_option("--base", options.base, "fixed or free; as the file says if left out")
+      ->type_name("WORD");
+  command.add_flag("--strict", options.strict, "Refuse what is doubtful instead of warning of it");
+}
+
+std::vector<Model> load_all(const ModelOptions& options) {
+  std::vector<Model> models;
+  const Base base = options.held();
+  for (const std::string& file : options.files)
+    models.push_back(axode::load(file, base, options.strictness()));
+  return models;
+}
+
+Model load(const ModelOptions& options) { return load_all(options).front(); }
+
+}  // namespace axode::command

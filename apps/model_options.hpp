@@ -1,0 +1,35 @@
+#pragma once
+#include <string>
+#include <vector>
+
+#include "axode/io.hpp"
+
+namespace CLI {
+class App;
+}
+
+namespace axode::command {
+
+/// Which mechanisms, and how to read them: the same words in every command that reads any.
+struct ModelOptions {
+  std::vector<std::string> files;
+  std::string base;
+  bool strict = false;
+
+  /// The value of --base. Throws UsageError.
+  Base held() const;
+  Strictness strictness() const { return strict ? Strictness::strict : Strictness::lenient; }
+};
+
+enum class Files { one, several };
+
+/// Adds the files, by the name that the help gives them, and the options --base and --strict.
+void add_model_options(CLI::App& command, ModelOptions& options, Files files = Files::one,
+                       const char* name = "MODEL");
+
+/// The mechanisms of the files in their order.
+std::vector<Model> load_all(const ModelOptions& options);
+/// The mechanism of the one file.
+Model load(const ModelOptions& options);
+
+}  // namespace axode::command

@@ -1,0 +1,62 @@
+#pragma once
+#include <algorithm>
+#include <array>
+#include <string>
+#include <string_view>
+
+/// What people call the keys and words of a drawing who know other formats.
+namespace axode::io {
+
+struct OtherWord {
+  std::string_view theirs, ours;  ///< ours is a key, or a dotted one
+};
+
+// clang-format off
+inline constexpr auto words_of_others = std::to_array<OtherWord>({
+    // of the file
+    {"link", "body"}, {"links", "body"}, {"bodies", "body"}, {"joint", "body.joint"}, {"joints", "body.joint"},
+    {"site", "frame"}, {"sites", "frame"}, {"robot", "name"}, {"model", "name"}, {"g", "gravity"},
+    // what something hangs on
+    {"parent", "on"}, {"parent_link", "on"}, {"predecessor", "on"}, {"base", "on"}, {"body", "on"}, {"link", "on"},
+    // where something is: a joint, a frame, a body
+    {"origin", "point"}, {"xyz", "point"}, {"pos", "point"}, {"position", "point"}, {"anchor", "point"},
+    {"center", "point"}, {"centre", "point"},
+    {"origin", "position"}, {"xyz", "position"}, {"pos", "position"}, {"point", "position"}, {"r", "position"},
+    {"rotation_matrix", "rotation"}, {"R", "rotation"}, {"orientation", "rotation"}, {"quat", "quaternion"},
+    {"euler", "rpy"},
+    {"origin", "A"}, {"pose", "A"}, {"xyz", "A.position"}, {"pos", "A.position"}, {"position", "A.position"},
+    {"rotation", "A.rotation"}, {"orientation", "A.rotation"}, {"quaternion", "A.quaternion"},
+    {"quat", "A.quaternion"}, {"rpy", "A.rpy"}, {"euler", "A.rpy"},
+    // of a body
+    {"center_of_mass", "com"}, {"centre_of_mass", "com"}, {"cog", "com"}, {"ipos", "com"},
+    {"moment_of_inertia", "inertia"}, {"rotational_inertia", "inertia"}, {"diaginertia", "inertia"},
+    {"fullinertia", "inertia"}, {"visual", "mesh"}, {"collision", "mesh"}, {"geometry", "mesh"}, {"geom", "mesh"},
+    {"filename", "file"}, {"uri", "file"},
+    // of a joint
+    {"type", "kind"}, {"type", "role"}, {"direction", "axis"}, {"normal", "axis"}, {"range", "limits"},
+    {"lower", "limits"}, {"upper", "limits"}, {"max_velocity", "velocity"},
+    {"velocity_limit", "velocity"}, {"speed", "velocity"}, {"max_effort", "effort"}, {"effort_limit", "effort"},
+    {"torque", "effort"}, {"force", "effort"}, {"frictionloss", "friction"}, {"rotor_inertia", "armature"},
+    {"mimic", "follows"}, {"leader", "joint"}, {"multiplier", "ratio"},
+    // of a joint, said of its body
+    {"type", "joint.kind"}, {"kind", "joint.kind"}, {"axis", "joint.axis"}, {"point", "joint.point"},
+    {"limits", "joint.limits"}, {"limit", "joint.limits"}, {"effort", "joint.effort"}, {"velocity", "joint.velocity"},
+    {"damping", "joint.damping"}, {"friction", "joint.friction"}, {"armature", "joint.armature"},
+    {"follows", "joint.follows"}, {"mimic", "joint.follows"},
+    // kinds of joints
+    {"hinge", "revolute"}, {"continuous", "revolute"}, {"slide", "prismatic"}, {"slider", "prismatic"},
+    {"screw", "helical"}, {"ball", "spherical"}, {"cardan", "universal"}, {"floating", "free"}, {"weld", "fixed"},
+});
+// clang-format on
+
+/// `; it is called "on" here` for a word that others use, where one of the known words is ours for it.
+template <class Range> std::string called_here(std::string_view word, const Range& known) {
+  const auto is_ours = [&](const OtherWord& other) {
+    const std::string_view key = other.ours.substr(0, other.ours.find('.'));
+    return other.theirs == word && std::find(known.begin(), known.end(), key) != known.end();
+  };
+  const auto found = std::find_if(words_of_others.begin(), words_of_others.end(), is_ours);
+  return found == words_of_others.end() ? "" : "; it is called \"" + std::string(found->ours) + "\" here";
+}
+
+}  // namespace axode::io
