@@ -162,4 +162,39 @@ Inertia<> inertia_in(const SE3<>& J, const SE3<>& A, const MassProperties& given
   return inertia_from_com(given.mass, Rt * ((A.r - J.r) + A.R * given.com), given.Theta, Rt * A.R * axes);
 }
 
+Description in_joint_frames(const Description& given) {
+  Description description = expand(given);
+  const std::vector<Placement> placements = place(description, depth_first_order(description));
+  std::unordered_map<std::string_view, SE3<>> A;
+  for (std::size_t d = 0; d < description.bodies.size(); ++d) {
+    BodyDescription& body = description.bodies[d];
+    const Placement& at = placements[d];
+    A.emplace(body.name, at.A);
+    if (body.inertia && body.inertia->in == GivenIn::construction_frame) {
+      MassProperties& properties = *body.inertia;
+      if (properties.about == InertiaAbout::frame_origin) {
+        const Inertia<> M = inertia_in(at.A, properties);
+        properties.com = M.m > 0 ? center_of_mass(M) : Vec3<>{}, properties.Theta = M.Theta,
+        properties.axes = {};
+      } else {
+        const SO3<> Rt = transpose(at.A.R);
+        properties.com = Rt * (properties.com - at.A.r), properties.axes = Rt * properties.axes;
+      }
+      properties.in = GivenIn::body_frame;
+    }
+    if (body.joint.kind == JointKind::fixed) {
+      body.geometry = InBodyFrame{at.B};
+    } else {
+      body.geometry = InJointFrames{at.B * at.S_self, at.S_self};
+      body.joint.axis = {0, 0, 1}, body.joint.point = {0, 0, 0};
+    }
+  }
+  for (FrameDescription& frame : description.frames) {
+    if (frame.in == GivenIn::construction_frame && frame.body != "ground")
+      frame.pose = relative(A.at(frame.body), frame.pose);
+    frame.in = GivenIn::body_frame;
+  }
+  return description;
+}
+
 }  // namespace axode

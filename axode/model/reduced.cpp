@@ -30,42 +30,15 @@ Model reduced(const Model& model, std::span<const std::string_view> locked, std:
   for (int i = 1; i <= model.n_bodies(); ++i)
     if (const auto& leader = model.joint(i).leader; leader && is_locked[leader->joint]) is_locked[i] = true;
 
-  // Every body relative to its predecessor, so that nothing else depends on a joint that moves away from
-  // zero.
-  Description description = expand(model.description());
-  const std::vector<Placement> placements = place(description, depth_first_order(description));
   std::unordered_map<std::string_view, int> index;
   for (int i = 1; i <= model.n_bodies(); ++i) index.emplace(model.body(i).name, i);
-  std::unordered_map<std::string_view, SE3<>> A;
-  for (std::size_t d = 0; d < description.bodies.size(); ++d) {
-    BodyDescription& body = description.bodies[d];
-    const Placement& at = placements[d];
-    A.emplace(body.name, at.A);
-    if (body.inertia && body.inertia->in == GivenIn::construction_frame) {
-      MassProperties& given = *body.inertia;
-      if (given.about == InertiaAbout::frame_origin) {
-        const Inertia<> M = inertia_in(at.A, given);
-        given.com = M.m > 0 ? center_of_mass(M) : Vec3<>{}, given.Theta = M.Theta, given.axes = {};
-      } else {
-        const SO3<> Rt = transpose(at.A.R);
-        given.com = Rt * (given.com - at.A.r), given.axes = Rt * given.axes;
-      }
-      given.in = GivenIn::body_frame;
-    }
+  Description description = in_joint_frames(model.description());
+  for (BodyDescription& body : description.bodies) {
     const auto moving = index.find(body.name);
-    if (moving == index.end() || is_locked[moving->second]) {
-      const SE3<> C_J = moving == index.end() ? SE3<>{} : displacement(model.joint(moving->second), q);
-      body.geometry = InBodyFrame{at.B * at.S_self * C_J * inverse(at.S_self)};
-      body.joint = {.name = body.joint.name, .kind = JointKind::fixed};
-    } else {
-      body.geometry = InJointFrames{at.B * at.S_self, at.S_self};
-      body.joint.axis = {0, 0, 1}, body.joint.point = {0, 0, 0};
-    }
-  }
-  for (FrameDescription& frame : description.frames) {
-    if (frame.in == GivenIn::construction_frame && frame.body != "ground")
-      frame.pose = relative(A.at(frame.body), frame.pose);
-    frame.in = GivenIn::body_frame;
+    if (moving == index.end() || !is_locked[moving->second]) continue;
+    const auto& [S_prev, S_self] = std::get<InJointFrames>(body.geometry);
+    body.geometry = InBodyFrame{S_prev * displacement(model.joint(moving->second), q) * inverse(S_self)};
+    body.joint = {.name = body.joint.name, .kind = JointKind::fixed};
   }
   return ModelBuilder(std::move(description)).build(Physics::lenient);
 }
