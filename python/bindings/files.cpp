@@ -6,9 +6,11 @@
 
 #include "axode/io.hpp"
 #include "axode/io/reading.hpp"
+#include "axode/model/edited.hpp"
 #include "bindings.hpp"
 #include "bound_model.hpp"
 #include "choice.hpp"
+#include "conversions.hpp"
 #include "raise.hpp"
 
 namespace axode::python {
@@ -31,16 +33,24 @@ std::string urdf_text(const BoundModel& m) {
 
 void add_files(nb::module_& module) {
   module.def(
-      "load", [](const std::filesystem::path& path, Base base) { return BoundModel(load(path, base)); },
-      "path"_a, "base"_a = nb::none(),
-      nb::sig("def load(path: str | os.PathLike[str], base: typing.Literal['fixed', 'free'] | None = None) "
-              "-> Model"),
+      "load",
+      [](const std::filesystem::path& path, Base base, nb::handle gravity) {
+        const Model model = load(path, base);
+        if (gravity.is_none()) return BoundModel(model);
+        const Numbers g("gravity", {gravity.ptr()});
+        if (g.axes() != 1 || !g.ends_with({3})) g.wrong_shape("(3,), m/s^2");
+        return BoundModel(with_gravity(model, vector_from(g.data())));
+      },
+      "path"_a, "base"_a = nb::none(), nb::kw_only(), "gravity"_a = nb::none(),
+      nb::sig(
+          "def load(path: str | os.PathLike[str], base: typing.Literal['fixed', 'free'] | None = None, *, "
+          "gravity: numpy.typing.ArrayLike | None = None) -> Model"),
       R"(
 The mechanism of a file: a drawing (.toml) or a URDF (.urdf, .xml, or any file that begins with `<`).
 
 base="free" sets the body that is fixed to the ground free by a joint named `free_base`, base="fixed" fixes one that
 hangs on the ground by a free joint; without it the file decides. ModelError lists every fault of a file with its line;
-what is only doubtful is in `Model.warnings`.
+what is only doubtful is in `Model.warnings`. `gravity` (3,), m/s^2, is there in place of that of the file.
 
 >>> arm = axode.load(axode.robots / "arm7.toml")
 >>> arm.nv
