@@ -48,4 +48,4 @@ def signature_without_self(method: Any) -> inspect.Signature:
 _axode.describe(type(_axode.load), property(signature))
 _axode.describe(type(_axode.Model.neutral), property(signature))
 _axode.describe(type(_axode.Model.neutral.__get__(object())), property(signature_without_self))
-_axode.MassMatrixFactor.__signature__ = signature_without_self(_axode.MassMatrixFactor.__init__)  # type: ignore
+setattr(_axode.MassMatrixFactor, "__signature__", signature_without_self(_axode.MassMatrixFactor.__init__))

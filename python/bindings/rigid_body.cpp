@@ -173,7 +173,7 @@ Inertia matrix (..., 6, 6) of a cylinder along z with a half ball on each end, a
 `length` is that of the cylinder alone.
 
 >>> axode.lie.capsule_inertia(1, 0.1, 0.5)[:3, :3].diagonal().round(5)
-array([0.0344 , 0.0344 , 0.00479])
+array([0.03637, 0.03637, 0.00479])
 )");
   lie.def(
       "mesh_volume",

@@ -343,5 +343,5 @@ def test_a_mechanism_on_another_keeps_its_poses():
     poses = axode.poses(both, q)
     for frame, pose in zip(hand.frame_names[1:], axode.poses(hand, q_hand)[1:]):
         assert close(poses[both.frame_index("hand " + frame)], mount @ pose)
-    with pytest.raises(ValueError, match='^append: both models have "link 1", "A1", .*; give a prefix'):
+    with pytest.raises(ValueError, match='^append: both models have "base", "base_joint", "link 1", .*; give a prefix'):
         arm.append("flange", arm)
