@@ -50,8 +50,8 @@ def test_signature_is_the_one_of_the_docstring(name):
     signature = inspect.signature(OBJECTS[name])
     written = (OBJECTS[name].__doc__ or "").partition("\n")[0]
     if written.startswith(name.rpartition(".")[2] + "("):
-        named = {argument.arg for argument in ast.walk(ast.parse(f"def {written}: ...")) if isinstance(argument, ast.arg)}
-        assert named == set(signature.parameters)
+        function = ast.parse(f"def {written}: ...")
+        assert set(signature.parameters) == {node.arg for node in ast.walk(function) if isinstance(node, ast.arg)}
 
 
 def test_signatures_have_defaults_kinds_and_no_self_where_it_is_bound():

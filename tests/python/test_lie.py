@@ -295,8 +295,8 @@ def results(found):
 def test_a_mesh_of_a_box_is_the_box_wherever_it_is():
     size = np.array([0.3, 0.5, 0.7])
     corners = np.array([[x, y, z] for x in (-0.5, 0.5) for y in (-0.5, 0.5) for z in (-0.5, 0.5)]) * size
-    faces = [[0, 1, 3], [0, 3, 2], [4, 6, 7], [4, 7, 5], [0, 4, 5], [0, 5, 1], [2, 3, 7], [2, 7, 6], [0, 2, 6], [0, 6, 4],
-             [1, 5, 7], [1, 7, 3]]
+    faces = [[0, 1, 3], [0, 3, 2], [4, 6, 7], [4, 7, 5], [0, 4, 5], [0, 5, 1],
+             [2, 3, 7], [2, 7, 6], [0, 2, 6], [0, 6, 4], [1, 5, 7], [1, 7, 3]]
     for pose in C[:5]:
         vertices = corners @ pose[:3, :3].T + pose[:3, 3]
         assert close(lie.mesh_volume(vertices, faces), size.prod())

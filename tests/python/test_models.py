@@ -316,7 +316,8 @@ def test_gravity_is_that_of_the_file_or_the_one_given():
 
 def test_a_payload_is_a_load_that_moves_along():
     m = MECHANISMS["arm"]
-    M = axode.lie.transform_inertia(axode.lie.exp([0.1, 0.2, 0.3, 0.1, 0, 0.05]), axode.lie.box_inertia(3, [0.1, 0.2, 0.3]))
+    box = axode.lie.box_inertia(3, [0.1, 0.2, 0.3])
+    M = axode.lie.transform_inertia(axode.lie.exp([0.1, 0.2, 0.3, 0.1, 0, 0.05]), box)
     n = m.with_payload("flange", M, name="box")
     q, v, a, _ = random_states(m, 4)
     V, dV = (f[:, m.frame_index("flange")] for f in (axode.twists(m, q, v), axode.accelerations(m, q, v, a)))
