@@ -4,6 +4,7 @@
 
 #include "axode/catalog.hpp"
 #include "axode/dynamics.hpp"
+#include "axode/model/inertial_parameters.hpp"
 #include "commands.hpp"
 
 /// An answer for each row of the catalogue: numbers of any shape as JSON and as a table.
@@ -56,15 +57,6 @@ std::string label_of(const Row& row, Representation representation) {
   }
   const char* const whose = row.takes_input(Input::place) ? "frame" : "body";
   return headline(row.purpose, representation, wrench_axes(representation, whose), row.units);
-}
-
-std::vector<std::string> numbered(const Model& model, int Joint::*count, int total) {
-  std::vector<std::string> names;
-  names.reserve(total);
-  for (const Joint& joint : model.joints())
-    for (int k = 0; k < joint.*count; ++k)
-      names.push_back(joint.*count == 1 ? joint.name : fmt::format("{}[{}]", joint.name, k));
-  return names;
 }
 
 /// What an axis of a result runs over.
@@ -325,20 +317,6 @@ std::vector<int> frames_of(const Question& ask) {
   std::vector<int> all;
   for (int f = 1; f < ask.model.n_frames(); ++f) all.push_back(f);
   return all;
-}
-
-std::vector<std::string> velocity_names(const Model& model) {
-  return numbered(model, &Joint::nv, model.nv());
-}
-std::vector<std::string> coordinate_names(const Model& model) {
-  return numbered(model, &Joint::nq, model.nq());
-}
-std::vector<std::string> parameter_names(const Model& model) {
-  std::vector<std::string> names;
-  for (int i = 1; i <= model.n_bodies(); ++i)
-    for (const char* parameter : {"m", "m cx", "m cy", "m cz", "Ixx", "Iyy", "Izz", "Ixy", "Ixz", "Iyz"})
-      names.push_back(model.body(i).name + " " + parameter);
-  return names;
 }
 
 const std::vector<Quantity>& quantities() {

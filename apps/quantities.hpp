@@ -51,10 +51,4 @@ std::string twist_axes(Representation representation);
 std::string headline(std::string_view what, Representation representation, const std::string& axes,
                      std::string_view units);
 
-/// A row for each velocity of the model, or coordinate, with the name of its joint: `name` or `name[2]`.
-std::vector<std::string> velocity_names(const Model& model);
-std::vector<std::string> coordinate_names(const Model& model);
-/// Ten for each body.
-std::vector<std::string> parameter_names(const Model& model);
-
 }  // namespace axode::command

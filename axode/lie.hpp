@@ -4,4 +4,5 @@
 #include "axode/lie/representation_change.hpp"
 #include "axode/lie/screw_geometry.hpp"
 #include "axode/lie/se3.hpp"
+#include "axode/lie/solids.hpp"
 #include "axode/lie/twist.hpp"

@@ -1,4 +1,5 @@
 #pragma once
+#include <concepts>
 #include <span>
 #include <type_traits>
 
@@ -8,7 +9,21 @@
 
 namespace axode {
 
-/// A read-only argument, e.g. a std::vector<T>.
-template <class T> using Numbers = std::type_identity_t<std::span<const T>>;
+/// Numbers that lie one after the other: a std::span of whatever a span can be made of, and of a vector of Eigen.
+template <class T> class NumberSpan : public std::span<const T> {
+ public:
+  using std::span<const T>::span;
+  constexpr NumberSpan() = default;
+  constexpr NumberSpan(std::span<const T> numbers)  // NOLINT(google-explicit-constructor): it is one
+      : std::span<const T>(numbers) {}
+  template <class Vector>
+    requires(bool(Vector::IsVectorAtCompileTime) && Vector::InnerStrideAtCompileTime == 1 &&
+             std::same_as<typename Vector::Scalar, T>)
+  constexpr NumberSpan(const Vector& vector)  // NOLINT(google-explicit-constructor): and so is this
+      : std::span<const T>(vector.data(), static_cast<std::size_t>(vector.size())) {}
+};
+
+/// A read-only argument, e.g. a std::vector<T> or an Eigen::VectorX<T>.
+template <class T> using Numbers = std::type_identity_t<NumberSpan<T>>;
 
 }  // namespace axode

@@ -3,6 +3,7 @@
 #include <string>
 
 #include "axode/kinematics/arguments.hpp"
+#include "axode/kinematics/place.hpp"
 
 /// The checks that the functions of this and the later floors make before they compute.
 namespace axode {
@@ -42,6 +43,13 @@ inline void check_place(const Model& model, int frame) {
   if (frame < 0 || frame >= model.n_frames())
     throw std::invalid_argument("frame is " + std::to_string(frame) + "; model \"" + model.name() +
                                 "\" has frames 0 to " + std::to_string(model.n_frames() - 1));
+}
+
+/// The place by the number of its frame. Throws std::invalid_argument for a frame that there is not.
+template <class T> Place<T> found(const Model& model, const Place<T>& place) {
+  const int frame = place.name.empty() ? place.frame : model.frame_index(place.name);
+  check_place(model, frame);
+  return {frame, place.offset};
 }
 
 inline void check_order(int k, int order) {

@@ -37,8 +37,8 @@ template <class T> void HigherOrderMotion<T>::evaluate(Numbers<T> q, Numbers<T> 
 
 template <class T>
 template <RecursionRepresentation Rep>
-TwistRate<Rep, T> HigherOrderMotion<T>::twist_derivative(const Place<T>& place, int k) const {
-  check_place(model_, place.frame);
+TwistRate<Rep, T> HigherOrderMotion<T>::twist_derivative(const Place<T>& given, int k) const {
+  const Place<T> place = found(model_, given);
   check_order(k, order());
   const Tree<T>& tree = model_.tree<T>();
   const int i = tree->frame_body[place.frame];
@@ -49,9 +49,9 @@ TwistRate<Rep, T> HigherOrderMotion<T>::twist_derivative(const Place<T>& place, 
 
 template <class T>
 template <RecursionRepresentation Rep>
-void HigherOrderMotion<T>::jacobian_derivative(const Place<T>& place, int k,
+void HigherOrderMotion<T>::jacobian_derivative(const Place<T>& given, int k,
                                                std::span<TwistRate<Rep, T>> J) const {
-  check_place(model_, place.frame);
+  const Place<T> place = found(model_, given);
   check_order(k, order());
   check_size("J", J.size(), static_cast<std::size_t>(model_.nv()), "nv");
   const Tree<T>& tree = model_.tree<T>();

@@ -200,7 +200,7 @@ void check(const Model& model, std::span<const PoseTarget> targets, std::span<co
   need(std::ranges::all_of(q0, finite), "q0 is not finite");
   need(!targets.empty(), "targets is empty; name at least one pose to reach");
   for (const PoseTarget& target : targets) {
-    check_place(model, target.place.frame);
+    static_cast<void>(found(model, target.place));
     for (const double weight : {target.angular_weight, target.linear_weight})
       need(std::isfinite(weight) && weight >= 0,
            "a weight is " + to_text(weight) + "; it must not be negative");
@@ -227,7 +227,9 @@ InverseKinematicsResult inverse_kinematics(const Model& model, std::span<const P
                                            std::span<const double> q0,
                                            const InverseKinematicsOptions& options) {
   check(model, targets, q0, options);
-  Solver solver(model, targets, options);
+  std::vector<PoseTarget> found_targets(targets.begin(), targets.end());
+  for (PoseTarget& target : found_targets) target.place = found(model, target.place);
+  Solver solver(model, found_targets, options);
   InverseKinematicsResult best{.status = InverseKinematicsStatus::stalled,
                                .q = {q0.begin(), q0.end()},
                                .residual = std::numeric_limits<double>::infinity()};

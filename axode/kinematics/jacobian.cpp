@@ -9,9 +9,9 @@ namespace axode {
 
 template <RecursionRepresentation Rep, class T>
 void jacobian(const Model& model, Workspace<T>& workspace, Numbers<T> q,
-              const std::type_identity_t<Place<T>>& place, std::type_identity_t<std::span<Twist<Rep, T>>> J) {
+              const std::type_identity_t<Place<T>>& given, std::type_identity_t<std::span<Twist<Rep, T>>> J) {
   check_state(model, workspace, q);
-  check_place(model, place.frame);
+  const Place<T> place = found(model, given);
   check_size("J", J.size(), static_cast<std::size_t>(model.nv()), "nv");
   check_separate("J", J, "q", q);
   for (Twist<Rep, T>& column : J) column = {};
@@ -27,11 +27,22 @@ void jacobian(const Model& model, Workspace<T>& workspace, Numbers<T> q,
 }
 
 template <RecursionRepresentation Rep, class T>
+void jacobians(const Model& model, Workspace<T>& workspace, Numbers<T> q,
+               std::type_identity_t<std::span<const Place<T>>> places,
+               std::type_identity_t<std::span<Twist<Rep, T>>> J) {
+  const std::size_t nv = static_cast<std::size_t>(model.nv());
+  check_size("J", J.size(), places.size() * nv, "nv for each place");
+  check_separate("J", J, "q", q);
+  for (std::size_t k = 0; k < places.size(); ++k)
+    jacobian<Rep>(model, workspace, q, places[k], J.subspan(k * nv, nv));
+}
+
+template <RecursionRepresentation Rep, class T>
 std::size_t jacobian_columns(const Model& model, Workspace<T>& workspace, Numbers<T> q,
-                             const std::type_identity_t<Place<T>>& place,
+                             const std::type_identity_t<Place<T>>& given,
                              std::type_identity_t<std::span<JacobianColumn<Rep, T>>> columns) {
   check_state(model, workspace, q);
-  check_place(model, place.frame);
+  const Place<T> place = found(model, given);
   check_separate("columns", columns, "q", q);
   const Tree<T>& tree = model.tree<T>();
   std::size_t count = 0;
@@ -53,12 +64,12 @@ std::size_t jacobian_columns(const Model& model, Workspace<T>& workspace, Number
 
 template <RecursionRepresentation Rep, class T>
 void relative_jacobian(const Model& model, Workspace<T>& workspace, Numbers<T> q,
-                       const std::type_identity_t<Place<T>>& place,
-                       const std::type_identity_t<Place<T>>& base,
+                       const std::type_identity_t<Place<T>>& given,
+                       const std::type_identity_t<Place<T>>& given_base,
                        std::type_identity_t<std::span<Twist<Rep, T>>> J) {
   check_state(model, workspace, q);
-  check_place(model, place.frame);
-  check_place(model, base.frame);
+  const Place<T> place = found(model, given);
+  const Place<T> base = found(model, given_base);
   check_size("J", J.size(), static_cast<std::size_t>(model.nv()), "nv");
   check_separate("J", J, "q", q);
   const Tree<T>& tree = model.tree<T>();
@@ -89,6 +100,8 @@ void relative_jacobian(const Model& model, Workspace<T>& workspace, Numbers<T> q
 
 template void jacobian<AXODE_REP>(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>, const Place<AXODE_T>&,
                                   std::span<Twist<AXODE_REP, AXODE_T>>);
+template void jacobians<AXODE_REP>(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>,
+                                   std::span<const Place<AXODE_T>>, std::span<Twist<AXODE_REP, AXODE_T>>);
 template std::size_t jacobian_columns<AXODE_REP>(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>,
                                                  const Place<AXODE_T>&,
                                                  std::span<JacobianColumn<AXODE_REP, AXODE_T>>);

@@ -12,6 +12,12 @@ template <RecursionRepresentation Rep = BodyFixed, class T>
 void jacobian(const Model& model, Workspace<T>& workspace, Numbers<T> q,
               const std::type_identity_t<Place<T>>& place, std::type_identity_t<std::span<Twist<Rep, T>>> J);
 
+/// Those of several places, one after the other: nv columns for each.
+template <RecursionRepresentation Rep = BodyFixed, class T>
+void jacobians(const Model& model, Workspace<T>& workspace, Numbers<T> q,
+               std::type_identity_t<std::span<const Place<T>>> places,
+               std::type_identity_t<std::span<Twist<Rep, T>>> J);
+
 /// One column of a Jacobian, for velocity c.
 template <RecursionRepresentation Rep, class T = double> struct JacobianColumn {
   int c;

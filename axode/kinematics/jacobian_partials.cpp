@@ -21,10 +21,10 @@ std::size_t tensor_size(std::size_t nv, int order) {
 
 template <RecursionRepresentation Rep, class T>
 void jacobian_partials(const Model& model, Workspace<T>& workspace, Numbers<T> q,
-                       const std::type_identity_t<Place<T>>& place, int order,
+                       const std::type_identity_t<Place<T>>& given, int order,
                        std::type_identity_t<std::span<Twist<Rep, T>>> J) {
   check_state(model, workspace, q);
-  check_place(model, place.frame);
+  const Place<T> place = found(model, given);
   check_order(order, largest_partial_order);
   check_size("J", J.size(), tensor_size(static_cast<std::size_t>(model.nv()), order), "nv^(order + 1)");
   check_separate("J", J, "q", q);
@@ -53,10 +53,10 @@ void jacobian_partials(const Model& model, Workspace<T>& workspace, Numbers<T> q
 
 template <RecursionRepresentation Rep, class T>
 void jacobian_derivative_along(const Model& model, Workspace<T>& workspace, Numbers<T> q,
-                               const std::type_identity_t<Place<T>>& place, int order, Numbers<T> directions,
+                               const std::type_identity_t<Place<T>>& given, int order, Numbers<T> directions,
                                std::type_identity_t<std::span<Twist<Rep, T>>> J) {
   check_state(model, workspace, q);
-  check_place(model, place.frame);
+  const Place<T> place = found(model, given);
   check_order(order, largest_partial_order);
   check_size("directions", directions.size(), static_cast<std::size_t>(order * model.nv()), "order nv");
   check_size("J", J.size(), static_cast<std::size_t>(model.nv()), "nv");

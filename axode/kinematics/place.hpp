@@ -1,16 +1,25 @@
 #pragma once
+#include <concepts>
+#include <string_view>
+
 #include "axode/lie/se3.hpp"
 
 namespace axode {
 
-/// A place on a mechanism: a frame of the model, or a point or pose given in that frame.
+/// A place on a mechanism: a frame of the model, by number or by name, or a point or pose given in that frame. A name is
+/// looked for at every call, and has to live as long as the place.
 template <class T = double> struct Place {
-  int frame;
+  int frame = 0;
   SE3<T> offset;
+  std::string_view name = {};  ///< of the frame, in place of its number
 
   constexpr Place(int f) : frame(f) {}  // NOLINT(google-explicit-constructor): a frame is a place
   constexpr Place(int f, const Vec3<T>& point) : frame(f), offset{{}, point} {}
   constexpr Place(int f, const SE3<T>& pose) : frame(f), offset(pose) {}
+  template <std::convertible_to<std::string_view> Name>
+  constexpr Place(const Name& of) : name(of) {}  // NOLINT(google-explicit-constructor): and so is its name
+  constexpr Place(std::string_view of, const Vec3<T>& point) : offset{{}, point}, name(of) {}
+  constexpr Place(std::string_view of, const SE3<T>& pose) : offset(pose), name(of) {}
 };
 
 }  // namespace axode

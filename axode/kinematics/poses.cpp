@@ -20,6 +20,25 @@ void poses(const Model& model, Workspace<T>& workspace, Numbers<T> q,
   for (int f = 0; f < tree->n_frames(); ++f) C[f] = scratch.C[tree->frame_body[f]] * tree.frame_offset[f];
 }
 
+template <class T>
+void poses(const Model& model, Workspace<T>& workspace, Numbers<T> q,
+           std::type_identity_t<std::span<const Place<T>>> places,
+           std::type_identity_t<std::span<SE3<T>>> C) {
+  check_state(model, workspace, q);
+  check_size("C", C.size(), places.size(), "as many as there are places");
+  const Tree<T>& tree = model.tree<T>();
+  Arena arena = workspace.arena(model.topology());
+  FramePoses<T> scratch(arena);
+  scratch.C[0] = {};
+  scratch.poses.run(tree, q.data(), [&](int i, const auto& at) { scratch.C[i] = pose<T>(at); });
+  for (std::size_t k = 0; k < places.size(); ++k) {
+    const Place<T> place = found(model, places[k]);
+    C[k] = scratch.C[tree->frame_body[place.frame]] * tree.frame_offset[place.frame] * place.offset;
+  }
+}
+
 template void poses(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>, std::span<SE3<AXODE_T>>);
+template void poses(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>, std::span<const Place<AXODE_T>>,
+                    std::span<SE3<AXODE_T>>);
 
 }  // namespace axode

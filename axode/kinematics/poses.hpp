@@ -1,5 +1,6 @@
 #pragma once
 #include "axode/kinematics/arguments.hpp"
+#include "axode/kinematics/place.hpp"
 
 namespace axode {
 
@@ -7,5 +8,9 @@ namespace axode {
 template <class T>
 void poses(const Model& model, Workspace<T>& workspace, Numbers<T> q,
            std::type_identity_t<std::span<SE3<T>>> C);
+/// Those of some places only, in their order.
+template <class T>
+void poses(const Model& model, Workspace<T>& workspace, Numbers<T> q,
+           std::type_identity_t<std::span<const Place<T>>> places, std::type_identity_t<std::span<SE3<T>>> C);
 
 }  // namespace axode

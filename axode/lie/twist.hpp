@@ -87,84 +87,109 @@ constexpr Kind<Rep, T> operator-(const Kind<Rep, T>& x, const Kind<Rep, T>& y) {
   const auto& [y1, y2] = y;
   return {x1 - y1, x2 - y2};
 }
-/// Quantities in different representations do not add: change<To>(C, x) first.
+
+/// Quantities in different representations do not add, and neither do a twist and a wrench.
+template <class...> inline constexpr bool addable = false;
 template <template <class, class> class Kind, class Rep, class Other, class T>
-  requires is_screw_kind<Kind> &&(!std::same_as<Rep, Other>)void operator+(const Kind<Rep, T>&,
-                                                                           const Kind<Other, T>&) = delete;
-  template <template <class, class> class Kind, class Rep, class Other, class T>
-    requires is_screw_kind<Kind> &&(!std::same_as<Rep, Other>)void operator-(const Kind<Rep, T>&,
-                                                                             const Kind<Other, T>&) = delete;
-    template <template <class, class> class Kind, class Rep, class T>
-      requires is_screw_kind<Kind>
-    constexpr Kind<Rep, T> operator-(const Kind<Rep, T>& x) {
-      const auto& [x1, x2] = x;
-      return {-x1, -x2};
-    }
-    template <template <class, class> class Kind, class Rep, class T>
-      requires is_screw_kind<Kind>
-    constexpr Kind<Rep, T> operator*(const T& s, const Kind<Rep, T>& x) {
-      const auto& [x1, x2] = x;
-      return {s * x1, s * x2};
-    }
-    template <template <class, class> class Kind, class Rep, class T>
-      requires is_screw_kind<Kind>
-    constexpr Kind<Rep, T>& operator+=(Kind<Rep, T>& x, const Kind<Rep, T>& y) { return x = x + y; }
-    template <template <class, class> class Kind, class Rep, class T>
-      requires is_screw_kind<Kind>
-    constexpr Kind<Rep, T>& operator-=(Kind<Rep, T>& x, const Kind<Rep, T>& y) { return x = x - y; }
+  requires(is_screw_kind<Kind> && !std::same_as<Rep, Other>)
+constexpr Kind<Rep, T> operator+(const Kind<Rep, T>& x, const Kind<Other, T>&) {
+  static_assert(
+      addable<Rep, Other>,
+      "the two are in different representations; bring one into that of the other with change<To>(C, x)");
+  return x;
+}
+template <template <class, class> class Kind, class Rep, class Other, class T>
+  requires(is_screw_kind<Kind> && !std::same_as<Rep, Other>)
+constexpr Kind<Rep, T> operator-(const Kind<Rep, T>& x, const Kind<Other, T>&) {
+  static_assert(
+      addable<Rep, Other>,
+      "the two are in different representations; bring one into that of the other with change<To>(C, x)");
+  return x;
+}
+template <template <class, class> class Kind, template <class, class> class Another, class Rep, class Other,
+          class T>
+  requires(is_screw_kind<Kind>&& is_screw_kind<Another> && !std::same_as<Kind<Rep, T>, Another<Rep, T>>)
+constexpr Kind<Rep, T> operator+(const Kind<Rep, T>& x, const Another<Other, T>&) {
+  static_assert(addable<Rep, Other>,
+                "a twist, a twist rate, a wrench and a momentum do not add to one another");
+  return x;
+}
+template <template <class, class> class Kind, template <class, class> class Another, class Rep, class Other,
+          class T>
+  requires(is_screw_kind<Kind>&& is_screw_kind<Another> && !std::same_as<Kind<Rep, T>, Another<Rep, T>>)
+constexpr Kind<Rep, T> operator-(const Kind<Rep, T>& x, const Another<Other, T>&) {
+  static_assert(addable<Rep, Other>,
+                "a twist, a twist rate, a wrench and a momentum do not subtract from one another");
+  return x;
+}
 
-    /// W | V, the power of a wrench on a twist in W.
-    template <class Rep, class T> constexpr T operator|(const Wrench<Rep, T>& W, const Twist<Rep, T>& V) {
-      return dot(W.m, V.w) + dot(W.f, V.v);
-    }
-    /// Π | V, twice the kinetic energy where Π = M V, in J.
-    template <class Rep, class T> constexpr T operator|(const Momentum<Rep, T>& Pi, const Twist<Rep, T>& V) {
-      return dot(Pi.l, V.w) + dot(Pi.p, V.v);
-    }
+template <template <class, class> class Kind, class Rep, class T>
+  requires is_screw_kind<Kind>
+constexpr Kind<Rep, T> operator-(const Kind<Rep, T>& x) {
+  const auto& [x1, x2] = x;
+  return {-x1, -x2};
+}
+template <template <class, class> class Kind, class Rep, class T>
+  requires is_screw_kind<Kind>
+constexpr Kind<Rep, T> operator*(const T& s, const Kind<Rep, T>& x) {
+  const auto& [x1, x2] = x;
+  return {s * x1, s * x2};
+}
+template <template <class, class> class Kind, class Rep, class T>
+  requires is_screw_kind<Kind>
+constexpr Kind<Rep, T>& operator+=(Kind<Rep, T>& x, const Kind<Rep, T>& y) { return x = x + y; }
+template <template <class, class> class Kind, class Rep, class T>
+  requires is_screw_kind<Kind>
+constexpr Kind<Rep, T>& operator-=(Kind<Rep, T>& x, const Kind<Rep, T>& y) { return x = x - y; }
 
-    /// The coordinates of a twist as a screw, and back; for representations that are screws.
-    template <AtFrameOrigin Rep, class T> constexpr Screw<T> screw(const Twist<Rep, T>& V) {
-      return {V.w, V.v};
-    }
-    template <AtFrameOrigin Rep, class T> constexpr Twist<Rep, T> twist(const Screw<T>& X) {
-      return {X.w, X.v};
-    }
+/// W | V, the power of a wrench on a twist in W.
+template <class Rep, class T> constexpr T operator|(const Wrench<Rep, T>& W, const Twist<Rep, T>& V) {
+  return dot(W.m, V.w) + dot(W.f, V.v);
+}
+/// Π | V, twice the kinetic energy where Π = M V, in J.
+template <class Rep, class T> constexpr T operator|(const Momentum<Rep, T>& Pi, const Twist<Rep, T>& V) {
+  return dot(Pi.l, V.w) + dot(Pi.p, V.v);
+}
 
-    /// ad_V1 V2 = [V1, V2] (eq. ScrewProd).
-    template <AtFrameOrigin Rep, class T>
-    constexpr Twist<Rep, T> ad(const Twist<Rep, T>& V1, const Twist<Rep, T>& V2) {
-      return twist<Rep>(ad(screw(V1), screw(V2)));
-    }
-    /// -ad_Vᵀ Π: the rate of a momentum that moves with V.
-    template <AtFrameOrigin Rep, class T>
-    constexpr Wrench<Rep, T> coad(const Twist<Rep, T>& V, const Momentum<Rep, T>& Pi) {
-      const Noted<T> noted(ScrewOperation::bracket);
-      return {cross(V.w, Pi.l) + cross(V.v, Pi.p), cross(V.w, Pi.p)};
-    }
-    /// -ad_Xᵀ W, the twin of ad on wrenches.
-    template <AtFrameOrigin Rep, class T>
-    constexpr Wrench<Rep, T> coad(const Twist<Rep, T>& X, const Wrench<Rep, T>& W) {
-      const Noted<T> noted(ScrewOperation::bracket);
-      return {cross(X.w, W.m) + cross(X.v, W.f), cross(X.w, W.f)};
-    }
+/// The coordinates of a twist as a screw, and back; for representations that are screws.
+template <AtFrameOrigin Rep, class T> constexpr Screw<T> screw(const Twist<Rep, T>& V) { return {V.w, V.v}; }
+template <AtFrameOrigin Rep, class T> constexpr Twist<Rep, T> twist(const Screw<T>& X) { return {X.w, X.v}; }
 
-    /// Ad_C V^b and its inverse (eq. VsVb).
-    template <class T> constexpr Twist<Spatial, T> Ad(const SE3<T>& C, const Twist<BodyFixed, T>& V) {
-      return twist<Spatial>(Ad(C, screw(V)));
-    }
-    template <class T> constexpr Twist<BodyFixed, T> Ad_inv(const SE3<T>& C, const Twist<Spatial, T>& V) {
-      return twist<BodyFixed>(Ad_inv(C, screw(V)));
-    }
-    /// Ad_C⁻ᵀ W^b and its inverse: W^s measured at the inertial origin from W^b measured at the body's.
-    template <class T> constexpr Wrench<Spatial, T> coAd(const SE3<T>& C, const Wrench<BodyFixed, T>& W) {
-      const Noted<T> noted(ScrewOperation::transformation);
-      const Vec3<T> f = C.R * W.f;
-      return {C.R * W.m + cross(C.r, f), f};
-    }
-    template <class T> constexpr Wrench<BodyFixed, T> coAd_inv(const SE3<T>& C, const Wrench<Spatial, T>& W) {
-      const Noted<T> noted(ScrewOperation::transformation);
-      const SO3<T> Rt = transpose(C.R);
-      return {Rt * (W.m - cross(C.r, W.f)), Rt * W.f};
-    }
+/// ad_V1 V2 = [V1, V2] (eq. ScrewProd).
+template <AtFrameOrigin Rep, class T>
+constexpr Twist<Rep, T> ad(const Twist<Rep, T>& V1, const Twist<Rep, T>& V2) {
+  return twist<Rep>(ad(screw(V1), screw(V2)));
+}
+/// -ad_Vᵀ Π: the rate of a momentum that moves with V.
+template <AtFrameOrigin Rep, class T>
+constexpr Wrench<Rep, T> coad(const Twist<Rep, T>& V, const Momentum<Rep, T>& Pi) {
+  const Noted<T> noted(ScrewOperation::bracket);
+  return {cross(V.w, Pi.l) + cross(V.v, Pi.p), cross(V.w, Pi.p)};
+}
+/// -ad_Xᵀ W, the twin of ad on wrenches.
+template <AtFrameOrigin Rep, class T>
+constexpr Wrench<Rep, T> coad(const Twist<Rep, T>& X, const Wrench<Rep, T>& W) {
+  const Noted<T> noted(ScrewOperation::bracket);
+  return {cross(X.w, W.m) + cross(X.v, W.f), cross(X.w, W.f)};
+}
+
+/// Ad_C V^b and its inverse (eq. VsVb).
+template <class T> constexpr Twist<Spatial, T> Ad(const SE3<T>& C, const Twist<BodyFixed, T>& V) {
+  return twist<Spatial>(Ad(C, screw(V)));
+}
+template <class T> constexpr Twist<BodyFixed, T> Ad_inv(const SE3<T>& C, const Twist<Spatial, T>& V) {
+  return twist<BodyFixed>(Ad_inv(C, screw(V)));
+}
+/// Ad_C⁻ᵀ W^b and its inverse: W^s measured at the inertial origin from W^b measured at the body's.
+template <class T> constexpr Wrench<Spatial, T> coAd(const SE3<T>& C, const Wrench<BodyFixed, T>& W) {
+  const Noted<T> noted(ScrewOperation::transformation);
+  const Vec3<T> f = C.R * W.f;
+  return {C.R * W.m + cross(C.r, f), f};
+}
+template <class T> constexpr Wrench<BodyFixed, T> coAd_inv(const SE3<T>& C, const Wrench<Spatial, T>& W) {
+  const Noted<T> noted(ScrewOperation::transformation);
+  const SO3<T> Rt = transpose(C.R);
+  return {Rt * (W.m - cross(C.r, W.f)), Rt * W.f};
+}
 
 }  // namespace axode

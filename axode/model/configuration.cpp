@@ -43,6 +43,22 @@ void check_finite(const Model& model, const char* step, int Joint::*first, int J
   }
 }
 
+/// The joint's name once for each of its coordinates or velocities, numbered where there are several.
+std::vector<std::string> numbered(const Model& model, int Joint::*count) {
+  std::vector<std::string> names;
+  for (const Joint& joint : model.joints())
+    for (int k = 0; k < joint.*count; ++k)
+      names.push_back(joint.*count == 1 ? joint.name : joint.name + "[" + std::to_string(k) + "]");
+  return names;
+}
+
+std::vector<double> of_each_velocity(const Model& model, double Dof::*number) {
+  std::vector<double> numbers;
+  for (const Joint& joint : model.joints())
+    for (int k = 0; k < joint.nv; ++k) numbers.push_back(joint.dof[k].*number);
+  return numbers;
+}
+
 }  // namespace
 
 void check_size(const char* argument, std::size_t actual, std::size_t expected, const char* meaning) {
@@ -66,7 +82,7 @@ std::vector<double> neutral(const Model& model) {
   return q;
 }
 
-std::vector<double> random_configuration(const Model& model, std::uint64_t seed) {
+std::vector<double> random_configurations(const Model& model, std::uint64_t seed, std::size_t n) {
   std::mt19937_64 bits(seed);
   const auto uniform = [&](double lower,
                            double upper) {  // the standard's distributions differ between libraries
@@ -74,28 +90,77 @@ std::vector<double> random_configuration(const Model& model, std::uint64_t seed)
     return lower * (1 - s) + upper * s;  // where the difference overflows as well
   };
   const CoordinateLimits limit = limits(model);
-  std::vector<double> q = neutral(model);
+  std::vector<double> all(n * static_cast<std::size_t>(model.nq()));
+  double* q = all.data();
   const auto draw = [&](int k, double span) {
     const double lower = limit.lower[k], upper = limit.upper[k];
     const double a = std::isfinite(lower) ? lower : std::isfinite(upper) ? upper - 2 * span : -span;
     const double b = std::isfinite(upper) ? upper : std::isfinite(lower) ? lower + 2 * span : span;
     q[k] = uniform(a, b);
   };
-  each_independent_joint(model, [&](const auto& s, const Joint& joint) {
+  const auto draw_joint = [&](const auto& s, const Joint& joint) {
     using Kind = std::remove_cvref_t<decltype(s)>;
     if constexpr (Kind::nq > Kind::nv) {  // Shoemake 1992
       const double u = uniform(0, 1), alpha = uniform(0, 2 * std::numbers::pi),
                    beta = uniform(0, 2 * std::numbers::pi);
       const double r = std::sqrt(1 - u), t = std::sqrt(u);
       const double a[4] = {r * std::sin(alpha), r * std::cos(alpha), t * std::sin(beta), t * std::cos(beta)};
-      std::ranges::copy(a, q.begin() + joint.iq);
+      std::ranges::copy(a, q + joint.iq);
       for (int k = 4; k < Kind::nq; ++k) draw(joint.iq + k, 1);
     } else {
       for (int k = 0; k < Kind::nq; ++k) draw(joint.iq + k, k < Kind::angles ? std::numbers::pi : 1);
     }
-  });
-  return q;
+  };
+  for (; n > 0; --n, q += model.nq()) each_independent_joint(model, draw_joint);
+  return all;
 }
+std::vector<double> random_configuration(const Model& model, std::uint64_t seed) {
+  return random_configurations(model, seed, 1);
+}
+
+std::vector<double> normalize(const Model& model, std::span<const double> q) {
+  check_size("q", q.size(), static_cast<std::size_t>(model.nq()), "nq");
+  std::vector<double> out(q.begin(), q.end());
+  for (const int i : model.tree<double>()->quaternion_bodies) {
+    const Joint& joint = model.joint(i);
+    double* a = &out[joint.iq];
+    const double size = std::hypot(std::hypot(a[0], a[1]), std::hypot(a[2], a[3]));
+    if (!(size > 0) || !std::isfinite(size))
+      throw std::invalid_argument("q: the quaternion of joint \"" + joint.name + "\" has norm " +
+                                  to_text(size) + "; it must be finite and not 0 to be normalised");
+    for (int k = 0; k < 4; ++k) a[k] /= size;
+  }
+  return out;
+}
+
+std::vector<double> coordinate_rates(const Model& model, std::span<const double> q,
+                                     std::span<const double> v) {
+  check_configuration(model, q);
+  check_size("v", v.size(), static_cast<std::size_t>(model.nv()), "nv");
+  std::vector<double> out(q.size());
+  each_independent_joint(
+      model, [&](const auto& s, const Joint& joint) { s.rates(&q[joint.iq], &v[joint.iv], &out[joint.iq]); });
+  check_finite(model, "v", &Joint::iq, &Joint::nq, out);
+  return out;
+}
+
+std::vector<double> velocities_from_rates(const Model& model, std::span<const double> q,
+                                          std::span<const double> dq) {
+  check_configuration(model, q);
+  check_size("dq", dq.size(), static_cast<std::size_t>(model.nq()), "nq");
+  std::vector<double> out(model.nv());
+  each_independent_joint(model, [&](const auto& s, const Joint& joint) {
+    s.velocities(&q[joint.iq], &dq[joint.iq], &out[joint.iv]);
+  });
+  check_finite(model, "dq", &Joint::iv, &Joint::nv, out);
+  return out;
+}
+
+std::vector<std::string> coordinate_names(const Model& model) { return numbered(model, &Joint::nq); }
+std::vector<std::string> velocity_names(const Model& model) { return numbered(model, &Joint::nv); }
+
+std::vector<double> velocity_limits(const Model& model) { return of_each_velocity(model, &Dof::velocity); }
+std::vector<double> effort_limits(const Model& model) { return of_each_velocity(model, &Dof::effort); }
 
 std::vector<double> integrate(const Model& model, std::span<const double> q, std::span<const double> dv) {
   check_configuration(model, q);

@@ -17,5 +17,12 @@ std::vector<double> inertial_parameters(const Model& model) {
   }
   return all;
 }
+std::vector<std::string> parameter_names(const Model& model) {
+  std::vector<std::string> names;
+  for (int i = 1; i <= model.n_bodies(); ++i)
+    for (const char* parameter : {"m", "m cx", "m cy", "m cz", "Ixx", "Iyy", "Izz", "Ixy", "Ixz", "Iyz"})
+      names.push_back(model.body(i).name + " " + parameter);
+  return names;
+}
 
 }  // namespace axode

@@ -1,6 +1,7 @@
 #pragma once
 #include <array>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "axode/model/model.hpp"
@@ -14,5 +15,7 @@ std::array<double, 10> inertial_parameters(const Inertia<double>& M);
 Inertia<double> inertia_of(std::span<const double, 10> parameters);
 /// Those of all bodies, 10 n_bodies numbers.
 std::vector<double> inertial_parameters(const Model& model);
+/// Their names, `<body> m`, `<body> m cx`, ..., `<body> Iyz`.
+std::vector<std::string> parameter_names(const Model& model);
 
 }  // namespace axode

@@ -181,4 +181,25 @@ MassProperties seen_from(const SE3<>& S, const MassProperties& given) {
   return seen;
 }
 
+Description in_joint_frames(const Description& given) {
+  Description description = expand(given);
+  const std::vector<Placement> placements = place(description, depth_first_order(description));
+  std::unordered_map<std::string_view, SE3<>> A;
+  for (std::size_t d = 0; d < description.bodies.size(); ++d) {
+    BodyDescription& body = description.bodies[d];
+    const Placement& at = placements[d];
+    A.emplace(body.name, at.A);
+    if (body.inertia && body.inertia->in == GivenIn::construction_frame)
+      body.inertia = seen_from(at.A, *body.inertia);
+    body.geometry = InJointFrames{at.S_prev, at.S_self};
+    if (body.joint.kind != JointKind::fixed) body.joint.axis = {0, 0, 1}, body.joint.point = {0, 0, 0};
+  }
+  for (FrameDescription& frame : description.frames) {
+    if (frame.in == GivenIn::construction_frame && frame.body != "ground")
+      frame.pose = relative(A.at(frame.body), frame.pose);
+    frame.in = GivenIn::body_frame;
+  }
+  return description;
+}
+
 }  // namespace axode

@@ -26,6 +26,10 @@ Vec3<> direction(const Vec3<>& axis);
 /// The same mechanism with cylindrical and universal joints as chains of two joints through a massless body.
 Description expand(const Description& description);
 
+/// The same mechanism, expanded, with every joint in joint frames, every fixed body, frame and inertia relative to the
+/// body frame: nothing depends on where its predecessor is. The description must be without faults.
+Description in_joint_frames(const Description& description);
+
 /// Bodies in depth-first order, children as declared, and the index of each body's predecessor, -1 for the
 /// ground. Bodies that hang on no ground (an unknown predecessor, a cycle) are left out of the order.
 struct DepthFirstOrder {

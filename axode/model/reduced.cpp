@@ -32,31 +32,15 @@ Model reduced(const Model& model, std::span<const std::string_view> locked, std:
 
   // Every body relative to its predecessor, so that nothing else depends on a joint that moves away from
   // zero; by joint frames, which are near each other where body frames may be far.
-  Description description = expand(model.description());
-  const std::vector<Placement> placements = place(description, depth_first_order(description));
   std::unordered_map<std::string_view, int> index;
   for (int i = 1; i <= model.n_bodies(); ++i) index.emplace(model.body(i).name, i);
-  std::unordered_map<std::string_view, SE3<>> A;
-  for (std::size_t d = 0; d < description.bodies.size(); ++d) {
-    BodyDescription& body = description.bodies[d];
-    const Placement& at = placements[d];
-    A.emplace(body.name, at.A);
-    if (body.inertia && body.inertia->in == GivenIn::construction_frame)
-      body.inertia = seen_from(at.A, *body.inertia);
+  Description description = in_joint_frames(model.description());
+  for (BodyDescription& body : description.bodies) {
     const auto moving = index.find(body.name);
-    if (moving == index.end() || is_locked[moving->second]) {
-      const SE3<> C_J = moving == index.end() ? SE3<>{} : displacement(model.joint(moving->second), q);
-      body.geometry = InJointFrames{at.S_prev * C_J, at.S_self};
-      body.joint = {.name = body.joint.name, .kind = JointKind::fixed};
-    } else {
-      body.geometry = InJointFrames{at.S_prev, at.S_self};
-      body.joint.axis = {0, 0, 1}, body.joint.point = {0, 0, 0};
-    }
-  }
-  for (FrameDescription& frame : description.frames) {
-    if (frame.in == GivenIn::construction_frame && frame.body != "ground")
-      frame.pose = relative(A.at(frame.body), frame.pose);
-    frame.in = GivenIn::body_frame;
+    if (moving == index.end() || !is_locked[moving->second]) continue;
+    InJointFrames& frames = std::get<InJointFrames>(body.geometry);
+    frames.S_prev = frames.S_prev * displacement(model.joint(moving->second), q);
+    body.joint = {.name = body.joint.name, .kind = JointKind::fixed};
   }
   return ModelBuilder(std::move(description)).build();
 }

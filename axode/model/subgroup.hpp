@@ -20,6 +20,8 @@
 ///   column(C, k)                 Ad_C of it: the joint screw seen from where the joint frame has pose C
 ///   integrate(q, dv, out)        out = q ⊕ dv
 ///   difference(q0, q1, out)      q0 ⊕ out = q1
+///   rates(q, v, out)             q' from v
+///   velocities(q, dq, out)       v from q'; of a quaternion's rate what would change its length is left out
 namespace axode {
 
 enum class Subgroup : unsigned char { revolute, prismatic, helical, spherical, planar, free };
@@ -36,6 +38,12 @@ template <class T, int N> struct VectorCoordinates {
   }
   static constexpr void difference(const T* q0, const T* q1, T* out) {
     for (int k = 0; k < N; ++k) out[k] = q1[k] - q0[k];
+  }
+  static constexpr void rates(const T*, const T* v, T* out) {
+    for (int k = 0; k < N; ++k) out[k] = v[k];
+  }
+  static constexpr void velocities(const T*, const T* dq, T* out) {
+    for (int k = 0; k < N; ++k) out[k] = dq[k];
   }
 };
 
@@ -109,6 +117,14 @@ template <class T> struct Spherical {
     const Vec3<T> xi = log_quaternion(conjugate(quaternion_of(q0)) * quaternion_of(q1));
     out[0] = xi.x, out[1] = xi.y, out[2] = xi.z;
   }
+  static constexpr void rates(const T* q, const T* v, T* out) {
+    const Quaternion<T> da = quaternion_of(q) * Quaternion<T>{v[0], v[1], v[2], T(0)};
+    out[0] = T(0.5) * da.x, out[1] = T(0.5) * da.y, out[2] = T(0.5) * da.z, out[3] = T(0.5) * da.w;
+  }
+  static constexpr void velocities(const T* q, const T* dq, T* out) {
+    const Quaternion<T> w = conjugate(quaternion_of(q)) * quaternion_of(dq);
+    out[0] = T(2) * w.x, out[1] = T(2) * w.y, out[2] = T(2) * w.z;
+  }
 };
 
 /// Motion in the plane normal to z: q = (θ, x, y), v = (ω; v_x, v_y) in the child's joint frame. Differences
@@ -136,6 +152,14 @@ template <class T> struct Planar {
     const Vec3<T> w{T(0), T(0), atan2(sin(d), cos(d))};
     const Vec3<T> v = dexp_inv(w, Vec3<T>{c * dx + s * dy, c * dy - s * dx, T(0)});
     out[0] = w.z, out[1] = v.x, out[2] = v.y;
+  }
+  static constexpr void rates(const T* q, const T* v, T* out) {
+    const T s = sin(q[0]), c = cos(q[0]), dx = c * v[1] - s * v[2], dy = s * v[1] + c * v[2];
+    out[0] = v[0], out[1] = dx, out[2] = dy;
+  }
+  static constexpr void velocities(const T* q, const T* dq, T* out) {
+    const T s = sin(q[0]), c = cos(q[0]), vx = c * dq[1] + s * dq[2], vy = c * dq[2] - s * dq[1];
+    out[0] = dq[0], out[1] = vx, out[2] = vy;
   }
 };
 
@@ -171,6 +195,16 @@ template <class T> struct Free {
     const Vec3<T> w = log_quaternion(inverse * quaternion_of(q1));
     const Vec3<T> v = dexp_inv(w, rotation(inverse) * (position_of(q1) - position_of(q0)));
     out[0] = w.x, out[1] = w.y, out[2] = w.z, out[3] = v.x, out[4] = v.y, out[5] = v.z;
+  }
+  static constexpr void rates(const T* q, const T* v, T* out) {
+    Spherical<T>::rates(q, v, out);
+    const Vec3<T> dr = rotation(quaternion_of(q)) * Vec3<T>{v[3], v[4], v[5]};
+    out[4] = dr.x, out[5] = dr.y, out[6] = dr.z;
+  }
+  static constexpr void velocities(const T* q, const T* dq, T* out) {
+    Spherical<T>::velocities(q, dq, out);
+    const Vec3<T> v = transpose(rotation(quaternion_of(q))) * position_of(dq);
+    out[3] = v.x, out[4] = v.y, out[5] = v.z;
   }
 };
 

@@ -30,13 +30,10 @@ print(f"{arm.name}: tau has shape {tau.shape}, N m")
 
 # %%
 print("\njoint     peak      rms   effort   used")
-for joint in map(arm.joint, arm.joint_names):
-    torque = tau[:, joint.v]
+for name, torque, effort in zip(arm.velocity_names, tau.T, arm.effort_limits):
     peak, rms = np.abs(torque).max(), np.sqrt(np.mean(torque**2))
-    effort = joint.effort[0]
-    print(f"{joint.name:5} {peak:8.2f} {rms:8.2f} {effort:8.1f} {peak / effort:6.1%}")
-effort = np.concatenate([arm.joint(name).effort for name in arm.joint_names])
-print("all torques within the limits:", bool((np.abs(tau) <= effort).all()))
+    print(f"{name:5} {peak:8.2f} {rms:8.2f} {effort:8.1f} {peak / effort:6.1%}")
+print("all torques within the limits:", bool((np.abs(tau) <= arm.effort_limits).all()))
 
 # %% [markdown]
 # The same by a loop over the states, and by the batch on two cores. A batch takes the states in SIMD lanes, and lets

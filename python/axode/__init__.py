@@ -19,7 +19,7 @@ import difflib
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from . import closed_form, codegen, convert, lie
+from . import closed_form, codegen, convert, lie, signatures
 from ._axode import (
     Body,
     Joint,
@@ -43,7 +43,6 @@ from ._axode import (
     generalized_loads,
     gravity_torques,
     impulse_response,
-    inertial_parameters,
     inverse_dynamics,
     inverse_kinematics,
     inverse_mass_matrix,
@@ -104,7 +103,7 @@ __all__ = [
     "mass_matrix_partials", "inverse_mass_matrix_partials", "MassMatrixFactor", "coriolis_matrix", "coriolis_vector",
     "christoffel", "gravity_torques", "generalized_loads", "kinetic_energy", "potential_energy", "load_powers",
     "centroidal_inertia", "impulse_response", "mobility", "operational_space_inertia", "regressor",
-    "kinetic_energy_regressor", "potential_energy_regressor", "inertial_parameters",
+    "kinetic_energy_regressor", "potential_energy_regressor",
     # momentum form
     "momenta", "from_momenta", "momentum_form", "body_momenta", "spatial_momentum", "centroidal_momentum",
     "twist_form", "spatial_momentum_form",

@@ -32,13 +32,13 @@ nb::object converted(const std::string& name, PyObject* given) {
     nb::python_error error;
     if (!error.matches(PyExc_Exception)) throw error;  // KeyboardInterrupt and the like
     nb::raise_from(error, PyExc_ValueError, "%s: expected numbers in rows of equal length, got %s",
-                   name.c_str(), Py_TYPE(given)->tp_name);
+                   name.c_str(), type_of(given).c_str());
   }
   const PyArray_Descr* type = PyArray_DESCR(as_array(array.ptr()));
   if (type->kind != 'f' && type->kind != 'i' && type->kind != 'u') {
     const std::string got = text_of(nb::str(nb::handle(reinterpret_cast<const PyObject*>(type))));
     throw nb::value_error((name + ": expected real numbers (float64), got " +
-                           (PyArray_Check(given) ? "dtype " + got : std::string(Py_TYPE(given)->tp_name)))
+                           (PyArray_Check(given) ? "dtype " + got : type_of(given)))
                               .c_str());
   }
   array = nb::steal(PyArray_FromAny(array.ptr(), PyArray_DescrFromType(NPY_DOUBLE), 0, 0,

@@ -38,8 +38,7 @@ class Writer {
     } else if (PyList_Check(from.ptr()) || PyTuple_Check(from.ptr())) {
       to.content = array(from, where);
     } else {
-      throw nb::type_error(
-          (where + ": expected a number, text, list or dict, got " + Py_TYPE(from.ptr())->tp_name).c_str());
+      throw nb::type_error((where + ": expected a number, text, list or dict, got " + type_of(from)).c_str());
     }
     --depth_;
     return &to;

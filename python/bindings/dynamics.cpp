@@ -1,5 +1,4 @@
 #include "axode/dynamics.hpp"
-#include "axode/model/inertial_parameters.hpp"
 
 #include <nanobind/stl/string.h>
 
@@ -343,11 +342,11 @@ void add_regressors(nb::module_& module) {
   functions.of_q_v_a("regressor", R"(
 Y with Y pi = M a + C v + g for the inertial parameters pi: (nv, 10 n_bodies) or (N, nv, 10 n_bodies).
 
-See `inertial_parameters` for their order. Armature, losses and loads are not part of it. O(n d).
+`Model.parameters` has them. Armature, losses and loads are not part of it. O(n d).
 
 >>> q, v, a = np.full(7, 0.3), np.ones(7), np.ones(7)
 >>> Y = axode.regressor(arm, q, v, a)
->>> np.allclose(Y @ axode.inertial_parameters(arm), axode.inverse_dynamics(arm, q, v, a))
+>>> np.allclose(Y @ arm.parameters, axode.inverse_dynamics(arm, q, v, a))
 True
 )");
   functions.of_q_v("kinetic_energy_regressor", R"(
@@ -361,14 +360,6 @@ y with y pi = the potential energy of gravity, J: (10 n_bodies,) or (N, 10 n_bod
 
 >>> axode.potential_energy_regressor(arm, arm.neutral()).shape
 (70,)
-)");
-  module.def(
-      "inertial_parameters", [](const BoundModel& m) { return to_array(inertial_parameters(*m)); }, "m"_a, R"(
-pi, ten numbers for each moving body in its frame, (10 n_bodies,):
-m, m c_x, m c_y, m c_z, Theta_xx, Theta_yy, Theta_zz, Theta_xy, Theta_xz, Theta_yz, Theta about the frame's origin.
-
->>> axode.inertial_parameters(arm)[::10].sum().round(3)
-np.float64(26.334)
 )");
 }
 

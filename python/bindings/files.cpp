@@ -6,9 +6,11 @@
 
 #include "axode/io.hpp"
 #include "axode/io/reading.hpp"
+#include "axode/model/edited.hpp"
 #include "bindings.hpp"
 #include "bound_model.hpp"
 #include "choice.hpp"
+#include "conversions.hpp"
 #include "description.hpp"
 #include "raise.hpp"
 
@@ -33,12 +35,16 @@ std::string urdf_text(const BoundModel& m) {
 void add_files(nb::module_& module) {
   module.def(
       "load",
-      [](const std::filesystem::path& path, Base base, bool strict) {
-        return BoundModel(load(path, base, strictness(strict)));
+      [](const std::filesystem::path& path, Base base, nb::handle gravity, bool strict) {
+        const Model model = load(path, base, strictness(strict));
+        if (gravity.is_none()) return BoundModel(model);
+        const Numbers g("gravity", {gravity.ptr()});
+        if (g.axes() != 1 || !g.ends_with({3})) g.wrong_shape("(3,), m/s^2");
+        return BoundModel(with_gravity(model, vector_from(g.data())));
       },
-      "path"_a, "base"_a = nb::none(), nb::kw_only(), "strict"_a = false,
+      "path"_a, "base"_a = nb::none(), nb::kw_only(), "gravity"_a = nb::none(), "strict"_a = false,
       nb::sig("def load(path: str | os.PathLike[str], base: typing.Literal['fixed', 'free'] | None = None, "
-              "*, strict: bool = False) -> Model"),
+              "*, gravity: numpy.typing.ArrayLike | None = None, strict: bool = False) -> Model"),
       R"(
 The mechanism of a file: a drawing (.toml) or a URDF (.urdf, .xml, or any file that begins with `<`).
 
@@ -46,6 +52,7 @@ base="free" sets the body that is fixed to the ground free by a joint named `fre
 hangs on the ground by a free joint; without it the file decides. ModelError lists every fault of a file with its line.
 What is doubtful and can be computed all the same, such as an inertia that no density produces, is in `Model.warnings`;
 with strict=True it is a fault.
+`gravity` (3,), m/s^2, is there in place of that of the file.
 
 >>> arm = axode.load(axode.robots / "arm7.toml")
 >>> arm.nv

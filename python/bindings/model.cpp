@@ -7,6 +7,8 @@
 #include "axode/io.hpp"
 #include "axode/model/builder.hpp"
 #include "axode/model/configuration.hpp"
+#include "axode/model/edited.hpp"
+#include "axode/model/inertial_parameters.hpp"
 #include "bindings.hpp"
 #include "bound_model.hpp"
 #include "choice.hpp"
@@ -177,15 +179,73 @@ array([0., 0., 0., 0., 0., 0., 0.])
 )")
       .def(
           "random",
-          [](const BoundModel& m, std::uint64_t seed) { return to_array(random_configuration(m, seed)); },
-          "seed"_a = 0, R"(
-A configuration within the limits, uniform for each joint, shape (nq,); the same for the same seed.
+          [](const BoundModel& m, std::uint64_t seed, std::optional<std::size_t> n) {
+            if (!n) return to_array(random_configuration(m, seed));
+            NewArray out({static_cast<nb::ssize_t>(*n), m->nq()});
+            put(random_configurations(m, seed, *n), out.all());
+            return out.array();
+          },
+          "seed"_a = 0, "n"_a = nb::none(), R"(
+A configuration within the limits, uniform for each joint, shape (nq,); the same for the same seed. n of them: (n, nq).
 
 Unlimited angles are in [-pi, pi], unlimited lengths in [-1, 1] m, rotations uniform on SO(3).
 
 >>> q = arm.random(seed=3)
 >>> q.shape
 (7,)
+>>> arm.random(seed=3, n=100).shape
+(100, 7)
+)")
+      .def(
+          "normalize",
+          [](const BoundModel& m, ArrayLike q) {
+            return map_states(m, 1, linear_cost(m), {m->nq()}, q,
+                              [&](auto&, auto from, auto out) { put(normalize(m, from), out); })
+                .array();
+          },
+          "q"_a, R"(
+q with every quaternion brought to length 1, shape (nq,) or (N, nq). ValueError where one is 0.
+
+>>> base = axode.load(axode.robots / "humanoid.urdf", base="free")
+>>> base.normalize(2 * base.neutral())[:4]
+array([0., 0., 0., 1.])
+)")
+      .def(
+          "coordinate_rates",
+          [](const BoundModel& m, ArrayLike q, ArrayLike v) {
+            return map_states(
+                       m, 1, linear_cost(m), {m->nq()}, q,
+                       [&](auto&, auto from, auto by, auto out) { put(coordinate_rates(m, from, by), out); },
+                       Named{"v", v})
+                .array();
+          },
+          "q"_a, "v"_a, R"(
+dq/dt = E(q) v, shape (nq,) or (N, nq), from v (nv,) or (N, nv). Of a quaternion a it is a (omega; 0) / 2.
+
+>>> base = axode.load(axode.robots / "humanoid.urdf", base="free")
+>>> base.coordinate_rates(base.neutral(), np.arange(base.nv))[:7]
+array([0. , 0.5, 1. , 0. , 3. , 4. , 5. ])
+)")
+      .def(
+          "velocities_from_rates",
+          [](const BoundModel& m, ArrayLike q, ArrayLike dq) {
+            const States states(m, q, 1);
+            const Items rates = states.configurations("dq", dq);
+            return each_item(states, linear_cost(m), {m->nv()},
+                             [&](auto&, std::size_t k, auto out) {
+                               put(velocities_from_rates(m, states.q(k), rates[k]), out);
+                             })
+                .array();
+          },
+          "q"_a, "dq"_a, R"(
+v from dq/dt, the way back of `coordinate_rates`: shape (nv,) or (N, nv).
+
+What would change the length of a quaternion is left out.
+
+>>> base = axode.load(axode.robots / "humanoid.urdf", base="free")
+>>> q, v = base.random(), np.arange(base.nv)
+>>> bool(np.allclose(base.velocities_from_rates(q, base.coordinate_rates(q, v)), v))
+True
 )")
       .def(
           "integrate",
@@ -399,6 +459,78 @@ A new model in which the named joints are fixed at their place in q, shape (nq,)
 )");
 }
 
+void add_edits(nb::class_<BoundModel>& model) {
+  model
+      .def(
+          "with_parameters",
+          [](const BoundModel& m, ArrayLike pi) {
+            const Numbers numbers("pi", pi);
+            if (numbers.axes() != 1 || !numbers.ends_with({10 * m->n_bodies()}))
+              numbers.wrong_shape("(" + std::to_string(10 * m->n_bodies()) +
+                                  ",), ten numbers for each body, as in `parameters`");
+            return BoundModel(with_parameters(m, {numbers.data(), static_cast<std::size_t>(numbers.size())}));
+          },
+          "pi"_a, R"(
+A new model with other inertial parameters, identified ones for example: shape (10 n_bodies,), ordered as `parameters`.
+
+What is fixed to a moving body stays as a massless frame, being part of that body's parameters. Parameters that no
+matter has are in `warnings`; ModelError for a negative mass.
+
+>>> heavier = arm.with_parameters(1.1 * arm.parameters)
+>>> bool(np.isclose(heavier.total_mass, 1.1 * arm.total_mass))
+True
+)")
+      .def(
+          "with_gravity",
+          [](const BoundModel& m, ArrayLike gravity) {
+            const Numbers g("gravity", gravity);
+            if (g.axes() != 1 || !g.ends_with({3})) g.wrong_shape("(3,), m/s^2");
+            return BoundModel(with_gravity(m, vector_from(g.data())));
+          },
+          "gravity"_a, R"(
+A new model in another gravity, (3,) in the inertial frame, m/s^2.
+
+>>> arm.with_gravity([0, 0, -1.62]).gravity
+array([ 0.  ,  0.  , -1.62])
+)")
+      .def(
+          "with_payload",
+          [](const BoundModel& m, FrameName frame, ArrayLike M, const std::string& name) {
+            const Numbers numbers("M", M);
+            if (numbers.axes() != 2 || !numbers.ends_with({6, 6}))
+              numbers.wrong_shape("(6, 6), as of axode.lie.inertia");
+            const Eigen::Map<const Eigen::Matrix<double, 6, 6, Eigen::RowMajor>> matrix(numbers.data());
+            return BoundModel(
+                with_payload(m, m->frame(frame.in(m)).name, from_eigen<Inertia<>>(matrix), name));
+          },
+          "frame"_a, "M"_a, "name"_a = "payload", R"(
+A new model with a body fixed to a frame; M (6, 6) is its inertia in that frame, and `name` becomes a frame as well.
+
+`axode.lie` has M from mass, center of mass and rotational inertia, and of boxes, balls, cylinders, capsules and
+meshes. ModelError for a name that is taken and for an inertia that no matter has.
+
+>>> ball = axode.lie.sphere_inertia(2.0, 0.05)
+>>> loaded = arm.with_payload("flange", axode.lie.transform_inertia(axode.lie.exp([0, 0, 0, 0, 0, 0.05]), ball))
+>>> round(loaded.total_mass - arm.total_mass, 9)
+2.0
+)")
+      .def(
+          "append",
+          [](const BoundModel& m, FrameName frame, const BoundModel& other, const std::string& prefix) {
+            return BoundModel(append(m, m->frame(frame.in(m)).name, other, prefix));
+          },
+          "frame"_a, "other"_a, "prefix"_a = "", R"(
+A new model with another one mounted on a frame, which takes the place of the other's ground: a hand on an arm.
+
+`prefix` goes before all names of the other one; ValueError lists names that both have. Where the coordinates are,
+`coordinate_names` says: bodies are numbered depth-first as ever.
+
+>>> two = arm.append("flange", arm, prefix="second ")
+>>> two.nv, two.velocity_names[7]
+(14, 'second A1')
+)");
+}
+
 }  // namespace
 
 int FrameName::in(const Model& model, const char* argument) const {
@@ -453,7 +585,35 @@ Model("arm7": 7 moving bodies, nq = 7, nv = 7, 10 frames, 26.334 kg)
           "Of the bodies that move, in the model's order.")
       .def_prop_ro(
           "joint_names", [](const BoundModel& m) { return names(m->joints()); },
-          "One for each moving body, in the model's order.")
+          "One for each moving body, in the model's order; `velocity_names` has those of v, a and tau.")
+      .def_prop_ro(
+          "coordinate_names", [](const BoundModel& m) { return coordinate_names(m); },
+          "One for each entry of q: its joint's, numbered as in `hip[0]` where that has several.")
+      .def_prop_ro(
+          "velocity_names", [](const BoundModel& m) { return velocity_names(m); },
+          "One for each entry of v, a and tau: its joint's, numbered as in `hip[0]` where that has several.")
+      .def_prop_ro(
+          "parameter_names", [](const BoundModel& m) { return parameter_names(m); },
+          "One for each entry of `parameters`: `link 1 m`, `link 1 m cx`, ..., `link 1 Iyz`.")
+      .def_prop_ro(
+          "joints",
+          [](nb::handle_t<BoundModel> self) {
+            const BoundModel& m = *nb::inst_ptr<BoundModel>(self);
+            nb::list all;
+            for (const Joint& joint : m->joints()) all.append(self.attr("joint")(to_str(joint.name)));
+            return all;
+          },
+          nb::sig("def joints(self) -> list[Joint]"), "All, in the order of `joint_names`.")
+      .def_prop_ro(
+          "parameters", [](const BoundModel& m) { return to_array(inertial_parameters(m)); },
+          "Inertial parameters, (10 n_bodies,): m, m c, Theta (xx, yy, zz, xy, xz, yz) of each body in its "
+          "own frame, with all that is fixed to it; tau = regressor(m, q, v, a) @ m.parameters.")
+      .def_prop_ro(
+          "velocity_limits", [](const BoundModel& m) { return to_array(velocity_limits(m)); },
+          "Largest speed for each velocity, (nv,), rad/s or m/s; may be inf.")
+      .def_prop_ro(
+          "effort_limits", [](const BoundModel& m) { return to_array(effort_limits(m)); },
+          "Largest drive force for each velocity, (nv,), N m or N; may be inf.")
       .def_prop_ro(
           "frame_names", [](const BoundModel& m) { return names(m->frames()); },
           "\"ground\", the moving bodies, then everything that is fixed to one of them.")
@@ -482,6 +642,7 @@ Model("arm7": 7 moving bodies, nq = 7, nv = 7, 10 frames, 26.334 kg)
           nb::sig("def __setstate__(self, state: tuple[typing.Any, ...], /) -> None"));
   add_construction(model);
   add_lookup(model);
+  add_edits(model);
   add_configurations(model);
 }
 

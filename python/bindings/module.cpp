@@ -5,13 +5,26 @@
 #include "bindings.hpp"
 #include "raise.hpp"
 
+namespace {
+
+/// Gives a type of nanobind's an attribute `__signature__`, which its own interface refuses.
+void describe(nanobind::handle type, nanobind::handle signature) {
+  if (PyObject_GenericSetAttr(type.ptr(), nanobind::str("__signature__").ptr(), signature.ptr()) != 0)
+    throw nanobind::python_error();
+  PyType_Modified(reinterpret_cast<PyTypeObject*>(type.ptr()));
+}
+
+}  // namespace
+
 NB_MODULE(_axode, module) {
   using namespace axode::python;
+  using namespace nb::literals;
   import_numpy();
   translate_exceptions();
   module.attr("version") = AXODE_VERSION;
   module.def("name_here", &axode::catalog::name_here, nb::arg("theirs"),
              "What a function of other libraries is called here, or ''.");
+  module.def("describe", &describe, "type"_a, "signature"_a);
   nb::module_ lie = module.def_submodule("lie", "See axode.lie.");
   add_lie(lie);
   add_rigid_body(lie);

@@ -1,4 +1,5 @@
 #include "axode/lie/newton_euler.hpp"
+#include "axode/lie/solids.hpp"
 #include "bindings.hpp"
 #include "choice.hpp"
 #include "map_items.hpp"
@@ -120,6 +121,91 @@ The smallest second moment of mass about the center of mass, as a fraction of th
 >>> M = axode.lie.inertia(1, [0, 0, 0], np.diag([1, 1, 3]))  # no body: 3 > 1 + 1
 >>> float(axode.lie.realisability(M).round(3))
 -0.167
+)");
+}
+
+// ------------------------------------------------------------------------------------------------------- solids
+
+std::vector<Vec3<>> vertices_from(ArrayLike given) {
+  const Numbers numbers("vertices", given);
+  if (numbers.axes() != 2 || !numbers.ends_with({numbers.length(0), 3}))
+    numbers.wrong_shape("(N, 3), a row for each vertex, m");
+  std::vector<Vec3<>> vertices;
+  for (nb::ssize_t k = 0; k < numbers.size(); k += 3) vertices.push_back(vector_from(numbers.data() + k));
+  return vertices;
+}
+std::vector<std::array<int, 3>> faces_from(ArrayLike given) {
+  const Numbers numbers("faces", given);
+  if (numbers.axes() != 2 || !numbers.ends_with({numbers.length(0), 3}))
+    numbers.wrong_shape("(F, 3), the numbers of the vertices of each triangle");
+  std::vector<std::array<int, 3>> faces(static_cast<std::size_t>(numbers.length(0)));
+  for (std::size_t k = 0; k < 3 * faces.size(); ++k) {
+    const double number = numbers.data()[k];
+    if (number != std::floor(number) || std::abs(number) > 2147483647.0)
+      throw nb::value_error(("faces: " + std::to_string(number) + " is not the number of a vertex").c_str());
+    faces[k / 3][k % 3] = static_cast<int>(number);
+  }
+  return faces;
+}
+
+void add_solids(nb::module_& lie) {
+  add<double, Vec3<>>(lie, "box_inertia", {"mass", "size"}, &box_inertia, R"(
+Inertia matrix (..., 6, 6) of a box about its center, with edges of `size` (..., 3) along x, y and z; kg, m.
+
+>>> axode.lie.box_inertia(12, [1, 2, 3])[:3, :3].diagonal()
+array([13., 10.,  5.])
+)");
+  add<double, double>(lie, "sphere_inertia", {"mass", "radius"}, &sphere_inertia, R"(
+Inertia matrix (..., 6, 6) of a ball about its center; kg, m.
+
+>>> axode.lie.sphere_inertia(5, 1)[:3, :3].diagonal()
+array([2., 2., 2.])
+)");
+  add<double, double, double>(lie, "cylinder_inertia", {"mass", "radius", "length"}, &cylinder_inertia, R"(
+Inertia matrix (..., 6, 6) of a cylinder about its center, its axis along z; kg, m.
+
+>>> axode.lie.cylinder_inertia(12, 1, 1)[:3, :3].diagonal()
+array([4., 4., 6.])
+)");
+  add<double, double, double>(lie, "capsule_inertia", {"mass", "radius", "length"}, &capsule_inertia, R"(
+Inertia matrix (..., 6, 6) of a cylinder along z with a half ball on each end, about its center; kg, m.
+
+`length` is that of the cylinder alone.
+
+>>> axode.lie.capsule_inertia(1, 0.1, 0.5)[:3, :3].diagonal().round(5)
+array([0.03637, 0.03637, 0.00479])
+)");
+  lie.def(
+      "mesh_volume",
+      [](ArrayLike vertices, ArrayLike faces) {
+        return mesh_volume(vertices_from(vertices), faces_from(faces));
+      },
+      "vertices"_a, "faces"_a, R"(
+What a closed mesh encloses, m^3: vertices (N, 3), and faces (F, 3), triangles by the numbers of their vertices.
+
+Faces run counterclockwise as seen from outside. ValueError where the mesh is not closed or its faces look inwards.
+
+>>> corner = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]]
+>>> round(axode.lie.mesh_volume(*corner), 6)
+0.166667
+)");
+  lie.def(
+      "mesh_inertia",
+      [](nb::handle mass, ArrayLike vertices, ArrayLike faces) {
+        return to_array(mesh_inertia(number("mass", mass), vertices_from(vertices), faces_from(faces)));
+      },
+      "mass"_a, "vertices"_a, "faces"_a,
+      nb::sig(
+          "def mesh_inertia(mass: float, vertices: numpy.typing.ArrayLike, faces: numpy.typing.ArrayLike) -> "
+          "numpy.typing.NDArray[numpy.float64]"),
+      R"(
+Inertia matrix (6, 6) of the solid that a closed mesh encloses, in the frame of the vertices; kg, m.
+
+Vertices (N, 3) and faces (F, 3) as for `mesh_volume`, which times a density is the mass.
+
+>>> corner = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]]
+>>> axode.lie.center_of_mass(axode.lie.mesh_inertia(3, *corner))
+array([0.25, 0.25, 0.25])
 )");
 }
 
@@ -370,6 +456,7 @@ array([ 0.,  0., 20.,  0., 10.,  0.])
 
 void add_rigid_body(nb::module_& lie) {
   add_inertia(lie);
+  add_solids(lie);
   lie.def("newton_euler", &newton_euler_of, "M"_a, "V"_a, "dV"_a, "representation"_a = "body",
           "R"_a = nb::none(), R"(
 W = M V' - ad_V^T M V, the wrench that gives a body with twist V the acceleration dV: (..., 6) (eqs. NEb, NEs, NEh).

@@ -110,7 +110,7 @@ AppliedLoads::AppliedLoads(const States& states, LoadList given, bool joint_loss
     throw nb::value_error(
         (std::string("loads: expected a list of dicts with the keys frame, representation and "
                      "wrench, got ") +
-         Py_TYPE(list.ptr())->tp_name)
+         type_of(list))
             .c_str());
   std::size_t number = 0;
   for (const nb::handle load : list) {

@@ -10,6 +10,7 @@
 #include "bound_model.hpp"
 #include "choice.hpp"
 #include "long_call.hpp"
+#include "text.hpp"
 
 namespace axode::python {
 
@@ -130,7 +131,7 @@ template <std::size_t N>
 nb::dict entries_of(nb::handle given, const std::string& where, const std::array<std::string_view, N>& keys,
                     std::initializer_list<const char*> needed) {
   if (!nb::isinstance<nb::dict>(given))
-    throw nb::value_error((where + ": expected a dict, got " + Py_TYPE(given.ptr())->tp_name).c_str());
+    throw nb::value_error((where + ": expected a dict, got " + type_of(given)).c_str());
   nb::dict entries = nb::borrow<nb::dict>(given);
   for (const auto& [key, value] : entries) choose(where + ": a key", key, keys, nb::key_error);
   for (const char* key : needed)

@@ -23,6 +23,12 @@ inline nb::str to_str(std::string_view text) {
       PyUnicode_DecodeUTF8(text.data(), static_cast<Py_ssize_t>(text.size()), "backslashreplace"));
 }
 
+/// The name of the type of something, for a message: `list`, `numpy.ndarray`.
+inline std::string type_of(nb::handle value) {
+  const std::string module = text_of(nb::str(value.type().attr("__module__")));
+  return (module == "builtins" ? "" : module + ".") + text_of(value.type().attr("__qualname__"));
+}
+
 /// What stands there, for a message.
 inline std::string shown(nb::handle value) { return text_of(nb::repr(value)); }
 

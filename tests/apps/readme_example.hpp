@@ -1,5 +1,6 @@
 #pragma once
 #include <cstdio>
+#include <string>
 #include <vector>
 
 #include "axode/axode.hpp"
@@ -13,6 +14,6 @@ void print_drive_torques(const char* file) {
   q[arm.joint(arm.joint_index("A2")).iq] = 0.8;  // rad
   axode::inverse_dynamics(arm, workspace, q, v, a, tau);
 
-  for (const axode::Joint& joint : arm.joints())
-    std::printf("%s %.3f N m\n", joint.name.c_str(), tau[joint.iv]);
+  const std::vector<std::string> names = axode::velocity_names(arm);  // of v, a and tau
+  for (std::size_t k = 0; k < tau.size(); ++k) std::printf("%s %.3f N m\n", names[k].c_str(), tau[k]);
 }

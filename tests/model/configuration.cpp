@@ -397,5 +397,90 @@ TEST(Configuration, QuaternionsAreNotNormalisedBehindTheUsersBack) {
   EXPECT_THROW(difference(model, neutral(model), off(2)), std::invalid_argument);
 }
 
+// -------------------------------------------------------------------------------------- rates, names, limits
+
+TEST(Configuration, RatesAreTheDerivativeOfIntegrateAndVelocitiesTheWayBack) {
+  Random<double> random(53);
+  for (const JointKind kind : moving_kinds) {
+    const Model model = one_joint(kind);
+    for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+      const std::vector<double> q = random_configuration(model, seed), v = random_numbers(random, model.nv());
+      const std::vector<double> dq = coordinate_rates(model, q, v);
+      constexpr double h = 1e-5;
+      const std::vector<double> after = integrate(model, q, scaled(h, v)),
+                                before = integrate(model, q, scaled(-h, v));
+      for (std::size_t k = 0; k < dq.size(); ++k)
+        EXPECT_NEAR(dq[k], (after[k] - before[k]) / (2 * h), 1e-9) << to_string(kind) << " " << k;
+      EXPECT_LE(distance(velocities_from_rates(model, q, dq), v), 1e-14) << to_string(kind);
+    }
+  }
+}
+
+TEST(Configuration, VelocitiesLeaveOutWhatWouldChangeTheNorm) {
+  const Model model = one_joint(JointKind::spherical);
+  const std::vector<double> q = random_configuration(model, 3);
+  EXPECT_LE(size(velocities_from_rates(model, q, scaled(2, q))), 1e-15);
+  EXPECT_THAT([&] { coordinate_rates(model, q, q); },
+              ThrowsMessage<std::invalid_argument>("v has 4 entries; expected nv = 3"));
+  EXPECT_THAT([&] { velocities_from_rates(model, q, std::vector<double>(3)); },
+              ThrowsMessage<std::invalid_argument>("dq has 3 entries; expected nq = 4"));
+  EXPECT_THAT([&] { coordinate_rates(model, scaled(2, q), std::vector<double>(3)); },
+              ThrowsMessage<std::invalid_argument>(testing::HasSubstr("norm")));
+}
+
+TEST(Configuration, NormalizeBringsQuaternionsToLengthOneAndNothingElse) {
+  const Model model = one_joint(JointKind::free);
+  const std::vector<double> q = random_configuration(model, 5);
+  std::vector<double> longer = q;
+  for (int k = 0; k < 4; ++k) longer[k] *= 1e200;
+  EXPECT_LE(distance(normalize(model, longer), q), 1e-15);
+  EXPECT_EQ(normalize(model, q)[5], q[5]);
+  const auto refuses = [](const std::string& norm) {
+    return ThrowsMessage<std::invalid_argument>("q: the quaternion of joint \"j\" has norm " + norm +
+                                                "; it must be finite and not 0 to be normalised");
+  };
+  EXPECT_THAT([&] { normalize(model, std::vector<double>(7)); }, refuses("0"));
+  longer[2] = infinity;
+  EXPECT_THAT([&] { normalize(model, longer); }, refuses("inf"));
+}
+
+TEST(Configuration, ManyRandomOnesAreOneAfterTheOther) {
+  const Model model = any_model(4);
+  const std::size_t nq = static_cast<std::size_t>(model.nq());
+  const std::vector<double> all = random_configurations(model, 9, 5);
+  ASSERT_EQ(all.size(), 5 * nq);
+  EXPECT_EQ(std::vector<double>(all.begin(), all.begin() + model.nq()), random_configuration(model, 9));
+  for (std::size_t k = 0; k < 5; ++k)
+    EXPECT_NO_THROW(check_configuration(model, std::span(all).subspan(k * nq, nq)));
+  EXPECT_GT(std::abs(all[0] - all[nq]), 1e-6);
+  EXPECT_THAT(random_configurations(model, 9, 0), ElementsAre());
+}
+
+TEST(Configuration, NamesAndLimitsGoWithTheNumbers) {
+  const Model model =
+      ModelBuilder("mixed")
+          .add({.name = "a",
+                .joint = {.name = "hip",
+                          .kind = JointKind::spherical,
+                          .dof = {{.velocity = 1, .effort = 4}, {.velocity = 2}, {.effort = 6}}},
+                .inertia = MassProperties{.mass = 1}})
+          .add({.name = "b",
+                .predecessor = "a",
+                .joint = {.name = "knee", .kind = JointKind::revolute, .dof = {{.velocity = 3, .effort = 7}}},
+                .inertia = MassProperties{.mass = 1}})
+          .add({.name = "c",
+                .predecessor = "b",
+                .joint = {.name = "toe",
+                          .kind = JointKind::revolute,
+                          .dof = {{.velocity = 5, .effort = 8}},
+                          .coupling = Coupling{"knee", 2}},
+                .inertia = MassProperties{.mass = 1}})
+          .build();
+  EXPECT_THAT(coordinate_names(model), ElementsAre("hip[0]", "hip[1]", "hip[2]", "hip[3]", "knee"));
+  EXPECT_THAT(velocity_names(model), ElementsAre("hip[0]", "hip[1]", "hip[2]", "knee"));
+  EXPECT_THAT(velocity_limits(model), ElementsAre(1, 2, infinity, 3));
+  EXPECT_THAT(effort_limits(model), ElementsAre(4, infinity, 6, 7));
+}
+
 }  // namespace
 }  // namespace axode::test

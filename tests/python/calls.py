@@ -25,6 +25,9 @@ def bodies_of(m, frames):
 
 
 CALLS = {
+    "normalize": lambda m, q, v, a: m.normalize(q),
+    "coordinate_rates": lambda m, q, v, a: m.coordinate_rates(q, v),
+    "velocities_from_rates": lambda m, q, v, a: m.velocities_from_rates(q, m.coordinate_rates(q, a)),
     "integrate": lambda m, q, v, a: m.integrate(q, v),
     "difference": lambda m, q, v, a: m.difference(q, m.integrate(q, a)),
     "interpolate": lambda m, q, v, a: m.interpolate(q, m.integrate(q, a), 0.3),

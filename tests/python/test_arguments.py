@@ -172,6 +172,7 @@ def test_what_is_no_model_is_a_type_error(call):
     class Almost:
         frame_names, body_names, n_bodies = ARM.frame_names, ARM.body_names, ARM.n_bodies
         integrate = difference = interpolate = clamp = staticmethod(lambda *_: axode.poses(None, Q))
+        normalize = coordinate_rates = velocities_from_rates = integrate
 
     with pytest.raises(TypeError):
         CALLS[call](Almost(), Q, v[0], a[0])

@@ -50,3 +50,25 @@ def test_the_packages_to_install_are_among_those_that_make_deps_installs():
     named = re.search(r"^sudo apt install (.*)$", (SOURCE / "docs/python.md").read_text(encoding="utf-8"), re.MULTILINE)
     installed = (SOURCE / "tools/install_dependencies.sh").read_text(encoding="utf-8").replace('"', " ")
     assert set(named[1].split()) <= set(installed.split())
+
+
+def test_every_quantity_has_one_name_and_one_row():
+    page = (SOURCE / "docs/python.md").read_text(encoding="utf-8").partition("## All functions")[2]
+    for section in page.split("\n### ")[1:]:
+        first_column = "\n".join(re.findall(r"^\| ([^|]*) \|", section, re.MULTILINE))
+        names = re.findall(r"`([\w.]+)(?:\(.*?\))?`", first_column)
+        assert len(names) == len(set(names)), sorted(name for name in names if names.count(name) > 1)
+
+
+def test_every_name_that_the_page_for_newcomers_gives_exists():
+    page = (SOURCE / "docs/coming-from.md").read_text(encoding="utf-8").partition("## Pinocchio")[2]
+    headers = "".join(file.read_text(encoding="utf-8") for file in (SOURCE / "axode").rglob("*.hpp"))
+    rows = [row for row in re.findall(r"^\|(.*)\|$", page, re.MULTILINE) if "`" in row and "MultibodyPlant" not in row]
+    assert len(rows) > 50
+    for row in rows:
+        _, python, cpp, _ = row.split("|")
+        for name in re.findall(r"`(.*?)`", python):
+            owner, _, last = name.rpartition(".")
+            assert hasattr({"": axode, "m": axode.Model, "lie": axode.lie}[owner], last), name
+        for name in re.findall(r"`(.*?)`", cpp):
+            assert re.search(rf"(?:[\w>&] |class ){name}[ ({{]", headers), name

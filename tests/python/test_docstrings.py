@@ -1,5 +1,6 @@
 """Every public name explains itself, with an example that runs and gives what it says."""
 
+import ast
 import doctest
 import inspect
 
@@ -40,6 +41,30 @@ def test_docstring_has_an_example_that_runs(name):
     printed = []
     doctest.DocTestRunner(optionflags=doctest.NORMALIZE_WHITESPACE).run(test, out=printed.append)
     assert not printed, "".join(printed)
+
+
+@pytest.mark.parametrize("name", OBJECTS)
+def test_signature_is_the_one_of_the_docstring(name):
+    if name in {"axode.Model", "axode.Body", "axode.Joint", "axode.Load", "axode.Target"}:
+        return  # they have no constructor, or that of a dict
+    signature = inspect.signature(OBJECTS[name])
+    written = (OBJECTS[name].__doc__ or "").partition("\n")[0]
+    if written.startswith(name.rpartition(".")[2] + "("):
+        function = ast.parse(f"def {written}: ...")
+        assert set(signature.parameters) == {node.arg for node in ast.walk(function) if isinstance(node, ast.arg)}
+
+
+def test_signatures_have_defaults_kinds_and_no_self_where_it_is_bound():
+    dynamics = inspect.signature(axode.inverse_dynamics)
+    assert list(dynamics.parameters)[:4] == ["m", "q", "v", "a"]
+    assert dynamics.parameters["threads"].default == 1
+    assert dynamics.parameters["threads"].kind is inspect.Parameter.KEYWORD_ONLY
+    arm = axode.load(axode.robots / "arm7.toml")
+    assert list(inspect.signature(axode.Model.difference).parameters) == ["self", "q0", "q1"]
+    assert list(inspect.signature(arm.difference).parameters) == ["q0", "q1"]
+    assert inspect.signature(arm.random).parameters["seed"].default == 0
+    assert list(inspect.signature(axode.MassMatrixFactor).parameters) == ["m", "M"]
+    inspect.signature(arm.random).bind(seed=3, n=2)
 
 
 def test_what_is_public_is_what_the_modules_list():

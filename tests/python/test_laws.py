@@ -183,7 +183,7 @@ def test_impulses_mobility_and_operational_inertia_agree(mechanism, representati
 @EVERYWHERE
 def test_regressors_times_parameters_are_forces_and_energies(mechanism):
     m, q, v, a, _ = state(mechanism)
-    pi = axode.inertial_parameters(m)
+    pi = m.parameters
     armature = np.zeros(m.nv)
     for name in m.joint_names:
         if m.joint(name).leader is None:

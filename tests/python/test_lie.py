@@ -256,6 +256,7 @@ def test_representations_are_those_of_the_twists_of_a_model():
 M = random_inertia()
 E = R[:, :, 0]
 QUATERNION = lie.quaternion(R)
+POSITIVE = 0.1 + np.abs(U)
 ITEMS = {  # of every argument of every function; words are the same for all
     "exp": (X,), "log": (C,), "exp_SO3": (XI,), "log_SO3": (R,), "inverse": (C,), "rotation_to": (E,),
     "quaternion": (R,), "rotation": (QUATERNION,), "quaternion_product": (QUATERNION, QUATERNION[::-1]),
@@ -265,6 +266,9 @@ ITEMS = {  # of every argument of every function; words are the same for all
     "ddexp_inv": (X, U), "dexp_SO3": (XI,), "dexp_inv_SO3": (XI,), "ddexp_SO3": (XI, E), "ddexp_inv_SO3": (XI, E),
     "screw": (E, XI, XI[:, 0], XI[:, 1]), "screw_axis": (U,), "pluecker": (U,), "reciprocal_product": (X, U),
     "exchange_halves": (X,), "inertia": (U[:, 0], XI, M[:, :3, :3]), "transform_inertia": (C, M),
+    "box_inertia": (POSITIVE[:, 0], POSITIVE[:, 1:4]), "sphere_inertia": (POSITIVE[:, 0], POSITIVE[:, 1]),
+    "cylinder_inertia": (POSITIVE[:, 0], POSITIVE[:, 1], POSITIVE[:, 2]),
+    "capsule_inertia": (POSITIVE[:, 0], POSITIVE[:, 1], POSITIVE[:, 2]),
     "center_of_mass": (M,), "inertia_about_com": (M,), "realisability": (M,), "newton_euler": (M, X, U),
     "acceleration": (C, M, X, U),
     "change_twist": (C, X, "body", "spatial"), "change_twist_rate": (C, X, U, "hybrid", "body"),
@@ -288,8 +292,28 @@ def results(found):
     return found if isinstance(found, tuple) else (found,)
 
 
+def test_a_mesh_of_a_box_is_the_box_wherever_it_is():
+    size = np.array([0.3, 0.5, 0.7])
+    corners = np.array([[x, y, z] for x in (-0.5, 0.5) for y in (-0.5, 0.5) for z in (-0.5, 0.5)]) * size
+    faces = [[0, 1, 3], [0, 3, 2], [4, 6, 7], [4, 7, 5], [0, 4, 5], [0, 5, 1],
+             [2, 3, 7], [2, 7, 6], [0, 2, 6], [0, 6, 4], [1, 5, 7], [1, 7, 3]]
+    for pose in C[:5]:
+        vertices = corners @ pose[:3, :3].T + pose[:3, 3]
+        assert close(lie.mesh_volume(vertices, faces), size.prod())
+        assert close(lie.mesh_inertia(2.5, vertices, faces), lie.transform_inertia(pose, lie.box_inertia(2.5, size)))
+    for wrong, message in (((corners, faces[1:]), "a mesh must be closed"),
+                           ((corners[:, :2], faces), r"^vertices: expected shape \(N, 3\)"),
+                           ((corners, [0, 1, 2]), r"^faces: expected shape \(F, 3\)"),
+                           ((corners, [[0, 1, 2.5]]), "faces: 2.5.* is not the number of a vertex"),
+                           ((corners, [[0, 1, 8]]), "faces: number 0 has vertex 8 of 8"),
+                           ((corners, np.array(faces)[:, ::-1]), "counterclockwise as seen from outside")):
+        with pytest.raises(ValueError, match=message):
+            lie.mesh_volume(*wrong)
+
+
 def test_every_function_is_among_those_that_are_tried():
-    tried = {*ITEMS, *(name for name in lie.__all__ if name.endswith("_in_frames"))}  # those in a test of their own
+    of_their_own = {"mesh_volume", "mesh_inertia", *(name for name in lie.__all__ if name.endswith("_in_frames"))}
+    tried = {*ITEMS, *of_their_own}
     assert tried == {name for name in lie.__all__ if not inspect.isclass(getattr(lie, name))}
 
 

@@ -305,3 +305,111 @@ def test_models_cannot_be_changed():
 def test_parts_outlive_their_model():
     joint, body = (lambda m: (m.joint("A2"), m.body("link 2")))(axode.load(axode.robots / "arm7.toml"))
     assert joint.name == "A2" and body.name == "link 2"
+
+
+@EVERYWHERE
+def test_drive_forces_are_linear_in_the_parameters(mechanism):
+    m = MECHANISMS[mechanism]
+    q, v, a, _ = random_states(m, 3)
+    armature = axode.inverse_dynamics(m, q, v, a) - axode.regressor(m, q, v, a) @ m.parameters
+    pi = m.parameters * np.random.default_rng(1).uniform(0.9, 1.1, len(m.parameters))
+    n = m.with_parameters(pi)
+    assert close(n.parameters, pi) and n.frame_names == m.frame_names
+    assert len(m.parameter_names) == len(pi) and m.parameter_names[9] == m.body_names[0] + " Iyz"
+    assert close(axode.inverse_dynamics(n, q, v, a), axode.regressor(m, q, v, a) @ pi + armature)
+    twin = pickle.loads(pickle.dumps(n))
+    assert np.array_equal(twin.parameters, n.parameters) and same_dynamics(twin, n)
+    with pytest.raises(ValueError, match=rf"^pi: expected shape \({len(pi)},\), ten numbers for each body"):
+        m.with_parameters(pi[1:])
+    with pytest.raises(axode.ModelError, match="a mass must be positive"):
+        m.with_parameters(-pi)
+
+
+@EVERYWHERE
+def test_names_and_limits_go_with_every_number(mechanism):
+    m = MECHANISMS[mechanism]
+    assert len(m.coordinate_names) == m.nq and len(m.velocity_names) == m.nv
+    assert [joint.name for joint in m.joints] == m.joint_names
+    speed, effort = np.full(m.nv, np.nan), np.full(m.nv, np.nan)
+    for joint in m.joints:
+        names = m.velocity_names[joint.v]
+        assert all(name.partition("[")[0] == joint.name for name in names + m.coordinate_names[joint.q])
+        assert names == [joint.name] or joint.nv != 1
+        if joint.nv:
+            speed[joint.v], effort[joint.v] = joint.velocity, joint.effort
+    assert np.array_equal(m.velocity_limits, speed) and np.array_equal(m.effort_limits, effort)
+
+
+@EVERYWHERE
+def test_rates_of_coordinates_and_velocities_are_each_other_s_way_back(mechanism):
+    m = MECHANISMS[mechanism]
+    q, v, _, _ = random_states(m, 4)
+    dq = m.coordinate_rates(q, v)
+    assert close(m.velocities_from_rates(q, dq), v)
+    h = 1e-6
+    assert close((m.integrate(q, h * v) - m.integrate(q, -h * v)) / (2 * h), dq, 1e-8)
+    with pytest.raises(ValueError, match=r"^dq: expected shape"):
+        m.velocities_from_rates(q, dq[:, 1:])
+
+
+def test_quaternions_are_normalised_where_asked():
+    m = MECHANISMS["humanoid"]
+    q = m.random(2, n=3)
+    longer = q.copy()
+    longer[:, :4] *= 3
+    assert close(m.normalize(longer), q)
+    longer[1, :4] = 0
+    with pytest.raises(ValueError, match='the quaternion of joint "free_base" has norm 0'):
+        m.normalize(longer)
+
+
+@EVERYWHERE
+def test_many_random_configurations_begin_with_the_one(mechanism):
+    m = MECHANISMS[mechanism]
+    q = m.random(5, n=20)
+    assert q.shape == (20, m.nq) and np.array_equal(q[0], m.random(5)) and m.random(5, n=0).shape == (0, m.nq)
+    assert (np.abs(np.diff(q, axis=0)).max(axis=0) > 0).all()
+
+
+def test_gravity_is_that_of_the_file_or_the_one_given():
+    file = axode.robots / "arm7.toml"
+    m = axode.load(file, gravity=[0, 0, -1.62])
+    assert np.array_equal(m.gravity, [0, 0, -1.62])
+    assert same_dynamics(m, axode.load(file).with_gravity([0, 0, -1.62]))
+    for wrong in (lambda: axode.load(file, gravity=-1.62), lambda: m.with_gravity([0, -1.62])):
+        with pytest.raises(ValueError, match=r"^gravity: expected shape \(3,\), m/s\^2"):
+            wrong()
+
+
+def test_a_payload_is_a_load_that_moves_along():
+    m = MECHANISMS["arm"]
+    box = axode.lie.box_inertia(3, [0.1, 0.2, 0.3])
+    M = axode.lie.transform_inertia(axode.lie.exp([0.1, 0.2, 0.3, 0.1, 0, 0.05]), box)
+    n = m.with_payload("flange", M, name="box")
+    q, v, a, _ = random_states(m, 4)
+    V, dV = (f[:, m.frame_index("flange")] for f in (axode.twists(m, q, v), axode.accelerations(m, q, v, a)))
+    R = axode.poses(m, q)[:, m.frame_index("flange"), :3, :3]
+    dV = dV - np.concatenate([np.zeros((4, 3)), np.einsum("nji,j->ni", R, m.gravity)], axis=-1)
+    W = axode.lie.newton_euler(M, V, dV)
+    expected = axode.inverse_dynamics(m, q, v, a, loads=[axode.Load(frame="flange", wrench=-W)])
+    assert close(axode.inverse_dynamics(n, q, v, a), expected) and "box" in n.frame_names
+    with pytest.raises(axode.ModelError, match='body "box": the name is taken'):
+        n.with_payload("flange", M, name="box")
+    with pytest.raises(KeyError, match='did you mean "flange"'):
+        m.with_payload("flang", M)
+    with pytest.raises(ValueError, match=r"^M: expected shape \(6, 6\)"):
+        m.with_payload("flange", M[0])
+
+
+def test_a_mechanism_on_another_keeps_its_poses():
+    arm, hand = MECHANISMS["arm"], MECHANISMS["machine"]
+    both = arm.append("flange", hand, prefix="hand ")
+    q_arm, q_hand = arm.random(1), hand.random(2)
+    q = np.concatenate([q_arm, q_hand])
+    assert both.coordinate_names[arm.nq:] == ["hand " + name for name in hand.coordinate_names]
+    mount = axode.poses(arm, q_arm)[arm.frame_index("flange")]
+    poses = axode.poses(both, q)
+    for frame, pose in zip(hand.frame_names[1:], axode.poses(hand, q_hand)[1:]):
+        assert close(poses[both.frame_index("hand " + frame)], mount @ pose)
+    with pytest.raises(ValueError, match='^append: both models have "base", "base_joint", "link 1", .*; give a prefix'):
+        arm.append("flange", arm)

@@ -1,4 +1,4 @@
-// expect: no match for or invalid operands
+// expect: do not add to one another
 #include "axode/lie.hpp"
 
 using namespace axode;

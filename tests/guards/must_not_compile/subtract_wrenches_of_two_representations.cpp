@@ -1,4 +1,4 @@
-// expect: deleted
+// expect: bring one into that of the other with change<To>(C, x)
 #include "axode/lie.hpp"
 
 using namespace axode;

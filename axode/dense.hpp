@@ -1,0 +1,81 @@
+#pragma once
+#include <span>
+
+#include "axode/dynamics.hpp"
+#include "axode/eigen.hpp"
+#include "axode/kinematics.hpp"
+
+/// Results of functions of the state as Eigen's matrices and vectors, returned. Arguments, units, errors and costs are
+/// those of the functions that write into spans; each call allocates what it returns.
+namespace axode {
+
+template <class T> using Matrix6X = Eigen::Matrix<T, 6, Eigen::Dynamic>;
+
+namespace detail {
+
+/// The columns of a matrix as the twists that they are.
+template <class Rep, class T> std::span<Twist<Rep, T>> twists_of(Matrix6X<T>& matrix) {
+  static_assert(sizeof(Twist<Rep, T>) == 6 * sizeof(T));
+  return {reinterpret_cast<Twist<Rep, T>*>(matrix.data()), static_cast<std::size_t>(matrix.cols())};
+}
+
+/// f(span) for the entries of a rows × cols matrix, row by row.
+template <class T, class F> Eigen::MatrixX<T> row_by_row(Eigen::Index rows, Eigen::Index cols, const F& f) {
+  Eigen::Matrix<T, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> matrix(rows, cols);
+  f(std::span<T>(matrix.data(), static_cast<std::size_t>(matrix.size())));
+  return matrix;
+}
+
+}  // namespace detail
+
+/// J of a place, 6 × nv: J v are the six components of its twist, angular part first.
+template <RecursionRepresentation Rep = BodyFixed, class T>
+Matrix6X<T> jacobian(const Model& model, Workspace<T>& workspace, Numbers<T> q,
+                     const std::type_identity_t<Place<T>>& place) {
+  Matrix6X<T> J(6, model.nv());
+  jacobian<Rep>(model, workspace, q, place, detail::twists_of<Rep>(J));
+  return J;
+}
+/// Those of several places, one below the other: 6 k × nv.
+template <RecursionRepresentation Rep = BodyFixed, class T>
+Eigen::MatrixX<T> jacobians(const Model& model, Workspace<T>& workspace, Numbers<T> q,
+                            std::type_identity_t<std::span<const Place<T>>> places) {
+  Eigen::MatrixX<T> all(6 * static_cast<Eigen::Index>(places.size()), model.nv());
+  for (std::size_t k = 0; k < places.size(); ++k)
+    all.template middleRows<6>(6 * static_cast<Eigen::Index>(k)) =
+        jacobian<Rep>(model, workspace, q, places[k]);
+  return all;
+}
+/// J of a place as an observer in `base` sees it, 6 × nv.
+template <RecursionRepresentation Rep = BodyFixed, class T>
+Matrix6X<T> relative_jacobian(const Model& model, Workspace<T>& workspace, Numbers<T> q,
+                              const std::type_identity_t<Place<T>>& place,
+                              const std::type_identity_t<Place<T>>& base) {
+  Matrix6X<T> J(6, model.nv());
+  relative_jacobian<Rep>(model, workspace, q, place, base, detail::twists_of<Rep>(J));
+  return J;
+}
+
+/// tau, nv entries.
+template <RecursionChoice Rep = Fast, class T>
+Eigen::VectorX<T> inverse_dynamics(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v,
+                                   Numbers<T> a, const std::type_identity_t<Loads<T>>& loads = {}) {
+  Eigen::VectorX<T> tau(model.nv());
+  inverse_dynamics<Rep>(model, workspace, q, v, a, as_span(tau), loads);
+  return tau;
+}
+/// M(q), nv × nv.
+template <RecursionChoice Rep = Fast, class T>
+Eigen::MatrixX<T> mass_matrix(const Model& model, Workspace<T>& workspace, Numbers<T> q) {
+  return detail::row_by_row<T>(model.nv(), model.nv(),
+                               [&](std::span<T> M) { mass_matrix<Rep>(model, workspace, q, M); });
+}
+/// Y with Y π = M a + C v + g, nv × 10 n_bodies.
+template <class T>
+Eigen::MatrixX<T> regressor(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v,
+                            Numbers<T> a) {
+  return detail::row_by_row<T>(model.nv(), 10 * model.n_bodies(),
+                               [&](std::span<T> Y) { regressor(model, workspace, q, v, a, Y); });
+}
+
+}  // namespace axode

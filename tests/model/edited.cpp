@@ -1,0 +1,208 @@
+#include "axode/model/edited.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "axode/dynamics.hpp"
+#include "axode/kinematics.hpp"
+#include "tests/lie/relative_error.hpp"
+#include "tests/support/random_tree.hpp"
+
+/// New models from old ones: other parameters, another gravity, a payload, a mechanism mounted on another.
+namespace axode::test {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::ThrowsMessage;
+
+auto refuses(const std::string& part) { return ThrowsMessage<std::invalid_argument>(HasSubstr(part)); }
+auto finds(const std::string& part) { return ThrowsMessage<ModelError>(HasSubstr(part)); }
+
+Model any_model(Random<double>& random, int most_bodies = 20) {
+  return ModelBuilder(told(random_mechanism(random, {.most_bodies = most_bodies}), random)).build();
+}
+std::vector<double> torques(const Model& model, const State<double>& at) {
+  Workspace<double> workspace(model);
+  std::vector<double> tau(model.nv());
+  inverse_dynamics(model, workspace, at.q, at.v, at.a, tau);
+  return tau;
+}
+std::vector<SE3<>> poses_of(const Model& model, const std::vector<double>& q) {
+  Workspace<double> workspace(model);
+  std::vector<SE3<>> C(model.n_frames());
+  poses(model, workspace, q, C);
+  return C;
+}
+double largest(const std::vector<double>& x) {
+  double found = 0;
+  for (const double value : x) found = std::max(found, std::abs(value));
+  return found;
+}
+
+/// Y pi.
+std::vector<double> by_regressor(const Model& model, const State<double>& at, const std::vector<double>& pi) {
+  Workspace<double> workspace(model);
+  std::vector<double> Y(pi.size() * static_cast<std::size_t>(model.nv())), tau(model.nv());
+  regressor(model, workspace, at.q, at.v, at.a, Y);
+  for (std::size_t r = 0; r < tau.size(); ++r)
+    for (std::size_t k = 0; k < pi.size(); ++k) tau[r] += Y[r * pi.size() + k] * pi[k];
+  return tau;
+}
+
+TEST(WithParameters, DriveForcesAreTheRegressorTimesTheParameters) {
+  for (std::uint64_t seed = 1; seed <= 60; ++seed) {
+    SCOPED_TRACE(seed);
+    Random<double> random(seed);
+    Description description = told(random_mechanism(random, {.most_bodies = 20}), random);
+    for (BodyDescription& body : description.bodies)  // which the regressor leaves out
+      for (Dof& dof : body.joint.dof) dof.armature = 0;
+    const Model model = ModelBuilder(description).build();
+    std::vector<double> pi;
+    for (int i = 0; i < model.n_bodies(); ++i) {
+      const auto own = inertial_parameters(random.inertia());
+      pi.insert(pi.end(), own.begin(), own.end());
+    }
+    const Model identified = with_parameters(model, pi);
+    const State<double> at = random_state(model, random);
+    const std::vector<double> tau = torques(identified, at), expected = by_regressor(model, at, pi);
+    const double scale = std::max(1.0, largest(expected));
+    for (std::size_t k = 0; k < tau.size(); ++k) EXPECT_NEAR(tau[k], expected[k], 1e-10 * scale);
+  }
+}
+
+TEST(WithParameters, KeepsWhatIsFixedAsFramesAndReturnsWhatItWasGiven) {
+  Random<double> random(7);
+  const Model model = any_model(random);
+  const std::vector<double> pi = inertial_parameters(model);
+  const Model again = with_parameters(model, pi);
+  ASSERT_EQ(again.n_frames(), model.n_frames());
+  for (int f = 0; f < model.n_frames(); ++f) EXPECT_EQ(again.frame(f).name, model.frame(f).name);
+  const std::vector<double> back = inertial_parameters(again);
+  for (std::size_t k = 0; k < pi.size(); ++k) EXPECT_NEAR(back[k], pi[k], 1e-13 * largest(pi));
+}
+
+Model pendulum() {
+  return ModelBuilder("pendulum")
+      .add({.name = "rod",
+            .joint = {.name = "pivot", .kind = JointKind::revolute, .axis = {0, 1, 0}},
+            .inertia = MassProperties{.mass = 2, .com = {0.5, 0, 0}, .Theta = {.01, .1, .1, 0, 0, 0}}})
+      .add({.name = "tip", .body = "rod", .pose = {{}, {1, 0, 0}}})
+      .build();
+}
+
+TEST(WithParameters, EstimatesThatNoMatterHasAreWarningsAndNonsenseIsAnError) {
+  const Model model = pendulum();
+  const Model odd = with_parameters(model, std::vector<double>{2, 1, 0, 0, 5, .1, .1, 0, 0, 0});
+  ASSERT_EQ(odd.warnings().size(), 1u);
+  EXPECT_EQ(odd.warnings()[0].rule, Rule::inertia_not_realisable);
+  EXPECT_EQ(inertial_parameters(with_parameters(model, std::vector<double>(10))), std::vector<double>(10));
+  EXPECT_THAT([&] { with_parameters(model, std::vector<double>(9)); },
+              refuses("pi has 9 entries; expected 10 * n_bodies = 10"));
+  EXPECT_THAT(
+      [&] {
+        with_parameters(model, std::vector<double>{0, 1, 0, 0, 0, 0, 0, 0, 0, 0});
+      },
+      refuses("body \"rod\" has a first moment of mass but the mass 0"));
+  EXPECT_THAT(
+      [&] {
+        with_parameters(model, std::vector<double>{-1, 0, 0, 0, 1, 1, 1, 0, 0, 0});
+      },
+      finds("mass is -1 kg"));
+  EXPECT_THAT(
+      [&] {
+        with_parameters(model, std::vector<double>{1, 0, 0, 0, 1, 1, NAN, 0, 0, 0});
+      },
+      finds("not finite"));
+}
+
+TEST(WithGravity, ChangesOnlyTheWeight) {
+  const Model model = pendulum(), there = with_gravity(model, {0, 0, -1.62});
+  EXPECT_EQ(there.gravity().z, -1.62);
+  EXPECT_EQ(model.gravity().z, -9.81);
+  const State<double> level{{0}, {0}, {0}};
+  EXPECT_NEAR(torques(there, level)[0], torques(model, level)[0] * 1.62 / 9.81, 1e-14);
+  EXPECT_THAT([&] { with_gravity(model, {0, NAN, 0}); }, finds("gravity"));
+}
+
+TEST(WithPayload, IsTheBodyDrawnThere) {
+  for (std::uint64_t seed = 1; seed <= 30; ++seed) {
+    SCOPED_TRACE(seed);
+    Random<double> random(seed);
+    const Model model = any_model(random, 12);
+    const int f = static_cast<int>(seed) % model.n_frames();
+    const Frame& at = model.frame(f);
+    const Inertia<> M = random.inertia();
+    const Model loaded = with_payload(model, at.name, M, "load");
+    for (int i = 1; i <= model.n_bodies(); ++i) {
+      Inertia<> expected = model.body(i).M;
+      if (i == at.body) expected += transform(at.pose, M);
+      const auto own = inertial_parameters(loaded.body(i).M), sum = inertial_parameters(expected);
+      for (std::size_t k = 0; k < 10; ++k) EXPECT_NEAR(own[k], sum[k], 1e-10);
+    }
+    const Frame& load = loaded.frame(loaded.frame_index("load"));
+    EXPECT_EQ(load.body, at.body);
+    EXPECT_LE(distance(load.pose, at.pose), 1e-12);
+  }
+}
+
+TEST(WithPayload, RefusesWhatCannotBe) {
+  const Model model = pendulum();
+  const Inertia<> M = inertia_from_com(1.0, Vec3<>{}, Sym3<>{.1, .1, .1, 0, 0, 0});
+  EXPECT_THAT([&] { with_payload(model, "tipp", M); }, refuses("did you mean \"tip\""));
+  EXPECT_THAT([&] { with_payload(with_payload(model, "tip", M), "tip", M); },
+              finds("body \"payload\": the name is taken"));
+  EXPECT_THAT([&] { with_payload(model, "tip", {1, {}, {1, 1, 5, 0, 0, 0}}); }, finds("body \"payload\""));
+  EXPECT_THAT([&] { with_payload(model, "tip", {-1, {}, {1, 1, 1, 0, 0, 0}}); }, finds("mass is -1 kg"));
+}
+
+TEST(Append, PutsTheOtherMechanismWhereTheFrameIs) {
+  for (std::uint64_t seed = 1; seed <= 60; ++seed) {
+    SCOPED_TRACE(seed);
+    Random<double> random(seed);
+    const Model arm = any_model(random, 10), hand = any_model(random, 10);
+    const Frame& flange = arm.frame(static_cast<int>(random.number(0, arm.n_frames())));
+    const Model both = append(arm, flange.name, hand, "hand ");
+    ASSERT_EQ(both.nq(), arm.nq() + hand.nq());
+    ASSERT_EQ(both.n_frames(), arm.n_frames() + hand.n_frames() - 1);
+
+    const std::vector<double> q_arm = random_configuration(arm, seed),
+                              q_hand = random_configuration(hand, seed);
+    std::vector<double> q(both.nq());
+    const auto carry = [&](const Model& part, const std::string& prefix, const std::vector<double>& from) {
+      for (const Joint& joint : part.joints()) {
+        const Joint& same = both.joint(both.joint_index(prefix + joint.name));
+        ASSERT_EQ(same.nq, joint.nq);
+        for (int k = 0; k < joint.nq; ++k) q[same.iq + k] = from[joint.iq + k];
+      }
+    };
+    carry(arm, "", q_arm), carry(hand, "hand ", q_hand);
+    const std::vector<SE3<>> C = poses_of(both, q), C_arm = poses_of(arm, q_arm),
+                             C_hand = poses_of(hand, q_hand);
+    const SE3<> mount = C_arm[arm.frame_index(flange.name)];
+    for (int f = 0; f < arm.n_frames(); ++f)
+      EXPECT_LE(distance(C[both.frame_index(arm.frame(f).name)], C_arm[f]), 1e-11);
+    for (int f = 1; f < hand.n_frames(); ++f)
+      EXPECT_LE(distance(C[both.frame_index("hand " + hand.frame(f).name)], mount * C_hand[f]), 1e-10);
+    for (int i = 1; i <= hand.n_bodies(); ++i) {
+      const auto own = inertial_parameters(both.body(both.body_index("hand " + hand.body(i).name)).M),
+                 given = inertial_parameters(hand.body(i).M);
+      for (std::size_t k = 0; k < 10; ++k) EXPECT_NEAR(own[k], given[k], 1e-10);
+    }
+  }
+}
+
+TEST(Append, NeedsNamesOfItsOwn) {
+  const Model model = pendulum();
+  EXPECT_THAT(
+      [&] { append(model, "tip", model); },
+      refuses("append: both models have \"rod\", \"pivot\", \"tip\"; give a prefix that makes them differ"));
+  EXPECT_THAT([&] { append(model, "tipp", model, "2 "); }, refuses("did you mean \"tip\""));
+  const Model twice = append(model, "tip", model, "2 ");
+  EXPECT_EQ(twice.body(2).name, "2 rod");
+  EXPECT_EQ(twice.joint(2).name, "2 pivot");
+  EXPECT_EQ(twice.frame(twice.frame_index("2 tip")).name, "2 tip");
+}
+
+}  // namespace
+}  // namespace axode::test
