@@ -29,8 +29,9 @@ struct Options {
 constexpr const char* footer = R"(Quantities for --want (several are separated by commas):
 {quantities}
 
-STATE is a JSON object with the keys q, v, a, jerk, snap, tau, p, loads and targets, all of which may be left out:
-  q, v, a, jerk, snap, tau, p
+STATE is a JSON object with the keys q, v, a, jerk, snap, tau, p, dq, dv, da, dtau, w, loads and targets, all of
+which may be left out:
+  q, v, a, jerk, snap, tau, p; a direction dq, dv, da, dtau; weights w, 1 if absent:
             arrays in the model's order (`axode info MODEL` shows it), or objects keyed by joint
             name; a joint that is not named is neutral or at rest
   loads     applied wrenches, a list of {"frame": NAME, "representation": "body", "wrench": [moment, force]}

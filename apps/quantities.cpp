@@ -253,6 +253,7 @@ Answer answer(const Question& ask, std::string_view name) {
   Workspace<> workspace(model);
   const State& state = ask.state;
   catalog::Given<double> given{state.q, state.v, state.a, state.tau, state.p};
+  given.dq = state.dq, given.dv = state.dv, given.da = state.da, given.dtau = state.dtau, given.w = state.w;
   given.loads = ask.loads();
   given.base = ask.relative_to, given.form = ask.coriolis;
   std::vector<double> p(model.nv());

@@ -32,7 +32,7 @@ class StateReader {
     State state = neutral_state(model_);
     const Json json = parse(text);
     if (!json.is_object()) {
-      fault("expected an object with the keys q, v, a, jerk, snap, tau, p, loads and targets, got " +
+      fault("expected an object with the keys q, v, a, jerk, snap, tau, p, dq, dv, da, dtau, w, loads and targets, got " +
             shown(json));
     } else {
       for (const auto& [key, value] : json.items()) entry(key, value, state);
@@ -49,8 +49,21 @@ class StateReader {
   }
 
  private:
-  static constexpr std::array<std::string_view, 9> known_keys{"q",   "v", "a",     "jerk",   "snap",
-                                                              "tau", "p", "loads", "targets"};
+  static constexpr std::array<std::string_view, 14> known_keys{
+      "q", "v", "a", "jerk", "snap", "tau", "p", "dq", "dv", "da", "dtau", "w", "loads", "targets"};
+  /// What has a number for each velocity.
+  static constexpr std::array<std::pair<std::string_view, std::vector<double> State::*>, 11> of_velocities{
+      {{"v", &State::v},
+       {"a", &State::a},
+       {"jerk", &State::jerk},
+       {"snap", &State::snap},
+       {"tau", &State::tau},
+       {"p", &State::p},
+       {"dq", &State::dq},
+       {"dv", &State::dv},
+       {"da", &State::da},
+       {"dtau", &State::dtau},
+       {"w", &State::w}}};
   static constexpr std::array<std::string_view, 2> known_target_keys{"frame", "pose"};
   static constexpr std::array<std::string_view, 3> known_load_keys{"frame", "representation", "wrench"};
 
@@ -81,21 +94,13 @@ class StateReader {
   void entry(const std::string& key, const Json& value, State& state) {
     const auto coordinates = [](const Joint& joint) { return std::pair(joint.iq, joint.nq); };
     const auto velocities = [](const Joint& joint) { return std::pair(joint.iv, joint.nv); };
+    for (const auto& [name, member] : of_velocities)
+      if (key == name) {
+        (state.*member).resize(static_cast<std::size_t>(model_.nv()));
+        return numbers(key, value, velocities, "nv", state.*member);
+      }
     if (key == "q") {
       numbers("q", value, coordinates, "nq", state.q);
-    } else if (key == "v") {
-      numbers("v", value, velocities, "nv", state.v);
-    } else if (key == "a") {
-      numbers("a", value, velocities, "nv", state.a);
-    } else if (key == "jerk") {
-      numbers("jerk", value, velocities, "nv", state.jerk);
-    } else if (key == "snap") {
-      numbers("snap", value, velocities, "nv", state.snap);
-    } else if (key == "tau") {
-      numbers("tau", value, velocities, "nv", state.tau);
-    } else if (key == "p") {
-      state.p.assign(static_cast<std::size_t>(model_.nv()), 0);
-      numbers("p", value, velocities, "nv", state.p);
     } else if (key == "loads") {
       each(value, "loads",
            [&](const std::string& where, const Json& item) { load(where, item, state.loads); });
@@ -265,6 +270,11 @@ State neutral_state(const Model& model) {
           .snap = rest,
           .tau = rest,
           .p = {},
+          .dq = rest,
+          .dv = rest,
+          .da = rest,
+          .dtau = rest,
+          .w = std::vector<double>(rest.size(), 1.0),
           .loads = {},
           .targets = {}};
 }

@@ -14,6 +14,8 @@ struct State {
   std::vector<double> jerk, snap;  ///< the derivatives of a
   std::vector<double> tau;         ///< drive forces
   std::vector<double> p;           ///< generalised momenta; empty where the state has none
+  std::vector<double> dq, dv, da, dtau;  ///< a direction
+  std::vector<double> w;                 ///< weights of forces or accelerations
   std::vector<AppliedWrench<>> loads;
   std::vector<PoseTarget> targets;
 };
@@ -28,8 +30,8 @@ State random_state(const Model& model);
 ///
 ///     {"q": [0.1, 0.2], "v": {"elbow": 1}, "a": {}, "loads": [{"frame": "tool", "wrench": [0, 0, 0, 0, 0, -5]}]}
 ///
-/// q, v, a, jerk, snap, tau and p are arrays in the model's order or objects keyed by joint name; what is not
-/// given is neutral, or zero. "targets" are poses for inverse kinematics: a list of {"frame", "pose"}, four
+/// q, v, a, jerk, snap, tau, p, the direction dq, dv, da, dtau and the weights w are arrays in the model's order or objects
+/// keyed by joint name; what is not given is neutral, or zero, and each weight 1. "targets" are poses for inverse kinematics: a list of {"frame", "pose"}, four
 /// rows of four numbers. A load's representation is "body" where it says nothing. Throws InputError with
 /// everything that is wrong.
 State read_state(const Model& model, const std::string& file);

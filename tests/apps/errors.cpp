@@ -259,9 +259,9 @@ INSTANTIATE_TEST_SUITE_P(
          "literal; "
          "last read: '\"feed\": N'"},
         {"NotAnObject", "[1, 2]",
-         "expected an object with the keys q, v, a, jerk, snap, tau, p, loads and targets, got [1,2]"},
+         "expected an object with the keys q, v, a, jerk, snap, tau, p, dq, dv, da, dtau, w, loads and targets, got [1,2]"},
         {"UnknownKey", "{\"qq\": []}",
-         "the key \"qq\" is none of q, v, a, jerk, snap, tau, p, loads, targets; did you mean \"q\"?"},
+         "the key \"qq\" is none of q, v, a, jerk, snap, tau, p, dq, dv, da, dtau, w, loads, targets; did you mean \"q\"?"},
         {"KeyTwice", "{\"v\": {\"feed\": 1, \"feed\": 2}}", "the key \"feed\" stands twice in one object"},
         {"TooFewCoordinates", "{\"q\": [1, 2]}", "q has 2 numbers; model \"machine\" takes nq = 20"},
         {"TooManyVelocities", "{\"v\": [0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0]}",
@@ -306,9 +306,9 @@ INSTANTIATE_TEST_SUITE_P(
         {"TargetThatIsNoPose",
          "{\"targets\": [{\"frame\": \"table\", \"pose\": [[1,0,0,0],[0,1,0,0],[0,0,1,0],[0,0,0,2]]}]}",
          "targets[0]: row 3 of pose must be [0, 0, 0, 1], got [0,0,0,2]"},
-        {"SeveralFaults", "{\"q\": [1], \"v\": {\"nose\": 1}, \"w\": 0}",
+        {"SeveralFaults", "{\"q\": [1], \"v\": {\"nose\": 1}, \"x\": 0}",
          "q has 1 number; model \"machine\" takes nq = 20\nv: model \"machine\" has no joint \"nose\"\n"
-         "the key \"w\" is none of q, v, a, jerk, snap, tau, p, loads, targets"},
+         "the key \"x\" is none of q, v, a, jerk, snap, tau, p, dq, dv, da, dtau, w, loads, targets"},
     }),
     [](const auto& p) { return p.param.name; });
 
