@@ -32,8 +32,10 @@ class StateReader {
     State state = neutral_state(model_);
     const Json json = parse(text);
     if (!json.is_object()) {
-      fault("expected an object with the keys q, v, a, jerk, snap, tau, p, dq, dv, da, dtau, w, loads and targets, got " +
-            shown(json));
+      fault(
+          "expected an object with the keys q, v, a, jerk, snap, tau, p, dq, dv, da, dtau, w, loads and "
+          "targets, got " +
+          shown(json));
     } else {
       for (const auto& [key, value] : json.items()) entry(key, value, state);
     }

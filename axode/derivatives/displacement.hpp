@@ -31,8 +31,9 @@ template <class T> struct CoriolisInertia {
   /// Of one body with inertia M about O.
   static constexpr CoriolisInertia of(const Inertia<T>& M, const Motion6<T>& V) {
     const Mat3<T> E = cross(V.w, matrix(binet_tensor(M.Theta))) + outer_product(V.v, M.h);
-    return {{{E.y.y + E.z.z, -E.x.y, -E.x.z}, {-E.y.x, E.x.x + E.z.z, -E.y.z}, {-E.z.x, -E.z.y, E.x.x + E.y.y}},
-            M.m * V.v + cross(V.w, M.h)};
+    return {
+        {{E.y.y + E.z.z, -E.x.y, -E.x.z}, {-E.y.x, E.x.x + E.z.z, -E.y.z}, {-E.z.x, -E.z.y, E.x.x + E.y.y}},
+        M.m * V.v + cross(V.w, M.h)};
   }
   constexpr Wrench<Spatial, T> operator*(const Motion6<T>& X) const {
     const Vec3<T> w = T(2) * X.w;

@@ -16,8 +16,8 @@ template <class T> struct FirstOrder {
   static constexpr int results = 5;
 
   MovingScrews<T> screws;
-  Arrays<T> effect;     ///< ScrewEffects of the columns
-  Arrays<T> line;       ///< results of one screw with the columns behind it
+  Arrays<T> effect;  ///< ScrewEffects of the columns
+  Arrays<T> line;    ///< results of one screw with the columns behind it
   BodyPoses<T> inertial;
   LoadStiffness<T>* N;  ///< of the wrenches on each body, then of all behind it
   Arrays<T> NtS;        ///< Nᵀ S of the columns
@@ -59,7 +59,8 @@ template <class T> struct FirstOrder {
     for (int i = 1; i <= tree->n; ++i) {
       const Wrench<Spatial, T> F = screws.transmitted(i);
       const int first = tree->first_screw[i];
-      for (int c = first; c < tree->first_screw[i + 1]; ++c) tau[tree->iv[i] + c - first] += F | screws.screw(c);
+      for (int c = first; c < tree->first_screw[i + 1]; ++c)
+        tau[tree->iv[i] + c - first] += F | screws.screw(c);
     }
   }
 
@@ -128,10 +129,11 @@ template <class T> struct FirstOrder {
                               std::span<const AppliedWrench<T>> wrenches) noexcept {
     inertial.run(tree, q);
     for (int i = 0; i <= tree->n; ++i) N[i] = {};
-    each_load(tree, wrenches, [&](const auto& given, int i, const Vec3<T>& r, const Vec3<T>& m, const Vec3<T>& f) {
-      screws.load(i, {m + cross(r, f), f});
-      N[i] += LoadStiffness<T>::of(given.representation, r, m, f);
-    });
+    each_load(tree, wrenches,
+              [&](const auto& given, int i, const Vec3<T>& r, const Vec3<T>& m, const Vec3<T>& f) {
+                screws.load(i, {m + cross(r, f), f});
+                N[i] += LoadStiffness<T>::of(given.representation, r, m, f);
+              });
   }
 
   /// Where the parts of ScrewEffects stand.
@@ -171,7 +173,9 @@ template <class T> struct FirstOrder {
     for (int j = i; j < tree->subtree_end[i]; ++j)
       for (int k = tree->first_screw[j]; k < tree->first_screw[j + 1]; ++k) {
         const std::ptrdiff_t v_k = tree->iv[j] + k - tree->first_screw[j];
-        if (j > i) by_q(v_l, v_k, line.array(0)[k]), by_v(v_l, v_k, line.array(1)[k]), by_a(v_l, v_k, line.array(2)[k]);
+        if (j > i)
+          by_q(v_l, v_k, line.array(0)[k]), by_v(v_l, v_k, line.array(1)[k]),
+              by_a(v_l, v_k, line.array(2)[k]);
         by_q(v_k, v_l, line.array(3)[k]), by_v(v_k, v_l, line.array(4)[k]), by_a(v_k, v_l, line.array(2)[k]);
       }
   }

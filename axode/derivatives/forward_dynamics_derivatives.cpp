@@ -7,8 +7,8 @@
 namespace axode {
 
 template <class T>
-Solvability forward_dynamics_derivatives(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v,
-                                         Numbers<T> tau,
+Solvability forward_dynamics_derivatives(const Model& model, Workspace<T>& workspace, Numbers<T> q,
+                                         Numbers<T> v, Numbers<T> tau,
                                          const std::type_identity_t<ForwardDynamicsDerivatives<T>>& da,
                                          const std::type_identity_t<Loads<T>>& loads) {
   check_state(model, workspace, q, v);

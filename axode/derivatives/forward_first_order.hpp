@@ -11,8 +11,8 @@ template <class T> struct ForwardFirstOrder {
 
   explicit ForwardFirstOrder(Arena& arena) : forward(arena), inverse(arena) {}
 
-  Solvability run(const Tree<T>& tree, const T* q, const T* v, const T* tau, const Loads<T>& loads, T* dq, T* dv,
-                  T* dtau) noexcept {
+  Solvability run(const Tree<T>& tree, const T* q, const T* v, const T* tau, const Loads<T>& loads, T* dq,
+                  T* dv, T* dtau) noexcept {
     const Solvability verdict = forward.run(tree, q, v, tau, loads);
     const std::ptrdiff_t entries = static_cast<std::ptrdiff_t>(tree->nv) * tree->nv;
     if (!verdict.ok()) {

@@ -15,8 +15,8 @@ template <class T> struct ForwardSecondOrder {
 
   explicit ForwardSecondOrder(Arena& arena) : forward(arena), second(arena), mu(arena.per_velocity<T>()) {}
 
-  Solvability run(const Tree<T>& tree, const T* q, const T* v, const T* tau, const T* w, const Loads<T>& loads, T* qq,
-                  T* qv, T* vv, T* tauq) noexcept {
+  Solvability run(const Tree<T>& tree, const T* q, const T* v, const T* tau, const T* w,
+                  const Loads<T>& loads, T* qq, T* qv, T* vv, T* tauq) noexcept {
     const Topology& topology = *tree.topology();
     const std::ptrdiff_t nv = tree->nv;
     const Solvability verdict = forward.run(tree, q, v, tau, loads);

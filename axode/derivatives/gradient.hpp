@@ -84,8 +84,8 @@ template <class G, class T> struct InverseDynamicsGradient {
       b.A_f = body_i.m * x.Lv + cross(Lw_, h);
       b.A_m = Theta * Spread(x.Lw) + cross(h, Lv_);
       const T half_trace = T(0.5) * (body_i.Theta.xx + body_i.Theta.yy + body_i.Theta.zz);
-      b.H = T(2) * ((half_trace * w_L - Theta * Spread(w_L)) +
-                    (cross(Factor(w_h), Lv_) + cross(v_, Factor(b.A_f))));
+      b.H = T(2) *
+            ((half_trace * w_L - Theta * Spread(w_L)) + (cross(Factor(w_h), Lv_) + cross(v_, Factor(b.A_f))));
       b.n_m = b.n_f = Vector{};
     }
   }
@@ -98,7 +98,8 @@ template <class G, class T> struct InverseDynamicsGradient {
 
   /// Adds to the gradients.
   template <class S>
-  void backward(const Tree<S>& tree, const T* v, const T* a, const T* lambda, T* by_q, T* by_v, T* by_a) noexcept {
+  void backward(const Tree<S>& tree, const T* v, const T* a, const T* lambda, T* by_q, T* by_v,
+                T* by_a) noexcept {
     for (int i = tree->n; i > 0; --i) {
       const Body& b = body[i];
       const Motion& x = motion[i];
@@ -110,9 +111,9 @@ template <class G, class T> struct InverseDynamicsGradient {
         const Factor w_(w), v_(x.v);
         const Vector moved = cross(A_m, w_) + cross(A_f, v_);  // ad_Vᵀ A
         const Factor Y_m(b.H + moved), Y_f(cross(A_f, w_));
-        const Vector g = (cross(Factor(b.m), Factor(x.Lw)) + cross(f_, Factor(x.Lv))) +
-                         ((cross(Y_m, w_) + cross(Y_f, v_)) +
-                          (cross(A_m, Factor(dw)) + cross(A_f, Factor(dv)))) + b.n_m;
+        const Vector g =
+            (cross(Factor(b.m), Factor(x.Lw)) + cross(f_, Factor(x.Lv))) +
+            ((cross(Y_m, w_) + cross(Y_f, v_)) + (cross(A_m, Factor(dw)) + cross(A_f, Factor(dv)))) + b.n_m;
         by_q[c] += z(g);
         by_v[c] += z(b.H + T(2) * moved);
         by_a[c] += z(b.A_m);
@@ -146,10 +147,10 @@ template <class G, class T> struct InverseDynamicsGradient {
              L_p = L - any_joint_twist(tree, i, lambda);
     const W6 F{b.m, b.f}, A{b.A_m, b.A_f}, H{b.H, {}}, n{b.n_m, b.n_f};
     const auto ad_transposed = [](const V6& X, const W6& W) { return T(-1) * coad(X, W); };
-    project_on_any_joint<T>(tree, i,
-                            ad_transposed(L_p, F) + ad_transposed(V_p, H + ad_transposed(V_p, A)) +
-                                ad_transposed(dV_p, A) + n,
-                            by_q);
+    project_on_any_joint<T>(
+        tree, i,
+        ad_transposed(L_p, F) + ad_transposed(V_p, H + ad_transposed(V_p, A)) + ad_transposed(dV_p, A) + n,
+        by_q);
     project_on_any_joint<T>(tree, i, H + ad_transposed(V_p + V, A), by_v);
     project_on_any_joint<T>(tree, i, A, by_a);
   }

@@ -22,18 +22,21 @@ template <class T> void check_blocks(const Model& model, std::initializer_list<N
 }  // namespace
 
 template <class T>
-void inverse_dynamics_hessian(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v, Numbers<T> a,
-                              Numbers<T> w, const std::type_identity_t<InverseDynamicsHessian<T>>& h,
+void inverse_dynamics_hessian(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v,
+                              Numbers<T> a, Numbers<T> w,
+                              const std::type_identity_t<InverseDynamicsHessian<T>>& h,
                               const std::type_identity_t<Loads<T>>& loads) {
   check_state(model, workspace, q, v, a);
   check_loads(model, loads);
   check_size("w", w.size(), static_cast<std::size_t>(model.nv()), "nv");
-  check_blocks<T>(model, {{"hessian.qq", h.qq}, {"hessian.qv", h.qv}, {"hessian.vv", h.vv}, {"hessian.aq", h.aq}});
+  check_blocks<T>(model,
+                  {{"hessian.qq", h.qq}, {"hessian.qv", h.qv}, {"hessian.vv", h.vv}, {"hessian.aq", h.aq}});
   Arena arena = workspace.arena(model.topology());
   SecondOrder<T> second(arena);
   second.run(model.tree<T>(), q.data(), v.data(), a.data(), w.data(), loads);
   for (const std::span<T> block : {h.qq, h.qv, h.vv, h.aq}) std::fill(block.begin(), block.end(), T(0));
-  second.add_to(model.topology(), !loads.wrenches.empty(), {h.qq.data(), h.qv.data(), h.vv.data(), h.aq.data()});
+  second.add_to(model.topology(), !loads.wrenches.empty(),
+                {h.qq.data(), h.qv.data(), h.vv.data(), h.aq.data()});
 }
 
 template <class T>
@@ -45,18 +48,18 @@ Solvability forward_dynamics_hessian(const Model& model, Workspace<T>& workspace
   check_loads(model, loads);
   check_size("tau", tau.size(), static_cast<std::size_t>(model.nv()), "nv");
   check_size("w", w.size(), static_cast<std::size_t>(model.nv()), "nv");
-  check_blocks<T>(model,
-                  {{"hessian.qq", h.qq}, {"hessian.qv", h.qv}, {"hessian.vv", h.vv}, {"hessian.tauq", h.tauq}});
+  check_blocks<T>(
+      model, {{"hessian.qq", h.qq}, {"hessian.qv", h.qv}, {"hessian.vv", h.vv}, {"hessian.tauq", h.tauq}});
   Arena arena = workspace.arena(model.topology());
   return ForwardSecondOrder<T>(arena).run(model.tree<T>(), q.data(), v.data(), tau.data(), w.data(), loads,
                                           h.qq.data(), h.qv.data(), h.vv.data(), h.tauq.data());
 }
 
 template void inverse_dynamics_hessian(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>, Numbers<AXODE_T>,
-                                       Numbers<AXODE_T>, Numbers<AXODE_T>, const InverseDynamicsHessian<AXODE_T>&,
-                                       const Loads<AXODE_T>&);
-template Solvability forward_dynamics_hessian(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>, Numbers<AXODE_T>,
-                                              Numbers<AXODE_T>, Numbers<AXODE_T>,
+                                       Numbers<AXODE_T>, Numbers<AXODE_T>,
+                                       const InverseDynamicsHessian<AXODE_T>&, const Loads<AXODE_T>&);
+template Solvability forward_dynamics_hessian(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>,
+                                              Numbers<AXODE_T>, Numbers<AXODE_T>, Numbers<AXODE_T>,
                                               const ForwardDynamicsHessian<AXODE_T>&, const Loads<AXODE_T>&);
 
 }  // namespace axode

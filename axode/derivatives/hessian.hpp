@@ -14,8 +14,9 @@ namespace axode {
 template <class T> struct InverseDynamicsHessian { std::span<T> qq, qv, vv, aq; };
 /// O(n d), no allocation; less than twice inverse_dynamics_derivatives().
 template <class T>
-void inverse_dynamics_hessian(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v, Numbers<T> a,
-                              Numbers<T> w, const std::type_identity_t<InverseDynamicsHessian<T>>& hessian,
+void inverse_dynamics_hessian(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v,
+                              Numbers<T> a, Numbers<T> w,
+                              const std::type_identity_t<InverseDynamicsHessian<T>>& hessian,
                               const std::type_identity_t<Loads<T>>& loads = {});
 
 /// Σ_i w_i ∂²a_i of forward dynamics: along (q, q), (q, v), (v, v), and (τ, q). The others vanish.

@@ -8,7 +8,8 @@ namespace axode {
 
 template <class T>
 void inverse_dynamics_derivatives(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v,
-                                  Numbers<T> a, const std::type_identity_t<InverseDynamicsDerivatives<T>>& dtau,
+                                  Numbers<T> a,
+                                  const std::type_identity_t<InverseDynamicsDerivatives<T>>& dtau,
                                   const std::type_identity_t<Loads<T>>& loads) {
   check_state(model, workspace, q, v, a);
   check_loads(model, loads);
@@ -29,8 +30,8 @@ void inverse_dynamics_derivatives(const Model& model, Workspace<T>& workspace, N
   first_order.write(tree, loads, dtau.q.data(), dtau.v.data(), dtau.a.data());
 }
 
-template void inverse_dynamics_derivatives(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>, Numbers<AXODE_T>,
-                                           Numbers<AXODE_T>, const InverseDynamicsDerivatives<AXODE_T>&,
-                                           const Loads<AXODE_T>&);
+template void inverse_dynamics_derivatives(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>,
+                                           Numbers<AXODE_T>, Numbers<AXODE_T>,
+                                           const InverseDynamicsDerivatives<AXODE_T>&, const Loads<AXODE_T>&);
 
 }  // namespace axode

@@ -6,7 +6,9 @@ namespace axode {
 
 /// Where ∂τ/∂q, ∂τ/∂v and ∂τ/∂a go: nv × nv each, row by row, [component of τ, direction]; and τ, where it is wanted. They
 /// may not overlap.
-template <class T> struct InverseDynamicsDerivatives { std::span<T> q, v, a, tau = {}; };
+template <class T> struct InverseDynamicsDerivatives {
+  std::span<T> q, v, a, tau = {};
+};
 
 /// The first derivatives of inverse dynamics at a state, ∂τ/∂a = M with armatures among them. Directions of q are those of
 /// q ⊕ ε e_k. The components of loads are constant in the representation in which they are given. With loads.joint_losses damping
@@ -15,7 +17,8 @@ template <class T> struct InverseDynamicsDerivatives { std::span<T> q, v, a, tau
 /// std::invalid_argument for a wrong size, a quaternion off 1, a load on a frame that does not exist and results that overlap.
 template <class T>
 void inverse_dynamics_derivatives(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v,
-                                  Numbers<T> a, const std::type_identity_t<InverseDynamicsDerivatives<T>>& dtau,
+                                  Numbers<T> a,
+                                  const std::type_identity_t<InverseDynamicsDerivatives<T>>& dtau,
                                   const std::type_identity_t<Loads<T>>& loads = {});
 
 }  // namespace axode

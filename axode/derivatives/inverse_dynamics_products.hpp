@@ -16,10 +16,11 @@ template <class T> struct ResolvedLoad {
   ResolvedLoad(const Tree<T>& tree, const AppliedWrench<T>& load, const SE3<T>* C)
       : body(tree->frame_body[load.frame]),
         offset(tree.frame_offset[load.frame]),
-        W(with_representation(load.representation,
-                              [&](auto rep) {
-                                return change<BodyFixed>(C[body] * offset, Wrench<decltype(rep), T>{load.m, load.f});
-                              })),
+        W(with_representation(
+            load.representation,
+            [&](auto rep) {
+              return change<BodyFixed>(C[body] * offset, Wrench<decltype(rep), T>{load.m, load.f});
+            })),
         representation(load.representation) {}
   /// From the body's frame to the loaded one, and back.
   Twist<BodyFixed, T> there(const Twist<BodyFixed, T>& X) const {

@@ -78,11 +78,12 @@ template <class T> struct MovingScrews {
   static constexpr std::size_t row = 32;  ///< numbers from one body's MovingInertia to the next
 
   FastPoses<T> poses;
-  Arrays<T> C, V, dV;           ///< of bodies: columns of R, then r; twists; their rates, gravity folded in
-  Moving* moving;               ///< the same
-  T* moved;                     ///< MovingInertia of each body, then of all that its joint moves
-  Arrays<T> S, V_p, dV_p, V_i;  ///< of columns: the screw; twist and rate of the predecessor; twist of the body
-  Arrays<T> behind;             ///< of columns: MovingInertia of all that they move
+  Arrays<T> C, V, dV;  ///< of bodies: columns of R, then r; twists; their rates, gravity folded in
+  Moving* moving;      ///< the same
+  T* moved;            ///< MovingInertia of each body, then of all that its joint moves
+  Arrays<T> S, V_p, dV_p,
+      V_i;           ///< of columns: the screw; twist and rate of the predecessor; twist of the body
+  Arrays<T> behind;  ///< of columns: MovingInertia of all that they move
 
   explicit MovingScrews(Arena& arena)
       : poses(arena),
@@ -146,7 +147,8 @@ template <class T> struct MovingScrews {
 
   /// Of the columns from c on, once composed.
   ScrewEffects<Number> effects(int c) const {
-    return ScrewEffects<Number>::of(behind_columns(c), load6(S, c), load6(V_p, c), load6(dV_p, c), load6(V_i, c));
+    return ScrewEffects<Number>::of(behind_columns(c), load6(S, c), load6(V_p, c), load6(dV_p, c),
+                                    load6(V_i, c));
   }
   /// Of body i alone, before anything is composed.
   MovingInertia<T> body(int i) const {

@@ -16,21 +16,23 @@ template <class T> void check_velocities(const Model& model, const char* name, s
 }  // namespace
 
 template <class T>
-void inverse_dynamics_jvp(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v, Numbers<T> a,
-                          Numbers<T> dq, Numbers<T> dv, Numbers<T> da, std::type_identity_t<std::span<T>> dtau,
+void inverse_dynamics_jvp(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v,
+                          Numbers<T> a, Numbers<T> dq, Numbers<T> dv, Numbers<T> da,
+                          std::type_identity_t<std::span<T>> dtau,
                           const std::type_identity_t<Loads<T>>& loads) {
   check_state(model, workspace, q, v, a);
   check_loads(model, loads);
   check_velocities(model, "dq", dq), check_velocities(model, "dv", dv), check_velocities(model, "da", da);
   check_velocities(model, "dtau", dtau);
   Arena arena = workspace.arena(model.topology());
-  InverseDynamicsJvp<T>(arena).run(model.tree<T>(), q.data(), v.data(), a.data(), dq.data(), dv.data(), da.data(),
-                                   loads, dtau.data());
+  InverseDynamicsJvp<T>(arena).run(model.tree<T>(), q.data(), v.data(), a.data(), dq.data(), dv.data(),
+                                   da.data(), loads, dtau.data());
 }
 
 template <class T>
-void inverse_dynamics_vjp(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v, Numbers<T> a,
-                          Numbers<T> w, const std::type_identity_t<InverseDynamicsGradients<T>>& gradient,
+void inverse_dynamics_vjp(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v,
+                          Numbers<T> a, Numbers<T> w,
+                          const std::type_identity_t<InverseDynamicsGradients<T>>& gradient,
                           const std::type_identity_t<Loads<T>>& loads) {
   check_state(model, workspace, q, v, a);
   check_loads(model, loads);
@@ -102,13 +104,14 @@ template void inverse_dynamics_jvp(const Model&, Workspace<AXODE_T>&, Numbers<AX
                                    Numbers<AXODE_T>, Numbers<AXODE_T>, Numbers<AXODE_T>, Numbers<AXODE_T>,
                                    std::span<AXODE_T>, const Loads<AXODE_T>&);
 template void inverse_dynamics_vjp(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>, Numbers<AXODE_T>,
-                                   Numbers<AXODE_T>, Numbers<AXODE_T>, const InverseDynamicsGradients<AXODE_T>&,
-                                   const Loads<AXODE_T>&);
-template Solvability forward_dynamics_jvp(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>, Numbers<AXODE_T>,
-                                          Numbers<AXODE_T>, Numbers<AXODE_T>, Numbers<AXODE_T>, Numbers<AXODE_T>,
-                                          std::span<AXODE_T>, const Loads<AXODE_T>&);
-template Solvability forward_dynamics_vjp(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>, Numbers<AXODE_T>,
-                                          Numbers<AXODE_T>, Numbers<AXODE_T>,
+                                   Numbers<AXODE_T>, Numbers<AXODE_T>,
+                                   const InverseDynamicsGradients<AXODE_T>&, const Loads<AXODE_T>&);
+template Solvability forward_dynamics_jvp(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>,
+                                          Numbers<AXODE_T>, Numbers<AXODE_T>, Numbers<AXODE_T>,
+                                          Numbers<AXODE_T>, Numbers<AXODE_T>, std::span<AXODE_T>,
+                                          const Loads<AXODE_T>&);
+template Solvability forward_dynamics_vjp(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>,
+                                          Numbers<AXODE_T>, Numbers<AXODE_T>, Numbers<AXODE_T>,
                                           const ForwardDynamicsGradients<AXODE_T>&, const Loads<AXODE_T>&);
 
 }  // namespace axode

@@ -9,16 +9,18 @@ namespace axode {
 
 /// δτ = ∂τ/∂q dq + ∂τ/∂v dv + ∂τ/∂a da. About two and a half times inverse dynamics.
 template <class T>
-void inverse_dynamics_jvp(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v, Numbers<T> a,
-                          Numbers<T> dq, Numbers<T> dv, Numbers<T> da, std::type_identity_t<std::span<T>> dtau,
+void inverse_dynamics_jvp(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v,
+                          Numbers<T> a, Numbers<T> dq, Numbers<T> dv, Numbers<T> da,
+                          std::type_identity_t<std::span<T>> dtau,
                           const std::type_identity_t<Loads<T>>& loads = {});
 
 /// Where the gradients of w·τ go: nv entries each. They may not overlap.
 template <class T> struct InverseDynamicsGradients { std::span<T> q, v, a; };
 /// The gradient of w·τ, wᵀ times the three matrices.
 template <class T>
-void inverse_dynamics_vjp(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v, Numbers<T> a,
-                          Numbers<T> w, const std::type_identity_t<InverseDynamicsGradients<T>>& gradient,
+void inverse_dynamics_vjp(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v,
+                          Numbers<T> a, Numbers<T> w,
+                          const std::type_identity_t<InverseDynamicsGradients<T>>& gradient,
                           const std::type_identity_t<Loads<T>>& loads = {});
 
 /// δa = ∂a/∂q dq + ∂a/∂v dv + ∂a/∂τ dtau of forward dynamics. Where the status is not ok(), NaN.

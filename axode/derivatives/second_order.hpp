@@ -38,8 +38,9 @@ template <class T> struct ScrewCurvature {
     const Motion6<T> chi = ad(Lambda_p, S), psi_1 = ad(V_p, S);
     const Momentum<Spatial, T> M_chi = moved.M * chi;
     const Wrench<Spatial, T> AS = coad(S, momentum.A), BS = momentum.B() * S;
-    const Wrench<Spatial, T> X = Wrench<Spatial, T>{moved.B.transposed_times(chi), {}} - momentum.B() * psi_1 +
-                                 coad(S, Wrench<Spatial, T>{momentum.H, {}}) + T(2) * coad(psi_1, momentum.A);
+    const Wrench<Spatial, T> X = Wrench<Spatial, T>{moved.B.transposed_times(chi), {}} -
+                                 momentum.B() * psi_1 + coad(S, Wrench<Spatial, T>{momentum.H, {}}) +
+                                 T(2) * coad(psi_1, momentum.A);
     return {chi, psi_1, X, Wrench<Spatial, T>{M_chi.l, M_chi.p} + AS, T(2) * AS - BS, {}, AS};
   }
 };
@@ -58,7 +59,7 @@ template <class T> struct SecondOrder {
 
   FirstOrder<T> first;
   Motion6<T>* Lambda;
-  T* momenta;             ///< VirtualMomentum of each body, then of all that its joint moves
+  T* momenta;  ///< VirtualMomentum of each body, then of all that its joint moves
   Arrays<T> Lambda_p, momentum, curvature;  ///< of columns
   Arrays<T> line;
   TwistToWrench<Spatial, T>* K;  ///< second derivatives of the loads' power on Λ
@@ -74,7 +75,8 @@ template <class T> struct SecondOrder {
         K(arena.per_body<TwistToWrench<Spatial, T>>()) {}
 
   template <class Real>
-  void run(const Tree<Real>& tree, const T* q, const T* v, const T* a, const T* lambda, const Loads<T>& loads) noexcept {
+  void run(const Tree<Real>& tree, const T* q, const T* v, const T* a, const T* lambda,
+           const Loads<T>& loads) noexcept {
     const Topology& topology = *tree.operator->();
     first.screws.run(tree, q, v, a, cast<T>(tree.g));
     weigh(topology, lambda);
@@ -138,21 +140,24 @@ template <class T> struct SecondOrder {
   /// -Λ|L(·)L(·)W of the loads: outer displacement from the left, inner from the right.
   [[gnu::noinline]] void bend(const Tree<T>& tree, std::span<const AppliedWrench<T>> wrenches) noexcept {
     for (int i = 0; i <= tree->n; ++i) K[i] = {};
-    first.each_load(tree, wrenches, [&](const auto& given, int i, const Vec3<T>& r, const Vec3<T>& m, const Vec3<T>& f) {
-      const Representation in = given.representation;
-      const Vec3<T> v = Lambda[i].v + cross(Lambda[i].w, r);  // of Λ, at the place of the load
-      const auto bent = [&](const Vec3<T>& x, const Vec3<T>& y, const Vec3<T>& w) { return dot(x, y) * w - dot(y, w) * x; };
-      K[i] += TwistToWrench<Spatial, T>::of([&](const Motion6<T>& D) -> Wrench<Spatial, T> {
-        switch (in) {
-          case Representation::body: break;
-          case Representation::spatial:
-            return coad(ad(Lambda[i], D), Wrench<Spatial, T>{m + cross(r, f), f});
-          case Representation::hybrid: return {bent(Lambda[i].w, m, D.w) + bent(v, f, D.w), {}};
-          case Representation::mixed: return {bent(v, f, D.w), {}};
-        }
-        return {};
-      });
-    });
+    first.each_load(
+        tree, wrenches, [&](const auto& given, int i, const Vec3<T>& r, const Vec3<T>& m, const Vec3<T>& f) {
+          const Representation in = given.representation;
+          const Vec3<T> v = Lambda[i].v + cross(Lambda[i].w, r);  // of Λ, at the place of the load
+          const auto bent = [&](const Vec3<T>& x, const Vec3<T>& y, const Vec3<T>& w) {
+            return dot(x, y) * w - dot(y, w) * x;
+          };
+          K[i] += TwistToWrench<Spatial, T>::of([&](const Motion6<T>& D) -> Wrench<Spatial, T> {
+            switch (in) {
+              case Representation::body: break;
+              case Representation::spatial:
+                return coad(ad(Lambda[i], D), Wrench<Spatial, T>{m + cross(r, f), f});
+              case Representation::hybrid: return {bent(Lambda[i].w, m, D.w) + bent(v, f, D.w), {}};
+              case Representation::mixed: return {bent(v, f, D.w), {}};
+            }
+            return {};
+          });
+        });
   }
   void compose(const Topology& topology, bool loaded) noexcept {
     for (int i = topology.n; i > 0; --i)
@@ -166,10 +171,11 @@ template <class T> struct SecondOrder {
     for (int c = 0; c < topology.n_screws; c += L::width) {
       typename VirtualMomentum<Number>::Numbers Pi;
       for (std::size_t k = 0; k < Pi.size(); ++k) Pi[k] = L::load(momentum.array(static_cast<int>(k)) + c);
-      const auto numbers = std::bit_cast<typename ScrewCurvature<Number>::Numbers>(ScrewCurvature<Number>::of(
-          screws.behind_columns(c), std::bit_cast<VirtualMomentum<Number>>(Pi), load6(screws.S, c),
-          load6(screws.V_p, c), load6(Lambda_p, c)));
-      for (std::size_t k = 0; k < numbers.size(); ++k) L::store(numbers[k], curvature.array(static_cast<int>(k)) + c);
+      const auto numbers = std::bit_cast<typename ScrewCurvature<Number>::Numbers>(
+          ScrewCurvature<Number>::of(screws.behind_columns(c), std::bit_cast<VirtualMomentum<Number>>(Pi),
+                                     load6(screws.S, c), load6(screws.V_p, c), load6(Lambda_p, c)));
+      for (std::size_t k = 0; k < numbers.size(); ++k)
+        L::store(numbers[k], curvature.array(static_cast<int>(k)) + c);
     }
     if (!loaded) return;
     sum_subtrees(topology, K);

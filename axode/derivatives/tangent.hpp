@@ -50,19 +50,20 @@ template <class G, class T> struct InverseDynamicsTangent {
         const Vector tw = Rt * Spread(d.w) + cross_z(w, dq[c]);
         const Vector tdw = Rt * Spread(d.dw) + cross_z(dw, dq[c]);
         x.a = Rt * Spread(x.a + (cross(dw_p, r) + cross(w_p, w_r)));
-        d.a = Rt * Spread(d.a + (cross(tdw_p, r) + (cross(tw_p, w_r) + cross(w_p, tw_r)))) + cross_z(x.a, dq[c]);
+        d.a = Rt * Spread(d.a + (cross(tdw_p, r) + (cross(tw_p, w_r) + cross(w_p, tw_r)))) +
+              cross_z(x.a, dq[c]);
         x.w = add_z(w, v[c]), d.w = add_z(tw, dv[c]);
         x.dw = add_z(dw + cross_z(w, v[c]), a[c]);
         d.dw = add_z(tdw + cross_z(tw, v[c]) + cross_z(w, dv[c]), da[c]);
       } else {
         const SE3<T> C = any_joint_pose(tree, i, q);
         const auto S_times = [&](const T* y) { return any_joint_twist(tree, i, y); };
-        const Twist<BodyFixed, T> V = S_times(v), A = S_times(a), X = S_times(dq), tV = S_times(dv), tA = S_times(da);
+        const Twist<BodyFixed, T> V = S_times(v), A = S_times(a), X = S_times(dq), tV = S_times(dv),
+                                  tA = S_times(da);
         b.R = Matrix(C.R), b.r = Vector(C.r);
         const Matrix Rt(transpose(C.R));
         const Factor r(b.r), tr(b.R * Spread(Vector(X.v))), X_w((Vector(X.w)));
-        const Factor w_J(Vector(V.w)), v_J(Vector(V.v)), tw_J(Vector(tV.w)),
-            tv_J(Vector(tV.v));
+        const Factor w_J(Vector(V.w)), v_J(Vector(V.v)), tw_J(Vector(tV.w)), tv_J(Vector(tV.v));
         const Factor w_r(cross(w_p, r)), tw_r(cross(tw_p, r) + cross(w_p, tr));
         const Vector w = Rt * Spread(x.w), dw = Rt * Spread(x.dw);
         const Vector tw = Rt * Spread(d.w) + cross(Factor(w), X_w);
@@ -84,8 +85,8 @@ template <class G, class T> struct InverseDynamicsTangent {
       b.f = body_i.m * x.a + (cross(Factor(x.dw), h) + cross(w_, w_h));
       b.m = Theta * Spread(x.dw) + (cross(w_, Factor(L)) + cross(h, Factor(x.a)));
       b.tangent_f = body_i.m * d.a + (cross(Factor(d.dw), h) + (cross(tw_, w_h) + cross(w_, tw_h)));
-      b.tangent_m = Theta * Spread(d.dw) +
-                    ((cross(tw_, Factor(L)) + cross(w_, Factor(tL))) + cross(h, Factor(d.a)));
+      b.tangent_m =
+          Theta * Spread(d.dw) + ((cross(tw_, Factor(L)) + cross(w_, Factor(tL))) + cross(h, Factor(d.a)));
       if (tree->branches[i]) motion[i] = x, tangent[i] = d;
     }
   }
@@ -114,8 +115,8 @@ template <class G, class T> struct InverseDynamicsTangent {
         const Twist<BodyFixed, T> X = any_joint_twist(tree, i, dq);
         const Factor X_w((Vector(X.w))), X_v((Vector(X.v)));
         const Vector tf = b.R * Spread(b.tangent_f + cross(X_w, Factor(b.f)));
-        to.tangent_m +=
-            b.R * Spread(b.tangent_m + cross(X_w, Factor(b.m)) + cross(X_v, Factor(b.f))) + cross(r, Factor(tf));
+        to.tangent_m += b.R * Spread(b.tangent_m + cross(X_w, Factor(b.m)) + cross(X_v, Factor(b.f))) +
+                        cross(r, Factor(tf));
         to.tangent_f += tf;
       }
       to.f += f;

@@ -15,14 +15,15 @@ template <class T> struct SecondOrderTensors {
   using W6 = Wrench<Spatial, T>;
 
   FirstOrder<T> first;
-  Arrays<T> BS;   ///< CoriolisInertia of all behind a column with its screw in the place of V
-  Arrays<T> line; ///< a result in all rows
+  Arrays<T> BS;    ///< CoriolisInertia of all behind a column with its screw in the place of V
+  Arrays<T> line;  ///< a result in all rows
 
   explicit SecondOrderTensors(Arena& arena)
       : first(arena), BS(arena, 12, arena.topology().n_screws), line(arena, 1, arena.topology().n_screws) {}
 
   template <class Real>
-  void run(const Tree<Real>& tree, const T* q, const T* v, const T* a, const SecondDerivatives<T>& out) noexcept {
+  void run(const Tree<Real>& tree, const T* q, const T* v, const T* a,
+           const SecondDerivatives<T>& out) noexcept {
     const Topology& topology = *tree.operator->();
     first.run(tree, q, v, a, Loads<T>{});
     for (int c = 0; c < topology.n_screws; c += L::width) {
@@ -56,7 +57,9 @@ template <class T> struct SecondOrderTensors {
 
   void pair(const Topology& t, Column l, Column k, const SecondDerivatives<T>& out) noexcept {
     const MovingScrews<T>& screws = first.screws;
-    const auto psi = [&](int c) { return ad(X6{screws.V_p.get3(0, c), screws.V_p.get3(3, c)}, screws.screw(c)); };
+    const auto psi = [&](int c) {
+      return ad(X6{screws.V_p.get3(0, c), screws.V_p.get3(3, c)}, screws.screw(c));
+    };
     const bool same = l.body == k.body;
     const X6 S_l = motion(Part::S, l.c), S_k = motion(Part::S, k.c), psi_l = psi(l.c), psi_k = psi(k.c),
              psi_2_l = motion(Part::psi_2, l.c), sigma_l = motion(Part::sigma, l.c), bracket = ad(S_l, S_k);
@@ -83,7 +86,8 @@ template <class T> struct SecondOrderTensors {
     put(t, l, k, moved, {{}, {}, {}, {}, {}, wrench(Part::U, k.c)},
         [&](std::ptrdiff_t, std::ptrdiff_t i, const T& x) { out.aq[i] += x; });
     if (same) return;
-    put(t, l, k, moved, {ad(sigma_l, S_k) + T(2) * ad(S_l, psi_k), bracket, S_l, psi_k, M(sigma_l) + B * S_l, {}, true},
+    put(t, l, k, moved,
+        {ad(sigma_l, S_k) + T(2) * ad(S_l, psi_k), bracket, S_l, psi_k, M(sigma_l) + B * S_l, {}, true},
         [&](std::ptrdiff_t, std::ptrdiff_t i, const T& x) { out.qv[i] += x; });
     put(t, l, k, moved, {bracket, {}, {}, {}, M(S_l), {}},
         [&](std::ptrdiff_t o, std::ptrdiff_t, const T& x) { out.aq[o] += x; });

@@ -168,7 +168,8 @@ template <class G, class T> struct FastArticulatedBodies {
       const auto reaches = [&](int i) {
         return tree->iv[i] < first + L::width && tree->velocity_end[tree->iv[i]] > first;
       };
-      solve(tree, first, reaches, [&](int c) { return unit(c - first); }, W, u, out);
+      solve(
+          tree, first, reaches, [&](int c) { return unit(c - first); }, W, u, out);
     }
   }
   /// and x := M⁻¹ x for a matrix of nv columns.
@@ -176,8 +177,8 @@ template <class G, class T> struct FastArticulatedBodies {
     const std::ptrdiff_t nv = tree->nv;
     for (int first = 0; first < tree->nv; first += L::width)
       solve(
-          tree, first, [](int) { return true; }, [&](int c) { return load(x + c * nv + first, tree->nv - first); }, W,
-          u, x);
+          tree, first, [](int) { return true; },
+          [&](int c) { return load(x + c * nv + first, tree->nv - first); }, W, u, x);
   }
 
  private:

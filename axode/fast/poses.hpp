@@ -23,7 +23,8 @@ template <class G, class T, class S>
 
 /// The inertias of the bodies from i on, one in each lane.
 template <class T, class S>
-[[gnu::always_inline]] inline Inertia<typename Lanes<T>::Number> inertias_in_lanes(const Tree<S>& tree, int i) {
+[[gnu::always_inline]] inline Inertia<typename Lanes<T>::Number> inertias_in_lanes(const Tree<S>& tree,
+                                                                                   int i) {
   const auto constant = [&](int k) {
     const S* const at = tree.inertia_arrays.data() + k * tree.inertia_stride + i;
     if constexpr (std::floating_point<T>)

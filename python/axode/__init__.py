@@ -39,11 +39,19 @@ from ._axode import (
     coriolis_vector,
     drawing,
     forward_dynamics,
+    forward_dynamics_derivatives,
+    forward_dynamics_hessian,
+    forward_dynamics_jvp,
+    forward_dynamics_vjp,
     from_momenta,
     generalized_loads,
     gravity_torques,
     impulse_response,
     inverse_dynamics,
+    inverse_dynamics_derivatives,
+    inverse_dynamics_hessian,
+    inverse_dynamics_jvp,
+    inverse_dynamics_vjp,
     inverse_kinematics,
     inverse_mass_matrix,
     inverse_mass_matrix_partials,
@@ -83,7 +91,15 @@ from ._axode import name_here as _name_here
 from ._axode import version as __version__
 from .builder import Builder
 from .errors import Fault, ModelError, NotFiniteError, SingularError, StatesError
-from .records import InverseKinematics, Load, Target
+from .records import (
+    ForwardDynamicsDerivatives,
+    ForwardDynamicsHessian,
+    InverseDynamicsDerivatives,
+    InverseDynamicsHessian,
+    InverseKinematics,
+    Load,
+    Target,
+)
 
 #: The folder of the mechanisms that come with the package: arm7.toml, double_pendulum.toml, humanoid.urdf,
 #: machine.toml.
@@ -107,8 +123,12 @@ __all__ = [
     # momentum form
     "momenta", "from_momenta", "momentum_form", "body_momenta", "spatial_momentum", "centroidal_momentum",
     "twist_form", "spatial_momentum_form",
+    # derivatives
+    "inverse_dynamics_derivatives", "inverse_dynamics_jvp", "inverse_dynamics_vjp", "inverse_dynamics_hessian",
+    "forward_dynamics_derivatives", "forward_dynamics_jvp", "forward_dynamics_vjp", "forward_dynamics_hessian",
     # what else is taken, given and raised
-    "Load", "Target", "InverseKinematics", "Fault", "ModelError", "NotFiniteError", "SingularError", "StatesError",
+    "Load", "Target", "InverseKinematics", "InverseDynamicsDerivatives", "ForwardDynamicsDerivatives",
+    "InverseDynamicsHessian", "ForwardDynamicsHessian", "Fault", "ModelError", "NotFiniteError", "SingularError", "StatesError",
     # modules
     "lie", "closed_form", "codegen", "convert",
 ]

@@ -7,7 +7,8 @@ from typing import Literal, NamedTuple, TypedDict
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-__all__ = ["InverseKinematics", "Load", "Target"]
+__all__ = ["ForwardDynamicsDerivatives", "ForwardDynamicsHessian", "InverseDynamicsDerivatives",
+           "InverseDynamicsHessian", "InverseKinematics", "Load", "Target"]
 
 Representation = Literal["body", "spatial", "hybrid", "mixed"]
 
@@ -59,3 +60,37 @@ class InverseKinematics(NamedTuple):
     residual: float
     iterations: int
     restarts: int
+
+
+class InverseDynamicsDerivatives(NamedTuple):
+    """Derivatives by configuration, velocities and accelerations: of the forces, or of a number that they make."""
+
+    q: NDArray[np.float64]
+    v: NDArray[np.float64]
+    a: NDArray[np.float64]
+
+
+class ForwardDynamicsDerivatives(NamedTuple):
+    """Derivatives by configuration, velocities and forces: of the accelerations, or of a number that they make."""
+
+    q: NDArray[np.float64]
+    v: NDArray[np.float64]
+    tau: NDArray[np.float64]
+
+
+class InverseDynamicsHessian(NamedTuple):
+    """Second derivatives by pairs of configuration, velocities and accelerations, [outer, inner]; the others vanish."""
+
+    qq: NDArray[np.float64]
+    qv: NDArray[np.float64]
+    vv: NDArray[np.float64]
+    aq: NDArray[np.float64]
+
+
+class ForwardDynamicsHessian(NamedTuple):
+    """Second derivatives by pairs of configuration, velocities and forces, [outer, inner]; the others vanish."""
+
+    qq: NDArray[np.float64]
+    qv: NDArray[np.float64]
+    vv: NDArray[np.float64]
+    tauq: NDArray[np.float64]

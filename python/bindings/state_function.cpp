@@ -103,7 +103,15 @@ StateFunction::StateFunction(const char* name)
       takes_v_(rows_[0]->takes_input(Input::v)),
       takes_a_(rows_[0]->takes_input(Input::a)),
       takes_tau_(rows_[0]->takes_input(Input::tau)),
-      takes_p_(rows_[0]->takes_input(Input::p)) {}
+      takes_p_(rows_[0]->takes_input(Input::p)) {
+  static constexpr std::pair<Input, ArrayLike Arguments::*> all[] = {{Input::dq, &Arguments::dq},
+                                                                     {Input::dv, &Arguments::dv},
+                                                                     {Input::da, &Arguments::da},
+                                                                     {Input::dtau, &Arguments::dtau},
+                                                                     {Input::weights, &Arguments::w}};
+  for (const auto& direction : all)
+    if (rows_[0]->takes_input(direction.first)) directions_.push_back(direction);
+}
 
 const catalog::Function<double>& StateFunction::row(const Algorithm& algorithm) const {
   return *rows_[algorithm.representation ? static_cast<std::size_t>(*algorithm.representation)
@@ -117,6 +125,9 @@ NewArray StateFunction::run(const BoundModel& m, const Arguments& given, const R
   if (takes_a_) a.emplace(states.velocities("a", given.a));
   if (takes_tau_) tau.emplace(states.velocities("tau", given.tau));
   if (takes_p_) p.emplace(states.velocities("p", given.p));
+  std::vector<Items> directions;
+  for (const auto& [input, argument] : directions_)
+    directions.push_back(states.velocities(std::string(catalog::to_string(input)).c_str(), given.*argument));
   const AppliedLoads loads(states, given.loads, given.joint_losses);
 
   Shape shape{};
@@ -153,6 +164,8 @@ NewArray StateFunction::run(const BoundModel& m, const Arguments& given, const R
       if (a) one.a = (*a)[k];
       if (tau) one.tau = (*tau)[k];
       if (p) one.p = (*p)[k];
+      for (std::size_t d = 0; d < directions.size(); ++d)
+        catalog::numbers(one, directions_[d].first) = directions[d][k];
       found[k] = loads.with(k, [&](const Loads<double>& now) {
         one.loads = now;
         return row.call(*m, workspace, one, out.all().subspan(k * size, size));
@@ -177,6 +190,15 @@ Array StateFunction::in_rows(const BoundModel& m, const Arguments& given) const 
 std::tuple<Array, Array> StateFunction::both(const BoundModel& m, const Arguments& given) const {
   NewArray out = run(m, given, row(given.algorithm));
   return {out.part(0, 1), out.part(1, 1)};
+}
+
+nb::object StateFunction::named(const char* type, const BoundModel& m, const Arguments& given) const {
+  const Row& called = row(given.algorithm);
+  NewArray out = run(m, given, called);
+  nb::list parts;
+  for (std::size_t k = 0; k < called.symbols.size(); ++k)
+    parts.append(nb::cast(out.part(static_cast<nb::ssize_t>(k), static_cast<int>(called.shape.size()))));
+  return nb::module_::import_("axode.records").attr(type)(*parts);
 }
 
 void StateFunctions::of_q(const char* name, const char* doc) const {

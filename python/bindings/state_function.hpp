@@ -11,6 +11,7 @@ namespace axode::python {
 /// What a function of the state is given in Python; what it does not take stays as it is.
 struct Arguments {
   ArrayLike q, v = {}, a = {}, tau = {}, p = {};
+  ArrayLike dq = {}, dv = {}, da = {}, dtau = {}, w = {};
   Algorithm algorithm = {Representation::body};
   LoadList loads = {};
   bool joint_losses = false;
@@ -30,6 +31,8 @@ class StateFunction {
   Array in_rows(const BoundModel& m, const Arguments& given) const;
   /// Of a function with two results.
   std::tuple<Array, Array> both(const BoundModel& m, const Arguments& given) const;
+  /// Of a function with several results, as a named tuple of axode.records.
+  nb::object named(const char* type, const BoundModel& m, const Arguments& given) const;
 
  private:
   using Row = catalog::Function<double>;
@@ -43,6 +46,7 @@ class StateFunction {
   std::array<const Row*, 5> rows_;  ///< by representation, and the fast one
   InLanes in_lanes_;
   bool takes_v_, takes_a_, takes_tau_, takes_p_;
+  std::vector<std::pair<catalog::Input, ArrayLike Arguments::*>> directions_;  ///< and weights, that it takes
 };
 
 /// Defines functions by what they are given.

@@ -25,7 +25,8 @@ Ask any(const Trial& trial, Random<double>& random) {
 
 /// Part k of n matrices, one after the other.
 MatrixXd part(const Trial& trial, const Numbers& all, std::size_t k) {
-  const std::size_t size = static_cast<std::size_t>(trial.model.nv()) * static_cast<std::size_t>(trial.model.nv());
+  const std::size_t size =
+      static_cast<std::size_t>(trial.model.nv()) * static_cast<std::size_t>(trial.model.nv());
   return matrix(trial.model.nv(), Numbers(all.begin() + static_cast<std::ptrdiff_t>(k * size),
                                           all.begin() + static_cast<std::ptrdiff_t>((k + 1) * size)));
 }
@@ -37,7 +38,9 @@ VectorXd row(const Trial& trial, const Numbers& all, std::size_t k) {
 template <class F> VectorXd difference(const Trial& trial, const Ask& at, const Ask& along, const F& f) {
   const double h = 1e-5;
   const auto moved = [&](double eps) {
-    const auto plus = [&](const Numbers& x, const Numbers& dx) { return numbers(vector(x) + eps * vector(dx)); };
+    const auto plus = [&](const Numbers& x, const Numbers& dx) {
+      return numbers(vector(x) + eps * vector(dx));
+    };
     Ask ask = at;
     ask.q = integrate(trial.model, at.q, numbers(eps * vector(along.dq)));
     ask.v = plus(at.v, along.dv), ask.a = plus(at.a, along.da), ask.tau = plus(at.tau, along.dtau);
@@ -76,8 +79,8 @@ TEST_P(Derivatives, OfInverseDynamicsAreThoseOfDualNumbers) {
       for (std::size_t k = 0; k < x.size(); ++k) out[k] = D(x[k], {dx[k]});
       return out;
     };
-    const std::vector<D> q = dual(ask.q, Numbers(ask.q.size())), v = dual(ask.v, ask.dv), a = dual(ask.a, ask.da),
-                         step = dual(trial.zero(), ask.dq);
+    const std::vector<D> q = dual(ask.q, Numbers(ask.q.size())), v = dual(ask.v, ask.dv),
+                         a = dual(ask.a, ask.da), step = dual(trial.zero(), ask.dq);
     std::vector<D> moved(q);
     for (int i = 1; i <= tree->n; ++i)
       if (!tree->coupled[i])
@@ -109,9 +112,10 @@ TEST_P(Derivatives, ProductsAreMatricesTimesVectors) {
     const Numbers all = trial.call("inverse_dynamics_derivatives", ask);
     const MatrixXd dq = part(trial, all, 0), dv = part(trial, all, 1), da = part(trial, all, 2);
     const double scale = std::max({largest_entry(dq), largest_entry(dv), largest_entry(da)});
-    jvp.expect_equal(vector(trial.call("inverse_dynamics_jvp", ask)),
-                     VectorXd(product(dq, vector(ask.dq)) + product(dv, vector(ask.dv)) + product(da, vector(ask.da))),
-                     scale);
+    jvp.expect_equal(
+        vector(trial.call("inverse_dynamics_jvp", ask)),
+        VectorXd(product(dq, vector(ask.dq)) + product(dv, vector(ask.dv)) + product(da, vector(ask.da))),
+        scale);
     const Numbers gradient = trial.call("inverse_dynamics_vjp", ask);
     const VectorXd w = vector(ask.w);
     vjp.expect_equal(row(trial, gradient, 0), VectorXd(product(MatrixXd(dq.transpose()), w)), scale);
@@ -138,7 +142,8 @@ TEST_P(Derivatives, OfForwardDynamicsSolveThoseOfInverseDynamics) {
     const MatrixXd M = part(trial, inverse, 2);
     for (std::size_t k = 0; k < 2; ++k) {
       const MatrixXd x = part(trial, forward.numbers, k);
-      residual.expect_equal(MatrixXd(-product(M, x)), part(trial, inverse, k), largest_entry(M) * largest_entry(x));
+      residual.expect_equal(MatrixXd(-product(M, x)), part(trial, inverse, k),
+                            largest_entry(M) * largest_entry(x));
     }
     const MatrixXd M_inverse = part(trial, forward.numbers, 2);
     residual.expect_equal(product(M, M_inverse), MatrixXd(MatrixXd::Identity(M.rows(), M.rows())),
@@ -158,7 +163,8 @@ TEST_P(Derivatives, OfForwardDynamicsSolveThoseOfInverseDynamics) {
 }
 
 /// The derivative of a gradient along direction c of one of its arguments, for every c: [outer][inner].
-template <class F> MatrixXd differences(const Trial& trial, const Ask& ask, Numbers Ask::*along, const F& gradient) {
+template <class F>
+MatrixXd differences(const Trial& trial, const Ask& ask, Numbers Ask::*along, const F& gradient) {
   MatrixXd out(trial.model.nv(), trial.model.nv());
   for (int c = 0; c < trial.model.nv(); ++c) {
     Ask direction;
@@ -178,7 +184,9 @@ TEST_P(Derivatives, HessianOfInverseDynamicsIsTheDerivativeOfTheGradient) {
     if (trial.model.nv() == 0) return;
     const Ask ask = any(trial, random);
     const auto gradient = [&](std::size_t k) {
-      return [&exact, k](const Ask& at) { return numbers(row(exact, exact.call("inverse_dynamics_vjp", at), k)); };
+      return [&exact, k](const Ask& at) {
+        return numbers(row(exact, exact.call("inverse_dynamics_vjp", at), k));
+      };
     };
     const Numbers all = trial.call("inverse_dynamics_hessian", ask);
     const double scale = largest(exact.call("inverse_dynamics_vjp", ask));
@@ -198,7 +206,9 @@ TEST_P(Derivatives, HessianOfForwardDynamicsIsTheDerivativeOfTheGradient) {
     if (trial.model.nv() == 0) return;
     const Ask ask = any(trial, random);
     const auto gradient = [&](std::size_t k) {
-      return [&trial, k](const Ask& at) { return numbers(row(trial, trial.call("forward_dynamics_vjp", at), k)); };
+      return [&trial, k](const Ask& at) {
+        return numbers(row(trial, trial.call("forward_dynamics_vjp", at), k));
+      };
     };
     const Answer all = trial.answer("forward_dynamics_hessian", ask);
     ASSERT_TRUE(all.solvability.ok());

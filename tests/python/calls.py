@@ -67,6 +67,17 @@ CALLS = {
     "spatial_momentum_form": lambda m, q, v, a: axode.spatial_momentum_form(
         m, q, axode.body_momenta(m, q, v, "spatial"), a)[1],
 }
+for name in ["inverse_dynamics", "forward_dynamics"]:
+    CALLS |= {
+        f"{name}_derivatives": lambda m, q, v, a, name=name: np.stack(getattr(axode, f"{name}_derivatives")(
+            m, q, v, a, load_on(m, q), joint_losses=True), axis=-3),
+        f"{name}_jvp": lambda m, q, v, a, name=name: getattr(axode, f"{name}_jvp")(
+            m, q, v, a, v, a, 2 * v, load_on(m, q)),
+        f"{name}_vjp": lambda m, q, v, a, name=name: np.stack(getattr(axode, f"{name}_vjp")(
+            m, q, v, a, v - a, load_on(m, q)), axis=-2),
+        f"{name}_hessian": lambda m, q, v, a, name=name: np.stack(getattr(axode, f"{name}_hessian")(
+            m, q, v, a, v - a, load_on(m, q)), axis=-3),
+    }
 for form in ["paper", "skew", "spatial", "christoffel"]:
     CALLS[f"coriolis_matrix {form}"] = lambda m, q, v, a, form=form: axode.coriolis_matrix(m, q, v, form)
 for rep in REPRESENTATIONS:

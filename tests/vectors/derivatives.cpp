@@ -29,17 +29,21 @@ struct DerivativeState {
     const Json& coordinates = file.at("input").at("q");
     q.resize(static_cast<std::size_t>(model.nq()));
     for (std::size_t i = 0; i < coordinates.size(); ++i) {
-      const Joint& joint = model.joint(model.joint_index(ReferenceSystem::joint_name(static_cast<int>(i) + 1)));
+      const Joint& joint =
+          model.joint(model.joint_index(ReferenceSystem::joint_name(static_cast<int>(i) + 1)));
       for (int k = 0; k < joint.nq; ++k)
         q[static_cast<std::size_t>(joint.iq + k)] =
-            number(coordinates.at(i).is_array() ? coordinates.at(i).at(static_cast<std::size_t>(k)) : coordinates.at(i));
+            number(coordinates.at(i).is_array() ? coordinates.at(i).at(static_cast<std::size_t>(k))
+                                                : coordinates.at(i));
       for (int k = 0; k < joint.nv; ++k) place.push_back(static_cast<std::size_t>(joint.iv + k));
     }
     wrenches = system(name, file).loads(model);
   }
   std::size_t nv() const { return place.size(); }
 
-  std::vector<double> velocities(const char* key) const { return in_model_order(numbers(file.at("input").at(key))); }
+  std::vector<double> velocities(const char* key) const {
+    return in_model_order(numbers(file.at("input").at(key)));
+  }
   std::vector<double> in_model_order(const std::vector<double>& x) const {
     std::vector<double> out(nv());
     for (std::size_t k = 0; k < nv(); ++k) out[place[k]] = x[k];
@@ -57,7 +61,8 @@ struct DerivativeState {
   }
 
   /// A function of the catalogue; result k of n.
-  std::vector<std::vector<double>> call(const char* name, catalog::Given<double> given, bool loaded, int dimensions) {
+  std::vector<std::vector<double>> call(const char* name, catalog::Given<double> given, bool loaded,
+                                        int dimensions) {
     const catalog::Function<double>& function = *catalog::find<BodyFixed>(name);
     given.q = q;
     if (loaded) given.loads.wrenches = wrenches;
@@ -115,8 +120,8 @@ TEST_P(ReferenceDerivatives, SecondOrder) {
   const bool contracted = at.file.at("second_partials").text() == "contracted";
   const std::vector<double> v = at.velocities("v"), a = at.velocities("a"), tau = at.velocities("tau");
   const std::size_t nv = at.nv();
-  const auto check = [&](const char* function, bool loaded, const catalog::Given<double>& given, const char* group,
-                         std::initializer_list<const char*> keys, Comparison& comparison) {
+  const auto check = [&](const char* function, bool loaded, const catalog::Given<double>& given,
+                         const char* group, std::initializer_list<const char*> keys, Comparison& comparison) {
     std::vector<std::vector<double>> found(keys.size());
     for (std::size_t i = 0; i < (contracted ? 1 : nv); ++i) {
       catalog::Given<double> weighed = given;
@@ -127,10 +132,12 @@ TEST_P(ReferenceDerivatives, SecondOrder) {
         w[at.place[i]] = 1;
       weighed.w = w;
       const auto blocks = at.call(function, weighed, loaded, 2);
-      for (std::size_t k = 0; k < blocks.size(); ++k) found[k].insert(found[k].end(), blocks[k].begin(), blocks[k].end());
+      for (std::size_t k = 0; k < blocks.size(); ++k)
+        found[k].insert(found[k].end(), blocks[k].begin(), blocks[k].end());
     }
     std::size_t k = 0;
-    for (const char* const key : keys) comparison.expect_equal(found[k++], numbers(at.expected(loaded, group, key)));
+    for (const char* const key : keys)
+      comparison.expect_equal(found[k++], numbers(at.expected(loaded, group, key)));
   };
   Comparison inverse("inverse", 1e-10), forward("forward", 1e-10);
   for (const bool loaded : {true, false}) {

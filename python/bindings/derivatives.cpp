@@ -1,0 +1,233 @@
+#include "bindings.hpp"
+#include "conversions.hpp"
+#include "state_function.hpp"
+
+/// Derivatives of dynamics. The types of several results are in axode.records.
+namespace axode::python {
+
+using namespace nb::literals;
+
+void add_derivatives(nb::module_& module) {
+  module.def(
+      "inverse_dynamics_derivatives",
+      [f = StateFunction("inverse_dynamics_derivatives")](const BoundModel& m, ArrayLike q, ArrayLike v,
+                                                          ArrayLike a, LoadList loads, bool joint_losses,
+                                                          int threads) {
+        return f.named(
+            "InverseDynamicsDerivatives", m,
+            {.q = q, .v = v, .a = a, .loads = loads, .joint_losses = joint_losses, .threads = threads});
+      },
+      "m"_a, "q"_a, "v"_a, "a"_a, "loads"_a = nb::none(), nb::kw_only(), "joint_losses"_a = false,
+      "threads"_a = 1,
+      nb::sig(
+          "def inverse_dynamics_derivatives(m: Model, q: numpy.typing.ArrayLike, v: numpy.typing.ArrayLike, "
+          "a: numpy.typing.ArrayLike, loads: collections.abc.Sequence[axode.Load] | None = None, *, "
+          "joint_losses: bool = False, threads: int = 1) -> axode.InverseDynamicsDerivatives"),
+      R"(
+(q, v, a): the partial derivatives of `inverse_dynamics`, matrices (nv, nv) or (N, nv, nv), [component, direction].
+
+Directions of q are those of q (+) eps e_k, see `Model.integrate`; the derivative by a is the mass matrix. The components of
+loads are constant in the representation in which they are given. joint_losses adds damping; Coulomb friction adds
+nothing, and has no derivative at v = 0. O(n d) on paths of d velocities.
+
+>>> q, v, a, w = np.full(7, 0.3), np.ones(7), np.zeros(7), np.arange(7.0)
+>>> step = 1e-5 * np.ones(7)
+>>> difference = axode.inverse_dynamics(arm, q + step, v, a) - axode.inverse_dynamics(arm, q - step, v, a)
+>>> np.allclose(2 * axode.inverse_dynamics_derivatives(arm, q, v, a).q @ step, difference, atol=1e-12)
+True
+)");
+  module.def(
+      "inverse_dynamics_jvp",
+      [f = StateFunction("inverse_dynamics_jvp")](const BoundModel& m, ArrayLike q, ArrayLike v, ArrayLike a,
+                                                  ArrayLike dq, ArrayLike dv, ArrayLike da, LoadList loads,
+                                                  bool joint_losses, int threads) {
+        return f(m, {.q = q,
+                     .v = v,
+                     .a = a,
+                     .dq = dq,
+                     .dv = dv,
+                     .da = da,
+                     .loads = loads,
+                     .joint_losses = joint_losses,
+                     .threads = threads});
+      },
+      "m"_a, "q"_a, "v"_a, "a"_a, "dq"_a, "dv"_a, "da"_a, "loads"_a = nb::none(), nb::kw_only(),
+      "joint_losses"_a = false, "threads"_a = 1,
+      R"(
+What a direction (dq, dv, da) does to the forces of `inverse_dynamics`: (nv,) or (N, nv). O(n), without a matrix.
+
+>>> q, v, a, w = np.full(7, 0.3), np.ones(7), np.zeros(7), np.arange(7.0)
+>>> d = axode.inverse_dynamics_derivatives(arm, q, v, a)
+>>> np.allclose(axode.inverse_dynamics_jvp(arm, q, v, a, w, w, w), d.q @ w + d.v @ w + d.a @ w)
+True
+)");
+  module.def(
+      "inverse_dynamics_vjp",
+      [f = StateFunction("inverse_dynamics_vjp")](const BoundModel& m, ArrayLike q, ArrayLike v, ArrayLike a,
+                                                  ArrayLike w, LoadList loads, bool joint_losses,
+                                                  int threads) {
+        return f.named("InverseDynamicsDerivatives", m,
+                       {.q = q,
+                        .v = v,
+                        .a = a,
+                        .w = w,
+                        .loads = loads,
+                        .joint_losses = joint_losses,
+                        .threads = threads});
+      },
+      "m"_a, "q"_a, "v"_a, "a"_a, "w"_a, "loads"_a = nb::none(), nb::kw_only(), "joint_losses"_a = false,
+      "threads"_a = 1,
+      nb::sig("def inverse_dynamics_vjp(m: Model, q: numpy.typing.ArrayLike, v: numpy.typing.ArrayLike, a: "
+              "numpy.typing.ArrayLike, w: numpy.typing.ArrayLike, loads: "
+              "collections.abc.Sequence[axode.Load] | None = None, *, "
+              "joint_losses: bool = False, threads: int = 1) -> axode.InverseDynamicsDerivatives"),
+      R"(
+(q, v, a): the gradient of w . tau of `inverse_dynamics`, (nv,) or (N, nv) each. O(n), without a matrix.
+
+>>> q, v, a, w = np.full(7, 0.3), np.ones(7), np.zeros(7), np.arange(7.0)
+>>> np.allclose(axode.inverse_dynamics_vjp(arm, q, v, a, w).q, w @ axode.inverse_dynamics_derivatives(arm, q, v, a).q)
+True
+)");
+  module.def(
+      "inverse_dynamics_hessian",
+      [f = StateFunction("inverse_dynamics_hessian")](const BoundModel& m, ArrayLike q, ArrayLike v,
+                                                      ArrayLike a, ArrayLike w, LoadList loads,
+                                                      bool joint_losses, int threads) {
+        return f.named("InverseDynamicsHessian", m,
+                       {.q = q,
+                        .v = v,
+                        .a = a,
+                        .w = w,
+                        .loads = loads,
+                        .joint_losses = joint_losses,
+                        .threads = threads});
+      },
+      "m"_a, "q"_a, "v"_a, "a"_a, "w"_a, "loads"_a = nb::none(), nb::kw_only(), "joint_losses"_a = false,
+      "threads"_a = 1,
+      nb::sig("def inverse_dynamics_hessian(m: Model, q: numpy.typing.ArrayLike, v: numpy.typing.ArrayLike, "
+              "a: numpy.typing.ArrayLike, w: numpy.typing.ArrayLike, loads: "
+              "collections.abc.Sequence[axode.Load] | None = None, *, "
+              "joint_losses: bool = False, threads: int = 1) -> axode.InverseDynamicsHessian"),
+      R"(
+(qq, qv, vv, aq): second partial derivatives of w . tau of `inverse_dynamics`, (nv, nv) or (N, nv, nv) each.
+
+Entry [k, l] is the derivative along k of that along l. On a joint with several velocities the displacement k of q comes
+first, q (+) e_k (+) e_l; elsewhere qq is symmetric. O(n d).
+
+>>> q, v, a, w = np.full(7, 0.3), np.ones(7), np.zeros(7), np.arange(7.0)
+>>> h = axode.inverse_dynamics_hessian(arm, q, v, a, w)
+>>> np.allclose(h.qq, h.qq.T)
+True
+)");
+  module.def(
+      "forward_dynamics_derivatives",
+      [f = StateFunction("forward_dynamics_derivatives")](const BoundModel& m, ArrayLike q, ArrayLike v,
+                                                          ArrayLike tau, LoadList loads, bool joint_losses,
+                                                          int threads) {
+        return f.named(
+            "ForwardDynamicsDerivatives", m,
+            {.q = q, .v = v, .tau = tau, .loads = loads, .joint_losses = joint_losses, .threads = threads});
+      },
+      "m"_a, "q"_a, "v"_a, "tau"_a, "loads"_a = nb::none(), nb::kw_only(), "joint_losses"_a = false,
+      "threads"_a = 1,
+      nb::sig(
+          "def forward_dynamics_derivatives(m: Model, q: numpy.typing.ArrayLike, v: numpy.typing.ArrayLike, "
+          "tau: numpy.typing.ArrayLike, loads: collections.abc.Sequence[axode.Load] | None = None, *, "
+          "joint_losses: bool = False, threads: int = 1) -> axode.ForwardDynamicsDerivatives"),
+      R"(
+(q, v, tau): the partial derivatives of `forward_dynamics`, matrices (nv, nv) or (N, nv, nv), [component, direction].
+
+Terms as in `inverse_dynamics_derivatives`; the derivative by tau is the inverse mass matrix. O(n) for each column.
+SingularError where M is singular.
+
+>>> q, v, tau, w = np.full(7, 0.3), np.ones(7), np.zeros(7), np.arange(7.0)
+>>> d = axode.forward_dynamics_derivatives(arm, q, v, tau)
+>>> np.allclose(d.tau @ axode.mass_matrix(arm, q), np.eye(7))
+True
+)");
+  module.def(
+      "forward_dynamics_jvp",
+      [f = StateFunction("forward_dynamics_jvp")](const BoundModel& m, ArrayLike q, ArrayLike v,
+                                                  ArrayLike tau, ArrayLike dq, ArrayLike dv, ArrayLike dtau,
+                                                  LoadList loads, bool joint_losses, int threads) {
+        return f(m, {.q = q,
+                     .v = v,
+                     .tau = tau,
+                     .dq = dq,
+                     .dv = dv,
+                     .dtau = dtau,
+                     .loads = loads,
+                     .joint_losses = joint_losses,
+                     .threads = threads});
+      },
+      "m"_a, "q"_a, "v"_a, "tau"_a, "dq"_a, "dv"_a, "dtau"_a, "loads"_a = nb::none(), nb::kw_only(),
+      "joint_losses"_a = false, "threads"_a = 1,
+      R"(
+What a direction (dq, dv, dtau) does to the accelerations of `forward_dynamics`: (nv,) or (N, nv). O(n), without a matrix.
+
+>>> q, v, tau, w = np.full(7, 0.3), np.ones(7), np.zeros(7), np.arange(7.0)
+>>> d = axode.forward_dynamics_derivatives(arm, q, v, tau)
+>>> np.allclose(axode.forward_dynamics_jvp(arm, q, v, tau, w, w, w), d.q @ w + d.v @ w + d.tau @ w)
+True
+)");
+  module.def(
+      "forward_dynamics_vjp",
+      [f = StateFunction("forward_dynamics_vjp")](const BoundModel& m, ArrayLike q, ArrayLike v,
+                                                  ArrayLike tau, ArrayLike w, LoadList loads,
+                                                  bool joint_losses, int threads) {
+        return f.named("ForwardDynamicsDerivatives", m,
+                       {.q = q,
+                        .v = v,
+                        .tau = tau,
+                        .w = w,
+                        .loads = loads,
+                        .joint_losses = joint_losses,
+                        .threads = threads});
+      },
+      "m"_a, "q"_a, "v"_a, "tau"_a, "w"_a, "loads"_a = nb::none(), nb::kw_only(), "joint_losses"_a = false,
+      "threads"_a = 1,
+      nb::sig("def forward_dynamics_vjp(m: Model, q: numpy.typing.ArrayLike, v: numpy.typing.ArrayLike, tau: "
+              "numpy.typing.ArrayLike, w: numpy.typing.ArrayLike, loads: "
+              "collections.abc.Sequence[axode.Load] | None = None, *, "
+              "joint_losses: bool = False, threads: int = 1) -> axode.ForwardDynamicsDerivatives"),
+      R"(
+(q, v, tau): the gradient of w . a of `forward_dynamics`, (nv,) or (N, nv) each. O(n), without a matrix.
+
+>>> q, v, tau, w = np.full(7, 0.3), np.ones(7), np.zeros(7), np.arange(7.0)
+>>> d = axode.forward_dynamics_derivatives(arm, q, v, tau)
+>>> np.allclose(axode.forward_dynamics_vjp(arm, q, v, tau, w).v, w @ d.v)
+True
+)");
+  module.def(
+      "forward_dynamics_hessian",
+      [f = StateFunction("forward_dynamics_hessian")](const BoundModel& m, ArrayLike q, ArrayLike v,
+                                                      ArrayLike tau, ArrayLike w, LoadList loads,
+                                                      bool joint_losses, int threads) {
+        return f.named("ForwardDynamicsHessian", m,
+                       {.q = q,
+                        .v = v,
+                        .tau = tau,
+                        .w = w,
+                        .loads = loads,
+                        .joint_losses = joint_losses,
+                        .threads = threads});
+      },
+      "m"_a, "q"_a, "v"_a, "tau"_a, "w"_a, "loads"_a = nb::none(), nb::kw_only(), "joint_losses"_a = false,
+      "threads"_a = 1,
+      nb::sig("def forward_dynamics_hessian(m: Model, q: numpy.typing.ArrayLike, v: numpy.typing.ArrayLike, "
+              "tau: numpy.typing.ArrayLike, w: numpy.typing.ArrayLike, loads: "
+              "collections.abc.Sequence[axode.Load] | None = None, *, "
+              "joint_losses: bool = False, threads: int = 1) -> axode.ForwardDynamicsHessian"),
+      R"(
+(qq, qv, vv, tauq): second partial derivatives of w . a of `forward_dynamics`, (nv, nv) or (N, nv, nv) each.
+
+Entries as in `inverse_dynamics_hessian`. O(n^2 d). SingularError where M is singular.
+
+>>> q, v, tau, w = np.full(7, 0.3), np.ones(7), np.zeros(7), np.arange(7.0)
+>>> h = axode.forward_dynamics_hessian(arm, q, v, tau, w)
+>>> np.allclose(h.vv, h.vv.T)
+True
+)");
+}
+
+}  // namespace axode::python
