@@ -1,23 +1,26 @@
 #include "text_file.hpp"
 
+#include <array>
 #include <filesystem>
 #include <fstream>
 #include <iostream>
-#include <sstream>
 
 #include "commands.hpp"
 
 namespace axode::command {
 
 std::string read_text(const std::string& file) {
-  std::ostringstream text;
-  if (file == "-") {
-    text << std::cin.rdbuf();
-  } else if (const std::ifstream stream(file, std::ios::binary);
-             std::filesystem::is_directory(file) || !stream || (text << stream.rdbuf(), text.bad())) {
+  std::string text;
+  const auto read = [&](std::istream& stream) {
+    for (std::array<char, 65536> block; stream.read(block.data(), block.size()) || stream.gcount() > 0;)
+      text.append(block.data(), static_cast<std::size_t>(stream.gcount()));
+    return !stream.bad();
+  };
+  std::ifstream stream;
+  if (file != "-" && !std::filesystem::is_directory(file)) stream.open(file, std::ios::binary);
+  if (file == "-" ? !read(std::cin) : !stream.is_open() || !read(stream))
     throw InputError(file + ": the file cannot be read");
-  }
-  return text.str();
+  return text;
 }
 
 void write_text(const std::string& file, const std::string& text) {

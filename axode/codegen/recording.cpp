@@ -26,8 +26,8 @@ template <class Kernel> using OnTape = WithScratch<T, Kernel>;
 /// Doubts a solution where a pivot is small against what feeds the velocity with every joint at zero.
 class Doubt {
  public:
-  Doubt(const Tree<double>& tree, double coarser)
-      : fed_(static_cast<std::size_t>(tree->nv)), small_(1e-8 * coarser) {
+  Doubt(const Tree<double>& tree, double small)
+      : fed_(static_cast<std::size_t>(tree->nv)), small_(small) {
     for (int i = 1; i <= tree->n; ++i)
       for (int s = tree->first_screw[i]; s < tree->first_screw[i + 1]; ++s)
         fed_[static_cast<std::size_t>(tree->iv[i] + s - tree->first_screw[i])] +=
@@ -99,12 +99,12 @@ Recording mass_matrix(const Tree<double>& tree) {
 }
 
 /// How accelerations are found from what the forces leave over, x := M⁻¹ x, and what makes it doubtful.
-using Solver = Trace::Condition (*)(Traced&, const Numbers& q, Numbers& x, double coarser);
+using Solver = Trace::Condition (*)(Traced&, const Numbers& q, Numbers& x, double small);
 
 /// The articulated-body algorithm.
-Trace::Condition solve_articulated(Traced& traced, const Numbers& q, Numbers& x, double coarser) {
+Trace::Condition solve_articulated(Traced& traced, const Numbers& q, Numbers& x, double small) {
   OnTape<ArticulatedBodies<BodyFixed, T>> bodies(*traced.tree.topology());
-  Doubt doubt(traced.tree, coarser);
+  Doubt doubt(traced.tree, small);
   bodies->links.run(traced.constants, q.data());
   bodies->factorize(traced.constants, traced.constants.armature.data(), doubt);
   bodies->solve(traced.constants, x.data());
@@ -112,23 +112,23 @@ Trace::Condition solve_articulated(Traced& traced, const Numbers& q, Numbers& x,
 }
 
 /// The mass matrix and its sparse factors.
-Trace::Condition solve_factorized(Traced& traced, const Numbers& q, Numbers& x, double coarser) {
+Trace::Condition solve_factorized(Traced& traced, const Numbers& q, Numbers& x, double small) {
   Numbers H = composite(traced, q);
   const Numbers fed = zeros(traced.tree->nv);  // not asked for
-  Doubt doubt(traced.tree, coarser);
+  Doubt doubt(traced.tree, small);
   factorize(traced.constants, fed.data(), H.data(), doubt);
   solve(traced.constants, H.data(), x.data());
   return doubt.verdict();
 }
 
-Recording forward_dynamics(const Tree<double>& tree, Solver solver, double coarser) {
+Recording forward_dynamics(const Tree<double>& tree, Solver solver, double small) {
   Traced traced(tree, "a");
   const Numbers q = traced.argument("q", tree->nq), v = traced.argument("v", tree->nv);
   Numbers x = traced.argument("tau", tree->nv);
   const Numbers bias = forces(traced, q, v, zeros(tree->nv));
   for (std::size_t c = 0; c < x.size(); ++c) x[c] -= bias[c];
   traced.recording.returns_doubt = true;
-  const Trace::Condition doubt = traced.recording.doubt = solver(traced, q, x, coarser);
+  const Trace::Condition doubt = traced.recording.doubt = solver(traced, q, x, small);
   if (doubt.is_constant() && doubt.constant())  // a joint moves no mass wherever it is
     std::fill(x.begin(), x.end(), T(std::numeric_limits<double>::quiet_NaN()));
   return traced.with(std::move(x));
@@ -183,10 +183,10 @@ Recording record(const Model& model, const Function& function, bool single_preci
     case Quantity::jacobian: return jacobian(tree, function.frame, function.representation);
     case Quantity::forward_dynamics: break;
   }
-  const double coarser = single_precision ? 1e5 : 1;  // fewer digits
-  Recording by_bodies = forward_dynamics(tree, solve_articulated, coarser);
+  const double small = single_precision ? doubtful_part<float> : doubtful_part<double>;
+  Recording by_bodies = forward_dynamics(tree, solve_articulated, small);
   if (tree->depth > FastInverseMassMatrix<double>::longest_path) return by_bodies;  // factors lose digits
-  Recording by_factors = forward_dynamics(tree, solve_factorized, coarser);
+  Recording by_factors = forward_dynamics(tree, solve_factorized, small);
   return operations(by_bodies).total() < operations(by_factors).total() ? by_bodies : by_factors;
 }
 

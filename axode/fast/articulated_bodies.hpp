@@ -323,11 +323,9 @@ template <class G, class T> struct FastArticulatedBodies {
     return articulated(body[i].Theta, body[i].h, constants<G, T>(tree, i).m);
   }
 
-  /// The pivot of joint screw s below which M may be singular and is looked at more closely: half of the digits of what
-  /// feeds it, which may be more in other configurations.
+  /// The pivot of joint screw s below which M may be singular and is looked at more closely.
   template <class S> static T floor_of(const Tree<S>& tree, int s) noexcept {
-    constexpr S small = std::same_as<S, float> ? S(1e-3) : S(1e-8);
-    return T(small * tree.fed[s]);
+    return T(doubtful_part<S> * tree.fed[s]);
   }
   /// The hinge of body i gives way: M becomes what the predecessor feels.
   template <class S>

@@ -1,5 +1,5 @@
 #pragma once
-#include "axode/model/tree.hpp"
+#include "axode/recursion/solvability.hpp"
 
 namespace axode {
 
@@ -46,7 +46,7 @@ template <class T> struct FastInverseMassMatrix {
         for (int c = i + 1; c < end; ++c) sum += x[c] * M[c * nv + j];
         M_i[j] = sum;
       }
-      doubtful = doubtful || !(M_i[i] > T(0.01) * M_ii);
+      doubtful = doubtful || !(M_i[i] > T(0.01) * M_ii) || !(M_i[i] > T(doubtful_part<S> * tree.fed[i]));
       D_inv[i] = T(1) / M_i[i];
       X_i[i] = T(1);
       for (int j = i + 1; j < end; ++j) {

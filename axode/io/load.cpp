@@ -1,7 +1,7 @@
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <fstream>
-#include <sstream>
 #include <system_error>
 #include <utility>
 
@@ -30,10 +30,10 @@ Text text_of(const std::filesystem::path& file) {
   }
   errno = 0;
   std::ifstream stream(file, std::ios::binary);
-  std::ostringstream content;
-  if (stream) content << stream.rdbuf();
-  text.content = std::move(content).str();
-  if (!stream || content.bad()) fail(std::generic_category().message(errno != 0 ? errno : EIO));
+  const bool opened = stream.good();
+  for (std::array<char, 65536> block; opened && (stream.read(block.data(), block.size()) || stream.gcount() > 0);)
+    text.content.append(block.data(), static_cast<std::size_t>(stream.gcount()));
+  if (!opened || stream.bad()) fail(std::generic_category().message(errno != 0 ? errno : EIO));
   return text;
 }
 

@@ -6,22 +6,31 @@
 /// entries in the columns parent(c), parent(parent(c)), ...
 namespace axode {
 
-/// M to its factors; `fed` is, for each velocity, the size of the inertia that feeds it. Above the diagonal stand the sizes
-/// of the numbers of which the pivots are left: what feeds a velocity, what follows it as the later ones give
-/// way, and what is subtracted for them.
+/// M to its factors; `fed` is, for each velocity, the size of the inertia that feeds it. A pivot is D_c = zᵀ M z, where z
+/// says how the later velocities give way to a unit of c, so what rounding leaves of it is compared with
+/// (Σ |z_k| √fed_k)². Where the judge asks for that it takes another O(n d²), and z above the diagonal of H.
 template <class T, class Judge>
 void factorize(const Tree<T>& tree, const T* fed, T* H, Judge& judge) noexcept {
   const int nv = tree->nv;
+  const bool coupled = !tree->coupled_bodies.empty();
   const std::vector<int>& parent = tree->velocity_parent;
   const auto at = [&](int r, int c) -> T& { return H[static_cast<std::ptrdiff_t>(r) * nv + c]; };
-  const auto fed_alone = [&](int c) { return select(fed[c] < at(c, c), at(c, c), fed[c]); };
-  for (int c = 0; c + 1 < nv; ++c) at(c, c + 1) = fed_alone(c);
   for (int c = nv - 1; c >= 0; --c) {
-    const T size = c + 1 < nv ? at(c, c + 1) : fed_alone(c);
-    judge.see(c, at(c, c), [&] { return size; });
+    judge.see(c, at(c, c), [&] {
+      T* const z = &at(c, 0);
+      T size = select(fed[c] < at(c, c), sqrt(at(c, c)), sqrt(fed[c]));
+      for (int k = c + 1, end = coupled ? nv : tree->velocity_end[c]; k < end; ++k) {
+        T sum(0);
+        int i = parent[k];
+        for (; i > c; i = parent[i]) sum += at(k, i) * z[i];
+        if (i == c) sum += at(k, c);
+        z[k] = -sum;
+        size += select(sum < T(0), -sum, sum) * sqrt(fed[k]);
+      }
+      return size * size;
+    });
     for (int i = parent[c]; i >= 0; i = parent[i]) {
       const T L_ci = at(c, i) / at(c, c);
-      at(i, i + 1) += L_ci * L_ci * (size + at(c, c));
       for (int j = i; j >= 0; j = parent[j]) at(i, j) -= L_ci * at(c, j);
       at(c, i) = L_ci;
     }

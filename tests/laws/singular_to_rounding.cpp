@@ -50,7 +50,7 @@ struct Thin {
   Thin(double third, Random<double>& random) : R(random.rotation()), model(rod(third, R)) {
     ask.q = random_state(model, random).q, ask.v.assign(6, 0);
     ask.tau = ask.p = {axis().x, axis().y, axis().z, 0, 0, 0};
-    ask.frame = 1;
+    ask.place = 1;
   }
   Vec3<> axis() const { return R.z; }  ///< in the body frame
 };
@@ -60,10 +60,13 @@ TEST_P(SingularToRounding, IsRefusedInEveryDirection) {
     Random<double> random(seed);
     const Thin thin(0, random);
     const auto on = subject(GetParam(), thin.model);
-    for (const char* function : {"forward_dynamics", "inverse_mass_matrix", "from_momenta", "momentum_form",
-                                 "impulse_response", "mobility", "operational_space_inertia"})
+    for (const char* function : {"forward_dynamics", "inverse_mass_matrix", "from_momenta", "momentum_form"})
       EXPECT_FALSE(on->call(function, thin.ask).solvability.ok()) << function;
-    if (!GetParam().fast) return;
+    if (!GetParam().fast) {
+      for (const char* function : {"impulse_response", "mobility", "operational_space_inertia"})
+        EXPECT_FALSE(on->call(function, thin.ask).solvability.ok()) << function;
+      return;
+    }
     EXPECT_FALSE((GetParam().single ? inverse_in_batch<float>(thin.model, thin.ask.q)
                                     : inverse_in_batch<double>(thin.model, thin.ask.q))
                      .solvability.ok())
