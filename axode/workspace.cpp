@@ -1,7 +1,7 @@
 #include "axode/model/workspace.hpp"
 #include "axode/derivatives/forward_first_order.hpp"
-#include "axode/derivatives/forward_second_order.hpp"
 #include "axode/derivatives/scratch.hpp"
+#include "axode/derivatives/tensors.hpp"
 #include "axode/dynamics/scratch.hpp"
 #include "axode/fast/articulated_bodies.hpp"
 #include "axode/fast/composite_bodies.hpp"
@@ -22,8 +22,8 @@ template <class T> std::size_t of_all(const Topology& t) {
                    of_representation<Hybrid, T>(t), of_representation<Mixed, T>(t),
                    footprint<FramePoses<T>, SubtreeInertias<T>, MovingMass<T>, PosesAndMotion<T>,
                              CoriolisBodies<T>, MomentumForm<T>, ForcesAlone<Fast, T>, FastForwardDynamics<T>,
-                             FastInverse<T>, FastCompositeBodies<T>, ForwardFirstOrder<T>, ForwardJvp<T>, ForwardVjp<T>,
-                             ForwardSecondOrder<T>>(t)});
+                             FastInverse<T>, FastCompositeBodies<T>, ForwardFirstOrder<T>, ForwardJvp<T>,
+                             ForwardVjp<T>, HessiansOfAccelerations<T>, SecondOrderTensors<T>>(t)});
 }
 
 }  // namespace

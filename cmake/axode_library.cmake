@@ -58,7 +58,8 @@ set(AXODE_QUICK_PER_SCALAR
     derivatives/forward_dynamics_derivatives
     derivatives/hessian
     derivatives/inverse_dynamics_derivatives
-    derivatives/products)
+    derivatives/products
+    derivatives/second_derivatives)
 
 axode_add_library(axode_core axode)
 set_target_properties(axode_core PROPERTIES OUTPUT_NAME axode)

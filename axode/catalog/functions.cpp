@@ -238,6 +238,20 @@ std::vector<Function<T>> make() {
          return forward_dynamics_hessian(m, w, g.q, g.v, g.tau, g.w,
                                          {part(out, 0, 4), part(out, 1, 4), part(out, 2, 4), part(out, 3, 4)}, g.loads);
        })},
+      {"inverse_dynamics_second_derivatives", "second partial derivatives of the drive forces, without loads",
+       "of tau per units of the directions", {q, v, a}, Choice::none, number, {nv, nv, nv}, rows,
+       {"by q, q", "by q, v", "by v, v", "by a, q"}, Cost::cubic, scratch,
+       call([](auto& m, auto& w, auto& g, auto out) {
+         inverse_dynamics_second_derivatives(m, w, g.q, g.v, g.a,
+                                             {part(out, 0, 4), part(out, 1, 4), part(out, 2, 4), part(out, 3, 4)});
+       })},
+      {"forward_dynamics_second_derivatives", "second partial derivatives of the accelerations, without loads",
+       "of a per units of the directions", {q, v, tau}, Choice::none, number, {nv, nv, nv}, rows,
+       {"by q, q", "by q, v", "by v, v", "by tau, q"}, Cost::cubic, scratch,
+       call([](auto& m, auto& w, auto& g, auto out) {
+         return forward_dynamics_second_derivatives(
+             m, w, g.q, g.v, g.tau, {part(out, 0, 4), part(out, 1, 4), part(out, 2, 4), part(out, 3, 4)});
+       })},
       // clang-format on
   };
 }

@@ -26,8 +26,7 @@ template <class Kernel> using OnTape = WithScratch<T, Kernel>;
 /// Doubts a solution where a pivot is small against what feeds the velocity with every joint at zero.
 class Doubt {
  public:
-  Doubt(const Tree<double>& tree, double small)
-      : fed_(static_cast<std::size_t>(tree->nv)), small_(small) {
+  Doubt(const Tree<double>& tree, double small) : fed_(static_cast<std::size_t>(tree->nv)), small_(small) {
     for (int i = 1; i <= tree->n; ++i)
       for (int s = tree->first_screw[i]; s < tree->first_screw[i + 1]; ++s)
         fed_[static_cast<std::size_t>(tree->iv[i] + s - tree->first_screw[i])] +=

@@ -31,7 +31,8 @@ Text text_of(const std::filesystem::path& file) {
   errno = 0;
   std::ifstream stream(file, std::ios::binary);
   const bool opened = stream.good();
-  for (std::array<char, 65536> block; opened && (stream.read(block.data(), block.size()) || stream.gcount() > 0);)
+  for (std::array<char, 65536> block;
+       opened && (stream.read(block.data(), block.size()) || stream.gcount() > 0);)
     text.content.append(block.data(), static_cast<std::size_t>(stream.gcount()));
   if (!opened || stream.bad()) fail(std::generic_category().message(errno != 0 ? errno : EIO));
   return text;

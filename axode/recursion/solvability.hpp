@@ -31,7 +31,8 @@ inline int body_of_velocity(const Topology& topology, int c) noexcept {
 /// The part of what feeds it with every joint at zero below which the quick kernels leave a pivot to those that look more
 /// closely: a third of the digits, so that two such pivots in a row leave digits to the next. (It may be fed more in
 /// other configurations.)
-template <std::floating_point S> inline constexpr S doubtful_part = std::same_as<S, float> ? S(4e-3) : S(1e-6);
+template <std::floating_point S>
+inline constexpr S doubtful_part = std::same_as<S, float> ? S(4e-3) : S(1e-6);
 
 /// Judges the pivots of an elimination.
 template <class T> class PivotJudge {

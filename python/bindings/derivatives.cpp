@@ -228,6 +228,47 @@ Entries as in `inverse_dynamics_hessian`. O(n^2 d). SingularError where M is sin
 >>> np.allclose(h.vv, h.vv.T)
 True
 )");
+  module.def(
+      "inverse_dynamics_second_derivatives",
+      [f = StateFunction("inverse_dynamics_second_derivatives")](const BoundModel& m, ArrayLike q,
+                                                                 ArrayLike v, ArrayLike a, int threads) {
+        return f.named("InverseDynamicsHessian", m, {.q = q, .v = v, .a = a, .threads = threads});
+      },
+      "m"_a, "q"_a, "v"_a, "a"_a, nb::kw_only(), "threads"_a = 1,
+      nb::sig("def inverse_dynamics_second_derivatives(m: Model, q: numpy.typing.ArrayLike, v: "
+              "numpy.typing.ArrayLike, "
+              "a: numpy.typing.ArrayLike, *, threads: int = 1) -> axode.InverseDynamicsHessian"),
+      R"(
+(qq, qv, vv, aq): second partial derivatives of `inverse_dynamics` without loads, (nv, nv, nv) or (N, nv, nv, nv) each.
+
+Entry [i, k, l] is the derivative along k of that of tau[i] along l, see `inverse_dynamics_hessian`, which is what to call
+where components are only weighed. O(n d^2), and the zeros.
+
+>>> q, v, a, w = np.full(7, 0.3), np.ones(7), np.zeros(7), np.arange(7.0)
+>>> second = axode.inverse_dynamics_second_derivatives(arm, q, v, a)
+>>> np.allclose(np.tensordot(w, second.qq, 1), axode.inverse_dynamics_hessian(arm, q, v, a, w).qq)
+True
+)");
+  module.def(
+      "forward_dynamics_second_derivatives",
+      [f = StateFunction("forward_dynamics_second_derivatives")](const BoundModel& m, ArrayLike q,
+                                                                 ArrayLike v, ArrayLike tau, int threads) {
+        return f.named("ForwardDynamicsHessian", m, {.q = q, .v = v, .tau = tau, .threads = threads});
+      },
+      "m"_a, "q"_a, "v"_a, "tau"_a, nb::kw_only(), "threads"_a = 1,
+      nb::sig("def forward_dynamics_second_derivatives(m: Model, q: numpy.typing.ArrayLike, v: "
+              "numpy.typing.ArrayLike, "
+              "tau: numpy.typing.ArrayLike, *, threads: int = 1) -> axode.ForwardDynamicsHessian"),
+      R"(
+(qq, qv, vv, tauq): second partial derivatives of `forward_dynamics` without loads, (nv, nv, nv) or (N, nv, nv, nv) each.
+
+Entries as in `inverse_dynamics_second_derivatives`. O(n^3 d). SingularError where M is singular.
+
+>>> q, v, tau, w = np.full(7, 0.3), np.ones(7), np.zeros(7), np.arange(7.0)
+>>> second = axode.forward_dynamics_second_derivatives(arm, q, v, tau)
+>>> np.allclose(np.tensordot(w, second.vv, 1), axode.forward_dynamics_hessian(arm, q, v, tau, w).vv)
+True
+)");
 }
 
 }  // namespace axode::python

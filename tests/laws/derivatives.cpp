@@ -120,7 +120,8 @@ TEST_P(Derivatives, ProductsAreMatricesTimesVectors) {
     const Ask ask = any(trial, random);
     const Numbers all = trial.call("inverse_dynamics_derivatives", ask);
     const MatrixXd dq = part(trial, all, 0), dv = part(trial, all, 1), da = part(trial, all, 2);
-    const double scale = std::max({largest_entry(dq), largest_entry(dv), largest_entry(da), size_of_forces(trial)});
+    const double scale =
+        std::max({largest_entry(dq), largest_entry(dv), largest_entry(da), size_of_forces(trial)});
     jvp.expect_equal(
         vector(trial.call("inverse_dynamics_jvp", ask)),
         VectorXd(product(dq, vector(ask.dq)) + product(dv, vector(ask.dv)) + product(da, vector(ask.da))),
@@ -226,6 +227,28 @@ TEST_P(Derivatives, HessianOfForwardDynamicsIsTheDerivativeOfTheGradient) {
     second.expect_equal(part(trial, all.numbers, 1), differences(trial, ask, &Ask::dq, gradient(1)), scale);
     second.expect_equal(part(trial, all.numbers, 2), differences(trial, ask, &Ask::dv, gradient(1)), scale);
     second.expect_equal(part(trial, all.numbers, 3), differences(trial, ask, &Ask::dtau, gradient(0)), scale);
+  });
+}
+
+TEST_P(Derivatives, SecondOnesOfEveryComponentAreHessians) {
+  const double agreement = GetParam().agreement();
+  Comparison second("second derivatives", agreement);
+  for_seeds(30, [&](std::uint64_t seed) {
+    Random<double> random(seed);
+    Trial trial(GetParam(), Random<double>(seed), {.most_bodies = 12});
+    Ask ask = any(trial, random);
+    ask.loads = {};
+    const Eigen::Index nv = trial.model.nv();
+    const VectorXd all = vector(trial.call("inverse_dynamics_second_derivatives", ask));
+    const double scale = std::max(all.size() > 0 ? all.cwiseAbs().maxCoeff() : 0.0, size_of_forces(trial));
+    for (Eigen::Index i = 0; i < nv; ++i) {
+      ask.w = trial.zero();
+      ask.w[static_cast<std::size_t>(i)] = 1;
+      const VectorXd hessian = vector(trial.call("inverse_dynamics_hessian", ask));
+      for (Eigen::Index block = 0; block < 4; ++block)
+        second.expect_equal(VectorXd(all.segment((block * nv + i) * nv * nv, nv * nv)),
+                            VectorXd(hessian.segment(block * nv * nv, nv * nv)), scale);
+    }
   });
 }
 

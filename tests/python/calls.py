@@ -78,6 +78,8 @@ for name in ["inverse_dynamics", "forward_dynamics"]:
         f"{name}_hessian": lambda m, q, v, a, name=name: np.stack(getattr(axode, f"{name}_hessian")(
             m, q, v, a, v - a, load_on(m, q)), axis=-3),
     }
+    CALLS[f"{name}_second_derivatives"] = lambda m, q, v, a, name=name: np.stack(
+        getattr(axode, f"{name}_second_derivatives")(m, q, v, a), axis=-4)
 for form in ["paper", "skew", "spatial", "christoffel"]:
     CALLS[f"coriolis_matrix {form}"] = lambda m, q, v, a, form=form: axode.coriolis_matrix(m, q, v, form)
 for rep in REPRESENTATIONS:

@@ -148,5 +148,20 @@ TEST_P(ReferenceDerivatives, SecondOrder) {
   }
 }
 
+TEST_P(ReferenceDerivatives, SecondOrderOfEveryComponent) {
+  DerivativeState at(GetParam());
+  if (at.file.at("second_partials").text() == "contracted") GTEST_SKIP() << "the file has contracted ones";
+  const std::vector<double> v = at.velocities("v"), a = at.velocities("a"), tau = at.velocities("tau");
+  Comparison inverse("inverse", 1e-10), forward("forward", 1e-10);
+  std::size_t k = 0;
+  const auto of_tau = at.call("inverse_dynamics_second_derivatives", {.v = v, .a = a}, false, 3);
+  for (const char* const key : {"d2tau_dqdq", "d2tau_dqdv", "d2tau_dvdv", "d2tau_dadq"})
+    inverse.expect_equal(of_tau[k++], numbers(at.expected(false, "inverse", key)));
+  k = 0;
+  const auto of_a = at.call("forward_dynamics_second_derivatives", {.v = v, .tau = tau}, false, 3);
+  for (const char* const key : {"d2a_dqdq", "d2a_dqdv", "d2a_dvdv", "d2a_dtaudq"})
+    forward.expect_equal(of_a[k++], numbers(at.expected(false, "forward", key)));
+}
+
 }  // namespace
 }  // namespace axode::test
