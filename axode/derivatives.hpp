@@ -3,6 +3,7 @@
 #include "axode/derivatives/hessian.hpp"
 #include "axode/derivatives/inverse_dynamics_derivatives.hpp"
 #include "axode/derivatives/products.hpp"
+#include "axode/derivatives/rates.hpp"
 #include "axode/derivatives/second_derivatives.hpp"
 
 /// Derivatives of dynamics: in state, time, geometry and inertia (section 6).

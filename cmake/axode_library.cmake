@@ -32,6 +32,7 @@ set(AXODE_PER_SCALAR
     kinematics/higher_order
     kinematics/joint_screws
     kinematics/poses
+    derivatives/rates
     dynamics/coriolis
     dynamics/definite_inverse
     dynamics/energy

@@ -52,6 +52,7 @@ from ._axode import (
     inverse_dynamics_derivatives,
     inverse_dynamics_hessian,
     inverse_dynamics_jvp,
+    inverse_dynamics_rates,
     inverse_dynamics_second_derivatives,
     inverse_dynamics_vjp,
     inverse_kinematics,
@@ -128,7 +129,7 @@ __all__ = [
     # derivatives
     "inverse_dynamics_derivatives", "inverse_dynamics_jvp", "inverse_dynamics_vjp", "inverse_dynamics_hessian",
     "forward_dynamics_derivatives", "forward_dynamics_jvp", "forward_dynamics_vjp", "forward_dynamics_hessian",
-    "inverse_dynamics_second_derivatives", "forward_dynamics_second_derivatives",
+    "inverse_dynamics_second_derivatives", "forward_dynamics_second_derivatives", "inverse_dynamics_rates",
     # what else is taken, given and raised
     "Load", "Target", "InverseKinematics", "InverseDynamicsDerivatives", "ForwardDynamicsDerivatives",
     "InverseDynamicsHessian", "ForwardDynamicsHessian", "Fault", "ModelError", "NotFiniteError", "SingularError", "StatesError",

@@ -80,6 +80,8 @@ for name in ["inverse_dynamics", "forward_dynamics"]:
     }
     CALLS[f"{name}_second_derivatives"] = lambda m, q, v, a, name=name: np.stack(
         getattr(axode, f"{name}_second_derivatives")(m, q, v, a), axis=-4)
+CALLS["inverse_dynamics_rates"] = lambda m, q, v, a: np.stack(axode.inverse_dynamics_rates(
+    m, q, v, a, v, v * a, loads=load_on(m, q)), axis=-2)
 for form in ["paper", "skew", "spatial", "christoffel"]:
     CALLS[f"coriolis_matrix {form}"] = lambda m, q, v, a, form=form: axode.coriolis_matrix(m, q, v, form)
 for rep in REPRESENTATIONS:

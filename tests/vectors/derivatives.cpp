@@ -1,3 +1,4 @@
+#include "axode/derivatives.hpp"
 #include "axode/catalog.hpp"
 #include "tests/vectors/reference_state.hpp"
 
@@ -145,6 +146,33 @@ TEST_P(ReferenceDerivatives, SecondOrder) {
           {"d2tau_dqdq", "d2tau_dqdv", "d2tau_dvdv", "d2tau_dadq"}, inverse);
     check("forward_dynamics_hessian", loaded, {.v = v, .tau = tau}, "forward",
           {"d2a_dqdq", "d2a_dqdv", "d2a_dvdv", "d2a_dtaudq"}, forward);
+  }
+}
+
+TEST_P(ReferenceDerivatives, InTime) {
+  DerivativeState at(GetParam());
+  std::vector<double> motion;
+  for (const char* const key : {"v", "a", "jerk", "snap", "crackle", "pop"})
+    for (const double x : at.velocities(key)) motion.push_back(x);
+  const std::size_t nv = at.nv();
+  InverseDynamicsRates<> rates(at.model, 4);
+  Workspace<> workspace(at.model);
+  Comparison there("forces", bound), back("motion", 1e-10);
+  for (const bool loaded : {true, false}) {
+    const Loads<> loads{.wrenches = loaded ? at.wrenches : std::vector<AppliedWrench<>>{}};
+    std::vector<double> tau(5 * nv), found(5 * nv);
+    rates.evaluate(at.q, motion, tau, loads);
+    std::size_t k = 0;
+    for (const char* const key : {"tau", "dtau_dt", "d2tau_dt2", "d3tau_dt3", "d4tau_dt4"})
+      there.expect_equal(at.in_file_order(std::span(tau).subspan(nv * k++, nv), 1),
+                         numbers(at.expected(loaded, "time", key)));
+    const std::span<const double> v = std::span(motion).first(nv), expected = std::span(motion).subspan(nv);
+    EXPECT_TRUE(forward_dynamics_rates<double>(at.model, workspace, at.q, v, tau, found, loads).ok());
+    for (k = 0; k < 5; ++k)
+      back.expect_equal(std::vector<double>(found.begin() + static_cast<std::ptrdiff_t>(k * nv),
+                                            found.begin() + static_cast<std::ptrdiff_t>((k + 1) * nv)),
+                        std::vector<double>(expected.begin() + static_cast<std::ptrdiff_t>(k * nv),
+                                            expected.begin() + static_cast<std::ptrdiff_t>((k + 1) * nv)));
   }
 }
 

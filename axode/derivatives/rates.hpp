@@ -1,0 +1,43 @@
+#pragma once
+#include <memory>
+
+#include "axode/kinematics/arguments.hpp"
+#include "axode/recursion/loads.hpp"
+#include "axode/recursion/solvability.hpp"
+
+namespace axode {
+
+template <class T> class ForceSeries;
+
+/// The time derivatives of the drive forces along a motion, τ, τ', τ'', ... to any order (section 6.3), and the way back. A motion
+/// is q and the derivatives of the velocities, v, v', v'', ..., all in the joints' left-trivialised directions; loads are
+/// constant in the representation in which they are given. Make one for a model and an order and evaluate it as often as
+/// needed; evaluation allocates nothing. One thread.
+template <class T = double> class InverseDynamicsRates {
+ public:
+  /// τ to its derivative of that order. Throws std::invalid_argument for a negative one.
+  InverseDynamicsRates(const Model& model, int order);
+  ~InverseDynamicsRates();
+  InverseDynamicsRates(InverseDynamicsRates&&) noexcept;
+  InverseDynamicsRates& operator=(InverseDynamicsRates&&) noexcept;
+
+  int order() const;
+
+  /// From v, a, jerk, ...: (order + 2) nv numbers, row by row, to τ, τ', ...: (order + 1) nv numbers, which may not overlap
+  /// them. With loads.joint_losses friction adds to τ alone. O(n order²).
+  void evaluate(Numbers<T> q, Numbers<T> rates, std::type_identity_t<std::span<T>> tau,
+                const std::type_identity_t<Loads<T>>& loads = {});
+
+ private:
+  Model model_;
+  std::unique_ptr<ForceSeries<T>> series_;
+};
+
+/// The way back: from q, v and τ, τ', ... (`forces`, k rows of nv) to a, jerk, ... (`rates`, as many). Each is affine in the one
+/// before with the matrix M. O(n k³) and a solution each. Where the status is not ok(), NaN. Allocates.
+template <class T>
+Solvability forward_dynamics_rates(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v,
+                                   Numbers<T> forces, std::type_identity_t<std::span<T>> rates,
+                                   const std::type_identity_t<Loads<T>>& loads = {});
+
+}  // namespace axode
