@@ -1,3 +1,4 @@
+#include "axode/derivatives.hpp"
 #include "axode/model/configuration.hpp"
 #include "axode/recursion/inverse_dynamics.hpp"
 #include "axode/scalar/dual.hpp"
@@ -227,6 +228,28 @@ TEST_P(Derivatives, HessianOfForwardDynamicsIsTheDerivativeOfTheGradient) {
     second.expect_equal(part(trial, all.numbers, 1), differences(trial, ask, &Ask::dq, gradient(1)), scale);
     second.expect_equal(part(trial, all.numbers, 2), differences(trial, ask, &Ask::dv, gradient(1)), scale);
     second.expect_equal(part(trial, all.numbers, 3), differences(trial, ask, &Ask::dtau, gradient(0)), scale);
+  });
+}
+
+TEST_P(Derivatives, InTimeAreThoseAlongTheMotion) {
+  if (GetParam().single) GTEST_SKIP() << "in double";
+  Comparison force("force", 1e-11), rate("rate", 1e-11);
+  for_seeds(200, [&](std::uint64_t seed) {
+    Random<double> random(seed);
+    Trial trial(GetParam(), Random<double>(seed));
+    Ask ask = any(trial, random);
+    const std::size_t nv = ask.v.size();
+    Numbers motion(ask.v);
+    for (const Numbers* const next : {&ask.a, &ask.da}) motion.insert(motion.end(), next->begin(), next->end());
+    Numbers tau(2 * nv);
+    InverseDynamicsRates<>(trial.model, 1).evaluate(ask.q, motion, tau, ask.loads);
+    const double scale = size_of_forces(trial);
+    force.expect_equal(Numbers(tau.begin(), tau.begin() + static_cast<std::ptrdiff_t>(nv)),
+                       trial.call("inverse_dynamics", ask), scale);
+    ask.dq = ask.v, ask.dv = ask.a;
+    const Numbers along = trial.call("inverse_dynamics_jvp", ask);
+    rate.expect_equal(Numbers(tau.begin() + static_cast<std::ptrdiff_t>(nv), tau.end()), along,
+                      std::max(scale, largest(along)));
   });
 }
 
