@@ -31,6 +31,8 @@ def parameters(text: str, defaults: tuple[Any, ...]) -> Iterator[inspect.Paramet
         positional = argument in names.posonlyargs
         yield parameter(argument, default, inspect.Parameter.POSITIONAL_ONLY if positional
                         else inspect.Parameter.POSITIONAL_OR_KEYWORD)
+    if names.vararg:
+        yield parameter(names.vararg, None, inspect.Parameter.VAR_POSITIONAL)
     for argument, keyword_default in zip(names.kwonlyargs, names.kw_defaults):
         yield parameter(argument, keyword_default, inspect.Parameter.KEYWORD_ONLY)
 

@@ -12,6 +12,8 @@ def tool(m):
 
 def load_on(m, q):
     """A wrench that is another one in every state."""
+    if not m.body_names:
+        return []
     return [axode.Load(frame=tool(m), representation="hybrid", wrench=np.ones(np.shape(q)[:-1] + (6,)) * q[..., :1]),
             axode.Load(frame=m.body_names[0], representation="spatial", wrench=[1, 2, 3, 4, 5, 6])]
 
