@@ -11,9 +11,9 @@ namespace axode::command {
 /// The state of a model, in the model's order.
 struct State {
   std::vector<double> q, v, a;
-  std::vector<double> jerk, snap;  ///< the derivatives of a
-  std::vector<double> tau;         ///< drive forces
-  std::vector<double> p;           ///< generalised momenta; empty where the state has none
+  std::vector<double> jerk, snap;        ///< the derivatives of a
+  std::vector<double> tau;               ///< drive forces
+  std::vector<double> p;                 ///< generalised momenta; empty where the state has none
   std::vector<double> dq, dv, da, dtau;  ///< a direction
   std::vector<double> w;                 ///< weights of forces or accelerations
   std::vector<AppliedWrench<>> loads;

@@ -26,7 +26,9 @@ template <class T> class MotionSeries {
   /// nv).
   void run(const Tree<T>& tree, const T* q, const T* rates) noexcept { run<false>(tree, q, rates); }
   /// The same about the origins of the roots at t = 0, in inertial axes.
-  void run_about_roots(const Tree<T>& tree, const T* q, const T* rates) noexcept { run<true>(tree, q, rates); }
+  void run_about_roots(const Tree<T>& tree, const T* q, const T* rates) noexcept {
+    run<true>(tree, q, rates);
+  }
 
   /// Coefficients 0..order of the spatial twist of body i and of joint screw s.
   const Screw<T>* twist(int i) const { return &V_[i * stride_]; }

@@ -61,9 +61,7 @@ Model with_parameters(const Model& model, std::span<const double> pi) {
   return built(std::move(description));
 }
 
-Model with_gravity(const Model& model, const Vec3<>& g) {
-  return ModelBuilder(model).gravity(g).build();
-}
+Model with_gravity(const Model& model, const Vec3<>& g) { return ModelBuilder(model).gravity(g).build(); }
 
 Model with_payload(const Model& model, std::string_view frame, const Inertia<>& M, std::string_view name) {
   const Frame& at = model.frame(model.frame_index(frame));

@@ -259,9 +259,11 @@ INSTANTIATE_TEST_SUITE_P(
          "literal; "
          "last read: '\"feed\": N'"},
         {"NotAnObject", "[1, 2]",
-         "expected an object with the keys q, v, a, jerk, snap, tau, p, dq, dv, da, dtau, w, loads and targets, got [1,2]"},
+         "expected an object with the keys q, v, a, jerk, snap, tau, p, dq, dv, da, dtau, w, loads and "
+         "targets, got [1,2]"},
         {"UnknownKey", "{\"qq\": []}",
-         "the key \"qq\" is none of q, v, a, jerk, snap, tau, p, dq, dv, da, dtau, w, loads, targets; did you mean \"q\"?"},
+         "the key \"qq\" is none of q, v, a, jerk, snap, tau, p, dq, dv, da, dtau, w, loads, targets; did "
+         "you mean \"q\"?"},
         {"KeyTwice", "{\"v\": {\"feed\": 1, \"feed\": 2}}", "the key \"feed\" stands twice in one object"},
         {"TooFewCoordinates", "{\"q\": [1, 2]}", "q has 2 numbers; model \"machine\" takes nq = 20"},
         {"TooManyVelocities", "{\"v\": [0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0]}",

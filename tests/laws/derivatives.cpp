@@ -240,7 +240,8 @@ TEST_P(Derivatives, InTimeAreThoseAlongTheMotion) {
     Ask ask = any(trial, random);
     const std::size_t nv = ask.v.size();
     Numbers motion(ask.v);
-    for (const Numbers* const next : {&ask.a, &ask.da}) motion.insert(motion.end(), next->begin(), next->end());
+    for (const Numbers* const next : {&ask.a, &ask.da})
+      motion.insert(motion.end(), next->begin(), next->end());
     Numbers tau(2 * nv);
     InverseDynamicsRates<>(trial.model, 1).evaluate(ask.q, motion, tau, ask.loads);
     const double scale = size_of_forces(trial);

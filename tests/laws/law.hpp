@@ -33,7 +33,8 @@ void expect_same_inverse(const Numbers& one, const Numbers& other, const Numbers
     for (const auto entry : matrix) x = std::max(x, std::abs(static_cast<double>(entry)));
     return x;
   };
-  const double scale = largest(other), tolerance = agreement * scale * std::max(1.0, scale * largest(M) * 1e-2);
+  const double scale = largest(other),
+               tolerance = agreement * scale * std::max(1.0, scale * largest(M) * 1e-2);
   for (std::size_t k = 0; k < other.size(); ++k) EXPECT_NEAR(one[k], other[k], tolerance);
 }
 
