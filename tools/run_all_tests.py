@@ -29,13 +29,16 @@ class Stage(NamedTuple):
     environment: dict = {}
 
 
-FEW_TREES = {"AXODE_RANDOM_TREES": "50"}
+FEW_TREES = {"AXODE_RANDOM_TREES": "20"}
+LONG = ":".join(["*Threads*",  # which are for ThreadSanitizer
+                 "LargeTrees*", "MemoryOfCouplings.Grows*", "LongChains*", "*ReachesNearlyEveryPose*"])
 TEST = {
     "release": Stage("release"),
-    "asan": Stage("asan", programs="*-*Threads*", environment=FEW_TREES),  # which are for ThreadSanitizer, at night
+    "asan": Stage("asan", programs=f"*-{LONG}", environment=FEW_TREES),
 }
 NIGHTLY = {
     "clang": Stage("clang", ctest=("--label-exclude", "peers|package")),
+    "asan, long": Stage("asan", programs=LONG, environment=FEW_TREES),
     "asan-apps": Stage("asan-apps", ctest=("--label-exclude", "peers|guards"), environment=FEW_TREES),
     "tsan": Stage("tsan", programs="*Threads*:*ManyStates*", environment=FEW_TREES),
     "trees": Stage("release", programs="*InverseOfInverseDynamics*:*RecursionAndClosedForm*:*FastPath*:*Correspondence*",

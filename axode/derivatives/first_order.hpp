@@ -76,8 +76,7 @@ template <class T> struct FirstOrder {
       for (int l = begin; l < next; ++l) {
         multiply(l, begin, end, loaded);
         if (tree->coupled_bodies.empty()) [[likely]] {
-          T* const at = dq + l * nv;
-          std::copy(line.array(0) + next, line.array(0) + end, at + next);
+          std::copy(line.array(0) + next, line.array(0) + end, dq + l * nv + next);
           std::copy(line.array(1) + next, line.array(1) + end, dv + l * nv + next);
           std::copy(line.array(2) + next, line.array(2) + end, da + l * nv + next);
           for (int k = begin; k < end; ++k) {
@@ -116,13 +115,10 @@ template <class T> struct FirstOrder {
   template <class F>
   void each_load(const Tree<T>& tree, std::span<const AppliedWrench<T>> wrenches, const F& f) const noexcept {
     for (const AppliedWrench<T>& given : wrenches) {
-      const int i = tree->frame_body[given.frame];
-      if (i == 0) continue;
-      const SE3<T>& offset = tree.frame_offset[given.frame];
-      const Wrench<Hybrid, T> W = with_representation(given.representation, [&](auto rep) {
-        return change<Hybrid>(inertial[i] * offset, Wrench<decltype(rep), T>{given.m, given.f});
-      });
-      f(given, i, screws.pose(i) * offset.r, W.m, W.f);
+      const ResolvedLoad<T> on(tree, given, inertial.C);
+      if (on.body == 0) continue;
+      const auto W = change<Hybrid>(inertial[on.body] * on.offset, on.W);
+      f(given, on.body, screws.pose(on.body) * on.offset.r, W.m, W.f);
     }
   }
   [[gnu::noinline]] void load(const Tree<T>& tree, const T* q,
@@ -145,7 +141,7 @@ template <class T> struct FirstOrder {
 
   /// The products of column l with those from begin on.
   void multiply(int l, int begin, int end, bool loaded) noexcept {
-    Number x[45];
+    Number x[psi_1 + 3];
     for (int k = 0; k < 18; ++k) x[k] = one(k, l);
     for (int k = 0; k < 3; ++k) x[psi_1 + k] = one(psi_1 + k, l);
     const auto product = [&](int mine, int theirs, int n, int c) {

@@ -12,16 +12,10 @@ Solvability forward_dynamics_derivatives(const Model& model, Workspace<T>& works
                                          const std::type_identity_t<ForwardDynamicsDerivatives<T>>& da,
                                          const std::type_identity_t<Loads<T>>& loads) {
   check_state(model, workspace, q, v);
-  const std::size_t nv = static_cast<std::size_t>(model.nv());
-  check_size("tau", tau.size(), nv, "nv");
+  check_size("tau", tau.size(), static_cast<std::size_t>(model.nv()), "nv");
   check_loads(model, loads);
-  check_square("da.q", da.q.size(), model);
-  check_square("da.v", da.v.size(), model);
-  check_square("da.tau", da.tau.size(), model);
-  check_separate("da.q", da.q, "da.v", da.v);
-  check_separate("da.q", da.q, "da.tau", da.tau);
-  check_separate("da.v", da.v, "da.tau", da.tau);
-  if (!da.a.empty()) check_size("da.a", da.a.size(), nv, "nv");
+  check_results<T>(
+      model, {{"da.a", da.a, 1, !da.a.empty()}, {"da.q", da.q, 2}, {"da.v", da.v, 2}, {"da.tau", da.tau, 2}});
   Arena arena = workspace.arena(model.topology());
   ForwardFirstOrder<T> first_order(arena);
   const Solvability verdict = first_order.run(model.tree<T>(), q.data(), v.data(), tau.data(), loads,

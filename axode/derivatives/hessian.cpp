@@ -5,21 +5,6 @@
 #include "axode/recursion/instantiate.hpp"
 
 namespace axode {
-namespace {
-
-/// Results of their own memory, nv × nv each.
-template <class T> struct Named {
-  const char* name;
-  std::span<T> x;
-};
-template <class T> void check_blocks(const Model& model, std::initializer_list<Named<T>> blocks) {
-  for (const Named<T>* a = blocks.begin(); a != blocks.end(); ++a) {
-    check_square(a->name, a->x.size(), model);
-    for (const Named<T>* b = blocks.begin(); b != a; ++b) check_separate(a->name, a->x, b->name, b->x);
-  }
-}
-
-}  // namespace
 
 template <class T>
 void inverse_dynamics_hessian(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v,
@@ -29,8 +14,9 @@ void inverse_dynamics_hessian(const Model& model, Workspace<T>& workspace, Numbe
   check_state(model, workspace, q, v, a);
   check_loads(model, loads);
   check_size("w", w.size(), static_cast<std::size_t>(model.nv()), "nv");
-  check_blocks<T>(model,
-                  {{"hessian.qq", h.qq}, {"hessian.qv", h.qv}, {"hessian.vv", h.vv}, {"hessian.aq", h.aq}});
+  check_results<T>(
+      model,
+      {{"hessian.qq", h.qq, 2}, {"hessian.qv", h.qv, 2}, {"hessian.vv", h.vv, 2}, {"hessian.aq", h.aq, 2}});
   Arena arena = workspace.arena(model.topology());
   SecondOrder<T> second(arena);
   second.run(model.tree<T>(), q.data(), v.data(), a.data(), w.data(), loads);
@@ -48,8 +34,10 @@ Solvability forward_dynamics_hessian(const Model& model, Workspace<T>& workspace
   check_loads(model, loads);
   check_size("tau", tau.size(), static_cast<std::size_t>(model.nv()), "nv");
   check_size("w", w.size(), static_cast<std::size_t>(model.nv()), "nv");
-  check_blocks<T>(
-      model, {{"hessian.qq", h.qq}, {"hessian.qv", h.qv}, {"hessian.vv", h.vv}, {"hessian.tauq", h.tauq}});
+  check_results<T>(model, {{"hessian.qq", h.qq, 2},
+                           {"hessian.qv", h.qv, 2},
+                           {"hessian.vv", h.vv, 2},
+                           {"hessian.tauq", h.tauq, 2}});
   Arena arena = workspace.arena(model.topology());
   return ForwardSecondOrder<T>(arena).run(model.tree<T>(), q.data(), v.data(), tau.data(), w.data(), loads,
                                           h.qq.data(), h.qv.data(), h.vv.data(), h.tauq.data());

@@ -13,20 +13,15 @@ void inverse_dynamics_derivatives(const Model& model, Workspace<T>& workspace, N
                                   const std::type_identity_t<Loads<T>>& loads) {
   check_state(model, workspace, q, v, a);
   check_loads(model, loads);
-  check_square("dtau.q", dtau.q.size(), model);
-  check_square("dtau.v", dtau.v.size(), model);
-  check_square("dtau.a", dtau.a.size(), model);
-  check_separate("dtau.q", dtau.q, "dtau.v", dtau.v);
-  check_separate("dtau.q", dtau.q, "dtau.a", dtau.a);
-  check_separate("dtau.v", dtau.v, "dtau.a", dtau.a);
+  check_results<T>(model, {{"dtau.tau", dtau.tau, 1, !dtau.tau.empty()},
+                           {"dtau.q", dtau.q, 2},
+                           {"dtau.v", dtau.v, 2},
+                           {"dtau.a", dtau.a, 2}});
   const Tree<T>& tree = model.tree<T>();
   Arena arena = workspace.arena(model.topology());
   FirstOrder<T> first_order(arena);
   first_order.run(tree, q.data(), v.data(), a.data(), loads);
-  if (!dtau.tau.empty()) {
-    check_size("dtau.tau", dtau.tau.size(), static_cast<std::size_t>(model.nv()), "nv");
-    first_order.project(tree, v.data(), a.data(), loads.joint_losses, dtau.tau.data());
-  }
+  if (!dtau.tau.empty()) first_order.project(tree, v.data(), a.data(), loads.joint_losses, dtau.tau.data());
   first_order.write(tree, loads, dtau.q.data(), dtau.v.data(), dtau.a.data());
 }
 

@@ -6,33 +6,6 @@
 
 namespace axode {
 
-/// One wrench on a body, resolved in the loaded frame, that frame in the body, and the body.
-template <class T> struct ResolvedLoad {
-  int body;
-  SE3<T> offset;
-  Wrench<BodyFixed, T> W;
-  Representation representation;
-
-  ResolvedLoad(const Tree<T>& tree, const AppliedWrench<T>& load, const SE3<T>* C)
-      : body(tree->frame_body[load.frame]),
-        offset(tree.frame_offset[load.frame]),
-        W(with_representation(
-            load.representation,
-            [&](auto rep) {
-              return change<BodyFixed>(C[body] * offset, Wrench<decltype(rep), T>{load.m, load.f});
-            })),
-        representation(load.representation) {}
-  /// From the body's frame to the loaded one, and back.
-  Twist<BodyFixed, T> there(const Twist<BodyFixed, T>& X) const {
-    const Screw<T> Y = Ad_inv(offset, Screw<T>{X.w, X.v});
-    return {Y.w, Y.v};
-  }
-  Wrench<BodyFixed, T> back(const Wrench<BodyFixed, T>& F) const {
-    const Wrench<Spatial, T> Y = coAd(offset, F);
-    return {Y.m, Y.f};
-  }
-};
-
 /// δτ of inverse dynamics along (δq, δv, δa).
 template <class T> struct InverseDynamicsJvp {
   InverseDynamicsTangent<typename FastGeometry<T>::type, T> tangent;

@@ -26,8 +26,8 @@ template <class T> struct MovingInertia {
   }
 };
 
-/// What a displacement along a joint screw S does to the wrenches behind it and to the joints before it. With l before or
-/// at k, and within a joint by what stands to the right of the first column:
+/// What a displacement along a joint screw S does to the wrenches behind it and to the joints before it. With the joint of l
+/// before that of k; where both are of one joint, the second line holds for any two, and for their mass:
 ///   dτ_l/dq_k = S_l|P_k   dτ_l/dv_k = S_l|R_k   M_lk = S_l|U_k
 ///   dτ_k/dq_l = U_k|ψ''_l + t_k·ω(ψ'_l) + N_kᵀS_k|S_l   dτ_k/dv_l = U_k|σ_l + t_k·ω(S_l)
 template <class T> struct ScrewEffects {

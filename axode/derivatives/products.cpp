@@ -37,8 +37,8 @@ void inverse_dynamics_vjp(const Model& model, Workspace<T>& workspace, Numbers<T
   check_state(model, workspace, q, v, a);
   check_loads(model, loads);
   check_velocities(model, "w", w);
-  check_velocities(model, "gradient.q", gradient.q), check_velocities(model, "gradient.v", gradient.v);
-  check_velocities(model, "gradient.a", gradient.a);
+  check_results<T>(
+      model, {{"gradient.q", gradient.q, 1}, {"gradient.v", gradient.v, 1}, {"gradient.a", gradient.a, 1}});
   Arena arena = workspace.arena(model.topology());
   InverseDynamicsVjp<T> vjp(arena);
   vjp.run(model.tree<T>(), q.data(), v.data(), a.data(), w.data(), loads);
@@ -78,8 +78,9 @@ Solvability forward_dynamics_vjp(const Model& model, Workspace<T>& workspace, Nu
   check_state(model, workspace, q, v);
   check_loads(model, loads);
   check_velocities(model, "tau", tau), check_velocities(model, "w", w);
-  check_velocities(model, "gradient.q", gradient.q), check_velocities(model, "gradient.v", gradient.v);
-  check_velocities(model, "gradient.tau", gradient.tau);
+  check_results<T>(
+      model,
+      {{"gradient.q", gradient.q, 1}, {"gradient.v", gradient.v, 1}, {"gradient.tau", gradient.tau, 1}});
   Arena arena = workspace.arena(model.topology());
   ForwardVjp<T> s(arena);
   const Tree<T>& tree = model.tree<T>();

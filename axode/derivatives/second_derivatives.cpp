@@ -8,27 +8,16 @@
 #include "axode/recursion/instantiate.hpp"
 
 namespace axode {
-namespace {
-
-template <class T>
-void check_tensors(const Model& model, std::span<const std::span<T>> tensors,
-                   std::span<const char* const> names) {
-  const std::size_t nv = static_cast<std::size_t>(model.nv());
-  for (std::size_t k = 0; k < tensors.size(); ++k) {
-    check_size(names[k], tensors[k].size(), nv * nv * nv, "nv * nv * nv");
-    for (std::size_t l = 0; l < k; ++l) check_separate(names[k], tensors[k], names[l], tensors[l]);
-  }
-}
-
-}  // namespace
 
 template <class T>
 void inverse_dynamics_second_derivatives(
     const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v, Numbers<T> a,
     const std::type_identity_t<InverseDynamicsSecondDerivatives<T>>& second) {
   check_state(model, workspace, q, v, a);
-  check_tensors<T>(model, std::array{second.qq, second.qv, second.vv, second.aq},
-                   std::array{"second.qq", "second.qv", "second.vv", "second.aq"});
+  check_results<T>(model, {{"second.qq", second.qq, 3},
+                           {"second.qv", second.qv, 3},
+                           {"second.vv", second.vv, 3},
+                           {"second.aq", second.aq, 3}});
   Arena arena = workspace.arena(model.topology());
   SecondOrderTensors<T> tensors(arena);
   tensors.run(model.tree<T>(), q.data(), v.data(), a.data(),
@@ -44,7 +33,10 @@ Solvability forward_dynamics_second_derivatives(
   check_size("tau", tau.size(), static_cast<std::size_t>(nv), "nv");
   const std::array tensors{second.qq, second.qv, second.vv, second.tauq};
   const std::array names{"second.qq", "second.qv", "second.vv", "second.tauq"};
-  check_tensors<T>(model, tensors, names);
+  check_results<T>(model, {{names[0], second.qq, 3},
+                           {names[1], second.qv, 3},
+                           {names[2], second.vv, 3},
+                           {names[3], second.tauq, 3}});
   for (std::size_t k = 0; k < tensors.size(); ++k) {
     check_separate(names[k], tensors[k], "q", std::span<const T>(q));
     check_separate(names[k], tensors[k], "v", std::span<const T>(v));

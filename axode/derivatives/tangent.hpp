@@ -33,6 +33,7 @@ template <class G, class T> struct InverseDynamicsTangent {
     angles.run(tree, q);
     Motion x{{}, {}, Vector(-g)}, d{};
     motion[0] = x, tangent[0] = d;
+    body[0] = {};
     for (int i = 1; i <= tree->n; ++i) {
       const int p = tree->parent[i];
       if (p != i - 1) x = motion[p], d = tangent[p];

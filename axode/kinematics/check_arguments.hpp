@@ -33,6 +33,26 @@ void check_separate(const char* result, std::span<Out> out, const char* argument
                                 "; this result needs memory of its own");
 }
 
+/// One of several results of a call: nv^power numbers, or none where the caller does not want it.
+template <class T> struct Result {
+  const char* name;
+  std::span<T> x;
+  int power;
+  bool wanted = true;
+};
+/// Results that are written while others are read: each has its size and memory of its own.
+template <class T> void check_results(const Model& model, std::initializer_list<Result<T>> results) {
+  static constexpr const char* meanings[] = {"1", "nv", "nv * nv", "nv * nv * nv"};
+  for (const Result<T>* a = results.begin(); a != results.end(); ++a) {
+    if (!a->wanted) continue;
+    std::size_t size = 1;
+    for (int k = 0; k < a->power; ++k) size *= static_cast<std::size_t>(model.nv());
+    check_size(a->name, a->x.size(), size, meanings[a->power]);
+    for (const Result<T>* b = results.begin(); b != a; ++b)
+      if (b->wanted) check_separate(a->name, a->x, b->name, b->x);
+  }
+}
+
 /// A result with an entry for each pair of velocities.
 inline void check_square(const char* name, std::size_t size, const Model& model) {
   const std::size_t nv = static_cast<std::size_t>(model.nv());

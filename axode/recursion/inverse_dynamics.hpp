@@ -4,19 +4,43 @@
 
 namespace axode {
 
+/// One wrench on a body, resolved in the loaded frame, that frame in the body, and the body.
+template <class T> struct ResolvedLoad {
+  int body;
+  SE3<T> offset;
+  Wrench<BodyFixed, T> W;
+  Representation representation;
+
+  /// C are the poses of the internal frames.
+  template <TreeOf<T> AnyTree>
+  ResolvedLoad(const AnyTree& tree, const AppliedWrench<T>& load, const SE3<T>* C)
+      : body(tree->frame_body[load.frame]),
+        offset(tree.frame_offset[load.frame]),
+        W(with_representation(
+            load.representation,
+            [&](auto rep) {
+              return change<BodyFixed>(C[body] * offset, Wrench<decltype(rep), T>{load.m, load.f});
+            })),
+        representation(load.representation) {}
+  /// From the body's frame to the loaded one, and back.
+  Twist<BodyFixed, T> there(const Twist<BodyFixed, T>& X) const {
+    const Screw<T> Y = Ad_inv(offset, Screw<T>{X.w, X.v});
+    return {Y.w, Y.v};
+  }
+  Wrench<BodyFixed, T> back(const Wrench<BodyFixed, T>& F) const {
+    const Wrench<Spatial, T> Y = coAd(offset, F);
+    return {Y.m, Y.f};
+  }
+};
+
 /// Applied wrenches, summed up for each body in its internal frame; C are the poses of the internal frames.
 template <class T, TreeOf<T> AnyTree>
 void sum_applied(const AnyTree& tree, std::span<const AppliedWrench<T>> wrenches, const SE3<T>* C,
                  Wrench<BodyFixed, T>* W_app) noexcept {
   for (int i = 0; i <= tree->n; ++i) W_app[i] = {};
   for (const AppliedWrench<T>& load : wrenches) {
-    const int i = tree->frame_body[load.frame];
-    const SE3<T>& offset = tree.frame_offset[load.frame];
-    const Wrench<BodyFixed, T> W = with_representation(load.representation, [&](auto rep) {
-      return change<BodyFixed>(C[i] * offset, Wrench<decltype(rep), T>{load.m, load.f});
-    });
-    const Wrench<Spatial, T> W_i = coAd(offset, W);  // the internal frame in the place of the inertial one
-    W_app[i] += Wrench<BodyFixed, T>{W_i.m, W_i.f};
+    const ResolvedLoad<T> on(tree, load, C);
+    W_app[on.body] += on.back(on.W);
   }
 }
 

@@ -40,22 +40,9 @@ nb::object inverse_dynamics_rates_of(const BoundModel& m, ArrayLike q, ArrayLike
 }  // namespace
 
 void add_derivatives(nb::module_& module) {
-  module.def(
-      "inverse_dynamics_derivatives",
-      [f = StateFunction("inverse_dynamics_derivatives")](const BoundModel& m, ArrayLike q, ArrayLike v,
-                                                          ArrayLike a, LoadList loads, bool joint_losses,
-                                                          int threads) {
-        return f.named(
-            "InverseDynamicsDerivatives", m,
-            {.q = q, .v = v, .a = a, .loads = loads, .joint_losses = joint_losses, .threads = threads});
-      },
-      "m"_a, "q"_a, "v"_a, "a"_a, "loads"_a = nb::none(), nb::kw_only(), "joint_losses"_a = false,
-      "threads"_a = 1,
-      nb::sig(
-          "def inverse_dynamics_derivatives(m: Model, q: numpy.typing.ArrayLike, v: numpy.typing.ArrayLike, "
-          "a: numpy.typing.ArrayLike, loads: collections.abc.Sequence[axode.Load] | None = None, *, "
-          "joint_losses: bool = False, threads: int = 1) -> axode.InverseDynamicsDerivatives"),
-      R"(
+  using A = Arguments;
+  const StateFunctions functions(module);
+  functions.of_loaded<&A::q, &A::v, &A::a>("inverse_dynamics_derivatives", "InverseDynamicsDerivatives", R"(
 (q, v, a): the partial derivatives of `inverse_dynamics`, matrices (nv, nv) or (N, nv, nv), [component, direction].
 
 Directions of q are those of q (+) eps e_k, see `Model.integrate`; the derivative by a is the mass matrix. The components of
@@ -68,24 +55,7 @@ nothing, and has no derivative at v = 0. O(n d) on paths of d velocities.
 >>> np.allclose(2 * axode.inverse_dynamics_derivatives(arm, q, v, a).q @ step, difference, atol=1e-12)
 True
 )");
-  module.def(
-      "inverse_dynamics_jvp",
-      [f = StateFunction("inverse_dynamics_jvp")](const BoundModel& m, ArrayLike q, ArrayLike v, ArrayLike a,
-                                                  ArrayLike dq, ArrayLike dv, ArrayLike da, LoadList loads,
-                                                  bool joint_losses, int threads) {
-        return f(m, {.q = q,
-                     .v = v,
-                     .a = a,
-                     .dq = dq,
-                     .dv = dv,
-                     .da = da,
-                     .loads = loads,
-                     .joint_losses = joint_losses,
-                     .threads = threads});
-      },
-      "m"_a, "q"_a, "v"_a, "a"_a, "dq"_a, "dv"_a, "da"_a, "loads"_a = nb::none(), nb::kw_only(),
-      "joint_losses"_a = false, "threads"_a = 1,
-      R"(
+  functions.of_loaded<&A::q, &A::v, &A::a, &A::dq, &A::dv, &A::da>("inverse_dynamics_jvp", nullptr, R"(
 What a direction (dq, dv, da) does to the forces of `inverse_dynamics`: (nv,) or (N, nv). O(n), without a matrix.
 
 >>> q, v, a, w = np.full(7, 0.3), np.ones(7), np.zeros(7), np.arange(7.0)
@@ -93,54 +63,14 @@ What a direction (dq, dv, da) does to the forces of `inverse_dynamics`: (nv,) or
 >>> np.allclose(axode.inverse_dynamics_jvp(arm, q, v, a, w, w, w), d.q @ w + d.v @ w + d.a @ w)
 True
 )");
-  module.def(
-      "inverse_dynamics_vjp",
-      [f = StateFunction("inverse_dynamics_vjp")](const BoundModel& m, ArrayLike q, ArrayLike v, ArrayLike a,
-                                                  ArrayLike w, LoadList loads, bool joint_losses,
-                                                  int threads) {
-        return f.named("InverseDynamicsDerivatives", m,
-                       {.q = q,
-                        .v = v,
-                        .a = a,
-                        .w = w,
-                        .loads = loads,
-                        .joint_losses = joint_losses,
-                        .threads = threads});
-      },
-      "m"_a, "q"_a, "v"_a, "a"_a, "w"_a, "loads"_a = nb::none(), nb::kw_only(), "joint_losses"_a = false,
-      "threads"_a = 1,
-      nb::sig("def inverse_dynamics_vjp(m: Model, q: numpy.typing.ArrayLike, v: numpy.typing.ArrayLike, a: "
-              "numpy.typing.ArrayLike, w: numpy.typing.ArrayLike, loads: "
-              "collections.abc.Sequence[axode.Load] | None = None, *, "
-              "joint_losses: bool = False, threads: int = 1) -> axode.InverseDynamicsDerivatives"),
-      R"(
+  functions.of_loaded<&A::q, &A::v, &A::a, &A::w>("inverse_dynamics_vjp", "InverseDynamicsDerivatives", R"(
 (q, v, a): the gradient of w . tau of `inverse_dynamics`, (nv,) or (N, nv) each. O(n), without a matrix.
 
 >>> q, v, a, w = np.full(7, 0.3), np.ones(7), np.zeros(7), np.arange(7.0)
 >>> np.allclose(axode.inverse_dynamics_vjp(arm, q, v, a, w).q, w @ axode.inverse_dynamics_derivatives(arm, q, v, a).q)
 True
 )");
-  module.def(
-      "inverse_dynamics_hessian",
-      [f = StateFunction("inverse_dynamics_hessian")](const BoundModel& m, ArrayLike q, ArrayLike v,
-                                                      ArrayLike a, ArrayLike w, LoadList loads,
-                                                      bool joint_losses, int threads) {
-        return f.named("InverseDynamicsHessian", m,
-                       {.q = q,
-                        .v = v,
-                        .a = a,
-                        .w = w,
-                        .loads = loads,
-                        .joint_losses = joint_losses,
-                        .threads = threads});
-      },
-      "m"_a, "q"_a, "v"_a, "a"_a, "w"_a, "loads"_a = nb::none(), nb::kw_only(), "joint_losses"_a = false,
-      "threads"_a = 1,
-      nb::sig("def inverse_dynamics_hessian(m: Model, q: numpy.typing.ArrayLike, v: numpy.typing.ArrayLike, "
-              "a: numpy.typing.ArrayLike, w: numpy.typing.ArrayLike, loads: "
-              "collections.abc.Sequence[axode.Load] | None = None, *, "
-              "joint_losses: bool = False, threads: int = 1) -> axode.InverseDynamicsHessian"),
-      R"(
+  functions.of_loaded<&A::q, &A::v, &A::a, &A::w>("inverse_dynamics_hessian", "InverseDynamicsHessian", R"(
 (qq, qv, vv, aq): second partial derivatives of w . tau of `inverse_dynamics`, (nv, nv) or (N, nv, nv) each.
 
 Entry [k, l] is the derivative along k of that along l. On a joint with several velocities the displacement k of q comes
@@ -151,22 +81,7 @@ first, q (+) e_k (+) e_l; elsewhere qq is symmetric. O(n d).
 >>> np.allclose(h.qq, h.qq.T)
 True
 )");
-  module.def(
-      "forward_dynamics_derivatives",
-      [f = StateFunction("forward_dynamics_derivatives")](const BoundModel& m, ArrayLike q, ArrayLike v,
-                                                          ArrayLike tau, LoadList loads, bool joint_losses,
-                                                          int threads) {
-        return f.named(
-            "ForwardDynamicsDerivatives", m,
-            {.q = q, .v = v, .tau = tau, .loads = loads, .joint_losses = joint_losses, .threads = threads});
-      },
-      "m"_a, "q"_a, "v"_a, "tau"_a, "loads"_a = nb::none(), nb::kw_only(), "joint_losses"_a = false,
-      "threads"_a = 1,
-      nb::sig(
-          "def forward_dynamics_derivatives(m: Model, q: numpy.typing.ArrayLike, v: numpy.typing.ArrayLike, "
-          "tau: numpy.typing.ArrayLike, loads: collections.abc.Sequence[axode.Load] | None = None, *, "
-          "joint_losses: bool = False, threads: int = 1) -> axode.ForwardDynamicsDerivatives"),
-      R"(
+  functions.of_loaded<&A::q, &A::v, &A::tau>("forward_dynamics_derivatives", "ForwardDynamicsDerivatives", R"(
 (q, v, tau): the partial derivatives of `forward_dynamics`, matrices (nv, nv) or (N, nv, nv), [component, direction].
 
 Terms as in `inverse_dynamics_derivatives`; the derivative by tau is the inverse mass matrix. O(n) for each column.
@@ -177,24 +92,7 @@ SingularError where M is singular.
 >>> np.allclose(d.tau @ axode.mass_matrix(arm, q), np.eye(7))
 True
 )");
-  module.def(
-      "forward_dynamics_jvp",
-      [f = StateFunction("forward_dynamics_jvp")](const BoundModel& m, ArrayLike q, ArrayLike v,
-                                                  ArrayLike tau, ArrayLike dq, ArrayLike dv, ArrayLike dtau,
-                                                  LoadList loads, bool joint_losses, int threads) {
-        return f(m, {.q = q,
-                     .v = v,
-                     .tau = tau,
-                     .dq = dq,
-                     .dv = dv,
-                     .dtau = dtau,
-                     .loads = loads,
-                     .joint_losses = joint_losses,
-                     .threads = threads});
-      },
-      "m"_a, "q"_a, "v"_a, "tau"_a, "dq"_a, "dv"_a, "dtau"_a, "loads"_a = nb::none(), nb::kw_only(),
-      "joint_losses"_a = false, "threads"_a = 1,
-      R"(
+  functions.of_loaded<&A::q, &A::v, &A::tau, &A::dq, &A::dv, &A::dtau>("forward_dynamics_jvp", nullptr, R"(
 What a direction (dq, dv, dtau) does to the accelerations of `forward_dynamics`: (nv,) or (N, nv). O(n), without a matrix.
 
 >>> q, v, tau, w = np.full(7, 0.3), np.ones(7), np.zeros(7), np.arange(7.0)
@@ -202,27 +100,7 @@ What a direction (dq, dv, dtau) does to the accelerations of `forward_dynamics`:
 >>> np.allclose(axode.forward_dynamics_jvp(arm, q, v, tau, w, w, w), d.q @ w + d.v @ w + d.tau @ w)
 True
 )");
-  module.def(
-      "forward_dynamics_vjp",
-      [f = StateFunction("forward_dynamics_vjp")](const BoundModel& m, ArrayLike q, ArrayLike v,
-                                                  ArrayLike tau, ArrayLike w, LoadList loads,
-                                                  bool joint_losses, int threads) {
-        return f.named("ForwardDynamicsDerivatives", m,
-                       {.q = q,
-                        .v = v,
-                        .tau = tau,
-                        .w = w,
-                        .loads = loads,
-                        .joint_losses = joint_losses,
-                        .threads = threads});
-      },
-      "m"_a, "q"_a, "v"_a, "tau"_a, "w"_a, "loads"_a = nb::none(), nb::kw_only(), "joint_losses"_a = false,
-      "threads"_a = 1,
-      nb::sig("def forward_dynamics_vjp(m: Model, q: numpy.typing.ArrayLike, v: numpy.typing.ArrayLike, tau: "
-              "numpy.typing.ArrayLike, w: numpy.typing.ArrayLike, loads: "
-              "collections.abc.Sequence[axode.Load] | None = None, *, "
-              "joint_losses: bool = False, threads: int = 1) -> axode.ForwardDynamicsDerivatives"),
-      R"(
+  functions.of_loaded<&A::q, &A::v, &A::tau, &A::w>("forward_dynamics_vjp", "ForwardDynamicsDerivatives", R"(
 (q, v, tau): the gradient of w . a of `forward_dynamics`, (nv,) or (N, nv) each. O(n), without a matrix.
 
 >>> q, v, tau, w = np.full(7, 0.3), np.ones(7), np.zeros(7), np.arange(7.0)
@@ -230,27 +108,7 @@ True
 >>> np.allclose(axode.forward_dynamics_vjp(arm, q, v, tau, w).v, w @ d.v)
 True
 )");
-  module.def(
-      "forward_dynamics_hessian",
-      [f = StateFunction("forward_dynamics_hessian")](const BoundModel& m, ArrayLike q, ArrayLike v,
-                                                      ArrayLike tau, ArrayLike w, LoadList loads,
-                                                      bool joint_losses, int threads) {
-        return f.named("ForwardDynamicsHessian", m,
-                       {.q = q,
-                        .v = v,
-                        .tau = tau,
-                        .w = w,
-                        .loads = loads,
-                        .joint_losses = joint_losses,
-                        .threads = threads});
-      },
-      "m"_a, "q"_a, "v"_a, "tau"_a, "w"_a, "loads"_a = nb::none(), nb::kw_only(), "joint_losses"_a = false,
-      "threads"_a = 1,
-      nb::sig("def forward_dynamics_hessian(m: Model, q: numpy.typing.ArrayLike, v: numpy.typing.ArrayLike, "
-              "tau: numpy.typing.ArrayLike, w: numpy.typing.ArrayLike, loads: "
-              "collections.abc.Sequence[axode.Load] | None = None, *, "
-              "joint_losses: bool = False, threads: int = 1) -> axode.ForwardDynamicsHessian"),
-      R"(
+  functions.of_loaded<&A::q, &A::v, &A::tau, &A::w>("forward_dynamics_hessian", "ForwardDynamicsHessian", R"(
 (qq, qv, vv, tauq): second partial derivatives of w . a of `forward_dynamics`, (nv, nv) or (N, nv, nv) each.
 
 Entries as in `inverse_dynamics_hessian`. O(n^2 d). SingularError where M is singular.
@@ -260,17 +118,7 @@ Entries as in `inverse_dynamics_hessian`. O(n^2 d). SingularError where M is sin
 >>> np.allclose(h.vv, h.vv.T)
 True
 )");
-  module.def(
-      "inverse_dynamics_second_derivatives",
-      [f = StateFunction("inverse_dynamics_second_derivatives")](const BoundModel& m, ArrayLike q,
-                                                                 ArrayLike v, ArrayLike a, int threads) {
-        return f.named("InverseDynamicsHessian", m, {.q = q, .v = v, .a = a, .threads = threads});
-      },
-      "m"_a, "q"_a, "v"_a, "a"_a, nb::kw_only(), "threads"_a = 1,
-      nb::sig("def inverse_dynamics_second_derivatives(m: Model, q: numpy.typing.ArrayLike, v: "
-              "numpy.typing.ArrayLike, "
-              "a: numpy.typing.ArrayLike, *, threads: int = 1) -> axode.InverseDynamicsHessian"),
-      R"(
+  functions.of<&A::q, &A::v, &A::a>("inverse_dynamics_second_derivatives", "InverseDynamicsHessian", R"(
 (qq, qv, vv, aq): second partial derivatives of `inverse_dynamics` without loads, (nv, nv, nv) or (N, nv, nv, nv) each.
 
 Entry [i, k, l] is the derivative along k of that of tau[i] along l, see `inverse_dynamics_hessian`, which is what to call
@@ -281,17 +129,7 @@ where components are only weighed. O(n d^2), and the zeros.
 >>> np.allclose(np.tensordot(w, second.qq, 1), axode.inverse_dynamics_hessian(arm, q, v, a, w).qq)
 True
 )");
-  module.def(
-      "forward_dynamics_second_derivatives",
-      [f = StateFunction("forward_dynamics_second_derivatives")](const BoundModel& m, ArrayLike q,
-                                                                 ArrayLike v, ArrayLike tau, int threads) {
-        return f.named("ForwardDynamicsHessian", m, {.q = q, .v = v, .tau = tau, .threads = threads});
-      },
-      "m"_a, "q"_a, "v"_a, "tau"_a, nb::kw_only(), "threads"_a = 1,
-      nb::sig("def forward_dynamics_second_derivatives(m: Model, q: numpy.typing.ArrayLike, v: "
-              "numpy.typing.ArrayLike, "
-              "tau: numpy.typing.ArrayLike, *, threads: int = 1) -> axode.ForwardDynamicsHessian"),
-      R"(
+  functions.of<&A::q, &A::v, &A::tau>("forward_dynamics_second_derivatives", "ForwardDynamicsHessian", R"(
 (qq, qv, vv, tauq): second partial derivatives of `forward_dynamics` without loads, (nv, nv, nv) or (N, nv, nv, nv) each.
 
 Entries as in `inverse_dynamics_second_derivatives`. O(n^3 d). SingularError where M is singular.

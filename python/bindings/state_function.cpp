@@ -192,7 +192,17 @@ std::tuple<Array, Array> StateFunction::both(const BoundModel& m, const Argument
   return {out.part(0, 1), out.part(1, 1)};
 }
 
+std::string signature(const char* name, std::initializer_list<const char*> arguments, const char* options,
+                      const char* type) {
+  std::string text = std::string("def ") + name + "(m: Model, ";
+  for (const char* argument : arguments) text += std::string(argument) + ": numpy.typing.ArrayLike, ";
+  return text + options + ") -> " +
+         (type == nullptr ? std::string("numpy.typing.NDArray[numpy.float64]")
+                          : "axode." + std::string(type));
+}
+
 nb::object StateFunction::named(const char* type, const BoundModel& m, const Arguments& given) const {
+  if (type == nullptr) return nb::cast((*this)(m, given));
   const Row& called = row(given.algorithm);
   NewArray out = run(m, given, called);
   nb::list parts;

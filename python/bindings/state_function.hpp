@@ -20,6 +20,17 @@ struct Arguments {
   int threads = 1;
 };
 
+/// Those of a state and of directions by their names.
+inline constexpr std::pair<const char*, ArrayLike Arguments::*> named_arguments[] = {
+    {"q", &Arguments::q},       {"v", &Arguments::v},   {"a", &Arguments::a},   {"tau", &Arguments::tau},
+    {"p", &Arguments::p},       {"dq", &Arguments::dq}, {"dv", &Arguments::dv}, {"da", &Arguments::da},
+    {"dtau", &Arguments::dtau}, {"w", &Arguments::w}};
+constexpr const char* name_of(ArrayLike Arguments::*argument) {
+  for (const auto& [name, named] : named_arguments)
+    if (named == argument) return name;
+  return nullptr;
+}
+
 /// A function of the catalogue for one state or N of them, in SIMD lanes where the library can.
 class StateFunction {
  public:
@@ -31,7 +42,7 @@ class StateFunction {
   Array in_rows(const BoundModel& m, const Arguments& given) const;
   /// Of a function with two results.
   std::tuple<Array, Array> both(const BoundModel& m, const Arguments& given) const;
-  /// Of a function with several results, as a named tuple of axode.records.
+  /// Of a function with several results, as a named tuple of axode.records; of one result where there is no type.
   nb::object named(const char* type, const BoundModel& m, const Arguments& given) const;
 
  private:
@@ -48,6 +59,11 @@ class StateFunction {
   bool takes_v_, takes_a_, takes_tau_, takes_p_;
   std::vector<std::pair<catalog::Input, ArrayLike Arguments::*>> directions_;  ///< and weights, that it takes
 };
+
+/// `def name(m, arguments, options) -> a type of axode.records, or an array`.
+std::string signature(const char* name, std::initializer_list<const char*> arguments, const char* options,
+                      const char* type);
+template <ArrayLike Arguments::*> using OneArray = ArrayLike;
 
 /// Defines functions by what they are given.
 class StateFunctions {
@@ -66,9 +82,49 @@ class StateFunctions {
   void of_q_v_at(const char* name, const char* doc) const;
   /// With the recursion to run.
   void of_q_by(const char* name, const char* doc) const;
+  /// With loads, and several results in a type of axode.records; nullptr for one result.
+  template <ArrayLike Arguments::*... given>
+  void of_loaded(const char* name, const char* type, const char* doc) const;
+  /// The same without loads.
+  template <ArrayLike Arguments::*... given>
+  void of(const char* name, const char* type, const char* doc) const;
 
  private:
   nb::module_& module_;
 };
+
+template <ArrayLike Arguments::*... given>
+void StateFunctions::of_loaded(const char* name, const char* type, const char* doc) const {
+  module_.def(
+      name,
+      [f = StateFunction(name), type](const BoundModel& m, OneArray<given>... arrays, LoadList loads,
+                                      bool joint_losses, int threads) {
+        Arguments all{.q = {}, .loads = loads, .joint_losses = joint_losses, .threads = threads};
+        ((all.*given = arrays), ...);
+        return f.named(type, m, all);
+      },
+      nb::arg("m"), nb::arg(name_of(given))..., nb::arg("loads") = nb::none(), nb::kw_only(),
+      nb::arg("joint_losses") = false, nb::arg("threads") = 1,
+      nb::sig(signature(
+                  name, {name_of(given)...},
+                  "loads: collections.abc.Sequence[axode.Load] | None = None, *, joint_losses: bool = False, "
+                  "threads: int = 1",
+                  type)
+                  .c_str()),
+      doc);
+}
+
+template <ArrayLike Arguments::*... given>
+void StateFunctions::of(const char* name, const char* type, const char* doc) const {
+  module_.def(
+      name,
+      [f = StateFunction(name), type](const BoundModel& m, OneArray<given>... arrays, int threads) {
+        Arguments all{.q = {}, .threads = threads};
+        ((all.*given = arrays), ...);
+        return f.named(type, m, all);
+      },
+      nb::arg("m"), nb::arg(name_of(given))..., nb::kw_only(), nb::arg("threads") = 1,
+      nb::sig(signature(name, {name_of(given)...}, "*, threads: int = 1", type).c_str()), doc);
+}
 
 }  // namespace axode::python

@@ -3,6 +3,7 @@
 #include "axode/recursion/inverse_dynamics.hpp"
 #include "axode/scalar/dual.hpp"
 #include "tests/laws/law.hpp"
+#include "tests/support/refused_arguments.hpp"
 
 /// Derivatives of dynamics are what differences of the same functions tend to, and hang together: matrices, their products
 /// with vectors, the values, second derivatives contracted.
@@ -274,6 +275,44 @@ TEST_P(Derivatives, SecondOnesOfEveryComponentAreHessians) {
                             VectorXd(hessian.segment(block * nv * nv, nv * nv)), scale);
     }
   });
+}
+
+TEST(DerivativeResults, ThatShareMemoryAreRefused) {
+  const Model model = shoulder();
+  Workspace<> workspace(model);
+  const std::vector<double> q = neutral(model), x(4);
+  std::vector<double> memory(64 * 4);
+  const std::span<double> all(memory);
+  const auto matrix = [&](std::size_t from) { return all.subspan(from, 16); };
+  const auto shared = [](const char* result, const char* other) {
+    return testing::StartsWith(std::string(result) + " shares memory with " + other);
+  };
+  EXPECT_THAT(message_of([&] {
+                inverse_dynamics_derivatives(model, workspace, q, x, x,
+                                             {matrix(0), matrix(20), matrix(35), all.subspan(60, 4)});
+              }),
+              shared("dtau.a", "dtau.v"));
+  EXPECT_THAT(message_of([&] {
+                (void)forward_dynamics_derivatives(model, workspace, q, x, x,
+                                                   {matrix(0), matrix(20), matrix(40), all.subspan(15, 4)});
+              }),
+              shared("da.q", "da.a"));
+  EXPECT_THAT(message_of([&] {
+                inverse_dynamics_vjp(model, workspace, q, x, x, x,
+                                     {all.subspan(0, 4), all.subspan(3, 4), all.subspan(8, 4)});
+              }),
+              shared("gradient.v", "gradient.q"));
+  EXPECT_THAT(message_of([&] {
+                inverse_dynamics_hessian(model, workspace, q, x, x, x,
+                                         {matrix(0), matrix(16), matrix(32), matrix(47)});
+              }),
+              shared("hessian.aq", "hessian.vv"));
+  EXPECT_THAT(message_of([&] {
+                (void)forward_dynamics_second_derivatives(
+                    model, workspace, q, x, x,
+                    {all.subspan(0, 64), all.subspan(64, 64), all.subspan(64, 64), all.subspan(192, 64)});
+              }),
+              shared("second.vv", "second.qv"));
 }
 
 }  // namespace
