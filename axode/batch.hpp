@@ -66,6 +66,41 @@ std::size_t joint_screws(const Model& model, std::span<const T> q,
                          std::type_identity_t<std::span<Twist<Spatial, T>>> J, int threads = 1,
                          const Monitor& monitor = {});
 
+/// The derivatives of inverse dynamics in N states, see axode::inverse_dynamics_derivatives: 3 nv nv numbers for each, ∂τ/∂q,
+/// ∂τ/∂v and ∂τ/∂a one behind the other. Returns how many are done.
+template <class T>
+std::size_t inverse_dynamics_derivatives(const Model& model, std::span<const T> q, Numbers<T> v, Numbers<T> a,
+                                         std::type_identity_t<std::span<T>> dtau, int threads = 1,
+                                         const Monitor& monitor = {});
+/// Those of forward dynamics, see axode::forward_dynamics_derivatives: ∂a/∂q, ∂a/∂v and ∂a/∂τ.
+template <class T>
+Outcome forward_dynamics_derivatives(const Model& model, std::span<const T> q, Numbers<T> v, Numbers<T> tau,
+                                     std::type_identity_t<std::span<T>> da, int threads = 1,
+                                     const Monitor& monitor = {});
+
+/// Their products with a direction for each of N states, see axode::inverse_dynamics_jvp. Returns how many are done.
+template <class T>
+std::size_t inverse_dynamics_jvp(const Model& model, std::span<const T> q, Numbers<T> v, Numbers<T> a,
+                                 Numbers<T> dq, Numbers<T> dv, Numbers<T> da,
+                                 std::type_identity_t<std::span<T>> dtau, int threads = 1,
+                                 const Monitor& monitor = {});
+template <class T>
+Outcome forward_dynamics_jvp(const Model& model, std::span<const T> q, Numbers<T> v, Numbers<T> tau,
+                             Numbers<T> dq, Numbers<T> dv, Numbers<T> dtau,
+                             std::type_identity_t<std::span<T>> da, int threads = 1,
+                             const Monitor& monitor = {});
+
+/// The gradients of w·τ and w·a with w for each of N states, see axode::inverse_dynamics_vjp: 3 nv numbers for each, by q, by v
+/// and by a or τ. Returns how many are done.
+template <class T>
+std::size_t inverse_dynamics_vjp(const Model& model, std::span<const T> q, Numbers<T> v, Numbers<T> a,
+                                 Numbers<T> w, std::type_identity_t<std::span<T>> gradient, int threads = 1,
+                                 const Monitor& monitor = {});
+template <class T>
+Outcome forward_dynamics_vjp(const Model& model, std::span<const T> q, Numbers<T> v, Numbers<T> tau,
+                             Numbers<T> w, std::type_identity_t<std::span<T>> gradient, int threads = 1,
+                             const Monitor& monitor = {});
+
 /// The instruction set that this processor is served with: "SSE2", "AVX2" or "AVX-512".
 const char* instruction_set();
 

@@ -1,9 +1,12 @@
 #pragma once
 #include "axode/derivatives/forward_dynamics_derivatives.hpp"
+#include "axode/derivatives/geometry_derivatives.hpp"
 #include "axode/derivatives/hessian.hpp"
 #include "axode/derivatives/inverse_dynamics_derivatives.hpp"
+#include "axode/derivatives/motion_derivatives.hpp"
 #include "axode/derivatives/products.hpp"
 #include "axode/derivatives/rates.hpp"
 #include "axode/derivatives/second_derivatives.hpp"
+#include "axode/derivatives/term_derivatives.hpp"
 
 /// Derivatives of dynamics: in state, time, geometry and inertia (section 6).

@@ -23,7 +23,8 @@ template <class T> std::size_t of_all(const Topology& t) {
                    footprint<FramePoses<T>, SubtreeInertias<T>, MovingMass<T>, PosesAndMotion<T>,
                              CoriolisBodies<T>, MomentumForm<T>, ForcesAlone<Fast, T>, FastForwardDynamics<T>,
                              FastInverse<T>, FastCompositeBodies<T>, ForwardFirstOrder<T>, ForwardJvp<T>,
-                             ForwardVjp<T>, HessiansOfAccelerations<T>, SecondOrderTensors<T>>(t)});
+                             ForwardVjp<T>, HessiansOfAccelerations<T>, SecondOrderTensors<T>,
+                             ForwardGeometryDerivatives<T>, TermDerivatives<T>, EnergyGradient<T>>(t)});
 }
 
 }  // namespace

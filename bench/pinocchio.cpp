@@ -1,10 +1,13 @@
 // The same functions of Pinocchio, on the same mechanisms and states.
 #include <pinocchio/multibody.hpp>
 
+#include <pinocchio/algorithm/aba-derivatives.hpp>
 #include <pinocchio/algorithm/aba.hpp>
 #include <pinocchio/algorithm/crba.hpp>
 #include <pinocchio/algorithm/jacobian.hpp>
 #include <pinocchio/algorithm/kinematics.hpp>
+#include <pinocchio/algorithm/rnea-derivatives.hpp>
+#include <pinocchio/algorithm/rnea-second-order-derivatives.hpp>
 #include <pinocchio/algorithm/rnea.hpp>
 
 #include "axode/eigen.hpp"
@@ -60,17 +63,21 @@ struct PeerStates {
 };
 
 /// f(model, data, q, v, a) of Pinocchio on every model.
-template <class F> void measure_peer(const std::string& function, const F& f) {
-  measure(function, "pinocchio", [f](benchmark::State& state, const Model& model) {
-    const pinocchio::Model other = peer(model);
-    Data data(other);
-    States states(model);
-    const PeerStates x(model, states);
-    repeat(state, &data, [&] {
-      const std::size_t s = states.next();
-      f(other, data, x.q[s], x.v[s], x.a[s]);
-    });
-  });
+template <class F>
+void measure_peer(const std::string& function, const F& f, const std::vector<Model>& subjects = models()) {
+  measure(
+      function, "pinocchio",
+      [f](benchmark::State& state, const Model& model) {
+        const pinocchio::Model other = peer(model);
+        Data data(other);
+        States states(model);
+        const PeerStates x(model, states);
+        repeat(state, &data, [&] {
+          const std::size_t s = states.next();
+          f(other, data, x.q[s], x.v[s], x.a[s]);
+        });
+      },
+      subjects);
 }
 
 const bool registered = [] {
@@ -91,6 +98,21 @@ const bool registered = [] {
   measure_peer("accelerations", [](const M& m, Data& d, const V& q, const V& v, const V& a) {
     forwardKinematics(m, d, q, v, a);
   });
+  measure_peer("inverse_dynamics_derivatives", [](const M& m, Data& d, const V& q, const V& v, const V& a) {
+    computeRNEADerivatives(m, d, q, v, a);
+  });
+  measure_peer("forward_dynamics_derivatives", [](const M& m, Data& d, const V& q, const V& v, const V& tau) {
+    computeABADerivatives(m, d, q, v, tau);
+  });
+  std::vector<axode::Model> small;
+  for (const axode::Model& model : models())
+    if (model.nv() <= 40) small.push_back(model);
+  measure_peer(
+      "inverse_dynamics_second_derivatives",
+      [](const M& m, Data& d, const V& q, const V& v, const V& a) {
+        ComputeRNEASecondOrderDerivatives(m, d, q, v, a);
+      },
+      small);
   return true;
 }();
 

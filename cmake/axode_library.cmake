@@ -32,7 +32,9 @@ set(AXODE_PER_SCALAR
     kinematics/higher_order
     kinematics/joint_screws
     kinematics/poses
+    derivatives/geometry_derivatives
     derivatives/rates
+    derivatives/term_derivatives
     dynamics/coriolis
     dynamics/definite_inverse
     dynamics/energy
@@ -44,6 +46,7 @@ set(AXODE_PER_REPRESENTATION
     kinematics/jacobian
     kinematics/jacobian_partials
     kinematics/twists
+    derivatives/motion_derivatives
     dynamics/body_momenta
     dynamics/joint_wrenches
     dynamics/operational_space

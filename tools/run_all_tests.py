@@ -31,7 +31,8 @@ class Stage(NamedTuple):
 
 FEW_TREES = {"AXODE_RANDOM_TREES": "20"}
 LONG = ":".join(["*Threads*",  # which are for ThreadSanitizer
-                 "LargeTrees*", "MemoryOfCouplings.Grows*", "LongChains*", "*ReachesNearlyEveryPose*"])
+                 "LargeTrees*", "MemoryOfCouplings.Grows*", "*HasPairsOf/none", "*HasPairsOf/one", "*HasPairsOf/all",
+                 "LongChains*", "*ReachesNearlyEveryPose*", "HostileDescriptions.OnesWithMuch*", "*OfManyUnknownLeaders*"])
 TEST = {
     "release": Stage("release"),
     "asan": Stage("asan", programs=f"*-{LONG}", environment=FEW_TREES),

@@ -10,6 +10,7 @@
 
 #include "axode/batch/kernels.hpp"
 #include "axode/batch/portions.hpp"
+#include "axode/derivatives.hpp"
 #include "axode/dynamics.hpp"
 #include "axode/kinematics/check_arguments.hpp"
 
@@ -193,35 +194,148 @@ Outcome solve_lanes(const Model& model, int threads, const Monitor& monitor, con
 
 std::size_t size(int n) { return static_cast<std::size_t>(n); }
 
+template <class S> struct Velocities {
+  const char* name;
+  std::span<const S> all;
+};
+
+/// How many states there are. All arguments have nv numbers for each, and the result memory of its own.
+template <class S, class... In>
+std::size_t check_velocities(const Model& model, int threads, const Argument<S>& out, std::span<const S> q,
+                             const In&... in) {
+  const std::size_t N = check_states(model, q, threads);
+  (check_size(in.name, in.all.size(), size(model.nv()) * N, "nv N"), ...);
+  out.check(N);
+  check_separate(out.name, out.all, "q", q);
+  (check_separate(out.name, out.all, in.name, in.all), ...);
+  return N;
+}
+
+/// A kernel that succeeds on q and arguments of nv numbers, with `rows` results for each state.
+template <class S, class Kernel, class... In>
+std::size_t on_velocities(const Model& model, int threads, const Monitor& monitor, const Kernel& kernel,
+                          const Argument<S>& out, std::span<const S> q, const In&... in) {
+  const std::size_t N = check_velocities<S>(model, threads, out, q, in...), nv = size(model.nv());
+  if (N == 0 || nv == 0) return N;
+  return run_lanes<S>(model, threads, monitor, kernel, out,
+                      Argument<const S>{"q", "nq N", q, size(model.nq())},
+                      Argument<const S>{in.name, "nv N", in.all, nv}...);
+}
+/// One that may doubt states, where solve(workspace, x..., result) takes its place.
+template <class S, class Solve, class Kernel, class... In>
+Outcome solve_on_velocities(const Model& model, int threads, const Monitor& monitor, const Solve& solve,
+                            const Kernel& kernel, const Argument<S>& out, std::span<const S> q,
+                            const In&... in) {
+  check_velocities<S>(model, threads, out, q, in...);
+  const std::size_t nq = size(model.nq()), nv = size(model.nv());
+  const auto solve_one = [&](Workspace<S>& workspace, std::size_t k) {
+    return solve(workspace, q.subspan(k * nq, nq), in.all.subspan(k * nv, nv)...,
+                 out.all.subspan(k * out.rows, out.rows));
+  };
+  return solve_lanes<S>(model, threads, monitor, solve_one, kernel, out,
+                        Argument<const S>{"q", "nq N", q, nq},
+                        Argument<const S>{in.name, "nv N", in.all, nv}...);
+}
+
+std::size_t squared(int n) { return size(n) * size(n); }
+/// Part k of three.
+template <class S> std::span<S> third(std::span<S> all, std::size_t k) {
+  return all.subspan(k * (all.size() / 3), all.size() / 3);
+}
+
 }  // namespace
 
 template <class S>
 std::size_t inverse_dynamics(const Model& model, std::span<const S> q, Numbers<S> v, Numbers<S> a,
                              std::type_identity_t<std::span<S>> tau, int threads, const Monitor& monitor) {
-  const std::size_t N = check_states(model, q, threads), nv = size(model.nv());
-  const Argument<const S> in_v{"v", "nv N", v, nv}, in_a{"a", "nv N", a, nv};
-  const Argument<S> out{"tau", "nv N", tau, nv};
-  in_v.check(N), in_a.check(N), out.check(N);
-  check_separate("tau", tau, "q", q), check_separate("tau", tau, "v", v), check_separate("tau", tau, "a", a);
-  if (N == 0 || nv == 0) return N;
-  return run_lanes<S>(model, threads, monitor, best_kernels<S>().inverse_dynamics, out,
-                      Argument<const S>{"q", "nq N", q, size(model.nq())}, in_v, in_a);
+  return on_velocities<S>(model, threads, monitor, best_kernels<S>().inverse_dynamics,
+                          Argument<S>{"tau", "nv N", tau, size(model.nv())}, q, Velocities<S>{"v", v},
+                          Velocities<S>{"a", a});
 }
 
 template <class S>
 Outcome forward_dynamics(const Model& model, std::span<const S> q, Numbers<S> v, Numbers<S> tau,
                          std::type_identity_t<std::span<S>> a, int threads, const Monitor& monitor) {
-  const std::size_t N = check_states(model, q, threads), nq = size(model.nq()), nv = size(model.nv());
-  const Argument<const S> in_v{"v", "nv N", v, nv}, in_tau{"tau", "nv N", tau, nv};
-  const Argument<S> out{"a", "nv N", a, nv};
-  in_v.check(N), in_tau.check(N), out.check(N);
-  check_separate("a", a, "q", q), check_separate("a", a, "v", v), check_separate("a", a, "tau", tau);
-  const auto solve = [&](Workspace<S>& workspace, std::size_t k) {
-    return axode::forward_dynamics(model, workspace, q.subspan(k * nq, nq), v.subspan(k * nv, nv),
-                                   tau.subspan(k * nv, nv), a.subspan(k * nv, nv));
-  };
-  return solve_lanes<S>(model, threads, monitor, solve, best_kernels<S>().forward_dynamics, out,
-                        Argument<const S>{"q", "nq N", q, nq}, in_v, in_tau);
+  return solve_on_velocities<S>(
+      model, threads, monitor,
+      [&](auto& w, auto q_k, auto v_k, auto tau_k, auto a_k) {
+        return axode::forward_dynamics(model, w, q_k, v_k, tau_k, a_k);
+      },
+      best_kernels<S>().forward_dynamics, Argument<S>{"a", "nv N", a, size(model.nv())}, q,
+      Velocities<S>{"v", v}, Velocities<S>{"tau", tau});
+}
+
+template <class S>
+std::size_t inverse_dynamics_derivatives(const Model& model, std::span<const S> q, Numbers<S> v, Numbers<S> a,
+                                         std::type_identity_t<std::span<S>> dtau, int threads,
+                                         const Monitor& monitor) {
+  return on_velocities<S>(model, threads, monitor, best_kernels<S>().inverse_dynamics_derivatives,
+                          Argument<S>{"dtau", "3 nv nv N", dtau, 3 * squared(model.nv())}, q,
+                          Velocities<S>{"v", v}, Velocities<S>{"a", a});
+}
+
+template <class S>
+Outcome forward_dynamics_derivatives(const Model& model, std::span<const S> q, Numbers<S> v, Numbers<S> tau,
+                                     std::type_identity_t<std::span<S>> da, int threads,
+                                     const Monitor& monitor) {
+  return solve_on_velocities<S>(
+      model, threads, monitor,
+      [&](auto& w, auto q_k, auto v_k, auto tau_k, auto out) {
+        return axode::forward_dynamics_derivatives(model, w, q_k, v_k, tau_k,
+                                                   {third(out, 0), third(out, 1), third(out, 2)});
+      },
+      best_kernels<S>().forward_dynamics_derivatives,
+      Argument<S>{"da", "3 nv nv N", da, 3 * squared(model.nv())}, q, Velocities<S>{"v", v},
+      Velocities<S>{"tau", tau});
+}
+
+template <class S>
+std::size_t inverse_dynamics_jvp(const Model& model, std::span<const S> q, Numbers<S> v, Numbers<S> a,
+                                 Numbers<S> dq, Numbers<S> dv, Numbers<S> da,
+                                 std::type_identity_t<std::span<S>> dtau, int threads,
+                                 const Monitor& monitor) {
+  return on_velocities<S>(model, threads, monitor, best_kernels<S>().inverse_dynamics_jvp,
+                          Argument<S>{"dtau", "nv N", dtau, size(model.nv())}, q, Velocities<S>{"v", v},
+                          Velocities<S>{"a", a}, Velocities<S>{"dq", dq}, Velocities<S>{"dv", dv},
+                          Velocities<S>{"da", da});
+}
+
+template <class S>
+Outcome forward_dynamics_jvp(const Model& model, std::span<const S> q, Numbers<S> v, Numbers<S> tau,
+                             Numbers<S> dq, Numbers<S> dv, Numbers<S> dtau,
+                             std::type_identity_t<std::span<S>> da, int threads, const Monitor& monitor) {
+  return solve_on_velocities<S>(
+      model, threads, monitor,
+      [&](auto& w, auto q_k, auto v_k, auto tau_k, auto dq_k, auto dv_k, auto dtau_k, auto out) {
+        return axode::forward_dynamics_jvp(model, w, q_k, v_k, tau_k, dq_k, dv_k, dtau_k, out);
+      },
+      best_kernels<S>().forward_dynamics_jvp, Argument<S>{"da", "nv N", da, size(model.nv())}, q,
+      Velocities<S>{"v", v}, Velocities<S>{"tau", tau}, Velocities<S>{"dq", dq}, Velocities<S>{"dv", dv},
+      Velocities<S>{"dtau", dtau});
+}
+
+template <class S>
+std::size_t inverse_dynamics_vjp(const Model& model, std::span<const S> q, Numbers<S> v, Numbers<S> a,
+                                 Numbers<S> w, std::type_identity_t<std::span<S>> gradient, int threads,
+                                 const Monitor& monitor) {
+  return on_velocities<S>(model, threads, monitor, best_kernels<S>().inverse_dynamics_vjp,
+                          Argument<S>{"gradient", "3 nv N", gradient, 3 * size(model.nv())}, q,
+                          Velocities<S>{"v", v}, Velocities<S>{"a", a}, Velocities<S>{"w", w});
+}
+
+template <class S>
+Outcome forward_dynamics_vjp(const Model& model, std::span<const S> q, Numbers<S> v, Numbers<S> tau,
+                             Numbers<S> w, std::type_identity_t<std::span<S>> gradient, int threads,
+                             const Monitor& monitor) {
+  return solve_on_velocities<S>(
+      model, threads, monitor,
+      [&](auto& workspace, auto q_k, auto v_k, auto tau_k, auto w_k, auto out) {
+        return axode::forward_dynamics_vjp(model, workspace, q_k, v_k, tau_k, w_k,
+                                           {third(out, 0), third(out, 1), third(out, 2)});
+      },
+      best_kernels<S>().forward_dynamics_vjp,
+      Argument<S>{"gradient", "3 nv N", gradient, 3 * size(model.nv())}, q, Velocities<S>{"v", v},
+      Velocities<S>{"tau", tau}, Velocities<S>{"w", w});
 }
 
 template <class S>
@@ -298,6 +412,21 @@ template std::size_t inverse_dynamics(const Model&, std::span<const double>, Num
                                       std::span<double>, int, const Monitor&);
 template Outcome forward_dynamics(const Model&, std::span<const double>, Numbers<double>, Numbers<double>,
                                   std::span<double>, int, const Monitor&);
+template std::size_t inverse_dynamics_derivatives(const Model&, std::span<const double>, Numbers<double>,
+                                                  Numbers<double>, std::span<double>, int, const Monitor&);
+template std::size_t inverse_dynamics_jvp(const Model&, std::span<const double>, Numbers<double>,
+                                          Numbers<double>, Numbers<double>, Numbers<double>, Numbers<double>,
+                                          std::span<double>, int, const Monitor&);
+template std::size_t inverse_dynamics_vjp(const Model&, std::span<const double>, Numbers<double>,
+                                          Numbers<double>, Numbers<double>, std::span<double>, int,
+                                          const Monitor&);
+template Outcome forward_dynamics_derivatives(const Model&, std::span<const double>, Numbers<double>,
+                                              Numbers<double>, std::span<double>, int, const Monitor&);
+template Outcome forward_dynamics_jvp(const Model&, std::span<const double>, Numbers<double>, Numbers<double>,
+                                      Numbers<double>, Numbers<double>, Numbers<double>, std::span<double>,
+                                      int, const Monitor&);
+template Outcome forward_dynamics_vjp(const Model&, std::span<const double>, Numbers<double>, Numbers<double>,
+                                      Numbers<double>, std::span<double>, int, const Monitor&);
 template std::size_t mass_matrix(const Model&, std::span<const double>, std::span<double>, int,
                                  const Monitor&);
 template Outcome inverse_mass_matrix(const Model&, std::span<const double>, std::span<double>, int,
@@ -310,6 +439,21 @@ template std::size_t inverse_dynamics(const Model&, std::span<const float>, Numb
                                       std::span<float>, int, const Monitor&);
 template Outcome forward_dynamics(const Model&, std::span<const float>, Numbers<float>, Numbers<float>,
                                   std::span<float>, int, const Monitor&);
+template std::size_t inverse_dynamics_derivatives(const Model&, std::span<const float>, Numbers<float>,
+                                                  Numbers<float>, std::span<float>, int, const Monitor&);
+template std::size_t inverse_dynamics_jvp(const Model&, std::span<const float>, Numbers<float>,
+                                          Numbers<float>, Numbers<float>, Numbers<float>, Numbers<float>,
+                                          std::span<float>, int, const Monitor&);
+template std::size_t inverse_dynamics_vjp(const Model&, std::span<const float>, Numbers<float>,
+                                          Numbers<float>, Numbers<float>, std::span<float>, int,
+                                          const Monitor&);
+template Outcome forward_dynamics_derivatives(const Model&, std::span<const float>, Numbers<float>,
+                                              Numbers<float>, std::span<float>, int, const Monitor&);
+template Outcome forward_dynamics_jvp(const Model&, std::span<const float>, Numbers<float>, Numbers<float>,
+                                      Numbers<float>, Numbers<float>, Numbers<float>, std::span<float>, int,
+                                      const Monitor&);
+template Outcome forward_dynamics_vjp(const Model&, std::span<const float>, Numbers<float>, Numbers<float>,
+                                      Numbers<float>, std::span<float>, int, const Monitor&);
 template std::size_t mass_matrix(const Model&, std::span<const float>, std::span<float>, int, const Monitor&);
 template Outcome inverse_mass_matrix(const Model&, std::span<const float>, std::span<float>, int,
                                      const Monitor&);

@@ -3,6 +3,8 @@
 #include "axode/batch/kernels.hpp"
 
 #include "axode/batch/transpose.hpp"
+#include "axode/derivatives/first_order.hpp"
+#include "axode/derivatives/inverse_dynamics_products.hpp"
 #include "axode/fast/articulated_bodies.hpp"
 #include "axode/fast/composite_bodies.hpp"
 #include "axode/fast/inverse_dynamics.hpp"
@@ -74,9 +76,53 @@ struct Poses : VectorRoom {
   FastPoses<Number> poses;
   explicit Poses(Arena& arena) : VectorRoom(arena), body(arena.per_body<SE3<Number>>()), poses(arena) {}
 };
+/// A direction, and results of derivatives: matrices, or vectors, for each of three directions.
+struct Directions {
+  Number *dq, *dv, *da;
+  explicit Directions(Arena& arena)
+      : dq(arena.per_velocity<Number>()),
+        dv(arena.per_velocity<Number>()),
+        da(arena.per_velocity<Number>()) {}
+};
+struct InverseDerivatives : Room {
+  FirstOrder<Number> first_order;
+  explicit InverseDerivatives(Arena& arena)
+      : Room(arena, 3 * n_velocities(arena) * n_velocities(arena)), first_order(arena) {}
+};
+struct InverseJvp : VectorRoom, Directions {
+  InverseDynamicsJvp<Number> jvp;
+  explicit InverseJvp(Arena& arena) : VectorRoom(arena), Directions(arena), jvp(arena) {}
+};
+struct InverseVjp : VectorRoom, Directions {
+  InverseDynamicsVjp<Number> vjp;
+  explicit InverseVjp(Arena& arena) : VectorRoom(arena), Directions(arena), vjp(arena) {}
+};
+/// The same at the accelerations that forces make, and M⁻¹ after it.
+template <class Inverse> struct Forward : Inverse {
+  ArticulatedBodies bodies;
+  ArticulatedBodies::Motion* motion;
+  ArticulatedBodies::Columns* columns;
+  Number *u, *acceleration, *zero;
+
+  explicit Forward(Arena& arena)
+      : Inverse(arena),
+        bodies(arena),
+        motion(arena.per_body<ArticulatedBodies::Motion>()),
+        columns(arena.per_body<ArticulatedBodies::Columns>()),
+        u(arena.per_screw<Number>()),
+        acceleration(arena.per_velocity<Number>()),
+        zero(arena.per_velocity<Number>()) {}
+  void accelerate(const Tree<S>& tree) noexcept {
+    bodies.place_and_move(tree, this->q, this->v, motion);
+    bodies.factorize(tree, this->a);
+    bodies.accelerate(tree, motion, acceleration);
+  }
+};
 
 std::size_t bytes(const Tree<S>& tree) {
-  const std::size_t vectors = footprint<InverseDynamics, ForwardDynamics, Poses>(*tree.topology());
+  const std::size_t vectors =
+      footprint<InverseDynamics, ForwardDynamics, Poses, InverseDerivatives, Forward<InverseDerivatives>,
+                Forward<InverseJvp>, Forward<InverseVjp>>(*tree.topology());
   if (!tree->coupled_bodies.empty()) return vectors;  // and no matrices
   const bool factors = FastInverseMassMatrix<Number>::suits(tree);
   return std::max({vectors, footprint<MassMatrix>(*tree.topology()),
@@ -142,6 +188,87 @@ unsigned inverse_mass_matrix(const Tree<S>& tree, Arena arena, const S* q, S* M_
   return bits(at.bodies.doubtful);
 }
 
+/// Three matrices, one behind the other, from FirstOrder.
+void write(const Tree<S>& tree, FirstOrder<Number>& first_order, Number* out) noexcept {
+  const std::size_t n = n_entries(tree);
+  first_order.write(tree, {}, out, out + n, out + 2 * n);
+}
+void inverse_dynamics_derivatives(const Tree<S>& tree, Arena arena, const S* q, const S* v, const S* a,
+                                  S* dtau) noexcept {
+  InverseDerivatives at(arena);
+  gather(q, tree->nq, at.q), gather(v, tree->nv, at.v), gather(a, tree->nv, at.a);
+  at.first_order.run(tree, at.q, at.v, at.a, {});
+  write(tree, at.first_order, at.out);
+  scatter(at.out, 3 * n_entries(tree), dtau);
+}
+unsigned forward_dynamics_derivatives(const Tree<S>& tree, Arena arena, const S* q, const S* v, const S* tau,
+                                      S* da) noexcept {
+  Forward<InverseDerivatives> at(arena);
+  const std::size_t n = n_entries(tree);
+  gather(q, tree->nq, at.q), gather(v, tree->nv, at.v), gather(tau, tree->nv, at.a);
+  at.accelerate(tree);
+  at.first_order.run(tree, at.q, at.v, at.acceleration, {});
+  write(tree, at.first_order, at.out);
+  for (std::size_t k = 0; k < 2 * n; ++k) at.out[k] = -at.out[k];
+  at.bodies.solve(tree, at.columns, at.u, at.out);
+  at.bodies.solve(tree, at.columns, at.u, at.out + n);
+  at.bodies.inverse(tree, at.columns, at.u, at.out + 2 * n);
+  scatter(at.out, 3 * n, da);
+  return bits(at.bodies.doubtful);
+}
+
+void inverse_dynamics_jvp(const Tree<S>& tree, Arena arena, const S* q, const S* v, const S* a, const S* dq,
+                          const S* dv, const S* da, S* dtau) noexcept {
+  InverseJvp at(arena);
+  gather(q, tree->nq, at.q), gather(v, tree->nv, at.v), gather(a, tree->nv, at.a);
+  gather(dq, tree->nv, at.dq), gather(dv, tree->nv, at.dv), gather(da, tree->nv, at.da);
+  at.jvp.run(tree, at.q, at.v, at.a, at.dq, at.dv, at.da, {}, at.out);
+  scatter(at.out, tree->nv, dtau);
+}
+unsigned forward_dynamics_jvp(const Tree<S>& tree, Arena arena, const S* q, const S* v, const S* tau,
+                              const S* dq, const S* dv, const S* dtau, S* da) noexcept {
+  Forward<InverseJvp> at(arena);
+  gather(q, tree->nq, at.q), gather(v, tree->nv, at.v), gather(tau, tree->nv, at.a);
+  gather(dq, tree->nv, at.dq), gather(dv, tree->nv, at.dv), gather(dtau, tree->nv, at.da);
+  at.accelerate(tree);
+  for (int c = 0; c < tree->nv; ++c) at.zero[c] = Number(0);
+  at.jvp.run(tree, at.q, at.v, at.acceleration, at.dq, at.dv, at.zero, {}, at.out);
+  for (int c = 0; c < tree->nv; ++c) at.out[c] = at.da[c] - at.out[c];
+  at.bodies.solve_one(tree, at.motion, at.out);
+  scatter(at.out, tree->nv, da);
+  return bits(at.bodies.doubtful);
+}
+
+/// The gradients by q, v and a or τ of one state behind each other.
+void scatter_three(const Tree<S>& tree, const Number* by_q, const Number* by_v, const Number* by_a,
+                   S* gradient) noexcept {
+  for (const Number* part : {by_q, by_v, by_a}) {
+    for (int c = 0; c < tree->nv; ++c)
+      for (int l = 0; l < lanes; ++l) gradient[l * 3 * tree->nv + c] = part[c][l];
+    gradient += tree->nv;
+  }
+}
+void inverse_dynamics_vjp(const Tree<S>& tree, Arena arena, const S* q, const S* v, const S* a, const S* w,
+                          S* gradient) noexcept {
+  InverseVjp at(arena);
+  gather(q, tree->nq, at.q), gather(v, tree->nv, at.v), gather(a, tree->nv, at.a);
+  gather(w, tree->nv, at.da);
+  at.vjp.run(tree, at.q, at.v, at.a, at.da, {});
+  scatter_three(tree, at.vjp.by_q, at.vjp.by_v, at.vjp.by_a, gradient);
+}
+unsigned forward_dynamics_vjp(const Tree<S>& tree, Arena arena, const S* q, const S* v, const S* tau,
+                              const S* w, S* gradient) noexcept {
+  Forward<InverseVjp> at(arena);
+  gather(q, tree->nq, at.q), gather(v, tree->nv, at.v), gather(tau, tree->nv, at.a);
+  gather(w, tree->nv, at.da);
+  at.accelerate(tree);
+  at.bodies.solve_one(tree, at.motion, at.da);
+  at.vjp.run(tree, at.q, at.v, at.acceleration, at.da, {});
+  for (int c = 0; c < tree->nv; ++c) at.dq[c] = -at.vjp.by_q[c], at.dv[c] = -at.vjp.by_v[c];
+  scatter_three(tree, at.dq, at.dv, at.da, gradient);
+  return bits(at.bodies.doubtful);
+}
+
 void store(const Vec3<Number>& a, int lane, Vec3<S>& out) { out = {a.x[lane], a.y[lane], a.z[lane]}; }
 
 void poses(const Tree<S>& tree, Arena arena, const S* q, SE3<S>* C) noexcept {
@@ -181,9 +308,20 @@ void joint_screws(const Tree<S>& tree, Arena arena, const S* q, Twist<Spatial, S
 }  // namespace
 
 template <> const Kernels<S>& kernels<AXODE_ISA, S>() {
-  static constexpr Kernels<S> all{
-      lanes, bytes,       inverse_dynamics, forward_dynamics, mass_matrix, inverse_mass_matrix,
-      poses, joint_screws};
+  static constexpr Kernels<S> all{lanes,
+                                  bytes,
+                                  inverse_dynamics,
+                                  forward_dynamics,
+                                  mass_matrix,
+                                  inverse_mass_matrix,
+                                  poses,
+                                  joint_screws,
+                                  inverse_dynamics_derivatives,
+                                  forward_dynamics_derivatives,
+                                  inverse_dynamics_jvp,
+                                  forward_dynamics_jvp,
+                                  inverse_dynamics_vjp,
+                                  forward_dynamics_vjp};
   return all;
 }
 

@@ -203,6 +203,63 @@ std::vector<Function<T>> make() {
          return forward_dynamics_derivatives(m, w, g.q, g.v, g.tau, {part(out, 0, 3), part(out, 1, 3), part(out, 2, 3)},
                                              g.loads);
        })},
+      {"gravity_derivatives", "partial derivatives of gravity_torques", forces, {q}, Choice::none, number, {nv, nv}, rows,
+       {"dg/dq"}, Cost::quadratic, scratch, call([](auto& m, auto& w, auto& g, auto out) { gravity_derivatives(m, w, g.q, out); })},
+      {"coriolis_derivatives", "partial derivatives of coriolis_vector", "of tau per unit of the direction", {q, v},
+       Choice::none, number, {nv, nv}, rows, {"d(C v)/dq", "d(C v)/dv"}, Cost::quadratic, scratch,
+       call([](auto& m, auto& w, auto& g, auto out) {
+         coriolis_derivatives(m, w, g.q, g.v, {part(out, 0, 2), part(out, 1, 2)});
+       })},
+      {"generalized_load_derivatives", "partial derivatives of generalized_loads", "of tau per unit of the direction",
+       {q, v, loads}, Choice::none, number, {nv, nv}, rows, {"dQ/dq", "dQ/dv"}, Cost::quadratic, scratch,
+       call([](auto& m, auto& w, auto& g, auto out) {
+         generalized_load_derivatives(m, w, g.q, g.v, g.loads, {part(out, 0, 2), part(out, 1, 2)});
+       })},
+      {"kinetic_energy_gradient", "by configuration and velocities", "J per unit of the direction", {q, v}, Choice::none,
+       number, {nv}, rows, {"dT/dq", "dT/dv"}, Cost::linear, scratch,
+       call([](auto& m, auto& w, auto& g, auto out) {
+         kinetic_energy_gradient(m, w, g.q, g.v, {part(out, 0, 2), part(out, 1, 2)});
+       })},
+      {"motion_derivatives", "partial derivatives of the twist of a frame and of its rate, a column for each direction",
+       "of V and V' per unit of the direction", {q, v, a, place}, Choice::representation, twist, {nv}, columns,
+       {"dV/dq", "dV/dv", "dV'/dq", "dV'/dv"}, Cost::linear, scratch,
+       call([](auto& m, auto& w, auto& g, auto out) {
+         const auto columns_of = [&](std::size_t k) { return as<Twist<R4, T>>(part(out, k, 4)); };
+         motion_derivatives<R4>(m, w, g.q, g.v, g.a, g.place,
+                                {columns_of(0), columns_of(1), columns_of(2), columns_of(3)});
+       })},
+      {"inverse_dynamics_geometry_derivatives", "partial derivatives of the drive forces by displacements of the joints",
+       "of tau per rad, m", {q, v, a, loads}, Choice::none, number, {nv, n_bodies, six}, rows, {"dtau/dpi"},
+       Cost::quadratic, scratch,
+       call([](auto& m, auto& w, auto& g, auto out) {
+         inverse_dynamics_geometry_derivatives(m, w, g.q, g.v, g.a, out, g.loads);
+       })},
+      {"forward_dynamics_geometry_derivatives", "partial derivatives of the accelerations by displacements of the joints",
+       "of a per rad, m", {q, v, tau, loads}, Choice::none, number, {nv, n_bodies, six}, rows, {"da/dpi"},
+       Cost::quadratic, scratch,
+       call([](auto& m, auto& w, auto& g, auto out) {
+         return forward_dynamics_geometry_derivatives(m, w, g.q, g.v, g.tau, out, g.loads);
+       })},
+      {"inverse_dynamics_geometry_vjp", "gradient of the drive forces weighed with w by displacements of the joints",
+       "of w tau per rad, m", {q, v, a, weights, loads}, Choice::none, number, {n_bodies, six}, rows, {"by pi"},
+       Cost::linear, scratch,
+       call([](auto& m, auto& w, auto& g, auto out) {
+         inverse_dynamics_geometry_vjp(m, w, g.q, g.v, g.a, g.w, out, g.loads);
+       })},
+      {"forward_dynamics_geometry_vjp", "gradient of the accelerations weighed with w by displacements of the joints",
+       "of w a per rad, m", {q, v, tau, weights, loads}, Choice::none, number, {n_bodies, six}, rows, {"by pi"},
+       Cost::linear, scratch,
+       call([](auto& m, auto& w, auto& g, auto out) {
+         return forward_dynamics_geometry_vjp(m, w, g.q, g.v, g.tau, g.w, out, g.loads);
+       })},
+      {"frame_geometry_jacobian", "body-fixed twist of a frame for a unit of displacement of each joint", "rad, m per rad, m",
+       {q, place}, Choice::none, number, {six, n_bodies, six}, rows, {"J"}, Cost::linear, scratch,
+       call([](auto& m, auto& w, auto& g, auto out) { frame_geometry_jacobian(m, w, g.q, g.place, out); })},
+      {"jacobian_geometry_derivatives", "derivatives of the body-fixed Jacobian of a frame by displacements of the joints",
+       "of J per rad, m", {q, place}, Choice::none, twist, {n_bodies, six, nv}, columns, {"dJ/dpi"}, Cost::quadratic, scratch,
+       call([](auto& m, auto& w, auto& g, auto out) {
+         jacobian_geometry_derivatives(m, w, g.q, g.place, as<Twist<BodyFixed, T>>(out));
+       })},
       {"inverse_dynamics_jvp", "what a direction (dq, dv, da) does to the drive forces", forces,
        {q, v, a, dq, dv, da, loads}, Choice::none, number, {nv}, rows, {"dtau"}, Cost::linear, scratch,
        call([](auto& m, auto& w, auto& g, auto out) {

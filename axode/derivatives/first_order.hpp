@@ -35,7 +35,12 @@ template <class T> struct FirstOrder {
   /// The state, up to the effects of all screws.
   template <class Real>
   void run(const Tree<Real>& tree, const T* q, const T* v, const T* a, const Loads<T>& loads) noexcept {
-    screws.run(tree, q, v, a, cast<T>(tree.g));
+    run(tree, q, v, a, loads, cast<T>(tree.g));
+  }
+  template <class Real>
+  void run(const Tree<Real>& tree, const T* q, const T* v, const T* a, const Loads<T>& loads,
+           const Vec3<T>& g) noexcept {
+    screws.run(tree, q, v, a, g);
     if constexpr (std::same_as<Real, T>)
       if (!loads.wrenches.empty()) load(tree, q, loads.wrenches);
     compose(*tree.operator->(), !loads.wrenches.empty());

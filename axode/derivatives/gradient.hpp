@@ -134,10 +134,10 @@ template <class G, class T> struct InverseDynamicsGradient {
   }
   bool loaded = false;  ///< whether there is any n
 
- private:
+  /// g of the bodies behind joint i, after backward(): the gradient with respect to a displacement before the joint.
   template <class S>
-  [[gnu::noinline]] void backward_any(const Tree<S>& tree, int i, const T* v, const T* a, const T* lambda,
-                                      T* by_q, T* by_v, T* by_a) noexcept {
+  Wrench<BodyFixed, T> by_displacement(const Tree<S>& tree, int i, const T* v, const T* a,
+                                       const T* lambda) const noexcept {
     using V6 = Twist<BodyFixed, T>;
     using W6 = Wrench<BodyFixed, T>;
     const Body& b = body[i];
@@ -146,12 +146,20 @@ template <class G, class T> struct InverseDynamicsGradient {
     const V6 V_p = V - V_J, dV_p = dV - ad(V, V_J) - any_joint_twist(tree, i, a),
              L_p = L - any_joint_twist(tree, i, lambda);
     const W6 F{b.m, b.f}, A{b.A_m, b.A_f}, H{b.H, {}}, n{b.n_m, b.n_f};
-    const auto ad_transposed = [](const V6& X, const W6& W) { return T(-1) * coad(X, W); };
-    project_on_any_joint<T>(
-        tree, i,
-        ad_transposed(L_p, F) + ad_transposed(V_p, H + ad_transposed(V_p, A)) + ad_transposed(dV_p, A) + n,
-        by_q);
-    project_on_any_joint<T>(tree, i, H + ad_transposed(V_p + V, A), by_v);
+    return ad_transposed(L_p, F) + ad_transposed(V_p, H + ad_transposed(V_p, A)) + ad_transposed(dV_p, A) + n;
+  }
+
+ private:
+  static Wrench<BodyFixed, T> ad_transposed(const Twist<BodyFixed, T>& X, const Wrench<BodyFixed, T>& W) {
+    return T(-1) * coad(X, W);
+  }
+  template <class S>
+  [[gnu::noinline]] void backward_any(const Tree<S>& tree, int i, const T* v, const T* a, const T* lambda,
+                                      T* by_q, T* by_v, T* by_a) noexcept {
+    const Wrench<BodyFixed, T> A{body[i].A_m, body[i].A_f}, H{body[i].H, {}};
+    const Twist<BodyFixed, T> V{motion[i].w, motion[i].v};
+    project_on_any_joint<T>(tree, i, by_displacement(tree, i, v, a, lambda), by_q);
+    project_on_any_joint<T>(tree, i, H + ad_transposed(V + V - any_joint_twist(tree, i, v), A), by_v);
     project_on_any_joint<T>(tree, i, A, by_a);
   }
 };

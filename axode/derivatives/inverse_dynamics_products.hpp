@@ -1,4 +1,5 @@
 #pragma once
+#include "axode/derivatives/geometric_parameters.hpp"
 #include "axode/derivatives/gradient.hpp"
 #include "axode/derivatives/load_stiffness.hpp"
 #include "axode/derivatives/tangent.hpp"
@@ -17,12 +18,14 @@ template <class T> struct InverseDynamicsJvp {
       : tangent(arena), C(arena), eta(arena.per_body<Twist<BodyFixed, T>>()), out(arena.per_velocity<T>()) {}
 
   /// The result may take the place of an argument.
-  void run(const Tree<T>& tree, const T* q, const T* v, const T* a, const T* dq, const T* dv, const T* da,
+  template <class Real>
+  void run(const Tree<Real>& tree, const T* q, const T* v, const T* a, const T* dq, const T* dv, const T* da,
            const Loads<T>& loads, T* dtau) noexcept {
-    tangent.forward(tree, q, v, a, dq, dv, da, tree.g);
-    if (!loads.wrenches.empty()) load(tree, q, dq, loads.wrenches);
+    tangent.forward(tree, q, v, a, dq, dv, da, cast<T>(tree.g));
+    if constexpr (std::same_as<Real, T>)
+      if (!loads.wrenches.empty()) load(tree, q, dq, loads.wrenches);
     for (int c = 0; c < tree->nv; ++c)
-      out[c] = tree.armature[c] * da[c] + (loads.joint_losses ? tree.damping[c] * dv[c] : T(0));
+      out[c] = T(tree.armature[c]) * da[c] + (loads.joint_losses ? T(tree.damping[c]) * dv[c] : T(0));
     tangent.backward(tree, dq, out);
     for (int c = 0; c < tree->nv; ++c) dtau[c] = out[c];
   }
@@ -58,17 +61,36 @@ template <class T> struct InverseDynamicsVjp {
         by_v(arena.per_velocity<T>()),
         by_a(arena.per_velocity<T>()) {}
 
-  void run(const Tree<T>& tree, const T* q, const T* v, const T* a, const T* lambda,
+  template <class Real>
+  void run(const Tree<Real>& tree, const T* q, const T* v, const T* a, const T* lambda,
            const Loads<T>& loads) noexcept {
-    gradient.forward(tree, q, v, a, lambda, tree.g);
+    run(tree, q, v, a, lambda, loads, cast<T>(tree.g));
+  }
+  template <class Real>
+  void run(const Tree<Real>& tree, const T* q, const T* v, const T* a, const T* lambda, const Loads<T>& loads,
+           const Vec3<T>& g) noexcept {
+    gradient.forward(tree, q, v, a, lambda, g);
     gradient.loaded = !loads.wrenches.empty();
-    if (gradient.loaded) load(tree, q, loads.wrenches);
+    if constexpr (std::same_as<Real, T>)
+      if (gradient.loaded) load(tree, q, loads.wrenches);
     for (int c = 0; c < tree->nv; ++c) {
       by_q[c] = T(0);
-      by_v[c] = loads.joint_losses ? tree.damping[c] * lambda[c] : T(0);
-      by_a[c] = tree.armature[c] * lambda[c];
+      by_v[c] = loads.joint_losses ? T(tree.damping[c]) * lambda[c] : T(0);
+      by_a[c] = T(tree.armature[c]) * lambda[c];
     }
     gradient.backward(tree, v, a, lambda, by_q, by_v, by_a);
+  }
+
+  /// f(i, u, derivative) with respect to the geometric parameters of all bodies, after run().
+  template <class F>
+  void each_parameter(const Tree<T>& tree, const T* q, const T* v, const T* a, const T* lambda,
+                      const F& f) const noexcept {
+    for (int i = 1; i <= tree->n; ++i) {
+      const Wrench<BodyFixed, T> g = gradient.by_displacement(tree, i, v, a, lambda);
+      each_unit_screw(frame_at_zero(tree, i, q), [&](int u, const Screw<T>& X) {
+        f(i, u, g | Twist<BodyFixed, T>{X.w, X.v});
+      });
+    }
   }
 
  private:

@@ -85,13 +85,7 @@ Solvability forward_dynamics_vjp(const Model& model, Workspace<T>& workspace, Nu
   ForwardVjp<T> s(arena);
   const Tree<T>& tree = model.tree<T>();
   const int nv = tree->nv;
-  const Solvability verdict = s.forward.run(tree, q.data(), v.data(), tau.data(), loads);
-  if (verdict.ok()) {
-    std::copy_n(w.data(), nv, s.mu);
-    s.forward.solve_one(tree, s.mu);
-    s.vjp.run(tree, q.data(), v.data(), s.forward.a, s.mu, loads);
-    for (int c = 0; c < nv; ++c) s.vjp.by_q[c] = -s.vjp.by_q[c], s.vjp.by_v[c] = -s.vjp.by_v[c];
-  }
+  const Solvability verdict = s.run(tree, q.data(), v.data(), tau.data(), w.data(), loads);
   std::copy_n(s.vjp.by_q, nv, gradient.q.data());
   std::copy_n(s.vjp.by_v, nv, gradient.v.data());
   std::copy_n(s.mu, nv, gradient.tau.data());

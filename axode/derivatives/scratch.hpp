@@ -1,6 +1,7 @@
 #pragma once
 #include "axode/derivatives/accelerations.hpp"
 #include "axode/derivatives/forward_second_order.hpp"
+#include "axode/derivatives/geometry.hpp"
 #include "axode/derivatives/inverse_dynamics_products.hpp"
 
 /// What the functions of this floor take of a workspace, besides the kernels themselves.
@@ -20,6 +21,47 @@ template <class T> struct ForwardVjp {
   T* mu;
 
   explicit ForwardVjp(Arena& arena) : forward(arena), vjp(arena), mu(arena.per_velocity<T>()) {}
+
+  /// The gradient of -μ·τ of inverse dynamics at the accelerations, with μ = M⁻¹ w.
+  Solvability run(const Tree<T>& tree, const T* q, const T* v, const T* tau, const T* w,
+                  const Loads<T>& loads) noexcept {
+    const Solvability verdict = forward.run(tree, q, v, tau, loads);
+    if (!verdict.ok()) return verdict;
+    std::copy_n(w, tree->nv, mu);
+    forward.solve_one(tree, mu);
+    vjp.run(tree, q, v, forward.a, mu, loads);
+    for (int c = 0; c < tree->nv; ++c) vjp.by_q[c] = -vjp.by_q[c], vjp.by_v[c] = -vjp.by_v[c];
+    return verdict;
+  }
+};
+
+/// The derivatives of one term of the equations of motion: what is left where all else is zero.
+template <class T> struct TermDerivatives {
+  FirstOrder<T> state;
+  T* zero;
+
+  explicit TermDerivatives(Arena& arena) : state(arena), zero(arena.per_velocity<T>()) {}
+
+  /// At velocities v, or at rest. ∂/∂v is left out where there is no place for it.
+  void run(const Tree<T>& tree, const T* q, const T* v, const Loads<T>& loads, const Vec3<T>& g, T* dq,
+           T* dv) noexcept {
+    std::fill_n(zero, tree->nv, T(0));
+    state.run(tree, q, v ? v : zero, zero, loads, g);
+    const std::ptrdiff_t nv = tree->nv;
+    const auto add_to = [nv](T* matrix) {
+      if (matrix) std::fill_n(matrix, nv * nv, T(0));
+      return [matrix, nv](std::ptrdiff_t r, std::ptrdiff_t c, const T& x) {
+        if (matrix) matrix[r * nv + c] += x;
+      };
+    };
+    state.each_entry(tree, loads, add_to(dq), add_to(dv));
+  }
+};
+template <class T> struct EnergyGradient {
+  InverseDynamicsVjp<T> vjp;
+  T* zero;
+
+  explicit EnergyGradient(Arena& arena) : vjp(arena), zero(arena.per_velocity<T>()) {}
 };
 
 /// A Hessian for each component.

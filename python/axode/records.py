@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 __all__ = ["ForwardDynamicsDerivatives", "ForwardDynamicsHessian", "InverseDynamicsDerivatives",
-           "InverseDynamicsHessian", "InverseKinematics", "Load", "Target"]
+           "InverseDynamicsHessian", "InverseKinematics", "Load", "MotionDerivatives", "StateDerivatives", "Target"]
 
 Representation = Literal["body", "spatial", "hybrid", "mixed"]
 
@@ -76,6 +76,22 @@ class ForwardDynamicsDerivatives(NamedTuple):
     q: NDArray[np.float64]
     v: NDArray[np.float64]
     tau: NDArray[np.float64]
+
+
+class StateDerivatives(NamedTuple):
+    """Derivatives by configuration and velocities."""
+
+    q: NDArray[np.float64]
+    v: NDArray[np.float64]
+
+
+class MotionDerivatives(NamedTuple):
+    """Derivatives of a twist V and of its rate dV by configuration and velocities, a column for each direction."""
+
+    V_q: NDArray[np.float64]
+    V_v: NDArray[np.float64]
+    dV_q: NDArray[np.float64]
+    dV_v: NDArray[np.float64]
 
 
 class InverseDynamicsHessian(NamedTuple):

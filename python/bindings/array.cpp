@@ -144,7 +144,7 @@ Array NewArray::transposed() {
   return {std::move(view)};
 }
 
-Array NewArray::part(nb::ssize_t k, int axes) const {
+Array NewArray::part(nb::ssize_t k, int axes, bool columns) const {
   const PyArrayObject* all = as_array(array_.ptr());
   const int axis = PyArray_NDIM(all) - axes - 1;
   Shape shape{};
@@ -157,7 +157,7 @@ Array NewArray::part(nb::ssize_t k, int axes) const {
   NewArray one(shape);
   for (nb::ssize_t o = 0; o < outer; ++o)
     std::copy_n(data_ + (o * PyArray_DIM(all, axis) + k) * inner, inner, one.data() + o * inner);
-  return one.array();
+  return columns ? one.transposed() : one.array();
 }
 
 double number(const std::string& name, nb::handle given) {

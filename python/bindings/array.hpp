@@ -79,8 +79,8 @@ class NewArray {
   Array array();  ///< a number where there are no axes
   /// The last two axes exchanged: what was written column by column, as a matrix.
   Array transposed();
-  /// Entry k along the axis before the last `axes`, in an array of its own.
-  Array part(nb::ssize_t k, int axes) const;
+  /// Entry k along the axis before the last `axes`, in an array of its own; transposed where its entries are columns.
+  Array part(nb::ssize_t k, int axes, bool columns = false) const;
 
  private:
   nb::object array_;

@@ -139,6 +139,130 @@ Entries as in `inverse_dynamics_second_derivatives`. O(n^3 d). SingularError whe
 >>> np.allclose(np.tensordot(w, second.vv, 1), axode.forward_dynamics_hessian(arm, q, v, tau, w).vv)
 True
 )");
+  functions.of<&A::q>("gravity_derivatives", nullptr, R"(
+The partial derivatives of `gravity_torques`, (nv, nv) or (N, nv, nv), [component, direction]. O(n d).
+
+>>> q, v = np.full(7, 0.3), np.ones(7)
+>>> step = 1e-5 * v
+>>> difference = axode.gravity_torques(arm, q + step) - axode.gravity_torques(arm, q - step)
+>>> np.allclose(2 * axode.gravity_derivatives(arm, q) @ step, difference, atol=1e-12)
+True
+)");
+  functions.of<&A::q, &A::v>("coriolis_derivatives", "StateDerivatives", R"(
+(q, v): the partial derivatives of `coriolis_vector`, matrices (nv, nv) or (N, nv, nv), [component, direction]. O(n d).
+
+>>> q, v = np.full(7, 0.3), np.ones(7)
+>>> d = axode.coriolis_derivatives(arm, q, v)
+>>> np.allclose(d.v @ v, 2 * axode.coriolis_vector(arm, q, v))
+True
+)");
+  functions.of_loaded<&A::q, &A::v>("generalized_load_derivatives", "StateDerivatives", R"(
+(q, v): the partial derivatives of `generalized_loads`, matrices (nv, nv) or (N, nv, nv), [component, direction]. O(n d).
+
+By v there is damping alone. By a component of a load the forces have the derivative J^T, see `jacobian`, and accelerations
+M^-1 J^T, see `impulse_response`.
+
+>>> weight = axode.Load(frame="flange", representation="hybrid", wrench=[0, 0, 0, 0, 0, -50])
+>>> axode.generalized_load_derivatives(arm, np.zeros(7), np.zeros(7), [weight]).q[1, 1].round(3)
+np.float64(47.3)
+)");
+  functions.of<&A::q, &A::v>("kinetic_energy_gradient", "StateDerivatives", R"(
+(q, v): the gradient of `kinetic_energy`, (nv,) or (N, nv) each; by v these are the momenta. O(n).
+
+>>> q, v = np.full(7, 0.3), np.ones(7)
+>>> np.allclose(axode.kinetic_energy_gradient(arm, q, v).v, axode.momenta(arm, q, v))
+True
+)");
+  functions.of_loaded<&A::q, &A::v, &A::a>("inverse_dynamics_geometry_derivatives", nullptr, R"(
+The partial derivatives of `inverse_dynamics` by geometric parameters: (nv, n_bodies, 6) or (N, nv, n_bodies, 6).
+
+Entry [:, i, u] belongs to the u-th unit screw (angular x y z, linear x y z) in the frame that body i of `m.body_names` has
+while its joint is at zero: all that the joint moves is displaced along it, before the joint moves it. Inertias, the joint's own
+screw and the components of loads keep their numbers. O(n d).
+
+>>> q, v, a, w = np.full(7, 0.3), np.ones(7), np.zeros(7), np.arange(7.0)
+>>> d = axode.inverse_dynamics_geometry_derivatives(arm, q, v, a)
+>>> d.shape
+(7, 7, 6)
+)");
+  functions.of_loaded<&A::q, &A::v, &A::tau>("forward_dynamics_geometry_derivatives", nullptr, R"(
+The partial derivatives of `forward_dynamics` by geometric parameters: (nv, n_bodies, 6) or (N, nv, n_bodies, 6).
+
+Parameters as in `inverse_dynamics_geometry_derivatives`. O(n) for each. SingularError where M is singular.
+
+>>> q, v, tau, w = np.full(7, 0.3), np.ones(7), np.zeros(7), np.arange(7.0)
+>>> a = axode.forward_dynamics(arm, q, v, tau)
+>>> d = axode.inverse_dynamics_geometry_derivatives(arm, q, v, a)
+>>> forward = axode.forward_dynamics_geometry_derivatives(arm, q, v, tau)
+>>> np.allclose(np.tensordot(axode.mass_matrix(arm, q), forward, 1), -d)
+True
+)");
+  functions.of_loaded<&A::q, &A::v, &A::a, &A::w>("inverse_dynamics_geometry_vjp", nullptr, R"(
+The gradient of w . tau of `inverse_dynamics` by geometric parameters: (n_bodies, 6) or (N, n_bodies, 6). O(n).
+
+>>> q, v, a, w = np.full(7, 0.3), np.ones(7), np.zeros(7), np.arange(7.0)
+>>> d = axode.inverse_dynamics_geometry_derivatives(arm, q, v, a)
+>>> np.allclose(axode.inverse_dynamics_geometry_vjp(arm, q, v, a, w), np.tensordot(w, d, 1))
+True
+)");
+  functions.of_loaded<&A::q, &A::v, &A::tau, &A::w>("forward_dynamics_geometry_vjp", nullptr, R"(
+The gradient of w . a of `forward_dynamics` by geometric parameters: (n_bodies, 6) or (N, n_bodies, 6). O(n).
+
+SingularError where M is singular.
+
+>>> q, v, tau, w = np.full(7, 0.3), np.ones(7), np.zeros(7), np.arange(7.0)
+>>> d = axode.forward_dynamics_geometry_derivatives(arm, q, v, tau)
+>>> np.allclose(axode.forward_dynamics_geometry_vjp(arm, q, v, tau, w), np.tensordot(w, d, 1))
+True
+)");
+  functions.of_q_frame("frame_geometry_jacobian", R"(
+How a frame is displaced by geometric parameters: body-fixed twists, (6, n_bodies, 6) or (N, 6, n_bodies, 6).
+
+Entry [:, i, u] is C^-1 dC by parameter u of body i, see `inverse_dynamics_geometry_derivatives`; 0 for bodies that do not carry
+the frame. `offset` is a point (3,) or pose (4, 4) in it. O(d).
+
+>>> J = axode.frame_geometry_jacobian(arm, np.full(7, 0.3), "flange")
+>>> J.shape
+(6, 7, 6)
+)");
+  functions.of_q_frame("jacobian_geometry_derivatives", R"(
+The derivatives of a frame's body-fixed `jacobian` by geometric parameters: (n_bodies, 6, 6, nv), or with N in front.
+
+Entry [i, u] is the matrix for parameter u of body i, see `frame_geometry_jacobian`. O(d^2).
+
+>>> axode.jacobian_geometry_derivatives(arm, np.full(7, 0.3), "flange").shape
+(7, 6, 6, 7)
+)");
+  module.def(
+      "motion_derivatives",
+      [f = StateFunction("motion_derivatives")](const BoundModel& m, ArrayLike q, ArrayLike v, ArrayLike a,
+                                                FrameName frame, Representation representation,
+                                                ArrayLike offset, int threads) {
+        return f.named("MotionDerivatives", m,
+                       {.q = q,
+                        .v = v,
+                        .a = a,
+                        .algorithm = {representation},
+                        .place = place(m, frame, offset),
+                        .threads = threads});
+      },
+      "m"_a, "q"_a, "v"_a, "a"_a, "frame"_a, "representation"_a = "body", nb::kw_only(),
+      "offset"_a = nb::none(), "threads"_a = 1,
+      nb::sig("def motion_derivatives(m: Model, q: numpy.typing.ArrayLike, v: numpy.typing.ArrayLike, "
+              "a: numpy.typing.ArrayLike, frame: str | int, "
+              "representation: typing.Literal['body', 'spatial', 'hybrid', 'mixed'] = 'body', *, "
+              "offset: numpy.typing.ArrayLike | None = None, threads: int = 1) -> axode.MotionDerivatives"),
+      R"(
+(V_q, V_v, dV_q, dV_v): partial derivatives of a frame's twist and of its rate, (6, nv) or (N, 6, nv) each.
+
+V is an entry of `twists`, dV one of `accelerations`, in the same representation. V_v, which is the derivative of dV by a as
+well, is the Jacobian. O(n).
+
+>>> q, v, a = np.full(7, 0.3), np.ones(7), np.zeros(7)
+>>> d = axode.motion_derivatives(arm, q, v, a, "flange", "hybrid")
+>>> np.allclose(d.V_v, axode.jacobian(arm, q, "flange", "hybrid"))
+True
+)");
   module.def(
       "inverse_dynamics_rates", &inverse_dynamics_rates_of, "m"_a, "q"_a, "v"_a, "a"_a, "more"_a,
       "loads"_a = nb::none(), "joint_losses"_a = false, "threads"_a = 1,

@@ -72,6 +72,32 @@ StateFunction::InLanes StateFunction::in_lanes(std::string_view name) {
        [](const Model& m, const G& g, Out a, int threads, const M& monitor) {
          return batch::forward_dynamics<double>(m, g.q, g.v, g.tau, a, threads, monitor);
        }},
+      {"inverse_dynamics_derivatives",
+       [](const Model& m, const G& g, Out dtau, int threads, const M& monitor) {
+         return done(batch::inverse_dynamics_derivatives<double>(m, g.q, g.v, g.a, dtau, threads, monitor));
+       }},
+      {"forward_dynamics_derivatives",
+       [](const Model& m, const G& g, Out da, int threads, const M& monitor) {
+         return batch::forward_dynamics_derivatives<double>(m, g.q, g.v, g.tau, da, threads, monitor);
+       }},
+      {"inverse_dynamics_jvp",
+       [](const Model& m, const G& g, Out dtau, int threads, const M& monitor) {
+         return done(batch::inverse_dynamics_jvp<double>(m, g.q, g.v, g.a, g.dq, g.dv, g.da, dtau, threads,
+                                                         monitor));
+       }},
+      {"forward_dynamics_jvp",
+       [](const Model& m, const G& g, Out da, int threads, const M& monitor) {
+         return batch::forward_dynamics_jvp<double>(m, g.q, g.v, g.tau, g.dq, g.dv, g.dtau, da, threads,
+                                                    monitor);
+       }},
+      {"inverse_dynamics_vjp",
+       [](const Model& m, const G& g, Out gradient, int threads, const M& monitor) {
+         return done(batch::inverse_dynamics_vjp<double>(m, g.q, g.v, g.a, g.w, gradient, threads, monitor));
+       }},
+      {"forward_dynamics_vjp",
+       [](const Model& m, const G& g, Out gradient, int threads, const M& monitor) {
+         return batch::forward_dynamics_vjp<double>(m, g.q, g.v, g.tau, g.w, gradient, threads, monitor);
+       }},
       {"mass_matrix",
        [](const Model& m, const G& g, Out M_of_q, int threads, const M& monitor) {
          return done(batch::mass_matrix<double>(m, g.q, M_of_q, threads, monitor));
@@ -151,6 +177,8 @@ NewArray StateFunction::run(const BoundModel& m, const Arguments& given, const R
     if (v) all.v = v->all();
     if (a) all.a = a->all();
     if (tau) all.tau = tau->all();
+    for (std::size_t d = 0; d < directions.size(); ++d)
+      catalog::numbers(all, directions_[d].first) = directions[d].all();
     const batch::Outcome outcome = states.unlocked(cost, [&](const batch::Monitor& monitor) {
       return in_lanes_(*m, all, out.all().first(states.count() * size), given.threads, monitor);
     });
@@ -206,8 +234,9 @@ nb::object StateFunction::named(const char* type, const BoundModel& m, const Arg
   const Row& called = row(given.algorithm);
   NewArray out = run(m, given, called);
   nb::list parts;
+  const int axes = static_cast<int>(called.shape.size()) + axes_of(called.entry).axes;
   for (std::size_t k = 0; k < called.symbols.size(); ++k)
-    parts.append(nb::cast(out.part(static_cast<nb::ssize_t>(k), static_cast<int>(called.shape.size()))));
+    parts.append(nb::cast(out.part(static_cast<nb::ssize_t>(k), axes, called.columns)));
   return nb::module_::import_("axode.records").attr(type)(*parts);
 }
 
@@ -285,6 +314,15 @@ void StateFunctions::of_q_v_at(const char* name, const char* doc) const {
       },
       "m"_a, "q"_a, "v"_a, "frame"_a, "representation"_a = "body", nb::kw_only(), "offset"_a = nb::none(),
       "threads"_a = 1, doc);
+}
+void StateFunctions::of_q_frame(const char* name, const char* doc) const {
+  module_.def(
+      name,
+      [f = StateFunction(name)](const BoundModel& m, ArrayLike q, FrameName frame, ArrayLike offset,
+                                int threads) {
+        return f(m, {.q = q, .place = place(m, frame, offset), .threads = threads});
+      },
+      "m"_a, "q"_a, "frame"_a, nb::kw_only(), "offset"_a = nb::none(), "threads"_a = 1, doc);
 }
 void StateFunctions::of_q_by(const char* name, const char* doc) const {
   module_.def(

@@ -80,6 +80,8 @@ class StateFunctions {
   /// With the frame that the result is about, and its representation.
   void of_q_at(const char* name, const char* doc) const;
   void of_q_v_at(const char* name, const char* doc) const;
+  /// With a frame.
+  void of_q_frame(const char* name, const char* doc) const;
   /// With the recursion to run.
   void of_q_by(const char* name, const char* doc) const;
   /// With loads, and several results in a type of axode.records; nullptr for one result.

@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 
+#include "axode/derivatives.hpp"
 #include "tests/laws/law.hpp"
 #include "tests/support/refused_arguments.hpp"
 
@@ -111,6 +112,78 @@ TYPED_TEST(ManyStates, GiveWhatTheyGiveOneByOne) {
   });
   EXPECT_GE(singular, (singular + regular) / 20);
   EXPECT_GE(regular, (singular + regular) / 20);
+}
+
+TYPED_TEST(ManyStates, HaveTheDerivativesThatTheyHaveOneByOne) {
+  using T = TypeParam;
+  Comparison inverse("inverse", agreement<T>), forward("forward", agreement<T>);
+  int regular = 0;
+  for_seeds(100, [&](std::uint64_t seed) {
+    Random<double> random(seed);
+    const States<T> states(tree(random), random, some_number(seed));
+    const Model& model = states.model;
+    const std::size_t N = states.N, nv = states.nv;
+    const std::vector<T>&q = states.q, &v = states.v, &x = states.x;
+    std::vector<T> w(x);  // another direction
+    for (std::size_t k = 0; k < w.size(); ++k) w[k] = x[(k + 1) % w.size()] + T(0.25) * v[k];
+    std::vector<T> dtau(3 * N * nv * nv), da(dtau), jvp(N * nv), forward_jvp(jvp), vjp(3 * N * nv),
+        forward_vjp(vjp);
+    EXPECT_EQ(batch::inverse_dynamics_derivatives<T>(model, q, v, x, dtau), N);
+    EXPECT_EQ(batch::inverse_dynamics_jvp<T>(model, q, v, x, w, x, v, jvp), N);
+    EXPECT_EQ(batch::inverse_dynamics_vjp<T>(model, q, v, x, w, vjp), N);
+    const batch::Outcome solved[]{batch::forward_dynamics_derivatives<T>(model, q, v, x, da),
+                                  batch::forward_dynamics_jvp<T>(model, q, v, x, w, x, v, forward_jvp),
+                                  batch::forward_dynamics_vjp<T>(model, q, v, x, w, forward_vjp)};
+    Workspace<T> workspace(model);
+    std::size_t singular_states = 0;
+    for (std::size_t k = 0; k < N; ++k) {
+      const std::vector<T> w_k = part(w, k, nv);
+      const std::span<const T> q_k = states.q_of(k), v_k = states.v_of(k), x_k = states.x_of(k);
+      std::vector<T> matrices(3 * nv * nv), vectors(3 * nv), one(nv);
+      const auto third = [](std::vector<T>& all, std::size_t j) {
+        return std::span(all).subspan(j * all.size() / 3, all.size() / 3);
+      };
+      const auto of = [&](std::vector<T>& all) {
+        return std::array{third(all, 0), third(all, 1), third(all, 2)};
+      };
+      const auto [m_q, m_v, m_a] = of(matrices);
+      const auto [by_q, by_v, by_a] = of(vectors);
+      inverse_dynamics_derivatives(model, workspace, q_k, v_k, x_k, {m_q, m_v, m_a});
+      inverse.expect_equal(part(dtau, k, 3 * nv * nv), matrices);
+      const double scale = std::max(largest(std::vector<double>(matrices.begin(), matrices.end())), 1e-6);
+      inverse_dynamics_jvp<T>(model, workspace, q_k, v_k, x_k, w_k, x_k, v_k, one);
+      inverse.expect_equal(part(jvp, k, nv), one, scale);
+      inverse_dynamics_vjp<T>(model, workspace, q_k, v_k, x_k, w_k, {by_q, by_v, by_a});
+      inverse.expect_equal(part(vjp, k, 3 * nv), vectors, scale);
+      if (!forward_dynamics_derivatives(model, workspace, q_k, v_k, x_k, {m_q, m_v, m_a}).ok()) {
+        ++singular_states;
+        EXPECT_TRUE(std::isnan(da[k * 3 * nv * nv]) && std::isnan(forward_jvp[k * nv]) &&
+                    std::isnan(forward_vjp[k * 3 * nv]));
+        continue;
+      }
+      ++regular;
+      if (std::same_as<T, float>) continue;  // M may be too ill-conditioned to compare
+      std::vector<T> M(nv * nv);
+      mass_matrix(model, workspace, q_k, M);
+      const auto by_mass = [&](std::vector<T> all,
+                               std::size_t columns) {  // the forces that make the accelerations
+        std::vector<T> out(all.size());
+        for (std::size_t r = 0; r < nv; ++r)
+          for (std::size_t c = 0; c < columns; ++c)
+            for (std::size_t i = 0; i < nv; ++i) out[r * columns + c] += M[r * nv + i] * all[i * columns + c];
+        return out;
+      };
+      for (std::size_t j = 0; j < 3; ++j) {
+        const std::vector<T> here = part(part(da, k, 3 * nv * nv), j, nv * nv),
+                             alone = part(matrices, j, nv * nv);
+        forward.expect_equal(by_mass(here, nv), by_mass(alone, nv), scale);
+      }
+      EXPECT_TRUE(forward_dynamics_jvp<T>(model, workspace, q_k, v_k, x_k, w_k, x_k, v_k, one).ok());
+      forward.expect_equal(by_mass(part(forward_jvp, k, nv), 1), by_mass(one, 1), scale);
+    }
+    for (const batch::Outcome& outcome : solved) EXPECT_EQ(outcome.singular_states, singular_states);
+  });
+  EXPECT_GT(regular, 0);
 }
 
 TYPED_TEST(ManyStates, DependOnNeitherTheirPlaceNorTheThreads) {

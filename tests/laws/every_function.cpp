@@ -168,11 +168,11 @@ TEST_P(EveryFunction, NotFiniteIsSaid) {
   const TreeRecipe recipe{.most_bodies = 8, .always_mass = true, .one_free_root = true};
   for_functions(GetParam(), 50, recipe, [&]<class T>(Calls<T>& calls, const Function<T>& function) {
     if (!solves(function.name)) return;
-    const auto check = [&](const Outcome<T>& outcome) {
+    const auto check = [&](const Outcome<T>& outcome, const auto&... where) {
       if (!outcome.refusal.empty()) return;
       const bool finite =
           std::all_of(outcome.numbers.begin(), outcome.numbers.end(), [](T x) { return std::isfinite(x); });
-      EXPECT_TRUE(finite || !outcome.solvability.ok());
+      EXPECT_TRUE((finite || !outcome.solvability.ok())) << testing::PrintToString(std::tuple(where...));
       ++(outcome.solvability.ok() ? well : said);
     };
     check(calls.call(function));
@@ -185,9 +185,8 @@ TEST_P(EveryFunction, NotFiniteIsSaid) {
       argument = numbers;
       for (T& x : numbers)
         for (const T wrong : {nan, infinity, huge}) {
-          SCOPED_TRACE(std::string(to_string(input)) + " has " + std::to_string(wrong));
           const T right = std::exchange(x, wrong);
-          check(calls.call(function, given));
+          check(calls.call(function, given), to_string(input), "has", wrong);
           x = right;
         }
     }

@@ -80,10 +80,25 @@ for name in ["inverse_dynamics", "forward_dynamics"]:
         f"{name}_hessian": lambda m, q, v, a, name=name: np.stack(getattr(axode, f"{name}_hessian")(
             m, q, v, a, v - a, load_on(m, q)), axis=-3),
     }
+    CALLS |= {
+        f"{name}_geometry_derivatives": lambda m, q, v, a, name=name: getattr(axode, f"{name}_geometry_derivatives")(
+            m, q, v, a, load_on(m, q)),
+        f"{name}_geometry_vjp": lambda m, q, v, a, name=name: getattr(axode, f"{name}_geometry_vjp")(
+            m, q, v, a, v - a, load_on(m, q)),
+    }
     CALLS[f"{name}_second_derivatives"] = lambda m, q, v, a, name=name: np.stack(
         getattr(axode, f"{name}_second_derivatives")(m, q, v, a), axis=-4)
 CALLS["inverse_dynamics_rates"] = lambda m, q, v, a: np.stack(axode.inverse_dynamics_rates(
     m, q, v, a, v, v * a, loads=load_on(m, q)), axis=-2)
+CALLS |= {
+    "gravity_derivatives": lambda m, q, v, a: axode.gravity_derivatives(m, q),
+    "coriolis_derivatives": lambda m, q, v, a: np.stack(axode.coriolis_derivatives(m, q, v), axis=-3),
+    "generalized_load_derivatives": lambda m, q, v, a: np.stack(axode.generalized_load_derivatives(
+        m, q, v, load_on(m, q), joint_losses=True), axis=-3),
+    "kinetic_energy_gradient": lambda m, q, v, a: np.stack(axode.kinetic_energy_gradient(m, q, v), axis=-2),
+    "frame_geometry_jacobian": lambda m, q, v, a: axode.frame_geometry_jacobian(m, q, tool(m)),
+    "jacobian_geometry_derivatives": lambda m, q, v, a: axode.jacobian_geometry_derivatives(m, q, tool(m)),
+}
 for form in ["paper", "skew", "spatial", "christoffel"]:
     CALLS[f"coriolis_matrix {form}"] = lambda m, q, v, a, form=form: axode.coriolis_matrix(m, q, v, form)
 for rep in REPRESENTATIONS:
@@ -112,6 +127,8 @@ for rep in REPRESENTATIONS:
         f"operational_space_inertia {rep}": lambda m, q, v, a, rep=rep: axode.operational_space_inertia(
             m, q, tool(m), rep),
         f"body_momenta {rep}": lambda m, q, v, a, rep=rep: axode.body_momenta(m, q, v, rep),
+        f"motion_derivatives {rep}": lambda m, q, v, a, rep=rep: np.stack(axode.motion_derivatives(
+            m, q, v, a, tool(m), rep), axis=-3),
         f"twist_form {rep}": lambda m, q, v, a, rep=rep: axode.twist_form(
             m, q, bodies_of(m, axode.twists(m, q, v, rep)), a, rep)[1],
     }

@@ -1,8 +1,10 @@
 #include "axode/derivatives.hpp"
 #include "axode/catalog.hpp"
+#include "axode/lie/six.hpp"
 #include "tests/vectors/reference_state.hpp"
 
-/// First and second derivatives of inverse and forward dynamics of every reference system, with and without loads.
+/// Derivatives of every reference system: first and second ones of dynamics with and without loads, in time, in geometry, of
+/// terms and of the motion of bodies.
 namespace axode::test {
 namespace {
 
@@ -195,6 +197,102 @@ TEST_P(ReferenceDerivatives, SecondOrderOfEveryComponent) {
   const auto of_a = at.call("forward_dynamics_second_derivatives", {.v = v, .tau = tau}, false, 3);
   for (const char* const key : {"d2a_dqdq", "d2a_dqdv", "d2a_dvdv", "d2a_dtaudq"})
     forward.expect_equal(of_a[k++], numbers(at.expected(false, "forward", key)));
+}
+
+TEST_P(ReferenceDerivatives, InGeometry) {
+  DerivativeState at(GetParam());
+  const std::vector<double> v = at.velocities("v"), a = at.velocities("a"), tau = at.velocities("tau");
+  const std::size_t n = static_cast<std::size_t>(at.model.n_bodies());
+  Workspace<> workspace(at.model);
+  Comparison inverse("inverse", bound), forward("forward", bound), leaves("displacements of leaves", bound),
+      jacobian("Jacobian", bound);
+  const auto body = [&](std::size_t i) { return ReferenceSystem::frame(at.model, static_cast<int>(i)); };
+  for (const bool loaded : {true, false}) {
+    Loads<> loads;
+    if (loaded) loads.wrenches = at.wrenches;
+    std::vector<double> dtau(at.nv() * n * 6), da(dtau);
+    inverse_dynamics_geometry_derivatives(at.model, workspace, at.q, v, a, dtau, loads);
+    EXPECT_TRUE(forward_dynamics_geometry_derivatives(at.model, workspace, at.q, v, tau, da, loads).ok());
+    const auto in_file_order = [&](const std::vector<double>& x) {
+      std::vector<double> out;
+      for (std::size_t i = 1; i <= n; ++i)
+        for (const std::size_t row : at.place)
+          for (std::size_t u = 0; u < 6; ++u)
+            out.push_back(x[(row * n + static_cast<std::size_t>(body(i)) - 1) * 6 + u]);
+      return out;
+    };
+    inverse.expect_equal(in_file_order(dtau), numbers(at.expected(loaded, "geometric", "dtau_dpi")));
+    forward.expect_equal(in_file_order(da), numbers(at.expected(loaded, "geometric", "da_dpi")));
+  }
+  const std::vector<double> leaf_bodies = numbers(at.file.at("leaf_bodies"));
+  for (std::size_t leaf = 0; leaf < leaf_bodies.size(); ++leaf) {
+    std::vector<double> J(6 * n * 6), found;
+    frame_geometry_jacobian<double>(at.model, workspace, at.q,
+                                    body(static_cast<std::size_t>(leaf_bodies[leaf])), J);
+    for (std::size_t i = 1; i <= n; ++i)
+      for (std::size_t row = 0; row < 6; ++row)
+        for (std::size_t u = 0; u < 6; ++u)
+          found.push_back(J[(row * n + static_cast<std::size_t>(body(i)) - 1) * 6 + u]);
+    leaves.expect_equal(found, numbers(at.file.at("leaf_displacement_dpi").at(leaf)));
+  }
+  std::vector<Twist<BodyFixed>> dJ(n * 6 * at.nv());
+  jacobian_geometry_derivatives<double>(at.model, workspace, at.q, body(n), dJ);
+  std::vector<double> found;
+  for (std::size_t i = 1; i <= n; ++i)
+    for (std::size_t u = 0; u < 6; ++u)
+      for (int row = 0; row < 6; ++row)
+        for (const std::size_t k : at.place)
+          found.push_back(entry(dJ[((static_cast<std::size_t>(body(i)) - 1) * 6 + u) * at.nv() + k], row));
+  jacobian.expect_equal(found, numbers(at.file.at("last_body_jacobian_dpi")));
+}
+
+TEST_P(ReferenceDerivatives, OfTerms) {
+  DerivativeState at(GetParam());
+  const std::vector<double> v = at.velocities("v");
+  Comparison terms("terms", bound);
+  const Json& expected = at.file.at("terms");
+  terms.expect_equal(at.call("gravity_derivatives", {}, false, 2)[0], numbers(expected.at("dgravity_dq")));
+  const auto coriolis = at.call("coriolis_derivatives", {.v = v}, false, 2);
+  terms.expect_equal(coriolis[0], numbers(expected.at("dcoriolis_dq")));
+  terms.expect_equal(coriolis[1], numbers(expected.at("dcoriolis_dv")));
+  terms.expect_equal(at.call("generalized_load_derivatives", {.v = v}, true, 2)[0],
+                     numbers(expected.at("dapplied_dq")));
+}
+
+template <class Rep> const char* key_of();
+template <> const char* key_of<BodyFixed>() { return "b"; }
+template <> const char* key_of<Spatial>() { return "s"; }
+template <> const char* key_of<Hybrid>() { return "h"; }
+template <> const char* key_of<Mixed>() { return "m"; }
+
+TEST_P(ReferenceDerivatives, OfTheMotionOfLeaves) {
+  DerivativeState at(GetParam());
+  const std::vector<double> v = at.velocities("v"), a = at.velocities("a");
+  const std::vector<double> leaf_bodies = numbers(at.file.at("leaf_bodies"));
+  Workspace<> workspace(at.model);
+  Comparison motion("motion", bound);
+  for (std::size_t leaf = 0; leaf < leaf_bodies.size(); ++leaf) {
+    const int frame = ReferenceSystem::frame(at.model, static_cast<int>(leaf_bodies[leaf]));
+    const auto check = [&]<class Rep>(Rep) {
+      std::vector<Twist<Rep>> V_q(at.nv()), V_v(V_q), dV_q(V_q), dV_v(V_q);
+      motion_derivatives<Rep, double>(at.model, workspace, at.q, v, a, frame, {V_q, V_v, dV_q, dV_v});
+      const auto in_file_order = [&](const std::vector<Twist<Rep>>& columns) {
+        std::vector<double> out;
+        for (int row = 0; row < 6; ++row)
+          for (const std::size_t k : at.place) out.push_back(entry(columns[k], row));
+        return out;
+      };
+      const Json& kinematics = at.file.at("kinematics");
+      const auto expected = [&](const char* name) {
+        return numbers(kinematics.at(name).at(key_of<Rep>()).at(leaf));
+      };
+      motion.expect_equal(in_file_order(V_q), expected("dV_dq"));
+      motion.expect_equal(in_file_order(V_v), expected("dV_dv"));
+      motion.expect_equal(in_file_order(dV_q), expected("dVdot_dq"));
+      motion.expect_equal(in_file_order(dV_v), expected("dVdot_dv"));
+    };
+    check(BodyFixed{}), check(Spatial{}), check(Hybrid{}), check(Mixed{});
+  }
 }
 
 }  // namespace

@@ -1,0 +1,24 @@
+#pragma once
+#include "axode/model/tree.hpp"
+
+/// Geometric parameters (section 6.2): B_i becomes B_i exp(U π), which displaces all that joint i moves along U. U is resolved in
+/// the frame that body i has while its joint is at zero: C_i = C_p B_i exp(U π) exp(X_i q_i).
+namespace axode {
+
+/// That frame, seen from the internal frame of body i, to which the joint has moved it.
+template <class T> SE3<T> frame_at_zero(const Tree<T>& tree, int i, const T* q) noexcept {
+  return with_subgroup(tree->kind[i], tree.pitch[i], [&](const auto& joint) {
+    const T own = tree.ratio[i] * q[tree->iq[i]] + tree.offset[i];
+    const SE3<T> moved = joint.pose(SE3<T>{}, tree->coupled[i] ? &own : q + tree->iq[i]);
+    return inverse(moved) * tree.frame_offset[i];
+  });
+}
+/// f(u, screw) for the six unit screws of a frame, angular before linear, seen from where its pose is E.
+template <class T, class F> void each_unit_screw(const SE3<T>& E, const F& f) noexcept {
+  for (int u = 0; u < 6; ++u) {
+    const auto one = [&](int k) { return T(u == k); };
+    f(u, Ad(E, Screw<T>{{one(0), one(1), one(2)}, {one(3), one(4), one(5)}}));
+  }
+}
+
+}  // namespace axode

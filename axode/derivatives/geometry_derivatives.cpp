@@ -1,0 +1,158 @@
+#include "axode/derivatives/geometry_derivatives.hpp"
+
+#include "axode/derivatives/scratch.hpp"
+#include "axode/dynamics/check_loads.hpp"
+#include "axode/kinematics/path.hpp"
+#include "axode/recursion/instantiate.hpp"
+
+namespace axode {
+namespace {
+
+template <class T> std::size_t parameters(const Model& model) {
+  return static_cast<std::size_t>(model.n_bodies()) * 6;
+}
+template <class T> void check_matrix(const Model& model, const char* name, std::span<T> x) {
+  check_size(name, x.size(), static_cast<std::size_t>(model.nv()) * parameters<T>(model),
+             "nv * n_bodies * 6");
+}
+template <class T> void check_gradient(const Model& model, Numbers<T> w, std::span<T> gradient) {
+  check_size("w", w.size(), static_cast<std::size_t>(model.nv()), "nv");
+  check_size("gradient", gradient.size(), parameters<T>(model), "n_bodies * 6");
+}
+
+/// f(i, u, screw) for all parameters that displace a place, with the screws as it sees them. O(d).
+template <class T, class F>
+void each_parameter(const Tree<T>& tree, const T* q, const Place<T>& place, const F& f) noexcept {
+  SE3<T> E = tree.frame_offset[place.frame] * place.offset;  // the place in the internal frame of body i
+  for (int i = tree->frame_body[place.frame]; i > 0; i = tree->parent[i]) {
+    each_unit_screw(inverse(E) * frame_at_zero(tree, i, q), [&](int u, const Screw<T>& X) { f(i, u, X); });
+    E = joint_pose(tree, i, q) * E;
+  }
+}
+
+}  // namespace
+
+template <class T>
+void inverse_dynamics_geometry_derivatives(const Model& model, Workspace<T>& workspace, Numbers<T> q,
+                                           Numbers<T> v, Numbers<T> a,
+                                           std::type_identity_t<std::span<T>> dtau,
+                                           const std::type_identity_t<Loads<T>>& loads) {
+  check_state(model, workspace, q, v, a);
+  check_loads(model, loads);
+  check_matrix<T>(model, "dtau", dtau);
+  check_separate("dtau", dtau, "q", q);
+  Arena arena = workspace.arena(model.topology());
+  GeometryDerivatives<T>(arena).run(model.tree<T>(), q.data(), v.data(), a.data(), loads, dtau.data());
+}
+
+template <class T>
+Solvability forward_dynamics_geometry_derivatives(const Model& model, Workspace<T>& workspace, Numbers<T> q,
+                                                  Numbers<T> v, Numbers<T> tau,
+                                                  std::type_identity_t<std::span<T>> da,
+                                                  const std::type_identity_t<Loads<T>>& loads) {
+  check_state(model, workspace, q, v);
+  check_size("tau", tau.size(), static_cast<std::size_t>(model.nv()), "nv");
+  check_loads(model, loads);
+  check_matrix<T>(model, "da", da);
+  check_separate("da", da, "q", q);
+  Arena arena = workspace.arena(model.topology());
+  return ForwardGeometryDerivatives<T>(arena).run(model.tree<T>(), q.data(), v.data(), tau.data(), loads,
+                                                  da.data());
+}
+
+template <class T>
+void inverse_dynamics_geometry_vjp(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v,
+                                   Numbers<T> a, Numbers<T> w, std::type_identity_t<std::span<T>> gradient,
+                                   const std::type_identity_t<Loads<T>>& loads) {
+  check_state(model, workspace, q, v, a);
+  check_loads(model, loads);
+  check_gradient<T>(model, w, gradient);
+  check_separate("gradient", gradient, "q", q), check_separate("gradient", gradient, "v", v);
+  check_separate("gradient", gradient, "a", a), check_separate("gradient", gradient, "w", w);
+  const Tree<T>& tree = model.tree<T>();
+  Arena arena = workspace.arena(model.topology());
+  InverseDynamicsVjp<T> vjp(arena);
+  vjp.run(tree, q.data(), v.data(), a.data(), w.data(), loads);
+  vjp.each_parameter(tree, q.data(), v.data(), a.data(), w.data(), [&](int i, int u, const T& x) {
+    gradient[static_cast<std::size_t>((i - 1) * 6 + u)] = x;
+  });
+}
+
+template <class T>
+Solvability forward_dynamics_geometry_vjp(const Model& model, Workspace<T>& workspace, Numbers<T> q,
+                                          Numbers<T> v, Numbers<T> tau, Numbers<T> w,
+                                          std::type_identity_t<std::span<T>> gradient,
+                                          const std::type_identity_t<Loads<T>>& loads) {
+  check_state(model, workspace, q, v);
+  check_size("tau", tau.size(), static_cast<std::size_t>(model.nv()), "nv");
+  check_loads(model, loads);
+  check_gradient<T>(model, w, gradient);
+  check_separate("gradient", gradient, "q", q), check_separate("gradient", gradient, "v", v);
+  const Tree<T>& tree = model.tree<T>();
+  Arena arena = workspace.arena(model.topology());
+  ForwardVjp<T> s(arena);
+  const Solvability verdict = s.run(tree, q.data(), v.data(), tau.data(), w.data(), loads);
+  if (verdict.ok())
+    s.vjp.each_parameter(tree, q.data(), v.data(), s.forward.a, s.mu, [&](int i, int u, const T& x) {
+      gradient[static_cast<std::size_t>((i - 1) * 6 + u)] = -x;
+    });
+  return solved(verdict, static_cast<int>(gradient.size()), gradient.data());
+}
+
+template <class T>
+void frame_geometry_jacobian(const Model& model, Workspace<T>& workspace, Numbers<T> q,
+                             const std::type_identity_t<Place<T>>& given,
+                             std::type_identity_t<std::span<T>> J) {
+  check_state(model, workspace, q);
+  const Place<T> place = found(model, given);
+  const std::size_t columns = parameters<T>(model);
+  check_size("J", J.size(), 6 * columns, "6 * n_bodies * 6");
+  check_separate("J", J, "q", q);
+  std::fill(J.begin(), J.end(), T(0));
+  each_parameter(model.tree<T>(), q.data(), place, [&](int i, int u, const Screw<T>& X) {
+    for (int k = 0; k < 6; ++k)
+      J[static_cast<std::size_t>(k) * columns + static_cast<std::size_t>((i - 1) * 6 + u)] = entry(Twist<BodyFixed, T>{X.w, X.v}, k);
+  });
+}
+
+template <class T>
+void jacobian_geometry_derivatives(const Model& model, Workspace<T>& workspace, Numbers<T> q,
+                                   const std::type_identity_t<Place<T>>& given,
+                                   std::type_identity_t<std::span<Twist<BodyFixed, T>>> dJ) {
+  check_state(model, workspace, q);
+  const Place<T> place = found(model, given);
+  const Tree<T>& tree = model.tree<T>();
+  const std::size_t nv = static_cast<std::size_t>(model.nv());
+  check_size("dJ", dJ.size(), parameters<T>(model) * nv, "n_bodies * 6 * nv");
+  check_separate("dJ", dJ, "q", q);
+  std::fill(dJ.begin(), dJ.end(), Twist<BodyFixed, T>{});
+  // A parameter displaces the place and leaves the screws before it where they are; those behind it go along.
+  each_parameter(tree, q.data(), place, [&](int i, int u, const Screw<T>& X) {
+    Twist<BodyFixed, T>* const to = dJ.data() + static_cast<std::size_t>((i - 1) * 6 + u) * nv;
+    each_body_fixed_column(tree, q.data(), place, [&](int j, int c, const Screw<T>& J) {
+      if (j >= i) return;
+      const Screw<T> moved = ad(J, X);
+      to[c] += Twist<BodyFixed, T>{moved.w, moved.v};
+    });
+  });
+}
+
+template void inverse_dynamics_geometry_derivatives(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>,
+                                                    Numbers<AXODE_T>, Numbers<AXODE_T>, std::span<AXODE_T>,
+                                                    const Loads<AXODE_T>&);
+template Solvability forward_dynamics_geometry_derivatives(const Model&, Workspace<AXODE_T>&,
+                                                           Numbers<AXODE_T>, Numbers<AXODE_T>,
+                                                           Numbers<AXODE_T>, std::span<AXODE_T>,
+                                                           const Loads<AXODE_T>&);
+template void inverse_dynamics_geometry_vjp(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>,
+                                            Numbers<AXODE_T>, Numbers<AXODE_T>, Numbers<AXODE_T>,
+                                            std::span<AXODE_T>, const Loads<AXODE_T>&);
+template Solvability forward_dynamics_geometry_vjp(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>,
+                                                   Numbers<AXODE_T>, Numbers<AXODE_T>, Numbers<AXODE_T>,
+                                                   std::span<AXODE_T>, const Loads<AXODE_T>&);
+template void frame_geometry_jacobian(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>,
+                                      const Place<AXODE_T>&, std::span<AXODE_T>);
+template void jacobian_geometry_derivatives(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>,
+                                            const Place<AXODE_T>&, std::span<Twist<BodyFixed, AXODE_T>>);
+
+}  // namespace axode
