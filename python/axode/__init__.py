@@ -19,7 +19,7 @@ import difflib
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from . import closed_form, codegen, convert, lie, signatures
+from . import closed_form, codegen, convert, identification, lie, signatures
 from ._axode import (
     Body,
     Joint,
@@ -151,7 +151,7 @@ __all__ = [
     "Load", "Target", "InverseKinematics", "InverseDynamicsDerivatives", "ForwardDynamicsDerivatives",
     "InverseDynamicsHessian", "ForwardDynamicsHessian", "StateDerivatives", "MotionDerivatives", "Fault", "ModelError", "NotFiniteError", "SingularError", "StatesError",
     # modules
-    "lie", "closed_form", "codegen", "convert",
+    "lie", "closed_form", "codegen", "convert", "identification",
 ]
 
 if not TYPE_CHECKING:  # to a type checker every name would be known

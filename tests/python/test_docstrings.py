@@ -8,7 +8,7 @@ import axode
 import numpy as np
 import pytest
 
-MODULES = [axode, axode.lie, axode.closed_form, axode.codegen, axode.convert]
+MODULES = [axode, axode.lie, axode.closed_form, axode.codegen, axode.convert, axode.identification]
 
 
 def public_objects():

@@ -32,7 +32,8 @@ def numbers_behind(text, words):
 
 def test_every_example_is_run_here():
     assert sorted(file.name for file in EXAMPLES.glob("*.py")) == [
-        "01_drawing_to_dynamics.py", "02_representations.py", "03_batch_trajectory.py"]
+        "01_drawing_to_dynamics.py", "02_representations.py", "03_batch_trajectory.py",
+        "04_identification.py"]
 
 
 def test_the_crane_holds_what_levers_say_and_dynamics_are_inverse(tmp_path):
@@ -87,3 +88,18 @@ def test_peaks_and_means_of_the_torques_are_those_of_the_equations_of_motion(tmp
     assert "all torques within the limits: True" in printed
     assert numbers_behind(printed, "largest difference to a loop:")[0] < 1e-11
     assert numbers_behind(printed, "loop over 4096 states:")[0] > 0
+
+
+def test_the_identified_arm_is_the_one_that_was_measured(tmp_path):
+    printed = run(tmp_path, "04_identification.py")
+    rows = [line for line in printed.splitlines() if re.match(r"link \d", line)]
+    assert len(rows) == 6
+    for row in rows:
+        found, true, deviation = map(float, row[29:].split())
+        assert abs(found - true) < 4 * deviation + 1e-4
+    for name in [f"A{k}" for k in range(1, 8)]:
+        _, friction, noise, true_noise = numbers_behind(printed, name)
+        assert friction == pytest.approx(1.5, abs=0.3) and noise == pytest.approx(true_noise, rel=0.1)
+    drawn, found = (numbers_behind(printed, f"torques of the {name} model")[0] for name in ("drawn", "found"))
+    assert found < 0.1 * drawn
+    assert "every body can be built: True" in printed
