@@ -1,9 +1,13 @@
 """What compares axode with other libraries is in tests/peers; the tests here take it from there."""
 
+import os
 import sys
 from pathlib import Path
 
 import pytest
+
+# Threads of BLAS wait for each other in a loop: with other work on the cores the small matrices here take 15 times as long.
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "peers"))
 
