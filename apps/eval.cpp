@@ -11,6 +11,7 @@
 #include "commands.hpp"
 #include "model_options.hpp"
 #include "quantities.hpp"
+#include "state_table.hpp"
 #include "terminal.hpp"
 
 namespace axode::command {
@@ -113,27 +114,6 @@ Json as_json(const Question& ask, const std::string& representation, const Json&
   return out;
 }
 
-void print_state(const Question& ask) {
-  const Model& model = ask.model;
-  fmt::print("{}\n",
-             in(Ink::heading, fmt::format("{}: nq = {}, nv = {}, gravity ({}, {}, {}) m/s^2", model.name(),
-                                          model.nq(), model.nv(), significant(model.gravity().x),
-                                          significant(model.gravity().y), significant(model.gravity().z))));
-  const std::vector<std::string> q = coordinate_names(model), v = velocity_names(model);
-  Table coordinates({"coordinate", "q"}), velocities({"velocity", "v", "a"});
-  if (q == v) {
-    Table both({"joint", "q", "v", "a"});
-    for (std::size_t k = 0; k < q.size(); ++k)
-      both.row({q[k], ask.state.q[k], ask.state.v[k], ask.state.a[k]});
-    fmt::print("\nstate; rad or m, and per s, per s^2\n{}", both.text());
-    return;
-  }
-  for (std::size_t k = 0; k < q.size(); ++k) coordinates.row({q[k], ask.state.q[k]});
-  for (std::size_t k = 0; k < v.size(); ++k) velocities.row({v[k], ask.state.v[k], ask.state.a[k]});
-  fmt::print("\nstate, coordinates; rad or m, rotations as quaternions x y z w\n{}", coordinates.text());
-  fmt::print("\nstate, velocities in the joints' own axes; rad/s or m/s, and per s\n{}", velocities.text());
-}
-
 void run(const Options& options) {
   const std::vector<Quantity> chosen = wanted(options.want);
   const Format format = choose("--format", options.format, formats);
@@ -161,8 +141,9 @@ void run(const Options& options) {
     fmt::print("{}", text(as_json(ask, options.representation, results, labels)));
     return;
   }
-  print_state(ask);
-  fmt::print("{}", tables);
+  fmt::print("{}{}",
+             state_tables(ask.model, ask.state.q, {{"v", ask.state.v}, {"a", ask.state.a}}, "per s, per s^2"),
+             tables);
   if (const auto warnings = ask.model.warnings(); !warnings.empty())
     fmt::print("\n{}\n", in(Ink::warning,
                             fmt::format("{} warning{} about the model: axode check {}", warnings.size(),

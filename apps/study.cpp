@@ -163,12 +163,6 @@ void print(const Study& study) {
   }
 }
 
-std::string quoted(const std::string& text) {
-  std::string out = "\"";
-  for (const char c : text) out += c == '"' ? std::string("\"\"") : std::string(1, c);
-  return out + '"';
-}
-
 std::string as_csv(const std::vector<Study>& studies) {
   std::string out = "model,bodies,velocities,algorithm,frames,representation";
   for (const Column& column : columns) out += fmt::format(",{}", column.name);

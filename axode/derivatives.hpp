@@ -1,8 +1,10 @@
 #pragma once
+#include "axode/derivatives/equilibrium.hpp"
 #include "axode/derivatives/forward_dynamics_derivatives.hpp"
 #include "axode/derivatives/geometry_derivatives.hpp"
 #include "axode/derivatives/hessian.hpp"
 #include "axode/derivatives/inverse_dynamics_derivatives.hpp"
+#include "axode/derivatives/linearization.hpp"
 #include "axode/derivatives/motion_derivatives.hpp"
 #include "axode/derivatives/products.hpp"
 #include "axode/derivatives/rates.hpp"

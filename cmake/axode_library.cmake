@@ -33,6 +33,7 @@ set(AXODE_PER_SCALAR
     kinematics/joint_screws
     kinematics/poses
     derivatives/geometry_derivatives
+    derivatives/linearization
     derivatives/rates
     derivatives/term_derivatives
     dynamics/coriolis

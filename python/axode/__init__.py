@@ -39,6 +39,7 @@ from ._axode import (
     coriolis_matrix,
     coriolis_vector,
     drawing,
+    equilibrium,
     forward_dynamics,
     forward_dynamics_derivatives,
     forward_dynamics_geometry_derivatives,
@@ -78,6 +79,7 @@ from ._axode import (
     kinetic_energy,
     kinetic_energy_gradient,
     kinetic_energy_regressor,
+    linearize,
     load,
     load_powers,
     mass_matrix,
@@ -106,11 +108,13 @@ from ._axode import version as __version__
 from .builder import Builder
 from .errors import Fault, ModelError, NotFiniteError, SingularError, StatesError
 from .records import (
+    Equilibrium,
     ForwardDynamicsDerivatives,
     ForwardDynamicsHessian,
     InverseDynamicsDerivatives,
     InverseDynamicsHessian,
     InverseKinematics,
+    Linearization,
     Load,
     MotionDerivatives,
     StateDerivatives,
@@ -146,10 +150,11 @@ __all__ = [
     "gravity_derivatives", "coriolis_derivatives", "generalized_load_derivatives", "kinetic_energy_gradient",
     "motion_derivatives", "inverse_dynamics_geometry_derivatives", "forward_dynamics_geometry_derivatives",
     "inverse_dynamics_geometry_vjp", "forward_dynamics_geometry_vjp", "frame_geometry_jacobian",
-    "jacobian_geometry_derivatives",
+    "jacobian_geometry_derivatives", "linearize", "equilibrium",
     # what else is taken, given and raised
     "Load", "Target", "InverseKinematics", "InverseDynamicsDerivatives", "ForwardDynamicsDerivatives",
-    "InverseDynamicsHessian", "ForwardDynamicsHessian", "StateDerivatives", "MotionDerivatives", "Fault", "ModelError", "NotFiniteError", "SingularError", "StatesError",
+    "InverseDynamicsHessian", "ForwardDynamicsHessian", "StateDerivatives", "MotionDerivatives", "Linearization",
+    "Equilibrium", "Fault", "ModelError", "NotFiniteError", "SingularError", "StatesError",
     # modules
     "lie", "closed_form", "codegen", "convert", "identification",
 ]

@@ -7,8 +7,9 @@ from typing import Literal, NamedTuple, TypedDict
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-__all__ = ["ForwardDynamicsDerivatives", "ForwardDynamicsHessian", "InverseDynamicsDerivatives",
-           "InverseDynamicsHessian", "InverseKinematics", "Load", "MotionDerivatives", "StateDerivatives", "Target"]
+__all__ = ["Equilibrium", "ForwardDynamicsDerivatives", "ForwardDynamicsHessian", "InverseDynamicsDerivatives",
+           "InverseDynamicsHessian", "InverseKinematics", "Linearization", "Load", "MotionDerivatives",
+           "StateDerivatives", "Target"]
 
 Representation = Literal["body", "spatial", "hybrid", "mixed"]
 
@@ -110,3 +111,19 @@ class ForwardDynamicsHessian(NamedTuple):
     qv: NDArray[np.float64]
     vv: NDArray[np.float64]
     tauq: NDArray[np.float64]
+
+
+class Linearization(NamedTuple):
+    """The linear system x' = A x + B dtau of small deviations from a motion, x displacements before velocities."""
+
+    A: NDArray[np.float64]
+    B: NDArray[np.float64]
+
+
+class Equilibrium(NamedTuple):
+    """The best configuration that `equilibrium` met, and the norm of the forces that are missing there (N m and N)."""
+
+    status: Literal["solved", "stalled", "iteration_limit"]
+    q: NDArray[np.float64]
+    residual: float
+    iterations: int

@@ -2,6 +2,8 @@
 
 #include "bindings.hpp"
 #include "conversions.hpp"
+#include "named_tuple.hpp"
+#include "one_state.hpp"
 #include "state_function.hpp"
 
 /// Derivatives of dynamics. The types of several results are in axode.records.
@@ -35,6 +37,41 @@ nb::object inverse_dynamics_rates_of(const BoundModel& m, ArrayLike q, ArrayLike
   nb::list parts;
   for (int k = 0; k <= order; ++k) parts.append(nb::cast(out.part(k, 1)));
   return nb::tuple(parts);
+}
+
+nb::object linearize_of(const BoundModel& m, ArrayLike q, ArrayLike v, ArrayLike tau, LoadList loads,
+                        bool joint_losses, int threads) {
+  const States states(m, q, threads);
+  const Items of_v = states.velocities("v", v), of_tau = states.velocities("tau", tau);
+  const AppliedLoads applied(states, loads, joint_losses);
+  const Shape square{2 * m->nv(), 2 * m->nv()}, tall{2 * m->nv(), m->nv()};
+  NewArray A = states.result(square), B = states.result(tall);
+  std::vector<Solvability> found(states.count());
+  states.each(quadratic_cost(*m), [&](Workspace<>& workspace, std::size_t k) {
+    found[k] = applied.with(k, [&](const Loads<double>& now) {
+      return linearize(*m, workspace, states.q(k), of_v[k], of_tau[k], {item(A, k, square), item(B, k, tall)},
+                       now);
+    });
+  });
+  states.refuse(found, A);
+  states.refuse(found, B);
+  return named_tuple("axode.records", "Linearization", A.array(), B.array());
+}
+
+nb::object equilibrium_of(const BoundModel& m, ArrayLike q0, nb::handle tau, LoadList loads, double tolerance,
+                          int iterations) {
+  const States states = one_state(m, q0, "q0");
+  std::optional<Items> drives;
+  if (!tau.is_none()) drives.emplace(states.velocities("tau", {tau.ptr()}));
+  const AppliedLoads applied(states, loads, false);
+  const EquilibriumResult found = states.released(1000, [&] {
+    return applied.with(0, [&](const Loads<double>& now) {
+      return equilibrium(*m, states.q(0), drives ? (*drives)[0] : std::span<const double>(), now,
+                         {tolerance, iterations});
+    });
+  });
+  return named_tuple("axode.records", "Equilibrium", to_str(to_string(found.status)), to_array(found.q),
+                     found.residual, found.iterations);
 }
 
 }  // namespace
@@ -281,6 +318,47 @@ which they are given. O(n k^2) for k results.
 >>> d = axode.inverse_dynamics_derivatives(arm, q, v, a)
 >>> np.allclose(rate, d.q @ v + d.v @ a + d.a @ jerk)
 True
+)");
+  module.def("linearize", &linearize_of, "m"_a, "q"_a, "v"_a, "tau"_a, "loads"_a = nb::none(), nb::kw_only(),
+             "joint_losses"_a = false, "threads"_a = 1,
+             nb::sig(signature("linearize", {"q", "v", "tau"},
+                               "loads: collections.abc.Sequence[axode.Load] | None = None, *, "
+                               "joint_losses: bool = False, threads: int = 1",
+                               "Linearization")
+                         .c_str()),
+             R"(
+(A, B): small deviations x from the motion through the state change as x' = A x + B dtau.
+
+A has shape (2 nv, 2 nv), B (2 nv, nv), or with N in front. The first half of x are displacements delta, q (+) delta as in
+`Model.integrate`, rad and m; the second half those of v. A = [[-ad_v, 1], [da/dq, da/dv]] and B = [[0], [da/dtau]] with the
+derivatives of `forward_dynamics`; ad_v is the bracket of each joint's motions (eq. ScrewProd), 0 at rest and for joints
+with one velocity. Where v and the accelerations are 0 it is the linear system about an equilibrium, else that of an
+instant. Loads and joint_losses as in `forward_dynamics_derivatives`. O(n) for each column. SingularError, with A,
+where the mass matrix is singular.
+
+>>> pendulum = axode.load(axode.robots / "double_pendulum.toml")
+>>> A, B = axode.linearize(pendulum, [0, 0], [0, 0], [0, 0])
+>>> np.unique(np.abs(np.linalg.eigvals(A)).round(4))  # its two natural frequencies, rad/s
+array([2.6801, 7.1887])
+)");
+  module.def("equilibrium", &equilibrium_of, "m"_a, "q0"_a, "tau"_a = nb::none(), "loads"_a = nb::none(),
+             nb::kw_only(), "tolerance"_a = 1e-9, "iterations"_a = 100,
+             nb::sig("def equilibrium(m: Model, q0: numpy.typing.ArrayLike, "
+                     "tau: numpy.typing.ArrayLike | None = None, "
+                     "loads: collections.abc.Sequence[axode.Load] | None = None, *, tolerance: float = 1e-9, "
+                     "iterations: int = 100) -> axode.Equilibrium"),
+             R"(
+A configuration near q0, shape (nq,), that stays at rest under the drive forces tau, none if left out, and the loads.
+
+There gravity torques less the loads are tau (eq. LE), to `tolerance`, N m and N. By Newton's method with the exact derivative
+by q; equilibria may be stable or not, limits of joints are not heeded, and friction, which would hold more, is not
+counted. The result says whether it is "solved", "stalled", as where there is none near, or at its "iteration_limit", and
+has q and the norm of the forces that are missing there. O(n^3) for each iteration.
+
+>>> pendulum = axode.load(axode.robots / "double_pendulum.toml")
+>>> found = axode.equilibrium(pendulum, [3, 0.2])
+>>> found.status, found.q.round(6) + 0
+('solved', array([3.141593, 0.      ]))
 )");
 }
 

@@ -23,8 +23,9 @@ TEST(Program, HelpListsTheCommandsAndTheExitCodes) {
   const Outcome outcome = axode({"--help"});
   EXPECT_EQ(outcome.code, 0);
   EXPECT_EQ(outcome.err, "");
-  for (const char* said : {"info", "check", "convert", "eval", "codegen", "study", "demo", "Exit codes:",
-                           "0  all is well", "1  a file is missing", "2  the command line is wrong"})
+  for (const char* said :
+       {"info", "check", "convert", "eval", "linearize", "codegen", "study", "demo",
+        "Exit codes:", "0  all is well", "1  a file is missing", "2  the command line is wrong"})
     EXPECT_THAT(outcome.out, HasSubstr(said));
 }
 
@@ -68,7 +69,8 @@ TEST_P(Help, ShowsAnExampleThatRuns) {
   EXPECT_NE(outcome.out, "");
 }
 INSTANTIATE_TEST_SUITE_P(Commands, Help,
-                         testing::Values("info", "check", "convert", "eval", "codegen", "study", "demo"),
+                         testing::Values("info", "check", "convert", "eval", "linearize", "codegen", "study",
+                                         "demo"),
                          [](const auto& p) { return std::string(p.param); });
 
 // ---------------------------------------------------------------------------------------------------- info

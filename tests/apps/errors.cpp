@@ -39,12 +39,14 @@ INSTANTIATE_TEST_SUITE_P(
         {"NoCommand",
          {},
          2,
-         "axode: a command is missing; there are info, check, convert, eval, codegen, study, demo (see axode "
+         "axode: a command is missing; there are info, check, convert, eval, linearize, codegen, study, demo "
+         "(see axode "
          "--help)"},
         {"UnknownCommand",
          {"evla", arm},
          2,
-         "axode: there is no command \"evla\"; there are info, check, convert, eval, codegen, study, demo; "
+         "axode: there is no command \"evla\"; there are info, check, convert, eval, linearize, codegen, "
+         "study, demo; "
          "did you "
          "mean "
          "\"eval\"? "

@@ -126,7 +126,7 @@ TEST_P(NoAllocationBeside, InColumnsAndMotionOfHigherOrder) {
   });
 }
 
-TEST_P(NoAllocationBeside, InFactorsAndFormsInTwistsAndSpatialMomenta) {
+TEST_P(NoAllocationBeside, InFactorsFormsInTwistsAndSpatialMomentaAndLinearSystems) {
   with_types(GetParam(), [](auto representation, auto scalar) {
     using Rep = decltype(representation);
     using T = decltype(scalar);
@@ -150,6 +150,8 @@ TEST_P(NoAllocationBeside, InFactorsAndFormsInTwistsAndSpatialMomenta) {
       counted([&] { return factor.factorize(M); });
       counted([&] { return twist_form<Rep>(model, workspace, at.q, V, at.a, x, dV, loads); });
       counted([&] { return spatial_momentum_form(model, workspace, at.q, Pi, at.a, x, dPi, loads); });
+      std::vector<T> A(4 * nv * nv), B(2 * nv * nv);
+      counted([&] { return linearize(model, workspace, at.q, at.v, at.tau, {A, B}, loads); });
     });
   });
 }

@@ -99,6 +99,8 @@ CALLS |= {
     "frame_geometry_jacobian": lambda m, q, v, a: axode.frame_geometry_jacobian(m, q, tool(m)),
     "jacobian_geometry_derivatives": lambda m, q, v, a: axode.jacobian_geometry_derivatives(m, q, tool(m)),
 }
+CALLS["linearize"] = lambda m, q, v, a: np.concatenate(axode.linearize(m, q, v, a, load_on(m, q), joint_losses=True),
+                                                       axis=-1)
 for form in ["paper", "skew", "spatial", "christoffel"]:
     CALLS[f"coriolis_matrix {form}"] = lambda m, q, v, a, form=form: axode.coriolis_matrix(m, q, v, form)
 for rep in REPRESENTATIONS:

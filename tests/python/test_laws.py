@@ -198,6 +198,45 @@ def test_regressors_times_parameters_are_forces_and_energies(mechanism):
 
 
 @EVERYWHERE
+def test_the_linear_system_has_the_derivatives_of_forward_dynamics_and_the_brackets_of_the_joints(mechanism):
+    m, q, v, tau, _ = state(mechanism)
+    loads, nv = load_on(m, q), m.nv
+    A, B = axode.linearize(m, q, v, tau, loads, joint_losses=True)
+    d = axode.forward_dynamics_derivatives(m, q, v, tau, loads, joint_losses=True)
+    assert np.array_equal(A[nv:], np.hstack([d.q, d.v])) and np.array_equal(B[nv:], d.tau)
+    assert np.array_equal(A[:nv, nv:], np.eye(nv)) and not B[:nv].any()
+    for name in m.joint_names:
+        joint = m.joint(name)
+        expected = -axode.lie.ad(v[joint.v]) if joint.kind == "free" else np.zeros((nv, nv))[joint.v, joint.v]
+        if joint.kind == "spherical":
+            expected = -axode.lie.skew(v[joint.v])
+        elif joint.kind == "planar":
+            w, x, y = v[joint.v]
+            expected = -np.array([[0, 0, 0], [y, 0, -w], [-x, w, 0]])
+        assert close(A[joint.v, joint.v] + 1, expected + 1)
+        A[joint.v, joint.v] = 0
+    assert not A[:nv, :nv].any()
+
+
+def test_a_pendulum_rests_where_its_drive_holds_it():
+    m = axode.Model.from_bodies([{"name": "bob", "joint": {"kind": "revolute", "axis": [0, -1, 0], "name": "hinge"},
+                                  "mass": 1, "com": [0, 0, -1], "inertia": [0, 0, 0]}])
+    found = axode.equilibrium(m, [0.1], [9.81 / 2])
+    assert found.status == "solved" and found.residual <= 1e-9 and close(found.q, [np.pi / 6], 1e-9)
+    assert close(axode.linearize(m, found.q, [0], [9.81 / 2]).A, [[0, 1], [-9.81 * np.cos(np.pi / 6), 0]], 1e-9)
+    assert axode.equilibrium(m, [0.1], [9.82]).status == "stalled"
+    lifted = axode.equilibrium(m, [0.1], loads=[{"frame": "bob", "representation": "hybrid", "wrench": [0, -1, 0, 0, 0, 0]}])
+    assert close(lifted.q, [np.arcsin(1 / 9.81)], 1e-9)
+    assert axode.equilibrium(m, [0.1], iterations=1).status == "iteration_limit"
+    with pytest.raises(ValueError, match="equilibrium: tolerance is 0; it must be positive"):
+        axode.equilibrium(m, [0.1], tolerance=0)
+    with pytest.raises(ValueError, match=r"tau: expected shape \(1,\)"):
+        axode.equilibrium(m, [0.1], [1, 2])
+    with pytest.raises(ValueError, match="q0: expected shape"):
+        axode.equilibrium(m, [[0.1]])
+
+
+@EVERYWHERE
 def test_joint_wrenches_hold_the_drive_forces(mechanism):
     m, q, v, a, _ = state(mechanism)
     tau, W = axode.inverse_dynamics(m, q, v, a), axode.joint_wrenches(m, q, v, a)

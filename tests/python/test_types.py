@@ -27,6 +27,8 @@ load = axode.Load(frame="flange", representation="hybrid", wrench=[0, 0, 0, 0, 0
 assert_type(axode.inverse_dynamics(m, q, v, v, "spatial", loads=[load, {"frame": 3, "wrench": np.zeros(6)}]),
             NDArray[np.float64])
 assert_type(axode.jacobian(m, q, "flange", "hybrid", offset=(0, 0, 0.1)), NDArray[np.float64])
+assert_type(axode.linearize(m, q, v, v, [load]).A, NDArray[np.float64])
+assert_type(axode.equilibrium(m, q, loads=[load]).q, NDArray[np.float64])
 assert_type(axode.inverse_kinematics(m, [{"frame": "flange", "pose": np.eye(4)}], q).status == "solved", bool)
 try:
     axode.Builder("rod").body("rod", joint="free", mass=1, com=[0, 0, 0], inertia=[1, 1, 1]).build(base="fixed")

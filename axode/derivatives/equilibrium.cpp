@@ -1,0 +1,130 @@
+#include "axode/derivatives/equilibrium.hpp"
+
+#include <Eigen/QR>
+#include <algorithm>
+#include <cmath>
+
+#include "axode/derivatives/inverse_dynamics_derivatives.hpp"
+#include "axode/eigen.hpp"
+#include "axode/model/finite.hpp"
+
+namespace axode {
+
+std::string_view to_string(EquilibriumStatus status) {
+  switch (status) {
+    case EquilibriumStatus::solved: return "solved";
+    case EquilibriumStatus::stalled: return "stalled";
+    case EquilibriumStatus::iteration_limit: return "iteration_limit";
+  }
+  return "unknown";
+}
+
+namespace {
+
+using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+using Vector = Eigen::VectorXd;
+
+/// A configuration, the forces that are missing there, and how they change with it.
+struct Iterate {
+  std::vector<double> q;
+  Vector r;
+  Matrix dr_dq;
+  double residual = 0;  ///< ‖r‖
+
+  Iterate(const Model& model, std::span<const double> at)
+      : q(at.begin(), at.end()), r(model.nv()), dr_dq(model.nv(), model.nv()) {}
+};
+
+/// The drive forces that hold a configuration, compared with those that there are.
+class Statics {
+ public:
+  Statics(const Model& model, std::span<const double> tau, const Loads<>& loads)
+      : model_(model),
+        tau_(tau.begin(), tau.end()),
+        loads_{loads.wrenches},
+        workspace_(model),
+        rest_(model.nv()),
+        by_v_(model.nv(), model.nv()),
+        by_a_(model.nv(), model.nv()) {
+    tau_.resize(rest_.size());
+  }
+
+  void evaluate(Iterate& at) {
+    inverse_dynamics_derivatives(model_, workspace_, at.q, rest_, rest_,
+                                 {as_span(at.dr_dq), as_span(by_v_), as_span(by_a_), as_span(at.r)}, loads_);
+    at.r -= as_eigen(std::span<const double>(tau_));
+    at.residual = at.r.norm();
+  }
+
+ private:
+  const Model& model_;
+  std::vector<double> tau_;
+  Loads<> loads_;
+  Workspace<> workspace_;
+  std::vector<double> rest_;
+  Matrix by_v_, by_a_;
+};
+
+/// -(∂r/∂q)⁺ r, at most 1 in each direction. Directions that change nothing but for rounding take no part.
+Vector newton_step(const Iterate& at) {
+  Eigen::CompleteOrthogonalDecomposition<Matrix> decomposition;
+  decomposition.setThreshold(1e-10);
+  const Vector step = -decomposition.compute(at.dr_dq).solve(at.r);
+  return step / std::max(1.0, step.lpNorm<Eigen::Infinity>());
+}
+
+/// Moves to where the residual is less, along the step or the longest of its halves. Whether there is such a place.
+bool improve(const Model& model, Statics& statics, const Vector& step, Iterate& at, Iterate& next) {
+  constexpr double shortest = 1e-12, decrease = 1e-4;
+  for (double s = 1; s > shortest; s *= 0.5) {
+    const Vector part = s * step;
+    next.q = integrate(model, at.q, as_span(part));
+    statics.evaluate(next);
+    if (next.residual <= (1 - decrease * s) * at.residual) {
+      std::swap(at, next);
+      return true;
+    }
+  }
+  return false;
+}
+
+void check(const Model& model, std::span<const double> q0, std::span<const double> tau, const Loads<>& loads,
+           const EquilibriumOptions& options) {
+  const auto need = [](bool good, const std::string& what) {
+    if (!good) throw std::invalid_argument("equilibrium: " + what);
+  };
+  const auto all_finite = [](std::span<const double> x) {
+    return std::ranges::all_of(x, [](double x_k) { return std::isfinite(x_k); });
+  };
+  check_configuration(model, q0, "q0");
+  if (!tau.empty()) check_size("tau", tau.size(), static_cast<std::size_t>(model.nv()), "nv");
+  need(all_finite(q0), "q0 is not finite");
+  need(all_finite(tau), "tau is not finite");
+  for (const AppliedWrench<>& W : loads.wrenches) need(finite(W.m) && finite(W.f), "a load is not finite");
+  need(options.tolerance > 0, "tolerance is " + to_text(options.tolerance) + "; it must be positive");
+  need(options.iterations > 0,
+       "iterations is " + std::to_string(options.iterations) + "; it must be positive");
+}
+
+}  // namespace
+
+EquilibriumResult equilibrium(const Model& model, std::span<const double> q0, std::span<const double> tau,
+                              const Loads<>& loads, const EquilibriumOptions& options) {
+  check(model, q0, tau, loads, options);
+  Statics statics(model, tau, loads);
+  Iterate at(model, q0), next(model, q0);
+  statics.evaluate(at);
+  const auto solved = [&] { return at.residual <= options.tolerance; };
+  bool moves = true;
+  int iterations = 0;
+  for (; !solved() && moves && iterations < options.iterations; ++iterations) {
+    const Vector step = newton_step(at);
+    moves = step.allFinite() && improve(model, statics, step, at, next);
+  }
+  const EquilibriumStatus status = solved() ? EquilibriumStatus::solved
+                                   : moves  ? EquilibriumStatus::iteration_limit
+                                            : EquilibriumStatus::stalled;
+  return {status, std::move(at.q), at.residual, iterations};
+}
+
+}  // namespace axode

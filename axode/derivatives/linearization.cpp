@@ -1,0 +1,67 @@
+#include "axode/derivatives/linearization.hpp"
+
+#include <algorithm>
+#include <limits>
+
+#include "axode/derivatives/forward_dynamics_derivatives.hpp"
+#include "axode/kinematics/check_arguments.hpp"
+#include "axode/recursion/instantiate.hpp"
+
+namespace axode {
+namespace {
+
+/// -ad_v of every joint, on the diagonal of rows of `width` numbers: column k of a joint is [S e_k, S v] in its own
+/// coordinates. The columns of S are unit vectors wherever the bracket is not 0.
+template <class T> void subtract_ad(const Tree<T>& tree, const T* v, std::ptrdiff_t width, T* rows) {
+  each_joint(tree, [&](const auto& joint, int i, bool coupled) {
+    if (coupled) return;
+    const std::ptrdiff_t first = tree->iv[i];
+    const Twist<BodyFixed, T> V = joint.twist(v + first);
+    for (int k = 0; k < joint.nv; ++k) {
+      const Screw<T> X = ad(joint.column(k), Screw<T>{V.w, V.v});
+      for (int l = 0; l < joint.nv; ++l) {
+        const Screw<T> S = joint.column(l);
+        rows[(first + l) * width + first + k] += dot(S.w, X.w) + dot(S.v, X.v);
+      }
+    }
+  });
+}
+
+}  // namespace
+
+template <class T>
+Solvability linearize(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v, Numbers<T> tau,
+                      const std::type_identity_t<Linearization<T>>& linear,
+                      const std::type_identity_t<Loads<T>>& loads) {
+  const auto& [A, B] = linear;
+  const std::size_t n = static_cast<std::size_t>(model.nv()), width = 2 * n;
+  check_size("linear.A", A.size(), width * width, "2nv * 2nv");
+  check_size("linear.B", B.size(), width * n, "2nv * nv");
+  check_separate("linear.B", B, "linear.A", A);
+  check_separate("linear.A", A, "v", std::span<const T>(v));
+  check_separate("linear.B", B, "v", std::span<const T>(v));
+
+  // The upper half of A is free until the lower half is made of what is written there.
+  const std::span<T> upper = A.first(width * n), lower = A.last(width * n);
+  const std::span<T> da_dq = upper.first(n * n), da_dv = upper.last(n * n);
+  const Solvability verdict =
+      forward_dynamics_derivatives(model, workspace, q, v, tau, {da_dq, da_dv, B.last(n * n)}, loads);
+  if (!verdict.ok()) {
+    for (const std::span<T> all : {A, B}) std::ranges::fill(all, std::numeric_limits<T>::quiet_NaN());
+    return verdict;
+  }
+  for (std::size_t i = 0; i < n; ++i) {
+    std::ranges::copy(da_dq.subspan(i * n, n), &lower[i * width]);
+    std::ranges::copy(da_dv.subspan(i * n, n), &lower[i * width + n]);
+  }
+  std::ranges::fill(upper, T(0));
+  std::ranges::fill(B.first(n * n), T(0));
+  for (std::size_t i = 0; i < n; ++i) upper[i * width + n + i] = T(1);
+  subtract_ad(model.tree<T>(), v.data(), static_cast<std::ptrdiff_t>(width), upper.data());
+  return verdict;
+}
+
+template Solvability linearize(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>, Numbers<AXODE_T>,
+                               Numbers<AXODE_T>, const Linearization<AXODE_T>&, const Loads<AXODE_T>&);
+
+}  // namespace axode
