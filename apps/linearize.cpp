@@ -2,11 +2,14 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <filesystem>
 #include <memory>
+#include <numbers>
 
 #include "axode/derivatives.hpp"
+#include "axode/dynamics/forward_dynamics.hpp"
 #include "axode/dynamics/inverse_dynamics.hpp"
 #include "axode/eigen.hpp"
 #include "choice.hpp"
@@ -281,7 +284,8 @@ void print(const Linearized& at) {
   const double a = as_eigen(std::span<const double>(state.a)).lpNorm<Eigen::Infinity>();
   if (!is_zero(state.v) || a > 1e-6)
     fmt::print("\n{}\n", in(Ink::warning, "no equilibrium: A and B are those of this instant of a motion"));
-  fmt::print("{}{}{}", matrix_tables(at), heading("modes", verdict(at) + "; time constants in s, displacements in rad or m"),
+  fmt::print("{}{}{}", matrix_tables(at),
+             heading("modes", verdict(at) + "; time constants in s, displacements in rad or m"),
              mode_table(at));
 }
 

@@ -75,8 +75,10 @@ Vector newton_step(const Iterate& at) {
 
 /// Moves to where the residual is less, along the step or the longest of its halves. Whether there is such a place.
 bool improve(const Model& model, Statics& statics, const Vector& step, Iterate& at, Iterate& next) {
-  constexpr double shortest = 1e-12, decrease = 1e-4;
-  for (double s = 1; s > shortest; s *= 0.5) {
+  constexpr int most_halves = 40;
+  constexpr double decrease = 1e-4;
+  for (int k = 0; k < most_halves; ++k) {
+    const double s = std::ldexp(1.0, -k);
     const Vector part = s * step;
     next.q = integrate(model, at.q, as_span(part));
     statics.evaluate(next);

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdint>
 #include <nlohmann/json.hpp>
+#include <numbers>
 
 #include "axode/derivatives.hpp"
 #include "axode/eigen.hpp"

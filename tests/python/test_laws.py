@@ -219,13 +219,14 @@ def test_the_linear_system_has_the_derivatives_of_forward_dynamics_and_the_brack
 
 
 def test_a_pendulum_rests_where_its_drive_holds_it():
-    m = axode.Model.from_bodies([{"name": "bob", "joint": {"kind": "revolute", "axis": [0, -1, 0], "name": "hinge"},
+    m = axode.Model.from_bodies([{"name": "bob", "joint": {"kind": "revolute", "axis": [0, -1, 0], "point": [0, 0, 0]},
                                   "mass": 1, "com": [0, 0, -1], "inertia": [0, 0, 0]}])
     found = axode.equilibrium(m, [0.1], [9.81 / 2])
     assert found.status == "solved" and found.residual <= 1e-9 and close(found.q, [np.pi / 6], 1e-9)
     assert close(axode.linearize(m, found.q, [0], [9.81 / 2]).A, [[0, 1], [-9.81 * np.cos(np.pi / 6), 0]], 1e-9)
     assert axode.equilibrium(m, [0.1], [9.82]).status == "stalled"
-    lifted = axode.equilibrium(m, [0.1], loads=[{"frame": "bob", "representation": "hybrid", "wrench": [0, -1, 0, 0, 0, 0]}])
+    turned = axode.Load(frame="bob", representation="hybrid", wrench=[0, -1, 0, 0, 0, 0])
+    lifted = axode.equilibrium(m, [0.1], loads=[turned])
     assert close(lifted.q, [np.arcsin(1 / 9.81)], 1e-9)
     assert axode.equilibrium(m, [0.1], iterations=1).status == "iteration_limit"
     with pytest.raises(ValueError, match="equilibrium: tolerance is 0; it must be positive"):
