@@ -29,6 +29,12 @@ constexpr const char* footer = R"(Functions (several are separated by commas):
   mass_matrix              M from q, nv x nv
   jacobian:FRAME[:REP]     J of a frame from q, 6 x nv, angular rows first; REP is body (if left out),
                            spatial, hybrid or mixed
+  inverse_dynamics_derivatives, forward_dynamics_derivatives
+                           by q, v and a or tau, nv x nv each, one behind the other
+  inverse_dynamics_jvp, forward_dynamics_jvp
+                           what a direction (dq, dv, da or dtau) does to the result
+  inverse_dynamics_vjp, forward_dynamics_vjp
+                           the gradients of w times the result by q, v and a or tau, nv each
 
 Example:
   axode codegen arm7.toml --functions inverse_dynamics,jacobian:flange:hybrid
@@ -38,11 +44,12 @@ mechanism needs are in it: products with 0 and 1, signs and repetitions are gone
 does not turn is counted to the body before it. Results differ from those of `axode eval` by rounding, for
 angles up to 1e5 rad. Fast with cc -O3 -march=native -ffp-contract=fast, wrong with -ffast-math.)";
 
-constexpr std::array<std::pair<std::string_view, Quantity>, 4> quantities{
-    {{"inverse_dynamics", Quantity::inverse_dynamics},
-     {"forward_dynamics", Quantity::forward_dynamics},
-     {"mass_matrix", Quantity::mass_matrix},
-     {"jacobian", Quantity::jacobian}}};
+constexpr auto quantities = [] {
+  std::array<std::pair<std::string_view, Quantity>, codegen::quantities.size()> named{};
+  for (std::size_t k = 0; k < named.size(); ++k)
+    named[k] = {codegen::quantities[k], static_cast<Quantity>(k)};
+  return named;
+}();
 
 bool has_frame(const Model& model, std::string_view name) {
   return std::ranges::any_of(model.frames(), [&](const Frame& frame) { return frame.name == name; });

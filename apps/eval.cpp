@@ -178,7 +178,7 @@ void add_eval(CLI::App& app, int& exit_code) {
   eval->add_option("--format", options->format, "table (if left out) or json")->type_name("WORD");
   std::string list;
   for (const Quantity& quantity : quantities())
-    list += fmt::format("  {:<37}{}\n", quantity.name, quantity.purpose);
+    list += fmt::format("  {:<39}{}\n", quantity.name, quantity.purpose);
   std::string help = footer;
   eval->footer(help.replace(help.find("{quantities}\n"), 13, list));
   eval->callback([options, &exit_code] {

@@ -1,4 +1,5 @@
 #pragma once
+#include <array>
 #include <span>
 #include <string>
 #include <string_view>
@@ -12,7 +13,29 @@
 /// operations are left that this mechanism needs. They are what the kernels of the library do on a Trace.
 namespace axode::codegen {
 
-enum class Quantity { inverse_dynamics, forward_dynamics, mass_matrix, jacobian };
+enum class Quantity {
+  inverse_dynamics,
+  forward_dynamics,
+  mass_matrix,
+  jacobian,
+  inverse_dynamics_derivatives,
+  inverse_dynamics_jvp,
+  inverse_dynamics_vjp,
+  forward_dynamics_derivatives,
+  forward_dynamics_jvp,
+  forward_dynamics_vjp
+};
+/// Their names, those of the library, in that order.
+inline constexpr std::array<std::string_view, 10> quantities{"inverse_dynamics",
+                                                             "forward_dynamics",
+                                                             "mass_matrix",
+                                                             "jacobian",
+                                                             "inverse_dynamics_derivatives",
+                                                             "inverse_dynamics_jvp",
+                                                             "inverse_dynamics_vjp",
+                                                             "forward_dynamics_derivatives",
+                                                             "forward_dynamics_jvp",
+                                                             "forward_dynamics_vjp"};
 
 /// A function to generate.
 struct Function {
@@ -47,10 +70,14 @@ bool is_identifier(std::string_view name);
 ///     int  PREFIX_forward_dynamics(const T *q, const T *v, const T *tau, T *a)
 ///     void PREFIX_mass_matrix(const T *q, T *M)
 ///     void PREFIX_jacobian_NAME(const T *q, T *J)
+///     void PREFIX_inverse_dynamics_derivatives(const T *q, const T *v, const T *a, T *dtau)
+///     void PREFIX_inverse_dynamics_jvp(const T *q, const T *v, const T *a, const T *dq, const T *dv, const T *da, T *dtau)
+///     void PREFIX_inverse_dynamics_vjp(const T *q, const T *v, const T *a, const T *w, T *gradient)
+///     int  PREFIX_forward_dynamics_derivatives(const T *q, const T *v, const T *tau, T *da), ..._jvp and ..._vjp
 ///
-/// M is nv x nv; J is 6 x nv, row by row, angular before linear; in another representation than body-fixed its
-/// function is PREFIX_jacobian_NAME_spatial and so on. forward_dynamics returns 0, or 1 where the mass matrix
-/// may be singular, and then `a` is not to be trusted. Arrays must not overlap. Armature and gravity are
+/// Derivatives by q, v and a or tau lie one behind the other, nv x nv or nv numbers each. M is nv x nv; J is 6 x nv, row by row, angular before linear; in another representation than body-fixed its
+/// function is PREFIX_jacobian_NAME_spatial and so on. Those of forward dynamics return 0, or 1 where the mass matrix
+/// may be singular, and then the result is not to be trusted. Arrays must not overlap. Armature and gravity are
 /// those of the model; joint losses and loads have no part in it. Results differ from the library's by
 /// rounding, for angles up to 1e5 rad.
 ///

@@ -39,14 +39,8 @@ std::vector<std::string> frame_identifiers(const Model& model) {
   return names;
 }
 
-const char* word_for(Quantity quantity) {
-  switch (quantity) {
-    case Quantity::inverse_dynamics: return "inverse_dynamics";
-    case Quantity::forward_dynamics: return "forward_dynamics";
-    case Quantity::mass_matrix: return "mass_matrix";
-    case Quantity::jacobian: break;
-  }
-  return "jacobian";
+std::string word_for(Quantity quantity) {
+  return std::string(quantities[static_cast<std::size_t>(quantity)]);
 }
 const char* word_for(Representation representation) {
   switch (representation) {
@@ -122,6 +116,20 @@ std::string purpose(const Model& model, const Function& function) {
              "   mass matrix may be singular; a is then not to be trusted.";
     case Quantity::mass_matrix:
       return "The mass matrix M (kg m^2, kg m, kg), " + nv + " x " + nv + ", row by row.";
+    case Quantity::inverse_dynamics_derivatives:
+      return "The derivatives of tau by q, v and a, " + nv + " x " + nv +
+             " each, one behind the other, row by row.";
+    case Quantity::inverse_dynamics_jvp: return "What a direction (dq, dv, da) does to tau.";
+    case Quantity::inverse_dynamics_vjp:
+      return "The gradients of w tau by q, v and a, " + nv + " numbers each, one behind the other.";
+    case Quantity::forward_dynamics_derivatives:
+      return "The derivatives of a by q, v and tau, " + nv + " x " + nv +
+             " each, one behind the other, row by row.\n   Returns what forward dynamics does.";
+    case Quantity::forward_dynamics_jvp:
+      return "What a direction (dq, dv, dtau) does to a. Returns what forward dynamics does.";
+    case Quantity::forward_dynamics_vjp:
+      return "The gradients of w a by q, v and tau, " + nv +
+             " numbers each, one behind the other. Returns what\n   forward dynamics does.";
     case Quantity::jacobian: break;
   }
   return "The Jacobian J of frame \"" + in_comment(model.frame(function.frame).name) + "\" in " +

@@ -5,6 +5,8 @@
 #include <limits>
 
 #include "axode/codegen/traced_tree.hpp"
+#include "axode/derivatives/first_order.hpp"
+#include "axode/derivatives/inverse_dynamics_products.hpp"
 #include "axode/fast/inverse_dynamics.hpp"
 #include "axode/fast/inverse_mass_matrix.hpp"
 #include "axode/kinematics/path.hpp"
@@ -97,40 +99,141 @@ Recording mass_matrix(const Tree<double>& tree) {
   return traced.with(composite(traced, traced.argument("q", tree->nq)));
 }
 
-/// How accelerations are found from what the forces leave over, x := M⁻¹ x, and what makes it doubtful.
-using Solver = Trace::Condition (*)(Traced&, const Numbers& q, Numbers& x, double small);
+/// How accelerations are found from what the forces leave over, x := M⁻¹ x for several x, and what makes it doubtful.
+using Solver = Trace::Condition (*)(Traced&, const Numbers& q, std::span<Numbers> columns, double small);
 
 /// The articulated-body algorithm.
-Trace::Condition solve_articulated(Traced& traced, const Numbers& q, Numbers& x, double small) {
+Trace::Condition solve_articulated(Traced& traced, const Numbers& q, std::span<Numbers> columns,
+                                   double small) {
   OnTape<ArticulatedBodies<BodyFixed, T>> bodies(*traced.tree.topology());
   Doubt doubt(traced.tree, small);
   bodies->links.run(traced.constants, q.data());
   bodies->factorize(traced.constants, traced.constants.armature.data(), doubt);
-  bodies->solve(traced.constants, x.data());
+  for (Numbers& x : columns) bodies->solve(traced.constants, x.data());
   return doubt.verdict();
 }
 
 /// The mass matrix and its sparse factors.
-Trace::Condition solve_factorized(Traced& traced, const Numbers& q, Numbers& x, double small) {
+Trace::Condition solve_factorized(Traced& traced, const Numbers& q, std::span<Numbers> columns,
+                                  double small) {
   Numbers H = composite(traced, q);
   const Numbers fed = zeros(traced.tree->nv);  // not asked for
   Doubt doubt(traced.tree, small);
   factorize(traced.constants, fed.data(), H.data(), doubt);
-  solve(traced.constants, H.data(), x.data());
+  for (Numbers& x : columns) solve(traced.constants, H.data(), x.data());
   return doubt.verdict();
 }
 
+/// The arguments of forward dynamics and the accelerations.
+struct Accelerated {
+  Traced& traced;
+  Solver solver;
+  double small;
+  Numbers q, v, tau, a;
+
+  Accelerated(Traced& on, Solver by, double doubtful)
+      : traced(on),
+        solver(by),
+        small(doubtful),
+        q(on.argument("q", on.tree->nq)),
+        v(on.argument("v", on.tree->nv)),
+        tau(on.argument("tau", on.tree->nv)),
+        a(tau) {
+    const Numbers bias = forces(traced, q, v, zeros(on.tree->nv));
+    for (std::size_t c = 0; c < a.size(); ++c) a[c] -= bias[c];
+    solve({&a, 1});
+  }
+  void solve(std::span<Numbers> columns) { traced.recording.doubt = solver(traced, q, columns, small); }
+  Recording with(Numbers results) {
+    traced.recording.returns_doubt = true;
+    const Trace::Condition doubt = traced.recording.doubt;
+    if (doubt.is_constant() && doubt.constant())  // a joint moves no mass wherever it is
+      std::fill(results.begin(), results.end(), T(std::numeric_limits<double>::quiet_NaN()));
+    return traced.with(std::move(results));
+  }
+};
+
 Recording forward_dynamics(const Tree<double>& tree, Solver solver, double small) {
   Traced traced(tree, "a");
-  const Numbers q = traced.argument("q", tree->nq), v = traced.argument("v", tree->nv);
-  Numbers x = traced.argument("tau", tree->nv);
-  const Numbers bias = forces(traced, q, v, zeros(tree->nv));
-  for (std::size_t c = 0; c < x.size(); ++c) x[c] -= bias[c];
-  traced.recording.returns_doubt = true;
-  const Trace::Condition doubt = traced.recording.doubt = solver(traced, q, x, small);
-  if (doubt.is_constant() && doubt.constant())  // a joint moves no mass wherever it is
-    std::fill(x.begin(), x.end(), T(std::numeric_limits<double>::quiet_NaN()));
-  return traced.with(std::move(x));
+  Accelerated at(traced, solver, small);
+  return at.with(at.a);
+}
+
+/// By q, v and a, one behind the other.
+Numbers matrices(Traced& traced, const Numbers& q, const Numbers& v, const Numbers& a) {
+  OnTape<FirstOrder<T>> first_order(*traced.tree.topology());
+  const int entries = traced.tree->nv * traced.tree->nv;
+  Numbers out = zeros(3 * entries);
+  first_order->run(traced.tree, q.data(), v.data(), a.data(), {});
+  first_order->write(traced.tree, {}, out.data(), out.data() + entries, out.data() + 2 * entries);
+  return out;
+}
+Numbers product(Traced& traced, const Numbers& q, const Numbers& v, const Numbers& a, const Numbers& dq,
+                const Numbers& dv, const Numbers& da) {
+  OnTape<InverseDynamicsJvp<T>> jvp(*traced.tree.topology());
+  Numbers out = zeros(traced.tree->nv);
+  jvp->run(traced.tree, q.data(), v.data(), a.data(), dq.data(), dv.data(), da.data(), {}, out.data());
+  return out;
+}
+Numbers gradients(Traced& traced, const Numbers& q, const Numbers& v, const Numbers& a, const Numbers& w) {
+  OnTape<InverseDynamicsVjp<T>> vjp(*traced.tree.topology());
+  vjp->run(traced.tree, q.data(), v.data(), a.data(), w.data(), {});
+  Numbers out;
+  for (const T* const part : {vjp->by_q, vjp->by_v, vjp->by_a})
+    out.insert(out.end(), part, part + traced.tree->nv);
+  return out;
+}
+
+Recording inverse_dynamics_derivatives(const Tree<double>& tree, Quantity quantity) {
+  const bool jvp = quantity == Quantity::inverse_dynamics_jvp,
+             vjp = quantity == Quantity::inverse_dynamics_vjp;
+  Traced traced(tree, vjp ? "gradient" : "dtau");
+  const Numbers q = traced.argument("q", tree->nq), v = traced.argument("v", tree->nv),
+                a = traced.argument("a", tree->nv);
+  if (vjp) return traced.with(gradients(traced, q, v, a, traced.argument("w", tree->nv)));
+  if (!jvp) return traced.with(matrices(traced, q, v, a));
+  const Numbers dq = traced.argument("dq", tree->nv), dv = traced.argument("dv", tree->nv),
+                da = traced.argument("da", tree->nv);
+  return traced.with(product(traced, q, v, a, dq, dv, da));
+}
+
+Recording forward_dynamics_derivatives(const Tree<double>& tree, Solver solver, double small) {
+  Traced traced(tree, "da");
+  Accelerated at(traced, solver, small);
+  const std::size_t nv = static_cast<std::size_t>(tree->nv);
+  const Numbers inverse = matrices(traced, at.q, at.v, at.a);
+  std::vector<Numbers> columns(3 * nv, zeros(tree->nv));
+  for (std::size_t c = 0; c < nv; ++c) {
+    for (std::size_t r = 0; r < nv; ++r)
+      for (const std::size_t matrix : {0, 1})
+        columns[matrix * nv + c][r] = -inverse[(matrix * nv + r) * nv + c];
+    columns[2 * nv + c][c] = T(1);
+  }
+  at.solve(columns);
+  Numbers out(3 * nv * nv);
+  for (std::size_t k = 0; k < columns.size(); ++k)
+    for (std::size_t r = 0; r < nv; ++r) out[(k / nv * nv + r) * nv + k % nv] = columns[k][r];
+  return at.with(std::move(out));
+}
+Recording forward_dynamics_jvp(const Tree<double>& tree, Solver solver, double small) {
+  Traced traced(tree, "da");
+  Accelerated at(traced, solver, small);
+  const Numbers dq = traced.argument("dq", tree->nv), dv = traced.argument("dv", tree->nv);
+  Numbers x = traced.argument("dtau", tree->nv);
+  const Numbers along = product(traced, at.q, at.v, at.a, dq, dv, zeros(tree->nv));
+  for (std::size_t c = 0; c < x.size(); ++c) x[c] -= along[c];
+  at.solve({&x, 1});
+  return at.with(std::move(x));
+}
+Recording forward_dynamics_vjp(const Tree<double>& tree, Solver solver, double small) {
+  Traced traced(tree, "gradient");
+  Accelerated at(traced, solver, small);
+  Numbers mu = traced.argument("w", tree->nv);
+  at.solve({&mu, 1});
+  Numbers out = gradients(traced, at.q, at.v, at.a, mu);
+  const std::size_t nv = mu.size();
+  for (std::size_t c = 0; c < nv; ++c) out[c] = -out[c], out[nv + c] = -out[nv + c], out[2 * nv + c] = mu[c];
+  return at.with(std::move(out));
 }
 
 /// The twist of a frame for a unit of each velocity. In the axes of the frame the joint screws are found on
@@ -180,12 +283,23 @@ Recording record(const Model& model, const Function& function, bool single_preci
     case Quantity::inverse_dynamics: return inverse_dynamics(tree);
     case Quantity::mass_matrix: return mass_matrix(tree);
     case Quantity::jacobian: return jacobian(tree, function.frame, function.representation);
-    case Quantity::forward_dynamics: break;
+    case Quantity::inverse_dynamics_derivatives:
+    case Quantity::inverse_dynamics_jvp:
+    case Quantity::inverse_dynamics_vjp: return inverse_dynamics_derivatives(tree, function.quantity);
+    default: break;
   }
-  const double small = single_precision ? doubtful_part<float> : doubtful_part<double>;
-  Recording by_bodies = forward_dynamics(tree, solve_articulated, small);
+  const auto by = [&](Solver solver) {
+    const double small = single_precision ? doubtful_part<float> : doubtful_part<double>;
+    switch (function.quantity) {
+      case Quantity::forward_dynamics_derivatives: return forward_dynamics_derivatives(tree, solver, small);
+      case Quantity::forward_dynamics_jvp: return forward_dynamics_jvp(tree, solver, small);
+      case Quantity::forward_dynamics_vjp: return forward_dynamics_vjp(tree, solver, small);
+      default: return forward_dynamics(tree, solver, small);
+    }
+  };
+  Recording by_bodies = by(solve_articulated);
   if (tree->depth > FastInverseMassMatrix<double>::longest_path) return by_bodies;  // factors lose digits
-  Recording by_factors = forward_dynamics(tree, solve_factorized, small);
+  Recording by_factors = by(solve_factorized);
   return operations(by_bodies).total() < operations(by_factors).total() ? by_bodies : by_factors;
 }
 

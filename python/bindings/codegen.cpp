@@ -14,9 +14,6 @@ namespace {
 using namespace nb::literals;
 using codegen::Quantity;
 
-constexpr std::array<std::string_view, 4> quantities{"inverse_dynamics", "forward_dynamics", "mass_matrix",
-                                                     "jacobian"};
-
 [[noreturn]] void wrong_function(const std::string& where, nb::handle given) {
   throw nb::value_error(
       (where + " is " + shown(given) +
@@ -31,7 +28,7 @@ codegen::Function function_from(const Model& model, const std::string& where, nb
   const std::size_t entries = is_tuple ? nb::len(given) : 1;
   if (entries == 0 || entries > 3) wrong_function(where, given);
   const nb::object word = is_tuple ? nb::object(given[0]) : nb::borrow(given);
-  const Quantity quantity = static_cast<Quantity>(choose(where.c_str(), word, quantities));
+  const Quantity quantity = static_cast<Quantity>(choose(where.c_str(), word, codegen::quantities));
   if ((quantity == Quantity::jacobian) != (entries > 1)) wrong_function(where, given);
   codegen::Function function{quantity};
   if (entries > 1)
@@ -71,17 +68,18 @@ void add_codegen(nb::module_& module) {
       R"(
 A file in C99 for this one mechanism, which needs nothing but a compiler, and what each of its functions costs.
 
-functions are "inverse_dynamics", "forward_dynamics", "mass_matrix", ("jacobian", frame) and ("jacobian", frame,
-representation). With PREFIX for prefix (made from the model's name if empty), NAME for the frame's name and T for
+functions are "inverse_dynamics", "forward_dynamics", "mass_matrix", either of the first two with "_derivatives", "_jvp" or
+"_vjp" behind it, ("jacobian", frame) and ("jacobian", frame, representation). With PREFIX for prefix (made from the model's name if empty), NAME for the frame's name and T for
 double or, in single precision, float, they become
 
     void PREFIX_inverse_dynamics(const T *q, const T *v, const T *a, T *tau)
     int  PREFIX_forward_dynamics(const T *q, const T *v, const T *tau, T *a)
     void PREFIX_mass_matrix(const T *q, T *M)
     void PREFIX_jacobian_NAME(const T *q, T *J), PREFIX_jacobian_NAME_hybrid, ...
+    void PREFIX_inverse_dynamics_derivatives(const T *q, const T *v, const T *a, T *dtau), ...
 
-with the units and frames of their namesakes here; M is (nv, nv) and J (6, nv), row by row. forward_dynamics returns 0,
-or 1 where the mass matrix may be singular. Armature and gravity are part of them, joint losses and loads are not.
+with the units and frames of their namesakes here; M is (nv, nv) and J (6, nv), row by row; derivatives by q, v and a
+or tau lie one behind the other. forward_dynamics and its derivatives return 0, or 1 where the mass matrix may be singular. Armature and gravity are part of them, joint losses and loads are not.
 Results differ by rounding, for angles up to 1e5 rad. Compile it without -ffast-math. KeyError for an unknown frame,
 ValueError for an unknown function, one that is asked for twice, none, and a prefix that is no C identifier.
 

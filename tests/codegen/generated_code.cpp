@@ -41,10 +41,12 @@ Result call_in(const Compiled& library, const std::string& name,
       function(pointers..., out.data());
   };
   const auto pointer = [&](std::size_t k) { return static_cast<const T*>(x.at(k).data()); };
-  if (x.size() == 1)
-    call(pointer(0));
-  else
-    call(pointer(0), pointer(1), pointer(2));
+  switch (x.size()) {
+    case 1: call(pointer(0)); break;
+    case 3: call(pointer(0), pointer(1), pointer(2)); break;
+    case 4: call(pointer(0), pointer(1), pointer(2), pointer(3)); break;
+    default: call(pointer(0), pointer(1), pointer(2), pointer(3), pointer(4), pointer(5)); break;
+  }
   return {cast<double>(out), status};
 }
 /// In the scalar of a case.
@@ -140,6 +142,79 @@ TEST_P(GeneratedCode, GivesWhatTheLibraryGives) {
   EXPECT_LE(doubted, solvable / 20) << "doubt is rare where the library finds accelerations";
 }
 
+/// With few bodies: the matrices of forward dynamics are long programs.
+TEST_P(GeneratedCode, HasTheDerivativesThatTheLibraryHas) {
+  const Case fastest = fast(GetParam());
+  Comparison inverse("inverse", fastest.agreement()), forward("forward", fastest.agreement());
+  constexpr Quantity quantities[]{
+      Quantity::inverse_dynamics_derivatives, Quantity::inverse_dynamics_jvp, Quantity::inverse_dynamics_vjp,
+      Quantity::forward_dynamics_derivatives, Quantity::forward_dynamics_jvp, Quantity::forward_dynamics_vjp};
+  std::vector<Function> functions;
+  for (const Quantity quantity : quantities) functions.push_back({quantity});
+  int solvable = 0;
+  std::string text;
+  std::vector<std::unique_ptr<Trial>> trials;
+  std::vector<codegen::Source> sources;
+  for (std::uint64_t seed = 1; seed <= 12; ++seed) {
+    trials.emplace_back(new Trial(fastest, Random<double>(seed), {.most_bodies = 6}));
+    sources.push_back(
+        codegen::c_source(trials.back()->model, functions, {"tree" + std::to_string(seed), fastest.single}));
+    text += sources.back().text;
+  }
+  const Compiled library(text);
+  for (std::size_t k = 0; k < trials.size(); ++k) {
+    SCOPED_TRACE("seed " + std::to_string(k + 1));
+    Trial& trial = *trials[k];
+    const std::size_t nv = static_cast<std::size_t>(trial.model.nv());
+    Random<double> random(k + 1000);
+    for (int s = 0; s < 4; ++s) {
+      const State<double> state = rounded(fastest, random_state(trial.model, random));
+      Ask ask{.q = state.q, .v = state.v, .a = state.a};
+      for (auto* const x : {&ask.dq, &ask.dv, &ask.da, &ask.w})
+        *x = cast<double>(cast<float>(random_numbers(random, trial.model.nv())));
+      ask.tau = cast<double>(cast<float>(trial.call("inverse_dynamics", ask)));
+      ask.dtau = ask.da;
+      const auto name = [&](std::size_t f) { return sources[k].functions[f].name; };
+      const auto dtau = trial.call("inverse_dynamics_derivatives", ask);
+      const double scale = std::max(largest(dtau), 1e-6);
+      inverse.expect_equal(called(fastest, library, name(0), {ask.q, ask.v, ask.a}, 3 * nv * nv), dtau,
+                           scale);
+      inverse.expect_equal(
+          called(fastest, library, name(1), {ask.q, ask.v, ask.a, ask.dq, ask.dv, ask.da}, nv),
+          trial.call("inverse_dynamics_jvp", ask), scale);
+      inverse.expect_equal(called(fastest, library, name(2), {ask.q, ask.v, ask.a, ask.w}, 3 * nv),
+                           trial.call("inverse_dynamics_vjp", ask), scale);
+      const auto [da, doubt] = solved(fastest, library, name(3), {ask.q, ask.v, ask.tau}, 3 * nv * nv);
+      if (doubt != 0 || fastest.single) continue;  // M may be too ill-conditioned to compare in float
+      ++solvable;
+      const auto expected = trial.call("forward_dynamics_derivatives", ask);
+      const auto M = matrix(trial.model.nv(), trial.call("mass_matrix", ask));
+      const auto forces_of = [&](const std::vector<double>& all, std::size_t from, Eigen::Index columns) {
+        return Eigen::MatrixXd(M * Eigen::Map<const Eigen::Matrix<double, -1, -1, Eigen::RowMajor>>(
+                                       all.data() + from, trial.model.nv(), columns));
+      };
+      for (const std::size_t part : {0, 1, 2})
+        forward.expect_equal(forces_of(da, part * nv * nv, trial.model.nv()),
+                             forces_of(expected, part * nv * nv, trial.model.nv()), scale);
+      forward.expect_equal(
+          forces_of(solved(fastest, library, name(4), {ask.q, ask.v, ask.tau, ask.dq, ask.dv, ask.dtau}, nv)
+                        .numbers,
+                    0, 1),
+          forces_of(trial.call("forward_dynamics_jvp", ask), 0, 1), scale);
+      const auto gradient = solved(fastest, library, name(5), {ask.q, ask.v, ask.tau, ask.w}, 3 * nv).numbers;
+      const Eigen::VectorXd w = vector(ask.w);
+      for (std::size_t part : {0, 1, 2}) {
+        const Eigen::MatrixXd D = Eigen::Map<const Eigen::Matrix<double, -1, -1, Eigen::RowMajor>>(
+            expected.data() + part * nv * nv, trial.model.nv(), trial.model.nv());
+        forward.expect_equal(
+            Eigen::VectorXd(vector(gradient).segment(static_cast<Eigen::Index>(part * nv), trial.model.nv())),
+            Eigen::VectorXd(D.transpose() * w), 1e3 * std::max(largest(expected), 1e-6));
+      }
+    }
+  }
+  EXPECT_TRUE(fastest.single || solvable >= 20);
+}
+
 /// What a compiler says about C source.
 std::string complaints(const std::string& source, std::vector<std::string> words) {
   const TemporaryFolder folder;
@@ -154,7 +229,9 @@ TEST_P(GeneratedCode, CompilesWithoutWarningsAsC99AndAsCpp) {
                                         {Quantity::forward_dynamics},
                                         {Quantity::mass_matrix},
                                         {Quantity::jacobian, 0},
-                                        {Quantity::jacobian, 2, Representation::mixed}};
+                                        {Quantity::jacobian, 2, Representation::mixed},
+                                        {Quantity::inverse_dynamics_vjp},
+                                        {Quantity::forward_dynamics_jvp}};
   for (const auto& [file, base] :
        {std::pair("arm7.toml", Base::fixed), std::pair("machine.toml", Base::as_described),
         std::pair("humanoid.urdf", Base::free)}) {
