@@ -19,7 +19,7 @@ import difflib
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from . import closed_form, codegen, convert, identification, lie, signatures
+from . import calibration, closed_form, codegen, convert, identification, lie, signatures
 from ._axode import (
     Body,
     Joint,
@@ -156,7 +156,7 @@ __all__ = [
     "InverseDynamicsHessian", "ForwardDynamicsHessian", "StateDerivatives", "MotionDerivatives", "Linearization",
     "Equilibrium", "Fault", "ModelError", "NotFiniteError", "SingularError", "StatesError",
     # modules
-    "lie", "closed_form", "codegen", "convert", "identification",
+    "lie", "closed_form", "codegen", "convert", "identification", "calibration",
 ]
 
 if not TYPE_CHECKING:  # to a type checker every name would be known

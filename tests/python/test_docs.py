@@ -11,7 +11,7 @@ import pytest
 
 SOURCE = Path(__file__).resolve().parents[2]
 PAGES = ["docs/python.md", "README.md"]
-MODULES = [axode, axode.lie, axode.closed_form, axode.codegen, axode.convert, axode.identification]
+MODULES = [axode, axode.lie, axode.closed_form, axode.codegen, axode.convert, axode.identification, axode.calibration]
 
 
 def blocks(page):

@@ -33,7 +33,7 @@ def numbers_behind(text, words):
 def test_every_example_is_run_here():
     assert sorted(file.name for file in EXAMPLES.glob("*.py")) == [
         "01_drawing_to_dynamics.py", "02_representations.py", "03_batch_trajectory.py",
-        "04_identification.py"]
+        "04_identification.py", "05_calibration.py"]
 
 
 def test_the_crane_holds_what_levers_say_and_dynamics_are_inverse(tmp_path):
@@ -103,3 +103,14 @@ def test_the_identified_arm_is_the_one_that_was_measured(tmp_path):
     drawn, found = (numbers_behind(printed, f"torques of the {name} model")[0] for name in ("drawn", "found"))
     assert found < 0.1 * drawn
     assert "every body can be built: True" in printed
+
+
+def test_the_calibrated_arm_is_where_the_tracker_sees_it(tmp_path):
+    printed = run(tmp_path, "05_calibration.py")
+    assert numbers_behind(printed, "54 parameters,")[0] == 4 * 7 + 6
+    assert numbers_behind(printed, "noise:") == pytest.approx([0.2, 0.1], rel=0.15)
+    assert "  link 1 rz - link 2 rz\n" in printed
+    drawn, found = (np.array(numbers_behind(printed, f"poses of the {name} model are off by"))
+                    for name in ("drawn", "found"))
+    assert np.all(found < [0.2, 0.1]) and np.all(drawn > 100 * found)
+    assert "masses and names are those of the drawing: True" in printed

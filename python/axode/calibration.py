@@ -1,0 +1,788 @@
+"""Geometric parameters from measured poses: where the joints of a built mechanism really are.
+
+Section 6.2 of the paper: B_i is replaced by B_i exp(pi_i), six parameters for each body. Frames of the mechanism have
+the poses C_f = C_b O exp(rho), O the drawn pose of the frame on its last body and rho the error of the tool; a device
+whose own frame has the pose D measures D^-1 C_f, or its origin alone. `calibrate` finds all of them from many measured
+poses: the residuals are log((D^-1 C_f)^-1 C_measured), their Jacobian is exact (`frame_geometry_jacobian`), steps are
+those of Levenberg and Marquardt, taken on SE(3). There are no Euler angles, and nothing is singular where axes are
+parallel.
+
+Six parameters for each joint are more than poses can show: what moves body i along its own joint can be given to its
+successor as well, 2 parameters of a hinge or a screw, 4 of a slider. Measured poses of a serial arm in general position
+show 4 for each hinge, 2 for each slider, and 6. Such directions are found and reported, and the correction is the
+smallest that explains the poses, unless a `prior` says how well the drawing is known. An offset of a joint coordinate is
+a displacement along the joint, and so in pi already.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any, NamedTuple, TypedDict
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from . import lie
+from ._axode import Model, frame_geometry_jacobian, poses
+from .convert import _numbers
+from .identification import _in_words, _triangle
+
+__all__ = ["Calibration", "Measurement", "calibrate", "with_geometry"]
+
+Array = NDArray[np.float64]
+
+#: Singular values below this part of the largest are rounding.
+RANK_TOLERANCE = 1e-10
+#: No pose is taken to be measured better than this, in rad and in parts of the largest measured distance.
+NOISE_FLOOR = 1e-11
+#: Angles and lengths, in parts of the size of what was measured, do not differ more than so in their noise.
+NOISE_RATIO = 1e-4
+#: Huber's threshold for the norm of three components in standard deviations: 95 % efficient without outliers.
+HUBER = 1.7
+#: The median of this norm where there are no outliers.
+MEDIAN = 1.5382
+#: What a measured rotation may be off an orthonormal matrix.
+ROUNDED = 1e-3
+#: Numbers of the Jacobian that are held at once.
+BLOCK = 1 << 20
+
+
+class _MeasurementNeeds(TypedDict):
+    frame: str | int
+    q: ArrayLike
+
+
+class Measurement(_MeasurementNeeds, total=False):
+    """What was measured of a frame in N configurations q (N, nq): `pose` (N, 4, 4) or `position` (N, 3), in m.
+
+    Both are in the frame of the measuring device, which is the inertial frame where `calibrate` is told device=False.
+    It is a dict.
+
+    >>> measured = axode.calibration.Measurement(frame="flange", q=np.zeros((1, 7)), position=[[0, 0, 1.306]])
+    >>> measured["frame"]
+    'flange'
+    """
+
+    pose: ArrayLike
+    position: ArrayLike
+
+
+class Calibration(NamedTuple):
+    """What `calibrate` finds. p parameters: six of each calibrated body, of each measured frame, of the device."""
+
+    model: Model
+    """m with the geometry found, the poses of measured frames on their bodies included."""
+    parameters: Array
+    """(n_bodies, 6): pi_i in the order of `m.body_names`, angles (rad) before lengths (m), 0 where not calibrated."""
+    tools: dict[str, Array]
+    """Of each measured frame exp(rho), its pose (4, 4) in the one that is drawn."""
+    device: Array
+    """(4, 4): the pose of the device in the inertial frame."""
+    parameter_names: list[str]
+    """(p) of what was calibrated: `link 1 rx`, ..., `link 1 z`, `tool flange rx`, ..., `device z`."""
+    covariance: Array
+    """(p, p), of small displacements, angular before linear, in the axes of the frames found: B exp(pi) exp(error)."""
+    deviations: Array
+    """(p,) standard deviations, the roots of its diagonal. They are those of the smallest correction, to which what
+    cannot be identified contributes nothing, or with a prior those of what is known after the measurement."""
+    rank: int
+    """The number of combinations of parameters that the measured poses show, without any prior."""
+    unidentifiable: Array
+    """(p - rank, p): a basis of the small displacements that change no measured pose."""
+    unidentifiable_names: list[str]
+    """Its rows in words, `link 1 rz - link 2 rz`, rounded: terms below 5 % are left out."""
+    condition: float
+    """Condition number of the weighted Jacobian on what it shows, lengths in parts of the size of what was measured."""
+    noise: Array
+    """(2,) standard deviations of each component, rad and m, as given or as estimated. nan for rad without poses."""
+    residual: Array
+    """(2,) root mean square of angles (rad) and distances (m) between measured poses and those of `model`."""
+    residual_before: Array
+    """(2,) the same for m, where what is sought of the device's pose and of tools' rotations is roughly so."""
+    iterations: int
+    """How often the equations were linearised."""
+    converged: bool
+    """Whether the steps and the noise came to an end."""
+
+
+def calibrate(m: Model, measurements: Measurement | Sequence[Measurement], *, bodies: Sequence[str] | None = None,
+              tool: bool = True, device: bool = True, noise: ArrayLike | None = None, prior: ArrayLike | None = None,
+              robust: bool = False) -> Calibration:
+    """The geometry of m from measured poses or positions of frames; a `Measurement`, or a list of them.
+
+    Some 3 to 5 poses for each unknown combination, spread over all of the workspace, are a beginning. One frame may be
+    measured in several parts, several frames by one device.
+
+    bodies: names of those whose six parameters are sought; all that carry a measured frame, if absent. Those whose
+        joint is one of the two of a cylindrical or universal joint have parameters of their own: the model found has
+        both joints apart, with the same names.
+    tool: whether the pose of each measured frame on its body is sought; with False it is that of m. ValueError for a
+        frame of a moving body itself, which is where its body is.
+    device: whether the pose of the device is sought, wherever it may be; with False it is the inertial frame.
+    noise: standard deviations (rad, m) of each component of a measured pose; without it they are estimated.
+    prior: standard deviations (rad, m) of the joints and tools in the drawing, about the point of each joint. Without
+        it what the poses leave open is settled by the smallest correction.
+    robust: outliers count by their size and not by its square (Huber), angles and positions each for itself.
+
+    Rotations may be off orthonormal by 1e-3 and are made exact, the nearest rotation. Device and tool may be turned by any
+    angle; errors of joints of ten degrees and a decimetre converge. O(N p^2) for each of some 10 iterations; memory does not grow with N but
+    for arrays as large as the poses. ValueError for wrong shapes, numbers that are not finite, matrices that are no
+    poses and too few measurements; KeyError for unknown names and keys.
+
+    >>> random = np.random.default_rng(0)
+    >>> built = axode.calibration.with_geometry(arm, random.normal(0, 0.01, (7, 6)))  # some 0.6 degrees and 10 mm
+    >>> q = arm.random(n=60)
+    >>> C = axode.poses(built, q)[:, arm.frame_index("flange")] @ axode.lie.exp(random.normal(0, 1e-4, (60, 6)))
+    >>> found = axode.calibration.calibrate(arm, {"frame": "flange", "q": q, "pose": C})
+    >>> found.rank, found.residual_before.round(3), found.residual.round(4), found.noise.round(4)
+    (34, array([0.033, 0.042]), array([0.0002, 0.0002]), array([0.0001, 0.0001]))
+    >>> found.unidentifiable_names[0]
+    'link 1 z - link 2 z'
+    """
+    data = _Data(m, measurements)
+    unknowns = _Unknowns(m, data, bodies, tool, device)
+    given = None if noise is None else _deviations("noise", noise)
+    fit = _Fit(data, unknowns, given, None if prior is None else _deviations("prior", prior), robust)
+    covariance = fit.covariance()
+    unidentifiable, words = unknowns.directions(fit)
+    return Calibration(
+        model=fit.geometry.model,
+        parameters=lie.log(fit.geometry.bodies),
+        tools=fit.geometry.tools,
+        device=fit.geometry.device,
+        parameter_names=unknowns.names,
+        covariance=covariance,
+        deviations=np.sqrt(np.diagonal(covariance)),
+        rank=fit.rank,
+        unidentifiable=unidentifiable,
+        unidentifiable_names=words,
+        condition=fit.condition,
+        noise=fit.noise,
+        residual=fit.residual,
+        residual_before=fit.residual_before,
+        iterations=fit.iterations,
+        converged=fit.converged,
+    )
+
+
+def with_geometry(m: Model, parameters: ArrayLike, tools: Mapping[str, ArrayLike] | None = None) -> Model:
+    """m with B_i exp(pi_i) for B_i, `parameters` (n_bodies, 6), rad and m; and frames O exp(rho) for O, exp(rho) (4, 4).
+
+    Everything else stays: joint screws and inertias in the frames of the bodies, names, limits, losses, couplings and
+    what no tool in `tools` names. Cylindrical and universal joints become the two joints that they consist of. The
+    derivatives by pi at 0 are `frame_geometry_jacobian`. ValueError for wrong shapes and for tools that are frames of
+    moving bodies; KeyError for unknown frames.
+
+    >>> pi = np.zeros((7, 6))
+    >>> pi[3, 3] = 0.002  # the elbow is 2 mm further in x
+    >>> built = axode.calibration.with_geometry(arm, pi)
+    >>> axode.poses(built, arm.neutral())[arm.frame_index("flange"), :3, 3].round(4)
+    array([0.002, 0.   , 1.306])
+    """
+    pi = _rows("parameters", parameters, (m.n_bodies, 6), "(n_bodies, 6), six for each body")
+    own = {name: _poses(f"tools[{name!r}]", C, (4, 4)) for name, C in (tools or {}).items()}
+    for name in own:
+        _check_tool(m, m.frame_names[m.frame_index(name)], f"tools[{name!r}]")
+    return _Drawing(m).build(lie.exp(pi), own)
+
+
+def _check_tool(m: Model, name: str, argument: str) -> None:
+    if name == "ground" or name in m.body_names:
+        raise ValueError(f'{argument}: frame "{name}" is that of a body; only frames that are fixed to one can be '
+                         "displaced on it: expected such a frame, or tool=False")
+
+
+class _Drawing:
+    """m as links whose poses are relative to their predecessors, so that each can be displaced on its own."""
+
+    def __init__(self, m: Model):
+        self.m = m
+        self._drawing = m.to_dict()
+        links = {link["name"]: link for link in self._drawing["body"]}
+        successor = {m.body(name).predecessor: name for name in m.body_names}
+        #: Of each moving body its link: that of the successor for the first of two that one drawn joint moves.
+        self._link = {name: links.get(name) or links[successor[name]] for name in m.body_names}
+        #: Of each link and frame, the moving body that it is on, and its pose there.
+        self._on = {name: m.frame_pose(name) for name in m.frame_names}
+        self._B = np.array([m.body(name).B for name in m.body_names]).reshape(-1, 4, 4)
+        self._S_self = {joint.name: _joint_frame(joint.kind, m.body(name).X)
+                        for name, joint in zip(m.body_names, m.joints)}
+
+    def build(self, displaced: Array, tools: Mapping[str, Array]) -> Model:
+        """The model with B displaced (n_bodies, 4, 4), and some frames."""
+        m = self.m
+        on = {name: (body, O @ tools[name] if name in tools else O) for name, (body, O) in self._on.items()}
+        bodies: list[dict[str, Any]] = []
+        at = dict(zip(m.body_names, zip(m.joints, self._B @ displaced)))
+        for drawn in self._drawing["body"]:
+            name = drawn["name"]
+            link = {key: value for key, value in drawn.items() if key not in PLACING}
+            link |= _matter(drawn, lie.inverse(self._A(name) @ on[name][1]))
+            if name not in at:
+                base = lie.inverse(on[drawn["on"]][1])
+                bodies.append(link | {"on": drawn["on"], "joint": drawn["joint"], "B": _as_dict(base @ on[name][1])})
+                continue
+            joints = _single_joints(drawn["joint"])
+            chain = [m.body(name).predecessor, name][-len(joints):]
+            predecessor, base = drawn["on"], lie.inverse(on[drawn["on"]][1])
+            for body, joint in zip(chain, joints):
+                of_model, B = at[body]
+                S = self._S_self[of_model.name]
+                bodies.append((link if body == name else {}) | {
+                    "name": body, "on": predecessor, "S_prev": _as_dict(base @ B @ S), "S_self": _as_dict(S),
+                    "joint": joint | {"name": of_model.name, "kind": of_model.kind}})
+                predecessor, base = body, np.eye(4)
+        frames = [{"name": frame["name"], "on": frame["on"], "in": "body",
+                   **_as_dict(lie.inverse(on[frame["on"]][1]) @ on[frame["name"]][1])}
+                  for frame in self._drawing.get("frame", [])]
+        return Model.from_dict(self._drawing | {"body": bodies, "frame": frames})
+
+    def _A(self, name: str) -> Array:
+        """The pose in the construction frame of the body that a link or frame is on."""
+        body = self._on[name][0]
+        return np.asarray(self.m.body(body).A) if body != "ground" else np.eye(4)
+
+    def point(self, name: str) -> Array:
+        """Of the joint of a body, in the frame of the body."""
+        link = self._link[name]
+        if "S_self" in link:
+            return np.asarray(link["S_self"].get("position", np.zeros(3)))
+        joint = link["joint"]
+        if isinstance(joint, str) or "point" not in joint:
+            return np.zeros(3)
+        return np.asarray((lie.inverse(self._A(name)) @ [*joint["point"], 1])[:3])
+
+
+#: What places a link in a drawing, and its matter.
+PLACING = {"A", "B", "S_prev", "S_self", "frame", "joint", "on", "com", "inertia", "inertia_about", "inertia_in",
+           "inertia_axes"}
+
+
+def _single_joints(joint: dict[str, Any] | str) -> list[dict[str, Any]]:
+    """A drawn joint without its place, or the two that a cylindrical or a universal one consists of."""
+    if isinstance(joint, str):
+        return [{}]
+    if joint["kind"] in ("cylindrical", "universal"):
+        return [dict(dof) for dof in joint.get("dof", [{}, {}])]
+    return [{key: value for key, value in joint.items() if key not in ("axis", "second_axis", "point")}]
+
+
+def _joint_frame(kind: str, X: Array) -> Array:
+    """S_self with z along the axis, from the joint screws in the body frame."""
+    S = np.eye(4)
+    if kind == "spherical":
+        S[:3, :3] = X[:3]
+        S[:3, 3] = lie.from_skew(X[3:] @ X[:3].T)
+    elif kind == "planar":
+        S[:3, :3] = np.column_stack([X[3:, 1], X[3:, 2], X[:3, 0]])
+        S[:3, 3] = lie.screw_axis(X[:, 0]).p
+    elif kind != "free":
+        axis = lie.screw_axis(X[:, 0])
+        S[:3, :3], S[:3, 3] = lie.rotation_to(axis.e), axis.p
+    return S
+
+
+def _matter(link: dict[str, Any], C: Array) -> dict[str, Any]:
+    """Centre of mass and inertia of a link in its own frame, where C takes construction coordinates to them."""
+    if "inertia" not in link:
+        return {}
+    if "S_self" in link and link.get("inertia_in") != "construction":
+        C = np.eye(4)
+    com = (C @ [*link["com"], 1])[:3]
+    axes = C[:3, :3] @ link.get("inertia_axes", {}).get("rotation", np.eye(3))
+    xx, yy, zz, xy, xz, yz = link["inertia"]
+    Theta = axes @ [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]] @ axes.T
+    if link.get("inertia_about") == "origin":
+        r = com - C[:3, 3]
+        Theta -= link["mass"] * (r @ r * np.eye(3) - np.outer(r, r))
+    return {"com": com.tolist(), "inertia": Theta.tolist()}
+
+
+def _as_dict(C: Array) -> dict[str, Any]:
+    return {"position": C[:3, 3].tolist(), "rotation": C[:3, :3].tolist()}
+
+
+class _Part(NamedTuple):
+    """One of the measurements: poses or positions of one frame."""
+
+    frame: str
+    q: Array
+    pose: Array | None
+    position: Array
+
+
+class _Data:
+    """All measurements."""
+
+    def __init__(self, m: Model, measurements: Measurement | Sequence[Measurement]):
+        given = [measurements] if isinstance(measurements, Mapping) else measurements
+        if isinstance(given, str) or not isinstance(given, Sequence) or not given:
+            raise ValueError("measurements: expected a dict with the keys frame, q and pose or position, or a list of "
+                             "such dicts")
+        self.parts = [_part(m, f"measurements[{k}]", x) for k, x in enumerate(given)]
+        self.frames = list(dict.fromkeys(part.frame for part in self.parts))
+        points = np.vstack([part.position for part in self.parts])
+        self.N = len(points)
+        #: Numbers of measured components, angles and lengths.
+        self.components = np.array([3 * sum(len(x.q) for x in self.parts if x.pose is not None), 3 * self.N])
+        #: What makes a length comparable to an angle, m.
+        self.size = float(np.sqrt(np.mean(np.sum((points - points.mean(axis=0))**2, axis=1)))) or 1.0
+        self.least_noise = NOISE_FLOOR * np.array([1, np.abs(points).max(initial=1)])
+
+    def start(self, m: Model, tool: bool, device: bool) -> tuple[dict[str, Array], Array]:
+        """Rotations of tools and the pose of the device that fit m well, in closed form.
+
+        The device is turned as the measured points are about their centre, and as the rotations: where the tool is
+        sought, as those from one pose to the next, R_k R_{k-1}^T, on which no tool has an influence."""
+        expected = [np.concatenate([C for _, C in _predicted(m, part, np.eye(4))]) for part in self.parts]
+        p = np.vstack([C[:, :3, 3] for C in expected])
+        measured = np.vstack([part.position for part in self.parts])
+        D, tools = np.eye(4), {name: np.eye(4) for name in self.frames}
+        both = [(part.frame, C[:, :3, :3], part.pose[:, :3, :3]) for C, part in zip(expected, self.parts)
+                if part.pose is not None]
+        if device:
+            P = (p - p.mean(axis=0)).T @ (measured - measured.mean(axis=0)) / self.size**2
+            for _, R, R_measured in both:
+                P += _turns(R).T @ _turns(R_measured) if tool else np.einsum("nij,nkj->ik", R, R_measured)
+            D[:3, :3] = _nearest_rotation(P)
+            D[:3, 3] = p.mean(axis=0) - D[:3, :3] @ measured.mean(axis=0)
+        if tool:
+            for name in {name for name, _, _ in both}:
+                sums = [np.einsum("nji,jk,nkl->il", R, D[:3, :3], R_measured) for x, R, R_measured in both if x == name]
+                tools[name][:3, :3] = _nearest_rotation(np.sum(sums, axis=0))
+        return tools, D
+
+    def residuals(self, geometry: _Geometry) -> list[Array]:
+        """Of each part log((D^-1 C)^-1 C_measured), (N, 6), or of positions their differences, (N, 3)."""
+        r = []
+        for part in self.parts:
+            blocks = []
+            for own, C in _predicted(geometry.model, part, lie.inverse(geometry.device)):
+                if part.pose is not None:
+                    blocks.append(lie.log(lie.inverse(C) @ part.pose[own]))
+                else:
+                    blocks.append(part.position[own] - C[:, :3, 3])
+            r.append(np.concatenate(blocks))
+        return r
+
+    def rms(self, r: list[Array]) -> Array:
+        """Of angles and of distances."""
+        squares = _squares(r)
+        return np.array([np.sqrt(3 * x.sum() / n) if n else np.nan for x, n in zip(squares, self.components)])
+
+
+def _predicted(m: Model, part: _Part, to_device: Array) -> Iterator[tuple[slice, Array]]:
+    """What a device measures of m, block by block."""
+    block = max(BLOCK // (16 * m.n_frames), 1)
+    for start in range(0, len(part.q), block):
+        own = slice(start, start + block)
+        yield own, to_device @ poses(m, part.q[own])[:, m.frame_index(part.frame)]
+
+
+def _turns(R: Array) -> Array:
+    """Of the rotations from one to the next, axis times sine of the angle, (N - 1, 3): continuous at every angle."""
+    turn = R[1:] @ R[:-1].swapaxes(1, 2)
+    return np.asarray(lie.from_skew((turn - turn.swapaxes(1, 2)) / 2))
+
+
+def _squares(r: list[Array]) -> tuple[Array, Array]:
+    """Squared norms of all angular and of all linear residuals."""
+    angular = [np.sum(x[:, :3]**2, axis=1) for x in r if x.shape[1] == 6]
+    return np.concatenate([np.zeros(0), *angular]), np.concatenate([np.sum(x[:, -3:]**2, axis=1) for x in r])
+
+
+class _Geometry:
+    """What is found so far: displacements exp(pi) of bodies and exp(rho) of frames, the pose of the device."""
+
+    def __init__(self, drawing: _Drawing, bodies: Array, tools: dict[str, Array], device: Array):
+        self._drawing, self.bodies, self.tools, self.device = drawing, bodies, tools, device
+        self.model = drawing.build(bodies, tools)
+
+    def moved(self, unknowns: _Unknowns, x: Array) -> _Geometry:
+        """Displaced by the screws x (p,), each in the frame that it displaces."""
+        steps = dict(zip(unknowns.blocks, lie.exp(x.reshape(-1, 6))))
+        bodies = self.bodies.copy()
+        for k in unknowns.bodies:
+            bodies[k] = bodies[k] @ steps["body", k]
+        tools = {name: C @ steps["tool", name] if ("tool", name) in steps else C for name, C in self.tools.items()}
+        device = self.device @ steps["device", 0] if ("device", 0) in steps else self.device
+        return _Geometry(self._drawing, bodies, tools, device)
+
+
+class _Unknowns:
+    """The p parameters x in blocks of six, x = T z: in z a body is displaced about the point of its joint, and lengths
+    are in parts of the size of what was measured."""
+
+    def __init__(self, m: Model, data: _Data, bodies: Sequence[str] | None, tool: bool, device: bool):
+        if isinstance(bodies, str):
+            raise TypeError(f"bodies is {bodies!r}; expected a list of names of bodies")
+        self.drawing = _Drawing(m)
+        predecessor = {name: m.body(name).predecessor for name in m.body_names}
+        moved_by: set[str] = set()
+        for frame in data.frames:
+            body = m.frame_pose(frame)[0]
+            while body != "ground" and body not in moved_by:
+                moved_by.add(body)
+                body = predecessor[body]
+        for name in bodies or ():
+            if m.body(name).name == "ground":
+                raise ValueError('bodies: "ground" has no joint; expected names of moving bodies')
+        chosen = moved_by if bodies is None else set(bodies)
+        if tool:
+            for frame in data.frames:
+                _check_tool(m, frame, "measurements")
+        self.bodies = [k for k, name in enumerate(m.body_names) if name in chosen]
+        self.blocks: list[tuple[str, Any]] = [("body", k) for k in self.bodies]
+        self.blocks += [("tool", name) for name in data.frames if tool] + [("device", 0)] * device
+        if not self.blocks:
+            raise ValueError("bodies, tool, device: nothing is left to calibrate")
+        self.n = 6 * len(self.blocks)
+        words: dict[tuple[str, Any], str] = {("body", k): m.body_names[k] for k in self.bodies}
+        words |= {("tool", name): f"tool {name}" for name in data.frames} | {("device", 0): "device"}
+        self.names = [f"{words[block]} {axis}" for block in self.blocks for axis in ("rx", "ry", "rz", "x", "y", "z")]
+        self.size = data.size
+        self.drawn = np.repeat([kind != "device" for kind, _ in self.blocks], 6)
+        self.T = np.zeros((self.n, self.n))
+        for k, (kind, body) in enumerate(self.blocks):
+            at_joint = np.eye(4)
+            if kind == "body":
+                at_joint[:3, 3] = self.drawing.point(m.body_names[body])
+            own = slice(6 * k, 6 * k + 6)
+            self.T[own, own] = lie.Ad(at_joint) * np.repeat([1, data.size], 3)
+        #: Blocks that may share displacements: each alone, and each with those that hang on it.
+        self.families = [[k] for k in range(len(self.blocks))]
+        hangs_on = [m.frame_pose(x)[0] if kind == "tool" else predecessor[m.body_names[x]] if kind == "body" else ""
+                    for kind, x in self.blocks]
+        for k, (kind, x) in enumerate(self.blocks):
+            name = {"device": "ground", "body": m.body_names[x] if kind == "body" else "", "tool": ""}[kind]
+            self.families.append([k] + [j for j, base in enumerate(hangs_on) if base == name])
+
+    def jacobian(self, geometry: _Geometry, part: _Part, own: slice, C: Array) -> Array:
+        """Body-fixed, of the frame as the device sees it, C (n, 4, 4): (n, 6, p)."""
+        J = np.zeros((len(C), 6, self.n))
+        of_bodies = frame_geometry_jacobian(geometry.model, part.q[own], part.frame)
+        for k, (kind, x) in enumerate(self.blocks):
+            columns = slice(6 * k, 6 * k + 6)
+            if kind == "body":
+                J[:, :, columns] = of_bodies[:, :, x]
+            elif kind == "device":
+                J[:, :, columns] = -lie.Ad(lie.inverse(C))
+            elif x == part.frame:
+                J[:, :, columns] = np.eye(6)
+        return J
+
+    def correction(self, geometry: _Geometry) -> tuple[Array, Array]:
+        """z of the whole correction of what is drawn, 0 for the device, and its derivative by a further step."""
+        x, L = np.zeros(self.n), np.eye(self.n)
+        for k, (kind, name) in enumerate(self.blocks):
+            if kind != "device":
+                own = slice(6 * k, 6 * k + 6)
+                x[own] = lie.log(geometry.bodies[name] if kind == "body" else geometry.tools[name])
+                L[own, own] = lie.dexp_inv(-x[own])
+        z, dz = np.linalg.solve(self.T, x), np.linalg.solve(self.T, L @ self.T)
+        return np.asarray(z), np.asarray(dz)
+
+    def directions(self, fit: _Fit) -> tuple[Array, list[str]]:
+        """A basis of what cannot be identified, first of what few blocks share, and its rows in words."""
+        N = fit.null_space
+        found: list[Array] = []
+        basis = np.zeros((self.n, 0))  # orthonormal, of what is found
+        rest = [list(range(len(self.blocks)))]
+        for family in self.families + rest:
+            if len(found) == N.shape[1]:
+                break
+            columns = (6 * np.array(family)[:, None] + np.arange(6)).ravel()
+            others = np.setdiff1d(np.arange(self.n), columns)
+            local = N @ _null_space(N[others], 1e-7)
+            for z in _tidy(local).T:
+                new = z - basis @ (basis.T @ z)
+                new -= basis @ (basis.T @ new)
+                if np.linalg.norm(new) > 1e-6 * np.linalg.norm(z) and len(found) < N.shape[1]:
+                    basis = np.column_stack([basis, new / np.linalg.norm(new)])
+                    found.append(self.T @ z)
+        words = []
+        for k, x in enumerate(found):
+            sizes = np.abs(x) / np.tile(np.repeat([1, self.size], 3), len(self.blocks))
+            first = int(np.argmax(sizes > 0.999 * sizes.max()))
+            found[k] = x / x[first]
+            words.append(_in_words(np.where(sizes > 0.05 * sizes[first], found[k], 0).round(2), self.names, first))
+        return np.array(found).reshape(-1, self.n), words
+
+
+def _null_space(A: Array, tolerance: float) -> Array:
+    """Orthonormal columns that A takes to less than the tolerance."""
+    if not A.shape[0]:
+        return np.eye(A.shape[1])
+    _, sigma, Vt = np.linalg.svd(A)
+    return np.asarray(Vt[int(np.sum(sigma > tolerance)):].T)
+
+
+def _tidy(N: Array) -> Array:
+    """The same space in columns of which each has an entry 1 where all others have 0."""
+    rows = N.T.copy()
+    for k in range(len(rows)):
+        j = int(np.argmax(np.abs(rows[k:]).max(axis=0)))
+        largest = k + int(np.argmax(np.abs(rows[k:, j])))
+        rows[[k, largest]] = rows[[largest, k]]
+        rows[k] /= rows[k, j]
+        others = np.arange(len(rows)) != k
+        rows[others] -= np.outer(rows[others, j], rows[k])
+    rows[np.abs(rows) < 1e-9] = 0
+    return rows.T
+
+
+class _Fit:
+    """The geometry that minimises the weighted squares, or Huber's function, of the residuals and of the prior."""
+
+    def __init__(self, data: _Data, unknowns: _Unknowns, given: Array | None, prior: Array | None, robust: bool):
+        self._data, self._unknowns, self._robust = data, unknowns, robust
+        self._P = np.zeros(unknowns.n)  # weights of z
+        if prior is not None:
+            weights = np.tile(np.repeat([1, unknowns.size] / prior, 3), len(unknowns.blocks))
+            self._P = np.where(unknowns.drawn, weights, 0)
+        self._has_prior = prior is not None
+        m = unknowns.drawing.m
+        sought = {kind for kind, _ in unknowns.blocks}
+        start = data.start(m, "tool" in sought, "device" in sought)
+        self.geometry = _Geometry(unknowns.drawing, np.tile(np.eye(4), (m.n_bodies, 1, 1)), *start)
+        self._r = data.residuals(self.geometry)
+        self.residual_before = data.rms(self._r)
+        self.iterations = 0
+        balanced = np.array([1, data.size])
+        self.noise = balanced * np.nanmax(self._estimated(np.zeros(2)) / balanced) if given is None else given
+        for _ in range(50):
+            minimised = self._minimise()
+            self.converged = self._slide() and minimised
+            if given is not None:
+                break
+            before = self.noise
+            self.noise = self._estimated(self._spent())
+            if np.all(np.abs(np.log(self.noise / before)[data.components > 0]) < 1e-3):
+                break
+        else:
+            self.converged = False
+        self._finish()
+
+    # ---------------------------------------------------------------- the equations, linearised
+
+    def _factors(self, weighted: bool) -> list[Array]:
+        """R of [J, r] = Q R, of angles and of lengths, in z; with Huber's weights or without."""
+        self.iterations += 1
+        data, unknowns = self._data, self._unknowns
+        R = [np.zeros((0, unknowns.n + 1)) for _ in range(2)]
+        to_device = lie.inverse(self.geometry.device)
+        for part, r in zip(data.parts, self._r):
+            block = max(BLOCK // (12 * (unknowns.n + self.geometry.model.n_frames)), 1)
+            for start in range(0, len(r), block):
+                own = slice(start, start + block)
+                e = r[own]
+                C = to_device @ poses(self.geometry.model, part.q[own])[:, self.geometry.model.frame_index(part.frame)]
+                J = unknowns.jacobian(self.geometry, part, own, C)
+                J = C[:, :3, :3] @ J[:, 3:] if part.pose is None else lie.dexp_inv(e) @ J
+                for k in range(2):
+                    rows, e_k = (J[:, -3:], e[:, -3:]) if k else (J[:, :-3], e[:, :-3])
+                    both = np.concatenate([rows, e_k[:, :, None]], axis=2)
+                    if weighted and self._robust:
+                        u = np.linalg.norm(e_k, axis=1) / self.noise[k]
+                        both *= np.sqrt(HUBER / np.maximum(u, HUBER))[:, None, None]
+                    R[k] = _triangle(np.vstack([R[k], both.reshape(-1, unknowns.n + 1)]))
+        for R_k in R:
+            R_k[:, :-1] = R_k[:, :-1] @ unknowns.T
+        return R
+
+    def _system(self) -> tuple[Array, Array]:
+        """S and c of the measurements: near to here the cost is |S dz - c|^2, and that of the prior."""
+        S, c = self._compress(self._factors(weighted=True), self.noise)
+        if not self._has_prior:
+            return S, c
+        z, L = self._unknowns.correction(self.geometry)
+        return np.vstack([S, self._P[:, None] * L]), np.append(c, -self._P * z)
+
+    def _compress(self, factors: list[Array], noise: Array) -> tuple[Array, Array]:
+        """S and c of the measurements, and what they show."""
+        R = _triangle(np.vstack([R_k / s for R_k, s in zip(factors, noise) if len(R_k)]))
+        self._S = R[:, :-1]
+        _, sigma, Vt = np.linalg.svd(self._S)
+        self.rank = int(np.sum(sigma > RANK_TOLERANCE * sigma[0])) if sigma[0] > 0 else 0
+        if not self.rank:
+            raise ValueError("measurements: none of the poses depends on what is to be calibrated")
+        self.condition = float(sigma[0] / sigma[self.rank - 1])
+        self.null_space = Vt[self.rank:].T
+        return self._S, R[:, -1]
+
+    def _cost(self, r: list[Array], geometry: _Geometry) -> float:
+        cost = 0.0
+        for squares, s in zip(_squares(r), self.noise):
+            u = np.sqrt(squares) / s
+            inside = np.minimum(u, HUBER) if self._robust else u
+            cost += float(np.sum(inside * (2 * u - inside)))
+        if self._has_prior:
+            cost += float(np.sum((self._P * self._unknowns.correction(geometry)[0])**2))
+        return cost
+
+    # ---------------------------------------------------------------- steps
+
+    def _minimise(self) -> bool:
+        """Levenberg's and Marquardt's steps from the present geometry; whether they came to an end."""
+        damping, cost = 1e-6, self._cost(self._r, self.geometry)
+        for _ in range(100):
+            S, c = self._system()
+            U, sigma, Vt = np.linalg.svd(S, full_matrices=False)
+            kept = sigma > RANK_TOLERANCE * sigma[0]
+            g, sigma, Vt = (U.T @ c)[kept], sigma[kept], Vt[kept]
+            last = g @ g < 1e-6  # a step of a thousandth of the standard deviations
+            while True:
+                filtered = sigma / (sigma**2 + (0 if last else damping) * sigma[0]**2)
+                geometry = self.geometry.moved(self._unknowns, self._unknowns.T @ (Vt.T @ (filtered * g)))
+                r = self._data.residuals(geometry)
+                reached = self._cost(r, geometry)
+                if last or reached < cost:
+                    break
+                damping = max(10 * damping, 1e-10)
+                if damping > 1e10:
+                    return False
+            self.geometry, self._r, cost, damping = geometry, r, reached, damping / 10
+            if last:
+                return True
+        return False
+
+    def _slide(self) -> bool:
+        """Along what cannot be identified to the smallest correction, while steps of Gauss and Newton keep the poses;
+        whether that came to an end."""
+        if self._has_prior:
+            return True
+        for _ in range(50):
+            S, c = self._system()
+            if not self.null_space.shape[1]:
+                return True
+            U, sigma, Vt = np.linalg.svd(S, full_matrices=False)
+            dz = Vt[:self.rank].T @ ((U.T @ c)[:self.rank] / sigma[:self.rank])
+            z, _ = self._unknowns.correction(self.geometry)
+            slide = -self.null_space @ (self._to_smallest() @ (z + self._unknowns.drawn * dz))
+            self.geometry = self.geometry.moved(self._unknowns, self._unknowns.T @ (dz + slide))
+            self._r = self._data.residuals(self.geometry)
+            if np.abs(slide).max() < 1e-6:
+                return True
+        return False
+
+    def _to_smallest(self) -> Array:
+        """Y with z - N Y z the smallest of what is drawn."""
+        drawn = self._unknowns.drawn
+        return np.asarray(np.linalg.pinv(drawn[:, None] * self.null_space, rcond=1e-6) * drawn)
+
+    # ---------------------------------------------------------------- noise and covariance
+
+    def _spent(self) -> Array:
+        """How many degrees of freedom of angles and of lengths the parameters take."""
+        root = self._covariance_root()
+        spent = [np.linalg.norm(R_k[:, :-1] @ root / s)**2 for R_k, s in zip(self._factors(weighted=False), self.noise)]
+        free = self._data.components - spent
+        if np.any((free < 0.5) & (self._data.components > 0)):
+            raise ValueError(f"measurements: {self._data.N} are too few for {self.rank} parameters and the noise; "
+                             "expected more of them, or noise")
+        return np.asarray(spent)
+
+    def _estimated(self, spent: Array) -> Array:
+        noise = np.full(2, np.nan)
+        for k, squares in enumerate(_squares(self._r)):
+            if n := self._data.components[k]:
+                mean = np.median(squares) / MEDIAN**2 if self._robust else squares.sum() / n
+                noise[k] = np.sqrt(mean * n / (n - spent[k]))
+        largest = np.nanmax(noise / [1, self._data.size])
+        least = np.maximum(self._data.least_noise, NOISE_RATIO * largest * np.array([1, self._data.size]))
+        return np.asarray(np.maximum(noise, least))
+
+    def _covariance_root(self) -> Array:
+        """B with B B^T the covariance of z."""
+        S = self._S
+        if self._has_prior:
+            S = np.vstack([S, self._P[:, None] * self._unknowns.correction(self.geometry)[1]])
+        _, sigma, Vt = np.linalg.svd(S)
+        rank = int(np.sum(sigma > RANK_TOLERANCE * sigma[0]))
+        B = Vt[:rank].T / sigma[:rank]
+        if not self._has_prior:
+            B = B - self.null_space @ (self._to_smallest() @ B)
+        return np.asarray(B)
+
+    def _finish(self) -> None:
+        """What the measurements show without Huber's weights, with the noise that these leave effective."""
+        data = self._data
+        effective = self.noise.copy()
+        if self._robust:
+            for k, squares in enumerate(_squares(self._r)):
+                if len(squares):
+                    u = np.sqrt(squares) / self.noise[k]
+                    slope = np.mean(np.where(u <= HUBER, 1, 2 / 3 * HUBER / np.maximum(u, HUBER)))
+                    effective[k] *= np.sqrt(np.mean(np.minimum(u, HUBER)**2) / 3) / slope
+        effective = np.maximum(effective, data.least_noise)
+        self._compress(self._factors(weighted=False), effective)
+        self.residual = data.rms(self._r)
+
+    def covariance(self) -> Array:
+        """(p, p), of x."""
+        B = self._unknowns.T @ self._covariance_root()
+        return np.asarray(B @ B.T)
+
+
+def _part(m: Model, argument: str, given: Any) -> _Part:
+    if not isinstance(given, Mapping):
+        raise ValueError(f"{argument}: expected a dict, got {type(given).__name__}")
+    for key in given:
+        if key not in ("frame", "q", "pose", "position"):
+            raise KeyError(f"{argument}: a key is {key!r}; expected one of 'frame', 'q', 'pose', 'position'")
+    for key in ("frame", "q"):
+        if key not in given:
+            raise KeyError(f"{argument}: has no key {key!r}")
+    if ("pose" in given) == ("position" in given):
+        raise KeyError(f"{argument}: expected one of the keys 'pose' and 'position'")
+    frame = m.frame_names[m.frame_index(given["frame"])]
+    q = _numbers(f"{argument}.q", given["q"], m.nq, "nq numbers")
+    if q.ndim != 2 or not len(q):
+        raise ValueError(f"{argument}.q: expected shape (N, {m.nq}), nq numbers of each configuration, got {q.shape}")
+    if "pose" in given:
+        C = _poses(f"{argument}.pose", given["pose"], (len(q), 4, 4))
+        return _Part(frame, q, C, C[:, :3, 3])
+    expected = (len(q), 3)
+    return _Part(frame, q, None, _rows(f"{argument}.position", given["position"], expected, f"{expected}, as q has"))
+
+
+def _rows(argument: str, given: ArrayLike, shape: tuple[int, ...], meaning: str) -> Array:
+    """An array of this shape of finite numbers."""
+    try:
+        x = np.asarray(given, dtype=np.float64)
+    except (TypeError, ValueError) as error:
+        raise ValueError(f"{argument}: expected real numbers in an array of shape {meaning}") from error
+    if x.shape != shape:
+        raise ValueError(f"{argument}: expected shape {meaning}, got {x.shape}")
+    if not np.all(np.isfinite(x)):
+        where = tuple(int(k) for k in np.argwhere(~np.isfinite(x))[0])
+        raise ValueError(f"{argument}{list(where)} is {x[where]}; expected finite numbers")
+    return x
+
+
+def _poses(argument: str, given: ArrayLike, shape: tuple[int, ...]) -> Array:
+    """Poses with rotations that are so exactly."""
+    C = _rows(argument, given, shape, f"{shape}, poses").copy()
+    R = _nearest_rotation(C[..., :3, :3])
+    off = np.maximum(np.abs(R - C[..., :3, :3]).max(axis=(-2, -1)), np.abs(C[..., 3, :] - [0, 0, 0, 1]).max(axis=-1))
+    if np.any(off > ROUNDED):
+        k = int(np.argmax(off > ROUNDED)) if off.ndim else None
+        raise ValueError(f"{argument}{'' if k is None else f'[{k}]'}: expected a pose, a matrix of a rotation and an "
+                         f"origin with (0, 0, 0, 1) as its last row; it is off by {np.atleast_1d(off)[k or 0]:.3g}, "
+                         f"and {ROUNDED} is made exact")
+    C[..., :3, :3] = R
+    C[..., 3, :] = [0, 0, 0, 1]
+    return np.asarray(C)
+
+
+def _nearest_rotation(A: Array) -> Array:
+    U, _, Vt = np.linalg.svd(A)
+    U[..., :, 2] *= np.sign(np.linalg.det(U @ Vt))[..., None]
+    return np.asarray(U @ Vt)
+
+
+def _deviations(argument: str, given: ArrayLike) -> Array:
+    x = _rows(argument, given, (2,), "(2,), standard deviations in rad and m")
+    if not np.all(x > 0):
+        raise ValueError(f"{argument} is {x.tolist()}; expected standard deviations in rad and m, more than 0")
+    return x
