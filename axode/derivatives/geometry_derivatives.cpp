@@ -111,7 +111,8 @@ void frame_geometry_jacobian(const Model& model, Workspace<T>& workspace, Number
   std::fill(J.begin(), J.end(), T(0));
   each_parameter(model.tree<T>(), q.data(), place, [&](int i, int u, const Screw<T>& X) {
     for (int k = 0; k < 6; ++k)
-      J[static_cast<std::size_t>(k) * columns + static_cast<std::size_t>((i - 1) * 6 + u)] = entry(Twist<BodyFixed, T>{X.w, X.v}, k);
+      J[static_cast<std::size_t>(k) * columns + static_cast<std::size_t>((i - 1) * 6 + u)] =
+          entry(Twist<BodyFixed, T>{X.w, X.v}, k);
   });
 }
 
