@@ -2,7 +2,8 @@
 
 # %% [markdown]
 # What is measured: the arm as it was built, every joint off by half a degree and some millimetres, with a reflector at
-# its flange. The tracker stands somewhere in the hall. Its noise is 0.1 mm and 0.2 mrad, and one pose of thirty is wrong.
+# its flange. The tracker stands somewhere in the hall, its noise is 0.1 mm and 0.2 mrad, and one pose of thirty is
+# wrong.
 
 # %%
 import axode

@@ -10,8 +10,8 @@ parallel.
 Six parameters for each joint are more than poses can show: what moves body i along its own joint can be given to its
 successor as well, 2 parameters of a hinge or a screw, 4 of a slider. Measured poses of a serial arm in general position
 show 4 for each hinge, 2 for each slider, and 6. Such directions are found and reported, and the correction is the
-smallest that explains the poses, unless a `prior` says how well the drawing is known. An offset of a joint coordinate is
-a displacement along the joint, and so in pi already.
+smallest that explains the poses, unless a `prior` says how well the drawing is known. An offset of a joint coordinate
+is a displacement along the joint, and so in pi already. What the device shares with the first joints is the device's.
 """
 
 from __future__ import annotations
@@ -124,10 +124,10 @@ def calibrate(m: Model, measurements: Measurement | Sequence[Measurement], *, bo
         it what the poses leave open is settled by the smallest correction.
     robust: outliers count by their size and not by its square (Huber), angles and positions each for itself.
 
-    Rotations may be off orthonormal by 1e-3 and are made exact, the nearest rotation. Device and tool may be turned by any
-    angle; errors of joints of ten degrees and a decimetre converge. O(N p^2) for each of some 10 iterations; memory does not grow with N but
-    for arrays as large as the poses. ValueError for wrong shapes, numbers that are not finite, matrices that are no
-    poses and too few measurements; KeyError for unknown names and keys.
+    Rotations may be off orthonormal by 1e-3 and are made exact, the nearest rotation. Device and tool may be turned by
+    any angle; errors of joints of ten degrees and a decimetre converge. O(N p^2) for each of some 20 iterations; memory
+    does not grow with N but for arrays as large as the poses. ValueError for wrong shapes, numbers that are not finite,
+    matrices that are no poses and too few measurements; KeyError for unknown names and keys.
 
     >>> random = np.random.default_rng(0)
     >>> built = axode.calibration.with_geometry(arm, random.normal(0, 0.01, (7, 6)))  # some 0.6 degrees and 10 mm
@@ -166,12 +166,13 @@ def calibrate(m: Model, measurements: Measurement | Sequence[Measurement], *, bo
 
 
 def with_geometry(m: Model, parameters: ArrayLike, tools: Mapping[str, ArrayLike] | None = None) -> Model:
-    """m with B_i exp(pi_i) for B_i, `parameters` (n_bodies, 6), rad and m; and frames O exp(rho) for O, exp(rho) (4, 4).
+    """m with B_i exp(pi_i) for B_i, `parameters` (n_bodies, 6), rad and m; and with displaced tools.
 
-    Everything else stays: joint screws and inertias in the frames of the bodies, names, limits, losses, couplings and
-    what no tool in `tools` names. Cylindrical and universal joints become the two joints that they consist of. The
-    derivatives by pi at 0 are `frame_geometry_jacobian`. ValueError for wrong shapes and for tools that are frames of
-    moving bodies; KeyError for unknown frames.
+    `tools` has for names of frames the pose exp(rho) (4, 4) by which each is displaced on its body. Everything else
+    stays: joint screws and inertias in the frames of the bodies, names, limits, losses, couplings, other frames.
+    Cylindrical and universal joints become the two joints that they consist of. The derivatives by pi at 0 are
+    `frame_geometry_jacobian`. ValueError for wrong shapes and for tools that are frames of moving bodies; KeyError for
+    unknown frames.
 
     >>> pi = np.zeros((7, 6))
     >>> pi[3, 3] = 0.002  # the elbow is 2 mm further in x
