@@ -33,7 +33,7 @@ def numbers_behind(text, words):
 def test_every_example_is_run_here():
     assert sorted(file.name for file in EXAMPLES.glob("*.py")) == [
         "01_drawing_to_dynamics.py", "02_representations.py", "03_batch_trajectory.py",
-        "04_identification.py", "05_calibration.py"]
+        "04_identification.py", "05_calibration.py", "06_elastic_drives.py"]
 
 
 def test_the_crane_holds_what_levers_say_and_dynamics_are_inverse(tmp_path):
@@ -114,3 +114,12 @@ def test_the_calibrated_arm_is_where_the_tracker_sees_it(tmp_path):
                     for name in ("drawn", "found"))
     assert np.all(found < [0.2, 0.1]) and np.all(drawn > 100 * found)
     assert "masses and names are those of the drawing: True" in printed
+
+
+def test_feed_forward_that_knows_of_the_springs_leaves_no_error(tmp_path):
+    printed = run(tmp_path, "06_elastic_drives.py")
+    wind_up, = numbers_behind(printed, "wind-up of the springs: up to")
+    rigid, = numbers_behind(printed, "links off by, without the springs in the feed-forward:")
+    flat, = numbers_behind(printed, "links off by, with them:")
+    assert rigid > 0.5 * wind_up > 1
+    assert flat < 1e-4 * rigid
