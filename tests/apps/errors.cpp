@@ -139,7 +139,8 @@ INSTANTIATE_TEST_SUITE_P(
          {"codegen", arm, "--functions", "crba"},
          2,
          "axode codegen: --functions: \"crba\" is none of inverse_dynamics, forward_dynamics, mass_matrix, "
-         "jacobian; it is "
+         "jacobian, inverse_dynamics_derivatives, inverse_dynamics_jvp, inverse_dynamics_vjp, "
+         "forward_dynamics_derivatives, forward_dynamics_jvp, forward_dynamics_vjp; it is "
          "called \"mass_matrix\" here (see axode codegen --help)"},
         {"AnEmptyWord",
          {"codegen", arm, "--output", ""},
@@ -154,7 +155,10 @@ INSTANTIATE_TEST_SUITE_P(
          {"codegen", arm, "--functions", "inverse_dynamics,mass_matrx"},
          2,
          "axode codegen: --functions: \"mass_matrx\" is none of inverse_dynamics, forward_dynamics, "
-         "mass_matrix, jacobian; did you mean \"mass_matrix\"? (see axode codegen --help)"},
+         "mass_matrix, "
+         "jacobian, inverse_dynamics_derivatives, inverse_dynamics_jvp, inverse_dynamics_vjp, "
+         "forward_dynamics_derivatives, forward_dynamics_jvp, forward_dynamics_vjp; did you mean "
+         "\"mass_matrix\"? (see axode codegen --help)"},
         {"JacobianOfNothing",
          {"codegen", arm, "--functions", "jacobian"},
          2,
