@@ -34,6 +34,7 @@ set(AXODE_PER_SCALAR
     kinematics/poses
     derivatives/geometry_derivatives
     derivatives/linearization
+    derivatives/momentum_form_derivatives
     derivatives/rates
     derivatives/term_derivatives
     dynamics/coriolis
@@ -75,37 +76,54 @@ foreach(floor lie scalar model recursion fast kinematics dynamics derivatives co
   list(APPEND sources ${more})
 endforeach()
 
+# axode_add_objects(<library> <name> <source>...): a part of the library.
+function(axode_add_objects library name)
+  add_library(${name} OBJECT ${ARGN})
+  axode_compile_options(${name})
+  target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR})
+  target_link_libraries(${name} PRIVATE Eigen3::Eigen)
+  target_sources(${library} PRIVATE $<TARGET_OBJECTS:${name}>)
+endfunction()
+
 # axode_instantiate(<library> <name> <definitions> <source>...): the sources under these definitions, as part of the
 # library.
 function(axode_instantiate library name definitions)
   list(TRANSFORM ARGN PREPEND ${PROJECT_SOURCE_DIR}/axode/)
   list(TRANSFORM ARGN APPEND .cpp)
-  add_library(${name} OBJECT ${ARGN})
-  axode_compile_options(${name})
-  target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR})
-  target_link_libraries(${name} PRIVATE Eigen3::Eigen)
+  axode_add_objects(${library} ${name} ${ARGN})
   target_compile_definitions(${name} PRIVATE ${definitions})
   if(CMAKE_CXX_COMPILER_ID STREQUAL GNU)  # what is inlined may not depend on what else is in the unit
     target_compile_options(${name} PRIVATE --param=inline-unit-growth=1000 --param=large-function-growth=1000)
   endif()
   set_target_properties(${name} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 0)
-  target_sources(${library} PRIVATE $<TARGET_OBJECTS:${name}>)
 endfunction()
+
+# What is compiled once, and what nearly all of it includes.
+foreach(instantiated IN LISTS AXODE_PER_SCALAR AXODE_QUICK_PER_SCALAR AXODE_PER_REPRESENTATION AXODE_PER_REPRESENTATION_AND_FAST)
+  list(REMOVE_ITEM sources ${PROJECT_SOURCE_DIR}/axode/${instantiated}.cpp)
+endforeach()
+axode_add_objects(axode_core axode_core_once ${sources})
+target_precompile_headers(axode_core_once PRIVATE <algorithm> <array> <cmath> <functional> <memory> <optional> <span>
+                          <string> <unordered_map> <variant> <vector> ${PROJECT_SOURCE_DIR}/axode/model/model.hpp
+                          ${PROJECT_SOURCE_DIR}/axode/model/workspace.hpp)
+
 foreach(quick IN LISTS AXODE_PER_REPRESENTATION_AND_FAST AXODE_QUICK_PER_SCALAR)
   set_source_files_properties(${PROJECT_SOURCE_DIR}/axode/${quick}.cpp PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
 endforeach()
+set(parts)
 foreach(T double float)
+  list(APPEND parts axode_core_${T} axode_core_Fast_${T})
   axode_instantiate(axode_core axode_core_${T} AXODE_T=${T} ${AXODE_PER_SCALAR} ${AXODE_QUICK_PER_SCALAR})
   foreach(REP BodyFixed Spatial Hybrid Mixed)
+    list(APPEND parts axode_core_${REP}_${T})
     axode_instantiate(axode_core axode_core_${REP}_${T} "AXODE_REP=${REP};AXODE_T=${T}" ${AXODE_PER_REPRESENTATION}
                       ${AXODE_PER_REPRESENTATION_AND_FAST})
   endforeach()
   axode_instantiate(axode_core axode_core_Fast_${T} "AXODE_REP=Fast;AXODE_T=${T}" ${AXODE_PER_REPRESENTATION_AND_FAST})
 endforeach()
-foreach(instantiated IN LISTS AXODE_PER_SCALAR AXODE_QUICK_PER_SCALAR AXODE_PER_REPRESENTATION AXODE_PER_REPRESENTATION_AND_FAST)
-  list(REMOVE_ITEM sources ${PROJECT_SOURCE_DIR}/axode/${instantiated}.cpp)
+foreach(part IN LISTS parts)
+  target_precompile_headers(${part} REUSE_FROM axode_core_once)
 endforeach()
-target_sources(axode_core PRIVATE ${sources})
 
 # Many states at once: the same kernels for each instruction set, chosen at run time.
 find_package(TBB REQUIRED)
