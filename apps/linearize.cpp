@@ -294,14 +294,12 @@ void run(const Options& options) {
   std::vector<FileFormat> file_formats_asked;
   for (const std::string& file : options.outputs) file_formats_asked.push_back(format_of(file));
   const Linearized at = linearized(options);
-  for (std::size_t k = 0; k < options.outputs.size(); ++k) {
-    const Named AB = named(at);
-    switch (file_formats_asked[k]) {
+  const Named AB = named(at);
+  for (std::size_t k = 0; k < options.outputs.size(); ++k) switch (file_formats_asked[k]) {
       case FileFormat::json: write_text(options.outputs[k], text(as_json(at))); break;
       case FileFormat::csv: write_text(options.outputs[k], as_csv(AB.matrix, AB.rows, AB.columns)); break;
       case FileFormat::npy: write_text(options.outputs[k], as_npy(AB.matrix)); break;
     }
-  }
   if (format == Format::json) {
     fmt::print("{}", text(as_json(at)));
   } else {

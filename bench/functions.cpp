@@ -93,15 +93,12 @@ void measure_all_derivatives() {
             forward_dynamics_hessian(m, w, q, v, tau, x, {part(0), part(1), part(2), part(3)}));
       },
       2);
-  std::vector<Model> small;  // of which tensors fit into a cache
-  for (const Model& model : models())
-    if (model.nv() <= 40) small.push_back(model);
   measure_derivatives(
       "inverse_dynamics_second_derivatives",
       [](const Model& m, auto& w, auto& q, auto& v, auto& a, auto&, auto part) {
         inverse_dynamics_second_derivatives(m, w, q, v, a, {part(0), part(1), part(2), part(3)});
       },
-      3, small);
+      3, small_models());
 }
 
 template <class Rep> void measure_representation(const std::string& name) {

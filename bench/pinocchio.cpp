@@ -104,15 +104,12 @@ const bool registered = [] {
   measure_peer("forward_dynamics_derivatives", [](const M& m, Data& d, const V& q, const V& v, const V& tau) {
     computeABADerivatives(m, d, q, v, tau);
   });
-  std::vector<axode::Model> small;
-  for (const axode::Model& model : models())
-    if (model.nv() <= 40) small.push_back(model);
   measure_peer(
       "inverse_dynamics_second_derivatives",
       [](const M& m, Data& d, const V& q, const V& v, const V& a) {
         ComputeRNEASecondOrderDerivatives(m, d, q, v, a);
       },
-      small);
+      small_models());
   return true;
 }();
 

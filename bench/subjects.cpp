@@ -68,6 +68,16 @@ const std::vector<Model>& models() {
   return all;
 }
 
+const std::vector<Model>& small_models() {
+  static const std::vector<Model> small = [] {
+    std::vector<Model> some;
+    for (const Model& model : models())
+      if (model.nv() <= 40) some.push_back(model);
+    return some;
+  }();
+  return small;
+}
+
 States::States(const Model& model) {
   Random random;
   for (std::size_t s = 0; s < count; ++s) {

@@ -16,6 +16,8 @@ namespace axode::bench {
 /// free base and with couplings undone; chains of hinges with axes in general position; a binary tree of 63
 /// hinges.
 const std::vector<Model>& models();
+/// Those with so few velocities that cubes of their number fit into a cache.
+const std::vector<Model>& small_models();
 
 /// More states than a cache line holds, so that no branch or value is predicted from the run before.
 struct States {

@@ -102,22 +102,22 @@ template <class E> struct Argument {
   }
 };
 
-/// kernel(tree, arena, inputs..., output) on a group of states in the lanes, the first argument being q. It returns what
+/// kernel.call(tree, arena, inputs..., output) on a group of states in the lanes, the first argument being q. It returns what
 /// the kernel does.
-template <class S, class Kernel, class E, class... In> class LaneCall {
+template <class S, class F, class E, class... In> class LaneCall {
  public:
-  LaneCall(const Tree<S>& tree, const Kernel& kernel, Argument<E> out, Argument<In>... in)
+  LaneCall(const Tree<S>& tree, const Kernel<S, F>& kernel, Argument<E> out, Argument<In>... in)
       : tree_(tree),
         kernel_(kernel),
-        bytes_(best_kernels<S>().bytes(tree)),
+        bytes_(kernel.bytes(tree)),
         memory_(bytes_),
         out_(std::move(out)),
         in_(std::move(in)...) {}
 
   auto operator()(std::size_t first, std::size_t count) {
     const auto call = [&](auto&... each) {
-      return kernel_(tree_, Arena(*tree_.topology(), memory_.data(), bytes_),
-                     each.at(first, count, lanes())..., out_.at(first, count, lanes()));
+      return kernel_.call(tree_, Arena(*tree_.topology(), memory_.data(), bytes_),
+                          each.at(first, count, lanes())..., out_.at(first, count, lanes()));
     };
     if constexpr (std::is_void_v<decltype(std::apply(call, in_))>) {
       std::apply(call, in_);
@@ -132,7 +132,7 @@ template <class S, class Kernel, class E, class... In> class LaneCall {
 
  private:
   const Tree<S>& tree_;
-  Kernel kernel_;
+  Kernel<S, F> kernel_;
   std::size_t bytes_;
   Memory memory_;
   Argument<E> out_;
@@ -140,10 +140,10 @@ template <class S, class Kernel, class E, class... In> class LaneCall {
 };
 
 /// A kernel that succeeds, on all states. Returns how many are done.
-template <class S, class Kernel, class E, class... In>
-std::size_t run_lanes(const Model& model, int threads, const Monitor& monitor, const Kernel& kernel,
+template <class S, class F, class E, class... In>
+std::size_t run_lanes(const Model& model, int threads, const Monitor& monitor, const Kernel<S, F>& kernel,
                       const Argument<E>& out, const Argument<In>&... in) {
-  using Call = LaneCall<S, Kernel, E, In...>;
+  using Call = LaneCall<S, F, E, In...>;
   return in_portions(out.all.size() / out.rows, Call::lanes(), threads, monitor,
                      [&] { return Call(model.tree<S>(), kernel, out, in...); });
 }
@@ -152,13 +152,13 @@ bool coupled(const Model& model) { return !model.tree<double>()->coupled_bodies.
 
 /// A kernel that returns which states it doubts, on all states. These, and all where joints are coupled, which no kernel
 /// takes, are solved one by one: solve(workspace, state) as for a single state.
-template <class S, class Solve, class Kernel, class... In>
+template <class S, class Solve, class F, class... In>
 Outcome solve_lanes(const Model& model, int threads, const Monitor& monitor, const Solve& solve,
-                    const Kernel& kernel, const Argument<S>& out, const Argument<In>&... in) {
-  using Call = LaneCall<S, Kernel, S, In...>;
+                    const Kernel<S, F>& kernel, const Argument<S>& out, const Argument<In>&... in) {
+  using Call = LaneCall<S, F, S, In...>;
   enum Verdict : char { solved, singular, not_finite };
   const std::size_t N = out.rows == 0 ? 0 : out.all.size() / out.rows;
-  const bool one_by_one = coupled(model);
+  const bool in_lanes = !coupled(model);
   std::vector<Verdict> verdicts(N, solved);
   const auto finite = [&](std::size_t k) {
     S none(0);
@@ -167,9 +167,11 @@ Outcome solve_lanes(const Model& model, int threads, const Monitor& monitor, con
   };
   Outcome outcome;
   outcome.done = in_portions(N, Call::lanes(), threads, monitor, [&] {
-    return [&, call = Call(model.tree<S>(), kernel, out, in...), workspace = std::optional<Workspace<S>>()](
-               std::size_t first, std::size_t count) mutable {
-      const unsigned doubts = one_by_one ? ~0u : call(first, count);
+    std::optional<Call> made;
+    if (in_lanes) made.emplace(model.tree<S>(), kernel, out, in...);
+    return [&, call = std::move(made), workspace = std::optional<Workspace<S>>()](std::size_t first,
+                                                                                  std::size_t count) mutable {
+      const unsigned doubts = call ? (*call)(first, count) : ~0u;
       for (std::size_t l = 0; l < count; ++l) {
         const std::size_t k = first + l;
         if ((doubts >> l & 1) == 0) {
@@ -212,8 +214,8 @@ std::size_t check_velocities(const Model& model, int threads, const Argument<S>&
 }
 
 /// A kernel that succeeds on q and arguments of nv numbers, with `rows` results for each state.
-template <class S, class Kernel, class... In>
-std::size_t on_velocities(const Model& model, int threads, const Monitor& monitor, const Kernel& kernel,
+template <class S, class F, class... In>
+std::size_t on_velocities(const Model& model, int threads, const Monitor& monitor, const Kernel<S, F>& kernel,
                           const Argument<S>& out, std::span<const S> q, const In&... in) {
   const std::size_t N = check_velocities<S>(model, threads, out, q, in...), nv = size(model.nv());
   if (N == 0 || nv == 0) return N;
@@ -222,9 +224,9 @@ std::size_t on_velocities(const Model& model, int threads, const Monitor& monito
                       Argument<const S>{in.name, "nv N", in.all, nv}...);
 }
 /// One that may doubt states, where solve(workspace, x..., result) takes its place.
-template <class S, class Solve, class Kernel, class... In>
+template <class S, class Solve, class F, class... In>
 Outcome solve_on_velocities(const Model& model, int threads, const Monitor& monitor, const Solve& solve,
-                            const Kernel& kernel, const Argument<S>& out, std::span<const S> q,
+                            const Kernel<S, F>& kernel, const Argument<S>& out, std::span<const S> q,
                             const In&... in) {
   check_velocities<S>(model, threads, out, q, in...);
   const std::size_t nq = size(model.nq()), nv = size(model.nv());

@@ -119,15 +119,11 @@ template <class Inverse> struct Forward : Inverse {
   }
 };
 
-std::size_t bytes(const Tree<S>& tree) {
-  const std::size_t vectors =
-      footprint<InverseDynamics, ForwardDynamics, Poses, InverseDerivatives, Forward<InverseDerivatives>,
-                Forward<InverseJvp>, Forward<InverseVjp>>(*tree.topology());
-  if (!tree->coupled_bodies.empty()) return vectors;  // and no matrices
-  const bool factors = FastInverseMassMatrix<Number>::suits(tree);
-  return std::max({vectors, footprint<MassMatrix>(*tree.topology()),
-                   factors ? footprint<InverseByFactors>(*tree.topology())
-                           : footprint<InverseByBodies>(*tree.topology())});
+/// Memory that a kernel needs.
+template <class Room> std::size_t bytes(const Tree<S>& tree) { return footprint<Room>(*tree.topology()); }
+std::size_t bytes_of_inverse(const Tree<S>& tree) {
+  return FastInverseMassMatrix<Number>::suits(tree) ? bytes<InverseByFactors>(tree)
+                                                    : bytes<InverseByBodies>(tree);
 }
 
 std::size_t n_entries(const Tree<S>& tree) {
@@ -308,20 +304,20 @@ void joint_screws(const Tree<S>& tree, Arena arena, const S* q, Twist<Spatial, S
 }  // namespace
 
 template <> const Kernels<S>& kernels<AXODE_ISA, S>() {
-  static constexpr Kernels<S> all{lanes,
-                                  bytes,
-                                  inverse_dynamics,
-                                  forward_dynamics,
-                                  mass_matrix,
-                                  inverse_mass_matrix,
-                                  poses,
-                                  joint_screws,
-                                  inverse_dynamics_derivatives,
-                                  forward_dynamics_derivatives,
-                                  inverse_dynamics_jvp,
-                                  forward_dynamics_jvp,
-                                  inverse_dynamics_vjp,
-                                  forward_dynamics_vjp};
+  static constexpr Kernels<S> all{
+      .lanes = lanes,
+      .inverse_dynamics = {bytes<InverseDynamics>, inverse_dynamics},
+      .forward_dynamics = {bytes<ForwardDynamics>, forward_dynamics},
+      .mass_matrix = {bytes<MassMatrix>, mass_matrix},
+      .inverse_mass_matrix = {bytes_of_inverse, inverse_mass_matrix},
+      .poses = {bytes<Poses>, poses},
+      .joint_screws = {bytes<Poses>, joint_screws},
+      .inverse_dynamics_derivatives = {bytes<InverseDerivatives>, inverse_dynamics_derivatives},
+      .forward_dynamics_derivatives = {bytes<Forward<InverseDerivatives>>, forward_dynamics_derivatives},
+      .inverse_dynamics_jvp = {bytes<InverseJvp>, inverse_dynamics_jvp},
+      .forward_dynamics_jvp = {bytes<Forward<InverseJvp>>, forward_dynamics_jvp},
+      .inverse_dynamics_vjp = {bytes<InverseVjp>, inverse_dynamics_vjp},
+      .forward_dynamics_vjp = {bytes<Forward<InverseVjp>>, forward_dynamics_vjp}};
   return all;
 }
 

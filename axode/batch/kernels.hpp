@@ -6,31 +6,41 @@
 
 namespace axode::batch {
 
-/// The algorithms for one instruction set. Each takes exactly `lanes` states; the arena has bytes(tree). forward_dynamics and inverse_mass_matrix return a bit for each lane whose mass matrix may be
-/// singular. Models without coupled joints; inverse_dynamics and its derivatives, poses and joint_screws take all.
+/// One algorithm on exactly `lanes` states; its arena has bytes(tree).
+template <class S, class Call> struct Kernel {
+  std::size_t (*bytes)(const Tree<S>&);
+  Call* call;
+};
+
+/// The algorithms for one instruction set. Those that solve for accelerations return a bit for each lane whose mass
+/// matrix may be singular. Models without coupled joints; inverse_dynamics and its derivatives, poses and joint_screws
+/// take all.
 template <class S> struct Kernels {
   int lanes;
-  std::size_t (*bytes)(const Tree<S>&);
-  void (*inverse_dynamics)(const Tree<S>&, Arena arena, const S* q, const S* v, const S* a, S* tau) noexcept;
-  unsigned (*forward_dynamics)(const Tree<S>&, Arena arena, const S* q, const S* v, const S* tau,
-                               S* a) noexcept;
-  void (*mass_matrix)(const Tree<S>&, Arena arena, const S* q, S* M) noexcept;
-  unsigned (*inverse_mass_matrix)(const Tree<S>&, Arena arena, const S* q, S* M_inverse) noexcept;
-  void (*poses)(const Tree<S>&, Arena arena, const S* q, SE3<S>* C) noexcept;
-  void (*joint_screws)(const Tree<S>&, Arena arena, const S* q, Twist<Spatial, S>* J) noexcept;
-  // Of derivatives all results of a state lie one behind the other. Those of forward dynamics return bits as it does.
-  void (*inverse_dynamics_derivatives)(const Tree<S>&, Arena arena, const S* q, const S* v, const S* a,
-                                       S* dtau) noexcept;
-  unsigned (*forward_dynamics_derivatives)(const Tree<S>&, Arena arena, const S* q, const S* v, const S* tau,
-                                           S* da) noexcept;
-  void (*inverse_dynamics_jvp)(const Tree<S>&, Arena arena, const S* q, const S* v, const S* a, const S* dq,
-                               const S* dv, const S* da, S* dtau) noexcept;
-  unsigned (*forward_dynamics_jvp)(const Tree<S>&, Arena arena, const S* q, const S* v, const S* tau,
-                                   const S* dq, const S* dv, const S* dtau, S* da) noexcept;
-  void (*inverse_dynamics_vjp)(const Tree<S>&, Arena arena, const S* q, const S* v, const S* a, const S* w,
-                               S* gradient) noexcept;
-  unsigned (*forward_dynamics_vjp)(const Tree<S>&, Arena arena, const S* q, const S* v, const S* tau,
-                                   const S* w, S* gradient) noexcept;
+  Kernel<S, void(const Tree<S>&, Arena, const S* q, const S* v, const S* a, S* tau) noexcept>
+      inverse_dynamics;
+  Kernel<S, unsigned(const Tree<S>&, Arena, const S* q, const S* v, const S* tau, S* a) noexcept>
+      forward_dynamics;
+  Kernel<S, void(const Tree<S>&, Arena, const S* q, S* M) noexcept> mass_matrix;
+  Kernel<S, unsigned(const Tree<S>&, Arena, const S* q, S* M_inverse) noexcept> inverse_mass_matrix;
+  Kernel<S, void(const Tree<S>&, Arena, const S* q, SE3<S>* C) noexcept> poses;
+  Kernel<S, void(const Tree<S>&, Arena, const S* q, Twist<Spatial, S>* J) noexcept> joint_screws;
+  // Of derivatives all results of a state lie one behind the other.
+  Kernel<S, void(const Tree<S>&, Arena, const S* q, const S* v, const S* a, S* dtau) noexcept>
+      inverse_dynamics_derivatives;
+  Kernel<S, unsigned(const Tree<S>&, Arena, const S* q, const S* v, const S* tau, S* da) noexcept>
+      forward_dynamics_derivatives;
+  Kernel<S, void(const Tree<S>&, Arena, const S* q, const S* v, const S* a, const S* dq, const S* dv,
+                 const S* da, S* dtau) noexcept>
+      inverse_dynamics_jvp;
+  Kernel<S, unsigned(const Tree<S>&, Arena, const S* q, const S* v, const S* tau, const S* dq, const S* dv,
+                     const S* dtau, S* da) noexcept>
+      forward_dynamics_jvp;
+  Kernel<S, void(const Tree<S>&, Arena, const S* q, const S* v, const S* a, const S* w, S* gradient) noexcept>
+      inverse_dynamics_vjp;
+  Kernel<S, unsigned(const Tree<S>&, Arena, const S* q, const S* v, const S* tau, const S* w,
+                     S* gradient) noexcept>
+      forward_dynamics_vjp;
 };
 
 /// Instruction sets.

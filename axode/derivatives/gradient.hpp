@@ -134,15 +134,16 @@ template <class G, class T> struct InverseDynamicsGradient {
   }
   bool loaded = false;  ///< whether there is any n
 
-  /// g of the bodies behind joint i, after backward(): the gradient with respect to a displacement before the joint.
+  /// g of the bodies behind joint i, after backward(): the gradient with respect to a displacement before the joint,
+  /// whose twist is V_J.
   template <class S>
-  Wrench<BodyFixed, T> by_displacement(const Tree<S>& tree, int i, const T* v, const T* a,
+  Wrench<BodyFixed, T> by_displacement(const Tree<S>& tree, int i, const Twist<BodyFixed, T>& V_J, const T* a,
                                        const T* lambda) const noexcept {
     using V6 = Twist<BodyFixed, T>;
     using W6 = Wrench<BodyFixed, T>;
     const Body& b = body[i];
     const Motion& x = motion[i];
-    const V6 V{x.w, x.v}, dV{x.dw, x.dv}, L{x.Lw, x.Lv}, V_J = any_joint_twist(tree, i, v);
+    const V6 V{x.w, x.v}, dV{x.dw, x.dv}, L{x.Lw, x.Lv};
     const V6 V_p = V - V_J, dV_p = dV - ad(V, V_J) - any_joint_twist(tree, i, a),
              L_p = L - any_joint_twist(tree, i, lambda);
     const W6 F{b.m, b.f}, A{b.A_m, b.A_f}, H{b.H, {}}, n{b.n_m, b.n_f};
@@ -157,9 +158,9 @@ template <class G, class T> struct InverseDynamicsGradient {
   [[gnu::noinline]] void backward_any(const Tree<S>& tree, int i, const T* v, const T* a, const T* lambda,
                                       T* by_q, T* by_v, T* by_a) noexcept {
     const Wrench<BodyFixed, T> A{body[i].A_m, body[i].A_f}, H{body[i].H, {}};
-    const Twist<BodyFixed, T> V{motion[i].w, motion[i].v};
-    project_on_any_joint<T>(tree, i, by_displacement(tree, i, v, a, lambda), by_q);
-    project_on_any_joint<T>(tree, i, H + ad_transposed(V + V - any_joint_twist(tree, i, v), A), by_v);
+    const Twist<BodyFixed, T> V{motion[i].w, motion[i].v}, V_J = any_joint_twist(tree, i, v);
+    project_on_any_joint<T>(tree, i, by_displacement(tree, i, V_J, a, lambda), by_q);
+    project_on_any_joint<T>(tree, i, H + ad_transposed(V + V - V_J, A), by_v);
     project_on_any_joint<T>(tree, i, A, by_a);
   }
 };

@@ -86,7 +86,8 @@ template <class T> struct InverseDynamicsVjp {
   void each_parameter(const Tree<T>& tree, const T* q, const T* v, const T* a, const T* lambda,
                       const F& f) const noexcept {
     for (int i = 1; i <= tree->n; ++i) {
-      const Wrench<BodyFixed, T> g = gradient.by_displacement(tree, i, v, a, lambda);
+      const Wrench<BodyFixed, T> g =
+          gradient.by_displacement(tree, i, any_joint_twist(tree, i, v), a, lambda);
       each_unit_screw(frame_at_zero(tree, i, q), [&](int u, const Screw<T>& X) {
         f(i, u, g | Twist<BodyFixed, T>{X.w, X.v});
       });

@@ -1,5 +1,6 @@
 #pragma once
 #include <concepts>
+#include <cstddef>
 #include <limits>
 #include <string>
 
@@ -56,12 +57,12 @@ template <class T> class PivotJudge {
 };
 
 /// The verdict of an elimination, and on its n results: all NaN where it failed.
-template <class T> Solvability solved(Solvability verdict, int n, T* results) {
+template <class T> Solvability solved(Solvability verdict, std::ptrdiff_t n, T* results) {
   if (!verdict.ok()) {
-    for (int k = 0; k < n; ++k) results[k] = T(std::numeric_limits<double>::quiet_NaN());
+    for (std::ptrdiff_t k = 0; k < n; ++k) results[k] = T(std::numeric_limits<double>::quiet_NaN());
   } else if constexpr (std::floating_point<T>) {
     T none(0);
-    for (int k = 0; k < n; ++k) none += results[k] - results[k];
+    for (std::ptrdiff_t k = 0; k < n; ++k) none += results[k] - results[k];
     verdict.not_finite = !(none == T(0));
   }
   return verdict;

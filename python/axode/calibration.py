@@ -24,8 +24,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from . import lie
 from ._axode import Model, frame_geometry_jacobian, poses
-from .convert import _numbers
-from .identification import _in_words, _triangle
+from .convert import _array, _finite, _numbers
+from .identification import _in_words, _links_of_bodies, _triangle
 
 __all__ = ["Calibration", "Measurement", "calibrate", "with_geometry"]
 
@@ -199,15 +199,10 @@ class _Drawing:
     def __init__(self, m: Model):
         self.m = m
         self._drawing = m.to_dict()
-        links = {link["name"]: link for link in self._drawing["body"]}
-        successor = {m.body(name).predecessor: name for name in m.body_names}
-        #: Of each moving body its link: that of the successor for the first of two that one drawn joint moves.
-        self._link = {name: links.get(name) or links[successor[name]] for name in m.body_names}
+        self._link = _links_of_bodies(m, self._drawing)
         #: Of each link and frame, the moving body that it is on, and its pose there.
         self._on = {name: m.frame_pose(name) for name in m.frame_names}
         self._B = np.array([m.body(name).B for name in m.body_names]).reshape(-1, 4, 4)
-        self._S_self = {joint.name: _joint_frame(joint.kind, m.body(name).X)
-                        for name, joint in zip(m.body_names, m.joints)}
 
     def build(self, displaced: Array, tools: Mapping[str, Array]) -> Model:
         """The model with B displaced (n_bodies, 4, 4), and some frames."""
@@ -228,7 +223,7 @@ class _Drawing:
             predecessor, base = drawn["on"], lie.inverse(on[drawn["on"]][1])
             for body, joint in zip(chain, joints):
                 of_model, B = at[body]
-                S = self._S_self[of_model.name]
+                S = m.body(body).S_self
                 bodies.append((link if body == name else {}) | {
                     "name": body, "on": predecessor, "S_prev": _as_dict(base @ B @ S), "S_self": _as_dict(S),
                     "joint": joint | {"name": of_model.name, "kind": of_model.kind}})
@@ -266,21 +261,6 @@ def _single_joints(joint: dict[str, Any] | str) -> list[dict[str, Any]]:
     if joint["kind"] in ("cylindrical", "universal"):
         return [dict(dof) for dof in joint.get("dof", [{}, {}])]
     return [{key: value for key, value in joint.items() if key not in ("axis", "second_axis", "point")}]
-
-
-def _joint_frame(kind: str, X: Array) -> Array:
-    """S_self with z along the axis, from the joint screws in the body frame."""
-    S = np.eye(4)
-    if kind == "spherical":
-        S[:3, :3] = X[:3]
-        S[:3, 3] = lie.from_skew(X[3:] @ X[:3].T)
-    elif kind == "planar":
-        S[:3, :3] = np.column_stack([X[3:, 1], X[3:, 2], X[:3, 0]])
-        S[:3, 3] = lie.screw_axis(X[:, 0]).p
-    elif kind != "free":
-        axis = lie.screw_axis(X[:, 0])
-        S[:3, :3], S[:3, 3] = lie.rotation_to(axis.e), axis.p
-    return S
 
 
 def _matter(link: dict[str, Any], C: Array) -> dict[str, Any]:
@@ -749,16 +729,10 @@ def _part(m: Model, argument: str, given: Any) -> _Part:
 
 def _rows(argument: str, given: ArrayLike, shape: tuple[int, ...], meaning: str) -> Array:
     """An array of this shape of finite numbers."""
-    try:
-        x = np.asarray(given, dtype=np.float64)
-    except (TypeError, ValueError) as error:
-        raise ValueError(f"{argument}: expected real numbers in an array of shape {meaning}") from error
+    x = _array(argument, given)
     if x.shape != shape:
         raise ValueError(f"{argument}: expected shape {meaning}, got {x.shape}")
-    if not np.all(np.isfinite(x)):
-        where = tuple(int(k) for k in np.argwhere(~np.isfinite(x))[0])
-        raise ValueError(f"{argument}{list(where)} is {x[where]}; expected finite numbers")
-    return x
+    return _finite(argument, x)
 
 
 def _poses(argument: str, given: ArrayLike, shape: tuple[int, ...]) -> Array:

@@ -400,6 +400,10 @@ def _numbers(name: str, given: ArrayLike, length: int, meaning: str, states: tup
     if x.ndim not in (1, 2) or x.shape[-1] != length or states not in (None, x.shape[:-1]):
         expected = f"({length},) or (N, {length})" if states is None else str((*states, length))
         raise ValueError(f"{name}: expected shape {expected}, {meaning}, got {x.shape}")
+    return _finite(name, x)
+
+
+def _finite(name: str, x: NDArray[Any]) -> Array:
     if not np.all(np.isfinite(x)):
         at = tuple(int(k) for k in np.argwhere(~np.isfinite(x))[0])
         raise ValueError(f"{name}[{', '.join(map(str, at))}] is {x[at]}; expected finite numbers")

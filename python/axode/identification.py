@@ -277,13 +277,10 @@ class _Unknowns:
 def _with_joints(m: Model, of_joints: dict[str, Array]) -> Model:
     """m with other armatures, damping or friction, (nv,) each."""
     drawing = m.to_dict()
-    links: dict[str, Any] = {link["name"]: link for link in drawing["body"]}
-    successor = {m.body(name).predecessor: name for name in m.body_names}
+    links = _links_of_bodies(m, drawing)
     velocities: dict[str, list[int]] = {}  # of each link's joint
     for name, joint in zip(m.body_names, m.joints):
-        while name not in links:  # the first of two bodies that a cylindrical or a universal joint moves
-            name = successor[name]
-        velocities.setdefault(name, []).extend(range(joint.v.start, joint.v.stop))
+        velocities.setdefault(links[name]["name"], []).extend(range(joint.v.start, joint.v.stop))
     for name, own in velocities.items():
         joint_of_link = links[name]["joint"]
         if not own or joint_of_link == "free" or joint_of_link["kind"] == "free":
@@ -292,6 +289,13 @@ def _with_joints(m: Model, of_joints: dict[str, Array]) -> Model:
         for dof, k in zip(dofs, own):
             dof.update({kind: float(values[k]) for kind, values in of_joints.items()})
     return Model.from_dict(drawing)
+
+
+def _links_of_bodies(m: Model, drawing: dict[str, Any]) -> dict[str, dict[str, Any]]:
+    """The link of each moving body: that of its successor for the first of two that one drawn joint moves."""
+    links = {link["name"]: link for link in drawing["body"]}
+    successor = {m.body(name).predecessor: name for name in m.body_names}
+    return {name: links.get(name) or links[successor[name]] for name in m.body_names}
 
 
 def _huber(u: Array) -> Array:

@@ -154,6 +154,9 @@ void add_parts(nb::module_& module) {
           "B", [](const BoundBody& b) { return to_array((*b).B); },
           "Pose at q = 0 in the predecessor's frame, (4, 4), m.")
       .def_prop_ro(
+          "S_self", [](const BoundBody& b) { return to_array((*b).S_self); },
+          "Pose of the joint frame in the body frame, (4, 4), m; its z-axis is the joint axis.")
+      .def_prop_ro(
           "X", [](const BoundBody& b) { return columns(std::span<const Screw<>>((*b).X)); },
           "Joint screws in the body frame, (6, d), angular before linear; a column for each velocity.")
       .def_prop_ro(

@@ -125,18 +125,9 @@ StateFunction::InLanes StateFunction::in_lanes(std::string_view name) {
 StateFunction::StateFunction(const char* name)
     : rows_{catalog::find<BodyFixed>(name), catalog::find<Spatial>(name), catalog::find<Hybrid>(name),
             catalog::find<Mixed>(name), catalog::find<Fast>(name)},
-      in_lanes_(in_lanes(name)),
-      takes_v_(rows_[0]->takes_input(Input::v)),
-      takes_a_(rows_[0]->takes_input(Input::a)),
-      takes_tau_(rows_[0]->takes_input(Input::tau)),
-      takes_p_(rows_[0]->takes_input(Input::p)) {
-  static constexpr std::pair<Input, ArrayLike Arguments::*> all[] = {{Input::dq, &Arguments::dq},
-                                                                     {Input::dv, &Arguments::dv},
-                                                                     {Input::da, &Arguments::da},
-                                                                     {Input::dtau, &Arguments::dtau},
-                                                                     {Input::weights, &Arguments::w}};
-  for (const auto& direction : all)
-    if (rows_[0]->takes_input(direction.first)) directions_.push_back(direction);
+      in_lanes_(in_lanes(name)) {
+  for (const ArgumentOfState& one : arguments_of_state)
+    if (one.input != Input::q && rows_[0]->takes_input(one.input)) takes_.push_back(one);
 }
 
 const catalog::Function<double>& StateFunction::row(const Algorithm& algorithm) const {
@@ -146,14 +137,9 @@ const catalog::Function<double>& StateFunction::row(const Algorithm& algorithm) 
 
 NewArray StateFunction::run(const BoundModel& m, const Arguments& given, const Row& row) const {
   const States states(m, given.q, given.threads);
-  std::optional<Items> v, a, tau, p;
-  if (takes_v_) v.emplace(states.velocities("v", given.v));
-  if (takes_a_) a.emplace(states.velocities("a", given.a));
-  if (takes_tau_) tau.emplace(states.velocities("tau", given.tau));
-  if (takes_p_) p.emplace(states.velocities("p", given.p));
-  std::vector<Items> directions;
-  for (const auto& [input, argument] : directions_)
-    directions.push_back(states.velocities(std::string(catalog::to_string(input)).c_str(), given.*argument));
+  std::vector<Items> taken;
+  for (const ArgumentOfState& one : takes_)
+    taken.push_back(states.velocities(one.name(), given.*one.argument));
   const AppliedLoads loads(states, given.loads, given.joint_losses);
 
   Shape shape{};
@@ -174,11 +160,7 @@ NewArray StateFunction::run(const BoundModel& m, const Arguments& given, const R
   if (states.many() && m->nq() > 0 && in_lanes_ != nullptr && loads.none() &&  // lanes count states by q
       (row.choice != Choice::recursion || !given.algorithm.representation)) {
     catalog::Given<double> all{.q = states.q()};
-    if (v) all.v = v->all();
-    if (a) all.a = a->all();
-    if (tau) all.tau = tau->all();
-    for (std::size_t d = 0; d < directions.size(); ++d)
-      catalog::numbers(all, directions_[d].first) = directions[d].all();
+    for (std::size_t i = 0; i < taken.size(); ++i) catalog::numbers(all, takes_[i].input) = taken[i].all();
     const batch::Outcome outcome = states.unlocked(cost, [&](const batch::Monitor& monitor) {
       return in_lanes_(*m, all, out.all().first(states.count() * size), given.threads, monitor);
     });
@@ -188,12 +170,7 @@ NewArray StateFunction::run(const BoundModel& m, const Arguments& given, const R
     states.each(cost, [&](Workspace<>& workspace, std::size_t k) {
       catalog::Given<double> one{
           .q = states.q(k), .place = given.place, .base = given.base, .form = given.form};
-      if (v) one.v = (*v)[k];
-      if (a) one.a = (*a)[k];
-      if (tau) one.tau = (*tau)[k];
-      if (p) one.p = (*p)[k];
-      for (std::size_t d = 0; d < directions.size(); ++d)
-        catalog::numbers(one, directions_[d].first) = directions[d][k];
+      for (std::size_t i = 0; i < taken.size(); ++i) catalog::numbers(one, takes_[i].input) = taken[i][k];
       found[k] = loads.with(k, [&](const Loads<double>& now) {
         one.loads = now;
         return row.call(*m, workspace, one, out.all().subspan(k * size, size));

@@ -1,4 +1,5 @@
 #pragma once
+#include <algorithm>
 #include <tuple>
 
 #include "axode/batch.hpp"
@@ -20,15 +21,20 @@ struct Arguments {
   int threads = 1;
 };
 
-/// Those of a state and of directions by their names.
-inline constexpr std::pair<const char*, ArrayLike Arguments::*> named_arguments[] = {
-    {"q", &Arguments::q},       {"v", &Arguments::v},   {"a", &Arguments::a},   {"tau", &Arguments::tau},
-    {"p", &Arguments::p},       {"dq", &Arguments::dq}, {"dv", &Arguments::dv}, {"da", &Arguments::da},
-    {"dtau", &Arguments::dtau}, {"w", &Arguments::w}};
-constexpr const char* name_of(ArrayLike Arguments::*argument) {
-  for (const auto& [name, named] : named_arguments)
-    if (named == argument) return name;
-  return nullptr;
+/// Those that are numbers of a state, and the inputs of a function that they are.
+struct ArgumentOfState {
+  catalog::Input input;
+  ArrayLike Arguments::*argument;
+  const char* name() const { return catalog::to_string(input).data(); }
+};
+inline constexpr ArgumentOfState arguments_of_state[] = {
+    {catalog::Input::q, &Arguments::q},       {catalog::Input::v, &Arguments::v},
+    {catalog::Input::a, &Arguments::a},       {catalog::Input::tau, &Arguments::tau},
+    {catalog::Input::p, &Arguments::p},       {catalog::Input::dq, &Arguments::dq},
+    {catalog::Input::dv, &Arguments::dv},     {catalog::Input::da, &Arguments::da},
+    {catalog::Input::dtau, &Arguments::dtau}, {catalog::Input::weights, &Arguments::w}};
+inline const char* name_of(ArrayLike Arguments::*argument) {
+  return std::ranges::find(arguments_of_state, argument, &ArgumentOfState::argument)->name();
 }
 
 /// A function of the catalogue for one state or N of them, in SIMD lanes where the library can.
@@ -56,8 +62,7 @@ class StateFunction {
 
   std::array<const Row*, 5> rows_;  ///< by representation, and the fast one
   InLanes in_lanes_;
-  bool takes_v_, takes_a_, takes_tau_, takes_p_;
-  std::vector<std::pair<catalog::Input, ArrayLike Arguments::*>> directions_;  ///< and weights, that it takes
+  std::vector<ArgumentOfState> takes_;  ///< besides q
 };
 
 /// `def name(m, arguments, options) -> a type of axode.records, or an array`.

@@ -189,5 +189,33 @@ TEST_P(Batches, WhatIsNotFiniteIsCountedAndTheOthersAreRight) {
   }
 }
 
+/// Matrices of such a model would need 34 GB in each lane: only what makes them may ask for that.
+TEST(LargeTreesInBatches, NeedNoMoreMemoryThanTheirResults) {
+  const std::size_t n = 65537, N = 3;
+  for (const bool coupled : {false, true}) {
+    SCOPED_TRACE(coupled ? "coupled" : "uncoupled");
+    Description chain{.name = "chain"};
+    for (std::size_t i = 0; i < n; ++i) {
+      BodyDescription body{.name = "b" + std::to_string(i),
+                           .predecessor = i == 0 ? "ground" : "b" + std::to_string(i - 1)};
+      body.joint = {.name = "j" + std::to_string(i), .kind = JointKind::revolute, .axis = {0, 0, 1}};
+      if (coupled && i > 0 && i % 2 == 0) body.joint.coupling = Coupling{"j0", 0.5, 0};
+      body.inertia = MassProperties{.mass = 1, .com = {0, 0, 0}, .Theta = {1, 1, 1}};
+      chain.bodies.push_back(std::move(body));
+    }
+    const Model model = ModelBuilder(chain).build();
+    const std::size_t nv = number(model.nv());
+    const std::vector<double> q(N * nv), v(N * nv), ones(N * nv, 1.0);
+    std::vector<double> tau(N * nv), a(N * nv), gradient(3 * N * nv);
+    EXPECT_EQ(batch::inverse_dynamics<double>(model, q, v, ones, tau), N);
+    EXPECT_TRUE(batch::forward_dynamics<double>(model, q, v, tau, a).ok());
+    EXPECT_EQ(batch::inverse_dynamics_jvp<double>(model, q, v, ones, v, v, ones, a), N);
+    EXPECT_EQ(a, tau);  // at rest and without weight, M times the direction is what the accelerations need
+    EXPECT_EQ(batch::inverse_dynamics_vjp<double>(model, q, v, ones, ones, gradient), N);
+    EXPECT_TRUE(batch::forward_dynamics_jvp<double>(model, q, v, tau, v, v, tau, a).ok());
+    EXPECT_TRUE(batch::forward_dynamics_vjp<double>(model, q, v, tau, ones, gradient).ok());
+  }
+}
+
 }  // namespace
 }  // namespace axode::test
