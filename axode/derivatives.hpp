@@ -5,6 +5,7 @@
 #include "axode/derivatives/hessian.hpp"
 #include "axode/derivatives/inverse_dynamics_derivatives.hpp"
 #include "axode/derivatives/linearization.hpp"
+#include "axode/derivatives/momentum_form_derivatives.hpp"
 #include "axode/derivatives/motion_derivatives.hpp"
 #include "axode/derivatives/products.hpp"
 #include "axode/derivatives/rates.hpp"

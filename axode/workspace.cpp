@@ -18,13 +18,15 @@ template <class Rep, class T> std::size_t of_representation(const Topology& t) {
 }
 
 template <class T> std::size_t of_all(const Topology& t) {
-  return std::max({of_representation<BodyFixed, T>(t), of_representation<Spatial, T>(t),
-                   of_representation<Hybrid, T>(t), of_representation<Mixed, T>(t),
-                   footprint<FramePoses<T>, SubtreeInertias<T>, MovingMass<T>, PosesAndMotion<T>,
-                             CoriolisBodies<T>, MomentumForm<T>, ForcesAlone<Fast, T>, FastForwardDynamics<T>,
-                             FastInverse<T>, FastCompositeBodies<T>, ForwardFirstOrder<T>, ForwardJvp<T>,
-                             ForwardVjp<T>, HessiansOfAccelerations<T>, SecondOrderTensors<T>,
-                             ForwardGeometryDerivatives<T>, TermDerivatives<T>, EnergyGradient<T>>(t)});
+  return std::max(
+      {of_representation<BodyFixed, T>(t), of_representation<Spatial, T>(t), of_representation<Hybrid, T>(t),
+       of_representation<Mixed, T>(t),
+       footprint<FramePoses<T>, SubtreeInertias<T>, MovingMass<T>, PosesAndMotion<T>, CoriolisBodies<T>,
+                 MomentumForm<T>, ForcesAlone<Fast, T>, FastForwardDynamics<T>, FastInverse<T>,
+                 FastCompositeBodies<T>, ForwardFirstOrder<T>, ForwardJvp<T>, ForwardVjp<T>,
+                 HessiansOfAccelerations<T>, SecondOrderTensors<T>, ForwardGeometryDerivatives<T>,
+                 CarryingScrews<T>, TermDerivatives<T>, MomentumFirstOrder<T>,
+                 SecondOrderRecursion<BodyFixed, T>, SecondOrderRecursion<Hybrid, T>, EnergyGradient<T>>(t)});
 }
 
 }  // namespace

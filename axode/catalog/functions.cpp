@@ -203,6 +203,13 @@ std::vector<Function<T>> make() {
          return forward_dynamics_derivatives(m, w, g.q, g.v, g.tau, {part(out, 0, 3), part(out, 1, 3), part(out, 2, 3)},
                                              g.loads);
        })},
+      {"momentum_form_derivatives", "partial derivatives of momentum_form", "of v and p' per unit of the direction",
+       {q, p, loads}, Choice::none, number, {nv, nv}, rows, {"dv/dq", "dv/dp", "dp'/dq", "dp'/dp"}, Cost::quadratic,
+       scratch,
+       call([](auto& m, auto& w, auto& g, auto out) {
+         return momentum_form_derivatives(
+             m, w, g.q, g.p, {part(out, 0, 4), part(out, 1, 4), part(out, 2, 4), part(out, 3, 4)}, g.loads);
+       })},
       {"gravity_derivatives", "partial derivatives of gravity_torques", forces, {q}, Choice::none, number, {nv, nv}, rows,
        {"dg/dq"}, Cost::quadratic, scratch, call([](auto& m, auto& w, auto& g, auto out) { gravity_derivatives(m, w, g.q, out); })},
       {"coriolis_derivatives", "partial derivatives of coriolis_vector", "of tau per unit of the direction", {q, v},
@@ -227,6 +234,13 @@ std::vector<Function<T>> make() {
          const auto columns_of = [&](std::size_t k) { return as<Twist<R4, T>>(part(out, k, 4)); };
          motion_derivatives<R4>(m, w, g.q, g.v, g.a, g.place,
                                 {columns_of(0), columns_of(1), columns_of(2), columns_of(3)});
+       })},
+      {"motion_jvp", "how pose (a body-fixed displacement), twist and its rate change along a direction",
+       "of X, V and V' along the direction", {q, v, a, place, dq, dv, da}, Choice::representation, twist, {}, rows,
+       {"dX", "dV", "dV'"}, Cost::linear, scratch,
+       call([](auto& m, auto& w, auto& g, auto out) {
+         const auto change = motion_jvp<R4>(m, w, g.q, g.v, g.a, g.place, g.dq, g.dv, g.da);
+         put(change.X, part(out, 0, 3)), put(change.V, part(out, 1, 3)), put(change.dV, part(out, 2, 3));
        })},
       {"inverse_dynamics_geometry_derivatives", "partial derivatives of the drive forces by displacements of the joints",
        "of tau per rad, m", {q, v, a, loads}, Choice::none, number, {nv, n_bodies, six}, rows, {"dtau/dpi"},

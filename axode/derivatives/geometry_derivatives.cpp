@@ -2,7 +2,6 @@
 
 #include "axode/derivatives/scratch.hpp"
 #include "axode/dynamics/check_loads.hpp"
-#include "axode/kinematics/path.hpp"
 #include "axode/recursion/instantiate.hpp"
 
 namespace axode {
@@ -96,7 +95,7 @@ Solvability forward_dynamics_geometry_vjp(const Model& model, Workspace<T>& work
     s.vjp.each_parameter(tree, q.data(), v.data(), s.forward.a, s.mu, [&](int i, int u, const T& x) {
       gradient[static_cast<std::size_t>((i - 1) * 6 + u)] = -x;
     });
-  return solved(verdict, static_cast<int>(gradient.size()), gradient.data());
+  return solved(verdict, static_cast<std::ptrdiff_t>(gradient.size()), gradient.data());
 }
 
 template <class T>
@@ -128,13 +127,13 @@ void jacobian_geometry_derivatives(const Model& model, Workspace<T>& workspace, 
   check_separate("dJ", dJ, "q", q);
   std::fill(dJ.begin(), dJ.end(), Twist<BodyFixed, T>{});
   // A parameter displaces the place and leaves the screws before it where they are; those behind it go along.
+  Arena arena = workspace.arena(model.topology());
+  CarryingScrews<T> screws(arena);
+  screws.run(tree, q.data(), place);
   each_parameter(tree, q.data(), place, [&](int i, int u, const Screw<T>& X) {
     Twist<BodyFixed, T>* const to = dJ.data() + static_cast<std::size_t>((i - 1) * 6 + u) * nv;
-    each_body_fixed_column(tree, q.data(), place, [&](int j, int c, const Screw<T>& J) {
-      if (j >= i) return;
-      const Screw<T> moved = ad(J, X);
-      to[c] += Twist<BodyFixed, T>{moved.w, moved.v};
-    });
+    for (int k = screws.count - 1; k >= 0 && screws.column[k].j < i; --k)  // ground first
+      to[screws.column[k].c] += ad(screws.column[k].J, Twist<BodyFixed, T>{X.w, X.v});
   });
 }
 

@@ -27,70 +27,166 @@ template <class Rep, class T> Twist<Rep, T> derivative(const Vec3<Dual1<T>>& w, 
   return {{w.x.dx[0], w.y.dx[0], w.z.dx[0]}, {v.x.dx[0], v.y.dx[0], v.z.dx[0]}};
 }
 
+template <class T> using V6 = Twist<BodyFixed, T>;
+
+/// A place on its way: pose, and body-fixed twist and rate.
+template <class T> struct MovingPlace {
+  SE3<T> C;
+  V6<T> V, dV;
+
+  /// From what changes body-fixed components, along a displacement X, to those in Rep.
+  template <class Rep> MotionChange<Rep, T> in(const V6<T>& X, const V6<T>& by_V, const V6<T>& by_dV) const {
+    if constexpr (std::same_as<Rep, BodyFixed>) {
+      return {X, by_V, by_dV};
+    } else {
+      const SE3<Dual1<T>> C_d = displaced(C, X);
+      const Twist<BodyFixed, Dual1<T>> V_d{with_derivative(V.w, by_V.w), with_derivative(V.v, by_V.v)};
+      const TwistRate<BodyFixed, Dual1<T>> dV_d{with_derivative(dV.w, by_dV.w),
+                                                with_derivative(dV.v, by_dV.v)};
+      const auto V_rep = change<Rep>(C_d, V_d);
+      const auto dV_rep = change<Rep>(C_d, V_d, dV_d);
+      return {X, derivative<Rep, T>(V_rep.w, V_rep.v), derivative<Rep, T>(dV_rep.w, dV_rep.v)};
+    }
+  }
+};
+
+/// The motion of a place, and of all that carries it.
+template <class T> struct MotionTo {
+  const Tree<T>& tree;
+  TreeMotion<BodyFixed, T> motion;
+  const Place<T>& place;
+  MovingPlace<T> at;
+
+  MotionTo(const Tree<T>& tree_, Arena& arena, const T* q, const T* v, const T* a,
+           const Place<T>& place_) noexcept
+      : tree(tree_), motion(arena), place(place_) {
+    motion.run(tree, q, v, a);
+    at.C = in_body();
+    const int body = tree->frame_body[place.frame];
+    at.V = seen(at.C, motion.bodies.V[body]), at.dV = seen(at.C, motion.bodies.dV[body]);
+    for (int i = body; i > 0; i = tree->parent[i]) at.C = motion.bodies.link[i].C_pi * at.C;
+  }
+
+  /// f(c, J, ∂V/∂q, ∂V'/∂q, ∂V'/∂v) for every joint screw J that moves the place, all body-fixed; a velocity that several
+  /// joints share comes with each of them.
+  template <class F> void each_column(const F& f) const noexcept {
+    const auto& [link, V, dV] = motion.bodies;
+    SE3<T> E = in_body();  // the place in the internal frame of body i
+    for (int i = tree->frame_body[place.frame]; i > 0; i = tree->parent[i]) {
+      const V6<T> V_i = seen(E, V[i]);
+      const SE3<T> from_place = inverse(E);
+      E = link[i].C_pi * E;
+      // As if the ground under the joint had gained ψ = [V_p, J] and its rate.
+      const V6<T> V_p = seen(E, V[tree->parent[i]]), dV_p = seen(E, dV[tree->parent[i]]);
+      each_screw(tree, i, from_place, [&](int c, const Screw<T>& screw) {
+        const V6<T> J{screw.w, screw.v}, psi = ad(V_p, J);
+        f(c, J, psi, ad(dV_p, J) + ad(V_p, psi) + ad(psi, at.V), psi + ad(J, at.V - V_i));
+      });
+    }
+  }
+
+ private:
+  SE3<T> in_body() const { return tree.frame_offset[place.frame] * place.offset; }
+  template <class X> static V6<T> seen(const SE3<T>& E, const X& of_body) {
+    const Screw<T> Y = Ad_inv(E, Screw<T>{of_body.w, of_body.v});
+    return {Y.w, Y.v};
+  }
+};
+
 }  // namespace
 
 template <RecursionRepresentation Rep, class T>
 void motion_derivatives(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v, Numbers<T> a,
                         const std::type_identity_t<Place<T>>& given,
                         const std::type_identity_t<MotionDerivatives<Rep, T>>& d) {
-  using V6 = Twist<BodyFixed, T>;
   check_state(model, workspace, q, v, a);
   const Place<T> place = found(model, given);
   check_results<Twist<Rep, T>>(
       model, {{"d.V_q", d.V_q, 1}, {"d.V_v", d.V_v, 1}, {"d.dV_q", d.dV_q, 1}, {"d.dV_v", d.dV_v, 1}});
   for (const auto& columns : {d.V_q, d.V_v, d.dV_q, d.dV_v}) check_separate("d", columns, "q", q);
-  const Tree<T>& tree = model.tree<T>();
   Arena arena = workspace.arena(model.topology());
-  const TreeMotion<BodyFixed, T> motion(arena);
-  motion.run(tree, q.data(), v.data(), a.data());
-
-  // Body-fixed, seen from the place: as if the ground under a joint had gained ψ = [V_p, X] and its rate.
+  const MotionTo<T> motion(model.tree<T>(), arena, q.data(), v.data(), a.data(), place);
   for (const auto& columns : {d.V_q, d.V_v, d.dV_q, d.dV_v})
     std::fill(columns.begin(), columns.end(), Twist<Rep, T>{});
-  const auto add = [](Twist<Rep, T>& to, const V6& X) { to.w += X.w, to.v += X.v; };
-  SE3<T> E = tree.frame_offset[place.frame] * place.offset;  // the place in the internal frame of body i
-  const auto seen = [&](const auto& of_body) {
-    const Screw<T> X = Ad_inv(E, Screw<T>{of_body.w, of_body.v});
-    return V6{X.w, X.v};
-  };
-  const int body = tree->frame_body[place.frame];
-  const V6 V = seen(motion.bodies.V[body]), dV = seen(motion.bodies.dV[body]);
-  for (int i = body; i > 0; i = tree->parent[i]) {
-    const V6 V_i = seen(motion.bodies.V[i]);
-    const SE3<T> from_place = inverse(E);
-    E = joint_pose(tree, i, q.data()) * E;
-    const V6 V_p = seen(motion.bodies.V[tree->parent[i]]), dV_p = seen(motion.bodies.dV[tree->parent[i]]);
-    each_screw(tree, i, from_place, [&](int c, const Screw<T>& screw) {
-      const V6 X{screw.w, screw.v}, psi = ad(V_p, X);
-      add(d.V_q[c], psi);
-      add(d.V_v[c], X);
-      add(d.dV_q[c], ad(dV_p, X) + ad(V_p, psi) + ad(psi, V));
-      add(d.dV_v[c], psi + ad(X, V - V_i));
-    });
-  }
-  if constexpr (std::same_as<Rep, BodyFixed>) return;
-
-  const auto body_fixed = [](const Twist<Rep, T>& x) { return V6{x.w, x.v}; };
+  const auto add = [](Twist<Rep, T>& to, const V6<T>& X) { to.w += X.w, to.v += X.v; };
+  motion.each_column([&](int c, const V6<T>& J, const V6<T>& V_q, const V6<T>& dV_q, const V6<T>& dV_v) {
+    add(d.V_q[c], V_q), add(d.V_v[c], J), add(d.dV_q[c], dV_q), add(d.dV_v[c], dV_v);
+  });
+  const auto body_fixed = [](const Twist<Rep, T>& x) { return V6<T>{x.w, x.v}; };
   for (std::size_t c = 0; c < d.V_q.size(); ++c) {
-    const V6 V_q = body_fixed(d.V_q[c]), X = body_fixed(d.V_v[c]), dV_q = body_fixed(d.dV_q[c]),
-             dV_v = body_fixed(d.dV_v[c]);
-    const auto put = [&](const V6& moved, const V6& by_V, const V6& by_dV, Twist<Rep, T>& of_V,
-                         Twist<Rep, T>& of_dV) {
-      const SE3<Dual1<T>> C = displaced(E, moved);
-      const Twist<BodyFixed, Dual1<T>> V_d{with_derivative(V.w, by_V.w), with_derivative(V.v, by_V.v)};
-      const TwistRate<BodyFixed, Dual1<T>> dV_d{with_derivative(dV.w, by_dV.w),
-                                                with_derivative(dV.v, by_dV.v)};
-      const auto V_rep = change<Rep>(C, V_d);
-      const auto dV_rep = change<Rep>(C, V_d, dV_d);
-      of_V = derivative<Rep, T>(V_rep.w, V_rep.v), of_dV = derivative<Rep, T>(dV_rep.w, dV_rep.v);
-    };
-    put(X, V_q, dV_q, d.V_q[c], d.dV_q[c]);
-    put({}, X, dV_v, d.V_v[c], d.dV_v[c]);
+    const V6<T> J = body_fixed(d.V_v[c]);
+    const auto by_q = motion.at.template in<Rep>(J, body_fixed(d.V_q[c]), body_fixed(d.dV_q[c])),
+               by_v = motion.at.template in<Rep>({}, J, body_fixed(d.dV_v[c]));
+    d.V_q[c] = by_q.V, d.dV_q[c] = by_q.dV, d.V_v[c] = by_v.V, d.dV_v[c] = by_v.dV;
   }
+}
+
+template <RecursionRepresentation Rep, class T>
+MotionChange<Rep, T> motion_jvp(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v,
+                                Numbers<T> a, const std::type_identity_t<Place<T>>& given, Numbers<T> dq,
+                                Numbers<T> dv, Numbers<T> da) {
+  check_state(model, workspace, q, v, a);
+  const Place<T> place = found(model, given);
+  for (const auto& [name, size] : {std::pair{"dq", dq.size()}, {"dv", dv.size()}, {"da", da.size()}})
+    check_size(name, size, static_cast<std::size_t>(model.nv()), "nv");
+  Arena arena = workspace.arena(model.topology());
+  const MotionTo<T> motion(model.tree<T>(), arena, q.data(), v.data(), a.data(), place);
+  V6<T> X{}, by_V{}, by_dV{};
+  motion.each_column([&](int c, const V6<T>& J, const V6<T>& V_q, const V6<T>& dV_q, const V6<T>& dV_v) {
+    X += dq[c] * J;
+    by_V += dq[c] * V_q + dv[c] * J;
+    by_dV += dq[c] * dV_q + dv[c] * dV_v + da[c] * J;
+  });
+  return motion.at.template in<Rep>(X, by_V, by_dV);
+}
+
+template <RecursionRepresentation Rep, class T>
+void motion_vjp(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v, Numbers<T> a,
+                const std::type_identity_t<Place<T>>& given,
+                const std::type_identity_t<MotionWeights<Rep, T>>& w,
+                const std::type_identity_t<MotionGradients<T>>& gradient) {
+  check_state(model, workspace, q, v, a);
+  const Place<T> place = found(model, given);
+  check_results<T>(
+      model, {{"gradient.q", gradient.q, 1}, {"gradient.v", gradient.v, 1}, {"gradient.a", gradient.a, 1}});
+  for (const auto& part : {gradient.q, gradient.v, gradient.a}) {
+    check_separate("gradient", part, "q", q), check_separate("gradient", part, "v", v);
+    check_separate("gradient", part, "a", a);
+  }
+  Arena arena = workspace.arena(model.topology());
+  const MotionTo<T> motion(model.tree<T>(), arena, q.data(), v.data(), a.data(), place);
+  for (const auto& part : {gradient.q, gradient.v, gradient.a}) std::fill(part.begin(), part.end(), T(0));
+  // The weights of body-fixed components, from the images of unit changes.
+  Wrench<BodyFixed, T> X{}, V{}, dV{};
+  for (int k = 0; k < 6; ++k) {
+    const Vec3<T> e{T(k % 3 == 0), T(k % 3 == 1), T(k % 3 == 2)};
+    const V6<T> unit = k < 3 ? V6<T>{e, {}} : V6<T>{{}, e};
+    const auto weight = [&](const MotionChange<Rep, T>& image) {
+      return (w.X | image.X) + (w.V | image.V) + (w.dV | image.dV);
+    };
+    const auto add = [&](Wrench<BodyFixed, T>& to, const T& x) { (k < 3 ? to.m : to.f) += x * e; };
+    add(X, weight(motion.at.template in<Rep>(unit, {}, {})));
+    add(V, weight(motion.at.template in<Rep>({}, unit, {})));
+    add(dV, weight(motion.at.template in<Rep>({}, {}, unit)));
+  }
+  motion.each_column([&](int c, const V6<T>& J, const V6<T>& V_q, const V6<T>& dV_q, const V6<T>& dV_v) {
+    gradient.q[c] += (X | J) + (V | V_q) + (dV | dV_q);
+    gradient.v[c] += (V | J) + (dV | dV_v);
+    gradient.a[c] += dV | J;
+  });
 }
 
 template void motion_derivatives<AXODE_REP>(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>,
                                             Numbers<AXODE_T>, Numbers<AXODE_T>, const Place<AXODE_T>&,
                                             const MotionDerivatives<AXODE_REP, AXODE_T>&);
+template MotionChange<AXODE_REP, AXODE_T> motion_jvp<AXODE_REP>(const Model&, Workspace<AXODE_T>&,
+                                                                Numbers<AXODE_T>, Numbers<AXODE_T>,
+                                                                Numbers<AXODE_T>, const Place<AXODE_T>&,
+                                                                Numbers<AXODE_T>, Numbers<AXODE_T>,
+                                                                Numbers<AXODE_T>);
+template void motion_vjp<AXODE_REP>(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>, Numbers<AXODE_T>,
+                                    Numbers<AXODE_T>, const Place<AXODE_T>&,
+                                    const MotionWeights<AXODE_REP, AXODE_T>&,
+                                    const MotionGradients<AXODE_T>&);
 
 }  // namespace axode

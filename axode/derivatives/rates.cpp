@@ -2,6 +2,7 @@
 
 #include "axode/derivatives/accelerations.hpp"
 #include "axode/derivatives/force_series.hpp"
+#include "axode/derivatives/scratch.hpp"
 #include "axode/dynamics/check_loads.hpp"
 #include "axode/recursion/instantiate.hpp"
 
@@ -62,10 +63,30 @@ Solvability forward_dynamics_rates(const Model& model, Workspace<T>& workspace, 
     solver.solve_one(tree, next);
   }
   std::copy(motion.begin() + static_cast<std::ptrdiff_t>(nv), motion.end(), rates.begin());
-  return solved(verdict, static_cast<int>(rates.size()), rates.data());
+  return solved(verdict, static_cast<std::ptrdiff_t>(rates.size()), rates.data());
+}
+
+template <class Rep, class T>
+void second_order_inverse_dynamics(const Model& model, Workspace<T>& workspace, Numbers<T> q,
+                                   Numbers<T> rates, std::type_identity_t<std::span<T>> tau,
+                                   const std::type_identity_t<Loads<T>>& loads) {
+  check_state(model, workspace, q);
+  check_loads(model, loads);
+  const std::size_t nv = static_cast<std::size_t>(model.nv());
+  check_size("rates", rates.size(), 4 * nv, "4 nv");
+  check_size("tau", tau.size(), 3 * nv, "3 nv");
+  check_separate("tau", tau, "rates", std::span<const T>(rates));
+  Arena arena = workspace.arena(model.topology());
+  SecondOrderRecursion<Rep, T>(arena).run(model.tree<T>(), q.data(), rates.data(), loads, tau.data());
 }
 
 template class InverseDynamicsRates<AXODE_T>;
+template void second_order_inverse_dynamics<BodyFixed>(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>,
+                                                       Numbers<AXODE_T>, std::span<AXODE_T>,
+                                                       const Loads<AXODE_T>&);
+template void second_order_inverse_dynamics<Hybrid>(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>,
+                                                    Numbers<AXODE_T>, std::span<AXODE_T>,
+                                                    const Loads<AXODE_T>&);
 template Solvability forward_dynamics_rates(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>,
                                             Numbers<AXODE_T>, Numbers<AXODE_T>, std::span<AXODE_T>,
                                             const Loads<AXODE_T>&);

@@ -33,6 +33,14 @@ template <class T = double> class InverseDynamicsRates {
   std::unique_ptr<ForceSeries<T>> series_;
 };
 
+/// τ, τ' and τ'' by the recursions of Newton and Euler, differentiated twice, in Rep: BodyFixed or Hybrid. `rates` are v, a, jerk
+/// and snap, 4 nv numbers row by row, and tau has 3 nv, which may not overlap them. The same numbers as of InverseDynamicsRates
+/// of order 2, loads and losses too. O(n), no allocation.
+template <class Rep, class T>
+void second_order_inverse_dynamics(const Model& model, Workspace<T>& workspace, Numbers<T> q,
+                                   Numbers<T> rates, std::type_identity_t<std::span<T>> tau,
+                                   const std::type_identity_t<Loads<T>>& loads = {});
+
 /// The way back: from q, v and τ, τ', ... (`forces`, k rows of nv) to a, jerk, ... (`rates`, as many). Each is affine in the one
 /// before with the matrix M. O(n k³) and a solution each. Where the status is not ok(), NaN. Allocates.
 template <class T>

@@ -3,6 +3,9 @@
 #include "axode/derivatives/forward_second_order.hpp"
 #include "axode/derivatives/geometry.hpp"
 #include "axode/derivatives/inverse_dynamics_products.hpp"
+#include "axode/derivatives/momentum_first_order.hpp"
+#include "axode/derivatives/second_order_recursions.hpp"
+#include "axode/kinematics/path.hpp"
 
 /// What the functions of this floor take of a workspace, besides the kernels themselves.
 namespace axode {
@@ -62,6 +65,23 @@ template <class T> struct EnergyGradient {
   T* zero;
 
   explicit EnergyGradient(Arena& arena) : vjp(arena), zero(arena.per_velocity<T>()) {}
+};
+
+/// The joint screws of the bodies that carry a place, as it sees them, in the order in which they are met.
+template <class T> struct CarryingScrews {
+  struct Column {
+    int j, c;  ///< body and velocity
+    Twist<BodyFixed, T> J;
+  };
+  Column* column;
+  int count = 0;
+
+  explicit CarryingScrews(Arena& arena) : column(arena.per_screw<Column>()) {}
+  void run(const Tree<T>& tree, const T* q, const Place<T>& place) noexcept {
+    each_body_fixed_column(tree, q, place, [&](int j, int c, const Screw<T>& J) {
+      column[count++] = {j, c, {J.w, J.v}};
+    });
+  }
 };
 
 /// A Hessian for each component.

@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 __all__ = ["Equilibrium", "ForwardDynamicsDerivatives", "ForwardDynamicsHessian", "InverseDynamicsDerivatives",
-           "InverseDynamicsHessian", "InverseKinematics", "Linearization", "Load", "MotionDerivatives",
-           "StateDerivatives", "Target"]
+           "InverseDynamicsHessian", "InverseKinematics", "Linearization", "Load",
+           "MomentumFormDerivatives", "MotionChange", "MotionDerivatives", "StateDerivatives", "Target"]
 
 Representation = Literal["body", "spatial", "hybrid", "mixed"]
 
@@ -93,6 +93,23 @@ class MotionDerivatives(NamedTuple):
     V_v: NDArray[np.float64]
     dV_q: NDArray[np.float64]
     dV_v: NDArray[np.float64]
+
+
+class MotionChange(NamedTuple):
+    """Changes of the pose, a displacement X, of a twist V and of its rate dV."""
+
+    X: NDArray[np.float64]
+    V: NDArray[np.float64]
+    dV: NDArray[np.float64]
+
+
+class MomentumFormDerivatives(NamedTuple):
+    """Derivatives of the velocities v and of the rates dp of the momenta by configuration and momenta."""
+
+    v_q: NDArray[np.float64]
+    v_p: NDArray[np.float64]
+    dp_q: NDArray[np.float64]
+    dp_p: NDArray[np.float64]
 
 
 class InverseDynamicsHessian(NamedTuple):

@@ -39,6 +39,28 @@ nb::object inverse_dynamics_rates_of(const BoundModel& m, ArrayLike q, ArrayLike
   return nb::tuple(parts);
 }
 
+nb::object motion_vjp_of(const BoundModel& m, ArrayLike q, ArrayLike v, ArrayLike a, FrameName frame,
+                         ArrayLike w, Representation representation, ArrayLike offset, int threads) {
+  const States states(m, q, threads);
+  const Items of_v = states.velocities("v", v), of_a = states.velocities("a", a),
+              weights = states.items("w", w, {3, 6}, "weights of X, V and dV");
+  const Place<> at = place(m, frame, offset);
+  const Shape shape{3, m->nv()};
+  const NewArray out = with_representation(representation, [&]<class Rep>(Rep) {
+    return each_item(states, linear_cost(*m), shape,
+                     [&](Workspace<>& workspace, std::size_t k, std::span<double> gradient) {
+                       const auto w_X = screws<Wrench<BodyFixed>>(weights[k].first(6));
+                       const auto w_V = screws<Wrench<Rep>>(weights[k].last(12));
+                       const std::size_t nv = gradient.size() / 3;
+                       motion_vjp<Rep, double>(
+                           *m, workspace, states.q(k), of_v[k], of_a[k], at, {w_X[0], w_V[0], w_V[1]},
+                           {gradient.first(nv), gradient.subspan(nv, nv), gradient.last(nv)});
+                     });
+  });
+  return named_tuple("axode.records", "InverseDynamicsDerivatives", out.part(0, 1), out.part(1, 1),
+                     out.part(2, 1));
+}
+
 nb::object linearize_of(const BoundModel& m, ArrayLike q, ArrayLike v, ArrayLike tau, LoadList loads,
                         bool joint_losses, int threads) {
   const States states(m, q, threads);
@@ -176,6 +198,17 @@ Entries as in `inverse_dynamics_second_derivatives`. O(n^3 d). SingularError whe
 >>> np.allclose(np.tensordot(w, second.vv, 1), axode.forward_dynamics_hessian(arm, q, v, tau, w).vv)
 True
 )");
+  functions.of_loaded<&A::q, &A::p>("momentum_form_derivatives", "MomentumFormDerivatives", R"(
+(v_q, v_p, dp_q, dp_p): the partial derivatives of `momentum_form`, matrices (nv, nv) or (N, nv, nv), [component, direction].
+
+By tau they are 0 and 1. v_p is the inverse mass matrix; without joint_losses, where every joint has one velocity, dp_p is
+-v_q^T. Terms as in `inverse_dynamics_derivatives`. O(n) for each column. SingularError where M is singular.
+
+>>> q, p = np.full(7, 0.3), np.ones(7)
+>>> d = axode.momentum_form_derivatives(arm, q, p)
+>>> np.allclose(d.dp_p, -d.v_q.T), np.allclose(d.dp_q, d.dp_q.T)
+(True, True)
+)");
   functions.of<&A::q>("gravity_derivatives", nullptr, R"(
 The partial derivatives of `gravity_torques`, (nv, nv) or (N, nv, nv), [component, direction]. O(n d).
 
@@ -298,6 +331,57 @@ well, is the Jacobian. O(n).
 >>> q, v, a = np.full(7, 0.3), np.ones(7), np.zeros(7)
 >>> d = axode.motion_derivatives(arm, q, v, a, "flange", "hybrid")
 >>> np.allclose(d.V_v, axode.jacobian(arm, q, "flange", "hybrid"))
+True
+)");
+  module.def(
+      "motion_jvp",
+      [f = StateFunction("motion_jvp")](const BoundModel& m, ArrayLike q, ArrayLike v, ArrayLike a,
+                                        FrameName frame, ArrayLike dq, ArrayLike dv, ArrayLike da,
+                                        Representation representation, ArrayLike offset, int threads) {
+        return f.named("MotionChange", m,
+                       {.q = q,
+                        .v = v,
+                        .a = a,
+                        .dq = dq,
+                        .dv = dv,
+                        .da = da,
+                        .algorithm = {representation},
+                        .place = place(m, frame, offset),
+                        .threads = threads});
+      },
+      "m"_a, "q"_a, "v"_a, "a"_a, "frame"_a, "dq"_a, "dv"_a, "da"_a, "representation"_a = "body",
+      nb::kw_only(), "offset"_a = nb::none(), "threads"_a = 1,
+      nb::sig("def motion_jvp(m: Model, q: numpy.typing.ArrayLike, v: numpy.typing.ArrayLike, "
+              "a: numpy.typing.ArrayLike, frame: str | int, dq: numpy.typing.ArrayLike, "
+              "dv: numpy.typing.ArrayLike, da: numpy.typing.ArrayLike, "
+              "representation: typing.Literal['body', 'spatial', 'hybrid', 'mixed'] = 'body', *, "
+              "offset: numpy.typing.ArrayLike | None = None, threads: int = 1) -> axode.MotionChange"),
+      R"(
+(X, V, dV): what a direction (dq, dv, da) does to the motion of a frame, (6,) or (N, 6) each. O(n), without a matrix.
+
+X displaces its pose, C exp(eps X); V and dV are changes of its twist and of the twist's rate in the representation asked for.
+
+>>> q, v, a, w = np.full(7, 0.3), np.ones(7), np.zeros(7), np.arange(7.0)
+>>> d = axode.motion_derivatives(arm, q, v, a, "flange", "hybrid")
+>>> change = axode.motion_jvp(arm, q, v, a, "flange", w, w, w, "hybrid")
+>>> np.allclose(change.V, d.V_q @ w + d.V_v @ w)
+True
+)");
+  module.def("motion_vjp", &motion_vjp_of, "m"_a, "q"_a, "v"_a, "a"_a, "frame"_a, "w"_a,
+             "representation"_a = "body", nb::kw_only(), "offset"_a = nb::none(), "threads"_a = 1,
+             nb::sig("def motion_vjp(m: Model, q: numpy.typing.ArrayLike, v: numpy.typing.ArrayLike, "
+                     "a: numpy.typing.ArrayLike, frame: str | int, w: numpy.typing.ArrayLike, "
+                     "representation: typing.Literal['body', 'spatial', 'hybrid', 'mixed'] = 'body', *, "
+                     "offset: numpy.typing.ArrayLike | None = None, threads: int = 1) -> "
+                     "axode.InverseDynamicsDerivatives"),
+             R"(
+(q, v, a): the gradient of a weighted sum of what `motion_jvp` gives, (nv,) or (N, nv) each. O(n), without a matrix.
+
+w has the weights of X, V and dV in its rows, (3, 6) or (N, 3, 6).
+
+>>> q, v, a, w = np.full(7, 0.3), np.ones(7), np.zeros(7), np.arange(18.0).reshape(3, 6)
+>>> d = axode.motion_derivatives(arm, q, v, a, "flange", "hybrid")
+>>> np.allclose(axode.motion_vjp(arm, q, v, a, "flange", w, "hybrid").a, w[2] @ d.V_v)
 True
 )");
   module.def(

@@ -255,6 +255,141 @@ TEST_P(Derivatives, InTimeAreThoseAlongTheMotion) {
   });
 }
 
+TEST_P(Derivatives, OfTheSecondOrderRecursionsAreThoseOfPowerSeries) {
+  if (GetParam().single) GTEST_SKIP() << "in double";
+  Comparison body_fixed("body-fixed", 1e-11), hybrid("hybrid", 1e-11);
+  for_seeds(200, [&](std::uint64_t seed) {
+    Random<double> random(seed);
+    const Trial trial(GetParam(), Random<double>(seed));
+    const Ask ask = any(trial, random);
+    Workspace<> workspace(trial.model);
+    Numbers motion(ask.v);
+    for (const Numbers* const next : {&ask.a, &ask.da, &ask.dv})
+      motion.insert(motion.end(), next->begin(), next->end());
+    Numbers tau(3 * ask.v.size()), expected(tau.size());
+    InverseDynamicsRates<>(trial.model, 2).evaluate(ask.q, motion, expected, ask.loads);
+    const double scale = std::max(largest(expected), size_of_forces(trial));
+    second_order_inverse_dynamics<BodyFixed, double>(trial.model, workspace, ask.q, motion, tau, ask.loads);
+    body_fixed.expect_equal(tau, expected, scale);
+    second_order_inverse_dynamics<Hybrid, double>(trial.model, workspace, ask.q, motion, tau, ask.loads);
+    hybrid.expect_equal(tau, expected, scale);
+  });
+}
+
+TEST_P(Derivatives, OfTheMomentumFormAreLimitsOfDifferences) {
+  if (GetParam().single) GTEST_SKIP() << "conditions of random trees are beyond float";
+  Comparison by_q("by q", 1e-7), by_p("by p", 1e-7);
+  for_seeds(200, [&](std::uint64_t seed) {
+    Random<double> random(seed);
+    Trial trial(GetParam(), Random<double>(seed), {.always_mass = true});
+    if (trial.model.nv() == 0) return;
+    Ask ask = any(trial, random);
+    ask.p = trial.call("momenta", ask);
+    const Answer found = trial.answer("momentum_form_derivatives", ask);
+    ASSERT_TRUE(found.solvability.ok());
+    const auto matrix_of = [&](std::size_t k) { return part(trial, found.numbers, k); };
+    const auto rates = [&](const Ask& at) { return trial.call("momentum_form", at); };
+    const auto of = [&](const VectorXd& rates_of, std::size_t k) { return row(trial, numbers(rates_of), k); };
+    ask.dv = ask.da = ask.dtau = trial.zero();
+    const VectorXd along_q = difference(trial, ask, ask, rates);
+    const double scale = std::max({largest_entry(matrix_of(0)), largest_entry(matrix_of(2)),
+                                   size_of_forces(trial), largest(rates(ask))});
+    by_q.expect_equal(VectorXd(product(matrix_of(0), vector(ask.dq))), of(along_q, 0), scale);
+    by_q.expect_equal(VectorXd(product(matrix_of(2), vector(ask.dq))), of(along_q, 1), scale);
+    // Quadratic in p: one difference is exact.
+    const auto moved = [&](double step) {
+      Ask at = ask;
+      at.p = numbers(vector(ask.p) + step * vector(ask.w));
+      return vector(rates(at));
+    };
+    ask.loads.joint_losses = false;  // friction jumps
+    const Numbers lossless = trial.call("momentum_form_derivatives", ask);
+    const VectorXd along_p = (moved(1) - moved(-1)) / 2;
+    const double scale_p =
+        std::max({scale, largest(numbers(along_p)), largest_entry(part(trial, lossless, 1))});
+    by_p.expect_equal(VectorXd(product(part(trial, lossless, 1), vector(ask.w))), of(along_p, 0), scale_p);
+    by_p.expect_equal(VectorXd(product(part(trial, lossless, 3), vector(ask.w))), of(along_p, 1), scale_p);
+  });
+}
+
+TEST_P(Derivatives, OfTheMomentumFormAreHamiltonian) {
+  if (GetParam().single) GTEST_SKIP() << "conditions of random trees are beyond float";
+  Comparison symplectic("p'_p + (v_q)^T", 1e-9), symmetric("p'_q", 1e-9);
+  int checked = 0;
+  for_seeds(200, [&](std::uint64_t seed) {
+    Random<double> random(seed);
+    Trial trial(GetParam(), Random<double>(seed), {.always_mass = true});
+    const Topology& topology = trial.model.topology();
+    for (int i = 1; i <= topology.n; ++i)
+      if (topology.first_screw[i + 1] - topology.first_screw[i] > 1)
+        return;  // velocities are no rates of coordinates
+    if (trial.model.nv() == 0) return;
+    ++checked;
+    Ask ask = any(trial, random);
+    ask.p = trial.call("momenta", ask);
+    ask.loads = {};
+    const Numbers all = trial.call("momentum_form_derivatives", ask);
+    const MatrixXd v_q = part(trial, all, 0), dp_q = part(trial, all, 2), dp_p = part(trial, all, 3);
+    symplectic.expect_equal(dp_p, MatrixXd(-v_q.transpose()), std::max(largest_entry(v_q), largest(ask.v)));
+    symmetric.expect_equal(dp_q, MatrixXd(dp_q.transpose()),
+                           std::max(largest_entry(dp_q), size_of_forces(trial)));
+  });
+  EXPECT_GT(checked, 2);
+}
+
+TEST_P(Derivatives, OfMotionAreMatricesTimesVectors) {
+  const double agreement = GetParam().agreement();
+  Comparison forward("jvp", agreement), backward("vjp", agreement);
+  for_seeds(200, [&](std::uint64_t seed) {
+    Random<double> random(seed);
+    Trial trial(GetParam(), Random<double>(seed));
+    const Ask ask = any(trial, random);
+    const int frame = static_cast<int>(seed % static_cast<std::uint64_t>(trial.model.n_frames()));
+    const auto check = [&]<class Rep>(Rep) {
+      using T = double;
+      Workspace<T> workspace(trial.model);
+      const std::size_t nv = ask.v.size();
+      std::vector<Twist<Rep>> V_q(nv), V_v(nv), dV_q(nv), dV_v(nv);
+      motion_derivatives<Rep, T>(trial.model, workspace, ask.q, ask.v, ask.a, frame, {V_q, V_v, dV_q, dV_v});
+      std::vector<Twist<BodyFixed>> J(nv);
+      jacobian<BodyFixed, T>(trial.model, workspace, ask.q, frame, J);
+      MotionChange<Rep, T> sum{};
+      double scale = 1;
+      for (std::size_t c = 0; c < nv; ++c) {
+        sum.X += ask.dq[c] * J[c];
+        sum.V += ask.dq[c] * V_q[c] + ask.dv[c] * V_v[c];
+        sum.dV += ask.dq[c] * dV_q[c] + ask.dv[c] * dV_v[c] + ask.da[c] * V_v[c];
+        for (const Twist<Rep>& X : {V_q[c], V_v[c], dV_q[c], dV_v[c]})
+          scale = std::max({scale, norm(X.w), norm(X.v)});
+      }
+      const auto change =
+          motion_jvp<Rep, T>(trial.model, workspace, ask.q, ask.v, ask.a, frame, ask.dq, ask.dv, ask.da);
+      const auto six = [](const auto& X) { return Numbers{X.w.x, X.w.y, X.w.z, X.v.x, X.v.y, X.v.z}; };
+      forward.expect_equal(six(change.X), six(sum.X), scale);
+      forward.expect_equal(six(change.V), six(sum.V), scale);
+      forward.expect_equal(six(change.dV), six(sum.dV), scale);
+
+      // What a direction changes, weighted, is the gradient's component along it.
+      const auto any3 = [&] {
+        const Numbers x = random_numbers(random, 3);
+        return Vec3<>{x[0], x[1], x[2]};
+      };
+      const MotionWeights<Rep, T> w{{any3(), any3()}, {any3(), any3()}, {any3(), any3()}};
+      Numbers q(nv), v(nv), a(nv);
+      motion_vjp<Rep, T>(trial.model, workspace, ask.q, ask.v, ask.a, frame, w, {q, v, a});
+      Numbers by_q, by_v, by_a;
+      for (std::size_t c = 0; c < nv; ++c) {
+        by_q.push_back((w.X | J[c]) + (w.V | V_q[c]) + (w.dV | dV_q[c]));
+        by_v.push_back((w.V | V_v[c]) + (w.dV | dV_v[c]));
+        by_a.push_back(w.dV | V_v[c]);
+      }
+      backward.expect_equal(q, by_q, scale), backward.expect_equal(v, by_v, scale);
+      backward.expect_equal(a, by_a, scale);
+    };
+    check(BodyFixed{}), check(Spatial{}), check(Hybrid{}), check(Mixed{});
+  });
+}
+
 TEST_P(Derivatives, SecondOnesOfEveryComponentAreHessians) {
   const double agreement = GetParam().agreement();
   Comparison second("second derivatives", agreement);

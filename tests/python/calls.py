@@ -95,6 +95,8 @@ CALLS |= {
     "coriolis_derivatives": lambda m, q, v, a: np.stack(axode.coriolis_derivatives(m, q, v), axis=-3),
     "generalized_load_derivatives": lambda m, q, v, a: np.stack(axode.generalized_load_derivatives(
         m, q, v, load_on(m, q), joint_losses=True), axis=-3),
+    "momentum_form_derivatives": lambda m, q, v, a: np.stack(axode.momentum_form_derivatives(
+        m, q, a, load_on(m, q)), axis=-3),
     "kinetic_energy_gradient": lambda m, q, v, a: np.stack(axode.kinetic_energy_gradient(m, q, v), axis=-2),
     "frame_geometry_jacobian": lambda m, q, v, a: axode.frame_geometry_jacobian(m, q, tool(m)),
     "jacobian_geometry_derivatives": lambda m, q, v, a: axode.jacobian_geometry_derivatives(m, q, tool(m)),
@@ -131,6 +133,10 @@ for rep in REPRESENTATIONS:
         f"body_momenta {rep}": lambda m, q, v, a, rep=rep: axode.body_momenta(m, q, v, rep),
         f"motion_derivatives {rep}": lambda m, q, v, a, rep=rep: np.stack(axode.motion_derivatives(
             m, q, v, a, tool(m), rep), axis=-3),
+        f"motion_jvp {rep}": lambda m, q, v, a, rep=rep: np.stack(axode.motion_jvp(
+            m, q, v, a, tool(m), a, v, a, rep), axis=-2),
+        f"motion_vjp {rep}": lambda m, q, v, a, rep=rep: np.stack(axode.motion_vjp(
+            m, q, v, a, tool(m), np.broadcast_to(np.arange(18.0).reshape(3, 6), (*q.shape[:-1], 3, 6)), rep), axis=-2),
         f"twist_form {rep}": lambda m, q, v, a, rep=rep: axode.twist_form(
             m, q, bodies_of(m, axode.twists(m, q, v, rep)), a, rep)[1],
     }
