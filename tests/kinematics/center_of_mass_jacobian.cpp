@@ -9,7 +9,7 @@ using S = Taylor<double, 2>;
 class CenterOfMass : public Law {};
 INSTANTIATE_TEST_SUITE_P(Kinematics, CenterOfMass, testing::ValuesIn(scalars()), name_of);
 
-const TreeRecipe trees{.most_bodies = 20, .always_mass = true};
+const TreeRecipe trees_with_mass{.most_bodies = 20, .always_mass = true};
 
 /// Mass-weighted mean of the bodies' centres of mass, in the frames that the user placed.
 Vec3<S> mean_position(const Model& model, const std::vector<SE3<S>>& frames) {
@@ -43,7 +43,7 @@ struct MovingTree {
   std::vector<S> q;
 
   MovingTree(const Case& c, std::uint64_t seed)
-      : trial(c, Random<double>(seed), trees),
+      : trial(c, Random<double>(seed), trees_with_mass),
         tree(on<S>(trial.model)),
         q(moving<2>(tree, trial.state.q, trial.state.v, trial.zero())) {}
   int nv() const { return trial.model.nv(); }

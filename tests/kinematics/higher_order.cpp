@@ -15,7 +15,7 @@ INSTANTIATE_TEST_SUITE_P(Kinematics, HigherOrder, representations_in_double(), n
 constexpr int highest = 6;
 constexpr std::size_t N = highest + 2;
 using Series = Taylor<double, N>;
-const TreeRecipe trees{.most_bodies = 10};
+const TreeRecipe small_trees{.most_bodies = 10};
 
 /// A tree in a motion of which the velocities and their first `highest` derivatives are drawn.
 struct Motion {
@@ -27,7 +27,7 @@ struct Motion {
 
   explicit Motion(std::uint64_t seed)
       : random(seed),
-        model(random_model(random, trees)),
+        model(random_model(random, small_trees)),
         q(random_configuration(model, seed)),
         rates(random_numbers(random, (highest + 1) * model.nv())),
         tree(on<Series>(model)),
@@ -176,7 +176,7 @@ TEST_P(HigherOrder, TwistsFollowFromJacobiansByTheProductRule) {
 TEST_P(HigherOrder, OrdersZeroAndOneAreTheTwistTheJacobianAndTheAcceleration) {
   Comparison V("V", agreement<double>), dV("dV", agreement<double>), J("J", agreement<double>);
   for_seeds(100, [&](std::uint64_t seed) {
-    Trial trial(GetParam(), Random<double>(seed), trees);
+    Trial trial(GetParam(), Random<double>(seed), small_trees);
     const Model& model = trial.model;
     HigherOrderMotion<> motion(model, 0), next(model, 1);
     motion.evaluate(trial.state.q, trial.state.v);

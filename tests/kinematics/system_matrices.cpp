@@ -9,7 +9,7 @@ namespace {
 
 using Eigen::MatrixXd, Eigen::VectorXd;
 
-const TreeRecipe trees{.most_bodies = 15};
+const TreeRecipe medium_trees{.most_bodies = 15};
 
 /// The functions of the library, in a representation of choice and with dense matrices.
 struct DenseSystem {
@@ -38,7 +38,7 @@ VectorXd joint_accelerations_in(Representation in, const Model& model, const std
                              [&](auto rep) { return joint_accelerations<decltype(rep)>(model, q, V, dV); });
 }
 
-Trial random_trial(const Case& c, std::uint64_t seed) { return {c, Random<double>(seed), trees}; }
+Trial random_trial(const Case& c, std::uint64_t seed) { return {c, Random<double>(seed), medium_trees}; }
 
 /// Quantities of the bodies 1..n, one below the other.
 VectorXd stacked(const Model& model, const std::vector<Six>& frames) {

@@ -37,12 +37,6 @@ Model any_model(std::uint64_t seed) {
   Random<double> random(seed);
   return ModelBuilder(random_tree(random, 10, moving_kinds)).build();
 }
-std::vector<SE3<>> poses_of(const Model& model, const std::vector<double>& q) {
-  Workspace<double> workspace(model);
-  std::vector<SE3<>> C(model.n_frames());
-  poses(model, workspace, q, C);
-  return C;
-}
 /// The largest distance between the poses of any frame in two configurations.
 double motion_between(const Model& model, const std::vector<double>& q0, const std::vector<double>& q1) {
   const std::vector<SE3<>> C0 = poses_of(model, q0), C1 = poses_of(model, q1);

@@ -28,12 +28,6 @@ std::vector<double> torques(const Model& model, const State<double>& at) {
   inverse_dynamics(model, workspace, at.q, at.v, at.a, tau);
   return tau;
 }
-std::vector<SE3<>> poses_of(const Model& model, const std::vector<double>& q) {
-  Workspace<double> workspace(model);
-  std::vector<SE3<>> C(model.n_frames());
-  poses(model, workspace, q, C);
-  return C;
-}
 double largest(const std::vector<double>& x) {
   double found = 0;
   for (const double value : x) found = std::max(found, std::abs(value));

@@ -8,6 +8,7 @@
 #include "axode/model.hpp"
 #include "tests/lie/random_quantities.hpp"
 #include "tests/lie/relative_error.hpp"
+#include "tests/support/random_tree.hpp"
 
 /// Random mechanisms drawn in the construction frame, and the same bodies told in the other two ways.
 namespace axode::test {
@@ -53,8 +54,6 @@ template <class Kinds> Description random_tree(Random<double>& random, int n, co
   return tree;
 }
 
-enum class Way { construction_frame, body_frame, joint_frames };
-
 /// A body that is drawn in the construction frame told in another way; the third way takes the joint frame J.
 inline BodyDescription told(BodyDescription body, Way way, const SE3<>& A_predecessor, const SE3<>& J) {
   const SE3<> A = std::get<InConstructionFrame>(body.geometry).A;
@@ -85,13 +84,6 @@ template <class WayOf> Description told(const Description& drawn, Random<double>
     tree.bodies[i] =
         told(drawn.bodies[i], way_of(i), reference_pose(drawn, drawn.bodies[i].predecessor), random.pose());
   return tree;
-}
-
-/// Numbers in [-size, size].
-inline std::vector<double> random_numbers(Random<double>& random, int n, double size = 1) {
-  std::vector<double> x(static_cast<std::size_t>(n));
-  for (double& value : x) value = random.number(-size, size);
-  return x;
 }
 
 /// The largest absolute value.

@@ -127,4 +127,7 @@ class Motion {
   std::tuple<Answer<BodyFixed>, Answer<Spatial>, Answer<Hybrid>, Answer<Mixed>> answers_;
 };
 
+/// M_c^b, the inertia in the frame F_c in the centre of mass.
+inline Inertia<> M_c(const Motion& m, int i) { return transform(inverse(m.S_bc(i)), m.M(i)); }
+
 }  // namespace axode::test::paper

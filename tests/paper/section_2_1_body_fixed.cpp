@@ -7,8 +7,8 @@
 namespace axode::test::paper {
 namespace {
 
-Vec6 J(const Motion& m, int i, int j) { return m.J<BodyFixed>(i, j); }
-Mat4 J_hat(const Motion& m, int i, int j) { return hat(from_six(J(m, i, j))); }
+Vec6 J_b(const Motion& m, int i, int j) { return m.J<BodyFixed>(i, j); }
+Mat4 J_hat(const Motion& m, int i, int j) { return hat(from_six(J_b(m, i, j))); }
 Mat4 C_of(const Motion& m, int i, int j) { return to_matrix(m.C(i, j)); }  // C_i⁻¹ C_j
 Mat4 A_of(const Motion& m, int i) { return to_matrix(m.body(i).A); }
 Mat4 Y_hat(const Motion& m, int i) { return hat(m.drawn(i).Y); }
@@ -28,7 +28,7 @@ TEST(Paper, AccelerationByPartials) {
     const Matrix library = partials_of<BodyFixed>(m, i, 1);
     Vec6 right, by_library;
     for (const int j : m.path(i)) {
-      right += J(m, i, j) * m.qdd(j)[0], by_library += J(m, i, j) * m.qdd(j)[0];
+      right += J_b(m, i, j) * m.qdd(j)[0], by_library += J_b(m, i, j) * m.qdd(j)[0];
       for (const int k : m.path(i)) {
         const double rates = m.qd(j)[0] * m.qd(k)[0];
         right += partial_of<BodyFixed>(m, i, j, {k}) * rates;
@@ -125,9 +125,9 @@ TEST(Paper, Der1) {
     const Matrix library = partials_of<BodyFixed>(m, i, 1);
     for (const int j : m.path(i))
       for (int k = 1; k <= m.n(); ++k) {
-        const Vec6 J_k = J(m, i, k);  // 0 unless k <= i
-        const Vec6 right = j < k ? bracket(J(m, i, j), J_k) : Vec6();
-        const double size = J(m, i, j).norm();
+        const Vec6 J_k = J_b(m, i, k);  // 0 unless k <= i
+        const Vec6 right = j < k ? bracket(J_b(m, i, j), J_k) : Vec6();
+        const double size = J_b(m, i, j).norm();
         eq.holds(partial_of<BodyFixed>(m, i, j, {k}), right, size);
         eq.holds(library.col(velocity(m, k) * m.model().nv() + velocity(m, j)), right, size);
       }
@@ -139,9 +139,9 @@ TEST(Paper, Vbdot) {
   each_body_with_one_screw([](Equation& eq, const Motion& m, int i) {
     Vec6 right;
     for (const int j : m.path(i)) {
-      right += J(m, i, j) * m.qdd(j)[0];
+      right += J_b(m, i, j) * m.qdd(j)[0];
       for (const int k : m.path(i))
-        if (j < k) right += bracket(J(m, i, j), J(m, i, k)) * m.qd(j)[0] * m.qd(k)[0];
+        if (j < k) right += bracket(J_b(m, i, j), J_b(m, i, k)) * m.qd(j)[0] * m.qd(k)[0];
     }
     eq.holds(m.dV<BodyFixed>(i), right);
     eq.holds(m.twist_rate<BodyFixed>(i), right);
@@ -162,10 +162,10 @@ TEST(Paper, DJbij) {
   each_body_with_one_screw([](Equation& eq, const Motion& m, int i) {
     each_pair_before(m, i, [&](int j, int k) {
       const Vec6 left = partial_of<BodyFixed>(m, i, j, {k}), X_k = m.X(k);
-      const double size = J(m, i, j).norm();
-      eq.holds(left, bracket(J(m, i, j), J(m, i, k)), size);
-      eq.holds(left, Ad(m.C(i, k)) * bracket(J(m, k, j), X_k), size);
-      eq.holds(left, -Ad(m.C(i, k)) * ad(X_k) * J(m, k, j), size);
+      const double size = J_b(m, i, j).norm();
+      eq.holds(left, bracket(J_b(m, i, j), J_b(m, i, k)), size);
+      eq.holds(left, Ad(m.C(i, k)) * bracket(J_b(m, k, j), X_k), size);
+      eq.holds(left, -Ad(m.C(i, k)) * ad(X_k) * J_b(m, k, j), size);
     });
   });
 }
@@ -178,11 +178,11 @@ TEST(Paper, JbijDot) {
       Vec6 first, second;
       for (const int k : m.path(i))
         if (j < k) {
-          first += bracket(J(m, i, j), J(m, i, k)) * m.qd(k)[0];
-          second -= Ad(m.C(i, k)) * ad(Vec6(m.X(k))) * J(m, k, j) * m.qd(k)[0];
+          first += bracket(J_b(m, i, j), J_b(m, i, k)) * m.qd(k)[0];
+          second -= Ad(m.C(i, k)) * ad(Vec6(m.X(k))) * J_b(m, k, j) * m.qd(k)[0];
         }
       const Vec6 left = dJ<BodyFixed>(m, i, j);
-      const double size = J(m, i, j).norm();
+      const double size = J_b(m, i, j).norm();
       eq.holds(left, first, size);
       eq.holds(left, second, size);
       eq.holds(library.col(velocity(m, j)), left, size);
@@ -246,8 +246,8 @@ TEST(Paper, SolqddotComponents) {
 /// [...[[J_{i,j}, J_{i,β1}], J_{i,β2}], ...] for j < β1 <= β2 <= ..., else 0; β is the ordered α.
 Vec6 nested(const Motion& m, int i, int j, std::vector<int> alpha) {
   std::sort(alpha.begin(), alpha.end());
-  Vec6 product = J(m, i, j);
-  for (const int beta : alpha) product = beta <= j ? Vec6() : bracket(product, J(m, i, beta));
+  Vec6 product = J_b(m, i, j);
+  for (const int beta : alpha) product = beta <= j ? Vec6() : bracket(product, J_b(m, i, beta));
   return product;
 }
 
@@ -260,7 +260,7 @@ TEST(Paper, Der2Jb) {
     for (const int j : m.path(i))
       for (int k = 1; k <= m.n(); ++k)
         for (int r = 1; r <= m.n(); ++r) {
-          const Vec6 J_ij = J(m, i, j), J_ik = J(m, i, k), J_ir = J(m, i, r);  // 0 off the path
+          const Vec6 J_ij = J_b(m, i, j), J_ik = J_b(m, i, k), J_ir = J_b(m, i, r);  // 0 off the path
           Vec6 right;
           if (j < k && k <= r) right = bracket(bracket(J_ij, J_ik), J_ir);
           if (j < r && r < k) right = bracket(bracket(J_ij, J_ir), J_ik);
@@ -277,13 +277,13 @@ TEST(Paper, Der2Jb) {
 TEST(Paper, Vbddot) {
   each_body_with_one_screw([](Equation& eq, const Motion& m, int i) {
     Vec6 common, cubic, diagonal;
-    for (const int j : m.path(i)) common += J(m, i, j) * qddd(j);
+    for (const int j : m.path(i)) common += J_b(m, i, j) * qddd(j);
     each_pair_before(m, i, [&](int j, int k) {
-      const Vec6 J_jk = bracket(J(m, i, j), J(m, i, k));
+      const Vec6 J_jk = bracket(J_b(m, i, j), J_b(m, i, k));
       common += J_jk * (2 * m.qdd(j)[0] * m.qd(k)[0] + m.qd(j)[0] * m.qdd(k)[0]);
       for (const int r : m.path(i))
-        if (k < r) cubic += 2 * bracket(J_jk, J(m, i, r)) * m.qd(j)[0] * m.qd(k)[0] * m.qd(r)[0];
-      diagonal += bracket(J_jk, J(m, i, k)) * m.qd(j)[0] * m.qd(k)[0] * m.qd(k)[0];
+        if (k < r) cubic += 2 * bracket(J_jk, J_b(m, i, r)) * m.qd(j)[0] * m.qd(k)[0] * m.qd(r)[0];
+      diagonal += bracket(J_jk, J_b(m, i, k)) * m.qd(j)[0] * m.qd(k)[0] * m.qd(k)[0];
     });
     eq.holds(ddV<BodyFixed>(m, i), common + cubic + diagonal);
     eq.holds(jerk<BodyFixed>(m, i), ddV<BodyFixed>(m, i));
@@ -298,7 +298,7 @@ TEST(Paper, NthorderBody) {
     const Matrix library = partials_of<BodyFixed>(m, i, 3);
     const int nv = m.model().nv();
     for (const int j : m.path(i)) {
-      const double size = J(m, i, j).norm();
+      const double size = J_b(m, i, j).norm();
       for (const int a : m.path(i)) {
         eq.holds(partial_of<BodyFixed>(m, i, j, {a}), nested(m, i, j, {a}), size);
         for (const int b : m.path(i)) {

@@ -7,7 +7,7 @@
 namespace axode::test::paper {
 namespace {
 
-Vec6 J(const Motion& m, int j) { return m.J<Spatial>(j, j); }
+Vec6 J_s(const Motion& m, int j) { return m.J<Spatial>(j, j); }
 
 // ∂J_j / ∂q_k = [J_k, J_j] for k < j, else 0; spatial
 TEST(Paper, Jsder) {
@@ -16,8 +16,8 @@ TEST(Paper, Jsder) {
     const std::vector<int> path = m.path(j);
     for (int k = 1; k <= m.n(); ++k) {
       const bool before = k < j && std::find(path.begin(), path.end(), k) != path.end();
-      const Vec6 right = before ? bracket(J(m, k), J(m, j)) : Vec6();
-      const double size = J(m, k).norm() * J(m, j).norm();
+      const Vec6 right = before ? bracket(J_s(m, k), J_s(m, j)) : Vec6();
+      const double size = J_s(m, k).norm() * J_s(m, j).norm();
       eq.holds(partial_of<Spatial>(m, j, j, {k}), right, size);
       eq.holds(library.col(velocity(m, k) * m.model().nv() + velocity(m, j)), right, size);
     }
@@ -29,10 +29,10 @@ TEST(Paper, Vsdottemp) {
   each_body_with_one_screw([](Equation& eq, const Motion& m, int i) {
     Vec6 first, second;
     for (const int j : m.path(i)) {
-      first += J(m, j) * m.qdd(j)[0];
+      first += J_s(m, j) * m.qdd(j)[0];
       for (const int k : m.path(j))
-        if (k < j) first += bracket(J(m, k), J(m, j)) * m.qd(j)[0] * m.qd(k)[0];
-      second += J(m, j) * m.qdd(j)[0] + bracket(m.V<Spatial>(j), J(m, j)) * m.qd(j)[0];
+        if (k < j) first += bracket(J_s(m, k), J_s(m, j)) * m.qd(j)[0] * m.qd(k)[0];
+      second += J_s(m, j) * m.qdd(j)[0] + bracket(m.V<Spatial>(j), J_s(m, j)) * m.qd(j)[0];
     }
     eq.holds(m.dV<Spatial>(i), first);
     eq.holds(m.dV<Spatial>(i), second);
@@ -46,17 +46,17 @@ TEST(Paper, TimeDerJs) {
   each_body_with_one_screw([](Equation& eq, const Motion& m, int j) {
     Vec6 first, inner, printed;
     for (const int k : m.path(j)) {
-      first += bracket(J(m, k), J(m, j)) * m.qd(k)[0];
-      inner += J(m, k) * m.qd(k)[0];
-      printed += J(m, k);
+      first += bracket(J_s(m, k), J_s(m, j)) * m.qd(k)[0];
+      inner += J_s(m, k) * m.qd(k)[0];
+      printed += J_s(m, k);
     }
     const Vec6 left = dJ<Spatial>(m, j, j);
-    const double size = J(m, j).norm();
+    const double size = J_s(m, j).norm();
     eq.holds(left, first, size);
-    eq.holds(left, bracket(inner, J(m, j)), size);
-    eq.holds(left, bracket(m.V<Spatial>(j), J(m, j)), size);
+    eq.holds(left, bracket(inner, J_s(m, j)), size);
+    eq.holds(left, bracket(m.V<Spatial>(j), J_s(m, j)), size);
     eq.holds(jacobian_rate<Spatial>(m, j).col(velocity(m, j)), left, size);
-    eq.fails(left, bracket(printed, J(m, j)) * m.qd(j)[0]);  // q̇_k with a free index k, read as q̇_j
+    eq.fails(left, bracket(printed, J_s(m, j)) * m.qd(j)[0]);  // q̇_k with a free index k, read as q̇_j
   });
 }
 
@@ -89,9 +89,9 @@ TEST(Paper, Jsder2) {
     for (const int k : m.path(i))
       for (const int j : m.path(i)) {
         Vec6 right;
-        if (k < j && j < i) right = bracket(J(m, k), bracket(J(m, j), J(m, i)));
-        if (j <= k && k < i) right = bracket(J(m, j), bracket(J(m, k), J(m, i)));
-        const double size = J(m, i).norm();
+        if (k < j && j < i) right = bracket(J_s(m, k), bracket(J_s(m, j), J_s(m, i)));
+        if (j <= k && k < i) right = bracket(J_s(m, j), bracket(J_s(m, k), J_s(m, i)));
+        const double size = J_s(m, i).norm();
         eq.holds(partial_of<Spatial>(m, i, i, {k, j}), right, size);
         eq.holds(library.col((velocity(m, j) * nv + velocity(m, k)) * nv + velocity(m, i)), right, size);
       }
@@ -101,7 +101,7 @@ TEST(Paper, Jsder2) {
 /// Σ_{k<=j} J_k q̈_k.
 Vec6 accelerated(const Motion& m, int j) {
   Vec6 sum;
-  for (const int k : m.path(j)) sum += J(m, k) * m.qdd(k)[0];
+  for (const int k : m.path(j)) sum += J_s(m, k) * m.qdd(k)[0];
   return sum;
 }
 
@@ -112,7 +112,7 @@ TEST(Paper, VsddotForm1) {
     const auto V = [&](int j) { return m.V<Spatial>(j); };
     Vec6 right;
     for (const int j : m.path(i)) {
-      const Vec6 J_j = J(m, j), dJ_j = bracket(V(j), J_j);
+      const Vec6 J_j = J_s(m, j), dJ_j = bracket(V(j), J_j);
       right += J_j * qddd(j) + 2 * dJ_j * m.qdd(j)[0] + bracket(accelerated(m, j), J_j) * m.qd(j)[0] +
                bracket(V(m.predecessor(j)) + V(j) - V(i), dJ_j) * m.qd(j)[0];
     }
@@ -128,7 +128,7 @@ TEST(Paper, VsddotForm2) {
     const auto V = [&](int j) { return m.V<Spatial>(j); };
     Vec6 right;
     for (const int j : m.path(i)) {
-      const Vec6 J_j = J(m, j), dJ_j = bracket(V(j), J_j);
+      const Vec6 J_j = J_s(m, j), dJ_j = bracket(V(j), J_j);
       right += J_j * qddd(j) + bracket(dJ_j, V(i) - 2 * V(j)) * m.qd(j)[0] +
                bracket(accelerated(m, j) + dJ_j * m.qd(j)[0], J_j) * m.qd(j)[0] + 2 * dJ_j * m.qdd(j)[0];
     }
@@ -140,8 +140,8 @@ TEST(Paper, VsddotForm2) {
 /// [J_βν, ... [J_β1, J_i]] for βν <= ... <= β1 < i, else 0; β is α from the outermost to the innermost joint.
 Vec6 nested(const Motion& m, int i, std::vector<int> alpha) {
   std::sort(alpha.rbegin(), alpha.rend());
-  Vec6 product = J(m, i);
-  for (const int beta : alpha) product = beta >= i ? Vec6() : bracket(J(m, beta), product);
+  Vec6 product = J_s(m, i);
+  for (const int beta : alpha) product = beta >= i ? Vec6() : bracket(J_s(m, beta), product);
   return product;
 }
 
@@ -151,7 +151,7 @@ TEST(Paper, Nthorder) {
   each_body_with_one_screw([](Equation& eq, const Motion& m, int i) {
     const Matrix library = partials_of<Spatial>(m, i, 3);
     const int nv = m.model().nv();
-    const double size = J(m, i).norm();
+    const double size = J_s(m, i).norm();
     for (const int a : m.path(i)) {
       eq.holds(partial_of<Spatial>(m, i, i, {a}), nested(m, i, {a}), size);
       for (const int b : m.path(i)) {
@@ -162,8 +162,8 @@ TEST(Paper, Nthorder) {
           const int at = ((velocity(m, c) * nv + velocity(m, b)) * nv + velocity(m, a)) * nv + velocity(m, i);
           eq.holds(library.col(at), left, size);
           if (c <= b && b <= a && a < i) {
-            eq.holds(left, ad(J(m, c)) * ad(J(m, b)) * ad(J(m, a)) * J(m, i), size);
-            eq.holds(left, bracket(J(m, c), partial_of<Spatial>(m, i, i, {a, b})), size);
+            eq.holds(left, ad(J_s(m, c)) * ad(J_s(m, b)) * ad(J_s(m, a)) * J_s(m, i), size);
+            eq.holds(left, bracket(J_s(m, c), partial_of<Spatial>(m, i, i, {a, b})), size);
           }
         }
       }

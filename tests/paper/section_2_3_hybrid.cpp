@@ -5,9 +5,9 @@
 namespace axode::test::paper {
 namespace {
 
-Vec6 J(const Motion& m, int i, int j) { return m.J<Hybrid>(i, j); }
-Vec6 wJ(const Motion& m, int i, int j) { return angular_screw(J(m, i, j)); }
-Vec6 vJ(const Motion& m, int i, int j) { return J(m, i, j) - wJ(m, i, j); }
+Vec6 J_h(const Motion& m, int i, int j) { return m.J<Hybrid>(i, j); }
+Vec6 wJ(const Motion& m, int i, int j) { return angular_screw(J_h(m, i, j)); }
+Vec6 vJ(const Motion& m, int i, int j) { return J_h(m, i, j) - wJ(m, i, j); }
 /// ^0X_j^j, the screw of joint j in inertial axes, measured at body j.
 Vec6 X(const Motion& m, int j) { return Ad(m.C(j).R) * m.X(j); }
 
@@ -42,11 +42,11 @@ TEST(Paper, JhderDerivation) {
         const Vec6 left = partial_of<Hybrid>(m, i, j, {k});
         const Vec6 J_b = m.J<BodyFixed>(i, j), J_b_k = m.J<BodyFixed>(i, k);
         const Mat3 dR = relative_pose_partial(m, 0, i, k).block(0, 0, 3, 3);
-        const double size = J(m, i, j).norm();
+        const double size = J_h(m, i, j).norm();
         eq.holds(left, block_diagonal(dR, dR) * J_b + Ad_R * partial_of<BodyFixed>(m, i, j, {k}), size);
         eq.holds(left, ad(wJ(m, i, k)) * Ad_R * J_b + Ad_R * bracket(J_b, J_b_k), size);
-        eq.holds(left, bracket(wJ(m, i, k), J(m, i, j)) + bracket(J(m, i, j), J(m, i, k)), size);
-        eq.holds(left, bracket(J(m, i, j), J(m, i, k) - wJ(m, i, k)), size);
+        eq.holds(left, bracket(wJ(m, i, k), J_h(m, i, j)) + bracket(J_h(m, i, j), J_h(m, i, k)), size);
+        eq.holds(left, bracket(J_h(m, i, j), J_h(m, i, k) - wJ(m, i, k)), size);
       }
   });
 }
@@ -59,12 +59,12 @@ TEST(Paper, Jhder) {
     for (const int j : m.path(i))
       for (const int k : m.path(i)) {
         const Vec6 left = partial_of<Hybrid>(m, i, j, {k});
-        const double size = J(m, i, j).norm();
+        const double size = J_h(m, i, j).norm();
         if (j <= k) {
-          eq.holds(left, bracket(J(m, i, j), vJ(m, i, k)), size);
-          eq.holds(left, -ad(vJ(m, i, k)) * J(m, i, j), size);
+          eq.holds(left, bracket(J_h(m, i, j), vJ(m, i, k)), size);
+          eq.holds(left, -ad(vJ(m, i, k)) * J_h(m, i, j), size);
         } else {
-          eq.holds(left, bracket(wJ(m, i, k), J(m, i, j)), size);
+          eq.holds(left, bracket(wJ(m, i, k), J_h(m, i, j)), size);
         }
         eq.holds(library.col(velocity(m, k) * m.model().nv() + velocity(m, j)), left, size);
       }
@@ -86,13 +86,14 @@ TEST(Paper, JhdotViaDeltaV) {
     for (const int j : m.path(i)) {
       Vec6 right, printed;
       for (const int k : m.path(i)) {
-        right += (j <= k ? bracket(J(m, i, j), vJ(m, i, k)) : bracket(wJ(m, i, k), J(m, i, j))) * m.qd(k)[0];
-        if (k <= j) printed += bracket(J(m, i, j), vJ(m, i, k)) * m.qd(k)[0];
+        right +=
+            (j <= k ? bracket(J_h(m, i, j), vJ(m, i, k)) : bracket(wJ(m, i, k), J_h(m, i, j))) * m.qd(k)[0];
+        if (k <= j) printed += bracket(J_h(m, i, j), vJ(m, i, k)) * m.qd(k)[0];
       }
-      const Vec6 left = dJ<Hybrid>(m, i, j), by_DeltaV = bracket(J(m, i, j), vDeltaV(m, j, i));
-      const double size = J(m, i, j).norm();
+      const Vec6 left = dJ<Hybrid>(m, i, j), by_DeltaV = bracket(J_h(m, i, j), vDeltaV(m, j, i));
+      const double size = J_h(m, i, j).norm();
       eq.holds(left, right, size);
-      eq.holds(left, by_DeltaV + ad_omega(m, m.predecessor(j)) * J(m, i, j), size);
+      eq.holds(left, by_DeltaV + ad_omega(m, m.predecessor(j)) * J_h(m, i, j), size);
       eq.holds(library.col(velocity(m, j)), left, size);
       eq.fails(left, printed);
       eq.fails(left, by_DeltaV);
@@ -142,11 +143,11 @@ TEST(Paper, VhdotLine1a) {
   each_body_with_one_screw([](Equation& eq, const Motion& m, int i) {
     Vec6 printed, missing;
     for (const int j : m.path(i)) {
-      printed += J(m, i, j) * m.qdd(j)[0];
+      printed += J_h(m, i, j) * m.qdd(j)[0];
       for (const int k : m.path(i)) {
         const double rates = m.qd(j)[0] * m.qd(k)[0];
-        if (j <= k) printed += bracket(J(m, i, j), vJ(m, i, k)) * rates;
-        if (k < j) missing += bracket(wJ(m, i, k), J(m, i, j)) * rates;
+        if (j <= k) printed += bracket(J_h(m, i, j), vJ(m, i, k)) * rates;
+        if (k < j) missing += bracket(wJ(m, i, k), J_h(m, i, j)) * rates;
       }
     }
     eq.holds(m.dV<Hybrid>(i), printed + missing);
@@ -160,8 +161,8 @@ TEST(Paper, VhdotLine1b) {
   each_body_with_one_screw([](Equation& eq, const Motion& m, int i) {
     Vec6 printed, missing;
     for (const int j : m.path(i)) {
-      printed += J(m, i, j) * m.qdd(j)[0] + bracket(J(m, i, j), vDeltaV(m, j, i)) * m.qd(j)[0];
-      missing += ad_omega(m, m.predecessor(j)) * J(m, i, j) * m.qd(j)[0];
+      printed += J_h(m, i, j) * m.qdd(j)[0] + bracket(J_h(m, i, j), vDeltaV(m, j, i)) * m.qd(j)[0];
+      missing += ad_omega(m, m.predecessor(j)) * J_h(m, i, j) * m.qd(j)[0];
     }
     eq.holds(m.dV<Hybrid>(i), printed + missing);
     eq.fails(m.dV<Hybrid>(i), printed);
@@ -208,9 +209,9 @@ TEST(Paper, Vhddot) {
       const Mat6 ad_dr = ad_v(dr(m, i, j)), ad_w_j = ad_omega(m, j), Ad_r = Ad(r(m, i, j));
       const Mat6 linear_part = ad_v(ddr(m, i, j)) + 2 * ad_dr * ad_w_j,
                  turned = ad_domega(m, j) + ad_w_j * ad_w_j;
-      right += J(m, i, j) * qddd(j) +
+      right += J_h(m, i, j) * qddd(j) +
                (2 * (ad_dr + Ad_r * ad_w_j) * qdd + (linear_part + Ad_r * turned) * qd) * X(m, j);
-      printed += J(m, i, j) * qddd(j) +
+      printed += J_h(m, i, j) * qddd(j) +
                  (2 * ad_dr * qdd + linear_part * qd + Ad_r * (2 * ad_w_j * qdd + turned) * qd) * X(m, j);
     }
     eq.holds(ddV<Hybrid>(m, i), right);

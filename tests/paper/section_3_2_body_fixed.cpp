@@ -4,9 +4,6 @@
 namespace axode::test::paper {
 namespace {
 
-/// M_c^b, the inertia in the frame F_c in the centre of mass.
-Inertia<> M_c(const Motion& m, int i) { return transform(inverse(m.S_bc(i)), m.M(i)); }
-
 // M_c^b = diag(Θ_c, m I), with ω̃_c^b = R_cᵀ Ṙ_c and v_c^b = R_cᵀ ṙ_c
 TEST(Paper, Mbc) {
   each_body([](Equation& eq, const Motion& m, int i) {

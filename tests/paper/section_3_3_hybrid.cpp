@@ -4,8 +4,6 @@
 namespace axode::test::paper {
 namespace {
 
-/// M_c^b, the inertia in the frame F_c in the centre of mass.
-Inertia<> M_c(const Motion& m, int i) { return transform(inverse(m.S_bc(i)), m.M(i)); }
 /// M_c^h and M^h as the library computes them.
 Inertia<> M_c_h(const Motion& m, int i) { return transform(m.pose(m.com(i)).R, M_c(m, i)); }
 Inertia<> M_h(const Motion& m, int i) { return transform(m.pose(i).R, m.M(i)); }

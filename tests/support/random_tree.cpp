@@ -162,9 +162,9 @@ Description told(const Mechanism& mechanism, Random<double>& random) {
   return description;
 }
 
-std::vector<double> random_numbers(Random<double>& random, int size) {
-  std::vector<double> numbers(static_cast<std::size_t>(size));
-  for (double& x : numbers) x = random.number(-1, 1);
+std::vector<double> random_numbers(Random<double>& random, int n, double size) {
+  std::vector<double> numbers(static_cast<std::size_t>(n));
+  for (double& x : numbers) x = random.number(-size, size);
   return numbers;
 }
 
@@ -176,6 +176,13 @@ State<double> random_state(const Model& model, Random<double>& random) {
                                 static_cast<Representation>(static_cast<int>(random.number(0, 4))),
                                 random.vector(10), random.vector(10));
   return state;
+}
+
+std::vector<SE3<>> poses_of(const Model& model, const std::vector<double>& q) {
+  Workspace<double> workspace(model);
+  std::vector<SE3<>> C(model.n_frames());
+  poses(model, workspace, q, C);
+  return C;
 }
 
 }  // namespace axode::test

@@ -71,6 +71,9 @@ BodyDescription told(const Mechanism& mechanism, const DrawnBody& body, Way way,
 /// Tells a mechanism: every body in a way of its own.
 Description told(const Mechanism& mechanism, Random<double>& random);
 
+/// The poses of all frames.
+std::vector<SE3<>> poses_of(const Model& model, const std::vector<double>& q);
+
 /// A state of a model and what acts on it.
 template <class T> struct State {
   std::vector<T> q, v, a;
@@ -93,7 +96,8 @@ template <class To, class From> State<To> cast(const State<From>& state) {
   return out;
 }
 
-std::vector<double> random_numbers(Random<double>& random, int size);
+/// n numbers in [-size, size].
+std::vector<double> random_numbers(Random<double>& random, int n, double size = 1);
 
 /// Any configuration, velocities and accelerations of order one, up to four loads on any frames in any
 /// representations.
