@@ -15,7 +15,9 @@ build: deps ## Build the library and the command build/release/axode
 	cmake --preset release
 	cmake --build --preset release --parallel $(JOBS) --target axode_command axode_batch
 
-demo: build ## Show what axode does, on an arm and a humanoid
+demo: deps ## Show what axode does, on an arm and a humanoid
+	cmake --preset release
+	cmake --build --preset release --parallel $(JOBS) --target axode_command
 	build/release/axode demo
 
 python: build venv ## Build the Python package and install it into build/venv

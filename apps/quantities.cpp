@@ -183,6 +183,8 @@ struct Result {
   /// Whether a matrix of numbers is printed as it stands, and whether it is printed on its side.
   bool matrix() const { return row.entry == Entry::number && axes.size() > 1; }
   bool on_its_side() const { return matrix() && row.shape.back() == Extent::n_parameters; }
+  /// Whether several results stand below each other in a table, and not side by side.
+  bool stacked() const { return row.symbols.size() > 1 && (matrix() || row.entry != Entry::number); }
 
   std::vector<std::string> headings() const {
     std::vector<std::string> list;
@@ -190,6 +192,7 @@ struct Result {
       list.insert(list.end(), more.begin(), more.end());
     };
     if (row.takes_input(Input::place)) list.emplace_back("frame");
+    if (stacked()) list.emplace_back("");
     if (on_its_side()) {
       list.emplace_back(axes[1].heading);
       append(axes[0].names);
@@ -200,13 +203,34 @@ struct Result {
                                                                   : axes[axis].heading);
     if (matrix()) {
       append(axes.back().names);
+    } else if (stacked()) {
+      append(components_of(row.entry, ""));
     } else {
       for (const std::string_view symbol : row.symbols) append(components_of(row.entry, symbol));
     }
     return list;
   }
 
-  /// Rows for numbers from an axis on. `results` are as many as the row has symbols.
+  /// One result, or several by their symbols.
+  Json json_of_all(const std::vector<Reals>& results) const {
+    if (results.size() == 1) return json(results[0]);
+    Json all = Json::object();
+    for (std::size_t k = 0; k < results.size(); ++k) all[row.symbols[k]] = json(results[k]);
+    return all;
+  }
+  /// All results, as many as the row has symbols.
+  void tabulate_all(const std::vector<Reals>& results, std::vector<Cell> before, Table& table) const {
+    if (!stacked()) return tabulate(results, std::move(before), table);
+    for (std::size_t k = 0; k < results.size(); ++k) {
+      std::vector<Cell> cells = before;
+      cells.emplace_back(std::string(row.symbols[k]));
+      tabulate({results[k]}, std::move(cells), table);
+      for (Cell& cell : before) cell = "";  // a name stands once
+      if (k + 1 < results.size() && !axes.empty()) table.rule();
+    }
+  }
+
+  /// Rows for numbers from an axis on.
   void tabulate(const std::vector<Reals>& results, std::vector<Cell> before, Table& table,
                 std::size_t axis = 0) const {
     if (on_its_side()) {
@@ -279,20 +303,21 @@ Answer answer(const Question& ask, std::string_view name) {
       const std::string& frame_name = model.frame(frame).name;
       given.place = frame;
       const std::vector<Reals> results = make(fmt::format("{}: frame \"{}\": ", name, frame_name));
-      made.value[frame_name] = result.json(results[0]);
-      result.tabulate(results, {frame_name}, made.table);
+      made.value[frame_name] = result.json_of_all(results);
+      result.tabulate_all(results, {frame_name}, made.table);
       made.table.rule();
     }
     return made;
   }
   const std::vector<Reals> results = make("");
-  if (results.size() == 1) {
-    made.value = result.json(results[0]);
+  if (results.size() > 1 && row.takes_input(Input::p)) made.value["p"] = given.p;
+  const Json found = result.json_of_all(results);
+  if (results.size() > 1) {
+    made.value.update(found);
   } else {
-    if (row.takes_input(Input::p)) made.value["p"] = given.p;
-    for (std::size_t k = 0; k < results.size(); ++k) made.value[row.symbols[k]] = result.json(results[k]);
+    made.value = found;
   }
-  result.tabulate(results, {}, made.table);
+  result.tabulate_all(results, {}, made.table);
   return made;
 }
 

@@ -1,7 +1,7 @@
 # Installation, and how others find it: find_package(axode CONFIG [COMPONENTS core io batch codegen]) and pkg-config.
 include(CMakePackageConfigHelpers)
 
-install(TARGETS axode_core EXPORT axode-core-targets)
+install(TARGETS axode_core axode_float axode_axode EXPORT axode-core-targets)
 install(TARGETS axode_io EXPORT axode-io-targets)
 install(TARGETS axode_batch EXPORT axode-batch-targets)
 install(TARGETS axode_codegen EXPORT axode-codegen-targets)

@@ -1,6 +1,6 @@
 # The library: axode::axode (standard library and Eigen's headers only), axode::io (the readers and writers of files),
 # axode::batch (many states at once; oneTBB) and axode::codegen (C source for one mechanism). Sources lie beside their
-# headers in axode/<floor>/.
+# headers in axode/<floor>/. axode::axode is two archives: libaxode, which is enough for double, and libaxode_float.
 
 find_package(Eigen3 3.4 REQUIRED NO_MODULE)
 find_package(tinyxml2 REQUIRED)
@@ -67,9 +67,15 @@ set(AXODE_QUICK_PER_SCALAR
     derivatives/products
     derivatives/second_derivatives)
 
-axode_add_library(axode_core axode)
+axode_add_library(axode_core core)
 set_target_properties(axode_core PROPERTIES OUTPUT_NAME axode)
 target_link_libraries(axode_core PUBLIC Eigen3::Eigen)
+axode_add_library(axode_float float)
+target_link_libraries(axode_float PUBLIC axode_core)
+add_library(axode_axode INTERFACE)
+add_library(axode::axode ALIAS axode_axode)
+set_target_properties(axode_axode PROPERTIES EXPORT_NAME axode)
+target_link_libraries(axode_axode INTERFACE axode_float axode_core)
 file(GLOB sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/axode/*.cpp)
 foreach(floor lie scalar model recursion fast kinematics dynamics derivatives constraints integration catalog)
   file(GLOB more CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/axode/${floor}/*.cpp)
@@ -111,15 +117,17 @@ foreach(quick IN LISTS AXODE_PER_REPRESENTATION_AND_FAST AXODE_QUICK_PER_SCALAR)
   set_source_files_properties(${PROJECT_SOURCE_DIR}/axode/${quick}.cpp PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
 endforeach()
 set(parts)
+set(library_of_double axode_core)
+set(library_of_float axode_float)
 foreach(T double float)
   list(APPEND parts axode_core_${T} axode_core_Fast_${T})
-  axode_instantiate(axode_core axode_core_${T} AXODE_T=${T} ${AXODE_PER_SCALAR} ${AXODE_QUICK_PER_SCALAR})
+  axode_instantiate(${library_of_${T}} axode_core_${T} AXODE_T=${T} ${AXODE_PER_SCALAR} ${AXODE_QUICK_PER_SCALAR})
   foreach(REP BodyFixed Spatial Hybrid Mixed)
     list(APPEND parts axode_core_${REP}_${T})
-    axode_instantiate(axode_core axode_core_${REP}_${T} "AXODE_REP=${REP};AXODE_T=${T}" ${AXODE_PER_REPRESENTATION}
+    axode_instantiate(${library_of_${T}} axode_core_${REP}_${T} "AXODE_REP=${REP};AXODE_T=${T}" ${AXODE_PER_REPRESENTATION}
                       ${AXODE_PER_REPRESENTATION_AND_FAST})
   endforeach()
-  axode_instantiate(axode_core axode_core_Fast_${T} "AXODE_REP=Fast;AXODE_T=${T}" ${AXODE_PER_REPRESENTATION_AND_FAST})
+  axode_instantiate(${library_of_${T}} axode_core_Fast_${T} "AXODE_REP=Fast;AXODE_T=${T}" ${AXODE_PER_REPRESENTATION_AND_FAST})
 endforeach()
 foreach(part IN LISTS parts)
   target_precompile_headers(${part} REUSE_FROM axode_core_once)
@@ -152,13 +160,13 @@ endforeach()
 axode_add_library(axode_codegen codegen)
 file(GLOB sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/axode/codegen/*.cpp)
 target_sources(axode_codegen PRIVATE ${sources})
-target_link_libraries(axode_codegen PUBLIC axode::axode)
+target_link_libraries(axode_codegen PUBLIC $<BUILD_INTERFACE:axode_core> $<INSTALL_INTERFACE:axode::axode>)
 target_compile_definitions(axode_codegen PRIVATE AXODE_VERSION="${PROJECT_VERSION}")
 
 axode_add_library(axode_io io)
 file(GLOB sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/axode/io/*.cpp)
 target_sources(axode_io PRIVATE ${sources})
-target_link_libraries(axode_io PUBLIC axode::axode PRIVATE tinyxml2::tinyxml2)
+target_link_libraries(axode_io PUBLIC $<BUILD_INTERFACE:axode_core> $<INSTALL_INTERFACE:axode::axode> PRIVATE tinyxml2::tinyxml2)
 
 # For a build beside this one that takes the libraries as they are, see AXODE_LIBRARIES.
-export(TARGETS axode_core axode_batch axode_codegen axode_io NAMESPACE axode:: FILE ${PROJECT_BINARY_DIR}/axode-built.cmake)
+export(TARGETS axode_core axode_float axode_axode axode_batch axode_codegen axode_io NAMESPACE axode:: FILE ${PROJECT_BINARY_DIR}/axode-built.cmake)

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "axode/catalog.hpp"
 #include "axode/dynamics.hpp"
 #include "axode/eigen.hpp"
 #include "axode/io.hpp"
@@ -92,6 +93,11 @@ TEST(EvalQuantities, AllAnswerInJsonAndAsATable) {
       const Outcome table = axode(options, state.dump());
       EXPECT_EQ(table.code, 0) << table.err;
       EXPECT_THAT(table.out, testing::HasSubstr("\n" + name + ": "));
+      if (const auto* row = catalog::find<BodyFixed>(name); row && row->symbols.size() > 1)
+        for (const std::string_view symbol : row->symbols) {
+          EXPECT_THAT(results.dump(), testing::HasSubstr("\"" + std::string(symbol) + "\":"));
+          EXPECT_THAT(table.out, testing::HasSubstr(" " + std::string(symbol)));
+        }
     }
   }
 }
