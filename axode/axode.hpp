@@ -1,6 +1,7 @@
 #pragma once
 #include "axode/derivatives.hpp"
 #include "axode/dynamics.hpp"
+#include "axode/integration.hpp"
 #include "axode/kinematics.hpp"
 #include "axode/lie.hpp"
 #include "axode/model.hpp"

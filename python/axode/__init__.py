@@ -25,6 +25,7 @@ from ._axode import (
     Joint,
     MassMatrixFactor,
     Model,
+    Trajectory,
     accelerations,
     body_momenta,
     center_of_mass,
@@ -109,7 +110,7 @@ from ._axode import (
 from ._axode import name_here as _name_here
 from ._axode import version as __version__
 from .builder import Builder
-from .errors import Fault, ModelError, NotFiniteError, SingularError, StatesError
+from .errors import Fault, ModelError, NotFiniteError, SimulationError, SingularError, StatesError
 from .records import (
     Equilibrium,
     ForwardDynamicsDerivatives,
@@ -125,6 +126,7 @@ from .records import (
     StateDerivatives,
     Target,
 )
+from .simulation import reconstruct, simulate
 
 #: The folder of the mechanisms that come with the package: arm7.toml, double_pendulum.toml, humanoid.urdf,
 #: machine.toml.
@@ -157,10 +159,12 @@ __all__ = [
     "inverse_dynamics_geometry_derivatives", "forward_dynamics_geometry_derivatives",
     "inverse_dynamics_geometry_vjp", "forward_dynamics_geometry_vjp", "frame_geometry_jacobian",
     "jacobian_geometry_derivatives", "linearize", "equilibrium",
+    # motion in time
+    "simulate", "reconstruct", "Trajectory",
     # what else is taken, given and raised
     "Load", "Target", "InverseKinematics", "InverseDynamicsDerivatives", "ForwardDynamicsDerivatives",
     "InverseDynamicsHessian", "ForwardDynamicsHessian", "StateDerivatives", "MotionDerivatives", "MotionChange",
-    "MomentumFormDerivatives", "Linearization", "Equilibrium", "Fault", "ModelError", "NotFiniteError", "SingularError", "StatesError",
+    "MomentumFormDerivatives", "Linearization", "Equilibrium", "Fault", "ModelError", "NotFiniteError", "SimulationError", "SingularError", "StatesError",
     # modules
     "lie", "closed_form", "codegen", "convert", "identification", "calibration",
 ]

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Fault", "ModelError", "NotFiniteError", "SingularError", "StatesError"]
+if TYPE_CHECKING:
+    from ._axode import Trajectory
+
+__all__ = ["Fault", "ModelError", "NotFiniteError", "SimulationError", "SingularError", "StatesError"]
 
 
 @dataclass(frozen=True)
@@ -88,3 +91,21 @@ class NotFiniteError(StatesError):
     ...     print(error.states, error.result)
     [0] nan
     """
+
+
+class SimulationError(ArithmeticError):
+    """A motion that could not go on; the message says when and why. `trajectory` is the motion until then.
+
+    >>> try:
+    ...     axode.simulate(arm, np.zeros(7), np.zeros(7), 1.0, tau=lambda t, q, v: np.full(7, 1e200))
+    ... except axode.SimulationError as error:
+    ...     print(error.trajectory.t)
+    [0.]
+    """
+
+    def __init__(self, text: str, trajectory: Trajectory):
+        super().__init__(text, trajectory)
+        self.trajectory = trajectory
+
+    def __str__(self) -> str:
+        return str(self.args[0])

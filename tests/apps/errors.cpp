@@ -39,13 +39,13 @@ INSTANTIATE_TEST_SUITE_P(
         {"NoCommand",
          {},
          2,
-         "axode: a command is missing; there are info, check, convert, eval, linearize, codegen, study, demo "
+         "axode: a command is missing; there are info, check, convert, eval, linearize, simulate, codegen, study, demo "
          "(see axode "
          "--help)"},
         {"UnknownCommand",
          {"evla", arm},
          2,
-         "axode: there is no command \"evla\"; there are info, check, convert, eval, linearize, codegen, "
+         "axode: there is no command \"evla\"; there are info, check, convert, eval, linearize, simulate, codegen, "
          "study, demo; "
          "did you "
          "mean "

@@ -1,0 +1,254 @@
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <csignal>
+#include <filesystem>
+#include <memory>
+
+#include "axode/dynamics.hpp"
+#include "axode/integration.hpp"
+#include "axode/model/configuration.hpp"
+#include "choice.hpp"
+#include "commands.hpp"
+#include "json_text.hpp"
+#include "matrix_file.hpp"
+#include "model_options.hpp"
+#include "state.hpp"
+#include "state_table.hpp"
+#include "table.hpp"
+#include "terminal.hpp"
+#include "text_file.hpp"
+
+namespace axode::command {
+namespace {
+
+struct Options {
+  ModelOptions mechanism;
+  std::string state, method = "dopri5", format = "table";
+  double until = 1, step = 0, relative = 1e-8, absolute = 1e-10;
+  int samples = 0;
+  bool joint_losses = false;
+  std::vector<std::string> outputs;
+};
+
+constexpr const char* footer =
+    R"(The motion of a mechanism from a state at t = 0 under its weight, constant drive forces and loads, on the Lie group of its
+configurations: quaternions stay unit quaternions, and no orientation is singular.
+
+METHOD is dopri5 (steps as long as the tolerances allow), rk4 or euler (steps of --step seconds; of fourth and of first
+order, the latter semi-implicit).
+
+STATE is the JSON object of `axode eval` with the keys q, v, tau and loads; what is left out is neutral, at rest or 0.
+
+Example:
+  echo '{"q": {"pin": 2}}' | axode simulate double_pendulum.toml --state - --until 10 --output run.csv
+
+The ending of FILE says what is written: .json all that is known; .csv and .npy a row for each time with t, q, v and the
+energy, the former with names. Ctrl-C ends the motion; what there is by then is written.)";
+
+enum class Method { dopri5, rk4, euler };
+constexpr std::array<std::pair<std::string_view, Method>, 3> methods{
+    {{"dopri5", Method::dopri5}, {"rk4", Method::rk4}, {"euler", Method::euler}}};
+enum class FileFormat { json, csv, npy };
+constexpr std::array<std::pair<std::string_view, FileFormat>, 3> file_formats{
+    {{".json", FileFormat::json}, {".csv", FileFormat::csv}, {".npy", FileFormat::npy}}};
+
+volatile std::sig_atomic_t interrupted = 0;
+void interrupt(int) { interrupted = 1; }
+
+/// Ctrl-C is heard while this lives.
+class Interruptible {
+ public:
+  Interruptible() : before_(std::signal(SIGINT, interrupt)) {}
+  ~Interruptible() { std::signal(SIGINT, before_); }
+  Interruptible(const Interruptible&) = delete;
+
+ private:
+  void (*before_)(int);
+};
+
+/// A bar on a terminal, with the time that is left, once a second has gone by.
+class Progress {
+ public:
+  explicit Progress(double until) : until_(until) {}
+  ~Progress() {
+    if (shown_) fmt::print(stderr, "\r{:60}\r", "");
+  }
+  void tell(double t) {
+    const auto now = Clock::now();
+    if (!is_terminal(stderr) || now - told_ < std::chrono::milliseconds(100)) return;
+    told_ = now;
+    const double gone = std::chrono::duration<double>(now - start_).count();
+    if (gone < 1 || t <= 0) return;
+    shown_ = true;
+    const int done = static_cast<int>(30 * t / until_);
+    fmt::print(stderr, "\r[{:#<{}}{:{}}] {} of {} s, {:.0f} s left ", "", done, "", 30 - done,
+               significant(t, 4), significant(until_, 4), gone * (until_ - t) / t);
+    std::fflush(stderr);
+  }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  double until_;
+  Clock::time_point start_ = Clock::now(), told_ = start_;
+  bool shown_ = false;
+};
+
+Trajectory motion_of(const Model& model, const State& state, const Options& options) {
+  SimulationOptions acting;
+  acting.drive = [&](double, std::span<const double>, std::span<const double>, std::span<double> tau) {
+    std::ranges::copy(state.tau, tau.begin());
+  };
+  acting.loads = state.loads;
+  acting.joint_losses = options.joint_losses;
+  const Interruptible interruptible;
+  Progress progress(options.until);
+  acting.monitor = [&](double t) {
+    progress.tell(t);
+    return interrupted == 0;
+  };
+  const Method method = choose("--method", options.method, methods);
+  if (method == Method::dopri5)
+    return simulate(model, state.q, state.v, options.until,
+                    {options.relative, options.absolute, options.step, 0}, acting);
+  if (options.step == 0)
+    throw UsageError("--step is missing; " + options.method + " takes steps of one length");
+  return simulate_fixed(model, state.q, state.v, options.until, options.step,
+                        runge_kutta(method == Method::rk4 ? 4 : 1), acting);
+}
+
+/// t, q, v and the energy, a row for each time.
+struct Rows {
+  std::vector<std::string> names;
+  Eigen::MatrixXd numbers;
+};
+Rows rows_of(const Trajectory& motion, int samples) {
+  const Model& model = motion.model();
+  Rows rows{{"t"}, {}};
+  for (const std::string& name : coordinate_names(model)) rows.names.push_back("q " + name);
+  for (const std::string& name : velocity_names(model)) rows.names.push_back("v " + name);
+  rows.names.push_back("energy");
+  std::vector<double> times(motion.t().begin(), motion.t().end());
+  if (samples > 0 && motion.size() > 0) {
+    times.clear();
+    for (int k = 0; k <= samples; ++k)
+      times.push_back(k == samples ? motion.t().back() : motion.t().back() * k / samples);
+  }
+  rows.numbers.resize(static_cast<Eigen::Index>(times.size()), static_cast<Eigen::Index>(rows.names.size()));
+  std::vector<double> q(static_cast<std::size_t>(model.nq())), v(static_cast<std::size_t>(model.nv()));
+  Workspace<> workspace(model);
+  for (std::size_t k = 0; k < times.size(); ++k) {
+    motion.at(times[k], q, v);
+    auto row = rows.numbers.row(static_cast<Eigen::Index>(k));
+    row[0] = times[k];
+    for (std::size_t c = 0; c < q.size(); ++c) row[static_cast<Eigen::Index>(1 + c)] = q[c];
+    for (std::size_t c = 0; c < v.size(); ++c) row[static_cast<Eigen::Index>(1 + q.size() + c)] = v[c];
+    row[row.size() - 1] = kinetic_energy(model, workspace, std::span<const double>(q), v) +
+                          potential_energy(model, workspace, std::span<const double>(q));
+  }
+  return rows;
+}
+
+std::string as_text(const Rows& rows) {
+  std::string text;
+  for (const std::string& name : rows.names) text += (text.empty() ? "" : ",") + quoted(name);
+  text += "\n";
+  for (Eigen::Index k = 0; k < rows.numbers.rows(); ++k)
+    for (Eigen::Index c = 0; c < rows.numbers.cols(); ++c)
+      text += fmt::format("{}{}", rows.numbers(k, c), c + 1 == rows.numbers.cols() ? "\n" : ",");
+  return text;
+}
+
+Json as_json(const Trajectory& motion, const Rows& rows, const Options& options) {
+  const Model& model = motion.model();
+  Json t = Json::array(), q = Json::array(), v = Json::array(), energy = Json::array();
+  for (Eigen::Index k = 0; k < rows.numbers.rows(); ++k) {
+    Json q_k = Json::array(), v_k = Json::array();
+    for (int c = 0; c < model.nq(); ++c) q_k.push_back(rows.numbers(k, 1 + c));
+    for (int c = 0; c < model.nv(); ++c) v_k.push_back(rows.numbers(k, 1 + model.nq() + c));
+    t.push_back(rows.numbers(k, 0)), q.push_back(q_k), v.push_back(v_k);
+    energy.push_back(rows.numbers(k, rows.numbers.cols() - 1));
+  }
+  return {{"model", model.name()},
+          {"method", options.method},
+          {"coordinates", coordinate_names(model)},
+          {"velocities", velocity_names(model)},
+          {"steps", motion.steps},
+          {"evaluations", motion.evaluations},
+          {"complete", motion.complete},
+          {"stopped", motion.stopped},
+          {"t", t},
+          {"q", q},
+          {"v", v},
+          {"energy", energy}};
+}
+
+void print(const Trajectory& motion, const Rows& rows) {
+  const std::size_t last = motion.size() - 1;
+  const auto numbers = [](std::span<const double> x) { return std::vector<double>(x.begin(), x.end()); };
+  fmt::print(
+      "{}", state_tables(motion.model(), numbers(motion.q(last)), {{"v", numbers(motion.v(last))}}, "per s"));
+  const auto energy = rows.numbers.col(rows.numbers.cols() - 1);
+  fmt::print("\nat t = {} s after {} steps and {} evaluations; energy from {} to {} J\n",
+             significant(motion.t().back()), motion.steps, motion.evaluations, significant(energy.minCoeff()),
+             significant(energy.maxCoeff()));
+}
+
+void run(const Options& options, int& exit_code) {
+  const Format format = choose("--format", options.format, formats);
+  std::vector<FileFormat> kinds;
+  for (const std::string& file : options.outputs)
+    kinds.push_back(choose("--output: " + file + ": the ending",
+                           std::filesystem::path(file).extension().string(), file_formats));
+  const Model model = load(options.mechanism);
+  const State state = options.state.empty() ? neutral_state(model) : read_state(model, options.state);
+  const Trajectory motion = motion_of(model, state, options);
+  if (motion.size() == 0) throw InputError(motion.stopped);
+  const Rows rows = rows_of(motion, options.samples);
+  for (std::size_t k = 0; k < kinds.size(); ++k) switch (kinds[k]) {
+      case FileFormat::json: write_text(options.outputs[k], text(as_json(motion, rows, options))); break;
+      case FileFormat::csv: write_text(options.outputs[k], as_text(rows)); break;
+      case FileFormat::npy: write_text(options.outputs[k], as_npy(rows.numbers)); break;
+    }
+  if (format == Format::json) {
+    fmt::print("{}", text(as_json(motion, rows, options)));
+  } else {
+    print(motion, rows);
+  }
+  if (!motion.complete) throw InputError("the motion ended early, " + motion.stopped);
+  exit_code = all_well;
+}
+
+}  // namespace
+
+void add_simulate(CLI::App& app, int& exit_code) {
+  const auto options = std::make_shared<Options>();
+  CLI::App* simulate = app.add_subcommand("simulate", "Compute the motion from a state");
+  add_model_options(*simulate, options->mechanism);
+  simulate
+      ->add_option("--state", options->state, "JSON, - for standard input; neutral and at rest if left out")
+      ->type_name("FILE");
+  simulate->add_option("--until", options->until, "The end, s; 1 if left out")->type_name("NUMBER");
+  simulate->add_option("--method", options->method, "dopri5 (if left out), rk4 or euler")->type_name("WORD");
+  simulate->add_option("--step", options->step, "Length of a step, s; of the first one with dopri5")
+      ->type_name("NUMBER");
+  simulate->add_option("--rtol", options->relative, "Relative tolerance; 1e-8 if left out")
+      ->type_name("NUMBER");
+  simulate->add_option("--atol", options->absolute, "Absolute tolerance, rad, m; 1e-10 if left out")
+      ->type_name("NUMBER");
+  simulate->add_option("--samples", options->samples, "Write so many equal intervals instead of the steps")
+      ->type_name("NUMBER")
+      ->check(CLI::NonNegativeNumber);
+  simulate->add_flag("--joint-losses", options->joint_losses, "Count damping and friction of the joints");
+  simulate->add_option("--output", options->outputs, "Write a .json, .csv or .npy; may be given again")
+      ->type_name("FILE")
+      ->allow_extra_args(false);
+  simulate->add_option("--format", options->format, "table (if left out) or json")->type_name("WORD");
+  simulate->footer(footer);
+  simulate->callback([options, &exit_code] { run(*options, exit_code); });
+}
+
+}  // namespace axode::command

@@ -1,0 +1,8 @@
+#pragma once
+#include "axode/integration/configuration_group.hpp"
+#include "axode/integration/reconstruction.hpp"
+#include "axode/integration/simulation.hpp"
+#include "axode/integration/tableau.hpp"
+#include "axode/integration/trajectory.hpp"
+
+/// Motion in time: integration on Lie groups (section 7).

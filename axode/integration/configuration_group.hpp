@@ -1,0 +1,78 @@
+#pragma once
+#include "axode/lie/twist.hpp"
+#include "axode/model/tree.hpp"
+
+namespace axode {
+
+/// The configurations of a tree as a Lie group, the product of the joints' subgroups: all that a scheme knows of joints.
+/// Elements x, y of its algebra have nv numbers, in the joints' left-trivialised directions. Brackets vanish, and ⊕ is
+/// +, for joints of one velocity. Results may take the place of arguments. O(n).
+template <class T> class ConfigurationGroup {
+ public:
+  explicit ConfigurationGroup(const Tree<T>& tree) : tree_(&tree) {
+    for (int i = 1; i <= tree->n; ++i)
+      if (tree->first_screw[i + 1] - tree->first_screw[i] > 1) commutes_ = false;
+  }
+  /// Whether all joints have one velocity.
+  bool commutes() const { return commutes_; }
+
+  /// q ⊕ x, quaternions brought back to norm 1 in second order.
+  void move(const T* q, const T* x, T* out) const noexcept {
+    each_own_joint([&](const auto& joint, int i) {
+      T* const to = out + tree()->iq[i];
+      joint.integrate(q + tree()->iq[i], x + tree()->iv[i], to);
+      if constexpr (joint.nq > joint.nv) {
+        const T scale = T(0.5) * (T(3) - (to[0] * to[0] + to[1] * to[1] + to[2] * to[2] + to[3] * to[3]));
+        for (int k = 0; k < 4; ++k) to[k] = scale * to[k];
+      }
+    });
+  }
+  /// The x with q0 ⊕ x = q1, by the shorter way round on rotations.
+  void difference(const T* q0, const T* q1, T* out) const noexcept {
+    each_own_joint([&](const auto& joint, int i) {
+      joint.difference(q0 + tree()->iq[i], q1 + tree()->iq[i], out + tree()->iv[i]);
+    });
+  }
+  /// [x, y].
+  void bracket(const T* x, const T* y, T* out) const noexcept {
+    each_block(x, y, out, [](const Screw<T>& X, const Screw<T>& Y) { return ad(X, Y); });
+  }
+  /// dexp_{-x} y: the velocity of q ⊕ x where x' = y.
+  void velocity(const T* x, const T* y, T* out) const noexcept {
+    each_block(
+        x, y, out, [](const Screw<T>& X, const Screw<T>& Y) { return dexp(-X, Y); }, y);
+  }
+  /// dexp⁻¹_{-x} y: the x' with which q ⊕ x has the velocity y.
+  void rate(const T* x, const T* y, T* out) const noexcept {
+    each_block(
+        x, y, out, [](const Screw<T>& X, const Screw<T>& Y) { return dexp_inv(-X, Y); }, y);
+  }
+
+ private:
+  const Tree<T>& tree() const { return *tree_; }
+  template <class F> void each_own_joint(const F& f) const noexcept {
+    each_joint(tree(), [&](const auto& joint, int i, bool coupled) {
+      if (!coupled) f(joint, i);
+    });
+  }
+  /// f on the screws S x and S y of every joint of several velocities; the others get what `plain` has, or 0.
+  template <class F>
+  void each_block(const T* x, const T* y, T* out, const F& f, const T* plain = nullptr) const noexcept {
+    each_own_joint([&](const auto& joint, int i) {
+      const int c = tree()->iv[i];
+      if constexpr (joint.nv == 1) {
+        out[c] = plain ? plain[c] : T(0);
+      } else {
+        const Twist<BodyFixed, T> X = joint.twist(x + c), Y = joint.twist(y + c);
+        const Screw<T> Z = f(Screw<T>{X.w, X.v}, Screw<T>{Y.w, Y.v});
+        const auto z = joint.project(Wrench<BodyFixed, T>{Z.w, Z.v});
+        for (int k = 0; k < joint.nv; ++k) out[c + k] = z[static_cast<std::size_t>(k)];
+      }
+    });
+  }
+
+  const Tree<T>* tree_;
+  bool commutes_ = true;
+};
+
+}  // namespace axode

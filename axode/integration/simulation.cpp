@@ -1,0 +1,246 @@
+#include "axode/integration/simulation.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <string>
+
+#include "axode/dynamics/check_loads.hpp"
+#include "axode/dynamics/forward_dynamics.hpp"
+#include "axode/integration/munthe_kaas.hpp"
+#include "axode/model/configuration.hpp"
+#include "axode/model/workspace.hpp"
+
+namespace axode {
+namespace {
+
+using Vector = std::vector<double>;
+using Span = std::span<const double>;
+
+bool finite(Span x) {
+  double none = 0;
+  for (const double x_k : x) none += x_k - x_k;
+  return none == 0;
+}
+
+/// What all schemes share: the motion so far, accelerations, events.
+class Run {
+ public:
+  Run(const Model& model, Span q_0, Span v_0, double until, const SimulationOptions& options)
+      : trajectory(model),
+        q(q_0.begin(), q_0.end()),
+        v(v_0.begin(), v_0.end()),
+        a(v_0.size()),
+        model_(model),
+        options_(options),
+        workspace_(model),
+        tau_(v_0.size()),
+        until_(until) {
+    check_configuration(model, q);
+    check_size("v", v.size(), static_cast<std::size_t>(model.nv()), "nv");
+    if (!finite(v)) throw std::invalid_argument("v has numbers that are not finite");
+    if (!(until >= 0) || !std::isfinite(until))
+      throw std::invalid_argument("until is " + std::to_string(until) + "; expected a time of 0 s or more");
+    check_loads(model, loads());
+    if (!accelerate(0, q, v, a)) return;
+    trajectory.append(0, q, v, a);
+    values_ = values_at(0, q, v);
+  }
+
+  /// Accelerations under what acts; false, with the reason kept, where there are none.
+  bool accelerate(double t, Span q_t, Span v_t, std::span<double> a_t) {
+    if (options_.drive) {
+      options_.drive(t, q_t, v_t, tau_);
+      if (!finite(tau_)) return stop(t, "the drive forces are not finite at " + joint_of(tau_));
+    }
+    ++trajectory.evaluations;
+    if (!finite(q_t) || !finite(v_t)) return stop(t, "the state is not finite at " + joint_of(v_t));
+    const Solvability found = forward_dynamics(model_, workspace_, q_t, v_t, tau_, a_t, loads());
+    if (!found.ok()) return stop(t, to_string(model_, found));
+    return true;
+  }
+
+  /// Takes the end of a step, with the acceleration there where it is known; false where the motion ends.
+  bool take(double t, Span q_1, Span v_1, Span known = {}) {
+    Vector a_1(known.begin(), known.end());
+    if (known.size() != v_1.size()) {
+      a_1.resize(v_1.size());
+      if (!accelerate(t, q_1, v_1, a_1)) return false;
+    }
+    const double before = trajectory.t().back();
+    trajectory.append(t, q_1, v_1, a_1);
+    ++trajectory.steps;
+    q.assign(q_1.begin(), q_1.end()), v.assign(v_1.begin(), v_1.end()), a = a_1;
+    if (!options_.events.empty() && meets_end(before, t)) return false;
+    if (options_.monitor && !options_.monitor(t)) return stop(t, "it was interrupted");
+    return true;
+  }
+  bool stop(double t, const std::string& why) {
+    trajectory.complete = false;
+    trajectory.stopped = "at t = " + std::to_string(t) + " s: " + why;
+    return false;
+  }
+  bool done() const { return trajectory.size() == 0 || ended_ || !trajectory.complete || now() >= until_; }
+  double now() const { return trajectory.t().back(); }
+  double until() const { return until_; }
+
+  Trajectory trajectory;
+  Vector q, v, a;  ///< now
+
+ private:
+  Loads<double> loads() const { return {options_.loads, options_.joint_losses}; }
+
+  std::string joint_of(Span x) const {
+    for (std::size_t c = 0; c < x.size(); ++c)
+      if (!std::isfinite(x[c])) return "joint \"" + velocity_names(model_)[c] + "\"";
+    return "a joint";
+  }
+
+  Vector values_at(double t, Span q_t, Span v_t) const {
+    Vector values;
+    for (const Event& event : options_.events) values.push_back(event.value(t, q_t, v_t));
+    return values;
+  }
+  /// Looks for events between two times, the last step; where one is terminal the trajectory is cut off there.
+  bool meets_end(double before, double after) {
+    const Vector next = values_at(after, q, v);
+    std::vector<Trajectory::Met> met;
+    Vector q_t(q.size()), v_t(v.size());
+    for (std::size_t e = 0; e < next.size(); ++e) {
+      const Event& event = options_.events[e];
+      if ((values_[e] < 0) == (next[e] < 0) || values_[e] == 0) continue;
+      if (event.direction != 0 && (next[e] > values_[e]) != (event.direction > 0)) continue;
+      double low = before, high = after;
+      for (int k = 0; k < 60 && high - low > 1e-15 * std::max(1.0, std::abs(after)); ++k) {
+        const double middle = low + (high - low) / 2;
+        trajectory.at(middle, q_t, v_t);
+        ((event.value(middle, q_t, v_t) < 0) == (values_[e] < 0) ? low : high) = middle;
+      }
+      met.push_back({e, high});
+    }
+    values_ = next;
+    std::ranges::sort(met, {}, &Trajectory::Met::t);
+    for (const Trajectory::Met& one : met) {
+      trajectory.events.push_back(one);
+      if (!options_.events[one.event].terminal) continue;
+      ended_ = true;
+      trajectory.at(one.t, q_t, v_t);
+      trajectory.take_back();
+      Vector a_t(v_t.size());
+      if (accelerate(one.t, q_t, v_t, a_t)) trajectory.append(one.t, q_t, v_t, a_t);
+      return true;
+    }
+    return false;
+  }
+
+  const Model& model_;
+  const SimulationOptions& options_;
+  Workspace<> workspace_;
+  Vector tau_, values_;
+  double until_;
+  bool ended_ = false;
+};
+
+}  // namespace
+
+Trajectory simulate_fixed(const Model& model, Span q, Span v, double until, double step,
+                          const Tableau& method, const SimulationOptions& options) {
+  check(method);
+  if (!(step > 0) || !std::isfinite(step))
+    throw std::invalid_argument("step is " + std::to_string(step) + "; expected a time of more than 0 s");
+  Run run(model, q, v, until, options);
+  MuntheKaas scheme(model.tree<double>(), method);
+  const ConfigurationGroup<double> group(model.tree<double>());
+  const double whole = std::ceil(until / step - 1e-9);
+  const auto accelerate = [&](double t, Span q_t, Span v_t, std::span<double> a_t) {
+    return run.accelerate(t, q_t, v_t, a_t);
+  };
+  Vector q_1(run.q.size());
+  for (double k = 1; k <= whole && !run.done(); ++k) {
+    const double t = run.now(), t_1 = k == whole ? until : k * step, h = t_1 - t;
+    if (method.order == 1 && method.b.size() == 1) {  // semi-implicit
+      for (std::size_t c = 0; c < run.v.size(); ++c) {
+        scheme.v[c] = run.v[c] + h * run.a[c];
+        scheme.theta[c] = h * scheme.v[c];
+      }
+    } else if (!scheme.run(t, run.q.data(), run.v.data(), run.a.data(), h, accelerate)) {
+      break;
+    }
+    group.move(run.q.data(), scheme.theta.data(), q_1.data());
+    if (!run.take(t_1, q_1, scheme.v, scheme.ends_with_stage() ? scheme.end() : Span{})) break;
+  }
+  return std::move(run.trajectory);
+}
+
+Trajectory simulate(const Model& model, Span q, Span v, double until, const Tolerances& tolerances,
+                    const SimulationOptions& options) {
+  for (const auto& [name, x] :
+       {std::pair{"relative tolerance", tolerances.relative}, {"absolute tolerance", tolerances.absolute}})
+    if (!(x >= 0) || !std::isfinite(x))
+      throw std::invalid_argument(std::string(name) + " is " + std::to_string(x) + "; expected 0 or more");
+  if (tolerances.relative == 0 && tolerances.absolute == 0)
+    throw std::invalid_argument("both tolerances are 0; one must be more");
+  const Tableau& method = runge_kutta(5);
+  Run run(model, q, v, until, options);
+  MuntheKaas scheme(model.tree<double>(), method);
+  const ConfigurationGroup<double> group(model.tree<double>());
+  const auto accelerate = [&](double t, Span q_t, Span v_t, std::span<double> a_t) {
+    return run.accelerate(t, q_t, v_t, a_t);
+  };
+  const std::size_t nv = run.v.size();
+  const auto mean = [&](const auto& of) {
+    double squares = 0;
+    for (std::size_t c = 0; c < nv; ++c) squares += of(c) * of(c);
+    return nv == 0 ? 0.0 : std::sqrt(squares / static_cast<double>(2 * nv));
+  };
+  const double most = tolerances.largest_step > 0 ? tolerances.largest_step : until;
+  double h = tolerances.first_step;
+  if (!(h > 0)) {  // in which little happens
+    double rate = 1e-3;
+    for (std::size_t c = 0; c < nv; ++c)
+      rate = std::max({rate, std::abs(run.v[c]), std::sqrt(std::abs(run.a[c]))});
+    h = 0.01 / rate;
+  }
+  double last_error = 1e-4;
+  Vector q_1(run.q.size());
+  while (!run.done()) {
+    const double t = run.now(), rest = until - t;
+    h = std::min({h, most, rest});
+    const bool last = h >= rest * (1 - 1e-12);
+    if (!(h > 1e-15 * std::max(1.0, t))) {
+      run.stop(t, "the step became too short for the tolerances");
+      break;
+    }
+    const std::size_t before = run.trajectory.evaluations;
+    if (!scheme.run(t, run.q.data(), run.v.data(), run.a.data(), h, accelerate)) {
+      if (before == run.trajectory.evaluations || h < 1e-9 * std::max(1.0, until)) break;
+      run.trajectory.complete = true, run.trajectory.stopped.clear();  // perhaps the step was too long
+      ++run.trajectory.rejected;
+      h *= 0.1;
+      continue;
+    }
+    const double error = std::hypot(
+        mean([&](std::size_t c) {
+          return scheme.error_theta[c] /
+                 (tolerances.absolute + tolerances.relative * std::max(1.0, std::abs(scheme.theta[c])));
+        }),
+        mean([&](std::size_t c) {
+          return scheme.error_v[c] /
+                 (tolerances.absolute +
+                  tolerances.relative * std::max(std::abs(run.v[c]), std::abs(scheme.v[c])));
+        }));
+    if (!(error <= 1)) {
+      ++run.trajectory.rejected;
+      h *= std::isfinite(error) ? std::max(0.2, 0.9 * std::pow(error, -0.2)) : 0.1;
+      continue;
+    }
+    group.move(run.q.data(), scheme.theta.data(), q_1.data());
+    if (!run.take(last ? until : t + h, q_1, scheme.v, scheme.end())) break;
+    const double least = std::max(error, 1e-10);
+    h *= std::clamp(0.9 * std::pow(least, -0.17) * std::pow(last_error, 0.04), 0.2, 10.0);
+    last_error = std::max(error, 1e-4);
+  }
+  return std::move(run.trajectory);
+}
+
+}  // namespace axode

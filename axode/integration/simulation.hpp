@@ -1,0 +1,47 @@
+#pragma once
+#include <functional>
+#include <span>
+#include <vector>
+
+#include "axode/integration/tableau.hpp"
+#include "axode/integration/trajectory.hpp"
+#include "axode/recursion/loads.hpp"
+
+namespace axode {
+
+/// A scalar function of a state whose zeros are met on the way.
+struct Event {
+  std::function<double(double t, std::span<const double> q, std::span<const double> v)> value;
+  int direction = 0;      ///< +1: only where it rises, -1: only where it falls
+  bool terminal = false;  ///< whether the motion ends there
+};
+
+struct SimulationOptions {
+  /// Drive forces: tau (nv) at a time and state. Without it tau is 0.
+  std::function<void(double t, std::span<const double> q, std::span<const double> v, std::span<double> tau)>
+      drive = {};
+  std::vector<AppliedWrench<>> loads = {};
+  bool joint_losses = false;
+  std::vector<Event> events = {};
+  /// Told the time now and then; the motion ends where it returns false.
+  std::function<bool(double t)> monitor = {};
+};
+
+/// The motion from (q, v) at time 0 until a time, in steps of the same length (the last one shorter), with an explicit method on
+/// the group of configurations (Munthe-Kaas; Euler's is semi-implicit: q moves with the new v). Where accelerations cannot
+/// be found or are not finite the trajectory ends, and says so. Throws std::invalid_argument for wrong sizes, a
+/// quaternion off 1, numbers that are not finite, until < 0 and step <= 0.
+Trajectory simulate_fixed(const Model& model, std::span<const double> q, std::span<const double> v,
+                          double until, double step, const Tableau& method = runge_kutta(4),
+                          const SimulationOptions& options = {});
+
+struct Tolerances {
+  double relative = 1e-8, absolute = 1e-10;
+  double first_step = 0, largest_step = 0;  ///< 0: chosen, and unlimited
+};
+/// The same with a method that estimates its error, in steps as long as the error of q and v allows: in the algebra,
+/// where it is at most absolute + relative max(1, |θ|) in rad and m, and absolute + relative |v|, as root mean square.
+Trajectory simulate(const Model& model, std::span<const double> q, std::span<const double> v, double until,
+                    const Tolerances& tolerances = {}, const SimulationOptions& options = {});
+
+}  // namespace axode

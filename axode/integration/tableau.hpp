@@ -1,0 +1,24 @@
+#pragma once
+#include <vector>
+
+namespace axode {
+
+/// The coefficients of an explicit Runge-Kutta method: stage i is reached with a[i], i numbers, at c[i]; the step with b.
+/// Where `error` is not empty, it has b less the weights of an embedded method.
+struct Tableau {
+  int order = 1;
+  std::vector<std::vector<double>> a;
+  std::vector<double> b, c;
+  std::vector<double> error = {};
+
+  int stages() const { return static_cast<int>(b.size()); }
+};
+
+/// Throws std::invalid_argument where the sizes do not fit, c is not the row sums of a, or b does not add up to 1.
+void check(const Tableau& tableau);
+
+/// Euler, the midpoint rule, Kutta's third and fourth order, and Dormand's and Prince's fifth (with an error estimate). Throws
+/// std::invalid_argument for another order than 1 to 5.
+const Tableau& runge_kutta(int order);
+
+}  // namespace axode

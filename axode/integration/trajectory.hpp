@@ -1,0 +1,56 @@
+#pragma once
+#include <span>
+#include <string>
+#include <vector>
+
+#include "axode/integration/configuration_group.hpp"
+#include "axode/model/model.hpp"
+
+namespace axode {
+
+/// A motion at times t_0 < t_1 < ..., the ends of steps, and in between.
+class Trajectory {
+ public:
+  explicit Trajectory(const Model& model) : model_(model) {}
+
+  const Model& model() const { return model_; }
+  std::size_t size() const { return t_.size(); }
+  std::span<const double> t() const { return t_; }
+  /// Row by row: size() × nq, nv, nv.
+  std::span<const double> q() const { return q_; }
+  std::span<const double> v() const { return v_; }
+  std::span<const double> a() const { return a_; }
+  std::span<const double> q(std::size_t k) const { return std::span(q_).subspan(k * nq(), nq()); }
+  std::span<const double> v(std::size_t k) const { return std::span(v_).subspan(k * nv(), nv()); }
+  std::span<const double> a(std::size_t k) const { return std::span(a_).subspan(k * nv(), nv()); }
+
+  /// q and v at a time, on the group: x(s) of q_k ⊕ x is the quintic that has the positions, velocities and accelerations
+  /// of both ends, and v = dexp_{-x} x'. Its error is of order h⁶ in q and h⁵ in v. Throws std::invalid_argument for a time
+  /// outside.
+  void at(double time, std::span<double> q, std::span<double> v) const;
+
+  /// Another end of a step.
+  void append(double t, std::span<const double> q, std::span<const double> v, std::span<const double> a);
+
+  /// Takes back the last one.
+  void take_back();
+
+  std::size_t steps = 0, rejected = 0;  ///< that were taken, and tried in vain
+  std::size_t evaluations = 0;          ///< of accelerations
+  bool complete = true;                 ///< whether the end was reached, or a terminal event
+  std::string stopped;                  ///< what stopped it before, in a sentence
+  struct Met {
+    std::size_t event;
+    double t;
+  };
+  std::vector<Met> events;  ///< that were met, in the order of time
+
+ private:
+  std::size_t nq() const { return static_cast<std::size_t>(model_.nq()); }
+  std::size_t nv() const { return static_cast<std::size_t>(model_.nv()); }
+
+  Model model_;
+  std::vector<double> t_, q_, v_, a_;
+};
+
+}  // namespace axode

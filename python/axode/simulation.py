@@ -1,0 +1,104 @@
+"""Motion in time: `simulate` and `reconstruct`."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from . import _axode
+from ._axode import Model, Trajectory
+from .errors import SimulationError
+from .records import Load
+
+__all__ = ["reconstruct", "simulate"]
+
+Array = NDArray[np.float64]
+
+
+def simulate(m: Model, q: ArrayLike, v: ArrayLike, until: float, *,
+             method: Literal["dopri5", "rk4", "euler"] = "dopri5", step: float | None = None, rtol: float = 1e-8,
+             atol: float = 1e-10, tau: ArrayLike | Callable[[float, Array, Array], ArrayLike] | None = None,
+             loads: Sequence[Load] | None = None, joint_losses: bool = False, times: ArrayLike | None = None,
+             events: Sequence[Callable[[float, Array, Array], float]] | None = None,
+             progress: bool = False) -> Trajectory:
+    """The motion of a mechanism from (q, v) at t = 0 until a time (s), on the Lie group of its configurations.
+
+    method: "dopri5" takes steps as long as rtol and atol allow, errors being measured in the algebra (rad, m; rad/s,
+        m/s), `step` being the first; "rk4" (fourth order) and "euler" (first order, semi-implicit) take steps of
+        `step` s. Every method is Munthe-Kaas': no coordinates are singular, and quaternions stay on the sphere.
+    tau: drive forces, (nv,) for constant ones, or a function (t, q, v) -> (nv,), called for each evaluation.
+    loads: wrenches on frames, constant in their representations. joint_losses: whether damping and friction act.
+    times: when states are wanted, increasing from 0 to until; without it, at the ends of the steps.
+    events: functions (t, q, v) -> number whose zeros are met; `f.terminal = True` ends the motion there,
+        `f.direction = 1` or -1 counts rising or falling ones alone.
+    progress: whether a bar is shown; it needs the package tqdm.
+
+    ValueError for wrong shapes, numbers that are not finite, until < 0 and step <= 0. SimulationError, with the motion
+    so far, where accelerations cannot be found or are not finite. Ctrl-C ends it.
+
+    >>> fall = axode.simulate(arm, np.full(7, 0.1), np.zeros(7), until=1.0, times=[0, 0.5, 1])
+    >>> fall.q.shape, bool(np.ptp(fall.energy) < 1e-6)
+    ((3, 7), True)
+    """
+    bar, report = None, None
+    if progress:
+        from tqdm.auto import tqdm  # type: ignore[import-untyped]
+        bar = tqdm(total=float(until), unit="s", bar_format="{l_bar}{bar}| {n:.3g}/{total:.3g} s [{remaining}]")
+
+        def report(t: float) -> None:
+            bar.update(t - bar.n)
+    try:
+        motion = _axode.simulate_motion(m, q, v, float(until), method, step, rtol, atol, tau, loads, joint_losses, times,
+                                  list(events or []), report)
+    finally:
+        if bar is not None:
+            bar.close()
+    if not motion.complete:
+        raise SimulationError(motion.stopped, motion)
+    return motion
+
+
+def reconstruct(C0: ArrayLike, twist: ArrayLike | Callable[[float], ArrayLike], times: ArrayLike,
+                representation: Literal["body", "spatial"] = "body", order: int = 4) -> Array:
+    """The poses (N, 4, 4) of a body at `times` (N,), from the pose C0 (4, 4) at the first and its twist.
+
+    twist: (6,) where it is constant; a function t -> (6,); or (N, 6), its values at the times, between which cubics
+        are laid. Angular before linear; "body" is C^-1 C', "spatial" C' C^-1 (eqs. Vbs, Vdexp).
+    order: of Munthe-Kaas' method on SE(3), 1 to 5; a step lies between any two times.
+
+    >>> screw = np.array([0, 0, np.pi / 2, 0, 0, 0.1])
+    >>> axode.reconstruct(np.eye(4), screw, [0.0, 1.0])[-1].round(6)
+    array([[ 0. , -1. ,  0. ,  0. ],
+           [ 1. ,  0. ,  0. ,  0. ],
+           [ 0. ,  0. ,  1. ,  0.1],
+           [ 0. ,  0. ,  0. ,  1. ]])
+    """
+    t = np.asarray(times, dtype=np.float64)
+    if t.ndim != 1:
+        raise ValueError(f"times: expected shape (N,), got {t.shape}")
+    at = t[:-1, None] + np.diff(t)[:, None] * _axode.stage_times(order)[None, :]
+    if callable(twist):
+        V = np.array([np.asarray(twist(float(x)), dtype=np.float64) for x in at.ravel()]).reshape(-1, 6)
+    else:
+        V = _sampled(np.asarray(twist, dtype=np.float64), t, at.ravel())
+    return np.asarray(_axode.reconstruct_poses(C0, V.reshape(*at.shape, 6), t, representation, order))
+
+
+def _sampled(given: Array, t: Array, at: Array) -> Array:
+    """A constant twist, or cubics through the four samples that are nearest."""
+    if given.shape == (6,):
+        return np.tile(given, (at.size, 1))
+    if given.shape != (t.size, 6):
+        raise ValueError(f"twist: expected shape (6,) or ({t.size}, 6), as times has, or a function, got {given.shape}")
+    n = min(4, t.size)
+    first = np.clip(np.searchsorted(t, at, side="right") - 2, 0, t.size - n)
+    near = first[:, None] + np.arange(n)
+    out: Any = 0.0
+    for k in range(n):
+        others = [j for j in range(n) if j != k]
+        weight = np.prod([(at - t[near[:, j]]) / (t[near[:, k]] - t[near[:, j]]) for j in others], axis=0)
+        out = out + np.broadcast_to(weight, at.shape)[:, None] * given[near[:, k]]
+    return np.asarray(out)

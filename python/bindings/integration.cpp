@@ -1,0 +1,297 @@
+#include "axode/integration.hpp"
+
+#include <nanobind/stl/optional.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/vector.h>
+
+#include <optional>
+
+#include "axode/dynamics.hpp"
+#include "bindings.hpp"
+#include "choice.hpp"
+#include "conversions.hpp"
+#include "long_call.hpp"
+#include "one_state.hpp"
+
+/// Motion in time. Arguments are made ready, and documented, in axode.simulation.
+namespace axode::python {
+
+using namespace nb::literals;
+
+namespace {
+
+/// f(t, q, v) of Python's.
+Numbers call_back(const std::string& name, const nb::callable& f, double t, std::span<const double> q,
+                  std::span<const double> v) {
+  const nb::object result = f(t, to_array(q), to_array(v));
+  return Numbers(name, {result.ptr()});
+}
+
+/// A motion, and what of it was asked for: the ends of its steps, or states at some times.
+struct BoundTrajectory {
+  Trajectory motion;
+  std::vector<double> t, q, v;
+
+  explicit BoundTrajectory(Trajectory from) : motion(std::move(from)) {}
+  std::span<const double> shown_t() const { return sampled ? std::span<const double>(t) : motion.t(); }
+  std::span<const double> shown_q() const { return sampled ? std::span<const double>(q) : motion.q(); }
+  std::span<const double> shown_v() const { return sampled ? std::span<const double>(v) : motion.v(); }
+  void sample(std::span<const double> times) {
+    const std::size_t nq = static_cast<std::size_t>(motion.model().nq()),
+                      nv = static_cast<std::size_t>(motion.model().nv());
+    for (const double time : times) {
+      if (!motion.t().empty() && time > motion.t().back() && time >= times.front()) break;  // it ended before
+      q.resize(q.size() + nq), v.resize(v.size() + nv);
+      motion.at(time, std::span(q).last(nq), std::span(v).last(nv));
+      t.push_back(time);
+    }
+    sampled = true;
+  }
+  bool sampled = false;
+};
+
+Array rows(std::span<const double> x, int width) {
+  const nb::ssize_t n = width == 0 ? 0 : static_cast<nb::ssize_t>(x.size()) / width;
+  NewArray out({n, width});
+  std::ranges::copy(x, out.all().begin());
+  return out.array();
+}
+/// f(workspace, q, v) of every state.
+template <class F> void each_state(const BoundTrajectory& at, const F& f) {
+  const Model& model = at.motion.model();
+  const std::size_t nq = static_cast<std::size_t>(model.nq()), nv = static_cast<std::size_t>(model.nv());
+  Workspace<> workspace(model);
+  for (std::size_t k = 0; k < at.shown_t().size(); ++k)
+    f(k, workspace, at.shown_q().subspan(k * nq, nq), at.shown_v().subspan(k * nv, nv));
+}
+
+BoundTrajectory simulate_of(const BoundModel& m, ArrayLike q, ArrayLike v, double until,
+                            const std::string& method, nb::handle step, double rtol, double atol,
+                            nb::handle tau, LoadList loads, bool joint_losses, nb::handle times,
+                            nb::handle given_events, nb::handle progress) {
+  const States states = one_state(m, q);
+  const Items velocities = states.velocities("v", v);
+  const AppliedLoads applied(states, loads, joint_losses);
+  const nb::list events = nb::borrow<nb::list>(given_events);
+  SimulationOptions options;
+  options.joint_losses = joint_losses;
+  applied.with(0, [&](const Loads<double>& now) {
+    options.loads.assign(now.wrenches.begin(), now.wrenches.end());
+    return 0;
+  });
+
+  bool calls_back = !progress.is_none() || events.size() > 0;
+  std::optional<Items> constant;
+  if (nb::isinstance<nb::callable>(tau)) {
+    calls_back = true;
+    options.drive = [&m, f = nb::borrow<nb::callable>(tau)](double t, std::span<const double> q_t,
+                                                            std::span<const double> v_t,
+                                                            std::span<double> out) {
+      const Numbers numbers = call_back("tau(t, q, v)", f, t, q_t, v_t);
+      const Shape expected{m->nv()};
+      if (numbers.axes() != 1 || !numbers.ends_with(expected))
+        numbers.wrong_shape(expected.text() + ", nv numbers");
+      std::copy_n(numbers.data(), out.size(), out.begin());
+    };
+  } else if (!tau.is_none()) {
+    constant.emplace(states.velocities("tau", {tau.ptr()}));
+    options.drive = [&](double, std::span<const double>, std::span<const double>, std::span<double> out) {
+      std::ranges::copy((*constant)[0], out.begin());
+    };
+  }
+  for (std::size_t k = 0; k < events.size(); ++k) {
+    const nb::object given = events[k];
+    if (!nb::isinstance<nb::callable>(given))
+      throw nb::value_error(("events[" + std::to_string(k) +
+                             "]: expected a function (t, q, v) -> number, got " + type_of(given))
+                                .c_str());
+    const auto attribute = [&](const char* name) {
+      return nb::hasattr(given, name) ? nb::object(given.attr(name)) : nb::object(nb::int_(0));
+    };
+    options.events.push_back(
+        {.value =
+             [f = nb::borrow<nb::callable>(given), name = "events[" + std::to_string(k) + "](t, q, v)"](
+                 double t, std::span<const double> q_t, std::span<const double> v_t) {
+               const nb::object result = f(t, to_array(q_t), to_array(v_t));
+               return number(name, result);
+             },
+         .direction = static_cast<int>(number("direction", attribute("direction"))),
+         .terminal = nb::cast<bool>(nb::bool_(attribute("terminal")))});
+  }
+
+  std::optional<Numbers> sample_times;
+  if (!times.is_none()) {
+    sample_times.emplace("times", ArrayLike{times.ptr()});
+    if (sample_times->axes() != 1) sample_times->wrong_shape("(N,), increasing from 0 to until");
+    for (nb::ssize_t k = 0; k < sample_times->size(); ++k) {
+      const double t = sample_times->data()[k];
+      if (t < 0 || t > until || (k > 0 && !(t > sample_times->data()[k - 1])))
+        throw nb::value_error(("times[" + std::to_string(k) + "] is " + std::to_string(t) +
+                               "; times must increase, from 0 to until = " + std::to_string(until))
+                                  .c_str());
+    }
+  }
+  static constexpr std::array<std::string_view, 3> methods{"dopri5", "rk4", "euler"};
+  const std::size_t which = choose("method", nb::str(method.c_str()), methods);
+  if (which > 0 && step.is_none())
+    throw nb::value_error(
+        ("step: method '" + method + "' takes steps of one length; expected it in s").c_str());
+
+  const double length = step.is_none() ? 0.0 : number("step", step);
+
+  LongCall call(!calls_back);
+  int count = 0;
+  options.monitor = [&, look = call.monitor(), report = nb::borrow(progress)](double t) {
+    if (++count % 64 != 0) return true;
+    if (!report.is_none()) report(t);
+    return look(0, 0);
+  };
+  BoundTrajectory found(
+      which == 0 ? simulate(*m, states.q(0), velocities[0], until, {rtol, atol, length, 0.0}, options)
+                 : simulate_fixed(*m, states.q(0), velocities[0], until, length,
+                                  runge_kutta(which == 1 ? 4 : 1), options));
+  call.end();
+  if (sample_times) found.sample({sample_times->data(), static_cast<std::size_t>(sample_times->size())});
+  return found;
+}
+
+Array reconstruct_of(ArrayLike C0, ArrayLike twists, ArrayLike times, Representation representation,
+                     int order) {
+  const Numbers start("C0", C0), V("twist", twists), t("times", times);
+  if (start.axes() != 2 || !start.ends_with({4, 4})) start.wrong_shape("(4, 4), a pose");
+  const Tableau& method = runge_kutta(order);
+  const std::size_t stages = method.b.size(), N = static_cast<std::size_t>(t.size());
+  const Shape expected{static_cast<nb::ssize_t>(N > 0 ? N - 1 : 0), static_cast<nb::ssize_t>(stages), 6};
+  if (V.axes() != 3 || !V.ends_with(expected)) V.wrong_shape(expected.text());
+  std::size_t asked = 0;
+  const auto next = [&]<class Rep>(Rep) {
+    const double* x = V.data() + 6 * asked++;
+    return Twist<Rep>{{x[0], x[1], x[2]}, {x[3], x[4], x[5]}};
+  };
+  const std::span<const double> at(t.data(), N);
+  const SE3<> C = pose_from("C0", start.data());
+  std::vector<SE3<>> found;
+  if (representation == Representation::body)
+    found = reconstruct<BodyFixed>(
+        C, [&](double) { return next(BodyFixed{}); }, at, method);
+  else if (representation == Representation::spatial)
+    found = reconstruct<Spatial>(
+        C, [&](double) { return next(Spatial{}); }, at, method);
+  else
+    throw nb::value_error("representation: a twist from which a pose follows is 'body' or 'spatial'");
+  NewArray out({static_cast<nb::ssize_t>(N), 4, 4});
+  for (std::size_t k = 0; k < N; ++k) write(found[k], out.data() + 16 * k);
+  return out.array();
+}
+
+}  // namespace
+
+void add_integration(nb::module_& module) {
+  nb::class_<BoundTrajectory>(module, "Trajectory",
+                              R"(
+A motion, from `simulate`: at the ends of its steps, or at the times that were asked for, and in between.
+
+>>> fall = axode.simulate(arm, np.full(7, 0.1), np.zeros(7), until=0.5)
+>>> fall.complete, bool(np.ptp(fall.energy) < 1e-6)
+(True, True)
+)")
+      .def_prop_ro(
+          "t", [](const BoundTrajectory& x) { return to_array(x.shown_t()); }, "(N,) times, s.")
+      .def_prop_ro(
+          "q", [](const BoundTrajectory& x) { return rows(x.shown_q(), x.motion.model().nq()); },
+          "(N, nq) configurations.")
+      .def_prop_ro(
+          "v", [](const BoundTrajectory& x) { return rows(x.shown_v(), x.motion.model().nv()); },
+          "(N, nv) velocities.")
+      .def_prop_ro(
+          "energy",
+          [](const BoundTrajectory& x) {
+            NewArray out({static_cast<nb::ssize_t>(x.shown_t().size())});
+            each_state(
+                x, [&](std::size_t k, Workspace<>& w, std::span<const double> q, std::span<const double> v) {
+                  const Model& m = x.motion.model();
+                  out.data()[k] = kinetic_energy<double>(m, w, q, v) + potential_energy<double>(m, w, q);
+                });
+            return out.array();
+          },
+          "(N,) kinetic and potential energy, J.")
+      .def_prop_ro(
+          "momentum",
+          [](const BoundTrajectory& x) {
+            NewArray out({static_cast<nb::ssize_t>(x.shown_t().size()), 6});
+            each_state(
+                x, [&](std::size_t k, Workspace<>& w, std::span<const double> q, std::span<const double> v) {
+                  write_screw(spatial_momentum<double>(x.motion.model(), w, q, v), out.data() + 6 * k);
+                });
+            return out.array();
+          },
+          "(N, 6) spatial momentum of the whole, about the inertial origin, N m s and N s.")
+      .def_prop_ro(
+          "steps", [](const BoundTrajectory& x) { return x.motion.steps; }, "That were taken.")
+      .def_prop_ro(
+          "rejected", [](const BoundTrajectory& x) { return x.motion.rejected; },
+          "Steps that were tried in vain.")
+      .def_prop_ro(
+          "evaluations", [](const BoundTrajectory& x) { return x.motion.evaluations; }, "Of accelerations.")
+      .def_prop_ro(
+          "complete", [](const BoundTrajectory& x) { return x.motion.complete; },
+          "Whether the end was reached, or a terminal event.")
+      .def_prop_ro(
+          "stopped", [](const BoundTrajectory& x) { return nb::str(x.motion.stopped.c_str()); },
+          "What stopped it before, in a sentence, or ''.")
+      .def_prop_ro(
+          "events",
+          [](const BoundTrajectory& x) {
+            nb::list out;
+            for (const Trajectory::Met& met : x.motion.events) out.append(nb::make_tuple(met.event, met.t));
+            return out;
+          },
+          nb::sig("def events(self) -> list[tuple[int, float]]"),
+          "The events that were met: their places in the list that was given, and the times.")
+      .def(
+          "at",
+          [](const BoundTrajectory& x, ArrayLike t) {
+            const Numbers times("t", t);
+            if (times.axes() > 1) times.wrong_shape("() or (N,)");
+            const Model& m = x.motion.model();
+            const Shape one_q{m.nq()}, one_v{m.nv()};
+            NewArray q(times.axes() == 0 ? one_q : one_q.times(times.size())),
+                v(times.axes() == 0 ? one_v : one_v.times(times.size()));
+            for (nb::ssize_t k = 0; k < times.size(); ++k)
+              x.motion.at(times.data()[k], item(q, static_cast<std::size_t>(k), one_q),
+                          item(v, static_cast<std::size_t>(k), one_v));
+            return nb::make_tuple(q.array(), v.array());
+          },
+          "t"_a,
+          nb::sig("def at(self, t: numpy.typing.ArrayLike) -> tuple[numpy.typing.NDArray[numpy.float64], "
+                  "numpy.typing.NDArray[numpy.float64]]"),
+          R"(
+(q, v) at a time, (nq,) and (nv,), or at N of them. ValueError for times outside.
+
+Between the ends of steps configurations are those of quintics on the group, errors of order h^6 in q and h^5 in v.
+
+>>> fall = axode.simulate(arm, np.full(7, 0.1), np.zeros(7), until=0.5)
+>>> q, v = fall.at(0.25)
+>>> q.shape, v.shape
+((7,), (7,))
+)")
+      .def("__repr__", [](const BoundTrajectory& x) {
+        return "Trajectory(" + std::to_string(x.motion.steps) + " steps" +
+               (x.motion.t().empty() ? "" : " to t = " + std::to_string(x.motion.t().back()) + " s") +
+               (x.motion.complete ? ")" : ", " + x.motion.stopped + ")");
+      });
+  module.def("simulate_motion", &simulate_of, "m"_a, "q"_a, "v"_a, "until"_a, "method"_a, "step"_a.none(),
+             "rtol"_a, "atol"_a, "tau"_a.none(), "loads"_a.none(), "joint_losses"_a, "times"_a.none(),
+             "events"_a, "progress"_a.none(), "See axode.simulate.");
+  module.def("reconstruct_poses", &reconstruct_of, "C0"_a, "twists"_a, "times"_a, "representation"_a,
+             "order"_a, "See axode.reconstruct.");
+  module.def(
+      "stage_times",
+      [](int order) {
+        const Tableau& method = runge_kutta(order);
+        return to_array(method.c);
+      },
+      "order"_a, "Where in a step, from 0 to 1, a method evaluates.");
+}
+
+}  // namespace axode::python

@@ -1,0 +1,97 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "axode/dynamics.hpp"
+#include "axode/integration.hpp"
+#include "axode/io.hpp"
+#include "axode/model/configuration.hpp"
+#include "tests/apps/run_command.hpp"
+
+/// `axode simulate` prints and writes the motions of the library.
+namespace axode::test {
+namespace {
+
+using Motion = nlohmann::ordered_json;
+using testing::StartsWith;
+
+const std::string swinging = robot("double_pendulum.toml");
+const std::string raised = R"({"q": {"pin": 2, "elbow": 0.5}, "v": [0.1, 0.2]})";
+
+Motion motion_of(std::vector<std::string> more) {
+  std::vector<std::string> words{"simulate", swinging, "--state", "-", "--format", "json"};
+  words.insert(words.end(), more.begin(), more.end());
+  const Outcome outcome = axode(words, raised);
+  EXPECT_EQ(outcome.code, 0) << outcome.err;
+  return outcome.code == 0 ? Motion::parse(outcome.out) : Motion();
+}
+
+TEST(SimulateCommand, GivesTheMotionOfTheLibrary) {
+  const Model model = load(swinging);
+  std::vector<double> q = neutral(model), v{0.1, 0.2};
+  const auto at = [&](const char* joint) {
+    return static_cast<std::size_t>(model.joint(model.joint_index(joint)).iq);
+  };
+  q[at("pin")] = 2, q[at("elbow")] = 0.5;
+  const Trajectory expected = simulate(model, q, v, 2.0);
+  const Motion found = motion_of({"--until", "2"});
+  ASSERT_EQ(found.at("t").size(), expected.size());
+  for (std::size_t k = 0; k < expected.size(); ++k)
+    for (std::size_t c = 0; c < 2; ++c) {
+      EXPECT_EQ(found.at("q")[k][c].get<double>(), expected.q(k)[c]);
+      EXPECT_EQ(found.at("v")[k][c].get<double>(), expected.v(k)[c]);
+    }
+  EXPECT_EQ(found.at("steps"), expected.steps);
+  const std::vector<double> energy = found.at("energy").get<std::vector<double>>();
+  EXPECT_LE(*std::ranges::max_element(energy) - *std::ranges::min_element(energy), 1e-5);
+  std::vector<double> q_half(2), v_half(2);
+  expected.at(0.5, q_half, v_half);
+  for (const char* method : {"rk4", "euler"}) {
+    const Motion other = motion_of({"--until", "0.5", "--method", method, "--step", "0.0005"});
+    EXPECT_EQ(other.at("t").size(), 1001u);
+    EXPECT_NEAR(other.at("q").back()[0].get<double>(), q_half[0], std::string(method) == "rk4" ? 1e-6 : 0.01);
+  }
+}
+
+TEST(SimulateCommand, WritesFiles) {
+  TemporaryFolder folder;
+  const std::string csv = folder.file("run.csv"), npy = folder.file("run.npy"),
+                    json = folder.file("run.json");
+  const Outcome outcome = axode({"simulate", swinging, "--state", "-", "--until", "1", "--samples", "10",
+                                 "--output", csv, "--output", npy, "--output", json},
+                                raised);
+  EXPECT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_THAT(outcome.out, testing::HasSubstr("at t = 1 s after "));
+  const std::string text = contents(csv);
+  EXPECT_THAT(text,
+              StartsWith("\"t\",\"q pin\",\"q elbow\",\"v pin\",\"v elbow\",\"energy\"\n0,2,0.5,0.1,0.2,"));
+  EXPECT_EQ(std::ranges::count(text, '\n'), 12);
+  EXPECT_THAT(contents(npy), testing::HasSubstr("'shape': (11, 6)"));
+  const Motion found = Motion::parse(contents(json));
+  EXPECT_EQ(found.at("t").back(), 1.0);
+  EXPECT_EQ(found.at("velocities"), Motion({"pin", "elbow"}));
+}
+
+TEST(SimulateCommand, RefusesWhatItCannotUse) {
+  const auto error = [](std::vector<std::string> more) {
+    more.insert(more.begin(), {"simulate", swinging});
+    const Outcome outcome = axode(more);
+    EXPECT_NE(outcome.code, 0);
+    EXPECT_EQ(outcome.out, "");
+    return outcome.err;
+  };
+  EXPECT_THAT(error({"--method", "verlet"}),
+              StartsWith("axode simulate: --method: \"verlet\" is none of dopri5, rk4, euler"));
+  EXPECT_THAT(error({"--method", "rk4"}), StartsWith("axode simulate: --step is missing"));
+  EXPECT_THAT(error({"--method", "rk4", "--step", "-1"}), StartsWith("axode simulate: step is -1"));
+  EXPECT_THAT(error({"--until", "-1"}), StartsWith("axode simulate: until is -1"));
+  EXPECT_THAT(
+      error({"--output", "run.txt"}),
+      StartsWith("axode simulate: --output: run.txt: the ending: \".txt\" is none of .json, .csv, .npy"));
+  EXPECT_THAT(error({"--rtol", "nan"}), StartsWith("axode simulate: "));
+}
+
+}  // namespace
+}  // namespace axode::test

@@ -1,0 +1,247 @@
+#include "axode/integration.hpp"
+
+#include <cmath>
+
+#include "axode/dynamics.hpp"
+#include "axode/model/configuration.hpp"
+#include "tests/laws/law.hpp"
+#include "tests/support/refused_arguments.hpp"
+
+/// Motions under forces: orders of the schemes on the group, what they keep, dense output, events, and what is refused.
+namespace axode::test {
+namespace {
+
+using Numbers = std::vector<double>;
+using Span = std::span<const double>;
+
+/// Any tree, and a state of it.
+struct Subject {
+  Model model;
+  State<double> state;
+
+  explicit Subject(std::uint64_t seed)
+      : model([&] {
+          Random<double> random(seed);
+          return ModelBuilder(told(random_mechanism(random, {.most_bodies = 6, .always_mass = true}), random))
+              .build();
+        }()) {
+    Random<double> random(seed + 1);
+    state = random_state(model, random);
+    state.wrenches.clear();
+  }
+};
+
+double distance(const Model& model, Span q0, Span q1) {
+  double sum = 0;
+  for (const double x : difference(model, q0, q1)) sum += x * x;
+  return std::sqrt(sum);
+}
+Span last_q(const Trajectory& motion) { return motion.q(motion.size() - 1); }
+Span last_v(const Trajectory& motion) { return motion.v(motion.size() - 1); }
+
+/// One spherical, one free and one planar joint, and a hinge: nothing in it is singular.
+Model test_tree() {
+  Description tree{.name = "tree"};
+  const auto add = [&](const char* name, const char* on, JointKind kind, Vec3<> point) {
+    BodyDescription body{.name = name, .predecessor = on};
+    body.joint = {.name = std::string(name) + " joint", .kind = kind};
+    if (kind == JointKind::revolute || kind == JointKind::planar) body.joint.axis = {0.6, 0, 0.8};
+    body.joint.point = point;
+    body.inertia =
+        MassProperties{.mass = 1.3, .com = {0.1, 0.2, -0.1}, .Theta = {0.5, 0.7, 0.6, 0.02, 0.01, 0.03}};
+    tree.bodies.push_back(std::move(body));
+  };
+  add("base", "ground", JointKind::free, {});
+  add("ball", "base", JointKind::spherical, {0.4, 0, 0});
+  add("plate", "base", JointKind::planar, {0, 0.5, 0});
+  add("door", "ball", JointKind::revolute, {0.7, 0.1, 0});
+  return ModelBuilder(tree).build();
+}
+State<double> test_state(const Model& model) {
+  Random<double> random(7);
+  State<double> state = random_state(model, random);
+  state.wrenches.clear();
+  return state;
+}
+
+TEST(Simulation, HasTheOrdersOfItsMethodsOnTheGroup) {
+  const Model model = test_tree();
+  const State<double> at = test_state(model);
+  SimulationOptions options;
+  options.drive = [](double t, Span, Span, std::span<double> tau) {
+    for (std::size_t c = 0; c < tau.size(); ++c) tau[c] = std::sin(3 * t + static_cast<double>(c));
+  };
+  const double until = 0.5;
+  const Trajectory exact =
+      simulate(model, at.q, at.v, until, {.relative = 1e-13, .absolute = 1e-13}, options);
+  ASSERT_TRUE(exact.complete) << exact.stopped;
+  for (int order = 1; order <= 5; ++order) {
+    SCOPED_TRACE(order);
+    const int n = order == 1 ? 400 : order == 5 ? 40 : 80;
+    const auto error = [&](int steps) {
+      const Trajectory motion =
+          simulate_fixed(model, at.q, at.v, until, until / steps, runge_kutta(order), options);
+      EXPECT_EQ(motion.steps, static_cast<std::size_t>(steps));
+      return distance(model, last_q(exact), last_q(motion));
+    };
+    EXPECT_NEAR(std::log2(error(n) / error(2 * n)), order, order == 5 ? 0.9 : 0.35);
+  }
+}
+
+TEST(Simulation, IsOfSecondOrderWhereTheGroupIsForgotten) {
+  // The same stages with x' = v in the place of x' = dexp⁻¹ v: what HasTheOrders would let pass on hinges alone.
+  const Model model = test_tree();
+  const State<double> at = test_state(model);
+  const ConfigurationGroup<double> group(model.tree<double>());
+  const std::size_t nv = at.v.size();
+  Workspace<> workspace(model);
+  const auto error = [&](int steps, const Trajectory& exact) {
+    Numbers q = at.q, v = at.v, tau(nv);
+    const double h = 0.5 / steps;
+    for (int k = 0; k < steps; ++k) {
+      const Tableau& m = runge_kutta(4);
+      std::vector<Numbers> K, L;
+      Numbers x(nv), y(nv), q_i(q.size());
+      for (std::size_t i = 0; i <= 4; ++i) {
+        const Numbers& weights = i < 4 ? m.a[i] : m.b;
+        for (std::size_t c = 0; c < nv; ++c) {
+          x[c] = 0, y[c] = v[c];
+          for (std::size_t j = 0; j < weights.size(); ++j)
+            x[c] += h * weights[j] * K[j][c], y[c] += h * weights[j] * L[j][c];
+        }
+        group.move(q.data(), x.data(), q_i.data());
+        if (i == 4) break;
+        Numbers a(nv);
+        EXPECT_TRUE(forward_dynamics(model, workspace, q_i, y, tau, a).ok());
+        K.push_back(y), L.push_back(a);
+      }
+      q = q_i, v = y;
+    }
+    return distance(model, last_q(exact), q);
+  };
+  const Trajectory exact = simulate(model, at.q, at.v, 0.5, {.relative = 1e-13, .absolute = 1e-13});
+  EXPECT_NEAR(std::log2(error(80, exact) / error(160, exact)), 2, 0.2);
+}
+
+TEST(Simulation, KeepsEnergyAndMomentumAsFarAsItsToleranceGoes) {
+  for_seeds(30, [&](std::uint64_t seed) {
+    const Subject subject(seed);
+    const auto energy = [&](Span q, Span v) {
+      Workspace<> workspace(subject.model);
+      return kinetic_energy(subject.model, workspace, q, v) + potential_energy(subject.model, workspace, q);
+    };
+    const Trajectory motion = simulate(subject.model, subject.state.q, subject.state.v, 0.2,
+                                       {.relative = 1e-10, .absolute = 1e-12});
+    if (!motion.complete) return;  // joints that move no mass
+    const double before = energy(motion.q(0), motion.v(0)), after = energy(last_q(motion), last_v(motion));
+    Workspace<> workspace(subject.model);
+    const double scale = std::max(
+        {1.0, std::abs(before), kinetic_energy(subject.model, workspace, last_q(motion), last_v(motion))});
+    EXPECT_NEAR(before, after, 1e-6 * scale);
+  });
+}
+
+TEST(Simulation, InBetweenIsAsGoodAsTheSteps) {
+  const Model model = test_tree();
+  const State<double> at = test_state(model);
+  const auto worst = [&](double step) {
+    const Trajectory coarse = simulate_fixed(model, at.q, at.v, 0.4, step, runge_kutta(5));
+    const Trajectory exact =
+        simulate(model, at.q, at.v, 0.4, {.relative = 1e-13, .absolute = 1e-13, .largest_step = 1e-3});
+    double error = 0;
+    Numbers q(at.q.size()), v(at.v.size()), q_exact(q.size()), v_exact(v.size());
+    for (const double t : {0.013, 0.1377, 0.211, 0.3993}) {
+      coarse.at(t, q, v), exact.at(t, q_exact, v_exact);
+      double dv = 0;
+      for (std::size_t c = 0; c < v.size(); ++c) dv = std::max(dv, std::abs(v[c] - v_exact[c]));
+      error = std::max({error, distance(model, q, q_exact), 0.01 * dv});
+    }
+    return error;
+  };
+  const double coarse = worst(0.02), fine = worst(0.01);
+  EXPECT_LE(fine, coarse / 14);  // of fourth order at least
+  EXPECT_LE(fine, 1e-5);
+}
+
+TEST(Simulation, MeetsEventsWhereTheyAre) {
+  Description drop{.name = "drop"};
+  BodyDescription ball{.name = "ball", .predecessor = "ground"};
+  ball.joint = {.name = "height", .kind = JointKind::prismatic, .axis = {0, 0, 1}};
+  ball.inertia = MassProperties{.mass = 2, .com = {0, 0, 0}, .Theta = {1, 1, 1}};
+  drop.bodies.push_back(ball);
+  const Model model = ModelBuilder(drop).build();
+  SimulationOptions options;
+  options.events.push_back({.value = [](double, Span q, Span) { return q[0] - 1; }});
+  options.events.push_back(
+      {.value = [](double, Span q, Span) { return q[0]; }, .direction = -1, .terminal = true});
+  options.events.push_back({.value = [](double, Span q, Span) { return q[0] - 1.5; }, .direction = 1});
+  const double g = -model.gravity().z;
+  for (const bool adaptive : {true, false}) {
+    const Trajectory motion =
+        adaptive ? simulate(model, Numbers{2}, Numbers{0}, 5, {}, options)
+                 : simulate_fixed(model, Numbers{2}, Numbers{0}, 5, 0.05, runge_kutta(4), options);
+    ASSERT_EQ(motion.events.size(), 2u);
+    EXPECT_EQ(motion.events[0].event, 0u);
+    EXPECT_NEAR(motion.events[0].t, std::sqrt(2 / g), 1e-9);
+    EXPECT_NEAR(motion.events[1].t, std::sqrt(4 / g), 1e-9);
+    EXPECT_NEAR(motion.t().back(), std::sqrt(4 / g), 1e-9);
+    EXPECT_NEAR(last_q(motion)[0], 0, 1e-8);
+    EXPECT_TRUE(motion.complete);
+  }
+}
+
+TEST(Simulation, EndsWithAReasonWhereItCannotGoOn) {
+  Description massless{.name = "arm"};
+  BodyDescription body{.name = "rod", .predecessor = "ground"};
+  body.joint = {.name = "hinge", .kind = JointKind::revolute, .axis = {0, 1, 0}};
+  massless.bodies.push_back(body);
+  const Trajectory none = simulate(ModelBuilder(massless).build(), Numbers{0}, Numbers{0}, 1);
+  EXPECT_FALSE(none.complete);
+  EXPECT_THAT(none.stopped, testing::HasSubstr("\"hinge\""));
+
+  const Model model = test_tree();
+  const State<double> at = test_state(model);
+  SimulationOptions options;
+  options.drive = [](double t, Span, Span, std::span<double> tau) {
+    std::ranges::fill(tau, 0.0);
+    if (t > 0.1) tau[7] = std::nan("");
+  };
+  for (const Trajectory& motion : {simulate(model, at.q, at.v, 1, {}, options),
+                                   simulate_fixed(model, at.q, at.v, 1, 0.01, runge_kutta(4), options)}) {
+    EXPECT_FALSE(motion.complete);
+    EXPECT_THAT(motion.stopped, testing::HasSubstr("the drive forces are not finite at joint \"ball joint"));
+    EXPECT_GT(motion.t().back(), 0.08);
+    EXPECT_LT(motion.t().back(), 0.11);
+  }
+  options.drive = {};
+  options.monitor = [](double t) { return t < 0.2; };
+  const Trajectory half = simulate_fixed(model, at.q, at.v, 1, 0.01, runge_kutta(4), options);
+  EXPECT_NEAR(half.t().back(), 0.2, 1e-9);
+  EXPECT_THAT(half.stopped, testing::HasSubstr("interrupted"));
+}
+
+TEST(Simulation, RefusesWhatItCannotUse) {
+  const Model model = test_tree();
+  const State<double> at = test_state(model);
+  const auto fixed = [&](double until, double step) {
+    return message_of([&] { (void)simulate_fixed(model, at.q, at.v, until, step); });
+  };
+  EXPECT_THAT(fixed(1, 0), testing::StartsWith("step is 0.0"));
+  EXPECT_THAT(fixed(1, -1), testing::StartsWith("step is -1.0"));
+  EXPECT_THAT(fixed(-1, 0.1), testing::StartsWith("until is -1.0"));
+  EXPECT_THAT(fixed(std::nan(""), 0.1), testing::StartsWith("until is nan"));
+  EXPECT_EQ(simulate_fixed(model, at.q, at.v, 0, 0.1).size(), 1u);
+  Numbers v = at.v;
+  v[2] = std::numeric_limits<double>::infinity();
+  EXPECT_THAT(message_of([&] { (void)simulate(model, at.q, v, 1); }), testing::HasSubstr("not finite"));
+  EXPECT_THAT(message_of([&] { (void)simulate(model, at.q, at.v, 1, {.relative = -1}); }),
+              testing::StartsWith("relative tolerance is -1"));
+  EXPECT_THAT(message_of([&] { (void)simulate(model, at.q, at.v, 1, {.relative = 0, .absolute = 0}); }),
+              testing::StartsWith("both tolerances are 0"));
+  const Trajectory motion = simulate(model, at.q, at.v, 0.1);
+  Numbers q(at.q.size()), u(at.v.size());
+  EXPECT_THAT(message_of([&] { motion.at(0.2, q, u); }), testing::StartsWith("t is 0.2"));
+}
+
+}  // namespace
+}  // namespace axode::test

@@ -1,0 +1,155 @@
+"""Motions: `axode.simulate` and `axode.reconstruct`."""
+
+import threading
+
+import axode
+import numpy as np
+import pytest
+
+ARM = axode.load(axode.robots / "arm7.toml")
+HUMANOID = axode.load(axode.robots / "humanoid.urdf", base="free")
+REST = np.full(7, 0.3), np.zeros(7)
+
+
+@pytest.mark.parametrize("method, step, tolerance", [("dopri5", None, 1e-7), ("rk4", 1e-3, 1e-7), ("euler", 1e-4, 1e-2)])
+def test_methods_agree_and_keep_the_energy(method, step, tolerance):
+    exact = axode.simulate(ARM, *REST, 0.5, rtol=1e-12, atol=1e-13)
+    motion = axode.simulate(ARM, *REST, 0.5, method=method, step=step)
+    assert motion.t[0] == 0 and motion.t[-1] == 0.5
+    assert motion.q.shape == (len(motion.t), 7) and motion.v.shape == motion.q.shape
+    np.testing.assert_allclose(motion.q[-1], exact.q[-1], atol=tolerance)
+    assert np.ptp(motion.energy) < 100 * tolerance
+    assert motion.complete and motion.stopped == "" and motion.steps == len(motion.t) - 1
+    assert motion.evaluations >= motion.steps
+
+
+def test_times_and_states_in_between():
+    times = np.linspace(0, 0.5, 11)
+    at_times = axode.simulate(ARM, *REST, 0.5, times=times)
+    motion = axode.simulate(ARM, *REST, 0.5)
+    np.testing.assert_array_equal(at_times.t, times)
+    q, v = motion.at(times)
+    np.testing.assert_array_equal(at_times.q, q)
+    np.testing.assert_array_equal(at_times.v, v)
+    np.testing.assert_array_equal(motion.at(0.25)[0], motion.at([0.25])[0][0])
+    np.testing.assert_array_equal(motion.at(0.5)[0], motion.q[-1])
+
+
+def test_drives():
+    gravity_free = axode.simulate(ARM, *REST, 0.3, tau=lambda t, q, v: axode.gravity_torques(ARM, q))
+    np.testing.assert_allclose(gravity_free.q[-1], REST[0], atol=1e-9)
+    constant = np.arange(7.0)
+    np.testing.assert_array_equal(axode.simulate(ARM, *REST, 0.1, tau=constant).q,
+                                  axode.simulate(ARM, *REST, 0.1, tau=lambda t, q, v: constant).q)
+    held = axode.simulate(ARM, *REST, 0.2, tau=axode.gravity_torques(ARM, REST[0]),
+                          loads=[axode.Load(frame="flange", wrench=np.zeros(6))], joint_losses=True)
+    np.testing.assert_allclose(held.q[-1], REST[0], atol=1e-9)
+
+
+def test_a_free_body_keeps_its_momentum():
+    m = axode.Model.from_bodies([{"name": "top", "joint": {"kind": "free"}, "mass": 2.0, "com": [0.1, 0.2, 0.3],
+                                  "inertia": [1.0, 2.0, 2.5]}], gravity=[0, 0, 0])
+    v = [1.0, -2.0, 0.5, 0.3, 0.2, -0.4]
+    motion = axode.simulate(m, m.neutral(), v, 3.0, rtol=1e-10)
+    assert np.max(np.abs(motion.momentum - motion.momentum[0])) < 1e-7
+    np.testing.assert_allclose(np.linalg.norm(motion.q[:, :4], axis=1), 1, atol=1e-12)
+
+
+def test_events():
+    m = axode.Model.from_bodies([{"name": "ball", "joint": {"kind": "prismatic", "axis": "z"}, "mass": 1.0,
+                                  "com": [0, 0, 0], "inertia": [1.0, 1.0, 1.0]}])
+
+    def ground(t, q, v):
+        return q[0]
+    ground.terminal = True
+    motion = axode.simulate(m, [2.0], [0.0], 5.0, events=[lambda t, q, v: q[0] - 1, ground])
+    assert [k for k, _ in motion.events] == [0, 1]
+    np.testing.assert_allclose([t for _, t in motion.events], np.sqrt([2 / 9.81, 4 / 9.81]), atol=1e-8)
+    assert motion.t[-1] == motion.events[-1][1] and abs(motion.q[-1, 0]) < 1e-8
+    with pytest.raises(ValueError, match=r"^events\[0\]: expected a function"):
+        axode.simulate(m, [2.0], [0.0], 5.0, events=[3])
+
+
+def test_motions_that_cannot_go_on_say_why():
+    def burst(t, q, v):
+        return np.full(7, 1e300 if t > 0.1 else 0.0)
+    with pytest.raises(axode.SimulationError, match="at t = 0.1") as found:
+        axode.simulate(ARM, *REST, 1.0, method="rk4", step=0.01, tau=burst)
+    assert 0.05 < found.value.trajectory.t[-1] <= 0.11
+    with pytest.raises(ZeroDivisionError):
+        axode.simulate(ARM, *REST, 1.0, tau=lambda t, q, v: 1 / 0)
+    with pytest.raises(ValueError, match=r"tau\(t, q, v\): expected shape \(7,\)"):
+        axode.simulate(ARM, *REST, 1.0, tau=lambda t, q, v: np.zeros(6))
+    with pytest.raises(ValueError, match=r"tau\(t, q, v\)\[3\] is nan"):
+        axode.simulate(ARM, *REST, 1.0, tau=lambda t, q, v: np.where(np.arange(7) == 3, np.nan, 0))
+
+
+@pytest.mark.parametrize("arguments, sentence", [
+    (dict(until=-1.0), "until is -1"), (dict(until=np.nan), "until is nan"), (dict(until=np.inf), "until is inf"),
+    (dict(until=1.0, method="rk4"), "step: method 'rk4'"), (dict(until=1.0, method="rk4", step=0.0), "step is 0"),
+    (dict(until=1.0, method="rk4", step=-0.1), "step is -0.1"),
+    (dict(until=1.0, method="verlet"), "method is 'verlet'; expected one of 'dopri5', 'rk4', 'euler'"),
+    (dict(until=1.0, rtol=-1.0), "relative tolerance is -1"),
+    (dict(until=1.0, times=[0, 0.5, 0.5]), r"times\[2\] is 0.5"), (dict(until=1.0, times=[2.0]), r"times\[0\] is 2"),
+    (dict(until=1.0, tau=np.zeros(6)), r"tau: expected shape \(7,\)"),
+    (dict(until=1.0, tau=np.full(7, np.nan)), r"tau\[0\] is nan")])
+def test_what_cannot_be_used_is_refused(arguments, sentence):
+    with pytest.raises(ValueError, match=sentence):
+        axode.simulate(ARM, *REST, **arguments)
+
+
+def test_outside_of_a_motion():
+    motion = axode.simulate(ARM, *REST, 0.1)
+    for t in (-0.1, 0.2, [0.05, 0.2]):
+        with pytest.raises(ValueError, match="the trajectory is from 0"):
+            motion.at(t)
+    assert axode.simulate(ARM, *REST, 0.0).t.tolist() == [0.0]
+
+
+def test_threads_give_the_same():
+    expected = axode.simulate(HUMANOID, HUMANOID.neutral(), np.full(HUMANOID.nv, 0.1), 0.05)
+    found = [None] * 8
+
+    def run(k):
+        found[k] = axode.simulate(HUMANOID, HUMANOID.neutral(), np.full(HUMANOID.nv, 0.1), 0.05)
+    threads = [threading.Thread(target=run, args=(k,)) for k in range(8)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    for motion in found:
+        np.testing.assert_array_equal(motion.q, expected.q)
+
+
+def twisting(t):
+    return np.array([np.sin(2 * t), 1 + t, np.cos(3 * t), t, 0.5, -t])
+
+
+@pytest.mark.parametrize("representation", ["body", "spatial"])
+def test_reconstruction(representation):
+    C0 = axode.lie.exp(np.array([0.1, 0.2, -0.3, 1.0, 2.0, 3.0]))
+    times = np.linspace(0, 1, 201)
+    C = axode.reconstruct(C0, twisting, times, representation)
+    assert C.shape == (201, 4, 4)
+    np.testing.assert_array_equal(C[0], C0)
+    middle = axode.lie.log(axode.lie.inverse(C[99]) @ C[101] if representation == "body"
+                           else C[101] @ axode.lie.inverse(C[99])) / (times[101] - times[99])
+    np.testing.assert_allclose(middle, twisting(times[100]), atol=1e-3)
+    sampled = axode.reconstruct(C0, np.array([twisting(t) for t in times]), times, representation)
+    np.testing.assert_allclose(sampled, C, atol=1e-8)
+    finer = axode.reconstruct(C0, twisting, np.linspace(0, 1, 401), representation)
+    np.testing.assert_allclose(C[-1], finer[-1], atol=1e-10)
+    low = axode.reconstruct(C0, twisting, times, representation, order=1)
+    assert 1e-4 < np.max(np.abs(low[-1] - C[-1])) < 0.1
+
+
+def test_reconstruction_refuses():
+    with pytest.raises(ValueError, match="order is 7"):
+        axode.reconstruct(np.eye(4), twisting, [0, 1], order=7)
+    with pytest.raises(ValueError, match="'body' or 'spatial'"):
+        axode.reconstruct(np.eye(4), twisting, [0, 1], "hybrid")
+    with pytest.raises(ValueError, match=r"times\[1\]"):
+        axode.reconstruct(np.eye(4), twisting, [1, 0])
+    with pytest.raises(ValueError, match="twist: expected shape"):
+        axode.reconstruct(np.eye(4), np.zeros((3, 6)), [0, 1])
+    assert axode.reconstruct(np.eye(4), np.zeros(6), []).shape == (0, 4, 4)
