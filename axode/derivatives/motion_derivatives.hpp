@@ -24,7 +24,7 @@ template <class Rep, class T> struct MotionChange {
   Twist<BodyFixed, T> X;
   Twist<Rep, T> V, dV;
 };
-/// How pose, V and V' change along (dq, dv, da), the matrices of motion_derivatives() times a direction. O(d).
+/// How pose, V and V' change along (dq, dv, da), the matrices of motion_derivatives() times a direction. O(n).
 template <RecursionRepresentation Rep, class T>
 MotionChange<Rep, T> motion_jvp(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v,
                                 Numbers<T> a, const std::type_identity_t<Place<T>>& place, Numbers<T> dq,
@@ -37,8 +37,8 @@ template <class Rep, class T> struct MotionWeights {
 };
 /// Where gradients with respect to q, v and a go: nv entries each. They may not overlap.
 template <class T> struct MotionGradients { std::span<T> q, v, a; };
-/// The gradient of the weighted sum of the components of pose, V and V': the transposed matrices times the weights. O(d)
-/// and the zeros. Of poses of several places sum what each of them gives.
+/// The gradient of the weighted sum of the components of pose, V and V': the transposed matrices times the weights. O(n).
+/// Of poses of several places sum what each of them gives.
 template <RecursionRepresentation Rep, class T>
 void motion_vjp(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v, Numbers<T> a,
                 const std::type_identity_t<Place<T>>& place,

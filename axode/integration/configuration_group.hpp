@@ -18,10 +18,10 @@ template <class T> class ConfigurationGroup {
 
   /// q ⊕ x, quaternions brought back to norm 1 in second order.
   void move(const T* q, const T* x, T* out) const noexcept {
-    each_own_joint([&](const auto& joint, int i) {
+    each_own_joint([&]<class Joint>(const Joint& joint, int i) {
       T* const to = out + tree()->iq[i];
       joint.integrate(q + tree()->iq[i], x + tree()->iv[i], to);
-      if constexpr (joint.nq > joint.nv) {
+      if constexpr (Joint::nq > Joint::nv) {
         const T scale = T(0.5) * (T(3) - (to[0] * to[0] + to[1] * to[1] + to[2] * to[2] + to[3] * to[3]));
         for (int k = 0; k < 4; ++k) to[k] = scale * to[k];
       }
@@ -58,9 +58,9 @@ template <class T> class ConfigurationGroup {
   /// f on the screws S x and S y of every joint of several velocities; the others get what `plain` has, or 0.
   template <class F>
   void each_block(const T* x, const T* y, T* out, const F& f, const T* plain = nullptr) const noexcept {
-    each_own_joint([&](const auto& joint, int i) {
+    each_own_joint([&]<class Joint>(const Joint& joint, int i) {
       const int c = tree()->iv[i];
-      if constexpr (joint.nv == 1) {
+      if constexpr (Joint::nv == 1) {
         out[c] = plain ? plain[c] : T(0);
       } else {
         const Twist<BodyFixed, T> X = joint.twist(x + c), Y = joint.twist(y + c);

@@ -231,6 +231,7 @@ TEST(Simulation, RefusesWhatItCannotUse) {
   EXPECT_THAT(fixed(-1, 0.1), testing::StartsWith("until is -1.0"));
   EXPECT_THAT(fixed(std::nan(""), 0.1), testing::StartsWith("until is nan"));
   EXPECT_EQ(simulate_fixed(model, at.q, at.v, 0, 0.1).size(), 1u);
+  EXPECT_TRUE(simulate(model, at.q, at.v, 1e-300).complete);
   Numbers v = at.v;
   v[2] = std::numeric_limits<double>::infinity();
   EXPECT_THAT(message_of([&] { (void)simulate(model, at.q, v, 1); }), testing::HasSubstr("not finite"));
