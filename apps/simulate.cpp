@@ -39,7 +39,7 @@ constexpr const char* footer =
 configurations: quaternions stay unit quaternions, and no orientation is singular.
 
 METHOD is dopri5 (steps as long as the tolerances allow), rk4 or euler (steps of --step seconds; of fourth and of first
-order, the latter semi-implicit).
+order, the latter semi-implicit), or generalized_alpha (implicit, of second order, for stiff systems).
 
 STATE is the JSON object of `axode eval` with the keys q, v, tau and loads; what is left out is neutral, at rest or 0.
 
@@ -49,9 +49,12 @@ Example:
 The ending of FILE says what is written: .json all that is known; .csv and .npy a row for each time with t, q, v and the
 energy, the former with names. Ctrl-C ends the motion; what there is by then is written.)";
 
-enum class Method { dopri5, rk4, euler };
-constexpr std::array<std::pair<std::string_view, Method>, 3> methods{
-    {{"dopri5", Method::dopri5}, {"rk4", Method::rk4}, {"euler", Method::euler}}};
+enum class Method { dopri5, rk4, euler, generalized_alpha };
+constexpr std::array<std::pair<std::string_view, Method>, 4> methods{
+    {{"dopri5", Method::dopri5},
+     {"rk4", Method::rk4},
+     {"euler", Method::euler},
+     {"generalized_alpha", Method::generalized_alpha}}};
 enum class FileFormat { json, csv, npy };
 constexpr std::array<std::pair<std::string_view, FileFormat>, 3> file_formats{
     {{".json", FileFormat::json}, {".csv", FileFormat::csv}, {".npy", FileFormat::npy}}};
@@ -116,6 +119,8 @@ Trajectory motion_of(const Model& model, const State& state, const Options& opti
                     {options.relative, options.absolute, options.step, 0}, acting);
   if (options.step == 0)
     throw UsageError("--step is missing; " + options.method + " takes steps of one length");
+  if (method == Method::generalized_alpha)
+    return simulate_stiff(model, state.q, state.v, options.until, options.step, 0.8, acting);
   return simulate_fixed(model, state.q, state.v, options.until, options.step,
                         runge_kutta(method == Method::rk4 ? 4 : 1), acting);
 }
@@ -232,7 +237,8 @@ void add_simulate(CLI::App& app, int& exit_code) {
       ->add_option("--state", options->state, "JSON, - for standard input; neutral and at rest if left out")
       ->type_name("FILE");
   simulate->add_option("--until", options->until, "The end, s; 1 if left out")->type_name("NUMBER");
-  simulate->add_option("--method", options->method, "dopri5 (if left out), rk4 or euler")->type_name("WORD");
+  simulate->add_option("--method", options->method, "dopri5 (if left out), rk4, euler or generalized_alpha")
+      ->type_name("WORD");
   simulate->add_option("--step", options->step, "Length of a step, s; of the first one with dopri5")
       ->type_name("NUMBER");
   simulate->add_option("--rtol", options->relative, "Relative tolerance; 1e-8 if left out")

@@ -1,12 +1,17 @@
 #include "axode/integration/simulation.hpp"
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 #include <string>
 
+#include "axode/derivatives/inverse_dynamics_derivatives.hpp"
 #include "axode/dynamics/check_loads.hpp"
 #include "axode/dynamics/forward_dynamics.hpp"
+#include "axode/dynamics/inverse_dynamics.hpp"
+#include "axode/eigen.hpp"
 #include "axode/integration/munthe_kaas.hpp"
 #include "axode/model/configuration.hpp"
 #include "axode/model/workspace.hpp"
@@ -58,6 +63,28 @@ class Run {
     const Solvability found = forward_dynamics(model_, workspace_, q_t, v_t, tau_, a_t, loads());
     if (!found.ok()) return stop(t, to_string(model_, found));
     return true;
+  }
+
+  /// ID(q, v, a) - tau, which is 0 where a is the acceleration; false, with the reason kept, where it is not finite.
+  bool residual(double t, Span q_t, Span v_t, Span a_t, std::span<double> r) {
+    ++trajectory.evaluations;
+    if (!finite(q_t) || !finite(v_t) || !finite(a_t)) return stop(t, "the state is not finite");
+    inverse_dynamics(model_, workspace_, q_t, v_t, a_t, r, loads());
+    if (options_.drive) {
+      options_.drive(t, q_t, v_t, tau_);
+      for (std::size_t c = 0; c < r.size(); ++c) r[c] -= tau_[c];
+    }
+    return finite(r) || stop(t, "forces are not finite at " + joint_of(r));
+  }
+  /// Its derivatives, without those of the drive: by q, v and a.
+  void residual_derivatives(Span q_t, Span v_t, Span a_t, const InverseDynamicsDerivatives<double>& dr) {
+    inverse_dynamics_derivatives(model_, workspace_, q_t, v_t, a_t, dr, loads());
+  }
+  bool is_driven() const { return static_cast<bool>(options_.drive); }
+  /// tau of the drive.
+  Span drive(double t, Span q_t, Span v_t) {
+    options_.drive(t, q_t, v_t, tau_);
+    return tau_;
   }
 
   /// Takes the end of a step, with the acceleration there where it is known; false where the motion ends.
@@ -141,17 +168,21 @@ class Run {
   bool ended_ = false;
 };
 
+void check_step(double step) {
+  if (!(step > 0) || !std::isfinite(step))
+    throw std::invalid_argument("step is " + std::to_string(step) + "; expected a time of more than 0 s");
+}
+double number_of_steps(double until, double step) { return std::ceil(until / step - 1e-9); }
+
 }  // namespace
 
 Trajectory simulate_fixed(const Model& model, Span q, Span v, double until, double step,
                           const Tableau& method, const SimulationOptions& options) {
-  check(method);
-  if (!(step > 0) || !std::isfinite(step))
-    throw std::invalid_argument("step is " + std::to_string(step) + "; expected a time of more than 0 s");
+  check(method), check_step(step);
   Run run(model, q, v, until, options);
   MuntheKaas scheme(model.tree<double>(), method);
   const ConfigurationGroup<double> group(model.tree<double>());
-  const double whole = std::ceil(until / step - 1e-9);
+  const double whole = number_of_steps(until, step);
   const auto accelerate = [&](double t, Span q_t, Span v_t, std::span<double> a_t) {
     return run.accelerate(t, q_t, v_t, a_t);
   };
@@ -168,6 +199,99 @@ Trajectory simulate_fixed(const Model& model, Span q, Span v, double until, doub
     }
     group.move(run.q.data(), scheme.theta.data(), q_1.data());
     if (!run.take(t_1, q_1, scheme.v, scheme.ends_with_stage() ? scheme.end() : Span{})) break;
+  }
+  return std::move(run.trajectory);
+}
+
+Trajectory simulate_stiff(const Model& model, Span q, Span v, double until, double step, double rho,
+                          const SimulationOptions& options) {
+  check_step(step);
+  if (!(rho >= 0 && rho <= 1))
+    throw std::invalid_argument("spectral radius is " + std::to_string(rho) + "; expected 0 to 1");
+  Run run(model, q, v, until, options);
+  const ConfigurationGroup<double> group(model.tree<double>());
+  const Eigen::Index nv = model.nv();
+  const std::size_t size = run.v.size();
+  using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
+  // Of the mean acceleration â with (1 - α_m) â_1 + α_m â_0 = (1 - α_f) a_1 + α_f a_0.
+  const double a_m = (2 * rho - 1) / (rho + 1), a_f = rho / (rho + 1), gamma = 0.5 + a_f - a_m,
+               beta = (gamma + 0.5) * (gamma + 0.5) / 4, c = (1 - a_f) / (1 - a_m);
+  Vector mean_0 = run.a, mean(size), x(size), v_1(size), q_1(run.q.size()), r(size);
+  Matrix dq(nv, nv), dv(nv, nv), J(nv, nv);
+  Eigen::PartialPivLU<Matrix> lu;
+  /// The end of a step in which the acceleration becomes a.
+  const auto end_of_step = [&](double h, const Vector& a) {
+    for (std::size_t k = 0; k < size; ++k) {
+      mean[k] = (a_f * run.a[k] - a_m * mean_0[k]) / (1 - a_m) + c * a[k];
+      v_1[k] = run.v[k] + h * ((1 - gamma) * mean_0[k] + gamma * mean[k]);
+      x[k] = h * run.v[k] + h * h * ((0.5 - beta) * mean_0[k] + beta * mean[k]);
+    }
+    group.move(run.q.data(), x.data(), q_1.data());
+  };
+  /// The derivative of the residual by a.
+  bool with_drive = false;  // from when it is needed on
+  const auto linearize_at = [&](double t, double h, Vector& a) {
+    run.residual_derivatives(q_1, v_1, a, {as_span(dq), as_span(dv), as_span(J)});
+    if (!group.commutes()) {  // what moves x moves q by dexp_{-x}
+      Matrix T(nv, nv);
+      Vector unit(size), image(size);
+      for (Eigen::Index k = 0; k < nv; ++k) {
+        std::ranges::fill(unit, 0.0), unit[static_cast<std::size_t>(k)] = 1;
+        group.velocity(x.data(), unit.data(), image.data());
+        T.col(k) = Eigen::Map<const Eigen::VectorXd>(image.data(), nv);
+      }
+      dq = (dq * T).eval();
+    }
+    J += (h * gamma * c) * dv + (h * h * beta * c) * dq;
+    if (with_drive && run.is_driven()) {
+      const Span now = run.drive(t, q_1, v_1);
+      const Vector tau(now.begin(), now.end());
+      for (Eigen::Index k = 0; k < nv; ++k) {
+        double& a_k = a[static_cast<std::size_t>(k)];
+        const double before = a_k,
+                     by = 1e-7 * (1 + std::abs(v_1[static_cast<std::size_t>(k)])) / (h * gamma * c);
+        a_k += by, end_of_step(h, a);
+        const Span moved = run.drive(t, q_1, v_1);
+        for (Eigen::Index i = 0; i < nv; ++i)
+          J(i, k) -= (moved[static_cast<std::size_t>(i)] - tau[static_cast<std::size_t>(i)]) / by;
+        a_k = before;
+      }
+      end_of_step(h, a);
+    }
+    lu.compute(J);
+  };
+  /// Newton's method; false where there is no end, or none was found.
+  const auto solve = [&](double t, double h, Vector& a) {
+    double before = std::numeric_limits<double>::infinity();
+    for (int iteration = 0; iteration < 40; ++iteration) {
+      end_of_step(h, a);
+      if (!run.residual(t, q_1, v_1, a, r)) return false;
+      if (iteration == 0) linearize_at(t, h, a);
+      Eigen::VectorXd step_of_a = lu.solve(Eigen::Map<const Eigen::VectorXd>(r.data(), nv));
+      double change = 0;
+      for (std::size_t k = 0; k < size; ++k)
+        change = std::max(change, std::abs(step_of_a[static_cast<Eigen::Index>(k)]) / (1 + std::abs(a[k])));
+      if (iteration > 0 && !(change < 0.1 * before)) {
+        if (before < 1e-9) return true;  // rounding
+        with_drive = true, linearize_at(t, h, a);
+        step_of_a = lu.solve(Eigen::Map<const Eigen::VectorXd>(r.data(), nv));
+      }
+      for (std::size_t k = 0; k < size; ++k) a[k] -= step_of_a[static_cast<Eigen::Index>(k)];
+      before = change;
+      if (change < 1e-13) return true;
+    }
+    return run.stop(t, "Newton's method did not converge; a shorter step may help");
+  };
+
+  const double whole = number_of_steps(until, step);
+  for (double k = 1; k <= whole && !run.done(); ++k) {
+    const double t_1 = k == whole ? until : k * step, h = t_1 - run.now();
+    Vector a = run.a;
+    if (!solve(t_1, h, a)) break;
+    end_of_step(h, a);
+    mean_0 = mean;
+    if (!run.take(t_1, Vector(q_1), Vector(v_1), a)) break;
   }
   return std::move(run.trajectory);
 }

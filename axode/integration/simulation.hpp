@@ -35,6 +35,15 @@ Trajectory simulate_fixed(const Model& model, std::span<const double> q, std::sp
                           double until, double step, const Tableau& method = runge_kutta(4),
                           const SimulationOptions& options = {});
 
+/// The same for stiff systems, by generalised-α on the group with Newton's method on exact derivatives of the dynamics:
+/// of second order, implicit, with numerical damping of what oscillates quickly. The spectral radius at infinity says how
+/// much is left of that in a step, 1 all and 0 nothing. Forces of the drive that depend on the state are differenced where
+/// Newton's method needs them. A step that does not converge ends the motion. Throws as simulate_fixed(), and for
+/// a radius outside of [0, 1].
+Trajectory simulate_stiff(const Model& model, std::span<const double> q, std::span<const double> v,
+                          double until, double step, double spectral_radius = 0.8,
+                          const SimulationOptions& options = {});
+
 struct Tolerances {
   double relative = 1e-8, absolute = 1e-10;
   double first_step = 0, largest_step = 0;  ///< 0: chosen, and unlimited

@@ -131,7 +131,7 @@ BoundTrajectory simulate_of(const BoundModel& m, ArrayLike q, ArrayLike v, doubl
                                   .c_str());
     }
   }
-  static constexpr std::array<std::string_view, 3> methods{"dopri5", "rk4", "euler"};
+  static constexpr std::array<std::string_view, 4> methods{"dopri5", "rk4", "euler", "generalized_alpha"};
   const std::size_t which = choose("method", nb::str(method.c_str()), methods);
   if (which > 0 && step.is_none())
     throw nb::value_error(
@@ -147,9 +147,10 @@ BoundTrajectory simulate_of(const BoundModel& m, ArrayLike q, ArrayLike v, doubl
     return look(0, 0);
   };
   BoundTrajectory found(
-      which == 0 ? simulate(*m, states.q(0), velocities[0], until, {rtol, atol, length, 0.0}, options)
-                 : simulate_fixed(*m, states.q(0), velocities[0], until, length,
-                                  runge_kutta(which == 1 ? 4 : 1), options));
+      which == 0   ? simulate(*m, states.q(0), velocities[0], until, {rtol, atol, length, 0.0}, options)
+      : which == 3 ? simulate_stiff(*m, states.q(0), velocities[0], until, length, 0.8, options)
+                   : simulate_fixed(*m, states.q(0), velocities[0], until, length,
+                                    runge_kutta(which == 1 ? 4 : 1), options));
   call.end();
   if (sample_times) found.sample({sample_times->data(), static_cast<std::size_t>(sample_times->size())});
   return found;

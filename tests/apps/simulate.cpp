@@ -83,7 +83,7 @@ TEST(SimulateCommand, RefusesWhatItCannotUse) {
     return outcome.err;
   };
   EXPECT_THAT(error({"--method", "verlet"}),
-              StartsWith("axode simulate: --method: \"verlet\" is none of dopri5, rk4, euler"));
+              StartsWith("axode simulate: --method: \"verlet\" is none of dopri5, rk4, euler, generalized_alpha"));
   EXPECT_THAT(error({"--method", "rk4"}), StartsWith("axode simulate: --step is missing"));
   EXPECT_THAT(error({"--method", "rk4", "--step", "-1"}), StartsWith("axode simulate: step is -1"));
   EXPECT_THAT(error({"--until", "-1"}), StartsWith("axode simulate: until is -1"));

@@ -88,6 +88,59 @@ TEST(Simulation, HasTheOrdersOfItsMethodsOnTheGroup) {
   }
 }
 
+TEST(Simulation, OfStiffSystemsIsOfSecondOrderOnTheGroup) {
+  const Model model = test_tree();
+  const State<double> at = test_state(model);
+  SimulationOptions options;
+  options.drive = [](double t, Span, Span v, std::span<double> tau) {
+    for (std::size_t c = 0; c < tau.size(); ++c)
+      tau[c] = std::sin(3 * t + static_cast<double>(c)) - 0.3 * v[c];
+  };
+  const Trajectory exact = simulate(model, at.q, at.v, 0.5, {.relative = 1e-12, .absolute = 1e-12}, options);
+  for (const double rho : {1.0, 0.8, 0.3}) {
+    SCOPED_TRACE(rho);
+    const auto error = [&](int steps) {
+      const Trajectory motion = simulate_stiff(model, at.q, at.v, 0.5, 0.5 / steps, rho, options);
+      EXPECT_TRUE(motion.complete) << motion.stopped;
+      return distance(model, last_q(exact), last_q(motion));
+    };
+    EXPECT_NEAR(std::log2(error(100) / error(200)), 2, 0.15);
+  }
+}
+
+TEST(Simulation, OfAStiffSpringIsQuietWhereTheMotionIs) {
+  // A spring of 1e8 N m/rad at the first of two hinges, in equilibrium with the weight at the start; explicit methods would
+  // need steps of 0.07 ms.
+  Description arm{.name = "arm"};
+  for (int k = 0; k < 2; ++k) {
+    BodyDescription body{.name = k == 0 ? "upper" : "fore", .predecessor = k == 0 ? "ground" : "upper"};
+    body.joint = {.name = k == 0 ? "shoulder" : "elbow",
+                  .kind = JointKind::revolute,
+                  .axis = {0, 1, 0},
+                  .point = {static_cast<double>(k), 0, 0}};
+    body.inertia = MassProperties{.mass = 10, .com = {0.5 + k, 0, 0}, .Theta = {1, 1, 1}};
+    arm.bodies.push_back(std::move(body));
+  }
+  const Model model = ModelBuilder(arm).build();
+  const double stiffness = 1e8;
+  Workspace<> workspace(model);
+  Numbers weight(2);
+  gravity_torques(model, workspace, Numbers{0, 0}, weight);
+  SimulationOptions options;
+  options.drive = [&](double, Span q, Span, std::span<double> tau) {
+    tau[0] = weight[0] - stiffness * q[0], tau[1] = 0;
+  };
+  const auto elbow = [&](double step) {
+    const Trajectory motion = simulate_stiff(model, Numbers{0, 0}, Numbers{0, 0}, 0.5, step, 0.8, options);
+    EXPECT_TRUE(motion.complete) << motion.stopped;
+    EXPECT_LE(std::abs(last_q(motion)[0]), 1e-5);
+    EXPECT_LE(motion.evaluations, 12 * motion.steps);
+    return last_q(motion)[1];
+  };
+  const double coarse = elbow(2e-3), middle = elbow(1e-3), fine = elbow(5e-4);
+  EXPECT_NEAR(std::log2((coarse - middle) / (middle - fine)), 2, 0.3);
+}
+
 TEST(Simulation, IsOfSecondOrderWhereTheGroupIsForgotten) {
   // The same stages with x' = v in the place of x' = dexp⁻¹ v: what HasTheOrders would let pass on hinges alone.
   const Model model = test_tree();
@@ -226,6 +279,10 @@ TEST(Simulation, RefusesWhatItCannotUse) {
   const auto fixed = [&](double until, double step) {
     return message_of([&] { (void)simulate_fixed(model, at.q, at.v, until, step); });
   };
+  EXPECT_THAT(message_of([&] { (void)simulate_stiff(model, at.q, at.v, 1, 0.1, 1.5); }),
+              testing::StartsWith("spectral radius is 1.5"));
+  EXPECT_THAT(message_of([&] { (void)simulate_stiff(model, at.q, at.v, 1, -0.1); }),
+              testing::StartsWith("step is -0.1"));
   EXPECT_THAT(fixed(1, 0), testing::StartsWith("step is 0.0"));
   EXPECT_THAT(fixed(1, -1), testing::StartsWith("step is -1.0"));
   EXPECT_THAT(fixed(-1, 0.1), testing::StartsWith("until is -1.0"));

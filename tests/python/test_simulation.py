@@ -11,7 +11,8 @@ HUMANOID = axode.load(axode.robots / "humanoid.urdf", base="free")
 REST = np.full(7, 0.3), np.zeros(7)
 
 
-@pytest.mark.parametrize("method, step, tolerance", [("dopri5", None, 1e-7), ("rk4", 1e-3, 1e-7), ("euler", 1e-4, 1e-2)])
+@pytest.mark.parametrize("method, step, tolerance", [("dopri5", None, 1e-7), ("rk4", 1e-3, 1e-7), ("euler", 1e-4, 1e-2),
+                                                     ("generalized_alpha", 1e-3, 1e-3)])
 def test_methods_agree_and_keep_the_energy(method, step, tolerance):
     exact = axode.simulate(ARM, *REST, 0.5, rtol=1e-12, atol=1e-13)
     motion = axode.simulate(ARM, *REST, 0.5, method=method, step=step)
@@ -88,7 +89,7 @@ def test_motions_that_cannot_go_on_say_why():
     (dict(until=-1.0), "until is -1"), (dict(until=np.nan), "until is nan"), (dict(until=np.inf), "until is inf"),
     (dict(until=1.0, method="rk4"), "step: method 'rk4'"), (dict(until=1.0, method="rk4", step=0.0), "step is 0"),
     (dict(until=1.0, method="rk4", step=-0.1), "step is -0.1"),
-    (dict(until=1.0, method="verlet"), "method is 'verlet'; expected one of 'dopri5', 'rk4', 'euler'"),
+    (dict(until=1.0, method="verlet"), "method is 'verlet'; expected one of 'dopri5', 'rk4', 'euler', 'generalized_alpha'"),
     (dict(until=1.0, rtol=-1.0), "relative tolerance is -1"),
     (dict(until=1.0, times=[0, 0.5, 0.5]), r"times\[2\] is 0.5"), (dict(until=1.0, times=[2.0]), r"times\[0\] is 2"),
     (dict(until=1.0, tau=np.zeros(6)), r"tau: expected shape \(7,\)"),
