@@ -4,6 +4,7 @@
 #include <span>
 #include <type_traits>
 
+#include "axode/integration/tableau.hpp"
 #include "axode/kinematics/arguments.hpp"
 #include "axode/recursion/solvability.hpp"
 
@@ -100,6 +101,13 @@ template <class T>
 Outcome forward_dynamics_vjp(const Model& model, std::span<const T> q, Numbers<T> v, Numbers<T> tau,
                              Numbers<T> w, std::type_identity_t<std::span<T>> gradient, int threads = 1,
                              const Monitor& monitor = {});
+
+/// N motions of K steps of one length (s), see axode::simulate_fixed: tau has nv K N numbers, constant in each step; q_out
+/// and v_out get (K + 1) states for each motion, the first of which is the one given. A motion that cannot go on is NaN
+/// from there. One motion after the other, each on one core.
+Outcome rollout(const Model& model, std::span<const double> q, std::span<const double> v,
+                std::span<const double> tau, double step, std::span<double> q_out, std::span<double> v_out,
+                const Tableau& method = runge_kutta(4), int threads = 1, const Monitor& monitor = {});
 
 /// The instruction set that this processor is served with: "SSE2", "AVX2" or "AVX-512".
 const char* instruction_set();

@@ -331,7 +331,7 @@ Trajectory simulate(const Model& model, Span q, Span v, double until, const Tole
     const double t = run.now(), rest = until - t;
     h = std::min({h, most, rest});
     const bool last = h >= rest * (1 - 1e-12);
-    if (!(t + h / 8 > t)) {
+    if (!last && !(h > 1e-15 * until)) {
       run.stop(t, "the step became too short for the tolerances");
       break;
     }

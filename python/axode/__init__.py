@@ -100,6 +100,7 @@ from ._axode import (
     read_urdf,
     regressor,
     relative_jacobian,
+    rollout,
     spatial_momentum,
     spatial_momentum_form,
     twist_derivatives,
@@ -160,7 +161,7 @@ __all__ = [
     "inverse_dynamics_geometry_vjp", "forward_dynamics_geometry_vjp", "frame_geometry_jacobian",
     "jacobian_geometry_derivatives", "linearize", "equilibrium",
     # motion in time
-    "simulate", "reconstruct", "Trajectory",
+    "simulate", "rollout", "reconstruct", "Trajectory",
     # what else is taken, given and raised
     "Load", "Target", "InverseKinematics", "InverseDynamicsDerivatives", "ForwardDynamicsDerivatives",
     "InverseDynamicsHessian", "ForwardDynamicsHessian", "StateDerivatives", "MotionDerivatives", "MotionChange",

@@ -2,10 +2,12 @@
 
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
+#include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
 
 #include <optional>
 
+#include "axode/batch.hpp"
 #include "axode/dynamics.hpp"
 #include "bindings.hpp"
 #include "choice.hpp"
@@ -156,6 +158,34 @@ BoundTrajectory simulate_of(const BoundModel& m, ArrayLike q, ArrayLike v, doubl
   return found;
 }
 
+std::tuple<Array, Array> rollout_of(const BoundModel& m, ArrayLike q, ArrayLike v, ArrayLike tau, double step,
+                                    int threads) {
+  const States states(m, q, threads);
+  if (!states.many()) throw nb::value_error("q: expected shape (N, nq), a state for each motion");
+  const Items velocities = states.velocities("v", v);
+  const Numbers forces("tau", tau);
+  const nb::ssize_t N = static_cast<nb::ssize_t>(states.count()),
+                    K = forces.axes() == 3 ? forces.length(1) : 0;
+  const Shape expected{N, K, m->nv()};
+  if (forces.axes() != 3 || !forces.ends_with(expected))
+    forces.wrong_shape("(" + std::to_string(N) + ", K, " + std::to_string(m->nv()) +
+                       "), nv numbers for each step");
+  NewArray q_out({N, K + 1, m->nq()}), v_out({N, K + 1, m->nv()});
+  const batch::Outcome outcome =
+      states.unlocked(100.0 * static_cast<double>(K), [&](const batch::Monitor& monitor) {
+        return batch::rollout(*m, states.q(), velocities.all(),
+                              {forces.data(), static_cast<std::size_t>(forces.size())}, step, q_out.all(),
+                              v_out.all(), runge_kutta(4), threads, monitor);
+      });
+  if (!outcome.ok()) {
+    std::vector<Solvability> found(states.count());
+    for (std::size_t n = outcome.first; n < found.size(); ++n)
+      if (!all_finite(item(v_out, n, {K + 1, m->nv()}))) found[n] = outcome.solvability;
+    states.refuse(found, q_out);
+  }
+  return {q_out.array(), v_out.array()};
+}
+
 Array reconstruct_of(ArrayLike C0, ArrayLike twists, ArrayLike times, Representation representation,
                      int order) {
   const Numbers start("C0", C0), V("twist", twists), t("times", times);
@@ -284,6 +314,18 @@ Between the ends of steps configurations are those of quintics on the group, err
   module.def("simulate_motion", &simulate_of, "m"_a, "q"_a, "v"_a, "until"_a, "method"_a, "step"_a.none(),
              "rtol"_a, "atol"_a, "tau"_a.none(), "loads"_a.none(), "joint_losses"_a, "times"_a.none(),
              "events"_a, "progress"_a.none(), "See axode.simulate.");
+  module.def("rollout", &rollout_of, "m"_a, "q"_a, "v"_a, "tau"_a, "step"_a, nb::kw_only(), "threads"_a = 1,
+             R"(
+(q, v) of N motions of K steps of `step` s: (N, K + 1, nq) and (N, K + 1, nv), the states given in front.
+
+q (N, nq) and v (N, nv) are where they begin, tau (N, K, nv) the drive forces, constant in each step. Munthe-Kaas' fourth
+order, as `simulate` with method="rk4". SingularError or NotFiniteError, with q, where motions cannot go on; they are NaN
+from there.
+
+>>> q, v = axode.rollout(arm, np.zeros((5, 7)), np.zeros((5, 7)), np.ones((5, 20, 7)), 1e-3)
+>>> q.shape
+(5, 21, 7)
+)");
   module.def("reconstruct_poses", &reconstruct_of, "C0"_a, "twists"_a, "times"_a, "representation"_a,
              "order"_a, "See axode.reconstruct.");
   module.def(

@@ -39,13 +39,15 @@ INSTANTIATE_TEST_SUITE_P(
         {"NoCommand",
          {},
          2,
-         "axode: a command is missing; there are info, check, convert, eval, linearize, simulate, codegen, study, demo "
+         "axode: a command is missing; there are info, check, convert, eval, linearize, simulate, codegen, "
+         "study, demo "
          "(see axode "
          "--help)"},
         {"UnknownCommand",
          {"evla", arm},
          2,
-         "axode: there is no command \"evla\"; there are info, check, convert, eval, linearize, simulate, codegen, "
+         "axode: there is no command \"evla\"; there are info, check, convert, eval, linearize, simulate, "
+         "codegen, "
          "study, demo; "
          "did you "
          "mean "

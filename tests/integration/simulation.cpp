@@ -255,6 +255,10 @@ TEST(Simulation, EndsWithAReasonWhereItCannotGoOn) {
   const Model model = test_tree();
   const State<double> at = test_state(model);
   SimulationOptions options;
+  options.drive = [](double, Span, Span, std::span<double> tau) { std::ranges::fill(tau, 1e200); };
+  const Trajectory burst = simulate(model, at.q, at.v, 1, {}, options);
+  EXPECT_FALSE(burst.complete);
+  EXPECT_LE(burst.steps, 100u);
   options.drive = [](double t, Span, Span, std::span<double> tau) {
     std::ranges::fill(tau, 0.0);
     if (t > 0.1) tau[7] = std::nan("");

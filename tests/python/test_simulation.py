@@ -122,6 +122,38 @@ def test_threads_give_the_same():
         np.testing.assert_array_equal(motion.q, expected.q)
 
 
+def test_rollouts_are_the_motions_one_by_one():
+    rng = np.random.default_rng(3)
+    q0, v0, tau = HUMANOID.random(n=6), 0.1 * rng.normal(size=(6, HUMANOID.nv)), rng.normal(size=(6, 4, HUMANOID.nv))
+    q, v = axode.rollout(HUMANOID, q0, v0, tau, 1e-3)
+    assert q.shape == (6, 5, HUMANOID.nq) and v.shape == (6, 5, HUMANOID.nv)
+    np.testing.assert_array_equal(q[:, 0], q0)
+    for n in range(6):
+        at = q0[n], v0[n]
+        for k in range(4):
+            step = axode.simulate(HUMANOID, *at, 1e-3, method="rk4", step=1e-3, tau=tau[n, k])
+            at = step.q[-1], step.v[-1]
+        np.testing.assert_allclose(q[n, -1], at[0], atol=1e-13)
+        np.testing.assert_allclose(v[n, -1], at[1], atol=1e-11)
+    for x, y in zip((q, v), axode.rollout(HUMANOID, q0, v0, tau, 1e-3, threads=2)):
+        np.testing.assert_array_equal(x, y)
+    assert axode.rollout(ARM, np.zeros((0, 7)), np.zeros((0, 7)), np.zeros((0, 3, 7)), 1e-3)[0].shape == (0, 4, 7)
+
+
+def test_rollouts_say_which_motions_cannot_go_on():
+    tau = np.zeros((3, 5, 7))
+    tau[1, 2] = 1e300
+    with pytest.raises(axode.NotFiniteError) as found:
+        axode.rollout(ARM, np.full((3, 7), 0.1), np.zeros((3, 7)), tau, 1e-2)
+    assert found.value.states == [1]
+    assert np.all(np.isfinite(found.value.result[[0, 2]])) and np.all(np.isnan(found.value.result[1, -1]))
+    for arguments, sentence in [((np.zeros(7), np.zeros(7), tau, 1e-2), r"q: expected shape \(N, nq\)"),
+                                ((np.zeros((3, 7)), np.zeros((3, 7)), tau[:2], 1e-2), "tau: expected shape"),
+                                ((np.zeros((3, 7)), np.zeros((3, 7)), tau, 0.0), "step is 0")]:
+        with pytest.raises(ValueError, match=sentence):
+            axode.rollout(ARM, *arguments)
+
+
 def twisting(t):
     return np.array([np.sin(2 * t), 1 + t, np.cos(3 * t), t, 0.5, -t])
 
