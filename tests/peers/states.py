@@ -13,6 +13,15 @@ def assert_equal(quantity, ours, theirs, bound=1e-10):
     assert error <= bound * scale, f"{quantity} of {worst} differs by {error} in {scale}"
 
 
+def assert_close(quantity, ours, theirs, scale=0.0, bound=1e-9):
+    """Two arrays are the same to a part of the largest entry, or of a scale."""
+    ours, theirs = np.array(ours), np.array(theirs)
+    assert ours.shape == theirs.shape, quantity
+    size = max(np.max(np.abs(theirs), initial=0), scale)
+    error = np.max(np.abs(ours - theirs), initial=0)
+    assert error <= bound * size, f"{quantity} differs by {error} in {size}"
+
+
 def random_state(robot, random):
     """Numbers by joint, and a few loads on links."""
     values = {key: {name: random.uniform(-1, 1, 6 if name == FREE_BASE else 1).tolist()

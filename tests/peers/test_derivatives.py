@@ -5,18 +5,9 @@ import pinocchio as pin
 import pytest
 from axode_command import evaluate, robots
 from pinocchio_robot import LOCAL, Robot
-from states import as_json, random_state
+from states import as_json, assert_close, random_state
 
-BOUND = 1e-9  # of the largest entry
 STATES = 2
-
-
-def assert_close(quantity, ours, theirs, scale=0.0):
-    ours, theirs = np.array(ours), np.array(theirs)
-    assert ours.shape == theirs.shape, quantity
-    size = max(np.max(np.abs(theirs), initial=0), scale)
-    error = np.max(np.abs(ours - theirs), initial=0)
-    assert error <= BOUND * size, f"{quantity} differs by {error} in {size}"
 
 
 class Case:

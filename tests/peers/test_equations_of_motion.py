@@ -5,23 +5,14 @@ import pinocchio as pin
 import pytest
 from axode_command import REPRESENTATIONS, evaluate, refusal, robots
 from pinocchio_robot import Robot
-from states import as_json, random_state
+from states import as_json, assert_close, random_state
 
-BOUND = 1e-9  # of the largest entry
 STATES = 2
 WITHOUT_INVERSE = ["mass_matrix", "coriolis_matrix", "coriolis_vector", "gravity_torques", "regressor",
                    "body_momenta", "kinetic_energy", "potential_energy", "centroidal_momentum", "centroidal_inertia",
                    "momenta"]
 # theta xx xy yy xz yz zz of Pinocchio in our order xx yy zz xy xz yz, after m, m c
 PARAMETERS = [0, 1, 2, 3, 4, 6, 9, 5, 7, 8]
-
-
-def assert_close(quantity, ours, theirs, scale=0):
-    ours, theirs = np.array(ours), np.array(theirs)
-    assert ours.shape == theirs.shape, quantity
-    size = max(np.max(np.abs(theirs), initial=0), scale)
-    error = np.max(np.abs(ours - theirs), initial=0)
-    assert error <= BOUND * size, f"{quantity} differs by {error} in {size}"
 
 
 class Case:
