@@ -204,6 +204,8 @@ void print(const Trajectory& motion, const Rows& rows) {
 
 void run(const Options& options, int& exit_code) {
   const Format format = choose("--format", options.format, formats);
+  if (options.samples < 0)
+    throw UsageError(fmt::format("--samples is {}; it must not be negative", options.samples));
   std::vector<FileFormat> kinds;
   for (const std::string& file : options.outputs)
     kinds.push_back(choose("--output: " + file + ": the ending",
@@ -246,8 +248,7 @@ void add_simulate(CLI::App& app, int& exit_code) {
   simulate->add_option("--atol", options->absolute, "Absolute tolerance, rad, m; 1e-10 if left out")
       ->type_name("NUMBER");
   simulate->add_option("--samples", options->samples, "Write so many equal intervals instead of the steps")
-      ->type_name("NUMBER")
-      ->check(CLI::NonNegativeNumber);
+      ->type_name("NUMBER");
   simulate->add_flag("--joint-losses", options->joint_losses, "Count damping and friction of the joints");
   simulate->add_option("--output", options->outputs, "Write a .json, .csv or .npy; may be given again")
       ->type_name("FILE")

@@ -1,17 +1,14 @@
 #include "axode/integration/simulation.hpp"
 
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <stdexcept>
 #include <string>
 
-#include "axode/derivatives/inverse_dynamics_derivatives.hpp"
 #include "axode/dynamics/check_loads.hpp"
 #include "axode/dynamics/forward_dynamics.hpp"
 #include "axode/dynamics/inverse_dynamics.hpp"
-#include "axode/eigen.hpp"
+#include "axode/integration/generalized_alpha.hpp"
 #include "axode/integration/munthe_kaas.hpp"
 #include "axode/model/configuration.hpp"
 #include "axode/model/workspace.hpp"
@@ -209,89 +206,15 @@ Trajectory simulate_stiff(const Model& model, Span q, Span v, double until, doub
   if (!(rho >= 0 && rho <= 1))
     throw std::invalid_argument("spectral radius is " + std::to_string(rho) + "; expected 0 to 1");
   Run run(model, q, v, until, options);
-  const ConfigurationGroup<double> group(model.tree<double>());
-  const Eigen::Index nv = model.nv();
-  const std::size_t size = run.v.size();
-  using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-
-  // Of the mean acceleration â with (1 - α_m) â_1 + α_m â_0 = (1 - α_f) a_1 + α_f a_0.
-  const double a_m = (2 * rho - 1) / (rho + 1), a_f = rho / (rho + 1), gamma = 0.5 + a_f - a_m,
-               beta = (gamma + 0.5) * (gamma + 0.5) / 4, c = (1 - a_f) / (1 - a_m);
-  Vector mean_0 = run.a, mean(size), x(size), v_1(size), q_1(run.q.size()), r(size);
-  Matrix dq(nv, nv), dv(nv, nv), J(nv, nv);
-  Eigen::PartialPivLU<Matrix> lu;
-  /// The end of a step in which the acceleration becomes a.
-  const auto end_of_step = [&](double h, const Vector& a) {
-    for (std::size_t k = 0; k < size; ++k) {
-      mean[k] = (a_f * run.a[k] - a_m * mean_0[k]) / (1 - a_m) + c * a[k];
-      v_1[k] = run.v[k] + h * ((1 - gamma) * mean_0[k] + gamma * mean[k]);
-      x[k] = h * run.v[k] + h * h * ((0.5 - beta) * mean_0[k] + beta * mean[k]);
-    }
-    group.move(run.q.data(), x.data(), q_1.data());
-  };
-  /// The derivative of the residual by a.
-  bool with_drive = false;  // from when it is needed on
-  const auto linearize_at = [&](double t, double h, Vector& a) {
-    run.residual_derivatives(q_1, v_1, a, {as_span(dq), as_span(dv), as_span(J)});
-    if (!group.commutes()) {  // what moves x moves q by dexp_{-x}
-      Matrix T(nv, nv);
-      Vector unit(size), image(size);
-      for (Eigen::Index k = 0; k < nv; ++k) {
-        std::ranges::fill(unit, 0.0), unit[static_cast<std::size_t>(k)] = 1;
-        group.velocity(x.data(), unit.data(), image.data());
-        T.col(k) = Eigen::Map<const Eigen::VectorXd>(image.data(), nv);
-      }
-      dq = (dq * T).eval();
-    }
-    J += (h * gamma * c) * dv + (h * h * beta * c) * dq;
-    if (with_drive && run.is_driven()) {
-      const Span now = run.drive(t, q_1, v_1);
-      const Vector tau(now.begin(), now.end());
-      for (Eigen::Index k = 0; k < nv; ++k) {
-        double& a_k = a[static_cast<std::size_t>(k)];
-        const double before = a_k,
-                     by = 1e-7 * (1 + std::abs(v_1[static_cast<std::size_t>(k)])) / (h * gamma * c);
-        a_k += by, end_of_step(h, a);
-        const Span moved = run.drive(t, q_1, v_1);
-        for (Eigen::Index i = 0; i < nv; ++i)
-          J(i, k) -= (moved[static_cast<std::size_t>(i)] - tau[static_cast<std::size_t>(i)]) / by;
-        a_k = before;
-      }
-      end_of_step(h, a);
-    }
-    lu.compute(J);
-  };
-  /// Newton's method; false where there is no end, or none was found.
-  const auto solve = [&](double t, double h, Vector& a) {
-    double before = std::numeric_limits<double>::infinity();
-    for (int iteration = 0; iteration < 40; ++iteration) {
-      end_of_step(h, a);
-      if (!run.residual(t, q_1, v_1, a, r)) return false;
-      if (iteration == 0) linearize_at(t, h, a);
-      Eigen::VectorXd step_of_a = lu.solve(Eigen::Map<const Eigen::VectorXd>(r.data(), nv));
-      double change = 0;
-      for (std::size_t k = 0; k < size; ++k)
-        change = std::max(change, std::abs(step_of_a[static_cast<Eigen::Index>(k)]) / (1 + std::abs(a[k])));
-      if (iteration > 0 && !(change < 0.1 * before)) {
-        if (before < 1e-9) return true;  // rounding
-        with_drive = true, linearize_at(t, h, a);
-        step_of_a = lu.solve(Eigen::Map<const Eigen::VectorXd>(r.data(), nv));
-      }
-      for (std::size_t k = 0; k < size; ++k) a[k] -= step_of_a[static_cast<Eigen::Index>(k)];
-      before = change;
-      if (change < 1e-13) return true;
-    }
-    return run.stop(t, "Newton's method did not converge; a shorter step may help");
-  };
-
+  GeneralizedAlpha scheme(run, model.tree<double>(), rho, run.a);
+  using Outcome = GeneralizedAlpha<Run>::Outcome;
   const double whole = number_of_steps(until, step);
   for (double k = 1; k <= whole && !run.done(); ++k) {
-    const double t_1 = k == whole ? until : k * step, h = t_1 - run.now();
-    Vector a = run.a;
-    if (!solve(t_1, h, a)) break;
-    end_of_step(h, a);
-    mean_0 = mean;
-    if (!run.take(t_1, Vector(q_1), Vector(v_1), a)) break;
+    const double t_1 = k == whole ? until : k * step;
+    const Outcome outcome = scheme.run(t_1, t_1 - run.now(), run.q, run.v, run.a);
+    if (outcome == Outcome::diverged)
+      run.stop(t_1, "Newton's method did not converge; a shorter step may help");
+    if (outcome != Outcome::found || !run.take(t_1, scheme.q, scheme.v, scheme.a)) break;
   }
   return std::move(run.trajectory);
 }

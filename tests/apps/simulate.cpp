@@ -82,10 +82,12 @@ TEST(SimulateCommand, RefusesWhatItCannotUse) {
     EXPECT_EQ(outcome.out, "");
     return outcome.err;
   };
-  EXPECT_THAT(error({"--method", "verlet"}),
-              StartsWith("axode simulate: --method: \"verlet\" is none of dopri5, rk4, euler, generalized_alpha"));
+  EXPECT_THAT(
+      error({"--method", "verlet"}),
+      StartsWith("axode simulate: --method: \"verlet\" is none of dopri5, rk4, euler, generalized_alpha"));
   EXPECT_THAT(error({"--method", "rk4"}), StartsWith("axode simulate: --step is missing"));
   EXPECT_THAT(error({"--method", "rk4", "--step", "-1"}), StartsWith("axode simulate: step is -1"));
+  EXPECT_THAT(error({"--samples", "-1"}), StartsWith("axode simulate: --samples is -1"));
   EXPECT_THAT(error({"--until", "-1"}), StartsWith("axode simulate: until is -1"));
   EXPECT_THAT(
       error({"--output", "run.txt"}),
