@@ -161,16 +161,17 @@ BoundTrajectory simulate_of(const BoundModel& m, ArrayLike q, ArrayLike v, doubl
 std::tuple<Array, Array> rollout_of(const BoundModel& m, ArrayLike q, ArrayLike v, ArrayLike tau, double step,
                                     int threads) {
   const States states(m, q, threads);
-  if (!states.many()) throw nb::value_error("q: expected shape (N, nq), a state for each motion");
   const Items velocities = states.velocities("v", v);
   const Numbers forces("tau", tau);
-  const nb::ssize_t N = static_cast<nb::ssize_t>(states.count()),
-                    K = forces.axes() == 3 ? forces.length(1) : 0;
-  const Shape expected{N, K, m->nv()};
-  if (forces.axes() != 3 || !forces.ends_with(expected))
-    forces.wrong_shape("(" + std::to_string(N) + ", K, " + std::to_string(m->nv()) +
-                       "), nv numbers for each step");
-  NewArray q_out({N, K + 1, m->nq()}), v_out({N, K + 1, m->nv()});
+  const int axis = states.many() ? 1 : 0;  // over the steps
+  const nb::ssize_t K = forces.axes() == axis + 2 ? forces.length(axis) : 0;
+  const Shape one{K, m->nv()},
+      expected = states.many() ? one.times(static_cast<nb::ssize_t>(states.count())) : one;
+  if (forces.axes() != axis + 2 || !forces.ends_with(expected))
+    forces.wrong_shape(std::string(states.many() ? "(" + std::to_string(states.count()) + ", K, " : "(K, ") +
+                       std::to_string(m->nv()) + "), nv numbers for each step");
+  const Shape shape_v{K + 1, m->nv()};
+  NewArray q_out = states.result({K + 1, m->nq()}), v_out = states.result(shape_v);
   const batch::Outcome outcome =
       states.unlocked(100.0 * static_cast<double>(K), [&](const batch::Monitor& monitor) {
         return batch::rollout(*m, states.q(), velocities.all(),
@@ -180,7 +181,7 @@ std::tuple<Array, Array> rollout_of(const BoundModel& m, ArrayLike q, ArrayLike 
   if (!outcome.ok()) {
     std::vector<Solvability> found(states.count());
     for (std::size_t n = outcome.first; n < found.size(); ++n)
-      if (!all_finite(item(v_out, n, {K + 1, m->nv()}))) found[n] = outcome.solvability;
+      if (!all_finite(item(v_out, n, shape_v))) found[n] = outcome.solvability;
     states.refuse(found, q_out);
   }
   return {q_out.array(), v_out.array()};
@@ -318,8 +319,8 @@ Between the ends of steps configurations are those of quintics on the group, err
              R"(
 (q, v) of N motions of K steps of `step` s: (N, K + 1, nq) and (N, K + 1, nv), the states given in front.
 
-q (N, nq) and v (N, nv) are where they begin, tau (N, K, nv) the drive forces, constant in each step. Munthe-Kaas' fourth
-order, as `simulate` with method="rk4". SingularError or NotFiniteError, with q, where motions cannot go on; they are NaN
+q (N, nq) and v (N, nv) are where they begin, tau (N, K, nv) the drive forces, constant in each step; of one motion all go
+without N. Munthe-Kaas' fourth order, as `simulate` with method="rk4". SingularError or NotFiniteError, with q, where motions cannot go on; they are NaN
 from there.
 
 >>> q, v = axode.rollout(arm, np.zeros((5, 7)), np.zeros((5, 7)), np.ones((5, 20, 7)), 1e-3)

@@ -95,6 +95,7 @@ CALLS |= {
     "coriolis_derivatives": lambda m, q, v, a: np.stack(axode.coriolis_derivatives(m, q, v), axis=-3),
     "generalized_load_derivatives": lambda m, q, v, a: np.stack(axode.generalized_load_derivatives(
         m, q, v, load_on(m, q), joint_losses=True), axis=-3),
+    "rollout": lambda m, q, v, a: axode.rollout(m, q, v, np.stack([a, 0.5 * a], axis=-2), 1e-4)[1],
     "momentum_form_derivatives": lambda m, q, v, a: np.stack(axode.momentum_form_derivatives(
         m, q, a, load_on(m, q)), axis=-3),
     "kinetic_energy_gradient": lambda m, q, v, a: np.stack(axode.kinetic_energy_gradient(m, q, v), axis=-2),

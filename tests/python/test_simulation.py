@@ -147,7 +147,7 @@ def test_rollouts_say_which_motions_cannot_go_on():
         axode.rollout(ARM, np.full((3, 7), 0.1), np.zeros((3, 7)), tau, 1e-2)
     assert found.value.states == [1]
     assert np.all(np.isfinite(found.value.result[[0, 2]])) and np.all(np.isnan(found.value.result[1, -1]))
-    for arguments, sentence in [((np.zeros(7), np.zeros(7), tau, 1e-2), r"q: expected shape \(N, nq\)"),
+    for arguments, sentence in [((np.zeros(7), np.zeros(7), tau, 1e-2), r"tau: expected shape \(K, 7\)"),
                                 ((np.zeros((3, 7)), np.zeros((3, 7)), tau[:2], 1e-2), "tau: expected shape"),
                                 ((np.zeros((3, 7)), np.zeros((3, 7)), tau, 0.0), "step is 0")]:
         with pytest.raises(ValueError, match=sentence):
