@@ -2,14 +2,15 @@
 
 import axode
 import numpy as np
+from numpy.typing import NDArray
 
 arm = axode.load(axode.robots / "arm7.toml")
 target = np.array([0.0, 0.5, 0.0, -1.0, 0.0, 0.8, 0.0])
 
 
-def drive(t, q, v):
+def drive(t: float, q: NDArray[np.float64], v: NDArray[np.float64]) -> NDArray[np.float64]:
     """Gravity is compensated; springs and dampers draw the joints to the target."""
-    return axode.gravity_torques(arm, q) + 100 * (target - q) - 20 * v
+    return np.asarray(axode.gravity_torques(arm, q) + 100 * (target - q) - 20 * v)
 
 
 fall = axode.simulate(arm, np.full(7, 0.1), np.zeros(7), until=1.0)

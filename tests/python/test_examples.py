@@ -33,7 +33,7 @@ def numbers_behind(text, words):
 def test_every_example_is_run_here():
     assert sorted(file.name for file in EXAMPLES.glob("*.py")) == [
         "01_drawing_to_dynamics.py", "02_representations.py", "03_batch_trajectory.py",
-        "04_identification.py", "05_calibration.py", "06_elastic_drives.py"]
+        "04_identification.py", "05_calibration.py", "06_elastic_drives.py", "07_simulation.py"]
 
 
 def test_the_crane_holds_what_levers_say_and_dynamics_are_inverse(tmp_path):
@@ -123,3 +123,11 @@ def test_feed_forward_that_knows_of_the_springs_leaves_no_error(tmp_path):
     flat, = numbers_behind(printed, "links off by, with them:")
     assert rigid > 0.5 * wind_up > 1
     assert flat < 1e-4 * rigid
+
+
+def test_the_arm_falls_with_its_energy_and_is_drawn_to_the_target(tmp_path):
+    printed = run(tmp_path, "07_simulation.py")
+    steps, energy = numbers_behind(printed, "it falls:")
+    assert steps > 50 and energy < 1e-5
+    distances = [float(line.split()[4]) for line in printed.splitlines() if line.startswith("t = ")]
+    assert len(distances) == 7 and distances[0] > 1 and distances[-1] < 0.01
