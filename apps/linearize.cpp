@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <filesystem>
 #include <memory>
 #include <numbers>
 
@@ -57,15 +56,6 @@ columns, the former with names: AB = numpy.load("AB.npy"); A, B = AB[:, :2 * nv]
 constexpr Index most_columns = 8;        ///< of a matrix that is printed
 constexpr std::size_t most_entries = 4;  ///< of a mode shape that are printed
 constexpr double smallest_entry = 0.01;  ///< of them
-
-enum class FileFormat { json, csv, npy };
-constexpr std::array<std::pair<std::string_view, FileFormat>, 3> file_formats{
-    {{".json", FileFormat::json}, {".csv", FileFormat::csv}, {".npy", FileFormat::npy}}};
-
-FileFormat format_of(const std::string& file) {
-  return choose("--output: " + file + ": the ending", std::filesystem::path(file).extension().string(),
-                file_formats);
-}
 
 /// A linear system, and where it is that of the model.
 struct Linearized {
@@ -292,7 +282,7 @@ void print(const Linearized& at) {
 void run(const Options& options) {
   const Format format = choose("--format", options.format, formats);
   std::vector<FileFormat> file_formats_asked;
-  for (const std::string& file : options.outputs) file_formats_asked.push_back(format_of(file));
+  for (const std::string& file : options.outputs) file_formats_asked.push_back(file_format(file));
   const Linearized at = linearized(options);
   const Named AB = named(at);
   for (std::size_t k = 0; k < options.outputs.size(); ++k) switch (file_formats_asked[k]) {

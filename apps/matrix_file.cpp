@@ -2,22 +2,61 @@
 
 #include <fmt/format.h>
 
+#include <array>
 #include <bit>
 #include <cstdint>
+#include <filesystem>
 
+#include "choice.hpp"
 #include "text_file.hpp"
 
 namespace axode::command {
 
+namespace {
+
+/// Words and numbers with commas between them, and the end of a line.
+std::string line_of(const std::vector<std::string>& words) {
+  return fmt::format("{}\n", fmt::join(words, ","));
+}
+std::vector<std::string> all_quoted(const std::vector<std::string>& words) {
+  std::vector<std::string> all;
+  for (const std::string& word : words) all.push_back(quoted(word));
+  return all;
+}
+void append_row(std::vector<std::string>& words, const Eigen::MatrixXd& matrix, Eigen::Index i) {
+  for (Eigen::Index k = 0; k < matrix.cols(); ++k) words.push_back(fmt::format("{}", matrix(i, k)));
+}
+
+}  // namespace
+
+FileFormat file_format(const std::string& file) {
+  static constexpr std::array<std::pair<std::string_view, FileFormat>, 3> endings{
+      {{".json", FileFormat::json}, {".csv", FileFormat::csv}, {".npy", FileFormat::npy}}};
+  return choose("--output: " + file + ": the ending", std::filesystem::path(file).extension().string(),
+                endings);
+}
+
 std::string as_csv(const Eigen::MatrixXd& matrix, const std::vector<std::string>& rows,
                    const std::vector<std::string>& columns) {
-  std::string out = quoted("");
-  for (const std::string& column : columns) out += "," + quoted(column);
+  std::vector<std::string> headings{""};
+  headings.insert(headings.end(), columns.begin(), columns.end());
+  std::string out = line_of(all_quoted(headings));
   for (Eigen::Index i = 0; i < matrix.rows(); ++i) {
-    out += "\n" + quoted(rows[static_cast<std::size_t>(i)]);
-    for (Eigen::Index k = 0; k < matrix.cols(); ++k) out += fmt::format(",{}", matrix(i, k));
+    std::vector<std::string> words{quoted(rows[static_cast<std::size_t>(i)])};
+    append_row(words, matrix, i);
+    out += line_of(words);
   }
-  return out + "\n";
+  return out;
+}
+
+std::string as_csv(const Eigen::MatrixXd& matrix, const std::vector<std::string>& columns) {
+  std::string out = line_of(all_quoted(columns));
+  for (Eigen::Index i = 0; i < matrix.rows(); ++i) {
+    std::vector<std::string> words;
+    append_row(words, matrix, i);
+    out += line_of(words);
+  }
+  return out;
 }
 
 std::string as_npy(const Eigen::MatrixXd& matrix) {

@@ -5,10 +5,17 @@
 
 namespace axode::command {
 
+/// What the ending of a file says that is to be written.
+enum class FileFormat { json, csv, npy };
+/// Of --output FILE. Throws UsageError for another ending.
+FileFormat file_format(const std::string& file);
+
 /// Comma-separated values: a line with the names of the columns, then for each row its name and its numbers, which read
 /// back to the same doubles.
 std::string as_csv(const Eigen::MatrixXd& matrix, const std::vector<std::string>& rows,
                    const std::vector<std::string>& columns);
+/// The same without names of rows.
+std::string as_csv(const Eigen::MatrixXd& matrix, const std::vector<std::string>& columns);
 
 /// The bytes of a file that numpy.load reads (format 1.0): rows of little-endian doubles.
 std::string as_npy(const Eigen::MatrixXd& matrix);

@@ -5,8 +5,8 @@
 #include <chrono>
 #include <cmath>
 #include <csignal>
-#include <filesystem>
 #include <memory>
+#include <optional>
 
 #include "axode/dynamics.hpp"
 #include "axode/integration.hpp"
@@ -28,7 +28,8 @@ namespace {
 struct Options {
   ModelOptions mechanism;
   std::string state, method = "dopri5", format = "table";
-  double until = 1, step = 0, relative = 1e-8, absolute = 1e-10;
+  double until = 1, relative = 1e-8, absolute = 1e-10;
+  std::optional<double> step;
   int samples = 0;
   bool joint_losses = false;
   std::vector<std::string> outputs;
@@ -55,10 +56,6 @@ constexpr std::array<std::pair<std::string_view, Method>, 4> methods{
      {"rk4", Method::rk4},
      {"euler", Method::euler},
      {"generalized_alpha", Method::generalized_alpha}}};
-enum class FileFormat { json, csv, npy };
-constexpr std::array<std::pair<std::string_view, FileFormat>, 3> file_formats{
-    {{".json", FileFormat::json}, {".csv", FileFormat::csv}, {".npy", FileFormat::npy}}};
-
 volatile std::sig_atomic_t interrupted = 0;
 void interrupt(int) { interrupted = 1; }
 
@@ -114,14 +111,14 @@ Trajectory motion_of(const Model& model, const State& state, const Options& opti
     return interrupted == 0;
   };
   const Method method = choose("--method", options.method, methods);
+  if (options.step) check_step(*options.step);
   if (method == Method::dopri5)
     return simulate(model, state.q, state.v, options.until,
-                    {options.relative, options.absolute, options.step, 0}, acting);
-  if (options.step == 0)
-    throw UsageError("--step is missing; " + options.method + " takes steps of one length");
+                    {options.relative, options.absolute, options.step.value_or(0), 0}, acting);
+  if (!options.step) throw UsageError("--step is missing; " + options.method + " takes steps of one length");
   if (method == Method::generalized_alpha)
-    return simulate_stiff(model, state.q, state.v, options.until, options.step, 0.8, acting);
-  return simulate_fixed(model, state.q, state.v, options.until, options.step,
+    return simulate_stiff(model, state.q, state.v, options.until, *options.step, 0.8, acting);
+  return simulate_fixed(model, state.q, state.v, options.until, *options.step,
                         runge_kutta(method == Method::rk4 ? 4 : 1), acting);
 }
 
@@ -155,16 +152,6 @@ Rows rows_of(const Trajectory& motion, int samples) {
                           potential_energy(model, workspace, std::span<const double>(q));
   }
   return rows;
-}
-
-std::string as_text(const Rows& rows) {
-  std::string text;
-  for (const std::string& name : rows.names) text += (text.empty() ? "" : ",") + quoted(name);
-  text += "\n";
-  for (Eigen::Index k = 0; k < rows.numbers.rows(); ++k)
-    for (Eigen::Index c = 0; c < rows.numbers.cols(); ++c)
-      text += fmt::format("{}{}", rows.numbers(k, c), c + 1 == rows.numbers.cols() ? "\n" : ",");
-  return text;
 }
 
 Json as_json(const Trajectory& motion, const Rows& rows, const Options& options) {
@@ -207,9 +194,7 @@ void run(const Options& options, int& exit_code) {
   if (options.samples < 0)
     throw UsageError(fmt::format("--samples is {}; it must not be negative", options.samples));
   std::vector<FileFormat> kinds;
-  for (const std::string& file : options.outputs)
-    kinds.push_back(choose("--output: " + file + ": the ending",
-                           std::filesystem::path(file).extension().string(), file_formats));
+  for (const std::string& file : options.outputs) kinds.push_back(file_format(file));
   const Model model = load(options.mechanism);
   const State state = options.state.empty() ? neutral_state(model) : read_state(model, options.state);
   const Trajectory motion = motion_of(model, state, options);
@@ -217,7 +202,7 @@ void run(const Options& options, int& exit_code) {
   const Rows rows = rows_of(motion, options.samples);
   for (std::size_t k = 0; k < kinds.size(); ++k) switch (kinds[k]) {
       case FileFormat::json: write_text(options.outputs[k], text(as_json(motion, rows, options))); break;
-      case FileFormat::csv: write_text(options.outputs[k], as_text(rows)); break;
+      case FileFormat::csv: write_text(options.outputs[k], as_csv(rows.numbers, rows.names)); break;
       case FileFormat::npy: write_text(options.outputs[k], as_npy(rows.numbers)); break;
     }
   if (format == Format::json) {

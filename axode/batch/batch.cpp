@@ -8,6 +8,7 @@
 #include <tuple>
 #include <vector>
 
+#include "axode/batch/check_states.hpp"
 #include "axode/batch/kernels.hpp"
 #include "axode/batch/portions.hpp"
 #include "axode/derivatives.hpp"
@@ -38,29 +39,6 @@ template <class S> const Kernels<S>& best_kernels() {
     case InstructionSet::sse2: break;
   }
   return kernels<batch::sse2, S>();
-}
-
-/// The number of states, from q.
-template <class S> std::size_t check_states(const Model& model, std::span<const S> q, int threads) {
-  if (threads < 1)
-    throw std::invalid_argument("threads is " + std::to_string(threads) + "; expected 1 or more");
-  const std::size_t nq = static_cast<std::size_t>(model.nq());
-  if (nq == 0) {
-    if (!q.empty()) check_size("q", q.size(), 0, "nq N");
-    return 0;
-  }
-  if (q.size() % nq != 0)
-    throw std::invalid_argument("q has " + std::to_string(q.size()) +
-                                " entries; expected a multiple of nq = " + std::to_string(nq));
-  if (!model.tree<double>()->quaternion_bodies.empty())
-    for (std::size_t k = 0; k < q.size() / nq; ++k) {
-      try {
-        check_configuration(model, q.subspan(k * nq, nq));
-      } catch (const std::invalid_argument& error) {
-        throw std::invalid_argument("state " + std::to_string(k) + ": " + error.what());
-      }
-    }
-  return q.size() / nq;
 }
 
 /// Scratch memory from a cache line on.

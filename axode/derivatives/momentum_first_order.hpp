@@ -60,8 +60,7 @@ template <class T> struct MomentumFirstOrder {
       verdict = solved(verdict, nv, v);
     }
     if (!verdict.ok()) {
-      for (T* const matrix : {v_q, v_p, dp_q, dp_p})
-        std::fill_n(matrix, entries, T(std::numeric_limits<double>::quiet_NaN()));
+      for (T* const matrix : {v_q, v_p, dp_q, dp_p}) verdict = solved(verdict, entries, matrix);
       return verdict;
     }
 

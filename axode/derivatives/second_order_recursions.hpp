@@ -8,14 +8,12 @@
 /// series in spatial representation, is ForceSeries.
 namespace axode {
 
-/// Where a load acts, its first two time derivatives in the frame of its body: W' = L(V) W.
+/// A load and its first two time derivatives in the frame of its body: W' = L(V) W.
 template <class T> struct LoadRates {
-  int body;
   Wrench<BodyFixed, T> W[3];
 
   /// V and V' are the body's.
-  LoadRates(const ResolvedLoad<T>& on, const Twist<BodyFixed, T>& V, const Twist<BodyFixed, T>& dV)
-      : body(on.body) {
+  LoadRates(const ResolvedLoad<T>& on, const Twist<BodyFixed, T>& V, const Twist<BodyFixed, T>& dV) {
     const Twist<BodyFixed, T> V_f = on.there(V), dV_f = on.there(dV);
     const auto L = [&](const Twist<BodyFixed, T>& X, const Wrench<BodyFixed, T>& F) {
       return turned(on.representation, F, X);
@@ -156,10 +154,10 @@ template <class T> struct SecondOrderRecursion<Hybrid, T> {
       const V6 dJ_a = turn(w, J[1]), S_2 = J[2] + dJ_a + turn(dw, J[0]) + turn(w, S_1);
       V[2] = shifted(2) + linear(T(2) * cross(dw_p, d[1]) + cross(w_p, d[2])) + S_2;
       const Vec3<T>& ddw = V[2].w;
-      const Vec3<T> dddd = V[2].v - p.V[2].v;
+      const Vec3<T> d_3 = V[2].v - p.V[2].v;
       const V6 S_3 = J[3] + turn(w, J[2]) + turn(dw, J[1]) + turn(w, J[2] + dJ_a) + turn(ddw, J[0]) +
                      T(2) * turn(dw, S_1) + turn(w, S_2);
-      V[3] = shifted(3) + linear(T(3) * (cross(ddw_p, d[1]) + cross(dw_p, d[2])) + cross(w_p, dddd)) + S_3;
+      V[3] = shifted(3) + linear(T(3) * (cross(ddw_p, d[1]) + cross(dw_p, d[2])) + cross(w_p, d_3)) + S_3;
 
       const auto rate = [](const Vec3<T>& turning, const Inertia<T>& M) {
         return inertia_rate(Twist<Spatial, T>{turning, {}}, M);

@@ -106,7 +106,11 @@ class Run {
   }
   bool done() const { return trajectory.size() == 0 || ended_ || !trajectory.complete || now() >= until_; }
   double now() const { return trajectory.t().back(); }
-  double until() const { return until_; }
+  /// accelerate() as schemes call it.
+  auto accelerations() {
+    return
+        [this](double t, Span q_t, Span v_t, std::span<double> a_t) { return accelerate(t, q_t, v_t, a_t); };
+  }
 
   Trajectory trajectory;
   Vector q, v, a;  ///< now
@@ -165,10 +169,6 @@ class Run {
   bool ended_ = false;
 };
 
-void check_step(double step) {
-  if (!(step > 0) || !std::isfinite(step))
-    throw std::invalid_argument("step is " + std::to_string(step) + "; expected a time of more than 0 s");
-}
 double number_of_steps(double until, double step) { return std::ceil(until / step - 1e-9); }
 
 }  // namespace
@@ -180,22 +180,12 @@ Trajectory simulate_fixed(const Model& model, Span q, Span v, double until, doub
   MuntheKaas scheme(model.tree<double>(), method);
   const ConfigurationGroup<double> group(model.tree<double>());
   const double whole = number_of_steps(until, step);
-  const auto accelerate = [&](double t, Span q_t, Span v_t, std::span<double> a_t) {
-    return run.accelerate(t, q_t, v_t, a_t);
-  };
   Vector q_1(run.q.size());
   for (double k = 1; k <= whole && !run.done(); ++k) {
     const double t = run.now(), t_1 = k == whole ? until : k * step, h = t_1 - t;
-    if (method.order == 1 && method.b.size() == 1) {  // semi-implicit
-      for (std::size_t c = 0; c < run.v.size(); ++c) {
-        scheme.v[c] = run.v[c] + h * run.a[c];
-        scheme.theta[c] = h * scheme.v[c];
-      }
-    } else if (!scheme.run(t, run.q.data(), run.v.data(), run.a.data(), h, accelerate)) {
-      break;
-    }
+    if (!scheme.run(t, run.q.data(), run.v.data(), run.a.data(), h, run.accelerations())) break;
     group.move(run.q.data(), scheme.theta.data(), q_1.data());
-    if (!run.take(t_1, q_1, scheme.v, scheme.ends_with_stage() ? scheme.end() : Span{})) break;
+    if (!run.take(t_1, q_1, scheme.v, scheme.end())) break;
   }
   return std::move(run.trajectory);
 }
@@ -221,8 +211,10 @@ Trajectory simulate_stiff(const Model& model, Span q, Span v, double until, doub
 
 Trajectory simulate(const Model& model, Span q, Span v, double until, const Tolerances& tolerances,
                     const SimulationOptions& options) {
-  for (const auto& [name, x] :
-       {std::pair{"relative tolerance", tolerances.relative}, {"absolute tolerance", tolerances.absolute}})
+  for (const auto& [name, x] : {std::pair{"relative tolerance", tolerances.relative},
+                                {"absolute tolerance", tolerances.absolute},
+                                {"first step", tolerances.first_step},
+                                {"largest step", tolerances.largest_step}})
     if (!(x >= 0) || !std::isfinite(x))
       throw std::invalid_argument(std::string(name) + " is " + std::to_string(x) + "; expected 0 or more");
   if (tolerances.relative == 0 && tolerances.absolute == 0)
@@ -231,9 +223,6 @@ Trajectory simulate(const Model& model, Span q, Span v, double until, const Tole
   Run run(model, q, v, until, options);
   MuntheKaas scheme(model.tree<double>(), method);
   const ConfigurationGroup<double> group(model.tree<double>());
-  const auto accelerate = [&](double t, Span q_t, Span v_t, std::span<double> a_t) {
-    return run.accelerate(t, q_t, v_t, a_t);
-  };
   const std::size_t nv = run.v.size();
   const auto mean = [&](const auto& of) {
     double squares = 0;
@@ -258,9 +247,8 @@ Trajectory simulate(const Model& model, Span q, Span v, double until, const Tole
       run.stop(t, "the step became too short for the tolerances");
       break;
     }
-    const std::size_t before = run.trajectory.evaluations;
-    if (!scheme.run(t, run.q.data(), run.v.data(), run.a.data(), h, accelerate)) {
-      if (before == run.trajectory.evaluations || h < 1e-9 * std::max(1.0, until)) break;
+    if (!scheme.run(t, run.q.data(), run.v.data(), run.a.data(), h, run.accelerations())) {
+      if (h < 1e-9 * until) break;
       run.trajectory.complete = true, run.trajectory.stopped.clear();  // perhaps the step was too long
       ++run.trajectory.rejected;
       h *= 0.1;

@@ -28,7 +28,7 @@ struct SimulationOptions {
 };
 
 /// The motion from (q, v) at time 0 until a time, in steps of the same length (the last one shorter), with an explicit method on
-/// the group of configurations (Munthe-Kaas; Euler's is semi-implicit: q moves with the new v). Where accelerations cannot
+/// the group of configurations (Munthe-Kaas; that of one stage, Euler's, is semi-implicit: q moves with the new v). Where accelerations cannot
 /// be found or are not finite the trajectory ends, and says so. Throws std::invalid_argument for wrong sizes, a
 /// quaternion off 1, numbers that are not finite, until < 0 and step <= 0.
 Trajectory simulate_fixed(const Model& model, std::span<const double> q, std::span<const double> v,

@@ -28,6 +28,11 @@ void check(const Tableau& tableau) {
   if (!(std::abs(weights - 1) <= 1e-12)) refuse("b adds up to " + std::to_string(weights) + "; expected 1");
 }
 
+void check_step(double step) {
+  if (!(step > 0) || !std::isfinite(step))
+    throw std::invalid_argument("step is " + std::to_string(step) + "; expected a time of more than 0 s");
+}
+
 const Tableau& runge_kutta(int order) {
   static const std::array<Tableau, 5> all{
       Tableau{1, {{}}, {1}, {0}}, Tableau{2, {{}, {0.5}}, {0, 1}, {0, 0.5}},

@@ -17,6 +17,9 @@ struct Tableau {
 /// Throws std::invalid_argument where the sizes do not fit, c is not the row sums of a, or b does not add up to 1.
 void check(const Tableau& tableau);
 
+/// Throws std::invalid_argument where the length of a step is not a finite time of more than 0 s.
+void check_step(double step);
+
 /// Euler, the midpoint rule, Kutta's third and fourth order, and Dormand's and Prince's fifth (with an error estimate). Throws
 /// std::invalid_argument for another order than 1 to 5.
 const Tableau& runge_kutta(int order);

@@ -5,9 +5,11 @@
 #include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
 
+#include <algorithm>
 #include <optional>
 
 #include "axode/batch.hpp"
+#include "axode/batch/portions.hpp"
 #include "axode/dynamics.hpp"
 #include "bindings.hpp"
 #include "choice.hpp"
@@ -23,48 +25,52 @@ using namespace nb::literals;
 namespace {
 
 /// f(t, q, v) of Python's.
-Numbers call_back(const std::string& name, const nb::callable& f, double t, std::span<const double> q,
-                  std::span<const double> v) {
-  const nb::object result = f(t, to_array(q), to_array(v));
-  return Numbers(name, {result.ptr()});
+nb::object call_back(const nb::callable& f, double t, std::span<const double> q, std::span<const double> v) {
+  return f(t, to_array(q), to_array(v));
+}
+
+/// f(k) for every k, with other Python threads running and Ctrl-C heard.
+template <class F> void each_of(std::size_t count, const F& f) {
+  LongCall call(count > 20);
+  const batch::Monitor monitor = call.monitor();
+  batch::Watch watch(monitor, count);
+  for (std::size_t k = 0; k < count && watch.go_on(k); ++k) f(k);
+  call.end();
 }
 
 /// A motion, and what of it was asked for: the ends of its steps, or states at some times.
 struct BoundTrajectory {
   Trajectory motion;
-  std::vector<double> t, q, v;
+  std::optional<Trajectory> samples;
 
-  explicit BoundTrajectory(Trajectory from) : motion(std::move(from)) {}
-  std::span<const double> shown_t() const { return sampled ? std::span<const double>(t) : motion.t(); }
-  std::span<const double> shown_q() const { return sampled ? std::span<const double>(q) : motion.q(); }
-  std::span<const double> shown_v() const { return sampled ? std::span<const double>(v) : motion.v(); }
+  const Trajectory& shown() const { return samples ? *samples : motion; }
+  /// The states at those of the times that are not after its end.
   void sample(std::span<const double> times) {
-    const std::size_t nq = static_cast<std::size_t>(motion.model().nq()),
-                      nv = static_cast<std::size_t>(motion.model().nv());
-    for (const double time : times) {
-      if (!motion.t().empty() && time > motion.t().back() && time >= times.front()) break;  // it ended before
-      q.resize(q.size() + nq), v.resize(v.size() + nv);
-      motion.at(time, std::span(q).last(nq), std::span(v).last(nv));
-      t.push_back(time);
-    }
-    sampled = true;
+    const Model& model = motion.model();
+    std::vector<double> q(static_cast<std::size_t>(model.nq())), v(static_cast<std::size_t>(model.nv()));
+    const std::vector<double> a(v.size());
+    const double end = motion.t().empty() ? -1 : motion.t().back();
+    const auto after = std::ranges::upper_bound(times, end);
+    samples.emplace(model);
+    each_of(static_cast<std::size_t>(after - times.begin()), [&](std::size_t k) {
+      motion.at(times[k], q, v);
+      samples->append(times[k], q, v, a);
+    });
   }
-  bool sampled = false;
 };
 
-Array rows(std::span<const double> x, int width) {
-  const nb::ssize_t n = width == 0 ? 0 : static_cast<nb::ssize_t>(x.size()) / width;
-  NewArray out({n, width});
+Array rows(std::size_t count, std::span<const double> x, int width) {
+  NewArray out({static_cast<nb::ssize_t>(count), width});
   std::ranges::copy(x, out.all().begin());
   return out.array();
 }
-/// f(workspace, q, v) of every state.
-template <class F> void each_state(const BoundTrajectory& at, const F& f) {
-  const Model& model = at.motion.model();
-  const std::size_t nq = static_cast<std::size_t>(model.nq()), nv = static_cast<std::size_t>(model.nv());
-  Workspace<> workspace(model);
-  for (std::size_t k = 0; k < at.shown_t().size(); ++k)
-    f(k, workspace, at.shown_q().subspan(k * nq, nq), at.shown_v().subspan(k * nv, nv));
+/// f(workspace, q, v, numbers) of every state, as many numbers for each as `shape` has.
+template <class F> Array of_states(const BoundTrajectory& of, const Shape& shape, const F& f) {
+  const Trajectory& shown = of.shown();
+  NewArray out(shape.times(static_cast<nb::ssize_t>(shown.size())));
+  Workspace<> workspace(shown.model());
+  each_of(shown.size(), [&](std::size_t k) { f(workspace, shown.q(k), shown.v(k), item(out, k, shape)); });
+  return out.array();
 }
 
 BoundTrajectory simulate_of(const BoundModel& m, ArrayLike q, ArrayLike v, double until,
@@ -89,7 +95,8 @@ BoundTrajectory simulate_of(const BoundModel& m, ArrayLike q, ArrayLike v, doubl
     options.drive = [&m, f = nb::borrow<nb::callable>(tau)](double t, std::span<const double> q_t,
                                                             std::span<const double> v_t,
                                                             std::span<double> out) {
-      const Numbers numbers = call_back("tau(t, q, v)", f, t, q_t, v_t);
+      const nb::object result = call_back(f, t, q_t, v_t);
+      const Numbers numbers("tau(t, q, v)", {result.ptr()});
       const Shape expected{m->nv()};
       if (numbers.axes() != 1 || !numbers.ends_with(expected))
         numbers.wrong_shape(expected.text() + ", nv numbers");
@@ -111,12 +118,9 @@ BoundTrajectory simulate_of(const BoundModel& m, ArrayLike q, ArrayLike v, doubl
       return nb::hasattr(given, name) ? nb::object(given.attr(name)) : nb::object(nb::int_(0));
     };
     options.events.push_back(
-        {.value =
-             [f = nb::borrow<nb::callable>(given), name = "events[" + std::to_string(k) + "](t, q, v)"](
-                 double t, std::span<const double> q_t, std::span<const double> v_t) {
-               const nb::object result = f(t, to_array(q_t), to_array(v_t));
-               return number(name, result);
-             },
+        {.value = [f = nb::borrow<nb::callable>(given), name = "events[" + std::to_string(k) + "](t, q, v)"](
+                      double t, std::span<const double> q_t,
+                      std::span<const double> v_t) { return number(name, call_back(f, t, q_t, v_t)); },
          .direction = static_cast<int>(number("direction", attribute("direction"))),
          .terminal = nb::cast<bool>(nb::bool_(attribute("terminal")))});
   }
@@ -140,19 +144,25 @@ BoundTrajectory simulate_of(const BoundModel& m, ArrayLike q, ArrayLike v, doubl
         ("step: method '" + method + "' takes steps of one length; expected it in s").c_str());
 
   const double length = step.is_none() ? 0.0 : number("step", step);
+  if (!step.is_none()) check_step(length);
 
   LongCall call(!calls_back);
-  int count = 0;
-  options.monitor = [&, look = call.monitor(), report = nb::borrow(progress)](double t) {
-    if (++count % 64 != 0) return true;
-    if (!report.is_none()) report(t);
+  double now = 0;
+  const batch::Monitor tell = [&, look = call.monitor()](std::size_t, std::size_t) {
+    if (!progress.is_none()) progress(now);
     return look(0, 0);
   };
-  BoundTrajectory found(
+  batch::Watch watch(tell, 0);
+  options.monitor = [&](double t) {
+    now = t;
+    return watch.go_on(0);
+  };
+  BoundTrajectory found{
       which == 0   ? simulate(*m, states.q(0), velocities[0], until, {rtol, atol, length, 0.0}, options)
       : which == 3 ? simulate_stiff(*m, states.q(0), velocities[0], until, length, 0.8, options)
                    : simulate_fixed(*m, states.q(0), velocities[0], until, length,
-                                    runge_kutta(which == 1 ? 4 : 1), options));
+                                    runge_kutta(which == 1 ? 4 : 1), options),
+      {}};
   call.end();
   if (sample_times) found.sample({sample_times->data(), static_cast<std::size_t>(sample_times->size())});
   return found;
@@ -228,34 +238,34 @@ A motion, from `simulate`: at the ends of its steps, or at the times that were a
 (True, True)
 )")
       .def_prop_ro(
-          "t", [](const BoundTrajectory& x) { return to_array(x.shown_t()); }, "(N,) times, s.")
+          "t", [](const BoundTrajectory& x) { return to_array(x.shown().t()); }, "(N,) times, s.")
       .def_prop_ro(
-          "q", [](const BoundTrajectory& x) { return rows(x.shown_q(), x.motion.model().nq()); },
+          "q",
+          [](const BoundTrajectory& x) {
+            return rows(x.shown().size(), x.shown().q(), x.motion.model().nq());
+          },
           "(N, nq) configurations.")
       .def_prop_ro(
-          "v", [](const BoundTrajectory& x) { return rows(x.shown_v(), x.motion.model().nv()); },
+          "v",
+          [](const BoundTrajectory& x) {
+            return rows(x.shown().size(), x.shown().v(), x.motion.model().nv());
+          },
           "(N, nv) velocities.")
       .def_prop_ro(
           "energy",
           [](const BoundTrajectory& x) {
-            NewArray out({static_cast<nb::ssize_t>(x.shown_t().size())});
-            each_state(
-                x, [&](std::size_t k, Workspace<>& w, std::span<const double> q, std::span<const double> v) {
-                  const Model& m = x.motion.model();
-                  out.data()[k] = kinetic_energy<double>(m, w, q, v) + potential_energy<double>(m, w, q);
-                });
-            return out.array();
+            return of_states(x, {}, [&](Workspace<>& w, auto q, auto v, std::span<double> out) {
+              const Model& m = x.motion.model();
+              out[0] = kinetic_energy<double>(m, w, q, v) + potential_energy<double>(m, w, q);
+            });
           },
           "(N,) kinetic and potential energy, J.")
       .def_prop_ro(
           "momentum",
           [](const BoundTrajectory& x) {
-            NewArray out({static_cast<nb::ssize_t>(x.shown_t().size()), 6});
-            each_state(
-                x, [&](std::size_t k, Workspace<>& w, std::span<const double> q, std::span<const double> v) {
-                  write_screw(spatial_momentum<double>(x.motion.model(), w, q, v), out.data() + 6 * k);
-                });
-            return out.array();
+            return of_states(x, {6}, [&](Workspace<>& w, auto q, auto v, std::span<double> out) {
+              write_screw(spatial_momentum<double>(x.motion.model(), w, q, v), out.data());
+            });
           },
           "(N, 6) spatial momentum of the whole, about the inertial origin, N m s and N s.")
       .def_prop_ro(
@@ -289,9 +299,9 @@ A motion, from `simulate`: at the ends of its steps, or at the times that were a
             const Shape one_q{m.nq()}, one_v{m.nv()};
             NewArray q(times.axes() == 0 ? one_q : one_q.times(times.size())),
                 v(times.axes() == 0 ? one_v : one_v.times(times.size()));
-            for (nb::ssize_t k = 0; k < times.size(); ++k)
-              x.motion.at(times.data()[k], item(q, static_cast<std::size_t>(k), one_q),
-                          item(v, static_cast<std::size_t>(k), one_v));
+            each_of(static_cast<std::size_t>(times.size()), [&](std::size_t k) {
+              x.motion.at(times.data()[k], item(q, k, one_q), item(v, k, one_v));
+            });
             return nb::make_tuple(q.array(), v.array());
           },
           "t"_a,
@@ -320,8 +330,8 @@ Between the ends of steps configurations are those of quintics on the group, err
 (q, v) of N motions of K steps of `step` s: (N, K + 1, nq) and (N, K + 1, nv), the states given in front.
 
 q (N, nq) and v (N, nv) are where they begin, tau (N, K, nv) the drive forces, constant in each step; of one motion all go
-without N. Munthe-Kaas' fourth order, as `simulate` with method="rk4". SingularError or NotFiniteError, with q, where motions cannot go on; they are NaN
-from there.
+without N. Munthe-Kaas' fourth order, as `simulate` with method="rk4". SingularError or NotFiniteError, with q, where
+motions cannot go on; they are NaN from there.
 
 >>> q, v = axode.rollout(arm, np.zeros((5, 7)), np.zeros((5, 7)), np.ones((5, 20, 7)), 1e-3)
 >>> q.shape

@@ -13,6 +13,7 @@ from mechanisms import MECHANISMS, random_states
 
 ARM, MACHINE = MECHANISMS["arm"], MECHANISMS["machine"]
 POSES = axode.poses(ARM, ARM.random())
+FALL = axode.simulate(ARM, np.full(7, 0.1), np.zeros(7), 0.5)
 
 
 def of_states(m, f):
@@ -55,6 +56,10 @@ LONG = {
     "Ad": of_items(axode.lie.Ad, POSES[-1]),
     "solutions by a factor": of_items(axode.MassMatrixFactor(ARM, axode.mass_matrix(ARM, ARM.neutral())).solve,
                                       np.ones(7)),
+    "rollouts": of_states(ARM, lambda q, v, a: axode.rollout(ARM, q, v, a[:, None], 1e-4)[0]),
+    "one rollout": of_items(lambda tau: axode.rollout(ARM, np.zeros(7), np.zeros(7), tau, 1e-9)[0][1:],
+                            np.zeros(7)),
+    "states in between": (lambda N: [np.linspace(0, 0.5, N)], lambda t: FALL.at(t)[0]),
 }
 
 

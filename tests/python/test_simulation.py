@@ -77,6 +77,11 @@ def test_motions_that_cannot_go_on_say_why():
     with pytest.raises(axode.SimulationError, match="at t = 0.1") as found:
         axode.simulate(ARM, *REST, 1.0, method="rk4", step=0.01, tau=burst)
     assert 0.05 < found.value.trajectory.t[-1] <= 0.11
+    massless = axode.Model.from_bodies([{"name": "slide", "joint": {"kind": "prismatic", "axis": "z"}}])
+    for times in (None, [0.0, 1.0]):
+        with pytest.raises(axode.SimulationError, match='"slide_joint"') as found:
+            axode.simulate(massless, [0.0], [0.0], 1.0, times=times)
+        assert found.value.trajectory.q.shape == (0, 1)
     with pytest.raises(ZeroDivisionError):
         axode.simulate(ARM, *REST, 1.0, tau=lambda t, q, v: 1 / 0)
     with pytest.raises(ValueError, match=r"tau\(t, q, v\): expected shape \(7,\)"):
@@ -88,7 +93,8 @@ def test_motions_that_cannot_go_on_say_why():
 @pytest.mark.parametrize("arguments, sentence", [
     (dict(until=-1.0), "until is -1"), (dict(until=np.nan), "until is nan"), (dict(until=np.inf), "until is inf"),
     (dict(until=1.0, method="rk4"), "step: method 'rk4'"), (dict(until=1.0, method="rk4", step=0.0), "step is 0"),
-    (dict(until=1.0, method="rk4", step=-0.1), "step is -0.1"),
+    (dict(until=1.0, method="rk4", step=-0.1), "step is -0.1"), (dict(until=1.0, step=-0.1), "step is -0.1"),
+    (dict(until=1.0, step=0.0), "step is 0"),
     (dict(until=1.0, method="verlet"), "method is 'verlet'; expected one of 'dopri5', 'rk4', 'euler', 'generalized_alpha'"),
     (dict(until=1.0, rtol=-1.0), "relative tolerance is -1"),
     (dict(until=1.0, times=[0, 0.5, 0.5]), r"times\[2\] is 0.5"), (dict(until=1.0, times=[2.0]), r"times\[0\] is 2"),
@@ -97,6 +103,13 @@ def test_motions_that_cannot_go_on_say_why():
 def test_what_cannot_be_used_is_refused(arguments, sentence):
     with pytest.raises(ValueError, match=sentence):
         axode.simulate(ARM, *REST, **arguments)
+
+
+def test_nothing_at_all_moves():
+    empty = axode.Model.from_bodies([])
+    motion = axode.simulate(empty, [], [], 1.0)
+    assert motion.q.shape == (len(motion.t), 0) and motion.energy.tolist() == [0.0] * len(motion.t)
+    assert axode.rollout(empty, np.zeros((2, 0)), np.zeros((2, 0)), np.zeros((2, 3, 0)), 0.1)[0].shape == (2, 4, 0)
 
 
 def test_outside_of_a_motion():
