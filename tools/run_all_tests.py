@@ -41,7 +41,8 @@ NIGHTLY = {
     "clang": Stage("clang", others="Examples|Guards|MustNotCompile"),
     "asan, long": Stage("asan", programs=LONG, environment=FEW_TREES),
     "asan-apps": Stage("asan-apps", others="Examples", environment=FEW_TREES),
-    "tsan": Stage("tsan", programs="*Threads*:*ManyStates*", environment=FEW_TREES),
+    "tsan": Stage("tsan", programs="*Threads*:*ManyStates*",
+                  environment=FEW_TREES | {"TSAN_OPTIONS": "suppressions=tests/support/thread_sanitizer.txt"}),
     "trees": Stage("release", programs="*InverseOfInverseDynamics*:*RecursionAndClosedForm*:*FastPath*:*Correspondence*",
                    environment={"AXODE_RANDOM_TREES": "100000"}),
 }
