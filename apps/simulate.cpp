@@ -40,7 +40,9 @@ constexpr const char* footer =
 configurations: quaternions stay unit quaternions, and no orientation is singular.
 
 METHOD is dopri5 (steps as long as the tolerances allow), rk4 or euler (steps of --step seconds; of fourth and of first
-order, the latter semi-implicit), or generalized_alpha (implicit, of second order, for stiff systems).
+order, the latter semi-implicit), or generalized_alpha (implicit, of second order, for stiff systems). Methods on (q, p) keep the
+momentum of what floats to rounding: midpoint, suzuki4 and kahan_li6 (implicit, of second, fourth and sixth order), whose energy
+errors stay bounded, and rk4_momenta (explicit).
 
 STATE is the JSON object of `axode eval` with the keys q, v, tau and loads; what is left out is neutral, at rest or 0.
 
@@ -50,12 +52,16 @@ Example:
 The ending of FILE says what is written: .json all that is known; .csv and .npy a row for each time with t, q, v and the
 energy, the former with names. Ctrl-C ends the motion; what there is by then is written.)";
 
-enum class Method { dopri5, rk4, euler, generalized_alpha };
-constexpr std::array<std::pair<std::string_view, Method>, 4> methods{
+enum class Method { dopri5, rk4, euler, generalized_alpha, midpoint, suzuki4, kahan_li6, rk4_momenta };
+constexpr std::array<std::pair<std::string_view, Method>, 8> methods{
     {{"dopri5", Method::dopri5},
      {"rk4", Method::rk4},
      {"euler", Method::euler},
-     {"generalized_alpha", Method::generalized_alpha}}};
+     {"generalized_alpha", Method::generalized_alpha},
+     {"midpoint", Method::midpoint},
+     {"suzuki4", Method::suzuki4},
+     {"kahan_li6", Method::kahan_li6},
+     {"rk4_momenta", Method::rk4_momenta}}};
 volatile std::sig_atomic_t interrupted = 0;
 void interrupt(int) { interrupted = 1; }
 
@@ -116,10 +122,18 @@ Trajectory motion_of(const Model& model, const State& state, const Options& opti
     return simulate(model, state.q, state.v, options.until,
                     {options.relative, options.absolute, options.step.value_or(0), 0}, acting);
   if (!options.step) throw UsageError("--step is missing; " + options.method + " takes steps of one length");
-  if (method == Method::generalized_alpha)
-    return simulate_stiff(model, state.q, state.v, options.until, *options.step, 0.8, acting);
-  return simulate_fixed(model, state.q, state.v, options.until, *options.step,
-                        runge_kutta(method == Method::rk4 ? 4 : 1), acting);
+  const double step = *options.step, until = options.until;
+  switch (method) {
+    case Method::generalized_alpha: return simulate_stiff(model, state.q, state.v, until, step, 0.8, acting);
+    case Method::midpoint: return simulate_conserving(model, state.q, state.v, until, step, 2, acting);
+    case Method::suzuki4: return simulate_conserving(model, state.q, state.v, until, step, 4, acting);
+    case Method::kahan_li6: return simulate_conserving(model, state.q, state.v, until, step, 6, acting);
+    case Method::rk4_momenta:
+      return simulate_momenta(model, state.q, state.v, until, step, runge_kutta(4), acting);
+    default:
+      return simulate_fixed(model, state.q, state.v, until, step, runge_kutta(method == Method::rk4 ? 4 : 1),
+                            acting);
+  }
 }
 
 /// t, q, v and the energy, a row for each time.
@@ -224,7 +238,9 @@ void add_simulate(CLI::App& app, int& exit_code) {
       ->add_option("--state", options->state, "JSON, - for standard input; neutral and at rest if left out")
       ->type_name("FILE");
   simulate->add_option("--until", options->until, "The end, s; 1 if left out")->type_name("NUMBER");
-  simulate->add_option("--method", options->method, "dopri5 (if left out), rk4, euler or generalized_alpha")
+  simulate
+      ->add_option("--method", options->method,
+                   "dopri5 (if left out), rk4, euler, generalized_alpha, midpoint, ...")
       ->type_name("WORD");
   simulate->add_option("--step", options->step, "Length of a step, s; of the first one with dopri5")
       ->type_name("NUMBER");

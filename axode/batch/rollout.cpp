@@ -57,7 +57,7 @@ Outcome rollout(const Model& model, std::span<const double> q, std::span<const d
               !scheme.run(0, q_k.data(), v_k.data(), a.data(), step, accelerate))
             return;
           group.move(q_k.data(), scheme.theta.data(), q_at(n, k + 1).data());
-          std::ranges::copy(scheme.v, v_at(n, k + 1).begin());
+          std::ranges::copy(scheme.y, v_at(n, k + 1).begin());
         }
       };
     });

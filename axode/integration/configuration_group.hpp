@@ -48,6 +48,22 @@ template <class T> class ConfigurationGroup {
         x, y, out, [](const Screw<T>& X, const Screw<T>& Y) { return dexp_inv(-X, Y); }, y);
   }
 
+  // And of momenta p, the duals of velocities:
+  /// ad_xᵀ p.
+  void cobracket(const T* x, const T* p, T* out) const noexcept {
+    each_dual_block(x, p, out, [](const Screw<T>& X, const Screw<T>& P) { return ad(-X, P); });
+  }
+  /// Ad_{exp x}ᵀ p: at q ⊕ x the momentum that p is at q.
+  void carry(const T* x, const T* p, T* out) const noexcept {
+    each_dual_block(
+        x, p, out, [](const Screw<T>& X, const Screw<T>& P) { return Ad(exp(-X), P); }, p);
+  }
+  /// dexp_xᵀ p.
+  void codexp(const T* x, const T* p, T* out) const noexcept {
+    each_dual_block(
+        x, p, out, [](const Screw<T>& X, const Screw<T>& P) { return dexp(-X, P); }, p);
+  }
+
  private:
   const Tree<T>& tree() const { return *tree_; }
   template <class F> void each_own_joint(const F& f) const noexcept {
@@ -69,6 +85,17 @@ template <class T> class ConfigurationGroup {
         for (int k = 0; k < joint.nv; ++k) out[c + k] = z[static_cast<std::size_t>(k)];
       }
     });
+  }
+  /// The same on momenta. As screws (f; m), the Klein form, they are to Ad and ad what screws are, the other way round.
+  template <class F>
+  void each_dual_block(const T* x, const T* p, T* out, const F& f, const T* plain = nullptr) const noexcept {
+    each_block(
+        x, p, out,
+        [&](const Screw<T>& X, const Screw<T>& P) {
+          const Screw<T> Z = f(X, Screw<T>{P.v, P.w});
+          return Screw<T>{Z.v, Z.w};
+        },
+        plain);
   }
 
   const Tree<T>* tree_;

@@ -1,14 +1,10 @@
 #pragma once
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <span>
 #include <vector>
 
-#include "axode/derivatives/inverse_dynamics_derivatives.hpp"
-#include "axode/eigen.hpp"
-#include "axode/integration/configuration_group.hpp"
+#include "axode/integration/step_matrix.hpp"
 
 namespace axode {
 
@@ -17,8 +13,7 @@ namespace axode {
 ///   x = h v_0 + h² ((1/2 - β) â_0 + β â_1),              q_1 = q_0 ⊕ x,
 /// is solved for the a_1 with ID(q_1, v_1, a_1) = τ by Newton's method with
 ///   J = M + h γ c ∂ID/∂v + h² β c ∂ID/∂q dexp_{-x},      c = (1 - α_f) / (1 - α_m).
-/// A System has residual(t, q, v, a, r), which says whether r = ID - τ could be found; its derivatives
-/// residual_derivatives(q, v, a, dr) without those of τ; is_driven(); and drive(t, q, v), which is τ.
+/// A System has residual(t, q, v, a, r), which says whether r = ID - τ could be found, and what StepMatrix asks for.
 template <class System> class GeneralizedAlpha {
  public:
   using Numbers = std::vector<double>;
@@ -30,6 +25,7 @@ template <class System> class GeneralizedAlpha {
         a(a_0),
         system_(&system),
         group_(tree),
+        matrix_(system, tree),
         a_f_(spectral_radius / (spectral_radius + 1)),
         a_m_((2 * spectral_radius - 1) / (spectral_radius + 1)),
         gamma_(0.5 + a_f_ - a_m_),
@@ -39,9 +35,7 @@ template <class System> class GeneralizedAlpha {
         mean_(a_0.size()),
         x_(a_0.size()),
         r_(a_0.size()),
-        dq_(tree->nv, tree->nv),
-        dv_(tree->nv, tree->nv),
-        J_(tree->nv, tree->nv) {}
+        da_(a_0.size()) {}
 
   /// From (q0, v0, a0) over h to q, v and a at time t.
   Outcome run(double t, double h, const Numbers& q0, const Numbers& v0, const Numbers& a0) {
@@ -51,15 +45,15 @@ template <class System> class GeneralizedAlpha {
     for (int iteration = 0; iteration < most; ++iteration) {
       end_with(a, h, q0, v0, a0);
       if (!system_->residual(t, q, v, a, r_)) return Outcome::impossible;
-      if (iteration == 0) linearize_at(t, h, q0, v0, a0);
-      Numbers da = solution();
-      const double change = size_of(da);
+      if (iteration == 0) linearize(t, h, q0);
+      da_ = r_, matrix_.solve(da_);
+      const double change = size_of(da_);
       if (iteration > 0 && !(change < 0.1 * before)) {
         if (before < 1e-9) break;  // rounding
-        with_drive_ = true, linearize_at(t, h, q0, v0, a0);
-        da = solution();
+        with_drive_ = true, linearize(t, h, q0);
+        da_ = r_, matrix_.solve(da_);
       }
-      for (std::size_t k = 0; k < a.size(); ++k) a[k] -= da[k];
+      for (std::size_t k = 0; k < a.size(); ++k) a[k] -= da_[k];
       before = change;
       if (change < 1e-13) break;
     }
@@ -72,8 +66,6 @@ template <class System> class GeneralizedAlpha {
   Numbers q, v, a;  ///< after run()
 
  private:
-  using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-
   /// The end of a step in which the acceleration becomes a_1.
   void end_with(const Numbers& a_1, double h, const Numbers& q0, const Numbers& v0, const Numbers& a0) {
     for (std::size_t k = 0; k < a_1.size(); ++k) {
@@ -84,39 +76,13 @@ template <class System> class GeneralizedAlpha {
     group_.move(q0.data(), x_.data(), q.data());
   }
 
-  /// Factorises J; with the drive's part, by differences, from when Newton's method needs it on.
-  void linearize_at(double t, double h, const Numbers& q0, const Numbers& v0, const Numbers& a0) {
-    system_->residual_derivatives(q, v, a, {as_span(dq_), as_span(dv_), as_span(J_)});
-    if (!group_.commutes()) {
-      Matrix T(J_.rows(), J_.cols());
-      Numbers unit(a.size()), image(a.size());
-      for (Eigen::Index k = 0; k < T.cols(); ++k) {
-        std::ranges::fill(unit, 0.0), unit[static_cast<std::size_t>(k)] = 1;
-        group_.velocity(x_.data(), unit.data(), image.data());
-        T.col(k) = Eigen::Map<const Eigen::VectorXd>(image.data(), T.rows());
-      }
-      dq_ = (dq_ * T).eval();
-    }
-    J_ += (h * gamma_ * c_) * dv_ + (h * h * beta_ * c_) * dq_;
-    if (with_drive_ && system_->is_driven()) {
-      const std::span<const double> now = system_->drive(t, q, v);
-      const Numbers tau(now.begin(), now.end());
-      Numbers moved = a;
-      for (std::size_t k = 0; k < a.size(); ++k) {
-        const double by = 1e-7 * (1 + std::abs(v0[k])) / (h * gamma_ * c_);
-        moved[k] = a[k] + by, end_with(moved, h, q0, v0, a0);
-        const std::span<const double> then = system_->drive(t, q, v);
-        for (std::size_t i = 0; i < a.size(); ++i)
-          J_(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(k)) -= (then[i] - tau[i]) / by;
-        moved[k] = a[k];
-      }
-      end_with(a, h, q0, v0, a0);
-    }
-    lu_.compute(J_);
-  }
-  Numbers solution() const {
-    const Eigen::VectorXd da = lu_.solve(Eigen::Map<const Eigen::VectorXd>(r_.data(), J_.rows()));
-    return {da.begin(), da.end()};
+  /// With the drive's part from when Newton's method needs it on.
+  void linearize(double t, double h, const Numbers& q0) {
+    const double c_x = h * h * beta_ * c_, c_v = h * gamma_ * c_;
+    if (with_drive_)
+      matrix_.compute_with_drive(t, q0, x_, q, v, a, c_x, c_v);
+    else
+      matrix_.compute(x_, q, v, a, c_x, c_v);
   }
   double size_of(const Numbers& da) const {
     double largest = 0;
@@ -127,10 +93,9 @@ template <class System> class GeneralizedAlpha {
 
   System* system_;
   ConfigurationGroup<double> group_;
+  StepMatrix<System> matrix_;
   double a_f_, a_m_, gamma_, beta_, c_;
-  Numbers mean_0_, mean_, x_, r_;
-  Matrix dq_, dv_, J_;
-  Eigen::PartialPivLU<Matrix> lu_;
+  Numbers mean_0_, mean_, x_, r_, da_;
   bool with_drive_ = false;
 };
 

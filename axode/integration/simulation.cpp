@@ -8,8 +8,11 @@
 #include "axode/dynamics/check_loads.hpp"
 #include "axode/dynamics/forward_dynamics.hpp"
 #include "axode/dynamics/inverse_dynamics.hpp"
+#include "axode/dynamics/momentum.hpp"
+#include "axode/integration/conserving.hpp"
 #include "axode/integration/generalized_alpha.hpp"
 #include "axode/integration/munthe_kaas.hpp"
+#include "axode/integration/phase_space.hpp"
 #include "axode/model/configuration.hpp"
 #include "axode/model/workspace.hpp"
 
@@ -51,12 +54,7 @@ class Run {
 
   /// Accelerations under what acts; false, with the reason kept, where there are none.
   bool accelerate(double t, Span q_t, Span v_t, std::span<double> a_t) {
-    if (options_.drive) {
-      options_.drive(t, q_t, v_t, tau_);
-      if (!finite(tau_)) return stop(t, "the drive forces are not finite at " + joint_of(tau_));
-    }
-    ++trajectory.evaluations;
-    if (!finite(q_t) || !finite(v_t)) return stop(t, "the state is not finite at " + joint_of(v_t));
+    if (!begin_evaluation(t, q_t, v_t)) return false;
     const Solvability found = forward_dynamics(model_, workspace_, q_t, v_t, tau_, a_t, loads());
     if (!found.ok()) return stop(t, to_string(model_, found));
     return true;
@@ -115,15 +113,29 @@ class Run {
   Trajectory trajectory;
   Vector q, v, a;  ///< now
 
- private:
+ protected:
   Loads<double> loads() const { return {options_.loads, options_.joint_losses}; }
 
+  /// Drive forces at a state, and whether all is finite.
+  bool begin_evaluation(double t, Span q_t, Span v_t) {
+    ++trajectory.evaluations;
+    if (!finite(q_t) || !finite(v_t)) return stop(t, "the state is not finite at " + joint_of(v_t));
+    if (!options_.drive) return true;
+    options_.drive(t, q_t, v_t, tau_);
+    return finite(tau_) || stop(t, "the drive forces are not finite at " + joint_of(tau_));
+  }
   std::string joint_of(Span x) const {
     for (std::size_t c = 0; c < x.size(); ++c)
       if (!std::isfinite(x[c])) return "joint \"" + velocity_names(model_)[c] + "\"";
     return "a joint";
   }
 
+  const Model& model_;
+  const SimulationOptions& options_;
+  Workspace<> workspace_;
+  Vector tau_;
+
+ private:
   Vector values_at(double t, Span q_t, Span v_t) const {
     Vector values;
     for (const Event& event : options_.events) values.push_back(event.value(t, q_t, v_t));
@@ -161,12 +173,64 @@ class Run {
     return false;
   }
 
-  const Model& model_;
-  const SimulationOptions& options_;
-  Workspace<> workspace_;
-  Vector tau_, values_;
+  Vector values_;
   double until_;
   bool ended_ = false;
+};
+
+/// The same on Hamilton's side, what floats seen from its centre of mass.
+class MomentumRun : public Run {
+ public:
+  MomentumRun(const Model& model, Span q_0, Span v_0, double until, const SimulationOptions& options)
+      : Run(model, q_0, v_0, until, options),
+        phase_space_(model),
+        bases_(model, q_0.data(), v_0.data(), !options.loads.empty()),
+        q_t_(q_0.size()),
+        v_t_(v_0.size()),
+        p_(v_0.size()) {}
+
+  FloatingBases& bases() { return bases_; }
+
+  /// p = M v and f = τ + ∂L/∂q; false, with the reason kept, where there are none.
+  bool partials(double t, Span q_t, Span v_t, Vector& p, std::span<double> f) {
+    q_t_.assign(q_t.begin(), q_t.end()), v_t_.assign(v_t.begin(), v_t.end());
+    bases_.leave(t, q_t_.data(), v_t_.data());
+    if (!begin_evaluation(t, q_t_, v_t_)) return false;
+    phase_space_.partials(q_t_.data(), v_t.data(), bases_.gravity(), tau_, loads(), p.data(), f.data());
+    return true;
+  }
+  bool factorize(double t, Span q_t) {
+    const Solvability found = phase_space_.factorize(q_t.data());
+    return found.ok() || stop(t, to_string(model_, found));
+  }
+  void solve(std::span<double> x) { phase_space_.solve(x.data()); }
+  /// v of a state (q, p).
+  bool velocity(double t, Span q_t, Span p, std::span<double> v_t) {
+    if (!factorize(t, q_t)) return false;
+    std::ranges::copy(p, v_t.begin());
+    solve(v_t);
+    return finite(v_t) || stop(t, "the state is not finite at " + joint_of(v_t));
+  }
+  /// v, and p' less ad_vᵀ p.
+  bool rates(double t, Span q_t, Span p, std::span<double> v_t, std::span<double> f) {
+    return velocity(t, q_t, p, v_t) && partials(t, q_t, v_t, p_, f);
+  }
+  /// Whether anything but weight acted on a base in the last evaluation.
+  bool pushes_bases() const {
+    return !options_.loads.empty() || (options_.drive && bases_.driven_by(tau_.data()));
+  }
+  /// Takes the end of a step.
+  bool take_momenta(double t, Span q_t, Span p) {
+    Vector q_1(q_t.begin(), q_t.end()), v_1(p.size());
+    if (!velocity(t, q_t, p, v_1)) return false;
+    bases_.leave(t, q_1.data(), v_1.data());
+    return take(t, q_1, v_1);
+  }
+
+ private:
+  PhaseSpace phase_space_;
+  FloatingBases bases_;
+  Vector q_t_, v_t_, p_;
 };
 
 double number_of_steps(double until, double step) { return std::ceil(until / step - 1e-9); }
@@ -185,7 +249,7 @@ Trajectory simulate_fixed(const Model& model, Span q, Span v, double until, doub
     const double t = run.now(), t_1 = k == whole ? until : k * step, h = t_1 - t;
     if (!scheme.run(t, run.q.data(), run.v.data(), run.a.data(), h, run.accelerations())) break;
     group.move(run.q.data(), scheme.theta.data(), q_1.data());
-    if (!run.take(t_1, q_1, scheme.v, scheme.end())) break;
+    if (!run.take(t_1, q_1, scheme.y, scheme.end())) break;
   }
   return std::move(run.trajectory);
 }
@@ -205,6 +269,84 @@ Trajectory simulate_stiff(const Model& model, Span q, Span v, double until, doub
     if (outcome == Outcome::diverged)
       run.stop(t_1, "Newton's method did not converge; a shorter step may help");
     if (outcome != Outcome::found || !run.take(t_1, scheme.q, scheme.v, scheme.a)) break;
+  }
+  return std::move(run.trajectory);
+}
+
+namespace {
+
+/// Conserving schemes are for forces without jumps, in steps of one length.
+void check_smooth(const Model& model, const SimulationOptions& options) {
+  if (!options.events.empty())
+    throw std::invalid_argument(
+        "events are not met by conserving schemes, whose steps must not be cut; dopri5 and rk4 do");
+  if (!options.joint_losses) return;
+  const Tree<double>& tree = model.tree<double>();
+  for (std::size_t c = 0; c < tree.friction.size(); ++c)
+    if (tree.friction[c] != 0)
+      throw std::invalid_argument(
+          "joint \"" + velocity_names(model)[c] + "\" has dry friction of " +
+          std::to_string(tree.friction[c]) +
+          ", a force that jumps, which conserving schemes do not take; dopri5 and rk4 do");
+}
+
+}  // namespace
+
+Trajectory simulate_conserving(const Model& model, Span q, Span v, double until, double step, int order,
+                               const SimulationOptions& options) {
+  check_step(step), check_smooth(model, options);
+  MomentumRun run(model, q, v, until, options);
+  if (run.done()) return std::move(run.trajectory);
+  Workspace<> workspace(model);
+  Vector q_0 = run.q, v_0 = run.v, p_0(v_0.size());
+  run.bases().enter(0, q_0.data(), v_0.data());
+  momenta(model, workspace, Span(q_0), v_0, p_0);
+  ConservingStep scheme(run, model.tree<double>(), order, q_0, p_0, v_0);
+  using Outcome = ConservingStep<MomentumRun>::Outcome;
+  const double whole = number_of_steps(until, step);
+  for (double k = 1; k <= whole && !run.done(); ++k) {
+    const double t_1 = k == whole ? until : k * step;
+    const Outcome outcome = scheme.run(run.now(), t_1 - run.now());
+    if (outcome == Outcome::diverged) run.stop(t_1, "the step did not converge; a shorter one may");
+    if (outcome != Outcome::found || !run.take_momenta(t_1, scheme.q, scheme.p)) break;
+  }
+  return std::move(run.trajectory);
+}
+
+Trajectory simulate_momenta(const Model& model, Span q, Span v, double until, double step,
+                            const Tableau& method, const SimulationOptions& options) {
+  check(method), check_step(step), check_smooth(model, options);
+  MomentumRun run(model, q, v, until, options);
+  if (run.done()) return std::move(run.trajectory);
+  FloatingBases& bases = run.bases();
+  MuntheKaas scheme(model.tree<double>(), method);
+  const ConfigurationGroup<double> group(model.tree<double>());
+  Workspace<> workspace(model);
+  Vector q_1 = run.q, v_1 = run.v, y(v_1.size()), p(y), turning(y), dy(y);
+  bases.enter(0, q_1.data(), v_1.data());
+  momenta(model, workspace, Span(q_1), v_1, y);
+  bases.begin(q_1.data(), y.data());
+  const auto rates = [&](double t, Span q_t, Span y_t, std::span<double> v_t, std::span<double> dy_t) {
+    p.assign(y_t.begin(), y_t.end());
+    bases.to_momenta(q_t.data(), y_t.data(), p.data());
+    if (!run.rates(t, q_t, p, v_t, dy_t)) return false;
+    group.cobracket(v_t.data(), p.data(), turning.data());
+    for (std::size_t c = 0; c < p.size(); ++c) turning[c] += dy_t[c];
+    bases.rates(q_t.data(), run.pushes_bases(), dy_t.data(), turning.data());
+    std::ranges::copy(turning, dy_t.begin());
+    return true;
+  };
+  const double whole = number_of_steps(until, step);
+  for (double k = 1; k <= whole && !run.done(); ++k) {
+    const double t = run.now(), t_1 = k == whole ? until : k * step;
+    if (!rates(t, q_1, y, v_1, dy) ||
+        !scheme.run(t, q_1.data(), y.data(), v_1.data(), dy.data(), t_1 - t, rates))
+      break;
+    group.move(q_1.data(), scheme.theta.data(), q_1.data());
+    y = p = scheme.y;
+    bases.settle(q_1.data());
+    bases.to_momenta(q_1.data(), y.data(), p.data());
+    if (!run.take_momenta(t_1, q_1, p)) break;
   }
   return std::move(run.trajectory);
 }
@@ -260,9 +402,9 @@ Trajectory simulate(const Model& model, Span q, Span v, double until, const Tole
                  (tolerances.absolute + tolerances.relative * std::max(1.0, std::abs(scheme.theta[c])));
         }),
         mean([&](std::size_t c) {
-          return scheme.error_v[c] /
+          return scheme.error_y[c] /
                  (tolerances.absolute +
-                  tolerances.relative * std::max(std::abs(run.v[c]), std::abs(scheme.v[c])));
+                  tolerances.relative * std::max(std::abs(run.v[c]), std::abs(scheme.y[c])));
         }));
     if (!(error <= 1)) {
       ++run.trajectory.rejected;
@@ -270,7 +412,7 @@ Trajectory simulate(const Model& model, Span q, Span v, double until, const Tole
       continue;
     }
     group.move(run.q.data(), scheme.theta.data(), q_1.data());
-    if (!run.take(last ? until : t + h, q_1, scheme.v, scheme.end())) break;
+    if (!run.take(last ? until : t + h, q_1, scheme.y, scheme.end())) break;
     const double least = std::max(error, 1e-10);
     h *= std::clamp(0.9 * std::pow(least, -0.17) * std::pow(last_error, 0.04), 0.2, 10.0);
     last_error = std::max(error, 1e-4);

@@ -44,6 +44,21 @@ Trajectory simulate_stiff(const Model& model, std::span<const double> q, std::sp
                           double until, double step, double spectral_radius = 0.8,
                           const SimulationOptions& options = {});
 
+/// The same on (q, p), by the midpoint rule on the group (order 2) or its compositions (4: Suzuki's, 6: Kahan's and Li's): symmetric,
+/// symplectic where forces have a potential, so that energy errors stay bounded; damping and drives enter by d'Alembert's
+/// principle. What floats is seen from its centre of mass, whose motion is
+/// exact, and its momentum is a state of its own: Π^s, under gravity L_c and P, are exact to rounding. Implicit; a step that does not converge ends the motion. Throws as simulate_fixed(),
+/// for events, dry friction and other orders. (Armatures of joints with several velocities, which have momenta that do not
+/// turn with the joint, are forces here: order and momenta stay, symplecticity does not.)
+Trajectory simulate_conserving(const Model& model, std::span<const double> q, std::span<const double> v,
+                               double until, double step, int order = 2,
+                               const SimulationOptions& options = {});
+
+/// The same, with momenta exact likewise, by an explicit method on the group of (q, p) (Munthe-Kaas), which is not symplectic.
+Trajectory simulate_momenta(const Model& model, std::span<const double> q, std::span<const double> v,
+                            double until, double step, const Tableau& method = runge_kutta(4),
+                            const SimulationOptions& options = {});
+
 struct Tolerances {
   double relative = 1e-8, absolute = 1e-10;
   double first_step = 0, largest_step = 0;  ///< 0: chosen, and unlimited

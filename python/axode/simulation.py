@@ -19,7 +19,8 @@ Array = NDArray[np.float64]
 
 
 def simulate(m: Model, q: ArrayLike, v: ArrayLike, until: float, *,
-             method: Literal["dopri5", "rk4", "euler", "generalized_alpha"] = "dopri5", step: float | None = None, rtol: float = 1e-8,
+             method: Literal["dopri5", "rk4", "euler", "generalized_alpha", "midpoint", "suzuki4", "kahan_li6",
+                             "rk4_momenta"] = "dopri5", step: float | None = None, rtol: float = 1e-8,
              atol: float = 1e-10, tau: ArrayLike | Callable[[float, Array, Array], ArrayLike] | None = None,
              loads: Sequence[Load] | None = None, joint_losses: bool = False, times: ArrayLike | None = None,
              events: Sequence[Callable[[float, Array, Array], float]] | None = None,
@@ -29,7 +30,10 @@ def simulate(m: Model, q: ArrayLike, v: ArrayLike, until: float, *,
     method: "dopri5" takes steps as long as rtol and atol allow, errors being measured in the algebra (rad, m; rad/s,
         m/s), `step` being the first; "rk4" (fourth order) and "euler" (first order, semi-implicit) take steps of
         `step` s; so does "generalized_alpha", an implicit method of second order for stiff systems, which damps what
-        oscillates quickly (spectral radius 0.8). Every explicit method is Munthe-Kaas': no coordinates are singular, and quaternions stay on the sphere.
+        oscillates quickly (spectral radius 0.8). Every explicit method is Munthe-Kaas': no coordinates are singular,
+        and quaternions stay on the sphere. On (q, p), conserving: "midpoint" (second order, implicit), "suzuki4" and
+        "kahan_li6" (fourth and sixth, made of it) are symplectic: errors of the energy stay bounded; "rk4_momenta" is
+        explicit. All four keep the momentum of what floats to rounding. They take no events and no dry friction.
     tau: drive forces, (nv,) for constant ones, or a function (t, q, v) -> (nv,), called for each evaluation.
     loads: wrenches on frames, constant in their representations. joint_losses: whether damping and friction act.
     times: when states are wanted, increasing from 0 to until; without it, at the ends of the steps.

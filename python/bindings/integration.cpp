@@ -137,7 +137,8 @@ BoundTrajectory simulate_of(const BoundModel& m, ArrayLike q, ArrayLike v, doubl
                                   .c_str());
     }
   }
-  static constexpr std::array<std::string_view, 4> methods{"dopri5", "rk4", "euler", "generalized_alpha"};
+  static constexpr std::array<std::string_view, 8> methods{
+      "dopri5", "rk4", "euler", "generalized_alpha", "midpoint", "suzuki4", "kahan_li6", "rk4_momenta"};
   const std::size_t which = choose("method", nb::str(method.c_str()), methods);
   if (which > 0 && step.is_none())
     throw nb::value_error(
@@ -157,12 +158,19 @@ BoundTrajectory simulate_of(const BoundModel& m, ArrayLike q, ArrayLike v, doubl
     now = t;
     return watch.go_on(0);
   };
-  BoundTrajectory found{
-      which == 0   ? simulate(*m, states.q(0), velocities[0], until, {rtol, atol, length, 0.0}, options)
-      : which == 3 ? simulate_stiff(*m, states.q(0), velocities[0], until, length, 0.8, options)
-                   : simulate_fixed(*m, states.q(0), velocities[0], until, length,
-                                    runge_kutta(which == 1 ? 4 : 1), options),
-      {}};
+  const std::span<const double> q_0 = states.q(0), v_0 = velocities[0];
+  const auto motion = [&] {
+    switch (which) {
+      case 0: return simulate(*m, q_0, v_0, until, {rtol, atol, length, 0.0}, options);
+      case 1: return simulate_fixed(*m, q_0, v_0, until, length, runge_kutta(4), options);
+      case 2: return simulate_fixed(*m, q_0, v_0, until, length, runge_kutta(1), options);
+      case 3: return simulate_stiff(*m, q_0, v_0, until, length, 0.8, options);
+      case 7: return simulate_momenta(*m, q_0, v_0, until, length, runge_kutta(4), options);
+      default:
+        return simulate_conserving(*m, q_0, v_0, until, length, 2 * (static_cast<int>(which) - 3), options);
+    }
+  };
+  BoundTrajectory found{motion(), {}};
   call.end();
   if (sample_times) found.sample({sample_times->data(), static_cast<std::size_t>(sample_times->size())});
   return found;

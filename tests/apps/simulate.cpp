@@ -84,7 +84,7 @@ TEST(SimulateCommand, RefusesWhatItCannotUse) {
   };
   EXPECT_THAT(
       error({"--method", "verlet"}),
-      StartsWith("axode simulate: --method: \"verlet\" is none of dopri5, rk4, euler, generalized_alpha"));
+      StartsWith("axode simulate: --method: \"verlet\" is none of dopri5, rk4, euler, generalized_alpha, midpoint"));
   EXPECT_THAT(error({"--method", "rk4"}), StartsWith("axode simulate: --step is missing"));
   EXPECT_THAT(error({"--method", "rk4", "--step", "-1"}), StartsWith("axode simulate: step is -1"));
   EXPECT_THAT(error({"--samples", "-1"}), StartsWith("axode simulate: --samples is -1"));

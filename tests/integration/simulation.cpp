@@ -1,68 +1,10 @@
-#include "axode/integration.hpp"
-
-#include <cmath>
-
 #include "axode/dynamics.hpp"
-#include "axode/model/configuration.hpp"
-#include "tests/laws/law.hpp"
+#include "tests/integration/motions.hpp"
 #include "tests/support/refused_arguments.hpp"
 
 /// Motions under forces: orders of the schemes on the group, what they keep, dense output, events, and what is refused.
 namespace axode::test {
 namespace {
-
-using Numbers = std::vector<double>;
-using Span = std::span<const double>;
-
-/// Any tree, and a state of it.
-struct Subject {
-  Model model;
-  State<double> state;
-
-  explicit Subject(std::uint64_t seed)
-      : model([&] {
-          Random<double> random(seed);
-          return ModelBuilder(told(random_mechanism(random, {.most_bodies = 6, .always_mass = true}), random))
-              .build();
-        }()) {
-    Random<double> random(seed + 1);
-    state = random_state(model, random);
-    state.wrenches.clear();
-  }
-};
-
-double distance(const Model& model, Span q0, Span q1) {
-  double sum = 0;
-  for (const double x : difference(model, q0, q1)) sum += x * x;
-  return std::sqrt(sum);
-}
-Span last_q(const Trajectory& motion) { return motion.q(motion.size() - 1); }
-Span last_v(const Trajectory& motion) { return motion.v(motion.size() - 1); }
-
-/// One spherical, one free and one planar joint, and a hinge: nothing in it is singular.
-Model test_tree() {
-  Description tree{.name = "tree"};
-  const auto add = [&](const char* name, const char* on, JointKind kind, Vec3<> point) {
-    BodyDescription body{.name = name, .predecessor = on};
-    body.joint = {.name = std::string(name) + " joint", .kind = kind};
-    if (kind == JointKind::revolute || kind == JointKind::planar) body.joint.axis = {0.6, 0, 0.8};
-    body.joint.point = point;
-    body.inertia =
-        MassProperties{.mass = 1.3, .com = {0.1, 0.2, -0.1}, .Theta = {0.5, 0.7, 0.6, 0.02, 0.01, 0.03}};
-    tree.bodies.push_back(std::move(body));
-  };
-  add("base", "ground", JointKind::free, {});
-  add("ball", "base", JointKind::spherical, {0.4, 0, 0});
-  add("plate", "base", JointKind::planar, {0, 0.5, 0});
-  add("door", "ball", JointKind::revolute, {0.7, 0.1, 0});
-  return ModelBuilder(tree).build();
-}
-State<double> test_state(const Model& model) {
-  Random<double> random(7);
-  State<double> state = random_state(model, random);
-  state.wrenches.clear();
-  return state;
-}
 
 TEST(Simulation, HasTheOrdersOfItsMethodsOnTheGroup) {
   const Model model = test_tree();
@@ -82,7 +24,7 @@ TEST(Simulation, HasTheOrdersOfItsMethodsOnTheGroup) {
       const Trajectory motion =
           simulate_fixed(model, at.q, at.v, until, until / steps, runge_kutta(order), options);
       EXPECT_EQ(motion.steps, static_cast<std::size_t>(steps));
-      return distance(model, last_q(exact), last_q(motion));
+      return apart(model, last_q(exact), last_q(motion));
     };
     EXPECT_NEAR(std::log2(error(n) / error(2 * n)), order, order == 5 ? 0.9 : 0.35);
   }
@@ -102,7 +44,7 @@ TEST(Simulation, OfStiffSystemsIsOfSecondOrderOnTheGroup) {
     const auto error = [&](int steps) {
       const Trajectory motion = simulate_stiff(model, at.q, at.v, 0.5, 0.5 / steps, rho, options);
       EXPECT_TRUE(motion.complete) << motion.stopped;
-      return distance(model, last_q(exact), last_q(motion));
+      return apart(model, last_q(exact), last_q(motion));
     };
     EXPECT_NEAR(std::log2(error(100) / error(200)), 2, 0.15);
   }
@@ -170,7 +112,7 @@ TEST(Simulation, IsOfSecondOrderWhereTheGroupIsForgotten) {
       }
       q = q_i, v = y;
     }
-    return distance(model, last_q(exact), q);
+    return apart(model, last_q(exact), q);
   };
   const Trajectory exact = simulate(model, at.q, at.v, 0.5, {.relative = 1e-13, .absolute = 1e-13});
   EXPECT_NEAR(std::log2(error(80, exact) / error(160, exact)), 2, 0.2);
@@ -178,7 +120,7 @@ TEST(Simulation, IsOfSecondOrderWhereTheGroupIsForgotten) {
 
 TEST(Simulation, KeepsEnergyAndMomentumAsFarAsItsToleranceGoes) {
   for_seeds(30, [&](std::uint64_t seed) {
-    const Subject subject(seed);
+    const Mover subject(seed);
     const auto energy = [&](Span q, Span v) {
       Workspace<> workspace(subject.model);
       return kinetic_energy(subject.model, workspace, q, v) + potential_energy(subject.model, workspace, q);
@@ -207,7 +149,7 @@ TEST(Simulation, InBetweenIsAsGoodAsTheSteps) {
       coarse.at(t, q, v), exact.at(t, q_exact, v_exact);
       double dv = 0;
       for (std::size_t c = 0; c < v.size(); ++c) dv = std::max(dv, std::abs(v[c] - v_exact[c]));
-      error = std::max({error, distance(model, q, q_exact), 0.01 * dv});
+      error = std::max({error, apart(model, q, q_exact), 0.01 * dv});
     }
     return error;
   };

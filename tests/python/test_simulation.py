@@ -12,7 +12,9 @@ REST = np.full(7, 0.3), np.zeros(7)
 
 
 @pytest.mark.parametrize("method, step, tolerance", [("dopri5", None, 1e-7), ("rk4", 1e-3, 1e-7), ("euler", 1e-4, 1e-2),
-                                                     ("generalized_alpha", 1e-3, 1e-3)])
+                                                     ("generalized_alpha", 1e-3, 1e-3), ("midpoint", 1e-3, 1e-3),
+                                                     ("suzuki4", 2e-3, 1e-7), ("kahan_li6", 5e-3, 1e-7),
+                                                     ("rk4_momenta", 1e-3, 1e-7)])
 def test_methods_agree_and_keep_the_energy(method, step, tolerance):
     exact = axode.simulate(ARM, *REST, 0.5, rtol=1e-12, atol=1e-13)
     motion = axode.simulate(ARM, *REST, 0.5, method=method, step=step)
@@ -56,6 +58,32 @@ def test_a_free_body_keeps_its_momentum():
     np.testing.assert_allclose(np.linalg.norm(motion.q[:, :4], axis=1), 1, atol=1e-12)
 
 
+@pytest.mark.parametrize("method", ["midpoint", "suzuki4", "kahan_li6", "rk4_momenta"])
+def test_conserving_methods_keep_the_momentum_to_rounding(method):
+    weightless = HUMANOID.to_dict() | {"gravity": [0, 0, 0]}
+    m, v = axode.Model.from_dict(weightless), np.random.default_rng(1).normal(size=HUMANOID.nv)
+    q = m.random(seed=3)
+    motion = axode.simulate(m, q, v, 0.5, method=method, step=1e-3)
+    size = sum(np.abs(Pi).max() for Pi in axode.body_momenta(m, q, v, "spatial"))
+    assert np.max(np.abs(motion.momentum - motion.momentum[0])) < 1e-14 * size
+    fall = axode.simulate(HUMANOID, q, v, 0.5, method=method, step=1e-3)
+    L = np.array([axode.centroidal_momentum(HUMANOID, *state)[:3] for state in zip(fall.q, fall.v, strict=True)])
+    assert np.max(np.abs(L - L[0])) < 1e-14 * size
+    P = fall.momentum[:, 3:] - HUMANOID.total_mass * fall.t[:, None] * [0, 0, -9.81]
+    assert np.max(np.abs(P - P[0])) < 1e-14 * (size + HUMANOID.total_mass * 9.81)
+
+
+def test_conserving_methods_refuse_forces_that_jump():
+    arguments = dict(until=0.1, method="midpoint", step=1e-3)
+    with pytest.raises(ValueError, match="events are not met by conserving schemes"):
+        axode.simulate(ARM, *REST, **arguments, events=[lambda t, q, v: q[0]])
+    m = axode.Model.from_bodies([{"name": "block", "mass": 1.0, "com": [0, 0, 0], "inertia": [1, 1, 1], "joint":
+                                  {"name": "rail", "kind": "prismatic", "axis": "x", "friction": 0.5}}])
+    with pytest.raises(ValueError, match='joint "rail" has dry friction of 0.5'):
+        axode.simulate(m, [0.0], [1.0], **arguments, joint_losses=True)
+    assert axode.simulate(m, [0.0], [1.0], **arguments).complete
+
+
 def test_events():
     m = axode.Model.from_bodies([{"name": "ball", "joint": {"kind": "prismatic", "axis": "z"}, "mass": 1.0,
                                   "com": [0, 0, 0], "inertia": [1.0, 1.0, 1.0]}])
@@ -95,7 +123,7 @@ def test_motions_that_cannot_go_on_say_why():
     (dict(until=1.0, method="rk4"), "step: method 'rk4'"), (dict(until=1.0, method="rk4", step=0.0), "step is 0"),
     (dict(until=1.0, method="rk4", step=-0.1), "step is -0.1"), (dict(until=1.0, step=-0.1), "step is -0.1"),
     (dict(until=1.0, step=0.0), "step is 0"),
-    (dict(until=1.0, method="verlet"), "method is 'verlet'; expected one of 'dopri5', 'rk4', 'euler', 'generalized_alpha'"),
+    (dict(until=1.0, method="verlet"), "method is 'verlet'; expected one of 'dopri5', 'rk4', 'euler', 'generalized_alpha', 'midpoint'"),
     (dict(until=1.0, rtol=-1.0), "relative tolerance is -1"),
     (dict(until=1.0, times=[0, 0.5, 0.5]), r"times\[2\] is 0.5"), (dict(until=1.0, times=[2.0]), r"times\[0\] is 2"),
     (dict(until=1.0, tau=np.zeros(6)), r"tau: expected shape \(7,\)"),

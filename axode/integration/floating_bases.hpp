@@ -1,0 +1,131 @@
+#pragma once
+#include <algorithm>
+#include <span>
+#include <vector>
+
+#include "axode/lie/twist.hpp"
+#include "axode/model/workspace.hpp"
+#include "axode/recursion/spatial_tree.hpp"
+
+namespace axode {
+
+/// What floats: every root on a free joint (without drive inertia and losses), with all that it carries. The momentum Π of that is a
+/// state y of its own in the place of the p of the joint, against a frame that does not turn and falls with g t, in which nothing
+/// weighs. Where no wrench is applied the frame moves along with the centre of mass, with its velocity u at t = 0: then the linear
+/// momentum is 0, and the centre held in its place. So what nobody pushes has in every scheme an angular momentum about its
+/// centre, a linear one, and where nothing weighs a Π^s, that are exact to rounding, and its centre moves on a parabola.
+class FloatingBases {
+ public:
+  FloatingBases(const Model& model, const double* q, const double* v, bool wrenches)
+      : tree_(&model.tree<double>()), kernel_(model.topology()), gravity_(size((*tree_)->n + 1), tree_->g) {
+    kernel_->run(*tree_, q);
+    WithScratch<double, SubtreeMomenta<double>> momenta(model.topology());
+    momenta->run(*kernel_, v);
+    each_root(model.topology(), [&](int i) {
+      const double mass = kernel_->M[i].m;
+      if ((*tree_)->kind[i] != Subgroup::free || !moves_freely(i) || !(mass > 0)) return;
+      const Vec3<> u = (1 / mass) * momenta->Pi[i].p;
+      roots_.push_back({i, !wrenches, center(i), wrenches ? Vec3<>{} : u});
+      gravity_[size(i)] = {};
+    });
+  }
+  bool any() const { return !roots_.empty(); }
+  /// The gravity that remains, for each root.
+  std::span<const Vec3<>> gravity() const { return gravity_; }
+  /// Whether forces of nv numbers drive one of the bases.
+  bool driven_by(const double* tau) const {
+    for (const Root& root : roots_)
+      for (int k = 0; k < 6; ++k)
+        if (tau[first(root) + k] != 0) return true;
+    return false;
+  }
+
+  /// From the inertial frame to the moving ones and back, at time t.
+  void enter(double t, double* q, double* v) const { add(-1, t, q, v); }
+  void leave(double t, double* q, double* v) const { add(1, t, q, v); }
+
+  // Against the moving frames:
+  /// y where p is.
+  void begin(const double* q, double* y) const {
+    for (const Root& root : roots_) {
+      const Wrench<Spatial> Pi = coAd(pose(root, q), read<BodyFixed>(root, y));
+      write(root, Wrench<Spatial>{Pi.m, root.held ? Vec3<>{} : Pi.f}, y);
+    }
+  }
+  /// p of the bases from y.
+  void to_momenta(const double* q, const double* y, double* p) const {
+    for (const Root& root : roots_) write(root, coAd_inv(pose(root, q), read<Spatial>(root, y)), p);
+  }
+  /// y' of the bases from f = p' - ad_vᵀ p, where anything but weight pushes them.
+  void rates(const double* q, bool pushed, const double* f, double* dy) {
+    for (Root& root : roots_) {
+      write(root, pushed ? coAd(pose(root, q), read<BodyFixed>(root, f)) : Wrench<Spatial>{}, dy);
+      root.held = root.held && !pushed;
+    }
+  }
+  /// y after a time h with f.
+  void advance(const double* q, double h, bool pushed, double* f, double* y) {
+    rates(q, pushed, f, f);
+    for (const Root& root : roots_)
+      for (int c = first(root); c < first(root) + 6; ++c) y[c] += h * f[c];
+  }
+  /// Centres that are held back to their places.
+  void settle(double* q) {
+    if (std::ranges::none_of(roots_, &Root::held)) return;
+    kernel_->run(*tree_, q);
+    for (const Root& root : roots_)
+      if (root.held) move(root, root.center - center(root.body), q);
+  }
+
+ private:
+  struct Root {
+    int body;
+    bool held;
+    Vec3<> center, u;  ///< at t = 0
+  };
+  static std::size_t size(int n) { return static_cast<std::size_t>(n); }
+  int first(const Root& root) const { return (*tree_)->iv[root.body]; }
+  /// Whether nothing but wrenches acts on a base.
+  bool moves_freely(int i) const {
+    for (int c = (*tree_)->iv[i]; c < (*tree_)->iv[i] + 6; ++c)
+      if (tree_->armature[size(c)] != 0 || tree_->damping[size(c)] != 0 || tree_->friction[size(c)] != 0)
+        return false;
+    return true;
+  }
+  /// At the configuration of the kernel.
+  Vec3<> center(int i) {
+    const Inertia<>& M = kernel_->M[i];
+    return kernel_->origin[i] + (1 / M.m) * M.h;
+  }
+  SE3<> pose(const Root& root, const double* q) const {
+    return subgroup::Free<double>::pose(tree_->B[size(root.body)], q + (*tree_)->iq[root.body]);
+  }
+  void move(const Root& root, const Vec3<>& by, double* q) const {
+    const Vec3<> d = transpose(tree_->B[size(root.body)].R) * by;
+    double* const r = q + (*tree_)->iq[root.body] + 4;
+    r[0] += d.x, r[1] += d.y, r[2] += d.z;
+  }
+  void add(double sign, double t, double* q, double* v) const {
+    for (const Root& root : roots_) {
+      const Vec3<> u = transpose(pose(root, q).R) * (root.u + t * tree_->g);
+      double* const linear = v + first(root) + 3;
+      linear[0] += sign * u.x, linear[1] += sign * u.y, linear[2] += sign * u.z;
+      move(root, (sign * t) * (root.u + (0.5 * t) * tree_->g), q);
+    }
+  }
+  template <class Rep> Wrench<Rep> read(const Root& root, const double* y) const {
+    const double* x = y + first(root);
+    return {{x[0], x[1], x[2]}, {x[3], x[4], x[5]}};
+  }
+  template <class Rep> void write(const Root& root, const Wrench<Rep>& W, double* y) const {
+    double* x = y + first(root);
+    for (const double number : {W.m.x, W.m.y, W.m.z, W.f.x, W.f.y, W.f.z}) *x++ = number;
+  }
+
+  const Tree<double>* tree_;
+  WithScratch<double, SpatialTree<double>> kernel_;
+  std::vector<Vec3<>> gravity_;
+  std::vector<Root> roots_;
+};
+
+}  // namespace axode

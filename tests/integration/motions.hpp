@@ -1,0 +1,65 @@
+#pragma once
+#include <cmath>
+#include <span>
+
+#include "axode/integration.hpp"
+#include "axode/model/configuration.hpp"
+#include "tests/laws/law.hpp"
+
+/// Mechanisms whose motions are tested, and what is compared.
+namespace axode::test {
+
+using Numbers = std::vector<double>;
+using Span = std::span<const double>;
+
+/// Any tree, and a state of it.
+struct Mover {
+  Model model;
+  State<double> state;
+
+  explicit Mover(std::uint64_t seed)
+      : model([&] {
+          Random<double> random(seed);
+          return ModelBuilder(told(random_mechanism(random, {.most_bodies = 6, .always_mass = true}), random))
+              .build();
+        }()) {
+    Random<double> random(seed + 1);
+    state = random_state(model, random);
+    state.wrenches.clear();
+  }
+};
+
+inline double apart(const Model& model, Span q0, Span q1) {
+  double sum = 0;
+  for (const double x : difference(model, q0, q1)) sum += x * x;
+  return std::sqrt(sum);
+}
+inline Span last_q(const Trajectory& motion) { return motion.q(motion.size() - 1); }
+inline Span last_v(const Trajectory& motion) { return motion.v(motion.size() - 1); }
+
+/// One spherical, one free and one planar joint, and a hinge: nothing in it is singular.
+inline Model test_tree(Vec3<> gravity = {0, 0, -9.81}) {
+  Description tree{.name = "tree", .gravity = gravity};
+  const auto add = [&](const char* name, const char* on, JointKind kind, Vec3<> point) {
+    BodyDescription body{.name = name, .predecessor = on};
+    body.joint = {.name = std::string(name) + " joint", .kind = kind};
+    if (kind == JointKind::revolute || kind == JointKind::planar) body.joint.axis = {0.6, 0, 0.8};
+    body.joint.point = point;
+    body.inertia =
+        MassProperties{.mass = 1.3, .com = {0.1, 0.2, -0.1}, .Theta = {0.5, 0.7, 0.6, 0.02, 0.01, 0.03}};
+    tree.bodies.push_back(std::move(body));
+  };
+  add("base", "ground", JointKind::free, {});
+  add("ball", "base", JointKind::spherical, {0.4, 0, 0});
+  add("plate", "base", JointKind::planar, {0, 0.5, 0});
+  add("door", "ball", JointKind::revolute, {0.7, 0.1, 0});
+  return ModelBuilder(tree).build();
+}
+inline State<double> test_state(const Model& model) {
+  Random<double> random(7);
+  State<double> state = random_state(model, random);
+  state.wrenches.clear();
+  return state;
+}
+
+}  // namespace axode::test
