@@ -35,6 +35,9 @@ constexpr const char* footer = R"(Functions (several are separated by commas):
                            what a direction (dq, dv, da or dtau) does to the result
   inverse_dynamics_vjp, forward_dynamics_vjp
                            the gradients of w times the result by q, v and a or tau, nv each
+  inverse_dynamics_hessian, forward_dynamics_hessian
+                           the second derivatives of w times the result by (q, q), (q, v), (v, v)
+                           and (a or tau, q), nv x nv each
 
 Example:
   axode codegen arm7.toml --functions inverse_dynamics,jacobian:flange:hybrid

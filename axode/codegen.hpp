@@ -21,21 +21,25 @@ enum class Quantity {
   inverse_dynamics_derivatives,
   inverse_dynamics_jvp,
   inverse_dynamics_vjp,
+  inverse_dynamics_hessian,
   forward_dynamics_derivatives,
   forward_dynamics_jvp,
-  forward_dynamics_vjp
+  forward_dynamics_vjp,
+  forward_dynamics_hessian
 };
 /// Their names, those of the library, in that order.
-inline constexpr std::array<std::string_view, 10> quantities{"inverse_dynamics",
+inline constexpr std::array<std::string_view, 12> quantities{"inverse_dynamics",
                                                              "forward_dynamics",
                                                              "mass_matrix",
                                                              "jacobian",
                                                              "inverse_dynamics_derivatives",
                                                              "inverse_dynamics_jvp",
                                                              "inverse_dynamics_vjp",
+                                                             "inverse_dynamics_hessian",
                                                              "forward_dynamics_derivatives",
                                                              "forward_dynamics_jvp",
-                                                             "forward_dynamics_vjp"};
+                                                             "forward_dynamics_vjp",
+                                                             "forward_dynamics_hessian"};
 
 /// A function to generate.
 struct Function {
@@ -73,16 +77,18 @@ bool is_identifier(std::string_view name);
 ///     void PREFIX_inverse_dynamics_derivatives(const T *q, const T *v, const T *a, T *dtau)
 ///     void PREFIX_inverse_dynamics_jvp(const T *q, const T *v, const T *a, const T *dq, const T *dv, const T *da, T *dtau)
 ///     void PREFIX_inverse_dynamics_vjp(const T *q, const T *v, const T *a, const T *w, T *gradient)
-///     int  PREFIX_forward_dynamics_derivatives(const T *q, const T *v, const T *tau, T *da), ..._jvp and ..._vjp
+///     void PREFIX_inverse_dynamics_hessian(const T *q, const T *v, const T *a, const T *w, T *hessian)
+///     int  PREFIX_forward_dynamics_derivatives(const T *q, const T *v, const T *tau, T *da), ..._jvp, _vjp, _hessian
 ///
-/// Derivatives by q, v and a or tau lie one behind the other, nv x nv or nv numbers each. M is nv x nv; J is 6 x nv, row by row, angular before linear; in another representation than body-fixed its
-/// function is PREFIX_jacobian_NAME_spatial and so on. Those of forward dynamics return 0, or 1 where the mass matrix
-/// may be singular, and then the result is not to be trusted. Arrays must not overlap. Armature and gravity are
-/// those of the model; joint losses and loads have no part in it. Results differ from the library's by
-/// rounding, for angles up to 1e5 rad.
+/// Derivatives by q, v and a or tau lie one behind the other, nv x nv or nv numbers each, and so do the blocks of a
+/// Hessian, (q, q), (q, v), (v, v) and (a or tau, q). M is nv x nv; J is 6 x nv, row by row, angular before linear; in
+/// another representation than body-fixed its function is PREFIX_jacobian_NAME_spatial and so on. Those of forward
+/// dynamics return 0, or 1 where the mass matrix may be singular, and then the result is not to be trusted. Arrays must
+/// not overlap. Armature and gravity are those of the model; joint losses and loads have no part in it. Results differ
+/// from the library's by rounding, for angles up to 1e5 rad.
 ///
-/// Time and memory are proportional to the operations, O(n) or, for the mass matrix, O(n²). Throws
-/// std::invalid_argument for a prefix that is no C identifier, a frame that there is not, no functions, and
+/// Time and memory are proportional to the operations: O(n), O(n²) for matrices, O(n² d) for the Hessian of forward
+/// dynamics. Throws std::invalid_argument for a prefix that is no C identifier, a frame that there is not, no functions, and
 /// one that is asked for twice.
 Source c_source(const Model& model, std::span<const Function> functions, const Options& options = {});
 

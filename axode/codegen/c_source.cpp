@@ -122,6 +122,9 @@ std::string purpose(const Model& model, const Function& function) {
     case Quantity::inverse_dynamics_jvp: return "What a direction (dq, dv, da) does to tau.";
     case Quantity::inverse_dynamics_vjp:
       return "The gradients of w tau by q, v and a, " + nv + " numbers each, one behind the other.";
+    case Quantity::inverse_dynamics_hessian:
+      return "The second derivatives of w tau by (q, q), (q, v), (v, v) and (a, q), " + nv + " x " + nv +
+             " each, one\n   behind the other, row by row.";
     case Quantity::forward_dynamics_derivatives:
       return "The derivatives of a by q, v and tau, " + nv + " x " + nv +
              " each, one behind the other, row by row.\n   Returns what forward dynamics does.";
@@ -130,6 +133,9 @@ std::string purpose(const Model& model, const Function& function) {
     case Quantity::forward_dynamics_vjp:
       return "The gradients of w a by q, v and tau, " + nv +
              " numbers each, one behind the other. Returns what\n   forward dynamics does.";
+    case Quantity::forward_dynamics_hessian:
+      return "The second derivatives of w a by (q, q), (q, v), (v, v) and (tau, q), " + nv + " x " + nv +
+             " each, one\n   behind the other, row by row. Returns what forward dynamics does.";
     case Quantity::jacobian: break;
   }
   return "The Jacobian J of frame \"" + in_comment(model.frame(function.frame).name) + "\" in " +

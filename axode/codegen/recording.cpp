@@ -6,6 +6,7 @@
 
 #include "axode/codegen/traced_tree.hpp"
 #include "axode/derivatives/first_order.hpp"
+#include "axode/derivatives/forward_second_order.hpp"
 #include "axode/derivatives/inverse_dynamics_products.hpp"
 #include "axode/fast/inverse_dynamics.hpp"
 #include "axode/fast/inverse_mass_matrix.hpp"
@@ -144,6 +145,14 @@ struct Accelerated {
     solve({&a, 1});
   }
   void solve(std::span<Numbers> columns) { traced.recording.doubt = solver(traced, q, columns, small); }
+  /// The same for a matrix of nv columns, row by row.
+  void solve(T* matrix) {
+    const std::size_t nv = a.size();
+    std::vector<Numbers> columns(nv, zeros(traced.tree->nv));
+    for (std::size_t k = 0; k < nv * nv; ++k) columns[k % nv][k / nv] = matrix[k];
+    solve(columns);
+    for (std::size_t k = 0; k < nv * nv; ++k) matrix[k] = columns[k % nv][k / nv];
+  }
   Recording with(Numbers results) {
     traced.recording.returns_doubt = true;
     const Trace::Condition doubt = traced.recording.doubt;
@@ -184,13 +193,29 @@ Numbers gradients(Traced& traced, const Numbers& q, const Numbers& v, const Numb
   return out;
 }
 
+/// Where the blocks of a Hessian go that lie one behind the other.
+HessianBlocks<T> blocks(Numbers& out) {
+  T* const first = out.data();
+  const std::ptrdiff_t entries = std::ssize(out) / 4;
+  return {first, first + entries, first + 2 * entries, first + 3 * entries};
+}
+Numbers hessian(Traced& traced, const Numbers& q, const Numbers& v, const Numbers& a, const Numbers& w) {
+  OnTape<SecondOrder<T>> second(*traced.tree.topology());
+  Numbers out = zeros(4 * traced.tree->nv * traced.tree->nv);
+  second->run(traced.tree, q.data(), v.data(), a.data(), w.data(), {});
+  second->add_to(*traced.tree.topology(), false, blocks(out));
+  return out;
+}
+
 Recording inverse_dynamics_derivatives(const Tree<double>& tree, Quantity quantity) {
   const bool jvp = quantity == Quantity::inverse_dynamics_jvp,
-             vjp = quantity == Quantity::inverse_dynamics_vjp;
-  Traced traced(tree, vjp ? "gradient" : "dtau");
+             vjp = quantity == Quantity::inverse_dynamics_vjp,
+             curved = quantity == Quantity::inverse_dynamics_hessian;
+  Traced traced(tree, vjp ? "gradient" : curved ? "hessian" : "dtau");
   const Numbers q = traced.argument("q", tree->nq), v = traced.argument("v", tree->nv),
                 a = traced.argument("a", tree->nv);
   if (vjp) return traced.with(gradients(traced, q, v, a, traced.argument("w", tree->nv)));
+  if (curved) return traced.with(hessian(traced, q, v, a, traced.argument("w", tree->nv)));
   if (!jvp) return traced.with(matrices(traced, q, v, a));
   const Numbers dq = traced.argument("dq", tree->nv), dv = traced.argument("dv", tree->nv),
                 da = traced.argument("da", tree->nv);
@@ -200,19 +225,13 @@ Recording inverse_dynamics_derivatives(const Tree<double>& tree, Quantity quanti
 Recording forward_dynamics_derivatives(const Tree<double>& tree, Solver solver, double small) {
   Traced traced(tree, "da");
   Accelerated at(traced, solver, small);
-  const std::size_t nv = static_cast<std::size_t>(tree->nv);
-  const Numbers inverse = matrices(traced, at.q, at.v, at.a);
-  std::vector<Numbers> columns(3 * nv, zeros(tree->nv));
-  for (std::size_t c = 0; c < nv; ++c) {
-    for (std::size_t r = 0; r < nv; ++r)
-      for (const std::size_t matrix : {0, 1})
-        columns[matrix * nv + c][r] = -inverse[(matrix * nv + r) * nv + c];
-    columns[2 * nv + c][c] = T(1);
+  const std::size_t nv = at.a.size(), entries = nv * nv;
+  Numbers out = matrices(traced, at.q, at.v, at.a);
+  for (std::size_t k = 0; k < entries; ++k) {
+    out[k] = -out[k], out[entries + k] = -out[entries + k];
+    out[2 * entries + k] = T(k % (nv + 1) == 0);
   }
-  at.solve(columns);
-  Numbers out(3 * nv * nv);
-  for (std::size_t k = 0; k < columns.size(); ++k)
-    for (std::size_t r = 0; r < nv; ++r) out[(k / nv * nv + r) * nv + k % nv] = columns[k][r];
+  for (const std::size_t matrix : {0, 1, 2}) at.solve(out.data() + matrix * entries);
   return at.with(std::move(out));
 }
 Recording forward_dynamics_jvp(const Tree<double>& tree, Solver solver, double small) {
@@ -233,6 +252,19 @@ Recording forward_dynamics_vjp(const Tree<double>& tree, Solver solver, double s
   Numbers out = gradients(traced, at.q, at.v, at.a, mu);
   const std::size_t nv = mu.size();
   for (std::size_t c = 0; c < nv; ++c) out[c] = -out[c], out[nv + c] = -out[nv + c], out[2 * nv + c] = mu[c];
+  return at.with(std::move(out));
+}
+
+Recording forward_dynamics_hessian(const Tree<double>& tree, Solver solver, double small) {
+  Traced traced(tree, "hessian");
+  Accelerated at(traced, solver, small);
+  Numbers mu = traced.argument("w", tree->nv);
+  for (T& x : mu) x = -x;
+  at.solve({&mu, 1});
+  OnTape<SecondOrder<T>> second(*tree.topology());
+  Numbers out = zeros(4 * tree->nv * tree->nv);
+  second->run(tree, at.q.data(), at.v.data(), at.a.data(), mu.data(), {});
+  accelerations_from(*second, tree, {}, blocks(out), [&](T* matrix) { at.solve(matrix); });
   return at.with(std::move(out));
 }
 
@@ -285,7 +317,8 @@ Recording record(const Model& model, const Function& function, bool single_preci
     case Quantity::jacobian: return jacobian(tree, function.frame, function.representation);
     case Quantity::inverse_dynamics_derivatives:
     case Quantity::inverse_dynamics_jvp:
-    case Quantity::inverse_dynamics_vjp: return inverse_dynamics_derivatives(tree, function.quantity);
+    case Quantity::inverse_dynamics_vjp:
+    case Quantity::inverse_dynamics_hessian: return inverse_dynamics_derivatives(tree, function.quantity);
     default: break;
   }
   const auto by = [&](Solver solver) {
@@ -294,6 +327,7 @@ Recording record(const Model& model, const Function& function, bool single_preci
       case Quantity::forward_dynamics_derivatives: return forward_dynamics_derivatives(tree, solver, small);
       case Quantity::forward_dynamics_jvp: return forward_dynamics_jvp(tree, solver, small);
       case Quantity::forward_dynamics_vjp: return forward_dynamics_vjp(tree, solver, small);
+      case Quantity::forward_dynamics_hessian: return forward_dynamics_hessian(tree, solver, small);
       default: return forward_dynamics(tree, solver, small);
     }
   };

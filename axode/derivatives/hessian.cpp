@@ -40,7 +40,7 @@ Solvability forward_dynamics_hessian(const Model& model, Workspace<T>& workspace
                            {"hessian.tauq", h.tauq, 2}});
   Arena arena = workspace.arena(model.topology());
   return ForwardSecondOrder<T>(arena).run(model.tree<T>(), q.data(), v.data(), tau.data(), w.data(), loads,
-                                          h.qq.data(), h.qv.data(), h.vv.data(), h.tauq.data());
+                                          {h.qq.data(), h.qv.data(), h.vv.data(), h.tauq.data()});
 }
 
 template void inverse_dynamics_hessian(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>, Numbers<AXODE_T>,

@@ -50,8 +50,8 @@ Solvability forward_dynamics_second_derivatives(
   for (int i = 0; i < nv; ++i) {  // row i of each tensor: the Hessian of a_i
     for (int c = 0; c < nv; ++c) w[c] = T(c == i);
     const auto row = [&](std::size_t k) { return tensors[k].data() + i * entries; };
-    const Solvability found = hessians.one.run(model.tree<T>(), q.data(), v.data(), tau.data(), w, {}, row(0),
-                                               row(1), row(2), row(3));
+    const Solvability found = hessians.one.run(model.tree<T>(), q.data(), v.data(), tau.data(), w, {},
+                                               {row(0), row(1), row(2), row(3)});
     if (verdict.ok()) verdict = found;
   }
   return verdict;

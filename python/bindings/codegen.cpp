@@ -68,9 +68,9 @@ void add_codegen(nb::module_& module) {
       R"(
 A file in C99 for this one mechanism, which needs nothing but a compiler, and what each of its functions costs.
 
-functions are "inverse_dynamics", "forward_dynamics", "mass_matrix", either of the first two with "_derivatives", "_jvp" or
-"_vjp" behind it, ("jacobian", frame) and ("jacobian", frame, representation). With PREFIX for prefix (made from the model's name if empty), NAME for the frame's name and T for
-double or, in single precision, float, they become
+functions are "inverse_dynamics", "forward_dynamics", "mass_matrix", either of the first two with "_derivatives", "_jvp",
+"_vjp" or "_hessian" behind it, ("jacobian", frame) and ("jacobian", frame, representation). With PREFIX for prefix (made
+from the model's name if empty), NAME for the frame's name and T for double or, in single precision, float, they become
 
     void PREFIX_inverse_dynamics(const T *q, const T *v, const T *a, T *tau)
     int  PREFIX_forward_dynamics(const T *q, const T *v, const T *tau, T *a)
@@ -79,9 +79,11 @@ double or, in single precision, float, they become
     void PREFIX_inverse_dynamics_derivatives(const T *q, const T *v, const T *a, T *dtau), ...
 
 with the units and frames of their namesakes here; M is (nv, nv) and J (6, nv), row by row; derivatives by q, v and a
-or tau lie one behind the other. forward_dynamics and its derivatives return 0, or 1 where the mass matrix may be singular. Armature and gravity are part of them, joint losses and loads are not.
-Results differ by rounding, for angles up to 1e5 rad. Compile it without -ffast-math. KeyError for an unknown frame,
-ValueError for an unknown function, one that is asked for twice, none, and a prefix that is no C identifier.
+or tau lie one behind the other, and so do the blocks of a Hessian, as in `InverseDynamicsHessian` and
+`ForwardDynamicsHessian`. forward_dynamics and its derivatives return 0, or 1 where the mass matrix may be singular.
+Armature and gravity are part of them, joint losses and loads are not. Results differ by rounding, for angles up
+to 1e5 rad. Compile it without -ffast-math. KeyError for an unknown frame, ValueError for an unknown function, one that
+is asked for twice, none, and a prefix that is no C identifier.
 
 >>> source = axode.codegen.c_source(arm, ["inverse_dynamics", ("jacobian", "flange", "hybrid")], prefix="arm")
 >>> [cost.name for cost in source.functions]

@@ -147,8 +147,10 @@ TEST_P(GeneratedCode, HasTheDerivativesThatTheLibraryHas) {
   const Case fastest = fast(GetParam());
   Comparison inverse("inverse", fastest.agreement()), forward("forward", fastest.agreement());
   constexpr Quantity quantities[]{
-      Quantity::inverse_dynamics_derivatives, Quantity::inverse_dynamics_jvp, Quantity::inverse_dynamics_vjp,
-      Quantity::forward_dynamics_derivatives, Quantity::forward_dynamics_jvp, Quantity::forward_dynamics_vjp};
+      Quantity::inverse_dynamics_derivatives, Quantity::inverse_dynamics_jvp,
+      Quantity::inverse_dynamics_vjp,         Quantity::forward_dynamics_derivatives,
+      Quantity::forward_dynamics_jvp,         Quantity::forward_dynamics_vjp,
+      Quantity::inverse_dynamics_hessian,     Quantity::forward_dynamics_hessian};
   std::vector<Function> functions;
   for (const Quantity quantity : quantities) functions.push_back({quantity});
   int solvable = 0;
@@ -184,6 +186,9 @@ TEST_P(GeneratedCode, HasTheDerivativesThatTheLibraryHas) {
           trial.call("inverse_dynamics_jvp", ask), scale);
       inverse.expect_equal(called(fastest, library, name(2), {ask.q, ask.v, ask.a, ask.w}, 3 * nv),
                            trial.call("inverse_dynamics_vjp", ask), scale);
+      const auto hessian = trial.call("inverse_dynamics_hessian", ask);
+      inverse.expect_equal(called(fastest, library, name(6), {ask.q, ask.v, ask.a, ask.w}, 4 * nv * nv),
+                           hessian, scale);
       const auto [da, doubt] = solved(fastest, library, name(3), {ask.q, ask.v, ask.tau}, 3 * nv * nv);
       if (doubt != 0 || fastest.single) continue;  // M may be too ill-conditioned to compare in float
       ++solvable;
@@ -210,6 +215,10 @@ TEST_P(GeneratedCode, HasTheDerivativesThatTheLibraryHas) {
             Eigen::VectorXd(vector(gradient).segment(static_cast<Eigen::Index>(part * nv), trial.model.nv())),
             Eigen::VectorXd(D.transpose() * w), 1e3 * std::max(largest(expected), 1e-6));
       }
+      const auto curved = trial.call("forward_dynamics_hessian", ask);
+      forward.expect_equal(
+          solved(fastest, library, name(7), {ask.q, ask.v, ask.tau, ask.w}, 4 * nv * nv).numbers, curved,
+          1e3 * largest(curved));
     }
   }
   EXPECT_TRUE(fastest.single || solvable >= 20);
@@ -231,7 +240,8 @@ TEST_P(GeneratedCode, CompilesWithoutWarningsAsC99AndAsCpp) {
                                         {Quantity::jacobian, 0},
                                         {Quantity::jacobian, 2, Representation::mixed},
                                         {Quantity::inverse_dynamics_vjp},
-                                        {Quantity::forward_dynamics_jvp}};
+                                        {Quantity::forward_dynamics_jvp},
+                                        {Quantity::inverse_dynamics_hessian}};
   for (const auto& [file, base] :
        {std::pair("arm7.toml", Base::fixed), std::pair("machine.toml", Base::as_described),
         std::pair("humanoid.urdf", Base::free)}) {
