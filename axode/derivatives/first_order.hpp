@@ -81,9 +81,11 @@ template <class T> struct FirstOrder {
       for (int l = begin; l < next; ++l) {
         multiply(l, begin, end, loaded);
         if (tree->coupled_bodies.empty()) [[likely]] {
-          std::copy(line.array(0) + next, line.array(0) + end, dq + l * nv + next);
-          std::copy(line.array(1) + next, line.array(1) + end, dv + l * nv + next);
-          std::copy(line.array(2) + next, line.array(2) + end, da + l * nv + next);
+          for (int k = next; k < end; ++k) {
+            dq[l * nv + k] = line.array(0)[k];
+            dv[l * nv + k] = line.array(1)[k];
+            da[l * nv + k] = line.array(2)[k];
+          }
           for (int k = begin; k < end; ++k) {
             dq[k * nv + l] = line.array(3)[k];
             dv[k * nv + l] = line.array(4)[k];
@@ -141,28 +143,20 @@ template <class T> struct FirstOrder {
   enum Part { S = 0, psi_2 = 6, sigma = 12, U = 18, P = 24, R = 30, psi_1 = 36, t = 39 };
 
  private:
-  Number several(int k, int c) const { return L::load(effect.array(k) + c); }
-  Number one(int k, int c) const { return Number(effect.array(k)[c]); }
-
   /// The products of column l with those from begin on.
   void multiply(int l, int begin, int end, bool loaded) noexcept {
+    const Arrays<T> e = effect, n = NtS, out = line;  // local copies, which no result can overwrite
     Number x[psi_1 + 3];
-    for (int k = 0; k < 18; ++k) x[k] = one(k, l);
-    for (int k = 0; k < 3; ++k) x[psi_1 + k] = one(psi_1 + k, l);
-    const auto product = [&](int mine, int theirs, int n, int c) {
-      Number sum = x[mine] * several(theirs, c);
-      for (int k = 1; k < n; ++k) sum = sum + x[mine + k] * several(theirs + k, c);
-      return sum;
-    };
+    for (int k = 0; k < 18; ++k) x[k] = Number(e.array(k)[l]);
+    for (int k = psi_1; k < psi_1 + 3; ++k) x[k] = Number(e.array(k)[l]);
     for (int c = begin; c < end; c += L::width) {
-      L::store(product(S, P, 6, c), line.array(0) + c);
-      L::store(product(S, R, 6, c), line.array(1) + c);
-      L::store(product(S, U, 6, c), line.array(2) + c);
-      Number dq = product(psi_2, U, 6, c) + product(psi_1, t, 3, c);
-      if (loaded)
-        for (int k = 0; k < 6; ++k) dq = dq + x[S + k] * L::load(NtS.array(k) + c);
-      L::store(dq, line.array(3) + c);
-      L::store(product(sigma, U, 6, c) + product(S, t, 3, c), line.array(4) + c);
+      L::store(e.template product<6>(x + S, P, c), out.array(0) + c);
+      L::store(e.template product<6>(x + S, R, c), out.array(1) + c);
+      L::store(e.template product<6>(x + S, U, c), out.array(2) + c);
+      Number dq = e.template product<6>(x + psi_2, U, c) + e.template product<3>(x + psi_1, t, c);
+      if (loaded) dq = dq + n.template product<6>(x + S, 0, c);
+      L::store(dq, out.array(3) + c);
+      L::store(e.template product<6>(x + sigma, U, c) + e.template product<3>(x + S, t, c), out.array(4) + c);
     }
   }
 

@@ -66,6 +66,28 @@ template <class T> void set6(const Arrays<T>& x, int i, const Motion6<T>& X) {
   x.set3(X.w, 0, i), x.set3(X.v, 3, i);
 }
 
+/// Adds up n arrays of bodies over all that each joint moves, and copies the sums to its columns.
+template <class T>
+void sum_behind(const Topology& topology, int n, const Arrays<T>& of_bodies,
+                const Arrays<T>& of_columns) noexcept {
+  using L = Lanes<T>;
+  for (int i = topology.n; i > 0; --i)
+    if (const int p = topology.parent[i]; p > 0)
+      for (int k = 0; k < n; ++k) of_bodies.array(k)[p] += of_bodies.array(k)[i];
+  for (int i = 1, next; i <= topology.n; i = next) {
+    const int c = topology.first_screw[i], hinges = topology.hinges[i];
+    next = i + std::max(hinges, 1);
+    if (hinges > 0)  // what lanes put behind the last one is overwritten by the bodies that follow
+      for (int k = 0; k < n; ++k)
+        for (int x = 0; x < hinges; x += L::width)
+          L::store(L::load(of_bodies.array(k) + i + x), of_columns.array(k) + c + x);
+    else
+      for (int k = 0; k < n; ++k)
+        std::fill(of_columns.array(k) + c, of_columns.array(k) + topology.first_screw[next],
+                  of_bodies.array(k)[i]);
+  }
+}
+
 /// The joint screws of a moving tree and all that displacements along them depend on, about the origins of the roots at this
 /// instant. A column is one joint screw; those behind a joint are adjacent. A coupled joint's screw is for a unit of
 /// its leader's velocity. About 650 products and sums for a hinge.
@@ -75,12 +97,11 @@ template <class T> struct MovingScrews {
   struct Moving {
     Motion6<T> V, dV;
   };
-  static constexpr std::size_t row = 32;  ///< numbers from one body's MovingInertia to the next
 
   FastPoses<T> poses;
   Arrays<T> C, V, dV;  ///< of bodies: columns of R, then r; twists; their rates, gravity folded in
   Moving* moving;      ///< the same
-  T* moved;            ///< MovingInertia of each body, then of all that its joint moves
+  Arrays<T> moved;     ///< MovingInertia of each body, then of all that its joint moves
   Arrays<T> S, V_p, dV_p,
       V_i;           ///< of columns: the screw; twist and rate of the predecessor; twist of the body
   Arrays<T> behind;  ///< of columns: MovingInertia of all that they move
@@ -91,7 +112,7 @@ template <class T> struct MovingScrews {
         V(arena, 6, arena.topology().n + 1),
         dV(arena, 6, arena.topology().n + 1),
         moving(arena.per_body<Moving>()),
-        moved(arena.lines<T>(row * static_cast<std::size_t>(arena.topology().n + 1))),
+        moved(arena, static_cast<int>(MovingInertia<T>::size), arena.topology().n + 1),
         S(arena, 6, arena.topology().n_screws),
         V_p(arena, 6, arena.topology().n_screws),
         dV_p(arena, 6, arena.topology().n_screws),
@@ -119,50 +140,34 @@ template <class T> struct MovingScrews {
     for (int i = 0; i <= tree->n; i += L::width) {
       const SE3<Number> at{{C.load3(0, i), C.load3(3, i), C.load3(6, i)}, C.load3(9, i)};
       const Inertia<Number> M = transform(at, inertias_in_lanes<T>(tree, i));
-      put_rows(i, tree->n, MovingInertia<Number>::of(M, load6(V, i), load6(dV, i)));
+      const auto numbers = std::bit_cast<typename MovingInertia<Number>::Numbers>(
+          MovingInertia<Number>::of(M, load6(V, i), load6(dV, i)));
+      for (std::size_t k = 0; k < numbers.size(); ++k)
+        L::store(numbers[k], moved.array(static_cast<int>(k)) + i);
     }
   }
 
   /// A wrench on body i, about O.
   void load(int i, const Wrench<Spatial, T>& W) const noexcept {
-    T* const F = row_of(i) + 22;
-    F[0] -= W.m.x, F[1] -= W.m.y, F[2] -= W.m.z, F[3] -= W.f.x, F[4] -= W.f.y, F[5] -= W.f.z;
+    moved.set3(moved.get3(22, i) - W.m, 22, i), moved.set3(moved.get3(25, i) - W.f, 25, i);
   }
 
   /// From what bodies need to what is behind the joints.
   void compose(const Topology& topology) noexcept {
-    for (int i = topology.n; i > 0; --i)
-      if (const int p = topology.parent[i]; p > 0)
-        for (std::size_t k = 0; k < row; ++k) row_of(p)[k] += row_of(i)[k];
-    for (int i = 1; i <= topology.n; ++i)
-      for (int c = topology.first_screw[i]; c < topology.first_screw[i + 1]; ++c)
-        for (std::size_t k = 0; k < MovingInertia<T>::size; ++k)
-          behind.array(static_cast<int>(k))[c] = row_of(i)[k];
+    sum_behind(topology, static_cast<int>(MovingInertia<T>::size), moved, behind);
   }
   /// The wrench that the joint of body i transmits, once composed.
-  Wrench<Spatial, T> transmitted(int i) const {
-    const T* const F = row_of(i) + 22;
-    return {{F[0], F[1], F[2]}, {F[3], F[4], F[5]}};
-  }
+  Wrench<Spatial, T> transmitted(int i) const { return {moved.get3(22, i), moved.get3(25, i)}; }
 
   /// Of the columns from c on, once composed.
   ScrewEffects<Number> effects(int c) const {
     return ScrewEffects<Number>::of(behind_columns(c), load6(S, c), load6(V_p, c), load6(dV_p, c),
                                     load6(V_i, c));
   }
-  /// Of body i alone, before anything is composed.
-  MovingInertia<T> body(int i) const {
-    typename MovingInertia<T>::Numbers numbers;
-    std::copy_n(row_of(i), numbers.size(), numbers.begin());
-    return std::bit_cast<MovingInertia<T>>(numbers);
-  }
+  /// Of body i and the next ones, each alone, before anything is composed.
+  MovingInertia<Number> bodies(int i) const { return several(moved, i); }
   /// Of all that column c and the next ones move, once composed.
-  MovingInertia<Number> behind_columns(int c) const {
-    typename MovingInertia<Number>::Numbers numbers;
-    for (std::size_t k = 0; k < numbers.size(); ++k)
-      numbers[k] = L::load(behind.array(static_cast<int>(k)) + c);
-    return std::bit_cast<MovingInertia<Number>>(numbers);
-  }
+  MovingInertia<Number> behind_columns(int c) const { return several(behind, c); }
   MovingInertia<T> behind_column(int c) const {
     typename MovingInertia<T>::Numbers numbers;
     for (std::size_t k = 0; k < numbers.size(); ++k) numbers[k] = behind.array(static_cast<int>(k))[c];
@@ -194,21 +199,12 @@ template <class T> struct MovingScrews {
       for (int k = 0; k < joint.nv; ++k) set6(V_i, first + k, next.V);
     });
   }
-  void put_rows(int first, int last, const MovingInertia<Number>& X) noexcept {
-    const auto numbers = std::bit_cast<typename MovingInertia<Number>::Numbers>(X);
-    for (std::size_t k = 0; k < numbers.size(); ++k) {
-      if constexpr (L::width == 1) {
-        row_of(first)[k] = numbers[k];
-      } else {
-        for (int l = 0; l < L::width && first + l <= last; ++l)
-          row_of(first + l)[k] = numbers[k][static_cast<std::size_t>(l)];
-      }
-    }
-    for (int l = 0; l < L::width && first + l <= last; ++l)
-      for (std::size_t k = numbers.size(); k < row; ++k) row_of(first + l)[k] = T(0);
+  static MovingInertia<Number> several(const Arrays<T>& x, int first) {
+    typename MovingInertia<Number>::Numbers numbers;
+    for (std::size_t k = 0; k < numbers.size(); ++k)
+      numbers[k] = L::load(x.array(static_cast<int>(k)) + first);
+    return std::bit_cast<MovingInertia<Number>>(numbers);
   }
-
-  T* row_of(int i) const { return moved + static_cast<std::size_t>(i) * row; }
 };
 
 }  // namespace axode

@@ -55,11 +55,10 @@ template <class T> struct SecondOrder {
   using L = Lanes<T>;
   using Number = typename L::Number;
   static constexpr int results = 6;
-  static constexpr std::size_t row = 24;  ///< numbers from one body's VirtualMomentum to the next
 
   FirstOrder<T> first;
   Motion6<T>* Lambda;
-  T* momenta;  ///< VirtualMomentum of each body, then of all that its joint moves
+  Arrays<T> Lambdas, momenta;  ///< of bodies: Λ; VirtualMomentum of each, then of all that its joint moves
   Arrays<T> Lambda_p, momentum, curvature;  ///< of columns
   Arrays<T> line;
   TwistToWrench<Spatial, T>* K;  ///< second derivatives of the loads' power on Λ
@@ -67,7 +66,8 @@ template <class T> struct SecondOrder {
   explicit SecondOrder(Arena& arena)
       : first(arena),
         Lambda(arena.per_body<Motion6<T>>()),
-        momenta(arena.lines<T>(row * static_cast<std::size_t>(arena.topology().n + 1))),
+        Lambdas(arena, 6, arena.topology().n + 1),
+        momenta(arena, static_cast<int>(VirtualMomentum<T>::size), arena.topology().n + 1),
         Lambda_p(arena, 6, arena.topology().n_screws),
         momentum(arena, static_cast<int>(VirtualMomentum<T>::size), arena.topology().n_screws),
         curvature(arena, static_cast<int>(ScrewCurvature<T>::size), arena.topology().n_screws),
@@ -119,11 +119,10 @@ template <class T> struct SecondOrder {
   using Part = typename FirstOrder<T>::Part;
   enum CurvaturePart { chi = 0, psi_1 = 6, X = 12, Y = 18, Z = 24, Q = 30, AS = 36 };
 
-  T* row_of(int i) const { return momenta + static_cast<std::size_t>(i) * row; }
-
   /// Λ and what it makes of each body.
   void weigh(const Topology& topology, const T* lambda) noexcept {
     Lambda[0] = {};
+    set6(Lambdas, 0, Lambda[0]);
     for (int i = 1; i <= topology.n; ++i) {
       const Motion6<T> Lambda_before = Lambda[topology.parent[i]];
       Lambda[i] = Lambda_before;
@@ -131,10 +130,13 @@ template <class T> struct SecondOrder {
         set6(Lambda_p, s, Lambda_before);
         Lambda[i] += lambda[topology.iv[i] + s - topology.first_screw[i]] * first.screws.screw(s);
       }
-      const auto numbers = std::bit_cast<typename VirtualMomentum<T>::Numbers>(
-          VirtualMomentum<T>::of(first.screws.body(i), Lambda[i]));
-      std::copy(numbers.begin(), numbers.end(), row_of(i));
-      std::fill(row_of(i) + numbers.size(), row_of(i) + row, T(0));
+      set6(Lambdas, i, Lambda[i]);
+    }
+    for (int i = 0; i <= topology.n; i += L::width) {
+      const auto numbers = std::bit_cast<typename VirtualMomentum<Number>::Numbers>(
+          VirtualMomentum<Number>::of(first.screws.bodies(i), load6(Lambdas, i)));
+      for (std::size_t k = 0; k < numbers.size(); ++k)
+        L::store(numbers[k], momenta.array(static_cast<int>(k)) + i);
     }
   }
   /// -Λ|L(·)L(·)W of the loads: outer displacement from the left, inner from the right.
@@ -160,13 +162,7 @@ template <class T> struct SecondOrder {
         });
   }
   void compose(const Topology& topology, bool loaded) noexcept {
-    for (int i = topology.n; i > 0; --i)
-      if (const int p = topology.parent[i]; p > 0)
-        for (std::size_t k = 0; k < row; ++k) row_of(p)[k] += row_of(i)[k];
-    for (int i = 1; i <= topology.n; ++i)
-      for (int c = topology.first_screw[i]; c < topology.first_screw[i + 1]; ++c)
-        for (std::size_t k = 0; k < VirtualMomentum<T>::size; ++k)
-          momentum.array(static_cast<int>(k))[c] = row_of(i)[k];
+    sum_behind(topology, static_cast<int>(VirtualMomentum<T>::size), momenta, momentum);
     const MovingScrews<T>& screws = first.screws;
     for (int c = 0; c < topology.n_screws; c += L::width) {
       typename VirtualMomentum<Number>::Numbers Pi;
@@ -195,28 +191,27 @@ template <class T> struct SecondOrder {
   }
   /// The products of column l with those from begin on.
   void multiply(int l, int begin, int end, bool loaded) noexcept {
-    const Arrays<T>&e = first.effect, &d = curvature;
+    const Arrays<T> e = first.effect, d = curvature,
+                    out = line;  // local copies, which no result can overwrite
     Number S[6], psi_2[6], sigma[6], chi_l[6], psi_l[6];
     for (int k = 0; k < 6; ++k) {
       S[k] = Number(e.array(Part::S + k)[l]), psi_2[k] = Number(e.array(Part::psi_2 + k)[l]);
       sigma[k] = Number(e.array(Part::sigma + k)[l]);
       chi_l[k] = Number(d.array(chi + k)[l]), psi_l[k] = Number(d.array(psi_1 + k)[l]);
     }
-    const auto product = [&](const Number(&mine)[6], const Arrays<T>& theirs, int part, int c) {
-      Number sum = mine[0] * L::load(theirs.array(part) + c);
-      for (int k = 1; k < 6; ++k) sum = sum + mine[k] * L::load(theirs.array(part + k) + c);
-      return sum;
+    const auto product = [](const Number(&mine)[6], const Arrays<T>& theirs, int part, int c) {
+      return theirs.template product<6>(mine, part, c);
     };
     for (int c = begin; c < end; c += L::width) {
       const Number SY = product(S, d, Y, c), SX = product(S, d, X, c);
       Number qq = product(chi_l, e, Part::P, c) + product(psi_2, d, Y, c) + product(psi_l, d, X, c);
       if (loaded) qq = qq + product(S, d, Q, c);
-      L::store(qq, line.array(0) + c);
-      L::store(product(chi_l, e, Part::R, c) + product(psi_l, d, Z, c), line.array(1) + c);
-      L::store(product(sigma, d, Y, c) + SX, line.array(2) + c);
-      L::store(product(S, d, Z, c), line.array(3) + c);
-      L::store(product(chi_l, e, Part::U, c), line.array(4) + c);
-      L::store(SY, line.array(5) + c);
+      L::store(qq, out.array(0) + c);
+      L::store(product(chi_l, e, Part::R, c) + product(psi_l, d, Z, c), out.array(1) + c);
+      L::store(product(sigma, d, Y, c) + SX, out.array(2) + c);
+      L::store(product(S, d, Z, c), out.array(3) + c);
+      L::store(product(chi_l, e, Part::U, c), out.array(4) + c);
+      L::store(SY, out.array(5) + c);
     }
   }
 };

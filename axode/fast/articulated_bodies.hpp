@@ -178,7 +178,7 @@ template <class G, class T> struct FastArticulatedBodies {
     for (int first = 0; first < tree->nv; first += L::width)
       solve(
           tree, first, [](int) { return true; },
-          [&](int c) { return load(x + c * nv + first, tree->nv - first); }, W, u, x);
+          [&](int c) { return L::load(x + c * nv + first, tree->nv - first); }, W, u, x);
   }
 
  private:
@@ -263,8 +263,8 @@ template <class G, class T> struct FastArticulatedBodies {
         const Pivot& p = pivots[s];
         const Several a =
             (reached ? u[s] : Several(T(0))) - value(p.D_inv) * dot(vector(p.U_m), X.m, vector(p.U_f), X.f);
-        store(a, out + static_cast<std::ptrdiff_t>(tree->iv[i] + s - tree->first_screw[i]) * nv + first,
-              room);
+        L::store(a, out + static_cast<std::ptrdiff_t>(tree->iv[i] + s - tree->first_screw[i]) * nv + first,
+                 room);
         if (hinge)
           X.m += a * vector(bodies[i].n), X.f = moved;
         else
@@ -289,21 +289,6 @@ template <class G, class T> struct FastArticulatedBodies {
         return one;
       }();
       return k >= 0 && k < L::width ? L::load(shifted.data() + L::width - k) : Several(T(0));
-    }
-  }
-  static Several load(const T* x, int room) noexcept {
-    if (room >= L::width) return L::load(x);
-    T entries[L::width] = {};
-    for (int l = 0; l < room; ++l) entries[l] = x[l];
-    return L::load(entries);
-  }
-  static void store(const Several& x, T* out, int room) noexcept {
-    if (room >= L::width) {
-      L::store(x, out);
-    } else {
-      T entries[L::width];
-      L::store(x, entries);
-      for (int l = 0; l < room; ++l) out[l] = entries[l];
     }
   }
   /// Body i; last_R is that of body i - 1, then that of body i.

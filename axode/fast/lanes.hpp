@@ -15,12 +15,27 @@ template <class T> struct Lanes {
   static constexpr int width = 1;
   static const Number& load(const T* p) { return *p; }
   static void store(const Number& x, T* p) { *p = x; }
+  static const Number& load(const T* p, int) { return *p; }
+  static void store(const Number& x, T* p, int) { *p = x; }
 };
 template <std::floating_point T> struct Lanes<T> {
   using Number = Batch<T, native_lanes<double>>;
   static constexpr int width = static_cast<int>(native_lanes<double>);
   static Number load(const T* p) { return Number::load(p); }
   static void store(const Number& x, T* p) { x.store(p); }
+  /// Where there are no more than so many numbers; the other lanes are 0.
+  static Number load(const T* p, int room) {
+    if (room >= width) return load(p);
+    T entries[width] = {};
+    for (int l = 0; l < room; ++l) entries[l] = p[l];
+    return load(entries);
+  }
+  static void store(const Number& x, T* p, int room) {
+    if (room >= width) return store(x, p);
+    T entries[width];
+    store(x, entries);
+    for (int l = 0; l < room; ++l) p[l] = entries[l];
+  }
 };
 
 /// Arrays of n numbers each, with room for the lanes behind the last; component k of entry i is array(k)[i].
@@ -39,14 +54,28 @@ template <class T> struct Arrays {
     data = arena.lines<T>(static_cast<std::size_t>(n * stride));
   }
   Vec3<Number> load3(int k, int i) const {
-    return {L::load(array(k) + i), L::load(array(k + 1) + i), L::load(array(k + 2) + i)};
+    const T* const p = array(k) + i;
+    return {L::load(p), L::load(p + stride), L::load(p + 2 * stride)};
   }
   void store3(const Vec3<Number>& a, int k, int i) const {
-    L::store(a.x, array(k) + i), L::store(a.y, array(k + 1) + i), L::store(a.z, array(k + 2) + i);
+    T* const p = array(k) + i;
+    const std::ptrdiff_t step = stride;  // which no store can change
+    L::store(a.x, p), L::store(a.y, p + step), L::store(a.z, p + 2 * step);
   }
-  Vec3<T> get3(int k, int i) const { return {array(k)[i], array(k + 1)[i], array(k + 2)[i]}; }
+  Vec3<T> get3(int k, int i) const {
+    const T* const p = array(k) + i;
+    return {p[0], p[stride], p[2 * stride]};
+  }
   void set3(const Vec3<T>& a, int k, int i) const {
-    array(k)[i] = a.x, array(k + 1)[i] = a.y, array(k + 2)[i] = a.z;
+    T* const p = array(k) + i;
+    p[0] = a.x, p[stride] = a.y, p[2 * stride] = a.z;
+  }
+  /// The sum of the products of n numbers with components k, k + 1, ... of entries i, i + 1, ...
+  template <int n> Number product(const Number* x, int k, int i) const {
+    const T* const p = array(k) + i;
+    Number sum = x[0] * L::load(p);
+    for (int m = 1; m < n; ++m) sum = sum + x[m] * L::load(p + m * stride);
+    return sum;
   }
 };
 
