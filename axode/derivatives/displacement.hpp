@@ -43,6 +43,15 @@ template <class T> struct CoriolisInertia {
   constexpr Vec3<T> transposed_times(const Motion6<T>& X) const {
     return T(2) * (transposed_times_(X.w) + cross(p, X.v));
   }
+  /// What a displacement of the bodies along J adds to it.
+  constexpr CoriolisInertia along(const Motion6<T>& J) const {
+    const Vec3<T>& e = J.w;
+    const T pv = dot(p, J.v);  // D' = e~ D - D e~ + p·v 1 - p vᵀ
+    const Mat3<T> turned =
+        cross(e, D) + Mat3<T>{e.y * D.z - e.z * D.y, e.z * D.x - e.x * D.z, e.x * D.y - e.y * D.x};
+    const Mat3<T> moved{{pv, T(0), T(0)}, {T(0), pv, T(0)}, {T(0), T(0), pv}};
+    return {turned + moved + outer_product(-p, J.v), cross(e, p)};
+  }
   constexpr CoriolisInertia& operator+=(const CoriolisInertia& other) {
     D += other.D, p += other.p;
     return *this;

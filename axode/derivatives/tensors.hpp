@@ -6,131 +6,198 @@ namespace axode {
 /// Where the second partial derivatives of nv results go: nv × nv × nv each, [component][outer derivative][inner derivative].
 template <class T> struct SecondDerivatives { T *qq, *qv, *vv, *aq; };
 
-/// The second partial derivatives of inverse dynamics. For a displacement of l and one of k behind it the rows behind k are
-/// products of 18 numbers of the row, and those before it of the screw of the row and one wrench. O(n d²).
+/// The second partial derivatives of inverse dynamics. Of three columns on one path the last one, d, knows what the others do to
+/// each other. With hat(W) X = -ad_Xᵀ W, B_S = B[M; S_d] and B_ψ = B[M; ψ'_d] + (what S_d adds to B) of all behind d, the entries
+/// of all orders of l, j and d are made of
+///   u = -S_j|hat(U) S_l     b = S_j|B_S S_l     f = S_j|B_S ψ'_l     r = S_j|hat(R) S_l     p = S_j|hat(P) S_l
+///   g = S_j|(B_S σ_l - hat(U) σ_l + B_ψ S_l)          h = -S_j|(hat(U) σ_l + hat(t) S_l) - ψ'_j|B_S S_l
+///   G = S_j|(B_S ψ''_l - hat(U) ψ''_l + B_ψ ψ'_l)     H = -S_j|(hat(U) ψ''_l + hat(t) ψ'_l) - ψ'_j|B_S ψ'_l
+/// O(n d²) and nv³ zeros: about 400 products and sums for two columns, and 100 for three in each order of l and j.
 template <class T> struct SecondOrderTensors {
   using L = Lanes<T>;
   using Number = typename L::Number;
-  using X6 = Motion6<T>;
-  using W6 = Wrench<Spatial, T>;
 
   FirstOrder<T> first;
-  Arrays<T> BS;    ///< CoriolisInertia of all behind a column with its screw in the place of V
-  Arrays<T> line;  ///< a result in all rows
+  Arrays<T> psi_1, B_S, B_psi;                         ///< of columns
+  int* begin;                                          ///< of bodies: where on its path its columns begin
+  int* velocity;                                       ///< of the columns on the path of a body
+  Arrays<T> path_S, path_psi, path_psi_2, path_sigma;  ///< of the same
+  Arrays<T> wrench;                                    ///< what column d makes of them: Wrenches
+  Arrays<T> line;                                      ///< the products of these with one of them: Products
 
   explicit SecondOrderTensors(Arena& arena)
-      : first(arena), BS(arena, 12, arena.topology().n_screws), line(arena, 1, arena.topology().n_screws) {}
+      : first(arena),
+        psi_1(arena, 6, arena.topology().n_screws),
+        B_S(arena, 12, arena.topology().n_screws),
+        B_psi(arena, 12, arena.topology().n_screws),
+        begin(arena.per_body<int>()),
+        velocity(arena.per_screw<int>()),
+        path_S(arena, 6, arena.topology().n_screws),
+        path_psi(arena, 6, arena.topology().n_screws),
+        path_psi_2(arena, 6, arena.topology().n_screws),
+        path_sigma(arena, 6, arena.topology().n_screws),
+        wrench(arena, 6 * wrenches, arena.topology().n_screws),
+        line(arena, products, arena.topology().n_screws) {}
 
   template <class Real>
   void run(const Tree<Real>& tree, const T* q, const T* v, const T* a,
            const SecondDerivatives<T>& out) noexcept {
     const Topology& topology = *tree.operator->();
     first.run(tree, q, v, a, Loads<T>{});
-    for (int c = 0; c < topology.n_screws; c += L::width) {
-      const auto B = std::bit_cast<std::array<Number, 12>>(
-          CoriolisInertia<Number>::of(first.screws.behind_columns(c).M, load6(first.screws.S, c)));
-      for (std::size_t k = 0; k < B.size(); ++k) L::store(B[k], BS.array(static_cast<int>(k)) + c);
-    }
+    for (int c = 0; c < topology.n_screws; c += L::width) find_twins(c);
     const std::ptrdiff_t nv = topology.nv;
     for (T* const tensor : {out.qq, out.qv, out.vv, out.aq}) std::fill_n(tensor, nv * nv * nv, T(0));
-    for (int b_k = 1; b_k <= topology.n; ++b_k)
-      for (int k = topology.first_screw[b_k]; k < topology.first_screw[b_k + 1]; ++k)
-        for (int b_l = b_k; b_l > 0; b_l = topology.parent[b_l])
-          for (int l = topology.first_screw[b_l]; l < topology.first_screw[b_l + 1]; ++l)
-            pair(topology, {l, b_l}, {k, b_k}, out);
+    for (int i = 1; i <= topology.n; ++i) {
+      const int first_column = topology.first_screw[i], end = extend_path(topology, i);
+      for (int e = begin[i]; e < end; ++e) {
+        const Last d{first_column + e - begin[i], velocity[e], begin[i], end};
+        weigh(d);
+        for (int p = i; p > 0; p = topology.parent[p]) {
+          const int begin_p = begin[p],
+                    end_p = begin_p + topology.first_screw[p + 1] - topology.first_screw[p];
+          for (int j = begin_p; j < end_p; ++j) {
+            multiply(j, d, begin_p, end_p);
+            put(nv, j, d, begin_p, end_p, out);
+          }
+        }
+        if (end - begin[i] > 1) put_brackets(nv, d, out.vv);
+      }
+    }
   }
 
  private:
-  struct Column {
-    int c, body;
-  };
-  /// What a row is made of: behind k of x, b and (y, z), before k of these, W and, before l, Q.
-  struct Terms {
-    X6 x{}, b{}, y{}, z{};
-    W6 W{}, Q{};
-    bool bilinear = false;  ///< whether there are y and z
-  };
-
   using Part = typename FirstOrder<T>::Part;
-  X6 motion(int part, int c) const { return {first.effect.get3(part, c), first.effect.get3(part + 3, c)}; }
-  W6 wrench(int part, int c) const { return {first.effect.get3(part, c), first.effect.get3(part + 3, c)}; }
+  /// The last column of three, the velocity that it is of, and where on its path those of its joint begin and end.
+  struct Last {
+    int c;
+    std::ptrdiff_t v;
+    int begin, end;
+  };
+  enum Wrenches { US, BS, Bpsi, RS, PS, for_g, for_G, for_h, for_H, wrenches };
+  enum Products { u, b, f, also_f, g, G, h, H, products };
 
-  void pair(const Topology& t, Column l, Column k, const SecondDerivatives<T>& out) noexcept {
+  void find_twins(int c) noexcept {
     const MovingScrews<T>& screws = first.screws;
-    const auto psi = [&](int c) {
-      return ad(X6{screws.V_p.get3(0, c), screws.V_p.get3(3, c)}, screws.screw(c));
+    const MovingInertia<Number> moved = screws.behind_columns(c);
+    const Motion6<Number> S = load6(screws.S, c), psi = ad(load6(screws.V_p, c), S);
+    CoriolisInertia<Number> of_psi = CoriolisInertia<Number>::of(moved.M, psi);
+    of_psi += moved.B.along(S);
+    psi_1.store3(psi.w, 0, c), psi_1.store3(psi.v, 3, c);
+    const auto store = [&](const CoriolisInertia<Number>& B, const Arrays<T>& to) {
+      to.store3(B.D.x, 0, c), to.store3(B.D.y, 3, c), to.store3(B.D.z, 6, c), to.store3(B.p, 9, c);
     };
-    const bool same = l.body == k.body;
-    const X6 S_l = motion(Part::S, l.c), S_k = motion(Part::S, k.c), psi_l = psi(l.c), psi_k = psi(k.c),
-             psi_2_l = motion(Part::psi_2, l.c), sigma_l = motion(Part::sigma, l.c), bracket = ad(S_l, S_k);
-    const MovingInertia<T> moved = screws.behind_column(k.c);
-    const auto M = [&](const X6& X) {
-      const Momentum<Spatial, T> Pi = moved.M * X;
-      return W6{Pi.l, Pi.p};
-    };
-    const auto& B = moved.B;
-    put(t, l, k, moved,
-        {ad(psi_2_l, S_k) + T(2) * ad(psi_l, psi_k), ad(psi_l, S_k), psi_l, psi_k, M(psi_2_l) + B * psi_l,
-         wrench(Part::P, k.c), true},
-        [&](std::ptrdiff_t o, std::ptrdiff_t i, const T& x) {
-          out.qq[o] += x;
-          if (!same) out.qq[i] += x;
-        });
-    put(t, l, k, moved, {T(2) * ad(psi_l, S_k), {}, psi_l, S_k, {}, wrench(Part::R, k.c), true},
-        [&](std::ptrdiff_t o, std::ptrdiff_t, const T& x) { out.qv[o] += x; });
-    put(t, l, k, moved, {same ? bracket : T(2) * bracket, {}, S_l, S_k, {}, {}, true},
-        [&](std::ptrdiff_t o, std::ptrdiff_t i, const T& x) {
-          out.vv[o] += x;
-          if (!same) out.vv[i] += x;
-        });
-    put(t, l, k, moved, {{}, {}, {}, {}, {}, wrench(Part::U, k.c)},
-        [&](std::ptrdiff_t, std::ptrdiff_t i, const T& x) { out.aq[i] += x; });
-    if (same) return;
-    put(t, l, k, moved,
-        {ad(sigma_l, S_k) + T(2) * ad(S_l, psi_k), bracket, S_l, psi_k, M(sigma_l) + B * S_l, {}, true},
-        [&](std::ptrdiff_t, std::ptrdiff_t i, const T& x) { out.qv[i] += x; });
-    put(t, l, k, moved, {bracket, {}, {}, {}, M(S_l), {}},
-        [&](std::ptrdiff_t o, std::ptrdiff_t, const T& x) { out.aq[o] += x; });
+    store(CoriolisInertia<Number>::of(moved.M, S), B_S);
+    store(of_psi, B_psi);
+  }
+  /// Puts the columns of body i behind those of its predecessor's path, and returns the end of its own.
+  int extend_path(const Topology& topology, int i) noexcept {
+    const int p = topology.parent[i];
+    int e = begin[i] = p == 0 ? 0 : begin[p] + topology.first_screw[p + 1] - topology.first_screw[p];
+    for (int c = topology.first_screw[i]; c < topology.first_screw[i + 1]; ++c, ++e) {
+      velocity[e] = topology.iv[i] + e - begin[i];
+      for (int k = 0; k < 6; ++k) {
+        path_S.array(k)[e] = first.screws.S.array(k)[c];
+        path_psi.array(k)[e] = psi_1.array(k)[c];
+        path_psi_2.array(k)[e] = first.effect.array(Part::psi_2 + k)[c];
+        path_sigma.array(k)[e] = first.effect.array(Part::sigma + k)[c];
+      }
+    }
+    return e;
   }
 
-  /// add(index of [row][l][k], index of [row][k][l], entry) for every row.
-  template <class Add>
-  void put(const Topology& t, Column l, Column k, const MovingInertia<T>& moved, const Terms& s,
-           const Add& add) noexcept {
-    const std::ptrdiff_t nv = t.nv, v_l = t.iv[l.body] + l.c - t.first_screw[l.body],
-                         v_k = t.iv[k.body] + k.c - t.first_screw[k.body];
-    const auto add_row = [&](std::ptrdiff_t row, const T& x) {
-      add((row * nv + v_l) * nv + v_k, (row * nv + v_k) * nv + v_l, x);
+  void weigh(const Last& d) noexcept {
+    const auto spread = [&](const Arrays<T>& x, int k) {
+      const Vec3<T> a = x.get3(k, d.c);
+      return Vec3<Number>{Number(a.x), Number(a.y), Number(a.z)};
     };
-    const int begin = t.first_screw[k.body], end = t.first_screw[t.subtree_end[k.body]];
-    rows_behind(begin, end, s);
-    for (int j = k.body; j < t.subtree_end[k.body]; ++j)
-      for (int c = t.first_screw[j]; c < t.first_screw[j + 1]; ++c)
-        add_row(t.iv[j] + c - t.first_screw[j], line.array(0)[c]);
-    const Momentum<Spatial, T> Mx = moved.M * s.x;
-    W6 G = W6{Mx.l, Mx.p} + moved.B * s.b + coad(motion(Part::S, k.c), s.W);
-    if (s.bilinear) G += CoriolisInertia<T>::of(moved.M, s.y) * s.z;
-    const W6 also = coad(motion(Part::S, l.c), s.Q);
-    bool before_l = false;
-    for (int j = k.body; (j = t.parent[j]) > 0;) {
-      if (!before_l && j < l.body) before_l = true, G += also;
-      for (int c = t.first_screw[j]; c < t.first_screw[j + 1]; ++c)
-        add_row(t.iv[j] + c - t.first_screw[j], G | motion(Part::S, c));
+    const auto effect = [&](int part) {
+      return Wrench<Spatial, Number>{spread(first.effect, part), spread(first.effect, part + 3)};
+    };
+    const auto twin = [&](const Arrays<T>& B) {
+      return CoriolisInertia<Number>{{spread(B, 0), spread(B, 3), spread(B, 6)}, spread(B, 9)};
+    };
+    const CoriolisInertia<Number> S_twin = twin(B_S), psi_twin = twin(B_psi);
+    const Wrench<Spatial, Number> U = effect(Part::U), P = effect(Part::P), R = effect(Part::R);
+    const Vec3<Number> t = spread(first.effect, Part::t);
+    for (int c = 0; c < d.end; c += L::width) {
+      const auto store = [&](const Wrench<Spatial, Number>& W, int to) {
+        wrench.store3(W.m, 6 * to, c), wrench.store3(W.f, 6 * to + 3, c);
+      };
+      const Motion6<Number> S = load6(path_S, c), psi = load6(path_psi, c), psi_2 = load6(path_psi_2, c),
+                            sigma = load6(path_sigma, c);
+      store(-coad(S, U), US);
+      store(S_twin * S, BS);
+      store(S_twin * psi, Bpsi);
+      store(coad(S, R), RS);
+      store(coad(S, P), PS);
+      const Wrench<Spatial, Number> U_sigma = coad(sigma, U), U_psi = coad(psi_2, U);
+      store(S_twin * sigma - U_sigma + psi_twin * S, for_g);
+      store(S_twin * psi_2 - U_psi + psi_twin * psi, for_G);
+      store(-U_sigma - Wrench<Spatial, Number>{cross(S.w, t), {}}, for_h);
+      store(-U_psi - Wrench<Spatial, Number>{cross(psi.w, t), {}}, for_H);
     }
   }
-  /// U_i|x + T_i|b - y·B_i z of the rows from begin on.
-  void rows_behind(int begin, int end, const Terms& s) noexcept {
-    const Vec3<T> w = T(-2) * s.z.w, p = cross(s.y.v, w);  // -y·B z = D : (y w') + p'·(v_y × w')
-    const T x[] = {s.x.w.x, s.x.w.y, s.x.w.z, s.x.v.x, s.x.v.y, s.x.v.z, s.b.w.x, s.b.w.y, s.b.w.z};
-    const T y[] = {s.y.w.x * w.x, s.y.w.y * w.x, s.y.w.z * w.x, s.y.w.x * w.y, s.y.w.y * w.y, s.y.w.z * w.y,
-                   s.y.w.x * w.z, s.y.w.y * w.z, s.y.w.z * w.z, p.x,           p.y,           p.z};
-    for (int c = begin; c < end; c += L::width) {
-      Number sum = Number(x[0]) * L::load(first.effect.array(Part::U) + c);
-      for (int k = 1; k < 6; ++k) sum = sum + Number(x[k]) * L::load(first.effect.array(Part::U + k) + c);
-      for (int k = 0; k < 3; ++k) sum = sum + Number(x[6 + k]) * L::load(first.effect.array(Part::t + k) + c);
-      if (s.bilinear)
-        for (int k = 0; k < 12; ++k) sum = sum + Number(y[k]) * L::load(BS.array(k) + c);
-      L::store(sum, line.array(0) + c);
+  /// The products of what d makes of its path with column j of it, whose joint has those from begin_j to end_j.
+  void multiply(int j, const Last& d, int begin_j, int end_j) noexcept {
+    Number S[6], psi[6];
+    for (int k = 0; k < 6; ++k) S[k] = Number(path_S.array(k)[j]), psi[k] = Number(path_psi.array(k)[j]);
+    const Arrays<T> W = wrench, out = line;  // local copies, which no result can overwrite
+    const auto product = [W](const Number(&mine)[6], int with, int c) {
+      return W.template product<6>(mine, 6 * with, c);
+    };
+    const auto store = [out](const Number& x, int to, int c) { L::store(x, out.array(to) + c); };
+    for (int c = 0; c < d.end; c += L::width) {
+      const Number f_c = product(S, Bpsi, c);
+      store(product(S, US, c), u, c), store(product(S, BS, c), b, c);
+      store(f_c, f, c), store(f_c, also_f, c);
+      store(product(S, for_g, c), g, c), store(product(S, for_G, c), G, c);
+      if (c >= end_j) continue;
+      store(product(S, for_h, c) - product(psi, BS, c), h, c);
+      store(product(S, for_H, c) - product(psi, Bpsi, c), H, c);
+    }
+    if (begin_j < d.begin)
+      for (int c = end_j; c < d.end; c += L::width) {
+        store(L::load(out.array(also_f) + c) + product(S, RS, c), also_f, c);
+        store(L::load(out.array(G) + c) + product(S, PS, c), G, c);
+      }
+  }
+  /// What has been multiplied goes to row d, and, where the joint of j is before that of d, to row j.
+  void put(std::ptrdiff_t nv, int j, const Last& d, int begin_j, int end_j,
+           const SecondDerivatives<T>& out) noexcept {
+    const std::ptrdiff_t v_j = velocity[j];
+    const auto at = [nv](std::ptrdiff_t row, std::ptrdiff_t outer, std::ptrdiff_t inner) {
+      return (row * nv + outer) * nv + inner;
+    };
+    const auto x = [&](Products of, int l) { return line.array(of)[l]; };
+    for (int l = 0; l < end_j; ++l) {
+      const std::ptrdiff_t v_l = velocity[l], lj = at(d.v, v_l, v_j), jl = at(d.v, v_j, v_l);
+      out.qq[lj] += x(H, l), out.qv[lj] -= x(f, l);
+      if (l < begin_j) {
+        out.qq[jl] += x(H, l), out.qv[jl] += x(h, l);
+        out.vv[lj] -= x(b, l), out.vv[jl] -= x(b, l);
+        out.aq[lj] += x(u, l);
+      } else {
+        out.vv[lj] -= x(b, l) + x(u, l);
+      }
+    }
+    if (begin_j == d.begin) return;
+    for (int l = 0; l < d.end; ++l) {
+      const std::ptrdiff_t v_l = velocity[l], ld = at(v_j, v_l, d.v), dl = at(v_j, d.v, v_l);
+      out.qq[ld] += x(G, l), out.qv[ld] += x(also_f, l), out.vv[ld] += x(b, l);
+      if (l >= end_j) out.aq[dl] -= x(u, l);
+      if (l >= d.begin) continue;
+      out.qq[dl] += x(G, l), out.qv[dl] += x(g, l), out.vv[dl] += x(b, l);
+      out.aq[ld] += x(b, l) + x(u, l);
+    }
+  }
+  /// Column l of the path.
+  Motion6<T> screw(int l) const { return {path_S.get3(0, l), path_S.get3(3, l)}; }
+  /// Inside a joint there is one bracket less.
+  void put_brackets(std::ptrdiff_t nv, const Last& d, T* vv) noexcept {
+    const Inertia<T> M = first.screws.behind_column(d.c).M;
+    for (int l = d.begin; l < d.end; ++l) {
+      const Momentum<Spatial, T> Pi = M * ad(screw(l), first.screws.screw(d.c));
+      for (int j = 0; j < d.begin; ++j) vv[(velocity[j] * nv + velocity[l]) * nv + d.v] -= Pi | screw(j);
     }
   }
 };
