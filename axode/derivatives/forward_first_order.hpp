@@ -22,11 +22,11 @@ template <class T> struct ForwardFirstOrder {
     }
     inverse.run(tree, q, v, forward.a, loads);
     inverse.write(tree, loads, dq, dv, dtau);
+    forward.inverse(tree, dtau);
     for (T* const matrix : {dq, dv}) {
       for (std::ptrdiff_t k = 0; k < entries; ++k) matrix[k] = -matrix[k];
-      forward.solve(tree, matrix);
+      forward.solve(tree, dtau, matrix);
     }
-    forward.inverse(tree, dtau);
     return verdict;
   }
 };
