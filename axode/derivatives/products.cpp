@@ -60,12 +60,8 @@ Solvability forward_dynamics_jvp(const Model& model, Workspace<T>& workspace, Nu
   Arena arena = workspace.arena(model.topology());
   ForwardJvp<T> s(arena);
   const Tree<T>& tree = model.tree<T>();
-  const Solvability verdict = s.forward.run(tree, q.data(), v.data(), tau.data(), loads);
-  if (!verdict.ok()) return solved(verdict, tree->nv, da.data());
-  std::fill_n(s.zero, tree->nv, T(0));
-  s.jvp.run(tree, q.data(), v.data(), s.forward.a, dq.data(), dv.data(), s.zero, loads, s.x);
-  for (std::size_t c = 0; c < da.size(); ++c) s.x[c] = dtau[c] - s.x[c];
-  s.forward.solve_one(tree, s.x);
+  const Solvability verdict =
+      s.run(tree, q.data(), v.data(), tau.data(), dq.data(), dv.data(), dtau.data(), loads);
   std::copy_n(s.x, da.size(), da.data());
   return solved(verdict, tree->nv, da.data());
 }

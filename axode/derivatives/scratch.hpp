@@ -17,6 +17,18 @@ template <class T> struct ForwardJvp {
 
   explicit ForwardJvp(Arena& arena)
       : forward(arena), jvp(arena), zero(arena.per_velocity<T>()), x(arena.per_velocity<T>()) {}
+
+  /// x = M⁻¹ (δτ - ∂τ/∂q δq - ∂τ/∂v δv), the derivatives those of inverse dynamics at the accelerations.
+  Solvability run(const Tree<T>& tree, const T* q, const T* v, const T* tau, const T* dq, const T* dv,
+                  const T* dtau, const Loads<T>& loads) noexcept {
+    const Solvability verdict = forward.run(tree, q, v, tau, loads);
+    if (!verdict.ok()) return verdict;
+    std::fill_n(zero, tree->nv, T(0));
+    jvp.run(tree, q, v, forward.a, dq, dv, zero, loads, x);
+    for (int c = 0; c < tree->nv; ++c) x[c] = dtau[c] - x[c];
+    forward.solve_one(tree, x);
+    return verdict;
+  }
 };
 template <class T> struct ForwardVjp {
   AccelerationsAndColumns<T> forward;
@@ -25,16 +37,18 @@ template <class T> struct ForwardVjp {
 
   explicit ForwardVjp(Arena& arena) : forward(arena), vjp(arena), mu(arena.per_velocity<T>()) {}
 
-  /// The gradient of -μ·τ of inverse dynamics at the accelerations, with μ = M⁻¹ w.
   Solvability run(const Tree<T>& tree, const T* q, const T* v, const T* tau, const T* w,
                   const Loads<T>& loads) noexcept {
     const Solvability verdict = forward.run(tree, q, v, tau, loads);
-    if (!verdict.ok()) return verdict;
+    if (verdict.ok()) weigh(tree, q, v, w, loads);
+    return verdict;
+  }
+  /// After forward.run(), the gradient of -μ·τ of inverse dynamics at the accelerations, with μ = M⁻¹ w.
+  void weigh(const Tree<T>& tree, const T* q, const T* v, const T* w, const Loads<T>& loads) noexcept {
     std::copy_n(w, tree->nv, mu);
     forward.solve_one(tree, mu);
     vjp.run(tree, q, v, forward.a, mu, loads);
     for (int c = 0; c < tree->nv; ++c) vjp.by_q[c] = -vjp.by_q[c], vjp.by_v[c] = -vjp.by_v[c];
-    return verdict;
   }
 };
 
