@@ -1,0 +1,349 @@
+#include "axode/integration/sensitivities.hpp"
+
+#include <algorithm>
+#include <deque>
+#include <utility>
+#include <vector>
+
+#include "axode/derivatives/forward_first_order.hpp"
+#include "axode/derivatives/scratch.hpp"
+#include "axode/dynamics/check_loads.hpp"
+#include "axode/integration/configuration_group.hpp"
+#include "axode/integration/group_derivatives.hpp"
+#include "axode/integration/munthe_kaas.hpp"
+
+namespace axode {
+namespace {
+
+using Span = std::span<const double>;
+using Vector = std::vector<double>;
+using Matrix = GroupDerivatives::Matrix;
+using Joints = GroupDerivatives::Joints;
+
+/// An argument or a result, and how many numbers it should have.
+template <class T> struct Sized {
+  const char* name;
+  std::span<T> x;
+  std::size_t size;
+  const char* meaning;
+};
+void check_motion(const Model& model, double step, const Loads<double>& loads, const Tableau& method,
+                  std::initializer_list<Sized<const double>> arguments,
+                  std::initializer_list<Sized<double>> results) {
+  check(method), check_step(step), check_loads(model, loads);
+  for (const auto& in : arguments) check_size(in.name, in.x.size(), in.size, in.meaning);
+  for (const auto* out = results.begin(); out != results.end(); ++out) {
+    check_size(out->name, out->x.size(), out->size, out->meaning);
+    for (const auto& in : arguments) check_separate(out->name, out->x, in.name, in.x);
+    for (const auto* other = results.begin(); other != out; ++other)
+      check_separate(out->name, out->x, other->name, other->x);
+  }
+  check_configuration(model, arguments.begin()->x);
+}
+
+/// How many steps the drive forces are for.
+std::size_t steps_of(const Model& model, Span tau) {
+  return model.nv() == 0 ? 0 : tau.size() / static_cast<std::size_t>(model.nv());
+}
+
+/// The verdict on a motion and on its results, which are all NaN where it failed.
+Solvability solved(Solvability verdict, std::initializer_list<std::span<double>> results) {
+  for (const std::span<double> x : results) {
+    const Solvability one = solved(verdict, static_cast<std::ptrdiff_t>(x.size()), x.data());
+    if (verdict.ok() && !one.ok()) return solved(one, results);
+  }
+  return verdict;
+}
+
+/// out += h Σ w_j x_j.
+void add_sum(const Vector& weights, double h, const std::vector<Matrix>& x, Matrix& out) {
+  for (std::size_t j = 0; j < weights.size(); ++j)
+    if (const double w = h * weights[j]; w != 0) out += w * x[j];
+}
+
+/// Steps, and what becomes in them of displacements, a column for each direction: the lines of MuntheKaas,
+/// differentiated.
+class TangentSteps {
+ public:
+  TangentSteps(const Model& model, const Tableau& method, Span q_0, Span v_0, Eigen::Index directions)
+      : q(q_0.begin(), q_0.end()),
+        v(v_0.begin(), v_0.end()),
+        dq(Matrix::Zero(model.nv(), directions)),
+        dv(dq),
+        method_(method),
+        scheme_(model.tree<double>(), method),
+        group_(model.tree<double>()),
+        maps_(model.tree<double>()),
+        a_(v.size()),
+        dtheta_(dq),
+        eta_(dq),
+        dV_(dq),
+        dK_(method.b.size(), dq),
+        dL_(method.b.size(), dq) {}
+
+  Vector q, v;    ///< now
+  Matrix dq, dv;  ///< displaced by
+
+  /// A step of h. accelerate(q, v, dq, dv, a, da) writes a and da and returns whether it could.
+  template <class Accelerate> bool run(double h, const Accelerate& accelerate) {
+    const Tableau& m = method_;
+    if (!accelerate(q.data(), v.data(), dq, dv, a_.data(), dL_[0])) return false;
+    dK_[0] = dv;
+    std::size_t i = 0;
+    const auto stage = [&](double, Span q_i, Span v_i, std::span<double> a_i) {
+      ++i;
+      displace(m.a[i], h, v_i.data());
+      dV_ = dv, add_sum(m.a[i], h, dL_, dV_);
+      if (!accelerate(q_i.data(), v_i.data(), eta_, dV_, a_i.data(), dL_[i])) return false;
+      dK_[i].setZero();
+      maps_.add(&Joints::rate, dV_, dK_[i]), maps_.add(&Joints::turn, dtheta_, dK_[i]);
+      return true;
+    };
+    if (!scheme_.run(0, q.data(), v.data(), a_.data(), h, stage)) return false;
+    v = scheme_.y, add_sum(m.b, h, dL_, dv);
+    if (m.b.size() == 1) dK_[0] = dv;
+    displace(m.b, h, v.data()), dq.swap(eta_);
+    group_.move(q.data(), scheme_.theta.data(), q.data());
+    return true;
+  }
+
+ private:
+  /// dtheta and eta of q ⊕ theta.
+  void displace(const Vector& weights, double h, const double* V) {
+    dtheta_.setZero(), add_sum(weights, h, dK_, dtheta_);
+    maps_.at(scheme_.theta.data(), V);
+    eta_.setZero(), maps_.add(&Joints::carry, dq, eta_), maps_.add(&Joints::velocity, dtheta_, eta_);
+  }
+
+  const Tableau& method_;
+  MuntheKaas scheme_;
+  ConfigurationGroup<double> group_;
+  GroupDerivatives maps_;
+  Vector a_;
+  Matrix dtheta_, eta_, dV_;
+  std::vector<Matrix> dK_, dL_;
+};
+
+/// A step whose stages are kept, with their mass matrices factorised, and the way back through it.
+class AdjointStep {
+ public:
+  AdjointStep(const Model& model, const Tableau& method, const Loads<double>& loads)
+      : v(static_cast<std::size_t>(model.nv())),
+        q(static_cast<std::size_t>(model.nq())),
+        tree_(model.tree<double>()),
+        method_(method),
+        loads_(loads),
+        scheme_(tree_, method),
+        group_(tree_),
+        end_(tree_),
+        w_theta_(Matrix::Zero(model.nv(), 1)),
+        w_eta_(w_theta_),
+        w_V_(w_theta_),
+        sum_(w_theta_) {
+    for (std::size_t i = 0; i < method.b.size(); ++i) stages_.emplace_back(model, w_theta_);
+    stages_.front().maps.at(v.data(), v.data());  // theta = 0
+  }
+
+  Vector v, q;  ///< at the end, after find()
+
+  /// Finds the stages of a step of h.
+  Solvability find(double h, const double* q_0, const double* v_0, const double* tau) {
+    Solvability verdict = take(stages_[0], Span(q_0, q.size()), Span(v_0, v.size()), tau);
+    std::size_t i = 0;
+    const auto accelerate = [&](double, Span q_i, Span v_i, std::span<double> a_i) {
+      Stage& stage = stages_[++i];
+      stage.maps.at(scheme_.theta.data(), v_i.data());
+      verdict = take(stage, q_i, v_i, tau);
+      std::copy_n(stage.dynamics->forward.a, a_i.size(), a_i.data());
+      return verdict.ok();
+    };
+    if (!verdict.ok() || !scheme_.run(0, q_0, v_0, stages_[0].dynamics->forward.a, h, accelerate))
+      return verdict;
+    group_.move(q_0, scheme_.theta.data(), q.data());
+    v = scheme_.y;
+    end_.at(scheme_.theta.data(), v.data());
+    return verdict;
+  }
+
+  /// Takes weights on the end of that step to its start, and adds the gradients by tau and geometry, if there
+  /// is one.
+  void back(double h, Matrix& w_q, Matrix& w_v, double* by_tau, double* by_geometry) {
+    const Tableau& m = method_;
+    const bool euler = m.b.size() == 1;
+    w_theta_.setZero(), end_.add_transposed(&Joints::velocity, w_q, w_theta_);
+    if (euler) w_v += h * w_theta_;
+    for (std::size_t i = 0; i < stages_.size(); ++i)
+      stages_[i].w_K = (euler ? 0 : h * m.b[i]) * w_theta_, stages_[i].w_L = (h * m.b[i]) * w_v;
+    sum_.setZero(), end_.add_transposed(&Joints::carry, w_q, sum_), w_q.swap(sum_);
+    for (std::size_t i = stages_.size(); i-- > 0;) {
+      Stage& stage = stages_[i];
+      weigh(stage, by_tau, by_geometry);
+      stage.maps.add_transposed(&Joints::carry, w_eta_, w_q);
+      stage.maps.add_transposed(&Joints::rate, stage.w_K, w_V_);
+      w_v += w_V_;
+      w_theta_.setZero();
+      stage.maps.add_transposed(&Joints::turn, stage.w_K, w_theta_);
+      stage.maps.add_transposed(&Joints::velocity, w_eta_, w_theta_);
+      for (std::size_t j = 0; j < i; ++j)
+        stages_[j].w_K += (h * m.a[i][j]) * w_theta_, stages_[j].w_L += (h * m.a[i][j]) * w_V_;
+    }
+  }
+
+ private:
+  struct Stage {
+    WithScratch<double, ForwardVjp<double>> dynamics;
+    GroupDerivatives maps;
+    Vector q, v;
+    Matrix w_K, w_L;
+    Stage(const Model& model, const Matrix& zero)
+        : dynamics(model.topology()), maps(model.tree<double>()), w_K(zero), w_L(zero) {}
+  };
+
+  Solvability take(Stage& stage, Span q_i, Span v_i, const double* tau) {
+    stage.q.assign(q_i.begin(), q_i.end()), stage.v.assign(v_i.begin(), v_i.end());
+    return stage.dynamics->forward.run(tree_, q_i.data(), v_i.data(), tau, loads_);
+  }
+  /// w_eta and w_V of the acceleration of a stage, weighed with its w_L.
+  void weigh(Stage& stage, double* by_tau, double* by_geometry) {
+    ForwardVjp<double>& dynamics = *stage.dynamics;
+    dynamics.weigh(tree_, stage.q.data(), stage.v.data(), stage.w_L.data(), loads_);
+    for (std::size_t c = 0; c < v.size(); ++c) {
+      const Eigen::Index row = static_cast<Eigen::Index>(c);
+      by_tau[c] += dynamics.mu[c], w_eta_(row) = dynamics.vjp.by_q[c], w_V_(row) = dynamics.vjp.by_v[c];
+    }
+    if (by_geometry)
+      dynamics.vjp.each_parameter(tree_, stage.q.data(), stage.v.data(), dynamics.forward.a, dynamics.mu,
+                                  [&](int i, int u, double x) { by_geometry[(i - 1) * 6 + u] -= x; });
+  }
+
+  const Tree<double>& tree_;
+  const Tableau& method_;
+  const Loads<double>& loads_;
+  MuntheKaas scheme_;
+  ConfigurationGroup<double> group_;
+  GroupDerivatives end_;
+  std::deque<Stage> stages_;
+  Matrix w_theta_, w_eta_, w_V_, sum_;
+};
+
+}  // namespace
+
+Solvability step_derivatives(const Model& model, Workspace<double>& workspace, Span q, Span v, Span tau,
+                             double step, const StepDerivatives& end, const Loads<double>& loads,
+                             const Tableau& method) {
+  using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+  const std::size_t nq = static_cast<std::size_t>(model.nq()), nv = static_cast<std::size_t>(model.nv());
+  workspace.check(model);
+  check_motion(model, step, loads, method, {{"q", q, nq, "nq"}, {"v", v, nv, "nv"}, {"tau", tau, nv, "nv"}},
+               {{"end.q", end.q, nq, "nq"},
+                {"end.v", end.v, nv, "nv"},
+                {"end.A", end.A, 4 * nv * nv, "2nv * 2nv"},
+                {"end.B", end.B, 2 * nv * nv, "2nv * nv"}});
+  const Tree<double>& tree = model.tree<double>();
+  const Eigen::Index n = model.nv();
+  TangentSteps steps(model, method, q, v, 3 * n);  // along q, v and tau
+  steps.dq.leftCols(n).setIdentity(), steps.dv.middleCols(n, n).setIdentity();
+  Rows by_q(n, n), by_v(n, n), by_tau(n, n);
+  Arena arena = workspace.arena(model.topology());
+  ForwardFirstOrder<double> dynamics(arena);
+  Solvability verdict;
+  bool first = true;
+  steps.run(step, [&](const double* q_i, const double* v_i, const Matrix& dq, const Matrix& dv, double* a,
+                      Matrix& da) {
+    verdict = dynamics.run(tree, q_i, v_i, tau.data(), loads, by_q.data(), by_v.data(), by_tau.data());
+    std::copy_n(dynamics.forward.a, n, a);
+    if (std::exchange(first, false))
+      da << by_q, by_v, by_tau;
+    else
+      da.noalias() = by_q * dq, da.noalias() += by_v * dv, da.rightCols(n) += by_tau;
+    return verdict.ok();
+  });
+  std::ranges::copy(steps.q, end.q.begin()), std::ranges::copy(steps.v, end.v.begin());
+  Eigen::Map<Rows> A(end.A.data(), 2 * n, 2 * n), B(end.B.data(), 2 * n, n);
+  A << steps.dq.leftCols(2 * n), steps.dv.leftCols(2 * n);
+  B << steps.dq.rightCols(n), steps.dv.rightCols(n);
+  return solved(verdict, {end.q, end.v, end.A, end.B});
+}
+
+Solvability rollout_jvp(const Model& model, Span q, Span v, Span tau, double step, Span dq, Span dv,
+                        Span dtau, std::span<double> dq_out, std::span<double> dv_out,
+                        const Loads<double>& loads, const Tableau& method, const GoOn& go_on) {
+  const std::size_t nq = static_cast<std::size_t>(model.nq()), nv = static_cast<std::size_t>(model.nv()),
+                    K = steps_of(model, tau);
+  check_motion(
+      model, step, loads, method,
+      {{"q", q, nq, "nq"},
+       {"v", v, nv, "nv"},
+       {"tau", tau, K * nv, "K nv"},
+       {"dq", dq, nv, "nv"},
+       {"dv", dv, nv, "nv"},
+       {"dtau", dtau, K * nv, "K nv"}},
+      {{"dq_out", dq_out, (K + 1) * nv, "(K + 1) nv"}, {"dv_out", dv_out, (K + 1) * nv, "(K + 1) nv"}});
+  const Tree<double>& tree = model.tree<double>();
+  TangentSteps steps(model, method, q, v, 1);
+  std::ranges::copy(dq, steps.dq.data()), std::ranges::copy(dv, steps.dv.data());
+  WithScratch<double, ForwardJvp<double>> dynamics(model.topology());
+  Solvability verdict;
+  const auto write = [&](std::size_t k) {
+    std::copy_n(steps.dq.data(), nv, dq_out.data() + k * nv);
+    std::copy_n(steps.dv.data(), nv, dv_out.data() + k * nv);
+  };
+  write(0);
+  for (std::size_t k = 0; k < K && verdict.ok(); ++k) {
+    if (go_on && !go_on()) verdict.not_finite = true;
+    const double *const tau_k = tau.data() + k * nv, *const dtau_k = dtau.data() + k * nv;
+    steps.run(step, [&](const double* q_i, const double* v_i, const Matrix& eta, const Matrix& dV, double* a,
+                        Matrix& da) {
+      if (verdict.ok()) verdict = dynamics->run(tree, q_i, v_i, tau_k, eta.data(), dV.data(), dtau_k, loads);
+      std::copy_n(dynamics->forward.a, nv, a), std::copy_n(dynamics->x, nv, da.data());
+      return verdict.ok();
+    });
+    write(k + 1);
+  }
+  return solved(verdict, {dq_out, dv_out});
+}
+
+Solvability rollout_vjp(const Model& model, Span q, Span v, Span tau, double step, Span w_q, Span w_v,
+                        const RolloutGradients& gradient, const Loads<double>& loads, const Tableau& method,
+                        const GoOn& go_on) {
+  const std::size_t nq = static_cast<std::size_t>(model.nq()), nv = static_cast<std::size_t>(model.nv()),
+                    K = steps_of(model, tau);
+  const bool geometry = !gradient.geometry.empty();
+  check_motion(model, step, loads, method,
+               {{"q", q, nq, "nq"},
+                {"v", v, nv, "nv"},
+                {"tau", tau, K * nv, "K nv"},
+                {"w_q", w_q, (K + 1) * nv, "(K + 1) nv"},
+                {"w_v", w_v, (K + 1) * nv, "(K + 1) nv"}},
+               {{"gradient.q", gradient.q, nv, "nv"},
+                {"gradient.v", gradient.v, nv, "nv"},
+                {"gradient.tau", gradient.tau, K * nv, "K nv"},
+                {"gradient.geometry", gradient.geometry,
+                 geometry ? 6 * static_cast<std::size_t>(model.n_bodies()) : 0, "n_bodies * 6"}});
+  AdjointStep one(model, method, loads);
+  Vector q_k(q.begin(), q.end()), v_k(v.begin(), v.end());  // of all states
+  Solvability verdict;
+  const auto find = [&](std::size_t k) {
+    if (go_on && !go_on()) return Solvability{.not_finite = true};
+    return one.find(step, &q_k[k * nq], &v_k[k * nv], &tau[k * nv]);
+  };
+  for (std::size_t k = 0; k < K && verdict.ok(); ++k) {
+    verdict = find(k);
+    q_k.insert(q_k.end(), one.q.begin(), one.q.end()), v_k.insert(v_k.end(), one.v.begin(), one.v.end());
+  }
+  std::ranges::fill(gradient.tau, 0.0), std::ranges::fill(gradient.geometry, 0.0);
+  const Eigen::Index n = model.nv();
+  Matrix by_q = Eigen::Map<const Matrix>(w_q.data() + K * nv, n, 1),
+         by_v = Eigen::Map<const Matrix>(w_v.data() + K * nv, n, 1);
+  for (std::size_t k = K; k-- > 0 && verdict.ok();) {
+    if (k + 1 < K) verdict = find(k);
+    if (!verdict.ok()) break;
+    one.back(step, by_q, by_v, &gradient.tau[k * nv], geometry ? gradient.geometry.data() : nullptr);
+    by_q += Eigen::Map<const Matrix>(w_q.data() + k * nv, n, 1);
+    by_v += Eigen::Map<const Matrix>(w_v.data() + k * nv, n, 1);
+  }
+  std::copy_n(by_q.data(), nv, gradient.q.data()), std::copy_n(by_v.data(), nv, gradient.v.data());
+  return solved(verdict, {gradient.q, gradient.v, gradient.tau, gradient.geometry});
+}
+
+}  // namespace axode
