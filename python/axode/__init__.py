@@ -101,6 +101,9 @@ from ._axode import (
     regressor,
     relative_jacobian,
     rollout,
+    rollout_derivatives,
+    rollout_jvp,
+    rollout_vjp,
     spatial_momentum,
     spatial_momentum_form,
     twist_derivatives,
@@ -124,6 +127,8 @@ from .records import (
     MomentumFormDerivatives,
     MotionChange,
     MotionDerivatives,
+    RolloutDerivatives,
+    RolloutGradient,
     StateDerivatives,
     Target,
 )
@@ -161,11 +166,12 @@ __all__ = [
     "inverse_dynamics_geometry_vjp", "forward_dynamics_geometry_vjp", "frame_geometry_jacobian",
     "jacobian_geometry_derivatives", "linearize", "equilibrium",
     # motion in time
-    "simulate", "rollout", "reconstruct", "Trajectory",
+    "simulate", "rollout", "rollout_derivatives", "rollout_jvp", "rollout_vjp", "reconstruct", "Trajectory",
     # what else is taken, given and raised
     "Load", "Target", "InverseKinematics", "InverseDynamicsDerivatives", "ForwardDynamicsDerivatives",
     "InverseDynamicsHessian", "ForwardDynamicsHessian", "StateDerivatives", "MotionDerivatives", "MotionChange",
-    "MomentumFormDerivatives", "Linearization", "Equilibrium", "Fault", "ModelError", "NotFiniteError", "SimulationError", "SingularError", "StatesError",
+    "MomentumFormDerivatives", "Linearization", "Equilibrium", "RolloutDerivatives", "RolloutGradient", "Fault",
+    "ModelError", "NotFiniteError", "SimulationError", "SingularError", "StatesError",
     # modules
     "lie", "closed_form", "codegen", "convert", "identification", "calibration",
 ]

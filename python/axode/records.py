@@ -9,7 +9,8 @@ from numpy.typing import ArrayLike, NDArray
 
 __all__ = ["Equilibrium", "ForwardDynamicsDerivatives", "ForwardDynamicsHessian", "InverseDynamicsDerivatives",
            "InverseDynamicsHessian", "InverseKinematics", "Linearization", "Load",
-           "MomentumFormDerivatives", "MotionChange", "MotionDerivatives", "StateDerivatives", "Target"]
+           "MomentumFormDerivatives", "MotionChange", "MotionDerivatives", "RolloutDerivatives", "RolloutGradient",
+           "StateDerivatives", "Target"]
 
 Representation = Literal["body", "spatial", "hybrid", "mixed"]
 
@@ -135,6 +136,22 @@ class Linearization(NamedTuple):
 
     A: NDArray[np.float64]
     B: NDArray[np.float64]
+
+
+class RolloutDerivatives(NamedTuple):
+    """What steps of a motion do to small deviations x, x_{k+1} = A_k x_k + B_k dtau_k, displacements before velocities."""
+
+    A: NDArray[np.float64]
+    B: NDArray[np.float64]
+
+
+class RolloutGradient(NamedTuple):
+    """The gradient of a number that a motion makes, by its first q and v, its drive forces and geometric parameters."""
+
+    q: NDArray[np.float64]
+    v: NDArray[np.float64]
+    tau: NDArray[np.float64]
+    geometry: NDArray[np.float64]
 
 
 class Equilibrium(NamedTuple):

@@ -35,6 +35,7 @@ NB_MODULE(_axode, module) {
   add_momentum(module);
   add_derivatives(module);
   add_integration(module);
+  add_sensitivities(module);
   nb::module_ closed_form = module.def_submodule("closed_form", "See axode.closed_form.");
   add_system_matrices(closed_form);
   add_closed_form(closed_form);

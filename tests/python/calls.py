@@ -96,6 +96,12 @@ CALLS |= {
     "generalized_load_derivatives": lambda m, q, v, a: np.stack(axode.generalized_load_derivatives(
         m, q, v, load_on(m, q), joint_losses=True), axis=-3),
     "rollout": lambda m, q, v, a: axode.rollout(m, q, v, np.stack([a, 0.5 * a], axis=-2), 1e-4)[1],
+    "rollout_derivatives": lambda m, q, v, a: np.concatenate(axode.rollout_derivatives(
+        m, q, v, np.stack([a, 0.5 * a], axis=-2), 1e-4), axis=-1),
+    "rollout_jvp": lambda m, q, v, a: np.stack(axode.rollout_jvp(
+        m, q, v, np.stack([a, 0.5 * a], axis=-2), 1e-4, v, a, np.stack([v, a], axis=-2)), axis=-3),
+    "rollout_vjp": lambda m, q, v, a: axode.rollout_vjp(
+        m, q, v, np.stack([a, 0.5 * a], axis=-2), 1e-4, *2 * [np.stack([v, a, v], axis=-2)]).tau,
     "momentum_form_derivatives": lambda m, q, v, a: np.stack(axode.momentum_form_derivatives(
         m, q, a, load_on(m, q)), axis=-3),
     "kinetic_energy_gradient": lambda m, q, v, a: np.stack(axode.kinetic_energy_gradient(m, q, v), axis=-2),

@@ -33,7 +33,8 @@ def numbers_behind(text, words):
 def test_every_example_is_run_here():
     assert sorted(file.name for file in EXAMPLES.glob("*.py")) == [
         "01_drawing_to_dynamics.py", "02_representations.py", "03_batch_trajectory.py",
-        "04_identification.py", "05_calibration.py", "06_elastic_drives.py", "07_simulation.py"]
+        "04_identification.py", "05_calibration.py", "06_elastic_drives.py", "07_simulation.py",
+        "09_trajectory_optimization.py"]
 
 
 def test_the_crane_holds_what_levers_say_and_dynamics_are_inverse(tmp_path):
@@ -131,3 +132,10 @@ def test_the_arm_falls_with_its_energy_and_is_drawn_to_the_target(tmp_path):
     assert steps > 50 and energy < 1e-5
     distances = [float(line.split()[4]) for line in printed.splitlines() if line.startswith("t = ")]
     assert len(distances) == 7 and distances[0] > 1 and distances[-1] < 0.01
+
+
+def test_the_pendulum_stands_by_the_least_forces(tmp_path):
+    printed = run(tmp_path, "09_trajectory_optimization.py")
+    assert numbers_behind(printed, "it stands after 1 s to within")[0] < 1e-9
+    assert max(numbers_behind(printed, "largest drive torques in N m:")) < 30
+    assert numbers_behind(printed, "the forces are a gradient of the end to within")[0] < 1e-5

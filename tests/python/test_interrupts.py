@@ -59,6 +59,14 @@ LONG = {
     "rollouts": of_states(ARM, lambda q, v, a: axode.rollout(ARM, q, v, a[:, None], 1e-4)[0]),
     "one rollout": of_items(lambda tau: axode.rollout(ARM, np.zeros(7), np.zeros(7), tau, 1e-9)[0][1:],
                             np.zeros(7)),
+    "rollouts and back": of_states(ARM, lambda q, v, a: axode.rollout_vjp(
+        ARM, q, v, a[:, None], 1e-4, *np.zeros((2, len(q), 2, 7))).q),
+    "one rollout and back": of_items(lambda tau: axode.rollout_vjp(
+        ARM, np.zeros(7), np.zeros(7), tau, 1e-9, *np.zeros((2, len(tau) + 1, 7))).tau, np.zeros(7)),
+    "a direction along one rollout": of_items(lambda tau: axode.rollout_jvp(
+        ARM, np.zeros(7), np.zeros(7), tau, 1e-9, np.ones(7), np.zeros(7), tau)[0][1:], np.zeros(7)),
+    "steps of one rollout": of_items(lambda tau: axode.rollout_derivatives(
+        ARM, np.zeros(7), np.zeros(7), tau, 1e-9).B, np.zeros(7)),
     "states in between": (lambda N: [np.linspace(0, 0.5, N)], lambda t: FALL.at(t)[0]),
 }
 
