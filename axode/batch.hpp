@@ -104,9 +104,10 @@ Outcome forward_dynamics_vjp(const Model& model, std::span<const T> q, Numbers<T
 
 /// N motions of K steps of one length (s), see axode::simulate_fixed: tau has nv K N numbers, constant in each step; q_out
 /// and v_out get (K + 1) states for each motion, the first of which is the one given. A motion that cannot go on is NaN
-/// from there. One motion after the other, each on one core.
-Outcome rollout(const Model& model, std::span<const double> q, std::span<const double> v,
-                std::span<const double> tau, double step, std::span<double> q_out, std::span<double> v_out,
+/// from there.
+template <class T>
+Outcome rollout(const Model& model, std::span<const T> q, Numbers<T> v, Numbers<T> tau, double step,
+                std::type_identity_t<std::span<T>> q_out, std::type_identity_t<std::span<T>> v_out,
                 const Tableau& method = runge_kutta(4), int threads = 1, const Monitor& monitor = {});
 
 /// The instruction set that this processor is served with: "SSE2", "AVX2" or "AVX-512".

@@ -32,15 +32,6 @@ InstructionSet chosen_instruction_set() {
   return chosen;
 }
 
-template <class S> const Kernels<S>& best_kernels() {
-  switch (chosen_instruction_set()) {
-    case InstructionSet::avx512: return kernels<batch::avx512, S>();
-    case InstructionSet::avx2: return kernels<batch::avx2, S>();
-    case InstructionSet::sse2: break;
-  }
-  return kernels<batch::sse2, S>();
-}
-
 /// Scratch memory from a cache line on.
 class Memory {
  public:
@@ -224,6 +215,17 @@ template <class S> std::span<S> third(std::span<S> all, std::size_t k) {
 }
 
 }  // namespace
+
+template <class S> const Kernels<S>& best_kernels() {
+  switch (chosen_instruction_set()) {
+    case InstructionSet::avx512: return kernels<batch::avx512, S>();
+    case InstructionSet::avx2: return kernels<batch::avx2, S>();
+    case InstructionSet::sse2: break;
+  }
+  return kernels<batch::sse2, S>();
+}
+template const Kernels<double>& best_kernels();
+template const Kernels<float>& best_kernels();
 
 template <class S>
 std::size_t inverse_dynamics(const Model& model, std::span<const S> q, Numbers<S> v, Numbers<S> a,

@@ -9,6 +9,8 @@
 #include "axode/fast/composite_bodies.hpp"
 #include "axode/fast/inverse_dynamics.hpp"
 #include "axode/fast/inverse_mass_matrix.hpp"
+#include "axode/integration/munthe_kaas.hpp"
+#include "axode/model/workspace.hpp"
 
 #ifndef AXODE_ISA  // as an editor sees it
 #define AXODE_ISA sse2
@@ -301,6 +303,71 @@ void joint_screws(const Tree<S>& tree, Arena arena, const S* q, Twist<Spatial, S
   });
 }
 
+/// A motion in each lane.
+class Rollout {
+ public:
+  Rollout(const Tree<S>& tree, const Tableau& method)
+      : tree_(tree), scheme_(tree, method), group_(tree), dynamics_(*tree.topology()) {}
+
+  unsigned run(const Motions<S>& of, std::ptrdiff_t k, std::ptrdiff_t end) noexcept {
+    auto& [q, v, tau, a, bodies, motion] = *dynamics_;
+    bodies.doubtful = Number::Mask{};
+    const std::ptrdiff_t nq = tree_->nq, nv = tree_->nv;
+    const auto accelerate = [&](double, std::span<const Number> q_t, std::span<const Number> v_t,
+                                std::span<Number> a_t) {
+      bodies.place_and_move(tree_, q_t.data(), v_t.data(), motion);
+      bodies.factorize(tree_, tau);
+      bodies.accelerate(tree_, motion, a_t.data());
+      return true;
+    };
+    each(of, of.q + k * nq, (of.K + 1) * nq, q, nq), each(of, of.v + k * nv, (of.K + 1) * nv, v, nv);
+    for (; k < end; ++k) {
+      each(of, of.tau + k * nv, of.K * nv, tau, nv);
+      accelerate(0, {q, static_cast<std::size_t>(nq)}, {v, static_cast<std::size_t>(nv)},
+                 {a, static_cast<std::size_t>(nv)});
+      static_cast<void>(scheme_.run(0, q, v, a, of.step, accelerate));
+      group_.move(q, scheme_.theta.data(), q);
+      for (std::ptrdiff_t c = 0; c < nv; ++c) v[c] = scheme_.y[static_cast<std::size_t>(c)];
+      for (std::ptrdiff_t l = 0; l < of.count; ++l) {
+        S *const q_l = of.q + (l * (of.K + 1) + k + 1) * nq, *const v_l =
+                                                                 of.v + (l * (of.K + 1) + k + 1) * nv;
+        for (std::ptrdiff_t c = 0; c < nq; ++c) q_l[c] = q[c][l];
+        for (std::ptrdiff_t c = 0; c < nv; ++c) v_l[c] = v[c][l];
+      }
+    }
+    return bits(bodies.doubtful);
+  }
+
+ private:
+  struct Dynamics {
+    Number *q, *v, *tau, *a;
+    ArticulatedBodies bodies;
+    ArticulatedBodies::Motion* motion;
+    explicit Dynamics(Arena& arena)
+        : q(arena.array<Number>(static_cast<std::size_t>(arena.topology().nq))),
+          v(arena.per_velocity<Number>()),
+          tau(arena.per_velocity<Number>()),
+          a(arena.per_velocity<Number>()),
+          bodies(arena),
+          motion(arena.per_body<ArticulatedBodies::Motion>()) {}
+  };
+  /// n numbers of every motion, the last one repeated in lanes that are left.
+  static void each(const Motions<S>& of, const S* in, std::ptrdiff_t stride, Number* out, std::ptrdiff_t n) {
+    for (std::ptrdiff_t l = 0; l < lanes; ++l)
+      for (std::ptrdiff_t c = 0; c < n; ++c) out[c].x[l] = in[std::min(l, of.count - 1) * stride + c];
+  }
+
+  const Tree<S>& tree_;
+  MuntheKaas<Number, S> scheme_;
+  ConfigurationGroup<Number, S> group_;
+  WithScratch<Number, Dynamics> dynamics_;
+};
+void* make_rollout(const Tree<S>& tree, const Tableau& method) { return new Rollout(tree, method); }
+unsigned run_rollout(void* rollout, const Motions<S>& of, std::ptrdiff_t k, std::ptrdiff_t end) noexcept {
+  return static_cast<Rollout*>(rollout)->run(of, k, end);
+}
+void remove_rollout(void* rollout) noexcept { delete static_cast<Rollout*>(rollout); }
+
 }  // namespace
 
 template <> const Kernels<S>& kernels<AXODE_ISA, S>() {
@@ -317,7 +384,8 @@ template <> const Kernels<S>& kernels<AXODE_ISA, S>() {
       .inverse_dynamics_jvp = {bytes<InverseJvp>, inverse_dynamics_jvp},
       .forward_dynamics_jvp = {bytes<Forward<InverseJvp>>, forward_dynamics_jvp},
       .inverse_dynamics_vjp = {bytes<InverseVjp>, inverse_dynamics_vjp},
-      .forward_dynamics_vjp = {bytes<Forward<InverseVjp>>, forward_dynamics_vjp}};
+      .forward_dynamics_vjp = {bytes<Forward<InverseVjp>>, forward_dynamics_vjp},
+      .rollout = {make_rollout, run_rollout, remove_rollout}};
   return all;
 }
 

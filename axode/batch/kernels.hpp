@@ -1,6 +1,7 @@
 #pragma once
 #include <cstddef>
 
+#include "axode/integration/tableau.hpp"
 #include "axode/model/arena.hpp"
 #include "axode/model/tree.hpp"
 
@@ -10,6 +11,21 @@ namespace axode::batch {
 template <class S, class Call> struct Kernel {
   std::size_t (*bytes)(const Tree<S>&);
   Call* call;
+};
+
+/// Motions of K steps, at most as many as there are lanes: the states of one lie behind each other, and so do its forces.
+template <class S> struct Motions {
+  const S* tau;  ///< K nv for each
+  S *q, *v;      ///< (K + 1) nq and nv for each
+  std::ptrdiff_t K, count;
+  double step;
+};
+/// Explicit methods on motions in lanes. What make() returns has memory of its own, and goes with remove().
+template <class S> struct RolloutKernel {
+  void* (*make)(const Tree<S>&, const Tableau&);
+  /// Steps k to end - 1, from the states k. A bit for each lane whose mass matrix may be singular.
+  unsigned (*run)(void*, const Motions<S>&, std::ptrdiff_t k, std::ptrdiff_t end) noexcept;
+  void (*remove)(void*) noexcept;
 };
 
 /// The algorithms for one instruction set. Those that solve for accelerations return a bit for each lane whose mass
@@ -41,6 +57,7 @@ template <class S> struct Kernels {
   Kernel<S, unsigned(const Tree<S>&, Arena, const S* q, const S* v, const S* tau, const S* w,
                      S* gradient) noexcept>
       forward_dynamics_vjp;
+  RolloutKernel<S> rollout;
 };
 
 /// Instruction sets.
@@ -56,5 +73,7 @@ template <> const Kernels<double>& kernels<avx2, double>();
 template <> const Kernels<float>& kernels<avx2, float>();
 template <> const Kernels<double>& kernels<avx512, double>();
 template <> const Kernels<float>& kernels<avx512, float>();
+/// Those for the best instruction set that this processor has.
+template <class S> const Kernels<S>& best_kernels();
 
 }  // namespace axode::batch

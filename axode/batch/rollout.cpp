@@ -1,63 +1,128 @@
 #include <algorithm>
 #include <limits>
+#include <memory>
+#include <optional>
 #include <utility>
 #include <vector>
 
 #include "axode/batch.hpp"
 #include "axode/batch/check_states.hpp"
+#include "axode/batch/kernels.hpp"
 #include "axode/batch/portions.hpp"
 #include "axode/dynamics/forward_dynamics.hpp"
 #include "axode/integration/munthe_kaas.hpp"
 
 namespace axode::batch {
 
-Outcome rollout(const Model& model, std::span<const double> q, std::span<const double> v,
-                std::span<const double> tau, double step, std::span<double> q_out, std::span<double> v_out,
+namespace {
+
+template <class S> bool all_finite(std::span<const S> x) {
+  S none(0);
+  for (const S x_k : x) none += x_k - x_k;
+  return none == S(0);
+}
+template <class S> bool all_finite(std::span<S> x) { return all_finite(std::span<const S>(x)); }
+template <class S> void none(std::span<S> x) { std::ranges::fill(x, std::numeric_limits<S>::quiet_NaN()); }
+
+/// Steps of one motion.
+template <class S> class OneMotion {
+ public:
+  OneMotion(const Model& model, const Tableau& method)
+      : model_(&model),
+        workspace_(model),
+        scheme_(model.tree<S>(), method),
+        group_(model.tree<S>()),
+        a_(static_cast<std::size_t>(model.nv())) {}
+
+  Solvability run(std::span<const S> q, std::span<const S> v, std::span<const S> tau, double step,
+                  std::span<S> q_1, std::span<S> v_1) {
+    Solvability found;
+    const auto accelerate = [&](double, std::span<const S> q_t, std::span<const S> v_t, std::span<S> a_t) {
+      found = {.not_finite = true};
+      if (all_finite(q_t)) found = axode::forward_dynamics(*model_, workspace_, q_t, v_t, tau, a_t);
+      return found.ok();
+    };
+    if (!accelerate(0, q, v, a_) || !scheme_.run(0, q.data(), v.data(), a_.data(), step, accelerate))
+      return found;
+    group_.move(q.data(), scheme_.theta.data(), q_1.data());
+    std::ranges::copy(scheme_.y, v_1.begin());
+    return found;
+  }
+
+ private:
+  const Model* model_;
+  Workspace<S> workspace_;
+  MuntheKaas<S> scheme_;
+  ConfigurationGroup<S> group_;
+  std::vector<S> a_;
+};
+
+/// The quick way, for several motions of models without coupled joints.
+template <class S> class InLanes {
+ public:
+  InLanes(const Tree<S>& tree, const Tableau& method)
+      : kernel_(best_kernels<S>().rollout), rollout_(kernel_.make(tree, method), kernel_.remove) {}
+  unsigned run(const Motions<S>& motions, std::size_t k, std::size_t end) {
+    return kernel_.run(rollout_.get(), motions, static_cast<std::ptrdiff_t>(k),
+                       static_cast<std::ptrdiff_t>(end));
+  }
+
+ private:
+  RolloutKernel<S> kernel_;
+  std::shared_ptr<void> rollout_;
+};
+
+}  // namespace
+
+template <class S>
+Outcome rollout(const Model& model, std::span<const S> q, Numbers<S> v, Numbers<S> tau, double step,
+                std::type_identity_t<std::span<S>> q_out, std::type_identity_t<std::span<S>> v_out,
                 const Tableau& method, int threads, const Monitor& monitor) {
   constexpr std::size_t steps_at_once = 256;  // of one motion, between two looks at the monitor
   check(method), check_step(step);
   const std::size_t nq = static_cast<std::size_t>(model.nq()), nv = static_cast<std::size_t>(model.nv()),
-                    N = check_states(model, q, threads), K = N == 0 ? 0 : tau.size() / (N * nv);
+                    N = check_states(model, q, threads), K = N * nv == 0 ? 0 : tau.size() / (N * nv);
   check_size("v", v.size(), N * nv, "nv N");
   check_size("tau", tau.size(), K * nv * N, "K nv N");
   check_size("q_out", q_out.size(), (K + 1) * nq * N, "(K + 1) nq N");
   check_size("v_out", v_out.size(), (K + 1) * nv * N, "(K + 1) nv N");
-  for (const auto& [name, given] : {std::pair{"q", q}, {"v", v}, {"tau", tau}})
+  for (const auto& [name, given] :
+       {std::pair<const char*, std::span<const S>>{"q", q}, {"v", v}, {"tau", tau}})
     check_separate("q_out", q_out, name, given), check_separate("v_out", v_out, name, given);
-  check_separate("q_out", q_out, "v_out", std::span<const double>(v_out));
+  check_separate("q_out", q_out, "v_out", std::span<const S>(v_out));
 
-  for (const std::span<double> out : {q_out, v_out})
-    std::ranges::fill(out, std::numeric_limits<double>::quiet_NaN());
+  for (const std::span<S> out : {q_out, v_out}) std::ranges::fill(out, std::numeric_limits<S>::quiet_NaN());
   const auto q_at = [&](std::size_t n, std::size_t k) { return q_out.subspan((n * (K + 1) + k) * nq, nq); };
   const auto v_at = [&](std::size_t n, std::size_t k) { return v_out.subspan((n * (K + 1) + k) * nv, nv); };
   for (std::size_t n = 0; n < N; ++n)
     std::ranges::copy(q.subspan(n * nq, nq), q_at(n, 0).begin()),
         std::ranges::copy(v.subspan(n * nv, nv), v_at(n, 0).begin());
 
+  const Tree<S>& tree = model.tree<S>();
+  const bool in_lanes = N > 1 && tree->coupled_bodies.empty();
+  const std::size_t group = in_lanes ? static_cast<std::size_t>(best_kernels<S>().lanes) : 1;
   std::vector<Solvability> found(N);
   Outcome outcome{.done = N};
   Watch watch(monitor, N);
   for (std::size_t begin = 0; begin < K && outcome.done == N; begin += steps_at_once) {
-    outcome.done = in_portions(N, 1, threads, monitor, [&] {
-      return [&, workspace = Workspace<double>(model), scheme = MuntheKaas(model.tree<double>(), method),
-              group = ConfigurationGroup<double>(model.tree<double>()),
-              a = std::vector<double>(nv)](std::size_t n, std::size_t) mutable {
-        for (std::size_t k = begin; k < std::min(K, begin + steps_at_once) && found[n].ok(); ++k) {
-          const std::span<const double> tau_k = tau.subspan((n * K + k) * nv, nv);
-          const auto accelerate = [&](double, std::span<const double> q_t, std::span<const double> v_t,
-                                      std::span<double> a_t) {
-            double none = 0;
-            for (const double x : q_t) none += x - x;
-            found[n] = {.not_finite = true};
-            if (none == 0) found[n] = axode::forward_dynamics(model, workspace, q_t, v_t, tau_k, a_t);
-            return found[n].ok();
-          };
-          const std::span<const double> q_k = q_at(n, k), v_k = v_at(n, k);
-          if (!accelerate(0, q_k, v_k, a) ||
-              !scheme.run(0, q_k.data(), v_k.data(), a.data(), step, accelerate))
-            return;
-          group.move(q_k.data(), scheme.theta.data(), q_at(n, k + 1).data());
-          std::ranges::copy(scheme.y, v_at(n, k + 1).begin());
+    const std::size_t end = std::min(K, begin + steps_at_once);
+    outcome.done = in_portions(N, group, threads, monitor, [&] {
+      return [&, lanes = in_lanes ? std::optional(InLanes<S>(tree, method)) : std::nullopt,
+              one = OneMotion<S>(model, method)](std::size_t first, std::size_t count) mutable {
+        unsigned doubts = ~0u;
+        if (lanes)
+          doubts = lanes->run({tau.data() + first * K * nv, q_at(first, 0).data(), v_at(first, 0).data(),
+                               static_cast<std::ptrdiff_t>(K), static_cast<std::ptrdiff_t>(count), step},
+                              begin, end);
+        for (std::size_t l = 0; l < count; ++l) {
+          const std::size_t n = first + l;
+          if ((doubts >> l & 1) == 0 && all_finite(v_at(n, end)) && all_finite(q_at(n, end))) continue;
+          for (std::size_t k = begin; k < end; ++k) {
+            if (found[n].ok())
+              found[n] = one.run(q_at(n, k), v_at(n, k), tau.subspan((n * K + k) * nv, nv), step,
+                                 q_at(n, k + 1), v_at(n, k + 1));
+            if (!found[n].ok()) none(q_at(n, k + 1)), none(v_at(n, k + 1));
+          }
         }
       };
     });
@@ -67,5 +132,10 @@ Outcome rollout(const Model& model, std::span<const double> q, std::span<const d
     if (!found[n].ok() && outcome.singular_states++ == 0) outcome.first = n, outcome.solvability = found[n];
   return outcome;
 }
+
+template Outcome rollout(const Model&, std::span<const double>, Numbers<double>, Numbers<double>, double,
+                         std::span<double>, std::span<double>, const Tableau&, int, const Monitor&);
+template Outcome rollout(const Model&, std::span<const float>, Numbers<float>, Numbers<float>, double,
+                         std::span<float>, std::span<float>, const Tableau&, int, const Monitor&);
 
 }  // namespace axode::batch

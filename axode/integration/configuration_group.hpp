@@ -5,11 +5,11 @@
 namespace axode {
 
 /// The configurations of a tree as a Lie group, the product of the joints' subgroups: all that a scheme knows of joints.
-/// Elements x, y of its algebra have nv numbers, in the joints' left-trivialised directions. Brackets vanish, and ⊕ is
-/// +, for joints of one velocity. Results may take the place of arguments. O(n).
-template <class T> class ConfigurationGroup {
+/// Elements x, y of its algebra have nv numbers T, in the joints' left-trivialised directions; S is the tree's. Brackets vanish,
+/// and ⊕ is +, for joints of one velocity. Results may take the place of arguments. O(n).
+template <class T, class S = T> class ConfigurationGroup {
  public:
-  explicit ConfigurationGroup(const Tree<T>& tree) : tree_(&tree) {
+  explicit ConfigurationGroup(const Tree<S>& tree) : tree_(&tree) {
     for (int i = 1; i <= tree->n; ++i)
       if (tree->first_screw[i + 1] - tree->first_screw[i] > 1) commutes_ = false;
   }
@@ -65,11 +65,13 @@ template <class T> class ConfigurationGroup {
   }
 
  private:
-  const Tree<T>& tree() const { return *tree_; }
+  const Tree<S>& tree() const { return *tree_; }
   template <class F> void each_own_joint(const F& f) const noexcept {
-    each_joint(tree(), [&](const auto& joint, int i, bool coupled) {
-      if (!coupled) f(joint, i);
-    });
+    for (const JointRun& run : tree()->runs)
+      if (!run.coupled)
+        with_subgroup(run.kind, T(0), [&](const auto& joint) {  // no pitch has a part in any of this
+          for (int k = run.begin; k < run.end; ++k) f(joint, tree()->by_kind[k]);
+        });
   }
   /// f on the screws S x and S y of every joint of several velocities; the others get what `plain` has, or 0.
   template <class F>
@@ -98,7 +100,7 @@ template <class T> class ConfigurationGroup {
         plain);
   }
 
-  const Tree<T>* tree_;
+  const Tree<S>* tree_;
   bool commutes_ = true;
 };
 

@@ -8,14 +8,14 @@
 
 namespace axode {
 
-/// One step of an explicit Runge-Kutta method on (q, y), q on its group (Munthe-Kaas), y being v or momenta:
+/// One step of an explicit Runge-Kutta method on (q, y), q on its group (Munthe-Kaas), y being v or momenta, for numbers T on a tree of S:
 ///   θ_i = h Σ a_ij K_j,  Y_i = y + h Σ a_ij L_j,  (V_i, L_i) = (v, y')(t + c_i h, q ⊕ θ_i, Y_i),  K_i = dexp⁻¹_{-θ_i} V_i.
 /// With one stage it is Euler's; where y is v it is semi-implicit: q moves with the new v.
-class MuntheKaas {
+template <class T = double, class S = T> class MuntheKaas {
  public:
-  using Numbers = std::vector<double>;
+  using Numbers = std::vector<T>;
 
-  MuntheKaas(const Tree<double>& tree, const Tableau& method)
+  MuntheKaas(const Tree<S>& tree, const Tableau& method)
       : theta(static_cast<std::size_t>(tree->nv)),
         y(theta.size()),
         error_theta(theta.size()),
@@ -29,10 +29,9 @@ class MuntheKaas {
   /// With y = v, from (q0, v0), where the acceleration is a0, over h. accelerate(t, q, v, a) writes a and returns whether it could;
   /// where it could not, neither can this.
   template <class Accelerate>
-  bool run(double t, const double* q0, const double* v0, const double* a0, double h,
-           const Accelerate& accelerate) {
-    const auto rates = [&](double t_i, std::span<const double> q, std::span<const double> v,
-                           std::span<double> V, std::span<double> a) {
+  bool run(double t, const T* q0, const T* v0, const T* a0, double h, const Accelerate& accelerate) {
+    const auto rates = [&](double t_i, std::span<const T> q, std::span<const T> v, std::span<T> V,
+                           std::span<T> a) {
       std::ranges::copy(v, V.begin());
       return accelerate(t_i, q, v, a);
     };
@@ -42,16 +41,15 @@ class MuntheKaas {
   }
   /// From (q0, y0), where the velocity is v0 and y' is dy0. rates(t, q, y, v, dy) writes both.
   template <class Rates>
-  bool run(double t, const double* q0, const double* y0, const double* v0, const double* dy0, double h,
-           const Rates& rates) {
+  bool run(double t, const T* q0, const T* y0, const T* v0, const T* dy0, double h, const Rates& rates) {
     const Tableau& m = *method_;
     const std::size_t nv = theta.size();
     std::copy_n(v0, nv, K_.data()), std::copy_n(dy0, nv, L_.data());
     for (std::size_t i = 1; i < m.b.size(); ++i) {
       sum(m.a[i], h, K_, theta), advance(m.a[i], h, y0);
       group_.move(q0, theta.data(), q_.data());
-      const std::span<double> V = std::span(K_).subspan(i * nv, nv);
-      if (!rates(t + m.c[i] * h, std::span<const double>(q_), std::span<const double>(y), V,
+      const std::span<T> V = std::span(K_).subspan(i * nv, nv);
+      if (!rates(t + m.c[i] * h, std::span<const T>(q_), std::span<const T>(y), V,
                  std::span(L_).subspan(i * nv, nv)))
         return false;
       group_.rate(theta.data(), V.data(), V.data());
@@ -65,7 +63,7 @@ class MuntheKaas {
   Numbers error_theta, error_y;  ///< of an embedded method
 
   /// y' at the end of the step where the last stage is there, otherwise nothing.
-  std::span<const double> end() const {
+  std::span<const T> end() const {
     const Tableau& m = *method_;
     const bool there = m.b.back() == 0 && std::equal(m.a.back().begin(), m.a.back().end(), m.b.begin());
     return std::span(L_).last(there ? y.size() : 0);
@@ -73,21 +71,22 @@ class MuntheKaas {
 
  private:
   /// out = h Σ w_j x_j.
-  static void sum(const Numbers& weights, double h, const Numbers& x, Numbers& out) {
-    std::ranges::fill(out, 0.0);
+  static void sum(const std::vector<double>& weights, double h, const Numbers& x, Numbers& out) {
+    std::ranges::fill(out, T(0));
     for (std::size_t j = 0; j < weights.size(); ++j)
       if (const double w = h * weights[j]; w != 0)
-        for (std::size_t c = 0; c < out.size(); ++c) out[c] += w * x[j * out.size() + c];
+        for (std::size_t c = 0; c < out.size(); ++c) out[c] += T(w) * x[j * out.size() + c];
   }
   /// y = y0 + h Σ w_j L_j.
-  void advance(const Numbers& weights, double h, const double* y0) {
+  void advance(const std::vector<double>& weights, double h, const T* y0) {
     sum(weights, h, L_, y);
     for (std::size_t c = 0; c < y.size(); ++c) y[c] += y0[c];
   }
 
-  ConfigurationGroup<double> group_;
+  ConfigurationGroup<T, S> group_;
   const Tableau* method_;
   Numbers K_, L_, q_;
 };
+template <class S> MuntheKaas(const Tree<S>&, const Tableau&) -> MuntheKaas<S, S>;
 
 }  // namespace axode

@@ -113,7 +113,7 @@ template <class T> struct ExponentialCoefficients {
   std::array<T, 3> a, b, c, g;
 
   explicit constexpr ExponentialCoefficients(const T& s) {
-    const bool near = s < T(series::radius);
+    const auto near = s < T(series::radius);
     const T x = select(near, T(1), s);  // keeps the closed forms finite where they are not used
     const T theta = sqrt(x), i = T(1) / (T(2) * x), half_sine = sin(T(0.5) * theta);
     const T a0 = sin(theta) / theta, b0 = T(2) * half_sine * half_sine / x, c0 = (T(1) - a0) / x;
@@ -129,7 +129,8 @@ template <class T> struct ExponentialCoefficients {
   }
 
  private:
-  static constexpr std::array<T, 3> choose(bool near, const series::Table& table, const T& s,
+  template <class Condition>
+  static constexpr std::array<T, 3> choose(const Condition& near, const series::Table& table, const T& s,
                                            const std::array<T, 3>& closed) {
     return {select(near, series::sum(table[0], s), closed[0]),
             select(near, series::sum(table[1], s), closed[1]),

@@ -61,7 +61,7 @@ template <class T> constexpr Vec3<T> log_quaternion(const Quaternion<T>& a) {
   const T sign = select(a.w < T(0), T(-1), T(1)), w = sign * a.w;
   const Vec3<T> v{sign * a.x, sign * a.y, sign * a.z};
   const T ss = dot(v, v), r = norm(a), y = ss / (T(2) * r * (r + w));  // sin² of a quarter of the angle
-  const bool near = y < T(0.0125);
+  const auto near = y < T(0.0125);
   const T n = sqrt(select(near, T(1), ss));
   return (T(2) * select(near, series::sum(series::half_angle_over_sine, y) / r, atan2(n, w) / n)) * v;
 }
