@@ -44,7 +44,7 @@ Description read_urdf_text(std::string_view text, const std::string& file_name,
 void write_drawing(const Model& model, std::ostream& out);
 
 /// Writes the mechanism as a URDF. Throws ModelError that names everything URDF has no words for, such as
-/// helical and spherical joints, armature, or another gravity than (0, 0, -9.81) m/s²; then nothing is
+/// helical and spherical joints, armature, springs, or another gravity than (0, 0, -9.81) m/s²; then nothing is
 /// written.
 void write_urdf(const Model& model, std::ostream& out);
 

@@ -154,25 +154,48 @@ class Table {
     const std::size_t k = *chosen % 3;
     return Vec3<>{k == 0 ? sign : 0, k == 1 ? sign : 0, k == 2 ? sign : 0};
   }
-  /// Rows of three numbers.
-  std::optional<SO3<>> matrix(std::string_view key) {
+  /// N rows of three numbers.
+  template <std::size_t N>
+  std::optional<std::array<Vec3<>, N>> rows(std::string_view key, std::string_view need) {
     const toml::Value* node = take(key);
     if (node == nullptr) return std::nullopt;
-    std::array<double, 9> m{};
-    const auto* rows = node->array();
-    bool good = rows != nullptr && rows->size() == 3;
-    for (std::size_t i = 0; good && i < 3; ++i) {
-      const toml::Array* row = (*rows)[i]->array();
+    std::array<Vec3<>, N> m{};
+    const auto* given = node->array();
+    bool good = given != nullptr && given->size() == N;
+    for (std::size_t i = 0; good && i < N; ++i) {
+      const toml::Array* row = (*given)[i]->array();
       good = row != nullptr && row->size() == 3;
+      std::array<double, 3> x{};
       for (std::size_t j = 0; good && j < 3; ++j) {
-        const double* x = (*row)[j]->number();
-        good = x != nullptr;
-        if (good && !finite(key, *(*row)[j], *x, false)) return std::nullopt;
-        if (good) m[3 * i + j] = *x;
+        const double* number = (*row)[j]->number();
+        good = number != nullptr;
+        if (good && !finite(key, *(*row)[j], *number, false)) return std::nullopt;
+        if (good) x[j] = *number;
       }
+      m[i] = {x[0], x[1], x[2]};
     }
-    if (good) return SO3<>{{m[0], m[3], m[6]}, {m[1], m[4], m[7]}, {m[2], m[5], m[8]}};
-    wrong(key, *node, "it needs three rows of three numbers");
+    if (good) return m;
+    wrong(key, *node, need);
+    return std::nullopt;
+  }
+  std::optional<SO3<>> matrix(std::string_view key) {
+    const auto m = rows<3>(key, "it needs three rows of three numbers");
+    return m ? std::optional(transpose(SO3<>{(*m)[0], (*m)[1], (*m)[2]})) : std::nullopt;
+  }
+  /// Two names.
+  std::optional<std::array<std::string, 2>> pair_of_names(std::string_view key, std::string_view need) {
+    const toml::Value* node = take(key);
+    if (node == nullptr) return std::nullopt;
+    const auto* array = node->array();
+    std::array<std::string, 2> names;
+    bool good = array != nullptr && array->size() == 2;
+    for (std::size_t k = 0; good && k < 2; ++k) {
+      const std::string* name = (*array)[k]->text();
+      good = name != nullptr && printable(*name) && !name->empty();
+      if (good) names[k] = *name;
+    }
+    if (good) return names;
+    wrong(key, *node, need);
     return std::nullopt;
   }
   /// Ixx Iyy Izz, or Ixx Iyy Izz Ixy Ixz Iyz, or the rows of a symmetric matrix.
@@ -312,8 +335,20 @@ Way read_geometry(Table& table, BodyDescription& body) {
   return Way::construction;
 }
 
-constexpr std::array<std::string_view, 6> dof_keys{"limits",  "velocity", "effort",
-                                                   "damping", "friction", "armature"};
+constexpr std::array<std::string_view, 8> dof_keys{"limits",   "velocity", "effort", "damping",
+                                                   "friction", "armature", "spring", "stop"};
+
+/// The table of a spring or of stops: its stiffness, and another key.
+void read_elastic(Table& table, std::string_view what, double& stiffness, std::string_view key,
+                  double& other) {
+  auto inner = table.table(what);
+  if (!inner) return;
+  inner->rename(std::string(what) + " of " + table.element());
+  if (!inner->has("stiffness")) inner->missing("stiffness", "give it in N m/rad or N/m");
+  stiffness = inner->number("stiffness").value_or(0);
+  other = inner->number(key).value_or(0);
+  inner->finish();
+}
 
 Dof read_dof(Table& table) {
   Dof dof;
@@ -324,6 +359,8 @@ Dof read_dof(Table& table) {
   dof.damping = table.number("damping").value_or(0);
   dof.friction = table.number("friction").value_or(0);
   dof.armature = table.number("armature").value_or(0);
+  read_elastic(table, "spring", dof.stiffness, "rest", dof.rest);
+  read_elastic(table, "stop", dof.stop_stiffness, "damping", dof.stop_damping);
   return dof;
 }
 
@@ -527,6 +564,28 @@ FrameDescription read_frame(Table& table, std::size_t number, const std::string&
   return frame;
 }
 
+SpringDescription read_spring(Table& table, std::size_t number, const std::string& file) {
+  SpringDescription spring;
+  table.rename("spring " + std::to_string(number));
+  spring.source = {file, table.line()};
+  const std::string_view need = "it needs the names of two bodies or frames, or \"ground\"";
+  if (!table.has("between")) table.missing("between", need);
+  spring.between =
+      table.pair_of_names("between", need).value_or(std::array<std::string, 2>{"ground", "ground"});
+  const bool in_body = table.choice("in", frame_names) == 1U;
+  if (const auto points = table.rows<2>("points", "it needs two points, [[x, y, z], [x, y, z]]")) {
+    spring.points = *points;
+    if (!in_body) spring.in = GivenIn::construction_frame;
+  }
+  if (!table.has("stiffness") && !table.has("damping"))
+    table.missing("stiffness", "a spring needs it, N/m, and a damper needs damping, N s/m");
+  spring.stiffness = table.number("stiffness").value_or(0);
+  spring.rest = table.number("rest").value_or(0);
+  spring.damping = table.number("damping").value_or(0);
+  table.finish();
+  return spring;
+}
+
 void read_top(Table& top, Reading& result, const std::string& file) {
   Description& description = result.description;
   constexpr std::array<std::string_view, 1> formats{"axode drawing 1"};
@@ -540,6 +599,9 @@ void read_top(Table& top, Reading& result, const std::string& file) {
   number = 0;
   for (Table& frame : top.tables("frame", "write [[frame]] before the keys of each frame"))
     description.frames.push_back(read_frame(frame, ++number, file));
+  number = 0;
+  for (Table& spring : top.tables("spring", "write [[spring]] before the keys of each spring"))
+    description.springs.push_back(read_spring(spring, ++number, file));
   top.finish();
 }
 

@@ -56,6 +56,7 @@ class DrawingWriter {
     line("gravity", text(d.gravity));
     for (const BodyDescription& body : d.bodies) write(body);
     for (const FrameDescription& frame : d.frames) write(frame);
+    for (const SpringDescription& spring : d.springs) write(spring);
   }
 
  private:
@@ -128,6 +129,10 @@ class DrawingWriter {
                                 ", offset = " + text(c.offset) + " }");
     }
   }
+  static std::string pair(double stiffness, const char* key, double other) {
+    return "{ stiffness = " + text(stiffness) +
+           (other == 0 ? "" : ", " + std::string(key) + " = " + text(other)) + " }";
+  }
   static std::vector<std::pair<std::string, std::string>> entries(const Dof& dof) {
     std::vector<std::pair<std::string, std::string>> all;
     if (std::isfinite(dof.lower) || std::isfinite(dof.upper))
@@ -137,6 +142,10 @@ class DrawingWriter {
     if (dof.damping != 0) all.emplace_back("damping", text(dof.damping));
     if (dof.friction != 0) all.emplace_back("friction", text(dof.friction));
     if (dof.armature != 0) all.emplace_back("armature", text(dof.armature));
+    if (dof.stiffness != 0 || dof.rest != 0)
+      all.emplace_back("spring", pair(dof.stiffness, "rest", dof.rest));
+    if (dof.stop_stiffness != 0 || dof.stop_damping != 0)
+      all.emplace_back("stop", pair(dof.stop_stiffness, "damping", dof.stop_damping));
     return all;
   }
 
@@ -157,6 +166,20 @@ class DrawingWriter {
     line("on", text(frame.body));
     if (frame.in == GivenIn::body_frame) line("in", text("body"));
     write(frame.pose);
+  }
+
+  void write(const SpringDescription& spring) {
+    const auto both = [](const auto& x) { return "[" + text(x[0]) + ", " + text(x[1]) + "]"; };
+    const bool in_body = spring.in == GivenIn::body_frame;
+    out_ << "\n[[spring]]\n";
+    line("between", both(spring.between));
+    if (!in_body || !is_zero(spring.points[0]) || !is_zero(spring.points[1])) {
+      line("points", both(spring.points));
+      if (in_body) line("in", text("body"));
+    }
+    if (spring.stiffness != 0 || spring.damping == 0) line("stiffness", text(spring.stiffness));
+    if (spring.rest != 0) line("rest", text(spring.rest));
+    if (spring.damping != 0) line("damping", text(spring.damping));
   }
 
   std::ostream& out_;

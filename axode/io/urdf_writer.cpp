@@ -68,6 +68,10 @@ std::vector<Fault> beyond_urdf(const Description& d) {
         std::find_if(joint.dof.begin(), joint.dof.end(), [](const Dof& dof) { return dof.armature != 0; });
     if (armed != joint.dof.end())
       error(element, "has an armature of " + text(armed->armature) + "; URDF has no word for it", source);
+    if (std::ranges::any_of(joint.dof, [](const Dof& dof) { return dof.stiffness != 0; }))
+      error(element, "has a spring; URDF has no word for it", source);
+    if (std::ranges::any_of(joint.dof, [](const Dof& dof) { return dof.stop_stiffness != 0; }))
+      error(element, "has elastic stops; URDF has no word for them", source);
     const bool own_limits =
         joint.dof.size() > 1 && std::any_of(joint.dof.begin(), joint.dof.end(), [&](const Dof& dof) {
           const Dof& first = joint.dof[0];
@@ -79,6 +83,11 @@ std::vector<Fault> beyond_urdf(const Description& d) {
             "has several degrees of freedom with limits of their own; URDF gives a joint one <limit>",
             source);
   }
+  for (std::size_t k = 0; k < d.springs.size(); ++k)
+    error("spring " + std::to_string(k + 1),
+          "is between \"" + d.springs[k].between[0] + "\" and \"" + d.springs[k].between[1] +
+              "\"; URDF has no word for springs",
+          d.springs[k].source);
   return faults;
 }
 

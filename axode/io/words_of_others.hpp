@@ -37,6 +37,7 @@ inline constexpr auto words_of_others = std::to_array<OtherWord>({
     {"lower", "limits"}, {"upper", "limits"}, {"max_velocity", "velocity"},
     {"velocity_limit", "velocity"}, {"speed", "velocity"}, {"max_effort", "effort"}, {"effort_limit", "effort"},
     {"torque", "effort"}, {"force", "effort"}, {"frictionloss", "friction"}, {"rotor_inertia", "armature"},
+    {"stiffness", "spring"}, {"spring_stiffness", "spring"}, {"springref", "rest"}, {"spring_reference", "rest"},
     {"mimic", "follows"}, {"leader", "joint"}, {"multiplier", "ratio"},
     // of a joint, said of its body
     {"type", "joint.kind"}, {"kind", "joint.kind"}, {"axis", "joint.axis"}, {"point", "joint.point"},

@@ -27,6 +27,10 @@ ModelBuilder& ModelBuilder::add(FrameDescription frame) {
   description_.frames.push_back(std::move(frame));
   return *this;
 }
+ModelBuilder& ModelBuilder::add(SpringDescription spring) {
+  description_.springs.push_back(std::move(spring));
+  return *this;
+}
 ModelBuilder& ModelBuilder::gravity(const Vec3<>& g) {
   description_.gravity = g;
   return *this;
@@ -58,7 +62,7 @@ Model ModelBuilder::build(Strictness strictness) const {
   Tree<float> tree_float = cast<float>(out.tree);
   auto data = std::make_shared<const Model::Data>(
       Model::Data{description_, std::move(out.bodies), std::move(out.joints), std::move(out.frames),
-                  std::move(faults), std::move(out.tree), std::move(tree_float)});
+                  std::move(out.springs), std::move(faults), std::move(out.tree), std::move(tree_float)});
   return Model(std::move(data));
 }
 

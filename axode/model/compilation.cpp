@@ -47,10 +47,16 @@ class Compiler {
     for (auto& [frame, offset] : extra_) add_frame(std::move(frame), offset);
     const auto topology = std::make_shared<const Topology>(std::move(connections_));
     number_joints(*topology);
+    Springs springs = springs_between_frames();
+    for (int i = 1; i <= topology->n; ++i)
+      if (std::ranges::any_of(joints_[i].dof,
+                              [](const Dof& dof) { return dof.stiffness > 0 || dof.stop_stiffness > 0; }))
+        springs.joints.push_back(i);
     for (int i = 0; i <= topology->n; ++i) bodies_[i].M = transform(inverse(offset_[i]), numbers_.M[i]);
     Compilation out{std::move(bodies_),
                     std::move(joints_),
                     std::move(frames_),
+                    std::move(springs),
                     Tree<double>(topology, std::move(numbers_)),
                     {}};
     warn_of_massless_subtrees(out);
@@ -150,6 +156,24 @@ class Compiler {
     frames_.push_back(std::move(frame));
   }
 
+  /// Their ends, each in its frame.
+  Springs springs_between_frames() const {
+    std::unordered_map<std::string_view, int> frame;
+    for (std::size_t f = 0; f < frames_.size(); ++f) frame.emplace(frames_[f].name, static_cast<int>(f));
+    Springs springs;
+    for (const SpringDescription& from : description_.springs) {
+      Springs::Line line{.ends = {}, .stiffness = from.stiffness, .rest = from.rest, .damping = from.damping};
+      for (std::size_t k = 0; k < 2; ++k) {
+        const int f = frame.at(from.between[k]);
+        const SE3<> drawn = relative(internal_[frames_[f].body], {{}, from.points[k]});
+        line.ends[k] = {
+            f, from.in == GivenIn::body_frame ? from.points[k] : relative(numbers_.frame_offset[f], drawn).r};
+      }
+      springs.lines.push_back(line);
+    }
+    return springs;
+  }
+
   /// Resolves q_i = ratio q_leader + offset through chains of couplings.
   void couple() {
     std::unordered_map<std::string_view, int> index;
@@ -244,6 +268,11 @@ class Compiler {
           finite(out.bodies[out.frames[f].body].A))
         note(out, out.frames[f].body, Severity::error, Rule::non_finite_number,
              "frame \"" + out.frames[f].name + '"', "its numbers are so large that its pose overflows");
+    for (std::size_t k = 0; k < out.springs.lines.size(); ++k)
+      for (const Springs::Line::End& end : out.springs.lines[k].ends)
+        if (!finite(end.point) && finite(tree.frame_offset[end.frame]))
+          note(out, 0, Severity::error, Rule::non_finite_number, "spring " + std::to_string(k + 1),
+               "its numbers are so large that a point overflows");
   }
 
   const Description& description_;

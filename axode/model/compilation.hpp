@@ -10,6 +10,7 @@ struct Compilation {
   std::vector<Body> bodies;
   std::vector<Joint> joints;
   std::vector<Frame> frames;
+  Springs springs;
   Tree<double> tree;
   std::vector<Fault> faults;
 };

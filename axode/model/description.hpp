@@ -1,4 +1,5 @@
 #pragma once
+#include <array>
 #include <limits>
 #include <optional>
 #include <string>
@@ -32,9 +33,13 @@ struct Dof {
   double upper = std::numeric_limits<double>::infinity();
   double velocity = std::numeric_limits<double>::infinity();  ///< largest speed
   double effort = std::numeric_limits<double>::infinity();    ///< largest drive force
-  double damping = 0;   ///< N m s/rad or N s/m; a force law, see Loads::joint_losses
-  double friction = 0;  ///< Coulomb friction, N m or N; a force law, see Loads::joint_losses
-  double armature = 0;  ///< kg m² or kg: inertia of the drive, felt at the joint; part of the dynamics
+  double damping = 0;         ///< N m s/rad or N s/m; a force law, see Loads::joint_losses
+  double friction = 0;        ///< Coulomb friction, N m or N; a force law, see Loads::joint_losses
+  double armature = 0;        ///< kg m² or kg: inertia of the drive, felt at the joint; part of the dynamics
+  double stiffness = 0;       ///< of a spring, N m/rad or N/m; acts in simulations, see spring_forces()
+  double rest = 0;            ///< where the spring has no force, rad or m; 0 in joints of several velocities
+  double stop_stiffness = 0;  ///< of stops at the limits, N m/rad or N/m; of joints of one velocity
+  double stop_damping = 0;    ///< Hunt and Crossley's, s/rad or s/m
 };
 
 /// q = ratio q_leader + offset; a coupled joint has no coordinate of its own.
@@ -114,11 +119,23 @@ struct FrameDescription {
   Source source = {};
 };
 
+/// A spring and a damper along the line between points of two frames; act in simulations, see spring_forces().
+struct SpringDescription {
+  std::array<std::string, 2> between = {};  ///< bodies, named frames or "ground"
+  std::array<Vec3<>, 2> points = {};        ///< m
+  GivenIn in = GivenIn::body_frame;         ///< the points: each in its frame, or as drawn
+  double stiffness = 0;                     ///< N/m
+  double rest = 0;                          ///< length without a force, m
+  double damping = 0;                       ///< N s/m
+  Source source = {};
+};
+
 struct Description {
   std::string name = "mechanism";
   Vec3<> gravity{0, 0, -9.81};  ///< m/s²
   std::vector<BodyDescription> bodies;
   std::vector<FrameDescription> frames;
+  std::vector<SpringDescription> springs = {};
   Source source = {};
   std::vector<Fault> warnings = {};  ///< what a reader found doubtful
 };

@@ -107,6 +107,14 @@ Model append(const Model& model, std::string_view frame, const Model& other, std
     mark.body = mark.body == "ground" ? carrier : renamed(mark.body);
     description.frames.push_back(std::move(mark));
   }
+  for (SpringDescription& spring : mounted.springs) {
+    for (std::size_t k = 0; k < 2; ++k) {
+      const bool on_ground = spring.between[k] == "ground";
+      if (on_ground) spring.points[k] = at.pose * spring.points[k];
+      spring.between[k] = on_ground ? carrier : renamed(spring.between[k]);
+    }
+    description.springs.push_back(std::move(spring));
+  }
   description.warnings.insert(description.warnings.end(), mounted.warnings.begin(), mounted.warnings.end());
   return built(std::move(description));
 }

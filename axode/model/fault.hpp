@@ -37,6 +37,7 @@ enum class Rule {
   coupling_loop,
   coupling_kind,
   unknown_frame_body,
+  unknown_spring_frame,
   no_base,
   unreadable_file,
   syntax,

@@ -47,6 +47,8 @@ class Inspection {
             frame.source);
       rotation(element, "pose", frame.pose, frame.source);
     }
+    for (std::size_t k = 0; k < description_.springs.size(); ++k)
+      spring("spring " + std::to_string(k + 1), description_.springs[k]);
     couplings();
     return std::move(faults_);
   }
@@ -73,6 +75,13 @@ class Inspection {
     std::vector<std::string_view> names{"ground"};
     for (const BodyDescription& body : description_.bodies)
       if (body.name != asked_by) names.push_back(body.name);
+    return nearest(name, names, [](std::string_view n) { return n; });
+  }
+  std::string nearest_frame(std::string_view name) {
+    if (suggestions_ >= most_suggestions) return "";
+    std::vector<std::string_view> names{"ground"};
+    names.insert(names.end(), taken_.begin(), taken_.end());
+    std::ranges::sort(names);
     return nearest(name, names, [](std::string_view n) { return n; });
   }
 
@@ -188,6 +197,9 @@ class Inspection {
       need(!std::isnan(dof.velocity) && !std::isnan(dof.effort), joint, "a limit");
       need(finite(dof.damping) && finite(dof.friction) && finite(dof.armature), joint,
            "damping, friction or armature");
+      need(
+          finite(dof.stiffness) && finite(dof.rest) && finite(dof.stop_stiffness) && finite(dof.stop_damping),
+          joint, "a spring or stop");
     }
     if (body.joint.coupling)
       need(finite(body.joint.coupling->ratio) && finite(body.joint.coupling->offset), joint, "the coupling");
@@ -251,17 +263,61 @@ class Inspection {
         error(Rule::limits_crossed, element,
               "limits " + to_text(dof.lower) + " and " + to_text(dof.upper) + " leave no place to be",
               joint_source(body));
-      const std::array<std::pair<const char*, double>, 5> not_negative{{{"velocity limit", dof.velocity},
-                                                                        {"effort limit", dof.effort},
-                                                                        {"damping", dof.damping},
-                                                                        {"friction", dof.friction},
-                                                                        {"armature", dof.armature}}};
+      const std::array<std::pair<const char*, double>, 8> not_negative{
+          {{"velocity limit", dof.velocity},
+           {"effort limit", dof.effort},
+           {"damping", dof.damping},
+           {"friction", dof.friction},
+           {"armature", dof.armature},
+           {"stiffness of the spring", dof.stiffness},
+           {"stiffness of the stops", dof.stop_stiffness},
+           {"damping of the stops", dof.stop_damping}}};
       for (const auto& [what, value] : not_negative)
         if (value < 0)
           error(Rule::negative_value, element,
                 std::string(what) + " is " + to_text(value) + "; it must not be negative",
                 joint_source(body));
+      springs(joint, dof, element, joint_source(body));
     }
+  }
+
+  /// What a spring and stops ask of their joint.
+  void springs(const JointDescription& joint, const Dof& dof, const std::string& element,
+               const Source& source) {
+    const bool stops = dof.stop_stiffness != 0 || dof.stop_damping != 0;
+    const int velocities =
+        with_subgroup(traits(joint.kind).subgroup, 0.0, [](const auto& s) { return s.nv; });
+    const std::string a_kind =
+        "a " + std::string(to_string(joint.kind)) + " joint has several velocities that move together";
+    if (velocities > 1 && dof.rest != 0)
+      error(Rule::wrong_value, element,
+            "a spring is at rest at " + to_text(dof.rest) + "; " + a_kind +
+                ", and its spring rests as drawn, at 0",
+            source);
+    if (velocities > 1 && stops) {
+      error(Rule::wrong_value, element, "has stops; " + a_kind + " and has no limits to stop at", source);
+    } else if (stops && !std::isfinite(dof.lower) && !std::isfinite(dof.upper)) {
+      error(Rule::wrong_value, element, "has stops but no limits; they act beyond the limits", source);
+    }
+  }
+
+  void spring(const std::string& element, const SpringDescription& spring) {
+    for (const std::string& name : spring.between) {
+      if (name != "ground" && !taken_.contains(name))
+        error(Rule::unknown_spring_frame, element,
+              "ends on " + quoted(name) + ", which is neither a body nor a frame" + nearest_frame(name),
+              spring.source);
+    }
+    if (!finite(spring.points[0]) || !finite(spring.points[1]) || !finite(spring.stiffness) ||
+        !finite(spring.rest) || !finite(spring.damping))
+      error(Rule::non_finite_number, element, "a point, stiffness, rest or damping is not finite",
+            spring.source);
+    const std::array<std::pair<const char*, double>, 3> not_negative{
+        {{"stiffness", spring.stiffness}, {"rest", spring.rest}, {"damping", spring.damping}}};
+    for (const auto& [what, value] : not_negative)
+      if (value < 0)
+        error(Rule::negative_value, element,
+              std::string(what) + " is " + to_text(value) + "; it must not be negative", spring.source);
   }
 
   void inertia(const BodyDescription& body) {

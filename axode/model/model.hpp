@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "axode/model/joint_kinds.hpp"
+#include "axode/model/springs.hpp"
 #include "axode/model/tree.hpp"
 
 namespace axode {
@@ -76,6 +77,9 @@ class Model {
   }  ///< of bodies 1, 2, ...
   std::span<const Frame> frames() const { return data_->frames; }
 
+  /// Springs, dampers and stops, which act in simulations.
+  const Springs& springs() const { return data_->springs; }
+
   /// Indices by name. Throws std::invalid_argument that names what was asked for and the nearest name there
   /// is.
   int body_index(std::string_view name) const;
@@ -100,6 +104,7 @@ class Model {
     std::vector<Body> bodies;
     std::vector<Joint> joints;
     std::vector<Frame> frames;
+    Springs springs;
     std::vector<Fault> warnings;
     Tree<double> tree;
     Tree<float> tree_float;

@@ -198,6 +198,14 @@ Description in_joint_frames(const Description& given) {
     if (frame.in == GivenIn::construction_frame && frame.body != "ground")
       frame.pose = relative(A.at(frame.body), frame.pose);
     frame.in = GivenIn::body_frame;
+    A.emplace(frame.name, (frame.body == "ground" ? SE3<>{} : A.at(frame.body)) * frame.pose);
+  }
+  A.emplace("ground", SE3<>{});
+  for (SpringDescription& spring : description.springs) {
+    if (spring.in == GivenIn::construction_frame)
+      for (std::size_t k = 0; k < 2; ++k)
+        spring.points[k] = relative(A.at(spring.between[k]), {{}, spring.points[k]}).r;
+    spring.in = GivenIn::body_frame;
   }
   return description;
 }

@@ -17,7 +17,8 @@ auto fields(Like<SE3<>> auto& C) { return std::tie(C.R, C.r); }
 auto fields(Like<Source> auto& s) { return std::tie(s.file, s.line); }
 auto fields(Like<Fault> auto& f) { return std::tie(f.severity, f.rule, f.element, f.message, f.source); }
 auto fields(Like<Dof> auto& d) {
-  return std::tie(d.lower, d.upper, d.velocity, d.effort, d.damping, d.friction, d.armature);
+  return std::tie(d.lower, d.upper, d.velocity, d.effort, d.damping, d.friction, d.armature, d.stiffness,
+                  d.rest, d.stop_stiffness, d.stop_damping);
 }
 auto fields(Like<Coupling> auto& c) { return std::tie(c.leader, c.ratio, c.offset); }
 auto fields(Like<JointDescription> auto& j) {
@@ -32,8 +33,11 @@ auto fields(Like<BodyDescription> auto& b) {
   return std::tie(b.name, b.predecessor, b.joint, b.geometry, b.inertia, b.meshes, b.source);
 }
 auto fields(Like<FrameDescription> auto& f) { return std::tie(f.name, f.body, f.pose, f.in, f.source); }
+auto fields(Like<SpringDescription> auto& s) {
+  return std::tie(s.between, s.points, s.in, s.stiffness, s.rest, s.damping, s.source);
+}
 auto fields(Like<Description> auto& d) {
-  return std::tie(d.name, d.gravity, d.bodies, d.frames, d.source, d.warnings);
+  return std::tie(d.name, d.gravity, d.bodies, d.frames, d.springs, d.source, d.warnings);
 }
 
 template <class T> struct Packing {
@@ -82,6 +86,14 @@ template <class E> struct Packing<std::vector<E>> {
   }
   static void unpack(nb::handle from, std::vector<E>& all) {
     for (const nb::handle each : from) Packing<E>::unpack(each, all.emplace_back());
+  }
+};
+template <class E> struct Packing<std::array<E, 2>> {
+  static nb::object pack(const std::array<E, 2>& x) {
+    return nb::make_tuple(Packing<E>::pack(x[0]), Packing<E>::pack(x[1]));
+  }
+  static void unpack(nb::handle from, std::array<E, 2>& x) {
+    Packing<E>::unpack(from[0], x[0]), Packing<E>::unpack(from[1], x[1]);
   }
 };
 template <class E> struct Packing<std::optional<E>> {

@@ -119,6 +119,66 @@ TEST(Drawing, InertiaMayBeGivenInAnyAxesAndAboutComOrOrigin) {
             1e-15);
 }
 
+const std::string two_bodies = R"(
+    [[body]]
+    name = "upper"
+    joint = { name = "turn", kind = "revolute", axis = "z", point = [1, 0, 0], limits = [-1, 2] )";
+const std::string behind = R"( }
+    [[body]]
+    name = "fore"
+    on = "upper"
+    joint = { kind = "spherical", point = [2, 0, 0], dof = [{}, { spring = { stiffness = 4 } }, {}] }
+    B = { position = [2, 0, 0] }
+    [[frame]]
+    name = "tip"
+    on = "fore"
+    position = [3, 0, 0]
+  )";
+
+TEST(Drawing, SpringsAndStopsActOnJointsAndBetweenFrames) {
+  const Model model = model_of(
+      two_bodies + R"(, spring = { stiffness = 10, rest = 0.5 }, stop = { stiffness = 1e4, damping = 0.3 })" +
+      behind + R"(
+    [[spring]]
+    between = ["tip", "ground"]
+    points = [[3, 0.5, 0], [0, 7, 0]]
+    stiffness = 20
+    rest = 0.1
+    damping = 2
+    [[spring]]
+    between = ["fore", "upper"]
+    points = [[0.5, 0, 0], [0.25, 0, 0]]
+    in = "body"
+    damping = 3
+    [[spring]]
+    between = ["upper", "tip"]
+    stiffness = 1)");
+  const Dof& turn = model.joint(1).dof[0];
+  EXPECT_EQ(turn.stiffness, 10);
+  EXPECT_EQ(turn.rest, 0.5);
+  EXPECT_EQ(turn.stop_stiffness, 1e4);
+  EXPECT_EQ(turn.stop_damping, 0.3);
+  EXPECT_EQ(model.joint(2).dof[1].stiffness, 4);
+  EXPECT_EQ(model.springs().joints, (std::vector<int>{1, 2}));
+  const auto& lines = model.springs().lines;
+  ASSERT_EQ(lines.size(), 3U);
+  EXPECT_EQ(model.frame(lines[0].ends[0].frame).name, "tip");
+  EXPECT_LT(norm(lines[0].ends[0].point - Vec3<>{0, 0.5, 0}), 1e-15);
+  EXPECT_LT(norm(lines[0].ends[1].point - Vec3<>{0, 7, 0}), 1e-15);
+  EXPECT_EQ(lines[0].stiffness, 20);
+  EXPECT_EQ(lines[0].rest, 0.1);
+  EXPECT_EQ(lines[0].damping, 2);
+  EXPECT_EQ(norm(lines[1].ends[0].point - Vec3<>{0.5, 0, 0}), 0);
+  EXPECT_EQ(lines[1].stiffness, 0);
+  EXPECT_EQ(norm(lines[2].ends[1].point), 0);
+
+  Workspace<> workspace(model);
+  const std::vector<double> q{0, 0, 0, 0, 1};
+  const double first = std::hypot(3, 6.5) - 0.1, third = 3;
+  EXPECT_NEAR(elastic_energy(model, workspace, q), 0.5 * (10 * 0.25 + 20 * first * first + third * third),
+              1e-12);
+}
+
 /// A crane far from the origin, its bodies' frames where `frames` says.
 Model crane(const std::string& column_frame, const std::string& jib_frame) {
   return model_of("[[body]]\nname = \"column\"\n" + column_frame + R"(
@@ -215,7 +275,7 @@ TEST(Drawing, EveryKeyIsUnderstood) {
 
   const Joint& turn = model.joint(model.joint_index("turn"));
   ASSERT_EQ(turn.dof.size(), 1U);
-  const Dof expected{-1, 2, 3, 4, 0.5, 0.6, 0.7};
+  const Dof expected{-1, 2, 3, 4, 0.5, 0.6, 0.7, 8, 0.1, 1e4, 0.2};
   EXPECT_TRUE(test::same(turn.dof[0], expected));
 
   const Joint& follower = model.joint(model.joint_index("follower"));
@@ -227,9 +287,13 @@ TEST(Drawing, EveryKeyIsUnderstood) {
   const Joint& stage = model.joint(model.joint_index("stage"));
   ASSERT_EQ(stage.dof.size(), 3U);
   EXPECT_EQ(stage.dof[0].velocity, 1);
+  EXPECT_EQ(stage.dof[0].stiffness, 2);
   EXPECT_EQ(stage.dof[1].lower, -0.1);
   EXPECT_EQ(stage.dof[2].lower, -std::numeric_limits<double>::infinity());
   EXPECT_EQ(stage.dof[2].upper, 0.2);
+
+  EXPECT_EQ(model.springs().joints.size(), 2U);
+  EXPECT_EQ(model.springs().lines.size(), 3U);
 
   EXPECT_EQ(model.joint(model.joint_index("screw")).kind, Subgroup::helical);
   EXPECT_EQ(model.joint(model.joint_index("slide")).kind, Subgroup::prismatic);

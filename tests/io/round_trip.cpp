@@ -58,12 +58,17 @@ Description random_description(std::uint64_t seed) {
                             .damping = random.number(0, 1),
                             .friction = random.number(0, 1),
                             .armature = random.number(0, 1)}};
+      if (random.number(0, 1) < 0.5)
+        body.joint.dof[0].stiffness = random.number(0, 9), body.joint.dof[0].rest = random.number(-1, 1);
+      if (random.number(0, 1) < 0.5)
+        body.joint.dof[0].stop_stiffness = 1e4, body.joint.dof[0].stop_damping = random.number(0, 1);
       if (!leader.empty() && random.number(0, 1) < 0.4)
         body.joint.coupling = Coupling{leader, random.number(-2, 2), random.number(-1, 1)};
       leader = body.joint.name;
     }
     if (kind == JointKind::planar || kind == JointKind::spherical)
-      body.joint.dof = {Dof{.velocity = 1}, Dof{.lower = -1}, Dof{.upper = 2, .damping = 0.1}};
+      body.joint.dof = {Dof{.velocity = 1}, Dof{.lower = -1},
+                        Dof{.upper = 2, .damping = 0.1, .stiffness = 0.3}};
     if (random.number(0, 1) < 0.2) body.inertia.reset();
     if (body.inertia && random.number(0, 1) < 0.3) {
       body.inertia->axes = random.rotation();
@@ -86,6 +91,14 @@ Description random_description(std::uint64_t seed) {
          .pose = random.pose(),
          .in = random.number(0, 1) < 0.5 ? GivenIn::body_frame : GivenIn::construction_frame});
   }
+  for (int k = 0; k < 3; ++k)
+    tree.springs.push_back(
+        {.between = {tree.bodies[static_cast<std::size_t>(random.number(0, n))].name, test::numbered('f', k)},
+         .points = {k == 0 ? Vec3<>{} : random.vector(), k == 0 ? Vec3<>{} : random.vector()},
+         .in = k < 2 ? GivenIn::body_frame : GivenIn::construction_frame,
+         .stiffness = k == 1 ? 0 : random.number(0, 100),
+         .rest = random.number(0, 1),
+         .damping = random.number(0, 1)});
   return tree;
 }
 
@@ -174,7 +187,9 @@ TEST(Writers, UrdfNamesEverythingItCannotSayAndWritesNothing) {
   } catch (const ModelError& error) {
     for (const char* part :
          {"gravity: is (0 0 -1.62)", "joint \"screw\": is helical", "joint \"ball\": is spherical",
-          "joint \"turn\": has an armature of 0.7", "joint \"stage\": has several degrees"})
+          "joint \"turn\": has an armature of 0.7", "joint \"turn\": has a spring",
+          "joint \"turn\": has elastic stops", "spring 3: is between \"ghost\" and \"knob\"",
+          "joint \"stage\": has several degrees"})
       EXPECT_THAT(error.what(), HasSubstr(part));
     EXPECT_THAT(error.what(), Not(HasSubstr("cardan")));
   }

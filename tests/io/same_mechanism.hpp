@@ -29,7 +29,9 @@ inline double disparity(const Inertia<>& a, const Inertia<>& b) {
 
 inline bool same(const Dof& a, const Dof& b) {
   return a.lower == b.lower && a.upper == b.upper && a.velocity == b.velocity && a.effort == b.effort &&
-         a.damping == b.damping && a.friction == b.friction && a.armature == b.armature;
+         a.damping == b.damping && a.friction == b.friction && a.armature == b.armature &&
+         a.stiffness == b.stiffness && a.rest == b.rest && a.stop_stiffness == b.stop_stiffness &&
+         a.stop_damping == b.stop_damping;
 }
 
 /// Pose of every frame in the inertial frame at q = 0.
@@ -73,6 +75,18 @@ inline double disparity(const Model& a, const Model& b, Compare compare = Compar
       return infinity;
     note(std::abs(j.pitch - k.pitch));
     for (std::size_t c = 0; c < x.X.size(); ++c) note(disparity(Ad(x.A, x.X[c]), Ad(y.A, y.X[c])));
+  }
+  const auto &one = a.springs().lines, &other = b.springs().lines;
+  if (one.size() != other.size()) return infinity;
+  for (std::size_t k = 0; k < one.size(); ++k) {
+    if (one[k].stiffness != other[k].stiffness || one[k].rest != other[k].rest ||
+        one[k].damping != other[k].damping)
+      return infinity;
+    for (std::size_t e = 0; e < 2; ++e) {
+      const auto &end = one[k].ends[e], &its = other[k].ends[e];
+      if (a.frame(end.frame).name != b.frame(its.frame).name) return infinity;
+      note(disparity(end.point, its.point));
+    }
   }
   const auto mine = frames_at_zero(a), theirs = frames_at_zero(b);
   if (all && mine.size() != theirs.size()) return infinity;
