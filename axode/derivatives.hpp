@@ -10,6 +10,7 @@
 #include "axode/derivatives/products.hpp"
 #include "axode/derivatives/rates.hpp"
 #include "axode/derivatives/second_derivatives.hpp"
+#include "axode/derivatives/spring_derivatives.hpp"
 #include "axode/derivatives/term_derivatives.hpp"
 
 /// Derivatives of dynamics: in state, time, geometry and inertia (section 6).

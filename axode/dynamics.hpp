@@ -12,6 +12,7 @@
 #include "axode/dynamics/momentum_form.hpp"
 #include "axode/dynamics/operational_space.hpp"
 #include "axode/dynamics/regressor.hpp"
+#include "axode/dynamics/springs.hpp"
 #include "axode/dynamics/terms.hpp"
 #include "axode/dynamics/twist_form.hpp"
 #include "axode/kinematics.hpp"

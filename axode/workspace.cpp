@@ -25,7 +25,7 @@ template <class T> std::size_t of_all(const Topology& t) {
                  MomentumForm<T>, ForcesAlone<Fast, T>, FastForwardDynamics<T>, FastInverse<T>,
                  FastCompositeBodies<T>, ForwardFirstOrder<T>, ForwardJvp<T>, ForwardVjp<T>,
                  HessiansOfAccelerations<T>, SecondOrderTensors<T>, ForwardGeometryDerivatives<T>,
-                 CarryingScrews<T>, TermDerivatives<T>, MomentumFirstOrder<T>,
+                 CarryingScrews<T>, SpringColumns<T>, TermDerivatives<T>, MomentumFirstOrder<T>,
                  SecondOrderRecursion<BodyFixed, T>, SecondOrderRecursion<Hybrid, T>, EnergyGradient<T>>(t)});
 }
 

@@ -36,6 +36,7 @@ set(AXODE_PER_SCALAR
     derivatives/linearization
     derivatives/momentum_form_derivatives
     derivatives/rates
+    derivatives/spring_derivatives
     derivatives/term_derivatives
     dynamics/coriolis
     dynamics/definite_inverse
@@ -43,7 +44,8 @@ set(AXODE_PER_SCALAR
     dynamics/mass_matrix_partials
     dynamics/momentum
     dynamics/momentum_form
-    dynamics/regressor)
+    dynamics/regressor
+    dynamics/springs)
 set(AXODE_PER_REPRESENTATION
     kinematics/jacobian
     kinematics/jacobian_partials

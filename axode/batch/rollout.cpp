@@ -10,6 +10,7 @@
 #include "axode/batch/kernels.hpp"
 #include "axode/batch/portions.hpp"
 #include "axode/dynamics/forward_dynamics.hpp"
+#include "axode/dynamics/springs.hpp"
 #include "axode/integration/munthe_kaas.hpp"
 
 namespace axode::batch {
@@ -32,14 +33,19 @@ template <class S> class OneMotion {
         workspace_(model),
         scheme_(model.tree<S>(), method),
         group_(model.tree<S>()),
-        a_(static_cast<std::size_t>(model.nv())) {}
+        a_(static_cast<std::size_t>(model.nv())),
+        total_(a_) {}
 
   Solvability run(std::span<const S> q, std::span<const S> v, std::span<const S> tau, double step,
                   std::span<S> q_1, std::span<S> v_1) {
     Solvability found;
     const auto accelerate = [&](double, std::span<const S> q_t, std::span<const S> v_t, std::span<S> a_t) {
       found = {.not_finite = true};
-      if (all_finite(q_t)) found = axode::forward_dynamics(*model_, workspace_, q_t, v_t, tau, a_t);
+      if (!all_finite(q_t)) return false;
+      std::ranges::fill(total_, S(0));
+      if (!model_->springs().empty()) spring_forces(*model_, workspace_, q_t, v_t, total_);
+      for (std::size_t c = 0; c < total_.size(); ++c) total_[c] += tau[c];
+      found = axode::forward_dynamics(*model_, workspace_, q_t, v_t, total_, a_t);
       return found.ok();
     };
     if (!accelerate(0, q, v, a_) || !scheme_.run(0, q.data(), v.data(), a_.data(), step, accelerate))
@@ -54,10 +60,10 @@ template <class S> class OneMotion {
   Workspace<S> workspace_;
   MuntheKaas<S> scheme_;
   ConfigurationGroup<S> group_;
-  std::vector<S> a_;
+  std::vector<S> a_, total_;
 };
 
-/// The quick way, for several motions of models without coupled joints.
+/// The quick way, for several motions of models without coupled joints and springs.
 template <class S> class InLanes {
  public:
   InLanes(const Tree<S>& tree, const Tableau& method)
@@ -99,7 +105,7 @@ Outcome rollout(const Model& model, std::span<const S> q, Numbers<S> v, Numbers<
         std::ranges::copy(v.subspan(n * nv, nv), v_at(n, 0).begin());
 
   const Tree<S>& tree = model.tree<S>();
-  const bool in_lanes = N > 1 && tree->coupled_bodies.empty();
+  const bool in_lanes = N > 1 && tree->coupled_bodies.empty() && model.springs().empty();
   const std::size_t group = in_lanes ? static_cast<std::size_t>(best_kernels<S>().lanes) : 1;
   std::vector<Solvability> found(N);
   Outcome outcome{.done = N};

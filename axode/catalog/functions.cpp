@@ -143,6 +143,11 @@ std::vector<Function<T>> make() {
        call([](auto& m, auto& w, auto& g, auto out) { out[0] = kinetic_energy(m, w, g.q, g.v); })},
       {"potential_energy", "of gravity, 0 at the inertial origin", "J", {q}, Choice::none, number, {}, rows, {"U"},
        Cost::linear, scratch, call([](auto& m, auto& w, auto& g, auto out) { out[0] = potential_energy(m, w, g.q); })},
+      {"spring_forces", "generalised forces of springs, dampers and stops, which act in simulations", forces, {q, v},
+       Choice::none, number, {nv}, rows, {"tau"}, Cost::linear, scratch,
+       call([](auto& m, auto& w, auto& g, auto out) { spring_forces(m, w, g.q, g.v, out); })},
+      {"elastic_energy", "of springs and stops", "J", {q}, Choice::none, number, {}, rows, {"U"}, Cost::linear, scratch,
+       call([](auto& m, auto& w, auto& g, auto out) { out[0] = elastic_energy(m, w, g.q); })},
       {"load_powers", "that every load puts into the system", "W", {q, v, loads}, Choice::none, number, {n_loads}, rows,
        {"power"}, Cost::linear, scratch,
        call([](auto& m, auto& w, auto& g, auto out) { load_powers(m, w, g.q, g.v, g.loads, out); })},
@@ -221,6 +226,11 @@ std::vector<Function<T>> make() {
        {q, v, loads}, Choice::none, number, {nv, nv}, rows, {"dQ/dq", "dQ/dv"}, Cost::quadratic, scratch,
        call([](auto& m, auto& w, auto& g, auto out) {
          generalized_load_derivatives(m, w, g.q, g.v, g.loads, {part(out, 0, 2), part(out, 1, 2)});
+       })},
+      {"spring_force_derivatives", "partial derivatives of spring_forces", "of tau per unit of the direction", {q, v},
+       Choice::none, number, {nv, nv}, rows, {"dtau/dq", "dtau/dv"}, Cost::quadratic, scratch,
+       call([](auto& m, auto& w, auto& g, auto out) {
+         spring_force_derivatives(m, w, g.q, g.v, {part(out, 0, 2), part(out, 1, 2)});
        })},
       {"kinetic_energy_gradient", "by configuration and velocities", "J per unit of the direction", {q, v}, Choice::none,
        number, {nv}, rows, {"dT/dq", "dT/dv"}, Cost::linear, scratch,

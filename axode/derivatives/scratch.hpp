@@ -98,6 +98,18 @@ template <class T> struct CarryingScrews {
   }
 };
 
+/// The columns of both ends of a spring, on their paths to where these meet.
+template <class T> struct SpringColumns {
+  struct Column {
+    int end, body, c;  ///< which end; body and velocity
+    Screw<T> X;
+  };
+  Column* column;
+  int count = 0;
+
+  explicit SpringColumns(Arena& arena) : column(arena.per_screw<Column>()) {}
+};
+
 /// A Hessian for each component.
 template <class T> struct HessiansOfAccelerations {
   ForwardSecondOrder<T> one;

@@ -5,10 +5,12 @@
 #include <stdexcept>
 #include <string>
 
+#include "axode/derivatives/spring_derivatives.hpp"
 #include "axode/dynamics/check_loads.hpp"
 #include "axode/dynamics/forward_dynamics.hpp"
 #include "axode/dynamics/inverse_dynamics.hpp"
 #include "axode/dynamics/momentum.hpp"
+#include "axode/dynamics/springs.hpp"
 #include "axode/integration/conserving.hpp"
 #include "axode/integration/generalized_alpha.hpp"
 #include "axode/integration/munthe_kaas.hpp"
@@ -40,6 +42,7 @@ class Run {
         options_(options),
         workspace_(model),
         tau_(v_0.size()),
+        total_(v_0.size()),
         until_(until) {
     check_configuration(model, q);
     check_size("v", v.size(), static_cast<std::size_t>(model.nv()), "nv");
@@ -55,7 +58,8 @@ class Run {
   /// Accelerations under what acts; false, with the reason kept, where there are none.
   bool accelerate(double t, Span q_t, Span v_t, std::span<double> a_t) {
     if (!begin_evaluation(t, q_t, v_t)) return false;
-    const Solvability found = forward_dynamics(model_, workspace_, q_t, v_t, tau_, a_t, loads());
+    const Solvability found =
+        forward_dynamics(model_, workspace_, q_t, v_t, with_springs(q_t, v_t), a_t, loads());
     if (!found.ok()) return stop(t, to_string(model_, found));
     return true;
   }
@@ -65,15 +69,18 @@ class Run {
     ++trajectory.evaluations;
     if (!finite(q_t) || !finite(v_t) || !finite(a_t)) return stop(t, "the state is not finite");
     inverse_dynamics(model_, workspace_, q_t, v_t, a_t, r, loads());
-    if (options_.drive) {
-      options_.drive(t, q_t, v_t, tau_);
-      for (std::size_t c = 0; c < r.size(); ++c) r[c] -= tau_[c];
-    }
+    if (options_.drive) options_.drive(t, q_t, v_t, tau_);
+    const Span tau = with_springs(q_t, v_t);
+    for (std::size_t c = 0; c < r.size(); ++c) r[c] -= tau[c];
     return finite(r) || stop(t, "forces are not finite at " + joint_of(r));
   }
   /// Its derivatives, without those of the drive: by q, v and a.
   void residual_derivatives(Span q_t, Span v_t, Span a_t, const InverseDynamicsDerivatives<double>& dr) {
     inverse_dynamics_derivatives(model_, workspace_, q_t, v_t, a_t, dr, loads());
+    if (model_.springs().empty()) return;
+    Vector by_q(dr.q.size()), by_v(dr.v.size());
+    spring_force_derivatives(model_, workspace_, q_t, v_t, {by_q, by_v});
+    for (std::size_t k = 0; k < by_q.size(); ++k) dr.q[k] -= by_q[k], dr.v[k] -= by_v[k];
   }
   bool is_driven() const { return static_cast<bool>(options_.drive); }
   /// tau of the drive.
@@ -114,6 +121,13 @@ class Run {
   Vector q, v, a;  ///< now
 
  protected:
+  /// tau of the drive, and of the springs of the model.
+  Span with_springs(Span q_t, Span v_t) {
+    if (model_.springs().empty()) return tau_;
+    spring_forces(model_, workspace_, q_t, v_t, total_);
+    for (std::size_t c = 0; c < total_.size(); ++c) total_[c] += tau_[c];
+    return total_;
+  }
   Loads<double> loads() const { return {options_.loads, options_.joint_losses}; }
 
   /// Drive forces at a state, and whether all is finite.
@@ -133,7 +147,7 @@ class Run {
   const Model& model_;
   const SimulationOptions& options_;
   Workspace<> workspace_;
-  Vector tau_;
+  Vector tau_, total_;
 
  private:
   Vector values_at(double t, Span q_t, Span v_t) const {
@@ -196,7 +210,9 @@ class MomentumRun : public Run {
     q_t_.assign(q_t.begin(), q_t.end()), v_t_.assign(v_t.begin(), v_t.end());
     bases_.leave(t, q_t_.data(), v_t_.data());
     if (!begin_evaluation(t, q_t_, v_t_)) return false;
-    phase_space_.partials(q_t_.data(), v_t.data(), bases_.gravity(), tau_, loads(), p.data(), f.data());
+    const Span tau = with_springs(q_t_, v_t_);
+    pushes_bases_ = !options_.loads.empty() || bases_.driven_by(tau.data());
+    phase_space_.partials(q_t_.data(), v_t.data(), bases_.gravity(), tau, loads(), p.data(), f.data());
     return true;
   }
   bool factorize(double t, Span q_t) {
@@ -216,9 +232,7 @@ class MomentumRun : public Run {
     return velocity(t, q_t, p, v_t) && partials(t, q_t, v_t, p_, f);
   }
   /// Whether anything but weight acted on a base in the last evaluation.
-  bool pushes_bases() const {
-    return !options_.loads.empty() || (options_.drive && bases_.driven_by(tau_.data()));
-  }
+  bool pushes_bases() const { return pushes_bases_; }
   /// Takes the end of a step.
   bool take_momenta(double t, Span q_t, Span p) {
     Vector q_1(q_t.begin(), q_t.end()), v_1(p.size());
@@ -231,6 +245,7 @@ class MomentumRun : public Run {
   PhaseSpace phase_space_;
   FloatingBases bases_;
   Vector q_t_, v_t_, p_;
+  bool pushes_bases_ = false;
 };
 
 double number_of_steps(double until, double step) { return std::ceil(until / step - 1e-9); }
@@ -280,6 +295,11 @@ void check_smooth(const Model& model, const SimulationOptions& options) {
   if (!options.events.empty())
     throw std::invalid_argument(
         "events are not met by conserving schemes, whose steps must not be cut; dopri5 and rk4 do");
+  for (const int i : model.springs().joints)
+    for (const Dof& dof : model.joint(i).dof)
+      if (dof.stop_stiffness > 0)
+        throw std::invalid_argument("joint \"" + model.joint(i).name +
+                                    "\" has stops, which conserving schemes do not take; dopri5 and rk4 do");
   if (!options.joint_losses) return;
   const Tree<double>& tree = model.tree<double>();
   for (std::size_t c = 0; c < tree.friction.size(); ++c)

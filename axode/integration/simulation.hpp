@@ -17,7 +17,7 @@ struct Event {
 };
 
 struct SimulationOptions {
-  /// Drive forces: tau (nv) at a time and state. Without it tau is 0.
+  /// Drive forces: tau (nv) at a time and state. Without it tau is 0. The springs of the model act besides.
   std::function<void(double t, std::span<const double> q, std::span<const double> v, std::span<double> tau)>
       drive = {};
   std::vector<AppliedWrench<>> loads = {};

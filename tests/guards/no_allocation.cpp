@@ -72,7 +72,7 @@ TEST_P(NoAllocation, InEveryFunction) {
     using T = decltype(scalar);
     for_seeds(100, [&](std::uint64_t seed) {
       Random<double> random(seed);
-      const Model model = ModelBuilder(told(random_mechanism(random), random)).build();
+      const Model model = ModelBuilder(with_springs(told(random_mechanism(random), random), random)).build();
       const Arguments<T> arguments(model, random);
       const catalog::Given<T> given = arguments.given();
       Workspace<T> workspace(model);

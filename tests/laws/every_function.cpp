@@ -31,7 +31,7 @@ template <class T> struct Outcome {
 template <class T> class Calls {
  public:
   Calls(const TreeRecipe& recipe, Random<double> random)
-      : model(ModelBuilder(told(random_mechanism(random, recipe), random)).build()),
+      : model(ModelBuilder(with_springs(told(random_mechanism(random, recipe), random), random)).build()),
         arguments(model, random),
         others(model, random),
         workspace(model) {}

@@ -162,6 +162,39 @@ Description told(const Mechanism& mechanism, Random<double>& random) {
   return description;
 }
 
+Description with_springs(Description tree, Random<double>& random, bool losses) {
+  const auto chance = [&](double p) { return random.number(0, 1) < p; };
+  std::vector<std::string> names{"ground"};
+  for (BodyDescription& body : tree.bodies) {
+    names.push_back(body.name);
+    const int n = traits(body.joint.kind).dof;
+    if (n == 0) continue;
+    body.joint.dof.resize(static_cast<std::size_t>(n));
+    for (Dof& dof : body.joint.dof) {
+      if (chance(0.7)) dof.stiffness = random.number(0, 20);
+      if (n > 2) continue;  // cylindrical and universal joints are two of one velocity
+      if (dof.stiffness > 0) dof.rest = random.number(-1, 1);
+      if (chance(0.5)) continue;
+      dof.lower = random.number(-0.6, 0);
+      if (chance(0.7)) dof.upper = random.number(0, 0.6);
+      dof.stop_stiffness = random.number(20, 50);
+      if (losses) dof.stop_damping = random.number(0, 0.5);
+    }
+  }
+  for (const FrameDescription& frame : tree.frames) names.push_back(frame.name);
+  const auto any = [&] {
+    return names[static_cast<std::size_t>(random.number(0, static_cast<double>(names.size())))];
+  };
+  for (int k = 0; k < 3; ++k)
+    tree.springs.push_back({.between = {any(), any()},
+                            .points = {random.vector(), random.vector()},
+                            .in = chance(0.5) ? GivenIn::body_frame : GivenIn::construction_frame,
+                            .stiffness = random.number(0, 30),
+                            .rest = chance(0.3) ? 0 : random.number(0, 1),
+                            .damping = losses ? random.number(0, 2) : 0});
+  return tree;
+}
+
 std::vector<double> random_numbers(Random<double>& random, int n, double size) {
   std::vector<double> numbers(static_cast<std::size_t>(n));
   for (double& x : numbers) x = random.number(-size, size);

@@ -71,6 +71,10 @@ BodyDescription told(const Mechanism& mechanism, const DrawnBody& body, Way way,
 /// Tells a mechanism: every body in a way of its own.
 Description told(const Mechanism& mechanism, Random<double>& random);
 
+/// The same with springs and stops on its joints, of every kind, and springs between its bodies and frames; without losses
+/// they keep their energy.
+Description with_springs(Description tree, Random<double>& random, bool losses = true);
+
 /// The poses of all frames.
 std::vector<SE3<>> poses_of(const Model& model, const std::vector<double>& q);
 
