@@ -27,7 +27,8 @@ namespace {
 
 struct Options {
   ModelOptions mechanism;
-  std::string state, method = "dopri5", format = "table";
+  std::string state, target, method = "dopri5", format = "table";
+  std::vector<double> gains;
   double until = 1, relative = 1e-8, absolute = 1e-10;
   std::optional<double> step;
   int samples = 0;
@@ -43,6 +44,10 @@ METHOD is dopri5 (steps as long as the tolerances allow), rk4 or euler (steps of
 order, the latter semi-implicit), or generalized_alpha (implicit, of second order, for stiff systems). Methods on (q, p) keep the
 momentum of what floats to rounding: midpoint, suzuki4 and kahan_li6 (implicit, of second, fourth and sixth order), whose energy
 errors stay bounded, and rk4_momenta (explicit).
+
+With --pd the joints are driven towards the q and v of --target besides, all but free ones on the ground, by
+tau = KP (q_target - q) + KD (v_target - v), differences of rotations being rotation vectors. Springs, dampers and stops of
+the mechanism always act.
 
 STATE is the JSON object of `axode eval` with the keys q, v, tau and loads; what is left out is neutral, at rest or 0.
 
@@ -103,11 +108,26 @@ class Progress {
   bool shown_ = false;
 };
 
+/// The constant drive forces of the state, and a controller where one is asked for.
+Drive drive_of(const Model& model, const State& state, const Options& options) {
+  const Drive constant = [&state](double, std::span<const double>, std::span<const double>,
+                                  std::span<double> tau) { std::ranges::copy(state.tau, tau.begin()); };
+  if (options.gains.empty()) {
+    if (!options.target.empty()) throw UsageError("--target says where to, but not how; give --pd as well");
+    return constant;
+  }
+  const State target = options.target.empty() ? neutral_state(model) : read_state(model, options.target);
+  std::vector<double> kp(static_cast<std::size_t>(model.nv()), options.gains[0]),
+      kd(kp.size(), options.gains[1]);
+  for (int i = 1; i <= model.n_bodies(); ++i)
+    if (const Joint& joint = model.joint(i); joint.kind == Subgroup::free && model.body(i).predecessor == 0)
+      std::fill_n(&kp[joint.iv], joint.nv, 0), std::fill_n(&kd[joint.iv], joint.nv, 0);
+  return ProportionalDerivative(model, {kp, kd}, {model, target.q, target.v}, constant);
+}
+
 Trajectory motion_of(const Model& model, const State& state, const Options& options) {
   SimulationOptions acting;
-  acting.drive = [&](double, std::span<const double>, std::span<const double>, std::span<double> tau) {
-    std::ranges::copy(state.tau, tau.begin());
-  };
+  acting.drive = drive_of(model, state, options);
   acting.loads = state.loads;
   acting.joint_losses = options.joint_losses;
   const Interruptible interruptible;
@@ -163,7 +183,8 @@ Rows rows_of(const Trajectory& motion, int samples) {
     for (std::size_t c = 0; c < q.size(); ++c) row[static_cast<Eigen::Index>(1 + c)] = q[c];
     for (std::size_t c = 0; c < v.size(); ++c) row[static_cast<Eigen::Index>(1 + q.size() + c)] = v[c];
     row[row.size() - 1] = kinetic_energy(model, workspace, std::span<const double>(q), v) +
-                          potential_energy(model, workspace, std::span<const double>(q));
+                          potential_energy(model, workspace, std::span<const double>(q)) +
+                          elastic_energy(model, workspace, std::span<const double>(q));
   }
   return rows;
 }
@@ -248,6 +269,14 @@ void add_simulate(CLI::App& app, int& exit_code) {
       ->type_name("NUMBER");
   simulate->add_option("--atol", options->absolute, "Absolute tolerance, rad, m; 1e-10 if left out")
       ->type_name("NUMBER");
+  simulate
+      ->add_option("--pd", options->gains, "Gains of a controller, N m/rad and N m s/rad, or N/m and N s/m")
+      ->type_name("KP,KD")
+      ->delimiter(',')
+      ->expected(2);
+  simulate
+      ->add_option("--target", options->target, "JSON, where --pd leads to; neutral and at rest if left out")
+      ->type_name("FILE");
   simulate->add_option("--samples", options->samples, "Write so many equal intervals instead of the steps")
       ->type_name("NUMBER");
   simulate->add_flag("--joint-losses", options->joint_losses, "Count damping and friction of the joints");

@@ -42,6 +42,18 @@ template <class T, class S = T> class ConfigurationGroup {
     each_block(
         x, y, out, [](const Screw<T>& X, const Screw<T>& Y) { return dexp(-X, Y); }, y);
   }
+  /// Its derivative where y' = z: dexp_{-x} z + (D_{-y} dexp)_{-x} y, the acceleration of q ⊕ x.
+  void acceleration(const T* x, const T* y, const T* z, T* out) const noexcept {
+    each_own_joint([&]<class Joint>(const Joint& joint, int i) {
+      const int c = tree()->iv[i];
+      if constexpr (Joint::nv == 1) {
+        out[c] = z[c];
+      } else {
+        const Screw<T> X = screw(joint, x + c), Y = screw(joint, y + c), Z = screw(joint, z + c);
+        put(joint, dexp(-X, Z) + ddexp(-X, -Y, Y), out + c);
+      }
+    });
+  }
   /// dexp⁻¹_{-x} y: the x' with which q ⊕ x has the velocity y.
   void rate(const T* x, const T* y, T* out) const noexcept {
     each_block(
@@ -73,6 +85,15 @@ template <class T, class S = T> class ConfigurationGroup {
           for (int k = run.begin; k < run.end; ++k) f(joint, tree()->by_kind[k]);
         });
   }
+  /// S x, and x from it.
+  template <class Joint> static Screw<T> screw(const Joint& joint, const T* x) noexcept {
+    const Twist<BodyFixed, T> X = joint.twist(x);
+    return {X.w, X.v};
+  }
+  template <class Joint> static void put(const Joint& joint, const Screw<T>& X, T* out) noexcept {
+    const auto x = joint.project(Wrench<BodyFixed, T>{X.w, X.v});
+    for (int k = 0; k < joint.nv; ++k) out[k] = x[static_cast<std::size_t>(k)];
+  }
   /// f on the screws S x and S y of every joint of several velocities; the others get what `plain` has, or 0.
   template <class F>
   void each_block(const T* x, const T* y, T* out, const F& f, const T* plain = nullptr) const noexcept {
@@ -81,10 +102,7 @@ template <class T, class S = T> class ConfigurationGroup {
       if constexpr (Joint::nv == 1) {
         out[c] = plain ? plain[c] : T(0);
       } else {
-        const Twist<BodyFixed, T> X = joint.twist(x + c), Y = joint.twist(y + c);
-        const Screw<T> Z = f(Screw<T>{X.w, X.v}, Screw<T>{Y.w, Y.v});
-        const auto z = joint.project(Wrench<BodyFixed, T>{Z.w, Z.v});
-        for (int k = 0; k < joint.nv; ++k) out[c + k] = z[static_cast<std::size_t>(k)];
+        put(joint, f(screw(joint, x + c), screw(joint, y + c)), out + c);
       }
     });
   }

@@ -20,9 +20,11 @@ void Trajectory::take_back() {
   q_.resize(q_.size() - nq()), v_.resize(v_.size() - nv()), a_.resize(a_.size() - nv());
 }
 
-void Trajectory::at(double time, std::span<double> q_out, std::span<double> v_out) const {
+void Trajectory::at(double time, std::span<double> q_out, std::span<double> v_out,
+                    std::span<double> a_out) const {
   check_size("q", q_out.size(), nq(), "nq");
   check_size("v", v_out.size(), nv(), "nv");
+  if (!a_out.empty()) check_size("a", a_out.size(), nv(), "nv");
   if (t_.empty() || !(time >= t_.front() && time <= t_.back()))
     throw std::invalid_argument(
         "t is " + std::to_string(time) + "; the trajectory " +
@@ -33,6 +35,7 @@ void Trajectory::at(double time, std::span<double> q_out, std::span<double> v_ou
                     k = std::min(end - 1, t_.size() - 1);
   if (time == t_[k] || k + 1 == t_.size()) {
     std::ranges::copy(q(k), q_out.begin()), std::ranges::copy(v(k), v_out.begin());
+    if (!a_out.empty()) std::ranges::copy(a(k), a_out.begin());
     return;
   }
   const double h = t_[k + 1] - t_[k], s = (time - t_[k]) / h;
@@ -57,7 +60,7 @@ void Trajectory::at(double time, std::span<double> q_out, std::span<double> v_ou
       ddx[c] += (dx_v[c] + x_a[c]) / 2 + (one[c] + two[c] + three[c]) / 12;
   }
 
-  Numbers y(nv()), dy(nv());
+  Numbers y(nv()), dy(nv()), ddy(nv());
   const double s2 = s * s, s3 = s2 * s, s4 = s3 * s, s5 = s4 * s;
   for (std::size_t c = 0; c < nv(); ++c) {
     // y = p1 s + p2 s² + p3 s³ + p4 s⁴ + p5 s⁵ with the first two from the first end.
@@ -66,9 +69,11 @@ void Trajectory::at(double time, std::span<double> q_out, std::span<double> v_ou
     const double p3 = 10 * A - 4 * B + C / 2, p4 = -15 * A + 7 * B - C, p5 = 6 * A - 3 * B + C / 2;
     y[c] = p1 * s + p2 * s2 + p3 * s3 + p4 * s4 + p5 * s5;
     dy[c] = (p1 + 2 * p2 * s + 3 * p3 * s2 + 4 * p4 * s3 + 5 * p5 * s4) / h;
+    ddy[c] = (2 * p2 + 6 * p3 * s + 12 * p4 * s2 + 20 * p5 * s3) / (h * h);
   }
   group.move(q(k).data(), y.data(), q_out.data());
   group.velocity(y.data(), dy.data(), v_out.data());
+  if (!a_out.empty()) group.acceleration(y.data(), dy.data(), ddy.data(), a_out.data());
 }
 
 }  // namespace axode

@@ -25,9 +25,9 @@ class Trajectory {
   std::span<const double> a(std::size_t k) const { return std::span(a_).subspan(k * nv(), nv()); }
 
   /// q and v at a time, on the group: x(s) of q_k ⊕ x is the quintic that has the positions, velocities and accelerations
-  /// of both ends, and v = dexp_{-x} x'. Its error is of order h⁶ in q and h⁵ in v. Throws std::invalid_argument for a time
-  /// outside.
-  void at(double time, std::span<double> q, std::span<double> v) const;
+  /// of both ends, and v = dexp_{-x} x'. Its error is of order h⁶ in q, h⁵ in v and h⁴ in a, which may be left out. Throws
+  /// std::invalid_argument for a time outside.
+  void at(double time, std::span<double> q, std::span<double> v, std::span<double> a = {}) const;
 
   /// Another end of a step.
   void append(double t, std::span<const double> q, std::span<const double> v, std::span<const double> a);

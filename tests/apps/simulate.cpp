@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "axode/dynamics.hpp"
@@ -55,6 +56,25 @@ TEST(SimulateCommand, GivesTheMotionOfTheLibrary) {
   }
 }
 
+TEST(SimulateCommand, LeadsTheJointsWhereItIsTold) {
+  TemporaryFolder folder;
+  const std::string target = folder.file("target.json");
+  std::ofstream(target) << R"({"q": {"pin": 1}, "v": [0.5, 0]})";
+  const Model model = load(swinging);
+  std::vector<double> q = neutral(model), q_d = q;
+  const auto at = [&](const char* joint) {
+    return static_cast<std::size_t>(model.joint(model.joint_index(joint)).iq);
+  };
+  q[at("pin")] = 2, q[at("elbow")] = 0.5, q_d[at("pin")] = 1;
+  SimulationOptions options;
+  const std::vector<double> kp{300}, kd{40};
+  options.drive = ProportionalDerivative(model, {kp, kd}, {model, q_d, std::vector<double>{0.5, 0}});
+  const Trajectory expected = simulate(model, q, std::vector<double>{0.1, 0.2}, 1.0, {}, options);
+  const Motion found = motion_of({"--pd", "300,40", "--target", target});
+  for (std::size_t c = 0; c < 2; ++c)
+    EXPECT_NEAR(found.at("q").back()[c].get<double>(), expected.q(expected.size() - 1)[c], 1e-12);
+}
+
 TEST(SimulateCommand, WritesFiles) {
   TemporaryFolder folder;
   const std::string csv = folder.file("run.csv"), npy = folder.file("run.npy"),
@@ -87,6 +107,10 @@ TEST(SimulateCommand, RefusesWhatItCannotUse) {
       StartsWith("axode simulate: --method: \"verlet\" is none of dopri5, rk4, euler, generalized_alpha, midpoint"));
   EXPECT_THAT(error({"--method", "rk4"}), StartsWith("axode simulate: --step is missing"));
   EXPECT_THAT(error({"--method", "rk4", "--step", "-1"}), StartsWith("axode simulate: step is -1"));
+  EXPECT_THAT(error({"--target", "no.json"}),
+              StartsWith("axode simulate: --target says where to, but not how; give --pd as well"));
+  EXPECT_THAT(error({"--pd", "-1,2"}), StartsWith("axode simulate: kp[0] is -1"));
+  EXPECT_THAT(error({"--pd", "1,2", "--target", "no.json"}), testing::HasSubstr("no.json"));
   EXPECT_THAT(error({"--samples", "-1"}), StartsWith("axode simulate: --samples is -1"));
   EXPECT_THAT(error({"--until", "-1"}), StartsWith("axode simulate: until is -1"));
   EXPECT_THAT(

@@ -1,0 +1,136 @@
+#include "axode/integration/drives.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <string>
+
+#include "axode/dynamics/inverse_dynamics.hpp"
+#include "axode/dynamics/springs.hpp"
+#include "axode/model/configuration.hpp"
+
+namespace axode {
+namespace {
+
+using Span = std::span<const double>;
+using Vector = std::vector<double>;
+
+std::size_t nv_of(const Model& model) { return static_cast<std::size_t>(model.nv()); }
+
+void check_finite(const char* name, Span x) {
+  for (std::size_t k = 0; k < x.size(); ++k)
+    if (!std::isfinite(x[k]))
+      throw std::invalid_argument(std::string(name) + "[" + std::to_string(k) + "] is not finite");
+}
+
+/// One number for each velocity.
+Vector gains(const Model& model, const char* name, Span given) {
+  const std::size_t nv = nv_of(model);
+  if (given.size() != 1 && given.size() != nv)
+    throw std::invalid_argument(std::string(name) + " has " + std::to_string(given.size()) +
+                                " numbers; expected 1 or nv = " + std::to_string(nv));
+  for (std::size_t k = 0; k < given.size(); ++k)
+    if (!(given[k] >= 0) || !std::isfinite(given[k]))
+      throw std::invalid_argument(std::string(name) + "[" + std::to_string(k) + "] is " +
+                                  std::to_string(given[k]) + "; a gain must be finite and not negative");
+  return given.size() == nv ? Vector(given.begin(), given.end()) : Vector(nv, given[0]);
+}
+
+}  // namespace
+
+SampledDrive::SampledDrive(const Model& model, Span times, Span tau, bool hold)
+    : times_(times.begin(), times.end()), tau_(tau.begin(), tau.end()), hold_(hold) {
+  if (times.empty()) throw std::invalid_argument("t is empty; a sampled drive needs one time at least");
+  check_size("tau", tau.size(), times.size() * nv_of(model), "nv for each time");
+  for (std::size_t k = 0; k < times.size(); ++k)
+    if (!std::isfinite(times[k]) || (k > 0 && !(times[k] > times[k - 1])))
+      throw std::invalid_argument("t[" + std::to_string(k) + "] is " + std::to_string(times[k]) +
+                                  "; times must be finite and increase");
+  check_finite("tau", tau);
+}
+
+void SampledDrive::operator()(double t, Span, Span, std::span<double> tau) const {
+  const auto after = std::ranges::upper_bound(times_, t);
+  const std::size_t nv = tau.size(), next = static_cast<std::size_t>(after - times_.begin()),
+                    last = next == 0 ? 0 : next - 1;
+  const Span from = Span(tau_).subspan(last * nv, nv);
+  if (next == 0 || next == times_.size() || hold_) {
+    std::ranges::copy(from, tau.begin());
+    return;
+  }
+  const double s = (t - times_[last]) / (times_[next] - times_[last]);
+  for (std::size_t c = 0; c < nv; ++c) tau[c] = (1 - s) * from[c] + s * tau_[next * nv + c];
+}
+
+Reference::Reference(const Model& model, Span q, Span v, Span a)
+    : q_(q.begin(), q.end()), v_(v.begin(), v.end()), a_(a.begin(), a.end()) {
+  check_configuration(model, q_);
+  for (const auto& [name, x] : {std::pair{"v", &v_}, {"a", &a_}}) {
+    if (x->empty()) x->resize(nv_of(model));
+    check_size(name, x->size(), nv_of(model), "nv");
+    check_finite(name, *x);
+  }
+  check_finite("q", q_);
+}
+
+Reference::Reference(const Model& model, Trajectory motion)
+    : motion_(std::move(motion)),
+      q_(static_cast<std::size_t>(model.nq())),
+      v_(nv_of(model)),
+      a_(nv_of(model)) {
+  const Model& its = motion_->model();
+  if (its.nq() != model.nq() || its.nv() != model.nv())
+    throw std::invalid_argument("the trajectory has nq = " + std::to_string(its.nq()) + " and nv = " +
+                                std::to_string(its.nv()) + "; model \"" + model.name() + "\" has " +
+                                std::to_string(model.nq()) + " and " + std::to_string(model.nv()));
+  if (motion_->size() == 0) throw std::invalid_argument("the trajectory has no state");
+}
+
+void Reference::find(double t) {
+  if (!motion_) return;
+  const double begin = motion_->t().front(), end = motion_->t().back();
+  const double rounding = 1e-12 * std::max(std::abs(begin), std::abs(end));  // of the times of stages
+  motion_->at(std::clamp(t, begin, end), q_, v_, a_);
+  if (t < begin - rounding || t > end + rounding) std::ranges::fill(v_, 0.0), std::ranges::fill(a_, 0.0);
+}
+
+ProportionalDerivative::ProportionalDerivative(const Model& model, const Gains& given, Reference reference,
+                                               Drive feedforward, bool clip)
+    : model_(model),
+      kp_(gains(model, "kp", given.kp)),
+      kd_(gains(model, "kd", given.kd)),
+      x_(nv_of(model)),
+      reference_(std::move(reference)),
+      feedforward_(std::move(feedforward)) {
+  if (clip) limit_ = effort_limits(model);
+}
+
+void ProportionalDerivative::operator()(double t, Span q, Span v, std::span<double> tau) {
+  reference_.find(t);
+  ConfigurationGroup<double>(model_.tree<double>()).difference(q.data(), reference_.q().data(), x_.data());
+  std::ranges::fill(tau, 0.0);
+  if (feedforward_) feedforward_(t, q, v, tau);
+  for (std::size_t c = 0; c < tau.size(); ++c) tau[c] += kp_[c] * x_[c] + kd_[c] * (reference_.v()[c] - v[c]);
+  for (std::size_t c = 0; c < limit_.size(); ++c) tau[c] = std::clamp(tau[c], -limit_[c], limit_[c]);
+}
+
+ComputedTorque::ComputedTorque(const Model& model, const Gains& given, Reference reference)
+    : model_(model),
+      workspace_(model),
+      kp_(gains(model, "kp", given.kp)),
+      kd_(gains(model, "kd", given.kd)),
+      x_(nv_of(model)),
+      springs_(nv_of(model)),
+      reference_(std::move(reference)) {}
+
+void ComputedTorque::operator()(double t, Span q, Span v, std::span<double> tau) {
+  reference_.find(t);
+  ConfigurationGroup<double>(model_.tree<double>()).difference(q.data(), reference_.q().data(), x_.data());
+  for (std::size_t c = 0; c < x_.size(); ++c)
+    x_[c] = reference_.a()[c] + kd_[c] * (reference_.v()[c] - v[c]) + kp_[c] * x_[c];
+  inverse_dynamics(model_, workspace_, q, v, x_, tau);
+  spring_forces(model_, workspace_, q, v, springs_);
+  for (std::size_t c = 0; c < tau.size(); ++c) tau[c] -= springs_[c];
+}
+
+}  // namespace axode

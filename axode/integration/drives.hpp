@@ -1,0 +1,88 @@
+#pragma once
+#include <functional>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "axode/integration/trajectory.hpp"
+#include "axode/model/workspace.hpp"
+
+/// Drives for SimulationOptions::drive: what they make of (t, q, v) is written into tau (nv).
+namespace axode {
+
+using Drive = std::function<void(double t, std::span<const double> q, std::span<const double> v,
+                                 std::span<double> tau)>;
+
+/// Forces that are given at times: in between on straight lines, or held until the next time; the first ones hold before and
+/// the last ones after. tau has a row of nv numbers for each time. Throws std::invalid_argument for no times, times that
+/// do not increase, a wrong size, and numbers that are not finite.
+class SampledDrive {
+ public:
+  SampledDrive(const Model& model, std::span<const double> times, std::span<const double> tau,
+               bool hold = false);
+  void operator()(double t, std::span<const double> q, std::span<const double> v,
+                  std::span<double> tau) const;
+
+ private:
+  std::vector<double> times_, tau_;
+  bool hold_;
+};
+
+/// Where a controller is to lead: q_d, v_d and a_d at a time.
+class Reference {
+ public:
+  /// Always the same; v and a are 0 where they are empty. Throws std::invalid_argument for wrong sizes, a quaternion off 1
+  /// and numbers that are not finite.
+  Reference(const Model& model, std::span<const double> q, std::span<const double> v = {},
+            std::span<const double> a = {});
+  /// Those of a motion, which rests where it begins before that, and where it ends after that. Throws
+  /// std::invalid_argument for one without a state or with other numbers of coordinates than the model.
+  Reference(const Model& model, Trajectory motion);
+
+  /// Finds them for a time.
+  void find(double t);
+  const std::vector<double>& q() const { return q_; }
+  const std::vector<double>& v() const { return v_; }
+  const std::vector<double>& a() const { return a_; }
+
+ private:
+  std::optional<Trajectory> motion_;
+  std::vector<double> q_, v_, a_;
+};
+
+/// Gains of each velocity, or one number for all. Gains of 0 leave a joint, or a free base, to itself.
+struct Gains {
+  std::span<const double> kp, kd;
+};
+
+/// τ = kp x + kd (v_d - v) + feedforward, with q ⊕ x = q_d on the group of configurations, by the shorter way round on
+/// rotations: kp in N m/rad or N/m, kd in N m s/rad or N s/m. `clip` keeps it within the joints' limits of effort. Throws
+/// std::invalid_argument for gains that are negative, not finite or not one or nv numbers.
+class ProportionalDerivative {
+ public:
+  ProportionalDerivative(const Model& model, const Gains& gains, Reference reference, Drive feedforward = {},
+                         bool clip = false);
+  void operator()(double t, std::span<const double> q, std::span<const double> v, std::span<double> tau);
+
+ private:
+  Model model_;
+  std::vector<double> kp_, kd_, x_, limit_;
+  Reference reference_;
+  Drive feedforward_;
+};
+
+/// τ = ID(q, v, a_d + kd (v_d - v) + kp x) less what the springs of the model do, so that x'' + kd x' + kp x = 0 for small
+/// x: kp in 1/s², kd in 1/s. Loads and joint losses are not known to it. Throws as ProportionalDerivative.
+class ComputedTorque {
+ public:
+  ComputedTorque(const Model& model, const Gains& gains, Reference reference);
+  void operator()(double t, std::span<const double> q, std::span<const double> v, std::span<double> tau);
+
+ private:
+  Model model_;
+  Workspace<> workspace_;
+  std::vector<double> kp_, kd_, x_, springs_;
+  Reference reference_;
+};
+
+}  // namespace axode
