@@ -19,7 +19,7 @@ import difflib
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from . import calibration, closed_form, codegen, convert, identification, lie, signatures
+from . import calibration, closed_form, codegen, convert, drives, identification, lie, signatures
 from ._axode import (
     Body,
     Joint,
@@ -40,6 +40,7 @@ from ._axode import (
     coriolis_matrix,
     coriolis_vector,
     drawing,
+    elastic_energy,
     equilibrium,
     forward_dynamics,
     forward_dynamics_derivatives,
@@ -106,6 +107,8 @@ from ._axode import (
     rollout_vjp,
     spatial_momentum,
     spatial_momentum_form,
+    spring_force_derivatives,
+    spring_forces,
     twist_derivatives,
     twist_form,
     twists,
@@ -150,7 +153,7 @@ __all__ = [
     # dynamics
     "inverse_dynamics", "forward_dynamics", "joint_wrenches", "mass_matrix", "inverse_mass_matrix",
     "mass_matrix_partials", "inverse_mass_matrix_partials", "MassMatrixFactor", "coriolis_matrix", "coriolis_vector",
-    "christoffel", "gravity_torques", "generalized_loads", "kinetic_energy", "potential_energy", "load_powers",
+    "christoffel", "gravity_torques", "generalized_loads", "kinetic_energy", "potential_energy", "load_powers", "spring_forces", "elastic_energy",
     "centroidal_inertia", "impulse_response", "mobility", "operational_space_inertia", "regressor",
     "kinetic_energy_regressor", "potential_energy_regressor",
     # momentum form
@@ -160,7 +163,7 @@ __all__ = [
     "inverse_dynamics_derivatives", "inverse_dynamics_jvp", "inverse_dynamics_vjp", "inverse_dynamics_hessian",
     "forward_dynamics_derivatives", "forward_dynamics_jvp", "forward_dynamics_vjp", "forward_dynamics_hessian",
     "inverse_dynamics_second_derivatives", "forward_dynamics_second_derivatives", "inverse_dynamics_rates",
-    "gravity_derivatives", "coriolis_derivatives", "generalized_load_derivatives", "kinetic_energy_gradient",
+    "gravity_derivatives", "coriolis_derivatives", "generalized_load_derivatives", "spring_force_derivatives", "kinetic_energy_gradient",
     "momentum_form_derivatives", "motion_derivatives", "motion_jvp", "motion_vjp",
     "inverse_dynamics_geometry_derivatives", "forward_dynamics_geometry_derivatives",
     "inverse_dynamics_geometry_vjp", "forward_dynamics_geometry_vjp", "frame_geometry_jacobian",
@@ -173,7 +176,7 @@ __all__ = [
     "MomentumFormDerivatives", "Linearization", "Equilibrium", "RolloutDerivatives", "RolloutGradient", "Fault",
     "ModelError", "NotFiniteError", "SimulationError", "SingularError", "StatesError",
     # modules
-    "lie", "closed_form", "codegen", "convert", "identification", "calibration",
+    "lie", "closed_form", "codegen", "convert", "drives", "identification", "calibration",
 ]
 
 if not TYPE_CHECKING:  # to a type checker every name would be known

@@ -35,6 +35,7 @@ class Builder:
         self.gravity = gravity
         self.bodies: list[dict[str, Any]] = []
         self.frames: list[dict[str, Any]] = []
+        self.springs: list[dict[str, Any]] = []
 
     def body(self, name: str, *, on: str = "ground", joint: dict[str, Any] | str, **keys: Any) -> Builder:
         """Adds a body that hangs on another one by a joint. Returns the builder.
@@ -55,10 +56,21 @@ class Builder:
         self.frames.append({"name": name, "on": on, **keys})
         return self
 
+    def spring(self, one: str, other: str, **keys: Any) -> Builder:
+        """Adds a spring and damper between two bodies or frames, or "ground". Returns the builder.
+
+        `stiffness` (N/m), `rest` (m) and `damping` (N s/m) act along the line between two `points` (m), which are given in
+        the construction frame unless in_="body" asks for each in its frame; without points it joins the origins.
+        """
+        if "in_" in keys:
+            keys["in"] = keys.pop("in_")
+        self.springs.append({"between": [one, other], **keys})
+        return self
+
     def build(self, base: Literal["fixed", "free"] | None = None, *, strict: bool = False) -> Model:
         """The model. ModelError lists every fault; `base` and `strict` as in `load`."""
         return Model.from_bodies(
-            self.bodies, self.frames, name=self.name, gravity=self.gravity, base=base, strict=strict
+            self.bodies, self.frames, springs=self.springs, name=self.name, gravity=self.gravity, base=base, strict=strict
         )
 
     def __repr__(self) -> str:

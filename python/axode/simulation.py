@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from . import _axode
 from ._axode import Model, Trajectory
+from .drives import PD, ComputedTorque, Sampled
 from .errors import SimulationError
 from .records import Load
 
@@ -21,7 +22,8 @@ Array = NDArray[np.float64]
 def simulate(m: Model, q: ArrayLike, v: ArrayLike, until: float, *,
              method: Literal["dopri5", "rk4", "euler", "generalized_alpha", "midpoint", "suzuki4", "kahan_li6",
                              "rk4_momenta"] = "dopri5", step: float | None = None, rtol: float = 1e-8,
-             atol: float = 1e-10, tau: ArrayLike | Callable[[float, Array, Array], ArrayLike] | None = None,
+             atol: float = 1e-10,
+             tau: ArrayLike | Callable[[float, Array, Array], ArrayLike] | Sampled | PD | ComputedTorque | None = None,
              loads: Sequence[Load] | None = None, joint_losses: bool = False, times: ArrayLike | None = None,
              events: Sequence[Callable[[float, Array, Array], float]] | None = None,
              progress: bool = False) -> Trajectory:
@@ -34,7 +36,8 @@ def simulate(m: Model, q: ArrayLike, v: ArrayLike, until: float, *,
         and quaternions stay on the sphere. On (q, p), conserving: "midpoint" (second order, implicit), "suzuki4" and
         "kahan_li6" (fourth and sixth, made of it) are symplectic: errors of the energy stay bounded; "rk4_momenta" is
         explicit. All four keep the momentum of what floats to rounding. They take no events and no dry friction.
-    tau: drive forces, (nv,) for constant ones, or a function (t, q, v) -> (nv,), called for each evaluation.
+    tau: drive forces, (nv,) for constant ones; one of `axode.drives`; or a function (t, q, v) -> (nv,), called for each
+        evaluation. Springs, dampers and stops of the mechanism act besides, see `spring_forces`.
     loads: wrenches on frames, constant in their representations. joint_losses: whether damping and friction act.
     times: when states are wanted, increasing from 0 to until; without it, at the ends of the steps.
     events: functions (t, q, v) -> number whose zeros are met; `f.terminal = True` ends the motion there,
@@ -48,6 +51,8 @@ def simulate(m: Model, q: ArrayLike, v: ArrayLike, until: float, *,
     >>> fall.q.shape, bool(np.ptp(fall.energy) < 1e-6)
     ((3, 7), True)
     """
+    if isinstance(tau, (Sampled, PD, ComputedTorque)):
+        tau = tau.on(m)
     bar, report = None, None
     if progress:
         from tqdm.auto import tqdm  # type: ignore[import-untyped]

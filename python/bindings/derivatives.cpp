@@ -236,6 +236,15 @@ M^-1 J^T, see `impulse_response`.
 >>> axode.generalized_load_derivatives(arm, np.zeros(7), np.zeros(7), [weight]).q[1, 1].round(3)
 np.float64(47.3)
 )");
+  functions.of<&A::q, &A::v>("spring_force_derivatives", "StateDerivatives", R"(
+(q, v): the partial derivatives of `spring_forces`, matrices (nv, nv) or (N, nv, nv), [component, direction].
+
+>>> drawing = arm.to_dict()
+>>> drawing["body"][1]["joint"]["spring"] = {"stiffness": 100.0}
+>>> d = axode.spring_force_derivatives(axode.Model.from_dict(drawing), np.zeros(7), np.zeros(7))
+>>> float(d.q[0, 0])
+-100.0
+)");
   functions.of<&A::q, &A::v>("kinetic_energy_gradient", "StateDerivatives", R"(
 (q, v): the gradient of `kinetic_energy`, (nv,) or (N, nv) each; by v these are the momenta. O(n).
 

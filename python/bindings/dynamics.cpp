@@ -49,7 +49,8 @@ tau = M(q) a + C(q, v) v + g(q) - (applied forces): the drive forces that make t
 
 Shape (nv,) or (N, nv), N m or N. `loads` are wrenches on frames, see `axode.Load`; joint_losses adds damping and
 friction; armature is always part of it. All representations give the same; "fast" is the quickest, and goes through N
-states in SIMD lanes on up to `threads` cores. O(n), by the recursive Newton-Euler algorithm (eqs. aVbRec2 to cWhRec).
+states in SIMD lanes on up to `threads` cores. Springs and stops of m are left out: take `spring_forces` off for them.
+O(n), by the recursive Newton-Euler algorithm (eqs. aVbRec2 to cWhRec).
 
 >>> q, v, a = arm.neutral(), np.full(7, 0.5), np.ones(7)
 >>> q[1] = 0.8
@@ -74,7 +75,8 @@ array([  2.67 , -50.147,  -0.109,  14.362])
 The accelerations a that the drive forces tau make, the inverse of `inverse_dynamics` with the same loads.
 
 Shape (nv,) or (N, nv). O(n) by the articulated-body algorithm. SingularError, which names the joint, where the mass
-matrix is singular; of N states the others are in its `result`.
+matrix is singular; of N states the others are in its `result`. Springs and stops of m are left out: add `spring_forces`
+to tau for them.
 
 >>> q, v = arm.neutral(), np.full(7, 0.5)
 >>> tau = axode.inverse_dynamics(arm, q, v, np.ones(7))
@@ -277,6 +279,22 @@ U, the potential of gravity, 0 at the inertial origin, J: a number, or (N,). O(n
 >>> U = axode.potential_energy(arm, arm.neutral())
 >>> bool(np.isclose(U, 9.81 * arm.total_mass * axode.center_of_mass(arm, arm.neutral())[2]))
 True
+)");
+  functions.of_q_v("spring_forces", R"(
+The generalized forces of springs, dampers and stops, (nv,) or (N, nv), N m for angles and N for lengths. O(n).
+
+They act in `simulate` and `rollout`; `forward_dynamics` and the others leave them out: add these to tau.
+
+>>> drawing = arm.to_dict()
+>>> drawing["body"][1]["joint"]["spring"] = {"stiffness": 100.0, "rest": 0.2}
+>>> float(axode.spring_forces(axode.Model.from_dict(drawing), np.zeros(7), np.zeros(7))[0])
+20.0
+)");
+  functions.of_q("elastic_energy", R"(
+The energy that springs and stops hold, J: a number, or (N,). Its gradient is -`spring_forces` where nothing moves. O(n).
+
+>>> float(axode.elastic_energy(arm, np.ones(7)))
+0.0
 )");
   module.def(
       "load_powers",

@@ -14,6 +14,7 @@
 #include "bindings.hpp"
 #include "choice.hpp"
 #include "conversions.hpp"
+#include "drives.hpp"
 #include "long_call.hpp"
 #include "one_state.hpp"
 
@@ -90,7 +91,13 @@ BoundTrajectory simulate_of(const BoundModel& m, ArrayLike q, ArrayLike v, doubl
 
   bool calls_back = !progress.is_none() || events.size() > 0;
   std::optional<Items> constant;
-  if (nb::isinstance<nb::callable>(tau)) {
+  if (nb::isinstance<BoundDrive>(tau)) {
+    const BoundDrive& drive = nb::cast<BoundDrive&>(tau);
+    if (drive.model.nq() != m->nq() || drive.model.nv() != m->nv())
+      throw nb::value_error(
+          ("tau: a drive of model \"" + drive.model.name() + "\", which has other velocities").c_str());
+    options.drive = drive.drive;
+  } else if (nb::isinstance<nb::callable>(tau)) {
     calls_back = true;
     options.drive = [&m, f = nb::borrow<nb::callable>(tau)](double t, std::span<const double> q_t,
                                                             std::span<const double> v_t,
@@ -236,6 +243,10 @@ Array reconstruct_of(ArrayLike C0, ArrayLike twists, ArrayLike times, Representa
 
 }  // namespace
 
+const Trajectory* motion_in(nb::handle given) {
+  return nb::isinstance<BoundTrajectory>(given) ? &nb::cast<BoundTrajectory&>(given).motion : nullptr;
+}
+
 void add_integration(nb::module_& module) {
   nb::class_<BoundTrajectory>(module, "Trajectory",
                               R"(
@@ -264,10 +275,11 @@ A motion, from `simulate`: at the ends of its steps, or at the times that were a
           [](const BoundTrajectory& x) {
             return of_states(x, {}, [&](Workspace<>& w, auto q, auto v, std::span<double> out) {
               const Model& m = x.motion.model();
-              out[0] = kinetic_energy<double>(m, w, q, v) + potential_energy<double>(m, w, q);
+              out[0] = kinetic_energy<double>(m, w, q, v) + potential_energy<double>(m, w, q) +
+                       elastic_energy<double>(m, w, q);
             });
           },
-          "(N,) kinetic and potential energy, J.")
+          "(N,) kinetic and potential energy, that of springs and stops included, J.")
       .def_prop_ro(
           "momentum",
           [](const BoundTrajectory& x) {
@@ -338,7 +350,7 @@ Between the ends of steps configurations are those of quintics on the group, err
 (q, v) of N motions of K steps of `step` s: (N, K + 1, nq) and (N, K + 1, nv), the states given in front.
 
 q (N, nq) and v (N, nv) are where they begin, tau (N, K, nv) the drive forces, constant in each step; of one motion all go
-without N. Munthe-Kaas' fourth order, as `simulate` with method="rk4". SingularError or NotFiniteError, with q, where
+without N. Springs of the mechanism act besides. Munthe-Kaas' fourth order, as `simulate` with method="rk4". SingularError or NotFiniteError, with q, where
 motions cannot go on; they are NaN from there.
 
 >>> q, v = axode.rollout(arm, np.zeros((5, 7)), np.zeros((5, 7)), np.ones((5, 20, 7)), 1e-3)

@@ -337,14 +337,16 @@ True
 )");
 }
 
-/// A drawing of these bodies and frames.
-nb::dict drawing_of(nb::handle bodies, nb::handle frames, const std::string& name, nb::handle gravity) {
+/// A drawing of these bodies, frames and springs.
+nb::dict drawing_of(nb::handle bodies, nb::handle frames, nb::handle springs, const std::string& name,
+                    nb::handle gravity) {
   nb::dict drawing;
   drawing["format"] = "axode drawing 1";
   drawing["name"] = name;
   drawing["gravity"] = gravity;
   drawing["body"] = bodies;
   drawing["frame"] = frames;
+  drawing["spring"] = springs;
   return drawing;
 }
 
@@ -352,20 +354,23 @@ void add_construction(nb::class_<BoundModel>& model) {
   model
       .def_static(
           "from_bodies",
-          [](nb::handle bodies, nb::handle frames, const std::string& name, nb::handle gravity, Base base,
-             bool strict) {
-            return BoundModel(from_dict(drawing_of(bodies, frames, name, gravity), base, strictness(strict)));
+          [](nb::handle bodies, nb::handle frames, nb::handle springs, const std::string& name,
+             nb::handle gravity, Base base, bool strict) {
+            return BoundModel(
+                from_dict(drawing_of(bodies, frames, springs, name, gravity), base, strictness(strict)));
           },
-          "bodies"_a, "frames"_a = nb::make_tuple(), nb::kw_only(), "name"_a = "mechanism",
-          "gravity"_a = nb::make_tuple(0.0, 0.0, -9.81), "base"_a = nb::none(), "strict"_a = false,
+          "bodies"_a, "frames"_a = nb::make_tuple(), nb::kw_only(), "springs"_a = nb::make_tuple(),
+          "name"_a = "mechanism", "gravity"_a = nb::make_tuple(0.0, 0.0, -9.81), "base"_a = nb::none(),
+          "strict"_a = false,
           nb::sig("def from_bodies(bodies: collections.abc.Sequence[dict[str, typing.Any]], "
                   "frames: collections.abc.Sequence[dict[str, typing.Any]] = (), *, "
+                  "springs: collections.abc.Sequence[dict[str, typing.Any]] = (), "
                   "name: str = 'mechanism', gravity: numpy.typing.ArrayLike = (0.0, 0.0, -9.81), "
                   "base: typing.Literal['fixed', 'free'] | None = None, strict: bool = False) -> Model"),
           R"(
 A mechanism from axes, points, masses and inertias, all in one frame with every joint at zero.
 
-Each body and frame is a dict with the keys of the drawing format (docs/drawing-format.md): name, on, joint, mass, com,
+Each body, frame and spring is a dict with the keys of the drawing format (docs/drawing-format.md): name, on, joint, mass, com,
 inertia, ... SI units. The frame of a body is the construction frame unless its dict says another, such as
 "frame": "joint" or "frame": "com". ModelError lists every fault; base and strict are those of `load`.
 

@@ -36,6 +36,7 @@ NB_MODULE(_axode, module) {
   add_derivatives(module);
   add_integration(module);
   add_sensitivities(module);
+  add_drives(module);
   nb::module_ closed_form = module.def_submodule("closed_form", "See axode.closed_form.");
   add_system_matrices(closed_form);
   add_closed_form(closed_form);

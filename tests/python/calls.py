@@ -54,6 +54,8 @@ CALLS = {
     "christoffel": lambda m, q, v, a: axode.christoffel(m, q),
     "gravity_torques": lambda m, q, v, a: axode.gravity_torques(m, q),
     "generalized_loads": lambda m, q, v, a: axode.generalized_loads(m, q, v, load_on(m, q), joint_losses=True),
+    "spring_forces": lambda m, q, v, a: axode.spring_forces(m, q, v),
+    "elastic_energy": lambda m, q, v, a: axode.elastic_energy(m, q),
     "load_powers": lambda m, q, v, a: axode.load_powers(m, q, v, load_on(m, q)),
     "kinetic_energy": lambda m, q, v, a: axode.kinetic_energy(m, q, v),
     "potential_energy": lambda m, q, v, a: axode.potential_energy(m, q),
@@ -95,6 +97,7 @@ CALLS |= {
     "coriolis_derivatives": lambda m, q, v, a: np.stack(axode.coriolis_derivatives(m, q, v), axis=-3),
     "generalized_load_derivatives": lambda m, q, v, a: np.stack(axode.generalized_load_derivatives(
         m, q, v, load_on(m, q), joint_losses=True), axis=-3),
+    "spring_force_derivatives": lambda m, q, v, a: np.stack(axode.spring_force_derivatives(m, q, v), axis=-3),
     "rollout": lambda m, q, v, a: axode.rollout(m, q, v, np.stack([a, 0.5 * a], axis=-2), 1e-4)[1],
     "rollout_derivatives": lambda m, q, v, a: np.concatenate(axode.rollout_derivatives(
         m, q, v, np.stack([a, 0.5 * a], axis=-2), 1e-4), axis=-1),

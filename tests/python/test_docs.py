@@ -11,7 +11,8 @@ import pytest
 
 SOURCE = Path(__file__).resolve().parents[2]
 PAGES = ["docs/python.md", "README.md"]
-MODULES = [axode, axode.lie, axode.closed_form, axode.codegen, axode.convert, axode.identification, axode.calibration]
+MODULES = [axode, axode.lie, axode.closed_form, axode.codegen, axode.convert, axode.drives, axode.identification,
+           axode.calibration]
 
 
 def blocks(page):

@@ -8,7 +8,8 @@ import axode
 import numpy as np
 import pytest
 
-MODULES = [axode, axode.lie, axode.closed_form, axode.codegen, axode.convert, axode.identification, axode.calibration]
+MODULES = [axode, axode.lie, axode.closed_form, axode.codegen, axode.convert, axode.drives, axode.identification,
+           axode.calibration]
 
 
 def public_objects():

@@ -34,7 +34,7 @@ def test_every_example_is_run_here():
     assert sorted(file.name for file in EXAMPLES.glob("*.py")) == [
         "01_drawing_to_dynamics.py", "02_representations.py", "03_batch_trajectory.py",
         "04_identification.py", "05_calibration.py", "06_elastic_drives.py", "07_simulation.py",
-        "09_trajectory_optimization.py"]
+        "08_elastic_arm.py", "09_trajectory_optimization.py"]
 
 
 def test_the_crane_holds_what_levers_say_and_dynamics_are_inverse(tmp_path):
@@ -132,6 +132,17 @@ def test_the_arm_falls_with_its_energy_and_is_drawn_to_the_target(tmp_path):
     assert steps > 50 and energy < 1e-5
     distances = [float(line.split()[4]) for line in printed.splitlines() if line.startswith("t = ")]
     assert len(distances) == 7 and distances[0] > 1 and distances[-1] < 0.01
+
+
+def test_the_elastic_arm_swings_and_arrives(tmp_path):
+    printed = run(tmp_path, "08_elastic_arm.py")
+    rows = [[float(x) for x in re.findall(r"\d+\.\d+", line)] for line in printed.splitlines() if line.startswith("t = ")]
+    assert [row[0] for row in rows] == [0.1, 0.5, 1.0, 5.0]
+    assert rows[0][1] > 0.5 and rows[-1][1] < 0.02
+    assert all(row[2] > 1 for row in rows)
+    steps, evaluations = numbers_behind(printed, "")[:2]
+    assert steps == 2500 and evaluations < 6
+    assert "the springs carry the weight: True" in printed
 
 
 def test_the_pendulum_stands_by_the_least_forces(tmp_path):

@@ -1,0 +1,116 @@
+"""Drives of simulations: `axode.drives`."""
+
+import threading
+import time
+
+import axode
+import numpy as np
+import pytest
+from axode.drives import PD, ComputedTorque, Sampled
+
+ARM = axode.load(axode.robots / "arm7.toml")
+HUMANOID = axode.load(axode.robots / "humanoid.urdf", base="free")
+REST = np.full(7, 0.3), np.zeros(7)
+TARGET = np.array([0.0, 0.5, 0.0, -1.0, 0.0, 0.8, 0.0])
+
+
+def agree(m, start, drive, function, until=0.2):
+    """One motion under a drive, and under the function of Python's that it is, in the same steps."""
+    one = axode.simulate(m, *start, until, method="rk4", step=1e-3, tau=drive)
+    other = axode.simulate(m, *start, until, method="rk4", step=1e-3, tau=function)
+    np.testing.assert_allclose(one.q, other.q, atol=1e-12)
+    np.testing.assert_allclose(one.v, other.v, atol=1e-10)
+    again = axode.simulate(m, *start, until, method="rk4", step=1e-3, tau=drive.on(m))
+    np.testing.assert_array_equal(again.q, one.q)
+
+
+def test_samples_are_numpys_interpolation():
+    t = np.array([0.0, 0.05, 0.12, 0.15])
+    tau = np.random.default_rng(2).normal(size=(4, 7))
+    agree(ARM, REST, Sampled(t, tau), lambda now, q, v: [np.interp(now, t, column) for column in tau.T])
+    agree(ARM, REST, Sampled(t, tau, hold=True),
+          lambda now, q, v: tau[np.searchsorted(t, now, side="right") - 1])
+
+
+def test_pd_is_its_formula_on_the_group():
+    rng = np.random.default_rng(3)
+    kp, kd = rng.uniform(0, 2, HUMANOID.nv), rng.uniform(0, 0.01, HUMANOID.nv)  # the wrists are light
+    target, speed, forward = HUMANOID.random(seed=4), rng.normal(size=HUMANOID.nv), rng.normal(size=HUMANOID.nv)
+    start = HUMANOID.neutral(), np.zeros(HUMANOID.nv)
+    agree(HUMANOID, start, PD(kp, kd, target, speed, feedforward=forward),
+          lambda t, q, v: kp * HUMANOID.difference(q, target) + kd * (speed - v) + forward, 0.02)
+    limit = ARM.effort_limits
+    agree(ARM, REST, PD(200.0, 0.05, TARGET, clip=True),
+          lambda t, q, v: np.clip(200 * (TARGET - q) - 0.05 * v, -limit, limit), 0.05)
+    assert np.any(np.abs(200 * (TARGET - REST[0])) > limit)
+    samples = Sampled([0.0, 0.1], np.stack([np.zeros(7), np.arange(7.0)]))
+    agree(ARM, REST, PD(10.0, 0.05, TARGET, feedforward=samples),
+          lambda t, q, v: 10 * (TARGET - q) - 0.05 * v + min(t / 0.1, 1) * np.arange(7.0))
+
+
+def test_pd_arrives_and_leaves_a_free_base_alone():
+    held = axode.simulate(ARM, *REST, 4.0, tau=PD(600.0, 80.0, TARGET, feedforward=axode.gravity_torques(ARM, TARGET)))
+    np.testing.assert_allclose(held.q[-1], TARGET, atol=1e-2)
+    kp = np.full(HUMANOID.nv, 50.0)
+    kp[:6] = 0
+    tau = PD(kp, 0.1 * kp, HUMANOID.random(seed=1)).on(HUMANOID)(0.0, HUMANOID.neutral(), np.ones(HUMANOID.nv))
+    assert np.all(tau[:6] == 0) and np.all(tau[6:] != 0)
+
+
+def test_computed_torque_follows_a_motion():
+    reference = axode.simulate(ARM, *REST, 1.0, rtol=1e-11, tau=lambda t, q, v: 20 * np.sin(3 * t + np.arange(7)) - 5 * v)
+    followed = axode.simulate(ARM, *REST, 1.0, rtol=1e-10, tau=ComputedTorque(100.0, 20.0, reference))
+    times = np.linspace(0, 1, 23)
+    np.testing.assert_allclose(followed.at(times)[0], reference.at(times)[0], atol=1e-6)
+    off = axode.simulate(ARM, REST[0] + 0.1, REST[1], 1.0, tau=ComputedTorque(400.0, 40.0, reference))
+    np.testing.assert_allclose(off.q[-1], reference.q[-1], atol=1e-5)
+    thin = axode.simulate(ARM, *REST, 1.0, rtol=1e-11, times=[0.0, 1.0],
+                          tau=lambda t, q, v: 20 * np.sin(3 * t + np.arange(7)) - 5 * v)
+    on, other = ComputedTorque(1.0, 1.0, thin).on(ARM), ComputedTorque(1.0, 1.0, reference).on(ARM)
+    np.testing.assert_allclose(on(0.4, *REST), other(0.4, *REST), rtol=1e-12)
+
+    def by_hand(t, q, v):
+        a = 400 * (TARGET - q) - 40 * v
+        return axode.inverse_dynamics(ARM, q, v, a)
+    agree(ARM, REST, ComputedTorque(400.0, 40.0, TARGET), by_hand)
+    resting = np.ones(7), 2 * np.ones(7)
+    agree(ARM, REST, ComputedTorque(4.0, 2.0, TARGET, *resting),
+          lambda t, q, v: axode.inverse_dynamics(ARM, q, v, 2 + 2 * (1 - v) + 4 * (TARGET - q)), 0.05)
+
+
+def test_a_simulation_under_a_drive_lets_other_threads_run():
+    counted, done = 0, threading.Event()
+
+    def count():
+        nonlocal counted
+        while not done.is_set():
+            counted += 1
+            time.sleep(1e-4)
+    other = threading.Thread(target=count)
+    other.start()
+    before = counted
+    axode.simulate(HUMANOID, HUMANOID.neutral(), np.zeros(HUMANOID.nv), 0.5, method="rk4", step=1e-4,
+                   tau=PD(0.0, 0.1, HUMANOID.neutral()))
+    during = counted - before
+    done.set()
+    other.join()
+    assert during > 10
+
+
+@pytest.mark.parametrize("drive, sentence", [
+    (Sampled([0, 0], np.zeros((2, 7))), r"t\[1\] is 0"), (Sampled([], np.zeros((0, 7))), "t is empty"),
+    (Sampled([0, 1], np.zeros((3, 7))), r"tau: expected shape \(2, 7\)"), (Sampled(0.0, np.zeros(7)), r"t: expected shape \(K,\)"),
+    (Sampled([0, np.nan], np.zeros((2, 7))), r"t\[1\] is nan"), (Sampled([0.0], np.full((1, 7), np.inf)), r"tau\[0, 0\] is inf"),
+    (PD(-1.0, 1.0, TARGET), r"kp\[0\] is -1"), (PD(np.ones(6), 1.0, TARGET), r"kp: expected shape \(\) or \(7,\)"),
+    (PD(1.0, np.nan, TARGET), "kd is nan"), (PD(1.0, 1.0, np.zeros(6)), r"q: expected shape \(7,\)"),
+    (PD(1.0, 1.0, TARGET, np.zeros(6)), r"v: expected shape \(7,\)"),
+    (PD(1.0, 1.0, TARGET, feedforward=np.zeros(6)), r"feedforward: expected shape \(7,\)"),
+    (PD(1.0, 1.0, TARGET, feedforward=Sampled([0.0], [np.zeros(6)])), r"tau: expected shape \(1, 7\)"),
+    (ComputedTorque(1.0, 1.0, TARGET, a=np.zeros(6)), r"a: expected shape \(7,\)"),
+    (PD(1.0, 1.0, axode.simulate(ARM, *REST, 0.01), np.zeros(7)), "v: q is a trajectory"),
+    (PD(1.0, 1.0, axode.simulate(HUMANOID, HUMANOID.neutral(), np.zeros(HUMANOID.nv), 0.001)),
+     "the trajectory has nq = "),
+    (PD(1.0, 1.0, HUMANOID.neutral()).on(HUMANOID), 'tau: a drive of model "humanoid"')])
+def test_what_cannot_be_used_is_refused(drive, sentence):
+    with pytest.raises(ValueError, match=sentence):
+        axode.simulate(ARM, *REST, 1.0, tau=drive)

@@ -1,0 +1,153 @@
+"""Springs, dampers and stops of a mechanism."""
+
+import copy
+import pickle
+import tomllib
+
+import axode
+import numpy as np
+import pytest
+
+FLAP = """
+format = "axode drawing 1"
+[[body]]
+name = "flap"
+joint = { kind = "revolute", axis = "y", point = [0, 0, 1], limits = [-0.5, 1.2], spring = { stiffness = 40, rest = 0.3 }, stop = { stiffness = 1e4, damping = 0.5 } }
+mass = 2
+com = [0.4, 0, 1]
+inertia = [0.01, 0.1, 0.1]
+[[body]]
+name = "ball"
+on = "flap"
+joint = { kind = "spherical", point = [0.8, 0, 1], dof = [{ spring = { stiffness = 3 } }, {}, { spring = { stiffness = 5 } }] }
+mass = 1
+com = [0.9, 0.1, 1]
+inertia = [0.1, 0.2, 0.15]
+[[body]]
+name = "drone"
+joint = "free"
+mass = 1
+com = [2, 0, 1]
+inertia = [0.1, 0.2, 0.15]
+[[frame]]
+name = "eye"
+on = "ball"
+position = [1, 0.2, 1]
+[[spring]]
+between = ["eye", "drone"]
+points = [[1, 0.2, 1], [2, 0, 1]]
+stiffness = 20
+rest = 0.7
+damping = 0.5
+[[spring]]
+between = ["eye", "ground"]
+stiffness = 5
+"""
+M = axode.read_drawing(FLAP)
+
+
+def states(N=20):
+    rng = np.random.default_rng(1)
+    return M.integrate(M.random(n=N), 0.5 * rng.normal(size=(N, M.nv))), rng.normal(size=(N, M.nv))
+
+
+def same(m, n):
+    q, v = states()
+    np.testing.assert_allclose(axode.spring_forces(m, q, v), axode.spring_forces(n, q, v), rtol=1e-12, atol=1e-10)
+    np.testing.assert_allclose(axode.elastic_energy(m, q), axode.elastic_energy(n, q), rtol=1e-12)
+
+
+def test_every_copy_has_them():
+    same(M, axode.Model.from_dict(M.to_dict()))
+    same(M, axode.Model.from_dict(tomllib.loads(FLAP)))
+    same(M, axode.read_drawing(axode.drawing(M)))
+    same(M, pickle.loads(pickle.dumps(M)))
+    same(M, copy.deepcopy(M))
+    same(M, M.with_gravity([0, 0, 0]))
+    same(M, M.with_parameters(M.parameters))
+    drawing = tomllib.loads(FLAP)
+    built = axode.Builder("flap")
+    for body in drawing["body"]:
+        built.body(**body)
+    built.frame(**drawing["frame"][0])
+    for spring in drawing["spring"]:
+        built.spring(*spring.pop("between"), **spring)
+    same(M, built.build())
+    assert np.ptp(axode.elastic_energy(M, states()[0])) > 1
+
+
+def test_a_urdf_has_no_words_for_them():
+    with pytest.raises(axode.ModelError, match="has a spring; URDF has no word for it") as found:
+        axode.urdf(M)
+    assert 'spring 1: is between "eye" and "drone"' in str(found.value)
+
+
+def test_forces_are_the_gradient_of_the_energy_and_have_these_derivatives():
+    q, v = states()
+    d = axode.spring_force_derivatives(M, q, v)
+    h = 1e-6
+    for k in range(M.nv):
+        x = np.zeros((len(q), M.nv))
+        x[:, k] = h
+        ahead, behind = M.integrate(q, x), M.integrate(q, -x)
+        slope = (axode.elastic_energy(M, ahead) - axode.elastic_energy(M, behind)) / (2 * h)
+        np.testing.assert_allclose(axode.spring_forces(M, q, np.zeros_like(v))[:, k], -slope, atol=1e-4)
+        by_q = (axode.spring_forces(M, ahead, v) - axode.spring_forces(M, behind, v)) / (2 * h)
+        by_v = (axode.spring_forces(M, q, v + x) - axode.spring_forces(M, q, v - x)) / (2 * h)
+        scale = np.abs(d.q).max()
+        np.testing.assert_allclose(d.q[:, :, k], by_q, atol=1e-6 * scale)
+        np.testing.assert_allclose(d.v[:, :, k], by_v, atol=1e-6 * scale)
+
+
+def test_they_act_in_simulations_alone():
+    q, v = states()
+    bare = M.to_dict()
+    bare.pop("spring")
+    for body in bare["body"]:
+        if isinstance(body["joint"], dict):
+            for key in ("spring", "stop", "dof"):
+                body["joint"].pop(key, None)
+    n = axode.Model.from_dict(bare)
+    a = axode.forward_dynamics(M, q, v, np.ones_like(v))
+    np.testing.assert_allclose(a, axode.forward_dynamics(n, q, v, np.ones_like(v)), rtol=1e-12)
+    np.testing.assert_array_equal(axode.spring_forces(n, q, v), 0)
+
+    def by_hand(t, q, v):
+        return axode.spring_forces(M, q, v)
+    sprung = axode.simulate(M, q[0], v[0], 0.3, method="rk4", step=1e-3)
+    driven = axode.simulate(n, q[0], v[0], 0.3, method="rk4", step=1e-3, tau=by_hand)
+    np.testing.assert_allclose(sprung.q, driven.q, atol=1e-9)
+    rolled, _ = axode.rollout(M, q[0], v[0], np.zeros((300, M.nv)), 1e-3)
+    np.testing.assert_allclose(rolled[-1], sprung.q[-1], atol=1e-9)
+
+
+def test_their_energy_is_that_of_the_motion():
+    drawing = M.to_dict()
+    drawing["spring"][0].pop("damping")
+    drawing["body"][0]["joint"]["stop"].pop("damping")
+    m = axode.Model.from_dict(drawing)
+    q, v = states()
+    motion = axode.simulate(m, q[0], v[0], 2.0, rtol=1e-10, atol=1e-12)
+    assert np.ptp(motion.energy) < 1e-6 * np.abs(motion.energy).max()
+    assert np.ptp(axode.elastic_energy(m, motion.q)) > 1
+    lossy = axode.simulate(M, q[0], v[0], 2.0)
+    assert np.all(np.diff(lossy.energy) < 1e-6) and lossy.energy[-1] < lossy.energy[0] - 0.01
+
+
+@pytest.mark.parametrize("change, sentence", [
+    (lambda d: d["body"][0]["joint"].update(spring={"stiffness": -1}), "stiffness of the spring is -1"),
+    (lambda d: d["body"][0]["joint"].update(spring={"rest": 1}), "spring of joint .*has no stiffness"),
+    (lambda d: d["body"][0]["joint"].update(spring=5), "spring is 5; it needs a table"),
+    (lambda d: d["body"][0]["joint"].update(limits=[-np.inf, np.inf]), "has stops but no limits"),
+    (lambda d: d["body"][1]["joint"]["dof"][0].update(spring={"stiffness": 1, "rest": 1}), "rests as drawn, at 0"),
+    (lambda d: d["body"][1]["joint"]["dof"][0].update(stop={"stiffness": 1}), "several velocities"),
+    (lambda d: d["spring"][0].update(between=["eye"]), "between is an array of 1"),
+    (lambda d: d["spring"][0].update(between=["eye", "drown"]), 'did you mean "drone"'),
+    (lambda d: d["spring"][0].update(rest=-1), "spring 1: rest is -1"),
+    (lambda d: d["spring"][0].update(damping=np.nan), "not finite"),
+    (lambda d: d["spring"][0].update(length=1), 'spring 1: key "length" is not known')])
+def test_what_cannot_be_is_refused(change, sentence):
+    drawing = tomllib.loads(FLAP)
+    change(drawing)
+    with pytest.raises(axode.ModelError, match=sentence):
+        axode.Model.from_dict(drawing)
