@@ -1,4 +1,4 @@
-"""Tools that draw what was measured."""
+"""Tools that measure, and draw what was measured."""
 
 import subprocess
 import sys
@@ -23,3 +23,27 @@ def test_a_study_becomes_a_plot(tmp_path):
     drawn = (tmp_path / "study.svg").read_text()
     texts = [text.text for text in xml.etree.ElementTree.fromstring(drawn).iter("{http://www.w3.org/2000/svg}text")]
     assert {'a "door" & <hinge>', "mass matrix", "constr.", "spatial", "operations"} <= set(texts)
+
+
+def test_a_study_of_motions_refreshes_its_table_and_nothing_else(tmp_path):
+    pytest.importorskip("matplotlib")
+    page = tmp_path / "page.md"
+    command = [sys.executable, TOOLS / "motion_study.py", page, "--only", "free_top"]
+    page.write_text("before\n\n<!-- free top -->\n| old |\n<!-- end -->\n\nafter\n")
+    subprocess.run(command, check=True)
+    lines = page.read_text().split("\n")
+    assert lines[:3] == ["before", "", "<!-- free top -->"] and lines[-4:] == ["<!-- end -->", "", "after", ""]
+    cells = {tuple(line.split(" | ")[:2]): line.strip(" |").split(" | ")[4:] for line in lines[5:-4]}
+    exact = [float(row[2]) for (method, _), row in cells.items() if "midpoint" in method or "momenta" in method]
+    assert len(exact) == 6 and max(exact) < 1e-14
+    errors = [float(cells["| `rk4`", step][0]) for step in ("0.1 s", "0.05 s", "0.025 s")]
+    assert 14 < errors[0] / errors[1] < 24 and 14 < errors[1] / errors[2] < 24
+
+
+def test_a_study_of_motions_says_which_table_a_page_lacks(tmp_path):
+    pytest.importorskip("matplotlib")
+    page = tmp_path / "page.md"
+    page.write_text("no table\n")
+    command = [sys.executable, TOOLS / "motion_study.py", page, "--only", "free_top"]
+    found = subprocess.run(command, capture_output=True, text=True)
+    assert found.returncode == 1 and "between <!-- free top --> and <!-- end -->, found 0" in found.stderr

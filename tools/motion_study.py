@@ -1,0 +1,373 @@
+"""Measures the integrators on one mechanism each for what matters, and refreshes the tables and figures of a page.
+
+    build/venv/bin/python tools/motion_study.py docs/integration.md
+    build/venv/bin/python tools/motion_study.py docs/integration.md --only heavy_top cost
+
+A table of the page stands between `<!-- name -->` and `<!-- end -->`, figures lie beside it as integration-name.svg. Times
+are those of the processor, in which other programs do not count. Needs matplotlib, and `cost` MuJoCo.
+"""
+
+import argparse
+import os
+import re
+import statistics
+import sys
+import time
+from pathlib import Path
+
+import axode
+import matplotlib
+import numpy as np
+
+matplotlib.use("svg")
+matplotlib.rcParams.update({"svg.hashsalt": "axode", "svg.fonttype": "none"})
+from matplotlib import pyplot  # noqa: E402: the backend comes first
+
+COLORS = {"dopri5": "#000000", "rk4": "#4477aa", "euler": "#999933", "generalized_alpha": "#aa3377", "midpoint": "#ee7733",
+          "suzuki4": "#228833", "kahan_li6": "#cc3311", "rk4_momenta": "#66ccee"}
+
+
+class Page:
+    """A Markdown file with tables to refresh, and figures beside it."""
+
+    def __init__(self, file):
+        self.file = file
+
+    def table(self, name, header, rows):
+        lines = [header, ["---", *["--:"] * (len(header) - 1)], *rows]
+        table = "".join("| " + " | ".join(str(cell) for cell in line) + " |\n" for line in lines)
+        text = self.file.read_text(encoding="utf-8")
+        begin, end = re.escape(f"<!-- {name} -->\n"), re.escape("<!-- end -->")
+        text, found = re.subn(f"({begin}).*?({end})", lambda match: match[1] + table + match[2], text, flags=re.DOTALL)
+        if found != 1:
+            raise SystemExit(f"{self.file}: expected one table between <!-- {name} --> and <!-- end -->, found {found}")
+        self.file.write_text(text, encoding="utf-8")
+        print(f"{name}\n{table}", flush=True)
+
+    def figure(self, name, figure):
+        figure.savefig(self.file.with_name(f"integration-{name}.svg"), metadata={"Date": None})
+
+
+def progress(*words):
+    print(*words, "...", file=sys.stderr, flush=True)
+
+
+def number(x, digits=1):
+    """1.2e-5."""
+    return f"{x:.{digits}e}".replace("e-0", "e-").replace("e+0", "e") if x else "0"
+
+
+def slope(steps, errors):
+    """The order, of the ends of a window."""
+    return np.log(errors[0] / errors[-1]) / np.log(steps[-1] / steps[0])
+
+
+def legend(figure, methods):
+    handles = [pyplot.Line2D([], [], color=COLORS[method]) for method in methods]
+    figure.legend(handles, methods, loc="outside lower center", ncols=4, fontsize="small")
+
+
+# ---- heavy top -------------------------------------------------------------------------------------------------------
+# Powers of two of the steps per second that are run, and those between which the order shows.
+HEAVY_TOP = {"euler": ((9, 18), (16, 18)), "generalized_alpha": ((9, 18), (11, 18)), "midpoint": ((9, 18), (10, 18)),
+             "rk4": ((9, 18), (11, 16)), "rk4_momenta": ((9, 18), (11, 16)), "suzuki4": ((9, 15), (9, 12)),
+             "kahan_li6": ((7, 15), (7, 9))}
+TOLERANCES = [10.0**-k for k in range(4, 13)]
+
+
+def heavy_top(page):
+    b = axode.Builder("heavy top")
+    b.body("top", joint={"kind": "spherical", "point": [0, 0, 0]}, mass=15, com=[0, 1, 0],
+           inertia=[0.234375, 0.46875, 0.234375])
+    m = b.build()
+
+    def end(method, **options):
+        motion = axode.simulate(m, m.neutral(), [0, 150, -4.61538], until=1, method=method, **options)
+        return motion.steps, motion.evaluations, motion.q[-1]
+
+    exact = end("rk4", step=2.0**-18)[2]
+    runs = {}
+    for method, (range_of_powers, _) in HEAVY_TOP.items():
+        progress("heavy top:", method)
+        powers = range(range_of_powers[0], range_of_powers[1] + 1)
+        runs[method] = [end(method, step=2.0**-power) for power in powers if (method, power) != ("rk4", 18)]
+    runs["dopri5"] = [end("dopri5", rtol=rtol, atol=rtol / 100) for rtol in TOLERANCES]
+
+    figure, panels = pyplot.subplots(1, 2, sharey=True, figsize=(9, 4.2), layout="constrained")
+    rows = []
+    for method, found in runs.items():
+        steps, evaluations = np.array([run[:2] for run in found]).T
+        errors = np.array([np.linalg.norm(m.difference(exact, run[2])) for run in found])
+        panels[0].loglog(steps, errors, ".-", color=COLORS[method])
+        panels[1].loglog(evaluations, errors, ".-", color=COLORS[method])
+        if method == "dopri5":
+            first, last, window, shown = 2, 7, "rtol = 1e-6 to 1e-11", TOLERANCES.index(1e-6)
+        else:
+            (begin, _), powers = HEAVY_TOP[method]
+            first, last = powers[0] - begin, powers[1] - begin
+            window, shown = f"2^{powers[0]} to 2^{powers[1]}", 12 - begin
+        order = slope(steps[first:last + 1], errors[first:last + 1])
+        rows.append([f"`{method}`", window, f"{order:.2f}", steps[shown], number(errors[shown]),
+                     f"{evaluations[shown] / steps[shown]:.1f}"])
+    page.table("heavy top", ["method", "window, steps in 1 s", "order seen in it", "steps", "error, rad",
+                             "evaluations a step"], rows)
+    panels[0].set(xlabel="steps in 1 s", ylabel="error of R at 1 s, rad")
+    panels[1].set(xlabel="evaluations")
+    legend(figure, runs)
+    page.figure("heavy-top", figure)
+
+
+# ---- free top --------------------------------------------------------------------------------------------------------
+def top(gravity=(0, 0, -9.81), inertia=(1, 2, 3)):
+    b = axode.Builder("top", gravity)
+    b.body("top", joint="free", mass=1, com=[0, 0, 0], inertia=list(inertia))
+    return b.build()
+
+
+def free_top(page):
+    m = top(gravity=(0, 0, 0))
+    start = m.neutral(), [0.001, 1, 0.002, 0, 0, 0], 100
+    progress("free top")
+    exact = axode.simulate(m, *start, rtol=1e-13, atol=1e-15).q[-1]
+    runs = [("dopri5", f"rtol = {number(rtol, 0)}", {"rtol": rtol, "atol": rtol / 100}) for rtol in (1e-6, 1e-8, 1e-10)]
+    runs += [(method, f"{step} s", {"step": step}) for method in COLORS if method != "dopri5"
+             for step in (0.1, 0.05, 0.025)]
+    rows = []
+    for method, choice, options in runs:
+        motion = axode.simulate(m, *start, method=method, **options)
+        energy, momentum = motion.energy, motion.momentum[:, :3]
+        drift = np.linalg.norm(momentum - momentum[0], axis=1).max() / np.linalg.norm(momentum[0])
+        error = np.linalg.norm(m.difference(exact, motion.q[-1]))
+        rows.append([f"`{method}`", choice, motion.steps, motion.evaluations, number(error),
+                     number(np.abs(energy / energy[0] - 1).max()), number(drift)])
+    page.table("free top", ["method", "step", "steps", "evaluations", "attitude, rad", "energy", "angular momentum"], rows)
+
+
+# ---- chain -----------------------------------------------------------------------------------------------------------
+STARTS, SHORT, LONG = 20, 20, 100
+CHAIN = {"dopri5": LONG, "rk4": LONG, "rk4_momenta": LONG, "midpoint": LONG, "generalized_alpha": LONG, "suzuki4": SHORT,
+         "kahan_li6": SHORT}  # until when, s
+
+
+def links(n):
+    """Rods of 1 m and 1 kg on parallel hinges; they hang at q = 0."""
+    b = axode.Builder(f"chain of {n}")
+    for i in range(n):
+        hinge = {"kind": "revolute", "axis": "y", "point": [0, 0, -i]}
+        b.body(f"rod {i}", on=f"rod {i - 1}" if i else "ground", joint=hinge, mass=1, com=[0, 0, -i - 0.5],
+               inertia=[1 / 12, 1 / 12, 1e-3])
+    return b.build()
+
+
+def nearly_level(m, seed):
+    q = np.random.default_rng(seed).uniform(-0.1, 0.1, m.nq)
+    q[0] -= np.pi / 2
+    return q
+
+
+def chain(page):
+    m, times = links(10), np.sort(np.append(np.geomspace(0.1, LONG, 40), SHORT))
+    figure, axes = pyplot.subplots(figsize=(7.5, 4.5), layout="constrained")
+    rows = []
+    for method, until in CHAIN.items():
+        errors, evaluations = [], []
+        for seed in range(STARTS):
+            progress(f"chain: {method}, start {seed + 1} of {STARTS}")
+            q = nearly_level(m, seed)
+            step = None if method == "dopri5" else 1e-3
+            motion = axode.simulate(m, q, np.zeros(m.nv), until, method=method, step=step)
+            height = axode.potential_energy(m, q) - axode.potential_energy(m, np.zeros(m.nq))
+            energy, t = motion.energy, motion.t
+            largest = np.maximum.accumulate(np.abs(energy - energy[0])) / height
+            errors.append(largest[np.searchsorted(t, times[times <= until] + 1e-9) - 1])
+            evaluations.append(motion.evaluations / until)
+        low, middle, high = np.quantile(errors, [0.1, 0.5, 0.9], axis=0)
+        shown = times[times <= until]
+        axes.loglog(shown, middle, color=COLORS[method])
+        axes.fill_between(shown, low, high, color=COLORS[method], alpha=0.15, linewidth=0)
+        for end in (SHORT, LONG)[:1 + (until == LONG)]:
+            quantiles = np.quantile([error[shown == end][0] for error in errors], [0.1, 0.5, 0.9, 1])
+            rows.append([f"`{method}`", f"{end} s", f"{statistics.mean(evaluations) / 1000:.1f}", *map(number, quantiles)])
+    rows.sort(key=lambda row: row[1], reverse=True)
+    page.table("chain", ["method", "until", "evaluations per ms", "10 %", "50 %", "90 %", "100 %"], rows)
+    axes.set(xlabel="t, s", ylabel="largest energy error until t / height")
+    legend(figure, CHAIN)
+    page.figure("chain", figure)
+
+
+# ---- humanoid --------------------------------------------------------------------------------------------------------
+HUMANOID = ["rk4", "dopri5", "midpoint", "rk4_momenta"]
+
+
+def parts(momenta):
+    """Sizes of the angular and linear parts, (..., 2)."""
+    return np.stack([np.linalg.norm(momenta[..., :3], axis=-1), np.linalg.norm(momenta[..., 3:], axis=-1)], -1)
+
+
+def sum_of_bodies(m, q, v):
+    return parts(axode.body_momenta(m, q, v, "spatial")).sum(axis=1)
+
+
+def weightless_error(m, t, q, v):
+    """Of Pi^s about the inertial origin, over the sum of those of the bodies."""
+    Pi = axode.spatial_momentum(m, q, v)
+    return (parts(Pi - Pi[0]) / sum_of_bodies(m, q, v)).max(axis=1)
+
+
+def falling_error(m, t, q, v):
+    """Of L_c and P - m g t, over the sums of those of the bodies. L_c does not depend on where the centre is and how
+    fast: it is found from the state against a frame that falls with it, where digits are not lost."""
+    P = axode.spatial_momentum(m, q, v)[:, 3:]
+    expected = P[0] + m.total_mass * t[:, None] * np.array(m.gravity)
+    linear = np.linalg.norm(P - expected, axis=1) / sum_of_bodies(m, q, v)[:, 1]
+    base, R = m.joint("free_base"), axode.poses(m, q)[:, m.frame_index("pelvis"), :3, :3]
+    near, slow = q.copy(), v.copy()
+    near[:, base.q][:, 4:] -= axode.center_of_mass(m, q)
+    slow[:, base.v][:, 3:] -= np.einsum("nji,nj->ni", R, expected / m.total_mass)
+    L = axode.centroidal_momentum(m, near, slow)[:, :3]
+    return np.maximum(linear, np.linalg.norm(L - L[0], axis=1) / sum_of_bodies(m, near, slow)[:, 0])
+
+
+def humanoid(page):
+    figure, panels = pyplot.subplots(1, 2, sharey=True, figsize=(9, 4.2), layout="constrained")
+    rows = []
+    for axes, title, gravity, error_of in zip(panels, ["weightless", "in free fall"], [0, -9.81],
+                                              [weightless_error, falling_error], strict=True):
+        m = axode.load(axode.robots / "humanoid.urdf", base="free", gravity=[0, 0, gravity])
+        q, v = m.random(seed=3), 0.3 * np.random.default_rng(1).normal(size=m.nv)
+        for method in HUMANOID:
+            progress(f"humanoid {title}: {method}")
+            motion = axode.simulate(m, q, v, 100, method=method, step=None if method == "dopri5" else 1e-3)
+            t = motion.t
+            ends = np.searchsorted(t, np.geomspace(1e-3, 100, 61) - 1e-9)  # the ends of steps that are next
+            ends = np.unique(np.r_[0, ends, np.searchsorted(t, [1 - 1e-9, 10 - 1e-9, 100 - 1e-9])])
+            errors = error_of(m, t[ends], motion.q[ends], motion.v[ends])
+            axes.loglog(t[ends[1:]], np.maximum(errors[1:], 1e-17), color=COLORS[method])
+            energy = motion.energy
+            drift = np.abs(energy - energy[0]).max() / axode.kinetic_energy(m, q, v)
+            at = [errors[np.searchsorted(t[ends], until - 1e-9)] for until in (1, 10, 100)]
+            rows.append([title, f"`{method}`", motion.steps, *map(number, at), number(drift)])
+        axes.set(title=title, xlabel="t, s")
+    page.table("humanoid", ["", "method", "steps in 100 s", "1 s", "10 s", "100 s", "energy, largest"], rows)
+    panels[0].set_ylabel("momentum error / sum over bodies")
+    legend(figure, HUMANOID)
+    page.figure("humanoid", figure)
+
+
+# ---- cost ------------------------------------------------------------------------------------------------------------
+COST = ["rk4", "rk4_momenta", "generalized_alpha", "midpoint", "suzuki4", "kahan_li6"]
+STEPS = 300
+
+
+def medians(calls, repetitions=9):
+    """Processor time of each, s; they take turns."""
+    seconds = [[] for _ in calls]
+    for repetition in range(repetitions + 1):
+        for call, times in zip(calls, seconds, strict=True):
+            begin = time.process_time()
+            call()
+            if repetition > 0:  # the first one finds cold caches
+                times.append(time.process_time() - begin)
+    return [statistics.median(times) for times in seconds]
+
+
+def machine():
+    cpu = re.search(r"model name\s*: (.*)", Path("/proc/cpuinfo").read_text(encoding="utf-8"))
+    return f"{cpu[1] if cpu else 'unknown'}, {os.cpu_count()} cores, load {os.getloadavg()[0]:.1f}"
+
+
+def peer(m, step):
+    """The same mechanism in MuJoCo: no contacts, no limits, no losses."""
+    import mujoco
+
+    options = '<mujoco><compiler fusestatic="true" balanceinertia="false"/></mujoco></robot>'
+    model = mujoco.MjModel.from_xml_string(axode.urdf(m).replace("</robot>", options))
+    model.opt.integrator, model.opt.timestep = mujoco.mjtIntegrator.mjINT_RK4, step
+    model.opt.disableflags = mujoco.mjtDisableBit.mjDSBL_CONTACT | mujoco.mjtDisableBit.mjDSBL_CONSTRAINT
+    model.dof_damping[:] = model.dof_frictionloss[:] = 0
+    return model
+
+
+def peer_end(m, model, q, v, steps):
+    import mujoco
+    from mujoco import rollout
+
+    begin = np.hstack([0, *axode.convert.to_mujoco(m, q, v)])
+    states, _ = rollout.rollout(model, mujoco.MjData(model), initial_state=begin, nstep=steps)
+    return axode.convert.from_mujoco(m, states[0, -1, 1:1 + model.nq], states[0, -1, 1 + model.nq:])[0]
+
+
+def cost(page):
+    progress("cost on", machine())
+    falling = axode.load(axode.robots / "humanoid.urdf", base="free")
+    starts = {"humanoid": (falling, falling.random(seed=3), 0.3 * np.random.default_rng(1).normal(size=falling.nv))}
+    for m in (links(36), links(10)):  # while they whip about
+        motion = axode.simulate(m, nearly_level(m, 0), np.zeros(m.nv), 5)
+        starts = {m.name: (m, motion.q[-1], motion.v[-1])} | starts
+    columns = []
+    for name, (m, q, v) in starts.items():
+        progress("cost:", name)
+
+        def run(method, m=m, q=q, v=v):
+            return axode.simulate(m, q, v, STEPS * 1e-3, method=method, step=1e-3)
+
+        seconds = medians([lambda method=method: run(method) for method in COST])
+        columns.append([f"{time / STEPS / m.nv * 1e6:.2f} ({run(method).evaluations / STEPS:.1f})"
+                        for method, time in zip(COST, seconds, strict=True)])
+    page.table("cost", ["method", *(f"{name}, {m.nv} dof" for name, (m, _, _) in starts.items())],
+               [[f"`{method}`", *cells] for method, *cells in zip(COST, *columns, strict=True)])
+    beside_mujoco(page, falling)
+    falling_top_beside_mujoco(page)
+
+
+def beside_mujoco(page, falling):
+    import mujoco
+    from mujoco import rollout
+
+    rows = []
+    for m in (axode.load(axode.robots / "arm7.toml"), falling):
+        model = peer(m, 1e-3)
+        data = mujoco.MjData(model)
+        q, v = m.random(seed=1), np.random.default_rng(1).uniform(-1, 1, m.nv)
+        ours_end = axode.rollout(m, q, v, np.zeros((100, m.nv)), 1e-3)[0][-1]
+        if not np.abs(m.difference(ours_end, peer_end(m, model, q, v, 100))).max() < 1e-7:
+            raise SystemExit(f"{m.name} does not move in MuJoCo as it does here")
+        progress(f"cost: {m.name} beside MuJoCo")
+        tau, begin = np.zeros((1000, m.nv)), np.hstack([0, *axode.convert.to_mujoco(m, q, v)])
+        ours, theirs = medians([lambda: axode.rollout(m, q, v, tau, 1e-3),
+                                lambda: rollout.rollout(model, data, initial_state=begin, nstep=1000)])
+        rows.append([f"{m.name}, {m.nv} dof", f"{ours * 1e3:.1f}", f"{theirs * 1e3:.1f}", f"{ours / theirs:.2f}"])
+    page.table("mujoco", ["", "axode, µs a step", "MuJoCo, µs a step", "ratio"], rows)
+
+
+def falling_top_beside_mujoco(page):
+    m, v, until = top(inertia=(1, 2, 2.5)), np.array([0.3, 1, 0.5, 0, 0, 0]), 10
+    exact = axode.simulate(m, m.neutral(), v, until, method="kahan_li6", step=1e-2).q[-1]
+    rows = []
+    for step in (0.1, 0.05, 0.025):
+        ends = [axode.simulate(m, m.neutral(), v, until, method=method, step=step).q[-1]
+                for method in ("rk4", "rk4_momenta")]
+        ends.append(peer_end(m, peer(m, step), m.neutral(), v, round(until / step)))
+        rows.append([f"{step} s", *(f"{number(angular)}, {number(linear)}"
+                                    for angular, linear in (parts(m.difference(exact, end)) for end in ends))])
+    page.table("falling top", ["step", "`rk4`: rad, m", "`rk4_momenta`: rad, m", "MuJoCo's RK4: rad, m"], rows)
+
+
+SECTIONS = {section.__name__: section for section in (heavy_top, free_top, chain, humanoid, cost)}
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("page", type=Path, help="the page, docs/integration.md")
+    parser.add_argument("--only", nargs="+", choices=SECTIONS, default=list(SECTIONS), help="sections to measure again")
+    arguments = parser.parse_args()
+    page = Page(arguments.page)
+    try:
+        for name in arguments.only:
+            SECTIONS[name](page)
+    except KeyboardInterrupt:
+        raise SystemExit(f"stopped; {arguments.page} has what was finished") from None
+
+
+if __name__ == "__main__":
+    main()
