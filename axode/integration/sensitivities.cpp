@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <deque>
+#include <stdexcept>
 #include <utility>
 #include <vector>
 
@@ -31,6 +32,8 @@ void check_motion(const Model& model, double step, const Loads<double>& loads, c
                   std::initializer_list<Sized<const double>> arguments,
                   std::initializer_list<Sized<double>> results) {
   check(method), check_step(step), check_loads(model, loads);
+  if (!model.springs().empty())
+    throw std::invalid_argument("model \"" + model.name() + "\" has springs or stops, which sensitivities do not know");
   for (const auto& in : arguments) check_size(in.name, in.x.size(), in.size, in.meaning);
   for (const auto* out = results.begin(); out != results.end(); ++out) {
     check_size(out->name, out->x.size(), out->size, out->meaning);
@@ -116,7 +119,7 @@ class TangentSteps {
   }
 
   const Tableau& method_;
-  MuntheKaas scheme_;
+  MuntheKaas<> scheme_;
   ConfigurationGroup<double> group_;
   GroupDerivatives maps_;
   Vector a_;
@@ -219,7 +222,7 @@ class AdjointStep {
   const Tree<double>& tree_;
   const Tableau& method_;
   const Loads<double>& loads_;
-  MuntheKaas scheme_;
+  MuntheKaas<> scheme_;
   ConfigurationGroup<double> group_;
   GroupDerivatives end_;
   std::deque<Stage> stages_;
