@@ -61,8 +61,12 @@ template <class System> class Midpoint {
       }
       const bool slow = !(change < 0.5 * before);
       if (change <= 1e-13 * size || (slow && change < 1e-9 * size)) {  // the latter is rounding
+        // Along the last v, q and p alike: momenta depend on that they move together.
+        for (std::size_t k = 0; k < v.size(); ++k) y_[k] = 0.5 * h * v[k];
+        group_.carry(y_.data(), p0.data(), p.data());
+        for (std::size_t k = 0; k < v.size(); ++k) p[k] += h * f[k];
         group_.carry(y_.data(), p.data(), p.data());
-        for (double& y_k : y_) y_k *= 2;  // not h v, of the last correction: what p is kept by, q moves along
+        for (double& y_k : y_) y_k *= 2;
         group_.move(q0.data(), y_.data(), q.data());
         return Outcome::found;
       }

@@ -35,7 +35,8 @@ def simulate(m: Model, q: ArrayLike, v: ArrayLike, until: float, *,
         oscillates quickly (spectral radius 0.8). Every explicit method is Munthe-Kaas': no coordinates are singular,
         and quaternions stay on the sphere. On (q, p), conserving: "midpoint" (second order, implicit), "suzuki4" and
         "kahan_li6" (fourth and sixth, made of it) are symplectic: errors of the energy stay bounded; "rk4_momenta" is
-        explicit. All four keep the momentum of what floats to rounding. They take no events and no dry friction.
+        explicit. All four keep the momentum of what floats to rounding. They take no events, stops
+        and dry friction.
     tau: drive forces, (nv,) for constant ones; one of `axode.drives`; or a function (t, q, v) -> (nv,), called for each
         evaluation. Springs, dampers and stops of the mechanism act besides, see `spring_forces`.
     loads: wrenches on frames, constant in their representations. joint_losses: whether damping and friction act.

@@ -199,7 +199,7 @@ std::tuple<Array, Array> rollout_of(const BoundModel& m, ArrayLike q, ArrayLike 
   NewArray q_out = states.result({K + 1, m->nq()}), v_out = states.result(shape_v);
   const batch::Outcome outcome =
       states.unlocked(100.0 * static_cast<double>(K), [&](const batch::Monitor& monitor) {
-        return batch::rollout(*m, states.q(), velocities.all(),
+        return batch::rollout<double>(*m, states.q(), velocities.all(),
                               {forces.data(), static_cast<std::size_t>(forces.size())}, step, q_out.all(),
                               v_out.all(), runge_kutta(4), threads, monitor);
       });

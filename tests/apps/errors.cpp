@@ -142,7 +142,9 @@ INSTANTIATE_TEST_SUITE_P(
          2,
          "axode codegen: --functions: \"crba\" is none of inverse_dynamics, forward_dynamics, mass_matrix, "
          "jacobian, inverse_dynamics_derivatives, inverse_dynamics_jvp, inverse_dynamics_vjp, "
-         "forward_dynamics_derivatives, forward_dynamics_jvp, forward_dynamics_vjp; it is "
+         "inverse_dynamics_hessian, forward_dynamics_derivatives, forward_dynamics_jvp, "
+         "forward_dynamics_vjp, "
+         "forward_dynamics_hessian; it is "
          "called \"mass_matrix\" here (see axode codegen --help)"},
         {"AnEmptyWord",
          {"codegen", arm, "--output", ""},
@@ -159,7 +161,9 @@ INSTANTIATE_TEST_SUITE_P(
          "axode codegen: --functions: \"mass_matrx\" is none of inverse_dynamics, forward_dynamics, "
          "mass_matrix, "
          "jacobian, inverse_dynamics_derivatives, inverse_dynamics_jvp, inverse_dynamics_vjp, "
-         "forward_dynamics_derivatives, forward_dynamics_jvp, forward_dynamics_vjp; did you mean "
+         "inverse_dynamics_hessian, forward_dynamics_derivatives, forward_dynamics_jvp, "
+         "forward_dynamics_vjp, "
+         "forward_dynamics_hessian; did you mean "
          "\"mass_matrix\"? (see axode codegen --help)"},
         {"JacobianOfNothing",
          {"codegen", arm, "--functions", "jacobian"},

@@ -312,6 +312,16 @@ TEST(Sensitivities, RefuseWhatTheyCannotUse) {
   EXPECT_THAT(message_of(jvp(q, tau, 0.1, b)), testing::StartsWith("dv_out shares memory with dq_out"));
   const std::vector<AppliedWrench<>> nowhere{{9, Representation::body, Vec3<>{}, Vec3<>{}}};
   EXPECT_THAT(message_of(jvp(q, tau, 0.1, a, {nowhere})), testing::HasSubstr("frame 9"));
+  Description sprung{.name = "sprung"};
+  sprung.bodies.push_back({.name = "bob", .predecessor = "ground"});
+  sprung.bodies[0].joint = {.name = "pin", .kind = JointKind::revolute, .dof = {{.stiffness = 2}}};
+  sprung.bodies[0].inertia = MassProperties{.mass = 1, .Theta = {1, 1, 1}};
+  const Model held = ModelBuilder(sprung).build();
+  EXPECT_EQ(message_of([&] {
+              Numbers one(1), two(2), out(2);
+              (void)rollout_jvp(held, one, one, one, 0.1, one, one, one, two, out);
+            }),
+            "model \"sprung\" has springs or stops, which sensitivities do not know");
   EXPECT_THAT(vjp(tau, {}), refused("w_q", 8, "(K + 1) nv", 12));
   EXPECT_THAT(vjp(w, a), testing::Not(testing::Throws<std::invalid_argument>()));
   EXPECT_THAT(vjp(w, e), refused("gradient.geometry", 8, "n_bodies * 6", 12));

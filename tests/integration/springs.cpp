@@ -165,7 +165,7 @@ TEST(Springs, ImplicitAndExplicitMethodsAndRolloutsSeeTheSameOnes) {
     EXPECT_LE(error(stiff.q(40)), 1e-4 * (1 + largest(exact.a()) * until));
     const Trajectory fixed = simulate_fixed(at.model, at.q, at.v, until, until / 40);
     Numbers q(41 * at.q.size()), v(41 * at.nv());
-    EXPECT_TRUE(batch::rollout(at.model, at.q, at.v, Numbers(40 * at.nv()), until / 40, q, v).ok());
+    EXPECT_TRUE(batch::rollout<double>(at.model, at.q, at.v, Numbers(40 * at.nv()), until / 40, q, v).ok());
     EXPECT_LE(largest(difference(at.model, fixed.q(40), Span(q).last(at.q.size()))), 1e-13);
     ++compared;
   });
