@@ -336,8 +336,17 @@ def beside_mujoco(page, falling):
         tau, begin = np.zeros((1000, m.nv)), np.hstack([0, *axode.convert.to_mujoco(m, q, v)])
         ours, theirs = medians([lambda: axode.rollout(m, q, v, tau, 1e-3),
                                 lambda: rollout.rollout(model, data, initial_state=begin, nstep=1000)])
-        rows.append([f"{m.name}, {m.nv} dof", f"{ours * 1e3:.1f}", f"{theirs * 1e3:.1f}", f"{ours / theirs:.2f}"])
-    page.table("mujoco", ["", "axode, µs a step", "MuJoCo, µs a step", "ratio"], rows)
+        rows.append([f"{m.name}, {m.nv} dof", "1", f"{ours * 1e3:.1f}", f"{theirs * 1e3:.1f}", f"{ours / theirs:.2f}"])
+
+        count, steps = 64, 200
+        q, v = m.random(n=count, seed=2), np.random.default_rng(2).uniform(-1, 1, (count, m.nv))
+        taus = np.zeros((count, steps, m.nv))
+        begins = np.array([np.hstack([0, *axode.convert.to_mujoco(m, *state)]) for state in zip(q, v, strict=True)])
+        ours, theirs = (time / (count * steps) * 1e6 for time in medians(
+            [lambda: axode.rollout(m, q, v, taus, 1e-3),
+             lambda: rollout.rollout(model, data, initial_state=begins, nstep=steps)]))
+        rows.append([f"{m.name}, {m.nv} dof", f"{count}", f"{ours:.1f}", f"{theirs:.1f}", f"{ours / theirs:.2f}"])
+    page.table("mujoco", ["", "motions", "axode, µs a step", "MuJoCo, µs a step", "ratio"], rows)
 
 
 def falling_top_beside_mujoco(page):
