@@ -310,32 +310,31 @@ class Rollout {
       : tree_(tree), scheme_(tree, method), group_(tree), dynamics_(*tree.topology()) {}
 
   unsigned run(const Motions<S>& of, std::ptrdiff_t k, std::ptrdiff_t end) noexcept {
-    auto& [q, v, tau, a, bodies, motion] = *dynamics_;
-    bodies.doubtful = Number::Mask{};
+    Dynamics& at = *dynamics_;
+    at.bodies.doubtful = Number::Mask{};
     const std::ptrdiff_t nq = tree_->nq, nv = tree_->nv;
-    const auto accelerate = [&](double, std::span<const Number> q_t, std::span<const Number> v_t,
-                                std::span<Number> a_t) {
-      bodies.place_and_move(tree_, q_t.data(), v_t.data(), motion);
-      bodies.factorize(tree_, tau);
-      bodies.accelerate(tree_, motion, a_t.data());
+    const auto accelerate = [&](double, std::span<const Number> q, std::span<const Number> v,
+                                std::span<Number> a) {
+      at.bodies.place_and_move(tree_, q.data(), v.data(), at.motion);
+      at.bodies.factorize(tree_, at.tau);
+      at.bodies.accelerate(tree_, at.motion, a.data());
       return true;
     };
-    each(of, of.q + k * nq, (of.K + 1) * nq, q, nq), each(of, of.v + k * nv, (of.K + 1) * nv, v, nv);
+    each(of, of.q + k * nq, (of.K + 1) * nq, at.q, nq), each(of, of.v + k * nv, (of.K + 1) * nv, at.v, nv);
     for (; k < end; ++k) {
-      each(of, of.tau + k * nv, of.K * nv, tau, nv);
-      accelerate(0, {q, static_cast<std::size_t>(nq)}, {v, static_cast<std::size_t>(nv)},
-                 {a, static_cast<std::size_t>(nv)});
-      static_cast<void>(scheme_.run(0, q, v, a, of.step, accelerate));
-      group_.move(q, scheme_.theta.data(), q);
-      for (std::ptrdiff_t c = 0; c < nv; ++c) v[c] = scheme_.y[static_cast<std::size_t>(c)];
+      each(of, of.tau + k * nv, of.K * nv, at.tau, nv);
+      accelerate(0, {at.q, static_cast<std::size_t>(nq)}, {at.v, static_cast<std::size_t>(nv)},
+                 {at.a, static_cast<std::size_t>(nv)});
+      static_cast<void>(scheme_.run(0, at.q, at.v, at.a, of.step, accelerate));
+      group_.move(at.q, scheme_.theta.data(), at.q);
+      for (std::ptrdiff_t c = 0; c < nv; ++c) at.v[c] = scheme_.y[static_cast<std::size_t>(c)];
       for (std::ptrdiff_t l = 0; l < of.count; ++l) {
-        S *const q_l = of.q + (l * (of.K + 1) + k + 1) * nq, *const v_l =
-                                                                 of.v + (l * (of.K + 1) + k + 1) * nv;
-        for (std::ptrdiff_t c = 0; c < nq; ++c) q_l[c] = q[c][l];
-        for (std::ptrdiff_t c = 0; c < nv; ++c) v_l[c] = v[c][l];
+        S *const q = of.q + (l * (of.K + 1) + k + 1) * nq, *const v = of.v + (l * (of.K + 1) + k + 1) * nv;
+        for (std::ptrdiff_t c = 0; c < nq; ++c) q[c] = at.q[c][l];
+        for (std::ptrdiff_t c = 0; c < nv; ++c) v[c] = at.v[c][l];
       }
     }
-    return bits(bodies.doubtful);
+    return bits(at.bodies.doubtful);
   }
 
  private:
