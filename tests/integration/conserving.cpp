@@ -62,9 +62,10 @@ TEST(ConservingSchemes, HaveTheirOrdersOnTheGroup) {
     };
     return std::log2(error(n) / error(2 * n));
   };
-  for (const auto& [order, n] : {std::pair{2, 100}, {4, 20}, {6, 20}})
+  for (const int order : {2, 4, 6})
     EXPECT_NEAR(
-        order_of([&](double h) { return simulate_conserving(model, at.q, at.v, 0.5, h, order, options); }, n),
+        order_of([&](double h) { return simulate_conserving(model, at.q, at.v, 0.5, h, order, options); },
+                 order == 2 ? 100 : 20),
         order, 0.25);
   for (const int order : {1, 2, 3, 4})
     EXPECT_NEAR(order_of(
