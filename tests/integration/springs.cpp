@@ -94,15 +94,16 @@ TEST(Springs, DerivativesAreThoseOfTheForces) {
 }
 
 TEST(Springs, DampersAndStopsTakeEnergy) {
-  int taken = 0;
+  int trees = 0, taken = 0;
   for_seeds(100, [&](std::uint64_t seed) {
+    ++trees;
     Sprung at(seed, Loss::some);
     const Numbers rest(at.nv()), still = at.forces(at.q, rest), moving = at.forces(at.q, at.v);
     const double power = product(moving, at.v) - product(still, at.v);
     EXPECT_LE(power, 1e-12 * (1 + largest(still)));
     taken += power < -1e-3;
   });
-  EXPECT_GT(taken, 50);
+  EXPECT_GT(2 * taken, trees);
 }
 
 TEST(Springs, SingleAndDoublePrecisionAgree) {
