@@ -14,6 +14,7 @@
 #include "axode/derivatives.hpp"
 #include "axode/dynamics.hpp"
 #include "axode/kinematics/check_arguments.hpp"
+#include "axode/model/finite.hpp"
 
 namespace axode::batch {
 namespace {
@@ -129,11 +130,6 @@ Outcome solve_lanes(const Model& model, int threads, const Monitor& monitor, con
   const std::size_t N = out.rows == 0 ? 0 : out.all.size() / out.rows;
   const bool in_lanes = !coupled(model);
   std::vector<Verdict> verdicts(N, solved);
-  const auto finite = [&](std::size_t k) {
-    S none(0);
-    for (const S x : out.all.subspan(k * out.rows, out.rows)) none += x - x;
-    return none == S(0);
-  };
   Outcome outcome;
   outcome.done = in_portions(N, Call::lanes(), threads, monitor, [&] {
     std::optional<Call> made;
@@ -144,7 +140,7 @@ Outcome solve_lanes(const Model& model, int threads, const Monitor& monitor, con
       for (std::size_t l = 0; l < count; ++l) {
         const std::size_t k = first + l;
         if ((doubts >> l & 1) == 0) {
-          verdicts[k] = finite(k) ? solved : not_finite;
+          verdicts[k] = finite(out.all.subspan(k * out.rows, out.rows)) ? solved : not_finite;
         } else {
           if (!workspace) workspace.emplace(model);
           verdicts[k] = solve(*workspace, k).ok() ? solved : singular;

@@ -12,17 +12,12 @@
 #include "axode/dynamics/forward_dynamics.hpp"
 #include "axode/dynamics/springs.hpp"
 #include "axode/integration/munthe_kaas.hpp"
+#include "axode/model/finite.hpp"
 
 namespace axode::batch {
 
 namespace {
 
-template <class S> bool all_finite(std::span<const S> x) {
-  S none(0);
-  for (const S x_k : x) none += x_k - x_k;
-  return none == S(0);
-}
-template <class S> bool all_finite(std::span<S> x) { return all_finite(std::span<const S>(x)); }
 template <class S> void none(std::span<S> x) { std::ranges::fill(x, std::numeric_limits<S>::quiet_NaN()); }
 
 /// Steps of one motion.
@@ -41,7 +36,7 @@ template <class S> class OneMotion {
     Solvability found;
     const auto accelerate = [&](double, std::span<const S> q_t, std::span<const S> v_t, std::span<S> a_t) {
       found = {.not_finite = true};
-      if (!all_finite(q_t)) return false;
+      if (!finite(q_t)) return false;
       std::ranges::fill(total_, S(0));
       if (!model_->springs().empty()) spring_forces(*model_, workspace_, q_t, v_t, total_);
       for (std::size_t c = 0; c < total_.size(); ++c) total_[c] += tau[c];
@@ -114,7 +109,7 @@ Outcome rollout(const Model& model, std::span<const S> q, Numbers<S> v, Numbers<
     const std::size_t end = std::min(K, begin + steps_at_once);
     outcome.done = in_portions(N, group, threads, monitor, [&] {
       return [&, lanes = in_lanes ? std::optional(InLanes<S>(tree, method)) : std::nullopt,
-              one = OneMotion<S>(model, method)](std::size_t first, std::size_t count) mutable {
+              one = std::optional<OneMotion<S>>()](std::size_t first, std::size_t count) mutable {
         unsigned doubts = ~0u;
         if (lanes)
           doubts = lanes->run({tau.data() + first * K * nv, q_at(first, 0).data(), v_at(first, 0).data(),
@@ -122,11 +117,12 @@ Outcome rollout(const Model& model, std::span<const S> q, Numbers<S> v, Numbers<
                               begin, end);
         for (std::size_t l = 0; l < count; ++l) {
           const std::size_t n = first + l;
-          if ((doubts >> l & 1) == 0 && all_finite(v_at(n, end)) && all_finite(q_at(n, end))) continue;
+          if ((doubts >> l & 1) == 0 && finite(v_at(n, end)) && finite(q_at(n, end))) continue;
+          if (!one) one.emplace(model, method);
           for (std::size_t k = begin; k < end; ++k) {
             if (found[n].ok())
-              found[n] = one.run(q_at(n, k), v_at(n, k), tau.subspan((n * K + k) * nv, nv), step,
-                                 q_at(n, k + 1), v_at(n, k + 1));
+              found[n] = one->run(q_at(n, k), v_at(n, k), tau.subspan((n * K + k) * nv, nv), step,
+                                  q_at(n, k + 1), v_at(n, k + 1));
             if (!found[n].ok()) none(q_at(n, k + 1)), none(v_at(n, k + 1));
           }
         }

@@ -95,13 +95,10 @@ void check(const Model& model, std::span<const double> q0, std::span<const doubl
   const auto need = [](bool good, const std::string& what) {
     if (!good) throw std::invalid_argument("equilibrium: " + what);
   };
-  const auto all_finite = [](std::span<const double> x) {
-    return std::ranges::all_of(x, [](double x_k) { return std::isfinite(x_k); });
-  };
   check_configuration(model, q0, "q0");
   if (!tau.empty()) check_size("tau", tau.size(), static_cast<std::size_t>(model.nv()), "nv");
-  need(all_finite(q0), "q0 is not finite");
-  need(all_finite(tau), "tau is not finite");
+  need(finite(q0), "q0 is not finite");
+  need(finite(tau), "tau is not finite");
   for (const AppliedWrench<>& W : loads.wrenches) need(finite(W.m) && finite(W.f), "a load is not finite");
   need(options.tolerance > 0, "tolerance is " + to_text(options.tolerance) + "; it must be positive");
   need(options.iterations > 0,

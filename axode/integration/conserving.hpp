@@ -29,6 +29,7 @@ template <class System> class ConservingStep {
         y_(p_0) {
     midpoint_.v = v_0;
     system.bases().begin(q.data(), y_.data());
+    system.bases().to_momenta(q.data(), y_.data(), p.data());
   }
 
   /// Takes q and p at time t to t + h.
@@ -37,14 +38,13 @@ template <class System> class ConservingStep {
     for (std::size_t k = 0; k < lengths_.size(); ++k) {
       const double part = lengths_[k] * h;
       guesses_[k].extrapolate(midpoint_.v);
-      bases.to_momenta(q.data(), y_.data(), p.data());
       if (const Outcome outcome = midpoint_.run(t, part, q, p); outcome != Outcome::found) return outcome;
       guesses_[k].take(midpoint_.v);
       q = midpoint_.q, p = midpoint_.p, t += part;
       bases.advance(midpoint_.q_middle.data(), part, system_->pushes_bases(), midpoint_.f.data(), y_.data());
       bases.settle(q.data());
+      bases.to_momenta(q.data(), y_.data(), p.data());
     }
-    bases.to_momenta(q.data(), y_.data(), p.data());
     return Outcome::found;
   }
 
@@ -55,8 +55,12 @@ template <class System> class ConservingStep {
   class Extrapolation {
    public:
     void take(const Numbers& v) {
-      if (last_.size() == 4) last_.erase(last_.begin());
-      last_.push_back(v);
+      if (last_.size() < 4) {
+        last_.push_back(v);
+      } else {
+        std::ranges::rotate(last_, last_.begin() + 1);
+        last_.back() = v;
+      }
     }
     /// Leaves v as it is before there are any.
     void extrapolate(Numbers& v) const {

@@ -94,20 +94,27 @@ void Reference::find(double t) {
   if (t < begin - rounding || t > end + rounding) std::ranges::fill(v_, 0.0), std::ranges::fill(a_, 0.0);
 }
 
-ProportionalDerivative::ProportionalDerivative(const Model& model, const Gains& given, Reference reference,
-                                               Drive feedforward, bool clip)
+Tracking::Tracking(const Model& model, const Gains& given, Reference reference)
     : model_(model),
       kp_(gains(model, "kp", given.kp)),
       kd_(gains(model, "kd", given.kd)),
       x_(nv_of(model)),
       reference_(std::move(reference)),
-      feedforward_(std::move(feedforward)) {
+      group_(model_.tree<double>()) {}
+
+void Tracking::find(double t, Span q) {
+  reference_.find(t);
+  group_.difference(q.data(), reference_.q().data(), x_.data());
+}
+
+ProportionalDerivative::ProportionalDerivative(const Model& model, const Gains& given, Reference reference,
+                                               Drive feedforward, bool clip)
+    : Tracking(model, given, std::move(reference)), feedforward_(std::move(feedforward)) {
   if (clip) limit_ = effort_limits(model);
 }
 
 void ProportionalDerivative::operator()(double t, Span q, Span v, std::span<double> tau) {
-  reference_.find(t);
-  ConfigurationGroup<double>(model_.tree<double>()).difference(q.data(), reference_.q().data(), x_.data());
+  find(t, q);
   std::ranges::fill(tau, 0.0);
   if (feedforward_) feedforward_(t, q, v, tau);
   for (std::size_t c = 0; c < tau.size(); ++c) tau[c] += kp_[c] * x_[c] + kd_[c] * (reference_.v()[c] - v[c]);
@@ -115,20 +122,14 @@ void ProportionalDerivative::operator()(double t, Span q, Span v, std::span<doub
 }
 
 ComputedTorque::ComputedTorque(const Model& model, const Gains& given, Reference reference)
-    : model_(model),
-      workspace_(model),
-      kp_(gains(model, "kp", given.kp)),
-      kd_(gains(model, "kd", given.kd)),
-      x_(nv_of(model)),
-      springs_(nv_of(model)),
-      reference_(std::move(reference)) {}
+    : Tracking(model, given, std::move(reference)), workspace_(model), springs_(nv_of(model)) {}
 
 void ComputedTorque::operator()(double t, Span q, Span v, std::span<double> tau) {
-  reference_.find(t);
-  ConfigurationGroup<double>(model_.tree<double>()).difference(q.data(), reference_.q().data(), x_.data());
+  find(t, q);
   for (std::size_t c = 0; c < x_.size(); ++c)
     x_[c] = reference_.a()[c] + kd_[c] * (reference_.v()[c] - v[c]) + kp_[c] * x_[c];
   inverse_dynamics(model_, workspace_, q, v, x_, tau);
+  if (model_.springs().empty()) return;
   spring_forces(model_, workspace_, q, v, springs_);
   for (std::size_t c = 0; c < tau.size(); ++c) tau[c] -= springs_[c];
 }

@@ -4,6 +4,7 @@
 #include <span>
 #include <vector>
 
+#include "axode/integration/configuration_group.hpp"
 #include "axode/integration/trajectory.hpp"
 #include "axode/model/workspace.hpp"
 
@@ -55,34 +56,45 @@ struct Gains {
   std::span<const double> kp, kd;
 };
 
+/// What controllers share: gains, and how far the state is from where it is to be.
+class Tracking {
+ protected:
+  Tracking(const Model& model, const Gains& gains, Reference reference);
+  /// Finds the reference for a time, and the x with q ⊕ x = q_d.
+  void find(double t, std::span<const double> q);
+
+  Model model_;
+  std::vector<double> kp_, kd_, x_;
+  Reference reference_;
+
+ private:
+  ConfigurationGroup<double> group_;
+};
+
 /// τ = kp x + kd (v_d - v) + feedforward, with q ⊕ x = q_d on the group of configurations, by the shorter way round on
 /// rotations: kp in N m/rad or N/m, kd in N m s/rad or N s/m. `clip` keeps it within the joints' limits of effort. Throws
 /// std::invalid_argument for gains that are negative, not finite or not one or nv numbers.
-class ProportionalDerivative {
+class ProportionalDerivative : private Tracking {
  public:
   ProportionalDerivative(const Model& model, const Gains& gains, Reference reference, Drive feedforward = {},
                          bool clip = false);
   void operator()(double t, std::span<const double> q, std::span<const double> v, std::span<double> tau);
 
  private:
-  Model model_;
-  std::vector<double> kp_, kd_, x_, limit_;
-  Reference reference_;
+  std::vector<double> limit_;
   Drive feedforward_;
 };
 
 /// τ = ID(q, v, a_d + kd (v_d - v) + kp x) less what the springs of the model do, so that x'' + kd x' + kp x = 0 for small
 /// x: kp in 1/s², kd in 1/s. Loads and joint losses are not known to it. Throws as ProportionalDerivative.
-class ComputedTorque {
+class ComputedTorque : private Tracking {
  public:
   ComputedTorque(const Model& model, const Gains& gains, Reference reference);
   void operator()(double t, std::span<const double> q, std::span<const double> v, std::span<double> tau);
 
  private:
-  Model model_;
   Workspace<> workspace_;
-  std::vector<double> kp_, kd_, x_, springs_;
-  Reference reference_;
+  std::vector<double> springs_;
 };
 
 }  // namespace axode

@@ -29,7 +29,6 @@ class FloatingBases {
       gravity_[size(i)] = {};
     });
   }
-  bool any() const { return !roots_.empty(); }
   /// The gravity that remains, for each root.
   std::span<const Vec3<>> gravity() const { return gravity_; }
   /// Whether forces of nv numbers drive one of the bases.

@@ -2,16 +2,22 @@
 
 #include <algorithm>
 #include <deque>
+#include <optional>
 #include <stdexcept>
+#include <string>
 #include <utility>
 #include <vector>
 
 #include "axode/derivatives/forward_first_order.hpp"
 #include "axode/derivatives/scratch.hpp"
+#include "axode/derivatives/spring_derivatives.hpp"
 #include "axode/dynamics/check_loads.hpp"
+#include "axode/dynamics/springs.hpp"
+#include "axode/eigen.hpp"
 #include "axode/integration/configuration_group.hpp"
 #include "axode/integration/group_derivatives.hpp"
 #include "axode/integration/munthe_kaas.hpp"
+#include "axode/model/finite.hpp"
 
 namespace axode {
 namespace {
@@ -19,6 +25,7 @@ namespace {
 using Span = std::span<const double>;
 using Vector = std::vector<double>;
 using Matrix = GroupDerivatives::Matrix;
+using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 using Joints = GroupDerivatives::Joints;
 
 /// An argument or a result, and how many numbers it should have.
@@ -32,8 +39,6 @@ void check_motion(const Model& model, double step, const Loads<double>& loads, c
                   std::initializer_list<Sized<const double>> arguments,
                   std::initializer_list<Sized<double>> results) {
   check(method), check_step(step), check_loads(model, loads);
-  if (!model.springs().empty())
-    throw std::invalid_argument("model \"" + model.name() + "\" has springs or stops, which sensitivities do not know");
   for (const auto& in : arguments) check_size(in.name, in.x.size(), in.size, in.meaning);
   for (const auto* out = results.begin(); out != results.end(); ++out) {
     check_size(out->name, out->x.size(), out->size, out->meaning);
@@ -57,6 +62,37 @@ Solvability solved(Solvability verdict, std::initializer_list<std::span<double>>
   }
   return verdict;
 }
+
+/// What the springs of a model add to the drive forces, and where these go; nothing where it has none.
+class SpringTerms {
+ public:
+  explicit SpringTerms(const Model& model) : model_(model) {
+    if (model.springs().empty()) return;
+    workspace_.emplace(model);
+    total_.resize(static_cast<std::size_t>(model.nv()));
+    by_q.resize(model.nv(), model.nv()), by_v = by_q;
+  }
+  bool any() const { return workspace_.has_value(); }
+  /// Of both.
+  const double* forces(Span q, Span v, const double* tau) {
+    if (!any()) return tau;
+    std::ranges::copy_n(tau, model_.nv(), total_.begin());
+    if (!finite(q)) return total_.data();  // and accelerations will not be
+    spring_forces(model_, *workspace_, q, v, total_);
+    for (std::size_t c = 0; c < total_.size(); ++c) total_[c] += tau[c];
+    return total_.data();
+  }
+  /// Takes by_q and by_v.
+  void differentiate(Span q, Span v) {
+    spring_force_derivatives(model_, *workspace_, q, v, {as_span(by_q), as_span(by_v)});
+  }
+  Rows by_q, by_v;
+
+ private:
+  const Model& model_;
+  std::optional<Workspace<double>> workspace_;
+  Vector total_;
+};
 
 /// out += h Σ w_j x_j.
 void add_sum(const Vector& weights, double h, const std::vector<Matrix>& x, Matrix& out) {
@@ -139,6 +175,7 @@ class AdjointStep {
         scheme_(tree_, method),
         group_(tree_),
         end_(tree_),
+        springs_(model),
         w_theta_(Matrix::Zero(model.nv(), 1)),
         w_eta_(w_theta_),
         w_V_(w_theta_),
@@ -204,7 +241,7 @@ class AdjointStep {
 
   Solvability take(Stage& stage, Span q_i, Span v_i, const double* tau) {
     stage.q.assign(q_i.begin(), q_i.end()), stage.v.assign(v_i.begin(), v_i.end());
-    return stage.dynamics->forward.run(tree_, q_i.data(), v_i.data(), tau, loads_);
+    return stage.dynamics->forward.run(tree_, q_i.data(), v_i.data(), springs_.forces(q_i, v_i, tau), loads_);
   }
   /// w_eta and w_V of the acceleration of a stage, weighed with its w_L.
   void weigh(Stage& stage, double* by_tau, double* by_geometry) {
@@ -213,6 +250,11 @@ class AdjointStep {
     for (std::size_t c = 0; c < v.size(); ++c) {
       const Eigen::Index row = static_cast<Eigen::Index>(c);
       by_tau[c] += dynamics.mu[c], w_eta_(row) = dynamics.vjp.by_q[c], w_V_(row) = dynamics.vjp.by_v[c];
+    }
+    if (springs_.any()) {
+      springs_.differentiate(stage.q, stage.v);
+      const Eigen::Map<const Eigen::VectorXd> mu(dynamics.mu, w_eta_.rows());
+      w_eta_.noalias() += springs_.by_q.transpose() * mu, w_V_.noalias() += springs_.by_v.transpose() * mu;
     }
     if (by_geometry)
       dynamics.vjp.each_parameter(tree_, stage.q.data(), stage.v.data(), dynamics.forward.a, dynamics.mu,
@@ -225,6 +267,7 @@ class AdjointStep {
   MuntheKaas<> scheme_;
   ConfigurationGroup<double> group_;
   GroupDerivatives end_;
+  SpringTerms springs_;
   std::deque<Stage> stages_;
   Matrix w_theta_, w_eta_, w_V_, sum_;
 };
@@ -234,7 +277,6 @@ class AdjointStep {
 Solvability step_derivatives(const Model& model, Workspace<double>& workspace, Span q, Span v, Span tau,
                              double step, const StepDerivatives& end, const Loads<double>& loads,
                              const Tableau& method) {
-  using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
   const std::size_t nq = static_cast<std::size_t>(model.nq()), nv = static_cast<std::size_t>(model.nv());
   workspace.check(model);
   check_motion(model, step, loads, method, {{"q", q, nq, "nq"}, {"v", v, nv, "nv"}, {"tau", tau, nv, "nv"}},
@@ -247,14 +289,21 @@ Solvability step_derivatives(const Model& model, Workspace<double>& workspace, S
   TangentSteps steps(model, method, q, v, 3 * n);  // along q, v and tau
   steps.dq.leftCols(n).setIdentity(), steps.dv.middleCols(n, n).setIdentity();
   Rows by_q(n, n), by_v(n, n), by_tau(n, n);
+  SpringTerms springs(model);
   Arena arena = workspace.arena(model.topology());
   ForwardFirstOrder<double> dynamics(arena);
   Solvability verdict;
   bool first = true;
   steps.run(step, [&](const double* q_i, const double* v_i, const Matrix& dq, const Matrix& dv, double* a,
                       Matrix& da) {
-    verdict = dynamics.run(tree, q_i, v_i, tau.data(), loads, by_q.data(), by_v.data(), by_tau.data());
+    const Span q_s(q_i, nq), v_s(v_i, nv);
+    const double* const forces = springs.forces(q_s, v_s, tau.data());
+    verdict = dynamics.run(tree, q_i, v_i, forces, loads, by_q.data(), by_v.data(), by_tau.data());
     std::copy_n(dynamics.forward.a, n, a);
+    if (springs.any() && verdict.ok()) {
+      springs.differentiate(q_s, v_s);
+      by_q.noalias() += by_tau * springs.by_q, by_v.noalias() += by_tau * springs.by_v;
+    }
     if (std::exchange(first, false))
       da << by_q, by_v, by_tau;
     else
@@ -286,6 +335,8 @@ Solvability rollout_jvp(const Model& model, Span q, Span v, Span tau, double ste
   TangentSteps steps(model, method, q, v, 1);
   std::ranges::copy(dq, steps.dq.data()), std::ranges::copy(dv, steps.dv.data());
   WithScratch<double, ForwardJvp<double>> dynamics(model.topology());
+  SpringTerms springs(model);
+  Vector dforces(nv);
   Solvability verdict;
   const auto write = [&](std::size_t k) {
     std::copy_n(steps.dq.data(), nv, dq_out.data() + k * nv);
@@ -297,7 +348,18 @@ Solvability rollout_jvp(const Model& model, Span q, Span v, Span tau, double ste
     const double *const tau_k = tau.data() + k * nv, *const dtau_k = dtau.data() + k * nv;
     steps.run(step, [&](const double* q_i, const double* v_i, const Matrix& eta, const Matrix& dV, double* a,
                         Matrix& da) {
-      if (verdict.ok()) verdict = dynamics->run(tree, q_i, v_i, tau_k, eta.data(), dV.data(), dtau_k, loads);
+      const Span q_s(q_i, nq), v_s(v_i, nv);
+      const double* along = dtau_k;
+      if (springs.any() && finite(q_s)) {
+        springs.differentiate(q_s, v_s);
+        Eigen::Map<Eigen::VectorXd> sum(dforces.data(), model.nv());
+        sum = Eigen::Map<const Eigen::VectorXd>(dtau_k, model.nv());
+        sum.noalias() += springs.by_q * eta, sum.noalias() += springs.by_v * dV;
+        along = dforces.data();
+      }
+      if (verdict.ok())
+        verdict = dynamics->run(tree, q_i, v_i, springs.forces(q_s, v_s, tau_k), eta.data(), dV.data(), along,
+                                loads);
       std::copy_n(dynamics->forward.a, nv, a), std::copy_n(dynamics->x, nv, da.data());
       return verdict.ok();
     });
@@ -323,6 +385,9 @@ Solvability rollout_vjp(const Model& model, Span q, Span v, Span tau, double ste
                 {"gradient.tau", gradient.tau, K * nv, "K nv"},
                 {"gradient.geometry", gradient.geometry,
                  geometry ? 6 * static_cast<std::size_t>(model.n_bodies()) : 0, "n_bodies * 6"}});
+  if (geometry && !model.springs().lines.empty())
+    throw std::invalid_argument("model \"" + model.name() +
+                                "\" has springs between frames, whose derivatives by geometry are not known");
   AdjointStep one(model, method, loads);
   Vector q_k(q.begin(), q.end()), v_k(v.begin(), v.end());  // of all states
   Solvability verdict;

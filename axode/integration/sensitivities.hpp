@@ -10,7 +10,8 @@
 /// Sensitivities of a motion in steps of one length, by an explicit method on the group of configurations as
 /// in simulate_fixed(), under drive forces that are constant in each step: the exact derivatives of what the
 /// method computes, through those of forward dynamics. Displacements and gradients of q are left-trivialised,
-/// along q ⊕ ε dq. Loads and losses act as in forward_dynamics_derivatives(). Throws std::invalid_argument
+/// along q ⊕ ε dq. Loads and losses act as in forward_dynamics_derivatives(), and the springs, dampers and stops of
+/// the model as in simulate_fixed(): with them a stage costs O(n²). Throws std::invalid_argument
 /// for wrong sizes, a quaternion off 1, a load on a frame that does not exist, step <= 0, a faulty tableau
 /// and results that share memory with what is still read. Where the status is not ok(), because accelerations
 /// could not be found or are not finite on the way, all results are NaN.
@@ -41,7 +42,8 @@ Solvability rollout_jvp(const Model& model, std::span<const double> q, std::span
                         const Tableau& method = runge_kutta(4), const GoOn& go_on = {});
 
 /// Where gradients by the start, nv numbers each, the drive forces, K nv, and the geometric parameters,
-/// n_bodies × 6 as in geometry_derivatives.hpp, go; the last where they are wanted. They may not overlap.
+/// n_bodies × 6 as in geometry_derivatives.hpp, go; the last where they are wanted, which of models with springs
+/// between frames throws std::invalid_argument. They may not overlap.
 struct RolloutGradients {
   std::span<double> q, v, tau, geometry = {};
 };

@@ -16,6 +16,7 @@
 #include "axode/integration/munthe_kaas.hpp"
 #include "axode/integration/phase_space.hpp"
 #include "axode/model/configuration.hpp"
+#include "axode/model/finite.hpp"
 #include "axode/model/workspace.hpp"
 
 namespace axode {
@@ -23,12 +24,6 @@ namespace {
 
 using Vector = std::vector<double>;
 using Span = std::span<const double>;
-
-bool finite(Span x) {
-  double none = 0;
-  for (const double x_k : x) none += x_k - x_k;
-  return none == 0;
-}
 
 /// What all schemes share: the motion so far, accelerations, events.
 class Run {
@@ -204,6 +199,12 @@ class MomentumRun : public Run {
         p_(v_0.size()) {}
 
   FloatingBases& bases() { return bases_; }
+  /// The start: q, v and p = M v, against the frames of the bases.
+  void enter(Vector& q_0, Vector& v_0, Vector& p_0) {
+    q_0 = q, v_0 = v, p_0.resize(v.size());
+    bases_.enter(0, q_0.data(), v_0.data());
+    momenta(model_, workspace_, Span(q_0), v_0, p_0);
+  }
 
   /// p = M v and f = τ + ∂L/∂q; false, with the reason kept, where there are none.
   bool partials(double t, Span q_t, Span v_t, Vector& p, std::span<double> f) {
@@ -248,48 +249,6 @@ class MomentumRun : public Run {
   bool pushes_bases_ = false;
 };
 
-double number_of_steps(double until, double step) { return std::ceil(until / step - 1e-9); }
-
-}  // namespace
-
-Trajectory simulate_fixed(const Model& model, Span q, Span v, double until, double step,
-                          const Tableau& method, const SimulationOptions& options) {
-  check(method), check_step(step);
-  Run run(model, q, v, until, options);
-  MuntheKaas scheme(model.tree<double>(), method);
-  const ConfigurationGroup<double> group(model.tree<double>());
-  const double whole = number_of_steps(until, step);
-  Vector q_1(run.q.size());
-  for (double k = 1; k <= whole && !run.done(); ++k) {
-    const double t = run.now(), t_1 = k == whole ? until : k * step, h = t_1 - t;
-    if (!scheme.run(t, run.q.data(), run.v.data(), run.a.data(), h, run.accelerations())) break;
-    group.move(run.q.data(), scheme.theta.data(), q_1.data());
-    if (!run.take(t_1, q_1, scheme.y, scheme.end())) break;
-  }
-  return std::move(run.trajectory);
-}
-
-Trajectory simulate_stiff(const Model& model, Span q, Span v, double until, double step, double rho,
-                          const SimulationOptions& options) {
-  check_step(step);
-  if (!(rho >= 0 && rho <= 1))
-    throw std::invalid_argument("spectral radius is " + std::to_string(rho) + "; expected 0 to 1");
-  Run run(model, q, v, until, options);
-  GeneralizedAlpha scheme(run, model.tree<double>(), rho, run.a);
-  using Outcome = GeneralizedAlpha<Run>::Outcome;
-  const double whole = number_of_steps(until, step);
-  for (double k = 1; k <= whole && !run.done(); ++k) {
-    const double t_1 = k == whole ? until : k * step;
-    const Outcome outcome = scheme.run(t_1, t_1 - run.now(), run.q, run.v, run.a);
-    if (outcome == Outcome::diverged)
-      run.stop(t_1, "Newton's method did not converge; a shorter step may help");
-    if (outcome != Outcome::found || !run.take(t_1, scheme.q, scheme.v, scheme.a)) break;
-  }
-  return std::move(run.trajectory);
-}
-
-namespace {
-
 /// Conserving schemes are for forces without jumps, in steps of one length.
 void check_smooth(const Model& model, const SimulationOptions& options) {
   if (!options.events.empty())
@@ -310,26 +269,62 @@ void check_smooth(const Model& model, const SimulationOptions& options) {
           ", a force that jumps, which conserving schemes do not take; dopri5 and rk4 do");
 }
 
+/// Steps of one length from 0 on, the last as long as is left; take(t_1) goes to t_1 and says whether to go on.
+template <class Take> void each_step(const Run& run, double until, double step, const Take& take) {
+  const double whole = std::ceil(until / step - 1e-9);
+  for (double k = 1; k <= whole && !run.done(); ++k)
+    if (!take(k == whole ? until : k * step)) break;
+}
+
 }  // namespace
+
+Trajectory simulate_fixed(const Model& model, Span q, Span v, double until, double step,
+                          const Tableau& method, const SimulationOptions& options) {
+  check(method), check_step(step);
+  Run run(model, q, v, until, options);
+  MuntheKaas scheme(model.tree<double>(), method);
+  const ConfigurationGroup<double> group(model.tree<double>());
+  Vector q_1(run.q.size());
+  each_step(run, until, step, [&](double t_1) {
+    const double t = run.now();
+    if (!scheme.run(t, run.q.data(), run.v.data(), run.a.data(), t_1 - t, run.accelerations())) return false;
+    group.move(run.q.data(), scheme.theta.data(), q_1.data());
+    return run.take(t_1, q_1, scheme.y, scheme.end());
+  });
+  return std::move(run.trajectory);
+}
+
+Trajectory simulate_stiff(const Model& model, Span q, Span v, double until, double step, double rho,
+                          const SimulationOptions& options) {
+  check_step(step);
+  if (!(rho >= 0 && rho <= 1))
+    throw std::invalid_argument("spectral radius is " + std::to_string(rho) + "; expected 0 to 1");
+  Run run(model, q, v, until, options);
+  GeneralizedAlpha scheme(run, model.tree<double>(), rho, run.a);
+  using Outcome = GeneralizedAlpha<Run>::Outcome;
+  each_step(run, until, step, [&](double t_1) {
+    const Outcome outcome = scheme.run(t_1, t_1 - run.now(), run.q, run.v, run.a);
+    if (outcome == Outcome::diverged)
+      run.stop(t_1, "Newton's method did not converge; a shorter step may help");
+    return outcome == Outcome::found && run.take(t_1, scheme.q, scheme.v, scheme.a);
+  });
+  return std::move(run.trajectory);
+}
 
 Trajectory simulate_conserving(const Model& model, Span q, Span v, double until, double step, int order,
                                const SimulationOptions& options) {
   check_step(step), check_smooth(model, options);
   MomentumRun run(model, q, v, until, options);
   if (run.done()) return std::move(run.trajectory);
-  Workspace<> workspace(model);
-  Vector q_0 = run.q, v_0 = run.v, p_0(v_0.size());
-  run.bases().enter(0, q_0.data(), v_0.data());
-  momenta(model, workspace, Span(q_0), v_0, p_0);
+  Vector q_0, v_0, p_0;
+  run.enter(q_0, v_0, p_0);
   ConservingStep scheme(run, model.tree<double>(), order, q_0, p_0, v_0);
   using Outcome = ConservingStep<MomentumRun>::Outcome;
-  const double whole = number_of_steps(until, step);
-  for (double k = 1; k <= whole && !run.done(); ++k) {
-    const double t_1 = k == whole ? until : k * step;
+  each_step(run, until, step, [&](double t_1) {
     const Outcome outcome = scheme.run(run.now(), t_1 - run.now());
     if (outcome == Outcome::diverged) run.stop(t_1, "the step did not converge; a shorter one may");
-    if (outcome != Outcome::found || !run.take_momenta(t_1, scheme.q, scheme.p)) break;
-  }
+    return outcome == Outcome::found && run.take_momenta(t_1, scheme.q, scheme.p);
+  });
   return std::move(run.trajectory);
 }
 
@@ -341,10 +336,9 @@ Trajectory simulate_momenta(const Model& model, Span q, Span v, double until, do
   FloatingBases& bases = run.bases();
   MuntheKaas scheme(model.tree<double>(), method);
   const ConfigurationGroup<double> group(model.tree<double>());
-  Workspace<> workspace(model);
-  Vector q_1 = run.q, v_1 = run.v, y(v_1.size()), p(y), turning(y), dy(y);
-  bases.enter(0, q_1.data(), v_1.data());
-  momenta(model, workspace, Span(q_1), v_1, y);
+  Vector q_1, v_1, y;
+  run.enter(q_1, v_1, y);
+  Vector p(y), turning(y), dy(y);
   bases.begin(q_1.data(), y.data());
   const auto rates = [&](double t, Span q_t, Span y_t, std::span<double> v_t, std::span<double> dy_t) {
     p.assign(y_t.begin(), y_t.end());
@@ -356,18 +350,17 @@ Trajectory simulate_momenta(const Model& model, Span q, Span v, double until, do
     std::ranges::copy(turning, dy_t.begin());
     return true;
   };
-  const double whole = number_of_steps(until, step);
-  for (double k = 1; k <= whole && !run.done(); ++k) {
-    const double t = run.now(), t_1 = k == whole ? until : k * step;
+  each_step(run, until, step, [&](double t_1) {
+    const double t = run.now();
     if (!rates(t, q_1, y, v_1, dy) ||
         !scheme.run(t, q_1.data(), y.data(), v_1.data(), dy.data(), t_1 - t, rates))
-      break;
+      return false;
     group.move(q_1.data(), scheme.theta.data(), q_1.data());
     y = p = scheme.y;
     bases.settle(q_1.data());
     bases.to_momenta(q_1.data(), y.data(), p.data());
-    if (!run.take_momenta(t_1, q_1, p)) break;
-  }
+    return run.take_momenta(t_1, q_1, p);
+  });
   return std::move(run.trajectory);
 }
 

@@ -20,12 +20,7 @@ template <class System> class StepMatrix {
   using Numbers = std::vector<double>;
 
   StepMatrix(System& system, const Tree<double>& tree)
-      : system_(&system),
-        group_(tree),
-        q_(static_cast<std::size_t>(tree->nq)),
-        dq_(tree->nv, tree->nv),
-        dv_(tree->nv, tree->nv),
-        J_(tree->nv, tree->nv) {}
+      : system_(&system), group_(tree), q_(static_cast<std::size_t>(tree->nq)) {}
 
   /// Without the part of the drive.
   void compute(const Numbers& x, const Numbers& q, const Numbers& v, const Numbers& a, double c_x,
@@ -64,6 +59,8 @@ template <class System> class StepMatrix {
 
   void assemble(const Numbers& x, const Numbers& q, const Numbers& v, const Numbers& a, double c_x,
                 double c_v) {
+    const auto nv = static_cast<Eigen::Index>(v.size());  // schemes that never come here need no room
+    for (Matrix* matrix : {&dq_, &dv_, &J_}) matrix->resize(nv, nv);
     system_->residual_derivatives(q, v, a, {as_span(dq_), as_span(dv_), as_span(J_)});
     if (!group_.commutes()) {
       Numbers back(x);

@@ -1,5 +1,6 @@
 #pragma once
 #include <cmath>
+#include <ranges>
 
 #include "axode/lie/inertia.hpp"
 
@@ -14,5 +15,11 @@ inline bool finite(const Sym3<>& A) {
   return finite(Vec3<>{A.xx, A.yy, A.zz}) && finite(Vec3<>{A.xy, A.xz, A.yz});
 }
 inline bool finite(const Inertia<>& M) { return finite(M.m) && finite(M.h) && finite(M.Theta); }
+/// Of all numbers of a range, without a branch for each.
+template <std::ranges::range Numbers> bool finite(const Numbers& x) {
+  std::ranges::range_value_t<Numbers> none(0);
+  for (const auto x_k : x) none += x_k - x_k;
+  return none == none;
+}
 
 }  // namespace axode

@@ -61,5 +61,14 @@ inline State<double> test_state(const Model& model) {
   state.wrenches.clear();
   return state;
 }
+/// Drives that follow time, and lose energy.
+inline SimulationOptions driven_and_damped() {
+  SimulationOptions options;
+  options.drive = [](double t, Span, Span v, std::span<double> tau) {
+    for (std::size_t c = 0; c < tau.size(); ++c)
+      tau[c] = std::sin(3 * t + static_cast<double>(c)) - 0.3 * v[c];
+  };
+  return options;
+}
 
 }  // namespace axode::test

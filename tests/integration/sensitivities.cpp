@@ -15,8 +15,8 @@ namespace {
 using Numbers = std::vector<double>;
 using Eigen::MatrixXd, Eigen::VectorXd;
 
-/// Any tree, or one that its geometric parameters displace, and a motion of it of a few steps by a method of
-/// any order.
+/// Any tree, some with springs and stops, or one that its geometric parameters displace, and a motion of it of a few steps by
+/// a method of any order.
 struct SensitiveMotion {
   Mechanism drawn;
   Model model;
@@ -27,12 +27,14 @@ struct SensitiveMotion {
   const Tableau& method;
   bool losses;
 
-  explicit SensitiveMotion(std::uint64_t seed, bool may_lose = true, bool composite = true)
+  enum class For { state, geometry };
+  explicit SensitiveMotion(std::uint64_t seed, bool may_lose = true, For what = For::state)
       : drawn([&] {
           Random<double> random(seed);
-          return random_mechanism(random, {.most_bodies = 8, .composite = composite, .always_mass = true});
+          return random_mechanism(random,
+                                  {.most_bodies = 8, .composite = what == For::state, .always_mass = true});
         }()),
-        model(built(drawn)),
+        model(built(drawn, what == For::state && seed % 3 == 0 ? seed : 0)),
         start([&] {
           Random<double> random(seed + 1);
           return random_state(model, random);
@@ -43,9 +45,10 @@ struct SensitiveMotion {
     Random<double> random(seed + 2);
     tau = random_numbers(random, static_cast<int>(K) * model.nv());
   }
-  static Model built(const Mechanism& mechanism) {
-    Random<double> random(1);
-    return ModelBuilder(told(mechanism, random)).build();
+  static Model built(const Mechanism& mechanism, std::uint64_t springs = 0) {
+    Random<double> random(1), of_springs(springs);
+    const Description tree = told(mechanism, random);
+    return ModelBuilder(springs > 0 ? with_springs(tree, of_springs) : tree).build();
   }
   std::size_t nv() const { return start.v.size(); }
   Loads<double> loads() const { return {start.wrenches, losses}; }
@@ -103,7 +106,7 @@ struct SensitiveMotion {
   };
   Gradients vjp(const Numbers& w) const {
     Gradients to{Numbers(nv()), Numbers(nv()), Numbers(K * nv()),
-                 Numbers(6 * static_cast<std::size_t>(model.n_bodies()))};
+                 Numbers(model.springs().lines.empty() ? 6 * static_cast<std::size_t>(model.n_bodies()) : 0)};
     const std::span<const double> all(w), w_q = all.first(w.size() / 2), w_v = all.last(w.size() / 2);
     EXPECT_TRUE(rollout_vjp(model, start.q, start.v, tau, step, w_q, w_v, {to.q, to.v, to.tau, to.geometry},
                             loads(), method)
@@ -220,7 +223,7 @@ TEST(Sensitivities, ByGeometricParametersAreLimitsOfDifferences) {
   Comparison comparison("gradient by geometry", 1e-8);
   int compared = 0;
   for_seeds(60, [&](std::uint64_t seed) {
-    const SensitiveMotion at(seed, false, false);
+    const SensitiveMotion at(seed, false, SensitiveMotion::For::geometry);
     const auto states = at.states();
     if (!states || at.nv() == 0) return;
     const Numbers w = at.direction(seed, 2 * (at.K + 1));
@@ -314,14 +317,15 @@ TEST(Sensitivities, RefuseWhatTheyCannotUse) {
   EXPECT_THAT(message_of(jvp(q, tau, 0.1, a, {nowhere})), testing::HasSubstr("frame 9"));
   Description sprung{.name = "sprung"};
   sprung.bodies.push_back({.name = "bob", .predecessor = "ground"});
-  sprung.bodies[0].joint = {.name = "pin", .kind = JointKind::revolute, .dof = {{.stiffness = 2}}};
+  sprung.bodies[0].joint = {.name = "pin", .kind = JointKind::revolute};
   sprung.bodies[0].inertia = MassProperties{.mass = 1, .Theta = {1, 1, 1}};
+  sprung.springs.push_back({.between = {"ground", "bob"}, .stiffness = 2});
   const Model held = ModelBuilder(sprung).build();
   EXPECT_EQ(message_of([&] {
-              Numbers one(1), two(2), out(2);
-              (void)rollout_jvp(held, one, one, one, 0.1, one, one, one, two, out);
+              Numbers one(1), two(2), by_q(1), by_v(1), by_tau(1), geometry(6);
+              (void)rollout_vjp(held, one, one, one, 0.1, two, two, {by_q, by_v, by_tau, geometry});
             }),
-            "model \"sprung\" has springs or stops, which sensitivities do not know");
+            "model \"sprung\" has springs between frames, whose derivatives by geometry are not known");
   EXPECT_THAT(vjp(tau, {}), refused("w_q", 8, "(K + 1) nv", 12));
   EXPECT_THAT(vjp(w, a), testing::Not(testing::Throws<std::invalid_argument>()));
   EXPECT_THAT(vjp(w, e), refused("gradient.geometry", 8, "n_bodies * 6", 12));

@@ -33,11 +33,7 @@ TEST(Simulation, HasTheOrdersOfItsMethodsOnTheGroup) {
 TEST(Simulation, OfStiffSystemsIsOfSecondOrderOnTheGroup) {
   const Model model = test_tree();
   const State<double> at = test_state(model);
-  SimulationOptions options;
-  options.drive = [](double t, Span, Span v, std::span<double> tau) {
-    for (std::size_t c = 0; c < tau.size(); ++c)
-      tau[c] = std::sin(3 * t + static_cast<double>(c)) - 0.3 * v[c];
-  };
+  const SimulationOptions options = driven_and_damped();
   const Trajectory exact = simulate(model, at.q, at.v, 0.5, {.relative = 1e-12, .absolute = 1e-12}, options);
   for (const double rho : {1.0, 0.8, 0.3}) {
     SCOPED_TRACE(rho);
