@@ -48,10 +48,10 @@ what holds q at rest.
 
 Example:
   echo '{"q": {"pin": 3}}' |
-    axode linearize double_pendulum.toml --state - --equilibrium --output AB.npy --output AB.csv
+    axode linearize double_pendulum.toml --state - --equilibrium --output AB.npz --output AB.csv
 
-The ending of FILE says what is written: .json all that is known; .csv and .npy the matrix [A B] with 2nv rows and 3nv
-columns, the former with names: AB = numpy.load("AB.npy"); A, B = AB[:, :2 * nv], AB[:, 2 * nv:].)";
+The ending of FILE says what is written: .json all that is known; .csv the matrix [A B] with 2nv rows and 3nv columns and
+their names; .npz A and B: A = numpy.load("AB.npz")["A"].)";
 
 constexpr Index most_columns = 8;        ///< of a matrix that is printed
 constexpr std::size_t most_entries = 4;  ///< of a mode shape that are printed
@@ -70,6 +70,12 @@ bool is_zero(const std::vector<double>& x) {
   return std::ranges::all_of(x, [](double x_k) { return x_k == 0; });
 }
 
+std::vector<double> forces_of_springs(const Model& model, Workspace<>& workspace, const State& state) {
+  std::vector<double> tau(state.v.size());
+  spring_forces(model, workspace, state.q, state.v, tau);
+  return tau;
+}
+
 /// The state that is asked for.
 State found_state(const Model& model, const Options& options) {
   State state = options.state.empty() ? neutral_state(model) : read_state(model, options.state);
@@ -81,6 +87,8 @@ State found_state(const Model& model, const Options& options) {
     if (!is_zero(state.tau)) throw InputError("tau is not 0; --hold finds it");
     Workspace<> workspace(model);
     inverse_dynamics(model, workspace, state.q, state.v, state.v, state.tau, {state.loads});
+    const std::vector<double> springs = forces_of_springs(model, workspace, state);
+    for (std::size_t c = 0; c < springs.size(); ++c) state.tau[c] -= springs[c];
   }
   if (options.equilibrium) {
     EquilibriumResult found = equilibrium(model, state.q, state.tau, {state.loads});
@@ -110,7 +118,9 @@ Linearized linearized(const Options& options) {
   const auto require = [&](const Solvability& solvability) {
     if (!solvability.ok()) throw InputError(to_string(model, solvability));
   };
-  require(forward_dynamics(model, workspace, state.q, state.v, state.tau, state.a, loads));
+  std::vector<double> forces = forces_of_springs(model, workspace, state);
+  for (std::size_t c = 0; c < forces.size(); ++c) forces[c] += state.tau[c];
+  require(forward_dynamics(model, workspace, state.q, state.v, forces, state.a, loads));
   require(linearize(model, workspace, state.q, state.v, state.tau, {as_span(at.A), as_span(at.B)}, loads));
   if (!at.A.allFinite() || !at.B.allFinite()) require({.not_finite = true});
   at.modes = modes(at.A);
@@ -288,7 +298,7 @@ void run(const Options& options) {
   for (std::size_t k = 0; k < options.outputs.size(); ++k) switch (file_formats_asked[k]) {
       case FileFormat::json: write_text(options.outputs[k], text(as_json(at))); break;
       case FileFormat::csv: write_text(options.outputs[k], as_csv(AB.matrix, AB.rows, AB.columns)); break;
-      case FileFormat::npy: write_text(options.outputs[k], as_npy(AB.matrix)); break;
+      case FileFormat::npz: write_text(options.outputs[k], as_npz({{"A", at.A}, {"B", at.B}})); break;
     }
   if (format == Format::json) {
     fmt::print("{}", text(as_json(at)));
@@ -312,7 +322,7 @@ void add_linearize(CLI::App& app, int& exit_code) {
   linearize->add_flag("--hold", options->hold, "Under the drive forces that hold q at rest")
       ->excludes(equilibrium);
   linearize->add_flag("--joint-losses", options->joint_losses, "Count damping of the joints");
-  linearize->add_option("--output", options->outputs, "Write a .json, .csv or .npy; may be given again")
+  linearize->add_option("--output", options->outputs, "Write a .json, .csv or .npz; may be given again")
       ->type_name("FILE")
       ->allow_extra_args(false);
   linearize->add_option("--format", options->format, "table (if left out) or json")->type_name("WORD");

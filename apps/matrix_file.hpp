@@ -6,7 +6,7 @@
 namespace axode::command {
 
 /// What the ending of a file says that is to be written.
-enum class FileFormat { json, csv, npy };
+enum class FileFormat { json, csv, npz };
 /// Of --output FILE. Throws UsageError for another ending.
 FileFormat file_format(const std::string& file);
 
@@ -17,7 +17,13 @@ std::string as_csv(const Eigen::MatrixXd& matrix, const std::vector<std::string>
 /// The same without names of rows.
 std::string as_csv(const Eigen::MatrixXd& matrix, const std::vector<std::string>& columns);
 
-/// The bytes of a file that numpy.load reads (format 1.0): rows of little-endian doubles.
-std::string as_npy(const Eigen::MatrixXd& matrix);
+/// A matrix, or a vector, and its name.
+struct NamedArray {
+  std::string name;
+  Eigen::MatrixXd numbers;
+  bool is_vector = false;
+};
+/// The bytes of a file that numpy.load reads: doubles, row by row, not compressed.
+std::string as_npz(const std::vector<NamedArray>& arrays);
 
 }  // namespace axode::command

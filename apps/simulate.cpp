@@ -9,6 +9,7 @@
 #include <optional>
 
 #include "axode/dynamics.hpp"
+#include "axode/eigen.hpp"
 #include "axode/integration.hpp"
 #include "axode/model/configuration.hpp"
 #include "choice.hpp"
@@ -54,8 +55,8 @@ STATE is the JSON object of `axode eval` with the keys q, v, tau and loads; what
 Example:
   echo '{"q": {"pin": 2}}' | axode simulate double_pendulum.toml --state - --until 10 --output run.csv
 
-The ending of FILE says what is written: .json all that is known; .csv and .npy a row for each time with t, q, v and the
-energy, the former with names. Ctrl-C ends the motion; what there is by then is written.)";
+The ending of FILE says what is written: .json all that is known; .csv a row for each time with t, q, v, a, tau and the
+energy, under names; .npz these as arrays: q = numpy.load("run.npz")["q"]. Ctrl-C ends the motion; what there is by then is written.)";
 
 enum class Method { dopri5, rk4, euler, generalized_alpha, midpoint, suzuki4, kahan_li6, rk4_momenta };
 constexpr std::array<std::pair<std::string_view, Method>, 8> methods{
@@ -125,9 +126,9 @@ Drive drive_of(const Model& model, const State& state, const Options& options) {
   return ProportionalDerivative(model, {kp, kd}, {model, target.q, target.v}, constant);
 }
 
-Trajectory motion_of(const Model& model, const State& state, const Options& options) {
+Trajectory motion_of(const Model& model, const State& state, const Drive& drive, const Options& options) {
   SimulationOptions acting;
-  acting.drive = drive_of(model, state, options);
+  acting.drive = drive;
   acting.loads = state.loads;
   acting.joint_losses = options.joint_losses;
   const Interruptible interruptible;
@@ -156,49 +157,68 @@ Trajectory motion_of(const Model& model, const State& state, const Options& opti
   }
 }
 
-/// t, q, v and the energy, a row for each time.
+/// What is shown of a motion, a row for each time.
 struct Rows {
-  std::vector<std::string> names;
-  Eigen::MatrixXd numbers;
+  Eigen::VectorXd t, energy;
+  Eigen::MatrixXd q, v, a, tau;
 };
-Rows rows_of(const Trajectory& motion, int samples) {
+Rows rows_of(const Trajectory& motion, const Drive& drive, int samples) {
   const Model& model = motion.model();
-  Rows rows{{"t"}, {}};
-  for (const std::string& name : coordinate_names(model)) rows.names.push_back("q " + name);
-  for (const std::string& name : velocity_names(model)) rows.names.push_back("v " + name);
-  rows.names.push_back("energy");
   std::vector<double> times(motion.t().begin(), motion.t().end());
-  if (samples > 0 && motion.size() > 0) {
+  if (samples > 0) {
     times.clear();
     for (int k = 0; k <= samples; ++k)
       times.push_back(k == samples ? motion.t().back() : motion.t().back() * k / samples);
   }
-  rows.numbers.resize(static_cast<Eigen::Index>(times.size()), static_cast<Eigen::Index>(rows.names.size()));
-  std::vector<double> q(static_cast<std::size_t>(model.nq())), v(static_cast<std::size_t>(model.nv()));
+  const auto N = static_cast<Eigen::Index>(times.size());
+  Rows rows{Eigen::VectorXd(N),
+            Eigen::VectorXd(N),
+            Eigen::MatrixXd(N, model.nq()),
+            Eigen::MatrixXd(N, model.nv()),
+            Eigen::MatrixXd(N, model.nv()),
+            Eigen::MatrixXd(N, model.nv())};
+  std::vector<double> q(static_cast<std::size_t>(model.nq())), v(static_cast<std::size_t>(model.nv())), a(v),
+      tau(v);
   Workspace<> workspace(model);
-  for (std::size_t k = 0; k < times.size(); ++k) {
-    motion.at(times[k], q, v);
-    auto row = rows.numbers.row(static_cast<Eigen::Index>(k));
-    row[0] = times[k];
-    for (std::size_t c = 0; c < q.size(); ++c) row[static_cast<Eigen::Index>(1 + c)] = q[c];
-    for (std::size_t c = 0; c < v.size(); ++c) row[static_cast<Eigen::Index>(1 + q.size() + c)] = v[c];
-    row[row.size() - 1] = kinetic_energy(model, workspace, std::span<const double>(q), v) +
-                          potential_energy(model, workspace, std::span<const double>(q)) +
-                          elastic_energy(model, workspace, std::span<const double>(q));
+  for (Eigen::Index k = 0; k < N; ++k) {
+    const double t = times[static_cast<std::size_t>(k)];
+    motion.at(t, q, v, a);
+    drive(t, q, v, tau);
+    rows.t[k] = t;
+    for (const auto& [matrix, row] :
+         {std::pair{&rows.q, &q}, {&rows.v, &v}, {&rows.a, &a}, {&rows.tau, &tau}})
+      matrix->row(k) = as_eigen(std::span<const double>(*row)).transpose();
+    rows.energy[k] = kinetic_energy(model, workspace, std::span<const double>(q), v) +
+                     potential_energy(model, workspace, std::span<const double>(q)) +
+                     elastic_energy(model, workspace, std::span<const double>(q));
   }
   return rows;
 }
 
+/// All of them side by side, under names.
+std::string csv_of(const Model& model, const Rows& rows) {
+  std::vector<std::string> names{"t"};
+  const auto add = [&](const char* what, const std::vector<std::string>& all) {
+    for (const std::string& name : all) names.push_back(what + name);
+  };
+  add("q ", coordinate_names(model));
+  for (const char* what : {"v ", "a ", "tau "}) add(what, velocity_names(model));
+  names.push_back("energy");
+  Eigen::MatrixXd all(rows.t.size(), static_cast<Eigen::Index>(names.size()));
+  all << rows.t, rows.q, rows.v, rows.a, rows.tau, rows.energy;
+  return as_csv(all, names);
+}
+
 Json as_json(const Trajectory& motion, const Rows& rows, const Options& options) {
   const Model& model = motion.model();
-  Json t = Json::array(), q = Json::array(), v = Json::array(), energy = Json::array();
-  for (Eigen::Index k = 0; k < rows.numbers.rows(); ++k) {
-    Json q_k = Json::array(), v_k = Json::array();
-    for (int c = 0; c < model.nq(); ++c) q_k.push_back(rows.numbers(k, 1 + c));
-    for (int c = 0; c < model.nv(); ++c) v_k.push_back(rows.numbers(k, 1 + model.nq() + c));
-    t.push_back(rows.numbers(k, 0)), q.push_back(q_k), v.push_back(v_k);
-    energy.push_back(rows.numbers(k, rows.numbers.cols() - 1));
-  }
+  const auto list = [](const auto& numbers) {
+    return Json(std::vector<double>(numbers.begin(), numbers.end()));
+  };
+  const auto lists = [&](const Eigen::MatrixXd& matrix) {
+    Json all = Json::array();
+    for (const auto& row : matrix.rowwise()) all.push_back(list(row));
+    return all;
+  };
   return {{"model", model.name()},
           {"method", options.method},
           {"coordinates", coordinate_names(model)},
@@ -207,10 +227,21 @@ Json as_json(const Trajectory& motion, const Rows& rows, const Options& options)
           {"evaluations", motion.evaluations},
           {"complete", motion.complete},
           {"stopped", motion.stopped},
-          {"t", t},
-          {"q", q},
-          {"v", v},
-          {"energy", energy}};
+          {"t", list(rows.t)},
+          {"q", lists(rows.q)},
+          {"v", lists(rows.v)},
+          {"a", lists(rows.a)},
+          {"tau", lists(rows.tau)},
+          {"energy", list(rows.energy)}};
+}
+
+std::string npz_of(const Rows& rows) {
+  return as_npz({{"t", rows.t, true},
+                 {"q", rows.q},
+                 {"v", rows.v},
+                 {"a", rows.a},
+                 {"tau", rows.tau},
+                 {"energy", rows.energy, true}});
 }
 
 void print(const Trajectory& motion, const Rows& rows) {
@@ -218,10 +249,9 @@ void print(const Trajectory& motion, const Rows& rows) {
   const auto numbers = [](std::span<const double> x) { return std::vector<double>(x.begin(), x.end()); };
   fmt::print(
       "{}", state_tables(motion.model(), numbers(motion.q(last)), {{"v", numbers(motion.v(last))}}, "per s"));
-  const auto energy = rows.numbers.col(rows.numbers.cols() - 1);
   fmt::print("\nat t = {} s after {} steps and {} evaluations; energy from {} to {} J\n",
-             significant(motion.t().back()), motion.steps, motion.evaluations, significant(energy.minCoeff()),
-             significant(energy.maxCoeff()));
+             significant(motion.t().back()), motion.steps, motion.evaluations,
+             significant(rows.energy.minCoeff()), significant(rows.energy.maxCoeff()));
 }
 
 void run(const Options& options, int& exit_code) {
@@ -232,13 +262,14 @@ void run(const Options& options, int& exit_code) {
   for (const std::string& file : options.outputs) kinds.push_back(file_format(file));
   const Model model = load(options.mechanism);
   const State state = options.state.empty() ? neutral_state(model) : read_state(model, options.state);
-  const Trajectory motion = motion_of(model, state, options);
+  const Drive drive = drive_of(model, state, options);
+  const Trajectory motion = motion_of(model, state, drive, options);
   if (motion.size() == 0) throw InputError(motion.stopped);
-  const Rows rows = rows_of(motion, options.samples);
+  const Rows rows = rows_of(motion, drive, options.samples);
   for (std::size_t k = 0; k < kinds.size(); ++k) switch (kinds[k]) {
       case FileFormat::json: write_text(options.outputs[k], text(as_json(motion, rows, options))); break;
-      case FileFormat::csv: write_text(options.outputs[k], as_csv(rows.numbers, rows.names)); break;
-      case FileFormat::npy: write_text(options.outputs[k], as_npy(rows.numbers)); break;
+      case FileFormat::csv: write_text(options.outputs[k], csv_of(model, rows)); break;
+      case FileFormat::npz: write_text(options.outputs[k], npz_of(rows)); break;
     }
   if (format == Format::json) {
     fmt::print("{}", text(as_json(motion, rows, options)));
@@ -280,7 +311,7 @@ void add_simulate(CLI::App& app, int& exit_code) {
   simulate->add_option("--samples", options->samples, "Write so many equal intervals instead of the steps")
       ->type_name("NUMBER");
   simulate->add_flag("--joint-losses", options->joint_losses, "Count damping and friction of the joints");
-  simulate->add_option("--output", options->outputs, "Write a .json, .csv or .npy; may be given again")
+  simulate->add_option("--output", options->outputs, "Write a .json, .csv or .npz; may be given again")
       ->type_name("FILE")
       ->allow_extra_args(false);
   simulate->add_option("--format", options->format, "table (if left out) or json")->type_name("WORD");

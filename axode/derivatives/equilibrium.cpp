@@ -5,6 +5,8 @@
 #include <cmath>
 
 #include "axode/derivatives/inverse_dynamics_derivatives.hpp"
+#include "axode/derivatives/spring_derivatives.hpp"
+#include "axode/dynamics/springs.hpp"
 #include "axode/eigen.hpp"
 #include "axode/model/finite.hpp"
 
@@ -43,7 +45,8 @@ class Statics {
         tau_(tau.begin(), tau.end()),
         loads_{loads.wrenches},
         workspace_(model),
-        rest_(model.nv()),
+        rest_(static_cast<std::size_t>(model.nv())),
+        springs_(rest_),
         by_v_(model.nv(), model.nv()),
         by_a_(model.nv(), model.nv()) {
     tau_.resize(rest_.size());
@@ -53,6 +56,11 @@ class Statics {
     inverse_dynamics_derivatives(model_, workspace_, at.q, rest_, rest_,
                                  {as_span(at.dr_dq), as_span(by_v_), as_span(by_a_), as_span(at.r)}, loads_);
     at.r -= as_eigen(std::span<const double>(tau_));
+    if (!model_.springs().empty()) {
+      spring_forces(model_, workspace_, at.q, rest_, springs_);
+      spring_force_derivatives(model_, workspace_, at.q, rest_, {as_span(by_a_), as_span(by_v_)});
+      at.r -= as_eigen(std::span<const double>(springs_)), at.dr_dq -= by_a_;
+    }
     at.residual = at.r.norm();
   }
 
@@ -61,7 +69,7 @@ class Statics {
   std::vector<double> tau_;
   Loads<> loads_;
   Workspace<> workspace_;
-  std::vector<double> rest_;
+  std::vector<double> rest_, springs_;
   Matrix by_v_, by_a_;
 };
 

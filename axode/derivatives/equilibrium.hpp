@@ -27,7 +27,8 @@ struct EquilibriumResult {
 };
 
 /// A configuration near q0 in which the system stays at rest under the drive forces tau, none where tau is empty: one where
-/// inverse dynamics at v = 0 and a = 0, gravity torques less the loads, is tau (`LE`). Newton's method on the configuration
+/// inverse dynamics at v = 0 and a = 0, gravity torques less the loads, is tau and what the springs and stops of the model add to
+/// it (`LE`). Newton's method on the configuration
 /// manifold with the exact ∂τ/∂q; a step is the smallest one where that is singular, at most 1 rad or m for each velocity,
 /// and halved until it is an improvement. Finds stable and unstable equilibria alike, and heeds no limits. Coulomb
 /// friction, which would hold a whole range of configurations, is not counted, nor is damping. O(n³) for each iteration;

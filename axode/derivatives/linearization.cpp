@@ -2,8 +2,11 @@
 
 #include <algorithm>
 #include <limits>
+#include <utility>
 
 #include "axode/derivatives/forward_dynamics_derivatives.hpp"
+#include "axode/derivatives/spring_derivatives.hpp"
+#include "axode/dynamics/springs.hpp"
 #include "axode/kinematics/check_arguments.hpp"
 #include "axode/recursion/instantiate.hpp"
 
@@ -27,6 +30,15 @@ template <class T> void subtract_ad(const Tree<T>& tree, const T* v, std::ptrdif
   });
 }
 
+/// out += x y of n × n matrices, of which y has many zeros.
+template <class T>
+void add_product(std::span<const T> x, std::span<const T> y, std::size_t n, std::span<T> out) {
+  for (std::size_t j = 0; j < n; ++j)
+    for (std::size_t k = 0; k < n; ++k)
+      if (const T y_jk = y[j * n + k]; y_jk != T(0))
+        for (std::size_t i = 0; i < n; ++i) out[i * n + k] += x[i * n + j] * y_jk;
+}
+
 }  // namespace
 
 template <class T>
@@ -38,14 +50,28 @@ Solvability linearize(const Model& model, Workspace<T>& workspace, Numbers<T> q,
   check_size("linear.A", A.size(), width * width, "2nv * 2nv");
   check_size("linear.B", B.size(), width * n, "2nv * nv");
   check_separate("linear.B", B, "linear.A", A);
-  check_separate("linear.A", A, "v", std::span<const T>(v));
-  check_separate("linear.B", B, "v", std::span<const T>(v));
+  for (const auto& [name, x] : {std::pair<const char*, std::span<const T>>{"q", q}, {"v", v}, {"tau", tau}})
+    check_separate("linear.A", A, name, x), check_separate("linear.B", B, name, x);
 
-  // The upper half of A is free until the lower half is made of what is written there.
+  // The halves of A are free until the lower one is made of what is written there.
   const std::span<T> upper = A.first(width * n), lower = A.last(width * n);
   const std::span<T> da_dq = upper.first(n * n), da_dv = upper.last(n * n);
+  const std::span<T> da_dtau = B.last(n * n), forces_dq = lower.first(n * n), forces_dv = lower.last(n * n);
+  const bool sprung = !model.springs().empty();
+  Numbers<T> forces = tau;
+  if (sprung) {
+    check_size("tau", tau.size(), n, "nv");
+    const std::span<T> total = B.first(n);
+    spring_forces(model, workspace, q, v, total);
+    for (std::size_t c = 0; c < n; ++c) total[c] += tau[c];
+    forces = total;
+  }
   const Solvability verdict =
-      forward_dynamics_derivatives(model, workspace, q, v, tau, {da_dq, da_dv, B.last(n * n)}, loads);
+      forward_dynamics_derivatives(model, workspace, q, v, forces, {da_dq, da_dv, da_dtau}, loads);
+  if (verdict.ok() && sprung) {
+    spring_force_derivatives(model, workspace, q, v, {forces_dq, forces_dv});
+    add_product<T>(da_dtau, forces_dq, n, da_dq), add_product<T>(da_dtau, forces_dv, n, da_dv);
+  }
   if (!verdict.ok()) {
     for (const std::span<T> all : {A, B}) std::ranges::fill(all, std::numeric_limits<T>::quiet_NaN());
     return verdict;

@@ -2,7 +2,8 @@
 #include "axode/kinematics/arguments.hpp"
 
 /// Springs, dampers and stops, which a model has on joints (Dof) and between frames (SpringDescription). They act in
-/// simulations. Inverse and forward dynamics and what follows from them leave them out: add spring_forces() to τ.
+/// simulations, linearisations and equilibria. Inverse and forward dynamics and their derivatives leave them out: add
+/// spring_forces() to τ.
 ///
 /// On a joint of one velocity, at its own position p (a coupled joint's, too), the spring's force is -k (p - rest), and
 /// beyond a limit the stop's is -k δ max(0, 1 + d δ') for the depth δ (Hunt and Crossley): continuous, and never pulling.

@@ -58,7 +58,7 @@ template <class System> class ConservingStep {
       if (last_.size() < 4) {
         last_.push_back(v);
       } else {
-        std::ranges::rotate(last_, last_.begin() + 1);
+        std::rotate(last_.begin(), last_.begin() + 1, last_.end());
         last_.back() = v;
       }
     }

@@ -46,7 +46,7 @@ class Run {
       throw std::invalid_argument("until is " + std::to_string(until) + "; expected a time of 0 s or more");
     check_loads(model, loads());
     if (!accelerate(0, q, v, a)) return;
-    trajectory.append(0, q, v, a);
+    trajectory.append(0, q, v, a, tau_);
     values_ = values_at(0, q, v);
   }
 
@@ -92,7 +92,7 @@ class Run {
       if (!accelerate(t, q_1, v_1, a_1)) return false;
     }
     const double before = trajectory.t().back();
-    trajectory.append(t, q_1, v_1, a_1);
+    trajectory.append(t, q_1, v_1, a_1, tau_);
     ++trajectory.steps;
     q.assign(q_1.begin(), q_1.end()), v.assign(v_1.begin(), v_1.end()), a = a_1;
     if (!options_.events.empty() && meets_end(before, t)) return false;
@@ -176,7 +176,7 @@ class Run {
       trajectory.at(one.t, q_t, v_t);
       trajectory.take_back();
       Vector a_t(v_t.size());
-      if (accelerate(one.t, q_t, v_t, a_t)) trajectory.append(one.t, q_t, v_t, a_t);
+      if (accelerate(one.t, q_t, v_t, a_t)) trajectory.append(one.t, q_t, v_t, a_t, tau_);
       return true;
     }
     return false;

@@ -8,16 +8,18 @@
 namespace axode {
 
 void Trajectory::append(double t, std::span<const double> q, std::span<const double> v,
-                        std::span<const double> a) {
+                        std::span<const double> a, std::span<const double> tau) {
   t_.push_back(t);
   q_.insert(q_.end(), q.begin(), q.end());
   v_.insert(v_.end(), v.begin(), v.end());
   a_.insert(a_.end(), a.begin(), a.end());
+  tau_.insert(tau_.end(), tau.begin(), tau.end());
 }
 
 void Trajectory::take_back() {
   t_.pop_back();
   q_.resize(q_.size() - nq()), v_.resize(v_.size() - nv()), a_.resize(a_.size() - nv());
+  tau_.resize(tau_.size() - nv());
 }
 
 void Trajectory::at(double time, std::span<double> q_out, std::span<double> v_out,

@@ -16,10 +16,11 @@ class Trajectory {
   const Model& model() const { return model_; }
   std::size_t size() const { return t_.size(); }
   std::span<const double> t() const { return t_; }
-  /// Row by row: size() × nq, nv, nv.
+  /// Row by row: size() × nq, nv, nv, nv. τ is that of the drives, 0 without.
   std::span<const double> q() const { return q_; }
   std::span<const double> v() const { return v_; }
   std::span<const double> a() const { return a_; }
+  std::span<const double> tau() const { return tau_; }
   std::span<const double> q(std::size_t k) const { return std::span(q_).subspan(k * nq(), nq()); }
   std::span<const double> v(std::size_t k) const { return std::span(v_).subspan(k * nv(), nv()); }
   std::span<const double> a(std::size_t k) const { return std::span(a_).subspan(k * nv(), nv()); }
@@ -30,7 +31,8 @@ class Trajectory {
   void at(double time, std::span<double> q, std::span<double> v, std::span<double> a = {}) const;
 
   /// Another end of a step.
-  void append(double t, std::span<const double> q, std::span<const double> v, std::span<const double> a);
+  void append(double t, std::span<const double> q, std::span<const double> v, std::span<const double> a,
+              std::span<const double> tau);
 
   /// Takes back the last one.
   void take_back();
@@ -50,7 +52,7 @@ class Trajectory {
   std::size_t nv() const { return static_cast<std::size_t>(model_.nv()); }
 
   Model model_;
-  std::vector<double> t_, q_, v_, a_;
+  std::vector<double> t_, q_, v_, a_, tau_;
 };
 
 }  // namespace axode

@@ -426,7 +426,8 @@ A has shape (2 nv, 2 nv), B (2 nv, nv), or with N in front. The first half of x 
 `Model.integrate`, rad and m; the second half those of v. A = [[-ad_v, 1], [da/dq, da/dv]] and B = [[0], [da/dtau]] with the
 derivatives of `forward_dynamics`; ad_v is the bracket of each joint's motions (eq. ScrewProd), 0 at rest and for joints
 with one velocity. Where v and the accelerations are 0 it is the linear system about an equilibrium, else that of an
-instant. Loads and joint_losses as in `forward_dynamics_derivatives`. O(n) for each column. SingularError, with A,
+instant. Springs, dampers and stops of the model act, as in `simulate`; loads and joint_losses as in
+`forward_dynamics_derivatives`. O(n) for each column. SingularError, with A,
 where the mass matrix is singular.
 
 >>> pendulum = axode.load(axode.robots / "double_pendulum.toml")
@@ -443,7 +444,8 @@ array([2.6801, 7.1887])
              R"(
 A configuration near q0, shape (nq,), that stays at rest under the drive forces tau, none if left out, and the loads.
 
-There gravity torques less the loads are tau (eq. LE), to `tolerance`, N m and N. By Newton's method with the exact derivative
+There gravity torques less the loads are tau and what springs and stops of the model add to it (eq. LE), to
+`tolerance`, N m and N. By Newton's method with the exact derivative
 by q; equilibria may be stable or not, limits of joints are not heeded, and friction, which would hold more, is not
 counted. The result says whether it is "solved", "stalled", as where there is none near, or at its "iteration_limit", and
 has q and the norm of the forces that are missing there. O(n^3) for each iteration.

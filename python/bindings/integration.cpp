@@ -30,9 +30,9 @@ nb::object call_back(const nb::callable& f, double t, std::span<const double> q,
   return f(t, to_array(q), to_array(v));
 }
 
-/// f(k) for every k, with other Python threads running and Ctrl-C heard.
-template <class F> void each_of(std::size_t count, const F& f) {
-  LongCall call(count > 20);
+/// f(k) for every k, with other Python threads running, unless f calls back, and Ctrl-C heard.
+template <class F> void each_of(std::size_t count, const F& f, bool calls_back = false) {
+  LongCall call(!calls_back && count > 20);
   const batch::Monitor monitor = call.monitor();
   batch::Watch watch(monitor, count);
   for (std::size_t k = 0; k < count && watch.go_on(k); ++k) f(k);
@@ -46,25 +46,31 @@ struct BoundTrajectory {
 
   const Trajectory& shown() const { return samples ? *samples : motion; }
   /// The states at those of the times that are not after its end.
-  void sample(std::span<const double> times) {
+  void sample(std::span<const double> times, const Drive& drive, bool calls_back) {
     const Model& model = motion.model();
     std::vector<double> q(static_cast<std::size_t>(model.nq())), v(static_cast<std::size_t>(model.nv()));
-    const std::vector<double> a(v.size());
+    std::vector<double> a(v.size()), tau(v.size());
     const double end = motion.t().empty() ? -1 : motion.t().back();
     const auto after = std::ranges::upper_bound(times, end);
     samples.emplace(model);
-    each_of(static_cast<std::size_t>(after - times.begin()), [&](std::size_t k) {
-      motion.at(times[k], q, v);
-      samples->append(times[k], q, v, a);
-    });
+    const auto append = [&](std::size_t k) {
+      motion.at(times[k], q, v, a);
+      if (drive) drive(times[k], q, v, tau);
+      samples->append(times[k], q, v, a, tau);
+    };
+    each_of(static_cast<std::size_t>(after - times.begin()), append, calls_back);
   }
 };
 
-Array rows(std::size_t count, std::span<const double> x, int width) {
-  NewArray out({static_cast<nb::ssize_t>(count), width});
-  std::ranges::copy(x, out.all().begin());
+/// What a motion has row by row, nv numbers in each, or nq.
+using RowsOf = std::span<const double> (Trajectory::*)() const;
+Array rows(const BoundTrajectory& of, RowsOf which, int width) {
+  const Trajectory& shown = of.shown();
+  NewArray out({static_cast<nb::ssize_t>(shown.size()), width});
+  std::ranges::copy((shown.*which)(), out.all().begin());
   return out.array();
 }
+Array rows(const BoundTrajectory& of, RowsOf which) { return rows(of, which, of.motion.model().nv()); }
 /// f(workspace, q, v, numbers) of every state, as many numbers for each as `shape` has.
 template <class F> Array of_states(const BoundTrajectory& of, const Shape& shape, const F& f) {
   const Trajectory& shown = of.shown();
@@ -72,6 +78,32 @@ template <class F> Array of_states(const BoundTrajectory& of, const Shape& shape
   Workspace<> workspace(shown.model());
   each_of(shown.size(), [&](std::size_t k) { f(workspace, shown.q(k), shown.v(k), item(out, k, shape)); });
   return out.array();
+}
+
+Array energies(const BoundTrajectory& of) {
+  return of_states(of, {}, [&](Workspace<>& w, auto q, auto v, std::span<double> out) {
+    const Model& m = of.motion.model();
+    out[0] = kinetic_energy<double>(m, w, q, v) + potential_energy<double>(m, w, q) +
+             elastic_energy<double>(m, w, q);
+  });
+}
+
+/// A column for each number of the states, under names that say which it is, and a row for each time.
+nb::object as_data_frame(const BoundTrajectory& of) {
+  const Model& m = of.motion.model();
+  nb::dict columns;
+  const auto add = [&](const char* what, const std::vector<std::string>& names, const Array& all) {
+    for (std::size_t c = 0; c < names.size(); ++c)
+      columns[nb::str((what + (" " + names[c])).c_str())] = all.array[nb::make_tuple(nb::ellipsis(), c)];
+  };
+  add("q", coordinate_names(m), rows(of, &Trajectory::q, m.nq()));
+  add("v", velocity_names(m), rows(of, &Trajectory::v));
+  add("a", velocity_names(m), rows(of, &Trajectory::a));
+  add("tau", velocity_names(m), rows(of, &Trajectory::tau));
+  columns["energy"] = energies(of);
+  const nb::module_ pandas = nb::module_::import_("pandas");
+  const nb::object times = pandas.attr("Index")(to_array(of.shown().t()), "name"_a = "t");
+  return pandas.attr("DataFrame")(columns, "index"_a = times);
 }
 
 BoundTrajectory simulate_of(const BoundModel& m, ArrayLike q, ArrayLike v, double until,
@@ -179,7 +211,9 @@ BoundTrajectory simulate_of(const BoundModel& m, ArrayLike q, ArrayLike v, doubl
   };
   BoundTrajectory found{motion(), {}};
   call.end();
-  if (sample_times) found.sample({sample_times->data(), static_cast<std::size_t>(sample_times->size())});
+  if (sample_times)
+    found.sample({sample_times->data(), static_cast<std::size_t>(sample_times->size())}, options.drive,
+                 calls_back);
   return found;
 }
 
@@ -200,8 +234,8 @@ std::tuple<Array, Array> rollout_of(const BoundModel& m, ArrayLike q, ArrayLike 
   const batch::Outcome outcome =
       states.unlocked(100.0 * static_cast<double>(K), [&](const batch::Monitor& monitor) {
         return batch::rollout<double>(*m, states.q(), velocities.all(),
-                              {forces.data(), static_cast<std::size_t>(forces.size())}, step, q_out.all(),
-                              v_out.all(), runge_kutta(4), threads, monitor);
+                                      {forces.data(), static_cast<std::size_t>(forces.size())}, step,
+                                      q_out.all(), v_out.all(), runge_kutta(4), threads, monitor);
       });
   if (!outcome.ok()) {
     std::vector<Solvability> found(states.count());
@@ -259,27 +293,17 @@ A motion, from `simulate`: at the ends of its steps, or at the times that were a
       .def_prop_ro(
           "t", [](const BoundTrajectory& x) { return to_array(x.shown().t()); }, "(N,) times, s.")
       .def_prop_ro(
-          "q",
-          [](const BoundTrajectory& x) {
-            return rows(x.shown().size(), x.shown().q(), x.motion.model().nq());
-          },
+          "q", [](const BoundTrajectory& x) { return rows(x, &Trajectory::q, x.motion.model().nq()); },
           "(N, nq) configurations.")
       .def_prop_ro(
-          "v",
-          [](const BoundTrajectory& x) {
-            return rows(x.shown().size(), x.shown().v(), x.motion.model().nv());
-          },
-          "(N, nv) velocities.")
+          "v", [](const BoundTrajectory& x) { return rows(x, &Trajectory::v); }, "(N, nv) velocities.")
       .def_prop_ro(
-          "energy",
-          [](const BoundTrajectory& x) {
-            return of_states(x, {}, [&](Workspace<>& w, auto q, auto v, std::span<double> out) {
-              const Model& m = x.motion.model();
-              out[0] = kinetic_energy<double>(m, w, q, v) + potential_energy<double>(m, w, q) +
-                       elastic_energy<double>(m, w, q);
-            });
-          },
-          "(N,) kinetic and potential energy, that of springs and stops included, J.")
+          "a", [](const BoundTrajectory& x) { return rows(x, &Trajectory::a); }, "(N, nv) accelerations.")
+      .def_prop_ro(
+          "tau", [](const BoundTrajectory& x) { return rows(x, &Trajectory::tau); },
+          "(N, nv) drive forces, N m or N.")
+      .def_prop_ro("energy", &energies,
+                   "(N,) kinetic and potential energy, that of springs and stops included, J.")
       .def_prop_ro(
           "momentum",
           [](const BoundTrajectory& x) {
@@ -336,6 +360,16 @@ Between the ends of steps configurations are those of quintics on the group, err
 >>> q, v = fall.at(0.25)
 >>> q.shape, v.shape
 ((7,), (7,))
+)")
+      .def("to_pandas", &as_data_frame, nb::sig("def to_pandas(self) -> typing.Any"),
+           R"(
+A pandas.DataFrame: t its index; "q NAME", "v NAME", "a NAME", "tau NAME" for every coordinate and velocity, and "energy".
+
+Its to_parquet (with pyarrow) and to_csv write files. ModuleNotFoundError where pandas is not installed.
+
+>>> fall = axode.simulate(arm, np.full(7, 0.1), np.zeros(7), until=1, times=[0, 0.5, 1])
+>>> fall.to_pandas().shape
+(3, 29)
 )")
       .def("__repr__", [](const BoundTrajectory& x) {
         return "Trajectory(" + std::to_string(x.motion.steps) + " steps" +

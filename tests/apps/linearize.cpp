@@ -160,8 +160,8 @@ TEST(Linearize, EveryModeIsOneOfTheMatrix) {
 
 TEST(Linearize, WritesJsonCsvAndNumpy) {
   const TemporaryFolder folder;
-  const std::string json = folder.file("a.json"), csv = folder.file("a.csv"), npy = folder.file("a.npy");
-  const Outcome outcome = axode({"linearize", "--output", json, "--output", csv, "--output", npy,
+  const std::string json = folder.file("a.json"), csv = folder.file("a.csv"), npz = folder.file("a.npz");
+  const Outcome outcome = axode({"linearize", "--output", json, "--output", csv, "--output", npz,
                                  robot("double_pendulum.toml"), "--format", "json"});
   ASSERT_EQ(outcome.code, 0) << outcome.err;
   EXPECT_EQ(contents(json), outcome.out);
@@ -188,21 +188,30 @@ TEST(Linearize, WritesJsonCsvAndNumpy) {
     }
   }
 
-  const std::string bytes = contents(npy);
-  EXPECT_EQ(bytes.substr(0, 8), std::string("\x93NUMPY\x01\x00", 8));
-  const std::size_t header =
-      static_cast<unsigned char>(bytes[8]) + 256u * static_cast<unsigned char>(bytes[9]);
-  EXPECT_EQ((10 + header) % 64, 0);
-  EXPECT_THAT(bytes.substr(10, header),
-              testing::StartsWith("{'descr': '<f8', 'fortran_order': False, 'shape': (4, 6), }"));
-  EXPECT_EQ(bytes[9 + header], '\n');
-  ASSERT_EQ(bytes.size(), 10 + header + 8 * 24);
-  for (std::size_t k = 0; k < 24; ++k) {
-    std::uint64_t bits = 0;
-    for (std::size_t b = 8; b-- > 0;)
-      bits = bits << 8 | static_cast<unsigned char>(bytes[10 + header + 8 * k + b]);
-    EXPECT_EQ(std::bit_cast<double>(bits),
-              AB(static_cast<Eigen::Index>(k / 6), static_cast<Eigen::Index>(k % 6)));
+  // A .zip that holds two arrays as they are.
+  const std::string bytes = contents(npz);
+  EXPECT_EQ(bytes.substr(0, 4), "PK\x03\x04");
+  for (const char* const name : {"A", "B"}) {
+    const MatrixXd expected = matrix(shown[name]);
+    const std::size_t start = bytes.find("\x93NUMPY", bytes.find(std::string(name) + ".npy"));
+    ASSERT_NE(start, std::string::npos);
+    const std::string file = bytes.substr(start);
+    EXPECT_EQ(file.substr(0, 8), std::string("\x93NUMPY\x01\x00", 8));
+    const std::size_t header =
+        static_cast<unsigned char>(file[8]) + 256u * static_cast<unsigned char>(file[9]);
+    EXPECT_EQ((10 + header) % 64, 0);
+    EXPECT_THAT(file.substr(10, header),
+                testing::StartsWith("{'descr': '<f8', 'fortran_order': False, 'shape': (4, " +
+                                    std::to_string(expected.cols()) + "), }"));
+    EXPECT_EQ(file[9 + header], '\n');
+    for (std::size_t k = 0; k < static_cast<std::size_t>(expected.size()); ++k) {
+      std::uint64_t bits = 0;
+      for (std::size_t b = 8; b-- > 0;)
+        bits = bits << 8 | static_cast<unsigned char>(file[10 + header + 8 * k + b]);
+      const auto columns = static_cast<std::size_t>(expected.cols());
+      EXPECT_EQ(std::bit_cast<double>(bits),
+                expected(static_cast<Eigen::Index>(k / columns), static_cast<Eigen::Index>(k % columns)));
+    }
   }
 }
 
@@ -241,10 +250,10 @@ TEST(Linearize, RefusesWhatCannotBe) {
   EXPECT_EQ(refused({arm, "--hold", "--equilibrium"}, "", 2),
             "axode linearize: --equilibrium excludes --hold (see axode linearize --help)\n");
   EXPECT_EQ(refused({arm, "--output", "AB.txt"}, "", 2),
-            "axode linearize: --output: AB.txt: the ending: \".txt\" is none of .json, .csv, .npy (see axode "
+            "axode linearize: --output: AB.txt: the ending: \".txt\" is none of .json, .csv, .npz (see axode "
             "linearize --help)\n");
-  EXPECT_EQ(refused({arm, "--output", "/nowhere/AB.npy"}, "", 1),
-            "axode linearize: /nowhere/AB.npy: the file cannot be written\n");
+  EXPECT_EQ(refused({arm, "--output", "/nowhere/AB.npz"}, "", 1),
+            "axode linearize: /nowhere/AB.npz: the file cannot be written\n");
   EXPECT_THAT(
       refused({robot("humanoid.urdf"), "--base", "free", "--equilibrium"}, "", 1),
       testing::MatchesRegex("axode linearize: no equilibrium was found from q: stalled after 1 step, where "

@@ -77,18 +77,24 @@ TEST(SimulateCommand, LeadsTheJointsWhereItIsTold) {
 
 TEST(SimulateCommand, WritesFiles) {
   TemporaryFolder folder;
-  const std::string csv = folder.file("run.csv"), npy = folder.file("run.npy"),
+  const std::string csv = folder.file("run.csv"), npz = folder.file("run.npz"),
                     json = folder.file("run.json");
   const Outcome outcome = axode({"simulate", swinging, "--state", "-", "--until", "1", "--samples", "10",
-                                 "--output", csv, "--output", npy, "--output", json},
+                                 "--output", csv, "--output", npz, "--output", json},
                                 raised);
   EXPECT_EQ(outcome.code, 0) << outcome.err;
   EXPECT_THAT(outcome.out, testing::HasSubstr("at t = 1 s after "));
   const std::string text = contents(csv);
-  EXPECT_THAT(text,
-              StartsWith("\"t\",\"q pin\",\"q elbow\",\"v pin\",\"v elbow\",\"energy\"\n0,2,0.5,0.1,0.2,"));
+  EXPECT_THAT(
+      text,
+      StartsWith(
+          "\"t\",\"q pin\",\"q elbow\",\"v pin\",\"v elbow\",\"a pin\",\"a elbow\",\"tau pin\",\"tau elbow\","
+          "\"energy\"\n0,2,0.5,0.1,0.2,"));
   EXPECT_EQ(std::ranges::count(text, '\n'), 12);
-  EXPECT_THAT(contents(npy), testing::HasSubstr("'shape': (11, 6)"));
+  for (const char* array : {"t.npy", "q.npy", "v.npy", "a.npy", "tau.npy", "energy.npy"})
+    EXPECT_THAT(contents(npz), testing::HasSubstr(array));
+  EXPECT_THAT(contents(npz), testing::HasSubstr("'shape': (11, 2)"));
+  EXPECT_THAT(contents(npz), testing::HasSubstr("'shape': (11,)"));
   const Motion found = Motion::parse(contents(json));
   EXPECT_EQ(found.at("t").back(), 1.0);
   EXPECT_EQ(found.at("velocities"), Motion({"pin", "elbow"}));
@@ -104,7 +110,8 @@ TEST(SimulateCommand, RefusesWhatItCannotUse) {
   };
   EXPECT_THAT(
       error({"--method", "verlet"}),
-      StartsWith("axode simulate: --method: \"verlet\" is none of dopri5, rk4, euler, generalized_alpha, midpoint"));
+      StartsWith(
+          "axode simulate: --method: \"verlet\" is none of dopri5, rk4, euler, generalized_alpha, midpoint"));
   EXPECT_THAT(error({"--method", "rk4"}), StartsWith("axode simulate: --step is missing"));
   EXPECT_THAT(error({"--method", "rk4", "--step", "-1"}), StartsWith("axode simulate: step is -1"));
   EXPECT_THAT(error({"--target", "no.json"}),
@@ -115,7 +122,7 @@ TEST(SimulateCommand, RefusesWhatItCannotUse) {
   EXPECT_THAT(error({"--until", "-1"}), StartsWith("axode simulate: until is -1"));
   EXPECT_THAT(
       error({"--output", "run.txt"}),
-      StartsWith("axode simulate: --output: run.txt: the ending: \".txt\" is none of .json, .csv, .npy"));
+      StartsWith("axode simulate: --output: run.txt: the ending: \".txt\" is none of .json, .csv, .npz"));
   EXPECT_THAT(error({"--rtol", "nan"}), StartsWith("axode simulate: "));
 }
 

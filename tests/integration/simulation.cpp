@@ -46,6 +46,53 @@ TEST(Simulation, OfStiffSystemsIsOfSecondOrderOnTheGroup) {
   }
 }
 
+TEST(Simulation, IsTheSameWhereverTheSceneStands) {
+  int moved = 0;
+  for_seeds(40, [&](std::uint64_t seed) {
+    Random<double> random(seed);
+    const Mechanism drawn = random_mechanism(random, {.most_bodies = 6, .always_mass = true});
+    const SE3<> D{random.rotation(), random.vector(3)};
+    const auto built = [&](const Mechanism& scene) {
+      Random<double> of_telling(seed);
+      return ModelBuilder(told(scene, of_telling)).build();
+    };
+    const Model here = built(drawn), there = built(displaced(D, drawn));
+    State<double> at = random_state(here, random);
+    std::erase_if(at.wrenches, [](const AppliedWrench<>& load) {
+      return load.frame == 0 || load.representation != Representation::body;
+    });
+    const SimulationOptions options{.loads = at.wrenches, .joint_losses = true};
+    const auto compare = [&](const char* method, double bound, const auto& run) {
+      SCOPED_TRACE(method);
+      const Trajectory one = run(here), other = run(there);
+      ASSERT_EQ(one.complete, other.complete);
+      if (!one.complete || one.t().empty()) return;
+      ++moved;
+      EXPECT_LE(apart(here, last_q(one), last_q(other)), bound);
+      double away = 0, size = 1;
+      for (std::size_t c = 0; c < at.v.size(); ++c) {
+        away = std::max(away, std::abs(last_v(one)[c] - last_v(other)[c]));
+        size = std::max(size, std::abs(last_v(one)[c]));
+      }
+      EXPECT_LE(away, bound * size);
+    };
+    const double until = 0.02, h = 2e-3;
+    compare("rk4", 1e-10, [&](const Model& model) {
+      return simulate_fixed(model, at.q, at.v, until, h, runge_kutta(4), options);
+    });
+    compare("generalized_alpha", 1e-9,
+            [&](const Model& model) { return simulate_stiff(model, at.q, at.v, until, h, 0.8, options); });
+    SimulationOptions smooth = options;
+    smooth.joint_losses = false;
+    compare("suzuki4", 1e-9,
+            [&](const Model& model) { return simulate_conserving(model, at.q, at.v, until, h, 4, smooth); });
+    compare("rk4_momenta", 1e-9, [&](const Model& model) {
+      return simulate_momenta(model, at.q, at.v, until, h, runge_kutta(4), smooth);
+    });
+  });
+  EXPECT_GT(moved, 0);
+}
+
 TEST(Simulation, OfAStiffSpringIsQuietWhereTheMotionIs) {
   // A spring of 1e8 N m/rad at the first of two hinges, in equilibrium with the weight at the start; explicit methods would
   // need steps of 0.07 ms.

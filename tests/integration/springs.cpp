@@ -93,6 +93,40 @@ TEST(Springs, DerivativesAreThoseOfTheForces) {
   });
 }
 
+TEST(Springs, ActOnLinearisationsAndEquilibria) {
+  int found = 0;
+  for_seeds(100, [&](std::uint64_t seed) {
+    Sprung at(seed, Loss::some);
+    const std::size_t n = at.nv();
+    const Numbers tau(n);
+    Numbers A(4 * n * n), B(2 * n * n);
+    const auto acceleration = [&](Span q, Span v) {
+      Numbers a(n);
+      const Numbers forces = at.forces(q, v);
+      EXPECT_TRUE(forward_dynamics(at.model, at.workspace, q, v, forces, a).ok());
+      return a;
+    };
+    if (!linearize(at.model, at.workspace, at.q, at.v, tau, {A, B}).ok()) return;
+    const double scale = 1 + largest(A);
+    for (std::size_t j = 0; j < n; ++j) {
+      constexpr double h = 1e-5;
+      Numbers faster = at.v, slower = at.v;
+      faster[j] += h, slower[j] -= h;
+      const Numbers ahead = acceleration(at.moved(j, h), at.v), behind = acceleration(at.moved(j, -h), at.v),
+                    more = acceleration(at.q, faster), less = acceleration(at.q, slower);
+      for (std::size_t i = 0; i < n; ++i) {
+        EXPECT_NEAR(A[(n + i) * 2 * n + j], (ahead[i] - behind[i]) / (2 * h), 1e-6 * scale);
+        EXPECT_NEAR(A[(n + i) * 2 * n + n + j], (more[i] - less[i]) / (2 * h), 1e-6 * scale);
+      }
+    }
+    const EquilibriumResult rest = equilibrium(at.model, at.q);
+    if (rest.status != EquilibriumStatus::solved) return;
+    ++found;
+    EXPECT_LE(largest(acceleration(rest.q, tau)), 1e-6);
+  });
+  EXPECT_GT(found, 0);
+}
+
 TEST(Springs, DampersAndStopsTakeEnergy) {
   int trees = 0, taken = 0;
   for_seeds(100, [&](std::uint64_t seed) {

@@ -111,17 +111,6 @@ TEST_P(Invariance, NamesAndOrderOfDeclarationDoNotMatter) {
   });
 }
 
-/// The whole scene, ground and gravity included, displaced by D.
-Mechanism displaced(const SE3<>& D, Mechanism mechanism) {
-  mechanism.gravity = D.R * mechanism.gravity;
-  for (DrawnBody& body : mechanism.bodies) {
-    body.A = D * body.A, body.J = D * body.J, body.second_axis = D.R * body.second_axis;
-    if (body.matter)
-      body.matter->com = D * body.matter->com, body.matter->Theta_c = rotate(D.R, body.matter->Theta_c);
-  }
-  for (DrawnFrame& frame : mechanism.frames) frame.pose = D * frame.pose;
-  return mechanism;
-}
 /// A load with the scene displaced: its components in inertial axes turn, those in axes of the frame do not.
 AppliedWrench<> displaced(const SE3<>& D, const AppliedWrench<>& load) {
   const auto turned = [&](const auto& m, const auto& f) {

@@ -340,3 +340,21 @@ def test_many_states_in_lanes_are_the_single_ones(case, function):
     f = IN_LANES[function]
     single = [f(case.m, *state) for state in zip(case.q, case.v, case.a)]
     assert_close(f(case.m, case.q, case.v, case.a), single, bound=1e-12)
+
+
+def test_mujoco_moves_likewise(peer):
+    """Robots without coupled joints, by MuJoCo's Runge-Kutta method in short steps."""
+    case, m, model, data = peer.case, peer.case.m, peer.robot.model, peer.robot.data
+    if case.robot.mimic or case.singular():
+        pytest.skip("MuJoCo does not couple joints" if case.robot.mimic else "the mass matrix is singular")
+    model.opt.integrator, model.opt.timestep, steps = mujoco.mjtIntegrator.mjINT_RK4, 1e-4, 100
+    next(peer.states())
+    for _ in range(steps):
+        mujoco.mj_step(model, data)
+    mujoco.mj_kinematics(model, data)
+    end = axode.simulate(m, case.q[0], case.v[0], steps * 1e-4, rtol=1e-11, atol=1e-13).q[-1]
+    C = axode.poses(m, end)
+    for name, b in peer.bodies():
+        ours = C[m.frame_names.index(name)]
+        assert_close(ours[:3, :3], data.xmat[b].reshape(3, 3), bound=1e-7)
+        assert_close(ours[:3, 3], data.xpos[b], of=1.0, bound=1e-7)

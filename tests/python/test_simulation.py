@@ -24,6 +24,7 @@ def test_methods_agree_and_keep_the_energy(method, step, tolerance):
     assert np.ptp(motion.energy) < 100 * tolerance
     assert motion.complete and motion.stopped == "" and motion.steps == len(motion.t) - 1
     assert motion.evaluations >= motion.steps
+    np.testing.assert_allclose(axode.forward_dynamics(ARM, motion.q, motion.v, motion.tau), motion.a, atol=1e-8)
 
 
 def test_times_and_states_in_between():
@@ -36,6 +37,33 @@ def test_times_and_states_in_between():
     np.testing.assert_array_equal(at_times.v, v)
     np.testing.assert_array_equal(motion.at(0.25)[0], motion.at([0.25])[0][0])
     np.testing.assert_array_equal(motion.at(0.5)[0], motion.q[-1])
+
+
+@pytest.mark.parametrize("times", [None, np.linspace(0, 0.2, 7)])
+def test_what_drives(times):
+    def drive(t, q, v):
+        return np.sin(t + np.arange(7)) - 0.3 * v
+
+    motion = axode.simulate(ARM, *REST, 0.2, tau=drive, times=times)
+    expected = [drive(t, q, v) for t, q, v in zip(motion.t, motion.q, motion.v)]
+    np.testing.assert_allclose(motion.tau, expected, atol=1e-12)
+    np.testing.assert_allclose(axode.forward_dynamics(ARM, motion.q, motion.v, motion.tau), motion.a,
+                               atol=1e-10 if times is None else 1e-4)
+
+
+def test_as_a_table(tmp_path):
+    pandas = pytest.importorskip("pandas")
+    pytest.importorskip("pyarrow")
+    motion = axode.simulate(HUMANOID, HUMANOID.neutral(), np.zeros(HUMANOID.nv), 0.05, times=[0, 0.02, 0.05])
+    table = motion.to_pandas()
+    assert table.index.name == "t" and table.index.tolist() == [0, 0.02, 0.05]
+    for what, names, numbers in [("q", HUMANOID.coordinate_names, motion.q), ("v", HUMANOID.velocity_names, motion.v),
+                                 ("a", HUMANOID.velocity_names, motion.a), ("tau", HUMANOID.velocity_names, motion.tau)]:
+        np.testing.assert_array_equal(table[[f"{what} {name}" for name in names]], numbers)
+    np.testing.assert_array_equal(table["energy"], motion.energy)
+    assert len(table.columns) == HUMANOID.nq + 3 * HUMANOID.nv + 1
+    table.to_parquet(tmp_path / "fall.parquet")
+    pandas.testing.assert_frame_equal(pandas.read_parquet(tmp_path / "fall.parquet"), table)
 
 
 def test_drives():

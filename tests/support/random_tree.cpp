@@ -143,6 +143,17 @@ MassProperties told(const DrawnBody::Matter& matter, const SE3<>& A, Random<doub
 
 }  // namespace
 
+Mechanism displaced(const SE3<>& D, Mechanism mechanism) {
+  mechanism.gravity = D.R * mechanism.gravity;
+  for (DrawnBody& body : mechanism.bodies) {
+    body.A = D * body.A, body.J = D * body.J, body.second_axis = D.R * body.second_axis;
+    if (body.matter)
+      body.matter->com = D * body.matter->com, body.matter->Theta_c = rotate(D.R, body.matter->Theta_c);
+  }
+  for (DrawnFrame& frame : mechanism.frames) frame.pose = D * frame.pose;
+  return mechanism;
+}
+
 Description told(const Mechanism& mechanism, Random<double>& random) {
   Description description{.name = "random tree", .gravity = mechanism.gravity, .bodies = {}, .frames = {}};
   for (const DrawnBody& body : mechanism.bodies) {

@@ -63,6 +63,9 @@ bool has_one_velocity(JointKind kind);
 /// Draws a mechanism with all kinds of joints, several roots, massless bodies, frames and drives.
 Mechanism random_mechanism(Random<double>& random, const TreeRecipe& recipe = {});
 
+/// The whole scene, ground and gravity included, displaced by D.
+Mechanism displaced(const SE3<>& D, Mechanism mechanism);
+
 /// The three ways in which the geometry of a body may be given.
 enum class Way { construction_frame, body_frame, joint_frames };
 
