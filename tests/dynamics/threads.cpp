@@ -39,7 +39,7 @@ TEST_P(Threads, AgreeToTheLastBit) {
     const Model model = any_tree(random);
     ASSERT_GT(model.n_bodies(), 5);
     std::vector<Arguments<T>> states;
-    for (int k = 0; k < 100; ++k) states.emplace_back(model, random);
+    for_seeds(25, [&](std::uint64_t) { states.emplace_back(model, random); });
 
     const Fingerprints alone = results<T>(GetParam(), model, states);
     std::vector<Fingerprints> together(2);
