@@ -101,7 +101,6 @@ from ._axode import (
     read_urdf,
     regressor,
     relative_jacobian,
-    rollout,
     rollout_derivatives,
     rollout_jvp,
     rollout_vjp,
@@ -135,7 +134,7 @@ from .records import (
     StateDerivatives,
     Target,
 )
-from .simulation import reconstruct, simulate
+from .simulation import reconstruct, rollout, simulate
 
 #: The folder of the mechanisms that come with the package: arm7.toml, double_pendulum.toml, humanoid.urdf,
 #: machine.toml.

@@ -1,4 +1,4 @@
-"""Motion in time: `simulate` and `reconstruct`."""
+"""Motion in time: `simulate`, `rollout` and `reconstruct`."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ from numpy.typing import ArrayLike, NDArray
 from . import _axode
 from ._axode import Model, Trajectory
 from .drives import PD, ComputedTorque, Sampled
-from .errors import SimulationError
+from .errors import SimulationError, StatesError
 from .records import Load
 
-__all__ = ["reconstruct", "simulate"]
+__all__ = ["reconstruct", "rollout", "simulate"]
 
 Array = NDArray[np.float64]
 
@@ -62,14 +62,61 @@ def simulate(m: Model, q: ArrayLike, v: ArrayLike, until: float, *,
         def report(t: float) -> None:
             bar.update(t - bar.n)
     try:
-        motion = _axode.simulate_motion(m, q, v, float(until), method, step, rtol, atol, tau, loads, joint_losses, times,
-                                  list(events or []), report)
+        motion = _axode.simulate_motion(m, q, v, float(until), method, step, rtol, atol, tau, loads, joint_losses,
+                                        times, list(events or []), report)
     finally:
         if bar is not None:
             bar.close()
     if not motion.complete:
         raise SimulationError(motion.stopped, motion)
     return motion
+
+
+def rollout(m: Model, q: ArrayLike, v: ArrayLike,
+            tau: ArrayLike | Callable[[float, Array, Array], ArrayLike], step: float, *, steps: int | None = None,
+            threads: int = 1) -> tuple[Array, Array]:
+    """(q, v) of N motions of K steps of `step` s: (N, K + 1, nq) and (N, K + 1, nv), the states given in front.
+
+    q (N, nq) and v (N, nv) are where they begin, tau (N, K, nv) the drive forces, constant in each step; of one motion
+    all go without N. Or tau is a function (t, q, v) -> (N, nv), called once a step for all states; then `steps` is K.
+    Springs of the mechanism act besides. Munthe-Kaas' fourth order, as `simulate` with method="rk4".
+
+    SingularError or NotFiniteError, with q, where motions cannot go on; they are NaN from there, and all of them where
+    tau is a function.
+
+    >>> q, v = axode.rollout(arm, np.zeros((5, 7)), np.zeros((5, 7)), np.ones((5, 20, 7)), 1e-3)
+    >>> q.shape
+    (5, 21, 7)
+    >>> q, v = axode.rollout(arm, q[:, -1], v[:, -1], lambda t, q, v: -q - 0.1 * v, 1e-3, steps=100)
+    >>> q.shape
+    (5, 101, 7)
+    """
+    if not callable(tau):
+        if steps is not None:
+            raise ValueError("steps is for functions; tau has forces for each step")
+        return _axode.rollout_under(m, q, v, tau, step, threads=threads)
+    if steps is None:
+        raise ValueError("steps is missing; it says how many, where tau is a function")
+    if steps < 0:
+        raise ValueError(f"steps is {steps}; it must not be negative")
+    q_0, v_0 = np.asarray(q, dtype=np.float64), np.asarray(v, dtype=np.float64)
+    all_q = np.full((*q_0.shape[:-1], steps + 1, m.nq), np.nan)
+    all_v = np.full((*q_0.shape[:-1], steps + 1, m.nv), np.nan)
+    none = np.empty((*q_0.shape[:-1], 0, m.nv))
+    all_q[..., :1, :], all_v[..., :1, :] = _axode.rollout_under(m, q_0, v_0, none, step, threads=threads)
+    for k in range(steps):
+        q_k, v_k = all_q[..., k, :], all_v[..., k, :]
+        forces = np.asarray(tau(k * step, q_k, v_k), dtype=np.float64)
+        if forces.shape != v_k.shape:
+            raise ValueError(f"tau(t, q, v): expected shape {v_k.shape}, got {forces.shape}")
+        try:
+            q_1, v_1 = _axode.rollout_under(m, q_k, v_k, forces[..., None, :], step, threads=threads)
+        except StatesError as error:
+            all_q[..., k:k + 2, :] = error.result
+            error.result = all_q
+            raise
+        all_q[..., k + 1, :], all_v[..., k + 1, :] = q_1[..., 1, :], v_1[..., 1, :]
+    return all_q, all_v
 
 
 def reconstruct(C0: ArrayLike, twist: ArrayLike | Callable[[float], ArrayLike], times: ArrayLike,

@@ -379,18 +379,8 @@ Its to_parquet (with pyarrow) and to_csv write files. ModuleNotFoundError where 
   module.def("simulate_motion", &simulate_of, "m"_a, "q"_a, "v"_a, "until"_a, "method"_a, "step"_a.none(),
              "rtol"_a, "atol"_a, "tau"_a.none(), "loads"_a.none(), "joint_losses"_a, "times"_a.none(),
              "events"_a, "progress"_a.none(), "See axode.simulate.");
-  module.def("rollout", &rollout_of, "m"_a, "q"_a, "v"_a, "tau"_a, "step"_a, nb::kw_only(), "threads"_a = 1,
-             R"(
-(q, v) of N motions of K steps of `step` s: (N, K + 1, nq) and (N, K + 1, nv), the states given in front.
-
-q (N, nq) and v (N, nv) are where they begin, tau (N, K, nv) the drive forces, constant in each step; of one motion all go
-without N. Springs of the mechanism act besides. Munthe-Kaas' fourth order, as `simulate` with method="rk4". SingularError or NotFiniteError, with q, where
-motions cannot go on; they are NaN from there.
-
->>> q, v = axode.rollout(arm, np.zeros((5, 7)), np.zeros((5, 7)), np.ones((5, 20, 7)), 1e-3)
->>> q.shape
-(5, 21, 7)
-)");
+  module.def("rollout_under", &rollout_of, "m"_a, "q"_a, "v"_a, "tau"_a, "step"_a, nb::kw_only(),
+             "threads"_a = 1, "See axode.rollout.");
   module.def("reconstruct_poses", &reconstruct_of, "C0"_a, "twists"_a, "times"_a, "representation"_a,
              "order"_a, "See axode.reconstruct.");
   module.def(

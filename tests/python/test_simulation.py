@@ -51,6 +51,42 @@ def test_what_drives(times):
                                atol=1e-10 if times is None else 1e-4)
 
 
+def test_rollouts_under_a_function():
+    random = np.random.default_rng(2)
+    q, v, steps, step = random.normal(size=(3, 7)), random.normal(size=(3, 7)), 50, 1e-3
+    asked = []
+
+    def policy(t, q, v):
+        asked.append((t, q.shape, v.shape))
+        return 1 - q - 0.1 * v + np.sin(t)
+
+    all_q, all_v = axode.rollout(ARM, q, v, policy, step, steps=steps)
+    assert asked == [(k * step, (3, 7), (3, 7)) for k in range(steps)]
+    held = np.stack([policy(k * step, all_q[:, k], all_v[:, k]) for k in range(steps)], axis=1)
+    for ours, expected in zip((all_q, all_v), axode.rollout(ARM, q, v, held, step)):
+        np.testing.assert_allclose(ours, expected, atol=1e-12)
+    one = axode.rollout(ARM, q[0], v[0], policy, step, steps=steps)
+    np.testing.assert_allclose(one[0], all_q[0], atol=1e-12)
+    assert axode.rollout(ARM, q, v, policy, step, steps=0)[1].tolist() == v[:, None].tolist()
+
+
+def test_rollouts_under_a_function_that_cannot_go_on():
+    def policy(t, q, v):
+        return np.where(t > 2.5e-3, 1e300, 0.0) * np.arange(2)[:, None] * np.ones(7)
+
+    q, v = np.tile(REST[0], (2, 1)), np.zeros((2, 7))
+    with pytest.raises(axode.NotFiniteError) as failed:
+        axode.rollout(ARM, q, v, policy, 1e-3, steps=6)
+    found = failed.value.result
+    assert found.shape == (2, 7, 7) and np.isfinite(found[:, :4]).all() and np.isnan(found[:, 5:]).all()
+    for call, words in [(lambda: axode.rollout(ARM, q, v, policy, 1e-3), "steps is missing"),
+                        (lambda: axode.rollout(ARM, q, v, np.zeros((2, 3, 7)), 1e-3, steps=3), "steps is for functions"),
+                        (lambda: axode.rollout(ARM, q, v, policy, 1e-3, steps=-1), "steps is -1"),
+                        (lambda: axode.rollout(ARM, q, v, lambda t, q, v: v[0], 1e-3, steps=2), r"expected shape \(2, 7\)")]:
+        with pytest.raises(ValueError, match=words):
+            call()
+
+
 def test_as_a_table(tmp_path):
     pandas = pytest.importorskip("pandas")
     pytest.importorskip("pyarrow")
