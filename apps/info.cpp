@@ -37,6 +37,11 @@ struct DofField {
   const char* heading;
   double Dof::*value;
 };
+/// Of springs and stops, which few joints have.
+constexpr std::array<DofField, 4> spring_fields{{{"stiffness", "stiffness", &Dof::stiffness},
+                                                 {"rest", "rest", &Dof::rest},
+                                                 {"stop_stiffness", "stop", &Dof::stop_stiffness},
+                                                 {"stop_damping", "its damping", &Dof::stop_damping}}};
 constexpr std::array<DofField, 7> dof_fields{{{"lower", "lower", &Dof::lower},
                                               {"upper", "upper", &Dof::upper},
                                               {"velocity", "speed", &Dof::velocity},
@@ -46,6 +51,13 @@ constexpr std::array<DofField, 7> dof_fields{{{"lower", "lower", &Dof::lower},
                                               {"armature", "armature", &Dof::armature}}};
 
 bool says_nothing(const Dof& dof, const DofField& field) { return dof.*field.value == Dof{}.*field.value; }
+
+bool has_spring(const Joint& joint) {
+  return std::ranges::any_of(joint.dof, [](const Dof& dof) {
+    return std::ranges::any_of(spring_fields,
+                               [&](const DofField& field) { return !says_nothing(dof, field); });
+  });
+}
 
 /// The centre of mass with every joint at zero, null for a massless model.
 Json neutral_center_of_mass(const Model& model) {
@@ -65,6 +77,7 @@ Json as_json(const Model& model) {
            {"bodies", Json::array()},
            {"joints", Json::array()},
            {"frames", Json::array()},
+           {"springs", Json::array()},
            {"warnings", Json::array()}};
   for (int i = 1; i <= model.n_bodies(); ++i) {
     const Body& body = model.body(i);
@@ -89,11 +102,22 @@ Json as_json(const Model& model) {
                           {"offset", joint.leader->offset}};
     for (const DofField& field : dof_fields)
       for (const Dof& dof : joint.dof) moves[field.name].push_back(dof.*field.value);
+    for (const DofField& field : spring_fields)
+      for (const Dof& dof : joint.dof)
+        if (has_spring(joint)) moves[field.name].push_back(dof.*field.value);
     out["joints"].push_back(moves);
   }
   for (const Frame& frame : model.frames())
     out["frames"].push_back(
         {{"name", frame.name}, {"body", model.body(frame.body).name}, {"pose", to_json(frame.pose)}});
+  for (const Springs::Line& line : model.springs().lines) {
+    const auto& [a, b] = line.ends;
+    out["springs"].push_back({{"between", {model.frame(a.frame).name, model.frame(b.frame).name}},
+                              {"points", {to_json(a.point), to_json(b.point)}},
+                              {"stiffness", line.stiffness},
+                              {"rest", line.rest},
+                              {"damping", line.damping}});
+  }
   for (const Fault& fault : model.warnings()) out["warnings"].push_back(to_string(fault));
   return out;
 }
@@ -126,6 +150,29 @@ void print_joints(const Model& model) {
   }
   fmt::print("\n{} (rad or m, N m or N, and per s; pitch in m/rad)\n{}", in(Ink::heading, "joints"),
              table.text());
+}
+
+void print_springs(const Model& model) {
+  Table table({"joint", "v", "stiffness", "rest", "stop", "its damping"});
+  for (const int i : model.springs().joints) {
+    const Joint& joint = model.joint(i);
+    for (std::size_t d = 0; d < joint.dof.size(); ++d) {
+      std::vector<Cell> row{joint.name, slice('v', joint.iv + static_cast<int>(d), joint.nv > 0 ? 1 : 0)};
+      for (const DofField& field : spring_fields)
+        row.push_back(says_nothing(joint.dof[d], field) ? Cell("") : Cell(joint.dof[d].*field.value));
+      table.row(std::move(row));
+    }
+  }
+  if (!table.empty())
+    fmt::print("\n{} (rad or m, N m or N, and per s)\n{}", in(Ink::heading, "springs and stops"),
+               table.text());
+  Table lines({"between", "and", "stiffness", "rest", "damping"});
+  for (const Springs::Line& line : model.springs().lines)
+    lines.row({model.frame(line.ends[0].frame).name, model.frame(line.ends[1].frame).name, line.stiffness,
+               line.rest, line.damping});
+  if (!lines.empty())
+    fmt::print("\n{} (N/m, m, N s/m)\n{}", in(Ink::heading, "springs and dampers between frames"),
+               lines.text());
 }
 
 void print_bodies(const Model& model) {
@@ -184,6 +231,7 @@ void run(const Options& options) {
              significant(g.x), significant(g.y), significant(g.z));
   fmt::print("{}", draw_tree(model));
   print_joints(model);
+  print_springs(model);
   print_bodies(model);
   print_frames(model);
   print_warnings(model, options.mechanism.files.front());
@@ -193,8 +241,8 @@ void run(const Options& options) {
 
 void add_info(CLI::App& app, int& exit_code) {
   const auto options = std::make_shared<Options>();
-  CLI::App* info =
-      app.add_subcommand("info", "Show the tree, joints, masses, frames and warnings of a mechanism");
+  CLI::App* info = app.add_subcommand(
+      "info", "Show the tree, joints, springs, masses, frames and warnings of a mechanism");
   add_model_options(*info, options->mechanism);
   info->add_option("--format", options->format, "table (if left out) or json")->type_name("WORD");
   info->footer(footer);

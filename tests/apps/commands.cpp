@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "axode/io.hpp"
@@ -74,6 +75,43 @@ INSTANTIATE_TEST_SUITE_P(Commands, Help,
                          [](const auto& p) { return std::string(p.param); });
 
 // ---------------------------------------------------------------------------------------------------- info
+
+TEST(Info, ListsSpringsAndStops) {
+  const TemporaryFolder folder;
+  const std::string file = folder.file("strut.toml");
+  std::ofstream(file) << R"(
+format = "axode drawing 1"
+[[body]]
+name = "flap"
+joint.kind = "revolute"
+joint.axis = "y"
+joint.point = [0, 0, 1]
+joint.limits = [-0.5, 1.2]
+joint.spring = { stiffness = 40, rest = 0.3 }
+joint.stop = { stiffness = 1e4, damping = 0.5 }
+mass = 2
+com = [0.4, 0, 1]
+inertia = [0.01, 0.1, 0.1]
+[[spring]]
+between = ["flap", "ground"]
+points = [[0.3, 0, 1], [0, 0, 0.6]]
+stiffness = 200
+rest = 0.7
+damping = 50
+)";
+  const Outcome shown = axode({"info", file});
+  EXPECT_EQ(shown.code, 0) << shown.err;
+  EXPECT_THAT(shown.out,
+              testing::ContainsRegex("springs and stops .*\n.*stiffness +rest +stop +its damping"));
+  EXPECT_THAT(shown.out, testing::ContainsRegex("flap_joint +v\\[0\\] +40 +0.3 +10000 +0.5"));
+  EXPECT_THAT(shown.out, testing::ContainsRegex("flap +ground +200 +0.7 +50"));
+  const Json told = Json::parse(axode({"info", file, "--format", "json"}).out);
+  EXPECT_EQ(told["joints"][0]["stiffness"], Json({40}));
+  EXPECT_EQ(told["joints"][0]["stop_damping"], Json({0.5}));
+  EXPECT_EQ(told["springs"][0]["between"], Json({"flap", "ground"}));
+  EXPECT_EQ(told["springs"][0]["damping"], 50);
+  EXPECT_THAT(axode({"info", robot("arm7.toml")}).out, Not(HasSubstr("spring")));
+}
 
 TEST(Info, ShowsEveryBodyJointAndFrame) {
   const Outcome outcome = axode({"info", robot("machine.toml")});
