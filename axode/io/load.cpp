@@ -28,12 +28,18 @@ Text text_of(const std::filesystem::path& file) {
     fail("it is a folder");
     return text;
   }
+  constexpr std::size_t most = std::size_t{256} << 20;  // a device may have no end
   errno = 0;
   std::ifstream stream(file, std::ios::binary);
   const bool opened = stream.good();
   for (std::array<char, 65536> block;
-       opened && (stream.read(block.data(), block.size()) || stream.gcount() > 0);)
+       opened && (stream.read(block.data(), block.size()) || stream.gcount() > 0);) {
     text.content.append(block.data(), static_cast<std::size_t>(stream.gcount()));
+    if (text.content.size() > most) {
+      fail("it has more than 256 MiB");
+      return text;
+    }
+  }
   if (!opened || stream.bad()) fail(std::generic_category().message(errno != 0 ? errno : EIO));
   return text;
 }
