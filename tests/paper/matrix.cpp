@@ -79,7 +79,7 @@ template <class T> void MatrixOf<T>::set_block(int row, int col, const MatrixOf&
     for (int r = 0; r < B.rows_; ++r) (*this)(row + r, col + c) = B(r, c);
 }
 
-template <class T> MatrixOf<T> MatrixOf<T>::inverse() const requires std::same_as<T, double> {
+template <class T> template <std::same_as<double> U> MatrixOf<T> MatrixOf<T>::inverse() const {
   expect_fit(rows_ == cols_, rows_, cols_, " is no ", cols_, cols_);
   MatrixOf A = *this, inverse = identity(rows_);  // elimination, with the largest entry of a column as pivot
   for (int k = 0; k < rows_; ++k) {
@@ -99,22 +99,22 @@ template <class T> MatrixOf<T> MatrixOf<T>::inverse() const requires std::same_a
   }
   return inverse;
 }
-template <class T> double MatrixOf<T>::norm() const requires std::same_as<T, double> {
+template <class T> template <std::same_as<double> U> double MatrixOf<T>::norm() const {
   double squares = 0;
   for (const double x : entries_) squares += x * x;
   return std::sqrt(squares);
 }
-template <class T> double MatrixOf<T>::largest_entry() const requires std::same_as<T, double> {
+template <class T> template <std::same_as<double> U> double MatrixOf<T>::largest_entry() const {
   double largest = 0;
   for (const double x : entries_) largest = std::max(largest, std::abs(x));
   return largest;
 }
-template <class T> double MatrixOf<T>::trace() const requires std::same_as<T, double> {
+template <class T> template <std::same_as<double> U> double MatrixOf<T>::trace() const {
   double trace = 0;
   for (int k = 0; k < rows_; ++k) trace += (*this)(k, k);
   return trace;
 }
-template <class T> MatrixOf<T> MatrixOf<T>::cross(const MatrixOf& b) const requires std::same_as<T, double> {
+template <class T> template <std::same_as<double> U> MatrixOf<T> MatrixOf<T>::cross(const MatrixOf& b) const {
   return axode::cross(vec3(*this), vec3(b));
 }
 
@@ -144,6 +144,11 @@ Matrix block_diagonal(const Matrix& A, const Matrix& B) {
 
 template class MatrixOf<double>;
 template class MatrixOf<Series>;
+template Matrix Matrix::inverse<double>() const;
+template double Matrix::norm<double>() const;
+template double Matrix::largest_entry<double>() const;
+template double Matrix::trace<double>() const;
+template Matrix Matrix::cross<double>(const Matrix&) const;
 template Matrix::MatrixOf(const Eigen::MatrixXd&);
 template Matrix::MatrixOf(const Eigen::VectorXd&);
 template Matrix::MatrixOf(const Eigen::Matrix3d&);

@@ -59,15 +59,14 @@ template <class T> class MatrixOf {
     /// Puts B where its first entry is (row, col).
     void set_block(int row, int col, const MatrixOf& B);
 
-    // Of numbers
-    MatrixOf inverse() const requires std::same_as<T, double>;
-    double norm() const  ///< of Frobenius
-        requires std::same_as<T, double>;
-    double squared_norm() const requires std::same_as<T, double> { return norm() * norm(); }
-    double largest_entry() const requires std::same_as<T, double>;
-    double trace() const requires std::same_as<T, double>;
-    double dot(const MatrixOf& b) const requires std::same_as<T, double> { return (transpose() * b)[0]; }
-    MatrixOf cross(const MatrixOf& b) const requires std::same_as<T, double>;
+    // Of numbers. (Templates, as Clang 14 makes members of explicit instances whatever they require.)
+    template <std::same_as<double> U = T> MatrixOf inverse() const;
+    template <std::same_as<double> U = T> double norm() const;  ///< of Frobenius
+    template <std::same_as<double> U = T> double squared_norm() const { return norm() * norm(); }
+    template <std::same_as<double> U = T> double largest_entry() const;
+    template <std::same_as<double> U = T> double trace() const;
+    template <std::same_as<double> U = T> double dot(const MatrixOf& b) const { return (transpose() * b)[0]; }
+    template <std::same_as<double> U = T> MatrixOf cross(const MatrixOf& b) const;
 
    private:
     template <template <class, class> class Kind, class Rep> static Screw<T> screw_of(const Kind<Rep, T>& x) {
