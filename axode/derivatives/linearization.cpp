@@ -50,14 +50,16 @@ Solvability linearize(const Model& model, Workspace<T>& workspace, Numbers<T> q,
   check_size("linear.A", A.size(), width * width, "2nv * 2nv");
   check_size("linear.B", B.size(), width * n, "2nv * nv");
   check_separate("linear.B", B, "linear.A", A);
-  for (const auto& [name, x] : {std::pair<const char*, std::span<const T>>{"q", q}, {"v", v}, {"tau", tau}})
+  const bool sprung = !model.springs().empty();
+  for (const auto& [name, x] : {std::pair<const char*, std::span<const T>>{"v", v}, {"q", q}, {"tau", tau}}) {
     check_separate("linear.A", A, name, x), check_separate("linear.B", B, name, x);
+    if (!sprung) break;
+  }
 
   // The halves of A are free until the lower one is made of what is written there.
   const std::span<T> upper = A.first(width * n), lower = A.last(width * n);
   const std::span<T> da_dq = upper.first(n * n), da_dv = upper.last(n * n);
   const std::span<T> da_dtau = B.last(n * n), forces_dq = lower.first(n * n), forces_dv = lower.last(n * n);
-  const bool sprung = !model.springs().empty();
   Numbers<T> forces = tau;
   if (sprung) {
     check_size("tau", tau.size(), n, "nv");

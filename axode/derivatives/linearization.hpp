@@ -6,7 +6,7 @@
 namespace axode {
 
 /// Where A, 2nv × 2nv, and B, 2nv × nv, go, row by row, [component of x', component of x or δτ]. They may not overlap, nor
-/// take the place of an argument.
+/// take the place of v, or where there are springs of any argument.
 template <class T> struct Linearization { std::span<T> A, B; };
 
 /// The linear system x' = A x + B δτ of small deviations x = (δ, δv) from the motion through a state: of q ⊕ δ, in the

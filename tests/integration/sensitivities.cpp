@@ -176,6 +176,7 @@ TEST(Sensitivities, OfStepsMultiplyToThoseOfTheMotion) {
     const VectorXd expected = at.jvp(dq, dv, dtau);
     VectorXd x(2 * n), all(expected.size());
     x << vector(dq), vector(dv);
+    VectorXd sizes = x.cwiseAbs();  // of what is added up, step by step
     Workspace<> workspace(at.model);
     double scale = largest_entry(expected);
     for (std::size_t k = 0; k <= at.K; ++k) {
@@ -195,8 +196,8 @@ TEST(Sensitivities, OfStepsMultiplyToThoseOfTheMotion) {
       value.expect_equal(q, states->q[k + 1], 1);
       value.expect_equal(v, states->v[k + 1], std::max(1.0, largest(states->v[k + 1])));
       const VectorXd dtau_k = vector(dtau).segment(static_cast<Eigen::Index>(k) * n, n);
-      scale = std::max(
-          scale, largest_entry(VectorXd(A.cwiseAbs() * x.cwiseAbs() + B.cwiseAbs() * dtau_k.cwiseAbs())));
+      sizes = (A.cwiseAbs() * sizes + B.cwiseAbs() * dtau_k.cwiseAbs()).eval();
+      scale = std::max(scale, largest_entry(sizes));
       x = (A * x + B * dtau_k).eval();
     }
     product_of_steps.expect_equal(all, expected, scale);
