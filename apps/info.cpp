@@ -52,13 +52,6 @@ constexpr std::array<DofField, 7> dof_fields{{{"lower", "lower", &Dof::lower},
 
 bool says_nothing(const Dof& dof, const DofField& field) { return dof.*field.value == Dof{}.*field.value; }
 
-bool has_spring(const Joint& joint) {
-  return std::ranges::any_of(joint.dof, [](const Dof& dof) {
-    return std::ranges::any_of(spring_fields,
-                               [&](const DofField& field) { return !says_nothing(dof, field); });
-  });
-}
-
 /// The centre of mass with every joint at zero, null for a massless model.
 Json neutral_center_of_mass(const Model& model) {
   if (!(model.total_mass() > 0)) return nullptr;
@@ -102,9 +95,9 @@ Json as_json(const Model& model) {
                           {"offset", joint.leader->offset}};
     for (const DofField& field : dof_fields)
       for (const Dof& dof : joint.dof) moves[field.name].push_back(dof.*field.value);
-    for (const DofField& field : spring_fields)
-      for (const Dof& dof : joint.dof)
-        if (has_spring(joint)) moves[field.name].push_back(dof.*field.value);
+    if (std::ranges::binary_search(model.springs().joints, i))
+      for (const DofField& field : spring_fields)
+        for (const Dof& dof : joint.dof) moves[field.name].push_back(dof.*field.value);
     out["joints"].push_back(moves);
   }
   for (const Frame& frame : model.frames())
@@ -153,7 +146,9 @@ void print_joints(const Model& model) {
 }
 
 void print_springs(const Model& model) {
-  Table table({"joint", "v", "stiffness", "rest", "stop", "its damping"});
+  std::vector<std::string> headings{"joint", "v"};
+  for (const DofField& field : spring_fields) headings.emplace_back(field.heading);
+  Table table(headings);
   for (const int i : model.springs().joints) {
     const Joint& joint = model.joint(i);
     for (std::size_t d = 0; d < joint.dof.size(); ++d) {

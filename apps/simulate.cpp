@@ -56,7 +56,8 @@ Example:
   echo '{"q": {"pin": 2}}' | axode simulate double_pendulum.toml --state - --until 10 --output run.csv
 
 The ending of FILE says what is written: .json all that is known; .csv a row for each time with t, q, v, a, tau and the
-energy, under names; .npz these as arrays: q = numpy.load("run.npz")["q"]. Ctrl-C ends the motion; what there is by then is written.)";
+energy, under names; .npz these as arrays: q = numpy.load("run.npz")["q"]. Ctrl-C ends the motion; what there is by then is
+written.)";
 
 enum class Method { dopri5, rk4, euler, generalized_alpha, midpoint, suzuki4, kahan_li6, rk4_momenta };
 constexpr std::array<std::pair<std::string_view, Method>, 8> methods{

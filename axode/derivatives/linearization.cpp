@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <limits>
-#include <utility>
 
 #include "axode/derivatives/forward_dynamics_derivatives.hpp"
 #include "axode/derivatives/spring_derivatives.hpp"
@@ -51,10 +50,11 @@ Solvability linearize(const Model& model, Workspace<T>& workspace, Numbers<T> q,
   check_size("linear.B", B.size(), width * n, "2nv * nv");
   check_separate("linear.B", B, "linear.A", A);
   const bool sprung = !model.springs().empty();
-  for (const auto& [name, x] : {std::pair<const char*, std::span<const T>>{"v", v}, {"q", q}, {"tau", tau}}) {
+  const auto check_apart = [&](const char* name, std::span<const T> x) {
     check_separate("linear.A", A, name, x), check_separate("linear.B", B, name, x);
-    if (!sprung) break;
-  }
+  };
+  check_apart("v", v);
+  if (sprung) check_apart("q", q), check_apart("tau", tau);
 
   // The halves of A are free until the lower one is made of what is written there.
   const std::span<T> upper = A.first(width * n), lower = A.last(width * n);

@@ -106,7 +106,7 @@ def rollout(m: Model, q: ArrayLike, v: ArrayLike,
     all_q[..., :1, :], all_v[..., :1, :] = _axode.rollout_under(m, q_0, v_0, none, step, threads=threads)
     for k in range(steps):
         q_k, v_k = all_q[..., k, :], all_v[..., k, :]
-        forces = np.asarray(tau(k * step, q_k, v_k), dtype=np.float64)
+        forces = np.asarray(tau(k * step, q_k.copy(), v_k.copy()), dtype=np.float64)
         if forces.shape != v_k.shape:
             raise ValueError(f"tau(t, q, v): expected shape {v_k.shape}, got {forces.shape}")
         try:

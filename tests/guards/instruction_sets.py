@@ -1,8 +1,7 @@
 """No function that was compiled for AVX is one that other code has as well: instruction_sets.py NM OBJECT...
 
 The linker keeps one copy of an inline function that several objects have. Were it the one of an object compiled for AVX, the
-program would stop on processors without: so functions that those objects define weakly must belong to their own Batch
-types. (Constants are the same for all.)
+program would stop on processors without: so what those objects define weakly must belong to their own Batch types.
 """
 
 import re
@@ -10,7 +9,8 @@ import subprocess
 import sys
 
 
-HARMLESS = {"__clang_call_terminate"}  # calls std::terminate
+# Calls std::terminate; an address; constants, which Clang leaves in every object.
+HARMLESS = {"__clang_call_terminate", "DW.ref.__gxx_personality_v0", *(f"axode::series::{name}" for name in "abcg")}
 
 
 def shared_functions(nm, objects):
@@ -21,7 +21,7 @@ def shared_functions(nm, objects):
         listing = subprocess.run([nm, "--demangle", "--defined-only", file], check=True, capture_output=True, text=True)
         for line in listing.stdout.splitlines():
             kind, name = line.split(maxsplit=2)[1:] if not line.startswith(" ") else (None, None)
-            if kind in ("W", "w") and name not in HARMLESS and not re.search(r"Batch<(double|float), ", name):
+            if kind in ("W", "V", "w", "v", "u") and name not in HARMLESS and not re.search(r"Batch<(double|float), ", name):
                 found.append(f"{file}: {name}")
     return found
 

@@ -65,6 +65,12 @@ def test_rollouts_under_a_function():
     held = np.stack([policy(k * step, all_q[:, k], all_v[:, k]) for k in range(steps)], axis=1)
     for ours, expected in zip((all_q, all_v), axode.rollout(ARM, q, v, held, step)):
         np.testing.assert_allclose(ours, expected, atol=1e-12)
+    def writing_on_its_arguments(t, q, v):
+        forces = policy(t, q, v)
+        q[:], v[:] = 9, 9
+        return forces
+
+    np.testing.assert_array_equal(axode.rollout(ARM, q, v, writing_on_its_arguments, step, steps=steps)[0], all_q)
     one = axode.rollout(ARM, q[0], v[0], policy, step, steps=steps)
     np.testing.assert_allclose(one[0], all_q[0], atol=1e-12)
     assert axode.rollout(ARM, q, v, policy, step, steps=0)[1].tolist() == v[:, None].tolist()
