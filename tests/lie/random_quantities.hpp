@@ -9,7 +9,8 @@
 
 namespace axode::test {
 
-/// Random quantities of order one. The seed is fixed, so that a failure repeats, and every failure prints it.
+/// Random quantities of order one. The seed is fixed, so that a failure repeats, and every failure prints it. No two are
+/// drawn in one call's arguments, whose order compilers choose: with all of them the quantities are the same.
 template <class T> class Random {
  public:
   explicit Random(std::uint64_t seed = 1)
@@ -25,7 +26,10 @@ template <class T> class Random {
     }
   }
   /// A rotation vector with an angle in (low, high).
-  Vec3<T> rotation_vector(T low, T high) { return number(low, high) * direction(); }
+  Vec3<T> rotation_vector(T low, T high) {
+    const Vec3<T> e = direction();
+    return number(low, high) * e;
+  }
   SO3<T> rotation() { return exp_SO3(rotation_vector(T(0), T(3.1))); }
   SE3<T> pose() { return {rotation(), vector(T(2))}; }
   Screw<T> screw() { return {vector(), vector()}; }
@@ -37,7 +41,10 @@ template <class T> class Random {
   /// The inertia of six point masses in random places.
   Inertia<T> inertia() {
     Inertia<T> M;
-    for (int k = 0; k < 6; ++k) M += inertia_from_com(number(T(0.1), T(1)), vector(), Sym3<T>{});
+    for (int k = 0; k < 6; ++k) {
+      const Vec3<T> place = vector();
+      M += inertia_from_com(number(T(0.1), T(1)), place, Sym3<T>{});
+    }
     return M;
   }
 

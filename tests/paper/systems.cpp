@@ -136,8 +136,8 @@ System make_system(Topology topology, std::uint64_t seed, BodyFrames frames) {
   for (std::size_t b = 0; b < drawings.size(); ++b) {
     const std::string& name = mechanism.bodies[b].name;
     system.drawn[system.model.body_index(name)] = std::move(drawings[b]);
-    system.loads.emplace_back(system.model.frame_index(name + ".com"), static_cast<Representation>(b % 4),
-                              random.vector(10), random.vector(10));
+    const Vec3<> f = random.vector(10), m = random.vector(10);
+    system.loads.emplace_back(system.model.frame_index(name + ".com"), static_cast<Representation>(b % 4), m, f);
   }
   return system;
 }

@@ -47,7 +47,8 @@ Ask any(const Model& model, const State<double>& state, Random<double>& random) 
 }
 State<double> loaded_state(const Model& model, Random<double>& random) {
   State<double> state = random_state(model, random);
-  state.wrenches.emplace_back(1, Representation::hybrid, random.vector(10), random.vector(10));
+  const Vec3<> f = random.vector(10), m = random.vector(10);
+  state.wrenches.emplace_back(1, Representation::hybrid, m, f);
   return state;
 }
 

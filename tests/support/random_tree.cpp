@@ -215,10 +215,11 @@ std::vector<double> random_numbers(Random<double>& random, int n, double size) {
 State<double> random_state(const Model& model, Random<double>& random) {
   State<double> state{random_configuration(model, static_cast<std::uint64_t>(random.number(0, 1e15))),
                       random_numbers(random, model.nv()), random_numbers(random, model.nv())};
-  for (int n = static_cast<int>(random.number(0, 5)); n > 0; --n)
-    state.wrenches.emplace_back(static_cast<int>(random.number(0, model.n_frames())),
-                                static_cast<Representation>(static_cast<int>(random.number(0, 4))),
-                                random.vector(10), random.vector(10));
+  for (int n = static_cast<int>(random.number(0, 5)); n > 0; --n) {
+    const Vec3<> f = random.vector(10), m = random.vector(10);
+    const auto representation = static_cast<Representation>(static_cast<int>(random.number(0, 4)));
+    state.wrenches.emplace_back(static_cast<int>(random.number(0, model.n_frames())), representation, m, f);
+  }
   return state;
 }
 
