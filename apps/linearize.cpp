@@ -70,12 +70,6 @@ bool is_zero(const std::vector<double>& x) {
   return std::ranges::all_of(x, [](double x_k) { return x_k == 0; });
 }
 
-std::vector<double> forces_of_springs(const Model& model, Workspace<>& workspace, const State& state) {
-  std::vector<double> tau(state.v.size());
-  spring_forces(model, workspace, state.q, state.v, tau);
-  return tau;
-}
-
 /// The state that is asked for.
 State found_state(const Model& model, const Options& options) {
   State state = options.state.empty() ? neutral_state(model) : read_state(model, options.state);
@@ -87,7 +81,8 @@ State found_state(const Model& model, const Options& options) {
     if (!is_zero(state.tau)) throw InputError("tau is not 0; --hold finds it");
     Workspace<> workspace(model);
     inverse_dynamics(model, workspace, state.q, state.v, state.v, state.tau, {state.loads});
-    const std::vector<double> springs = forces_of_springs(model, workspace, state);
+    std::vector<double> springs(state.v.size());
+    spring_forces(model, workspace, state.q, state.v, springs);
     for (std::size_t c = 0; c < springs.size(); ++c) state.tau[c] -= springs[c];
   }
   if (options.equilibrium) {
@@ -118,8 +113,8 @@ Linearized linearized(const Options& options) {
   const auto require = [&](const Solvability& solvability) {
     if (!solvability.ok()) throw InputError(to_string(model, solvability));
   };
-  std::vector<double> forces = forces_of_springs(model, workspace, state);
-  for (std::size_t c = 0; c < forces.size(); ++c) forces[c] += state.tau[c];
+  std::vector<double> forces = state.tau;
+  add_spring_forces(model, workspace, state.q, state.v, forces);
   require(forward_dynamics(model, workspace, state.q, state.v, forces, state.a, loads));
   require(linearize(model, workspace, state.q, state.v, state.tau, {as_span(at.A), as_span(at.B)}, loads));
   if (!at.A.allFinite() || !at.B.allFinite()) require({.not_finite = true});

@@ -37,9 +37,8 @@ template <class S> class OneMotion {
     const auto accelerate = [&](double, std::span<const S> q_t, std::span<const S> v_t, std::span<S> a_t) {
       found = {.not_finite = true};
       if (!finite(q_t)) return false;
-      std::ranges::fill(total_, S(0));
-      if (!model_->springs().empty()) spring_forces(*model_, workspace_, q_t, v_t, total_);
-      for (std::size_t c = 0; c < total_.size(); ++c) total_[c] += tau[c];
+      total_.assign(tau.begin(), tau.end());
+      if (!model_->springs().empty()) add_spring_forces(*model_, workspace_, q_t, v_t, total_);
       found = axode::forward_dynamics(*model_, workspace_, q_t, v_t, total_, a_t);
       return found.ok();
     };

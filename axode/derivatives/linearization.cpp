@@ -64,8 +64,8 @@ Solvability linearize(const Model& model, Workspace<T>& workspace, Numbers<T> q,
   if (sprung) {
     check_size("tau", tau.size(), n, "nv");
     const std::span<T> total = B.first(n);
-    spring_forces(model, workspace, q, v, total);
-    for (std::size_t c = 0; c < n; ++c) total[c] += tau[c];
+    std::ranges::copy(tau, total.begin());
+    add_spring_forces(model, workspace, q, v, total);
     forces = total;
   }
   const Solvability verdict =

@@ -7,6 +7,13 @@
 namespace axode {
 namespace {
 
+template <class T>
+void check(const Model& model, const Workspace<T>& workspace, Numbers<T> q, Numbers<T> v, std::span<T> tau) {
+  check_state(model, workspace, q, v);
+  check_size("tau", tau.size(), v.size(), "nv");
+  check_separate("tau", tau, "q", q), check_separate("tau", tau, "v", v);
+}
+
 constexpr auto no_columns = [](std::size_t, int, int, const auto&) {};
 
 }  // namespace
@@ -14,11 +21,16 @@ constexpr auto no_columns = [](std::size_t, int, int, const auto&) {};
 template <class T>
 void spring_forces(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v,
                    std::type_identity_t<std::span<T>> tau) {
-  check_state(model, workspace, q, v);
-  check_size("tau", tau.size(), v.size(), "nv");
-  check_separate("tau", tau, "q", q), check_separate("tau", tau, "v", v);
-  const Tree<T>& tree = model.tree<T>();
+  check<T>(model, workspace, q, v, tau);
   std::ranges::fill(tau, T(0));
+  add_spring_forces(model, workspace, q, v, tau);
+}
+
+template <class T>
+void add_spring_forces(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v,
+                       std::type_identity_t<std::span<T>> tau) {
+  check<T>(model, workspace, q, v, tau);
+  const Tree<T>& tree = model.tree<T>();
   for (const int i : model.springs().joints)
     with_joint(tree, i, [&]<class Joint>(const Joint& joint) {
       const std::vector<Dof>& dof = model.joint(i).dof;
@@ -64,6 +76,8 @@ template <class T> T elastic_energy(const Model& model, Workspace<T>& workspace,
 
 template void spring_forces(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>, Numbers<AXODE_T>,
                             std::span<AXODE_T>);
+template void add_spring_forces(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>, Numbers<AXODE_T>,
+                                std::span<AXODE_T>);
 template AXODE_T elastic_energy(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>);
 
 }  // namespace axode

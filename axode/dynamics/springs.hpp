@@ -2,8 +2,8 @@
 #include "axode/kinematics/arguments.hpp"
 
 /// Springs, dampers and stops, which a model has on joints (Dof) and between frames (SpringDescription). They act in
-/// simulations, linearisations and equilibria. Inverse and forward dynamics and their derivatives leave them out: add
-/// spring_forces() to τ.
+/// simulations, linearisations and equilibria. Inverse and forward dynamics and their derivatives leave them out: call
+/// add_spring_forces() on τ.
 ///
 /// On a joint of one velocity, at its own position p (a coupled joint's, too), the spring's force is -k (p - rest), and
 /// beyond a limit the stop's is -k δ max(0, 1 + d δ') for the depth δ (Hunt and Crossley): continuous, and never pulling.
@@ -17,6 +17,11 @@ namespace axode {
 template <class T>
 void spring_forces(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v,
                    std::type_identity_t<std::span<T>> tau);
+
+/// Adds them to τ (nv).
+template <class T>
+void add_spring_forces(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v,
+                       std::type_identity_t<std::span<T>> tau);
 
 /// The energy that springs and stops hold, J: its gradient is -τ where nothing moves.
 template <class T> T elastic_energy(const Model& model, Workspace<T>& workspace, Numbers<T> q);

@@ -77,9 +77,7 @@ class SpringTerms {
   const double* forces(Span q, Span v, const double* tau) {
     if (!any()) return tau;
     std::ranges::copy_n(tau, model_.nv(), total_.begin());
-    if (!finite(q)) return total_.data();  // and accelerations will not be
-    spring_forces(model_, *workspace_, q, v, total_);
-    for (std::size_t c = 0; c < total_.size(); ++c) total_[c] += tau[c];
+    if (finite(q)) add_spring_forces(model_, *workspace_, q, v, total_);  // else accelerations will not be either
     return total_.data();
   }
   /// Takes by_q and by_v.

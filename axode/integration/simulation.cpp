@@ -119,8 +119,8 @@ class Run {
   /// tau of the drive, and of the springs of the model.
   Span with_springs(Span q_t, Span v_t) {
     if (model_.springs().empty()) return tau_;
-    spring_forces(model_, workspace_, q_t, v_t, total_);
-    for (std::size_t c = 0; c < total_.size(); ++c) total_[c] += tau_[c];
+    total_.assign(tau_.begin(), tau_.end());
+    add_spring_forces(model_, workspace_, q_t, v_t, total_);
     return total_;
   }
   Loads<double> loads() const { return {options_.loads, options_.joint_losses}; }
