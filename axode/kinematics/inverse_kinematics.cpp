@@ -234,6 +234,10 @@ InverseKinematicsResult inverse_kinematics(const Model& model, std::span<const P
                                .q = {q0.begin(), q0.end()},
                                .residual = std::numeric_limits<double>::infinity()};
   for (int start = 0; start <= options.restarts; ++start) {
+    if (options.monitor && !options.monitor()) {
+      best.status = InverseKinematicsStatus::iteration_limit;
+      break;
+    }
     std::vector<double> q =
         start == 0 ? std::vector<double>(q0.begin(), q0.end())
                    : random_configuration(model, options.seed + static_cast<std::uint64_t>(start));

@@ -1,5 +1,6 @@
 #pragma once
 #include <cstdint>
+#include <functional>
 #include <string_view>
 #include <vector>
 
@@ -24,12 +25,13 @@ struct InverseKinematicsOptions {
   std::uint64_t seed = 1;   ///< of the restarts
   bool limits = true;       ///< keep joints within their position limits
   std::span<const double> posture = {};  ///< a configuration to stay near in the null space of the targets
+  std::function<bool()> monitor = {};    ///< asked before each start; false ends the search
 };
 
 enum class InverseKinematicsStatus {
   solved,   ///< the error is within the tolerance
   stalled,  ///< every start ended in a configuration that no small step improves: out of reach, most likely
-  iteration_limit,  ///< some start still improved when its iterations were used up
+  iteration_limit,  ///< some start still improved when its iterations were used up, or the monitor ended the search
 };
 std::string_view to_string(InverseKinematicsStatus status);
 

@@ -143,14 +143,16 @@ nb::object inverse_kinematics_of(const BoundModel& m, nb::handle given, ArrayLik
                                  nb::handle posture) {
   const std::vector<PoseTarget> targets = pose_targets(m, given);
   const States states = one_state(m, q0, "q0");
-  InverseKinematicsOptions options{tolerance, iterations, restarts, seed, keep_limits, {}};
+  InverseKinematicsOptions options{tolerance, iterations, restarts, seed, keep_limits};
   std::optional<Items> near;
   if (!posture.is_none()) {
     near.emplace(states.configurations("posture", {posture.ptr()}));
     options.posture = (*near)[0];
   }
-  const InverseKinematicsResult found =
-      states.released(1000, [&] { return inverse_kinematics(m, targets, states.q(0), options); });
+  const auto found = states.unlocked(1000, [&](const batch::Monitor& monitor) {
+    options.monitor = [&] { return monitor(0, 0); };
+    return inverse_kinematics(m, targets, states.q(0), options);
+  });
   return named_tuple("axode.records", "InverseKinematics", to_str(to_string(found.status)), to_array(found.q),
                      found.residual, found.iterations, found.restarts);
 }

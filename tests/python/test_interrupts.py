@@ -13,6 +13,7 @@ from mechanisms import MECHANISMS, random_states
 
 ARM, MACHINE = MECHANISMS["arm"], MECHANISMS["machine"]
 POSES = axode.poses(ARM, ARM.random())
+FAR_AWAY = axode.lie.exp(np.array([0, 0, 0, 9.0, 0, 0]))
 FALL = axode.simulate(ARM, np.full(7, 0.1), np.zeros(7), 0.5)
 
 
@@ -67,6 +68,8 @@ LONG = {
         ARM, np.zeros(7), np.zeros(7), tau, 1e-9, np.ones(7), np.zeros(7), tau)[0][1:], np.zeros(7)),
     "steps of one rollout": of_items(lambda tau: axode.rollout_derivatives(
         ARM, np.zeros(7), np.zeros(7), tau, 1e-9).B, np.zeros(7)),
+    "inverse kinematics from many starts": (lambda N: [N], lambda restarts: np.zeros(axode.inverse_kinematics(
+        ARM, [{"frame": "flange", "pose": FAR_AWAY}], np.zeros(7), iterations=5, restarts=restarts).restarts)),
     "states in between": (lambda N: [np.linspace(0, 0.5, N)], lambda t: FALL.at(t)[0]),
 }
 
