@@ -31,6 +31,14 @@ ModelBuilder& ModelBuilder::add(SpringDescription spring) {
   description_.springs.push_back(std::move(spring));
   return *this;
 }
+ModelBuilder& ModelBuilder::add(LoopDescription loop) {
+  description_.loops.push_back(std::move(loop));
+  return *this;
+}
+ModelBuilder& ModelBuilder::add(CouplingDescription coupling) {
+  description_.couplings.push_back(std::move(coupling));
+  return *this;
+}
 ModelBuilder& ModelBuilder::gravity(const Vec3<>& g) {
   description_.gravity = g;
   return *this;
@@ -62,7 +70,8 @@ Model ModelBuilder::build(Strictness strictness) const {
   Tree<float> tree_float = cast<float>(out.tree);
   auto data = std::make_shared<const Model::Data>(
       Model::Data{description_, std::move(out.bodies), std::move(out.joints), std::move(out.frames),
-                  std::move(out.springs), std::move(faults), std::move(out.tree), std::move(tree_float)});
+                  std::move(out.springs), std::move(out.loops), std::move(faults), std::move(out.tree),
+                  std::move(tree_float)});
   return Model(std::move(data));
 }
 

@@ -29,6 +29,8 @@ class ModelBuilder {
   ModelBuilder& add(BodyDescription body);
   ModelBuilder& add(FrameDescription frame);
   ModelBuilder& add(SpringDescription spring);
+  ModelBuilder& add(LoopDescription loop);
+  ModelBuilder& add(CouplingDescription coupling);
   ModelBuilder& gravity(const Vec3<>& g);  ///< m/s², in the construction frame
 
   /// The description of a body, to change it. Throws std::invalid_argument for an unknown name.

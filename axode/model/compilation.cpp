@@ -52,14 +52,17 @@ class Compiler {
       if (std::ranges::any_of(joints_[i].dof,
                               [](const Dof& dof) { return dof.stiffness > 0 || dof.stop_stiffness > 0; }))
         springs.joints.push_back(i);
+    Loops loops = closed_loops(*topology);
     for (int i = 0; i <= topology->n; ++i) bodies_[i].M = transform(inverse(offset_[i]), numbers_.M[i]);
     Compilation out{std::move(bodies_),
                     std::move(joints_),
                     std::move(frames_),
                     std::move(springs),
+                    std::move(loops),
                     Tree<double>(topology, std::move(numbers_)),
                     {}};
-    warn_of_massless_subtrees(out);
+    report_loops_within_bodies(out);
+    report_massless_subtrees(out);
     report_overflow(out);
     return out;
   }
@@ -123,7 +126,7 @@ class Compiler {
 
     Joint joint;
     joint.name = from.joint.name, joint.kind = connections_.kind.back(), joint.pitch = from.joint.pitch;
-    joint.dof = from.joint.dof;
+    joint.dof = from.joint.dof, joint.passive = from.joint.passive;
     joint.dof.resize(static_cast<std::size_t>(traits(from.joint.kind).dof));
     Body body;
     body.name = from.name, body.predecessor = parent, body.A = at.A, body.S_self = at.S_self;
@@ -156,10 +159,15 @@ class Compiler {
     frames_.push_back(std::move(frame));
   }
 
-  /// Their ends, each in its frame.
-  Springs springs_between_frames() const {
+  std::unordered_map<std::string_view, int> frames_by_name() const {
     std::unordered_map<std::string_view, int> frame;
     for (std::size_t f = 0; f < frames_.size(); ++f) frame.emplace(frames_[f].name, static_cast<int>(f));
+    return frame;
+  }
+
+  /// Their ends, each in its frame.
+  Springs springs_between_frames() const {
+    const std::unordered_map<std::string_view, int> frame = frames_by_name();
     Springs springs;
     for (const SpringDescription& from : description_.springs) {
       Springs::Line line{.ends = {}, .stiffness = from.stiffness, .rest = from.rest, .damping = from.damping};
@@ -172,6 +180,50 @@ class Compiler {
       springs.lines.push_back(line);
     }
     return springs;
+  }
+
+  /// Loops with their frames in the internal frames of the bodies, then couplings of coordinates.
+  Loops closed_loops(const Topology& topology) const {
+    const std::unordered_map<std::string_view, int> frame = frames_by_name();
+    Loops loops;
+    for (std::size_t k = 0; k < description_.loops.size(); ++k) {
+      const LoopDescription& from = description_.loops[k];
+      Loop loop{.name = loop_name(from, k),
+                .kind = from.kind,
+                .pitch = from.pitch,
+                .wheel = from.wheel_axis.has_value()};
+      const DrawnLoop drawn = from.frames ? DrawnLoop{*from.frames, size_of(from)} : place(from);
+      loop.size = drawn.size;
+      for (std::size_t e = 0; e < 2; ++e) {
+        const int f = frame.at(from.between[e]), body = frames_[f].body;
+        loop.ends[e] = {body, from.frames ? numbers_.frame_offset[f] * orthonormal(drawn.C[e])
+                                          : relative(internal_[body], drawn.C[e])};
+      }
+      loops.all.push_back(std::move(loop));
+    }
+    std::unordered_map<std::string_view, int> joint;
+    for (int i = 1; i < n_bodies(); ++i) joint.emplace(joints_[i].name, i);
+    for (std::size_t k = 0; k < description_.couplings.size(); ++k) {
+      const CouplingDescription& from = description_.couplings[k];
+      Loop loop{.name = coupling_name(from, k), .kind = LoopKind::coupling, .offset = from.offset};
+      for (const auto& [name, factor] : from.terms) {
+        const int i = joint.at(name);
+        const Joint::Leader own = joints_[i].leader.value_or(Joint::Leader{i, 1, 0});
+        loop.terms.push_back({topology.iq[i], topology.iv[i], factor * own.ratio});
+        loop.offset -= factor * own.offset;
+      }
+      loops.all.push_back(std::move(loop));
+    }
+    for (Loop& loop : loops.all) {
+      loop.first_row = loops.rows, loop.first_residual = loops.residuals;
+      loops.rows += loop.rows(), loops.residuals += loop.residuals();
+    }
+    loops.driven.assign(static_cast<std::size_t>(topology.nv), 0);
+    for (int i = 1; i <= topology.n; ++i)
+      if (!joints_[i].passive)
+        with_subgroup(joints_[i].kind, joints_[i].pitch,
+                      [&](const auto& s) { std::fill_n(loops.driven.begin() + topology.iv[i], s.nv, 1); });
+    return loops;
   }
 
   /// Resolves q_i = ratio q_leader + offset through chains of couplings.
@@ -231,7 +283,20 @@ class Compiler {
                           source.file.empty() ? Source{expanded_.source.file, source.line} : source});
   }
 
-  void warn_of_massless_subtrees(Compilation& out) const {
+  void report_loops_within_bodies(Compilation& out) const {
+    for (std::size_t k = 0; k < description_.loops.size(); ++k) {
+      const Loop& loop = out.loops.all[k];
+      if (loop.ends[0].body != loop.ends[1].body) continue;
+      const LoopDescription& from = description_.loops[k];
+      out.faults.push_back(
+          {Severity::error, Rule::loop_within_body, "loop \"" + loop.name + '"',
+           "is between \"" + from.between[0] + "\" and \"" + from.between[1] +
+               "\", which do not move against each other",
+           from.source.file.empty() ? Source{expanded_.source.file, from.source.line} : from.source});
+    }
+  }
+
+  void report_massless_subtrees(Compilation& out) const {
     const Tree<double>& tree = out.tree;
     std::vector<double> mass(static_cast<std::size_t>(tree->n + 1));
     for (int i = tree->n; i > 0; --i) {
@@ -247,9 +312,13 @@ class Compiler {
         moves_mass[joint.leader && joint.leader->ratio != 0 ? joint.leader->joint : i] = true;
     }
     for (int i = 1; i <= tree->n; ++i)
-      if (!moves_mass[i] && !out.joints[i].leader)
-        note(out, i, Severity::warning, Rule::moves_no_mass, "joint \"" + out.joints[i].name + '"',
-             "moves no mass; the mass matrix is singular");
+      if (!moves_mass[i] && !out.joints[i].leader) {
+        const bool cut = !out.loops.empty();
+        note(out, i, cut ? Severity::error : Severity::warning, Rule::moves_no_mass,
+             "joint \"" + out.joints[i].name + '"',
+             cut ? "moves no mass once the loops are cut; cut elsewhere, or make what it moves a rod"
+                 : "moves no mass; the mass matrix is singular");
+      }
   }
 
   /// Finite numbers can be so large that what follows from them is not.
@@ -273,6 +342,11 @@ class Compiler {
         if (!finite(end.point) && finite(tree.frame_offset[end.frame]))
           note(out, 0, Severity::error, Rule::non_finite_number, "spring " + std::to_string(k + 1),
                "its numbers are so large that a point overflows");
+    for (const Loop& loop : out.loops.all)
+      for (const Loop::End& end : loop.ends)
+        if (!finite(end.F) || !finite(loop.size))
+          note(out, 0, Severity::error, Rule::non_finite_number, "loop \"" + loop.name + '"',
+               "its numbers are so large that its frames overflow");
   }
 
   const Description& description_;

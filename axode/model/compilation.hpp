@@ -11,6 +11,7 @@ struct Compilation {
   std::vector<Joint> joints;
   std::vector<Frame> frames;
   Springs springs;
+  Loops loops;
   Tree<double> tree;
   std::vector<Fault> faults;
 };

@@ -3,6 +3,7 @@
 #include <limits>
 #include <optional>
 #include <string>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -58,6 +59,7 @@ struct JointDescription {
   double pitch = 0;             ///< m/rad, of a helical joint
   std::vector<Dof> dof = {};    ///< one for each velocity, or empty
   std::optional<Coupling> coupling = {};  ///< of a revolute, prismatic or helical joint
+  bool passive = false;                   ///< whether it has no drive; matters in mechanisms with loops
   Source source = {};                     ///< where it differs from that of the body
 };
 
@@ -130,12 +132,62 @@ struct SpringDescription {
   Source source = {};
 };
 
+/// What closes a loop: a joint between two bodies that both hang on others already, or a rod or a contact.
+enum class LoopKind {
+  fixed,
+  revolute,
+  prismatic,
+  helical,
+  cylindrical,
+  spherical,
+  planar,
+  translational,  ///< every translation and no rotation
+  universal,
+  rod,       ///< massless, with a ball at either end: two points keep their distance
+  rolling,   ///< of a wheel or a sphere on a plane, without slip
+  coupling,  ///< of coordinates; see CouplingDescription
+};
+
+/// A joint that closes a loop. All is drawn at q = 0 in the construction frame, where the loop is closed, so axis and point
+/// are enough; or the frame of the loop is given on either one of the two, which need not meet at q = 0.
+struct LoopDescription {
+  std::string name = {};  ///< empty: `loop 1`, ...; unlike those of joints
+  std::array<std::string, 2> between =
+      {};  ///< bodies, named frames or "ground"; its wrench acts on the second
+  LoopKind kind = LoopKind::revolute;
+  Vec3<> axis{0, 0, 1};               ///< any length but 0; for planar and rolling the normal of the plane
+  Vec3<> second_axis{1, 0, 0};        ///< of a universal joint, fixed in the second
+  Vec3<> point{};                     ///< on the axis; the centre; on the plane, m
+  double pitch = 0;                   ///< m/rad, of a helical joint
+  std::array<Vec3<>, 2> points = {};  ///< of a rod: on the first, on the second, m
+  Vec3<> center{};                    ///< of what rolls, m
+  std::optional<Vec3<>> wheel_axis = {};  ///< of a wheel that rolls; none: a sphere
+  /// In place of all these: poses in the frames of the two. z is the axis and the origin the point; of a universal joint z
+  /// is the first axis on the first and the second on the second; of a rod the origins are its ends; of what rolls z is the
+  /// normal on the first, and on the second, whose origin is the centre, the axis of a wheel.
+  std::optional<std::array<SE3<>, 2>> frames = {};
+  std::optional<double> length = {};  ///< of a rod, m; none: as drawn
+  std::optional<double> radius = {};  ///< of what rolls, m; none: as drawn
+  std::optional<double> angle = {};   ///< between the axes of a universal joint, rad; none: as drawn
+  Source source = {};
+};
+
+/// Σ factor q = offset, over joints of one velocity: a differential, a cable, a gear train. Closes a loop as well.
+struct CouplingDescription {
+  std::string name = {};                                   ///< empty: `coupling 1`, ...
+  std::vector<std::pair<std::string, double>> terms = {};  ///< joints and their factors
+  double offset = 0;
+  Source source = {};
+};
+
 struct Description {
   std::string name = "mechanism";
   Vec3<> gravity{0, 0, -9.81};  ///< m/s²
   std::vector<BodyDescription> bodies;
   std::vector<FrameDescription> frames;
   std::vector<SpringDescription> springs = {};
+  std::vector<LoopDescription> loops = {};
+  std::vector<CouplingDescription> couplings = {};
   Source source = {};
   std::vector<Fault> warnings = {};  ///< what a reader found doubtful
 };

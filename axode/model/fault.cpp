@@ -29,6 +29,8 @@ std::string_view to_string(Rule rule) {
     case Rule::coupling_kind: return "coupling_kind";
     case Rule::unknown_frame_body: return "unknown_frame_body";
     case Rule::unknown_spring_frame: return "unknown_spring_frame";
+    case Rule::unknown_loop_frame: return "unknown_loop_frame";
+    case Rule::loop_within_body: return "loop_within_body";
     case Rule::no_base: return "no_base";
     case Rule::unreadable_file: return "unreadable_file";
     case Rule::syntax: return "syntax";

@@ -38,6 +38,8 @@ enum class Rule {
   coupling_kind,
   unknown_frame_body,
   unknown_spring_frame,
+  unknown_loop_frame,
+  loop_within_body,
   no_base,
   unreadable_file,
   syntax,

@@ -9,6 +9,7 @@
 
 #include "axode/model/finite.hpp"
 #include "axode/model/joint_kinds.hpp"
+#include "axode/model/loops.hpp"
 #include "axode/model/nearest_name.hpp"
 #include "axode/model/placement.hpp"
 
@@ -49,6 +50,10 @@ class Inspection {
     }
     for (std::size_t k = 0; k < description_.springs.size(); ++k)
       spring("spring " + std::to_string(k + 1), description_.springs[k]);
+    for (std::size_t k = 0; k < description_.loops.size(); ++k) {
+      const LoopDescription& told = description_.loops[k];
+      loop("loop " + quoted(loop_name(told, k)), told);
+    }
     couplings();
     return std::move(faults_);
   }
@@ -123,6 +128,16 @@ class Inspection {
     }
     for (const FrameDescription& frame : description_.frames)
       body_name(frame.name, "frame " + quoted(frame.name), frame.source);
+    const auto loop_is_named = [&](const char* what, const std::string& name, const Source& source) {
+      if (!joints.insert(name).second)
+        error(Rule::duplicate_name, what + quoted(name),
+              "the name is taken; names of joints, loops and couplings must differ", source);
+    };
+    for (std::size_t k = 0; k < description_.loops.size(); ++k)
+      loop_is_named("loop ", loop_name(description_.loops[k], k), description_.loops[k].source);
+    for (std::size_t k = 0; k < description_.couplings.size(); ++k)
+      loop_is_named("coupling ", coupling_name(description_.couplings[k], k),
+                    description_.couplings[k].source);
   }
 
   void predecessors() {
@@ -320,6 +335,61 @@ class Inspection {
               std::string(what) + " is " + to_text(value) + "; it must not be negative", spring.source);
   }
 
+  void loop(const std::string& element, const LoopDescription& loop) {
+    for (const std::string& name : loop.between) {
+      if (name != "ground" && !taken_.contains(name))
+        error(Rule::unknown_loop_frame, element,
+              "is between " + quoted(loop.between[0]) + " and " + quoted(loop.between[1]) + "; " +
+                  quoted(name) + " is neither a body nor a frame" + nearest_frame(name),
+              loop.source);
+    }
+    const auto wrong = [&](Rule rule, std::string message) {
+      error(rule, element, std::move(message), loop.source);
+    };
+    bool good = finite(loop.axis) && finite(loop.second_axis) && finite(loop.point) && finite(loop.pitch) &&
+                finite(loop.points[0]) && finite(loop.points[1]) && finite(loop.center) &&
+                finite(loop.wheel_axis.value_or(Vec3<>{}));
+    for (const std::optional<double>& size : {loop.length, loop.radius, loop.angle})
+      good = good && finite(size.value_or(0));
+    if (!good) return wrong(Rule::non_finite_number, "a number is not finite");
+    const bool helical = loop.kind == LoopKind::helical;
+    if (!helical && loop.pitch != 0)
+      wrong(Rule::pitch_without_helix, "has a pitch of " + to_text(loop.pitch) + " m/rad but is " +
+                                           std::string(to_string(loop.kind)) +
+                                           "; only helical joints have a pitch");
+    if (helical && loop.pitch == 0)
+      wrong(Rule::wrong_value, "has the pitch 0; make it revolute, or give a pitch in m/rad");
+    if (loop.kind == LoopKind::coupling)
+      wrong(Rule::wrong_value, "is a coupling; couplings are told by their terms, not between bodies");
+    for (const auto& [what, size] : {std::pair{"length", loop.length}, std::pair{"radius", loop.radius}})
+      if (size && !(*size > 0))
+        wrong(Rule::wrong_value, std::string(what) + " is " + to_text(*size) + " m; it must be positive");
+    if (loop.frames) {
+      rotation(element, "the first frame", (*loop.frames)[0], loop.source);
+      rotation(element, "the second frame", (*loop.frames)[1], loop.source);
+      if (loop.kind == LoopKind::rod && !loop.length)
+        wrong(Rule::missing_element, "has no length; a rod between frames needs one, m");
+      if (loop.kind == LoopKind::rolling && !loop.radius)
+        wrong(Rule::missing_element, "has no radius; what rolls between frames needs one, m");
+      return;
+    }
+    const auto zero = [](const Vec3<>& axis) { return axis.x == 0 && axis.y == 0 && axis.z == 0; };
+    const bool wheel = loop.kind == LoopKind::rolling && loop.wheel_axis,
+               universal = loop.kind == LoopKind::universal;
+    if ((traits(loop.kind).axis && zero(loop.axis)) || (universal && zero(loop.second_axis)) ||
+        (wheel && zero(*loop.wheel_axis)))
+      return wrong(Rule::zero_axis, "an axis is (0, 0, 0); an axis needs a direction");
+    if (universal && norm(cross(direction(loop.axis), direction(loop.second_axis))) < 1e-6)
+      wrong(Rule::parallel_axes, "its two axes are parallel; those of a universal joint must not be");
+    if (wheel && norm(cross(direction(loop.axis), direction(*loop.wheel_axis))) < 1e-6)
+      wrong(Rule::parallel_axes, "the wheel lies flat on the plane; its axis must not be the normal");
+    if (loop.kind == LoopKind::rod && !(norm(loop.points[1] - loop.points[0]) > 0) && !loop.length)
+      wrong(Rule::wrong_value, "its points are the same; a rod needs a length");
+    if (loop.kind == LoopKind::rolling &&
+        !(std::abs(dot(direction(loop.axis), loop.center - loop.point)) > 0))
+      wrong(Rule::wrong_value, "its centre lies in the plane; what rolls needs a radius");
+  }
+
   void inertia(const BodyDescription& body) {
     if (!body.inertia) return;
     const MassProperties& given = *body.inertia;
@@ -391,6 +461,34 @@ class Inspection {
         error(Rule::coupling_loop, element,
               "follows joint " + quoted(leader) + " in a loop; one joint must have a coordinate of its own",
               joint_source(body));
+      }
+    }
+    for (std::size_t k = 0; k < description_.couplings.size(); ++k) {
+      const CouplingDescription& coupling = description_.couplings[k];
+      const std::string element = "coupling " + quoted(coupling_name(coupling, k));
+      if (coupling.terms.empty())
+        error(Rule::missing_element, element, "has no terms; name joints and their factors", coupling.source);
+      if (!finite(coupling.offset))
+        error(Rule::non_finite_number, element, "its offset is not finite", coupling.source);
+      for (const auto& [name, factor] : coupling.terms) {
+        if (!finite(factor) || factor == 0)
+          error(finite(factor) ? Rule::wrong_value : Rule::non_finite_number, element,
+                "the factor of joint " + quoted(name) + " is " + to_text(factor) +
+                    "; it must be a number other than 0",
+                coupling.source);
+        const auto found = joints.find(name);
+        if (found == joints.end()) {
+          error(Rule::coupling_unknown_joint, element,
+                "has a term of joint " + quoted(name) + ", which is not described" +
+                    nearest(name, expanded.bodies, [](const BodyDescription& b) { return b.joint.name; }),
+                coupling.source);
+        } else if (!can_couple(found->second->joint.kind)) {
+          error(Rule::coupling_kind, element,
+                "has a term of joint " + quoted(name) + ", which is " +
+                    std::string(to_string(found->second->joint.kind)) +
+                    "; only revolute, prismatic and helical joints can be coupled",
+                coupling.source);
+        }
       }
     }
   }

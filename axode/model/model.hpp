@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "axode/model/joint_kinds.hpp"
+#include "axode/model/loops.hpp"
 #include "axode/model/springs.hpp"
 #include "axode/model/tree.hpp"
 
@@ -37,6 +38,7 @@ struct Joint {
   };
   std::optional<Leader> leader;  ///< of a coupled joint, with chains of couplings resolved
   std::vector<Dof> dof;          ///< one for each degree of freedom
+  bool passive = false;          ///< whether it has no drive
 };
 
 /// A named frame: the ground, a body, a body fixed to another, or a frame of interest.
@@ -79,6 +81,8 @@ class Model {
 
   /// Springs, dampers and stops, which act in simulations.
   const Springs& springs() const { return data_->springs; }
+  /// What closes loops; all that is not said to count them is about the tree that is left without them.
+  const Loops& loops() const { return data_->loops; }
 
   /// Indices by name. Throws std::invalid_argument that names what was asked for and the nearest name there
   /// is.
@@ -105,6 +109,7 @@ class Model {
     std::vector<Joint> joints;
     std::vector<Frame> frames;
     Springs springs;
+    Loops loops;
     std::vector<Fault> warnings;
     Tree<double> tree;
     Tree<float> tree_float;

@@ -1,6 +1,8 @@
 #include "axode/model/placement.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <numbers>
 #include <string>
 #include <unordered_map>
 #include <utility>
@@ -154,6 +156,48 @@ std::vector<Placement> place(const Description& expanded, const DepthFirstOrder&
   return placements;
 }
 
+DrawnLoop place(const LoopDescription& loop) {
+  const auto frame = [](const Vec3<>& axis, const Vec3<>& point) {
+    return SE3<>{orthonormal(rotation_to(direction(axis))), point};
+  };
+  switch (loop.kind) {
+    case LoopKind::rod:
+      return {{SE3<>{{}, loop.points[0]}, SE3<>{{}, loop.points[1]}},
+              loop.length.value_or(norm(loop.points[1] - loop.points[0]))};
+    case LoopKind::universal: {
+      const double cosine = dot(direction(loop.axis), direction(loop.second_axis));
+      return {{frame(loop.axis, loop.point), frame(loop.second_axis, loop.point)},
+              loop.angle ? std::cos(*loop.angle) : cosine};
+    }
+    case LoopKind::rolling: {
+      const Vec3<> n = direction(loop.axis), up = loop.center - loop.point;
+      const double height = dot(n, up);
+      const Vec3<> k = direction(loop.wheel_axis.value_or(Vec3<>{0, 0, 1}));
+      const double sine = loop.wheel_axis ? norm(cross(n, k)) : 1;
+      return {{frame(height < 0 ? -n : n, loop.point), frame(k, loop.center)},
+              loop.radius.value_or(std::abs(height) / sine)};
+    }
+    case LoopKind::fixed:
+    case LoopKind::spherical:
+    case LoopKind::translational: return {{SE3<>{{}, loop.point}, SE3<>{{}, loop.point}}};
+    default: return {{frame(loop.axis, loop.point), frame(loop.axis, loop.point)}};
+  }
+}
+
+double size_of(const LoopDescription& loop) {
+  return loop.kind == LoopKind::rod         ? loop.length.value_or(0)
+         : loop.kind == LoopKind::rolling   ? loop.radius.value_or(0)
+         : loop.kind == LoopKind::universal ? std::cos(loop.angle.value_or(std::numbers::pi / 2))
+                                            : 0;
+}
+
+std::string loop_name(const LoopDescription& loop, std::size_t k) {
+  return loop.name.empty() ? "loop " + std::to_string(k + 1) : loop.name;
+}
+std::string coupling_name(const CouplingDescription& coupling, std::size_t k) {
+  return coupling.name.empty() ? "coupling " + std::to_string(k + 1) : coupling.name;
+}
+
 Inertia<> inertia_in(const SE3<>& F, const MassProperties& given) {
   const SO3<> axes = orthonormal(given.axes), Rt = transpose(F.R);
   return given.about == InertiaAbout::center_of_mass
@@ -206,6 +250,14 @@ Description in_joint_frames(const Description& given) {
       for (std::size_t k = 0; k < 2; ++k)
         spring.points[k] = relative(A.at(spring.between[k]), {{}, spring.points[k]}).r;
     spring.in = GivenIn::body_frame;
+  }
+  for (LoopDescription& loop : description.loops) {
+    if (loop.frames) continue;
+    const auto [C, size] = place(loop);
+    loop.frames = {relative(A.at(loop.between[0]), C[0]), relative(A.at(loop.between[1]), C[1])};
+    if (loop.kind == LoopKind::rod) loop.length = size;
+    if (loop.kind == LoopKind::rolling) loop.radius = size;
+    if (loop.kind == LoopKind::universal) loop.angle = std::acos(size);
   }
   return description;
 }

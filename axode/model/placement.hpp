@@ -54,6 +54,19 @@ struct Placement {
 /// predecessor, which is near where body frames may be far; else the body frame.
 std::vector<Placement> place(const Description& expanded, const DepthFirstOrder& order);
 
+/// Where the frames of a loop are, as drawn in the construction frame, and its size as Loop::size has it.
+struct DrawnLoop {
+  std::array<SE3<>, 2> C;
+  double size = 0;
+};
+/// Of a loop that is told without frames.
+DrawnLoop place(const LoopDescription& loop);
+/// The size of one that is told with frames.
+double size_of(const LoopDescription& loop);
+/// Its name, `loop 1` or `coupling 1` where it has none of its own; k from 0.
+std::string loop_name(const LoopDescription& loop, std::size_t k);
+std::string coupling_name(const CouplingDescription& coupling, std::size_t k);
+
 /// The inertia in the frame F, seen from the frame in which it is given; or in the frame J, where it is given in A and
 /// both are seen from one frame. It goes by the centre of mass, so that nothing is lost where the origin in which it is
 /// given is far away, unless it is the inertia about that origin.
