@@ -51,7 +51,7 @@ Solvability linearize(const Model& model, Workspace<T>& workspace, Numbers<T> q,
   check_separate("linear.B", B, "linear.A", A);
   const bool sprung = !model.springs().empty();
   const auto check_apart = [&](const char* name, std::span<const T> x) {
-    check_separate("linear.A", A, name, x), check_separate("linear.B", B, name, x);
+    check_separate("linear.A", linear.A, name, x), check_separate("linear.B", linear.B, name, x);
   };
   check_apart("v", v);
   if (sprung) check_apart("q", q), check_apart("tau", tau);
