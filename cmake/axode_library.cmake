@@ -32,6 +32,9 @@ set(AXODE_PER_SCALAR
     kinematics/higher_order
     kinematics/joint_screws
     kinematics/poses
+    constraints/constrained_dynamics
+    constraints/loop_system
+    constraints/loops
     derivatives/geometry_derivatives
     derivatives/linearization
     derivatives/momentum_form_derivatives

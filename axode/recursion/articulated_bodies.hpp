@@ -101,31 +101,56 @@ template <class Rep, class T> struct ArticulatedBodies {
 
   /// x := M⁻¹ x.
   template <TreeOf<T> AnyTree> void solve(const AnyTree& tree, T* x) noexcept {
-    const Topology::Ties& ties = tree->ties;
+    pull(tree, x);
+    push(tree, x);
+  }
+
+  /// The way up of a solution: u = L⁻ᵀ x of all velocities, where M = Lᵀ D L; see each_pivot().
+  template <TreeOf<T> AnyTree> void pull(const AnyTree& tree, const T* x) noexcept {
     for (int i = 0; i <= tree->n; ++i) W[i] = {};
-    for (int t = 0; t < ties.begin[tree->n + 1]; ++t) u_tie[t] = T(0);
-    for (int i = tree->n; i > 0; --i) {
-      for (int t = ties.begin[i]; t < ties.begin[i + 1]; ++t)
-        if (turn(ties, i, t) == before) pull_tie(tree, i, t, x);
-      const int first = tree->first_screw[i];
-      for (int s = tree->first_screw[i + 1] - 1; s >= first; --s) {
-        if (ties.own[i] >= 0) {
-          u_tie[ties.own[i]] += W[i] | S[s];
-        } else {
-          u[s] = x[tree->iv[i] + s - first] - (W[i] | S[s]);
-          const T k = u[s] / D[s];
-          W[i] += k * U[s];
-          const T* const D_s = of_screw(tree, i, s);
-          for (int t = ties.begin[i]; t < ties.begin[i + 1]; ++t)
-            if (ties.up[t] >= 0) u_tie[t] += k * D_s[t];
-        }
+    for (int t = 0; t < tree->ties.begin[tree->n + 1]; ++t) u_tie[t] = T(0);
+    for (int i = tree->n; i > 0; --i) pull(tree, i, x);
+    pull_at_ground(tree, x);
+  }
+  /// Its step at body i, after those of the bodies behind it, of which W[i] has come.
+  template <TreeOf<T> AnyTree> void pull(const AnyTree& tree, int i, const T* x) noexcept {
+    const Topology::Ties& ties = tree->ties;
+    for (int t = ties.begin[i]; t < ties.begin[i + 1]; ++t)
+      if (turn(ties, i, t) == before) pull_tie(tree, i, t, x);
+    const int first = tree->first_screw[i];
+    for (int s = tree->first_screw[i + 1] - 1; s >= first; --s) {
+      if (ties.own[i] >= 0) {
+        u_tie[ties.own[i]] += W[i] | S[s];
+      } else {
+        u[s] = x[tree->iv[i] + s - first] - (W[i] | S[s]);
+        const T k = u[s] / D[s];
+        W[i] += k * U[s];
+        const T* const D_s = of_screw(tree, i, s);
+        for (int t = ties.begin[i]; t < ties.begin[i + 1]; ++t)
+          if (ties.up[t] >= 0) u_tie[t] += k * D_s[t];
       }
-      if (own_ends(ties, i)) pull_tie(tree, i, ties.own[i], x);
-      for (int t = ties.begin[i]; t < ties.begin[i + 1]; ++t)
-        if (ties.up[t] >= 0) u_tie[ties.up[t]] += u_tie[t];
-      W[tree->parent[i]] += links.link[i].up(W[i]);
     }
-    for (int t = ties.begin[0]; t < ties.begin[1]; ++t) pull_tie(tree, 0, t, x);
+    if (own_ends(ties, i)) pull_tie(tree, i, ties.own[i], x);
+    for (int t = ties.begin[i]; t < ties.begin[i + 1]; ++t)
+      if (ties.up[t] >= 0) u_tie[ties.up[t]] += u_tie[t];
+    W[tree->parent[i]] += links.link[i].up(W[i]);
+  }
+  template <TreeOf<T> AnyTree> void pull_at_ground(const AnyTree& tree, const T* x) noexcept {
+    for (int t = tree->ties.begin[0]; t < tree->ties.begin[1]; ++t) pull_tie(tree, 0, t, x);
+  }
+  /// f(c, u_c, D_c) for the velocities that give way at body i, 0 for the ground.
+  template <TreeOf<T> AnyTree, class F> void each_pivot(const AnyTree& tree, int i, F&& f) const {
+    const Topology::Ties& ties = tree->ties;
+    if (i > 0 && ties.own[i] < 0)
+      for (int s = tree->first_screw[i]; s < tree->first_screw[i + 1]; ++s)
+        f(tree->iv[i] + s - tree->first_screw[i], u[s], D[s]);
+    for (int t = ties.begin[i]; t < ties.begin[i + 1]; ++t)
+      if (ties.up[t] < 0) f(ties.velocity[t], u_tie[t], row(ties, t)[t]);
+  }
+
+  /// The way down: x = L⁻¹ D⁻¹ u.
+  template <TreeOf<T> AnyTree> void push(const AnyTree& tree, T* x) noexcept {
+    const Topology::Ties& ties = tree->ties;
     X[0] = {};
     for (int t = ties.begin[1]; t-- > ties.begin[0];) push_tie(tree, 0, t, x);
     for (int i = 1; i <= tree->n; ++i) {

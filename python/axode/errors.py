@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 if TYPE_CHECKING:
     from ._axode import Trajectory
 
-__all__ = ["Fault", "ModelError", "NotFiniteError", "SimulationError", "SingularError", "StatesError"]
+__all__ = ["AssemblyError", "Fault", "ModelError", "NotFiniteError", "SimulationError", "SingularError", "StatesError"]
 
 
 @dataclass(frozen=True)
@@ -91,6 +91,26 @@ class NotFiniteError(StatesError):
     ...     print(error.states, error.result)
     [0] nan
     """
+
+
+class AssemblyError(ArithmeticError):
+    """Loops that stay open from this guess; the message says which, by how much. `q` is the best configuration met and
+    `residual` what is left there, rad and m.
+
+    >>> try:
+    ...     axode.assemble(fourbar, [3.0, 0.0, 0.0], hold=["crank_joint"], iterations=0)
+    ... except axode.AssemblyError as error:
+    ...     print(error.q[0])
+    3.0
+    """
+
+    def __init__(self, text: str, q: NDArray[np.float64], residual: float):
+        super().__init__(text, q, residual)
+        self.q = q
+        self.residual = residual
+
+    def __str__(self) -> str:
+        return str(self.args[0])
 
 
 class SimulationError(ArithmeticError):

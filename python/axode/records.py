@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 __all__ = ["Equilibrium", "ForwardDynamicsDerivatives", "ForwardDynamicsHessian", "InverseDynamicsDerivatives",
-           "InverseDynamicsHessian", "InverseKinematics", "Linearization", "Load",
+           "InverseDynamicsHessian", "InverseKinematics", "Linearization", "Load", "LoopMobility", "RedundantRow",
            "MomentumFormDerivatives", "MotionChange", "MotionDerivatives", "RolloutDerivatives", "RolloutGradient",
            "StateDerivatives", "Target"]
 
@@ -62,6 +62,33 @@ class InverseKinematics(NamedTuple):
     residual: float
     iterations: int
     restarts: int
+
+
+class RedundantRow(NamedTuple):
+    """A row of `loop_jacobian` that others imply: a stress that the loops can carry by themselves.
+
+    `wrench` says which one, in the inertial frame; `dependency` @ A = 0, with 1 at this row. Of the multipliers those where
+    it is not 0 are not determined.
+    """
+
+    row: int
+    loop: str
+    wrench: str
+    dependency: NDArray[np.float64]
+
+
+class LoopMobility(NamedTuple):
+    """What the loops leave of nv velocities: degrees_of_freedom = nv - rank.
+
+    `redundant` are the rows that others imply, in their order. `mobility` is "regular" where all velocities of the `kernel`
+    (nv, degrees_of_freedom) begin motions, "branches" where several motions meet, "shaky" where nothing moves.
+    """
+
+    degrees_of_freedom: int
+    rank: int
+    redundant: list[RedundantRow]
+    mobility: Literal["regular", "branches", "shaky"]
+    kernel: NDArray[np.float64]
 
 
 class InverseDynamicsDerivatives(NamedTuple):

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "array.hpp"
+#include "axode/constraints/loops.hpp"
 #include "axode/kinematics/place.hpp"
 #include "axode/model/model.hpp"
 #include "axode/model/workspace.hpp"
@@ -22,28 +23,34 @@ class BoundModel {
   const Model* operator->() const { return &model_; }
   const Model& operator*() const { return model_; }
 
-  class Lease {
+  template <class W> class LeaseOf {
    public:
-    explicit Lease(const BoundModel& owner) : owner_(owner) {
-      if (owner.idle_.empty()) {
-        workspace_ = std::make_unique<Workspace<>>(owner.model_);
+    explicit LeaseOf(const BoundModel& owner) : idle_(owner.idle(static_cast<W*>(nullptr))) {
+      if (idle_.empty()) {
+        workspace_ = std::make_unique<W>(owner.model_);
       } else {
-        workspace_ = std::move(owner.idle_.back());
-        owner.idle_.pop_back();
+        workspace_ = std::move(idle_.back());
+        idle_.pop_back();
       }
     }
-    ~Lease() { owner_.idle_.push_back(std::move(workspace_)); }
-    Lease(const Lease&) = delete;
-    Workspace<>& operator*() const { return *workspace_; }
+    ~LeaseOf() { idle_.push_back(std::move(workspace_)); }
+    LeaseOf(const LeaseOf&) = delete;
+    W& operator*() const { return *workspace_; }
 
    private:
-    const BoundModel& owner_;
-    std::unique_ptr<Workspace<>> workspace_;
+    std::vector<std::unique_ptr<W>>& idle_;
+    std::unique_ptr<W> workspace_;
   };
+  using Lease = LeaseOf<Workspace<>>;
+  using LoopLease = LeaseOf<LoopWorkspace<>>;
 
  private:
+  std::vector<std::unique_ptr<Workspace<>>>& idle(Workspace<>*) const { return idle_; }
+  std::vector<std::unique_ptr<LoopWorkspace<>>>& idle(LoopWorkspace<>*) const { return idle_for_loops_; }
+
   Model model_;
   mutable std::vector<std::unique_ptr<Workspace<>>> idle_;
+  mutable std::vector<std::unique_ptr<LoopWorkspace<>>> idle_for_loops_;
 };
 
 /// A frame by its name or its number, annotated in Python as `str | int`.

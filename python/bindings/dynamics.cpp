@@ -4,6 +4,7 @@
 
 #include "bindings.hpp"
 #include "choice.hpp"
+#include "constraints.hpp"
 #include "conversions.hpp"
 #include "raise.hpp"
 #include "state_function.hpp"
@@ -34,22 +35,25 @@ void add_equations_of_motion(nb::module_& module) {
       "inverse_dynamics",
       [f = StateFunction("inverse_dynamics")](const BoundModel& m, ArrayLike q, ArrayLike v, ArrayLike a,
                                               Algorithm algorithm, LoadList loads, bool joint_losses,
-                                              int threads) {
-        return f(m, {.q = q,
-                     .v = v,
-                     .a = a,
-                     .algorithm = algorithm,
-                     .loads = loads,
-                     .joint_losses = joint_losses,
-                     .threads = threads});
+                                              int threads, nb::handle drives) {
+        const Arguments all{.q = q,
+                            .v = v,
+                            .a = a,
+                            .algorithm = algorithm,
+                            .loads = loads,
+                            .joint_losses = joint_losses,
+                            .threads = threads};
+        return m->loops().empty() && drives.is_none() ? f(m, all) : closed_inverse_dynamics(m, all, drives);
       },
       "m"_a, "q"_a, "v"_a, "a"_a, "representation"_a = "fast", "loads"_a = nb::none(), nb::kw_only(),
-      "joint_losses"_a = false, "threads"_a = 1, R"(
+      "joint_losses"_a = false, "threads"_a = 1, "drives"_a = nb::none(), R"(
 tau = M(q) a + C(q, v) v + g(q) - (applied forces): the drive forces that make the accelerations a.
 
 Shape (nv,) or (N, nv), N m or N. `loads` are wrenches on frames, see `axode.Load`; joint_losses adds damping and
 friction; armature is always part of it. All representations give the same; "fast" is the quickest, and goes through N
 states in SIMD lanes on up to `threads` cores. Springs and stops of m are left out: take `spring_forces` off for them.
+Of a mechanism with loops, tau of the joints that are not passive, or of `drives` (names of joints or numbers of velocities)
+alone, the least where that leaves a choice; ValueError where they cannot make a.
 O(n), by the recursive Newton-Euler algorithm (eqs. aVbRec2 to cWhRec).
 
 >>> q, v, a = arm.neutral(), np.full(7, 0.5), np.ones(7)
@@ -62,13 +66,14 @@ array([  2.67 , -50.147,  -0.109,  14.362])
       [f = StateFunction("forward_dynamics")](const BoundModel& m, ArrayLike q, ArrayLike v, ArrayLike tau,
                                               Algorithm algorithm, LoadList loads, bool joint_losses,
                                               int threads) {
-        return f(m, {.q = q,
-                     .v = v,
-                     .tau = tau,
-                     .algorithm = algorithm,
-                     .loads = loads,
-                     .joint_losses = joint_losses,
-                     .threads = threads});
+        const Arguments all{.q = q,
+                            .v = v,
+                            .tau = tau,
+                            .algorithm = algorithm,
+                            .loads = loads,
+                            .joint_losses = joint_losses,
+                            .threads = threads};
+        return m->loops().empty() ? f(m, all) : closed_forward_dynamics(m, all);
       },
       "m"_a, "q"_a, "v"_a, "tau"_a, "representation"_a = "fast", "loads"_a = nb::none(), nb::kw_only(),
       "joint_losses"_a = false, "threads"_a = 1, R"(
@@ -76,7 +81,8 @@ The accelerations a that the drive forces tau make, the inverse of `inverse_dyna
 
 Shape (nv,) or (N, nv). O(n) by the articulated-body algorithm. SingularError, which names the joint, where the mass
 matrix is singular; of N states the others are in its `result`. Springs and stops of m are left out: add `spring_forces`
-to tau for them.
+to tau for them. Of a mechanism with loops at a closed state, see `assemble`, these are the accelerations that keep them
+closed.
 
 >>> q, v = arm.neutral(), np.full(7, 0.5)
 >>> tau = axode.inverse_dynamics(arm, q, v, np.ones(7))

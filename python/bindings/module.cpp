@@ -34,6 +34,7 @@ NB_MODULE(_axode, module) {
   add_dynamics(module);
   add_momentum(module);
   add_derivatives(module);
+  add_constraints(module);
   add_integration(module);
   add_sensitivities(module);
   add_drives(module);

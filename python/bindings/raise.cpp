@@ -33,6 +33,11 @@ void raise_of_states(const char* error, const std::string& sentence, const std::
   throw nb::python_error();
 }
 
+void raise_of_assembly(const std::string& sentence, Array q, double residual) {
+  set_error(errors("AssemblyError")(to_str(sentence), q.array, residual));
+  throw nb::python_error();
+}
+
 void translate_exceptions() {
   nb::register_exception_translator([](const std::exception_ptr& thrown, void*) {
     try {

@@ -15,6 +15,9 @@ nb::list fault_list(std::span<const Fault> faults);
 [[noreturn]] void raise_of_states(const char* error, const std::string& sentence,
                                   const std::vector<std::size_t>& states, Array result);
 
+/// Throws an AssemblyError with the best configuration met.
+[[noreturn]] void raise_of_assembly(const std::string& sentence, Array q, double residual);
+
 /// ModelError of the library becomes axode.ModelError, std::domain_error a ValueError.
 void translate_exceptions();
 

@@ -1,0 +1,170 @@
+#include "axode/constraints/assembly.hpp"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "axode/constraints/check_loops.hpp"
+#include "axode/constraints/constrained_dynamics.hpp"
+#include "axode/model/configuration.hpp"
+#include "axode/model/finite.hpp"
+
+namespace axode {
+namespace {
+
+using Vector = Eigen::VectorXd;
+using Matrix = Eigen::MatrixXd;
+using Rows = LoopSystem<double>::Rows;
+
+class Assembly {
+ public:
+  Assembly(const Model& model, const AssemblyOptions& options)
+      : model_(model), options_(options), workspace_(model), system_(workspace_.system(model)) {}
+
+  AssemblyResult run(std::span<const double> q, std::span<const double> v) {
+    result_.q.assign(q.begin(), q.end());
+    result_.v.assign(v.begin(), v.end());
+    result_.v.resize(static_cast<std::size_t>(model_.nv()));
+    result_.status = close();
+    const bool closed = result_.status == AssemblyStatus::closed;
+    if (closed && !v.empty() && !adapt_velocities()) result_.status = AssemblyStatus::singular;
+    report(residual_of(result_.q));
+    return std::move(result_);
+  }
+
+ private:
+  AssemblyStatus close() {
+    Vector r = residual_of(result_.q);
+    const double enough = options_.tolerance * size();
+    double damping = 1e-4;
+    for (; r.norm() > enough; ++result_.iterations) {
+      if (result_.iterations == options_.iterations || (options_.monitor && !options_.monitor()))
+        return AssemblyStatus::iteration_limit;
+      const Matrix R = rows(Rows::places);
+      if (!((R.transpose() * r).norm() > 1e-9 * std::pow(r.norm(), 1.5))) return AssemblyStatus::open;
+      bool better = false;
+      for (int attempt = 0; attempt < 30 && !better; ++attempt) {
+        const std::vector<double> q = integrate(model_, result_.q, as_numbers(step(R, r, damping)));
+        const Vector r_there = residual_of(q);
+        better = r_there.norm() < r.norm();
+        damping *= better ? 0.1 : 10;
+        if (better) result_.q = q, r = r_there;
+      }
+      if (!better) return r.norm() > 1e3 * enough ? AssemblyStatus::open : AssemblyStatus::closed;
+      static_cast<void>(residual_of(result_.q));
+    }
+    return AssemblyStatus::closed;
+  }
+  /// -Rᵀ (R Rᵀ + small)⁻¹ r.
+  static Vector least(const Matrix& R, const Vector& r, double small) {
+    Matrix S = R * R.transpose();
+    S.diagonal().array() += small;
+    return -R.transpose() * S.ldlt().solve(r);
+  }
+  /// What closes the loops to first order; the floor keeps implied rows from pulling. At most half a radian or metre.
+  static Vector step(const Matrix& R, const Vector& r, double damping) {
+    const Vector x = least(R, r, damping * r.norm() + 1e-12 * R.squaredNorm());
+    const double largest = x.cwiseAbs().maxCoeff();
+    return largest > 0.5 ? Vector((0.5 / largest) * x) : x;
+  }
+  static std::vector<double> as_numbers(const Vector& x) { return {x.begin(), x.end()}; }
+
+  /// r(q), with the system there.
+  Vector residual_of(const std::vector<double>& q) {
+    Vector r(model_.loops().residuals);
+    system_.place(q.data());
+    system_.residual(q.data(), r.data());
+    return r;
+  }
+  /// R or A where the system is, with the columns of what is held empty.
+  Matrix rows(Rows which) {
+    LoopSystem<double>::RowByRow R(system_.size(which), model_.nv());
+    system_.make_rows(which);
+    system_.write(R.data());
+    for (const int c : options_.held) R.col(c).setZero();
+    return R;
+  }
+  bool adapt_velocities() {
+    if (options_.held.empty()) return impact(model_, workspace_, result_.q, result_.v, 0.0, result_.v).ok();
+    static_cast<void>(residual_of(result_.q));
+    Vector slip(model_.loops().rows);
+    system_.make_rows(Rows::velocities);
+    system_.times(result_.v.data(), slip.data());
+    const Matrix A = rows(Rows::velocities);
+    Eigen::Map<Vector> v(result_.v.data(), model_.nv());
+    for (int n = 0; n < 3; ++n) {  // each leaves a small part of what it is given
+      const Vector dv = least(A, slip, 1e-8 * A.squaredNorm());
+      v += dv, slip += A * dv;
+    }
+    return true;
+  }
+  /// How far loops are from the origins of their roots, and 1: m, and rad.
+  double size() const {
+    double largest = 1;
+    for (const LoopPath& path : system_.paths())
+      for (const int i : path.bodies) largest = std::max(largest, norm(system_.link(i).C.r));
+    return largest;
+  }
+  void report(const Vector& r) {
+    result_.residual = r.norm();
+    for (const Loop& loop : model_.loops().all)
+      result_.open.push_back(r.segment(loop.first_residual, loop.residuals()).norm());
+  }
+
+  const Model& model_;
+  const AssemblyOptions& options_;
+  LoopWorkspace<double> workspace_;
+  LoopSystem<double>& system_;
+  AssemblyResult result_;
+};
+
+}  // namespace
+
+std::string_view to_string(AssemblyStatus status) {
+  switch (status) {
+    case AssemblyStatus::closed: return "closed";
+    case AssemblyStatus::open: return "open";
+    case AssemblyStatus::iteration_limit: return "iteration_limit";
+    case AssemblyStatus::singular: return "singular";
+  }
+  return "";
+}
+
+std::string to_string(const Model& model, const AssemblyResult& result) {
+  if (result.status == AssemblyStatus::closed) return "all loops are closed";
+  if (result.status == AssemblyStatus::singular)
+    return "the loops are closed, but the mass matrix of the tree is singular, so velocities cannot be "
+           "adapted";
+  const std::vector<Loop>& loops = model.loops().all;
+  std::vector<std::size_t> order(loops.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::ranges::stable_sort(order,
+                           [&](std::size_t a, std::size_t b) { return result.open[a] > result.open[b]; });
+  std::string text = result.status == AssemblyStatus::open
+                         ? "does not close from this guess: "
+                         : "is not closed after " + std::to_string(result.iterations) + " iterations: ";
+  const char* separator = "";
+  for (const std::size_t k : order) {
+    if (!(result.open[k] > 1e-3 * result.open[order[0]])) break;
+    text += separator + ("loop \"" + loops[k].name + "\" stays open by " + to_text(result.open[k]));
+    separator = ", ";
+  }
+  return text + " (rad and m); another guess may close it";
+}
+
+AssemblyResult assemble(const Model& model, std::span<const double> q, std::span<const double> v,
+                        const AssemblyOptions& options) {
+  check_configuration(model, q);
+  if (!v.empty()) check_size("v", v.size(), static_cast<std::size_t>(model.nv()), "nv");
+  const auto number = [](double x) { return std::isfinite(x); };
+  if (!std::ranges::all_of(q, number) || !std::ranges::all_of(v, number))
+    throw std::invalid_argument("assemble: q or v is not finite");
+  for (const int c : options.held)
+    if (c < 0 || c >= model.nv())
+      throw std::invalid_argument("held has the velocity " + std::to_string(c) + "; there are 0 to " +
+                                  std::to_string(model.nv() - 1));
+  return Assembly(model, options).run(q, v);
+}
+
+}  // namespace axode

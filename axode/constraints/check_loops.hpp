@@ -1,0 +1,25 @@
+#pragma once
+#include <vector>
+
+#include "axode/constraints/loop_system.hpp"
+#include "axode/constraints/loops.hpp"
+#include "axode/kinematics/check_arguments.hpp"
+
+/// The checks that the functions of this floor make before they compute.
+namespace axode {
+
+template <class T> LoopSystem<T>& checked(const Model& model, LoopWorkspace<T>& workspace, Numbers<T> q) {
+  check_configuration(model, q);
+  return workspace.system(model);
+}
+template <class T>
+LoopSystem<T>& checked(const Model& model, LoopWorkspace<T>& workspace, Numbers<T> q, Numbers<T> v) {
+  check_size("v", v.size(), static_cast<std::size_t>(model.nv()), "nv");
+  return checked(model, workspace, q);
+}
+
+inline void check_rows(const char* name, std::size_t size, int wanted, const char* meaning) {
+  check_size(name, size, static_cast<std::size_t>(wanted), meaning);
+}
+
+}  // namespace axode

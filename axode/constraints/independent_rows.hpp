@@ -1,0 +1,93 @@
+#pragma once
+#include <Eigen/QR>
+#include <algorithm>
+#include <span>
+#include <vector>
+
+#include "axode/constraints/loop_system.hpp"
+
+namespace axode {
+
+/// Which rows of the loops are independent, in the order of the loops, and how the others depend on them: Gram and
+/// Schmidt's way on the columns of Y, where units do not matter. For reports and for what needs a rank; accelerations do
+/// not. Allocates, O(m² nv + nv³).
+template <class T> class IndependentRows {
+ public:
+  using Vector = Eigen::VectorX<T>;
+  using Matrix = Eigen::MatrixX<T>;
+  using RowsOf = typename LoopSystem<T>::Rows;
+
+  /// At the place where the system is. A row is implied by others where what they leave of it is less than a part of its
+  /// size: 1e-8 (float 1e-4), or how far the loops are from closed.
+  IndependentRows(LoopSystem<T>& system, RowsOf rows, T part = std::same_as<T, float> ? T(1e-4) : T(1e-8))
+      : nv_(system.model().nv()), m_(system.size(rows)) {
+    static_cast<void>(system.factorize());
+    system.make_rows(rows);
+    system.factorize_rows();
+    typename LoopSystem<T>::RowByRow dense(m_, nv_);
+    system.write(dense.data());
+    A_ = dense, scale_ = system.scale().head(m_);
+    const Matrix Y = system.Y().leftCols(m_);
+    Matrix Q(nv_, std::min(nv_, m_));
+    for (int k = 0; k < m_; ++k) {
+      Vector z = Y.col(k);
+      const auto basis = Q.leftCols(static_cast<Eigen::Index>(kept.size()));
+      for (int twice = 0; twice < 2; ++twice) z -= basis * (basis.transpose() * z);
+      const T rest = z.norm();
+      if (static_cast<int>(kept.size()) < nv_ && rest > part * scale_[k]) {
+        Q.col(static_cast<Eigen::Index>(kept.size())) = z / rest;
+        kept.push_back(k);
+      } else {
+        implied.push_back(k);
+      }
+    }
+    dependencies = Matrix::Zero(m_, static_cast<Eigen::Index>(implied.size()));
+    const Matrix of_kept = columns(Y, kept);
+    const Eigen::ColPivHouseholderQR<Matrix> solver(of_kept);
+    for (std::size_t n = 0; n < implied.size(); ++n) {
+      const auto column = static_cast<Eigen::Index>(n);
+      dependencies(implied[n], column) = T(1);
+      if (kept.empty()) continue;
+      const Vector shares = solver.solve(Y.col(implied[n]));
+      for (std::size_t k = 0; k < kept.size(); ++k)
+        dependencies(kept[k], column) = -shares[static_cast<Eigen::Index>(k)];
+    }
+  }
+
+  int rank() const { return static_cast<int>(kept.size()); }
+
+  /// N with A N = 0: an orthonormal basis of the velocities that the loops allow, nv × (nv - rank).
+  Matrix kernel() const {
+    if (kept.empty()) return Matrix::Identity(nv_, nv_);
+    const Matrix transposed = columns(Matrix(A_.transpose()), kept);
+    const Eigen::HouseholderQR<Matrix> qr(transposed);
+    const Matrix Q = qr.householderQ() * Matrix::Identity(nv_, nv_);
+    return Q.rightCols(nv_ - rank());
+  }
+
+  /// λ with Aᵀ λ = f as far as there is one, least in Σ d² λ² with the sizes d of the rows.
+  void least_multipliers(const Vector& f, std::span<T> lambda) const {
+    const Vector d = scale_.cwiseInverse();
+    Eigen::CompleteOrthogonalDecomposition<Matrix> solver;
+    solver.setThreshold(std::same_as<T, float> ? T(1e-5) : T(1e-9));
+    solver.compute(A_.transpose() * d.asDiagonal());
+    const Vector x = d.cwiseProduct(Vector(solver.solve(f)));
+    std::ranges::copy(x, lambda.begin());
+  }
+
+  std::vector<int> kept, implied;
+  Matrix dependencies;  ///< m × implied: the n with nᵀ A = 0
+
+ private:
+  static Matrix columns(const Matrix& of, const std::vector<int>& which) {
+    Matrix out(of.rows(), static_cast<Eigen::Index>(which.size()));
+    for (std::size_t k = 0; k < which.size(); ++k) out.col(static_cast<Eigen::Index>(k)) = of.col(which[k]);
+    return out;
+  }
+
+  int nv_, m_;
+  Matrix A_;
+  Vector scale_;
+};
+
+}  // namespace axode

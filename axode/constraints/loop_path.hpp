@@ -1,0 +1,28 @@
+#pragma once
+#include <array>
+#include <vector>
+
+#include "axode/model/model.hpp"
+
+namespace axode {
+
+/// A velocity that a loop feels: the column of A that belongs to a joint screw, or to a term of a coupling.
+struct LoopColumn {
+  int velocity;
+  int screw = -1;     ///< -1 for a term of a coupling
+  int side = 0;       ///< 1 on the path to the second body, -1 on that to the first
+  double factor = 0;  ///< of a term
+};
+
+/// What of a loop does not change: the paths on the tree that it closes.
+struct LoopPath {
+  LoopPath(const Topology& topology, const Loop& of);
+
+  const Loop* loop;
+  std::array<int, 2> root{};        ///< of its bodies; 0 for the ground
+  std::vector<LoopColumn> columns;  ///< up to where the two paths meet
+  std::vector<int> bodies;          ///< on the paths to the ground, the last ones first
+  std::vector<int> velocities;      ///< that give way there
+};
+
+}  // namespace axode

@@ -1,0 +1,322 @@
+#include "axode/constraints/loop_system.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <concepts>
+#include <limits>
+
+#include "axode/kinematics/path.hpp"
+#include "axode/recursion/instantiate.hpp"
+
+namespace axode {
+namespace {
+
+/// Steps of the proximal iteration filter: what has less than μ d² in Yᵀ Y is rounding, or rows that disagree.
+template <class T> constexpr bool is_float = std::same_as<T, float>;
+template <class T> constexpr T filter = is_float<T> ? T(1e-4) : T(1e-6);
+template <class T> constexpr T settled = is_float<T> ? T(1e-5) : T(1e-12);
+constexpr int most_steps = 5;
+
+}  // namespace
+
+template <class T>
+LoopSystem<T>::LoopSystem(const Model& of)
+    : model_(of),
+      dynamics_(of.topology()),
+      at_(of.loops().all.size()),
+      loops_of_(static_cast<std::size_t>(of.nv())),
+      entries_(of.loops().all.size()) {
+  const int m = of.loops().rows, nv = of.nv();
+  for (std::size_t k = 0; k < at_.size(); ++k) {
+    const LoopPath& path = paths_.emplace_back(of.topology(), of.loops().all[k]);
+    for (const int c : path.velocities) loops_of_[index(c)].push_back(static_cast<int>(k));
+    entries_[k].resize(path.columns.size() * index(path.loop->rows()));
+  }
+  Y_.setZero(nv, m);
+  G_.resize(m, m), factor_.resize(m, m);
+  scale_.resize(m), b_.resize(m), lambda_.resize(m), step_.resize(m), rest_.resize(m);
+  zero_.setZero(nv), forces_.resize(nv);
+}
+
+template <class T>
+Solvability LoopSystem<T>::accelerate(const T* q, const T* v, const T* tau, const Loads<T>& loads, T* a,
+                                      T* lambda) noexcept {
+  const int nv = model_.nv();
+  move(q, v, loads, forces_.data());
+  for (int c = 0; c < nv; ++c) forces_[c] = tau[c] - forces_[c];
+  const Solvability verdict = factorize();
+  if (verdict.ok()) {
+    make_rows(Rows::velocities);
+    factorize_rows();
+    bias(b_.data());
+    add_response(forces_.data(), b_.data());
+    solve_rows(b_.data(), lambda);
+    add_transposed_times(lambda, forces_.data());
+    solve(forces_.data());
+  } else {
+    std::fill_n(lambda, size(Rows::velocities), std::numeric_limits<T>::quiet_NaN());
+  }
+  std::copy_n(forces_.data(), nv, a);
+  return solved(verdict, nv, a);
+}
+
+template <class T>
+Solvability LoopSystem<T>::collide(const T* q, const T* v, const T& e, T* v_after, T* impulses) noexcept {
+  const int nv = model_.nv();
+  place(q);
+  const Solvability verdict = factorize();
+  if (verdict.ok()) {
+    make_rows(Rows::velocities);
+    factorize_rows();
+    times(v, b_.data());
+    b_ *= T(1) + e;
+    solve_rows(b_.data(), impulses);
+    forces_.setZero();
+    add_transposed_times(impulses, forces_.data());
+    solve(forces_.data());
+  }
+  for (int c = 0; c < nv; ++c) v_after[c] = v[c] + forces_[c];
+  return solved(verdict, nv, v_after);
+}
+
+template <class T> Solvability LoopSystem<T>::approach(const T* q, T* x) noexcept {
+  const int nv = model_.nv();
+  place(q);
+  const Solvability verdict = factorize();
+  if (verdict.ok()) {
+    make_rows(Rows::places);
+    factorize_rows();
+    residual(q, b_.data());
+    solve_rows(b_.data(), lambda_.data());
+    std::fill_n(x, nv, T(0));
+    add_transposed_times(lambda_.data(), x);
+    solve(x);
+  }
+  return solved(verdict, nv, x);
+}
+
+template <class T> void LoopSystem<T>::place(const T* q) noexcept {
+  auto& links = dynamics_->bodies.links;
+  links.run(tree(), q);
+  link_ = links.link, origin_ = links.origin;
+  place_loops();
+}
+
+template <class T>
+void LoopSystem<T>::force(const T* q, const T* v, const T* a, const Loads<T>& loads, T* tau) noexcept {
+  auto& recursion = dynamics_->recursion;
+  recursion.run(tree(), q, v, a, loads);
+  recursion.project(tree(), v, a, loads.joint_losses, tau);
+  link_ = recursion.motion.bodies.link, origin_ = recursion.origin;
+  dynamics_->bodies.links.link = link_;
+  place_loops();
+}
+
+template <class T> void LoopSystem<T>::place_loops() noexcept {
+  joint_columns(tree(), link_, dynamics_->bodies.S);
+  for (std::size_t k = 0; k < at_.size(); ++k) {
+    const LoopPath& path = paths_[k];
+    if (path.loop->kind == LoopKind::coupling) continue;
+    const Vec3<T> O = origin(k);
+    at_[k].C_a = pose(path.loop->ends[0], path.root[0], O);
+    at_[k].C_b = pose(path.loop->ends[1], path.root[1], O);
+    at_[k].shift = path.root[0] > 0 ? origin_[path.root[0]] - O : Vec3<T>{};
+  }
+}
+
+template <class T> Vec3<T> LoopSystem<T>::origin(std::size_t k) const noexcept {
+  const auto& [i, j] = paths_[k].root;
+  return i + j == 0 ? Vec3<T>{} : origin_[j > 0 ? j : i];
+}
+
+template <class T>
+SE3<T> LoopSystem<T>::pose(const Loop::End& end, int root, const Vec3<T>& O) const noexcept {
+  const SE3<T> F = cast<T>(end.F);
+  if (root == 0) return {F.R, F.r - O};
+  const SE3<T> C = link_[end.body].C * F;
+  return {C.R, C.r + (origin_[root] - O)};
+}
+
+template <class T> void LoopSystem<T>::residual(const T* q, T* r) const noexcept {
+  for (std::size_t k = 0; k < at_.size(); ++k) {
+    const Loop& loop = *paths_[k].loop;
+    T* const out = r + loop.first_residual;
+    if (loop.kind == LoopKind::coupling) {
+      *out = T(-loop.offset);
+      for (const Loop::Term& term : loop.terms) *out += T(term.factor) * q[term.coordinate];
+    } else {
+      const Six<T> all = LoopAt<T>(loop, at_[k].C_a, at_[k].C_b).residual();
+      std::copy_n(all.begin(), loop.residuals(), out);
+    }
+  }
+}
+
+template <class T> void LoopSystem<T>::make_rows(Rows rows) noexcept {
+  rows_ = rows;
+  for (std::size_t k = 0; k < at_.size(); ++k) {
+    const LoopPath& path = paths_[k];
+    T* entry = entries_[k].data();
+    if (path.loop->kind == LoopKind::coupling) {
+      for (const LoopColumn& column : path.columns) *entry++ = T(column.factor);
+      continue;
+    }
+    const LoopAt<T> loop(*path.loop, at_[k].C_a, at_[k].C_b);
+    at_[k].W = rows == Rows::velocities ? loop.wrenches() : loop.residual_wrenches();
+    typename LoopAt<T>::Wrenches first{};
+    for (std::size_t r = 0; r < 6; ++r) first[r] = on_first(at_[k], at_[k].W[r]);
+    for (const LoopColumn& column : path.columns)
+      for (std::size_t r = 0; r < index(count(path)); ++r) {
+        const Twist<Spatial, T>& J = dynamics_->bodies.S[column.screw];
+        *entry++ = column.side > 0 ? at_[k].W[r] | J : -(first[r] | J);
+      }
+  }
+}
+
+template <class T> void LoopSystem<T>::write(T* A) const noexcept {
+  std::fill_n(A, static_cast<std::ptrdiff_t>(size(rows_)) * model_.nv(), T(0));
+  for (std::size_t k = 0; k < at_.size(); ++k) {
+    const T* entry = entries_[k].data();
+    for (const LoopColumn& column : paths_[k].columns)
+      for (int r = 0; r < count(paths_[k]); ++r)
+        A[static_cast<std::ptrdiff_t>(first(paths_[k]) + r) * model_.nv() + column.velocity] += *entry++;
+  }
+}
+
+template <class T> void LoopSystem<T>::times(const T* x, T* out) const noexcept {
+  std::fill_n(out, size(rows_), T(0));
+  for (std::size_t k = 0; k < at_.size(); ++k) {
+    const T* entry = entries_[k].data();
+    T* const rows = out + first(paths_[k]);
+    for (const LoopColumn& column : paths_[k].columns)
+      for (int r = 0; r < count(paths_[k]); ++r) rows[r] += *entry++ * x[column.velocity];
+  }
+}
+
+template <class T> void LoopSystem<T>::add_transposed_times(const T* lambda, T* out) const noexcept {
+  for (std::size_t k = 0; k < at_.size(); ++k) {
+    const T* entry = entries_[k].data();
+    const T* const rows = lambda + first(paths_[k]);
+    for (const LoopColumn& column : paths_[k].columns)
+      for (int r = 0; r < count(paths_[k]); ++r) out[column.velocity] += *entry++ * rows[r];
+  }
+}
+
+template <class T> void LoopSystem<T>::bias(T* gamma) noexcept {
+  const auto& [link, V, dV] = dynamics_->recursion.motion.bodies;
+  for (std::size_t k = 0; k < at_.size(); ++k) {
+    const Loop& loop = *paths_[k].loop;
+    T* const out = gamma + loop.first_row;
+    *out = T(0);
+    if (loop.kind == LoopKind::coupling) continue;
+    const int i = loop.ends[0].body, j = loop.ends[1].body;
+    const Vec3<T>& shift = at_[k].shift;
+    const Six<T> all = LoopAt<T>(loop, at_[k].C_a, at_[k].C_b)
+                           .bias({V[i].w, V[i].v - cross(V[i].w, shift)}, V[j],
+                                 {dV[i].w, dV[i].v - cross(dV[i].w, shift)}, dV[j]);
+    std::copy_n(all.begin(), loop.rows(), out);
+  }
+}
+
+template <class T> Solvability LoopSystem<T>::factorize() noexcept {
+  return dynamics_->bodies.factorize(tree(), tree().armature.data());
+}
+
+/// Row k of a loop as what its unit wrench makes the joints feel, on its way to the ground.
+template <class T> void LoopSystem<T>::pull_row(const LoopPath& path, const State& at, int k) noexcept {
+  auto& bodies = dynamics_->bodies;
+  const Topology::Ties& ties = tree()->ties;
+  const auto at_rest = [&](int i) {
+    bodies.W[i] = {};
+    for (int t = ties.begin[i]; t < ties.begin[i + 1]; ++t) bodies.u_tie[t] = T(0);
+  };
+  at_rest(0);
+  for (const int i : path.bodies) at_rest(i);
+  const bool coupling = path.loop->kind == LoopKind::coupling;
+  if (coupling) {
+    for (const LoopColumn& column : path.columns) zero_[column.velocity] += T(column.factor);
+  } else {
+    const Wrench<Spatial, T>& W = at.W[index(k)];
+    bodies.W[path.loop->ends[0].body] += on_first(at, W);
+    bodies.W[path.loop->ends[1].body] -= W;
+  }
+  for (const int i : path.bodies) bodies.pull(tree(), i, zero_.data());
+  bodies.pull_at_ground(tree(), zero_.data());
+  if (coupling)
+    for (const LoopColumn& column : path.columns) zero_[column.velocity] = T(0);
+  const auto put = [&](int c, const T& u, const T& D) { Y_(c, first(path) + k) = u / sqrt(D); };
+  for (const int i : path.bodies) bodies.each_pivot(tree(), i, put);
+  bodies.each_pivot(tree(), 0, put);
+}
+
+template <class T> void LoopSystem<T>::factorize_rows() noexcept {
+  for (std::size_t k = 0; k < at_.size(); ++k)
+    for (int r = 0; r < count(paths_[k]); ++r) pull_row(paths_[k], at_[k], r);
+  const int m = size(rows_);
+  G_.topLeftCorner(m, m).setZero();
+  for (std::size_t c = 0; c < loops_of_.size(); ++c) {
+    const T* const y = &Y_(static_cast<int>(c), 0);
+    for (const int a : loops_of_[c])
+      for (int ra = first(paths_[index(a)]), end = ra + count(paths_[index(a)]); ra < end; ++ra)
+        for (const int b : loops_of_[c]) {
+          if (b < a) continue;
+          const int from = std::max(ra, first(paths_[index(b)]));
+          for (int rb = from, last = first(paths_[index(b)]) + count(paths_[index(b)]); rb < last; ++rb)
+            G_(rb, ra) += y[ra] * y[rb];
+        }
+  }
+  const T largest = m > 0 ? sqrt(G_.diagonal().head(m).maxCoeff()) : T(0);
+  for (const LoopPath& path : paths_) {
+    const auto own = G_.diagonal().segment(first(path), count(path));
+    const T floor = std::max(T(0.1) * sqrt(own.maxCoeff()), T(1e-6) * largest);
+    scale_.segment(first(path), count(path)) = own.cwiseSqrt().cwiseMax(floor > T(0) ? floor : T(1));
+  }
+}
+
+template <class T> void LoopSystem<T>::solve_rows(const T* b, T* lambda) noexcept {
+  const int m = size(rows_);
+  if (m == 0) return;
+  const auto G = G_.topLeftCorner(m, m).template selfadjointView<Eigen::Lower>();
+  auto factor = factor_.topLeftCorner(m, m);
+  factor.template triangularView<Eigen::Lower>() = G_.topLeftCorner(m, m);
+  factor.diagonal() += filter<T> * scale_.head(m).cwiseAbs2();
+  Eigen::Ref<Matrix, 0, Eigen::OuterStride<>> in_place(factor);
+  const Eigen::LLT<Eigen::Ref<Matrix, 0, Eigen::OuterStride<>>> cholesky(in_place);
+  Eigen::Map<Vector> x(lambda, m);
+  const Eigen::Map<const Vector> given(b, m);
+  auto step = step_.head(m), rest = rest_.head(m);
+  x.setZero(), rest = given;
+  for (int n = 0; n < most_steps; ++n) {
+    step = -rest;
+    cholesky.solveInPlace(step);
+    x += step;
+    rest.noalias() = G * step;
+    const T change = step.dot(rest);
+    rest.noalias() = G * x;
+    const T whole = x.dot(rest);
+    if (!(change > settled<T> * settled<T> * whole)) break;
+    rest += given;
+  }
+}
+
+template <class T> void LoopSystem<T>::add_response(const T* x, T* b) noexcept {
+  auto& bodies = dynamics_->bodies;
+  bodies.pull(tree(), x);
+  const auto add = [&](int c, const T& u, const T& D) {
+    const T w = u / sqrt(D);
+    for (const int k : loops_of_[index(c)])
+      for (int r = first(paths_[index(k)]), end = r + count(paths_[index(k)]); r < end; ++r)
+        b[r] += w * Y_(c, r);
+  };
+  for (int i = 0; i <= tree()->n; ++i) bodies.each_pivot(tree(), i, add);
+}
+
+template <class T> Wrench<Spatial, T> LoopSystem<T>::wrench(std::size_t k, const T* lambda) const noexcept {
+  Wrench<Spatial, T> sum{};
+  if (paths_[k].loop->kind != LoopKind::coupling)
+    for (int r = 0; r < count(paths_[k]); ++r) sum += lambda[first(paths_[k]) + r] * at_[k].W[index(r)];
+  return sum;
+}
+
+template class LoopSystem<AXODE_T>;
+
+}  // namespace axode

@@ -1,0 +1,121 @@
+#pragma once
+#include <Eigen/Cholesky>
+#include <array>
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "axode/constraints/loop_at.hpp"
+#include "axode/constraints/loop_path.hpp"
+#include "axode/model/workspace.hpp"
+#include "axode/recursion/forward_dynamics.hpp"
+
+namespace axode {
+
+/// The loops of a tree at a state, and the system that they make:
+///   M a + h - Aᵀ λ = τ,   A a + γ = 0
+/// Articulated bodies factor M = Lᵀ D L, so that with Y = D^-½ L⁻ᵀ Aᵀ the multipliers come from Yᵀ Y λ = -(Yᵀ w + γ),
+/// w = D^-½ L⁻ᵀ (τ - h): Gauss' principle. One sweep up for each row, along the path of its loop. O(n + m d + m² d + m³).
+template <class T> class LoopSystem {
+ public:
+  using Vector = Eigen::VectorX<T>;
+  using Matrix = Eigen::MatrixX<T>;
+  using RowByRow = Eigen::Matrix<T, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+  enum class Rows {
+    velocities,  ///< A: all rows
+    places,      ///< r' = R v: rows that have a residual
+  };
+
+  explicit LoopSystem(const Model& model);
+
+  const Model& model() const { return model_; }
+  int size(Rows rows) const {
+    return rows == Rows::velocities ? model_.loops().rows : model_.loops().residuals;
+  }
+
+  /// a and λ at a state; all NaN where the tree without its loops has no accelerations.
+  Solvability accelerate(const T* q, const T* v, const T* tau, const Loads<T>& loads, T* a,
+                         T* lambda) noexcept;
+  /// The forces (nv) of the tree at a motion, M a + h.
+  void force(const T* q, const T* v, const T* a, const Loads<T>& loads, T* tau) noexcept;
+  /// v after the impulses of loops that close suddenly, (A v)⁺ = -e A v, and these impulses.
+  Solvability collide(const T* q, const T* v, const T& e, T* v_after, T* impulses) noexcept;
+  /// The step x towards a closed configuration, r + R x = 0, that moves the masses least.
+  Solvability approach(const T* q, T* x) noexcept;
+
+  /// Links, screws and loops at q.
+  void place(const T* q) noexcept;
+  /// And the forces h (nv) of the tree without accelerations, with the motion of all bodies.
+  void move(const T* q, const T* v, const Loads<T>& loads, T* h) noexcept {
+    force(q, v, zero_.data(), loads, h);
+  }
+
+  void residual(const T* q, T* r) const noexcept;  ///< after place() or move()
+  /// Makes the rows; A, or R.
+  void make_rows(Rows rows) noexcept;
+  /// Entries of the rows, dense, m × nv.
+  void write(T* A) const noexcept;
+  /// out = A x and out += Aᵀ λ.
+  void times(const T* x, T* out) const noexcept;
+  void add_transposed_times(const T* lambda, T* out) const noexcept;
+  /// γ; after move().
+  void bias(T* gamma) noexcept;
+
+  /// M = Lᵀ D L at the configuration of the links.
+  Solvability factorize() noexcept;
+  /// Y and Yᵀ Y of the rows.
+  void factorize_rows() noexcept;
+  /// λ with Yᵀ Y λ = -b, least where that does not fix it, and as far as the rows agree with each other.
+  void solve_rows(const T* b, T* lambda) noexcept;
+  /// b += Yᵀ D^-½ L⁻ᵀ x = A M⁻¹ x.
+  void add_response(const T* x, T* b) noexcept;
+  /// x := M⁻¹ x.
+  void solve(T* x) noexcept { dynamics_->bodies.solve(tree(), x); }
+
+  /// W λ on the second body of loop k and -W λ on the first one, in inertial axes about origin(k); after make_rows().
+  Wrench<Spatial, T> wrench(std::size_t k, const T* lambda) const noexcept;
+  Vec3<T> origin(std::size_t k) const noexcept;
+
+  /// D^-½ L⁻ᵀ Aᵀ, nv × m.
+  const RowByRow& Y() const { return Y_; }
+  /// The size of each row, no less than a tenth of the largest of its loop: it may be felt by no joint.
+  const Vector& scale() const { return scale_; }
+  const std::vector<LoopPath>& paths() const { return paths_; }
+  const Link<Spatial, T>& link(int i) const { return link_[i]; }
+
+ private:
+  struct State {
+    SE3<T> C_a, C_b;  ///< the frames of the loop about origin(k)
+    Vec3<T> shift;    ///< from there to the origin of the first body's root
+    typename LoopAt<T>::Wrenches W;
+  };
+  const Tree<T>& tree() const { return model_.tree<T>(); }
+  static std::size_t index(int k) { return static_cast<std::size_t>(k); }
+  int count(const LoopPath& path) const {
+    return rows_ == Rows::velocities ? path.loop->rows() : path.loop->residuals();
+  }
+  int first(const LoopPath& path) const {
+    return rows_ == Rows::velocities ? path.loop->first_row : path.loop->first_residual;
+  }
+  void place_loops() noexcept;
+  SE3<T> pose(const Loop::End& end, int root, const Vec3<T>& O) const noexcept;
+  Wrench<Spatial, T> on_first(const State& at, const Wrench<Spatial, T>& W) const {
+    return {W.m - cross(at.shift, W.f), W.f};
+  }
+  void pull_row(const LoopPath& path, const State& at, int k) noexcept;
+
+  Model model_;
+  WithScratch<T, ForwardDynamicsRecursion<Spatial, T>> dynamics_;
+  Link<Spatial, T>* link_ = nullptr;
+  Vec3<T>* origin_ = nullptr;
+  std::vector<LoopPath> paths_;
+  std::vector<State> at_;
+  std::vector<std::vector<int>> loops_of_;  ///< of each velocity: the loops that feel it as it gives way
+  Rows rows_ = Rows::velocities;
+  std::vector<std::vector<T>> entries_;  ///< of each loop: A, a column of up to six rows for each LoopColumn
+  RowByRow Y_;
+  Matrix G_, factor_;
+  Vector scale_, zero_, forces_, b_, lambda_, step_, rest_;
+};
+
+}  // namespace axode

@@ -1,0 +1,69 @@
+#include "axode/constraints/loops.hpp"
+
+#include "axode/constraints/check_loops.hpp"
+#include "axode/recursion/instantiate.hpp"
+
+namespace axode {
+
+template <class T>
+LoopWorkspace<T>::LoopWorkspace(const Model& model) : system_(std::make_unique<LoopSystem<T>>(model)) {}
+template <class T> LoopWorkspace<T>::~LoopWorkspace() = default;
+template <class T> LoopWorkspace<T>::LoopWorkspace(LoopWorkspace&&) noexcept = default;
+template <class T> LoopWorkspace<T>& LoopWorkspace<T>::operator=(LoopWorkspace&&) noexcept = default;
+
+template <class T> LoopSystem<T>& LoopWorkspace<T>::system(const Model& model) {
+  if (&model.loops() != &system_->model().loops())
+    throw std::invalid_argument("loop workspace: made for another model than \"" + model.name() +
+                                "\"; a copy of a model is the same, one that was built again is not");
+  return *system_;
+}
+
+template <class T>
+void loop_residual(const Model& model, LoopWorkspace<T>& workspace, Numbers<T> q,
+                   std::type_identity_t<std::span<T>> r) {
+  LoopSystem<T>& system = checked(model, workspace, q);
+  check_rows("r", r.size(), model.loops().residuals, "loops().residuals");
+  check_separate("r", r, "q", q);
+  system.place(q.data());
+  system.residual(q.data(), r.data());
+}
+
+template <class T>
+void loop_jacobian(const Model& model, LoopWorkspace<T>& workspace, Numbers<T> q,
+                   std::type_identity_t<std::span<T>> A) {
+  LoopSystem<T>& system = checked(model, workspace, q);
+  check_rows("A", A.size(), model.loops().rows * model.nv(), "loops().rows * nv");
+  system.place(q.data());
+  system.make_rows(LoopSystem<T>::Rows::velocities);
+  system.write(A.data());
+}
+
+template <class T>
+void loop_residual_jacobian(const Model& model, LoopWorkspace<T>& workspace, Numbers<T> q,
+                            std::type_identity_t<std::span<T>> R) {
+  LoopSystem<T>& system = checked(model, workspace, q);
+  check_rows("R", R.size(), model.loops().residuals * model.nv(), "loops().residuals * nv");
+  system.place(q.data());
+  system.make_rows(LoopSystem<T>::Rows::places);
+  system.write(R.data());
+}
+
+template <class T>
+void loop_bias(const Model& model, LoopWorkspace<T>& workspace, Numbers<T> q, Numbers<T> v,
+               std::type_identity_t<std::span<T>> gamma) {
+  LoopSystem<T>& system = checked(model, workspace, q, v);
+  check_rows("gamma", gamma.size(), model.loops().rows, "loops().rows");
+  std::vector<T> h(v.size());
+  system.move(q.data(), v.data(), {}, h.data());
+  system.bias(gamma.data());
+}
+
+template class LoopWorkspace<AXODE_T>;
+template void loop_residual(const Model&, LoopWorkspace<AXODE_T>&, Numbers<AXODE_T>, std::span<AXODE_T>);
+template void loop_jacobian(const Model&, LoopWorkspace<AXODE_T>&, Numbers<AXODE_T>, std::span<AXODE_T>);
+template void loop_residual_jacobian(const Model&, LoopWorkspace<AXODE_T>&, Numbers<AXODE_T>,
+                                     std::span<AXODE_T>);
+template void loop_bias(const Model&, LoopWorkspace<AXODE_T>&, Numbers<AXODE_T>, Numbers<AXODE_T>,
+                        std::span<AXODE_T>);
+
+}  // namespace axode

@@ -1,0 +1,99 @@
+#include "axode/constraints/mobility.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+
+#include "axode/constraints/check_loops.hpp"
+#include "axode/constraints/independent_rows.hpp"
+
+namespace axode {
+namespace {
+
+std::string text(const Vec3<>& a) {
+  std::string out = "(";
+  for (const double x : {a.x, a.y, a.z}) {
+    if (out.size() > 1) out += ", ";
+    out += to_text(std::round(1e4 * x) / 1e4 + 0.0);
+  }
+  return out += ')';
+}
+
+/// A wrench about O, which is seen from the inertial frame, in words.
+std::string in_words(const Wrench<Spatial>& W, const Vec3<>& O) {
+  const double f = norm(W.f), m = norm(W.m);
+  if (!(f > 1e-9 * m)) return "couple about " + text((1 / m) * W.m);
+  const double pitch = dot(W.m, W.f) / (f * f);
+  std::string words =
+      "force along " + text((1 / f) * W.f) + " through " + text(O + (1 / (f * f)) * cross(W.f, W.m));
+  if (std::abs(pitch) > 1e-9) words += " with pitch " + to_text(pitch);
+  return words;
+}
+
+/// Whether velocities of the kernel begin motions: for each dependency n the form n·γ(q, x) has to vanish.
+Mobility second_order(LoopSystem<double>& system, std::span<const double> q, const Eigen::MatrixXd& kernel,
+                      const Eigen::MatrixXd& dependencies) {
+  const Eigen::Index f = kernel.cols();
+  Eigen::VectorXd h(kernel.rows()), gamma(dependencies.rows());
+  const auto form = [&](const Eigen::VectorXd& x) -> Eigen::VectorXd {
+    system.move(q.data(), x.data(), {}, h.data());
+    system.bias(gamma.data());
+    return dependencies.transpose() * gamma;
+  };
+  std::vector<Eigen::MatrixXd> forms(static_cast<std::size_t>(dependencies.cols()), Eigen::MatrixXd(f, f));
+  for (Eigen::Index a = 0; a < f; ++a)
+    for (Eigen::Index b = 0; b <= a; ++b) {
+      const Eigen::VectorXd x = kernel.col(a), y = kernel.col(b), both = 0.25 * (form(x + y) - form(x - y));
+      for (std::size_t n = 0; n < forms.size(); ++n)
+        forms[n](a, b) = forms[n](b, a) = both[static_cast<Eigen::Index>(n)];
+    }
+  Mobility worst = Mobility::regular;
+  for (std::size_t n = 0; n < forms.size(); ++n) {
+    const Eigen::VectorXd lambda = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(forms[n]).eigenvalues();
+    const double size = lambda.cwiseAbs().maxCoeff();
+    if (!(size > 1e-7 * dependencies.col(static_cast<Eigen::Index>(n)).norm())) continue;
+    const bool definite = lambda.minCoeff() > 1e-7 * size || lambda.maxCoeff() < -1e-7 * size;
+    worst = std::max(worst, definite ? Mobility::shaky : Mobility::branches);
+  }
+  return worst;
+}
+
+}  // namespace
+
+std::string_view to_string(Mobility mobility) {
+  switch (mobility) {
+    case Mobility::regular: return "regular";
+    case Mobility::branches: return "branches";
+    case Mobility::shaky: return "shaky";
+  }
+  return "";
+}
+
+LoopMobility loop_mobility(const Model& model, std::span<const double> q) {
+  LoopWorkspace<double> workspace(model);
+  LoopSystem<double>& system = checked<double>(model, workspace, q);
+  LoopMobility found{.degrees_of_freedom = model.nv(), .redundant = {}, .kernel = {}};
+  system.place(q.data());
+  Eigen::VectorXd r(model.loops().residuals);
+  system.residual(q.data(), r.data());
+  const double open = r.size() > 0 ? r.norm() : 0;
+  const IndependentRows<double> rows(system, LoopSystem<double>::Rows::velocities, std::max(1e-8, open));
+  found.rank = rows.rank();
+  found.degrees_of_freedom = model.nv() - found.rank;
+  found.kernel = rows.kernel();
+  for (std::size_t n = 0; n < rows.implied.size(); ++n) {
+    const Eigen::VectorXd dependency = rows.dependencies.col(static_cast<Eigen::Index>(n));
+    const std::vector<Loop>& loops = model.loops().all;
+    const auto of = std::ranges::find_if(
+        loops, [&](const Loop& loop) { return rows.implied[n] < loop.first_row + loop.rows(); });
+    const auto k = static_cast<std::size_t>(of - loops.begin());
+    found.redundant.push_back({rows.implied[n], of->name, dependency,
+                               of->kind == LoopKind::coupling
+                                   ? "coupling"
+                                   : in_words(system.wrench(k, dependency.data()), system.origin(k))});
+  }
+  found.mobility = second_order(system, q, found.kernel, rows.dependencies);
+  return found;
+}
+
+}  // namespace axode

@@ -1,0 +1,290 @@
+#include "constraints.hpp"
+
+#include <nanobind/stl/string.h>
+
+#include "axode/constraints/assembly.hpp"
+#include "axode/constraints/constrained_dynamics.hpp"
+#include "axode/constraints/mobility.hpp"
+#include "bindings.hpp"
+#include "conversions.hpp"
+#include "named_tuple.hpp"
+#include "one_state.hpp"
+#include "raise.hpp"
+#include "text.hpp"
+
+namespace axode::python {
+namespace {
+
+using namespace nb::literals;
+
+/// f(workspace, k) for every state k.
+template <class F> void each_closed(const States& states, const BoundModel& m, const F& f) {
+  if (!states.many()) {
+    const BoundModel::LoopLease workspace(m);
+    return f(*workspace, 0);
+  }
+  states.unlocked(100, [&](const batch::Monitor& monitor) {
+    return batch::in_portions(states.count(), 1, states.threads(), monitor, [&]() -> batch::Work {
+      return [&, workspace = std::make_shared<LoopWorkspace<>>(*m)](std::size_t k, std::size_t) {
+        f(*workspace, k);
+      };
+    });
+  });
+}
+
+std::span<double> part(NewArray& out, std::size_t k, const Shape& shape) {
+  const auto size = static_cast<std::size_t>(shape.size());
+  return out.all().subspan(k * size, size);
+}
+
+/// Velocities by the names of joints or by numbers.
+std::vector<int> velocities(const Model& m, nb::handle given, const char* argument) {
+  std::vector<int> found;
+  if (given.is_none()) return found;
+  const auto wrong = [&](const std::string& what) {
+    throw nb::value_error((std::string(argument) + " holds " + what +
+                           "; expected names of joints or numbers of velocities, 0 to " +
+                           std::to_string(m.nv() - 1))
+                              .c_str());
+  };
+  if (nb::isinstance<nb::str>(given)) wrong("one text, not a sequence");
+  for (const nb::handle one : nb::iter(given)) {
+    if (nb::isinstance<nb::str>(one)) {
+      const Joint& joint = m.joint(m.joint_index(text_of(one)));
+      if (joint.leader) wrong("joint \"" + joint.name + "\", which follows another one");
+      for (int k = 0; k < joint.nv; ++k) found.push_back(joint.iv + k);
+    } else {
+      int c = -1;
+      if (!nb::try_cast(one, c) || c < 0 || c >= m.nv()) wrong(shown(one));
+      found.push_back(c);
+    }
+  }
+  return found;
+}
+
+/// λ at (q, v) under tau.
+std::vector<double> multipliers(const Model& m, LoopWorkspace<>& workspace, std::span<const double> q,
+                                std::span<const double> v, std::span<const double> tau,
+                                const Loads<double>& loads, Solvability& found) {
+  std::vector<double> a(v.size()), lambda(static_cast<std::size_t>(m.loops().rows));
+  found = forward_dynamics(m, workspace, q, v, tau, a, lambda, loads);
+  return lambda;
+}
+
+Array constraint_wrenches(const BoundModel& m, ArrayLike q, ArrayLike v, ArrayLike tau,
+                          Representation representation, LoadList loads, bool joint_losses, int threads) {
+  const States states(m, q, threads);
+  const Items of_v = states.velocities("v", v), of_tau = states.velocities("tau", tau);
+  const AppliedLoads applied(states, loads, joint_losses);
+  const Shape shape{static_cast<nb::ssize_t>(m->loops().all.size()), 6};
+  NewArray out = states.result(shape);
+  std::vector<Solvability> found(states.count());
+  each_closed(states, m, [&](LoopWorkspace<>& workspace, std::size_t k) {
+    const std::vector<double> lambda = applied.with(k, [&](const Loads<double>& now) {
+      return multipliers(m, workspace, states.q(k), of_v[k], of_tau[k], now, found[k]);
+    });
+    with_representation(representation, [&](auto rep) {
+      loop_wrenches(*m, workspace, states.q(k), lambda, screws<Wrench<decltype(rep)>>(part(out, k, shape)));
+    });
+  });
+  states.refuse(found, out);
+  return out.array();
+}
+
+nb::object assembled(const BoundModel& m, ArrayLike q, nb::handle v, nb::handle hold, double tolerance,
+                     int iterations) {
+  const States states = one_state(m, q);
+  std::optional<Items> of_v;
+  if (!v.is_none()) of_v.emplace(states.velocities("v", {v.ptr()}));
+  const std::vector<int> held = velocities(m, hold, "hold");
+  const AssemblyResult found = states.unlocked(1000, [&](const batch::Monitor& monitor) {
+    return assemble(m, states.q(0), of_v ? (*of_v)[0] : std::span<const double>(),
+                    {tolerance, iterations, held, [&] { return monitor(0, 0); }});
+  });
+  if (found.status != AssemblyStatus::closed)
+    raise_of_assembly(to_string(*m, found), to_array(found.q), found.residual);
+  return nb::make_tuple(to_array(found.q), to_array(found.v));
+}
+
+nb::object mobility_of(const BoundModel& m, ArrayLike q) {
+  const States states = one_state(m, q);
+  const LoopMobility found = states.released(1000, [&] { return loop_mobility(m, states.q(0)); });
+  nb::list redundant;
+  for (const RedundantRow& row : found.redundant)
+    redundant.append(named_tuple("axode.records", "RedundantRow", row.row, to_str(row.loop),
+                                 to_str(row.wrench), to_array(row.dependency)));
+  return named_tuple("axode.records", "LoopMobility", found.degrees_of_freedom, found.rank, redundant,
+                     to_str(to_string(found.mobility)), to_array(found.kernel));
+}
+
+Array impact_of(const BoundModel& m, ArrayLike q, ArrayLike v, double restitution, int threads) {
+  const States states(m, q, threads);
+  const Items of_v = states.velocities("v", v);
+  const Shape shape{m->nv()};
+  NewArray out = states.result(shape);
+  std::vector<Solvability> found(states.count());
+  each_closed(states, m, [&](LoopWorkspace<>& workspace, std::size_t k) {
+    found[k] = impact(*m, workspace, states.q(k), of_v[k], restitution, part(out, k, shape));
+  });
+  states.refuse(found, out);
+  return out.array();
+}
+
+/// A function of q alone.
+template <class F> Array of_q(const BoundModel& m, ArrayLike q, int threads, const Shape& shape, const F& f) {
+  const States states(m, q, threads);
+  NewArray out = states.result(shape);
+  each_closed(states, m, [&](LoopWorkspace<>& workspace, std::size_t k) {
+    f(workspace, states.q(k), part(out, k, shape));
+  });
+  return out.array();
+}
+
+}  // namespace
+
+void refuse_loops(const Model& m, std::string_view function) {
+  if (!m.loops().empty())
+    throw nb::value_error(("model \"" + m.name() + "\" has loops, which " + std::string(function) +
+                           " does not count; forward_dynamics, inverse_dynamics and simulate do")
+                              .c_str());
+}
+
+Array closed_forward_dynamics(const BoundModel& m, const Arguments& given) {
+  const States states(m, given.q, given.threads);
+  const Items v = states.velocities("v", given.v), tau = states.velocities("tau", given.tau);
+  const AppliedLoads applied(states, given.loads, given.joint_losses);
+  const Shape shape{m->nv()};
+  NewArray out = states.result(shape);
+  std::vector<Solvability> found(states.count());
+  each_closed(states, m, [&](LoopWorkspace<>& workspace, std::size_t k) {
+    found[k] = applied.with(k, [&](const Loads<double>& now) {
+      return forward_dynamics(*m, workspace, states.q(k), v[k], tau[k], part(out, k, shape), {}, now);
+    });
+  });
+  states.refuse(found, out);
+  return out.array();
+}
+
+Array closed_inverse_dynamics(const BoundModel& m, const Arguments& given, nb::handle drives) {
+  const States states(m, given.q, given.threads);
+  const Items v = states.velocities("v", given.v), a = states.velocities("a", given.a);
+  const AppliedLoads applied(states, given.loads, given.joint_losses);
+  const std::vector<int> at = velocities(m, drives, "drives");
+  const Shape shape{m->nv()};
+  NewArray out = states.result(shape);
+  std::vector<double> left(states.count());
+  each_closed(states, m, [&](LoopWorkspace<>& workspace, std::size_t k) {
+    left[k] = applied.with(k, [&](const Loads<double>& now) {
+      return inverse_dynamics(*m, workspace, states.q(k), v[k], a[k], part(out, k, shape), {}, at, now);
+    });
+  });
+  for (std::size_t k = 0; k < left.size(); ++k)
+    if (left[k] > 1e-8)
+      throw nb::value_error(
+          ((states.many() ? "state " + std::to_string(k) + ": " : "") +
+           "the drives cannot make these accelerations: " + to_text(left[k]) +
+           " of the forces needed is in directions that no drive moves; name more of them in "
+           "drives")
+              .c_str());
+  states.refuse({}, out);
+  return out.array();
+}
+
+void add_constraints(nb::module_& module) {
+  module.def(
+      "loop_residual",
+      [](const BoundModel& m, ArrayLike q, int threads) {
+        return of_q(m, q, threads, {m->loops().residuals},
+                    [&](auto& workspace, auto q_k, auto out) { loop_residual(*m, workspace, q_k, out); });
+      },
+      "m"_a, "q"_a, nb::kw_only(), "threads"_a = 1, R"(
+How far the loops of m are from closed, rad and m: (k,) or (N, k); 0 along all motions that the loop joints allow.
+
+Loop after loop, as many numbers as the joint takes away: couples about x and y, then directions x, y, z of its frame on the
+second body; wheels and spheres that roll have one, their distance. O(n).
+
+>>> axode.loop_residual(fourbar, fourbar.neutral()).round(12) + 0.0
+array([0., 0., 0., 0., 0.])
+)");
+  module.def(
+      "loop_jacobian",
+      [](const BoundModel& m, ArrayLike q, int threads) {
+        return of_q(m, q, threads, {m->loops().rows, m->nv()},
+                    [&](auto& workspace, auto q_k, auto out) { loop_jacobian(*m, workspace, q_k, out); });
+      },
+      "m"_a, "q"_a, nb::kw_only(), "threads"_a = 1, R"(
+A(q) with A v = 0 for velocities that the loops allow: (rows, nv) or (N, rows, nv). O(n + rows * depth).
+
+Its rows are the wrenches that close the loops, on the twist of the second body against the first.
+
+>>> axode.loop_jacobian(fourbar, fourbar.neutral()).shape
+(5, 3)
+)");
+  module.def(
+      "loop_bias",
+      [](const BoundModel& m, ArrayLike q, ArrayLike v, int threads) {
+        const States states(m, q, threads);
+        const Items of_v = states.velocities("v", v);
+        const Shape shape{m->loops().rows};
+        NewArray out = states.result(shape);
+        each_closed(states, m, [&](LoopWorkspace<>& workspace, std::size_t k) {
+          loop_bias(*m, workspace, states.q(k), of_v[k], part(out, k, shape));
+        });
+        return out.array();
+      },
+      "m"_a, "q"_a, "v"_a, nb::kw_only(), "threads"_a = 1, R"(
+gamma(q, v) with (A v)' = A a + gamma: (rows,) or (N, rows). O(n).
+
+>>> axode.loop_bias(fourbar, fourbar.neutral(), np.zeros(3)).any()
+np.False_
+)");
+  module.def(
+      "assemble", &assembled, "m"_a, "q"_a, "v"_a = nb::none(), nb::kw_only(), "hold"_a = nb::none(),
+      "tolerance"_a = 1e-12, "iterations"_a = 200,
+      nb::sig(
+          "def assemble(m: Model, q: numpy.typing.ArrayLike, v: numpy.typing.ArrayLike | None = None, *, "
+          "hold: collections.abc.Iterable[str | int] | None = None, tolerance: float = 1e-12, iterations: "
+          "int = 200) -> tuple[numpy.typing.NDArray[numpy.float64], numpy.typing.NDArray[numpy.float64]]"),
+      R"(
+(q, v) near a guess with the loops of m closed, and velocities that keep them closed (0 without a v).
+
+Levenberg and Marquardt's method on the group of configurations; v loses what the loops take when they close suddenly. Joints
+named in `hold`, or numbers of velocities, stay as they are. AssemblyError says which loop stays open by how much from this
+guess; another one may close.
+
+>>> q, v = axode.assemble(fourbar, [0.3, 0.0, 0.0], [1.0, 0.0, 0.0], hold=["crank_joint"])
+>>> q[0], bool(np.abs(axode.loop_residual(fourbar, q)).max() < 1e-11)
+(np.float64(0.3), True)
+)");
+  module.def("loop_mobility", &mobility_of, "m"_a, "q"_a,
+             nb::sig("def loop_mobility(m: Model, q: numpy.typing.ArrayLike) -> axode.records.LoopMobility"),
+             R"(
+Degrees of freedom, rank and redundant rows of the loops at a closed q (nq,), see `LoopMobility`.
+
+>>> found = axode.loop_mobility(fourbar, fourbar.neutral())
+>>> found.degrees_of_freedom, found.rank, [row.wrench.split(" through")[0] for row in found.redundant]
+(1, 2, ['couple about (1, 0, 0)', 'couple about (0, 1, 0)', 'force along (0, 0, 1)'])
+)");
+  module.def("impact", &impact_of, "m"_a, "q"_a, "v"_a, "restitution"_a = 0.0, nb::kw_only(), "threads"_a = 1,
+             R"(
+Velocities after the loops have closed suddenly, A v+ = -restitution A v: (nv,) or (N, nv). The masses move least.
+
+>>> v = axode.impact(fourbar, fourbar.neutral(), [1.0, 0.0, 0.0])
+>>> (axode.loop_jacobian(fourbar, fourbar.neutral()) @ v).round(12) + 0.0
+array([0., 0., 0., 0., 0.])
+)");
+  module.def("constraint_wrenches", &constraint_wrenches, "m"_a, "q"_a, "v"_a, "tau"_a,
+             "representation"_a = "body", "loads"_a = nb::none(), nb::kw_only(), "joint_losses"_a = false,
+             "threads"_a = 1, R"(
+The wrenches by which the loops act on their second bodies when drive forces tau act: (n_loops, 6) or (N, n_loops, 6).
+
+In a representation of that body's frame, moment (N m) before force (N). Where rows are redundant, the least that there are;
+those of couplings, which are forces on joints, are 0.
+
+>>> W = axode.constraint_wrenches(fourbar, fourbar.neutral(), np.zeros(3), np.zeros(3), "spatial")
+>>> W.shape
+(1, 6)
+)");
+}
+
+}  // namespace axode::python

@@ -1,0 +1,13 @@
+#pragma once
+#include "state_function.hpp"
+
+namespace axode::python {
+
+/// `forward_dynamics` and `inverse_dynamics` of a model with loops.
+Array closed_forward_dynamics(const BoundModel& m, const Arguments& given);
+Array closed_inverse_dynamics(const BoundModel& m, const Arguments& given, nb::handle drives);
+
+/// Throws nb::value_error where m has loops, which a function does not count.
+void refuse_loops(const Model& m, std::string_view function);
+
+}  // namespace axode::python
