@@ -12,6 +12,7 @@
 #include "axode/dynamics/forward_dynamics.hpp"
 #include "axode/dynamics/springs.hpp"
 #include "axode/integration/munthe_kaas.hpp"
+#include "axode/model/check_no_loops.hpp"
 #include "axode/model/finite.hpp"
 
 namespace axode::batch {
@@ -79,7 +80,7 @@ Outcome rollout(const Model& model, std::span<const S> q, Numbers<S> v, Numbers<
                 std::type_identity_t<std::span<S>> q_out, std::type_identity_t<std::span<S>> v_out,
                 const Tableau& method, int threads, const Monitor& monitor) {
   constexpr std::size_t steps_at_once = 256;  // of one motion, between two looks at the monitor
-  check(method), check_step(step);
+  check(method), check_step(step), check_no_loops(model, "rollout");
   const std::size_t nq = static_cast<std::size_t>(model.nq()), nv = static_cast<std::size_t>(model.nv()),
                     N = check_states(model, q, threads), K = N * nv == 0 ? 0 : tau.size() / (N * nv);
   check_size("v", v.size(), N * nv, "nv N");

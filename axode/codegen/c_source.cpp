@@ -7,6 +7,7 @@
 #include "axode/codegen.hpp"
 #include "axode/codegen/c_function.hpp"
 #include "axode/kinematics/check_arguments.hpp"
+#include "axode/model/check_no_loops.hpp"
 
 namespace axode::codegen {
 namespace {
@@ -148,8 +149,11 @@ std::string purpose(const Model& model, const Function& function) {
 
 void check(const Model& model, std::span<const Function> functions, const std::string& prefix) {
   if (functions.empty()) throw std::invalid_argument("there are no functions to generate");
-  for (const Function& function : functions)
+  for (const Function& function : functions) {
     if (function.quantity == Quantity::jacobian) check_place(model, function.frame);
+    const std::string name(quantities[static_cast<std::size_t>(function.quantity)]);
+    if (name.starts_with("forward_dynamics")) check_no_loops(model, "generated " + name);
+  }
   if (!is_identifier(prefix))
     throw std::invalid_argument("the prefix \"" + prefix +
                                 "\" is no C identifier: letters, digits and underscores, no digit first");

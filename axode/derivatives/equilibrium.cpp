@@ -8,6 +8,7 @@
 #include "axode/derivatives/spring_derivatives.hpp"
 #include "axode/dynamics/springs.hpp"
 #include "axode/eigen.hpp"
+#include "axode/model/check_no_loops.hpp"
 #include "axode/model/finite.hpp"
 
 namespace axode {
@@ -103,6 +104,7 @@ void check(const Model& model, std::span<const double> q0, std::span<const doubl
   const auto need = [](bool good, const std::string& what) {
     if (!good) throw std::invalid_argument("equilibrium: " + what);
   };
+  check_no_loops(model, "equilibrium");
   check_configuration(model, q0, "q0");
   if (!tau.empty()) check_size("tau", tau.size(), static_cast<std::size_t>(model.nv()), "nv");
   need(finite(q0), "q0 is not finite");

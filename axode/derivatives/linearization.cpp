@@ -7,6 +7,7 @@
 #include "axode/derivatives/spring_derivatives.hpp"
 #include "axode/dynamics/springs.hpp"
 #include "axode/kinematics/check_arguments.hpp"
+#include "axode/model/check_no_loops.hpp"
 #include "axode/recursion/instantiate.hpp"
 
 namespace axode {
@@ -44,6 +45,7 @@ template <class T>
 Solvability linearize(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v, Numbers<T> tau,
                       const std::type_identity_t<Linearization<T>>& linear,
                       const std::type_identity_t<Loads<T>>& loads) {
+  check_no_loops(model, "linearize");
   const auto& [A, B] = linear;
   const std::size_t n = static_cast<std::size_t>(model.nv()), width = 2 * n;
   check_size("linear.A", A.size(), width * width, "2nv * 2nv");

@@ -17,6 +17,7 @@
 #include "axode/integration/configuration_group.hpp"
 #include "axode/integration/group_derivatives.hpp"
 #include "axode/integration/munthe_kaas.hpp"
+#include "axode/model/check_no_loops.hpp"
 #include "axode/model/finite.hpp"
 
 namespace axode {
@@ -38,7 +39,8 @@ template <class T> struct Sized {
 void check_motion(const Model& model, double step, const Loads<double>& loads, const Tableau& method,
                   std::initializer_list<Sized<const double>> arguments,
                   std::initializer_list<Sized<double>> results) {
-  check(method), check_step(step), check_loads(model, loads);
+  check(method), check_step(step), check_loads(model, loads),
+      check_no_loops(model, "a sensitivity of rollouts");
   for (const auto& in : arguments) check_size(in.name, in.x.size(), in.size, in.meaning);
   for (const auto* out = results.begin(); out != results.end(); ++out) {
     check_size(out->name, out->x.size(), out->size, out->meaning);
@@ -77,7 +79,8 @@ class SpringTerms {
   const double* forces(Span q, Span v, const double* tau) {
     if (!any()) return tau;
     std::ranges::copy_n(tau, model_.nv(), total_.begin());
-    if (finite(q)) add_spring_forces(model_, *workspace_, q, v, total_);  // else accelerations will not be either
+    if (finite(q))
+      add_spring_forces(model_, *workspace_, q, v, total_);  // else accelerations will not be either
     return total_.data();
   }
   /// Takes by_q and by_v.

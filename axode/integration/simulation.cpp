@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <stdexcept>
 #include <string>
 
@@ -11,6 +12,7 @@
 #include "axode/dynamics/inverse_dynamics.hpp"
 #include "axode/dynamics/momentum.hpp"
 #include "axode/dynamics/springs.hpp"
+#include "axode/integration/closed_motion.hpp"
 #include "axode/integration/conserving.hpp"
 #include "axode/integration/generalized_alpha.hpp"
 #include "axode/integration/munthe_kaas.hpp"
@@ -39,12 +41,14 @@ class Run {
         tau_(v_0.size()),
         total_(v_0.size()),
         until_(until) {
+    if (!model.loops().empty()) loops_.emplace(model);
     check_configuration(model, q);
     check_size("v", v.size(), static_cast<std::size_t>(model.nv()), "nv");
     if (!finite(v)) throw std::invalid_argument("v has numbers that are not finite");
     if (!(until >= 0) || !std::isfinite(until))
       throw std::invalid_argument("until is " + std::to_string(until) + "; expected a time of 0 s or more");
     check_loads(model, loads());
+    if (loops_) loops_->check(q, v);
     if (!accelerate(0, q, v, a)) return;
     trajectory.append(0, q, v, a, tau_);
     values_ = values_at(0, q, v);
@@ -53,8 +57,9 @@ class Run {
   /// Accelerations under what acts; false, with the reason kept, where there are none.
   bool accelerate(double t, Span q_t, Span v_t, std::span<double> a_t) {
     if (!begin_evaluation(t, q_t, v_t)) return false;
-    const Solvability found =
-        forward_dynamics(model_, workspace_, q_t, v_t, with_springs(q_t, v_t), a_t, loads());
+    const Span tau = with_springs(q_t, v_t);
+    const Solvability found = loops_ ? loops_->accelerate(q_t, v_t, tau, loads(), a_t)
+                                     : forward_dynamics(model_, workspace_, q_t, v_t, tau, a_t, loads());
     if (!found.ok()) return stop(t, to_string(model_, found));
     return true;
   }
@@ -84,17 +89,20 @@ class Run {
     return tau_;
   }
 
-  /// Takes the end of a step, with the acceleration there where it is known; false where the motion ends.
-  bool take(double t, Span q_1, Span v_1, Span known = {}) {
-    Vector a_1(known.begin(), known.end());
-    if (known.size() != v_1.size()) {
+  /// Takes the end of a step, with the acceleration there where it is known; false where the motion ends. Loops are
+  /// closed again, which changes it a little.
+  bool take(double t, Span q_end, Span v_end, Span known = {}) {
+    Vector q_1(q_end.begin(), q_end.end()), v_1(v_end.begin(), v_end.end()), a_1(known.begin(), known.end());
+    if (loops_ && !loops_->close(q_1, v_1))
+      return stop(t, "the loops cannot be kept closed; a shorter step may help");
+    if (loops_ || known.size() != v_1.size()) {
       a_1.resize(v_1.size());
       if (!accelerate(t, q_1, v_1, a_1)) return false;
     }
     const double before = trajectory.t().back();
     trajectory.append(t, q_1, v_1, a_1, tau_);
     ++trajectory.steps;
-    q.assign(q_1.begin(), q_1.end()), v.assign(v_1.begin(), v_1.end()), a = a_1;
+    q = q_1, v = v_1, a = a_1;
     if (!options_.events.empty() && meets_end(before, t)) return false;
     if (options_.monitor && !options_.monitor(t)) return stop(t, "it was interrupted");
     return true;
@@ -142,6 +150,7 @@ class Run {
   const Model& model_;
   const SimulationOptions& options_;
   Workspace<> workspace_;
+  std::optional<ClosedMotion> loops_;
   Vector tau_, total_;
 
  private:
@@ -175,6 +184,7 @@ class Run {
       ended_ = true;
       trajectory.at(one.t, q_t, v_t);
       trajectory.take_back();
+      if (loops_ && !loops_->close(q_t, v_t)) return !stop(one.t, "the loops cannot be kept closed");
       Vector a_t(v_t.size());
       if (accelerate(one.t, q_t, v_t, a_t)) trajectory.append(one.t, q_t, v_t, a_t, tau_);
       return true;
@@ -249,6 +259,13 @@ class MomentumRun : public Run {
   bool pushes_bases_ = false;
 };
 
+/// For schemes that know of no loops.
+void check_open(const Model& model, const char* scheme) {
+  if (!model.loops().empty())
+    throw std::invalid_argument("model \"" + model.name() + "\" has loops, which " + scheme +
+                                " does not keep closed; explicit methods (dopri5, rk4) do");
+}
+
 /// Conserving schemes are for forces without jumps, in steps of one length.
 void check_smooth(const Model& model, const SimulationOptions& options) {
   if (!options.events.empty())
@@ -296,7 +313,7 @@ Trajectory simulate_fixed(const Model& model, Span q, Span v, double until, doub
 
 Trajectory simulate_stiff(const Model& model, Span q, Span v, double until, double step, double rho,
                           const SimulationOptions& options) {
-  check_step(step);
+  check_step(step), check_open(model, "generalised-alpha");
   if (!(rho >= 0 && rho <= 1))
     throw std::invalid_argument("spectral radius is " + std::to_string(rho) + "; expected 0 to 1");
   Run run(model, q, v, until, options);
@@ -313,7 +330,7 @@ Trajectory simulate_stiff(const Model& model, Span q, Span v, double until, doub
 
 Trajectory simulate_conserving(const Model& model, Span q, Span v, double until, double step, int order,
                                const SimulationOptions& options) {
-  check_step(step), check_smooth(model, options);
+  check_step(step), check_smooth(model, options), check_open(model, "a conserving scheme");
   MomentumRun run(model, q, v, until, options);
   if (run.done()) return std::move(run.trajectory);
   Vector q_0, v_0, p_0;
@@ -330,7 +347,7 @@ Trajectory simulate_conserving(const Model& model, Span q, Span v, double until,
 
 Trajectory simulate_momenta(const Model& model, Span q, Span v, double until, double step,
                             const Tableau& method, const SimulationOptions& options) {
-  check(method), check_step(step), check_smooth(model, options);
+  check(method), check_step(step), check_smooth(model, options), check_open(model, "a scheme on momenta");
   MomentumRun run(model, q, v, until, options);
   if (run.done()) return std::move(run.trajectory);
   FloatingBases& bases = run.bases();

@@ -142,13 +142,6 @@ template <class F> Array of_q(const BoundModel& m, ArrayLike q, int threads, con
 
 }  // namespace
 
-void refuse_loops(const Model& m, std::string_view function) {
-  if (!m.loops().empty())
-    throw nb::value_error(("model \"" + m.name() + "\" has loops, which " + std::string(function) +
-                           " does not count; forward_dynamics, inverse_dynamics and simulate do")
-                              .c_str());
-}
-
 Array closed_forward_dynamics(const BoundModel& m, const Arguments& given) {
   const States states(m, given.q, given.threads);
   const Items v = states.velocities("v", given.v), tau = states.velocities("tau", given.tau);

@@ -7,7 +7,4 @@ namespace axode::python {
 Array closed_forward_dynamics(const BoundModel& m, const Arguments& given);
 Array closed_inverse_dynamics(const BoundModel& m, const Arguments& given, nb::handle drives);
 
-/// Throws nb::value_error where m has loops, which a function does not count.
-void refuse_loops(const Model& m, std::string_view function);
-
 }  // namespace axode::python

@@ -2,6 +2,7 @@
 
 #include "axode/eigen.hpp"
 #include "axode/fast/fast.hpp"
+#include "axode/model/check_no_loops.hpp"
 #include "conversions.hpp"
 
 namespace axode::python {
@@ -136,6 +137,7 @@ const catalog::Function<double>& StateFunction::row(const Algorithm& algorithm) 
 }
 
 NewArray StateFunction::run(const BoundModel& m, const Arguments& given, const Row& row) const {
+  if (row.name.starts_with("forward_dynamics")) check_no_loops(m, std::string(row.name));
   const States states(m, given.q, given.threads);
   std::vector<Items> taken;
   for (const ArgumentOfState& one : takes_)

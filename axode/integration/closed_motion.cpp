@@ -1,0 +1,77 @@
+#include "axode/integration/closed_motion.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <string>
+
+#include "axode/constraints/loop_system.hpp"
+
+namespace axode {
+namespace {
+
+constexpr double closed = 1e-13, startable = 1e-6;
+
+double norm(std::span<const double> x) {
+  double sum = 0;
+  for (const double x_k : x) sum += x_k * x_k;
+  return std::sqrt(sum);
+}
+
+}  // namespace
+
+ClosedMotion::ClosedMotion(const Model& model)
+    : model_(model),
+      workspace_(model),
+      group_(model_.tree<double>()),
+      lambda_(static_cast<std::size_t>(model.loops().rows)),
+      r_(lambda_.size()),
+      x_(static_cast<std::size_t>(model.nv())) {}
+
+void ClosedMotion::check(Span q, Span v) {
+  LoopSystem<double>& system = workspace_.system(model_);
+  const auto part = [&](int first, int count) {
+    return norm(Span(r_).subspan(static_cast<std::size_t>(first), static_cast<std::size_t>(count)));
+  };
+  system.place(q.data());
+  system.residual(q.data(), r_.data());
+  for (const Loop& loop : model_.loops().all)
+    if (const double open = part(loop.first_residual, loop.residuals()); !(open <= startable))
+      throw std::invalid_argument("q leaves loop \"" + loop.name + "\" open by " + to_text(open) +
+                                  " (rad and m); assemble() closes it");
+  system.make_rows(LoopSystem<double>::Rows::velocities);
+  system.times(v.data(), r_.data());
+  for (const Loop& loop : model_.loops().all)
+    if (const double slip = part(loop.first_row, loop.rows()); !(slip <= startable * (1 + norm(v))))
+      throw std::invalid_argument("v tears loop \"" + loop.name + "\" open at " + to_text(slip) +
+                                  " (rad/s and m/s); assemble() finds velocities that do not");
+}
+
+Solvability ClosedMotion::accelerate(Span q, Span v, Span tau, const Loads<double>& loads,
+                                     std::span<double> a) {
+  return workspace_.system(model_).accelerate(q.data(), v.data(), tau.data(), loads, a.data(),
+                                              lambda_.data());
+}
+
+bool ClosedMotion::close(std::vector<double>& q, std::vector<double>& v) {
+  LoopSystem<double>& system = workspace_.system(model_);
+  const auto open = [&] {
+    system.place(q.data());
+    system.residual(q.data(), r_.data());
+    return norm(Span(r_).first(static_cast<std::size_t>(model_.loops().residuals)));
+  };
+  double before = open();
+  for (int n = 0; n < 5 && before > closed; ++n) {
+    if (!system.approach(q.data(), x_.data()).ok()) return false;
+    group_.move(q.data(), x_.data(), q.data());
+    const double now = open();
+    if (!(now < 0.5 * before)) {  // as far as rounding lets it come, or not at all
+      before = now;
+      break;
+    }
+    before = now;
+  }
+  return before <= startable && system.collide(q.data(), v.data(), 0, v.data(), lambda_.data()).ok();
+}
+
+}  // namespace axode

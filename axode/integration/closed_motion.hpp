@@ -1,0 +1,32 @@
+#pragma once
+#include <span>
+#include <vector>
+
+#include "axode/constraints/loops.hpp"
+#include "axode/integration/configuration_group.hpp"
+#include "axode/recursion/solvability.hpp"
+
+namespace axode {
+
+/// What a scheme asks of the loops of a mechanism: accelerations that keep them closed, and that they are closed again at
+/// the end of a step, by the displacement and the impulses that move the masses least.
+class ClosedMotion {
+ public:
+  using Span = std::span<const double>;
+
+  explicit ClosedMotion(const Model& model);
+
+  /// Throws std::invalid_argument where a motion cannot start at (q, v): which loop is open, or torn by how much.
+  void check(Span q, Span v);
+  Solvability accelerate(Span q, Span v, Span tau, const Loads<double>& loads, std::span<double> a);
+  /// Whether the loops could be closed. What is 1e-13 rad and m off stays.
+  [[nodiscard]] bool close(std::vector<double>& q, std::vector<double>& v);
+
+ private:
+  Model model_;
+  LoopWorkspace<double> workspace_;
+  ConfigurationGroup<double> group_;
+  std::vector<double> lambda_, r_, x_;
+};
+
+}  // namespace axode

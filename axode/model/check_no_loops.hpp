@@ -1,0 +1,17 @@
+#pragma once
+#include <stdexcept>
+#include <string>
+
+#include "axode/model/model.hpp"
+
+namespace axode {
+
+/// Throws std::invalid_argument where a model has loops, which a function that says how mechanisms move does not count.
+inline void check_no_loops(const Model& model, const std::string& function) {
+  if (!model.loops().empty())
+    throw std::invalid_argument(function + " does not count loops, and model \"" + model.name() + "\" has " +
+                                std::to_string(model.loops().all.size()) +
+                                "; forward_dynamics, inverse_dynamics and simulate do");
+}
+
+}  // namespace axode

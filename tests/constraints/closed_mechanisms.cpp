@@ -1,0 +1,409 @@
+#include <Eigen/QR>
+
+#include "axode/constraints/assembly.hpp"
+#include "axode/constraints/constrained_dynamics.hpp"
+#include "axode/constraints/mobility.hpp"
+#include "axode/dynamics.hpp"
+#include "axode/kinematics.hpp"
+#include "tests/constraints/mechanisms.hpp"
+#include "tests/laws/law.hpp"
+
+/// Mechanisms with loops, some of them redundant by their kinds, one by geometry.
+namespace axode::test {
+namespace {
+
+using Numbers = std::vector<double>;
+using Eigen::MatrixXd, Eigen::VectorXd;
+
+struct Mechanism_ {
+  const char* name;
+  Description (*drawn)();
+  int rows, rank, freedom;
+};
+Description turned_four_bar() { return four_bar(); }
+const Mechanism_ mechanisms[] = {{"FourBar", turned_four_bar, 5, 2, 1},
+                                 {"Bricard", bricard, 5, 4, 1},
+                                 {"SliderCrank", slider_crank, 5, 2, 1},
+                                 {"Gough", gough, 18, 18, 6}};
+
+/// A closed state of a mechanism, away from where it was drawn.
+struct ClosedState {
+  ClosedState(const Model& model, std::uint64_t seed) : loops(model), workspace(model) {
+    Random<double> random(seed);
+    const Numbers away = random_numbers(random, model.nv(), 0.1);
+    AssemblyResult found =
+        assemble(model, integrate(model, neutral(model), away), random_numbers(random, model.nv()));
+    EXPECT_EQ(found.status, AssemblyStatus::closed) << to_string(model, found);
+    q = found.q, v = found.v, tau = random_numbers(random, model.nv(), 10);
+  }
+  LoopWorkspace<double> loops;
+  Workspace<double> workspace;
+  Numbers q, v, tau;
+};
+
+MatrixXd jacobian_of(const Model& model, ClosedState& at) {
+  Numbers A(static_cast<std::size_t>(model.loops().rows * model.nv()));
+  loop_jacobian(model, at.loops, at.q, A);
+  return matrix(model.loops().rows, A);
+}
+VectorXd bias_of(const Model& model, ClosedState& at) {
+  Numbers gamma(static_cast<std::size_t>(model.loops().rows));
+  loop_bias(model, at.loops, at.q, at.v, gamma);
+  return vector(gamma);
+}
+MatrixXd mass_of(const Model& model, ClosedState& at) {
+  Numbers M(static_cast<std::size_t>(model.nv() * model.nv()));
+  mass_matrix(model, at.workspace, at.q, M);
+  return matrix(model.nv(), M);
+}
+VectorXd acceleration_of(const Model& model, ClosedState& at, const Numbers& tau, Numbers lambda = {}) {
+  Numbers a(at.v.size());
+  EXPECT_TRUE(forward_dynamics(model, at.loops, at.q, at.v, tau, a, lambda).ok());
+  return vector(a);
+}
+
+class ClosedMechanisms : public testing::TestWithParam<Mechanism_> {
+ protected:
+  const Model model = ModelBuilder(GetParam().drawn()).build();
+};
+
+TEST_P(ClosedMechanisms, HaveTheirRankAndFreedom) {
+  for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+    ClosedState at(model, seed);
+    const LoopMobility found = loop_mobility(model, at.q);
+    EXPECT_EQ(model.loops().rows, GetParam().rows);
+    EXPECT_EQ(found.rank, GetParam().rank);
+    EXPECT_EQ(found.degrees_of_freedom, GetParam().freedom);
+    EXPECT_EQ(static_cast<int>(found.redundant.size()), GetParam().rows - GetParam().rank);
+    EXPECT_EQ(found.mobility, Mobility::regular);
+    const MatrixXd A = jacobian_of(model, at);
+    EXPECT_LT(largest_entry(product(A, found.kernel)), 1e-9);
+    for (const RedundantRow& row : found.redundant) {
+      EXPECT_LT((A.transpose() * row.dependency).norm(), 1e-8 * row.dependency.norm());
+      EXPECT_EQ(row.dependency[row.row], 1);
+    }
+  }
+}
+
+/// Least squares on the whole system is the yardstick.
+TEST_P(ClosedMechanisms, MoveAsTheDenseSystemSays) {
+  for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+    ClosedState at(model, seed);
+    const Eigen::Index n = model.nv(), m = model.loops().rows;
+    const MatrixXd A = jacobian_of(model, at), M = mass_of(model, at);
+    Numbers h(at.v.size()), lambda(static_cast<std::size_t>(m));
+    inverse_dynamics(model, at.workspace, at.q, at.v, Numbers(at.v.size()), h);
+    MatrixXd K = MatrixXd::Zero(n + m, n + m);
+    K.topLeftCorner(n, n) = M, K.topRightCorner(n, m) = -A.transpose(), K.bottomLeftCorner(m, n) = A;
+    VectorXd right(n + m);
+    right << vector(at.tau) - vector(h), -bias_of(model, at);
+    Eigen::CompleteOrthogonalDecomposition<MatrixXd> solver;
+    solver.setThreshold(1e-9);
+    const VectorXd expected = solver.compute(K).solve(right);
+    Numbers a(at.v.size());
+    ASSERT_TRUE(forward_dynamics(model, at.loops, at.q, at.v, at.tau, a, lambda).ok());
+    const double size = 1 + expected.head(n).norm();
+    EXPECT_LT((vector(a) - expected.head(n)).norm(), 1e-9 * size);
+    const VectorXd forces = product(MatrixXd(A.transpose()), vector(lambda));
+    EXPECT_LT((forces - A.transpose() * expected.tail(m)).norm(), 1e-8 * (1 + forces.norm()));
+    EXPECT_LT((A * vector(a) + bias_of(model, at)).norm(), 1e-9 * size);
+  }
+}
+
+TEST_P(ClosedMechanisms, MoveTheSameWithALoopTwice) {
+  Description twice = model.description();
+  twice.loops.push_back(twice.loops[0]);
+  twice.loops.back().name = "again";
+  const Model doubled = ModelBuilder(twice).build();
+  for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+    ClosedState at(model, seed), there(doubled, seed);
+    there.q = at.q, there.v = at.v;
+    const VectorXd a = acceleration_of(model, at, at.tau);
+    EXPECT_LT((acceleration_of(doubled, there, at.tau) - a).norm(), 1e-10 * (1 + a.norm()));
+    EXPECT_EQ(loop_mobility(doubled, at.q).degrees_of_freedom, GetParam().freedom);
+  }
+}
+
+/// The same with the second loop between bodies 1e9 times as light: every row is measured by the mass it moves.
+TEST_P(ClosedMechanisms, MoveTheSameBesideOnesOfAnotherScale) {
+  Description both = model.description();
+  const Description light = model.description();
+  for (BodyDescription body : light.bodies) {
+    body.name += " light";
+    if (body.predecessor != "ground") body.predecessor += " light";
+    body.inertia->mass *= 1e-9, body.inertia->Theta = 1e-9 * body.inertia->Theta;
+    both.bodies.push_back(std::move(body));
+  }
+  for (LoopDescription loop : light.loops) {
+    loop.name += " light";
+    for (std::string& name : loop.between)
+      if (name != "ground") name += " light";
+    both.loops.push_back(std::move(loop));
+  }
+  for (std::size_t k = 0; k < light.loops.size(); ++k)
+    both.loops[k].name = "loop of one, " + std::to_string(k);
+  for (std::size_t k = light.loops.size(); k < both.loops.size(); ++k)
+    both.loops[k].name = "loop of two, " + std::to_string(k);
+  const Model two = ModelBuilder(both).build();
+  ClosedState at(model, 1);
+  LoopWorkspace<double> workspace(two);
+  const auto twice = [](const Numbers& x, double scale = 1) {
+    Numbers out(x);
+    for (const double x_k : x) out.push_back(scale * x_k);
+    return out;
+  };
+  Numbers a(2 * at.v.size());
+  ASSERT_TRUE(forward_dynamics(two, workspace, twice(at.q), twice(at.v), twice(at.tau, 1e-9), a).ok());
+  const VectorXd one = acceleration_of(model, at, at.tau);
+  const auto n = static_cast<Eigen::Index>(at.v.size());
+  EXPECT_LT((vector(a).head(n) - one).norm(), 1e-9 * (1 + one.norm()));
+  EXPECT_LT((vector(a).tail(n) - one).norm(), 1e-8 * (1 + one.norm()));
+}
+
+TEST_P(ClosedMechanisms, AreDrivenAsTheyMove) {
+  for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+    ClosedState at(model, seed);
+    const VectorXd a = acceleration_of(model, at, at.tau);
+    Numbers tau(at.v.size()), lambda(static_cast<std::size_t>(model.loops().rows));
+    EXPECT_LT(inverse_dynamics(model, at.loops, at.q, at.v, numbers(a), tau, lambda), 1e-9);
+    EXPECT_LT((acceleration_of(model, at, tau) - a).norm(), 1e-7 * (1 + a.norm()));
+    EXPECT_LE(vector(tau).norm(), vector(at.tau).norm() * (1 + 1e-9)) << "the least forces that do it";
+
+    std::vector<int> drives;  // as many as there are freedoms
+    for (int c = 0; c < GetParam().freedom; ++c) drives.push_back(c);
+    EXPECT_LT(inverse_dynamics(model, at.loops, at.q, at.v, numbers(a), tau, {}, drives), 1e-8);
+    for (std::size_t c = drives.size(); c < tau.size(); ++c) EXPECT_EQ(tau[c], 0);
+    EXPECT_LT((acceleration_of(model, at, tau) - a).norm(), 1e-6 * (1 + a.norm()));
+  }
+}
+
+TEST_P(ClosedMechanisms, LoseTheEnergyOfAnImpact) {
+  for (const double e : {0.0, 0.4, 1.0}) {
+    ClosedState at(model, 3);
+    Random<double> random(4);
+    at.v = random_numbers(random, model.nv());  // which tears the loops
+    const MatrixXd A = jacobian_of(model, at), M = mass_of(model, at);
+    Numbers after(at.v.size());
+    ASSERT_TRUE(impact(model, at.loops, at.q, at.v, e, after).ok());
+    EXPECT_LT((A * (vector(after) + e * vector(at.v))).norm(), 1e-9);
+    const VectorXd change = vector(after) - vector(at.v), mean = 0.5 * (vector(after) + vector(at.v));
+    const double lost = -change.dot(M * mean);
+    EXPECT_GE(lost, -1e-9);
+    if (e == 1) {
+      EXPECT_NEAR(lost, 0, 1e-9 * (1 + vector(at.v).dot(M * vector(at.v))));
+    }
+  }
+}
+
+/// r' = R v and (A v)' = A a + γ, on the closure and off it.
+TEST_P(ClosedMechanisms, HaveTheRatesOfDifferences) {
+  for_seeds(10, [&](std::uint64_t seed) {
+    ClosedState at(model, seed);
+    Random<double> random(seed + 7);
+    const Numbers q = integrate(model, at.q, random_numbers(random, model.nv(), 0.05));
+    const Numbers v = random_numbers(random, model.nv());
+    const double h = 1e-3;
+    const auto moved = [&](double t) {
+      return integrate(model, q, numbers(t * vector(v)));  // with constant v, so a = 0
+    };
+    const auto difference = [&](const auto& f) -> VectorXd {
+      return (8 * (f(h) - f(-h)) - (f(2 * h) - f(-2 * h))) / (12 * h);
+    };
+    Numbers r(static_cast<std::size_t>(model.loops().residuals)), R(r.size() * v.size());
+    loop_residual_jacobian(model, at.loops, q, R);
+    const VectorXd rate = difference([&](double t) {
+      loop_residual(model, at.loops, moved(t), r);
+      return vector(r);
+    });
+    EXPECT_LT((matrix(static_cast<int>(r.size()), R) * vector(v) - rate).norm(), 1e-8);
+    Numbers gamma(static_cast<std::size_t>(model.loops().rows)), A(gamma.size() * v.size());
+    const VectorXd slip = difference([&](double t) {
+      loop_jacobian(model, at.loops, moved(t), A);
+      return VectorXd(matrix(static_cast<int>(gamma.size()), A) * vector(v));
+    });
+    loop_bias(model, at.loops, q, v, gamma);
+    EXPECT_LT((vector(gamma) - slip).norm(), 1e-8 * (1 + slip.norm()));
+  });
+}
+
+INSTANTIATE_TEST_SUITE_P(, ClosedMechanisms, testing::ValuesIn(mechanisms),
+                         [](const auto& info) { return std::string(info.param.name); });
+
+/// Which stresses a four-bar in space carries for nothing.
+TEST(RedundantRows, AreNamedByTheirWrenches) {
+  const Model model = ModelBuilder(four_bar(SO3<>{})).build();
+  const LoopMobility found = loop_mobility(model, neutral(model));
+  ASSERT_EQ(found.redundant.size(), 3U);
+  EXPECT_EQ(found.redundant[0].wrench, "couple about (1, 0, 0)");
+  EXPECT_EQ(found.redundant[1].wrench, "couple about (0, 1, 0)");
+  EXPECT_EQ(found.redundant[2].wrench.substr(0, 21), "force along (0, 0, 1)");
+}
+
+TEST(SecondOrder, TellsBranchesFromShakes) {
+  const Vec3<> z{0, 0, 1};
+  const Model flat = ModelBuilder(ring({{0, 0, 0}, {0, 1, 0}, {2, 1, 0}, {2, 0, 0}}, {z, z, z, z})).build();
+  const double quarter = std::acos(0.0);
+  const Numbers lying{-quarter, quarter, -quarter};
+  Numbers r(5);
+  LoopWorkspace<double> workspace(flat);
+  loop_residual(flat, workspace, lying, r);
+  EXPECT_LT(vector(r).norm(), 1e-12);
+  const LoopMobility branching = loop_mobility(flat, lying);
+  EXPECT_EQ(branching.degrees_of_freedom, 2);
+  EXPECT_EQ(branching.mobility, Mobility::branches);
+
+  const Model line = ModelBuilder(ring({{0, 0, 0}, {1, 0, 0}, {2, 0, 0}}, {z, z, z})).build();
+  const LoopMobility shaking = loop_mobility(line, neutral(line));
+  EXPECT_EQ(shaking.degrees_of_freedom, 1);
+  EXPECT_EQ(shaking.mobility, Mobility::shaky);
+}
+
+/// A sphere or a disc of radius 0.3 on the ground; gravity may lean.
+Model wheel(bool sphere, double slope = 0) {
+  Description d{.name = "wheel",
+                .gravity = {9.81 * std::sin(slope), 0, -9.81 * std::cos(slope)},
+                .bodies = {},
+                .frames = {}};
+  d.bodies.push_back({.name = "wheel",
+                      .joint = {.kind = JointKind::free},
+                      .inertia = MassProperties{.mass = 2,
+                                                .com = {0, 0, .3},
+                                                .Theta = sphere ? Sym3<>{.072, .072, .072, 0, 0, 0}
+                                                                : Sym3<>{.045, .09, .045, 0, 0, 0}}});
+  LoopDescription contact{.between = {"ground", "wheel"}, .kind = LoopKind::rolling, .center = {0, 0, .3}};
+  if (!sphere) contact.wheel_axis = Vec3<>{0, 1, 0};
+  d.loops.push_back(contact);
+  return ModelBuilder(d).build();
+}
+
+TEST(Rolling, SphereDownASlopeHasFiveSeventhsOfTheAcceleration) {
+  const Model model = wheel(true, 0.3);
+  LoopWorkspace<double> workspace(model);
+  Numbers a(6), lambda(3);
+  ASSERT_TRUE(forward_dynamics(model, workspace, neutral(model), Numbers(6), Numbers(6), a, lambda).ok());
+  EXPECT_NEAR(a[3] + .3 * a[1], 5.0 / 7 * 9.81 * std::sin(0.3), 1e-12);
+  EXPECT_NEAR(lambda[0], 2 * 9.81 * std::cos(0.3), 1e-10) << "the ground carries its weight";
+}
+
+TEST(Rolling, RowsHaveTheRatesOfDifferences) {
+  for (const bool sphere : {true, false}) {
+    const Model model = wheel(sphere);
+    LoopWorkspace<double> workspace(model);
+    for_seeds(10, [&](std::uint64_t seed) {
+      Random<double> random(seed);
+      const Numbers q = integrate(model, neutral(model), random_numbers(random, 6, 0.4));
+      const Numbers v = random_numbers(random, 6);
+      const auto difference = [&](const auto& f) -> VectorXd {
+        const double h = 1e-3;
+        const auto at = [&](double t) { return f(integrate(model, q, numbers(t * vector(v)))); };
+        return (8 * (at(h) - at(-h)) - (at(2 * h) - at(-2 * h))) / (12 * h);
+      };
+      Numbers r(1), A(18), R(6), gamma(3);
+      const VectorXd rate = difference([&](const Numbers& there) {
+        loop_residual(model, workspace, there, r);
+        return vector(r);
+      });
+      loop_residual_jacobian(model, workspace, q, R);
+      EXPECT_NEAR((matrix(1, R) * vector(v))[0], rate[0], 1e-9);
+      const VectorXd slip = difference([&](const Numbers& there) {
+        loop_jacobian(model, workspace, there, A);
+        return VectorXd(matrix(3, A) * vector(v));
+      });
+      loop_bias(model, workspace, q, v, gamma);
+      EXPECT_LT((vector(gamma) - slip).norm(), 1e-8 * (1 + slip.norm()));
+    });
+  }
+}
+
+/// A rod and a universal joint, and the linear coupling of coordinates, against what trees know of them.
+TEST(LinearCouplings, MoveAsJointsThatFollow) {
+  const auto tree = [](bool follows) {
+    Description d =
+        ring({{0, 0, 0}, {0, 1, 0}, {2, 2, 0}, {3, 0, 0}}, {{0, 0, 1}, {0, 0, 1}, {0, 1, 1}, {0, 0, 1}});
+    d.loops.clear();
+    if (follows) {
+      d.bodies[2].joint.coupling = Coupling{"bar0_joint", -1.5, 0.25};
+    } else {
+      d.couplings.push_back({.terms = {{"bar2_joint", 1}, {"bar0_joint", 1.5}}, .offset = 0.25});
+    }
+    return ModelBuilder(d).build();
+  };
+  const Model following = tree(true), coupled = tree(false);
+  Workspace<double> workspace(following);
+  LoopWorkspace<double> loops(coupled);
+  const Numbers q{0.3, -0.4}, v{1, 2}, tau{3, 4};
+  const Numbers q_3{0.3, -0.4, -1.5 * 0.3 + 0.25}, v_3{1, 2, -1.5}, tau_3{3, 4, 0};
+  Numbers a(2), a_3(3), r(1);
+  ASSERT_TRUE(forward_dynamics(following, workspace, q, v, tau, a).ok());
+  ASSERT_TRUE(forward_dynamics(coupled, loops, q_3, v_3, tau_3, a_3).ok());
+  EXPECT_NEAR(a_3[0], a[0], 1e-11);
+  EXPECT_NEAR(a_3[1], a[1], 1e-11);
+  EXPECT_NEAR(a_3[2], -1.5 * a[0], 1e-11);
+  loop_residual(coupled, loops, q_3, r);
+  EXPECT_NEAR(r[0], 0, 1e-15);
+}
+
+TEST(FarLoops, LoseNothing) {
+  const Description near = gough();
+  Description far = near;
+  const Vec3<> D{12000, -5000, 300};
+  for (BodyDescription& body : far.bodies) {
+    body.joint.point += D, body.inertia->com += D;
+    if (body.joint.kind == JointKind::free) body.geometry = InConstructionFrame{{{}, D}};
+  }
+  for (LoopDescription& loop : far.loops) loop.point += D;
+  const Model here = ModelBuilder(near).build(), there = ModelBuilder(far).build();
+  ClosedState at(here, 2);
+  Numbers q = at.q;  // the free platform's position is relative to where it was drawn
+  LoopWorkspace<double> workspace(there);
+  Numbers r(static_cast<std::size_t>(there.loops().residuals)), a(at.v.size());
+  loop_residual(there, workspace, q, r);
+  EXPECT_LT(vector(r).norm(), 2e-11) << "1e-12 m is what is left of a double at 12 km";
+  ASSERT_TRUE(forward_dynamics(there, workspace, q, at.v, at.tau, a).ok());
+  const VectorXd expected = acceleration_of(here, at, at.tau);
+  EXPECT_LT((vector(a) - expected).norm(), 1e-8 * (1 + expected.norm()));
+}
+
+TEST(Assembly, ClosesFromGuesses) {
+  for (const auto& [name, drawn, rows, rank, freedom] : mechanisms) {
+    SCOPED_TRACE(name);
+    const Model model = ModelBuilder(drawn()).build();
+    int closed = 0;
+    for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+      Random<double> random(seed);
+      const Numbers guess = integrate(model, neutral(model), random_numbers(random, model.nv(), 0.7));
+      const AssemblyResult found = assemble(model, guess);
+      if (found.status != AssemblyStatus::closed) continue;
+      ++closed;
+      EXPECT_LT(found.residual, 1e-11);
+    }
+    EXPECT_GE(closed, std::string(name) == "Bricard" ? 14 : 19);
+  }
+}
+
+TEST(Assembly, HoldsWhatIsHeld) {
+  const Model model = ModelBuilder(four_bar()).build();
+  const std::vector<int> held{0};
+  const AssemblyResult found = assemble(model, Numbers{0.4, 0, 0}, Numbers{2, 0, 0}, {.held = held});
+  ASSERT_EQ(found.status, AssemblyStatus::closed) << to_string(model, found);
+  EXPECT_EQ(found.q[0], 0.4);
+  EXPECT_EQ(found.v[0], 2);
+  LoopWorkspace<double> workspace(model);
+  Numbers A(15);
+  loop_jacobian(model, workspace, found.q, A);
+  EXPECT_LT((matrix(5, A) * vector(found.v)).norm(), 1e-10);
+}
+
+TEST(Assembly, SaysWhichLoopStaysOpen) {
+  Description d = slider_crank();
+  d.loops[0].frames = {SE3<>{{}, {2, 0, 0}}, SE3<>{{}, {2, 9, 0}}};  // nine metres off the slider's axis
+  const Model model = ModelBuilder(d).build();
+  const AssemblyResult found = assemble(model, neutral(model));
+  EXPECT_EQ(found.status, AssemblyStatus::open);
+  EXPECT_GT(found.residual, 1);
+  EXPECT_THAT(to_string(model, found),
+              testing::HasSubstr("does not close from this guess: loop \"pin\" stays open by"));
+}
+
+}  // namespace
+}  // namespace axode::test
