@@ -50,6 +50,22 @@ constexpr std::array<DofField, 7> dof_fields{{{"lower", "lower", &Dof::lower},
                                               {"friction", "friction", &Dof::friction},
                                               {"armature", "armature", &Dof::armature}}};
 
+/// The joint whose coordinate a term of a coupling is.
+const Joint& moved_by(const Model& model, const Loop::Term& term) {
+  return *std::ranges::find_if(model.joints(),
+                               [&](const Joint& j) { return !j.leader && j.iv == term.velocity; });
+}
+/// The sum that a coupling keeps at its offset.
+std::string sum(const Model& model, const Loop& coupling) {
+  std::string text;
+  for (const Loop::Term& term : coupling.terms) {
+    const bool negative = term.factor < 0;
+    text += text.empty() ? (negative ? "-" : "") : (negative ? " - " : " + ");
+    text += fmt::format("{} q({})", significant(std::abs(term.factor)), moved_by(model, term).name);
+  }
+  return text;
+}
+
 bool says_nothing(const Dof& dof, const DofField& field) { return dof.*field.value == Dof{}.*field.value; }
 
 /// The centre of mass with every joint at zero, null for a massless model.
@@ -57,6 +73,18 @@ Json neutral_center_of_mass(const Model& model) {
   if (!(model.total_mass() > 0)) return nullptr;
   Workspace<> workspace(model);
   return to_json(center_of_mass(model, workspace, neutral(model)));
+}
+
+Json as_json(const Loop& loop, const Model& model) {
+  Json about{{"name", loop.name}, {"kind", to_string(loop.kind)}, {"rows", loop.rows()}};
+  if (loop.kind != LoopKind::coupling) {
+    about["between"] = {model.body(loop.ends[0].body).name, model.body(loop.ends[1].body).name};
+    return about;
+  }
+  about["offset"] = loop.offset;
+  for (const Loop::Term& term : loop.terms)
+    about["terms"].push_back({{"joint", moved_by(model, term).name}, {"factor", term.factor}});
+  return about;
 }
 
 Json as_json(const Model& model) {
@@ -71,6 +99,7 @@ Json as_json(const Model& model) {
            {"joints", Json::array()},
            {"frames", Json::array()},
            {"springs", Json::array()},
+           {"loops", Json::array()},
            {"warnings", Json::array()}};
   for (int i = 1; i <= model.n_bodies(); ++i) {
     const Body& body = model.body(i);
@@ -89,6 +118,7 @@ Json as_json(const Model& model) {
                {"nq", joint.nq},     {"iv", joint.iv},
                {"nv", joint.nv}};
     if (joint.kind == Subgroup::helical) moves["pitch"] = joint.pitch;
+    if (joint.passive) moves["passive"] = true;
     if (joint.leader)
       moves["follows"] = {{"joint", model.joint(joint.leader->joint).name},
                           {"ratio", joint.leader->ratio},
@@ -111,6 +141,7 @@ Json as_json(const Model& model) {
                               {"rest", line.rest},
                               {"damping", line.damping}});
   }
+  for (const Loop& loop : model.loops().all) out["loops"].push_back(as_json(loop, model));
   for (const Fault& fault : model.warnings()) out["warnings"].push_back(to_string(fault));
   return out;
 }
@@ -129,7 +160,8 @@ void print_joints(const Model& model) {
       if (d > 0 && silent) continue;
       std::vector<Cell> row;
       if (d == 0) {
-        row = {std::to_string(i), joint.name, std::string(to_string(joint.kind)),
+        row = {std::to_string(i), joint.name,
+               std::string(to_string(joint.kind)) + (joint.passive ? ", passive" : ""),
                slice('q', joint.iq, joint.nq), slice('v', joint.iv, joint.nv)};
       } else {
         row = {"", "", "", "", slice('v', joint.iv + static_cast<int>(d), 1)};
@@ -168,6 +200,20 @@ void print_springs(const Model& model) {
   if (!lines.empty())
     fmt::print("\n{} (N/m, m, N s/m)\n{}", in(Ink::heading, "springs and dampers between frames"),
                lines.text());
+}
+
+void print_loops(const Model& model) {
+  Table loops({"loop", "kind", "between", "and", "rows"}), couplings({"coupling", "", "offset"});
+  for (const Loop& loop : model.loops().all)
+    if (loop.kind == LoopKind::coupling) {
+      couplings.row({loop.name, sum(model, loop), loop.offset});
+    } else {
+      loops.row({loop.name, std::string(to_string(loop.kind)), model.body(loop.ends[0].body).name,
+                 model.body(loop.ends[1].body).name, std::to_string(loop.rows())});
+    }
+  if (!loops.empty()) fmt::print("\n{}\n{}", in(Ink::heading, "loops"), loops.text());
+  if (!couplings.empty())
+    fmt::print("\n{} (rad or m)\n{}", in(Ink::heading, "couplings of coordinates"), couplings.text());
 }
 
 void print_bodies(const Model& model) {
@@ -227,6 +273,7 @@ void run(const Options& options) {
   fmt::print("{}", draw_tree(model));
   print_joints(model);
   print_springs(model);
+  print_loops(model);
   print_bodies(model);
   print_frames(model);
   print_warnings(model, options.mechanism.files.front());
@@ -237,7 +284,7 @@ void run(const Options& options) {
 void add_info(CLI::App& app, int& exit_code) {
   const auto options = std::make_shared<Options>();
   CLI::App* info = app.add_subcommand(
-      "info", "Show the tree, joints, springs, masses, frames and warnings of a mechanism");
+      "info", "Show the tree, joints, springs, loops, masses, frames and warnings of a mechanism");
   add_model_options(*info, options->mechanism);
   info->add_option("--format", options->format, "table (if left out) or json")->type_name("WORD");
   info->footer(footer);

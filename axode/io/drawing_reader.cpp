@@ -3,6 +3,7 @@
 #include <cmath>
 #include <numbers>
 #include <optional>
+#include <ranges>
 #include <utility>
 
 #include "axode/io.hpp"
@@ -11,7 +12,9 @@
 #include "axode/io/toml.hpp"
 #include "axode/io/words_of_others.hpp"
 #include "axode/model/joint_kinds.hpp"
+#include "axode/model/loops.hpp"
 #include "axode/model/nearest_name.hpp"
+#include "axode/model/placement.hpp"
 
 namespace axode::io {
 namespace {
@@ -49,6 +52,8 @@ class Table {
   }
   void rename(std::string element) { element_ = std::move(element); }
   const std::string& element() const { return element_; }
+  /// How many faults the file has so far.
+  std::size_t faults() const { return notes_.faults.size(); }
 
   const toml::Value* take(std::string_view key) {
     known_.push_back(key);
@@ -121,6 +126,12 @@ class Table {
     const double* x = node->number();
     if (x == nullptr) wrong(key, *node, "it needs a number");
     return x != nullptr && finite(key, *node, *x, may_be_infinite) ? std::optional(*x) : std::nullopt;
+  }
+  bool flag(std::string_view key) {
+    const toml::Value* node = take(key);
+    if (node == nullptr) return false;
+    if (node->flag() == nullptr) wrong(key, *node, "it needs true or false");
+    return node->flag() != nullptr && *node->flag();
   }
   template <std::size_t N>
   std::optional<std::array<double, N>> numbers(std::string_view key, bool may_be_infinite = false) {
@@ -198,6 +209,19 @@ class Table {
     wrong(key, *node, need);
     return std::nullopt;
   }
+  /// The numbers of all keys of a table.
+  std::vector<std::pair<std::string, double>> named_numbers(std::string_view key) {
+    std::vector<std::pair<std::string, double>> all;
+    auto inner = table(key);
+    if (!inner) return all;
+    inner->rename(std::string(key) + " of " + element_);
+    for (const auto& [name, entry] : inner->entries_) {
+      if (!printable(name))
+        inner->error(Rule::wrong_value, in_quotes(name) + " must not hold control characters", entry.value);
+      if (const auto x = inner->number(name)) all.emplace_back(name, *x);
+    }
+    return all;
+  }
   /// Ixx Iyy Izz, or Ixx Iyy Izz Ixy Ixz Iyz, or the rows of a symmetric matrix.
   std::optional<Sym3<>> symmetric(std::string_view key) {
     const toml::Value* node = look(key);
@@ -269,6 +293,23 @@ class Table {
     const SE3<> C = inner->pose();
     inner->finish();
     return C;
+  }
+  std::optional<std::array<SE3<>, 2>> pair_of_poses(std::string_view key, std::string_view need) {
+    const toml::Value* node = take(key);
+    if (node == nullptr) return std::nullopt;
+    const auto* array = node->array();
+    const auto is_table = [](const toml::Value* entry) { return entry->table() != nullptr; };
+    if (array == nullptr || array->size() != 2 || !std::ranges::all_of(*array, is_table)) {
+      wrong(key, *node, need);
+      return std::nullopt;
+    }
+    std::array<SE3<>, 2> poses;
+    for (std::size_t k = 0; k < 2; ++k) {
+      Table inner(notes_, *(*array)[k], element_);
+      poses[k] = inner.pose();
+      inner.finish();
+    }
+    return poses;
   }
   /// The tables of an array of tables.
   std::vector<Table> tables(std::string_view key, const std::string& need) {
@@ -444,7 +485,8 @@ void read_joint(Table& body_table, Way way, BodyDescription& body) {
   const auto kind = table->choice("kind", kind_names);
   if (!given) table->missing("kind", "give one, such as \"revolute\" or \"prismatic\"");
   if (!kind) {  // what it may have is not known
-    for (const std::string_view key : {"axis", "second_axis", "point", "pitch", "lead", "dof", "follows"})
+    for (const std::string_view key :
+         {"axis", "second_axis", "point", "pitch", "lead", "dof", "follows", "passive"})
       table->take(key);
     for (const std::string_view key : dof_keys) table->take(key);
     table->finish();
@@ -453,6 +495,11 @@ void read_joint(Table& body_table, Way way, BodyDescription& body) {
   body.joint.kind = joint_kinds[*kind].kind;
   read_screw(*table, way, body.joint);
   read_dofs(*table, body.joint);
+  if (body.joint.kind == JointKind::fixed) {
+    table->refuse("passive", "a fixed joint does not move");
+  } else {
+    body.joint.passive = table->flag("passive");
+  }
   if (auto follows = table->table("follows")) {
     Coupling coupling{.leader = follows->name("joint", "name the joint that leads")};
     coupling.ratio = follows->number("ratio").value_or(1);
@@ -586,6 +633,138 @@ SpringDescription read_spring(Table& table, std::size_t number, const std::strin
   return spring;
 }
 
+constexpr auto loop_names = [] {  // but of the last, which has tables of its own
+  std::array<std::string_view, loop_kinds.size() - 1> names;
+  std::ranges::transform(loop_kinds | std::views::take(names.size()), names.begin(), &LoopTraits::name);
+  return names;
+}();
+static_assert(loop_kinds.back().kind == LoopKind::coupling);
+
+/// What says where a loop is drawn; frames take the place of these.
+constexpr std::array<std::string_view, 5> drawn_keys{"axis", "second_axis", "point", "points", "center"};
+constexpr std::array<std::string_view, 6> size_keys{"pitch",      "lead",   "length",
+                                                    "wheel_axis", "radius", "angle"};
+
+/// Whether a key means something for a kind of loop.
+bool has_key(LoopKind kind, std::string_view key) {
+  if (key == "axis") return traits(kind).axis;
+  if (key == "point") return kind != LoopKind::rod;
+  if (key == "second_axis" || key == "angle") return kind == LoopKind::universal;
+  if (key == "pitch" || key == "lead") return kind == LoopKind::helical;
+  if (key == "points" || key == "length") return kind == LoopKind::rod;
+  return kind == LoopKind::rolling;  // center, wheel_axis, radius
+}
+
+/// The two that a loop is between: by their names, or by those of two frames that say where it is as well.
+void read_ends(Table& table, LoopDescription& loop) {
+  const toml::Value* frames = table.look("frames");
+  const toml::Array* both = frames == nullptr ? nullptr : frames->array();
+  const bool named = both != nullptr && !both->empty() && both->front()->text() != nullptr;
+  const std::string_view key = named ? "frames" : "between",
+                         need = "it needs the names of two bodies or frames, or \"ground\"";
+  if (!table.has(key)) table.missing(key, need);
+  loop.between = table.pair_of_names(key, need).value_or(loop.between);
+  if (named) {
+    table.refuse("between", "frames has the names already");
+    loop.frames.emplace();
+  } else {
+    loop.frames = table.pair_of_poses("frames",
+                                      "it needs the names of two frames, or, with between, two poses, "
+                                      "[{ position = ... }, { position = ... }]");
+  }
+}
+
+/// Where a loop is, and the numbers that belong to its kind.
+void read_place(Table& table, LoopDescription& loop) {
+  const bool drawn = !table.has("frames");
+  const std::string a_kind = "a " + std::string(to_string(loop.kind)) + " loop";
+  const auto reads = [&](std::string_view key) {
+    const bool by_frames = !drawn && std::ranges::find(drawn_keys, key) != drawn_keys.end();
+    return has_key(loop.kind, key) && !by_frames;
+  };
+  const auto need = [&](std::string_view key, std::string_view what) {
+    if (reads(key) && !table.has(key)) table.missing(key, a_kind + " needs " + std::string(what));
+  };
+  need("axis", "one, such as [0, 0, 1] or \"z\"");
+  need("second_axis", "one, such as [0, 0, 1] or \"z\"");
+  if (traits(loop.kind).point)
+    need("point", "one: [x, y, z] of a point on its axis or plane, or of its centre");
+  need("points", "its ends, [[x, y, z], [x, y, z]]");
+  need("center", "that of what rolls, [x, y, z]");
+  if (loop.kind == LoopKind::helical && table.has("pitch") == table.has("lead"))
+    table.error(Rule::missing_element, "needs either pitch, m/rad, or lead, m for each turn");
+
+  if (reads("axis")) loop.axis = table.direction("axis").value_or(loop.axis);
+  if (reads("second_axis")) loop.second_axis = table.direction("second_axis").value_or(loop.second_axis);
+  if (reads("point")) loop.point = table.vector("point").value_or(loop.point);
+  if (reads("points"))
+    loop.points =
+        table.rows<2>("points", "it needs two points, [[x, y, z], [x, y, z]]").value_or(loop.points);
+  if (reads("center")) loop.center = table.vector("center").value_or(loop.center);
+  if (reads("pitch")) loop.pitch = table.number("pitch").value_or(0);
+  if (reads("lead"))
+    if (const auto lead = table.number("lead")) loop.pitch = *lead / (2 * std::numbers::pi);
+  if (reads("length")) loop.length = table.number("length");
+  if (reads("radius")) loop.radius = table.number("radius");
+  if (reads("angle")) loop.angle = table.number("angle");
+  if (reads("wheel_axis")) loop.wheel_axis = table.direction("wheel_axis");
+  if (!drawn && loop.wheel_axis && norm(*loop.wheel_axis - Vec3<>{0, 0, 1}) > 0)
+    table.wrong("wheel_axis", *table.look("wheel_axis"),
+                "between frames it is \"z\", that of the second frame");
+}
+
+void refuse_keys(Table& table, LoopKind kind) {
+  const std::string reason = "a " + std::string(to_string(kind)) + " loop has no ";
+  for (const std::string_view key : drawn_keys)
+    if (!has_key(kind, key)) {
+      table.refuse(key, reason + std::string(key));
+    } else if (table.has("frames")) {
+      table.refuse(key, "frames say where the loop is");
+    }
+  for (const std::string_view key : size_keys)
+    if (!has_key(kind, key)) table.refuse(key, reason + std::string(key));
+}
+
+/// None where something is missing or not understood: what follows from that is no fault of its own.
+std::optional<LoopDescription> read_loop(Table& table, std::size_t number, const std::string& file) {
+  LoopDescription loop;
+  loop.name = table.text("name").value_or("");
+  loop.source = {file, table.line()};
+  table.rename("loop " + in_quotes(loop_name(loop, number)));
+  const std::size_t faults = table.faults();
+  read_ends(table, loop);
+  if (!table.has("kind")) table.missing("kind", "give one, such as \"revolute\" or \"rod\"");
+  const auto kind = table.choice("kind", loop_names);
+  if (!kind) {  // what it may have is not known
+    for (const std::string_view key : drawn_keys) table.take(key);
+    for (const std::string_view key : size_keys) table.take(key);
+    table.finish();
+    return std::nullopt;
+  }
+  loop.kind = loop_kinds[*kind].kind;
+  read_place(table, loop);
+  const bool complete = table.faults() == faults;
+  refuse_keys(table, loop.kind);
+  table.finish();
+  return complete ? std::optional(std::move(loop)) : std::nullopt;
+}
+
+/// None where something is missing or not understood.
+std::optional<CouplingDescription> read_coupling(Table& table, std::size_t number, const std::string& file) {
+  CouplingDescription coupling;
+  coupling.name = table.text("name").value_or("");
+  coupling.source = {file, table.line()};
+  table.rename("coupling " + in_quotes(coupling_name(coupling, number)));
+  const std::size_t faults = table.faults();
+  if (!table.has("terms"))
+    table.missing("terms", "name joints and their factors, such as { left = 1, right = -1 }");
+  coupling.terms = table.named_numbers("terms");
+  coupling.offset = table.number("offset").value_or(0);
+  const bool complete = table.faults() == faults;
+  table.finish();
+  return complete ? std::optional(std::move(coupling)) : std::nullopt;
+}
+
 void read_top(Table& top, Reading& result, const std::string& file) {
   Description& description = result.description;
   constexpr std::array<std::string_view, 1> formats{"axode drawing 1"};
@@ -602,6 +781,13 @@ void read_top(Table& top, Reading& result, const std::string& file) {
   number = 0;
   for (Table& spring : top.tables("spring", "write [[spring]] before the keys of each spring"))
     description.springs.push_back(read_spring(spring, ++number, file));
+  number = 0;
+  for (Table& loop : top.tables("loop", "write [[loop]] before the keys of each loop"))
+    if (auto told = read_loop(loop, number++, file)) description.loops.push_back(std::move(*told));
+  number = 0;
+  for (Table& coupling : top.tables("coupling", "write [[coupling]] before the keys of each coupling"))
+    if (auto told = read_coupling(coupling, number++, file))
+      description.couplings.push_back(std::move(*told));
   top.finish();
 }
 

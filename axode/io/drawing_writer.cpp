@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 #include <ostream>
 #include <utility>
@@ -6,6 +7,7 @@
 #include "axode/io.hpp"
 #include "axode/io/construction_frame.hpp"
 #include "axode/model/joint_kinds.hpp"
+#include "axode/model/loops.hpp"
 
 namespace axode {
 namespace {
@@ -44,6 +46,15 @@ bool is_identity(const SO3<>& R) {
   return is(R.x, 1, 0, 0) && is(R.y, 0, 1, 0) && is(R.z, 0, 0, 1);
 }
 bool is_zero(const Vec3<>& a) { return a.x == 0 && a.y == 0 && a.z == 0; }
+bool is_identity(const SE3<>& C) { return is_identity(C.R) && is_zero(C.r); }
+
+std::string text(const SE3<>& pose) {
+  const std::string rotation = is_identity(pose.R) ? "" : ", rotation = " + text(pose.R);
+  return "{ position = " + text(pose.r) + rotation + " }";
+}
+template <class T> std::string both(const std::array<T, 2>& x) {
+  return "[" + text(x[0]) + ", " + text(x[1]) + "]";
+}
 
 class DrawingWriter {
  public:
@@ -57,6 +68,8 @@ class DrawingWriter {
     for (const BodyDescription& body : d.bodies) write(body);
     for (const FrameDescription& frame : d.frames) write(frame);
     for (const SpringDescription& spring : d.springs) write(spring);
+    for (const LoopDescription& loop : d.loops) write(loop);
+    for (const CouplingDescription& coupling : d.couplings) write(coupling);
   }
 
  private:
@@ -82,25 +95,22 @@ class DrawingWriter {
     line("position", text(pose.r));
     if (!is_identity(pose.R)) line("rotation", text(pose.R));
   }
-  void inline_pose(std::string_view key, const SE3<>& pose) {
-    const std::string rotation = is_identity(pose.R) ? "" : ", rotation = " + text(pose.R);
-    line(key, "{ position = " + text(pose.r) + rotation + " }");
-  }
   void write(const Geometry& geometry) {
     if (const auto* drawn = std::get_if<InConstructionFrame>(&geometry)) {
-      if (!is_identity(drawn->A.R) || !is_zero(drawn->A.r)) inline_pose("A", drawn->A);
+      if (!is_identity(drawn->A)) line("A", text(drawn->A));
     } else if (const auto* in_body = std::get_if<InBodyFrame>(&geometry)) {
-      inline_pose("B", in_body->B);
+      line("B", text(in_body->B));
     } else {
       const auto& frames = std::get<InJointFrames>(geometry);
-      inline_pose("S_prev", frames.S_prev);
-      inline_pose("S_self", frames.S_self);
+      line("S_prev", text(frames.S_prev));
+      line("S_self", text(frames.S_self));
     }
   }
 
   void write(const JointDescription& joint, bool in_joint_frame) {
     const bool has_axis = traits(joint.kind).axis, still = !has_axis && !traits(joint.kind).point;
-    if (still && joint.name.empty() && joint.dof.empty()) {
+    const bool passive = joint.passive && joint.kind != JointKind::fixed;
+    if (still && joint.name.empty() && joint.dof.empty() && !passive) {
       line("joint", text(to_string(joint.kind)));
       return;
     }
@@ -111,6 +121,7 @@ class DrawingWriter {
     if (joint.kind == JointKind::universal) line("joint.second_axis", text(joint.second_axis));
     if (!still && !(in_joint_frame && is_zero(joint.point))) line("joint.point", text(joint.point));
     if (joint.kind == JointKind::helical) line("joint.pitch", text(joint.pitch));
+    if (passive) line("joint.passive", "true");
     if (joint.dof.size() == 1) {
       for (const auto& [key, value] : entries(joint.dof[0])) line("joint." + key, value);
     } else if (!joint.dof.empty()) {
@@ -169,7 +180,6 @@ class DrawingWriter {
   }
 
   void write(const SpringDescription& spring) {
-    const auto both = [](const auto& x) { return "[" + text(x[0]) + ", " + text(x[1]) + "]"; };
     const bool in_body = spring.in == GivenIn::body_frame;
     out_ << "\n[[spring]]\n";
     line("between", both(spring.between));
@@ -180,6 +190,46 @@ class DrawingWriter {
     if (spring.stiffness != 0 || spring.damping == 0) line("stiffness", text(spring.stiffness));
     if (spring.rest != 0) line("rest", text(spring.rest));
     if (spring.damping != 0) line("damping", text(spring.damping));
+  }
+
+  void write(const LoopDescription& loop) {
+    const bool named = loop.frames && is_identity((*loop.frames)[0]) && is_identity((*loop.frames)[1]);
+    out_ << "\n[[loop]]\n";
+    if (!loop.name.empty()) line("name", text(loop.name));
+    line(named ? "frames" : "between", both(loop.between));
+    line("kind", text(to_string(loop.kind)));
+    if (loop.frames && !named) line("frames", both(*loop.frames));
+    if (!loop.frames) write_place(loop);
+    if (loop.kind == LoopKind::helical) line("pitch", text(loop.pitch));
+    if (loop.kind == LoopKind::rod && loop.length) line("length", text(*loop.length));
+    if (loop.kind == LoopKind::universal && loop.angle) line("angle", text(*loop.angle));
+    if (loop.kind != LoopKind::rolling) return;
+    if (loop.wheel_axis) line("wheel_axis", loop.frames ? text("z") : text(*loop.wheel_axis));
+    if (loop.radius) line("radius", text(*loop.radius));
+  }
+  /// Where a loop is drawn.
+  void write_place(const LoopDescription& loop) {
+    if (traits(loop.kind).axis) line("axis", text(loop.axis));
+    if (loop.kind == LoopKind::universal) line("second_axis", text(loop.second_axis));
+    if (loop.kind == LoopKind::rod) {
+      line("points", both(loop.points));
+    } else if (traits(loop.kind).point || !is_zero(loop.point)) {
+      line("point", text(loop.point));
+    }
+    if (loop.kind == LoopKind::rolling) line("center", text(loop.center));
+  }
+
+  /// Its terms in the order in which they are read: that of the names.
+  void write(const CouplingDescription& coupling) {
+    out_ << "\n[[coupling]]\n";
+    if (!coupling.name.empty()) line("name", text(coupling.name));
+    auto terms = coupling.terms;
+    std::ranges::sort(terms);
+    std::string all;
+    for (const auto& [joint, factor] : terms)
+      all += (all.empty() ? " " : ", ") + text(joint) + " = " + text(factor);
+    line("terms", "{" + all + " }");
+    if (coupling.offset != 0) line("offset", text(coupling.offset));
   }
 
   std::ostream& out_;

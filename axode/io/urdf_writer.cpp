@@ -88,6 +88,16 @@ std::vector<Fault> beyond_urdf(const Description& d) {
           "is between \"" + d.springs[k].between[0] + "\" and \"" + d.springs[k].between[1] +
               "\"; URDF has no word for springs",
           d.springs[k].source);
+  for (std::size_t k = 0; k < d.loops.size(); ++k)
+    error("loop \"" + loop_name(d.loops[k], k) + '"',
+          "is between \"" + d.loops[k].between[0] + "\" and \"" + d.loops[k].between[1] +
+              "\"; URDF has no word for loops",
+          d.loops[k].source);
+  for (std::size_t k = 0; k < d.couplings.size(); ++k)
+    error("coupling \"" + coupling_name(d.couplings[k], k) + '"',
+          "is one of the coordinates of " + std::to_string(d.couplings[k].terms.size()) +
+              " joints; URDF has no word for it, only joints that follow one other",
+          d.couplings[k].source);
   return faults;
 }
 

@@ -16,11 +16,13 @@ inline constexpr auto words_of_others = std::to_array<OtherWord>({
     // of the file
     {"link", "body"}, {"links", "body"}, {"bodies", "body"}, {"joint", "body.joint"}, {"joints", "body.joint"},
     {"site", "frame"}, {"sites", "frame"}, {"robot", "name"}, {"model", "name"}, {"g", "gravity"},
+    {"constraint", "loop"}, {"constraints", "loop"}, {"loops", "loop"}, {"equality", "loop"}, {"couplings", "coupling"},
+    {"gear", "coupling"},
     // what something hangs on
     {"parent", "on"}, {"parent_link", "on"}, {"predecessor", "on"}, {"base", "on"}, {"body", "on"}, {"link", "on"},
     // where something is: a joint, a frame, a body
     {"origin", "point"}, {"xyz", "point"}, {"pos", "point"}, {"position", "point"}, {"anchor", "point"},
-    {"center", "point"}, {"centre", "point"},
+    {"centre", "center"}, {"center", "point"}, {"centre", "point"},
     {"origin", "position"}, {"xyz", "position"}, {"pos", "position"}, {"point", "position"}, {"r", "position"},
     {"rotation_matrix", "rotation"}, {"R", "rotation"}, {"orientation", "rotation"}, {"quat", "quaternion"},
     {"euler", "rpy"},
@@ -47,6 +49,7 @@ inline constexpr auto words_of_others = std::to_array<OtherWord>({
     // kinds of joints
     {"hinge", "revolute"}, {"continuous", "revolute"}, {"slide", "prismatic"}, {"slider", "prismatic"},
     {"screw", "helical"}, {"ball", "spherical"}, {"cardan", "universal"}, {"floating", "free"}, {"weld", "fixed"},
+    {"distance", "rod"},
 });
 // clang-format on
 

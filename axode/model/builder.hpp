@@ -54,7 +54,8 @@ Description with_free_base(Description description);
 Description with_fixed_base(Description description);
 
 /// A new model in which the named joints are fixed at their place in q (nq coordinates of `model`); a joint
-/// coupled to a locked one is locked with it. Throws std::invalid_argument for an unknown or coupled joint
+/// coupled to a locked one is locked with it. Loops between bodies that no longer move against each other, and couplings
+/// without a joint that moves, are left out, closed or not. Throws std::invalid_argument for an unknown or coupled joint
 /// and a wrong q.
 Model reduced(const Model& model, std::span<const std::string_view> locked, std::span<const double> q);
 

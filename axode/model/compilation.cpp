@@ -220,7 +220,7 @@ class Compiler {
     }
     loops.driven.assign(static_cast<std::size_t>(topology.nv), 0);
     for (int i = 1; i <= topology.n; ++i)
-      if (!joints_[i].passive)
+      if (!joints_[i].passive && !joints_[i].leader)
         with_subgroup(joints_[i].kind, joints_[i].pitch,
                       [&](const auto& s) { std::fill_n(loops.driven.begin() + topology.iv[i], s.nv, 1); });
     return loops;

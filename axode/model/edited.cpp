@@ -23,18 +23,80 @@ MassProperties mass_properties(const Inertia<>& M) {
 
 /// Throws std::invalid_argument where two mechanisms have names in common, the second one's with a prefix.
 void check_names_differ(const Description& one, const Description& other, const std::string& prefix) {
-  std::unordered_set<std::string> places, joints;  // bodies and frames share their names
+  std::unordered_set<std::string> places,
+      joints;  // bodies and frames share their names, joints and loops theirs
   for (const BodyDescription& body : one.bodies) places.insert(body.name), joints.insert(joint_name(body));
   for (const FrameDescription& frame : one.frames) places.insert(frame.name);
+  for (std::size_t k = 0; k < one.loops.size(); ++k) joints.insert(loop_name(one.loops[k], k));
+  for (std::size_t k = 0; k < one.couplings.size(); ++k) joints.insert(coupling_name(one.couplings[k], k));
   std::string both;
   const auto check = [&](const std::unordered_set<std::string>& taken, const std::string& name) {
     if (taken.contains(prefix + name)) both += (both.empty() ? "\"" : ", \"") + prefix + name + '"';
   };
   for (const BodyDescription& body : other.bodies) check(places, body.name), check(joints, joint_name(body));
   for (const FrameDescription& frame : other.frames) check(places, frame.name);
+  for (std::size_t k = 0; k < other.loops.size(); ++k) check(joints, loop_name(other.loops[k], k));
+  for (std::size_t k = 0; k < other.couplings.size(); ++k)
+    check(joints, coupling_name(other.couplings[k], k));
   if (!both.empty())
     throw std::invalid_argument("append: both models have " + both +
                                 "; give a prefix that makes them differ");
+}
+
+/// Where another mechanism is mounted: a frame with this pose on a body takes the place of its ground.
+struct Mount {
+  std::string carrier;
+  SE3<> pose;
+  std::string prefix;
+
+  std::string renamed(const std::string& name) const { return prefix + name; }
+  std::string place(const std::string& name) const { return name == "ground" ? carrier : renamed(name); }
+  /// From a frame of the other mechanism to that which carries it now.
+  SE3<> from(const std::string& name) const { return name == "ground" ? pose : SE3<>{}; }
+};
+
+// What is mounted is told relative to bodies and frames, see in_joint_frames().
+void mount(BodyDescription& body, const Mount& at) {
+  body.joint.name = at.renamed(joint_name(body));
+  body.name = at.renamed(body.name);
+  if (body.joint.coupling) body.joint.coupling->leader = at.renamed(body.joint.coupling->leader);
+  SE3<>& S_prev = std::get<InJointFrames>(body.geometry).S_prev;
+  S_prev = at.from(body.predecessor) * S_prev;
+  body.predecessor = at.place(body.predecessor);
+}
+void mount(FrameDescription& frame, const Mount& at) {
+  frame.name = at.renamed(frame.name);
+  frame.pose = at.from(frame.body) * frame.pose;
+  frame.body = at.place(frame.body);
+}
+void mount(SpringDescription& spring, const Mount& at) {
+  for (std::size_t k = 0; k < 2; ++k) {
+    spring.points[k] = at.from(spring.between[k]) * spring.points[k];
+    spring.between[k] = at.place(spring.between[k]);
+  }
+}
+void mount(LoopDescription& loop, const Mount& at) {
+  for (std::size_t k = 0; k < 2; ++k) {
+    (*loop.frames)[k] = at.from(loop.between[k]) * (*loop.frames)[k];
+    loop.between[k] = at.place(loop.between[k]);
+  }
+}
+void mount(CouplingDescription& coupling, const Mount& at) {
+  for (auto& [joint, factor] : coupling.terms) joint = at.renamed(joint);
+}
+template <class Part> void mount_all(std::vector<Part>& parts, const Mount& at, std::vector<Part>& into) {
+  for (Part& part : parts) {
+    mount(part, at);
+    into.push_back(std::move(part));
+  }
+}
+
+/// Names for loops and couplings that have none: the default ones depend on how many come before.
+void name_loops(Description& description, const std::string& prefix) {
+  for (std::size_t k = 0; k < description.loops.size(); ++k)
+    description.loops[k].name = prefix + loop_name(description.loops[k], k);
+  for (std::size_t k = 0; k < description.couplings.size(); ++k)
+    description.couplings[k].name = prefix + coupling_name(description.couplings[k], k);
 }
 
 Model built(Description description) { return ModelBuilder(std::move(description)).build(); }
@@ -78,43 +140,17 @@ Model with_payload(const Model& model, std::string_view frame, const Inertia<>& 
 }
 
 Model append(const Model& model, std::string_view frame, const Model& other, std::string_view prefix) {
-  const Frame& at = model.frame(model.frame_index(frame));
-  const std::string carrier = model.body(at.body).name;
-  const auto renamed = [&](const std::string& name) { return std::string(prefix) + name; };
+  const Frame& on = model.frame(model.frame_index(frame));
+  const Mount at{model.body(on.body).name, on.pose, std::string(prefix)};
   Description description = expand(model.description());
   Description mounted = in_joint_frames(other.description());
-  check_names_differ(description, mounted, std::string(prefix));
-  for (BodyDescription& body : mounted.bodies) {
-    body.joint.name = renamed(joint_name(body));
-    body.name = renamed(body.name);
-    if (body.joint.coupling) body.joint.coupling->leader = renamed(body.joint.coupling->leader);
-    if (body.predecessor == "ground") {
-      body.predecessor = carrier;
-      if (auto* fixed = std::get_if<InBodyFrame>(&body.geometry)) {
-        fixed->B = at.pose * fixed->B;
-      } else {
-        SE3<>& S_prev = std::get<InJointFrames>(body.geometry).S_prev;
-        S_prev = at.pose * S_prev;
-      }
-    } else {
-      body.predecessor = renamed(body.predecessor);
-    }
-    description.bodies.push_back(std::move(body));
-  }
-  for (FrameDescription& mark : mounted.frames) {
-    mark.name = renamed(mark.name);
-    mark.pose = mark.body == "ground" ? at.pose * mark.pose : mark.pose;
-    mark.body = mark.body == "ground" ? carrier : renamed(mark.body);
-    description.frames.push_back(std::move(mark));
-  }
-  for (SpringDescription& spring : mounted.springs) {
-    for (std::size_t k = 0; k < 2; ++k) {
-      const bool on_ground = spring.between[k] == "ground";
-      if (on_ground) spring.points[k] = at.pose * spring.points[k];
-      spring.between[k] = on_ground ? carrier : renamed(spring.between[k]);
-    }
-    description.springs.push_back(std::move(spring));
-  }
+  check_names_differ(description, mounted, at.prefix);
+  name_loops(mounted, at.prefix);
+  mount_all(mounted.bodies, at, description.bodies);
+  mount_all(mounted.frames, at, description.frames);
+  mount_all(mounted.springs, at, description.springs);
+  mount_all(mounted.loops, at, description.loops);
+  mount_all(mounted.couplings, at, description.couplings);
   description.warnings.insert(description.warnings.end(), mounted.warnings.begin(), mounted.warnings.end());
   return built(std::move(description));
 }

@@ -25,7 +25,7 @@ Model with_payload(const Model& model, std::string_view frame, const Inertia<>& 
                    std::string_view name = "payload");
 
 /// The mechanism with another one mounted on one of its frames, which takes the place of the other's ground; a hand on
-/// the flange of an arm. The prefix goes before all names of bodies, joints and frames of the other one, whose gravity
+/// the flange of an arm. The prefix goes before all names of bodies, joints, frames and loops of the other one, whose gravity
 /// does not matter. Bodies are numbered depth-first as ever, so the other's coordinates need not be the last ones.
 /// Throws std::invalid_argument for an unknown frame, and that lists the names which both have.
 Model append(const Model& model, std::string_view frame, const Model& other, std::string_view prefix = "");

@@ -359,6 +359,9 @@ class Inspection {
                                            "; only helical joints have a pitch");
     if (helical && loop.pitch == 0)
       wrong(Rule::wrong_value, "has the pitch 0; make it revolute, or give a pitch in m/rad");
+    if (loop.kind == LoopKind::universal && loop.angle && std::abs(std::sin(*loop.angle)) < 1e-6)
+      wrong(Rule::parallel_axes, "the angle between its axes is " + to_text(*loop.angle) +
+                                     "; those of a universal joint must not be parallel");
     if (loop.kind == LoopKind::coupling)
       wrong(Rule::wrong_value, "is a coupling; couplings are told by their terms, not between bodies");
     for (const auto& [what, size] : {std::pair{"length", loop.length}, std::pair{"radius", loop.radius}})
@@ -470,7 +473,11 @@ class Inspection {
         error(Rule::missing_element, element, "has no terms; name joints and their factors", coupling.source);
       if (!finite(coupling.offset))
         error(Rule::non_finite_number, element, "its offset is not finite", coupling.source);
+      std::unordered_set<std::string_view> named;
       for (const auto& [name, factor] : coupling.terms) {
+        if (!named.insert(name).second)
+          error(Rule::duplicate_element, element,
+                "has two terms of joint " + quoted(name) + "; add up their factors", coupling.source);
         if (!finite(factor) || factor == 0)
           error(finite(factor) ? Rule::wrong_value : Rule::non_finite_number, element,
                 "the factor of joint " + quoted(name) + " is " + to_text(factor) +

@@ -242,7 +242,7 @@ Description in_joint_frames(const Description& given) {
     if (frame.in == GivenIn::construction_frame && frame.body != "ground")
       frame.pose = relative(A.at(frame.body), frame.pose);
     frame.in = GivenIn::body_frame;
-    A.emplace(frame.name, (frame.body == "ground" ? SE3<>{} : A.at(frame.body)) * frame.pose);
+    A.emplace(frame.name, (frame.body == "ground" ? SE3<>{} : A.at(frame.body)) * orthonormal(frame.pose));
   }
   A.emplace("ground", SE3<>{});
   for (SpringDescription& spring : description.springs) {

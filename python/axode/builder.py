@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any, Literal
 
 from numpy.typing import ArrayLike
@@ -12,7 +13,7 @@ __all__ = ["Builder"]
 
 
 class Builder:
-    """Collects bodies and frames in the words of the drawing format, and builds a model of them.
+    """Collects bodies, frames, springs and loops in the words of the drawing format, and builds a model of them.
 
     Everything is given in one frame with every joint at zero, in SI units; docs/drawing-format.md has every key. It is
     the frame of every body as well, with an origin that may be far from the body, unless it is given another one:
@@ -36,6 +37,8 @@ class Builder:
         self.bodies: list[dict[str, Any]] = []
         self.frames: list[dict[str, Any]] = []
         self.springs: list[dict[str, Any]] = []
+        self.loops: list[dict[str, Any]] = []
+        self.couplings: list[dict[str, Any]] = []
 
     def body(self, name: str, *, on: str = "ground", joint: dict[str, Any] | str, **keys: Any) -> Builder:
         """Adds a body that hangs on another one by a joint. Returns the builder.
@@ -67,10 +70,46 @@ class Builder:
         self.springs.append({"between": [one, other], **keys})
         return self
 
+    def loop(self, one: str, other: str, kind: str = "revolute", **keys: Any) -> Builder:
+        """Closes a loop by a joint between two bodies or frames, or "ground". Returns the builder.
+
+        `kind` is fixed, revolute, prismatic, helical, cylindrical, spherical, planar, translational, universal, rod or
+        rolling; axis, point (m), points and the other keys are those of a loop in a drawing, in the construction frame with
+        every joint at zero, where the loop is closed. Where it is not, frames=[{}, {}] closes it between the frames of
+        the two themselves, and poses in these dicts between other places on them.
+
+        >>> def bar(x, z, x_com, z_com):
+        ...     hinge = {"kind": "revolute", "axis": "y", "point": [x, 0, z]}
+        ...     return {"joint": hinge, "mass": 1, "com": [x_com, 0, z_com], "inertia": [0.1, 0.1, 0.1]}
+        >>> four_bar = axode.Builder("four-bar").body("crank", **bar(0, 0, 0, 0.5))
+        >>> four_bar.body("coupler", on="crank", **bar(0, 1, 1, 1)).body("rocker", **bar(2, 0, 2, 0.5))
+        Builder("four-bar": crank, coupler, rocker)
+        >>> four_bar.loop("coupler", "rocker", "revolute", name="pin", axis="y", point=[2, 0, 1]).build().loop_names
+        ['pin']
+        """
+        self.loops.append({"between": [one, other], "kind": kind, **keys})
+        return self
+
+    def coupling(self, terms: Mapping[str, float], offset: float = 0.0, **keys: Any) -> Builder:
+        """Couples joints of one velocity: the sum of factor times coordinate is `offset`. Returns the builder.
+
+        `terms` has the factor of each joint, by its name; `name` is the one other key.
+
+        >>> wheel = {"joint": {"kind": "revolute", "axis": "x", "point": [0, 0, 0]}, "mass": 1, "com": [0, 0, 0],
+        ...          "inertia": [1, 1, 1]}
+        >>> differential = axode.Builder().body("left", **wheel).body("right", **wheel).body("shaft", **wheel)
+        >>> terms = {"left_joint": 1, "right_joint": 1, "shaft_joint": -2}
+        >>> differential.coupling(terms, name="differential").build().n_loops
+        1
+        """
+        self.couplings.append({"terms": dict(terms), "offset": offset, **keys})
+        return self
+
     def build(self, base: Literal["fixed", "free"] | None = None, *, strict: bool = False) -> Model:
         """The model. ModelError lists every fault; `base` and `strict` as in `load`."""
         return Model.from_bodies(
-            self.bodies, self.frames, springs=self.springs, name=self.name, gravity=self.gravity, base=base, strict=strict
+            self.bodies, self.frames, springs=self.springs, loops=self.loops, couplings=self.couplings,
+            name=self.name, gravity=self.gravity, base=base, strict=strict
         )
 
     def __repr__(self) -> str:

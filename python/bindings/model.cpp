@@ -138,6 +138,9 @@ void add_parts(nb::module_& module) {
                    "Coulomb friction, N m or N; felt where `joint_losses` asks.")
       .def_prop_ro("armature", &of_each_dof<&Dof::armature>,
                    "Inertia of the drive at the joint, kg m^2 or kg.")
+      .def_prop_ro(
+          "passive", [](const BoundJoint& j) { return (*j).passive; },
+          "Whether it has no drive; matters in mechanisms with loops.")
       .def("__repr__", [](const BoundJoint& j) {
         return "Joint(\"" + (*j).name + "\": " + std::string(to_string((*j).kind)) + ", q " +
                indices((*j).iq, (*j).nq) + ", v " + indices((*j).iv, (*j).nv) + ")";
@@ -337,16 +340,20 @@ True
 )");
 }
 
-/// A drawing of these bodies, frames and springs.
-nb::dict drawing_of(nb::handle bodies, nb::handle frames, nb::handle springs, const std::string& name,
-                    nb::handle gravity) {
+/// The lists of tables that a drawing consists of.
+struct Tables {
+  nb::handle bodies, frames, springs, loops, couplings;
+};
+nb::dict drawing_of(const Tables& of, const std::string& name, nb::handle gravity) {
   nb::dict drawing;
   drawing["format"] = "axode drawing 1";
   drawing["name"] = name;
   drawing["gravity"] = gravity;
-  drawing["body"] = bodies;
-  drawing["frame"] = frames;
-  drawing["spring"] = springs;
+  drawing["body"] = of.bodies;
+  drawing["frame"] = of.frames;
+  drawing["spring"] = of.springs;
+  drawing["loop"] = of.loops;
+  drawing["coupling"] = of.couplings;
   return drawing;
 }
 
@@ -354,23 +361,26 @@ void add_construction(nb::class_<BoundModel>& model) {
   model
       .def_static(
           "from_bodies",
-          [](nb::handle bodies, nb::handle frames, nb::handle springs, const std::string& name,
-             nb::handle gravity, Base base, bool strict) {
+          [](nb::handle bodies, nb::handle frames, nb::handle springs, nb::handle loops, nb::handle couplings,
+             const std::string& name, nb::handle gravity, Base base, bool strict) {
             return BoundModel(
-                from_dict(drawing_of(bodies, frames, springs, name, gravity), base, strictness(strict)));
+                from_dict(drawing_of({bodies, frames, springs, loops, couplings}, name, gravity), base,
+                          strictness(strict)));
           },
           "bodies"_a, "frames"_a = nb::make_tuple(), nb::kw_only(), "springs"_a = nb::make_tuple(),
-          "name"_a = "mechanism", "gravity"_a = nb::make_tuple(0.0, 0.0, -9.81), "base"_a = nb::none(),
-          "strict"_a = false,
+          "loops"_a = nb::make_tuple(), "couplings"_a = nb::make_tuple(), "name"_a = "mechanism",
+          "gravity"_a = nb::make_tuple(0.0, 0.0, -9.81), "base"_a = nb::none(), "strict"_a = false,
           nb::sig("def from_bodies(bodies: collections.abc.Sequence[dict[str, typing.Any]], "
                   "frames: collections.abc.Sequence[dict[str, typing.Any]] = (), *, "
                   "springs: collections.abc.Sequence[dict[str, typing.Any]] = (), "
+                  "loops: collections.abc.Sequence[dict[str, typing.Any]] = (), "
+                  "couplings: collections.abc.Sequence[dict[str, typing.Any]] = (), "
                   "name: str = 'mechanism', gravity: numpy.typing.ArrayLike = (0.0, 0.0, -9.81), "
                   "base: typing.Literal['fixed', 'free'] | None = None, strict: bool = False) -> Model"),
           R"(
 A mechanism from axes, points, masses and inertias, all in one frame with every joint at zero.
 
-Each body, frame and spring is a dict with the keys of the drawing format (docs/drawing-format.md): name, on, joint, mass, com,
+Each body, frame, spring, loop and coupling is a dict with the keys of the drawing format (docs/drawing-format.md): name, on, joint, mass, com,
 inertia, ... SI units. The frame of a body is the construction frame unless its dict says another, such as
 "frame": "joint" or "frame": "com". ModelError lists every fault; base and strict are those of `load`.
 
@@ -612,6 +622,12 @@ Model("arm7": 7 moving bodies, nq = 7, nv = 7, 10 frames, 26.334 kg)
             return all;
           },
           nb::sig("def joints(self) -> list[Joint]"), "All, in the order of `joint_names`.")
+      .def_prop_ro(
+          "n_loops", [](const BoundModel& m) { return static_cast<int>(m->loops().all.size()); },
+          "Loops and couplings.")
+      .def_prop_ro(
+          "loop_names", [](const BoundModel& m) { return names(m->loops().all); },
+          "Of the loops, then of the couplings, in the order of the drawing.")
       .def_prop_ro(
           "parameters", [](const BoundModel& m) { return to_array(inertial_parameters(m)); },
           "Inertial parameters, (10 n_bodies,): m, m c, Theta (xx, yy, zz, xy, xz, yz) of each body in its "

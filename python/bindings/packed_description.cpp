@@ -22,7 +22,8 @@ auto fields(Like<Dof> auto& d) {
 }
 auto fields(Like<Coupling> auto& c) { return std::tie(c.leader, c.ratio, c.offset); }
 auto fields(Like<JointDescription> auto& j) {
-  return std::tie(j.name, j.kind, j.axis, j.second_axis, j.point, j.pitch, j.dof, j.coupling, j.source);
+  return std::tie(j.name, j.kind, j.axis, j.second_axis, j.point, j.pitch, j.dof, j.coupling, j.passive,
+                  j.source);
 }
 auto fields(Like<InConstructionFrame> auto& g) { return std::tie(g.A); }
 auto fields(Like<InBodyFrame> auto& g) { return std::tie(g.B); }
@@ -36,8 +37,14 @@ auto fields(Like<FrameDescription> auto& f) { return std::tie(f.name, f.body, f.
 auto fields(Like<SpringDescription> auto& s) {
   return std::tie(s.between, s.points, s.in, s.stiffness, s.rest, s.damping, s.source);
 }
+auto fields(Like<LoopDescription> auto& l) {
+  return std::tie(l.name, l.between, l.kind, l.axis, l.second_axis, l.point, l.pitch, l.points, l.center,
+                  l.wheel_axis, l.frames, l.length, l.radius, l.angle, l.source);
+}
+auto fields(Like<CouplingDescription> auto& c) { return std::tie(c.name, c.terms, c.offset, c.source); }
 auto fields(Like<Description> auto& d) {
-  return std::tie(d.name, d.gravity, d.bodies, d.frames, d.springs, d.source, d.warnings);
+  return std::tie(d.name, d.gravity, d.bodies, d.frames, d.springs, d.loops, d.couplings, d.source,
+                  d.warnings);
 }
 
 template <class T> struct Packing {
@@ -94,6 +101,14 @@ template <class E> struct Packing<std::array<E, 2>> {
   }
   static void unpack(nb::handle from, std::array<E, 2>& x) {
     Packing<E>::unpack(from[0], x[0]), Packing<E>::unpack(from[1], x[1]);
+  }
+};
+template <class A, class B> struct Packing<std::pair<A, B>> {
+  static nb::object pack(const std::pair<A, B>& x) {
+    return nb::make_tuple(Packing<A>::pack(x.first), Packing<B>::pack(x.second));
+  }
+  static void unpack(nb::handle from, std::pair<A, B>& x) {
+    Packing<A>::unpack(from[0], x.first), Packing<B>::unpack(from[1], x.second);
   }
 };
 template <class E> struct Packing<std::optional<E>> {

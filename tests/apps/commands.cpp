@@ -113,6 +113,44 @@ damping = 50
   EXPECT_THAT(axode({"info", robot("arm7.toml")}).out, Not(HasSubstr("spring")));
 }
 
+TEST(Info, ListsLoopsCouplingsAndPassiveJoints) {
+  const TemporaryFolder folder;
+  const std::string file = folder.file("bars.toml");
+  const auto bar = [](const char* name, const char* on, const char* rest) {
+    return std::string("[[body]]\nname = \"") + name + "\"\non = \"" + on +
+           "\"\njoint = { kind = \"revolute\", " + rest +
+           " }\nmass = 1\ncom = [0, 0, 0]\ninertia = [1, 1, 1]\n";
+  };
+  std::ofstream(file) << "format = \"axode drawing 1\"\n"
+                      << bar("crank", "ground", "axis = \"y\", point = [0, 0, 0]")
+                      << bar("coupler", "crank", "axis = \"y\", point = [0, 0, 1], passive = true")
+                      << bar("rocker", "ground", "axis = \"y\", point = [2, 0, 0]") << R"(
+[[loop]]
+name = "pin"
+between = ["coupler", "rocker"]
+kind = "revolute"
+axis = "y"
+point = [2, 0, 1]
+[[coupling]]
+terms = { crank_joint = 1, rocker_joint = -1.5 }
+offset = 0.25
+)";
+  const Outcome shown = axode({"info", file});
+  EXPECT_EQ(shown.code, 0) << shown.err;
+  EXPECT_THAT(shown.out, testing::ContainsRegex("coupler_joint +revolute, passive"));
+  EXPECT_THAT(shown.out, testing::ContainsRegex("loops\n.*rows"));
+  EXPECT_THAT(shown.out, testing::ContainsRegex("pin +revolute +coupler +rocker +5"));
+  EXPECT_THAT(shown.out,
+              testing::ContainsRegex("coupling 1 +1 q\\(crank_joint\\) - 1.5 q\\(rocker_joint\\) +0.25"));
+  const Json told = Json::parse(axode({"info", file, "--format", "json"}).out);
+  EXPECT_EQ(told["joints"][1]["passive"], true);
+  EXPECT_FALSE(told["joints"][0].contains("passive"));
+  EXPECT_EQ(told["loops"][0],
+            Json({{"name", "pin"}, {"kind", "revolute"}, {"rows", 5}, {"between", {"coupler", "rocker"}}}));
+  EXPECT_EQ(told["loops"][1]["terms"][1]["factor"], -1.5);
+  EXPECT_THAT(axode({"info", robot("arm7.toml")}).out, Not(HasSubstr("loops")));
+}
+
 TEST(Info, ShowsEveryBodyJointAndFrame) {
   const Outcome outcome = axode({"info", robot("machine.toml")});
   ASSERT_EQ(outcome.code, 0) << outcome.err;

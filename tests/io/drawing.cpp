@@ -295,6 +295,37 @@ TEST(Drawing, EveryKeyIsUnderstood) {
   EXPECT_EQ(model.springs().joints.size(), 2U);
   EXPECT_EQ(model.springs().lines.size(), 3U);
 
+  const auto loop = [&](std::string_view name) {
+    return *std::ranges::find(model.loops().all, name, &Loop::name);
+  };
+  const auto origin = [&](const Loop::End& end) {
+    return model.body(end.body).A * (model.body(end.body).S_self * end.F.r);
+  };
+  ASSERT_EQ(model.loops().all.size(), 16U);
+  EXPECT_EQ(model.loops().rows, 6 + 5 + 5 + 5 + 5 + 4 + 3 + 3 + 3 + 4 + 1 + 3 * 3 + 2);
+  EXPECT_EQ(model.body(loop("loop 2").ends[0].body).name, "wheel");
+  EXPECT_EQ(loop("loop 2").ends[1].body, 0);
+  EXPECT_LT(norm(loop("loop 2").ends[1].F.R.z - Vec3<>{0, -1, 0}), 1e-15);
+  EXPECT_LT(norm(origin(loop("loop 2").ends[0]) - Vec3<>{1, 2, 3}), 1e-15);
+  EXPECT_EQ(loop("loop 4").pitch, 0.01);
+  EXPECT_DOUBLE_EQ(loop("loop 5").pitch, -0.01 / (2 * std::numbers::pi));
+  EXPECT_LT(norm(origin(loop("loop 7").ends[1]) - Vec3<>{1, 0, 0}), 1e-15);
+  EXPECT_LT(norm(origin(loop("loop 8").ends[0]) - Vec3<>{0, 0, 1}), 1e-15);
+  EXPECT_DOUBLE_EQ(loop("loop 10").size, std::cos(1.5));
+  EXPECT_EQ(loop("tie").size, 4.5);
+  EXPECT_TRUE(loop("coin").wheel);
+  EXPECT_DOUBLE_EQ(loop("coin").size, 2 / 0.6);
+  EXPECT_LT(norm(loop("coin").ends[0].F.R.z - Vec3<>{0, 0, 1}), 1e-15) << "towards what rolls";
+  EXPECT_FALSE(loop("marble").wheel);
+  EXPECT_TRUE(loop("disc").wheel);
+  EXPECT_EQ(loop("disc").size, 0.3);
+  EXPECT_EQ(loop("coupling 1").offset, 0.1);
+  ASSERT_EQ(loop("train").terms.size(), 3U);
+  EXPECT_EQ(loop("train").terms[0].factor, 3 * -2) << "what follows is a multiple of what leads";
+  EXPECT_EQ(loop("train").offset, -3 * 0.25);
+  EXPECT_TRUE(model.joint(model.joint_index("slide")).passive);
+  EXPECT_EQ(std::ranges::count(model.loops().driven, 0), 1);
+
   EXPECT_EQ(model.joint(model.joint_index("screw")).kind, Subgroup::helical);
   EXPECT_EQ(model.joint(model.joint_index("slide")).kind, Subgroup::prismatic);
   EXPECT_EQ(model.joint(model.joint_index("ball")).kind, Subgroup::spherical);

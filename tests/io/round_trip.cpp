@@ -10,6 +10,7 @@
 #include "axode/model/builder.hpp"
 #include "axode/model/configuration.hpp"
 #include "tests/io/same_mechanism.hpp"
+#include "tests/model/random_loops.hpp"
 #include "tests/model/random_mechanism.hpp"
 #include "tests/support/shared_files.hpp"
 
@@ -109,6 +110,23 @@ TEST(RoundTrip, ADrawingOfARandomTreeIsTheSameMechanismAndTheSameTextAgain) {
   }
 }
 
+TEST(RoundTrip, ADrawingOfRandomLoopsIsTheSameMechanismAndTheSameTextAgain) {
+  for (std::uint64_t seed = 1; seed <= 300 && !HasFailure(); ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    test::Random<double> random(seed);
+    expect_drawing_round_trip(ModelBuilder(test::with_loops(random_description(seed), random)).build());
+  }
+}
+
+TEST(RoundTrip, LoopsInJointFramesAreTheSameMechanism) {
+  for (std::uint64_t seed = 1; seed <= 300 && !HasFailure(); ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    test::Random<double> random(seed);
+    const Model model = ModelBuilder(test::with_loops(random_description(seed), random)).build();
+    EXPECT_LT(test::disparity(model, ModelBuilder(in_joint_frames(model.description())).build()), tolerance);
+  }
+}
+
 TEST(RoundTrip, AUrdfOfARandomTreeIsTheSameMechanism) {
   constexpr std::array kinds{JointKind::fixed,       JointKind::revolute,  JointKind::prismatic,
                              JointKind::cylindrical, JointKind::universal, JointKind::planar,
@@ -189,6 +207,8 @@ TEST(Writers, UrdfNamesEverythingItCannotSayAndWritesNothing) {
          {"gravity: is (0 0 -1.62)", "joint \"screw\": is helical", "joint \"ball\": is spherical",
           "joint \"turn\": has an armature of 0.7", "joint \"turn\": has a spring",
           "joint \"turn\": has elastic stops", "spring 3: is between \"ghost\" and \"knob\"",
+          "loop \"weld\": is between \"rack\" and \"slider\"; URDF has no word for loops",
+          "coupling \"coupling 1\": is one of the coordinates of 2 joints",
           "joint \"stage\": has several degrees"})
       EXPECT_THAT(error.what(), HasSubstr(part));
     EXPECT_THAT(error.what(), Not(HasSubstr("cardan")));

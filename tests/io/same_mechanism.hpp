@@ -5,6 +5,7 @@
 #include <map>
 #include <sstream>
 #include <string>
+#include <vector>
 
 #include "axode/io.hpp"
 
@@ -41,6 +42,32 @@ inline std::map<std::string, SE3<>> frames_at_zero(const Model& model) {
   return poses;
 }
 
+/// That of loops: where their frames are at q = 0, and their numbers.
+inline double disparity(const Loops& one, const Loops& other, const Model& a, const Model& b) {
+  const double infinity = std::numeric_limits<double>::infinity();
+  if (one.all.size() != other.all.size() || one.driven != other.driven) return infinity;
+  double largest = 0;
+  for (std::size_t k = 0; k < one.all.size(); ++k) {
+    const Loop &x = one.all[k], &y = other.all[k];
+    if (x.name != y.name || x.kind != y.kind || x.pitch != y.pitch || x.wheel != y.wheel ||
+        x.first_row != y.first_row || x.terms.size() != y.terms.size())
+      return infinity;
+    largest = std::max({largest, std::abs(x.size - y.size), std::abs(x.offset - y.offset)});
+    for (std::size_t e = 0; e < 2; ++e) {
+      const auto &end = x.ends[e], &its = y.ends[e];
+      if (end.body != its.body) return infinity;
+      const Body &body = a.body(end.body), &same_body = b.body(its.body);
+      largest =
+          std::max(largest, disparity(body.A * body.S_self * end.F, same_body.A * same_body.S_self * its.F));
+    }
+    std::vector<double> factors(a.nv());  // by velocity: terms may be in another order
+    for (const Loop::Term& term : x.terms) factors[term.velocity] += term.factor;
+    for (const Loop::Term& term : y.terms) factors[term.velocity] -= term.factor;
+    for (const double left : factors) largest = std::max(largest, std::abs(left));
+  }
+  return largest;
+}
+
 enum class Compare {
   everything,
   named_frames,  ///< bodies may carry other names and frames of their own; what the first names, the second has too
@@ -65,7 +92,8 @@ inline double disparity(const Model& a, const Model& b, Compare compare = Compar
     note(disparity(transform(to_zero_x, x.M), transform(to_zero_y, y.M)));
     if (i == 0) continue;
     const Joint &j = a.joint(i), &k = b.joint(i);
-    if (j.name != k.name || j.kind != k.kind || j.iq != k.iq || j.iv != k.iv || j.dof.size() != k.dof.size())
+    if (j.name != k.name || j.kind != k.kind || j.passive != k.passive || j.iq != k.iq || j.iv != k.iv ||
+        j.dof.size() != k.dof.size())
       return infinity;
     for (std::size_t d = 0; d < j.dof.size(); ++d)
       if (!same(j.dof[d], k.dof[d])) return infinity;
@@ -88,6 +116,7 @@ inline double disparity(const Model& a, const Model& b, Compare compare = Compar
       note(disparity(end.point, its.point));
     }
   }
+  note(disparity(a.loops(), b.loops(), a, b));
   const auto mine = frames_at_zero(a), theirs = frames_at_zero(b);
   if (all && mine.size() != theirs.size()) return infinity;
   for (const auto& [name, pose] : mine) {

@@ -6,6 +6,7 @@
 #include "axode/dynamics.hpp"
 #include "axode/kinematics.hpp"
 #include "tests/lie/relative_error.hpp"
+#include "tests/model/random_loops.hpp"
 #include "tests/support/random_tree.hpp"
 
 /// New models from old ones: other parameters, another gravity, a payload, a mechanism mounted on another.
@@ -186,6 +187,68 @@ TEST(Append, PutsTheOtherMechanismWhereTheFrameIs) {
       for (std::size_t k = 0; k < 10; ++k) EXPECT_NEAR(own[k], given[k], 1e-10);
     }
   }
+}
+
+Model any_model_with_loops(Random<double>& random) {
+  const Description tree = told(random_mechanism(random, {.most_bodies = 10}), random);
+  return ModelBuilder(with_loops(tree, random)).build();
+}
+
+TEST(Append, LoopsOfBothAreClosedAsBefore) {
+  std::size_t loops = 0;
+  for (std::uint64_t seed = 1; seed <= 60; ++seed) {
+    SCOPED_TRACE(seed);
+    Random<double> random(seed);
+    const Model arm = any_model_with_loops(random), hand = any_model_with_loops(random);
+    const Frame& flange = arm.frame(static_cast<int>(random.number(0, arm.n_frames())));
+    const Model both = append(arm, flange.name, hand, "hand ");
+    ASSERT_EQ(both.loops().all.size(), arm.loops().all.size() + hand.loops().all.size());
+    loops += both.loops().all.size();
+    const std::vector<double> q = random_configuration(both, seed);
+    const auto of = [&](const Model& part, const std::string& prefix) {
+      std::vector<double> own(part.nq());
+      for (const Joint& joint : part.joints()) {
+        const Joint& same = both.joint(both.joint_index(prefix + joint.name));
+        EXPECT_EQ(same.passive, joint.passive);
+        std::copy_n(q.begin() + same.iq, same.nq, own.begin() + joint.iq);
+      }
+      return own;
+    };
+    expect_same_loops(arm, of(arm, ""), both, q);
+    expect_same_loops(hand, of(hand, "hand "), both, q, "hand ");
+  }
+  EXPECT_GT(loops, 600U);
+}
+
+TEST(Edits, KeepLoops) {
+  for (std::uint64_t seed = 1; seed <= 30; ++seed) {
+    SCOPED_TRACE(seed);
+    Random<double> random(seed);
+    const Model model = any_model_with_loops(random);
+    const std::vector<double> q = random_configuration(model, seed);
+    const std::string at = model.frame(static_cast<int>(random.number(0, model.n_frames()))).name;
+    for (const Model& edited : {with_parameters(model, inertial_parameters(model)), with_gravity(model, {}),
+                                with_payload(model, at, random.inertia(), "load")}) {
+      EXPECT_EQ(edited.loops().rows, model.loops().rows);
+      EXPECT_EQ(edited.loops().driven, model.loops().driven);
+      expect_same_loops(model, q, edited, q);
+    }
+  }
+}
+
+TEST(Append, NamesOfLoopsAndCouplingsAndTheirDefaultsCount) {
+  Description two = pendulum().description();
+  BodyDescription other = two.bodies[0];
+  other.name = "other rod", other.joint.name = "other pivot";
+  two.bodies.push_back(other);
+  two.loops.push_back({.between = {"rod", "other rod"}, .kind = LoopKind::spherical});
+  two.couplings.push_back({.name = "gear", .terms = {{"pivot", 1}, {"other pivot", -1}}});
+  const Model model = ModelBuilder(two).build();
+  EXPECT_THAT([&] { append(model, "tip", model); }, refuses("\"tip\", \"loop 1\", \"gear\"; give a prefix"));
+  const Model twice = append(model, "tip", model, "2 ");
+  std::vector<std::string> names;
+  for (const Loop& loop : twice.loops().all) names.push_back(loop.name);
+  EXPECT_THAT(names, ElementsAre("loop 1", "2 loop 1", "gear", "2 gear"));
 }
 
 TEST(Append, NeedsNamesOfItsOwn) {

@@ -891,6 +891,53 @@ TEST(Faults, EveryRuleHasANameOfItsOwn) {
   }
 }
 
+// ------------------------------------------------------------------------------------- loops told in code
+
+Description with_loop(const LoopDescription& loop) {
+  return with([&](Description& d) { d.loops.push_back(loop); });
+}
+Description with_terms(const std::vector<std::pair<std::string, double>>& terms, double offset = 0) {
+  return with([&](Description& d) { d.couplings.push_back({.terms = terms, .offset = offset}); });
+}
+
+TEST(Faults, NumbersOfLoopsAreFiniteAndPosesAreOnes) {
+  const std::array between{std::string("fore"), std::string("ground")};
+  EXPECT_THAT(faults(with_loop({.between = between})), IsEmpty());
+  for (const LoopDescription& loop :
+       {LoopDescription{.between = between, .point = {0, nan, 0}},
+        LoopDescription{.between = between, .kind = LoopKind::helical, .pitch = infinity},
+        LoopDescription{
+            .between = between, .kind = LoopKind::rod, .points = {Vec3<>{}, {1, 0, 0}}, .length = nan}})
+    EXPECT_THAT(faults(with_loop(loop)),
+                ElementsAre(says(Rule::non_finite_number, "loop \"loop 1\"", "a number is not finite")));
+  const SE3<> mirror{{{-1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, {}};
+  EXPECT_THAT(faults(with_loop({.between = between, .frames = {{SE3<>{}, mirror}}})),
+              ElementsAre(says(Rule::not_a_rotation, "loop \"loop 1\"",
+                               "the second frame mirrors; a rotation has determinant +1")));
+}
+
+TEST(Faults, PitchesAndCouplingsAreNotForEveryLoop) {
+  EXPECT_THAT(
+      faults(with_loop({.between = {"fore", "ground"}, .pitch = 0.1})),
+      ElementsAre(says(Rule::pitch_without_helix, "loop \"loop 1\"",
+                       "has a pitch of 0.1 m/rad but is revolute; only helical joints have a pitch")));
+  EXPECT_THAT(faults(with_loop({.name = "gear", .between = {"fore", "ground"}, .kind = LoopKind::coupling})),
+              ElementsAre(says(Rule::wrong_value, "loop \"gear\"",
+                               "is a coupling; couplings are told by their terms, not between bodies")));
+}
+
+TEST(Faults, ACouplingNamesEachOfItsJointsOnce) {
+  EXPECT_THAT(faults(with_terms({{"shoulder", 1}, {"elbow", -2}})), IsEmpty());
+  EXPECT_THAT(faults(with_terms({{"shoulder", 1}, {"shoulder", -1}})),
+              ElementsAre(says(Rule::duplicate_element, "coupling \"coupling 1\"",
+                               "has two terms of joint \"shoulder\"; add up their factors")));
+  EXPECT_THAT(
+      faults(with_terms({{"shoulder", nan}}, infinity)),
+      ElementsAre(says(Rule::non_finite_number, "coupling \"coupling 1\"", "its offset is not finite"),
+                  says(Rule::non_finite_number, "coupling \"coupling 1\"",
+                       "the factor of joint \"shoulder\" is nan; it must be a number other than 0")));
+}
+
 }  // namespace
 }  // namespace test
 }  // namespace axode

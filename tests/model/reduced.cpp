@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "axode/dynamics.hpp"
+#include "tests/model/random_loops.hpp"
 #include "tests/model/random_mechanism.hpp"
 
 /// Locking joints: the reduced model moves, weighs and loads as the full one with those joints at rest.
@@ -104,6 +105,43 @@ TEST(Reduced, TheRestMovesAndLoadsAsBefore) {
     EXPECT_LE(less.n_bodies(), full.n_bodies() - static_cast<int>(locked.size()));
     expect_same_mechanics(full, q, less, seed);
   }
+}
+
+/// Whether no joint is left that a loop of the full model could move.
+bool is_still(const Loop& loop, const Model& full, const Model& less) {
+  if (loop.kind == LoopKind::coupling)
+    return std::ranges::none_of(loop.terms, [&](const Loop::Term& term) {
+      return std::ranges::any_of(less.joints(), [&](const Joint& joint) {
+        return full.joint(full.joint_index(joint.name)).iq == term.coordinate;
+      });
+    });
+  const auto carrier = [&](const Loop::End& end) {
+    return less.frame(less.frame_index(full.body(end.body).name)).body;
+  };
+  return carrier(loop.ends[0]) == carrier(loop.ends[1]);
+}
+
+TEST(Reduced, LoopsAreClosedAsBeforeAndThoseThatStandStillAreLeftOut) {
+  int kept = 0, left_out = 0;
+  for (std::uint64_t seed = 1; seed <= 150; ++seed) {
+    SCOPED_TRACE(seed);
+    Random<double> random(seed);
+    const Model full = ModelBuilder(with_loops(tree_with_everything(random), random)).build();
+    const std::vector<double> q = random_configuration(full, seed);
+    std::vector<std::string_view> locked;
+    for (const Joint& joint : full.joints())
+      if (!joint.leader && random.number(0, 1) < 0.5) locked.push_back(joint.name);
+    const Model less = reduced(full, locked, q);
+    const std::vector<double> q_less = random_configuration(less, seed), at_rest(less.nv());
+    expect_same_loops(less, q_less, full, in_full(full, q, less, {q_less, at_rest, at_rest}).q);
+    for (const Loop& loop : full.loops().all) {
+      const bool is_kept = std::ranges::count(less.loops().all, loop.name, &Loop::name) == 1;
+      EXPECT_NE(is_kept, is_still(loop, full, less)) << loop.name;
+      ++(is_kept ? kept : left_out);
+    }
+  }
+  EXPECT_GT(kept, 500);
+  EXPECT_GT(left_out, 100);
 }
 
 TEST(Reduced, OneJointOfEveryKindCanBeLocked) {

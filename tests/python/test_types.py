@@ -20,6 +20,8 @@ from numpy.typing import NDArray
 m = axode.load(axode.robots / "arm7.toml", base="fixed")
 assert_type(m, axode.Model)
 assert_type(m.joint_names, list[str])
+assert_type(m.loop_names, list[str])
+assert_type(m.joint("A2").passive, bool)
 assert_type(m.warnings, list[axode.Fault])
 q, v = m.neutral(), [0.0] * m.nv
 q[m.joint("A2").q] = 0.8

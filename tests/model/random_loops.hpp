@@ -1,0 +1,100 @@
+#pragma once
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "tests/model/random_mechanism.hpp"
+
+/// Random loops on random trees, and where they are.
+namespace axode::test {
+
+/// A loop of a kind between two places, drawn or told with frames, with some of what may be left out.
+inline LoopDescription random_loop(Random<double>& random, LoopKind kind,
+                                   const std::array<std::string, 2>& between) {
+  const auto chance = [&](double p) { return random.number(0, 1) < p; };
+  LoopDescription loop{.between = between, .kind = kind};
+  if (chance(0.6)) loop.name = std::string(to_string(kind)) + " of " + between[0] + " and " + between[1];
+  loop.axis = random.number(0.1, 10) * random.direction();
+  loop.second_axis = random.direction();
+  loop.point = random.vector();
+  for (Vec3<>& point : loop.points) point = random.vector();
+  loop.center = random.vector();
+  if (kind == LoopKind::helical) loop.pitch = random.number(0.1, 0.5);
+  if (kind == LoopKind::rolling && chance(0.5)) loop.wheel_axis = random.direction();
+  const bool with_frames = chance(0.4);
+  if (with_frames) loop.frames = {random.pose(), random.pose()};
+  if (with_frames && chance(0.3)) loop.frames.emplace();
+  const bool sized = with_frames || chance(0.3);
+  if (kind == LoopKind::rod && sized) loop.length = random.number(0.1, 2);
+  if (kind == LoopKind::rolling && sized) loop.radius = random.number(0.1, 2);
+  if (kind == LoopKind::universal && chance(0.5)) loop.angle = random.number(0.3, 2.8);
+  return loop;
+}
+
+/// The same tree with loops of all kinds between bodies and frames that move against each other, couplings and passive
+/// joints. Every body gets a mass, without which no loop may be cut there. A tree in which nothing moves gets no loops.
+inline Description with_loops(Description tree, Random<double>& random) {
+  for (BodyDescription& body : tree.bodies) {
+    const MassProperties matter = mass_properties(random.inertia());
+    if (!body.inertia) body.inertia = matter;
+    body.joint.passive = body.joint.kind != JointKind::fixed && random.number(0, 1) < 0.3;
+  }
+  const Model bare = ModelBuilder(tree).build();
+  const auto frame = [&]() -> const Frame& {
+    return bare.frame(static_cast<int>(random.number(0, bare.n_frames())));
+  };
+  for (const LoopTraits& kind : loop_kinds) {
+    const Frame &one = frame(), &other = frame();
+    if (kind.kind != LoopKind::coupling && one.body != other.body)
+      tree.loops.push_back(random_loop(random, kind.kind, {one.name, other.name}));
+  }
+  for (int k = 0; k < 2; ++k) {
+    CouplingDescription coupling{.name = k == 0 ? "gear" : "", .offset = random.number(-1, 1)};
+    for (const Joint& joint : bare.joints())
+      if (joint.dof.size() == 1 && random.number(0, 1) < 0.4)
+        coupling.terms.emplace_back(joint.name, random.number(0.1, 2));
+    if (!coupling.terms.empty()) tree.couplings.push_back(std::move(coupling));
+  }
+  return tree;
+}
+
+/// How far a coupling is from closed.
+inline double residual(const Loop& coupling, const std::vector<double>& q) {
+  double sum = -coupling.offset;
+  for (const Loop::Term& term : coupling.terms)
+    sum += term.factor * q[static_cast<std::size_t>(term.coordinate)];
+  return sum;
+}
+/// The pose of the second frame of a loop in the first, from the poses of all frames of the model.
+inline SE3<> displacement(const Model& model, const Loop& loop, const std::vector<SE3<>>& C) {
+  const auto end = [&](const Loop::End& at) {
+    return C[static_cast<std::size_t>(at.body)] * model.body(at.body).S_self * at.F;
+  };
+  return inverse(end(loop.ends[0])) * end(loop.ends[1]);
+}
+
+/// Every loop of a part is one of the whole, whose names have a prefix, and closed or open by as much.
+inline void expect_same_loops(const Model& part, const std::vector<double>& q_part, const Model& whole,
+                              const std::vector<double>& q_whole, const std::string& prefix = "") {
+  const std::vector<SE3<>> C_part = poses_of(part, q_part), C_whole = poses_of(whole, q_whole);
+  for (const Loop& loop : part.loops().all) {
+    SCOPED_TRACE(loop.name);
+    const auto found = std::ranges::find(whole.loops().all, prefix + loop.name, &Loop::name);
+    ASSERT_NE(found, whole.loops().all.end());
+    EXPECT_EQ(found->kind, loop.kind);
+    EXPECT_EQ(found->pitch, loop.pitch);
+    EXPECT_EQ(found->wheel, loop.wheel);
+    EXPECT_NEAR(found->size, loop.size, 1e-14);
+    if (loop.kind == LoopKind::coupling) {
+      EXPECT_NEAR(residual(*found, q_whole), residual(loop, q_part), 1e-11);
+    } else {
+      EXPECT_LE(distance(displacement(whole, *found, C_whole), displacement(part, loop, C_part)), 1e-10);
+    }
+  }
+}
+
+}  // namespace axode::test
