@@ -271,6 +271,15 @@ const Row& row_of(std::string_view name, Representation representation) {
                              [&]<class Rep>(Rep) -> const Row& { return *catalog::find<Rep>(name); });
 }
 
+/// Whether a function is another one for a mechanism with loops.
+bool counts_loops(const Question& ask, std::string_view function) {
+  if (ask.model.loops().empty()) return false;
+  if (function.starts_with("forward_dynamics_"))
+    throw InputError(
+        fmt::format("{} does not count loops, and model \"{}\" has some", function, ask.model.name()));
+  return function == "forward_dynamics" || function == "inverse_dynamics";
+}
+
 Answer answer(const Question& ask, std::string_view name) {
   const Row& row = row_of(name, ask.representation);
   const Model& model = ask.model;
@@ -291,8 +300,9 @@ Answer answer(const Question& ask, std::string_view name) {
   Answer made{label_of(row, ask.representation), Json::object(), Table(result.headings())};
   std::vector<double> out(row.size(model, ask.state.loads.size()));
   const auto make = [&](const std::string& who) {
-    if (const Solvability outcome = row.call(model, workspace, given, out); !outcome.ok())
-      throw InputError(who + to_string(model, outcome));
+    const Solvability outcome = counts_loops(ask, row.name) ? with_loops(ask, row.name, given.loads, out)
+                                                            : row.call(model, workspace, given, out);
+    if (!outcome.ok()) throw InputError(who + to_string(model, outcome));
     std::vector<Reals> results;
     for (std::size_t k = 0, size = out.size() / row.symbols.size(); k < row.symbols.size(); ++k)
       results.push_back(Reals(out).subspan(k * size, size));
@@ -352,6 +362,7 @@ const std::vector<Quantity>& quantities() {
       list.push_back(
           {row.name, row.purpose, [name = row.name](const Question& ask) { return answer(ask, name); }});
     for (Quantity& other : other_quantities()) list.push_back(std::move(other));
+    for (Quantity& other : loop_quantities()) list.push_back(std::move(other));
     return list;
   }();
   return all;

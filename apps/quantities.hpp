@@ -5,6 +5,7 @@
 
 #include "axode/dynamics/coriolis.hpp"
 #include "axode/model/model.hpp"
+#include "axode/recursion/solvability.hpp"
 #include "json_text.hpp"
 #include "state.hpp"
 #include "table.hpp"
@@ -41,6 +42,11 @@ struct Quantity {
 const std::vector<Quantity>& quantities();
 /// Those that are not in the catalogue: they take an order or targets, or make more than numbers.
 std::vector<Quantity> other_quantities();
+/// Those about closed loops.
+std::vector<Quantity> loop_quantities();
+/// `forward_dynamics` or `inverse_dynamics` of a mechanism with loops.
+Solvability with_loops(const Question& ask, std::string_view function, const Loads<>& loads,
+                       std::span<double> out);
 
 /// The frames that the question is about: those it names, or all but the inertial one.
 std::vector<int> frames_of(const Question& ask);

@@ -74,8 +74,8 @@ T inverse_dynamics(const Model& model, LoopWorkspace<T>& workspace, Numbers<T> q
   const Vector wanted = N.transpose() * need;
   Matrix NB(N.cols(), static_cast<Eigen::Index>(at.size()));
   for (std::size_t k = 0; k < at.size(); ++k) NB.col(static_cast<Eigen::Index>(k)) = N.row(at[k]).transpose();
-  Eigen::CompleteOrthogonalDecomposition<Matrix> drives_to_motions(NB);
-  const Vector u = drives_to_motions.solve(wanted);
+  Vector u = Vector::Zero(NB.cols());
+  if (NB.size() > 0) u = NB.completeOrthogonalDecomposition().solve(wanted);
   std::ranges::fill(tau, T(0));
   for (std::size_t k = 0; k < at.size(); ++k)
     tau[static_cast<std::size_t>(at[k])] += u[static_cast<Eigen::Index>(k)];

@@ -41,17 +41,7 @@ template <class T> class IndependentRows {
         implied.push_back(k);
       }
     }
-    dependencies = Matrix::Zero(m_, static_cast<Eigen::Index>(implied.size()));
-    const Matrix of_kept = columns(Y, kept);
-    const Eigen::ColPivHouseholderQR<Matrix> solver(of_kept);
-    for (std::size_t n = 0; n < implied.size(); ++n) {
-      const auto column = static_cast<Eigen::Index>(n);
-      dependencies(implied[n], column) = T(1);
-      if (kept.empty()) continue;
-      const Vector shares = solver.solve(Y.col(implied[n]));
-      for (std::size_t k = 0; k < kept.size(); ++k)
-        dependencies(kept[k], column) = -shares[static_cast<Eigen::Index>(k)];
-    }
+    find_dependencies(Y);
   }
 
   int rank() const { return static_cast<int>(kept.size()); }
@@ -67,6 +57,7 @@ template <class T> class IndependentRows {
 
   /// λ with Aᵀ λ = f as far as there is one, least in Σ d² λ² with the sizes d of the rows.
   void least_multipliers(const Vector& f, std::span<T> lambda) const {
+    if (m_ == 0) return;
     const Vector d = scale_.cwiseInverse();
     Eigen::CompleteOrthogonalDecomposition<Matrix> solver;
     solver.setThreshold(std::same_as<T, float> ? T(1e-5) : T(1e-9));
@@ -79,6 +70,15 @@ template <class T> class IndependentRows {
   Matrix dependencies;  ///< m × implied: the n with nᵀ A = 0
 
  private:
+  void find_dependencies(const Matrix& Y) {
+    dependencies = Matrix::Zero(m_, static_cast<Eigen::Index>(implied.size()));
+    for (std::size_t n = 0; n < implied.size(); ++n)
+      dependencies(implied[n], static_cast<Eigen::Index>(n)) = T(1);
+    if (kept.empty() || implied.empty()) return;
+    const Matrix shares = columns(Y, kept).colPivHouseholderQr().solve(columns(Y, implied));
+    for (std::size_t k = 0; k < kept.size(); ++k)
+      dependencies.row(kept[k]) = -shares.row(static_cast<Eigen::Index>(k));
+  }
   static Matrix columns(const Matrix& of, const std::vector<int>& which) {
     Matrix out(of.rows(), static_cast<Eigen::Index>(which.size()));
     for (std::size_t k = 0; k < which.size(); ++k) out.col(static_cast<Eigen::Index>(k)) = of.col(which[k]);

@@ -34,6 +34,7 @@ std::string in_words(const Wrench<Spatial>& W, const Vec3<>& O) {
 Mobility second_order(LoopSystem<double>& system, std::span<const double> q, const Eigen::MatrixXd& kernel,
                       const Eigen::MatrixXd& dependencies) {
   const Eigen::Index f = kernel.cols();
+  if (f == 0) return Mobility::regular;
   Eigen::VectorXd h(kernel.rows()), gamma(dependencies.rows());
   const auto form = [&](const Eigen::VectorXd& x) -> Eigen::VectorXd {
     system.move(q.data(), x.data(), {}, h.data());

@@ -10,7 +10,8 @@ the true time derivatives of the components, without gravity. Velocities of sphe
 components in the child's joint frame. Arguments may be arrays of any real type and layout, lists or tuples; float64
 arrays in C order are not copied. Results are new arrays of float64.
 
-The examples in the docstrings use `arm = axode.load(axode.robots / "arm7.toml")` and numpy as `np`.
+The examples in the docstrings use `arm = axode.load(axode.robots / "arm7.toml")`, `fourbar`, of four_bar.toml there, and
+numpy as `np`.
 """
 
 from __future__ import annotations
@@ -27,6 +28,7 @@ from ._axode import (
     Model,
     Trajectory,
     accelerations,
+    assemble,
     body_momenta,
     center_of_mass,
     center_of_mass_jacobian,
@@ -36,6 +38,7 @@ from ._axode import (
     centroidal_momentum_matrix_rate,
     check,
     christoffel,
+    constraint_wrenches,
     coriolis_derivatives,
     coriolis_matrix,
     coriolis_vector,
@@ -56,6 +59,7 @@ from ._axode import (
     generalized_loads,
     gravity_derivatives,
     gravity_torques,
+    impact,
     impulse_response,
     inverse_dynamics,
     inverse_dynamics_derivatives,
@@ -84,6 +88,10 @@ from ._axode import (
     linearize,
     load,
     load_powers,
+    loop_bias,
+    loop_jacobian,
+    loop_mobility,
+    loop_residual,
     mass_matrix,
     mass_matrix_partials,
     mobility,
@@ -116,7 +124,7 @@ from ._axode import (
 from ._axode import name_here as _name_here
 from ._axode import version as __version__
 from .builder import Builder
-from .errors import Fault, ModelError, NotFiniteError, SimulationError, SingularError, StatesError
+from .errors import AssemblyError, Fault, ModelError, NotFiniteError, SimulationError, SingularError, StatesError
 from .records import (
     Equilibrium,
     ForwardDynamicsDerivatives,
@@ -126,9 +134,11 @@ from .records import (
     InverseKinematics,
     Linearization,
     Load,
+    LoopMobility,
     MomentumFormDerivatives,
     MotionChange,
     MotionDerivatives,
+    RedundantRow,
     RolloutDerivatives,
     RolloutGradient,
     StateDerivatives,
@@ -167,13 +177,15 @@ __all__ = [
     "inverse_dynamics_geometry_derivatives", "forward_dynamics_geometry_derivatives",
     "inverse_dynamics_geometry_vjp", "forward_dynamics_geometry_vjp", "frame_geometry_jacobian",
     "jacobian_geometry_derivatives", "linearize", "equilibrium",
+    # closed loops
+    "loop_residual", "loop_jacobian", "loop_bias", "assemble", "loop_mobility", "impact", "constraint_wrenches",
     # motion in time
     "simulate", "rollout", "rollout_derivatives", "rollout_jvp", "rollout_vjp", "reconstruct", "Trajectory",
     # what else is taken, given and raised
     "Load", "Target", "InverseKinematics", "InverseDynamicsDerivatives", "ForwardDynamicsDerivatives",
     "InverseDynamicsHessian", "ForwardDynamicsHessian", "StateDerivatives", "MotionDerivatives", "MotionChange",
-    "MomentumFormDerivatives", "Linearization", "Equilibrium", "RolloutDerivatives", "RolloutGradient", "Fault",
-    "ModelError", "NotFiniteError", "SimulationError", "SingularError", "StatesError",
+    "MomentumFormDerivatives", "Linearization", "Equilibrium", "RolloutDerivatives", "RolloutGradient", "LoopMobility",
+    "RedundantRow", "AssemblyError", "Fault", "ModelError", "NotFiniteError", "SimulationError", "SingularError", "StatesError",
     # modules
     "lie", "closed_form", "codegen", "convert", "drives", "identification", "calibration",
 ]

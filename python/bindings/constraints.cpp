@@ -84,7 +84,8 @@ Array constraint_wrenches(const BoundModel& m, ArrayLike q, ArrayLike v, ArrayLi
       return multipliers(m, workspace, states.q(k), of_v[k], of_tau[k], now, found[k]);
     });
     with_representation(representation, [&](auto rep) {
-      loop_wrenches(*m, workspace, states.q(k), lambda, screws<Wrench<decltype(rep)>>(part(out, k, shape)));
+      using Rep = decltype(rep);
+      loop_wrenches<Rep>(*m, workspace, states.q(k), lambda, screws<Wrench<Rep>>(part(out, k, shape)));
     });
   });
   states.refuse(found, out);

@@ -35,7 +35,8 @@ WITHOUT_EXAMPLE = {"axode.Body", "axode.Joint", "axode.Fault", "axode.InverseKin
 def test_docstring_has_an_example_that_runs(name):
     text = OBJECTS[name].__doc__
     assert text, f"{name} has no docstring"
-    names = {"np": np, "axode": axode, "arm": axode.load(axode.robots / "arm7.toml")}
+    names = {"np": np, "axode": axode, "arm": axode.load(axode.robots / "arm7.toml"),
+             "fourbar": axode.load(axode.robots / "four_bar.toml")}
     test = doctest.DocTestParser().get_doctest(text, names, name, None, None)
     is_record = inspect.isclass(OBJECTS[name]) and issubclass(OBJECTS[name], tuple)
     assert test.examples or name in WITHOUT_EXAMPLE or is_record, f"{name} has no example"

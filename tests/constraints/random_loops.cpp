@@ -1,0 +1,127 @@
+#include "tests/model/random_loops.hpp"
+#include "axode/constraints/constrained_dynamics.hpp"
+#include "axode/dynamics.hpp"
+#include "tests/laws/law.hpp"
+
+/// Loops of all kinds and couplings on random trees, open as they are.
+namespace axode::test {
+namespace {
+
+using Numbers = std::vector<double>;
+using Eigen::MatrixXd, Eigen::VectorXd;
+
+struct LoopedTree {
+  explicit LoopedTree(std::uint64_t seed)
+      : random(seed),
+        model(ModelBuilder(with_loops(told(random_mechanism(random, {.most_bodies = 8}), random), random))
+                  .build()),
+        loops(model),
+        q(random_configuration(model, seed)),
+        v(random_numbers(random, model.nv())) {}
+  std::size_t rows() const { return static_cast<std::size_t>(model.loops().rows); }
+  std::size_t residuals() const { return static_cast<std::size_t>(model.loops().residuals); }
+
+  /// Where a constant velocity leads in a time, so that a = 0.
+  Numbers moved(double t) const { return integrate(model, q, numbers(t * vector(v))); }
+  template <class F> VectorXd difference(const F& f) const {
+    const double h = 1e-3;
+    return (8 * (f(moved(h)) - f(moved(-h))) - (f(moved(2 * h)) - f(moved(-2 * h)))) / (12 * h);
+  }
+
+  Random<double> random;
+  Model model;
+  LoopWorkspace<double> loops;
+  Numbers q, v;
+};
+
+TEST(RandomLoops, BiasIsTheRateOfTheRows) {
+  for_seeds(60, [](std::uint64_t seed) {
+    LoopedTree tree(seed);
+    Numbers gamma(tree.rows()), A(tree.rows() * tree.v.size());
+    const VectorXd slip = tree.difference([&](const Numbers& there) {
+      loop_jacobian(tree.model, tree.loops, there, A);
+      return VectorXd(matrix(static_cast<int>(tree.rows()), A) * vector(tree.v));
+    });
+    loop_bias(tree.model, tree.loops, tree.q, tree.v, gamma);
+    for (std::size_t k = 0; k < gamma.size(); ++k)
+      EXPECT_NEAR(gamma[k], slip[static_cast<Eigen::Index>(k)], 1e-7 * (1 + slip.cwiseAbs().maxCoeff())) << k;
+  });
+}
+
+TEST(RandomLoops, ResidualsHaveTheirRates) {
+  int seen = 0;
+  for_seeds(60, [&](std::uint64_t seed) {
+    LoopedTree tree(seed);
+    Numbers r(tree.residuals()), R(tree.residuals() * tree.v.size());
+    const VectorXd rate = tree.difference([&](const Numbers& there) {
+      loop_residual(tree.model, tree.loops, there, r);
+      return vector(r);
+    });
+    loop_residual(tree.model, tree.loops, tree.q, r);
+    loop_residual_jacobian(tree.model, tree.loops, tree.q, R);
+    const VectorXd said = matrix(static_cast<int>(r.size()), R) * vector(tree.v);
+    for (const Loop& loop : tree.model.loops().all) {
+      const VectorXd own = vector(r).segment(loop.first_residual, loop.residuals());
+      if (own.norm() > 1.5) continue;  // half a turn off, or half a lead, it may jump
+      ++seen;
+      EXPECT_LT((said - rate).segment(loop.first_residual, loop.residuals()).norm(), 1e-6 * (1 + said.norm()))
+          << to_string(loop.kind);
+    }
+  });
+  EXPECT_GE(seen, 5);
+}
+
+/// Rows that agree with each other, or do not: what is bound stays bound, with forces that do no work on what the rows
+/// allow.
+TEST(RandomLoops, MotionsKeepTheRowsAndForcesAreTheirs) {
+  for_seeds(60, [](std::uint64_t seed) {
+    LoopedTree tree(seed);
+    const Numbers tau = random_numbers(tree.random, tree.model.nv(), 10);
+    Workspace<double> workspace(tree.model);
+    Numbers v(tree.v.size()), a(v.size()), lambda(tree.rows()), A(tree.rows() * v.size()), gamma(tree.rows());
+    if (!impact(tree.model, tree.loops, tree.q, tree.v, 0.0, v).ok()) return;
+    ASSERT_TRUE(forward_dynamics(tree.model, tree.loops, tree.q, v, tau, a, lambda).ok());
+    Numbers force(v.size());
+    inverse_dynamics(tree.model, workspace, tree.q, v, a, force);
+    loop_jacobian(tree.model, tree.loops, tree.q, A);
+    const MatrixXd rows = matrix(static_cast<int>(tree.rows()), A);
+    const VectorXd closing = rows.transpose() * vector(lambda);
+    const double size = 1 + closing.norm() + vector(force).norm();
+    EXPECT_LT((vector(force) - vector(tau) - closing).norm(), 1e-9 * size);
+    if (tree.rows() >= v.size()) return;  // more rows than velocities: they cannot all be kept
+    loop_bias(tree.model, tree.loops, tree.q, v, gamma);
+    EXPECT_LT((rows * vector(a) + vector(gamma)).norm(),
+              1e-6 * (1 + vector(gamma).norm() + vector(a).norm()));
+  });
+}
+
+TEST(RandomLoops, FloatsFollow) {
+  for_seeds(20, [](std::uint64_t seed) {
+    LoopedTree tree(seed);
+    LoopWorkspace<float> single(tree.model);
+    const std::vector<float> q = cast<float>(tree.q), v = cast<float>(tree.v);
+    std::vector<float> A_single(tree.rows() * v.size()), gamma_single(tree.rows());
+    Numbers A(A_single.size()), gamma(tree.rows());
+    loop_jacobian(tree.model, single, q, A_single);
+    loop_jacobian(tree.model, tree.loops, cast<double>(q), A);
+    loop_bias(tree.model, single, q, v, gamma_single);
+    loop_bias(tree.model, tree.loops, cast<double>(q), cast<double>(v), gamma);
+    const auto close = [](const std::vector<float>& x, const Numbers& y) {
+      const VectorXd expected = vector(y);
+      EXPECT_LT((vector(cast<double>(x)) - expected).norm(), 1e-4 * (1 + expected.norm()));
+    };
+    close(A_single, A), close(gamma_single, gamma);
+  });
+}
+
+TEST(LoopWorkspaces, AreOfOneModel) {
+  const Model one = ModelBuilder("one").build(), other = ModelBuilder("other").build();
+  LoopWorkspace<double> workspace(one);
+  Numbers r;
+  const Model copy = one;
+  EXPECT_NO_THROW(loop_residual(copy, workspace, Numbers{}, r));
+  EXPECT_THROW(loop_residual(other, workspace, Numbers{}, r), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace axode::test

@@ -1,0 +1,179 @@
+"""Mechanisms with loops from Python."""
+
+import axode
+import numpy as np
+import pytest
+
+
+def bar(builder, name, on, p, end, axis="z", kind="revolute", **joint):
+    d = np.subtract(end, p)
+    inertia = ((d @ d + 0.01) * np.eye(3) - np.outer(d, d)) / 12
+    return builder.body(name, on=on, joint={"kind": kind, "axis": axis, "point": list(p), **joint}, mass=1,
+                        com=list(np.add(p, end) / 2), inertia=inertia.tolist())
+
+
+def four_bar():
+    builder = axode.Builder("four-bar", (0, -9.81, 0))
+    bar(builder, "crank", "ground", (0, 0, 0), (0, 1, 0))
+    bar(builder, "coupler", "crank", (0, 1, 0), (2, 2, 0), passive=True)
+    bar(builder, "rocker", "ground", (3, 0, 0), (2, 2, 0), passive=True)
+    return builder.loop("coupler", "rocker", name="pin", axis="z", point=[2, 2, 0]).build()
+
+
+def gough():
+    builder = axode.Builder("Gough").body("platform", joint="free", mass=10, com=[0, 0, 1.2], inertia=[0.5, 0.6, 0.9])
+    feet, tops = ([(r * np.cos(k + e), r * np.sin(k + e), z) for k in (0, 2.1, 4.2) for e in (-w, w)]
+                  for r, w, z in ((1, 0.9, 0), (0.6, 0.2, 1.2)))
+    for k, (p, e) in enumerate(zip(np.array(feet), np.array(tops))):
+        x = np.cross(e - p, [0, 0, 1])
+        bar(builder, f"foot{k}", "ground", p, (p + e) / 2, x.tolist(), "universal",
+            second_axis=np.cross(e - p, x).tolist(), passive=True)
+        bar(builder, f"leg{k}", f"foot{k}", e, 0.4 * e + 0.6 * p, (e - p).tolist(), "prismatic")
+        builder.loop(f"leg{k}", "platform", "spherical", name=f"ball {k}", point=e.tolist())
+    return builder.build()
+
+
+FOUR_BAR, GOUGH = four_bar(), gough()
+MECHANISMS = {"four-bar": FOUR_BAR, "Gough": GOUGH}
+
+
+def state(m, seed=1):
+    rng = np.random.default_rng(seed)
+    guess = m.integrate(m.neutral(), 0.1 * rng.normal(size=m.nv))
+    q, v = axode.assemble(m, guess, rng.normal(size=m.nv))
+    return q, v, 10 * rng.normal(size=m.nv)
+
+
+@pytest.mark.parametrize("name", MECHANISMS)
+def test_accelerations_keep_the_loops_and_come_from_closing_wrenches(name):
+    m = MECHANISMS[name]
+    q, v, tau = state(m)
+    a, A = axode.forward_dynamics(m, q, v, tau), axode.loop_jacobian(m, q)
+    assert np.abs(axode.loop_residual(m, q)).max() < 1e-11 and np.abs(A @ v).max() < 1e-11
+    np.testing.assert_allclose(A @ a, -axode.loop_bias(m, q, v), atol=1e-8 * (1 + np.abs(a).max()))
+    W = axode.constraint_wrenches(m, q, v, tau, "spatial")
+    assert W.shape == (m.n_loops, 6)
+    C = axode.poses(m, q)
+    body = axode.constraint_wrenches(m, q, v, tau)
+    for k, name_of_body in enumerate(["rocker"] if name == "four-bar" else ["platform"] * 6):
+        of_frame = axode.lie.Ad(C[m.frame_names.index(name_of_body)]).T @ W[k]
+        np.testing.assert_allclose(body[k], of_frame, atol=1e-9 * (1 + np.abs(W).max()))
+
+
+@pytest.mark.parametrize("name", MECHANISMS)
+def test_drives_make_the_accelerations(name):
+    m = MECHANISMS[name]
+    q, v, tau = state(m, 2)
+    a = axode.forward_dynamics(m, q, v, tau)
+    u = axode.inverse_dynamics(m, q, v, a)  # of the joints that are not passive
+    driven = [c for joint in map(m.joint, m.joint_names) if not joint.passive for c in range(m.nv)[joint.v]]
+    assert not np.delete(u, driven).any()
+    np.testing.assert_allclose(axode.forward_dynamics(m, q, v, u), a, atol=1e-7 * (1 + np.abs(a).max()))
+    everywhere = axode.inverse_dynamics(m, q, v, a, drives=range(m.nv))
+    assert np.linalg.norm(everywhere) <= np.linalg.norm(u) + 1e-9
+    np.testing.assert_allclose(axode.forward_dynamics(m, q, v, everywhere), a, atol=1e-7 * (1 + np.abs(a).max()))
+
+
+def test_drives_by_name_and_what_they_cannot_do():
+    q, v, tau = state(FOUR_BAR)
+    a = axode.forward_dynamics(FOUR_BAR, q, v, tau)
+    by_name = axode.inverse_dynamics(FOUR_BAR, q, v, a, drives=["rocker_joint"])
+    assert np.flatnonzero(by_name).tolist() == [2]
+    np.testing.assert_allclose(axode.forward_dynamics(FOUR_BAR, q, v, by_name), a, atol=1e-8 * (1 + np.abs(a).max()))
+    q, v, tau = state(GOUGH)
+    a = axode.forward_dynamics(GOUGH, q, v, tau)
+    with pytest.raises(ValueError, match="the drives cannot make these accelerations"):
+        axode.inverse_dynamics(GOUGH, q, v, a, drives=["leg0_joint", "leg1_joint"])
+    with pytest.raises((ValueError, KeyError), match="leg9"):
+        axode.inverse_dynamics(GOUGH, q, v, a, drives=["leg9_joint"])
+    with pytest.raises(ValueError, match="drives holds"):
+        axode.inverse_dynamics(GOUGH, q, v, a, drives=[99])
+
+
+def test_many_states_are_as_one_by_one():
+    states = [state(GOUGH, seed) for seed in range(1, 6)]
+    q, v, tau = (np.array(x) for x in zip(*states))
+    for threads in (1, 2):
+        a = axode.forward_dynamics(GOUGH, q, v, tau, threads=threads)
+        assert a.shape == v.shape
+        for k in range(len(q)):
+            np.testing.assert_array_equal(a[k], axode.forward_dynamics(GOUGH, q[k], v[k], tau[k]))
+    assert axode.loop_residual(GOUGH, q).shape == (5, 18)
+    assert axode.loop_jacobian(GOUGH, q).shape == (5, 18, GOUGH.nv)
+    assert axode.constraint_wrenches(GOUGH, q, v, tau).shape == (5, 6, 6)
+
+
+def test_assembly():
+    q, v = axode.assemble(FOUR_BAR, [0.5, 0.1, 0.2])
+    assert not v.any() and np.abs(axode.loop_residual(FOUR_BAR, q)).max() < 1e-11
+    q, v = axode.assemble(FOUR_BAR, [0.5, 0, 0], [3, 0, 0], hold=["crank_joint"])
+    assert q[0] == 0.5 and v[0] == 3 and np.abs(axode.loop_jacobian(FOUR_BAR, q) @ v).max() < 1e-10
+    builder = axode.Builder("too far")
+    bar(builder, "one", "ground", (0, 0, 0), (1, 0, 0))
+    apart = builder.frame("ring", on="ground", position=[5, 0, 0]).loop(
+        "one", "ring", "spherical", name="catch", frames=[{"position": [1, 0, 0]}, {}]).build()
+    with pytest.raises(axode.AssemblyError, match='loop "catch" stays open by') as caught:
+        axode.assemble(apart, [0.3])
+    assert caught.value.residual > 3 and caught.value.q.shape == (1,)
+
+
+def test_mobility():
+    found = axode.loop_mobility(GOUGH, GOUGH.neutral())
+    assert (found.degrees_of_freedom, found.rank, found.redundant, found.mobility) == (6, 18, [], "regular")
+    found = axode.loop_mobility(FOUR_BAR, FOUR_BAR.neutral())
+    assert (found.degrees_of_freedom, found.rank, len(found.redundant)) == (1, 2, 3)
+    A = axode.loop_jacobian(FOUR_BAR, FOUR_BAR.neutral())
+    for row in found.redundant:
+        assert row.loop == "pin" and np.abs(row.dependency @ A).max() < 1e-12
+    assert np.abs(A @ found.kernel).max() < 1e-12
+
+
+@pytest.mark.parametrize("method", ["rk4", "dopri5"])
+def test_motions_keep_loops_and_energy(method):
+    q, v = axode.assemble(FOUR_BAR, FOUR_BAR.neutral(), [-2.0, 0, 0])
+    step = {"step": 0.005} if method == "rk4" else {}
+    motion = axode.simulate(FOUR_BAR, q, v, 3.0, method=method, **step)
+    assert np.abs(axode.loop_residual(FOUR_BAR, motion.q)).max() < 1e-11
+    A = axode.loop_jacobian(FOUR_BAR, motion.q)
+    assert np.abs(np.einsum("kij,kj->ki", A, motion.v)).max() < 1e-10
+    E = np.asarray(axode.kinetic_energy(FOUR_BAR, motion.q, motion.v)) + axode.potential_energy(FOUR_BAR, motion.q)
+    assert np.abs(E - E[0]).max() < 2e-5
+
+
+def test_motions_start_closed():
+    with pytest.raises(ValueError, match='q leaves loop "pin" open by .*assemble'):
+        axode.simulate(FOUR_BAR, [0.3, 0, 0], np.zeros(3), 1.0)
+    with pytest.raises(ValueError, match='v tears loop "pin" open at .*assemble'):
+        axode.simulate(FOUR_BAR, FOUR_BAR.neutral(), [1.0, 0, 0], 1.0)
+
+
+@pytest.mark.parametrize("call", [
+    lambda m, q, v: axode.simulate(m, q, v, 0.1, method="generalized_alpha", step=0.01),
+    lambda m, q, v: axode.simulate(m, q, v, 0.1, method="midpoint", step=0.01),
+    lambda m, q, v: axode.rollout(m, q, v, v[None], 0.01),
+    lambda m, q, v: axode.linearize(m, q, v, v),
+    lambda m, q, v: axode.equilibrium(m, q),
+    lambda m, q, v: axode.forward_dynamics_derivatives(m, q, v, v),
+    lambda m, q, v: axode.codegen.c_source(m, ["forward_dynamics"]),
+], ids=["generalized_alpha", "midpoint", "rollout", "linearize", "equilibrium", "derivatives", "codegen"])
+def test_what_does_not_count_loops_says_so(call):
+    with pytest.raises(ValueError, match="loops"):
+        call(FOUR_BAR, FOUR_BAR.neutral(), np.zeros(3))
+
+
+def test_impacts():
+    torn = np.array([1.0, 0.5, -0.3])
+    A = axode.loop_jacobian(FOUR_BAR, FOUR_BAR.neutral())
+    for e in (0, 0.5, 1):
+        np.testing.assert_allclose(A @ axode.impact(FOUR_BAR, FOUR_BAR.neutral(), torn, e), -e * A @ torn, atol=1e-10)
+    with pytest.raises(ValueError, match="restitution is 2"):
+        axode.impact(FOUR_BAR, FOUR_BAR.neutral(), torn, 2)
+
+
+def test_trees_have_none():
+    arm = axode.load(axode.robots / "arm7.toml")
+    assert axode.loop_residual(arm, arm.neutral()).shape == (0,)
+    assert axode.loop_jacobian(arm, arm.neutral()).shape == (0, 7)
+    q, v = axode.assemble(arm, arm.random(), np.ones(7))
+    assert v.tolist() == [1] * 7
+    assert axode.loop_mobility(arm, q).degrees_of_freedom == 7
