@@ -13,13 +13,8 @@
 namespace axode::command {
 namespace {
 
-const std::vector<Loop>& loops_of(const Question& ask) {
-  if (ask.model.loops().empty()) throw InputError("the mechanism has no loops");
-  return ask.model.loops().all;
-}
-
 Answer loop_residual_answer(const Question& ask) {
-  const std::vector<Loop>& loops = loops_of(ask);
+  const std::vector<Loop>& loops = ask.model.loops().all;
   LoopWorkspace<> workspace(ask.model);
   std::vector<double> r(static_cast<std::size_t>(ask.model.loops().residuals));
   loop_residual(ask.model, workspace, ask.state.q, r);
@@ -36,7 +31,7 @@ Answer loop_residual_answer(const Question& ask) {
 }
 
 Answer loop_wrenches_answer(const Question& ask) {
-  const std::vector<Loop>& loops = loops_of(ask);
+  const std::vector<Loop>& loops = ask.model.loops().all;
   const State& state = ask.state;
   LoopWorkspace<> workspace(ask.model);
   std::vector<double> a(state.v.size()), lambda(static_cast<std::size_t>(ask.model.loops().rows));
@@ -60,7 +55,6 @@ Answer loop_wrenches_answer(const Question& ask) {
 }
 
 Answer loop_mobility_answer(const Question& ask) {
-  loops_of(ask);
   const LoopMobility found = loop_mobility(ask.model, ask.state.q);
   Answer answer{
       fmt::format("{} degrees of freedom ({}), {} rows of rank {}; rows that others imply",
@@ -78,7 +72,6 @@ Answer loop_mobility_answer(const Question& ask) {
 }
 
 Answer assembly_answer(const Question& ask) {
-  loops_of(ask);
   const AssemblyResult found = assemble(ask.model, ask.state.q, ask.state.v);
   if (found.status != AssemblyStatus::closed) throw InputError(to_string(ask.model, found));
   Answer answer{"q and v near the state with all loops closed",

@@ -14,7 +14,8 @@ void add_path(const Topology& topology, int i, std::set<int, std::greater<>>& bo
 
 }  // namespace
 
-LoopPath::LoopPath(const Topology& topology, const Loop& of) : loop(&of) {
+LoopPath::LoopPath(const Topology& topology, const Loop& of)
+    : loop(&of), rows{of.first_row, of.rows()}, residuals{of.first_residual, of.residuals()} {
   std::set<int, std::greater<>> on_paths;
   for (const Loop::Term& term : of.terms) {
     columns.push_back({term.velocity, -1, 0, term.factor});
@@ -26,6 +27,7 @@ LoopPath::LoopPath(const Topology& topology, const Loop& of) : loop(&of) {
       int& later = meeting_i > meeting_j ? meeting_i : meeting_j;
       later = topology.parent[later];
     }
+    meeting = meeting_i;
     for (std::size_t e = 0; e < 2; ++e) {
       add_path(topology, of.ends[e].body, on_paths);
       for (int i = of.ends[e].body; i > 0; i = topology.parent[i]) root[e] = i;

@@ -18,9 +18,16 @@ struct LoopColumn {
 struct LoopPath {
   LoopPath(const Topology& topology, const Loop& of);
 
+  /// Rows of A, or of those that have a residual.
+  struct Range {
+    int first, count;
+  };
+
   const Loop* loop;
+  Range rows, residuals;            ///< of this loop
   std::array<int, 2> root{};        ///< of its bodies; 0 for the ground
-  std::vector<LoopColumn> columns;  ///< up to where the two paths meet
+  int meeting = 0;                  ///< the body where the two paths meet, 0 for the ground
+  std::vector<LoopColumn> columns;  ///< up to there
   std::vector<int> bodies;          ///< on the paths to the ground, the last ones first
   std::vector<int> velocities;      ///< that give way there
 };

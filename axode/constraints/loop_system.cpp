@@ -17,6 +17,15 @@ template <class T> constexpr T filter = is_float<T> ? T(1e-4) : T(1e-6);
 template <class T> constexpr T settled = is_float<T> ? T(1e-5) : T(1e-12);
 constexpr int most_steps = 5;
 
+/// Ranges that follow each other are one.
+void add(const LoopPath::Range& range, std::vector<LoopPath::Range>& to) {
+  if (!to.empty() && to.back().first + to.back().count == range.first) {
+    to.back().count += range.count;
+  } else {
+    to.push_back(range);
+  }
+}
+
 }  // namespace
 
 template <class T>
@@ -24,17 +33,19 @@ LoopSystem<T>::LoopSystem(const Model& of)
     : model_(of),
       dynamics_(of.topology()),
       at_(of.loops().all.size()),
-      loops_of_(static_cast<std::size_t>(of.nv())),
+      rows_of_(static_cast<std::size_t>(of.nv())),
+      residuals_of_(rows_of_.size()),
       entries_(of.loops().all.size()) {
   const int m = of.loops().rows, nv = of.nv();
   for (std::size_t k = 0; k < at_.size(); ++k) {
     const LoopPath& path = paths_.emplace_back(of.topology(), of.loops().all[k]);
-    for (const int c : path.velocities) loops_of_[index(c)].push_back(static_cast<int>(k));
-    entries_[k].resize(path.columns.size() * index(path.loop->rows()));
+    for (const int c : path.velocities)
+      add(path.rows, rows_of_[index(c)]), add(path.residuals, residuals_of_[index(c)]);
+    entries_[k].resize(path.columns.size() * index(path.rows.count));
   }
   Y_.setZero(nv, m);
   G_.resize(m, m), factor_.resize(m, m);
-  scale_.resize(m), b_.resize(m), lambda_.resize(m), step_.resize(m), rest_.resize(m);
+  scale_.resize(m), b_.resize(m), lambda_.resize(m), step_.resize(m), rest_.resize(m), moved_.resize(m);
   zero_.setZero(nv), forces_.resize(nv);
 }
 
@@ -146,7 +157,7 @@ template <class T> void LoopSystem<T>::residual(const T* q, T* r) const noexcept
       for (const Loop::Term& term : loop.terms) *out += T(term.factor) * q[term.coordinate];
     } else {
       const Six<T> all = LoopAt<T>(loop, at_[k].C_a, at_[k].C_b).residual();
-      std::copy_n(all.begin(), loop.residuals(), out);
+      std::copy_n(all.begin(), paths_[k].residuals.count, out);
     }
   }
 }
@@ -213,7 +224,7 @@ template <class T> void LoopSystem<T>::bias(T* gamma) noexcept {
     const Six<T> all = LoopAt<T>(loop, at_[k].C_a, at_[k].C_b)
                            .bias({V[i].w, V[i].v - cross(V[i].w, shift)}, V[j],
                                  {dV[i].w, dV[i].v - cross(dV[i].w, shift)}, dV[j]);
-    std::copy_n(all.begin(), loop.rows(), out);
+    std::copy_n(all.begin(), paths_[k].rows.count, out);
   }
 }
 
@@ -248,21 +259,62 @@ template <class T> void LoopSystem<T>::pull_row(const LoopPath& path, const Stat
   bodies.each_pivot(tree(), 0, put);
 }
 
+/// All rows of a loop at once, where no velocity is shared: Y_c = Sᵀ F / √D and F -= U Sᵀ F / D for the wrenches F.
+template <class T>
+template <int n>
+void LoopSystem<T>::pull_rows(const LoopPath& path, const State& at) noexcept {
+  const auto& bodies = dynamics_->bodies;
+  const Topology& topology = *tree().operator->();
+  std::array<Wrench<Spatial, T>, n> F_i, F_j;
+  for (std::size_t r = 0; r < n; ++r) F_i[r] = -on_first(at, at.W[r]), F_j[r] = at.W[r];
+  const auto climb = [&](int i, int end, std::array<Wrench<Spatial, T>, n>& F) {
+    for (; i != end; i = topology.parent[i])
+      for (int s = topology.first_screw[i + 1] - 1; s >= topology.first_screw[i]; --s) {
+        const T part = T(1) / bodies.D[s], root = sqrt(part);
+        T* const y = &Y_(topology.iv[i] + s - topology.first_screw[i], first(path));
+        for (std::size_t r = 0; r < n; ++r) {
+          const T u = F[r] | bodies.S[s];
+          y[r] = root * u;
+          F[r] -= (part * u) * bodies.U[s];
+        }
+      }
+  };
+  const int meeting = path.meeting;
+  climb(path.loop->ends[0].body, meeting, F_i);
+  climb(path.loop->ends[1].body, meeting, F_j);
+  for (std::size_t r = 0; r < n; ++r) F_j[r] += F_i[r];
+  climb(meeting, 0, F_j);
+}
+
+template <class T> void LoopSystem<T>::pull_loop(const LoopPath& path, const State& at) noexcept {
+  if (!tree()->coupled_bodies.empty() || path.loop->kind == LoopKind::coupling) {
+    for (int r = 0; r < count(path); ++r) pull_row(path, at, r);
+    return;
+  }
+  switch (count(path)) {
+    case 1: return pull_rows<1>(path, at);
+    case 2: return pull_rows<2>(path, at);
+    case 3: return pull_rows<3>(path, at);
+    case 4: return pull_rows<4>(path, at);
+    case 5: return pull_rows<5>(path, at);
+    default: return pull_rows<6>(path, at);
+  }
+}
+
 template <class T> void LoopSystem<T>::factorize_rows() noexcept {
-  for (std::size_t k = 0; k < at_.size(); ++k)
-    for (int r = 0; r < count(paths_[k]); ++r) pull_row(paths_[k], at_[k], r);
+  for (std::size_t k = 0; k < at_.size(); ++k) pull_loop(paths_[k], at_[k]);
   const int m = size(rows_);
   G_.topLeftCorner(m, m).setZero();
-  for (std::size_t c = 0; c < loops_of_.size(); ++c) {
+  for (std::size_t c = 0; c < rows_of_.size(); ++c) {
     const T* const y = &Y_(static_cast<int>(c), 0);
-    for (const int a : loops_of_[c])
-      for (int ra = first(paths_[index(a)]), end = ra + count(paths_[index(a)]); ra < end; ++ra)
-        for (const int b : loops_of_[c]) {
-          if (b < a) continue;
-          const int from = std::max(ra, first(paths_[index(b)]));
-          for (int rb = from, last = first(paths_[index(b)]) + count(paths_[index(b)]); rb < last; ++rb)
-            G_(rb, ra) += y[ra] * y[rb];
-        }
+    for (const Range& a : ranges_of(c))
+      for (int ra = a.first; ra < a.first + a.count; ++ra) {
+        T* const column = &G_(0, ra);
+        const T y_a = y[ra];
+        for (const Range& b : ranges_of(c))
+          for (int rb = std::max(ra, b.first), end = b.first + b.count; rb < end; ++rb)
+            column[rb] += y_a * y[rb];
+      }
   }
   const T largest = m > 0 ? sqrt(G_.diagonal().head(m).maxCoeff()) : T(0);
   for (const LoopPath& path : paths_) {
@@ -284,17 +336,16 @@ template <class T> void LoopSystem<T>::solve_rows(const T* b, T* lambda) noexcep
   Eigen::Map<Vector> x(lambda, m);
   const Eigen::Map<const Vector> given(b, m);
   auto step = step_.head(m), rest = rest_.head(m);
+  auto moved = moved_.head(m);
   x.setZero(), rest = given;
   for (int n = 0; n < most_steps; ++n) {
     step = -rest;
     cholesky.solveInPlace(step);
     x += step;
-    rest.noalias() = G * step;
-    const T change = step.dot(rest);
-    rest.noalias() = G * x;
-    const T whole = x.dot(rest);
+    moved.noalias() = G * step;
+    rest += moved;  // G x + b
+    const T change = step.dot(moved), whole = x.dot(rest - given);
     if (!(change > settled<T> * settled<T> * whole)) break;
-    rest += given;
   }
 }
 
@@ -303,9 +354,8 @@ template <class T> void LoopSystem<T>::add_response(const T* x, T* b) noexcept {
   bodies.pull(tree(), x);
   const auto add = [&](int c, const T& u, const T& D) {
     const T w = u / sqrt(D);
-    for (const int k : loops_of_[index(c)])
-      for (int r = first(paths_[index(k)]), end = r + count(paths_[index(k)]); r < end; ++r)
-        b[r] += w * Y_(c, r);
+    for (const Range& rows : ranges_of(index(c)))
+      for (int r = rows.first; r < rows.first + rows.count; ++r) b[r] += w * Y_(c, r);
   };
   for (int i = 0; i <= tree()->n; ++i) bodies.each_pivot(tree(), i, add);
 }

@@ -91,11 +91,12 @@ template <class T> class LoopSystem {
   };
   const Tree<T>& tree() const { return model_.tree<T>(); }
   static std::size_t index(int k) { return static_cast<std::size_t>(k); }
-  int count(const LoopPath& path) const {
-    return rows_ == Rows::velocities ? path.loop->rows() : path.loop->residuals();
-  }
-  int first(const LoopPath& path) const {
-    return rows_ == Rows::velocities ? path.loop->first_row : path.loop->first_residual;
+  using Range = LoopPath::Range;
+  Range range(const LoopPath& path) const { return rows_ == Rows::velocities ? path.rows : path.residuals; }
+  int count(const LoopPath& path) const { return range(path).count; }
+  int first(const LoopPath& path) const { return range(path).first; }
+  const std::vector<Range>& ranges_of(std::size_t c) const {
+    return (rows_ == Rows::velocities ? rows_of_ : residuals_of_)[c];
   }
   void place_loops() noexcept;
   SE3<T> pose(const Loop::End& end, int root, const Vec3<T>& O) const noexcept;
@@ -103,6 +104,8 @@ template <class T> class LoopSystem {
     return {W.m - cross(at.shift, W.f), W.f};
   }
   void pull_row(const LoopPath& path, const State& at, int k) noexcept;
+  template <int n> void pull_rows(const LoopPath& path, const State& at) noexcept;
+  void pull_loop(const LoopPath& path, const State& at) noexcept;
 
   Model model_;
   WithScratch<T, ForwardDynamicsRecursion<Spatial, T>> dynamics_;
@@ -110,12 +113,13 @@ template <class T> class LoopSystem {
   Vec3<T>* origin_ = nullptr;
   std::vector<LoopPath> paths_;
   std::vector<State> at_;
-  std::vector<std::vector<int>> loops_of_;  ///< of each velocity: the loops that feel it as it gives way
+  /// Of each velocity: the rows that feel it as it gives way.
+  std::vector<std::vector<Range>> rows_of_, residuals_of_;
   Rows rows_ = Rows::velocities;
   std::vector<std::vector<T>> entries_;  ///< of each loop: A, a column of up to six rows for each LoopColumn
   RowByRow Y_;
   Matrix G_, factor_;
-  Vector scale_, zero_, forces_, b_, lambda_, step_, rest_;
+  Vector scale_, zero_, forces_, b_, lambda_, step_, rest_, moved_;
 };
 
 }  // namespace axode

@@ -3,7 +3,6 @@
 #include <cmath>
 #include <numbers>
 #include <optional>
-#include <ranges>
 #include <utility>
 
 #include "axode/io.hpp"
@@ -635,7 +634,8 @@ SpringDescription read_spring(Table& table, std::size_t number, const std::strin
 
 constexpr auto loop_names = [] {  // but of the last, which has tables of its own
   std::array<std::string_view, loop_kinds.size() - 1> names;
-  std::ranges::transform(loop_kinds | std::views::take(names.size()), names.begin(), &LoopTraits::name);
+  std::transform(loop_kinds.begin(), loop_kinds.begin() + names.size(), names.begin(),
+                 [](const LoopTraits& traits) { return traits.name; });
   return names;
 }();
 static_assert(loop_kinds.back().kind == LoopKind::coupling);

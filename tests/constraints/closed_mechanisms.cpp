@@ -1,3 +1,5 @@
+#include <gmock/gmock.h>
+
 #include <Eigen/QR>
 
 #include "axode/constraints/assembly.hpp"

@@ -1,3 +1,4 @@
+#include "axode/constraints/closure.hpp"
 #include "axode/constraints/constrained_dynamics.hpp"
 #include "axode/dynamics.hpp"
 #include "axode/kinematics.hpp"
@@ -89,9 +90,9 @@ class CutJoints : public testing::TestWithParam<JointKind> {
     CutTree trees(seed, GetParam());
     const Model &whole = *trees.whole, &cut = *trees.cut;
     Workspace<double> workspace(whole);
-    const auto& [q, v, _, wrenches] = trees.state;
+    const Numbers &q = trees.state.q, &v = trees.state.v;
     Numbers a(v.size());
-    const Loads<double> loads{wrenches, true};
+    const Loads<double> loads{trees.state.wrenches, true};
     ASSERT_TRUE(forward_dynamics(whole, workspace, q, v, trees.tau, a, loads).ok());
 
     Numbers q_cut = neutral(cut), v_cut(static_cast<std::size_t>(cut.nv())), a_cut = v_cut, tau_cut = v_cut;
