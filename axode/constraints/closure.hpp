@@ -82,7 +82,8 @@ template <class T> class Closure {
   /// The residual at D, up to six numbers.
   Six<T> residual(const SE3<T>& D) const {
     const SE3<T> E = strip(D);
-    const Six<T> x = six(log_SO3(E.R), E.r);
+    const bool turns_anyhow = free_[0];
+    const Six<T> x = six(turns_anyhow ? Vec3<T>{} : log_SO3(E.R), E.r);
     Six<T> r{};
     each_wrench([&](int row, const Six<T>& W) { r[static_cast<std::size_t>(row)] = product(W, x); });
     return r;

@@ -11,9 +11,11 @@
 namespace axode {
 namespace {
 
-/// Steps of the proximal iteration filter: what has less than μ d² in Yᵀ Y is rounding, or rows that disagree.
+/// Steps of the proximal iteration filter: what has less than μ d² in Yᵀ Y is rounding, or rows that agree only where the
+/// loops are closed. A residual r makes such rows 0.1 |r| d large at most, so that μ = (100 |r|)² keeps them out.
 template <class T> constexpr bool is_float = std::same_as<T, float>;
-template <class T> constexpr T filter = is_float<T> ? T(1e-4) : T(1e-6);
+template <class T> constexpr T least_filter = is_float<T> ? T(1e-5) : T(1e-12);
+template <class T> constexpr T most_filter = is_float<T> ? T(1e-4) : T(1e-6);
 template <class T> constexpr T settled = is_float<T> ? T(1e-5) : T(1e-12);
 constexpr int most_steps = 5;
 
@@ -57,6 +59,7 @@ Solvability LoopSystem<T>::accelerate(const T* q, const T* v, const T* tau, cons
   for (int c = 0; c < nv; ++c) forces_[c] = tau[c] - forces_[c];
   const Solvability verdict = factorize();
   if (verdict.ok()) {
+    set_filter(q);
     make_rows(Rows::velocities);
     factorize_rows();
     bias(b_.data());
@@ -77,6 +80,7 @@ Solvability LoopSystem<T>::collide(const T* q, const T* v, const T& e, T* v_afte
   place(q);
   const Solvability verdict = factorize();
   if (verdict.ok()) {
+    set_filter(q);
     make_rows(Rows::velocities);
     factorize_rows();
     times(v, b_.data());
@@ -95,6 +99,7 @@ template <class T> Solvability LoopSystem<T>::approach(const T* q, T* x) noexcep
   place(q);
   const Solvability verdict = factorize();
   if (verdict.ok()) {
+    set_filter(q);
     make_rows(Rows::places);
     factorize_rows();
     residual(q, b_.data());
@@ -146,6 +151,12 @@ SE3<T> LoopSystem<T>::pose(const Loop::End& end, int root, const Vec3<T>& O) con
   if (root == 0) return {F.R, F.r - O};
   const SE3<T> C = link_[end.body].C * F;
   return {C.R, C.r + (origin_[root] - O)};
+}
+
+template <class T> void LoopSystem<T>::set_filter(const T* q) noexcept {
+  residual(q, rest_.data());
+  const T open = rest_.head(size(Rows::places)).squaredNorm();
+  filter_ = std::clamp(T(1e4) * open, least_filter<T>, most_filter<T>);
 }
 
 template <class T> void LoopSystem<T>::residual(const T* q, T* r) const noexcept {
@@ -330,7 +341,7 @@ template <class T> void LoopSystem<T>::solve_rows(const T* b, T* lambda) noexcep
   const auto G = G_.topLeftCorner(m, m).template selfadjointView<Eigen::Lower>();
   auto factor = factor_.topLeftCorner(m, m);
   factor.template triangularView<Eigen::Lower>() = G_.topLeftCorner(m, m);
-  factor.diagonal() += filter<T> * scale_.head(m).cwiseAbs2();
+  factor.diagonal() += filter_ * scale_.head(m).cwiseAbs2();
   Eigen::Ref<Matrix, 0, Eigen::OuterStride<>> in_place(factor);
   const Eigen::LLT<Eigen::Ref<Matrix, 0, Eigen::OuterStride<>>> cholesky(in_place);
   Eigen::Map<Vector> x(lambda, m);

@@ -99,6 +99,8 @@ template <class T> class LoopSystem {
     return (rows_ == Rows::velocities ? rows_of_ : residuals_of_)[c];
   }
   void place_loops() noexcept;
+  /// What solve_rows() ignores, by how far the loops are from closed.
+  void set_filter(const T* q) noexcept;
   SE3<T> pose(const Loop::End& end, int root, const Vec3<T>& O) const noexcept;
   Wrench<Spatial, T> on_first(const State& at, const Wrench<Spatial, T>& W) const {
     return {W.m - cross(at.shift, W.f), W.f};
@@ -116,6 +118,7 @@ template <class T> class LoopSystem {
   /// Of each velocity: the rows that feel it as it gives way.
   std::vector<std::vector<Range>> rows_of_, residuals_of_;
   Rows rows_ = Rows::velocities;
+  T filter_{};
   std::vector<std::vector<T>> entries_;  ///< of each loop: A, a column of up to six rows for each LoopColumn
   RowByRow Y_;
   Matrix G_, factor_;
