@@ -105,7 +105,8 @@ def main():
     kinds = {"joint": HINGE, "slide": SLIDE, "joint on the ground": ON_GROUND, "closes a loop": CLOSING}
     handles = [pyplot.Line2D([], [], **kind) for kind in kinds.values()]
     handles += [pyplot.Line2D([], [], color=LOOP, linestyle="--"), pyplot.Line2D([], [], color=SPRING, linestyle=":")]
-    figure.legend(handles, [*kinds, "rod without mass", "spring"], loc="outside lower center", ncols=6, fontsize="small")
+    labels = [*kinds, "rod without mass", "spring"]
+    figure.legend(handles, labels, loc="outside lower center", ncols=len(labels), fontsize="small")
     figure.savefig(arguments.svg, metadata={"Date": None})
 
 

@@ -191,9 +191,9 @@ def test_bricards_mechanism_keeps_its_energy_for_long():
 def test_the_sleeve_moves_as_if_stiff_springs_held_it():
     m = MODELS["governor"]
     drawn = tomllib.loads((axode.robots / "governor.toml").read_text())
-    rods = drawn.pop("loop")
-    drawn["spring"] = [{"between": rod["between"], "points": rod["points"], "stiffness": 8e5, "damping": 4e4, "rest": 0.5}
-                       for rod in rods]
+    stiff_spring = {"rest": 0.5, "stiffness": 8e5, "damping": 4e4}
+    drawn["spring"] = [{"between": rod["between"], "points": rod["points"]} | stiff_spring
+                       for rod in drawn.pop("loop")]
     stiff = axode.Model.from_dict(drawn)
     v, times = [2 * np.pi, 0, 0, 0], np.linspace(0, 1, 101)
     by_rods = axode.simulate(m, m.neutral(), v, 1, times=times)
