@@ -254,6 +254,60 @@ def humanoid(page):
     page.figure("humanoid", figure)
 
 
+# ---- loops -----------------------------------------------------------------------------------------------------------
+# Velocities at the start, and steps, s.
+LOOPS = {"n_four_bar": ([-1, 1, 0, -1, -1], (0.02, 0.01, 0.005)), "bricard": ([0] * 5, (0.02, 0.01, 0.005))}
+# Of Andrews' squeezer at the start and after 0.03 s, as published: Hairer and Wanner; Test Set for IVP Solvers.
+ANDREWS = {"beta": (-0.0617138900142764496, 15.81077119629904), "Theta": (0, -15.75637105984298),
+           "gamma": (0.455279819163070380, 0.04082224013073101), "Phi": (0.222668390165885885, -0.5347301163226948),
+           "delta": (0.487364979543842550, 0.5244099658805304), "Omega": (-0.222668390165885885, 0.5347301163226948),
+           "epsilon": (1.23054744454982119, 1.048080741042263)}
+MOTOR = 0.033  # N m
+
+
+def ways_to_go(steps, tolerances=(1e-6, 1e-8, 1e-10)):
+    """Method, what is shown of its steps, options of `simulate`."""
+    return ([("rk4", f"{step:g} s", {"method": "rk4", "step": step}) for step in steps] +
+            [("dopri5", f"rtol = {number(rtol, 0)}", {"rtol": rtol, "atol": rtol / 100}) for rtol in tolerances])
+
+
+def loops(page):
+    rows = []
+    for name, (v, steps) in LOOPS.items():
+        m = axode.load(axode.robots / f"{name}.toml")
+        for method, choice, options in ways_to_go(steps):
+            progress("loops:", m.name, method, choice)
+            motion = axode.simulate(m, m.neutral(), v, 10, **options)
+            rates = np.einsum("nij,nj->ni", axode.loop_jacobian(m, motion.q), motion.v)
+            energy = axode.kinetic_energy(m, motion.q, motion.v)
+            rows.append([m.name, f"`{method}`", choice, motion.steps, motion.evaluations,
+                         number(np.abs(motion.energy - motion.energy[0]).max()), f"{energy.max():.3g}",
+                         number(np.abs(axode.loop_residual(m, motion.q)).max(), 0), number(np.abs(rates).max(), 0)])
+    page.table("loops", ["", "method", "step", "steps", "evaluations", "energy, J", "largest kinetic energy, J",
+                         "open by, rad or m", "A v, rad/s or m/s"], rows)
+    andrews(page)
+
+
+def andrews(page):
+    m = axode.load(axode.robots / "andrews.toml")
+    start, end = np.array([ANDREWS[name] for name in m.joint_names]).T
+    tau = MOTOR * (np.array(m.joint_names) == "beta")
+
+    def run(**options):
+        return axode.simulate(m, m.neutral(), np.zeros(m.nv), 0.03, tau=tau, **options)
+
+    exact, rows = run(rtol=1e-13, atol=1e-15).q[-1], []
+    for method, choice, options in ways_to_go((2e-5, 1e-5, 5e-6), (1e-6, 1e-8, 1e-10, 1e-12)):
+        progress("loops: andrews", method, choice)
+        motion = run(**options)
+        missing = motion.energy - MOTOR * motion.q[:, m.joint("beta").q.start]
+        rows.append([f"`{method}`", choice, motion.steps, motion.evaluations,
+                     number(np.abs(motion.q[-1] - exact).max()), number(np.abs(start + motion.q[-1] - end).max()),
+                     number(np.abs(missing - missing[0]).max())])
+    page.table("andrews", ["method", "step", "steps", "evaluations", "angles, rad", "against the published ones, rad",
+                           "energy less work, J"], rows)
+
+
 # ---- cost ------------------------------------------------------------------------------------------------------------
 COST = ["rk4", "rk4_momenta", "generalized_alpha", "midpoint", "suzuki4", "kahan_li6"]
 STEPS = 300
@@ -362,7 +416,7 @@ def falling_top_beside_mujoco(page):
     page.table("falling top", ["step", "`rk4`: rad, m", "`rk4_momenta`: rad, m", "MuJoCo's RK4: rad, m"], rows)
 
 
-SECTIONS = {section.__name__: section for section in (heavy_top, free_top, chain, humanoid, cost)}
+SECTIONS = {section.__name__: section for section in (heavy_top, free_top, chain, humanoid, loops, cost)}
 
 
 def main():

@@ -25,6 +25,17 @@ def test_a_study_becomes_a_plot(tmp_path):
     assert {'a "door" & <hinge>', "mass matrix", "constr.", "spatial", "operations"} <= set(texts)
 
 
+def test_mechanisms_are_drawn_the_same_every_time(tmp_path):
+    pytest.importorskip("matplotlib")
+    files = [tmp_path / "one.svg", tmp_path / "other.svg"]
+    for file in files:
+        subprocess.run([sys.executable, TOOLS / "draw_mechanisms.py", file], check=True)
+    drawn, again = (file.read_text() for file in files)
+    assert drawn == again and len(drawn) < 200e3
+    texts = [text.text for text in xml.etree.ElementTree.fromstring(drawn).iter("{http://www.w3.org/2000/svg}text")]
+    assert {"bricard.toml", "cart.toml", "closes a loop"} <= set(texts)
+
+
 def test_a_study_of_motions_refreshes_its_table_and_nothing_else(tmp_path):
     pytest.importorskip("matplotlib")
     page = tmp_path / "page.md"
