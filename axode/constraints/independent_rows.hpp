@@ -29,18 +29,8 @@ template <class T> class IndependentRows {
     A_ = dense, scale_ = system.scale().head(m_);
     const Matrix Y = system.Y().leftCols(m_);
     Matrix Q(nv_, std::min(nv_, m_));
-    for (int k = 0; k < m_; ++k) {
-      Vector z = Y.col(k);
-      const auto basis = Q.leftCols(static_cast<Eigen::Index>(kept.size()));
-      for (int twice = 0; twice < 2; ++twice) z -= basis * (basis.transpose() * z);
-      const T rest = z.norm();
-      if (static_cast<int>(kept.size()) < nv_ && rest > part * scale_[k]) {
-        Q.col(static_cast<Eigen::Index>(kept.size())) = z / rest;
-        kept.push_back(k);
-      } else {
-        implied.push_back(k);
-      }
-    }
+    split_rows<T>(Y, scale_, part, Q,
+                  [&](int k, bool independent) { (independent ? kept : implied).push_back(k); });
     find_dependencies(Y);
   }
 

@@ -12,8 +12,10 @@ namespace axode {
 namespace {
 
 /// Steps of the proximal iteration filter: what has less than μ d² in Yᵀ Y is rounding, or rows that agree only where the
-/// loops are closed. A residual r makes such rows 0.1 |r| d large at most, so that μ = (100 |r|)² keeps them out.
+/// loops are closed. A residual r makes such rows |r| d large, and a part of r² / μ of them would be obeyed in a step: so
+/// μ = (1e4 |r|)². Where it was decided which rows are independent nothing is left to filter.
 template <class T> constexpr bool is_float = std::same_as<T, float>;
+template <class T> constexpr T no_filter = is_float<T> ? T(1e-6) : T(1e-15);
 template <class T> constexpr T least_filter = is_float<T> ? T(1e-5) : T(1e-12);
 template <class T> constexpr T most_filter = is_float<T> ? T(1e-4) : T(1e-6);
 template <class T> constexpr T settled = is_float<T> ? T(1e-5) : T(1e-12);
@@ -46,6 +48,7 @@ LoopSystem<T>::LoopSystem(const Model& of)
     entries_[k].resize(path.columns.size() * index(path.rows.count));
   }
   Y_.setZero(nv, m);
+  basis_.resize(nv, std::min(nv, m));
   G_.resize(m, m), factor_.resize(m, m);
   scale_.resize(m), b_.resize(m), lambda_.resize(m), step_.resize(m), rest_.resize(m), moved_.resize(m);
   zero_.setZero(nv), forces_.resize(nv);
@@ -156,7 +159,7 @@ SE3<T> LoopSystem<T>::pose(const Loop::End& end, int root, const Vec3<T>& O) con
 template <class T> void LoopSystem<T>::set_filter(const T* q) noexcept {
   residual(q, rest_.data());
   const T open = rest_.head(size(Rows::places)).squaredNorm();
-  filter_ = std::clamp(T(1e4) * open, least_filter<T>, most_filter<T>);
+  filter_ = dropped_.empty() ? std::clamp(T(1e8) * open, least_filter<T>, most_filter<T>) : no_filter<T>;
 }
 
 template <class T> void LoopSystem<T>::residual(const T* q, T* r) const noexcept {
@@ -335,6 +338,24 @@ template <class T> void LoopSystem<T>::factorize_rows() noexcept {
   }
 }
 
+template <class T> void LoopSystem<T>::hold(const T* q) noexcept {
+  const T part = is_float<T> ? T(1e-3) : T(1e-7);
+  place(q);
+  static_cast<void>(factorize());
+  make_rows(Rows::velocities);
+  factorize_rows();
+  dropped_.assign(index(size(Rows::velocities)), 0);
+  split_rows<T>(Y_, scale_, part, basis_,
+                [&](int k, bool independent) { dropped_[index(k)] = !independent; });
+}
+
+template <class T> template <class F> void LoopSystem<T>::each_dropped(const F& f) const {
+  if (dropped_.empty()) return;
+  for (const LoopPath& path : paths_)
+    for (int r = 0; r < count(path); ++r)
+      if (dropped_[index(path.rows.first + r)]) f(first(path) + r);
+}
+
 template <class T> void LoopSystem<T>::solve_rows(const T* b, T* lambda) noexcept {
   const int m = size(rows_);
   if (m == 0) return;
@@ -342,6 +363,7 @@ template <class T> void LoopSystem<T>::solve_rows(const T* b, T* lambda) noexcep
   auto factor = factor_.topLeftCorner(m, m);
   factor.template triangularView<Eigen::Lower>() = G_.topLeftCorner(m, m);
   factor.diagonal() += filter_ * scale_.head(m).cwiseAbs2();
+  each_dropped([&](int k) { factor.row(k).setZero(), factor.col(k).setZero(), factor(k, k) = T(1); });
   Eigen::Ref<Matrix, 0, Eigen::OuterStride<>> in_place(factor);
   const Eigen::LLT<Eigen::Ref<Matrix, 0, Eigen::OuterStride<>>> cholesky(in_place);
   Eigen::Map<Vector> x(lambda, m);
@@ -351,6 +373,7 @@ template <class T> void LoopSystem<T>::solve_rows(const T* b, T* lambda) noexcep
   x.setZero(), rest = given;
   for (int n = 0; n < most_steps; ++n) {
     step = -rest;
+    each_dropped([&](int k) { step[k] = T(0); });
     cholesky.solveInPlace(step);
     x += step;
     moved.noalias() = G * step;

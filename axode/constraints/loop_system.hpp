@@ -12,6 +12,22 @@
 
 namespace axode {
 
+/// f(k, whether it is independent of those before it) for the columns of Y, by Gram and Schmidt's way, twice: a column is
+/// not where the others leave less of it than a part of its size. Q takes an orthonormal basis, f is told in order.
+template <class T, class Columns, class Sizes, class Basis, class F>
+void split_rows(const Columns& Y, const Sizes& size, const T& part, Basis& Q, const F& f) {
+  Eigen::Index rank = 0;
+  for (Eigen::Index k = 0; k < size.size(); ++k) {
+    Eigen::VectorX<T> z = Y.col(k);
+    for (int twice = 0; twice < 2 && rank > 0; ++twice)
+      z -= Q.leftCols(rank) * (Q.leftCols(rank).transpose() * z).eval();
+    const T rest = z.norm();
+    const bool independent = rank < Q.cols() && rest > part * size[k];
+    if (independent) Q.col(rank++) = z / rest;
+    f(static_cast<int>(k), independent);
+  }
+}
+
 /// The loops of a tree at a state, and the system that they make:
 ///   M a + h - Aᵀ λ = τ,   A a + γ = 0
 /// Articulated bodies factor M = Lᵀ D L, so that with Y = D^-½ L⁻ᵀ Aᵀ the multipliers come from Yᵀ Y λ = -(Yᵀ w + γ),
@@ -42,6 +58,10 @@ template <class T> class LoopSystem {
   Solvability collide(const T* q, const T* v, const T& e, T* v_after, T* impulses) noexcept;
   /// The step x towards a closed configuration, r + R x = 0, that moves the masses least.
   Solvability approach(const T* q, T* x) noexcept;
+
+  /// Decides at a closed q which rows are independent; from then on the others have no multipliers. So redundancy by
+  /// geometry, which is lost as soon as the loops are a little open, is that of a whole step of an integration.
+  void hold(const T* q) noexcept;
 
   /// Links, screws and loops at q.
   void place(const T* q) noexcept;
@@ -99,6 +119,7 @@ template <class T> class LoopSystem {
     return (rows_ == Rows::velocities ? rows_of_ : residuals_of_)[c];
   }
   void place_loops() noexcept;
+  template <class F> void each_dropped(const F& f) const;
   /// What solve_rows() ignores, by how far the loops are from closed.
   void set_filter(const T* q) noexcept;
   SE3<T> pose(const Loop::End& end, int root, const Vec3<T>& O) const noexcept;
@@ -119,9 +140,10 @@ template <class T> class LoopSystem {
   std::vector<std::vector<Range>> rows_of_, residuals_of_;
   Rows rows_ = Rows::velocities;
   T filter_{};
+  std::vector<char> dropped_;            ///< of each row of A; empty where nothing was decided
   std::vector<std::vector<T>> entries_;  ///< of each loop: A, a column of up to six rows for each LoopColumn
   RowByRow Y_;
-  Matrix G_, factor_;
+  Matrix G_, factor_, basis_;
   Vector scale_, zero_, forces_, b_, lambda_, step_, rest_, moved_;
 };
 
