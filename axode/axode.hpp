@@ -1,4 +1,5 @@
 #pragma once
+#include "axode/constraints.hpp"
 #include "axode/derivatives.hpp"
 #include "axode/dynamics.hpp"
 #include "axode/integration.hpp"

@@ -13,9 +13,9 @@ namespace {
 
 /// Steps of the proximal iteration filter: what has less than μ d² in Yᵀ Y is rounding, or rows that agree only where the
 /// loops are closed. A residual r makes such rows |r| d large, and a part of r² / μ of them would be obeyed in a step: so
-/// μ = (1e4 |r|)². Where it was decided which rows are independent nothing is left to filter.
+/// μ = (1e4 |r|)². Within a step, whose stages are a little open, the filter is the strongest: where branches of a motion
+/// meet, 1 / σ times what is open would become motion.
 template <class T> constexpr bool is_float = std::same_as<T, float>;
-template <class T> constexpr T no_filter = is_float<T> ? T(1e-6) : T(1e-15);
 template <class T> constexpr T least_filter = is_float<T> ? T(1e-5) : T(1e-12);
 template <class T> constexpr T most_filter = is_float<T> ? T(1e-4) : T(1e-6);
 template <class T> constexpr T settled = is_float<T> ? T(1e-5) : T(1e-12);
@@ -159,7 +159,7 @@ SE3<T> LoopSystem<T>::pose(const Loop::End& end, int root, const Vec3<T>& O) con
 template <class T> void LoopSystem<T>::set_filter(const T* q) noexcept {
   residual(q, rest_.data());
   const T open = rest_.head(size(Rows::places)).squaredNorm();
-  filter_ = dropped_.empty() ? std::clamp(T(1e8) * open, least_filter<T>, most_filter<T>) : no_filter<T>;
+  filter_ = dropped_.empty() ? std::clamp(T(1e8) * open, least_filter<T>, most_filter<T>) : most_filter<T>;
 }
 
 template <class T> void LoopSystem<T>::residual(const T* q, T* r) const noexcept {
@@ -339,7 +339,7 @@ template <class T> void LoopSystem<T>::factorize_rows() noexcept {
 }
 
 template <class T> void LoopSystem<T>::hold(const T* q) noexcept {
-  const T part = is_float<T> ? T(1e-3) : T(1e-7);
+  const T part = is_float<T> ? T(1e-4) : T(1e-10);
   place(q);
   static_cast<void>(factorize());
   make_rows(Rows::velocities);

@@ -1,0 +1,7 @@
+#pragma once
+#include "axode/constraints/assembly.hpp"
+#include "axode/constraints/constrained_dynamics.hpp"
+#include "axode/constraints/loops.hpp"
+#include "axode/constraints/mobility.hpp"
+
+/// Closed loops: rows and residuals of loop joints, dynamics, assembly, mobility.
