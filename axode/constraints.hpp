@@ -1,5 +1,6 @@
 #pragma once
 #include "axode/constraints/assembly.hpp"
+#include "axode/constraints/constrained_derivatives.hpp"
 #include "axode/constraints/constrained_dynamics.hpp"
 #include "axode/constraints/loops.hpp"
 #include "axode/constraints/mobility.hpp"

@@ -32,7 +32,9 @@ set(AXODE_PER_SCALAR
     kinematics/higher_order
     kinematics/joint_screws
     kinematics/poses
+    constraints/constrained_derivatives
     constraints/constrained_dynamics
+    constraints/loop_derivatives
     constraints/loop_system
     constraints/loops
     derivatives/geometry_derivatives

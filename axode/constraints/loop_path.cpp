@@ -18,7 +18,7 @@ LoopPath::LoopPath(const Topology& topology, const Loop& of)
     : loop(&of), rows{of.first_row, of.rows()}, residuals{of.first_residual, of.residuals()} {
   std::set<int, std::greater<>> on_paths;
   for (const Loop::Term& term : of.terms) {
-    columns.push_back({term.velocity, -1, 0, term.factor});
+    columns.push_back({.velocity = term.velocity, .factor = term.factor});
     add_path(topology, body_of_velocity(topology, term.velocity), on_paths);
   }
   if (of.terms.empty()) {
@@ -33,7 +33,7 @@ LoopPath::LoopPath(const Topology& topology, const Loop& of)
       for (int i = of.ends[e].body; i > 0; i = topology.parent[i]) root[e] = i;
       for (int i = of.ends[e].body; i != meeting_i; i = topology.parent[i])
         for (int s = topology.first_screw[i]; s < topology.first_screw[i + 1]; ++s)
-          columns.push_back({topology.iv[i] + s - topology.first_screw[i], s, e == 1 ? 1 : -1});
+          columns.push_back({topology.iv[i] + s - topology.first_screw[i], s, i, e == 1 ? 1 : -1});
     }
   }
   bodies.assign(on_paths.begin(), on_paths.end());

@@ -10,6 +10,7 @@ namespace axode {
 struct LoopColumn {
   int velocity;
   int screw = -1;     ///< -1 for a term of a coupling
+  int body = 0;       ///< whose joint has the screw
   int side = 0;       ///< 1 on the path to the second body, -1 on that to the first
   double factor = 0;  ///< of a term
 };

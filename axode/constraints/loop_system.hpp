@@ -81,6 +81,10 @@ template <class T> class LoopSystem {
   /// γ; after move().
   void bias(T* gamma) noexcept;
 
+  /// Partial derivatives along q and v of A a + γ (m × nv), and along q of Aᵀ λ (nv × nv), [component, direction], at the
+  /// motion of force() and with the rows A made. Adds to what is there.
+  void differentiate(const T* lambda, T* by_q, T* by_v, T* closing_by_q) noexcept;
+
   /// M = Lᵀ D L at the configuration of the links.
   Solvability factorize() noexcept;
   /// Y and Yᵀ Y of the rows.

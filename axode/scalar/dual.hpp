@@ -21,7 +21,7 @@ template <class S, std::size_t N> struct Dual {
   /// A constant of the scalar below S, where S itself is a Dual.
   template <class Number>
     requires(!std::same_as<Number, S> && std::constructible_from<S, Number> && std::is_arithmetic_v<Number>)
-  constexpr Dual(Number value) : x(value) {}  // NOLINT(google-explicit-constructor)
+  constexpr Dual(Number value) : x(static_cast<S>(value)) {}  // NOLINT(google-explicit-constructor)
 
   friend constexpr Dual operator+(const Dual& a, const Dual& b) {
     return linear(a.x + b.x, a, S(1), b, S(1));

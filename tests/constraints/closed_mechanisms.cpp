@@ -3,9 +3,11 @@
 #include <Eigen/QR>
 
 #include "axode/constraints/assembly.hpp"
+#include "axode/constraints/constrained_derivatives.hpp"
 #include "axode/constraints/constrained_dynamics.hpp"
 #include "axode/constraints/mobility.hpp"
 #include "axode/dynamics.hpp"
+#include "axode/integration/simulation.hpp"
 #include "axode/kinematics.hpp"
 #include "tests/constraints/mechanisms.hpp"
 #include "tests/laws/law.hpp"
@@ -226,6 +228,79 @@ TEST_P(ClosedMechanisms, HaveTheRatesOfDifferences) {
     loop_bias(model, at.loops, q, v, gamma);
     EXPECT_LT((vector(gamma) - slip).norm(), 1e-8 * (1 + slip.norm()));
   });
+}
+
+struct Derivatives {
+  Derivatives(const Model& model, ClosedState& at, const Loads<>& loads = {})
+      : n(static_cast<std::size_t>(model.nv())), m(static_cast<std::size_t>(model.loops().rows)) {
+    for (Numbers* x : {&a_q, &a_v, &a_tau}) x->resize(n * n);
+    for (Numbers* x : {&l_q, &l_v, &l_tau}) x->resize(m * n);
+    EXPECT_TRUE(forward_dynamics_derivatives(model, at.loops, at.q, at.v, at.tau,
+                                             {a_q, a_v, a_tau, l_q, l_v, l_tau}, loads)
+                    .ok());
+  }
+  VectorXd times(const Numbers& D, const VectorXd& x) const {
+    return matrix(static_cast<int>(D.size() / n), D) * x;
+  }
+  std::size_t n, m;
+  Numbers a_q, a_v, a_tau, l_q, l_v, l_tau;
+};
+
+TEST_P(ClosedMechanisms, HaveDerivativesThatAreLimitsOfDifferences) {
+  if (GetParam().name == std::string("Bricard")) return;  // as it opens it is another mechanism; see below
+  for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+    ClosedState at(model, seed);
+    Random<double> random(seed);
+    const Numbers x = random_numbers(random, model.nv());
+    State<double> pushed = random_state(model, random);
+    const Loads<> loads{pushed.wrenches, false};
+    const Derivatives d(model, at, loads);
+    const auto difference = [&](const auto& move) -> VectorXd {
+      const double h = 1e-4;
+      const auto a = [&](double t) {
+        Numbers q = at.q, v = at.v, tau = at.tau, found(v.size());
+        move(q, v, tau, VectorXd(t * vector(x)));
+        EXPECT_TRUE(forward_dynamics(model, at.loops, q, v, tau, found, {}, loads).ok());
+        return vector(found);
+      };
+      return (8 * (a(h) - a(-h)) - (a(2 * h) - a(-2 * h))) / (12 * h);
+    };
+    const auto add = [](Numbers& to, const VectorXd& step) { to = numbers(vector(to) + step); };
+    const VectorXd along_tau =
+        difference([&](Numbers&, Numbers&, Numbers& tau, const VectorXd& s) { add(tau, s); });
+    const VectorXd along_v =
+        difference([&](Numbers&, Numbers& v, Numbers&, const VectorXd& s) { add(v, s); });
+    const VectorXd along_q = difference(
+        [&](Numbers& q, Numbers&, Numbers&, const VectorXd& s) { q = integrate(model, q, numbers(s)); });
+    const double bound = 1e-6;
+    EXPECT_LT((d.times(d.a_tau, vector(x)) - along_tau).norm(), bound * (1 + along_tau.norm()));
+    EXPECT_LT((d.times(d.a_v, vector(x)) - along_v).norm(), bound * (1 + along_v.norm()));
+    EXPECT_LT((d.times(d.a_q, vector(x)) - along_q).norm(), bound * (1 + along_q.norm()));
+  }
+}
+
+/// a' = ∂a/∂q v + ∂a/∂v a along a motion, which stays closed.
+TEST_P(ClosedMechanisms, HaveDerivativesAlongTheirMotions) {
+  for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+    ClosedState at(model, seed);
+    const VectorXd a = acceleration_of(model, at, at.tau);
+    const Derivatives d(model, at);
+    const double h = 1e-3;
+    SimulationOptions options;
+    const auto later = [&](double t) -> VectorXd {  // or before, with all velocities turned round
+      Numbers v = numbers(t > 0 ? vector(at.v) : -vector(at.v));
+      options.drive = [&](double, auto, auto, std::span<double> tau) {
+        std::ranges::copy(at.tau, tau.begin());
+      };
+      const Trajectory motion =
+          simulate_fixed(model, at.q, v, std::abs(t), std::abs(t) / 4, runge_kutta(4), options);
+      EXPECT_TRUE(motion.complete) << motion.stopped;
+      return vector({motion.a().end() - model.nv(), motion.a().end()});
+    };
+    const VectorXd rate = (8 * (later(h) - later(-h)) - (later(2 * h) - later(-2 * h))) / (12 * h);
+    const VectorXd said = d.times(d.a_q, vector(at.v)) + d.times(d.a_v, a);
+    EXPECT_LT((said - rate).norm(), 1e-5 * (1 + rate.norm()));
+  }
 }
 
 INSTANTIATE_TEST_SUITE_P(, ClosedMechanisms, testing::ValuesIn(mechanisms),

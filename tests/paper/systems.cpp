@@ -137,7 +137,8 @@ System make_system(Topology topology, std::uint64_t seed, BodyFrames frames) {
     const std::string& name = mechanism.bodies[b].name;
     system.drawn[system.model.body_index(name)] = std::move(drawings[b]);
     const Vec3<> f = random.vector(10), m = random.vector(10);
-    system.loads.emplace_back(system.model.frame_index(name + ".com"), static_cast<Representation>(b % 4), m, f);
+    system.loads.emplace_back(system.model.frame_index(name + ".com"), static_cast<Representation>(b % 4), m,
+                              f);
   }
   return system;
 }

@@ -1,0 +1,105 @@
+#include "axode/constraints/constrained_derivatives.hpp"
+
+#include <Eigen/LU>
+
+#include "axode/constraints/check_loops.hpp"
+#include "axode/constraints/independent_rows.hpp"
+#include "axode/derivatives/inverse_dynamics_derivatives.hpp"
+#include "axode/dynamics/check_loads.hpp"
+#include "axode/recursion/instantiate.hpp"
+
+namespace axode {
+namespace {
+
+template <class T> using RowByRow = typename LoopSystem<T>::RowByRow;
+
+template <class T> std::span<T> entries(RowByRow<T>& matrix) {
+  return {matrix.data(), static_cast<std::size_t>(matrix.size())};
+}
+
+/// The rows of a matrix that are kept, and back.
+template <class T> Eigen::MatrixX<T> kept(const RowByRow<T>& all, const std::vector<int>& rows) {
+  Eigen::MatrixX<T> out(static_cast<Eigen::Index>(rows.size()), all.cols());
+  for (std::size_t k = 0; k < rows.size(); ++k) out.row(static_cast<Eigen::Index>(k)) = all.row(rows[k]);
+  return out;
+}
+
+template <class T> void write(const Eigen::MatrixX<T>& matrix, std::span<T> out) {
+  if (!out.empty()) Eigen::Map<RowByRow<T>>(out.data(), matrix.rows(), matrix.cols()) = matrix;
+}
+
+}  // namespace
+
+template <class T>
+Solvability forward_dynamics_derivatives(const Model& model, LoopWorkspace<T>& workspace, Numbers<T> q,
+                                         Numbers<T> v, Numbers<T> tau,
+                                         const std::type_identity_t<ClosedDynamicsDerivatives<T>>& d,
+                                         const std::type_identity_t<Loads<T>>& loads) {
+  using Matrix = Eigen::MatrixX<T>;
+  using Vector = Eigen::VectorX<T>;
+  LoopSystem<T>& system = checked(model, workspace, q, v);
+  check_size("tau", tau.size(), v.size(), "nv");
+  check_loads(model, loads);
+  const Eigen::Index n = model.nv(), m = model.loops().rows;
+  for (const std::span<T>& out : {d.a_q, d.a_v, d.a_tau})
+    check_rows("d.a", out.size(), model.nv() * model.nv(), "nv * nv");
+  for (const std::span<T>& out : {d.lambda_q, d.lambda_v, d.lambda_tau})
+    if (!out.empty())
+      check_rows("d.lambda", out.size(), model.loops().rows * model.nv(), "loops().rows * nv");
+
+  Vector a(n), h(n), gamma(m), lambda = Vector::Zero(m);
+  const Solvability verdict =
+      system.accelerate(q.data(), v.data(), tau.data(), loads, a.data(), lambda.data());
+  const auto fail = [&](Solvability found) {
+    for (const std::span<T>& out : {d.a_q, d.a_v, d.a_tau, d.lambda_q, d.lambda_v, d.lambda_tau})
+      std::ranges::fill(out, std::numeric_limits<T>::quiet_NaN());
+    return found;
+  };
+  if (!verdict.ok()) return fail(verdict);
+  system.move(q.data(), v.data(), loads, h.data());
+  system.bias(gamma.data());
+  const IndependentRows<T> rows(system, LoopSystem<T>::Rows::velocities);
+  const Eigen::Index r = rows.rank();
+  RowByRow<T> A(m, n), by_q(n, n), by_v(n, n), M(n, n);
+  system.write(A.data());
+  Workspace<T> tree(model);
+  inverse_dynamics_derivatives(model, tree, q, v, std::span<const T>(a.data(), v.size()),
+                               {entries<T>(by_q), entries<T>(by_v), entries<T>(M)}, loads);
+
+  Matrix K = Matrix::Zero(n + r, n + r);
+  const Matrix A_kept = kept<T>(A, rows.kept);
+  K.topLeftCorner(n, n) = M, K.topRightCorner(n, r) = -A_kept.transpose(), K.bottomLeftCorner(r, n) = A_kept;
+  const Eigen::PartialPivLU<Matrix> factor(K);
+  Vector right(n + r);
+  for (Eigen::Index c = 0; c < n; ++c) right[c] = tau[static_cast<std::size_t>(c)] - h[c];
+  for (Eigen::Index k = 0; k < r; ++k) right[n + k] = -gamma[rows.kept[static_cast<std::size_t>(k)]];
+  const Vector found = factor.solve(right);
+  a = found.head(n), lambda.setZero();
+  for (Eigen::Index k = 0; k < r; ++k) lambda[rows.kept[static_cast<std::size_t>(k)]] = found[n + k];
+
+  RowByRow<T> closing = RowByRow<T>::Zero(n, n), rows_q = RowByRow<T>::Zero(m, n),
+              rows_v = RowByRow<T>::Zero(m, n);
+  system.force(q.data(), v.data(), a.data(), loads, h.data());
+  system.make_rows(LoopSystem<T>::Rows::velocities);
+  system.differentiate(lambda.data(), rows_q.data(), rows_v.data(), closing.data());
+  Matrix changes = Matrix::Zero(n + r, 3 * n);
+  changes.topLeftCorner(n, n) = closing - by_q, changes.block(0, n, n, n) = -by_v;
+  changes.topRightCorner(n, n).setIdentity();
+  changes.bottomLeftCorner(r, n) = -kept<T>(rows_q, rows.kept);
+  changes.block(n, n, r, n) = -kept<T>(rows_v, rows.kept);
+  const Matrix x = factor.solve(changes);
+  Matrix of_rows = Matrix::Zero(m, 3 * n);
+  for (Eigen::Index k = 0; k < r; ++k) of_rows.row(rows.kept[static_cast<std::size_t>(k)]) = x.row(n + k);
+  write<T>(x.topLeftCorner(n, n), d.a_q), write<T>(x.block(0, n, n, n), d.a_v),
+      write<T>(x.topRightCorner(n, n), d.a_tau);
+  write<T>(of_rows.leftCols(n), d.lambda_q), write<T>(of_rows.middleCols(n, n), d.lambda_v);
+  write<T>(of_rows.rightCols(n), d.lambda_tau);
+  return x.allFinite() ? Solvability{} : fail({.not_finite = true});
+}
+
+template Solvability forward_dynamics_derivatives(const Model&, LoopWorkspace<AXODE_T>&, Numbers<AXODE_T>,
+                                                  Numbers<AXODE_T>, Numbers<AXODE_T>,
+                                                  const ClosedDynamicsDerivatives<AXODE_T>&,
+                                                  const Loads<AXODE_T>&);
+
+}  // namespace axode
