@@ -3,6 +3,7 @@
 #include <nanobind/stl/string.h>
 
 #include "axode/constraints/assembly.hpp"
+#include "axode/constraints/constrained_derivatives.hpp"
 #include "axode/constraints/constrained_dynamics.hpp"
 #include "axode/constraints/mobility.hpp"
 #include "bindings.hpp"
@@ -182,6 +183,25 @@ Array closed_inverse_dynamics(const BoundModel& m, const Arguments& given, nb::h
               .c_str());
   states.refuse({}, out);
   return out.array();
+}
+
+nb::object closed_forward_dynamics_derivatives(const BoundModel& m, const Arguments& given) {
+  const States states(m, given.q, given.threads);
+  const Items v = states.velocities("v", given.v), tau = states.velocities("tau", given.tau);
+  const AppliedLoads applied(states, given.loads, given.joint_losses);
+  const Shape shape{m->nv(), m->nv()};
+  NewArray by_q = states.result(shape), by_v = states.result(shape), by_tau = states.result(shape);
+  std::vector<Solvability> found(states.count());
+  each_closed(states, m, [&](LoopWorkspace<>& workspace, std::size_t k) {
+    found[k] = applied.with(k, [&](const Loads<double>& now) {
+      return forward_dynamics_derivatives(
+          *m, workspace, states.q(k), v[k], tau[k],
+          {part(by_q, k, shape), part(by_v, k, shape), part(by_tau, k, shape)}, now);
+    });
+  });
+  for (NewArray* out : {&by_q, &by_v, &by_tau}) states.refuse(found, *out);
+  return named_tuple("axode.records", "ForwardDynamicsDerivatives", by_q.array(), by_v.array(),
+                     by_tau.array());
 }
 
 void add_constraints(nb::module_& module) {

@@ -3,6 +3,7 @@
 #include "axode/eigen.hpp"
 #include "axode/fast/fast.hpp"
 #include "axode/model/check_no_loops.hpp"
+#include "constraints.hpp"
 #include "conversions.hpp"
 
 namespace axode::python {
@@ -211,6 +212,8 @@ std::string signature(const char* name, std::initializer_list<const char*> argum
 nb::object StateFunction::named(const char* type, const BoundModel& m, const Arguments& given) const {
   if (type == nullptr) return nb::cast((*this)(m, given));
   const Row& called = row(given.algorithm);
+  if (!m->loops().empty() && called.name == "forward_dynamics_derivatives")
+    return closed_forward_dynamics_derivatives(m, given);
   NewArray out = run(m, given, called);
   nb::list parts;
   const int axes = static_cast<int>(called.shape.size()) + axes_of(called.entry).axes;

@@ -128,6 +128,24 @@ def test_mobility():
     assert np.abs(A @ found.kernel).max() < 1e-12
 
 
+@pytest.mark.parametrize("name", MECHANISMS)
+def test_derivatives(name):
+    m = MECHANISMS[name]
+    q, v, tau = state(m, 3)
+    by_q, by_v, by_tau = axode.forward_dynamics_derivatives(m, q, v, tau)
+    x, h = np.random.default_rng(4).normal(size=m.nv), 1e-5
+
+    def difference(f):
+        return (f(h * x) - f(-h * x)) / (2 * h)
+    for D, f in ((by_q, lambda x: axode.forward_dynamics(m, m.integrate(q, x), v, tau)),
+                 (by_v, lambda x: axode.forward_dynamics(m, q, v + x, tau)),
+                 (by_tau, lambda x: axode.forward_dynamics(m, q, v, tau + x))):
+        expected = difference(f)
+        np.testing.assert_allclose(D @ x, expected, atol=1e-5 * (1 + np.abs(expected).max()))
+    many = axode.forward_dynamics_derivatives(m, *(np.array([x, x]) for x in (q, v, tau)))
+    np.testing.assert_array_equal(many.q[1], by_q)
+
+
 @pytest.mark.parametrize("method", ["rk4", "dopri5"])
 def test_motions_keep_loops_and_energy(method):
     q, v = axode.assemble(FOUR_BAR, FOUR_BAR.neutral(), [-2.0, 0, 0])
@@ -153,7 +171,7 @@ def test_motions_start_closed():
     lambda m, q, v: axode.rollout(m, q, v, v[None], 0.01),
     lambda m, q, v: axode.linearize(m, q, v, v),
     lambda m, q, v: axode.equilibrium(m, q),
-    lambda m, q, v: axode.forward_dynamics_derivatives(m, q, v, v),
+    lambda m, q, v: axode.forward_dynamics_jvp(m, q, v, v, v, v, v),
     lambda m, q, v: axode.codegen.c_source(m, ["forward_dynamics"]),
 ], ids=["generalized_alpha", "midpoint", "rollout", "linearize", "equilibrium", "derivatives", "codegen"])
 def test_what_does_not_count_loops_says_so(call):
