@@ -100,6 +100,18 @@ TEST(SimulateCommand, WritesFiles) {
   EXPECT_EQ(found.at("velocities"), Motion({"pin", "elbow"}));
 }
 
+TEST(SimulateCommand, ClosesTheLoopsOfItsStartWhereAsked) {
+  const std::string spun = R"({"v": {"crank_joint": 1}})";
+  std::vector<std::string> words{"simulate", robot("four_bar.toml"), "--state", "-", "--format", "json"};
+  EXPECT_THAT(axode(words, spun).err, StartsWith("axode simulate: v tears loop \"pin\" open at 0.2"));
+  words.emplace_back("--assemble");
+  const Outcome outcome = axode(words, spun);
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  const Motion found = Motion::parse(outcome.out);
+  for (const double energy : found.at("energy"))
+    EXPECT_NEAR(energy, found.at("energy")[0].get<double>(), 1e-6);
+}
+
 TEST(SimulateCommand, RefusesWhatItCannotUse) {
   const auto error = [](std::vector<std::string> more) {
     more.insert(more.begin(), {"simulate", swinging});
