@@ -177,6 +177,7 @@ template <class T> void LoopSystem<T>::residual(const T* q, T* r) const noexcept
 }
 
 template <class T> void LoopSystem<T>::make_rows(Rows rows) noexcept {
+  if (rows != rows_) Y_.setZero();  // its columns are now those of others
   rows_ = rows;
   for (std::size_t k = 0; k < at_.size(); ++k) {
     const LoopPath& path = paths_[k];

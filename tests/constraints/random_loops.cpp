@@ -1,5 +1,6 @@
 #include "tests/model/random_loops.hpp"
 #include "axode/constraints/constrained_dynamics.hpp"
+#include "axode/constraints/independent_rows.hpp"
 #include "axode/dynamics.hpp"
 #include "tests/laws/law.hpp"
 
@@ -92,6 +93,21 @@ TEST(RandomLoops, MotionsKeepTheRowsAndForcesAreTheirs) {
     loop_bias(tree.model, tree.loops, tree.q, v, gamma);
     EXPECT_LT((rows * vector(a) + vector(gamma)).norm(),
               1e-6 * (1 + vector(gamma).norm() + vector(a).norm()));
+  });
+}
+
+TEST(RandomLoops, RankDoesNotDependOnWhatWasAskedBefore) {
+  for_seeds(30, [](std::uint64_t seed) {
+    const LoopedTree tree(seed);
+    const auto kept = [](LoopSystem<double>& system, const Numbers& q) {
+      system.place(q.data());
+      return IndependentRows<double>(system, LoopSystem<double>::Rows::velocities).kept;
+    };
+    LoopSystem<double> system(tree.model), other(tree.model);
+    const std::vector<int> expected = kept(system, tree.q);
+    Numbers x(tree.v.size());
+    if (!other.approach(tree.q.data(), x.data()).ok()) return;
+    EXPECT_EQ(kept(other, tree.q), expected);
   });
 }
 
