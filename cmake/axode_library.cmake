@@ -34,7 +34,6 @@ set(AXODE_PER_SCALAR
     kinematics/poses
     constraints/constrained_derivatives
     constraints/constrained_dynamics
-    constraints/loop_derivatives
     constraints/loop_system
     constraints/loops
     derivatives/geometry_derivatives
@@ -68,6 +67,7 @@ set(AXODE_PER_REPRESENTATION_AND_FAST
     catalog/functions)
 
 set(AXODE_QUICK_PER_SCALAR
+    constraints/loop_derivatives
     derivatives/forward_dynamics_derivatives
     derivatives/hessian
     derivatives/inverse_dynamics_derivatives
