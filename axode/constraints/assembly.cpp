@@ -38,7 +38,7 @@ class Assembly {
     Vector r = residual_of(result_.q);
     const double enough = options_.tolerance * size();
     double damping = 1e-4;
-    for (; r.norm() > enough; ++result_.iterations) {
+    for (; !(r.norm() <= enough); ++result_.iterations) {  // nor where it overflows
       if (result_.iterations == options_.iterations || (options_.monitor && !options_.monitor()))
         return AssemblyStatus::iteration_limit;
       const Matrix R = rows(Rows::places);
@@ -146,7 +146,7 @@ std::string to_string(const Model& model, const AssemblyResult& result) {
                          : "is not closed after " + std::to_string(result.iterations) + " iterations: ";
   const char* separator = "";
   for (const std::size_t k : order) {
-    if (!(result.open[k] > 1e-3 * result.open[order[0]])) break;
+    if (result.open[k] < 1e-3 * result.open[order[0]]) break;
     text += separator + ("loop \"" + loops[k].name + "\" stays open by " + to_text(result.open[k]));
     separator = ", ";
   }
@@ -157,9 +157,7 @@ AssemblyResult assemble(const Model& model, std::span<const double> q, std::span
                         const AssemblyOptions& options) {
   check_configuration(model, q);
   if (!v.empty()) check_size("v", v.size(), static_cast<std::size_t>(model.nv()), "nv");
-  const auto number = [](double x) { return std::isfinite(x); };
-  if (!std::ranges::all_of(q, number) || !std::ranges::all_of(v, number))
-    throw std::invalid_argument("assemble: q or v is not finite");
+  if (!finite(q) || !finite(v)) throw std::invalid_argument("assemble: q or v is not finite");
   for (const int c : options.held)
     if (c < 0 || c >= model.nv())
       throw std::invalid_argument("held has the velocity " + std::to_string(c) + "; there are 0 to " +

@@ -52,6 +52,7 @@ Solvability forward_dynamics(const Model& model, LoopWorkspace<T>& workspace, Nu
   check_size("tau", tau.size(), v.size(), "nv");
   check_size("a", a.size(), v.size(), "nv");
   check_loads(model, loads);
+  check_separate("lambda", lambda, "a", a);
   return system.accelerate(q.data(), v.data(), tau.data(), loads, a.data(),
                            Multipliers<T>(model, "lambda", lambda).data());
 }
@@ -64,6 +65,7 @@ T inverse_dynamics(const Model& model, LoopWorkspace<T>& workspace, Numbers<T> q
   check_size("a", a.size(), v.size(), "nv");
   check_size("tau", tau.size(), v.size(), "nv");
   check_loads(model, loads);
+  check_separate("lambda", lambda, "tau", tau);
   const std::vector<int> at = driven(model, drives);
   using Vector = Eigen::VectorX<T>;
   using Matrix = Eigen::MatrixX<T>;
@@ -93,6 +95,7 @@ Solvability impact(const Model& model, LoopWorkspace<T>& workspace, Numbers<T> q
                    std::type_identity_t<std::span<T>> v_after, std::type_identity_t<std::span<T>> impulses) {
   LoopSystem<T>& system = checked(model, workspace, q, v);
   check_size("v_after", v_after.size(), v.size(), "nv");
+  check_separate("impulses", impulses, "v", v), check_separate("impulses", impulses, "v_after", v_after);
   if (!(restitution >= T(0) && restitution <= T(1)))
     throw std::invalid_argument("restitution is " + to_text(static_cast<double>(restitution)) +
                                 "; it must be from 0 to 1");

@@ -4,13 +4,6 @@
 
 namespace axode {
 
-/// A body at an end of a loop, about a common point O, in inertial axes.
-template <class T> struct LoopEnd {
-  SE3<T> C;  ///< the frame of the loop, seen from O
-  Twist<Spatial, T> V{};
-  TwistRate<Spatial, T> dV{};
-};
-
 /// One loop at a state: its residual r, and the wrenches W that close it, with W λ on the second body and -W λ on the
 /// first. They are all that statics and dynamics ask for:
 ///   A v = Wᵀ (V_j - V_i),   (A v)' = Wᵀ (V'_j - V'_i) + W'ᵀ (V_j - V_i),   r' = Rᵀ (V_j - V_i)
@@ -20,7 +13,7 @@ template <class T> class LoopAt {
   using W = Wrench<Spatial, T>;
   using Wrenches = std::array<W, 6>;
 
-  /// `pose` of a frame is its C.
+  /// With the frames of the loop on its two bodies, seen from a common point O in inertial axes.
   LoopAt(const Loop& loop, const SE3<T>& C_a, const SE3<T>& C_b)
       : loop_(loop), a_(C_a), b_(C_b), closure_(loop.kind, T(loop.pitch)), size_(T(loop.size)) {}
 

@@ -5,7 +5,6 @@
 #include <concepts>
 #include <limits>
 
-#include "axode/kinematics/path.hpp"
 #include "axode/recursion/instantiate.hpp"
 
 namespace axode {
@@ -92,6 +91,8 @@ Solvability LoopSystem<T>::collide(const T* q, const T* v, const T& e, T* v_afte
     forces_.setZero();
     add_transposed_times(impulses, forces_.data());
     solve(forces_.data());
+  } else {
+    std::fill_n(impulses, size(Rows::velocities), std::numeric_limits<T>::quiet_NaN());
   }
   for (int c = 0; c < nv; ++c) v_after[c] = v[c] + forces_[c];
   return solved(verdict, nv, v_after);

@@ -471,6 +471,33 @@ TEST(Assembly, HoldsWhatIsHeld) {
   EXPECT_LT((matrix(5, A) * vector(found.v)).norm(), 1e-10);
 }
 
+TEST(Assembly, DoesNotCallClosedWhatOverflows) {
+  const Model model = ModelBuilder(gough()).build();
+  Numbers guess = neutral(model);
+  guess.back() = 1e300;
+  const AssemblyResult found = assemble(model, guess);
+  EXPECT_EQ(found.status, AssemblyStatus::open);
+  EXPECT_THAT(to_string(model, found), testing::HasSubstr("loop \"loop 6\" stays open by"));
+}
+
+TEST(ClosedResults, NeedMemoryOfTheirOwn) {
+  const Model model = ModelBuilder(four_bar()).build();
+  LoopWorkspace<double> workspace(model);
+  const Numbers q(3), tau(3);
+  Numbers both(8);
+  const std::span<double> a(both.data(), 3), lambda(both.data() + 2, 5);
+  EXPECT_THROW(static_cast<void>(forward_dynamics(model, workspace, q, tau, tau, a, lambda)),
+               std::invalid_argument);
+  EXPECT_THROW(static_cast<void>(inverse_dynamics(model, workspace, q, tau, tau, a, lambda)),
+               std::invalid_argument);
+  EXPECT_THROW(static_cast<void>(impact(model, workspace, q, a, 0.0, a, lambda)), std::invalid_argument);
+  Numbers in_place{1, 2, 3}, apart(3);
+  const Numbers v = in_place;
+  ASSERT_TRUE(impact(model, workspace, q, v, 0.0, apart).ok());
+  ASSERT_TRUE(impact(model, workspace, q, in_place, 0.0, in_place).ok());
+  EXPECT_EQ(in_place, apart);
+}
+
 TEST(Assembly, SaysWhichLoopStaysOpen) {
   Description d = slider_crank();
   d.loops[0].frames = {SE3<>{{}, {2, 0, 0}}, SE3<>{{}, {2, 9, 0}}};  // nine metres off the slider's axis
