@@ -29,9 +29,9 @@ namespace {
 
 struct Options {
   ModelOptions mechanism;
-  std::string state, target, method = "dopri5", format = "table";
+  std::string state, target, method = "dopri5", coordinates = "relative", format = "table";
   std::vector<double> gains;
-  double until = 1, relative = 1e-8, absolute = 1e-10;
+  double until = 1, relative = 1e-8, absolute = 1e-10, spectral_radius = 0.8;
   std::optional<double> step;
   int samples = 0;
   bool joint_losses = false, assemble = false;
@@ -47,6 +47,11 @@ order, the latter semi-implicit), or generalized_alpha (implicit, of second orde
 momentum of what floats to rounding: midpoint, suzuki4 and kahan_li6 (implicit, of second, fourth and sixth order), whose energy
 errors stay bounded, and rk4_momenta (explicit).
 
+KIND is relative (coordinates of the joints), absolute (bodies as points of SE(3), every joint a constraint) or
+absolute_SO3xR3 (of SO(3) x R^3). In absolute coordinates dopri5, rk4 and euler bring joints and loops back after each step;
+rattle, rattle_suzuki4 and rattle_kahan_li6 (symplectic, of second, fourth and sixth order), half_explicit (third order),
+generalized_alpha and generalized_alpha_index3 are there besides. Results are in coordinates of the joints in any case.
+
 With --pd the joints are driven towards the q and v of --target besides, all but free ones on the ground, by
 tau = KP (q_target - q) + KD (v_target - v), differences of rotations being rotation vectors. Springs, dampers and stops of
 the mechanism always act.
@@ -61,16 +66,6 @@ The ending of FILE says what is written: .json all that is known; .csv a row for
 energy, under names; .npz these as arrays: q = numpy.load("run.npz")["q"]. Ctrl-C ends the motion; what there is by then is
 written.)";
 
-enum class Method { dopri5, rk4, euler, generalized_alpha, midpoint, suzuki4, kahan_li6, rk4_momenta };
-constexpr std::array<std::pair<std::string_view, Method>, 8> methods{
-    {{"dopri5", Method::dopri5},
-     {"rk4", Method::rk4},
-     {"euler", Method::euler},
-     {"generalized_alpha", Method::generalized_alpha},
-     {"midpoint", Method::midpoint},
-     {"suzuki4", Method::suzuki4},
-     {"kahan_li6", Method::kahan_li6},
-     {"rk4_momenta", Method::rk4_momenta}}};
 volatile std::sig_atomic_t interrupted = 0;
 void interrupt(int) { interrupted = 1; }
 
@@ -141,23 +136,18 @@ Trajectory motion_of(const Model& model, const State& state, const Drive& drive,
     return interrupted == 0;
   };
   const Method method = choose("--method", options.method, methods);
+  acting.coordinates = choose("--coordinates", options.coordinates, coordinate_kinds);
   if (options.step) check_step(*options.step);
-  if (method == Method::dopri5)
-    return simulate(model, state.q, state.v, options.until,
-                    {options.relative, options.absolute, options.step.value_or(0), 0}, acting);
-  if (!options.step) throw UsageError("--step is missing; " + options.method + " takes steps of one length");
-  const double step = *options.step, until = options.until;
-  switch (method) {
-    case Method::generalized_alpha: return simulate_stiff(model, state.q, state.v, until, step, 0.8, acting);
-    case Method::midpoint: return simulate_conserving(model, state.q, state.v, until, step, 2, acting);
-    case Method::suzuki4: return simulate_conserving(model, state.q, state.v, until, step, 4, acting);
-    case Method::kahan_li6: return simulate_conserving(model, state.q, state.v, until, step, 6, acting);
-    case Method::rk4_momenta:
-      return simulate_momenta(model, state.q, state.v, until, step, runge_kutta(4), acting);
-    default:
-      return simulate_fixed(model, state.q, state.v, until, step, runge_kutta(method == Method::rk4 ? 4 : 1),
-                            acting);
-  }
+  if (!method.adapts && !options.step)
+    throw UsageError("--step is missing; " + options.method + " takes steps of one length");
+  return method.simulate({model,
+                          state.q,
+                          state.v,
+                          options.until,
+                          options.step.value_or(0),
+                          {.relative = options.relative, .absolute = options.absolute},
+                          options.spectral_radius,
+                          acting});
 }
 
 /// What is shown of a motion, a row for each time.
@@ -224,6 +214,7 @@ Json as_json(const Trajectory& motion, const Rows& rows, const Options& options)
   };
   return {{"model", model.name()},
           {"method", options.method},
+          {"computed_in", options.coordinates},
           {"coordinates", coordinate_names(model)},
           {"velocities", velocity_names(model)},
           {"steps", motion.steps},
@@ -302,11 +293,19 @@ void add_simulate(CLI::App& app, int& exit_code) {
       ->add_option("--method", options->method,
                    "dopri5 (if left out), rk4, euler, generalized_alpha, midpoint, ...")
       ->type_name("WORD");
+  simulate
+      ->add_option("--coordinates", options->coordinates,
+                   "relative (if left out), absolute or absolute_SO3xR3")
+      ->type_name("KIND");
   simulate->add_option("--step", options->step, "Length of a step, s; of the first one with dopri5")
       ->type_name("NUMBER");
   simulate->add_option("--rtol", options->relative, "Relative tolerance; 1e-8 if left out")
       ->type_name("NUMBER");
   simulate->add_option("--atol", options->absolute, "Absolute tolerance, rad, m; 1e-10 if left out")
+      ->type_name("NUMBER");
+  simulate
+      ->add_option("--spectral-radius", options->spectral_radius,
+                   "What generalized_alpha leaves of quick oscillations in a step, 0 to 1; 0.8 if left out")
       ->type_name("NUMBER");
   simulate
       ->add_option("--pd", options->gains, "Gains of a controller, N m/rad and N m s/rad, or N/m and N s/m")

@@ -1,6 +1,7 @@
 #pragma once
 #include "axode/integration/configuration_group.hpp"
 #include "axode/integration/drives.hpp"
+#include "axode/integration/methods.hpp"
 #include "axode/integration/reconstruction.hpp"
 #include "axode/integration/sensitivities.hpp"
 #include "axode/integration/simulation.hpp"

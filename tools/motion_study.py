@@ -75,11 +75,15 @@ HEAVY_TOP = {"euler": ((9, 18), (16, 18)), "generalized_alpha": ((9, 18), (11, 1
 TOLERANCES = [10.0**-k for k in range(4, 13)]
 
 
-def heavy_top(page):
+def heavy_top_model():
     b = axode.Builder("heavy top")
     b.body("top", joint={"kind": "spherical", "point": [0, 0, 0]}, mass=15, com=[0, 1, 0],
            inertia=[0.234375, 0.46875, 0.234375])
-    m = b.build()
+    return b.build()
+
+
+def heavy_top(page):
+    m = heavy_top_model()
 
     def end(method, **options):
         motion = axode.simulate(m, m.neutral(), [0, 150, -4.61538], until=1, method=method, **options)
@@ -308,6 +312,81 @@ def andrews(page):
                            "energy less work, J"], rows)
 
 
+# ---- absolute coordinates --------------------------------------------------------------------------------------------
+GROUPS = {"absolute": "SE(3)", "absolute_SO3xR3": "SO(3) × R³"}
+HELD = {"generalized_alpha_index3": {"spectral_radius": 0.9}, "generalized_alpha": {"spectral_radius": 0.9},
+        "rattle": {}, "rattle_suzuki4": {}, "half_explicit": {}, "rk4": {}}
+
+
+def absolute(page):
+    heavy_top_of_bodies(page)
+    four_bar_of_bodies(page)
+    mechanisms_of_bodies(page)
+
+
+def heavy_top_of_bodies(page):
+    m, rows = heavy_top_model(), []
+    for name, v in (("fast", [0, 150, -4.61538]), ("slow", [0, 1.5, -0.0461538])):
+        exact = axode.simulate(m, m.neutral(), v, 1, method="kahan_li6", step=2.0**-14)
+        for coordinates, group in GROUPS.items():
+            for method, options in HELD.items():
+                progress("absolute: heavy top", name, method, group)
+                runs = [axode.simulate(m, m.neutral(), v, 1, method=method, step=2.0**-power, coordinates=coordinates,
+                                       **options) for power in (10, 11)]
+                errors = np.array([[np.linalg.norm(m.difference(exact.q[-1], run.q[-1])),
+                                    np.abs(exact.v[-1] - run.v[-1]).max()] for run in runs])
+                orders = np.log2(errors[0] / errors[1])
+                rows.append([name, group, f"`{method}`", number(errors[1, 0]), number(errors[1, 1]),
+                             f"{orders[0]:.2f}, {orders[1]:.2f}", number(runs[1].gap.max(), 0),
+                             number(runs[1].slip.max(), 0)])
+    page.table("heavy top of bodies", ["top", "group", "method", "R, rad", "ω, rad/s", "orders", "Φ, m", "B v, m/s"],
+               rows)
+
+
+def four_bar_of_bodies(page):
+    m, rows = axode.load(axode.robots / "n_four_bar.toml"), []
+    q, v = axode.assemble(m, m.neutral(), [-1, 1, 0, -1, -1])
+    for method in HELD:
+        options = {"spectral_radius": 0.95} if "alpha" in method else {}
+        cells = []
+        for step in (1e-2, 1e-3, 5e-4):
+            progress("absolute: N-four-bar", method, step)
+            begin = time.process_time()
+            motion = axode.simulate(m, q, v, 10, method=method, step=step, coordinates="absolute_SO3xR3", **options)
+            cost = (time.process_time() - begin) / motion.steps * 1e6
+            cells.append(number(np.abs(motion.energy - motion.energy[0]).max(), 2))
+        rows.append([f"`{method}`", *cells, f"{cost:.0f}"])
+    page.table("four-bar of bodies", ["method", "10 ms", "1 ms", "0.5 ms", "µs a step"], rows)
+
+
+def mechanisms_of_bodies(page):
+    rows = []
+    for name, speed, until, step in (("bricard", None, 10, 5e-3), ("governor", {0: 2 * np.pi}, 2, 1e-3),
+                                     ("gough", {0: 0.3, 1: -0.2, 2: 0.5, 3: 0.1, 4: 0.2, 5: 0.4}, 1, 2e-3)):
+        m = axode.load(axode.robots / f"{name}.toml")
+        v = np.zeros(m.nv)
+        for c, speed_c in (speed or {}).items():
+            v[c] = speed_c
+        q, v = axode.assemble(m, m.neutral(), v)
+        exact = axode.simulate(m, q, v, until, rtol=1e-12, atol=1e-13)
+        choices = [("rk4", "relative"), *((method, kind) for kind in GROUPS for method in HELD)]
+        for method, coordinates in choices:
+            progress("absolute:", name, method, coordinates)
+            options = HELD[method] if coordinates != "relative" else {}
+            try:
+                motion = axode.simulate(m, q, v, until, method=method, step=step, coordinates=coordinates, **options)
+            except axode.SimulationError as stopped:
+                rows.append([name, GROUPS.get(coordinates, "joints"), f"`{method}`", f"{step} s",
+                             f"stopped at {stopped.trajectory.t[-1]:.2f} s", "", ""])
+                continue
+            rows.append([name, GROUPS.get(coordinates, "joints"), f"`{method}`", f"{step} s",
+                         number(np.abs(m.difference(exact.q[-1], motion.q[-1])).max()),
+                         number(np.abs(motion.energy - motion.energy[0]).max()),
+                         number(np.abs(axode.loop_residual(m, motion.q)).max(), 0)])
+    page.table("mechanisms of bodies", ["", "coordinates", "method", "step", "q, rad or m", "energy, J",
+                                        "open by, rad or m"], rows)
+
+
 # ---- cost ------------------------------------------------------------------------------------------------------------
 COST = ["rk4", "rk4_momenta", "generalized_alpha", "midpoint", "suzuki4", "kahan_li6"]
 STEPS = 300
@@ -416,7 +495,7 @@ def falling_top_beside_mujoco(page):
     page.table("falling top", ["step", "`rk4`: rad, m", "`rk4_momenta`: rad, m", "MuJoCo's RK4: rad, m"], rows)
 
 
-SECTIONS = {section.__name__: section for section in (heavy_top, free_top, chain, humanoid, loops, cost)}
+SECTIONS = {section.__name__: section for section in (heavy_top, free_top, chain, humanoid, loops, absolute, cost)}
 
 
 def main():

@@ -38,7 +38,8 @@ class Assembly {
     Vector r = residual_of(result_.q);
     const double enough = options_.tolerance * size();
     double damping = 1e-4;
-    for (; !(r.norm() <= enough); ++result_.iterations) {  // nor where it overflows
+    const auto closed = [&] { return std::isfinite(r.norm()) && r.norm() <= enough; };
+    for (; !closed(); ++result_.iterations) {
       if (result_.iterations == options_.iterations || (options_.monitor && !options_.monitor()))
         return AssemblyStatus::iteration_limit;
       const Matrix R = rows(Rows::places);

@@ -122,6 +122,18 @@ template <class T> void LoopSystem<T>::place(const T* q) noexcept {
   place_loops();
 }
 
+template <class T> void LoopSystem<T>::place(const SE3<T>* C) noexcept {
+  const Topology& topology = *tree().operator->();
+  auto& links = dynamics_->bodies.links;
+  link_ = links.link, origin_ = links.origin;
+  link_[0] = Link<Spatial, T>::root();
+  each_root(topology, [&](int root) {
+    origin_[root] = C[root].r;
+    for (int i = root; i < topology.subtree_end[root]; ++i) link_[i] = {{C[i].R, C[i].r - origin_[root]}};
+  });
+  place_loops();
+}
+
 template <class T>
 void LoopSystem<T>::force(const T* q, const T* v, const T* a, const Loads<T>& loads, T* tau) noexcept {
   auto& recursion = dynamics_->recursion;
@@ -228,8 +240,9 @@ template <class T> void LoopSystem<T>::add_transposed_times(const T* lambda, T* 
   }
 }
 
-template <class T> void LoopSystem<T>::bias(T* gamma) noexcept {
-  const auto& [link, V, dV] = dynamics_->recursion.motion.bodies;
+template <class T>
+void LoopSystem<T>::bias(const Twist<Spatial, T>* V, const TwistRate<Spatial, T>* dV,
+                         T* gamma) const noexcept {
   for (std::size_t k = 0; k < at_.size(); ++k) {
     const Loop& loop = *paths_[k].loop;
     T* const out = gamma + loop.first_row;
@@ -241,6 +254,34 @@ template <class T> void LoopSystem<T>::bias(T* gamma) noexcept {
                            .bias({V[i].w, V[i].v - cross(V[i].w, shift)}, V[j],
                                  {dV[i].w, dV[i].v - cross(dV[i].w, shift)}, dV[j]);
     std::copy_n(all.begin(), paths_[k].rows.count, out);
+  }
+}
+
+template <class T> void LoopSystem<T>::rates(const Twist<Spatial, T>* X, const T* x, T* out) const noexcept {
+  for (std::size_t k = 0; k < at_.size(); ++k) {
+    const Loop& loop = *paths_[k].loop;
+    T* const rows = out + first(paths_[k]);
+    if (loop.kind == LoopKind::coupling) {
+      *rows = T(0);
+      for (const Loop::Term& term : loop.terms) *rows += T(term.factor) * x[term.velocity];
+      continue;
+    }
+    for (int r = 0; r < count(paths_[k]); ++r) {
+      const Wrench<Spatial, T>& W = at_[k].W[index(r)];
+      rows[r] = (W | X[loop.ends[1].body]) - (on_first(at_[k], W) | X[loop.ends[0].body]);
+    }
+  }
+}
+
+template <class T>
+void LoopSystem<T>::add_wrenches(const T* lambda, Wrench<Spatial, T>* on, T* tau) const noexcept {
+  for (std::size_t k = 0; k < at_.size(); ++k) {
+    const Loop& loop = *paths_[k].loop;
+    if (loop.kind == LoopKind::coupling)
+      for (const Loop::Term& term : loop.terms)
+        tau[term.velocity] += T(term.factor) * lambda[first(paths_[k])];
+    const Wrench<Spatial, T> W = wrench(k, lambda);
+    on[loop.ends[1].body] += W, on[loop.ends[0].body] -= on_first(at_[k], W);
   }
 }
 
@@ -341,8 +382,13 @@ template <class T> void LoopSystem<T>::factorize_rows() noexcept {
 }
 
 template <class T> void LoopSystem<T>::hold(const T* q) noexcept {
-  const T part = is_float<T> ? T(1e-4) : T(1e-10);
   place(q);
+  hold();
+}
+
+template <class T> void LoopSystem<T>::hold() noexcept {
+  const T part = is_float<T> ? T(1e-4) : T(1e-10);
+  filter_ = least_filter<T>;
   static_cast<void>(factorize());
   make_rows(Rows::velocities);
   factorize_rows();

@@ -63,8 +63,11 @@ template <class T> class LoopSystem {
   /// geometry, which is lost as soon as the loops are a little open, is that of a whole step of an integration.
   void hold(const T* q) noexcept;
 
-  /// Links, screws and loops at q.
+  void hold() noexcept;  ///< the same, where the system is placed
+
+  /// Links, screws and loops at q, or where bodies have the poses C, which their joints need not allow.
   void place(const T* q) noexcept;
+  void place(const SE3<T>* C) noexcept;
   /// And the forces h (nv) of the tree without accelerations, with the motion of all bodies.
   void move(const T* q, const T* v, const Loads<T>& loads, T* h) noexcept {
     force(q, v, zero_.data(), loads, h);
@@ -78,8 +81,15 @@ template <class T> class LoopSystem {
   /// out = A x and out += Aᵀ λ.
   void times(const T* x, T* out) const noexcept;
   void add_transposed_times(const T* lambda, T* out) const noexcept;
-  /// γ; after move().
-  void bias(T* gamma) noexcept;
+  /// γ; after move(), or for twists of bodies about the origins of their roots.
+  void bias(T* gamma) noexcept {
+    bias(dynamics_->recursion.motion.bodies.V, dynamics_->recursion.motion.bodies.dV, gamma);
+  }
+  void bias(const Twist<Spatial, T>* V, const TwistRate<Spatial, T>* dV, T* gamma) const noexcept;
+  /// Wᵀ X of bodies that move with X about the origins of their roots, and of joint rates x.
+  void rates(const Twist<Spatial, T>* X, const T* x, T* out) const noexcept;
+  /// W λ on bodies, likewise, and on joints.
+  void add_wrenches(const T* lambda, Wrench<Spatial, T>* on, T* tau) const noexcept;
 
   /// Partial derivatives along q and v of A a + γ (m × nv), and along q of Aᵀ λ (nv × nv), [component, direction], at the
   /// motion of force() and with the rows A made. Adds to what is there.
@@ -106,6 +116,8 @@ template <class T> class LoopSystem {
   const Vector& scale() const { return scale_; }
   const std::vector<LoopPath>& paths() const { return paths_; }
   const Link<Spatial, T>& link(int i) const { return link_[i]; }
+  /// The tree without its loops.
+  ArticulatedBodies<Spatial, T>& bodies() { return dynamics_->bodies; }
 
  private:
   struct State {

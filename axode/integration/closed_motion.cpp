@@ -54,6 +54,8 @@ Solvability ClosedMotion::accelerate(Span q, Span v, Span tau, const Loads<doubl
                                               lambda_.data());
 }
 
+void ClosedMotion::hold(Span q) { workspace_.system(model_).hold(q.data()); }
+
 bool ClosedMotion::close(std::vector<double>& q, std::vector<double>& v) {
   LoopSystem<double>& system = workspace_.system(model_);
   const auto open = [&] {

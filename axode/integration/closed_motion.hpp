@@ -21,6 +21,8 @@ class ClosedMotion {
   Solvability accelerate(Span q, Span v, Span tau, const Loads<double>& loads, std::span<double> a);
   /// Whether the loops could be closed. What is 1e-13 rad and m off stays.
   [[nodiscard]] bool close(std::vector<double>& q, std::vector<double>& v);
+  /// Decides on the rank of the rows, where the loops are closed already.
+  void hold(Span q);
 
  private:
   Model model_;

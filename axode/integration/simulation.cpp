@@ -2,200 +2,24 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 #include <stdexcept>
 #include <string>
 
-#include "axode/derivatives/spring_derivatives.hpp"
-#include "axode/dynamics/check_loads.hpp"
-#include "axode/dynamics/forward_dynamics.hpp"
-#include "axode/dynamics/inverse_dynamics.hpp"
 #include "axode/dynamics/momentum.hpp"
-#include "axode/dynamics/springs.hpp"
-#include "axode/integration/closed_motion.hpp"
+#include "axode/integration/absolute_run.hpp"
 #include "axode/integration/conserving.hpp"
+#include "axode/integration/constrained_alpha.hpp"
+#include "axode/integration/explicit_steps.hpp"
 #include "axode/integration/generalized_alpha.hpp"
-#include "axode/integration/munthe_kaas.hpp"
+#include "axode/integration/half_explicit.hpp"
 #include "axode/integration/phase_space.hpp"
-#include "axode/model/configuration.hpp"
-#include "axode/model/finite.hpp"
-#include "axode/model/workspace.hpp"
+#include "axode/integration/rattle.hpp"
 
 namespace axode {
 namespace {
 
 using Vector = std::vector<double>;
 using Span = std::span<const double>;
-
-/// What all schemes share: the motion so far, accelerations, events.
-class Run {
- public:
-  Run(const Model& model, Span q_0, Span v_0, double until, const SimulationOptions& options)
-      : trajectory(model),
-        q(q_0.begin(), q_0.end()),
-        v(v_0.begin(), v_0.end()),
-        a(v_0.size()),
-        model_(model),
-        options_(options),
-        workspace_(model),
-        tau_(v_0.size()),
-        total_(v_0.size()),
-        until_(until) {
-    if (!model.loops().empty()) loops_.emplace(model);
-    check_configuration(model, q);
-    check_size("v", v.size(), static_cast<std::size_t>(model.nv()), "nv");
-    if (!finite(v)) throw std::invalid_argument("v has numbers that are not finite");
-    if (!(until >= 0) || !std::isfinite(until))
-      throw std::invalid_argument("until is " + std::to_string(until) + "; expected a time of 0 s or more");
-    check_loads(model, loads());
-    if (loops_) loops_->check(q, v);
-    if (!accelerate(0, q, v, a)) return;
-    trajectory.append(0, q, v, a, tau_);
-    values_ = values_at(0, q, v);
-  }
-
-  /// Accelerations under what acts; false, with the reason kept, where there are none.
-  bool accelerate(double t, Span q_t, Span v_t, std::span<double> a_t) {
-    if (!begin_evaluation(t, q_t, v_t)) return false;
-    const Span tau = with_springs(q_t, v_t);
-    const Solvability found = loops_ ? loops_->accelerate(q_t, v_t, tau, loads(), a_t)
-                                     : forward_dynamics(model_, workspace_, q_t, v_t, tau, a_t, loads());
-    if (!found.ok()) return stop(t, to_string(model_, found));
-    return true;
-  }
-
-  /// ID(q, v, a) - tau, which is 0 where a is the acceleration; false, with the reason kept, where it is not finite.
-  bool residual(double t, Span q_t, Span v_t, Span a_t, std::span<double> r) {
-    ++trajectory.evaluations;
-    if (!finite(q_t) || !finite(v_t) || !finite(a_t)) return stop(t, "the state is not finite");
-    inverse_dynamics(model_, workspace_, q_t, v_t, a_t, r, loads());
-    if (options_.drive) options_.drive(t, q_t, v_t, tau_);
-    const Span tau = with_springs(q_t, v_t);
-    for (std::size_t c = 0; c < r.size(); ++c) r[c] -= tau[c];
-    return finite(r) || stop(t, "forces are not finite at " + joint_of(r));
-  }
-  /// Its derivatives, without those of the drive: by q, v and a.
-  void residual_derivatives(Span q_t, Span v_t, Span a_t, const InverseDynamicsDerivatives<double>& dr) {
-    inverse_dynamics_derivatives(model_, workspace_, q_t, v_t, a_t, dr, loads());
-    if (model_.springs().empty()) return;
-    Vector by_q(dr.q.size()), by_v(dr.v.size());
-    spring_force_derivatives(model_, workspace_, q_t, v_t, {by_q, by_v});
-    for (std::size_t k = 0; k < by_q.size(); ++k) dr.q[k] -= by_q[k], dr.v[k] -= by_v[k];
-  }
-  bool is_driven() const { return static_cast<bool>(options_.drive); }
-  /// tau of the drive.
-  Span drive(double t, Span q_t, Span v_t) {
-    options_.drive(t, q_t, v_t, tau_);
-    return tau_;
-  }
-
-  /// Takes the end of a step, with the acceleration there where it is known; false where the motion ends. Loops are
-  /// closed again, which changes it a little.
-  bool take(double t, Span q_end, Span v_end, Span known = {}) {
-    Vector q_1(q_end.begin(), q_end.end()), v_1(v_end.begin(), v_end.end()), a_1(known.begin(), known.end());
-    if (loops_ && !loops_->close(q_1, v_1))
-      return stop(t, "the loops cannot be kept closed; a shorter step may help");
-    if (loops_ || known.size() != v_1.size()) {
-      a_1.resize(v_1.size());
-      if (!accelerate(t, q_1, v_1, a_1)) return false;
-    }
-    const double before = trajectory.t().back();
-    trajectory.append(t, q_1, v_1, a_1, tau_);
-    ++trajectory.steps;
-    q = q_1, v = v_1, a = a_1;
-    if (!options_.events.empty() && meets_end(before, t)) return false;
-    if (options_.monitor && !options_.monitor(t)) return stop(t, "it was interrupted");
-    return true;
-  }
-  bool stop(double t, const std::string& why) {
-    trajectory.complete = false;
-    trajectory.stopped = "at t = " + std::to_string(t) + " s: " + why;
-    return false;
-  }
-  bool done() const { return trajectory.size() == 0 || ended_ || !trajectory.complete || now() >= until_; }
-  double now() const { return trajectory.t().back(); }
-  /// accelerate() as schemes call it.
-  auto accelerations() {
-    return
-        [this](double t, Span q_t, Span v_t, std::span<double> a_t) { return accelerate(t, q_t, v_t, a_t); };
-  }
-
-  Trajectory trajectory;
-  Vector q, v, a;  ///< now
-
- protected:
-  /// tau of the drive, and of the springs of the model.
-  Span with_springs(Span q_t, Span v_t) {
-    if (model_.springs().empty()) return tau_;
-    total_.assign(tau_.begin(), tau_.end());
-    add_spring_forces(model_, workspace_, q_t, v_t, total_);
-    return total_;
-  }
-  Loads<double> loads() const { return {options_.loads, options_.joint_losses}; }
-
-  /// Drive forces at a state, and whether all is finite.
-  bool begin_evaluation(double t, Span q_t, Span v_t) {
-    ++trajectory.evaluations;
-    if (!finite(q_t) || !finite(v_t)) return stop(t, "the state is not finite at " + joint_of(v_t));
-    if (!options_.drive) return true;
-    options_.drive(t, q_t, v_t, tau_);
-    return finite(tau_) || stop(t, "the drive forces are not finite at " + joint_of(tau_));
-  }
-  std::string joint_of(Span x) const {
-    for (std::size_t c = 0; c < x.size(); ++c)
-      if (!std::isfinite(x[c])) return "joint \"" + velocity_names(model_)[c] + "\"";
-    return "a joint";
-  }
-
-  const Model& model_;
-  const SimulationOptions& options_;
-  Workspace<> workspace_;
-  std::optional<ClosedMotion> loops_;
-  Vector tau_, total_;
-
- private:
-  Vector values_at(double t, Span q_t, Span v_t) const {
-    Vector values;
-    for (const Event& event : options_.events) values.push_back(event.value(t, q_t, v_t));
-    return values;
-  }
-  /// Looks for events between two times, the last step; where one is terminal the trajectory is cut off there.
-  bool meets_end(double before, double after) {
-    const Vector next = values_at(after, q, v);
-    std::vector<Trajectory::Met> met;
-    Vector q_t(q.size()), v_t(v.size());
-    for (std::size_t e = 0; e < next.size(); ++e) {
-      const Event& event = options_.events[e];
-      if ((values_[e] < 0) == (next[e] < 0) || values_[e] == 0) continue;
-      if (event.direction != 0 && (next[e] > values_[e]) != (event.direction > 0)) continue;
-      double low = before, high = after;
-      for (int k = 0; k < 60 && high - low > 1e-15 * std::max(1.0, std::abs(after)); ++k) {
-        const double middle = low + (high - low) / 2;
-        trajectory.at(middle, q_t, v_t);
-        ((event.value(middle, q_t, v_t) < 0) == (values_[e] < 0) ? low : high) = middle;
-      }
-      met.push_back({e, high});
-    }
-    values_ = next;
-    std::ranges::sort(met, {}, &Trajectory::Met::t);
-    for (const Trajectory::Met& one : met) {
-      trajectory.events.push_back(one);
-      if (!options_.events[one.event].terminal) continue;
-      ended_ = true;
-      trajectory.at(one.t, q_t, v_t);
-      trajectory.take_back();
-      if (loops_ && !loops_->close(q_t, v_t)) return !stop(one.t, "the loops cannot be kept closed");
-      Vector a_t(v_t.size());
-      if (accelerate(one.t, q_t, v_t, a_t)) trajectory.append(one.t, q_t, v_t, a_t, tau_);
-      return true;
-    }
-    return false;
-  }
-
-  Vector values_;
-  double until_;
-  bool ended_ = false;
-};
 
 /// The same on Hamilton's side, what floats seen from its centre of mass.
 class MomentumRun : public Run {
@@ -259,11 +83,50 @@ class MomentumRun : public Run {
   bool pushes_bases_ = false;
 };
 
+/// f(run) in the coordinates asked for, and the motion.
+template <class F>
+Trajectory in_coordinates(const Model& model, Span q, Span v, double until, const SimulationOptions& options,
+                          const F& f) {
+  if (options.coordinates == Coordinates::relative) {
+    Run run(model, q, v, until, options);
+    f(run);
+    return std::move(run.trajectory);
+  }
+  AbsoluteRun run(model, q, v, until, options);
+  f(run);
+  return std::move(run.trajectory);
+}
+
 /// For schemes that know of no loops.
 void check_open(const Model& model, const char* scheme) {
   if (!model.loops().empty())
     throw std::invalid_argument("model \"" + model.name() + "\" has loops, which " + scheme +
                                 " does not keep closed; explicit methods (dopri5, rk4) do");
+}
+
+/// For schemes on multipliers of places.
+void check_holonomic(const Model& model, const char* scheme) {
+  for (const Loop& loop : model.loops().all)
+    if (loop.rows() != loop.residuals())
+      throw std::invalid_argument("loop \"" + loop.name + "\" rolls, which " + scheme +
+                                  " does not take; half_explicit and explicit methods do");
+}
+void check_absolute(const SimulationOptions& options, const char* scheme) {
+  if (options.coordinates == Coordinates::relative)
+    throw std::invalid_argument(std::string(scheme) + " is for absolute coordinates; these are relative");
+}
+void check_relative(const SimulationOptions& options, const char* scheme) {
+  if (options.coordinates != Coordinates::relative)
+    throw std::invalid_argument(std::string(scheme) +
+                                " is for relative coordinates; in absolute ones RATTLE conserves");
+}
+/// Steps of a scheme that keeps joints and loops closed itself.
+template <class Scheme> void take_closed_steps(AbsoluteRun& run, Scheme& scheme, double until, double step) {
+  each_step(run, until, step, [&](double t_1) {
+    const StepOutcome outcome = scheme.run(run.now(), t_1 - run.now());
+    if (outcome == StepOutcome::diverged) run.stop(t_1, "the step did not converge; a shorter one may");
+    return outcome == StepOutcome::found && run.take_closed(t_1, scheme.q, scheme.v);
+  });
 }
 
 /// Conserving schemes are for forces without jumps, in steps of one length.
@@ -286,36 +149,30 @@ void check_smooth(const Model& model, const SimulationOptions& options) {
           ", a force that jumps, which conserving schemes do not take; dopri5 and rk4 do");
 }
 
-/// Steps of one length from 0 on, the last as long as is left; take(t_1) goes to t_1 and says whether to go on.
-template <class Take> void each_step(const Run& run, double until, double step, const Take& take) {
-  const double whole = std::ceil(until / step - 1e-9);
-  for (double k = 1; k <= whole && !run.done(); ++k)
-    if (!take(k == whole ? until : k * step)) break;
-}
-
 }  // namespace
 
 Trajectory simulate_fixed(const Model& model, Span q, Span v, double until, double step,
                           const Tableau& method, const SimulationOptions& options) {
   check(method), check_step(step);
-  Run run(model, q, v, until, options);
-  MuntheKaas scheme(model.tree<double>(), method);
-  const ConfigurationGroup<double> group(model.tree<double>());
-  Vector q_1(run.q.size());
-  each_step(run, until, step, [&](double t_1) {
-    const double t = run.now();
-    if (!scheme.run(t, run.q.data(), run.v.data(), run.a.data(), t_1 - t, run.accelerations())) return false;
-    group.move(run.q.data(), scheme.theta.data(), q_1.data());
-    return run.take(t_1, q_1, scheme.y, scheme.end());
-  });
-  return std::move(run.trajectory);
+  return in_coordinates(model, q, v, until, options,
+                        [&](auto& run) { take_steps(run, until, step, method); });
 }
 
 Trajectory simulate_stiff(const Model& model, Span q, Span v, double until, double step, double rho,
-                          const SimulationOptions& options) {
-  check_step(step), check_open(model, "generalised-alpha");
+                          const SimulationOptions& options, bool stabilized) {
+  check_step(step);
   if (!(rho >= 0 && rho <= 1))
     throw std::invalid_argument("spectral radius is " + std::to_string(rho) + "; expected 0 to 1");
+  if (options.coordinates != Coordinates::relative) {
+    check_holonomic(model, "generalised-alpha");
+    AbsoluteRun run(model, q, v, until, options);
+    if (run.done()) return std::move(run.trajectory);
+    ConstrainedAlpha<AbsoluteRun> scheme(run, rho, stabilized, run.q, run.v, run.a, run.lambda);
+    take_closed_steps(run, scheme, until, step);
+    return std::move(run.trajectory);
+  }
+  if (!stabilized) check_absolute(options, "generalised-alpha of index 3");
+  check_open(model, "generalised-alpha");
   Run run(model, q, v, until, options);
   GeneralizedAlpha scheme(run, model.tree<double>(), rho, run.a);
   using Outcome = GeneralizedAlpha<Run>::Outcome;
@@ -328,9 +185,31 @@ Trajectory simulate_stiff(const Model& model, Span q, Span v, double until, doub
   return std::move(run.trajectory);
 }
 
+Trajectory simulate_rattle(const Model& model, Span q, Span v, double until, double step, int order,
+                           const SimulationOptions& options) {
+  check_step(step), check_absolute(options, "RATTLE"), check_smooth(model, options),
+      check_holonomic(model, "RATTLE");
+  AbsoluteRun run(model, q, v, until, options);
+  if (run.done()) return std::move(run.trajectory);
+  Rattle scheme(run, order, run.q, run.v);
+  take_closed_steps(run, scheme, until, step);
+  return std::move(run.trajectory);
+}
+
+Trajectory simulate_half_explicit(const Model& model, Span q, Span v, double until, double step,
+                                  const SimulationOptions& options) {
+  check_step(step), check_absolute(options, "the half-explicit method");
+  AbsoluteRun run(model, q, v, until, options);
+  if (run.done()) return std::move(run.trajectory);
+  HalfExplicit scheme(run, run.q, run.v);
+  take_closed_steps(run, scheme, until, step);
+  return std::move(run.trajectory);
+}
+
 Trajectory simulate_conserving(const Model& model, Span q, Span v, double until, double step, int order,
                                const SimulationOptions& options) {
   check_step(step), check_smooth(model, options), check_open(model, "a conserving scheme");
+  check_relative(options, "a conserving scheme");
   MomentumRun run(model, q, v, until, options);
   if (run.done()) return std::move(run.trajectory);
   Vector q_0, v_0, p_0;
@@ -348,6 +227,7 @@ Trajectory simulate_conserving(const Model& model, Span q, Span v, double until,
 Trajectory simulate_momenta(const Model& model, Span q, Span v, double until, double step,
                             const Tableau& method, const SimulationOptions& options) {
   check(method), check_step(step), check_smooth(model, options), check_open(model, "a scheme on momenta");
+  check_relative(options, "a scheme on momenta");
   MomentumRun run(model, q, v, until, options);
   if (run.done()) return std::move(run.trajectory);
   FloatingBases& bases = run.bases();
@@ -391,63 +271,8 @@ Trajectory simulate(const Model& model, Span q, Span v, double until, const Tole
       throw std::invalid_argument(std::string(name) + " is " + std::to_string(x) + "; expected 0 or more");
   if (tolerances.relative == 0 && tolerances.absolute == 0)
     throw std::invalid_argument("both tolerances are 0; one must be more");
-  const Tableau& method = runge_kutta(5);
-  Run run(model, q, v, until, options);
-  MuntheKaas scheme(model.tree<double>(), method);
-  const ConfigurationGroup<double> group(model.tree<double>());
-  const std::size_t nv = run.v.size();
-  const auto mean = [&](const auto& of) {
-    double squares = 0;
-    for (std::size_t c = 0; c < nv; ++c) squares += of(c) * of(c);
-    return nv == 0 ? 0.0 : std::sqrt(squares / static_cast<double>(2 * nv));
-  };
-  const double most = tolerances.largest_step > 0 ? tolerances.largest_step : until;
-  double h = tolerances.first_step;
-  if (!(h > 0)) {  // in which little happens
-    double rate = 1e-3;
-    for (std::size_t c = 0; c < nv; ++c)
-      rate = std::max({rate, std::abs(run.v[c]), std::sqrt(std::abs(run.a[c]))});
-    h = 0.01 / rate;
-  }
-  double last_error = 1e-4;
-  Vector q_1(run.q.size());
-  while (!run.done()) {
-    const double t = run.now(), rest = until - t;
-    h = std::min({h, most, rest});
-    const bool last = h >= rest * (1 - 1e-12);
-    if (!last && !(h > 1e-15 * until)) {
-      run.stop(t, "the step became too short for the tolerances");
-      break;
-    }
-    if (!scheme.run(t, run.q.data(), run.v.data(), run.a.data(), h, run.accelerations())) {
-      if (h < 1e-9 * until) break;
-      run.trajectory.complete = true, run.trajectory.stopped.clear();  // perhaps the step was too long
-      ++run.trajectory.rejected;
-      h *= 0.1;
-      continue;
-    }
-    const double error = std::hypot(
-        mean([&](std::size_t c) {
-          return scheme.error_theta[c] /
-                 (tolerances.absolute + tolerances.relative * std::max(1.0, std::abs(scheme.theta[c])));
-        }),
-        mean([&](std::size_t c) {
-          return scheme.error_y[c] /
-                 (tolerances.absolute +
-                  tolerances.relative * std::max(std::abs(run.v[c]), std::abs(scheme.y[c])));
-        }));
-    if (!(error <= 1)) {
-      ++run.trajectory.rejected;
-      h *= std::isfinite(error) ? std::max(0.2, 0.9 * std::pow(error, -0.2)) : 0.1;
-      continue;
-    }
-    group.move(run.q.data(), scheme.theta.data(), q_1.data());
-    if (!run.take(last ? until : t + h, q_1, scheme.y, scheme.end())) break;
-    const double least = std::max(error, 1e-10);
-    h *= std::clamp(0.9 * std::pow(least, -0.17) * std::pow(last_error, 0.04), 0.2, 10.0);
-    last_error = std::max(error, 1e-4);
-  }
-  return std::move(run.trajectory);
+  return in_coordinates(model, q, v, until, options,
+                        [&](auto& run) { take_adapted_steps(run, until, tolerances); });
 }
 
 }  // namespace axode

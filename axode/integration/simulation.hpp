@@ -16,7 +16,15 @@ struct Event {
   bool terminal = false;  ///< whether the motion ends there
 };
 
+/// What a motion is computed in; it is told in those of the joints in any case.
+enum class Coordinates {
+  relative,         ///< those of the joints; loops are constraints
+  absolute,         ///< bodies are points of SE(3), and joints are constraints as well
+  absolute_SO3xR3,  ///< bodies are points of SO(3) × R³
+};
+
 struct SimulationOptions {
+  Coordinates coordinates = Coordinates::relative;
   /// Drive forces: tau (nv) at a time and state. Without it tau is 0. The springs of the model act besides.
   std::function<void(double t, std::span<const double> q, std::span<const double> v, std::span<double> tau)>
       drive = {};
@@ -40,9 +48,25 @@ Trajectory simulate_fixed(const Model& model, std::span<const double> q, std::sp
 /// much is left of that in a step, 1 all and 0 nothing. Forces of the drive that depend on the state are differenced where
 /// Newton's method needs them. A step that does not converge ends the motion. Throws as simulate_fixed(), and for
 /// a radius outside of [0, 1].
+///
+/// In absolute coordinates joints and loops hold in places (index 3) or, stabilized, in velocities as well (index 2, after Gear,
+/// Gupta and Leimkuhler); there Newton's method takes M for the matrix, which stiff springs need short steps for. Throws for what rolls.
 Trajectory simulate_stiff(const Model& model, std::span<const double> q, std::span<const double> v,
                           double until, double step, double spectral_radius = 0.8,
-                          const SimulationOptions& options = {});
+                          const SimulationOptions& options = {}, bool stabilized = true);
+
+/// The same in absolute coordinates, which the options must ask for, by RATTLE (order 2) or its compositions (4: Suzuki's, 6:
+/// Kahan's and Li's): symplectic where forces have a potential, so that energy errors stay bounded; joints and loops hold to
+/// rounding, in places and in velocities. Damping and drives keep the order. Implicit; a step that does not converge ends the
+/// motion. Throws as simulate_fixed(), and for other orders, events, dry friction, stops, relative coordinates and what rolls.
+Trajectory simulate_rattle(const Model& model, std::span<const double> q, std::span<const double> v,
+                           double until, double step, int order = 2, const SimulationOptions& options = {});
+
+/// The same in absolute coordinates by the half-explicit method of third order (Brasey, Hairer), as Munthe-Kaas': joints and
+/// loops hold to rounding in velocities, and in places on SE(3) for joints whose steps are motions. Throws as simulate_fixed(), and
+/// for relative coordinates.
+Trajectory simulate_half_explicit(const Model& model, std::span<const double> q, std::span<const double> v,
+                                  double until, double step, const SimulationOptions& options = {});
 
 /// The same on (q, p), by the midpoint rule on the group (order 2) or its compositions (4: Suzuki's, 6: Kahan's and Li's): symmetric,
 /// symplectic where forces have a potential, so that energy errors stay bounded; damping and drives enter by d'Alembert's

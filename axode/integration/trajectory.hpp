@@ -47,6 +47,11 @@ class Trajectory {
   };
   std::vector<Met> events;  ///< that were met, in the order of time
 
+  /// In absolute coordinates, at each end of a step: by how much joints and loops were open, and slipped, the largest number of
+  /// any (rad, m; rad/s, m/s). Coordinates of the joints are what is left of the bodies' without that.
+  std::vector<double> gaps, slips;
+  std::vector<double> body_energies;  ///< likewise, kinetic and of weight, of the bodies as they are, J
+
  private:
   std::size_t nq() const { return static_cast<std::size_t>(model_.nq()); }
   std::size_t nv() const { return static_cast<std::size_t>(model_.nv()); }

@@ -81,6 +81,7 @@ from ._axode import (
     jacobian_partials,
     jacobian_rate,
     joint_screws,
+    joint_state,
     joint_wrenches,
     kinetic_energy,
     kinetic_energy_gradient,
@@ -132,6 +133,7 @@ from .records import (
     InverseDynamicsDerivatives,
     InverseDynamicsHessian,
     InverseKinematics,
+    JointState,
     Linearization,
     Load,
     LoopMobility,
@@ -179,12 +181,13 @@ __all__ = [
     "jacobian_geometry_derivatives", "linearize", "equilibrium",
     # closed loops
     "loop_residual", "loop_jacobian", "loop_bias", "assemble", "loop_mobility", "impact", "constraint_wrenches",
+    "joint_state",
     # motion in time
     "simulate", "rollout", "rollout_derivatives", "rollout_jvp", "rollout_vjp", "reconstruct", "Trajectory",
     # what else is taken, given and raised
     "Load", "Target", "InverseKinematics", "InverseDynamicsDerivatives", "ForwardDynamicsDerivatives",
     "InverseDynamicsHessian", "ForwardDynamicsHessian", "StateDerivatives", "MotionDerivatives", "MotionChange",
-    "MomentumFormDerivatives", "Linearization", "Equilibrium", "RolloutDerivatives", "RolloutGradient", "LoopMobility",
+    "MomentumFormDerivatives", "Linearization", "Equilibrium", "RolloutDerivatives", "RolloutGradient", "JointState", "LoopMobility",
     "RedundantRow", "AssemblyError", "Fault", "ModelError", "NotFiniteError", "SimulationError", "SingularError", "StatesError",
     # modules
     "lie", "closed_form", "codegen", "convert", "drives", "identification", "calibration",

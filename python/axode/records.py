@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 __all__ = ["Equilibrium", "ForwardDynamicsDerivatives", "ForwardDynamicsHessian", "InverseDynamicsDerivatives",
-           "InverseDynamicsHessian", "InverseKinematics", "Linearization", "Load", "LoopMobility", "RedundantRow",
+           "InverseDynamicsHessian", "InverseKinematics", "JointState", "Linearization", "Load", "LoopMobility", "RedundantRow",
            "MomentumFormDerivatives", "MotionChange", "MotionDerivatives", "RolloutDerivatives", "RolloutGradient",
            "StateDerivatives", "Target"]
 
@@ -89,6 +89,18 @@ class LoopMobility(NamedTuple):
     redundant: list[RedundantRow]
     mobility: Literal["regular", "branches", "shaky"]
     kernel: NDArray[np.float64]
+
+
+class JointState(NamedTuple):
+    """Coordinates and velocities of the joints, and what of the bodies' motion they cannot say.
+
+    `gap` is by how much joints and loops are open, the largest number of any (rad, m), `slip` that of their velocities.
+    """
+
+    q: NDArray[np.float64]
+    v: NDArray[np.float64]
+    gap: float
+    slip: float
 
 
 class InverseDynamicsDerivatives(NamedTuple):

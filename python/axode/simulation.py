@@ -20,9 +20,11 @@ Array = NDArray[np.float64]
 
 
 def simulate(m: Model, q: ArrayLike, v: ArrayLike, until: float, *,
-             method: Literal["dopri5", "rk4", "euler", "generalized_alpha", "midpoint", "suzuki4", "kahan_li6",
-                             "rk4_momenta"] = "dopri5", step: float | None = None, rtol: float = 1e-8,
-             atol: float = 1e-10,
+             method: Literal["dopri5", "rk4", "euler", "generalized_alpha", "generalized_alpha_index3", "midpoint",
+                             "suzuki4", "kahan_li6", "rk4_momenta", "rattle", "rattle_suzuki4", "rattle_kahan_li6",
+                             "half_explicit"] = "dopri5",
+             coordinates: Literal["relative", "absolute", "absolute_SO3xR3"] = "relative",
+             step: float | None = None, rtol: float = 1e-8, atol: float = 1e-10, spectral_radius: float = 0.8,
              tau: ArrayLike | Callable[[float, Array, Array], ArrayLike] | Sampled | PD | ComputedTorque | None = None,
              loads: Sequence[Load] | None = None, joint_losses: bool = False, times: ArrayLike | None = None,
              events: Sequence[Callable[[float, Array, Array], float]] | None = None,
@@ -32,11 +34,16 @@ def simulate(m: Model, q: ArrayLike, v: ArrayLike, until: float, *,
     method: "dopri5" takes steps as long as rtol and atol allow, errors being measured in the algebra (rad, m; rad/s,
         m/s), `step` being the first; "rk4" (fourth order) and "euler" (first order, semi-implicit) take steps of
         `step` s; so does "generalized_alpha", an implicit method of second order for stiff systems, which damps what
-        oscillates quickly (spectral radius 0.8). Every explicit method is Munthe-Kaas': no coordinates are singular,
-        and quaternions stay on the sphere. On (q, p), conserving: "midpoint" (second order, implicit), "suzuki4" and
-        "kahan_li6" (fourth and sixth, made of it) are symplectic: errors of the energy stay bounded; "rk4_momenta" is
-        explicit. All four keep the momentum of what floats to rounding. They take no events, stops
-        and dry friction.
+        oscillates quickly (in a step to `spectral_radius` of it). Every explicit method is Munthe-Kaas': no
+        coordinates are singular, and quaternions stay on the sphere. On (q, p), conserving: "midpoint" (second order,
+        implicit), "suzuki4" and "kahan_li6" (fourth and sixth, made of it) are symplectic: errors of the energy stay
+        bounded; "rk4_momenta" is explicit. All four keep the momentum of what floats to rounding. They take no events,
+        stops and dry friction.
+    coordinates: what the motion is computed in; it is told in coordinates of the joints in any case. "relative": these;
+        "absolute": bodies are points of SE(3), and every joint is a constraint; "absolute_SO3xR3": of SO(3) x R^3. In
+        absolute ones "dopri5", "rk4" and "euler" bring joints and loops back after each step, and others hold them:
+        "rattle", "rattle_suzuki4" and "rattle_kahan_li6" (symplectic, of second, fourth and sixth order, no events),
+        "half_explicit" (third order), "generalized_alpha" (stabilised, index 2) and "generalized_alpha_index3".
     tau: drive forces, (nv,) for constant ones; one of `axode.drives`; or a function (t, q, v) -> (nv,), called for each
         evaluation. Springs, dampers and stops of the mechanism act besides, see `spring_forces`.
     loads: wrenches on frames, constant in their representations. joint_losses: whether damping and friction act.
@@ -62,8 +69,8 @@ def simulate(m: Model, q: ArrayLike, v: ArrayLike, until: float, *,
         def report(t: float) -> None:
             bar.update(t - bar.n)
     try:
-        motion = _axode.simulate_motion(m, q, v, float(until), method, step, rtol, atol, tau, loads, joint_losses,
-                                        times, list(events or []), report)
+        motion = _axode.simulate_motion(m, q, v, float(until), method, coordinates, step, rtol, atol, spectral_radius,
+                                        tau, loads, joint_losses, times, list(events or []), report)
     finally:
         if bar is not None:
             bar.close()

@@ -5,7 +5,9 @@
 #include "axode/constraints/assembly.hpp"
 #include "axode/constraints/constrained_derivatives.hpp"
 #include "axode/constraints/constrained_dynamics.hpp"
+#include "axode/constraints/joint_state.hpp"
 #include "axode/constraints/mobility.hpp"
+#include "axode/lie/representation_change.hpp"
 #include "bindings.hpp"
 #include "conversions.hpp"
 #include "named_tuple.hpp"
@@ -31,11 +33,6 @@ template <class F> void each_closed(const States& states, const BoundModel& m, c
       };
     });
   });
-}
-
-std::span<double> part(NewArray& out, std::size_t k, const Shape& shape) {
-  const auto size = static_cast<std::size_t>(shape.size());
-  return out.all().subspan(k * size, size);
 }
 
 /// Velocities by the names of joints or by numbers.
@@ -86,7 +83,7 @@ Array constraint_wrenches(const BoundModel& m, ArrayLike q, ArrayLike v, ArrayLi
     });
     with_representation(representation, [&](auto rep) {
       using Rep = decltype(rep);
-      loop_wrenches<Rep>(*m, workspace, states.q(k), lambda, screws<Wrench<Rep>>(part(out, k, shape)));
+      loop_wrenches<Rep>(*m, workspace, states.q(k), lambda, screws<Wrench<Rep>>(item(out, k, shape)));
     });
   });
   states.refuse(found, out);
@@ -126,7 +123,7 @@ Array impact_of(const BoundModel& m, ArrayLike q, ArrayLike v, double restitutio
   NewArray out = states.result(shape);
   std::vector<Solvability> found(states.count());
   each_closed(states, m, [&](LoopWorkspace<>& workspace, std::size_t k) {
-    found[k] = impact(*m, workspace, states.q(k), of_v[k], restitution, part(out, k, shape));
+    found[k] = impact(*m, workspace, states.q(k), of_v[k], restitution, item(out, k, shape));
   });
   states.refuse(found, out);
   return out.array();
@@ -137,9 +134,37 @@ template <class F> Array of_q(const BoundModel& m, ArrayLike q, int threads, con
   const States states(m, q, threads);
   NewArray out = states.result(shape);
   each_closed(states, m, [&](LoopWorkspace<>& workspace, std::size_t k) {
-    f(workspace, states.q(k), part(out, k, shape));
+    f(workspace, states.q(k), item(out, k, shape));
   });
   return out.array();
+}
+
+/// Poses of all frames, or of the ground and the bodies, and their twists.
+nb::object joint_state_of(const BoundModel& m, ArrayLike given_C, ArrayLike given_V,
+                          Representation representation, nb::handle near) {
+  const Numbers C("C", given_C), V("V", given_V);
+  const nb::ssize_t bodies = m->n_bodies() + 1, frames = C.axes() == 3 ? C.length(0) : 0;
+  const std::string expected = std::to_string(bodies) + " bodies, the ground first, or all " +
+                               std::to_string(m->n_frames()) + " frames";
+  if (C.axes() != 3 || !C.ends_with({4, 4}) || (frames != bodies && frames != m->n_frames()))
+    C.wrong_shape("(N, 4, 4), poses of " + expected);
+  if (V.axes() != 2 || !V.ends_with({frames, 6}))
+    V.wrong_shape("(" + std::to_string(frames) + ", 6), a twist for each pose");
+  std::vector<SE3<>> poses;
+  std::vector<Twist<BodyFixed>> twists;
+  for (nb::ssize_t i = 0; i < bodies; ++i) {
+    poses.push_back(pose_from("C[" + std::to_string(i) + "]", C.data() + 16 * i));
+    const double* const at = V.data() + 6 * i;
+    with_representation(representation, [&](auto rep) {
+      const Twist<decltype(rep)> X{vector_from(at), vector_from(at + 3)};
+      twists.push_back(change<BodyFixed>(poses.back(), X));
+    });
+  }
+  std::optional<States> around;
+  if (!near.is_none()) around.emplace(one_state(m, {near.ptr()}));
+  const JointState found = joint_state(m, poses, twists, around ? around->q(0) : std::span<const double>());
+  return named_tuple("axode.records", "JointState", to_array(found.q), to_array(found.v), found.gap,
+                     found.slip);
 }
 
 }  // namespace
@@ -153,7 +178,7 @@ Array closed_forward_dynamics(const BoundModel& m, const Arguments& given) {
   std::vector<Solvability> found(states.count());
   each_closed(states, m, [&](LoopWorkspace<>& workspace, std::size_t k) {
     found[k] = applied.with(k, [&](const Loads<double>& now) {
-      return forward_dynamics(*m, workspace, states.q(k), v[k], tau[k], part(out, k, shape), {}, now);
+      return forward_dynamics(*m, workspace, states.q(k), v[k], tau[k], item(out, k, shape), {}, now);
     });
   });
   states.refuse(found, out);
@@ -170,7 +195,7 @@ Array closed_inverse_dynamics(const BoundModel& m, const Arguments& given, nb::h
   std::vector<double> left(states.count());
   each_closed(states, m, [&](LoopWorkspace<>& workspace, std::size_t k) {
     left[k] = applied.with(k, [&](const Loads<double>& now) {
-      return inverse_dynamics(*m, workspace, states.q(k), v[k], a[k], part(out, k, shape), {}, at, now);
+      return inverse_dynamics(*m, workspace, states.q(k), v[k], a[k], item(out, k, shape), {}, at, now);
     });
   });
   for (std::size_t k = 0; k < left.size(); ++k)
@@ -196,7 +221,7 @@ nb::object closed_forward_dynamics_derivatives(const BoundModel& m, const Argume
     found[k] = applied.with(k, [&](const Loads<double>& now) {
       return forward_dynamics_derivatives(
           *m, workspace, states.q(k), v[k], tau[k],
-          {part(by_q, k, shape), part(by_v, k, shape), part(by_tau, k, shape)}, now);
+          {item(by_q, k, shape), item(by_v, k, shape), item(by_tau, k, shape)}, now);
     });
   });
   for (NewArray* out : {&by_q, &by_v, &by_tau}) states.refuse(found, *out);
@@ -242,7 +267,7 @@ Its rows are the wrenches that close the loops, on the twist of the second body 
         const Shape shape{m->loops().rows};
         NewArray out = states.result(shape);
         each_closed(states, m, [&](LoopWorkspace<>& workspace, std::size_t k) {
-          loop_bias(*m, workspace, states.q(k), of_v[k], part(out, k, shape));
+          loop_bias(*m, workspace, states.q(k), of_v[k], item(out, k, shape));
         });
         return out.array();
       },
@@ -298,6 +323,24 @@ those of couplings, which are forces on joints, are 0.
 >>> W = axode.constraint_wrenches(fourbar, fourbar.neutral(), np.zeros(3), np.zeros(3), "spatial")
 >>> W.shape
 (1, 6)
+)");
+  module.def(
+      "joint_state", &joint_state_of, "m"_a, "C"_a, "V"_a, "representation"_a = "body", "near"_a = nb::none(),
+      nb::sig(
+          "def joint_state(m: Model, C: numpy.typing.ArrayLike, V: numpy.typing.ArrayLike, representation: "
+          "typing.Literal['body', 'spatial', 'hybrid', 'mixed'] = 'body', near: numpy.typing.ArrayLike | "
+          "None = "
+          "None) -> axode.records.JointState"),
+      R"(
+The (q, v) of joints whose bodies have poses C and twists V, with how far that is from a state of them: see `JointState`.
+
+C (n, 4, 4) and V (n, 6) are those of the ground and all bodies, or of all frames: the way back from `poses` and `twists`.
+Angles are those nearest to `near` (nq,), neutral if left out. O(n).
+
+>>> q, v = np.full(7, 0.5), np.ones(7)
+>>> found = axode.joint_state(arm, axode.poses(arm, q), axode.twists(arm, q, v))
+>>> found.q.round(9), bool(found.gap < 1e-12)
+(array([0.5, 0.5, 0.5, 0.5, 0.5, 0.5, 0.5]), True)
 )");
 }
 

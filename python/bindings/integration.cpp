@@ -106,10 +106,19 @@ nb::object as_data_frame(const BoundTrajectory& of) {
   return pandas.attr("DataFrame")(columns, "index"_a = times);
 }
 
-BoundTrajectory simulate_of(const BoundModel& m, ArrayLike q, ArrayLike v, double until,
-                            const std::string& method, nb::handle step, double rtol, double atol,
-                            nb::handle tau, LoadList loads, bool joint_losses, nb::handle times,
-                            nb::handle given_events, nb::handle progress) {
+/// What a word stands for in a table.
+template <class Value, std::size_t N>
+const Value& chosen(const char* argument, nb::handle given,
+                    const std::array<std::pair<std::string_view, Value>, N>& table) {
+  std::array<std::string_view, N> words;
+  for (std::size_t k = 0; k < N; ++k) words[k] = table[k].first;
+  return table[choose(argument, given, words)].second;
+}
+
+BoundTrajectory simulate_of(const BoundModel& m, ArrayLike q, ArrayLike v, double until, nb::handle method,
+                            nb::handle coordinates, nb::handle step, double rtol, double atol,
+                            double spectral_radius, nb::handle tau, LoadList loads, bool joint_losses,
+                            nb::handle times, nb::handle given_events, nb::handle progress) {
   const States states = one_state(m, q);
   const Items velocities = states.velocities("v", v);
   const AppliedLoads applied(states, loads, joint_losses);
@@ -176,12 +185,11 @@ BoundTrajectory simulate_of(const BoundModel& m, ArrayLike q, ArrayLike v, doubl
                                   .c_str());
     }
   }
-  static constexpr std::array<std::string_view, 8> methods{
-      "dopri5", "rk4", "euler", "generalized_alpha", "midpoint", "suzuki4", "kahan_li6", "rk4_momenta"};
-  const std::size_t which = choose("method", nb::str(method.c_str()), methods);
-  if (which > 0 && step.is_none())
+  const Method& way = chosen("method", method, methods);
+  if (!way.adapts && step.is_none())
     throw nb::value_error(
-        ("step: method '" + method + "' takes steps of one length; expected it in s").c_str());
+        ("step: method '" + text_of(method) + "' takes steps of one length; expected it in s").c_str());
+  options.coordinates = chosen("coordinates", coordinates, coordinate_kinds);
 
   const double length = step.is_none() ? 0.0 : number("step", step);
   if (!step.is_none()) check_step(length);
@@ -198,18 +206,10 @@ BoundTrajectory simulate_of(const BoundModel& m, ArrayLike q, ArrayLike v, doubl
     return watch.go_on(0);
   };
   const std::span<const double> q_0 = states.q(0), v_0 = velocities[0];
-  const auto motion = [&] {
-    switch (which) {
-      case 0: return simulate(*m, q_0, v_0, until, {rtol, atol, length, 0.0}, options);
-      case 1: return simulate_fixed(*m, q_0, v_0, until, length, runge_kutta(4), options);
-      case 2: return simulate_fixed(*m, q_0, v_0, until, length, runge_kutta(1), options);
-      case 3: return simulate_stiff(*m, q_0, v_0, until, length, 0.8, options);
-      case 7: return simulate_momenta(*m, q_0, v_0, until, length, runge_kutta(4), options);
-      default:
-        return simulate_conserving(*m, q_0, v_0, until, length, 2 * (static_cast<int>(which) - 3), options);
-    }
-  };
-  BoundTrajectory found{motion(), {}};
+  BoundTrajectory found{
+      way.simulate(
+          {*m, q_0, v_0, until, length, {.relative = rtol, .absolute = atol}, spectral_radius, options}),
+      {}};
   call.end();
   if (sample_times)
     found.sample({sample_times->data(), static_cast<std::size_t>(sample_times->size())}, options.drive,
@@ -320,6 +320,17 @@ A motion, from `simulate`: at the ends of its steps, or at the times that were a
       .def_prop_ro(
           "evaluations", [](const BoundTrajectory& x) { return x.motion.evaluations; }, "Of accelerations.")
       .def_prop_ro(
+          "gap", [](const BoundTrajectory& x) { return to_array(x.motion.gaps); },
+          "By how much joints and loops were open at each end of a step, the largest of them, rad and m; in "
+          "absolute "
+          "coordinates only, otherwise empty.")
+      .def_prop_ro(
+          "slip", [](const BoundTrajectory& x) { return to_array(x.motion.slips); },
+          "The same of velocities, rad/s and m/s.")
+      .def_prop_ro(
+          "body_energy", [](const BoundTrajectory& x) { return to_array(x.motion.body_energies); },
+          "Likewise, the kinetic energy and that of weight of the bodies as they are, J.")
+      .def_prop_ro(
           "complete", [](const BoundTrajectory& x) { return x.motion.complete; },
           "Whether the end was reached, or a terminal event.")
       .def_prop_ro(
@@ -376,9 +387,9 @@ Its to_parquet (with pyarrow) and to_csv write files. ModuleNotFoundError where 
                (x.motion.t().empty() ? "" : " to t = " + std::to_string(x.motion.t().back()) + " s") +
                (x.motion.complete ? ")" : ", " + x.motion.stopped + ")");
       });
-  module.def("simulate_motion", &simulate_of, "m"_a, "q"_a, "v"_a, "until"_a, "method"_a, "step"_a.none(),
-             "rtol"_a, "atol"_a, "tau"_a.none(), "loads"_a.none(), "joint_losses"_a, "times"_a.none(),
-             "events"_a, "progress"_a.none(), "See axode.simulate.");
+  module.def("simulate_motion", &simulate_of, "m"_a, "q"_a, "v"_a, "until"_a, "method"_a, "coordinates"_a,
+             "step"_a.none(), "rtol"_a, "atol"_a, "spectral_radius"_a, "tau"_a.none(), "loads"_a.none(),
+             "joint_losses"_a, "times"_a.none(), "events"_a, "progress"_a.none(), "See axode.simulate.");
   module.def("rollout_under", &rollout_of, "m"_a, "q"_a, "v"_a, "tau"_a, "step"_a, nb::kw_only(),
              "threads"_a = 1, "See axode.rollout.");
   module.def("reconstruct_poses", &reconstruct_of, "C0"_a, "twists"_a, "times"_a, "representation"_a,

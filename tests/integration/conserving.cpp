@@ -14,10 +14,6 @@ Numbers momenta_of(const Model& model, Span q, Span v) {
   momenta(model, workspace, q, v, p);
   return p;
 }
-double energy_of(const Model& model, Span q, Span v) {
-  Workspace<> workspace(model);
-  return kinetic_energy(model, workspace, q, v) + potential_energy(model, workspace, q);
-}
 double dot(const Numbers& x, const Numbers& y) {
   double sum = 0;
   for (std::size_t k = 0; k < x.size(); ++k) sum += x[k] * y[k];

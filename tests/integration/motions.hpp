@@ -2,6 +2,7 @@
 #include <cmath>
 #include <span>
 
+#include "axode/dynamics.hpp"
 #include "axode/integration.hpp"
 #include "axode/model/configuration.hpp"
 #include "tests/laws/law.hpp"
@@ -33,6 +34,10 @@ inline double apart(const Model& model, Span q0, Span q1) {
   double sum = 0;
   for (const double x : difference(model, q0, q1)) sum += x * x;
   return std::sqrt(sum);
+}
+inline double energy_of(const Model& model, Span q, Span v) {
+  Workspace<> workspace(model);
+  return kinetic_energy(model, workspace, q, v) + potential_energy(model, workspace, q);
 }
 inline Span last_q(const Trajectory& motion) { return motion.q(motion.size() - 1); }
 inline Span last_v(const Trajectory& motion) { return motion.v(motion.size() - 1); }

@@ -1,0 +1,569 @@
+#include "axode/constraints/absolute_system.hpp"
+
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <stdexcept>
+
+#include "axode/lie/quaternion.hpp"
+#include "axode/model/configuration.hpp"
+#include "axode/recursion/inverse_dynamics.hpp"
+
+namespace axode {
+namespace {
+
+using BodyTwist = Twist<BodyFixed, double>;
+using BodyWrench = Wrench<BodyFixed, double>;
+
+/// The loop joint that leaves the same subgroup free; a free joint closes nothing.
+LoopKind closing(Subgroup kind) {
+  switch (kind) {
+    case Subgroup::revolute: return LoopKind::revolute;
+    case Subgroup::prismatic: return LoopKind::prismatic;
+    case Subgroup::helical: return LoopKind::helical;
+    case Subgroup::spherical: return LoopKind::spherical;
+    case Subgroup::planar: return LoopKind::planar;
+    case Subgroup::free: break;
+  }
+  return LoopKind::fixed;
+}
+std::array<bool, 6> free_directions(Subgroup kind) {
+  if (kind == Subgroup::free) return {1, 1, 1, 1, 1, 1};
+  return free_coordinates(closing(kind));
+}
+/// Of a joint with one velocity.
+int direction_along(Subgroup kind) {
+  if (kind == Subgroup::revolute || kind == Subgroup::helical) return 2;
+  return kind == Subgroup::prismatic ? 5 : -1;
+}
+
+Vec3<> angular(const double* x) { return {x[0], x[1], x[2]}; }
+Vec3<> linear(const double* x) { return {x[3], x[4], x[5]}; }
+double turn_about_z(const SO3<>& R) { return std::atan2(R.x.y - R.y.x, R.x.x + R.y.y); }
+double nearest_turn(double angle, double to) {
+  const double whole = 2 * std::numbers::pi;
+  return angle + whole * std::round((to - angle) / whole);
+}
+/// X seen from a body, on whose predecessor, with relative pose D, it is.
+BodyTwist carried(const SE3<>& D, const BodyTwist& X) { return twist<BodyFixed>(Ad_inv(D, screw(X))); }
+SE3<> about(const Vec3<>& O, const SE3<>& C) { return {C.R, C.r - O}; }
+
+}  // namespace
+
+AbsoluteSystem::AbsoluteSystem(const Model& model, BodyGroup kind)
+    : model_(model),
+      kind_(kind),
+      n_(model.n_bodies()),
+      bound_(index(n_ + 1)),
+      leader_(index(n_ + 1)),
+      joint_of_(index(model.nv())),
+      com_(index(n_ + 1)),
+      group_tree_(group_of(0, 0, kind)),
+      loops_(model),
+      near_(neutral(model)),
+      placed_(index(n_ + 1)),
+      C_(index(n_ + 1)),
+      V_(index(n_ + 1)),
+      X_(index(n_ + 1)),
+      known_(index(n_ + 1)),
+      V_s_(index(n_ + 1)),
+      dV_s_(index(n_ + 1)),
+      on_(index(n_ + 1)),
+      through_(index(n_ + 1)),
+      x_(index(model.nv())),
+      tau_(x_.size()),
+      b_(model.loops().rows),
+      lambda_(model.loops().rows) {
+  for (int i = 1; i <= n_; ++i) {
+    const Joint& joint = model.joint(i);
+    bound_[index(i)] = {free_directions(joint.kind), direction_along(joint.kind)};
+    if (joint.leader) leader_[index(i)] = joint.leader->joint;
+    if (kind == BodyGroup::SO3xR3 && tree().M[i].m > 0) com_[index(i)] = center_of_mass(tree().M[i]);
+    if (joint.leader) continue;
+    for (int c = joint.iv; c < joint.iv + joint.nv; ++c) {
+      joint_of_[index(c)] = i;
+      if (joint.nv == 1 && tree().armature[index(c)] != 0) rotors_.push_back(i);
+    }
+  }
+  group_tree_ = group_of(n_, n_rotors(), kind);
+}
+
+void AbsoluteSystem::check(const Model& model) {
+  for (const Joint& joint : model.joints())
+    for (int c = joint.iv; c < joint.iv + joint.nv && joint.nv > 1; ++c)
+      if (const double armature = model.tree<double>().armature[index(c)]; armature != 0)
+        throw std::invalid_argument(
+            "joint \"" + joint.name + "\" has several velocities and armature of " + to_text(armature) +
+            "; in absolute coordinates joints with one velocity alone may have rotors");
+}
+
+/// Bodies as joints of a tree that is never moved: with the subgroups of their motions, all on the ground.
+Tree<double> AbsoluteSystem::group_of(int n, int rotors, BodyGroup kind) {
+  Connections all{.parent = {0}, .kind = {Subgroup::free}, .leader = {0}, .frame_body = {0}};
+  const auto add = [&](Subgroup subgroup) {
+    all.frame_body.push_back(static_cast<int>(all.parent.size()));
+    all.parent.push_back(0), all.kind.push_back(subgroup), all.leader.push_back(0);
+  };
+  for (int i = 0; i < n; ++i) {
+    if (kind == BodyGroup::SE3) {
+      add(Subgroup::free);
+    } else {
+      add(Subgroup::spherical);
+      for (int k = 0; k < 3; ++k) add(Subgroup::prismatic);
+    }
+  }
+  for (int k = 0; k < rotors; ++k) add(Subgroup::prismatic);
+  const std::size_t joints = all.parent.size();
+  const auto topology = std::make_shared<const Topology>(std::move(all));
+  const Numbers none(index(topology->nv)), zero(joints), one(joints, 1.0);
+  const std::vector<SE3<>> identity(joints);
+  return {topology,
+          {.pitch = zero,
+           .ratio = one,
+           .offset = zero,
+           .B = identity,
+           .M = std::vector<Inertia<>>(joints),
+           .armature = none,
+           .damping = none,
+           .friction = none,
+           .frame_offset = identity,
+           .g = {}}};
+}
+
+// Coordinates of a body, and what they say.
+
+SE3<> AbsoluteSystem::pose(Span q, int i) const {
+  const double* const at = &q[index(7 * (i - 1))];
+  const SO3<> R = rotation(Quaternion<>{at[0], at[1], at[2], at[3]});
+  return {R, Vec3<>{at[4], at[5], at[6]} - R * com_[index(i)]};
+}
+void AbsoluteSystem::put_pose(const SE3<>& C, int i, Numbers& q) const {
+  const Quaternion<> turn = quaternion(C.R);
+  const Vec3<> r = C.r + C.R * com_[index(i)];
+  const std::array<double, 7> all{turn.x, turn.y, turn.z, turn.w, r.x, r.y, r.z};
+  std::ranges::copy(all, q.begin() + 7 * (i - 1));
+}
+/// With the velocity of the centre of mass that is Rᵀ c' = v + ω × c in body axes.
+BodyTwist AbsoluteSystem::twist(const SE3<>& C, Span v, int i) const {
+  const double* const at = &v[index(6 * (i - 1))];
+  if (kind_ == BodyGroup::SE3) return {angular(at), linear(at)};
+  return {angular(at), transpose(C.R) * linear(at) - cross(angular(at), com_[index(i)])};
+}
+void AbsoluteSystem::put_twist(const SE3<>& C, const BodyTwist& V, int i, Numbers& v) const {
+  Vec3<> linear = V.v;
+  if (kind_ == BodyGroup::SO3xR3) linear = C.R * (V.v + cross(V.w, com_[index(i)]));
+  const Six<double> all = six(V.w, linear);
+  std::ranges::copy(all, v.begin() + 6 * (i - 1));
+}
+BodyWrench AbsoluteSystem::wrench(const SE3<>& C, Span f, int i) const {
+  const double* const at = &f[index(6 * (i - 1))];
+  if (kind_ == BodyGroup::SE3) return {angular(at), linear(at)};
+  const Vec3<> f_b = transpose(C.R) * linear(at);
+  return {angular(at) + cross(com_[index(i)], f_b), f_b};
+}
+void AbsoluteSystem::add_wrench(const SE3<>& C, const BodyWrench& W, int i, Numbers& f) const {
+  if (i == 0) return;
+  const Six<double> all =
+      kind_ == BodyGroup::SE3 ? six(W.m, W.f) : six(W.m - cross(com_[index(i)], W.f), C.R * W.f);
+  for (std::size_t k = 0; k < 6; ++k) f[index(6 * (i - 1)) + k] += all[k];
+}
+
+void AbsoluteSystem::find_poses(Span q) {
+  for (int i = 1; i <= n_; ++i) C_[index(i)] = pose(q, i);
+}
+void AbsoluteSystem::find_twists(Span v) {
+  for (int i = 1; i <= n_; ++i) V_[index(i)] = twist(C_[index(i)], v, i);
+}
+
+// Joints, between bodies that are wherever they are.
+
+/// B⁻¹ C_p⁻¹ C_i, the pose of the child's joint frame on the predecessor's.
+SE3<> AbsoluteSystem::joint_pose(int i) const {
+  return inverse(tree().B[index(i)]) * (inverse(C_[index(parent(i))]) * C_[index(i)]);
+}
+/// V_i - Ad_{C_ip} V_p.
+BodyTwist AbsoluteSystem::joint_twist(int i) const {
+  const int p = parent(i);
+  if (p == 0) return V_[index(i)];
+  return V_[index(i)] - carried(inverse(C_[index(p)]) * C_[index(i)], V_[index(p)]);
+}
+/// The coordinate of a joint with one velocity, coupled or not.
+double AbsoluteSystem::angle(int i) const {
+  const SE3<> D = joint_pose(i);
+  switch (tree()->kind[index(i)]) {
+    case Subgroup::prismatic: return D.r.z;
+    case Subgroup::helical: return nearest_turn(turn_about_z(D.R), D.r.z / tree().pitch[index(i)]);
+    default: break;
+  }
+  const double near = near_[index(tree()->iq[index(i)])];
+  return nearest_turn(turn_about_z(D.R), tree().ratio[index(i)] * near + tree().offset[index(i)]);
+}
+/// Of the coordinate whose velocity is c.
+double AbsoluteSystem::known_angle(int c) const { return angle(joint_of_[index(c)]); }
+
+template <class Motion> void AbsoluteSystem::bind(const Motion& X, Numbers& rows) const {
+  for (int i = 1; i <= n_; ++i) {
+    const auto& [free, along] = bound_[index(i)];
+    Six<double> x = six(X[index(i)].w, X[index(i)].v);
+    const double own = along < 0 ? 0 : x[index(along)];
+    if (tree()->kind[index(i)] == Subgroup::helical) x[5] -= tree().pitch[index(i)] * x[2];
+    for (std::size_t k = 0; k < 6; ++k) rows[index(6 * (i - 1)) + k] = free[k] ? 0 : x[k];
+    if (const int l = leader_[index(i)]; l > 0)
+      rows[index(6 * (i - 1) + along)] = own - tree().ratio[index(i)] * rate(l, X[index(l)]);
+  }
+  for (int r = 0; r < n_rotors(); ++r)
+    rows[index(6 * n_ + r)] = rate(rotors_[index(r)], X[index(rotors_[index(r)])]);
+}
+
+/// The wrench on a body that a drive of its joint, with one velocity, exerts.
+BodyWrench AbsoluteSystem::co_screw(int i, double tau) const {
+  if (bound_[index(i)].along == 5) return {{}, {0, 0, tau}};
+  return {{0, 0, tau}, {}};
+}
+BodyWrench AbsoluteSystem::joint_force(int i, Span tau) const {
+  const double* const at = &tau[index(tree()->iv[index(i)])];
+  if (bound_[index(i)].along >= 0) return co_screw(i, *at);
+  Six<double> all{};
+  int c = 0;
+  for (std::size_t k = 0; k < 6; ++k)
+    if (bound_[index(i)].free[k]) all[k] = at[c++];
+  return {angular(all.data()), linear(all.data())};
+}
+/// W on body i at its joint, and the reaction on the predecessor.
+void AbsoluteSystem::add_joint_wrench(int i, const BodyWrench& W, Numbers& f) const {
+  add_wrench(C_[index(i)], W, i, f);
+  const int p = parent(i);
+  if (p == 0) return;
+  const Wrench<Spatial> back = coAd(inverse(C_[index(p)]) * C_[index(i)], W);
+  add_wrench(C_[index(p)], {-back.m, -back.f}, p, f);
+}
+
+/// About the origin of one of its bodies.
+LoopAt<double> AbsoluteSystem::loop_at(const Loop& loop) const {
+  const auto& [a, b] = loop.ends;
+  const Vec3<> O = C_[index(std::max(a.body, b.body))].r;
+  return {loop, about(O, C_[index(a.body)] * a.F), about(O, C_[index(b.body)] * b.F)};
+}
+
+void AbsoluteSystem::enter(Span q_joints, Span v_joints, Numbers& q, Numbers& v) {
+  keep(q_joints);
+  q.resize(index(nq())), v.resize(index(nv()));
+  std::vector<SE3<>> D(index(n_ + 1));
+  std::vector<BodyTwist> Sv(index(n_ + 1));
+  joint_poses(tree(), q_joints.data(), D.data());
+  joint_screws(tree(), v_joints.data(), Sv.data());
+  for (int i = 1; i <= n_; ++i) {
+    const int p = parent(i);
+    const SE3<> C = C_[index(i)] = C_[index(p)] * D[index(i)];
+    V_[index(i)] = carried(D[index(i)], V_[index(p)]) + Sv[index(i)];
+    put_pose(C, i, q), put_twist(C, V_[index(i)], i, v);
+  }
+  for (int r = 0; r < n_rotors(); ++r) {
+    const int i = rotors_[index(r)];
+    q[index(7 * n_ + r)] = q_joints[index(tree()->iq[index(i)])];
+    v[index(6 * n_ + r)] = v_joints[index(tree()->iv[index(i)])];
+  }
+}
+
+void AbsoluteSystem::leave(Span q, Span v, Numbers& q_joints, Numbers& v_joints) {
+  find_poses(q), find_twists(v);
+  q_joints.resize(near_.size()), v_joints.resize(x_.size());
+  for (int i = 1; i <= n_; ++i) {
+    if (leader_[index(i)] > 0) continue;
+    const SE3<> D = joint_pose(i);
+    const BodyTwist X = joint_twist(i);
+    const int from = tree()->iq[index(i)];
+    double* const q_i = &q_joints[index(from)];
+    const double* const near = &near_[index(from)];
+    if (bound_[index(i)].along >= 0) {
+      *q_i = angle(i);
+    } else if (tree()->kind[index(i)] == Subgroup::planar) {
+      q_i[0] = nearest_turn(turn_about_z(D.R), near[0]), q_i[1] = D.r.x, q_i[2] = D.r.y;
+    } else {
+      const Quaternion<> a = quaternion(D.R);
+      const double side = a.x * near[0] + a.y * near[1] + a.z * near[2] + a.w * near[3] < 0 ? -1 : 1;
+      q_i[0] = side * a.x, q_i[1] = side * a.y, q_i[2] = side * a.z, q_i[3] = side * a.w;
+      if (tree()->kind[index(i)] == Subgroup::free) q_i[4] = D.r.x, q_i[5] = D.r.y, q_i[6] = D.r.z;
+    }
+    const Six<double> x = six(X.w, X.v);
+    double* v_i = &v_joints[index(tree()->iv[index(i)])];
+    for (std::size_t k = 0; k < 6; ++k)
+      if (bound_[index(i)].free[k]) *v_i++ = x[k];
+  }
+}
+
+void AbsoluteSystem::put(std::span<const SE3<>> C, std::span<const Twist<BodyFixed>> V, Numbers& q,
+                         Numbers& v) {
+  q.resize(index(nq())), v.resize(index(nv()));
+  for (int i = 1; i <= n_; ++i) {
+    const SE3<>& offset = tree().frame_offset[index(i)];  // of the user's frame
+    C_[index(i)] = C[index(i)] * inverse(offset);
+    const Screw<> X = Ad(offset, screw(V[index(i)]));
+    V_[index(i)] = {X.w, X.v};
+    put_pose(C_[index(i)], i, q), put_twist(C_[index(i)], V_[index(i)], i, v);
+  }
+  for (int r = 0; r < n_rotors(); ++r) {
+    const int i = rotors_[index(r)];
+    q[index(7 * n_ + r)] = angle(i), v[index(6 * n_ + r)] = rate(i, joint_twist(i));
+  }
+}
+
+void AbsoluteSystem::gap(Span q, Numbers& out) {
+  find_poses(q);
+  out.resize(index(rows(Rows::places)));
+  for (int i = 1; i <= n_; ++i) {
+    const auto& [free, along] = bound_[index(i)];
+    const SE3<> E =
+        Closure<double>(closing(tree()->kind[index(i)]), tree().pitch[index(i)]).strip(joint_pose(i));
+    const Six<double> open = six(log_SO3(E.R), E.r);
+    for (std::size_t k = 0; k < 6; ++k) out[index(6 * (i - 1)) + k] = free[k] ? 0 : open[k];
+    if (const int l = leader_[index(i)]; l > 0)
+      out[index(6 * (i - 1) + along)] =
+          angle(i) - tree().ratio[index(i)] * angle(l) - tree().offset[index(i)];
+  }
+  for (int r = 0; r < n_rotors(); ++r)
+    out[index(6 * n_ + r)] = angle(rotors_[index(r)]) - q[index(7 * n_ + r)];
+  double* const open = out.data() + 6 * n_ + n_rotors();
+  for (const Loop& loop : model_.loops().all) {
+    double* const at = open + loop.first_residual;
+    if (loop.kind == LoopKind::coupling) {
+      *at = -loop.offset;
+      for (const Loop::Term& term : loop.terms) *at += term.factor * known_angle(term.velocity);
+    } else {
+      const Six<double> all = loop_at(loop).residual();
+      std::copy_n(all.begin(), loop.residuals(), at);
+    }
+  }
+}
+
+void AbsoluteSystem::slip(Span q, Span v, Numbers& out) {
+  find_poses(q), find_twists(v);
+  out.resize(index(rows(Rows::velocities)));
+  for (int i = 1; i <= n_; ++i) X_[index(i)] = joint_twist(i);
+  bind(X_, out);
+  for (int r = 0; r < n_rotors(); ++r) out[index(6 * n_ + r)] -= v[index(6 * n_ + r)];
+  for (const Loop& loop : model_.loops().all) {
+    double* const at = out.data() + 6 * n_ + n_rotors() + loop.first_row;
+    if (loop.kind == LoopKind::coupling) {
+      *at = 0;
+      for (const Loop::Term& term : loop.terms) {
+        const int i = joint_of_[index(term.velocity)];
+        *at += term.factor * rate(i, X_[index(i)]);
+      }
+      continue;
+    }
+    const auto& [a, b] = loop.ends;
+    const Vec3<> O = C_[index(std::max(a.body, b.body))].r;
+    const Twist<Spatial> X = Ad(about(O, C_[index(b.body)]), V_[index(b.body)]) -
+                             Ad(about(O, C_[index(a.body)]), V_[index(a.body)]);
+    const auto W = loop_at(loop).wrenches();
+    for (int k = 0; k < loop.rows(); ++k) at[k] = W[index(k)] | X;
+  }
+}
+
+void AbsoluteSystem::add_closing(Span q, Span lambda, Numbers& f) {
+  find_poses(q);
+  for (int i = 1; i <= n_; ++i) {
+    const double* const at = &lambda[index(6 * (i - 1))];
+    BodyWrench W{angular(at), linear(at)};
+    if (tree()->kind[index(i)] == Subgroup::helical) W.m.z -= tree().pitch[index(i)] * W.f.z;
+    add_joint_wrench(i, W, f);
+    if (const int l = leader_[index(i)]; l > 0)
+      add_joint_wrench(l, co_screw(l, -tree().ratio[index(i)] * at[bound_[index(i)].along]), f);
+  }
+  for (int r = 0; r < n_rotors(); ++r) {
+    const double mu = lambda[index(6 * n_ + r)];
+    add_joint_wrench(rotors_[index(r)], co_screw(rotors_[index(r)], mu), f);
+    f[index(6 * n_ + r)] -= mu;
+  }
+  for (const Loop& loop : model_.loops().all) {
+    const double* const at = lambda.data() + 6 * n_ + n_rotors() + loop.first_row;
+    if (loop.kind == LoopKind::coupling) {
+      for (const Loop::Term& term : loop.terms) {
+        const int i = joint_of_[index(term.velocity)];
+        add_joint_wrench(i, co_screw(i, term.factor * *at), f);
+      }
+      continue;
+    }
+    const auto& [a, b] = loop.ends;
+    const Vec3<> O = C_[index(std::max(a.body, b.body))].r;
+    const auto all = loop_at(loop).wrenches();
+    Wrench<Spatial> W{};
+    for (int k = 0; k < loop.rows(); ++k) W += at[k] * all[index(k)];
+    add_wrench(C_[index(b.body)], coAd_inv(about(O, C_[index(b.body)]), W), b.body, f);
+    add_wrench(C_[index(a.body)], coAd_inv(about(O, C_[index(a.body)]), -W), a.body, f);
+  }
+}
+
+void AbsoluteSystem::momentum(Span v, Numbers& p) const {
+  p.resize(index(nv()));
+  for (int i = 1; i <= n_; ++i) {
+    const double* const at = &v[index(6 * (i - 1))];
+    const Inertia<>& M = tree().M[index(i)];
+    Six<double> all;
+    if (kind_ == BodyGroup::SE3) {
+      const Momentum<BodyFixed> Pi = M * BodyTwist{angular(at), linear(at)};
+      all = six(Pi.l, Pi.p);
+    } else {
+      all = six((M.m > 0 ? inertia_about_com(M) : M.Theta) * angular(at), M.m * linear(at));
+    }
+    std::ranges::copy(all, p.begin() + 6 * (i - 1));
+  }
+  for (int r = 0; r < n_rotors(); ++r)
+    p[index(6 * n_ + r)] =
+        tree().armature[index(tree()->iv[index(rotors_[index(r)])])] * v[index(6 * n_ + r)];
+}
+
+double AbsoluteSystem::energy(Span q, Span v) {
+  find_poses(q);
+  momentum(v, p_);
+  double sum = 0;
+  for (std::size_t c = 0; c < p_.size(); ++c) sum += p_[c] * v[c] / 2;
+  for (int i = 1; i <= n_; ++i) {
+    const Inertia<>& M = tree().M[index(i)];
+    sum -= dot(tree().g, M.m * C_[index(i)].r + C_[index(i)].R * M.h);
+  }
+  return sum;
+}
+
+void AbsoluteSystem::forces(Span q, Span v, Span tau, const Loads<double>& loads, Numbers& f) {
+  find_poses(q), find_twists(v);
+  f.assign(index(nv()), 0.0);
+  std::vector<BodyWrench> applied(index(n_ + 1));
+  if (!loads.wrenches.empty()) sum_applied(tree(), loads.wrenches, C_.data(), applied.data());
+  for (int i = 1; i <= n_; ++i) {
+    const Inertia<>& M = tree().M[index(i)];
+    const Vec3<> g = transpose(C_[index(i)].R) * tree().g;
+    add_wrench(C_[index(i)], BodyWrench{cross(M.h, g), M.m * g} + applied[index(i)], i, f);
+  }
+  std::copy(tau.begin(), tau.end(), tau_.begin());
+  if (loads.joint_losses)
+    for (int i = 1; i <= n_; ++i) {
+      if (leader_[index(i)] > 0) continue;
+      const BodyTwist X = joint_twist(i);
+      const Six<double> x = six(X.w, X.v);
+      int c = tree()->iv[index(i)];
+      for (std::size_t k = 0; k < 6; ++k)
+        if (bound_[index(i)].free[k]) tau_[index(c)] -= joint_loss(tree(), c, x[k]), ++c;
+    }
+  for (int i = 1; i <= n_; ++i)
+    if (leader_[index(i)] == 0) add_joint_wrench(i, joint_force(i, tau_), f);
+}
+
+Solvability AbsoluteSystem::place(Span q, Rows kind) {
+  find_poses(q);
+  placed_ = C_, placed_rows_ = kind;
+  loops_.place(placed_.data());
+  const Solvability found = loops_.factorize();
+  if (!found.ok()) return found;
+  loops_.make_rows(kind);
+  loops_.factorize_rows();
+  return found;
+}
+
+Solvability AbsoluteSystem::hold(Span q) {
+  const Solvability found = place(q);
+  if (found.ok()) loops_.hold();
+  return found;
+}
+
+void AbsoluteSystem::solve(Span r, Span want, Numbers& x, Numbers& lambda) {
+  ArticulatedBodies<Spatial, double>& bodies = loops_.bodies();
+  const int first_loop = 6 * n_ + n_rotors(), m = loops_.size(placed_rows_);
+  x.resize(index(nv())), lambda.resize(index(first_loop + m));
+
+  // What joints bind is known: K_i along the path, so that Z_i = X_i - K_i moves as the joints allow.
+  on_[0] = {};
+  for (int i = 1; i <= n_; ++i) {
+    const double* const at = &want[index(6 * (i - 1))];
+    BodyTwist k{angular(at), linear(at)};
+    if (tree()->kind[index(i)] == Subgroup::helical) k.v.z += tree().pitch[index(i)] * k.w.z;
+    known_[index(i)] = known_[index(parent(i))];
+    known_[index(i)] += Ad(loops_.link(i).C, k);
+    on_[index(i)] = coAd(loops_.link(i).C, wrench(placed_[index(i)], r, i));
+  }
+  const auto inertial = [&](int i, const Twist<Spatial>& X) {
+    const Momentum<Spatial> Pi = loops_.link(i).inertia(tree().M[index(i)]) * X;
+    return Wrench<Spatial>{Pi.l, Pi.p};
+  };
+  std::ranges::fill(tau_, 0.0);
+  for (int k = 0; k < n_rotors(); ++k) {
+    const int c = tree()->iv[index(rotors_[index(k)])];
+    tau_[index(c)] = r[index(6 * n_ + k)] + tree().armature[index(c)] * want[index(6 * n_ + k)];
+  }
+  const auto give_way = [&] {
+    bodies.W[0] = {};
+    for (int i = 1; i <= n_; ++i) bodies.W[i] = inertial(i, known_[index(i)]) - on_[index(i)];
+    for (int t = 0; t < tree()->ties.begin[index(n_ + 1)]; ++t) bodies.u_tie[t] = 0;
+    for (int i = n_; i > 0; --i) bodies.pull(tree(), i, tau_.data());
+    bodies.pull_at_ground(tree(), tau_.data());
+    bodies.push(tree(), x_.data());
+    V_s_[0] = {};
+    for (int i = 1; i <= n_; ++i) V_s_[index(i)] = bodies.X[i] + known_[index(i)];
+  };
+  give_way();
+  double* const loop_lambda = lambda.data() + first_loop;
+  if (m > 0) {
+    loops_.rates(V_s_.data(), x_.data(), b_.data());
+    for (int k = 0; k < m; ++k) b_[k] -= want[index(first_loop + k)];
+    loops_.solve_rows(b_.data(), loop_lambda);
+    loops_.add_wrenches(loop_lambda, on_.data(), tau_.data());
+    give_way();
+  }
+
+  std::ranges::fill(through_, Wrench<Spatial>{});
+  for (int i = n_; i > 0; --i) {
+    const SE3<>& C = loops_.link(i).C;
+    put_twist(placed_[index(i)], Ad_inv(C, V_s_[index(i)]), i, x);
+    through_[index(i)] += inertial(i, V_s_[index(i)]) - on_[index(i)];
+    const BodyWrench W = coAd_inv(C, through_[index(i)]);
+    const auto& [free, along] = bound_[index(i)];
+    const Six<double> all = six(W.m, W.f);
+    double* const at = &lambda[index(6 * (i - 1))];
+    for (std::size_t k = 0; k < 6; ++k) at[k] = free[k] ? 0 : all[k];
+    if (leader_[index(i)] > 0)
+      at[along] = tree()->kind[index(i)] == Subgroup::helical ? W.m.z + tree().pitch[index(i)] * W.f.z
+                                                              : all[index(along)];
+    through_[index(parent(i))] += through_[index(i)];
+  }
+  for (int k = 0; k < n_rotors(); ++k) {
+    const int c = tree()->iv[index(rotors_[index(k)])];
+    const double moved = x_[index(c)] - want[index(6 * n_ + k)];
+    x[index(6 * n_ + k)] = moved;
+    lambda[index(6 * n_ + k)] = r[index(6 * n_ + k)] - tree().armature[index(c)] * moved;
+  }
+}
+
+void AbsoluteSystem::bias(Span v, Numbers& want) {
+  C_ = placed_;
+  find_twists(v);
+  const int first_loop = 6 * n_ + n_rotors();
+  want.resize(index(first_loop + loops_.size(Rows::velocities)));
+  // Twists of bodies that do not accelerate in their coordinates change all the same, where these are in inertial axes.
+  std::vector<BodyTwist> rest(index(n_ + 1));
+  for (int i = 1; i <= n_; ++i) {
+    const BodyTwist& V = V_[index(i)];
+    if (kind_ == BodyGroup::SO3xR3) rest[index(i)].v = -cross(V.w, V.v + cross(V.w, com_[index(i)]));
+    const SE3<>& C = loops_.link(i).C;
+    V_s_[index(i)] = Ad(C, V);
+    const Twist<Spatial> rate = Ad(C, rest[index(i)]);
+    dV_s_[index(i)] = {rate.w, rate.v};
+    const SE3<> D = inverse(placed_[index(parent(i))]) * placed_[index(i)];
+    const BodyTwist V_p = carried(D, V_[index(parent(i))]);
+    X_[index(i)] = ad(V_p, V) - rest[index(i)] + carried(D, rest[index(parent(i))]);
+  }
+  bind(X_, want);
+  if (model_.loops().empty()) return;
+  V_s_[0] = {}, dV_s_[0] = {};
+  loops_.bias(V_s_.data(), dV_s_.data(), b_.data());
+  for (const Loop& loop : model_.loops().all) {
+    double* const at = want.data() + first_loop + loop.first_row;
+    for (int k = 0; k < loop.rows(); ++k) at[k] = -b_[loop.first_row + k];
+    for (const Loop::Term& term : loop.terms) {
+      const int i = joint_of_[index(term.velocity)];
+      *at += term.factor * rate(i, X_[index(i)]);
+    }
+  }
+}
+
+}  // namespace axode

@@ -1,0 +1,128 @@
+#pragma once
+#include <Eigen/Core>
+#include <span>
+#include <vector>
+
+#include "axode/constraints/loop_system.hpp"
+#include "axode/recursion/loads.hpp"
+
+namespace axode {
+
+/// In which group a body moves freely.
+enum class BodyGroup {
+  SE3,     ///< q = (quaternion x y z w, position of its joint frame), v = body-fixed twist of that frame
+  SO3xR3,  ///< position and velocity of the centre of mass in inertial axes, angular velocity in body axes
+};
+
+/// A mechanism in absolute coordinates: every body moves freely, and every joint binds two of them, as loops do.
+///   M v' - ad_vᵀ M v = f + Bᵀ λ,   Φ(q) = 0,   B v = 0
+/// with a constant M. The motion within a joint's subgroup is stripped off the relative pose of its bodies; what is left of it closes.
+///
+/// Coordinates: those of all bodies, then one for the rotor of every joint with armature, bound to the joint's own, so that M
+/// is constant for them too. Rows: six for each joint in the joint's axes, of which those of free directions are 0 but where
+/// a coupled joint binds its own to the leader's; one for each rotor; those of the loops.
+///
+/// Multipliers of the tree are never solved for: what its joints leave free gives way body by body, as in the articulated
+/// bodies algorithm, and what they bind is known. O(n + m d + m² d + m³) for m rows of loops of length d.
+class AbsoluteSystem {
+ public:
+  using Numbers = std::vector<double>;
+  using Span = std::span<const double>;
+  using Rows = LoopSystem<double>::Rows;
+
+  /// Joints with one velocity alone have rotors; check() throws std::invalid_argument for armature of another, which is left
+  /// out.
+  AbsoluteSystem(const Model& model, BodyGroup group);
+  static void check(const Model& model);
+
+  /// The group of the coordinates: a tree of nothing but bodies on the ground, each with a joint for its motion.
+  const Tree<double>& group() const { return group_tree_; }
+  int nq() const { return group_tree_->nq; }
+  int nv() const { return group_tree_->nv; }
+  /// Numbers of rows, of velocities or of places; they differ where something rolls.
+  int rows(Rows kind) const { return 6 * n_ + n_rotors() + loops_.size(kind); }
+
+  /// From the coordinates and velocities of the joints, and back; angles are those nearest to the ones last kept.
+  void enter(Span q_joints, Span v_joints, Numbers& q, Numbers& v);
+  void leave(Span q, Span v, Numbers& q_joints, Numbers& v_joints);
+  /// From the poses and twists of all bodies in the user's frames, the ground's first; rotors turn with their joints.
+  void put(std::span<const SE3<>> C, std::span<const Twist<BodyFixed>> V, Numbers& q, Numbers& v);
+  /// Joint angles are counted on from these.
+  void keep(Span q_joints) { near_.assign(q_joints.begin(), q_joints.end()); }
+
+  /// Φ(q), and B v at q, wherever the system is placed.
+  void gap(Span q, Numbers& out);
+  void slip(Span q, Span v, Numbers& out);
+  /// f += Bᵀ λ at q.
+  void add_closing(Span q, Span lambda, Numbers& f);
+  /// p = M v.
+  void momentum(Span v, Numbers& p) const;
+  /// Kinetic energy, and that of weight, J.
+  double energy(Span q, Span v);
+  /// f of weight, loads and drives, tau being those of the joints.
+  void forces(Span q, Span v, Span tau, const Loads<double>& loads, Numbers& f);
+
+  /// Places the system at q, ready to solve with rows of a kind; where loops are closed, hold() decides on their rank.
+  Solvability place(Span q, Rows kind = Rows::velocities);
+  Solvability hold(Span q);
+  /// M x - Bᵀ λ = r and B x = want, least λ for rows that repeat each other.
+  void solve(Span r, Span want, Numbers& x, Numbers& lambda);
+  /// What B v' must be at (q, v), where the system is placed, so that (B v)' = 0.
+  void bias(Span v, Numbers& want);
+
+ private:
+  using BodyTwist = Twist<BodyFixed, double>;
+  using BodyWrench = Wrench<BodyFixed, double>;
+  struct Bound {
+    std::array<bool, 6> free;  ///< directions of the joint, in its frame
+    int along = -1;            ///< that of a joint with one velocity
+  };
+  static std::size_t index(int k) { return static_cast<std::size_t>(k); }
+  const Tree<double>& tree() const { return model_.tree<double>(); }
+  int n_rotors() const { return static_cast<int>(rotors_.size()); }
+  int parent(int i) const { return tree()->parent[i]; }
+  static Tree<double> group_of(int n, int rotors, BodyGroup group);
+
+  SE3<> pose(Span q, int i) const;
+  void put_pose(const SE3<>& C, int i, Numbers& q) const;
+  BodyTwist twist(const SE3<>& C, Span v, int i) const;
+  void put_twist(const SE3<>& C, const BodyTwist& V, int i, Numbers& v) const;
+  BodyWrench wrench(const SE3<>& C, Span f, int i) const;
+  void add_wrench(const SE3<>& C, const BodyWrench& W, int i, Numbers& f) const;
+  void find_poses(Span q);
+  void find_twists(Span v);
+  SE3<> joint_pose(int i) const;
+  BodyTwist joint_twist(int i) const;
+  double angle(int i) const;
+  double known_angle(int c) const;
+  /// The rows of the joints and rotors for relative motions of all joints.
+  template <class Motion> void bind(const Motion& X, Numbers& rows) const;
+  double rate(int i, const BodyTwist& X) const { return six(X.w, X.v)[index(bound_[index(i)].along)]; }
+  BodyWrench co_screw(int i, double tau) const;
+  BodyWrench joint_force(int i, Span tau) const;
+  void add_joint_wrench(int i, const BodyWrench& W, Numbers& f) const;
+  LoopAt<double> loop_at(const Loop& loop) const;
+
+  Model model_;
+  BodyGroup kind_;
+  int n_;
+  std::vector<Bound> bound_;
+  std::vector<int> rotors_;    ///< the joints that have one
+  std::vector<int> leader_;    ///< of each joint that is coupled; 0: none
+  std::vector<int> joint_of_;  ///< of each velocity of joints, the joint that has it for its own
+  std::vector<Vec3<>> com_;
+  Tree<double> group_tree_;
+  LoopSystem<double> loops_;
+  Rows placed_rows_ = Rows::velocities;
+  Numbers near_;
+  std::vector<SE3<>> placed_;
+  std::vector<SE3<>> C_;
+  std::vector<BodyTwist> V_, X_;
+  std::vector<Twist<Spatial>> known_, V_s_;
+  std::vector<TwistRate<Spatial>> dV_s_;
+  std::vector<Wrench<Spatial>> on_, through_;
+  Numbers x_, tau_, p_;
+  Eigen::VectorXd b_, lambda_;
+};
+
+}  // namespace axode

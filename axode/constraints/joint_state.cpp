@@ -1,0 +1,33 @@
+#include "axode/constraints/joint_state.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "axode/constraints/absolute_system.hpp"
+#include "axode/model/configuration.hpp"
+
+namespace axode {
+
+JointState joint_state(const Model& model, std::span<const SE3<>> C, std::span<const Twist<BodyFixed>> V,
+                       std::span<const double> near) {
+  const auto bodies = static_cast<std::size_t>(model.n_bodies()) + 1;
+  check_size("C", C.size(), bodies, "n_bodies + 1");
+  check_size("V", V.size(), bodies, "n_bodies + 1");
+  if (!near.empty()) check_configuration(model, near);
+  AbsoluteSystem system(model, BodyGroup::SE3);
+  if (!near.empty()) system.keep(near);
+  JointState out;
+  std::vector<double> q, v, rows;
+  system.put(C, V, q, v);
+  system.leave(q, v, out.q, out.v);
+  const auto largest = [&rows] {
+    double most = 0;
+    for (const double row : rows) most = std::max(most, std::abs(row));
+    return most;
+  };
+  system.gap(q, rows), out.gap = largest();
+  system.slip(q, v, rows), out.slip = largest();
+  return out;
+}
+
+}  // namespace axode

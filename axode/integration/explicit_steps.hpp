@@ -1,0 +1,92 @@
+#pragma once
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "axode/integration/munthe_kaas.hpp"
+#include "axode/integration/simulation.hpp"
+
+/// Explicit methods on a run: it has q, v and a of now on the group of tree(), accelerations(), and takes the ends of steps.
+namespace axode {
+
+/// Steps of one length from 0 on, the last as long as is left; take(t_1) goes to t_1 and says whether to go on.
+template <class Run, class Take> void each_step(const Run& run, double until, double step, const Take& take) {
+  const double whole = std::ceil(until / step - 1e-9);
+  for (double k = 1; k <= whole && !run.done(); ++k)
+    if (!take(k == whole ? until : k * step)) break;
+}
+
+/// Steps of one length until a time.
+template <class Run> void take_steps(Run& run, double until, double step, const Tableau& method) {
+  MuntheKaas scheme(run.tree(), method);
+  const ConfigurationGroup<double> group(run.tree());
+  std::vector<double> q_1(run.q.size());
+  each_step(run, until, step, [&](double t_1) {
+    const double t = run.now();
+    if (!scheme.run(t, run.q.data(), run.v.data(), run.a.data(), t_1 - t, run.accelerations())) return false;
+    group.move(run.q.data(), scheme.theta.data(), q_1.data());
+    return run.take(t_1, q_1, scheme.y, scheme.end());
+  });
+}
+
+/// Steps as long as the estimated error allows, with Dormand's and Prince's method.
+template <class Run> void take_adapted_steps(Run& run, double until, const Tolerances& tolerances) {
+  const Tableau& method = runge_kutta(5);
+  MuntheKaas scheme(run.tree(), method);
+  const ConfigurationGroup<double> group(run.tree());
+  const std::size_t nv = run.v.size();
+  const auto mean = [&](const auto& of) {
+    double squares = 0;
+    for (std::size_t c = 0; c < nv; ++c) squares += of(c) * of(c);
+    return nv == 0 ? 0.0 : std::sqrt(squares / static_cast<double>(2 * nv));
+  };
+  const double most = tolerances.largest_step > 0 ? tolerances.largest_step : until;
+  double h = tolerances.first_step;
+  if (!(h > 0)) {  // in which little happens
+    double rate = 1e-3;
+    for (std::size_t c = 0; c < nv; ++c)
+      rate = std::max({rate, std::abs(run.v[c]), std::sqrt(std::abs(run.a[c]))});
+    h = 0.01 / rate;
+  }
+  double last_error = 1e-4;
+  std::vector<double> q_1(run.q.size());
+  while (!run.done()) {
+    const double t = run.now(), rest = until - t;
+    h = std::min({h, most, rest});
+    const bool last = h >= rest * (1 - 1e-12);
+    if (!last && !(h > 1e-15 * until)) {
+      run.stop(t, "the step became too short for the tolerances");
+      break;
+    }
+    if (!scheme.run(t, run.q.data(), run.v.data(), run.a.data(), h, run.accelerations())) {
+      if (h < 1e-9 * until) break;
+      run.trajectory.complete = true, run.trajectory.stopped.clear();  // perhaps the step was too long
+      ++run.trajectory.rejected;
+      h *= 0.1;
+      continue;
+    }
+    const double error = std::hypot(
+        mean([&](std::size_t c) {
+          return scheme.error_theta[c] /
+                 (tolerances.absolute + tolerances.relative * std::max(1.0, std::abs(scheme.theta[c])));
+        }),
+        mean([&](std::size_t c) {
+          return scheme.error_y[c] /
+                 (tolerances.absolute +
+                  tolerances.relative * std::max(std::abs(run.v[c]), std::abs(scheme.y[c])));
+        }));
+    if (!(error <= 1)) {
+      ++run.trajectory.rejected;
+      h *= std::isfinite(error) ? std::max(0.2, 0.9 * std::pow(error, -0.2)) : 0.1;
+      continue;
+    }
+    group.move(run.q.data(), scheme.theta.data(), q_1.data());
+    if (!run.take(last ? until : t + h, q_1, scheme.y, scheme.end())) break;
+    const double least = std::max(error, 1e-10);
+    h *= std::clamp(0.9 * std::pow(least, -0.17) * std::pow(last_error, 0.04), 0.2, 10.0);
+    last_error = std::max(error, 1e-4);
+  }
+}
+
+}  // namespace axode

@@ -1,0 +1,78 @@
+#pragma once
+#include <array>
+#include <span>
+#include <string_view>
+#include <utility>
+
+#include "axode/integration/simulation.hpp"
+
+/// Every way to integrate, by name, as the command and the Python package offer them.
+namespace axode {
+
+/// A motion that is asked for.
+struct MotionRequest {
+  const Model& model;
+  std::span<const double> q, v;
+  double until;
+  double step;             ///< of one that adapts its steps, the first; 0: chosen
+  Tolerances tolerances;   ///< of one that adapts its steps
+  double spectral_radius;  ///< of generalised-α
+  const SimulationOptions& options;
+};
+
+struct Method {
+  bool adapts;  ///< its steps to tolerances; the others need their length
+  Trajectory (*simulate)(const MotionRequest& x);
+};
+
+namespace detail {
+
+inline Trajectory simulate_adapting(const MotionRequest& x) {
+  Tolerances tolerances = x.tolerances;
+  tolerances.first_step = x.step;
+  return simulate(x.model, x.q, x.v, x.until, tolerances, x.options);
+}
+template <int order> Trajectory simulate_explicit(const MotionRequest& x) {
+  return simulate_fixed(x.model, x.q, x.v, x.until, x.step, runge_kutta(order), x.options);
+}
+template <int order> Trajectory simulate_conserving(const MotionRequest& x) {
+  return axode::simulate_conserving(x.model, x.q, x.v, x.until, x.step, order, x.options);
+}
+template <int order> Trajectory simulate_rattle(const MotionRequest& x) {
+  return axode::simulate_rattle(x.model, x.q, x.v, x.until, x.step, order, x.options);
+}
+template <bool stabilized> Trajectory simulate_stiff(const MotionRequest& x) {
+  return axode::simulate_stiff(x.model, x.q, x.v, x.until, x.step, x.spectral_radius, x.options, stabilized);
+}
+
+inline Trajectory simulate_momenta(const MotionRequest& x) {
+  return axode::simulate_momenta(x.model, x.q, x.v, x.until, x.step, runge_kutta(4), x.options);
+}
+inline Trajectory simulate_half_explicit(const MotionRequest& x) {
+  return axode::simulate_half_explicit(x.model, x.q, x.v, x.until, x.step, x.options);
+}
+
+}  // namespace detail
+
+inline constexpr std::array<std::pair<std::string_view, Method>, 13> methods{
+    {{"dopri5", {true, detail::simulate_adapting}},
+     {"rk4", {false, detail::simulate_explicit<4>}},
+     {"euler", {false, detail::simulate_explicit<1>}},
+     {"generalized_alpha", {false, detail::simulate_stiff<true>}},
+     {"midpoint", {false, detail::simulate_conserving<2>}},
+     {"suzuki4", {false, detail::simulate_conserving<4>}},
+     {"kahan_li6", {false, detail::simulate_conserving<6>}},
+     {"rk4_momenta", {false, detail::simulate_momenta}},
+     {"rattle", {false, detail::simulate_rattle<2>}},
+     {"rattle_suzuki4", {false, detail::simulate_rattle<4>}},
+     {"rattle_kahan_li6", {false, detail::simulate_rattle<6>}},
+     {"half_explicit", {false, detail::simulate_half_explicit}},
+     {"generalized_alpha_index3", {false, detail::simulate_stiff<false>}}}};
+
+/// The names of coordinates.
+inline constexpr std::array<std::pair<std::string_view, Coordinates>, 3> coordinate_kinds{
+    {{"relative", Coordinates::relative},
+     {"absolute", Coordinates::absolute},
+     {"absolute_SO3xR3", Coordinates::absolute_SO3xR3}}};
+
+}  // namespace axode

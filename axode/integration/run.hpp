@@ -1,0 +1,212 @@
+#pragma once
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "axode/derivatives/inverse_dynamics_derivatives.hpp"
+#include "axode/derivatives/spring_derivatives.hpp"
+#include "axode/dynamics/check_loads.hpp"
+#include "axode/dynamics/forward_dynamics.hpp"
+#include "axode/dynamics/inverse_dynamics.hpp"
+#include "axode/dynamics/springs.hpp"
+#include "axode/integration/closed_motion.hpp"
+#include "axode/integration/simulation.hpp"
+#include "axode/model/configuration.hpp"
+#include "axode/model/finite.hpp"
+#include "axode/model/workspace.hpp"
+
+namespace axode {
+
+/// What all schemes share: the motion so far in joint coordinates, accelerations, events.
+class Run {
+ public:
+  using Vector = std::vector<double>;
+  using Span = std::span<const double>;
+
+  Run(const Model& model, Span q_0, Span v_0, double until, const SimulationOptions& options)
+      : trajectory(model),
+        q(q_0.begin(), q_0.end()),
+        v(v_0.begin(), v_0.end()),
+        a(v_0.size()),
+        model_(model),
+        options_(options),
+        workspace_(model),
+        tau_(v_0.size()),
+        total_(v_0.size()),
+        until_(until) {
+    if (!model.loops().empty()) loops_.emplace(model);
+    check_configuration(model, q);
+    check_size("v", v.size(), static_cast<std::size_t>(model.nv()), "nv");
+    if (!finite(v)) throw std::invalid_argument("v has numbers that are not finite");
+    if (!(until >= 0) || !std::isfinite(until))
+      throw std::invalid_argument("until is " + std::to_string(until) + "; expected a time of 0 s or more");
+    check_loads(model, loads());
+    if (loops_) loops_->check(q, v);
+    if (!accelerate(0, q, v, a)) return;
+    trajectory.append(0, q, v, a, tau_);
+    values_ = values_at(0, q, v);
+  }
+
+  /// Accelerations under what acts; false, with the reason kept, where there are none.
+  bool accelerate(double t, Span q_t, Span v_t, std::span<double> a_t) {
+    if (!begin_evaluation(t, q_t, v_t)) return false;
+    const Span tau = with_springs(q_t, v_t);
+    const Solvability found = loops_ ? loops_->accelerate(q_t, v_t, tau, loads(), a_t)
+                                     : forward_dynamics(model_, workspace_, q_t, v_t, tau, a_t, loads());
+    if (!found.ok()) return stop(t, to_string(model_, found));
+    return true;
+  }
+
+  /// ID(q, v, a) - tau, which is 0 where a is the acceleration; false, with the reason kept, where it is not finite.
+  bool residual(double t, Span q_t, Span v_t, Span a_t, std::span<double> r) {
+    ++trajectory.evaluations;
+    if (!finite(q_t) || !finite(v_t) || !finite(a_t)) return stop(t, "the state is not finite");
+    inverse_dynamics(model_, workspace_, q_t, v_t, a_t, r, loads());
+    if (options_.drive) options_.drive(t, q_t, v_t, tau_);
+    const Span tau = with_springs(q_t, v_t);
+    for (std::size_t c = 0; c < r.size(); ++c) r[c] -= tau[c];
+    return finite(r) || stop(t, "forces are not finite at " + joint_of(r));
+  }
+  /// Its derivatives, without those of the drive: by q, v and a.
+  void residual_derivatives(Span q_t, Span v_t, Span a_t, const InverseDynamicsDerivatives<double>& dr) {
+    inverse_dynamics_derivatives(model_, workspace_, q_t, v_t, a_t, dr, loads());
+    if (model_.springs().empty()) return;
+    Vector by_q(dr.q.size()), by_v(dr.v.size());
+    spring_force_derivatives(model_, workspace_, q_t, v_t, {by_q, by_v});
+    for (std::size_t k = 0; k < by_q.size(); ++k) dr.q[k] -= by_q[k], dr.v[k] -= by_v[k];
+  }
+  bool is_driven() const { return static_cast<bool>(options_.drive); }
+  /// tau of the drive.
+  Span drive(double t, Span q_t, Span v_t) {
+    options_.drive(t, q_t, v_t, tau_);
+    return tau_;
+  }
+
+  /// Takes the end of a step, with the acceleration there where it is known; false where the motion ends. Loops are
+  /// closed again, which changes it a little.
+  bool take(double t, Span q_end, Span v_end, Span known = {}) {
+    Vector q_1(q_end.begin(), q_end.end()), v_1(v_end.begin(), v_end.end());
+    if (!loops_) return record(t, q_1, v_1, known);
+    if (!loops_->close(q_1, v_1)) return stop(t, open);
+    return record(t, q_1, v_1);
+  }
+  /// The same of a scheme that keeps loops closed itself.
+  bool take_closed(double t, Span q_end, Span v_end) {
+    if (loops_) loops_->hold(q_end);
+    return record(t, Vector(q_end.begin(), q_end.end()), Vector(v_end.begin(), v_end.end()));
+  }
+  bool stop(double t, const std::string& why) {
+    trajectory.complete = false;
+    trajectory.stopped = "at t = " + std::to_string(t) + " s: " + why;
+    return false;
+  }
+  static constexpr const char* open = "the loops cannot be kept closed; a shorter step may help";
+  bool done() const { return trajectory.size() == 0 || ended_ || !trajectory.complete || now() >= until_; }
+  double now() const { return trajectory.t().back(); }
+  const Tree<double>& tree() const { return model_.tree<double>(); }
+  /// accelerate() as schemes call it.
+  auto accelerations() {
+    return
+        [this](double t, Span q_t, Span v_t, std::span<double> a_t) { return accelerate(t, q_t, v_t, a_t); };
+  }
+  /// tau of drives and springs at a state, where it is finite; false, with the reason kept, where it is not.
+  bool joint_forces(double t, Span q_t, Span v_t, Span& tau) {
+    if (!begin_evaluation(t, q_t, v_t)) return false;
+    tau = with_springs(q_t, v_t);
+    return true;
+  }
+  Loads<double> loads() const { return {options_.loads, options_.joint_losses}; }
+
+  Trajectory trajectory;
+  Vector q, v, a;  ///< now
+
+ protected:
+  bool record(double t, const Vector& q_1, const Vector& v_1, Span known = {}) {
+    Vector a_1(known.begin(), known.end());
+    if (known.size() != v_1.size()) {
+      a_1.resize(v_1.size());
+      if (!accelerate(t, q_1, v_1, a_1)) return false;
+    }
+    const double before = trajectory.t().back();
+    trajectory.append(t, q_1, v_1, a_1, tau_);
+    ++trajectory.steps;
+    q = q_1, v = v_1, a = a_1;
+    if (!options_.events.empty() && meets_end(before, t)) return false;
+    if (options_.monitor && !options_.monitor(t)) return stop(t, "it was interrupted");
+    return true;
+  }
+  /// tau of the drive, and of the springs of the model.
+  Span with_springs(Span q_t, Span v_t) {
+    if (model_.springs().empty()) return tau_;
+    total_.assign(tau_.begin(), tau_.end());
+    add_spring_forces(model_, workspace_, q_t, v_t, total_);
+    return total_;
+  }
+  /// Drive forces at a state, and whether all is finite.
+  bool begin_evaluation(double t, Span q_t, Span v_t) {
+    ++trajectory.evaluations;
+    if (!finite(q_t) || !finite(v_t)) return stop(t, "the state is not finite at " + joint_of(v_t));
+    if (!options_.drive) return true;
+    options_.drive(t, q_t, v_t, tau_);
+    return finite(tau_) || stop(t, "the drive forces are not finite at " + joint_of(tau_));
+  }
+  std::string joint_of(Span x) const {
+    for (std::size_t c = 0; c < x.size(); ++c)
+      if (!std::isfinite(x[c])) return "joint \"" + velocity_names(model_)[c] + "\"";
+    return "a joint";
+  }
+
+  const Model& model_;
+  const SimulationOptions& options_;
+  Workspace<> workspace_;
+  std::optional<ClosedMotion> loops_;
+  Vector tau_, total_;
+
+ private:
+  Vector values_at(double t, Span q_t, Span v_t) const {
+    Vector values;
+    for (const Event& event : options_.events) values.push_back(event.value(t, q_t, v_t));
+    return values;
+  }
+  /// Looks for events between two times, the last step; where one is terminal the trajectory is cut off there.
+  bool meets_end(double before, double after) {
+    const Vector next = values_at(after, q, v);
+    std::vector<Trajectory::Met> met;
+    Vector q_t(q.size()), v_t(v.size());
+    for (std::size_t e = 0; e < next.size(); ++e) {
+      const Event& event = options_.events[e];
+      if ((values_[e] < 0) == (next[e] < 0) || values_[e] == 0) continue;
+      if (event.direction != 0 && (next[e] > values_[e]) != (event.direction > 0)) continue;
+      double low = before, high = after;
+      for (int k = 0; k < 60 && high - low > 1e-15 * std::max(1.0, std::abs(after)); ++k) {
+        const double middle = low + (high - low) / 2;
+        trajectory.at(middle, q_t, v_t);
+        ((event.value(middle, q_t, v_t) < 0) == (values_[e] < 0) ? low : high) = middle;
+      }
+      met.push_back({e, high});
+    }
+    values_ = next;
+    std::ranges::sort(met, {}, &Trajectory::Met::t);
+    for (const Trajectory::Met& one : met) {
+      trajectory.events.push_back(one);
+      if (!options_.events[one.event].terminal) continue;
+      ended_ = true;
+      trajectory.at(one.t, q_t, v_t);
+      trajectory.take_back();
+      if (loops_ && !loops_->close(q_t, v_t)) return !stop(one.t, open);
+      Vector a_t(v_t.size());
+      if (accelerate(one.t, q_t, v_t, a_t)) trajectory.append(one.t, q_t, v_t, a_t, tau_);
+      return true;
+    }
+    return false;
+  }
+
+  Vector values_;
+  double until_;
+  bool ended_ = false;
+};
+
+}  // namespace axode

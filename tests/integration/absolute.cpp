@@ -1,0 +1,235 @@
+#include "axode/constraints/assembly.hpp"
+#include "axode/constraints/loops.hpp"
+#include "axode/dynamics.hpp"
+#include "tests/constraints/mechanisms.hpp"
+#include "tests/integration/motions.hpp"
+#include "tests/model/rotors.hpp"
+
+/// Motion in absolute coordinates, told in those of the joints.
+namespace axode::test {
+namespace {
+
+constexpr std::array absolute_kinds{Coordinates::absolute, Coordinates::absolute_SO3xR3};
+
+SimulationOptions in(Coordinates coordinates, SimulationOptions options = {}) {
+  options.coordinates = coordinates;
+  return options;
+}
+
+/// A mechanism with loops in motion.
+struct Closed {
+  Model model;
+  AssemblyResult at;
+
+  explicit Closed(const Description& description)
+      : model(ModelBuilder(description).build()), at([&] {
+          Random<double> random(3);
+          return assemble(model, neutral(model), random_numbers(random, model.nv()));
+        }()) {}
+};
+double energy_error(const Trajectory& motion) {
+  const double before = energy_of(motion.model(), motion.q(0), motion.v(0));
+  double most = 0;
+  for (std::size_t k = 0; k < motion.size(); ++k)
+    most = std::max(most, std::abs(energy_of(motion.model(), motion.q(k), motion.v(k)) - before));
+  return most;
+}
+double error_of(const Trajectory& motion, const Trajectory& exact) {
+  double most = apart(motion.model(), last_q(motion), last_q(exact));
+  for (std::size_t c = 0; c < last_v(motion).size(); ++c)
+    most = std::max(most, std::abs(last_v(motion)[c] - last_v(exact)[c]));
+  return most;
+}
+
+TEST(AbsoluteCoordinates, MoveRandomTreesAsTheirJointsDo) {
+  int seen = 0;
+  for (const Coordinates kind : absolute_kinds)
+    for_seeds(20, [&](std::uint64_t seed) {
+      Random<double> random(seed);
+      const Model model =
+          ModelBuilder(with_simple_rotors(
+                           told(random_mechanism(random, {.most_bodies = 6, .always_mass = true}), random)))
+              .build();
+      const State<double> state = random_state(model, random);
+      SimulationOptions options = driven_and_damped();
+      options.loads = state.wrenches, options.joint_losses = false;
+      const Trajectory joints = simulate(model, state.q, state.v, 0.1, {1e-10, 1e-12}, options);
+      const Trajectory bodies = simulate(model, state.q, state.v, 0.1, {1e-10, 1e-12}, in(kind, options));
+      if (!joints.complete) return;
+      ++seen;
+      ASSERT_TRUE(bodies.complete) << bodies.stopped;
+      EXPECT_LT(error_of(bodies, joints),
+                1e-5 * (1 + std::abs(last_v(joints).empty() ? 0 : last_v(joints)[0])));
+    });
+  EXPECT_GT(seen, 20);
+}
+
+struct Scheme {
+  const char* name;
+  double order;
+  Trajectory (*run)(const Model&, Span, Span, double, double, const SimulationOptions&);
+};
+const Scheme schemes[]{
+    {"rk4", 4,
+     [](const Model& m, Span q, Span v, double t, double h, const SimulationOptions& o) {
+       return simulate_fixed(m, q, v, t, h, runge_kutta(4), o);
+     }},
+    {"RATTLE", 2,
+     [](const Model& m, Span q, Span v, double t, double h, const SimulationOptions& o) {
+       return simulate_rattle(m, q, v, t, h, 2, o);
+     }},
+    {"RATTLE, Suzuki", 4,
+     [](const Model& m, Span q, Span v, double t, double h, const SimulationOptions& o) {
+       return simulate_rattle(m, q, v, t, h, 4, o);
+     }},
+    {"half-explicit", 3,
+     [](const Model& m, Span q, Span v, double t, double h, const SimulationOptions& o) {
+       return simulate_half_explicit(m, q, v, t, h, o);
+     }},
+    {"generalised-alpha", 2,
+     [](const Model& m, Span q, Span v, double t, double h, const SimulationOptions& o) {
+       return simulate_stiff(m, q, v, t, h, 0.9, o);
+     }},
+    {"generalised-alpha, index 3", 2,
+     [](const Model& m, Span q, Span v, double t, double h, const SimulationOptions& o) {
+       return simulate_stiff(m, q, v, t, h, 0.9, o, false);
+     }},
+};
+
+void expect_orders(const Model& model, Span q, Span v, double until, int steps,
+                   const SimulationOptions& options) {
+  const Trajectory exact = simulate(model, q, v, until, {1e-12, 1e-13}, options);
+  for (const Coordinates kind : absolute_kinds)
+    for (const auto& [name, order, run] : schemes) {
+      SCOPED_TRACE(std::string(name) + (kind == Coordinates::absolute ? ", SE(3)" : ", SO(3) x R^3"));
+      const Trajectory coarse = run(model, q, v, until, until / steps, in(kind, options));
+      const Trajectory fine = run(model, q, v, until, until / (2 * steps), in(kind, options));
+      ASSERT_TRUE(coarse.complete && fine.complete) << coarse.stopped << fine.stopped;
+      const double error = error_of(fine, exact);
+      EXPECT_LT(error, 0.02);
+      if (error > 1e-8)  // not yet rounding
+        EXPECT_GT(std::log2(error_of(coarse, exact) / error), order - 0.4) << "error " << error;
+    }
+}
+
+TEST(AbsoluteCoordinates, SchemesHaveTheirOrdersOnATreeWithDrivesAndDamping) {
+  const Model model = test_tree();
+  const State<double> state = test_state(model);
+  expect_orders(model, state.q, state.v, 0.5, 100, driven_and_damped());
+}
+
+TEST(AbsoluteCoordinates, SchemesHaveTheirOrdersOnMechanismsWithLoops) {
+  for (const Description& description : {four_bar(), bricard(), gough()}) {
+    SCOPED_TRACE(description.name);
+    const Closed mechanism(description);
+    expect_orders(mechanism.model, mechanism.at.q, mechanism.at.v, 0.25, 100, driven_and_damped());
+  }
+}
+
+TEST(AbsoluteCoordinates, JointsAndLoopsHoldInPlacesAndVelocities) {
+  const Closed mechanism(gough());
+  LoopWorkspace<double> workspace(mechanism.model);
+  Numbers r(static_cast<std::size_t>(mechanism.model.loops().residuals));
+  for (const Coordinates kind : absolute_kinds)
+    for (const auto& [name, order, run] : schemes) {
+      SCOPED_TRACE(name);
+      const Trajectory motion = run(mechanism.model, mechanism.at.q, mechanism.at.v, 0.2, 2e-3, in(kind));
+      loop_residual<double>(mechanism.model, workspace, last_q(motion), r);
+      for (const double open : r) EXPECT_NEAR(open, 0, 1e-11);
+    }
+}
+
+/// Symmetric: with all velocities turned round it comes back to where it began.
+TEST(AbsoluteCoordinates, RattleIsReversible) {
+  const Closed mechanism(four_bar());
+  for (const Coordinates kind : absolute_kinds) {
+    const Trajectory there =
+        simulate_rattle(mechanism.model, mechanism.at.q, mechanism.at.v, 0.3, 2e-3, 2, in(kind));
+    Numbers v(last_v(there).begin(), last_v(there).end());
+    for (double& v_c : v) v_c = -v_c;
+    const Trajectory back = simulate_rattle(mechanism.model, last_q(there), v, 0.3, 2e-3, 2, in(kind));
+    EXPECT_LT(apart(mechanism.model, last_q(back), mechanism.at.q), 1e-9);
+  }
+}
+
+TEST(AbsoluteCoordinates, RattleKeepsTheEnergyInABand) {
+  const Model model = test_tree({});
+  const State<double> state = test_state(model);
+  for (const Coordinates kind : absolute_kinds) {
+    const Trajectory soon = simulate_rattle(model, state.q, state.v, 1, 5e-3, 2, in(kind));
+    const Trajectory late = simulate_rattle(model, state.q, state.v, 20, 5e-3, 2, in(kind));
+    ASSERT_TRUE(late.complete) << late.stopped;
+    EXPECT_LT(energy_error(late), 4 * energy_error(soon));
+  }
+}
+
+/// The N-four-bar's energy errors with spectral radius 0.95, as published for h = 1 ms: 1.14e-3 J; and 100 times that at 10 ms.
+TEST(AbsoluteCoordinates, TheFourBarsEnergyErrorIsThePublishedOne) {
+  Description d{.name = "N-four-bar", .gravity = {0, -9.81, 0}, .bodies = {}, .frames = {}};
+  const auto slender = [&](const char* name, const std::string& on, const Vec3<>& p, const Vec3<>& q) {
+    d.bodies.push_back(bar(name, on, JointKind::revolute, {0, 0, 1}, p, q));
+    const Vec3<> l = q - p;
+    d.bodies.back().inertia->Theta = {l.y * l.y / 12, l.x * l.x / 12, 1.0 / 12, 0, 0, 0};
+  };
+  slender("left", "ground", {0, 0, 0}, {0, 1, 0}), slender("first", "left", {0, 1, 0}, {1, 1, 0});
+  slender("second", "first", {1, 1, 0}, {2, 1, 0}), slender("middle", "ground", {1, 0, 0}, {1, 1, 0});
+  slender("right", "ground", {2, 0, 0}, {2, 1, 0});
+  d.loops = {{.between = {"first", "middle"}, .axis = {0, 0, 1}, .point = {1, 1, 0}},
+             {.between = {"second", "right"}, .axis = {0, 0, 1}, .point = {2, 1, 0}}};
+  const Model model = ModelBuilder(d).build();
+  const AssemblyResult at = assemble(model, neutral(model), Numbers{-1, 1, 0, -1, -1});
+  const Trajectory motion =
+      simulate_stiff(model, at.q, at.v, 10, 1e-2, 0.95, in(Coordinates::absolute_SO3xR3), false);
+  ASSERT_TRUE(motion.complete) << motion.stopped;
+  const auto [least, most] = std::ranges::minmax(motion.body_energies);
+  EXPECT_NEAR(std::max(most - motion.body_energies[0], motion.body_energies[0] - least), 1.14e-1, 0.005e-1);
+}
+
+TEST(AbsoluteCoordinates, MeetEventsAndTellWhatIsBetween) {
+  const Closed mechanism(four_bar());
+  SimulationOptions options;  // until the crank turns back
+  options.events = {{.value = [](double, Span, Span v) { return v[0]; }, .terminal = true}};
+  const Trajectory joints =
+      simulate(mechanism.model, mechanism.at.q, mechanism.at.v, 2, {1e-10, 1e-12}, options);
+  ASSERT_EQ(joints.events.size(), 1u);
+  for (const Coordinates kind : absolute_kinds) {
+    const Trajectory bodies =
+        simulate(mechanism.model, mechanism.at.q, mechanism.at.v, 2, {1e-10, 1e-12}, in(kind, options));
+    ASSERT_EQ(bodies.events.size(), 1u);
+    EXPECT_NEAR(bodies.events[0].t, joints.events[0].t, 1e-7);
+    EXPECT_NEAR(last_v(bodies)[0], 0, 1e-9);
+  }
+}
+
+template <class F> void expect_refused(const F& f, const char* part) {
+  try {
+    static_cast<void>(f());
+    ADD_FAILURE() << "not refused: " << part;
+  } catch (const std::invalid_argument& error) {
+    EXPECT_THAT(error.what(), testing::HasSubstr(part));
+  }
+}
+
+TEST(AbsoluteCoordinates, SchemesSayWhatTheyDoNotTake) {
+  const Closed mechanism(four_bar());
+  const auto& [model, at] = mechanism;
+  const auto run = [&](SimulationOptions options) {
+    return [&, options] { return simulate_rattle(model, at.q, at.v, 1, 0.1, 2, options); };
+  };
+  expect_refused(run({}), "RATTLE is for absolute coordinates; these are relative");
+  SimulationOptions with_event = in(Coordinates::absolute);
+  with_event.events = {{.value = [](double, Span, Span) { return 1.0; }}};
+  expect_refused(run(with_event), "events are not met by conserving schemes");
+  expect_refused([&] { return simulate_half_explicit(model, at.q, at.v, 1, 0.1); },
+                 "the half-explicit method is for absolute coordinates");
+  const Model tree = test_tree();
+  const State<double> state = test_state(tree);
+  expect_refused(
+      [&] { return simulate_conserving(tree, state.q, state.v, 1, 0.1, 2, in(Coordinates::absolute)); },
+      "a conserving scheme is for relative coordinates; in absolute ones RATTLE conserves");
+  expect_refused([&] { return simulate_rattle(model, at.q, at.v, 1, 0.1, 3, in(Coordinates::absolute)); },
+                 "order");
+}
+
+}  // namespace
+}  // namespace axode::test

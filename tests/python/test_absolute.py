@@ -1,0 +1,96 @@
+"""Motion in absolute coordinates: bodies that move freely, bound by their joints."""
+
+import axode
+import numpy as np
+import pytest
+
+KINDS = ["absolute", "absolute_SO3xR3"]
+ARM = axode.load(axode.robots / "arm7.toml")
+HUMANOID = axode.load(axode.robots / "humanoid.urdf", base="free")
+MECHANISMS = ["slider_crank", "four_bar", "n_four_bar", "bricard", "governor", "gough", "five_bar_arm", "leg", "cart",
+              "machine"]
+METHODS = {"dopri5": (None, 1e-6), "rk4": (1e-3, 1e-6), "euler": (1e-4, 2e-2), "generalized_alpha": (1e-3, 2e-3),
+           "generalized_alpha_index3": (1e-3, 2e-3), "rattle": (1e-3, 2e-3), "rattle_suzuki4": (1e-3, 1e-6),
+           "rattle_kahan_li6": (2e-3, 1e-6), "half_explicit": (1e-3, 1e-4)}
+
+
+def start(m, seed=0):
+    q, v = m.neutral(), 0.5 * np.random.default_rng(seed).normal(size=m.nv)
+    return axode.assemble(m, q, v) if m.n_loops else (q, v)
+
+
+@pytest.mark.parametrize("coordinates", KINDS)
+@pytest.mark.parametrize("name", MECHANISMS)
+def test_mechanisms_move_as_in_their_joints(name, coordinates):
+    m = axode.load(axode.robots / f"{name}.toml")
+    q, v = start(m)
+    relative = axode.simulate(m, q, v, 0.1, rtol=1e-9)
+    absolute = axode.simulate(m, q, v, 0.1, rtol=1e-9, coordinates=coordinates)
+    np.testing.assert_allclose(m.difference(relative.q[-1], absolute.q[-1]), 0, atol=1e-5)
+    np.testing.assert_allclose(absolute.v[-1], relative.v[-1], atol=1e-4)
+    assert np.ptp(absolute.energy) < 1e-5 * (1 + np.ptp(axode.kinetic_energy(m, absolute.q, absolute.v)))
+    if m.n_loops:
+        assert np.abs(axode.loop_residual(m, absolute.q)).max() < 1e-10
+
+
+@pytest.mark.parametrize("coordinates", KINDS)
+@pytest.mark.parametrize("m, q", [(ARM, np.full(7, 0.3)), (HUMANOID, HUMANOID.random(seed=2))], ids=["arm", "humanoid"])
+@pytest.mark.parametrize("method", METHODS)
+def test_methods_agree_on_trees(m, q, method, coordinates):
+    step, tolerance = METHODS[method]
+    v = 0.1 * np.random.default_rng(1).normal(size=m.nv)
+    tau = 0.1 * np.cos(np.arange(m.nv))
+    exact = axode.simulate(m, q, v, 0.1, tau=tau, rtol=1e-11)
+    motion = axode.simulate(m, q, v, 0.1, tau=tau, method=method, step=step, coordinates=coordinates)
+    assert np.abs(m.difference(exact.q[-1], motion.q[-1])).max() < tolerance
+    assert motion.complete and motion.t[-1] == 0.1 and motion.steps == len(motion.t) - 1
+    np.testing.assert_allclose(axode.forward_dynamics(m, motion.q, motion.v, motion.tau), motion.a, atol=1e-6)
+
+
+@pytest.mark.parametrize("coordinates", KINDS)
+def test_drives_losses_loads_events_and_times(coordinates):
+    loads = [axode.Load(frame="flange", representation="hybrid", wrench=[0, 0, 0.2, 1, 2, 3])]
+    arguments = dict(tau=lambda t, q, v: np.sin(t + np.arange(7)) - 0.3 * v, loads=loads, joint_losses=True,
+                     times=np.linspace(0, 0.3, 7), rtol=1e-9)
+    relative = axode.simulate(ARM, np.full(7, 0.3), np.zeros(7), 0.3, **arguments)
+    absolute = axode.simulate(ARM, np.full(7, 0.3), np.zeros(7), 0.3, coordinates=coordinates, **arguments)
+    for a, b in zip((relative.q, relative.v, relative.tau), (absolute.q, absolute.v, absolute.tau)):
+        np.testing.assert_allclose(b, a, atol=1e-5)
+
+    def lower(t, q, v):
+        return q[1] - 0.31
+
+    lower.terminal = True
+    ends = [axode.simulate(ARM, np.full(7, 0.3), np.zeros(7), 5, events=[lower], coordinates=kind).t[-1]
+            for kind in ("relative", coordinates)]
+    assert ends[0] < 5 and abs(ends[1] - ends[0]) < 1e-6
+
+
+@pytest.mark.parametrize("coordinates", KINDS)
+def test_angles_count_turns(coordinates):
+    b = axode.Builder("wheel", gravity=(0, 0, 0))
+    b.body("wheel", joint={"kind": "revolute", "axis": "z", "point": [0, 0, 0]}, mass=1, com=[0.1, 0, 0],
+           inertia=[0.01, 0.01, 0.02])
+    m = b.build()
+    motion = axode.simulate(m, [7.0], [50.0], 2, method="rattle", step=1e-2, coordinates=coordinates)
+    assert motion.q[-1, 0] == pytest.approx(107, abs=1e-6)
+
+
+@pytest.mark.parametrize("arguments, words", [
+    (dict(coordinates="cartesian"), "coordinates is 'cartesian'; expected one of 'relative', 'absolute', 'absolute_SO3xR3'"),
+    (dict(method="rattle", step=1e-3), "RATTLE is for absolute coordinates; these are relative"),
+    (dict(method="half_explicit", step=1e-3), "the half-explicit method is for absolute coordinates"),
+    (dict(method="rattle", coordinates="absolute"), "takes steps of one length"),
+    (dict(method="midpoint", step=1e-3, coordinates="absolute"), "for relative coordinates; in absolute ones RATTLE"),
+    (dict(method="generalized_alpha_index3", step=1e-3), "generalised-alpha of index 3 is for absolute coordinates")])
+def test_what_does_not_go_together(arguments, words):
+    with pytest.raises(ValueError, match=words):
+        axode.simulate(ARM, np.full(7, 0.3), np.zeros(7), 0.1, **arguments)
+
+
+def test_what_rolls_is_left_to_those_that_take_it():
+    m = axode.load(axode.robots / "cart.toml")
+    with pytest.raises(ValueError, match='loop "left contact" rolls, which RATTLE does not take; half_explicit'):
+        axode.simulate(m, *start(m), 0.1, method="rattle", step=1e-3, coordinates="absolute")
+    motion = axode.simulate(m, *start(m), 0.1, method="half_explicit", step=1e-3, coordinates="absolute")
+    assert motion.complete
