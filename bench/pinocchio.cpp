@@ -7,6 +7,7 @@
 #include <pinocchio/algorithm/crba.hpp>
 #include <pinocchio/algorithm/jacobian.hpp>
 #include <pinocchio/algorithm/kinematics.hpp>
+#include <pinocchio/algorithm/loop-constrained-aba.hpp>
 #include <pinocchio/algorithm/rnea-derivatives.hpp>
 #include <pinocchio/algorithm/rnea-second-order-derivatives.hpp>
 #include <pinocchio/algorithm/rnea.hpp>
@@ -84,14 +85,14 @@ void measure_peer(const std::string& function, const F& f, const std::vector<Mod
       subjects);
 }
 
-/// Its loops, all of them balls, and what it takes to solve for their forces. Rows are independent, so that nothing is
-/// added to the diagonal, and one step solves.
+/// Its loops, all of them balls, and how their forces are solved for.
 struct PeerLoops {
   std::vector<pinocchio::RigidConstraintModel> models;
   std::vector<pinocchio::RigidConstraintData> data;
-  pinocchio::ProximalSettings settings{1e-12, 0, 1};
+  pinocchio::ProximalSettings settings;
 
-  PeerLoops(const Model& model, const pinocchio::Model& other) {
+  PeerLoops(const Model& model, const pinocchio::Model& other, const pinocchio::ProximalSettings& how)
+      : settings(how) {
     const auto placement = [](const Loop::End& end) {
       return pinocchio::SE3(to_eigen(end.F.R), to_eigen(end.F.r));
     };
@@ -118,29 +119,32 @@ double difference(const ClosedMechanism& mechanism, const ClosedStates& states, 
   return (theirs.head(model.nv()) - a).cwiseAbs().maxCoeff() / a.cwiseAbs().maxCoeff();
 }
 
-/// Of the mechanisms with loops, where it finds the same accelerations as we do.
-void measure_constrained_peer(const ClosedMechanism& mechanism) {
-  measure("constrained_forward_dynamics", "pinocchio",
-          [&mechanism](benchmark::State& state, const Model&) {
-            const Model& model = mechanism.of_balls;
-            const pinocchio::Model other = peer(model);
-            Data data(other);
-            PeerLoops loops(model, other);
-            ClosedStates states(mechanism);
-            const PeerStates x(model, states.q, states.v, states.tau);
-            const auto solve = [&](std::size_t s) {
-              constraintDynamics(other, data, x.q[s], x.v[s], x.a[s], loops.models, loops.data,
-                                 loops.settings);
-            };
-            initConstraintDynamics(other, data, loops.models, loops.data);
-            for (std::size_t s = 0; s < States::count; ++s) {
-              solve(s);
-              if (!(difference(mechanism, states, s, data.ddq) < 1e-6))
-                return state.SkipWithError("its accelerations are others");
-            }
-            repeat(state, &data, [&] { solve(states.next()); });
-          },
-          {mechanism.model});
+/// init(model, data, loops) and solve(model, data, q, v, tau, loops) of Pinocchio, where they find the accelerations that we
+/// do.
+template <class Init, class Solve>
+void measure_constrained_peer(const std::string& variant, const pinocchio::ProximalSettings& settings,
+                              const Init& init, const Solve& solve) {
+  for (const ClosedMechanism& mechanism : closed_mechanisms())
+    measure("constrained_forward_dynamics", variant,
+            [&mechanism, settings, init, solve](benchmark::State& state, const Model&) {
+              const Model& model = mechanism.of_balls;
+              const pinocchio::Model other = peer(model);
+              Data data(other);
+              PeerLoops loops(model, other, settings);
+              ClosedStates states(mechanism);
+              const PeerStates x(model, states.q, states.v, states.tau);
+              init(other, data, loops);
+              for (std::size_t s = 0; s < States::count; ++s) {
+                solve(other, data, x.q[s], x.v[s], x.a[s], loops);
+                if (!(difference(mechanism, states, s, data.ddq) < 1e-6))
+                  return state.SkipWithError("its accelerations are others");
+              }
+              repeat(state, &data, [&] {
+                const std::size_t s = states.next();
+                solve(other, data, x.q[s], x.v[s], x.a[s], loops);
+              });
+            },
+            {mechanism.model});
 }
 
 const bool registered = [] {
@@ -173,7 +177,19 @@ const bool registered = [] {
         ComputeRNEASecondOrderDerivatives(m, d, q, v, a);
       },
       small_models());
-  for (const ClosedMechanism& mechanism : closed_mechanisms()) measure_constrained_peer(mechanism);
+  using L = PeerLoops;
+  measure_constrained_peer(  // rows are independent: nothing on the diagonal, one step
+      "pinocchio", {1e-12, 0, 1},
+      [](const M& m, Data& d, const L& l) { initConstraintDynamics(m, d, l.models, l.data); },
+      [](const M& m, Data& d, const V& q, const V& v, const V& tau, L& l) {
+        constraintDynamics(m, d, q, v, tau, l.models, l.data, l.settings);
+      });
+  measure_constrained_peer(  // less than 1e-8 costs digits, more costs steps
+      "lcaba", {1e-12, 1e-8, 10},
+      [](const M& m, Data& d, const L& l) { computeJointMinimalOrdering(m, d, l.models); },
+      [](const M& m, Data& d, const V& q, const V& v, const V& tau, L& l) {
+        lcaba(m, d, q, v, tau, l.models, l.data, l.settings);
+      });
   return true;
 }();
 
