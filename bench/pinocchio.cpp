@@ -3,13 +3,16 @@
 
 #include <pinocchio/algorithm/aba-derivatives.hpp>
 #include <pinocchio/algorithm/aba.hpp>
+#include <pinocchio/algorithm/constrained-dynamics.hpp>
 #include <pinocchio/algorithm/crba.hpp>
 #include <pinocchio/algorithm/jacobian.hpp>
 #include <pinocchio/algorithm/kinematics.hpp>
+#include <pinocchio/algorithm/loop-constrained-aba.hpp>
 #include <pinocchio/algorithm/rnea-derivatives.hpp>
 #include <pinocchio/algorithm/rnea-second-order-derivatives.hpp>
 #include <pinocchio/algorithm/rnea.hpp>
 
+#include "axode/constraints.hpp"
 #include "axode/eigen.hpp"
 #include "bench/subjects.hpp"
 
@@ -47,13 +50,15 @@ pinocchio::Model peer(const Model& model) {
 
 /// States in Pinocchio's order: positions before quaternions, linear before angular.
 struct PeerStates {
+  using Sequence = std::vector<std::vector<double>>;
   std::vector<Eigen::VectorXd> q, v, a;
 
-  PeerStates(const Model& model, States& states) {
+  PeerStates(const Model& model, const States& states) : PeerStates(model, states.q, states.v, states.a) {}
+  PeerStates(const Model& model, const Sequence& q_, const Sequence& v_, const Sequence& a_) {
     for (std::size_t s = 0; s < States::count; ++s) {
-      q.push_back(Eigen::VectorXd::Map(states.q[s].data(), model.nq()));
-      v.push_back(Eigen::VectorXd::Map(states.v[s].data(), model.nv()));
-      a.push_back(Eigen::VectorXd::Map(states.a[s].data(), model.nv()));
+      q.push_back(Eigen::VectorXd::Map(q_[s].data(), model.nq()));
+      v.push_back(Eigen::VectorXd::Map(v_[s].data(), model.nv()));
+      a.push_back(Eigen::VectorXd::Map(a_[s].data(), model.nv()));
       if (model.joint(1).kind != Subgroup::free) continue;
       const Eigen::Matrix<double, 7, 1> base = q.back().head<7>();
       q.back().head<7>() << base.tail<3>(), base.head<4>();
@@ -78,6 +83,68 @@ void measure_peer(const std::string& function, const F& f, const std::vector<Mod
         });
       },
       subjects);
+}
+
+/// Its loops, all of them balls, and how their forces are solved for.
+struct PeerLoops {
+  std::vector<pinocchio::RigidConstraintModel> models;
+  std::vector<pinocchio::RigidConstraintData> data;
+  pinocchio::ProximalSettings settings;
+
+  PeerLoops(const Model& model, const pinocchio::Model& other, const pinocchio::ProximalSettings& how)
+      : settings(how) {
+    const auto placement = [](const Loop::End& end) {
+      return pinocchio::SE3(to_eigen(end.F.R), to_eigen(end.F.r));
+    };
+    for (const Loop& loop : model.loops().all) {
+      if (loop.kind != LoopKind::spherical) throw std::logic_error("no such loop in the benchmarks");
+      const auto& [i, j] = loop.ends;
+      models.emplace_back(pinocchio::CONTACT_3D, other, i.body, placement(i), j.body, placement(j));
+    }
+    for (const auto& loop : models) data.emplace_back(loop);
+  }
+};
+
+/// How far its accelerations are from ours, as a part of the largest.
+double difference(const ClosedMechanism& mechanism, const ClosedStates& states, std::size_t s,
+                  Eigen::VectorXd theirs) {
+  const Model& model = mechanism.model;
+  LoopWorkspace<> workspace(model);
+  const std::size_t nq = static_cast<std::size_t>(model.nq()), nv = static_cast<std::size_t>(model.nv());
+  const std::span q(states.q[s]), v(states.v[s]), tau(states.tau[s]);
+  Eigen::VectorXd a(model.nv());
+  benchmark::DoNotOptimize(forward_dynamics<double>(model, workspace, q.first(nq), v.first(nv), tau.first(nv),
+                                                    std::span(a.data(), nv)));
+  theirs.head<3>().swap(theirs.segment<3>(3));  // of the free body
+  return (theirs.head(model.nv()) - a).cwiseAbs().maxCoeff() / a.cwiseAbs().maxCoeff();
+}
+
+/// init(model, data, loops) and solve(model, data, q, v, tau, loops) of Pinocchio, where they find the accelerations that we
+/// do.
+template <class Init, class Solve>
+void measure_constrained_peer(const std::string& variant, const pinocchio::ProximalSettings& settings,
+                              const Init& init, const Solve& solve) {
+  for (const ClosedMechanism& mechanism : closed_mechanisms())
+    measure("constrained_forward_dynamics", variant,
+            [&mechanism, settings, init, solve](benchmark::State& state, const Model&) {
+              const Model& model = mechanism.of_balls;
+              const pinocchio::Model other = peer(model);
+              Data data(other);
+              PeerLoops loops(model, other, settings);
+              ClosedStates states(mechanism);
+              const PeerStates x(model, states.q, states.v, states.tau);
+              init(other, data, loops);
+              for (std::size_t s = 0; s < States::count; ++s) {
+                solve(other, data, x.q[s], x.v[s], x.a[s], loops);
+                if (!(difference(mechanism, states, s, data.ddq) < 1e-6))
+                  return state.SkipWithError("its accelerations are others");
+              }
+              repeat(state, &data, [&] {
+                const std::size_t s = states.next();
+                solve(other, data, x.q[s], x.v[s], x.a[s], loops);
+              });
+            },
+            {mechanism.model});
 }
 
 const bool registered = [] {
@@ -110,6 +177,19 @@ const bool registered = [] {
         ComputeRNEASecondOrderDerivatives(m, d, q, v, a);
       },
       small_models());
+  using L = PeerLoops;
+  measure_constrained_peer(  // rows are independent: nothing on the diagonal, one step
+      "pinocchio", {1e-12, 0, 1},
+      [](const M& m, Data& d, const L& l) { initConstraintDynamics(m, d, l.models, l.data); },
+      [](const M& m, Data& d, const V& q, const V& v, const V& tau, L& l) {
+        constraintDynamics(m, d, q, v, tau, l.models, l.data, l.settings);
+      });
+  measure_constrained_peer(  // less than 1e-8 costs digits, more costs steps
+      "lcaba", {1e-12, 1e-8, 10},
+      [](const M& m, Data& d, const L& l) { computeJointMinimalOrdering(m, d, l.models); },
+      [](const M& m, Data& d, const V& q, const V& v, const V& tau, L& l) {
+        lcaba(m, d, q, v, tau, l.models, l.data, l.settings);
+      });
   return true;
 }();
 

@@ -3,6 +3,7 @@
 #include <cstdlib>
 #include <filesystem>
 
+#include "axode/constraints.hpp"
 #include "axode/io.hpp"
 
 namespace axode::bench {
@@ -61,6 +62,29 @@ std::vector<Model> load_models() {
   return all;
 }
 
+Description drawing(const std::string& name) {
+  Description description = load(AXODE_ROBOTS_DIR "/" + name + ".toml").description();
+  description.name = name;
+  return description;
+}
+/// The rod of the leg as a slender bar on a universal joint, with a ball at its other end.
+Description leg_with_bar(double mass) {
+  Description leg = drawing("leg");
+  const LoopDescription rod = leg.loops.front();
+  const auto& [p, q] = rod.points;
+  const double l = mass * dot(q - p, q - p) / 12;
+  leg.name = "leg_with_bar";
+  leg.bodies.push_back({.name = "bar",
+                        .predecessor = rod.between[1],
+                        .joint = {.kind = JointKind::universal, .axis = {0, 1, 0}, .point = q},
+                        .inertia = MassProperties{.mass = mass,
+                                                  .com = 0.5 * (p + q),
+                                                  .Theta = {l, l, 0.01 * l, 0, 0, 0},
+                                                  .in = GivenIn::construction_frame}});
+  leg.loops = {{.between = {rod.between[0], "bar"}, .kind = LoopKind::spherical, .point = p}};
+  return leg;
+}
+
 }  // namespace
 
 const std::vector<Model>& models() {
@@ -76,6 +100,32 @@ const std::vector<Model>& small_models() {
     return some;
   }();
   return small;
+}
+
+const std::vector<ClosedMechanism>& closed_mechanisms() {
+  static const std::vector<ClosedMechanism> all = [] {
+    const auto build = [](Description description) { return ModelBuilder(std::move(description)).build(); };
+    const Model gough = build(drawing("gough")), bar = build(leg_with_bar(0.1));
+    return std::vector<ClosedMechanism>{
+        {gough, gough}, {build(drawing("leg")), build(leg_with_bar(1e-8))}, {bar, bar}};
+  }();
+  return all;
+}
+
+ClosedStates::ClosedStates(const ClosedMechanism& mechanism) {
+  Random random;
+  const Model& model = mechanism.of_balls;
+  const auto numbers = [&](double size) {
+    std::vector<double> out(static_cast<std::size_t>(model.nv()));
+    for (double& x : out) x = size * random.number();
+    return out;
+  };
+  while (q.size() < States::count) {
+    AssemblyResult found = assemble(model, integrate(model, neutral(model), numbers(0.1)), numbers(1));
+    if (found.status != AssemblyStatus::closed) throw std::logic_error(to_string(model, found));
+    q.push_back(std::move(found.q)), v.push_back(std::move(found.v)), tau.push_back(numbers(10));
+    std::fill(tau.back().begin() + mechanism.model.nv(), tau.back().end(), 0);
+  }
 }
 
 States::States(const Model& model) {

@@ -31,6 +31,27 @@ struct States {
   std::size_t k_ = 0;
 };
 
+/// A mechanism with loops, and the same for a peer whose loops are balls alone: a rod without mass is a body there, last of
+/// all, that weighs next to nothing.
+struct ClosedMechanism {
+  Model model, of_balls;
+};
+
+/// The Gough platform, the leg, and the leg with a rod that is a body in both.
+const std::vector<ClosedMechanism>& closed_mechanisms();
+
+/// Closed configurations near that of the drawing, velocities that keep them closed, and drive forces; with the
+/// coordinates of the rod, which has no drives.
+struct ClosedStates {
+  std::vector<std::vector<double>> q, v, tau;
+
+  explicit ClosedStates(const ClosedMechanism& mechanism);
+  std::size_t next() { return k_ = (k_ + 1) % States::count; }
+
+ private:
+  std::size_t k_ = 0;
+};
+
 /// Registers f(benchmark state, model) under <function>/<model>/<variant> for every model.
 template <class F>
 void measure(const std::string& function, const std::string& variant, const F& f,

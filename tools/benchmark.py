@@ -16,7 +16,7 @@ import sys
 from collections import defaultdict
 from pathlib import Path
 
-PEERS = ["pinocchio", "mujoco"]
+PEERS = ["pinocchio", "lcaba", "mujoco"]  # lcaba: Pinocchio's other way to solve mechanisms with loops
 COMPILED_BY_ITS_MAKERS = {"mujoco": "wheel"}  # peers that have a table of their own
 OWN_PEERS = {"generated": "fast"}  # variants of ours that are compared with another one of ours
 FAST = {"inverse_dynamics": "fast", "forward_dynamics": "fast", "mass_matrix": "fast", "inverse_mass_matrix": "fast",

@@ -456,7 +456,7 @@ Solvability AbsoluteSystem::place(Span q, Rows kind) {
   loops_.place(placed_.data());
   const Solvability found = loops_.factorize();
   if (!found.ok()) return found;
-  loops_.make_rows(kind);
+  loops_.make_wrenches(kind);
   loops_.factorize_rows();
   return found;
 }

@@ -22,6 +22,7 @@ struct LoopPath {
   /// Rows of A, or of those that have a residual.
   struct Range {
     int first, count;
+    bool operator==(const Range&) const = default;
   };
 
   const Loop* loop;

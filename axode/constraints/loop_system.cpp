@@ -33,24 +33,29 @@ void add(const LoopPath::Range& range, std::vector<LoopPath::Range>& to) {
 
 template <class T>
 LoopSystem<T>::LoopSystem(const Model& of)
-    : model_(of),
-      dynamics_(of.topology()),
-      at_(of.loops().all.size()),
-      rows_of_(static_cast<std::size_t>(of.nv())),
-      residuals_of_(rows_of_.size()),
-      entries_(of.loops().all.size()) {
+    : model_(of), dynamics_(of.topology()), at_(of.loops().all.size()), entries_(of.loops().all.size()) {
   const int m = of.loops().rows, nv = of.nv();
+  std::vector<std::vector<Range>> rows_of(index(nv)), residuals_of(index(nv));
   for (std::size_t k = 0; k < at_.size(); ++k) {
     const LoopPath& path = paths_.emplace_back(of.topology(), of.loops().all[k]);
     for (const int c : path.velocities)
-      add(path.rows, rows_of_[index(c)]), add(path.residuals, residuals_of_[index(c)]);
+      add(path.rows, rows_of[index(c)]), add(path.residuals, residuals_of[index(c)]);
     entries_[k].resize(path.columns.size() * index(path.rows.count));
   }
-  Y_.setZero(nv, m);
+  const auto gather = [&](const std::vector<std::vector<Range>>& of_velocity, std::vector<Felt>& felt) {
+    for (int c = 0; c < nv; ++c) {
+      const std::vector<Range>& rows = of_velocity[index(c)];
+      if (felt.empty() || felt.back().rows != rows) felt.push_back({c, 0, rows});
+      ++felt.back().count;
+    }
+  };
+  gather(rows_of, felt_rows_), gather(residuals_of, felt_residuals_);
+  const Eigen::Index room = RowCholesky<T>::room(m);
+  Y_.setZero(nv, room), G_.setZero(m, room), factor_.resize(m);
   basis_.resize(nv, std::min(nv, m));
-  G_.resize(m, m), factor_.resize(m, m);
-  scale_.resize(m), b_.resize(m), lambda_.resize(m), step_.resize(m), rest_.resize(m), moved_.resize(m);
-  zero_.setZero(nv), forces_.resize(nv);
+  scale_.resize(m), b_.resize(m), lambda_.resize(m), rest_.resize(m), step_.setZero(room),
+      moved_.resize(room);
+  zero_.setZero(nv), forces_.resize(nv), w_.resize(nv), root_.resize(nv);
 }
 
 template <class T>
@@ -59,16 +64,12 @@ Solvability LoopSystem<T>::accelerate(const T* q, const T* v, const T* tau, cons
   const int nv = model_.nv();
   move(q, v, loads, forces_.data());
   for (int c = 0; c < nv; ++c) forces_[c] = tau[c] - forces_[c];
-  const Solvability verdict = factorize();
+  const Solvability verdict = prepare(Rows::velocities, q);
   if (verdict.ok()) {
-    set_filter(q);
-    make_rows(Rows::velocities);
-    factorize_rows();
     bias(b_.data());
     add_response(forces_.data(), b_.data());
     solve_rows(b_.data(), lambda);
-    add_transposed_times(lambda, forces_.data());
-    solve(forces_.data());
+    push(lambda, forces_.data());
   } else {
     std::fill_n(lambda, size(Rows::velocities), std::numeric_limits<T>::quiet_NaN());
   }
@@ -78,41 +79,46 @@ Solvability LoopSystem<T>::accelerate(const T* q, const T* v, const T* tau, cons
 
 template <class T>
 Solvability LoopSystem<T>::collide(const T* q, const T* v, const T& e, T* v_after, T* impulses) noexcept {
-  const int nv = model_.nv();
   place(q);
-  const Solvability verdict = factorize();
-  if (verdict.ok()) {
-    set_filter(q);
-    make_rows(Rows::velocities);
-    factorize_rows();
-    times(v, b_.data());
-    b_ *= T(1) + e;
-    solve_rows(b_.data(), impulses);
-    forces_.setZero();
-    add_transposed_times(impulses, forces_.data());
-    solve(forces_.data());
-  } else {
-    std::fill_n(impulses, size(Rows::velocities), std::numeric_limits<T>::quiet_NaN());
-  }
+  const Solvability verdict = prepare(Rows::velocities, q);
+  if (verdict.ok()) return collide(v, e, v_after, impulses);
+  std::fill_n(impulses, size(Rows::velocities), std::numeric_limits<T>::quiet_NaN());
+  return solved(verdict, model_.nv(), v_after);
+}
+
+template <class T>
+Solvability LoopSystem<T>::collide(const T* v, const T& e, T* v_after, T* impulses) noexcept {
+  const int nv = model_.nv();
+  make_entries();
+  times(v, b_.data());
+  b_ *= T(1) + e;
+  solve_rows(b_.data(), impulses);
+  w_.setZero();
+  push(impulses, forces_.data());
   for (int c = 0; c < nv; ++c) v_after[c] = v[c] + forces_[c];
-  return solved(verdict, nv, v_after);
+  return solved({}, nv, v_after);
 }
 
 template <class T> Solvability LoopSystem<T>::approach(const T* q, T* x) noexcept {
-  const int nv = model_.nv();
   place(q);
+  const Solvability verdict = prepare(Rows::places, q);
+  if (verdict.ok()) {
+    residual(q, b_.data());
+    solve_rows(b_.data(), lambda_.data());
+    w_.setZero();
+    push(lambda_.data(), x);
+  }
+  return solved(verdict, model_.nv(), x);
+}
+
+template <class T> Solvability LoopSystem<T>::prepare(Rows rows, const T* q) noexcept {
   const Solvability verdict = factorize();
   if (verdict.ok()) {
     set_filter(q);
-    make_rows(Rows::places);
+    make_wrenches(rows);
     factorize_rows();
-    residual(q, b_.data());
-    solve_rows(b_.data(), lambda_.data());
-    std::fill_n(x, nv, T(0));
-    add_transposed_times(lambda_.data(), x);
-    solve(x);
   }
-  return solved(verdict, nv, x);
+  return verdict;
 }
 
 template <class T> void LoopSystem<T>::place(const T* q) noexcept {
@@ -170,9 +176,11 @@ SE3<T> LoopSystem<T>::pose(const Loop::End& end, int root, const Vec3<T>& O) con
 }
 
 template <class T> void LoopSystem<T>::set_filter(const T* q) noexcept {
+  filter_ = most_filter<T>;
+  if (!dropped_.empty()) return;
   residual(q, rest_.data());
   const T open = rest_.head(size(Rows::places)).squaredNorm();
-  filter_ = dropped_.empty() ? std::clamp(T(1e8) * open, least_filter<T>, most_filter<T>) : most_filter<T>;
+  filter_ = std::clamp(T(1e8) * open, least_filter<T>, most_filter<T>);
 }
 
 template <class T> void LoopSystem<T>::residual(const T* q, T* r) const noexcept {
@@ -190,8 +198,21 @@ template <class T> void LoopSystem<T>::residual(const T* q, T* r) const noexcept
 }
 
 template <class T> void LoopSystem<T>::make_rows(Rows rows) noexcept {
+  make_wrenches(rows);
+  make_entries();
+}
+
+template <class T> void LoopSystem<T>::make_wrenches(Rows rows) noexcept {
   if (rows != rows_) Y_.setZero();  // its columns are now those of others
   rows_ = rows;
+  for (std::size_t k = 0; k < at_.size(); ++k) {
+    if (paths_[k].loop->kind == LoopKind::coupling) continue;
+    const LoopAt<T> loop(*paths_[k].loop, at_[k].C_a, at_[k].C_b);
+    at_[k].W = rows == Rows::velocities ? loop.wrenches() : loop.residual_wrenches();
+  }
+}
+
+template <class T> void LoopSystem<T>::make_entries() noexcept {
   for (std::size_t k = 0; k < at_.size(); ++k) {
     const LoopPath& path = paths_[k];
     T* entry = entries_[k].data();
@@ -199,8 +220,6 @@ template <class T> void LoopSystem<T>::make_rows(Rows rows) noexcept {
       for (const LoopColumn& column : path.columns) *entry++ = T(column.factor);
       continue;
     }
-    const LoopAt<T> loop(*path.loop, at_[k].C_a, at_[k].C_b);
-    at_[k].W = rows == Rows::velocities ? loop.wrenches() : loop.residual_wrenches();
     typename LoopAt<T>::Wrenches first{};
     for (std::size_t r = 0; r < 6; ++r) first[r] = on_first(at_[k], at_[k].W[r]);
     for (const LoopColumn& column : path.columns)
@@ -286,7 +305,13 @@ void LoopSystem<T>::add_wrenches(const T* lambda, Wrench<Spatial, T>* on, T* tau
 }
 
 template <class T> Solvability LoopSystem<T>::factorize() noexcept {
-  return dynamics_->bodies.factorize(tree(), tree().armature.data());
+  auto& bodies = dynamics_->bodies;
+  const T* const armature = tree().armature.data();
+  const bool quick = tree()->coupled_bodies.empty() && bodies.factorize_quickly(tree(), armature);
+  const Solvability verdict = quick ? Solvability{} : bodies.factorize(tree(), armature);
+  const auto put = [&](int c, const T&, const T& D) { root_[c] = T(1) / sqrt(D); };
+  for (int i = 0; i <= tree()->n; ++i) bodies.each_pivot(tree(), i, put);
+  return verdict;
 }
 
 /// Row k of a loop as what its unit wrench makes the joints feel, on its way to the ground.
@@ -311,7 +336,7 @@ template <class T> void LoopSystem<T>::pull_row(const LoopPath& path, const Stat
   bodies.pull_at_ground(tree(), zero_.data());
   if (coupling)
     for (const LoopColumn& column : path.columns) zero_[column.velocity] = T(0);
-  const auto put = [&](int c, const T& u, const T& D) { Y_(c, first(path) + k) = u / sqrt(D); };
+  const auto put = [&](int c, const T& u, const T&) { Y_(c, first(path) + k) = root_[c] * u; };
   for (const int i : path.bodies) bodies.each_pivot(tree(), i, put);
   bodies.each_pivot(tree(), 0, put);
 }
@@ -327,12 +352,12 @@ void LoopSystem<T>::pull_rows(const LoopPath& path, const State& at) noexcept {
   const auto climb = [&](int i, int end, std::array<Wrench<Spatial, T>, n>& F) {
     for (; i != end; i = topology.parent[i])
       for (int s = topology.first_screw[i + 1] - 1; s >= topology.first_screw[i]; --s) {
-        const T part = T(1) / bodies.D[s], root = sqrt(part);
-        T* const y = &Y_(topology.iv[i] + s - topology.first_screw[i], first(path));
+        const int c = topology.iv[i] + s - topology.first_screw[i];
+        const T root = root_[c];
+        T* const y = &Y_(c, first(path));
         for (std::size_t r = 0; r < n; ++r) {
-          const T u = F[r] | bodies.S[s];
-          y[r] = root * u;
-          F[r] -= (part * u) * bodies.U[s];
+          y[r] = root * (F[r] | bodies.S[s]);
+          F[r] -= (root * y[r]) * bodies.U[s];
         }
       }
   };
@@ -361,18 +386,21 @@ template <class T> void LoopSystem<T>::pull_loop(const LoopPath& path, const Sta
 template <class T> void LoopSystem<T>::factorize_rows() noexcept {
   for (std::size_t k = 0; k < at_.size(); ++k) pull_loop(paths_[k], at_[k]);
   const int m = size(rows_);
-  G_.topLeftCorner(m, m).setZero();
-  for (std::size_t c = 0; c < rows_of_.size(); ++c) {
-    const T* const y = &Y_(static_cast<int>(c), 0);
-    for (const Range& a : ranges_of(c))
+  using Factor = RowCholesky<T>;
+  G_.setZero();
+  for (const Felt& group : felt())
+    for (const Range& a : group.rows)
       for (int ra = a.first; ra < a.first + a.count; ++ra) {
-        T* const column = &G_(0, ra);
-        const T y_a = y[ra];
-        for (const Range& b : ranges_of(c))
-          for (int rb = std::max(ra, b.first), end = b.first + b.count; rb < end; ++rb)
-            column[rb] += y_a * y[rb];
+        Eigen::Index from = 0;
+        for (const Range& b : group.rows)
+          for (from = std::max(from, Factor::block(b.first)); from < b.first + b.count;
+               from += Factor::width) {
+            Eigen::Matrix<T, 1, Factor::width> sum = Factor::part(G_, ra, from);
+            for (int c = group.first; c < group.first + group.count; ++c)
+              sum += Y_(c, ra) * Factor::part(Y_, c, from);
+            Factor::part(G_, ra, from) = sum;
+          }
       }
-  }
   const T largest = m > 0 ? sqrt(G_.diagonal().head(m).maxCoeff()) : T(0);
   for (const LoopPath& path : paths_) {
     const auto own = G_.diagonal().segment(first(path), count(path));
@@ -381,17 +409,16 @@ template <class T> void LoopSystem<T>::factorize_rows() noexcept {
   }
 }
 
-template <class T> void LoopSystem<T>::hold(const T* q) noexcept {
+template <class T> Solvability LoopSystem<T>::hold(const T* q) noexcept {
   place(q);
-  hold();
+  const Solvability verdict = prepare(Rows::velocities, q);
+  if (verdict.ok()) hold(), set_filter(q);
+  return verdict;
 }
 
 template <class T> void LoopSystem<T>::hold() noexcept {
   const T part = is_float<T> ? T(1e-4) : T(1e-10);
   filter_ = least_filter<T>;
-  static_cast<void>(factorize());
-  make_rows(Rows::velocities);
-  factorize_rows();
   dropped_.assign(index(size(Rows::velocities)), 0);
   split_rows<T>(Y_, scale_, part, basis_,
                 [&](int k, bool independent) { dropped_[index(k)] = !independent; });
@@ -407,39 +434,52 @@ template <class T> template <class F> void LoopSystem<T>::each_dropped(const F& 
 template <class T> void LoopSystem<T>::solve_rows(const T* b, T* lambda) noexcept {
   const int m = size(rows_);
   if (m == 0) return;
-  const auto G = G_.topLeftCorner(m, m).template selfadjointView<Eigen::Lower>();
-  auto factor = factor_.topLeftCorner(m, m);
-  factor.template triangularView<Eigen::Lower>() = G_.topLeftCorner(m, m);
-  factor.diagonal() += filter_ * scale_.head(m).cwiseAbs2();
-  each_dropped([&](int k) { factor.row(k).setZero(), factor.col(k).setZero(), factor(k, k) = T(1); });
-  Eigen::Ref<Matrix, 0, Eigen::OuterStride<>> in_place(factor);
-  const Eigen::LLT<Eigen::Ref<Matrix, 0, Eigen::OuterStride<>>> cholesky(in_place);
+  auto& F = factor_.matrix();
+  F = G_;
+  F.diagonal().head(m) += filter_ * scale_.head(m).cwiseAbs2();
+  each_dropped([&](int k) { F.row(k).setZero(), F.col(k).setZero(), F(k, k) = T(1); });
+  factor_.factorize(m);
   Eigen::Map<Vector> x(lambda, m);
   const Eigen::Map<const Vector> given(b, m);
-  auto step = step_.head(m), rest = rest_.head(m);
-  auto moved = moved_.head(m);
-  x.setZero(), rest = given;
+  auto step = step_.head(m), rest = rest_.head(m), moved = moved_.head(m);
+  x.setZero(), step_.setZero(), rest = given;
   for (int n = 0; n < most_steps; ++n) {
     step = -rest;
     each_dropped([&](int k) { step[k] = T(0); });
-    cholesky.solveInPlace(step);
+    factor_.solve(m, step_);
     x += step;
-    moved.noalias() = G * step;
+    moved_.setZero();
+    for (int k = 0; k < m; ++k) moved_ += step_[k] * G_.row(k).transpose();
     rest += moved;  // G x + b
     const T change = step.dot(moved), whole = x.dot(rest - given);
     if (!(change > settled<T> * settled<T> * whole)) break;
   }
 }
 
-template <class T> void LoopSystem<T>::add_response(const T* x, T* b) noexcept {
+template <class T> void LoopSystem<T>::pull(const T* x) noexcept {
   auto& bodies = dynamics_->bodies;
   bodies.pull(tree(), x);
-  const auto add = [&](int c, const T& u, const T& D) {
-    const T w = u / sqrt(D);
-    for (const Range& rows : ranges_of(index(c)))
-      for (int r = rows.first; r < rows.first + rows.count; ++r) b[r] += w * Y_(c, r);
-  };
-  for (int i = 0; i <= tree()->n; ++i) bodies.each_pivot(tree(), i, add);
+  const auto put = [&](int c, const T& u, const T&) { w_[c] = root_[c] * u; };
+  for (int i = 0; i <= tree()->n; ++i) bodies.each_pivot(tree(), i, put);
+}
+
+template <class T> void LoopSystem<T>::add_response(const T* x, T* b) noexcept {
+  pull(x);
+  for (const Felt& group : felt())
+    for (int c = group.first; c < group.first + group.count; ++c)
+      for (const Range& rows : group.rows)
+        for (int r = rows.first; r < rows.first + rows.count; ++r) b[r] += w_[c] * Y_(c, r);
+}
+
+template <class T> void LoopSystem<T>::push(const T* lambda, T* x) noexcept {
+  auto& bodies = dynamics_->bodies;
+  for (const Felt& group : felt())
+    for (int c = group.first; c < group.first + group.count; ++c)
+      for (const Range& rows : group.rows)
+        for (int r = rows.first; r < rows.first + rows.count; ++r) w_[c] += Y_(c, r) * lambda[r];
+  const auto put = [&](int c, T& u, const T& D) { u = root_[c] * D * w_[c]; };
+  for (int i = 0; i <= tree()->n; ++i) bodies.each_pivot(tree(), i, put);
+  bodies.push(tree(), x);
 }
 
 template <class T> Wrench<Spatial, T> LoopSystem<T>::wrench(std::size_t k, const T* lambda) const noexcept {

@@ -1,5 +1,5 @@
 #pragma once
-#include <Eigen/Cholesky>
+#include <Eigen/Core>
 #include <array>
 #include <cstddef>
 #include <span>
@@ -7,6 +7,7 @@
 
 #include "axode/constraints/loop_at.hpp"
 #include "axode/constraints/loop_path.hpp"
+#include "axode/constraints/row_cholesky.hpp"
 #include "axode/model/workspace.hpp"
 #include "axode/recursion/forward_dynamics.hpp"
 
@@ -56,14 +57,17 @@ template <class T> class LoopSystem {
   void force(const T* q, const T* v, const T* a, const Loads<T>& loads, T* tau) noexcept;
   /// v after the impulses of loops that close suddenly, (A v)⁺ = -e A v, and these impulses.
   Solvability collide(const T* q, const T* v, const T& e, T* v_after, T* impulses) noexcept;
+  /// The same where the system is after hold().
+  Solvability collide(const T* v, const T& e, T* v_after, T* impulses) noexcept;
   /// The step x towards a closed configuration, r + R x = 0, that moves the masses least.
   Solvability approach(const T* q, T* x) noexcept;
 
   /// Decides at a closed q which rows are independent; from then on the others have no multipliers. So redundancy by
-  /// geometry, which is lost as soon as the loops are a little open, is that of a whole step of an integration.
-  void hold(const T* q) noexcept;
+  /// geometry, which is lost as soon as the loops are a little open, is that of a whole step of an integration. Decides
+  /// nothing where the tree without its loops has no accelerations.
+  Solvability hold(const T* q) noexcept;
 
-  void hold() noexcept;  ///< the same, where the system is placed
+  void hold() noexcept;  ///< the same with the rows that are factorised, closed to rounding
 
   /// Links, screws and loops at q, or where bodies have the poses C, which their joints need not allow.
   void place(const T* q) noexcept;
@@ -76,6 +80,7 @@ template <class T> class LoopSystem {
   void residual(const T* q, T* r) const noexcept;  ///< after place() or move()
   /// Makes the rows; A, or R.
   void make_rows(Rows rows) noexcept;
+  void make_wrenches(Rows rows) noexcept;  ///< without the entries
   /// Entries of the rows, dense, m × nv.
   void write(T* A) const noexcept;
   /// out = A x and out += Aᵀ λ.
@@ -110,7 +115,7 @@ template <class T> class LoopSystem {
   Wrench<Spatial, T> wrench(std::size_t k, const T* lambda) const noexcept;
   Vec3<T> origin(std::size_t k) const noexcept;
 
-  /// D^-½ L⁻ᵀ Aᵀ, nv × m.
+  /// D^-½ L⁻ᵀ Aᵀ, nv × m, and zeros up to a whole block.
   const RowByRow& Y() const { return Y_; }
   /// The size of each row, no less than a tenth of the largest of its loop: it may be felt by no joint.
   const Vector& scale() const { return scale_; }
@@ -131,10 +136,20 @@ template <class T> class LoopSystem {
   Range range(const LoopPath& path) const { return rows_ == Rows::velocities ? path.rows : path.residuals; }
   int count(const LoopPath& path) const { return range(path).count; }
   int first(const LoopPath& path) const { return range(path).first; }
-  const std::vector<Range>& ranges_of(std::size_t c) const {
-    return (rows_ == Rows::velocities ? rows_of_ : residuals_of_)[c];
-  }
+  /// Velocities one after the other that feel the same rows as they give way.
+  struct Felt {
+    int first, count;
+    std::vector<Range> rows;
+  };
+  const std::vector<Felt>& felt() const { return rows_ == Rows::velocities ? felt_rows_ : felt_residuals_; }
   void place_loops() noexcept;
+  void make_entries() noexcept;
+  /// All that solve_rows() needs, at the place.
+  Solvability prepare(Rows rows, const T* q) noexcept;
+  /// w = D^-½ L⁻ᵀ x.
+  void pull(const T* x) noexcept;
+  /// x = L⁻¹ D^-½ (w + Y λ).
+  void push(const T* lambda, T* x) noexcept;
   template <class F> void each_dropped(const F& f) const;
   /// What solve_rows() ignores, by how far the loops are from closed.
   void set_filter(const T* q) noexcept;
@@ -152,15 +167,16 @@ template <class T> class LoopSystem {
   Vec3<T>* origin_ = nullptr;
   std::vector<LoopPath> paths_;
   std::vector<State> at_;
-  /// Of each velocity: the rows that feel it as it gives way.
-  std::vector<std::vector<Range>> rows_of_, residuals_of_;
+  std::vector<Felt> felt_rows_, felt_residuals_;
   Rows rows_ = Rows::velocities;
   T filter_{};
   std::vector<char> dropped_;            ///< of each row of A; empty where nothing was decided
   std::vector<std::vector<T>> entries_;  ///< of each loop: A, a column of up to six rows for each LoopColumn
-  RowByRow Y_;
-  Matrix G_, factor_, basis_;
-  Vector scale_, zero_, forces_, b_, lambda_, step_, rest_, moved_;
+  RowByRow Y_, G_;
+  RowCholesky<T> factor_;
+  Matrix basis_;
+  Vector root_;  ///< D^-½, by velocity
+  Vector scale_, zero_, forces_, w_, b_, lambda_, step_, rest_, moved_;
 };
 
 }  // namespace axode

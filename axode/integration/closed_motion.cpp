@@ -45,7 +45,7 @@ void ClosedMotion::check(Span q, Span v) {
     if (const double slip = part(loop.first_row, loop.rows()); !(slip <= startable * (1 + norm(v))))
       throw std::invalid_argument("v tears loop \"" + loop.name + "\" open at " + to_text(slip) +
                                   " (rad/s and m/s); assemble() finds velocities that do not");
-  system.hold(q.data());
+  static_cast<void>(system.hold(q.data()));
 }
 
 Solvability ClosedMotion::accelerate(Span q, Span v, Span tau, const Loads<double>& loads,
@@ -54,7 +54,7 @@ Solvability ClosedMotion::accelerate(Span q, Span v, Span tau, const Loads<doubl
                                               lambda_.data());
 }
 
-void ClosedMotion::hold(Span q) { workspace_.system(model_).hold(q.data()); }
+void ClosedMotion::hold(Span q) { static_cast<void>(workspace_.system(model_).hold(q.data())); }
 
 bool ClosedMotion::close(std::vector<double>& q, std::vector<double>& v) {
   LoopSystem<double>& system = workspace_.system(model_);
@@ -74,8 +74,8 @@ bool ClosedMotion::close(std::vector<double>& q, std::vector<double>& v) {
     }
     before = now;
   }
-  system.hold(q.data());
-  return before <= startable && system.collide(q.data(), v.data(), 0, v.data(), lambda_.data()).ok();
+  const bool held = system.hold(q.data()).ok();
+  return before <= startable && held && system.collide(v.data(), 0, v.data(), lambda_.data()).ok();
 }
 
 }  // namespace axode
