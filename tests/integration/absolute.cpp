@@ -107,8 +107,9 @@ void expect_orders(const Model& model, Span q, Span v, double until, int steps,
       ASSERT_TRUE(coarse.complete && fine.complete) << coarse.stopped << fine.stopped;
       const double error = error_of(fine, exact);
       EXPECT_LT(error, 0.02);
-      if (error > 1e-8)  // not yet rounding
+      if (error > 1e-8) {  // not yet rounding
         EXPECT_GT(std::log2(error_of(coarse, exact) / error), order - 0.4) << "error " << error;
+      }
     }
 }
 
@@ -156,10 +157,10 @@ TEST(AbsoluteCoordinates, RattleKeepsTheEnergyInABand) {
   const Model model = test_tree({});
   const State<double> state = test_state(model);
   for (const Coordinates kind : absolute_kinds) {
-    const Trajectory soon = simulate_rattle(model, state.q, state.v, 1, 5e-3, 2, in(kind));
+    const Trajectory soon = simulate_rattle(model, state.q, state.v, 5, 5e-3, 2, in(kind));
     const Trajectory late = simulate_rattle(model, state.q, state.v, 20, 5e-3, 2, in(kind));
     ASSERT_TRUE(late.complete) << late.stopped;
-    EXPECT_LT(energy_error(late), 4 * energy_error(soon));
+    EXPECT_LT(energy_error(late), 5 * energy_error(soon));
   }
 }
 
