@@ -354,7 +354,7 @@ def four_bar_of_bodies(page):
             begin = time.process_time()
             motion = axode.simulate(m, q, v, 10, method=method, step=step, coordinates="absolute_SO3xR3", **options)
             cost = (time.process_time() - begin) / motion.steps * 1e6
-            cells.append(number(np.abs(motion.energy - motion.energy[0]).max(), 2))
+            cells.append(number(np.abs(motion.body_energy - motion.body_energy[0]).max(), 2))
         rows.append([f"`{method}`", *cells, f"{cost:.0f}"])
     page.table("four-bar of bodies", ["method", "10 ms", "1 ms", "0.5 ms", "µs a step"], rows)
 
