@@ -74,6 +74,7 @@ AbsoluteSystem::AbsoluteSystem(const Model& model, BodyGroup kind)
       tau_(x_.size()),
       b_(model.loops().rows),
       lambda_(model.loops().rows) {
+  if (n_ > 0) C_[0].r = -tree().B[1].r;
   for (int i = 1; i <= n_; ++i) {
     const Joint& joint = model.joint(i);
     bound_[index(i)] = {free_directions(joint.kind), direction_along(joint.kind)};
@@ -179,7 +180,7 @@ void AbsoluteSystem::find_twists(Span v) {
 
 /// B⁻¹ C_p⁻¹ C_i, the pose of the child's joint frame on the predecessor's.
 SE3<> AbsoluteSystem::joint_pose(int i) const {
-  return inverse(tree().B[index(i)]) * (inverse(C_[index(parent(i))]) * C_[index(i)]);
+  return inverse(C_[index(parent(i))] * tree().B[index(i)]) * C_[index(i)];
 }
 /// V_i - Ad_{C_ip} V_p.
 BodyTwist AbsoluteSystem::joint_twist(int i) const {
@@ -297,7 +298,7 @@ void AbsoluteSystem::put(std::span<const SE3<>> C, std::span<const Twist<BodyFix
   q.resize(index(nq())), v.resize(index(nv()));
   for (int i = 1; i <= n_; ++i) {
     const SE3<>& offset = tree().frame_offset[index(i)];  // of the user's frame
-    C_[index(i)] = C[index(i)] * inverse(offset);
+    C_[index(i)] = about(-C_[0].r, C[index(i)]) * inverse(offset);
     const Screw<> X = Ad(offset, screw(V[index(i)]));
     V_[index(i)] = {X.w, X.v};
     put_pose(C_[index(i)], i, q), put_twist(C_[index(i)], V_[index(i)], i, v);
@@ -421,7 +422,7 @@ double AbsoluteSystem::energy(Span q, Span v) {
   for (std::size_t c = 0; c < p_.size(); ++c) sum += p_[c] * v[c] / 2;
   for (int i = 1; i <= n_; ++i) {
     const Inertia<>& M = tree().M[index(i)];
-    sum -= dot(tree().g, M.m * C_[index(i)].r + C_[index(i)].R * M.h);
+    sum -= dot(tree().g, M.m * (C_[index(i)].r - C_[0].r) + C_[index(i)].R * M.h);
   }
   return sum;
 }
@@ -430,7 +431,11 @@ void AbsoluteSystem::forces(Span q, Span v, Span tau, const Loads<double>& loads
   find_poses(q), find_twists(v);
   f.assign(index(nv()), 0.0);
   std::vector<BodyWrench> applied(index(n_ + 1));
-  if (!loads.wrenches.empty()) sum_applied(tree(), loads.wrenches, C_.data(), applied.data());
+  if (!loads.wrenches.empty()) {
+    std::vector<SE3<>> C(C_);
+    for (SE3<>& C_i : C) C_i.r -= C_[0].r;
+    sum_applied(tree(), loads.wrenches, C.data(), applied.data());
+  }
   for (int i = 1; i <= n_; ++i) {
     const Inertia<>& M = tree().M[index(i)];
     const Vec3<> g = transpose(C_[index(i)].R) * tree().g;
@@ -453,7 +458,7 @@ void AbsoluteSystem::forces(Span q, Span v, Span tau, const Loads<double>& loads
 Solvability AbsoluteSystem::place(Span q, Rows kind) {
   find_poses(q);
   placed_ = C_, placed_rows_ = kind;
-  loops_.place(placed_.data());
+  loops_.place(placed_.data(), -C_[0].r);
   const Solvability found = loops_.factorize();
   if (!found.ok()) return found;
   loops_.make_wrenches(kind);

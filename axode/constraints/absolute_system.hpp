@@ -18,7 +18,7 @@ enum class BodyGroup {
 ///   M v' - ad_vᵀ M v = f + Bᵀ λ,   Φ(q) = 0,   B v = 0
 /// with a constant M. The motion within a joint's subgroup is stripped off the relative pose of its bodies; what is left of it closes.
 ///
-/// Coordinates: those of all bodies, then one for the rotor of every joint with armature, bound to the joint's own, so that M
+/// Coordinates: those of all bodies, seen from where the first joint is drawn, for digits; then one for the rotor of every joint with armature, bound to the joint's own, so that M
 /// is constant for them too. Rows: six for each joint in the joint's axes, of which those of free directions are 0 but where
 /// a coupled joint binds its own to the leader's; one for each rotor; those of the loops.
 ///

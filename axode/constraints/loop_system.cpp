@@ -128,14 +128,14 @@ template <class T> void LoopSystem<T>::place(const T* q) noexcept {
   place_loops();
 }
 
-template <class T> void LoopSystem<T>::place(const SE3<T>* C) noexcept {
+template <class T> void LoopSystem<T>::place(const SE3<T>* C, const Vec3<T>& origin) noexcept {
   const Topology& topology = *tree().operator->();
   auto& links = dynamics_->bodies.links;
   link_ = links.link, origin_ = links.origin;
   link_[0] = Link<Spatial, T>::root();
   each_root(topology, [&](int root) {
-    origin_[root] = C[root].r;
-    for (int i = root; i < topology.subtree_end[root]; ++i) link_[i] = {{C[i].R, C[i].r - origin_[root]}};
+    origin_[root] = origin + C[root].r;
+    for (int i = root; i < topology.subtree_end[root]; ++i) link_[i] = {{C[i].R, C[i].r - C[root].r}};
   });
   place_loops();
 }

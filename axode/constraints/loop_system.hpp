@@ -69,9 +69,9 @@ template <class T> class LoopSystem {
 
   void hold() noexcept;  ///< the same with the rows that are factorised, closed to rounding
 
-  /// Links, screws and loops at q, or where bodies have the poses C, which their joints need not allow.
+  /// Links, screws and loops at q, or where bodies have the poses C, seen from an origin, which their joints need not allow.
   void place(const T* q) noexcept;
-  void place(const SE3<T>* C) noexcept;
+  void place(const SE3<T>* C, const Vec3<T>& origin) noexcept;
   /// And the forces h (nv) of the tree without accelerations, with the motion of all bodies.
   void move(const T* q, const T* v, const Loads<T>& loads, T* h) noexcept {
     force(q, v, zero_.data(), loads, h);

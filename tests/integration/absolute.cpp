@@ -186,6 +186,31 @@ TEST(AbsoluteCoordinates, TheFourBarsEnergyErrorIsThePublishedOne) {
   EXPECT_NEAR(std::max(most - motion.body_energies[0], motion.body_energies[0] - least), 1.14e-1, 0.005e-1);
 }
 
+/// Ten thousand kilometres from the inertial origin digits are those of the mechanism.
+TEST(AbsoluteCoordinates, DoNotDependOnWhereTheMechanismStands) {
+  const auto chain_at = [](const Vec3<>& p) {
+    Description d{.name = "chain", .gravity = {0, 0, -9.81}, .bodies = {}, .frames = {}};
+    std::string on = "ground";
+    for (int k = 0; k < 3; ++k) {
+      const std::string name = "link " + std::to_string(k);
+      d.bodies.push_back(bar(name, on, JointKind::revolute, {0, 1, 0}, p + Vec3<>{double(k), 0, 0},
+                             p + Vec3<>{double(k + 1), 0, 0}));
+      on = name;
+    }
+    return ModelBuilder(d).build();
+  };
+  const Model near = chain_at({}), far = chain_at({1e7, 2e6, -3e6});
+  const Numbers q{0.1, 0.2, 0.3}, v{1, 2, 3};
+  for (const Coordinates kind : absolute_kinds)
+    for (const auto& [name, order, run] : schemes) {
+      SCOPED_TRACE(name);
+      const Trajectory here = run(near, q, v, 0.1, 1e-3, in(kind)),
+                       there = run(far, q, v, 0.1, 1e-3, in(kind));
+      ASSERT_TRUE(there.complete) << there.stopped;
+      EXPECT_LT(error_of(there, here), 1e-6);
+    }
+}
+
 TEST(AbsoluteCoordinates, MeetEventsAndTellWhatIsBetween) {
   const Closed mechanism(four_bar());
   SimulationOptions options;  // until the crank turns back
