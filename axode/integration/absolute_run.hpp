@@ -88,7 +88,8 @@ class AbsoluteRun {
       before = now;
       if (done) break;
     }
-    if (!(before <= tolerable)) return stop(t, Run::open);
+    if (!(before <= tolerable))
+      return stop(t, "joints and loops cannot be kept closed; a shorter step may help");
     if (!hold(t, q_1)) return false;
     bodies_.slip(q_1, v_1, rows_);
     for (double& slip : rows_) slip = -slip;

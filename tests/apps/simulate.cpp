@@ -112,6 +112,26 @@ TEST(SimulateCommand, ClosesTheLoopsOfItsStartWhereAsked) {
     EXPECT_NEAR(energy, found.at("energy")[0].get<double>(), 1e-6);
 }
 
+TEST(SimulateCommand, MovesInAbsoluteCoordinates) {
+  const Motion joints = motion_of({"--rtol", "1e-10"});
+  for (const std::string kind : {"absolute", "absolute_SO3xR3"}) {
+    for (const auto& [method, tolerance] :
+         {std::pair{"rk4", 1e-6}, {"rattle_suzuki4", 1e-6}, {"half_explicit", 1e-3}}) {
+      const Motion bodies = motion_of({"--coordinates", kind, "--method", method, "--step", "0.002"});
+      EXPECT_EQ(bodies.at("computed_in"), kind);
+      for (std::size_t c = 0; c < 2; ++c)
+        EXPECT_NEAR(bodies.at("q").back()[c].get<double>(), joints.at("q").back()[c].get<double>(), tolerance)
+            << method;
+    }
+  }
+  const auto end_with = [](const char* radius) {
+    return motion_of({"--method", "generalized_alpha", "--step", "0.01", "--spectral-radius", radius})
+        .at("q")
+        .back();
+  };
+  EXPECT_NE(end_with("0.5"), end_with("0.9"));
+}
+
 TEST(SimulateCommand, RefusesWhatItCannotUse) {
   const auto error = [](std::vector<std::string> more) {
     more.insert(more.begin(), {"simulate", swinging});
@@ -125,6 +145,13 @@ TEST(SimulateCommand, RefusesWhatItCannotUse) {
       StartsWith(
           "axode simulate: --method: \"verlet\" is none of dopri5, rk4, euler, generalized_alpha, midpoint"));
   EXPECT_THAT(error({"--method", "rk4"}), StartsWith("axode simulate: --step is missing"));
+  EXPECT_THAT(error({"--coordinates", "absolut"}),
+              StartsWith("axode simulate: --coordinates: \"absolut\" is none of relative, absolute, "
+                         "absolute_SO3xR3; did you mean \"absolute\"?"));
+  EXPECT_THAT(error({"--method", "rattle", "--step", "0.01"}),
+              StartsWith("axode simulate: RATTLE is for absolute coordinates"));
+  EXPECT_THAT(error({"--method", "generalized_alpha", "--step", "0.01", "--spectral-radius", "2"}),
+              StartsWith("axode simulate: spectral radius is 2"));
   EXPECT_THAT(error({"--method", "rk4", "--step", "-1"}), StartsWith("axode simulate: step is -1"));
   EXPECT_THAT(error({"--target", "no.json"}),
               StartsWith("axode simulate: --target says where to, but not how; give --pd as well"));
