@@ -101,7 +101,8 @@ Trajectory in_coordinates(const Model& model, Span q, Span v, double until, cons
 void check_open(const Model& model, const char* scheme) {
   if (!model.loops().empty())
     throw std::invalid_argument("model \"" + model.name() + "\" has loops, which " + scheme +
-                                " does not keep closed; explicit methods (dopri5, rk4) do");
+                                " does not keep closed; explicit methods (dopri5, rk4) do, and in absolute "
+                                "coordinates rattle and generalized_alpha");
 }
 
 /// For schemes on multipliers of places.
