@@ -238,7 +238,8 @@ template <class F> void expect_refused(const F& f, const char* part) {
 
 TEST(AbsoluteCoordinates, SchemesSayWhatTheyDoNotTake) {
   const Closed mechanism(four_bar());
-  const auto& [model, at] = mechanism;
+  const Model& model = mechanism.model;
+  const AssemblyResult& at = mechanism.at;
   const auto run = [&](SimulationOptions options) {
     return [&, options] { return simulate_rattle(model, at.q, at.v, 1, 0.1, 2, options); };
   };
