@@ -32,7 +32,8 @@ class Stage(NamedTuple):
 FEW_TREES = {"AXODE_RANDOM_TREES": "20"}
 LONG = ":".join(["*Threads*",  # which are for ThreadSanitizer
                  "LargeTrees*", "MemoryOfCouplings.Grows*", "*HasPairsOf/none", "*HasPairsOf/one", "*HasPairsOf/all",
-                 "LongChains*", "*ReachesNearlyEveryPose*", "HostileDescriptions.OnesWithMuch*", "*OfManyUnknownLeaders*"])
+                 "LongChains*", "*ReachesNearlyEveryPose*", "HostileDescriptions.OnesWithMuch*", "*OfManyUnknownLeaders*",
+                 "*OrdersOnMechanismsWithLoops"])
 TEST = {
     "release": Stage("release", others="Examples|Guards|MustNotCompile|Package|Peers"),
     "asan": Stage("asan", programs=f"*-{LONG}", environment=FEW_TREES),
