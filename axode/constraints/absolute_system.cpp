@@ -1,7 +1,6 @@
 #include "axode/constraints/absolute_system.hpp"
 
 #include <cmath>
-#include <limits>
 #include <numbers>
 #include <stdexcept>
 
@@ -72,8 +71,7 @@ AbsoluteSystem::AbsoluteSystem(const Model& model, BodyGroup kind)
       through_(index(n_ + 1)),
       x_(index(model.nv())),
       tau_(x_.size()),
-      b_(model.loops().rows),
-      lambda_(model.loops().rows) {
+      b_(model.loops().rows) {
   if (n_ > 0) C_[0].r = -tree().B[1].r;
   for (int i = 1; i <= n_; ++i) {
     const Joint& joint = model.joint(i);

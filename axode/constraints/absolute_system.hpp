@@ -1,5 +1,6 @@
 #pragma once
 #include <Eigen/Core>
+#include <cmath>
 #include <span>
 #include <vector>
 
@@ -14,13 +15,23 @@ enum class BodyGroup {
   SO3xR3,  ///< position and velocity of the centre of mass in inertial axes, angular velocity in body axes
 };
 
+/// The largest size of any; NaN where one is.
+inline double largest_of(std::span<const double> numbers) {
+  double most = 0;
+  for (const double x : numbers)
+    if (!(std::abs(x) <= most)) most = std::isnan(most) ? most : std::abs(x);
+  return most;
+}
+
 /// A mechanism in absolute coordinates: every body moves freely, and every joint binds two of them, as loops do.
 ///   M v' - ad_vᵀ M v = f + Bᵀ λ,   Φ(q) = 0,   B v = 0
-/// with a constant M. The motion within a joint's subgroup is stripped off the relative pose of its bodies; what is left of it closes.
+/// with a constant M. The motion within a joint's subgroup is stripped off the relative pose of its bodies; what is left of
+/// it closes.
 ///
-/// Coordinates: those of all bodies, seen from where the first joint is drawn, for digits; then one for the rotor of every joint with armature, bound to the joint's own, so that M
-/// is constant for them too. Rows: six for each joint in the joint's axes, of which those of free directions are 0 but where
-/// a coupled joint binds its own to the leader's; one for each rotor; those of the loops.
+/// Coordinates: those of all bodies, seen from where the first joint is drawn, for digits; then one for the rotor of every
+/// joint with armature, bound to the joint's own, so that M is constant for them too. Rows: six for each joint in the joint's
+/// axes, of which those of free directions are 0 but where a coupled joint binds its own to the leader's; one for each
+/// rotor; those of the loops.
 ///
 /// Multipliers of the tree are never solved for: what its joints leave free gives way body by body, as in the articulated
 /// bodies algorithm, and what they bind is known. O(n + m d + m² d + m³) for m rows of loops of length d.
@@ -122,7 +133,7 @@ class AbsoluteSystem {
   std::vector<TwistRate<Spatial>> dV_s_;
   std::vector<Wrench<Spatial>> on_, through_;
   Numbers x_, tau_, p_;
-  Eigen::VectorXd b_, lambda_;
+  Eigen::VectorXd b_;
 };
 
 }  // namespace axode

@@ -1,8 +1,5 @@
 #include "axode/constraints/joint_state.hpp"
 
-#include <algorithm>
-#include <cmath>
-
 #include "axode/constraints/absolute_system.hpp"
 #include "axode/model/configuration.hpp"
 
@@ -20,13 +17,8 @@ JointState joint_state(const Model& model, std::span<const SE3<>> C, std::span<c
   std::vector<double> q, v, rows;
   system.put(C, V, q, v);
   system.leave(q, v, out.q, out.v);
-  const auto largest = [&rows] {
-    double most = 0;
-    for (const double row : rows) most = std::max(most, std::abs(row));
-    return most;
-  };
-  system.gap(q, rows), out.gap = largest();
-  system.slip(q, v, rows), out.slip = largest();
+  system.gap(q, rows), out.gap = largest_of(rows);
+  system.slip(q, v, rows), out.slip = largest_of(rows);
   return out;
 }
 

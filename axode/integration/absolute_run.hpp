@@ -119,15 +119,10 @@ class AbsoluteRun {
     return how.ok() || stop(t, to_string(trajectory.model(), how));
   }
   void tell_bodies() {
-    const auto largest = [this] {
-      double most = 0;
-      for (const double row : rows_) most = std::max(most, std::abs(row));
-      return most;
-    };
     bodies_.gap(q, rows_);
-    trajectory.gaps.push_back(largest());
+    trajectory.gaps.push_back(largest_of(rows_));
     bodies_.slip(q, v, rows_);
-    trajectory.slips.push_back(largest());
+    trajectory.slips.push_back(largest_of(rows_));
     trajectory.body_energies.push_back(bodies_.energy(q, v));
   }
   double open_at(Span q_t) {

@@ -67,11 +67,6 @@ template <class F> void for_free_bodies(int seeds, const F& f) {
   }
 }
 
-double largest_of(const Numbers& x) {
-  double most = 0;
-  for (const double x_k : x) most = std::max(most, std::abs(x_k));
-  return most;
-}
 double product_of(const Numbers& x, const Numbers& y) {
   double sum = 0;
   for (std::size_t k = 0; k < x.size(); ++k) sum += x[k] * y[k];
@@ -212,6 +207,8 @@ TEST(JointState, IsTheWayBackFromPosesAndTwists) {
     const JointState apart = joint_state(model, C, V);
     EXPECT_GT(apart.gap, 0.01);
     EXPECT_GT(apart.slip, 0.01);
+    V.back().v.x = std::numeric_limits<double>::quiet_NaN();
+    EXPECT_TRUE(std::isnan(joint_state(model, C, V).slip));
   });
 }
 
