@@ -14,6 +14,7 @@
 #include "axode/model/loops.hpp"
 #include "axode/model/nearest_name.hpp"
 #include "axode/model/placement.hpp"
+#include "axode/model/shape_kinds.hpp"
 
 namespace axode::io {
 namespace {
@@ -152,6 +153,13 @@ class Table {
   std::optional<Vec3<>> vector(std::string_view key) {
     const auto x = numbers<3>(key);
     return x ? std::optional(Vec3<>{(*x)[0], (*x)[1], (*x)[2]}) : std::nullopt;
+  }
+  /// Red, green, blue and, where it is not 1, opacity.
+  std::optional<std::array<double, 4>> color(std::string_view key) {
+    const toml::Value* node = look(key);
+    if (node == nullptr || node->array() == nullptr || node->array()->size() != 3) return numbers<4>(key);
+    const auto x = numbers<3>(key);
+    return x ? std::optional(std::array<double, 4>{(*x)[0], (*x)[1], (*x)[2], 1}) : std::nullopt;
   }
   /// Three numbers, or an axis by its name.
   std::optional<Vec3<>> direction(std::string_view key) {
@@ -566,15 +574,64 @@ void move_frame(Table& table, BodyDescription& body) {
   }
 }
 
-MeshReference read_mesh(Table& table) {
-  MeshReference mesh;
-  mesh.file = table.name("file", "name the file of the mesh");
+constexpr auto shape_names = [] {
+  std::array<std::string_view, shape_kinds.size()> names;
+  std::ranges::transform(shape_kinds, names.begin(), &ShapeTraits::name);
+  return names;
+}();
+constexpr std::array<std::string_view, 6> shape_sizes{"size",   "semi_axes", "radius",
+                                                      "length", "file",      "scale"};
+
+bool has_key(const ShapeTraits& kind, std::string_view key) {
+  if (key == "radius") return kind.radius;
+  if (key == "length") return kind.length;
+  return key == kind.size || (kind.kind == ShapeKind::mesh && (key == "file" || key == "scale"));
+}
+
+/// None where something is missing or not understood.
+std::optional<ShapeDescription> read_shape(Table& table, const std::string& owner,
+                                           std::optional<ShapeKind> told = {}) {
+  ShapeDescription shape;
+  const std::size_t faults = table.faults();
+  table.rename((told ? "mesh of " : "shape of ") + owner);
+  shape.name = table.text("name").value_or("");
   constexpr std::array<std::string_view, 2> roles{"visual", "collision"};
-  if (table.choice("role", roles) == 1U) mesh.role = MeshReference::Role::collision;
-  mesh.scale = table.vector("scale").value_or(mesh.scale);
-  mesh.pose = table.pose();
+  if (table.choice("role", roles) == 1U) shape.role = ShapeDescription::Role::collision;
+  if (!told) {
+    if (!table.has("kind")) table.missing("kind", "give one, such as \"box\" or \"mesh\"");
+    if (const auto kind = table.choice("kind", shape_names)) told = shape_kinds[*kind].kind;
+  }
+  shape.pose = table.pose();
+  shape.color = table.color("color");
+  if (told) {
+    const ShapeTraits& kind = traits(shape.kind = *told);
+    const std::string a_kind = "a " + std::string(kind.name);
+    for (const std::string_view key : shape_sizes) {
+      if (!has_key(kind, key)) {
+        table.refuse(key, a_kind + " has none");
+      } else if (key != "scale" && key != "file" && !table.has(key)) {
+        table.missing(key, a_kind + " needs one, in m");
+      }
+    }
+    if (!kind.size.empty()) shape.size = table.vector(kind.size).value_or(shape.size);
+    if (kind.radius) shape.radius = table.number("radius").value_or(0);
+    if (kind.length) shape.length = table.number("length").value_or(0);
+    if (kind.kind == ShapeKind::mesh) {
+      shape.file = table.name("file", "name the file of the mesh");
+      shape.scale = table.vector("scale").value_or(shape.scale);
+    }
+  } else {  // what it may have is not known
+    for (const std::string_view key : shape_sizes) table.take(key);
+  }
+  const bool complete = table.faults() == faults;
   table.finish();
-  return mesh;
+  return complete ? std::optional(std::move(shape)) : std::nullopt;
+}
+
+void read_shapes(Table& owner, const std::string& element, const std::string& key,
+                 std::vector<ShapeDescription>& shapes) {
+  for (Table& shape : owner.tables("shape", "write [[" + key + "]] before its keys"))
+    if (auto told = read_shape(shape, element)) shapes.push_back(std::move(*told));
 }
 
 BodyDescription read_body(Table& table, std::size_t number, const std::string& file) {
@@ -588,10 +645,10 @@ BodyDescription read_body(Table& table, std::size_t number, const std::string& f
   read_joint(table, way, body);
   body.inertia = read_inertia(table, way);
   move_frame(table, body);
-  for (Table& mesh : table.tables("mesh", "write [[body.mesh]] before its keys")) {
-    mesh.rename("mesh of " + table.element());
-    body.meshes.push_back(read_mesh(mesh));
-  }
+  read_shapes(table, table.element(), "body.shape", body.shapes);
+  for (Table& mesh : table.tables("mesh", "write [[body.mesh]] before its keys"))
+    if (auto told = read_shape(mesh, table.element(), ShapeKind::mesh))
+      body.shapes.push_back(std::move(*told));
   table.finish();
   return body;
 }
@@ -778,6 +835,7 @@ void read_top(Table& top, Reading& result, const std::string& file) {
   number = 0;
   for (Table& frame : top.tables("frame", "write [[frame]] before the keys of each frame"))
     description.frames.push_back(read_frame(frame, ++number, file));
+  read_shapes(top, "the ground", "shape", description.shapes);
   number = 0;
   for (Table& spring : top.tables("spring", "write [[spring]] before the keys of each spring"))
     description.springs.push_back(read_spring(spring, ++number, file));

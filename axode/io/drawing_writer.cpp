@@ -8,6 +8,7 @@
 #include "axode/io/construction_frame.hpp"
 #include "axode/model/joint_kinds.hpp"
 #include "axode/model/loops.hpp"
+#include "axode/model/shape_kinds.hpp"
 
 namespace axode {
 namespace {
@@ -67,6 +68,7 @@ class DrawingWriter {
     line("gravity", text(d.gravity));
     for (const BodyDescription& body : d.bodies) write(body);
     for (const FrameDescription& frame : d.frames) write(frame);
+    for (const ShapeDescription& shape : d.shapes) write(shape, "shape");
     for (const SpringDescription& spring : d.springs) write(spring);
     for (const LoopDescription& loop : d.loops) write(loop);
     for (const CouplingDescription& coupling : d.couplings) write(coupling);
@@ -82,13 +84,26 @@ class DrawingWriter {
     write(body.geometry);
     write(body.joint, std::holds_alternative<InJointFrames>(body.geometry));
     if (body.inertia) write(*body.inertia, std::holds_alternative<InConstructionFrame>(body.geometry));
-    for (const MeshReference& mesh : body.meshes) {
-      out_ << "\n[[body.mesh]]\n";
-      line("file", text(mesh.file));
-      line("role", text(mesh.role == MeshReference::Role::visual ? "visual" : "collision"));
-      if (mesh.scale.x != 1 || mesh.scale.y != 1 || mesh.scale.z != 1) line("scale", text(mesh.scale));
-      write(mesh.pose);
+    for (const ShapeDescription& shape : body.shapes) write(shape, "body.shape");
+  }
+
+  void write(const ShapeDescription& shape, std::string_view key) {
+    const ShapeTraits& kind = traits(shape.kind);
+    out_ << "\n[[" << key << "]]\n";
+    line("kind", text(kind.name));
+    if (!shape.name.empty()) line("name", text(shape.name));
+    line("role", text(to_string(shape.role)));
+    if (!kind.size.empty()) line(kind.size, text(shape.size));
+    if (kind.radius) line("radius", text(shape.radius));
+    if (kind.length) line("length", text(shape.length));
+    if (shape.kind == ShapeKind::mesh) {
+      line("file", text(shape.file));
+      if (norm(shape.scale - Vec3<>{1, 1, 1}) > 0) line("scale", text(shape.scale));
     }
+    write(shape.pose);
+    if (const auto& c = shape.color)
+      line("color",
+           "[" + text((*c)[0]) + ", " + text((*c)[1]) + ", " + text((*c)[2]) + ", " + text((*c)[3]) + "]");
   }
 
   void write(const SE3<>& pose) {

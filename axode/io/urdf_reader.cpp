@@ -13,6 +13,7 @@
 #include "axode/io/reading.hpp"
 #include "axode/io/urdf_kinds.hpp"
 #include "axode/model/nearest_name.hpp"
+#include "axode/model/shape_kinds.hpp"
 
 namespace axode::io {
 namespace {
@@ -105,6 +106,7 @@ class UrdfReader {
   }
 
  private:
+  using Color = std::array<double, 4>;
   struct Link {
     BodyDescription body;
     bool has_parent = false;
@@ -320,6 +322,9 @@ class UrdfReader {
       }
     }
     description().source.line = robot.GetLineNum();
+    for (const XMLElement* e = robot.FirstChildElement("material"); e != nullptr;
+         e = e->NextSiblingElement("material"))
+      read_material(*e, owner);
     for (const XMLElement* e = robot.FirstChildElement(); e != nullptr; e = e->NextSiblingElement()) {
       const std::string_view element = e->Name();
       if (element == "link") read_link(*e);
@@ -345,9 +350,9 @@ class UrdfReader {
     for (const XMLElement* shape = e.FirstChildElement(); shape != nullptr;
          shape = shape->NextSiblingElement()) {
       if (shape->Name() == std::string_view("visual"))
-        read_mesh(*shape, MeshReference::Role::visual, owner, link.body.meshes);
+        read_shape(*shape, ShapeDescription::Role::visual, owner, link.body.shapes);
       if (shape->Name() == std::string_view("collision"))
-        read_mesh(*shape, MeshReference::Role::collision, owner, link.body.meshes);
+        read_shape(*shape, ShapeDescription::Role::collision, owner, link.body.shapes);
     }
     if (link.body.name.empty()) return;
     if (!link_index_.emplace(link.body.name, links_.size()).second) {
@@ -383,22 +388,62 @@ class UrdfReader {
     return result;
   }
 
-  void read_mesh(const XMLElement& e, MeshReference::Role role, const std::string& owner,
-                 std::vector<MeshReference>& meshes) {
+  /// What one does not understand of a shape is a doubt: it moves nothing.
+  void read_shape(const XMLElement& e, ShapeDescription::Role role, const std::string& owner,
+                  std::vector<ShapeDescription>& shapes) {
     inspect(e, owner);
-    MeshReference reference;
-    reference.role = role;
-    reference.pose = origin(e, owner);
+    ShapeDescription shape{.role = role, .pose = origin(e, owner)};
+    if (const char* given = e.Attribute("name"); given != nullptr && printable(given)) shape.name = given;
+    if (const XMLElement* material = e.FirstChildElement("material"))
+      shape.color = read_material(*material, owner);
     const XMLElement* geometry = required_child(e, "geometry", owner);
     if (geometry == nullptr) return;
-    for (const XMLElement* shape = geometry->FirstChildElement(); shape != nullptr;
-         shape = shape->NextSiblingElement())
-      inspect(*shape, owner);
-    const XMLElement* mesh = geometry->FirstChildElement("mesh");
-    if (mesh == nullptr) return;
-    reference.file = name(*mesh, "filename", owner);
-    reference.scale = vector(*mesh, "scale", owner, doubt()).value_or(Vec3<>{1, 1, 1});
-    if (!reference.file.empty()) meshes.push_back(std::move(reference));
+    for (const XMLElement* given = geometry->FirstChildElement(); given != nullptr;
+         given = given->NextSiblingElement()) {
+      inspect(*given, owner);
+      const auto kind = std::ranges::find(shape_kinds, std::string_view(given->Name()), &ShapeTraits::name);
+      if (kind == shape_kinds.end()) continue;
+      shape.kind = kind->kind;
+      bool complete = true;
+      const auto is_there = [&](const char* attribute) {
+        if (given->Attribute(attribute) != nullptr) return true;
+        note(doubt(), Rule::missing_element, owner,
+             tag(*given) + " has no attribute " + attribute + "; a shape without one is ignored",
+             given->GetLineNum());
+        return complete = false;
+      };
+      const auto length = [&](const char* attribute) {
+        const auto x = is_there(attribute) ? numbers<1>(*given, attribute, owner, doubt()) : std::nullopt;
+        complete &= x.has_value();
+        return x ? (*x)[0] : 0;
+      };
+      if (!kind->size.empty()) {
+        const char* attribute = kind->size.data();
+        const auto size = is_there(attribute) ? vector(*given, attribute, owner, doubt()) : std::nullopt;
+        complete &= size.has_value();
+        shape.size = size.value_or(Vec3<>{});
+      }
+      if (kind->radius) shape.radius = length("radius");
+      if (kind->length) shape.length = length("length");
+      if (kind->kind == ShapeKind::mesh) {
+        shape.file = name(*given, "filename", owner);
+        shape.scale = vector(*given, "scale", owner, doubt()).value_or(Vec3<>{1, 1, 1});
+        complete = !shape.file.empty();
+      }
+      if (complete) shapes.push_back(shape);
+    }
+  }
+
+  /// Colours have names, which the robot or any of its shapes may give.
+  std::optional<Color> read_material(const XMLElement& e, const std::string& owner) {
+    const char* name = e.Attribute("name");
+    if (const XMLElement* color = e.FirstChildElement("color")) {
+      const auto rgba = numbers<4>(*color, "rgba", owner, doubt());
+      if (rgba && name != nullptr) materials_.emplace(name, *rgba);
+      return rgba;
+    }
+    const auto found = name == nullptr ? materials_.end() : materials_.find(name);
+    return found == materials_.end() ? std::nullopt : std::optional(found->second);
   }
 
   // ---------------------------------------------------------------- joints
@@ -555,9 +600,10 @@ class UrdfReader {
       if (link.has_parent) continue;
       if (++count <= 5) names += (count > 1 ? ", " : "") + in_quotes(link.body.name);
       if (link.body.name == "ground") {
-        if (link.body.inertia || !link.body.meshes.empty())
+        if (link.body.inertia)
           note(Severity::warning, Rule::unknown_element, "link \"ground\"",
-               "is the inertial frame; its inertial and meshes are ignored", link.body.source.line);
+               "is the inertial frame; its inertial is ignored", link.body.source.line);
+        description().shapes = std::move(link.body.shapes);
         continue;
       }
       link.body.joint = {.name = count == 1 && name_is_free ? "fixed_base" : "", .source = link.body.source};
@@ -588,6 +634,7 @@ class UrdfReader {
   std::string file_;
   Strictness strictness_;
   Reading result_;
+  std::unordered_map<std::string, Color> materials_;
   std::vector<Link> links_;
   std::vector<Connection> connections_;
   std::unordered_map<std::string, std::size_t> link_index_;

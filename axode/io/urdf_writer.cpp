@@ -10,6 +10,7 @@
 #include "axode/io/pose.hpp"
 #include "axode/io/urdf_kinds.hpp"
 #include "axode/model/placement.hpp"
+#include "axode/model/shape_kinds.hpp"
 
 namespace axode {
 namespace {
@@ -58,9 +59,18 @@ std::vector<Fault> beyond_urdf(const Description& d) {
   if (norm(d.gravity - Vec3<>{0, 0, -9.81}) > 0)
     error("gravity", "is (" + text(d.gravity) + ") m/s²; a URDF cannot say so, its users take (0, 0, -9.81)",
           d.source);
+  const auto shapes = [&](const std::vector<ShapeDescription>& all, const std::string& owner,
+                          const Source& source) {
+    for (const ShapeDescription& shape : all)
+      if (!traits(shape.kind).in_urdf)
+        error(owner, "has a shape that is an " + std::string(to_string(shape.kind)) + "; URDF has none",
+              source);
+  };
+  shapes(d.shapes, "the ground", d.source);
   for (const BodyDescription& body : d.bodies) {
     const JointDescription& joint = body.joint;
     const std::string element = "joint \"" + joint.name + '"';
+    shapes(body.shapes, "body \"" + body.name + '"', body.source);
     const Source& source = joint.source.line > 0 ? joint.source : body.source;
     if (urdf_type(joint).empty())
       error(element, "is " + std::string(to_string(joint.kind)) + "; URDF has no such joint", source);
@@ -115,7 +125,10 @@ class UrdfWriter {
     for (const BodyDescription& body : d_.bodies) links_.insert(body.name), joints_.insert(body.joint.name);
     for (const FrameDescription& frame : d_.frames) links_.insert(frame.name);
     out_ << "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<robot name=\"" << text(d_.name) << "\">\n";
-    if (!one_fixed_root_) out_ << "  <link name=\"ground\"/>\n";
+    if (!one_fixed_root_) {
+      const BodyDescription ground{.shapes = d_.shapes};
+      write_link("ground", &ground);
+    }
     for (const int i : order_.order) write_body(i);
     for (const FrameDescription& frame : d_.frames) write_frame(frame);
     out_ << "</robot>\n";
@@ -126,7 +139,7 @@ class UrdfWriter {
   bool is_one_fixed_root() const {
     int roots = 0;
     for (const int i : order_.order) roots += is_ground(i);
-    if (roots != 1) return false;
+    if (roots != 1 || !d_.shapes.empty()) return false;
     const int root = order_.order[0];
     const SE3<>& A = at_[root].A;
     return d_.bodies[root].joint.kind == JointKind::fixed && norm(A.r) == 0 && same(A.R, {});
@@ -189,20 +202,33 @@ class UrdfWriter {
 
   void write_link(const std::string& name, const BodyDescription* body) {
     out_ << "  <link name=\"" << text(name);
-    if (body == nullptr || (!body->inertia && body->meshes.empty())) {
+    if (body == nullptr || (!body->inertia && body->shapes.empty())) {
       out_ << "\"/>\n";
       return;
     }
     out_ << "\">\n";
     if (body->inertia) write_inertial(*body->inertia, at_[body - d_.bodies.data()].A);
-    for (const MeshReference& mesh : body->meshes) {
-      const char* role = mesh.role == MeshReference::Role::visual ? "visual" : "collision";
-      out_ << "    <" << role << ">\n";
-      write_origin("      ", mesh.pose);
-      out_ << "      <geometry><mesh filename=\"" << text(mesh.file) << "\" scale=\"" << text(mesh.scale)
-           << "\"/></geometry>\n    </" << role << ">\n";
-    }
+    for (const ShapeDescription& shape : body->shapes) write_shape(shape);
     out_ << "  </link>\n";
+  }
+
+  void write_shape(const ShapeDescription& shape) {
+    const ShapeTraits& kind = traits(shape.kind);
+    out_ << "    <" << to_string(shape.role);
+    if (!shape.name.empty()) out_ << " name=\"" << text(shape.name) << '"';
+    out_ << ">\n";
+    write_origin("      ", shape.pose);
+    out_ << "      <geometry><" << kind.name;
+    if (!kind.size.empty()) out_ << ' ' << kind.size << "=\"" << text(shape.size) << '"';
+    if (kind.radius) out_ << " radius=\"" << text(shape.radius) << '"';
+    if (kind.length) out_ << " length=\"" << text(shape.length) << '"';
+    if (shape.kind == ShapeKind::mesh)
+      out_ << " filename=\"" << text(shape.file) << "\" scale=\"" << text(shape.scale) << '"';
+    out_ << "/></geometry>\n";
+    if (const auto& c = shape.color)
+      out_ << "      <material name=\"color_" << ++colors_ << "\"><color rgba=\"" << text((*c)[0]) << ' '
+           << text((*c)[1]) << ' ' << text((*c)[2]) << ' ' << text((*c)[3]) << "\"/></material>\n";
+    out_ << "    </" << to_string(shape.role) << ">\n";
   }
 
   /// About the centre of mass, in the axes of the link.
@@ -250,6 +276,7 @@ class UrdfWriter {
   std::unordered_map<std::string, std::size_t> bodies_;
   std::unordered_set<std::string> links_, joints_;
   bool one_fixed_root_ = false;
+  int colors_ = 0;
 };
 
 }  // namespace

@@ -32,10 +32,11 @@ inline constexpr auto words_of_others = std::to_array<OtherWord>({
     // of a body
     {"center_of_mass", "com"}, {"centre_of_mass", "com"}, {"cog", "com"}, {"ipos", "com"},
     {"moment_of_inertia", "inertia"}, {"rotational_inertia", "inertia"}, {"diaginertia", "inertia"},
-    {"fullinertia", "inertia"}, {"visual", "mesh"}, {"collision", "mesh"}, {"geometry", "mesh"}, {"geom", "mesh"},
-    {"filename", "file"}, {"uri", "file"},
+    {"fullinertia", "inertia"}, {"visual", "shape"}, {"collision", "shape"}, {"geometry", "shape"}, {"geom", "shape"},
+    {"shapes", "shape"}, {"filename", "file"}, {"uri", "file"}, {"rgba", "color"}, {"colour", "color"},
+    {"half_size", "size"}, {"radii", "semi_axes"},
     // of a joint
-    {"type", "kind"}, {"type", "role"}, {"direction", "axis"}, {"normal", "axis"}, {"range", "limits"},
+    {"type", "kind"}, {"direction", "axis"}, {"normal", "axis"}, {"range", "limits"},
     {"lower", "limits"}, {"upper", "limits"}, {"max_velocity", "velocity"},
     {"velocity_limit", "velocity"}, {"speed", "velocity"}, {"max_effort", "effort"}, {"effort_limit", "effort"},
     {"torque", "effort"}, {"force", "effort"}, {"frictionloss", "friction"}, {"rotor_inertia", "armature"},

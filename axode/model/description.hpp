@@ -94,12 +94,27 @@ struct MassProperties {
   SO3<> axes = {};  ///< axes of Theta, rotated against that frame (the paper's R_bc)
 };
 
-/// A mesh that a file names; never opened.
-struct MeshReference {
+enum class ShapeKind {
+  box,
+  sphere,
+  cylinder,  ///< along z, about its middle
+  capsule,   ///< a cylinder along z with a half ball on each end, about its middle
+  ellipsoid,
+  mesh,  ///< of a file, which is named and not opened
+};
+
+/// What a body looks like, or what it touches others with. Kept, written and drawn; no part of the dynamics.
+struct ShapeDescription {
   enum class Role { visual, collision } role = Role::visual;
-  std::string file;
-  SE3<> pose;
-  Vec3<> scale{1, 1, 1};
+  std::string name = {};
+  ShapeKind kind = ShapeKind::box;
+  SE3<> pose = {};        ///< in the body frame; of the ground in the construction frame
+  Vec3<> size{};          ///< edges of a box, semi-axes of an ellipsoid, m
+  double radius = 0;      ///< m
+  double length = 0;      ///< of a cylinder; of a capsule without its ends, m
+  std::string file = {};  ///< of a mesh, as it was told: see find_mesh()
+  Vec3<> scale{1, 1, 1};  ///< of a mesh: m for each of its units
+  std::optional<std::array<double, 4>> color = {};  ///< red, green, blue, opacity; 0 to 1
 };
 
 struct BodyDescription {
@@ -108,7 +123,7 @@ struct BodyDescription {
   JointDescription joint = {};
   Geometry geometry = InConstructionFrame{};
   std::optional<MassProperties> inertia = {};  ///< none: massless
-  std::vector<MeshReference> meshes = {};
+  std::vector<ShapeDescription> shapes = {};
   Source source = {};
 };
 
@@ -185,6 +200,7 @@ struct Description {
   Vec3<> gravity{0, 0, -9.81};  ///< m/s²
   std::vector<BodyDescription> bodies;
   std::vector<FrameDescription> frames;
+  std::vector<ShapeDescription> shapes = {};  ///< of the ground
   std::vector<SpringDescription> springs = {};
   std::vector<LoopDescription> loops = {};
   std::vector<CouplingDescription> couplings = {};

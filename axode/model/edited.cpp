@@ -1,5 +1,6 @@
 #include "axode/model/edited.hpp"
 
+#include <algorithm>
 #include <stdexcept>
 #include <string>
 #include <unordered_map>
@@ -146,6 +147,13 @@ Model append(const Model& model, std::string_view frame, const Model& other, std
   Description mounted = in_joint_frames(other.description());
   check_names_differ(description, mounted, at.prefix);
   name_loops(mounted, at.prefix);
+  const auto carrier = std::ranges::find(description.bodies, at.carrier, &BodyDescription::name);
+  std::vector<ShapeDescription>& shapes =
+      carrier == description.bodies.end() ? description.shapes : carrier->shapes;
+  for (ShapeDescription& shape : mounted.shapes) {
+    shape.pose = at.pose * shape.pose;
+    shapes.push_back(std::move(shape));
+  }
   mount_all(mounted.bodies, at, description.bodies);
   mount_all(mounted.frames, at, description.frames);
   mount_all(mounted.springs, at, description.springs);

@@ -12,6 +12,7 @@
 #include "axode/model/loops.hpp"
 #include "axode/model/nearest_name.hpp"
 #include "axode/model/placement.hpp"
+#include "axode/model/shape_kinds.hpp"
 
 namespace axode {
 namespace {
@@ -39,6 +40,7 @@ class Inspection {
         inertia(body);
       }
     }
+    for (const ShapeDescription& it : description_.shapes) shape("the ground", it, description_.source);
     for (const FrameDescription& frame : description_.frames) {
       const std::string element = "frame " + quoted(frame.name);
       if (frame.body != "ground" && !bodies_.contains(frame.body))
@@ -233,11 +235,35 @@ class Inspection {
       need(finite(body.inertia->Theta), element, "rotational inertia");
       good &= rotation(element, "the axes of the inertia", {body.inertia->axes, {}}, body.source);
     }
-    for (const MeshReference& mesh : body.meshes) {
-      good &= rotation(element, "the pose of a mesh", mesh.pose, body.source);
-      need(finite(mesh.scale), element, "the scale of a mesh");
-    }
+    for (const ShapeDescription& it : body.shapes) good &= shape(element, it, body.source);
     return good;
+  }
+
+  /// Whether every number of a shape is finite and its pose one. Sizes that nothing has are only doubtful.
+  bool shape(const std::string& owner, const ShapeDescription& it, const Source& source) {
+    const ShapeTraits& kind = traits(it.kind);
+    const std::string of_it = " of a " + std::string(kind.name);
+    bool good = rotation(owner, ("the pose" + of_it).c_str(), it.pose, source);
+    const auto need = [&](bool is_finite, std::string what) {
+      if (!is_finite) error(Rule::non_finite_number, owner, "the " + what + of_it + " is not finite", source);
+      good &= is_finite;
+    };
+    need(finite(it.size), "size");
+    need(finite(it.radius) && finite(it.length), "size");
+    need(finite(it.scale), "scale");
+    for (const double x : it.color.value_or(std::array<double, 4>{})) need(finite(x), "color");
+    if (!good) return false;
+    const auto positive = [&](std::string_view what, double x, bool may_be_zero = false) {
+      if (x < 0 || (x == 0 && !may_be_zero))
+        doubt(Rule::wrong_value, owner,
+              "the " + std::string(what) + of_it + " is " + to_text(x) + " m; it must be positive", source);
+    };
+    if (!kind.size.empty()) positive(kind.size, std::min({it.size.x, it.size.y, it.size.z}));
+    if (kind.radius) positive("radius", it.radius);
+    if (kind.length) positive("length", it.length, it.kind == ShapeKind::capsule);
+    if (it.color && std::ranges::any_of(*it.color, [](double x) { return x < 0 || x > 1; }))
+      doubt(Rule::wrong_value, owner, "the color" + of_it + " is not between 0 and 1", source);
+    return true;
   }
 
   static const Source& joint_source(const BodyDescription& body) {

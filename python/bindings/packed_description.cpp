@@ -29,9 +29,11 @@ auto fields(Like<InConstructionFrame> auto& g) { return std::tie(g.A); }
 auto fields(Like<InBodyFrame> auto& g) { return std::tie(g.B); }
 auto fields(Like<InJointFrames> auto& g) { return std::tie(g.S_prev, g.S_self); }
 auto fields(Like<MassProperties> auto& m) { return std::tie(m.mass, m.com, m.Theta, m.in, m.about, m.axes); }
-auto fields(Like<MeshReference> auto& m) { return std::tie(m.role, m.file, m.pose, m.scale); }
+auto fields(Like<ShapeDescription> auto& s) {
+  return std::tie(s.role, s.name, s.kind, s.pose, s.size, s.radius, s.length, s.file, s.scale, s.color);
+}
 auto fields(Like<BodyDescription> auto& b) {
-  return std::tie(b.name, b.predecessor, b.joint, b.geometry, b.inertia, b.meshes, b.source);
+  return std::tie(b.name, b.predecessor, b.joint, b.geometry, b.inertia, b.shapes, b.source);
 }
 auto fields(Like<FrameDescription> auto& f) { return std::tie(f.name, f.body, f.pose, f.in, f.source); }
 auto fields(Like<SpringDescription> auto& s) {
@@ -43,7 +45,7 @@ auto fields(Like<LoopDescription> auto& l) {
 }
 auto fields(Like<CouplingDescription> auto& c) { return std::tie(c.name, c.terms, c.offset, c.source); }
 auto fields(Like<Description> auto& d) {
-  return std::tie(d.name, d.gravity, d.bodies, d.frames, d.springs, d.loops, d.couplings, d.source,
+  return std::tie(d.name, d.gravity, d.bodies, d.frames, d.shapes, d.springs, d.loops, d.couplings, d.source,
                   d.warnings);
 }
 

@@ -334,13 +334,24 @@ TEST(Drawing, EveryKeyIsUnderstood) {
   EXPECT_EQ(model.joint(model.joint_index("sleeve.translation")).kind, Subgroup::prismatic);
 
   const BodyDescription& plate = model.description().bodies[0];
-  ASSERT_EQ(plate.meshes.size(), 2U);
-  EXPECT_EQ(plate.meshes[0].file, "meshes/plate.stl");
-  EXPECT_EQ(plate.meshes[0].role, MeshReference::Role::visual);
-  EXPECT_EQ(plate.meshes[0].scale.y, 0.001);
-  EXPECT_EQ(plate.meshes[1].role, MeshReference::Role::collision);
-  EXPECT_EQ(plate.meshes[1].pose.r.z, 0.3);
-  EXPECT_NEAR(plate.meshes[1].pose.R.x.y, 1, 1e-15);
+  ASSERT_EQ(plate.shapes.size(), 6U);  // the last two are told as [[body.mesh]]
+  EXPECT_EQ(plate.shapes[0].kind, ShapeKind::cylinder);
+  EXPECT_EQ(plate.shapes[0].name, "rim");
+  EXPECT_EQ(plate.shapes[0].role, ShapeDescription::Role::collision);
+  EXPECT_EQ(plate.shapes[0].length, 0.1);
+  EXPECT_EQ(plate.shapes[1].size.z, 0.3);
+  EXPECT_EQ(plate.shapes[1].color, (std::array<double, 4>{0.5, 0.5, 1, 1}));
+  EXPECT_EQ(plate.shapes[2].file, "plate.obj");
+  EXPECT_EQ(plate.shapes[2].scale.z, -1);
+  EXPECT_EQ(plate.shapes[3].radius, 1);
+  ASSERT_EQ(model.description().shapes.size(), 1U);
+  EXPECT_EQ(model.description().shapes[0].size.y, 3);
+  EXPECT_EQ(plate.shapes[4].file, "meshes/plate.stl");
+  EXPECT_EQ(plate.shapes[4].role, ShapeDescription::Role::visual);
+  EXPECT_EQ(plate.shapes[4].scale.y, 0.001);
+  EXPECT_EQ(plate.shapes[5].role, ShapeDescription::Role::collision);
+  EXPECT_EQ(plate.shapes[5].pose.r.z, 0.3);
+  EXPECT_NEAR(plate.shapes[5].pose.R.x.y, 1, 1e-15);
 
   const Frame& tool = model.frame(model.frame_index("tool"));
   EXPECT_EQ(model.body(tool.body).name, "wheel");

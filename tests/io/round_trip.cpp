@@ -9,6 +9,7 @@
 #include "axode/io.hpp"
 #include "axode/model/builder.hpp"
 #include "axode/model/configuration.hpp"
+#include "axode/model/shape_kinds.hpp"
 #include "tests/io/same_mechanism.hpp"
 #include "tests/model/random_loops.hpp"
 #include "tests/model/random_mechanism.hpp"
@@ -32,15 +33,65 @@ void expect_drawing_round_trip(const Model& model) {
   EXPECT_LT(test::disparity(model, again), tolerance);
   EXPECT_EQ(text, test::drawing_of(again));
 }
+void expect_same_shapes(const std::vector<ShapeDescription>& one,
+                        const std::vector<ShapeDescription>& other) {
+  ASSERT_EQ(one.size(), other.size());
+  for (std::size_t k = 0; k < one.size(); ++k) {
+    EXPECT_EQ(one[k].kind, other[k].kind);
+    EXPECT_EQ(one[k].role, other[k].role);
+    EXPECT_EQ(one[k].name, other[k].name);
+    EXPECT_EQ(one[k].file, other[k].file);
+    EXPECT_EQ(one[k].color, other[k].color);
+    EXPECT_EQ(one[k].radius, other[k].radius);
+    EXPECT_EQ(one[k].length, other[k].length);
+    EXPECT_EQ(norm(one[k].size - other[k].size), 0);
+    EXPECT_EQ(norm(one[k].scale - other[k].scale), 0);
+    EXPECT_LT(norm(one[k].pose.r - other[k].pose.r), tolerance);
+    for (const auto axis : {&SO3<>::x, &SO3<>::y, &SO3<>::z})
+      EXPECT_LT(norm(one[k].pose.R.*axis - other[k].pose.R.*axis), tolerance);
+  }
+}
+/// Of bodies of the same names, and of the ground.
+void expect_same_shapes(const Description& one, const Description& other) {
+  expect_same_shapes(one.shapes, other.shapes);
+  for (const BodyDescription& body : one.bodies) {
+    const auto same = std::ranges::find(other.bodies, body.name, &BodyDescription::name);
+    if (same != other.bodies.end()) {
+      expect_same_shapes(body.shapes, same->shapes);
+    } else {
+      EXPECT_TRUE(body.shapes.empty()) << body.name;
+    }
+  }
+}
+
 void expect_urdf_round_trip(const Model& model) {
   const std::string text = test::urdf_of(model);
   const Model again = ModelBuilder(read_urdf_text(text, "model.urdf")).build();
   EXPECT_LT(test::disparity(model, again, test::Compare::named_frames), tolerance);
+  expect_same_shapes(model.description(), again.description());
   EXPECT_LT(test::disparity(again, ModelBuilder(read_urdf_text(test::urdf_of(again), "again.urdf")).build()),
             tolerance);
 }
 
-/// A random tree, its bodies told in all three ways, with limits, losses, couplings, meshes and frames.
+ShapeDescription random_shape(test::Random<double>& random) {
+  ShapeDescription shape{
+      .role = ShapeDescription::Role::collision, .kind = ShapeKind::mesh, .pose = random.pose()};
+  if (random.number(0, 1) < 0.3) {
+    shape.file = "a \"b\"\\c.stl", shape.scale = {1, 2, 3};
+    return shape;
+  }
+  shape.kind = shape_kinds[static_cast<std::size_t>(random.number(0, 5))].kind;
+  shape.role = ShapeDescription::Role::visual;
+  shape.name = random.number(0, 1) < 0.5 ? "" : "skin <&>";
+  const ShapeTraits& kind = traits(shape.kind);
+  if (!kind.size.empty()) shape.size = {random.number(0.1, 1), random.number(0.1, 1), random.number(0.1, 1)};
+  if (kind.radius) shape.radius = random.number(0.1, 1);
+  if (kind.length) shape.length = random.number(0.1, 1);
+  if (random.number(0, 1) < 0.5) shape.color = {random.number(0, 1), 0, random.number(0, 1), 1};
+  return shape;
+}
+
+/// A random tree, its bodies told in all three ways, with limits, losses, couplings, shapes and frames.
 Description random_description(std::uint64_t seed) {
   test::Random<double> random(seed);
   const int n = static_cast<int>(random.number(1, 25));
@@ -81,8 +132,7 @@ Description random_description(std::uint64_t seed) {
       body.inertia->axes = {};
       body.inertia->Theta = body.inertia->Theta + (0.5 * body.inertia->mass) * parallel_axis_tensor(c, c);
     }
-    if (random.number(0, 1) < 0.2)
-      body.meshes.push_back({MeshReference::Role::collision, "a \"b\"\\c.stl", random.pose(), {1, 2, 3}});
+    if (random.number(0, 1) < 0.4) body.shapes.push_back(random_shape(random));
   }
   for (int k = 0; k < 3; ++k) {
     const auto carrier = static_cast<std::size_t>(random.number(0, n));
@@ -92,6 +142,7 @@ Description random_description(std::uint64_t seed) {
          .pose = random.pose(),
          .in = random.number(0, 1) < 0.5 ? GivenIn::body_frame : GivenIn::construction_frame});
   }
+  if (random.number(0, 1) < 0.2) tree.shapes.push_back(random_shape(random));
   for (int k = 0; k < 3; ++k)
     tree.springs.push_back(
         {.between = {tree.bodies[static_cast<std::size_t>(random.number(0, n))].name, test::numbered('f', k)},
@@ -141,6 +192,10 @@ TEST(RoundTrip, AUrdfOfARandomTreeIsTheSameMechanism) {
         if (random.number(0, 1) < 0.5) body.joint.dof = {Dof{.lower = -1, .effort = 3, .damping = 0.2}};
         if (random.number(0, 1) < 0.3) body.joint.dof = {Dof{.velocity = 3}};
       }
+    for (BodyDescription& body : tree.bodies) {
+      const ShapeDescription shape = random_shape(random);
+      if (traits(shape.kind).in_urdf) body.shapes.push_back(shape);
+    }
     tree.frames.push_back({.name = "tool", .body = tree.bodies.back().name, .pose = random.pose()});
     expect_urdf_round_trip(ModelBuilder(tree).build());
   }
@@ -239,6 +294,7 @@ TEST(Writers, AModelWithoutANameIsReadBack) {
   EXPECT_EQ(again.name(), "");
   EXPECT_EQ(again.warnings().size(), model.warnings().size());  // it moves no mass
   EXPECT_LT(test::disparity(model, again, test::Compare::named_frames), tolerance);
+  expect_same_shapes(model.description(), again.description());
 }
 
 TEST(Writers, NamesSurviveWhateverTheyHold) {
@@ -251,6 +307,7 @@ TEST(Writers, NamesSurviveWhateverTheyHold) {
   EXPECT_LT(test::disparity(model, read_back(test::drawing_of(model))), tolerance);
   const Model again = ModelBuilder(read_urdf_text(test::urdf_of(model), "test.urdf")).build();
   EXPECT_LT(test::disparity(model, again, test::Compare::named_frames), tolerance);
+  expect_same_shapes(model.description(), again.description());
 }
 
 TEST(Writers, UrdfInventsNamesThatNobodyHas) {
@@ -269,6 +326,7 @@ TEST(Writers, UrdfInventsNamesThatNobodyHas) {
           .build();
   const Model again = ModelBuilder(read_urdf_text(test::urdf_of(model), "names.urdf")).build();
   EXPECT_LT(test::disparity(model, again, test::Compare::named_frames), tolerance);
+  expect_same_shapes(model.description(), again.description());
 }
 
 TEST(Load, TellsTheFormatByExtensionAndContent) {

@@ -176,7 +176,7 @@ TEST(Urdf, ASecondEqualElementAndAScaleOfFourNumbersAreDoubts) {
       "</geometry></visual></link>\n" +
       joint("j", "continuous", "a", "b", R"(<axis xyz="0 0 1"/><axis xyz="0 0 1"/>)"));
   EXPECT_EQ(model.body(1).X[0].w.z, 1);
-  EXPECT_EQ(model.description().bodies[1].meshes[0].scale.x, 1);
+  EXPECT_EQ(model.description().bodies[1].shapes[0].scale.x, 1);
   EXPECT_THAT(
       messages(model),
       ElementsAre(HasSubstr("<mesh> scale is \"2 2 2 2\"; it needs 3 numbers and has 4; it is ignored"),
@@ -238,21 +238,50 @@ TEST(Urdf, AnInertiaOfNoDensityIsAWarning) {
   EXPECT_THAT(messages(model), ElementsAre(HasSubstr("no density can produce its inertia")));
 }
 
-TEST(Urdf, MeshesKeepFileRolePoseAndScale) {
+TEST(Urdf, ShapesKeepWhatIsSaidOfThem) {
   const Model model = model_of(R"(<link name="a"><visual><origin xyz="1 2 3"/><geometry>
       <mesh filename="package://robot/a.dae" scale="0.001 0.001 0.002"/></geometry><material name="red"/></visual>
-      <collision><geometry><mesh filename="a.stl"/></geometry></collision>
-      <collision><geometry><box size="1 1 1"/></geometry></collision></link>)");
-  const auto& meshes = model.description().bodies[0].meshes;
-  ASSERT_EQ(meshes.size(), 2U);
-  EXPECT_EQ(meshes[0].file, "package://robot/a.dae");
-  EXPECT_EQ(meshes[0].role, MeshReference::Role::visual);
-  EXPECT_EQ(meshes[0].pose.r.y, 2);
-  EXPECT_EQ(meshes[0].scale.z, 0.002);
-  EXPECT_EQ(meshes[1].file, "a.stl");
-  EXPECT_EQ(meshes[1].role, MeshReference::Role::collision);
-  EXPECT_EQ(meshes[1].scale.x, 1);
+      <collision name="hull"><geometry><mesh filename="a.stl"/></geometry></collision>
+      <collision><geometry><box size="1 2 3"/></geometry></collision>
+      <visual><geometry><capsule radius="1" length="2"/></geometry>
+      <material name=""><color rgba="0 1 0 0.5"/></material></visual>
+      <visual><geometry><sphere radius="4"/></geometry></visual></link><material name="red"><color rgba="1 0 0 1"/>
+      </material>)");
+  const auto& shapes = model.description().bodies[0].shapes;
+  ASSERT_EQ(shapes.size(), 5U);
+  EXPECT_EQ(shapes[0].kind, ShapeKind::mesh);
+  EXPECT_EQ(shapes[0].file, "package://robot/a.dae");
+  EXPECT_EQ(shapes[0].role, ShapeDescription::Role::visual);
+  EXPECT_EQ(shapes[0].pose.r.y, 2);
+  EXPECT_EQ(shapes[0].scale.z, 0.002);
+  EXPECT_EQ(shapes[0].color, (std::array<double, 4>{1, 0, 0, 1}));  // named before it is told
+  EXPECT_EQ(shapes[1].name, "hull");
+  EXPECT_EQ(shapes[1].file, "a.stl");
+  EXPECT_EQ(shapes[1].role, ShapeDescription::Role::collision);
+  EXPECT_EQ(shapes[1].scale.x, 1);
+  EXPECT_FALSE(shapes[1].color);
+  EXPECT_EQ(shapes[2].kind, ShapeKind::box);
+  EXPECT_EQ(shapes[2].size.y, 2);
+  EXPECT_EQ(shapes[3].kind, ShapeKind::capsule);
+  EXPECT_EQ(shapes[3].length, 2);
+  EXPECT_EQ(shapes[3].color, (std::array<double, 4>{0, 1, 0, 0.5}));
+  EXPECT_EQ(shapes[4].radius, 4);
   EXPECT_THAT(messages(model), ElementsAre());
+}
+
+TEST(Urdf, ShapesThatNobodyCanDrawAreDoubts) {
+  const Model model = model_of(R"(<link name="a"><visual><geometry><box size="1 1"/></geometry></visual>
+      <visual><geometry><sphere/></geometry></visual><collision><geometry><cylinder radius="-1" length="0"/></geometry>
+      </collision><visual><geometry><sphere radius="1"/></geometry><material name="m"><color rgba="1 2 3 1"/></material>
+      </visual></link><link name="ground"/>)" +
+                               joint("j", "fixed", "ground", "a"));
+  ASSERT_EQ(model.description().bodies[0].shapes.size(), 2U);
+  EXPECT_THAT(messages(model),
+              ElementsAre(HasSubstr("<box> size is \"1 1\"; it needs 3 numbers and has 2; it is ignored"),
+                          HasSubstr("<sphere> has no attribute radius"),
+                          HasSubstr("the radius of a cylinder is -1 m; it must be positive"),
+                          HasSubstr("the length of a cylinder is 0 m; it must be positive"),
+                          HasSubstr("the color of a sphere is not between 0 and 1")));
 }
 
 TEST(Urdf, EachKindOfUnknownElementIsOneWarningWithItsFirstLine) {

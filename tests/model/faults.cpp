@@ -633,11 +633,11 @@ TEST(Faults, EveryNumberIsFinite) {
        [](auto& d, double x) { d.bodies[1].inertia->axes.y.z = x; }},
       {body, "the pose of a mesh is not finite",
        [](auto& d, double x) {
-         d.bodies[1].meshes = {{.file = "fore.stl", .pose = {{}, {0, x, 0}}}};
+         d.bodies[1].shapes = {{.kind = ShapeKind::mesh, .pose = {{}, {0, x, 0}}, .file = "fore.stl"}};
        }},
       {body, "the scale of a mesh is not finite",
        [](auto& d, double x) {
-         d.bodies[1].meshes = {{.file = "fore.stl", .scale = {1, 1, x}}};
+         d.bodies[1].shapes = {{.kind = ShapeKind::mesh, .file = "fore.stl", .scale = {1, 1, x}}};
        }},
       {"gravity", "a component is not finite; give three numbers in m/s²",
        [](auto& d, double x) { d.gravity.z = x; }}};
@@ -717,31 +717,32 @@ struct Place {
   std::function<void(Description&, const SO3<>&)> set;
 };
 const std::vector<Place>& places_of_rotations() {
-  static const std::vector<Place> places{{"body \"fore\"", "A",
-                                          [](auto& d, const SO3<>& R) {
-                                            d.bodies[1].geometry = InConstructionFrame{{R, {}}};
-                                          }},
-                                         {"body \"fore\"", "B",
-                                          [](auto& d, const SO3<>& R) {
-                                            d.bodies[1].geometry = InBodyFrame{{R, {}}};
-                                          }},
-                                         {"joint \"elbow\"", "S_prev",
-                                          [](auto& d, const SO3<>& R) {
-                                            d.bodies[1].geometry = InJointFrames{{R, {}}, {}};
-                                          }},
-                                         {"joint \"elbow\"", "S_self",
-                                          [](auto& d, const SO3<>& R) {
-                                            d.bodies[1].geometry = InJointFrames{{}, {R, {}}};
-                                          }},
-                                         {"body \"fore\"", "the axes of the inertia",
-                                          [](auto& d, const SO3<>& R) { d.bodies[1].inertia->axes = R; }},
-                                         {"body \"fore\"", "the pose of a mesh",
-                                          [](auto& d, const SO3<>& R) {
-                                            d.bodies[1].meshes = {{.file = "fore.stl", .pose = {R, {}}}};
-                                          }},
-                                         {"frame \"hand\"", "pose", [](auto& d, const SO3<>& R) {
-                                            d.frames[0].pose = {R, {}};
-                                          }}};
+  static const std::vector<Place> places{
+      {"body \"fore\"", "A",
+       [](auto& d, const SO3<>& R) {
+         d.bodies[1].geometry = InConstructionFrame{{R, {}}};
+       }},
+      {"body \"fore\"", "B",
+       [](auto& d, const SO3<>& R) {
+         d.bodies[1].geometry = InBodyFrame{{R, {}}};
+       }},
+      {"joint \"elbow\"", "S_prev",
+       [](auto& d, const SO3<>& R) {
+         d.bodies[1].geometry = InJointFrames{{R, {}}, {}};
+       }},
+      {"joint \"elbow\"", "S_self",
+       [](auto& d, const SO3<>& R) {
+         d.bodies[1].geometry = InJointFrames{{}, {R, {}}};
+       }},
+      {"body \"fore\"", "the axes of the inertia",
+       [](auto& d, const SO3<>& R) { d.bodies[1].inertia->axes = R; }},
+      {"body \"fore\"", "the pose of a mesh",
+       [](auto& d, const SO3<>& R) {
+         d.bodies[1].shapes = {{.kind = ShapeKind::mesh, .pose = {R, {}}, .file = "fore.stl"}};
+       }},
+      {"frame \"hand\"", "pose", [](auto& d, const SO3<>& R) {
+         d.frames[0].pose = {R, {}};
+       }}};
   return places;
 }
 

@@ -6,6 +6,7 @@
 #include <set>
 
 #include "axode/dynamics.hpp"
+#include "axode/model/shape_kinds.hpp"
 #include "tests/model/random_mechanism.hpp"
 
 /// Whatever a description holds, it is built into a consistent model or refused with at least one fault.
@@ -65,6 +66,17 @@ class Nonsense {
     }
   }
   SE3<> pose() { return {rotation(), bad() ? vector() : random_.vector()}; }
+  ShapeDescription shape() {
+    return {.name = name(),
+            .kind = any(shape_kinds).kind,
+            .pose = pose(),
+            .size = vector(),
+            .radius = number(),
+            .length = number(),
+            .file = name(),
+            .scale = vector(),
+            .color = std::array{number(), number(), number(), number()}};
+  }
   Geometry geometry() {
     switch (whole(0, 2)) {
       case 0: return InConstructionFrame{pose()};
@@ -95,7 +107,7 @@ class Nonsense {
     for (Dof& dof : joint.dof)
       if (bad()) dof = {number(), number(), number(), number(), number(), number(), number()};
     if (bad()) body.geometry = geometry();
-    if (bad()) body.meshes.push_back({.file = name(), .pose = pose(), .scale = vector()});
+    if (bad()) body.shapes.push_back(shape());
     if (bad()) body.inertia.reset();
     if (!body.inertia) return;
     if (bad()) body.inertia->mass = number();

@@ -1,0 +1,37 @@
+#pragma once
+#include <algorithm>
+#include <array>
+#include <string_view>
+
+#include "axode/model/description.hpp"
+
+namespace axode {
+
+/// The table of shapes: who needs to know something about a kind asks here.
+struct ShapeTraits {
+  ShapeKind kind;
+  std::string_view name;
+  std::string_view size;  ///< what its three lengths are called; empty: it has none
+  bool radius, length;
+  bool in_urdf;  ///< whether URDF has a word for it
+};
+
+inline constexpr std::array<ShapeTraits, 6> shape_kinds{{
+    {ShapeKind::box, "box", "size", false, false, true},
+    {ShapeKind::sphere, "sphere", "", true, false, true},
+    {ShapeKind::cylinder, "cylinder", "", true, true, true},
+    {ShapeKind::capsule, "capsule", "", true, true, true},
+    {ShapeKind::ellipsoid, "ellipsoid", "semi_axes", false, false, false},
+    {ShapeKind::mesh, "mesh", "", false, false, true},
+}};
+
+constexpr const ShapeTraits& traits(ShapeKind kind) {
+  return *std::find_if(shape_kinds.begin(), shape_kinds.end(),
+                       [&](const ShapeTraits& t) { return t.kind == kind; });
+}
+constexpr std::string_view to_string(ShapeKind kind) { return traits(kind).name; }
+constexpr std::string_view to_string(ShapeDescription::Role role) {
+  return role == ShapeDescription::Role::visual ? "visual" : "collision";
+}
+
+}  // namespace axode
