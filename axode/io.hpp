@@ -36,6 +36,7 @@ std::vector<Fault> check(const std::filesystem::path& file, Base base = Base::as
 /// ModelError with every fault that the reader finds.
 Description read_drawing_text(std::string_view text, const std::string& file_name,
                               Strictness strictness = Strictness::lenient);
+/// A URDF may close loops by <loop_joint name type><link1 link xyz rpy/><link2 .../></loop_joint>, z being the axis.
 Description read_urdf_text(std::string_view text, const std::string& file_name,
                            Strictness strictness = Strictness::lenient);
 

@@ -1,5 +1,4 @@
 #pragma once
-#include <Eigen/LU>
 #include <array>
 #include <cmath>
 #include <numbers>
@@ -57,7 +56,7 @@ template <class T> class Closure {
 
   /// E of D = g E, with g in the subgroup and E near the identity where the joint is nearly closed.
   SE3<T> strip(const SE3<T>& D) const {
-    using std::atan2;
+    using std::atan2, std::round;
     const SO3<T>& R = D.R;
     T theta(0);
     SO3<T> turn{};
@@ -67,7 +66,7 @@ template <class T> class Closure {
       theta = atan2(R.x.y - R.y.x, R.x.x + R.y.y);
       if (kind_ == LoopKind::helical) {  // the turn that is nearest to where the nut is
         const T whole = T(2 * std::numbers::pi);
-        theta += whole * std::round((D.r.z / pitch_ - theta) / whole);
+        theta += whole * round((D.r.z / pitch_ - theta) / whole);
       }
       turn = subgroup::turn(SO3<T>{}, sin(theta), cos(theta));
     }
@@ -106,15 +105,19 @@ template <class T> class Closure {
       const Screw<T> X = Ad_inv(E, S);
       K[n] = six(dexp_inv(-phi, X.w), E.R * X.v), N[n++] = k;
     }
-    Eigen::Matrix3<T> NK = Eigen::Matrix3<T>::Identity();
-    for (std::size_t a = 0; a < n; ++a)
-      for (std::size_t b = 0; b < n; ++b) NK(static_cast<int>(a), static_cast<int>(b)) = K[b][N[a]];
-    const Eigen::Matrix3<T> NK_inverse = NK.inverse();
+    std::array<std::array<T, 3>, 3> NK{{{T(1)}, {T(0), T(1)}, {T(0), T(0), T(1)}}};  // its columns
+    for (std::size_t b = 0; b < n; ++b)
+      for (std::size_t a = 0; a < n; ++a) NK[b][a] = K[b][N[a]];
+    const auto column = [&](std::size_t b) { return Vec3<T>{NK[b][0], NK[b][1], NK[b][2]}; };
+    const Vec3<T> x = cross(column(1), column(2)), y = cross(column(2), column(0)),
+                  z = cross(column(0), column(1));
+    const T inverse_volume = T(1) / dot(column(0), x);
     each_wrench([&](int row, Six<T> W) {
-      Eigen::Vector3<T> WK = Eigen::Vector3<T>::Zero();
-      for (std::size_t b = 0; b < n; ++b) WK[static_cast<int>(b)] = product(W, K[b]);
-      const Eigen::Vector3<T> share = NK_inverse.transpose() * WK;
-      for (std::size_t a = 0; a < n; ++a) W[N[a]] -= share[static_cast<int>(a)];
+      std::array<T, 3> WK{};
+      for (std::size_t b = 0; b < n; ++b) WK[b] = product(W, K[b]);
+      const Vec3<T> s = inverse_volume * (WK[0] * x + WK[1] * y + WK[2] * z);  // (Nᵀ K)⁻ᵀ Kᵀ W
+      const std::array<T, 3> share{s.x, s.y, s.z};
+      for (std::size_t a = 0; a < n; ++a) W[N[a]] -= share[a];
       const Vec3<T> m = dexp_inv(phi, Vec3<T>{W[0], W[1], W[2]});
       const Vec3<T> f_E = transpose(E.R) * Vec3<T>{W[3], W[4], W[5]};
       f(row, six(m, f_E));

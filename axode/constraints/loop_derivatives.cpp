@@ -89,6 +89,38 @@ void LoopSystem<T>::differentiate(const T* lambda, T* by_q, T* by_v, T* closing_
   }
 }
 
+template <class T> void LoopSystem<T>::differentiate_residuals(const T* lambda, T* rate) noexcept {
+  const auto& V = dynamics_->recursion.motion.bodies.V;
+  std::fill_n(rate, model_.nv(), T(0));
+  for (std::size_t k = 0; k < at_.size(); ++k) {
+    const LoopPath& path = paths_[k];
+    if (path.loop->kind == LoopKind::coupling) continue;  // its row is constant
+    const State& at = at_[k];
+    const auto about_O = [&](const auto& x, int body, int side) {
+      const Vec3<T> from = side < 0 && body > 0 ? at.shift : Vec3<T>{};
+      return Screw<T>{x.w, x.v - cross(x.w, from)};
+    };
+    const int a = path.loop->ends[0].body, b = path.loop->ends[1].body;
+    const auto R =
+        LoopAt<Lifted<T>>(*path.loop, lift(at.C_a, about_O(V[a], a, -1)), lift(at.C_b, about_O(V[b], b, 1)))
+            .residual_wrenches();
+    Wrench<Spatial, T> F{}, dF{};
+    for (int r = 0; r < path.residuals.count; ++r) {
+      const T& factor = lambda[path.residuals.first + r];
+      const auto& [m, f] = R[index(r)];
+      F += factor * Wrench<Spatial, T>{{m.x.x, m.y.x, m.z.x}, {f.x.x, f.y.x, f.z.x}};
+      dF += factor * Wrench<Spatial, T>{{m.x.dx[0], m.y.dx[0], m.z.dx[0]}, {f.x.dx[0], f.y.dx[0], f.z.dx[0]}};
+    }
+    for (const LoopColumn& c : path.columns) {
+      const Screw<T> J = about_O(dynamics_->bodies.S[c.screw], c.body, c.side);
+      const Screw<T> dJ = ad(about_O(V[c.body], c.body, c.side), J);
+      const T change = (dF | Twist<Spatial, T>{J.w, J.v}) + (F | Twist<Spatial, T>{dJ.w, dJ.v});
+      rate[c.velocity] += c.side > 0 ? change : -change;
+    }
+  }
+}
+
+template void LoopSystem<AXODE_T>::differentiate_residuals(const AXODE_T*, AXODE_T*) noexcept;
 template void LoopSystem<AXODE_T>::differentiate(const AXODE_T*, AXODE_T*, AXODE_T*, AXODE_T*) noexcept;
 
 }  // namespace axode

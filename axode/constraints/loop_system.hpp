@@ -100,6 +100,9 @@ template <class T> class LoopSystem {
   /// motion of force() and with the rows A made. Adds to what is there.
   void differentiate(const T* lambda, T* by_q, T* by_v, T* closing_by_q) noexcept;
 
+  /// The rate of Rᵀ λ (nv) as the bodies move with their V; after move().
+  void differentiate_residuals(const T* lambda, T* rate) noexcept;
+
   /// M = Lᵀ D L at the configuration of the links.
   Solvability factorize() noexcept;
   /// Y and Yᵀ Y of the rows.

@@ -49,6 +49,19 @@ void loop_residual_jacobian(const Model& model, LoopWorkspace<T>& workspace, Num
 }
 
 template <class T>
+void loop_hessian_product(const Model& model, LoopWorkspace<T>& workspace, Numbers<T> q, Numbers<T> lambda,
+                          Numbers<T> w, std::type_identity_t<std::span<T>> product) {
+  LoopSystem<T>& system = checked(model, workspace, q);
+  check_rows("lambda", lambda.size(), model.loops().residuals, "loops().residuals");
+  check_rows("w", w.size(), model.nv(), "nv");
+  check_rows("product", product.size(), model.nv(), "nv");
+  check_separate("product", product, "lambda", lambda);
+  std::vector<T> h(w.size());
+  system.move(q.data(), w.data(), {}, h.data());
+  system.differentiate_residuals(lambda.data(), product.data());
+}
+
+template <class T>
 void loop_bias(const Model& model, LoopWorkspace<T>& workspace, Numbers<T> q, Numbers<T> v,
                std::type_identity_t<std::span<T>> gamma) {
   LoopSystem<T>& system = checked(model, workspace, q, v);
@@ -63,6 +76,8 @@ template void loop_residual(const Model&, LoopWorkspace<AXODE_T>&, Numbers<AXODE
 template void loop_jacobian(const Model&, LoopWorkspace<AXODE_T>&, Numbers<AXODE_T>, std::span<AXODE_T>);
 template void loop_residual_jacobian(const Model&, LoopWorkspace<AXODE_T>&, Numbers<AXODE_T>,
                                      std::span<AXODE_T>);
+template void loop_hessian_product(const Model&, LoopWorkspace<AXODE_T>&, Numbers<AXODE_T>, Numbers<AXODE_T>,
+                                   Numbers<AXODE_T>, std::span<AXODE_T>);
 template void loop_bias(const Model&, LoopWorkspace<AXODE_T>&, Numbers<AXODE_T>, Numbers<AXODE_T>,
                         std::span<AXODE_T>);
 

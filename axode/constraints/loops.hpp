@@ -45,6 +45,12 @@ template <class T>
 void loop_residual_jacobian(const Model& model, LoopWorkspace<T>& workspace, Numbers<T> q,
                             std::type_identity_t<std::span<T>> R);
 
+/// The product of the second derivatives of Σ λ_k r_k with a velocity: the rate of R(q)ᵀ λ (nv) as q moves with w (nv).
+/// Exact; the Hessian's product where every velocity is the rate of a coordinate. O(n + m d).
+template <class T>
+void loop_hessian_product(const Model& model, LoopWorkspace<T>& workspace, Numbers<T> q, Numbers<T> lambda,
+                          Numbers<T> w, std::type_identity_t<std::span<T>> product);
+
 /// γ(q, v) (loops().rows): (A v)' = A a + γ, exactly, closed or not. O(n).
 template <class T>
 void loop_bias(const Model& model, LoopWorkspace<T>& workspace, Numbers<T> q, Numbers<T> v,

@@ -2,6 +2,7 @@
 #include <array>
 
 #include "axode/model/joint_kinds.hpp"
+#include "axode/model/loops.hpp"
 
 namespace axode::io {
 
@@ -16,5 +17,11 @@ inline constexpr std::array<UrdfKind, 6> urdf_kinds{{{"revolute", JointKind::rev
                                                      {"fixed", JointKind::fixed},
                                                      {"floating", JointKind::free},
                                                      {"planar", JointKind::planar}}};
+
+/// Whether <loop_joint> can say all of a loop of that kind: two frames are enough. Spherical ones are what others read.
+constexpr bool in_urdf(LoopKind kind) {
+  return kind != LoopKind::helical && kind != LoopKind::universal && kind != LoopKind::rod &&
+         kind != LoopKind::rolling && kind != LoopKind::coupling;
+}
 
 }  // namespace axode::io

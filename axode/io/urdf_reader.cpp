@@ -29,8 +29,8 @@ struct Grammar {
 };
 
 const Grammar* grammar_of(std::string_view element) {
-  static const std::array<Grammar, 22> all{{
-      {"robot", {"name", "version"}, {}, {"link", "joint", "material"}},
+  static const std::array<Grammar, 25> all{{
+      {"robot", {"name", "version"}, {}, {"link", "joint", "loop_joint", "material"}},
       {"link", {"name"}, {"inertial"}, {"visual", "collision"}},
       {"inertial", {}, {"origin", "mass", "inertia"}},
       {"origin", {"xyz", "rpy", "quat_xyzw"}},
@@ -48,6 +48,9 @@ const Grammar* grammar_of(std::string_view element) {
        {"name", "type"},
        {"origin", "parent", "child", "axis", "calibration", "dynamics", "limit", "mimic",
         "safety_controller"}},
+      {"loop_joint", {"name", "type"}, {"link1", "link2"}},
+      {"link1", {"link", "xyz", "rpy", "quat_xyzw"}},
+      {"link2", {"link", "xyz", "rpy", "quat_xyzw"}},
       {"parent", {"link"}},
       {"child", {"link"}},
       {"axis", {"xyz"}},
@@ -292,18 +295,21 @@ class UrdfReader {
 
   SE3<> origin(const XMLElement& e, const std::string& owner) {
     const XMLElement* origin = child_of(e, "origin", owner);
-    if (origin == nullptr) return {};
+    return origin == nullptr ? SE3<>{} : pose(*origin, owner);
+  }
+  /// The pose that the attributes of an element give.
+  SE3<> pose(const XMLElement& e, const std::string& owner) {
     SE3<> pose;
-    pose.r = vector(*origin, "xyz", owner).value_or(Vec3<>{});
-    if (origin->Attribute("rpy") != nullptr && origin->Attribute("quat_xyzw") != nullptr)
-      error(Rule::wrong_value, owner, "<origin> gives both rpy and quat_xyzw; one is enough",
-            origin->GetLineNum());
-    if (const auto angles = vector(*origin, "rpy", owner)) pose.R = from_roll_pitch_yaw(*angles);
-    if (const auto x = numbers<4>(*origin, "quat_xyzw", owner)) {
+    pose.r = vector(e, "xyz", owner).value_or(Vec3<>{});
+    if (e.Attribute("rpy") != nullptr && e.Attribute("quat_xyzw") != nullptr)
+      error(Rule::wrong_value, owner, tag(e) + " gives both rpy and quat_xyzw; one is enough",
+            e.GetLineNum());
+    if (const auto angles = vector(e, "rpy", owner)) pose.R = from_roll_pitch_yaw(*angles);
+    if (const auto x = numbers<4>(e, "quat_xyzw", owner)) {
       const auto R = from_quaternion({(*x)[0], (*x)[1], (*x)[2], (*x)[3]});
       if (!R)
-        error(Rule::not_a_rotation, owner, "<origin> quat_xyzw is off norm 1 by more than 1e-6",
-              origin->GetLineNum());
+        error(Rule::not_a_rotation, owner, tag(e) + " quat_xyzw is off norm 1 by more than 1e-6",
+              e.GetLineNum());
       pose.R = R.value_or(SO3<>{});
     }
     return pose;
@@ -329,6 +335,7 @@ class UrdfReader {
       const std::string_view element = e->Name();
       if (element == "link") read_link(*e);
       if (element == "joint") read_joint(*e);
+      if (element == "loop_joint") read_loop(*e);
     }
     if (links_.empty() && robot.FirstChildElement("link") == nullptr) {
       const bool is_xacro = std::any_of(ignored_.begin(), ignored_.end(),
@@ -447,6 +454,35 @@ class UrdfReader {
   }
 
   // ---------------------------------------------------------------- joints
+
+  /// An extension that several programs share: a joint between frames on two links, z being its axis.
+  void read_loop(const XMLElement& e) {
+    const std::size_t faults_before = faults().size();
+    LoopDescription loop{.name = name(e, "name", "loop_joint"), .source = {file_, e.GetLineNum()}};
+    const std::string owner = "loop \"" + loop.name + '"';
+    inspect(e, owner);
+    if (const char* type = required(e, "type", owner)) {
+      const std::string_view wanted = type == std::string_view("continuous") ? "revolute" : type;
+      const auto kind = std::ranges::find(loop_kinds, wanted, &LoopTraits::name);
+      if (kind == loop_kinds.end() || !in_urdf(kind->kind)) {
+        error(Rule::wrong_value, owner,
+              "its type is " + in_quotes(type) +
+                  "; it is one of \"fixed\", \"revolute\", \"prismatic\", \"cylindrical\", \"spherical\", "
+                  "\"planar\" and \"translational\"",
+              e.GetLineNum());
+      } else {
+        loop.kind = kind->kind;
+      }
+    }
+    loop.frames.emplace();
+    for (const std::size_t k : {0, 1}) {
+      const XMLElement* end = required_child(e, k == 0 ? "link1" : "link2", owner);
+      if (end == nullptr) continue;
+      loop.between[k] = name(*end, "link", owner);
+      (*loop.frames)[k] = pose(*end, owner);
+    }
+    if (faults().size() == faults_before) description().loops.push_back(std::move(loop));
+  }
 
   void read_joint(const XMLElement& e) {
     Connection connection;

@@ -82,6 +82,8 @@ std::vector<Fault> beyond_urdf(const Description& d) {
       error(element, "has a spring; URDF has no word for it", source);
     if (std::ranges::any_of(joint.dof, [](const Dof& dof) { return dof.stop_stiffness != 0; }))
       error(element, "has elastic stops; URDF has no word for them", source);
+    if (joint.passive && !(d.loops.empty() && d.couplings.empty()))
+      error(element, "is passive; URDF has no word for it", source);
     const bool own_limits =
         joint.dof.size() > 1 && std::any_of(joint.dof.begin(), joint.dof.end(), [&](const Dof& dof) {
           const Dof& first = joint.dof[0];
@@ -99,10 +101,10 @@ std::vector<Fault> beyond_urdf(const Description& d) {
               "\"; URDF has no word for springs",
           d.springs[k].source);
   for (std::size_t k = 0; k < d.loops.size(); ++k)
-    error("loop \"" + loop_name(d.loops[k], k) + '"',
-          "is between \"" + d.loops[k].between[0] + "\" and \"" + d.loops[k].between[1] +
-              "\"; URDF has no word for loops",
-          d.loops[k].source);
+    if (!io::in_urdf(d.loops[k].kind))
+      error("loop \"" + loop_name(d.loops[k], k) + '"',
+            "is " + std::string(to_string(d.loops[k].kind)) + "; <loop_joint> of a URDF has no such type",
+            d.loops[k].source);
   for (std::size_t k = 0; k < d.couplings.size(); ++k)
     error("coupling \"" + coupling_name(d.couplings[k], k) + '"',
           "is one of the coordinates of " + std::to_string(d.couplings[k].terms.size()) +
@@ -131,6 +133,8 @@ class UrdfWriter {
     }
     for (const int i : order_.order) write_body(i);
     for (const FrameDescription& frame : d_.frames) write_frame(frame);
+    const std::vector<LoopDescription> loops = d_.loops.empty() ? d_.loops : in_joint_frames(d_).loops;
+    for (std::size_t k = 0; k < loops.size(); ++k) write_loop(loops[k], loop_name(loops[k], k));
     out_ << "</robot>\n";
   }
 
@@ -188,6 +192,19 @@ class UrdfWriter {
     const SE3<> pose = frame.in == GivenIn::body_frame ? frame.pose : inverse(A) * frame.pose;
     write_link(frame.name, nullptr);
     write_joint({.name = free_name(joints_, frame.name + "_joint")}, frame.body, frame.name, pose, {});
+  }
+
+  void write_loop(const LoopDescription& loop, const std::string& name) {
+    out_ << "  <loop_joint name=\"" << text(name) << "\" type=\"" << to_string(loop.kind) << "\">\n";
+    for (const std::size_t k : {0, 1}) {
+      // Where no link is the ground, the root rests on it with its frame.
+      const bool on_root = one_fixed_root_ && loop.between[k] == "ground";
+      const SE3<>& pose = (*loop.frames)[k];
+      out_ << "    <link" << k + 1 << " link=\""
+           << text(on_root ? d_.bodies[order_.order[0]].name : loop.between[k]) << "\" xyz=\"" << text(pose.r)
+           << "\" rpy=\"" << text(io::to_roll_pitch_yaw(pose.R)) << "\"/>\n";
+    }
+    out_ << "  </loop_joint>\n";
   }
 
   static std::string free_name(std::unordered_set<std::string>& taken, std::string name) {

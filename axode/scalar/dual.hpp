@@ -1,5 +1,6 @@
 #pragma once
 #include <array>
+#include <cmath>
 #include <concepts>
 #include <cstddef>
 #include <type_traits>
@@ -47,6 +48,10 @@ template <class S, std::size_t N> struct Dual {
   friend constexpr Dual atan2(const Dual& a, const Dual& b) {
     const S i = S(1) / (b.x * b.x + a.x * a.x);
     return linear(atan2(a.x, b.x), a, b.x * i, b, -(a.x * i));
+  }
+  friend constexpr Dual round(const Dual& a) {
+    using std::round;
+    return Dual(round(a.x));
   }
   friend constexpr bool operator<(const Dual& a, const Dual& b) { return a.x < b.x; }
   friend constexpr bool operator>(const Dual& a, const Dual& b) { return b < a; }

@@ -90,9 +90,13 @@ from ._axode import (
     load,
     load_powers,
     loop_bias,
+    loop_hessian_product,
     loop_jacobian,
     loop_mobility,
+    loop_multiplier_derivatives,
+    loop_multipliers,
     loop_residual,
+    loop_residual_jacobian,
     mass_matrix,
     mass_matrix_partials,
     mobility,
@@ -180,8 +184,8 @@ __all__ = [
     "inverse_dynamics_geometry_vjp", "forward_dynamics_geometry_vjp", "frame_geometry_jacobian",
     "jacobian_geometry_derivatives", "linearize", "equilibrium",
     # closed loops
-    "loop_residual", "loop_jacobian", "loop_bias", "assemble", "loop_mobility", "impact", "constraint_wrenches",
-    "joint_state",
+    "loop_residual", "loop_jacobian", "loop_bias", "loop_residual_jacobian", "loop_hessian_product", "assemble",
+    "loop_mobility", "impact", "constraint_wrenches", "loop_multipliers", "loop_multiplier_derivatives", "joint_state",
     # motion in time
     "simulate", "rollout", "rollout_derivatives", "rollout_jvp", "rollout_vjp", "reconstruct", "Trajectory",
     # what else is taken, given and raised

@@ -210,23 +210,54 @@ Array closed_inverse_dynamics(const BoundModel& m, const Arguments& given, nb::h
   return out.array();
 }
 
-nb::object closed_forward_dynamics_derivatives(const BoundModel& m, const Arguments& given) {
+namespace {
+
+/// `differentiate`(workspace, k, loads, {by q, by v, by tau}) for every state; each result has nv columns.
+template <class F>
+nb::object closed_derivatives(const BoundModel& m, const Arguments& given, nb::ssize_t rows,
+                              const F& differentiate) {
   const States states(m, given.q, given.threads);
   const Items v = states.velocities("v", given.v), tau = states.velocities("tau", given.tau);
   const AppliedLoads applied(states, given.loads, given.joint_losses);
-  const Shape shape{m->nv(), m->nv()};
+  const Shape shape{rows, m->nv()};
   NewArray by_q = states.result(shape), by_v = states.result(shape), by_tau = states.result(shape);
   std::vector<Solvability> found(states.count());
   each_closed(states, m, [&](LoopWorkspace<>& workspace, std::size_t k) {
     found[k] = applied.with(k, [&](const Loads<double>& now) {
-      return forward_dynamics_derivatives(
-          *m, workspace, states.q(k), v[k], tau[k],
-          {item(by_q, k, shape), item(by_v, k, shape), item(by_tau, k, shape)}, now);
+      return differentiate(workspace, states.q(k), v[k], tau[k], now,
+                           std::array{item(by_q, k, shape), item(by_v, k, shape), item(by_tau, k, shape)});
     });
   });
   for (NewArray* out : {&by_q, &by_v, &by_tau}) states.refuse(found, *out);
   return named_tuple("axode.records", "ForwardDynamicsDerivatives", by_q.array(), by_v.array(),
                      by_tau.array());
+}
+
+using Span = std::span<const double>;
+
+nb::object multiplier_derivatives(const BoundModel& m, ArrayLike q, ArrayLike v, ArrayLike tau,
+                                  LoadList loads, bool joint_losses, int threads) {
+  const auto nv = static_cast<std::size_t>(m->nv());
+  return closed_derivatives(
+      m, {.q = q, .v = v, .tau = tau, .loads = loads, .joint_losses = joint_losses, .threads = threads},
+      m->loops().rows,
+      [&](LoopWorkspace<>& workspace, Span q_k, Span v_k, Span tau_k, const Loads<double>& now,
+          const auto& by) {
+        std::vector<double> a(3 * nv * nv);
+        const auto part = [&](std::size_t k) { return std::span(a).subspan(k * nv * nv, nv * nv); };
+        return forward_dynamics_derivatives(*m, workspace, q_k, v_k, tau_k,
+                                            {part(0), part(1), part(2), by[0], by[1], by[2]}, now);
+      });
+}
+
+}  // namespace
+
+nb::object closed_forward_dynamics_derivatives(const BoundModel& m, const Arguments& given) {
+  return closed_derivatives(
+      m, given, m->nv(),
+      [&](LoopWorkspace<>& workspace, Span q, Span v, Span tau, const Loads<double>& now, const auto& by) {
+        return forward_dynamics_derivatives(*m, workspace, q, v, tau, {by[0], by[1], by[2]}, now);
+      });
 }
 
 void add_constraints(nb::module_& module) {
@@ -257,6 +288,96 @@ A(q) with A v = 0 for velocities that the loops allow: (rows, nv) or (N, rows, n
 Its rows are the wrenches that close the loops, on the twist of the second body against the first.
 
 >>> axode.loop_jacobian(fourbar, fourbar.neutral()).shape
+(5, 3)
+)");
+  module.def(
+      "loop_residual_jacobian",
+      [](const BoundModel& m, ArrayLike q, int threads) {
+        return of_q(m, q, threads, {m->loops().residuals, m->nv()}, [&](auto& workspace, auto q_k, auto out) {
+          loop_residual_jacobian(*m, workspace, q_k, out);
+        });
+      },
+      "m"_a, "q"_a, nb::kw_only(), "threads"_a = 1, R"(
+R(q), the derivative of `loop_residual` along velocities, closed or not: (k, nv) or (N, k, nv). O(n + k * depth).
+
+Where the loops are closed it is `loop_jacobian`, but for contacts that roll, whose places are free.
+
+>>> q = np.array([0.3, 0.1, 0.2])
+>>> ahead, back = (axode.loop_residual(fourbar, q + h * np.eye(3)[0]) for h in (1e-6, -1e-6))
+>>> bool(np.allclose(axode.loop_residual_jacobian(fourbar, q)[:, 0], (ahead - back) / 2e-6))
+True
+)");
+  module.def(
+      "loop_hessian_product",
+      [](const BoundModel& m, ArrayLike q, ArrayLike multipliers, ArrayLike w, int threads) {
+        const States states(m, q, threads);
+        const Items of_lambda = states.items("multipliers", multipliers, {m->loops().residuals},
+                                             "a number for each residual"),
+                    of_w = states.velocities("w", w);
+        const Shape shape{m->nv()};
+        NewArray out = states.result(shape);
+        each_closed(states, m, [&](LoopWorkspace<>& workspace, std::size_t k) {
+          loop_hessian_product(*m, workspace, states.q(k), of_lambda[k], of_w[k], item(out, k, shape));
+        });
+        return out.array();
+      },
+      "m"_a, "q"_a, "multipliers"_a, "w"_a, nb::kw_only(), "threads"_a = 1, R"(
+The rate of R(q)^T multipliers as q moves with the velocity w: (nv,) or (N, nv). O(n + k * depth).
+
+R is `loop_residual_jacobian`, and there is a multiplier for each of its rows. Where every velocity is the rate of a
+coordinate this is the product of the Hessian of multipliers . loop_residual(q) with w.
+
+>>> q, mu, w = np.array([0.3, 0.1, 0.2]), np.arange(5.0), np.array([1.0, -2.0, 0.5])
+>>> ahead, back = (axode.loop_residual_jacobian(fourbar, q + h * w).T @ mu for h in (1e-6, -1e-6))
+>>> bool(np.allclose(axode.loop_hessian_product(fourbar, q, mu, w), (ahead - back) / 2e-6))
+True
+)");
+  module.def(
+      "loop_multipliers",
+      [](const BoundModel& m, ArrayLike q, ArrayLike v, ArrayLike tau, LoadList loads, bool joint_losses,
+         int threads) {
+        const States states(m, q, threads);
+        const Items of_v = states.velocities("v", v), of_tau = states.velocities("tau", tau);
+        const AppliedLoads applied(states, loads, joint_losses);
+        const Shape shape{m->loops().rows};
+        NewArray out = states.result(shape);
+        std::vector<Solvability> found(states.count());
+        each_closed(states, m, [&](LoopWorkspace<>& workspace, std::size_t k) {
+          const std::vector<double> lambda = applied.with(k, [&](const Loads<double>& now) {
+            return multipliers(m, workspace, states.q(k), of_v[k], of_tau[k], now, found[k]);
+          });
+          std::ranges::copy(lambda, item(out, k, shape).begin());
+        });
+        states.refuse(found, out);
+        return out.array();
+      },
+      "m"_a, "q"_a, "v"_a, "tau"_a, "loads"_a = nb::none(), nb::kw_only(), "joint_losses"_a = false,
+      "threads"_a = 1, R"(
+Lagrange's multipliers of the rows of `loop_jacobian` in M a + h - A^T lambda = tau: (rows,) or (N, rows).
+
+Forces (N) and couples (N m) in the frames of the loops; `constraint_wrenches` has them in any representation. Where rows are
+redundant, the least that there are.
+
+>>> q, nothing = fourbar.neutral(), np.zeros(3)
+>>> reaction = axode.loop_jacobian(fourbar, q).T @ axode.loop_multipliers(fourbar, q, nothing, nothing)
+>>> a = axode.forward_dynamics(fourbar, q, nothing, nothing)
+>>> bool(np.allclose(axode.mass_matrix(fourbar, q) @ a + axode.gravity_torques(fourbar, q), reaction))
+True
+)");
+  module.def(
+      "loop_multiplier_derivatives", &multiplier_derivatives, "m"_a, "q"_a, "v"_a, "tau"_a,
+      "loads"_a = nb::none(), nb::kw_only(), "joint_losses"_a = false, "threads"_a = 1,
+      nb::sig("def loop_multiplier_derivatives(m: Model, q: numpy.typing.ArrayLike, v: "
+              "numpy.typing.ArrayLike, tau: numpy.typing.ArrayLike, loads: typing.Any = None, *, "
+              "joint_losses: bool = False, threads: int = 1) -> axode.records.ForwardDynamicsDerivatives"),
+      R"(
+Derivatives of the multipliers of loops by configuration, velocities and forces, each (rows, nv) or (N, rows, nv).
+
+Of rows that are independent of those before them; the multipliers of the others are taken as 0, and so are their
+derivatives.
+
+>>> d = axode.loop_multiplier_derivatives(fourbar, fourbar.neutral(), np.zeros(3), np.zeros(3))
+>>> d.tau.shape
 (5, 3)
 )");
   module.def(

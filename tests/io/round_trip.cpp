@@ -201,6 +201,27 @@ TEST(RoundTrip, AUrdfOfARandomTreeIsTheSameMechanism) {
   }
 }
 
+TEST(RoundTrip, AUrdfOfRandomLoopsIsTheSameMechanism) {
+  constexpr std::array kinds{JointKind::fixed, JointKind::revolute, JointKind::prismatic, JointKind::planar};
+  std::size_t loops = 0;
+  for (std::uint64_t seed = 1; seed <= 100 && !HasFailure(); ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    test::Random<double> random(seed);
+    Description tree = test::random_tree(random, static_cast<int>(random.number(1, 9)), kinds);
+    tree.gravity = {0, 0, -9.81};
+    tree = test::with_loops(tree, random);
+    tree.couplings.clear();
+    for (BodyDescription& body : tree.bodies) body.joint.passive = false;
+    std::erase_if(tree.loops, [](const LoopDescription& loop) {
+      return loop.kind == LoopKind::helical || loop.kind == LoopKind::universal ||
+             loop.kind == LoopKind::rod || loop.kind == LoopKind::rolling;
+    });
+    loops += tree.loops.size();
+    expect_urdf_round_trip(ModelBuilder(tree).build());
+  }
+  EXPECT_GT(loops, 100U);
+}
+
 TEST(RoundTrip, ADrawingKeepsWhatIsInTheConstructionFrameToTheLastBit) {
   const Model model =
       ModelBuilder("exact")
@@ -262,7 +283,7 @@ TEST(Writers, UrdfNamesEverythingItCannotSayAndWritesNothing) {
          {"gravity: is (0 0 -1.62)", "joint \"screw\": is helical", "joint \"ball\": is spherical",
           "joint \"turn\": has an armature of 0.7", "joint \"turn\": has a spring",
           "joint \"turn\": has elastic stops", "spring 3: is between \"ghost\" and \"knob\"",
-          "loop \"weld\": is between \"rack\" and \"slider\"; URDF has no word for loops",
+          "is rod; <loop_joint> of a URDF has no such type", "\": is passive; URDF has no word for it",
           "coupling \"coupling 1\": is one of the coordinates of 2 joints",
           "joint \"stage\": has several degrees"})
       EXPECT_THAT(error.what(), HasSubstr(part));

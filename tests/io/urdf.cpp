@@ -195,6 +195,24 @@ TEST(Urdf, MimicCouplesAJoint) {
   EXPECT_EQ(model.joint(2).leader->joint, 3);
 }
 
+TEST(Urdf, LoopJointsCloseLoopsBetweenFramesOfLinks) {
+  const Model model = model_of(link("a") + link("b") + link("c") + joint("j", "continuous", "a", "b") +
+                               joint("k", "continuous", "a", "c") +
+                               R"(<loop_joint name="pin" type="spherical"><link1 link="b" xyz="1 0 0"/>
+      <link2 link="c" xyz="0 1 0" rpy="0 0 -1.5707963267948966"/></loop_joint>
+      <loop_joint name="axle" type="continuous"><link1 link="b"/><link2 link="a" xyz="0 0 1"/></loop_joint>)");
+  ASSERT_EQ(model.loops().all.size(), 2U);
+  const Loop &pin = model.loops().all[0], &axle = model.loops().all[1];
+  EXPECT_EQ(pin.name, "pin");
+  EXPECT_EQ(pin.kind, LoopKind::spherical);
+  EXPECT_EQ(axle.kind, LoopKind::revolute);
+  const auto& frames = *model.description().loops[0].frames;
+  EXPECT_EQ(frames[0].r.x, 1);
+  EXPECT_EQ(frames[1].r.y, 1);
+  EXPECT_NEAR(frames[1].R.x.y, -1, 1e-15);
+  EXPECT_THAT(messages(model), ElementsAre());
+}
+
 TEST(Urdf, FixedLinksAreMergedAndStayFrames) {
   const Model model = model_of(link("a") + link("b") + link("c") + joint("j", "continuous", "a", "b") +
                                joint("k", "fixed", "b", "c", R"(<origin xyz="0 0 2"/>)"));

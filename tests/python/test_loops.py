@@ -146,6 +146,27 @@ def test_derivatives(name):
     np.testing.assert_array_equal(many.q[1], by_q)
 
 
+def test_derivatives_of_multipliers():
+    m = axode.load(axode.robots / "five_bar_arm.toml")
+    rng = np.random.default_rng(7)
+    q, v = axode.assemble(m, m.neutral(), rng.normal(size=m.nv))
+    tau, x = rng.normal(size=m.nv), rng.normal(size=m.nv)
+    mobility = axode.loop_mobility(m, q)
+    kept = np.setdiff1d(np.arange(axode.loop_jacobian(m, q).shape[0]), [row.row for row in mobility.redundant])
+    A = axode.loop_jacobian(m, q)[kept]
+
+    def multipliers(q, v, tau):  # of the rows that are kept
+        reaction = axode.loop_jacobian(m, q).T @ axode.loop_multipliers(m, q, v, tau)
+        return np.linalg.lstsq(axode.loop_jacobian(m, q)[kept].T, reaction, rcond=None)[0]
+
+    d, h = axode.loop_multiplier_derivatives(m, q, v, tau), 1e-6
+    tangent = x - np.linalg.pinv(A) @ (A @ x)  # along which the loops stay closed
+    for D, e, f in ((d.q, tangent, lambda e: multipliers(m.integrate(q, e), v, tau)),
+                    (d.v, x, lambda e: multipliers(q, v + e, tau)), (d.tau, x, lambda e: multipliers(q, v, tau + e))):
+        expected = (f(h * e) - f(-h * e)) / (2 * h)
+        np.testing.assert_allclose((D @ e)[kept], expected, atol=1e-5 * (1 + np.abs(expected).max()))
+
+
 @pytest.mark.parametrize("method", ["rk4", "dopri5"])
 def test_motions_keep_loops_and_energy(method):
     q, v = axode.assemble(FOUR_BAR, FOUR_BAR.neutral(), [-2.0, 0, 0])
