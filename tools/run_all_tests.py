@@ -193,7 +193,7 @@ def test(name, stage, jobs, costs):
     return results
 
 
-def test_python(costs):
+def test_python(jobs, costs):
     """Outcomes of the Python package's tests; skipped where `make venv` could not make an environment."""
     if not PYTHON.exists():
         return {"package": "skipped"}
@@ -202,7 +202,8 @@ def test_python(costs):
     xml = SOURCE / "build/python/tests.xml"
     xml.unlink(missing_ok=True)
     passed = costs.measure("python", "run", lambda: run(
-        str(PYTHON), "-m", "pytest", "-q", "-rs", "-p", "no:cacheprovider", "--junit-xml", str(xml), "tests/python"))
+        str(PYTHON), "-m", "pytest", "-q", "-rs", "-p", "no:cacheprovider", "--numprocesses", str(jobs), "--dist", "worksteal",
+        "--junit-xml", str(xml), "tests/python"))
     results = outcomes_of_program(xml)
     if not passed and "failed" not in results.values():
         results["pytest"] = "failed"
@@ -247,7 +248,7 @@ def main():
         runs["fuzz"] = lambda: fuzz(jobs, costs)
         runs["bench"] = lambda: measure_speed(jobs, costs)
     else:
-        runs["python"] = lambda: test_python(costs)  # with the libraries of release
+        runs["python"] = lambda: test_python(jobs, costs)  # with the libraries of release
 
     results = {}
     for name, test_all in runs.items():
