@@ -54,6 +54,11 @@ Solvability ClosedMotion::accelerate(Span q, Span v, Span tau, const Loads<doubl
                                               lambda_.data());
 }
 
+void ClosedMotion::differentiate(Span q, Span v, Span tau, const Loads<double>& loads,
+                                 const ClosedDynamicsDerivatives<double>& d) {
+  static_cast<void>(forward_dynamics_derivatives(model_, workspace_, q, v, tau, d, loads));
+}
+
 void ClosedMotion::hold(Span q) { static_cast<void>(workspace_.system(model_).hold(q.data())); }
 
 bool ClosedMotion::close(std::vector<double>& q, std::vector<double>& v) {

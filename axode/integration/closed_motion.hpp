@@ -2,6 +2,7 @@
 #include <span>
 #include <vector>
 
+#include "axode/constraints/constrained_derivatives.hpp"
 #include "axode/constraints/loops.hpp"
 #include "axode/integration/configuration_group.hpp"
 #include "axode/recursion/solvability.hpp"
@@ -19,6 +20,9 @@ class ClosedMotion {
   /// Throws std::invalid_argument where a motion cannot start at (q, v): which loop is open, or torn by how much.
   void check(Span q, Span v);
   Solvability accelerate(Span q, Span v, Span tau, const Loads<double>& loads, std::span<double> a);
+  /// The derivatives of these accelerations by q, v and tau, [component, direction].
+  void differentiate(Span q, Span v, Span tau, const Loads<double>& loads,
+                     const ClosedDynamicsDerivatives<double>& d);
   /// Whether the loops could be closed. What is 1e-13 rad and m off stays.
   [[nodiscard]] bool close(std::vector<double>& q, std::vector<double>& v);
   /// Decides on the rank of the rows, where the loops are closed already.

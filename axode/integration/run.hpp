@@ -12,6 +12,7 @@
 #include "axode/dynamics/forward_dynamics.hpp"
 #include "axode/dynamics/inverse_dynamics.hpp"
 #include "axode/dynamics/springs.hpp"
+#include "axode/eigen.hpp"
 #include "axode/integration/closed_motion.hpp"
 #include "axode/integration/simulation.hpp"
 #include "axode/model/configuration.hpp"
@@ -60,8 +61,14 @@ class Run {
     return true;
   }
 
-  /// ID(q, v, a) - tau, which is 0 where a is the acceleration; false, with the reason kept, where it is not finite.
+  /// ID(q, v, a) - tau or, with loops, a - FD(q, v, tau), which is 0 where a is the acceleration; false, with the reason
+  /// kept, where it is not finite.
   bool residual(double t, Span q_t, Span v_t, Span a_t, std::span<double> r) {
+    if (loops_) {
+      if (!accelerate(t, q_t, v_t, r)) return false;
+      for (std::size_t c = 0; c < r.size(); ++c) r[c] = a_t[c] - r[c];
+      return true;
+    }
     ++trajectory.evaluations;
     if (!finite(q_t) || !finite(v_t) || !finite(a_t)) return stop(t, "the state is not finite");
     inverse_dynamics(model_, workspace_, q_t, v_t, a_t, r, loads());
@@ -72,17 +79,32 @@ class Run {
   }
   /// Its derivatives, without those of the drive: by q, v and a.
   void residual_derivatives(Span q_t, Span v_t, Span a_t, const InverseDynamicsDerivatives<double>& dr) {
-    inverse_dynamics_derivatives(model_, workspace_, q_t, v_t, a_t, dr, loads());
-    if (model_.springs().empty()) return;
-    Vector by_q(dr.q.size()), by_v(dr.v.size());
-    spring_force_derivatives(model_, workspace_, q_t, v_t, {by_q, by_v});
-    for (std::size_t k = 0; k < by_q.size(); ++k) dr.q[k] -= by_q[k], dr.v[k] -= by_v[k];
+    const bool springs = !model_.springs().empty();
+    SquareMatrix by_q, by_v;
+    if (springs) {
+      by_q.resize(nv(), nv()), by_v.resize(nv(), nv());
+      spring_force_derivatives(model_, workspace_, q_t, v_t, {as_span(by_q), as_span(by_v)});
+    }
+    Eigen::Map<SquareMatrix> r_q(dr.q.data(), nv(), nv()), r_v(dr.v.data(), nv(), nv());
+    if (loops_) {
+      compliance_.resize(nv(), nv());
+      loops_->differentiate(q_t, v_t, with_springs(q_t, v_t), loads(), {dr.q, dr.v, as_span(compliance_)});
+      r_q = -r_q, r_v = -r_v;
+      Eigen::Map<SquareMatrix>(dr.a.data(), nv(), nv()).setIdentity();
+      if (springs) r_q -= compliance_ * by_q, r_v -= compliance_ * by_v;
+    } else {
+      inverse_dynamics_derivatives(model_, workspace_, q_t, v_t, a_t, dr, loads());
+      if (springs) r_q -= by_q, r_v -= by_v;
+    }
   }
   bool is_driven() const { return static_cast<bool>(options_.drive); }
-  /// tau of the drive.
+  /// What of the residual is the drive's, less: tau or, with loops, what tau makes of accelerations, to first order.
   Span drive(double t, Span q_t, Span v_t) {
     options_.drive(t, q_t, v_t, tau_);
-    return tau_;
+    if (!loops_) return tau_;
+    total_.resize(tau_.size());
+    as_eigen(std::span(total_)) = compliance_ * as_eigen(Span(tau_));
+    return total_;
   }
 
   /// Takes the end of a step, with the acceleration there where it is known; false where the motion ends. Loops are
@@ -166,6 +188,9 @@ class Run {
   Vector tau_, total_;
 
  private:
+  using SquareMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
+  Eigen::Index nv() const { return model_.nv(); }
   Vector values_at(double t, Span q_t, Span v_t) const {
     Vector values;
     for (const Event& event : options_.events) values.push_back(event.value(t, q_t, v_t));
@@ -204,6 +229,7 @@ class Run {
     return false;
   }
 
+  SquareMatrix compliance_;  ///< ∂a/∂τ with loops
   Vector values_;
   double until_;
   bool ended_ = false;

@@ -101,8 +101,8 @@ Trajectory in_coordinates(const Model& model, Span q, Span v, double until, cons
 void check_open(const Model& model, const char* scheme) {
   if (!model.loops().empty())
     throw std::invalid_argument("model \"" + model.name() + "\" has loops, which " + scheme +
-                                " does not keep closed; explicit methods (dopri5, rk4) do, and in absolute "
-                                "coordinates rattle and generalized_alpha");
+                                " does not keep closed; dopri5, rk4 and generalized_alpha do, and in absolute "
+                                "coordinates rattle");
 }
 
 /// For schemes on multipliers of places.
@@ -173,7 +173,6 @@ Trajectory simulate_stiff(const Model& model, Span q, Span v, double until, doub
     return std::move(run.trajectory);
   }
   if (!stabilized) check_absolute(options, "generalised-alpha of index 3");
-  check_open(model, "generalised-alpha");
   Run run(model, q, v, until, options);
   GeneralizedAlpha scheme(run, model.tree<double>(), rho, run.a);
   using Outcome = GeneralizedAlpha<Run>::Outcome;

@@ -52,7 +52,7 @@ CALLS = {
     "loop_residual_jacobian": lambda m, q, v, a: axode.loop_residual_jacobian(m, q),
     "loop_hessian_product": lambda m, q, v, a: axode.loop_hessian_product(m, q, axode.loop_residual(m, q), v),
     "loop_multipliers": lambda m, q, v, a: axode.loop_multipliers(m, q, v, a),
-    "loop_multiplier_derivatives": lambda m, q, v, a: axode.loop_multiplier_derivatives(m, q, v, a),
+    "loop_multiplier_derivatives": lambda m, q, v, a: axode.loop_multiplier_derivatives(m, q, v, a).q,
     "impact": lambda m, q, v, a: axode.impact(m, q, v),
     "constraint_wrenches": lambda m, q, v, a: axode.constraint_wrenches(m, q, v, a),
     "mass_matrix": lambda m, q, v, a: axode.mass_matrix(m, q),
