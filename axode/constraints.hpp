@@ -2,6 +2,7 @@
 #include "axode/constraints/assembly.hpp"
 #include "axode/constraints/constrained_derivatives.hpp"
 #include "axode/constraints/constrained_dynamics.hpp"
+#include "axode/constraints/independent_equations.hpp"
 #include "axode/constraints/joint_state.hpp"
 #include "axode/constraints/loops.hpp"
 #include "axode/constraints/mobility.hpp"

@@ -73,7 +73,7 @@ std::string_view to_string(Mobility mobility) {
 LoopMobility loop_mobility(const Model& model, std::span<const double> q) {
   LoopWorkspace<double> workspace(model);
   LoopSystem<double>& system = checked<double>(model, workspace, q);
-  LoopMobility found{.degrees_of_freedom = model.nv(), .redundant = {}, .kernel = {}};
+  LoopMobility found{.degrees_of_freedom = model.nv(), .redundant = {}, .indeterminate = {}, .kernel = {}};
   system.place(q.data());
   Eigen::VectorXd r(model.loops().residuals);
   system.residual(q.data(), r.data());
@@ -93,6 +93,12 @@ LoopMobility loop_mobility(const Model& model, std::span<const double> q) {
                                    ? "coupling"
                                    : in_words(system.wrench(k, dependency.data()), system.origin(k))});
   }
+  const Eigen::VectorXd size = system.scale().head(model.loops().rows);
+  for (int k = 0; k < model.loops().rows; ++k)
+    if (std::ranges::any_of(found.redundant, [&](const RedundantRow& row) {
+          return std::abs(row.dependency[k]) * size[k] > 1e-8 * size[row.row];
+        }))
+      found.indeterminate.push_back(k);
   found.mobility = second_order(system, q, found.kernel, rows.dependencies);
   return found;
 }

@@ -28,6 +28,7 @@ struct LoopMobility {
   int degrees_of_freedom = 0;  ///< nv - rank, of velocities; of places there are more where wheels roll
   int rank = 0;                ///< of A
   std::vector<RedundantRow> redundant;
+  std::vector<int> indeterminate;  ///< rows whose multipliers redundancy leaves open
   Mobility mobility{};
   Eigen::MatrixXd kernel;  ///< nv × degrees_of_freedom: an orthonormal basis of the velocities that A allows
 };

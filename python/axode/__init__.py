@@ -61,6 +61,7 @@ from ._axode import (
     gravity_torques,
     impact,
     impulse_response,
+    independent_equations,
     inverse_dynamics,
     inverse_dynamics_derivatives,
     inverse_dynamics_geometry_derivatives,
@@ -185,7 +186,7 @@ __all__ = [
     "jacobian_geometry_derivatives", "linearize", "equilibrium",
     # closed loops
     "loop_residual", "loop_jacobian", "loop_bias", "loop_residual_jacobian", "loop_hessian_product", "assemble",
-    "loop_mobility", "impact", "constraint_wrenches", "loop_multipliers", "loop_multiplier_derivatives", "joint_state",
+    "loop_mobility", "impact", "constraint_wrenches", "independent_equations", "loop_multipliers", "loop_multiplier_derivatives", "joint_state",
     # motion in time
     "simulate", "rollout", "rollout_derivatives", "rollout_jvp", "rollout_vjp", "reconstruct", "Trajectory",
     # what else is taken, given and raised

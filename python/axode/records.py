@@ -7,7 +7,7 @@ from typing import Literal, NamedTuple, TypedDict
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-__all__ = ["Equilibrium", "ForwardDynamicsDerivatives", "ForwardDynamicsHessian", "InverseDynamicsDerivatives",
+__all__ = ["Equilibrium", "ForwardDynamicsDerivatives", "ForwardDynamicsHessian", "IndependentEquations", "InverseDynamicsDerivatives",
            "InverseDynamicsHessian", "InverseKinematics", "JointState", "Linearization", "Load", "LoopMobility", "RedundantRow",
            "MomentumFormDerivatives", "MotionChange", "MotionDerivatives", "RolloutDerivatives", "RolloutGradient",
            "StateDerivatives", "Target"]
@@ -82,6 +82,7 @@ class LoopMobility(NamedTuple):
 
     `redundant` are the rows that others imply, in their order. `mobility` is "regular" where all velocities of the `kernel`
     (nv, degrees_of_freedom) begin motions, "branches" where several motions meet, "shaky" where nothing moves.
+    Multipliers of the rows `indeterminate` are not fixed by the motion: a stress of the loops may be added to them.
     """
 
     degrees_of_freedom: int
@@ -89,6 +90,20 @@ class LoopMobility(NamedTuple):
     redundant: list[RedundantRow]
     mobility: Literal["regular", "branches", "shaky"]
     kernel: NDArray[np.float64]
+    indeterminate: list[int]
+
+
+class IndependentEquations(NamedTuple):
+    """Equations of motion in independent velocities y: M y' + h = N^T tau, v = N y, a = N y' + c.
+
+    `velocities` says which of the nv they are.
+    """
+
+    velocities: list[int]
+    M: NDArray[np.float64]
+    h: NDArray[np.float64]
+    N: NDArray[np.float64]
+    c: NDArray[np.float64]
 
 
 class JointState(NamedTuple):

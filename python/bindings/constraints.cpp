@@ -5,6 +5,7 @@
 #include "axode/constraints/assembly.hpp"
 #include "axode/constraints/constrained_derivatives.hpp"
 #include "axode/constraints/constrained_dynamics.hpp"
+#include "axode/constraints/independent_equations.hpp"
 #include "axode/constraints/joint_state.hpp"
 #include "axode/constraints/mobility.hpp"
 #include "axode/lie/representation_change.hpp"
@@ -105,6 +106,12 @@ nb::object assembled(const BoundModel& m, ArrayLike q, nb::handle v, nb::handle 
   return nb::make_tuple(to_array(found.q), to_array(found.v));
 }
 
+nb::list to_list(const std::vector<int>& numbers) {
+  nb::list list;
+  for (const int number : numbers) list.append(number);
+  return list;
+}
+
 nb::object mobility_of(const BoundModel& m, ArrayLike q) {
   const States states = one_state(m, q);
   const LoopMobility found = states.released(1000, [&] { return loop_mobility(m, states.q(0)); });
@@ -113,7 +120,20 @@ nb::object mobility_of(const BoundModel& m, ArrayLike q) {
     redundant.append(named_tuple("axode.records", "RedundantRow", row.row, to_str(row.loop),
                                  to_str(row.wrench), to_array(row.dependency)));
   return named_tuple("axode.records", "LoopMobility", found.degrees_of_freedom, found.rank, redundant,
-                     to_str(to_string(found.mobility)), to_array(found.kernel));
+                     to_str(to_string(found.mobility)), to_array(found.kernel), to_list(found.indeterminate));
+}
+
+nb::object independent_equations_of(const BoundModel& m, ArrayLike q, ArrayLike v, nb::handle independent,
+                                    LoadList loads, bool joint_losses) {
+  const States states = one_state(m, q);
+  const Items of_v = states.velocities("v", v);
+  const AppliedLoads applied(states, loads, joint_losses);
+  const std::vector<int> chosen = velocities(m, independent, "independent");
+  const IndependentEquations found = applied.with(0, [&](const Loads<double>& now) {
+    return independent_equations(m, states.q(0), of_v[0], chosen, now);
+  });
+  return named_tuple("axode.records", "IndependentEquations", to_list(found.velocities), to_array(found.M),
+                     to_array(found.h), to_array(found.N), to_array(found.c));
 }
 
 Array impact_of(const BoundModel& m, ArrayLike q, ArrayLike v, double restitution, int threads) {
@@ -424,6 +444,23 @@ Degrees of freedom, rank and redundant rows of the loops at a closed q (nq,), se
 >>> found = axode.loop_mobility(fourbar, fourbar.neutral())
 >>> found.degrees_of_freedom, found.rank, [row.wrench.split(" through")[0] for row in found.redundant]
 (1, 2, ['couple about (1, 0, 0)', 'couple about (0, 1, 0)', 'force along (0, 0, 1)'])
+)");
+  module.def(
+      "independent_equations", &independent_equations_of, "m"_a, "q"_a, "v"_a, "independent"_a = nb::none(),
+      "loads"_a = nb::none(), nb::kw_only(), "joint_losses"_a = false,
+      nb::sig("def independent_equations(m: Model, q: numpy.typing.ArrayLike, v: numpy.typing.ArrayLike, "
+              "independent: collections.abc.Iterable[str | int] | None = None, loads: typing.Any = None, *, "
+              "joint_losses: bool = False) -> axode.records.IndependentEquations"),
+      R"(
+Mass matrix and forces of a mechanism with loops in independent velocities, see `IndependentEquations`.
+
+q and v must be closed. `independent` names joints, or numbers of velocities, as many as the loops leave; without it those are
+taken that determine the others best. ValueError where they do not determine the others at q.
+
+>>> q, v = axode.assemble(fourbar, [0.3, 0.0, 0.0], [1.0, 0.0, 0.0], hold=["crank_joint"])
+>>> crank = axode.independent_equations(fourbar, q, v, ["crank_joint"])
+>>> crank.M.shape, bool(np.allclose(crank.N @ v[:1], v))
+((1, 1), True)
 )");
   module.def("impact", &impact_of, "m"_a, "q"_a, "v"_a, "restitution"_a = 0.0, nb::kw_only(), "threads"_a = 1,
              R"(

@@ -224,6 +224,34 @@ def test_what_does_not_count_loops_says_so(call):
         call(FOUR_BAR, FOUR_BAR.neutral(), np.zeros(3))
 
 
+@pytest.mark.parametrize("name", ["four_bar", "five_bar_arm", "slider_crank", "gough", "leg", "governor", "andrews"])
+def test_independent_equations_are_those_of_the_mechanism(name):
+    m = axode.load(axode.robots / f"{name}.toml")
+    rng = np.random.default_rng(5)
+    q, v = axode.assemble(m, m.neutral(), rng.normal(size=m.nv))
+    tau = rng.normal(size=m.nv)
+    a = axode.forward_dynamics(m, q, v, tau)
+    form = axode.independent_equations(m, q, v, joint_losses=False)
+    k = axode.loop_mobility(m, q).degrees_of_freedom
+    assert form.M.shape == (k, k) and form.N.shape == (m.nv, k)
+    np.testing.assert_allclose(form.N @ v[form.velocities], v, atol=1e-9 * (1 + np.abs(v).max()))
+    rates = np.linalg.solve(form.M, form.N.T @ tau - form.h)
+    np.testing.assert_allclose(form.N @ rates + form.c, a, atol=1e-8 * (1 + np.abs(a).max()))
+    if k < m.nv:
+        with pytest.raises(ValueError, match=f"the loops leave {k} independent"):
+            axode.independent_equations(m, q, v, range(m.nv))
+
+
+def test_multipliers_that_redundancy_leaves_open_are_named():
+    mobility = axode.loop_mobility(FOUR_BAR, FOUR_BAR.neutral())  # planar, in space
+    assert set(row.row for row in mobility.redundant) <= set(mobility.indeterminate) != {0, 1, 2, 3, 4}
+    A, some = axode.loop_jacobian(FOUR_BAR, FOUR_BAR.neutral()), np.zeros(5)
+    some[mobility.indeterminate] = 1
+    for row in mobility.redundant:
+        np.testing.assert_allclose(A.T @ row.dependency, 0, atol=1e-12)
+        assert not (row.dependency * (1 - some)).any()
+
+
 def test_impacts():
     torn = np.array([1.0, 0.5, -0.3])
     A = axode.loop_jacobian(FOUR_BAR, FOUR_BAR.neutral())
