@@ -97,12 +97,14 @@ template <class E> struct Packing<std::vector<E>> {
     for (const nb::handle each : from) Packing<E>::unpack(each, all.emplace_back());
   }
 };
-template <class E> struct Packing<std::array<E, 2>> {
-  static nb::object pack(const std::array<E, 2>& x) {
-    return nb::make_tuple(Packing<E>::pack(x[0]), Packing<E>::pack(x[1]));
+template <class E, std::size_t N> struct Packing<std::array<E, N>> {
+  static nb::object pack(const std::array<E, N>& x) {
+    nb::list list;
+    for (const E& each : x) list.append(Packing<E>::pack(each));
+    return list;
   }
-  static void unpack(nb::handle from, std::array<E, 2>& x) {
-    Packing<E>::unpack(from[0], x[0]), Packing<E>::unpack(from[1], x[1]);
+  static void unpack(nb::handle from, std::array<E, N>& x) {
+    for (std::size_t k = 0; k < N; ++k) Packing<E>::unpack(from[k], x[k]);
   }
 };
 template <class A, class B> struct Packing<std::pair<A, B>> {
