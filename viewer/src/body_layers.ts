@@ -1,0 +1,277 @@
+import {
+  BufferAttribute,
+  BufferGeometry,
+  Group,
+  LineBasicMaterial,
+  LineSegments,
+  Matrix4,
+  MeshStandardMaterial,
+  SphereGeometry,
+  TorusGeometry,
+  Vector3,
+} from "three";
+import { along } from "./axode";
+import { format } from "./element";
+import { ball, hinge, plate, quarteredBall, rod, screwThread, slider, triad } from "./glyphs";
+import { ellipsoid, principalAxes } from "./inertia";
+import { Instances, type Item } from "./instances";
+import { matrixOf } from "./kinematics";
+import { Labels } from "./labels";
+import type { Layer, View } from "./layers";
+import { colors } from "./palette";
+import type { Joint, Shape } from "./scene";
+import { shapeGroup } from "./shapes";
+
+/** Layers of the bodies as they stand; none of them needs a motion. */
+export function bodyLayers(view: View): Layer[] {
+  return [
+    shapes(view, "shapes", "Shapes", colors.bodies[0], true, (s) => s.role === "visual" && !s.stand_in),
+    shapes(view, "stand-ins", "Stand-ins", colors.bodies[1], true, (s) => s.stand_in),
+    shapes(view, "collision", "Collision shapes", colors.collision, false, (s) => s.role === "collision"),
+    ground(view),
+    frames(view),
+    names(view),
+    joints(view),
+    loops(view),
+    centres(view),
+    ellipsoids(view),
+  ].filter((layer) => layer !== null);
+}
+
+function count(n: number, what: string): string {
+  return `${n} ${what}${n === 1 ? "" : "s"}`;
+}
+
+/** A layer of groups of instances. */
+function fromInstances(view: View, layer: Omit<Layer, "root" | "update">, ...parts: Instances[]): Layer {
+  const root = new Group();
+  root.add(...parts);
+  const update = () => {
+    for (const part of parts) part.place(view.state.tree.poses, view.stage.unit * view.state.symbolScale);
+  };
+  return { ...layer, root, update };
+}
+
+function shapes(view: View, id: string, title: string, swatch: string, on: boolean, which: (shape: Shape) => boolean): Layer | null {
+  const { scene, state, stage } = view;
+  const chosen = scene.shapes.filter(which);
+  if (chosen.length === 0) return null;
+  const root = shapeGroup(scene, chosen, view.meshes);
+  const parts = root.children as Instances[];
+  let selected = -2;
+  const update = () => {
+    for (const part of parts) part.place(state.tree.poses, 1);
+    if (selected === state.selected || id === "collision") return;
+    selected = state.selected;
+    for (const part of parts) part.paint(selected, colors.chosen);
+  };
+  stage.bodies.add(root);
+  const hint = () => (id === "stand-ins" ? "drawn where a body has no shape" : count(chosen.length, "shape"));
+  return { id, title, hint, swatch, on, root, update };
+}
+
+function ground({ stage }: View): Layer {
+  return {
+    id: "ground",
+    title: "Ground",
+    hint: () => `a line every ${format(stage.gridStep)} m`,
+    swatch: "#8b98a6",
+    on: true,
+    root: stage.ground,
+    update: () => {},
+  };
+}
+
+function frames(view: View): Layer {
+  const { scene } = view;
+  const identity = new Matrix4();
+  const items: Item[] = [
+    ...scene.bodies.map((_, body) => ({ body, pose: identity, symbol: true })),
+    ...scene.frames.map((frame) => ({ body: frame.body, pose: matrixOf(frame.pose), symbol: true })),
+  ];
+  const material = new MeshStandardMaterial({ vertexColors: true, roughness: 0.6 });
+  return fromInstances(
+    view,
+    {
+      id: "frames",
+      title: "Frames",
+      hint: () => "of the ground, of bodies, and named ones; x red, y green, z blue",
+      swatch: colors.y,
+      on: false,
+    },
+    new Instances(triad(), material, items),
+  );
+}
+
+function names({ scene, state, stage }: View): Layer {
+  const labels = new Labels([
+    ...scene.bodies.map(({ name }, body) => ({ text: name, body, at: new Vector3() })),
+    ...scene.frames.map(({ name, body, pose }) => ({ text: name, body, at: new Vector3(...pose.slice(0, 3)) })),
+  ]);
+  return {
+    id: "names",
+    title: "Names",
+    hint: () => "at the origins of frames",
+    swatch: colors.com,
+    on: false,
+    root: labels,
+    update: () => labels.place(state.tree.poses, stage.pixel),
+    paint: (palette) => labels.paint(palette),
+  };
+}
+
+/** Of helical joints the lead is drawn as it is while it can be seen, else as the nearest that can. */
+function drawnLead(pitch: number, unit: number): number {
+  const lead = (2 * Math.PI * pitch) / unit;
+  return Math.sign(lead || 1) * Math.min(1.5, Math.max(0.22, Math.abs(lead)));
+}
+
+function joints(view: View): Layer | null {
+  const { scene, stage } = view;
+  const symbols = new Map<string, { make: () => BufferGeometry; items: Item[] }>();
+  const color = (joint: Joint) => (joint.leader ? colors.coupled : joint.passive ? colors.passive : colors.driven);
+  scene.bodies.slice(1).forEach(({ joint, S_self }, k) => {
+    if (joint.kind === "free") return;
+    const lead = drawnLead(joint.pitch, stage.unit);
+    const make = {
+      revolute: hinge,
+      prismatic: slider,
+      helical: () => screwThread(lead),
+      spherical: ball,
+      planar: plate,
+    }[joint.kind];
+    const key = joint.kind === "helical" ? `helical ${lead}` : joint.kind;
+    const symbol = symbols.get(key) ?? { make, items: [] };
+    symbols.set(key, symbol);
+    symbol.items.push({ body: k + 1, pose: matrixOf(S_self), color: color(joint), symbol: true });
+  });
+  if (symbols.size === 0) return null;
+  const material = new MeshStandardMaterial({ roughness: 0.5 });
+  return fromInstances(
+    view,
+    {
+      id: "joints",
+      title: "Joint axes",
+      hint: () => "ring: hinge, rail: slider, thread: screw; grey passive, violet coupled",
+      swatch: colors.driven,
+      on: false,
+    },
+    ...[...symbols.values()].map(({ make, items }) => new Instances(make(), material, items)),
+  );
+}
+
+/** Ends of loop joints, farther apart than this part of the size of the scene, are said to be open. */
+const OPEN = 1e-4;
+
+function loops({ scene, state, stage }: View): Layer | null {
+  if (scene.loops.length === 0) return null;
+  const ends = scene.loops.flatMap((loop) => loop.ends);
+  const rings = new Instances(
+    new TorusGeometry(0.4, 0.07, 10, 32),
+    new MeshStandardMaterial({ roughness: 0.5 }),
+    ends.map(({ body, pose }) => ({ body, pose: matrixOf(pose), color: colors.loop, symbol: true })),
+  );
+  const rods = new Instances(
+    rod(0.05, 0, 1),
+    new MeshStandardMaterial({ roughness: 0.5 }),
+    scene.loops.map(() => ({ body: 0, pose: new Matrix4(), color: colors.loop })),
+  );
+  const root = new Group();
+  root.add(rings, rods);
+  let open = 0;
+  const update = () => {
+    const unit = stage.unit * state.symbolScale;
+    rings.place(state.tree.poses, unit);
+    open = 0;
+    scene.loops.forEach((loop, k) => {
+      const [a, b] = loop.ends.map(({ body, pose }) => new Vector3(...pose.slice(0, 3)).applyMatrix4(state.tree.poses[body]));
+      const between = b.clone().sub(a);
+      const length = between.length();
+      if (length > OPEN * stage.radius && apartIsOpen(loop.kind)) ++open;
+      const item = rods.items[k];
+      item.color = apartIsOpen(loop.kind) ? colors.open : colors.loop;
+      item.pose = length > 0 ? along({ centre: a, e: between.divideScalar(length) }) : new Matrix4();
+      item.pose.scale(new Vector3(unit, unit, Math.max(length, 1e-9)));
+    });
+    rods.paint();
+    rods.place(state.tree.poses, 1);
+  };
+  return {
+    id: "loops",
+    title: "Loop joints",
+    hint: () =>
+      open > 0 ? `${count(open, "loop")} stand${open === 1 ? "s" : ""} open, red: sliders move the tree` : count(scene.loops.length, "loop"),
+    swatch: colors.loop,
+    on: true,
+    root,
+    update,
+  };
+}
+
+/** Whether the two ends of a loop joint of this kind have to meet. */
+function apartIsOpen(kind: string): boolean {
+  return ["fixed", "revolute", "spherical", "universal"].includes(kind);
+}
+
+function centres(view: View): Layer | null {
+  const { scene, state, stage } = view;
+  const heavy = scene.bodies.map((body, i) => ({ body, i })).filter(({ body, i }) => i > 0 && body.mass > 0);
+  if (heavy.length === 0) return null;
+  const most = Math.max(...heavy.map(({ body }) => body.mass));
+  const material = new MeshStandardMaterial({ vertexColors: true, roughness: 0.4, depthTest: false });
+  const own = new Instances(
+    quarteredBall(),
+    material,
+    heavy.map(({ body, i }) => {
+      const size = 0.12 + 0.16 * Math.cbrt(body.mass / most);
+      return { body: i, pose: new Matrix4().makeScale(size, size, size).setPosition(...body.com), symbol: true };
+    }),
+  );
+  own.renderOrder = 5;
+  const whole = new Instances(new SphereGeometry(0.42, 32, 20), new MeshStandardMaterial({ color: colors.whole, transparent: true, opacity: 0.85, depthTest: false }), [
+    { body: 0, pose: new Matrix4(), symbol: true },
+  ]);
+  whole.renderOrder = 4;
+  const plumb = new LineSegments(new BufferGeometry(), new LineBasicMaterial({ color: colors.whole }));
+  plumb.frustumCulled = false;
+  const root = new Group();
+  root.add(own, whole, plumb);
+  let com = new Vector3();
+  const update = () => {
+    com = state.centreOfMass().com;
+    whole.items[0].pose.setPosition(com);
+    for (const part of [own, whole]) part.place(state.tree.poses, stage.unit * state.symbolScale);
+    const points = new Float32Array([...com.toArray(), ...stage.below(com).toArray()]);
+    plumb.geometry.dispose();
+    plumb.geometry = new BufferGeometry().setAttribute("position", new BufferAttribute(points, 3));
+  };
+  return {
+    id: "com",
+    title: "Centres of mass",
+    hint: () => `of the whole, green: (${com.toArray().map(format).join(", ")}) m`,
+    swatch: colors.whole,
+    on: false,
+    root,
+    update,
+  };
+}
+
+function ellipsoids(view: View): Layer | null {
+  const items: Item[] = [];
+  view.scene.bodies.forEach((body, i) => {
+    if (i === 0 || !(body.mass > 0)) return;
+    const { moments, axes } = principalAxes(body.inertia);
+    const semiAxes = ellipsoid(body.mass, moments);
+    if (semiAxes.length() === 0) return;
+    const least = 0.02 * semiAxes.length(); // what is a disc or a needle keeps a thickness
+    items.push({ body: i, pose: axes.setPosition(...body.com).scale(semiAxes.clampScalar(least, Infinity)) });
+  });
+  if (items.length === 0) return null;
+  const material = new MeshStandardMaterial({ color: colors.ellipsoid, transparent: true, opacity: 0.42, depthWrite: false, roughness: 0.35 });
+  return fromInstances(
+    view,
+    { id: "ellipsoids", title: "Inertia ellipsoids", hint: () => "homogeneous ones of the same mass and inertia", swatch: colors.ellipsoid, on: false },
+    new Instances(new SphereGeometry(1, 32, 20), material, items),
+  );
+}
+

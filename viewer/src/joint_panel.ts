@@ -1,0 +1,130 @@
+import { Quaternion, Vector3 } from "three";
+import { element, format, freshId } from "./element";
+import { expQuaternion, logQuaternion } from "./kinematics";
+import { hasQuaternion } from "./motion";
+import { degrees, type Joint } from "./scene";
+import type { State } from "./state";
+
+/** One number that a slider sets. */
+interface Handle {
+  slider: HTMLInputElement;
+  box: HTMLInputElement;
+  limits: [number | null, number | null];
+  range: [number, number];
+}
+
+const COMPONENTS: Record<string, string[]> = {
+  spherical: ["rx", "ry", "rz"],
+  planar: ["θ", "x", "y"],
+  free: ["rx", "ry", "rz", "x", "y", "z"],
+};
+
+/** What the sliders of a joint show of its coordinates: of a quaternion its rotation vector. */
+function handlesFrom(joint: Joint, x: readonly number[]): number[] {
+  if (!hasQuaternion(joint)) return x.slice();
+  return [...logQuaternion(new Quaternion(x[0], x[1], x[2], x[3])).toArray(), ...x.slice(4)];
+}
+
+function coordinatesFrom(joint: Joint, handles: readonly number[]): number[] {
+  if (!hasQuaternion(joint)) return handles.slice();
+  return [...expQuaternion(new Vector3(handles[0], handles[1], handles[2])).toArray(), ...handles.slice(3)];
+}
+
+/** Sliders for the coordinates of all joints; `length` is how far those of lengths reach that have no limits. */
+export function fillJointPanel(panel: HTMLElement, state: State, length: number): void {
+  const { scene } = state;
+  const rows = scene.bodies.slice(1).map((body, k) => jointRow(state, k + 1, body.joint, length));
+  const reset = element("button", { type: "button", click: () => state.setCoordinates(scene.q) }, "As given");
+  panel.append(element("div", { class: "row" }, reset, element("span", { class: "unit" }, `q has ${scene.nq} numbers`)));
+  panel.append(...rows.map((row) => row.root));
+  if (rows.length === 0) panel.append(element("p", {}, "No body moves."));
+  state.onChange(() => rows.forEach((row) => row.show()));
+  rows.forEach((row) => row.show());
+}
+
+function jointRow(state: State, body: number, joint: Joint, length: number): { root: HTMLElement; show: () => void } {
+  const { scene } = state;
+  const kind = joint.leader
+    ? `${joint.kind}, follows ${scene.bodies[joint.leader.joint].joint.name}`
+    : joint.kind === "helical"
+      ? `helical, ${format(joint.pitch)} m/rad`
+      : joint.kind;
+  const name = element("b", { title: `moves ${scene.bodies[body].name}` }, joint.name);
+  const root = element("div", { class: "joint", role: "group", "aria-label": joint.name });
+  root.append(element("div", { class: "joint-name" }, name, element("span", {}, kind + (joint.passive ? ", passive" : ""))));
+  root.addEventListener("focusin", () => state.selected !== body && state.select(body));
+
+  const units = degrees(joint.kind);
+  let editing = false;
+  const edit = (k: number, value: number) => {
+    const x = handles.map((handle) => Number(handle.box.value));
+    x[k] = value;
+    const q = state.q.slice();
+    coordinatesFrom(joint, x).forEach((part, j) => (q[joint.iq + j] = part));
+    // What the user holds keeps its own numbers: a rotation vector beyond half a turn is another one by its pose.
+    editing = hasQuaternion(joint);
+    handles[k].box.value = String(value);
+    state.setCoordinates(q);
+    editing = false;
+    showHandle(handles[k], value);
+  };
+  const handles: Handle[] = units.map(({ coordinate }, k) => {
+    const limits = joint.limits[k] ?? [null, null];
+    const free = coordinate === "rad" ? Math.PI : length;
+    const range: [number, number] = [limits[0] ?? Math.min(-free, limits[1] ?? 0), limits[1] ?? Math.max(free, limits[0] ?? 0)];
+    const part = COMPONENTS[joint.kind]?.[k];
+    const label = part ? `${joint.name} ${part}, ${coordinate}` : `${joint.name}, ${coordinate}`;
+    const disabled = joint.leader !== null;
+    const slider = element("input", {
+      type: "range",
+      min: range[0],
+      max: range[1],
+      step: "any",
+      "aria-label": label,
+      disabled,
+      input: () => edit(k, Number(slider.value)),
+      // With step "any" browsers move by one, which is much for an angle.
+      keydown: (event) => {
+        const steps = { ArrowLeft: -1, ArrowDown: -1, ArrowRight: 1, ArrowUp: 1, PageDown: -10, PageUp: 10 };
+        const step = steps[(event as KeyboardEvent).key as keyof typeof steps];
+        if (step === undefined) return;
+        event.preventDefault();
+        const moved = Number(slider.value) + (step * (range[1] - range[0])) / 100;
+        edit(k, Math.min(Math.max(moved, range[0]), range[1]));
+      },
+    });
+    const box = element("input", {
+      type: "number",
+      step: "any",
+      "aria-label": label,
+      disabled,
+      change: () => Number.isFinite(box.valueAsNumber) && edit(k, box.valueAsNumber),
+    });
+    const labelled = part ? [element("span", { class: "unit", "aria-hidden": "true" }, part)] : [];
+    const line = element("div", { class: part ? "slider labelled" : "slider" }, ...labelled, slider, box, element("span", { class: "unit" }, coordinate));
+    line.id = freshId();
+    if (limits[0] !== null || limits[1] !== null) {
+      const end = (value: number | null) => element("span", {}, value === null ? "" : format(value));
+      line.append(element("div", { class: "ends", "aria-hidden": "true" }, end(limits[0]), end(limits[1])));
+    }
+    root.append(line);
+    return { slider, box, limits, range };
+  });
+
+  const show = () => {
+    if (editing) return;
+    handlesFrom(joint, state.tree.coordinates(body, state.q)).forEach((x, k) => showHandle(handles[k], x));
+  };
+  return { root, show };
+}
+
+function showHandle({ slider, box, limits, range }: Handle, value: number): void {
+  slider.min = String(Math.min(range[0], value));
+  slider.max = String(Math.max(range[1], value));
+  slider.value = String(value);
+  const text = String(Number(value.toPrecision(6)));
+  if (document.activeElement !== box || Number(box.value) !== value) box.value = text;
+  const beyond = (limits[0] !== null && value < limits[0] - 1e-9) || (limits[1] !== null && value > limits[1] + 1e-9);
+  box.classList.toggle("beyond", beyond);
+  box.title = beyond ? "beyond its limits" : "";
+}

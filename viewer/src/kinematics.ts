@@ -1,0 +1,87 @@
+import { Matrix4, Quaternion, Vector3 } from "three";
+import type { Body, Joint, Pose, Scene } from "./scene";
+
+/** The matrix of a pose x y z, qx qy qz qw. */
+export function matrixOf(pose: Pose): Matrix4 {
+  const [x, y, z, qx, qy, qz, qw] = pose;
+  return new Matrix4().compose(new Vector3(x, y, z), new Quaternion(qx, qy, qz, qw), new Vector3(1, 1, 1));
+}
+
+/** J(x): the displacement of a joint in its own frame, whose z-axis is the axis of the joint. */
+export function displacement(joint: Joint, x: readonly number[]): Matrix4 {
+  const J = new Matrix4();
+  switch (joint.kind) {
+    case "revolute":
+      return J.makeRotationZ(x[0]);
+    case "prismatic":
+      return J.makeTranslation(0, 0, x[0]);
+    case "helical":
+      return J.makeRotationZ(x[0]).setPosition(0, 0, joint.pitch * x[0]);
+    case "spherical":
+      return J.makeRotationFromQuaternion(new Quaternion(x[0], x[1], x[2], x[3]).normalize());
+    case "planar":
+      return J.makeRotationZ(x[0]).setPosition(x[1], x[2], 0);
+    case "free":
+      return J.makeRotationFromQuaternion(new Quaternion(x[0], x[1], x[2], x[3]).normalize()).setPosition(x[4], x[5], x[6]);
+  }
+}
+
+/** Poses of all bodies for coordinates q: C = C_p S_prev J(q) S_self⁻¹ along the tree. */
+export class Tree {
+  /** Pose of each body in the inertial frame; [0] is the ground. */
+  readonly poses: Matrix4[];
+  private readonly before: Matrix4[];
+  private readonly after: Matrix4[];
+
+  constructor(private readonly bodies: readonly Body[]) {
+    this.poses = bodies.map(() => new Matrix4());
+    this.before = bodies.map((body, i) => (i === 0 ? new Matrix4() : matrixOf(body.S_prev)));
+    this.after = bodies.map((body, i) => (i === 0 ? new Matrix4() : matrixOf(body.S_self).invert()));
+  }
+
+  /** Coordinates of joint i, that of a coupled one from its leader. */
+  coordinates(i: number, q: readonly number[]): number[] {
+    const { iq, nq, leader } = this.bodies[i].joint;
+    return leader ? [leader.ratio * this.coordinates(leader.joint, q)[0] + leader.offset] : q.slice(iq, iq + nq);
+  }
+
+  update(q: readonly number[]): void {
+    for (let i = 1; i < this.bodies.length; ++i) {
+      const J = displacement(this.bodies[i].joint, this.coordinates(i, q));
+      this.poses[i]
+        .multiplyMatrices(this.poses[this.bodies[i].predecessor], this.before[i])
+        .multiply(J)
+        .multiply(this.after[i]);
+    }
+  }
+
+  /** Joint frame i, on its body. */
+  jointFrame(i: number): Matrix4 {
+    return this.poses[i].clone().multiply(matrixOf(this.bodies[i].S_self));
+  }
+}
+
+/** Mass of all bodies, and where its centre is. */
+export function centreOfMass(scene: Scene, poses: readonly Matrix4[]): { mass: number; com: Vector3 } {
+  const com = new Vector3();
+  let mass = 0;
+  scene.bodies.slice(1).forEach((body, k) => {
+    com.addScaledVector(new Vector3(...body.com).applyMatrix4(poses[k + 1]), body.mass);
+    mass += body.mass;
+  });
+  return { mass, com: mass > 0 ? com.divideScalar(mass) : com };
+}
+
+/** Quaternion of a rotation vector. */
+export function expQuaternion(x: Vector3): Quaternion {
+  const angle = x.length();
+  return angle === 0 ? new Quaternion() : new Quaternion().setFromAxisAngle(x.clone().divideScalar(angle), angle);
+}
+
+/** Rotation vector of a quaternion, of length at most π. */
+export function logQuaternion(q: Quaternion): Vector3 {
+  const sign = q.w < 0 ? -1 : 1;
+  const v = new Vector3(q.x, q.y, q.z).multiplyScalar(sign);
+  const s = v.length();
+  return s === 0 ? v : v.multiplyScalar((2 * Math.atan2(s, sign * q.w)) / s);
+}

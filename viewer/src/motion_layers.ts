@@ -1,0 +1,173 @@
+import { Group, Mesh, MeshStandardMaterial, Vector3 } from "three";
+import { Arrows } from "./arrows";
+import { along, axodes, dispose, leastTurning, ruledSurface, type Axodes } from "./axode";
+import { format } from "./element";
+import { cone, helix, rod } from "./glyphs";
+import { replace, type Layer, type View } from "./layers";
+import { colors } from "./palette";
+import { axisOf, nearest, represent, representations, screwOf, type Representation } from "./screws";
+
+/** Layers of a motion: instantaneous screw axis and axodes of the chosen body, twists, wrenches, momenta. */
+export function motionLayers(view: View): Layer[] {
+  const { motion } = view.scene;
+  if (!motion) return [];
+  const layers: Layer[] = [];
+  if (motion.twists) layers.push(screwAxis(view), ...axodeLayers(view), vectors(view, "twists", "Twists", ["rad/s", "m/s"]));
+  if (motion.wrenches) layers.push(vectors(view, "wrenches", "Wrenches of joints", ["N m", "N"]));
+  if (motion.momenta) layers.push(vectors(view, "momenta", "Momenta", ["N m s", "N s"]));
+  return layers;
+}
+
+const NO_MOTION = "play or scrub: this pose is not of the motion";
+const GROUND = "choose a body that moves";
+
+/** Half of what is drawn of an axis, in units of symbols. */
+const HALF_AXIS = 6;
+/** Axes farther from the centre of mass, in sizes of the scene, are not drawn. */
+const FAR = 4;
+
+function screwAxis({ scene, state, stage }: View): Layer {
+  const root = new Group();
+  const material = new MeshStandardMaterial({ color: colors.screw, roughness: 0.4, emissive: colors.screw, emissiveIntensity: 0.25 });
+  let hint = "";
+  const draw = (): string => {
+    for (const child of root.children) (child as Mesh).geometry.dispose();
+    root.clear();
+    if (state.selected === 0) return GROUND;
+    const twist = state.screw("twists", state.selected);
+    if (!twist) return NO_MOTION;
+    const axis = axisOf(twist, leastTurning(scene, state.selected));
+    if (!axis) return "the body does not turn now";
+    const com = new Vector3(...scene.bodies[state.selected].com).applyMatrix4(state.tree.poses[state.selected]);
+    const centre = nearest(axis, com);
+    if (centre.distanceTo(com) > FAR * stage.radius) return "the axis is too far away to be drawn";
+    const unit = stage.unit * state.symbolScale;
+    const lead = (2 * Math.PI * axis.pitch) / unit;
+    const parts = [rod(0.055, -HALF_AXIS, HALF_AXIS), cone(0.17, 0.5, HALF_AXIS + 0.4)];
+    if (Math.abs(lead) > 0.02) {
+      const drawn = Math.sign(lead) * Math.min(8, Math.max(0.18, Math.abs(lead)));
+      parts.push(helix(0.45, drawn, Math.min(12, 6 / Math.abs(drawn)), 0.045));
+    }
+    const pose = along({ centre, e: axis.e });
+    pose.scale(new Vector3(unit, unit, unit));
+    for (const part of parts) {
+      const mesh = new Mesh(part, material);
+      mesh.matrixAutoUpdate = false;
+      mesh.matrix.copy(pose);
+      root.add(mesh);
+    }
+    return `of ${scene.bodies[state.selected].name}; pitch ${format(axis.pitch)} m/rad`;
+  };
+  return {
+    id: "screw-axis",
+    title: "Instantaneous screw axis",
+    hint: () => hint,
+    swatch: colors.screw,
+    on: false,
+    root,
+    update: () => {
+      hint = draw();
+    },
+  };
+}
+
+function axodeLayers({ scene, state, stage, history }: View): Layer[] {
+  let of = -1;
+  let both: Axodes = { fixed: [], moving: [] };
+  const known = () => {
+    if (of !== state.selected) {
+      of = state.selected;
+      both = of === 0 ? { fixed: [], moving: [] } : axodes(scene, history, of, FAR * stage.radius);
+    }
+    return both;
+  };
+  const layer = (which: "fixed" | "moving", title: string, where: string, palette: readonly string[]): Layer => {
+    const root = new Group();
+    let drawn: Axodes | null = null;
+    let size = 0;
+    let surface = new Group();
+    return {
+      id: `${which}-axode`,
+      title,
+      hint: () => {
+        if (state.selected === 0) return GROUND;
+        const n = known()[which].filter((g) => g !== null).length;
+        return n === 0 ? "the body has no screw axis near it" : `of ${scene.bodies[state.selected].name}, ${where}`;
+      },
+      swatch: palette[0],
+      on: false,
+      root,
+      update: () => {
+        const half = HALF_AXIS * stage.unit * state.symbolScale;
+        if (drawn !== known() || size !== half) {
+          dispose(surface);
+          drawn = known();
+          size = half;
+          surface = ruledSurface(drawn[which], half, palette);
+          replace(root, surface);
+        }
+        if (which === "fixed") return;
+        surface.matrix.copy(state.tree.poses[state.selected]);
+        surface.matrixWorldNeedsUpdate = true;
+      },
+    };
+  };
+  return [
+    layer("fixed", "Fixed axode", "in the inertial frame", colors.fixedAxode),
+    layer("moving", "Moving axode", "in the frame of the body, touches the fixed one", colors.movingAxode),
+  ];
+}
+
+/** Length of the longest arrow of a motion, in units of symbols. */
+const LONGEST = 4.5;
+
+function vectors(
+  { scene, state, stage, history }: View,
+  kind: "twists" | "wrenches" | "momenta",
+  title: string,
+  units: [string, string],
+): Layer {
+  const dual = kind !== "twists";
+  const samples = scene.motion![kind]!;
+  const n = scene.bodies.length;
+  const [first, second] = [new Arrows(n, colors[kind][0], true), new Arrows(n, colors[kind][1], false)];
+  const root = new Group();
+  root.add(first, second);
+
+  const largest = new Map<Representation, [number, number]>();
+  const largestOf = (representation: Representation): [number, number] => {
+    const found = largest.get(representation) ?? [0, 0];
+    if (largest.has(representation)) return found;
+    history.indices.forEach((index, k) => {
+      for (let i = 1; i < n; ++i) {
+        const { arrows } = represent(screwOf(samples[index][i - 1]), dual, history.poses[k][i], representation);
+        found[0] = Math.max(found[0], arrows.w.length());
+        found[1] = Math.max(found[1], arrows.v.length());
+      }
+    });
+    largest.set(representation, found);
+    return found;
+  };
+
+  let hint = "";
+  const update = () => {
+    const bodies = state.everyBody ? [...Array(n).keys()].slice(1) : [state.selected];
+    const [most, mostSecond] = largestOf(state.representation);
+    const unit = stage.unit * state.symbolScale;
+    const long = LONGEST * stage.unit * state.arrowScale;
+    const [w, v]: { from: Vector3; vector: Vector3 }[][] = [[], []];
+    for (const i of bodies) {
+      const spatial = state.screw(kind, i);
+      if (!spatial) continue;
+      const { at, arrows } = represent(spatial, dual, state.tree.poses[i], state.representation);
+      if (most > 0) w.push({ from: at, vector: arrows.w.clone().multiplyScalar(long / most) });
+      if (mostSecond > 0) v.push({ from: at, vector: arrows.v.clone().multiplyScalar(long / mostSecond) });
+    }
+    first.show(w, unit);
+    second.show(v, unit);
+    hint = state.moment
+      ? `${representations[state.representation].where}; longest ${format(most)} ${units[0]} (two heads), ${format(mostSecond)} ${units[1]}`
+      : NO_MOTION;
+  };
+  return { id: kind, title, hint: () => hint, swatch: colors[kind][0], on: false, root, update };
+}

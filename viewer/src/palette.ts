@@ -1,0 +1,36 @@
+/** Colours of what is drawn; those of the page around it are in page.css. */
+export interface Palette {
+  back: string;
+  grid: string;
+  text: string;
+  halo: string;
+}
+
+export const palettes: Record<"light" | "dark", Palette> = {
+  light: { back: "#f4f6f8", grid: "#8b98a6", text: "#1d2630", halo: "#f4f6f8" },
+  dark: { back: "#14181d", grid: "#66737f", text: "#e4e9ee", halo: "#14181d" },
+};
+
+export const colors = {
+  x: "#d8434f",
+  y: "#2f9e58",
+  z: "#3672d9",
+  bodies: ["#8ea4b8", "#c3ccd4"],
+  ground: "#7b858f",
+  collision: "#d98b2b",
+  chosen: "#ffb454",
+  driven: "#e08a1e",
+  passive: "#8b95a0",
+  coupled: "#8d63c9",
+  loop: "#b8479e",
+  open: "#e02f2f",
+  com: "#1d2630",
+  whole: "#0b8f8a",
+  ellipsoid: "#6c8cd5",
+  screw: "#e0457b",
+  fixedAxode: ["#1f6fb5", "#37b8b0"],
+  movingAxode: ["#e8a02c", "#d8476a"],
+  twists: ["#3c7ae0", "#19a7c4"],
+  wrenches: ["#c93f86", "#e0632f"],
+  momenta: ["#5a9a2c", "#9bb01f"],
+} as const;

@@ -1,0 +1,164 @@
+/** The scene that a page is given: one JSON object, described in viewer/README.md. */
+
+/** Position and quaternion: x y z, qx qy qz qw. */
+export type Pose = [number, number, number, number, number, number, number];
+export type Vec3 = [number, number, number];
+export type JointKind = "revolute" | "prismatic" | "helical" | "spherical" | "planar" | "free";
+
+export interface Joint {
+  name: string;
+  kind: JointKind;
+  pitch: number;
+  iq: number;
+  nq: number;
+  iv: number;
+  nv: number;
+  leader: { joint: number; ratio: number; offset: number } | null;
+  limits: [number | null, number | null][];
+  passive: boolean;
+}
+
+export interface Body {
+  name: string;
+  predecessor: number;
+  S_prev: Pose;
+  S_self: Pose;
+  A: Pose;
+  mass: number;
+  com: Vec3;
+  inertia: [number, number, number, number, number, number];
+  joint: Joint;
+}
+
+export interface NamedFrame {
+  name: string;
+  body: number;
+  pose: Pose;
+}
+
+export interface Shape {
+  body: number;
+  pose: Pose;
+  role: "visual" | "collision";
+  name: string;
+  kind: "box" | "sphere" | "cylinder" | "capsule" | "ellipsoid" | "mesh";
+  size: Vec3;
+  radius: number;
+  length: number;
+  scale: Vec3;
+  mesh: number;
+  color: [number, number, number, number] | null;
+  stand_in: boolean;
+}
+
+export interface MeshFile {
+  file: string;
+  format: "stl" | "obj" | "dae" | "glb" | "gltf";
+  data: string;
+}
+
+export interface Loop {
+  name: string;
+  kind: string;
+  ends: [{ body: number; pose: Pose }, { body: number; pose: Pose }];
+}
+
+export interface Series {
+  name: string;
+  unit: string;
+  labels: string[];
+  values: number[][];
+}
+
+export interface Motion {
+  t: number[];
+  q: number[][];
+  v: number[][];
+  tau: number[][] | null;
+  series: Series[];
+  /** Spatial, angular part first; by sample, then by body from body 1 on. */
+  twists: number[][][] | null;
+  wrenches: number[][][] | null;
+  momenta: number[][][] | null;
+}
+
+export interface Scene {
+  format: string;
+  name: string;
+  gravity: Vec3;
+  nq: number;
+  nv: number;
+  /** bodies[0] is the ground, which has a name only. */
+  bodies: Body[];
+  frames: NamedFrame[];
+  shapes: Shape[];
+  meshes: MeshFile[];
+  loops: Loop[];
+  q: number[];
+  warnings: string[];
+  motion: Motion | null;
+  coordinate_names: string[];
+  velocity_names: string[];
+}
+
+const FORMAT = "axode scene 1";
+
+function fail(what: string): never {
+  throw new Error(`This page cannot show its scene: ${what}.`);
+}
+
+/** The scene of a text; throws an Error that says what is wrong with it. */
+export function readScene(text: string): Scene {
+  let scene: Scene | null;
+  try {
+    scene = JSON.parse(text) as Scene | null;
+  } catch (error) {
+    fail(`it is no JSON: ${(error as Error).message}`);
+  }
+  if (scene === null) fail("none has been written into it");
+  if (scene.format !== FORMAT) fail(`its format is "${scene.format}", this page reads "${FORMAT}"`);
+  const n = scene.bodies.length;
+  const body = (index: number, of: string) => {
+    if (!(Number.isInteger(index) && index >= 0 && index < n)) fail(`${of} is on body ${index}, there are 0 to ${n - 1}`);
+  };
+  if (scene.q.length !== scene.nq) fail(`q has ${scene.q.length} numbers, nq is ${scene.nq}`);
+  scene.bodies.forEach((b, i) => {
+    if (i > 0 && !(b.predecessor >= 0 && b.predecessor < i)) {
+      fail(`the predecessor of body ${i}, "${b.name}", is ${b.predecessor}, which does not come before it`);
+    }
+  });
+  scene.frames.forEach((f) => body(f.body, `frame "${f.name}"`));
+  scene.shapes.forEach((s, k) => body(s.body, `shape ${k}`));
+  scene.loops.forEach((l) => l.ends.forEach((end) => body(end.body, `loop "${l.name}"`)));
+  const { motion } = scene;
+  if (motion) {
+    const k = motion.t.length;
+    if (k === 0) fail("its motion has no sample");
+    for (const key of ["q", "v", "tau", "twists", "wrenches", "momenta"] as const) {
+      const samples = motion[key];
+      if (samples && samples.length !== k) fail(`its motion has ${samples.length} samples of ${key} and ${k} of t`);
+    }
+  }
+  return scene;
+}
+
+/** Units of the coordinates of a joint (of velocities where `rates`, of forces where `forces`). */
+const ANGLE = { coordinate: "rad", velocity: "rad/s", force: "N m" };
+const LENGTH = { coordinate: "m", velocity: "m/s", force: "N" };
+
+/** What is measured along each degree of freedom of a joint: the angular ones come first. */
+export function degrees(kind: JointKind): (typeof ANGLE)[] {
+  switch (kind) {
+    case "revolute":
+    case "helical":
+      return [ANGLE];
+    case "prismatic":
+      return [LENGTH];
+    case "spherical":
+      return [ANGLE, ANGLE, ANGLE];
+    case "planar":
+      return [ANGLE, LENGTH, LENGTH];
+    case "free":
+      return [ANGLE, ANGLE, ANGLE, LENGTH, LENGTH, LENGTH];
+  }
+}

@@ -1,0 +1,134 @@
+import {
+  BoxGeometry,
+  CylinderGeometry,
+  DoubleSide,
+  FrontSide,
+  Group,
+  Matrix4,
+  MeshStandardMaterial,
+  SphereGeometry,
+  Vector3,
+  type BufferGeometry,
+  type Material,
+} from "three";
+import { Instances, type Item } from "./instances";
+import { matrixOf } from "./kinematics";
+import type { Part } from "./meshes";
+import { colors } from "./palette";
+import type { Scene, Shape } from "./scene";
+
+const box = new BoxGeometry(1, 1, 1);
+const sphere = new SphereGeometry(1, 40, 24);
+const cylinder = new CylinderGeometry(1, 1, 1, 40).rotateX(Math.PI / 2);
+const tube = new CylinderGeometry(1, 1, 1, 40, 1, true).rotateX(Math.PI / 2);
+
+/** What a shape is drawn with: unit geometries, each scaled and moved. */
+function pieces(shape: Shape, meshes: readonly Part[][]): { geometry: BufferGeometry; material: Material | null; local: Matrix4 }[] {
+  const scaled = (geometry: BufferGeometry, x: number, y: number, z: number, height = 0) => ({
+    geometry,
+    material: null,
+    local: new Matrix4().makeScale(x, y, z).setPosition(0, 0, height),
+  });
+  const { radius: r, length: l } = shape;
+  switch (shape.kind) {
+    case "box":
+      return [scaled(box, ...shape.size)];
+    case "sphere":
+      return [scaled(sphere, r, r, r)];
+    case "ellipsoid":
+      return [scaled(sphere, ...shape.size)];
+    case "cylinder":
+      return [scaled(cylinder, r, r, l)];
+    case "capsule":
+      return [scaled(tube, r, r, l), scaled(sphere, r, r, r, l / 2), scaled(sphere, r, r, r, -l / 2)];
+    case "mesh":
+      return (meshes[shape.mesh] ?? []).map(({ geometry, material, pose }) => ({
+        geometry,
+        material,
+        local: new Matrix4().makeScale(...shape.scale).multiply(pose),
+      }));
+  }
+}
+
+function material(opacity: number, collision: boolean, mesh: boolean): MeshStandardMaterial {
+  return new MeshStandardMaterial({
+    roughness: 0.62,
+    metalness: 0.05,
+    opacity,
+    transparent: opacity < 1,
+    depthWrite: opacity === 1,
+    side: mesh ? DoubleSide : FrontSide,
+    wireframe: collision,
+  });
+}
+
+/** Shapes of one layer, gathered by what they look like. */
+export function shapeGroup(scene: Scene, shapes: readonly Shape[], meshes: readonly Part[][]): Group {
+  const depth = scene.bodies.map(() => 0);
+  scene.bodies.forEach((body, i) => i > 0 && (depth[i] = depth[body.predecessor] + 1));
+  const gathered = new Map<string, { geometry: BufferGeometry; material: Material; items: Item[] }>();
+  for (const shape of shapes) {
+    const collision = shape.role === "collision";
+    const opacity = collision ? 0.5 : (shape.color?.[3] ?? 1);
+    const pose = matrixOf(shape.pose);
+    for (const piece of pieces(shape, meshes)) {
+      const own = shape.color || collision ? null : piece.material;
+      const key = `${piece.geometry.uuid} ${opacity} ${own?.uuid ?? ""}`;
+      const made = gathered.get(key) ?? {
+        geometry: piece.geometry,
+        material: own ?? material(opacity, collision, shape.kind === "mesh"),
+        items: [],
+      };
+      gathered.set(key, made);
+      made.items.push({
+        body: shape.body,
+        pose: pose.clone().multiply(piece.local),
+        color: own ? "#ffffff" : collision ? colors.collision : shape.color ? rgb(shape.color) : plain(shape.body, depth),
+      });
+    }
+  }
+  const group = new Group();
+  for (const { geometry, material, items } of gathered.values()) {
+    const drawn = new Instances(geometry, material, items);
+    drawn.castShadow = !material.transparent;
+    group.add(drawn);
+  }
+  return group;
+}
+
+function rgb(color: readonly number[]): string {
+  return `rgb(${color.slice(0, 3).map((part) => Math.round(255 * Math.min(1, Math.max(0, part)))).join(",")})`;
+}
+
+/** Bodies without a colour are told from their predecessors by two greys. */
+function plain(body: number, depth: readonly number[]): string {
+  return body === 0 ? colors.ground : colors.bodies[depth[body] % colors.bodies.length];
+}
+
+/** How far the scene reaches as it stands now: points at the ends of its shapes, its joints and centres of mass. */
+export function reach(scene: Scene, poses: readonly Matrix4[], meshes: readonly Part[][]): Vector3[] {
+  const points: Vector3[] = [];
+  const corner = new Vector3();
+  for (const shape of scene.shapes) {
+    const pose = poses[shape.body].clone().multiply(matrixOf(shape.pose));
+    for (const { geometry, local } of pieces(shape, meshes)) {
+      if (!geometry.boundingBox) geometry.computeBoundingBox();
+      const { min, max } = geometry.boundingBox!;
+      const placed = pose.clone().multiply(local);
+      for (let k = 0; k < 8; ++k) {
+        corner.set(k & 1 ? max.x : min.x, k & 2 ? max.y : min.y, k & 4 ? max.z : min.z);
+        points.push(corner.clone().applyMatrix4(placed));
+      }
+    }
+  }
+  scene.bodies.forEach((body, i) => {
+    if (i === 0) return;
+    points.push(new Vector3().setFromMatrixPosition(poses[i]));
+    points.push(new Vector3(...body.com).applyMatrix4(poses[i]));
+    points.push(new Vector3(...(body.S_self.slice(0, 3) as [number, number, number])).applyMatrix4(poses[i]));
+  });
+  for (const frame of scene.frames) {
+    points.push(new Vector3().setFromMatrixPosition(poses[frame.body].clone().multiply(matrixOf(frame.pose))));
+  }
+  return points;
+}

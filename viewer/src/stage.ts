@@ -1,0 +1,249 @@
+import {
+  BufferAttribute,
+  BufferGeometry,
+  Color,
+  DirectionalLight,
+  Group,
+  HemisphereLight,
+  LineBasicMaterial,
+  LineSegments,
+  Matrix4,
+  Mesh,
+  PCFShadowMap,
+  PerspectiveCamera,
+  PlaneGeometry,
+  Quaternion,
+  Raycaster,
+  Scene as Space,
+  ShadowMaterial,
+  Sphere,
+  Vector2,
+  Vector3,
+  WebGLRenderer,
+  type Object3D,
+} from "three";
+import { OrbitControls } from "three/addons/controls/OrbitControls.js";
+import { Instances } from "./instances";
+import { palettes } from "./palette";
+
+/** 1, 2 or 5 times a power of ten, at most x. */
+function round(x: number): number {
+  const power = 10 ** Math.floor(Math.log10(x));
+  return power * (x >= 5 * power ? 5 : x >= 2 * power ? 2 : 1);
+}
+
+/** Camera, lights, the ground, and drawing when something has changed. */
+export class Stage {
+  readonly space = new Space();
+  readonly bodies = new Group();
+  readonly ground = new Group();
+  readonly camera = new PerspectiveCamera(32, 1, 0.01, 100);
+  /** Metres between the lines of the grid. */
+  gridStep = 1;
+  /** Size of a symbol, before the user's own factor. */
+  unit = 0.1;
+  radius = 1;
+  /** Called before a frame is drawn. */
+  beforeFrame: () => void = () => {};
+  private readonly renderer: WebGLRenderer;
+  private readonly controls: OrbitControls;
+  private readonly key = new DirectionalLight("#ffffff", 2.1);
+  private readonly centre = new Vector3();
+  private readonly up: Vector3;
+  private pending = 0;
+  private frames = 0;
+  private dark = false;
+  private groundHeight = 0;
+
+  constructor(
+    private readonly canvas: HTMLCanvasElement,
+    gravity: readonly number[],
+  ) {
+    this.renderer = new WebGLRenderer({ canvas, antialias: true });
+    this.renderer.shadowMap.enabled = true;
+    this.renderer.shadowMap.type = PCFShadowMap;
+    this.renderer.shadowMap.autoUpdate = false;
+    this.up = upward(gravity);
+    this.camera.up.copy(this.up);
+    this.controls = new OrbitControls(this.camera, canvas);
+    this.controls.addEventListener("change", () => this.invalidate());
+    const sky = new HemisphereLight("#ffffff", "#8d96a0", 1.7);
+    sky.position.copy(this.up);
+    this.key.castShadow = true;
+    this.key.shadow.mapSize.set(1024, 1024);
+    this.key.shadow.radius = 4;
+    const fill = new DirectionalLight("#dfe9f5", 0.6);
+    fill.position.copy(this.basis(-1.5, 1, 0.6));
+    this.space.add(this.bodies, this.ground, sky, this.key, this.key.target, fill);
+    new ResizeObserver(() => this.resize()).observe(canvas);
+  }
+
+  /** A vector of components to the front, to the side and up. */
+  private basis(front: number, side: number, up: number): Vector3 {
+    const turn = new Quaternion().setFromUnitVectors(new Vector3(0, 0, 1), this.up);
+    return new Vector3(front, side, up).applyQuaternion(turn);
+  }
+
+  private resize(): void {
+    const { clientWidth: width, clientHeight: height } = this.canvas;
+    if (width === 0 || height === 0) return;
+    this.renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2));
+    this.renderer.setSize(width, height, false);
+    this.camera.aspect = width / height;
+    this.camera.updateProjectionMatrix();
+    this.invalidate();
+  }
+
+  /** Length, one metre away, of what covers one pixel: sprites of constant size are scaled by it. */
+  get pixel(): number {
+    return (2 * Math.tan((this.camera.fov * Math.PI) / 360)) / Math.max(1, this.canvas.clientHeight);
+  }
+
+  /** Draws at the next frame of the browser, once however often it is called. */
+  invalidate(moved = false): void {
+    if (moved) this.renderer.shadowMap.needsUpdate = true;
+    this.pending ||= requestAnimationFrame(() => this.draw());
+  }
+
+  private draw(): void {
+    this.pending = 0;
+    ++this.frames;
+    this.beforeFrame();
+    this.renderer.render(this.space, this.camera);
+  }
+
+  /** Frames drawn since the page was opened. */
+  get frameCount(): number {
+    return this.frames;
+  }
+
+  /** Sizes symbols, camera and ground after what there is: points of the scene now, and of all its motion. */
+  measure(now: readonly Vector3[], ever: readonly Vector3[]): void {
+    const still = new Sphere().setFromPoints(now.length > 0 ? [...now] : [new Vector3()]);
+    const whole = new Sphere().setFromPoints(ever.length > 0 ? [...ever] : [new Vector3()]);
+    const size = still.radius > 0 ? still.radius : 0.5;
+    this.unit = 0.11 * size;
+    this.radius = Math.max(whole.radius, size);
+    this.centre.copy(whole.center);
+    const floor = Math.min(0, ...ever.map((point) => point.dot(this.up)));
+    this.layGround(floor < -1e-3 * size ? floor : 0);
+    this.camera.near = 0.01 * size;
+    this.camera.far = 60 * this.radius;
+    this.key.position.copy(this.centre).add(this.basis(1, -0.7, 2.2).multiplyScalar(1.5 * this.radius));
+    this.key.target.position.copy(this.centre);
+    const view = this.key.shadow.camera;
+    view.left = view.bottom = -1.6 * this.radius;
+    view.right = view.top = 1.6 * this.radius;
+    view.far = 9 * this.radius;
+    view.updateProjectionMatrix();
+    this.invalidate(true);
+  }
+
+  private layGround(height: number): void {
+    this.gridStep = round(this.radius / 3);
+    const half = Math.ceil((4 * this.radius) / this.gridStep);
+    const points: number[] = [];
+    const alphas: number[] = [];
+    const { r, g, b } = new Color(palettes[this.dark ? "dark" : "light"].grid);
+    const step = this.gridStep;
+    const foot = this.centre.clone().addScaledVector(this.up, -this.centre.dot(this.up));
+    const turn = new Quaternion().setFromUnitVectors(this.up, new Vector3(0, 0, 1));
+    const { x: cx, y: cy } = foot.applyQuaternion(turn);
+    const [ox, oy] = [Math.round(cx / step), Math.round(cy / step)];
+    const put = (x: number, y: number) => {
+      const point = this.basis(x * step, y * step, 0).addScaledVector(this.up, height);
+      points.push(point.x, point.y, point.z);
+      const away = Math.hypot(x - ox, y - oy) / half;
+      alphas.push(r, g, b, 0.5 * Math.max(0, 1 - away) ** 1.5);
+    };
+    for (let i = -half; i <= half; ++i) {
+      for (let j = -half; j < half; ++j) {
+        put(ox + i, oy + j), put(ox + i, oy + j + 1);
+        put(ox + j, oy + i), put(ox + j + 1, oy + i);
+      }
+    }
+    const geometry = new BufferGeometry()
+      .setAttribute("position", new BufferAttribute(new Float32Array(points), 3))
+      .setAttribute("color", new BufferAttribute(new Float32Array(alphas), 4));
+    const lines = new LineSegments(geometry, new LineBasicMaterial({ vertexColors: true, transparent: true, depthWrite: false }));
+    const plane = new Mesh(new PlaneGeometry(1, 1), new ShadowMaterial({ opacity: this.dark ? 0.35 : 0.16 }));
+    plane.applyMatrix4(
+      new Matrix4().compose(
+        this.basis(cx, cy, height - 1e-3 * this.radius),
+        new Quaternion().setFromUnitVectors(new Vector3(0, 0, 1), this.up),
+        new Vector3(1, 1, 1).multiplyScalar(10 * this.radius),
+      ),
+    );
+    plane.receiveShadow = true;
+    this.ground.clear();
+    this.ground.add(lines, plane);
+    this.groundHeight = height;
+  }
+
+  /** The point of the ground below (or above) another. */
+  below(point: Vector3): Vector3 {
+    return point.clone().addScaledVector(this.up, this.groundHeight - point.dot(this.up));
+  }
+
+  /** Moves the camera so that all of the scene is seen, from where it looks or from a direction. */
+  fit(direction?: readonly [number, number, number]): void {
+    const from = direction
+      ? this.basis(...direction)
+      : this.camera.position.clone().sub(this.controls.target);
+    if (from.lengthSq() === 0) from.copy(this.basis(1.3, -1.6, 0.8));
+    const half = Math.atan(Math.tan((this.camera.fov * Math.PI) / 360) * Math.min(1, this.camera.aspect));
+    const distance = (1.08 * this.radius) / Math.sin(half);
+    this.controls.target.copy(this.centre);
+    this.camera.position.copy(this.centre).addScaledVector(from.normalize(), distance);
+    this.camera.updateProjectionMatrix();
+    this.controls.update();
+    this.invalidate();
+  }
+
+  /** Turns the camera about what it looks at, by angles in rad; zooms by a factor. */
+  orbit(around: number, above: number, zoom = 1): void {
+    const from = this.camera.position.clone().sub(this.controls.target);
+    const side = new Vector3().crossVectors(this.up, from).normalize();
+    const tilt = Math.acos(Math.min(1, Math.max(-1, from.clone().normalize().dot(this.up))));
+    const lift = Math.min(Math.max(above, tilt - Math.PI + 0.02), tilt - 0.02);
+    from.applyAxisAngle(side, -lift).applyAxisAngle(this.up, around).divideScalar(zoom);
+    this.camera.position.copy(this.controls.target).add(from);
+    this.controls.update();
+    this.invalidate();
+  }
+
+  setTheme(dark: boolean): void {
+    this.dark = dark;
+    this.space.background = new Color(palettes[dark ? "dark" : "light"].back);
+    if (this.ground.children.length > 0) this.layGround(this.groundHeight);
+    this.invalidate();
+  }
+
+  /** The body under a point of the canvas (pixels from its corner), or null. */
+  pick(x: number, y: number): number | null {
+    const { clientWidth: width, clientHeight: height } = this.canvas;
+    const ray = new Raycaster();
+    ray.setFromCamera(new Vector2((2 * x) / width - 1, 1 - (2 * y) / height), this.camera);
+    const visible: Object3D[] = this.bodies.children.filter((layer) => layer.visible);
+    const hit = ray.intersectObjects(visible, true).find(({ object }) => object instanceof Instances);
+    return hit ? (hit.object as Instances).items[hit.instanceId!].body : null;
+  }
+
+  /** The view as a PNG. */
+  png(): Promise<Blob> {
+    if (this.pending) cancelAnimationFrame(this.pending);
+    this.draw(); // what is drawn is kept until this task ends
+    return new Promise((resolve, reject) => {
+      this.canvas.toBlob((blob) => (blob ? resolve(blob) : reject(new Error("No picture could be made."))), "image/png");
+    });
+  }
+}
+
+/** The axis that points against gravity most; z without gravity. */
+function upward([x, y, z]: readonly number[]): Vector3 {
+  const sizes = [Math.abs(x), Math.abs(y), Math.abs(z)];
+  const most = Math.max(...sizes);
+  if (most === 0) return new Vector3(0, 0, 1);
+  const k = sizes[2] === most ? 2 : sizes.indexOf(most);
+  return new Vector3().setComponent(k, -Math.sign([x, y, z][k]));
+}

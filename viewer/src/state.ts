@@ -1,0 +1,80 @@
+import { centreOfMass, Tree } from "./kinematics";
+import { coordinatesAt, interpolate, momentOf, type Moment } from "./motion";
+import type { Scene } from "./scene";
+import { screwOf, type Representation, type Screw } from "./screws";
+
+/** What is shown: coordinates, the moment of the motion they belong to, and what was chosen. */
+export class State {
+  q: number[];
+  readonly tree: Tree;
+  /** Where the time cursor is. */
+  t: number;
+  /** Null when the bodies stand where somebody put them, not where the motion has them. */
+  moment: Moment | null = null;
+  selected: number;
+  representation: Representation = "hybrid";
+  /** Whether arrows are drawn of every body, or of the chosen one. */
+  everyBody = false;
+  /** Of symbols and of arrows, relative to what the page chose. */
+  symbolScale = 1;
+  arrowScale = 1;
+  private readonly listeners: (() => void)[] = [];
+
+  constructor(readonly scene: Scene) {
+    this.q = scene.q.slice();
+    this.tree = new Tree(scene.bodies);
+    this.selected = scene.bodies.length - 1;
+    this.t = scene.motion ? scene.motion.t[0] : 0;
+    if (scene.motion) this.setTime(this.t);
+    else this.tree.update(this.q);
+  }
+
+  onChange(listener: () => void): void {
+    this.listeners.push(listener);
+  }
+
+  changed(): void {
+    for (const listener of this.listeners) listener();
+  }
+
+  /** Shows coordinates that somebody chose. */
+  setCoordinates(q: readonly number[]): void {
+    if (q.length !== this.scene.nq || !q.every(Number.isFinite)) {
+      throw new Error(`q must be ${this.scene.nq} finite numbers, got ${q.length}.`);
+    }
+    this.q = q.slice();
+    this.moment = null;
+    this.tree.update(this.q);
+    this.changed();
+  }
+
+  /** Shows the motion at time t. */
+  setTime(t: number): void {
+    const { motion } = this.scene;
+    if (!motion) throw new Error("The scene has no motion.");
+    const { t: times } = motion;
+    this.t = Math.min(Math.max(t, times[0]), times[times.length - 1]);
+    this.moment = momentOf(times, this.t);
+    this.q = coordinatesAt(this.scene, motion, this.moment);
+    this.tree.update(this.q);
+    this.changed();
+  }
+
+  select(body: number): void {
+    this.selected = body;
+    this.changed();
+  }
+
+  /** A spatial screw of body i now; null where none is known. */
+  screw(kind: "twists" | "wrenches" | "momenta", i: number): Screw | null {
+    const samples = this.scene.motion?.[kind];
+    if (!samples || !this.moment || i === 0) return null;
+    const { index } = this.moment;
+    const of = [index, Math.min(index + 1, samples.length - 1)].map((k) => samples[k][i - 1]);
+    return screwOf(interpolate(of, { index: 0, fraction: this.moment.fraction }));
+  }
+
+  centreOfMass() {
+    return centreOfMass(this.scene, this.tree.poses);
+  }
+}
