@@ -19,6 +19,8 @@ import { axisOf, nearest, screwOf } from "./screws";
 export interface Generator {
   centre: Vector3;
   e: Vector3;
+  /** How clearly it is seen: from 1 at the centre of mass down to 0 far away from it. */
+  clear: number;
 }
 
 /** The two axodes of a body: null where it does not turn, or turns about an axis too far away to be drawn. */
@@ -41,8 +43,8 @@ export function leastTurning(scene: Scene, i: number): number {
 
 /**
  * The ruled surfaces that the instantaneous screw axis of body i sweeps over the motion. Each generator is centred where
- * it passes nearest to the centre of mass, so that one and the same segment is drawn in both; axes farther than `far` from
- * it are left out.
+ * it passes nearest to the centre of mass, so that one and the same segment is drawn in both. They fade with the distance
+ * from it, and are gone at `far`.
  */
 export function axodes(scene: Scene, history: History, i: number, far: number): Axodes {
   const fixed: (Generator | null)[] = [];
@@ -54,7 +56,8 @@ export function axodes(scene: Scene, history: History, i: number, far: number): 
     const com = new Vector3(...scene.bodies[i].com).applyMatrix4(C);
     const axis = axisOf(screwOf(scene.motion!.twists![index][i - 1]), least);
     const centre = axis && nearest(axis, com);
-    if (!axis || !centre || centre.distanceTo(com) > far) {
+    const clear = centre ? 1 - centre.distanceTo(com) / far : 0;
+    if (!axis || !centre || clear <= 0) {
       fixed.push(null);
       moving.push(null);
       return;
@@ -62,20 +65,20 @@ export function axodes(scene: Scene, history: History, i: number, far: number): 
     const e: Vector3 = axis.e;
     if (before && before.dot(e) < 0) e.negate(); // an axis has no sense: keep the surface from flipping over
     before = e;
-    fixed.push({ centre, e });
+    fixed.push({ centre, e, clear });
     const intoBody = C.clone().invert();
-    moving.push({ centre: centre.clone().applyMatrix4(intoBody), e: e.clone().transformDirection(intoBody) });
+    moving.push({ centre: centre.clone().applyMatrix4(intoBody), e: e.clone().transformDirection(intoBody), clear });
   });
   return { fixed, moving };
 }
 
 /** Along a generator, from -1 to 1, and how opaque the surface is there. */
 const ALONG = [
-  [-1, 0.12],
-  [-0.7, 0.5],
-  [0, 0.62],
-  [0.7, 0.5],
-  [1, 0.12],
+  [-1, 0.1],
+  [-0.7, 0.32],
+  [0, 0.42],
+  [0.7, 0.32],
+  [1, 0.1],
 ];
 const LINES = 72;
 
@@ -98,13 +101,13 @@ export function ruledSurface(generators: (Generator | null)[], half: number, [fr
     const color = new Color(from).lerp(new Color(to), n > 1 ? k / (n - 1) : 0);
     for (const [s, alpha] of ALONG) {
       points.push(...(g ? at(g, s).toArray() : [0, 0, 0]));
-      colorsAndAlphas.push(color.r, color.g, color.b, alpha);
+      colorsAndAlphas.push(color.r, color.g, color.b, g ? alpha * g.clear : 0);
     }
     if (g && k % every === 0) {
       for (let j = 0; j + 1 < ALONG.length; ++j) {
         for (const [s, alpha] of [ALONG[j], ALONG[j + 1]]) {
           linePoints.push(...at(g, s).toArray());
-          lineColors.push(color.r, color.g, color.b, Math.min(1, 1.3 * alpha));
+          lineColors.push(color.r, color.g, color.b, Math.min(1, 1.9 * alpha * g.clear));
         }
       }
     }
@@ -142,7 +145,7 @@ export function dispose(group: Group): void {
 }
 
 /** The pose whose z-axis is a generator. */
-export function along({ centre, e }: Generator): Matrix4 {
+export function along({ centre, e }: { centre: Vector3; e: Vector3 }): Matrix4 {
   const side = Math.abs(e.x) < 0.6 ? new Vector3(1, 0, 0) : new Vector3(0, 1, 0);
   const y = new Vector3().crossVectors(e, side).normalize();
   return new Matrix4().makeBasis(new Vector3().crossVectors(y, e), y, e).setPosition(centre);

@@ -58,12 +58,12 @@ function shapes(view: View, id: string, title: string, swatch: string, on: boole
   if (chosen.length === 0) return null;
   const root = shapeGroup(scene, chosen, view.meshes);
   const parts = root.children as Instances[];
-  let selected = -2;
+  let painted = -1;
   const update = () => {
     for (const part of parts) part.place(state.tree.poses, 1);
-    if (selected === state.selected || id === "collision") return;
-    selected = state.selected;
-    for (const part of parts) part.paint(selected, colors.chosen);
+    if (!state.chosen || painted === state.selected || id === "collision") return;
+    painted = state.selected;
+    for (const part of parts) part.paint(painted, colors.chosen);
   };
   stage.bodies.add(root);
   const hint = () => (id === "stand-ins" ? "drawn where a body has no shape" : count(chosen.length, "shape"));
@@ -98,6 +98,7 @@ function frames(view: View): Layer {
       hint: () => "of the ground, of bodies, and named ones; x red, y green, z blue",
       swatch: colors.y,
       on: false,
+      over: true,
     },
     new Instances(triad(), material, items),
   );
@@ -114,6 +115,7 @@ function names({ scene, state, stage }: View): Layer {
     hint: () => "at the origins of frames",
     swatch: colors.com,
     on: false,
+    over: true,
     root: labels,
     update: () => labels.place(state.tree.poses, stage.pixel),
     paint: (palette) => labels.paint(palette),
@@ -155,6 +157,7 @@ function joints(view: View): Layer | null {
       hint: () => "ring: hinge, rail: slider, thread: screw; grey passive, violet coupled",
       swatch: colors.driven,
       on: false,
+      over: true,
     },
     ...[...symbols.values()].map(({ make, items }) => new Instances(make(), material, items)),
   );
@@ -203,6 +206,7 @@ function loops({ scene, state, stage }: View): Layer | null {
       open > 0 ? `${count(open, "loop")} stand${open === 1 ? "s" : ""} open, red: sliders move the tree` : count(scene.loops.length, "loop"),
     swatch: colors.loop,
     on: true,
+    over: true,
     root,
     update,
   };
@@ -218,7 +222,7 @@ function centres(view: View): Layer | null {
   const heavy = scene.bodies.map((body, i) => ({ body, i })).filter(({ body, i }) => i > 0 && body.mass > 0);
   if (heavy.length === 0) return null;
   const most = Math.max(...heavy.map(({ body }) => body.mass));
-  const material = new MeshStandardMaterial({ vertexColors: true, roughness: 0.4, depthTest: false });
+  const material = new MeshStandardMaterial({ vertexColors: true, roughness: 0.4 });
   const own = new Instances(
     quarteredBall(),
     material,
@@ -227,16 +231,16 @@ function centres(view: View): Layer | null {
       return { body: i, pose: new Matrix4().makeScale(size, size, size).setPosition(...body.com), symbol: true };
     }),
   );
-  own.renderOrder = 5;
-  const whole = new Instances(new SphereGeometry(0.42, 32, 20), new MeshStandardMaterial({ color: colors.whole, transparent: true, opacity: 0.85, depthTest: false }), [
-    { body: 0, pose: new Matrix4(), symbol: true },
-  ]);
-  whole.renderOrder = 4;
+  const whole = new Instances(
+    new SphereGeometry(0.4, 32, 20),
+    new MeshStandardMaterial({ color: colors.whole, transparent: true, opacity: 0.75, depthWrite: false }),
+    [{ body: 0, pose: new Matrix4(), symbol: true }],
+  );
   const plumb = new LineSegments(new BufferGeometry(), new LineBasicMaterial({ color: colors.whole }));
   plumb.frustumCulled = false;
   const root = new Group();
   root.add(own, whole, plumb);
-  let com = new Vector3();
+  let com: Vector3 | null = null;
   const update = () => {
     com = state.centreOfMass().com;
     whole.items[0].pose.setPosition(com);
@@ -248,9 +252,10 @@ function centres(view: View): Layer | null {
   return {
     id: "com",
     title: "Centres of mass",
-    hint: () => `of the whole, green: (${com.toArray().map(format).join(", ")}) m`,
+    hint: () => `of bodies, and of the whole (green)${com ? `: (${com.toArray().map(format).join(", ")}) m` : ""}`,
     swatch: colors.whole,
     on: false,
+    over: true,
     root,
     update,
   };

@@ -30,16 +30,17 @@ function coordinatesFrom(joint: Joint, handles: readonly number[]): number[] {
   return [...expQuaternion(new Vector3(handles[0], handles[1], handles[2])).toArray(), ...handles.slice(3)];
 }
 
-/** Sliders for the coordinates of all joints; `length` is how far those of lengths reach that have no limits. */
-export function fillJointPanel(panel: HTMLElement, state: State, length: number): void {
+/**
+ * Sliders for the coordinates of all joints; `length` is how far those of lengths reach that have no limits. Returns what
+ * moves the sliders to where the joints are.
+ */
+export function fillJointPanel(panel: HTMLElement, state: State, length: number): () => void {
   const { scene } = state;
   const rows = scene.bodies.slice(1).map((body, k) => jointRow(state, k + 1, body.joint, length));
-  const reset = element("button", { type: "button", click: () => state.setCoordinates(scene.q) }, "As given");
-  panel.append(element("div", { class: "row" }, reset, element("span", { class: "unit" }, `q has ${scene.nq} numbers`)));
-  panel.append(...rows.map((row) => row.root));
-  if (rows.length === 0) panel.append(element("p", {}, "No body moves."));
-  state.onChange(() => rows.forEach((row) => row.show()));
-  rows.forEach((row) => row.show());
+  const reset = element("button", { type: "button", click: () => state.setCoordinates(scene.q) }, "Reset");
+  panel.append(...(rows.length > 0 ? rows.map((row) => row.root) : [element("p", {}, "No body moves.")]));
+  panel.append(element("div", { class: "row" }, reset));
+  return () => rows.forEach((row) => row.show());
 }
 
 function jointRow(state: State, body: number, joint: Joint, length: number): { root: HTMLElement; show: () => void } {
@@ -55,19 +56,22 @@ function jointRow(state: State, body: number, joint: Joint, length: number): { r
   root.addEventListener("focusin", () => state.selected !== body && state.select(body));
 
   const units = degrees(joint.kind);
+  // What the user holds keeps its own numbers: a rotation vector beyond half a turn is another one by its pose.
+  let held: number[] | null = null;
   let editing = false;
+  const numbers = () => held ?? handlesFrom(joint, state.tree.coordinates(body, state.q));
   const edit = (k: number, value: number) => {
-    const x = handles.map((handle) => Number(handle.box.value));
-    x[k] = value;
+    held = numbers().slice();
+    held[k] = value;
     const q = state.q.slice();
-    coordinatesFrom(joint, x).forEach((part, j) => (q[joint.iq + j] = part));
-    // What the user holds keeps its own numbers: a rotation vector beyond half a turn is another one by its pose.
-    editing = hasQuaternion(joint);
-    handles[k].box.value = String(value);
+    coordinatesFrom(joint, held).forEach((part, j) => (q[joint.iq + j] = part));
+    editing = true;
     state.setCoordinates(q);
     editing = false;
-    showHandle(handles[k], value);
   };
+  state.onChange(() => {
+    if (!editing) held = null;
+  });
   const handles: Handle[] = units.map(({ coordinate }, k) => {
     const limits = joint.limits[k] ?? [null, null];
     const free = coordinate === "rad" ? Math.PI : length;
@@ -99,6 +103,7 @@ function jointRow(state: State, body: number, joint: Joint, length: number): { r
       "aria-label": label,
       disabled,
       change: () => Number.isFinite(box.valueAsNumber) && edit(k, box.valueAsNumber),
+      blur: () => show(),
     });
     const labelled = part ? [element("span", { class: "unit", "aria-hidden": "true" }, part)] : [];
     const line = element("div", { class: part ? "slider labelled" : "slider" }, ...labelled, slider, box, element("span", { class: "unit" }, coordinate));
@@ -111,10 +116,7 @@ function jointRow(state: State, body: number, joint: Joint, length: number): { r
     return { slider, box, limits, range };
   });
 
-  const show = () => {
-    if (editing) return;
-    handlesFrom(joint, state.tree.coordinates(body, state.q)).forEach((x, k) => showHandle(handles[k], x));
-  };
+  const show = () => numbers().forEach((x, k) => showHandle(handles[k], x));
   return { root, show };
 }
 
@@ -122,8 +124,8 @@ function showHandle({ slider, box, limits, range }: Handle, value: number): void
   slider.min = String(Math.min(range[0], value));
   slider.max = String(Math.max(range[1], value));
   slider.value = String(value);
-  const text = String(Number(value.toPrecision(6)));
-  if (document.activeElement !== box || Number(box.value) !== value) box.value = text;
+  const text = String(Number(value.toFixed(5)));
+  if (document.activeElement !== box) box.value = text; // nobody's typing is disturbed
   const beyond = (limits[0] !== null && value < limits[0] - 1e-9) || (limits[1] !== null && value > limits[1] + 1e-9);
   box.classList.toggle("beyond", beyond);
   box.title = beyond ? "beyond its limits" : "";

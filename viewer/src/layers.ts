@@ -18,6 +18,8 @@ export interface Layer {
   swatch: string;
   on: boolean;
   root: Object3D;
+  /** Whether bodies do not hide it. */
+  over?: boolean;
   /** Brings it to the state; called only while it is on. */
   update: () => void;
   /** Draws in other colours, where it has some that depend on the background. */

@@ -39,7 +39,8 @@ async function show(scene: Scene): Promise<void> {
     byId("tab-warnings").textContent = `Warnings (${warnings.length})`;
     byId("tab-warnings").hidden = warnings.length === 0;
   };
-  const showTab = makeTabs({ joints: "Joints", layers: "Layers", body: "Body", warnings: "Warnings" });
+  let write = () => {};
+  const showTab = makeTabs({ joints: "Joints", layers: "Layers", body: "Body", warnings: "Warnings" }, () => write());
   const meshes = await readMeshes(scene.meshes, (text) => {
     if (!warnings.includes(text)) warnings.push(text);
     showWarnings();
@@ -58,7 +59,7 @@ async function show(scene: Scene): Promise<void> {
 
   const layers = makeLayers({ scene, state, stage, history, meshes });
   for (const layer of layers) {
-    if (!layer.root.parent) stage.space.add(layer.root);
+    if (!layer.root.parent) (layer.over ? stage.over : stage.space).add(layer.root);
     layer.root.visible = layer.on;
   }
   const setLayer = (id: string, on: boolean) => {
@@ -69,24 +70,24 @@ async function show(scene: Scene): Promise<void> {
     state.changed();
   };
 
-  fillJointPanel(byId("joints"), state, 2 * stage.radius);
+  const showJoints = fillJointPanel(byId("joints"), state, 2 * stage.radius);
   const showLayers = fillLayerPanel(byId("layers"), layers, state, setLayer);
   const showBody = fillBodyPanel(byId("body"), state);
 
   // Numbers are written a few times a second, bodies are drawn at every frame.
   let written = 0;
-  const write = () => {
+  write = () => {
     written = 0;
     showLayers();
+    if (!byId("joints").hidden) showJoints();
     if (!byId("body").hidden) showBody();
     byId("note").textContent = motion && !state.moment ? "Posed by hand: play or scrub to go back to the motion." : "";
   };
   stage.beforeFrame = () => {
     for (const layer of layers) if (layer.on) layer.update();
-    written ||= window.setTimeout(write, player?.playing ? 120 : 0);
+    written ||= window.setTimeout(() => write(), player?.playing ? 120 : 0);
   };
   state.onChange(() => stage.invalidate(true));
-  byId("tab-body").addEventListener("click", showBody);
 
   let player: Player | null = null;
   let plots: Plots | null = null;
@@ -135,7 +136,7 @@ async function show(scene: Scene): Promise<void> {
     { key: "-", shown: "−", does: "farther", run: () => stage.orbit(0, 0, 1 / 1.15) },
     { key: "j", shown: "j", does: "joints", run: () => showTab("joints", true) },
     { key: "l", shown: "l", does: "layers", run: () => showTab("layers", true) },
-    { key: "b", shown: "b", does: "numbers of the chosen body", run: () => (showTab("body", true), showBody()) },
+    { key: "b", shown: "b", does: "numbers of the chosen body", run: () => showTab("body", true) },
     { key: "n", shown: "n", does: "choose the next body", run: () => state.select((state.selected + 1) % scene.bodies.length) },
     { key: "d", shown: "d", does: "dark or light", run: () => setTheme(!dark) },
     { key: "s", shown: "s", does: "save a PNG", run: () => void savePng() },
@@ -170,10 +171,13 @@ async function show(scene: Scene): Promise<void> {
     png: () => stage.png(),
     frames: () => stage.frameCount,
   };
-  window.addEventListener("message", ({ data }) => {
-    const q: unknown = data?.axode?.q;
+  const take = (q: unknown) => {
     if (Array.isArray(q) && q.length === scene.nq && q.every(Number.isFinite)) state.setCoordinates(q as number[]);
-  });
+  };
+  window.addEventListener("message", ({ data }) => take(data?.axode?.q));
+  if (scene.live?.startsWith("http://127.0.0.1:")) {
+    new EventSource(scene.live).addEventListener("message", ({ data }) => take(JSON.parse(data)?.q));
+  }
   stage.fit([1.25, -1.6, 0.75]);
   canvas.dataset.ready = "true";
 }

@@ -32,13 +32,20 @@ function manager(file: string, warn: (text: string) => void): LoadingManager {
   return made;
 }
 
+/** With the normals of its triangles. */
+function faceted(geometry: BufferGeometry): BufferGeometry {
+  const separate = geometry.index ? geometry.toNonIndexed() : geometry;
+  separate.computeVertexNormals();
+  return separate;
+}
+
 function partsOf(object: Object3D, withMaterials: boolean): Part[] {
   const parts: Part[] = [];
   object.updateMatrixWorld(true);
   object.traverse((node) => {
     if (!(node instanceof Mesh)) return;
-    const geometry = node.geometry as BufferGeometry;
-    if (!geometry.getAttribute("normal")) geometry.computeVertexNormals();
+    const given = node.geometry as BufferGeometry;
+    const geometry = given.getAttribute("normal") ? given : faceted(given);
     const material = Array.isArray(node.material) ? (node.material[0] as Material) : (node.material as Material);
     parts.push({ geometry, material: withMaterials ? material : null, pose: node.matrixWorld.clone() });
   });
@@ -50,8 +57,8 @@ async function parse({ file, format, data }: MeshFile, warn: (text: string) => v
   const text = () => new TextDecoder().decode(bytes);
   switch (format) {
     case "stl": {
-      const geometry = new STLLoader().parse(bytes);
-      return [{ geometry, material: null, pose: new Matrix4() }];
+      // Many files have zeros for normals.
+      return [{ geometry: faceted(new STLLoader().parse(bytes)), material: null, pose: new Matrix4() }];
     }
     case "obj":
       return partsOf(new OBJLoader().parse(text()), false);

@@ -21,12 +21,18 @@ export function motionLayers(view: View): Layer[] {
 const NO_MOTION = "play or scrub: this pose is not of the motion";
 const GROUND = "choose a body that moves";
 
-/** Half of what is drawn of an axis, in units of symbols. */
-const HALF_AXIS = 6;
-/** Axes farther from the centre of mass, in sizes of the scene, are not drawn. */
-const FAR = 4;
+/** Half of what is drawn of an axis: so many units of symbols, or what reaches the joint of the body. */
+function halfAxis({ scene, state, stage }: View): number {
+  const { S_self, com } = scene.bodies[state.selected];
+  const toJoint = new Vector3(...com).distanceTo(new Vector3(S_self[0], S_self[1], S_self[2]));
+  return Math.max(5 * stage.unit * state.symbolScale, Math.min(1.15 * toJoint, stage.radius));
+}
 
-function screwAxis({ scene, state, stage }: View): Layer {
+/** Axes farther from the centre of mass, in sizes of the scene, are not drawn. */
+const FAR = 2;
+
+function screwAxis(view: View): Layer {
+  const { scene, state, stage } = view;
   const root = new Group();
   const material = new MeshStandardMaterial({ color: colors.screw, roughness: 0.4, emissive: colors.screw, emissiveIntensity: 0.25 });
   let hint = "";
@@ -43,7 +49,8 @@ function screwAxis({ scene, state, stage }: View): Layer {
     if (centre.distanceTo(com) > FAR * stage.radius) return "the axis is too far away to be drawn";
     const unit = stage.unit * state.symbolScale;
     const lead = (2 * Math.PI * axis.pitch) / unit;
-    const parts = [rod(0.055, -HALF_AXIS, HALF_AXIS), cone(0.17, 0.5, HALF_AXIS + 0.4)];
+    const half = halfAxis(view) / unit;
+    const parts = [rod(0.055, -half, half), cone(0.17, 0.5, half + 0.4)];
     if (Math.abs(lead) > 0.02) {
       const drawn = Math.sign(lead) * Math.min(8, Math.max(0.18, Math.abs(lead)));
       parts.push(helix(0.45, drawn, Math.min(12, 6 / Math.abs(drawn)), 0.045));
@@ -64,6 +71,7 @@ function screwAxis({ scene, state, stage }: View): Layer {
     hint: () => hint,
     swatch: colors.screw,
     on: false,
+    over: true,
     root,
     update: () => {
       hint = draw();
@@ -71,7 +79,8 @@ function screwAxis({ scene, state, stage }: View): Layer {
   };
 }
 
-function axodeLayers({ scene, state, stage, history }: View): Layer[] {
+function axodeLayers(view: View): Layer[] {
+  const { scene, state, stage, history } = view;
   let of = -1;
   let both: Axodes = { fixed: [], moving: [] };
   const known = () => {
@@ -98,7 +107,7 @@ function axodeLayers({ scene, state, stage, history }: View): Layer[] {
       on: false,
       root,
       update: () => {
-        const half = HALF_AXIS * stage.unit * state.symbolScale;
+        const half = state.selected === 0 ? 0 : halfAxis(view);
         if (drawn !== known() || size !== half) {
           dispose(surface);
           drawn = known();
@@ -169,5 +178,5 @@ function vectors(
       ? `${representations[state.representation].where}; longest ${format(most)} ${units[0]} (two heads), ${format(mostSecond)} ${units[1]}`
       : NO_MOTION;
   };
-  return { id: kind, title, hint: () => hint, swatch: colors[kind][0], on: false, root, update };
+  return { id: kind, title, hint: () => hint, swatch: colors[kind][0], on: false, over: true, root, update };
 }

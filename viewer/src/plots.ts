@@ -1,6 +1,6 @@
 import uPlot from "uplot";
 import "uplot/dist/uPlot.min.css";
-import { element, format } from "./element";
+import { element } from "./element";
 import { degrees, type Scene } from "./scene";
 import type { State } from "./state";
 
@@ -36,6 +36,14 @@ function quantities(scene: Scene): Quantity[] {
   if (scene.nv > 0) all.push({ name: "v", unit: unitsOf(scene, "velocity"), labels: scene.velocity_names, values: motion.v });
   if (scene.nv > 0 && motion.tau) all.push({ name: "tau", unit: unitsOf(scene, "force"), labels: scene.velocity_names, values: motion.tau });
   return [...all, ...motion.series];
+}
+
+/** A number beside an axis, with the digits that tell it from its neighbours. */
+function tickText(x: number, step: number): string {
+  if (Math.abs(x) < 1e-9 * step) return "0";
+  const decimals = Math.max(0, -Math.floor(Math.log10(step) + 1e-9));
+  const text = decimals > 5 || Math.abs(x) >= 1e6 ? x.toExponential(Math.min(8, Math.max(0, Math.round(Math.log10(Math.abs(x) / step))))) : x.toFixed(decimals);
+  return text.replace("-", "−");
 }
 
 /** Plots over time, each of which can be switched; a click or drag in one moves the time cursor. */
@@ -83,7 +91,7 @@ export class Plots {
     const text = () => getComputedStyle(document.documentElement).getPropertyValue("--soft");
     const line = () => getComputedStyle(document.documentElement).getPropertyValue("--line");
     const axis = { stroke: text, grid: { stroke: line, width: 1 }, ticks: { stroke: line, width: 1, size: 4 }, font: "11px system-ui, sans-serif" };
-    const tick = (_: uPlot, ticks: number[]) => ticks.map(format);
+    const tick = (_: uPlot, ticks: number[], _axis: number, _space: number, step: number) => ticks.map((x) => tickText(x, step));
     const plot = new uPlot(
       {
         title: unit ? `${name}, ${unit}` : name,
@@ -102,6 +110,8 @@ export class Plots {
             label,
             stroke: STROKES[k % STROKES.length],
             width: 1.4,
+            pxAlign: 0,
+            points: { show: false },
             dash: k < STROKES.length ? [] : [4 + 2 * Math.floor(k / STROKES.length), 3],
           })),
         ],

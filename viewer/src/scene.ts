@@ -96,6 +96,8 @@ export interface Scene {
   loops: Loop[];
   q: number[];
   warnings: string[];
+  /** Where states come from while a program runs. */
+  live?: string;
   motion: Motion | null;
   coordinate_names: string[];
   velocity_names: string[];

@@ -17,13 +17,23 @@ import type { Part } from "./meshes";
 import { colors } from "./palette";
 import type { Scene, Shape } from "./scene";
 
-const box = new BoxGeometry(1, 1, 1);
-const sphere = new SphereGeometry(1, 40, 24);
-const cylinder = new CylinderGeometry(1, 1, 1, 40).rotateX(Math.PI / 2);
-const tube = new CylinderGeometry(1, 1, 1, 40, 1, true).rotateX(Math.PI / 2);
+/** Unit geometries; round ones have so many sides. */
+function solids(sides: number) {
+  return {
+    box: new BoxGeometry(1, 1, 1),
+    sphere: new SphereGeometry(1, sides, sides / 2).rotateX(Math.PI / 2),
+    cylinder: new CylinderGeometry(1, 1, 1, sides).rotateX(Math.PI / 2),
+    tube: new CylinderGeometry(1, 1, 1, sides, 1, true).rotateX(Math.PI / 2),
+  };
+}
+const fine = solids(40);
+const coarse = solids(16);
+/** Where there are more shapes than this, each is small on the screen. */
+const MANY = 60;
 
 /** What a shape is drawn with: unit geometries, each scaled and moved. */
-function pieces(shape: Shape, meshes: readonly Part[][]): { geometry: BufferGeometry; material: Material | null; local: Matrix4 }[] {
+function pieces(shape: Shape, meshes: readonly Part[][], solid: typeof fine): { geometry: BufferGeometry; material: Material | null; local: Matrix4 }[] {
+  const { box, sphere, cylinder, tube } = solid;
   const scaled = (geometry: BufferGeometry, x: number, y: number, z: number, height = 0) => ({
     geometry,
     material: null,
@@ -67,11 +77,12 @@ export function shapeGroup(scene: Scene, shapes: readonly Shape[], meshes: reado
   const depth = scene.bodies.map(() => 0);
   scene.bodies.forEach((body, i) => i > 0 && (depth[i] = depth[body.predecessor] + 1));
   const gathered = new Map<string, { geometry: BufferGeometry; material: Material; items: Item[] }>();
+  const solid = shapes.length > MANY ? coarse : fine;
   for (const shape of shapes) {
     const collision = shape.role === "collision";
     const opacity = collision ? 0.5 : (shape.color?.[3] ?? 1);
     const pose = matrixOf(shape.pose);
-    for (const piece of pieces(shape, meshes)) {
+    for (const piece of pieces(shape, meshes, solid)) {
       const own = shape.color || collision ? null : piece.material;
       const key = `${piece.geometry.uuid} ${opacity} ${own?.uuid ?? ""}`;
       const made = gathered.get(key) ?? {
@@ -111,7 +122,7 @@ export function reach(scene: Scene, poses: readonly Matrix4[], meshes: readonly 
   const corner = new Vector3();
   for (const shape of scene.shapes) {
     const pose = poses[shape.body].clone().multiply(matrixOf(shape.pose));
-    for (const { geometry, local } of pieces(shape, meshes)) {
+    for (const { geometry, local } of pieces(shape, meshes, coarse)) {
       if (!geometry.boundingBox) geometry.computeBoundingBox();
       const { min, max } = geometry.boundingBox!;
       const placed = pose.clone().multiply(local);

@@ -35,6 +35,8 @@ function round(x: number): number {
 /** Camera, lights, the ground, and drawing when something has changed. */
 export class Stage {
   readonly space = new Space();
+  /** What is drawn over the bodies, so that they do not hide it. */
+  readonly over = new Space();
   readonly bodies = new Group();
   readonly ground = new Group();
   readonly camera = new PerspectiveCamera(32, 1, 0.01, 100);
@@ -49,6 +51,7 @@ export class Stage {
   private readonly controls: OrbitControls;
   private readonly key = new DirectionalLight("#ffffff", 2.1);
   private readonly centre = new Vector3();
+  private points: readonly Vector3[] = [];
   private readonly up: Vector3;
   private pending = 0;
   private frames = 0;
@@ -75,6 +78,10 @@ export class Stage {
     const fill = new DirectionalLight("#dfe9f5", 0.6);
     fill.position.copy(this.basis(-1.5, 1, 0.6));
     this.space.add(this.bodies, this.ground, sky, this.key, this.key.target, fill);
+    const head = new DirectionalLight("#ffffff", 1.8);
+    head.position.copy(this.basis(1, -0.7, 2.2));
+    this.over.add(sky.clone(), head);
+    this.renderer.autoClear = false;
     new ResizeObserver(() => this.resize()).observe(canvas);
   }
 
@@ -109,7 +116,10 @@ export class Stage {
     this.pending = 0;
     ++this.frames;
     this.beforeFrame();
+    this.renderer.clear();
     this.renderer.render(this.space, this.camera);
+    this.renderer.clearDepth();
+    this.renderer.render(this.over, this.camera);
   }
 
   /** Frames drawn since the page was opened. */
@@ -125,6 +135,7 @@ export class Stage {
     this.unit = 0.11 * size;
     this.radius = Math.max(whole.radius, size);
     this.centre.copy(whole.center);
+    this.points = ever;
     const floor = Math.min(0, ...ever.map((point) => point.dot(this.up)));
     this.layGround(floor < -1e-3 * size ? floor : 0);
     this.camera.near = 0.01 * size;
@@ -187,17 +198,27 @@ export class Stage {
 
   /** Moves the camera so that all of the scene is seen, from where it looks or from a direction. */
   fit(direction?: readonly [number, number, number]): void {
+    this.resize();
     const from = direction
       ? this.basis(...direction)
       : this.camera.position.clone().sub(this.controls.target);
     if (from.lengthSq() === 0) from.copy(this.basis(1.3, -1.6, 0.8));
-    const half = Math.atan(Math.tan((this.camera.fov * Math.PI) / 360) * Math.min(1, this.camera.aspect));
-    const distance = (1.08 * this.radius) / Math.sin(half);
     this.controls.target.copy(this.centre);
-    this.camera.position.copy(this.centre).addScaledVector(from.normalize(), distance);
+    this.camera.position.copy(this.centre).addScaledVector(from.normalize(), this.farEnough(from));
     this.camera.updateProjectionMatrix();
     this.controls.update();
     this.invalidate();
+  }
+
+  /** How far from the centre, in a direction, every point is seen. */
+  private farEnough(direction: Vector3): number {
+    const looking = new Matrix4().lookAt(direction, new Vector3(), this.up).invert();
+    const high = Math.tan((this.camera.fov * Math.PI) / 360) / 1.12;
+    const wide = high * this.camera.aspect;
+    return this.points.reduce((distance, point) => {
+      const { x, y, z } = point.clone().sub(this.centre).applyMatrix4(looking);
+      return Math.max(distance, z + Math.abs(x) / wide, z + Math.abs(y) / high);
+    }, 0.8 * this.radius);
   }
 
   /** Turns the camera about what it looks at, by angles in rad; zooms by a factor. */

@@ -12,6 +12,8 @@ export class State {
   /** Null when the bodies stand where somebody put them, not where the motion has them. */
   moment: Moment | null = null;
   selected: number;
+  /** Whether somebody chose it: then it has another colour. */
+  chosen = false;
   representation: Representation = "hybrid";
   /** Whether arrows are drawn of every body, or of the chosen one. */
   everyBody = false;
@@ -62,6 +64,7 @@ export class State {
 
   select(body: number): void {
     this.selected = body;
+    this.chosen = true;
     this.changed();
   }
 

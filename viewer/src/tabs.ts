@@ -1,7 +1,7 @@
 import { byId, element } from "./element";
 
-/** Tabs of the panel; returns what shows one of them. */
-export function makeTabs(titles: Record<string, string>): (id: string, focus?: boolean) => void {
+/** Tabs of the panel, and what to call after another was shown; returns what shows one of them. */
+export function makeTabs(titles: Record<string, string>, shown: () => void): (id: string, focus?: boolean) => void {
   const list = byId("tabs");
   const ids = Object.keys(titles);
   const show = (id: string, focus = false) => {
@@ -12,6 +12,7 @@ export function makeTabs(titles: Record<string, string>): (id: string, focus?: b
       byId(other).hidden = other !== id;
     }
     if (focus) byId(`tab-${id}`).focus();
+    shown();
   };
   list.append(
     ...ids.map((id, k) =>

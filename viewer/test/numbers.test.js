@@ -1,0 +1,206 @@
+/** Laws of what the page computes, apart from any browser. */
+import assert from "node:assert/strict";
+import { after, before, test } from "node:test";
+import { fileURLToPath } from "node:url";
+import { Matrix4, Quaternion, Vector3 } from "three";
+import { createServer } from "vite";
+import { apply, cross, dot, inverse, matrixOf, poses, turn } from "./reference.js";
+import { everyKind, fourBar, movingArm, top } from "./scenes.js";
+
+const EPSILON = 1e-9;
+const movedArm = movingArm();
+const root = fileURLToPath(new URL("..", import.meta.url));
+let server;
+let kinematics, screws, axode, inertia, motion, history, sceneModule;
+
+before(async () => {
+  server = await createServer({ root, configFile: false, logLevel: "error", server: { middlewareMode: true, hmr: false, ws: false, watch: null }, optimizeDeps: { noDiscovery: true } });
+  const load = (name) => server.ssrLoadModule(`/src/${name}.ts`);
+  [kinematics, screws, axode, inertia, motion, history, sceneModule] = await Promise.all(
+    ["kinematics", "screws", "axode", "inertia", "motion", "history", "scene"].map(load));
+});
+after(() => server?.close());
+
+function near(actual, expected, tolerance = EPSILON, what = "") {
+  const [a, b] = [[...actual].flat(), [...expected].flat()];
+  assert.equal(a.length, b.length, what);
+  const size = Math.max(1, ...b.map(Math.abs));
+  a.forEach((x, k) => assert.ok(Math.abs(x - b[k]) <= tolerance * size, `${what} [${k}]: ${x}, expected ${b[k]}`));
+}
+
+const rows = (m) => [0, 1, 2, 3].map((i) => [0, 1, 2, 3].map((j) => m.elements[4 * j + i]));
+
+/** A generator of numbers in (-1, 1) that is the same each time. */
+function random(seed) {
+  let state = seed;
+  return () => {
+    state = (1103515245 * state + 12345) % 2147483648;
+    return state / 1073741824 - 1;
+  };
+}
+
+function randomState(scene, next) {
+  return scene.bodies.slice(1).flatMap(({ joint: { kind, nq } }) => {
+    const q = Array.from({ length: nq }, next);
+    if (kind === "spherical" || kind === "free") {
+      const length = Math.hypot(...q.slice(0, 4));
+      for (let k = 0; k < 4; ++k) q[k] /= length;
+    }
+    return q;
+  });
+}
+
+test("poses are those of the product of exponentials, for every kind of joint", () => {
+  const scene = everyKind();
+  const next = random(7);
+  const tree = new kinematics.Tree(scene.bodies);
+  for (let k = 0; k < 20; ++k) {
+    const q = randomState(scene, next);
+    tree.update(q);
+    poses(scene, q).forEach((C, i) => near(rows(tree.poses[i]), C, EPSILON, scene.bodies[i].name));
+  }
+});
+
+test("rotation vectors and quaternions are inverses, also at no turn and at half a turn", () => {
+  const next = random(3);
+  for (let k = 0; k < 50; ++k) {
+    const x = new Vector3(next(), next(), next()).setLength(k === 0 ? 0 : k === 1 ? Math.PI - 1e-9 : Math.PI * Math.abs(next()));
+    const q = kinematics.expQuaternion(x);
+    near(kinematics.logQuaternion(q).toArray(), x.toArray(), 1e-7);
+    near(kinematics.logQuaternion(new Quaternion(-q.x, -q.y, -q.z, -q.w)).toArray(), x.toArray(), 1e-7);
+  }
+});
+
+test("a twist is its pitch along, and its turning about, the screw axis", () => {
+  const next = random(11);
+  for (let k = 0; k < 20; ++k) {
+    const [w, v] = [[next(), next(), next()], [next(), next(), next()]];
+    const axis = screws.axisOf(screws.screwOf([...w, ...v]), 1e-9);
+    const [e, p] = [axis.e.toArray(), axis.p.toArray()];
+    near([dot(e, e), dot(e, p)], [1, 0]);
+    const speed = Math.hypot(...w);
+    near(e.map((x) => speed * x), w);
+    near(cross(p, w).map((x, i) => x + axis.pitch * w[i]), v);
+  }
+  assert.equal(screws.axisOf(screws.screwOf([0, 0, 0, 1, 2, 3]), 1e-9), null);
+});
+
+test("power is the same in every representation", () => {
+  const next = random(5);
+  for (let k = 0; k < 20; ++k) {
+    const [V, W] = [Array.from({ length: 6 }, next), Array.from({ length: 6 }, next)];
+    const C = new Matrix4().compose(new Vector3(next(), next(), next()), new Quaternion(next(), next(), next(), next()).normalize(), new Vector3(1, 1, 1));
+    for (const representation of Object.keys(screws.representations)) {
+      const twist = screws.represent(screws.screwOf(V), false, C, representation);
+      const wrench = screws.represent(screws.screwOf(W), true, C, representation);
+      near([dot(twist.numbers, wrench.numbers)], [dot(V, W)], EPSILON, representation);
+    }
+  }
+});
+
+test("a body-fixed twist is Ad of the inverse pose of the spatial one", () => {
+  const scene = movedArm;
+  const V = scene.motion.twists[50][5];
+  const C = poses(scene, scene.motion.q[50])[6];
+  const { numbers } = screws.represent(screws.screwOf(V), false, new Matrix4().set(...C.flat()), "body");
+  const r = [C[0][3], C[1][3], C[2][3]];
+  const w = turn(inverse(C), V.slice(0, 3));
+  const v = turn(inverse(C), V.slice(3).map((x, i) => x + cross(V.slice(0, 3), r)[i]));
+  near(numbers, [...w, ...v]);
+});
+
+test("the first link of an arm turns about its joint, whose axis is both axodes", () => {
+  const scene = movedArm;
+  const { fixed, moving } = axode.axodes(scene, new history.History(scene), 1, 100);
+  for (const g of [...fixed, ...moving].filter((x) => x !== null)) {
+    near([Math.abs(g.e.z), g.centre.x, g.centre.y], [1, 0, 0], 1e-4);
+  }
+});
+
+test("the fixed and the moving axode touch along the screw axis", () => {
+  const scene = movedArm;
+  const { fixed, moving } = axode.axodes(scene, new history.History(scene), 6, 100);
+  assert.ok(fixed.filter((g) => g !== null).length > 100);
+  fixed.forEach((g, k) => {
+    if (g === null) return assert.equal(moving[k], null);
+    const C = poses(scene, scene.motion.q[k])[6];
+    near(apply(C, moving[k].centre.toArray()), g.centre.toArray());
+    near(turn(C, moving[k].e.toArray()), g.e.toArray());
+    const axis = screws.axisOf(screws.screwOf(scene.motion.twists[k][5]), 1e-9);
+    near([Math.abs(dot(axis.e.toArray(), g.e.toArray())), screws.nearest(axis, g.centre).distanceTo(g.centre)], [1, 0], 1e-6);
+  });
+});
+
+test("the axodes of a top that precesses steadily are cones about the vertical and about the top", () => {
+  const [tilt, precession, spin] = [0.5, 1.3, 4];
+  const scene = top(tilt, precession, spin);
+  const { fixed, moving } = axode.axodes(scene, new history.History(scene), 1, 100);
+  // w = precession e_z + spin e_top; its angles with both are the half angles of the cones.
+  const w = Math.hypot(precession + spin * Math.cos(tilt), spin * Math.sin(tilt));
+  const [aboutVertical, aboutTop] = [(precession + spin * Math.cos(tilt)) / w, (spin + precession * Math.cos(tilt)) / w];
+  fixed.forEach((g, k) => {
+    near([Math.abs(g.e.z), Math.abs(moving[k].e.z)], [aboutVertical, aboutTop], 1e-6);
+    near([g.e.clone().cross(g.centre).length()], [0], 1e-6);
+  });
+});
+
+test("the screw axis of a coupler passes through the pole where crank and rocker meet", () => {
+  const scene = fourBar();
+  const { fixed } = axode.axodes(scene, new history.History(scene), 2, 100);
+  let met = 0;
+  fixed.forEach((g, k) => {
+    if (g === null) return;
+    const C = poses(scene, scene.motion.q[k]);
+    const lines = [1, 3].map((i) => ({ p: [C[i][1][3], C[i][2][3]], d: [C[i][1][1], C[i][2][1]] }));
+    for (const { p, d } of lines) {
+      near([(g.centre.y - p[0]) * d[1] - (g.centre.z - p[1]) * d[0]], [0], 1e-4);
+      ++met;
+    }
+  });
+  assert.ok(met > 200);
+});
+
+test("principal axes diagonalise an inertia, and its ellipsoid has that inertia", () => {
+  const next = random(17);
+  for (let k = 0; k < 20; ++k) {
+    const [xx, yy, zz, xy, xz, yz] = k === 0 ? [1, 1, 1, 0, 0, 0] : [2 + next(), 2 + next(), 2 + next(), 0.3 * next(), 0.3 * next(), 0.3 * next()];
+    const { moments, axes } = inertia.principalAxes([xx, yy, zz, xy, xz, yz]);
+    assert.ok(axes.determinant() > 0.999999);
+    const I = [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]];
+    const e = rows(axes);
+    for (let c = 0; c < 3; ++c) {
+      const axis = [e[0][c], e[1][c], e[2][c]];
+      near(I.map((row) => dot(row, axis)), axis.map((x) => x * moments.getComponent(c)));
+    }
+    const { x: a, y: b, z: c } = inertia.ellipsoid(3, moments);
+    near([b * b + c * c, a * a + c * c, a * a + b * b].map((s) => (3 * s) / 5), moments.toArray());
+  }
+});
+
+test("between samples quaternions stay of unit length and all else is on the line", () => {
+  const scene = top();
+  const { t } = scene.motion;
+  for (const time of [t[0] - 1, t[0], 1.2345, t[t.length - 1], 99]) {
+    const moment = motion.momentOf(t, time);
+    const q = motion.coordinatesAt(scene, scene.motion, moment);
+    near([Math.hypot(...q)], [1]);
+    const [C, a, b] = [q, scene.motion.q[moment.index], scene.motion.q[moment.index + 1]].map((x) => matrixOf([0, 0, 0, ...x]));
+    const angle = (A, B) => Math.acos(Math.min(1, (A.flat().reduce((sum, x, k) => sum + x * B.flat()[k], 0) - 2) / 2));
+    near([angle(a, C)], [moment.fraction * angle(a, b)], 1e-5);
+  }
+});
+
+test("what a scene lacks is said", () => {
+  const broken = (change) => {
+    const scene = structuredClone(movedArm);
+    change(scene);
+    return JSON.stringify(scene);
+  };
+  assert.throws(() => sceneModule.readScene("null"), /none has been written/);
+  assert.throws(() => sceneModule.readScene("{"), /no JSON/);
+  assert.throws(() => sceneModule.readScene(broken((s) => (s.format = "axode scene 9"))), /"axode scene 9"/);
+  assert.throws(() => sceneModule.readScene(broken((s) => s.q.pop())), /q has 5 numbers, nq is 6/);
+  assert.throws(() => sceneModule.readScene(broken((s) => (s.shapes[0].body = 70))), /body 70/);
+  assert.throws(() => sceneModule.readScene(broken((s) => (s.bodies[2].predecessor = 3))), /predecessor of body 2/);
+  assert.throws(() => sceneModule.readScene(broken((s) => s.motion.twists.pop())), /120 samples of twists and 121 of t/);
+});

@@ -1,0 +1,370 @@
+/** The page in a real browser: what a person sees, and what a program around it is told. */
+import assert from "node:assert/strict";
+import { after, before, test } from "node:test";
+import { executable, isInstalled, openBrowser, pageOf } from "./browser.js";
+import { poses } from "./reference.js";
+import { arm, everyKind, frameAt, many, movingArm, SceneBuilder } from "./scenes.js";
+
+const options = { skip: isInstalled ? false : `there is no ${executable}` };
+let browser;
+before(async () => {
+  if (isInstalled) browser = await openBrowser();
+});
+after(() => browser?.close());
+
+/** Fails unless the page's poses are those computed apart from it. */
+async function standsAt(page, scene, q, tolerance = 1e-9) {
+  const shown = await page.evaluate(() => window.axode.poses());
+  poses(scene, q).forEach((C, i) => {
+    const name = scene.bodies[i].name;
+    for (let row = 0; row < 4; ++row) {
+      for (let column = 0; column < 4; ++column) {
+        const difference = Math.abs(shown[name][4 * column + row] - C[row][column]);
+        assert.ok(difference <= tolerance, `${name} at (${row}, ${column}): off by ${difference}`);
+      }
+    }
+  });
+}
+
+/** Keeps the canvas as it is drawn now under a name, in the page. */
+async function keep(page, name) {
+  await page.evaluate(async (key) => {
+    const bitmap = await createImageBitmap(await window.axode.png());
+    const context = new OffscreenCanvas(bitmap.width, bitmap.height).getContext("2d");
+    context.drawImage(bitmap, 0, 0);
+    window.kept = { ...window.kept, [key]: context.getImageData(0, 0, bitmap.width, bitmap.height) };
+  }, name);
+}
+
+/** How many pixels of two pictures that were kept differ by more than a little. */
+async function changed(page, before, after) {
+  return page.evaluate(([a, b]) => {
+    const [first, second] = [window.kept[a].data, window.kept[b].data];
+    let count = first.length === second.length ? 0 : Infinity;
+    for (let k = 0; k < first.length; k += 4) {
+      if ([0, 1, 2].some((c) => Math.abs(first[k + c] - second[k + c]) > 12)) ++count;
+    }
+    return count;
+  }, [before, after]);
+}
+
+const quiet = ({ heard, asked }) => assert.deepEqual({ heard, asked }, { heard: [], asked: [] });
+
+test("a motion is shown, played, scrubbed and drawn, without a word to console or network", options, async () => {
+  const scene = movingArm();
+  const opened = await browser.open(scene);
+  const { page } = opened;
+  await standsAt(page, scene, scene.motion.q[0]);
+
+  await page.evaluate((t) => window.axode.setTime(t), scene.motion.t[70]);
+  await standsAt(page, scene, scene.motion.q[70]);
+  await page.keyboard.press("ArrowRight");
+  await standsAt(page, scene, scene.motion.q[71]);
+
+  await page.focus("#canvas");
+  await page.keyboard.press("Space");
+  assert.equal(await page.textContent("#play"), "Pause");
+  await page.waitForFunction((t) => window.axode.time() > t, scene.motion.t[72]);
+  await page.keyboard.press("Space");
+  assert.equal(await page.textContent("#play"), "Play");
+  const stopped = await page.evaluate(() => window.axode.time());
+  assert.match(await page.textContent("#spoken-time"), /^Time [\d.]+ seconds$/);
+  await page.waitForTimeout(150);
+  assert.equal(await page.evaluate(() => window.axode.time()), stopped);
+
+  await page.focus("#scrub");
+  await page.keyboard.press("ArrowLeft");
+  const behind = await page.evaluate(() => window.axode.time());
+  assert.ok(behind < stopped && scene.motion.t.includes(behind));
+  await page.focus("#canvas");
+  await page.keyboard.press("Home");
+  assert.equal(await page.evaluate(() => window.axode.time()), 0);
+
+  // The plots have the time cursor, and move it.
+  const over = page.locator(".u-over").first();
+  const box = await over.boundingBox();
+  await page.mouse.click(box.x + box.width / 2, box.y + 20);
+  assert.ok(Math.abs((await page.evaluate(() => window.axode.time())) - 3) < 0.05);
+  const cursor = await page.locator(".cursor").first().boundingBox();
+  assert.ok(Math.abs(cursor.x - (box.x + box.width / 2)) < 3);
+
+  // Nothing is drawn while nothing changes.
+  await page.waitForTimeout(200);
+  const frames = await page.evaluate(() => window.axode.frames());
+  await page.waitForTimeout(300);
+  assert.equal(await page.evaluate(() => window.axode.frames()), frames);
+  quiet(opened);
+
+  // Every layer changes the picture, and leaves it as it was when switched off again.
+  await page.evaluate(() => window.axode.setTime(1.4));
+  for (const button of await page.$$(".choices button[aria-pressed=true]")) await button.click();
+  await page.waitForTimeout(100);
+  const ids = Object.keys(await page.evaluate(() => window.axode.layers()));
+  assert.deepEqual(ids.sort(), [
+    "collision", "com", "ellipsoids", "fixed-axode", "frames", "ground", "joints", "momenta", "moving-axode", "names",
+    "screw-axis", "shapes", "twists", "wrenches",
+  ]);
+  await keep(page, "plain");
+  for (const id of ids) {
+    const on = (await page.evaluate(() => window.axode.layers()))[id];
+    await page.evaluate(([layer, to]) => window.axode.setLayer(layer, to), [id, !on]);
+    await keep(page, "switched");
+    const pixels = await changed(page, "plain", "switched");
+    assert.ok(pixels > 60, `${id} changes ${pixels} pixels`);
+    await page.evaluate(([layer, to]) => window.axode.setLayer(layer, to), [id, on]);
+  }
+  await keep(page, "again");
+  assert.equal(await changed(page, "plain", "again"), 0);
+  await page.close();
+});
+
+test("sliders put bodies where another computation has them; coupled joints follow", options, async () => {
+  const scene = everyKind();
+  const opened = await browser.open(scene);
+  const { page } = opened;
+  const q = scene.q.slice();
+  const set = async (label, value) => {
+    const box = page.locator(`input[type=number][aria-label="${label}"]`);
+    await box.fill(String(value));
+    await box.press("Enter");
+  };
+  await set("column joint, m", 0.3);
+  await set("screw joint, rad", -1.7);
+  await set("hinge joint, rad", 1.5);
+  [q[0], q[1], q[6]] = [0.3, -1.7, 1.5];
+  await standsAt(page, scene, q);
+  await page.waitForFunction(() => Number(document.querySelector('input[type=number][aria-label="nut joint, m"]').value) === 0.049);
+  assert.ok(await page.isDisabled('input[type=range][aria-label="nut joint, m"]'));
+
+  for (const [k, x] of [1.1, -0.4, 0.2].entries()) await set(`ball joint r${"xyz"[k]}, rad`, x);
+  const angle = Math.hypot(1.1, -0.4, 0.2);
+  const s = Math.sin(angle / 2) / angle;
+  q.splice(2, 4, 1.1 * s, -0.4 * s, 0.2 * s, Math.cos(angle / 2));
+  for (const [k, label] of ["θ, rad", "x, m", "y, m"].entries()) await set(`table joint ${label}`, 0.2 * (k + 1));
+  q.splice(7, 3, 0.2, 0.4, 0.2 * 3);
+  for (const [k, axis] of ["x", "y", "z"].entries()) await set(`drone joint ${axis}, m`, 0.1 * k - 0.3);
+  q.splice(14, 3, -0.3, -0.2, -0.1);
+  await standsAt(page, scene, q, 1e-6);
+
+  // A slider by the keyboard: a hundredth of its range for each key.
+  await page.focus('input[type=range][aria-label="hinge joint, rad"]');
+  await page.keyboard.press("ArrowRight");
+  q[6] += 0.03;
+  await standsAt(page, scene, q, 1e-6);
+
+  // States from programs around the page; what is no state is passed over.
+  const state = everyKind().q.map((x, k) => ([5, 13].includes(k) ? 1 : k < 2 ? 0.1 : x));
+  await page.evaluate((to) => window.postMessage({ axode: { q: to } }), state);
+  await page.waitForFunction(() => Math.abs(document.querySelector('input[aria-label="column joint, m"]').value - 0.1) < 1e-9);
+  await standsAt(page, scene, state);
+  await page.evaluate(() => {
+    for (const data of [null, 7, { axode: 1 }, { axode: { q: [1, 2] } }, { axode: { q: Array(17).fill(NaN) } }]) window.postMessage(data);
+  });
+  await page.waitForTimeout(50);
+  await standsAt(page, scene, state);
+  await assert.rejects(page.evaluate(() => window.axode.setState([1])), /q must be 17 finite numbers, got 1/);
+  await page.click("text=Reset");
+  await standsAt(page, scene, scene.q);
+  assert.match(await page.textContent("#layers"), /1 loop stands open/);
+  quiet(opened);
+  await page.close();
+});
+
+test("names are text, whatever is in them", options, async () => {
+  const hostile = ["</script><img src=x onerror=\"window.hacked=1\">", "'\"><b>bold</b>", "\u202Eright to left\u202C", "__proto__", "\u2028line", "<!--"];
+  const builder = new SceneBuilder(hostile[0]);
+  hostile.forEach((name, k) => {
+    const body = builder.body(name, k, "revolute", frameAt([0, 0, k]), { joint: `joint of ${name}` });
+    builder.shape(body, "sphere", { radius: 0.2 });
+    builder.scene.frames.push({ name: `frame of ${name}`, body, pose: [0, 0, 0.5, 0, 0, 0, 1] });
+  });
+  builder.scene.warnings = hostile.map((name) => `warning of ${name}`);
+  const { scene } = builder;
+  scene.motion = builder.move((t) => hostile.map((_, k) => t * k), 1, 5).scene.motion;
+  scene.motion.series[0].labels = [hostile[0]];
+  const opened = await browser.open(scene);
+  const { page } = opened;
+  for (const id of Object.keys(await page.evaluate(() => window.axode.layers()))) {
+    await page.evaluate((layer) => window.axode.setLayer(layer, true), id);
+  }
+  await page.click("#tab-body");
+  await page.click("#tab-warnings");
+  await page.waitForTimeout(200);
+  assert.equal(await page.textContent("#title"), hostile[0]);
+  for (const name of hostile) {
+    const found = await page.evaluate((text) => [...document.querySelectorAll(".joint-name b, #warnings li, #body option")].filter((e) => e.textContent.includes(text)).length, name);
+    assert.ok(found >= 3, `${name} is shown ${found} times`);
+  }
+  assert.deepEqual(await page.evaluate(() => [window.hacked, document.querySelectorAll("img, b b, .joint b b").length]), [undefined, 0]);
+  assert.ok(await page.evaluate(() => Object.hasOwn(window.axode.poses(), "__proto__")));
+  quiet(opened);
+  await page.close();
+});
+
+const base64 = (text) => Buffer.from(text, "latin1").toString("base64");
+
+/** A tetrahedron of edge 1 in each of the formats. */
+function tetrahedra() {
+  const v = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]];
+  const f = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]];
+  const facets = f.map((face) => `facet normal 0 0 0\nouter loop\n${face.map((i) => `vertex ${v[i].join(" ")}`).join("\n")}\nendloop\nendfacet`);
+  const stl = `solid t\n${facets.join("\n")}\nendsolid t\n`;
+  const obj = `${v.map((p) => `v ${p.join(" ")}`).join("\n")}\n${f.map((face) => `f ${face.map((i) => i + 1).join(" ")}`).join("\n")}\n`;
+  const dae = `<?xml version="1.0"?><COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1"><asset><unit meter="1"/><up_axis>Z_UP</up_axis></asset>
+<library_geometries><geometry id="g"><mesh><source id="p"><float_array id="a" count="12">${v.flat().join(" ")}</float_array>
+<technique_common><accessor source="#a" count="4" stride="3"><param name="X" type="float"/><param name="Y" type="float"/><param name="Z" type="float"/></accessor></technique_common></source>
+<vertices id="v"><input semantic="POSITION" source="#p"/></vertices><triangles count="4"><input semantic="VERTEX" source="#v" offset="0"/><p>${f.flat().join(" ")}</p></triangles></mesh></geometry></library_geometries>
+<library_visual_scenes><visual_scene id="s"><node><instance_geometry url="#g"/></node></visual_scene></library_visual_scenes><scene><instance_visual_scene url="#s"/></scene></COLLADA>`;
+  const bytes = Buffer.concat([Buffer.from(new Float32Array(v.flat()).buffer), Buffer.from(new Uint16Array(f.flat()).buffer)]);
+  const gltf = JSON.stringify({
+    asset: { version: "2.0" }, scene: 0, scenes: [{ nodes: [0] }], nodes: [{ mesh: 0 }],
+    meshes: [{ primitives: [{ attributes: { POSITION: 0 }, indices: 1, material: 0 }] }],
+    materials: [{ pbrMetallicRoughness: { baseColorFactor: [0.8, 0.2, 0.2, 1] } }],
+    buffers: [{ byteLength: bytes.length, uri: `data:application/octet-stream;base64,${bytes.toString("base64")}` }],
+    bufferViews: [{ buffer: 0, byteOffset: 0, byteLength: 48 }, { buffer: 0, byteOffset: 48, byteLength: 24 }],
+    accessors: [
+      { bufferView: 0, componentType: 5126, count: 4, type: "VEC3", min: [0, 0, 0], max: [1, 1, 1] },
+      { bufferView: 1, componentType: 5123, count: 12, type: "SCALAR" },
+    ],
+  });
+  return { stl, obj, dae, gltf };
+}
+
+test("meshes of every format are drawn alike; broken ones become warnings", options, async () => {
+  const good = tetrahedra();
+  const blue = {};
+  for (const [format, text] of Object.entries(good)) {
+    const builder = new SceneBuilder(format);
+    const body = builder.body("b", 0, "revolute", frameAt([0, 0, 0]));
+    builder.scene.meshes = [{ file: `t.${format}`, format, data: base64(text) }];
+    builder.shape(body, "mesh", { mesh: 0, scale: [0.5, 1, 0.7] }, { color: [0.3, 0.5, 0.8, 1] });
+    const opened = await browser.open(builder.scene);
+    assert.ok(await opened.page.isHidden("#tab-warnings"));
+    await keep(opened.page, "mesh");
+    blue[format] = await opened.page.evaluate(() => {
+      const { data } = window.kept.mesh;
+      let [count, shade] = [0, 0];
+      for (let k = 0; k < data.length; k += 4) {
+        if (data[k + 2] > data[k] + 40) [count, shade] = [count + 1, shade + data[k + 2]];
+      }
+      return { count, shade };
+    });
+    quiet(opened);
+    await opened.page.close();
+  }
+  assert.ok(blue.stl.count > 2000, `${blue.stl.count} pixels are blue`);
+  for (const format of ["obj", "dae", "gltf"]) assert.deepEqual(blue[format], blue.stl, format);
+
+  const builder = new SceneBuilder("broken");
+  const body = builder.body("b", 0, "revolute", frameAt([0, 0, 0]));
+  const binary = Buffer.alloc(84);
+  binary.writeUInt32LE(0xffffffff, 80);
+  const broken = {
+    "empty.stl": "", "noise.stl": "\x00\x01\x02 not a mesh", "huge.stl": binary.toString("latin1"), "nan.obj": "v nan 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n",
+    "cut.dae": good.dae.slice(0, 300), "cut.gltf": good.gltf.slice(0, 200), "no.glb": "glTF",
+    "outside.gltf": good.gltf.replace(/data:application[^"]*/, "http://example.org/a.bin"),
+  };
+  builder.scene.meshes = Object.entries(broken).map(([file, text]) => ({ file, format: file.split(".")[1], data: base64(text) }));
+  builder.scene.meshes.push({ file: "no base64.stl", format: "stl", data: "*" });
+  builder.scene.meshes.forEach((_, k) => builder.shape(body, "mesh", { mesh: k }));
+  const { page, asked } = await browser.open(builder.scene);
+  await page.click("#tab-warnings");
+  const lines = await page.$$eval("#warnings li", (items) => items.map((item) => item.textContent));
+  for (const { file } of builder.scene.meshes) assert.ok(lines.some((line) => line.includes(`"${file}"`)), `no warning of ${file} in ${lines}`);
+  assert.deepEqual(asked, []);
+  assert.ok((await page.evaluate(() => Object.keys(window.axode.poses()))).includes("b"));
+  await page.close();
+});
+
+test("everything is reached by the keyboard, and has a name for those who do not see it", options, async () => {
+  const opened = await browser.open(movingArm(), { size: { width: 400, height: 800 } });
+  const { page } = opened;
+  assert.ok(await page.evaluate(() => document.documentElement.scrollWidth <= 400), "the page is wider than 400 pixels");
+  const nameless = await page.$$eval("button, input, select, #canvas", (all) =>
+    all.filter((e) => !e.getAttribute("aria-label") && !e.textContent.trim() && !(e.labels && e.labels.length > 0)).map((e) => e.outerHTML));
+  assert.deepEqual(nameless, []);
+  const unreachable = await page.$$eval("button, input, select, #canvas", (all) =>
+    all.filter((e) => e.tabIndex < 0 && e.getAttribute("role") !== "tab").map((e) => e.outerHTML));
+  assert.deepEqual(unreachable, []);
+
+  await page.setViewportSize({ width: 800, height: 480 });
+  await page.focus("#canvas");
+  await page.keyboard.press("l");
+  assert.ok(await page.isVisible("#layers"));
+  await page.keyboard.press("ArrowRight");
+  assert.ok(await page.isVisible("#body"));
+  await page.keyboard.press("j");
+  assert.ok(await page.isVisible("#joints"));
+  await page.keyboard.press("?");
+  assert.ok(await page.isVisible("#help"));
+  assert.match(await page.textContent("#keys"), /play or pause/);
+  await page.keyboard.press("Escape");
+  assert.ok(await page.isHidden("#help"));
+
+  await page.focus("#canvas");
+  await keep(page, "seen");
+  await page.keyboard.press("Shift+ArrowLeft");
+  await keep(page, "turned");
+  assert.ok((await changed(page, "seen", "turned")) > 500, "the view turns");
+  await page.keyboard.press("1");
+  await page.keyboard.press("d");
+  assert.equal(await page.getAttribute("html", "data-theme"), "dark");
+  await page.keyboard.press("b");
+  await page.keyboard.press("n");
+  await page.waitForFunction(() => document.querySelector("#body select").selectedOptions[0].textContent === "ground");
+  quiet(opened);
+
+  // A key typed into a number is a number's.
+  await page.keyboard.press("j");
+  await page.focus('input[type=number][aria-label="A2, rad"]');
+  await page.keyboard.press("d");
+  assert.equal(await page.getAttribute("html", "data-theme"), "dark");
+
+  // A click chooses a body, and its numbers in four representations are shown.
+  await page.click("#tab-body");
+  await page.selectOption("#body select", { label: "link 6" });
+  const numbers = new Set();
+  for (const representation of ["body", "spatial", "hybrid", "mixed"]) {
+    await page.selectOption("#body .row:nth-of-type(2) select", representation);
+    await page.waitForTimeout(200);
+    numbers.add(await page.$eval("#body", (panel) => [...panel.querySelectorAll("h3")].find((h) => h.textContent === "Twist").nextSibling.textContent));
+  }
+  assert.equal(numbers.size, 4);
+
+  const [download] = await Promise.all([page.waitForEvent("download"), page.click("#png")]);
+  assert.equal(download.suggestedFilename(), "arm.png");
+  const stream = await download.createReadStream();
+  const bytes = [];
+  for await (const chunk of stream) bytes.push(chunk);
+  assert.equal(Buffer.concat(bytes).subarray(0, 8).toString("latin1"), "\x89PNG\r\n\x1a\n");
+  quiet(opened);
+  await page.close();
+});
+
+test("a hundred bodies move, in few calls for drawing", options, async (context) => {
+  const opened = await browser.open(many(100));
+  const { page } = opened;
+  const drawn = await page.evaluate(async () => {
+    document.querySelector("#play").click();
+    const from = window.axode.frames();
+    const start = performance.now();
+    await new Promise((done) => setTimeout(done, 1500));
+    const rate = (1000 * (window.axode.frames() - from)) / (performance.now() - start);
+    document.querySelector("#play").click();
+    return rate;
+  });
+  context.diagnostic(`${drawn.toFixed(0)} frames a second, drawn by the processor`);
+  assert.ok(drawn > 0);
+  quiet(opened);
+  await page.close();
+});
+
+test("a page without a scene, or with one it cannot show, says so", options, async () => {
+  for (const [scene, text] of [[null, /none has been written into it/], [{ ...arm().scene, format: "axode scene 2" }, /its format is "axode scene 2"/]]) {
+    const { page } = await browser.open(scene, { broken: true });
+    await page.waitForSelector(".failure");
+    assert.match(await page.textContent(".failure"), text);
+    await page.close();
+  }
+  assert.throws(() => pageOf(undefined), TypeError);
+});
