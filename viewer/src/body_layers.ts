@@ -106,14 +106,14 @@ function frames(view: View): Layer {
 
 function names({ scene, state, stage }: View): Layer {
   const labels = new Labels([
-    ...scene.bodies.map(({ name }, body) => ({ text: name, body, at: new Vector3() })),
+    ...scene.bodies.map(({ name, com }, body) => ({ text: name, body, at: new Vector3(...(com ?? [0, 0, 0])) })),
     ...scene.frames.map(({ name, body, pose }) => ({ text: name, body, at: new Vector3(...pose.slice(0, 3)) })),
   ]);
   return {
     id: "names",
     title: "Names",
-    hint: () => "at the origins of frames",
-    swatch: colors.com,
+    hint: () => "of bodies at their centres of mass, of frames at their origins",
+    swatch: "#8b98a6",
     on: false,
     over: true,
     root: labels,
@@ -132,8 +132,10 @@ function joints(view: View): Layer | null {
   const { scene, stage } = view;
   const symbols = new Map<string, { make: () => BufferGeometry; items: Item[] }>();
   const color = (joint: Joint) => (joint.leader ? colors.coupled : joint.passive ? colors.passive : colors.driven);
-  scene.bodies.slice(1).forEach(({ joint, S_self }, k) => {
+  scene.bodies.slice(1).forEach(({ joint, S_self, mass, com }, k) => {
     if (joint.kind === "free") return;
+    const pose = matrixOf(S_self);
+    if (joint.kind === "prismatic" && mass > 0) pose.setPosition(...com); // it has a direction and no place
     const lead = drawnLead(joint.pitch, stage.unit);
     const make = {
       revolute: hinge,
@@ -145,7 +147,7 @@ function joints(view: View): Layer | null {
     const key = joint.kind === "helical" ? `helical ${lead}` : joint.kind;
     const symbol = symbols.get(key) ?? { make, items: [] };
     symbols.set(key, symbol);
-    symbol.items.push({ body: k + 1, pose: matrixOf(S_self), color: color(joint), symbol: true });
+    symbol.items.push({ body: k + 1, pose, color: color(joint), symbol: true });
   });
   if (symbols.size === 0) return null;
   const material = new MeshStandardMaterial({ roughness: 0.5 });

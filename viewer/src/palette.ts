@@ -24,7 +24,6 @@ export const colors = {
   coupled: "#8d63c9",
   loop: "#b8479e",
   open: "#e02f2f",
-  com: "#1d2630",
   whole: "#0b8f8a",
   ellipsoid: "#6c8cd5",
   screw: "#e0457b",

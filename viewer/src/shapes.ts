@@ -82,6 +82,7 @@ export function shapeGroup(scene: Scene, shapes: readonly Shape[], meshes: reado
     const collision = shape.role === "collision";
     const opacity = collision ? 0.5 : (shape.color?.[3] ?? 1);
     const pose = matrixOf(shape.pose);
+    if (shape.stand_in) apart(pose, depth[shape.body]);
     for (const piece of pieces(shape, meshes, solid)) {
       const own = shape.color || collision ? null : piece.material;
       const key = `${piece.geometry.uuid} ${opacity} ${own?.uuid ?? ""}`;
@@ -105,6 +106,12 @@ export function shapeGroup(scene: Scene, shapes: readonly Shape[], meshes: reado
     group.add(drawn);
   }
   return group;
+}
+
+/** Balls of stand-ins may be in one place, one for each axis; so that they do not flicker none is exactly as large as another. */
+function apart(pose: Matrix4, depth: number): void {
+  const size = 1 + 0.006 * (depth % 5);
+  pose.scale(new Vector3(size, size, size));
 }
 
 function rgb(color: readonly number[]): string {

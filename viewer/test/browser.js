@@ -25,13 +25,14 @@ export async function openBrowser() {
   const context = await chromium.launchPersistentContext(join(folder, "profile"), {
     executablePath: executable,
     headless: true,
-    viewport: { width: 800, height: 480 },
+    viewport: { width: 640, height: 420 },
     acceptDownloads: true,
     args: [
       "--no-sandbox", "--no-first-run", "--disable-background-networking", "--disable-component-update", "--disable-sync",
       "--disable-extensions", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader",
     ],
   });
+  context.setDefaultTimeout(120_000); // a busy machine draws slowly
   let pages = 0;
   return {
     context,
