@@ -144,11 +144,10 @@ export function readScene(text: string): Scene {
   return scene;
 }
 
-/** Units of the coordinates of a joint (of velocities where `rates`, of forces where `forces`). */
 const ANGLE = { coordinate: "rad", velocity: "rad/s", force: "N m" };
 const LENGTH = { coordinate: "m", velocity: "m/s", force: "N" };
 
-/** What is measured along each degree of freedom of a joint: the angular ones come first. */
+/** Units along each degree of freedom of a joint; the angular ones come first. */
 export function degrees(kind: JointKind): (typeof ANGLE)[] {
   switch (kind) {
     case "revolute":

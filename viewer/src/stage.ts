@@ -59,10 +59,14 @@ export class Stage {
   private groundHeight = 0;
 
   constructor(
-    private readonly canvas: HTMLCanvasElement,
+    readonly canvas: HTMLCanvasElement,
     gravity: readonly number[],
   ) {
-    this.renderer = new WebGLRenderer({ canvas, antialias: true });
+    try {
+      this.renderer = new WebGLRenderer({ canvas, antialias: true });
+    } catch {
+      throw new Error("This browser draws nothing in three dimensions: it has no WebGL, or it is switched off.");
+    }
     this.renderer.shadowMap.enabled = !drawsOnProcessor(this.renderer);
     this.renderer.shadowMap.type = PCFShadowMap;
     this.renderer.shadowMap.autoUpdate = false;
@@ -197,13 +201,12 @@ export class Stage {
     return point.clone().addScaledVector(this.up, this.groundHeight - point.dot(this.up));
   }
 
-  /** Moves the camera so that all of the scene is seen, from where it looks or from a direction. */
+  /** Moves the camera so that all of the scene is seen, from where it is or from a direction in the inertial frame. */
   fit(direction?: readonly [number, number, number]): void {
     this.resize();
-    const from = direction
-      ? this.basis(...direction)
-      : this.camera.position.clone().sub(this.controls.target);
-    if (from.lengthSq() === 0) from.copy(this.basis(1.3, -1.6, 0.8));
+    const from = direction ? new Vector3(...direction) : this.camera.position.clone().sub(this.controls.target);
+    if (from.lengthSq() === 0) from.copy(this.basis(1.25, -1.6, 0.75));
+    if (from.clone().cross(this.up).lengthSq() === 0) from.add(this.basis(0, -1e-3, 0)); // straight from above: what is up?
     this.controls.target.copy(this.centre);
     this.camera.position.copy(this.centre).addScaledVector(from.normalize(), this.farEnough(from));
     this.camera.updateProjectionMatrix();

@@ -47,6 +47,7 @@ export async function openBrowser() {
       page.on("console", (message) => ["error", "warning"].includes(message.type()) && heard.push(message.text()));
       page.on("pageerror", (error) => heard.push(String(error)));
       page.on("request", (request) => !/^(file|data|blob):/.test(request.url()) && asked.push(request.url()));
+      if (options.first) await page.addInitScript(options.first);
       if (options.dark) await page.emulateMedia({ colorScheme: "dark" });
       if (options.size) await page.setViewportSize(options.size);
       await page.goto(`file://${file}`);

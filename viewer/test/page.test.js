@@ -1,7 +1,7 @@
 /** The page in a real browser: what a person sees, and what a program around it is told. */
 import assert from "node:assert/strict";
 import { after, before, test } from "node:test";
-import { executable, isInstalled, openBrowser, pageOf } from "./browser.js";
+import { executable, isInstalled, openBrowser } from "./browser.js";
 import { poses } from "./reference.js";
 import { arm, everyKind, frameAt, many, movingArm, SceneBuilder } from "./scenes.js";
 
@@ -167,6 +167,8 @@ test("sliders put bodies where another computation has them; coupled joints foll
   });
   await page.waitForTimeout(50);
   await standsAt(page, scene, state);
+  await assert.rejects(page.evaluate(() => window.axode.select("nobody")), /no body "nobody"/);
+  await assert.rejects(page.evaluate(() => window.axode.setLayer("nothing", true)), /no layer "nothing"/);
   await assert.rejects(page.evaluate(() => window.axode.setState([1])), /q must be 17 finite numbers, got 1/);
   await page.click("text=Reset");
   await standsAt(page, scene, scene.q);
@@ -379,5 +381,8 @@ test("a page without a scene, or with one it cannot show, says so", options, asy
     assert.match(await page.textContent(".failure"), text);
     await page.close();
   }
-  assert.throws(() => pageOf(undefined), TypeError);
+  const { page } = await browser.open(arm().scene, { broken: true, first: "HTMLCanvasElement.prototype.getContext = () => null" });
+  await page.waitForSelector(".failure");
+  assert.match(await page.textContent(".failure"), /no WebGL/);
+  await page.close();
 });
