@@ -66,7 +66,7 @@ int run(const Options& options) {
 
 void add_check(CLI::App& app, int& exit_code) {
   const auto options = std::make_shared<Options>();
-  CLI::App* check = app.add_subcommand("check", "List every fault of drawings and URDFs");
+  CLI::App* check = app.add_subcommand("check", "List every fault of drawings, URDFs and SDF files");
   add_model_options(*check, options->mechanisms, Files::several);
   check->add_option("--format", options->format, "table (if left out) or json")->type_name("WORD");
   check->footer(footer);

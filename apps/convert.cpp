@@ -25,14 +25,15 @@ struct Options {
 constexpr const char* footer = R"(Example:
   axode convert humanoid.urdf humanoid.toml
 
-The ending of OUT decides: .toml is a drawing, .urdf or .xml a URDF. What URDF has no words for, such as
-helical joints, is an error, and nothing is written.)";
+The ending of OUT decides: .toml is a drawing, .urdf a URDF, .xml MJCF. What the format has no words for,
+such as helical joints, is an error, and nothing is written. IN is a drawing, a URDF or SDFormat (.sdf,
+.world); MJCF is read by the Python package: axode.load.)";
 
 using Writer = void (*)(const Model&, std::ostream&);
 
 Writer writer_for(const std::string& file) {
   static constexpr std::array<std::pair<std::string_view, Writer>, 3> writers{
-      {{".toml", write_drawing}, {".urdf", write_urdf}, {".xml", write_urdf}}};
+      {{".toml", write_drawing}, {".urdf", write_urdf}, {".xml", write_mjcf}}};
   return choose("OUT: " + file, std::filesystem::path(file).extension().string(), writers);
 }
 
@@ -54,7 +55,8 @@ void run(const Options& options) {
 
 void add_convert(CLI::App& app, int& exit_code) {
   const auto options = std::make_shared<Options>();
-  CLI::App* convert = app.add_subcommand("convert", "Write a URDF as a drawing, or a drawing as a URDF");
+  CLI::App* convert =
+      app.add_subcommand("convert", "Write a mechanism in another format: drawing, URDF, MJCF");
   add_model_options(*convert, options->in, Files::one, "IN");
   convert->add_option("OUT", options->out, "The file to write")->required()->type_name("FILE");
   convert->add_flag("--force", options->force, "Replace OUT where it exists");

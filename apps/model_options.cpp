@@ -17,11 +17,13 @@ Base ModelOptions::held() const { return base.empty() ? Base::as_described : cho
 void add_model_options(CLI::App& command, ModelOptions& options, Files files, const char* name) {
   if (files == Files::one) {
     const auto keep = [&options](const std::string& file) { options.files = {file}; };
-    command.add_option_function<std::string>(name, keep, "A drawing (.toml) or a URDF")
+    command.add_option_function<std::string>(name, keep, "A drawing (.toml), a URDF or SDFormat")
         ->required()
         ->type_name("FILE");
   } else {
-    command.add_option(name, options.files, "Drawings (.toml) and URDFs")->required()->type_name("FILE ...");
+    command.add_option(name, options.files, "Drawings (.toml), URDFs and SDFormat")
+        ->required()
+        ->type_name("FILE ...");
   }
   command.add_option("--base", options.base, "fixed or free; as the file says if left out")
       ->type_name("WORD");

@@ -7,19 +7,19 @@
 
 #include "axode/model/builder.hpp"
 
-/// Mechanisms from files and to files: drawings (docs/drawing-format.md) and URDF.
+/// Mechanisms from files and to files: drawings (docs/drawing-format.md) and the formats of docs/formats.md.
 namespace axode {
 
 /// How the base of a mechanism is held, whatever its file says.
 enum class Base {
-  as_described,  ///< in a URDF the root link is fixed to the ground
+  as_described,  ///< in a URDF the root link is fixed to the ground, in an SDF file one that no joint carries is free
   fixed,         ///< a body that hangs on the ground by a free joint is fixed where it is drawn
-  free,          ///< the one body that is fixed to the ground is set free by the joint `free_base`
+  free,          ///< the one body that is fixed to the ground is set free by the joint `free_base`, unless one is free
 };
 
-/// Reads and builds the mechanism of a file: `.toml` is a drawing, `.urdf` or `.xml` a URDF, otherwise a file
-/// whose first character is `<` is a URDF. Throws ModelError with every fault of the file; what is only
-/// doubtful stays in Model::warnings().
+/// Reads and builds the mechanism of a file: `.toml` is a drawing, `.urdf` a URDF, `.sdf` and `.world` SDFormat; of
+/// any other file the root element decides, and one that is no XML is a drawing. Throws ModelError with every fault of
+/// the file; what is only doubtful stays in Model::warnings().
 ///
 /// Whatever the format, a lenient reader makes a warning of a body that no matter can make, of limits the wrong
 /// way round (there are none then), of a joint that follows one that does not exist (it moves on its own), and
@@ -39,6 +39,8 @@ Description read_drawing_text(std::string_view text, const std::string& file_nam
 /// A URDF may close loops by <loop_joint name type><link1 link xyz rpy/><link2 .../></loop_joint>, z being the axis.
 Description read_urdf_text(std::string_view text, const std::string& file_name,
                            Strictness strictness = Strictness::lenient);
+Description read_sdf_text(std::string_view text, const std::string& file_name,
+                          Strictness strictness = Strictness::lenient);
 
 /// Writes the mechanism as a drawing, in the construction frame. Reading it gives the same mechanism, and
 /// writing that gives the same text.
@@ -48,5 +50,10 @@ void write_drawing(const Model& model, std::ostream& out);
 /// helical and spherical joints, armature, springs, or another gravity than (0, 0, -9.81) m/s²; then nothing is
 /// written.
 void write_urdf(const Model& model, std::ostream& out);
+
+/// Writes the mechanism as MJCF. A planar joint becomes two slides and a hinge, a universal or cylindrical one two
+/// joints of one body, a revolute loop two points that meet. Throws ModelError that names what MJCF has no words for,
+/// such as helical joints, elastic stops and most kinds of loops; then nothing is written. Velocity limits are left out.
+void write_mjcf(const Model& model, std::ostream& out);
 
 }  // namespace axode

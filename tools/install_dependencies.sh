@@ -7,7 +7,7 @@ packages="
   g++ clang-14 clang-format-14 clang-tidy-14 libclang-rt-14-dev
   cmake ninja-build make pkg-config ccache
   libeigen3-dev libtbb-dev libtinyxml2-dev libcli11-dev libfmt-dev nlohmann-json3-dev libzip-dev
-  libgtest-dev libgmock-dev libbenchmark-dev
+  libgtest-dev libgmock-dev libbenchmark-dev libsdformat-dev
   python3 python3-dev python3-venv"
 
 if ! command -v dpkg-query >/dev/null; then

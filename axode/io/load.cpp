@@ -44,12 +44,39 @@ Text text_of(const std::filesystem::path& file) {
   return text;
 }
 
-bool is_urdf(const std::filesystem::path& file, const std::string& content) {
+using Reader = io::Reading (*)(std::string_view text, const std::string& file, Strictness strictness);
+
+io::Reading read_drawing(std::string_view text, const std::string& file, Strictness strictness) {
+  return io::read_drawing(text, file, strictness);
+}
+
+/// MJCF means what MuJoCo makes of it.
+io::Reading refuse_mjcf(std::string_view text, const std::string& file, Strictness) {
+  const auto line =
+      1 + std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(text.find("<mujoco")), '\n');
+  io::Reading unread;
+  unread.faults.push_back(
+      {Severity::error,
+       Rule::syntax,
+       "",
+       "the file is MJCF, which is read by MuJoCo itself: load it in Python with axode.load, "
+       "and write axode.drawing of it",
+       {file, static_cast<int>(line)}});
+  return unread;
+}
+
+/// By the ending of the file, and where that does not tell by the root element.
+Reader reader_for(const std::filesystem::path& file, std::string_view content) {
   const std::string extension = file.extension().string();
-  if (extension == ".toml") return false;
-  if (extension == ".urdf" || extension == ".xml") return true;
+  if (extension == ".toml") return read_drawing;
+  if (extension == ".urdf") return io::read_urdf;
+  if (extension == ".sdf" || extension == ".world") return io::read_sdf;
+  const std::string_view root = io::root_element(content);
+  if (root == "sdf") return io::read_sdf;
+  if (root == "mujoco") return refuse_mjcf;
   const std::size_t first = content.find_first_not_of(" \t\r\n\xEF\xBB\xBF");  // past a byte order mark
-  return first != std::string::npos && content[first] == '<';
+  const bool is_xml = extension == ".xml" || (first != std::string_view::npos && content[first] == '<');
+  return is_xml ? io::read_urdf : read_drawing;
 }
 
 io::Reading read(const std::filesystem::path& file, Strictness strictness) {
@@ -60,8 +87,7 @@ io::Reading read(const std::filesystem::path& file, Strictness strictness) {
     unread.faults = std::move(text.faults);
     return unread;
   }
-  return is_urdf(file, text.content) ? io::read_urdf(text.content, file.string(), strictness)
-                                     : io::read_drawing(text.content, file.string(), strictness);
+  return reader_for(file, text.content)(text.content, file.string(), strictness);
 }
 
 Description held(Description description, Base base) {

@@ -20,6 +20,10 @@ struct Reading {
 Reading read_drawing(std::string_view text, const std::string& file, Strictness strictness);
 Reading read_drawing(const toml::Value& drawing, const std::string& file, Strictness strictness);
 Reading read_urdf(std::string_view text, const std::string& file, Strictness strictness);
+Reading read_sdf(std::string_view text, const std::string& file, Strictness strictness);
+
+/// The name of the first element of an XML text, which need not be well-formed; empty where there is none.
+std::string_view root_element(std::string_view text);
 
 /// Mends what can be mended, with a warning for each: limits the wrong way round are none, and a joint that
 /// follows one that does not exist moves on its own.

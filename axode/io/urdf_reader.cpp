@@ -1,5 +1,3 @@
-#include <tinyxml2.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -10,25 +8,15 @@
 
 #include "axode/io.hpp"
 #include "axode/io/pose.hpp"
-#include "axode/io/reading.hpp"
 #include "axode/io/urdf_kinds.hpp"
+#include "axode/io/xml_reader.hpp"
 #include "axode/model/nearest_name.hpp"
 #include "axode/model/shape_kinds.hpp"
 
 namespace axode::io {
 namespace {
 
-using tinyxml2::XMLElement;
-
-/// What URDF knows in an element.
-struct Grammar {
-  std::string_view element;
-  std::vector<std::string_view> attributes = {};
-  std::vector<std::string_view> once = {};      ///< children, one of each at most
-  std::vector<std::string_view> repeated = {};  ///< children, any number of each
-};
-
-const Grammar* grammar_of(std::string_view element) {
+std::span<const Grammar> urdf_grammar() {
   static const std::array<Grammar, 25> all{{
       {"robot", {"name", "version"}, {}, {"link", "joint", "loop_joint", "material"}},
       {"link", {"name"}, {"inertial"}, {"visual", "collision"}},
@@ -59,53 +47,29 @@ const Grammar* grammar_of(std::string_view element) {
       {"mimic", {"joint", "multiplier", "offset"}},
       {"safety_controller", {"soft_lower_limit", "soft_upper_limit", "k_position", "k_velocity"}},
   }};
-  const auto found =
-      std::find_if(all.begin(), all.end(), [&](const Grammar& g) { return g.element == element; });
-  return found == all.end() ? nullptr : &*found;
+  return all;
 }
 
 constexpr const char* expand_first = "; this is a xacro file: expand it with xacro first";
 
-const char* why_not_xml(tinyxml2::XMLError error) {
-  switch (error) {
-    case tinyxml2::XML_ERROR_EMPTY_DOCUMENT: return "the file is empty; a URDF holds one <robot>";
-    case tinyxml2::XML_ERROR_MISMATCHED_ELEMENT:
-      return "this element is not closed, or closed by another name";
-    case tinyxml2::XML_ERROR_PARSING_ELEMENT: return "this is not a well-formed element";
-    case tinyxml2::XML_ERROR_PARSING_ATTRIBUTE:
-      return "an attribute of this element is malformed or given twice";
-    case tinyxml2::XML_ERROR_PARSING_TEXT: return "there is text outside the root element";
-    case tinyxml2::XML_ERROR_PARSING_CDATA: return "this CDATA section never ends";
-    case tinyxml2::XML_ERROR_PARSING_COMMENT: return "this comment never ends";
-    case tinyxml2::XML_ERROR_PARSING_DECLARATION: return "this <?...?> is malformed or in the wrong place";
-    case tinyxml2::XML_ELEMENT_DEPTH_EXCEEDED: return "elements are nested more than 100 deep";
-    default: return "this is not well-formed XML";
-  }
-}
-
-class UrdfReader {
+class UrdfReader : XmlReader {
  public:
   UrdfReader(std::string_view text, std::string file, Strictness strictness)
-      : text_(text), file_(std::move(file)), strictness_(strictness) {
+      : XmlReader({"a URDF", "robot", urdf_grammar()}, text, std::move(file), strictness) {
     description().name = "robot";
     description().source = {file_, 0};
   }
 
   Reading read() {
-    if (auto fault = not_text(text_, file_)) {
-      faults().push_back(std::move(*fault));
-      return std::move(result_);
-    }
     tinyxml2::XMLDocument document;
-    if (document.Parse(text_.data(), text_.size()) != tinyxml2::XML_SUCCESS) {
-      error(Rule::syntax, "", why_not_xml(document.ErrorID()), document.ErrorLineNum());
-    } else if (const XMLElement* robot = root_of(document); robot != nullptr && !is_xacro(*robot)) {
+    if (const XMLElement* robot = parse(document); robot != nullptr && !is_xacro(*robot)) {
       read_robot(*robot);
       assemble();
       report_ignored();
-      if (strictness_ == Strictness::lenient) forgive(result_);
+      report_massless();
+      if (strictness_ == Strictness::lenient) forgive(result());
     }
-    return std::move(result_);
+    return take_result();
   }
 
  private:
@@ -119,49 +83,8 @@ class UrdfReader {
     SE3<> origin;
     JointDescription joint;
   };
-  struct Ignored {
-    std::string what;
-    int line, count;
-  };
-
-  Description& description() { return result_.description; }
-  std::vector<Fault>& faults() { return result_.faults; }
-  void note(Severity severity, Rule rule, std::string element, std::string message, int line) {
-    faults().push_back({severity, rule, std::move(element), std::move(message), {file_, line}});
-  }
-  void error(Rule rule, std::string element, std::string message, int line) {
-    note(Severity::error, rule, std::move(element), std::move(message), line);
-  }
-  /// What others forgive.
-  Severity doubt() const { return strictness_ == Strictness::strict ? Severity::error : Severity::warning; }
-  void ignore(std::string what, int line) {
-    const auto [known, is_new] = ignored_index_.emplace(what, ignored_.size());
-    if (is_new) ignored_.push_back({std::move(what), line, 0});
-    ++ignored_[known->second].count;
-  }
 
   // ---------------------------------------------------------------- elements and attributes
-
-  static std::string tag(const XMLElement& e) { return '<' + std::string(e.Name()) + '>'; }
-
-  const XMLElement* root_of(const tinyxml2::XMLDocument& document) {
-    const XMLElement* root = document.RootElement();
-    if (root == nullptr) {
-      error(Rule::syntax, "", why_not_xml(tinyxml2::XML_ERROR_EMPTY_DOCUMENT), 1);
-      return nullptr;
-    }
-    if (std::string_view(root->Name()) != "robot") {
-      error(Rule::syntax, "", "the root element is " + tag(*root) + "; that of a URDF is <robot>",
-            root->GetLineNum());
-      return nullptr;
-    }
-    for (const tinyxml2::XMLNode* node = document.FirstChild(); node != nullptr; node = node->NextSibling()) {
-      if (node != root && (node->ToElement() != nullptr || node->ToText() != nullptr))
-        error(Rule::syntax, "", "there is something outside <robot>; it must be the only root element",
-              node->GetLineNum());
-    }
-    return root;
-  }
 
   /// Whether an element that URDF knows holds an expression, with a fault for the first.
   bool is_xacro(const XMLElement& robot) {
@@ -183,103 +106,6 @@ class UrdfReader {
     return false;
   }
 
-  /// Notes whatever URDF does not know or allow in an element.
-  void inspect(const XMLElement& e, const std::string& owner) {
-    const Grammar* grammar = grammar_of(e.Name());
-    if (grammar == nullptr) return;
-    const auto in = [](const std::vector<std::string_view>& list, std::string_view name) {
-      return std::find(list.begin(), list.end(), name) != list.end();
-    };
-    for (const auto* a = e.FirstAttribute(); a != nullptr; a = a->Next()) {
-      const std::string_view attribute = a->Name();
-      if (!attribute.starts_with("xmlns") && !in(grammar->attributes, attribute))
-        ignore("attribute " + std::string(attribute) + " of " + tag(e), a->GetLineNum());
-    }
-    std::vector<const XMLElement*> seen;
-    for (const tinyxml2::XMLNode* node = e.FirstChild(); node != nullptr; node = node->NextSibling()) {
-      if (node->ToText() != nullptr) ignore("text in " + tag(e), node->GetLineNum());
-      const XMLElement* child = node->ToElement();
-      if (child == nullptr || in(grammar->repeated, child->Name())) continue;
-      const auto before = std::find_if(seen.begin(), seen.end(), [&](const XMLElement* other) {
-        return std::string_view(other->Name()) == child->Name();
-      });
-      if (!in(grammar->once, child->Name())) {
-        ignore(tag(*child), child->GetLineNum());
-      } else if (before == seen.end()) {
-        seen.push_back(child);
-      } else if (child->NoChildren() && (*before)->NoChildren() && child->ShallowEqual(*before)) {
-        note(doubt(), Rule::duplicate_element, owner, tag(e) + " holds the same " + tag(*child) + " twice",
-             child->GetLineNum());
-      } else {
-        error(Rule::duplicate_element, owner, tag(e) + " holds " + tag(*child) + " twice",
-              child->GetLineNum());
-      }
-    }
-  }
-
-  /// A child that is inspected on the way; null where there is none.
-  const XMLElement* child_of(const XMLElement& e, const char* name, const std::string& owner) {
-    const XMLElement* child = e.FirstChildElement(name);
-    if (child != nullptr) inspect(*child, owner);
-    return child;
-  }
-  const XMLElement* required_child(const XMLElement& e, const char* name, const std::string& owner) {
-    const XMLElement* child = child_of(e, name, owner);
-    if (child == nullptr)
-      error(Rule::missing_element, owner, tag(e) + " has no <" + name + ">; it needs one", e.GetLineNum());
-    return child;
-  }
-  const char* required(const XMLElement& e, const char* attribute, const std::string& owner) {
-    const char* value = e.Attribute(attribute);
-    if (value == nullptr)
-      error(Rule::missing_element, owner, tag(e) + " has no attribute " + attribute + "; it needs one",
-            e.GetLineNum());
-    return value;
-  }
-  /// A name that an attribute gives; empty, with a fault, where there is none.
-  std::string name(const XMLElement& e, const char* attribute, const std::string& owner) {
-    const char* value = required(e, attribute, owner);
-    if (value == nullptr) return {};
-    if (*value == '\0')
-      error(Rule::missing_name, owner, tag(e) + " has an empty " + attribute, e.GetLineNum());
-    if (!printable(value))
-      error(Rule::wrong_value, owner, in_quotes(value) + " holds a control character; a name must not",
-            e.GetLineNum());
-    return value;
-  }
-
-  /// N numbers of an attribute; nothing where it is absent or, with a fault, where it is wrong.
-  template <std::size_t N>
-  std::optional<std::array<double, N>> numbers(const XMLElement& e, const char* attribute,
-                                               const std::string& owner,
-                                               Severity severity = Severity::error) {
-    const char* value = e.Attribute(attribute);
-    if (value == nullptr) return std::nullopt;
-    const std::string what = tag(e) + " " + attribute;
-    const char* outcome = severity == Severity::warning ? "; it is ignored" : "";
-    constexpr std::string_view blank = " \t\r\n";
-    std::array<double, N> out{};
-    std::size_t count = 0;
-    std::string_view rest = value;
-    for (std::size_t at; (at = rest.find_first_not_of(blank)) != std::string_view::npos; ++count) {
-      const std::size_t end = std::min(rest.find_first_of(blank, at), rest.size());
-      const std::string_view word = rest.substr(at, end - at);
-      rest.remove_prefix(end);
-      const Number x = number(word);
-      if (x.broken) {
-        note(severity, *x.broken, owner, what + ": " + in_quotes(word) + " " + x.complaint + outcome,
-             e.GetLineNum());
-        return std::nullopt;
-      }
-      if (count < N) out[count] = x.value;
-    }
-    if (count == N) return out;
-    note(severity, Rule::wrong_value, owner,
-         what + " is " + in_quotes(value) + "; it needs " + std::to_string(N) +
-             (N == 1 ? " number" : " numbers") + " and has " + std::to_string(count) + outcome,
-         e.GetLineNum());
-    return std::nullopt;
-  }
   std::optional<Vec3<>> vector(const XMLElement& e, const char* attribute, const std::string& owner,
                                Severity severity = Severity::error) {
     const auto x = numbers<3>(e, attribute, owner, severity);
@@ -338,8 +164,7 @@ class UrdfReader {
       if (element == "loop_joint") read_loop(*e);
     }
     if (links_.empty() && robot.FirstChildElement("link") == nullptr) {
-      const bool is_xacro = std::any_of(ignored_.begin(), ignored_.end(),
-                                        [](const Ignored& it) { return it.what.starts_with("<xacro:"); });
+      const bool is_xacro = is_ignored("<xacro:");
       error(Rule::missing_element, owner,
             std::string("has no <link>; a robot needs one at least") + (is_xacro ? expand_first : ""),
             robot.GetLineNum());
@@ -653,29 +478,17 @@ class UrdfReader {
             description().source.line);
   }
 
-  static std::string times(int count) {
-    return count > 1 ? " (" + std::to_string(count) + " times, first here)" : "";
-  }
-  void report_ignored() {
-    for (const Ignored& it : ignored_)
-      note(Severity::warning, Rule::unknown_element, it.what,
-           "says nothing about the mechanism and is ignored" + times(it.count), it.line);
+  void report_massless() {
     if (massless_count_ > 0)
       note(doubt(), Rule::mass_not_positive, "<inertial>",
            "says that mass and inertia are 0; a massless link needs no <inertial>" + times(massless_count_),
            massless_line_);
   }
 
-  std::string_view text_;
-  std::string file_;
-  Strictness strictness_;
-  Reading result_;
   std::unordered_map<std::string, Color> materials_;
   std::vector<Link> links_;
   std::vector<Connection> connections_;
   std::unordered_map<std::string, std::size_t> link_index_;
-  std::vector<Ignored> ignored_;
-  std::unordered_map<std::string, std::size_t> ignored_index_;
   int massless_count_ = 0, massless_line_ = 0;
   int suggestions_ = 0;
 };

@@ -9,33 +9,18 @@
 #include "axode/io.hpp"
 #include "axode/io/pose.hpp"
 #include "axode/io/urdf_kinds.hpp"
+#include "axode/io/xml_text.hpp"
 #include "axode/model/placement.hpp"
 #include "axode/model/shape_kinds.hpp"
 
 namespace axode {
 namespace {
 
+using io::xml::text;
+
 /// A link of a URDF must have its origin on the axis of its joint.
 constexpr double on_axis = 1e-12;
 
-std::string text(double x) { return to_text(x == 0 ? 0.0 : x); }  // no -0
-std::string text(const Vec3<>& a) { return text(a.x) + " " + text(a.y) + " " + text(a.z); }
-std::string text(std::string_view s) {
-  std::string out;
-  for (const char c : s) {
-    switch (c) {
-      case '&': out += "&amp;"; break;
-      case '<': out += "&lt;"; break;
-      case '>': out += "&gt;"; break;
-      case '"': out += "&quot;"; break;
-      case '\t': out += "&#9;"; break;
-      case '\n': out += "&#10;"; break;
-      case '\r': out += "&#13;"; break;
-      default: out += c;
-    }
-  }
-  return out;
-}
 /// URDF has no word for "no limit"; readers take the largest number for it.
 std::string limit_text(double x) {
   return text(std::clamp(x, -std::numeric_limits<double>::max(), std::numeric_limits<double>::max()));

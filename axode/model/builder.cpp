@@ -79,6 +79,10 @@ Description with_free_base(Description description) {
   std::vector<BodyDescription*> roots;
   for (BodyDescription& body : description.bodies)
     if (body.predecessor == "ground" && body.joint.kind == JointKind::fixed) roots.push_back(&body);
+  const auto is_free = [](const BodyDescription& body) {
+    return body.predecessor == "ground" && body.joint.kind == JointKind::free;
+  };
+  if (roots.empty() && std::ranges::any_of(description.bodies, is_free)) return description;
   if (roots.size() != 1)
     throw ModelError(description.name,
                      {{Severity::error, Rule::no_base, "model " + quoted(description.name),

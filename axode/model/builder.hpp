@@ -47,7 +47,8 @@ class ModelBuilder {
 };
 
 /// The description with its one body fixed to the ground set free by a joint named `free_base` (or free_base_2, ...
-/// where there is one). Throws ModelError (rule no_base) where not exactly one body is fixed to the ground.
+/// where there is one); as it is where bodies are free on the ground and none is fixed. Otherwise throws ModelError (rule
+/// no_base) where not exactly one body is fixed to the ground.
 Description with_free_base(Description description);
 /// The description with all bodies that are free on the ground fixed to it: one by a joint named `fixed_base`, several
 /// by joints without a name.

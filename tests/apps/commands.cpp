@@ -367,6 +367,18 @@ TEST(Convert, WhatUrdfHasNoWordsForIsAnErrorAndNothingIsWritten) {
   EXPECT_FALSE(std::filesystem::exists(out));
 }
 
+TEST(Convert, WritesMjcfAndDoesNotReadIt) {
+  const TemporaryFolder folder;
+  const std::string out = folder.file("arm.xml");
+  ASSERT_EQ(axode({"convert", robot("arm7.toml"), out}).code, 0);
+  EXPECT_THAT(contents(out), testing::StartsWith("<mujoco model=\"arm7\">"));
+  const Outcome back = axode({"convert", out, folder.file("arm.urdf")});
+  EXPECT_EQ(back.code, 1);
+  EXPECT_THAT(back.err, HasSubstr("the file is MJCF, which is read by MuJoCo itself: load it in Python"));
+  const Outcome refused = axode({"convert", robot("machine.toml"), folder.file("machine.xml")});
+  EXPECT_THAT(refused.err, HasSubstr("joint \"jack\": is helical; MJCF has no such joint"));
+}
+
 TEST(Convert, WarningsGoToStandardError) {
   const TemporaryFolder folder;
   const std::string in = folder.write("two.urdf", two_links("<gazebo/>\n")), out = folder.file("two.toml");

@@ -102,7 +102,12 @@ TEST(BadFiles, ThoseThatAreOnlyDoubtfulAreLoadedWithTheSameFaultsAsWarnings) {
                                        "inertia_negative.toml",
                                        "second_axis_that_is_equal.urdf",
                                        "mesh_scale_of_four_numbers.urdf",
-                                       "mass_and_inertia_zero.urdf"};
+                                       "mass_and_inertia_zero.urdf",
+                                       "without_a_version.sdf",
+                                       "version_in_words.sdf",
+                                       "limits_crossed.sdf",
+                                       "mimic_of_unknown_joint.sdf",
+                                       "shape_without_size.sdf"};
   for (const auto& entry : std::filesystem::directory_iterator(bad_folder())) {
     const std::string name = entry.path().filename().string();
     if (name == "expected.tsv") continue;

@@ -364,6 +364,16 @@ TEST(Load, TellsTheFormatByExtensionAndContent) {
   EXPECT_EQ(name_of("a", mark + "\n" + urdf), "robot");
   EXPECT_EQ(name_of("a.txt", drawing), "drawing");
   EXPECT_EQ(name_of("a.toml", mark + drawing), "drawing");
+  const std::string sdf = "<sdf version=\"1.9\"><model name=\"stone\"><link name=\"a\"/></model></sdf>";
+  for (const char* file : {"a.sdf", "a.world", "a.xml", "a.txt"})
+    EXPECT_EQ(name_of(file, "<?xml version=\"1.0\"?><!-- <robot> -->" + sdf), "stone") << file;
+  try {
+    name_of("a.xml", "\n<mujoco/>");
+    ADD_FAILURE() << "MJCF is read";
+  } catch (const ModelError& error) {
+    EXPECT_EQ(error.faults()[0].source.line, 2);
+    EXPECT_THAT(error.what(), HasSubstr("the file is MJCF, which is read by MuJoCo itself"));
+  }
   std::filesystem::remove_all(folder);
 }
 

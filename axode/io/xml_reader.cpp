@@ -1,0 +1,194 @@
+#include "axode/io/xml_reader.hpp"
+
+#include <algorithm>
+
+namespace axode::io {
+namespace {
+
+std::string why_not_xml(tinyxml2::XMLError error, const XmlFormat& format) {
+  switch (error) {
+    case tinyxml2::XML_ERROR_EMPTY_DOCUMENT:
+      return "the file is empty; " + std::string(format.a_file) + " holds one <" + std::string(format.root) +
+             ">";
+    case tinyxml2::XML_ERROR_MISMATCHED_ELEMENT:
+      return "this element is not closed, or closed by another name";
+    case tinyxml2::XML_ERROR_PARSING_ELEMENT: return "this is not a well-formed element";
+    case tinyxml2::XML_ERROR_PARSING_ATTRIBUTE:
+      return "an attribute of this element is malformed or given twice";
+    case tinyxml2::XML_ERROR_PARSING_TEXT: return "there is text outside the root element";
+    case tinyxml2::XML_ERROR_PARSING_CDATA: return "this CDATA section never ends";
+    case tinyxml2::XML_ERROR_PARSING_COMMENT: return "this comment never ends";
+    case tinyxml2::XML_ERROR_PARSING_DECLARATION: return "this <?...?> is malformed or in the wrong place";
+    case tinyxml2::XML_ELEMENT_DEPTH_EXCEEDED: return "elements are nested more than 100 deep";
+    default: return "this is not well-formed XML";
+  }
+}
+
+}  // namespace
+
+std::string_view root_element(std::string_view text) {
+  const auto skip_past = [&](std::string_view end) {
+    const std::size_t at = text.find(end);
+    text.remove_prefix(at == std::string_view::npos ? text.size() : at + end.size());
+  };
+  while (!text.empty()) {
+    skip_past("<");
+    if (text.starts_with("!--")) {
+      skip_past("-->");
+    } else if (text.starts_with("?") || text.starts_with("!")) {
+      skip_past(">");
+    } else {
+      return text.substr(0, text.find_first_of(" \t\r\n/>"));
+    }
+  }
+  return {};
+}
+
+void XmlReader::ignore(std::string what, int line) {
+  const auto [known, is_new] = ignored_index_.emplace(what, ignored_.size());
+  if (is_new) ignored_.push_back({std::move(what), line, 0});
+  ++ignored_[known->second].count;
+}
+
+void XmlReader::report_ignored() {
+  for (const Ignored& it : ignored_)
+    note(Severity::warning, Rule::unknown_element, it.what,
+         "says nothing about the mechanism and is ignored" + times(it.count), it.line);
+}
+
+const XMLElement* XmlReader::parse(tinyxml2::XMLDocument& document) {
+  if (auto fault = not_text(text_, file_)) {
+    faults().push_back(std::move(*fault));
+    return nullptr;
+  }
+  if (document.Parse(text_.data(), text_.size()) != tinyxml2::XML_SUCCESS) {
+    error(Rule::syntax, "", why_not_xml(document.ErrorID(), format_), document.ErrorLineNum());
+    return nullptr;
+  }
+  const XMLElement* root = document.RootElement();
+  if (root == nullptr) {
+    error(Rule::syntax, "", why_not_xml(tinyxml2::XML_ERROR_EMPTY_DOCUMENT, format_), 1);
+    return nullptr;
+  }
+  const std::string expected = "<" + std::string(format_.root) + ">";
+  if (root->Name() != format_.root) {
+    error(
+        Rule::syntax, "",
+        "the root element is " + tag(*root) + "; that of " + std::string(format_.a_file) + " is " + expected,
+        root->GetLineNum());
+    return nullptr;
+  }
+  for (const tinyxml2::XMLNode* node = document.FirstChild(); node != nullptr; node = node->NextSibling()) {
+    if (node != root && (node->ToElement() != nullptr || node->ToText() != nullptr))
+      error(Rule::syntax, "", "there is something outside " + expected + "; it must be the only root element",
+            node->GetLineNum());
+  }
+  return root;
+}
+
+const Grammar* XmlReader::grammar_of(std::string_view element) const {
+  const auto found = std::ranges::find(format_.grammar, element, &Grammar::element);
+  return found == format_.grammar.end() ? nullptr : &*found;
+}
+
+bool XmlReader::is_ignored(std::string_view beginning) const {
+  return std::ranges::any_of(ignored_, [&](const Ignored& it) { return it.what.starts_with(beginning); });
+}
+
+void XmlReader::inspect(const XMLElement& e, const std::string& owner) {
+  const Grammar* grammar = grammar_of(e.Name());
+  if (grammar == nullptr) return;
+  const auto in = [](const std::vector<std::string_view>& list, std::string_view name) {
+    return std::find(list.begin(), list.end(), name) != list.end();
+  };
+  for (const auto* a = e.FirstAttribute(); a != nullptr; a = a->Next()) {
+    const std::string_view attribute = a->Name();
+    if (!attribute.starts_with("xmlns") && !in(grammar->attributes, attribute))
+      ignore("attribute " + std::string(attribute) + " of " + tag(e), a->GetLineNum());
+  }
+  std::vector<const XMLElement*> seen;
+  for (const tinyxml2::XMLNode* node = e.FirstChild(); node != nullptr; node = node->NextSibling()) {
+    if (node->ToText() != nullptr) ignore("text in " + tag(e), node->GetLineNum());
+    const XMLElement* child = node->ToElement();
+    if (child == nullptr || in(grammar->repeated, child->Name())) continue;
+    const auto before = std::find_if(seen.begin(), seen.end(), [&](const XMLElement* other) {
+      return std::string_view(other->Name()) == child->Name();
+    });
+    if (!in(grammar->once, child->Name())) {
+      ignore(tag(*child), child->GetLineNum());
+    } else if (before == seen.end()) {
+      seen.push_back(child);
+    } else if (child->NoChildren() && (*before)->NoChildren() && child->ShallowEqual(*before)) {
+      note(doubt(), Rule::duplicate_element, owner, tag(e) + " holds the same " + tag(*child) + " twice",
+           child->GetLineNum());
+    } else {
+      error(Rule::duplicate_element, owner, tag(e) + " holds " + tag(*child) + " twice", child->GetLineNum());
+    }
+  }
+}
+
+const XMLElement* XmlReader::child_of(const XMLElement& e, const char* name, const std::string& owner) {
+  const XMLElement* child = e.FirstChildElement(name);
+  if (child != nullptr) inspect(*child, owner);
+  return child;
+}
+
+const XMLElement* XmlReader::required_child(const XMLElement& e, const char* name, const std::string& owner) {
+  const XMLElement* child = child_of(e, name, owner);
+  if (child == nullptr)
+    error(Rule::missing_element, owner, tag(e) + " has no <" + name + ">; it needs one", e.GetLineNum());
+  return child;
+}
+
+const char* XmlReader::required(const XMLElement& e, const char* attribute, const std::string& owner) {
+  const char* value = e.Attribute(attribute);
+  if (value == nullptr)
+    error(Rule::missing_element, owner, tag(e) + " has no attribute " + attribute + "; it needs one",
+          e.GetLineNum());
+  return value;
+}
+
+std::string XmlReader::name(const XMLElement& e, const char* attribute, const std::string& owner) {
+  const char* value = required(e, attribute, owner);
+  return value == nullptr ? ""
+                          : checked_name(value, tag(e) + " has an empty " + attribute, owner, e.GetLineNum());
+}
+
+std::string XmlReader::checked_name(const char* value, const std::string& where_empty,
+                                    const std::string& owner, int line) {
+  if (*value == '\0') error(Rule::missing_name, owner, where_empty, line);
+  if (!printable(value))
+    error(Rule::wrong_value, owner, in_quotes(value) + " holds a control character; a name must not", line);
+  return value;
+}
+
+std::optional<std::vector<double>> XmlReader::numbers(std::string_view text, const std::string& what,
+                                                      const std::string& owner, int line, Severity severity) {
+  constexpr std::string_view blank = " \t\r\n";
+  std::vector<double> out;
+  for (std::size_t at; (at = text.find_first_not_of(blank)) != std::string_view::npos;) {
+    const std::size_t end = std::min(text.find_first_of(blank, at), text.size());
+    const std::string_view word = text.substr(at, end - at);
+    text.remove_prefix(end);
+    const Number x = number(word);
+    if (x.broken) {
+      note(severity, *x.broken, owner,
+           what + ": " + in_quotes(word) + " " + x.complaint +
+               (severity == Severity::warning ? "; it is ignored" : ""),
+           line);
+      return std::nullopt;
+    }
+    out.push_back(x.value);
+  }
+  return out;
+}
+
+void XmlReader::wrong_count(std::string_view text, const std::string& what, const std::string& needed,
+                            std::size_t count, const std::string& owner, int line, Severity severity) {
+  note(severity, Rule::wrong_value, owner,
+       what + " is " + in_quotes(text) + "; it needs " + needed + " and has " + std::to_string(count) +
+           (severity == Severity::warning ? "; it is ignored" : ""),
+       line);
+}
+
+}  // namespace axode::io
