@@ -36,7 +36,6 @@ from ._axode import (
     centroidal_momentum,
     centroidal_momentum_matrix,
     centroidal_momentum_matrix_rate,
-    check,
     christoffel,
     constraint_wrenches,
     coriolis_derivatives,
@@ -88,7 +87,6 @@ from ._axode import (
     kinetic_energy_gradient,
     kinetic_energy_regressor,
     linearize,
-    load,
     load_powers,
     loop_bias,
     loop_hessian_product,
@@ -100,6 +98,7 @@ from ._axode import (
     loop_residual_jacobian,
     mass_matrix,
     mass_matrix_partials,
+    mjcf,
     mobility,
     momenta,
     momentum_form,
@@ -112,6 +111,7 @@ from ._axode import (
     potential_energy,
     potential_energy_regressor,
     read_drawing,
+    read_sdf,
     read_urdf,
     regressor,
     relative_jacobian,
@@ -131,6 +131,7 @@ from ._axode import name_here as _name_here
 from ._axode import version as __version__
 from .builder import Builder
 from .errors import AssemblyError, Fault, ModelError, NotFiniteError, SimulationError, SingularError, StatesError
+from .files import check, load
 from .records import (
     Equilibrium,
     ForwardDynamicsDerivatives,
@@ -159,8 +160,8 @@ robots: Path = Path(__file__).parent / "robots"
 
 __all__ = [
     # mechanisms
-    "Model", "Body", "Joint", "Builder", "load", "check", "read_drawing", "read_urdf", "drawing", "urdf", "robots",
-    "__version__",
+    "Model", "Body", "Joint", "Builder", "load", "check", "read_drawing", "read_urdf", "read_sdf", "drawing", "urdf", "mjcf",
+    "robots", "__version__",
     # kinematics
     "poses", "twists", "accelerations", "jacobian", "jacobian_rate", "jacobian_partials", "jacobian_derivatives",
     "jacobian_derivative_along", "jacobian_columns", "relative_jacobian", "joint_screws", "twist_derivatives",

@@ -1,4 +1,4 @@
-"""States of a mechanism in the orders of Pinocchio and of MuJoCo, and back.
+"""States of a mechanism in the orders of Pinocchio and of MuJoCo, and back; mechanisms from models of MuJoCo.
 
 | | Pinocchio | MuJoCo |
 |---|---|---|
@@ -22,17 +22,18 @@ Accelerations there are P a, and for MuJoCo P a + P' v, where a free base turns 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any, NamedTuple, overload
+from typing import Any, Literal, NamedTuple, overload
 
 from weakref import WeakKeyDictionary
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from . import lie
+from . import lie, mujoco_model
 from ._axode import Model
+from ._axode import load_dict as _load_dict
 
-__all__ = ["from_mujoco", "from_pinocchio", "to_mujoco", "to_pinocchio"]
+__all__ = ["from_mujoco", "from_pinocchio", "model_from_mujoco", "to_mujoco", "to_pinocchio"]
 
 Array = NDArray[np.float64]
 
@@ -140,6 +141,23 @@ def to_mujoco(m: Model, q: ArrayLike, v: ArrayLike | None = None, *,
     """
     names = None if joints is None else tuple(joints)
     return _layout(m, "MuJoCo", names, True).to_there(q, v)
+
+
+def model_from_mujoco(model: Any, base: Literal["fixed", "free"] | None = None, *,
+                      gravity: ArrayLike | None = None, strict: bool = False) -> Model:
+    """The mechanism of a compiled model of MuJoCo, a mujoco.MjModel; what is not carried over is in its warnings.
+
+    Coordinates are MuJoCo's qpos in the order of `to_mujoco`, so that q = 0 need not be qpos0. A body with several joints
+    hangs on a massless one for each but the last. Otherwise as `load`, which reads MJCF in this way.
+
+    >>> import mujoco
+    >>> geom = '<geom type="box" size="0.1 0.1 0.1"/>'
+    >>> there = mujoco.MjModel.from_xml_string(f'<mujoco><worldbody><body name="b"><joint/>{geom}</body></worldbody></mujoco>')
+    >>> axode.convert.model_from_mujoco(there).joint_names
+    ['b_joint']
+    """
+    drawing, warnings = mujoco_model.read(model)
+    return _load_dict(drawing, "", warnings, base, gravity, strict)
 
 
 class _Coding:

@@ -47,7 +47,7 @@ def signature_without_self(method: Any) -> inspect.Signature:
     return whole.replace(parameters=list(whole.parameters.values())[1:])
 
 
-_axode.describe(type(_axode.load), property(signature))
+_axode.describe(type(_axode.load_file), property(signature))
 _axode.describe(type(_axode.Model.neutral), property(signature))
 _axode.describe(type(_axode.Model.neutral.__get__(object())), property(signature_without_self))
 setattr(_axode.MassMatrixFactor, "__signature__", signature_without_self(_axode.MassMatrixFactor.__init__))

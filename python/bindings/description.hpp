@@ -16,8 +16,10 @@ Description unpacked(nb::handle tuple);
 inline Strictness strictness(bool strict) { return strict ? Strictness::strict : Strictness::lenient; }
 
 /// A mechanism in the words of the drawing format (docs/drawing-format.md), as a dict: what a drawing reads
-/// as. Throws ModelError with every fault, and nb::type_error for what a drawing cannot hold.
-Model from_dict(const nb::dict& drawing, Base base, Strictness strictness);
+/// as. Throws ModelError with every fault, and nb::type_error for what a drawing cannot hold. It may come from a file of
+/// another format, with warnings.
+Model from_dict(const nb::dict& drawing, Base base, Strictness strictness, const std::string& file = "",
+                const std::vector<Fault>& warnings = {});
 nb::dict to_dict(const Model& model);
 
 }  // namespace axode::python

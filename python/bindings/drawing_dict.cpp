@@ -85,10 +85,13 @@ nb::object to_python(const toml::Value& value) {
 
 }  // namespace
 
-Model from_dict(const nb::dict& drawing, Base base, Strictness strictness) {
+Model from_dict(const nb::dict& drawing, Base base, Strictness strictness, const std::string& file,
+                const std::vector<Fault>& warnings) {
   toml::Document document;
   const toml::Value* root = Writer(document).value(drawing, "");
-  return io::build(io::read_drawing(*root, "", strictness), base, strictness);
+  io::Reading reading = io::read_drawing(*root, file, strictness);
+  reading.faults.insert(reading.faults.end(), warnings.begin(), warnings.end());
+  return io::build(std::move(reading), base, strictness);
 }
 
 nb::dict to_dict(const Model& model) {

@@ -29,49 +29,80 @@ std::string urdf_text(const BoundModel& m) {
   write_urdf(m, text);
   return text.str();
 }
+std::string mjcf_text(const BoundModel& m) {
+  std::ostringstream text;
+  write_mjcf(m, text);
+  return text.str();
+}
+
+/// Those that Python's own readers give, as (element, message), of a file.
+std::vector<Fault> warnings_of(const nb::list& given, const std::string& file) {
+  std::vector<Fault> warnings;
+  for (const nb::handle each : given)
+    warnings.push_back({Severity::warning,
+                        Rule::unknown_element,
+                        nb::cast<std::string>(each[0]),
+                        nb::cast<std::string>(each[1]),
+                        {file, 0}});
+  return warnings;
+}
+BoundModel with_gravity_of(const Model& model, nb::handle gravity) {
+  if (gravity.is_none()) return BoundModel(model);
+  const Numbers g("gravity", {gravity.ptr()});
+  if (g.axes() != 1 || !g.ends_with({3})) g.wrong_shape("(3,), m/s^2");
+  return BoundModel(with_gravity(model, vector_from(g.data())));
+}
 
 }  // namespace
 
 void add_files(nb::module_& module) {
+  // What axode/files.py makes `load` and `check` of.
   module.def(
-      "load",
+      "load_file",
       [](const std::filesystem::path& path, Base base, nb::handle gravity, bool strict) {
-        const Model model = load(path, base, strictness(strict));
-        if (gravity.is_none()) return BoundModel(model);
-        const Numbers g("gravity", {gravity.ptr()});
-        if (g.axes() != 1 || !g.ends_with({3})) g.wrong_shape("(3,), m/s^2");
-        return BoundModel(with_gravity(model, vector_from(g.data())));
+        return with_gravity_of(load(path, base, strictness(strict)), gravity);
       },
-      "path"_a, "base"_a = nb::none(), nb::kw_only(), "gravity"_a = nb::none(), "strict"_a = false,
-      nb::sig("def load(path: str | os.PathLike[str], base: typing.Literal['fixed', 'free'] | None = None, "
-              "*, gravity: numpy.typing.ArrayLike | None = None, strict: bool = False) -> Model"),
-      R"(
-The mechanism of a file: a drawing (.toml) or a URDF (.urdf, .xml, or any file that begins with `<`).
-
-base="free" sets the body that is fixed to the ground free by a joint named `free_base`, base="fixed" fixes one that
-hangs on the ground by a free joint; without it the file decides. ModelError lists every fault of a file with its line.
-What is doubtful and can be computed all the same, such as an inertia that no density produces, is in `Model.warnings`;
-with strict=True it is a fault.
-`gravity` (3,), m/s^2, is there in place of that of the file.
-
->>> arm = axode.load(axode.robots / "arm7.toml")
->>> arm.nv
-7
-)");
+      "path"_a, "base"_a = nb::none(), "gravity"_a = nb::none(), "strict"_a = false,
+      nb::sig(
+          "def load_file(path: str | os.PathLike[str], base: typing.Literal['fixed', 'free'] | None = None, "
+          "gravity: numpy.typing.ArrayLike | None = None, strict: bool = False) -> Model"));
   module.def(
-      "check",
+      "check_file",
       [](const std::filesystem::path& path, Base base, bool strict) {
         return fault_list(check(path, base, strictness(strict)));
       },
-      "path"_a, "base"_a = nb::none(), nb::kw_only(), "strict"_a = false,
-      nb::sig("def check(path: str | os.PathLike[str], base: typing.Literal['fixed', 'free'] | None = None, "
-              "*, strict: bool = False) -> list[axode.Fault]"),
-      R"(
-Everything that `load` finds wrong or doubtful with a file, by line. A file that cannot be read is a fault as well.
-
->>> axode.check(axode.robots / "arm7.toml")
-[]
-)");
+      "path"_a, "base"_a = nb::none(), "strict"_a = false,
+      nb::sig(
+          "def check_file(path: str | os.PathLike[str], base: typing.Literal['fixed', 'free'] | None = None, "
+          "strict: bool = False) -> list[axode.Fault]"));
+  module.def(
+      "load_urdf",
+      [](const std::string& text, const std::string& file, Base base, nb::handle gravity, bool strict) {
+        return with_gravity_of(
+            io::build(io::read_urdf(text, file, strictness(strict)), base, strictness(strict)), gravity);
+      },
+      "text"_a, "file"_a, "base"_a = nb::none(), "gravity"_a = nb::none(), "strict"_a = false,
+      nb::sig("def load_urdf(text: str, file: str, base: typing.Literal['fixed', 'free'] | None = None, "
+              "gravity: numpy.typing.ArrayLike | None = None, strict: bool = False) -> Model"));
+  module.def(
+      "load_dict",
+      [](const nb::dict& drawing, const std::string& file, const nb::list& warnings, Base base,
+         nb::handle gravity, bool strict) {
+        return with_gravity_of(
+            from_dict(drawing, base, strictness(strict), file, warnings_of(warnings, file)), gravity);
+      },
+      "drawing"_a, "file"_a, "warnings"_a, "base"_a = nb::none(), "gravity"_a = nb::none(),
+      "strict"_a = false,
+      nb::sig("def load_dict(drawing: dict[str, typing.Any], file: str, warnings: list[tuple[str, str]], "
+              "base: typing.Literal['fixed', 'free'] | None = None, "
+              "gravity: numpy.typing.ArrayLike | None = None, strict: bool = False) -> Model"));
+  module.def(
+      "syntax_fault",
+      [](const std::string& message, const std::string& file, int line) {
+        return fault_object({Severity::error, Rule::syntax, "", message, {file, line}});
+      },
+      "message"_a, "file"_a, "line"_a,
+      nb::sig("def syntax_fault(message: str, file: str, line: int) -> axode.Fault"));
   module.def(
       "read_drawing",
       [](const std::string& text, Base base, bool strict) {
@@ -95,6 +126,18 @@ The mechanism of a URDF, from its text; otherwise as `load`.
 >>> axode.read_urdf('<robot name="stone"><link name="base"/></robot>').nq
 0
 )");
+  module.def(
+      "read_sdf",
+      [](const std::string& text, Base base, bool strict) {
+        return BoundModel(io::build(io::read_sdf(text, "", strictness(strict)), base, strictness(strict)));
+      },
+      "text"_a, "base"_a = nb::none(), nb::kw_only(), "strict"_a = false, R"(
+The mechanism of an SDF file, from its text; otherwise as `load`. A link that no joint carries is free.
+
+>>> stone = axode.read_sdf('<sdf version="1.9"><model name="stone"><link name="base"/></model></sdf>')
+>>> stone.joint_names
+['free_base']
+)");
   module.def("drawing", &drawing_text, "m"_a, R"(
 The text of a drawing of the mechanism, all in the construction frame; `read_drawing` makes the same model of it.
 
@@ -106,6 +149,12 @@ The text of a URDF of the mechanism. ModelError names everything that URDF has n
 
 >>> axode.urdf(axode.read_urdf('<robot name="stone"><link name="base"/></robot>'))[:5]
 '<?xml'
+)");
+  module.def("mjcf", &mjcf_text, "m"_a, R"(
+The text of an MJCF file of the mechanism, for MuJoCo. ModelError names everything that MJCF has no words for.
+
+>>> print(axode.mjcf(arm).splitlines()[0])
+<mujoco model="arm7">
 )");
 }
 

@@ -1,0 +1,98 @@
+"""Mechanisms of files, whatever their format."""
+
+from __future__ import annotations
+
+import importlib
+import os
+import re
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal
+from xml.etree import ElementTree
+
+from numpy.typing import ArrayLike
+
+from . import mujoco_model
+from ._axode import Model, check_file, load_dict, load_file, load_urdf, syntax_fault
+from .errors import ModelError
+
+if TYPE_CHECKING:
+    from .errors import Fault
+
+__all__ = ["check", "load"]
+
+def load(path: str | os.PathLike[str], base: Literal["fixed", "free"] | None = None, *,
+         gravity: ArrayLike | None = None, strict: bool = False) -> Model:
+    """The mechanism of a file: a drawing (.toml), a URDF (.urdf), SDFormat (.sdf, .world), MJCF (.xml) or xacro (.xacro).
+
+    Of any other file the root element decides. MJCF is compiled by MuJoCo (`pip install axode[mujoco]`), and xacro expanded
+    by xacro (`pip install axode[xacro]`). docs/formats.md says what each format carries over.
+
+    base="free" sets the body that is fixed to the ground free by a joint named `free_base`, base="fixed" fixes one that
+    hangs on the ground by a free joint; without it the file decides. ModelError lists every fault of a file with its line.
+    What is doubtful and can be computed all the same, such as an inertia that no density produces, and what is not carried
+    over is in `Model.warnings`; with strict=True doubts are faults.
+    `gravity` (3,), m/s^2, is there in place of that of the file.
+
+    >>> arm = axode.load(axode.robots / "arm7.toml")
+    >>> arm.nv
+    7
+    """
+    file = Path(os.fspath(path))
+    if file.suffix == ".xacro":
+        return load_urdf(_expanded(file), str(file), base, gravity, strict)
+    if _is_mjcf(file):
+        drawing, warnings = mujoco_model.read(_compiled(file))
+        return load_dict(drawing, str(file), warnings, base, gravity, strict)
+    return load_file(path, base, gravity, strict)
+
+
+def check(path: str | os.PathLike[str], base: Literal["fixed", "free"] | None = None, *,
+          strict: bool = False) -> list[Fault]:
+    """Everything that `load` finds wrong or doubtful with a file, by line. A file that cannot be read is a fault as well.
+
+    >>> axode.check(axode.robots / "arm7.toml")
+    []
+    """
+    file = Path(os.fspath(path))
+    if file.suffix != ".xacro" and not _is_mjcf(file):
+        return check_file(path, base, strict)
+    try:
+        return list(load(path, base, strict=strict).warnings)
+    except ModelError as error:
+        return error.faults
+
+
+def _is_mjcf(file: Path) -> bool:
+    if file.suffix in (".toml", ".urdf", ".sdf", ".world") or not file.is_file():
+        return False
+    try:
+        with file.open("rb") as stream:
+            _, root = next(ElementTree.iterparse(stream, events=("start",)))
+    except (ElementTree.ParseError, OSError, StopIteration, ValueError, LookupError):
+        return False  # whose faults the other readers find
+    return str(root.tag) == "mujoco"
+
+
+def _compiled(file: Path) -> Any:
+    mujoco = mujoco_model.import_mujoco(f"{file} is MJCF, which")
+    try:
+        return mujoco.MjModel.from_xml_path(str(file))
+    except ValueError as error:
+        raise _refused(f"MuJoCo does not compile it: {error}", file) from error
+
+
+def _expanded(file: Path) -> str:
+    try:
+        xacro = importlib.import_module("xacro")
+    except ImportError as error:
+        raise ImportError(f"{file} is a xacro file, which needs xacro: pip install axode[xacro]") from error
+    try:
+        return str(xacro.process_file(str(file)).toxml())
+    except Exception as error:  # it raises what it likes: of Python, of XML, and its own
+        raise _refused(f"xacro does not expand it: {type(error).__name__}: {error}", file) from error
+
+
+def _refused(text: str, file: Path) -> ModelError:
+    line = re.search(r"\bline (\d+)", text)
+    fault = syntax_fault(" ".join(text.split()), str(file), int(line[1]) if line else 0)
+    return ModelError(str(fault), [fault])
