@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <map>
@@ -10,30 +11,38 @@
 
 #include "tests/support/shared_files.hpp"
 
-/// The ledger of the paper's equations: a table with the columns test, id, section, meaning, status and
-/// stage, one row for each equation. Every row of a stage that is reached has a test Paper.<test>.
+/// The ledger of the paper's equations, equations.tsv: a table with the columns test, id, section, meaning, status,
+/// stage and code, one row for each equation. Every row of a stage that is reached has a test Paper.<test>; code is
+/// a header and something in it. The site's page about the paper is made of it.
 namespace axode::test::paper {
 namespace {
 
 const std::set<std::string> stages_reached{"foundation", "kinematics", "dynamics", "derivatives"};
 
 struct Row {
-  std::string test, status, stage;
+  std::string test, status, stage, code;
 };
 
-std::filesystem::path ledger_file() { return shared_folder("AXODE_LEDGER", "shared/paper/equations.tsv"); }
+std::filesystem::path source_folder() { return AXODE_SOURCE_DIR; }
+std::filesystem::path ledger_file() { return source_folder() / "tests/paper/equations.tsv"; }
+
+std::vector<std::string> lines_of(const std::filesystem::path& file) {
+  std::vector<std::string> lines;
+  std::ifstream stream(file);
+  for (std::string line; std::getline(stream, line);) lines.push_back(line);
+  return lines;
+}
 
 std::vector<Row> read_ledger() {
   std::vector<Row> rows;
-  std::ifstream stream(ledger_file());
-  std::string line;
-  for (std::getline(stream, line); std::getline(stream, line);) {
+  for (const std::string& line : lines_of(ledger_file())) {
     std::vector<std::string> columns;
     std::istringstream cells(line);
     for (std::string cell; std::getline(cells, cell, '\t');) columns.push_back(cell);
-    if (columns.size() != 6) throw std::runtime_error("a row of the ledger has not 6 columns: " + line);
-    rows.push_back({columns[0], columns[4], columns[5]});
+    if (columns.size() != 7) throw std::runtime_error("a row of the ledger has not 7 columns: " + line);
+    rows.push_back({columns[0], columns[4], columns[5], columns[6]});
   }
+  rows.erase(rows.begin());  // the names of the columns
   return rows;
 }
 
@@ -52,8 +61,7 @@ std::set<std::string> tests_of_the_paper() {
 std::map<std::string, std::string> texts_of_the_tests() {
   std::map<std::string, std::string> texts;
   const std::string start = "TEST(Paper, ";
-  const std::filesystem::path sources(AXODE_SOURCE_DIR);
-  for (const auto& entry : std::filesystem::directory_iterator(sources / "tests" / "paper")) {
+  for (const auto& entry : std::filesystem::directory_iterator(source_folder() / "tests" / "paper")) {
     if (entry.path().extension() != ".cpp") continue;
     std::ifstream stream(entry.path());
     std::string name;
@@ -69,8 +77,6 @@ std::map<std::string, std::string> texts_of_the_tests() {
 class Ledger : public testing::Test {
  protected:
   void SetUp() override {
-    if (!std::filesystem::is_regular_file(ledger_file()))
-      GTEST_SKIP() << "no ledger at " << ledger_file().lexically_normal() << "; AXODE_LEDGER names another";
     rows = read_ledger();
     ASSERT_FALSE(rows.empty());
   }
@@ -82,6 +88,30 @@ TEST_F(Ledger, EveryRowOfAStageReachedHasATest) {
   for (const Row& row : rows)
     EXPECT_TRUE(!stages_reached.contains(row.stage) || tests.contains(row.test))
         << "no test Paper." << row.test;
+}
+
+TEST_F(Ledger, IsThatOfThePaperAndAColumnMore) {
+  const std::filesystem::path original = shared_folder("AXODE_LEDGER", "shared/paper/equations.tsv");
+  if (!std::filesystem::is_regular_file(original))
+    GTEST_SKIP() << "no ledger at " << original.lexically_normal() << "; AXODE_LEDGER names another";
+  std::vector<std::string> lines = lines_of(ledger_file());
+  for (std::string& line : lines) line.erase(line.rfind('\t'));
+  EXPECT_EQ(lines, lines_of(original));
+}
+
+TEST_F(Ledger, EveryRowNamesCodeThatIsThere) {
+  for (const Row& row : rows) {
+    const std::size_t colon = row.code.find(':');
+    ASSERT_NE(colon, std::string::npos) << row.code;
+    const std::vector<std::string> lines = lines_of(source_folder() / "axode" / row.code.substr(0, colon));
+    EXPECT_TRUE(std::ranges::any_of(lines,
+                                    [&](const std::string& line) {
+                                      const std::size_t start = line.find_first_not_of(' ');
+                                      return line.find(row.code.substr(colon + 1)) != std::string::npos &&
+                                             line.compare(start, 2, "//") != 0;
+                                    }))
+        << "Paper." << row.test << " names " << row.code;
+  }
 }
 
 TEST_F(Ledger, EveryTestIsARow) {
