@@ -48,8 +48,13 @@ bench: python ## Measure every function beside its peers, with GCC, with Clang a
 	build/venv/bin/python bench/python_calls.py
 	tools/client_compile_time.sh
 
-docs: ## Check that every link in the documentation leads somewhere
+docs: python ## Build the site of the documentation, build/site/index.html, and check every link in it
+	build/venv/bin/python -m pip install --quiet -r docs/requirements.txt
 	python3 tools/check_links.py
+	rm -rf build/site && mkdir build/site
+	(cat docs/Doxyfile; echo INPUT += axode/*.hpp $$(sed -n 's/^#include "\(axode[^"]*\)"$$/\1/p' axode/*.hpp | sort -u)) | doxygen -
+	build/venv/bin/sphinx-build --quiet --fail-on-warning --keep-going --doctree-dir build/doctrees docs build/site
+	python3 tools/check_links.py build/site
 
 lint: deps ## Check the format of all sources, and the library with clang-tidy
 	clang-format-14 --dry-run -Werror $(SOURCES)

@@ -228,6 +228,13 @@ def fuzz(jobs, costs):
         return costs.measure("fuzz", "run", lambda: dict(zip(readers, pool.map(search, readers))))
 
 
+def build_site(jobs, costs):
+    """The site of the documentation is built without a warning, and all its links lead somewhere."""
+    if not costs.measure("docs", "run", lambda: run("make", "docs", f"JOBS={jobs}")):
+        return {"docs": "failed"}
+    return {"docs": "passed"}
+
+
 def measure_speed(jobs, costs):
     """The benchmarks run to their end."""
     if not costs.measure("bench", "run", lambda: run("make", "bench", f"JOBS={jobs}")):
@@ -246,6 +253,7 @@ def main():
             for name, stage in (NIGHTLY if arguments.nightly else TEST).items()}
     if arguments.nightly:
         runs["fuzz"] = lambda: fuzz(jobs, costs)
+        runs["docs"] = lambda: build_site(jobs, costs)
         runs["bench"] = lambda: measure_speed(jobs, costs)
     else:
         runs["python"] = lambda: test_python(jobs, costs)  # with the libraries of release

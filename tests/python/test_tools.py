@@ -58,3 +58,20 @@ def test_a_study_of_motions_says_which_table_a_page_lacks(tmp_path):
     command = [sys.executable, TOOLS / "motion_study.py", page, "--only", "free_top"]
     found = subprocess.run(command, capture_output=True, text=True)
     assert found.returncode == 1 and "between <!-- free top --> and <!-- end -->, found 0" in found.stderr
+
+
+def test_a_site_has_no_link_that_leads_nowhere_and_loads_nothing_from_elsewhere(tmp_path):
+    page = '<p id="here"><a href="{}">x</a><img src="{}"></p>'
+    (tmp_path / "deep").mkdir()
+    (tmp_path / "x.svg").write_text("<svg/>")
+    (tmp_path / "good.html").write_text(page.format("deep/other.html#here", "x.svg"))
+    (tmp_path / "deep/other.html").write_text(page.format("https://toml.io", "../x.svg"))
+    command = [sys.executable, TOOLS / "check_links.py", tmp_path]
+    assert "all links of 2 pages" in subprocess.run(command, capture_output=True, text=True, check=True).stdout
+    (tmp_path / "bad.html").write_text(page.format("good.html#there", "//cdn.org/x.js") + page.format("gone.html", "no.svg"))
+    (tmp_path / "bad.css").write_text("@import 'https://cdn.org/font.css';")
+    found = subprocess.run(command, capture_output=True, text=True)
+    assert found.returncode == 1 and found.stdout.splitlines() == [
+        "bad.html: loads from elsewhere: //cdn.org/x.js", "bad.html: no such element: good.html#there",
+        "bad.html: no such file: gone.html", "bad.html: no such file: no.svg",
+        "bad.css: loads from elsewhere: https://cdn.org/font.css"]
