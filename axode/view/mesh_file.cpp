@@ -1,0 +1,169 @@
+#include "axode/view/mesh_file.hpp"
+
+#include <tinyxml2.h>
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cstdlib>
+#include <fstream>
+#include <iterator>
+#include <optional>
+#include <vector>
+
+#include "axode/view/mesh_formats.hpp"
+
+namespace axode {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string in_quotes(const std::string& text) { return '"' + text + '"'; }
+std::string in_quotes(const fs::path& path) { return in_quotes(path.string()); }
+
+bool is_file(const fs::path& path) {
+  std::error_code unknown;
+  return fs::is_regular_file(path, unknown);
+}
+
+/// The folders of a list in an environment variable.
+std::vector<fs::path> folders_of(const char* variable) {
+  std::vector<fs::path> folders;
+  const char* value = std::getenv(variable);
+  std::string_view rest = value == nullptr ? "" : value;
+  while (!rest.empty()) {
+    const std::size_t end = std::min(rest.find(':'), rest.size());
+    if (end > 0) folders.emplace_back(rest.substr(0, end));
+    rest.remove_prefix(std::min(end + 1, rest.size()));
+  }
+  return folders;
+}
+
+/// Whether a folder is the package of a name, by its own name or by its package.xml.
+bool is_package(const fs::path& folder, const std::string& name) {
+  if (folder.filename() == name) return true;
+  tinyxml2::XMLDocument manifest;
+  if (!is_file(folder / "package.xml") ||
+      manifest.LoadFile((folder / "package.xml").c_str()) != tinyxml2::XML_SUCCESS)
+    return false;
+  const tinyxml2::XMLElement* package = manifest.FirstChildElement("package");
+  const tinyxml2::XMLElement* told = package == nullptr ? nullptr : package->FirstChildElement("name");
+  return told != nullptr && told->GetText() != nullptr && told->GetText() == name;
+}
+
+/// Every folder that may be the package of a name, the likeliest first.
+std::vector<fs::path> packages(const std::string& name, const fs::path& folder) {
+  std::vector<fs::path> found;
+  std::error_code unknown;
+  const auto look_at = [&](const fs::path& package) {
+    if (fs::is_directory(package, unknown)) found.push_back(package);
+  };
+  for (const fs::path& root : folders_of("ROS_PACKAGE_PATH")) {
+    if (is_package(root, name)) look_at(root);
+    look_at(root / name);
+  }
+  for (const fs::path& prefix : folders_of("AMENT_PREFIX_PATH")) look_at(prefix / "share" / name);
+  for (fs::path around = fs::absolute(folder, unknown); !around.empty(); around = around.parent_path()) {
+    if (is_package(around, name)) look_at(around);
+    look_at(around / name);
+    if (around == around.root_path()) break;
+  }
+  return found;
+}
+
+FoundMesh in_package(std::string_view name_and_path, const fs::path& folder) {
+  const std::size_t slash = name_and_path.find('/');
+  const std::string name(name_and_path.substr(0, slash));
+  const fs::path path = slash == std::string_view::npos
+                            ? fs::path()
+                            : fs::path(name_and_path.substr(slash + 1)).lexically_normal();
+  if (name.empty() || name == "." || name == ".." || path.empty() || path.is_absolute() ||
+      *path.begin() == "..")
+    return {{}, "it is no path within a package"};
+  const std::vector<fs::path> roots = packages(name, folder);
+  for (const fs::path& root : roots)
+    if (is_file(root / path)) return {root / path, ""};
+  if (!roots.empty())
+    return {{},
+            "package " + in_quotes(name) + " is in " + in_quotes(roots.front()) + ", which has no file " +
+                in_quotes(path)};
+  return {{},
+          "there is no package " + in_quotes(name) + " in ROS_PACKAGE_PATH, in AMENT_PREFIX_PATH and in " +
+              in_quotes(folder) + " and the folders that hold it"};
+}
+
+/// A path with %20 and the like read as what they stand for.
+std::string decoded(std::string_view text) {
+  std::string out;
+  for (std::size_t k = 0; k < text.size(); ++k) {
+    unsigned char byte = 0;
+    const bool escaped = text[k] == '%' && k + 2 < text.size() &&
+                         std::from_chars(&text[k + 1], &text[k + 1] + 2, byte, 16).ptr == &text[k + 1] + 2;
+    out += escaped ? static_cast<char>(byte) : text[k];
+    if (escaped) k += 2;
+  }
+  return out;
+}
+
+std::optional<std::string_view> behind(std::string_view text, std::string_view start) {
+  if (!text.starts_with(start)) return std::nullopt;
+  return text.substr(start.size());
+}
+
+using Check = std::string (*)(std::string_view);
+struct MeshFormat {
+  std::string_view name;
+  Check fault;
+};
+constexpr std::array<MeshFormat, 5> mesh_formats{{{"stl", view::fault_of_stl},
+                                                  {"obj", view::fault_of_obj},
+                                                  {"dae", view::fault_of_dae},
+                                                  {"glb", view::fault_of_glb},
+                                                  {"gltf", view::fault_of_gltf}}};
+
+}  // namespace
+
+FoundMesh find_mesh(const std::string& name, const Source& told_in) {
+  const fs::path folder = told_in.file.empty() ? fs::path(".") : fs::path(told_in.file).parent_path() / "";
+  if (name.find('\0') != std::string::npos) return {{}, "there is a zero byte in its name"};
+  if (const auto rest = behind(name, "package://")) return in_package(*rest, folder);
+  fs::path file = name;
+  if (auto rest = behind(name, "file://")) {
+    if (const auto here = behind(*rest, "localhost")) rest = here;
+    if (!rest->starts_with('/')) return {{}, "it is on another machine"};
+    file = decoded(*rest);
+  } else if (const std::size_t colon = name.find("://"); colon != std::string::npos) {
+    return {{}, in_quotes(name.substr(0, colon + 3)) + " is none of package://, file://"};
+  }
+  file = (folder / file).lexically_normal();  // an absolute path stays what it is
+  if (!is_file(file)) return {{}, "there is no file " + in_quotes(file)};
+  return {file, ""};
+}
+
+MeshFile read_mesh(const fs::path& file) {
+  std::string ending = file.extension().string();
+  std::ranges::transform(ending, ending.begin(),
+                         [](char c) { return c >= 'A' && c <= 'Z' ? c - 'A' + 'a' : c; });
+  const auto format = std::ranges::find_if(
+      mesh_formats, [&](const MeshFormat& each) { return ending == '.' + std::string(each.name); });
+  if (format == mesh_formats.end())
+    return {"", "", "its ending " + in_quotes(ending) + " is none of .stl, .obj, .dae, .glb, .gltf"};
+  MeshFile mesh{std::string(format->name), "", ""};
+  std::error_code unknown;
+  const std::uintmax_t size = fs::file_size(file, unknown);
+  if (unknown) {
+    mesh.why_not = "it cannot be read: " + unknown.message();
+  } else if (size > largest_mesh) {
+    mesh.why_not = "it has " + std::to_string(size >> 20) + " MiB; a mesh may have " +
+                   std::to_string(largest_mesh >> 20);
+  } else {
+    std::ifstream stream(file, std::ios::binary);
+    mesh.bytes.resize(size);
+    stream.read(mesh.bytes.data(), static_cast<std::streamsize>(size));
+    mesh.why_not = stream ? format->fault(mesh.bytes) : "it cannot be read";
+  }
+  if (!mesh.why_not.empty()) mesh.bytes.clear();
+  return mesh;
+}
+
+}  // namespace axode

@@ -1,0 +1,311 @@
+#include "axode/view/scene.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <ostream>
+#include <stdexcept>
+#include <unordered_map>
+
+#include "axode/lie/quaternion.hpp"
+#include "axode/model/configuration.hpp"
+#include "axode/model/finite.hpp"
+#include "axode/model/joint_kinds.hpp"
+#include "axode/model/shape_kinds.hpp"
+#include "axode/view/mesh_file.hpp"
+#include "axode/view/stand_ins.hpp"
+
+namespace axode {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json json_of(const Vec3<>& a) { return {a.x, a.y, a.z}; }
+Json json_of(const SE3<>& C) {
+  const Quaternion<> a = quaternion(C.R);
+  return {C.r.x, C.r.y, C.r.z, a.x, a.y, a.z, a.w};
+}
+/// A limit, or null where there is none.
+Json limit(double x) { return std::isfinite(x) ? Json(x) : Json(); }
+
+std::string in_base64(std::string_view bytes) {
+  static constexpr std::string_view digits =
+      "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string out;
+  out.reserve((bytes.size() + 2) / 3 * 4);
+  for (std::size_t k = 0; k < bytes.size(); k += 3) {
+    const auto byte = [&](std::size_t at) {
+      return at < bytes.size() ? static_cast<unsigned char>(bytes[at]) : 0U;
+    };
+    const unsigned three = byte(k) << 16 | byte(k + 1) << 8 | byte(k + 2);
+    for (const int shift : {18, 12, 6, 0}) out += digits[three >> shift & 63];
+  }
+  if (bytes.size() % 3 != 0) out.replace(out.size() - (3 - bytes.size() % 3), 3, 3 - bytes.size() % 3, '=');
+  return out;
+}
+
+Json json_of(const Joint& joint) {
+  Json limits = Json::array(), leader;
+  for (const Dof& dof : joint.dof) limits.push_back({limit(dof.lower), limit(dof.upper)});
+  if (joint.leader)
+    leader = {
+        {"joint", joint.leader->joint}, {"ratio", joint.leader->ratio}, {"offset", joint.leader->offset}};
+  return {{"name", joint.name},   {"kind", to_string(joint.kind)},
+          {"pitch", joint.pitch}, {"iq", joint.iq},
+          {"nq", joint.nq},       {"iv", joint.iv},
+          {"nv", joint.nv},       {"leader", leader},
+          {"limits", limits},     {"passive", joint.passive}};
+}
+
+Json bodies_of(const Model& model) {
+  Json bodies = Json::array({{{"name", "ground"}}});
+  for (int i = 1; i <= model.n_bodies(); ++i) {
+    const Body& body = model.body(i);
+    const bool has_mass = body.M.m != 0;
+    const Sym3<> Theta = has_mass ? inertia_about_com(body.M) : Sym3<>{};
+    bodies.push_back({{"name", body.name},
+                      {"predecessor", body.predecessor},
+                      {"S_prev", json_of(body.S_prev)},
+                      {"S_self", json_of(body.S_self)},
+                      {"A", json_of(body.A)},
+                      {"mass", body.M.m},
+                      {"com", json_of(has_mass ? center_of_mass(body.M) : Vec3<>{})},
+                      {"inertia", {Theta.xx, Theta.yy, Theta.zz, Theta.xy, Theta.xz, Theta.yz}},
+                      {"joint", json_of(model.joint(i))}});
+  }
+  return bodies;
+}
+
+Json frames_of(const Model& model) {
+  Json frames = Json::array();
+  for (const Frame& frame : model.frames().subspan(static_cast<std::size_t>(model.n_bodies()) + 1))
+    frames.push_back({{"name", frame.name}, {"body", frame.body}, {"pose", json_of(frame.pose)}});
+  return frames;
+}
+
+Json loops_of(const Model& model) {
+  Json loops = Json::array();
+  for (const Loop& loop : model.loops().all) {
+    if (loop.kind == LoopKind::coupling) continue;
+    Json ends = Json::array();
+    for (const Loop::End& end : loop.ends)
+      ends.push_back({{"body", end.body}, {"pose", json_of(model.body(end.body).S_self * end.F)}});
+    loops.push_back({{"name", loop.name}, {"kind", to_string(loop.kind)}, {"ends", ends}});
+  }
+  return loops;
+}
+
+/// The shapes of a model; meshes are read, each file once.
+class Shapes {
+ public:
+  explicit Shapes(const Model& model) : model_(model), seen_(static_cast<std::size_t>(model.n_bodies()) + 1) {
+    std::unordered_map<std::string_view, int> frame;
+    for (int f = 0; f < model.n_frames(); ++f) frame.emplace(model.frame(f).name, f);
+    const Description& told = model.description();
+    for (const ShapeDescription& shape : told.shapes) add(shape, Frame{"ground", 0, {}}, told.source);
+    for (const BodyDescription& body : told.bodies)
+      for (const ShapeDescription& shape : body.shapes)
+        add(shape, model.frame(frame.at(body.name)), body.source.file.empty() ? told.source : body.source);
+    const std::vector<std::vector<ShapeDescription>> others = view::stand_ins(model);
+    for (int i = 1; i <= model.n_bodies(); ++i)
+      if (!seen_[i])
+        for (const ShapeDescription& shape : others[i - 1])
+          shapes.push_back(json_of(shape, i, shape.pose, /*stand_in=*/true));
+  }
+
+  Json shapes = Json::array(), meshes = Json::array();
+  SceneContents contents;
+
+ private:
+  void add(const ShapeDescription& shape, const Frame& on, const Source& told_in) {
+    Json json = json_of(shape, on.body, on.pose * shape.pose, false);
+    if (shape.kind == ShapeKind::mesh) {
+      const std::optional<std::size_t> mesh = mesh_of(shape.file, on.name, told_in);
+      if (!mesh) return;
+      json["mesh"] = *mesh;
+    }
+    if (shape.role == ShapeDescription::Role::visual) seen_[on.body] = true;
+    shapes.push_back(std::move(json));
+  }
+
+  static Json json_of(const ShapeDescription& shape, int body, const SE3<>& pose, bool stand_in) {
+    Json json{{"body", body},
+              {"pose", axode::json_of(pose)},
+              {"role", to_string(shape.role)},
+              {"name", shape.name},
+              {"kind", to_string(shape.kind)}};
+    const ShapeTraits& kind = traits(shape.kind);
+    if (!kind.size.empty()) json["size"] = axode::json_of(shape.size);
+    if (kind.radius) json["radius"] = shape.radius;
+    if (kind.length) json["length"] = shape.length;
+    if (shape.kind == ShapeKind::mesh) json["scale"] = axode::json_of(shape.scale);
+    json["color"] = shape.color ? Json(*shape.color) : Json();
+    json["stand_in"] = stand_in;
+    return json;
+  }
+
+  /// Where in `meshes` a file is; nothing, and a warning the first time, where it cannot be shown.
+  std::optional<std::size_t> mesh_of(const std::string& name, const std::string& body,
+                                     const Source& told_in) {
+    const auto [known, is_new] = named_.emplace(std::pair(told_in.file, name), std::nullopt);
+    if (!is_new) return known->second;
+    const auto warn = [&](const std::string& why) {
+      contents.warnings.push_back("mesh \"" + name + "\" of \"" + body + "\" is not shown: " + why);
+    };
+    const FoundMesh found = find_mesh(name, told_in);
+    if (!found.why_not.empty()) {
+      warn(found.why_not);
+      return std::nullopt;
+    }
+    const auto [read, is_unread] = read_.emplace(found.file, std::nullopt);
+    if (is_unread) {
+      const MeshFile mesh = read_mesh(found.file);
+      bytes_ += mesh.bytes.size();
+      if (!mesh.why_not.empty()) {
+        warn(mesh.why_not);
+      } else if (bytes_ > largest_meshes) {
+        bytes_ -= mesh.bytes.size();
+        warn("the meshes before it and it have more than " + std::to_string(largest_meshes >> 20) + " MiB");
+      } else {
+        read->second = meshes.size();
+        meshes.push_back({{"file", found.file.filename().string()},
+                          {"format", mesh.format},
+                          {"data", in_base64(mesh.bytes)}});
+        contents.meshes.push_back({found.file.string(), mesh.bytes.size()});
+      }
+    }
+    return known->second = read->second;
+  }
+
+  const Model& model_;
+  std::vector<bool> seen_;  ///< bodies with something to be seen
+  std::map<std::pair<std::string, std::string>, std::optional<std::size_t>> named_;
+  std::map<std::filesystem::path, std::optional<std::size_t>> read_;
+  std::size_t bytes_ = 0;
+};
+
+/// Numbers, row by row.
+Json rows_of(const std::vector<double>& numbers, std::size_t width) {
+  Json rows = Json::array();
+  for (std::size_t k = 0; width > 0 && k < numbers.size(); k += width) {
+    const auto first = numbers.begin() + static_cast<std::ptrdiff_t>(k);
+    rows.push_back(std::vector<double>(first, first + static_cast<std::ptrdiff_t>(width)));
+  }
+  return rows;
+}
+
+/// Six numbers for each body and time, or null.
+Json screws_of(const std::vector<double>& numbers, int bodies) {
+  if (numbers.empty()) return {};
+  Json times = Json::array();
+  const auto at_once = static_cast<std::ptrdiff_t>(6 * bodies);
+  for (auto first = numbers.begin(); first != numbers.end(); first += at_once)
+    times.push_back(rows_of({first, first + at_once}, 6));
+  return times;
+}
+
+/// Every so many of the states, and the last one.
+ShownMotion thinned(const Model& model, const ShownMotion& motion, std::size_t stride) {
+  ShownMotion out;
+  const auto copy = [&](const std::vector<double>& from, std::vector<double>& to, int width, std::size_t k) {
+    if (from.empty()) return;
+    const auto first = from.begin() + static_cast<std::ptrdiff_t>(k) * width;
+    to.insert(to.end(), first, first + width);
+  };
+  for (std::size_t k = 0; k < motion.t.size(); ++k) {
+    if (k % stride != 0 && k + 1 != motion.t.size()) continue;
+    copy(motion.t, out.t, 1, k), copy(motion.q, out.q, model.nq(), k), copy(motion.v, out.v, model.nv(), k);
+    copy(motion.a, out.a, model.nv(), k), copy(motion.tau, out.tau, model.nv(), k);
+  }
+  return out;
+}
+
+Json motion_of(const Model& model, const ShownMotion& whole, std::vector<std::string>& warnings) {
+  if (whole.t.empty()) return {};
+  check(model, whole);
+  const auto nq = static_cast<std::size_t>(model.nq()), nv = static_cast<std::size_t>(model.nv()),
+             width = 11 + nq + 2 * nv + 18 * static_cast<std::size_t>(model.n_bodies()),
+             stride = (whole.t.size() * width + longest_motion - 1) / longest_motion;
+  if (stride > 1)
+    warnings.push_back("the motion has " + std::to_string(whole.t.size()) + " states; one in " +
+                       std::to_string(stride) + " is shown");
+  const ShownMotion motion = thinned(model, whole, stride);
+  const view::MotionNumbers numbers = view::numbers_of(model, motion);
+  Json series = Json::array();
+  bool all_finite = finite(numbers.twists) && finite(numbers.wrenches) && finite(numbers.momenta);
+  for (const auto& [name, unit, labels, values] : numbers.series) {
+    all_finite = all_finite && finite(values);
+    series.push_back(
+        {{"name", name}, {"unit", unit}, {"labels", labels}, {"values", rows_of(values, labels.size())}});
+  }
+  if (!all_finite)
+    throw std::invalid_argument(
+        "motion: its numbers are so large that energies, momenta or wrenches overflow");
+  return {{"t", motion.t},
+          {"q", rows_of(motion.q, nq)},
+          {"v", rows_of(motion.v, nv)},
+          {"tau", motion.tau.empty() ? Json() : rows_of(motion.tau, nv)},
+          {"series", series},
+          {"twists", screws_of(numbers.twists, model.n_bodies())},
+          {"wrenches", screws_of(numbers.wrenches, model.n_bodies())},
+          {"momenta", screws_of(numbers.momenta, model.n_bodies())}};
+}
+
+/// JSON has these three in strings alone, where they can be written otherwise: no name ends an element of HTML.
+void write_escaped(const std::string& text, std::ostream& out) {
+  std::size_t from = 0;
+  for (std::size_t at; (at = text.find_first_of("<>&", from)) != std::string::npos; from = at + 1) {
+    out.write(&text[from], static_cast<std::streamsize>(at - from));
+    out << (text[at] == '<' ? "\\u003c" : text[at] == '>' ? "\\u003e" : "\\u0026");
+  }
+  out.write(&text[from], static_cast<std::streamsize>(text.size() - from));
+}
+
+}  // namespace
+
+SceneContents write_scene(const Model& model, std::span<const double> q, std::ostream& out,
+                          const SceneOptions& options) {
+  check_configuration(model, q);
+  if (!finite(q)) throw std::invalid_argument("q: its numbers must be finite");
+  Shapes shapes(model);
+  std::vector<std::string> warnings;
+  for (const Fault& fault : model.warnings()) warnings.push_back(to_string(fault));
+  warnings.insert(warnings.end(), shapes.contents.warnings.begin(), shapes.contents.warnings.end());
+  Json motion = motion_of(model, options.motion, warnings);
+  Json scene{{"format", "axode scene 1"},
+             {"name", model.name()},
+             {"gravity", json_of(model.gravity())},
+             {"nq", model.nq()},
+             {"nv", model.nv()},
+             {"bodies", bodies_of(model)},
+             {"frames", frames_of(model)},
+             {"shapes", std::move(shapes.shapes)},
+             {"meshes", std::move(shapes.meshes)},
+             {"loops", loops_of(model)},
+             {"q", std::vector<double>(q.begin(), q.end())},
+             {"warnings", warnings},
+             {"motion", std::move(motion)},
+             {"coordinate_names", coordinate_names(model)},
+             {"velocity_names", velocity_names(model)}};
+  if (!options.live.empty()) scene["live"] = options.live;
+  write_escaped(scene.dump(-1, ' ', /*ensure_ascii=*/true, Json::error_handler_t::replace), out);
+  shapes.contents.warnings = std::move(warnings);
+  return std::move(shapes.contents);
+}
+
+SceneContents write_page(std::string_view empty_page, const Model& model, std::span<const double> q,
+                         std::ostream& out, const SceneOptions& options) {
+  constexpr std::string_view before = R"(<script id="scene" type="application/json">)",
+                             place = "null</script>";
+  const std::size_t at = empty_page.find(before);
+  if (at == std::string_view::npos || !empty_page.substr(at + before.size()).starts_with(place))
+    throw std::invalid_argument("the page is not that of the viewer: it has no place for a scene");
+  out << empty_page.substr(0, at + before.size());
+  SceneContents contents = write_scene(model, q, out, options);
+  out << empty_page.substr(at + before.size() + place.find('<'));
+  return contents;
+}
+
+}  // namespace axode

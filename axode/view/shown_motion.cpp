@@ -1,0 +1,137 @@
+#include "axode/view/shown_motion.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <span>
+#include <stdexcept>
+
+#include "axode/constraints.hpp"
+#include "axode/dynamics.hpp"
+#include "axode/model/configuration.hpp"
+
+namespace axode {
+namespace {
+
+using Row = std::span<const double>;
+
+Row row(const std::vector<double>& rows, std::size_t k, int width) {
+  return Row(rows).subspan(k * static_cast<std::size_t>(width), static_cast<std::size_t>(width));
+}
+
+/// The forces that the springs between points of two frames put on them.
+void append_lines(const Model& model, Row q, Row v, Workspace<>& workspace,
+                  std::vector<AppliedWrench<>>& loads) {
+  if (model.springs().lines.empty()) return;
+  std::vector<SE3<>> C(static_cast<std::size_t>(model.n_frames()));
+  std::vector<Twist<Spatial>> V(C.size());
+  poses<double>(model, workspace, q, C);
+  twists<Spatial, double>(model, workspace, q, v, V);
+  for (const Springs::Line& line : model.springs().lines) {
+    const auto place = [&](const Springs::Line::End& end) { return C[end.frame] * end.point; };
+    const auto velocity = [&](const Springs::Line::End& end) {
+      return V[end.frame].v + cross(V[end.frame].w, place(end));
+    };
+    const auto& [first, second] = line.ends;
+    const Vec3<> r = place(second) - place(first), dr = velocity(second) - velocity(first);
+    const double length = norm(r);
+    if (length == 0) continue;
+    const double tension = line.stiffness * (length - line.rest) + line.damping * dot(dr, r) / length;
+    const Vec3<> pull = (tension / length) * r;  // on the first
+    loads.emplace_back(first.frame, Wrench<Spatial>{cross(place(first), pull), pull});
+    loads.emplace_back(second.frame, Wrench<Spatial>{-cross(place(second), pull), -pull});
+  }
+}
+
+/// What loops transmit between the bodies, where drives and springs act; false where that cannot be told.
+bool append_loops(const Model& model, Row q, Row v, Row tau, Workspace<>& workspace,
+                  LoopWorkspace<>& of_loops, std::vector<AppliedWrench<>>& loads) {
+  std::vector<double> forces(tau.begin(), tau.end()), a(forces),
+      lambda(static_cast<std::size_t>(model.loops().rows));
+  add_spring_forces<double>(model, workspace, q, v, forces);
+  if (!forward_dynamics<double>(model, of_loops, q, v, forces, a, lambda).ok()) return false;
+  std::vector<Wrench<Spatial>> W(model.loops().all.size());
+  loop_wrenches<Spatial, double>(model, of_loops, q, lambda, W);
+  for (std::size_t k = 0; k < W.size(); ++k) {
+    const Loop& loop = model.loops().all[k];
+    if (loop.kind == LoopKind::coupling) continue;
+    loads.emplace_back(loop.ends[1].body, W[k]);
+    loads.emplace_back(loop.ends[0].body, Wrench<Spatial>{-W[k].m, -W[k].f});
+  }
+  return true;
+}
+
+/// Six numbers of each.
+template <class Screws> void append(const Screws& screws, std::vector<double>& out) {
+  for (const auto& [angular, linear] : screws)
+    out.insert(out.end(), {angular.x, angular.y, angular.z, linear.x, linear.y, linear.z});
+}
+
+}  // namespace
+
+void check(const Model& model, const ShownMotion& motion) {
+  const std::size_t N = motion.t.size();
+  const auto sized = [&](const char* name, const std::vector<double>& rows, int width, const char* meaning) {
+    check_size(name, rows.size(), N * static_cast<std::size_t>(width), meaning);
+    const auto bad = std::ranges::find_if_not(rows, [](double x) { return std::isfinite(x); });
+    if (bad != rows.end())
+      throw std::invalid_argument(std::string(name) + ": number " + std::to_string(bad - rows.begin()) +
+                                  " is " + std::to_string(*bad) + "; it must be finite");
+  };
+  sized("motion.t", motion.t, 1, "one for each time");
+  sized("motion.q", motion.q, model.nq(), "nq for each time");
+  sized("motion.v", motion.v, model.nv(), "nv for each time");
+  if (!motion.a.empty()) sized("motion.a", motion.a, model.nv(), "nv for each time");
+  if (!motion.tau.empty()) sized("motion.tau", motion.tau, model.nv(), "nv for each time");
+  for (std::size_t k = 0; k < N; ++k) {
+    if (k > 0 && !(motion.t[k] > motion.t[k - 1]))
+      throw std::invalid_argument("motion.t: time " + std::to_string(k) + " is " + to_text(motion.t[k]) +
+                                  " after " + to_text(motion.t[k - 1]) + "; times must increase");
+    check_configuration(model, row(motion.q, k, model.nq()), "motion.q");
+  }
+}
+
+view::MotionNumbers view::numbers_of(const Model& model, const ShownMotion& motion) {
+  MotionNumbers out;
+  const bool elastic = !model.springs().empty(), loops = !model.loops().empty();
+  out.series.push_back({"energy", "J", {"kinetic", "potential", "total"}, {}});
+  if (elastic) out.series[0].labels.insert(out.series[0].labels.begin() + 2, "elastic");
+  out.series.push_back({"angular momentum", "N m s", {"x", "y", "z"}, {}});
+  out.series.push_back({"linear momentum", "N s", {"x", "y", "z"}, {}});
+  Workspace<> workspace(model);
+  std::optional<LoopWorkspace<>> of_loops;
+  if (loops) of_loops.emplace(model);
+  std::vector<Twist<Spatial>> V(static_cast<std::size_t>(model.n_frames()));
+  std::vector<Wrench<Spatial>> W(static_cast<std::size_t>(model.n_bodies()));
+  std::vector<Momentum<Spatial>> Pi(W.size());
+  bool with_wrenches = !motion.a.empty() && (!loops || !motion.tau.empty());
+  for (std::size_t k = 0; k < motion.t.size(); ++k) {
+    const Row q = row(motion.q, k, model.nq()), v = row(motion.v, k, model.nv());
+    const double T = kinetic_energy<double>(model, workspace, q, v),
+                 U = potential_energy<double>(model, workspace, q),
+                 E = elastic ? elastic_energy<double>(model, workspace, q) : 0;
+    std::vector<double>& energy = out.series[0].values;
+    energy.insert(energy.end(), {T, U});
+    if (elastic) energy.push_back(E);
+    energy.push_back(T + U + E);
+    const auto& [angular, linear] = spatial_momentum<double>(model, workspace, q, v);
+    out.series[1].values.insert(out.series[1].values.end(), {angular.x, angular.y, angular.z});
+    out.series[2].values.insert(out.series[2].values.end(), {linear.x, linear.y, linear.z});
+    twists<Spatial, double>(model, workspace, q, v, V);
+    append(std::span(V).subspan(1, W.size()), out.twists);
+    body_momenta<Spatial, double>(model, workspace, q, v, Pi);
+    append(Pi, out.momenta);
+    if (!with_wrenches) continue;
+    std::vector<AppliedWrench<>> loads;
+    append_lines(model, q, v, workspace, loads);
+    with_wrenches =
+        !loops || append_loops(model, q, v, row(motion.tau, k, model.nv()), workspace, *of_loops, loads);
+    joint_wrenches<Spatial, double>(model, workspace, q, v, row(motion.a, k, model.nv()), W,
+                                    {.wrenches = loads});
+    append(W, out.wrenches);
+  }
+  if (!with_wrenches) out.wrenches.clear();
+  return out;
+}
+
+}  // namespace axode

@@ -1,0 +1,397 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "axode/integration.hpp"
+#include "tests/model/random_loops.hpp"
+#include "tests/support/random_tree.hpp"
+#include "tests/support/shared_files.hpp"
+#include "tests/view/scene_json.hpp"
+
+/// What a page is given is the mechanism and its motion.
+namespace axode::test {
+namespace {
+
+using testing::HasSubstr;
+
+Model shipped(const std::string& file) { return load(AXODE_SOURCE_DIR "/examples/robots/" + file); }
+
+double distance(const Eigen::Isometry3d& C, const SE3<>& expected) {
+  return (C.matrix() - to_eigen(expected)).cwiseAbs().maxCoeff();
+}
+SE3<> pose_of(const Json& x) { return from_eigen<SE3<>>(pose_from(x).matrix()); }
+
+Model random_model(std::uint64_t seed) {
+  Random<double> random(seed);
+  Description tree = told(random_mechanism(random, {.most_bodies = 20}), random);
+  for (BodyDescription& body : tree.bodies)
+    body.shapes.push_back({.kind = ShapeKind::box, .pose = random.pose(), .size = {1, 2, 3}});
+  return ModelBuilder(with_loops(std::move(tree), random)).build();
+}
+
+void expect_the_mechanism(const Model& model, std::uint64_t seed) {
+  const std::vector<double> q = random_configuration(model, seed);
+  const Json scene = scene_of(model, q);
+  EXPECT_EQ(scene["format"], "axode scene 1");
+  EXPECT_EQ(scene["q"].get<std::vector<double>>(), q);
+  Workspace<> workspace(model);
+  std::vector<SE3<>> C(static_cast<std::size_t>(model.n_frames()));
+  poses<double>(model, workspace, q, C);
+  double size = 1;
+  for (const SE3<>& each : C) size = std::max(size, norm(each.r));
+  const std::vector<Eigen::Isometry3d> found = poses_of(scene, q);
+  ASSERT_EQ(found.size(), static_cast<std::size_t>(model.n_bodies()) + 1);
+  for (std::size_t i = 0; i < found.size(); ++i) EXPECT_LT(distance(found[i], C[i]), 1e-12 * size) << i;
+  for (std::size_t f = 0; f < scene["frames"].size(); ++f) {
+    const Json& frame = scene["frames"][f];
+    const std::size_t at = found.size() + f;
+    EXPECT_EQ(frame["name"], model.frame(static_cast<int>(at)).name);
+    EXPECT_LT(distance(found[frame["body"].get<std::size_t>()] * pose_from(frame["pose"]), C[at]),
+              1e-12 * size);
+  }
+  std::size_t k = 0;
+  for (const BodyDescription& body : model.description().bodies)
+    for (const ShapeDescription& shape : body.shapes) {
+      if (shape.kind == ShapeKind::mesh) continue;
+      const Json& shown = scene["shapes"][k++];
+      EXPECT_LT(distance(found[shown["body"].get<std::size_t>()] * pose_from(shown["pose"]),
+                         C[model.frame_index(body.name)] * shape.pose),
+                1e-12 * (size + norm(shape.pose.r)))
+          << body.name;
+    }
+}
+
+TEST(Scene, PosesOfBodiesFramesAndShapesAreThoseOfTheModel) {
+  for (std::uint64_t seed = 1; seed <= 60 && !HasFailure(); ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    expect_the_mechanism(random_model(seed), seed);
+  }
+  for (const auto& file : files_ending_in(AXODE_SOURCE_DIR "/examples/robots", "")) {
+    SCOPED_TRACE(file.string());
+    for (const Base base : {Base::as_described, Base::free}) {
+      if (base == Base::free && file.extension() != ".urdf") continue;
+      expect_the_mechanism(load(file, base), 3);
+    }
+  }
+}
+
+TEST(Scene, PosesOfRobotsOfOthersAreThoseOfTheModel) {
+  const auto files = files_ending_in(robots_folder(), ".urdf");
+  if (files.empty()) GTEST_SKIP() << missing(robots_folder(), "AXODE_ROBOTS");
+  for (const auto& file : files) {
+    SCOPED_TRACE(file.string());
+    expect_the_mechanism(load(file, Base::free), 5);
+  }
+}
+
+TEST(Scene, HasWhatTheModelSaysOfJointsMassesAndLoops) {
+  for (std::uint64_t seed = 1; seed <= 20 && !HasFailure(); ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    const Model model = random_model(seed);
+    const Json scene = scene_of(model, neutral(model));
+    for (int i = 1; i <= model.n_bodies(); ++i) {
+      const Json& body = scene["bodies"][i];
+      const Joint& joint = model.joint(i);
+      EXPECT_EQ(body["name"], model.body(i).name);
+      EXPECT_EQ(body["joint"]["name"], joint.name);
+      EXPECT_EQ(body["joint"]["passive"], joint.passive);
+      ASSERT_EQ(body["joint"]["limits"].size(), joint.dof.size());
+      for (std::size_t d = 0; d < joint.dof.size(); ++d) {
+        const Json& lower = body["joint"]["limits"][d][0];
+        EXPECT_EQ(lower.is_null() ? -INFINITY : lower.get<double>(), joint.dof[d].lower);
+      }
+      const auto Theta = body["inertia"].get<std::vector<double>>();
+      const auto c = body["com"].get<std::vector<double>>();
+      const Inertia<> M = inertia_from_com<double>(
+          body["mass"], {c[0], c[1], c[2]}, {Theta[0], Theta[1], Theta[2], Theta[3], Theta[4], Theta[5]});
+      const Inertia<>& expected = model.body(i).M;
+      EXPECT_EQ(M.m, expected.m);
+      EXPECT_LT((to_eigen(M) - to_eigen(expected)).cwiseAbs().maxCoeff(),
+                1e-12 * (1 + to_eigen(expected).cwiseAbs().maxCoeff()));
+    }
+    const auto loops = std::ranges::count_if(
+        model.loops().all, [](const Loop& loop) { return loop.kind != LoopKind::coupling; });
+    EXPECT_EQ(scene["loops"].size(), static_cast<std::size_t>(loops));
+  }
+}
+
+TEST(Scene, TheEndsOfAClosedLoopMeet) {
+  for (const char* file : {"four_bar.toml", "slider_crank.toml", "bricard.toml", "five_bar_arm.toml"}) {
+    const Model model = shipped(file);
+    const AssemblyResult closed = assemble(model, neutral(model), std::vector<double>(model.nv()));
+    ASSERT_EQ(closed.status, AssemblyStatus::closed) << file;
+    const Json scene = scene_of(model, closed.q);
+    const std::vector<Eigen::Isometry3d> C = poses_of(scene, closed.q);
+    ASSERT_FALSE(scene["loops"].empty());
+    for (const Json& loop : scene["loops"]) {
+      const auto place = [&](const Json& end) {
+        return (C[end["body"].get<std::size_t>()] * pose_from(end["pose"])).translation();
+      };
+      if (loop["kind"] != "revolute" && loop["kind"] != "spherical") continue;
+      EXPECT_LT((place(loop["ends"][0]) - place(loop["ends"][1])).norm(), 1e-8)
+          << file << ' ' << loop["name"];
+    }
+  }
+}
+
+ShownMotion shown(const Trajectory& motion) {
+  const auto all = [](std::span<const double> x) { return std::vector<double>(x.begin(), x.end()); };
+  return {all(motion.t()), all(motion.q()), all(motion.v()), all(motion.a()), all(motion.tau())};
+}
+
+/// A motion from the drawn pose with loops closed.
+ShownMotion motion_of(const Model& model, double until) {
+  const AssemblyResult closed =
+      assemble(model, neutral(model), std::vector<double>(static_cast<std::size_t>(model.nv()), 0.1));
+  const Trajectory motion = simulate(model, closed.q, closed.v, until);
+  EXPECT_TRUE(motion.complete) << motion.stopped;
+  return shown(motion);
+}
+
+Eigen::Matrix<double, 6, 1> six(const Json& x) {
+  Eigen::Matrix<double, 6, 1> out;
+  for (int c = 0; c < 6; ++c) out[c] = x[c].get<double>();
+  return out;
+}
+
+TEST(SceneOfAMotion, MomentaOfBodiesAddUpAndEnergyIsKept) {
+  for (const char* file : {"humanoid.urdf", "arm7.toml", "four_bar.toml", "governor.toml"}) {
+    SCOPED_TRACE(file);
+    const Model model = shipped(file);
+    const ShownMotion motion = motion_of(model, 0.1);
+    const Json scene = scene_of(model, neutral(model), {.motion = motion});
+    const Json& shown = scene["motion"];
+    ASSERT_EQ(shown["t"].size(), motion.t.size());
+    const Json &energy = shown["series"][0]["values"], &angular = shown["series"][1]["values"],
+               &linear = shown["series"][2]["values"];
+    for (std::size_t k = 0; k < motion.t.size(); ++k) {
+      Eigen::Matrix<double, 6, 1> sum = Eigen::Matrix<double, 6, 1>::Zero();
+      double kinetic = 0;
+      for (int i = 0; i < model.n_bodies(); ++i) {
+        const Eigen::Matrix<double, 6, 1> Pi = six(shown["momenta"][k][i]), V = six(shown["twists"][k][i]);
+        sum += Pi;
+        kinetic += Pi.dot(V) / 2;
+      }
+      for (int c = 0; c < 3; ++c) {
+        EXPECT_NEAR(sum[c], angular[k][c].get<double>(), 1e-9);
+        EXPECT_NEAR(sum[c + 3], linear[k][c].get<double>(), 1e-9);
+      }
+      EXPECT_NEAR(energy[k].back().get<double>(), energy[0].back().get<double>(), 1e-5);
+      bool armature = false;
+      for (const Joint& joint : model.joints())
+        for (const Dof& dof : joint.dof) armature = armature || dof.armature != 0;
+      if (armature) continue;
+      EXPECT_NEAR(kinetic, energy[k][0].get<double>(), 1e-9);
+    }
+  }
+}
+
+/// Power by power: what a joint transmits drives its velocities as its drive, spring and rotor say, loops and springs
+/// between bodies or not.
+TEST(SceneOfAMotion, JointWrenchesDoThePowerOfDrivesSpringsAndRotors) {
+  for (const char* file : {"humanoid.urdf", "arm7.toml", "double_pendulum.toml", "four_bar.toml",
+                           "andrews.toml", "governor.toml", "bricard.toml"}) {
+    SCOPED_TRACE(file);
+    const Model model = shipped(file);
+    const ShownMotion motion = motion_of(model, 0.02);
+    const Json scene = scene_of(model, neutral(model), {.motion = motion});
+    const Json& wrenches = scene["motion"]["wrenches"];
+    ASSERT_TRUE(wrenches.is_array());
+    const Json free_of_wrenches = [&] {
+      ShownMotion without = motion;
+      without.a.clear();
+      return scene_of(model, neutral(model), {.motion = without});
+    }();
+    EXPECT_TRUE(free_of_wrenches["motion"]["wrenches"].is_null());
+    for (std::size_t k = 0; k < motion.t.size(); ++k) {
+      const std::span<const double> q = std::span(motion.q).subspan(k * model.nq(), model.nq());
+      const std::vector<Eigen::Isometry3d> C = poses_of(scene, q);
+      for (int i = 1; i <= model.n_bodies(); ++i) {
+        const Joint& joint = model.joint(i);
+        const Eigen::Matrix<double, 6, 1> W = six(wrenches[k][i - 1]);
+        for (int d = 0; d < joint.nv; ++d) {
+          const Dof& dof = joint.dof[d];
+          if (joint.leader || (dof.stiffness != 0 && joint.nv > 1)) continue;
+          const Screw<> X = Ad(from_eigen<SE3<>>(C[i].matrix()), model.body(i).X[d]);
+          const std::size_t c = k * model.nv() + joint.iv + d;
+          const double spring = dof.stiffness == 0 ? 0 : -dof.stiffness * (q[joint.iq] - dof.rest),
+                       expected = motion.tau[c] + spring - dof.armature * motion.a[c];
+          EXPECT_NEAR(W.dot(to_eigen(X)), expected, 1e-8 * (1 + W.norm()))
+              << joint.name << " at " << motion.t[k];
+        }
+      }
+    }
+  }
+}
+
+TEST(SceneOfAMotion, ALongOneIsThinnedAndKeepsItsEnds) {
+  const Model model = shipped("double_pendulum.toml");
+  ShownMotion motion;
+  const std::size_t N = 60'001, width = 11 + 2 + 4 + 18 * 2;
+  for (std::size_t k = 0; k < N; ++k) motion.t.push_back(1e-3 * static_cast<double>(k));
+  motion.q.assign(2 * N, 0.1), motion.v.assign(2 * N, 0.2);
+  std::ostringstream out;
+  const SceneContents contents = write_scene(model, neutral(model), out, {.motion = motion});
+  ASSERT_EQ(contents.warnings.size(), 1U);
+  EXPECT_THAT(contents.warnings[0], testing::StrEq("the motion has 60001 states; one in 4 is shown"));
+  const Json shown = Json::parse(out.str())["motion"];
+  EXPECT_LT(shown["t"].size() * width, longest_motion);
+  EXPECT_EQ(shown["t"].front(), 0.0);
+  EXPECT_EQ(shown["t"].back(), motion.t.back());
+  EXPECT_EQ(shown["q"].size(), shown["t"].size());
+  EXPECT_EQ(shown["twists"].size(), shown["t"].size());
+  EXPECT_TRUE(shown["tau"].is_null());
+}
+
+std::string refusal(const Model& model, std::span<const double> q, const ShownMotion& motion = {}) {
+  try {
+    scene_of(model, q, {.motion = motion});
+  } catch (const std::invalid_argument& error) {
+    return error.what();
+  }
+  return "none";
+}
+
+TEST(Scene, RefusesStatesAndMotionsThatDoNotFit) {
+  const Model model = shipped("arm7.toml");
+  const std::vector<double> q = neutral(model);
+  std::vector<double> bad = q;
+  bad[3] = std::nan("");
+  EXPECT_EQ(refusal(model, bad), "q: its numbers must be finite");
+  EXPECT_EQ(refusal(model, std::vector<double>(6)), "q has 6 entries; expected nq = 7");
+  const ShownMotion good{{0, 1}, std::vector<double>(14), std::vector<double>(14)};
+  EXPECT_EQ(refusal(model, q, good), "none");
+  ShownMotion motion = good;
+  motion.q.pop_back();
+  EXPECT_EQ(refusal(model, q, motion), "motion.q has 13 entries; expected nq for each time = 14");
+  motion = good, motion.a = {1};
+  EXPECT_EQ(refusal(model, q, motion), "motion.a has 1 entries; expected nv for each time = 14");
+  motion = good, motion.t = {1, 1};
+  EXPECT_EQ(refusal(model, q, motion), "motion.t: time 1 is 1 after 1; times must increase");
+  motion = good, motion.v[9] = INFINITY;
+  EXPECT_EQ(refusal(model, q, motion), "motion.v: number 9 is inf; it must be finite");
+  motion = good, motion.v.assign(14, 1e200);
+  EXPECT_THAT(refusal(model, q, motion), HasSubstr("overflow"));
+  const Model humanoid = load(AXODE_SOURCE_DIR "/examples/robots/humanoid.urdf", Base::free);
+  motion = {{0}, std::vector<double>(humanoid.nq()), std::vector<double>(humanoid.nv())};
+  EXPECT_THAT(refusal(humanoid, neutral(humanoid), motion), HasSubstr("motion.q"));
+}
+
+constexpr const char* empty_page =
+    "<html>\n<script id=\"scene\" type=\"application/json\">null</script>\n<script>run()</script></html>\n";
+
+TEST(Page, HoldsTheSceneAndNoNameEndsItsElement) {
+  const std::string hostile = "</script><script>alert(1)</script><!-- & \u2028\u2029 \xff \"quoted\"";
+  const Model model = ModelBuilder(hostile)
+                          .add(BodyDescription{.name = hostile,
+                                               .joint = {.kind = JointKind::revolute},
+                                               .inertia = MassProperties{.mass = 1, .Theta = {1, 1, 1}},
+                                               .shapes = {{.name = hostile, .radius = 1}}})
+                          .build();
+  std::ostringstream out;
+  write_page(empty_page, model, neutral(model), out, {.live = "</script>"});
+  const std::string page = out.str(), before = "type=\"application/json\">";
+  const std::size_t from = page.find(before) + before.size(), to = page.find("</script>");
+  EXPECT_EQ(page.substr(0, from) + "null" + page.substr(to), empty_page);
+  const std::string text = page.substr(from, to - from);
+  EXPECT_EQ(text.find_first_of("<>&"), std::string::npos);
+  EXPECT_TRUE(std::ranges::all_of(text, [](char c) { return c >= ' ' && c <= '~'; }));
+  const Json scene = Json::parse(text);
+  std::string readable = hostile;
+  readable.replace(readable.find('\xff'), 1, "\uFFFD");
+  EXPECT_EQ(scene["name"], readable);
+  EXPECT_EQ(scene["bodies"][1]["name"], readable);
+  EXPECT_EQ(scene["shapes"][0]["name"], readable);
+  EXPECT_EQ(scene["live"], "</script>");
+}
+
+TEST(Page, RefusesAPageWithoutAPlaceForTheScene) {
+  const Model model = shipped("arm7.toml");
+  std::ostringstream out;
+  for (const std::string page :
+       {"", "<html></html>", "<script id=\"scene\" type=\"application/json\">{}</script>"})
+    EXPECT_THROW(write_page(page, model, neutral(model), out), std::invalid_argument) << page;
+  EXPECT_EQ(out.str(), "");
+}
+
+TEST(StandIns, CapsulesGoFromJointToJoint) {
+  const Model model = shipped("arm7.toml");
+  const std::vector<double> q = random_configuration(model, 1);
+  const Json scene = scene_of(model, q);
+  const std::vector<Eigen::Isometry3d> C = poses_of(scene, q);
+  std::vector<bool> seen(static_cast<std::size_t>(model.n_bodies()) + 1);
+  for (const Json& shape : scene["shapes"]) {
+    EXPECT_EQ(shape["stand_in"], true);
+    const auto i = shape["body"].get<std::size_t>();
+    seen[i] = true;
+    if (shape["kind"] != "capsule") continue;
+    const Eigen::Isometry3d at = C[i] * pose_from(shape["pose"]);
+    const Eigen::Vector3d half = at.linear().col(2) * shape["length"].get<double>() / 2;
+    const Eigen::Vector3d joint = (C[i] * pose_from(scene["bodies"][i]["S_self"])).translation();
+    EXPECT_LT((at.translation() - half - joint).norm(), 1e-12);
+    double nearest = INFINITY;
+    for (std::size_t j = i + 1; j < C.size(); ++j)
+      nearest = std::min(
+          nearest,
+          (at.translation() + half - (C[j] * pose_from(scene["bodies"][j]["S_self"])).translation()).norm());
+    for (const Json& frame : scene["frames"])
+      nearest =
+          std::min(nearest, (at.translation() + half -
+                             (C[frame["body"].get<std::size_t>()] * pose_from(frame["pose"])).translation())
+                                .norm());
+    EXPECT_LT(nearest, 1e-12);
+  }
+  for (int i = 1; i <= model.n_bodies(); ++i) EXPECT_TRUE(seen[i]) << model.body(i).name;
+}
+
+TEST(StandIns, AnEllipsoidHasTheInertiaOfItsBody) {
+  for (std::uint64_t seed = 1; seed <= 50; ++seed) {
+    Random<double> random(seed);
+    const Inertia<> M = random.inertia();
+    const Model model =
+        ModelBuilder("stone")
+            .add(BodyDescription{
+                .name = "stone", .joint = {.kind = JointKind::free}, .inertia = mass_properties(M)})
+            .build();
+    const Json scene = scene_of(model, neutral(model));
+    ASSERT_EQ(scene["shapes"].size(), 1U);
+    const Json& shape = scene["shapes"][0];
+    ASSERT_EQ(shape["kind"], "ellipsoid");
+    const auto a = shape["size"].get<std::vector<double>>();
+    const auto square = [](double x) { return x * x; };
+    const Inertia<> solid{M.m,
+                          {},
+                          {M.m / 5 * (square(a[1]) + square(a[2])), M.m / 5 * (square(a[0]) + square(a[2])),
+                           M.m / 5 * (square(a[0]) + square(a[1]))}};
+    EXPECT_LT((to_eigen(transform(pose_of(shape["pose"]), solid)) - to_eigen(M)).cwiseAbs().maxCoeff(),
+              2e-3 * to_eigen(M).cwiseAbs().maxCoeff())
+        << "seed " << seed;
+  }
+}
+
+TEST(StandIns, OnlyWhereNothingIsSeen) {
+  const auto shapes = [](std::vector<ShapeDescription> own) {
+    const Model model = ModelBuilder("stone")
+                            .add(BodyDescription{.name = "stone",
+                                                 .joint = {.kind = JointKind::free},
+                                                 .inertia = MassProperties{.mass = 1, .Theta = {1, 1, 1}},
+                                                 .shapes = std::move(own)})
+                            .build();
+    return scene_of(model, neutral(model))["shapes"];
+  };
+  const auto stand_ins_in = [](const Json& all) {
+    return std::ranges::count_if(all, [](const Json& shape) { return shape["stand_in"] == true; });
+  };
+  using enum ShapeKind;
+  const auto visual = ShapeDescription::Role::visual, collision = ShapeDescription::Role::collision;
+  EXPECT_EQ(stand_ins_in(shapes({})), 1);
+  EXPECT_EQ(stand_ins_in(shapes({{.role = visual, .kind = sphere, .radius = 1}})), 0);
+  EXPECT_EQ(stand_ins_in(shapes({{.role = collision, .kind = sphere, .radius = 1}})), 1);
+  const Json missing = shapes({{.role = visual, .kind = mesh, .file = "no.stl"}});
+  EXPECT_EQ(missing.size(), 1U);
+  EXPECT_EQ(stand_ins_in(missing), 1);
+}
+
+}  // namespace
+}  // namespace axode::test

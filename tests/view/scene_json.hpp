@@ -1,0 +1,59 @@
+#pragma once
+#include <Eigen/Geometry>
+#include <nlohmann/json.hpp>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "axode/view.hpp"
+
+/// A scene as a page reads it.
+namespace axode::test {
+
+using Json = nlohmann::json;
+
+inline Json scene_of(const Model& model, std::span<const double> q, const SceneOptions& options = {}) {
+  std::ostringstream out;
+  write_scene(model, q, out, options);
+  return Json::parse(out.str());
+}
+
+inline Eigen::Isometry3d pose_from(const Json& x) {
+  Eigen::Isometry3d C = Eigen::Isometry3d::Identity();
+  C.linear() =
+      Eigen::Quaterniond(x[6].get<double>(), x[3].get<double>(), x[4].get<double>(), x[5].get<double>())
+          .toRotationMatrix();
+  C.translation() = Eigen::Vector3d(x[0].get<double>(), x[1].get<double>(), x[2].get<double>());
+  return C;
+}
+
+/// J(q): what the joint of a body does to its frame.
+inline Eigen::Isometry3d motion_of(const Json& bodies, const Json& joint, std::span<const double> q) {
+  using Eigen::AngleAxisd, Eigen::Vector3d;
+  const std::string kind = joint["kind"];
+  const bool coupled = !joint["leader"].is_null();
+  const Json& own = coupled ? bodies[joint["leader"]["joint"].get<std::size_t>()]["joint"] : joint;
+  std::vector<double> x(q.begin() + own["iq"].get<int>(),
+                        q.begin() + own["iq"].get<int>() + own["nq"].get<int>());
+  if (coupled) x = {joint["leader"]["ratio"].get<double>() * x[0] + joint["leader"]["offset"].get<double>()};
+  const auto slide = [](double along) { return Eigen::Translation3d(0, 0, along); };
+  const auto turn = [](double angle) { return AngleAxisd(angle, Vector3d::UnitZ()); };
+  if (kind == "revolute") return Eigen::Isometry3d(turn(x[0]));
+  if (kind == "prismatic") return Eigen::Isometry3d(slide(x[0]));
+  if (kind == "helical") return slide(joint["pitch"].get<double>() * x[0]) * Eigen::Isometry3d(turn(x[0]));
+  if (kind == "planar") return Eigen::Translation3d(x[1], x[2], 0) * Eigen::Isometry3d(turn(x[0]));
+  const Eigen::Isometry3d R(Eigen::Quaterniond(x[3], x[0], x[1], x[2]));
+  return kind == "free" ? Eigen::Translation3d(x[4], x[5], x[6]) * R : R;
+}
+
+/// The poses of the ground and the bodies, by the formula of the scene alone.
+inline std::vector<Eigen::Isometry3d> poses_of(const Json& scene, std::span<const double> q) {
+  const Json& bodies = scene["bodies"];
+  std::vector<Eigen::Isometry3d> C{Eigen::Isometry3d::Identity()};
+  for (std::size_t i = 1; i < bodies.size(); ++i)
+    C.push_back(C[bodies[i]["predecessor"].get<std::size_t>()] * pose_from(bodies[i]["S_prev"]) *
+                motion_of(bodies, bodies[i]["joint"], q) * pose_from(bodies[i]["S_self"]).inverse());
+  return C;
+}
+
+}  // namespace axode::test
