@@ -11,9 +11,9 @@ help: ## Show these targets
 deps: ## Install the Debian packages that are missing
 	@tools/install_dependencies.sh
 
-build: deps ## Build the library and the command build/release/axode
+build: deps ## Build the library, the command build/release/axode and the viewer
 	cmake --preset release
-	cmake --build --preset release --parallel $(JOBS) --target axode_command axode_batch
+	cmake --build --preset release --parallel $(JOBS) --target axode_command axode_batch axode_viewer
 
 demo: deps ## Show what axode does, on an arm and a humanoid
 	cmake --preset release

@@ -40,6 +40,7 @@ void add_convert(CLI::App& app, int& exit_code);
 void add_eval(CLI::App& app, int& exit_code);
 void add_linearize(CLI::App& app, int& exit_code);
 void add_simulate(CLI::App& app, int& exit_code);
+void add_view(CLI::App& app, int& exit_code);
 void add_codegen(CLI::App& app, int& exit_code);
 void add_study(CLI::App& app, int& exit_code);
 void add_demo(CLI::App& app, int& exit_code);

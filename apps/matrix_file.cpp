@@ -32,10 +32,10 @@ void append_row(std::vector<std::string>& words, const Eigen::MatrixXd& matrix, 
 
 }  // namespace
 
-FileFormat file_format(const std::string& file) {
+FileFormat file_format(const std::string& file, const char* option) {
   static constexpr std::array<std::pair<std::string_view, FileFormat>, 3> endings{
       {{".json", FileFormat::json}, {".csv", FileFormat::csv}, {".npz", FileFormat::npz}}};
-  return choose("--output: " + file + ": the ending", std::filesystem::path(file).extension().string(),
+  return choose(std::string(option) + ": " + file + ": the ending", std::filesystem::path(file).extension().string(),
                 endings);
 }
 

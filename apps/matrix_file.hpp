@@ -5,10 +5,10 @@
 
 namespace axode::command {
 
-/// What the ending of a file says that is to be written.
+/// What the ending of a file says that is to be written or read.
 enum class FileFormat { json, csv, npz };
-/// Of --output FILE. Throws UsageError for another ending.
-FileFormat file_format(const std::string& file);
+/// Of the file of an option. Throws UsageError for another ending.
+FileFormat file_format(const std::string& file, const char* option = "--output");
 
 /// Comma-separated values: a line with the names of the columns, then for each row its name and its numbers, which read
 /// back to the same doubles.

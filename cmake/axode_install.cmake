@@ -1,8 +1,9 @@
-# Installation, and how others find it: find_package(axode CONFIG [COMPONENTS core io batch codegen]) and pkg-config.
+# Installation, and how others find it: find_package(axode CONFIG [COMPONENTS core io view batch codegen]) and pkg-config.
 include(CMakePackageConfigHelpers)
 
 install(TARGETS axode_core axode_float axode_axode EXPORT axode-core-targets)
 install(TARGETS axode_io EXPORT axode-io-targets)
+install(TARGETS axode_view EXPORT axode-view-targets)
 install(TARGETS axode_batch EXPORT axode-batch-targets)
 install(TARGETS axode_codegen EXPORT axode-codegen-targets)
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/axode DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} FILES_MATCHING PATTERN *.hpp)
@@ -10,10 +11,13 @@ install(FILES ${PROJECT_SOURCE_DIR}/LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR})
 if(TARGET axode_command)
   install(TARGETS axode_command)
   install(DIRECTORY ${PROJECT_SOURCE_DIR}/examples/robots DESTINATION ${CMAKE_INSTALL_DATADIR}/axode OPTIONAL)
+  if(AXODE_PAGE)
+    install(FILES ${AXODE_PAGE} DESTINATION ${CMAKE_INSTALL_DATADIR}/axode/viewer)
+  endif()
 endif()
 
 set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/axode)
-foreach(component core io batch codegen)
+foreach(component core io view batch codegen)
   install(EXPORT axode-${component}-targets NAMESPACE axode:: DESTINATION ${package_dir})
 endforeach()
 configure_package_config_file(${CMAKE_CURRENT_LIST_DIR}/axode-config.cmake.in
@@ -31,7 +35,7 @@ if(BUILD_SHARED_LIBS)
 endif()
 cmake_path(RELATIVE_PATH CMAKE_INSTALL_FULL_INCLUDEDIR BASE_DIRECTORY
            ${CMAKE_INSTALL_FULL_LIBDIR}/pkgconfig OUTPUT_VARIABLE PKG_CONFIG_INCLUDEDIR)
-foreach(package axode axode-io axode-batch axode-codegen)
+foreach(package axode axode-io axode-view axode-batch axode-codegen)
   configure_file(${CMAKE_CURRENT_LIST_DIR}/${package}.pc.in ${PROJECT_BINARY_DIR}/${package}.pc @ONLY)
   install(FILES ${PROJECT_BINARY_DIR}/${package}.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
 endforeach()

@@ -113,6 +113,12 @@ class Shapes {
       if (!seen_[i])
         for (const ShapeDescription& shape : others[i - 1])
           shapes.push_back(json_of(shape, i, shape.pose, /*stand_in=*/true));
+    for (const auto& [why, element, first, source, count] : missing_)
+      contents.warnings.push_back(to_string(
+          {Severity::warning, Rule::unreadable_file, element,
+           "mesh \"" + first + "\" is not shown: " + why +
+               (count > 1 ? " (" + std::to_string(count) + " meshes, the first here)" : std::string()),
+           source}));
   }
 
   Json shapes = Json::array(), meshes = Json::array();
@@ -146,13 +152,25 @@ class Shapes {
     return json;
   }
 
-  /// Where in `meshes` a file is; nothing, and a warning the first time, where it cannot be shown.
+  /// Meshes that are not shown, for one reason.
+  struct Missing {
+    std::string why, element, first;
+    Source source;
+    int count = 1;
+  };
+
+  /// Where in `meshes` a file is; nothing, and the reason among the missing ones, where it cannot be shown.
   std::optional<std::size_t> mesh_of(const std::string& name, const std::string& body,
                                      const Source& told_in) {
     const auto [known, is_new] = named_.emplace(std::pair(told_in.file, name), std::nullopt);
     if (!is_new) return known->second;
     const auto warn = [&](const std::string& why) {
-      contents.warnings.push_back("mesh \"" + name + "\" of \"" + body + "\" is not shown: " + why);
+      const auto same = std::ranges::find(missing_, why, &Missing::why);
+      if (same != missing_.end()) {
+        ++same->count;
+      } else {
+        missing_.push_back({why, "body \"" + body + '"', name, told_in});
+      }
     };
     const FoundMesh found = find_mesh(name, told_in);
     if (!found.why_not.empty()) {
@@ -184,6 +202,7 @@ class Shapes {
   std::map<std::pair<std::string, std::string>, std::optional<std::size_t>> named_;
   std::map<std::filesystem::path, std::optional<std::size_t>> read_;
   std::size_t bytes_ = 0;
+  std::vector<Missing> missing_;
 };
 
 /// Numbers, row by row.
@@ -229,8 +248,12 @@ Json motion_of(const Model& model, const ShownMotion& whole, std::vector<std::st
              width = 11 + nq + 2 * nv + 18 * static_cast<std::size_t>(model.n_bodies()),
              stride = (whole.t.size() * width + longest_motion - 1) / longest_motion;
   if (stride > 1)
-    warnings.push_back("the motion has " + std::to_string(whole.t.size()) + " states; one in " +
-                       std::to_string(stride) + " is shown");
+    warnings.push_back(to_string(
+        {Severity::warning,
+         Rule::wrong_value,
+         "motion",
+         "has " + std::to_string(whole.t.size()) + " states; one in " + std::to_string(stride) + " is shown",
+         {}}));
   const ShownMotion motion = thinned(model, whole, stride);
   const view::MotionNumbers numbers = view::numbers_of(model, motion);
   Json series = Json::array();

@@ -153,6 +153,7 @@ from .records import (
     Target,
 )
 from .simulation import reconstruct, rollout, simulate
+from .viewer import Viewer, view
 
 #: The folder of the mechanisms that come with the package: arm7.toml, double_pendulum.toml, humanoid.urdf,
 #: machine.toml.
@@ -190,6 +191,8 @@ __all__ = [
     "loop_mobility", "impact", "constraint_wrenches", "independent_equations", "loop_multipliers", "loop_multiplier_derivatives", "joint_state",
     # motion in time
     "simulate", "rollout", "rollout_derivatives", "rollout_jvp", "rollout_vjp", "reconstruct", "Trajectory",
+    # in a browser
+    "view", "Viewer",
     # what else is taken, given and raised
     "Load", "Target", "InverseKinematics", "InverseDynamicsDerivatives", "ForwardDynamicsDerivatives",
     "InverseDynamicsHessian", "ForwardDynamicsHessian", "StateDerivatives", "MotionDerivatives", "MotionChange",

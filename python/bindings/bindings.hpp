@@ -18,6 +18,7 @@ void add_sensitivities(nanobind::module_& module);
 void add_drives(nanobind::module_& module);
 void add_closed_form(nanobind::module_& closed_form);
 void add_files(nanobind::module_& module);
+void add_view(nanobind::module_& module);
 void add_codegen(nanobind::module_& codegen);
 
 }  // namespace axode::python

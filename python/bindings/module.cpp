@@ -30,6 +30,7 @@ NB_MODULE(_axode, module) {
   add_rigid_body(lie);
   add_model(module);
   add_files(module);
+  add_view(module);
   add_kinematics(module);
   add_dynamics(module);
   add_momentum(module);

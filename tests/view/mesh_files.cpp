@@ -254,8 +254,8 @@ TEST(Meshes, AreInTheSceneOnceAndMissingOnesAreWarnings) {
   folder.write("good.stl", binary_stl(1, {corner}));
   folder.write("bad.stl", "no mesh");
   std::string links;
-  for (const char* file :
-       {"good.stl", "./good.stl", "good.stl", "bad.stl", "bad.stl", "package://robot/none.dae"})
+  for (const char* file : {"good.stl", "./good.stl", "good.stl", "bad.stl", "bad.stl",
+                           "package://robot/a.dae", "package://robot/b.dae"})
     links += std::string("<visual><geometry><mesh filename=\"") + file +
              "\" scale=\"1 2 3\"/></geometry></visual>";
   const std::string file =
@@ -275,10 +275,13 @@ TEST(Meshes, AreInTheSceneOnceAndMissingOnesAreWarnings) {
   ASSERT_EQ(contents.meshes.size(), 1U);
   EXPECT_EQ(contents.meshes[0].bytes, 134U);
   ASSERT_EQ(contents.warnings.size(), 2U);
-  EXPECT_EQ(contents.warnings[0],
-            "mesh \"bad.stl\" of \"base\" is not shown: it has 7 bytes, too few for an STL");
-  EXPECT_THAT(contents.warnings[1],
-              StartsWith("mesh \"package://robot/none.dae\" of \"base\" is not shown: there is"));
+  EXPECT_EQ(
+      contents.warnings[0],
+      file + ":1: warning: body \"base\": mesh \"bad.stl\" is not shown: it has 7 bytes, too few for an STL");
+  EXPECT_THAT(
+      contents.warnings[1],
+      testing::AllOf(HasSubstr("mesh \"package://robot/a.dae\" is not shown: there is no package \"robot\""),
+                     testing::EndsWith(" (2 meshes, the first here)")));
   EXPECT_EQ(scene["warnings"], Json(contents.warnings));
 }
 

@@ -234,7 +234,7 @@ TEST(SceneOfAMotion, ALongOneIsThinnedAndKeepsItsEnds) {
   std::ostringstream out;
   const SceneContents contents = write_scene(model, neutral(model), out, {.motion = motion});
   ASSERT_EQ(contents.warnings.size(), 1U);
-  EXPECT_THAT(contents.warnings[0], testing::StrEq("the motion has 60001 states; one in 4 is shown"));
+  EXPECT_EQ(contents.warnings[0], "warning: motion: has 60001 states; one in 4 is shown");
   const Json shown = Json::parse(out.str())["motion"];
   EXPECT_LT(shown["t"].size() * width, longest_motion);
   EXPECT_EQ(shown["t"].front(), 0.0);

@@ -1,0 +1,278 @@
+"""Mechanisms in a browser: `view`."""
+
+from __future__ import annotations
+
+import csv
+import html
+import json
+import os
+import secrets
+import socket
+import sys
+import threading
+import warnings
+import weakref
+import webbrowser
+from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from . import _axode
+from ._axode import Model, Trajectory
+
+__all__ = ["Viewer", "view"]
+
+PAGE = Path(__file__).parent / "viewer.html"
+Motion = tuple[Any, Any, Any, Any, Any]
+"""t, q, v, a and tau, the latter two perhaps None."""
+
+
+def _motion_in(m: Model, file: Path) -> Motion:
+    """What `axode simulate --output` has written."""
+    names = ("t", "q", "v", "a", "tau")
+    if file.suffix == ".npz":
+        with np.load(file, allow_pickle=False) as arrays:
+            found = {name: arrays[name] for name in names if name in arrays}
+    elif file.suffix == ".json":
+        found = json.loads(file.read_text(encoding="utf-8"))
+    elif file.suffix == ".csv":
+        with file.open(newline="", encoding="utf-8") as lines:
+            headings, *rows = [row for row in csv.reader(lines) if row] or [[]]
+        place = {heading: k for k, heading in enumerate(headings)}
+        columns = {"t": ["t"], "q": [f"q {name}" for name in m.coordinate_names],
+                   **{what: [f"{what} {name}" for name in m.velocity_names] for what in ("v", "a", "tau")}}
+        numbers = np.array(rows, dtype=np.float64).reshape(len(rows), len(headings))
+        found = {what: numbers[:, [place[column] for column in wanted]]
+                 for what, wanted in columns.items() if all(column in place for column in wanted)}
+        if "t" in found:
+            found["t"] = found["t"][:, 0]
+    else:
+        raise ValueError(f"motion: {file} is none of .csv, .json, .npz")
+    if not isinstance(found, dict) or (missing := [name for name in names[:3] if name not in found]):
+        raise ValueError(f"motion: {file} has no {' and no '.join(missing)} of model \"{m.name}\"")
+    t, q, v, a, tau = (found.get(name) for name in names)
+    return t, q, v, a, tau
+
+
+def _motion_of(m: Model, motion: Trajectory | str | os.PathLike[str] | None) -> Motion | None:
+    if motion is None:
+        return None
+    if isinstance(motion, Trajectory):
+        return motion.t, motion.q, motion.v, motion.a, motion.tau
+    return _motion_in(m, Path(motion))
+
+
+def _is_in_notebook() -> bool:
+    ipython = sys.modules.get("IPython")
+    shell = ipython.get_ipython() if ipython else None
+    return shell is not None and "IPKernelApp" in shell.config
+
+
+class _Answer(BaseHTTPRequestHandler):
+    """One request: for the page, or for the states that are pushed, as long as the browser listens."""
+
+    server: _Server
+
+    def setup(self) -> None:
+        super().setup()
+        self.server.connections[self.connection] = threading.current_thread()
+
+    def finish(self) -> None:
+        self.server.connections.pop(self.connection, None)
+        super().finish()
+
+    def handle(self) -> None:
+        try:
+            super().handle()
+        except OSError:  # the browser has gone, or the viewer was closed
+            pass
+
+    def do_GET(self) -> None:
+        if self.path == self.server.path:
+            self._begin("text/html; charset=utf-8")
+            self.wfile.write(self.server.page())
+            self.wfile.flush()
+            self.server.seen.set()
+        elif self.path == self.server.path + "states":
+            self._begin("text/event-stream")
+            for state in self.server.states():
+                self.wfile.write(f"data: {state}\n\n".encode() if state else b":\n\n")
+        else:
+            self.send_error(404)
+
+    def _begin(self, kind: str) -> None:
+        self.send_response(200)
+        self.send_header("Content-Type", kind)
+        self.send_header("Cache-Control", "no-store")
+        self.send_header("Access-Control-Allow-Origin", "*")  # the page of a notebook is of no origin
+        self.end_headers()
+
+    def log_message(self, *_: Any) -> None:
+        pass
+
+
+class _Server(ThreadingHTTPServer):
+    """Serves one page on this machine, and states to it, to who knows a random path. It listens from the start, and
+    answers from `start` on.
+    """
+
+    daemon_threads = True  # or Python would wait for them before it calls `close`
+
+    def __init__(self) -> None:
+        super().__init__(("127.0.0.1", 0), _Answer)
+        self.path = f"/{secrets.token_urlsafe(16)}/"
+        self.url = f"http://127.0.0.1:{self.server_port}{self.path}"
+        self.text = ""
+        self.seen = threading.Event()
+        self.is_awaited = False
+        self.connections: dict[socket.socket, threading.Thread] = {}
+        self._told = threading.Condition()
+        self._state, self._number, self._closed = "", 0, False
+        self._thread: threading.Thread | None = None
+
+    def page(self) -> bytes:
+        return self.text.encode()
+
+    def start(self) -> None:
+        if self._thread is None:
+            self._thread = threading.Thread(target=self.serve_forever, args=(0.05,), daemon=True, name="axode viewer")
+            self._thread.start()
+
+    def push(self, state: str) -> None:
+        with self._told:
+            self._state, self._number = state, self._number + 1
+            self._told.notify_all()
+
+    def states(self) -> Any:
+        """The newest state as soon as there is one, and "" now and then, to learn whether somebody listens."""
+        number = 0
+        while True:
+            with self._told:
+                is_new = self._told.wait_for(lambda: self._closed or self._number != number, timeout=10)
+                if self._closed:
+                    return
+                number = self._number
+                state = self._state if is_new else ""
+            yield state
+
+    def close(self) -> None:
+        if self.is_awaited:
+            self.seen.wait(10)
+        with self._told:
+            self._closed = True
+            self._told.notify_all()
+        if self._thread is not None:
+            self.shutdown()
+            self._thread.join()
+        self.server_close()
+        for connection, thread in list(self.connections.items()):
+            try:
+                connection.shutdown(socket.SHUT_RDWR)
+            except OSError:
+                pass
+            thread.join()
+
+    def handle_error(self, *_: Any) -> None:
+        pass
+
+
+class Viewer:
+    """A mechanism on a page, from `view`. In a notebook it shows itself.
+
+    `warnings` are those of the model and of meshes that are not shown; `meshes` are the files of those that are.
+
+    >>> viewer = axode.Viewer(arm)
+    >>> viewer.push(np.full(7, 0.1))  # wherever the page is open, the arm moves there
+    >>> viewer.close()
+    """
+
+    def __init__(self, m: Model, q: ArrayLike | None = None,
+                 motion: Trajectory | str | os.PathLike[str] | None = None) -> None:
+        if not PAGE.exists():
+            raise RuntimeError("this build of axode has no viewer; build it with npm at hand")
+        self._m = m
+        self._motion = _motion_of(m, motion)
+        self._q: Any = q if q is not None else m.neutral() if self._motion is None else np.asarray(self._motion[1])[0]
+        self._server: _Server | None = None
+        self._finalizer: Any = None
+        self._is_closed = False
+        self._page, self.warnings, self.meshes = self._written("")
+
+    def _written(self, live: str) -> tuple[str, list[str], list[str]]:
+        return _axode.viewer_page(self._m, PAGE.read_text(encoding="utf-8"), self._q, self._motion, live)
+
+    def _listening(self) -> _Server:
+        """The server, whose page listens to it."""
+        if self._is_closed:
+            raise ValueError("the viewer is closed")
+        if self._server is None:
+            self._server = _Server()
+            self._finalizer = weakref.finalize(self, self._server.close)
+            self._server.text = self._written(self._server.url + "states")[0]
+        return self._server
+
+    def open(self) -> None:
+        """Opens the page in a browser, from a server on this machine."""
+        server = self._listening()
+        server.start()
+        if webbrowser.open(server.url):
+            server.is_awaited = True
+        else:
+            warnings.warn(f"no browser could be opened; the page is at {server.url}", stacklevel=2)
+
+    def push(self, q: ArrayLike) -> None:
+        """Moves the mechanism to q (nq,), wherever its page is open: in a browser or in a notebook on this machine."""
+        numbers = np.asarray(q, dtype=np.float64)
+        if numbers.ndim != 1:
+            raise ValueError(f"q: expected shape ({self._m.nq},), got {numbers.shape}")
+        _axode.poses(self._m, numbers)  # which refuses what is no configuration
+        server = self._listening()
+        server.push(json.dumps({"q": numbers.tolist()}))
+        server.start()
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Writes the page: one file of HTML that needs no other and no network."""
+        Path(path).write_text(self._page, encoding="utf-8")
+
+    def close(self) -> None:
+        """Ends the connection to pages, which stay as they are. A page that was opened is waited for, for 10 s at most."""
+        self._is_closed = True
+        if self._finalizer is not None:
+            self._finalizer()
+
+    def _repr_html_(self) -> str:
+        page = self._page if self._is_closed else self._listening().text
+        return (f'<iframe srcdoc="{html.escape(page, quote=True)}" title="{html.escape(self._m.name, quote=True)}" '
+                'style="width: 100%; height: 600px; border: 0"></iframe>')
+
+
+def view(m: Model, q: ArrayLike | None = None, motion: Trajectory | str | os.PathLike[str] | None = None, *,
+         output: str | os.PathLike[str] | None = None) -> Viewer:
+    """Shows a mechanism, at q (nq,) or neutral, and a motion of it: in a notebook there, otherwise in a browser.
+
+    motion: from `simulate`, or the .csv, .json or .npz that `axode simulate --output` has written.
+    output: a file of HTML to write instead of showing it; it needs no other file and no network.
+
+    `Viewer.push(q)` moves it on the page, `Viewer.save(path)` writes the page, `Viewer.close()` ends the connection. Meshes
+    are looked for beside the file that names them and in the packages of ROS; those that are missing are in
+    `Viewer.warnings`, and what has nothing to be seen is drawn from its joints and inertia.
+
+    ValueError for a state or a motion that does not fit the model. RuntimeError where the package was built without npm.
+
+    >>> import pathlib, tempfile
+    >>> fall = axode.simulate(arm, np.full(7, 0.1), np.zeros(7), until=0.5)
+    >>> page = pathlib.Path(tempfile.mkdtemp()) / "fall.html"
+    >>> axode.view(arm, motion=fall, output=page).warnings
+    []
+    >>> page.read_text().startswith("<!doctype html>")
+    True
+    """
+    viewer = Viewer(m, q, motion)
+    if output is not None:
+        viewer.save(output)
+    elif not _is_in_notebook():
+        viewer.open()
+    return viewer

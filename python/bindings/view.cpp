@@ -1,0 +1,61 @@
+#include "axode/view.hpp"
+
+#include <nanobind/stl/string.h>
+
+#include <sstream>
+
+#include "axode/model/configuration.hpp"
+#include "bindings.hpp"
+#include "long_call.hpp"
+#include "one_state.hpp"
+
+/// Pages for a browser. Arguments are made ready, and documented, in axode.viewer.
+namespace axode::python {
+
+using namespace nb::literals;
+
+namespace {
+
+/// t, q, v, a and tau of a motion, the latter two perhaps None.
+ShownMotion motion_from(const BoundModel& m, const nb::tuple& given) {
+  const auto rows = [&](std::size_t k, const char* name, int width) {
+    if (given[k].is_none()) return std::vector<double>{};
+    const nb::object object = given[k];
+    const Numbers numbers(name, {object.ptr()});
+    const bool is_list = width == 0;
+    if (numbers.axes() != (is_list ? 1 : 2) || (!is_list && !numbers.ends_with({width})))
+      numbers.wrong_shape(is_list ? "(N,)" : "(N, " + std::to_string(width) + ")");
+    return std::vector<double>(numbers.data(), numbers.data() + numbers.size());
+  };
+  return {rows(0, "motion.t", 0), rows(1, "motion.q", m->nq()), rows(2, "motion.v", m->nv()),
+          rows(3, "motion.a", m->nv()), rows(4, "motion.tau", m->nv())};
+}
+
+nb::tuple page_of(const BoundModel& m, const std::string& empty_page, ArrayLike q, nb::handle motion,
+                  const std::string& live) {
+  const States state = one_state(m, q);
+  SceneOptions options{.live = live};
+  if (!motion.is_none()) options.motion = motion_from(m, nb::borrow<nb::tuple>(motion));
+  std::ostringstream page;
+  SceneContents contents;
+  {
+    const nb::gil_scoped_release released;
+    contents = write_page(empty_page, m, state.q(0), page, options);
+  }
+  nb::list warnings, meshes;
+  for (const std::string& warning : contents.warnings) warnings.append(to_str(warning));
+  for (const SceneContents::Mesh& mesh : contents.meshes) meshes.append(to_str(mesh.file));
+  return nb::make_tuple(to_str(std::move(page).str()), warnings, meshes);
+}
+
+}  // namespace
+
+void add_view(nb::module_& module) {
+  module.def("viewer_page", &page_of, "m"_a, "empty_page"_a, "q"_a, "motion"_a.none(), "live"_a,
+             nb::sig("def viewer_page(m: Model, empty_page: str, q: numpy.typing.ArrayLike, "
+                     "motion: tuple[typing.Any, typing.Any, typing.Any, typing.Any, typing.Any] | None, "
+                     "live: str) -> tuple[str, list[str], list[str]]"),
+             "The page of a scene, its warnings, and the files of its meshes; see axode.viewer.");
+}
+
+}  // namespace axode::python
