@@ -15,6 +15,10 @@ if ! command -v dpkg-query >/dev/null; then
   exit 0
 fi
 
+# For the viewer and its test, unless they are there from elsewhere: packages of others may not be installed beside them.
+command -v npm >/dev/null || packages="$packages nodejs npm"
+command -v "${CHROMIUM:-chromium}" >/dev/null || packages="$packages chromium"
+
 installed=$(dpkg-query --show --showformat '${binary:Package} ${db:Status-Status}\n' |
   sed -n 's/^\([^: ]*\)[^ ]* installed$/\1/p')
 missing=$(printf '%s\n' $packages | grep -vxF "$installed" || true)

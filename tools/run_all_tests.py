@@ -35,7 +35,7 @@ LONG = ":".join(["*Threads*",  # which are for ThreadSanitizer
                  "LongChains*", "*ReachesNearlyEveryPose*", "HostileDescriptions.OnesWithMuch*", "*OfManyUnknownLeaders*",
                  "*OrdersOnMechanismsWithLoops"])
 TEST = {
-    "release": Stage("release", others="Examples|Guards|MustNotCompile|Package|Peers"),
+    "release": Stage("release", others="Examples|Guards|MustNotCompile|Package|Peers|Viewer"),
     "asan": Stage("asan", programs=f"*-{LONG}", environment=FEW_TREES),
 }
 NIGHTLY = {

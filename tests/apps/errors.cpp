@@ -39,7 +39,8 @@ INSTANTIATE_TEST_SUITE_P(
         {"NoCommand",
          {},
          2,
-         "axode: a command is missing; there are info, check, convert, eval, linearize, simulate, codegen, "
+         "axode: a command is missing; there are info, check, convert, eval, linearize, simulate, view, "
+         "codegen, "
          "study, demo "
          "(see axode "
          "--help)"},
@@ -47,6 +48,7 @@ INSTANTIATE_TEST_SUITE_P(
          {"evla", arm},
          2,
          "axode: there is no command \"evla\"; there are info, check, convert, eval, linearize, simulate, "
+         "view, "
          "codegen, "
          "study, demo; "
          "did you "

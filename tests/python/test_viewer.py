@@ -1,0 +1,319 @@
+"""`axode.view`: pages, and what is pushed to them, as a browser sees it."""
+
+import csv
+import html
+import http.client
+import json
+import os
+import shutil
+import subprocess
+import sys
+import threading
+import time
+import warnings
+from html.parser import HTMLParser
+from pathlib import Path
+from urllib.parse import urlsplit
+
+import axode
+import axode.viewer
+import numpy as np
+import pytest
+
+pytestmark = pytest.mark.skipif(not axode.viewer.PAGE.exists(), reason="this build has no viewer: there was no npm")
+
+SOURCE = Path(__file__).resolve().parents[2]
+MODULES = SOURCE / "build/release/viewer/node_modules"
+CHROMIUM = os.environ.get("CHROMIUM") or shutil.which("chromium")
+ARM = axode.load(axode.robots / "arm7.toml")
+PENDULUM = axode.load(axode.robots / "double_pendulum.toml")
+HOSTILE = '</script><script>alert(1)</script>" onload="alert(2)" & <b>\u2028'
+
+
+class Elements(HTMLParser):
+    """The elements of a text with their attributes, and the text in the scene."""
+
+    def __init__(self, text):
+        super().__init__()
+        self.elements, self.scene = [], ""
+        self.feed(text)
+        self.close()
+
+    def handle_starttag(self, tag, attrs):
+        self.elements.append((tag, dict(attrs)))
+
+    def handle_data(self, data):
+        if self.elements and self.elements[-1][1].get("id") == "scene":
+            self.scene += data
+
+
+def scene_in(text):
+    return json.loads(Elements(text).scene)
+
+
+@pytest.fixture
+def no_thread_is_left():
+    before = set(threading.enumerate())
+    yield
+    assert set(threading.enumerate()) == before
+
+
+def drawn():
+    """The same mechanism from a file, a text, a dict, bodies and a Builder."""
+    bodies = [{"name": "rod", "joint": {"kind": "revolute", "axis": "y"}, "mass": 1.0, "com": [0, 0, -0.5],
+               "inertia": [1 / 12, 1 / 12, 1e-3], "shape": [{"kind": "box", "size": [0.1, 0.1, 1]}]}]
+    built = axode.Model.from_bodies(bodies, name="pendulum")
+    yield "from_bodies", built
+    yield "from_dict", axode.Model.from_dict(built.to_dict())
+    yield "read_drawing", axode.read_drawing(axode.drawing(built))
+    yield "read_urdf", axode.read_urdf(axode.urdf(built))
+    yield "Builder", axode.Builder("pendulum").body(**bodies[0]).build()
+    yield "reduced", ARM.reduced(["A6"], ARM.neutral())
+    yield "append", ARM.append("flange", built)
+
+
+@pytest.mark.parametrize("name, m", drawn(), ids=lambda x: x if isinstance(x, str) else "")
+def test_mechanisms_of_every_source_are_shown(name, m, tmp_path):
+    axode.view(m, output=tmp_path / "page.html")
+    text = (tmp_path / "page.html").read_text(encoding="utf-8")
+    scene = scene_in(text)
+    assert scene["name"] == m.name and scene["nq"] == m.nq
+    assert [body["name"] for body in scene["bodies"]] == ["ground", *m.body_names]
+    assert scene["q"] == m.neutral().tolist() and scene["motion"] is None and "live" not in scene
+    assert len(scene["shapes"]) >= m.n_bodies
+
+
+def test_names_stay_text(tmp_path):
+    m = axode.Builder(HOSTILE).body(HOSTILE, joint={"name": HOSTILE, "kind": "revolute", "axis": "x"}, mass=1.0,
+                                    com=[0, 0, 0], inertia=[1, 1, 1]).build()
+    plain = axode.Builder("plain").body("plain", joint={"name": "joint", "kind": "revolute", "axis": "x"}, mass=1.0,
+                                        com=[0, 0, 0], inertia=[1, 1, 1]).build()
+    viewer = axode.Viewer(m)
+    pages = []
+    for number, each in enumerate([viewer, axode.Viewer(plain)]):
+        each.save(tmp_path / f"{number}.html")
+        pages.append((tmp_path / f"{number}.html").read_text(encoding="utf-8"))
+    assert Elements(pages[0]).elements == Elements(pages[1]).elements
+    assert scene_in(pages[0])["name"] == scene_in(pages[0])["bodies"][1]["name"] == HOSTILE
+    frames = Elements(viewer._repr_html_()).elements
+    assert [tag for tag, _ in frames] == ["iframe"] and set(frames[0][1]) == {"srcdoc", "title", "style"}
+    assert frames[0][1]["title"] == HOSTILE and scene_in(frames[0][1]["srcdoc"])["name"] == HOSTILE
+    viewer.close()
+
+
+def test_motions_and_files_of_motions_are_the_same(tmp_path):
+    motion = axode.simulate(PENDULUM, [2, 0.5], [0.1, 0.2], until=0.5, times=np.linspace(0, 0.5, 11))
+    arrays = {"t": motion.t, "q": motion.q, "v": motion.v, "a": motion.a, "tau": motion.tau}
+    np.savez(tmp_path / "run.npz", **arrays)
+    (tmp_path / "run.json").write_text(json.dumps({name: array.tolist() for name, array in arrays.items()}))
+    with (tmp_path / "run.csv").open("w", newline="") as file:
+        writer = csv.writer(file, quoting=csv.QUOTE_NONNUMERIC)
+        names = PENDULUM.velocity_names
+        writer.writerow(["t", *(f"{what} {name}" for what in ("q", "v", "a", "tau") for name in names), "energy"])
+        for k in range(11):
+            writer.writerow([motion.t[k], *motion.q[k], *motion.v[k], *motion.a[k], *motion.tau[k], 0.0])
+    axode.view(PENDULUM, motion=motion, output=tmp_path / "page.html")
+    scene = scene_in((tmp_path / "page.html").read_text(encoding="utf-8"))
+    assert scene["q"] == motion.q[0].tolist()
+    for name in ("t", "q", "v", "tau"):
+        np.testing.assert_array_equal(scene["motion"][name], arrays[name])
+    np.testing.assert_allclose([row[-1] for row in scene["motion"]["series"][0]["values"]], motion.energy, atol=1e-12)
+    np.testing.assert_allclose(scene["motion"]["momenta"],
+                               [axode.body_momenta(PENDULUM, *state, "spatial") for state in zip(motion.q, motion.v)],
+                               atol=1e-12)
+    for ending in ("npz", "json", "csv"):
+        axode.view(PENDULUM, motion=tmp_path / f"run.{ending}", output=tmp_path / "other.html")
+        assert scene_in((tmp_path / "other.html").read_text(encoding="utf-8")) == scene
+    axode.view(PENDULUM, [1, 1], str(tmp_path / "run.csv"), output=str(tmp_path / "other.html"))
+    assert scene_in((tmp_path / "other.html").read_text(encoding="utf-8"))["q"] == [1, 1]
+
+
+def test_states_and_motions_that_do_not_fit_are_refused(tmp_path, no_thread_is_left):
+    page = tmp_path / "page.html"
+    motion = axode.simulate(PENDULUM, [2, 0.5], [0.1, 0.2], until=0.1)
+    (tmp_path / "a.json").write_text("[1]")
+    (tmp_path / "a.csv").write_text("t,q pin\n0,1\n")
+    (tmp_path / "empty.csv").write_text("")
+    for arguments, words in [((ARM, np.zeros(6)), "q"), ((ARM, [np.nan] * 7), "q"), ((ARM, np.zeros((2, 7))), "q"),
+                             ((ARM, None, motion), r"motion.q"), ((ARM, None, "run.txt"), "none of .csv, .json, .npz"),
+                             ((PENDULUM, None, tmp_path / "a.json"), "has no t and no q and no v"),
+                             ((PENDULUM, None, tmp_path / "a.csv"), "has no q and no v of model"),
+                             ((PENDULUM, None, tmp_path / "empty.csv"), "has no t")]:
+        with pytest.raises(ValueError, match=words):
+            axode.view(*arguments, output=page)
+    assert not page.exists()
+    viewer = axode.Viewer(ARM)
+    for q in (np.zeros(6), [np.inf] * 7, np.zeros((1, 7)), "here"):
+        with pytest.raises(ValueError):
+            viewer.push(q)
+    viewer.close()
+    with pytest.raises(ValueError, match="closed"):
+        viewer.push(np.zeros(7))
+
+
+def test_meshes_are_shown_or_told_of(tmp_path):
+    (tmp_path / "a.stl").write_text("solid\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\n")
+    (tmp_path / "r.urdf").write_text('<robot name="r"><link name="base">' + "".join(
+        f'<visual><geometry><mesh filename="{name}.stl"/></geometry></visual>' for name in "ab") + "</link></robot>")
+    viewer = axode.Viewer(axode.load(tmp_path / "r.urdf"))
+    assert viewer.meshes == [str(tmp_path / "a.stl")]
+    assert len(viewer.warnings) == 1 and 'mesh "b.stl" is not shown' in viewer.warnings[0]
+
+
+class Listener:
+    """Who listens to the states of a viewer, as the page does."""
+
+    def __init__(self, live):
+        where = urlsplit(live)
+        self.connection = http.client.HTTPConnection(where.hostname, where.port, timeout=10)
+        self.connection.request("GET", where.path)
+        self.answer = None
+
+    def next(self):
+        self.answer = self.answer or self.connection.getresponse()
+        assert self.answer.status == 200 and self.answer.headers["Content-Type"] == "text/event-stream"
+        while line := self.answer.readline():
+            if line.startswith(b"data: "):
+                return json.loads(line[6:])["q"]
+        return None
+
+
+def live_in(viewer):
+    return scene_in(dict(Elements(viewer._repr_html_()).elements[0][1])["srcdoc"])["live"]
+
+
+def test_states_are_pushed_to_who_knows_the_address(no_thread_is_left):
+    viewer = axode.Viewer(ARM)
+    live = live_in(viewer)
+    early = Listener(live)  # before anything is pushed
+    states = ARM.random(n=3)
+    viewer.push(states[0])
+    assert early.next() == states[0].tolist()
+    late = Listener(live)
+    assert late.next() == states[0].tolist()
+    for state in states[1:]:
+        viewer.push(state)
+        assert early.next() == late.next() == state.tolist()
+    where = urlsplit(live)
+    for path in ("/", "/states", where.path[:-1], "/../" + where.path, where.path + "/"):
+        connection = http.client.HTTPConnection(where.hostname, where.port, timeout=10)
+        connection.request("GET", path)
+        assert connection.getresponse().status == 404
+        connection.close()
+    silent = http.client.HTTPConnection(where.hostname, where.port, timeout=10)
+    silent.connect()  # and asks for nothing, as browsers do ahead of time
+    time.sleep(0.1)
+    start = time.monotonic()
+    viewer.close()
+    viewer.close()
+    assert time.monotonic() - start < 3
+    assert early.next() is None
+    with pytest.raises(OSError):
+        http.client.HTTPConnection(where.hostname, where.port, timeout=2).connect()
+    for connection in (early.connection, late.connection, silent):
+        connection.close()
+
+
+def test_nothing_listens_until_a_page_is_shown(no_thread_is_left):
+    viewer = axode.Viewer(ARM)
+    assert viewer._server is None
+    live_in(viewer)
+    assert viewer._server._thread is None
+    viewer.push(np.zeros(7))
+    assert viewer._server._thread.is_alive()
+    del viewer  # which closes it
+
+
+BROWSER = """#!{python}
+import sys, urllib.request
+open("{seen}", "wb").write(urllib.request.urlopen(sys.argv[1]).read())
+"""
+
+
+def test_a_script_opens_a_browser_and_ends_when_the_page_is_there(tmp_path):
+    browser = tmp_path / "browser"
+    browser.write_text(BROWSER.format(python=sys.executable, seen=tmp_path / "seen.html"))
+    browser.chmod(0o700)
+    script = "import axode\naxode.view(axode.load(axode.robots / 'arm7.toml'))\n"
+    done = subprocess.run([sys.executable, "-c", script], env={**os.environ, "BROWSER": str(browser)}, timeout=60,
+                          capture_output=True, text=True)
+    assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
+    scene = scene_in((tmp_path / "seen.html").read_text(encoding="utf-8"))
+    assert scene["name"] == "arm7" and scene["live"].startswith("http://127.0.0.1:")
+
+
+def test_where_there_is_no_browser_the_address_is_told(monkeypatch, no_thread_is_left):
+    monkeypatch.setattr(axode.viewer.webbrowser, "open", lambda url: False)
+    with warnings.catch_warnings(record=True) as said:
+        warnings.simplefilter("always")
+        viewer = axode.view(ARM)
+    assert "no browser could be opened; the page is at http://127.0.0.1:" in str(said[0].message)
+    viewer.close()
+
+
+class Browser:
+    """A headless Chromium that says where the bodies on a page stand."""
+
+    def __init__(self):
+        self.node = subprocess.Popen(["node", Path(__file__).with_name("page_poses.mjs"), MODULES, CHROMIUM],
+                                     stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
+
+    def poses(self, address=""):
+        self.node.stdin.write(address + "\n")
+        self.node.stdin.flush()
+        line = self.node.stdout.readline()
+        return {name: np.reshape(C, (4, 4)).T for name, C in json.loads(line).items()}
+
+    def expect(self, m, q, address=""):
+        """The poses on the page are those of q, at once or soon."""
+        expected = dict(zip(["ground", *m.body_names], axode.poses(m, q)))
+        size = max(1.0, np.abs(axode.poses(m, q)).max())
+        deadline = time.monotonic() + 10
+        while True:
+            found = self.poses(address)
+            off = max(np.abs(found[name] - expected[name]).max() for name in expected)
+            if off < 1e-9 * size or time.monotonic() > deadline:
+                break
+            address = ""
+            time.sleep(0.05)
+        assert found.keys() == expected.keys() and off < 1e-9 * size, off
+
+
+@pytest.fixture(scope="module")
+def browser():
+    if not (CHROMIUM and MODULES.exists() and shutil.which("node")):
+        pytest.skip("there is no Chromium, no node, or no build/release/viewer")
+    browser = Browser()
+    yield browser
+    browser.node.stdin.close()
+    browser.node.stdout.close()
+    assert browser.node.wait(30) == 0
+
+
+MECHANISMS = [axode.robots / name for name in ("arm7.toml", "machine.toml", "four_bar.toml", "double_pendulum.toml")]
+
+
+@pytest.mark.parametrize("path", [*MECHANISMS, axode.robots / "humanoid.urdf"], ids=lambda path: path.stem)
+def test_the_page_shows_what_is_pushed(browser, path, tmp_path):
+    m = axode.load(path, base="free" if path.suffix == ".urdf" else None)
+    q = m.random(seed=1, n=3)
+    viewer = axode.Viewer(m, q[0])
+    (tmp_path / "notebook.html").write_text(f"<!doctype html><body>{viewer._repr_html_()}</body>", encoding="utf-8")
+    browser.expect(m, q[0], (tmp_path / "notebook.html").as_uri())
+    for state in q[1:]:
+        viewer.push(state)
+        browser.expect(m, state)
+    viewer.save(tmp_path / "page.html")
+    viewer.close()
+    browser.expect(m, q[2])
+    browser.expect(m, q[0], (tmp_path / "page.html").as_uri())
+
+
+def test_a_page_that_is_opened_follows(browser, monkeypatch):
+    opened = []
+    monkeypatch.setattr(axode.viewer.webbrowser, "open", lambda url: opened.append(url) or True)
+    viewer = axode.view(ARM, np.full(7, 0.1))
+    browser.expect(ARM, np.full(7, 0.1), opened[0])
+    viewer.push(np.full(7, -0.2))
+    browser.expect(ARM, np.full(7, -0.2))
+    viewer.close()
