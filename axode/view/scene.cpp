@@ -100,7 +100,7 @@ Json loops_of(const Model& model) {
 /// The shapes of a model; meshes are read, each file once.
 class Shapes {
  public:
-  explicit Shapes(const Model& model) : model_(model), seen_(static_cast<std::size_t>(model.n_bodies()) + 1) {
+  explicit Shapes(const Model& model) : seen_(static_cast<std::size_t>(model.n_bodies()) + 1) {
     std::unordered_map<std::string_view, int> frame;
     for (int f = 0; f < model.n_frames(); ++f) frame.emplace(model.frame(f).name, f);
     const Description& told = model.description();
@@ -197,7 +197,6 @@ class Shapes {
     return known->second = read->second;
   }
 
-  const Model& model_;
   std::vector<bool> seen_;  ///< bodies with something to be seen
   std::map<std::pair<std::string, std::string>, std::optional<std::size_t>> named_;
   std::map<std::filesystem::path, std::optional<std::size_t>> read_;
@@ -205,23 +204,23 @@ class Shapes {
   std::vector<Missing> missing_;
 };
 
-/// Numbers, row by row.
-Json rows_of(const std::vector<double>& numbers, std::size_t width) {
+/// So many rows of numbers.
+Json rows_of(std::span<const double> numbers, std::size_t count) {
   Json rows = Json::array();
-  for (std::size_t k = 0; width > 0 && k < numbers.size(); k += width) {
-    const auto first = numbers.begin() + static_cast<std::ptrdiff_t>(k);
-    rows.push_back(std::vector<double>(first, first + static_cast<std::ptrdiff_t>(width)));
+  for (std::size_t k = 0; k < count; ++k) {
+    const std::span<const double> row = numbers.subspan(k * numbers.size() / count, numbers.size() / count);
+    rows.push_back(std::vector<double>(row.begin(), row.end()));
   }
   return rows;
 }
 
 /// Six numbers for each body and time, or null.
-Json screws_of(const std::vector<double>& numbers, int bodies) {
+Json screws_of(std::span<const double> numbers, std::size_t count, int bodies) {
   if (numbers.empty()) return {};
   Json times = Json::array();
-  const auto at_once = static_cast<std::ptrdiff_t>(6 * bodies);
-  for (auto first = numbers.begin(); first != numbers.end(); first += at_once)
-    times.push_back(rows_of({first, first + at_once}, 6));
+  for (std::size_t k = 0; k < count; ++k)
+    times.push_back(rows_of(numbers.subspan(k * numbers.size() / count, numbers.size() / count),
+                            static_cast<std::size_t>(bodies)));
   return times;
 }
 
@@ -256,24 +255,24 @@ Json motion_of(const Model& model, const ShownMotion& whole, std::vector<std::st
          {}}));
   const ShownMotion motion = thinned(model, whole, stride);
   const view::MotionNumbers numbers = view::numbers_of(model, motion);
+  const std::size_t N = motion.t.size();
   Json series = Json::array();
   bool all_finite = finite(numbers.twists) && finite(numbers.wrenches) && finite(numbers.momenta);
   for (const auto& [name, unit, labels, values] : numbers.series) {
     all_finite = all_finite && finite(values);
-    series.push_back(
-        {{"name", name}, {"unit", unit}, {"labels", labels}, {"values", rows_of(values, labels.size())}});
+    series.push_back({{"name", name}, {"unit", unit}, {"labels", labels}, {"values", rows_of(values, N)}});
   }
   if (!all_finite)
     throw std::invalid_argument(
         "motion: its numbers are so large that energies, momenta or wrenches overflow");
   return {{"t", motion.t},
-          {"q", rows_of(motion.q, nq)},
-          {"v", rows_of(motion.v, nv)},
-          {"tau", motion.tau.empty() ? Json() : rows_of(motion.tau, nv)},
+          {"q", rows_of(motion.q, N)},
+          {"v", rows_of(motion.v, N)},
+          {"tau", motion.tau.empty() ? Json() : rows_of(motion.tau, N)},
           {"series", series},
-          {"twists", screws_of(numbers.twists, model.n_bodies())},
-          {"wrenches", screws_of(numbers.wrenches, model.n_bodies())},
-          {"momenta", screws_of(numbers.momenta, model.n_bodies())}};
+          {"twists", screws_of(numbers.twists, N, model.n_bodies())},
+          {"wrenches", screws_of(numbers.wrenches, N, model.n_bodies())},
+          {"momenta", screws_of(numbers.momenta, N, model.n_bodies())}};
 }
 
 /// JSON has these three in strings alone, where they can be written otherwise: no name ends an element of HTML.

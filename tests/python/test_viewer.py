@@ -60,7 +60,7 @@ def no_thread_is_left():
 
 def drawn():
     """The same mechanism from a file, a text, a dict, bodies and a Builder."""
-    bodies = [{"name": "rod", "joint": {"kind": "revolute", "axis": "y"}, "mass": 1.0, "com": [0, 0, -0.5],
+    bodies = [{"name": "rod", "joint": {"kind": "revolute", "axis": "y", "point": [0, 0, 0]}, "mass": 1.0, "com": [0, 0, -0.5],
                "inertia": [1 / 12, 1 / 12, 1e-3], "shape": [{"kind": "box", "size": [0.1, 0.1, 1]}]}]
     built = axode.Model.from_bodies(bodies, name="pendulum")
     yield "from_bodies", built
@@ -72,7 +72,7 @@ def drawn():
     yield "append", ARM.append("flange", built)
 
 
-@pytest.mark.parametrize("name, m", drawn(), ids=lambda x: x if isinstance(x, str) else "")
+@pytest.mark.parametrize("name, m", list(drawn()), ids=lambda x: x if isinstance(x, str) else "")
 def test_mechanisms_of_every_source_are_shown(name, m, tmp_path):
     axode.view(m, output=tmp_path / "page.html")
     text = (tmp_path / "page.html").read_text(encoding="utf-8")
@@ -84,9 +84,9 @@ def test_mechanisms_of_every_source_are_shown(name, m, tmp_path):
 
 
 def test_names_stay_text(tmp_path):
-    m = axode.Builder(HOSTILE).body(HOSTILE, joint={"name": HOSTILE, "kind": "revolute", "axis": "x"}, mass=1.0,
+    m = axode.Builder(HOSTILE).body(HOSTILE, joint={"name": HOSTILE, "kind": "revolute", "axis": "x", "point": [0, 0, 0]}, mass=1.0,
                                     com=[0, 0, 0], inertia=[1, 1, 1]).build()
-    plain = axode.Builder("plain").body("plain", joint={"name": "joint", "kind": "revolute", "axis": "x"}, mass=1.0,
+    plain = axode.Builder("plain").body("plain", joint={"name": "joint", "kind": "revolute", "axis": "x", "point": [0, 0, 0]}, mass=1.0,
                                         com=[0, 0, 0], inertia=[1, 1, 1]).build()
     viewer = axode.Viewer(m)
     pages = []
