@@ -168,7 +168,7 @@ endforeach()
 axode_add_library(axode_codegen codegen)
 file(GLOB sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/axode/codegen/*.cpp)
 target_sources(axode_codegen PRIVATE ${sources})
-target_link_libraries(axode_codegen PUBLIC $<BUILD_INTERFACE:axode_core> $<INSTALL_INTERFACE:axode::axode>)
+target_link_libraries(axode_codegen PUBLIC axode_batch PRIVATE ${CMAKE_DL_LIBS})
 target_compile_definitions(axode_codegen PRIVATE AXODE_VERSION="${PROJECT_VERSION}")
 
 axode_add_library(axode_io io)

@@ -1,17 +1,323 @@
 #include "axode/codegen/c_function.hpp"
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
-
-#include "axode/scalar/sine_cosine.hpp"
 
 namespace axode::codegen {
 namespace {
 
 using enum Tape::Operation;
 
-/// `text` with every @KEY@ replaced.
+/// The statements of one function, in the order in which its numbers were recorded. Whatever has to wait for
+/// sines comes after them: stage k for what needs sines of numbers of stage k - 1.
+class Statements {
+ public:
+  Statements(const Recording& recording, const Precision& precision, const std::string& sine_cosine,
+             Width width)
+      : recording_(recording),
+        precision_(precision),
+        sine_cosine_(sine_cosine),
+        width_(width),
+        need_(needed(recording)),
+        stage_(size()),
+        stays_in_sum_(size()),
+        text_(size()),
+        part_(size(), -1),
+        last_part_(size(), -1),
+        slot_(size(), -1) {
+    order();
+    cut();
+    for (const Step& step : steps_) {
+      enter(step.part);
+      if (step.kind == Step::turn)
+        turn(static_cast<int>(step.index));
+      else if (step.kind == Step::define)
+        define(step.index);
+      else
+        write_result(step.index);
+    }
+    enter(n_parts());
+    if (recording.returns_doubt)
+      body() += "  return " +
+                (recording.doubt.is_constant() ? constant_condition(recording.doubt.constant())
+                                               : text(recording.doubt.node())) +
+                ";\n";
+  }
+
+  /// The last one is the function itself; where there is but one, it is all there is.
+  struct Part {
+    std::string text;
+    std::vector<char> reads;  ///< of the arguments
+    bool writes_results = false, keeps = false;
+  };
+  const std::vector<Part>& parts() const { return parts_; }
+  int scratch() const { return slots_; }
+
+ private:
+  struct Step {
+    enum Kind { define, turn, result } kind;
+    std::size_t index;
+    int part = 0;
+  };
+  static constexpr std::size_t longest_part = 1500;  // statements
+
+  std::size_t size() const { return recording_.nodes.size(); }
+  const Tape::Node& node(std::size_t k) const { return recording_.nodes[k]; }
+  bool in_lanes() const { return width_ == Width::lanes; }
+  const char* type() const { return in_lanes() ? "axode_lanes" : precision_.type(); }
+  int n_parts() const { return static_cast<int>((steps_.size() + longest_part - 1) / longest_part); }
+  bool is_cut() const { return n_parts() > 1; }
+  static bool is_turned(const Tape::Node& x) { return x.operation == sine || x.operation == cosine; }
+  static bool is_literal(const Tape::Node& x) {
+    return x.operation == one || (x.operation == scale && x.a == 0);
+  }
+  static bool is_condition(const Tape::Node& x) {
+    return x.operation == less || x.operation == less_equal || x.operation == both || x.operation == either ||
+           x.operation == negation;
+  }
+
+  void order() {
+    std::vector<int> uses(size()), uses_in_sums(size());
+    int stages = 1;
+    for (std::size_t k = 0; k < size(); ++k) {
+      if (!need_[k]) continue;
+      for (const int from : operands(node(k))) {
+        const auto i = static_cast<std::size_t>(from);
+        ++uses[i], uses_in_sums[i] += node(k).operation == sum;
+        stage_[k] = std::max(stage_[k], stage_[i]);
+      }
+      if (is_turned(node(k))) ++stage_[k];
+      stages = std::max(stages, stage_[k] + 1);
+    }
+    std::vector<std::vector<std::size_t>> results(size());  // by the number that they are multiples of
+    for (std::size_t r = 0; r < recording_.results.size(); ++r) {
+      const auto k = static_cast<std::size_t>(recording_.results[r].node());
+      results[k].push_back(r), ++uses[k];
+    }
+    angles_.resize(static_cast<std::size_t>(stages));
+    for (int stage = 0; stage < stages; ++stage) {
+      if (stage > 0) steps_.push_back({Step::turn, static_cast<std::size_t>(stage)});
+      for (std::size_t k = 0; k < size(); ++k) {
+        if (!need_[k] || stage_[k] != stage) continue;
+        const Tape::Node& x = node(k);
+        // What only one sum needs stays in it, where product and sum may become one instruction.
+        stays_in_sum_[k] = x.operation == product && uses[k] == 1 && uses_in_sums[k] == 1;
+        if (x.operation == input)
+          text_[k] = recording_.arguments[static_cast<std::size_t>(x.a)] + '[' + std::to_string(x.b) + ']';
+        else if (is_literal(x))
+          text_[k] = precision_.literal(x.factor);
+        else if (is_turned(x))
+          add_angle(stage, x.a);
+        else if (!stays_in_sum_[k])
+          steps_.push_back({Step::define, k});
+        for (const std::size_t r : results[k])  // at once, so that k need not be kept
+          steps_.push_back({Step::result, r});
+      }
+    }
+  }
+  void add_angle(int stage, int angle) {
+    std::vector<int>& all = angles_[static_cast<std::size_t>(stage)];
+    if (std::find(all.begin(), all.end(), angle) == all.end()) all.push_back(angle);
+  }
+
+  /// Which part each number is made in, the last one that it is used in, and where it is kept in between.
+  void cut() {
+    const std::size_t count = static_cast<std::size_t>(std::max(n_parts(), 1)),
+                      balanced = std::max<std::size_t>((steps_.size() + count - 1) / count, 1);
+    for (std::size_t s = 0; s < steps_.size(); ++s) {
+      Step& step = steps_[s];
+      step.part = static_cast<int>(s / balanced);
+      const auto use = [&](std::size_t k) { last_part_[k] = step.part; };
+      if (step.kind == Step::define) {
+        part_[step.index] = step.part;
+        each_use(step.index, use);
+      } else if (step.kind == Step::turn) {
+        for (const int angle : angles_[step.index]) each_use_of(static_cast<std::size_t>(angle), use);
+      } else {
+        each_use_of(static_cast<std::size_t>(recording_.results[step.index].node()), use);
+      }
+    }
+    if (!recording_.doubt.is_constant())
+      last_part_[static_cast<std::size_t>(recording_.doubt.node())] = n_parts();
+    parts_.resize(is_cut() ? static_cast<std::size_t>(n_parts()) + 1 : 1);
+    for (Part& part : parts_) part.reads.resize(recording_.arguments.size());
+    if (!is_cut()) return;
+    for (std::vector<int>& angles : angles_) slots_ += 3 * room(angles.size());
+    std::vector<int> idle;
+    std::vector<std::vector<int>> freed(parts_.size() + 1);
+    int part = -1;
+    for (const Step& step : steps_) {
+      if (step.part != part) {
+        part = step.part;
+        const std::vector<int>& now = freed[static_cast<std::size_t>(part)];
+        idle.insert(idle.end(), now.begin(), now.end());
+      }
+      if (step.kind != Step::define || last_part_[step.index] <= part) continue;
+      if (idle.empty()) idle.push_back(slots_++);
+      slot_[step.index] = idle.back();
+      idle.pop_back();
+      freed[static_cast<std::size_t>(last_part_[step.index]) + 1].push_back(slot_[step.index]);
+    }
+  }
+  /// Calls use(k) for each number with a name that number `of` is made from.
+  template <class Use> void each_use(std::size_t of, const Use& use) const {
+    for (const int from : operands(node(of))) each_use_of(static_cast<std::size_t>(from), use);
+  }
+  template <class Use> void each_use_of(std::size_t k, const Use& use) const {
+    if (stays_in_sum_[k])
+      each_use(k, use);
+    else
+      use(k);
+  }
+
+  void enter(int part) {
+    if (is_cut()) now_ = part;
+  }
+  Part& current() { return parts_[is_cut() ? static_cast<std::size_t>(now_) : 0]; }
+  std::string& body() { return current().text; }
+  std::string kept(int slot) {
+    current().keeps = true;
+    return "s[" + std::to_string(slot) + ']';
+  }
+
+  /// As many angles as fill whole registers, so that none is left to a loop of its own.
+  int room(std::size_t angles) const {
+    const int n = static_cast<int>(angles);
+    return in_lanes() ? n : n <= 2 ? 2 : n <= 4 ? 4 : (n + 7) / 8 * 8;
+  }
+  /// All sines and cosines of a stage at once.
+  void turn(int stage) {
+    const std::vector<int>& angles = angles_[static_cast<std::size_t>(stage)];
+    if (angles.empty()) return;
+    const std::string number = angles_.size() > 2 ? std::to_string(stage) : "";
+    const int n = room(angles.size());
+    std::array<std::string, 3> arrays{"angle" + number, "sine" + number, "cosine" + number};
+    if (is_cut()) {
+      for (std::string& array : arrays) {
+        const std::string from = "s + " + std::to_string(turned_);
+        for (int k = 0; &array == arrays.data() && k < n; ++k)
+          body() +=
+              "  " + kept(turned_ + k) + " = " +
+              (k < std::ssize(angles) ? text(angles[static_cast<std::size_t>(k)]) : precision_.literal(0)) +
+              ";\n";
+        array = from;
+        turned_ += n;
+      }
+    } else {
+      std::string list;
+      for (const int angle : angles) list += (list.empty() ? "" : ", ") + text(angle);
+      body() += filled("  const @T@ @ANGLE@[@N@] = {@LIST@};\n  @T@ @SINE@[@N@], @COSINE@[@N@];\n",
+                       {{"T", type()},
+                        {"N", std::to_string(n)},
+                        {"ANGLE", arrays[0]},
+                        {"SINE", arrays[1]},
+                        {"COSINE", arrays[2]},
+                        {"LIST", list}});
+    }
+    body() += "  " + sine_cosine_ + (in_lanes() ? "_lanes(" : "(") + arrays[0] + ", " + arrays[1] + ", " +
+              arrays[2] + ", " + std::to_string(n) + ");\n";
+    for (std::size_t k = 0; k < size(); ++k) {
+      if (!need_[k] || stage_[k] != stage || !is_turned(node(k))) continue;
+      const auto at = std::find(angles.begin(), angles.end(), node(k).a) - angles.begin();
+      const bool is_sine = node(k).operation == sine;
+      text_[k] = is_cut()
+                     ? "s[" + std::to_string(turned_ - (is_sine ? 2 : 1) * n + static_cast<int>(at)) + ']'
+                     : arrays[is_sine ? 1 : 2] + '[' + std::to_string(at) + ']';
+    }
+  }
+
+  void write_result(std::size_t r) {
+    const Trace& x = recording_.results[r];
+    current().writes_results = true;
+    body() += "  " + recording_.result + '[' + std::to_string(r) + "] = ";
+    body() +=
+        (x.is_constant() ? all_lanes(precision_.literal(x.factor())) : scaled(x.factor(), x.node())) + ";\n";
+  }
+
+  void define(std::size_t k) {
+    const Tape::Node& x = node(k);
+    text_[k] = 't' + std::to_string(++temporaries_);
+    const std::string kind = !is_condition(x) ? type() : in_lanes() ? "axode_mask" : "int";
+    const std::string value = expression(x);
+    body() += "  const " + kind + ' ' + text_[k] + " = " + value + ";\n";
+    if (slot_[k] >= 0)
+      body() += "  " + kept(slot_[k]) + " = " + (is_condition(x) && in_lanes() ? "(axode_lanes)" : "") +
+                text_[k] + ";\n";
+  }
+
+  /// A number or a condition where it is used.
+  std::string text(int of) {
+    const auto k = static_cast<std::size_t>(of);
+    const Tape::Node& x = node(k);
+    if (stays_in_sum_[k]) return expression(x);
+    if (x.operation == input) current().reads[static_cast<std::size_t>(x.a)] = 1;
+    if (is_turned(x) && is_cut()) current().keeps = true;
+    if (slot_[k] < 0 || part_[k] == now_) return text_[k];
+    if (!is_condition(x)) return kept(slot_[k]);
+    return in_lanes() ? "((axode_mask)" + kept(slot_[k]) + ')' : '(' + kept(slot_[k]) + " != 0)";
+  }
+  std::string all_lanes(const std::string& literal) const {
+    return in_lanes() ? "axode_all(" + literal + ')' : literal;
+  }
+  /// A number that has lanes even where it is a constant.
+  std::string spread(int k) {
+    return is_literal(node(static_cast<std::size_t>(k))) ? all_lanes(text(k)) : text(k);
+  }
+  std::string constant_condition(bool value) const {
+    return in_lanes() ? value ? "~(axode_mask){0}" : "(axode_mask){0}" : std::to_string(value);
+  }
+  std::string expression(const Tape::Node& x) {
+    switch (x.operation) {
+      case scale: return scaled(x.factor, x.a);
+      case sum: return text(x.a) + (x.factor < 0 ? " - " : " + ") + scaled(std::abs(x.factor), x.b);
+      case product: return text(x.a) + " * " + text(x.b);
+      case reciprocal: return precision_.literal(1) + " / " + text(x.a);
+      case root: return called("axode_root", "sqrt") + text(x.a) + ')';
+      case angle: return called("axode_angle", "atan2") + spread(x.a) + ", " + spread(x.b) + ')';
+      case choice:
+        return in_lanes()
+                   ? "axode_select(" + text(x.condition) + ", " + spread(x.a) + ", " + spread(x.b) + ')'
+                   : text(x.condition) + " ? " + text(x.a) + " : " + text(x.b);
+      case less: return compared(text(x.a) + " < " + text(x.b));
+      case less_equal: return compared(text(x.a) + " <= " + text(x.b));
+      case both: return text(x.a) + " & " + text(x.b);
+      case either: return text(x.a) + " | " + text(x.b);
+      case negation: return (in_lanes() ? '~' : '!') + text(x.a);
+      default: return {};  // has a name already
+    }
+  }
+  std::string called(const char* in_lanes_name, const char* name) const {
+    return in_lanes() ? std::string(in_lanes_name) + '('
+                      : std::string(name) + (precision_.single ? "f(" : "(");
+  }
+  std::string compared(const std::string& text) const {
+    return in_lanes() ? "(axode_mask)(" + text + ')' : text;
+  }
+  /// A node times a factor.
+  std::string scaled(double factor, int k) {
+    if (k == 0) return precision_.literal(factor);
+    return (factor == 1 ? "" : factor == -1 ? "-" : precision_.literal(factor) + " * ") + text(k);
+  }
+
+  const Recording& recording_;
+  const Precision& precision_;
+  const std::string& sine_cosine_;
+  Width width_;
+  std::vector<char> need_;
+  std::vector<int> stage_;
+  std::vector<char> stays_in_sum_;
+  std::vector<std::string> text_;  ///< of each number: its name, or what it is
+  std::vector<int> part_, last_part_, slot_;
+  std::vector<std::vector<int>> angles_;  ///< by stage
+  std::vector<Step> steps_;
+  std::vector<Part> parts_;
+  int now_ = 0, slots_ = 0, turned_ = 0, temporaries_ = 0;
+};
+
+}  // namespace
+
 std::string filled(std::string text, std::initializer_list<std::pair<const char*, std::string>> values) {
   for (const auto& [key, value] : values) {
     const std::string mark = std::string("@") + key + '@';
@@ -20,144 +326,6 @@ std::string filled(std::string text, std::initializer_list<std::pair<const char*
   }
   return text;
 }
-
-/// The statements of one function, in the order in which its numbers were recorded. Whatever has to wait for
-/// sines comes after them: stage k for what needs sines of numbers of stage k - 1.
-class Statements {
- public:
-  Statements(const Recording& recording, const Precision& precision, const std::string& sine_cosine)
-      : recording_(recording),
-        precision_(precision),
-        sine_cosine_(sine_cosine),
-        text_(size()),
-        stage_(size()) {
-    const std::vector<char> need = needed(recording);
-    std::vector<int> uses(size()), uses_in_sums(size());
-    for (std::size_t k = 0; k < size(); ++k) {
-      if (!need[k]) continue;
-      const Tape::Node& x = node(k);
-      for (const int from : operands(x)) {
-        const auto i = static_cast<std::size_t>(from);
-        ++uses[i], uses_in_sums[i] += x.operation == sum;
-        stage_[k] = std::max(stage_[k], stage_[i]);
-      }
-      if (x.operation == sine || x.operation == cosine) ++stage_[k];
-      stages_ = std::max(stages_, stage_[k] + 1);
-    }
-    std::vector<std::vector<std::size_t>> results(size());  // by the number that they are multiples of
-    for (std::size_t r = 0; r < recording.results.size(); ++r) {
-      const auto k = static_cast<std::size_t>(recording.results[r].node());
-      results[k].push_back(r), ++uses[k];
-    }
-    for (int stage = 0; stage < stages_; ++stage) {
-      if (stage > 0) turn(stage, need);
-      for (std::size_t k = 0; k < size(); ++k) {
-        if (!need[k] || stage_[k] != stage) continue;
-        // What only one sum needs stays in it, where product and sum may become one instruction.
-        if (node(k).operation == product && uses[k] == 1 && uses_in_sums[k] == 1)
-          text_[k] = expression(node(k));
-        else if (text_[k].empty())
-          define(k);
-        for (const std::size_t r : results[k]) write_result(r);  // at once, so that k need not be kept
-      }
-    }
-    if (recording.returns_doubt)
-      body_ += "  return " +
-               (recording.doubt.is_constant() ? std::to_string(recording.doubt.constant())
-                                              : text(recording.doubt.node())) +
-               ";\n";
-  }
-
-  const std::string& text() const { return body_; }
-
- private:
-  std::size_t size() const { return recording_.nodes.size(); }
-  const Tape::Node& node(std::size_t k) const { return recording_.nodes[k]; }
-  const std::string& text(int k) const { return text_[static_cast<std::size_t>(k)]; }
-
-  /// All sines and cosines of a stage at once.
-  void turn(int stage, const std::vector<char>& need) {
-    std::vector<int> angles;
-    const std::string number = stages_ > 2 ? std::to_string(stage) : "";
-    for (std::size_t k = 0; k < size(); ++k) {
-      const Tape::Node& x = node(k);
-      if (!need[k] || stage_[k] != stage || (x.operation != sine && x.operation != cosine)) continue;
-      std::size_t at =
-          static_cast<std::size_t>(std::find(angles.begin(), angles.end(), x.a) - angles.begin());
-      if (at == angles.size()) angles.push_back(x.a);
-      text_[k] = (x.operation == sine ? "sine" : "cosine") + number + '[' + std::to_string(at) + ']';
-    }
-    if (angles.empty()) return;
-    // Whole registers, so that no angle is left to a loop of its own.
-    const std::size_t n = angles.size(), room = n <= 2 ? 2 : n <= 4 ? 4 : (n + 7) / 8 * 8;
-    std::string list;
-    for (const int angle : angles) list += (list.empty() ? "" : ", ") + text(angle);
-    body_ += filled(
-        "  const @T@ angle@K@[@N@] = {@LIST@};\n"
-        "  @T@ sine@K@[@N@], cosine@K@[@N@];\n"
-        "  @CALL@(angle@K@, sine@K@, cosine@K@, @N@);\n",
-        {{"T", precision_.type()},
-         {"K", number},
-         {"N", std::to_string(room)},
-         {"LIST", list},
-         {"CALL", sine_cosine_}});
-  }
-
-  void write_result(std::size_t r) {
-    const Trace& x = recording_.results[r];
-    body_ +=
-        "  " + recording_.result + '[' + std::to_string(r) + "] = " + scaled(x.factor(), x.node()) + ";\n";
-  }
-
-  void define(std::size_t k) {
-    const Tape::Node& x = node(k);
-    if (x.operation == input) {
-      text_[k] = recording_.arguments[static_cast<std::size_t>(x.a)] + '[' + std::to_string(x.b) + ']';
-    } else if (x.operation == one || (x.operation == scale && x.a == 0)) {
-      text_[k] = precision_.literal(x.factor);
-    } else {
-      text_[k] = 't' + std::to_string(++temporaries_);
-      const bool condition = x.operation == less || x.operation == less_equal || x.operation == both ||
-                             x.operation == either || x.operation == negation;
-      body_ += std::string("  const ") + (condition ? "int " : precision_.type() + std::string(" ")) +
-               text_[k] + " = " + expression(x) + ";\n";
-    }
-  }
-
-  std::string expression(const Tape::Node& x) const {
-    const std::string &a = text(x.a), &b = text(x.b);
-    switch (x.operation) {
-      case scale: return scaled(x.factor, x.a);
-      case sum: return a + (x.factor < 0 ? " - " : " + ") + scaled(std::abs(x.factor), x.b);
-      case product: return a + " * " + b;
-      case reciprocal: return precision_.literal(1) + " / " + a;
-      case root: return std::string(precision_.single ? "sqrtf(" : "sqrt(") + a + ')';
-      case angle: return std::string(precision_.single ? "atan2f(" : "atan2(") + a + ", " + b + ')';
-      case choice: return text(x.condition) + " ? " + a + " : " + b;
-      case less: return a + " < " + b;
-      case less_equal: return a + " <= " + b;
-      case both: return a + " & " + b;
-      case either: return a + " | " + b;
-      case negation: return '!' + a;
-      default: return {};  // has a name already
-    }
-  }
-  /// A node times a factor.
-  std::string scaled(double factor, int k) const {
-    if (k == 0) return precision_.literal(factor);
-    return (factor == 1 ? "" : factor == -1 ? "-" : precision_.literal(factor) + " * ") + text(k);
-  }
-
-  const Recording& recording_;
-  const Precision& precision_;
-  const std::string& sine_cosine_;
-  std::vector<std::string> text_;  ///< of each number: its name, or what it is
-  std::vector<int> stage_;
-  int stages_ = 1, temporaries_ = 0;
-  std::string body_;
-};
-
-}  // namespace
 
 std::string Precision::literal(double x) const {
   const double value = single ? static_cast<float>(x) : x;
@@ -187,68 +355,43 @@ std::string c_signature(const Recording& recording, const std::string& name, con
   return text + type + " *AXODE_RESTRICT " + recording.result + ')';
 }
 
-std::string c_definition(const Recording& recording, const std::string& name, const std::string& sine_cosine,
-                         const Precision& precision) {
-  const std::vector<char> need = needed(recording);
-  std::vector<char> is_read(recording.arguments.size());
-  for (std::size_t k = 0; k < need.size(); ++k)
-    if (need[k] && recording.nodes[k].operation == input)
-      is_read[static_cast<std::size_t>(recording.nodes[k].a)] = 1;
-  const std::string statements = Statements(recording, precision, sine_cosine).text();
-  std::string unused;
-  for (std::size_t k = 0; k < is_read.size(); ++k)
-    if (!is_read[k]) unused += "  (void)" + recording.arguments[k] + ";\n";
-  if (recording.results.empty()) unused += "  (void)" + recording.result + ";\n";
-  return c_signature(recording, name, precision) + " {\n" + unused + statements + "}\n";
-}
-
-std::string c_sine_cosine(const std::string& name, const Precision& precision) {
-  namespace reduced = reduced_angle;
-  const auto polynomial = [&](const auto& c) {
-    std::string text = precision.literal(c[std::size(c) - 1]);
-    for (std::size_t k = std::size(c) - 1; k-- > 0;)
-      text.insert(0, 1, '(').append(" * z + ").append(precision.literal(c[k])).append(1, ')');
+Definition c_definition(const Recording& recording, const std::string& name, const std::string& sine_cosine,
+                        const Precision& precision, Width width) {
+  const Statements statements(recording, precision, sine_cosine, width);
+  const std::vector<Statements::Part>& parts = statements.parts();
+  const bool in_lanes = width == Width::lanes, is_cut = parts.size() > 1;
+  const std::string type = in_lanes ? "axode_lanes" : precision.type();
+  std::string parameters, arguments;
+  for (const std::string& argument : recording.arguments) {
+    parameters += "const " + type + " *AXODE_RESTRICT " + argument + ", ";
+    arguments += argument + ", ";
+  }
+  parameters += type + " *AXODE_RESTRICT " + recording.result;
+  const std::string with_scratch = parameters + ", " + type + " *AXODE_RESTRICT s";
+  const auto unused = [&](const Statements::Part& part, bool passes_on) {
+    std::string text;
+    for (std::size_t k = 0; k < part.reads.size() && !passes_on; ++k)
+      if (!part.reads[k]) text += "  (void)" + recording.arguments[k] + ";\n";
+    if (!part.writes_results && !passes_on) text += "  (void)" + recording.result + ";\n";
     return text;
   };
-  const auto number = [](double x) { return Precision{false}.literal(x); };
-  return filled(
-      R"(/* Sines and cosines without a branch, so that several are computed at once: x = m pi/2 + r + low with
-   pi/2 in parts whose products with m are exact, and polynomials in r. The error is below 2 units in the
-   last place for |x| <= 1e5. */
-static void @NAME@(
-    const @T@ *AXODE_RESTRICT angle, @T@ *AXODE_RESTRICT sine, @T@ *AXODE_RESTRICT cosine, int count) {
-  int k;
-  for (k = 0; k < count; ++k) {
-    const double x = (double)angle[k], m = (x * @TWO_OVER_PI@ + @ROUNDER@) - @ROUNDER@;
-    const double u = x - m * @PART_0@, m1 = m * @PART_1@, m2 = m * @PART_2@;
-    const double u1 = u - m1, u2 = u1 - m2;
-    const double rest = (((u - u1) - m1) + ((u1 - u2) - m2)) - m * @PART_3@;
-    const @T@ quadrant = (@T@)(m - 4.0 * ((m * 0.25 + @ROUNDER@) - @ROUNDER@));
-    const @T@ r = (@T@)u2, low = (@T@)rest, z = r * r, half = @0.5@ * z, c = @1@ - half;
-    const @T@ p = @SINE@;
-    const @T@ g = @COSINE@;
-    const @T@ s1 = r + (r * z * p + low * c), c1 = c + (((@1@ - c) - half) + (z * z * g - r * low));
-    const int odd = quadrant * quadrant == @1@;
-    const @T@ s2 = odd ? c1 : s1, c2 = odd ? s1 : c1;
-    sine[k] = ((quadrant < -@0.5@) | (quadrant > @1.5@)) ? -s2 : s2;
-    cosine[k] = ((quadrant > @0.5@) | (quadrant < -@1.5@)) ? -c2 : c2;
+  Definition definition{.scratch = statements.scratch()};
+  std::string& text = definition.text;
+  std::string calls;
+  for (std::size_t k = 0; is_cut && k + 1 < parts.size(); ++k) {
+    const std::string part = name + "_part_" + std::to_string(k + 1);
+    text += "static AXODE_PART void " + part + "(\n    " + with_scratch + ") {\n" + unused(parts[k], false) +
+            (parts[k].keeps ? "" : "  (void)s;\n") + parts[k].text + "}\n";
+    calls += "  " + part + '(' + arguments + recording.result + ", s);\n";
   }
-}
-)",
-      {{"NAME", name},
-       {"T", precision.type()},
-       {"TWO_OVER_PI", number(reduced::two_over_pi)},
-       {"ROUNDER", number(reduced::rounder)},
-       {"PART_0", number(reduced::part[0])},
-       {"PART_1", number(reduced::part[1])},
-       {"PART_2", number(reduced::part[2])},
-       {"PART_3", number(reduced::part[3])},
-       {"SINE", precision.single ? polynomial(reduced::sine<float>) : polynomial(reduced::sine<double>)},
-       {"COSINE",
-        precision.single ? polynomial(reduced::cosine<float>) : polynomial(reduced::cosine<double>)},
-       {"0.5", precision.literal(0.5)},
-       {"1", precision.literal(1)},
-       {"1.5", precision.literal(1.5)}});
+  text += in_lanes ? std::string("static ") + (recording.returns_doubt ? "axode_mask " : "void ") + name +
+                         "(\n    " + with_scratch + ')'
+                   : c_signature(recording, name, precision);
+  text += " {\n" + unused(parts.back(), is_cut);
+  if (is_cut && !in_lanes) text += "  " + type + " s[" + std::to_string(definition.scratch) + "];\n";
+  if (!is_cut && in_lanes) text += "  (void)s;\n";
+  text += calls + parts.back().text + "}\n";
+  return definition;
 }
 
 }  // namespace axode::codegen

@@ -4,8 +4,11 @@
 #include <set>
 #include <stdexcept>
 
-#include "axode/codegen.hpp"
 #include "axode/codegen/c_function.hpp"
+#include "axode/codegen/c_lanes.hpp"
+#include "axode/codegen/c_sine_cosine.hpp"
+#include "axode/codegen/c_source.hpp"
+#include "axode/codegen/states_source.hpp"
 #include "axode/kinematics/check_arguments.hpp"
 #include "axode/model/check_no_loops.hpp"
 
@@ -117,6 +120,14 @@ std::string purpose(const Model& model, const Function& function) {
              "   mass matrix may be singular; a is then not to be trusted.";
     case Quantity::mass_matrix:
       return "The mass matrix M (kg m^2, kg m, kg), " + nv + " x " + nv + ", row by row.";
+    case Quantity::inverse_mass_matrix:
+      return "The inverse of the mass matrix, " + nv + " x " + nv +
+             ", row by row. Returns 0, or 1 where the mass matrix may be\n   singular; the result is then "
+             "not to "
+             "be trusted.";
+    case Quantity::poses:
+      return "The poses C of " + std::to_string(model.n_frames()) +
+             " frames in the inertial frame, 12 numbers each: the columns of R, then r (m).";
     case Quantity::inverse_dynamics_derivatives:
       return "The derivatives of tau by q, v and a, " + nv + " x " + nv +
              " each, one behind the other, row by row.";
@@ -159,14 +170,21 @@ void check(const Model& model, std::span<const Function> functions, const std::s
                                 "\" is no C identifier: letters, digits and underscores, no digit first");
 }
 
-}  // namespace
-
-bool is_identifier(std::string_view name) {
-  return !name.empty() && is_letter(name[0]) &&
-         std::all_of(name.begin(), name.end(), [](char c) { return is_letter(c) || is_digit(c); });
+/// Six rows, one behind the other, become columns of six, as the library has them.
+void by_columns(std::vector<Trace>& J) {
+  const std::vector<Trace> rows = J;
+  const std::size_t nv = rows.size() / 6;
+  for (std::size_t k = 0; k < J.size(); ++k) J[k] = rows[k % 6 * nv + k / 6];
 }
 
-Source c_source(const Model& model, std::span<const Function> functions, const Options& options) {
+/// What there is besides the functions for one state.
+struct Extras {
+  bool many_states = false;
+  int lanes = 1;
+};
+
+Source source_of(const Model& model, std::span<const Function> functions, const Options& options,
+                 const Extras& extras) {
   std::string prefix = options.prefix;
   if (prefix.empty()) {
     prefix = identifier(model.name());
@@ -186,6 +204,8 @@ Source c_source(const Model& model, std::span<const Function> functions, const O
     }
     if (!names.insert(name).second) throw std::invalid_argument(name + " is asked for twice");
     parts.push_back({function, name, record(model, function, options.single_precision)});
+    if (extras.many_states && function.quantity == Quantity::jacobian)
+      by_columns(parts.back().recording.results);
   }
 
   Source source;
@@ -200,8 +220,9 @@ Source c_source(const Model& model, std::span<const Function> functions, const O
          "   -ffast-math, which breaks the sines; products and sums may become one instruction\n"
          "   (-ffp-contract=fast). */\n\n"
          "#ifdef __FAST_MATH__\n#error \"compile this file without -ffast-math\"\n#endif\n";
-  if (std::ranges::any_of(parts, [](const Part& part) { return calls_math_library(part.recording); }))
-    text += "#include <math.h>\n";
+  const bool calls_math =
+      std::ranges::any_of(parts, [](const Part& part) { return calls_math_library(part.recording); });
+  if (calls_math || extras.many_states) text += "#include <math.h>\n";
   text +=
       "#ifdef __cplusplus\n#define AXODE_RESTRICT __restrict\nextern \"C\" {\n#else\n"
       "#define AXODE_RESTRICT restrict\n#endif\n\n";
@@ -212,13 +233,56 @@ Source c_source(const Model& model, std::span<const Function> functions, const O
             c_signature(part.recording, part.name, precision) + ";\n\n";
   }
   const std::string sine_cosine = prefix + "_sine_cosine";
-  if (std::any_of(source.functions.begin(), source.functions.end(),
-                  [](const Source::Cost& cost) { return cost.operations.angles > 0; }))
-    text += c_sine_cosine(sine_cosine, precision) + "\n";
-  for (const Part& part : parts)
-    text += c_definition(part.recording, part.name, sine_cosine, precision) + "\n";
+  const bool turns = std::ranges::any_of(source.functions,
+                                         [](const Source::Cost& cost) { return cost.operations.angles > 0; });
+  if (turns)
+    text += c_sine_cosine(sine_cosine, precision, extras.many_states ? Angles::all : Angles::moderate) + "\n";
+  std::string definitions;
+  bool is_cut = false;
+  for (const Part& part : parts) {
+    const Definition one = c_definition(part.recording, part.name, sine_cosine, precision);
+    definitions += one.text + '\n';
+    is_cut = is_cut || one.scratch > 0;
+    if (!extras.many_states) continue;
+    StatesFunction states{
+        part.name, {}, static_cast<int>(part.recording.results.size()), 0, part.recording.returns_doubt};
+    for (const std::string& argument : part.recording.arguments)
+      states.arguments.push_back(argument == "q" ? model.nq() : model.nv());
+    if (extras.lanes > 1) {
+      const Definition in_lanes =
+          c_definition(part.recording, part.name + "_lanes", sine_cosine, precision, Width::lanes);
+      definitions += "#if AXODE_LANES > 1\n" + in_lanes.text + "#endif\n";
+      states.scratch = in_lanes.scratch;
+      is_cut = is_cut || in_lanes.scratch > 0;
+    }
+    definitions += c_states(states, precision, extras.lanes) + '\n';
+  }
+  if (is_cut)
+    text +=
+        "#ifdef __GNUC__\n#define AXODE_PART __attribute__((noinline))\n#else\n#define "
+        "AXODE_PART\n#endif\n\n";
+  if (extras.lanes > 1) text += c_lanes(precision, extras.lanes, calls_math);
+  if (extras.lanes > 1 && turns) text += c_sine_cosine_in_lanes(sine_cosine, precision) + "\n";
+  text += definitions;
+  if (is_cut) text += "#undef AXODE_PART\n";
   text += "#undef AXODE_RESTRICT\n#ifdef __cplusplus\n}\n#endif\n";
   return source;
+}
+
+}  // namespace
+
+bool is_identifier(std::string_view name) {
+  return !name.empty() && is_letter(name[0]) &&
+         std::all_of(name.begin(), name.end(), [](char c) { return is_letter(c) || is_digit(c); });
+}
+
+Source c_source(const Model& model, std::span<const Function> functions, const Options& options) {
+  return source_of(model, functions, options, {});
+}
+
+Source states_source(const Model& model, std::span<const Function> functions, bool single_precision,
+                     int lanes) {
+  return source_of(model, functions, {"axode", single_precision}, {.many_states = true, .lanes = lanes});
 }
 
 }  // namespace axode::codegen

@@ -125,6 +125,13 @@ Trace::Condition solve_factorized(Traced& traced, const Numbers& q, std::span<Nu
   return doubt.verdict();
 }
 
+/// What is above the diagonal to below it: of a solution for a unit vector, the part that is found before it reaches
+/// the leaves.
+void mirror(T* matrix, std::size_t n) {
+  for (std::size_t r = 0; r < n; ++r)
+    for (std::size_t c = 0; c < r; ++c) matrix[r * n + c] = matrix[c * n + r];
+}
+
 /// The arguments of forward dynamics and the accelerations.
 struct Accelerated {
   Traced& traced;
@@ -132,6 +139,9 @@ struct Accelerated {
   double small;
   Numbers q, v, tau, a;
 
+  /// Without forces, for what needs the mass matrix alone.
+  Accelerated(Traced& on, Solver by, double doubtful, Numbers at)
+      : traced(on), solver(by), small(doubtful), q(std::move(at)), a(zeros(on.tree->nv)) {}
   Accelerated(Traced& on, Solver by, double doubtful)
       : traced(on),
         solver(by),
@@ -161,6 +171,18 @@ struct Accelerated {
     return traced.with(std::move(results));
   }
 };
+
+/// M⁻¹ = (a row of solutions for each unit vector), of which the half is taken that takes less.
+Recording inverse_mass_matrix(const Tree<double>& tree, Solver solver, double small) {
+  Traced traced(tree, "M_inverse");
+  Accelerated at(traced, solver, small, traced.argument("q", tree->nq));
+  const std::size_t nv = static_cast<std::size_t>(tree->nv);
+  Numbers out = zeros(tree->nv * tree->nv);
+  for (std::size_t c = 0; c < nv; ++c) out[c * nv + c] = T(1);
+  at.solve(out.data());
+  mirror(out.data(), nv);
+  return at.with(std::move(out));
+}
 
 Recording forward_dynamics(const Tree<double>& tree, Solver solver, double small) {
   Traced traced(tree, "a");
@@ -232,6 +254,7 @@ Recording forward_dynamics_derivatives(const Tree<double>& tree, Solver solver, 
     out[2 * entries + k] = T(k % (nv + 1) == 0);
   }
   for (const std::size_t matrix : {0, 1, 2}) at.solve(out.data() + matrix * entries);
+  mirror(out.data() + 2 * entries, nv);
   return at.with(std::move(out));
 }
 Recording forward_dynamics_jvp(const Tree<double>& tree, Solver solver, double small) {
@@ -307,6 +330,20 @@ Recording jacobian(const Tree<double>& tree, int frame, Representation represent
   return traced.with(std::move(rows));
 }
 
+/// Frame by frame: the columns of R, then r.
+Recording poses(const Tree<double>& tree) {
+  Traced traced(tree, "C");
+  const Numbers q = traced.argument("q", tree->nq);
+  OnTape<BodyPoses<T>> bodies(*tree.topology());
+  bodies->run(traced.constants, q.data());
+  Numbers out;
+  for (int f = 0; f < tree->n_frames(); ++f) {
+    const SE3<T> C = bodies->C[tree->frame_body[f]] * traced.constants.frame_offset[f];
+    for (const Vec3<T>& x : {C.R.x, C.R.y, C.R.z, C.r}) out.insert(out.end(), {x.x, x.y, x.z});
+  }
+  return traced.with(std::move(out));
+}
+
 }  // namespace
 
 Recording record(const Model& model, const Function& function, bool single_precision) {
@@ -314,6 +351,7 @@ Recording record(const Model& model, const Function& function, bool single_preci
   switch (function.quantity) {
     case Quantity::inverse_dynamics: return inverse_dynamics(tree);
     case Quantity::mass_matrix: return mass_matrix(tree);
+    case Quantity::poses: return poses(tree);
     case Quantity::jacobian: return jacobian(tree, function.frame, function.representation);
     case Quantity::inverse_dynamics_derivatives:
     case Quantity::inverse_dynamics_jvp:
@@ -324,6 +362,7 @@ Recording record(const Model& model, const Function& function, bool single_preci
   const auto by = [&](Solver solver) {
     const double small = single_precision ? doubtful_part<float> : doubtful_part<double>;
     switch (function.quantity) {
+      case Quantity::inverse_mass_matrix: return inverse_mass_matrix(tree, solver, small);
       case Quantity::forward_dynamics_derivatives: return forward_dynamics_derivatives(tree, solver, small);
       case Quantity::forward_dynamics_jvp: return forward_dynamics_jvp(tree, solver, small);
       case Quantity::forward_dynamics_vjp: return forward_dynamics_vjp(tree, solver, small);

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "axode/codegen.hpp"
+#include "axode/codegen/c_source.hpp"
 #include "axode/scalar/trace.hpp"
 
 namespace axode::codegen {

@@ -1,0 +1,255 @@
+#include "axode/codegen/machine_code.hpp"
+
+#include <dlfcn.h>
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
+#include <cstdint>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <stdexcept>
+#include <string_view>
+#include <thread>
+
+#include "axode/codegen/compiler.hpp"
+#include "axode/codegen/specialised.hpp"
+
+namespace axode {
+namespace codegen {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// 128 bits of a text as 32 hexadecimal digits. For what is the same, not against who wants it to look so.
+std::string digest(std::string_view text) {
+  std::uint64_t a = 0xcbf29ce484222325U, b = 0x9e3779b97f4a7c15U ^ text.size();
+  for (const char c : text) {
+    a = (a ^ static_cast<unsigned char>(c)) * 0x100000001b3U;
+    b = (b + static_cast<unsigned char>(c)) * 0xff51afd7ed558ccdU;
+    b ^= b >> 29;
+  }
+  std::array<char, 33> digits{};
+  std::snprintf(digits.data(), digits.size(), "%016llx%016llx", static_cast<unsigned long long>(a),
+                static_cast<unsigned long long>(b));
+  return digits.data();
+}
+
+std::string contents(const fs::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
+void append(const fs::path& file, const std::string& text, std::ios::openmode mode) {
+  std::ofstream stream(file, std::ios::binary | mode);
+  if (!(stream << text) || !stream.flush()) throw std::runtime_error("cannot write " + file.string());
+}
+
+/// Its kind, which says what code may be in it.
+std::string processor() {
+  std::ifstream stream("/proc/cpuinfo");
+  std::string text;
+  for (std::string line; std::getline(stream, line) && !line.empty();)
+    if (line.starts_with("model name") || line.starts_with("flags") || line.starts_with("Features"))
+      text += line;
+  return text;
+}
+
+/// The folder of the cache, empty where there is none to be had.
+fs::path cache_folder() {
+  const char *const base = std::getenv("XDG_CACHE_HOME"), *const home = std::getenv("HOME");
+  if (base != nullptr && *base == '/') return fs::path(base) / "axode";
+  if (home != nullptr && *home == '/') return fs::path(home) / ".cache" / "axode";
+  return {};
+}
+/// Code is only taken from a folder in which nobody else can put it.
+bool is_ours(const fs::path& file) {
+  struct stat status {};
+  return !file.empty() && lstat(file.c_str(), &status) == 0 && !S_ISLNK(status.st_mode) &&
+         status.st_uid == geteuid() && (status.st_mode & (S_IWGRP | S_IWOTH)) == 0;
+}
+bool is_usable(const fs::path& folder) {
+  if (folder.empty()) return false;
+  std::error_code failed;
+  fs::create_directories(folder.parent_path(), failed);
+  if (mkdir(folder.c_str(), S_IRWXU) != 0 && errno != EEXIST) return false;
+  return is_ours(folder) && access(folder.c_str(), W_OK | X_OK) == 0;
+}
+
+/// That one process at a time compiles under a key. It goes with the process, however that ends. Where the file system has no
+/// locks, several may compile the same.
+class Lock {
+ public:
+  Lock(const fs::path& folder, const std::string& key)
+      : file_(open((folder / "lock").c_str(), O_RDWR | O_CREAT | O_CLOEXEC, S_IRUSR | S_IWUSR)),
+        place_(static_cast<off_t>(std::stoull(key.substr(0, 15), nullptr, 16))) {}
+  ~Lock() {
+    if (file_ >= 0) close(file_);
+  }
+  Lock(const Lock&) = delete;
+  Lock& operator=(const Lock&) = delete;
+  /// False where another process has it.
+  bool try_it() {
+    struct flock range {};
+    range.l_type = F_WRLCK, range.l_whence = SEEK_SET, range.l_start = place_, range.l_len = 1;
+    is_held_ = file_ >= 0 && fcntl(file_, F_OFD_SETLK, &range) == 0;
+    return is_held_ || file_ < 0 || (errno != EAGAIN && errno != EACCES);
+  }
+  bool is_held() const { return is_held_; }
+
+ private:
+  int file_;
+  off_t place_;
+  bool is_held_ = false;
+};
+
+/// A folder of its own that goes with it.
+class WorkFolder {
+ public:
+  explicit WorkFolder(const fs::path& in, const std::string& name) {
+    std::string pattern = in / (name + ".XXXXXX");
+    if (mkdtemp(pattern.data()) == nullptr)
+      throw std::runtime_error("there is no folder to compile in: " + in.string() + " cannot be written to");
+    path_ = pattern;
+  }
+  ~WorkFolder() {
+    std::error_code left;
+    fs::remove_all(path_, left);
+  }
+  WorkFolder(const WorkFolder&) = delete;
+  WorkFolder& operator=(const WorkFolder&) = delete;
+  const fs::path& path() const { return path_; }
+
+ private:
+  fs::path path_;
+};
+/// Those that ended processes have left behind.
+void remove_left(const fs::path& folder, const std::string& key) {
+  std::error_code failed;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder, failed))
+    if (entry.path().stem() == key && entry.is_directory(failed)) fs::remove_all(entry.path(), failed);
+}
+
+using Library = std::shared_ptr<void>;
+
+Library opened(const fs::path& file) {
+  void* handle = dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL);
+  return {handle, [](void* library) {
+            if (library != nullptr) dlclose(library);
+          }};
+}
+constexpr std::size_t digits = 32;  // of a digest, which stands behind each library in the cache
+Library opened_from_cache(const fs::path& file) {
+  if (!is_ours(file.parent_path()) || !is_ours(file)) return nullptr;
+  const std::string all = contents(file);
+  const std::string_view text(all);
+  if (all.size() <= digits ||
+      digest(text.substr(0, text.size() - digits)) != text.substr(text.size() - digits)) {
+    std::error_code failed;
+    fs::remove(file, failed);
+    return nullptr;
+  }
+  return opened(file);
+}
+
+/// The first lines of what a compiler says.
+std::string first_lines(const std::string& output) {
+  std::istringstream stream(output);
+  std::string text;
+  int lines = 0;
+  for (std::string line; lines < 5 && std::getline(stream, line); ++lines) text += "\n" + line;
+  return text;
+}
+
+Library compiled(const Compiler& compiler, const std::string& source, const std::vector<std::string>& flags,
+                 const fs::path& work, const batch::Monitor& monitor) {
+  const fs::path library = work / "model.so";
+  append(work / "model.c", source, std::ios::trunc);
+  std::vector<std::string> command = compiler.command;
+  command.insert(command.end(), {"-x", "c", "-std=gnu99", "-fno-math-errno", "-fno-trapping-math", "-w"});
+  command.insert(command.end(), flags.begin(), flags.end());
+  command.insert(command.end(), {"-fPIC", "-shared", work / "model.c", "-o", library, "-lm"});
+  const std::optional<Finished> finished = run_program(command, work, monitor);
+  if (!finished) throw CompilationEnded("the compilation of a specialised model was ended");
+  if (finished->code != 0)
+    throw std::runtime_error("the compiler " + compiler.command[0] +
+                             " failed on a specialised model with exit code " +
+                             std::to_string(finished->code) + ":" + first_lines(finished->output));
+  append(library, digest(contents(library)), std::ios::app);
+  const Library loaded = opened(library);
+  if (!loaded) throw std::runtime_error(std::string("a specialised model cannot be loaded: ") + dlerror());
+  return loaded;
+}
+
+Library library(const std::string& source, const std::vector<std::string>& flags,
+                const batch::Monitor& monitor) {
+  const Compiler compiler = find_compiler();
+  std::string all = compiler.version + '\n' + processor();
+  for (const std::vector<std::string>& words : {compiler.command, flags})
+    for (const std::string& word : words) all += '\n' + word;
+  const std::string key = digest(all + '\n' + source);
+  const fs::path folder = cache_folder(), file = folder / (key + ".so");
+  if (Library kept = opened_from_cache(file)) return kept;
+  if (!is_usable(folder)) {
+    const WorkFolder work(fs::temp_directory_path(), "axode");
+    return compiled(compiler, source, flags, work.path(), monitor);
+  }
+  Lock lock(folder, key);
+  while (!lock.try_it()) {
+    if (monitor && !monitor(0, 1)) throw CompilationEnded("the wait for a specialised model was ended");
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  }
+  if (Library kept = opened_from_cache(file)) return kept;  // another process was first
+  if (lock.is_held()) remove_left(folder, key);
+  const WorkFolder work(folder, key);
+  Library loaded = compiled(compiler, source, flags, work.path(), monitor);
+  std::error_code failed;  // then it is compiled again the next time
+  fs::rename(work.path() / "model.so", file, failed);
+  return loaded;
+}
+
+}  // namespace
+
+MachineCode::MachineCode(const std::string& source, const std::vector<std::string>& flags,
+                         const batch::Monitor& monitor)
+    : library_(library(source, flags, monitor)) {}
+
+void* MachineCode::address(const std::string& name) const {
+  void* found = dlsym(library_.get(), name.c_str());
+  if (found == nullptr) throw std::runtime_error("a specialised model has no " + name);
+  return found;
+}
+
+}  // namespace codegen
+
+SpecialisedCache specialised_cache() {
+  namespace fs = std::filesystem;
+  SpecialisedCache cache{codegen::cache_folder()};
+  std::error_code failed;
+  for (const fs::directory_entry& entry : fs::directory_iterator(cache.folder, failed)) {
+    if (entry.path().extension() != ".so") continue;
+    const std::uintmax_t bytes = entry.file_size(failed);
+    if (!failed) ++cache.models, cache.bytes += bytes;
+  }
+  return cache;
+}
+
+void clear_specialised_cache() {
+  namespace fs = std::filesystem;
+  const fs::path folder = codegen::cache_folder();
+  if (!codegen::is_ours(folder)) return;
+  std::error_code failed;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder, failed)) {
+    const std::string key = entry.path().stem();
+    if (key.size() != codegen::digits || key.find_first_not_of("0123456789abcdef") != std::string::npos)
+      continue;
+    codegen::Lock lock(folder, key);
+    if (entry.path().extension() == ".so" || (lock.try_it() && lock.is_held()))
+      fs::remove_all(entry.path(), failed);
+  }
+}
+
+}  // namespace axode
