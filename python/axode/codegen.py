@@ -1,6 +1,6 @@
 """C source for one mechanism: functions without loops and branches over its joints.
 
-Only the operations are left in them that this mechanism needs.
+Only the operations are left in them that this mechanism needs. `Model.specialise` compiles and loads them.
 
 >>> source = axode.codegen.c_source(arm, ["mass_matrix"])
 >>> source.functions[0].name
@@ -11,13 +11,13 @@ from __future__ import annotations
 
 from typing import Literal, NamedTuple, TypeAlias
 
-from ._axode.codegen import c_source
+from ._axode.codegen import Specialised, c_source, cache, clear_cache
 from .records import Representation
 
-__all__ = ["Cost", "Source", "c_source"]
+__all__ = ["Cache", "Cost", "Source", "Specialised", "c_source", "cache", "clear_cache"]
 
 Function: TypeAlias = (
-    Literal["inverse_dynamics", "forward_dynamics", "mass_matrix",
+    Literal["inverse_dynamics", "forward_dynamics", "mass_matrix", "inverse_mass_matrix", "poses",
             "inverse_dynamics_derivatives", "inverse_dynamics_jvp", "inverse_dynamics_vjp", "inverse_dynamics_hessian",
             "forward_dynamics_derivatives", "forward_dynamics_jvp", "forward_dynamics_vjp", "forward_dynamics_hessian"]
     | tuple[Literal["jacobian"], str | int]
@@ -52,3 +52,15 @@ class Source(NamedTuple):
 
     text: str
     functions: list[Cost]
+
+
+class Cache(NamedTuple):
+    """What is kept of specialised models.
+
+    >>> axode.codegen.cache()._fields
+    ('folder', 'models', 'bytes')
+    """
+
+    folder: str
+    models: int
+    bytes: int

@@ -20,5 +20,6 @@ void add_closed_form(nanobind::module_& closed_form);
 void add_files(nanobind::module_& module);
 void add_view(nanobind::module_& module);
 void add_codegen(nanobind::module_& codegen);
+void add_specialised(nanobind::module_& codegen);
 
 }  // namespace axode::python

@@ -1,4 +1,4 @@
-#include "axode/codegen.hpp"
+#include "codegen.hpp"
 
 #include <nanobind/stl/string.h>
 
@@ -41,12 +41,7 @@ codegen::Function function_from(const Model& model, const std::string& where, nb
 
 nb::object c_source_of(const BoundModel& m, nb::handle functions, const std::string& prefix,
                        bool single_precision) {
-  if (!PyList_Check(functions.ptr()) && !PyTuple_Check(functions.ptr()))
-    throw nb::value_error(
-        (std::string("functions is ") + shown(functions) + "; expected a list of functions").c_str());
-  std::vector<codegen::Function> wanted;
-  for (const nb::handle each : functions)
-    wanted.push_back(function_from(m, "functions[" + std::to_string(wanted.size()) + "]", each));
+  const std::vector<codegen::Function> wanted = functions_from(m, functions);
   const codegen::Source source = [&] {
     const nb::gil_scoped_release released;
     return codegen::c_source(m, wanted, {prefix, single_precision});
@@ -60,6 +55,16 @@ nb::object c_source_of(const BoundModel& m, nb::handle functions, const std::str
 
 }  // namespace
 
+std::vector<codegen::Function> functions_from(const Model& model, nb::handle functions) {
+  if (!PyList_Check(functions.ptr()) && !PyTuple_Check(functions.ptr()))
+    throw nb::value_error(
+        (std::string("functions is ") + shown(functions) + "; expected a list of functions").c_str());
+  std::vector<codegen::Function> wanted;
+  for (const nb::handle each : functions)
+    wanted.push_back(function_from(model, "functions[" + std::to_string(wanted.size()) + "]", each));
+  return wanted;
+}
+
 void add_codegen(nb::module_& module) {
   module.def(
       "c_source", &c_source_of, "m"_a, "functions"_a, "prefix"_a = "", "single_precision"_a = false,
@@ -68,19 +73,22 @@ void add_codegen(nb::module_& module) {
       R"(
 A file in C99 for this one mechanism, which needs nothing but a compiler, and what each of its functions costs.
 
-functions are "inverse_dynamics", "forward_dynamics", "mass_matrix", either of the first two with "_derivatives", "_jvp",
-"_vjp" or "_hessian" behind it, ("jacobian", frame) and ("jacobian", frame, representation). With PREFIX for prefix (made
+functions are "inverse_dynamics", "forward_dynamics", either of these with "_derivatives", "_jvp", "_vjp" or "_hessian"
+behind it, "mass_matrix", "inverse_mass_matrix", "poses", ("jacobian", frame) and ("jacobian", frame, representation). With PREFIX for prefix (made
 from the model's name if empty), NAME for the frame's name and T for double or, in single precision, float, they become
 
     void PREFIX_inverse_dynamics(const T *q, const T *v, const T *a, T *tau)
     int  PREFIX_forward_dynamics(const T *q, const T *v, const T *tau, T *a)
     void PREFIX_mass_matrix(const T *q, T *M)
+    int  PREFIX_inverse_mass_matrix(const T *q, T *M_inverse)
+    void PREFIX_poses(const T *q, T *C)
     void PREFIX_jacobian_NAME(const T *q, T *J), PREFIX_jacobian_NAME_hybrid, ...
     void PREFIX_inverse_dynamics_derivatives(const T *q, const T *v, const T *a, T *dtau), ...
 
-with the units and frames of their namesakes here; M is (nv, nv) and J (6, nv), row by row; derivatives by q, v and a
+with the units and frames of their namesakes here; M and its inverse are (nv, nv) and J is (6, nv), row by
+row; C has the columns of R and then r of each frame, 12 numbers; derivatives by q, v and a
 or tau lie one behind the other, and so do the blocks of a Hessian, as in `InverseDynamicsHessian` and
-`ForwardDynamicsHessian`. forward_dynamics and its derivatives return 0, or 1 where the mass matrix may be singular.
+`ForwardDynamicsHessian`. forward_dynamics, its derivatives and inverse_mass_matrix return 0, or 1 where the mass matrix may be singular.
 Armature and gravity are part of them, joint losses and loads are not. Results differ by rounding, for angles up
 to 1e5 rad. Compile it without -ffast-math. KeyError for an unknown frame, ValueError for an unknown function, one that
 is asked for twice, none, and a prefix that is no C identifier.

@@ -44,4 +44,5 @@ NB_MODULE(_axode, module) {
   add_closed_form(closed_form);
   nb::module_ codegen = module.def_submodule("codegen", "See axode.codegen.");
   add_codegen(codegen);
+  add_specialised(codegen);
 }

@@ -160,12 +160,15 @@ NewArray StateFunction::run(const BoundModel& m, const Arguments& given, const R
   const std::size_t size = row.size(*m, loads.count());
   std::vector<Solvability> found;
   Solvability otherwise{.not_finite = true};
-  if (states.many() && m->nq() > 0 && in_lanes_ != nullptr && loads.none() &&  // lanes count states by q
-      (row.choice != Choice::recursion || !given.algorithm.representation)) {
+  const bool in_lanes = states.many() && in_lanes_ != nullptr && loads.none() &&
+                        (row.choice != Choice::recursion || !given.algorithm.representation);
+  if (m->nq() > 0 && (given.instead != nullptr || in_lanes)) {  // they count states by q
     catalog::Given<double> all{.q = states.q()};
     for (std::size_t i = 0; i < taken.size(); ++i) catalog::numbers(all, takes_[i].input) = taken[i].all();
     const batch::Outcome outcome = states.unlocked(cost, [&](const batch::Monitor& monitor) {
-      return in_lanes_(*m, all, out.all().first(states.count() * size), given.threads, monitor);
+      const std::span<double> result = out.all().first(states.count() * size);
+      return given.instead ? (*given.instead)(all, result, monitor)
+                           : in_lanes_(*m, all, result, given.threads, monitor);
     });
     if (!outcome.ok()) otherwise = outcome.solvability;
   } else {

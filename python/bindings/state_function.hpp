@@ -1,5 +1,6 @@
 #pragma once
 #include <algorithm>
+#include <functional>
 #include <tuple>
 
 #include "axode/batch.hpp"
@@ -8,6 +9,10 @@
 #include "states.hpp"
 
 namespace axode::python {
+
+/// What takes the library's place: a function of N states, whose arguments lie one behind the other.
+using Instead = std::function<batch::Outcome(const catalog::Given<double>&, std::span<double> out,
+                                             const batch::Monitor&)>;
 
 /// What a function of the state is given in Python; what it does not take stays as it is.
 struct Arguments {
@@ -19,6 +24,7 @@ struct Arguments {
   Place<> place = 0, base = 0;
   CoriolisForm form = CoriolisForm::christoffel;
   int threads = 1;
+  const Instead* instead = nullptr;
 };
 
 /// Those that are numbers of a state, and the inputs of a function that they are.

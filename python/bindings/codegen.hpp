@@ -1,0 +1,13 @@
+#pragma once
+#include <nanobind/nanobind.h>
+
+#include <vector>
+
+#include "axode/codegen.hpp"
+
+namespace axode::python {
+
+/// From a list of words, and of tuples of the word jacobian, a frame and its representation.
+std::vector<codegen::Function> functions_from(const Model& model, nanobind::handle functions);
+
+}  // namespace axode::python

@@ -1,0 +1,208 @@
+#include <nanobind/stl/optional.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/vector.h>
+
+#include <variant>
+
+#include "bindings.hpp"
+#include "codegen.hpp"
+#include "named_tuple.hpp"
+#include "state_function.hpp"
+
+namespace axode::python {
+namespace {
+
+using namespace nb::literals;
+using codegen::Function;
+using codegen::Quantity;
+
+/// Specialised as Python holds it, with the model that it was made of.
+class BoundSpecialised {
+ public:
+  using Any = std::variant<Specialised<double>, Specialised<float>>;
+  BoundSpecialised(nb::object model, Any functions)
+      : model_(std::move(model)), functions_(std::move(functions)) {}
+
+  const BoundModel& model() const { return *nb::inst_ptr<BoundModel>(model_); }
+  bool is_single() const { return functions_.index() == 1; }
+  void check(const Function& wanted) const {
+    if (!std::visit([&](const auto& functions) { return functions.has(wanted); }, functions_))
+      throw nb::value_error(
+          ("this specialised model was made without " +
+           std::string(codegen::quantities[static_cast<std::size_t>(wanted.quantity)]) +
+           (wanted.quantity == Quantity::jacobian ? " of that frame in that representation" : "") +
+           "; name it among the functions of Model.specialise")
+              .c_str());
+  }
+  batch::Outcome run(const Function& function, const catalog::Given<double>& given, std::span<double> out,
+                     int threads, const batch::Monitor& monitor) const {
+    if (const auto* doubles = std::get_if<Specialised<double>>(&functions_))
+      return (*doubles)(function, given, out, threads, monitor);
+    const auto cast = [](std::span<const double> numbers) {
+      return std::vector<float>(numbers.begin(), numbers.end());
+    };
+    std::array<std::vector<float>, catalog::inputs_of_numbers.size()> arguments;
+    catalog::Given<double> doubles = given;
+    catalog::Given<float> floats;
+    for (std::size_t k = 0; k < arguments.size(); ++k) {
+      arguments[k] = cast(catalog::numbers(doubles, catalog::inputs_of_numbers[k]));
+      catalog::numbers(floats, catalog::inputs_of_numbers[k]) = arguments[k];
+    }
+    std::vector<float> result(out.size());
+    const batch::Outcome outcome =
+        std::get<Specialised<float>>(functions_)(function, floats, result, threads, monitor);
+    std::ranges::copy(result, out.begin());
+    return outcome;
+  }
+
+ private:
+  nb::object model_;
+  Any functions_;
+};
+
+nb::object as_float32(const nb::object& result) {
+  if (!nb::isinstance<nb::tuple>(result)) return result.attr("astype")("float32");
+  nb::list parts;
+  for (const nb::handle part : result) parts.append(part.attr("astype")("float32"));
+  return result.type()(*parts);
+}
+
+nb::object called(const BoundSpecialised& s, const Function& function, const StateFunction& f,
+                  const char* type, Arguments given) {
+  s.check(function);
+  const Instead instead = [&](const catalog::Given<double>& all, std::span<double> out,
+                              const batch::Monitor& monitor) {
+    return s.run(function, all, out, given.threads, monitor);
+  };
+  given.instead = &instead;
+  nb::object result = f.named(type, s.model(), given);
+  return s.is_single() ? as_float32(result) : result;
+}
+
+template <ArrayLike Arguments::*... arguments>
+void define(nb::class_<BoundSpecialised>& type, const char* name, const char* result = nullptr) {
+  const auto at = std::ranges::find(codegen::quantities, std::string_view(name));
+  const Function function{static_cast<Quantity>(at - codegen::quantities.begin())};
+  std::string text = signature(name, {name_of(arguments)...}, "*, threads: int = 1", result);
+  text.replace(text.find("m: Model"), 8, "self");
+  type.def(
+      name,
+      [f = StateFunction(name), function, result](const BoundSpecialised& s, OneArray<arguments>... arrays,
+                                                  int threads) {
+        Arguments given{.q = {}, .threads = threads};
+        ((given.*arguments = arrays), ...);
+        return called(s, function, f, result, given);
+      },
+      nb::arg(name_of(arguments))..., nb::kw_only(), nb::arg("threads") = 1, nb::sig(text.c_str()),
+      ("As `axode." + std::string(name) + "`, without loads.").c_str());
+}
+
+BoundSpecialised specialise(nb::handle_t<BoundModel> self, nb::handle functions, const std::string& scalar,
+                            int lanes, const std::optional<std::vector<std::string>>& flags) {
+  const BoundModel& m = *nb::inst_ptr<BoundModel>(self);
+  const std::vector<Function> wanted = functions_from(m, functions);
+  const bool single =
+      choose("scalar", to_str(scalar), std::array<std::string_view, 2>{"float64", "float32"}) == 1;
+  SpecialisedOptions options{.lanes = lanes};
+  if (flags) options.flags = *flags;
+  LongCall call(true);
+  options.monitor = call.monitor();
+  std::optional<BoundSpecialised::Any> made;
+  try {
+    if (single)
+      made.emplace(Specialised<float>(m, wanted, options));
+    else
+      made.emplace(Specialised<double>(m, wanted, options));
+  } catch (const CompilationEnded&) {
+  }
+  call.end();
+  return {nb::borrow(self), std::move(*made)};
+}
+
+}  // namespace
+
+void add_specialised(nb::module_& codegen) {
+  using A = Arguments;
+  nb::class_<BoundSpecialised> type(codegen, "Specialised", R"(
+Functions of one model, compiled for it: what `Model.specialise` makes. Threads may share it.
+
+Each has the arguments, results, checks and errors of the function of its name in axode, for one state or N of them. A
+function that was not asked for is a ValueError.
+
+>>> s = arm.specialise(["mass_matrix"])
+>>> q = arm.random(seed=1, n=100)
+>>> np.allclose(s.mass_matrix(q), axode.mass_matrix(arm, q))
+True
+)");
+  define<&A::q, &A::v, &A::a>(type, "inverse_dynamics");
+  define<&A::q, &A::v, &A::tau>(type, "forward_dynamics");
+  define<&A::q>(type, "mass_matrix");
+  define<&A::q>(type, "inverse_mass_matrix");
+  define<&A::q>(type, "poses");
+  define<&A::q, &A::v, &A::a>(type, "inverse_dynamics_derivatives", "InverseDynamicsDerivatives");
+  define<&A::q, &A::v, &A::a, &A::dq, &A::dv, &A::da>(type, "inverse_dynamics_jvp");
+  define<&A::q, &A::v, &A::a, &A::w>(type, "inverse_dynamics_vjp", "InverseDynamicsDerivatives");
+  define<&A::q, &A::v, &A::a, &A::w>(type, "inverse_dynamics_hessian", "InverseDynamicsHessian");
+  define<&A::q, &A::v, &A::tau>(type, "forward_dynamics_derivatives", "ForwardDynamicsDerivatives");
+  define<&A::q, &A::v, &A::tau, &A::dq, &A::dv, &A::dtau>(type, "forward_dynamics_jvp");
+  define<&A::q, &A::v, &A::tau, &A::w>(type, "forward_dynamics_vjp", "ForwardDynamicsDerivatives");
+  define<&A::q, &A::v, &A::tau, &A::w>(type, "forward_dynamics_hessian", "ForwardDynamicsHessian");
+  type.def(
+          "jacobian",
+          [f = StateFunction("jacobian")](const BoundSpecialised& s, ArrayLike q, FrameName frame,
+                                          Representation representation, int threads) {
+            const Function function{Quantity::jacobian, frame.in(*s.model()), representation};
+            return called(
+                s, function, f, nullptr,
+                {.q = q, .algorithm = {representation}, .place = function.frame, .threads = threads});
+          },
+          "q"_a, "frame"_a, "representation"_a = "body", nb::kw_only(), "threads"_a = 1,
+          nb::sig("def jacobian(self, q: numpy.typing.ArrayLike, frame: str | int, representation: "
+                  "typing.Literal['body', 'spatial', 'hybrid', 'mixed'] = 'body', *, threads: int = 1) -> "
+                  "numpy.typing.NDArray[numpy.float64]"),
+          "As `axode.jacobian`, of a frame and in a representation that were asked for.")
+      .def_prop_ro(
+          "model", [](const BoundSpecialised& s) { return nb::find(s.model()); },
+          nb::sig("def model(self) -> axode.Model"), "The model that it was made of.");
+
+  nb::cpp_function_def(
+      &specialise, nb::scope(nb::type<BoundModel>()), nb::name("specialise"), nb::is_method(), "functions"_a,
+      "scalar"_a = "float64", nb::kw_only(), "lanes"_a = 16, "flags"_a = nb::none(),
+      nb::sig("def specialise(self, functions: collections.abc.Sequence[axode.codegen.Function], scalar: "
+              "typing.Literal['float64', 'float32'] = 'float64', *, lanes: int = 16, flags: "
+              "collections.abc.Sequence[str] | None = None) -> axode.codegen.Specialised"),
+      R"(
+Functions of this model as machine code made for it, several times as fast: see `axode.codegen.Specialised`.
+
+functions are those of `axode.codegen.c_source`, whose C is compiled by $CC, cc, clang or gcc, with these flags (-O3
+-march=native -ffp-contract=fast), the first time; `axode.codegen.cache` keeps it for the next. lanes is how many states
+a register may hold: 1, 2, 4, 8 or 16, as many as fit where that is less. In float32 results are arrays of float32.
+RuntimeError where there is no compiler or it fails, ValueError for unknown functions.
+
+>>> s = arm.specialise(["inverse_dynamics"], flags=["-O1"])
+>>> q, v, a = np.full(7, 0.5), np.ones(7), np.zeros(7)
+>>> np.allclose(s.inverse_dynamics(q, v, a), axode.inverse_dynamics(arm, q, v, a))
+True
+)");
+  codegen.def(
+      "cache",
+      [] {
+        const SpecialisedCache cache = specialised_cache();
+        return named_tuple("axode.codegen", "Cache", cache.folder, cache.models, cache.bytes);
+      },
+      nb::sig("def cache() -> axode.codegen.Cache"), R"(
+Where compiled functions are kept, in $XDG_CACHE_HOME/axode or ~/.cache/axode, how many times, and their bytes.
+
+>>> axode.codegen.cache().bytes >= 0
+True
+)");
+  codegen.def("clear_cache", &clear_specialised_cache, R"(
+Removes all compiled functions from the cache; those that are loaded stay as they are.
+
+>>> axode.codegen.clear_cache()
+>>> axode.codegen.cache().models
+0
+)");
+}
+
+}  // namespace axode::python

@@ -1,0 +1,395 @@
+#include <algorithm>
+#include <cstdlib>
+#include <limits>
+#include <numbers>
+#include <numeric>
+#include <thread>
+#include <tuple>
+
+#include "axode/codegen.hpp"
+#include "axode/io.hpp"
+#include "axode/model/builder.hpp"
+#include "axode/model/configuration.hpp"
+#include "tests/apps/run_command.hpp"
+#include "tests/laws/law.hpp"
+#include "tests/support/refused_arguments.hpp"
+
+/// Specialised models give what the library gives, and do without their cache and without a compiler what they can.
+namespace axode::test {
+namespace {
+
+using codegen::Function;
+using codegen::Quantity;
+
+/// Compiled for nobody's impatience: what is tested does not depend on it.
+const std::vector<std::string> quickly{"-O0", "-march=native", "-ffp-contract=fast"};
+
+/// An environment variable with another value for a while.
+class Variable {
+ public:
+  Variable(const char* name, const std::string& value) : name_(name) {
+    if (const char* before = std::getenv(name)) before_ = before;
+    setenv(name, value.c_str(), 1);
+  }
+  ~Variable() {
+    if (before_)
+      setenv(name_, before_->c_str(), 1);
+    else
+      unsetenv(name_);
+  }
+  Variable(const Variable&) = delete;
+  Variable& operator=(const Variable&) = delete;
+
+ private:
+  const char* name_;
+  std::optional<std::string> before_;
+};
+/// Each test has a cache of its own.
+class SpecialisedModels : public testing::Test {
+ protected:
+  TemporaryFolder folder;
+  Variable cache{"XDG_CACHE_HOME", folder.path()};
+  Variable compiler{"CC", "cc"};
+};
+
+/// Numbers of N states.
+template <class T> struct States {
+  std::vector<T> q, v, a, dq, dv, da, w;
+  States(const Model& model, std::size_t N, std::uint64_t seed) {
+    Random<double> random(seed);
+    for (std::size_t k = 0; k < N; ++k) {
+      const State<double> state = random_state(model, random);
+      const auto append = [](std::vector<T>& to, const auto& from) {
+        for (const double x : from) to.push_back(static_cast<T>(x));
+      };
+      append(q, state.q), append(v, state.v), append(a, state.a);
+      for (auto* x : {&dq, &dv, &da, &w}) append(*x, random_numbers(random, model.nv()));
+    }
+  }
+  catalog::Given<T> given() const {
+    catalog::Given<T> all{.q = q, .v = v, .a = a, .tau = a};
+    all.dq = dq, all.dv = dv, all.da = da, all.dtau = da, all.w = w;
+    return all;
+  }
+  catalog::Given<T> given(const Model& model, std::size_t k) const {
+    catalog::Given<T> one = given();
+    const std::size_t nq = static_cast<std::size_t>(model.nq()), nv = static_cast<std::size_t>(model.nv());
+    for (const catalog::Input input : catalog::inputs_of_numbers) {
+      std::span<const T>& x = catalog::numbers(one, input);
+      const std::size_t n = input == catalog::Input::q ? nq : nv;
+      if (!x.empty()) x = x.subspan(k * n, n);
+    }
+    return one;
+  }
+};
+
+template <class T> const catalog::Function<T>& row(const Function& function) {
+  const std::string_view name = codegen::quantities[static_cast<std::size_t>(function.quantity)];
+  if (function.quantity != Quantity::jacobian) return *catalog::find<Fast, T>(name);
+  return with_representation(function.representation, [&]<class Rep>(Rep) -> const catalog::Function<T>& {
+    return *catalog::find<Rep, T>(name);
+  });
+}
+
+std::vector<Function> all_functions(const Model& model) {
+  std::vector<Function> functions;
+  for (std::size_t k = 0; k < codegen::quantities.size(); ++k)
+    functions.push_back({static_cast<Quantity>(k), model.n_frames() - 1, Representation::hybrid});
+  return functions;
+}
+
+template <class T> T largest_of(std::span<const T> x) {
+  T largest = 0;
+  for (const T each : x) largest = std::max(largest, std::abs(each));
+  return largest;
+}
+
+/// All functions in N states, against the library's in each; what the mass matrix divides may lose digits with it.
+template <class T>
+void expect_what_the_library_gives(const Model& model, const Specialised<T>& specialised,
+                                   const std::vector<Function>& functions, std::size_t N, double tolerance) {
+  const States<T> states(model, N, N);
+  Workspace<T> workspace(model);
+  for (const Function& function : functions) {
+    const catalog::Function<T>& library = row<T>(function);
+    SCOPED_TRACE(std::string(library.name) + " of " + model.name());
+    const std::size_t size = library.size(model, 0);
+    std::vector<T> result(size * N), expected(size);
+    const batch::Outcome outcome = specialised(function, states.given(), result);
+    EXPECT_EQ(outcome.done, N);
+    std::size_t singular = 0;
+    for (std::size_t k = 0; k < N; ++k) {
+      catalog::Given<T> one = states.given(model, k);
+      one.place = function.frame;
+      singular += !library.call(model, workspace, one, expected).ok();
+      const std::span<const T> found = std::span(result).subspan(k * size, size);
+      const double scale = std::max<double>(largest_of<T>(expected), 1e-6);
+      for (std::size_t i = 0; i < size; ++i)
+        if (std::isfinite(expected[i]))
+          ASSERT_NEAR(found[i], expected[i], tolerance * scale) << k << ' ' << i;
+    }
+    EXPECT_EQ(outcome.singular_states, singular);
+  }
+}
+
+/// Joints of every kind, a free base, a coupled joint across branches and an armature.
+Model every_joint() {
+  const auto joint = [](JointKind kind, Vec3<> axis) {
+    JointDescription described{.kind = kind, .axis = axis};
+    described.dof.resize(1);
+    described.dof[0].armature = 0.1;
+    return described;
+  };
+  ModelBuilder builder("every joint");
+  double height = 0;
+  const auto add = [&](const char* name, const char* on, JointDescription described) {
+    described.point = {0.3, 0.1, height += 0.2};
+    builder.add({.name = name,
+                 .predecessor = on,
+                 .joint = std::move(described),
+                 .inertia = MassProperties{
+                     .mass = 2, .com = {0.1, 0.05, -0.1}, .Theta = {0.1, 0.2, 0.25, 0.01, 0, 0.02}}});
+  };
+  add("base", "ground", {.kind = JointKind::free});
+  add("hinge", "base", joint(JointKind::revolute, {0.6, 0.8, 0}));
+  add("slide", "hinge", joint(JointKind::prismatic, {0, 0.6, 0.8}));
+  add("ball", "base", {.kind = JointKind::spherical});
+  add("screw", "ball", {.kind = JointKind::helical, .axis = {0, 0, 1}, .pitch = 0.1});
+  add("plate", "ground", {.kind = JointKind::planar, .axis = {0, 1, 0}});
+  JointDescription follower{.kind = JointKind::revolute, .axis = {1, 0, 0}};
+  follower.coupling = Coupling{.leader = "hinge_joint", .ratio = -2, .offset = 0.3};
+  add("follower", "base", follower);
+  return builder.build();
+}
+
+TEST_F(SpecialisedModels, GiveWhatTheLibraryGivesInEveryNumberOfStates) {
+  const Model model = load(robot("double_pendulum.toml"));
+  const std::vector<Function> functions = all_functions(model);
+  const Specialised<> doubles(model, functions, {.flags = quickly});
+  const Specialised<float> floats(model, functions, {.flags = quickly});
+  for (const std::size_t N : {1, 2, 3, 4, 5, 8, 11, 16, 17, 67, 200}) {
+    expect_what_the_library_gives(model, doubles, functions, N, 1e-12);
+    expect_what_the_library_gives(model, floats, functions, N, 1e-4);
+  }
+}
+
+/// Without what takes long to compile, and is the same program of the same parts.
+TEST_F(SpecialisedModels, HaveJointsOfEveryKindAndCoupledOnes) {
+  const Model model = every_joint();
+  std::vector<Function> functions = all_functions(model);
+  std::erase_if(functions, [](const Function& function) {
+    return function.quantity == Quantity::inverse_dynamics_hessian ||
+           function.quantity == Quantity::forward_dynamics_derivatives ||
+           function.quantity == Quantity::forward_dynamics_hessian;
+  });
+  expect_what_the_library_gives(model, Specialised<>(model, functions, {.flags = quickly}), functions, 13,
+                                1e-11);
+}
+
+TEST_F(SpecialisedModels, AreTheSameInLanesOfEveryNumberAndWithoutVectors) {
+  const Model model = load(robot("double_pendulum.toml"));
+  const std::vector<Function> functions{
+      {Quantity::inverse_dynamics}, {Quantity::forward_dynamics}, {Quantity::poses}};
+  for (const int lanes : {1, 2, 4, 8, 16}) {
+    expect_what_the_library_gives(model, Specialised<>(model, functions, {.lanes = lanes, .flags = quickly}),
+                                  functions, 19, 1e-12);
+    expect_what_the_library_gives(
+        model, Specialised<float>(model, functions, {.lanes = lanes, .flags = quickly}), functions, 19, 1e-4);
+  }
+  expect_what_the_library_gives(model, Specialised<>(model, functions, {.flags = {"-O1"}}), functions, 19,
+                                1e-12);
+  EXPECT_EQ(message_of([&] { Specialised<>(model, functions, {.lanes = 3}); }),
+            "lanes is 3; expected 1, 2, 4, 8 or 16");
+}
+
+TEST_F(SpecialisedModels, TurnByAnglesOfEverySize) {
+  const Model model = load(robot("double_pendulum.toml"));
+  const Specialised<> specialised(model, {{Quantity::poses}}, {.flags = quickly});
+  const std::vector<double> angles{0, -1e-9, 3, -99'999, 1e5, -1e6, 1e9, 1e15, 1e22, -1e300};
+  std::vector<double> q;
+  for (const double one : angles)
+    for (const double other : angles) q.insert(q.end(), {one, other});
+  const std::size_t N = q.size() / 2, size = 12 * static_cast<std::size_t>(model.n_frames());
+  std::vector<double> C(N * size), expected(size);
+  ASSERT_TRUE(specialised({Quantity::poses}, {.q = q}, C).ok());
+  Workspace<> workspace(model);
+  for (std::size_t k = 0; k < N; ++k) {
+    std::ignore = row<double>({Quantity::poses})
+                      .call(model, workspace, {.q = std::span(q).subspan(2 * k, 2)}, expected);
+    for (std::size_t i = 0; i < size; ++i) EXPECT_NEAR(C[k * size + i], expected[i], 1e-14);
+  }
+}
+
+/// Two hinges about one axis of which the second carries nothing.
+Model singular_wrist() {
+  const JointDescription hinge{.kind = JointKind::revolute, .axis = {0, 0, 1}};
+  return ModelBuilder("wrist")
+      .add({.name = "a",
+            .joint = hinge,
+            .inertia = MassProperties{.mass = 1, .com = {1, 0, 0}, .Theta = {1, 1, 1}}})
+      .add({.name = "b", .predecessor = "a", .joint = hinge})
+      .build();
+}
+
+TEST_F(SpecialisedModels, TellWhichStatesAreSingularAndWhichOverflow) {
+  const Model wrist = singular_wrist();
+  const Function function{Quantity::forward_dynamics};
+  const std::vector<double> q(20), v(20), tau(20, 1);
+  std::vector<double> a(20);
+  const batch::Outcome singular =
+      Specialised<>(wrist, {function}, {.flags = quickly})(function, {.q = q, .v = v, .tau = tau}, a);
+  EXPECT_EQ(singular.singular_states, 10u);
+  EXPECT_FALSE(singular.solvability.ok() || singular.solvability.not_finite);
+
+  const Model pendulum = load(robot("double_pendulum.toml"));
+  std::vector<double> fast(20);
+  fast[6] = 1e200;
+  const batch::Outcome overflow =
+      Specialised<>(pendulum, {function}, {.flags = quickly})(function, {.q = q, .v = fast, .tau = tau}, a);
+  EXPECT_EQ(overflow.singular_states, 1u);
+  EXPECT_EQ(overflow.first, 3u);
+  EXPECT_TRUE(overflow.solvability.not_finite);
+}
+
+TEST_F(SpecialisedModels, CheckTheirArguments) {
+  const Model model = load(robot("double_pendulum.toml"));
+  const Function function{Quantity::inverse_dynamics};
+  const Specialised<> specialised(model, {function}, {.flags = quickly});
+  std::vector<double> q(6), v(6), tau(6), short_of_one(5);
+  const auto message = [&](const Function& of, const catalog::Given<double>& given, std::span<double> out) {
+    return message_of([&] { static_cast<void>(specialised(of, given, out)); });
+  };
+  EXPECT_EQ(message(function, {.q = q, .v = short_of_one, .a = v}, tau),
+            "v has 5 entries; expected nv N = 6");
+  EXPECT_EQ(message(function, {.q = short_of_one, .v = v, .a = v}, tau),
+            "q has 5 entries; expected a multiple of nq = 2");
+  EXPECT_EQ(message(function, {.q = q, .v = v, .a = v}, short_of_one),
+            "the result has 5 entries; expected of N states = 6");
+  EXPECT_EQ(message(function, {.q = q, .v = v, .a = v}, q),
+            "the result shares memory with q; this result needs memory of its own");
+  EXPECT_EQ(message({Quantity::mass_matrix}, {.q = q}, tau),
+            "model \"double pendulum\" was specialised without mass_matrix");
+  EXPECT_EQ(message(function, {.q = q, .v = v, .a = v, .loads = {.joint_losses = true}}, tau),
+            "specialised functions take no loads and no joint losses");
+  EXPECT_TRUE(specialised.has(function));
+  EXPECT_FALSE(specialised.has({Quantity::poses}));
+}
+
+TEST_F(SpecialisedModels, WithoutDegreesOfFreedomHaveNoStates) {
+  const Model model =
+      ModelBuilder("block").add({.name = "block", .joint = {.kind = JointKind::fixed}}).build();
+  const std::vector<Function> functions = all_functions(model);
+  const Specialised<> specialised(model, functions, {.flags = quickly});
+  for (const Function& function : functions) EXPECT_EQ(specialised(function, {}, {}).done, 0u);
+}
+
+TEST_F(SpecialisedModels, AreShared) {
+  const Model model = load(robot("double_pendulum.toml"));
+  const std::vector<Function> functions{{Quantity::forward_dynamics}};
+  const Specialised<> specialised(model, functions, {.flags = quickly});
+  std::vector<std::thread> threads;
+  for (int k = 0; k < 8; ++k)
+    threads.emplace_back([&] {
+      for (int repeat = 0; repeat < 20; ++repeat)
+        expect_what_the_library_gives(model, specialised, functions, 50, 1e-12);
+    });
+  for (std::thread& thread : threads) thread.join();
+
+  const States<double> states(model, 1000, 3);
+  std::vector<double> alone(2000), together(2000);
+  ASSERT_TRUE(specialised(functions[0], states.given(), alone, 1).ok());
+  ASSERT_TRUE(specialised(functions[0], states.given(), together, 4).ok());
+  EXPECT_EQ(alone, together);
+}
+
+std::vector<std::string> files(const std::filesystem::path& folder) {
+  std::vector<std::string> names;
+  for (const auto& entry : std::filesystem::directory_iterator(folder))
+    names.push_back(entry.path().filename());
+  std::ranges::sort(names);
+  return names;
+}
+
+TEST_F(SpecialisedModels, AreKeptAndCompiledAgainWhereWhatWasKeptIsSpoilt) {
+  const Model model = load(robot("double_pendulum.toml"));
+  const std::vector<Function> functions{{Quantity::inverse_dynamics}};
+  EXPECT_EQ(specialised_cache().models, 0u);
+  const auto make = [&] {
+    expect_what_the_library_gives(model, Specialised<>(model, functions, {.flags = quickly}), functions, 5,
+                                  1e-12);
+  };
+  make();
+  const SpecialisedCache kept = specialised_cache();
+  EXPECT_EQ(kept.folder, folder.file("axode"));
+  ASSERT_EQ(kept.models, 1u);
+  EXPECT_GT(kept.bytes, 1000u);
+  const std::vector<std::string> names = files(kept.folder);
+  ASSERT_EQ(names.size(), 2u) << "a library and the lock";
+  const std::filesystem::path library = std::filesystem::path(kept.folder) / names[0];
+  const auto time = std::filesystem::last_write_time(library);
+  make();
+  EXPECT_EQ(std::filesystem::last_write_time(library), time);
+
+  for (const std::size_t length : {std::size_t{0}, std::size_t{40}, std::size_t{2000}}) {
+    std::filesystem::resize_file(library, length);
+    make();
+    EXPECT_EQ(specialised_cache().bytes, kept.bytes);
+  }
+  std::fstream(library, std::ios::in | std::ios::out | std::ios::binary).seekp(1000).write("spoilt", 6);
+  make();
+  EXPECT_EQ(files(kept.folder), names);
+  Specialised<>(model, functions, {.flags = {"-O1"}});
+  EXPECT_EQ(specialised_cache().models, 2u);
+
+  std::filesystem::create_directory(library.string().replace(library.string().size() - 2, 2, "killed"));
+  clear_specialised_cache();
+  EXPECT_EQ(specialised_cache().models, 0u);
+  EXPECT_EQ(files(kept.folder), std::vector<std::string>{"lock"});
+}
+
+TEST_F(SpecialisedModels, NeedNoCache) {
+  const Model model = load(robot("double_pendulum.toml"));
+  const std::vector<Function> functions{{Quantity::inverse_dynamics}};
+  const Variable nowhere("XDG_CACHE_HOME", "/proc/nowhere");
+  expect_what_the_library_gives(model, Specialised<>(model, functions, {.flags = quickly}), functions, 5,
+                                1e-12);
+  EXPECT_EQ(specialised_cache().models, 0u);
+}
+
+TEST_F(SpecialisedModels, AreNotTakenFromAFolderInWhichOthersWrite) {
+  const Model model = load(robot("double_pendulum.toml"));
+  const std::vector<Function> functions{{Quantity::inverse_dynamics}};
+  std::filesystem::create_directory(folder.file("axode"));
+  std::filesystem::permissions(folder.file("axode"), std::filesystem::perms::all);
+  expect_what_the_library_gives(model, Specialised<>(model, functions, {.flags = quickly}), functions, 5,
+                                1e-12);
+  EXPECT_TRUE(files(folder.file("axode")).empty());
+}
+
+TEST_F(SpecialisedModels, SayWhereThereIsNoCompilerOrItFails) {
+  const Model model = load(robot("double_pendulum.toml"));
+  const auto make = [&](const SpecialisedOptions& options) {
+    try {
+      Specialised<>(model, {{Quantity::inverse_dynamics}}, options);
+    } catch (const std::runtime_error& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  EXPECT_THAT(
+      make({.flags = {"--nothing"}}),
+      testing::MatchesRegex(
+          "the compiler .*/cc failed on a specialised model with exit code 1:\n(.|\n)*--nothing(.|\n)*"));
+  EXPECT_THAT(make({.monitor = [](std::size_t, std::size_t) { return false; }}),
+              testing::HasSubstr("was ended"));
+  EXPECT_EQ(files(folder.file("axode")), std::vector<std::string>{"lock"});
+  const Variable path("PATH", "");
+  const Variable none("CC", "/nonexistent");
+  EXPECT_EQ(make({}),
+            "there is no C compiler to specialise a model with: $CC is \"/nonexistent\", which cannot be "
+            "run, and neither cc "
+            "nor clang nor gcc is on the PATH");
+}
+
+}  // namespace
+}  // namespace axode::test
