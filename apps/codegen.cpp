@@ -27,6 +27,8 @@ constexpr const char* footer = R"(Functions (several are separated by commas):
   inverse_dynamics         tau from q, v, a
   forward_dynamics         a from q, v, tau; returns 1 where the mass matrix may be singular, else 0
   mass_matrix              M from q, nv x nv
+  inverse_mass_matrix      its inverse from q, nv x nv; returns what forward_dynamics does
+  poses                    C of all frames from q: the columns of R, then r, 12 numbers each
   jacobian:FRAME[:REP]     J of a frame from q, 6 x nv, angular rows first; REP is body (if left out),
                            spatial, hybrid or mixed
   inverse_dynamics_derivatives, forward_dynamics_derivatives

@@ -2,10 +2,16 @@
 
 Medians of several runs, in microseconds. What a call costs beyond the C++ that it runs is read off the body-fixed
 recursion, which takes one state after the other: a call for one state less the time of each of many in one call.
+
+Specialised models are measured in nanoseconds for each of many states in one call on one core, beside the library's batches
+and Pinocchio's single calls, all in processor time; the last column says how many times Pinocchio's rate that is.
 """
 
 import argparse
+import os
 import statistics
+import tempfile
+import time
 import timeit
 
 import axode
@@ -29,6 +35,34 @@ def robots():
     yield axode.load(axode.robots / "humanoid.urdf")
 
 
+def nanoseconds(call, states, repetitions=9):
+    """Of processor time for each state, which other programs on the machine do not count for."""
+    timer = timeit.Timer(call, timer=time.process_time)
+    number = max(1, timer.autorange()[0] // 4)
+    return statistics.median(timer.repeat(repetitions, number)) / number / states * 1e9
+
+
+def measure_specialised(m, N):
+    peer = pin.buildModelFromXML(axode.urdf(m))
+    data = peer.createData()
+    Q, V, A = np.random.default_rng(1).uniform(-1, 1, (3, N, m.nv))
+    q, v, a = Q[0], V[0], A[0]
+    for function, given, theirs in [
+            ("inverse_dynamics", (Q, V, A), lambda: pin.rnea(peer, data, q, v, a)),
+            ("forward_dynamics", (Q, V, A), lambda: pin.aba(peer, data, q, v, a)),
+            ("mass_matrix", (Q,), lambda: pin.crba(peer, data, q)),
+            ("inverse_dynamics_derivatives", (Q, V, A), lambda: pin.computeRNEADerivatives(peer, data, q, v, a)),
+            ("forward_dynamics_derivatives", (Q, V, A), lambda: pin.computeABADerivatives(peer, data, q, v, a))]:
+        axode.codegen.clear_cache()
+        start = time.perf_counter()
+        specialised = m.specialise([function])
+        seconds = time.perf_counter() - start
+        ours = nanoseconds(lambda: getattr(specialised, function)(*given), N)
+        batch = nanoseconds(lambda: getattr(axode, function)(m, *given), N)
+        single = nanoseconds(theirs, 1)
+        print(f"| {m.name} | {function} | {seconds:.1f} s | {ours:.0f} | {batch:.0f} | {single:.0f} | {single / ours:.1f} |")
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--states", type=int, default=4096, help="of the batches")
@@ -50,6 +84,11 @@ def main():
         body = microseconds(lambda: axode.inverse_dynamics(m, q, v, a, "body"))
         inside = microseconds(lambda: axode.inverse_dynamics(m, Q, V, A, "body")) / N
         print(f"{m.name + ' beyond the C++':30}{body - inside:9.2f}")
+    print("\n| | | compiled in | specialised | library | Pinocchio | times |\n|---|---|--:|--:|--:|--:|--:|")
+    with tempfile.TemporaryDirectory() as cache:
+        os.environ["XDG_CACHE_HOME"] = cache
+        for m in robots():
+            measure_specialised(m, N)
 
 
 if __name__ == "__main__":

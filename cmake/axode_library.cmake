@@ -1,5 +1,6 @@
 # The library: axode::axode (standard library and Eigen's headers only), axode::io (the readers and writers of files),
-# axode::batch (many states at once; oneTBB), axode::codegen (C source for one mechanism) and axode::view (pages for a browser). Sources lie beside their
+# axode::batch (many states at once; oneTBB), axode::codegen (C source for one mechanism, and functions compiled from it) and
+# axode::view (pages for a browser). Sources lie beside their
 # headers in axode/<floor>/. axode::axode is two archives: libaxode, which is enough for double, and libaxode_float.
 
 find_package(Eigen3 3.4 REQUIRED NO_MODULE)

@@ -93,10 +93,14 @@ pid_t spawned(const std::vector<std::string>& command, const std::filesystem::pa
   return process;
 }
 
-int exit_code(pid_t process) {
+/// Of a process that has ended; nothing where it has not. Where nobody may know (SIGCHLD is ignored), 0: what it has left tells.
+std::optional<int> exit_code(pid_t process, int options) {
   int status = 0;
-  while (waitpid(process, &status, 0) < 0)
-    if (errno != EINTR) return -1;
+  pid_t ended = 0;
+  do ended = waitpid(process, &status, options);
+  while (ended < 0 && errno == EINTR);
+  if (ended == 0) return std::nullopt;
+  if (ended < 0) return 0;
   return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
 }
 
@@ -110,24 +114,25 @@ std::optional<Finished> run_program(const std::vector<std::string>& command,
   Descriptor reader(ends[0]), writer(ends[1]);
   const pid_t process = spawned(command, folder, writer.number());
   writer.close();
-  Finished finished{};
-  for (bool open = true; open;) {
+  std::string output;
+  std::optional<int> code;
+  for (bool open = true; open && !code;) {
     pollfd wait{reader.number(), POLLIN, 0};
     const int ready = poll(&wait, 1, 20);
     if (monitor && !monitor(0, 1)) {
       kill(-process, SIGKILL);
-      exit_code(process);
+      exit_code(process, 0);
       return std::nullopt;
     }
+    if (ready == 0) code = exit_code(process, WNOHANG);  // what it has started may go on, with the pipe open
     if (ready <= 0) continue;
     std::array<char, 1024> text;
     const ssize_t n = read(reader.number(), text.data(), text.size());
     open = n > 0 || (n < 0 && errno == EINTR);
-    if (n > 0 && finished.output.size() < longest_output)
-      finished.output.append(text.data(), static_cast<std::size_t>(n));
+    if (n > 0 && output.size() < longest_output) output.append(text.data(), static_cast<std::size_t>(n));
   }
-  finished.code = exit_code(process);
-  return finished;
+  if (!code) code = exit_code(process, 0);
+  return Finished{*code, output};
 }
 
 Compiler find_compiler() {

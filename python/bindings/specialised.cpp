@@ -4,6 +4,7 @@
 
 #include <variant>
 
+#include "axode/model/check_no_loops.hpp"
 #include "bindings.hpp"
 #include "codegen.hpp"
 #include "named_tuple.hpp"
@@ -23,6 +24,7 @@ class BoundSpecialised {
   BoundSpecialised(nb::object model, Any functions)
       : model_(std::move(model)), functions_(std::move(functions)) {}
 
+  const nb::object& python_model() const { return model_; }
   const BoundModel& model() const { return *nb::inst_ptr<BoundModel>(model_); }
   bool is_single() const { return functions_.index() == 1; }
   void check(const Function& wanted) const {
@@ -101,8 +103,10 @@ BoundSpecialised specialise(nb::handle_t<BoundModel> self, nb::handle functions,
                             int lanes, const std::optional<std::vector<std::string>>& flags) {
   const BoundModel& m = *nb::inst_ptr<BoundModel>(self);
   const std::vector<Function> wanted = functions_from(m, functions);
+  for (const Function& function : wanted)  // which counts loops in Python
+    if (function.quantity == Quantity::inverse_dynamics) check_no_loops(m, "specialised inverse_dynamics");
   const bool single =
-      choose("scalar", to_str(scalar), std::array<std::string_view, 2>{"float64", "float32"}) == 1;
+      choose("scalar", scalar, std::array<std::string_view, 2>{"float64", "float32"}) == 1;
   SpecialisedOptions options{.lanes = lanes};
   if (flags) options.flags = *flags;
   LongCall call(true);
@@ -162,7 +166,7 @@ True
                   "numpy.typing.NDArray[numpy.float64]"),
           "As `axode.jacobian`, of a frame and in a representation that were asked for.")
       .def_prop_ro(
-          "model", [](const BoundSpecialised& s) { return nb::find(s.model()); },
+          "model", [](const BoundSpecialised& s) { return s.python_model(); },
           nb::sig("def model(self) -> axode.Model"), "The model that it was made of.");
 
   nb::cpp_function_def(

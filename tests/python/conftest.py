@@ -2,12 +2,17 @@
 
 import os
 import sys
+import tempfile
 from pathlib import Path
 
 import pytest
 
 # Threads of BLAS wait for each other in a loop: with other work on the cores the small matrices here take 15 times as long.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
+# What is compiled here is not kept beside what users keep.
+_CACHE = tempfile.TemporaryDirectory(prefix="axode-")
+os.environ["XDG_CACHE_HOME"] = _CACHE.name
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "peers"))
 

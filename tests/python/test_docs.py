@@ -15,7 +15,7 @@ import axode
 import pytest
 
 SOURCE = Path(__file__).resolve().parents[2]
-PAGES = ["README.md", "docs/index.md", "docs/python.md",
+PAGES = ["README.md", "docs/index.md", "docs/python.md", "docs/specialised.md",
          *sorted(file.relative_to(SOURCE).as_posix() for file in SOURCE.glob("docs/tutorials/*.md"))]
 MODULES = [axode, axode.lie, axode.closed_form, axode.codegen, axode.convert, axode.drives, axode.identification,
            axode.calibration]
