@@ -60,6 +60,13 @@ Value choose(const std::string& where, std::string_view word,
   throw Error(where + ": " + none_of(word, choices, [](const auto& choice) { return choice.first; }));
 }
 
+/// The words as help shows them and completion offers them: `table|json`.
+template <class Choices> std::string words(const Choices& choices) {
+  std::string all;
+  for (const auto& choice : choices) all += (all.empty() ? "" : "|") + std::string(choice.first);
+  return all;
+}
+
 /// The word for a value.
 template <class Value, std::size_t N>
 std::string_view word_for(Value wanted, const std::array<std::pair<std::string_view, Value>, N>& choices) {

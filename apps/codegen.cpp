@@ -112,7 +112,7 @@ void add_codegen(CLI::App& app, int& exit_code) {
       app.add_subcommand("codegen", "Write the dynamics of a mechanism as C without loops and branches");
   add_model_options(*codegen, options->mechanism);
   codegen->add_option("--functions", options->functions, "What to write; inverse_dynamics if left out")
-      ->type_name("LIST");
+      ->type_name("FUNCTIONS");
   codegen->add_flag("--float", options->single_precision, "float instead of double");
   codegen->add_option("--name", options->name, "What all names begin with; the model's name if left out")
       ->type_name("PREFIX");

@@ -44,5 +44,7 @@ void add_view(CLI::App& app, int& exit_code);
 void add_codegen(CLI::App& app, int& exit_code);
 void add_study(CLI::App& app, int& exit_code);
 void add_demo(CLI::App& app, int& exit_code);
+void add_completion(CLI::App& app, int& exit_code);
+void add_manual(CLI::App& app, int& exit_code);
 
 }  // namespace axode::command

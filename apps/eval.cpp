@@ -3,10 +3,12 @@
 #include <CLI/CLI.hpp>
 #include <charconv>
 #include <cmath>
+#include <filesystem>
 #include <memory>
 #include <optional>
 
 #include "axode/model/builder.hpp"
+#include "chart.hpp"
 #include "choice.hpp"
 #include "commands.hpp"
 #include "model_options.hpp"
@@ -19,7 +21,7 @@ namespace {
 
 struct Options {
   ModelOptions mechanism;
-  std::string state, want = "inverse_dynamics", representation = "body", gravity, format = "table";
+  std::string state, want = "inverse_dynamics", representation = "body", gravity, plot, format = "table";
   std::vector<std::string> frames;
   std::string relative_to = "ground";
   int order = 1;
@@ -30,7 +32,7 @@ struct Options {
 constexpr const char* footer = R"(Quantities for --want (several are separated by commas):
 {quantities}
 
-STATE is a JSON object with the keys q, v, a, jerk, snap, tau, p, dq, dv, da, dtau, w, loads and targets, all of
+A state is a JSON object with the keys q, v, a, jerk, snap, tau, p, dq, dv, da, dtau, w, loads and targets, all of
 which may be left out:
   q, v, a, jerk, snap, tau, p; a direction dq, dv, da, dtau; weights w, 1 if absent:
             arrays in the model's order (`axode info MODEL` shows it), or objects keyed by joint
@@ -43,6 +45,12 @@ their angular part first, in the representation that --representation names.
 Example:
   echo '{"q": {"A4": 0.5}, "loads": [{"frame": "flange", "wrench": [0, 0, 0, 0, 0, -20]}]}' |
     axode eval arm7.toml --state - --want inverse_dynamics,poses --format json
+  axode simulate arm7.toml --output run.csv
+  axode eval arm7.toml --state run.csv --want poses --frame flange --plot flange.svg
+
+A .csv with a row for each state, as `axode simulate --output` writes it, is a sweep: its columns are t and, each with a
+name of `axode info` behind it, q, v, a and tau. The table has the smallest and the largest of each number, --plot draws
+them over t, and the JSON has a list of values for each quantity.
 
 The JSON is {"model", "nq", "nv", "joints": [...], "results": {name: value}} with arrays in the order
 of "joints", poses, twists and accelerations keyed by frame, joint_wrenches keyed by joint. Jacobians are
@@ -114,28 +122,35 @@ Json as_json(const Question& ask, const std::string& representation, const Json&
   return out;
 }
 
-void run(const Options& options) {
-  const std::vector<Quantity> chosen = wanted(options.want);
-  const Format format = choose("--format", options.format, formats);
-  const Representation representation = choose("--representation", options.representation, representations);
-  const std::optional<Vec3<>> gravity = gravity_of(options.gravity);
-  Question ask{load(options.mechanism), {}, representation, options.joint_losses};
-  if (gravity) ask.model = ModelBuilder(ask.model).gravity(*gravity).build();
-  for (const std::string& name : options.frames) ask.frames.push_back(ask.model.frame_index(name));
-  ask.relative_to = ask.model.frame_index(options.relative_to);
-  ask.order = options.order;
-  ask.coriolis = choose("--coriolis", options.coriolis, coriolis_forms);
-  ask.state = options.state.empty() ? neutral_state(ask.model) : read_state(ask.model, options.state);
+void print_warnings(const Question& ask, const Options& options) {
+  const auto warnings = ask.model.warnings();
+  if (warnings.empty()) return;
+  fmt::print("\n{}\n",
+             in(Ink::warning, fmt::format("{} warning{} about the model: axode check {}", warnings.size(),
+                                          warnings.size() == 1 ? "" : "s", options.mechanism.files.front())));
+}
 
+Answer finite_answer(const Quantity& quantity, const Question& ask) {
+  Answer answer = quantity.answer(ask);
+  require_finite(answer.value, std::string(quantity.name));
+  return answer;
+}
+
+std::string heading(const Quantity& quantity, const std::string& label) {
+  return "\n" + in(Ink::heading, quantity.name) + ": " + label + "\n";
+}
+
+/// The quantities at one state.
+void run(const Options& options, Format format, const std::vector<Quantity>& chosen, Question& ask) {
+  ask.state = options.state.empty() ? neutral_state(ask.model) : read_state(ask.model, options.state);
   Json results = Json::object(), labels = Json::object();
   std::string tables;
   for (const Quantity& quantity : chosen) {
-    const Answer answer = quantity.answer(ask);
+    const Answer answer = finite_answer(quantity, ask);
     const std::string name(quantity.name);
-    require_finite(answer.value, name);
     results[name] = answer.value;
     labels[name] = answer.label;
-    tables += "\n" + in(Ink::heading, name) + ": " + answer.label + "\n" + answer.table.text();
+    tables += heading(quantity, answer.label) + answer.table.text();
   }
   if (format == Format::json) {
     fmt::print("{}", text(as_json(ask, options.representation, results, labels)));
@@ -144,10 +159,84 @@ void run(const Options& options) {
   fmt::print("{}{}",
              state_tables(ask.model, ask.state.q, {{"v", ask.state.v}, {"a", ask.state.a}}, "per s, per s^2"),
              tables);
-  if (const auto warnings = ask.model.warnings(); !warnings.empty())
-    fmt::print("\n{}\n", in(Ink::warning,
-                            fmt::format("{} warning{} about the model: axode check {}", warnings.size(),
-                                        warnings.size() == 1 ? "" : "s", options.mechanism.files.front())));
+  print_warnings(ask, options);
+}
+
+/// Where each number of a quantity is smallest and largest.
+std::string extremes(const std::vector<Curve>& curves, const Sweep& sweep) {
+  const std::string at = sweep.timed ? "at t" : "at state";
+  Table table({"", "smallest", at, "largest", at});
+  for (const Curve& curve : curves) {
+    const auto low = std::ranges::min_element(curve.y), high = std::ranges::max_element(curve.y);
+    table.row({curve.name, *low, curve.x[static_cast<std::size_t>(low - curve.y.begin())], *high,
+               curve.x[static_cast<std::size_t>(high - curve.y.begin())]});
+  }
+  return table.text();
+}
+
+/// The quantities at each state of a sweep.
+void run_sweep(const Options& options, Format format, const std::vector<Quantity>& chosen, Question& ask,
+               const std::optional<ChartFile>& plot) {
+  const Sweep sweep = read_sweep(ask.model, options.state);
+  Json results = Json::object(), labels = Json::object();
+  Chart chart{.title = ask.model.name()};
+  for (const Quantity& quantity : chosen) {
+    const std::string name(quantity.name);
+    std::vector<Curve> curves;
+    for (std::size_t i = 0; i < sweep.states.size(); ++i) {
+      ask.state = sweep.states[i];
+      const Answer answer = finite_answer(quantity, ask);
+      results[name].push_back(answer.value);
+      labels[name] = answer.label;
+      const auto numbers = answer.table.numbers();
+      curves.resize(numbers.size());
+      for (std::size_t k = 0; k < numbers.size(); ++k) {
+        curves[k].name = numbers[k].first;
+        curves[k].x.push_back(sweep.t[i]), curves[k].y.push_back(numbers[k].second);
+      }
+    }
+    const std::string label = labels[name];
+    chart.panels.push_back(
+        {.title = name + label.substr(std::min(label.rfind(';'), label.size())), .curves = curves});
+  }
+  if (plot) {
+    chart.panels.back().x_axis = sweep.timed ? "t, s" : "state";
+    plot->draw(chart);
+  }
+  if (format == Format::json) {
+    Json out = as_json(ask, options.representation, results, labels);
+    out["t"] = sweep.t;
+    fmt::print("{}", text(out));
+    return;
+  }
+  fmt::print("{}: {} states, {} from {} to {}\n", in(Ink::heading, ask.model.name()), sweep.states.size(),
+             sweep.timed ? "t" : "numbered", significant(sweep.t.front()), significant(sweep.t.back()));
+  for (std::size_t k = 0; k < chosen.size(); ++k)
+    fmt::print("{}{}", heading(chosen[k], labels[std::string(chosen[k].name)]),
+               extremes(chart.panels[k].curves, sweep));
+  print_warnings(ask, options);
+}
+
+void run(const Options& options) {
+  const std::vector<Quantity> chosen = wanted(options.want);
+  const Format format = choose("--format", options.format, formats);
+  const Representation representation = choose("--representation", options.representation, representations);
+  const std::optional<Vec3<>> gravity = gravity_of(options.gravity);
+  const bool sweeps = std::filesystem::path(options.state).extension() == ".csv";
+  if (!options.plot.empty() && !sweeps)
+    throw UsageError("--plot draws a sweep; give its states by --state FILE.csv");
+  const std::optional<ChartFile> plot = chart_file(options.plot);
+  Question ask{load(options.mechanism), {}, representation, options.joint_losses};
+  if (gravity) ask.model = ModelBuilder(ask.model).gravity(*gravity).build();
+  for (const std::string& name : options.frames) ask.frames.push_back(ask.model.frame_index(name));
+  ask.relative_to = ask.model.frame_index(options.relative_to);
+  ask.order = options.order;
+  ask.coriolis = choose("--coriolis", options.coriolis, coriolis_forms);
+  if (sweeps) {
+    run_sweep(options, format, chosen, ask, plot);
+  } else {
+    run(options, format, chosen, ask);
+  }
 }
 
 }  // namespace
@@ -156,13 +245,13 @@ void add_eval(CLI::App& app, int& exit_code) {
   const auto options = std::make_shared<Options>();
   CLI::App* eval = app.add_subcommand("eval", "Compute quantities at a state");
   add_model_options(*eval, options->mechanism);
-  eval->add_option("--state", options->state, "JSON, - for standard input; neutral and at rest if left out")
+  eval->add_option("--state", options->state,
+                   "JSON, - for standard input, or a .csv of several; neutral and at rest if left out")
       ->type_name("FILE");
   eval->add_option("--want", options->want, "What to compute, see below; inverse_dynamics if left out")
-      ->type_name("NAMES");
-  eval->add_option("--representation", options->representation,
-                   "body (if left out), spatial, hybrid or mixed")
-      ->type_name("WORD");
+      ->type_name("QUANTITIES");
+  eval->add_option("--representation", options->representation, "In which axes; body if left out")
+      ->type_name(words(representations));
   eval->add_option("--gravity", options->gravity, "x,y,z in m/s^2 instead of what the file says")
       ->type_name("NUMBERS");
   eval->add_option("--frame", options->frames, "Only this frame; may be given again");
@@ -171,11 +260,13 @@ void add_eval(CLI::App& app, int& exit_code) {
   eval->add_option("--order", options->order, "The order of derivatives, from 0")
       ->check(CLI::Range(0, 12))
       ->capture_default_str();
-  eval->add_option("--coriolis", options->coriolis, "The form of C: paper, skew, spatial or christoffel")
+  eval->add_option("--coriolis", options->coriolis, "The form of C")
+      ->type_name(words(coriolis_forms))
       ->capture_default_str();
   eval->add_flag("--joint-losses", options->joint_losses,
                  "Count damping and friction of the joints as forces");
-  eval->add_option("--format", options->format, "table (if left out) or json")->type_name("WORD");
+  add_plot_option(*eval, options->plot);
+  eval->add_option("--format", options->format, "How to print; table if left out")->type_name(words(formats));
   std::string list;
   for (const Quantity& quantity : quantities())
     list += fmt::format("  {:<39}{}\n", quantity.name, quantity.purpose);

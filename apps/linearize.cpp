@@ -11,6 +11,7 @@
 #include "axode/dynamics/forward_dynamics.hpp"
 #include "axode/dynamics/inverse_dynamics.hpp"
 #include "axode/eigen.hpp"
+#include "chart.hpp"
 #include "choice.hpp"
 #include "commands.hpp"
 #include "json_text.hpp"
@@ -34,6 +35,7 @@ struct Options {
   std::string state, format = "table";
   bool equilibrium = false, hold = false, joint_losses = false;
   std::vector<std::string> outputs;
+  std::string plot;
 };
 
 constexpr const char* footer =
@@ -48,10 +50,11 @@ what holds q at rest.
 
 Example:
   echo '{"q": {"pin": 3}}' |
-    axode linearize double_pendulum.toml --state - --equilibrium --output AB.npz --output AB.csv
+    axode linearize double_pendulum.toml --state - --equilibrium --output AB.npz --output AB.csv --plot poles.svg
 
-The ending of FILE says what is written: .json all that is known; .csv the matrix [A B] with 2nv rows and 3nv columns and
-their names; .npz A and B: A = numpy.load("AB.npz")["A"].)";
+The ending of FILE says what is written by --output: .json all that is known; .csv the matrix [A B] with 2nv rows and 3nv columns and
+their names; .npz A and B: A = numpy.load("AB.npz")["A"]. --plot draws the poles, which are the
+eigenvalues of A, and the natural frequencies.)";
 
 constexpr Index most_columns = 8;        ///< of a matrix that is printed
 constexpr std::size_t most_entries = 4;  ///< of a mode shape that are printed
@@ -272,6 +275,36 @@ std::string verdict(const Linearized& at) {
   return text;
 }
 
+/// The poles, and the frequencies of those that oscillate.
+Chart chart_of(const Linearized& at) {
+  std::array<Curve, 3> poles{
+      Curve{.name = "dies out", .color = 0}, {.name = "keeps on", .color = 6}, {.name = "grows", .color = 7}};
+  Curve frequencies{.kind = Curve::bars, .color = 0};
+  for (std::size_t k = 0; k < at.modes.all.size(); ++k) {
+    const Mode& mode = at.modes.all[k];
+    const double x = mode.eigenvalue.real(), y = mode.eigenvalue.imag();
+    Curve& curve = poles[x < 0 ? 0 : x > 0 ? 2 : 1];
+    curve.kind = Curve::points;
+    curve.x.push_back(x), curve.y.push_back(y);
+    if (!mode.oscillates()) continue;
+    curve.x.push_back(x), curve.y.push_back(-y);
+    frequencies.x.push_back(static_cast<double>(k + 1));
+    frequencies.y.push_back(mode.natural_frequency() / (2 * std::numbers::pi));
+  }
+  Chart chart{
+      .title = at.model.name() + ": " + std::string(stability(at.modes)), .width = 420, .height = 320};
+  chart.panels.push_back({.title = "poles",
+                          .x_axis = "real part, 1/s",
+                          .y_axis = "imaginary part, rad/s",
+                          .curves = {poles.begin(), poles.end()},
+                          .axes_through_zero = true});
+  if (frequencies.x.empty()) return chart;
+  chart.columns = 2;
+  chart.panels.push_back(
+      {.title = "modes", .x_axis = "mode", .y_axis = "natural frequency, Hz", .curves = {frequencies}});
+  return chart;
+}
+
 void print(const Linearized& at) {
   const State& state = at.state;
   fmt::print("{}", state_tables(at.model, state.q, {{"v", state.v}, {"tau", state.tau}, {"a", state.a}},
@@ -288,6 +321,7 @@ void run(const Options& options) {
   const Format format = choose("--format", options.format, formats);
   std::vector<FileFormat> file_formats_asked;
   for (const std::string& file : options.outputs) file_formats_asked.push_back(file_format(file));
+  const std::optional<ChartFile> plot = chart_file(options.plot);
   const Linearized at = linearized(options);
   const Named AB = named(at);
   for (std::size_t k = 0; k < options.outputs.size(); ++k) switch (file_formats_asked[k]) {
@@ -295,6 +329,7 @@ void run(const Options& options) {
       case FileFormat::csv: write_text(options.outputs[k], as_csv(AB.matrix, AB.rows, AB.columns)); break;
       case FileFormat::npz: write_text(options.outputs[k], as_npz({{"A", at.A}, {"B", at.B}})); break;
     }
+  if (plot) plot->draw(chart_of(at));
   if (format == Format::json) {
     fmt::print("{}", text(as_json(at)));
   } else {
@@ -320,7 +355,9 @@ void add_linearize(CLI::App& app, int& exit_code) {
   linearize->add_option("--output", options->outputs, "Write a .json, .csv or .npz; may be given again")
       ->type_name("FILE")
       ->allow_extra_args(false);
-  linearize->add_option("--format", options->format, "table (if left out) or json")->type_name("WORD");
+  add_plot_option(*linearize, options->plot);
+  linearize->add_option("--format", options->format, "How to print; table if left out")
+      ->type_name(words(formats));
   linearize->footer(footer);
   linearize->callback([options, &exit_code] {
     run(*options);

@@ -6,7 +6,9 @@
 #include "axode/model/fault.hpp"
 #include "axode/model/nearest_name.hpp"
 #include "commands.hpp"
+#include "overview.hpp"
 #include "terminal.hpp"
+#include "version.hpp"
 
 namespace axode::command {
 namespace {
@@ -71,7 +73,7 @@ void report(const std::string& where, const std::string& sentence) {
 
 int run(int argc, char** argv) {
   CLI::App app("Dynamics of tree-topology multibody systems in the language of screws", "axode");
-  app.set_version_flag("--version", "axode " AXODE_VERSION);
+  app.set_version_flag("--version", version, "Print the version and how it was built");
   app.footer(footer);
   app.require_subcommand(1);
   int exit_code = all_well;
@@ -85,9 +87,15 @@ int run(int argc, char** argv) {
   add_codegen(app, exit_code);
   add_study(app, exit_code);
   add_demo(app, exit_code);
+  add_completion(app, exit_code);
+  add_manual(app, exit_code);
   for (CLI::App* command : app.get_subcommands({}))
     command->parse_complete_callback([command] { refuse_empty_words(*command); });
   try {
+    if (argc == 1) {
+      fmt::print("{}", overview());
+      return all_well;
+    }
     app.parse(argc, argv);
     return exit_code;
   } catch (const CLI::ParseError& error) {

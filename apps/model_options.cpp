@@ -25,8 +25,8 @@ void add_model_options(CLI::App& command, ModelOptions& options, Files files, co
         ->required()
         ->type_name("FILE ...");
   }
-  command.add_option("--base", options.base, "fixed or free; as the file says if left out")
-      ->type_name("WORD");
+  command.add_option("--base", options.base, "How the base is held; as the file says if left out")
+      ->type_name(words(bases));
   command.add_flag("--strict", options.strict, "Refuse what is doubtful instead of warning of it");
 }
 

@@ -103,7 +103,7 @@ std::vector<std::string> components_of(Entry entry, std::string_view symbol) {
     case Entry::rate: return {"w' x", "w' y", "w' z", "v' x", "v' y", "v' z"};
     case Entry::wrench: return {"m x", "m y", "m z", "f x", "f y", "f z"};
     case Entry::momentum: return {"l x", "l y", "l z", "p x", "p y", "p z"};
-    case Entry::pose: return {"x", "y", "z", "quaternion x", "y", "z", "w"};
+    case Entry::pose: return {"x", "y", "z", "quaternion x", "quaternion y", "quaternion z", "quaternion w"};
     case Entry::inertia: break;
   }
   return {"mass", "Ixx", "Iyy", "Izz", "Ixy", "Ixz", "Iyz"};

@@ -13,6 +13,7 @@
 #include "axode/eigen.hpp"
 #include "axode/integration.hpp"
 #include "axode/model/configuration.hpp"
+#include "chart.hpp"
 #include "choice.hpp"
 #include "commands.hpp"
 #include "json_text.hpp"
@@ -36,6 +37,7 @@ struct Options {
   int samples = 0;
   bool joint_losses = false, assemble = false;
   std::vector<std::string> outputs;
+  std::string plot;
 };
 
 constexpr const char* footer =
@@ -47,7 +49,7 @@ order, the latter semi-implicit), or generalized_alpha (implicit, of second orde
 momentum of what floats to rounding: midpoint, suzuki4 and kahan_li6 (implicit, of second, fourth and sixth order), whose energy
 errors stay bounded, and rk4_momenta (explicit).
 
-KIND is relative (coordinates of the joints), absolute (bodies as points of SE(3), every joint a constraint) or
+--coordinates are relative (those of the joints), absolute (bodies as points of SE(3), every joint a constraint) or
 absolute_SO3xR3 (of SO(3) x R^3). In absolute coordinates dopri5, rk4 and euler bring joints and loops back after each step;
 rattle, rattle_suzuki4 and rattle_kahan_li6 (symplectic, of second, fourth and sixth order), half_explicit (third order),
 generalized_alpha and generalized_alpha_index3 are there besides. Results are in coordinates of the joints in any case.
@@ -60,11 +62,11 @@ STATE is the JSON object of `axode eval` with the keys q, v, tau and loads; what
 --assemble the motion of a mechanism with loops begins at the closed q and v near it.
 
 Example:
-  echo '{"q": {"pin": 2}}' | axode simulate double_pendulum.toml --state - --until 10 --output run.csv
+  echo '{"q": {"pin": 2}}' | axode simulate double_pendulum.toml --state - --until 10 --output run.csv --plot run.svg
 
-The ending of FILE says what is written: .json all that is known; .csv a row for each time with t, q, v, a, tau and the
-energy, under names; .npz these as arrays: q = numpy.load("run.npz")["q"]. Ctrl-C ends the motion; what there is by then is
-written.)";
+The ending of FILE says what is written by --output: .json all that is known; .csv a row for each time with t, q, v, a, tau and the
+energy, under names; .npz these as arrays: q = numpy.load("run.npz")["q"]. --plot draws q, v, tau
+and the energies over time. Ctrl-C ends the motion; what there is by then is written.)";
 
 volatile std::sig_atomic_t interrupted = 0;
 void interrupt(int) { interrupted = 1; }
@@ -152,7 +154,7 @@ Trajectory motion_of(const Model& model, const State& state, const Drive& drive,
 
 /// What is shown of a motion, a row for each time.
 struct Rows {
-  Eigen::VectorXd t, energy;
+  Eigen::VectorXd t, energy, kinetic_energy;
   Eigen::MatrixXd q, v, a, tau;
 };
 Rows rows_of(const Trajectory& motion, const Drive& drive, int samples) {
@@ -164,12 +166,14 @@ Rows rows_of(const Trajectory& motion, const Drive& drive, int samples) {
       times.push_back(k == samples ? motion.t().back() : motion.t().back() * k / samples);
   }
   const auto N = static_cast<Eigen::Index>(times.size());
-  Rows rows{Eigen::VectorXd(N),
-            Eigen::VectorXd(N),
-            Eigen::MatrixXd(N, model.nq()),
-            Eigen::MatrixXd(N, model.nv()),
-            Eigen::MatrixXd(N, model.nv()),
-            Eigen::MatrixXd(N, model.nv())};
+  const Eigen::Index nq = model.nq(), nv = model.nv();
+  Rows rows{.t = Eigen::VectorXd(N),
+            .energy = Eigen::VectorXd(N),
+            .kinetic_energy = Eigen::VectorXd(N),
+            .q = Eigen::MatrixXd(N, nq),
+            .v = Eigen::MatrixXd(N, nv),
+            .a = Eigen::MatrixXd(N, nv),
+            .tau = Eigen::MatrixXd(N, nv)};
   std::vector<double> q(static_cast<std::size_t>(model.nq())), v(static_cast<std::size_t>(model.nv())), a(v),
       tau(v);
   Workspace<> workspace(model);
@@ -181,8 +185,8 @@ Rows rows_of(const Trajectory& motion, const Drive& drive, int samples) {
     for (const auto& [matrix, row] :
          {std::pair{&rows.q, &q}, {&rows.v, &v}, {&rows.a, &a}, {&rows.tau, &tau}})
       matrix->row(k) = as_eigen(std::span<const double>(*row)).transpose();
-    rows.energy[k] = kinetic_energy(model, workspace, std::span<const double>(q), v) +
-                     potential_energy(model, workspace, std::span<const double>(q)) +
+    rows.kinetic_energy[k] = kinetic_energy(model, workspace, std::span<const double>(q), v);
+    rows.energy[k] = rows.kinetic_energy[k] + potential_energy(model, workspace, std::span<const double>(q)) +
                      elastic_energy(model, workspace, std::span<const double>(q));
   }
   return rows;
@@ -238,6 +242,46 @@ std::string npz_of(const Rows& rows) {
                  {"energy", rows.energy, true}});
 }
 
+/// A symbol with the units of the numbers that joints have: of angles, of lengths.
+std::string with_units(const Model& model, const std::string& symbol, const char* of_angles,
+                       const char* of_lengths) {
+  bool angles = false, lengths = false, quaternions = false;
+  for (const Joint& joint : model.joints()) {
+    if (joint.leader) continue;
+    const bool slides = joint.kind == Subgroup::prismatic, floats = joint.kind == Subgroup::free;
+    angles |= !slides;
+    lengths |= slides || floats || joint.kind == Subgroup::planar;
+    quaternions |= floats || joint.kind == Subgroup::spherical;
+  }
+  std::string text = symbol;
+  if (angles) text += fmt::format(", {}", of_angles);
+  if (lengths) text += fmt::format(", {}", of_lengths);
+  return text + (symbol == "q" && quaternions ? ", quaternions" : "");
+}
+
+Chart chart_of(const Model& model, const Rows& rows) {
+  Chart chart{.title = model.name()};
+  const auto list = [](const auto& numbers) { return std::vector<double>(numbers.begin(), numbers.end()); };
+  const std::vector<double> t = list(rows.t);
+  const auto add = [&](const std::string& axis, const std::vector<std::string>& names,
+                       const Eigen::MatrixXd& columns) {
+    Panel panel{.y_axis = axis};
+    for (std::size_t k = 0; k < names.size(); ++k)
+      panel.curves.push_back(
+          {.name = names[k], .x = t, .y = list(columns.col(static_cast<Eigen::Index>(k)))});
+    chart.panels.push_back(panel);
+  };
+  const std::vector<std::string> velocities = velocity_names(model);
+  add(with_units(model, "q", "rad", "m"), coordinate_names(model), rows.q);
+  add(with_units(model, "v", "rad/s", "m/s"), velocities, rows.v);
+  if (!rows.tau.isZero(0)) add(with_units(model, "tau", "N m", "N"), velocities, rows.tau);
+  Eigen::MatrixXd energies(rows.t.size(), 3);
+  energies << rows.kinetic_energy, rows.energy - rows.kinetic_energy, rows.energy;
+  add("energy, J", {"kinetic", "potential", "total"}, energies);
+  chart.panels.back().x_axis = "t, s";
+  return chart;
+}
+
 void print(const Trajectory& motion, const Rows& rows) {
   const std::size_t last = motion.size() - 1;
   const auto numbers = [](std::span<const double> x) { return std::vector<double>(x.begin(), x.end()); };
@@ -254,6 +298,7 @@ void run(const Options& options, int& exit_code) {
     throw UsageError(fmt::format("--samples is {}; it must not be negative", options.samples));
   std::vector<FileFormat> kinds;
   for (const std::string& file : options.outputs) kinds.push_back(file_format(file));
+  const std::optional<ChartFile> plot = chart_file(options.plot);
   const Model model = load(options.mechanism);
   State state = options.state.empty() ? neutral_state(model) : read_state(model, options.state);
   if (options.assemble) {
@@ -270,6 +315,7 @@ void run(const Options& options, int& exit_code) {
       case FileFormat::csv: write_text(options.outputs[k], csv_of(model, rows)); break;
       case FileFormat::npz: write_text(options.outputs[k], npz_of(rows)); break;
     }
+  if (plot) plot->draw(chart_of(model, rows));
   if (format == Format::json) {
     fmt::print("{}", text(as_json(motion, rows, options)));
   } else {
@@ -289,14 +335,10 @@ void add_simulate(CLI::App& app, int& exit_code) {
       ->add_option("--state", options->state, "JSON, - for standard input; neutral and at rest if left out")
       ->type_name("FILE");
   simulate->add_option("--until", options->until, "The end, s; 1 if left out")->type_name("NUMBER");
-  simulate
-      ->add_option("--method", options->method,
-                   "dopri5 (if left out), rk4, euler, generalized_alpha, midpoint, ...")
-      ->type_name("WORD");
-  simulate
-      ->add_option("--coordinates", options->coordinates,
-                   "relative (if left out), absolute or absolute_SO3xR3")
-      ->type_name("KIND");
+  simulate->add_option("--method", options->method, "How to integrate; dopri5 if left out")
+      ->type_name("METHOD");
+  simulate->add_option("--coordinates", options->coordinates, "In which coordinates; relative if left out")
+      ->type_name(words(coordinate_kinds));
   simulate->add_option("--step", options->step, "Length of a step, s; of the first one with dopri5")
       ->type_name("NUMBER");
   simulate->add_option("--rtol", options->relative, "Relative tolerance; 1e-8 if left out")
@@ -322,7 +364,9 @@ void add_simulate(CLI::App& app, int& exit_code) {
   simulate->add_option("--output", options->outputs, "Write a .json, .csv or .npz; may be given again")
       ->type_name("FILE")
       ->allow_extra_args(false);
-  simulate->add_option("--format", options->format, "table (if left out) or json")->type_name("WORD");
+  add_plot_option(*simulate, options->plot);
+  simulate->add_option("--format", options->format, "How to print; table if left out")
+      ->type_name(words(formats));
   simulate->footer(footer);
   simulate->callback([options, &exit_code] { run(*options, exit_code); });
 }

@@ -36,4 +36,14 @@ State random_state(const Model& model);
 /// everything that is wrong.
 State read_state(const Model& model, const std::string& file);
 
+/// States one after the other.
+struct Sweep {
+  std::vector<State> states;
+  std::vector<double> t;  ///< the times of the states, or their numbers from 0
+  bool timed = false;     ///< whether they have times
+};
+/// The states in a CSV file, a row for each, as `axode simulate --output run.csv` writes them: the columns t, q NAME, v NAME,
+/// a NAME and tau NAME, of which any may be left out and a column energy is passed over. Throws InputError.
+Sweep read_sweep(const Model& model, const std::string& file);
+
 }  // namespace axode::command

@@ -7,6 +7,7 @@
 
 #include "axode/dynamics/mass_matrix.hpp"
 #include "call_timer.hpp"
+#include "chart.hpp"
 #include "choice.hpp"
 #include "commands.hpp"
 #include "json_text.hpp"
@@ -20,11 +21,11 @@ namespace {
 
 struct Options {
   ModelOptions mechanisms;
-  std::string csv, format = "table";
+  std::string csv, plot, format = "table";
 };
 
 constexpr const char* footer = R"(Example:
-  axode study double_pendulum.toml --csv study.csv
+  axode study double_pendulum.toml --csv study.csv --plot study.svg
 
 Every algorithm in every representation and four choices of body frames:
   joint         the library's own: the axis of the joint is the z-axis of the body, at its origin
@@ -39,7 +40,8 @@ and the fast path, which is in no representation. For each:
   ns                             time of one call in one thread, median, nanoseconds
 
 What is computed does not depend on the frames; docs/comparative-study.md says more. The CSV has a line for
-each row of the tables.)";
+each row of the tables. The plot has times as bars, and the sums of the operations as marks, to the scale at which that of
+body-fixed twists in joint frames meets its bar.)";
 
 /// A count of an effort: its heading in a table, its name in a file.
 struct Column {
@@ -62,6 +64,8 @@ constexpr std::array<Column, 12> columns{
      {"ad", "brackets", count_of<ScrewOperation::bracket>}}};
 
 constexpr std::string_view fast = "fast";
+constexpr std::array<std::string_view, 5> ways_to_compute{"body", "spatial", "hybrid", "mixed", fast};
+constexpr std::array<std::string_view, 4> frame_choices{"joint", "user", "com", "construction"};
 
 /// One way to compute.
 struct Way {
@@ -198,8 +202,52 @@ Json as_json(const std::vector<Study>& studies) {
   return out;
 }
 
+/// Where the bar of an effort stands: five for the joint frames, four for each of the others, with gaps between.
+double place_of(const Effort& effort) {
+  const auto number = [](const auto& names, std::string_view name) {
+    return static_cast<int>(std::ranges::find(names, name) - names.begin());
+  };
+  const int frames = number(frame_choices, effort.frames);
+  return number(ways_to_compute, effort.representation) + (frames == 0 ? 0 : 5.8 + 4.8 * (frames - 1));
+}
+
+Panel panel_of(const Study& study, Algorithm algorithm) {
+  Panel panel{.title = study.model + ": " + std::string(word_for(algorithm, algorithms)), .y_axis = "µs"};
+  for (std::size_t k = 0; k < ways_to_compute.size(); ++k)
+    panel.curves.push_back(
+        {.name = std::string(ways_to_compute[k]), .kind = Curve::bars, .color = static_cast<int>(k)});
+  Curve operations{.name = "operations", .kind = Curve::marks};
+  double scale = 0;
+  for (const Effort& effort : study.efforts) {
+    if (effort.algorithm != algorithm) continue;
+    const Operations& all = effort.operations;
+    const double sum = static_cast<double>(all.products + all.sums + all.divisions + all.roots + all.angles);
+    const double microseconds = 1e6 * effort.seconds, x = place_of(effort);
+    if (scale == 0) scale = microseconds / sum;
+    Curve& bars = panel.curves[static_cast<std::size_t>(
+        std::ranges::find(ways_to_compute, effort.representation) - ways_to_compute.begin())];
+    bars.x.push_back(x), bars.y.push_back(microseconds);
+    operations.x.push_back(x), operations.y.push_back(scale * sum);
+  }
+  if (scale == 0) return {};
+  panel.curves.push_back(operations);
+  panel.x_ticks = {{2, "joint"}, {7.3, "user"}, {12.1, "com"}, {16.9, "constr."}};
+  panel.x_range = {-0.8, 18.8};
+  return panel;
+}
+
+/// A column for each model, a row for each algorithm.
+Chart chart_of(const std::vector<Study>& studies) {
+  Chart chart{
+      .columns = static_cast<int>(studies.size()), .width = 240, .height = 130, .legend = Chart::below_all};
+  for (const auto& [name, algorithm] : algorithms)
+    for (const Study& study : studies) chart.panels.push_back(panel_of(study, algorithm));
+  return chart;
+}
+
 void run(const Options& options) {
   const Format format = choose("--format", options.format, formats);
+  const std::optional<ChartFile> plot = chart_file(options.plot);
   const std::vector<Model> models = load_all(options.mechanisms);
   for (std::size_t k = 0; k < models.size(); ++k)
     if (models[k].nv() == 0)
@@ -208,6 +256,7 @@ void run(const Options& options) {
   studies.reserve(models.size());
   for (const Model& model : models) studies.push_back(studied(model));
   if (!options.csv.empty()) write_text(options.csv, as_csv(studies));
+  if (plot) plot->draw(chart_of(studies));
   if (format == Format::json) {
     fmt::print("{}", text(as_json(studies)));
     return;
@@ -225,7 +274,9 @@ void add_study(CLI::App& app, int& exit_code) {
   CLI::App* study = app.add_subcommand("study", "Compare representations and frames: operations and times");
   add_model_options(*study, options->mechanisms, Files::several);
   study->add_option("--csv", options->csv, "Write the numbers to this file")->type_name("FILE");
-  study->add_option("--format", options->format, "table (if left out) or json")->type_name("WORD");
+  add_plot_option(*study, options->plot);
+  study->add_option("--format", options->format, "How to print; table if left out")
+      ->type_name(words(formats));
   study->footer(footer);
   study->callback([options, &exit_code] {
     run(*options);

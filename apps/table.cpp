@@ -97,6 +97,24 @@ Table& Table::rule() {
   return *this;
 }
 
+std::vector<std::pair<std::string, double>> Table::numbers() const {
+  std::vector<std::pair<std::string, double>> all;
+  std::vector<std::string> words(headings_.size());
+  for (const std::vector<Cell>& row : rows_) {
+    std::string name;
+    for (std::size_t k = 0; k < row.size(); ++k) {
+      if (const double* x = std::get_if<double>(&row[k])) {
+        all.emplace_back(name + headings_[k], *x);
+        continue;
+      }
+      const std::string& word = std::get<std::string>(row[k]);
+      if (!word.empty()) words[k] = word;
+      if (!words[k].empty()) name += words[k] + " ";
+    }
+  }
+  return all;
+}
+
 std::string Table::text() const {
   if (rows_.empty()) return "  none\n";
   std::string head, line;

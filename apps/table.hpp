@@ -1,5 +1,6 @@
 #pragma once
 #include <string>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -18,6 +19,9 @@ class Table {
   /// A line between the rows so far and those that follow.
   Table& rule();
   bool empty() const { return rows_.empty(); }
+
+  /// Each number under a name, the words before it in its row and its heading; a blank word is that of the row above.
+  std::vector<std::pair<std::string, double>> numbers() const;
 
   /// Lines that end in a newline, headings first and underlined.
   std::string text() const;

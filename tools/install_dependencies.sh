@@ -8,6 +8,7 @@ packages="
   cmake ninja-build make pkg-config ccache
   libeigen3-dev libtbb-dev libtinyxml2-dev libcli11-dev libfmt-dev nlohmann-json3-dev libzip-dev
   libgtest-dev libgmock-dev libbenchmark-dev libsdformat-dev
+  gnuplot-nox mandoc zsh fish
   python3 python3-dev python3-venv doxygen"
 
 if ! command -v dpkg-query >/dev/null; then

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "axode/batch/check_states.hpp"
+#include "axode/batch/instruction_set.hpp"
 #include "axode/batch/kernels.hpp"
 #include "axode/batch/portions.hpp"
 #include "axode/derivatives.hpp"
@@ -18,20 +19,6 @@
 
 namespace axode::batch {
 namespace {
-
-enum class InstructionSet { sse2, avx2, avx512 };
-
-InstructionSet best_instruction_set() {
-  if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&
-      __builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512bw"))
-    return InstructionSet::avx512;
-  if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")) return InstructionSet::avx2;
-  return InstructionSet::sse2;
-}
-InstructionSet chosen_instruction_set() {
-  static const InstructionSet chosen = best_instruction_set();
-  return chosen;
-}
 
 /// Scratch memory from a cache line on.
 class Memory {
@@ -213,7 +200,7 @@ template <class S> std::span<S> third(std::span<S> all, std::size_t k) {
 }  // namespace
 
 template <class S> const Kernels<S>& best_kernels() {
-  switch (chosen_instruction_set()) {
+  switch (best_instruction_set()) {
     case InstructionSet::avx512: return kernels<batch::avx512, S>();
     case InstructionSet::avx2: return kernels<batch::avx2, S>();
     case InstructionSet::sse2: break;
@@ -375,15 +362,6 @@ std::size_t joint_screws(const Model& model, std::span<const S> q,
   if (N == 0) return 0;
   return run_lanes<S>(model, threads, monitor, best_kernels<S>().joint_screws, out,
                       Argument<const S>{"q", "nq N", q, size(model.nq())});
-}
-
-const char* instruction_set() {
-  switch (chosen_instruction_set()) {
-    case InstructionSet::avx512: return "AVX-512";
-    case InstructionSet::avx2: return "AVX2";
-    case InstructionSet::sse2: break;
-  }
-  return "SSE2";
 }
 
 template std::size_t inverse_dynamics(const Model&, std::span<const double>, Numbers<double>, Numbers<double>,

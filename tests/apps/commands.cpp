@@ -6,7 +6,9 @@
 #include <cmath>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <set>
 
+#include "axode/batch.hpp"
 #include "axode/io.hpp"
 #include "axode/model/configuration.hpp"
 #include "tests/apps/run_command.hpp"
@@ -30,17 +32,58 @@ TEST(Program, HelpListsTheCommandsAndTheExitCodes) {
     EXPECT_THAT(outcome.out, HasSubstr(said));
 }
 
-TEST(Program, VersionIsOneLine) {
+TEST(Program, VersionIsALineAndHowItWasBuiltTheNextOnes) {
   const Outcome outcome = axode({"--version"});
   EXPECT_EQ(outcome.code, 0);
-  EXPECT_THAT(outcome.out, testing::MatchesRegex("axode [0-9]+\\.[0-9]+\\.[0-9]+\n"));
+  const std::string n = "[0-9]+\\.[0-9]+\\.[0-9]+";
+  EXPECT_THAT(outcome.out, testing::MatchesRegex(
+                               "axode " + n +
+                               "\nrevision +([0-9a-f]+|unknown)\ncompiler +[A-Za-z]+ [0-9.]+, [A-Za-z]*\n"
+                               "instructions +batches run on [A-Z0-9-]+ here, of SSE2, AVX2 and AVX-512\n"
+                               "libraries +Eigen " +
+                               n + ", tinyxml2 " + n + ", CLI11 " + n + ", fmt " + n +
+                               ", JSON for Modern C\\+\\+ " + n + ", libzip " + n + "\n"));
+  EXPECT_THAT(outcome.out, HasSubstr(std::string("run on ") + batch::instruction_set() + " here"));
 }
 
 TEST(Program, ColoursAreForTerminalsWithoutNoColor) {
-  const std::vector<std::string> arguments{"info", robot("arm7.toml")};
-  EXPECT_THAT(axode(arguments).out, Not(HasSubstr("\033")));
-  EXPECT_THAT(axode_on_a_terminal(arguments, ""), HasSubstr("\033["));
-  EXPECT_THAT(axode_on_a_terminal(arguments, "1"), Not(HasSubstr("\033")));
+  const std::vector<std::string> right{"info", robot("arm7.toml")}, wrong{"info", "no.toml"};
+  EXPECT_THAT(axode(right).out, Not(HasSubstr("\033")));
+  EXPECT_THAT(axode(wrong).err, Not(HasSubstr("\033")));
+  for (const std::vector<std::string>& arguments : {right, wrong, {}}) {
+    EXPECT_THAT(axode_on_a_terminal(arguments, ""), HasSubstr("\033["));
+    EXPECT_THAT(axode_on_a_terminal(arguments, "1"), Not(HasSubstr("\033")));
+    EXPECT_THAT(axode_on_a_terminal(arguments, "", "dumb"), Not(HasSubstr("\033")));
+  }
+  const Outcome piped = run({"sh", "-c", "\"$0\" info \"$1\" | cat", AXODE_COMMAND, robot("arm7.toml")});
+  EXPECT_THAT(piped.out, Not(HasSubstr("\033")));
+}
+
+TEST(Program, AloneShowsWhatOneCanDoInExamplesThatRun) {
+  const Outcome outcome = axode({});
+  EXPECT_EQ(outcome.code, 0);
+  EXPECT_EQ(outcome.err, "");
+  const TemporaryFolder folder;
+  for (const auto& robot : std::filesystem::directory_iterator(AXODE_SOURCE_DIR "/examples/robots"))
+    std::filesystem::copy(robot.path(), folder.path());
+  std::filesystem::remove(folder.path() / "humanoid.toml");
+  std::istringstream lines(outcome.out);
+  std::set<std::string> commands;
+  for (std::string line; std::getline(lines, line);) {
+    if (!line.starts_with("  axode ")) continue;
+    const std::string example = line.substr(2, line.find("  ", 2) - 2),
+                      command = example.substr(6, example.find(' ', 6) - 6);
+    EXPECT_TRUE(commands.insert(command).second) << line;
+    if (command == "demo" || command == "study" || command == "manual")
+      continue;  // long, or need another program
+    const Outcome ran =
+        run({"sh", "-c", "cd \"$0\" && axode() { \"" AXODE_COMMAND "\" \"$@\"; } && " + example,
+             folder.path().string()});
+    EXPECT_EQ(ran.code, 0) << example << ran.err;
+  }
+  EXPECT_THAT(commands,
+              testing::UnorderedElementsAre("info", "check", "convert", "eval", "simulate", "linearize",
+                                            "codegen", "study", "demo", "manual", "completion"));
 }
 
 /// The lines below `Example:` up to the next empty one.
@@ -72,8 +115,8 @@ TEST_P(Help, ShowsAnExampleThatRuns) {
   EXPECT_NE(outcome.out, "");
 }
 INSTANTIATE_TEST_SUITE_P(Commands, Help,
-                         testing::Values("info", "check", "convert", "eval", "linearize", "view", "codegen",
-                                         "study", "demo"),
+                         testing::Values("info", "check", "convert", "eval", "linearize", "simulate", "view",
+                                         "codegen", "study", "demo", "completion", "manual"),
                          [](const auto& p) { return std::string(p.param); });
 
 // ---------------------------------------------------------------------------------------------------- info

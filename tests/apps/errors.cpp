@@ -36,21 +36,13 @@ const std::string arm = robot("arm7.toml");
 INSTANTIATE_TEST_SUITE_P(
     Mistakes, CommandLine,
     testing::ValuesIn(std::vector<Mistake>{
-        {"NoCommand",
-         {},
-         2,
-         "axode: a command is missing; there are info, check, convert, eval, linearize, simulate, view, "
-         "codegen, "
-         "study, demo "
-         "(see axode "
-         "--help)"},
         {"UnknownCommand",
          {"evla", arm},
          2,
          "axode: there is no command \"evla\"; there are info, check, convert, eval, linearize, simulate, "
          "view, "
          "codegen, "
-         "study, demo; "
+         "study, demo, completion, manual; "
          "did you "
          "mean "
          "\"eval\"? "

@@ -73,13 +73,14 @@ inline Outcome axode(std::vector<std::string> arguments, const std::string& inpu
 }
 
 /// What the command shows on a terminal of its own.
-inline std::string axode_on_a_terminal(std::vector<std::string> arguments, const std::string& no_color) {
+inline std::string axode_on_a_terminal(std::vector<std::string> arguments, const std::string& no_color,
+                                       const char* term = "xterm") {
   arguments.insert(arguments.begin(), AXODE_COMMAND);
   int terminal = -1;
   const pid_t child = forkpty(&terminal, nullptr, nullptr, nullptr);
   if (child < 0) throw std::runtime_error("no terminal");
   if (child == 0) {
-    setenv("TERM", "xterm", 1);
+    setenv("TERM", term, 1);
     setenv("NO_COLOR", no_color.c_str(), 1);
     detail::become(arguments);
   }

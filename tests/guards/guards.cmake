@@ -46,6 +46,12 @@ if(AXODE_INSTALL AND NOT AXODE_SANITIZE)
            COMMAND ${CMAKE_COMMAND} -E env PKG_CONFIG_PATH=${libraries}/pkgconfig LD_LIBRARY_PATH=${libraries}
                    make -C ${guards}/consumer CXX=${CMAKE_CXX_COMPILER} OUT=${scratch}/pkg_config run)
   set_tests_properties(Package.Install PROPERTIES LABELS package FIXTURES_SETUP installed_tree)
+  if(TARGET axode_command)  # with what shells and `man` know about it
+    set(share ${prefix}/${CMAKE_INSTALL_DATADIR})
+    add_test(NAME Package.Completion
+             COMMAND sh -c "grep -q _axode '${share}/bash-completion/completions/axode' && grep -q compdef '${share}/zsh/site-functions/_axode' && grep -q complete '${share}/fish/vendor_completions.d/axode.fish' && grep -q AXODE '${prefix}/${CMAKE_INSTALL_MANDIR}/man1/axode.1'")
+    set_tests_properties(Package.Completion PROPERTIES LABELS package FIXTURES_REQUIRED installed_tree)
+  endif()
   set_tests_properties(Package.FindPackage Package.PkgConfig
                        PROPERTIES LABELS package FIXTURES_REQUIRED installed_tree TIMEOUT 300)
 endif()

@@ -1,0 +1,352 @@
+#include "chart.hpp"
+
+#include <fmt/format.h>
+#include <spawn.h>
+#include <sys/wait.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <optional>
+
+#include "choice.hpp"
+#include "commands.hpp"
+#include "json_text.hpp"
+#include "table.hpp"
+#include "text_file.hpp"
+
+extern char** environ;
+
+namespace axode::command {
+namespace {
+
+/// Colours that are told apart with any kind of eyes; the second half is dashed besides.
+constexpr std::array<std::string_view, 8> palette{"#4477aa", "#ee7733", "#228833", "#aa3377",
+                                                  "#999933", "#33bbee", "#000000", "#cc3311"};
+constexpr std::size_t most_lines = palette.size(), most_points = 2000, longest_name = 28;
+
+// ---------------------------------------------------------------------------------------------------- gnuplot
+
+struct Outcome {
+  int status;
+  std::string out, err;
+};
+
+class TemporaryFile {
+ public:
+  TemporaryFile() : file_(std::tmpfile(), std::fclose) {
+    if (!file_) throw InputError("no temporary file can be made");
+  }
+  int descriptor() const { return fileno(file_.get()); }
+  void write(const std::string& text) {
+    if (std::fwrite(text.data(), 1, text.size(), file_.get()) != text.size() || std::fflush(file_.get()) != 0)
+      throw InputError("a temporary file cannot be written");
+    std::rewind(file_.get());
+  }
+  std::string text() {
+    std::rewind(file_.get());
+    std::string all;
+    std::array<char, 65536> block;
+    for (std::size_t n; (n = std::fread(block.data(), 1, block.size(), file_.get())) > 0;)
+      all.append(block.data(), n);
+    return all;
+  }
+
+ private:
+  std::unique_ptr<std::FILE, int (*)(std::FILE*)> file_;
+};
+
+/// What gnuplot answers to a script, read from its standard input; nothing where there is no gnuplot.
+std::optional<Outcome> gnuplot(const std::string& script) {
+  TemporaryFile in, out, err;
+  in.write(script);
+  posix_spawn_file_actions_t files;
+  posix_spawn_file_actions_init(&files);
+  posix_spawn_file_actions_adddup2(&files, in.descriptor(), 0);
+  posix_spawn_file_actions_adddup2(&files, out.descriptor(), 1);
+  posix_spawn_file_actions_adddup2(&files, err.descriptor(), 2);
+  std::array<std::string, 3> words{"gnuplot", "--default-settings", "-"};
+  std::array<char*, 4> argv{words[0].data(), words[1].data(), words[2].data(), nullptr};
+  pid_t child = 0;
+  const int failure = posix_spawnp(&child, argv[0], &files, nullptr, argv.data(), environ);
+  posix_spawn_file_actions_destroy(&files);
+  int status = 0;
+  if (failure != 0 || waitpid(child, &status, 0) != child) return std::nullopt;
+  return Outcome{status, out.text(), err.text()};
+}
+
+// ----------------------------------------------------------------------------------------------------- script
+
+/// A string of gnuplot that holds the text and nothing else, whatever is in it: but for letters, digits and blanks all is
+/// written as numbers of bytes. Control characters become blanks, what is no UTF-8 a question mark.
+std::string literal(const std::string& text) {
+  const std::string valid =
+      Json::parse(Json(text).dump(-1, ' ', false, Json::error_handler_t::replace)).get<std::string>();
+  std::string out = "\"";
+  for (const char c : valid) {
+    const auto byte = static_cast<unsigned char>(c);
+    if (byte < 0x20 || byte == 0x7f) {
+      out += ' ';
+    } else if (c == ' ' || (byte < 0x80 && std::isalnum(byte) != 0)) {
+      out += c;
+    } else {
+      out += fmt::format("\\{:03o}", byte);
+    }
+  }
+  return out + '"';
+}
+
+/// The text, cut short where it is longer.
+std::string shortened(std::string text, std::size_t longest) {
+  if (width(text) <= longest) return text;
+  while (width(text) > longest - 3) text.pop_back();
+  return text + "...";
+}
+std::string in_legend(const Curve& curve) { return shortened(curve.name, longest_name); }
+
+double range(const Curve& curve) {
+  const auto [low, high] = std::ranges::minmax(curve.y);
+  return high / 2 - low / 2;  // which does not overflow
+}
+
+/// The curves that are drawn: where lines are too many, those that change most, in their order.
+std::vector<const Curve*> chosen(const Panel& panel) {
+  std::vector<const Curve*> curves;
+  for (const Curve& curve : panel.curves)
+    if (!curve.y.empty()) curves.push_back(&curve);
+  if (curves.size() <= most_lines || curves.front()->kind != Curve::line) return curves;
+  std::vector<const Curve*> order = curves;
+  std::ranges::stable_sort(order, std::ranges::greater(), [](const Curve* curve) { return range(*curve); });
+  order.resize(most_lines);
+  std::erase_if(curves, [&](const Curve* curve) { return std::ranges::find(order, curve) == order.end(); });
+  return curves;
+}
+
+/// The places of the points that are drawn: where they are too many, the lowest and the highest of each of equal parts.
+std::vector<std::size_t> thinned(const std::vector<double>& y) {
+  std::vector<std::size_t> places;
+  const std::size_t parts = y.size() <= most_points ? y.size() : most_points / 2;
+  for (std::size_t part = 0; part < parts; ++part) {
+    const std::size_t first = part * y.size() / parts, end = (part + 1) * y.size() / parts;
+    const auto begin = y.begin() + static_cast<std::ptrdiff_t>(first);
+    const auto [low, high] = std::minmax_element(begin, y.begin() + static_cast<std::ptrdiff_t>(end));
+    const auto a = static_cast<std::size_t>(low - y.begin()), b = static_cast<std::size_t>(high - y.begin());
+    places.push_back(std::min(a, b));
+    if (a != b) places.push_back(std::max(a, b));
+  }
+  return places;
+}
+
+/// A step of 1, 2 or 5 times a power of ten, with which at most so many make the whole; 0 where there is none.
+double round_step(double whole, double most) {
+  if (!(whole > 0) || !std::isfinite(whole)) return 0;
+  const double power = std::pow(10, std::floor(std::log10(whole / most)));
+  for (const double digit : {1.0, 2.0, 5.0})
+    if (digit * power * most >= whole) return digit * power;
+  return 10 * power;
+}
+
+/// A chart as a script of gnuplot, whose answer is the picture.
+class Script {
+ public:
+  explicit Script(const Chart& chart) : chart_(chart) {
+    for (const Panel& panel : chart.panels) {
+      panels_.push_back(chosen(panel));
+      if (chart.legend == Chart::below_all) continue;
+      legend_ = std::max(legend_, width(note(panel)));
+      for (const Curve* curve : panels_.back()) legend_ = std::max(legend_, width(in_legend(*curve)) + 4);
+    }
+    const int rows = (static_cast<int>(chart.panels.size()) + chart.columns - 1) / chart.columns;
+    right_ = legend_ == 0 ? 20 : 40 + 8 * static_cast<int>(legend_);
+    size_ = {chart.columns * (left + chart.width + right_), top + rows * (chart.height + gap) + bottom()};
+  }
+
+  bool empty() const {
+    return std::ranges::all_of(panels_, [](const auto& curves) { return curves.empty(); });
+  }
+
+  std::string text(std::string_view terminal, int scale) {
+    text_ = fmt::format(
+        "set encoding utf8\nset terminal {} noenhanced size {},{} {}\n", terminal, scale * size_[0],
+        scale * size_[1],
+        scale == 1 ? "font \"sans-serif,12\""
+                   : fmt::format("font \"sans,12\" fontscale {0} linewidth {0} pointscale {0}", scale));
+    text_ +=
+        "set border 3 linecolor rgb \"#777777\"\nset tics nomirror textcolor rgb \"#222222\"\n"
+        "set grid linetype 1 linecolor rgb \"#e4e4e4\"\nset style fill solid 1 noborder\nset boxwidth 0.85 "
+        "absolute\n";
+    text_ += fmt::format("set multiplot\nset label 1 {} at screen {},{} left font \",15\"\n",
+                         literal(shortened(chart_.title, static_cast<std::size_t>(size_[0] - left) / 11)),
+                         1.0 * left / size_[0], 1 - 20.0 / size_[1]);
+    for (std::size_t k = 0; k < panels_.size(); ++k)
+      if (!panels_[k].empty()) panel(k);
+    if (chart_.legend == Chart::below_all) text_ += legend_below();
+    return text_ + "unset multiplot\n";
+  }
+
+ private:
+  static constexpr int left = 84, top = 44, gap = 62;
+  int bottom() const { return chart_.legend == Chart::below_all ? 48 : 0; }
+
+  void panel(std::size_t place) {
+    const Panel& panel = chart_.panels[place];
+    const int row = static_cast<int>(place) / chart_.columns,
+              column = static_cast<int>(place) % chart_.columns;
+    const double x0 = column * (left + chart_.width + right_) + left;
+    const double y1 = size_[1] - top - row * (chart_.height + gap) - (panel.title.empty() ? 0 : 16);
+    const double y0 = size_[1] - top - row * (chart_.height + gap) - chart_.height;
+    text_ += fmt::format(
+        "set lmargin at screen {}\nset rmargin at screen {}\nset bmargin at screen {}\nset tmargin at screen "
+        "{}\n",
+        x0 / size_[0], (x0 + chart_.width) / size_[0], y0 / size_[1], y1 / size_[1]);
+    text_ += fmt::format("set title {} offset 0,-0.5\nset xlabel {}\nset ylabel {}\n", literal(panel.title),
+                         literal(panel.x_axis), literal(panel.y_axis));
+    text_ += panel.axes_through_zero
+                 ? "set xzeroaxis lt 1 lc rgb \"#777777\"\nset yzeroaxis lt 1 lc rgb \"#777777\"\n"
+                 : "unset xzeroaxis\nunset yzeroaxis\n";
+    text_ += ranges(panels_[place].front()->kind);
+    if (panel.x_range)
+      text_ += fmt::format("set xrange [{}:{}]\n", panel.x_range->first, panel.x_range->second);
+    text_ += fmt::format("set ytics {}\nset xtics autofreq\n", y_step(panels_[place]));
+    if (!panel.x_ticks.empty()) {
+      std::string ticks;
+      for (const auto& [x, name] : panel.x_ticks)
+        ticks += fmt::format("{}{} {}", ticks.empty() ? "" : ", ", literal(name), x);
+      text_ += "set xtics (" + ticks + ") scale 0\n";
+    }
+    legend(place, x0 + chart_.width + 16, y1);
+    const std::vector<const Curve*>& curves = panels_[place];
+    std::string plots;
+    for (std::size_t k = 0; k < curves.size(); ++k) {
+      data(*curves[k], k);
+      plots += (k == 0 ? "plot " : ", ") + plotted(*curves[k], k);
+    }
+    text_ += plots + "\nunset label 1\n";
+  }
+
+  /// The distance of numbers beside the panel, which have some room each.
+  std::string y_step(const std::vector<const Curve*>& curves) const {
+    double low = curves.front()->kind == Curve::bars ? 0 : curves.front()->y.front(), high = low;
+    for (const Curve* curve : curves)
+      for (const double y : curve->y) low = std::min(low, y), high = std::max(high, y);
+    const double step = round_step(high - low, chart_.height / 30.0);
+    return step > 0 ? fmt::format("{:.9g}", step) : "autofreq";
+  }
+
+  static const char* ranges(Curve::Kind kind) {
+    switch (kind) {
+      case Curve::line: return "set autoscale xfix\nset offsets 0, 0, 0, 0\nset yrange [*:*]\n";
+      case Curve::points:
+        return "set autoscale x\nset offsets graph 0.05, graph 0.05, graph 0.05, graph 0.05\nset yrange "
+               "[*:*]\n";
+      case Curve::bars:
+      case Curve::marks: break;
+    }
+    return "set autoscale xfix\nset offsets 0.5, 0.5, 0, 0\nset yrange [0:*]\n";
+  }
+
+  /// What the legend says of lines that are not drawn.
+  std::string note(const Panel& panel) const {
+    const auto all = std::ranges::count_if(panel.curves, [](const Curve& curve) { return !curve.y.empty(); });
+    const std::size_t drawn = panels_[static_cast<std::size_t>(&panel - chart_.panels.data())].size();
+    return drawn < static_cast<std::size_t>(all) ? fmt::format("the {} of {} that change most", drawn, all)
+                                                 : "";
+  }
+
+  void legend(std::size_t place, double x, double y) {
+    if (chart_.legend == Chart::below_all) return void(text_ += "unset key\n");
+    text_ += fmt::format(
+        "set key at screen {},{} left top vertical maxrows 20 Left reverse noautotitle samplen 2 title {} "
+        "left\n",
+        x / size_[0], y / size_[1], literal(note(chart_.panels[place])));
+  }
+
+  /// The legend of the first panel, as wide as the chart: that of a plot without anything else.
+  std::string legend_below() const {
+    std::string text = fmt::format(
+        "set lmargin at screen 0\nset rmargin at screen 1\nset bmargin at screen 0\nset tmargin at screen "
+        "{}\n"
+        "unset border\nunset tics\nunset grid\nset title \"\"\nset xlabel \"\"\nset ylabel \"\"\nset xrange "
+        "[0:1]\n"
+        "set yrange [0:1]\nset key inside center center horizontal Left reverse noautotitle\n",
+        1.0 * bottom() / size_[1]);
+    for (std::size_t k = 0; k < panels_[0].size(); ++k) {
+      const Curve& curve = *panels_[0][k];
+      const std::string line = curve.kind == Curve::marks ? "lines linewidth 1.5" : "boxes";
+      text += fmt::format("{} NaN with {} linecolor rgb \"{}\" title {}", k == 0 ? "plot" : ",", line,
+                          color_of(curve, k), literal(in_legend(curve)));
+    }
+    return text + "\n";
+  }
+
+  static std::string_view color_of(const Curve& curve, std::size_t k) {
+    if (curve.kind == Curve::marks) return "#000000";
+    return palette[curve.color < 0 ? k % palette.size() : static_cast<std::size_t>(curve.color)];
+  }
+
+  void data(const Curve& curve, std::size_t k) {
+    text_ += fmt::format("$d{} << END\n", k);
+    for (const std::size_t i : thinned(curve.y))
+      text_ += fmt::format("{:.9g} {:.9g}\n", curve.x[i], curve.y[i]);
+    text_ += "END\n";
+  }
+
+  static std::string plotted(const Curve& curve, std::size_t k) {
+    std::string style;
+    switch (curve.kind) {
+      case Curve::line:
+        style = fmt::format("with lines linewidth 1.8 dashtype {}", k < palette.size() / 2 ? "1" : "(8,4)");
+        break;
+      case Curve::points: style = "with points pointtype 7 pointsize 1"; break;
+      case Curve::bars: style = "with boxes"; break;
+      case Curve::marks: style = "with vectors nohead linewidth 1.5"; break;
+    }
+    return fmt::format("$d{} using {} {} linecolor rgb \"{}\" {}", k,
+                       curve.kind == Curve::marks ? "($1-0.5):2:(1):(0)" : "1:2", style, color_of(curve, k),
+                       curve.name.empty() ? "notitle" : "title " + literal(in_legend(curve)));
+  }
+
+  const Chart& chart_;
+  std::vector<std::vector<const Curve*>> panels_;
+  std::size_t legend_ = 0;
+  int right_;
+  std::array<int, 2> size_;
+  std::string text_;
+};
+
+}  // namespace
+
+ChartFile::ChartFile(std::string file) : file_(std::move(file)) {
+  static constexpr std::array<std::pair<std::string_view, Format>, 2> endings{
+      {{".svg", Format::svg}, {".png", Format::png}}};
+  format_ =
+      choose("--plot: " + file_ + ": the ending", std::filesystem::path(file_).extension().string(), endings);
+  if (!gnuplot(""))
+    throw InputError("--plot: gnuplot draws it, and is not installed (on Debian: apt install gnuplot-nox)");
+}
+
+void ChartFile::draw(const Chart& chart) const {
+  Script script(chart);
+  if (script.empty()) throw InputError("--plot: there are no numbers to draw");
+  const std::optional<Outcome> drawn =
+      gnuplot(format_ == Format::svg ? script.text("svg background rgb \"white\"", 1)
+                                     : script.text("pngcairo background rgb \"white\"", 2));
+  if (!drawn || drawn->status != 0 || drawn->out.empty())
+    throw InputError("--plot: gnuplot could not draw it" + (drawn ? ": " + drawn->err : ""));
+  write_text(file_, drawn->out);
+}
+
+void add_plot_option(CLI::App& command, std::string& file) {
+  command.add_option("--plot", file, "Draw a .svg or .png")->type_name("FILE");
+}
+
+std::optional<ChartFile> chart_file(const std::string& file) {
+  if (file.empty()) return std::nullopt;
+  return ChartFile(file);
+}
+
+}  // namespace axode::command

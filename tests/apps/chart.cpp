@@ -1,0 +1,235 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <tinyxml2.h>
+
+#include <algorithm>
+#include <functional>
+#include <nlohmann/json.hpp>
+
+#include "tests/apps/run_command.hpp"
+
+/// Pictures of motions, sweeps, poles and costs, and the sweeps of `axode eval`.
+namespace axode::test {
+namespace {
+
+using Json = nlohmann::ordered_json;
+using testing::Contains;
+using testing::Each;
+using testing::HasSubstr;
+using testing::Not;
+using testing::StartsWith;
+
+const std::string two_bars = robot("double_pendulum.toml");
+const std::string lifted = R"({"q": {"pin": 2, "elbow": 0.5}, "v": [0.1, 0.2]})";
+
+/// What stands in an SVG; none where it is not well formed.
+std::vector<std::string> texts_of(const std::string& file) {
+  tinyxml2::XMLDocument document(true, tinyxml2::PRESERVE_WHITESPACE);
+  EXPECT_EQ(document.LoadFile(file.c_str()), tinyxml2::XML_SUCCESS) << file;
+  std::vector<std::string> texts;
+  const std::function<void(const tinyxml2::XMLElement*)> walk = [&](const tinyxml2::XMLElement* element) {
+    for (; element != nullptr; element = element->NextSiblingElement()) {
+      if (std::string_view(element->Name()) == "text") {
+        std::string text;
+        for (const auto* part = element->FirstChildElement(); part != nullptr;
+             part = part->NextSiblingElement())
+          text += part->GetText() == nullptr ? "" : part->GetText();
+        texts.push_back(text.empty() && element->GetText() != nullptr ? element->GetText() : text);
+      }
+      walk(element->FirstChildElement());
+    }
+  };
+  walk(document.RootElement());
+  return texts;
+}
+
+TEST(Plot, OfAMotionHasCoordinatesVelocitiesForcesAndEnergies) {
+  const TemporaryFolder folder;
+  const std::string file = folder.file("run.svg");
+  const Outcome outcome =
+      axode({"simulate", two_bars, "--state", "-", "--plot", file, "--pd", "30,4"}, lifted);
+  EXPECT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_EQ(outcome.err, "");
+  const std::vector<std::string> texts = texts_of(file);
+  for (const char* said : {"double pendulum", "q, rad", "v, rad/s", "tau, N m", "energy, J", "t, s", "pin",
+                           "elbow", "kinetic", "potential", "total"})
+    EXPECT_THAT(texts, Contains(said));
+  ASSERT_EQ(axode({"simulate", two_bars, "--state", "-", "--plot", file}, lifted).code, 0);
+  EXPECT_THAT(texts_of(file), Not(Contains("tau, N m"))) << "there are none";
+}
+
+TEST(Plot, IsThePictureThatItsEndingSays) {
+  const TemporaryFolder folder;
+  const std::string png = folder.file("run.png"), again = folder.file("again.svg"),
+                    svg = folder.file("run.svg");
+  for (const std::string& file : {png, svg, again})
+    ASSERT_EQ(axode({"simulate", two_bars, "--until", "0.1", "--plot", file}).code, 0);
+  const std::string bytes = contents(png);
+  ASSERT_GT(bytes.size(), 24);
+  EXPECT_EQ(bytes.substr(0, 8), "\x89PNG\r\n\x1a\n");
+  const auto number = [&](std::size_t at) {
+    int n = 0;
+    for (std::size_t k = at; k < at + 4; ++k) n = 256 * n + static_cast<unsigned char>(bytes[k]);
+    return n;
+  };
+  tinyxml2::XMLDocument document;
+  ASSERT_EQ(document.LoadFile(svg.c_str()), tinyxml2::XML_SUCCESS);
+  EXPECT_EQ(number(16), 2 * document.RootElement()->IntAttribute("width"));
+  EXPECT_EQ(number(20), 2 * document.RootElement()->IntAttribute("height"));
+  EXPECT_EQ(contents(svg), contents(again));
+}
+
+TEST(Plot, ShowsNamesAsTheyAreWhateverIsInThem) {
+  const TemporaryFolder folder;
+  const std::string trap = folder.file("trap");
+  const std::vector<std::string> names{"'; system('x') #", "a\"; set output \"b", "`touch x`",
+                                       "@a $HOME %d",      "{/Symbol b}_c^d~e",   "back\\slash \\101",
+                                       "<b>&amp;",         "Müller ∂ 回"};
+  std::string drawing = "format = \"axode drawing 1\"\nname = '''`touch " + trap + "`'''\n";
+  for (const std::string& name : names)
+    drawing += "[[body]]\nname = '''b" + name + "'''\njoint = { name = '''" + name +
+               "''', kind = \"revolute\", axis = \"y\", point = [0, 0, 0] }\nmass = 1\ncom = [1, 0, "
+               "0]\ninertia = [1, 1, "
+               "1]\n";
+  const std::string model = folder.write("trap.toml", drawing), file = folder.file("trap.svg");
+  const Outcome outcome = axode({"simulate", model, "--until", "0.1", "--plot", file});
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  const std::vector<std::string> texts = texts_of(file);
+  EXPECT_THAT(texts, Contains("`touch " + trap + "`"));
+  for (const std::string& name : names) EXPECT_THAT(texts, Contains(name));
+  EXPECT_FALSE(std::filesystem::exists(trap));
+}
+
+TEST(Plot, OfManyJointsHasThoseThatMoveMostAndOfLongMotionsWhatCanBeSeen) {
+  const TemporaryFolder folder;
+  const std::string file = folder.file("run.svg");
+  ASSERT_EQ(
+      axode({"simulate", robot("humanoid.urdf"), "--base", "free", "--until", "0.05", "--plot", file}).code,
+      0);
+  EXPECT_THAT(texts_of(file), Contains("the 8 of 37 that change most"));
+  EXPECT_THAT(texts_of(file), Contains("q, rad, m, quaternions"));
+  ASSERT_EQ(
+      axode({"simulate", two_bars, "--state", "-", "--until", "10", "--samples", "200000", "--plot", file},
+            lifted)
+          .code,
+      0);
+  texts_of(file);
+  EXPECT_LT(std::filesystem::file_size(file), 1 << 20);
+}
+
+TEST(Plot, OfALinearSystemHasItsPolesAndFrequencies) {
+  const TemporaryFolder folder;
+  const std::string file = folder.file("poles.svg");
+  ASSERT_EQ(axode({"linearize", two_bars, "--plot", file}).code, 0);
+  for (const char* said : {"double pendulum: marginal", "real part, 1/s", "imaginary part, rad/s", "keeps on",
+                           "mode", "natural frequency, Hz"})
+    EXPECT_THAT(texts_of(file), Contains(said));
+  ASSERT_EQ(
+      axode({"linearize", two_bars, "--state", "-", "--equilibrium", "--plot", file}, R"({"q": {"pin": 3}})")
+          .code,
+      0);
+  EXPECT_THAT(texts_of(file), Contains("double pendulum: unstable"));
+  EXPECT_THAT(texts_of(file), Contains("grows"));
+}
+
+TEST(Plot, OfAStudyHasEveryAlgorithm) {
+  const TemporaryFolder folder;
+  const std::string file = folder.file("study.svg");
+  ASSERT_EQ(axode({"study", two_bars, "--plot", file}).code, 0);
+  for (const char* algorithm : {"inverse_dynamics", "forward_dynamics", "mass_matrix", "inverse_mass_matrix",
+                                "accelerations", "momentum_form"})
+    EXPECT_THAT(texts_of(file), Contains("double pendulum: " + std::string(algorithm)));
+  for (const char* said :
+       {"µs", "body", "spatial", "hybrid", "mixed", "fast", "operations", "joint", "constr."})
+    EXPECT_THAT(texts_of(file), Contains(said));
+}
+
+TEST(Plot, IsRefusedBeforeAnythingIsComputed) {
+  const std::vector<std::vector<std::string>> commands{{"simulate", "no.toml"},
+                                                       {"linearize", "no.toml"},
+                                                       {"study", "no.toml"},
+                                                       {"eval", "no.toml", "--state", "no.csv"}};
+  for (std::vector<std::string> words : commands) {
+    words.insert(words.end(), {"--plot", "run.pdf"});
+    const Outcome outcome = axode(words);
+    EXPECT_EQ(outcome.code, 2);
+    EXPECT_THAT(outcome.err, HasSubstr("--plot: run.pdf: the ending: \".pdf\" is none of .svg, .png"));
+    words.insert(words.begin(), {"env", "PATH=/nowhere", AXODE_COMMAND});
+    words.back() = "run.svg";
+    const Outcome without = run(words);
+    EXPECT_EQ(without.code, 1);
+    EXPECT_EQ(without.err,
+              "axode " + words[3] +
+                  ": --plot: gnuplot draws it, and is not installed (on Debian: apt install gnuplot-nox)\n");
+  }
+  EXPECT_THAT(axode({"eval", "no.toml", "--plot", "run.svg"}).err,
+              StartsWith("axode eval: --plot draws a sweep; give its states by --state FILE.csv"));
+  const Outcome nowhere = axode({"simulate", two_bars, "--plot", "/nowhere/run.svg"});
+  EXPECT_EQ(nowhere.code, 1);
+  EXPECT_EQ(nowhere.err, "axode simulate: /nowhere/run.svg: the file cannot be written\n");
+}
+
+// ------------------------------------------------------------------------------------------------------- sweeps
+
+TEST(Sweep, IsWhatEachOfItsStatesGivesAlone) {
+  const TemporaryFolder folder;
+  const std::string csv = folder.file("run.csv"), json = folder.file("run.json"),
+                    svg = folder.file("run.svg");
+  const std::string machine = robot("machine.toml"), wanted = "inverse_dynamics,poses,kinetic_energy";
+  ASSERT_EQ(
+      axode({"simulate", machine, "--until", "0.1", "--samples", "3", "--output", csv, "--output", json})
+          .code,
+      0);
+  const Outcome sweep =
+      axode({"eval", machine, "--state", csv, "--want", wanted, "--format", "json", "--plot", svg});
+  ASSERT_EQ(sweep.code, 0) << sweep.err;
+  const Json all = Json::parse(sweep.out), motion = Json::parse(contents(json));
+  EXPECT_EQ(all.at("t"), motion.at("t"));
+  for (std::size_t i = 0; i < 4; ++i) {
+    Json state;
+    for (const char* key : {"q", "v", "a", "tau"}) state[key] = motion.at(key)[i];
+    const Outcome one =
+        axode({"eval", machine, "--state", "-", "--want", wanted, "--format", "json"}, state.dump());
+    const Json results = Json::parse(one.out).at("results");
+    for (const auto& [name, value] : results.items()) EXPECT_EQ(all.at("results").at(name)[i], value) << name;
+  }
+  EXPECT_THAT(texts_of(svg), Contains("kinetic_energy; J"));
+  EXPECT_THAT(texts_of(svg), Contains("t, s"));
+}
+
+TEST(Sweep, ShowsWhereNumbersAreSmallestAndLargest) {
+  const TemporaryFolder folder;
+  const std::string states = folder.write("states.csv", "\"q pin\",v elbow\r\n0,1\r\n1.5,-3\r\n\r\n-1,2\r\n");
+  const Outcome shown = axode({"eval", two_bars, "--state", states, "--want", "kinetic_energy,poses"});
+  EXPECT_EQ(shown.code, 0) << shown.err;
+  EXPECT_THAT(shown.out, StartsWith("double pendulum: 3 states, numbered from 0 to 2\n"));
+  EXPECT_THAT(shown.out, testing::ContainsRegex("smallest +at state +largest +at state"));
+}
+
+TEST(Sweep, NamesWhatIsWrongWithItsFile) {
+  const TemporaryFolder folder;
+  const auto error = [&](const std::string& text) {
+    const std::string file = folder.write("states.csv", text);
+    const Outcome outcome = axode({"eval", two_bars, "--state", file});
+    EXPECT_EQ(outcome.code, 1);
+    EXPECT_EQ(outcome.out, "");
+    std::string err = outcome.err;
+    for (std::size_t at; (at = err.find("axode eval: " + file + ": ")) != std::string::npos;)
+      err.erase(at, ("axode eval: " + file + ": ").size());
+    return err;
+  };
+  EXPECT_EQ(error(""), "expected a line with the names of columns, and states below it\n");
+  EXPECT_EQ(error("t,q pin\n"), "expected a line with the names of columns, and states below it\n");
+  EXPECT_EQ(error("q pni,v pin,w\n0,0,0\n"),
+            "there is no column \"q pni\"; there are t, and q, v, a and tau with names behind; did you mean "
+            "\"q pin\"?\n"
+            "there is no column \"w\"; there are t, and q, v, a and tau with names behind\n");
+  EXPECT_EQ(error("t,t\n0,0\n"), "the column \"t\" stands more than once\n");
+  EXPECT_EQ(error("t,q pin\n0,0\n1\n"), "state 1: has 1 number, and there are 2 columns\n");
+  EXPECT_EQ(error("t,q pin\n0,x\n"), "state 0: q pin is \"x\", which is no finite number\n");
+  EXPECT_EQ(error("t,q pin\n0,nan\n"), "state 0: q pin is \"nan\", which is no finite number\n");
+  EXPECT_EQ(error("t,\"q pin\n0,0\n"), "expected a line with the names of columns, and states below it\n");
+}
+
+}  // namespace
+}  // namespace axode::test
