@@ -62,7 +62,7 @@ TEST_F(View, WritesAPageWithTheScene) {
   EXPECT_EQ(outcome.err, "");
   EXPECT_THAT(outcome.out, testing::MatchesRegex(".*page.html: [0-9.]+ [kM]B, 2 moving bodies, 0 meshes\n"));
   const nlohmann::json scene = scene_in(page_);
-  EXPECT_EQ(scene["name"], "double_pendulum");
+  EXPECT_EQ(scene["name"], "double pendulum");
   EXPECT_EQ(scene["q"], nlohmann::json({0.0, 0.0}));
   EXPECT_TRUE(scene["motion"].is_null());
   EXPECT_EQ(contents(page_).find("src=\"http"), std::string::npos);
@@ -136,7 +136,7 @@ TEST_F(View, RefusesMotionsThatDoNotFitInOneSentence) {
   EXPECT_THAT(json(R"({"t": [0], "q": [[1, "x"]], "v": [[1, 2]]})"), HasSubstr("q has no number for each"));
   EXPECT_THAT(json(R"({"t": [0, 1], "q": [[1, 2], [3]], "v": []})"), HasSubstr("q has no number for each"));
   EXPECT_THAT(json(R"({"t": [0], "q": [[1, 2]]})"),
-              HasSubstr("v is 0 x 0; model \"double_pendulum\" takes 1 x 2"));
+              HasSubstr("v is 0 x 0; model \"double pendulum\" takes 1 x 2"));
   const std::string whole = contents(simulated("npz"));
   for (const std::size_t cut : {std::size_t{0}, std::size_t{10}, whole.size() / 2, whole.size() - 1})
     npz(whole.substr(0, cut));
@@ -176,7 +176,7 @@ TEST_F(View, OpensThePageWhereItIsNotToldAFile) {
   for (int k = 0; k < 200 && !std::filesystem::exists(opened); ++k)
     std::this_thread::sleep_for(std::chrono::milliseconds(50));
   std::this_thread::sleep_for(std::chrono::milliseconds(100));
-  EXPECT_EQ(scene_in(opened)["name"], "double_pendulum");
+  EXPECT_EQ(scene_in(opened)["name"], "double pendulum");
   const Outcome alone = run_with(tmp);
   EXPECT_EQ(alone.code, 1);
   EXPECT_THAT(alone.err, HasSubstr("there is neither xdg-open nor open; open " + tmp));

@@ -12,7 +12,8 @@ const browser = await chromium.launch({
   headless: true,
   args: ["--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"],
 });
-const page = await browser.newPage();
+const page = await browser.newPage({ viewport: { width: 400, height: 300 } });
+page.setDefaultTimeout(120000);
 for await (const line of createInterface({ input: process.stdin })) {
   if (line) await page.goto(line);
   const frame = page.frames().at(-1);

@@ -135,7 +135,7 @@ def test_states_and_motions_that_do_not_fit_are_refused(tmp_path, no_thread_is_l
     (tmp_path / "a.csv").write_text("t,q pin\n0,1\n")
     (tmp_path / "empty.csv").write_text("")
     for arguments, words in [((ARM, np.zeros(6)), "q"), ((ARM, [np.nan] * 7), "q"), ((ARM, np.zeros((2, 7))), "q"),
-                             ((ARM, None, motion), r"motion.q"), ((ARM, None, "run.txt"), "none of .csv, .json, .npz"),
+                             ((ARM, ARM.neutral(), motion), r"motion.q"), ((ARM, None, "run.txt"), "none of .csv, .json, .npz"),
                              ((PENDULUM, None, tmp_path / "a.json"), "has no t and no q and no v"),
                              ((PENDULUM, None, tmp_path / "a.csv"), "has no q and no v of model"),
                              ((PENDULUM, None, tmp_path / "empty.csv"), "has no t")]:
@@ -268,7 +268,7 @@ class Browser:
         """The poses on the page are those of q, at once or soon."""
         expected = dict(zip(["ground", *m.body_names], axode.poses(m, q)))
         size = max(1.0, np.abs(axode.poses(m, q)).max())
-        deadline = time.monotonic() + 10
+        deadline = time.monotonic() + 60
         while True:
             found = self.poses(address)
             off = max(np.abs(found[name] - expected[name]).max() for name in expected)
@@ -290,23 +290,18 @@ def browser():
     assert browser.node.wait(30) == 0
 
 
-MECHANISMS = [axode.robots / name for name in ("arm7.toml", "machine.toml", "four_bar.toml", "double_pendulum.toml")]
-
-
-@pytest.mark.parametrize("path", [*MECHANISMS, axode.robots / "humanoid.urdf"], ids=lambda path: path.stem)
-def test_the_page_shows_what_is_pushed(browser, path, tmp_path):
-    m = axode.load(path, base="free" if path.suffix == ".urdf" else None)
+@pytest.mark.parametrize("file, base", [("machine.toml", None), ("humanoid.urdf", "free")])
+def test_the_page_shows_what_is_pushed(browser, file, base, tmp_path):
+    m = axode.load(axode.robots / file, base)
     q = m.random(seed=1, n=3)
     viewer = axode.Viewer(m, q[0])
-    (tmp_path / "notebook.html").write_text(f"<!doctype html><body>{viewer._repr_html_()}</body>", encoding="utf-8")
+    (tmp_path / "notebook.html").write_text(f"<!doctype html><meta charset=utf-8>{viewer._repr_html_()}", encoding="utf-8")
     browser.expect(m, q[0], (tmp_path / "notebook.html").as_uri())
     for state in q[1:]:
         viewer.push(state)
         browser.expect(m, state)
-    viewer.save(tmp_path / "page.html")
     viewer.close()
     browser.expect(m, q[2])
-    browser.expect(m, q[0], (tmp_path / "page.html").as_uri())
 
 
 def test_a_page_that_is_opened_follows(browser, monkeypatch):
