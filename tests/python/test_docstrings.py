@@ -68,6 +68,7 @@ def test_signatures_have_defaults_kinds_and_no_self_where_it_is_bound():
     assert inspect.signature(arm.random).parameters["seed"].default == 0
     assert list(inspect.signature(axode.MassMatrixFactor).parameters) == ["m", "M"]
     inspect.signature(arm.random).bind(seed=3, n=2)
+    assert list(inspect.signature(axode.Model.joint_names.fget).parameters) == ["self"]
 
 
 def test_what_is_public_is_what_the_modules_list():
