@@ -99,14 +99,13 @@ void define(nb::class_<BoundSpecialised>& type, const char* name, const char* re
       ("As `axode." + std::string(name) + "`, without loads.").c_str());
 }
 
-BoundSpecialised specialise(nb::handle_t<BoundModel> self, nb::handle functions, const std::string& scalar,
-                            int lanes, const std::optional<std::vector<std::string>>& flags) {
+BoundSpecialised specialise(nb::handle_t<BoundModel> self, nb::handle functions, nb::handle scalar, int lanes,
+                            const std::optional<std::vector<std::string>>& flags) {
   const BoundModel& m = *nb::inst_ptr<BoundModel>(self);
   const std::vector<Function> wanted = functions_from(m, functions);
   for (const Function& function : wanted)  // which counts loops in Python
     if (function.quantity == Quantity::inverse_dynamics) check_no_loops(m, "specialised inverse_dynamics");
-  const bool single =
-      choose("scalar", scalar, std::array<std::string_view, 2>{"float64", "float32"}) == 1;
+  const bool single = choose("scalar", scalar, std::array<std::string_view, 2>{"float64", "float32"}) == 1;
   SpecialisedOptions options{.lanes = lanes};
   if (flags) options.flags = *flags;
   LongCall call(true);
