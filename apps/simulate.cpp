@@ -315,7 +315,11 @@ void run(const Options& options, int& exit_code) {
       case FileFormat::csv: write_text(options.outputs[k], csv_of(model, rows)); break;
       case FileFormat::npz: write_text(options.outputs[k], npz_of(rows)); break;
     }
-  if (plot) plot->draw(chart_of(model, rows));
+  if (plot) {
+    constexpr int smooth = 500;  // intervals, for long steps would be drawn as straight lines
+    const bool coarse = options.samples == 0 && rows.t.size() < smooth;
+    plot->draw(chart_of(model, coarse ? rows_of(motion, drive, smooth) : rows));
+  }
   if (format == Format::json) {
     fmt::print("{}", text(as_json(motion, rows, options)));
   } else {
