@@ -3,6 +3,7 @@
 
 #include "axode/codegen.hpp"
 #include "axode/codegen/c_function.hpp"
+#include "axode/codegen/c_sine_cosine.hpp"
 #include "axode/io.hpp"
 #include "tests/codegen/compiled.hpp"
 #include "tests/laws/law.hpp"
@@ -334,8 +335,8 @@ TEST_P(GeneratedCode, ComputesWhatIsRecorded) {
   EXPECT_TRUE(codegen::calls_math_library(recording));
   const codegen::Precision precision{GetParam().single};
   const Compiled library("#include <math.h>\n#define AXODE_RESTRICT restrict\n" +
-                         codegen::c_sine_cosine("turn", precision) +
-                         codegen::c_definition(recording, "f_of_q", "turn", precision));
+                         codegen::c_sine_cosine("turn", precision, codegen::Angles::moderate) +
+                         codegen::c_definition(recording, "f_of_q", "turn", precision).text);
   Comparison value("value", GetParam().single ? 1e-5 : 1e-14);
   Random<double> random(7);
   for (int trial = 0; trial < 1000; ++trial) {

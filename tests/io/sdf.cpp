@@ -13,7 +13,7 @@
 #include "axode/model/placement.hpp"
 #include "tests/io/same_mechanism.hpp"
 
-namespace axode::sdf {
+namespace axode::sdf_files {
 namespace {
 
 using ::testing::ElementsAre;
@@ -394,4 +394,4 @@ TEST(Sdf, ManyJointsInAnyOrderAreAssembledAtOnce) {
 }
 
 }  // namespace
-}  // namespace axode::sdf
+}  // namespace axode::sdf_files
