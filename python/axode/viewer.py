@@ -13,6 +13,7 @@ import threading
 import warnings
 import weakref
 import webbrowser
+import zipfile
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
 from typing import Any
@@ -34,8 +35,11 @@ def _motion_in(m: Model, file: Path) -> Motion:
     """What `axode simulate --output` has written."""
     names = ("t", "q", "v", "a", "tau")
     if file.suffix == ".npz":
-        with np.load(file, allow_pickle=False) as arrays:
-            found = {name: arrays[name] for name in names if name in arrays}
+        try:
+            with np.load(file, allow_pickle=False) as arrays:
+                found = {name: arrays[name] for name in names if name in arrays}
+        except (zipfile.BadZipFile, EOFError, TypeError, ValueError) as error:
+            raise ValueError(f"motion: {file} is no .npz of arrays") from error
     elif file.suffix == ".json":
         found = json.loads(file.read_text(encoding="utf-8"))
     elif file.suffix == ".csv":
@@ -44,15 +48,21 @@ def _motion_in(m: Model, file: Path) -> Motion:
         place = {heading: k for k, heading in enumerate(headings)}
         columns = {"t": ["t"], "q": [f"q {name}" for name in m.coordinate_names],
                    **{what: [f"{what} {name}" for name in m.velocity_names] for what in ("v", "a", "tau")}}
-        numbers = np.array(rows, dtype=np.float64).reshape(len(rows), len(headings))
+        try:
+            numbers = np.array(rows, dtype=np.float64).reshape(len(rows), len(headings))
+        except ValueError as error:
+            raise ValueError(f"motion: {file} has no number in each column of each line") from error
         found = {what: numbers[:, [place[column] for column in wanted]]
                  for what, wanted in columns.items() if all(column in place for column in wanted)}
         if "t" in found:
             found["t"] = found["t"][:, 0]
     else:
         raise ValueError(f"motion: {file} is none of .csv, .json, .npz")
-    if not isinstance(found, dict) or (missing := [name for name in names[:3] if name not in found]):
+    missing = [name for name in names[:3] if not isinstance(found, dict) or name not in found]
+    if missing:
         raise ValueError(f"motion: {file} has no {' and no '.join(missing)} of model \"{m.name}\"")
+    if len(found["t"]) == 0:
+        raise ValueError(f"motion: {file} has no states")
     t, q, v, a, tau = (found.get(name) for name in names)
     return t, q, v, a, tau
 

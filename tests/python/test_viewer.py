@@ -134,11 +134,22 @@ def test_states_and_motions_that_do_not_fit_are_refused(tmp_path, no_thread_is_l
     (tmp_path / "a.json").write_text("[1]")
     (tmp_path / "a.csv").write_text("t,q pin\n0,1\n")
     (tmp_path / "empty.csv").write_text("")
+    (tmp_path / "none.csv").write_text("t,q pin,q elbow,v pin,v elbow\n")
+    (tmp_path / "cut.csv").write_text("t,q pin,q elbow,v pin,v elbow\n0,1,1,1,1\n0,1\n")
+    np.savez(tmp_path / "whole.npz", t=motion.t, q=motion.q)
+    np.save(tmp_path / "one.npy", motion.t)
+    (tmp_path / "cut.npz").write_bytes((tmp_path / "whole.npz").read_bytes()[:-30])
+    (tmp_path / "one.npy").rename(tmp_path / "one.npz")
     for arguments, words in [((ARM, np.zeros(6)), "q"), ((ARM, [np.nan] * 7), "q"), ((ARM, np.zeros((2, 7))), "q"),
                              ((ARM, ARM.neutral(), motion), r"motion.q"), ((ARM, None, "run.txt"), "none of .csv, .json, .npz"),
                              ((PENDULUM, None, tmp_path / "a.json"), "has no t and no q and no v"),
                              ((PENDULUM, None, tmp_path / "a.csv"), "has no q and no v of model"),
-                             ((PENDULUM, None, tmp_path / "empty.csv"), "has no t")]:
+                             ((PENDULUM, None, tmp_path / "empty.csv"), "has no t"),
+                             ((PENDULUM, None, tmp_path / "none.csv"), "has no states"),
+                             ((PENDULUM, None, tmp_path / "cut.csv"), "cut.csv"),
+                             ((PENDULUM, None, tmp_path / "whole.npz"), "has no v"),
+                             ((PENDULUM, None, tmp_path / "cut.npz"), "is no .npz"),
+                             ((PENDULUM, None, tmp_path / "one.npz"), "is no .npz")]:
         with pytest.raises(ValueError, match=words):
             axode.view(*arguments, output=page)
     assert not page.exists()
@@ -279,7 +290,7 @@ class Browser:
         assert found.keys() == expected.keys() and off < 1e-9 * size, off
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture
 def browser():
     if not (CHROMIUM and MODULES.exists() and shutil.which("node")):
         pytest.skip("there is no Chromium, no node, or no build/release/viewer")
@@ -290,21 +301,20 @@ def browser():
     assert browser.node.wait(30) == 0
 
 
-@pytest.mark.parametrize("file, base", [("machine.toml", None), ("humanoid.urdf", "free")])
-def test_the_page_shows_what_is_pushed(browser, file, base, tmp_path):
-    m = axode.load(axode.robots / file, base)
-    q = m.random(seed=1, n=3)
-    viewer = axode.Viewer(m, q[0])
-    (tmp_path / "notebook.html").write_text(f"<!doctype html><meta charset=utf-8>{viewer._repr_html_()}", encoding="utf-8")
-    browser.expect(m, q[0], (tmp_path / "notebook.html").as_uri())
-    for state in q[1:]:
-        viewer.push(state)
-        browser.expect(m, state)
-    viewer.close()
-    browser.expect(m, q[2])
-
-
-def test_a_page_that_is_opened_follows(browser, monkeypatch):
+def test_pages_show_what_is_pushed(browser, tmp_path, monkeypatch):
+    """Of joints of every kind, in a notebook; and where a script has opened a browser. In one browser, which takes long to start."""
+    for file, held in [("machine.toml", None), ("humanoid.urdf", "free")]:
+        m = axode.load(axode.robots / file, held)
+        q = m.random(seed=1, n=3)
+        viewer = axode.Viewer(m, q[0])
+        notebook = tmp_path / f"{m.name}.html"
+        notebook.write_text(f"<!doctype html><meta charset=utf-8>{viewer._repr_html_()}", encoding="utf-8")
+        browser.expect(m, q[0], notebook.as_uri())
+        for state in q[1:]:
+            viewer.push(state)
+            browser.expect(m, state)
+        viewer.close()
+        browser.expect(m, q[2])
     opened = []
     monkeypatch.setattr(axode.viewer.webbrowser, "open", lambda url: opened.append(url) or True)
     viewer = axode.view(ARM, np.full(7, 0.1))
