@@ -81,8 +81,8 @@ std::optional<Outcome> gnuplot(const std::string& script) {
 
 // ----------------------------------------------------------------------------------------------------- script
 
-/// A string of gnuplot that holds the text and nothing else, whatever is in it: but for letters, digits and blanks all is
-/// written as numbers of bytes. Control characters become blanks, what is no UTF-8 a question mark.
+/// A string of gnuplot that holds the text and nothing else, whatever is in it: but for letters and blanks all is
+/// written as numbers of bytes, digits too, for gnuplot takes one that follows such a number for a part of it. Control characters become blanks, what is no UTF-8 a question mark.
 std::string literal(const std::string& text) {
   const std::string valid =
       Json::parse(Json(text).dump(-1, ' ', false, Json::error_handler_t::replace)).get<std::string>();
@@ -91,7 +91,7 @@ std::string literal(const std::string& text) {
     const auto byte = static_cast<unsigned char>(c);
     if (byte < 0x20 || byte == 0x7f) {
       out += ' ';
-    } else if (c == ' ' || (byte < 0x80 && std::isalnum(byte) != 0)) {
+    } else if (c == ' ' || (byte < 0x80 && std::isalpha(byte) != 0)) {
       out += c;
     } else {
       out += fmt::format("\\{:03o}", byte);

@@ -22,7 +22,7 @@ const std::vector<Task>& tasks() {
   static const std::vector<Task> all{
       {"Look at a mechanism",
        {{"axode info arm7.toml", "its tree, joints, masses and frames"},
-        {"axode view humanoid.urdf", "the same in a browser, with its motion"},
+        {"axode view humanoid.urdf --output page.html", "a page that shows it, and its motion"},
         {"axode check humanoid.urdf", "every fault of the file"},
         {"axode convert humanoid.urdf humanoid.toml", "a URDF or SDF as a drawing, or as MJCF"}}},
       {"Compute",

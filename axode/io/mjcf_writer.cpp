@@ -257,9 +257,9 @@ class MjcfWriter {
     Sym3<> Theta = rotate(seen.axes, seen.Theta);
     if (given.about == InertiaAbout::frame_origin && given.mass > 0)
       Theta = inertia_about_com(Inertia<>{seen.mass, seen.mass * seen.com, Theta});
-    // MuJoCo refuses principal moments of 0, and one that is the sum of the others but for rounding.
+    // MuJoCo refuses principal moments below 1e-14, and one that is the sum of the others but for rounding.
     const EigenvalueRange moments = eigenvalue_range(Theta);
-    const double least = 2e-15 + 1e-12 * moments.largest;
+    const double least = 2e-14 + 1e-12 * moments.largest;
     const double more =
         std::max({0.0, least - moments.smallest, least - (trace(Theta) - 2 * moments.largest)});
     Theta.xx += more, Theta.yy += more, Theta.zz += more;

@@ -83,7 +83,7 @@ TEST(Plot, ShowsNamesAsTheyAreWhateverIsInThem) {
   const TemporaryFolder folder;
   const std::string trap = folder.file("trap");
   const std::vector<std::string> names{"'; system('x') #", "a\"; set output \"b", "`touch x`",
-                                       "@a $HOME %d",      "{/Symbol b}_c^d~e",   "back\\slash \\101",
+                                       "@a $HOME %d -0",   "{/Symbol b}_c^d~e",   "back\\slash \\101",
                                        "<b>&amp;",         "Müller ∂ 回"};
   std::string drawing = "format = \"axode drawing 1\"\nname = '''`touch " + trap + "`'''\n";
   for (const std::string& name : names)

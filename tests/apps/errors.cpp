@@ -135,7 +135,8 @@ INSTANTIATE_TEST_SUITE_P(
          {"codegen", arm, "--functions", "crba"},
          2,
          "axode codegen: --functions: \"crba\" is none of inverse_dynamics, forward_dynamics, mass_matrix, "
-         "jacobian, inverse_dynamics_derivatives, inverse_dynamics_jvp, inverse_dynamics_vjp, "
+         "inverse_mass_matrix, poses, jacobian, inverse_dynamics_derivatives, inverse_dynamics_jvp, "
+         "inverse_dynamics_vjp, "
          "inverse_dynamics_hessian, forward_dynamics_derivatives, forward_dynamics_jvp, "
          "forward_dynamics_vjp, "
          "forward_dynamics_hessian; it is "
@@ -154,7 +155,8 @@ INSTANTIATE_TEST_SUITE_P(
          2,
          "axode codegen: --functions: \"mass_matrx\" is none of inverse_dynamics, forward_dynamics, "
          "mass_matrix, "
-         "jacobian, inverse_dynamics_derivatives, inverse_dynamics_jvp, inverse_dynamics_vjp, "
+         "inverse_mass_matrix, poses, jacobian, inverse_dynamics_derivatives, inverse_dynamics_jvp, "
+         "inverse_dynamics_vjp, "
          "inverse_dynamics_hessian, forward_dynamics_derivatives, forward_dynamics_jvp, "
          "forward_dynamics_vjp, "
          "forward_dynamics_hessian; did you mean "
