@@ -31,10 +31,14 @@ class LinksToSources(SphinxTransform):
 
     def apply(self):
         here = Path(self.env.doc2path(self.env.docname)).parent
-        folders = [link for link in self.document.findall(addnodes.pending_xref)
-                   if link.get("reftype") == "myst" and (here / unquote(link["reftarget"])).is_dir()]
-        for link in [*self.document.findall(addnodes.download_reference), *folders]:
-            path = (here / unquote(link["reftarget"])).resolve()
+        links = [(link, here / unquote(link["reftarget"])) for link in self.document.findall(addnodes.download_reference)]
+        for link in self.document.findall(addnodes.pending_xref):
+            target = here / unquote(link["reftarget"])
+            if link.get("reftype") == "myst" and target.is_dir():
+                links.append((link, target))
+            elif link.get("refdomain") == "doc" and link["reftarget"].startswith("/"):  # Markdown outside the site
+                links.append((link, target.with_suffix(".md")))
+        for link, path in [(link, path.resolve()) for link, path in links]:
             if not path.exists() or not path.is_relative_to(SOURCE):
                 logger.warning("no such file in the repository: %s", link["reftarget"], location=link)
                 continue
