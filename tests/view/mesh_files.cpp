@@ -7,7 +7,7 @@
 #include <cstring>
 #include <limits>
 
-#include "tests/apps/run_command.hpp"
+#include "tests/support/run_program.hpp"
 #include "tests/view/scene_json.hpp"
 
 /// Meshes are found where their names say, and shown where a reader can rely on them.
