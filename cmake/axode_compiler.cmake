@@ -7,12 +7,9 @@ if(PROJECT_IS_TOP_LEVEL)
   endif()
   find_program(AXODE_CCACHE ccache)
   if(AXODE_CCACHE AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
-    # Paths count as relative, so that what one build folder has compiled serves the others; and so do precompiled
-    # headers, which the compilers' two options below let ccache follow.
+    # Paths count as relative, so that what one build folder has compiled serves the others.
     set(CMAKE_CXX_COMPILER_LAUNCHER ${CMAKE_COMMAND} -E env CCACHE_BASEDIR=${PROJECT_SOURCE_DIR} CCACHE_NOHASHDIR=1
-                                    CCACHE_SLOPPINESS=pch_defines,time_macros ${AXODE_CCACHE})
-    add_compile_options($<$<COMPILE_LANG_AND_ID:CXX,GNU>:-fpch-preprocess>
-                        "$<$<COMPILE_LANG_AND_ID:CXX,Clang>:SHELL:-Xclang -fno-pch-timestamp>")
+                                    ${AXODE_CCACHE})
   endif()
 endif()
 
