@@ -116,7 +116,6 @@ class SdfReader : XmlReader {
     BodyDescription body;
     std::vector<std::string> shape_frames = {};  ///< what the poses of its shapes are relative to
     bool is_static = false;
-    bool placed = false;
   };
   struct Mimic {
     std::string leader, axis;
@@ -636,7 +635,8 @@ class SdfReader : XmlReader {
 
   // ---------------------------------------------------------------- the mechanism
 
-  /// The link that a joint means by a name, -1 for the world; nothing, with a fault, where there is none.
+  /// The link that a joint means by a name, -1 for the world and what stands still in it; nothing, with a fault, where there
+  /// is none.
   std::optional<int> link_meant(const Connection& c, const std::string& name, const char* role) {
     if (name.empty()) return std::nullopt;
     const int model = frames_[c.frame].model, frame = frames_.find(model, name);
@@ -648,7 +648,9 @@ class SdfReader : XmlReader {
       return std::nullopt;
     }
     const auto link = link_of_frame_.find(frames_[frame].moves_with);
-    return link == link_of_frame_.end() ? -1 : link->second;
+    return link == link_of_frame_.end() || links_[static_cast<std::size_t>(link->second)].is_static
+               ? -1
+               : link->second;
   }
 
   /// Bodies in the order of their joints in the file, those that no joint carries first.
@@ -685,7 +687,8 @@ class SdfReader : XmlReader {
     if (!parent || !child) return false;
     c.from = *parent, c.to = *child;
     if (c.to < 0) {
-      error(Rule::unknown_predecessor, owner, "its child is the world; that must be the parent", c.line);
+      error(Rule::unknown_predecessor, owner,
+            "its child is the world, or stands still in it; that must be the parent", c.line);
     } else if (c.from == c.to) {
       error(Rule::cycle, owner, "its parent and its child are both link \"" + link(c.to).body.name + '"',
             c.line);
@@ -725,35 +728,43 @@ class SdfReader : XmlReader {
     };
     std::vector<std::size_t> roots;
     reach(links_.size());
-    for (std::size_t k = 0; k < links_.size(); ++k)
-      if (links_[k].is_static) roots.push_back(k), reach(k);
     follow();
     for (const bool with_parent : {false, true})
       for (std::size_t k = 0; k < links_.size(); ++k)
-        if (reached[k] == 0 && (is_child[k] != 0) == with_parent) {
+        if (reached[k] == 0 && !links_[k].is_static && (is_child[k] != 0) == with_parent) {
           roots.push_back(k);
           reach(k), follow();
         }
     return roots;
   }
 
-  /// A link that no joint carries is free, that of a static model fixed.
+  /// A link that no joint carries is free; one of a static model is a part of the ground.
   void add_roots(const std::vector<std::size_t>& roots) {
-    const auto is_named = [&](const char* name) {
-      return std::ranges::any_of(connections_, [&](const Connection& c) { return c.name == name; });
-    };
-    const auto free = std::ranges::count_if(roots, [&](std::size_t k) { return !links_[k].is_static; });
+    const bool name_is_free =
+        std::ranges::none_of(connections_, [](const Connection& c) { return c.name == "free_base"; });
     for (const std::size_t k : roots) {
       Link& root = links_[k];
-      const char* name = root.is_static ? "fixed_base" : "free_base";
-      const bool only_one = (root.is_static ? static_cast<std::ptrdiff_t>(roots.size()) - free : free) == 1;
-      root.body.joint = {.name = only_one && !is_named(name) ? name : "",
-                         .kind = root.is_static ? JointKind::fixed : JointKind::free,
+      root.body.joint = {.name = roots.size() == 1 && name_is_free ? "free_base" : "",
+                         .kind = JointKind::free,
                          .source = root.body.source};
       root.body.geometry = InBodyFrame{frames_[root.frame].pose};
-      description().bodies.push_back(std::move(root.body));
-      root.placed = true, root.body.name = description().bodies.back().name;
+      add(root);
     }
+    for (Link& it : links_) {
+      if (!it.is_static) continue;
+      const SE3<>& A = frames_[it.frame].pose;
+      description().frames.push_back(
+          {.name = it.body.name, .body = "ground", .pose = A, .source = it.body.source});
+      for (ShapeDescription& shape : it.body.shapes) {
+        shape.pose = A * shape.pose;
+        description().shapes.push_back(std::move(shape));
+      }
+    }
+  }
+  void add(Link& link) {
+    const std::string name = link.body.name;
+    description().bodies.push_back(std::move(link.body));
+    link.body.name = name;
   }
 
   /// An axis in the world; nothing, with a fault, where it is expressed in nothing that is there.
@@ -783,7 +794,7 @@ class SdfReader : XmlReader {
     it.body.geometry = InBodyFrame{relative(A_carrier, A)};
     JointDescription& joint = it.body.joint;
     joint = {.name = c.name, .kind = c.kind->kind, .pitch = c.pitch, .source = {file_, c.line}};
-    const int dof = traits(joint.kind).kind == JointKind::universal ? 2 : traits(joint.kind).dof;
+    const int dof = traits(joint.kind).dof;
     joint.point = relative(A, frames_[c.frame].pose).r;
     if (traits(joint.kind).axis) {
       // Turned round, what was last comes first, and everything moves the other way.
@@ -799,8 +810,7 @@ class SdfReader : XmlReader {
     if (dof == 1 && c.axes[0].mimic)
       joint.coupling =
           Coupling{coordinate_of(c, *c.axes[0].mimic), c.axes[0].mimic->ratio, c.axes[0].mimic->offset};
-    description().bodies.push_back(std::move(it.body));
-    it.placed = true, it.body.name = description().bodies.back().name;
+    add(it);
   }
 
   void add_loop(const Connection& c) {
@@ -873,7 +883,7 @@ class SdfReader : XmlReader {
     const auto carrier = link_of_frame_.find(frame.moves_with);
     FrameDescription named{.name = shown(frame.path), .body = "ground", .source = {file_, frame.line}};
     named.pose = frame.pose;
-    if (carrier != link_of_frame_.end()) {
+    if (carrier != link_of_frame_.end() && !link(carrier->second).is_static) {
       named.body = link(carrier->second).body.name;
       named.pose = relative(frames_[link(carrier->second).frame].pose, frame.pose);
     }

@@ -87,6 +87,26 @@ TEST(Sdf, AStaticModelStandsStill) {
   EXPECT_THAT(messages(model), ElementsAre(HasSubstr("joint of a static model")));
 }
 
+TEST(Sdf, WhatStandsStillIsOfTheGround) {
+  const std::string floor =
+      "<model name='floor'>" + pose("0 0 1 0 0 0") + "<static>1</static>" +
+      link("a", "<visual name='v'>" + pose("0 0 2 0 0 0") +
+                    "<geometry><sphere><radius>1</radius></sphere></geometry></visual>") +
+      "</model>";
+  const Description d =
+      read_sdf_text("<sdf version='1.9'><world name='w'>" + floor + "<model name='m'>" + link("a") +
+                        "</model><joint name='j' type='revolute'><parent>floor::a</parent>"
+                        "<child>m::a</child><axis/></joint></world></sdf>",
+                    "test.sdf");
+  ASSERT_EQ(d.bodies.size(), 1u);
+  EXPECT_EQ(d.bodies[0].predecessor, "ground");
+  EXPECT_EQ(d.shapes.at(0).pose.r.z, 3);
+  EXPECT_EQ(d.frames.at(0).body, "ground");
+  const Model loose = model_of("<sdf version='1.9'><world name='w'>" + floor + "<model name='m'>" +
+                               link("a") + "</model></world></sdf>");
+  EXPECT_EQ(ModelBuilder(with_free_base(loose.description())).build().nv(), 6);
+}
+
 // ---------------------------------------------------------------- where things are
 
 TEST(Sdf, PosesAreRelativeToWhatTheyName) {
