@@ -2,6 +2,7 @@
 
 import struct
 import sys
+from pathlib import Path
 
 import axode
 import numpy as np
@@ -81,6 +82,12 @@ TIED = f"""<mujoco>
 </mujoco>"""
 
 
+@pytest.fixture(autouse=True)
+def in_a_folder_of_its_own(tmp_path, monkeypatch):
+    """MuJoCo writes its warnings to a file where it runs."""
+    monkeypatch.chdir(tmp_path)
+
+
 def mujoco():
     return pytest.importorskip("mujoco")
 
@@ -155,7 +162,6 @@ def test_mujoco_finds_the_same_in_the_model_that_comes_with_it():
 
 
 def mujoco_folder():
-    from pathlib import Path
     return Path(mujoco().__file__).parent
 
 
@@ -396,13 +402,12 @@ def assert_same_shapes(one, other):
                 assert close(y.get(key, np.eye(3)), value, 1e-12)
 
 
-def test_shapes_come_back(tmp_path, monkeypatch):
+def test_shapes_come_back(tmp_path):
     m = with_shapes(SHAPES)
     assert_same_shapes(m, axode.read_drawing(axode.drawing(m)))
     in_urdf = with_shapes([shape for shape in SHAPES if shape["kind"] != "ellipsoid"])
     assert_same_shapes(in_urdf, axode.read_urdf(axode.urdf(in_urdf)))
     mujoco()
-    monkeypatch.chdir(tmp_path)
     tetrahedron(tmp_path / "tetrahedron.stl")
     (tmp_path / "m.xml").write_text(axode.mjcf(m))
     assert_same_shapes(m, axode.load("m.xml"))
