@@ -2,7 +2,7 @@
 JOBS ?= $(shell nproc)
 SOURCES = $(shell find axode apps bench examples python tests -name '*.hpp' -o -name '*.cpp')
 
-.PHONY: help deps build demo python wheel test test-one nightly bench docs lint venv clean
+.PHONY: help deps build demo python wheel test test-one test-bridges nightly bench docs lint venv clean
 .DEFAULT_GOAL := help
 
 help: ## Show these targets
@@ -36,6 +36,9 @@ test: deps ## Run every test: GCC, Clang with sanitizers, Python; the last line 
 test-one: deps ## Build and run the tests whose names begin with T, e.g. make test-one T=Paper.Der1
 	@tools/test_one.sh '$(T)' $(JOBS)
 
+test-bridges: python ## Test all that joins axode with other packages, each bridge in build/bridges/NAME; PyTorch is large
+	@python3 tools/run_all_tests.py --bridges --jobs $(JOBS)
+
 nightly: deps venv ## What takes hours: Clang, sanitizers on everything, threads, many trees, fuzzing, benchmarks
 	@python3 tools/run_all_tests.py --nightly --jobs $(JOBS)
 
@@ -65,6 +68,13 @@ venv: build/venv/ready ## Create the Python environment of the tests
 build/venv/ready: tests/peers/requirements.txt tests/python/requirements.txt | deps
 	python3 -m venv build/venv
 	build/venv/bin/python -m pip install --quiet $(foreach file,$^,-r $(file))
+	touch $@
+
+# What a bridge leads to is installed over the environment of the tests.
+build/bridges/%/ready: tests/bridges/%/requirements.txt build/venv/ready
+	python3 -m venv build/bridges/$*
+	echo $(CURDIR)/build/venv/lib/python3*/site-packages > $$(echo build/bridges/$*/lib/python3*/site-packages)/tests.pth
+	build/bridges/$*/bin/python -m pip install --quiet -r $<
 	touch $@
 
 clean: ## Remove everything that was built

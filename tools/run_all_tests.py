@@ -49,6 +49,7 @@ NIGHTLY = {
                    environment={"AXODE_RANDOM_TREES": "100000"}),
 }
 FUZZ_SECONDS = 600
+LARGE_BRIDGES = {"torch"}  # which install several GB
 
 
 def run(*command, environment=None):
@@ -193,21 +194,33 @@ def test(name, stage, jobs, costs):
     return results
 
 
+def run_pytest(python, tests, jobs, folder):
+    xml = folder / "tests.xml"
+    xml.unlink(missing_ok=True)
+    passed = run(str(python), "-m", "pytest", "-q", "-rs", "-p", "no:cacheprovider", "--numprocesses", str(jobs), "--dist",
+                 "worksteal", "--junit-xml", str(xml), tests)
+    results = outcomes_of_program(xml)
+    if not passed and "failed" not in results.values():
+        results["pytest"] = "failed"
+    return results
+
+
 def test_python(jobs, costs):
     """Outcomes of the Python package's tests; skipped where `make venv` could not make an environment."""
     if not PYTHON.exists():
         return {"package": "skipped"}
     if not costs.measure("python", "build", lambda: run("make", "python")):
         return {"package": "failed"}
-    xml = SOURCE / "build/python/tests.xml"
-    xml.unlink(missing_ok=True)
-    passed = costs.measure("python", "run", lambda: run(
-        str(PYTHON), "-m", "pytest", "-q", "-rs", "-p", "no:cacheprovider", "--numprocesses", str(jobs), "--dist", "worksteal",
-        "--junit-xml", str(xml), "tests/python"))
-    results = outcomes_of_program(xml)
-    if not passed and "failed" not in results.values():
-        results["pytest"] = "failed"
-    return results
+    return costs.measure("python", "run", lambda: run_pytest(PYTHON, "tests/python", jobs, SOURCE / "build/python"))
+
+
+def test_bridge(name, jobs, costs):
+    """Outcomes of one bridge's tests; skipped where what it leads to cannot be installed."""
+    folder = SOURCE / "build/bridges" / name
+    if not PYTHON.exists() or not costs.measure(f"bridge {name}", "install", lambda: run(
+            "make", "--no-print-directory", f"build/bridges/{name}/ready")):
+        return {"environment": "skipped"}
+    return costs.measure(f"bridge {name}", "run", lambda: run_pytest(folder / "bin/python", f"tests/bridges/{name}", jobs, folder))
 
 
 def fuzz(jobs, costs):
@@ -246,17 +259,25 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--jobs", type=int, default=os.cpu_count())
     parser.add_argument("--nightly", action="store_true", help="run what `make nightly` adds instead")
+    parser.add_argument("--bridges", action="store_true", help="run the tests of all bridges alone")
     arguments = parser.parse_args()
 
     jobs, costs = arguments.jobs, Costs()
+    bridges = {file.parent.name for file in SOURCE.glob("tests/bridges/*/requirements.txt")}
     runs = {name: lambda name=name, stage=stage: test(name, stage, jobs, costs)
-            for name, stage in (NIGHTLY if arguments.nightly else TEST).items()}
-    if arguments.nightly:
+            for name, stage in ({} if arguments.bridges else NIGHTLY if arguments.nightly else TEST).items()}
+    if arguments.bridges:
+        pass
+    elif arguments.nightly:
+        bridges &= LARGE_BRIDGES
         runs["fuzz"] = lambda: fuzz(jobs, costs)
         runs["docs"] = lambda: build_site(jobs, costs)
         runs["bench"] = lambda: measure_speed(jobs, costs)
     else:
         runs["python"] = lambda: test_python(jobs, costs)  # with the libraries of release
+        bridges -= LARGE_BRIDGES
+    for name in sorted(bridges):
+        runs[f"bridge {name}"] = lambda name=name: test_bridge(name, jobs, costs)
 
     results = {}
     for name, test_all in runs.items():

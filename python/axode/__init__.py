@@ -17,6 +17,7 @@ numpy as `np`.
 from __future__ import annotations
 
 import difflib
+import importlib
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -202,9 +203,14 @@ __all__ = [
     "lie", "closed_form", "codegen", "convert", "drives", "identification", "calibration",
 ]
 
+#: Modules that need other packages, which are imported where one asks for them.
+BRIDGES = ()
+
 if not TYPE_CHECKING:  # to a type checker every name would be known
 
     def __getattr__(name: str) -> Any:
+        if name in BRIDGES:
+            return importlib.import_module(f"{__name__}.{name}")
         message = f"module {__name__!r} has no attribute {name!r}"
         if (here := _name_here(name)) in __all__:
             raise AttributeError(f"{message}; it is called {here!r} here")
