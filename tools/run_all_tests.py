@@ -32,8 +32,7 @@ class Stage(NamedTuple):
 FEW_TREES = {"AXODE_RANDOM_TREES": "20"}
 LONG = ":".join(["*Threads*",  # which are for ThreadSanitizer
                  "LargeTrees*", "MemoryOfCouplings.Grows*", "*HasPairsOf/none", "*HasPairsOf/one", "*HasPairsOf/all",
-                 "LongChains*", "*ReachesNearlyEveryPose*", "HostileDescriptions.OnesWithMuch*", "*OfManyUnknownLeaders*",
-                 "*OrdersOnMechanismsWithLoops"])
+                 "LongChains*", "*ReachesNearlyEveryPose*", "HostileDescriptions.OnesWithMuch*", "*OfManyUnknownLeaders*"])
 TEST = {
     "release": Stage("release", others="Examples|Guards|MustNotCompile|Package|Peers|Viewer"),
     "asan": Stage("asan", programs=f"*-{LONG}", environment=FEW_TREES),

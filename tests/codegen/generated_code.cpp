@@ -98,7 +98,8 @@ TEST_P(GeneratedCode, GivesWhatTheLibraryGives) {
   const double agreement = fastest.agreement();
   Comparison force("force", agreement), inertia("mass matrix", agreement), columns("Jacobian", agreement);
   int singular = 0, solvable = 0, doubted = 0, coupled = 0;
-  constexpr int models = 60, in_a_file = 10;
+  const int models = fastest.single ? 20 : 60;  // the same statements in another type
+  constexpr int in_a_file = 10;
   for (int first = 1; first <= models && !testing::Test::HasFailure(); first += in_a_file) {
     std::vector<std::unique_ptr<Generated>> group;
     std::string text;
@@ -137,9 +138,9 @@ TEST_P(GeneratedCode, GivesWhatTheLibraryGives) {
       }
     }
   }
-  EXPECT_GE(singular, 10);
-  EXPECT_GE(solvable, 100);
-  EXPECT_GE(coupled, 5);
+  EXPECT_GE(singular, models / 6);
+  EXPECT_GE(solvable, models * 5 / 3);
+  EXPECT_GE(coupled, models / 12);
   EXPECT_LE(doubted, solvable / 20) << "doubt is rare where the library finds accelerations";
 }
 
@@ -158,7 +159,7 @@ TEST_P(GeneratedCode, HasTheDerivativesThatTheLibraryHas) {
   std::string text;
   std::vector<std::unique_ptr<Trial>> trials;
   std::vector<codegen::Source> sources;
-  for (std::uint64_t seed = 1; seed <= 12; ++seed) {
+  for (std::uint64_t seed = 1; seed <= (fastest.single ? 4 : 12); ++seed) {
     trials.emplace_back(new Trial(fastest, Random<double>(seed), {.most_bodies = 6}));
     sources.push_back(
         codegen::c_source(trials.back()->model, functions, {"tree" + std::to_string(seed), fastest.single}));
