@@ -1,0 +1,112 @@
+"""`python -m axode map`: what of the command line is Python. The command `axode map` hands its words over to it."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+import time
+from typing import Any
+
+import axode
+
+EXAMPLE = """\
+Example:
+  axode map inverse_dynamics humanoid.urdf states.parquet tau.parquet --base free
+  axode map jacobian arm7.toml states/ jacobians/ --set frame=flange --set representation=hybrid
+
+`axode map` and `python -m axode map` are the same; what it takes is in the page docs/distributed.md and in
+help(axode.distributed.map_states). It needs pyarrow: pip install axode[distributed]."""
+
+
+def argument(text: str) -> tuple[str, Any]:
+    """NAME=VALUE; a value is JSON, or else the word itself."""
+    name, equals, value = text.partition("=")
+    if not equals or not name:
+        raise argparse.ArgumentTypeError(f'"{text}" is not NAME=VALUE')
+    try:
+        return name, json.loads(value)
+    except json.JSONDecodeError:
+        return name, value
+
+
+def parser() -> argparse.ArgumentParser:
+    of_all = argparse.ArgumentParser(prog="python -m axode", description="What of the command `axode` is Python. "
+                                     "All else is in the command `axode` that is built from C++.")
+    command = of_all.add_subparsers(metavar="map", required=True).add_parser(
+        "map", prog="axode map", help="a function of the states in Parquet files, into Parquet files",
+        description="A function of the states in Parquet files, into Parquet files, row by row in the same order. What was "
+        "ended before goes on where it was.", epilog=EXAMPLE, formatter_class=argparse.RawDescriptionHelpFormatter)
+    command.add_argument("function", metavar="FUNCTION", help="of a state, such as inverse_dynamics or poses")
+    command.add_argument("robot", metavar="FILE", help="a drawing (.toml), a URDF or any other file that axode.load takes")
+    command.add_argument("states", metavar="STATES", help="a Parquet file, or a folder of such; columns q, v, a, tau with lists, "
+                         'or "q A1", "q A2", ... as in run.csv')
+    command.add_argument("output", metavar="OUTPUT", help="a file where it ends in .parquet, otherwise a folder")
+    command.add_argument("--base", choices=["fixed", "free"], help="how the base is held; as the file says if left out")
+    command.add_argument("--strict", action="store_true", help="refuse what is doubtful instead of warning of it")
+    command.add_argument("--set", metavar="NAME=VALUE", type=argument, action="append", default=[],
+                         help="an argument of the function; may be given again")
+    command.add_argument("--keep", metavar="NAMES", help="columns to carry over, with commas between them, or all; what is no "
+                         "part of a state if left out")
+    command.add_argument("--float", action="store_true", help="float instead of double in the files")
+    command.add_argument("--faulty", choices=["refuse", "nan"], default="refuse",
+                         help="what is done where a state has no result; refuse if left out")
+    command.add_argument("--overwrite", action="store_true", help="replace what is there")
+    command.add_argument("--cluster", metavar="ADDRESS", help="of a Ray cluster, or local; $RAY_ADDRESS or this process if left out")
+    command.add_argument("--threads", metavar="N", type=int, help="of this process; as many as there are cores if left out")
+    return of_all
+
+
+def keep(names: str | None) -> Any:
+    return names if names is None or names == "all" else [name for name in names.split(",") if name]
+
+
+def progress_on_a_terminal() -> bool:
+    if not sys.stderr.isatty():
+        return False
+    try:
+        import tqdm  # type: ignore[import-untyped, import-not-found, unused-ignore]  # noqa: F401
+    except ImportError:
+        return False
+    return True
+
+
+def map_states(given: argparse.Namespace) -> None:
+    from axode import distributed
+
+    start = time.monotonic()
+    m = axode.load(given.robot, given.base, strict=given.strict)
+    for warning in m.warnings:
+        print(warning, file=sys.stderr)
+    written = distributed.map_states(
+        m, given.function, given.states, given.output, arguments=dict(given.set), keep=keep(given.keep),
+        dtype="float32" if given.float else "float64", faulty=given.faulty, overwrite=given.overwrite,
+        cluster=given.cluster, threads=given.threads, progress=progress_on_a_terminal())
+    seconds = time.monotonic() - start
+    continued = f", {written.parts - written.computed} of {written.parts} parts were there" \
+        if written.computed < written.parts else ""
+    faulty = f", {written.faulty} of them NaN" if written.faulty else ""
+    print(f"{given.output}: {given.function} of {written.rows} states in {seconds:.1f} s{continued}{faulty}")
+
+
+def main(words: list[str] | None = None) -> int:
+    """The exit code: 0, 1 where a file is wrong, 2 where the command line is, 130 after Ctrl-C."""
+    given = parser().parse_args(words)
+    try:
+        map_states(given)
+    except KeyboardInterrupt:
+        print("axode map: ended; the same command goes on from there", file=sys.stderr)
+        return 130
+    except axode.ModelError as error:
+        for fault in error.faults:
+            print(fault, file=sys.stderr)
+        return 1
+    except (ArithmeticError, ImportError, KeyError, OSError, RuntimeError, TypeError, ValueError) as error:
+        sentence = error.args[0] if isinstance(error, KeyError) else error
+        print(f"axode map: {str(sentence).replace('overwrite=True', '--overwrite')}", file=sys.stderr)
+        return 2 if isinstance(error, (KeyError, TypeError)) else 1
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,343 @@
+"""Many states in Parquet files, sweeps and Monte Carlo: in one process on all its cores, or on a Ray cluster by the same call.
+
+This needs other packages: `pip install axode[distributed]`.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import hashlib
+import inspect
+import itertools
+import os
+import pickle
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import Any, Literal, NamedTuple, overload
+
+import numpy as np
+from numpy.typing import NDArray
+
+from . import parquet_states
+from ._axode import Model
+from .errors import StatesError
+from .jobs import Output, Report, run
+from .parquet_states import ROWS, RowError, Slice, TableFunction, as_column, pa
+
+__all__ = ["TableFunction", "Written", "grid", "map_states", "sweep"]
+
+Progress = bool | Callable[[int, int], object]
+#: Parts of a sweep, about.
+PARTS = 256
+
+
+class Written(NamedTuple):
+    """What `map_states` and `sweep` have written: `rows` in all, `parts` they were written in, of which `computed` by this call
+    and not by one before that was ended, and `faulty`, the rows of NaN among those that this call computed.
+
+    >>> axode.distributed.Written(rows=10, parts=1, computed=1, faulty=0).rows
+    10
+    """
+
+    rows: int
+    parts: int
+    computed: int
+    faulty: int
+
+
+# ------------------------------------------------------------------------------------------------------- states
+
+
+def map_states(m: Model, function: str | Callable[..., Any],
+               states: str | os.PathLike[str] | Sequence[str | os.PathLike[str]], output: str | os.PathLike[str], *,
+               arguments: Mapping[str, Any] | None = None, keep: Sequence[str] | Literal["all"] | None = None,
+               dtype: Literal["float64", "float32"] = "float64", faulty: Literal["refuse", "nan"] = "refuse",
+               overwrite: bool = False, cluster: str | None = None, threads: int | None = None, retries: int = 3,
+               rows_per_part: int = ROWS, progress: Progress = False) -> Written:
+    """A function of the states that are in Parquet files, into Parquet files, row by row in the same order.
+
+    function: the name of one of this package that takes N states, such as "inverse_dynamics"; or a function (m, q, v, ...) of
+        yours whose parameters without a default are names of columns, and which returns (N, ...), or a dict of such arrays.
+    states: a file, a list of files or a folder of them. A column `q` holds lists of nq numbers, `v`, `a` and `tau` of nv; or
+        each coordinate has a column, `q A1`, `q A2`, ..., as `axode simulate --output` names them. Numbers of any real type.
+    output: a file where it ends in .parquet, otherwise a folder of files. Columns are those of `keep` and the result: a
+        number, lists, or tensors (lists to readers that do not know these) where there are several axes. That of
+        inverse_dynamics is `tau`, that of forward_dynamics `a`, others have the name of the function.
+    arguments: what else the function is given, such as {"frame": "flange"}; the same for all states.
+    keep: columns to carry over, or "all"; without it, all that are no part of a state, such as a time or a number.
+    dtype: of the results in the files; it is computed in float64.
+    faulty: a null, NaN or infinity, a singular mass matrix or an overflow ends the work in an error that names file and row,
+        or with "nan" makes NaN of the results of this row.
+    overwrite: whether what is complete, or of another job, may be replaced. What is of this job and not complete is
+        continued in any case: parts are files that appear when they are whole, and only those that are missing are computed.
+    cluster: "local" starts Ray on the cores of this machine, an address connects to a cluster; both end with the call. Without
+        it a cluster to which this program is connected is used, or that of $RAY_ADDRESS, and otherwise this process. The
+        workers of a cluster see the files under the same names.
+    threads: of this process; all cores where it is left out, or one for a function of yours.
+    retries: how often Ray computes a part anew whose worker was lost.
+    rows_per_part: states in a part.
+    progress: whether a bar is shown, which needs tqdm; or a function (rows done, rows).
+
+    Memory is bounded by the parts at work, of a core each. ValueError for what is in the files, KeyError for an unknown function, TypeError for
+    its arguments, FileExistsError for an output that is there. Ctrl-C ends it.
+
+    >>> import pyarrow as pa, pyarrow.parquet as pq, tempfile
+    >>> folder = tempfile.mkdtemp()
+    >>> q = pa.FixedSizeListArray.from_arrays(arm.random(n=1000, seed=1).ravel(), 7)
+    >>> pq.write_table(pa.table({"q": q, "v": q, "a": q}), folder + "/states.parquet")
+    >>> axode.distributed.map_states(arm, "inverse_dynamics", folder + "/states.parquet", folder + "/tau.parquet").rows
+    1000
+    >>> pq.read_table(folder + "/tau.parquet").column_names
+    ['tau']
+    """
+    at_least_one("rows_per_part", rows_per_part)
+    table_function = TableFunction(m, function, arguments, keep=keep, dtype=dtype, faulty=faulty)
+    files = parquet_states.files_in(states)
+    task = StatesTask(table_function, files)
+    parts = task.parts(rows_per_part)
+    identity = {"function": _identity(table_function.function), "arguments": _digest(table_function.arguments, keep, dtype, faulty),
+                "model": _digest(m), "states": _digest([(file, os.path.getsize(file), os.stat(file).st_mtime_ns) for file in files]),
+                "rows_per_part": rows_per_part}
+    _check_apart(Path(output), states)
+    if threads is None:
+        threads = (os.cpu_count() or 1) if table_function.known else 1
+    return _write(task, parts, Output(output, identity, len(parts), overwrite), cluster=cluster, threads=threads,
+                  retries=retries, progress=progress)
+
+
+class StatesTask:
+    """A function of states on parts of files."""
+
+    def __init__(self, function: TableFunction, files: list[str]):
+        self.function, self.files = function, files
+        self.columns: list[str] = []
+
+    def parts(self, rows_per_part: int) -> list[Slice]:
+        """ValueError where a file lacks a column that is there in another one."""
+        def use(schema: Any) -> None:
+            taken, kept = self.function.columns(schema.names)
+            columns = list(dict.fromkeys(taken + kept))
+            if self.columns and columns != self.columns:
+                raise ValueError(f"it has the columns {', '.join(columns)}; {self.files[0]} has {', '.join(self.columns)}")
+            self.columns = columns
+
+        parts = [part for file in self.files for part in parquet_states.slices(file, rows_per_part, use)]
+        return parts or [Slice(self.files[0], 0, 0, 0, 0)]
+
+    def load(self, part: Slice) -> Any:
+        return parquet_states.read(part, self.columns)
+
+    def tables(self, part: Slice, loaded: Any) -> Iterator[tuple[Any, int]]:
+        try:
+            yield from self.function.pieces(loaded)
+        except RowError as error:
+            raise ValueError(f"{part.file}: row {part.first + error.row}: {error.why}") from error
+        except StatesError as error:
+            rows = [part.first + k for k in error.states]
+            raise type(error)(f"{part.file}: row {rows[0]}: {error}", rows, error.result) from error
+        except Exception as error:
+            if self.function.known:
+                raise ValueError(f"{part.file}: {error}") from error
+            rows = f"rows {part.first} to {part.first + part.rows - 1}" if part.rows else "no rows"
+            raise RuntimeError(f"{self.function.name} of {part.file}, {rows}: {type(error).__name__}: {error}") from error
+
+
+# ------------------------------------------------------------------------------------------------------- sweeps
+
+
+def grid(**axes: Iterable[Any]) -> dict[str, list[Any]]:
+    """All combinations of the values along each axis, the last of which changes first, as points of `sweep`.
+
+    >>> axode.distributed.grid(mass=[1, 2], speed=[0.1, 0.2, 0.3])
+    {'mass': [1, 1, 1, 2, 2, 2], 'speed': [0.1, 0.2, 0.3, 0.1, 0.2, 0.3]}
+    """
+    points = list(itertools.product(*axes.values()))
+    return {name: [point[k] for point in points] for k, name in enumerate(axes)}
+
+
+@overload
+def sweep(m: Any, function: Callable[..., Any], points: Mapping[str, Sequence[Any]], output: None = None, *,
+          overwrite: bool = False, cluster: str | None = None, threads: int = 1, retries: int = 3,
+          points_per_part: int | None = None, progress: Progress = False) -> dict[str, NDArray[Any]]: ...
+
+
+@overload
+def sweep(m: Any, function: Callable[..., Any], points: Mapping[str, Sequence[Any]], output: str | os.PathLike[str], *,
+          overwrite: bool = False, cluster: str | None = None, threads: int = 1, retries: int = 3,
+          points_per_part: int | None = None, progress: Progress = False) -> Written: ...
+
+
+def sweep(m: Any, function: Callable[..., Any], points: Mapping[str, Sequence[Any]],
+          output: str | os.PathLike[str] | None = None, *, overwrite: bool = False, cluster: str | None = None,
+          threads: int = 1, retries: int = 3, points_per_part: int | None = None,
+          progress: Progress = False) -> dict[str, NDArray[Any]] | Written:
+    """A function of a model at many points: of a grid, or of seeds for Monte Carlo. A row for each point, in their order.
+
+    function: takes m, a model or whatever it needs, and the numbers of a point under their names, and returns a number, or a
+        dict of numbers, words and arrays; it is the same words in every point. A number of its own is called `result`.
+    points: a dict of equally many values under each name, such as `grid(...)` or {"seed": range(1000)}.
+    output: a Parquet file or folder as that of `map_states`, which is continued like that. Without it the columns
+        come back as arrays.
+    threads: of this process. More than 1 pay where the function is long in axode or numpy, which let other threads run; a
+        cluster, be it "local", where it is long in Python.
+    points_per_part: points that a worker computes before it writes them; the points make 256 parts if it is left out.
+    overwrite, cluster, retries, progress: as in `map_states`.
+
+    Draw from the seed alone, `np.random.default_rng(seed)`: then it does not matter who computes which point. Numbers are
+    float64. RuntimeError, with the point, where the function fails.
+
+    >>> def holding_torque(m, seed):
+    ...     drawn = m.parameters * np.random.default_rng(seed).normal(1, 0.01, m.parameters.shape)
+    ...     return float(axode.gravity_torques(m.with_parameters(drawn), np.full(7, 0.5))[1])
+    >>> torques = axode.distributed.sweep(arm, holding_torque, {"seed": range(20)})
+    >>> torques["seed"][:3], torques["result"].shape
+    (array([0, 1, 2]), (20,))
+    """
+    lengths = {name: len(values) for name, values in points.items()}
+    if len(set(lengths.values())) != 1:
+        raise ValueError(f"points: expected equally many values under each name, got {lengths}")
+    N = next(iter(lengths.values()))
+    if N == 0:
+        raise ValueError("points: there are none")
+    if points_per_part is None:
+        points_per_part = -(-N // PARTS)
+    at_least_one("points_per_part", points_per_part)
+    task = SweepTask(m, function, {name: list(values) for name, values in points.items()})
+    parts = [Points(start, min(points_per_part, N - start)) for start in range(0, N, points_per_part)]
+    if output is None:
+        at_least_one("threads", threads)
+        with contextlib.closing(run(task, parts, [None] * len(parts), cluster=cluster, threads=threads, retries=retries,
+                                    progress=progress)) as reports:
+            found = sorted(reports, key=lambda report: report.number)
+        return _arrays(pa.concat_tables([report.table for report in found]))
+    identity = {"function": _identity(function), "model": _digest(m), "points": _digest(task.points),
+                "points_per_part": points_per_part}
+    return _write(task, parts, Output(output, identity, len(parts), overwrite), cluster=cluster, threads=threads,
+                  retries=retries, progress=progress)
+
+
+class Points(NamedTuple):
+    """Points of a sweep, one behind the other."""
+
+    start: int
+    rows: int
+
+
+class SweepTask:
+    """A function of points, a part of them at a time."""
+
+    def __init__(self, m: Any, function: Callable[..., Any], points: dict[str, list[Any]]):
+        self.m, self.function, self.points = m, function, points
+
+    def load(self, part: Points) -> dict[str, list[Any]]:
+        return {name: values[part.start:part.start + part.rows] for name, values in self.points.items()}
+
+    def tables(self, part: Points, loaded: dict[str, list[Any]]) -> Iterator[tuple[Any, int]]:
+        rows: list[dict[str, Any]] = []
+        for values in zip(*loaded.values()):
+            point = dict(zip(loaded, values))
+            row = self._row(point)
+            if rows and list(row) != list(rows[0]):
+                raise ValueError(f"at {_shown(point)} the function returns {', '.join(row) or 'nothing'}; before it was "
+                                 f"{', '.join(rows[0]) or 'nothing'}")
+            rows.append(row)
+        columns = {name: _column(name, of_points) for name, of_points in loaded.items()}
+        for name in rows[0]:
+            if name in columns:
+                raise ValueError(f'the function returns "{name}", which is a name of the points as well')
+            columns[name] = _column(name, [row[name] for row in rows])
+        yield pa.table(columns), 0
+
+    def _row(self, point: dict[str, Any]) -> dict[str, Any]:
+        try:
+            row = self.function(self.m, **point)
+        except Exception as error:
+            raise RuntimeError(f"at {_shown(point)}: {type(error).__name__}: {error}") from error
+        found = {str(key): value for key, value in row.items()} if isinstance(row, Mapping) else {"result": row}
+        return {name: float(x) if isinstance(x, (int, float, np.number)) and not isinstance(x, bool) else x
+                for name, x in found.items()}
+
+
+def _shown(point: dict[str, Any]) -> str:
+    return ", ".join(f"{name} = {value!r:.40}" for name, value in point.items())
+
+
+def _column(name: str, values: list[Any]) -> Any:
+    """Numbers, words, or arrays of the same shape."""
+    if isinstance(values[0], (str, bool, np.bool_)):
+        return pa.array(values)
+    try:
+        array = np.array(values)
+    except ValueError as error:
+        raise ValueError(f'"{name}" has not the same shape in all points') from error
+    if array.dtype == object or array.dtype.kind not in "fiu":
+        raise ValueError(f'"{name}" is {values[0]!r:.60}; expected numbers, words or arrays of numbers')
+    return as_column(name, array, len(values), "float64")
+
+
+def _arrays(table: Any) -> dict[str, NDArray[Any]]:
+    return {name: parquet_states.numbers(table.column(name), name)[0] if table.schema.field(name).type != pa.int64()
+            else table.column(name).to_numpy() for name in table.column_names}
+
+
+# ------------------------------------------------------------------------------------------------------- both
+
+
+def at_least_one(name: str, value: int) -> None:
+    if value < 1:
+        raise ValueError(f"{name} is {value}; it must be at least 1")
+
+
+def _write(task: Any, parts: Sequence[Any], output: Output, *, cluster: str | None, threads: int, retries: int,
+           progress: Progress) -> Written:
+    at_least_one("threads", threads)
+    computed, faulty = 0, 0
+
+    def counted(reports: Iterator[Report]) -> Iterator[Report]:
+        nonlocal computed, faulty
+        for report in reports:
+            computed, faulty = computed + report.computed, faulty + report.faulty
+            yield report
+
+    try:
+        with output.held(), contextlib.closing(run(task, parts, output.paths, cluster=cluster, threads=threads,
+                                                   retries=retries, progress=progress)) as reports:
+            output.write(counted(reports))
+    finally:
+        parquet_states.stop_reading()
+    return Written(sum(part.rows for part in parts), len(parts), computed, faulty)
+
+
+def _digest(*values: Any) -> str:
+    """Of what a job depends on, the same in every process."""
+    found = hashlib.sha256()
+    for value in values:
+        if isinstance(value, Mapping):
+            value = list(value.items())
+        if isinstance(value, (list, tuple)):
+            found.update(_digest(len(value), *value).encode())
+            continue
+        try:
+            found.update(pickle.dumps(value))
+        except Exception:  # what only Ray's pickle takes, such as objects of a class inside of a function
+            found.update(type(value).__qualname__.encode())
+    return found.hexdigest()
+
+
+def _identity(function: str | Callable[..., Any]) -> str:
+    """The name of a function, and its text where it is known."""
+    if isinstance(function, str):
+        return function
+    try:
+        text = inspect.getsource(function)
+    except (OSError, TypeError):
+        text = ""
+    return f"{getattr(function, '__qualname__', type(function).__name__)} {_digest(text)}"
+
+
+def _check_apart(output: Path, states: str | os.PathLike[str] | Sequence[str | os.PathLike[str]]) -> None:
+    """What is written may not be read as states when the work is continued."""
+    for one in [states] if isinstance(states, (str, os.PathLike)) else states:
+        folder, target = Path(one).resolve(), output.resolve()
+        if folder == target or folder in target.parents or target in folder.parents:
+            raise ValueError(f"{output} and the states {one} are one in the other; write elsewhere")
