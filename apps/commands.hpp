@@ -41,6 +41,8 @@ void add_eval(CLI::App& app, int& exit_code);
 void add_linearize(CLI::App& app, int& exit_code);
 void add_simulate(CLI::App& app, int& exit_code);
 void add_view(CLI::App& app, int& exit_code);
+/// Python takes the place of this program, and leaves its own exit code.
+void add_map(CLI::App& app);
 void add_codegen(CLI::App& app, int& exit_code);
 void add_study(CLI::App& app, int& exit_code);
 void add_demo(CLI::App& app, int& exit_code);

@@ -84,6 +84,7 @@ int run(int argc, char** argv) {
   add_linearize(app, exit_code);
   add_simulate(app, exit_code);
   add_view(app, exit_code);
+  add_map(app);
   add_codegen(app, exit_code);
   add_study(app, exit_code);
   add_demo(app, exit_code);

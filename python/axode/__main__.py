@@ -38,7 +38,7 @@ def parser() -> argparse.ArgumentParser:
         description="A function of the states in Parquet files, into Parquet files, row by row in the same order. What was "
         "ended before goes on where it was.", epilog=EXAMPLE, formatter_class=argparse.RawDescriptionHelpFormatter)
     command.add_argument("function", metavar="FUNCTION", help="of a state, such as inverse_dynamics or poses")
-    command.add_argument("robot", metavar="FILE", help="a drawing (.toml), a URDF or any other file that axode.load takes")
+    command.add_argument("model", metavar="MODEL", help="a drawing (.toml), a URDF or any other file that axode.load takes")
     command.add_argument("states", metavar="STATES", help="a Parquet file, or a folder of such; columns q, v, a, tau with lists, "
                          'or "q A1", "q A2", ... as in run.csv')
     command.add_argument("output", metavar="OUTPUT", help="a file where it ends in .parquet, otherwise a folder")
@@ -52,7 +52,8 @@ def parser() -> argparse.ArgumentParser:
     command.add_argument("--faulty", choices=["refuse", "nan"], default="refuse",
                          help="what is done where a state has no result; refuse if left out")
     command.add_argument("--overwrite", action="store_true", help="replace what is there")
-    command.add_argument("--cluster", metavar="ADDRESS", help="of a Ray cluster, or local; $RAY_ADDRESS or this process if left out")
+    command.add_argument("--cluster", metavar="ADDRESS",
+                         help="of a Ray cluster, or local; $RAY_ADDRESS or this process if left out")
     command.add_argument("--threads", metavar="N", type=int, help="of this process; as many as there are cores if left out")
     return of_all
 
@@ -75,7 +76,7 @@ def map_states(given: argparse.Namespace) -> None:
     from axode import distributed
 
     start = time.monotonic()
-    m = axode.load(given.robot, given.base, strict=given.strict)
+    m = axode.load(given.model, given.base, strict=given.strict)
     for warning in m.warnings:
         print(warning, file=sys.stderr)
     written = distributed.map_states(

@@ -18,11 +18,12 @@ from typing import Any, Literal, NamedTuple, overload
 import numpy as np
 from numpy.typing import NDArray
 
-from . import parquet_states
+from . import jobs, parquet_states
 from ._axode import Model
 from .errors import StatesError
-from .jobs import Output, Report, run
-from .parquet_states import ROWS, RowError, Slice, TableFunction, as_column, pa
+from .parquet_states import TableFunction
+
+import pyarrow as pa  # type: ignore[import-not-found, import-untyped, unused-ignore]
 
 __all__ = ["TableFunction", "Written", "grid", "map_states", "sweep"]
 
@@ -53,7 +54,7 @@ def map_states(m: Model, function: str | Callable[..., Any],
                arguments: Mapping[str, Any] | None = None, keep: Sequence[str] | Literal["all"] | None = None,
                dtype: Literal["float64", "float32"] = "float64", faulty: Literal["refuse", "nan"] = "refuse",
                overwrite: bool = False, cluster: str | None = None, threads: int | None = None, retries: int = 3,
-               rows_per_part: int = ROWS, progress: Progress = False) -> Written:
+               rows_per_part: int = parquet_states.ROWS, progress: Progress = False) -> Written:
     """A function of the states that are in Parquet files, into Parquet files, row by row in the same order.
 
     function: the name of one of this package that takes N states, such as "inverse_dynamics"; or a function (m, q, v, ...) of
@@ -78,8 +79,8 @@ def map_states(m: Model, function: str | Callable[..., Any],
     rows_per_part: states in a part.
     progress: whether a bar is shown, which needs tqdm; or a function (rows done, rows).
 
-    Memory is bounded by the parts at work, of a core each. ValueError for what is in the files, KeyError for an unknown function, TypeError for
-    its arguments, FileExistsError for an output that is there. Ctrl-C ends it.
+    Memory is bounded: each core has one part at work. ValueError for what is in the files, KeyError for an unknown function,
+    TypeError for its arguments, FileExistsError for an output that is there. Ctrl-C ends it.
 
     >>> import pyarrow as pa, pyarrow.parquet as pq, tempfile
     >>> folder = tempfile.mkdtemp()
@@ -90,47 +91,47 @@ def map_states(m: Model, function: str | Callable[..., Any],
     >>> pq.read_table(folder + "/tau.parquet").column_names
     ['tau']
     """
-    at_least_one("rows_per_part", rows_per_part)
+    _at_least_one("rows_per_part", rows_per_part)
     table_function = TableFunction(m, function, arguments, keep=keep, dtype=dtype, faulty=faulty)
     files = parquet_states.files_in(states)
-    task = StatesTask(table_function, files)
+    task = _StatesTask(table_function, files)
     parts = task.parts(rows_per_part)
-    identity = {"function": _identity(table_function.function), "arguments": _digest(table_function.arguments, keep, dtype, faulty),
-                "model": _digest(m), "states": _digest([(file, os.path.getsize(file), os.stat(file).st_mtime_ns) for file in files]),
-                "rows_per_part": rows_per_part}
+    seen = [(file, os.path.getsize(file), os.stat(file).st_mtime_ns) for file in files]
+    identity = {"function": _identity(table_function.function), "model": _digest(m), "states": _digest(seen),
+                "arguments": _digest(table_function.arguments, keep, dtype, faulty), "rows_per_part": rows_per_part}
     _check_apart(Path(output), states)
     if threads is None:
         threads = (os.cpu_count() or 1) if table_function.known else 1
-    return _write(task, parts, Output(output, identity, len(parts), overwrite), cluster=cluster, threads=threads,
+    return _write(task, parts, jobs.Output(output, identity, len(parts), overwrite), cluster=cluster, threads=threads,
                   retries=retries, progress=progress)
 
 
-class StatesTask:
+class _StatesTask:
     """A function of states on parts of files."""
 
     def __init__(self, function: TableFunction, files: list[str]):
         self.function, self.files = function, files
         self.columns: list[str] = []
 
-    def parts(self, rows_per_part: int) -> list[Slice]:
-        """ValueError where a file lacks a column that is there in another one."""
+    def parts(self, rows_per_part: int) -> list[parquet_states.Slice]:
+        """ValueError where a file has not the columns that the first one has."""
         def use(schema: Any) -> None:
-            taken, kept = self.function.columns(schema.names)
-            columns = list(dict.fromkeys(taken + kept))
-            if self.columns and columns != self.columns:
+            wanted = {name for names in self.function.columns(schema.names) for name in names}
+            columns = [name for name in schema.names if name in wanted]
+            if self.columns and wanted != set(self.columns):
                 raise ValueError(f"it has the columns {', '.join(columns)}; {self.files[0]} has {', '.join(self.columns)}")
-            self.columns = columns
+            self.columns = self.columns or columns
 
         parts = [part for file in self.files for part in parquet_states.slices(file, rows_per_part, use)]
-        return parts or [Slice(self.files[0], 0, 0, 0, 0)]
+        return parts or [parquet_states.Slice(self.files[0], 0, 0, 0, 0)]
 
-    def load(self, part: Slice) -> Any:
+    def load(self, part: parquet_states.Slice) -> Any:
         return parquet_states.read(part, self.columns)
 
-    def tables(self, part: Slice, loaded: Any) -> Iterator[tuple[Any, int]]:
+    def tables(self, part: parquet_states.Slice, loaded: Any) -> Iterator[tuple[Any, int]]:
         try:
             yield from self.function.pieces(loaded)
-        except RowError as error:
+        except parquet_states.RowError as error:
             raise ValueError(f"{part.file}: row {part.first + error.row}: {error.why}") from error
         except StatesError as error:
             rows = [part.first + k for k in error.states]
@@ -138,8 +139,8 @@ class StatesTask:
         except Exception as error:
             if self.function.known:
                 raise ValueError(f"{part.file}: {error}") from error
-            rows = f"rows {part.first} to {part.first + part.rows - 1}" if part.rows else "no rows"
-            raise RuntimeError(f"{self.function.name} of {part.file}, {rows}: {type(error).__name__}: {error}") from error
+            which = f"rows {part.first} to {part.first + part.rows - 1}" if part.rows else "no rows"
+            raise RuntimeError(f"{self.function.name} of {part.file}, {which}: {type(error).__name__}: {error}") from error
 
 
 # ------------------------------------------------------------------------------------------------------- sweeps
@@ -201,38 +202,38 @@ def sweep(m: Any, function: Callable[..., Any], points: Mapping[str, Sequence[An
         raise ValueError("points: there are none")
     if points_per_part is None:
         points_per_part = -(-N // PARTS)
-    at_least_one("points_per_part", points_per_part)
-    task = SweepTask(m, function, {name: list(values) for name, values in points.items()})
-    parts = [Points(start, min(points_per_part, N - start)) for start in range(0, N, points_per_part)]
+    _at_least_one("points_per_part", points_per_part)
+    task = _SweepTask(m, function, {name: list(values) for name, values in points.items()})
+    parts = [_Points(start, min(points_per_part, N - start)) for start in range(0, N, points_per_part)]
     if output is None:
-        at_least_one("threads", threads)
-        with contextlib.closing(run(task, parts, [None] * len(parts), cluster=cluster, threads=threads, retries=retries,
+        _at_least_one("threads", threads)
+        with contextlib.closing(jobs.run(task, parts, [None] * len(parts), cluster=cluster, threads=threads, retries=retries,
                                     progress=progress)) as reports:
             found = sorted(reports, key=lambda report: report.number)
         return _arrays(pa.concat_tables([report.table for report in found]))
     identity = {"function": _identity(function), "model": _digest(m), "points": _digest(task.points),
                 "points_per_part": points_per_part}
-    return _write(task, parts, Output(output, identity, len(parts), overwrite), cluster=cluster, threads=threads,
+    return _write(task, parts, jobs.Output(output, identity, len(parts), overwrite), cluster=cluster, threads=threads,
                   retries=retries, progress=progress)
 
 
-class Points(NamedTuple):
-    """Points of a sweep, one behind the other."""
+class _Points(NamedTuple):
+    """_Points of a sweep, one behind the other."""
 
     start: int
     rows: int
 
 
-class SweepTask:
+class _SweepTask:
     """A function of points, a part of them at a time."""
 
     def __init__(self, m: Any, function: Callable[..., Any], points: dict[str, list[Any]]):
         self.m, self.function, self.points = m, function, points
 
-    def load(self, part: Points) -> dict[str, list[Any]]:
+    def load(self, part: _Points) -> dict[str, list[Any]]:
         return {name: values[part.start:part.start + part.rows] for name, values in self.points.items()}
 
-    def tables(self, part: Points, loaded: dict[str, list[Any]]) -> Iterator[tuple[Any, int]]:
+    def tables(self, part: _Points, loaded: dict[str, list[Any]]) -> Iterator[tuple[Any, int]]:
         rows: list[dict[str, Any]] = []
         for values in zip(*loaded.values()):
             point = dict(zip(loaded, values))
@@ -272,7 +273,7 @@ def _column(name: str, values: list[Any]) -> Any:
         raise ValueError(f'"{name}" has not the same shape in all points') from error
     if array.dtype == object or array.dtype.kind not in "fiu":
         raise ValueError(f'"{name}" is {values[0]!r:.60}; expected numbers, words or arrays of numbers')
-    return as_column(name, array, len(values), "float64")
+    return parquet_states.as_column(name, array, len(values), "float64")
 
 
 def _arrays(table: Any) -> dict[str, NDArray[Any]]:
@@ -283,24 +284,24 @@ def _arrays(table: Any) -> dict[str, NDArray[Any]]:
 # ------------------------------------------------------------------------------------------------------- both
 
 
-def at_least_one(name: str, value: int) -> None:
+def _at_least_one(name: str, value: int) -> None:
     if value < 1:
         raise ValueError(f"{name} is {value}; it must be at least 1")
 
 
-def _write(task: Any, parts: Sequence[Any], output: Output, *, cluster: str | None, threads: int, retries: int,
+def _write(task: Any, parts: Sequence[Any], output: jobs.Output, *, cluster: str | None, threads: int, retries: int,
            progress: Progress) -> Written:
-    at_least_one("threads", threads)
+    _at_least_one("threads", threads)
     computed, faulty = 0, 0
 
-    def counted(reports: Iterator[Report]) -> Iterator[Report]:
+    def counted(reports: Iterator[jobs.Report]) -> Iterator[jobs.Report]:
         nonlocal computed, faulty
         for report in reports:
             computed, faulty = computed + report.computed, faulty + report.faulty
             yield report
 
     try:
-        with output.held(), contextlib.closing(run(task, parts, output.paths, cluster=cluster, threads=threads,
+        with output.held(), contextlib.closing(jobs.run(task, parts, output.paths, cluster=cluster, threads=threads,
                                                    retries=retries, progress=progress)) as reports:
             output.write(counted(reports))
     finally:

@@ -11,17 +11,20 @@ import os
 import sys
 import threading
 import uuid
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Generator, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
 from pathlib import Path
 from typing import Any, NamedTuple, Protocol
 
-from .parquet_states import ROWS, pa, pq
+from .parquet_states import ROWS  # first: it says what to install where pyarrow is missing
+
+import pyarrow as pa  # type: ignore[import-not-found, import-untyped, unused-ignore]
+import pyarrow.parquet as pq  # type: ignore[import-not-found, import-untyped, unused-ignore]
 
 __all__: list[str] = []
 
 MANIFEST = "_axode.json"
-#: What Ray says in these variables; its own words are "local" and addresses.
+#: Where Ray itself looks for the address of a cluster.
 RAY_ADDRESS = "RAY_ADDRESS"
 
 
@@ -113,7 +116,7 @@ def _until(stop: threading.Event | None, pieces: Iterator[Any]) -> Iterator[Any]
 # ------------------------------------------------------------------------------------------------------- all parts
 
 
-def _here(task: Task, parts: list[tuple[int, Any, Path | None]], threads: int) -> Iterator[Report]:
+def _here(task: Task, parts: list[tuple[int, Any, Path | None]], threads: int) -> Generator[Report, None, None]:
     """Parts are loaded by this thread and computed by others; with one thread everything happens in this one."""
     if threads == 1:
         for number, part, path in parts:
@@ -144,7 +147,7 @@ def _loaded(task: Task, part: Any) -> Any:
         return None
 
 
-def _over(ray: Any, task: Task, parts: list[tuple[int, Any, Path | None]], retries: int) -> Iterator[Report]:
+def _over(ray: Any, task: Task, parts: list[tuple[int, Any, Path | None]], retries: int) -> Generator[Report, None, None]:
     """As many tasks as the cluster has cores, and as many again that wait."""
     shipped = ray.put(task)
     remote = ray.remote(max_retries=retries, num_cpus=1)(compute)
@@ -234,7 +237,7 @@ class Progress:
 
 
 def run(task: Task, parts: Sequence[Any], paths: Sequence[Path | None], *, cluster: str | None, threads: int, retries: int,
-        progress: bool | Callable[[int, int], object]) -> Iterator[Report]:
+        progress: bool | Callable[[int, int], object]) -> Generator[Report, None, None]:
     """Reports of all parts, in the order in which they end. The first error ends the work; so does Ctrl-C. What is written
     by then stays."""
     shown = Progress(progress, sum(part.rows for part in parts))
@@ -304,7 +307,11 @@ class Output:
             except BlockingIOError:
                 raise FileExistsError(f"{self.target}: another process is at work on it") from None
             self._begin()
-            yield
+            try:
+                yield
+            finally:
+                if self.folder.exists():
+                    self._leave()
         finally:
             os.close(lock)
 
@@ -320,11 +327,17 @@ class Output:
             if not self.overwrite and before.get("complete"):
                 raise FileExistsError(f"{self.target} is there already, and complete; overwrite=True replaces it")
             if not self.overwrite and differs:
-                raise FileExistsError(f"{self.folder} holds parts of another job, whose {differs[0]} "
-                                      f"{'is' if differs[0] != 'arguments' else 'are'} another; overwrite=True begins anew")
+                raise FileExistsError(f"{self.folder} holds parts of another job: {differs[0]} is not the same; "
+                                      "overwrite=True begins anew")
             if differs or before.get("complete"):
                 self._clear("part-", ".")
         self._say(complete=False)
+
+    def _leave(self) -> None:
+        """A folder without any part is none to go on with."""
+        if not any(file.name.startswith("part-") for file in self.folder.iterdir()):
+            self._clear(MANIFEST)
+            self.folder.rmdir()
 
     def _clear(self, *beginnings: str) -> None:
         for file in self.folder.iterdir():

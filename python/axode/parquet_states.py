@@ -79,6 +79,8 @@ def numbers(column: Any, name: str, expected: int | None = None, meaning: str = 
     lists of them comes back as it is, where nothing is expected."""
     column = column.combine_chunks() if isinstance(column, pa.ChunkedArray) else column
     shape: tuple[int, ...] = ()
+    if pa.types.is_null(column.type):  # as pandas writes what has no rows, or nothing in any
+        column = pa.nulls(len(column), pa.float64() if expected is None else pa.list_(pa.float64()))
     if isinstance(column.type, pa.FixedShapeTensorType):
         shape, column = tuple(column.type.shape), column.storage
     elif _is_list(column.type):
@@ -202,8 +204,8 @@ class TableFunction:
     """A function of states as one of tables of pyarrow: states in, results out, row by row.
 
     It is what `map_states` calls, and what `ray.data.Dataset.map_batches` takes with batch_format="pyarrow".
-    The arguments are those of `map_states`. What stands in a table that has another state than can be computed is a
-    ValueError, or a StatesError, that names the row.
+    The arguments are those of `map_states`. A table with a state that cannot be computed is a ValueError or a StatesError, which
+    names the row.
 
     >>> import pyarrow as pa
     >>> torques = axode.distributed.TableFunction(arm, "gravity_torques")
@@ -219,6 +221,8 @@ class TableFunction:
                 raise ValueError(f"{name} is {word!r}; expected one of {', '.join(map(repr, words))}")
         if not isinstance(m, Model):
             raise TypeError(f"m is {m!r:.60}; expected an axode.Model")
+        if m.nq == 0:
+            raise ValueError(f'model "{m.name}" has no coordinates; there are no states of it')
         self.m, self.dtype, self.faulty = m, dtype, faulty
         self.known = _known_name(function)
         self.function = self.known or function
@@ -231,7 +235,7 @@ class TableFunction:
 
     def _parameters(self) -> list[str]:
         """What the function takes of each state: what has no default and is no argument."""
-        callee = getattr(axode, self.known) if self.known else self.function
+        callee: Any = getattr(axode, self.known) if self.known else self.function
         parameters = list(inspect.signature(callee).parameters.values())[1:]
         names = [x.name for x in parameters]
         for name in self.arguments:
@@ -384,7 +388,11 @@ def _open(file: str) -> Any:
     except (pa.ArrowException, OSError) as error:
         if isinstance(error, (FileNotFoundError, PermissionError)):
             raise
-        raise ValueError(f"{file}: it cannot be read as Parquet: {error}") from error
+        raise _unreadable(file, error) from error
+
+
+def _unreadable(file: str, error: Exception) -> ValueError:
+    return ValueError(f"{file}: it cannot be read as Parquet: {' '.join(str(error).split()) or 'it is cut short'}")
 
 
 def files_in(states: str | os.PathLike[str] | Sequence[str | os.PathLike[str]]) -> list[str]:
@@ -439,10 +447,10 @@ def read(part: Slice, columns: list[str]) -> Any:
             return _open(part.file).schema_arrow.empty_table().select(columns)
         if cursor is None or cursor.key != key or cursor.row > part.start:
             cursor = _reading.cursor = Cursor(part.file, part.group, columns)
-        return cursor.read(part.start, part.rows)
+        return cursor.read(part.start, part.rows).select(columns)
     except (pa.ArrowException, OSError, StopIteration) as error:
         stop_reading()
-        raise ValueError(f"{part.file}: it cannot be read as Parquet: {error}") from error
+        raise _unreadable(part.file, error) from error
 
 
 def stop_reading() -> None:
