@@ -125,6 +125,9 @@ class _StatesTask:
         parts = [part for file in self.files for part in parquet_states.slices(file, rows_per_part, use)]
         return parts or [parquet_states.Slice(self.files[0], 0, 0, 0, 0)]
 
+    def said(self, part: parquet_states.Slice) -> str:
+        return f"{part.file}, rows {part.first} to {part.first + part.rows - 1}"
+
     def load(self, part: parquet_states.Slice) -> Any:
         return parquet_states.read(part, self.columns)
 
@@ -139,8 +142,7 @@ class _StatesTask:
         except Exception as error:
             if self.function.known:
                 raise ValueError(f"{part.file}: {error}") from error
-            which = f"rows {part.first} to {part.first + part.rows - 1}" if part.rows else "no rows"
-            raise RuntimeError(f"{self.function.name} of {part.file}, {which}: {type(error).__name__}: {error}") from error
+            raise RuntimeError(f"{self.function.name} of {self.said(part)}: {type(error).__name__}: {error}") from error
 
 
 # ------------------------------------------------------------------------------------------------------- sweeps
@@ -229,6 +231,10 @@ class _SweepTask:
 
     def __init__(self, m: Any, function: Callable[..., Any], points: dict[str, list[Any]]):
         self.m, self.function, self.points = m, function, points
+        self.columns = {name: _column(name, values) for name, values in points.items()}
+
+    def said(self, part: _Points) -> str:
+        return f"points {part.start} to {part.start + part.rows - 1}"
 
     def load(self, part: _Points) -> dict[str, list[Any]]:
         return {name: values[part.start:part.start + part.rows] for name, values in self.points.items()}
@@ -242,7 +248,7 @@ class _SweepTask:
                 raise ValueError(f"at {_shown(point)} the function returns {', '.join(row) or 'nothing'}; before it was "
                                  f"{', '.join(rows[0]) or 'nothing'}")
             rows.append(row)
-        columns = {name: _column(name, of_points) for name, of_points in loaded.items()}
+        columns = {name: column.slice(part.start, part.rows) for name, column in self.columns.items()}
         for name in rows[0]:
             if name in columns:
                 raise ValueError(f'the function returns "{name}", which is a name of the points as well')
@@ -272,7 +278,8 @@ def _column(name: str, values: list[Any]) -> Any:
     except ValueError as error:
         raise ValueError(f'"{name}" has not the same shape in all points') from error
     if array.dtype == object or array.dtype.kind not in "fiu":
-        raise ValueError(f'"{name}" is {values[0]!r:.60}; expected numbers, words or arrays of numbers')
+        wrong = next((x for x in values if np.asarray(x).dtype.kind not in "fiu"), values[0])
+        raise ValueError(f'"{name}" is {wrong!r:.60}; expected numbers, words or arrays of numbers')
     return parquet_states.as_column(name, array, len(values), "float64")
 
 

@@ -31,6 +31,9 @@ RAY_ADDRESS = "RAY_ADDRESS"
 class Task(Protocol):
     """What is done with the parts. It goes to every worker once."""
 
+    def said(self, part: Any) -> str:
+        """Which part it is."""
+
     def load(self, part: Any) -> Any:
         """What a part is computed from; parts are loaded in their order."""
 
@@ -57,9 +60,9 @@ class Interrupted(Exception):
 
 
 @contextlib.contextmanager
-def replacing(path: Path) -> Iterator[Path]:
-    """A file to write that takes its place when it is whole, and not before."""
-    temporary = path.with_name(f".{path.name}.{uuid.uuid4().hex}")
+def replacing(path: Path, folder: Path | None = None) -> Iterator[Path]:
+    """A file to write, there or beside the path, whose place it takes when it is whole, and not before."""
+    temporary = (folder or path.parent) / f".{path.name}.{uuid.uuid4().hex}"
     try:
         yield temporary
         with temporary.open("rb") as stream:
@@ -150,6 +153,7 @@ def _loaded(task: Task, part: Any) -> Any:
 def _over(ray: Any, task: Task, parts: list[tuple[int, Any, Path | None]], retries: int) -> Generator[Report, None, None]:
     """As many tasks as the cluster has cores, and as many again that wait."""
     shipped = ray.put(task)
+    all_parts = {number: part for number, part, _ in parts}
     remote = ray.remote(max_retries=retries, num_cpus=1)(compute)
     waiting = iter(parts)
     running: dict[Any, int] = {}
@@ -165,10 +169,9 @@ def _over(ray: Any, task: Task, parts: list[tuple[int, Any, Path | None]], retri
             try:
                 report: Report = ray.get(done[0])
             except ray.exceptions.RayError as error:
-                why = str(error).strip().splitlines()[-1]
-                report = Report(number, None, error=RuntimeError(
-                    f"its worker ended {retries + 1} times: {why}" if isinstance(error, ray.exceptions.WorkerCrashedError)
-                    else f"Ray could not run it: {why}"))
+                lost = isinstance(error, ray.exceptions.WorkerCrashedError)
+                why = f"its worker ended {retries + 1} times" if lost else str(error).strip().splitlines()[-1]
+                report = Report(number, None, error=RuntimeError(f"{task.said(all_parts[number])}: {why}"))
             yield report
     finally:
         for reference in running:
@@ -361,7 +364,7 @@ class Output:
 
     def _joined(self, reports: Iterator[Report]) -> Iterator[Report]:
         done: set[int] = set()
-        with replacing(self.target) as temporary, contextlib.ExitStack() as stack:
+        with replacing(self.target, self.folder) as temporary, contextlib.ExitStack() as stack:
             writer, following = None, 0
             for report in reports:
                 done.add(report.number)

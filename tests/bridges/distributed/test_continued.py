@@ -1,0 +1,189 @@
+"""Work that was ended goes on where it was: nothing is lost, nothing is computed twice, and no file is there by half."""
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import axode
+import numpy as np
+import pytest
+from axode import distributed
+from mechanisms import MECHANISMS
+from parquet_files import read, same, states, write
+
+ARM = MECHANISMS["arm"]
+PART = 50
+PROGRAM = """
+import os, signal, sys, time
+import axode
+import numpy as np
+arm = axode.load(axode.robots / "arm7.toml")
+
+def torques(m, q, v, a, t):
+    "Ends its process at a time, or says that it is there and waits."
+    for what, at in (("kill", signal.SIGKILL), ("wait", None)):
+        if os.environ.get(what) and t[0] <= float(os.environ[what]) <= t[-1]:
+            if at:
+                os.kill(os.getpid(), at)
+            print("waiting", flush=True)
+            time.sleep(60)
+    return {"tau": axode.inverse_dynamics(m, q, v, a), "pid": np.full(len(q), float(os.getpid()))}
+
+if __name__ == "__main__":
+    print(axode.distributed.map_states(arm, torques, "in.parquet", sys.argv[1], rows_per_part=50, threads=int(sys.argv[2])))
+"""
+
+
+@pytest.fixture
+def folder(tmp_path):
+    """With a program and its states."""
+    (tmp_path / "program.py").write_text(PROGRAM)
+    write(tmp_path / "in.parquet", ARM, states(ARM, 500), row_group_size=120)  # parts of 50, 50 and 20 rows
+    return tmp_path
+
+
+def start(folder, *words, **environment):
+    return subprocess.Popen([sys.executable, *words], cwd=folder, env={**os.environ, **environment}, text=True,
+                            stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+                            preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler))
+
+
+def check(folder, output, pids):
+    """All rows are there once, in order; `pids` processes have computed them."""
+    state = states(ARM, 500)
+    assert same(read(folder / output, "tau"), axode.inverse_dynamics(ARM, state["q"], state["v"], state["a"]))
+    assert same(read(folder / output, "t"), state["t"])
+    assert len(set(read(folder / output, "pid"))) == pids
+    left = {file.name for file in folder.iterdir()} - {"in.parquet", "program.py", output, "__pycache__"}
+    assert not left
+    if output == "out":
+        assert all(file.name == "_axode.json" or file.name.startswith("part-") for file in (folder / output).iterdir())
+
+
+@pytest.mark.parametrize("output, threads", [("out.parquet", "1"), ("out", "2")])
+def test_what_a_killed_program_has_written_is_not_computed_again(output, threads, folder):
+    killed = start(folder, "program.py", output, threads, kill="0.3")
+    killed.communicate(timeout=60)
+    assert killed.returncode == -signal.SIGKILL
+    assert not (folder / "out.parquet").exists()
+    parts = folder / ("out.parquet.parts" if output == "out.parquet" else "out")
+    there = {file.name: file.stat().st_mtime_ns for file in parts.glob("part-*")}
+    assert 6 <= len(there) < 13
+    again = start(folder, "program.py", output, threads)
+    printed, error = again.communicate(timeout=60)
+    assert printed == f"Written(rows=500, parts=13, computed={13 - len(there)}, faulty=0)\n", error
+    if output == "out":
+        assert there.items() <= {file.name: file.stat().st_mtime_ns for file in parts.glob("part-*")}.items()
+    check(folder, output, 2)
+
+
+def test_a_program_that_is_killed_while_it_joins_the_parts_goes_on(folder):
+    """All parts are there, the file is not."""
+    def killed_at_the_end(done, rows):
+        if done == rows:
+            raise MemoryError  # stands for whatever ends it there
+
+    map_all = {"rows_per_part": PART, "threads": 2}
+    with pytest.raises(MemoryError):
+        distributed.map_states(ARM, "inverse_dynamics", folder / "in.parquet", folder / "out.parquet",
+                               progress=killed_at_the_end, **map_all)
+    assert not (folder / "out.parquet").exists()
+    (folder / "out.parquet.parts/.part-000003.arrow.0").write_text("of a process that was killed")
+    written = distributed.map_states(ARM, "inverse_dynamics", folder / "in.parquet", folder / "out.parquet", **map_all)
+    assert written.computed == 0 and sorted(file.name for file in folder.iterdir()) == ["in.parquet", "out.parquet", "program.py"]
+
+
+def test_ctrl_c_ends_it_and_it_goes_on(folder):
+    ended = start(folder, "program.py", "out.parquet", "1", wait="0.3")
+    assert ended.stdout.readline() == "waiting\n"
+    time.sleep(0.2)
+    ended.send_signal(signal.SIGINT)
+    _, error = ended.communicate(timeout=30)
+    assert error.rstrip().endswith("KeyboardInterrupt")
+    assert not (folder / "out.parquet").exists()
+    again = start(folder, "program.py", "out.parquet", "1")
+    assert "rows=500" in again.communicate(timeout=60)[0]
+    check(folder, "out.parquet", 2)
+
+
+def test_ctrl_c_ends_the_command_with_a_sentence(folder):
+    state = {name: np.resize(x, (60_000, *x.shape[1:])) for name, x in states(ARM, 100).items()}
+    write(folder / "many.parquet", ARM, state)
+    words = ("-m", "axode", "map", "inverse_dynamics_second_derivatives", str(axode.robots / "arm7.toml"), "many.parquet", "out")
+    ended = start(folder, *words)
+    for _ in range(600):
+        if list(folder.glob("out/.part-*")):
+            break
+        time.sleep(0.05)
+    ended.send_signal(signal.SIGINT)
+    _, error = ended.communicate(timeout=60)
+    assert (ended.returncode, error) == (130, "axode map: ended; the same command goes on from there\n")
+    assert not list(folder.glob("out/.part-*"))
+
+
+def test_a_job_is_continued_by_the_same_call_only(folder):
+    def ended(done, rows):
+        if done > 100:
+            raise RuntimeError("ended")
+
+    def call(function="inverse_dynamics", m=ARM, states="in.parquet", **options):
+        return distributed.map_states(m, function, folder / states, folder / "out", **{"rows_per_part": PART, **options})
+
+    with pytest.raises(RuntimeError, match="ended"):
+        call(progress=ended, threads=1)
+    heavier = ARM.with_parameters(1.1 * ARM.parameters)
+    write(folder / "other.parquet", ARM, states(ARM, 500, 1))
+    for options, what in (({"function": "coriolis_vector"}, "function"), ({"m": heavier}, "model"), ({"keep": []}, "arguments"),
+                          ({"rows_per_part": 51}, "rows_per_part"), ({"states": "other.parquet"}, "states"),
+                          ({"arguments": {"joint_losses": True}}, "arguments"), ({"dtype": "float32"}, "arguments")):
+        with pytest.raises(FileExistsError, match=f"out holds parts of another job: {what} is not the same"):
+            call(**options)
+    twin = axode.load(axode.robots / "arm7.toml")
+    written = call(m=twin, overwrite=True)  # which is about other jobs, and not about this one
+    assert written.parts - written.computed == 3
+    assert call("coriolis_vector", overwrite=True).computed == 13
+
+
+def test_two_processes_do_not_work_on_the_same_output(folder):
+    def at_work(done, rows):
+        with pytest.raises(FileExistsError, match="out: another process is at work on it"):
+            distributed.map_states(ARM, "poses", folder / "in.parquet", folder / "out", overwrite=True)
+
+    distributed.map_states(ARM, "poses", folder / "in.parquet", folder / "out", progress=at_work)
+    assert len(read(folder / "out", "poses")) == 500
+
+
+def test_a_function_that_fails_leaves_what_is_whole(folder):
+    state = states(ARM, 500)
+    good = Path(folder / "good")
+
+    def torques(m, q, v, a, t):
+        if t[-1] > 0.2 and not good.exists():
+            raise ArithmeticError("not yet")
+        return axode.inverse_dynamics(m, q, v, a)
+
+    def call(threads):
+        return distributed.map_states(ARM, torques, folder / "in.parquet", folder / "out.parquet", rows_per_part=PART,
+                                      threads=threads)
+
+    with pytest.raises(RuntimeError, match=r"torques of .*in.parquet, rows 170 to 219: ArithmeticError: not yet"):
+        call(1)
+    assert not (folder / "out.parquet").exists()
+    assert len(list((folder / "out.parquet.parts").glob("part-*.arrow"))) == 4
+    good.touch()
+    assert call(3).computed == 9
+    assert same(read(folder / "out.parquet", "torques"), axode.inverse_dynamics(ARM, state["q"], state["v"], state["a"]))
+
+
+def test_progress_is_told_row_by_row_and_shown_by_a_bar(folder, capfd):
+    told = []
+    distributed.map_states(ARM, "poses", folder / "in.parquet", folder / "a.parquet", rows_per_part=PART, threads=1,
+                           progress=lambda done, rows: told.append((done, rows)))
+    assert told[0] == (50, 500) and told[-1] == (500, 500) and len(told) == 13
+    assert capfd.readouterr() == ("", "")
+    distributed.map_states(ARM, "poses", folder / "in.parquet", folder / "b.parquet", progress=True)
+    out, error = capfd.readouterr()
+    assert out == "" and "500/500" in error

@@ -1,0 +1,181 @@
+"""On a Ray cluster of two workers: the same results, nothing lost and nothing twice where one of them is killed."""
+
+import os
+import signal
+import time
+from pathlib import Path
+from typing import NamedTuple
+
+import axode
+import numpy as np
+import pyarrow as pa
+import pyarrow.parquet as pq
+import pytest
+from axode import distributed, jobs
+from mechanisms import MECHANISMS
+from parquet_files import read, same, state_columns, states, write
+
+ray = pytest.importorskip("ray")
+ARM, HUMANOID = MECHANISMS["arm"], MECHANISMS["humanoid"]
+MACHINES = {**MECHANISMS, "four bar": axode.load(axode.robots / "four_bar.toml")}
+
+
+@pytest.fixture(scope="module", autouse=True)
+def cluster():
+    os.environ.setdefault("RAY_ACCEL_ENV_VAR_OVERRIDE_ON_ZERO", "0")
+    ray.init(num_cpus=2, include_dashboard=False, log_to_driver=False, configure_logging=False,
+             object_store_memory=200 * 2**20)
+    yield
+    ray.shutdown()
+
+
+@pytest.mark.parametrize("m", MACHINES.values(), ids=MACHINES)
+def test_results_are_those_of_one_process_and_of_a_direct_call_to_the_last_bit(m, tmp_path):
+    state = states(m, 300)
+    write(tmp_path / "in.parquet", m, state, row_group_size=130)
+    direct = axode.forward_dynamics(m, state["q"], state["v"], state["tau"])
+    for output in ("out.parquet", "out"):
+        written = distributed.map_states(m, "forward_dynamics", tmp_path / "in.parquet", tmp_path / output, rows_per_part=40)
+        assert written == (300, 4 + 4 + 1, 9, 0)
+        assert same(read(tmp_path / output, "a"), direct) and same(read(tmp_path / output, "t"), state["t"])
+
+
+def test_a_sweep_is_that_of_one_process(tmp_path):
+    def variant(m, seed):
+        drawn = m.with_parameters(m.parameters * np.random.default_rng(seed).uniform(0.9, 1.1))
+        return {"tau": axode.gravity_torques(drawn, np.full(7, 0.3)), "pid": os.getpid()}
+
+    found = distributed.sweep(ARM, variant, {"seed": range(60)})
+    assert same(found["tau"], np.array([variant(ARM, seed)["tau"] for seed in range(60)]))
+    assert os.getpid() not in found["pid"]
+    assert distributed.sweep(ARM, variant, {"seed": range(60)}, tmp_path / "rows.parquet").rows == 60
+    assert same(read(tmp_path / "rows.parquet", "tau"), found["tau"])
+
+
+@pytest.mark.parametrize("output", ["out.parquet", "out"])
+def test_nothing_is_lost_and_nothing_twice_where_a_worker_is_killed(output, tmp_path):
+    state = states(ARM, 400)
+    write(tmp_path / "in.parquet", ARM, state)
+    log = tmp_path / "log"
+    log.mkdir()
+
+    def torques(m, q, v, a, t):
+        """Says which part it computes in which process."""
+        (log / f"{os.getpid()}-{t[0]:.3f}-{time.monotonic_ns()}").touch()
+        time.sleep(0.1)
+        return {"tau": axode.inverse_dynamics(m, q, v, a), "pid": np.full(len(q), float(os.getpid()))}
+
+    killed = []
+
+    def kill_one(done, rows):
+        if done >= 100 and not killed:
+            newest = max(log.iterdir(), key=lambda file: int(file.name.split("-")[2]))
+            killed.append(int(newest.name.split("-")[0]))
+            os.kill(killed[0], signal.SIGKILL)
+
+    written = distributed.map_states(ARM, torques, tmp_path / "in.parquet", tmp_path / output, rows_per_part=20,
+                                     progress=kill_one)
+    assert killed and written == (400, 20, 20, 0)
+    assert same(read(tmp_path / output, "t"), state["t"])
+    assert same(read(tmp_path / output, "tau"), axode.inverse_dynamics(ARM, state["q"], state["v"], state["a"]))
+    begun = [file.name.split("-")[1] for file in log.iterdir()]
+    assert len(set(begun)) == 20 and len(begun) == 21  # what the killed one was at was begun again, and nothing else
+    assert len(set(read(tmp_path / output, "pid"))) >= 2
+    assert sorted(file.name for file in tmp_path.iterdir()) == sorted(["in.parquet", "log", output])
+
+
+def test_a_worker_that_ends_between_writing_and_saying_so_writes_once(tmp_path):
+    """Ray computes the part again, and finds it there."""
+    class Rows(NamedTuple):
+        rows: int
+
+    class Ending:
+        """A task whose worker ends as soon as its file is there."""
+
+        def load(self, part):
+            return part
+
+        def tables(self, part, loaded):
+            with (tmp_path / "computed").open("a") as stream:
+                stream.write("once\n")
+            yield pa.table({"x": np.arange(3.0)}), 0
+            replace = Path.replace
+
+            def replace_and_end(self, target):
+                replace(self, target)
+                os.kill(os.getpid(), signal.SIGKILL)
+
+            Path.replace = replace_and_end
+
+    path = tmp_path / "part-000000.parquet"
+    report, = jobs.run(Ending(), [Rows(3)], [path], cluster=None, threads=1, retries=3, progress=False)
+    assert (report.number, report.computed, report.error) == (0, False, None)
+    assert (tmp_path / "computed").read_text() == "once\n"
+    assert pq.read_table(path).column("x").to_pylist() == [0.0, 1.0, 2.0]
+
+
+def test_what_ends_every_worker_is_said_and_the_rest_is_kept(tmp_path):
+    state = states(ARM, 100)
+    write(tmp_path / "in.parquet", ARM, state)
+    healed = tmp_path / "healed"
+
+    def torques(m, q, v, a, t):
+        if t[0] == 0.08 and not healed.exists():
+            os.kill(os.getpid(), signal.SIGKILL)
+        return axode.inverse_dynamics(m, q, v, a)
+
+    def call():
+        return distributed.map_states(ARM, torques, tmp_path / "in.parquet", tmp_path / "out.parquet", rows_per_part=10,
+                                      retries=1)
+
+    with pytest.raises(RuntimeError, match="in.parquet, rows 80 to 89: its worker ended 2 times"):
+        call()
+    assert not (tmp_path / "out.parquet").exists()
+    healed.touch()
+    assert 1 <= call().computed < 10
+    assert same(read(tmp_path / "out.parquet", "torques"), axode.inverse_dynamics(ARM, state["q"], state["v"], state["a"]))
+
+
+def test_what_is_wrong_is_said_as_in_one_process(tmp_path):
+    state = states(HUMANOID, 100)
+    state["v"][70] = 1e200
+    write(tmp_path / "in.parquet", HUMANOID, state)
+    with pytest.raises(axode.NotFiniteError, match="in.parquet: row 70: a number is not finite") as raised:
+        distributed.map_states(HUMANOID, "inverse_dynamics", tmp_path / "in.parquet", tmp_path / "out", rows_per_part=30)
+    assert raised.value.states == [70]
+    written = distributed.map_states(HUMANOID, "inverse_dynamics", tmp_path / "in.parquet", tmp_path / "out", rows_per_part=30,
+                                     faulty="nan", overwrite=True)
+    assert written.faulty == 1 and np.isnan(read(tmp_path / "out", "tau")[70]).all()
+
+    class Odd(Exception):
+        def __reduce__(self):
+            raise TypeError("not to be pickled")
+
+    def odd(m, x):
+        raise Odd("quite")
+
+    with pytest.raises(RuntimeError, match="at x = 1: Odd: quite"):
+        distributed.sweep(ARM, odd, {"x": [1]})
+
+
+def test_a_program_that_is_connected_names_no_other_cluster(tmp_path):
+    with pytest.raises(ValueError, match="cluster is 'local', but this program is connected to a Ray cluster"):
+        distributed.sweep(ARM, lambda m, x: x, {"x": [1.0]}, cluster="local")
+
+
+def test_ray_data_takes_functions_of_tables(tmp_path):
+    import ray.data
+
+    state = states(ARM, 90)
+    for k in range(3):
+        write(tmp_path / f"in/{k}.parquet", ARM, {name: x[30 * k:30 * k + 30] for name, x in state.items()})
+    ray.data.DataContext.get_current().enable_progress_bars = False
+    found = ray.data.read_parquet(str(tmp_path / "in")).map_batches(
+        distributed.TableFunction(ARM, "inverse_dynamics"), batch_format="pyarrow").to_pandas().sort_values("t")
+    assert same(np.stack(found["tau"].to_list()), axode.inverse_dynamics(ARM, state["q"], state["v"], state["a"]))
+
+
+def test_a_table_of_states_is_mapped_row_by_row():
+    state = states(ARM, 10)
+    table = distributed.TableFunction(ARM, "gravity_torques", keep=["t"])(pa.table(state_columns(ARM, state)))
+    assert table.column_names == ["t", "gravity_torques"] and table.num_rows == 10
