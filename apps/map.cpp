@@ -88,7 +88,7 @@ void add_map(CLI::App& app) {
   add("--set", "An argument of the function; may be given again", "NAME=VALUE")
       ->expected(1, CLI::detail::expected_max_vector_size)
       ->allow_extra_args(false);
-  add("--keep", "Columns to carry over, with commas, or all; what is no part of a state if left out",
+  add("--keep", "Columns to carry over, with commas, or all or none; what is no part of a state if left out",
       "NAMES");
   add_flag("--float", "float instead of double in the files");
   add("--faulty", "What is done where a state has no result; refuse if left out", "refuse|nan");

@@ -5,7 +5,6 @@ from __future__ import annotations
 import argparse
 import json
 import sys
-import time
 from typing import Any
 
 import axode
@@ -46,8 +45,8 @@ def parser() -> argparse.ArgumentParser:
     command.add_argument("--strict", action="store_true", help="refuse what is doubtful instead of warning of it")
     command.add_argument("--set", metavar="NAME=VALUE", type=argument, action="append", default=[],
                          help="an argument of the function; may be given again")
-    command.add_argument("--keep", metavar="NAMES", help="columns to carry over, with commas between them, or all; what is no "
-                         "part of a state if left out")
+    command.add_argument("--keep", metavar="NAMES", help="columns to carry over, with commas between them, or all or none; what is "
+                         "no part of a state if left out")
     command.add_argument("--float", action="store_true", help="float instead of double in the files")
     command.add_argument("--faulty", choices=["refuse", "nan"], default="refuse",
                          help="what is done where a state has no result; refuse if left out")
@@ -59,7 +58,7 @@ def parser() -> argparse.ArgumentParser:
 
 
 def keep(names: str | None) -> Any:
-    return names if names is None or names == "all" else [name for name in names.split(",") if name]
+    return names if names is None or names == "all" else [] if names == "none" else names.split(",")
 
 
 def progress_on_a_terminal() -> bool:
@@ -75,7 +74,6 @@ def progress_on_a_terminal() -> bool:
 def map_states(given: argparse.Namespace) -> None:
     from axode import distributed
 
-    start = time.monotonic()
     m = axode.load(given.model, given.base, strict=given.strict)
     for warning in m.warnings:
         print(warning, file=sys.stderr)
@@ -83,11 +81,10 @@ def map_states(given: argparse.Namespace) -> None:
         m, given.function, given.states, given.output, arguments=dict(given.set), keep=keep(given.keep),
         dtype="float32" if given.float else "float64", faulty=given.faulty, overwrite=given.overwrite,
         cluster=given.cluster, threads=given.threads, progress=progress_on_a_terminal())
-    seconds = time.monotonic() - start
     continued = f", {written.parts - written.computed} of {written.parts} parts were there" \
         if written.computed < written.parts else ""
     faulty = f", {written.faulty} of them NaN" if written.faulty else ""
-    print(f"{given.output}: {given.function} of {written.rows} states in {seconds:.1f} s{continued}{faulty}")
+    print(f"{given.output}: {given.function} of {written.rows} states{continued}{faulty}")
 
 
 def main(words: list[str] | None = None) -> int:

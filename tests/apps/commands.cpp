@@ -27,7 +27,7 @@ TEST(Program, HelpListsTheCommandsAndTheExitCodes) {
   EXPECT_EQ(outcome.code, 0);
   EXPECT_EQ(outcome.err, "");
   for (const char* said :
-       {"info", "check", "convert", "eval", "linearize", "view", "codegen", "study", "demo",
+       {"info", "check", "convert", "eval", "linearize", "view", "map", "codegen", "study", "demo",
         "Exit codes:", "0  all is well", "1  a file is missing", "2  the command line is wrong"})
     EXPECT_THAT(outcome.out, HasSubstr(said));
 }
@@ -75,16 +75,16 @@ TEST(Program, AloneShowsWhatOneCanDoInExamplesThatRun) {
                       command = example.substr(6, example.find(' ', 6) - 6);
     EXPECT_TRUE(commands.insert(command).second) << line;
     const bool no_page = command == "view" && std::string_view(AXODE_PAGE).empty();
-    if (command == "demo" || command == "study" || command == "manual" || no_page)
+    if (command == "demo" || command == "study" || command == "manual" || command == "map" || no_page)
       continue;  // long, or need another program
     const Outcome ran =
         run({"sh", "-c", "cd \"$0\" && axode() { \"" AXODE_COMMAND "\" \"$@\"; } && " + example,
              folder.path().string()});
     EXPECT_EQ(ran.code, 0) << example << ran.err;
   }
-  EXPECT_THAT(commands,
-              testing::UnorderedElementsAre("info", "check", "convert", "eval", "simulate", "linearize",
-                                            "view", "codegen", "study", "demo", "manual", "completion"));
+  EXPECT_THAT(commands, testing::UnorderedElementsAre("info", "check", "convert", "eval", "simulate",
+                                                      "linearize", "view", "map", "codegen", "study", "demo",
+                                                      "manual", "completion"));
 }
 
 /// The lines below `Example:` up to the next empty one.
@@ -119,6 +119,48 @@ INSTANTIATE_TEST_SUITE_P(Commands, Help,
                          testing::Values("info", "check", "convert", "eval", "linearize", "simulate", "view",
                                          "codegen", "study", "demo", "completion", "manual"),
                          [](const auto& p) { return std::string(p.param); });
+
+// ----------------------------------------------------------------------------------------------------- map
+
+/// A program in the place of Python, which says what it is given; what is run in Python itself is tested there.
+TEST(Map, HandsItsWordsToPython) {
+  const TemporaryFolder folder;
+  const std::string python = folder.write("python", "#!/bin/sh\nshift 2\nprintf '<%s>' \"$@\"\nexit 130\n");
+  std::filesystem::permissions(python, std::filesystem::perms::owner_all);
+  const Outcome outcome = run({"env", "AXODE_PYTHON=" + python, AXODE_COMMAND, "map", "jacobian",
+                               "arm 7.toml", "--set", "frame=a b", "in", "--float", "out.parquet",
+                               "--set=offset=[0, 0, -1]", "--keep", "t,id", "--threads=2"});
+  EXPECT_EQ(outcome.err, "");
+  EXPECT_EQ(outcome.code, 130);
+  EXPECT_EQ(outcome.out,
+            "<map><--set=frame=a b><--set=offset=[0, 0, -1]><--keep=t,id><--float><--threads=2><--><jacobian>"
+            "<arm 7.toml><in><out.parquet>");
+}
+
+TEST(Map, SaysWhatItNeedsWhereThatIsMissing) {
+  const std::vector<std::string> words{AXODE_COMMAND, "map",        "poses",
+                                       "arm7.toml",   "in.parquet", "out.parquet"};
+  const auto with = [&](const std::string& python) {
+    std::vector<std::string> all{"env", "AXODE_PYTHON=" + python};
+    all.insert(all.end(), words.begin(), words.end());
+    return run(all);
+  };
+  const Outcome none = with("no-such-python");
+  EXPECT_EQ(none.code, 1);
+  EXPECT_EQ(
+      none.err,
+      "axode map: no-such-python cannot be run: No such file or directory; `axode map` needs Python, of "
+      "which AXODE_PYTHON names the program\n");
+  const TemporaryFolder folder;
+  const std::string bare = folder.write("python", "#!/bin/sh\nexec python3 -I -S \"$@\"\n");
+  std::filesystem::permissions(bare, std::filesystem::perms::owner_all);
+  const Outcome without = with(bare);
+  EXPECT_EQ(without.code, 1);
+  EXPECT_THAT(without.err, HasSubstr("has no package axode; install the Python package of axode there"));
+  const Outcome too_few = axode({"map", "poses", "arm7.toml"});
+  EXPECT_EQ(too_few.code, 2);
+  EXPECT_EQ(too_few.err, "axode map: STATES is required (see axode map --help)\n");
+}
 
 // ---------------------------------------------------------------------------------------------------- info
 

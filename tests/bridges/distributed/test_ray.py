@@ -60,27 +60,28 @@ def test_nothing_is_lost_and_nothing_twice_where_a_worker_is_killed(output, tmp_
     log.mkdir()
 
     def torques(m, q, v, a, t):
-        """Says which part it computes in which process."""
-        (log / f"{os.getpid()}-{t[0]:.3f}-{time.monotonic_ns()}").touch()
-        time.sleep(0.1)
+        """Says which part it computes in which process, and is long at one of them, at first."""
+        first = not list(log.glob("0.200*"))
+        (log / f"{t[0]:.3f} {os.getpid()} {time.monotonic_ns()}").touch()
+        time.sleep(60 if t[0] == 0.2 and first else 0.02)
         return {"tau": axode.inverse_dynamics(m, q, v, a), "pid": np.full(len(q), float(os.getpid()))}
 
     killed = []
 
-    def kill_one(done, rows):
-        if done >= 100 and not killed:
-            newest = max(log.iterdir(), key=lambda file: int(file.name.split("-")[2]))
-            killed.append(int(newest.name.split("-")[0]))
+    def kill_one_of_two(done, rows):
+        if not killed and (at := list(log.glob("0.200*"))):
+            killed.append(int(at[0].name.split()[1]))
             os.kill(killed[0], signal.SIGKILL)
 
     written = distributed.map_states(ARM, torques, tmp_path / "in.parquet", tmp_path / output, rows_per_part=20,
-                                     progress=kill_one)
+                                     progress=kill_one_of_two)
     assert killed and written == (400, 20, 20, 0)
     assert same(read(tmp_path / output, "t"), state["t"])
     assert same(read(tmp_path / output, "tau"), axode.inverse_dynamics(ARM, state["q"], state["v"], state["a"]))
-    begun = [file.name.split("-")[1] for file in log.iterdir()]
-    assert len(set(begun)) == 20 and len(begun) == 21  # what the killed one was at was begun again, and nothing else
-    assert len(set(read(tmp_path / output, "pid"))) >= 2
+    begun = sorted(file.name.split()[0] for file in log.iterdir())
+    assert begun == sorted([f"{k * 0.02:.3f}" for k in range(20)] + ["0.200"])  # what the killed one was at, and nothing else
+    pids = read(tmp_path / output, "pid")
+    assert len(set(pids)) >= 2 and killed[0] not in pids[200:220]
     assert sorted(file.name for file in tmp_path.iterdir()) == sorted(["in.parquet", "log", output])
 
 
@@ -167,12 +168,12 @@ def test_ray_data_takes_functions_of_tables(tmp_path):
     import ray.data
 
     state = states(ARM, 90)
-    for k in range(3):
-        write(tmp_path / f"in/{k}.parquet", ARM, {name: x[30 * k:30 * k + 30] for name, x in state.items()})
+    write(tmp_path / "in.parquet", ARM, state)
     ray.data.DataContext.get_current().enable_progress_bars = False
-    found = ray.data.read_parquet(str(tmp_path / "in")).map_batches(
-        distributed.TableFunction(ARM, "inverse_dynamics"), batch_format="pyarrow").to_pandas().sort_values("t")
-    assert same(np.stack(found["tau"].to_list()), axode.inverse_dynamics(ARM, state["q"], state["v"], state["a"]))
+    data = ray.data.read_parquet(str(tmp_path / "in.parquet"), override_num_blocks=1)
+    data = data.map_batches(distributed.TableFunction(ARM, "inverse_dynamics"), batch_format="pyarrow", batch_size=40)
+    rows = sorted(data.take_all(), key=lambda row: row["t"])
+    assert same(np.stack([row["tau"] for row in rows]), axode.inverse_dynamics(ARM, state["q"], state["v"], state["a"]))
 
 
 def test_a_table_of_states_is_mapped_row_by_row():
