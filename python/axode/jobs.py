@@ -320,9 +320,8 @@ class Output:
 
     def _begin(self) -> None:
         manifest = self.folder / MANIFEST
-        there = {file.name for file in self.folder.iterdir()}
-        if MANIFEST not in there:
-            if there:
+        if not manifest.exists():
+            if any(not file.name.startswith(f".{MANIFEST}") for file in self.folder.iterdir()):
                 raise FileExistsError(f"{self.folder} is not empty, and what it holds is not of axode.distributed")
         else:
             before = json.loads(manifest.read_text(encoding="utf-8"))
@@ -333,8 +332,9 @@ class Output:
                 raise FileExistsError(f"{self.folder} holds parts of another job: {differs[0]} is not the same; "
                                       "overwrite=True begins anew")
             if differs or before.get("complete"):
+                self._say({})  # of no job, so that nothing is taken for what it is not if this is ended here
                 self._clear("part-", ".")
-        self._say(complete=False)
+        self._say({**self.identity, "complete": False})
 
     def _leave(self) -> None:
         """A folder without any part is none to go on with."""
@@ -347,9 +347,9 @@ class Output:
             if file.name.startswith(beginnings):
                 file.unlink()
 
-    def _say(self, complete: bool) -> None:
+    def _say(self, what: dict[str, Any]) -> None:
         with replacing(self.folder / MANIFEST) as temporary:
-            temporary.write_text(json.dumps({**self.identity, "complete": complete}, indent=1), encoding="utf-8")
+            temporary.write_text(json.dumps(what, indent=1), encoding="utf-8")
 
     def write(self, reports: Iterator[Report]) -> list[Report]:
         """Takes the reports of all parts; what becomes one file grows in the order of its rows meanwhile."""
@@ -359,7 +359,7 @@ class Output:
             self.folder.rmdir()
         else:
             self._clear(".")
-            self._say(complete=True)
+            self._say({**self.identity, "complete": True})
         return found
 
     def _joined(self, reports: Iterator[Report]) -> Iterator[Report]:

@@ -147,6 +147,18 @@ def test_a_job_is_continued_by_the_same_call_only(folder):
     assert call("coriolis_vector", overwrite=True).computed == 13
 
 
+def test_a_program_that_is_killed_while_it_begins_leaves_nothing_in_the_way(folder):
+    (folder / "out").mkdir()
+    (folder / "out/._axode.json.0").write_text("half of")
+    distributed.map_states(ARM, "poses", folder / "in.parquet", folder / "out")
+    manifest = folder / "out/_axode.json"
+    manifest.write_text("{}")  # as while another job is cleared away
+    with pytest.raises(FileExistsError, match="holds parts of another job"):
+        distributed.map_states(ARM, "poses", folder / "in.parquet", folder / "out")
+    assert distributed.map_states(ARM, "poses", folder / "in.parquet", folder / "out", overwrite=True).computed == 5
+    assert sorted(file.name for file in (folder / "out").iterdir()) == ["_axode.json", *(f"part-{k:06}.parquet" for k in range(5))]
+
+
 def test_two_processes_do_not_work_on_the_same_output(folder):
     def at_work(done, rows):
         with pytest.raises(FileExistsError, match="out: another process is at work on it"):

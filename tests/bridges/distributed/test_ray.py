@@ -22,7 +22,6 @@ MACHINES = {**MECHANISMS, "four bar": axode.load(axode.robots / "four_bar.toml")
 
 @pytest.fixture(scope="module", autouse=True)
 def cluster():
-    os.environ.setdefault("RAY_ACCEL_ENV_VAR_OVERRIDE_ON_ZERO", "0")
     ray.init(num_cpus=2, include_dashboard=False, log_to_driver=False, configure_logging=False,
              object_store_memory=200 * 2**20)
     yield
@@ -135,6 +134,24 @@ def test_what_ends_every_worker_is_said_and_the_rest_is_kept(tmp_path):
     healed.touch()
     assert 1 <= call().computed < 10
     assert same(read(tmp_path / "out.parquet", "torques"), axode.inverse_dynamics(ARM, state["q"], state["v"], state["a"]))
+
+
+def test_ctrl_c_ends_it_and_it_goes_on(tmp_path):
+    state = states(ARM, 200)
+    write(tmp_path / "in.parquet", ARM, state)
+
+    def interrupted(done, rows):
+        if done >= 60:
+            raise KeyboardInterrupt
+
+    job = {"rows_per_part": 10}
+    with pytest.raises(KeyboardInterrupt):
+        distributed.map_states(ARM, "mass_matrix", tmp_path / "in.parquet", tmp_path / "out", progress=interrupted, **job)
+    parts = len(list((tmp_path / "out").glob("part-*")))
+    assert 6 <= parts < 20
+    written = distributed.map_states(ARM, "mass_matrix", tmp_path / "in.parquet", tmp_path / "out", **job)
+    assert written.parts - written.computed >= parts
+    assert same(read(tmp_path / "out", "mass_matrix"), axode.mass_matrix(ARM, state["q"]))
 
 
 def test_what_is_wrong_is_said_as_in_one_process(tmp_path):
