@@ -417,7 +417,7 @@ class Cursor:
     def __init__(self, file: str, group: int, columns: list[str]):
         self.key = (file, group, tuple(columns))
         self.row = 0
-        self.batches = _open(file).iter_batches(batch_size=ROWS // 4, row_groups=[group], columns=columns)
+        self.batches = _open(file).iter_batches(batch_size=ROWS, row_groups=[group], columns=columns)
         self.rest: Any = None
 
     def read(self, start: int, rows: int) -> Any:
