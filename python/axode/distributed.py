@@ -196,7 +196,10 @@ def sweep(m: Any, function: Callable[..., Any], points: Mapping[str, Sequence[An
     >>> torques["seed"][:3], torques["result"].shape
     (array([0, 1, 2]), (20,))
     """
-    lengths = {name: len(values) for name, values in points.items()}
+    if not isinstance(points, Mapping):
+        raise TypeError(f"points is {points!r:.60}; expected a dict of equally many values under each name")
+    values_of = {name: list(values) for name, values in points.items()}
+    lengths = {name: len(values) for name, values in values_of.items()}
     if len(set(lengths.values())) != 1:
         raise ValueError(f"points: expected equally many values under each name, got {lengths}")
     N = next(iter(lengths.values()))
@@ -205,7 +208,7 @@ def sweep(m: Any, function: Callable[..., Any], points: Mapping[str, Sequence[An
     if points_per_part is None:
         points_per_part = -(-N // PARTS)
     _at_least_one("points_per_part", points_per_part)
-    task = _SweepTask(m, function, {name: list(values) for name, values in points.items()})
+    task = _SweepTask(m, function, values_of)
     parts = [_Points(start, min(points_per_part, N - start)) for start in range(0, N, points_per_part)]
     if output is None:
         _at_least_one("threads", threads)

@@ -8,6 +8,7 @@ import itertools
 import json
 import logging
 import os
+import socket
 import sys
 import threading
 import uuid
@@ -197,14 +198,22 @@ def cluster_named(cluster: str | None) -> Iterator[Any]:
         yield ray
         return
     try:
+        _reach(cluster or os.environ[RAY_ADDRESS])
         ray.init(address=cluster, log_to_driver=False, logging_level=logging.ERROR,
                  include_dashboard=False if cluster == "local" else None)
-    except (ConnectionError, ValueError) as error:
+    except (OSError, ValueError) as error:
         raise ConnectionError(f"there is no Ray cluster at {cluster or os.environ[RAY_ADDRESS]!r}: {error}") from error
     try:
         yield ray
     finally:
         ray.shutdown()
+
+
+def _reach(address: str) -> None:
+    """OSError where nobody listens, for which Ray itself waits some minutes."""
+    host, _, port = address.removeprefix("ray://").rpartition(":")
+    if host and port.isdigit():
+        socket.create_connection((host.strip("[]"), int(port)), timeout=10).close()
 
 
 def _connected() -> Any:

@@ -230,7 +230,8 @@ class TableFunction:
         self.arguments = dict(arguments or {})
         self.takes = self._parameters()
         self.keep = keep if keep is None or keep == "all" else list(keep)
-        if self.known and set(self.takes) <= OF_VELOCITIES | {"q"}:  # what is wrong with the arguments shows without states
+        of_known_shape = self.known and set(self.takes) <= OF_VELOCITIES | {"q"} and not self.known.startswith("rollout")
+        if of_known_shape:  # what is wrong with the arguments shows without states
             self._call({what: np.empty((0, m.nq if what == "q" else m.nv)) for what in self.takes})
 
     def _parameters(self) -> list[str]:
@@ -398,7 +399,11 @@ def _unreadable(file: str, error: Exception) -> ValueError:
 def files_in(states: str | os.PathLike[str] | Sequence[str | os.PathLike[str]]) -> list[str]:
     """Parquet files by their names: one, a list, or all in a folder and below it in the order of their paths."""
     if not isinstance(states, (str, os.PathLike)):
+        if not states:
+            raise ValueError("states names no file")
         return [file for one in states for file in files_in(one)]
+    if not os.fspath(states):
+        raise ValueError("states is empty; expected the name of a file or folder")
     path = Path(states)
     if not path.is_dir():
         if not path.exists():

@@ -256,6 +256,7 @@ WRONG = {
     "dtype": (("poses", {"dtype": "float16"}), ValueError, "dtype is 'float16'; expected one of 'float64', 'float32'"),
     "faulty": (("poses", {"faulty": "skip"}), ValueError, "faulty is 'skip'; expected one of 'refuse', 'nan'"),
     "threads": (("poses", {"threads": 0}), ValueError, "threads is 0; it must be at least 1"),
+    "a cluster that is not there": (("poses", {"cluster": "127.0.0.1:1"}), (ConnectionError, ImportError), "127.0.0.1:1"),
     "rows": (("poses", {"rows_per_part": 0}), ValueError, "rows_per_part is 0; it must be at least 1"),
 }
 
@@ -268,6 +269,23 @@ def test_wrong_calls_get_a_sentence_and_leave_no_file(wrong, tmp_path):
         distributed.map_states(ARM, function, tmp_path / "in.parquet", tmp_path / "out.parquet", **options)
     assert sentence in str(raised.value)
     assert [file.name for file in tmp_path.iterdir()] == ["in.parquet"]
+
+
+def test_names_of_no_files_are_refused(tmp_path):
+    for given, sentence in (("", "states is empty; expected the name"), ([], "states names no file")):
+        with pytest.raises(ValueError, match=sentence):
+            distributed.map_states(ARM, "poses", given, tmp_path / "out")
+
+
+def test_drive_forces_over_time_are_tensors(tmp_path):
+    state = states(ARM, 30)
+    tau = np.random.default_rng(1).uniform(-1, 1, (30, 4, 7))
+    forces = pa.ExtensionArray.from_storage(pa.fixed_shape_tensor(pa.float64(), (4, 7)), lists(tau.reshape(30, 28)))
+    table = pa.table({**state_columns(ARM, {"q": state["q"], "v": state["v"]}), "tau": forces})
+    pq.write_table(table, tmp_path / "in.parquet", row_group_size=20)
+    distributed.map_states(ARM, "rollout", tmp_path / "in.parquet", tmp_path / "out.parquet", arguments={"step": 1e-3})
+    q, v = axode.rollout(ARM, state["q"], state["v"], tau, 1e-3)
+    assert same(read(tmp_path / "out.parquet", "rollout.0"), q) and same(read(tmp_path / "out.parquet", "rollout.1"), v)
 
 
 def test_a_model_is_a_model_and_has_states(tmp_path):

@@ -75,6 +75,7 @@ def test_what_varies_may_be_the_model_and_nothing_needs_to_be_one():
     ({"x": [1, object()]}, ValueError, '"x" is <object.*; expected numbers, words or arrays of numbers'),
     ({"x": [[1], [1, 2]]}, ValueError, '"x" has not the same shape in all points'),
     ({"y": [1]}, RuntimeError, "at y = 1: TypeError"),
+    ([{"x": 1}], TypeError, "expected a dict of equally many values under each name"),
 ])
 def test_points_that_are_none_are_refused(points, error, sentence):
     with pytest.raises(error, match=sentence):
