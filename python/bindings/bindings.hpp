@@ -21,5 +21,6 @@ void add_files(nanobind::module_& module);
 void add_view(nanobind::module_& module);
 void add_codegen(nanobind::module_& codegen);
 void add_specialised(nanobind::module_& codegen);
+void add_jax(nanobind::module_& jax);
 
 }  // namespace axode::python

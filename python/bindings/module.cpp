@@ -45,4 +45,6 @@ NB_MODULE(_axode, module) {
   nb::module_ codegen = module.def_submodule("codegen", "See axode.codegen.");
   add_codegen(codegen);
   add_specialised(codegen);
+  nb::module_ jax = module.def_submodule("jax", "See axode.jax.");
+  add_jax(jax);
 }

@@ -46,6 +46,12 @@ inline const char* name_of(ArrayLike Arguments::*argument) {
 /// A function of the catalogue for one state or N of them, in SIMD lanes where the library can.
 class StateFunction {
  public:
+  /// A function of the catalogue for N states at once: all of one argument lie one behind the other.
+  using InLanes = batch::Outcome (*)(const Model&, const catalog::Given<double>&, std::span<double> out,
+                                     int threads, const batch::Monitor&);
+  /// nullptr where the library has none of that name.
+  static InLanes in_lanes(std::string_view name);
+
   explicit StateFunction(const char* name);
   /// Throws nb::value_error for what is wrong with an argument, SingularError for states that cannot be solved and
   /// NotFiniteError for those whose numbers overflow, both with the result.
@@ -59,10 +65,6 @@ class StateFunction {
 
  private:
   using Row = catalog::Function<double>;
-  /// The same for N states at once: all of one argument lie one behind the other.
-  using InLanes = batch::Outcome (*)(const Model&, const catalog::Given<double>&, std::span<double> out,
-                                     int threads, const batch::Monitor&);
-  static InLanes in_lanes(std::string_view name);
   NewArray run(const BoundModel& m, const Arguments& given, const Row& row) const;
   const Row& row(const Algorithm& algorithm) const;
 

@@ -1,0 +1,262 @@
+"""Calls of the compiled module from programs of JAX, and the rules by which JAX differentiates and batches them.
+
+Every call is one primitive with the function's name. Its arguments have the same leading axes, which count states.
+Tangents and gradients by configurations are those along velocities of the joints, nv numbers: the rules here go between them
+and the nq numbers of q, whose function JAX differentiates, with what `mechanism` has. So every derivative is exact, and
+JAX's own rules make second derivatives of the former.
+"""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jax.extend.core import Primitive
+from jax.interpreters import ad, batching, mlir
+
+from .._axode import jax as _jax
+from .mechanism import Array, Mechanism, rates_of, velocities_of
+
+__all__ = ["motion", "state_function"]
+
+for _name, _handler in _jax.handlers().items():
+    jax.ffi.register_ffi_target(_name, _handler, platform="cpu")
+
+#: Items of results of a state.
+ITEMS: dict[str, Callable[[Mechanism], tuple[int, ...]]] = {
+    "poses": lambda m: (m.n_frames, 12),
+    "joint_screws": lambda m: (m.n_screws, 6),
+    "mass_matrix": lambda m: (m.nv, m.nv),
+    "inverse_mass_matrix": lambda m: (m.nv, m.nv),
+    "inverse_dynamics": lambda m: (m.nv,),
+    "inverse_dynamics_jvp": lambda m: (m.nv,),
+    "inverse_dynamics_vjp": lambda m: (3, m.nv),
+    "inverse_dynamics_hessian": lambda m: (4, m.nv, m.nv),
+    "forward_dynamics": lambda m: (m.nv,),
+    "forward_dynamics_jvp": lambda m: (m.nv,),
+    "forward_dynamics_vjp": lambda m: (3, m.nv),
+    "forward_dynamics_hessian": lambda m: (4, m.nv, m.nv),
+}
+
+primitive = Primitive("axode")
+primitive.multiple_results = True
+
+
+def state_function(function: str, m: Mechanism, *arguments: Array, joint_losses: bool = False, threads: int = 1) -> Array:
+    """A function of `ITEMS`."""
+    return primitive.bind(*arguments, function=function, mechanism=m,
+                          options=(("joint_losses", joint_losses), ("threads", threads)))[0]
+
+
+def motion(function: str, m: Mechanism, *arguments: Array, step: float, threads: int = 1) -> list[Array]:
+    """`rollout`, `rollout_jvp` or `rollout_vjp`."""
+    return list(primitive.bind(*arguments, function=function, mechanism=m, options=(("step", step), ("threads", threads))))
+
+
+def _results(function: str, m: Mechanism, arguments: Sequence[Any]) -> list[tuple[int, ...]]:
+    lead = arguments[0].shape[:-1]
+    if function in ITEMS:
+        return [(*lead, *ITEMS[function](m))]
+    K = arguments[2].shape[-2]
+    if function == "rollout_vjp":
+        return [(*lead, m.nv), (*lead, m.nv), (*lead, K, m.nv)]
+    return [(*lead, K + 1, m.nq if function == "rollout" else m.nv), (*lead, K + 1, m.nv)]
+
+
+@primitive.def_abstract_eval
+def _abstract(*arguments: Any, function: str, mechanism: Mechanism, options: Any) -> list[Any]:
+    return [jax.core.ShapedArray(shape, arguments[0].dtype) for shape in _results(function, mechanism, arguments)]
+
+
+@functools.lru_cache(maxsize=256)
+def _compiled(function: str, mechanism: Mechanism, options: Any) -> Callable[..., Any]:
+    return jax.jit(functools.partial(primitive.bind, function=function, mechanism=mechanism, options=options))
+
+
+@primitive.def_impl
+def _run(*arguments: Array, function: str, mechanism: Mechanism, options: Any) -> Any:
+    return _compiled(function, mechanism, options)(*arguments)
+
+
+def _lower(ctx: Any, *arguments: Any, function: str, mechanism: Mechanism, options: Any) -> Any:
+    ctx.module_context.add_keepalive(mechanism)
+    given = dict(options)
+    attributes: dict[str, Any] = {"function": function, "model": mechanism.key, "threads": np.int64(given["threads"])}
+    if function in ITEMS:
+        attributes |= {"joint_losses": given["joint_losses"], "item_axes": np.int64(len(ITEMS[function](mechanism)))}
+        return jax.ffi.ffi_lowering("axode_state_function")(ctx, *arguments, **attributes)
+    return jax.ffi.ffi_lowering("axode_motion")(ctx, *arguments, **attributes, step=np.float64(given["step"]))
+
+
+def _refuse_device(ctx: Any, *arguments: Any, function: str, mechanism: Mechanism, options: Any) -> Any:
+    where = " and ".join(ctx.platforms or ctx.module_context.platforms)
+    raise NotImplementedError(f"axode.jax computes on the CPU, and {function} is to be run on {where}; put its arguments there, "
+                              'as with jax.device_put(x, jax.devices("cpu")[0])')
+
+
+mlir.register_lowering(primitive, _lower, platform="cpu")
+mlir.register_lowering(primitive, _refuse_device)
+
+
+def _batch(arguments: Sequence[Array], axes: Sequence[Any], **what: Any) -> tuple[Any, list[int]]:
+    """All states of a batch in one call: the axis goes in front, and what is the same for all is repeated."""
+    size = next(x.shape[axis] for x, axis in zip(arguments, axes) if axis is not None)
+    moved = [jnp.broadcast_to(x, (size, *x.shape)) if axis is None else jnp.moveaxis(x, axis, 0)
+             for x, axis in zip(arguments, axes)]
+    results = primitive.bind(*moved, **what)
+    return results, [0] * len(results)
+
+
+batching.primitive_batchers[primitive] = _batch
+
+
+# Derivatives. A tangent that is 0 comes as ad.Zero.
+
+def _along(tangents: Sequence[Any]) -> list[Array]:
+    return [ad.instantiate_zeros(each) for each in tangents]
+
+
+def _all_zero(tangents: Sequence[Any]) -> bool:
+    return all(isinstance(each, ad.Zero) for each in tangents)
+
+
+def _velocity_tangents(m: Mechanism, q: Array, tangents: Sequence[Any]) -> list[Array]:
+    """That of q along the velocities, those of other arguments as they are."""
+    dq, *others = _along(tangents)
+    return [velocities_of(m, q, dq), *others]
+
+
+def _times(H: Array, x: Sequence[Array]) -> tuple[Array, Array, Array]:
+    """What a direction x does to the gradient whose Hessian is H, in its parts by q, v and the third argument t.
+
+    H has the parts by (q, q), (q, v), (v, v) and (t, q); of a part entry [k, l] is displaced along k first.
+    """
+    qq, qv, vv, tq = (H[..., k, :, :] for k in range(4))
+    q, v, t = x
+
+    def rows(a: Array, A: Array) -> Array:
+        return jnp.einsum("...k,...kl->...l", a, A)
+
+    def columns(A: Array, a: Array) -> Array:
+        return jnp.einsum("...kl,...l->...k", A, a)
+
+    return rows(q, qq) + columns(qv, v) + rows(t, tq), rows(q, qv) + rows(v, vv), columns(tq, q)
+
+
+def _all_hessians(function: str, m: Mechanism, x: Sequence[Array], what: dict[str, Any]) -> Array:
+    """Those of each component of inverse or forward dynamics: an axis of nv behind that of the states."""
+    spread = [jnp.broadcast_to(each[..., None, :], (*each.shape[:-1], m.nv, each.shape[-1])) for each in x]
+    unit = jnp.broadcast_to(jnp.eye(m.nv, dtype=x[0].dtype), (*x[0].shape[:-1], m.nv, m.nv))
+    return state_function(f"{function}_hessian", m, *spread, unit, **what)
+
+
+def _dynamics_tangent(function: str, m: Mechanism, x: Sequence[Array], tangents: Sequence[Any],
+                      what: dict[str, Any]) -> Array:
+    """Of inverse and forward dynamics, or of their first and second derivatives with `function` as the name of these."""
+    dynamics, _, order = function.rpartition("_")
+    if order == "dynamics":
+        return state_function(f"{function}_jvp", m, *x, *_velocity_tangents(m, x[0], tangents), **what)
+    state, linear = x[:3], x[3:]  # they are linear in what stands behind the state
+    dx, d_linear = tangents[:3], _along(tangents[3:])
+    tangent = state_function(function, m, *state, *d_linear, **what)
+    if _all_zero(dx):
+        return tangent
+    if order == "hessian":
+        raise NotImplementedError(f"axode.jax has first and second derivatives of {dynamics}; a third one was asked for")
+    by = _velocity_tangents(m, state[0], dx)
+    if order == "vjp":
+        H = state_function(f"{dynamics}_hessian", m, *state, *linear, **what)
+        return tangent + jnp.stack(_times(H, by), axis=-2)
+    gradients = _times(_all_hessians(dynamics, m, state, what), [each[..., None, :] for each in by])
+    return tangent + sum(jnp.einsum("...il,...l->...i", g, each) for g, each in zip(gradients, linear))
+
+
+def _mass_matrix_tangent(m: Mechanism, q: Array, dq: Array, threads: int) -> Array:
+    """A column of M is the inverse dynamics of a unit acceleration at rest without gravity, whose derivative it has."""
+    assert m.still is not None
+    delta, unit = velocities_of(m, q, dq), jnp.eye(m.nv, dtype=q.dtype)
+    lead = q.shape[:-1]
+    columns = [jnp.broadcast_to(each, (*lead, m.nv, each.shape[-1])) for each in (q[..., None, :], delta[..., None, :], unit)]
+    none = jnp.zeros_like(columns[1])
+    return state_function("inverse_dynamics_jvp", m.still, columns[0], none, columns[2], columns[1], none, none, threads=threads)
+
+
+def twists_by(m: Mechanism, moves: np.ndarray[Any, Any], screws: Array, v: Array) -> Array:
+    """Spatial twists of what the joint screws move, by rows of `moves`."""
+    rates = v @ m.screw_rates.T.astype(v.dtype)
+    return jnp.einsum("fk,...k,...kc->...fc", moves.astype(v.dtype), rates, screws)
+
+
+def _kinematics_tangent(function: str, m: Mechanism, q: Array, dq: Array, value: Array, threads: int) -> Array:
+    """dC = V^s C of frames, and dJ = [V^s, J] of the screws that the bodies carry (eq. JsX)."""
+    v = velocities_of(m, q, dq)
+    screws = value if function == "joint_screws" else state_function("joint_screws", m, q, threads=threads)
+    if function == "joint_screws":
+        V = twists_by(m, m.moves_screw, screws, v)
+        w, u = screws[..., :3], screws[..., 3:]
+        return jnp.concatenate([jnp.cross(V[..., :3], w), jnp.cross(V[..., :3], u) + jnp.cross(V[..., 3:], w)], axis=-1)
+    V = twists_by(m, m.moves_frame, screws, v)
+    columns = value.reshape(*value.shape[:-1], 4, 3)  # of R, and r
+    turned = jnp.cross(V[..., None, :3], columns)
+    return (turned.at[..., 3, :].add(V[..., 3:])).reshape(value.shape)
+
+
+def _state_function_tangent(function: str, m: Mechanism, x: Sequence[Array], tangents: Sequence[Any], value: Array,
+                            what: dict[str, Any]) -> Array:
+    if "dynamics" in function:
+        return _dynamics_tangent(function, m, x, tangents, what)
+    q, dq, threads = x[0], _along(tangents)[0], what["threads"]
+    if function == "mass_matrix":
+        return _mass_matrix_tangent(m, q, dq, threads)
+    if function == "inverse_mass_matrix":
+        return -value @ _mass_matrix_tangent(m, q, dq, threads) @ value
+    return _kinematics_tangent(function, m, q, dq, value, threads)
+
+
+def _motion_tangent(function: str, m: Mechanism, x: Sequence[Array], tangents: Sequence[Any], values: Sequence[Array],
+                    what: dict[str, Any]) -> list[Array]:
+    if function == "rollout":
+        dq, dv = motion("rollout_jvp", m, *x, *_velocity_tangents(m, x[0], tangents), **what)
+        return [rates_of(m, values[0], dq), dv]
+    if not _all_zero(tangents[:3]):
+        raise NotImplementedError("axode.jax has first derivatives of rollout; a second one was asked for. Steps of your own, "
+                                  "with forward_dynamics and integrate in jax.lax.scan, have it")
+    return motion(function, m, *x[:3], *_along(tangents[3:]), **what)
+
+
+def _differentiate(x: Sequence[Array], tangents: Sequence[Any], *, function: str, mechanism: Mechanism,
+                   options: Any) -> tuple[Any, Any]:
+    values = primitive.bind(*x, function=function, mechanism=mechanism, options=options)
+    if function in ITEMS:
+        return values, [_state_function_tangent(function, mechanism, x, tangents, values[0], dict(options))]
+    return values, _motion_tangent(function, mechanism, x, tangents, values, dict(options))
+
+
+ad.primitive_jvps[primitive] = _differentiate
+
+
+def _transpose(cotangents: Sequence[Any], *x: Any, function: str, mechanism: Mechanism, options: Any) -> list[Any]:
+    """Of what is linear in the arguments behind the state: products with directions and with weights are each other's."""
+    assert not any(ad.is_undefined_primal(each) for each in x[:3])
+    state, what, weights = x[:3], dict(options), _along(cotangents)
+    if function == "rollout_jvp":
+        found = motion("rollout_vjp", mechanism, *state, *weights, **what)
+    elif function == "rollout_vjp":
+        found = motion("rollout_jvp", mechanism, *state, *weights, **what)
+    elif function.endswith("_jvp"):
+        gradient = state_function(function.replace("_jvp", "_vjp"), mechanism, *state, *weights, **what)
+        found = [gradient[..., k, :] for k in range(3)]
+    elif function.endswith("_vjp"):
+        along = (weights[0][..., k, :] for k in range(3))
+        found = [state_function(function.replace("_vjp", "_jvp"), mechanism, *state, *along, **what)]
+    else:
+        H = _all_hessians(function.removesuffix("_hessian"), mechanism, state, what)
+        found = [jnp.einsum("...hkl,...ihkl->...i", weights[0], H)]
+    return [None] * 3 + [each if ad.is_undefined_primal(given) else None for each, given in zip(found, x[3:])]
+
+
+ad.primitive_transposes[primitive] = _transpose

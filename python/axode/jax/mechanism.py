@@ -1,0 +1,207 @@
+"""What programs of JAX know of a model: a handle that they hold, and its coordinates."""
+
+from __future__ import annotations
+
+import hashlib
+import weakref
+from typing import Any
+
+import jax.numpy as jnp
+import numpy as np
+from numpy.typing import NDArray
+
+from .._axode import Model
+from .._axode import jax as _jax
+
+__all__ = ["Mechanism", "integrated", "mechanism_of", "rates_of", "velocities_of"]
+
+Array = Any  # of JAX, or a tracer
+
+
+class Mechanism:
+    """A model as compiled programs name it: by a text that says what it consists of.
+
+    Equal models have equal ones. The compiled module holds the model for as long as one of them is alive, and programs hold
+    the one that they were compiled for.
+    """
+
+    def __init__(self, m: Model, key: str):
+        self.key, self.name = key, m.name
+        self.nq, self.nv, self.n_frames, self.n_bodies = m.nq, m.nv, m.n_frames, m.n_bodies
+        self.has_loops = m.n_loops > 0
+        self.gravity, self.parameters = m.gravity, m.parameters.reshape(m.n_bodies, 10)
+        self.still: Mechanism | None = None  # the same without gravity, where it was asked for
+        self._structure(_jax.structure(m))
+        self._coordinates(m)
+        _jax.add(key, m)
+        weakref.finalize(self, _jax.remove, key)
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Mechanism) and other.key == self.key
+
+    def __hash__(self) -> int:
+        return hash(self.key)
+
+    def __repr__(self) -> str:
+        return f'"{self.name}"'
+
+    def _structure(self, found: dict[str, list[Any]]) -> None:
+        """Which screws move what: a row of 0 and 1 over the joint screws for each frame, and for each screw's body."""
+        body = np.array(found["screw_body"], dtype=int)
+        on_path = np.zeros((self.n_bodies + 1, body.size))
+        for i, parent in enumerate(found["parent"], start=1):
+            on_path[i] = on_path[parent] + (body == i)
+        self.moves_frame = on_path[np.array(found["frame_body"], dtype=int)]
+        self.moves_screw = on_path[body]
+        #: s = screw_rates @ v are the rates of the joint screws.
+        self.screw_rates = np.zeros((body.size, self.nv))
+        self.screw_rates[np.arange(body.size), np.array(found["screw_velocity"], dtype=int)] = found["screw_ratio"]
+        self.n_screws = body.size
+
+    def _coordinates(self, m: Model) -> None:
+        """Where the numbers of joints are, by what their rates are to velocities."""
+        rotations: list[tuple[int, int]] = []  # the first coordinate and velocity of each
+        positions: list[tuple[int, int, int]] = []  # of the quaternion, and the position in q and v
+        planes: list[tuple[int, int]] = []
+        plain: list[tuple[int, int]] = []
+        for joint in m.joints:
+            q, v = joint.q.start, joint.v.start
+            if joint.q.stop == q:
+                continue
+            if joint.kind in ("spherical", "free"):
+                rotations.append((q, v))
+            if joint.kind == "free":
+                positions.append((q, q + 4, v + 3))
+            elif joint.kind == "planar":
+                planes.append((q, v))
+            elif joint.kind != "spherical":
+                plain += [(q + k, v + k) for k in range(joint.q.stop - q)]
+
+        def runs(first: list[int], length: int) -> NDArray[np.int_]:
+            return np.array(first, dtype=int)[:, None] + np.arange(length)
+
+        self.plain_q, self.plain_v = (np.array([pair[k] for pair in plain], dtype=int) for k in (0, 1))
+        self.turn_q, self.turn_v = runs([q for q, _ in rotations], 4), runs([v for _, v in rotations], 3)
+        self.base_q = runs([q for q, _, _ in positions], 4)
+        self.place_q, self.place_v = (runs([each[k] for each in positions], 3) for k in (1, 2))
+        self.plane_q, self.plane_v = (runs([pair[k] for pair in planes], 3) for k in (0, 1))
+        self.from_parts_v = np.argsort(np.concatenate(
+            [self.plain_v, *(each.ravel() for each in (self.turn_v, self.place_v, self.plane_v))]))
+        self.from_parts_q = np.argsort(np.concatenate(
+            [self.plain_q, *(each.ravel() for each in (self.turn_q, self.place_q, self.plane_q))]))
+        #: whether v is dq/dt
+        self.is_vector = self.plain_v.size == self.nv and bool(np.all(self.plain_q == self.plain_v))
+
+
+_of_models: weakref.WeakKeyDictionary[Model, Mechanism] = weakref.WeakKeyDictionary()
+_by_key: weakref.WeakValueDictionary[str, Mechanism] = weakref.WeakValueDictionary()
+
+
+def mechanism_of(m: Model, still: bool = False) -> Mechanism:
+    """The one of a model, with `still` also that of the model without gravity."""
+    if not isinstance(m, Model):
+        raise TypeError(f"m: expected a Model, got {type(m).__name__}")
+    found = _of_models.get(m)
+    if found is None:
+        key = hashlib.sha256(repr(m.__getstate__()).encode()).hexdigest()
+        found = _by_key.get(key) or Mechanism(m, key)
+        _by_key[key] = _of_models[m] = found
+    if still and found.still is None:
+        found.still = mechanism_of(m.with_gravity(np.zeros(3)))
+    return found
+
+
+def _product(a: Array, b: Array) -> Array:
+    """Of quaternions x y z w."""
+    x, y, z, w = (a[..., k] for k in range(4))
+    X, Y, Z, W = (b[..., k] for k in range(4))
+    return jnp.stack([w * X + x * W + y * Z - z * Y, w * Y - x * Z + y * W + z * X,
+                      w * Z + x * Y - y * X + z * W, w * W - x * X - y * Y - z * Z], axis=-1)
+
+
+def _conjugate(a: Array) -> Array:
+    return a * np.array([-1, -1, -1, 1], dtype=a.dtype)
+
+
+def _turned(a: Array, r: Array) -> Array:
+    """R r with the rotation R of a quaternion a of any length."""
+    u, w = a[..., :3], a[..., 3:]
+    t = jnp.cross(u, r)
+    return r + 2 * (w * t + jnp.cross(u, t)) / jnp.sum(a * a, axis=-1, keepdims=True)
+
+
+def _turned_in_plane(angle: Array, r: Array) -> Array:
+    s, c = jnp.sin(angle), jnp.cos(angle)
+    return jnp.stack([c * r[..., 0] - s * r[..., 1], s * r[..., 0] + c * r[..., 1]], axis=-1)
+
+
+def _in_order(parts: list[Array], order: NDArray[np.int_]) -> Array:
+    lead = parts[0].shape[:-1]
+    return jnp.concatenate([each.reshape(*lead, -1) for each in parts], axis=-1)[..., order]
+
+
+def velocities_of(m: Mechanism, q: Array, dq: Array) -> Array:
+    """v from dq/dt. What changes the length of a quaternion is left out, and quaternions count as brought to length 1."""
+    if m.is_vector:
+        return dq
+    parts = [dq[..., m.plain_q]]
+    a = q[..., m.turn_q]
+    parts.append(2 * _product(_conjugate(a), dq[..., m.turn_q])[..., :3] / jnp.sum(a * a, axis=-1, keepdims=True))
+    parts.append(_turned(_conjugate(q[..., m.base_q]), dq[..., m.place_q]))
+    plane = dq[..., m.plane_q]
+    parts.append(jnp.concatenate([plane[..., :1], _turned_in_plane(-q[..., m.plane_q[:, 0]], plane[..., 1:])], axis=-1))
+    return _in_order(parts, m.from_parts_v)
+
+
+def rates_of(m: Mechanism, q: Array, v: Array) -> Array:
+    """dq/dt from v."""
+    if m.is_vector:
+        return v
+    parts = [v[..., m.plain_v]]
+    w = v[..., m.turn_v]
+    parts.append(0.5 * _product(q[..., m.turn_q], jnp.concatenate([w, jnp.zeros_like(w[..., :1])], axis=-1)))
+    parts.append(_turned(q[..., m.base_q], v[..., m.place_v]))
+    plane = v[..., m.plane_v]
+    parts.append(jnp.concatenate([plane[..., :1], _turned_in_plane(q[..., m.plane_q[:, 0]], plane[..., 1:])], axis=-1))
+    return _in_order(parts, m.from_parts_q)
+
+
+def _sinc(s: Array) -> Array:
+    """sin(x)/x as a function of s = x², which can be differentiated at 0."""
+    near = s < 0.01
+    x = jnp.sqrt(jnp.where(near, 1, s))
+    return jnp.where(near, 1 - s / 6 * (1 - s / 20 * (1 - s / 42 * (1 - s / 72 * (1 - s / 110)))), jnp.sin(x) / x)
+
+
+def _rest_of_sinc(s: Array) -> Array:
+    """(1 - sin(x)/x) / x² of the same."""
+    near = s < 0.01
+    series = (1 - s / 20 * (1 - s / 42 * (1 - s / 72 * (1 - s / 110)))) / 6
+    return jnp.where(near, series, (1 - _sinc(s)) / jnp.where(near, 1, s))
+
+
+def _exp_quaternion(w: Array) -> Array:
+    s = jnp.sum(w * w, axis=-1, keepdims=True) / 4
+    return jnp.concatenate([0.5 * _sinc(s) * w, 1 - 0.5 * s * _sinc(s / 4) ** 2], axis=-1)
+
+
+def _carried(w: Array, v: Array) -> Array:
+    """dexp_w v: how far a screw motion with the rotation vector w goes."""
+    s, t = jnp.sum(w * w, axis=-1, keepdims=True), jnp.cross(w, v)
+    return v + 0.5 * _sinc(s / 4) ** 2 * t + _rest_of_sinc(s) * jnp.cross(w, t)
+
+
+def integrated(m: Mechanism, q: Array, dv: Array) -> Array:
+    """q (+) dv."""
+    if m.is_vector:
+        return q + dv
+    parts = [q[..., m.plain_q] + dv[..., m.plain_v]]
+    parts.append(_product(q[..., m.turn_q], _exp_quaternion(dv[..., m.turn_v])))
+    moved = _carried(dv[..., m.place_v - 3], dv[..., m.place_v])
+    parts.append(q[..., m.place_q] + _turned(q[..., m.base_q], moved))
+    plane, by = q[..., m.plane_q], dv[..., m.plane_v]
+    axis = jnp.concatenate([jnp.zeros_like(by[..., :2]), by[..., :1]], axis=-1)
+    ahead = _carried(axis, jnp.concatenate([by[..., 1:], jnp.zeros_like(by[..., :1])], axis=-1))[..., :2]
+    parts.append(jnp.concatenate([plane[..., :1] + by[..., :1], plane[..., 1:] + _turned_in_plane(plane[..., 0], ahead)],
+                                 axis=-1))
+    return _in_order(parts, m.from_parts_q)
