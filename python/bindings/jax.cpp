@@ -185,6 +185,7 @@ class StatesOf {
         double* const a = &numbers[k * static_cast<std::size_t>(model_.nq()) +
                                    static_cast<std::size_t>(model_.joint(i).iq)];
         const double length = std::sqrt(a[0] * a[0] + a[1] * a[1] + a[2] * a[2] + a[3] * a[3]);
+        if (std::abs(length - 1) <= 4 * std::numeric_limits<double>::epsilon()) continue;
         if (std::abs(length - 1) <= tolerance) {
           for (int c = 0; c < 4; ++c) a[c] /= length;
         } else if (std::isnan(length)) {

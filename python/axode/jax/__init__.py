@@ -23,7 +23,7 @@ import jax.numpy as jnp
 
 from .._axode import Model
 from .calls import motion, state_function, twists_by
-from .mechanism import Array, Mechanism, integrated, mechanism_of, rates_of, velocities_of
+from .mechanism import Array, Mechanism, cross, integrated, mechanism_of, rates_of, velocities_of
 
 __all__ = [
     "accelerations", "center_of_mass", "coordinate_rates", "coriolis_vector", "forward_dynamics", "gravity_torques",
@@ -329,7 +329,7 @@ def _from_spatial(V: Array, columns: Array, representation: Representation) -> A
     if representation == "spatial":
         return V
     w, R, r = V[..., :3], columns[..., :3, :], columns[..., 3, :]
-    dr = V[..., 3:] + jnp.cross(w, r)
+    dr = V[..., 3:] + cross(w, r)
     if representation != "hybrid":
         w = jnp.einsum("...kc,...c->...k", R, w)
     if representation == "body":

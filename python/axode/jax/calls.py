@@ -19,7 +19,7 @@ from jax.extend.core import Primitive
 from jax.interpreters import ad, batching, mlir
 
 from .._axode import jax as _jax
-from .mechanism import Array, Mechanism, rates_of, velocities_of
+from .mechanism import Array, Mechanism, cross, rates_of, velocities_of
 
 __all__ = ["motion", "state_function"]
 
@@ -198,10 +198,10 @@ def _kinematics_tangent(function: str, m: Mechanism, q: Array, dq: Array, value:
     if function == "joint_screws":
         V = twists_by(m, m.moves_screw, screws, v)
         w, u = screws[..., :3], screws[..., 3:]
-        return jnp.concatenate([jnp.cross(V[..., :3], w), jnp.cross(V[..., :3], u) + jnp.cross(V[..., 3:], w)], axis=-1)
+        return jnp.concatenate([cross(V[..., :3], w), cross(V[..., :3], u) + cross(V[..., 3:], w)], axis=-1)
     V = twists_by(m, m.moves_frame, screws, v)
     columns = value.reshape(*value.shape[:-1], 4, 3)  # of R, and r
-    turned = jnp.cross(V[..., None, :3], columns)
+    turned = cross(V[..., None, :3], columns)
     return (turned.at[..., 3, :].add(V[..., 3:])).reshape(value.shape)
 
 

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from .._axode import Model
 from .._axode import jax as _jax
 
-__all__ = ["Mechanism", "integrated", "mechanism_of", "rates_of", "velocities_of"]
+__all__ = ["Mechanism", "cross", "integrated", "mechanism_of", "rates_of", "velocities_of"]
 
 Array = Any  # of JAX, or a tracer
 
@@ -111,23 +111,44 @@ def mechanism_of(m: Model, still: bool = False) -> Mechanism:
     return found
 
 
+# Products of vectors and of quaternions, and R |a|^2 of a quaternion a, as linear maps: XLA compiles few operations quickly.
+_CROSS = np.zeros((3, 3, 3))
+for _i, _j, _k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
+    _CROSS[_i, _j, _k], _CROSS[_i, _k, _j] = 1, -1  # [of the result, of a, of b]
+_QUATERNION = np.zeros((4, 4, 4))
+_QUATERNION[:3, :3, :3] = _CROSS
+_QUATERNION[3] = np.diag([-1, -1, -1, 1])
+_QUATERNION[np.arange(3), 3, np.arange(3)] = _QUATERNION[np.arange(3), np.arange(3), 3] = 1
+_CONJUGATE = np.diag([-1.0, -1, -1, 1])
+#: [of the row, of the column, of a, of a]: R r = Im(a (r; 0) a*)
+_ROTATION = np.einsum("ipm,pnj,mk->ijnk", _QUATERNION[:3], _QUATERNION[:, :, :3], _CONJUGATE)
+
+
+def _bilinear(table: NDArray[np.float64], a: Array, b: Array) -> Array:
+    n, k, l = table.shape
+    rows = (a @ np.moveaxis(table, 1, 0).reshape(k, n * l).astype(a.dtype)).reshape(*a.shape[:-1], n, l)
+    return jnp.sum(rows * b[..., None, :], axis=-1)
+
+
+def cross(a: Array, b: Array) -> Array:
+    """a x b."""
+    return _bilinear(_CROSS, a, b)
+
+
 def _product(a: Array, b: Array) -> Array:
     """Of quaternions x y z w."""
-    x, y, z, w = (a[..., k] for k in range(4))
-    X, Y, Z, W = (b[..., k] for k in range(4))
-    return jnp.stack([w * X + x * W + y * Z - z * Y, w * Y - x * Z + y * W + z * X,
-                      w * Z + x * Y - y * X + z * W, w * W - x * X - y * Y - z * Z], axis=-1)
+    return _bilinear(_QUATERNION, a, b)
 
 
 def _conjugate(a: Array) -> Array:
-    return a * np.array([-1, -1, -1, 1], dtype=a.dtype)
+    return a * np.diag(_CONJUGATE).astype(a.dtype)
 
 
 def _turned(a: Array, r: Array) -> Array:
     """R r with the rotation R of a quaternion a of any length."""
-    u, w = a[..., :3], a[..., 3:]
-    t = jnp.cross(u, r)
-    return r + 2 * (w * t + jnp.cross(u, t)) / jnp.sum(a * a, axis=-1, keepdims=True)
+    pairs = (a[..., :, None] * a[..., None, :]).reshape(*a.shape[:-1], 16)
+    R = (pairs @ _ROTATION.reshape(9, 16).T.astype(a.dtype)).reshape(*a.shape[:-1], 3, 3)
+    return jnp.sum(R * r[..., None, :], axis=-1) / jnp.sum(a * a, axis=-1, keepdims=True)
 
 
 def _turned_in_plane(angle: Array, r: Array) -> Array:
@@ -136,20 +157,25 @@ def _turned_in_plane(angle: Array, r: Array) -> Array:
 
 
 def _in_order(parts: list[Array], order: NDArray[np.int_]) -> Array:
-    lead = parts[0].shape[:-1]
-    return jnp.concatenate([each.reshape(*lead, -1) for each in parts], axis=-1)[..., order]
+    """The numbers of joints of one kind behind those of the other, (..., joints, numbers), in their places."""
+    flat = [each.reshape(*each.shape[:-2], each.shape[-2] * each.shape[-1]) for each in parts if each.shape[-2]]
+    return jnp.concatenate(flat, axis=-1)[..., order]
 
 
 def velocities_of(m: Mechanism, q: Array, dq: Array) -> Array:
     """v from dq/dt. What changes the length of a quaternion is left out, and quaternions count as brought to length 1."""
     if m.is_vector:
         return dq
-    parts = [dq[..., m.plain_q]]
-    a = q[..., m.turn_q]
-    parts.append(2 * _product(_conjugate(a), dq[..., m.turn_q])[..., :3] / jnp.sum(a * a, axis=-1, keepdims=True))
-    parts.append(_turned(_conjugate(q[..., m.base_q]), dq[..., m.place_q]))
-    plane = dq[..., m.plane_q]
-    parts.append(jnp.concatenate([plane[..., :1], _turned_in_plane(-q[..., m.plane_q[:, 0]], plane[..., 1:])], axis=-1))
+    parts = [dq[..., m.plain_q[:, None]]]
+    if m.turn_q.size:
+        a = q[..., m.turn_q]
+        w = 2 * _product(_conjugate(a), dq[..., m.turn_q])[..., :3]
+        parts.append(w / jnp.sum(a * a, axis=-1, keepdims=True))
+    if m.place_q.size:
+        parts.append(_turned(_conjugate(q[..., m.base_q]), dq[..., m.place_q]))
+    if m.plane_q.size:
+        plane = dq[..., m.plane_q]
+        parts.append(jnp.concatenate([plane[..., :1], _turned_in_plane(-q[..., m.plane_q[:, 0]], plane[..., 1:])], axis=-1))
     return _in_order(parts, m.from_parts_v)
 
 
@@ -157,12 +183,15 @@ def rates_of(m: Mechanism, q: Array, v: Array) -> Array:
     """dq/dt from v."""
     if m.is_vector:
         return v
-    parts = [v[..., m.plain_v]]
-    w = v[..., m.turn_v]
-    parts.append(0.5 * _product(q[..., m.turn_q], jnp.concatenate([w, jnp.zeros_like(w[..., :1])], axis=-1)))
-    parts.append(_turned(q[..., m.base_q], v[..., m.place_v]))
-    plane = v[..., m.plane_v]
-    parts.append(jnp.concatenate([plane[..., :1], _turned_in_plane(q[..., m.plane_q[:, 0]], plane[..., 1:])], axis=-1))
+    parts = [v[..., m.plain_v[:, None]]]
+    if m.turn_q.size:
+        w = v[..., m.turn_v]
+        parts.append(0.5 * _product(q[..., m.turn_q], jnp.concatenate([w, jnp.zeros_like(w[..., :1])], axis=-1)))
+    if m.place_q.size:
+        parts.append(_turned(q[..., m.base_q], v[..., m.place_v]))
+    if m.plane_q.size:
+        plane = v[..., m.plane_v]
+        parts.append(jnp.concatenate([plane[..., :1], _turned_in_plane(q[..., m.plane_q[:, 0]], plane[..., 1:])], axis=-1))
     return _in_order(parts, m.from_parts_q)
 
 
@@ -187,21 +216,24 @@ def _exp_quaternion(w: Array) -> Array:
 
 def _carried(w: Array, v: Array) -> Array:
     """dexp_w v: how far a screw motion with the rotation vector w goes."""
-    s, t = jnp.sum(w * w, axis=-1, keepdims=True), jnp.cross(w, v)
-    return v + 0.5 * _sinc(s / 4) ** 2 * t + _rest_of_sinc(s) * jnp.cross(w, t)
+    s, t = jnp.sum(w * w, axis=-1, keepdims=True), cross(w, v)
+    return v + 0.5 * _sinc(s / 4) ** 2 * t + _rest_of_sinc(s) * cross(w, t)
 
 
 def integrated(m: Mechanism, q: Array, dv: Array) -> Array:
     """q (+) dv."""
     if m.is_vector:
         return q + dv
-    parts = [q[..., m.plain_q] + dv[..., m.plain_v]]
-    parts.append(_product(q[..., m.turn_q], _exp_quaternion(dv[..., m.turn_v])))
-    moved = _carried(dv[..., m.place_v - 3], dv[..., m.place_v])
-    parts.append(q[..., m.place_q] + _turned(q[..., m.base_q], moved))
-    plane, by = q[..., m.plane_q], dv[..., m.plane_v]
-    axis = jnp.concatenate([jnp.zeros_like(by[..., :2]), by[..., :1]], axis=-1)
-    ahead = _carried(axis, jnp.concatenate([by[..., 1:], jnp.zeros_like(by[..., :1])], axis=-1))[..., :2]
-    parts.append(jnp.concatenate([plane[..., :1] + by[..., :1], plane[..., 1:] + _turned_in_plane(plane[..., 0], ahead)],
-                                 axis=-1))
+    parts = [q[..., m.plain_q[:, None]] + dv[..., m.plain_v[:, None]]]
+    if m.turn_q.size:
+        parts.append(_product(q[..., m.turn_q], _exp_quaternion(dv[..., m.turn_v])))
+    if m.place_q.size:
+        moved = _carried(dv[..., m.place_v - 3], dv[..., m.place_v])
+        parts.append(q[..., m.place_q] + _turned(q[..., m.base_q], moved))
+    if m.plane_q.size:
+        plane, by = q[..., m.plane_q], dv[..., m.plane_v]
+        axis = jnp.concatenate([jnp.zeros_like(by[..., :2]), by[..., :1]], axis=-1)
+        ahead = _carried(axis, jnp.concatenate([by[..., 1:], jnp.zeros_like(by[..., :1])], axis=-1))[..., :2]
+        parts.append(jnp.concatenate(
+            [plane[..., :1] + by[..., :1], plane[..., 1:] + _turned_in_plane(plane[..., 0], ahead)], axis=-1))
     return _in_order(parts, m.from_parts_q)

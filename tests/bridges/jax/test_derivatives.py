@@ -1,0 +1,153 @@
+"""Derivatives of axode.jax, forward, in reverse and twice, are those of the functions of the numbers as they are."""
+
+import axode
+import axode.jax
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+from mechanisms import MECHANISMS, close, random_states
+
+SHORT = 1e-5  # s; the machine moves fast
+NEAR = 4e-7  # of quaternions that are not refused
+
+
+def differences(f, x):
+    """The derivative by each number, an axis behind."""
+    step = np.eye(x.size).reshape(x.size, *x.shape) * NEAR
+    columns = [(np.asarray(f(x + d)) - np.asarray(f(x - d))) / (2 * NEAR) for d in step]
+    return np.stack(columns, axis=-1).reshape(*np.shape(columns[0]), *x.shape)
+
+
+def scalars(m):
+    """Weighed sums of all results of functions of q."""
+    random = np.random.default_rng(1)
+    q, v, x, _ = random_states(m, 1)
+    _, v, x = q[0], v[0], x[0]
+
+    size = np.diagonal(axode.inverse_mass_matrix(m, q[0])) ** -0.5  # entries of very different sizes make large ones
+
+    def weigh(f):
+        shape = jax.eval_shape(f, q[0]).shape
+        weights = random.uniform(-1, 1, shape)
+        return lambda q: jnp.sum(weights * f(q))
+
+    return q[0], {
+        "inverse_dynamics": weigh(lambda q: axode.jax.inverse_dynamics(m, q, v, x, joint_losses=True)),
+        "forward_dynamics": weigh(lambda q: axode.jax.forward_dynamics(m, q, v, 1e-2 * x)),
+        "mass_matrix": weigh(lambda q: axode.jax.mass_matrix(m, q)),
+        "inverse_mass_matrix": weigh(lambda q: size * axode.jax.inverse_mass_matrix(m, q) * size[:, None]),
+        "kinetic_energy": weigh(lambda q: axode.jax.kinetic_energy(m, q, v)),
+        "potential_energy": weigh(lambda q: axode.jax.potential_energy(m, q)),
+        "poses": weigh(lambda q: axode.jax.poses(m, q)),
+        "jacobian": weigh(lambda q: axode.jax.jacobian(m, q, m.frame_names[-1], "mixed", offset=[0.1, 0.2, 0.3])),
+    }
+
+
+@pytest.mark.parametrize("name, function", [
+    *(("machine", function) for function in ("inverse_dynamics", "forward_dynamics", "mass_matrix", "inverse_mass_matrix",
+                                             "kinetic_energy", "potential_energy", "poses", "jacobian")),
+    *(("arm", function) for function in ("inverse_dynamics", "forward_dynamics", "inverse_mass_matrix", "jacobian")),
+    *(("humanoid", function) for function in ("inverse_dynamics", "forward_dynamics", "poses"))])
+def test_gradients_and_hessians_are_those_of_differences(name, function):
+    q, all_functions = scalars(MECHANISMS[name])
+    f = all_functions[function]
+    gradient = jax.jit(jax.grad(f))
+    many = jax.jit(jax.vmap(f))
+    step = NEAR * np.eye(q.size)
+    by_differences = (many(q + step) - many(q - step)) / (2 * NEAR)
+    assert close(np.asarray(gradient(q)), np.asarray(by_differences), 3e-5)
+    H = np.asarray(jax.jit(jax.hessian(f))(q))
+    assert close(H, H.T, 1e-10)
+    assert close(H, differences(gradient, q), 1e-5)
+
+
+@pytest.mark.parametrize("name, function", [("machine", axode.jax.inverse_dynamics), ("arm", axode.jax.forward_dynamics)])
+def test_forward_and_reverse_mode_agree_in_any_order(name, function):
+    m = MECHANISMS[name]
+    q, v, x, _ = (each[0] for each in random_states(m, 1))
+    f = lambda q, v, x: function(m, q, v, x)  # noqa: E731
+    forward, reverse = (jax.jit(D(f, argnums=(0, 1, 2)))(q, v, x) for D in (jax.jacfwd, jax.jacrev))
+    assert all(close(np.asarray(a), np.asarray(b)) for a, b in zip(forward, reverse))
+    s = lambda q, v, x: jnp.dot(v, f(q, v, x))  # noqa: E731
+    seconds = [jax.jit(D(E(s, argnums=(0, 1, 2)), argnums=(0, 1, 2)))(q, v, x)
+               for D, E in ((jax.jacfwd, jax.jacrev), (jax.jacrev, jax.jacrev), (jax.jacfwd, jax.jacfwd))]
+    for other in seconds[1:]:
+        assert all(close(np.asarray(a), np.asarray(b), 1e-9)
+                   for a, b in zip(jax.tree.leaves(seconds[0]), jax.tree.leaves(other)) if np.any(a))
+
+
+@pytest.mark.parametrize("name", MECHANISMS)
+def test_rollouts(name):
+    m = MECHANISMS[name]
+    q, v, x, _ = (each[0] for each in random_states(m, 1))
+    tau = np.stack([x, -x])
+    step = SHORT if name == "machine" else 1e-2
+    random = np.random.default_rng(2)
+    w_q, w_v = random.uniform(-1, 1, (3, m.nq)), random.uniform(-1, 1, (3, m.nv))
+
+    def f(q, v, tau):
+        q, v = axode.jax.rollout(m, q, v, tau, step)
+        return jnp.sum(w_q * q) + jnp.sum(w_v * v)
+
+    reverse = jax.jit(jax.grad(f, argnums=(0, 1, 2)))(q, v, tau)
+    forward = jax.jit(jax.jacfwd(f, argnums=(0, 1, 2)))(q, v, tau)
+    assert all(close(np.asarray(a), np.asarray(b), 1e-10) for a, b in zip(reverse, forward))
+    f = jax.jit(f)
+    assert close(np.asarray(reverse[0]), differences(lambda q: f(q, v, tau), q), 3e-5)
+    assert close(np.asarray(reverse[1]), differences(lambda v: f(q, v, tau), v), 1e-6)
+    if name != "machine":  # whose forces of 1 N do little in 20 us
+        assert close(np.asarray(reverse[2]), differences(lambda tau: f(q, v, tau), tau), 1e-5)
+
+
+def test_gradients_of_many_states_are_those_of_each():
+    m = MECHANISMS["humanoid"]
+    q, v, x, _ = random_states(m, 7)
+    gradient = jax.grad(lambda q, v: jnp.sum(axode.jax.inverse_dynamics(m, q, v, v) ** 2))
+    together = jax.jit(jax.vmap(gradient))
+    assert together.lower(q, v).as_text().count("@axode_state_function") <= 2  # the value and the product
+    one = jax.jit(gradient)
+    assert close(np.asarray(together(q, v)), np.array([one(*each) for each in zip(q, v)]))
+
+
+def test_a_quaternion_has_no_derivative_along_itself():
+    m = MECHANISMS["humanoid"]
+    q, v, x, _ = (each[0] for each in random_states(m, 1))
+    gradient = np.asarray(jax.jit(jax.grad(lambda q: jnp.sum(axode.jax.inverse_dynamics(m, q, v, x))))(q))
+    assert abs(gradient[:4] @ q[:4]) < 1e-12 * np.abs(gradient).max()
+    by_velocities = axode.inverse_dynamics_vjp(m, q, v, x, np.ones(m.nv)).q
+    assert close(gradient @ m.coordinate_rates(q, v), by_velocities @ v)
+    assert close(np.asarray(axode.jax.inverse_dynamics(m, q * (1 + 5e-7), v, x)),
+                 axode.inverse_dynamics(m, m.normalize(q * np.where(np.arange(m.nq) < 4, 1, 1 + 5e-7)), v, x), 1e-9)
+
+
+def test_small_turns_have_derivatives():
+    m = MECHANISMS["machine"]
+    q = m.random(seed=1)
+    weights = np.random.default_rng(3).uniform(-1, 1, m.nq)
+    f = lambda dv: jnp.dot(weights, axode.jax.integrate(m, q, dv))  # noqa: E731
+    gradient = jax.jit(jax.grad(f))
+    for size in (0.0, 1e-9, 0.09, 0.11, 2.0):
+        dv = size * np.random.default_rng(4).uniform(-1, 1, m.nv)
+        steps = 1e-5 * np.eye(m.nv)
+        values = [(weights @ m.integrate(q, dv + d) - weights @ m.integrate(q, dv - d)) / 2e-5 for d in steps]
+        assert close(np.asarray(gradient(dv)), np.array(values), 1e-8)
+    H = jax.jit(jax.hessian(f))(np.zeros(m.nv))
+    assert np.all(np.isfinite(H)) and close(np.asarray(H), np.asarray(H.T))
+
+
+def test_what_has_no_derivative_says_so():
+    m = MECHANISMS["arm"]
+    q, v, x, _ = (each[0] for each in random_states(m, 1))
+    third = jax.jacfwd(jax.hessian(lambda q: axode.jax.inverse_dynamics(m, q, v, x)[0]))
+    with pytest.raises(NotImplementedError, match="first and second derivatives of inverse_dynamics; a third"):
+        jax.eval_shape(third, q)
+    with pytest.raises(NotImplementedError, match="first derivatives of rollout; a second .* forward_dynamics"):
+        jax.eval_shape(jax.hessian(lambda q: axode.jax.rollout(m, q, v, x[None], 0.01)[1][-1, 0]), q)
+
+
+def test_kinematics_have_derivatives_of_any_order():
+    m = axode.load(axode.robots / "double_pendulum.toml")
+    fourth = jax.jit(jax.jacfwd(jax.jacfwd(jax.hessian(lambda q: axode.jax.potential_energy(m, q)))))(np.array([0.3, 0.5]))
+    second = jax.jit(jax.hessian(lambda q: axode.jax.potential_energy(m, q)))(np.array([0.3, 0.5]))
+    assert close(np.asarray(fourth[1, 1, 1, 1]), -np.asarray(second[1, 1]))  # of -cos(q0 + q1)
