@@ -1,8 +1,8 @@
-"""The torques of a hop: a leg stands, leaps half a metre and stands again, by shooting with gradients from JAX."""
+"""The gait of a swimming snake: torques that take it furthest, by shooting through its motion with gradients from JAX."""
 
 # %% [markdown]
-# A trunk on a leg with a thigh, a shank and a foot moves in a plane. Springs in its joints hold it in a crouch; drives at
-# hip, knee and ankle shall make it leap. All numbers are at the crouch, in m and kg.
+# Six links, on a plane and in a viscous fluid that resists across a link ten times as much as along it. The joints have
+# springs, as of a flexible body, and a drive each. All numbers are in m, kg and s.
 
 # %%
 from typing import Any
@@ -12,104 +12,74 @@ import axode.jax
 import jax
 import jax.numpy as jnp
 import numpy as np
-from scipy.optimize import least_squares
+from scipy.optimize import minimize
 
 jax.config.update("jax_enable_x64", True)
 
-
-def turning(name: str, point: list[float], spring: float) -> dict[str, Any]:
-    return {"name": name, "kind": "revolute", "axis": "y", "point": point, "spring": {"stiffness": spring}}
-
-
-hopper = (
-    axode.Builder("hopper")
-    .body("trunk", joint={"name": "base", "kind": "planar", "axis": "-y", "point": [0, 0, 0]}, frame="joint",
-          mass=6, com=[0, 0, 0.75], inertia=[0.1, 0.1, 0.1])
-    .body("thigh", on="trunk", joint=turning("hip", [0, 0, 0.6], 300), mass=1.5, com=[0.1, 0, 0.47],
-          inertia=[0.015, 0.015, 0.015])
-    .body("shank", on="thigh", joint=turning("knee", [0.2, 0, 0.35], 300), mass=1.0, com=[0.1, 0, 0.2],
-          inertia=[0.01, 0.01, 0.01])
-    .body("foot", on="shank", joint=turning("ankle", [0, 0, 0.05], 300), mass=0.6, com=[0.02, 0, 0.02],
-          inertia=[0.002, 0.002, 0.002])
-    .frame("heel", on="foot", position=[-0.1, 0, 0])
-    .frame("toe", on="foot", position=[0.15, 0, 0])
-    .build()
-)
-soles = [hopper.frame_index(name) for name in ("heel", "toe")]
-drives = [hopper.joint(name).v.start for name in ("hip", "knee", "ankle")]
+links, length = 6, 0.2
+builder, before = axode.Builder("snake"), None
+for k in range(links):
+    joint: dict[str, Any] = {"name": "base", "kind": "planar", "axis": "z", "point": [0, 0, 0]} if k == 0 else {
+        "name": f"joint {k}", "kind": "revolute", "axis": "z", "point": [-length * (k - 0.5), 0, 0], "spring": {"stiffness": 0.5}}
+    builder.body(f"link {k}", on=before or "ground", joint=joint, frame="com", mass=0.3, com=[-length * k, 0, 0],
+                 inertia=[1e-4, 1e-3, 1e-3])
+    before = f"link {k}"
+snake = builder.build().with_gravity([0, 0, 0])
 
 # %% [markdown]
-# The ground is a spring and a damper under heel and toe, with friction that grows smoothly to its limit. What it does to the
-# joints is the transpose of a Jacobian times the force; the gradient goes through both.
+# The fluid's wrench on a link is linear in its twist. What it does to the joints is found without a Jacobian: the transpose
+# of the map from v to all twists, which JAX has from `vjp`.
 
 # %%
-stiffness, damping, friction = 3e3, 1.0, 0.8  # N/m, s/m, -
+resistance = np.zeros((snake.n_frames, 6))
+resistance[1:links + 1] = [0, 0, 0.01, 0.3, 3.0, 0]  # N m s about z, N s/m along and across
 
 
-def forces_of_the_ground(q: jax.Array, v: jax.Array) -> jax.Array:
-    places, total = axode.jax.poses(hopper, q), jnp.zeros(hopper.nv)
-    for sole in soles:
-        J = axode.jax.jacobian(hopper, q, sole, "hybrid")[jnp.array([3, 5])]  # of x and z
-        speed = J @ v
-        depth = 2e-3 * jax.nn.softplus(-places[sole, 2, 3] / 2e-3)
-        normal = stiffness * depth * jax.nn.softplus(5 * (1 - damping * speed[1])) / 5
-        total += J.T @ jnp.array([-friction * normal * jnp.tanh(speed[0] / 0.4), normal])
-    return total
+def forces_of_the_fluid(q: jax.Array, v: jax.Array) -> jax.Array:
+    V, transpose = jax.vjp(lambda v: axode.jax.twists(snake, q, v), v)
+    return transpose(-resistance * V)[0]
 
 
 # %% [markdown]
-# Torques are given at knots and go straight from one to the next. Each step of the motion is one of `rollout`, with the
-# ground's forces at its beginning.
+# Every joint has a torque of its own amplitude and phase, with the same period. Each step of the motion is one of `rollout`,
+# with the fluid's forces at its beginning.
 
 # %%
-duration, steps, knots = 0.7, 280, 15
-step = duration / steps
-times = np.linspace(0, duration, steps)
-fraction = np.array([np.interp(times, np.linspace(0, duration, knots), unit) for unit in np.eye(knots)]).T  # (steps, knots)
+period, periods, step = 1.0, 3, 0.01
+times = np.arange(0, periods * period, step)
+waves = np.stack([np.sin(2 * np.pi * times / period), np.cos(2 * np.pi * times / period)], axis=1)
 
 
-@jax.jit
-def motion(start: jax.Array, u: jax.Array) -> tuple[jax.Array, jax.Array]:
-    """From rest under torques u (knots, 3): where it ends, configuration and velocities, and all configurations."""
+def motion(u: jax.Array) -> tuple[jax.Array, jax.Array]:
+    """All configurations, and torques, under the sines and cosines u (2, links - 1), N m."""
     def one_step(state: tuple[jax.Array, jax.Array], torques: jax.Array) -> tuple[Any, jax.Array]:
         q, v = state
-        tau = forces_of_the_ground(q, v).at[jnp.array(drives)].add(torques)
-        q, v = axode.jax.rollout(hopper, q, v, tau[None], step)
+        tau = forces_of_the_fluid(q, v).at[3:].add(torques)
+        q, v = axode.jax.rollout(snake, q, v, tau[None], step)
         return (q[-1], v[-1]), q[-1]
 
-    (q, v), path = jax.lax.scan(one_step, (start, jnp.zeros(hopper.nv)), jnp.asarray(fraction) @ u)
-    return jnp.concatenate([q, v]), path
+    torques = jnp.asarray(waves) @ u
+    return jax.lax.scan(one_step, (jnp.zeros(snake.nq), jnp.zeros(snake.nv)), torques)[1], torques
 
 
 # %% [markdown]
-# First it settles on its springs. The end shall then be the beginning, 0.5 m further on and at rest again: that makes a gait
-# of it, one hop after the other. Torques cost a little.
+# It shall come far with little torque. At the beginning all drives beat together: what bends to and fro along one path gets
+# nowhere. The gradient finds the phases.
 
 # %%
-standing = jnp.asarray(hopper.neutral())
-for _ in range(5):
-    standing = motion(standing, jnp.zeros((knots, 3)))[0][:hopper.nq]
-wanted = jnp.concatenate([standing, jnp.zeros(hopper.nv)]).at[1].add(0.5)
-weights = jnp.array([20, 20, 20, 5, 5, 5, 1, 1, 1, 0.2, 0.2, 0.2])
+def cost(u: jax.Array) -> jax.Array:
+    path, torques = motion(u.reshape(2, links - 1))
+    return -axode.jax.center_of_mass(snake, path[-1])[0] + 0.3 * jnp.mean(torques ** 2)
 
 
-@jax.jit
-def residuals(u: jax.Array) -> jax.Array:
-    off = motion(standing, u.reshape(knots, 3))[0] - wanted
-    return jnp.concatenate([weights * off, 5e-3 * u])
-
-
-# %% [markdown]
-# Gauss and Newton's method wants the derivative by all 45 numbers. JAX takes the 45 directions through the motion at once,
-# each of them a state in the lanes of the library.
+first = np.stack([np.full(links - 1, 0.3), np.zeros(links - 1)])
+found = minimize(jax.jit(jax.value_and_grad(cost)), first.ravel(), jac=True, method="L-BFGS-B", options={"maxiter": 40})
 
 # %%
-found = least_squares(residuals, np.zeros(3 * knots), jac=jax.jit(jax.jacfwd(residuals)), bounds=(-150, 150), max_nfev=60)
-u = found.x.reshape(knots, 3)
-end, path = motion(standing, jnp.asarray(u))
-
-# %%
-heights = axode.poses(hopper, np.asarray(path))[:, soles, 2, 3].min(axis=1)
-print(f"it moves by {end[1] - standing[1]:.3f} m, {heights.max():.3f} m above the ground")
-print(f"at the end it is off the beginning by {np.abs(end[:6] - wanted[:6]).max():.3f}, its velocity is {np.abs(end[6:]).max():.3f}")
-print("largest torques of hip, knee and ankle in N m:", np.abs(u).max(axis=0).round(0))
+swim = jax.jit(motion)
+for name, u in (("together", first), ("found", found.x.reshape(2, links - 1))):
+    path, torques = swim(jnp.asarray(u))
+    way = axode.center_of_mass(snake, np.asarray(path))[:, 0]
+    print(f"{name}: {way[-1] - way[0]:.3f} m in {periods} periods, torques to {np.abs(torques).max():.2f} N m")
+phases = np.unwrap(np.arctan2(*found.x.reshape(2, links - 1)[::-1]))
+print("phases from head to tail in degrees:", np.degrees(phases - phases[0]).round())

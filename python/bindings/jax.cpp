@@ -9,6 +9,7 @@
 
 #include "axode/batch/portions.hpp"
 #include "axode/integration/sensitivities.hpp"
+#include "axode/model/edited.hpp"
 #include "bindings.hpp"
 #include "state_function.hpp"
 #include "xla_ffi.hpp"
@@ -215,49 +216,83 @@ class StatesOf {
 double tolerance_of(const Operand& q) { return q.is_double() ? 1e-6 : 1e-4; }
 
 /// Every state for itself.
-void one_by_one(const StatesOf& states, const std::function<void(Workspace<>&, std::size_t)>& f) {
-  batch::in_portions(states.count(), 1, states.threads(), {}, [&]() -> batch::Work {
-    return [&, workspace = std::make_shared<Workspace<>>(states.model())](std::size_t k, std::size_t) {
+void one_by_one(const Model& model, std::size_t count, int threads,
+                const std::function<void(Workspace<>&, std::size_t)>& f) {
+  batch::in_portions(count, 1, threads, {}, [&]() -> batch::Work {
+    return [&, workspace = std::make_shared<Workspace<>>(model)](std::size_t k, std::size_t) {
       f(*workspace, k);
     };
   });
+}
+
+using Inputs = std::vector<std::pair<catalog::Input, Doubles>>;
+
+/// A function of states first to first + count - 1 of a model.
+void evaluate(const catalog::Function<double>& row, const Model& model, const Inputs& inputs,
+              std::size_t states, std::size_t first, std::size_t count, bool losses, int threads,
+              const Answer& answer) {
+  const auto given = [&](std::size_t from, std::size_t n) {
+    catalog::Given<double> some{.loads = {.joint_losses = losses}};
+    for (const auto& [input, numbers] : inputs) {
+      const std::size_t item = numbers.all().size() / states;
+      catalog::numbers(some, input) = numbers.all().subspan(from * item, n * item);
+    }
+    return some;
+  };
+  const StateFunction::InLanes in_lanes = StateFunction::in_lanes(row.name);
+  if (in_lanes != nullptr && !losses && count > 1 && model.nq() > 0) {
+    const std::size_t item = answer.all().size() / states;
+    (void)in_lanes(model, given(first, count), answer.all().subspan(first * item, count * item), threads, {});
+  } else {
+    one_by_one(model, count, threads, [&](Workspace<>& workspace, std::size_t k) {
+      const std::span<double> out = answer[first + k];
+      if (!row.call(model, workspace, given(first + k, 1), out).ok()) std::ranges::fill(out, nan);
+    });
+  }
+}
+
+/// f(parameters, first, count) for runs of states with the same inertial parameters.
+template <class F> void each_run(std::span<const double> parameters, std::size_t states, const F& f) {
+  const std::size_t item = states == 0 ? 0 : parameters.size() / states;
+  for (std::size_t first = 0, end = 0; first < states; first = end) {
+    const std::span<const double> own = parameters.subspan(first * item, item);
+    for (end = first + 1; end < states && std::ranges::equal(own, parameters.subspan(end * item, item));)
+      ++end;
+    f(own, first, end - first);
+  }
 }
 
 void state_function(const Call& call) {
   const std::string name = call.text("function");
   const catalog::Function<double>* const row = catalog::find<Fast>(name);
   if (row == nullptr) throw std::invalid_argument("there is no function " + name);
-  const Operand of_q = call.argument(0, 1),
-                result = call.result(
-                    0, static_cast<int>(call.number<std::int64_t>("item_axes", xla::Type::int64)));
+  const auto item_axes = static_cast<int>(call.number<std::int64_t>("item_axes", xla::Type::int64));
+  const Operand of_q = call.argument(0, 1), result = call.result(0, item_axes);
   StatesOf states(call, of_q);
-  states.size_is(result, static_cast<int>(row->size(states.model(), 0)));
+  const Model& model = states.model();
+  states.size_is(result, static_cast<int>(row->size(model, 0)));
 
-  std::vector<std::pair<catalog::Input, Doubles>> inputs;
+  Inputs inputs;
   for (const catalog::Input input : catalog::inputs_of_numbers)
     if (row->takes_input(input)) {
       const Operand operand = call.argument(inputs.size(), 1);
-      if (input != catalog::Input::q) states.size_is(operand, states.model().nv());
+      if (input != catalog::Input::q) states.size_is(operand, model.nv());
       inputs.emplace_back(input, operand);
     }
   states.normalize(inputs.front().second, tolerance_of(of_q));
 
   const bool losses = call.number<bool>("joint_losses", xla::Type::boolean);
   const Answer answer(result);
-  const StateFunction::InLanes in_lanes = StateFunction::in_lanes(name);
-  if (in_lanes != nullptr && !losses && states.count() > 1 && states.model().nq() > 0) {
-    catalog::Given<double> all{};
-    for (const auto& [input, numbers] : inputs) catalog::numbers(all, input) = numbers.all();
-    (void)in_lanes(states.model(), all, answer.all(), states.threads(), {});
-  } else {
-    one_by_one(states, [&](Workspace<>& workspace, std::size_t k) {
-      catalog::Given<double> one{.loads = {.joint_losses = losses}};
-      for (const auto& [input, numbers] : inputs) {
-        const std::size_t item = numbers.all().size() / states.count();
-        catalog::numbers(one, input) = numbers.all().subspan(k * item, item);
-      }
-      if (!row->call(states.model(), workspace, one, answer[k]).ok()) std::ranges::fill(answer[k], nan);
-    });
+  if (call.number<bool>("parameters", xla::Type::boolean)) {
+    const Operand operand = call.argument(inputs.size(), 1);
+    states.size_is(operand, 10 * model.n_bodies());
+    each_run(Doubles(operand).all(), states.count(),
+             [&](auto parameters, std::size_t first, std::size_t count) {
+               evaluate(*row, with_parameters(model, parameters), inputs, states.count(), first, count,
+                        losses, states.threads(), answer);
+             });
+  } else if (states.count() > 0) {
+    evaluate(*row, model, inputs, states.count(), 0, states.count(), losses, states.threads(), answer);
   }
   states.deliver(answer);
 }
@@ -293,7 +328,7 @@ void motion(const Call& call) {
       const std::size_t size = numbers.all().size() / states.count();
       return numbers.all().subspan(k * size, size);
     };
-    one_by_one(states, [&](Workspace<>&, std::size_t k) {
+    one_by_one(m, states.count(), states.threads(), [&](Workspace<>&, std::size_t k) {
       if (jvp)
         (void)rollout_jvp(m, item(q, k), item(v, k), item(tau, k), step, item(more[0], k), item(more[1], k),
                           item(more[2], k), answers.at(0)[k], answers.at(1)[k]);
@@ -358,17 +393,20 @@ nb::dict structure(const BoundModel& m) {
 }  // namespace
 
 void add_jax(nb::module_& jax) {
-  jax.def("handlers", [] {
-    nb::dict all;
-    all["axode_state_function"] = capsule(&handler<&state_function>);
-    all["axode_motion"] = capsule(&handler<&motion>);
-    return all;
-  });
+  jax.def(
+      "handlers",
+      [] {
+        nb::dict all;
+        all["axode_state_function"] = capsule(&handler<&state_function>);
+        all["axode_motion"] = capsule(&handler<&motion>);
+        return all;
+      },
+      nb::sig("def handlers() -> dict[str, object]"));
   jax.def(
       "add", [](const std::string& key, const BoundModel& m) { mechanisms().add(key, *m); }, "key"_a, "m"_a);
   jax.def(
       "remove", [](const std::string& key) { mechanisms().remove(key); }, "key"_a);
-  jax.def("structure", &structure, "m"_a);
+  jax.def("structure", &structure, "m"_a, nb::sig("def structure(m: object) -> dict[str, list[typing.Any]]"));
 }
 
 }  // namespace axode::python

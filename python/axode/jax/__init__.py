@@ -6,7 +6,7 @@ arguments. A model is static: close over it, or make it a static argument. Deriv
 quaternions counting as brought to length 1; off 1 by more than 1e-6 (1e-4 in float32) is an error. A state that has no
 result, for its mass matrix is singular or its numbers overflow, has NaN.
 
-The functions compute on the CPU. `pip install axode[jax]` brings JAX.
+The functions compute on the CPU. Needs JAX: pip install "axode[jax]".
 """
 
 from __future__ import annotations
@@ -16,10 +16,10 @@ from typing import Any, Literal
 import numpy as np
 
 try:
-    import jax
-except ModuleNotFoundError as _missing:
-    raise ImportError("axode.jax needs JAX; pip install axode[jax] brings it") from _missing
-import jax.numpy as jnp
+    import jax  # type: ignore[import-not-found, unused-ignore]
+    import jax.numpy as jnp  # type: ignore[import-not-found, unused-ignore]
+except ImportError as error:
+    raise ImportError('axode.jax needs JAX: pip install "axode[jax]"') from error
 
 from .._axode import Model
 from .calls import motion, state_function, twists_by
@@ -34,25 +34,29 @@ __all__ = [
 Representation = Literal["body", "spatial", "hybrid", "mixed"]
 
 
-def inverse_dynamics(m: Model, q: Array, v: Array, a: Array, *, joint_losses: bool = False, threads: int = 1) -> Array:
+def inverse_dynamics(m: Model, q: Array, v: Array, a: Array, *, parameters: Array | None = None,
+                     joint_losses: bool = False, threads: int = 1) -> Array:
     """The drive forces (..., nv) that make the accelerations a, see `axode.inverse_dynamics`.
 
-    First and second derivatives. O(n); a product with its derivative or the transpose costs about the same again, a Hessian
-    O(n^2). Loads on frames are added with `jacobian`.
+    `parameters` (..., 10 n_bodies) take the place of `m.parameters`; for each run of states with other ones a model is made.
+    First and second derivatives, by the parameters first ones. O(n); a product with its derivative or the transpose costs
+    about the same again, a Hessian O(n^2). Loads on frames are added with `jacobian`.
 
     >>> q = jnp.full(7, 0.3)
     >>> axode.jax.inverse_dynamics(arm, q, 0 * q, 0 * q).shape
     (7,)
     """
     of = _without_loops(m, "inverse_dynamics")
-    given = _arrays(of, q=q, v=v, a=a)
-    return state_function("inverse_dynamics", of, *given, joint_losses=bool(joint_losses), threads=_positive(threads))
+    given = _arrays(of, q=q, v=v, a=a, **({} if parameters is None else {"parameters": parameters}))
+    return state_function("inverse_dynamics", of, *given, joint_losses=bool(joint_losses), parameters=parameters is not None,
+                          threads=_positive(threads))
 
 
-def forward_dynamics(m: Model, q: Array, v: Array, tau: Array, *, joint_losses: bool = False, threads: int = 1) -> Array:
+def forward_dynamics(m: Model, q: Array, v: Array, tau: Array, *, parameters: Array | None = None,
+                     joint_losses: bool = False, threads: int = 1) -> Array:
     """The accelerations (..., nv) that the drive forces tau make, see `axode.forward_dynamics`; NaN where M is singular.
 
-    First and second derivatives, at costs as in `inverse_dynamics`, a Hessian O(n^3).
+    Parameters, derivatives and costs as in `inverse_dynamics`; a Hessian takes O(n^3).
 
     >>> q = jnp.full(7, 0.3)
     >>> tau = axode.jax.inverse_dynamics(arm, q, 0 * q, q)
@@ -60,8 +64,9 @@ def forward_dynamics(m: Model, q: Array, v: Array, tau: Array, *, joint_losses: 
     True
     """
     of = _without_loops(m, "forward_dynamics")
-    given = _arrays(of, q=q, v=v, tau=tau)
-    return state_function("forward_dynamics", of, *given, joint_losses=bool(joint_losses), threads=_positive(threads))
+    given = _arrays(of, q=q, v=v, tau=tau, **({} if parameters is None else {"parameters": parameters}))
+    return state_function("forward_dynamics", of, *given, joint_losses=bool(joint_losses), parameters=parameters is not None,
+                          threads=_positive(threads))
 
 
 def mass_matrix(m: Model, q: Array, *, threads: int = 1) -> Array:
@@ -277,10 +282,11 @@ def _arrays(m: Mechanism, rows: bool = False, **given: Array) -> list[Array]:
     if dtype not in (np.float32, np.float64):
         name = next(name for name, x in arrays.items() if x.dtype not in (np.float32, np.float64))
         raise TypeError(f"{name}: expected numbers of float32 or float64, got {arrays[name].dtype}")
+    sizes = {"q": (m.nq, "nq coordinates"), "dq": (m.nq, "nq coordinates"), "parameters": (10 * m.n_bodies, "ten for each body")}
     leads = []
     for name, x in arrays.items():
         last = 2 if rows and name == "tau" else 1
-        length, what = (m.nq, "nq coordinates") if name in ("q", "dq") else (m.nv, "nv numbers")
+        length, what = sizes.get(name, (m.nv, "nv numbers"))
         if x.ndim < last or x.shape[-1] != length:
             expected = f"(..., K, {length})" if last == 2 else f"(..., {length})"
             raise ValueError(f"{name}: expected shape {expected} with {what}, got {x.shape}")
@@ -289,7 +295,12 @@ def _arrays(m: Mechanism, rows: bool = False, **given: Array) -> list[Array]:
         lead = jnp.broadcast_shapes(*leads)
     except ValueError:
         raise ValueError(f"the axes in front of {', '.join(arrays)} do not go together: {', '.join(map(str, leads))}") from None
-    return [jnp.broadcast_to(x.astype(dtype), (*lead, *x.shape[len(own):])) for own, x in zip(leads, arrays.values())]
+    return [_broadcast(x if x.dtype == dtype else x.astype(dtype), (*lead, *x.shape[len(own):]))
+            for own, x in zip(leads, arrays.values())]
+
+
+def _broadcast(x: Array, shape: tuple[int, ...]) -> Array:
+    return x if x.shape == shape else jnp.broadcast_to(x, shape)
 
 
 def _positive(threads: int) -> int:

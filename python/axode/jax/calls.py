@@ -12,11 +12,11 @@ import functools
 from collections.abc import Callable, Sequence
 from typing import Any
 
-import jax
-import jax.numpy as jnp
+import jax  # type: ignore[import-not-found, unused-ignore]
+import jax.numpy as jnp  # type: ignore[import-not-found, unused-ignore]
 import numpy as np
-from jax.extend.core import Primitive
-from jax.interpreters import ad, batching, mlir
+from jax.extend.core import Primitive  # type: ignore[import-not-found, unused-ignore]
+from jax.interpreters import ad, batching, mlir  # type: ignore[import-not-found, unused-ignore]
 
 from .._axode import jax as _jax
 from .mechanism import Array, Mechanism, cross, rates_of, velocities_of
@@ -32,6 +32,7 @@ ITEMS: dict[str, Callable[[Mechanism], tuple[int, ...]]] = {
     "joint_screws": lambda m: (m.n_screws, 6),
     "mass_matrix": lambda m: (m.nv, m.nv),
     "inverse_mass_matrix": lambda m: (m.nv, m.nv),
+    "regressor": lambda m: (m.nv, 10 * m.n_bodies),
     "inverse_dynamics": lambda m: (m.nv,),
     "inverse_dynamics_jvp": lambda m: (m.nv,),
     "inverse_dynamics_vjp": lambda m: (3, m.nv),
@@ -42,14 +43,15 @@ ITEMS: dict[str, Callable[[Mechanism], tuple[int, ...]]] = {
     "forward_dynamics_hessian": lambda m: (4, m.nv, m.nv),
 }
 
-primitive = Primitive("axode")
+primitive: Any = Primitive("axode")
 primitive.multiple_results = True
 
 
-def state_function(function: str, m: Mechanism, *arguments: Array, joint_losses: bool = False, threads: int = 1) -> Array:
-    """A function of `ITEMS`."""
-    return primitive.bind(*arguments, function=function, mechanism=m,
-                          options=(("joint_losses", joint_losses), ("threads", threads)))[0]
+def state_function(function: str, m: Mechanism, *arguments: Array, joint_losses: bool = False, parameters: bool = False,
+                   threads: int = 1) -> Array:
+    """A function of `ITEMS`; with `parameters` the last argument has inertial parameters for each state."""
+    options = (("joint_losses", joint_losses), ("parameters", parameters), ("threads", threads))
+    return primitive.bind(*arguments, function=function, mechanism=m, options=options)[0]
 
 
 def motion(function: str, m: Mechanism, *arguments: Array, step: float, threads: int = 1) -> list[Array]:
@@ -67,17 +69,15 @@ def _results(function: str, m: Mechanism, arguments: Sequence[Any]) -> list[tupl
     return [(*lead, K + 1, m.nq if function == "rollout" else m.nv), (*lead, K + 1, m.nv)]
 
 
-@primitive.def_abstract_eval
 def _abstract(*arguments: Any, function: str, mechanism: Mechanism, options: Any) -> list[Any]:
     return [jax.core.ShapedArray(shape, arguments[0].dtype) for shape in _results(function, mechanism, arguments)]
 
 
 @functools.lru_cache(maxsize=256)
-def _compiled(function: str, mechanism: Mechanism, options: Any) -> Callable[..., Any]:
+def _compiled(function: str, mechanism: Mechanism, options: Any) -> Any:
     return jax.jit(functools.partial(primitive.bind, function=function, mechanism=mechanism, options=options))
 
 
-@primitive.def_impl
 def _run(*arguments: Array, function: str, mechanism: Mechanism, options: Any) -> Any:
     return _compiled(function, mechanism, options)(*arguments)
 
@@ -87,7 +87,8 @@ def _lower(ctx: Any, *arguments: Any, function: str, mechanism: Mechanism, optio
     given = dict(options)
     attributes: dict[str, Any] = {"function": function, "model": mechanism.key, "threads": np.int64(given["threads"])}
     if function in ITEMS:
-        attributes |= {"joint_losses": given["joint_losses"], "item_axes": np.int64(len(ITEMS[function](mechanism)))}
+        attributes |= {"joint_losses": given["joint_losses"], "parameters": given["parameters"],
+                       "item_axes": np.int64(len(ITEMS[function](mechanism)))}
         return jax.ffi.ffi_lowering("axode_state_function")(ctx, *arguments, **attributes)
     return jax.ffi.ffi_lowering("axode_motion")(ctx, *arguments, **attributes, step=np.float64(given["step"]))
 
@@ -98,6 +99,8 @@ def _refuse_device(ctx: Any, *arguments: Any, function: str, mechanism: Mechanis
                               'as with jax.device_put(x, jax.devices("cpu")[0])')
 
 
+primitive.def_abstract_eval(_abstract)
+primitive.def_impl(_run)
 mlir.register_lowering(primitive, _lower, platform="cpu")
 mlir.register_lowering(primitive, _refuse_device)
 
@@ -115,6 +118,10 @@ batching.primitive_batchers[primitive] = _batch
 
 
 # Derivatives. A tangent that is 0 comes as ad.Zero.
+
+_FIRST_BY_PARAMETERS = ("axode.jax has first derivatives by inertial parameters; a second one was asked for. Where it is not "
+                        "wanted, jax.lax.stop_gradient(parameters)")
+
 
 def _along(tangents: Sequence[Any]) -> list[Array]:
     return [ad.instantiate_zeros(each) for each in tangents]
@@ -147,31 +154,56 @@ def _times(H: Array, x: Sequence[Array]) -> tuple[Array, Array, Array]:
     return rows(q, qq) + columns(qv, v) + rows(t, tq), rows(q, qv) + rows(v, vv), columns(tq, q)
 
 
-def _all_hessians(function: str, m: Mechanism, x: Sequence[Array], what: dict[str, Any]) -> Array:
+def _all_hessians(dynamics: str, m: Mechanism, state: Sequence[Array], pi: Sequence[Array], what: dict[str, Any]) -> Array:
     """Those of each component of inverse or forward dynamics: an axis of nv behind that of the states."""
-    spread = [jnp.broadcast_to(each[..., None, :], (*each.shape[:-1], m.nv, each.shape[-1])) for each in x]
-    unit = jnp.broadcast_to(jnp.eye(m.nv, dtype=x[0].dtype), (*x[0].shape[:-1], m.nv, m.nv))
-    return state_function(f"{function}_hessian", m, *spread, unit, **what)
+    def spread(x: Array) -> Array:
+        return jnp.broadcast_to(x[..., None, :], (*x.shape[:-1], m.nv, x.shape[-1]))
+
+    q = state[0]
+    unit = jnp.broadcast_to(jnp.eye(m.nv, dtype=q.dtype), (*q.shape[:-1], m.nv, m.nv))
+    return state_function(f"{dynamics}_hessian", m, *map(spread, state), unit, *map(spread, pi), **what)
 
 
-def _dynamics_tangent(function: str, m: Mechanism, x: Sequence[Array], tangents: Sequence[Any],
+def _parts(x: Sequence[Any], what: dict[str, Any]) -> tuple[Sequence[Any], Sequence[Any], Sequence[Any]]:
+    """The state (q, v, a or tau), what the function is linear in, and inertial parameters, none or one."""
+    end = len(x) - what["parameters"]
+    return x[:3], x[3:end], x[end:]
+
+
+def _dynamics_tangent(dynamics: str, m: Mechanism, x: Sequence[Array], tangents: Sequence[Any], value: Array,
                       what: dict[str, Any]) -> Array:
-    """Of inverse and forward dynamics, or of their first and second derivatives with `function` as the name of these."""
+    """Of inverse or forward dynamics. tau = Y pi + ... is linear in the parameters, and they change a as -Y dpi in tau does."""
+    state, _, pi = _parts(x, what)
+    dx, _, dpi = _parts(tangents, what)
+    dq, dv, dt = _velocity_tangents(m, state[0], dx)
+    more = jnp.zeros_like(dt)
+    if not _all_zero(dpi):
+        a = value if dynamics == "forward_dynamics" else state[2]
+        Y = state_function("regressor", m, *state[:2], a, threads=what["threads"])
+        more = jnp.einsum("...ij,...j->...i", Y, dpi[0])
+    if dynamics == "forward_dynamics":
+        return state_function(f"{dynamics}_jvp", m, *state, dq, dv, dt - more, *pi, **what)
+    return state_function(f"{dynamics}_jvp", m, *state, dq, dv, dt, *pi, **what) + more
+
+
+def _derivative_tangent(function: str, m: Mechanism, x: Sequence[Array], tangents: Sequence[Any],
+                        what: dict[str, Any]) -> Array:
+    """Of products with the first derivatives of dynamics, and of the Hessian."""
     dynamics, _, order = function.rpartition("_")
-    if order == "dynamics":
-        return state_function(f"{function}_jvp", m, *x, *_velocity_tangents(m, x[0], tangents), **what)
-    state, linear = x[:3], x[3:]  # they are linear in what stands behind the state
-    dx, d_linear = tangents[:3], _along(tangents[3:])
-    tangent = state_function(function, m, *state, *d_linear, **what)
+    state, linear, pi = _parts(x, what)
+    dx, d_linear, dpi = _parts(tangents, what)
+    if not _all_zero(dpi):
+        raise NotImplementedError(_FIRST_BY_PARAMETERS)
+    tangent = state_function(function, m, *state, *_along(d_linear), *pi, **what)
     if _all_zero(dx):
         return tangent
     if order == "hessian":
         raise NotImplementedError(f"axode.jax has first and second derivatives of {dynamics}; a third one was asked for")
     by = _velocity_tangents(m, state[0], dx)
     if order == "vjp":
-        H = state_function(f"{dynamics}_hessian", m, *state, *linear, **what)
+        H = state_function(f"{dynamics}_hessian", m, *state, *linear, *pi, **what)
         return tangent + jnp.stack(_times(H, by), axis=-2)
-    gradients = _times(_all_hessians(dynamics, m, state, what), [each[..., None, :] for each in by])
+    gradients = _times(_all_hessians(dynamics, m, state, pi, what), [each[..., None, :] for each in by])
     return tangent + sum(jnp.einsum("...il,...l->...i", g, each) for g, each in zip(gradients, linear))
 
 
@@ -207,8 +239,12 @@ def _kinematics_tangent(function: str, m: Mechanism, q: Array, dq: Array, value:
 
 def _state_function_tangent(function: str, m: Mechanism, x: Sequence[Array], tangents: Sequence[Any], value: Array,
                             what: dict[str, Any]) -> Array:
+    if function in ("inverse_dynamics", "forward_dynamics"):
+        return _dynamics_tangent(function, m, x, tangents, value, what)
     if "dynamics" in function:
-        return _dynamics_tangent(function, m, x, tangents, what)
+        return _derivative_tangent(function, m, x, tangents, what)
+    if function == "regressor":
+        raise NotImplementedError(_FIRST_BY_PARAMETERS)
     q, dq, threads = x[0], _along(tangents)[0], what["threads"]
     if function == "mass_matrix":
         return _mass_matrix_tangent(m, q, dq, threads)
@@ -241,22 +277,28 @@ ad.primitive_jvps[primitive] = _differentiate
 
 def _transpose(cotangents: Sequence[Any], *x: Any, function: str, mechanism: Mechanism, options: Any) -> list[Any]:
     """Of what is linear in the arguments behind the state: products with directions and with weights are each other's."""
-    assert not any(ad.is_undefined_primal(each) for each in x[:3])
-    state, what, weights = x[:3], dict(options), _along(cotangents)
-    if function == "rollout_jvp":
-        found = motion("rollout_vjp", mechanism, *state, *weights, **what)
-    elif function == "rollout_vjp":
-        found = motion("rollout_jvp", mechanism, *state, *weights, **what)
-    elif function.endswith("_jvp"):
-        gradient = state_function(function.replace("_jvp", "_vjp"), mechanism, *state, *weights, **what)
-        found = [gradient[..., k, :] for k in range(3)]
-    elif function.endswith("_vjp"):
-        along = (weights[0][..., k, :] for k in range(3))
-        found = [state_function(function.replace("_vjp", "_jvp"), mechanism, *state, *along, **what)]
+    what, weights = dict(options), _along(cotangents)
+    if function in ITEMS:
+        state, linear, pi = _parts(x, what)
+        found = _transposed_derivative(function, mechanism, state, pi, weights[0], what)
     else:
-        H = _all_hessians(function.removesuffix("_hessian"), mechanism, state, what)
-        found = [jnp.einsum("...hkl,...ihkl->...i", weights[0], H)]
-    return [None] * 3 + [each if ad.is_undefined_primal(given) else None for each, given in zip(found, x[3:])]
+        state, linear, pi = x[:3], x[3:], ()
+        other = "rollout_jvp" if function == "rollout_vjp" else "rollout_vjp"
+        found = motion(other, mechanism, *state, *weights, **what)
+    assert not any(ad.is_undefined_primal(each) for each in (*state, *pi))
+    gradients = [each if ad.is_undefined_primal(given) else None for each, given in zip(found, linear)]
+    return [*[None] * len(state), *gradients, *[None] * len(pi)]
+
+
+def _transposed_derivative(function: str, m: Mechanism, state: Sequence[Array], pi: Sequence[Array], w: Array,
+                           what: dict[str, Any]) -> list[Array]:
+    dynamics, _, order = function.rpartition("_")
+    if order == "jvp":
+        gradient = state_function(f"{dynamics}_vjp", m, *state, w, *pi, **what)
+        return [gradient[..., k, :] for k in range(3)]
+    if order == "vjp":
+        return [state_function(f"{dynamics}_jvp", m, *state, *(w[..., k, :] for k in range(3)), *pi, **what)]
+    return [jnp.einsum("...hkl,...ihkl->...i", w, _all_hessians(dynamics, m, state, pi, what))]
 
 
 ad.primitive_transposes[primitive] = _transpose

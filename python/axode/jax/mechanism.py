@@ -6,7 +6,7 @@ import hashlib
 import weakref
 from typing import Any
 
-import jax.numpy as jnp
+import jax.numpy as jnp  # type: ignore[import-not-found, unused-ignore]
 import numpy as np
 from numpy.typing import NDArray
 

@@ -47,7 +47,7 @@ def scalars(m):
 @pytest.mark.parametrize("name, function", [
     *(("machine", function) for function in ("inverse_dynamics", "forward_dynamics", "mass_matrix", "inverse_mass_matrix",
                                              "kinetic_energy", "potential_energy", "poses", "jacobian")),
-    *(("arm", function) for function in ("inverse_dynamics", "forward_dynamics", "inverse_mass_matrix", "jacobian")),
+    *(("arm", function) for function in ("inverse_dynamics", "forward_dynamics")),
     *(("humanoid", function) for function in ("inverse_dynamics", "forward_dynamics", "poses"))])
 def test_gradients_and_hessians_are_those_of_differences(name, function):
     q, all_functions = scalars(MECHANISMS[name])
@@ -70,8 +70,8 @@ def test_forward_and_reverse_mode_agree_in_any_order(name, function):
     forward, reverse = (jax.jit(D(f, argnums=(0, 1, 2)))(q, v, x) for D in (jax.jacfwd, jax.jacrev))
     assert all(close(np.asarray(a), np.asarray(b)) for a, b in zip(forward, reverse))
     s = lambda q, v, x: jnp.dot(v, f(q, v, x))  # noqa: E731
-    seconds = [jax.jit(D(E(s, argnums=(0, 1, 2)), argnums=(0, 1, 2)))(q, v, x)
-               for D, E in ((jax.jacfwd, jax.jacrev), (jax.jacrev, jax.jacrev), (jax.jacfwd, jax.jacfwd))]
+    ways = [(jax.jacrev, jax.jacrev), (jax.jacfwd, jax.jacfwd), *([(jax.jacfwd, jax.jacrev)] if name == "arm" else [])]
+    seconds = [jax.jit(D(E(s, argnums=(0, 1, 2)), argnums=(0, 1, 2)))(q, v, x) for D, E in ways]
     for other in seconds[1:]:
         assert all(close(np.asarray(a), np.asarray(b), 1e-9)
                    for a, b in zip(jax.tree.leaves(seconds[0]), jax.tree.leaves(other)) if np.any(a))
@@ -132,8 +132,10 @@ def test_small_turns_have_derivatives():
         steps = 1e-5 * np.eye(m.nv)
         values = [(weights @ m.integrate(q, dv + d) - weights @ m.integrate(q, dv - d)) / 2e-5 for d in steps]
         assert close(np.asarray(gradient(dv)), np.array(values), 1e-8)
-    H = jax.jit(jax.hessian(f))(np.zeros(m.nv))
-    assert np.all(np.isfinite(H)) and close(np.asarray(H), np.asarray(H.T))
+    second = jax.jit(lambda dv, w: jax.jvp(jax.grad(f), (dv,), (w,))[1])
+    w = np.ones(m.nv)
+    by_differences = (gradient(1e-5 * w) - gradient(-1e-5 * w)) / 2e-5
+    assert close(np.asarray(second(np.zeros(m.nv), w)), np.asarray(by_differences), 1e-8)
 
 
 def test_what_has_no_derivative_says_so():
@@ -148,6 +150,41 @@ def test_what_has_no_derivative_says_so():
 
 def test_kinematics_have_derivatives_of_any_order():
     m = axode.load(axode.robots / "double_pendulum.toml")
-    fourth = jax.jit(jax.jacfwd(jax.jacfwd(jax.hessian(lambda q: axode.jax.potential_energy(m, q)))))(np.array([0.3, 0.5]))
-    second = jax.jit(jax.hessian(lambda q: axode.jax.potential_energy(m, q)))(np.array([0.3, 0.5]))
-    assert close(np.asarray(fourth[1, 1, 1, 1]), -np.asarray(second[1, 1]))  # of -cos(q0 + q1)
+    f = lambda x: axode.jax.potential_energy(m, jnp.array([0.3, 0.0]) + x * jnp.array([0.0, 1.0]))  # noqa: E731
+    second = jax.grad(jax.grad(f))
+    fourth = jax.grad(jax.grad(second))
+    assert close(np.asarray(jax.jit(fourth)(0.5)), -np.asarray(jax.jit(second)(0.5)))  # of a cosine
+
+
+@pytest.mark.parametrize("name", ["machine", "arm"])
+@pytest.mark.parametrize("here, there", [(axode.jax.inverse_dynamics, axode.inverse_dynamics),
+                                         (axode.jax.forward_dynamics, axode.forward_dynamics)])
+def test_inertial_parameters(name, here, there):
+    m = MECHANISMS[name]
+    q, v, x, _ = random_states(m, 6)
+    pi = m.parameters * np.random.default_rng(5).uniform(1, 1.1, (3, 1))
+    of_each = np.repeat(pi, 2, axis=0)
+    f = jax.jit(lambda q, pi: here(m, q, v, x, parameters=pi))
+    expected = [there(m.with_parameters(pi[k]), q[2 * k:2 * k + 2], v[2 * k:2 * k + 2], x[2 * k:2 * k + 2]) for k in range(3)]
+    assert close(np.asarray(f(q, of_each)), np.concatenate(expected))
+
+    weights = np.random.default_rng(6).uniform(-1, 1, x.shape)
+    gradient = jax.jit(jax.grad(lambda q, pi: jnp.sum(weights * here(m, q, v, x, parameters=pi)), argnums=(0, 1)))(q, of_each)
+    along = 1e-4 * m.parameters
+    ends = [np.sum(weights * f(q, of_each + s * along)) for s in (-1, 1)]
+    assert close(np.sum(gradient[1] @ along), (ends[1] - ends[0]) / 2, 1e-5)
+    without = jax.jit(jax.grad(lambda q: jnp.sum(weights[:2] * here(m.with_parameters(pi[0]), q, v[:2], x[:2]))))(q[:2])
+    assert close(np.asarray(gradient[0][:2]), np.asarray(without))
+
+
+def test_inertial_parameters_have_first_derivatives():
+    m = MECHANISMS["arm"]
+    q, v, x, _ = (each[0] for each in random_states(m, 1))
+    f = lambda q, pi: axode.jax.forward_dynamics(m, q, v, x, parameters=pi)[1]  # noqa: E731
+    for argnums in (1, (0, 1)):
+        with pytest.raises(NotImplementedError, match="first derivatives by inertial parameters; a second"):
+            jax.eval_shape(jax.hessian(f, argnums=argnums), q, m.parameters)
+    H = jax.jit(jax.hessian(f))(q, m.parameters)
+    assert close(np.asarray(H), np.asarray(jax.jit(jax.hessian(lambda q: axode.jax.forward_dynamics(m, q, v, x)[1]))(q)))
+    with pytest.raises(ValueError, match=r"parameters: expected shape \(..., 70\) with ten for each body, got \(7,\)"):
+        axode.jax.forward_dynamics(m, q, v, x, parameters=q)
