@@ -45,7 +45,7 @@ def forces_of_the_fluid(q: jax.Array, v: jax.Array) -> jax.Array:
 # with the fluid's forces at its beginning.
 
 # %%
-period, periods, step = 1.0, 3, 0.01
+period, periods, step = 1.0, 3, 0.02
 times = np.arange(0, periods * period, step)
 waves = np.stack([np.sin(2 * np.pi * times / period), np.cos(2 * np.pi * times / period)], axis=1)
 
