@@ -345,13 +345,13 @@ xla::Error* error(const xla::CallFrame& frame, xla::ErrorCode code, const char* 
   return frame.api->new_error(&made);
 }
 
-/// A handler of XLA's: f with exceptions as errors. A question for the version is answered with the older one of XLA's and
+/// A handler of XLA's: f with exceptions as errors. A question for the version is answered with the older one of XLA's, if it says which, and
 /// ours: what is used here has not changed since the first.
 template <void (*f)(const Call&)> xla::Error* handler(xla::CallFrame* frame) {
   if (frame->sized.extensions != nullptr) {
     const auto* const asked = static_cast<const xla::MetadataRequest*>(frame->sized.extensions);
     if (asked->kind == xla::MetadataRequest::expected) {
-      const int theirs = frame->api != nullptr ? frame->api->version.minor : xla::minor_version;
+      const int theirs = frame->api != nullptr ? frame->api->version.minor : xla::first_minor_version;
       asked->metadata->version = {
           {sizeof(xla::Version), nullptr}, xla::major_version, std::min(theirs, xla::minor_version)};
       asked->metadata->traits = 0;

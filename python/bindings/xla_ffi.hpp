@@ -8,6 +8,7 @@
 namespace axode::xla {
 
 inline constexpr int major_version = 0, minor_version = 3;  ///< of the interface that this file describes
+inline constexpr int first_minor_version = 1;               ///< in which all of it was there already
 
 /// Every struct begins so.
 struct Sized {
