@@ -277,7 +277,7 @@ def velocities_from_rates(m: Model, q: Array, dq: Array) -> Array:
 
 def _arrays(m: Mechanism, rows: bool = False, **given: Array) -> list[Array]:
     """The arguments as arrays of one type with the same leading axes; with `rows` the last one has a row for each step."""
-    arrays = {name: jnp.asarray(x) for name, x in given.items()}
+    arrays = {name: _array(name, x) for name, x in given.items()}
     dtype = jnp.result_type(*(x if jnp.issubdtype(x.dtype, jnp.inexact) else float for x in arrays.values()))
     if dtype not in (np.float32, np.float64):
         name = next(name for name, x in arrays.items() if x.dtype not in (np.float32, np.float64))
@@ -297,6 +297,13 @@ def _arrays(m: Mechanism, rows: bool = False, **given: Array) -> list[Array]:
         raise ValueError(f"the axes in front of {', '.join(arrays)} do not go together: {', '.join(map(str, leads))}") from None
     return [_broadcast(x if x.dtype == dtype else x.astype(dtype), (*lead, *x.shape[len(own):]))
             for own, x in zip(leads, arrays.values())]
+
+
+def _array(name: str, x: Array) -> Array:
+    try:
+        return jnp.asarray(x)
+    except (TypeError, ValueError):
+        raise TypeError(f"{name}: expected an array of numbers, got {type(x).__name__}") from None
 
 
 def _broadcast(x: Array, shape: tuple[int, ...]) -> Array:

@@ -30,6 +30,7 @@ ZERO = np.zeros(7)
      r"the axes in front of q, v, a do not go together: \(2,\), \(3,\), \(\)"),
     (lambda: axode.jax.mass_matrix(ARM, ZERO.astype(np.float16)), TypeError, "q: expected numbers of float32 or float64, got float16"),
     (lambda: axode.jax.mass_matrix(ARM, ZERO.astype(complex)), TypeError, "q: .* got complex128"),
+    (lambda: axode.jax.mass_matrix(ARM, None), TypeError, "q: expected an array of numbers, got NoneType"),
     (lambda: axode.jax.mass_matrix("arm7.toml", ZERO), TypeError, "m: expected a Model, got str"),
     (lambda: axode.jax.mass_matrix(ARM, ZERO, threads=0), ValueError, "threads is 0; expected 1 or more"),
     (lambda: axode.jax.jacobian(ARM, ZERO, "flansch"), Exception, "flange"),
@@ -58,6 +59,11 @@ def test_a_quaternion_off_1_is_an_error_of_the_program():
     with pytest.raises(jax.errors.JaxRuntimeError, match='the quaternion of joint "free_base" has norm 1.01.*; it must be 1 to 1e-6'):
         f(m.neutral() * 1.01).block_until_ready()
     assert np.all(np.isfinite(f(m.neutral() * (1 + 9e-7))))
+
+
+def test_parameters_that_no_body_has_are_an_error_of_the_program():
+    with pytest.raises(jax.errors.JaxRuntimeError, match="mass is -.* a mass must be positive"):
+        axode.jax.inverse_dynamics(ARM, ZERO, ZERO, ZERO, parameters=-ARM.parameters).block_until_ready()
 
 
 def test_states_without_result_are_nan_and_others_are_not():
