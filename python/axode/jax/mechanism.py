@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import collections
 import hashlib
 import weakref
 from typing import Any
@@ -18,10 +19,21 @@ __all__ = ["Mechanism", "cross", "integrated", "mechanism_of", "rates_of", "velo
 Array = Any  # of JAX, or a tracer
 
 
+#: A program may be dropped while it runs in another thread, and then asks for its model: so many that were let go stay.
+KEPT = 256
+_let_go_last: collections.deque[str] = collections.deque()
+
+
+def _let_go(key: str) -> None:
+    _let_go_last.append(key)
+    if len(_let_go_last) > KEPT:
+        _jax.remove(_let_go_last.popleft())
+
+
 class Mechanism:
     """A model as compiled programs name it: by a text that says what it consists of.
 
-    Equal models have equal ones. The compiled module holds the model for as long as one of them is alive, and programs hold
+    Equal models have equal ones. The compiled module holds the model for as long as one of them is alive, and a while longer; programs hold
     the one that they were compiled for.
     """
 
@@ -34,7 +46,7 @@ class Mechanism:
         self._structure(_jax.structure(m))
         self._coordinates(m)
         _jax.add(key, m)
-        weakref.finalize(self, _jax.remove, key)
+        weakref.finalize(self, _let_go, key)
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, Mechanism) and other.key == self.key

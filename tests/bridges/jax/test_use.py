@@ -112,6 +112,17 @@ def test_programs_outlive_models():
     assert np.array_equal(f(ZERO), expected)
 
 
+def test_programs_may_be_dropped_while_they_run():
+    q, v, x, _ = random_states(ARM, 2000)
+    for k in range(20):
+        m = ARM.with_gravity([0, 0, -1 - 0.01 * k])
+        found = jax.jit(lambda q: axode.jax.inverse_dynamics(m, q, v, x))(q)  # noqa: B023
+        del m
+        jax.clear_caches()
+        gc.collect()
+        assert np.all(np.isfinite(found))
+
+
 def test_models_are_let_go():
     before = len(axode.jax.mechanism._by_key)
     for k in range(20):
