@@ -33,8 +33,8 @@ def _let_go(key: str) -> None:
 class Mechanism:
     """A model as compiled programs name it: by a text that says what it consists of.
 
-    Equal models have equal ones. The compiled module holds the model for as long as one of them is alive, and a while longer; programs hold
-    the one that they were compiled for.
+    Equal models have equal ones. The compiled module holds the model for as long as one of them is alive, and a while longer;
+    programs hold the one that they were compiled for.
     """
 
     def __init__(self, m: Model, key: str):
