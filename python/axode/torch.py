@@ -290,7 +290,7 @@ def _by_coordinates(key: str, q: Tensor, g: Tensor) -> Tensor:
     return torch.cat(parts, dim=-1) if len(parts) > 1 else g
 
 
-def _along_velocities(key: str, q: Tensor, dq: Tensor) -> Tensor:
+def _along(key: str, q: Tensor, dq: Tensor) -> Tensor:
     """The displacement (..., nv) of q / |q| by dq (..., nq), the transpose of `_by_coordinates`."""
     parts = []
     for kind, at_q, at_v in _mechanism(key).parts:
@@ -334,11 +334,12 @@ def _operation(schema: str, compute: Callable[..., Any], like: Callable[..., Any
 
     Its first arguments are constants, the first of these a model; the others are tensors with the same leading axes.
     `like` gives empty results, `backward(ctx, constants, tensors, result, *weights)` a gradient for each tensor,
-    `forward(constants, tensors, result, *directions)` what these do to the result, for torch.func.jvp, which operations of
-    torch.library do not have: there and in other transforms of torch.func it is called through an autograd.Function.
+    `forward(constants, tensors, result, *directions)` what these do to the result. Operations of torch.library know neither
+    forward mode nor torch.func.grad, so that but for compilation it is called through an autograd.Function, which does.
     """
     name, _, signature = schema.partition("(")
-    front = sum(not argument.strip().startswith("Tensor") for argument in signature.partition(")")[0].split(","))
+    kinds = [argument.split()[0] for argument in signature.partition(")")[0].split(",")]
+    front = sum(not kind.startswith("Tensor") for kind in kinds)
     op = torch.library.custom_op(f"axode::{name}", compute, mutates_args=(), device_types="cpu", schema="(" + signature)
 
     def setup_context(ctx: Any, inputs: tuple[Any, ...], output: Any) -> None:
@@ -348,6 +349,7 @@ def _operation(schema: str, compute: Callable[..., Any], like: Callable[..., Any
         if forward is not None:
             ctx.save_for_forward(*inputs[front:], *results)
         ctx.tensors = len(inputs) - front
+        ctx.set_materialize_grads(False)
 
     def kept(ctx: Any) -> tuple[tuple[Any, ...], tuple[Any, ...], tuple[Tensor, ...]]:
         return ctx.constants, ctx.saved_tensors[:ctx.tensors], ctx.saved_tensors[ctx.tensors:]
@@ -356,11 +358,16 @@ def _operation(schema: str, compute: Callable[..., Any], like: Callable[..., Any
         if backward is None:
             raise NotImplementedError(f"axode.torch has no derivatives of {name.replace('_', ' ')}")
         ctx.needed = ctx.needs_input_grad[front:]
-        return (*front * (None,), *backward(ctx, *kept(ctx), *weights))
+        constants, tensors, results = kept(ctx)
+        weights = tuple(torch.zeros_like(x) if w is None else w for x, w in zip(results, weights))
+        return (*front * (None,), *backward(ctx, constants, tensors, results, *weights))
 
     def push(ctx: Any, *directions: Any) -> Any:
         assert forward is not None
-        return forward(*kept(ctx), *directions[front:])
+        constants, tensors, results = kept(ctx)
+        given = [torch.zeros_like(x) if d is None and kind == "Tensor" else d
+                 for kind, x, d in zip(kinds[front:], tensors, directions[front:])]
+        return forward(constants, tensors, results, *given)
 
     def batched(info: Any, in_dims: tuple[int | None, ...], *arguments: Any) -> tuple[Any, Any]:
         result = call(*arguments[:front], *_in_front(info.batch_size, in_dims[front:], arguments[front:]))
@@ -401,10 +408,6 @@ def _times(A: Tensor, x: Tensor) -> Tensor:
     return (A @ x[..., None])[..., 0]
 
 
-def _add(x: Tensor | None, y: Tensor | None) -> Tensor | None:
-    return y if x is None else x if y is None else x + y
-
-
 NO_SECOND = ("axode.torch has first derivatives by inertial parameters only: give parameters that need no gradient, "
              "parameters.detach(), where second derivatives are wanted")
 
@@ -421,29 +424,31 @@ def _loads_of(key: str, q: Tensor, W: Tensor) -> Tensor:
     return _tensor(*mechanism("generalized_loads", states, v, _loads(W.shape[-2], _array(W, 2))), q)
 
 
-def _load_gradient_of(key: str, q: Tensor, W: Tensor, v: Tensor) -> Tensor:
+def _load_product_of(key: str, gradient: bool, q: Tensor, W: Tensor, v: Tensor) -> Tensor:
+    """The gradient of v . Q(q, W) along q, or what the displacement v does to Q."""
     mechanism, states = _mechanism(key), _mechanism(key).configurations(q)
     by_q, _ = mechanism("generalized_load_derivatives", states, np.zeros_like(_array(v), dtype=np.float64),
                         _loads(W.shape[-2], _array(W, 2)))
-    return _times(_tensor(by_q, q).mT, v)
+    return _times(_tensor(by_q, q).mT if gradient else _tensor(by_q, q), v)
 
 
 def _frames(key: str) -> int:
     return len(_mechanism(key).model.frame_names)
 
 
-_load_gradient = _operation(
-    "load_gradient(str model, Tensor q, Tensor W, Tensor v) -> Tensor",
-    _load_gradient_of, lambda key, q, W, v: _empty(v, v.shape[-1]))
+_load_product = _operation(
+    "load_product(str model, bool gradient, Tensor q, Tensor W, Tensor v) -> Tensor",
+    _load_product_of, lambda key, gradient, q, W, v: _empty(v, v.shape[-1]))
 _generalized_loads = _operation(  # Q = sum of J^T W
     "generalized_loads(str model, Tensor q, Tensor W) -> Tensor",
     _loads_of, lambda key, q, W: _empty(q, _sizes(key)[1]),
-    lambda ctx, key, x, Q, w: (_by_coordinates(*key, x[0], _load_gradient(*key, *x, w)) if ctx.needed[0] else None,
-                               _twists(*key, x[0], w) if ctx.needed[1] else None))
+    lambda ctx, key, x, Q, w: (_by_coordinates(*key, x[0], _load_product(*key, True, *x, w)) if ctx.needed[0] else None,
+                               _twists(*key, x[0], w) if ctx.needed[1] else None),
+    lambda key, x, Q, dq, dW: _load_product(*key, False, *x, _along(*key, *x[:1], dq)) + _generalized_loads(*key, x[0], dW))
 _twists = _operation(  # V = J v, so w . V = v . Q(q, w)
     "twists(str model, Tensor q, Tensor v) -> Tensor",
     lambda key, q, v: _evaluated(key, "twists", q, v)[0], lambda key, q, v: _empty(q, _frames(key), 6),
-    lambda ctx, key, x, V, w: (_by_coordinates(*key, x[0], _load_gradient(*key, x[0], w, x[1])) if ctx.needed[0] else None,
+    lambda ctx, key, x, V, w: (_by_coordinates(*key, x[0], _load_product(*key, True, x[0], w, x[1])) if ctx.needed[0] else None,
                                _generalized_loads(*key, x[0], w) if ctx.needed[1] else None))
 
 
@@ -457,10 +462,10 @@ def _poses_backward(ctx: Any, key: Any, x: Any, C: Any, w: Tensor) -> tuple[Tens
 
 
 def _poses_forward(key: Any, x: Any, C: Any, dq: Tensor) -> Tensor:
-    X = _twists(*key, x[0], _along_velocities(*key, x[0], dq))
-    hat = torch.cat([torch.cat([_cross(X[..., None, :3], torch.eye(3, dtype=X.dtype)).mT, X[..., 3:, None]], dim=-1),
-                     torch.zeros_like(C[0][..., :1, :])], dim=-2)
-    return C[0] @ hat
+    x, y, z, *u = _twists(*key, x[0], _along(*key, x[0], dq)).unbind(-1)
+    o = torch.zeros_like(z)
+    rows = [o, -z, y, u[0], z, o, -x, u[1], -y, x, o, u[2], o, o, o, o]
+    return C[0] @ torch.stack(rows, dim=-1).unflatten(-1, (4, 4))
 
 
 _poses = _operation(
@@ -536,14 +541,16 @@ class _Dynamics:
         self.name = name
         arguments = f"(str model, Tensor q, Tensor v, Tensor {x}, Tensor? parameters"
         self.hessian = _operation(
-            f"{name}_hessian{arguments}, Tensor w, Tensor dq, Tensor dv, Tensor d{x}) -> (Tensor, Tensor, Tensor)",
-            self._hessian, _three_of_v)
+            f"{name}_hessian{arguments}, Tensor w, Tensor dq, Tensor dv, Tensor d{x}) -> (Tensor, Tensor, Tensor)"
+            .replace("str model", "str model, bool gradient"), self._hessian,
+            lambda key, gradient, *x: _three_of_v(key, *x))
         self.jvp = _operation(
             f"{name}_jvp{arguments}, Tensor dq, Tensor dv, Tensor d{x}) -> Tensor",
             lambda key, *x: self._product(key, "_jvp", *x)[0], _one_of_v, self._jvp_backward)
         self.vjp = _operation(
             f"{name}_vjp{arguments}, Tensor w) -> (Tensor, Tensor, Tensor)",
-            lambda key, *x: self._product(key, "_vjp", *x), _three_of_v, self._vjp_backward)
+            lambda key, *x: self._product(key, "_vjp", *x), _three_of_v, self._vjp_backward,
+            self._vjp_forward)
         self.value = _operation(
             f"{name}{arguments}) -> Tensor",
             lambda key, q, v, x, parameters: _evaluated(key, name, q, v, x, parameters=parameters)[0],
@@ -558,15 +565,18 @@ class _Dynamics:
             return tuple(_times(d.mT, *w) for d in by)
         return (sum(_times(d, dw) for d, dw in zip(by, w)),)
 
-    def _hessian(self, key: str, q: Tensor, v: Tensor, x: Tensor, parameters: Tensor | None, w: Tensor, dq: Tensor,
+    def _hessian(self, key: str, gradient: bool, q: Tensor, v: Tensor, x: Tensor, parameters: Tensor | None, w: Tensor, dq: Tensor,
                  dv: Tensor, dx: Tensor) -> tuple[Tensor, Tensor, Tensor]:
-        """What the gradient of w . f along (dq, dv, dx) is; f is linear in x, and x does not meet v."""
+        """The gradient of the derivative of w . f along (dq, dv, dx), or the derivative of its gradient.
+
+        f is linear in x, where v does not matter. On joints with several velocities qq is not symmetric.
+        """
         qq, qv, vv, xq = _evaluated(key, self.name + "_hessian", q, v, x, w, parameters=parameters)
-        return _times(qq, dq) + _times(qv, dv) + _times(xq.mT, dx), _times(qv.mT, dq) + _times(vv, dv), _times(xq, dq)
+        return _times(qq if gradient else qq.mT, dq) + _times(qv, dv) + _times(xq.mT, dx), _times(qv.mT, dq) + _times(vv, dv), _times(xq, dq)
 
     def _second(self, key: Any, x: Any, w: Tensor, directions: Any) -> tuple[Tensor, ...]:
         q, v, last, parameters = x[:4]
-        by_q, by_v, by_x = self.hessian(*key, q, v, last, parameters, w, *directions)
+        by_q, by_v, by_x = self.hessian(*key, True, q, v, last, parameters, w, *directions)
         return _by_coordinates(*key, q, by_q), by_v, by_x
 
     def _vjp_backward(self, ctx: Any, key: Any, x: Any, result: Any, *directions: Tensor) -> tuple[Tensor | None, ...]:
@@ -574,6 +584,12 @@ class _Dynamics:
             raise NotImplementedError(NO_SECOND)
         second = self._second(key, x, x[4], directions) if any(ctx.needed[:3]) else (None, None, None)
         return *second, None, self.jvp(*key, *x[:4], *directions) if ctx.needed[4] else None
+
+    def _vjp_forward(self, key: Any, x: Any, result: Any, dq: Any, dv: Any, dx: Any, dpi: Any, dw: Any) -> tuple[Tensor, ...]:
+        if dpi is not None:
+            raise NotImplementedError(NO_SECOND)
+        second = self.hessian(*key, False, *x, _along(*key, x[0], dq), dv, dx)
+        return tuple(a + b for a, b in zip(second, self.vjp(*key, *x[:4], dw)))
 
     def _jvp_backward(self, ctx: Any, key: Any, x: Any, result: Any, w: Tensor) -> tuple[Tensor | None, ...]:
         if ctx.needed[3]:
@@ -593,12 +609,12 @@ class _Dynamics:
 
     def _forward(self, key: Any, x: Any, result: Any, dq: Any, dv: Any, dx: Any, dpi: Any) -> Tensor:
         q, v, last, parameters = x
-        dq = torch.zeros_like(v) if dq is None else _along_velocities(*key, q, dq)
-        dv, dx = torch.zeros_like(v) if dv is None else dv, torch.zeros_like(last) if dx is None else dx
+        dq = _along(*key, q, dq)
         if self.name == "forward_dynamics":
             dx = dx if dpi is None else dx - _parameters_jvp(*key, q, v, result[0], dpi)
             return self.jvp(*key, *x, dq, dv, dx)
-        return _add(self.jvp(*key, *x, dq, dv, dx), None if dpi is None else _parameters_jvp(*key, q, v, last, dpi))
+        change = self.jvp(*key, *x, dq, dv, dx)
+        return change if dpi is None else change + _parameters_jvp(*key, q, v, last, dpi)
 
 
 _inverse_dynamics = _Dynamics("inverse_dynamics", "a")
@@ -631,7 +647,7 @@ def _mass_matrix_forward(key: Any, x: Any, M: Any, dq: Any, dpi: Any) -> Tensor:
 
     pi = None if parameters is None else n_times(parameters)
     states = n_times(q), torch.zeros_like(M[0]), torch.eye(n, dtype=q.dtype).expand_as(M[0])
-    along = torch.zeros_like(M[0][..., 0]) if dq is None else _along_velocities(*key, q, dq)
+    along = _along(*key, q, dq)
     rows = _inverse_dynamics.jvp(still, *states, pi, n_times(along), *2 * (torch.zeros_like(M[0]),))
     return rows if dpi is None else rows + _parameters_jvp(still, *states, n_times(dpi))
 
@@ -668,6 +684,20 @@ def _kinetic_energy_backward(ctx: Any, key: Any, x: Any, T: Any, w: Tensor) -> t
             w / 2 * _parameters_vjp(_mechanism(*key).still.key, q, torch.zeros_like(v), v, v) if ctx.needed[2] else None)
 
 
+def _kinetic_energy_forward(key: Any, x: Any, T: Any, dq: Tensor, dv: Tensor, dpi: Any) -> Tensor:
+    q, v, _ = x
+    by_q, p = _kinetic_energy_gradient(*key, x)
+    change = (by_q * _along(*key, q, dq) + p * dv).sum(dim=-1)
+    if dpi is None:
+        return change
+    return change + (v * _parameters_jvp(_mechanism(*key).still.key, q, torch.zeros_like(v), v, dpi)).sum(dim=-1) / 2
+
+
+def _potential_energy_forward(key: Any, x: Any, U: Any, dq: Tensor, dpi: Any) -> Tensor:
+    change = (_gravity_torques(*key, *x) * _along(*key, x[0], dq)).sum(dim=-1)
+    return change if dpi is None else change + (_potential_energy_regressor(*key, x[0]) * dpi).sum(dim=-1)
+
+
 def _potential_energy_regressor(key: str, q: Tensor) -> Tensor:
     """y with U = y pi, from the poses of the bodies: -g . r for a mass, -R^T g for a first moment."""
     m = _mechanism(key).model
@@ -684,14 +714,15 @@ def _gravity_torques(key: str, q: Tensor, parameters: Tensor | None) -> Tensor:
 _kinetic_energy = _operation(
     "kinetic_energy(str model, Tensor q, Tensor v, Tensor? parameters) -> Tensor",
     lambda key, q, v, parameters: _evaluated(key, "kinetic_energy", q, v, parameters=parameters)[0],
-    lambda key, q, *_: _empty(q), _kinetic_energy_backward)
+    lambda key, q, *_: _empty(q), _kinetic_energy_backward, _kinetic_energy_forward)
 _potential_energy = _operation(
     "potential_energy(str model, Tensor q, Tensor? parameters) -> Tensor",
     lambda key, q, parameters: _evaluated(key, "potential_energy", q, parameters=parameters)[0],
     lambda key, q, *_: _empty(q),
     lambda ctx, key, x, U, w: (
         w[..., None] * _by_coordinates(*key, x[0], _gravity_torques(*key, *x)) if ctx.needed[0] else None,
-        w[..., None] * _potential_energy_regressor(*key, x[0]) if ctx.needed[1] else None))
+        w[..., None] * _potential_energy_regressor(*key, x[0]) if ctx.needed[1] else None),
+    _potential_energy_forward)
 
 
 # Jacobians, of any order
@@ -712,7 +743,7 @@ def _jacobian_backward(ctx: Any, constants: Any, x: Any, J: Any, w: Tensor) -> t
 def _jacobian_forward(constants: Any, x: Any, J: Any, dq: Tensor) -> Tensor:
     key, frame, representation, order = constants
     partials = _jacobian_partials(key, frame, representation, order + 1, *x)
-    along = _along_velocities(key, *x, dq)[..., None, :] @ partials.flatten(-(order + 2))
+    along = _along(key, *x, dq)[..., None, :] @ partials.flatten(-(order + 2))
     return along.reshape(J[0].shape)
 
 
@@ -751,16 +782,14 @@ def _rollout_jvp_of(key: str, step: float, q: Tensor, v: Tensor, tau: Tensor, dq
 
 def _rollout_backward(ctx: Any, constants: Any, x: Any, motion: Any, w_q: Tensor, w_v: Tensor) -> tuple[Tensor, ...]:
     key = constants[0]
-    along = _rates(key, _along_velocities(key, motion[0], w_q))  # E^T w_q
+    along = _rates(key, _along(key, motion[0], w_q))  # E^T w_q
     by_q, by_v, by_tau = _rollout_vjp(*constants, *x, along, w_v)
     return _by_coordinates(key, x[0], by_q), by_v, by_tau
 
 
 def _rollout_forward(constants: Any, x: Any, motion: Any, dq: Any, dv: Any, dtau: Any) -> tuple[Tensor, Tensor]:
-    key, (q, v, tau) = constants[0], x
-    dq = torch.zeros_like(v) if dq is None else _along_velocities(key, q, dq)
-    of_q, of_v = _rollout_jvp(*constants, *x, dq, torch.zeros_like(v) if dv is None else dv,
-                              torch.zeros_like(tau) if dtau is None else dtau)
+    key, q = constants[0], x[0]
+    of_q, of_v = _rollout_jvp(*constants, *x, _along(key, q, dq), dv, dtau)
     return _by_coordinates(key, motion[0], _rates(key, of_q)), of_v
 
 
