@@ -12,6 +12,7 @@ from __future__ import annotations
 import atexit
 import functools
 import hashlib
+import inspect
 import itertools
 import math
 import pickle
@@ -373,8 +374,12 @@ def _operation(schema: str, compute: Callable[..., Any], like: Callable[..., Any
         result = call(*arguments[:front], *_in_front(info.batch_size, in_dims[front:], arguments[front:]))
         return result, len(result) * (0,) if isinstance(result, tuple) else 0
 
-    statics = {"forward": lambda *arguments: op(*arguments), "setup_context": setup_context, "backward": differentiate,
-               "vmap": batched, **({"jvp": push} if forward is not None else {})}
+    def value(*arguments: Any) -> Any:
+        return op(*arguments)
+
+    value.__signature__ = inspect.signature(value)  # type: ignore[attr-defined]  # which is asked for in every call
+    statics = {"forward": value, "setup_context": setup_context, "backward": differentiate, "vmap": batched,
+               **({"jvp": push} if forward is not None else {})}
     function = type(name, (torch.autograd.Function,), {key: staticmethod(value) for key, value in statics.items()})
 
     def call(*arguments: Any) -> Any:
@@ -476,34 +481,52 @@ _poses = _operation(
 
 # Inertial parameters, in which inverse dynamics is linear: tau = Y(q, v, a) pi + what does not depend on them
 
-def _body_motion(key: str, q: Tensor, v: Tensor, a: Tensor) -> tuple[Tensor, Tensor, Tensor]:
-    """Of each moving body, in its axes: angular velocity, its rate, and r'' - g of the origin of its frame."""
+def _components(x: Tensor) -> list[Tensor]:
+    """Along the last axis, each in one piece of memory."""
+    return list(x.movedim(-1, 0).contiguous().unbind(0))
+
+
+def _product(x: list[Tensor], y: list[Tensor]) -> list[Tensor]:
+    """The vector product, by components."""
+    return [x[1] * y[2] - x[2] * y[1], x[2] * y[0] - x[0] * y[2], x[0] * y[1] - x[1] * y[0]]
+
+
+def _body_motion(key: str, q: Tensor, v: Tensor, a: Tensor) -> tuple[list[Tensor], list[Tensor], list[Tensor]]:
+    """Of each moving body, in its axes: angular velocity, its rate, and r'' - g of the origin of its frame; by components."""
     m = _mechanism(key).model
     bodies = slice(1, m.n_bodies + 1)  # in front of them stands the ground
-    V, = _evaluated(key, "twists", q, v)
-    dV, = _evaluated(key, "accelerations", q, v, a)
-    C, = _evaluated(key, "poses", q)
-    omega, u, g = V[..., bodies, :3], V[..., bodies, 3:], torch.tensor(m.gravity, dtype=q.dtype)
-    return omega, dV[..., bodies, :3], dV[..., bodies, 3:] + _cross(omega, u) - _times(C[..., bodies, :3, :3].mT, g)
+    (V,), (dV,), (C,) = (_evaluated(key, "twists", q, v), _evaluated(key, "accelerations", q, v, a), _evaluated(key, "poses", q))
+    motion, rate = _components(V[..., bodies, :]), _components(dV[..., bodies, :])
+    R = _components(C[..., bodies, :3, :3].flatten(-2))
+    r = [x + y - sum(float(g) * R[3 * j + k] for j, g in enumerate(m.gravity))
+         for k, (x, y) in enumerate(zip(rate[3:], _product(motion[:3], motion[3:])))]
+    return motion[:3], rate[:3], r
 
 
 def _parameters_vjp_of(key: str, q: Tensor, v: Tensor, a: Tensor, w: Tensor) -> Tensor:
     """w . Y: the power of what each parameter asks for (eq. NEb) in the motion with the velocities w."""
     omega, alpha, r = _body_motion(key, q, v, a)
     W, = _evaluated(key, "twists", q, w)
-    mu, nu = W[..., 1:omega.shape[-2] + 1, :3], W[..., 1:omega.shape[-2] + 1, 3:]
-    by_m = (nu * r).sum(dim=-1, keepdim=True)
-    by_h = _cross(r, mu) + _cross(nu, alpha) + omega * (omega * nu).sum(dim=-1, keepdim=True) \
-        - nu * omega.square().sum(dim=-1, keepdim=True)
-    S = mu[..., :, None] * alpha[..., None, :] + _cross(mu, omega)[..., :, None] * omega[..., None, :]
-    products = [S[..., i, j] + S[..., j, i] for i, j in ((0, 1), (0, 2), (1, 2))]
-    by_Theta = torch.stack([S[..., 0, 0], S[..., 1, 1], S[..., 2, 2], *products], dim=-1)
-    return torch.cat([by_m, by_h, by_Theta], dim=-1).flatten(-2)
+    motion = _components(W[..., 1:_mechanism(key).model.n_bodies + 1, :])
+    mu, nu = motion[:3], motion[3:]
+
+    def dot(x: list[Tensor], y: list[Tensor]) -> Tensor:
+        return x[0] * y[0] + x[1] * y[1] + x[2] * y[2]
+
+    def moment(i: int, j: int) -> Tensor:
+        return mu[i] * alpha[j] + turned[i] * omega[j]
+
+    along, square, turned = dot(omega, nu), dot(omega, omega), _product(mu, omega)
+    by_h = [x + y + omega[k] * along - nu[k] * square
+            for k, (x, y) in enumerate(zip(_product(r, mu), _product(nu, alpha)))]
+    products = [moment(i, j) + moment(j, i) for i, j in ((0, 1), (0, 2), (1, 2))]
+    by = [dot(nu, r), *by_h, moment(0, 0), moment(1, 1), moment(2, 2), *products]
+    return torch.stack(by, dim=-1).flatten(-2)
 
 
 def _parameters_jvp_of(key: str, q: Tensor, v: Tensor, a: Tensor, dpi: Tensor) -> Tensor:
     """Y dpi: the wrenches that bodies with these parameters need, as forces of the joints."""
-    omega, alpha, r = _body_motion(key, q, v, a)
+    omega, alpha, r = (torch.stack(x, dim=-1) for x in _body_motion(key, q, v, a))
     m, h, Theta = dpi.unflatten(-1, (-1, 10)).split([1, 3, 6], dim=-1)
     Theta = Theta[..., [0, 3, 4, 3, 1, 5, 4, 5, 2]].unflatten(-1, (3, 3))
     moment = _times(Theta, alpha) + _cross(omega, _times(Theta, omega)) + _cross(h, r)
@@ -814,15 +837,14 @@ _rollout = _operation(
 # What users call
 
 def _checked(m: Model | Specialised, parameters: Tensor | None, **given: Tensor) -> tuple[str, list[Tensor], Tensor | None]:
-    """The model's word and the tensors with the same axes in front, those of `tau` of a rollout, (..., K, nv), as well."""
+    """The model's word, and the tensors with the same axes in front."""
     key = handle(m)
     nq, nv, n = _sizes(key)
     if parameters is not None:
-        given = {**given, "parameters": parameters}
-    sizes = {name: (nq, "nq numbers") if name == "q" else (n, "ten numbers for each body") if name == "parameters"
-             else (nv, "nv numbers") for name in given}
+        given["parameters"] = parameters
     for name, x in given.items():
-        size, meaning = sizes[name]
+        size, meaning = (nq, "nq numbers") if name == "q" else (nv, "nv numbers") if name != "parameters" else \
+            (n, "ten numbers for each body")
         if not isinstance(x, Tensor):
             raise ValueError(f"{name}: expected a tensor, got {type(x).__name__}")
         if x.device.type != "cpu":
@@ -833,13 +855,19 @@ def _checked(m: Model | Specialised, parameters: Tensor | None, **given: Tensor)
             raise ValueError(f"{name} is of {x.dtype} and q of {given['q'].dtype}; expected one type for all")
         if x.ndim == 0 or x.shape[-1] != size:
             raise ValueError(f"{name}: expected shape (..., {size}), {meaning}, got {tuple(x.shape)}")
-    try:
-        lead = torch.broadcast_shapes(*(x.shape[:-1] for x in given.values()))
-    except RuntimeError:
-        shapes = ", ".join(f"{name} {tuple(x.shape)}" for name, x in given.items())
-        raise ValueError(f"the axes in front of the last do not broadcast: {shapes}") from None
-    same = [x if x.shape[:-1] == lead else x.expand(*lead, x.shape[-1]) for x in given.values()]
+    same = _broadcast(given)
     return key, same if parameters is None else same[:-1], None if parameters is None else same[-1]
+
+
+def _broadcast(given: dict[str, Tensor]) -> list[Tensor]:
+    lead = given["q"].shape[:-1]
+    if not all(x.shape[:-1] == lead for x in given.values()):
+        try:
+            lead = torch.broadcast_shapes(*(x.shape[:-1] for x in given.values()))
+        except RuntimeError:
+            shapes = ", ".join(f"{name} {tuple(x.shape)}" for name, x in given.items())
+            raise ValueError(f"the axes in front of the last do not broadcast: {shapes}") from None
+    return [x if x.shape[:-1] == lead else x.expand(*lead, x.shape[-1]) for x in given.values()]
 
 
 def inverse_dynamics(m: Model | Specialised, q: Tensor, v: Tensor, a: Tensor, *, parameters: Tensor | None = None) -> Tensor:
