@@ -956,7 +956,7 @@ def center_of_mass(m: Model | Specialised, q: Tensor, *, parameters: Tensor | No
     """Where it is, (..., 3), m, as `axode.center_of_mass`. Derivatives as in `potential_energy`. O(n).
 
     >>> axode.torch.center_of_mass(arm, torch.zeros(7, dtype=torch.float64)).numpy().round(3)
-    array([0.   , 0.   , 0.651])
+    array([-0.   , -0.003,  0.619])
     """
     key, (q,), pi = _checked(m, parameters, q=q)
     moments = torch.stack([_potential_energy(height, q, pi) for height in _heights(key)], dim=-1)
