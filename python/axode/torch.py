@@ -334,8 +334,8 @@ def _operation(schema: str, compute: Callable[..., Any], like: Callable[..., Any
     """An operation torch.ops.axode.NAME, and the function to call it by.
 
     Its first arguments are constants, the first of these a model; the others are tensors with the same leading axes.
-    `like` gives empty results, `backward(ctx, constants, tensors, result, *weights)` a gradient for each tensor,
-    `forward(constants, tensors, result, *directions)` what these do to the result. Operations of torch.library know neither
+    `like` gives empty results, `backward(ctx, constants, tensors, results, *weights)` a gradient for each tensor,
+    `forward(constants, tensors, results, *directions)` what these do to the results; a single constant is not in a tuple. Operations of torch.library know neither
     forward mode nor torch.func.grad, so that but for compilation it is called through an autograd.Function, which does.
     """
     name, _, signature = schema.partition("(")
@@ -352,8 +352,8 @@ def _operation(schema: str, compute: Callable[..., Any], like: Callable[..., Any
         ctx.tensors = len(inputs) - front
         ctx.set_materialize_grads(False)
 
-    def kept(ctx: Any) -> tuple[tuple[Any, ...], tuple[Any, ...], tuple[Tensor, ...]]:
-        return ctx.constants, ctx.saved_tensors[:ctx.tensors], ctx.saved_tensors[ctx.tensors:]
+    def kept(ctx: Any) -> tuple[Any, tuple[Any, ...], tuple[Tensor, ...]]:
+        return ctx.constants[0] if front == 1 else ctx.constants, ctx.saved_tensors[:ctx.tensors], ctx.saved_tensors[ctx.tensors:]
 
     def differentiate(ctx: Any, *weights: Tensor) -> tuple[Tensor | None, ...]:
         if backward is None:
@@ -380,7 +380,7 @@ def _operation(schema: str, compute: Callable[..., Any], like: Callable[..., Any
     value.__signature__ = inspect.signature(value)  # type: ignore[attr-defined]  # which is asked for in every call
     statics = {"forward": value, "setup_context": setup_context, "backward": differentiate, "vmap": batched,
                **({"jvp": push} if forward is not None else {})}
-    function = type(name, (torch.autograd.Function,), {key: staticmethod(value) for key, value in statics.items()})
+    function: Any = type(name, (torch.autograd.Function,), {key: staticmethod(value) for key, value in statics.items()})
 
     def call(*arguments: Any) -> Any:
         return op(*arguments) if torch.compiler.is_compiling() else function.apply(*arguments)
@@ -426,7 +426,7 @@ def _loads(frames: int, W: Array) -> list[Any]:
 def _loads_of(key: str, q: Tensor, W: Tensor) -> Tensor:
     mechanism, states = _mechanism(key), _mechanism(key).configurations(q)
     v = np.zeros((*states.shape[:-1], mechanism.model.nv))
-    return _tensor(*mechanism("generalized_loads", states, v, _loads(W.shape[-2], _array(W, 2))), q)
+    return _tensor(mechanism("generalized_loads", states, v, _loads(W.shape[-2], _array(W, 2)))[0], q)
 
 
 def _load_product_of(key: str, gradient: bool, q: Tensor, W: Tensor, v: Tensor) -> Tensor:
@@ -444,17 +444,17 @@ def _frames(key: str) -> int:
 _load_product = _operation(
     "load_product(str model, bool gradient, Tensor q, Tensor W, Tensor v) -> Tensor",
     _load_product_of, lambda key, gradient, q, W, v: _empty(v, v.shape[-1]))
-_generalized_loads = _operation(  # Q = sum of J^T W
+_generalized_loads: Callable[..., Any] = _operation(  # Q = sum of J^T W
     "generalized_loads(str model, Tensor q, Tensor W) -> Tensor",
     _loads_of, lambda key, q, W: _empty(q, _sizes(key)[1]),
-    lambda ctx, key, x, Q, w: (_by_coordinates(*key, x[0], _load_product(*key, True, *x, w)) if ctx.needed[0] else None,
-                               _twists(*key, x[0], w) if ctx.needed[1] else None),
-    lambda key, x, Q, dq, dW: _load_product(*key, False, *x, _along(*key, *x[:1], dq)) + _generalized_loads(*key, x[0], dW))
-_twists = _operation(  # V = J v, so w . V = v . Q(q, w)
+    lambda ctx, key, x, Q, w: (_by_coordinates(key, x[0], _load_product(key, True, *x, w)) if ctx.needed[0] else None,
+                               _twists(key, x[0], w) if ctx.needed[1] else None),
+    lambda key, x, Q, dq, dW: _load_product(key, False, *x, _along(key, x[0], dq)) + _generalized_loads(key, x[0], dW))
+_twists: Callable[..., Any] = _operation(  # V = J v, so w . V = v . Q(q, w)
     "twists(str model, Tensor q, Tensor v) -> Tensor",
     lambda key, q, v: _evaluated(key, "twists", q, v)[0], lambda key, q, v: _empty(q, _frames(key), 6),
-    lambda ctx, key, x, V, w: (_by_coordinates(*key, x[0], _load_product(*key, True, x[0], w, x[1])) if ctx.needed[0] else None,
-                               _generalized_loads(*key, x[0], w) if ctx.needed[1] else None))
+    lambda ctx, key, x, V, w: (_by_coordinates(key, x[0], _load_product(key, True, x[0], w, x[1])) if ctx.needed[0] else None,
+                               _generalized_loads(key, x[0], w) if ctx.needed[1] else None))
 
 
 def _poses_backward(ctx: Any, key: Any, x: Any, C: Any, w: Tensor) -> tuple[Tensor]:
@@ -463,11 +463,11 @@ def _poses_backward(ctx: Any, key: Any, x: Any, C: Any, w: Tensor) -> tuple[Tens
     A = R.mT @ w[..., :3, :3]
     moment = torch.stack([A[..., 2, 1] - A[..., 1, 2], A[..., 0, 2] - A[..., 2, 0], A[..., 1, 0] - A[..., 0, 1]], dim=-1)
     W = torch.cat([moment, _times(R.mT, w[..., :3, 3])], dim=-1)
-    return (_by_coordinates(*key, q, _generalized_loads(*key, q, W)),)
+    return (_by_coordinates(key, q, _generalized_loads(key, q, W)),)
 
 
 def _poses_forward(key: Any, x: Any, C: Any, dq: Tensor) -> Tensor:
-    x, y, z, *u = _twists(*key, x[0], _along(*key, x[0], dq)).unbind(-1)
+    x, y, z, *u = _twists(key, x[0], _along(key, x[0], dq)).unbind(-1)
     o = torch.zeros_like(z)
     rows = [o, -z, y, u[0], z, o, -x, u[1], -y, x, o, u[2], o, o, o, o]
     return C[0] @ torch.stack(rows, dim=-1).unflatten(-1, (4, 4))
@@ -538,13 +538,13 @@ def _parameters_jvp_of(key: str, q: Tensor, v: Tensor, a: Tensor, dpi: Tensor) -
 def _parameters_vjp_backward(ctx: Any, key: Any, x: Any, result: Any, c: Tensor) -> tuple[Tensor | None, ...]:
     if any(ctx.needed[:3]):
         raise NotImplementedError(NO_SECOND)
-    return None, None, None, _parameters_jvp(*key, *x[:3], c)
+    return None, None, None, _parameters_jvp(key, *x[:3], c)
 
 
 def _parameters_jvp_backward(ctx: Any, key: Any, x: Any, result: Any, c: Tensor) -> tuple[Tensor | None, ...]:
     if any(ctx.needed[:3]):
         raise NotImplementedError(NO_SECOND)
-    return None, None, None, _parameters_vjp(*key, *x[:3], c)
+    return None, None, None, _parameters_vjp(key, *x[:3], c)
 
 
 _parameters_vjp = _operation(
@@ -599,45 +599,46 @@ class _Dynamics:
 
     def _second(self, key: Any, x: Any, w: Tensor, directions: Any) -> tuple[Tensor, ...]:
         q, v, last, parameters = x[:4]
-        by_q, by_v, by_x = self.hessian(*key, True, q, v, last, parameters, w, *directions)
-        return _by_coordinates(*key, q, by_q), by_v, by_x
+        by_q, by_v, by_x = self.hessian(key, True, q, v, last, parameters, w, *directions)
+        return _by_coordinates(key, q, by_q), by_v, by_x
 
     def _vjp_backward(self, ctx: Any, key: Any, x: Any, result: Any, *directions: Tensor) -> tuple[Tensor | None, ...]:
         if ctx.needed[3]:
             raise NotImplementedError(NO_SECOND)
         second = self._second(key, x, x[4], directions) if any(ctx.needed[:3]) else (None, None, None)
-        return *second, None, self.jvp(*key, *x[:4], *directions) if ctx.needed[4] else None
+        return *second, None, self.jvp(key, *x[:4], *directions) if ctx.needed[4] else None
 
     def _vjp_forward(self, key: Any, x: Any, result: Any, dq: Any, dv: Any, dx: Any, dpi: Any, dw: Any) -> tuple[Tensor, ...]:
         if dpi is not None:
             raise NotImplementedError(NO_SECOND)
-        second = self.hessian(*key, False, *x, _along(*key, x[0], dq), dv, dx)
-        return tuple(a + b for a, b in zip(second, self.vjp(*key, *x[:4], dw)))
+        second = self.hessian(key, False, *x, _along(key, x[0], dq), dv, dx)
+        return tuple(a + b for a, b in zip(second, self.vjp(key, *x[:4], dw)))
 
     def _jvp_backward(self, ctx: Any, key: Any, x: Any, result: Any, w: Tensor) -> tuple[Tensor | None, ...]:
         if ctx.needed[3]:
             raise NotImplementedError(NO_SECOND)
         second = self._second(key, x, w, x[4:]) if any(ctx.needed[:3]) else (None, None, None)
-        return *second, None, *(self.vjp(*key, *x[:4], w) if any(ctx.needed[4:]) else (None, None, None))
+        return *second, None, *(self.vjp(key, *x[:4], w) if any(ctx.needed[4:]) else (None, None, None))
 
     def _backward(self, ctx: Any, key: Any, x: Any, result: Any, w: Tensor) -> tuple[Tensor | None, ...]:
         q, v, last, parameters = x
-        by_q, by_v, by_x, by_parameters = None, None, None, None
+        by_q: Any = None
+        by_v, by_x, by_parameters = by_q, by_q, by_q
         if any(ctx.needed[:3]) or self.name == "forward_dynamics":
-            by_q, by_v, by_x = self.vjp(*key, *x, w)
+            by_q, by_v, by_x = self.vjp(key, *x, w)
         if ctx.needed[3]:  # forces Y dpi more act on accelerations as the same forces less
-            by_parameters = _parameters_vjp(*key, q, v, last, w) if self.name == "inverse_dynamics" else \
-                _parameters_vjp(*key, q, v, result[0], -by_x)
-        return _by_coordinates(*key, q, by_q) if ctx.needed[0] else None, by_v, by_x, by_parameters
+            by_parameters = _parameters_vjp(key, q, v, last, w) if self.name == "inverse_dynamics" else \
+                _parameters_vjp(key, q, v, result[0], -by_x)
+        return _by_coordinates(key, q, by_q) if ctx.needed[0] else None, by_v, by_x, by_parameters
 
     def _forward(self, key: Any, x: Any, result: Any, dq: Any, dv: Any, dx: Any, dpi: Any) -> Tensor:
         q, v, last, parameters = x
-        dq = _along(*key, q, dq)
+        dq = _along(key, q, dq)
         if self.name == "forward_dynamics":
-            dx = dx if dpi is None else dx - _parameters_jvp(*key, q, v, result[0], dpi)
-            return self.jvp(*key, *x, dq, dv, dx)
-        change = self.jvp(*key, *x, dq, dv, dx)
-        return change if dpi is None else change + _parameters_jvp(*key, q, v, last, dpi)
+            dx = dx if dpi is None else dx - _parameters_jvp(key, q, v, result[0], dpi)
+            return self.jvp(key, *x, dq, dv, dx)
+        change = self.jvp(key, *x, dq, dv, dx)
+        return change if dpi is None else change + _parameters_jvp(key, q, v, last, dpi)
 
 
 _inverse_dynamics = _Dynamics("inverse_dynamics", "a")
@@ -646,33 +647,30 @@ _forward_dynamics = _Dynamics("forward_dynamics", "tau")
 
 # Mass matrices and energies, made of inverse dynamics
 
-def _mass_matrix_gradient(key: str, q: Tensor, parameters: Tensor | None, w: Tensor,
-                          needed: tuple[bool, ...]) -> tuple[Tensor | None, ...]:
-    """Of w . M, whose column j are the forces that the acceleration e_j needs at rest without gravity."""
-    still, n = _mechanism(key).still.key, w.shape[-1]
+def _n_times(x: Tensor, n: int) -> Tensor:
+    return x[..., None, :].expand(*x.shape[:-1], n, x.shape[-1])
 
-    def n_times(x: Tensor) -> Tensor:
-        return x[..., None, :].expand(*x.shape[:-1], n, x.shape[-1])
 
-    pi = None if parameters is None else n_times(parameters)
-    states = n_times(q), torch.zeros_like(w), torch.eye(n, dtype=w.dtype).expand_as(w)
+def _unit_accelerations(key: str, x: Any, like: Tensor) -> tuple[str, tuple[Tensor, ...], Tensor | None]:
+    """At rest without gravity, where the forces that the acceleration e_j needs are column j of M: model, states, parameters."""
+    (q, parameters), n = x, like.shape[-1]
+    states = _n_times(q, n), torch.zeros_like(like), torch.eye(n, dtype=q.dtype).expand_as(like)
+    return _mechanism(key).still.key, states, None if parameters is None else _n_times(parameters, n)
+
+
+def _mass_matrix_gradient(key: str, x: Any, w: Tensor, needed: tuple[bool, ...]) -> tuple[Tensor | None, ...]:
+    """Of w . M."""
+    still, states, pi = _unit_accelerations(key, x, w)
     by_q = _inverse_dynamics.vjp(still, *states, pi, w.mT)[0].sum(dim=-2) if needed[0] else None
-    return (None if by_q is None else _by_coordinates(key, q, by_q),
+    return (None if by_q is None else _by_coordinates(key, x[0], by_q),
             _parameters_vjp(still, *states, w.mT).sum(dim=-2) if needed[1] else None)
 
 
 def _mass_matrix_forward(key: Any, x: Any, M: Any, dq: Any, dpi: Any) -> Tensor:
-    q, parameters = x
-    still, n = _mechanism(*key).still.key, M[0].shape[-1]
-
-    def n_times(x: Tensor) -> Tensor:
-        return x[..., None, :].expand(*x.shape[:-1], n, x.shape[-1])
-
-    pi = None if parameters is None else n_times(parameters)
-    states = n_times(q), torch.zeros_like(M[0]), torch.eye(n, dtype=q.dtype).expand_as(M[0])
-    along = _along(*key, q, dq)
-    rows = _inverse_dynamics.jvp(still, *states, pi, n_times(along), *2 * (torch.zeros_like(M[0]),))
-    return rows if dpi is None else rows + _parameters_jvp(still, *states, n_times(dpi))
+    still, states, pi = _unit_accelerations(key, x, M[0])
+    none = torch.zeros_like(M[0])
+    rows = _inverse_dynamics.jvp(still, *states, pi, _n_times(_along(key, x[0], dq), M[0].shape[-1]), none, none)
+    return rows if dpi is None else rows + _parameters_jvp(still, *states, _n_times(dpi, M[0].shape[-1]))
 
 
 def _of_matrix(name: str) -> Callable[..., Tensor]:
@@ -685,10 +683,10 @@ def _square(key: str, q: Tensor, parameters: Tensor | None) -> Tensor:
 
 _mass_matrix = _operation(
     "mass_matrix(str model, Tensor q, Tensor? parameters) -> Tensor", _of_matrix("mass_matrix"), _square,
-    lambda ctx, key, x, M, w: _mass_matrix_gradient(*key, *x, w, ctx.needed), _mass_matrix_forward)
+    lambda ctx, key, x, M, w: _mass_matrix_gradient(key, x, w, ctx.needed), _mass_matrix_forward)
 _inverse_mass_matrix = _operation(  # dW = -W dM W
     "inverse_mass_matrix(str model, Tensor q, Tensor? parameters) -> Tensor", _of_matrix("inverse_mass_matrix"), _square,
-    lambda ctx, key, x, W, w: _mass_matrix_gradient(*key, *x, -(W[0] @ w @ W[0]), ctx.needed),
+    lambda ctx, key, x, W, w: _mass_matrix_gradient(key, x, -(W[0] @ w @ W[0]), ctx.needed),
     lambda key, x, W, *directions: -(W[0] @ _mass_matrix_forward(key, x, W, *directions) @ W[0]))
 
 
@@ -701,24 +699,24 @@ def _kinetic_energy_gradient(key: str, x: Any) -> tuple[Tensor, Tensor]:
 
 def _kinetic_energy_backward(ctx: Any, key: Any, x: Any, T: Any, w: Tensor) -> tuple[Tensor | None, ...]:
     q, v, _ = x
-    by_q, p = _kinetic_energy_gradient(*key, x) if any(ctx.needed[:2]) else (None, None)
+    by_q, p = _kinetic_energy_gradient(key, x) if any(ctx.needed[:2]) else (None, None)
     w = w[..., None]
-    return (w * _by_coordinates(*key, q, by_q) if ctx.needed[0] else None, w * p if ctx.needed[1] else None,
-            w / 2 * _parameters_vjp(_mechanism(*key).still.key, q, torch.zeros_like(v), v, v) if ctx.needed[2] else None)
+    return (w * _by_coordinates(key, q, by_q) if ctx.needed[0] else None, w * p if ctx.needed[1] else None,
+            w / 2 * _parameters_vjp(_mechanism(key).still.key, q, torch.zeros_like(v), v, v) if ctx.needed[2] else None)
 
 
 def _kinetic_energy_forward(key: Any, x: Any, T: Any, dq: Tensor, dv: Tensor, dpi: Any) -> Tensor:
     q, v, _ = x
-    by_q, p = _kinetic_energy_gradient(*key, x)
-    change = (by_q * _along(*key, q, dq) + p * dv).sum(dim=-1)
+    by_q, p = _kinetic_energy_gradient(key, x)
+    change = (by_q * _along(key, q, dq) + p * dv).sum(dim=-1)
     if dpi is None:
         return change
-    return change + (v * _parameters_jvp(_mechanism(*key).still.key, q, torch.zeros_like(v), v, dpi)).sum(dim=-1) / 2
+    return change + (v * _parameters_jvp(_mechanism(key).still.key, q, torch.zeros_like(v), v, dpi)).sum(dim=-1) / 2
 
 
 def _potential_energy_forward(key: Any, x: Any, U: Any, dq: Tensor, dpi: Any) -> Tensor:
-    change = (_gravity_torques(*key, *x) * _along(*key, x[0], dq)).sum(dim=-1)
-    return change if dpi is None else change + (_potential_energy_regressor(*key, x[0]) * dpi).sum(dim=-1)
+    change = (_gravity_torques(key, *x) * _along(key, x[0], dq)).sum(dim=-1)
+    return change if dpi is None else change + (_potential_energy_regressor(key, x[0]) * dpi).sum(dim=-1)
 
 
 def _potential_energy_regressor(key: str, q: Tensor) -> Tensor:
@@ -743,8 +741,8 @@ _potential_energy = _operation(
     lambda key, q, parameters: _evaluated(key, "potential_energy", q, parameters=parameters)[0],
     lambda key, q, *_: _empty(q),
     lambda ctx, key, x, U, w: (
-        w[..., None] * _by_coordinates(*key, x[0], _gravity_torques(*key, *x)) if ctx.needed[0] else None,
-        w[..., None] * _potential_energy_regressor(*key, x[0]) if ctx.needed[1] else None),
+        w[..., None] * _by_coordinates(key, x[0], _gravity_torques(key, *x)) if ctx.needed[0] else None,
+        w[..., None] * _potential_energy_regressor(key, x[0]) if ctx.needed[1] else None),
     _potential_energy_forward)
 
 
@@ -753,20 +751,20 @@ _potential_energy = _operation(
 def _jacobian_of(key: str, frame: int, representation: str, order: int, q: Tensor) -> Tensor:
     mechanism = _mechanism(key)
     name, more = ("jacobian_partials", (order,)) if order > 0 else ("jacobian", ())
-    return _tensor(*mechanism(name, mechanism.configurations(q), frame, representation, *more), q)
+    return _tensor(mechanism(name, mechanism.configurations(q), frame, representation, *more)[0], q)
 
 
 def _jacobian_backward(ctx: Any, constants: Any, x: Any, J: Any, w: Tensor) -> tuple[Tensor]:
     key, frame, representation, order = constants
     partials = _jacobian_partials(key, frame, representation, order + 1, *x)  # the outermost derivative first
     along = partials.flatten(-(order + 2)) @ w.flatten(-(order + 2))[..., None]
-    return (_by_coordinates(key, *x, along[..., 0]),)
+    return (_by_coordinates(key, x[0], along[..., 0]),)
 
 
 def _jacobian_forward(constants: Any, x: Any, J: Any, dq: Tensor) -> Tensor:
     key, frame, representation, order = constants
     partials = _jacobian_partials(key, frame, representation, order + 1, *x)
-    along = _along(key, *x, dq)[..., None, :] @ partials.flatten(-(order + 2))
+    along = _along(key, x[0], dq)[..., None, :] @ partials.flatten(-(order + 2))
     return along.reshape(J[0].shape)
 
 
@@ -1007,8 +1005,8 @@ def rollout(m: Model, q: Tensor, v: Tensor, tau: Tensor, step: float) -> tuple[T
         raise ValueError("step needs a gradient; expected a number, rollout has no derivative by it")
     key, (q, v, _), _ = _checked(m, None, q=q, v=v, tau=tau[..., 0, :] if tau.shape[-2] > 0 else tau.sum(dim=-2))
     _refuse_loops(key, "rollout")
-    forces = tau.expand(*q.shape[:-1], *tau.shape[-2:])
-    return _rollout(key, float(step), q, v, forces)
+    states, velocities = _rollout(key, float(step), q, v, tau.expand(*q.shape[:-1], *tau.shape[-2:]))
+    return states, velocities
 
 
 def inertial_parameters(P: Tensor) -> Tensor:

@@ -136,7 +136,8 @@ def test_rollout_is_that_of_the_library(mechanism):
 def test_gradients_are_those_of_differences_and_so_are_second_ones(mechanism, name):
     m = SOLID[mechanism]
     arguments = leaves(arguments_of(name, m, 2))
-    assert gradcheck(function(name, m), arguments, eps=1e-7, atol=1e-4, rtol=1e-5, fast_mode=mechanism != "machine")
+    slowly = mechanism == "machine" and name in ("forward_dynamics", "inverse_dynamics", "center_of_mass")
+    assert gradcheck(function(name, m), arguments, eps=1e-7, atol=1e-4, rtol=1e-5, fast_mode=not slowly)
     assert gradgradcheck(function(name, m), arguments, eps=1e-7, atol=1e-4, rtol=1e-5, fast_mode=True)
 
 
@@ -200,8 +201,9 @@ def test_transforms_agree_with_each_other(mechanism, name):
     assert close(hessian(at(1, loss))(q[1]), jacrev(jacrev(at(1, loss)))(q[1]), 1e-8)
 
 
-def test_forward_mode_by_parameters_and_of_rollouts():
-    m = SOLID["humanoid"]
+@pytest.mark.parametrize("m", [SOLID["arm"], SOLID["humanoid"].reduced(SOLID["humanoid"].joint_names[4:], SOLID["humanoid"].neutral())],
+                         ids=["arm", "humanoid without knees"])
+def test_forward_mode_by_parameters_and_of_rollouts(m):
     q, v, a, _ = states(m)
     pi = torch.tensor(m.parameters)
     for name, x in {"inverse_dynamics": (q, v, a), "forward_dynamics": (q, v, a), "mass_matrix": (q,),
@@ -548,6 +550,18 @@ def test_parameters_are_those_of_a_pseudo_inertia():
         assert np.allclose(axode.torch.inertial_parameters(P).detach(), pi, atol=1e-15)
 
 
+def test_a_pseudo_inertia_at_the_flange_is_a_payload_there():
+    M = axode.lie.transform_inertia(axode.lie.exp([0.1, 0.2, 0, 0.02, 0, 0.1]), axode.lie.box_inertia(1.5, [0.1, 0.2, 0.3]))
+    matter = [M[3, 3], M[2, 4], M[0, 5], M[1, 3], M[0, 0], M[1, 1], M[2, 2], M[0, 1], M[0, 2], M[1, 2]]
+    C = ARM.frame_pose("flange")[1]
+    added = axode.torch.inertial_parameters(torch.tensor(C @ axode.identification.pseudo_inertia(matter) @ C.T))
+    pi = torch.tensor(ARM.parameters)
+    pi[-10:] += added
+    q, v, a, _ = states(ARM, 3)
+    loaded = axode.inverse_dynamics(ARM.with_payload("flange", M), *map(np.asarray, (q, v, a)))
+    assert close(axode.torch.inverse_dynamics(ARM, q, v, a, parameters=pi), torch.tensor(loaded))
+
+
 # Documentation
 
 @pytest.mark.parametrize("name", axode.torch.__all__)
@@ -579,7 +593,7 @@ def test_the_example_learns_the_payload_and_the_friction():
                for line in done.stdout.splitlines() if ":" in line}
     assert numbers["mass of the payload in kg"] == pytest.approx([1.5, 1.5], abs=0.03)
     before, payload, both, noise = numbers["torques off by in N m"]
-    assert before > 3 * payload > 6 * both and both < 1.3 * noise
+    assert before > 2 * payload > 10 * both and both < 1.3 * noise
 
 
 def test_nothing_is_imported_unless_it_is_asked_for_and_nothing_is_said_at_the_end():
