@@ -77,7 +77,7 @@ class Arm(torch.nn.Module):  # type: ignore[misc, unused-ignore]
 def learned(with_residual: bool, *data: torch.Tensor) -> Arm:
     q, v, a, tau = data
     arm = Arm(with_residual)
-    optimiser = torch.optim.LBFGS(arm.parameters(), max_iter=150, line_search_fn="strong_wolfe")
+    optimiser = torch.optim.LBFGS(arm.parameters(), max_iter=100, line_search_fn="strong_wolfe")
 
     def loss() -> torch.Tensor:
         optimiser.zero_grad()
@@ -89,7 +89,7 @@ def learned(with_residual: bool, *data: torch.Tensor) -> Arm:
     return arm
 
 
-data, q, v, a, tau = measured(300, 1), *measured(1000, 2)
+data, q, v, a, tau = measured(200, 1), *measured(1000, 2)
 off = [(axode.torch.inverse_dynamics(drawn, q, v, a) - tau).square().mean().sqrt().item()]
 for with_residual in (False, True):
     arm = learned(with_residual, *data)
@@ -101,4 +101,4 @@ print(f"mass of the payload in kg: {P[3, 3]:.3f}, truly {built.total_mass - draw
 print("its center of mass in the flange, mm:", (1000 * P[:3, 3] / P[3, 3]).numpy().round(1), "truly [ 20. 0. 100.]")
 print("its pseudo-inertia is positive definite:", bool(torch.linalg.eigvalsh(P).min() > 0))
 print("torques off by in N m:", ", ".join(f"{x:.2f} {what}" for x, what in zip(
-    off, ("as drawn", "with the payload", "with payload and residual"))), f"noise {noise}")
+    off, ("as drawn", "with the payload", "with payload and residual"))), f"(noise {noise})")

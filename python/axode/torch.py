@@ -41,6 +41,8 @@ Array = NDArray[np.float64]
 
 #: Models that are kept for operations to come, the last ones that were used.
 KEPT = 256
+#: Models with other parameters that are kept, so that backward finds that of forward.
+KEPT_PARAMETERS = 32
 #: Calls with fewer states run on one core.
 MANY = 64
 #: How far a quaternion may be from length 1, as in the library.
@@ -154,7 +156,7 @@ def _mechanism_of(m: Model | Specialised) -> _Mechanism:
     return _mechanisms.setdefault(key, _Mechanism(m, key))
 
 
-@functools.lru_cache(maxsize=KEPT)
+@functools.lru_cache(maxsize=KEPT_PARAMETERS)
 def _with_parameters(key: str, pi: bytes) -> _Mechanism:
     mechanism = _mechanism(key)
     if mechanism.is_specialised:
@@ -184,7 +186,7 @@ def handle(m: Model | Specialised) -> str:
     Functions of this module ask for it themselves. What was exported, or compiled elsewhere, finds its models where
     this was called. The last 256 models are kept, and those whose graph is still to be gone back through.
 
-    >>> axode.torch.handle(arm) == axode.torch.handle(arm.with_parameters(arm.parameters))
+    >>> axode.torch.handle(arm) == axode.torch.handle(arm.with_gravity([0, 0, -1.62]))
     False
     >>> import pickle
     >>> axode.torch.handle(arm) == axode.torch.handle(pickle.loads(pickle.dumps(arm)))
@@ -847,6 +849,8 @@ def _checked(m: Model | Specialised, parameters: Tensor | None, **given: Tensor)
             raise ValueError(f"{name}: expected a tensor, got {type(x).__name__}")
         if x.device.type != "cpu":
             raise ValueError(f"{name} is on the device {x.device}; axode computes on the CPU, where {name}.cpu() takes it")
+        if x.layout != torch.strided:
+            raise ValueError(f"{name}: expected a dense tensor, got {x.layout}")
         if x.dtype != torch.float64 and x.dtype != torch.float32:
             raise ValueError(f"{name}: expected a tensor of float64 or float32, got {x.dtype}")
         if x.dtype != given["q"].dtype:
