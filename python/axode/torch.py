@@ -92,11 +92,13 @@ class _Mechanism:
                 unit[..., at] /= length
         return unit
 
-    @functools.cached_property
+    @property
     def tree(self) -> _Mechanism:
         """The mechanism without its loops, as mass matrices and energies see it."""
-        if self.model.n_loops == 0 and not self.is_specialised:
-            return self
+        return self if self.model.n_loops == 0 else self._cut
+
+    @functools.cached_property
+    def _cut(self) -> _Mechanism:
         drawing = {key: value for key, value in self.model.to_dict().items() if key not in ("loop", "coupling")}
         return _mechanism_of(Model.from_dict(drawing))
 
