@@ -65,7 +65,8 @@ std::vector<std::string> frame_identifiers(const Model& model, Abi abi) {
   };
   std::vector<std::string> names;
   for (const Frame& frame : model.frames()) {
-    const std::string plain = identifier(frame.name, abi);
+    std::string plain = identifier(frame.name, abi);
+    if (abi == Abi::casadi && plain.empty()) plain = "frame";
     std::string name = plain;
     for (int k = 2; is_taken(name); ++k) name = plain + '_' + std::to_string(k);
     for (const char* ending : endings) taken.insert(name + ending);
