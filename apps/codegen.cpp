@@ -21,6 +21,7 @@ struct Options {
   ModelOptions mechanism;
   std::string functions = "inverse_dynamics", name, out, abi = "plain";
   bool single_precision = false;
+  int states = 1;
 };
 
 constexpr const char* footer = R"(Functions (several are separated by commas):
@@ -54,7 +55,8 @@ With --abi casadi the functions, without those of derivatives, are external func
 its exact first and second derivatives along:
   axode codegen arm7.toml --functions forward_dynamics --abi casadi --output arm7.c
   cc -O3 -march=native -ffp-contract=fast -fPIC -shared arm7.c -o arm7.so -lm
-and in Python casadi.external("arm7_forward_dynamics", "./arm7.so").)";
+and in Python casadi.external("arm7_forward_dynamics", "./arm7.so"). With --states N they are of N states at once,
+the columns of their arguments.)";
 
 /// Words and what they mean.
 template <class Meaning, std::size_t N> constexpr auto named(const std::array<std::string_view, N>& words) {
@@ -105,7 +107,8 @@ void run(const Options& options) {
                      "\" is no C identifier: letters, digits and underscores, no digit first");
   const std::vector<codegen::Function> functions = wanted(model, options.functions);
   const codegen::Source source = codegen::c_source(
-      model, functions, {options.name, options.single_precision, choose("--abi", options.abi, abis)});
+      model, functions,
+      {options.name, options.single_precision, choose("--abi", options.abi, abis), options.states});
   if (options.out.empty()) {
     fmt::print("{}", source.text);
     return;
@@ -127,6 +130,10 @@ void add_codegen(CLI::App& app, int& exit_code) {
       ->type_name("FUNCTIONS");
   codegen->add_flag("--float", options->single_precision, "float instead of double");
   codegen->add_option("--abi", options->abi, "Who calls it; plain if left out")->type_name("plain|casadi");
+  codegen
+      ->add_option("--states", options->states,
+                   "With --abi casadi: how many states a function is of; 1 if left out")
+      ->type_name("N");
   codegen->add_option("--name", options->name, "What all names begin with; the model's name if left out")
       ->type_name("PREFIX");
   codegen->add_option("--output", options->out, "The file to write; standard output if left out")

@@ -188,8 +188,10 @@ Source c_source(const Model& model, std::span<const Function> functions, const O
   if (options.abi == Abi::casadi) {
     const std::string prefix = options.prefix.empty() ? prefix_for(model, Abi::casadi) : options.prefix;
     check(model, functions, prefix);
-    return casadi_source(model, functions, prefix, options.single_precision);
+    return casadi_source(model, functions, prefix, options);
   }
+  if (options.states != 1)
+    throw std::invalid_argument("states is about functions for CasADi; plain ones are of one state");
   return source_of(model, functions, options, {});
 }
 

@@ -69,6 +69,7 @@ struct Options {
   std::string prefix;             ///< of all names, a C identifier; made from the model's name if empty
   bool single_precision = false;  ///< float instead of double
   Abi abi = Abi::plain;
+  int states = 1;  ///< of which functions of CasADi are
 };
 
 /// A file in C99 that needs nothing but a compiler, and what each of its functions costs.

@@ -256,10 +256,10 @@ class Family {
                                           {"fwd1_" + name_, directed, changes()},
                                           {"adj1_" + name_, weighted, gradients()}};
     if (recordings_.size() > jacobian) {
-      functions.push_back({"jac_" + name_, nominal, first_derivatives()});
+      functions.push_back({"jac_" + name_, nominal, first_derivatives(), true});
       for (const CasadiInput& input : inputs_)
         weighted.push_back({"out_adj_" + input.name, {input.pattern.rows, 1}});
-      functions.push_back({"jac_adj1_" + name_, weighted, second_derivatives()});
+      functions.push_back({"jac_adj1_" + name_, weighted, second_derivatives(), true});
     }
     return {std::move(recordings_), std::move(functions)};
   }

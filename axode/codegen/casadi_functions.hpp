@@ -30,6 +30,7 @@ struct CasadiFunction {
   std::string name;
   std::vector<CasadiInput> inputs;
   std::vector<CasadiOutput> outputs;
+  bool is_jacobian = false;  ///< whose matrices, for several states, are block by block on the diagonal
 };
 /// A function of the state and its derivatives by all coordinates, velocities and so on, as CasADi looks for them: NAME,
 /// fwd1_NAME, adj1_NAME, jac_NAME and jac_adj1_NAME, each with a recording of its own.

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <map>
-#include <numeric>
 #include <stdexcept>
 
 #include "axode/codegen/c_function.hpp"
@@ -91,18 +90,26 @@ template <class Items, class Word> std::string words(const Items& items, const W
   return text;
 }
 
-/// Rows, columns, where columns begin, and the row of each entry; or rows, columns, 1 for a matrix without zeros.
-std::vector<int> compressed(const Pattern& pattern) {
-  std::vector<int> numbers{pattern.rows, pattern.columns};
-  if (pattern.is_dense() && !pattern.entries.empty()) {
+/// Rows, columns, where columns begin, and the row of each entry; or rows, columns, 1 for a matrix without zeros. Those of
+/// several states stand side by side, or, as derivatives of all by all, along the diagonal.
+std::vector<int> compressed(const Pattern& pattern, int states, bool diagonal) {
+  const int down = diagonal ? pattern.rows : 0;
+  std::vector<int> numbers{pattern.rows + (states - 1) * down, states * pattern.columns};
+  if (pattern.is_dense() && !pattern.entries.empty() && (states == 1 || !diagonal)) {
     numbers.push_back(1);
     return numbers;
   }
-  std::vector<int> begin(static_cast<std::size_t>(pattern.columns) + 1);
-  for (const int entry : pattern.entries) ++begin[static_cast<std::size_t>(entry / pattern.rows) + 1];
-  std::partial_sum(begin.begin(), begin.end(), begin.begin());
+  std::vector<int> begin{0}, rows;
+  for (int state = 0; state < states; ++state) {
+    std::vector<int> in_column(static_cast<std::size_t>(pattern.columns));
+    for (const int entry : pattern.entries) {
+      ++in_column[static_cast<std::size_t>(entry / pattern.rows)];
+      rows.push_back(entry % pattern.rows + state * down);
+    }
+    for (const int n : in_column) begin.push_back(begin.back() + n);
+  }
   numbers.insert(numbers.end(), begin.begin(), begin.end());
-  for (const int entry : pattern.entries) numbers.push_back(entry % pattern.rows);
+  numbers.insert(numbers.end(), rows.begin(), rows.end());
   return numbers;
 }
 
@@ -126,8 +133,11 @@ class Tables {
 /// The text of one file.
 class File {
  public:
-  explicit File(const std::string& prefix)
-      : prefix_(prefix), patterns_(prefix + "_pattern_", "casadi_int"), places_(prefix + "_places_", "int") {}
+  File(const std::string& prefix, int states)
+      : prefix_(prefix),
+        states_(states),
+        patterns_(prefix + "_pattern_", "casadi_int"),
+        places_(prefix + "_places_", "int") {}
 
   void add(const CasadiFamily& family, Source& source) {
     for (std::size_t k = 0; k < family.recordings.size(); ++k) {
@@ -184,9 +194,10 @@ class File {
     std::string text =
         "AXODE_EXPORT int " + function.name +
         "(const casadi_real **arg, casadi_real **res, casadi_int *iw, casadi_real *w, int mem) {\n";
-    text += "  int k, failed = 0;\n  (void)arg, (void)res, (void)iw, (void)w, (void)mem, (void)k;\n";
+    text += "  int s, k, failed = 0;\n  (void)arg, (void)res, (void)iw, (void)w, (void)mem, (void)k;\n";
+    text += "  for (s = 0; s < " + std::to_string(states_) + "; ++s) {\n";
     for (const std::size_t k : used(function)) text += block(family, function, k);
-    return text + "  return failed;\n}\n";
+    return text + "  }\n  return failed;\n}\n";
   }
   /// What one recording results in, where any of it is wanted.
   std::string block(const CasadiFamily& family, const CasadiFunction& function, std::size_t k) {
@@ -195,20 +206,20 @@ class File {
     for (std::size_t o = 0; o < function.outputs.size(); ++o) {
       const CasadiOutput& out = function.outputs[o];
       if (out.recording != k || out.results.empty()) continue;
-      const std::string result = "res[" + std::to_string(o) + ']';
+      const std::string result = "res[" + std::to_string(o) + ']', n = std::to_string(out.results.size());
       wanted += (wanted.empty() ? "" : " || ") + result;
-      copies += "    if (" + result + ")\n      for (k = 0; k < " + std::to_string(out.results.size()) +
-                "; ++k) " + result + "[k] = w[" + place(out.results) + "];\n";
+      copies += "      if (" + result + ")\n        for (k = 0; k < " + n + "; ++k) " + result + "[s * " + n +
+                " + k] = w[" + place(out.results) + "];\n";
     }
     for (const std::string& argument : recording.arguments) {
-      const auto at =
-          std::ranges::find(function.inputs, argument, &CasadiInput::name) - function.inputs.begin();
-      const std::string given = "arg[" + std::to_string(at) + ']';
-      arguments += given + " ? " + given + " : " + prefix_ + "_zeros, ";
+      const auto at = std::ranges::find(function.inputs, argument, &CasadiInput::name);
+      const std::string given = "arg[" + std::to_string(at - function.inputs.begin()) + ']';
+      arguments += given + " ? " + given + " + s * " + std::to_string(at->pattern.entries.size()) + " : " +
+                   prefix_ + "_zeros, ";
     }
     const std::string name = numbers_of(family.functions[k].name);
-    return "  if (" + wanted + ") {\n    " + (recording.returns_doubt ? "failed |= " : "") + name + '(' +
-           arguments + "w);\n" + copies + "  }\n";
+    return "    if (" + wanted + ") {\n      " + (recording.returns_doubt ? "failed |= " : "") + name + '(' +
+           arguments + "w);\n" + copies + "    }\n";
   }
   std::string place(const std::vector<int>& results) {
     for (std::size_t k = 0; k < results.size(); ++k)
@@ -217,18 +228,24 @@ class File {
   }
   std::string asked(const CasadiFamily& family, const CasadiFunction& function) {
     const auto name = [](const auto& port) { return '"' + port.name + '"'; };
-    const auto pattern = [&](const auto& port) { return patterns_(compressed(port.pattern)); };
+    const auto pattern = [&](const auto& port) {
+      return patterns_(compressed(port.pattern, states_, false));
+    };
+    const auto result = [&](const auto& port) {
+      return patterns_(compressed(port.pattern, states_, function.is_jacobian));
+    };
     return filled(questions, {{"F", function.name},
                               {"N_IN", std::to_string(function.inputs.size())},
                               {"N_OUT", std::to_string(function.outputs.size())},
                               {"NAMES_IN", words(function.inputs, name)},
                               {"NAMES_OUT", words(function.outputs, name)},
                               {"PATTERNS_IN", words(function.inputs, pattern)},
-                              {"PATTERNS_OUT", words(function.outputs, pattern)},
+                              {"PATTERNS_OUT", words(function.outputs, result)},
                               {"WORK", std::to_string(work(family, function))}});
   }
 
   std::string prefix_, definitions_;
+  int states_;
   Tables patterns_, places_;
   bool turns_ = false;
   int longest_ = 1;
@@ -248,8 +265,10 @@ bool has_a_family(Quantity quantity) {
   }
 }
 
-void check(std::span<const Function> functions, const std::string& prefix, bool single_precision) {
-  if (single_precision)
+void check(std::span<const Function> functions, const std::string& prefix, const Options& options) {
+  if (options.states < 1)
+    throw std::invalid_argument("states is " + std::to_string(options.states) + "; expected 1 or more");
+  if (options.single_precision)
     throw std::invalid_argument("CasADi computes with double; there is no single precision");
   if (prefix.find("__") != std::string::npos || prefix.starts_with('_') || prefix.ends_with('_'))
     throw std::invalid_argument(
@@ -266,12 +285,12 @@ void check(std::span<const Function> functions, const std::string& prefix, bool 
 }  // namespace
 
 Source casadi_source(const Model& model, std::span<const Function> functions, const std::string& prefix,
-                     bool single_precision) {
-  check(functions, prefix, single_precision);
+                     const Options& options) {
+  check(functions, prefix, options);
   const std::vector<std::string> names = function_names(model, functions, prefix, Abi::casadi),
                                  frames = frame_identifiers(model, Abi::casadi);
   Source source;
-  File file(prefix);
+  File file(prefix, options.states);
   std::string declared;
   for (std::size_t k = 0; k < functions.size(); ++k) {
     const CasadiFamily family = casadi_family(model, functions[k], names[k], frames);

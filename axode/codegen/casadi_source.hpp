@@ -20,9 +20,13 @@ namespace axode::codegen {
 /// count divided by their length. Functions return 1 where the mass matrix may be singular. They keep nothing, so
 /// threads may call them at once. Results may be null and are then not written, arguments may be null and are then 0.
 ///
+/// With options.states = N functions are of N states at once, whose matrices stand side by side: q is nq x N. To CasADi they are
+/// one operation with derivatives that are known block by block, where N calls are N operations and many more for each
+/// derivative.
+///
 /// Throws std::invalid_argument for functions that are derivatives themselves, for a prefix that is no name in CasADi (two
 /// underscores in a row, one at an end), and for single precision.
 Source casadi_source(const Model& model, std::span<const Function> functions, const std::string& prefix,
-                     bool single_precision);
+                     const Options& options);
 
 }  // namespace axode::codegen

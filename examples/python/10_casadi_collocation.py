@@ -28,6 +28,14 @@ class Motion(NamedTuple):
     iterations: int
 
 
+def derivatives(intervals: int, degree: int) -> Any:
+    """D: if x has the values of polynomials at all points, x D has those of their derivatives at all but the first, per interval."""
+    D = ca.DM(intervals * degree + 1, intervals * degree)
+    for first in range(0, intervals * degree, degree):
+        D[first:first + degree + 1, first:first + degree] = ca.collocation_coeff(ca.collocation_points(degree, "radau"))[0]
+    return D
+
+
 def least_forces(m: axode.Model, seconds: float, intervals: int, start: Array, guess: Array, effort: Array, speed: Array,
                  end: Any, degree: int = 3) -> Motion:
     """A motion from rest with a least integral of the squares of tau / effort, where end(q) = 0 at rest.
@@ -36,16 +44,10 @@ def least_forces(m: axode.Model, seconds: float, intervals: int, start: Array, g
     """
     step, points = seconds / intervals, intervals * degree + 1
     q, v, u = ca.MX.sym("q", m.nq, points), ca.MX.sym("v", m.nv, points), ca.MX.sym("u", m.nv, intervals)
-    forward_dynamics = axode.casadi.function(m, "forward_dynamics")
-    slopes = ca.collocation_coeff(ca.collocation_points(degree, "radau"))[0]  # of polynomials, from their values
-
-    equations = [end(q[:, -1])]
-    for k in range(intervals):
-        first, last = k * degree, (k + 1) * degree
-        tau = effort * u[:, k]
-        a = ca.horzcat(*[forward_dynamics(q[:, i], v[:, i], tau) for i in range(first + 1, last + 1)])
-        equations += [ca.vec(q[:, first:last + 1] @ slopes - step * v[:, first + 1:last + 1]),
-                      ca.vec(v[:, first:last + 1] @ slopes - step * a)]
+    forces = effort * ca.horzcat(*[u[:, k] for k in range(intervals) for _ in range(degree)])
+    a = axode.casadi.function(m, "forward_dynamics", points - 1)(q[:, 1:], v[:, 1:], forces)
+    D = derivatives(intervals, degree)
+    equations = [end(q[:, -1]), ca.vec(q @ D - step * v[:, 1:]), ca.vec(v @ D - step * a)]
     cost = step * ca.sumsqr(u)
 
     upper = np.full((m.nq + m.nv, points), np.inf)

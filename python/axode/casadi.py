@@ -36,18 +36,18 @@ Function: TypeAlias = (
 # Libraries that CasADi may have loaded: where there is no cache, their files would go with them.
 _loaded: dict[str, CasadiLibrary] = {}
 
-# A Jacobian costs as much as three to six directional derivatives; CasADi's default is to take dozens of these. Gradients
-# are always the adjoints, whose derivatives are known.
-_DERIVATIVES = {"ad_weight": 0.75}
 
-
-def function(m: Model, quantity: Function, *, flags: Sequence[str] | None = None) -> Any:
+def function(m: Model, quantity: Function, states: int = 1, *, flags: Sequence[str] | None = None) -> Any:
     """A function of a mechanism as a `casadi.Function`, for numbers and for expressions of MX.
 
     quantity is "forward_dynamics" (q, v, tau -> a), "inverse_dynamics" (q, v, a -> tau), "mass_matrix" (q -> M, (nv, nv)),
     "inverse_mass_matrix", ("pose", frame) (q -> C, (4, 4)), "poses" (one C for each frame, named after it), ("jacobian",
     frame) or ("jacobian", frame, representation) (q -> J, (6, nv)), or "coordinate_rates" (q, v -> q'), which is made of
     SX and needs no compiler. Units and frames are those of the functions of these names.
+
+    states is of how many it is, the columns of its arguments: q is (nq, states), and matrices stand side by side. To CasADi N
+    states are then one operation, with derivatives that are blocks on a diagonal; N calls, or a map, are thousands. coordinate_rates
+    is made for as many by `map`.
 
     Matrices are sparse where the mechanism has zeros. Jacobians and Hessians are exact; the inverse mass matrix has first
     derivatives only. Evaluation fails, and IPOPT steps back, where the mass matrix may be singular. Armature and gravity of m
@@ -65,12 +65,17 @@ def function(m: Model, quantity: Function, *, flags: Sequence[str] | None = None
     >>> x = casadi.MX.sym("q", 7)
     >>> casadi.jacobian(F(x), x).shape
     (49, 7)
+    >>> axode.casadi.function(arm, ("pose", "flange"), 5, flags=["-O1"])(np.zeros((7, 5))).shape
+    (4, 20)
     """
     if quantity == "coordinate_rates":
-        return _coordinate_rates(m)
-    library = casadi_library(m, quantity, flags=flags)
+        rates = _coordinate_rates(m)
+        return rates if states == 1 else rates.map(states)
+    library = casadi_library(m, quantity, states, flags=flags)
     _loaded[library.file] = library
-    return casadi.external(library.name, library.file, _DERIVATIVES)
+    # Of several directions, and always of several states, CasADi shall take the Jacobian: it costs as much as three to six. And
+    # never for gradients, as the adjoints are what has second derivatives.
+    return casadi.external(library.name, library.file, {"ad_weight": 0.75 if states == 1 else 1})
 
 
 def _coordinate_rates(m: Model) -> Any:

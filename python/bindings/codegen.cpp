@@ -67,7 +67,7 @@ struct CasadiLibrary {
   codegen::MachineCode code;
 };
 
-std::unique_ptr<CasadiLibrary> casadi_library(const BoundModel& m, nb::handle quantity,
+std::unique_ptr<CasadiLibrary> casadi_library(const BoundModel& m, nb::handle quantity, int states,
                                               const std::optional<std::vector<std::string>>& flags) {
   const codegen::Function function = function_from(m, "quantity", quantity);
   if (function.quantity == Quantity::inverse_dynamics)  // which counts loops in Python
@@ -75,7 +75,8 @@ std::unique_ptr<CasadiLibrary> casadi_library(const BoundModel& m, nb::handle qu
   LongCall call(true);
   std::unique_ptr<CasadiLibrary> library;
   try {
-    const codegen::Source source = codegen::c_source(m, {&function, 1}, {.abi = codegen::Abi::casadi});
+    const codegen::Source source =
+        codegen::c_source(m, {&function, 1}, {.abi = codegen::Abi::casadi, .states = states});
     library.reset(new CasadiLibrary{
         source.functions[0].name, {source.text, flags.value_or(SpecialisedOptions{}.flags), call.monitor()}});
   } catch (const CompilationEnded&) {
@@ -137,8 +138,9 @@ True
       .def_prop_ro(
           "file", [](const CasadiLibrary& library) { return library.code.file().string(); },
           "Where the library lies: in the cache, or in a temporary folder where there is none.");
-  module.def("casadi_library", &casadi_library, "m"_a, "quantity"_a, nb::kw_only(), "flags"_a = nb::none(),
-             nb::sig("def casadi_library(m: axode.Model, quantity: object, *, flags: "
+  module.def("casadi_library", &casadi_library, "m"_a, "quantity"_a, "states"_a = 1, nb::kw_only(),
+             "flags"_a = nb::none(),
+             nb::sig("def casadi_library(m: axode.Model, quantity: object, states: int = 1, *, flags: "
                      "collections.abc.Sequence[str] | None = None) -> axode._axode.codegen.CasadiLibrary"),
              "One function of c_source with the abi \"casadi\", compiled and kept as those of "
              "`Model.specialise` are.");
