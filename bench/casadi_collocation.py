@@ -1,7 +1,9 @@
 """Forward dynamics in CasADi, ours beside the same operations in CasADi's own expressions: casadi_collocation.py [--compiled].
 
 First one state: the function and its derivatives, in microseconds of processor time for each of 200 states in a map, medians. Then
-the optimisations of examples/python/10_casadi_collocation.py, with IPOPT and exact Hessians.
+the optimisations of examples/python/10_casadi_collocation.py with IPOPT and exact Hessians, in seconds of processor time: to make the
+solver, to solve, and of this in functions and their derivatives. CasADi's expressions are also expanded, which makes one expression
+of the whole problem.
 
 The expressions (SX) are those of our own generated C, which is shorter than what a recursion written in SX gives. CasADi differentiates
 them, and with --compiled it also writes function and derivatives as C, which the same compiler makes a library of with the
@@ -31,10 +33,12 @@ OURS = axode.casadi.function
 
 def traced(m, quantity, states=1):
     """A generated function as an expression: its statements, done with SX."""
-    text = axode.codegen.c_source(m, [quantity], prefix="m").text
-    body = text[text.rindex(f"m_{quantity}("):]
-    arguments = {name: ca.SX.sym(name, length) for name, length in (("q", m.nq), ("v", m.nv), ("tau", m.nv))}
-    names = {**arguments, "a": [0] * m.nv}
+    source = axode.codegen.c_source(m, [quantity], prefix="m")
+    name, result = source.functions[0].name, "a" if quantity == "forward_dynamics" else "C"
+    body = source.text[source.text.rindex(f"{name}("):]
+    lengths = {"q": m.nq, "v": m.nv, "tau": m.nv} if quantity == "forward_dynamics" else {"q": m.nq}
+    arguments = {argument: ca.SX.sym(argument, length) for argument, length in lengths.items()}
+    names = {**arguments, result: [0] * (m.nv if result == "a" else 12)}
     for line in re.findall(r"^  (.*);$", body, re.MULTILINE):
         if made := re.fullmatch(r"const double (angle\d*)\[(\d+)\] = \{(.*)\}", line):
             names[made[1]] = [eval(angle, {}, names) for angle in made[3].split(",")]
@@ -42,9 +46,10 @@ def traced(m, quantity, states=1):
             names[made[2]], names[made[3]] = ([f(x) for x in names[made[1]]] for f in (ca.sin, ca.cos))
         elif made := re.fullmatch(r"const double (\w+) = (.*)", line):
             names[made[1]] = eval(made[2], {}, names)
-        elif made := re.fullmatch(r"a\[(\d+)\] = (.*)", line):
-            names["a"][int(made[1])] = eval(made[2], {}, names)
-    F = ca.Function("expression", list(arguments.values()), [ca.vertcat(*names["a"])], list(arguments), ["a"])
+        elif made := re.fullmatch(rf"{result}\[(\d+)\] = (.*)", line):
+            names[result][int(made[1])] = eval(made[2], {}, names)
+    y = ca.vertcat(*names[result])
+    F = ca.Function("expression", list(arguments.values()), [y if result == "a" else ca.reshape(y, 3, 4)])
     return F if states == 1 else F.map(states)
 
 
@@ -77,9 +82,16 @@ def microseconds(F, states=200, repetitions=9):
     return statistics.median(times) / states * 1e6
 
 
-def solved(function, repetitions=3):
-    """The motions of the example, and the processor's time of each optimisation."""
-    axode.casadi.function = lambda m, quantity: (function if quantity == "forward_dynamics" else OURS)(m, quantity)
+def solved(function, options):
+    """For each optimisation of the example its name, IPOPT's iterations, and the processor's times."""
+    made, nlpsol = [], ca.nlpsol
+
+    def timed(name, plugin, problem, given):
+        solver = nlpsol(name, plugin, problem, {**given, **options})
+        made.append((solver, time.process_time()))
+        return solver
+
+    axode.casadi.function, ca.nlpsol = function, timed
     with contextlib.redirect_stdout(io.StringIO()):
         example = runpy.run_path(str(EXAMPLE))
     problems = {
@@ -92,11 +104,14 @@ def solved(function, repetitions=3):
     }
     for name, solve in problems.items():
         times = []
-        for _ in range(repetitions):
+        for _ in range(3):
             started = time.process_time()
             motion = solve()
-            times.append(time.process_time() - started)
-        yield name, motion, statistics.median(times)
+            solver, ready = made[-1]
+            in_functions = sum(seconds for word, seconds in solver.stats().items() if word.startswith("t_proc_nlp_"))
+            times.append((ready - started, time.process_time() - ready, in_functions))
+        yield name, motion, [statistics.median(column) for column in zip(*times)]
+    ca.nlpsol = nlpsol
 
 
 def main():
@@ -113,9 +128,10 @@ def main():
             functions["SX, C"] = compiled(functions["SX"], folder)
         for name, F in functions.items():
             print(f"{name:6}", "  ".join(f"{word} {microseconds(each):8.2f}" for word, each in family(F).items()), "us")
-    for name, function in (("ours", OURS), ("SX", traced)):
-        for problem, motion, seconds in solved(function):
-            print(f"{name:6} {problem:8} {motion.status} {motion.iterations} iterations, {seconds:.2f} s")
+    for name, function, options in (("ours", OURS, {}), ("SX", traced, {}), ("SX, expanded", traced, {"expand": True})):
+        for problem, motion, (made, solving, in_functions) in solved(function, options):
+            print(f"{name:12} {problem:8} {motion.status} after {motion.iterations}: made in {made:.2f} s, solved in {solving:.2f} s, "
+                  f"of which {in_functions:.3f} s in functions")
 
 
 if __name__ == "__main__":

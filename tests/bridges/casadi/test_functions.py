@@ -1,5 +1,6 @@
 """Functions for CasADi are those of the library, and their derivatives those of the functions as CasADi sees them."""
 
+import doctest
 import os
 import pickle
 import subprocess
@@ -78,7 +79,7 @@ def by_differences(f, x, h=1e-5):
         for step in (h, -h):
             moved = all_x.copy()
             moved[k] += step
-            ends.append(f([ca.DM(moved[a:b]) for a, b in zip(sizes, sizes[1:])]))
+            ends.append(f([ca.reshape(ca.DM(moved[a:b]), *part.shape) for part, a, b in zip(x, sizes, sizes[1:])]))
         columns.append((ends[0] - ends[1]) / (2 * h))
     return np.array(columns).T.reshape(-1, len(all_x))
 
@@ -125,17 +126,20 @@ def test_first_derivatives_are_those_of_differences(name, quantity):
     assert_near(numbers(F.reverse(1).call(x + y + w)), J.T @ numbers(w), 1e-9)
 
 
+def assert_second_derivatives(F, x, symmetric):
+    w = weights(F)
+    symbols = [ca.MX.sym(F.name_in(k), F.sparsity_in(k)) for k in range(F.n_in())]
+    value = ca.dot(in_one(F.call(symbols)), in_one(w))
+    gradient = ca.Function("gradient", symbols, [in_one([ca.vec(ca.gradient(value, s)) for s in symbols])])
+    H = jacobian(gradient, x)
+    assert_near(H, by_differences(lambda at: numbers(gradient.call(at)), x), 1e-5)
+    assert not symmetric or np.array_equal(H, H.T)
+
+
 @pytest.mark.parametrize(("name", "quantity"), [case for case in CASES if case[1] != "inverse_mass_matrix"])
 def test_second_derivatives_are_those_of_differences_and_symmetric(name, quantity):
     F = function(name, quantity)
-    x, w = arguments(F, MODELS[name]), weights(F)
-    symbols = [ca.MX.sym(F.name_in(k), F.sparsity_in(k)) for k in range(F.n_in())]
-    value = ca.dot(in_one(F.call(symbols)), in_one(w))
-    gradient = ca.Function("gradient", symbols, [in_one([ca.gradient(value, s) for s in symbols])])
-    H = jacobian(gradient, x)
-    assert_near(H, by_differences(lambda at: numbers(gradient.call(at)), x), 1e-5)
-    if quantity != "coordinate_rates":  # which is CasADi's own
-        assert np.array_equal(H, H.T)
+    assert_second_derivatives(F, arguments(F, MODELS[name]), symmetric=quantity != "coordinate_rates")  # which is CasADi's own
 
 
 def test_casadis_own_differences_say_the_same():
@@ -220,6 +224,30 @@ def test_a_mechanism_that_does_not_move_has_functions():
         F.jacobian()
 
 
+def test_of_many_states_it_is_the_function_of_each_with_derivatives_on_the_diagonal():
+    F, G = function("walker", "inverse_dynamics"), axode.casadi.function(MODELS["walker"], "inverse_dynamics", 4, flags=QUICK)
+    states = [arguments(F, MODELS["walker"], seed) for seed in range(4)]
+    together = [ca.horzcat(*column) for column in zip(*states)]
+    assert np.array_equal(G.call(together)[0].full(), np.column_stack([F.call(x)[0].full() for x in states]))
+    J, alone = G.jacobian(), F.jacobian()
+    blocks = [alone.call(x + F.call(x)) for x in states]
+    for k, matrix in enumerate(J.call(together + G.call(together))):
+        expected = ca.diagcat(*[block[k] for block in blocks])
+        assert matrix.sparsity() == expected.sparsity() and np.array_equal(matrix.full(), expected.full())
+    for quantity in ("coordinate_rates", ("pose", "trunk")):
+        one, four = function("walker", quantity), axode.casadi.function(MODELS["walker"], quantity, 4, flags=QUICK)
+        n = one.n_in()
+        assert_near(four.call(together[:n])[0].full(), np.hstack([one.call(x[:n])[0].full() for x in states]), 1e-15)
+
+
+def test_the_hessian_of_many_states_is_exact():
+    m = MODELS["machine"]
+    F = axode.casadi.function(m, "forward_dynamics", 2, flags=QUICK)
+    assert_second_derivatives(F, [ca.horzcat(*pair) for pair in zip(*[arguments(function("machine", "forward_dynamics"), m, k)
+                                                                     for k in range(2)])],
+                              symmetric=True)
+
+
 def test_threads_share_a_function():
     m, F = MODELS["arm"], function("arm", "forward_dynamics")
     states = np.random.default_rng(5).uniform(-1, 1, (3, 7, 64))
@@ -299,6 +327,12 @@ def test_names_are_such_that_casadi_takes_them():
         axode.codegen.c_source(m, ["mass_matrix"], single_precision=True, abi="casadi")
     with pytest.raises(ValueError, match="abi is 'cuda'|abi is 'matlab'"):
         axode.codegen.c_source(m, ["mass_matrix"], abi="matlab")
+
+
+def test_the_examples_in_docstrings_are_so():
+    names = {"axode": axode, "np": np, "arm": ARM}
+    for test in doctest.DocTestFinder(recurse=False).find(axode.casadi.function, globs=names):
+        assert doctest.DocTestRunner().run(test).failed == 0 and test.examples
 
 
 def test_without_casadi_one_sentence_says_what_to_install():
