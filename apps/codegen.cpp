@@ -19,8 +19,9 @@ using codegen::Quantity;
 
 struct Options {
   ModelOptions mechanism;
-  std::string functions = "inverse_dynamics", name, out;
+  std::string functions = "inverse_dynamics", name, out, abi = "plain";
   bool single_precision = false;
+  int states = 1;
 };
 
 constexpr const char* footer = R"(Functions (several are separated by commas):
@@ -29,6 +30,7 @@ constexpr const char* footer = R"(Functions (several are separated by commas):
   mass_matrix              M from q, nv x nv
   inverse_mass_matrix      its inverse from q, nv x nv; returns what forward_dynamics does
   poses                    C of all frames from q: the columns of R, then r, 12 numbers each
+  pose:FRAME               that of one frame
   jacobian:FRAME[:REP]     J of a frame from q, 6 x nv, angular rows first; REP is body (if left out),
                            spatial, hybrid or mixed
   inverse_dynamics_derivatives, forward_dynamics_derivatives
@@ -47,30 +49,41 @@ Example:
 The file is C99 (and C++), needs no other, and says what its arguments are. Only the operations that this
 mechanism needs are in it: products with 0 and 1, signs and repetitions are gone, and inertia that a joint
 does not turn is counted to the body before it. Results differ from those of `axode eval` by rounding, for
-angles up to 1e5 rad. Fast with cc -O3 -march=native -ffp-contract=fast, wrong with -ffast-math.)";
+angles up to 1e5 rad. Fast with cc -O3 -march=native -ffp-contract=fast, wrong with -ffast-math.
 
-constexpr auto quantities = [] {
-  std::array<std::pair<std::string_view, Quantity>, codegen::quantities.size()> named{};
-  for (std::size_t k = 0; k < named.size(); ++k)
-    named[k] = {codegen::quantities[k], static_cast<Quantity>(k)};
-  return named;
-}();
+With --abi casadi the functions, without those of derivatives, are external functions of CasADi, and each brings
+its exact first and second derivatives along:
+  axode codegen arm7.toml --functions forward_dynamics --abi casadi --output arm7.c
+  cc -O3 -march=native -ffp-contract=fast -fPIC -shared arm7.c -o arm7.so -lm
+and in Python casadi.external("arm7_forward_dynamics", "./arm7.so"). With --states N they are of N states at once,
+the columns of their arguments.)";
+
+/// Words and what they mean.
+template <class Meaning, std::size_t N> constexpr auto named(const std::array<std::string_view, N>& words) {
+  std::array<std::pair<std::string_view, Meaning>, N> pairs{};
+  for (std::size_t k = 0; k < N; ++k) pairs[k] = {words[k], static_cast<Meaning>(k)};
+  return pairs;
+}
+constexpr auto quantities = named<Quantity>(codegen::quantities);
+constexpr auto abis = named<codegen::Abi>(codegen::abis);
 
 bool has_frame(const Model& model, std::string_view name) {
   return std::ranges::any_of(model.frames(), [&](const Frame& frame) { return frame.name == name; });
 }
 
-/// `jacobian:FRAME` or `jacobian:FRAME:REP`; the name of a frame may have colons itself.
-codegen::Function jacobian(const Model& model, std::string frame) {
+/// `pose:FRAME`, `jacobian:FRAME` or `jacobian:FRAME:REP`; the name of a frame may have colons itself.
+codegen::Function of_a_frame(const Model& model, Quantity quantity, std::string frame) {
   if (frame.empty())
-    throw UsageError("--functions: jacobian needs a frame: jacobian:FRAME or jacobian:FRAME:REP");
+    throw UsageError(quantity == Quantity::pose
+                         ? "--functions: pose needs a frame: pose:FRAME"
+                         : "--functions: jacobian needs a frame: jacobian:FRAME or jacobian:FRAME:REP");
   Representation representation = Representation::body;
   const std::size_t colon = frame.rfind(':');
-  if (colon != std::string::npos && !has_frame(model, frame)) {
+  if (quantity == Quantity::jacobian && colon != std::string::npos && !has_frame(model, frame)) {
     representation = choose("--functions: " + frame, frame.substr(colon + 1), representations);
     frame.resize(colon);
   }
-  return {Quantity::jacobian, model.frame_index(frame), representation};
+  return {quantity, model.frame_index(frame), representation};
 }
 
 std::vector<codegen::Function> wanted(const Model& model, const std::string& list) {
@@ -79,9 +92,10 @@ std::vector<codegen::Function> wanted(const Model& model, const std::string& lis
     const std::size_t colon = std::min(word.find(':'), word.size());
     const Quantity quantity = choose("--functions", word.substr(0, colon), quantities);
     const std::string rest = word.substr(std::min(colon + 1, word.size()));
-    if (quantity != Quantity::jacobian && colon < word.size())
-      throw UsageError("--functions: \"" + word + "\": only jacobian is about a frame");
-    functions.push_back(quantity == Quantity::jacobian ? jacobian(model, rest) : codegen::Function{quantity});
+    if (!codegen::is_of_a_frame(quantity) && colon < word.size())
+      throw UsageError("--functions: \"" + word + "\": only jacobian and pose are about a frame");
+    functions.push_back(codegen::is_of_a_frame(quantity) ? of_a_frame(model, quantity, rest)
+                                                         : codegen::Function{quantity});
   }
   return functions;
 }
@@ -92,8 +106,9 @@ void run(const Options& options) {
     throw UsageError("--name: \"" + options.name +
                      "\" is no C identifier: letters, digits and underscores, no digit first");
   const std::vector<codegen::Function> functions = wanted(model, options.functions);
-  const codegen::Source source =
-      codegen::c_source(model, functions, {options.name, options.single_precision});
+  const codegen::Source source = codegen::c_source(
+      model, functions,
+      {options.name, options.single_precision, choose("--abi", options.abi, abis), options.states});
   if (options.out.empty()) {
     fmt::print("{}", source.text);
     return;
@@ -114,6 +129,11 @@ void add_codegen(CLI::App& app, int& exit_code) {
   codegen->add_option("--functions", options->functions, "What to write; inverse_dynamics if left out")
       ->type_name("FUNCTIONS");
   codegen->add_flag("--float", options->single_precision, "float instead of double");
+  codegen->add_option("--abi", options->abi, "Who calls it; plain if left out")->type_name("plain|casadi");
+  codegen
+      ->add_option("--states", options->states,
+                   "With --abi casadi: how many states a function is of; 1 if left out")
+      ->type_name("N");
   codegen->add_option("--name", options->name, "What all names begin with; the model's name if left out")
       ->type_name("PREFIX");
   codegen->add_option("--output", options->out, "The file to write; standard output if left out")

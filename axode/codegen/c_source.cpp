@@ -1,13 +1,12 @@
 #include <algorithm>
-#include <array>
-#include <cctype>
-#include <set>
 #include <stdexcept>
 
 #include "axode/codegen/c_function.hpp"
 #include "axode/codegen/c_lanes.hpp"
+#include "axode/codegen/c_names.hpp"
 #include "axode/codegen/c_sine_cosine.hpp"
 #include "axode/codegen/c_source.hpp"
+#include "axode/codegen/casadi_source.hpp"
 #include "axode/codegen/states_source.hpp"
 #include "axode/kinematics/check_arguments.hpp"
 #include "axode/model/check_no_loops.hpp"
@@ -15,46 +14,6 @@
 namespace axode::codegen {
 namespace {
 
-bool is_letter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_'; }
-bool is_digit(char c) { return c >= '0' && c <= '9'; }
-
-/// A name in which everything that C has no place for is an underscore.
-std::string identifier(const std::string& name) {
-  std::string text;
-  for (const char c : name) text += is_letter(c) || is_digit(c) ? c : '_';
-  return text;
-}
-/// The name of each frame as an identifier; where two would be the same, with or without a representation behind them,
-/// the later one gets a number.
-std::vector<std::string> frame_identifiers(const Model& model) {
-  constexpr std::array endings{"", "_spatial", "_hybrid", "_mixed"};
-  std::set<std::string> taken;
-  const auto is_taken = [&](const std::string& name) {
-    return std::ranges::any_of(endings, [&](const char* ending) { return taken.contains(name + ending); });
-  };
-  std::vector<std::string> names;
-  for (const Frame& frame : model.frames()) {
-    const std::string plain = identifier(frame.name);
-    std::string name = plain;
-    for (int k = 2; is_taken(name); ++k) name = plain + '_' + std::to_string(k);
-    for (const char* ending : endings) taken.insert(name + ending);
-    names.push_back(name);
-  }
-  return names;
-}
-
-std::string word_for(Quantity quantity) {
-  return std::string(quantities[static_cast<std::size_t>(quantity)]);
-}
-const char* word_for(Representation representation) {
-  switch (representation) {
-    case Representation::body: return "body";
-    case Representation::spatial: return "spatial";
-    case Representation::hybrid: return "hybrid";
-    case Representation::mixed: break;
-  }
-  return "mixed";
-}
 /// The axes of the rows of a Jacobian.
 const char* axes_of(Representation representation) {
   switch (representation) {
@@ -65,42 +24,6 @@ const char* axes_of(Representation representation) {
     case Representation::mixed: break;
   }
   return "the angular one in the axes of the frame, the linear one of its origin in inertial axes";
-}
-
-/// A name inside a comment, which it cannot end.
-std::string in_comment(std::string text) {
-  for (std::size_t k = 0; k + 1 < text.size(); ++k)
-    if ((text[k] == '*' && text[k + 1] == '/') || (text[k] == '/' && text[k + 1] == '*'))
-      text.insert(k + 1, " ");
-  return text;
-}
-std::string padded(std::string text, std::size_t width) {
-  text.resize(std::max(text.size(), width), ' ');
-  return text;
-}
-std::string range(int first, int n) {
-  if (n == 0) return "-";
-  return std::to_string(first) + (n > 1 ? " to " + std::to_string(first + n - 1) : "");
-}
-
-std::string coordinates(const Model& model) {
-  std::size_t width = 5;
-  for (const Joint& joint : model.joints()) width = std::max(width, joint.name.size());
-  std::string text = "     " + padded("joint", width) + "  kind       q         v\n";
-  for (const Joint& joint : model.joints()) {
-    text += "     " + padded(joint.name, width) + "  " + padded(std::string(to_string(joint.kind)), 9) + "  ";
-    if (joint.leader)
-      text += "follows " + model.joint(joint.leader->joint).name + "\n";
-    else
-      text += padded(range(joint.iq, joint.nq), 8) + "  " + range(joint.iv, joint.nv) + "\n";
-  }
-  return in_comment(text);
-}
-
-std::string counted(const Operations& count) {
-  return std::to_string(count.products) + " products, " + std::to_string(count.sums) + " sums, " +
-         std::to_string(count.divisions) + " divisions, " + std::to_string(count.angles) +
-         " sines and cosines";
 }
 
 struct Part {
@@ -128,6 +51,9 @@ std::string purpose(const Model& model, const Function& function) {
     case Quantity::poses:
       return "The poses C of " + std::to_string(model.n_frames()) +
              " frames in the inertial frame, 12 numbers each: the columns of R, then r (m).";
+    case Quantity::pose:
+      return "The pose C of frame \"" + in_comment(model.frame(function.frame).name) +
+             "\" in the inertial frame: the columns of R, then r (m).";
     case Quantity::inverse_dynamics_derivatives:
       return "The derivatives of tau by q, v and a, " + nv + " x " + nv +
              " each, one behind the other, row by row.";
@@ -161,8 +87,8 @@ std::string purpose(const Model& model, const Function& function) {
 void check(const Model& model, std::span<const Function> functions, const std::string& prefix) {
   if (functions.empty()) throw std::invalid_argument("there are no functions to generate");
   for (const Function& function : functions) {
-    if (function.quantity == Quantity::jacobian) check_place(model, function.frame);
-    const std::string name(quantities[static_cast<std::size_t>(function.quantity)]);
+    if (is_of_a_frame(function.quantity)) check_place(model, function.frame);
+    const std::string name = word_for(function.quantity);
     if (name.starts_with("forward_dynamics")) check_no_loops(model, "generated " + name);
   }
   if (!is_identifier(prefix))
@@ -185,25 +111,14 @@ struct Extras {
 
 Source source_of(const Model& model, std::span<const Function> functions, const Options& options,
                  const Extras& extras) {
-  std::string prefix = options.prefix;
-  if (prefix.empty()) {
-    prefix = identifier(model.name());
-    if (!is_identifier(prefix)) prefix.insert(0, "model_");
-  }
+  const std::string prefix = options.prefix.empty() ? prefix_for(model, Abi::plain) : options.prefix;
   check(model, functions, prefix);
   const Precision precision{options.single_precision};
-  const std::vector<std::string> frames = frame_identifiers(model);
-  std::set<std::string> names;
+  const std::vector<std::string> names = function_names(model, functions, prefix, Abi::plain);
   std::vector<Part> parts;
-  for (const Function& function : functions) {
-    std::string name = prefix + '_' + word_for(function.quantity);
-    if (function.quantity == Quantity::jacobian) {
-      name += '_' + frames[static_cast<std::size_t>(function.frame)];
-      if (function.representation != Representation::body)
-        name += std::string("_") + word_for(function.representation);
-    }
-    if (!names.insert(name).second) throw std::invalid_argument(name + " is asked for twice");
-    parts.push_back({function, name, record(model, function, options.single_precision)});
+  for (std::size_t k = 0; k < functions.size(); ++k) {
+    const Function& function = functions[k];
+    parts.push_back({function, names[k], record(model, function, options.single_precision)});
     if (extras.many_states && function.quantity == Quantity::jacobian)
       by_columns(parts.back().recording.results);
   }
@@ -244,10 +159,8 @@ Source source_of(const Model& model, std::span<const Function> functions, const 
     definitions += one.text + '\n';
     is_cut = is_cut || one.scratch > 0;
     if (!extras.many_states) continue;
-    StatesFunction states{
-        part.name, {}, static_cast<int>(part.recording.results.size()), 0, part.recording.returns_doubt};
-    for (const std::string& argument : part.recording.arguments)
-      states.arguments.push_back(argument == "q" ? model.nq() : model.nv());
+    StatesFunction states{part.name, part.recording.lengths, static_cast<int>(part.recording.results.size()),
+                          0, part.recording.returns_doubt};
     if (extras.lanes > 1) {
       const Definition in_lanes =
           c_definition(part.recording, part.name + "_lanes", sine_cosine, precision, Width::lanes);
@@ -271,12 +184,14 @@ Source source_of(const Model& model, std::span<const Function> functions, const 
 
 }  // namespace
 
-bool is_identifier(std::string_view name) {
-  return !name.empty() && is_letter(name[0]) &&
-         std::all_of(name.begin(), name.end(), [](char c) { return is_letter(c) || is_digit(c); });
-}
-
 Source c_source(const Model& model, std::span<const Function> functions, const Options& options) {
+  if (options.abi == Abi::casadi) {
+    const std::string prefix = options.prefix.empty() ? prefix_for(model, Abi::casadi) : options.prefix;
+    check(model, functions, prefix);
+    return casadi_source(model, functions, prefix, options);
+  }
+  if (options.states != 1)
+    throw std::invalid_argument("states is about functions for CasADi; plain ones are of one state");
   return source_of(model, functions, options, {});
 }
 

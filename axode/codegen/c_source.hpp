@@ -27,10 +27,11 @@ enum class Quantity {
   forward_dynamics_derivatives,
   forward_dynamics_jvp,
   forward_dynamics_vjp,
-  forward_dynamics_hessian
+  forward_dynamics_hessian,
+  pose
 };
 /// Their names, those of the library, in that order.
-inline constexpr std::array<std::string_view, 14> quantities{"inverse_dynamics",
+inline constexpr std::array<std::string_view, 15> quantities{"inverse_dynamics",
                                                              "forward_dynamics",
                                                              "mass_matrix",
                                                              "inverse_mass_matrix",
@@ -43,18 +44,32 @@ inline constexpr std::array<std::string_view, 14> quantities{"inverse_dynamics",
                                                              "forward_dynamics_derivatives",
                                                              "forward_dynamics_jvp",
                                                              "forward_dynamics_vjp",
-                                                             "forward_dynamics_hessian"};
+                                                             "forward_dynamics_hessian",
+                                                             "pose"};
+/// Whether there is one for each frame.
+inline bool is_of_a_frame(Quantity quantity) {
+  return quantity == Quantity::jacobian || quantity == Quantity::pose;
+}
 
 /// A function to generate.
 struct Function {
   Quantity quantity;
-  int frame = 0;                                         ///< of a Jacobian
+  int frame = 0;                                         ///< of a Jacobian or a pose
   Representation representation = Representation::body;  ///< of a Jacobian
 };
+
+/// Who calls the functions, and therefore what they look like.
+enum class Abi {
+  plain,  ///< whoever has read their declarations
+  casadi  ///< CasADi: see casadi_source.hpp
+};
+inline constexpr std::array<std::string_view, 2> abis{"plain", "casadi"};
 
 struct Options {
   std::string prefix;             ///< of all names, a C identifier; made from the model's name if empty
   bool single_precision = false;  ///< float instead of double
+  Abi abi = Abi::plain;
+  int states = 1;  ///< of which functions of CasADi are
 };
 
 /// A file in C99 that needs nothing but a compiler, and what each of its functions costs.
@@ -79,6 +94,7 @@ bool is_identifier(std::string_view name);
 ///     void PREFIX_mass_matrix(const T *q, T *M)
 ///     int  PREFIX_inverse_mass_matrix(const T *q, T *M_inverse)
 ///     void PREFIX_poses(const T *q, T *C)
+///     void PREFIX_pose_NAME(const T *q, T *C)
 ///     void PREFIX_jacobian_NAME(const T *q, T *J)
 ///     void PREFIX_inverse_dynamics_derivatives(const T *q, const T *v, const T *a, T *dtau)
 ///     void PREFIX_inverse_dynamics_jvp(const T *q, const T *v, const T *a, const T *dq, const T *dv, const T *da, T *dtau)

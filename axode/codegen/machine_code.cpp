@@ -184,38 +184,49 @@ Library compiled(const Compiler& compiler, const std::string& source, const std:
   return loaded;
 }
 
-Library library(const std::string& source, const std::vector<std::string>& flags,
-                const batch::Monitor& monitor) {
+/// A library, where it lies, and the folder that goes with it if it is not kept.
+struct Loaded {
+  fs::path file;
+  Library library;
+  std::shared_ptr<WorkFolder> folder = nullptr;
+};
+
+Loaded loaded(const std::string& source, const std::vector<std::string>& flags,
+              const batch::Monitor& monitor) {
   const Compiler compiler = find_compiler();
   std::string all = compiler.version + '\n' + processor();
   for (const std::vector<std::string>& words : {compiler.command, flags})
     for (const std::string& word : words) all += '\n' + word;
   const std::string key = digest(all + '\n' + source);
   const fs::path folder = cache_folder(), file = folder / (key + ".so");
-  if (Library kept = opened_from_cache(file)) return kept;
+  if (Library kept = opened_from_cache(file)) return {file, kept};
   if (!is_usable(folder)) {
-    const WorkFolder work(fs::temp_directory_path(), "axode");
-    return compiled(compiler, source, flags, work.path(), monitor);
+    auto work = std::make_shared<WorkFolder>(fs::temp_directory_path(), "axode");
+    Library library = compiled(compiler, source, flags, work->path(), monitor);
+    return {work->path() / "model.so", library, work};
   }
   Lock lock(folder, key);
   while (!lock.try_it()) {
     if (monitor && !monitor(0, 1)) throw CompilationEnded("the wait for a specialised model was ended");
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
   }
-  if (Library kept = opened_from_cache(file)) return kept;  // another process was first
+  if (Library kept = opened_from_cache(file)) return {file, kept};  // another process was first
   if (lock.is_held()) remove_left(folder, key);
-  const WorkFolder work(folder, key);
-  Library loaded = compiled(compiler, source, flags, work.path(), monitor);
+  auto work = std::make_shared<WorkFolder>(folder, key);
+  Library library = compiled(compiler, source, flags, work->path(), monitor);
   std::error_code failed;  // then it is compiled again the next time
-  fs::rename(work.path() / "model.so", file, failed);
-  return loaded;
+  fs::rename(work->path() / "model.so", file, failed);
+  if (failed) return {work->path() / "model.so", library, work};
+  return {file, library};
 }
 
 }  // namespace
 
 MachineCode::MachineCode(const std::string& source, const std::vector<std::string>& flags,
-                         const batch::Monitor& monitor)
-    : library_(library(source, flags, monitor)) {}
+                         const batch::Monitor& monitor) {
+  const Loaded code = loaded(source, flags, monitor);
+  file_ = code.file, folder_ = code.folder, library_ = code.library;
+}
 
 void* MachineCode::address(const std::string& name) const {
   void* found = dlsym(library_.get(), name.c_str());

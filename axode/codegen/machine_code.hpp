@@ -1,4 +1,5 @@
 #pragma once
+#include <filesystem>
 #include <memory>
 #include <span>
 #include <string>
@@ -20,7 +21,12 @@ class MachineCode {
   /// Throws std::runtime_error where there is none of that name.
   void* address(const std::string& name) const;
 
+  /// The shared library, for others who load it. Where there is no cache it is removed with the last MachineCode.
+  const std::filesystem::path& file() const { return file_; }
+
  private:
+  std::filesystem::path file_;
+  std::shared_ptr<void> folder_;  ///< that has the library, where there is no cache
   std::shared_ptr<void> library_;
 };
 

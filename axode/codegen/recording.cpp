@@ -60,6 +60,7 @@ struct Traced {
     Numbers x;
     for (int k = 0; k < n; ++k) x.push_back(tape.input(static_cast<int>(recording.arguments.size()), k));
     recording.arguments.emplace_back(name);
+    recording.lengths.push_back(n);
     return x;
   }
   Recording with(Numbers results) {
@@ -132,6 +133,11 @@ void mirror(T* matrix, std::size_t n) {
     for (std::size_t c = 0; c < r; ++c) matrix[r * n + c] = matrix[c * n + r];
 }
 
+/// On long paths the factors of the mass matrix lose digits.
+bool factors_are_exact(const Tree<double>& tree) {
+  return tree->depth <= FastInverseMassMatrix<double>::longest_path;
+}
+
 /// The arguments of forward dynamics and the accelerations.
 struct Accelerated {
   Traced& traced;
@@ -182,6 +188,14 @@ Recording inverse_mass_matrix(const Tree<double>& tree, Solver solver, double sm
   at.solve(out.data());
   mirror(out.data(), nv);
   return at.with(std::move(out));
+}
+
+Recording solution(const Tree<double>& tree, Solver solver, double small) {
+  Traced traced(tree, "x");
+  Accelerated at(traced, solver, small, traced.argument("q", tree->nq));
+  Numbers x = traced.argument("tau", tree->nv);
+  at.solve({&x, 1});
+  return at.with(std::move(x));
 }
 
 Recording forward_dynamics(const Tree<double>& tree, Solver solver, double small) {
@@ -331,13 +345,13 @@ Recording jacobian(const Tree<double>& tree, int frame, Representation represent
 }
 
 /// Frame by frame: the columns of R, then r.
-Recording poses(const Tree<double>& tree) {
+Recording poses(const Tree<double>& tree, int first, int last) {
   Traced traced(tree, "C");
   const Numbers q = traced.argument("q", tree->nq);
   OnTape<BodyPoses<T>> bodies(*tree.topology());
   bodies->run(traced.constants, q.data());
   Numbers out;
-  for (int f = 0; f < tree->n_frames(); ++f) {
+  for (int f = first; f <= last; ++f) {
     const SE3<T> C = bodies->C[tree->frame_body[f]] * traced.constants.frame_offset[f];
     for (const Vec3<T>& x : {C.R.x, C.R.y, C.R.z, C.r}) out.insert(out.end(), {x.x, x.y, x.z});
   }
@@ -346,12 +360,20 @@ Recording poses(const Tree<double>& tree) {
 
 }  // namespace
 
+std::vector<Recording> record_solutions(const Model& model) {
+  const Tree<double> tree = traced_tree(model.tree<double>());
+  std::vector<Recording> solutions{solution(tree, solve_articulated, doubtful_part<double>)};
+  if (factors_are_exact(tree)) solutions.push_back(solution(tree, solve_factorized, doubtful_part<double>));
+  return solutions;
+}
+
 Recording record(const Model& model, const Function& function, bool single_precision) {
   const Tree<double> tree = traced_tree(model.tree<double>());
   switch (function.quantity) {
     case Quantity::inverse_dynamics: return inverse_dynamics(tree);
     case Quantity::mass_matrix: return mass_matrix(tree);
-    case Quantity::poses: return poses(tree);
+    case Quantity::poses: return poses(tree, 0, tree->n_frames() - 1);
+    case Quantity::pose: return poses(tree, function.frame, function.frame);
     case Quantity::jacobian: return jacobian(tree, function.frame, function.representation);
     case Quantity::inverse_dynamics_derivatives:
     case Quantity::inverse_dynamics_jvp:
@@ -371,7 +393,7 @@ Recording record(const Model& model, const Function& function, bool single_preci
     }
   };
   Recording by_bodies = by(solve_articulated);
-  if (tree->depth > FastInverseMassMatrix<double>::longest_path) return by_bodies;  // factors lose digits
+  if (!factors_are_exact(tree)) return by_bodies;
   Recording by_factors = by(solve_factorized);
   return operations(by_bodies).total() < operations(by_factors).total() ? by_bodies : by_factors;
 }

@@ -22,8 +22,8 @@ std::string name_of(Quantity quantity) {
 }
 
 bool same(const Function& a, const Function& b) {
-  return a.quantity == b.quantity &&
-         (a.quantity != Quantity::jacobian || (a.frame == b.frame && a.representation == b.representation));
+  return a.quantity == b.quantity && (!codegen::is_of_a_frame(a.quantity) ||
+                                      (a.frame == b.frame && a.representation == b.representation));
 }
 
 /// Numbers from a cache line on.
@@ -166,6 +166,8 @@ Specialised<T>::Specialised(const Model& model, std::span<const Function> functi
   constexpr std::array widths{1, 2, 4, 8, 16};
   if (std::ranges::find(widths, options.lanes) == widths.end())
     throw std::invalid_argument("lanes is " + std::to_string(options.lanes) + "; expected 1, 2, 4, 8 or 16");
+  if (std::ranges::any_of(functions, [](const Function& f) { return f.quantity == Quantity::pose; }))
+    throw std::invalid_argument("specialised models have no pose of one frame; ask for poses, which has all");
   code_ = std::make_shared<const Code>(model, functions, options);
 }
 

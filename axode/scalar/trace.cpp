@@ -86,10 +86,13 @@ Trace Tape::sum(const Trace& a, const Trace& b) {
                record({Operation::sum, first.node(), second.node(), 0, second.factor() / first.factor()}));
 }
 
-Trace::Condition Tape::condition(Operation operation, int a, int b) {
+Trace::Condition Tape::truth(int node) {
   Trace::Condition result;
-  result.node_ = record({operation, a, b});
+  result.node_ = node;
   return result;
+}
+Trace::Condition Tape::condition(Operation operation, int a, int b) {
+  return truth(record({operation, a, b}));
 }
 
 Trace operator+(const Trace& a, const Trace& b) {
@@ -140,11 +143,13 @@ Trace::Condition operator<=(const Trace& a, const Trace& b) {
 Trace::Condition operator&&(const Trace::Condition& a, const Trace::Condition& b) {
   if (a.is_constant()) return a.constant() ? b : a;
   if (b.is_constant()) return b.constant() ? a : b;
+  if (a.node_ == b.node_) return a;
   return Tape::condition(Operation::both, a.node_, b.node_);
 }
 Trace::Condition operator||(const Trace::Condition& a, const Trace::Condition& b) {
   if (a.is_constant()) return a.constant() ? a : b;
   if (b.is_constant()) return b.constant() ? b : a;
+  if (a.node_ == b.node_) return a;
   return Tape::condition(Operation::either, a.node_, b.node_);
 }
 Trace::Condition operator!(const Trace::Condition& a) {

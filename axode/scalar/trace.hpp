@@ -110,6 +110,9 @@ class Tape {
   Trace input(int array, int index);
   /// In the order in which they can be computed.
   const std::vector<Node>& nodes() const { return nodes_; }
+  /// What the node of that index is.
+  static Trace number(int node) { return Trace(1, node); }
+  static Trace::Condition truth(int node);
 
  private:
   friend class Trace;

@@ -20,6 +20,7 @@ Function: TypeAlias = (
     Literal["inverse_dynamics", "forward_dynamics", "mass_matrix", "inverse_mass_matrix", "poses",
             "inverse_dynamics_derivatives", "inverse_dynamics_jvp", "inverse_dynamics_vjp", "inverse_dynamics_hessian",
             "forward_dynamics_derivatives", "forward_dynamics_jvp", "forward_dynamics_vjp", "forward_dynamics_hessian"]
+    | tuple[Literal["pose"], str | int]
     | tuple[Literal["jacobian"], str | int]
     | tuple[Literal["jacobian"], str | int, Representation]
 )

@@ -35,9 +35,8 @@ def test_every_example_is_run_here():
         "01_drawing_to_dynamics.py", "02_representations.py", "03_batch_trajectory.py",
         "04_identification.py", "05_calibration.py", "06_elastic_drives.py", "07_simulation.py",
         "08_elastic_arm.py", "09_trajectory_optimization.py",
-        "11_learning_with_torch.py",  # by tests/bridges/torch
-        "12_gait_with_jax.py",  # in tests/bridges/jax
-        "13_monte_carlo.py"]
+        "10_casadi_collocation.py", "11_learning_with_torch.py", "12_gait_with_jax.py", "13_monte_carlo.py",  # in tests/bridges
+    ]
 
 
 def test_the_crane_holds_what_levers_say_and_dynamics_are_inverse(tmp_path):
