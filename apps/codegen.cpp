@@ -19,7 +19,7 @@ using codegen::Quantity;
 
 struct Options {
   ModelOptions mechanism;
-  std::string functions = "inverse_dynamics", name, out;
+  std::string functions = "inverse_dynamics", abi = "plain", name, out;
   bool single_precision = false;
 };
 
@@ -47,12 +47,22 @@ Example:
 The file is C99 (and C++), needs no other, and says what its arguments are. Only the operations that this
 mechanism needs are in it: products with 0 and 1, signs and repetitions are gone, and inertia that a joint
 does not turn is counted to the body before it. Results differ from those of `axode eval` by rounding, for
-angles up to 1e5 rad. Fast with cc -O3 -march=native -ffp-contract=fast, wrong with -ffast-math.)";
+angles up to 1e5 rad. Fast with cc -O3 -march=native -ffp-contract=fast, wrong with -ffast-math.
+
+With --abi cuda it is CUDA: each function for a thread of a GPU, and NAME_states, a kernel for n states that lie
+side by side, entry k of state i at x[k * n + i], which writes NaN where the function returns 1.)";
 
 constexpr auto quantities = [] {
   std::array<std::pair<std::string_view, Quantity>, codegen::quantities.size()> named{};
   for (std::size_t k = 0; k < named.size(); ++k)
     named[k] = {codegen::quantities[k], static_cast<Quantity>(k)};
+  return named;
+}();
+
+constexpr auto abis = [] {
+  std::array<std::pair<std::string_view, codegen::Abi>, codegen::abis.size()> named{};
+  for (std::size_t k = 0; k < named.size(); ++k)
+    named[k] = {codegen::abis[k], static_cast<codegen::Abi>(k)};
   return named;
 }();
 
@@ -93,7 +103,8 @@ void run(const Options& options) {
                      "\" is no C identifier: letters, digits and underscores, no digit first");
   const std::vector<codegen::Function> functions = wanted(model, options.functions);
   const codegen::Source source =
-      codegen::c_source(model, functions, {options.name, options.single_precision});
+      codegen::c_source(model, functions,
+                        {options.name, options.single_precision, choose("--abi", options.abi, abis)});
   if (options.out.empty()) {
     fmt::print("{}", source.text);
     return;
@@ -114,6 +125,8 @@ void add_codegen(CLI::App& app, int& exit_code) {
   codegen->add_option("--functions", options->functions, "What to write; inverse_dynamics if left out")
       ->type_name("FUNCTIONS");
   codegen->add_flag("--float", options->single_precision, "float instead of double");
+  codegen->add_option("--abi", options->abi, "Who calls the functions: C, or threads of a GPU; plain if left out")
+      ->type_name(words(abis));
   codegen->add_option("--name", options->name, "What all names begin with; the model's name if left out")
       ->type_name("PREFIX");
   codegen->add_option("--output", options->out, "The file to write; standard output if left out")
