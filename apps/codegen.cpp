@@ -52,19 +52,14 @@ angles up to 1e5 rad. Fast with cc -O3 -march=native -ffp-contract=fast, wrong w
 With --abi cuda it is CUDA: each function for a thread of a GPU, and NAME_states, a kernel for n states that lie
 side by side, entry k of state i at x[k * n + i], which writes NaN where the function returns 1.)";
 
-constexpr auto quantities = [] {
-  std::array<std::pair<std::string_view, Quantity>, codegen::quantities.size()> named{};
-  for (std::size_t k = 0; k < named.size(); ++k)
-    named[k] = {codegen::quantities[k], static_cast<Quantity>(k)};
-  return named;
-}();
-
-constexpr auto abis = [] {
-  std::array<std::pair<std::string_view, codegen::Abi>, codegen::abis.size()> named{};
-  for (std::size_t k = 0; k < named.size(); ++k)
-    named[k] = {codegen::abis[k], static_cast<codegen::Abi>(k)};
-  return named;
-}();
+/// Words and what they mean.
+template <class Meaning, std::size_t N> constexpr auto named(const std::array<std::string_view, N>& words) {
+  std::array<std::pair<std::string_view, Meaning>, N> pairs{};
+  for (std::size_t k = 0; k < N; ++k) pairs[k] = {words[k], static_cast<Meaning>(k)};
+  return pairs;
+}
+constexpr auto quantities = named<Quantity>(codegen::quantities);
+constexpr auto abis = named<codegen::Abi>(codegen::abis);
 
 bool has_frame(const Model& model, std::string_view name) {
   return std::ranges::any_of(model.frames(), [&](const Frame& frame) { return frame.name == name; });

@@ -290,7 +290,7 @@ constexpr const char* cuda_head = R"(To be compiled without
    numbers. Each function NAME is for one thread; its arguments point to the first entry of its state, x + i. The kernel
    NAME_states is for n states: start at least n threads, in blocks of at most 128. It writes NaN where NAME returns 1. */
 
-#ifdef __USE_FAST_MATH__
+#if defined(__USE_FAST_MATH__) && __USE_FAST_MATH__
 #error "compile this file without --use_fast_math"
 #endif
 #define AXODE_RESTRICT __restrict__
