@@ -97,9 +97,8 @@ void run(const Options& options) {
     throw UsageError("--name: \"" + options.name +
                      "\" is no C identifier: letters, digits and underscores, no digit first");
   const std::vector<codegen::Function> functions = wanted(model, options.functions);
-  const codegen::Source source =
-      codegen::c_source(model, functions,
-                        {options.name, options.single_precision, choose("--abi", options.abi, abis)});
+  const codegen::Source source = codegen::c_source(
+      model, functions, {options.name, options.single_precision, choose("--abi", options.abi, abis)});
   if (options.out.empty()) {
     fmt::print("{}", source.text);
     return;
@@ -120,7 +119,9 @@ void add_codegen(CLI::App& app, int& exit_code) {
   codegen->add_option("--functions", options->functions, "What to write; inverse_dynamics if left out")
       ->type_name("FUNCTIONS");
   codegen->add_flag("--float", options->single_precision, "float instead of double");
-  codegen->add_option("--abi", options->abi, "Who calls the functions: C, or threads of a GPU; plain if left out")
+  codegen
+      ->add_option("--abi", options->abi,
+                   "Who calls the functions: C, or threads of a GPU; plain if left out")
       ->type_name(words(abis));
   codegen->add_option("--name", options->name, "What all names begin with; the model's name if left out")
       ->type_name("PREFIX");

@@ -316,9 +316,10 @@ class Statements {
     current().writes_results = true;
     const std::string value =
         x.is_constant() ? all_lanes(precision_.literal(x.factor())) : scaled(x.factor(), x.node());
-    body() += "  " +
-              (on_thread() ? entry(recording_.result, r) : recording_.result + '[' + std::to_string(r) + ']') +
-              " = " + value + ";\n";
+    body() +=
+        "  " +
+        (on_thread() ? entry(recording_.result, r) : recording_.result + '[' + std::to_string(r) + ']') +
+        " = " + value + ";\n";
   }
 
   void define(std::size_t k) {

@@ -225,7 +225,8 @@ Source source_of(const Model& model, std::span<const Function> functions, const 
   const Precision precision{options.single_precision};
   std::vector<Part> parts = recorded(model, functions, prefix, options.single_precision);
   for (Part& part : parts)
-    if (extras.many_states && part.function.quantity == Quantity::jacobian) by_columns(part.recording.results);
+    if (extras.many_states && part.function.quantity == Quantity::jacobian)
+      by_columns(part.recording.results);
 
   Source source;
   std::string& text = source.text;

@@ -20,7 +20,8 @@ template <int k, class X> static __device__ __forceinline__ X &axode_at(X *x, in
 std::string cuda_signature(const Recording& recording, const std::string& name, const Precision& precision) {
   Recording kernel;
   kernel.arguments = recording.arguments, kernel.result = recording.result;
-  return "extern \"C\" __global__ __launch_bounds__(128) " + c_signature(kernel, name + "_states", precision, Width::thread);
+  return "extern \"C\" __global__ __launch_bounds__(128) " +
+         c_signature(kernel, name + "_states", precision, Width::thread);
 }
 
 std::string cuda_kernel(const Recording& recording, const std::string& name, const Precision& precision) {
@@ -31,12 +32,13 @@ std::string cuda_kernel(const Recording& recording, const std::string& name, con
                      " {\n  const unsigned i = blockIdx.x * blockDim.x + threadIdx.x;\n"
                      "  if (i >= (unsigned)n) return;\n";
   if (!recording.returns_doubt) return text + "  " + call + ";\n}\n";
-  return text + filled("  if (@CALL@)\n#pragma unroll 1\n    for (int k = 0; k < @N@; ++k) @Y@[(long long)k * n "
-                       "+ i] = @NAN@;\n}\n",
-                       {{"CALL", call},
-                        {"N", std::to_string(recording.results.size())},
-                        {"Y", recording.result},
-                        {"NAN", precision.single ? "nanf(\"\")" : "nan(\"\")"}});
+  return text + filled(
+                    "  if (@CALL@)\n#pragma unroll 1\n    for (int k = 0; k < @N@; ++k) @Y@[(long long)k * n "
+                    "+ i] = @NAN@;\n}\n",
+                    {{"CALL", call},
+                     {"N", std::to_string(recording.results.size())},
+                     {"Y", recording.result},
+                     {"NAN", precision.single ? "nanf(\"\")" : "nan(\"\")"}});
 }
 
 }  // namespace axode::codegen

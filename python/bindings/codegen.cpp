@@ -70,9 +70,10 @@ void add_codegen(nb::module_& module) {
   module.def(
       "c_source", &c_source_of, "m"_a, "functions"_a, "prefix"_a = "", "single_precision"_a = false,
       "abi"_a = "plain",
-      nb::sig("def c_source(m: axode.Model, functions: collections.abc.Sequence[axode.codegen.Function], "
-              "prefix: str = '', single_precision: bool = False, abi: typing.Literal['plain', 'cuda'] = 'plain') "
-              "-> axode.codegen.Source"),
+      nb::sig(
+          "def c_source(m: axode.Model, functions: collections.abc.Sequence[axode.codegen.Function], "
+          "prefix: str = '', single_precision: bool = False, abi: typing.Literal['plain', 'cuda'] = 'plain') "
+          "-> axode.codegen.Source"),
       R"(
 A file in C99, or in CUDA, for this one mechanism, which needs nothing but a compiler, and what each of its functions costs.
 

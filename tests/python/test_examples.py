@@ -34,7 +34,7 @@ def test_every_example_is_run_here():
     assert sorted(file.name for file in EXAMPLES.glob("*.py")) == [
         "01_drawing_to_dynamics.py", "02_representations.py", "03_batch_trajectory.py",
         "04_identification.py", "05_calibration.py", "06_elastic_drives.py", "07_simulation.py",
-        "08_elastic_arm.py", "09_trajectory_optimization.py"]
+        "08_elastic_arm.py", "09_trajectory_optimization.py", "14_on_a_gpu.py"]
 
 
 def test_the_crane_holds_what_levers_say_and_dynamics_are_inverse(tmp_path):

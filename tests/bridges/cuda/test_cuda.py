@@ -1,7 +1,10 @@
 """Kernels for GPUs compile, and compute what the library does: here on the processor, and on a GPU where there is one."""
 
 import importlib
+import importlib.util
+import os
 import re
+import subprocess
 import sys
 import types
 
@@ -11,6 +14,7 @@ import numpy as np
 import nvrtc
 import pytest
 from mechanisms import MECHANISMS, close, random_states
+from pages import SOURCE, run_page
 
 ARM, PENDULUM = MECHANISMS["arm"], axode.load(axode.robots / "double_pendulum.toml")
 INVERSE, FORWARD = ["q", "v", "a"], ["q", "v", "tau"]
@@ -203,8 +207,6 @@ def test_sources_compile_for_every_architecture(architecture):
             assert said == ""
             assert re.findall(r"\.entry (\w+)\(", ptx) == [f"{cost.name}_states" for cost in source.functions]
             assert f".target {architecture.replace('compute', 'sm')}" in ptx
-            if single:
-                assert ".f64" not in re.sub(r"\.entry p_\w+", "", ptx.partition("p_inverse_dynamics_states")[0][:0])
 
 
 @NVRTC
@@ -243,3 +245,31 @@ def test_a_gpu_gives_what_the_library_gives(mechanism):
         found = getattr(gpu, function)(*map(cupy.asarray, given))
         host = type(found)(*map(cupy.asnumpy, found)) if isinstance(found, tuple) else cupy.asnumpy(found)
         assert_same(host, getattr(axode, function)(m, *given), 1e-9)
+
+
+def test_the_page_shows_what_happens(tmp_path, monkeypatch):
+    command = SOURCE / "build/release/axode"
+    if not command.exists():
+        pytest.skip("there is no build/release/axode; `make build` builds it")
+    if importlib.util.find_spec("cupy") is not None:
+        gpu_or_skip()
+    monkeypatch.chdir(tmp_path)
+    run_page("docs/cuda.md", {**os.environ, "PATH": f"{command.parent}:{os.environ['PATH']}"})
+
+
+def test_the_example_finds_the_possible_candidates_wherever_it_runs():
+    example = SOURCE / "examples/python/14_on_a_gpu.py"
+    done = subprocess.run([sys.executable, example], capture_output=True, text=True)
+    assert done.returncode == 0 and done.stderr == "", done.stderr
+    assert re.search(r"^20000 states on ", done.stdout, re.MULTILINE)
+    possible = int(re.search(r"possible candidates: (\d+) of 200", done.stdout)[1])
+    assert 0 < possible < 200
+    assert float(re.search(r"library: (\S+) N m", done.stdout)[1]) < 1e-9
+
+
+def test_the_benchmark_says_what_it_lacks():
+    done = subprocess.run([sys.executable, SOURCE / "bench/cuda_batch.py"], capture_output=True, text=True)
+    if done.returncode == 0:
+        assert "inverse_dynamics" in done.stdout
+    else:
+        assert re.fullmatch(r"no GPU was measured: there is (no CuPy; pip install \"axode\[cuda\]\"|none that CuPy .*)\n", done.stderr)
