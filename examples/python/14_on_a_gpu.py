@@ -14,15 +14,15 @@ cost = source.functions[0]
 print(f"{cost.name}_states: {cost.products} products, {cost.sums} sums, {cost.angles} sines and cosines a thread")
 
 # %% [markdown]
-# 200 candidates of 100 points each: a swing of every joint about a posture, with random widths.
+# 200 candidates of 100 points each: a swing of every joint about a posture, with random widths and rhythms.
 
 # %%
 random = np.random.default_rng(1)
 t = np.linspace(0, 2 * np.pi, 100)[None, :, None]
-width = random.uniform(0.1, 0.6, (200, 1, 7))  # rad
+width, rhythm = random.uniform(0.1, 0.6, (200, 1, 7)), random.uniform(4, 12, (200, 1, 1))  # rad, rad/s
 q = (0.3 + width * np.sin(t)).reshape(-1, 7)
-v = (width * np.cos(t)).reshape(-1, 7)
-a = (-width * np.sin(t)).reshape(-1, 7)
+v = (width * rhythm * np.cos(t)).reshape(-1, 7)
+a = (-width * rhythm**2 * np.sin(t)).reshape(-1, 7)
 
 try:
     import cupy  # type: ignore[import-not-found, import-untyped, unused-ignore]

@@ -11,6 +11,7 @@ neither is needed.
 from __future__ import annotations
 
 import math
+import sys
 from collections.abc import Sequence
 from typing import Any, Literal, NamedTuple
 
@@ -43,12 +44,12 @@ _ARGUMENTS: dict[str, tuple[str, ...]] = {
     "forward_dynamics_hessian": (*_FORWARD, "w"),
 }
 # What the blocks of a result that lie one behind the other are put into.
-_BLOCKS: dict[str, type[NamedTuple]] = {
+_BLOCKS: dict[str, Any] = {
     "inverse_dynamics_derivatives": InverseDynamicsDerivatives, "inverse_dynamics_vjp": InverseDynamicsDerivatives,
     "inverse_dynamics_hessian": InverseDynamicsHessian,
     "forward_dynamics_derivatives": ForwardDynamicsDerivatives, "forward_dynamics_vjp": ForwardDynamicsDerivatives,
     "forward_dynamics_hessian": ForwardDynamicsHessian,
-}  # type: ignore[assignment, unused-ignore]
+}
 
 
 class _Kernel(NamedTuple):
@@ -62,7 +63,8 @@ class Kernels:
 
     Each function that was asked for is a method of its name with the arguments of its namesake in axode, without loads and threads:
     arrays on one GPU, of one state or of N, of CuPy, PyTorch or any library with DLPack, and of the scalar that was asked
-    for. Results are arrays of the first argument's library, with the shapes that axode gives. States are read side by side, as
+    for. Results have the shapes that axode gives, and are arrays of the first argument's library, or of CuPy where that has no
+    from_dlpack. States are read side by side, as
     (nq, N): an array of shape (N, nq) is copied, unless it is the transpose of one in C order. Results are such transposes.
 
     Nothing waits for the GPU. So numbers are not looked at: NaN makes NaN, quaternions are taken as they are, and where the mass
@@ -130,8 +132,8 @@ class Kernels:
 def kernels(m: Model, functions: Sequence[Function], scalar: Literal["float64", "float32"] = "float64") -> Kernels:
     """Functions of m as kernels for a GPU, a thread for each state.
 
-    functions are those of `axode.codegen.c_source`. Compiling takes a second for short functions, and a minute for the derivatives
-    of a humanoid; CuPy keeps what it has compiled. Armature and gravity are part of them; loads, joint losses and
+    functions are those of `axode.codegen.c_source`. CuPy compiles when one is called first, in about a second for short functions and in
+    minutes for the derivatives of a humanoid, and keeps what it has compiled. Armature and gravity are part of them; loads, joint losses and
     springs are not. ValueError for an unknown function, for dynamics of a mechanism with loops and for another scalar, KeyError for
     an unknown frame.
 
@@ -188,8 +190,8 @@ def _returned(given: Any, result: Any) -> Any:
     """For the library that the argument came from."""
     if isinstance(given, cupy.ndarray):
         return result
-    library = __import__(type(given).__module__.partition(".")[0])
-    return library.from_dlpack(result)
+    library = sys.modules[type(given).__module__.partition(".")[0]]
+    return library.from_dlpack(result) if hasattr(library, "from_dlpack") else result
 
 
 def _count(x: Any) -> str:

@@ -44,7 +44,8 @@ class Device:
 
 
 class ndarray(np.ndarray):  # noqa: N801
-    device = Device(0)
+    def __array_finalize__(self, source):
+        self.device = source.device if isinstance(source, ndarray) else Device(0)
 
     def __dlpack_device__(self):
         return 2, self.device.id
@@ -89,7 +90,8 @@ class RawModule:
         def launch(grid, block, arguments):
             *arrays, n = arguments
             assert len(grid) == len(block) == 1 and block[0] <= 128 and grid[0] * block[0] >= n
-            assert all(type(x) is ndarray and x.flags.c_contiguous and x.shape[-1] == n for x in arrays)
+            assert all(type(x) is ndarray and x.flags.c_contiguous for x in arrays)
+            assert all(x.shape[-1] == n or (x.ndim, n) == (1, 1) for x in arrays)
             assert type(n) is int32
             RawModule.launches.append((name, grid, block, [x.ctypes.data for x in arrays], n))
             pointers = [x.ctypes.data_as(ctypes.c_void_p) for x in arrays]
