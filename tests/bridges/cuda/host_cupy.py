@@ -44,6 +44,8 @@ class Device:
 
 
 class ndarray(np.ndarray):  # noqa: N801
+    device = Device(0)  # numpy's own cannot be set
+
     def __array_finalize__(self, source):
         self.device = source.device if isinstance(source, ndarray) else Device(0)
 
@@ -59,7 +61,7 @@ def empty(shape, dtype):
     return np.full(shape, 7, dtype).view(ndarray)
 
 
-def zeros(shape, dtype):
+def zeros(shape, dtype=np.float64):
     return np.zeros(shape, dtype).view(ndarray)
 
 

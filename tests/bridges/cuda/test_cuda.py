@@ -111,7 +111,7 @@ def test_a_launch_has_a_thread_for_each_state_and_copies_only_what_lies_otherwis
     gpu = cuda.kernels(ARM, ["inverse_dynamics"])
     for N in (0, 1, 128, 129, 1000):
         host_cupy.RawModule.launches.clear()
-        q, v, a = (host_cupy.asarray(x.T).T for x in arguments(ARM, "inverse_dynamics", N))  # as kernels want them
+        q, v, a = (host_cupy.asarray(np.ascontiguousarray(x.T)).T for x in arguments(ARM, "inverse_dynamics", N))  # as kernels want them
         tau = gpu.inverse_dynamics(q, v, a)
         assert tau.shape == (N, 7) and tau.T.flags.c_contiguous
         assert len(host_cupy.RawModule.launches) == (N > 0)
@@ -250,12 +250,10 @@ def test_a_gpu_gives_what_the_library_gives(mechanism):
         assert_same(host, getattr(axode, function)(m, *given), 1e-9)
 
 
-def test_the_page_shows_what_happens(tmp_path, monkeypatch):
+def test_the_page_shows_what_happens(cuda, tmp_path, monkeypatch):
     command = SOURCE / "build/release/axode"
     if not command.exists():
         pytest.skip("there is no build/release/axode; `make build` builds it")
-    if importlib.util.find_spec("cupy") is not None:
-        gpu_or_skip()
     monkeypatch.chdir(tmp_path)
     run_page("docs/cuda.md", {**os.environ, "PATH": f"{command.parent}:{os.environ['PATH']}"})
 
