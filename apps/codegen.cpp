@@ -56,7 +56,10 @@ its exact first and second derivatives along:
   axode codegen arm7.toml --functions forward_dynamics --abi casadi --output arm7.c
   cc -O3 -march=native -ffp-contract=fast -fPIC -shared arm7.c -o arm7.so -lm
 and in Python casadi.external("arm7_forward_dynamics", "./arm7.so"). With --states N they are of N states at once,
-the columns of their arguments.)";
+the columns of their arguments.
+
+With --abi cuda it is CUDA: each function for a thread of a GPU, and NAME_states, a kernel for n states that lie
+side by side, entry k of state i at x[k * n + i], which writes NaN where the function returns 1.)";
 
 /// Words and what they mean.
 template <class Meaning, std::size_t N> constexpr auto named(const std::array<std::string_view, N>& words) {
@@ -129,7 +132,10 @@ void add_codegen(CLI::App& app, int& exit_code) {
   codegen->add_option("--functions", options->functions, "What to write; inverse_dynamics if left out")
       ->type_name("FUNCTIONS");
   codegen->add_flag("--float", options->single_precision, "float instead of double");
-  codegen->add_option("--abi", options->abi, "Who calls it; plain if left out")->type_name("plain|casadi");
+  codegen
+      ->add_option("--abi", options->abi,
+                   "Who calls the functions: C, CasADi, or threads of a GPU; plain if left out")
+      ->type_name(words(abis));
   codegen
       ->add_option("--states", options->states,
                    "With --abi casadi: how many states a function is of; 1 if left out")

@@ -5,13 +5,16 @@
 #include <charconv>
 #include <cmath>
 
+#include "axode/codegen/statement_order.hpp"
+
 namespace axode::codegen {
 namespace {
 
 using enum Tape::Operation;
 
 /// The statements of one function, in the order in which its numbers were recorded. Whatever has to wait for
-/// sines comes after them: stage k for what needs sines of numbers of stage k - 1.
+/// sines comes after them: stage k for what needs sines of numbers of stage k - 1. A thread takes sines one by one, and its
+/// statements are in the order in which it needs the fewest registers.
 class Statements {
  public:
   Statements(const Recording& recording, const Precision& precision, const std::string& sine_cosine,
@@ -26,13 +29,16 @@ class Statements {
         text_(size()),
         part_(size(), -1),
         last_part_(size(), -1),
-        slot_(size(), -1) {
+        slot_(size(), -1),
+        loaded_in_(size(), -1) {
     order();
+    if (on_thread()) order_for_thread();
     cut();
+    if (on_thread()) write_constants();
     for (const Step& step : steps_) {
       enter(step.part);
       if (step.kind == Step::turn)
-        turn(static_cast<int>(step.index));
+        on_thread() ? turn_on_thread(step.index) : turn(static_cast<int>(step.index));
       else if (step.kind == Step::define)
         define(step.index);
       else
@@ -58,7 +64,7 @@ class Statements {
  private:
   struct Step {
     enum Kind { define, turn, result } kind;
-    std::size_t index;
+    std::size_t index;  ///< of a node, a stage (of a thread: the node of an angle), a result
     int part = 0;
   };
   static constexpr std::size_t longest_part = 1500;  // statements
@@ -66,6 +72,7 @@ class Statements {
   std::size_t size() const { return recording_.nodes.size(); }
   const Tape::Node& node(std::size_t k) const { return recording_.nodes[k]; }
   bool in_lanes() const { return width_ == Width::lanes; }
+  bool on_thread() const { return width_ == Width::thread; }
   const char* type() const { return in_lanes() ? "axode_lanes" : precision_.type(); }
   int n_parts() const { return static_cast<int>((steps_.size() + longest_part - 1) / longest_part); }
   bool is_cut() const { return n_parts() > 1; }
@@ -88,11 +95,12 @@ class Statements {
         ++uses[i], uses_in_sums[i] += node(k).operation == sum;
         stage_[k] = std::max(stage_[k], stage_[i]);
       }
-      if (is_turned(node(k))) ++stage_[k];
+      if (is_turned(node(k)) && !on_thread()) ++stage_[k];
       stages = std::max(stages, stage_[k] + 1);
     }
     std::vector<std::vector<std::size_t>> results(size());  // by the number that they are multiples of
     for (std::size_t r = 0; r < recording_.results.size(); ++r) {
+      if (on_thread() && recording_.results[r].is_constant()) continue;
       const auto k = static_cast<std::size_t>(recording_.results[r].node());
       results[k].push_back(r), ++uses[k];
     }
@@ -109,7 +117,7 @@ class Statements {
         else if (is_literal(x))
           text_[k] = precision_.literal(x.factor);
         else if (is_turned(x))
-          add_angle(stage, x.a);
+          on_thread() ? add_turn(k) : add_angle(stage, x.a);
         else if (!stays_in_sum_[k])
           steps_.push_back({Step::define, k});
         for (const std::size_t r : results[k])  // at once, so that k need not be kept
@@ -122,6 +130,49 @@ class Statements {
     if (std::find(all.begin(), all.end(), angle) == all.end()) all.push_back(angle);
   }
 
+  /// The sine and the cosine of an angle are one step.
+  void add_turn(std::size_t k) {
+    const auto angle = static_cast<std::size_t>(node(k).a);
+    turned_from_.resize(size());
+    if (turned_from_[angle].empty()) steps_.push_back({Step::turn, angle});
+    turned_from_[angle].push_back(k);
+    text_[k] = (node(k).operation == sine ? "sine" : "cosine") + std::to_string(angle);
+  }
+  /// The numbers with a name that a step makes.
+  std::vector<std::size_t> made_by(const Step& step) const {
+    if (step.kind == Step::define) return {step.index};
+    if (step.kind == Step::turn && on_thread()) return turned_from_[step.index];
+    return {};
+  }
+  /// Calls use(k) for each number with a name that a step needs.
+  template <class Use> void each_use(const Step& step, const Use& use) const {
+    if (step.kind == Step::define)
+      each_use(step.index, use);
+    else if (step.kind == Step::result)
+      each_use_of(static_cast<std::size_t>(recording_.results[step.index].node()), use);
+    else if (on_thread())
+      each_use_of(step.index, use);
+    else
+      for (const int angle : angles_[step.index]) each_use_of(static_cast<std::size_t>(angle), use);
+  }
+  void order_for_thread() {
+    std::vector<int> maker(size(), -1), lasting;
+    for (std::size_t s = 0; s < steps_.size(); ++s)
+      for (const std::size_t k : made_by(steps_[s])) maker[k] = static_cast<int>(s);
+    std::vector<std::vector<int>> operands(steps_.size());
+    for (std::size_t s = 0; s < steps_.size(); ++s) {
+      std::vector<int>& from = operands[s];
+      each_use(steps_[s], [&](std::size_t k) {
+        if (maker[k] >= 0 && std::ranges::find(from, maker[k]) == from.end()) from.push_back(maker[k]);
+      });
+    }
+    if (!recording_.doubt.is_constant() && maker[doubt()] >= 0) lasting.push_back(maker[doubt()]);
+    std::vector<Step> ordered;
+    for (const int s : order_for_few_registers(operands, lasting))
+      ordered.push_back(steps_[static_cast<std::size_t>(s)]);
+    steps_ = ordered;
+  }
+
   /// Which part each number is made in, the last one that it is used in, and where it is kept in between.
   void cut() {
     const std::size_t count = static_cast<std::size_t>(std::max(n_parts(), 1)),
@@ -129,22 +180,14 @@ class Statements {
     for (std::size_t s = 0; s < steps_.size(); ++s) {
       Step& step = steps_[s];
       step.part = static_cast<int>(s / balanced);
-      const auto use = [&](std::size_t k) { last_part_[k] = step.part; };
-      if (step.kind == Step::define) {
-        part_[step.index] = step.part;
-        each_use(step.index, use);
-      } else if (step.kind == Step::turn) {
-        for (const int angle : angles_[step.index]) each_use_of(static_cast<std::size_t>(angle), use);
-      } else {
-        each_use_of(static_cast<std::size_t>(recording_.results[step.index].node()), use);
-      }
+      for (const std::size_t k : made_by(step)) part_[k] = step.part;
+      each_use(step, [&](std::size_t k) { last_part_[k] = step.part; });
     }
-    if (!recording_.doubt.is_constant())
-      last_part_[static_cast<std::size_t>(recording_.doubt.node())] = n_parts();
+    if (!recording_.doubt.is_constant()) last_part_[doubt()] = n_parts();
     parts_.resize(is_cut() ? static_cast<std::size_t>(n_parts()) + 1 : 1);
     for (Part& part : parts_) part.reads.resize(recording_.arguments.size());
     if (!is_cut()) return;
-    for (std::vector<int>& angles : angles_) slots_ += 3 * room(angles.size());
+    for (std::vector<int>& angles : angles_) slots_ += on_thread() ? 0 : 3 * room(angles.size());
     std::vector<int> idle;
     std::vector<std::vector<int>> freed(parts_.size() + 1);
     int part = -1;
@@ -154,11 +197,13 @@ class Statements {
         const std::vector<int>& now = freed[static_cast<std::size_t>(part)];
         idle.insert(idle.end(), now.begin(), now.end());
       }
-      if (step.kind != Step::define || last_part_[step.index] <= part) continue;
-      if (idle.empty()) idle.push_back(slots_++);
-      slot_[step.index] = idle.back();
-      idle.pop_back();
-      freed[static_cast<std::size_t>(last_part_[step.index]) + 1].push_back(slot_[step.index]);
+      for (const std::size_t k : made_by(step)) {
+        if (last_part_[k] <= part) continue;
+        if (idle.empty()) idle.push_back(slots_++);
+        slot_[k] = idle.back();
+        idle.pop_back();
+        freed[static_cast<std::size_t>(last_part_[k]) + 1].push_back(slot_[k]);
+      }
     }
   }
   /// Calls use(k) for each number with a name that number `of` is made from.
@@ -171,6 +216,8 @@ class Statements {
     else
       use(k);
   }
+
+  std::size_t doubt() const { return static_cast<std::size_t>(recording_.doubt.node()); }
 
   void enter(int part) {
     if (is_cut()) now_ = part;
@@ -187,6 +234,42 @@ class Statements {
     const int n = static_cast<int>(angles);
     return in_lanes() ? n : n <= 2 ? 2 : n <= 4 ? 4 : (n + 7) / 8 * 8;
   }
+  /// An entry of an array of a thread: those of its state are n apart.
+  static std::string entry(const std::string& array, std::size_t k) {
+    return "axode_at<" + std::to_string(k) + ">(" + array + ", n)";
+  }
+  void keep(std::size_t k) {
+    if (slot_[k] >= 0)
+      body() += "  " + kept(slot_[k]) + " = " + (is_condition(node(k)) && in_lanes() ? "(axode_lanes)" : "") +
+                text_[k] + ";\n";
+  }
+  void turn_on_thread(std::size_t angle) {
+    const std::string x = text(static_cast<int>(angle)), number = std::to_string(angle);
+    body() += filled("  @T@ sine@K@, cosine@K@;\n  @CALL@@X@, &sine@K@, &cosine@K@);\n",
+                     {{"T", type()}, {"K", number}, {"CALL", called("", "sincos")}, {"X", x}});
+    for (const std::size_t k : turned_from_[angle]) keep(k);
+  }
+  /// What results there are that depend on nothing, most of them zeros, in loops where several are neighbours.
+  void write_constants() {
+    const std::vector<Trace>& results = recording_.results;
+    for (std::size_t first = 0, end; first < results.size(); first = end) {
+      end = first + 1;
+      if (!results[first].is_constant()) continue;
+      current().writes_results = true;
+      const double value = results[first].factor();
+      while (end < results.size() && results[end].is_constant() && results[end].factor() == value) ++end;
+      if (end - first < 3)
+        for (std::size_t r = first; r < end; ++r)
+          body() += "  " + entry(recording_.result, r) + " = " + precision_.literal(value) + ";\n";
+      else
+        body() += filled("#pragma unroll 1\n  for (int k = @A@; k < @B@; ++k) @Y@[(long long)k * n] = @X@;\n",
+                         {{"A", std::to_string(first)},
+                          {"B", std::to_string(end)},
+                          {"Y", recording_.result},
+                          {"X", precision_.literal(value)}});
+    }
+  }
+
   /// All sines and cosines of a stage at once.
   void turn(int stage) {
     const std::vector<int>& angles = angles_[static_cast<std::size_t>(stage)];
@@ -231,9 +314,12 @@ class Statements {
   void write_result(std::size_t r) {
     const Trace& x = recording_.results[r];
     current().writes_results = true;
-    body() += "  " + recording_.result + '[' + std::to_string(r) + "] = ";
+    const std::string value =
+        x.is_constant() ? all_lanes(precision_.literal(x.factor())) : scaled(x.factor(), x.node());
     body() +=
-        (x.is_constant() ? all_lanes(precision_.literal(x.factor())) : scaled(x.factor(), x.node())) + ";\n";
+        "  " +
+        (on_thread() ? entry(recording_.result, r) : recording_.result + '[' + std::to_string(r) + ']') +
+        " = " + value + ";\n";
   }
 
   void define(std::size_t k) {
@@ -242,9 +328,18 @@ class Statements {
     const std::string kind = !is_condition(x) ? type() : in_lanes() ? "axode_mask" : "int";
     const std::string value = expression(x);
     body() += "  const " + kind + ' ' + text_[k] + " = " + value + ";\n";
-    if (slot_[k] >= 0)
-      body() += "  " + kept(slot_[k]) + " = " + (is_condition(x) && in_lanes() ? "(axode_lanes)" : "") +
-                text_[k] + ";\n";
+    keep(k);
+  }
+  /// The name of an argument that a thread reads where a part needs it first.
+  std::string loaded(std::size_t k) {
+    const Tape::Node& x = node(k);
+    const std::string &array = recording_.arguments[static_cast<std::size_t>(x.a)],
+                      name = array + std::to_string(x.b);
+    if (loaded_in_[k] != now_)
+      body() += std::string("  const ") + type() + ' ' + name + " = " +
+                entry(array, static_cast<std::size_t>(x.b)) + ";\n";
+    loaded_in_[k] = now_;
+    return name;
   }
 
   /// A number or a condition where it is used.
@@ -253,7 +348,8 @@ class Statements {
     const Tape::Node& x = node(k);
     if (stays_in_sum_[k]) return expression(x);
     if (x.operation == input) current().reads[static_cast<std::size_t>(x.a)] = 1;
-    if (is_turned(x) && is_cut()) current().keeps = true;
+    if (x.operation == input && on_thread()) return loaded(k);
+    if (is_turned(x) && is_cut() && !on_thread()) current().keeps = true;
     if (slot_[k] < 0 || part_[k] == now_) return text_[k];
     if (!is_condition(x)) return kept(slot_[k]);
     return in_lanes() ? "((axode_mask)" + kept(slot_[k]) + ')' : '(' + kept(slot_[k]) + " != 0)";
@@ -310,7 +406,9 @@ class Statements {
   std::vector<char> stays_in_sum_;
   std::vector<std::string> text_;  ///< of each number: its name, or what it is
   std::vector<int> part_, last_part_, slot_;
+  std::vector<int> loaded_in_;            ///< for each argument of a thread: the part that has read it
   std::vector<std::vector<int>> angles_;  ///< by stage
+  std::vector<std::vector<std::size_t>> turned_from_;  ///< sine and cosine, by the angle
   std::vector<Step> steps_;
   std::vector<Part> parts_;
   int now_ = 0, slots_ = 0, turned_ = 0, temporaries_ = 0;
@@ -347,26 +445,27 @@ bool calls_math_library(const Recording& recording) {
   return false;
 }
 
-std::string c_signature(const Recording& recording, const std::string& name, const Precision& precision) {
+std::string c_signature(const Recording& recording, const std::string& name, const Precision& precision,
+                        Width width) {
   const std::string type = precision.type();
   std::string text = (recording.returns_doubt ? "int " : "void ") + name + "(\n    ";
   for (const std::string& argument : recording.arguments)
     text.append("const ").append(type).append(" *AXODE_RESTRICT ").append(argument).append(", ");
-  return text + type + " *AXODE_RESTRICT " + recording.result + ')';
+  return text + type + " *AXODE_RESTRICT " + recording.result + (width == Width::thread ? ", int n)" : ")");
 }
 
 Definition c_definition(const Recording& recording, const std::string& name, const std::string& sine_cosine,
                         const Precision& precision, Width width) {
   const Statements statements(recording, precision, sine_cosine, width);
   const std::vector<Statements::Part>& parts = statements.parts();
-  const bool in_lanes = width == Width::lanes, is_cut = parts.size() > 1;
+  const bool in_lanes = width == Width::lanes, on_thread = width == Width::thread, is_cut = parts.size() > 1;
   const std::string type = in_lanes ? "axode_lanes" : precision.type();
   std::string parameters, arguments;
   for (const std::string& argument : recording.arguments) {
     parameters += "const " + type + " *AXODE_RESTRICT " + argument + ", ";
     arguments += argument + ", ";
   }
-  parameters += type + " *AXODE_RESTRICT " + recording.result;
+  parameters += type + " *AXODE_RESTRICT " + recording.result + (on_thread ? ", int n" : "");
   const std::string with_scratch = parameters + ", " + type + " *AXODE_RESTRICT s";
   const auto unused = [&](const Statements::Part& part, bool passes_on) {
     std::string text;
@@ -382,11 +481,12 @@ Definition c_definition(const Recording& recording, const std::string& name, con
     const std::string part = name + "_part_" + std::to_string(k + 1);
     text += "static AXODE_PART void " + part + "(\n    " + with_scratch + ") {\n" + unused(parts[k], false) +
             (parts[k].keeps ? "" : "  (void)s;\n") + parts[k].text + "}\n";
-    calls += "  " + part + '(' + arguments + recording.result + ", s);\n";
+    calls += "  " + part + '(' + arguments + recording.result + (on_thread ? ", n" : "") + ", s);\n";
   }
   text += in_lanes ? std::string("static ") + (recording.returns_doubt ? "axode_mask " : "void ") + name +
                          "(\n    " + with_scratch + ')'
-                   : c_signature(recording, name, precision);
+                   : (on_thread ? "static __device__ __forceinline__ " : "") +
+                         c_signature(recording, name, precision, width);
   text += " {\n" + unused(parts.back(), is_cut);
   if (is_cut && !in_lanes) text += "  " + type + " s[" + std::to_string(definition.scratch) + "];\n";
   if (!is_cut && in_lanes) text += "  (void)s;\n";

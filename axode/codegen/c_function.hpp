@@ -18,11 +18,13 @@ struct Precision {
   std::string literal(double x) const;
 };
 
-/// What a function computes on: one state, or one in each lane of a vector (types axode_lanes and axode_mask).
-enum class Width { one, lanes };
+/// What a function computes on: one state, one in each lane of a vector (types axode_lanes and axode_mask), or one of n that lie
+/// side by side, which is a thread's of a GPU (axode_at).
+enum class Width { one, lanes, thread };
 
 /// `void NAME(const double *AXODE_RESTRICT q, ...)`.
-std::string c_signature(const Recording& recording, const std::string& name, const Precision& precision);
+std::string c_signature(const Recording& recording, const std::string& name, const Precision& precision,
+                        Width width = Width::one);
 
 struct Definition {
   std::string text;
@@ -32,7 +34,7 @@ struct Definition {
 /// which `_lanes` is added in lanes. A long one is
 /// cut into parts, so that compilers take time in proportion to its length; what one part hands to
 /// another lies in an array. In lanes the function is `static`, returns a mask where it returns a doubt, and has that
-/// array as its last argument.
+/// array as its last argument. For a thread it is a device function.
 Definition c_definition(const Recording& recording, const std::string& name, const std::string& sine_cosine,
                         const Precision& precision, Width width = Width::one);
 

@@ -16,7 +16,7 @@ std::string identifier(const std::string& name, Abi abi) {
   std::string text;
   for (const char c : name) {
     const bool stays = is_letter(c) || is_digit(c);
-    if (abi == Abi::plain || (stays && c != '_') || (!text.empty() && text.back() != '_'))
+    if (abi != Abi::casadi || (stays && c != '_') || (!text.empty() && text.back() != '_'))
       text += stays ? c : '_';
   }
   if (abi == Abi::casadi && text.ends_with('_')) text.pop_back();

@@ -60,10 +60,12 @@ struct Function {
 
 /// Who calls the functions, and therefore what they look like.
 enum class Abi {
-  plain,  ///< whoever has read their declarations
-  casadi  ///< CasADi: see casadi_source.hpp
+  plain,   ///< whoever has read their declarations
+  casadi,  ///< CasADi: see casadi_source.hpp
+  cuda     ///< threads of a GPU: see cuda_kernel.hpp
 };
-inline constexpr std::array<std::string_view, 2> abis{"plain", "casadi"};
+/// Their names, in that order.
+inline constexpr std::array<std::string_view, 3> abis{"plain", "casadi", "cuda"};
 
 struct Options {
   std::string prefix;             ///< of all names, a C identifier; made from the model's name if empty
@@ -72,7 +74,7 @@ struct Options {
   int states = 1;  ///< of which functions of CasADi are
 };
 
-/// A file in C99 that needs nothing but a compiler, and what each of its functions costs.
+/// A file in C99 or CUDA that needs nothing but a compiler, and what each of its functions costs.
 struct Source {
   struct Cost {
     std::string name;
@@ -109,6 +111,16 @@ bool is_identifier(std::string_view name);
 /// dynamics and M_inverse return 0, or 1 where the mass matrix may be singular, and then the result is not to be trusted. Arrays must
 /// not overlap. Armature and gravity are those of the model; joint losses and loads have no part in it. Results differ
 /// from the library's by rounding, for angles up to 1e5 rad.
+///
+/// In CUDA states lie side by side: entry k of state i of n is x[k n + i]. Each function is there as a device function for a thread,
+///
+///     void PREFIX_inverse_dynamics(const T *q, const T *v, const T *a, T *tau, int n)
+///
+/// whose arguments point to the first entries of its state, and as a kernel for n states, a thread for each:
+///
+///     void PREFIX_inverse_dynamics_states(const T *q, const T *v, const T *a, T *tau, int n)
+///
+/// The kernel writes NaN where the function returns 1. Angles may have any size.
 ///
 /// Time and memory are proportional to the operations: O(n), O(n²) for matrices, O(n² d) for the Hessian of forward
 /// dynamics. Throws std::invalid_argument for a prefix that is no C identifier, a frame that there is not, no functions, and

@@ -204,7 +204,7 @@ __all__ = [
 ]
 
 #: Modules that need other packages, which are imported where one asks for them.
-BRIDGES = ("casadi", "distributed", "jax", "torch")
+BRIDGES = ("casadi", "cuda", "distributed", "jax", "torch")
 
 if not TYPE_CHECKING:  # to a type checker every name would be known
 

@@ -102,10 +102,11 @@ void add_codegen(nb::module_& module) {
       "c_source", &c_source_of, "m"_a, "functions"_a, "prefix"_a = "", "single_precision"_a = false,
       "abi"_a = "plain",
       nb::sig("def c_source(m: axode.Model, functions: collections.abc.Sequence[axode.codegen.Function], "
-              "prefix: str = '', single_precision: bool = False, abi: "
-              "typing.Literal['plain', 'casadi'] = 'plain') -> axode.codegen.Source"),
+              "prefix: str = '', single_precision: bool = False, abi: typing.Literal['plain', 'casadi', "
+              "'cuda'] = "
+              "'plain') -> axode.codegen.Source"),
       R"(
-A file in C99 for this one mechanism, which needs nothing but a compiler, and what each of its functions costs.
+A file in C99, or in CUDA, for this one mechanism, which needs nothing but a compiler, and what each of its functions costs.
 
 functions are "inverse_dynamics", "forward_dynamics", either of these with "_derivatives", "_jvp", "_vjp" or "_hessian"
 behind it, "mass_matrix", "inverse_mass_matrix", "poses", ("pose", frame), ("jacobian", frame) and ("jacobian", frame, representation). With PREFIX for prefix (made
@@ -124,8 +125,12 @@ row; C has the columns of R and then r of each frame, 12 numbers; derivatives by
 or tau lie one behind the other, and so do the blocks of a Hessian, as in `InverseDynamicsHessian` and
 `ForwardDynamicsHessian`. forward_dynamics, its derivatives and inverse_mass_matrix return 0, or 1 where the mass matrix may be singular.
 Armature and gravity are part of them, joint losses and loads are not. Results differ by rounding, for angles up
-to 1e5 rad. With abi "casadi" they are external functions of CasADi with their derivatives: see `axode.casadi`. Compile it without -ffast-math. KeyError for an unknown frame, ValueError for an unknown function, one that
-is asked for twice, none, and a prefix that is no C identifier.
+to 1e5 rad. Compile it without -ffast-math.
+
+With abi="casadi" they are external functions of CasADi with their derivatives: see `axode.casadi`.
+With abi="cuda" these are device functions whose last argument is n, and PREFIX_..._states are kernels for n states that lie side
+by side; `axode.cuda` calls them. KeyError for an unknown frame, ValueError for an unknown function, one that
+is asked for twice, none, an unknown abi and a prefix that is no C identifier.
 
 >>> source = axode.codegen.c_source(arm, ["inverse_dynamics", ("jacobian", "flange", "hybrid")], prefix="arm")
 >>> [cost.name for cost in source.functions]

@@ -515,6 +515,14 @@ TEST(Codegen, WritesFloatsAndTheBaseThatIsAskedFor) {
   EXPECT_THAT(outcome.out, HasSubstr("void humanoid_mass_matrix(\n    const float *"));
 }
 
+TEST(Codegen, WritesKernelsForAGpu) {
+  const Outcome outcome = axode({"codegen", robot("arm7.toml"), "--abi", "cuda", "--float"});
+  EXPECT_EQ(outcome.code, 0);
+  EXPECT_THAT(outcome.out,
+              HasSubstr("__global__ __launch_bounds__(128) void arm7_inverse_dynamics_states(\n    "
+                        "const float *"));
+}
+
 // ----------------------------------------------------------------------------------------------------- demo
 
 TEST(Demo, RunsBothRobotsEveryWayInUnderTwentySeconds) {

@@ -192,6 +192,11 @@ INSTANTIATE_TEST_SUITE_P(
          "axode codegen: --name: \"arm-7\" is no C identifier: letters, digits and underscores, no digit "
          "first "
          "(see axode codegen --help)"},
+        {"UnknownAbi",
+         {"codegen", arm, "--abi", "cud"},
+         2,
+         "axode codegen: --abi: \"cud\" is none of plain, cuda; did you mean \"cuda\"? (see axode codegen "
+         "--help)"},
         {"OutputThatCannotBeWritten",
          {"codegen", arm, "--output", "/nowhere/arm7.c"},
          1,

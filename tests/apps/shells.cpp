@@ -129,6 +129,7 @@ TEST_F(Completion, InBashHasTheWordsThatOptionsTake) {
   EXPECT_THAT(bash({"eval", "--representation", ""}), ElementsAre("body", "spatial", "hybrid", "mixed"));
   EXPECT_THAT(bash({"eval", "--want", "poses,elastic"}), ElementsAre("poses,elastic_energy"));
   EXPECT_THAT(bash({"codegen", "--functions", "jac"}), ElementsAre("jacobian"));
+  EXPECT_THAT(bash({"codegen", "--abi", "cu"}), ElementsAre("cuda"));
   EXPECT_THAT(bash({"completion", ""}), ElementsAre("bash", "zsh", "fish"));
   EXPECT_THAT(bash({"info", "ar"}), ElementsAre("arm.toml"));
   EXPECT_THAT(bash({"eval", "--state", "ar"}), ElementsAre("arm.toml"));

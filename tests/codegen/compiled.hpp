@@ -12,10 +12,13 @@ namespace axode::test {
 /// C source, compiled by the compiler of these tests into a library that is loaded.
 class Compiled {
  public:
-  explicit Compiled(const std::string& source) {
+  explicit Compiled(const std::string& source,
+                    const std::vector<std::string>& language = {"-x", "c", "-std=c99"}) {
     const std::string file = folder_.write("generated.c", source), library = folder_.file("generated.so");
-    const Outcome outcome =
-        run({AXODE_COMPILER, "-x", "c", "-std=c99", "-O0", "-fPIC", "-shared", file, "-o", library});
+    std::vector<std::string> words{AXODE_COMPILER, "-O0", "-fPIC", "-shared"};
+    words.insert(words.end(), language.begin(), language.end());
+    words.insert(words.end(), {file, "-o", library});
+    const Outcome outcome = run(words);
     if (outcome.code != 0) throw std::runtime_error("the generated file does not compile: " + outcome.err);
     handle_ = dlopen(library.c_str(), RTLD_NOW | RTLD_LOCAL);
     if (handle_ == nullptr) throw std::runtime_error(dlerror());

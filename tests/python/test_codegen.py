@@ -103,6 +103,7 @@ WRONG = {
                                   r"functions\[0\], representation is 'world'; expected one of 'body'"),
     "a frame out of range": ([("jacobian", 99)], {}, r"functions\[0\], frame is 99; model"),
     "the same twice": (["mass_matrix", "mass_matrix"], {}, "arm7_mass_matrix is asked for twice"),
+    "an unknown abi": (["mass_matrix"], {"abi": "cud"}, "abi is 'cud'; expected one of 'plain', 'cuda'; did you mean"),
     "a prefix with a space": (["mass_matrix"], {"prefix": "my arm"}, 'the prefix "my arm" is no C identifier'),
 }
 
@@ -112,6 +113,13 @@ def test_a_wrong_request_is_refused(kind):
     functions, options, message = WRONG[kind]
     with pytest.raises(ValueError, match=message):
         axode.codegen.c_source(ARM, functions, **options)
+
+
+def test_kernels_for_a_gpu_cost_what_functions_do():
+    functions = ["inverse_dynamics", ("jacobian", "flange", "hybrid")]
+    source = axode.codegen.c_source(ARM, functions, abi="cuda")
+    assert source.functions == axode.codegen.c_source(ARM, functions).functions
+    assert all(f"void {cost.name}_states(" in source.text for cost in source.functions)
 
 
 def test_an_unknown_frame_is_a_key_error():

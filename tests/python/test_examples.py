@@ -35,7 +35,8 @@ def test_every_example_is_run_here():
         "01_drawing_to_dynamics.py", "02_representations.py", "03_batch_trajectory.py",
         "04_identification.py", "05_calibration.py", "06_elastic_drives.py", "07_simulation.py",
         "08_elastic_arm.py", "09_trajectory_optimization.py",
-        "10_casadi_collocation.py", "11_learning_with_torch.py", "12_gait_with_jax.py", "13_monte_carlo.py",  # in tests/bridges
+        "10_casadi_collocation.py", "11_learning_with_torch.py", "12_gait_with_jax.py", "13_monte_carlo.py",
+        "14_on_a_gpu.py",  # these in tests/bridges
     ]
 
 

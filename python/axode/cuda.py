@@ -1,0 +1,198 @@
+"""Functions of one mechanism on a GPU of NVIDIA, for many states: CUDA made for it, compiled by CuPy.
+
+    import axode.cuda
+    gpu = axode.cuda.kernels(arm, ["inverse_dynamics"])
+    tau = gpu.inverse_dynamics(q, v, a)  # arrays on the GPU, of CuPy or PyTorch
+
+Needs CuPy, pip install "axode[cuda]", and a GPU. `axode.codegen.c_source(m, functions, abi="cuda")` is the source, for which
+neither is needed.
+"""
+
+from __future__ import annotations
+
+import math
+import sys
+from collections.abc import Sequence
+from typing import Any, Literal, NamedTuple
+
+try:
+    import cupy  # type: ignore[import-not-found, import-untyped, unused-ignore]
+except ImportError as error:
+    raise ImportError('axode.cuda needs CuPy: pip install "axode[cuda]"') from error
+
+from ._axode import Model
+from .codegen import Function, c_source
+from .records import (
+    ForwardDynamicsDerivatives,
+    ForwardDynamicsHessian,
+    InverseDynamicsDerivatives,
+    InverseDynamicsHessian,
+    Representation,
+)
+
+__all__ = ["Kernels", "kernels"]
+
+BLOCK = 128  # threads: the launch bound of the generated kernels
+
+_INVERSE, _FORWARD = ("q", "v", "a"), ("q", "v", "tau")
+_ARGUMENTS: dict[str, tuple[str, ...]] = {
+    "inverse_dynamics": _INVERSE, "inverse_dynamics_derivatives": _INVERSE,
+    "inverse_dynamics_jvp": (*_INVERSE, "dq", "dv", "da"), "inverse_dynamics_vjp": (*_INVERSE, "w"),
+    "inverse_dynamics_hessian": (*_INVERSE, "w"),
+    "forward_dynamics": _FORWARD, "forward_dynamics_derivatives": _FORWARD,
+    "forward_dynamics_jvp": (*_FORWARD, "dq", "dv", "dtau"), "forward_dynamics_vjp": (*_FORWARD, "w"),
+    "forward_dynamics_hessian": (*_FORWARD, "w"),
+}
+# What the blocks of a result that lie one behind the other are put into.
+_BLOCKS: dict[str, Any] = {
+    "inverse_dynamics_derivatives": InverseDynamicsDerivatives, "inverse_dynamics_vjp": InverseDynamicsDerivatives,
+    "inverse_dynamics_hessian": InverseDynamicsHessian,
+    "forward_dynamics_derivatives": ForwardDynamicsDerivatives, "forward_dynamics_vjp": ForwardDynamicsDerivatives,
+    "forward_dynamics_hessian": ForwardDynamicsHessian,
+}
+
+
+class _Kernel(NamedTuple):
+    launch: Any
+    name: str
+    shape: tuple[int, ...]  # of the result of one state, as it is generated
+
+
+class Kernels:
+    """Functions of one mechanism, compiled for a GPU: what `kernels` makes. Threads may share it.
+
+    Each function that was asked for is a method of its name with the arguments of its namesake in axode, without loads and threads:
+    arrays on one GPU, of one state or of N, of CuPy, PyTorch or any library with DLPack, and of the scalar that was asked
+    for. Results have the shapes that axode gives, and are arrays of the first argument's library, or of CuPy where that has no
+    from_dlpack. States are read side by side, as
+    (nq, N): an array of shape (N, nq) is copied, unless it is the transpose of one in C order. Results are such transposes.
+
+    Nothing waits for the GPU. So numbers are not looked at: NaN makes NaN, quaternions are taken as they are, and where the mass
+    matrix may be singular forward dynamics and its namesakes are NaN, where `axode.forward_dynamics` decides.
+    TypeError for what is no array on a GPU and for another scalar, ValueError for wrong shapes.
+    """
+
+    def __init__(self, m: Model, functions: Sequence[Function], scalar: Literal["float64", "float32"]) -> None:
+        source = c_source(m, functions, "axode", scalar == "float32", "cuda")
+        module = cupy.RawModule(code=source.text)
+        self.model, self.scalar = m, scalar
+        self._kernels = {
+            _key(m, function): _Kernel(module.get_function(f"{cost.name}_states"), _word(function), _shape(m, function))
+            for function, cost in zip(functions, source.functions, strict=True)}
+
+    def __getattr__(self, name: str) -> Any:
+        if name in _ARGUMENTS or name in ("mass_matrix", "inverse_mass_matrix", "poses"):
+            return lambda *arrays: self._call((name,), arrays)
+        raise AttributeError(f"axode.cuda.Kernels has no {name!r}")
+
+    def jacobian(self, q: Any, frame: str | int, representation: Representation = "body") -> Any:
+        """As `axode.jacobian`."""
+        return self._call(_key(self.model, ("jacobian", frame, representation)), (q,))
+
+    def _call(self, key: tuple[Any, ...], arrays: tuple[Any, ...]) -> Any:
+        kernel = self._kernels.get(key)
+        if kernel is None:
+            raise ValueError(f"these kernels were made without {' '.join(map(str, key))}; name it in axode.cuda.kernels")
+        names = _ARGUMENTS.get(kernel.name, ("q",))
+        if len(arrays) != len(names):
+            raise TypeError(f"{kernel.name} takes {', '.join(names)}; {len(arrays)} arguments were given")
+        states = [self._states(name, x) for name, x in zip(names, arrays, strict=True)]
+        one, N, device = states[0].ndim == 1, states[0].shape[-1] if states[0].ndim == 2 else 1, states[0].device
+        for name, x in zip(names, states, strict=True):
+            if x.ndim != states[0].ndim or (not one and x.shape[-1] != N):
+                raise ValueError(f"{name} is of {_count(x)}; q is of {_count(states[0])}")
+            if x.device != device:
+                raise ValueError(f"{name} is on GPU {x.device.id}; q is on GPU {device.id}")
+        if N >= 2**31:
+            raise ValueError(f"{N} states are too many for one call; at most 2147483647 are possible")
+        with device:
+            out = cupy.empty((math.prod(kernel.shape), N), self.scalar)
+            if out.size > 0:
+                kernel.launch(((N + BLOCK - 1) // BLOCK,), (BLOCK,),
+                              (*(cupy.ascontiguousarray(x) for x in states), out, cupy.int32(N)))
+            parts = [cupy.moveaxis(x, -1, 0) for x in _formed(kernel.name, out.reshape(*kernel.shape, N))]
+        parts = [_returned(arrays[0], x[0] if one else x) for x in parts]
+        return _BLOCKS[kernel.name](*parts) if kernel.name in _BLOCKS else parts[0]
+
+    def _states(self, name: str, x: Any) -> Any:
+        """The array with the entries of a state first."""
+        if not hasattr(x, "__dlpack_device__") or x.__dlpack_device__()[0] not in (2, 13):  # CUDA, CUDA managed
+            kind = f"{type(x).__module__}.{type(x).__name__}"
+            raise TypeError(f"{name} is a {kind} and not on a GPU; move it there (cupy.asarray, tensor.cuda()), or call the "
+                            "function of this name in axode")
+        array = x if isinstance(x, cupy.ndarray) else cupy.from_dlpack(x)
+        if array.dtype != self.scalar:
+            raise TypeError(f"{name} is of {array.dtype}; these kernels are of {self.scalar}")
+        length = self.model.nq if name == "q" else self.model.nv
+        if array.ndim not in (1, 2) or array.shape[-1] != length:
+            raise ValueError(f"{name} has shape {tuple(array.shape)}; expected ({length},) or (N, {length})")
+        return array.T
+
+
+def kernels(m: Model, functions: Sequence[Function], scalar: Literal["float64", "float32"] = "float64") -> Kernels:
+    """Functions of m as kernels for a GPU, a thread for each state.
+
+    functions are those of `axode.codegen.c_source`. CuPy compiles when one is called first, in about a second for short functions and in
+    minutes for the derivatives of a humanoid, and keeps what it has compiled. Armature and gravity are part of them; loads, joint losses and
+    springs are not. ValueError for an unknown function, for dynamics of a mechanism with loops and for another scalar, KeyError for
+    an unknown frame.
+
+    >>> gpu = axode.cuda.kernels(arm, ["inverse_dynamics"])  # doctest: +SKIP
+    >>> q, v, a = cupy.zeros((3, 4096, 7))  # doctest: +SKIP
+    >>> gpu.inverse_dynamics(q, v, a).shape  # doctest: +SKIP
+    (4096, 7)
+    """
+    if scalar not in ("float64", "float32"):
+        raise ValueError(f"scalar is {scalar!r}; expected one of 'float64', 'float32'")
+    if "inverse_dynamics" in functions and m.loop_names:  # which counts loops in Python
+        raise ValueError(f"model {m.name!r} has closed loops, which inverse_dynamics on a GPU does not know")
+    return Kernels(m, functions, scalar)
+
+
+def _word(function: Function) -> str:
+    return function if isinstance(function, str) else function[0]
+
+
+def _key(m: Model, function: Function) -> tuple[Any, ...]:
+    """What tells a function from others."""
+    if isinstance(function, str):
+        return (function,)
+    frame = function[1] if isinstance(function[1], int) else m.frame_index(function[1])
+    return ("jacobian", m.frame_names[frame], function[2] if len(function) == 3 else "body")
+
+
+def _shape(m: Model, function: Function) -> tuple[int, ...]:
+    nv, word = m.nv, _word(function)
+    if word == "poses":
+        return (len(m.frame_names), 4, 3)
+    if word == "jacobian":
+        return (6, nv)
+    if word in ("mass_matrix", "inverse_mass_matrix"):
+        return (nv, nv)
+    if word.endswith("_hessian"):
+        return (4, nv, nv)
+    return {"derivatives": (3, nv, nv), "vjp": (3, nv)}.get(word.rpartition("_")[2], (nv,))
+
+
+def _formed(name: str, out: Any) -> Any:
+    """The parts of a result."""
+    if name in _BLOCKS:
+        return list(out)
+    if name != "poses":
+        return [out]
+    C = cupy.zeros((out.shape[0], 4, 4, out.shape[-1]), out.dtype)
+    C[:, :3] = out.swapaxes(1, 2)  # columns of R, r
+    C[:, 3, 3] = 1
+    return [C]
+
+
+def _returned(given: Any, result: Any) -> Any:
+    """For the library that the argument came from."""
+    if isinstance(given, cupy.ndarray):
+        return result
+    library = sys.modules[type(given).__module__.partition(".")[0]]
+    return library.from_dlpack(result) if hasattr(library, "from_dlpack") else result
+
+
+def _count(x: Any) -> str:
+    return "one state" if x.ndim == 1 else f"{x.shape[-1]} states"
