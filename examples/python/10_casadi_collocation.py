@@ -56,8 +56,11 @@ def least_forces(m: axode.Model, seconds: float, intervals: int, start: Array, g
     for bound in (lower, upper):
         bound[:, 0] = np.concatenate([start, np.zeros(m.nv)])
         bound[m.nq:, -1] = 0
+
+    def column(x: Array, y: Array) -> Array:
+        return np.concatenate([x[:m.nq].ravel("F"), x[m.nq:].ravel("F"), y.ravel("F")])
+
     driven = np.repeat((effort > 0)[:, None], intervals, axis=1).astype(float)
-    column = lambda x, y: np.concatenate([x[:m.nq].ravel("F"), x[m.nq:].ravel("F"), y.ravel("F")])  # noqa: E731
     solver = ca.nlpsol("solver", "ipopt", {"x": ca.veccat(q, v, u), "f": cost, "g": ca.vertcat(*equations)},
                        {"ipopt": {"print_level": 0, "sb": "yes"}, "print_time": False})
     ramp = np.linspace(start, guess, points).T

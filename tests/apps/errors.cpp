@@ -159,7 +159,7 @@ INSTANTIATE_TEST_SUITE_P(
          "inverse_dynamics_vjp, "
          "inverse_dynamics_hessian, forward_dynamics_derivatives, forward_dynamics_jvp, "
          "forward_dynamics_vjp, "
-         "forward_dynamics_hessian; did you mean "
+         "forward_dynamics_hessian, pose; did you mean "
          "\"mass_matrix\"? (see axode codegen --help)"},
         {"JacobianOfNothing",
          {"codegen", arm, "--functions", "jacobian"},
@@ -179,7 +179,8 @@ INSTANTIATE_TEST_SUITE_P(
         {"FrameOfAFunctionThatHasNone",
          {"codegen", arm, "--functions", "mass_matrix:flange"},
          2,
-         "axode codegen: --functions: \"mass_matrix:flange\": only jacobian is about a frame (see axode "
+         "axode codegen: --functions: \"mass_matrix:flange\": only jacobian and pose are about a frame (see "
+         "axode "
          "codegen "
          "--help)"},
         {"FunctionAskedForTwice",
