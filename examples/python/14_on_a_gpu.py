@@ -25,11 +25,12 @@ v = (width * rhythm * np.cos(t)).reshape(-1, 7)
 a = (-width * rhythm**2 * np.sin(t)).reshape(-1, 7)
 
 try:
+    import axode.cuda
     import cupy  # type: ignore[import-not-found, import-untyped, unused-ignore]
     where = f"on {cupy.cuda.runtime.getDeviceProperties(0)['name'].decode()}"
     gpu = axode.cuda.kernels(arm, ["inverse_dynamics"])
     tau = cupy.asnumpy(gpu.inverse_dynamics(cupy.asarray(q), cupy.asarray(v), cupy.asarray(a)))
-except Exception as error:  # no CuPy, no driver, no GPU
+except (ImportError, RuntimeError) as error:  # no CuPy, no driver, no GPU
     where = f"on the processor ({type(error).__name__}: no GPU that CuPy can use)"
     tau = axode.inverse_dynamics(arm, q, v, a)
 print(f"{len(q)} states {where}")
