@@ -103,7 +103,7 @@ WRONG = {
                                   r"functions\[0\], representation is 'world'; expected one of 'body'"),
     "a frame out of range": ([("jacobian", 99)], {}, r"functions\[0\], frame is 99; model"),
     "the same twice": (["mass_matrix", "mass_matrix"], {}, "arm7_mass_matrix is asked for twice"),
-    "an unknown abi": (["mass_matrix"], {"abi": "cud"}, "abi is 'cud'; expected one of 'plain', 'cuda'; did you mean"),
+    "an unknown abi": (["mass_matrix"], {"abi": "cud"}, "abi is 'cud'; expected one of 'plain', 'casadi', 'cuda'; did you mean"),
     "a prefix with a space": (["mass_matrix"], {"prefix": "my arm"}, 'the prefix "my arm" is no C identifier'),
 }
 
