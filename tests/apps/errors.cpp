@@ -40,7 +40,7 @@ INSTANTIATE_TEST_SUITE_P(
          {"evla", arm},
          2,
          "axode: there is no command \"evla\"; there are info, check, convert, eval, linearize, simulate, "
-         "view, "
+         "view, map, "
          "codegen, "
          "study, demo, completion, manual; "
          "did you "
@@ -139,7 +139,7 @@ INSTANTIATE_TEST_SUITE_P(
          "inverse_dynamics_vjp, "
          "inverse_dynamics_hessian, forward_dynamics_derivatives, forward_dynamics_jvp, "
          "forward_dynamics_vjp, "
-         "forward_dynamics_hessian; it is "
+         "forward_dynamics_hessian, pose; it is "
          "called \"mass_matrix\" here (see axode codegen --help)"},
         {"AnEmptyWord",
          {"codegen", arm, "--output", ""},
@@ -196,7 +196,8 @@ INSTANTIATE_TEST_SUITE_P(
         {"UnknownAbi",
          {"codegen", arm, "--abi", "cud"},
          2,
-         "axode codegen: --abi: \"cud\" is none of plain, cuda; did you mean \"cuda\"? (see axode codegen "
+         "axode codegen: --abi: \"cud\" is none of plain, casadi, cuda; did you mean \"cuda\"? (see axode "
+         "codegen "
          "--help)"},
         {"OutputThatCannotBeWritten",
          {"codegen", arm, "--output", "/nowhere/arm7.c"},

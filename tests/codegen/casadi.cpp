@@ -247,7 +247,7 @@ TEST(FunctionsForCasadi, RefuseWhatTheyCannotBe) {
             "digits");
   EXPECT_EQ(refusal(Quantity::mass_matrix, {.abi = casadi, .states = 0}), "states is 0; expected 1 or more");
   EXPECT_EQ(refusal(Quantity::mass_matrix, {.states = 2}),
-            "states is about functions for CasADi; plain ones are of one state");
+            "states is about functions for CasADi; others are of one state");
 }
 
 }  // namespace

@@ -94,7 +94,8 @@ template <class T> const catalog::Function<T>& row(const Function& function) {
 std::vector<Function> all_functions(const Model& model) {
   std::vector<Function> functions;
   for (std::size_t k = 0; k < codegen::quantities.size(); ++k)
-    functions.push_back({static_cast<Quantity>(k), model.n_frames() - 1, Representation::hybrid});
+    if (const auto quantity = static_cast<Quantity>(k); quantity != Quantity::pose)  // they have all poses
+      functions.push_back({quantity, model.n_frames() - 1, Representation::hybrid});
   return functions;
 }
 
