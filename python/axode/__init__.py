@@ -214,5 +214,5 @@ if not TYPE_CHECKING:  # to a type checker every name would be known
         message = f"module {__name__!r} has no attribute {name!r}"
         if (here := _name_here(name)) in __all__:
             raise AttributeError(f"{message}; it is called {here!r} here")
-        near = difflib.get_close_matches(name, __all__, n=1)
+        near = difflib.get_close_matches(name, [*__all__, *BRIDGES], n=1)
         raise AttributeError(message + (f"; did you mean {near[0]!r}?" if near else ""))
