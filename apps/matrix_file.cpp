@@ -35,8 +35,8 @@ void append_row(std::vector<std::string>& words, const Eigen::MatrixXd& matrix, 
 FileFormat file_format(const std::string& file, const char* option) {
   static constexpr std::array<std::pair<std::string_view, FileFormat>, 3> endings{
       {{".json", FileFormat::json}, {".csv", FileFormat::csv}, {".npz", FileFormat::npz}}};
-  return choose(std::string(option) + ": " + file + ": the ending", std::filesystem::path(file).extension().string(),
-                endings);
+  return choose(std::string(option) + ": " + file + ": the ending",
+                std::filesystem::path(file).extension().string(), endings);
 }
 
 std::string as_csv(const Eigen::MatrixXd& matrix, const std::vector<std::string>& rows,

@@ -13,8 +13,8 @@ namespace axode {
 /// How the base of a mechanism is held, whatever its file says.
 enum class Base {
   as_described,  ///< in a URDF the root link is fixed to the ground, in an SDF file one that no joint carries is free
-  fixed,         ///< a body that hangs on the ground by a free joint is fixed where it is drawn
-  free,          ///< the one body that is fixed to the ground is set free by the joint `free_base`, unless one is free
+  fixed,  ///< a body that hangs on the ground by a free joint is fixed where it is drawn
+  free,  ///< the one body that is fixed to the ground is set free by the joint `free_base`, unless one is free
 };
 
 /// Reads and builds the mechanism of a file: `.toml` is a drawing, `.urdf` a URDF, `.sdf` and `.world` SDFormat; of
@@ -36,7 +36,8 @@ std::vector<Fault> check(const std::filesystem::path& file, Base base = Base::as
 /// ModelError with every fault that the reader finds.
 Description read_drawing_text(std::string_view text, const std::string& file_name,
                               Strictness strictness = Strictness::lenient);
-/// A URDF may close loops by <loop_joint name type><link1 link xyz rpy/><link2 .../></loop_joint>, z being the axis.
+/// A URDF may close loops by elements `loop_joint` with name and type, which hold `link1` and `link2` with link, xyz and rpy; z is
+/// the axis.
 Description read_urdf_text(std::string_view text, const std::string& file_name,
                            Strictness strictness = Strictness::lenient);
 Description read_sdf_text(std::string_view text, const std::string& file_name,

@@ -100,9 +100,10 @@ Trajectory in_coordinates(const Model& model, Span q, Span v, double until, cons
 /// For schemes that know of no loops.
 void check_open(const Model& model, const char* scheme) {
   if (!model.loops().empty())
-    throw std::invalid_argument("model \"" + model.name() + "\" has loops, which " + scheme +
-                                " does not keep closed; dopri5, rk4 and generalized_alpha do, and in absolute "
-                                "coordinates rattle");
+    throw std::invalid_argument(
+        "model \"" + model.name() + "\" has loops, which " + scheme +
+        " does not keep closed; dopri5, rk4 and generalized_alpha do, and in absolute "
+        "coordinates rattle");
 }
 
 /// For schemes on multipliers of places.
