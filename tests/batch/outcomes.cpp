@@ -109,10 +109,12 @@ TEST_P(Batches, TheFirstResultsAreThereAndTheMonitorIsAskedNoMore) {
         const std::size_t done = function.call(model, q, q, out, threads, stop);
         if (asked == 0) {
           EXPECT_EQ(done, N);
+        }
+        if (done == N) {  // or when all of it was done already
+          asked = 0;
           continue;
         }
         EXPECT_EQ(asked, 1);
-        EXPECT_LT(done, N);
         EXPECT_GT(done, 0u);
         const std::size_t some = std::min<std::size_t>(done, 5000);  // the last ones of those that are done
         const std::span<const double> q_last = std::span(q).subspan((done - some) * nq, some * nq);
