@@ -48,7 +48,7 @@ NIGHTLY = {
                    environment={"AXODE_RANDOM_TREES": "100000"}),
 }
 FUZZ_SECONDS = 600
-LARGE_BRIDGES = {"torch"}  # which install several GB
+NIGHTLY_BRIDGES = {"distributed", "torch"}  # which start clusters and kill their workers, and install several GB
 
 
 def run(*command, environment=None):
@@ -268,13 +268,13 @@ def main():
     if arguments.bridges:
         pass
     elif arguments.nightly:
-        bridges &= LARGE_BRIDGES
+        bridges &= NIGHTLY_BRIDGES
         runs["fuzz"] = lambda: fuzz(jobs, costs)
         runs["docs"] = lambda: build_site(jobs, costs)
         runs["bench"] = lambda: measure_speed(jobs, costs)
     else:
         runs["python"] = lambda: test_python(jobs, costs)  # with the libraries of release
-        bridges -= LARGE_BRIDGES
+        bridges -= NIGHTLY_BRIDGES
     for name in sorted(bridges):
         runs[f"bridge {name}"] = lambda name=name: test_bridge(name, jobs, costs)
 
