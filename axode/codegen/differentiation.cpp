@@ -91,8 +91,12 @@ std::size_t Composition::node(std::size_t argument, std::size_t entry) const {
 }
 
 Numbers Composition::along(const Numbers& x, std::span<const Numbers> direction) const {
-  Recording made{.nodes = tape_.nodes(), .results = x};
-  const std::vector<char> need = needed(made);
+  const Recording made{.nodes = tape_.nodes(), .results = x};
+  return along(made, needed(made), direction);
+}
+
+Numbers Composition::along(const Recording& made, const std::vector<char>& need,
+                           std::span<const Numbers> direction) const {
   Numbers d(need.size());
   for (std::size_t i = 0; i < direction.size(); ++i)
     for (std::size_t k = 0; k < direction[i].size(); ++k) d[node(i, k)] = direction[i][k];
@@ -105,7 +109,7 @@ Numbers Composition::along(const Numbers& x, std::span<const Numbers> direction)
     d[k] = by_a * da + by_b * db;
   }
   Numbers change;
-  for (const Trace& result : x) change.push_back(result.factor() * d[index(result.node())]);
+  for (const Trace& result : made.results) change.push_back(result.factor() * d[index(result.node())]);
   return change;
 }
 
@@ -126,13 +130,15 @@ Numbers Composition::gradient(const Numbers& x, const Numbers& w, std::size_t ar
 }
 
 Numbers Composition::jacobian(const Numbers& x, std::size_t arguments) const {
+  const Recording made{.nodes = tape_.nodes(), .results = x};  // as it is now: each column adds to the tape
+  const std::vector<char> need = needed(made);
   std::vector<Numbers> direction;
   for (std::size_t i = 0; i < arguments; ++i) direction.emplace_back(inputs_[i].size());
   Numbers columns;
   for (Numbers& part : direction)
     for (Trace& entry : part) {
       entry = 1;
-      const Numbers column = along(x, direction);
+      const Numbers column = along(made, need, direction);
       columns.insert(columns.end(), column.begin(), column.end());
       entry = 0;
     }

@@ -34,6 +34,9 @@ class Composition {
   Recording with(const std::string& result, Numbers results);
 
  private:
+  /// The same of the results of what was made so far, of which some nodes are needed.
+  Numbers along(const Recording& made, const std::vector<char>& need,
+                std::span<const Numbers> direction) const;
   /// The node of an entry of an argument.
   std::size_t node(std::size_t argument, std::size_t entry) const;
 
