@@ -1,6 +1,7 @@
 #include "axode/codegen/casadi_source.hpp"
 
 #include <algorithm>
+#include <limits>
 #include <map>
 #include <stdexcept>
 
@@ -282,6 +283,22 @@ void check(std::span<const Function> functions, const std::string& prefix, const
     }
 }
 
+/// Places in matrices of all states are an int.
+void check_size(const CasadiFamily& family, int states) {
+  const std::size_t most = std::numeric_limits<int>::max() / static_cast<std::size_t>(states);
+  const auto check = [&](const std::string& function, const auto& port) {
+    const Pattern& pattern = port.pattern;
+    const int longer = std::max(pattern.rows, pattern.columns);
+    if (std::max(pattern.entries.size(), static_cast<std::size_t>(longer)) > most)
+      throw std::invalid_argument("states is " + std::to_string(states) + "; " + port.name + " of " +
+                                  function + " has more than 2147483647 entries of so many");
+  };
+  for (const CasadiFunction& function : family.functions) {
+    for (const CasadiInput& in : function.inputs) check(function.name, in);
+    for (const CasadiOutput& out : function.outputs) check(function.name, out);
+  }
+}
+
 }  // namespace
 
 Source casadi_source(const Model& model, std::span<const Function> functions, const std::string& prefix,
@@ -294,6 +311,7 @@ Source casadi_source(const Model& model, std::span<const Function> functions, co
   std::string declared;
   for (std::size_t k = 0; k < functions.size(); ++k) {
     const CasadiFamily family = casadi_family(model, functions[k], names[k], frames);
+    check_size(family, options.states);
     const std::size_t first = source.functions.size();
     file.add(family, source);
     for (std::size_t i = 0; i < family.functions.size(); ++i) {

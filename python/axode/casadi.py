@@ -15,6 +15,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any, Literal, TypeAlias
 
+import numpy as np
+
 try:
     import casadi  # type: ignore[import-not-found, import-untyped, unused-ignore]
 except ImportError as error:
@@ -68,10 +70,14 @@ def function(m: Model, quantity: Function, states: int = 1, *, flags: Sequence[s
     >>> axode.casadi.function(arm, ("pose", "flange"), 5, flags=["-O1"])(np.zeros((7, 5))).shape
     (4, 20)
     """
+    if not isinstance(states, (int, np.integer)):
+        raise TypeError(f"states is {states!r}; expected a whole number")
+    if not 1 <= states < 2**31:
+        raise ValueError(f"states is {states}; expected 1 to 2147483647")
     if quantity == "coordinate_rates":
         rates = _coordinate_rates(m)
-        return rates if states == 1 else rates.map(states)
-    library = casadi_library(m, quantity, states, flags=flags)
+        return rates if states == 1 else rates.map(int(states))
+    library = casadi_library(m, quantity, int(states), flags=flags)
     _loaded[library.file] = library
     # Of several directions, and always of several states, CasADi shall take the Jacobian: it costs as much as three to six. And
     # never for gradients, as the adjoints are what has second derivatives.

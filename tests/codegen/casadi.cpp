@@ -246,6 +246,10 @@ TEST(FunctionsForCasadi, RefuseWhatTheyCannotBe) {
             "the prefix \"a__b\" is no name in CasADi: underscores are single there, and between letters or "
             "digits");
   EXPECT_EQ(refusal(Quantity::mass_matrix, {.abi = casadi, .states = 0}), "states is 0; expected 1 or more");
+  const std::string too_many = refusal(Quantity::mass_matrix, {.abi = casadi, .states = 2'000'000'000});
+  EXPECT_TRUE(too_many.starts_with("states is 2000000000; ") &&
+              too_many.ends_with(" has more than 2147483647 entries of so many"))
+      << too_many;
   EXPECT_EQ(refusal(Quantity::mass_matrix, {.states = 2}),
             "states is about functions for CasADi; others are of one state");
 }

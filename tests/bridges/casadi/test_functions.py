@@ -240,6 +240,14 @@ def test_of_many_states_it_is_the_function_of_each_with_derivatives_on_the_diago
         assert_near(four.call(together[:n])[0].full(), np.hstack([one.call(x[:n])[0].full() for x in states]), 1e-15)
 
 
+@pytest.mark.parametrize("quantity", ["mass_matrix", "coordinate_rates"])
+def test_numbers_of_states_that_there_are_not_are_refused(quantity):
+    m = MODELS["walker"]
+    for states, wrong in ((0, ValueError), (-3, ValueError), (2**31, ValueError), (1.5, TypeError), ("a", TypeError)):
+        with pytest.raises(wrong, match=f"states is {states!r}; expected"):
+            axode.casadi.function(m, quantity, states)
+
+
 def test_the_hessian_of_many_states_is_exact():
     m = MODELS["machine"]
     F = axode.casadi.function(m, "forward_dynamics", 2, flags=QUICK)
