@@ -165,14 +165,14 @@ class StatesOf {
   StatesOf(const Call& call, const Operand& q)
       : model_(mechanisms().at(call.text("model"))), count_(q.states) {
     threads_ = static_cast<int>(call.number<std::int64_t>("threads", xla::Type::int64));
-    size_is(q, model_.nq());
+    size_is(q, static_cast<std::size_t>(model_.nq()));
   }
   const Model& model() const { return model_; }
   std::size_t count() const { return count_; }
   int threads() const { return threads_; }
 
-  void size_is(const Operand& operand, int item) const {
-    if (operand.states != count_ || operand.item != static_cast<std::size_t>(item))
+  void size_is(const Operand& operand, std::size_t item) const {
+    if (operand.states != count_ || operand.item != item)
       throw std::invalid_argument("an array has " + std::to_string(operand.states) + " times " +
                                   std::to_string(operand.item) + " numbers; expected " +
                                   std::to_string(count_) + " times " + std::to_string(item));
@@ -270,13 +270,13 @@ void state_function(const Call& call) {
   const Operand of_q = call.argument(0, 1), result = call.result(0, item_axes);
   StatesOf states(call, of_q);
   const Model& model = states.model();
-  states.size_is(result, static_cast<int>(row->size(model, 0)));
+  states.size_is(result, row->size(model, 0));
 
   Inputs inputs;
   for (const catalog::Input input : catalog::inputs_of_numbers)
     if (row->takes_input(input)) {
       const Operand operand = call.argument(inputs.size(), 1);
-      if (input != catalog::Input::q) states.size_is(operand, model.nv());
+      if (input != catalog::Input::q) states.size_is(operand, static_cast<std::size_t>(model.nv()));
       inputs.emplace_back(input, operand);
     }
   states.normalize(inputs.front().second, tolerance_of(of_q));
@@ -285,7 +285,7 @@ void state_function(const Call& call) {
   const Answer answer(result);
   if (call.number<bool>("parameters", xla::Type::boolean)) {
     const Operand operand = call.argument(inputs.size(), 1);
-    states.size_is(operand, 10 * model.n_bodies());
+    states.size_is(operand, 10 * static_cast<std::size_t>(model.n_bodies()));
     each_run(Doubles(operand).all(), states.count(),
              [&](auto parameters, std::size_t first, std::size_t count) {
                evaluate(*row, with_parameters(model, parameters), inputs, states.count(), first, count,
@@ -304,9 +304,9 @@ void motion(const Call& call) {
   const Operand of_q = call.argument(0, 1), of_tau = call.argument(2, 2);
   StatesOf states(call, of_q);
   const Model& m = states.model();
-  const std::size_t rows = static_cast<std::size_t>(of_tau.buffer.lengths[of_tau.buffer.rank - 2]);
-  const int K = static_cast<int>(rows), nv = m.nv();
-  const auto given = [&](std::size_t k, int axes, int size) {
+  const std::size_t K = static_cast<std::size_t>(of_tau.buffer.lengths[of_tau.buffer.rank - 2]),
+                    nv = static_cast<std::size_t>(m.nv());
+  const auto given = [&](std::size_t k, int axes, std::size_t size) {
     const Operand operand = call.argument(k, axes);
     states.size_is(operand, size);
     return Doubles(operand);

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import collections
+import functools
 import hashlib
 import weakref
 from typing import Any
@@ -43,7 +44,9 @@ class Mechanism:
         self.has_loops = m.n_loops > 0
         self.gravity, self.parameters = m.gravity, m.parameters.reshape(m.n_bodies, 10)
         self.still: Mechanism | None = None  # the same without gravity, where it was asked for
-        self._structure(_jax.structure(m))
+        self._tree = _jax.structure(m)
+        self._screw_body = np.array(self._tree["screw_body"], dtype=int)
+        self.n_screws = self._screw_body.size
         self._coordinates(m)
         _jax.add(key, m)
         weakref.finalize(self, _let_go, key)
@@ -57,18 +60,31 @@ class Mechanism:
     def __repr__(self) -> str:
         return f'"{self.name}"'
 
-    def _structure(self, found: dict[str, list[Any]]) -> None:
-        """Which screws move what: a row of 0 and 1 over the joint screws for each frame, and for each screw's body."""
-        body = np.array(found["screw_body"], dtype=int)
-        on_path = np.zeros((self.n_bodies + 1, body.size))
-        for i, parent in enumerate(found["parent"], start=1):
-            on_path[i] = on_path[parent] + (body == i)
-        self.moves_frame = on_path[np.array(found["frame_body"], dtype=int)]
-        self.moves_screw = on_path[body]
-        #: s = screw_rates @ v are the rates of the joint screws.
-        self.screw_rates = np.zeros((body.size, self.nv))
-        self.screw_rates[np.arange(body.size), np.array(found["screw_velocity"], dtype=int)] = found["screw_ratio"]
-        self.n_screws = body.size
+    # Which screws move what, a row of 0 and 1 over the joint screws for each frame, and for each screw's body. Only kinematics ask.
+
+    @functools.cached_property
+    def _moves_body(self) -> NDArray[np.float64]:
+        on_path = np.zeros((self.n_bodies + 1, self.n_screws))
+        for i, parent in enumerate(self._tree["parent"], start=1):
+            on_path[i] = on_path[parent] + (self._screw_body == i)
+        return on_path
+
+    @functools.cached_property
+    def moves_frame(self) -> NDArray[np.float64]:
+        rows: NDArray[np.float64] = self._moves_body[np.array(self._tree["frame_body"], dtype=int)]
+        return rows
+
+    @functools.cached_property
+    def moves_screw(self) -> NDArray[np.float64]:
+        rows: NDArray[np.float64] = self._moves_body[self._screw_body]
+        return rows
+
+    @functools.cached_property
+    def screw_rates(self) -> NDArray[np.float64]:
+        """s = screw_rates @ v are the rates of the joint screws."""
+        rates = np.zeros((self.n_screws, self.nv))
+        rates[np.arange(self.n_screws), np.array(self._tree["screw_velocity"], dtype=int)] = self._tree["screw_ratio"]
+        return rates
 
     def _coordinates(self, m: Model) -> None:
         """Where the numbers of joints are, by what their rates are to velocities."""

@@ -252,3 +252,15 @@ def test_the_declarations_are_those_of_jaxlib(tmp_path):
     done = subprocess.run(["c++", "-std=c++20", "-fsyntax-only", "-Wno-invalid-offsetof", f"-I{SOURCE / 'python/bindings'}",
                            f"-I{jax.ffi.include_dir()}", tmp_path / "beside.cpp"], capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
+
+
+def test_dynamics_of_long_chains_take_no_matrix_of_their_bodies():
+    chain = axode.Builder("chain")
+    for k in range(3000):
+        joint = {"kind": "revolute", "axis": "xyz"[k % 3], "point": [0, 0, 0.001 * k]}
+        chain.body(f"b{k}", **({"on": f"b{k - 1}"} if k else {}), joint=joint, mass=1, com=[0, 0, 0.001 * k], inertia=[0.1, 0.1, 0.1])
+    m = chain.build()
+    q = np.full(m.nq, 1e-3)
+    assert np.array_equal(axode.jax.inverse_dynamics(m, q, 0 * q, 0 * q), axode.inverse_dynamics(m, q, 0 * q, 0 * q))
+    jax.vjp(lambda q: axode.jax.inverse_dynamics(m, q, 0 * q, 0 * q), q)[1](q)
+    assert not {"moves_frame", "moves_screw", "screw_rates"} & set(vars(axode.jax.mechanism_of(m)))
