@@ -17,11 +17,6 @@ enum class Format { table, json };
 
 inline constexpr std::array<std::pair<std::string_view, Format>, 2> formats{
     {{"table", Format::table}, {"json", Format::json}}};
-inline constexpr std::array<std::pair<std::string_view, Representation>, 4> representations{
-    {{"body", Representation::body},
-     {"spatial", Representation::spatial},
-     {"hybrid", Representation::hybrid},
-     {"mixed", Representation::mixed}}};
 
 inline constexpr std::array<std::pair<std::string_view, CoriolisForm>, 4> coriolis_forms{
     {{"paper", CoriolisForm::paper},

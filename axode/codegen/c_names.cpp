@@ -41,15 +41,6 @@ bool is_identifier(std::string_view name) {
 std::string word_for(Quantity quantity) {
   return std::string(quantities[static_cast<std::size_t>(quantity)]);
 }
-const char* word_for(Representation representation) {
-  switch (representation) {
-    case Representation::body: return "body";
-    case Representation::spatial: return "spatial";
-    case Representation::hybrid: return "hybrid";
-    case Representation::mixed: break;
-  }
-  return "mixed";
-}
 
 std::string prefix_for(const Model& model, Abi abi) {
   const std::string prefix = identifier(model.name(), abi);
@@ -83,7 +74,7 @@ std::vector<std::string> function_names(const Model& model, std::span<const Func
     std::string name = prefix + '_' + word_for(function.quantity);
     if (is_of_a_frame(function.quantity)) name += '_' + frames[static_cast<std::size_t>(function.frame)];
     if (function.quantity == Quantity::jacobian && function.representation != Representation::body)
-      name += std::string("_") + word_for(function.representation);
+      name += '_' + std::string(word_for(function.representation));
     if (std::ranges::find(names, name) != names.end())
       throw std::invalid_argument(name + " is asked for twice");
     names.push_back(name);

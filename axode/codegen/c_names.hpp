@@ -9,7 +9,7 @@
 namespace axode::codegen {
 
 std::string word_for(Quantity quantity);
-const char* word_for(Representation representation);
+using axode::word_for;  // of a representation
 
 /// What names begin with if nothing else is asked for: the model's name as an identifier.
 std::string prefix_for(const Model& model, Abi abi);

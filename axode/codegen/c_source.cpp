@@ -78,7 +78,7 @@ std::string purpose(const Model& model, const Function& function) {
     case Quantity::jacobian: break;
   }
   return "The Jacobian J of frame \"" + in_comment(model.frame(function.frame).name) + "\" in " +
-         word_for(function.representation) + " representation, 6 x " + nv +
+         std::string(word_for(function.representation)) + " representation, 6 x " + nv +
          ", row by row: the angular\n   velocity (rad/s) and then the linear velocity (m/s) for a unit of "
          "each "
          "velocity,\n   " +

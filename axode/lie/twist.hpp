@@ -1,5 +1,8 @@
 #pragma once
+#include <array>
 #include <concepts>
+#include <string_view>
+#include <utility>
 
 #include "axode/lie/se3.hpp"
 
@@ -23,6 +26,16 @@ concept TwistRepresentation = RecursionRepresentation<Rep> || std::same_as<Rep, 
 
 /// The same four as a value, for programs that learn the representation at run time.
 enum class Representation { body, spatial, hybrid, mixed };
+
+/// Their words, wherever people choose one.
+inline constexpr std::array<std::pair<std::string_view, Representation>, 4> representations{
+    {{"body", Representation::body},
+     {"spatial", Representation::spatial},
+     {"hybrid", Representation::hybrid},
+     {"mixed", Representation::mixed}}};
+constexpr std::string_view word_for(Representation representation) {
+  return representations[static_cast<std::size_t>(representation)].first;
+}
 
 /// f(Rep{}) for the type of a representation.
 template <class F> constexpr decltype(auto) with_representation(Representation representation, F&& f) {

@@ -53,16 +53,19 @@ template <class Value> struct Words;
 template <> struct Words<Representation> {
   static constexpr auto name = nb::detail::const_name("typing.Literal['body', 'spatial', 'hybrid', 'mixed']");
   static constexpr const char* argument = "representation";
-  static constexpr std::array<std::string_view, 4> words{"body", "spatial", "hybrid", "mixed"};
-  static Representation value(std::size_t k) { return static_cast<Representation>(k); }
+  static constexpr std::array words{representations[0].first, representations[1].first,
+                                    representations[2].first, representations[3].first};
+  static Representation value(std::size_t k) { return representations[k].second; }
 };
 template <> struct Words<Algorithm> {
   static constexpr auto name =
       nb::detail::const_name("typing.Literal['fast', 'body', 'spatial', 'hybrid', 'mixed']");
   static constexpr const char* argument = "representation";
-  static constexpr std::array<std::string_view, 5> words{"fast", "body", "spatial", "hybrid", "mixed"};
+  static constexpr std::array words{std::string_view("fast"), representations[0].first,
+                                    representations[1].first, representations[2].first,
+                                    representations[3].first};
   static Algorithm value(std::size_t k) {
-    return k == 0 ? Algorithm{} : Algorithm{static_cast<Representation>(k - 1)};
+    return k == 0 ? Algorithm{} : Algorithm{representations[k - 1].second};
   }
 };
 template <> struct Words<Base> {

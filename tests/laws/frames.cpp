@@ -17,8 +17,7 @@ struct Choice {
 template <class Frames> void add(std::vector<Choice>& choices, const char* frames) {
   for (const Representation representation : representations)
     with_representation(representation, [&](auto rep) {
-      choices.push_back(
-          {name(representation) + std::string("_") + frames, command::make_subject<decltype(rep), Frames>});
+      choices.push_back({name(representation) + "_" + frames, command::make_subject<decltype(rep), Frames>});
     });
 }
 const std::vector<Choice>& choices() {

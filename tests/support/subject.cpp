@@ -6,16 +6,6 @@
 
 namespace axode::test {
 
-const char* name(Representation representation) {
-  switch (representation) {
-    case Representation::body: return "body";
-    case Representation::spatial: return "spatial";
-    case Representation::hybrid: return "hybrid";
-    case Representation::mixed: break;
-  }
-  return "mixed";
-}
-
 namespace {
 
 std::vector<Case> make_cases(bool with_fast) {

@@ -20,7 +20,7 @@ inline constexpr std::array representations{Representation::body, Representation
                                             Representation::hybrid, Representation::mixed};
 
 /// body, spatial, hybrid or mixed.
-const char* name(Representation representation);
+inline std::string name(Representation representation) { return std::string(word_for(representation)); }
 
 /// What two computations of one quantity may differ by, as a part of the largest entry.
 template <class T> inline constexpr double agreement = std::same_as<T, double> ? 1e-11 : 1e-3;
