@@ -1,12 +1,14 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <Eigen/QR>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <memory>
 #include <numbers>
 
+#include "axode/constraints.hpp"
 #include "axode/derivatives.hpp"
 #include "axode/dynamics/forward_dynamics.hpp"
 #include "axode/dynamics/inverse_dynamics.hpp"
@@ -46,14 +48,15 @@ grow, and the displacements in each, the largest of them 1.
 
 STATE is the JSON object of `axode eval` with the keys q, v, tau and loads; what is left out is neutral, at rest or 0.
 --equilibrium goes from q to a configuration near it that rests under tau and the loads, stable or not; --hold makes tau
-what holds q at rest.
+what holds q at rest, of joints that are not passive where there are loops. With loops x is about velocities that
+are independent, of which the names are told.
 
 Example:
   echo '{"q": {"pin": 3}}' |
     axode linearize double_pendulum.toml --state - --equilibrium --output AB.npz --output AB.csv --plot poles.svg
 
-The ending of FILE says what is written by --output: .json all that is known; .csv the matrix [A B] with 2nv rows and 3nv columns and
-their names; .npz A and B: A = numpy.load("AB.npz")["A"]. --plot draws the poles, which are the
+The ending of FILE says what is written by --output: .json all that is known; .csv the matrix [A B] with 2nv rows and 3nv columns (fewer
+with loops) and their names; .npz A and B: A = numpy.load("AB.npz")["A"]. --plot draws the poles, which are the
 eigenvalues of A, and the natural frequencies.)";
 
 constexpr Index most_columns = 8;        ///< of a matrix that is printed
@@ -65,12 +68,34 @@ struct Linearized {
   Model model;
   State state;
   bool joint_losses;
+  std::vector<std::string> velocities;  ///< that A is about: all, or with loops those that are independent
   RowMajor A, B;
   Modes modes;
 };
 
 bool is_zero(const std::vector<double>& x) {
   return std::ranges::all_of(x, [](double x_k) { return x_k == 0; });
+}
+
+bool has_loops(const Model& model) { return !model.loops().all.empty(); }
+
+/// Drive forces that hold a mechanism with loops, the least where there are more drives than it needs.
+std::vector<double> holding_forces(const Model& model, const State& state, const Eigen::VectorXd& springs) {
+  const IndependentEquations at = independent_equations(model, state.q, state.v, {}, {state.loads});
+  std::vector<int> drives;
+  for (const Joint& joint : model.joints())
+    for (int k = 0; k < joint.nv && !joint.passive; ++k) drives.push_back(joint.iv + k);
+  const Eigen::VectorXd needed = at.h - at.N.transpose() * springs;
+  const Eigen::MatrixXd reach = Eigen::MatrixXd(at.N(drives, Eigen::all)).transpose();
+  const Eigen::VectorXd least = reach.completeOrthogonalDecomposition().solve(needed);
+  if (const double missing = (reach * least - needed).norm(); missing > 1e-9 * needed.norm())
+    throw InputError(
+        fmt::format("the joints that are not passive cannot hold q: {} of the forces are missing",
+                    significant(missing / needed.norm(), 3)));
+  std::vector<double> tau(state.v.size());
+  for (std::size_t k = 0; k < drives.size(); ++k)
+    tau[static_cast<std::size_t>(drives[k])] = least[static_cast<Index>(k)];
+  return tau;
 }
 
 /// The state that is asked for.
@@ -83,10 +108,14 @@ State found_state(const Model& model, const Options& options) {
   if (options.hold) {
     if (!is_zero(state.tau)) throw InputError("tau is not 0; --hold finds it");
     Workspace<> workspace(model);
-    inverse_dynamics(model, workspace, state.q, state.v, state.v, state.tau, {state.loads});
-    std::vector<double> springs(state.v.size());
-    spring_forces(model, workspace, state.q, state.v, springs);
-    for (std::size_t c = 0; c < springs.size(); ++c) state.tau[c] -= springs[c];
+    Eigen::VectorXd springs(model.nv());
+    spring_forces(model, workspace, state.q, state.v, as_span(springs));
+    if (has_loops(model)) {
+      state.tau = holding_forces(model, state, springs);
+    } else {
+      inverse_dynamics(model, workspace, state.q, state.v, state.v, state.tau, {state.loads});
+      as_eigen(std::span(state.tau)) -= springs;
+    }
   }
   if (options.equilibrium) {
     EquilibriumResult found = equilibrium(model, state.q, state.tau, {state.loads});
@@ -107,6 +136,7 @@ Linearized linearized(const Options& options) {
   Linearized at{model,
                 found_state(model, options),
                 options.joint_losses,
+                velocity_names(model),
                 RowMajor(2 * nv, 2 * nv),
                 RowMajor(2 * nv, nv),
                 {}};
@@ -118,8 +148,19 @@ Linearized linearized(const Options& options) {
   };
   std::vector<double> forces = state.tau;
   add_spring_forces(model, workspace, state.q, state.v, forces);
-  require(forward_dynamics(model, workspace, state.q, state.v, forces, state.a, loads));
-  require(linearize(model, workspace, state.q, state.v, state.tau, {as_span(at.A), as_span(at.B)}, loads));
+  if (has_loops(model)) {
+    const IndependentLinearization linear =
+        independent_linearization(model, state.q, state.v, state.tau, {}, loads);
+    require(linear.solvability);
+    LoopWorkspace<> loops(model);
+    require(forward_dynamics<double>(model, loops, state.q, state.v, forces, state.a, {}, loads));
+    std::vector<std::string> chosen;
+    for (const int c : linear.velocities) chosen.push_back(at.velocities[static_cast<std::size_t>(c)]);
+    at.velocities = chosen, at.A = linear.A, at.B = linear.B;
+  } else {
+    require(forward_dynamics(model, workspace, state.q, state.v, forces, state.a, loads));
+    require(linearize(model, workspace, state.q, state.v, state.tau, {as_span(at.A), as_span(at.B)}, loads));
+  }
   if (!at.A.allFinite() || !at.B.allFinite()) require({.not_finite = true});
   at.modes = modes(at.A);
   return at;
@@ -133,11 +174,11 @@ struct Named {
 Named named(const Linearized& at) {
   Named AB{Eigen::MatrixXd(at.A.rows(), at.A.cols() + at.B.cols()), {}, {}};
   AB.matrix << at.A, at.B;
-  const std::vector<std::string> names = velocity_names(at.model);
-  for (const char* const what : {"delta ", "dv ", "dtau "})
-    for (const std::string& name : names) AB.columns.push_back(what + name);
+  for (const char* const what : {"delta ", "dv "})
+    for (const std::string& name : at.velocities) AB.columns.push_back(what + name);
+  for (const std::string& name : velocity_names(at.model)) AB.columns.push_back("dtau " + name);
   for (const char* const what : {"delta' ", "dv' "})
-    for (const std::string& name : names) AB.rows.push_back(what + name);
+    for (const std::string& name : at.velocities) AB.rows.push_back(what + name);
   return AB;
 }
 
@@ -175,21 +216,23 @@ Json as_json(const Mode& mode) {
 Json as_json(const Linearized& at) {
   Json all = Json::array();
   for (const Mode& mode : at.modes.all) all.push_back(as_json(mode));
-  return {{"model", at.model.name()},
-          {"nq", at.model.nq()},
-          {"nv", at.model.nv()},
-          {"velocities", velocity_names(at.model)},
-          {"gravity", to_json(at.model.gravity())},
-          {"joint_losses", at.joint_losses},
-          {"q", at.state.q},
-          {"v", at.state.v},
-          {"tau", at.state.tau},
-          {"a", at.state.a},
-          {"A", rows(at.A)},
-          {"B", rows(at.B)},
-          {"stability", stability(at.modes)},
-          {"zero_eigenvalues", at.modes.zeros},
-          {"modes", all}};
+  Json out{{"model", at.model.name()},
+           {"nq", at.model.nq()},
+           {"nv", at.model.nv()},
+           {"velocities", velocity_names(at.model)},
+           {"gravity", to_json(at.model.gravity())},
+           {"joint_losses", at.joint_losses},
+           {"q", at.state.q},
+           {"v", at.state.v},
+           {"tau", at.state.tau},
+           {"a", at.state.a},
+           {"A", rows(at.A)},
+           {"B", rows(at.B)},
+           {"stability", stability(at.modes)},
+           {"zero_eigenvalues", at.modes.zeros},
+           {"modes", all}};
+  if (has_loops(at.model)) out["independent"] = at.velocities;
+  return out;
 }
 
 std::string heading(const char* name, const std::string& about) {
@@ -210,15 +253,15 @@ std::string table_of(const Named& AB, const std::vector<std::string>& headings, 
 }
 
 std::string matrix_tables(const Linearized& at) {
-  const Index nv = at.model.nv();
+  const Index rows = at.A.rows(), k = rows / 2, nv = at.model.nv();
   if (nv > most_columns)
-    return fmt::format("\nA is {} x {} and B is {} x {}; --output writes them to a file\n", 2 * nv, 2 * nv,
-                       2 * nv, nv);
+    return fmt::format("\nA is {} x {} and B is {} x {}; --output writes them to a file\n", rows, rows, rows,
+                       nv);
   const Named AB = named(at);
-  const std::vector<std::string> names = velocity_names(at.model);
-  return heading("A, columns of delta", "what displacements do; per s, per s^2") + table_of(AB, names, 0) +
-         heading("A, columns of dv", "what velocities do; 1, per s") + table_of(AB, names, nv) +
-         heading("B", "what drive forces do; per kg m^2, kg m, kg") + table_of(AB, names, 2 * nv);
+  return heading("A, columns of delta", "what displacements do; per s, per s^2") +
+         table_of(AB, at.velocities, 0) + heading("A, columns of dv", "what velocities do; 1, per s") +
+         table_of(AB, at.velocities, k) + heading("B", "what drive forces do; per kg m^2, kg m, kg") +
+         table_of(AB, velocity_names(at.model), rows);
 }
 
 /// The largest displacements of a mode; those out of phase with the largest one with their angle.
@@ -241,7 +284,6 @@ std::string shape_text(const Mode& mode, const std::vector<std::string>& names) 
 }
 
 std::string mode_table(const Linearized& at) {
-  const std::vector<std::string> names = velocity_names(at.model);
   Table table({"#", "mode", "Hz", "rad/s", "damping ratio", "time constant", "shape"});
   for (std::size_t k = 0; k < at.modes.all.size(); ++k) {
     const Mode& mode = at.modes.all[k];
@@ -256,7 +298,7 @@ std::string mode_table(const Linearized& at) {
     } else {
       row.insert(row.end(), {grows ? "grows" : "dies out", "", "", "", mode.time_constant()});
     }
-    row.emplace_back(shape_text(mode, names));
+    row.emplace_back(shape_text(mode, at.velocities));
     table.row(std::move(row));
   }
   return table.text();

@@ -9,7 +9,7 @@ namespace axode::command {
 /// imaginary part; 0 of a rigid mode, a displacement that no force opposes.
 struct Mode {
   std::complex<double> eigenvalue;  ///< λ, 1/s; parts that rounding may have made are 0
-  Eigen::VectorXcd shape;           ///< of the displacements, nv numbers of which the largest is 1
+  Eigen::VectorXcd shape;           ///< of the displacements, nv or k numbers of which the largest is 1
 
   bool rigid() const { return eigenvalue == 0.0; }
   bool oscillates() const { return eigenvalue.imag() > 0; }

@@ -2,9 +2,12 @@
 #include "axode/constraints/assembly.hpp"
 #include "axode/constraints/constrained_derivatives.hpp"
 #include "axode/constraints/constrained_dynamics.hpp"
+#include "axode/constraints/equilibrium.hpp"
 #include "axode/constraints/independent_equations.hpp"
+#include "axode/constraints/independent_linearization.hpp"
 #include "axode/constraints/joint_state.hpp"
 #include "axode/constraints/loops.hpp"
 #include "axode/constraints/mobility.hpp"
 
-/// Closed loops: rows and residuals of loop joints, dynamics, assembly, mobility.
+/// Closed loops: rows and residuals of loop joints, dynamics, assembly, mobility, small motions; equilibria, of trees
+/// as well.

@@ -1,5 +1,4 @@
 #pragma once
-#include "axode/derivatives/equilibrium.hpp"
 #include "axode/derivatives/forward_dynamics_derivatives.hpp"
 #include "axode/derivatives/geometry_derivatives.hpp"
 #include "axode/derivatives/hessian.hpp"

@@ -18,6 +18,11 @@ LoopSystem<T>& checked(const Model& model, LoopWorkspace<T>& workspace, Numbers<
   return checked(model, workspace, q);
 }
 
+/// A loop that is open by no more, rad and m, is closed where a motion begins.
+inline constexpr double closed_enough = 1e-6;
+/// Throws where q leaves a loop open or v tears one, by more than that: which one, by how much. The system is at q then.
+void check_closed(LoopSystem<double>& system, Numbers<double> q, Numbers<double> v);
+
 inline void check_rows(const char* name, std::size_t size, int wanted, const char* meaning) {
   check_size(name, size, static_cast<std::size_t>(wanted), meaning);
 }

@@ -5,6 +5,7 @@
 
 #include "axode/derivatives/forward_dynamics_derivatives.hpp"
 #include "axode/derivatives/spring_derivatives.hpp"
+#include "axode/derivatives/velocity_bracket.hpp"
 #include "axode/dynamics/springs.hpp"
 #include "axode/kinematics/check_arguments.hpp"
 #include "axode/model/check_no_loops.hpp"
@@ -12,23 +13,6 @@
 
 namespace axode {
 namespace {
-
-/// -ad_v of every joint, on the diagonal of rows of `width` numbers: column k of a joint is [S e_k, S v] in its own
-/// coordinates. The columns of S are unit vectors wherever the bracket is not 0.
-template <class T> void subtract_ad(const Tree<T>& tree, const T* v, std::ptrdiff_t width, T* rows) {
-  each_joint(tree, [&](const auto& joint, int i, bool coupled) {
-    if (coupled) return;
-    const std::ptrdiff_t first = tree->iv[i];
-    const Twist<BodyFixed, T> V = joint.twist(v + first);
-    for (int k = 0; k < joint.nv; ++k) {
-      const Screw<T> X = ad(joint.column(k), Screw<T>{V.w, V.v});
-      for (int l = 0; l < joint.nv; ++l) {
-        const Screw<T> S = joint.column(l);
-        rows[(first + l) * width + first + k] += dot(S.w, X.w) + dot(S.v, X.v);
-      }
-    }
-  });
-}
 
 /// out += x y of n × n matrices, of which y has many zeros.
 template <class T>
@@ -45,7 +29,7 @@ template <class T>
 Solvability linearize(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v, Numbers<T> tau,
                       const std::type_identity_t<Linearization<T>>& linear,
                       const std::type_identity_t<Loads<T>>& loads) {
-  check_no_loops(model, "linearize");
+  check_no_loops(model, "linearize", "independent_linearization does");
   const auto& [A, B] = linear;
   const std::size_t n = static_cast<std::size_t>(model.nv()), width = 2 * n;
   check_size("linear.A", A.size(), width * width, "2nv * 2nv");

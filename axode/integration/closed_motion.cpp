@@ -2,15 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <stdexcept>
-#include <string>
 
-#include "axode/constraints/loop_system.hpp"
+#include "axode/constraints/check_loops.hpp"
 
 namespace axode {
 namespace {
 
-constexpr double closed = 1e-13, startable = 1e-6;
+constexpr double closed = 1e-13;
 
 double norm(std::span<const double> x) {
   double sum = 0;
@@ -30,21 +28,7 @@ ClosedMotion::ClosedMotion(const Model& model)
 
 void ClosedMotion::check(Span q, Span v) {
   LoopSystem<double>& system = workspace_.system(model_);
-  const auto part = [&](int first, int count) {
-    return norm(Span(r_).subspan(static_cast<std::size_t>(first), static_cast<std::size_t>(count)));
-  };
-  system.place(q.data());
-  system.residual(q.data(), r_.data());
-  for (const Loop& loop : model_.loops().all)
-    if (const double open = part(loop.first_residual, loop.residuals()); !(open <= startable))
-      throw std::invalid_argument("q leaves loop \"" + loop.name + "\" open by " + to_text(open) +
-                                  " (rad and m); assemble() closes it");
-  system.make_rows(LoopSystem<double>::Rows::velocities);
-  system.times(v.data(), r_.data());
-  for (const Loop& loop : model_.loops().all)
-    if (const double slip = part(loop.first_row, loop.rows()); !(slip <= startable * (1 + norm(v))))
-      throw std::invalid_argument("v tears loop \"" + loop.name + "\" open at " + to_text(slip) +
-                                  " (rad/s and m/s); assemble() finds velocities that do not");
+  check_closed(system, q, v);
   static_cast<void>(system.hold(q.data()));
 }
 
@@ -80,7 +64,7 @@ bool ClosedMotion::close(std::vector<double>& q, std::vector<double>& v) {
     before = now;
   }
   const bool held = system.hold(q.data()).ok();
-  return before <= startable && held && system.collide(v.data(), 0, v.data(), lambda_.data()).ok();
+  return before <= closed_enough && held && system.collide(v.data(), 0, v.data(), lambda_.data()).ok();
 }
 
 }  // namespace axode

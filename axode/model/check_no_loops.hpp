@@ -6,12 +6,12 @@
 
 namespace axode {
 
-/// Throws std::invalid_argument where a model has loops, which a function that says how mechanisms move does not count.
-inline void check_no_loops(const Model& model, const std::string& function) {
+/// Throws std::invalid_argument where a model has loops, which a function that says how mechanisms move does not count; which others do.
+inline void check_no_loops(const Model& model, const std::string& function,
+                           const std::string& others = "forward_dynamics, inverse_dynamics and simulate do") {
   if (!model.loops().empty())
     throw std::invalid_argument(function + " does not count loops, and model \"" + model.name() + "\" has " +
-                                std::to_string(model.loops().all.size()) +
-                                "; forward_dynamics, inverse_dynamics and simulate do");
+                                std::to_string(model.loops().all.size()) + "; " + others);
 }
 
 }  // namespace axode

@@ -62,6 +62,7 @@ from ._axode import (
     impact,
     impulse_response,
     independent_equations,
+    independent_linearization,
     inverse_dynamics,
     inverse_dynamics_derivatives,
     inverse_dynamics_geometry_derivatives,
@@ -189,7 +190,8 @@ __all__ = [
     "jacobian_geometry_derivatives", "linearize", "equilibrium",
     # closed loops
     "loop_residual", "loop_jacobian", "loop_bias", "loop_residual_jacobian", "loop_hessian_product", "assemble",
-    "loop_mobility", "impact", "constraint_wrenches", "independent_equations", "loop_multipliers", "loop_multiplier_derivatives", "joint_state",
+    "loop_mobility", "impact", "constraint_wrenches", "independent_equations", "independent_linearization",
+    "loop_multipliers", "loop_multiplier_derivatives", "joint_state",
     # motion in time
     "simulate", "rollout", "rollout_derivatives", "rollout_jvp", "rollout_vjp", "reconstruct", "Trajectory",
     # in a browser

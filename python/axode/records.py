@@ -7,7 +7,7 @@ from typing import Literal, NamedTuple, TypedDict
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-__all__ = ["Equilibrium", "ForwardDynamicsDerivatives", "ForwardDynamicsHessian", "IndependentEquations", "InverseDynamicsDerivatives",
+__all__ = ["Equilibrium", "ForwardDynamicsDerivatives", "ForwardDynamicsHessian", "IndependentEquations", "IndependentLinearization", "InverseDynamicsDerivatives",
            "InverseDynamicsHessian", "InverseKinematics", "JointState", "Linearization", "Load", "LoopMobility", "RedundantRow",
            "MomentumFormDerivatives", "MotionChange", "MotionDerivatives", "RolloutDerivatives", "RolloutGradient",
            "StateDerivatives", "Target"]
@@ -104,6 +104,19 @@ class IndependentEquations(NamedTuple):
     h: NDArray[np.float64]
     N: NDArray[np.float64]
     c: NDArray[np.float64]
+
+
+class IndependentLinearization(NamedTuple):
+    """Small motions x' = A x + B dtau in independent velocities, x = (delta, dv): N delta and N dv + D delta of all joints.
+
+    `velocities` says which of the nv they are.
+    """
+
+    velocities: list[int]
+    A: NDArray[np.float64]
+    B: NDArray[np.float64]
+    N: NDArray[np.float64]
+    D: NDArray[np.float64]
 
 
 class JointState(NamedTuple):
@@ -211,7 +224,7 @@ class RolloutGradient(NamedTuple):
 class Equilibrium(NamedTuple):
     """The best configuration that `equilibrium` met, and the norm of the forces that are missing there (N m and N)."""
 
-    status: Literal["solved", "stalled", "iteration_limit"]
+    status: Literal["solved", "stalled", "iteration_limit", "open"]
     q: NDArray[np.float64]
     residual: float
     iterations: int

@@ -6,6 +6,7 @@
 #include "axode/constraints/constrained_derivatives.hpp"
 #include "axode/constraints/constrained_dynamics.hpp"
 #include "axode/constraints/independent_equations.hpp"
+#include "axode/constraints/independent_linearization.hpp"
 #include "axode/constraints/joint_state.hpp"
 #include "axode/constraints/mobility.hpp"
 #include "axode/lie/representation_change.hpp"
@@ -134,6 +135,23 @@ nb::object independent_equations_of(const BoundModel& m, ArrayLike q, ArrayLike 
   });
   return named_tuple("axode.records", "IndependentEquations", to_list(found.velocities), to_array(found.M),
                      to_array(found.h), to_array(found.N), to_array(found.c));
+}
+
+nb::object independent_linearization_of(const BoundModel& m, ArrayLike q, ArrayLike v, ArrayLike tau,
+                                        nb::handle independent, LoadList loads, bool joint_losses) {
+  const States states = one_state(m, q);
+  const Items of_v = states.velocities("v", v), of_tau = states.velocities("tau", tau);
+  const AppliedLoads applied(states, loads, joint_losses);
+  const std::vector<int> chosen = velocities(m, independent, "independent");
+  const IndependentLinearization found = applied.with(0, [&](const Loads<double>& now) {
+    return independent_linearization(m, states.q(0), of_v[0], of_tau[0], chosen, now);
+  });
+  const Shape square{static_cast<int>(found.A.rows()), static_cast<int>(found.A.rows())};
+  NewArray A = states.result(square);
+  as_eigen(item(A, 0, square)) = found.A.transpose().reshaped();  // row by row
+  states.refuse({found.solvability}, A);
+  return named_tuple("axode.records", "IndependentLinearization", to_list(found.velocities), A.array(),
+                     to_array(found.B), to_array(found.N), to_array(found.D));
 }
 
 Array impact_of(const BoundModel& m, ArrayLike q, ArrayLike v, double restitution, int threads) {
@@ -461,6 +479,26 @@ taken that determine the others best. ValueError where they do not determine the
 >>> crank = axode.independent_equations(fourbar, q, v, ["crank_joint"])
 >>> crank.M.shape, bool(np.allclose(crank.N @ v[:1], v))
 ((1, 1), True)
+)");
+  module.def(
+      "independent_linearization", &independent_linearization_of, "m"_a, "q"_a, "v"_a, "tau"_a,
+      "independent"_a = nb::none(), "loads"_a = nb::none(), nb::kw_only(), "joint_losses"_a = false,
+      nb::sig("def independent_linearization(m: Model, q: numpy.typing.ArrayLike, v: numpy.typing.ArrayLike, "
+              "tau: numpy.typing.ArrayLike, independent: collections.abc.Iterable[str | int] | None = None, "
+              "loads: typing.Any = None, *, joint_losses: bool = False) -> "
+              "axode.records.IndependentLinearization"),
+      R"(
+What `linearize` is to a tree, of a mechanism with loops in k independent velocities, see `IndependentLinearization`.
+
+q and v must be closed. `independent` as in `independent_equations`. Springs, dampers and stops of the model act. At an
+equilibrium the eigenvalues of A are those of small oscillations, whichever velocities are chosen. SingularError where the
+mass matrix is singular.
+
+>>> rods = axode.load(axode.robots / "bricard.toml")
+>>> q, still = axode.equilibrium(rods, rods.neutral()).q, np.zeros(rods.nv)
+>>> small = axode.independent_linearization(rods, q, still, still)
+>>> np.abs(np.linalg.eigvals(small.A)).round(3)  # the one frequency that it has, rad/s
+array([1.241, 1.241])
 )");
   module.def("impact", &impact_of, "m"_a, "q"_a, "v"_a, "restitution"_a = 0.0, nb::kw_only(), "threads"_a = 1,
              R"(

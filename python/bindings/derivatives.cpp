@@ -1,3 +1,4 @@
+#include "axode/constraints/equilibrium.hpp"
 #include "axode/derivatives.hpp"
 
 #include "bindings.hpp"
@@ -447,8 +448,8 @@ A configuration near q0, shape (nq,), that stays at rest under the drive forces 
 There gravity torques less the loads are tau and what springs and stops of the model add to it (eq. LE), to
 `tolerance`, N m and N. By Newton's method with the exact derivative
 by q; equilibria may be stable or not, limits of joints are not heeded, and friction, which would hold more, is not
-counted. The result says whether it is "solved", "stalled", as where there is none near, or at its "iteration_limit", and
-has q and the norm of the forces that are missing there. O(n^3) for each iteration.
+counted. Loops are closed, and carry what they can. The result says whether it is "solved", "stalled", as where there is none
+near, at its "iteration_limit", or "open", where the loops do not close near q0, and has q and the norm of the forces that are missing there. O(n^3) for each iteration.
 
 >>> pendulum = axode.load(axode.robots / "double_pendulum.toml")
 >>> found = axode.equilibrium(pendulum, [3, 0.2])

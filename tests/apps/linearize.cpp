@@ -231,6 +231,29 @@ TEST(Linearize, OfWhatDoesNotMoveIsEmpty) {
   EXPECT_EQ(axode({"linearize", drawn.file()}).code, 0);
 }
 
+TEST(Linearize, CountsLoops) {
+  const std::string rods = robot("bricard.toml");
+  const Json hanging = answer({rods, "--equilibrium"});
+  ASSERT_EQ(hanging["independent"].size(), 1);
+  ASSERT_EQ(hanging["A"].size(), 2);
+  EXPECT_EQ(hanging["B"][1].size(), 5);
+  EXPECT_NEAR(hanging["modes"][0]["natural_frequency"], 1.2413, 1e-4);
+  EXPECT_THAT(numbers(hanging["a"]), testing::Each(testing::DoubleNear(0, 1e-8)));
+  const Outcome shown = axode({"linearize", rods});
+  EXPECT_EQ(shown.code, 0);
+  EXPECT_THAT(shown.out, HasSubstr("delta' hinge"));
+
+  const Model platform = load(robot("gough.toml"));
+  const Json held = answer({robot("gough.toml"), "--hold"});
+  EXPECT_EQ(held["independent"].size(), 6);
+  EXPECT_THAT(numbers(held["a"]), testing::Each(testing::DoubleNear(0, 1e-8)));
+  for (const Joint& joint : platform.joints())
+    for (int k = 0; k < joint.nv; ++k) EXPECT_EQ(held["tau"][joint.iv + k] == 0, joint.passive) << joint.name;
+  EXPECT_THAT(axode({"linearize", robot("governor.toml"), "--hold"}).err,
+              testing::StartsWith("axode linearize: the joints that are not passive cannot hold q: 1 of the "
+                                  "forces are missing"));
+}
+
 TEST(Linearize, RefusesWhatCannotBe) {
   const auto refused = [](std::vector<std::string> arguments, const std::string& state, int code) {
     arguments.insert(arguments.begin(), "linearize");
@@ -247,6 +270,8 @@ TEST(Linearize, RefusesWhatCannotBe) {
             "axode linearize: v is not 0; --equilibrium is about a state at rest\n");
   EXPECT_EQ(refused({arm, "--hold", "--state", "-"}, driven, 1),
             "axode linearize: tau is not 0; --hold finds it\n");
+  EXPECT_THAT(refused({robot("four_bar.toml"), "--state", "-"}, R"({"q": [0.3, 0, 0]})", 1),
+              testing::StartsWith("axode linearize: q leaves loop \"pin\" open by "));
   EXPECT_EQ(refused({arm, "--hold", "--equilibrium"}, "", 2),
             "axode linearize: --equilibrium excludes --hold (see axode linearize --help)\n");
   EXPECT_EQ(refused({arm, "--output", "AB.txt"}, "", 2),

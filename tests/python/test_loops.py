@@ -215,10 +215,10 @@ def test_motions_start_closed():
     lambda m, q, v: axode.simulate(m, q, v, 0.1, method="midpoint", step=0.01),
     lambda m, q, v: axode.rollout(m, q, v, v[None], 0.01),
     lambda m, q, v: axode.linearize(m, q, v, v),
-    lambda m, q, v: axode.equilibrium(m, q),
+    lambda m, q, v: axode.inverse_kinematics(m, [axode.Target(pose=np.eye(4), frame="ground")], q),
     lambda m, q, v: axode.forward_dynamics_jvp(m, q, v, v, v, v, v),
     lambda m, q, v: axode.codegen.c_source(m, ["forward_dynamics"]),
-], ids=["midpoint", "rollout", "linearize", "equilibrium", "derivatives", "codegen"])
+], ids=["midpoint", "rollout", "linearize", "inverse kinematics", "derivatives", "codegen"])
 def test_what_does_not_count_loops_says_so(call):
     with pytest.raises(ValueError, match="loops"):
         call(FOUR_BAR, FOUR_BAR.neutral(), np.zeros(3))
@@ -240,6 +240,46 @@ def test_independent_equations_are_those_of_the_mechanism(name):
     if k < m.nv:
         with pytest.raises(ValueError, match=f"the loops leave {k} independent"):
             axode.independent_equations(m, q, v, range(m.nv))
+
+
+@pytest.mark.parametrize("name", ["four_bar", "five_bar_arm", "slider_crank", "gough", "leg", "governor", "andrews", "bricard"])
+def test_small_motions_are_those_of_the_mechanism(name):
+    m = axode.load(axode.robots / f"{name}.toml")
+    rng = np.random.default_rng(6)
+    q, v = axode.assemble(m, m.neutral(), 0.1 * rng.normal(size=m.nv))
+    tau = rng.normal(size=m.nv)
+    small = axode.independent_linearization(m, q, v, tau)
+    k = len(small.velocities)
+    assert small.A.shape == (2 * k, 2 * k) and small.B.shape == (2 * k, m.nv)
+    form = axode.independent_equations(m, q, v, small.velocities)
+    np.testing.assert_allclose(small.N, form.N, atol=1e-9)
+    np.testing.assert_allclose(small.B[k:], np.linalg.solve(form.M, form.N.T), rtol=1e-6, atol=1e-8)
+    # A motion that begins elsewhere comes apart as exp(A t) says.
+    x, t = 1e-5 * rng.normal(size=2 * k), 1e-4 if name != "andrews" else 1e-5
+    there = axode.assemble(m, m.integrate(q, small.N @ x[:k]), hold=small.velocities)[0]
+    other = axode.independent_equations(m, there, np.zeros(m.nv), small.velocities).N @ (v[small.velocities] + x[k:])
+    ends = [axode.simulate(m, *start, t, tau=tau, rtol=1e-12, atol=1e-14) for start in ((q, v), (there, other))]
+    apart = np.concatenate([m.difference(ends[0].q[-1], ends[1].q[-1])[small.velocities],
+                            (ends[1].v[-1] - ends[0].v[-1])[small.velocities]])
+    said = x + t * small.A @ x
+    np.testing.assert_allclose(apart, said, atol=3e-2 * np.abs(said - x).max() + 1e-12)
+
+
+def test_small_motions_at_open_places_are_refused():
+    with pytest.raises(ValueError, match='q leaves loop "pin" open by'):
+        axode.independent_linearization(FOUR_BAR, [0.3, 0, 0], np.zeros(3), np.zeros(3))
+    with pytest.raises(ValueError, match="linearize.*loops"):
+        axode.linearize(FOUR_BAR, FOUR_BAR.neutral(), np.zeros(3), np.zeros(3))
+
+
+@pytest.mark.parametrize("name", ["four_bar", "slider_crank", "five_bar_arm", "gough", "leg"])
+def test_mechanisms_rest_where_they_are_held(name):
+    m = axode.load(axode.robots / f"{name}.toml")
+    q, _ = axode.assemble(m, m.integrate(m.neutral(), 0.1 * np.ones(m.nv)))
+    tau = axode.inverse_dynamics(m, q, np.zeros(m.nv), np.zeros(m.nv), drives=range(m.nv))
+    found = axode.equilibrium(m, m.integrate(q, 0.01 * np.ones(m.nv)), tau)
+    assert found.status == "solved" and np.abs(axode.loop_residual(m, found.q)).max() < 1e-10
+    assert np.abs(axode.forward_dynamics(m, found.q, np.zeros(m.nv), tau)).max() < 1e-6
 
 
 def test_multipliers_that_redundancy_leaves_open_are_named():

@@ -1,14 +1,17 @@
-#include "axode/derivatives/equilibrium.hpp"
+#include "axode/constraints/equilibrium.hpp"
 
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <optional>
 
+#include "axode/constraints/assembly.hpp"
+#include "axode/constraints/independent_rows.hpp"
 #include "axode/derivatives/inverse_dynamics_derivatives.hpp"
 #include "axode/derivatives/spring_derivatives.hpp"
 #include "axode/dynamics/springs.hpp"
 #include "axode/eigen.hpp"
-#include "axode/model/check_no_loops.hpp"
 #include "axode/model/finite.hpp"
 
 namespace axode {
@@ -18,6 +21,7 @@ std::string_view to_string(EquilibriumStatus status) {
     case EquilibriumStatus::solved: return "solved";
     case EquilibriumStatus::stalled: return "stalled";
     case EquilibriumStatus::iteration_limit: return "iteration_limit";
+    case EquilibriumStatus::open: return "open";
   }
   return "unknown";
 }
@@ -27,11 +31,12 @@ namespace {
 using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 using Vector = Eigen::VectorXd;
 
-/// A configuration, the forces that are missing there, and how they change with it.
+/// A configuration, the forces that are missing there, and how they change with it; where there are loops, along an
+/// orthonormal basis N of the velocities that these allow, which their own forces do not reach.
 struct Iterate {
   std::vector<double> q;
   Vector r;
-  Matrix dr_dq;
+  Matrix dr_dq, N;
   double residual = 0;  ///< ‖r‖
 
   Iterate(const Model& model, std::span<const double> at)
@@ -51,9 +56,11 @@ class Statics {
         by_v_(model.nv(), model.nv()),
         by_a_(model.nv(), model.nv()) {
     tau_.resize(rest_.size());
+    if (!model.loops().all.empty()) loops_.emplace(model);
   }
 
   void evaluate(Iterate& at) {
+    at.r.resize(model_.nv()), at.dr_dq.resize(model_.nv(), model_.nv());
     inverse_dynamics_derivatives(model_, workspace_, at.q, rest_, rest_,
                                  {as_span(at.dr_dq), as_span(by_v_), as_span(by_a_), as_span(at.r)}, loads_);
     at.r -= as_eigen(std::span<const double>(tau_));
@@ -62,14 +69,32 @@ class Statics {
       spring_force_derivatives(model_, workspace_, at.q, rest_, {as_span(by_a_), as_span(by_v_)});
       at.r -= as_eigen(std::span<const double>(springs_)), at.dr_dq -= by_a_;
     }
+    if (loops_) close(at);
     at.residual = at.r.norm();
   }
 
  private:
+  /// The loops take what they can: r - Aᵀ λ is what is left.
+  void close(Iterate& at) {
+    const Eigen::Index nv = model_.nv(), m = model_.loops().rows;
+    Vector lambda(m), forces(nv);
+    Matrix by_q = Matrix::Zero(m, nv), by_v = by_q, closing = Matrix::Zero(nv, nv);
+    loops_->place(at.q.data());
+    const IndependentRows<double> rows(*loops_, LoopSystem<double>::Rows::velocities);
+    rows.least_multipliers(at.r, as_span(lambda));
+    loops_->move(at.q.data(), rest_.data(), {}, forces.data());
+    loops_->make_rows(LoopSystem<double>::Rows::velocities);
+    loops_->differentiate(lambda.data(), by_q.data(), by_v.data(), closing.data());
+    at.N = rows.kernel();
+    at.r = Vector(at.N.transpose() * at.r);
+    at.dr_dq = Matrix(at.N.transpose() * (at.dr_dq - closing) * at.N);
+  }
+
   const Model& model_;
   std::vector<double> tau_;
   Loads<> loads_;
   Workspace<> workspace_;
+  std::optional<LoopSystem<double>> loops_;
   std::vector<double> rest_, springs_;
   Matrix by_v_, by_a_;
 };
@@ -78,8 +103,17 @@ class Statics {
 Vector newton_step(const Iterate& at) {
   Eigen::CompleteOrthogonalDecomposition<Matrix> decomposition;
   decomposition.setThreshold(1e-10);
-  const Vector step = -decomposition.compute(at.dr_dq).solve(at.r);
+  Vector step = -decomposition.compute(at.dr_dq).solve(at.r);
+  if (at.N.rows() > 0) step = Vector(at.N * step);
   return step / std::max(1.0, step.lpNorm<Eigen::Infinity>());
+}
+
+/// Closes the loops. Whether they do.
+bool closed(const Model& model, std::vector<double>& q) {
+  if (model.loops().all.empty()) return true;
+  AssemblyResult found = assemble(model, q);
+  q = std::move(found.q);
+  return found.status == AssemblyStatus::closed;
 }
 
 /// Moves to where the residual is less, along the step or the longest of its halves. Whether there is such a place.
@@ -90,6 +124,7 @@ bool improve(const Model& model, Statics& statics, const Vector& step, Iterate& 
     const double s = std::ldexp(1.0, -k);
     const Vector part = s * step;
     next.q = integrate(model, at.q, as_span(part));
+    if (!closed(model, next.q)) continue;
     statics.evaluate(next);
     if (next.residual <= (1 - decrease * s) * at.residual) {
       std::swap(at, next);
@@ -104,7 +139,6 @@ void check(const Model& model, std::span<const double> q0, std::span<const doubl
   const auto need = [](bool good, const std::string& what) {
     if (!good) throw std::invalid_argument("equilibrium: " + what);
   };
-  check_no_loops(model, "equilibrium");
   check_configuration(model, q0, "q0");
   if (!tau.empty()) check_size("tau", tau.size(), static_cast<std::size_t>(model.nv()), "nv");
   need(finite(q0), "q0 is not finite");
@@ -122,6 +156,8 @@ EquilibriumResult equilibrium(const Model& model, std::span<const double> q0, st
   check(model, q0, tau, loads, options);
   Statics statics(model, tau, loads);
   Iterate at(model, q0), next(model, q0);
+  if (!closed(model, at.q))
+    return {EquilibriumStatus::open, std::move(at.q), std::numeric_limits<double>::infinity(), 0};
   statics.evaluate(at);
   const auto solved = [&] { return at.residual <= options.tolerance; };
   bool moves = true;

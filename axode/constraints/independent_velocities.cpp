@@ -1,0 +1,73 @@
+#include "axode/constraints/independent_velocities.hpp"
+
+#include <Eigen/LU>
+#include <Eigen/QR>
+#include <algorithm>
+#include <stdexcept>
+#include <string>
+
+#include "axode/model/configuration.hpp"
+
+namespace axode {
+namespace {
+
+using Matrix = Eigen::MatrixXd;
+
+std::string names_of(const Model& model, std::span<const int> velocities) {
+  const std::vector<std::string> names = velocity_names(model);
+  std::string all;
+  for (const int c : velocities)
+    all += (all.empty() ? "\"" : ", \"") + names[static_cast<std::size_t>(c)] + '"';
+  return all;
+}
+
+/// The rows of the kernel that are farthest from dependent.
+std::vector<int> best_of(const Matrix& kernel) {
+  const Eigen::ColPivHouseholderQR<Matrix> qr(kernel.transpose());
+  std::vector<int> found;
+  for (Eigen::Index k = 0; k < kernel.cols(); ++k)
+    found.push_back(static_cast<int>(qr.colsPermutation().indices()[k]));
+  std::ranges::sort(found);
+  return found;
+}
+
+void check(const Model& model, std::span<const int> velocities, Eigen::Index freedom) {
+  for (const int c : velocities)
+    if (c < 0 || c >= model.nv())
+      throw std::invalid_argument("velocities holds " + std::to_string(c) + "; expected numbers from 0 to " +
+                                  std::to_string(model.nv() - 1));
+  if (static_cast<Eigen::Index>(velocities.size()) != freedom)
+    throw std::invalid_argument("velocities holds " + std::to_string(velocities.size()) +
+                                "; the loops leave " + std::to_string(freedom) + " independent here");
+}
+
+}  // namespace
+
+IndependentVelocities independent_velocities(const Model& model, const IndependentRows<double>& rows,
+                                             std::span<const int> wanted) {
+  const Matrix kernel = rows.kernel();
+  IndependentVelocities out;
+  out.velocities = wanted.empty() ? best_of(kernel) : std::vector<int>(wanted.begin(), wanted.end());
+  check(model, out.velocities, kernel.cols());
+  const Eigen::FullPivLU<Matrix> chosen(Matrix(kernel(out.velocities, Eigen::all)));
+  if (kernel.cols() > 0 && !(chosen.rcond() > 1e-8))
+    throw std::invalid_argument("velocities holds those of " + names_of(model, out.velocities) +
+                                ", which do not determine the others at this q");
+  out.N = kernel.cols() > 0 ? Matrix(kernel * chosen.inverse()) : kernel;
+  for (std::size_t k = 0; k < out.velocities.size(); ++k)
+    out.N.row(out.velocities[k]).setZero()[static_cast<Eigen::Index>(k)] = 1;
+  return out;
+}
+
+Matrix dependent_part(const IndependentVelocities& independent, const IndependentRows<double>& rows,
+                      const Matrix& A, const Matrix& b) {
+  if (rows.kept.empty()) return Matrix::Zero(A.cols(), b.cols());
+  Matrix x = Matrix(A(rows.kept, Eigen::all))
+                 .completeOrthogonalDecomposition()
+                 .solve(Matrix(b(rows.kept, Eigen::all)));
+  x -= independent.N * Matrix(x(independent.velocities, Eigen::all));
+  for (const int k : independent.velocities) x.row(k).setZero();
+  return x;
+}
+
+}  // namespace axode

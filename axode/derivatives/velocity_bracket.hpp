@@ -1,0 +1,26 @@
+#pragma once
+#include <cstddef>
+
+#include "axode/model/tree.hpp"
+#include "axode/recursion/link.hpp"
+
+namespace axode {
+
+/// -ad_v of every joint, added to the diagonal of rows of `width` numbers: column k of a joint is [S e_k, S v] in its own
+/// coordinates. The columns of S are unit vectors wherever the bracket is not 0.
+template <class T> void subtract_ad(const Tree<T>& tree, const T* v, std::ptrdiff_t width, T* rows) {
+  each_joint(tree, [&](const auto& joint, int i, bool coupled) {
+    if (coupled) return;
+    const std::ptrdiff_t first = tree->iv[i];
+    const Twist<BodyFixed, T> V = joint.twist(v + first);
+    for (int k = 0; k < joint.nv; ++k) {
+      const Screw<T> X = ad(joint.column(k), Screw<T>{V.w, V.v});
+      for (int l = 0; l < joint.nv; ++l) {
+        const Screw<T> S = joint.column(l);
+        rows[(first + l) * width + first + k] += dot(S.w, X.w) + dot(S.v, X.v);
+      }
+    }
+  });
+}
+
+}  // namespace axode
