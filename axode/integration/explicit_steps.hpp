@@ -30,6 +30,15 @@ template <class Run> void take_steps(Run& run, double until, double step, const 
   });
 }
 
+/// A force that jumps where the motion dwells, as dry friction at rest does, is crossed in ever shorter steps: so many are
+/// looked at together, and so many times as many are not begun.
+inline constexpr int watched = 10'000;
+inline constexpr double hopeless = 1e5;
+inline constexpr const char* jumps =
+    "the steps have become so short that a thousand million more would not do: a force jumps, as dry "
+    "friction does at "
+    "rest, or grows without bound; methods in steps of one length go on";
+
 /// Steps as long as the estimated error allows, with Dormand's and Prince's method.
 template <class Run> void take_adapted_steps(Run& run, double until, const Tolerances& tolerances) {
   const Tableau& method = runge_kutta(5);
@@ -49,10 +58,18 @@ template <class Run> void take_adapted_steps(Run& run, double until, const Toler
       rate = std::max({rate, std::abs(run.v[c]), std::sqrt(std::abs(run.a[c]))});
     h = 0.01 / rate;
   }
-  double last_error = 1e-4;
+  double last_error = 1e-4, watched_from = 0;
+  int tries = 0;
   std::vector<double> q_1(run.q.size());
   while (!run.done()) {
     const double t = run.now(), rest = until - t;
+    if (++tries == watched) {
+      if (rest > hopeless * (t - watched_from)) {
+        run.stop(t, jumps);
+        break;
+      }
+      tries = 0, watched_from = t;
+    }
     h = std::min({h, most, rest});
     const bool last = h >= rest * (1 - 1e-12);
     if (!last && !(h > 1e-15 * until)) {

@@ -196,23 +196,47 @@ class Run {
     for (const Event& event : options_.events) values.push_back(event.value(t, q_t, v_t));
     return values;
   }
+  /// Times in a step at which the value of an event changes sign: once, or twice, which its rates at both ends show, where
+  /// it goes towards zero and comes back.
+  void meet(std::size_t e, double before, double after, double end, std::vector<Trajectory::Met>& met) {
+    const Event& event = options_.events[e];
+    Vector q_t(q.size()), v_t(v.size());
+    const auto value = [&](double t) {
+      trajectory.at(t, q_t, v_t);
+      return event.value(t, q_t, v_t);
+    };
+    const double near = 1e-6 * (after - before);
+    double begin = values_[e], soon = value(before + near);
+    if (begin == 0) before += near, begin = soon, soon = value(before + near);  // it was met there
+    const double sign = begin < 0 ? -1 : 1;
+    const auto cross = [&](double low, double high, bool rises) {
+      if (event.direction != 0 && rises != (event.direction > 0)) return;
+      for (int k = 0; k < 60 && high - low > 1e-15 * std::max(1.0, std::abs(after)); ++k) {
+        const double middle = low + (high - low) / 2;
+        ((value(middle) < 0) == rises ? low : high) = middle;
+      }
+      met.push_back({e, high});
+    };
+    if ((begin < 0) != (end < 0)) return cross(before, after, begin < 0);
+    if (!(sign * (soon - begin) < 0 && sign * (end - value(after - near)) > 0)) return;
+    double low = before, high = after;
+    for (int k = 0; k < 40; ++k) {  // a third goes each time, on the side of the larger value
+      const double a_third = (high - low) / 3, one = low + a_third, two = high - a_third;
+      const double at_one = sign * value(one), at_two = sign * value(two);
+      if (std::min(at_one, at_two) < 0) {
+        const double turn = at_one < at_two ? one : two;
+        cross(before, turn, begin < 0), cross(turn, after, begin >= 0);
+        return;
+      }
+      at_one < at_two ? high = two : low = one;
+    }
+  }
   /// Looks for events between two times, the last step; where one is terminal the trajectory is cut off there.
   bool meets_end(double before, double after) {
     const Vector next = values_at(after, q, v);
     std::vector<Trajectory::Met> met;
     Vector q_t(q.size()), v_t(v.size());
-    for (std::size_t e = 0; e < next.size(); ++e) {
-      const Event& event = options_.events[e];
-      if ((values_[e] < 0) == (next[e] < 0) || values_[e] == 0) continue;
-      if (event.direction != 0 && (next[e] > values_[e]) != (event.direction > 0)) continue;
-      double low = before, high = after;
-      for (int k = 0; k < 60 && high - low > 1e-15 * std::max(1.0, std::abs(after)); ++k) {
-        const double middle = low + (high - low) / 2;
-        trajectory.at(middle, q_t, v_t);
-        ((event.value(middle, q_t, v_t) < 0) == (values_[e] < 0) ? low : high) = middle;
-      }
-      met.push_back({e, high});
-    }
+    for (std::size_t e = 0; e < next.size(); ++e) meet(e, before, after, next[e], met);
     values_ = next;
     std::ranges::sort(met, {}, &Trajectory::Met::t);
     for (const Trajectory::Met& one : met) {

@@ -148,7 +148,7 @@ void check_smooth(const Model& model, const SimulationOptions& options) {
       throw std::invalid_argument(
           "joint \"" + velocity_names(model)[c] + "\" has dry friction of " +
           std::to_string(tree.friction[c]) +
-          ", a force that jumps, which conserving schemes do not take; dopri5 and rk4 do");
+          ", a force that jumps, which conserving schemes do not take; rk4 and euler do");
 }
 
 }  // namespace

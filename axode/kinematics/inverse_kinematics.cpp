@@ -8,6 +8,7 @@
 
 #include "axode/kinematics/check_arguments.hpp"
 #include "axode/kinematics/path.hpp"
+#include "axode/model/check_no_loops.hpp"
 
 namespace axode {
 
@@ -196,6 +197,7 @@ void check(const Model& model, std::span<const PoseTarget> targets, std::span<co
     if (!good) throw std::invalid_argument("inverse_kinematics: " + what);
   };
   const auto finite = [](double x) { return std::isfinite(x); };
+  check_no_loops(model, "inverse_kinematics", "assemble closes them, with joints held where they shall be");
   check_configuration(model, q0, "q0");
   need(std::ranges::all_of(q0, finite), "q0 is not finite");
   need(!targets.empty(), "targets is empty; name at least one pose to reach");

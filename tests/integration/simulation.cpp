@@ -228,6 +228,63 @@ TEST(Simulation, MeetsEventsWhereTheyAre) {
   }
 }
 
+/// What rises through a height and falls back within one step, however short it stays above.
+TEST(Simulation, MeetsEventsTwiceInOneStep) {
+  Description drop{.name = "ball"};
+  drop.bodies.push_back({.name = "ball",
+                         .joint = {.kind = JointKind::free},
+                         .inertia = MassProperties{.mass = 1, .Theta = {.1, .1, .1}}});
+  const Model model = ModelBuilder(drop).build();
+  const Numbers still = neutral(model), up{0, 0, 0, 0, 0, 3};
+  const double g = -model.gravity().z;
+  for (const double below_top : {1e-1, 1e-4, 1e-9}) {
+    const double height = 9 / (2 * g) - below_top, half = std::sqrt(2 * below_top / g);
+    SimulationOptions options;
+    options.events.push_back({.value = [&](double, Span q, Span) { return q[6] - height; }});
+    options.events.push_back({.value = [&](double, Span q, Span) { return q[6] - height; }, .direction = -1});
+    const Trajectory motion = simulate(model, still, up, 1, {}, options);
+    ASSERT_EQ(motion.events.size(), 3u) << below_top;
+    EXPECT_NEAR(motion.events[0].t, 3 / g - half, 1e-7);
+    EXPECT_NEAR(motion.events[1].t, 3 / g + half, 1e-7);
+    EXPECT_NEAR(motion.events[2].t, 3 / g + half, 1e-7);
+  }
+}
+TEST(Simulation, BouncesUntilItLies) {
+  Description drop{.name = "ball"};
+  drop.bodies.push_back({.name = "ball",
+                         .joint = {.kind = JointKind::prismatic, .axis = {0, 0, 1}},
+                         .inertia = MassProperties{.mass = 1, .Theta = {.1, .1, .1}}});
+  const Model model = ModelBuilder(drop).build();
+  SimulationOptions options;
+  options.events.push_back(
+      {.value = [](double, Span q, Span) { return q[0]; }, .direction = -1, .terminal = true});
+  Numbers q{1}, v{0};
+  double t = 0, expected = std::sqrt(2 / -model.gravity().z);
+  for (int bounce = 0; bounce < 20; ++bounce) {
+    const Trajectory flight = simulate(model, q, v, 10, {}, options);
+    ASSERT_EQ(flight.events.size(), 1u) << bounce;
+    t += flight.t().back();
+    EXPECT_NEAR(t, expected, 1e-9) << bounce;
+    q = {last_q(flight)[0]}, v = {-0.5 * flight.v().back()};
+    EXPECT_NEAR(q[0], 0, 1e-12);
+    expected += 2 * v[0] / -model.gravity().z;
+  }
+}
+
+TEST(Simulation, EndsWhereStepsBecomeHopelesslyShort) {
+  Description brake{.name = "brake"};
+  brake.bodies.push_back(
+      {.name = "rod",
+       .joint = {.name = "hinge", .kind = JointKind::revolute, .axis = {0, 1, 0}, .dof = {{.friction = 5}}},
+       .inertia = MassProperties{.mass = 1, .com = {0, 0, -.5}, .Theta = {.02, .02, .001}}});
+  const Model model = ModelBuilder(brake).build();
+  SimulationOptions options{.joint_losses = true};
+  const Trajectory stuck = simulate(model, Numbers{.2}, Numbers{0}, 1, {}, options);
+  EXPECT_FALSE(stuck.complete);
+  EXPECT_THAT(stuck.stopped, testing::HasSubstr("a force jumps, as dry friction does at rest"));
+  EXPECT_LE(stuck.steps, 100'000u);
+}
+
 TEST(Simulation, EndsWithAReasonWhereItCannotGoOn) {
   Description massless{.name = "arm"};
   BodyDescription body{.name = "rod", .predecessor = "ground"};
