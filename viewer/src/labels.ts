@@ -6,8 +6,6 @@ const FONT = '600 26px system-ui, "Segoe UI", Roboto, "DejaVu Sans", sans-serif'
 const HEIGHT = 44;
 /** Of a line of text on the screen, in pixels. */
 const ROW = 0.36 * HEIGHT;
-/** A name farther from its thing than this says nothing of it. */
-const MOST_ROWS = 8;
 
 interface Label {
   text: string;
@@ -64,20 +62,23 @@ interface Place {
   width: number;
 }
 
-/** How many rows below its place each text stands, so that none lies on one before it; null where that takes too many rows. */
+/** How many rows below its place each text stands, so that none lies on one before it: below those of one and the same place.
+ * Null where others are in the way, for farther off it would be the name of something else. */
 export function rowsOf(places: readonly Place[], height: number): (number | null)[] {
-  const taken = new Map<number, Place[]>(); // by height
+  const taken = new Map<number, (Place & { row: number })[]>(); // by height
   return places.map(({ x, y, width }) => {
     if (!(width > 0)) return 0;
-    for (let row = 0; row < MOST_ROWS; ++row) {
+    for (let row = 0; ; ++row) {
       const here = y + row * height;
       const cell = Math.floor(here / height);
       const near = [cell - 1, cell, cell + 1].flatMap((k) => taken.get(k) ?? []);
-      if (near.some((it) => Math.abs(it.y - here) < 0.999 * height && it.x < x + width && x < it.x + it.width)) continue;
-      taken.set(cell, [...(taken.get(cell) ?? []), { x, y: here, width }]);
-      return row;
+      const hit = near.filter((it) => Math.abs(it.y - here) < 0.999 * height && it.x < x + width && x < it.x + it.width);
+      if (hit.length === 0) {
+        taken.set(cell, [...(taken.get(cell) ?? []), { x, y: here, width, row }]);
+        return row;
+      }
+      if (!hit.every((it) => Math.hypot(it.x - x, it.y - it.row * height - y) < 1)) return null;
     }
-    return null;
   });
 }
 
