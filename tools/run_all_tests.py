@@ -48,7 +48,8 @@ NIGHTLY = {
                    environment={"AXODE_RANDOM_TREES": "100000"}),
 }
 FUZZ_SECONDS = 600
-NIGHTLY_BRIDGES = {"distributed", "torch"}  # which start clusters and kill their workers, and install several GB
+NIGHTLY_BRIDGES = {"distributed",  # which starts clusters and kills their workers
+                   "robots", "torch"}  # which install 1 GB, and several
 
 
 def run(*command, environment=None):

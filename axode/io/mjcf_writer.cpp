@@ -67,6 +67,7 @@ class MjcfWriter {
   }
 
   void write(std::ostream& out) {
+    hoist_free();
     merge_massless();
     find_faults();
     if (!faults_.empty()) throw ModelError(d_.name, std::move(faults_));
@@ -103,7 +104,23 @@ class MjcfWriter {
     return body.joint.source.line > 0 ? body.joint.source : body.source;
   }
 
-  // ---------------------------------------------------------------- several joints of a body
+  // ---------------------------------------------------------------- free bodies, and several joints of a body
+
+  /// MuJoCo has free joints of bodies on the world alone: one on what stands still is placed on it.
+  void hoist_free() {
+    for (auto it = order_.order.rbegin(); it != order_.order.rend(); ++it) {
+      const int i = *it;
+      if (d_.bodies[i].joint.kind != JointKind::free || order_.predecessor[i] < 0) continue;
+      int root = order_.predecessor[i];
+      while (d_.bodies[root].joint.kind == JointKind::fixed && order_.predecessor[root] >= 0)
+        root = order_.predecessor[root];
+      if (d_.bodies[root].joint.kind != JointKind::fixed) continue;
+      std::erase(children_[order_.predecessor[i]], i);
+      order_.predecessor[i] = -1;
+      at_[i].B = at_[i].A;
+      roots_.insert(std::ranges::find(roots_, root) + 1, i);
+    }
+  }
 
   /// A joint in the frame of the body that it moves together with others.
   struct Moves {

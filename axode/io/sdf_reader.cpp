@@ -655,6 +655,7 @@ class SdfReader : XmlReader {
 
   /// Bodies in the order of their joints in the file, those that no joint carries first.
   void assemble() {
+    for (Link& it : links_) it.body.name = named_here(it.body.name, it.body.source.line);
     std::erase_if(connections_, [this](const Connection& c) {
       if (c.is_static) ignore("joint of a static model", c.line);
       return c.is_static;
@@ -678,6 +679,17 @@ class SdfReader : XmlReader {
       add_couplings(c);
     }
     for (const int k : named_frames_) add_frame(k);
+  }
+
+  /// The name of a body or of a frame: `ground` is that of the inertial frame here, and nothing else is called so.
+  std::string named_here(const std::string& name, int line) {
+    if (name != "ground") return name;
+    std::string other = name;
+    for (int k = 2; other == name || frames_.find(0, (models_at_top_ == 1 ? top_ : "") + other) >= 0; ++k)
+      other = name + "_" + std::to_string(k);
+    note(Severity::warning, Rule::duplicate_name, in_quotes(name),
+         "is called " + in_quotes(other) + " here, where \"ground\" is the inertial frame", line);
+    return other;
   }
 
   /// Finds the links of a joint.
@@ -881,7 +893,8 @@ class SdfReader : XmlReader {
   void add_frame(int number) {
     const SdfFrames::Frame& frame = frames_[number];
     const auto carrier = link_of_frame_.find(frame.moves_with);
-    FrameDescription named{.name = shown(frame.path), .body = "ground", .source = {file_, frame.line}};
+    FrameDescription named{
+        .name = named_here(shown(frame.path), frame.line), .body = "ground", .source = {file_, frame.line}};
     named.pose = frame.pose;
     if (carrier != link_of_frame_.end() && !link(carrier->second).is_static) {
       named.body = link(carrier->second).body.name;

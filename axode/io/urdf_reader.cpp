@@ -4,6 +4,7 @@
 #include <limits>
 #include <optional>
 #include <unordered_map>
+#include <unordered_set>
 #include <utility>
 
 #include "axode/io.hpp"
@@ -157,6 +158,7 @@ class UrdfReader : XmlReader {
     for (const XMLElement* e = robot.FirstChildElement("material"); e != nullptr;
          e = e->NextSiblingElement("material"))
       read_material(*e, owner);
+    name_what_is_called_ground(robot);
     for (const XMLElement* e = robot.FirstChildElement(); e != nullptr; e = e->NextSiblingElement()) {
       const std::string_view element = e->Name();
       if (element == "link") read_link(*e);
@@ -171,9 +173,37 @@ class UrdfReader : XmlReader {
     }
   }
 
+  /// `ground` names the inertial frame here, and with it the root link that is called so; any other gets another name.
+  void name_what_is_called_ground(const XMLElement& robot) {
+    std::unordered_set<std::string_view> names;
+    const XMLElement* called = nullptr;
+    for (const XMLElement* e = robot.FirstChildElement("link"); e != nullptr;
+         e = e->NextSiblingElement("link"))
+      if (const char* given = e->Attribute("name")) {
+        names.insert(given);
+        if (given == ground_) called = e;
+      }
+    const auto is_its_child = [&](const XMLElement& joint) {
+      const XMLElement* child = joint.FirstChildElement("child");
+      const char* given = child == nullptr ? nullptr : child->Attribute("link");
+      return given != nullptr && given == ground_;
+    };
+    const XMLElement* joint = robot.FirstChildElement("joint");
+    while (joint != nullptr && !is_its_child(*joint)) joint = joint->NextSiblingElement("joint");
+    if (called == nullptr || joint == nullptr) return;
+    for (int k = 2; names.contains(ground_); ++k) ground_ = "ground_" + std::to_string(k);
+    note(Severity::warning, Rule::duplicate_name, "link \"ground\"",
+         "is called " + in_quotes(ground_) + " here, where \"ground\" is the inertial frame",
+         called->GetLineNum());
+  }
+  std::string name_of_link(const XMLElement& e, const char* attribute, const std::string& owner) {
+    const std::string given = name(e, attribute, owner);
+    return given == "ground" ? ground_ : given;
+  }
+
   void read_link(const XMLElement& e) {
     Link link;
-    link.body.name = name(e, "name", "link");
+    link.body.name = name_of_link(e, "name", "link");
     link.body.source = {file_, e.GetLineNum()};
     const std::string owner = "link \"" + link.body.name + '"';
     inspect(e, owner);
@@ -303,7 +333,7 @@ class UrdfReader : XmlReader {
     for (const std::size_t k : {0, 1}) {
       const XMLElement* end = required_child(e, k == 0 ? "link1" : "link2", owner);
       if (end == nullptr) continue;
-      loop.between[k] = name(*end, "link", owner);
+      loop.between[k] = name_of_link(*end, "link", owner);
       (*loop.frames)[k] = pose(*end, owner);
     }
     if (faults().size() == faults_before) description().loops.push_back(std::move(loop));
@@ -317,9 +347,9 @@ class UrdfReader : XmlReader {
     const std::string owner = "joint \"" + joint.name + '"';
     inspect(e, owner);
     if (const XMLElement* parent = required_child(e, "parent", owner))
-      connection.parent = name(*parent, "link", owner);
+      connection.parent = name_of_link(*parent, "link", owner);
     if (const XMLElement* child = required_child(e, "child", owner))
-      connection.child = name(*child, "link", owner);
+      connection.child = name_of_link(*child, "link", owner);
     connection.origin = origin(e, owner);
     if (const UrdfKind* kind = kind_of(e, owner)) {
       joint.kind = kind->kind;
@@ -489,6 +519,7 @@ class UrdfReader : XmlReader {
   std::vector<Link> links_;
   std::vector<Connection> connections_;
   std::unordered_map<std::string, std::size_t> link_index_;
+  std::string ground_ = "ground";  ///< what the link of this name is called here
   int massless_count_ = 0, massless_line_ = 0;
   int suggestions_ = 0;
 };

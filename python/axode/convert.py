@@ -300,7 +300,7 @@ def _mujoco_coding(m: Model, joint: str, body: str) -> _Coding:
 def _sorted_by_name(m: Model) -> list[str]:
     """The joints depth-first, at each link by the names of the joints that it carries, fixed ones included."""
     moved_by = dict(zip(m.body_names, m.joint_names))
-    links: dict[str, Any] = {link["name"]: link for link in m.to_dict()["body"]}
+    links: dict[str, Any] = {link["name"]: link for link in m.to_dict().get("body", [])}
     carried: dict[str, list[tuple[str, str, list[str]]]] = {}
     for name, link in links.items():
         joints: list[str] = []

@@ -167,7 +167,7 @@ class _Reader:
 
     def _matter(self, i: int) -> dict[str, Any]:
         m, out = self.m, {}
-        if m.body_mass[i] > 0:
+        if m.body_mass[i] > 0 or np.any(m.body_inertia[i]):
             out = {"mass": float(m.body_mass[i]), "com": _position(m.body_ipos[i]),
                    "inertia": _position(m.body_inertia[i]),
                    "inertia_axes": {"quaternion": _quaternion(m.body_iquat[i])}}

@@ -401,6 +401,18 @@ TEST(Sdf, WhatIsNotUnderstoodIsNamedOnce) {
                            HasSubstr("test.sdf:6: warning: <plugin>")));
 }
 
+TEST(Sdf, WhatIsCalledGroundHasAnotherName) {
+  const Model model = model_of(in_model(held("base") + link("base") + link("ground") + link("ground_2") +
+                                        joint("j", "revolute", "base", "ground") +
+                                        joint("k", "revolute", "ground", "ground_2")));
+  EXPECT_EQ(model.body(model.joint_index("j")).name, "ground_3");
+  EXPECT_EQ(model.body(model.joint_index("k")).predecessor, model.joint_index("j"));
+  EXPECT_THAT(messages(model), ElementsAre(HasSubstr("\"ground\": is called \"ground_3\" here")));
+  const Model of_a_frame = model_of(
+      in_model(held("base") + link("base") + "<frame name='ground'>" + pose("1 2 3 0 0 0") + "</frame>"));
+  EXPECT_LT(norm(at_zero(of_a_frame, "ground_2").r - Vec3<>{1, 2, 3}), 1e-15);
+}
+
 TEST(Sdf, ManyJointsInAnyOrderAreAssembledAtOnce) {
   std::string links, joints;
   for (int k = 0; k < 20000; ++k) {

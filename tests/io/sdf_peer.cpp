@@ -1,12 +1,15 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <random>
 #include <sdf/sdf.hh>
 #include <string>
 #include <vector>
 
 #include "axode/io.hpp"
+#include "axode/lie/inertia.hpp"
 #include "axode/model/builder.hpp"
+#include "axode/model/placement.hpp"
 #include "tests/io/same_mechanism.hpp"
 
 namespace axode::sdf_peer {
@@ -87,6 +90,14 @@ SE3<> ours(const ignition::math::Pose3d& C) {
 }
 Vec3<> ours(const ignition::math::Vector3d& a) { return {a.X(), a.Y(), a.Z()}; }
 
+/// About the origin of the link, in its axes.
+Inertia<> ours(const ignition::math::Inertiald& theirs) {
+  const ignition::math::Matrix3d Theta = theirs.Moi();  // about the centre of mass, in the axes of the link
+  return inertia_from_com(
+      theirs.MassMatrix().Mass(), ours(theirs.Pose().Pos()),
+      Sym3<>{Theta(0, 0), Theta(1, 1), Theta(2, 2), Theta(0, 1), Theta(0, 2), Theta(1, 2)});
+}
+
 /// Where a model within the outermost one is in the world, by its path; empty for that one itself.
 SE3<> pose_of(const sdf::World& world, const std::string& path) {
   const sdf::Model* model = world.ModelByIndex(0);
@@ -117,7 +128,8 @@ TEST(SdfPeer, LinksMatterAndAxesAreWhereLibsdformatHasThem) {
     ASSERT_TRUE(errors.empty()) << errors[0].Message() << text;
     const sdf::World& world = *root.WorldByIndex(0);
     const sdf::Model& theirs = *world.ModelByIndex(0);
-    const Model model = ModelBuilder(read_sdf_text(text, "random.sdf")).build();
+    const Description description = read_sdf_text(text, "random.sdf");
+    const Model model = ModelBuilder(description).build();
     const auto frames = test::frames_at_zero(model);
     double mass = 0;
     for (const std::string& name : random.links) {
@@ -127,6 +139,9 @@ TEST(SdfPeer, LinksMatterAndAxesAreWhereLibsdformatHasThem) {
       EXPECT_LT(test::disparity(frames.at(name), pose_of(world, model_of(name)) * ours(pose)), 1e-12)
           << name << " of " << text;
       mass += link.Inertial().MassMatrix().Mass();
+      const BodyDescription& body = *std::ranges::find(description.bodies, name, &BodyDescription::name);
+      EXPECT_LT(test::disparity(inertia_in({}, *body.inertia), ours(link.Inertial())), 1e-12)
+          << name << " of " << text;
     }
     EXPECT_NEAR(model.total_mass(), mass, 1e-12);
     for (const std::string& name : random.joints) {

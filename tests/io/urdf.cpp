@@ -342,6 +342,19 @@ TEST(Urdf, TheRootIsFixedSetFreeOrTheGround) {
   EXPECT_EQ(on_ground.body(1).predecessor, 0);
 }
 
+TEST(Urdf, ALinkCalledGroundThatIsNoRootHasAnotherName) {
+  const std::string names = link("base") + link("ground") + link("ground_2") + link("arm");
+  const Model model =
+      model_of(names + joint("j", "continuous", "base", "ground") +
+               joint("k", "continuous", "ground", "arm") + joint("l", "continuous", "ground", "ground_2"));
+  EXPECT_EQ(model.body(model.joint_index("j")).name, "ground_3");
+  EXPECT_EQ(model.body(model.joint_index("k")).predecessor, model.joint_index("j"));
+  EXPECT_EQ(model.body(model.joint_index("l")).name, "ground_2");
+  EXPECT_THAT(messages(model),
+              ElementsAre(HasSubstr("link \"ground\": is called \"ground_3\" here, where \"ground\" is the "
+                                    "inertial frame")));
+}
+
 TEST(Urdf, NumbersDoNotDependOnTheLocale) {
   struct Comma : std::numpunct<char> {
     char do_decimal_point() const override { return ','; }

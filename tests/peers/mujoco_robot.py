@@ -32,9 +32,9 @@ def without_geometry(file, base):
     if base == "free":
         children = {joint.find("child").get("link") for joint in root.findall("joint")}
         base_link = next(link.get("name") for link in root.findall("link") if link.get("name") not in children)
-        ElementTree.SubElement(root, "link", {"name": "ground"})
+        ElementTree.SubElement(root, "link", {"name": "inertial frame"})
         joint = ElementTree.SubElement(root, "joint", {"name": FREE_BASE, "type": "floating"})
-        ElementTree.SubElement(joint, "parent", {"link": "ground"})
+        ElementTree.SubElement(joint, "parent", {"link": "inertial frame"})
         ElementTree.SubElement(joint, "child", {"link": base_link})
     options = ElementTree.SubElement(root, "mujoco")
     ElementTree.SubElement(options, "compiler", {"fusestatic": "true", "strippath": "true", "balanceinertia": "false"})

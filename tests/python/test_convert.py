@@ -423,3 +423,8 @@ def test_wrong_arguments_are_named(f):
         f(m, n, n, joints=["A9", *m.joint_names[1:]])
     with pytest.raises(ValueError, match="joints: expected every joint of the model once; it is not so for A1, A2"):
         f(m, n, n, joints=["A2", *m.joint_names[1:]])
+
+
+def test_a_model_without_bodies_has_no_coordinates_there():
+    empty = axode.Model.from_bodies([])
+    assert convert.to_pinocchio(empty, [])[0].shape == convert.from_pinocchio(empty, [])[0].shape == (0,)

@@ -266,6 +266,12 @@ def test_names_that_collide_are_changed_and_listed():
     assert any('"ground" is called "ground_2"' in str(warning) for warning in m.warnings)
 
 
+def test_the_inertia_of_what_has_no_mass_is_kept():
+    there = compiled(f"""<mujoco><worldbody><body name="a"><joint axis="0 1 0"/>{MATTER}
+        <body name="b"><inertial pos="0 0 0" mass="0" diaginertia="0.3 0.2 0.4"/></body></body></worldbody></mujoco>""")
+    check_same(convert.model_from_mujoco(there), there, ["a", "b"])
+
+
 # ---------------------------------------------------------------- MJCF out
 
 ROBOTS = sorted(file.name for file in axode.robots.iterdir() if file.suffix in (".toml", ".urdf"))
@@ -316,6 +322,26 @@ def every_joint():
         [{"name": "tool", "on": "s", "in": "body", **tilted}],
         springs=[{"between": ["tool", "ground"], "points": [[0.1, 0, 0], [1, 2, 3]], "in": "body", "stiffness": 5,
                   "rest": 0.3, "damping": 0.1}], name="every <joint> & \"more\"", gravity=[0, 1, -9])
+
+
+def test_a_free_body_on_what_stands_still_is_written_on_the_world():
+    matter = {"mass": 2.0, "com": [0.1, 0.2, 0.3], "inertia": [1, 1.2, 0.9]}
+    post = {"position": [1, 2, 3], "quaternion": [0.5, -0.5, 0.5, 0.5]}
+    bodies = [{"name": "base", "joint": "fixed", "B": post}, {"name": "post", "on": "base", "joint": "fixed", "B": post}]
+    for name in ("one", "two"):
+        bodies += [{"name": name, "on": "post", "joint": {"kind": "free", "name": name}, "B": post, **matter},
+                   {"name": f"on {name}", "on": name, "joint": {"kind": "revolute", "name": f"j {name}", "axis": "x"},
+                    "B": post, **matter}]
+    m = axode.Model.from_bodies(bodies)
+    check_same(m, compiled(axode.mjcf(m)), [])
+    there = compiled(axode.mjcf(m))
+    data = mujoco().MjData(there)
+    data.qpos[:] = convert.to_mujoco(m, m.random(seed=3))[0]
+    mujoco().mj_forward(there, data)
+    for name in ("post", "one", "on two"):
+        assert close(axode.poses(m, m.random(seed=3))[m.frame_index(name), :3, 3], data.body(name).xpos)
+    with pytest.raises(axode.ModelError, match="is free and hangs on body"):
+        axode.mjcf(axode.Model.from_bodies([*bodies, {"name": "rider", "on": "one", "joint": "free", **matter}]))
 
 
 def test_every_joint_that_mjcf_has_is_written():

@@ -112,12 +112,12 @@ function names({ scene, state, stage }: View): Layer {
   return {
     id: "names",
     title: "Names",
-    hint: () => "of bodies at their centres of mass, of frames at their origins",
+    hint: () => "of bodies at their centres of mass, of frames at their origins; what would lie on another is left out",
     swatch: "#8b98a6",
     on: false,
     over: true,
     root: labels,
-    update: () => labels.place(state.tree.poses, stage.pixel),
+    update: () => labels.place(state.tree.poses, stage),
     paint: (palette) => labels.paint(palette),
   };
 }

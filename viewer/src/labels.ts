@@ -1,8 +1,11 @@
 import { CanvasTexture, Group, Matrix4, Sprite, SpriteMaterial, SRGBColorSpace, Vector3 } from "three";
 import type { Palette } from "./palette";
+import type { Stage } from "./stage";
 
 const FONT = '600 26px system-ui, "Segoe UI", Roboto, "DejaVu Sans", sans-serif';
 const HEIGHT = 44;
+/** Of a line of text on the screen, in pixels. */
+const ROW = 0.36 * HEIGHT;
 
 interface Label {
   text: string;
@@ -29,19 +32,54 @@ export class Labels extends Group {
     if (this.sprites.length > 0) this.add(...this.sprites);
   }
 
-  place(poses: readonly Matrix4[], pixel: number): void {
-    const taken = new Map<string, number>();
-    this.labels.forEach(({ body, at }, k) => {
+  /** At their things, or below, or not at all where others are: what comes first is what stays. */
+  place(poses: readonly Matrix4[], { camera, canvas, pixel }: Stage): void {
+    camera.updateMatrixWorld();
+    const seen = new Vector3();
+    const places = this.labels.map(({ body, at }, k) => {
       const sprite = this.sprites[k];
       sprite.position.copy(at).applyMatrix4(poses[body]);
-      // Names of one and the same place stand below each other.
-      const place = sprite.position.toArray().map((x) => x.toFixed(4)).join();
-      const above = taken.get(place) ?? 0;
-      taken.set(place, above + 1);
-      sprite.center.set(-12 / sprite.userData.width, 0.5 + 0.72 * above);
+      const { x, y, z } = seen.copy(sprite.position).project(camera);
+      return {
+        x: (0.5 + 0.5 * x) * canvas.clientWidth,
+        y: (0.5 - 0.5 * y) * canvas.clientHeight,
+        width: Math.abs(z) <= 1 ? sprite.userData.width / 2 : 0,
+      };
+    });
+    rowsOf(places, ROW).forEach((row, k) => {
+      const sprite = this.sprites[k];
+      sprite.visible = row !== null;
+      sprite.center.set(-12 / sprite.userData.width, 0.5 + ((row ?? 0) * ROW) / (HEIGHT / 2));
       sprite.scale.set((sprite.userData.width / 2) * pixel, (HEIGHT / 2) * pixel, 1);
     });
   }
+}
+
+/** Where the left end of a text is, and how long it is, in pixels; 0 where it is not seen. */
+interface Place {
+  x: number;
+  y: number;
+  width: number;
+}
+
+/** How many rows below its place each text stands, so that none lies on one before it: below those of one and the same place.
+ * Null where others are in the way, for farther off it would be the name of something else. */
+export function rowsOf(places: readonly Place[], height: number): (number | null)[] {
+  const taken = new Map<number, (Place & { row: number })[]>(); // by height
+  return places.map(({ x, y, width }) => {
+    if (!(width > 0)) return 0;
+    for (let row = 0; ; ++row) {
+      const here = y + row * height;
+      const cell = Math.floor(here / height);
+      const near = [cell - 1, cell, cell + 1].flatMap((k) => taken.get(k) ?? []);
+      const hit = near.filter((it) => Math.abs(it.y - here) < 0.999 * height && it.x < x + width && x < it.x + it.width);
+      if (hit.length === 0) {
+        taken.set(cell, [...(taken.get(cell) ?? []), { x, y: here, width, row }]);
+        return row;
+      }
+      if (!hit.every((it) => Math.hypot(it.x - x, it.y - it.row * height - y) < 1)) return null;
+    }
+  });
 }
 
 function written(text: string, palette: Palette): Sprite {

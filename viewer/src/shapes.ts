@@ -15,6 +15,7 @@ import { Instances, type Item } from "./instances";
 import { matrixOf } from "./kinematics";
 import type { Part } from "./meshes";
 import { colors } from "./palette";
+import { drawsOnProcessor } from "./processor";
 import type { Scene, Shape } from "./scene";
 
 /** Unit geometries; round ones have so many sides. */
@@ -28,8 +29,14 @@ function solids(sides: number) {
 }
 const fine = solids(40);
 const coarse = solids(16);
+const coarsest = solids(8);
 /** Where there are more shapes than this, each is small on the screen. */
 const MANY = 60;
+
+/** What so many shapes are made of, that a frame takes no longer than it may. */
+function solidsFor(count: number): typeof fine {
+  return count <= MANY ? fine : drawsOnProcessor() ? coarsest : coarse;
+}
 
 /** What a shape is drawn with: unit geometries, each scaled and moved. */
 function pieces(shape: Shape, meshes: readonly Part[][], solid: typeof fine): { geometry: BufferGeometry; material: Material | null; local: Matrix4 }[] {
@@ -77,7 +84,7 @@ export function shapeGroup(scene: Scene, shapes: readonly Shape[], meshes: reado
   const depth = scene.bodies.map(() => 0);
   scene.bodies.forEach((body, i) => i > 0 && (depth[i] = depth[body.predecessor] + 1));
   const gathered = new Map<string, { geometry: BufferGeometry; material: Material; items: Item[] }>();
-  const solid = shapes.length > MANY ? coarse : fine;
+  const solid = solidsFor(shapes.length);
   for (const shape of shapes) {
     const collision = shape.role === "collision";
     const opacity = collision ? 0.5 : (shape.color?.[3] ?? 1);

@@ -25,6 +25,7 @@ import {
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 import { Instances } from "./instances";
 import { palettes } from "./palette";
+import { drawsOnProcessor } from "./processor";
 
 /** 1, 2 or 5 times a power of ten, at most x. */
 function round(x: number): number {
@@ -63,11 +64,11 @@ export class Stage {
     gravity: readonly number[],
   ) {
     try {
-      this.renderer = new WebGLRenderer({ canvas, antialias: true });
+      this.renderer = new WebGLRenderer({ canvas, antialias: !drawsOnProcessor() });
     } catch {
       throw new Error("This browser draws nothing in three dimensions: it has no WebGL, or it is switched off.");
     }
-    this.renderer.shadowMap.enabled = !drawsOnProcessor(this.renderer);
+    this.renderer.shadowMap.enabled = !drawsOnProcessor();
     this.renderer.shadowMap.type = PCFShadowMap;
     this.renderer.shadowMap.autoUpdate = false;
     this.up = upward(gravity);
@@ -262,13 +263,6 @@ export class Stage {
       this.canvas.toBlob((blob) => (blob ? resolve(blob) : reject(new Error("No picture could be made."))), "image/png");
     });
   }
-}
-
-/** Whether there is no graphics card: shadows would then take three quarters of the time of a frame. */
-function drawsOnProcessor(renderer: WebGLRenderer): boolean {
-  const context = renderer.getContext();
-  const names = context.getExtension("WEBGL_debug_renderer_info");
-  return names !== null && /swiftshader|llvmpipe|softpipe/i.test(String(context.getParameter(names.UNMASKED_RENDERER_WEBGL)));
 }
 
 /** The axis that points against gravity most; z without gravity. */

@@ -11,13 +11,13 @@ const EPSILON = 1e-9;
 const movedArm = movingArm();
 const root = fileURLToPath(new URL("..", import.meta.url));
 let server;
-let kinematics, screws, axode, inertia, motion, history, sceneModule;
+let kinematics, screws, axode, inertia, motion, history, sceneModule, labels;
 
 before(async () => {
   server = await createServer({ root, configFile: false, logLevel: "error", server: { middlewareMode: true, hmr: false, ws: false, watch: null }, optimizeDeps: { noDiscovery: true } });
   const load = (name) => server.ssrLoadModule(`/src/${name}.ts`);
-  [kinematics, screws, axode, inertia, motion, history, sceneModule] = await Promise.all(
-    ["kinematics", "screws", "axode", "inertia", "motion", "history", "scene"].map(load));
+  [kinematics, screws, axode, inertia, motion, history, sceneModule, labels] = await Promise.all(
+    ["kinematics", "screws", "axode", "inertia", "motion", "history", "scene", "labels"].map(load));
 });
 after(() => server?.close());
 
@@ -203,4 +203,23 @@ test("what a scene lacks is said", () => {
   assert.throws(() => sceneModule.readScene(broken((s) => (s.shapes[0].body = 70))), /body 70/);
   assert.throws(() => sceneModule.readScene(broken((s) => (s.bodies[2].predecessor = 3))), /predecessor of body 2/);
   assert.throws(() => sceneModule.readScene(broken((s) => s.motion.twists.pop())), /120 samples of twists and 121 of t/);
+});
+
+test("no name lies on another, and the first stay where they are", () => {
+  const height = 16;
+  let seed = 1;
+  const random = () => (seed = (16807 * seed) % 2147483647) / 2147483647;
+  const places = Array.from({ length: 200 }, () => ({ x: 400 * random(), y: 300 * random(), width: 20 + 80 * random() }));
+  places.push({ x: 0, y: 0, width: 0 }); // behind the camera
+  const rows = labels.rowsOf(places, height);
+  assert.equal(rows[0], 0);
+  assert.equal(rows[200], 0);
+  assert.ok(rows.includes(null) && rows.filter((row) => row === 0).length > 20);
+  const shown = places.map((place, k) => ({ ...place, y: place.y + rows[k] * height })).filter(({ width }, k) => rows[k] !== null && width > 0);
+  shown.forEach((a, i) => shown.slice(0, i).forEach((b) => {
+    assert.ok(Math.abs(a.y - b.y) >= 0.99 * height || a.x >= b.x + b.width || b.x >= a.x + a.width, `${JSON.stringify(a)} on ${JSON.stringify(b)}`);
+  }));
+  assert.deepEqual(labels.rowsOf(Array(3).fill({ x: 5, y: 7, width: 30 }), height), [0, 1, 2]);
+  assert.deepEqual(labels.rowsOf([{ x: 5, y: 7, width: 30 }, { x: 9, y: 20, width: 30 }, { x: 5, y: 7, width: 30 }], height), [0, null, 1]);
+  assert.deepEqual(labels.rowsOf([{ x: 0, y: 0, width: 30 }, { x: 30, y: 0, width: 30 }], height), [0, 0]);
 });
