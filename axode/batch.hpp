@@ -4,6 +4,7 @@
 #include <span>
 #include <type_traits>
 
+#include "axode/integration/drives.hpp"
 #include "axode/integration/tableau.hpp"
 #include "axode/kinematics/arguments.hpp"
 #include "axode/recursion/solvability.hpp"
@@ -109,6 +110,15 @@ template <class T>
 Outcome rollout(const Model& model, std::span<const T> q, Numbers<T> v, Numbers<T> tau, double step,
                 std::type_identity_t<std::span<T>> q_out, std::type_identity_t<std::span<T>> v_out,
                 const Tableau& method = runge_kutta(4), int threads = 1, const Monitor& monitor = {});
+
+/// The same of K steps under a drive that all motions share, which is asked at every stage of a step. It is called for one
+/// motion at a time, by copies of its own in every thread; those of axode/integration/drives.hpp go through the lanes, and
+/// what they follow is found once for all motions. Throws std::invalid_argument for no drive.
+template <class T>
+Outcome rollout(const Model& model, std::span<const T> q, Numbers<T> v, const Drive& drive, std::size_t K,
+                double step, std::type_identity_t<std::span<T>> q_out,
+                std::type_identity_t<std::span<T>> v_out, const Tableau& method = runge_kutta(4),
+                int threads = 1, const Monitor& monitor = {});
 
 /// The instruction set that this processor is served with: "SSE2", "AVX2" or "AVX-512".
 const char* instruction_set();
