@@ -4,6 +4,7 @@
 #include <memory>
 #include <optional>
 #include <stdexcept>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -14,8 +15,8 @@
 #include "axode/batch/portions.hpp"
 #include "axode/dynamics/forward_dynamics.hpp"
 #include "axode/dynamics/springs.hpp"
+#include "axode/integration/closed_motion.hpp"
 #include "axode/integration/munthe_kaas.hpp"
-#include "axode/model/check_no_loops.hpp"
 #include "axode/model/configuration.hpp"
 #include "axode/model/finite.hpp"
 
@@ -36,7 +37,15 @@ template <class S> class OneMotion {
         group_(model.tree<S>()),
         drive_(drive),
         a_(static_cast<std::size_t>(model.nv())),
-        total_(a_) {}
+        total_(a_) {
+    if (!model.loops().empty()) loops_ = std::make_shared<ClosedMotion>(model);
+  }
+
+  /// At a state, where loops are closed.
+  void begin(std::span<const S> q) {
+    if constexpr (std::same_as<S, double>)
+      if (loops_) loops_->hold(q);
+  }
 
   /// Step k; forces are for those without a drive.
   Solvability run(std::size_t k, std::span<const S> q, std::span<const S> v, std::span<const S> tau,
@@ -51,17 +60,30 @@ template <class S> class OneMotion {
       else
         total_.assign(tau.begin(), tau.end());
       if (!model_->springs().empty()) add_spring_forces(*model_, workspace_, q_t, v_t, total_);
-      found = axode::forward_dynamics(*model_, workspace_, q_t, v_t, total_, a_t);
+      found = solve(q_t, v_t, a_t);
       return found.ok();
     };
     if (!accelerate(0, q, v, a_) || !scheme_.run(0, q.data(), v.data(), a_.data(), step, accelerate))
       return found;
     group_.move(q.data(), scheme_.theta.data(), q_1.data());
     std::ranges::copy(scheme_.y, v_1.begin());
+    if constexpr (std::same_as<S, double>)
+      if (loops_) {
+        std::vector<double> q_end(q_1.begin(), q_1.end());
+        torn_ = !loops_->close(q_end, scheme_.y);
+        std::ranges::copy(q_end, q_1.begin()), std::ranges::copy(scheme_.y, v_1.begin());
+      }
     return found;
   }
+  /// Whether the loops could not be closed at the end of the last step.
+  bool torn() const { return torn_; }
 
  private:
+  Solvability solve(std::span<const S> q, std::span<const S> v, std::span<S> a) {
+    if constexpr (std::same_as<S, double>)
+      if (loops_) return loops_->accelerate(q, v, total_, {}, a);
+    return axode::forward_dynamics(*model_, workspace_, q, v, total_, a);
+  }
   void drive(double t, std::span<const S> q, std::span<const S> v) {
     if constexpr (std::same_as<S, double>) {
       drive_(t, q, v, total_);
@@ -80,6 +102,8 @@ template <class S> class OneMotion {
   MuntheKaas<S> scheme_;
   ConfigurationGroup<S> group_;
   Drive drive_;
+  std::shared_ptr<ClosedMotion> loops_;
+  bool torn_ = false;
   std::vector<S> a_, total_;
 };
 
@@ -126,10 +150,11 @@ Outcome roll(const Model& model, std::span<const S> q, std::span<const S> v, std
 
   const Tree<S>& tree = model.tree<S>();
   FollowedDrive<S> followed(model, drive);
-  const bool in_lanes =
-      N > 1 && tree->coupled_bodies.empty() && model.springs().empty() && (!drive || followed.known());
+  const bool in_lanes = N > 1 && tree->coupled_bodies.empty() && model.springs().empty() &&
+                        model.loops().empty() && (!drive || followed.known());
   const std::size_t group = in_lanes ? static_cast<std::size_t>(best_kernels<S>().lanes) : 1;
   std::vector<Solvability> found(N);
+  std::vector<char> torn(N);
   Outcome outcome{.done = N};
   Watch watch(monitor, N);
   for (std::size_t begin = 0; begin < K && outcome.done == N; begin += steps_at_once) {
@@ -147,11 +172,14 @@ Outcome roll(const Model& model, std::span<const S> q, std::span<const S> v, std
           const std::size_t n = first + l;
           if ((doubts >> l & 1) == 0 && finite(v_at(n, end)) && finite(q_at(n, end))) continue;
           if (!one) one.emplace(model, method, drive);
+          if (found[n].ok() && !torn[n]) one->begin(q_at(n, begin));
           for (std::size_t k = begin; k < end; ++k) {
-            if (found[n].ok())
+            if (found[n].ok() && !torn[n]) {
               found[n] =
                   one->run(k, q_at(n, k), v_at(n, k), tau_at(n, k), step, q_at(n, k + 1), v_at(n, k + 1));
-            if (!found[n].ok()) none(q_at(n, k + 1)), none(v_at(n, k + 1));
+              torn[n] = one->torn();
+            }
+            if (!found[n].ok() || torn[n]) none(q_at(n, k + 1)), none(v_at(n, k + 1));
           }
         }
       };
@@ -159,8 +187,30 @@ Outcome roll(const Model& model, std::span<const S> q, std::span<const S> v, std
     if (!watch.go_on(0)) outcome.done = 0;
   }
   for (std::size_t n = 0; n < outcome.done; ++n)
-    if (!found[n].ok() && outcome.singular_states++ == 0) outcome.first = n, outcome.solvability = found[n];
+    if ((!found[n].ok() || torn[n]) && outcome.singular_states++ == 0)
+      outcome.first = n, outcome.solvability = found[n], outcome.torn = torn[n];
   return outcome;
+}
+
+/// Whether a motion can start at every state: where loops are closed. Throws std::invalid_argument where it cannot.
+template <class S> void check_loops(const Model& model, std::span<const S> q, std::span<const S> v) {
+  if (model.loops().empty()) return;
+  if constexpr (std::same_as<S, double>) {
+    const std::size_t nq = static_cast<std::size_t>(model.nq()), nv = static_cast<std::size_t>(model.nv()),
+                      N = q.size() / nq;
+    check_size("v", v.size(), N * nv, "nv N");
+    ClosedMotion loops(model);
+    for (std::size_t n = 0; n < N; ++n) {
+      try {
+        loops.check(q.subspan(n * nq, nq), v.subspan(n * nv, nv));
+      } catch (const std::invalid_argument& error) {
+        throw std::invalid_argument("state " + std::to_string(n) + ": " + error.what());
+      }
+    }
+  } else {
+    throw std::invalid_argument("model \"" + model.name() +
+                                "\" has loops, which rollouts count in double precision alone");
+  }
 }
 
 }  // namespace
@@ -169,10 +219,11 @@ template <class S>
 Outcome rollout(const Model& model, std::span<const S> q, Numbers<S> v, Numbers<S> tau, double step,
                 std::type_identity_t<std::span<S>> q_out, std::type_identity_t<std::span<S>> v_out,
                 const Tableau& method, int threads, const Monitor& monitor) {
-  check(method), check_step(step), check_no_loops(model, "rollout");
+  check(method), check_step(step);
   const std::size_t nv = static_cast<std::size_t>(model.nv()), N = check_states(model, q, threads),
                     K = N * nv == 0 ? 0 : tau.size() / (N * nv);
   check_size("tau", tau.size(), K * nv * N, "K nv N");
+  check_loops(model, q, v);
   return roll<S>(model, q, v, K, tau, {}, step, q_out, v_out, method, threads, monitor);
 }
 
@@ -181,9 +232,10 @@ Outcome rollout(const Model& model, std::span<const S> q, Numbers<S> v, const Dr
                 double step, std::type_identity_t<std::span<S>> q_out,
                 std::type_identity_t<std::span<S>> v_out, const Tableau& method, int threads,
                 const Monitor& monitor) {
-  check(method), check_step(step), check_no_loops(model, "rollout");
+  check(method), check_step(step);
   if (!drive) throw std::invalid_argument("drive is empty; expected a function of (t, q, v)");
   static_cast<void>(check_states(model, q, threads));
+  check_loops(model, q, v);
   return roll<S>(model, q, v, K, {}, drive, step, q_out, v_out, method, threads, monitor);
 }
 

@@ -17,6 +17,7 @@
 #include "drives.hpp"
 #include "long_call.hpp"
 #include "one_state.hpp"
+#include "raise.hpp"
 
 /// Motion in time. Arguments are made ready, and documented, in axode.simulation.
 namespace axode::python {
@@ -229,6 +230,15 @@ template <class F> std::tuple<Array, Array> motions_of(const States& states, nb:
   const batch::Outcome outcome =
       states.unlocked(100.0 * static_cast<double>(K),
                       [&](const batch::Monitor& monitor) { return roll(q_out.all(), v_out.all(), monitor); });
+  if (outcome.torn) {
+    std::vector<std::size_t> torn;
+    for (std::size_t n = outcome.first; n < states.count(); ++n)
+      if (!all_finite(item(v_out, n, shape_v))) torn.push_back(n);
+    raise_of_states("SingularError",
+                    (states.many() ? "state " + std::to_string(outcome.first) + ": " : std::string()) +
+                        "the loops cannot be kept closed; a shorter step may help",
+                    torn, q_out.array());
+  }
   if (!outcome.ok()) {
     std::vector<Solvability> found(states.count());
     for (std::size_t n = outcome.first; n < found.size(); ++n)

@@ -1,6 +1,8 @@
 #include "axode/batch.hpp"
+#include "axode/constraints/assembly.hpp"
 #include "axode/integration.hpp"
 #include "axode/model/configuration.hpp"
+#include "tests/constraints/mechanisms.hpp"
 #include "tests/laws/law.hpp"
 #include "tests/support/refused_arguments.hpp"
 
@@ -174,6 +176,63 @@ TEST(Rollouts, OfManyStepsAndInSinglePrecisionSeeTheDriveOfEachStep) {
     for (std::size_t k = 0; k < 4 * (K + 1); ++k)
       ASSERT_NEAR(v_out[n * 4 * (K + 1) + k], motion.v()[k], 1e-11);
   }
+}
+
+TEST(Rollouts, OfMechanismsWithLoopsAreTheMotionsOneByOne) {
+  constexpr std::size_t K = 300, N = 5;
+  constexpr double step = 1e-3;
+  for (const Description& description : {four_bar(), bricard(), gough()}) {
+    SCOPED_TRACE(description.name);
+    const Model model = ModelBuilder(description).build();
+    const std::size_t nq = static_cast<std::size_t>(model.nq()), nv = static_cast<std::size_t>(model.nv());
+    Random<double> random(3);
+    Vector q, v;
+    for (std::size_t n = 0; n < N; ++n) {
+      const AssemblyResult at = assemble(model, neutral(model), random_numbers(random, model.nv()));
+      q.insert(q.end(), at.q.begin(), at.q.end()), v.insert(v.end(), at.v.begin(), at.v.end());
+    }
+    SimulationOptions options;
+    const Vector zero{0}, tau = random_numbers(random, model.nv());
+    options.drive = SampledDrive(model, zero, tau);
+    Vector q_out(N * (K + 1) * nq), v_out(N * (K + 1) * nv), q_tau(q_out), v_tau(v_out), all;
+    for (std::size_t k = 0; k < N * K; ++k) all.insert(all.end(), tau.begin(), tau.end());
+    ASSERT_TRUE(
+        batch::rollout<double>(model, q, v, options.drive, K, step, q_out, v_out, runge_kutta(4), 2).ok());
+    ASSERT_TRUE(batch::rollout<double>(model, q, v, all, step, q_tau, v_tau).ok());
+    EXPECT_EQ(q_out, q_tau);
+    EXPECT_EQ(v_out, v_tau);
+    for (std::size_t n = 0; n < N; ++n) {
+      const Trajectory motion =
+          simulate_fixed(model, Span(q).subspan(n * nq, nq), Span(v).subspan(n * nv, nv), K * step, step,
+                         runge_kutta(4), options);
+      ASSERT_EQ(motion.size(), K + 1);
+      for (std::size_t k = 0; k < nq * (K + 1); ++k)
+        ASSERT_NEAR(q_out[n * nq * (K + 1) + k], motion.q()[k], 1e-10);
+    }
+    v[nv] += 1;
+    EXPECT_THAT(message_of([&] { (void)batch::rollout<double>(model, q, v, all, step, q_tau, v_tau); }),
+                testing::StartsWith("state 1: v tears loop"));
+    const std::vector<float> q_f(q.begin(), q.end()), v_f(v.begin(), v.end()), tau_f(all.begin(), all.end());
+    std::vector<float> q_single(q_out.size()), v_single(v_out.size());
+    EXPECT_THAT(
+        message_of([&] { (void)batch::rollout<float>(model, q_f, v_f, tau_f, step, q_single, v_single); }),
+        testing::HasSubstr("has loops, which rollouts count in double precision alone"));
+  }
+}
+
+TEST(Rollouts, EndWhereLoopsCannotBeKeptClosed) {
+  const Model model = ModelBuilder(four_bar()).build();
+  Random<double> random(3);
+  const AssemblyResult still = assemble(model, neutral(model)),
+                       fast = assemble(model, neutral(model), Vector{300, 0, 0});
+  Vector q(still.q), v(still.v), q_out(2 * 4 * 3), v_out(q_out);
+  q.insert(q.end(), fast.q.begin(), fast.q.end()), v.insert(v.end(), fast.v.begin(), fast.v.end());
+  const batch::Outcome outcome = batch::rollout<double>(model, q, v, Vector(2 * 3 * 3), 0.1, q_out, v_out);
+  EXPECT_EQ(outcome.singular_states, 1u);
+  EXPECT_EQ(outcome.first, 1u);
+  EXPECT_TRUE(outcome.torn);
+  EXPECT_FALSE(std::isnan(q_out[11]));
+  EXPECT_TRUE(std::isnan(q_out[23]));
 }
 
 TEST(Rollouts, RefuseNoDriveAndResultsOfOtherSizes) {
