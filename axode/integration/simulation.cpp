@@ -31,7 +31,8 @@ class MomentumRun : public Run {
         bases_(model, q_0.data(), v_0.data(), !options.loads.empty()),
         q_t_(q_0.size()),
         v_t_(v_0.size()),
-        p_(v_0.size()) {}
+        p_(v_0.size()),
+        none_(v_0.size()) {}
 
   FloatingBases& bases() { return bases_; }
   /// The start: q, v and p = M v, against the frames of the bases.
@@ -79,13 +80,21 @@ class MomentumRun : public Run {
     Vector q_1(q_t.begin(), q_t.end()), v_1(p.size());
     if (!velocity(t, q_t, p, v_1)) return false;
     bases_.leave(t, q_1.data(), v_1.data());
-    return take_closed(t, q_1, v_1);
+    if (loops_) return take_closed(t, q_1, v_1);
+    if (!begin_evaluation(t, q_1, v_1)) return false;  // M is factorised there: a = M⁻¹ (τ - h)
+    const Span tau = with_springs(q_1, v_1);
+    Vector a_1(p.size());
+    inverse_dynamics(model_, workspace_, Span(q_1), v_1, none_, a_1, loads());
+    for (std::size_t c = 0; c < a_1.size(); ++c) a_1[c] = tau[c] - a_1[c];
+    solve(a_1);
+    if (!finite(a_1)) return stop(t, "accelerations are not finite");
+    return record(t, q_1, v_1, a_1);
   }
 
  private:
   PhaseSpace phase_space_;
   FloatingBases bases_;
-  Vector q_t_, v_t_, p_;
+  Vector q_t_, v_t_, p_, none_;
   bool pushes_bases_ = false;
 };
 

@@ -38,7 +38,7 @@ def simulate(m: Model, q: ArrayLike, v: ArrayLike, until: float, *,
         coordinates are singular, and quaternions stay on the sphere. On (q, p), conserving: "midpoint" (second order,
         implicit), "suzuki4" and "kahan_li6" (fourth and sixth, made of it) are symplectic: errors of the energy stay
         bounded; "rk4_momenta" is explicit. All four keep the momentum of what floats to rounding. They take no events,
-        stops and dry friction.
+        stops and dry friction. Every method keeps loops closed; the symplectic ones take nothing that rolls.
     coordinates: what the motion is computed in; it is told in coordinates of the joints in any case. "relative": these;
         "absolute": bodies are points of SE(3), and every joint is a constraint; "absolute_SO3xR3": of SO(3) x R^3. In
         absolute ones "dopri5", "rk4" and "euler" bring joints and loops back after each step, and others hold them:
@@ -88,11 +88,13 @@ def rollout(m: Model, q: ArrayLike, v: ArrayLike,
     q (N, nq) and v (N, nv) are where they begin, tau (N, K, nv) the drive forces, constant in each step; of one motion
     all go without N. Otherwise `steps` is K, and tau is, for all motions alike, one of `axode.drives`, which acts as in
     `simulate` at every stage of a step, at t = 0 first; or constant forces (nv,); or tau is a function (t, q, v) -> (N, nv),
-    called once a step for all states. Springs of the mechanism act besides. Munthe-Kaas' fourth order, as `simulate` with
-    method="rk4"; functions apart, everything runs in `threads` threads, several motions at once in the processor's lanes.
+    called once a step for all states. Springs of the mechanism act besides, and loops are closed again after each step.
+    Munthe-Kaas' fourth order, as `simulate` with method="rk4"; functions apart, everything runs in `threads` threads,
+    several motions at once in the processor's lanes where there are no springs, loops and coupled joints.
 
-    ValueError for wrong shapes, numbers that are not finite, a drive of another mechanism and step <= 0. SingularError or
-    NotFiniteError, with q, where motions cannot go on; they are NaN from there, and all of them where tau is a function.
+    ValueError for wrong shapes, numbers that are not finite, a drive of another mechanism, loops that are open at first and
+    step <= 0. SingularError or NotFiniteError, with q, where motions cannot go on; they are NaN from there, and all of them
+    where tau is a function.
 
     >>> q, v = axode.rollout(arm, np.zeros((5, 7)), np.zeros((5, 7)), np.ones((5, 20, 7)), 1e-3)
     >>> q.shape
