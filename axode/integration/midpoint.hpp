@@ -60,9 +60,7 @@ template <class System> class Midpoint {
         change = std::max(change, std::abs(r_[k])), size = std::max(size, std::abs(v[k]));
       }
       const bool slow = !(change < 0.5 * before);
-      const bool next_is_nothing = !slow && iteration > 0 && change * (change / before) <= 1e-14 * size;
-      if (change <= 1e-13 * size || next_is_nothing ||
-          (slow && change < 1e-9 * size)) {  // the last is rounding
+      if (change <= 1e-13 * size || (slow && change < 1e-9 * size)) {  // the latter is rounding
         // Along the last v, q and p alike: momenta depend on that they move together.
         for (std::size_t k = 0; k < v.size(); ++k) y_[k] = 0.5 * h * v[k];
         group_.carry(y_.data(), p0.data(), p.data());
