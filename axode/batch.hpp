@@ -4,6 +4,7 @@
 #include <span>
 #include <type_traits>
 
+#include "axode/integration/drives.hpp"
 #include "axode/integration/tableau.hpp"
 #include "axode/kinematics/arguments.hpp"
 #include "axode/recursion/solvability.hpp"
@@ -35,6 +36,7 @@ struct [[nodiscard]] Outcome {
   std::size_t singular_states = 0;  ///< their results are NaN
   std::size_t first = 0;            ///< the first of them
   Solvability solvability;          ///< of that one
+  bool torn = false;                ///< or whether its loops could not be kept closed; of motions
   std::size_t done = 0;             ///< N, unless the monitor ended the call
   bool ok() const { return singular_states == 0; }
 };
@@ -104,11 +106,20 @@ Outcome forward_dynamics_vjp(const Model& model, std::span<const T> q, Numbers<T
 
 /// N motions of K steps of one length (s), see axode::simulate_fixed: tau has nv K N numbers, constant in each step; q_out
 /// and v_out get (K + 1) states for each motion, the first of which is the one given. A motion that cannot go on is NaN
-/// from there.
+/// from there. Loops, in double alone, are closed again after each step; throws std::invalid_argument where they are open at first.
 template <class T>
 Outcome rollout(const Model& model, std::span<const T> q, Numbers<T> v, Numbers<T> tau, double step,
                 std::type_identity_t<std::span<T>> q_out, std::type_identity_t<std::span<T>> v_out,
                 const Tableau& method = runge_kutta(4), int threads = 1, const Monitor& monitor = {});
+
+/// The same of K steps under a drive that all motions share, which is asked at every stage of a step. It is called for one
+/// motion at a time, by copies of its own in every thread; those of axode/integration/drives.hpp go through the lanes, and
+/// what they follow is found once for all motions. Throws std::invalid_argument for no drive.
+template <class T>
+Outcome rollout(const Model& model, std::span<const T> q, Numbers<T> v, const Drive& drive, std::size_t K,
+                double step, std::type_identity_t<std::span<T>> q_out,
+                std::type_identity_t<std::span<T>> v_out, const Tableau& method = runge_kutta(4),
+                int threads = 1, const Monitor& monitor = {});
 
 /// The instruction set that this processor is served with: "SSE2", "AVX2" or "AVX-512".
 const char* instruction_set();

@@ -145,6 +145,7 @@ endforeach()
 find_package(TBB REQUIRED)
 axode_add_library(axode_batch batch)
 target_sources(axode_batch PRIVATE ${PROJECT_SOURCE_DIR}/axode/batch/batch.cpp
+                                   ${PROJECT_SOURCE_DIR}/axode/batch/followed_drive.cpp
                                    ${PROJECT_SOURCE_DIR}/axode/batch/instruction_set.cpp
                                    ${PROJECT_SOURCE_DIR}/axode/batch/portions.cpp
                                    ${PROJECT_SOURCE_DIR}/axode/batch/rollout.cpp)

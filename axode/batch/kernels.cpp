@@ -313,8 +313,10 @@ class Rollout {
     Dynamics& at = *dynamics_;
     at.bodies.doubtful = Number::Mask{};
     const std::ptrdiff_t nq = tree_->nq, nv = tree_->nv;
+    const S* row = of.law ? of.law->rows : nullptr;
     const auto accelerate = [&](double, std::span<const Number> q, std::span<const Number> v,
                                 std::span<Number> a) {
+      if (of.law) drive(*of.law, row, q.data(), v.data()), row += nq + 2 * nv;
       at.bodies.place_and_move(tree_, q.data(), v.data(), at.motion);
       at.bodies.factorize(tree_, at.tau);
       at.bodies.accelerate(tree_, at.motion, a.data());
@@ -322,7 +324,7 @@ class Rollout {
     };
     each(of, of.q + k * nq, (of.K + 1) * nq, at.q, nq), each(of, of.v + k * nv, (of.K + 1) * nv, at.v, nv);
     for (; k < end; ++k) {
-      each(of, of.tau + k * nv, of.K * nv, at.tau, nv);
+      if (!of.law) each(of, of.tau + k * nv, of.K * nv, at.tau, nv);
       accelerate(0, {at.q, static_cast<std::size_t>(nq)}, {at.v, static_cast<std::size_t>(nv)},
                  {at.a, static_cast<std::size_t>(nv)});
       static_cast<void>(scheme_.run(0, at.q, at.v, at.a, of.step, accelerate));
@@ -339,17 +341,44 @@ class Rollout {
 
  private:
   struct Dynamics {
-    Number *q, *v, *tau, *a;
+    Number *q, *v, *tau, *a, *q_d, *x;
     ArticulatedBodies bodies;
     ArticulatedBodies::Motion* motion;
+    FastInverseDynamics<G, Number> inverse;
     explicit Dynamics(Arena& arena)
         : q(arena.array<Number>(static_cast<std::size_t>(arena.topology().nq))),
           v(arena.per_velocity<Number>()),
           tau(arena.per_velocity<Number>()),
           a(arena.per_velocity<Number>()),
+          q_d(arena.array<Number>(static_cast<std::size_t>(arena.topology().nq))),
+          x(arena.per_velocity<Number>()),
           bodies(arena),
-          motion(arena.per_body<ArticulatedBodies::Motion>()) {}
+          motion(arena.per_body<ArticulatedBodies::Motion>()),
+          inverse(arena) {}
   };
+  /// τ of a drive that is at a row.
+  void drive(const Law<S>& law, const S* row, const Number* q, const Number* v) noexcept {
+    Dynamics& at = *dynamics_;
+    const int nq = tree_->nq, nv = tree_->nv;
+    const S *const v_d = row + nq, *const w = v_d + nv;
+    for (int c = 0; c < nv; ++c) at.tau[c] = Number(w[c]);
+    if (law.tracks) {
+      for (int c = 0; c < nq; ++c) at.q_d[c] = Number(row[c]);
+      group_.difference(q, at.q_d, at.x);
+      for (int c = 0; c < nv; ++c)
+        at.tau[c] += Number(law.kp[c]) * at.x[c] + Number(law.kd[c]) * (Number(v_d[c]) - v[c]);
+    }
+    if (law.computes) {
+      for (int c = 0; c < nv; ++c) at.x[c] = at.tau[c], at.tau[c] = Number(tree_.armature[c]) * at.x[c];
+      at.inverse.forward(tree_, q, v, at.x, cast<Number>(tree_.g));
+      at.inverse.backward(tree_, at.tau);
+    } else if (law.limit) {
+      for (int c = 0; c < nv; ++c) {
+        const Number most(law.limit[c]);
+        at.tau[c] = select(at.tau[c] > most, most, select(at.tau[c] < -most, -most, at.tau[c]));
+      }
+    }
+  }
   /// n numbers of every motion, the last one repeated in lanes that are left.
   static void each(const Motions<S>& of, const S* in, std::ptrdiff_t stride, Number* out, std::ptrdiff_t n) {
     for (std::ptrdiff_t l = 0; l < lanes; ++l)

@@ -13,10 +13,20 @@ template <class S, class Call> struct Kernel {
   Call* call;
 };
 
+/// A drive of axode/integration/drives.hpp, the same for all motions. With x from q ⊕ x = q_d, where it tracks,
+///   y = kp x + kd (v_d - v) + w,   τ = y within the limits, or τ = ID(q, v, y) where it computes.
+template <class S> struct Law {
+  bool tracks, computes;
+  const S *kp, *kd;  ///< nv each
+  const S* limit;    ///< nv, or none
+  const S* rows;     ///< q_d (nq), v_d (nv) and w (nv) for each stage, from that of the first step on
+};
+
 /// Motions of K steps, at most as many as there are lanes: the states of one lie behind each other, and so do its forces.
 template <class S> struct Motions {
-  const S* tau;  ///< K nv for each
-  S *q, *v;      ///< (K + 1) nq and nv for each
+  const S* tau;       ///< K nv for each; or
+  const Law<S>* law;  ///< that of their drive
+  S *q, *v;           ///< (K + 1) nq and nv for each
   std::ptrdiff_t K, count;
   double step;
 };

@@ -1,18 +1,23 @@
 #include <algorithm>
+#include <concepts>
 #include <limits>
 #include <memory>
 #include <optional>
+#include <stdexcept>
+#include <string>
 #include <utility>
 #include <vector>
 
 #include "axode/batch.hpp"
 #include "axode/batch/check_states.hpp"
+#include "axode/batch/followed_drive.hpp"
 #include "axode/batch/kernels.hpp"
 #include "axode/batch/portions.hpp"
 #include "axode/dynamics/forward_dynamics.hpp"
 #include "axode/dynamics/springs.hpp"
+#include "axode/integration/closed_motion.hpp"
 #include "axode/integration/munthe_kaas.hpp"
-#include "axode/model/check_no_loops.hpp"
+#include "axode/model/configuration.hpp"
 #include "axode/model/finite.hpp"
 
 namespace axode::batch {
@@ -21,40 +26,84 @@ namespace {
 
 template <class S> void none(std::span<S> x) { std::ranges::fill(x, std::numeric_limits<S>::quiet_NaN()); }
 
-/// Steps of one motion.
+/// Steps of one motion, under forces or a drive.
 template <class S> class OneMotion {
  public:
-  OneMotion(const Model& model, const Tableau& method)
+  OneMotion(const Model& model, const Tableau& method, const Drive& drive)
       : model_(&model),
         workspace_(model),
+        method_(&method),
         scheme_(model.tree<S>(), method),
         group_(model.tree<S>()),
+        drive_(drive),
         a_(static_cast<std::size_t>(model.nv())),
-        total_(a_) {}
+        total_(a_) {
+    if (!model.loops().empty()) loops_ = std::make_shared<ClosedMotion>(model);
+  }
 
-  Solvability run(std::span<const S> q, std::span<const S> v, std::span<const S> tau, double step,
-                  std::span<S> q_1, std::span<S> v_1) {
+  /// At a state, where loops are closed.
+  void begin(std::span<const S> q) {
+    if constexpr (std::same_as<S, double>)
+      if (loops_) loops_->hold(q);
+  }
+
+  /// Step k; forces are for those without a drive.
+  Solvability run(std::size_t k, std::span<const S> q, std::span<const S> v, std::span<const S> tau,
+                  double step, std::span<S> q_1, std::span<S> v_1) {
     Solvability found;
+    std::size_t stage = 0;
     const auto accelerate = [&](double, std::span<const S> q_t, std::span<const S> v_t, std::span<S> a_t) {
       found = {.not_finite = true};
       if (!finite(q_t)) return false;
-      total_.assign(tau.begin(), tau.end());
+      if (drive_)
+        drive(time_of(*method_, step, k, stage++), q_t, v_t);
+      else
+        total_.assign(tau.begin(), tau.end());
       if (!model_->springs().empty()) add_spring_forces(*model_, workspace_, q_t, v_t, total_);
-      found = axode::forward_dynamics(*model_, workspace_, q_t, v_t, total_, a_t);
+      found = solve(q_t, v_t, a_t);
       return found.ok();
     };
     if (!accelerate(0, q, v, a_) || !scheme_.run(0, q.data(), v.data(), a_.data(), step, accelerate))
       return found;
     group_.move(q.data(), scheme_.theta.data(), q_1.data());
     std::ranges::copy(scheme_.y, v_1.begin());
+    if constexpr (std::same_as<S, double>)
+      if (loops_) {
+        std::vector<double> q_end(q_1.begin(), q_1.end());
+        torn_ = !loops_->close(q_end, scheme_.y);
+        std::ranges::copy(q_end, q_1.begin()), std::ranges::copy(scheme_.y, v_1.begin());
+      }
     return found;
   }
+  /// Whether the loops could not be closed at the end of the last step.
+  bool torn() const { return torn_; }
 
  private:
+  Solvability solve(std::span<const S> q, std::span<const S> v, std::span<S> a) {
+    if constexpr (std::same_as<S, double>)
+      if (loops_) return loops_->accelerate(q, v, total_, {}, a);
+    return axode::forward_dynamics(*model_, workspace_, q, v, total_, a);
+  }
+  void drive(double t, std::span<const S> q, std::span<const S> v) {
+    if constexpr (std::same_as<S, double>) {
+      drive_(t, q, v, total_);
+    } else {
+      const std::vector<double> v_t(v.begin(), v.end()),
+          q_t = normalize(*model_, std::vector<double>(q.begin(), q.end()));  // in more digits
+      std::vector<double> tau(v.size());
+      drive_(t, q_t, v_t, tau);
+      total_.assign(tau.begin(), tau.end());
+    }
+  }
+
   const Model* model_;
   Workspace<S> workspace_;
+  const Tableau* method_;
   MuntheKaas<S> scheme_;
   ConfigurationGroup<S> group_;
+  Drive drive_;
+  std::shared_ptr<ClosedMotion> loops_;
+  bool torn_ = false;
   std::vector<S> a_, total_;
 };
 
@@ -73,18 +122,15 @@ template <class S> class InLanes {
   std::shared_ptr<void> rollout_;
 };
 
-}  // namespace
-
+/// Motions under forces, or a drive.
 template <class S>
-Outcome rollout(const Model& model, std::span<const S> q, Numbers<S> v, Numbers<S> tau, double step,
-                std::type_identity_t<std::span<S>> q_out, std::type_identity_t<std::span<S>> v_out,
-                const Tableau& method, int threads, const Monitor& monitor) {
+Outcome roll(const Model& model, std::span<const S> q, std::span<const S> v, std::size_t K,
+             std::span<const S> tau, const Drive& drive, double step, std::span<S> q_out, std::span<S> v_out,
+             const Tableau& method, int threads, const Monitor& monitor) {
   constexpr std::size_t steps_at_once = 256;  // of one motion, between two looks at the monitor
-  check(method), check_step(step), check_no_loops(model, "rollout");
   const std::size_t nq = static_cast<std::size_t>(model.nq()), nv = static_cast<std::size_t>(model.nv()),
-                    N = check_states(model, q, threads), K = N * nv == 0 ? 0 : tau.size() / (N * nv);
+                    N = nq == 0 ? 0 : q.size() / nq;
   check_size("v", v.size(), N * nv, "nv N");
-  check_size("tau", tau.size(), K * nv * N, "K nv N");
   check_size("q_out", q_out.size(), (K + 1) * nq * N, "(K + 1) nq N");
   check_size("v_out", v_out.size(), (K + 1) * nv * N, "(K + 1) nv N");
   for (const auto& [name, given] :
@@ -95,35 +141,45 @@ Outcome rollout(const Model& model, std::span<const S> q, Numbers<S> v, Numbers<
   for (const std::span<S> out : {q_out, v_out}) std::ranges::fill(out, std::numeric_limits<S>::quiet_NaN());
   const auto q_at = [&](std::size_t n, std::size_t k) { return q_out.subspan((n * (K + 1) + k) * nq, nq); };
   const auto v_at = [&](std::size_t n, std::size_t k) { return v_out.subspan((n * (K + 1) + k) * nv, nv); };
+  const auto tau_at = [&](std::size_t n, std::size_t k) {
+    return drive ? std::span<const S>{} : tau.subspan((n * K + k) * nv, nv);
+  };
   for (std::size_t n = 0; n < N; ++n)
     std::ranges::copy(q.subspan(n * nq, nq), q_at(n, 0).begin()),
         std::ranges::copy(v.subspan(n * nv, nv), v_at(n, 0).begin());
 
   const Tree<S>& tree = model.tree<S>();
-  const bool in_lanes = N > 1 && tree->coupled_bodies.empty() && model.springs().empty();
+  FollowedDrive<S> followed(model, drive);
+  const bool in_lanes = N > 1 && tree->coupled_bodies.empty() && model.springs().empty() &&
+                        model.loops().empty() && (!drive || followed.known());
   const std::size_t group = in_lanes ? static_cast<std::size_t>(best_kernels<S>().lanes) : 1;
   std::vector<Solvability> found(N);
+  std::vector<char> torn(N);
   Outcome outcome{.done = N};
   Watch watch(monitor, N);
   for (std::size_t begin = 0; begin < K && outcome.done == N; begin += steps_at_once) {
     const std::size_t end = std::min(K, begin + steps_at_once);
+    const Law<S>* law = in_lanes && drive ? &followed.law(method, step, begin, end) : nullptr;
     outcome.done = in_portions(N, group, threads, monitor, [&] {
       return [&, lanes = in_lanes ? std::optional(InLanes<S>(tree, method)) : std::nullopt,
               one = std::optional<OneMotion<S>>()](std::size_t first, std::size_t count) mutable {
         unsigned doubts = ~0u;
         if (lanes)
-          doubts = lanes->run({tau.data() + first * K * nv, q_at(first, 0).data(), v_at(first, 0).data(),
+          doubts = lanes->run({tau_at(first, 0).data(), law, q_at(first, 0).data(), v_at(first, 0).data(),
                                static_cast<std::ptrdiff_t>(K), static_cast<std::ptrdiff_t>(count), step},
                               begin, end);
         for (std::size_t l = 0; l < count; ++l) {
           const std::size_t n = first + l;
           if ((doubts >> l & 1) == 0 && finite(v_at(n, end)) && finite(q_at(n, end))) continue;
-          if (!one) one.emplace(model, method);
+          if (!one) one.emplace(model, method, drive);
+          if (found[n].ok() && !torn[n]) one->begin(q_at(n, begin));
           for (std::size_t k = begin; k < end; ++k) {
-            if (found[n].ok())
-              found[n] = one->run(q_at(n, k), v_at(n, k), tau.subspan((n * K + k) * nv, nv), step,
-                                  q_at(n, k + 1), v_at(n, k + 1));
-            if (!found[n].ok()) none(q_at(n, k + 1)), none(v_at(n, k + 1));
+            if (found[n].ok() && !torn[n]) {
+              found[n] =
+                  one->run(k, q_at(n, k), v_at(n, k), tau_at(n, k), step, q_at(n, k + 1), v_at(n, k + 1));
+              torn[n] = one->torn();
+            }
+            if (!found[n].ok() || torn[n]) none(q_at(n, k + 1)), none(v_at(n, k + 1));
           }
         }
       };
@@ -131,13 +187,65 @@ Outcome rollout(const Model& model, std::span<const S> q, Numbers<S> v, Numbers<
     if (!watch.go_on(0)) outcome.done = 0;
   }
   for (std::size_t n = 0; n < outcome.done; ++n)
-    if (!found[n].ok() && outcome.singular_states++ == 0) outcome.first = n, outcome.solvability = found[n];
+    if ((!found[n].ok() || torn[n]) && outcome.singular_states++ == 0)
+      outcome.first = n, outcome.solvability = found[n], outcome.torn = torn[n];
   return outcome;
+}
+
+/// Whether a motion can start at every state: where loops are closed. Throws std::invalid_argument where it cannot.
+template <class S> void check_loops(const Model& model, std::span<const S> q, std::span<const S> v) {
+  if (model.loops().empty()) return;
+  if constexpr (std::same_as<S, double>) {
+    const std::size_t nq = static_cast<std::size_t>(model.nq()), nv = static_cast<std::size_t>(model.nv()),
+                      N = q.size() / nq;
+    check_size("v", v.size(), N * nv, "nv N");
+    ClosedMotion loops(model);
+    for (std::size_t n = 0; n < N; ++n) {
+      try {
+        loops.check(q.subspan(n * nq, nq), v.subspan(n * nv, nv));
+      } catch (const std::invalid_argument& error) {
+        throw std::invalid_argument("state " + std::to_string(n) + ": " + error.what());
+      }
+    }
+  } else {
+    throw std::invalid_argument("model \"" + model.name() +
+                                "\" has loops, which rollouts count in double precision alone");
+  }
+}
+
+}  // namespace
+
+template <class S>
+Outcome rollout(const Model& model, std::span<const S> q, Numbers<S> v, Numbers<S> tau, double step,
+                std::type_identity_t<std::span<S>> q_out, std::type_identity_t<std::span<S>> v_out,
+                const Tableau& method, int threads, const Monitor& monitor) {
+  check(method), check_step(step);
+  const std::size_t nv = static_cast<std::size_t>(model.nv()), N = check_states(model, q, threads),
+                    K = N * nv == 0 ? 0 : tau.size() / (N * nv);
+  check_size("tau", tau.size(), K * nv * N, "K nv N");
+  check_loops(model, q, v);
+  return roll<S>(model, q, v, K, tau, {}, step, q_out, v_out, method, threads, monitor);
+}
+
+template <class S>
+Outcome rollout(const Model& model, std::span<const S> q, Numbers<S> v, const Drive& drive, std::size_t K,
+                double step, std::type_identity_t<std::span<S>> q_out,
+                std::type_identity_t<std::span<S>> v_out, const Tableau& method, int threads,
+                const Monitor& monitor) {
+  check(method), check_step(step);
+  if (!drive) throw std::invalid_argument("drive is empty; expected a function of (t, q, v)");
+  static_cast<void>(check_states(model, q, threads));
+  check_loops(model, q, v);
+  return roll<S>(model, q, v, K, {}, drive, step, q_out, v_out, method, threads, monitor);
 }
 
 template Outcome rollout(const Model&, std::span<const double>, Numbers<double>, Numbers<double>, double,
                          std::span<double>, std::span<double>, const Tableau&, int, const Monitor&);
 template Outcome rollout(const Model&, std::span<const float>, Numbers<float>, Numbers<float>, double,
                          std::span<float>, std::span<float>, const Tableau&, int, const Monitor&);
+template Outcome rollout(const Model&, std::span<const double>, Numbers<double>, const Drive&, std::size_t,
+                         double, std::span<double>, std::span<double>, const Tableau&, int, const Monitor&);
+template Outcome rollout(const Model&, std::span<const float>, Numbers<float>, const Drive&, std::size_t,
+                         double, std::span<float>, std::span<float>, const Tableau&, int, const Monitor&);
 
 }  // namespace axode::batch

@@ -24,7 +24,8 @@ ClosedMotion::ClosedMotion(const Model& model)
       group_(model_.tree<double>()),
       lambda_(static_cast<std::size_t>(model.loops().rows)),
       r_(lambda_.size()),
-      x_(static_cast<std::size_t>(model.nv())) {}
+      x_(static_cast<std::size_t>(model.nv())),
+      a_(x_) {}
 
 void ClosedMotion::check(Span q, Span v) {
   LoopSystem<double>& system = workspace_.system(model_);
@@ -45,7 +46,34 @@ void ClosedMotion::differentiate(Span q, Span v, Span tau, const Loads<double>& 
 
 void ClosedMotion::hold(Span q) { static_cast<void>(workspace_.system(model_).hold(q.data())); }
 
+Solvability ClosedMotion::add_closing_forces(Span q, Span v, Span tau, const Loads<double>& loads,
+                                             std::span<double> f) {
+  const Solvability found = accelerate(q, v, tau, loads, a_);
+  if (!found.ok()) return found;
+  LoopSystem<double>& system = workspace_.system(model_);
+  system.make_rows(LoopSystem<double>::Rows::velocities);
+  system.add_transposed_times(lambda_.data(), f.data());
+  return found;
+}
+
+bool ClosedMotion::close_momenta(Span q, std::span<double> p) {
+  LoopSystem<double>& system = workspace_.system(model_);
+  if (!system.hold(q.data()).ok()) return false;
+  system.make_rows(LoopSystem<double>::Rows::velocities);
+  std::ranges::fill(r_, 0.0);
+  system.add_response(p.data(), r_.data());
+  system.solve_rows(r_.data(), lambda_.data());
+  system.add_transposed_times(lambda_.data(), p.data());
+  return true;
+}
+
 bool ClosedMotion::close(std::vector<double>& q, std::vector<double>& v) {
+  if (!close_places(q)) return false;
+  LoopSystem<double>& system = workspace_.system(model_);
+  return system.hold(q.data()).ok() && system.collide(v.data(), 0, v.data(), lambda_.data()).ok();
+}
+
+bool ClosedMotion::close_places(std::vector<double>& q) {
   LoopSystem<double>& system = workspace_.system(model_);
   const auto open = [&] {
     system.place(q.data());
@@ -63,8 +91,7 @@ bool ClosedMotion::close(std::vector<double>& q, std::vector<double>& v) {
     }
     before = now;
   }
-  const bool held = system.hold(q.data()).ok();
-  return before <= closed_enough && held && system.collide(v.data(), 0, v.data(), lambda_.data()).ok();
+  return before <= closed_enough;
 }
 
 }  // namespace axode

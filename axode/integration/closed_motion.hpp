@@ -23,8 +23,13 @@ class ClosedMotion {
   /// The derivatives of these accelerations by q, v and tau, [component, direction].
   void differentiate(Span q, Span v, Span tau, const Loads<double>& loads,
                      const ClosedDynamicsDerivatives<double>& d);
+  /// Adds what the loops do to the joints, Aᵀ λ, under which accelerations keep them closed.
+  Solvability add_closing_forces(Span q, Span v, Span tau, const Loads<double>& loads, std::span<double> f);
   /// Whether the loops could be closed. What is 1e-13 rad and m off stays.
   [[nodiscard]] bool close(std::vector<double>& q, std::vector<double>& v);
+  /// The same of places alone, and, where these are closed, of momenta p = M v.
+  [[nodiscard]] bool close_places(std::vector<double>& q);
+  [[nodiscard]] bool close_momenta(Span q, std::span<double> p);
   /// Decides on the rank of the rows, where the loops are closed already.
   void hold(Span q);
 
@@ -32,7 +37,7 @@ class ClosedMotion {
   Model model_;
   LoopWorkspace<double> workspace_;
   ConfigurationGroup<double> group_;
-  std::vector<double> lambda_, r_, x_;
+  std::vector<double> lambda_, r_, x_, a_;
 };
 
 }  // namespace axode

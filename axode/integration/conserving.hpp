@@ -1,6 +1,7 @@
 #pragma once
 #include <algorithm>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "axode/integration/composition.hpp"
@@ -10,20 +11,21 @@
 namespace axode {
 
 /// A step of a symmetric composition of the midpoint rule on (q, p), what floats seen from its centre of mass. Velocities of
-/// the same part of the steps before, extrapolated, are the guesses. A System is one of Midpoint's that has with bases() its
-/// FloatingBases, and says with pushes_bases() whether something acted on one of them in the last evaluation.
-template <class System> class ConservingStep {
+/// the same part of the steps before, extrapolated, are the guesses. Part is Midpoint or ClosedMidpoint. A System is one of its
+/// that has with bases() its FloatingBases, says with pushes_bases() whether something acted on one of them in the last
+/// evaluation, and with close(t, q, p), which has p open no loops, whether it could.
+template <class System, class Part> class ConservingStep {
  public:
   using Numbers = std::vector<double>;
   using Outcome = typename Midpoint<System>::Outcome;
 
   /// From a state with p = M v.
-  ConservingStep(System& system, const Tree<double>& tree, int order, const Numbers& q_0, const Numbers& p_0,
+  ConservingStep(System& system, Part part, int order, const Numbers& q_0, const Numbers& p_0,
                  const Numbers& v_0)
       : q(q_0),
         p(p_0),
         system_(&system),
-        midpoint_(system, tree),
+        midpoint_(std::move(part)),
         lengths_(symmetric_composition(order)),
         guesses_(lengths_.size()),
         y_(p_0) {
@@ -44,6 +46,7 @@ template <class System> class ConservingStep {
       bases.advance(midpoint_.q_middle.data(), part, system_->pushes_bases(), midpoint_.f.data(), y_.data());
       bases.settle(q.data());
       bases.to_momenta(q.data(), y_.data(), p.data());
+      if (!system_->close(t, q, p)) return Outcome::impossible;
     }
     return Outcome::found;
   }
@@ -76,7 +79,7 @@ template <class System> class ConservingStep {
   };
 
   System* system_;
-  Midpoint<System> midpoint_;
+  Part midpoint_;
   std::span<const double> lengths_;
   std::vector<Extrapolation> guesses_;
   Numbers y_;

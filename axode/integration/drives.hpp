@@ -8,7 +8,7 @@
 #include "axode/integration/trajectory.hpp"
 #include "axode/model/workspace.hpp"
 
-/// Drives for SimulationOptions::drive: what they make of (t, q, v) is written into tau (nv).
+/// Drives for SimulationOptions::drive and batch::rollout: what they make of (t, q, v) is written into tau (nv).
 namespace axode {
 
 using Drive = std::function<void(double t, std::span<const double> q, std::span<const double> v,
@@ -58,6 +58,11 @@ struct Gains {
 
 /// What controllers share: gains, and how far the state is from where it is to be.
 class Tracking {
+ public:
+  const std::vector<double>& kp() const { return kp_; }
+  const std::vector<double>& kd() const { return kd_; }
+  const Reference& reference() const { return reference_; }
+
  protected:
   Tracking(const Model& model, const Gains& gains, Reference reference);
   /// Finds the reference for a time, and the x with q ⊕ x = q_d.
@@ -74,11 +79,14 @@ class Tracking {
 /// τ = kp x + kd (v_d - v) + feedforward, with q ⊕ x = q_d on the group of configurations, by the shorter way round on
 /// rotations: kp in N m/rad or N/m, kd in N m s/rad or N s/m. `clip` keeps it within the joints' limits of effort. Throws
 /// std::invalid_argument for gains that are negative, not finite or not one or nv numbers.
-class ProportionalDerivative : private Tracking {
+class ProportionalDerivative : public Tracking {
  public:
   ProportionalDerivative(const Model& model, const Gains& gains, Reference reference, Drive feedforward = {},
                          bool clip = false);
   void operator()(double t, std::span<const double> q, std::span<const double> v, std::span<double> tau);
+  const Drive& feedforward() const { return feedforward_; }
+  /// Of effort, of each velocity; empty where nothing is clipped.
+  const std::vector<double>& limit() const { return limit_; }
 
  private:
   std::vector<double> limit_;
@@ -87,7 +95,7 @@ class ProportionalDerivative : private Tracking {
 
 /// τ = ID(q, v, a_d + kd (v_d - v) + kp x) less what the springs of the model do, so that x'' + kd x' + kp x = 0 for small
 /// x: kp in 1/s², kd in 1/s. Loads and joint losses are not known to it. Throws as ProportionalDerivative.
-class ComputedTorque : private Tracking {
+class ComputedTorque : public Tracking {
  public:
   ComputedTorque(const Model& model, const Gains& gains, Reference reference);
   void operator()(double t, std::span<const double> q, std::span<const double> v, std::span<double> tau);

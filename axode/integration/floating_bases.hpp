@@ -9,7 +9,7 @@
 
 namespace axode {
 
-/// What floats: every root on a free joint (without drive inertia and losses), with all that it carries. The momentum Π of that is a
+/// What floats: every root on a free joint (without drive inertia and losses) that no loop ties to anything else, with all that it carries. The momentum Π of that is a
 /// state y of its own in the place of the p of the joint, against a frame that does not turn and falls with g t, in which nothing
 /// weighs. Where no wrench is applied the frame moves along with the centre of mass, with its velocity u at t = 0: then the linear
 /// momentum is 0, and the centre held in its place. So what nobody pushes has in every scheme an angular momentum about its
@@ -23,7 +23,7 @@ class FloatingBases {
     momenta->run(*kernel_, v);
     each_root(model.topology(), [&](int i) {
       const double mass = kernel_->M[i].m;
-      if ((*tree_)->kind[i] != Subgroup::free || !moves_freely(i) || !(mass > 0)) return;
+      if ((*tree_)->kind[i] != Subgroup::free || !moves_freely(i) || tied(model, i) || !(mass > 0)) return;
       const Vec3<> u = (1 / mass) * momenta->Pi[i].p;
       roots_.push_back({i, !wrenches, center(i), wrenches ? Vec3<>{} : u});
       gravity_[size(i)] = {};
@@ -90,6 +90,17 @@ class FloatingBases {
       if (tree_->armature[size(c)] != 0 || tree_->damping[size(c)] != 0 || tree_->friction[size(c)] != 0)
         return false;
     return true;
+  }
+  /// Whether a loop ties a root, or what it carries, to something else.
+  bool tied(const Model& model, int i) const {
+    const auto carried = [&](int body) { return body >= i && body < (*tree_)->subtree_end[i]; };
+    const auto its = [&](const Loop::Term& term) {
+      return term.velocity >= (*tree_)->iv[i] && term.velocity < (*tree_)->iv[i] + 6;
+    };
+    return std::ranges::any_of(model.loops().all, [&](const Loop& loop) {
+      return loop.kind == LoopKind::coupling ? std::ranges::any_of(loop.terms, its)
+                                             : carried(loop.ends[0].body) != carried(loop.ends[1].body);
+    });
   }
   /// At the configuration of the kernel.
   Vec3<> center(int i) {

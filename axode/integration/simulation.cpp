@@ -7,6 +7,7 @@
 
 #include "axode/dynamics/momentum.hpp"
 #include "axode/integration/absolute_run.hpp"
+#include "axode/integration/closed_midpoint.hpp"
 #include "axode/integration/conserving.hpp"
 #include "axode/integration/constrained_alpha.hpp"
 #include "axode/integration/explicit_steps.hpp"
@@ -30,7 +31,8 @@ class MomentumRun : public Run {
         bases_(model, q_0.data(), v_0.data(), !options.loads.empty()),
         q_t_(q_0.size()),
         v_t_(v_0.size()),
-        p_(v_0.size()) {}
+        p_(v_0.size()),
+        none_(v_0.size()) {}
 
   FloatingBases& bases() { return bases_; }
   /// The start: q, v and p = M v, against the frames of the bases.
@@ -50,10 +52,7 @@ class MomentumRun : public Run {
     phase_space_.partials(q_t_.data(), v_t.data(), bases_.gravity(), tau, loads(), p.data(), f.data());
     return true;
   }
-  bool factorize(double t, Span q_t) {
-    const Solvability found = phase_space_.factorize(q_t.data());
-    return found.ok() || stop(t, to_string(model_, found));
-  }
+  bool factorize(double t, Span q_t) { return can(t, phase_space_.factorize(q_t.data())); }
   void solve(std::span<double> x) { phase_space_.solve(x.data()); }
   /// v of a state (q, p).
   bool velocity(double t, Span q_t, Span p, std::span<double> v_t) {
@@ -64,8 +63,16 @@ class MomentumRun : public Run {
   }
   /// v, and p' less ad_vᵀ p.
   bool rates(double t, Span q_t, Span p, std::span<double> v_t, std::span<double> f) {
-    return velocity(t, q_t, p, v_t) && partials(t, q_t, v_t, p_, f);
+    if (!velocity(t, q_t, p, v_t) || !partials(t, q_t, v_t, p_, f)) return false;
+    if (!loops_) return true;
+    return can(t, loops_->add_closing_forces(q_t_, v_t_, with_springs(q_t_, v_t_), loads(), f));
   }
+  bool can(double t, const Solvability& found) { return found.ok() || stop(t, to_string(model_, found)); }
+  /// Takes away of p what opens loops; and closes them.
+  bool close(double t, Span q_t, Vector& p) {
+    return !loops_ || loops_->close_momenta(q_t, p) || stop(t, open);
+  }
+  bool close_places(double t, Vector& q_t) { return !loops_ || loops_->close_places(q_t) || stop(t, open); }
   /// Whether anything but weight acted on a base in the last evaluation.
   bool pushes_bases() const { return pushes_bases_; }
   /// Takes the end of a step.
@@ -73,13 +80,21 @@ class MomentumRun : public Run {
     Vector q_1(q_t.begin(), q_t.end()), v_1(p.size());
     if (!velocity(t, q_t, p, v_1)) return false;
     bases_.leave(t, q_1.data(), v_1.data());
-    return take(t, q_1, v_1);
+    if (loops_) return take_closed(t, q_1, v_1);
+    if (!begin_evaluation(t, q_1, v_1)) return false;  // M is factorised there: a = M⁻¹ (τ - h)
+    const Span tau = with_springs(q_1, v_1);
+    Vector a_1(p.size());
+    inverse_dynamics(model_, workspace_, Span(q_1), v_1, none_, a_1, loads());
+    for (std::size_t c = 0; c < a_1.size(); ++c) a_1[c] = tau[c] - a_1[c];
+    solve(a_1);
+    if (!finite(a_1)) return stop(t, "accelerations are not finite");
+    return record(t, q_1, v_1, a_1);
   }
 
  private:
   PhaseSpace phase_space_;
   FloatingBases bases_;
-  Vector q_t_, v_t_, p_;
+  Vector q_t_, v_t_, p_, none_;
   bool pushes_bases_ = false;
 };
 
@@ -95,15 +110,6 @@ Trajectory in_coordinates(const Model& model, Span q, Span v, double until, cons
   AbsoluteRun run(model, q, v, until, options);
   f(run);
   return std::move(run.trajectory);
-}
-
-/// For schemes that know of no loops.
-void check_open(const Model& model, const char* scheme) {
-  if (!model.loops().empty())
-    throw std::invalid_argument(
-        "model \"" + model.name() + "\" has loops, which " + scheme +
-        " does not keep closed; dopri5, rk4 and generalized_alpha do, and in absolute "
-        "coordinates rattle");
 }
 
 /// For schemes on multipliers of places.
@@ -209,25 +215,31 @@ Trajectory simulate_half_explicit(const Model& model, Span q, Span v, double unt
 
 Trajectory simulate_conserving(const Model& model, Span q, Span v, double until, double step, int order,
                                const SimulationOptions& options) {
-  check_step(step), check_smooth(model, options), check_open(model, "a conserving scheme");
+  check_step(step), check_smooth(model, options), check_holonomic(model, "a conserving scheme");
   check_relative(options, "a conserving scheme");
   MomentumRun run(model, q, v, until, options);
   if (run.done()) return std::move(run.trajectory);
   Vector q_0, v_0, p_0;
   run.enter(q_0, v_0, p_0);
-  ConservingStep scheme(run, model.tree<double>(), order, q_0, p_0, v_0);
-  using Outcome = ConservingStep<MomentumRun>::Outcome;
-  each_step(run, until, step, [&](double t_1) {
-    const Outcome outcome = scheme.run(run.now(), t_1 - run.now());
-    if (outcome == Outcome::diverged) run.stop(t_1, "the step did not converge; a shorter one may");
-    return outcome == Outcome::found && run.take_momenta(t_1, scheme.q, scheme.p);
-  });
+  const auto take = [&](auto part) {
+    ConservingStep scheme(run, std::move(part), order, q_0, p_0, v_0);
+    using Outcome = Midpoint<MomentumRun>::Outcome;
+    each_step(run, until, step, [&](double t_1) {
+      const Outcome outcome = scheme.run(run.now(), t_1 - run.now());
+      if (outcome == Outcome::diverged) run.stop(t_1, "the step did not converge; a shorter one may");
+      return outcome == Outcome::found && run.take_momenta(t_1, scheme.q, scheme.p);
+    });
+  };
+  if (model.loops().empty())
+    take(Midpoint<MomentumRun>(run, model.tree<double>()));
+  else
+    take(ClosedMidpoint<MomentumRun>(run, model));
   return std::move(run.trajectory);
 }
 
 Trajectory simulate_momenta(const Model& model, Span q, Span v, double until, double step,
                             const Tableau& method, const SimulationOptions& options) {
-  check(method), check_step(step), check_smooth(model, options), check_open(model, "a scheme on momenta");
+  check(method), check_step(step), check_smooth(model, options);
   check_relative(options, "a scheme on momenta");
   MomentumRun run(model, q, v, until, options);
   if (run.done()) return std::move(run.trajectory);
@@ -255,8 +267,12 @@ Trajectory simulate_momenta(const Model& model, Span q, Span v, double until, do
       return false;
     group.move(q_1.data(), scheme.theta.data(), q_1.data());
     y = p = scheme.y;
+    if (!run.close_places(t_1, q_1)) return false;
     bases.settle(q_1.data());
     bases.to_momenta(q_1.data(), y.data(), p.data());
+    const Vector before = p;
+    if (!run.close(t_1, q_1, p)) return false;
+    for (std::size_t c = 0; c < p.size(); ++c) y[c] += p[c] - before[c];  // which is 0 of what floats
     return run.take_momenta(t_1, q_1, p);
   });
   return std::move(run.trajectory);

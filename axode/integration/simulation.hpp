@@ -70,15 +70,17 @@ Trajectory simulate_half_explicit(const Model& model, std::span<const double> q,
 
 /// The same on (q, p), by the midpoint rule on the group (order 2) or its compositions (4: Suzuki's, 6: Kahan's and Li's): symmetric,
 /// symplectic where forces have a potential, so that energy errors stay bounded; damping and drives enter by d'Alembert's
-/// principle. What floats is seen from its centre of mass, whose motion is
-/// exact, and its momentum is a state of its own: Π^s, under gravity L_c and P, are exact to rounding. Implicit; a step that does not converge ends the motion. Throws as simulate_fixed(),
-/// for events, dry friction and other orders. (Armatures of joints with several velocities, which have momenta that do not
-/// turn with the joint, are forces here: order and momenta stay, symplecticity does not.)
+/// principle. What floats is seen from its centre of mass, whose motion is exact, and its momentum is a state of its own: Π^s,
+/// under gravity L_c and P, are exact to rounding. Loops are closed by impulses at both ends of a step, in places and
+/// velocities. Implicit; a step that does not converge ends the motion. Throws as simulate_fixed(), for events, dry friction,
+/// what rolls, which has nothing symplectic, and other orders. (Armatures of joints with several velocities, which have momenta
+/// that do not turn with the joint, are forces here: order and momenta stay, symplecticity does not.)
 Trajectory simulate_conserving(const Model& model, std::span<const double> q, std::span<const double> v,
                                double until, double step, int order = 2,
                                const SimulationOptions& options = {});
 
 /// The same, with momenta exact likewise, by an explicit method on the group of (q, p) (Munthe-Kaas), which is not symplectic.
+/// Loops are closed again after each step; it takes what rolls.
 Trajectory simulate_momenta(const Model& model, std::span<const double> q, std::span<const double> v,
                             double until, double step, const Tableau& method = runge_kutta(4),
                             const SimulationOptions& options = {});

@@ -1,6 +1,7 @@
-"""What drives a mechanism in `simulate`, computed without a call into Python: samples and controllers.
+"""What drives a mechanism in `simulate` and `rollout`, computed without a call into Python: samples and controllers.
 
-Each is given as `tau` of `axode.simulate`; `on(m)` is the function (t, q, v) -> tau that it is on a mechanism.
+Each is given as `tau` of `axode.simulate` and `axode.rollout`; `on(m)` is the function (t, q, v) -> tau that it is on a
+mechanism.
 """
 
 from __future__ import annotations

@@ -38,7 +38,7 @@ def simulate(m: Model, q: ArrayLike, v: ArrayLike, until: float, *,
         coordinates are singular, and quaternions stay on the sphere. On (q, p), conserving: "midpoint" (second order,
         implicit), "suzuki4" and "kahan_li6" (fourth and sixth, made of it) are symplectic: errors of the energy stay
         bounded; "rk4_momenta" is explicit. All four keep the momentum of what floats to rounding. They take no events,
-        stops and dry friction.
+        stops and dry friction. Every method keeps loops closed; the symplectic ones take nothing that rolls.
     coordinates: what the motion is computed in; it is told in coordinates of the joints in any case. "relative": these;
         "absolute": bodies are points of SE(3), and every joint is a constraint; "absolute_SO3xR3": of SO(3) x R^3. In
         absolute ones "dopri5", "rk4" and "euler" bring joints and loops back after each step, and others hold them:
@@ -84,16 +84,20 @@ def simulate(m: Model, q: ArrayLike, v: ArrayLike, until: float, *,
 
 
 def rollout(m: Model, q: ArrayLike, v: ArrayLike,
-            tau: ArrayLike | Callable[[float, Array, Array], ArrayLike], step: float, *, steps: int | None = None,
-            threads: int = 1) -> tuple[Array, Array]:
+            tau: ArrayLike | Callable[[float, Array, Array], ArrayLike] | Sampled | PD | ComputedTorque, step: float, *,
+            steps: int | None = None, threads: int = 1) -> tuple[Array, Array]:
     """(q, v) of N motions of K steps of `step` s: (N, K + 1, nq) and (N, K + 1, nv), the states given in front.
 
     q (N, nq) and v (N, nv) are where they begin, tau (N, K, nv) the drive forces, constant in each step; of one motion
-    all go without N. Or tau is a function (t, q, v) -> (N, nv), called once a step for all states; then `steps` is K.
-    Springs of the mechanism act besides. Munthe-Kaas' fourth order, as `simulate` with method="rk4".
+    all go without N. Otherwise `steps` is K, and tau is, for all motions alike, one of `axode.drives`, which acts as in
+    `simulate` at every stage of a step, at t = 0 first; or constant forces (nv,); or tau is a function (t, q, v) -> (N, nv),
+    called once a step for all states. Springs of the mechanism act besides, and loops are closed again after each step.
+    Munthe-Kaas' fourth order, as `simulate` with method="rk4"; functions apart, everything runs in `threads` threads,
+    several motions at once in the processor's lanes where there are no springs, loops and coupled joints.
 
-    SingularError or NotFiniteError, with q, where motions cannot go on; they are NaN from there, and all of them where
-    tau is a function.
+    ValueError for wrong shapes, numbers that are not finite, a drive of another mechanism, loops that are open at first and
+    step <= 0. SingularError or NotFiniteError, with q, where motions cannot go on; they are NaN from there, and all of them
+    where tau is a function.
 
     >>> q, v = axode.rollout(arm, np.zeros((5, 7)), np.zeros((5, 7)), np.ones((5, 20, 7)), 1e-3)
     >>> q.shape
@@ -101,15 +105,24 @@ def rollout(m: Model, q: ArrayLike, v: ArrayLike,
     >>> q, v = axode.rollout(arm, q[:, -1], v[:, -1], lambda t, q, v: -q - 0.1 * v, 1e-3, steps=100)
     >>> q.shape
     (5, 101, 7)
+    >>> q, v = axode.rollout(arm, q[:, -1], v[:, -1], axode.drives.ComputedTorque(100.0, 20.0, np.zeros(7)), 1e-3, steps=900)
+    >>> bool(np.max(np.abs(q[:, -1])) < 1e-2)
+    True
     """
-    if not callable(tau):
-        if steps is not None:
-            raise ValueError("steps is for functions; tau has forces for each step")
-        return _axode.rollout_under(m, q, v, tau, step, threads=threads)
+    driven = isinstance(tau, (Sampled, PD, ComputedTorque, _axode.Drive))
     if steps is None:
-        raise ValueError("steps is missing; it says how many, where tau is a function")
+        if driven or callable(tau):
+            raise ValueError("steps is missing; it says how many, where tau is a function or a drive")
+        return _axode.rollout_under(m, q, v, tau, step, threads=threads)
     if steps < 0:
         raise ValueError(f"steps is {steps}; it must not be negative")
+    if driven or not callable(tau):
+        if not driven:
+            if np.ndim(tau) != 1:
+                raise ValueError("steps is for functions, drives and constant forces (nv,); tau has forces for each step")
+            tau = Sampled([0.0], [tau])
+        drive = tau if isinstance(tau, _axode.Drive) else tau.on(m)
+        return _axode.rollout_driven(m, q, v, drive, steps, step, threads=threads)
     q_0, v_0 = np.asarray(q, dtype=np.float64), np.asarray(v, dtype=np.float64)
     all_q = np.full((*q_0.shape[:-1], steps + 1, m.nq), np.nan)
     all_v = np.full((*q_0.shape[:-1], steps + 1, m.nv), np.nan)

@@ -17,6 +17,7 @@
 #include "drives.hpp"
 #include "long_call.hpp"
 #include "one_state.hpp"
+#include "raise.hpp"
 
 /// Motion in time. Arguments are made ready, and documented, in axode.simulation.
 namespace axode::python {
@@ -115,6 +116,12 @@ const Value& chosen(const char* argument, nb::handle given,
   return table[choose(argument, given, words)].second;
 }
 
+void check_drive(const BoundModel& m, const BoundDrive& drive) {
+  if (drive.model.nq() != m->nq() || drive.model.nv() != m->nv())
+    throw nb::value_error(
+        ("tau: a drive of model \"" + drive.model.name() + "\", which has other velocities").c_str());
+}
+
 BoundTrajectory simulate_of(const BoundModel& m, ArrayLike q, ArrayLike v, double until, nb::handle method,
                             nb::handle coordinates, nb::handle step, double rtol, double atol,
                             double spectral_radius, nb::handle tau, LoadList loads, bool joint_losses,
@@ -134,9 +141,7 @@ BoundTrajectory simulate_of(const BoundModel& m, ArrayLike q, ArrayLike v, doubl
   std::optional<Items> constant;
   if (nb::isinstance<BoundDrive>(tau)) {
     const BoundDrive& drive = nb::cast<BoundDrive&>(tau);
-    if (drive.model.nq() != m->nq() || drive.model.nv() != m->nv())
-      throw nb::value_error(
-          ("tau: a drive of model \"" + drive.model.name() + "\", which has other velocities").c_str());
+    check_drive(m, drive);
     options.drive = drive.drive;
   } else if (nb::isinstance<nb::callable>(tau)) {
     calls_back = true;
@@ -217,6 +222,32 @@ BoundTrajectory simulate_of(const BoundModel& m, ArrayLike q, ArrayLike v, doubl
   return found;
 }
 
+/// K steps of motions: roll(q_out, v_out, monitor) makes them.
+template <class F> std::tuple<Array, Array> motions_of(const States& states, nb::ssize_t K, const F& roll) {
+  const int nq = states.model().nq(), nv = states.model().nv();
+  const Shape shape_v{K + 1, nv};
+  NewArray q_out = states.result({K + 1, nq}), v_out = states.result(shape_v);
+  const batch::Outcome outcome =
+      states.unlocked(100.0 * static_cast<double>(K),
+                      [&](const batch::Monitor& monitor) { return roll(q_out.all(), v_out.all(), monitor); });
+  if (outcome.torn) {
+    std::vector<std::size_t> torn;
+    for (std::size_t n = outcome.first; n < states.count(); ++n)
+      if (!all_finite(item(v_out, n, shape_v))) torn.push_back(n);
+    raise_of_states("SingularError",
+                    (states.many() ? "state " + std::to_string(outcome.first) + ": " : std::string()) +
+                        "the loops cannot be kept closed; a shorter step may help",
+                    torn, q_out.array());
+  }
+  if (!outcome.ok()) {
+    std::vector<Solvability> found(states.count());
+    for (std::size_t n = outcome.first; n < found.size(); ++n)
+      if (!all_finite(item(v_out, n, shape_v))) found[n] = outcome.solvability;
+    states.refuse(found, q_out);
+  }
+  return {q_out.array(), v_out.array()};
+}
+
 std::tuple<Array, Array> rollout_of(const BoundModel& m, ArrayLike q, ArrayLike v, ArrayLike tau, double step,
                                     int threads) {
   const States states(m, q, threads);
@@ -229,21 +260,25 @@ std::tuple<Array, Array> rollout_of(const BoundModel& m, ArrayLike q, ArrayLike 
   if (forces.axes() != axis + 2 || !forces.ends_with(expected))
     forces.wrong_shape(std::string(states.many() ? "(" + std::to_string(states.count()) + ", K, " : "(K, ") +
                        std::to_string(m->nv()) + "), nv numbers for each step");
-  const Shape shape_v{K + 1, m->nv()};
-  NewArray q_out = states.result({K + 1, m->nq()}), v_out = states.result(shape_v);
-  const batch::Outcome outcome =
-      states.unlocked(100.0 * static_cast<double>(K), [&](const batch::Monitor& monitor) {
-        return batch::rollout<double>(*m, states.q(), velocities.all(),
-                                      {forces.data(), static_cast<std::size_t>(forces.size())}, step,
-                                      q_out.all(), v_out.all(), runge_kutta(4), threads, monitor);
-      });
-  if (!outcome.ok()) {
-    std::vector<Solvability> found(states.count());
-    for (std::size_t n = outcome.first; n < found.size(); ++n)
-      if (!all_finite(item(v_out, n, shape_v))) found[n] = outcome.solvability;
-    states.refuse(found, q_out);
-  }
-  return {q_out.array(), v_out.array()};
+  return motions_of(states, K,
+                    [&](std::span<double> q_out, std::span<double> v_out, const batch::Monitor& monitor) {
+                      return batch::rollout<double>(*m, states.q(), velocities.all(),
+                                                    {forces.data(), static_cast<std::size_t>(forces.size())},
+                                                    step, q_out, v_out, runge_kutta(4), threads, monitor);
+                    });
+}
+
+std::tuple<Array, Array> driven_rollout_of(const BoundModel& m, ArrayLike q, ArrayLike v,
+                                           const BoundDrive& drive, nb::ssize_t K, double step, int threads) {
+  const States states(m, q, threads);
+  const Items velocities = states.velocities("v", v);
+  check_drive(m, drive);
+  return motions_of(states, K,
+                    [&](std::span<double> q_out, std::span<double> v_out, const batch::Monitor& monitor) {
+                      return batch::rollout<double>(*m, states.q(), velocities.all(), drive.drive,
+                                                    static_cast<std::size_t>(K), step, q_out, v_out,
+                                                    runge_kutta(4), threads, monitor);
+                    });
 }
 
 Array reconstruct_of(ArrayLike C0, ArrayLike twists, ArrayLike times, Representation representation,
@@ -392,6 +427,8 @@ Its to_parquet (with pyarrow) and to_csv write files. ModuleNotFoundError where 
              "joint_losses"_a, "times"_a.none(), "events"_a, "progress"_a.none(), "See axode.simulate.");
   module.def("rollout_under", &rollout_of, "m"_a, "q"_a, "v"_a, "tau"_a, "step"_a, nb::kw_only(),
              "threads"_a = 1, "See axode.rollout.");
+  module.def("rollout_driven", &driven_rollout_of, "m"_a, "q"_a, "v"_a, "drive"_a, "steps"_a, "step"_a,
+             nb::kw_only(), "threads"_a = 1, "See axode.rollout.");
   module.def("reconstruct_poses", &reconstruct_of, "C0"_a, "twists"_a, "times"_a, "representation"_a,
              "order"_a, "See axode.reconstruct.");
   module.def(

@@ -97,6 +97,47 @@ def test_a_simulation_under_a_drive_lets_other_threads_run():
     assert during > 10
 
 
+DRIVES_OF_MANY = {
+    "PD": lambda m, q, v: PD(2.0, 0.01, q, v, feedforward=np.linspace(-1, 1, m.nv)),
+    "clipped": lambda m, q, v: PD(500.0, 0.01, q, feedforward=Sampled([0.0, 0.004], np.stack([v, -v])), clip=True),
+    "computed": lambda m, q, v: ComputedTorque(100.0, 20.0, q, v, -v), "held": lambda m, q, v: Sampled([0.0, 3e-3], [v, -v], hold=True),
+    "motion": lambda m, q, v: ComputedTorque(100.0, 20.0, axode.simulate(m, q, 0.1 * v, 4e-3)), "constant": lambda m, q, v: v}
+
+
+@pytest.mark.parametrize("name", DRIVES_OF_MANY)
+def test_rollouts_under_drives_are_the_simulations_one_by_one(name):
+    rng = np.random.default_rng(7)
+    for m, n in (ARM, 5), (HUMANOID, 9):
+        q0, v0 = m.random(n=n), 0.1 * rng.normal(size=(n, m.nv))
+        drive = DRIVES_OF_MANY[name](m, m.random(seed=1), rng.normal(size=m.nv))
+        q, v = axode.rollout(m, q0, v0, drive, 1e-3, steps=6)
+        for k in range(n):
+            one = axode.simulate(m, q0[k], v0[k], 6e-3, method="rk4", step=1e-3, tau=drive)
+            np.testing.assert_allclose(q[k], one.q, atol=1e-12)
+            np.testing.assert_allclose(v[k], one.v, atol=1e-12 * max(1, np.max(np.abs(one.v))))
+        for x, y in zip((q, v), axode.rollout(m, q0, v0, drive, 1e-3, steps=6, threads=2)):
+            np.testing.assert_array_equal(x, y)
+        alone = axode.rollout(m, q0[0], v0[0], drive, 1e-3, steps=6)
+        np.testing.assert_allclose(alone[1], v[0], atol=1e-12 * max(1, np.max(np.abs(v[0]))))
+
+
+def test_rollouts_refuse_what_is_no_drive_of_theirs():
+    q, v, pd = np.zeros((2, 7)), np.zeros((2, 7)), PD(1.0, 1.0, TARGET)
+    for arguments, steps, words in [((pd, 1e-3), None, "steps is missing"), ((pd, 1e-3), -1, "steps is -1"),
+                                    ((pd, 0.0), 3, "step is 0"), ((np.zeros(6), 1e-3), 3, r"tau: expected shape \(1, 7\)"),
+                                    ((PD(1.0, 1.0, HUMANOID.neutral()).on(HUMANOID), 1e-3), 3, 'tau: a drive of model "humanoid"'),
+                                    ((PD(-1.0, 1.0, TARGET), 1e-3), 3, r"kp\[0\] is -1")]:
+        with pytest.raises(ValueError, match=words):
+            axode.rollout(ARM, q, v, *arguments, steps=steps)
+    with pytest.raises(axode.NotFiniteError) as found:
+        axode.rollout(ARM, q, v + [[0], [1e200]] * np.ones(7), pd, 1e-3, steps=3)
+    assert found.value.states == [1] and np.isfinite(found.value.result[0]).all()
+    assert axode.rollout(ARM, q, v, pd.on(ARM), 1e-3, steps=0)[0].tolist() == q[:, None].tolist()
+    empty = axode.Model.from_bodies([])
+    none = np.zeros((2, 0))
+    assert axode.rollout(empty, none, none, np.zeros(0), 0.1, steps=3)[0].shape == (2, 4, 0)
+
+
 @pytest.mark.parametrize("drive, sentence", [
     (Sampled([0, 0], np.zeros((2, 7))), r"t\[1\] is 0"), (Sampled([], np.zeros((0, 7))), "t is empty"),
     (Sampled([0, 1], np.zeros((3, 7))), r"tau: expected shape \(2, 7\)"), (Sampled(0.0, np.zeros(7)), r"t: expected shape \(K,\)"),

@@ -1,0 +1,181 @@
+#include "axode/constraints/assembly.hpp"
+#include "axode/constraints/loops.hpp"
+#include "tests/constraints/mechanisms.hpp"
+#include "tests/integration/motions.hpp"
+#include "tests/support/refused_arguments.hpp"
+
+/// Schemes on (q, p) on mechanisms with loops: orders, reversal, energies that stay, momenta to rounding.
+namespace axode::test {
+namespace closed_momenta {
+namespace {
+
+struct Moving {
+  Model model;
+  AssemblyResult at;
+
+  explicit Moving(const Description& description)
+      : model(ModelBuilder(description).build()), at([&] {
+          Random<double> random(3);
+          return assemble(model, neutral(model), random_numbers(random, model.nv()));
+        }()) {}
+};
+/// A four-bar whose ground floats.
+Description floating(const Vec3<>& g) {
+  Description d = four_bar();
+  d.name = "floating four-bar", d.gravity = g;
+  d.bodies[0].predecessor = "trunk", d.loops[0].between[1] = "trunk";
+  BodyDescription trunk{.name = "trunk", .joint = {.kind = JointKind::free}};
+  trunk.inertia = MassProperties{.mass = 3, .com = {0.1, 0.2, 0.3}, .Theta = {1, 1.2, 1.4, 0.1, 0, 0.2}};
+  d.bodies.insert(d.bodies.begin(), trunk);
+  return d;
+}
+double most_open(const Trajectory& motion) {
+  LoopWorkspace<double> workspace(motion.model());
+  Numbers r(static_cast<std::size_t>(motion.model().loops().residuals)),
+      A(static_cast<std::size_t>(motion.model().loops().rows) * last_v(motion).size());
+  double most = 0;
+  for (std::size_t k = 0; k < motion.size(); ++k) {
+    loop_residual<double>(motion.model(), workspace, motion.q(k), r);
+    loop_jacobian<double>(motion.model(), workspace, motion.q(k), A);
+    for (const double open : r) most = std::max(most, std::abs(open));
+    for (std::size_t row = 0; row * motion.v(k).size() < A.size(); ++row) {
+      double slip = 0;
+      for (std::size_t c = 0; c < motion.v(k).size(); ++c)
+        slip += A[row * motion.v(k).size() + c] * motion.v(k)[c];
+      most = std::max(most, std::abs(slip));
+    }
+  }
+  return most;
+}
+double energy_error_until(const Trajectory& motion, double t) {
+  const double before = energy_of(motion.model(), motion.q(0), motion.v(0));
+  double most = 0;
+  for (std::size_t k = 0; k < motion.size() && motion.t()[k] <= t; ++k)
+    most = std::max(most, std::abs(energy_of(motion.model(), motion.q(k), motion.v(k)) - before));
+  return most;
+}
+
+TEST(ConservingSchemesWithLoops, HaveTheirOrders) {
+  const std::pair<Description, int> mechanisms[]{
+      {four_bar(), 10}, {bricard(), 10}, {gough(), 20}, {floating({0, -9.81, 0}), 4}};
+  for (const auto& [description, steps_of_6] : mechanisms) {
+    SCOPED_TRACE(description.name);
+    const Moving at(description);
+    const SimulationOptions options = driven_and_damped();
+    const auto expect_order = [&](int order, double until, int n, const auto& run) {
+      const Trajectory exact =
+          simulate(at.model, at.at.q, at.at.v, until, {.relative = 1e-12, .absolute = 1e-13}, options);
+      SCOPED_TRACE(order);
+      const auto error = [&](int steps) {
+        const Trajectory motion = run(until, until / steps);
+        EXPECT_TRUE(motion.complete) << motion.stopped;
+        EXPECT_LE(most_open(motion), 1e-11);
+        return apart(at.model, last_q(exact), last_q(motion));
+      };
+      const double coarse = error(n), fine = error(2 * n);
+      EXPECT_NEAR(std::log2(coarse / fine), order, 0.35);
+    };
+    const auto conserving = [&](int order, double until, int n) {
+      expect_order(order, until, n, [&](double t, double h) {
+        return simulate_conserving(at.model, at.at.q, at.at.v, t, h, order, options);
+      });
+    };
+    conserving(2, 0.1, 40), conserving(4, 0.1, 10), conserving(6, 0.4, steps_of_6);
+    expect_order(4, 0.1, 10, [&](double t, double h) {
+      return simulate_momenta(at.model, at.at.q, at.at.v, t, h, runge_kutta(4), options);
+    });
+  }
+}
+
+TEST(ConservingSchemesWithLoops, GoBackTheWayTheyCame) {
+  for (const Description& description : {four_bar(), bricard(), floating({})})
+    for (const int order : {2, 4}) {
+      const Moving at(description);
+      const Trajectory there = simulate_conserving(at.model, at.at.q, at.at.v, 0.3, 2e-3, order);
+      Numbers v(last_v(there).begin(), last_v(there).end());
+      for (double& v_c : v) v_c = -v_c;
+      const Trajectory back = simulate_conserving(at.model, last_q(there), v, 0.3, 2e-3, order);
+      EXPECT_LE(apart(at.model, at.at.q, last_q(back)), 1e-10);
+      EXPECT_GT(apart(at.model, at.at.q, last_q(there)), 0.01);
+    }
+}
+
+TEST(ConservingSchemesWithLoops, KeepTheEnergyInABand) {
+  const Moving at(bricard());
+  const Trajectory motion = simulate_conserving(at.model, at.at.q, at.at.v, 40, 2e-2);
+  ASSERT_TRUE(motion.complete) << motion.stopped;
+  EXPECT_LE(energy_error_until(motion, 40), 1.5 * energy_error_until(motion, 10));
+}
+
+TEST(ConservingSchemesWithLoops, KeepTheMomentumOfWhatFloatsToRounding) {
+  for (const Vec3<>& g : {Vec3<>{}, Vec3<>{0.3, -0.2, -9.81}}) {
+    const Moving at(floating(g));
+    Workspace<> workspace(at.model);
+    const auto error = [&](const Trajectory& motion) {
+      const Momentum<Hybrid> before = centroidal_momentum(at.model, workspace, motion.q(0), motion.v(0)),
+                             after = centroidal_momentum(at.model, workspace, last_q(motion), last_v(motion));
+      const Vec3<> weight = (at.model.total_mass() * motion.t().back()) * g;
+      return (norm(after.l - before.l) + norm(after.p - before.p - weight)) / (1 + norm(weight));
+    };
+    EXPECT_LE(error(simulate_conserving(at.model, at.at.q, at.at.v, 4, 2e-2)), 1e-13);
+    EXPECT_LE(error(simulate_momenta(at.model, at.at.q, at.at.v, 4, 2e-2)), 1e-13);
+    EXPECT_GT(error(simulate_fixed(at.model, at.at.q, at.at.v, 4, 2e-2)), 1e-12);
+  }
+}
+
+/// A chain, one joint of which is a loop joint of a body that would float, moves as the chain does.
+TEST(ConservingSchemesWithLoops, CutJointsMoveAsTheTreeDoes) {
+  Description tree{.name = "chain", .gravity = {0, -9.81, 0}, .bodies = {}, .frames = {}};
+  const Vec3<> P[]{{0, 0, 0}, {1, 0, 0}, {1.5, 0.5, 0.3}, {2, 0, 1}};
+  tree.bodies.push_back(bar("one", "ground", JointKind::revolute, {0, 0, 1}, P[0], P[1]));
+  tree.bodies.push_back(bar("two", "one", JointKind::spherical, {}, P[1], P[2]));
+  tree.bodies.push_back(bar("three", "two", JointKind::revolute, {0, 1, 0.5}, P[2], P[3]));
+  Description cut = tree;
+  cut.bodies[1].predecessor = "ground", cut.bodies[1].joint = {.kind = JointKind::free};
+  cut.loops.push_back(
+      {.name = "ball", .between = {"one", "two"}, .kind = LoopKind::spherical, .point = P[1]});
+  const Model whole = ModelBuilder(tree).build(), parts = ModelBuilder(cut).build();
+  const double h = 5e-3, until = 0.2;
+  const auto hand = [&](const Model& model, double step) {
+    const Trajectory motion = simulate_conserving(model, neutral(model),
+                                                  Numbers(static_cast<std::size_t>(model.nv())), until, step);
+    EXPECT_TRUE(motion.complete) << motion.stopped;
+    Workspace<> workspace(model);
+    std::vector<SE3<>> C(static_cast<std::size_t>(model.n_frames()));
+    poses<double>(model, workspace, last_q(motion), C);
+    return C[static_cast<std::size_t>(model.frame_index("three"))].r;
+  };
+  const Vec3<> end = hand(whole, h / 20);
+  const double coarse = norm(hand(parts, h) - end), fine = norm(hand(parts, h / 2) - end);
+  EXPECT_NEAR(std::log2(coarse / fine), 2, 0.15);
+  EXPECT_LE(coarse, 1e-2);
+}
+
+TEST(ConservingSchemesWithLoops, TakeWhatRollsOnMomentaAlone) {
+  Description disc{.name = "disc", .gravity = {1, 0, -9.81}, .bodies = {}, .frames = {}};
+  disc.bodies.push_back(
+      {.name = "disc",
+       .joint = {.kind = JointKind::free},
+       .inertia = MassProperties{.mass = 2, .com = {0, 0, .3}, .Theta = {.045, .09, .045, 0, 0, 0}}});
+  disc.loops.push_back({.name = "contact",
+                        .between = {"ground", "disc"},
+                        .kind = LoopKind::rolling,
+                        .center = {0, 0, .3},
+                        .wheel_axis = Vec3<>{0, 1, 0}});
+  const Moving at(disc);
+  const Trajectory exact = simulate(at.model, at.at.q, at.at.v, 0.5, {.relative = 1e-11, .absolute = 1e-12});
+  const auto error = [&](double step) {
+    const Trajectory motion = simulate_momenta(at.model, at.at.q, at.at.v, 0.5, step);
+    EXPECT_TRUE(motion.complete) << motion.stopped;
+    EXPECT_LE(most_open(motion), 1e-11);
+    return apart(at.model, last_q(exact), last_q(motion));
+  };
+  EXPECT_NEAR(std::log2(error(0.02) / error(0.01)), 4, 0.35);
+  EXPECT_EQ(message_of([&] { (void)simulate_conserving(at.model, at.at.q, at.at.v, 0.5, 0.01); }),
+            "loop \"contact\" rolls, which a conserving scheme does not take; half_explicit and explicit "
+            "methods do");
+}
+
+}  // namespace
+}  // namespace closed_momenta
+}  // namespace axode::test
