@@ -40,10 +40,12 @@ Matrix6X<T> jacobian(const Model& model, Workspace<T>& workspace, Numbers<T> q,
 template <RecursionRepresentation Rep = BodyFixed, class T>
 Eigen::MatrixX<T> jacobians(const Model& model, Workspace<T>& workspace, Numbers<T> q,
                             std::type_identity_t<std::span<const Place<T>>> places) {
-  Eigen::MatrixX<T> all(6 * static_cast<Eigen::Index>(places.size()), model.nv());
-  for (std::size_t k = 0; k < places.size(); ++k)
-    all.template middleRows<6>(6 * static_cast<Eigen::Index>(k)) =
-        jacobian<Rep>(model, workspace, q, places[k]);
+  const Eigen::Index n = static_cast<Eigen::Index>(places.size()), nv = model.nv();
+  Matrix6X<T> side_by_side(6, n * nv);
+  jacobians<Rep>(model, workspace, q, places, detail::twists_of<Rep>(side_by_side));
+  Eigen::MatrixX<T> all(6 * n, nv);
+  for (Eigen::Index k = 0; k < n; ++k)
+    all.template middleRows<6>(6 * k) = side_by_side.middleCols(k * nv, nv);
   return all;
 }
 /// J of a place as an observer in `base` sees it, 6 × nv.

@@ -5,6 +5,8 @@
 #include "axode/dynamics/scratch.hpp"
 #include "axode/fast/articulated_bodies.hpp"
 #include "axode/fast/composite_bodies.hpp"
+#include "axode/fast/jacobians.hpp"
+#include "axode/fast/motion.hpp"
 #include "axode/kinematics/scratch.hpp"
 #include "axode/recursion/composite_bodies.hpp"
 
@@ -23,10 +25,11 @@ template <class T> std::size_t of_all(const Topology& t) {
        of_representation<Mixed, T>(t),
        footprint<FramePoses<T>, SubtreeInertias<T>, MovingMass<T>, PosesAndMotion<T>, CoriolisBodies<T>,
                  MomentumForm<T>, ForcesAlone<Fast, T>, FastForwardDynamics<T>, FastInverse<T>,
-                 FastCompositeBodies<T>, ForwardFirstOrder<T>, ForwardJvp<T>, ForwardVjp<T>,
-                 HessiansOfAccelerations<T>, SecondOrderTensors<T>, ForwardGeometryDerivatives<T>,
-                 CarryingScrews<T>, SpringColumns<T>, TermDerivatives<T>, MomentumFirstOrder<T>,
-                 SecondOrderRecursion<BodyFixed, T>, SecondOrderRecursion<Hybrid, T>, EnergyGradient<T>>(t)});
+                 FastCompositeBodies<T>, FastJacobians<T>, FastMotion<T, true>, FastBodyFixedMotion<T, true>,
+                 ForwardFirstOrder<T>, ForwardJvp<T>, ForwardVjp<T>, HessiansOfAccelerations<T>,
+                 SecondOrderTensors<T>, ForwardGeometryDerivatives<T>, CarryingScrews<T>, SpringColumns<T>,
+                 TermDerivatives<T>, MomentumFirstOrder<T>, SecondOrderRecursion<BodyFixed, T>,
+                 SecondOrderRecursion<Hybrid, T>, EnergyGradient<T>>(t)});
 }
 
 }  // namespace

@@ -118,6 +118,30 @@ template <class Rep> void measure_representation(const std::string& name) {
   });
 }
 
+/// Twists of all frames, and their rates.
+template <class Rep> void measure_motion(const std::string& name) {
+  const auto frames = [](const Model& m) { return static_cast<std::size_t>(m.n_frames()); };
+  measure_frames<Twist<Rep>>("twists", name,
+                             [frames](const Model& m, auto& w, auto& q, auto& v, auto&, auto out) {
+                               twists<Rep>(m, w, q, v, out.first(frames(m)));
+                             });
+  measure_frames<TwistRate<Rep>>("accelerations", name,
+                                 [frames](const Model& m, auto& w, auto& q, auto& v, auto& a, auto out) {
+                                   accelerations<Rep>(m, w, q, v, a, out.first(frames(m)));
+                                 });
+}
+/// Those of every body in one call.
+template <class Rep> void measure_jacobians(const std::string& name) {
+  measure("body_jacobians", name, [](benchmark::State& state, const Model& model) {
+    Workspace<> workspace(model);
+    States states(model);
+    std::vector<Place<>> bodies;
+    for (int i = 1; i <= model.n_bodies(); ++i) bodies.emplace_back(i);
+    std::vector<Twist<Rep>> J(bodies.size() * static_cast<std::size_t>(model.nv()));
+    repeat(state, J.data(), [&] { jacobians<Rep>(model, workspace, states.q[states.next()], bodies, J); });
+  });
+}
+
 const bool registered = [] {
   measure_representation<Fast>("fast");
   measure_representation<BodyFixed>("body");
@@ -133,24 +157,17 @@ const bool registered = [] {
                                  [](const Model& m, auto& w, auto& q, auto&, auto&, auto out) {
                                    joint_screws(m, w, q, out.first(static_cast<std::size_t>(m.n_screws())));
                                  });
-  measure_frames<Twist<Hybrid>>("body_jacobians", "hybrid",
-                                [](const Model& m, auto& w, auto& q, auto& v, auto&, auto out) {
-                                  for (int i = 1; i <= m.n_bodies(); ++i) {
-                                    jacobian<Hybrid>(m, w, q, i, out.first(v.size()));
-                                    benchmark::ClobberMemory();
-                                  }
-                                });
+  measure_jacobians<BodyFixed>("body");
+  measure_jacobians<Spatial>("spatial");
+  measure_jacobians<Hybrid>("hybrid");
+  measure_jacobians<Mixed>("mixed");
   measure_frames<SE3<>>("poses", "fast", [](const Model& m, auto& w, auto& q, auto&, auto&, auto out) {
     poses(m, w, q, out.first(static_cast<std::size_t>(m.n_frames())));
   });
-  measure_frames<TwistRate<BodyFixed>>(
-      "accelerations", "body", [](const Model& m, auto& w, auto& q, auto& v, auto& a, auto out) {
-        accelerations<BodyFixed>(m, w, q, v, a, out.first(static_cast<std::size_t>(m.n_frames())));
-      });
-  measure_frames<TwistRate<Hybrid>>(
-      "accelerations", "hybrid", [](const Model& m, auto& w, auto& q, auto& v, auto& a, auto out) {
-        accelerations<Hybrid>(m, w, q, v, a, out.first(static_cast<std::size_t>(m.n_frames())));
-      });
+  measure_motion<BodyFixed>("body");
+  measure_motion<Spatial>("spatial");
+  measure_motion<Hybrid>("hybrid");
+  measure_motion<Mixed>("mixed");
   return true;
 }();
 

@@ -162,6 +162,17 @@ const bool registered = [] {
                [](const M& m, Data& d, const V& q, const V&, const V&) { computeJointJacobians(m, d, q); });
   measure_peer("poses",
                [](const M& m, Data& d, const V& q, const V&, const V&) { forwardKinematics(m, d, q); });
+  measure_peer("body_jacobians",
+               [J = std::make_shared<Data::Matrix6x>()](const M& m, Data& d, const V& q, const V&, const V&) {
+                 computeJointJacobians(m, d, q);
+                 for (std::size_t i = 1; i < m.joints.size(); ++i) {
+                   J->setZero(6, m.nv);
+                   getJointJacobian(m, d, i, LOCAL_WORLD_ALIGNED, *J);
+                   benchmark::ClobberMemory();
+                 }
+               });
+  measure_peer("twists",
+               [](const M& m, Data& d, const V& q, const V& v, const V&) { forwardKinematics(m, d, q, v); });
   measure_peer("accelerations", [](const M& m, Data& d, const V& q, const V& v, const V& a) {
     forwardKinematics(m, d, q, v, a);
   });

@@ -20,7 +20,8 @@ PEERS = ["pinocchio", "lcaba", "mujoco"]  # lcaba: Pinocchio's other way to solv
 COMPILED_BY_ITS_MAKERS = {"mujoco": "wheel"}  # peers that have a table of their own
 OWN_PEERS = {"generated": "fast"}  # variants of ours that are compared with another one of ours
 FAST = {"inverse_dynamics": "fast", "forward_dynamics": "fast", "mass_matrix": "fast", "inverse_mass_matrix": "fast",
-        "joint_jacobians": "fast", "body_jacobians": "hybrid", "poses": "fast", "accelerations": "hybrid",
+        "joint_jacobians": "fast", "body_jacobians": "hybrid", "poses": "fast", "twists": "hybrid",
+        "accelerations": "hybrid",
         "inverse_dynamics_derivatives": "fast", "forward_dynamics_derivatives": "fast",
         "inverse_dynamics_second_derivatives": "fast"}
 

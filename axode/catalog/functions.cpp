@@ -70,6 +70,9 @@ std::vector<Function<T>> make() {
       {"jacobian", "J with V = J v, a column for each velocity", "rad, m per unit of the velocity", {q, place},
        Choice::representation, twist, {nv}, columns, {"J"}, Cost::linear, scratch,
        call([](auto& m, auto& w, auto& g, auto out) { jacobian<R4>(m, w, g.q, g.place, as<Twist<R4, T>>(out)); })},
+      {"jacobians", "the Jacobians of all frames", "rad, m per unit of the velocity", {q}, Choice::representation, twist,
+       {n_frames, nv}, columns, {"J"}, Cost::quadratic, scratch,
+       call([](auto& m, auto& w, auto& g, auto out) { jacobians<R4>(m, w, g.q, as<Twist<R4, T>>(out)); })},
       {"jacobian_rate", "its time derivative", "per s", {q, v, place}, Choice::representation, rate, {nv}, columns, {"J'"},
        Cost::linear, heap,
        call([](auto& m, auto& w, auto& g, auto out) {

@@ -1,5 +1,6 @@
 #include "axode/kinematics/jacobian.hpp"
 
+#include "axode/fast/jacobians.hpp"
 #include "axode/kinematics/check_arguments.hpp"
 #include "axode/kinematics/path.hpp"
 #include "axode/lie/representation_change.hpp"
@@ -28,13 +29,36 @@ void jacobian(const Model& model, Workspace<T>& workspace, Numbers<T> q,
 
 template <RecursionRepresentation Rep, class T>
 void jacobians(const Model& model, Workspace<T>& workspace, Numbers<T> q,
+               std::type_identity_t<std::span<Twist<Rep, T>>> J) {
+  check_state(model, workspace, q);
+  const Tree<T>& tree = model.tree<T>();
+  const std::size_t nv = static_cast<std::size_t>(tree->nv);
+  check_size("J", J.size(), static_cast<std::size_t>(tree->n_frames()) * nv, "n_frames * nv");
+  check_separate("J", J, "q", q);
+  Arena arena = workspace.arena(model.topology());
+  FastJacobians<T> of(arena);
+  of.template run<Rep>(tree, q.data());
+  for (std::size_t f = 0; f < tree->frame_body.size(); ++f)
+    of.write(tree, tree->frame_body[f], tree.frame_offset[f], J.data() + f * nv);
+}
+
+template <RecursionRepresentation Rep, class T>
+void jacobians(const Model& model, Workspace<T>& workspace, Numbers<T> q,
                std::type_identity_t<std::span<const Place<T>>> places,
                std::type_identity_t<std::span<Twist<Rep, T>>> J) {
-  const std::size_t nv = static_cast<std::size_t>(model.nv());
+  check_state(model, workspace, q);
+  const Tree<T>& tree = model.tree<T>();
+  const std::size_t nv = static_cast<std::size_t>(tree->nv);
   check_size("J", J.size(), places.size() * nv, "nv for each place");
   check_separate("J", J, "q", q);
-  for (std::size_t k = 0; k < places.size(); ++k)
-    jacobian<Rep>(model, workspace, q, places[k], J.subspan(k * nv, nv));
+  Arena arena = workspace.arena(model.topology());
+  FastJacobians<T> of(arena);
+  of.template run<Rep>(tree, q.data());
+  for (std::size_t k = 0; k < places.size(); ++k) {
+    const Place<T> place = found(model, places[k]);
+    of.write(tree, tree->frame_body[place.frame], tree.frame_offset[place.frame] * place.offset,
+             J.data() + k * nv);
+  }
 }
 
 template <RecursionRepresentation Rep, class T>
@@ -100,6 +124,8 @@ void relative_jacobian(const Model& model, Workspace<T>& workspace, Numbers<T> q
 
 template void jacobian<AXODE_REP>(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>, const Place<AXODE_T>&,
                                   std::span<Twist<AXODE_REP, AXODE_T>>);
+template void jacobians<AXODE_REP>(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>,
+                                   std::span<Twist<AXODE_REP, AXODE_T>>);
 template void jacobians<AXODE_REP>(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>,
                                    std::span<const Place<AXODE_T>>, std::span<Twist<AXODE_REP, AXODE_T>>);
 template std::size_t jacobian_columns<AXODE_REP>(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>,

@@ -12,7 +12,12 @@ template <RecursionRepresentation Rep = BodyFixed, class T>
 void jacobian(const Model& model, Workspace<T>& workspace, Numbers<T> q,
               const std::type_identity_t<Place<T>>& place, std::type_identity_t<std::span<Twist<Rep, T>>> J);
 
-/// Those of several places, one after the other: nv columns for each.
+/// Those of all frames, one after the other: nv columns for each of n_frames. Poses and joint screws are found once, so
+/// that it takes a few times as long as `poses`; O(n) and O(path length) for each frame, and nv to clear the rest.
+template <RecursionRepresentation Rep = BodyFixed, class T>
+void jacobians(const Model& model, Workspace<T>& workspace, Numbers<T> q,
+               std::type_identity_t<std::span<Twist<Rep, T>>> J);
+/// Those of some places only, in their order.
 template <RecursionRepresentation Rep = BodyFixed, class T>
 void jacobians(const Model& model, Workspace<T>& workspace, Numbers<T> q,
                std::type_identity_t<std::span<const Place<T>>> places,

@@ -1,6 +1,5 @@
 #include "axode/kinematics/poses.hpp"
 
-#include "axode/fast/poses.hpp"
 #include "axode/kinematics/check_arguments.hpp"
 #include "axode/kinematics/scratch.hpp"
 #include "axode/recursion/instantiate.hpp"
@@ -14,10 +13,9 @@ void poses(const Model& model, Workspace<T>& workspace, Numbers<T> q,
   check_size("C", C.size(), static_cast<std::size_t>(model.n_frames()), "n_frames");
   const Tree<T>& tree = model.tree<T>();
   Arena arena = workspace.arena(model.topology());
-  FramePoses<T> scratch(arena);
-  scratch.C[0] = {};
-  scratch.poses.run(tree, q.data(), [&](int i, const auto& at) { scratch.C[i] = pose<T>(at); });
-  for (int f = 0; f < tree->n_frames(); ++f) C[f] = scratch.C[tree->frame_body[f]] * tree.frame_offset[f];
+  FramePoses<T> of(arena);
+  of.run(tree, q.data());
+  for (int f = 0; f < tree->n_frames(); ++f) store(of(tree->frame_body[f], tree.frame_offset[f]), &C[f]);
 }
 
 template <class T>
@@ -28,12 +26,12 @@ void poses(const Model& model, Workspace<T>& workspace, Numbers<T> q,
   check_size("C", C.size(), places.size(), "as many as there are places");
   const Tree<T>& tree = model.tree<T>();
   Arena arena = workspace.arena(model.topology());
-  FramePoses<T> scratch(arena);
-  scratch.C[0] = {};
-  scratch.poses.run(tree, q.data(), [&](int i, const auto& at) { scratch.C[i] = pose<T>(at); });
+  FramePoses<T> of(arena);
+  of.run(tree, q.data());
   for (std::size_t k = 0; k < places.size(); ++k) {
     const Place<T> place = found(model, places[k]);
-    C[k] = scratch.C[tree->frame_body[place.frame]] * tree.frame_offset[place.frame] * place.offset;
+    const int f = place.frame;
+    C[k] = pose<T>(of(tree->frame_body[f], tree.frame_offset[f])) * place.offset;
   }
 }
 

@@ -1,14 +1,28 @@
 #pragma once
-#include "axode/fast/poses.hpp"
+#include "axode/fast/results.hpp"
 #include "axode/recursion/forward_kinematics.hpp"
 
 /// What the functions of this floor take of a workspace, besides the recursions themselves.
 namespace axode {
 
+/// Poses of all bodies, and of what is fixed to them.
 template <class T> struct FramePoses {
-  SE3<T>* C;  ///< of the internal frames
+  using G = typename FastGeometry<T>::type;
   FastPoses<T> poses;
-  explicit FramePoses(Arena& arena) : C(arena.per_body<SE3<T>>()), poses(arena) {}
+  Placed<G>* body;
+
+  explicit FramePoses(Arena& arena) : poses(arena), body(arena.per_body<Placed<G>>()) {}
+
+  void run(const Tree<T>& tree, const T* q) noexcept {
+    body[0] = {typename G::Matrix(SO3<T>{}), typename G::Vector{}};
+    poses.run(tree, q, [&](int i, const Placed<G>& at) { body[i] = at; });
+  }
+  /// C_i F, of what has pose F in the internal frame of body i.
+  Placed<G> operator()(int i, const SE3<T>& F) const noexcept {
+    using Spread = typename G::Spread;
+    const Placed<G>& C = body[i];
+    return {{C.R * Spread(F.R.x), C.R * Spread(F.R.y), C.R * Spread(F.R.z)}, C.r + C.R * Spread(F.r)};
+  }
 };
 
 /// Bodies and what is behind them, about the centre of mass of the whole.

@@ -82,6 +82,7 @@ from ._axode import (
     jacobian_geometry_derivatives,
     jacobian_partials,
     jacobian_rate,
+    jacobians,
     joint_screws,
     joint_state,
     joint_wrenches,
@@ -167,7 +168,7 @@ __all__ = [
     "robots", "__version__",
     # kinematics
     "poses", "twists", "accelerations", "jacobian", "jacobian_rate", "jacobian_partials", "jacobian_derivatives",
-    "jacobian_derivative_along", "jacobian_columns", "relative_jacobian", "joint_screws", "twist_derivatives",
+    "jacobian_derivative_along", "jacobian_columns", "jacobians", "relative_jacobian", "joint_screws", "twist_derivatives",
     "center_of_mass", "center_of_mass_jacobian", "centroidal_momentum_matrix", "centroidal_momentum_matrix_rate",
     "inverse_kinematics",
     # dynamics

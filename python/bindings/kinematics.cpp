@@ -37,6 +37,27 @@ std::tuple<nb::object, Array> jacobian_columns_of(const BoundModel& m, ArrayLike
   });
 }
 
+Array jacobians_of(const BoundModel& m, ArrayLike q, nb::handle frames, Representation representation,
+                   int threads) {
+  std::vector<Place<>> places;
+  if (frames.is_none()) {
+    for (int f = 0; f < m->n_frames(); ++f) places.emplace_back(f);
+  } else {
+    if (!PyList_Check(frames.ptr()) && !PyTuple_Check(frames.ptr()))
+      throw nb::value_error("frames: expected a list of names or numbers of frames");
+    for (const nb::handle frame : frames)
+      places.emplace_back(
+          FrameName{frame.ptr()}.in(m, ("frames[" + std::to_string(places.size()) + "]").c_str()));
+  }
+  const Shape shape{static_cast<nb::ssize_t>(places.size()), m->nv(), 6};
+  const double cost = linear_cost(m) + 0.002 * static_cast<double>(shape.size());
+  return with_representation(representation, [&]<class Rep>(Rep) {
+    return columns_of(m, threads, cost, shape, q, [&](auto& workspace, auto qk, auto out) {
+      jacobians<Rep>(m, workspace, qk, places, screws<Twist<Rep>>(out));
+    });
+  });
+}
+
 Array jacobian_partials_of(const BoundModel& m, ArrayLike q, FrameName frame, Representation representation,
                            int order, ArrayLike offset, int threads) {
   const Place<> at = place(m, frame, offset);
@@ -199,6 +220,24 @@ J with V = J v for a frame, shape (6, nv) or (N, 6, nv), angular rows first (eqs
 >>> J = axode.jacobian(arm, arm.neutral(), "flange", "hybrid")
 >>> J[:, 0]
 array([0., 0., 1., 0., 0., 0.])
+)");
+  module.def("jacobians", &jacobians_of, "m"_a, "q"_a, "frames"_a = nb::none(), "representation"_a = "body",
+             nb::kw_only(), "threads"_a = 1,
+             nb::sig("def jacobians(m: Model, q: numpy.typing.ArrayLike, frames: "
+                     "collections.abc.Sequence[str | int] | None = None, representation: "
+                     "typing.Literal['body', 'spatial', 'hybrid', 'mixed'] = 'body', *, threads: int = 1) -> "
+                     "numpy.typing.NDArray[numpy.float64]"),
+             R"(
+The Jacobians of many frames in one call: shape (K, 6, nv), or (N, K, 6, nv) for q of shape (N, nq).
+
+`frames` is a list of their names or numbers; left out, all frames in the order of `m.frame_names`. Poses and joint screws
+are found once: it is much quicker than `jacobian` for each. O(n), and O(path length) for each frame.
+
+>>> J = axode.jacobians(arm, arm.neutral(), ["link 2", "flange"], "hybrid")
+>>> J.shape
+(2, 6, 7)
+>>> np.allclose(J[1], axode.jacobian(arm, arm.neutral(), "flange", "hybrid"))
+True
 )");
   functions.of_q_v_at("jacobian_rate", R"(
 J', the time derivative of the Jacobian of a frame: V' = J a + J' v. Shape (6, nv) or (N, 6, nv).

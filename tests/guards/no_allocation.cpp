@@ -113,6 +113,9 @@ TEST_P(NoAllocationBeside, InColumnsAndMotionOfHigherOrder) {
       const int tip = model.n_frames() - 1, order = 4;
       std::vector<JacobianColumn<Rep, T>> columns(static_cast<std::size_t>(model.n_screws()));
       EXPECT_EQ(memory_operations([&] { jacobian_columns<Rep>(model, workspace, at.q, tip, columns); }), 0);
+      const std::array<Place<T>, 2> places{tip, 0};
+      std::vector<Twist<Rep, T>> J(2 * at.v.size());
+      EXPECT_EQ(memory_operations([&] { jacobians<Rep>(model, workspace, at.q, places, J); }), 0);
 
       HigherOrderMotion<T> motion(model, order);
       const std::vector<T> rates((order + 1) * at.v.size(), T(0.5));

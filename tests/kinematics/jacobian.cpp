@@ -75,6 +75,48 @@ TEST_P(Jacobian, IsTheSumOfItsColumnsAlongThePath) {
   });
 }
 
+/// Of some places in one call.
+template <class Rep, class T>
+std::vector<Six> jacobians_of(const Trial& trial, const std::vector<Place<>>& places) {
+  const Model& model = trial.model;
+  Workspace<T> workspace(model);
+  const std::vector<T> q = cast<T>(trial.state.q);
+  std::vector<Place<T>> in_T;
+  for (const Place<>& place : places) in_T.emplace_back(place.frame, axode::cast<T>(place.offset));
+  std::vector<Twist<Rep, T>> J(places.size() * static_cast<std::size_t>(model.nv()));
+  jacobians<Rep>(model, workspace, q, in_T, J);
+  std::vector<Six> all;
+  for (const Twist<Rep, T>& column : J)
+    all.push_back({axode::cast<double>(column.w), axode::cast<double>(column.v)});
+  return all;
+}
+
+TEST_P(Jacobian, OfManyFramesAndPlacesInOneCallAreThoseOfEach) {
+  Comparison frames("frames", GetParam().agreement()), somewhere("places", GetParam().agreement());
+  for_seeds(100, [&](std::uint64_t seed) {
+    Random<double> random(seed);
+    Trial trial(GetParam(), random_model(random, large_trees), random);
+    const auto one_by_one = [&](const std::vector<Place<>>& places) {
+      std::vector<Six> all;
+      for (const Place<>& place : places)
+        for (const Six& column : jacobian_of(trial, place)) all.push_back(column);
+      return all;
+    };
+    std::vector<Place<>> every, some;
+    for (int f = 0; f < trial.model.n_frames(); ++f) every.emplace_back(f);
+    frames.expect_equal(sixes_of(trial.call("jacobians")), one_by_one(every));
+    for (int k = 0; k < 5; ++k) some.push_back(random_place(trial.model, random));
+    somewhere.expect_equal(with_representation(in,
+                                               [&](auto rep) {
+                                                 using Rep = decltype(rep);
+                                                 return GetParam().single
+                                                            ? jacobians_of<Rep, float>(trial, some)
+                                                            : jacobians_of<Rep, double>(trial, some);
+                                               }),
+                           one_by_one(some));
+  });
+}
+
 TEST_P(Jacobian, OfAPoseInAFrameIsThatOfAFrameThere) {
   Comparison pose("pose", GetParam().agreement()), point("point", GetParam().agreement());
   for_seeds(100, [&](std::uint64_t seed) {
@@ -209,6 +251,19 @@ TEST(JacobianErrors, NameTheArgumentAndTheRule) {
             "J has " + one_more + " entries; expected nv = " + nv);
   EXPECT_EQ(message_of([&] { jacobian(model, workspace, std::vector<double>(q.size() + 1), 1, J); }),
             "q has " + std::to_string(q.size() + 1) + " entries; expected nq = " + std::to_string(q.size()));
+  const auto several = [&](const std::vector<Place<>>& places, std::size_t columns) {
+    std::vector<Twist<BodyFixed>> all(columns);
+    return message_of([&] { jacobians(model, workspace, q, places, all); });
+  };
+  EXPECT_EQ(several({0, 1}, J.size()),
+            "J has " + nv + " entries; expected nv for each place = " + std::to_string(2 * J.size()));
+  EXPECT_EQ(several({0, -1}, 2 * J.size()), "frame is -1" + frames);
+  EXPECT_EQ(several({}, 0), "no error");
+  const std::span<double> in_place(reinterpret_cast<double*>(J.data()), q.size());
+  std::copy(q.begin(), q.end(), in_place.begin());
+  const std::vector<Place<>> last{model.n_frames() - 1};
+  EXPECT_EQ(message_of([&] { jacobians(model, workspace, in_place, last, J); }),
+            "J shares memory with q; this result needs memory of its own");
   std::vector<JacobianColumn<BodyFixed>> none;
   const std::string too_short = message_of([&] { jacobian_columns(model, workspace, q, 1, none); });
   EXPECT_EQ(too_short.substr(0, 40), "columns has 0 entries; the path to the p");

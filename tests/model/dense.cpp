@@ -86,9 +86,10 @@ TEST_F(Dense, SeveralPlacesInOneCall) {
   EXPECT_EQ(distance(C[1], all[1] * places[1].offset), 0);
   for (std::size_t k = 0; k < 3; ++k) {
     const Matrix6X<double> alone = jacobian<Spatial>(model, workspace, q, places[k]);
-    EXPECT_EQ(J.middleRows<6>(6 * static_cast<int>(k)), alone);
+    const auto together = J.middleRows<6>(6 * static_cast<int>(k));
+    EXPECT_LE((together - alone).norm(), 1e-14 * J.norm());
     for (std::size_t c = 0; c < nv; ++c)
-      EXPECT_EQ(to_eigen(columns[k * nv + c]), alone.col(static_cast<int>(c)));
+      EXPECT_EQ(to_eigen(columns[k * nv + c]), together.col(static_cast<int>(c)));
   }
 }
 

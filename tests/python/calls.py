@@ -130,6 +130,8 @@ for rep in REPRESENTATIONS:
         f"accelerations {rep}": lambda m, q, v, a, rep=rep: axode.accelerations(m, q, v, a, rep),
         f"jacobian {rep}": lambda m, q, v, a, rep=rep: axode.jacobian(m, q, tool(m), rep),
         f"jacobian {rep} of a point": lambda m, q, v, a, rep=rep: axode.jacobian(m, q, tool(m), rep, offset=[1, 2, 3]),
+        f"jacobians {rep}": lambda m, q, v, a, rep=rep: axode.jacobians(m, q, representation=rep),
+        f"jacobians {rep} of two frames": lambda m, q, v, a, rep=rep: axode.jacobians(m, q, [tool(m), 0], rep),
         f"jacobian_rate {rep}": lambda m, q, v, a, rep=rep: axode.jacobian_rate(m, q, v, tool(m), rep),
         f"jacobian_partials {rep}": lambda m, q, v, a, rep=rep: axode.jacobian_partials(m, q, tool(m), rep, 2),
         f"jacobian_derivative_along {rep}": lambda m, q, v, a, rep=rep: axode.jacobian_derivative_along(

@@ -61,9 +61,12 @@ def test_christoffel_symbols_and_partials_have_the_documented_order(mechanism):
 def test_jacobians_give_twists_and_accelerations(mechanism, representation):
     m, q, v, a, _ = state(mechanism)
     V, dV = axode.twists(m, q, v, representation), axode.accelerations(m, q, v, a, representation)
+    J_all = axode.jacobians(m, q, representation=representation)
+    assert np.array_equal(axode.jacobians(m, q, m.frame_names[::-1], representation), J_all[::-1])
     for k, frame in enumerate(m.frame_names):
         J, dJ = axode.jacobian(m, q, frame, representation), axode.jacobian_rate(m, q, v, frame, representation)
         assert close(J @ v, V[k]) if k else not (J @ v).any()
+        assert close(J, J_all[k])
         assert close(J @ a + dJ @ v, dV[k]) if k else not (J @ a).any()
         assert m.frame_index(frame) == k
         assert np.array_equal(axode.jacobian(m, q, k, representation), J)

@@ -1,0 +1,107 @@
+#pragma once
+#include <algorithm>
+
+#include "axode/fast/results.hpp"
+
+namespace axode {
+
+/// The Jacobians of any number of places at one configuration. Poses of the bodies and screws of the joints are found
+/// once; of a place then only the columns along its path are computed: with a screw (ω; v) about its body's origin r, in
+/// inertial axes,
+///   J_c^h = (ω; v + ω × (r_f - r)).
+/// 15 products and sums for a column, 30 more in body-fixed representation. Origins are seen from the body's root,
+/// so that no digits are lost far from the inertial one, about which only spatial columns are.
+template <class T> struct FastJacobians {
+  using G = typename FastGeometry<T>::type;
+  using Vector = typename G::Vector;
+  using Factor = typename G::Factor;
+  using Spread = typename G::Spread;
+  using Matrix = typename G::Matrix;
+  /// A screw for a unit of its velocity, about the origin r of its body.
+  struct Column {
+    Vector w, v, r;
+    Factor w_;
+  };
+  FastPoses<T> poses;
+  Placed<G>* body;
+  Column* column;
+
+  explicit FastJacobians(Arena& arena)
+      : poses(arena), body(arena.per_body<Placed<G>>()), column(arena.per_screw<Column>()) {}
+
+  template <class Rep> void run(const Tree<T>& tree, const T* q) noexcept {
+    using From = typename FastPoses<T>::From;
+    body[0] = {Matrix(SO3<T>{}), Vector{}};
+    const auto keep = [&](int i, const Placed<G>& at) {
+      body[i] = at;
+      Column* const column_i = column + tree->first_screw[i];
+      if (is_hinge(tree, i)) [[likely]]
+        *column_i = {at.R.z, Vector{}, at.r, Factor(at.R.z)};
+      else
+        set_columns(tree, i, column_i);
+    };
+    poses.template run<std::same_as<Rep, Spatial> ? From::inertial_frame : From::root>(tree, q, keep);
+  }
+
+  /// J, nv columns, of the place with pose F in the internal frame of body i.
+  template <class Rep>
+  void write(const Tree<T>& tree, int i, const SE3<T>& F, Twist<Rep, T>* J) const noexcept {
+    const Seen<Rep> seen(body[i], F);
+    if (!tree->coupled_bodies.empty()) return add_up(tree, i, seen, J);
+    const auto clear = [J](int from, int to) { std::fill(numbers<T>(J + from), numbers<T>(J + to), T(0)); };
+    const int* const parent = tree->velocity_parent.data();
+    int end = tree->nv;  // of what has not been written
+    for (int c = tree->first_screw[i + 1] - 1; c >= 0; end = c, c = parent[c]) {
+      if (c + 1 < end) clear(c + 1, end);
+      const auto [w, v] = seen(column[c]);
+      store(w, v, numbers<T>(J + c));
+    }
+    if (end > 0) clear(0, end);
+  }
+
+ private:
+  [[gnu::noinline]] void set_columns(const Tree<T>& tree, int i, Column* out) const noexcept {
+    const Placed<G>& at = body[i];
+    const SO3<T> R{at.R.x, at.R.y, at.R.z};
+    with_joint(tree, i, [&](const auto& joint) {
+      for (int k = 0; k < joint.nv; ++k) {
+        const Screw<T> X = tree.ratio[i] * Ad(R, joint.column(k));
+        const Vector w(X.w);
+        out[k] = {w, Vector(X.v), at.r, Factor(w)};
+      }
+    });
+  }
+  /// How a place sees screws.
+  template <class Rep> struct Seen {
+    Vector r{};
+    Matrix Rt;
+
+    Seen(const Placed<G>& at, const SE3<T>& F) {
+      if constexpr (!std::same_as<Rep, Spatial>) r = at.r + at.R * Spread(F.r);
+      if constexpr (std::same_as<Rep, BodyFixed> || std::same_as<Rep, Mixed>)
+        Rt = transposed<G, T>(at.R, F.R);
+    }
+    std::pair<Vector, Vector> operator()(const Column& X) const {
+      const Vector v = X.v + cross(X.w_, Factor(r - X.r));
+      if constexpr (std::same_as<Rep, BodyFixed>)
+        return {Rt * Spread(X.w), Rt * Spread(v)};
+      else if constexpr (std::same_as<Rep, Mixed>)
+        return {Rt * Spread(X.w), v};
+      else
+        return {X.w, v};
+    }
+  };
+  /// Where joints are coupled, several columns may be those of one velocity.
+  template <class Rep>
+  [[gnu::noinline]] void add_up(const Tree<T>& tree, int i, const Seen<Rep>& seen,
+                                Twist<Rep, T>* J) const noexcept {
+    std::fill_n(J, tree->nv, Twist<Rep, T>{});
+    for (; i > 0; i = tree->parent[i])
+      for (int k = tree->first_screw[i], c = tree->iv[i]; k < tree->first_screw[i + 1]; ++k, ++c) {
+        const auto [w, v] = seen(column[k]);
+        J[c] += Twist<Rep, T>{w, v};
+      }
+  }
+};
+
+}  // namespace axode
