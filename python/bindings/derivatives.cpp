@@ -1,5 +1,5 @@
-#include "axode/constraints/equilibrium.hpp"
 #include "axode/derivatives.hpp"
+#include "axode/constraints/equilibrium.hpp"
 
 #include "bindings.hpp"
 #include "conversions.hpp"
