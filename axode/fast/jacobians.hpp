@@ -11,8 +11,7 @@ namespace axode {
 ///   J_c^h = (ω; v + ω × (r_f - r)).
 /// 15 products and sums for a column, 30 more in body-fixed representation. Origins are seen from the body's root,
 /// so that no digits are lost far from the inertial one, about which only spatial columns are.
-template <class T> struct FastJacobians {
-  using G = typename FastGeometry<T>::type;
+template <class T, class G = typename FastGeometry<T>::type> struct FastJacobians {
   using Vector = typename G::Vector;
   using Factor = typename G::Factor;
   using Spread = typename G::Spread;
@@ -22,7 +21,7 @@ template <class T> struct FastJacobians {
     Vector w, v, r;
     Factor w_;
   };
-  FastPoses<T> poses;
+  FastPoses<T, G> poses;
   Placed<G>* body;
   Column* column;
 
@@ -30,7 +29,7 @@ template <class T> struct FastJacobians {
       : poses(arena), body(arena.per_body<Placed<G>>()), column(arena.per_screw<Column>()) {}
 
   template <class Rep> void run(const Tree<T>& tree, const T* q) noexcept {
-    using From = typename FastPoses<T>::From;
+    using From = typename FastPoses<T, G>::From;
     body[0] = {Matrix(SO3<T>{}), Vector{}};
     const auto keep = [&](int i, const Placed<G>& at) {
       body[i] = at;

@@ -8,14 +8,13 @@ struct NoRate {};
 template <class Rep, class T, bool rates>
 using MotionResult = std::conditional_t<rates, TwistRate<Rep, T>, Twist<Rep, T>>;
 
-/// Motion of all bodies in inertial axes, for the representations with something in these: ω and the velocity r' of the origins, and with rates ω' and the classical
-/// accelerations r''. With d from the predecessor's origin to the body's, and (ω_J; v_J) = S v, (α_J; a_J) = S a
+/// Motion of all bodies in inertial axes, for the representations with something in these: ω and the velocity r' of the
+/// origins, and with rates ω' and the classical accelerations r''. With d from the predecessor's origin to the body's, and (ω_J; v_J) = S v, (α_J; a_J) = S a
 /// turned into inertial axes,
 ///   ω_i = ω_p + ω_J,   r'_i = r'_p + ω_p × d + v_J,
 ///   ω'_i = ω'_p + ω_p × ω_J + α_J,   r''_i = r''_p + ω'_p × d + ω_p × (ω_p × d) + (ω_p + ω_i) × v_J + a_J.
 /// 69 products and sums for a hinge, 114 with rates.
-template <class T, bool rates> struct FastMotion {
-  using G = typename FastGeometry<T>::type;
+template <class T, bool rates, class G = typename FastGeometry<T>::type> struct FastMotion {
   using Vector = typename G::Vector;
   using Factor = typename G::Factor;
   using Spread = typename G::Spread;
@@ -56,8 +55,8 @@ template <class T, bool rates> struct FastMotion {
         }
         last.w += w_J, last.v += v_J;
       }
-      Body& b = body
-          [i];  // member by member: GCC copies the whole in registers so wide that they wait for what was stored
+      // Member by member: GCC copies the whole in registers so wide that they wait for what was stored.
+      Body& b = body[i];
       b.at.R.x = last.at.R.x, b.at.R.y = last.at.R.y, b.at.R.z = last.at.R.z, b.at.r = last.at.r;
       b.w = last.w, b.v = last.v, b.dw = last.dw, b.a = last.a;
     }
@@ -99,8 +98,7 @@ template <class T, bool rates> struct FastMotion {
 /// Twists of all bodies in body axes, (ω_i; v_i) = Ad_{C_ip} (ω_p; v_p) + S v, and with rates
 ///   V'_i = Ad_{C_ip} V'_p + S a + ad_V (S v).
 /// 61 products and sums for a hinge, 111 with rates.
-template <class T, bool rates> struct FastBodyFixedMotion {
-  using G = typename FastGeometry<T>::type;
+template <class T, bool rates, class G = typename FastGeometry<T>::type> struct FastBodyFixedMotion {
   using Vector = typename G::Vector;
   using Factor = typename G::Factor;
   using Spread = typename G::Spread;
@@ -172,8 +170,8 @@ template <class T, bool rates> struct FastBodyFixedMotion {
 };
 
 /// Where the motion in Rep is quickest.
-template <class Rep, class T, bool rates>
-using FastMotionIn =
-    std::conditional_t<std::same_as<Rep, BodyFixed>, FastBodyFixedMotion<T, rates>, FastMotion<T, rates>>;
+template <class Rep, class T, bool rates, class G = typename FastGeometry<T>::type>
+using FastMotionIn = std::conditional_t<std::same_as<Rep, BodyFixed>, FastBodyFixedMotion<T, rates, G>,
+                                        FastMotion<T, rates, G>>;
 
 }  // namespace axode

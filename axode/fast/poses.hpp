@@ -67,8 +67,7 @@ template <class G, class T, class S>
 /// C_i of all bodies' internal frames, each handed to put(i, (R, r)): r is the place in the inertial frame,
 /// or (From::root) against the body's root, the one of its predecessors that hangs on the ground. 51 products
 /// and sums for a hinge.
-template <class T> struct FastPoses {
-  using G = typename FastGeometry<T>::type;
+template <class T, class G = typename FastGeometry<T>::type> struct FastPoses {
   enum class From { inertial_frame, root };
   JointAngles<T> angles;
   Placed<G>* branch;

@@ -18,7 +18,7 @@ void joint_screws(const Model& model, Workspace<T>& workspace, Numbers<T> q,
   poses.run(tree, q.data(), [&](int i, const auto& at) {
     Twist<Spatial, T>* J_i = J.data() + tree->first_screw[i];
     if (is_hinge(tree, i)) [[likely]] {
-      using Factor = typename FastPoses<T>::G::Factor;
+      using Factor = typename FastGeometry<T>::type::Factor;
       J_i[0] = {at.R.z, cross(Factor(at.r), Factor(at.R.z))};
     } else {
       with_joint(tree, i, [&](const auto& joint) {
