@@ -109,20 +109,20 @@ def rollout(m: Model, q: ArrayLike, v: ArrayLike,
     >>> bool(np.max(np.abs(q[:, -1])) < 1e-2)
     True
     """
-    driven = isinstance(tau, (Sampled, PD, ComputedTorque, _axode.Drive))
+    if isinstance(tau, (Sampled, PD, ComputedTorque)):
+        tau = tau.on(m)
     if steps is None:
-        if driven or callable(tau):
+        if callable(tau):
             raise ValueError("steps is missing; it says how many, where tau is a function or a drive")
         return _axode.rollout_under(m, q, v, tau, step, threads=threads)
     if steps < 0:
         raise ValueError(f"steps is {steps}; it must not be negative")
-    if driven or not callable(tau):
-        if not driven:
-            if np.ndim(tau) != 1:
-                raise ValueError("steps is for functions, drives and constant forces (nv,); tau has forces for each step")
-            tau = Sampled([0.0], [tau])
-        drive = tau if isinstance(tau, _axode.Drive) else tau.on(m)
-        return _axode.rollout_driven(m, q, v, drive, steps, step, threads=threads)
+    if not callable(tau):
+        if np.ndim(tau) != 1:
+            raise ValueError("steps is for functions, drives and constant forces (nv,); tau has forces for each step")
+        tau = Sampled([0.0], np.asarray(tau)[None]).on(m)
+    if isinstance(tau, _axode.Drive):
+        return _axode.rollout_driven(m, q, v, tau, steps, step, threads=threads)
     q_0, v_0 = np.asarray(q, dtype=np.float64), np.asarray(v, dtype=np.float64)
     all_q = np.full((*q_0.shape[:-1], steps + 1, m.nq), np.nan)
     all_v = np.full((*q_0.shape[:-1], steps + 1, m.nv), np.nan)
