@@ -77,8 +77,6 @@ bool is_zero(const std::vector<double>& x) {
   return std::ranges::all_of(x, [](double x_k) { return x_k == 0; });
 }
 
-bool has_loops(const Model& model) { return !model.loops().all.empty(); }
-
 /// Drive forces that hold a mechanism with loops, the least where there are more drives than it needs.
 std::vector<double> holding_forces(const Model& model, const State& state, const Eigen::VectorXd& springs) {
   const IndependentEquations at = independent_equations(model, state.q, state.v, {}, {state.loads});
@@ -110,7 +108,7 @@ State found_state(const Model& model, const Options& options) {
     Workspace<> workspace(model);
     Eigen::VectorXd springs(model.nv());
     spring_forces(model, workspace, state.q, state.v, as_span(springs));
-    if (has_loops(model)) {
+    if (!model.loops().empty()) {
       state.tau = holding_forces(model, state, springs);
     } else {
       inverse_dynamics(model, workspace, state.q, state.v, state.v, state.tau, {state.loads});
@@ -148,7 +146,7 @@ Linearized linearized(const Options& options) {
   };
   std::vector<double> forces = state.tau;
   add_spring_forces(model, workspace, state.q, state.v, forces);
-  if (has_loops(model)) {
+  if (!model.loops().empty()) {
     const IndependentLinearization linear =
         independent_linearization(model, state.q, state.v, state.tau, {}, loads);
     require(linear.solvability);
@@ -231,7 +229,7 @@ Json as_json(const Linearized& at) {
            {"stability", stability(at.modes)},
            {"zero_eigenvalues", at.modes.zeros},
            {"modes", all}};
-  if (has_loops(at.model)) out["independent"] = at.velocities;
+  if (!at.model.loops().empty()) out["independent"] = at.velocities;
   return out;
 }
 

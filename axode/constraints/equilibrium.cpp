@@ -56,7 +56,7 @@ class Statics {
         by_v_(model.nv(), model.nv()),
         by_a_(model.nv(), model.nv()) {
     tau_.resize(rest_.size());
-    if (!model.loops().all.empty()) loops_.emplace(model);
+    if (!model.loops().empty()) loops_.emplace(model);
   }
 
   void evaluate(Iterate& at) {
@@ -110,7 +110,7 @@ Vector newton_step(const Iterate& at) {
 
 /// Closes the loops. Whether they do.
 bool closed(const Model& model, std::vector<double>& q) {
-  if (model.loops().all.empty()) return true;
+  if (model.loops().empty()) return true;
   AssemblyResult found = assemble(model, q);
   q = std::move(found.q);
   return found.status == AssemblyStatus::closed;

@@ -31,9 +31,10 @@ template <class Run> void take_steps(Run& run, double until, double step, const 
 }
 
 /// A force that jumps where the motion dwells, as dry friction at rest does, is crossed in ever shorter steps: so many are
-/// looked at together, and so many times as many are not begun.
+/// looked at together, and so many times as many are not begun, where one is shorter than anything that swings and
+/// dies out (s).
 inline constexpr int watched = 10'000;
-inline constexpr double hopeless = 1e5;
+inline constexpr double hopeless = 1e5, too_short = 1e-9;
 inline constexpr const char* jumps =
     "the steps have become so short that a thousand million more would not do: a force jumps, as dry "
     "friction does at "
@@ -64,7 +65,8 @@ template <class Run> void take_adapted_steps(Run& run, double until, const Toler
   while (!run.done()) {
     const double t = run.now(), rest = until - t;
     if (++tries == watched) {
-      if (rest > hopeless * (t - watched_from)) {
+      const double gone = t - watched_from;
+      if (gone < too_short * watched && rest > hopeless * gone) {
         run.stop(t, jumps);
         break;
       }

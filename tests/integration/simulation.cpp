@@ -284,6 +284,21 @@ TEST(Simulation, EndsWhereStepsBecomeHopelesslyShort) {
   EXPECT_THAT(stuck.stopped, testing::HasSubstr("a force jumps, as dry friction does at rest"));
   EXPECT_LE(stuck.steps, 100'000u);
 }
+/// A long motion that begins with many short steps is none of these.
+TEST(Simulation, WaitsUntilWhatIsStiffHasDiedOut) {
+  Description mount{.name = "mount"};
+  mount.bodies.push_back({.name = "block",
+                          .joint = {.kind = JointKind::prismatic, .axis = {1, 0, 0}},
+                          .inertia = MassProperties{.mass = 1, .Theta = {.1, .1, .1}}});
+  SimulationOptions options;
+  options.drive = [](double t, Span q, Span v, std::span<double> tau) {
+    tau[0] = -std::exp(-40 * t) * (1e10 * q[0] + 1e3 * v[0]);
+  };
+  const Trajectory motion =
+      simulate(ModelBuilder(mount).build(), Numbers{1e-3}, Numbers{0}, 1e6, {.relative = 1e-6}, options);
+  EXPECT_TRUE(motion.complete) << motion.stopped;
+  EXPECT_GE(motion.steps, 10'000u);
+}
 
 TEST(Simulation, EndsWithAReasonWhereItCannotGoOn) {
   Description massless{.name = "arm"};
