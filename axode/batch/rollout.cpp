@@ -192,21 +192,26 @@ Outcome roll(const Model& model, std::span<const S> q, std::span<const S> v, std
   return outcome;
 }
 
-/// Whether a motion can start at every state: where loops are closed. Throws std::invalid_argument where it cannot.
-template <class S> void check_loops(const Model& model, std::span<const S> q, std::span<const S> v) {
-  if (model.loops().empty()) return;
+/// Looks whether a motion can start at every state: where loops are closed. Throws std::invalid_argument where it cannot;
+/// false where the monitor ended it, which is told that nothing is done.
+template <class S>
+bool check_loops(const Model& model, std::span<const S> q, std::span<const S> v, int threads,
+                 const Monitor& monitor) {
+  if (model.loops().empty()) return true;
   if constexpr (std::same_as<S, double>) {
     const std::size_t nq = static_cast<std::size_t>(model.nq()), nv = static_cast<std::size_t>(model.nv()),
                       N = q.size() / nq;
     check_size("v", v.size(), N * nv, "nv N");
-    ClosedMotion loops(model);
-    for (std::size_t n = 0; n < N; ++n) {
-      try {
-        loops.check(q.subspan(n * nq, nq), v.subspan(n * nv, nv));
-      } catch (const std::invalid_argument& error) {
-        throw std::invalid_argument("state " + std::to_string(n) + ": " + error.what());
-      }
-    }
+    const Monitor asked = [&](std::size_t, std::size_t of) { return !monitor || monitor(0, of); };
+    return N == in_portions(N, 1, threads, asked, [&]() -> Work {
+             return [&, loops = std::make_shared<ClosedMotion>(model)](std::size_t n, std::size_t) {
+               try {
+                 loops->check(q.subspan(n * nq, nq), v.subspan(n * nv, nv));
+               } catch (const std::invalid_argument& error) {
+                 throw std::invalid_argument("state " + std::to_string(n) + ": " + error.what());
+               }
+             };
+           });
   } else {
     throw std::invalid_argument("model \"" + model.name() +
                                 "\" has loops, which rollouts count in double precision alone");
@@ -223,7 +228,7 @@ Outcome rollout(const Model& model, std::span<const S> q, Numbers<S> v, Numbers<
   const std::size_t nv = static_cast<std::size_t>(model.nv()), N = check_states(model, q, threads),
                     K = N * nv == 0 ? 0 : tau.size() / (N * nv);
   check_size("tau", tau.size(), K * nv * N, "K nv N");
-  check_loops(model, q, v);
+  if (!check_loops(model, q, v, threads, monitor)) return {};
   return roll<S>(model, q, v, K, tau, {}, step, q_out, v_out, method, threads, monitor);
 }
 
@@ -235,7 +240,7 @@ Outcome rollout(const Model& model, std::span<const S> q, Numbers<S> v, const Dr
   check(method), check_step(step);
   if (!drive) throw std::invalid_argument("drive is empty; expected a function of (t, q, v)");
   static_cast<void>(check_states(model, q, threads));
-  check_loops(model, q, v);
+  if (!check_loops(model, q, v, threads, monitor)) return {};
   return roll<S>(model, q, v, K, {}, drive, step, q_out, v_out, method, threads, monitor);
 }
 
