@@ -52,7 +52,7 @@ LoopSystem<T>::LoopSystem(const Model& of)
   gather(rows_of, felt_rows_), gather(residuals_of, felt_residuals_);
   const Eigen::Index room = RowCholesky<T>::room(m);
   Y_.setZero(nv, room), G_.setZero(m, room), factor_.resize(m);
-  basis_.resize(nv, std::min(nv, m));
+  left_.setZero(nv, room), along_.setZero(room), basis_.resize(nv, std::min(nv, m));
   scale_.resize(m), b_.resize(m), lambda_.resize(m), rest_.resize(m), step_.setZero(room),
       moved_.resize(room);
   zero_.setZero(nv), forces_.resize(nv), w_.resize(nv), root_.resize(nv);
@@ -418,10 +418,26 @@ template <class T> Solvability LoopSystem<T>::hold(const T* q) noexcept {
 
 template <class T> void LoopSystem<T>::hold() noexcept {
   const T part = is_float<T> ? T(1e-4) : T(1e-10);
+  const int m = size(Rows::velocities);
   filter_ = least_filter<T>;
-  dropped_.assign(index(size(Rows::velocities)), 0);
-  split_rows<T>(Y_, scale_, part, basis_,
-                [&](int k, bool independent) { dropped_[index(k)] = !independent; });
+  dropped_.assign(index(m), 1);
+  left_ = Y_;
+  for (Eigen::Index rank = 0; rank < basis_.cols(); ++rank) {
+    int best = -1;
+    T most = part;
+    for (int k = 0; k < m;
+         ++k)  // that of which the others leave most: near singular places what is left is ill-conditioned
+      if (const T rest = dropped_[index(k)] ? left_.col(k).norm() / scale_[k] : T(0); rest > most)
+        best = k, most = rest;
+    if (best < 0) break;
+    dropped_[index(best)] = 0;
+    auto q = basis_.col(rank);
+    q = left_.col(best);
+    for (Eigen::Index j = 0; j < rank; ++j) q -= basis_.col(j).dot(q) * basis_.col(j);
+    q.normalize();
+    along_.noalias() = q.transpose() * left_;
+    left_.noalias() -= q * along_;
+  }
 }
 
 template <class T> template <class F> void LoopSystem<T>::each_dropped(const F& f) const {

@@ -177,6 +177,8 @@ template <class T> class LoopSystem {
   std::vector<std::vector<T>> entries_;  ///< of each loop: A, a column of up to six rows for each LoopColumn
   RowByRow Y_, G_;
   RowCholesky<T> factor_;
+  RowByRow left_;  ///< of Y, by the rows that are independent
+  Eigen::RowVectorX<T> along_;
   Matrix basis_;
   Vector root_;  ///< D^-½, by velocity
   Vector scale_, zero_, forces_, w_, b_, lambda_, step_, rest_, moved_;

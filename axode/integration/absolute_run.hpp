@@ -103,6 +103,11 @@ class AbsoluteRun {
     Vector q_1(q_end.begin(), q_end.end()), v_1(v_end.begin(), v_end.end());
     return close(t, q_1, v_1) && take_closed(t, q_1, v_1) && accelerate(t, q, v, a);
   }
+  /// The same; dry friction is the force that the velocity says, and changes in steps.
+  template <class Attempt> bool take_up_to(double t_1, const StepEnd& end, const Attempt&) {
+    return take(t_1, end.q, end.v);
+  }
+  void begin_step() {}
   /// The same of a scheme that keeps joints and loops closed itself.
   bool take_closed(double t, Span q_end, Span v_end) {
     bodies_.leave(q_end, v_end, q_joints_, v_joints_);

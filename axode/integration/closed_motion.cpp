@@ -39,6 +39,16 @@ Solvability ClosedMotion::accelerate(Span q, Span v, Span tau, const Loads<doubl
                                               lambda_.data());
 }
 
+double ClosedMotion::respond(int c, std::span<double> a) {
+  LoopSystem<double>& system = workspace_.system(model_);
+  std::ranges::fill(a, 0.0);
+  a[static_cast<std::size_t>(c)] = 1;
+  system.solve(a.data());
+  const double alone = a[static_cast<std::size_t>(c)];
+  static_cast<void>(system.collide(a.data(), 0, a.data(), lambda_.data()));
+  return alone;
+}
+
 void ClosedMotion::differentiate(Span q, Span v, Span tau, const Loads<double>& loads,
                                  const ClosedDynamicsDerivatives<double>& d) {
   static_cast<void>(forward_dynamics_derivatives(model_, workspace_, q, v, tau, d, loads));

@@ -17,28 +17,44 @@ template <class Run, class Take> void each_step(const Run& run, double until, do
     if (!take(k == whole ? until : k * step)) break;
 }
 
-/// Steps of one length until a time.
+/// attempt(t_1, end) of an explicit method: the end of a step from now to t_1.
+template <class Run, class Scheme, class Group> auto attempts(Run& run, Scheme& scheme, const Group& group) {
+  return [&](double t_1, StepEnd& end) {
+    const double t = run.now();
+    run.begin_step();
+    if (!scheme.run(t, run.q.data(), run.v.data(), run.a.data(), t_1 - t, run.accelerations())) return false;
+    end.q.resize(run.q.size());
+    group.move(run.q.data(), scheme.theta.data(), end.q.data());
+    end.v = scheme.y;
+    end.a.assign(scheme.end().begin(), scheme.end().end());
+    return true;
+  };
+}
+
+/// Steps of one length until a time, or two where friction changes between.
 template <class Run> void take_steps(Run& run, double until, double step, const Tableau& method) {
   MuntheKaas scheme(run.tree(), method);
   const ConfigurationGroup<double> group(run.tree());
-  std::vector<double> q_1(run.q.size());
+  const auto attempt = attempts(run, scheme, group);
+  StepEnd end;
   each_step(run, until, step, [&](double t_1) {
-    const double t = run.now();
-    if (!scheme.run(t, run.q.data(), run.v.data(), run.a.data(), t_1 - t, run.accelerations())) return false;
-    group.move(run.q.data(), scheme.theta.data(), q_1.data());
-    return run.take(t_1, q_1, scheme.y, scheme.end());
+    while (run.now() < t_1 && !run.done())
+      if (!attempt(t_1, end) || !run.take_up_to(t_1, end, attempt)) return false;
+    return true;
   });
 }
 
-/// A force that jumps where the motion dwells, as dry friction at rest does, is crossed in ever shorter steps: so many are
+/// A drive force that jumps where the motion dwells, as -sign(v) does at rest, is crossed in ever shorter steps: so many are
 /// looked at together, and so many times as many are not begun, where one is shorter than anything that swings and
 /// dies out (s).
 inline constexpr int watched = 10'000;
 inline constexpr double hopeless = 1e5, too_short = 1e-9;
 inline constexpr const char* jumps =
-    "the steps have become so short that a thousand million more would not do: a force jumps, as dry "
-    "friction does at "
-    "rest, or grows without bound; methods in steps of one length go on";
+    "the steps have become so short that a thousand million more would not do: a force jumps where the "
+    "motion dwells, or "
+    "grows without bound; methods in steps of one length go on, and dry friction of a joint is one of its "
+    "own "
+    "properties (joint losses)";
 
 /// Steps as long as the estimated error allows, with Dormand's and Prince's method.
 template <class Run> void take_adapted_steps(Run& run, double until, const Tolerances& tolerances) {
@@ -61,7 +77,8 @@ template <class Run> void take_adapted_steps(Run& run, double until, const Toler
   }
   double last_error = 1e-4, watched_from = 0;
   int tries = 0;
-  std::vector<double> q_1(run.q.size());
+  const auto attempt = attempts(run, scheme, group);
+  StepEnd end;
   while (!run.done()) {
     const double t = run.now(), rest = until - t;
     if (++tries == watched) {
@@ -78,7 +95,8 @@ template <class Run> void take_adapted_steps(Run& run, double until, const Toler
       run.stop(t, "the step became too short for the tolerances");
       break;
     }
-    if (!scheme.run(t, run.q.data(), run.v.data(), run.a.data(), h, run.accelerations())) {
+    const double t_1 = last ? until : t + h;
+    if (!attempt(t_1, end)) {
       if (h < 1e-9 * until) break;
       run.trajectory.complete = true, run.trajectory.stopped.clear();  // perhaps the step was too long
       ++run.trajectory.rejected;
@@ -100,8 +118,7 @@ template <class Run> void take_adapted_steps(Run& run, double until, const Toler
       h *= std::isfinite(error) ? std::max(0.2, 0.9 * std::pow(error, -0.2)) : 0.1;
       continue;
     }
-    group.move(run.q.data(), scheme.theta.data(), q_1.data());
-    if (!run.take(last ? until : t + h, q_1, scheme.y, scheme.end())) break;
+    if (!run.take_up_to(t_1, end, attempt)) break;
     const double least = std::max(error, 1e-10);
     h *= std::clamp(0.9 * std::pow(least, -0.17) * std::pow(last_error, 0.04), 0.2, 10.0);
     last_error = std::max(error, 1e-4);

@@ -59,9 +59,11 @@ template <class System> class GeneralizedAlpha {
     }
     if (!(before < 1e-9)) return Outcome::diverged;
     end_with(a, h, q0, v0, a0);
-    mean_0_ = mean_;
     return Outcome::found;
   }
+  /// The next step goes on from the end of this one; or from where accelerations have jumped to a_0.
+  void go_on() { mean_0_ = mean_; }
+  void begin(const Numbers& a_0) { mean_0_ = a_0; }
 
   Numbers q, v, a;  ///< after run()
 

@@ -11,9 +11,11 @@
 #include "axode/dynamics/check_loads.hpp"
 #include "axode/dynamics/forward_dynamics.hpp"
 #include "axode/dynamics/inverse_dynamics.hpp"
+#include "axode/dynamics/mass_matrix.hpp"
 #include "axode/dynamics/springs.hpp"
 #include "axode/eigen.hpp"
 #include "axode/integration/closed_motion.hpp"
+#include "axode/integration/dry_friction.hpp"
 #include "axode/integration/simulation.hpp"
 #include "axode/model/configuration.hpp"
 #include "axode/model/finite.hpp"
@@ -21,7 +23,12 @@
 
 namespace axode {
 
-/// What all schemes share: the motion so far in joint coordinates, accelerations, events.
+/// The end of a step; without accelerations where a scheme does not know them.
+struct StepEnd {
+  std::vector<double> q, v, a;
+};
+
+/// What all schemes share: the motion so far in joint coordinates, accelerations, events, dry friction.
 class Run {
  public:
   using Vector = std::vector<double>;
@@ -35,6 +42,7 @@ class Run {
         model_(model),
         options_(options),
         workspace_(model),
+        friction_(model.tree<double>(), options.joint_losses && options.coordinates == Coordinates::relative),
         tau_(v_0.size()),
         total_(v_0.size()),
         until_(until) {
@@ -46,7 +54,9 @@ class Run {
       throw std::invalid_argument("until is " + std::to_string(until) + "; expected a time of 0 s or more");
     check_loads(model, loads());
     if (loops_) loops_->check(q, v);
+    friction_.start(v);
     if (!accelerate(0, q, v, a)) return;
+    friction_.release(a);
     trajectory.append(0, q, v, a, tau_);
     values_ = values_at(0, q, v);
   }
@@ -54,15 +64,16 @@ class Run {
   /// Accelerations under what acts; false, with the reason kept, where there are none.
   bool accelerate(double t, Span q_t, Span v_t, std::span<double> a_t) {
     if (!begin_evaluation(t, q_t, v_t)) return false;
-    const Span tau = with_springs(q_t, v_t);
+    const Span tau = in_joints(q_t, v_t);
     const Solvability found = loops_ ? loops_->accelerate(q_t, v_t, tau, loads(), a_t)
                                      : forward_dynamics(model_, workspace_, q_t, v_t, tau, a_t, loads());
     if (!found.ok()) return stop(t, to_string(model_, found));
+    if (!friction_.sticking().empty()) hold(q_t, a_t);
     return true;
   }
 
-  /// ID(q, v, a) - tau or, with loops, a - FD(q, v, tau), which is 0 where a is the acceleration; false, with the reason
-  /// kept, where it is not finite.
+  /// ID(q, v, a) - tau or, with loops, a - FD(q, v, tau), which is 0 where a is the acceleration; a of what sticks. False, with
+  /// the reason kept, where it is not finite.
   bool residual(double t, Span q_t, Span v_t, Span a_t, std::span<double> r) {
     if (loops_) {
       if (!accelerate(t, q_t, v_t, r)) return false;
@@ -73,38 +84,94 @@ class Run {
     if (!finite(q_t) || !finite(v_t) || !finite(a_t)) return stop(t, "the state is not finite");
     inverse_dynamics(model_, workspace_, q_t, v_t, a_t, r, loads());
     if (options_.drive) options_.drive(t, q_t, v_t, tau_);
-    const Span tau = with_springs(q_t, v_t);
+    const Span tau = in_joints(q_t, v_t);
     for (std::size_t c = 0; c < r.size(); ++c) r[c] -= tau[c];
+    for (const int c : friction_.sticking()) r[size(c)] = a_t[size(c)];
     return finite(r) || stop(t, "forces are not finite at " + joint_of(r));
   }
   /// Its derivatives, without those of the drive: by q, v and a.
   void residual_derivatives(Span q_t, Span v_t, Span a_t, const InverseDynamicsDerivatives<double>& dr) {
-    const bool springs = !model_.springs().empty();
+    const bool forces = !model_.springs().empty() || friction_.felt();
     SquareMatrix by_q, by_v;
-    if (springs) {
+    if (forces) {
       by_q.resize(nv(), nv()), by_v.resize(nv(), nv());
       spring_force_derivatives(model_, workspace_, q_t, v_t, {as_span(by_q), as_span(by_v)});
+      if (friction_.felt()) by_v.diagonal() -= as_eigen(Span(tree().damping));
     }
-    Eigen::Map<SquareMatrix> r_q(dr.q.data(), nv(), nv()), r_v(dr.v.data(), nv(), nv());
+    Eigen::Map<SquareMatrix> r_q(dr.q.data(), nv(), nv()), r_v(dr.v.data(), nv(), nv()),
+        r_a(dr.a.data(), nv(), nv());
     if (loops_) {
       compliance_.resize(nv(), nv());
-      loops_->differentiate(q_t, v_t, with_springs(q_t, v_t), loads(), {dr.q, dr.v, as_span(compliance_)});
+      loops_->differentiate(q_t, v_t, in_joints(q_t, v_t), loads(), {dr.q, dr.v, as_span(compliance_)});
+      if (forces) r_q += compliance_ * by_q, r_v += compliance_ * by_v;
+      friction_.hold_derivatives({as_span(compliance_), dr.q, dr.v});
       r_q = -r_q, r_v = -r_v;
-      Eigen::Map<SquareMatrix>(dr.a.data(), nv(), nv()).setIdentity();
-      if (springs) r_q -= compliance_ * by_q, r_v -= compliance_ * by_v;
+      r_a.setIdentity();
     } else {
       inverse_dynamics_derivatives(model_, workspace_, q_t, v_t, a_t, dr, loads());
-      if (springs) r_q -= by_q, r_v -= by_v;
+      if (forces) r_q -= by_q, r_v -= by_v;
+      for (const int c : friction_.sticking())
+        r_q.row(c).setZero(), r_v.row(c).setZero(), r_a.row(c).setZero(), r_a(c, c) = 1;
     }
   }
   bool is_driven() const { return static_cast<bool>(options_.drive); }
   /// What of the residual is the drive's, less: tau or, with loops, what tau makes of accelerations, to first order.
   Span drive(double t, Span q_t, Span v_t) {
     options_.drive(t, q_t, v_t, tau_);
-    if (!loops_) return tau_;
-    total_.resize(tau_.size());
-    as_eigen(std::span(total_)) = compliance_ * as_eigen(Span(tau_));
+    if (!loops_ && friction_.sticking().empty()) return tau_;
+    total_.assign(tau_.begin(), tau_.end());
+    if (loops_) {
+      as_eigen(std::span(total_)) = compliance_ * as_eigen(Span(tau_));
+    } else {
+      for (const int c : friction_.sticking()) total_[size(c)] = 0;
+    }
     return total_;
+  }
+
+  /// Goes from now to the end of a step at t_1, or to where dry friction changes before: a joint comes to rest, or begins to slide.
+  /// attempt(t, end) computes the end of a step from now to t, that at t_1 last so far, with friction as it is now.
+  template <class Attempt> bool take_up_to(double t_1, StepEnd& end, const Attempt& attempt) {
+    friction_changed_ = false;
+    if (!friction_.felt()) return take(t_1, end.q, end.v, end.a);
+    const double t_0 = now(), resolution = std::max(1e-13 * (t_1 - t_0), 1e-15 * t_1);
+    if (!know_accelerations(t_1, end)) return false;
+    if (!friction_changes(t_0, t_1, end)) return take(t_1, end.q, end.v, end.a) && (rest(0), true);
+    double low = t_0, high = t_1, t = t_1;
+    StepEnd after = end;
+    for (int tries = 0; high - low > resolution; ++tries) {
+      const double guess = t + friction_.rest_in(end.v, end.a);  // Newton's, and a little across
+      t = guess > low && guess < high && tries % 4 != 3
+              ? std::clamp(guess, low + 0.5 * resolution, high - 0.5 * resolution)
+              : low + (high - low) / 2;
+      friction_.watch();
+      if (!attempt(t, end) || !know_accelerations(t, end)) return false;
+      if (friction_changes(t_0, t, end))
+        high = t, after = end;
+      else
+        low = t;
+    }
+    constexpr double hasty = 1e-9;
+    constexpr int most_hasty = 1000;
+    hasty_steps_ = high - t_0 < hasty * (t_1 - t_0) ? hasty_steps_ + 1 : 0;
+    if (hasty_steps_ > most_hasty) return stop(t_0, "dry friction changes faster than it can be followed");
+    if (!take(high, after.q, after.v, after.a)) return false;
+    if (done()) return true;
+    friction_changed_ = true;
+    rest(2 * resolution);
+    if (!accelerate(high, q, v, a)) return false;
+    friction_.release(a);
+    trajectory.jump(v, a);
+    return true;
+  }
+  /// Before an attempt; it is one with friction as it is now.
+  void begin_step() { friction_.watch(); }
+  /// Whether the last step ended where friction changed, and accelerations with it.
+  bool friction_changed() const { return friction_changed_; }
+  /// Sees whether what sticks can be held at the end of a step of a scheme that did not ask for accelerations there.
+  bool can_hold(double t, const StepEnd& end) {
+    Vector a_end(end.v.size());
+    begin_step();
+    return friction_.sticking().empty() || accelerate(t, end.q, end.v, a_end);
   }
 
   /// Takes the end of a step, with the acceleration there where it is known; false where the motion ends. Loops are
@@ -137,15 +204,19 @@ class Run {
   /// tau of drives and springs at a state, where it is finite; false, with the reason kept, where it is not.
   bool joint_forces(double t, Span q_t, Span v_t, Span& tau) {
     if (!begin_evaluation(t, q_t, v_t)) return false;
-    tau = with_springs(q_t, v_t);
+    tau = in_joints(q_t, v_t);
     return true;
   }
-  Loads<double> loads() const { return {options_.loads, options_.joint_losses}; }
+  Loads<double> loads() const { return {options_.loads, options_.joint_losses && !friction_.felt()}; }
 
   Trajectory trajectory;
   Vector q, v, a;  ///< now
 
  protected:
+  using SquareMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+  static std::size_t size(int n) { return static_cast<std::size_t>(n); }
+  Eigen::Index nv() const { return model_.nv(); }
+
   bool record(double t, const Vector& q_1, const Vector& v_1, Span known = {}) {
     Vector a_1(known.begin(), known.end());
     if (known.size() != v_1.size()) {
@@ -160,11 +231,12 @@ class Run {
     if (options_.monitor && !options_.monitor(t)) return stop(t, "it was interrupted");
     return true;
   }
-  /// tau of the drive, and of the springs of the model.
-  Span with_springs(Span q_t, Span v_t) {
-    if (model_.springs().empty()) return tau_;
+  /// tau of the drive, of the springs of the model and, where there is dry friction, of losses.
+  Span in_joints(Span q_t, Span v_t) {
+    if (model_.springs().empty() && !friction_.felt()) return tau_;
     total_.assign(tau_.begin(), tau_.end());
     add_spring_forces(model_, workspace_, q_t, v_t, total_);
+    if (friction_.felt()) friction_.add_losses(v_t, total_);
     return total_;
   }
   /// Drive forces at a state, and whether all is finite.
@@ -174,6 +246,28 @@ class Run {
     if (!options_.drive) return true;
     options_.drive(t, q_t, v_t, tau_);
     return finite(tau_) || stop(t, "the drive forces are not finite at " + joint_of(tau_));
+  }
+  /// Takes a, the accelerations last found, to those with what sticks held.
+  void hold(Span q_t, std::span<double> a_t) {
+    const std::vector<int>& sticking = friction_.sticking();
+    columns_.resize(nv(), static_cast<Eigen::Index>(sticking.size()));
+    own_.resize(sticking.size());
+    if (!loops_) {
+      compliance_.resize(nv(), nv());
+      static_cast<void>(inverse_mass_matrix(model_, workspace_, q_t, as_span(compliance_)));
+    }
+    Vector column(a_t.size());
+    for (Eigen::Index k = 0; k < columns_.cols(); ++k) {
+      const int c = sticking[static_cast<std::size_t>(k)];
+      double& own = own_[static_cast<std::size_t>(k)];
+      if (loops_) {
+        own = loops_->respond(c, column);
+        columns_.col(k) = as_eigen(Span(column));
+      } else {
+        columns_.col(k) = compliance_.col(c), own = compliance_(c, c);
+      }
+    }
+    friction_.hold(columns_, own_, a_t);
   }
   std::string joint_of(Span x) const {
     for (std::size_t c = 0; c < x.size(); ++c)
@@ -185,12 +279,21 @@ class Run {
   const SimulationOptions& options_;
   Workspace<> workspace_;
   std::optional<ClosedMotion> loops_;
+  DryFriction friction_;
   Vector tau_, total_;
 
  private:
-  using SquareMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-
-  Eigen::Index nv() const { return model_.nv(); }
+  /// Accelerations at the end of an attempt, where the scheme did not say them.
+  bool know_accelerations(double t, StepEnd& end) {
+    if (end.a.size() == end.v.size()) return true;
+    end.a.resize(end.v.size());
+    return accelerate(t, end.q, end.v, end.a);
+  }
+  bool friction_changes(double t_0, double t_1, const StepEnd& end) const {
+    return friction_.slipped() || friction_.turned(v, a, end.v, end.a, t_1 - t_0);
+  }
+  /// Now: what slid until a time ago, or will until then, rests.
+  void rest(double within) { friction_.rest(v, a, within); }
   Vector values_at(double t, Span q_t, Span v_t) const {
     Vector values;
     for (const Event& event : options_.events) values.push_back(event.value(t, q_t, v_t));
@@ -253,10 +356,13 @@ class Run {
     return false;
   }
 
-  SquareMatrix compliance_;  ///< ∂a/∂τ with loops
+  SquareMatrix compliance_;  ///< ∂a/∂τ
+  SquareMatrix columns_;     ///< of what sticks
+  Vector own_;               ///< see DryFriction::hold()
   Vector values_;
   double until_;
-  bool ended_ = false;
+  bool ended_ = false, friction_changed_ = false;
+  int hasty_steps_ = 0;
 };
 
 }  // namespace axode

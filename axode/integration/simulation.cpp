@@ -47,7 +47,7 @@ class MomentumRun : public Run {
     q_t_.assign(q_t.begin(), q_t.end()), v_t_.assign(v_t.begin(), v_t.end());
     bases_.leave(t, q_t_.data(), v_t_.data());
     if (!begin_evaluation(t, q_t_, v_t_)) return false;
-    const Span tau = with_springs(q_t_, v_t_);
+    const Span tau = in_joints(q_t_, v_t_);
     pushes_bases_ = !options_.loads.empty() || bases_.driven_by(tau.data());
     phase_space_.partials(q_t_.data(), v_t.data(), bases_.gravity(), tau, loads(), p.data(), f.data());
     return true;
@@ -65,7 +65,7 @@ class MomentumRun : public Run {
   bool rates(double t, Span q_t, Span p, std::span<double> v_t, std::span<double> f) {
     if (!velocity(t, q_t, p, v_t) || !partials(t, q_t, v_t, p_, f)) return false;
     if (!loops_) return true;
-    return can(t, loops_->add_closing_forces(q_t_, v_t_, with_springs(q_t_, v_t_), loads(), f));
+    return can(t, loops_->add_closing_forces(q_t_, v_t_, in_joints(q_t_, v_t_), loads(), f));
   }
   bool can(double t, const Solvability& found) { return found.ok() || stop(t, to_string(model_, found)); }
   /// Takes away of p what opens loops; and closes them.
@@ -82,7 +82,7 @@ class MomentumRun : public Run {
     bases_.leave(t, q_1.data(), v_1.data());
     if (loops_) return take_closed(t, q_1, v_1);
     if (!begin_evaluation(t, q_1, v_1)) return false;  // M is factorised there: a = M⁻¹ (τ - h)
-    const Span tau = with_springs(q_1, v_1);
+    const Span tau = in_joints(q_1, v_1);
     Vector a_1(p.size());
     inverse_dynamics(model_, workspace_, Span(q_1), v_1, none_, a_1, loads());
     for (std::size_t c = 0; c < a_1.size(); ++c) a_1[c] = tau[c] - a_1[c];
@@ -183,11 +183,21 @@ Trajectory simulate_stiff(const Model& model, Span q, Span v, double until, doub
   Run run(model, q, v, until, options);
   GeneralizedAlpha scheme(run, model.tree<double>(), rho, run.a);
   using Outcome = GeneralizedAlpha<Run>::Outcome;
-  each_step(run, until, step, [&](double t_1) {
+  const auto attempt = [&](double t_1, StepEnd& end) {
     const Outcome outcome = scheme.run(t_1, t_1 - run.now(), run.q, run.v, run.a);
     if (outcome == Outcome::diverged)
       run.stop(t_1, "Newton's method did not converge; a shorter step may help");
-    return outcome == Outcome::found && run.take(t_1, scheme.q, scheme.v, scheme.a);
+    if (outcome != Outcome::found) return false;
+    end = {scheme.q, scheme.v, scheme.a};
+    return run.can_hold(t_1, end);
+  };
+  StepEnd end;
+  each_step(run, until, step, [&](double t_1) {
+    while (run.now() < t_1 && !run.done()) {
+      if (!attempt(t_1, end) || !run.take_up_to(t_1, end, attempt)) return false;
+      run.friction_changed() ? scheme.begin(run.a) : scheme.go_on();
+    }
+    return true;
   });
   return std::move(run.trajectory);
 }

@@ -29,6 +29,8 @@ struct SimulationOptions {
   std::function<void(double t, std::span<const double> q, std::span<const double> v, std::span<double> tau)>
       drive = {};
   std::vector<AppliedWrench<>> loads = {};
+  /// Damping and dry friction of the joints. In relative coordinates what rests sticks as long as its friction can hold it: steps
+  /// end where a joint comes to rest or begins to slide. In absolute ones friction is -f sign(v).
   bool joint_losses = false;
   std::vector<Event> events = {};
   /// Told the time now and then; the motion ends where it returns false.

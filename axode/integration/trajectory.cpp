@@ -16,7 +16,20 @@ void Trajectory::append(double t, std::span<const double> q, std::span<const dou
   tau_.insert(tau_.end(), tau.begin(), tau.end());
 }
 
+void Trajectory::jump(std::span<const double> v, std::span<const double> a) {
+  const std::size_t k = size() - 1;
+  before_jumps_.try_emplace(k, this->a(k).begin(), this->a(k).end());
+  std::ranges::copy(v, v_.end() - static_cast<std::ptrdiff_t>(v.size()));
+  std::ranges::copy(a, a_.end() - static_cast<std::ptrdiff_t>(a.size()));
+}
+
+std::span<const double> Trajectory::a_before(std::size_t k) const {
+  const auto jump = before_jumps_.find(k);
+  return jump == before_jumps_.end() ? a(k) : std::span<const double>(jump->second);
+}
+
 void Trajectory::take_back() {
+  before_jumps_.erase(size() - 1);
   t_.pop_back();
   q_.resize(q_.size() - nq()), v_.resize(v_.size() - nv()), a_.resize(a_.size() - nv());
   tau_.resize(tau_.size() - nv());
@@ -46,7 +59,7 @@ void Trajectory::at(double time, std::span<double> q_out, std::span<double> v_ou
   // x, x' and x'' of both ends. At the first x = 0, so that x' = v and x'' = a; at the second
   // x'' is the derivative of x' = dexp⁻¹_{-x} v = v + [x, v]/2 + [x, [x, v]]/12.
   using Numbers = std::vector<double>;
-  const std::span<const double> v_0 = v(k), a_0 = a(k), v_1 = v(k + 1), a_1 = a(k + 1);
+  const std::span<const double> v_0 = v(k), a_0 = a(k), v_1 = v(k + 1), a_1 = a_before(k + 1);
   Numbers x(nv()), dx(nv()), ddx(a_1.begin(), a_1.end());
   group.difference(q(k).data(), q(k + 1).data(), x.data());
   group.rate(x.data(), v_1.data(), dx.data());

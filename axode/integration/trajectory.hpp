@@ -1,4 +1,5 @@
 #pragma once
+#include <map>
 #include <span>
 #include <string>
 #include <vector>
@@ -34,6 +35,9 @@ class Trajectory {
   void append(double t, std::span<const double> q, std::span<const double> v, std::span<const double> a,
               std::span<const double> tau);
 
+  /// From the last one on v and a are these: a jumps there, and v changes by rounding. a(k) is what follows.
+  void jump(std::span<const double> v, std::span<const double> a);
+
   /// Takes back the last one.
   void take_back();
 
@@ -56,8 +60,12 @@ class Trajectory {
   std::size_t nq() const { return static_cast<std::size_t>(model_.nq()); }
   std::size_t nv() const { return static_cast<std::size_t>(model_.nv()); }
 
+  /// a at the end of a step, before it jumps.
+  std::span<const double> a_before(std::size_t k) const;
+
   Model model_;
   std::vector<double> t_, q_, v_, a_, tau_;
+  std::map<std::size_t, std::vector<double>> before_jumps_;
 };
 
 }  // namespace axode

@@ -47,9 +47,9 @@ def simulate(m: Model, q: ArrayLike, v: ArrayLike, until: float, *,
         Joints with several velocities may have no armature there.
     tau: drive forces, (nv,) for constant ones; one of `axode.drives`; or a function (t, q, v) -> (nv,), called for each
         evaluation. Springs, dampers and stops of the mechanism act besides, see `spring_forces`.
-    loads: wrenches on frames, constant in their representations. joint_losses: whether damping and friction act. Friction
-        jumps where a joint stops: "dopri5" gives up there, with SimulationError, and in steps of one length the joint
-        creeps, the slower the shorter they are.
+    loads: wrenches on frames, constant in their representations. joint_losses: whether damping and dry friction act. What
+        rests sticks as long as its friction can hold it; steps end where a joint comes to rest or begins to slide, so that
+        one of given length becomes two. In absolute coordinates it creeps instead, the slower the shorter steps are.
     times: when states are wanted, increasing from 0 to until; without it, at the ends of the steps.
     events: functions (t, q, v) -> number whose zeros are met; `f.terminal = True` ends the motion there,
         `f.direction = 1` or -1 counts rising or falling ones alone. One that is met twice within a step is found where it

@@ -1,0 +1,192 @@
+#include "axode/integration/dry_friction.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace axode {
+
+DryFriction::DryFriction(const Tree<double>& tree, bool felt) : tree_(&tree) {
+  if (!felt) return;
+  for (int c = 0; c < tree->nv; ++c)
+    if (tree.friction[at(c)] > 0) joints_.push_back({c, tree.friction[at(c)], 0, 0});
+  list_sticking();
+}
+
+void DryFriction::list_sticking() {
+  sticking_.clear(), held_.clear();
+  for (Joint& joint : joints_)
+    if (joint.way == 0) sticking_.push_back(joint.velocity), held_.push_back(&joint);
+}
+
+void DryFriction::start(Span v) {
+  for (Joint& joint : joints_) {
+    const double v_c = v[at(joint.velocity)];
+    joint.way = (v_c > 0) - (v_c < 0), joint.force = 0;
+  }
+  list_sticking();
+}
+
+void DryFriction::add_losses(Span v, std::span<double> tau) const {
+  for (std::size_t c = 0; c < tau.size(); ++c) tau[c] -= tree_->damping[c] * v[c];
+  for (const Joint& joint : joints_) tau[at(joint.velocity)] -= joint.way * joint.friction;
+}
+
+void DryFriction::hold(const Matrix& compliance, Span own, std::span<double> a) {
+  constexpr double felt = 1e-9, rounding = 1e-13;  // of what its friction can make of a velocity, and of all
+  const auto k = static_cast<Eigen::Index>(held_.size());
+  double largest = 0;
+  for (const double a_c : a) largest = std::max(largest, std::abs(a_c));
+  A_.resize(k, k), a_0_.resize(k), tolerance_.resize(k);
+  for (Eigen::Index i = 0; i < k; ++i) {
+    const Joint& joint = *held_[static_cast<std::size_t>(i)];
+    A_.row(i) = compliance.row(joint.velocity);
+    a_0_[i] = a[at(joint.velocity)];
+    tolerance_[i] = felt * A_(i, i) * joint.friction + rounding * largest;
+  }
+  find_forces(*std::ranges::max_element(own));
+  for (Eigen::Index i = 0; i < k; ++i)
+    for (std::size_t c = 0; c < a.size(); ++c)
+      a[c] += compliance(static_cast<Eigen::Index>(c), i) * held_[static_cast<std::size_t>(i)]->force;
+  for (Eigen::Index i = 0; i < k; ++i) {
+    const bool slips = std::abs(a_[i]) > tolerance_[i];
+    slipped_ = slipped_ || slips;
+    a[at(sticking_[static_cast<std::size_t>(i)])] = slips ? a_[i] : 0;
+  }
+}
+
+void DryFriction::factorize(double size) {
+  const double little = 1e-12 * size;  // with loops several may hold one motion, or one none at a dead centre
+  const auto m = static_cast<Eigen::Index>(free_.size());
+  factor_.resize(m);
+  auto& F = factor_.matrix();
+  for (Eigen::Index r = 0; r < m; ++r)
+    for (Eigen::Index s = 0; s < m; ++s)
+      F(r, s) =
+          A_(free_[static_cast<std::size_t>(r)], free_[static_cast<std::size_t>(s)]) + (r == s ? little : 0);
+  factor_.factorize(m);
+}
+
+void DryFriction::hold_derivatives(std::initializer_list<std::span<double>> derivatives) {
+  const auto k = static_cast<Eigen::Index>(sticking_.size());
+  if (k == 0) return;
+  const auto nv = static_cast<Eigen::Index>((*tree_)->nv);
+  const Matrix compliance = Eigen::Map<const Matrix>(derivatives.begin()->data(), nv, nv);
+  A_ = compliance(sticking_, sticking_);
+  free_.resize(sticking_.size());
+  for (Eigen::Index i = 0; i < k; ++i) free_[static_cast<std::size_t>(i)] = i;
+  factorize(compliance.diagonal().maxCoeff());
+  step_.resize(RowCholesky<double>::room(k));
+  for (const std::span<double> derivative : derivatives) {
+    Eigen::Map<Matrix> D(derivative.data(), nv, nv);
+    for (Eigen::Index column = 0; column < nv; ++column) {
+      step_.setZero();
+      for (Eigen::Index i = 0; i < k; ++i) step_[i] = D(sticking_[static_cast<std::size_t>(i)], column);
+      factor_.solve(k, step_);
+      for (Eigen::Index i = 0; i < k; ++i)
+        D.col(column) -= step_[i] * compliance.col(sticking_[static_cast<std::size_t>(i)]);
+    }
+    for (const int c : sticking_) D.row(c).setZero();
+  }
+}
+
+/// By active sets: the forces that are not at their bounds go to the least with the others where they are, or as far as the first
+/// bound; at the least, that which presses against its bound from the wrong side is let go.
+void DryFriction::find_forces(double size) {
+  const Eigen::Index k = A_.rows();
+  const auto joint = [&](Eigen::Index i) -> Joint& { return *held_[static_cast<std::size_t>(i)]; };
+  const auto accelerations = [&] {
+    a_ = a_0_;
+    for (Eigen::Index i = 0; i < k; ++i) a_ += joint(i).force * A_.col(i);
+  };
+  bound_.assign(held_.size(), 0);
+  for (Eigen::Index i = 0; i < k; ++i)
+    bound_[static_cast<std::size_t>(i)] = std::abs(joint(i).force) >= joint(i).friction;
+  step_.resize(RowCholesky<double>::room(k));
+  for (Eigen::Index tries = 0; tries < 20 + 20 * k; ++tries) {
+    free_.clear();
+    for (Eigen::Index i = 0; i < k; ++i)
+      if (!bound_[static_cast<std::size_t>(i)]) free_.push_back(i);
+    const auto m = static_cast<Eigen::Index>(free_.size());
+    factorize(size);
+    bool blocked = false;
+    for (int twice = 0; twice < 2 && !blocked; ++twice) {  // which takes away what factorize() adds
+      accelerations();
+      step_.setZero();
+      for (Eigen::Index r = 0; r < m; ++r) step_[r] = -a_[free_[static_cast<std::size_t>(r)]];
+      factor_.solve(m, step_);
+      double part = 1;
+      Eigen::Index first = -1;
+      for (Eigen::Index r = 0; r < m; ++r) {
+        const Joint& of = joint(free_[static_cast<std::size_t>(r)]);
+        const double room = (step_[r] > 0 ? of.friction : -of.friction) - of.force;
+        if (std::abs(step_[r]) * part > std::abs(room)) part = room / step_[r], first = r;
+      }
+      for (Eigen::Index r = 0; r < m; ++r) joint(free_[static_cast<std::size_t>(r)]).force += part * step_[r];
+      if (first < 0) continue;
+      Joint& of = joint(free_[static_cast<std::size_t>(first)]);
+      of.force = step_[first] > 0 ? of.friction : -of.friction;
+      bound_[static_cast<std::size_t>(free_[static_cast<std::size_t>(first)])] = blocked = true;
+    }
+    accelerations();
+    if (blocked) continue;
+    Eigen::Index worst = -1;
+    double most = 1e-3;
+    for (Eigen::Index i = 0; i < k; ++i)
+      if (bound_[static_cast<std::size_t>(i)])
+        if (const double wrong = a_[i] * (joint(i).force > 0 ? 1 : -1) / tolerance_[i]; wrong > most)
+          most = wrong, worst = i;
+    if (worst < 0) return;
+    bound_[static_cast<std::size_t>(worst)] = 0;
+  }
+}
+
+bool DryFriction::turned(Span v_0, Span a_0, Span v_1, Span a_1, double h) const {
+  constexpr double none = -1e-9;
+  for (const Joint& joint : joints_) {
+    if (joint.way == 0) continue;
+    const std::size_t c = at(joint.velocity);
+    const double y_0 = joint.way * v_0[c], y_1 = joint.way * v_1[c];
+    if (y_1 < 0) return true;
+    // The cubic y(s) with the velocities and accelerations of both ends has its least value where y' = 0 and y'' > 0.
+    const double d_0 = joint.way * h * a_0[c], d_1 = joint.way * h * a_1[c], D = y_1 - y_0;
+    const double k_3 = d_0 + d_1 - 2 * D, k_2 = 3 * D - 2 * d_0 - d_1;
+    const double root = k_2 * k_2 - 3 * k_3 * d_0;
+    if (!(root > 0)) continue;
+    const double s = k_2 > 0 ? -d_0 / (k_2 + std::sqrt(root)) : (std::sqrt(root) - k_2) / (3 * k_3);
+    if (!(s > 0 && s < 1)) continue;
+    const double least = y_0 + s * (d_0 + s * (k_2 + s * k_3));
+    if (least < none * std::max(y_0, y_1)) return true;
+  }
+  return false;
+}
+
+double DryFriction::rest_in(Span v, Span a) const {
+  double first = std::numeric_limits<double>::infinity();
+  for (const Joint& joint : joints_) {
+    const double v_c = joint.way * v[at(joint.velocity)], a_c = joint.way * a[at(joint.velocity)];
+    if (joint.way != 0 && a_c < 0) first = std::min(first, -v_c / a_c);
+  }
+  return std::isfinite(first) ? first : 0;
+}
+
+void DryFriction::rest(std::span<double> v, Span a, double within) {
+  for (Joint& joint : joints_) {
+    double& v_c = v[at(joint.velocity)];
+    const bool rests = joint.way * v_c <= std::max(0.0, -joint.way * a[at(joint.velocity)]) * within;
+    if (rests) v_c = 0;
+    if (rests && joint.way != 0 && joint.way * a[at(joint.velocity)] < 0)
+      joint.force = -joint.way * joint.friction, joint.way = 0;
+  }
+  list_sticking();
+}
+
+void DryFriction::release(Span a) {
+  for (std::size_t i = 0; i < held_.size(); ++i) {
+    const double a_c = a[at(sticking_[i])];
+    if (a_c != 0) held_[i]->way = a_c > 0 ? 1 : -1;
+  }
+  list_sticking();
+}
+
+}  // namespace axode
