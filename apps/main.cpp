@@ -72,7 +72,7 @@ void report(const std::string& where, const std::string& sentence) {
 }
 
 int run(int argc, char** argv) {
-  CLI::App app("Dynamics of tree-topology multibody systems in the language of screws", "axode");
+  CLI::App app("Dynamics of multibody systems, trees and closed loops, in the language of screws", "axode");
   app.set_version_flag("--version", version, "Print the version and how it was built");
   app.footer(footer);
   app.require_subcommand(1);

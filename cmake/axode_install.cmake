@@ -24,6 +24,11 @@ set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/axode)
 foreach(component core io view batch codegen)
   install(EXPORT axode-${component}-targets NAMESPACE axode:: DESTINATION ${package_dir})
 endforeach()
+# Matrices of Eigen cross the boundary of the library, so whoever links to it needs the Eigen that it was built with: 3.4, 5, ...
+set(EIGEN_LIKE_OURS ${Eigen3_VERSION_MAJOR})
+if(Eigen3_VERSION VERSION_LESS 5)
+  set(EIGEN_LIKE_OURS 3.4)
+endif()
 configure_package_config_file(${CMAKE_CURRENT_LIST_DIR}/axode-config.cmake.in
                               ${PROJECT_BINARY_DIR}/axode-config.cmake INSTALL_DESTINATION ${package_dir})
 write_basic_package_version_file(${PROJECT_BINARY_DIR}/axode-config-version.cmake COMPATIBILITY SameMinorVersion)

@@ -3,7 +3,6 @@
 # axode::view (pages for a browser). Sources lie beside their
 # headers in axode/<floor>/. axode::axode is two archives: libaxode, which is enough for double, and libaxode_float.
 
-find_package(Eigen3 3.4 REQUIRED NO_MODULE)
 find_package(tinyxml2 REQUIRED)
 
 # Target names differ from the file names because the command `axode` takes the plain one.

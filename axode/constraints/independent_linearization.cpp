@@ -71,7 +71,7 @@ IndependentLinearization independent_linearization(const Model& model, std::span
 
   RowByRow bracket = RowByRow::Zero(nv, nv);
   subtract_ad(model.tree<double>(), v.data(), nv, bracket.data());
-  const auto of_chosen = [&](const Matrix& all) { return Matrix(all(chosen, Eigen::all)); };
+  const auto of_chosen = [&](const Matrix& all) { return Matrix(all(chosen, Eigen::indexing::all)); };
   out.A.topLeftCorner(k, k) = of_chosen(bracket * out.N);
   out.A.topRightCorner(k, k).setIdentity();
   out.A.bottomLeftCorner(k, k) = of_chosen(a_q * out.N + a_v * out.D);

@@ -49,7 +49,7 @@ IndependentVelocities independent_velocities(const Model& model, const Independe
   IndependentVelocities out;
   out.velocities = wanted.empty() ? best_of(kernel) : std::vector<int>(wanted.begin(), wanted.end());
   check(model, out.velocities, kernel.cols());
-  const Eigen::FullPivLU<Matrix> chosen(Matrix(kernel(out.velocities, Eigen::all)));
+  const Eigen::FullPivLU<Matrix> chosen(Matrix(kernel(out.velocities, Eigen::indexing::all)));
   if (kernel.cols() > 0 && !(chosen.rcond() > 1e-8))
     throw std::invalid_argument("velocities holds those of " + names_of(model, out.velocities) +
                                 ", which do not determine the others at this q");
@@ -62,10 +62,10 @@ IndependentVelocities independent_velocities(const Model& model, const Independe
 Matrix dependent_part(const IndependentVelocities& independent, const IndependentRows<double>& rows,
                       const Matrix& A, const Matrix& b) {
   if (rows.kept.empty()) return Matrix::Zero(A.cols(), b.cols());
-  Matrix x = Matrix(A(rows.kept, Eigen::all))
+  Matrix x = Matrix(A(rows.kept, Eigen::indexing::all))
                  .completeOrthogonalDecomposition()
-                 .solve(Matrix(b(rows.kept, Eigen::all)));
-  x -= independent.N * Matrix(x(independent.velocities, Eigen::all));
+                 .solve(Matrix(b(rows.kept, Eigen::indexing::all)));
+  x -= independent.N * Matrix(x(independent.velocities, Eigen::indexing::all));
   for (const int k : independent.velocities) x.row(k).setZero();
   return x;
 }

@@ -28,7 +28,7 @@ foreach(file IN LISTS files)
   set_tests_properties(MustNotCompile.${name} PROPERTIES LABELS guards)
 endforeach()
 
-# A tiny outside project builds and runs against the installed tree, found by find_package and by pkg-config.
+# Tiny outside programs build and run against the installed tree, found by find_package and by pkg-config.
 if(AXODE_INSTALL AND NOT AXODE_SANITIZE)
   set(scratch ${PROJECT_BINARY_DIR}/package)
   set(prefix ${scratch}/prefix)
@@ -40,8 +40,8 @@ if(AXODE_INSTALL AND NOT AXODE_SANITIZE)
     COMMAND
       ${CMAKE_CTEST_COMMAND} --build-and-test ${guards}/consumer ${scratch}/find_package --build-generator
       ${CMAKE_GENERATOR} --build-noclean --build-options -DCMAKE_PREFIX_PATH=${prefix}
-      -DCMAKE_CXX_COMPILER=${CMAKE_CXX_COMPILER} -DCMAKE_BUILD_TYPE=Release --test-command
-      ${scratch}/find_package/consumer)
+      -DCMAKE_CXX_COMPILER=${CMAKE_CXX_COMPILER} -DCMAKE_BUILD_TYPE=Release --test-command sh -c
+      "'${scratch}/find_package/consumer' && '${scratch}/find_package/parts/parts'")
   add_test(NAME Package.PkgConfig
            COMMAND ${CMAKE_COMMAND} -E env PKG_CONFIG_PATH=${libraries}/pkgconfig LD_LIBRARY_PATH=${libraries}
                    make -C ${guards}/consumer CXX=${CMAKE_CXX_COMPILER} OUT=${scratch}/pkg_config run)
