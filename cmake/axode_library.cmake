@@ -35,6 +35,7 @@ set(AXODE_PER_SCALAR
     kinematics/poses
     constraints/constrained_derivatives
     constraints/constrained_dynamics
+    constraints/independent_rows
     constraints/loop_system
     constraints/loops
     derivatives/geometry_derivatives
@@ -125,6 +126,7 @@ target_precompile_headers(axode_often_included PRIVATE <algorithm> <array> <cmat
 
 # axode_add_part(<part>): the objects of these floors.
 function(axode_add_part part)
+  set(sources)
   foreach(floor IN LISTS floors_${part})
     file(GLOB more CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/axode/${floor}/*.cpp)
     list(APPEND sources ${more})
