@@ -19,8 +19,9 @@ build: deps ## Build the library, the command build/release/axode and the viewer
 
 demo: deps ## Show what axode does, on an arm and a humanoid
 	cmake --preset release
-	cmake --build --preset release --parallel $(JOBS) --target axode_command
-	build/release/axode demo
+	cmake --build --preset release --parallel $(JOBS) --target axode_demo
+	build/release/axode_demo
+	@echo "(axode is build/release/axode, which make build builds)"
 
 python: build venv ## Build the Python package and install it into build/venv
 	build/venv/bin/python -m pip install --quiet $(FROM_BUILT_LIBRARIES) .

@@ -1,30 +1,27 @@
+#include "demo.hpp"
+
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>
 #include <chrono>
 #include <cmath>
 #include <filesystem>
+#include <stdexcept>
+#include <string>
 #include <vector>
 
 #include "axode/dynamics.hpp"
 #include "axode/io.hpp"
+#include "axode/kinematics/poses.hpp"
 #include "call_timer.hpp"
-#include "commands.hpp"
-#include "quantities.hpp"
+#include "state.hpp"
 #include "table.hpp"
 #include "terminal.hpp"
 #include "tree_drawing.hpp"
 
 namespace axode::command {
 namespace {
-
-constexpr const char* footer = R"(Example:
-  axode demo
-
-Loads an arm and a humanoid that come with axode, and computes their inverse dynamics in four
-representations of twists and wrenches: they must agree to rounding. Takes a few seconds.)";
 
 constexpr std::array<Representation, 4> all_representations{Representation::body, Representation::spatial,
                                                             Representation::hybrid, Representation::mixed};
@@ -36,8 +33,8 @@ std::filesystem::path robots_folder() {
   const std::filesystem::path installed = program.parent_path() / AXODE_INSTALLED_ROBOTS;
   if (std::filesystem::is_directory(installed)) return installed.lexically_normal();
   if (std::filesystem::is_directory(AXODE_SOURCE_ROBOTS)) return AXODE_SOURCE_ROBOTS;
-  throw InputError("the robots of the demo are neither in " + installed.lexically_normal().string() +
-                   " nor in " + AXODE_SOURCE_ROBOTS);
+  throw std::runtime_error("the robots of the demo are neither in " + installed.lexically_normal().string() +
+                           " nor in " + AXODE_SOURCE_ROBOTS);
 }
 
 std::string short_number(double x) { return x == 0 ? "0" : fmt::format("{:.1e}", x); }
@@ -142,7 +139,9 @@ void print_summary(const Table& table) {
              table.text());
 }
 
-void run() {
+}  // namespace
+
+void show_demo() {
   const std::filesystem::path folder = robots_folder();
   const auto start = std::chrono::steady_clock::now();
   const Model arm = load(folder / "arm7.toml"), humanoid = load(folder / "humanoid.urdf", Base::free);
@@ -171,20 +170,9 @@ void run() {
              agree ? in(Ink::good, "The four representations agree to rounding. So does the fast path.")
                    : in(Ink::bad, "The four representations and the fast path do not agree."));
   if (!agree)
-    throw InputError("representations differ by " + significant(worst, 2) + " of the largest force");
+    throw std::runtime_error("representations differ by " + significant(worst, 2) + " of the largest force");
   fmt::print("Next: axode info {0}\n      axode eval {0} --want poses,twists --representation hybrid\n",
              (folder / "arm7.toml").string());
-}
-
-}  // namespace
-
-void add_demo(CLI::App& app, int& exit_code) {
-  CLI::App* demo = app.add_subcommand("demo", "Show what axode does, on an arm and a humanoid");
-  demo->footer(footer);
-  demo->callback([&exit_code] {
-    run();
-    exit_code = all_well;
-  });
 }
 
 }  // namespace axode::command

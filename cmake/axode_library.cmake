@@ -34,6 +34,7 @@ set(AXODE_PER_SCALAR
     kinematics/poses
     constraints/constrained_derivatives
     constraints/constrained_dynamics
+    constraints/independent_rows
     constraints/loop_system
     constraints/loops
     derivatives/geometry_derivatives
@@ -83,13 +84,8 @@ add_library(axode_axode INTERFACE)
 add_library(axode::axode ALIAS axode_axode)
 set_target_properties(axode_axode PROPERTIES EXPORT_NAME axode)
 target_link_libraries(axode_axode INTERFACE axode_float axode_core)
-file(GLOB sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/axode/*.cpp)
-foreach(floor lie scalar model recursion fast kinematics dynamics derivatives constraints integration catalog)
-  file(GLOB more CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/axode/${floor}/*.cpp)
-  list(APPEND sources ${more})
-endforeach()
 
-# axode_add_objects(<library> <name> <source>...): a part of the library.
+# axode_add_objects(<library> <name> <source>...): a part of a library, which others may be made of as well.
 function(axode_add_objects library name)
   add_library(${name} OBJECT ${ARGN})
   axode_compile_options(${name})
@@ -111,34 +107,55 @@ function(axode_instantiate library name definitions)
   set_target_properties(${name} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 0)
 endfunction()
 
-# What is compiled once, and what nearly all of it includes.
-foreach(instantiated IN LISTS AXODE_PER_SCALAR AXODE_QUICK_PER_SCALAR AXODE_PER_REPRESENTATION AXODE_PER_REPRESENTATION_AND_FAST)
-  list(REMOVE_ITEM sources ${PROJECT_SOURCE_DIR}/axode/${instantiated}.cpp)
-endforeach()
-axode_add_objects(axode_core axode_core_once ${sources})
-target_precompile_headers(axode_core_once PRIVATE <algorithm> <array> <cmath> <functional> <memory> <optional> <span>
-                          <string> <unordered_map> <variant> <vector> ${PROJECT_SOURCE_DIR}/axode/model/model.hpp
-                          ${PROJECT_SOURCE_DIR}/axode/model/workspace.hpp)
-
+# It is compiled in two parts: the demo does with the first, in double.
+set(floors_to_dynamics lie scalar model recursion fast kinematics dynamics)
+set(floors_beyond_dynamics derivatives constraints integration catalog)
+set(library_of_double axode_core)
+set(library_of_float axode_float)
+set(instantiated AXODE_PER_SCALAR AXODE_QUICK_PER_SCALAR AXODE_PER_REPRESENTATION AXODE_PER_REPRESENTATION_AND_FAST)
 foreach(quick IN LISTS AXODE_PER_REPRESENTATION_AND_FAST AXODE_QUICK_PER_SCALAR)
   set_source_files_properties(${PROJECT_SOURCE_DIR}/axode/${quick}.cpp PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
 endforeach()
-set(parts)
-set(library_of_double axode_core)
-set(library_of_float axode_float)
-foreach(T double float)
-  list(APPEND parts axode_core_${T} axode_core_Fast_${T})
-  axode_instantiate(${library_of_${T}} axode_core_${T} AXODE_T=${T} ${AXODE_PER_SCALAR} ${AXODE_QUICK_PER_SCALAR})
-  foreach(REP BodyFixed Spatial Hybrid Mixed)
-    list(APPEND parts axode_core_${REP}_${T})
-    axode_instantiate(${library_of_${T}} axode_core_${REP}_${T} "AXODE_REP=${REP};AXODE_T=${T}" ${AXODE_PER_REPRESENTATION}
-                      ${AXODE_PER_REPRESENTATION_AND_FAST})
+
+# What nearly all of it includes.
+axode_add_objects(axode_core axode_often_included ${PROJECT_SOURCE_DIR}/axode/workspace.cpp)
+target_precompile_headers(axode_often_included PRIVATE <algorithm> <array> <cmath> <functional> <memory> <optional> <span>
+                          <string> <unordered_map> <variant> <vector> ${PROJECT_SOURCE_DIR}/axode/model/model.hpp
+                          ${PROJECT_SOURCE_DIR}/axode/model/workspace.hpp)
+
+# axode_add_part(<part>): the objects of these floors.
+function(axode_add_part part)
+  set(sources)
+  foreach(floor IN LISTS floors_${part})
+    file(GLOB more CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/axode/${floor}/*.cpp)
+    list(APPEND sources ${more})
   endforeach()
-  axode_instantiate(${library_of_${T}} axode_core_Fast_${T} "AXODE_REP=Fast;AXODE_T=${T}" ${AXODE_PER_REPRESENTATION_AND_FAST})
-endforeach()
-foreach(part IN LISTS parts)
-  target_precompile_headers(${part} REUSE_FROM axode_core_once)
-endforeach()
+  foreach(source IN LISTS ${instantiated})
+    list(REMOVE_ITEM sources ${PROJECT_SOURCE_DIR}/axode/${source}.cpp)
+  endforeach()
+  axode_add_objects(axode_core axode_${part} ${sources})
+  set(objects axode_${part})
+
+  list(JOIN floors_${part} | floors)
+  foreach(list IN LISTS instantiated)
+    list(FILTER ${list} INCLUDE REGEX "^(${floors})/")
+  endforeach()
+  foreach(T double float)
+    list(APPEND objects axode_${part}_${T} axode_${part}_Fast_${T})
+    axode_instantiate(${library_of_${T}} axode_${part}_${T} AXODE_T=${T} ${AXODE_PER_SCALAR} ${AXODE_QUICK_PER_SCALAR})
+    foreach(REP BodyFixed Spatial Hybrid Mixed)
+      list(APPEND objects axode_${part}_${REP}_${T})
+      axode_instantiate(${library_of_${T}} axode_${part}_${REP}_${T} "AXODE_REP=${REP};AXODE_T=${T}"
+                        ${AXODE_PER_REPRESENTATION} ${AXODE_PER_REPRESENTATION_AND_FAST})
+    endforeach()
+    axode_instantiate(${library_of_${T}} axode_${part}_Fast_${T} "AXODE_REP=Fast;AXODE_T=${T}" ${AXODE_PER_REPRESENTATION_AND_FAST})
+  endforeach()
+  foreach(name IN LISTS objects)
+    target_precompile_headers(${name} REUSE_FROM axode_often_included)
+  endforeach()
+endfunction()
+axode_add_part(to_dynamics)
+axode_add_part(beyond_dynamics)
 
 # Many states at once: the same kernels for each instruction set, chosen at run time.
 find_package(TBB REQUIRED)
@@ -175,7 +192,8 @@ target_compile_definitions(axode_codegen PRIVATE AXODE_VERSION="${PROJECT_VERSIO
 
 axode_add_library(axode_io io)
 file(GLOB sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/axode/io/*.cpp)
-target_sources(axode_io PRIVATE ${sources})
+axode_add_objects(axode_io axode_files ${sources})
+target_link_libraries(axode_files PRIVATE tinyxml2::tinyxml2)
 target_link_libraries(axode_io PUBLIC $<BUILD_INTERFACE:axode_core> $<INSTALL_INTERFACE:axode::axode> PRIVATE tinyxml2::tinyxml2)
 
 find_package(nlohmann_json REQUIRED)

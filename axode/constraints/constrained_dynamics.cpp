@@ -1,11 +1,10 @@
 #include "axode/constraints/constrained_dynamics.hpp"
 
-#include <Eigen/QR>
-
 #include "axode/constraints/check_loops.hpp"
 #include "axode/constraints/independent_rows.hpp"
 #include "axode/dynamics/check_loads.hpp"
 #include "axode/recursion/instantiate.hpp"
+#include "axode/recursion/least_squares.hpp"
 
 namespace axode {
 namespace {
@@ -77,7 +76,12 @@ T inverse_dynamics(const Model& model, LoopWorkspace<T>& workspace, Numbers<T> q
   Matrix NB(N.cols(), static_cast<Eigen::Index>(at.size()));
   for (std::size_t k = 0; k < at.size(); ++k) NB.col(static_cast<Eigen::Index>(k)) = N.row(at[k]).transpose();
   Vector u = Vector::Zero(NB.cols());
-  if (NB.size() > 0) u = NB.completeOrthogonalDecomposition().solve(wanted);
+  if (NB.size() > 0) {
+    const double rounding =
+        static_cast<double>(Eigen::NumTraits<T>::epsilon() * T(std::min(NB.rows(), NB.cols())));
+    u = least_squares(NB.template cast<double>(), wanted.template cast<double>(), rounding)
+            .template cast<T>();
+  }
   std::ranges::fill(tau, T(0));
   for (std::size_t k = 0; k < at.size(); ++k)
     tau[static_cast<std::size_t>(at[k])] += u[static_cast<Eigen::Index>(k)];

@@ -1,6 +1,5 @@
 #include "axode/constraints/equilibrium.hpp"
 
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -13,6 +12,7 @@
 #include "axode/dynamics/springs.hpp"
 #include "axode/eigen.hpp"
 #include "axode/model/finite.hpp"
+#include "axode/recursion/least_squares.hpp"
 
 namespace axode {
 
@@ -101,9 +101,7 @@ class Statics {
 
 /// -(∂r/∂q)⁺ r, at most 1 in each direction. Directions that change nothing but for rounding take no part.
 Vector newton_step(const Iterate& at) {
-  Eigen::CompleteOrthogonalDecomposition<Matrix> decomposition;
-  decomposition.setThreshold(1e-10);
-  Vector step = -decomposition.compute(at.dr_dq).solve(at.r);
+  Vector step = -least_squares(at.dr_dq, at.r, 1e-10);
   if (at.N.rows() > 0) step = Vector(at.N * step);
   return step / std::max(1.0, step.lpNorm<Eigen::Infinity>());
 }

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "axode/model/configuration.hpp"
+#include "axode/recursion/least_squares.hpp"
 
 namespace axode {
 namespace {
@@ -62,9 +63,7 @@ IndependentVelocities independent_velocities(const Model& model, const Independe
 Matrix dependent_part(const IndependentVelocities& independent, const IndependentRows<double>& rows,
                       const Matrix& A, const Matrix& b) {
   if (rows.kept.empty()) return Matrix::Zero(A.cols(), b.cols());
-  Matrix x = Matrix(A(rows.kept, Eigen::indexing::all))
-                 .completeOrthogonalDecomposition()
-                 .solve(Matrix(b(rows.kept, Eigen::indexing::all)));
+  Matrix x = least_squares(A(rows.kept, Eigen::indexing::all), b(rows.kept, Eigen::indexing::all), 0);
   x -= independent.N * Matrix(x(independent.velocities, Eigen::indexing::all));
   for (const int k : independent.velocities) x.row(k).setZero();
   return x;

@@ -13,22 +13,6 @@
 
 namespace axode {
 
-/// f(k, whether it is independent of those before it) for the columns of Y, by Gram and Schmidt's way, twice: a column is
-/// not where the others leave less of it than a part of its size. Q takes an orthonormal basis, f is told in order.
-template <class T, class Columns, class Sizes, class Basis, class F>
-void split_rows(const Columns& Y, const Sizes& size, const T& part, Basis& Q, const F& f) {
-  Eigen::Index rank = 0;
-  for (Eigen::Index k = 0; k < size.size(); ++k) {
-    Eigen::VectorX<T> z = Y.col(k);
-    for (int twice = 0; twice < 2 && rank > 0; ++twice)
-      z -= Q.leftCols(rank) * (Q.leftCols(rank).transpose() * z).eval();
-    const T rest = z.norm();
-    const bool independent = rank < Q.cols() && rest > part * size[k];
-    if (independent) Q.col(rank++) = z / rest;
-    f(static_cast<int>(k), independent);
-  }
-}
-
 /// The loops of a tree at a state, and the system that they make:
 ///   M a + h - Aᵀ λ = τ,   A a + γ = 0
 /// Articulated bodies factor M = Lᵀ D L, so that with Y = D^-½ L⁻ᵀ Aᵀ the multipliers come from Yᵀ Y λ = -(Yᵀ w + γ),

@@ -151,14 +151,18 @@ MatrixXd coriolis_matrix(const Model& model, std::span<const double> q, std::spa
     const MatrixXd M = inertia_matrix<Spatial>(model, q);
     const SystemMatrix b = b_matrix(model, system_twist<Spatial>(model, q, v));
     const MatrixXd J = A * X, dJ = A * b * X;
-    return J.transpose() * (M * dJ - b.transpose() * M * J);
+    MatrixXd C = M * dJ;
+    C -= b.transpose() * M * J;
+    return J.transpose() * C;
   }
   const auto [A, D, X] = system_matrices<BodyFixed>(model, q);
   const MatrixXd M = inertia_matrix<BodyFixed>(model, q), J = A * X;
   const SystemMatrix b = b_matrix(model, system_twist<BodyFixed>(model, q, v));
   const SystemMatrix a = a_matrix(model, v) * D;  // = a where joints have one degree of freedom: a X = 0
-  if (form == CoriolisForm::paper) return -J.transpose() * (M * A * a + b.transpose() * M) * J;
-  return -J.transpose() * (M * A * a + b.transpose() * M - M * b) * J;
+  MatrixXd C = M * A * a;
+  C += b.transpose() * M;
+  if (form != CoriolisForm::paper) C -= M * b;
+  return -(J.transpose() * C * J);
 }
 
 VectorXd lagrange_equations(const Model& model, std::span<const double> q, std::span<const double> v,

@@ -1,10 +1,12 @@
 #pragma once
-#include <Eigen/QR>
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <initializer_list>
 #include <limits>
 #include <vector>
+
+#include "axode/recursion/least_squares.hpp"
 
 namespace axode {
 
@@ -71,9 +73,8 @@ class Settling {
     changes_.conservativeResize(measured, depth), moves_.conservativeResize(x_.size(), depth);
     changes_.col(column) = (dx_ - dx_before_).head(measured);
     moves_.col(column) = x_ + dx_ - x_before_ - dx_before_;
-    Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(changes_.leftCols(filled_));
-    qr.setThreshold(1e-8);
-    return x_ + dx_ - moves_.leftCols(filled_) * qr.solve(dx_.head(measured));
+    return x_ + dx_ -
+           moves_.leftCols(filled_) * least_squares(changes_.leftCols(filled_), dx_.head(measured), 1e-8);
   }
 
   Vector x_, dx_, x_before_, dx_before_, closest_;

@@ -1,7 +1,6 @@
 #include "axode/kinematics/inverse_kinematics.hpp"
 
 #include <Eigen/Cholesky>
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -9,6 +8,7 @@
 #include "axode/kinematics/check_arguments.hpp"
 #include "axode/kinematics/path.hpp"
 #include "axode/model/check_no_loops.hpp"
+#include "axode/recursion/least_squares.hpp"
 
 namespace axode {
 
@@ -104,8 +104,10 @@ class Solver {
       std::ranges::copy(q, at_.q.begin());
       evaluate(at_);
       linearise();
+      const double rounding =
+          Eigen::NumTraits<double>::epsilon() * static_cast<double>(std::min(J_.rows(), J_.cols()));
       Vector way = gain * way_to_posture(q);
-      do step_ = way - Eigen::CompleteOrthogonalDecomposition<Matrix>(J_).solve(J_ * way);
+      do step_ = way - least_squares(J_, J_ * way, rounding);
       while (hold(step_, way));
       move(q, step_, q_try);
       const bool solved = run(q_try, iterations) == InverseKinematicsStatus::solved;

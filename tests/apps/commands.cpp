@@ -525,9 +525,16 @@ TEST(Codegen, WritesKernelsForAGpu) {
 
 // ----------------------------------------------------------------------------------------------------- demo
 
-TEST(Demo, RunsBothRobotsEveryWayInUnderTwentySeconds) {
+/// The demo as a command, and as the program that `make demo` builds.
+class Demo : public testing::TestWithParam<std::vector<std::string>> {};
+INSTANTIATE_TEST_SUITE_P(, Demo,
+                         testing::Values(std::vector<std::string>{AXODE_COMMAND, "demo"},
+                                         std::vector<std::string>{AXODE_DEMO}),
+                         [](const auto& info) { return info.index == 0 ? "command" : "program"; });
+
+TEST_P(Demo, RunsBothRobotsEveryWayInUnderTwentySeconds) {
   const auto start = std::chrono::steady_clock::now();
-  const Outcome outcome = axode({"demo"});
+  const Outcome outcome = run(GetParam());
   const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
   EXPECT_EQ(outcome.code, 0) << outcome.err;
   EXPECT_LT(seconds.count(), 20);
