@@ -1,7 +1,6 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
-#include <Eigen/QR>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -9,6 +8,7 @@
 #include <numbers>
 
 #include "axode/constraints.hpp"
+#include "axode/constraints/check_loops.hpp"
 #include "axode/derivatives.hpp"
 #include "axode/dynamics/forward_dynamics.hpp"
 #include "axode/dynamics/inverse_dynamics.hpp"
@@ -77,25 +77,6 @@ bool is_zero(const std::vector<double>& x) {
   return std::ranges::all_of(x, [](double x_k) { return x_k == 0; });
 }
 
-/// Drive forces that hold a mechanism with loops, the least where there are more drives than it needs.
-std::vector<double> holding_forces(const Model& model, const State& state, const Eigen::VectorXd& springs) {
-  const IndependentEquations at = independent_equations(model, state.q, state.v, {}, {state.loads});
-  std::vector<int> drives;
-  for (const Joint& joint : model.joints())
-    for (int k = 0; k < joint.nv && !joint.passive; ++k) drives.push_back(joint.iv + k);
-  const Eigen::VectorXd needed = at.h - at.N.transpose() * springs;
-  const Eigen::MatrixXd reach = Eigen::MatrixXd(at.N(drives, Eigen::indexing::all)).transpose();
-  const Eigen::VectorXd least = reach.completeOrthogonalDecomposition().solve(needed);
-  if (const double missing = (reach * least - needed).norm(); missing > 1e-9 * needed.norm())
-    throw InputError(
-        fmt::format("the joints that are not passive cannot hold q: {} of the forces are missing",
-                    significant(missing / needed.norm(), 3)));
-  std::vector<double> tau(state.v.size());
-  for (std::size_t k = 0; k < drives.size(); ++k)
-    tau[static_cast<std::size_t>(drives[k])] = least[static_cast<Index>(k)];
-  return tau;
-}
-
 /// The state that is asked for.
 State found_state(const Model& model, const Options& options) {
   State state = options.state.empty() ? neutral_state(model) : read_state(model, options.state);
@@ -109,7 +90,10 @@ State found_state(const Model& model, const Options& options) {
     Eigen::VectorXd springs(model.nv());
     spring_forces(model, workspace, state.q, state.v, as_span(springs));
     if (!model.loops().empty()) {
-      state.tau = holding_forces(model, state, springs);
+      LoopWorkspace<> loops(model);
+      check_driven(inverse_dynamics(model, loops, state.q, state.v, state.v, state.tau, {}, {}, {state.loads},
+                                    as_span(springs)),
+                   "hold q");
     } else {
       inverse_dynamics(model, workspace, state.q, state.v, state.v, state.tau, {state.loads});
       as_eigen(std::span(state.tau)) -= springs;

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "axode/constraints/assembly.hpp"
+#include "axode/constraints/check_loops.hpp"
 #include "axode/constraints/constrained_dynamics.hpp"
 #include "axode/constraints/mobility.hpp"
 #include "commands.hpp"
@@ -103,11 +104,7 @@ Solvability with_loops(const Question& ask, std::string_view function, const Loa
     return forward_dynamics(ask.model, workspace, state.q, state.v, state.tau, out, {}, loads);
   const double left = inverse_dynamics(ask.model, workspace, state.q, state.v, state.a, out, {},
                                        std::span<const int>(), loads);
-  if (left > 1e-8)
-    throw InputError(
-        fmt::format("the joints that are not passive cannot make these accelerations: {:.3g} of the "
-                    "forces needed is in directions that none of them moves",
-                    left));
+  check_driven(left, "make these accelerations");
   return {};
 }
 

@@ -12,15 +12,47 @@ void check_closed(LoopSystem<double>& system, Numbers<double> q, Numbers<double>
   system.residual(q.data(), r.data());
   for (const Loop& loop : loops.all)
     if (const double open = r.segment(loop.first_residual, loop.residuals()).norm(); !(open <= closed_enough))
-      throw std::invalid_argument("q leaves loop \"" + loop.name + "\" open by " + to_text(open) +
-                                  " (rad and m); assemble() closes it");
+      throw std::invalid_argument(
+          "q leaves loop \"" + loop.name + "\" open by " + to_text(open) +
+          " (rad and m); assemble() closes it, or in a shell \"axode eval FILE --want assembly\"");
   system.make_rows(LoopSystem<double>::Rows::velocities);
   system.times(v.data(), r.data());
   const double size = 1 + Eigen::Map<const Eigen::VectorXd>(v.data(), std::ssize(v)).norm();
   for (const Loop& loop : loops.all)
     if (const double slip = r.segment(loop.first_row, loop.rows()).norm(); !(slip <= closed_enough * size))
       throw std::invalid_argument("v tears loop \"" + loop.name + "\" open at " + to_text(slip) +
-                                  " (rad/s and m/s); assemble() finds velocities that do not");
+                                  " (rad/s and m/s); assemble() finds velocities that do not, or in a shell "
+                                  "\"axode eval FILE --want assembly\"");
+}
+
+void check_accelerations(LoopSystem<double>& system, Numbers<double> q, Numbers<double> v,
+                         Numbers<double> a) {
+  const Loops& loops = system.model().loops();
+  const auto norm = [](Numbers<double> x) {
+    return Eigen::Map<const Eigen::VectorXd>(x.data(), std::ssize(x)).norm();
+  };
+  const double size = 1 + norm(a) + norm(v) * norm(v);
+  Eigen::VectorXd rates(loops.rows), coupled(loops.rows);
+  system.bias(rates.data());
+  system.make_rows(LoopSystem<double>::Rows::velocities);
+  system.times(a.data(), coupled.data());
+  for (const Loop& loop : loops.all) {
+    const Eigen::VectorXd& of = loop.terms.empty() ? rates : coupled;
+    const double tear = of.segment(loop.first_row, loop.rows()).norm();
+    if (tear <= closed_enough * size) continue;
+    check_closed(system, q, v);
+    throw std::invalid_argument(
+        "a tears loop \"" + loop.name + "\" open at " + to_text(tear) +
+        " (rad/s^2 and m/s^2); A a + gamma must be 0, of loop_jacobian and loop_bias");
+  }
+}
+
+void check_driven(double left, const char* task) {
+  if (left > 1e-8)
+    throw std::invalid_argument(
+        "the drives cannot " + std::string(task) + ": " + to_text(left) +
+        " of the forces needed is in directions that no drive moves; drives are the joints "
+        "that are not passive, or those that are named");
 }
 
 }  // namespace axode

@@ -42,10 +42,9 @@ Solvability forward_dynamics_derivatives(const Model& model, LoopWorkspace<T>& w
   check_loads(model, loads);
   const Eigen::Index n = model.nv(), m = model.loops().rows;
   for (const std::span<T>& out : {d.a_q, d.a_v, d.a_tau})
-    check_rows("d.a", out.size(), model.nv() * model.nv(), "nv * nv");
+    check_rows("d.a", out.size(), model.nv(), "nv * nv", model.nv());
   for (const std::span<T>& out : {d.lambda_q, d.lambda_v, d.lambda_tau})
-    if (!out.empty())
-      check_rows("d.lambda", out.size(), model.loops().rows * model.nv(), "loops().rows * nv");
+    if (!out.empty()) check_rows("d.lambda", out.size(), model.loops().rows, "loops().rows * nv", model.nv());
 
   Vector a(n), h(n), gamma(m), lambda = Vector::Zero(m);
   const Solvability verdict =

@@ -59,17 +59,25 @@ Solvability forward_dynamics(const Model& model, LoopWorkspace<T>& workspace, Nu
 template <class T>
 T inverse_dynamics(const Model& model, LoopWorkspace<T>& workspace, Numbers<T> q, Numbers<T> v, Numbers<T> a,
                    std::type_identity_t<std::span<T>> tau, std::type_identity_t<std::span<T>> lambda,
-                   std::span<const int> drives, const std::type_identity_t<Loads<T>>& loads) {
+                   std::span<const int> drives, const std::type_identity_t<Loads<T>>& loads,
+                   std::type_identity_t<Numbers<T>> forces) {
   LoopSystem<T>& system = checked(model, workspace, q, v);
   check_size("a", a.size(), v.size(), "nv");
   check_size("tau", tau.size(), v.size(), "nv");
   check_loads(model, loads);
   check_separate("lambda", lambda, "tau", tau);
+  if (!forces.empty()) {
+    check_size("forces", forces.size(), v.size(), "nv");
+    check_separate("tau", tau, "forces", forces);
+  }
   const std::vector<int> at = driven(model, drives);
   using Vector = Eigen::VectorX<T>;
   using Matrix = Eigen::MatrixX<T>;
   Vector need(model.nv());
   system.force(q.data(), v.data(), a.data(), loads, need.data());
+  if constexpr (std::same_as<T, double>)  // single precision does not tell them from rounding
+    check_accelerations(system, q, v, a);
+  for (std::size_t c = 0; c < forces.size(); ++c) need[static_cast<Eigen::Index>(c)] -= forces[c];
   const IndependentRows<T> rows(system, LoopSystem<T>::Rows::velocities);
   const Matrix N = rows.kernel();
   const Vector wanted = N.transpose() * need;
@@ -135,7 +143,7 @@ template Solvability forward_dynamics(const Model&, LoopWorkspace<AXODE_T>&, Num
                                       std::span<AXODE_T>, const Loads<AXODE_T>&);
 template AXODE_T inverse_dynamics(const Model&, LoopWorkspace<AXODE_T>&, Numbers<AXODE_T>, Numbers<AXODE_T>,
                                   Numbers<AXODE_T>, std::span<AXODE_T>, std::span<AXODE_T>,
-                                  std::span<const int>, const Loads<AXODE_T>&);
+                                  std::span<const int>, const Loads<AXODE_T>&, Numbers<AXODE_T>);
 template Solvability impact(const Model&, LoopWorkspace<AXODE_T>&, Numbers<AXODE_T>, Numbers<AXODE_T>,
                             AXODE_T, std::span<AXODE_T>, std::span<AXODE_T>);
 #define AXODE_LOOP_WRENCHES(Rep)                                                            \

@@ -18,14 +18,17 @@ Solvability forward_dynamics(const Model& model, LoopWorkspace<T>& workspace, Nu
                              const std::type_identity_t<Loads<T>>& loads = {});
 
 /// Drive forces τ (nv) that make the accelerations a: at the velocities `drives` alone, or where none are given at those of
-/// all joints that are not passive; the least where there are more drives than the mechanism needs. Returns what no drive
-/// can do, as a part of what is needed: 0 to rounding, where the drives can make a. Allocates; O(nv³).
+/// all joints that are not passive; the least where there are more drives than the mechanism needs. `forces` (nv), or none,
+/// act besides, such as spring_forces. Returns what no drive can do, as a part of what is needed: 0 to rounding, where the
+/// drives can make a. Throws std::invalid_argument where a tears a loop, in double precision. Allocates;
+/// O(nv³).
 template <class T>
 [[nodiscard]] T inverse_dynamics(const Model& model, LoopWorkspace<T>& workspace, Numbers<T> q, Numbers<T> v,
                                  Numbers<T> a, std::type_identity_t<std::span<T>> tau,
                                  std::type_identity_t<std::span<T>> lambda = {},
                                  std::span<const int> drives = {},
-                                 const std::type_identity_t<Loads<T>>& loads = {});
+                                 const std::type_identity_t<Loads<T>>& loads = {},
+                                 std::type_identity_t<Numbers<T>> forces = {});
 
 /// Velocities (nv) after an impact that closes the loops, A v⁺ = -e A v with the coefficient of restitution e, and the
 /// impulses (loops().rows; N m s and N s). It takes (1 - e²)/2 (A v)ᵀ (A M⁻¹ Aᵀ)⁻¹ A v of the energy. v⁺ may take the place

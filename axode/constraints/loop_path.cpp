@@ -3,6 +3,7 @@
 #include <functional>
 #include <set>
 
+#include "axode/kinematics/path.hpp"
 #include "axode/recursion/solvability.hpp"
 
 namespace axode {
@@ -14,24 +15,20 @@ void add_path(const Topology& topology, int i, std::set<int, std::greater<>>& bo
 
 }  // namespace
 
-LoopPath::LoopPath(const Topology& topology, const Loop& of)
+LoopPath::LoopPath(const Tree<double>& tree, const Loop& of)
     : loop(&of), rows{of.first_row, of.rows()}, residuals{of.first_residual, of.residuals()} {
+  const Topology& topology = *tree.topology();
   std::set<int, std::greater<>> on_paths;
   for (const Loop::Term& term : of.terms) {
     columns.push_back({.velocity = term.velocity, .factor = term.factor});
     add_path(topology, body_of_velocity(topology, term.velocity), on_paths);
   }
   if (of.terms.empty()) {
-    int meeting_i = of.ends[0].body, meeting_j = of.ends[1].body;
-    while (meeting_i != meeting_j) {
-      int& later = meeting_i > meeting_j ? meeting_i : meeting_j;
-      later = topology.parent[later];
-    }
-    meeting = meeting_i;
+    meeting = common_predecessor(tree, of.ends[0].body, of.ends[1].body);
     for (std::size_t e = 0; e < 2; ++e) {
       add_path(topology, of.ends[e].body, on_paths);
       for (int i = of.ends[e].body; i > 0; i = topology.parent[i]) root[e] = i;
-      for (int i = of.ends[e].body; i != meeting_i; i = topology.parent[i])
+      for (int i = of.ends[e].body; i != meeting; i = topology.parent[i])
         for (int s = topology.first_screw[i]; s < topology.first_screw[i + 1]; ++s)
           columns.push_back({topology.iv[i] + s - topology.first_screw[i], s, i, e == 1 ? 1 : -1});
     }

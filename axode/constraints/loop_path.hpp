@@ -17,7 +17,7 @@ struct LoopColumn {
 
 /// What of a loop does not change: the paths on the tree that it closes.
 struct LoopPath {
-  LoopPath(const Topology& topology, const Loop& of);
+  LoopPath(const Tree<double>& tree, const Loop& of);
 
   /// Rows of A, or of those that have a residual.
   struct Range {

@@ -37,7 +37,7 @@ LoopSystem<T>::LoopSystem(const Model& of)
   const int m = of.loops().rows, nv = of.nv();
   std::vector<std::vector<Range>> rows_of(index(nv)), residuals_of(index(nv));
   for (std::size_t k = 0; k < at_.size(); ++k) {
-    const LoopPath& path = paths_.emplace_back(of.topology(), of.loops().all[k]);
+    const LoopPath& path = paths_.emplace_back(of.tree<double>(), of.loops().all[k]);
     for (const int c : path.velocities)
       add(path.rows, rows_of[index(c)]), add(path.residuals, residuals_of[index(c)]);
     entries_[k].resize(path.columns.size() * index(path.rows.count));

@@ -32,7 +32,7 @@ template <class T>
 void loop_jacobian(const Model& model, LoopWorkspace<T>& workspace, Numbers<T> q,
                    std::type_identity_t<std::span<T>> A) {
   LoopSystem<T>& system = checked(model, workspace, q);
-  check_rows("A", A.size(), model.loops().rows * model.nv(), "loops().rows * nv");
+  check_rows("A", A.size(), model.loops().rows, "loops().rows * nv", model.nv());
   system.place(q.data());
   system.make_rows(LoopSystem<T>::Rows::velocities);
   system.write(A.data());
@@ -42,7 +42,7 @@ template <class T>
 void loop_residual_jacobian(const Model& model, LoopWorkspace<T>& workspace, Numbers<T> q,
                             std::type_identity_t<std::span<T>> R) {
   LoopSystem<T>& system = checked(model, workspace, q);
-  check_rows("R", R.size(), model.loops().residuals * model.nv(), "loops().residuals * nv");
+  check_rows("R", R.size(), model.loops().residuals, "loops().residuals * nv", model.nv());
   system.place(q.data());
   system.make_rows(LoopSystem<T>::Rows::places);
   system.write(R.data());

@@ -470,6 +470,16 @@ void read_screw(Table& table, Way way, JointDescription& joint) {
   }
 }
 
+/// The numbers of a joint of which the kind is not known: whatever it is, they are told where they are none.
+void read_of_unknown_kind(Table& table) {
+  for (const char* const key : {"axis", "second_axis"}) table.direction(key);
+  table.vector("point");
+  for (const char* const key : {"pitch", "lead"}) table.number(key);
+  read_dof(table);
+  table.flag("passive");
+  for (const char* const key : {"dof", "follows"}) table.take(key);
+}
+
 void read_joint(Table& body_table, Way way, BodyDescription& body) {
   const toml::Value* node = body_table.take("joint");
   if (node == nullptr) {
@@ -491,11 +501,8 @@ void read_joint(Table& body_table, Way way, BodyDescription& body) {
   const bool given = table->has("kind");
   const auto kind = table->choice("kind", kind_names);
   if (!given) table->missing("kind", "give one, such as \"revolute\" or \"prismatic\"");
-  if (!kind) {  // what it may have is not known
-    for (const std::string_view key :
-         {"axis", "second_axis", "point", "pitch", "lead", "dof", "follows", "passive"})
-      table->take(key);
-    for (const std::string_view key : dof_keys) table->take(key);
+  if (!kind) {
+    read_of_unknown_kind(*table);
     table->finish();
     return;
   }

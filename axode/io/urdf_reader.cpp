@@ -351,11 +351,10 @@ class UrdfReader : XmlReader {
     if (const XMLElement* child = required_child(e, "child", owner))
       connection.child = name_of_link(*child, "link", owner);
     connection.origin = origin(e, owner);
-    if (const UrdfKind* kind = kind_of(e, owner)) {
-      joint.kind = kind->kind;
-      read_axis(e, owner, joint);
-      read_dof(e, owner, *kind, joint);
-    }
+    const UrdfKind& kind = kind_of(e, owner);
+    joint.kind = kind.kind;
+    read_axis(e, owner, joint);
+    read_dof(e, owner, kind, joint);
     if (const XMLElement* mimic = child_of(e, "mimic", owner);
         mimic != nullptr && joint.kind == JointKind::fixed) {
       ignore("<mimic> of a fixed joint", mimic->GetLineNum());
@@ -369,18 +368,20 @@ class UrdfReader : XmlReader {
     connections_.push_back(std::move(connection));
   }
 
-  const UrdfKind* kind_of(const XMLElement& e, const std::string& owner) {
+  /// One that asks for nothing else where the type is none, so that the numbers of the joint are looked at as well.
+  const UrdfKind& kind_of(const XMLElement& e, const std::string& owner) {
+    static constexpr UrdfKind unknown{"", JointKind::revolute};
     const char* type = required(e, "type", owner);
-    if (type == nullptr) return nullptr;
+    if (type == nullptr) return unknown;
     for (const UrdfKind& kind : urdf_kinds)
-      if (kind.type == type) return &kind;
+      if (kind.type == type) return kind;
     error(Rule::wrong_value, owner,
           "type is " + in_quotes(type) +
               "; URDF knows revolute, continuous, prismatic, fixed, floating and planar" +
               did_you_mean(std::string_view(type).substr(0, 30), urdf_kinds,
                            [](const UrdfKind& k) { return k.type; }),
           e.GetLineNum());
-    return nullptr;
+    return unknown;
   }
 
   void read_axis(const XMLElement& e, const std::string& owner, JointDescription& joint) {

@@ -317,7 +317,9 @@ class Compiler {
         note(out, i, cut ? Severity::error : Severity::warning, Rule::moves_no_mass,
              "joint \"" + out.joints[i].name + '"',
              cut ? "moves no mass once the loops are cut; cut elsewhere, or make what it moves a rod"
-                 : "moves no mass; the mass matrix is singular");
+                 : "moves no mass; the mass matrix is singular: give what it moves a mass, or the joint "
+                   "armature, or lock it, "
+                   "see reduced");
       }
   }
 

@@ -1,7 +1,5 @@
 #include "axode/model/model.hpp"
 
-#include <stdexcept>
-
 #include "axode/model/nearest_name.hpp"
 
 namespace axode {
@@ -13,8 +11,12 @@ int index_of(std::string_view name, std::span<const Named> named, const char* wh
              const std::string& model) {
   for (std::size_t i = 0; i < named.size(); ++i)
     if (named[i].name == name) return static_cast<int>(i);
-  throw std::invalid_argument("model \"" + model + "\" has no " + what + " \"" + std::string(name) + "\"" +
-                              did_you_mean(name, named, [](const Named& n) { return n.name; }));
+  std::string parts;  // of a joint that has become two
+  for (const Named& n : named)
+    if (n.name.starts_with(std::string(name) + '.')) parts += (parts.empty() ? "\"" : ", \"") + n.name + '"';
+  throw UnknownName("model \"" + model + "\" has no " + what + " \"" + std::string(name) + "\"" +
+                    (parts.empty() ? did_you_mean(name, named, [](const Named& n) { return n.name; })
+                                   : "; there are " + parts));
 }
 
 }  // namespace

@@ -1,10 +1,16 @@
 #pragma once
 #include <algorithm>
+#include <stdexcept>
 #include <string>
 #include <string_view>
 #include <vector>
 
 namespace axode {
+
+/// Thrown for a name of a joint, body or frame that a model has not.
+struct UnknownName : std::invalid_argument {
+  using std::invalid_argument::invalid_argument;
+};
 
 /// The number of single-letter edits between two names.
 inline std::size_t edit_distance(std::string_view a, std::string_view b) {

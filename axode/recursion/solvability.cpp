@@ -1,6 +1,19 @@
 #include "axode/recursion/solvability.hpp"
 
 namespace axode {
+namespace {
+
+/// `; joint "b" moves none either` of what is known to be so wherever the model is.
+std::string others_without_mass(const Model& model, const std::string& told) {
+  std::string names;
+  int n = 0;
+  for (const Fault& fault : model.warnings())
+    if (fault.rule == Rule::moves_no_mass && fault.element != told)
+      names += (n++ == 0 ? "; " : ", ") + fault.element;
+  return names + (n == 0 ? "" : n == 1 ? " moves none either" : " move none either");
+}
+
+}  // namespace
 
 std::string to_string(const Model& model, const Solvability& solvability) {
   if (solvability.ok()) return "the mass matrix is positive definite";
@@ -10,8 +23,10 @@ std::string to_string(const Model& model, const Solvability& solvability) {
     return "the frame can move in " + std::to_string(solvability.directions) +
            " of six directions, so that it shows no inertia to a wrench; ask for its mobility";
   const int i = solvability.singular_body;
-  return "the mass matrix is singular: with the other joints free, joint \"" + model.joint(i).name +
-         "\" of body \"" + model.body(i).name + "\" moves no mass";
+  const std::string joint = "joint \"" + model.joint(i).name + '"';
+  return "the mass matrix is singular: with the other joints free, " + joint + " of body \"" +
+         model.body(i).name + "\" moves no mass" + others_without_mass(model, joint) +
+         "; mass or armature helps, or a joint that is locked, see reduced";
 }
 
 }  // namespace axode

@@ -124,7 +124,8 @@ constexpr std::array<MeshFormat, 5> mesh_formats{{{"stl", view::fault_of_stl},
 }  // namespace
 
 FoundMesh find_mesh(const std::string& name, const Source& told_in) {
-  const fs::path folder = told_in.file.empty() ? fs::path(".") : fs::path(told_in.file).parent_path() / "";
+  fs::path folder = fs::path(told_in.file).parent_path() / "";
+  if (folder.empty()) folder = ".";
   if (name.find('\0') != std::string::npos) return {{}, "there is a zero byte in its name"};
   if (const auto rest = behind(name, "package://")) return in_package(*rest, folder);
   fs::path file = name;
@@ -136,6 +137,7 @@ FoundMesh find_mesh(const std::string& name, const Source& told_in) {
     return {{}, in_quotes(name.substr(0, colon + 3)) + " is none of package://, file://"};
   }
   file = (folder / file).lexically_normal();  // an absolute path stays what it is
+  if (name.empty()) return {{}, "its file has no name"};
   if (!is_file(file)) return {{}, "there is no file " + in_quotes(file)};
   return {file, ""};
 }

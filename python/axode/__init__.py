@@ -213,7 +213,10 @@ if not TYPE_CHECKING:  # to a type checker every name would be known
 
     def __getattr__(name: str) -> Any:
         if name in BRIDGES:
-            return importlib.import_module(f"{__name__}.{name}")
+            try:
+                return importlib.import_module(f"{__name__}.{name}")
+            except ImportError as error:  # hasattr hears of AttributeError alone; `import axode.jax` raises this one
+                raise AttributeError(str(error)) from error
         message = f"module {__name__!r} has no attribute {name!r}"
         if (here := _name_here(name)) in __all__:
             raise AttributeError(f"{message}; it is called {here!r} here")

@@ -1,11 +1,14 @@
-"""inspect.signature for the functions and methods of the compiled module."""
+"""inspect.signature for the functions and methods of the compiled module, and what is wrong with calls of them."""
 
 from __future__ import annotations
 
 import ast
+import difflib
 import inspect
+import numbers
 import re
 from collections.abc import Iterator
+from types import ModuleType
 from typing import Any
 
 from . import _axode
@@ -49,6 +52,69 @@ def signature_without_self(method: Any) -> inspect.Signature:
     return whole.replace(parameters=list(whole.parameters.values())[1:])
 
 
+#: What an argument must be, by its annotation, where Python can tell.
+KINDS = {"Model": (_axode.Model, "an axode.Model"), "axode._axode.Model": (_axode.Model, "an axode.Model"),
+         "int": (numbers.Integral, "a whole number"), "float": (numbers.Real, "a number"), "bool": (bool, "True or False"),
+         "str": (str, "a text")}
+
+
+def in_words(names: list[str]) -> str:
+    return " and ".join([", ".join(map(repr, names[:-1])), repr(names[-1])] if len(names) > 1 else map(repr, names))
+
+
+def wrong_names(callee: str, takes: list[inspect.Parameter], given: list[Any], by_name: dict[str, Any]) -> str | None:
+    """What is wrong with the names and the number of arguments."""
+    names = [x.name for x in takes]
+    positional = [x.name for x in takes if x.kind is not x.KEYWORD_ONLY]
+    for name in by_name:
+        if name not in names:
+            near = difflib.get_close_matches(name, names, n=1)
+            return (f"{callee} has no argument {name!r}; " +
+                    (f"did you mean {near[0]!r}?" if near else f"it takes {', '.join(names) or 'none'}"))
+    if len(given) > len(positional):
+        after = [name for name in names if name not in positional and name not in by_name]
+        return (f"{callee} takes at most {len(positional)} arguments by their places"
+                f"{' (' + ', '.join(positional) + ')' if positional else ''}, got {len(given)}" +
+                (f"; write {after[0]}=... for what is meant by name" if after else ""))
+    if twice := [name for name in positional[:len(given)] if name in by_name]:
+        return f"{callee} is given {in_words(twice)} twice, by place and by name"
+    missing = [x.name for x in takes if x.default is x.empty and x.name not in [*positional[:len(given)], *by_name]]
+    return f"{callee} needs {in_words(missing)} as well" if missing else None
+
+
+def explanation(function: Any, given: list[Any], by_name: dict[str, Any]) -> str | None:
+    """What is wrong with a call of one of nanobind's functions; None where that is not plain."""
+    takes = list(signature(function).parameters.values())
+    callee = function.__qualname__
+    if takes and takes[0].name == "self":
+        if not given:
+            return None
+        takes, given = takes[1:], given[1:]
+    if wrong := wrong_names(callee, takes, given, by_name):
+        return wrong
+    values = {**dict(zip([x.name for x in takes], given)), **by_name}
+    for x in takes:
+        if x.name not in values or (values[x.name] is None and x.default is None):
+            continue
+        value, annotation = values[x.name], str(x.annotation)
+        kind, expected = KINDS.get(annotation.removesuffix(" | None"), (object, annotation))
+        if not isinstance(value, kind) or (value is None and "None" not in annotation):
+            return f"{callee}: {x.name}: expected {expected}, got {type(value).__name__}"
+    return None
+
+
+def functions_in(where: ModuleType | type) -> Iterator[Any]:
+    """Those of nanobind, but for constructors, whose object Python must not see before it is made."""
+    for name, value in vars(where).items():
+        if isinstance(value, (type(_axode.load_file), type(_axode.Model.neutral))):
+            if name != "__init__":
+                yield value
+        elif isinstance(value, (ModuleType, type)):
+            yield from functions_in(value)
+
+
+for found in functions_in(_axode):
+    _axode.explain_wrong_calls(found, explanation)
 _axode.describe(type(_axode.load_file), property(signature))
 _axode.describe(type(_axode.Model.neutral), property(signature))
 _axode.describe(type(_axode.Model.neutral.__get__(object())), property(signature_without_self))

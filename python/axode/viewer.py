@@ -72,6 +72,9 @@ def _motion_of(m: Model, motion: Trajectory | str | os.PathLike[str] | None) -> 
         return None
     if isinstance(motion, Trajectory):
         return motion.t, motion.q, motion.v, motion.a, motion.tau
+    if not isinstance(motion, (str, os.PathLike)):
+        raise TypeError(f"motion is of type {type(motion).__name__}; expected a Trajectory, which has times as well, such as "
+                        "`simulate` gives, or the name of a file .csv, .json or .npz with t, q and v")
     return _motion_in(m, Path(motion))
 
 
@@ -270,7 +273,7 @@ def view(m: Model, q: ArrayLike | None = None, motion: Trajectory | str | os.Pat
     are looked for beside the file that names them and in the packages of ROS; those that are missing are in
     `Viewer.warnings`, and what has nothing to be seen is drawn from its joints and inertia.
 
-    ValueError for a state or a motion that does not fit the model. RuntimeError where the package was built without npm.
+    ValueError for a state or a motion that does not fit the model, TypeError for what is no motion. RuntimeError where the package was built without npm.
 
     >>> import pathlib, tempfile
     >>> fall = axode.simulate(arm, np.full(7, 0.1), np.zeros(7), until=0.5)

@@ -23,9 +23,9 @@ class BoundModel {
   const Model* operator->() const { return &model_; }
   const Model& operator*() const { return model_; }
 
-  template <class W> class LeaseOf {
+  template <class W> class Lease {
    public:
-    explicit LeaseOf(const BoundModel& owner) : idle_(owner.idle(static_cast<W*>(nullptr))) {
+    explicit Lease(const BoundModel& owner) : idle_(owner.idle(static_cast<W*>(nullptr))) {
       if (idle_.empty()) {
         workspace_ = std::make_unique<W>(owner.model_);
       } else {
@@ -33,16 +33,14 @@ class BoundModel {
         idle_.pop_back();
       }
     }
-    ~LeaseOf() { idle_.push_back(std::move(workspace_)); }
-    LeaseOf(const LeaseOf&) = delete;
+    ~Lease() { idle_.push_back(std::move(workspace_)); }
+    Lease(const Lease&) = delete;
     W& operator*() const { return *workspace_; }
 
    private:
     std::vector<std::unique_ptr<W>>& idle_;
     std::unique_ptr<W> workspace_;
   };
-  using Lease = LeaseOf<Workspace<>>;
-  using LoopLease = LeaseOf<LoopWorkspace<>>;
 
  private:
   std::vector<std::unique_ptr<Workspace<>>>& idle(Workspace<>*) const { return idle_; }

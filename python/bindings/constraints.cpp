@@ -3,6 +3,7 @@
 #include <nanobind/stl/string.h>
 
 #include "axode/constraints/assembly.hpp"
+#include "axode/constraints/check_loops.hpp"
 #include "axode/constraints/constrained_derivatives.hpp"
 #include "axode/constraints/constrained_dynamics.hpp"
 #include "axode/constraints/independent_equations.hpp"
@@ -23,18 +24,8 @@ namespace {
 using namespace nb::literals;
 
 /// f(workspace, k) for every state k.
-template <class F> void each_closed(const States& states, const BoundModel& m, const F& f) {
-  if (!states.many()) {
-    const BoundModel::LoopLease workspace(m);
-    return f(*workspace, 0);
-  }
-  states.unlocked(100, [&](const batch::Monitor& monitor) {
-    return batch::in_portions(states.count(), 1, states.threads(), monitor, [&]() -> batch::Work {
-      return [&, workspace = std::make_shared<LoopWorkspace<>>(*m)](std::size_t k, std::size_t) {
-        f(*workspace, k);
-      };
-    });
-  });
+template <class F> void each_closed(const States& states, const F& f) {
+  states.each<LoopWorkspace<>>(loop_cost(states.model()), f);
 }
 
 /// Velocities by the names of joints or by numbers.
@@ -79,7 +70,7 @@ Array constraint_wrenches(const BoundModel& m, ArrayLike q, ArrayLike v, ArrayLi
   const Shape shape{static_cast<nb::ssize_t>(m->loops().all.size()), 6};
   NewArray out = states.result(shape);
   std::vector<Solvability> found(states.count());
-  each_closed(states, m, [&](LoopWorkspace<>& workspace, std::size_t k) {
+  each_closed(states, [&](LoopWorkspace<>& workspace, std::size_t k) {
     const std::vector<double> lambda = applied.with(k, [&](const Loads<double>& now) {
       return multipliers(m, workspace, states.q(k), of_v[k], of_tau[k], now, found[k]);
     });
@@ -160,7 +151,7 @@ Array impact_of(const BoundModel& m, ArrayLike q, ArrayLike v, double restitutio
   const Shape shape{m->nv()};
   NewArray out = states.result(shape);
   std::vector<Solvability> found(states.count());
-  each_closed(states, m, [&](LoopWorkspace<>& workspace, std::size_t k) {
+  each_closed(states, [&](LoopWorkspace<>& workspace, std::size_t k) {
     found[k] = impact(*m, workspace, states.q(k), of_v[k], restitution, item(out, k, shape));
   });
   states.refuse(found, out);
@@ -171,7 +162,7 @@ Array impact_of(const BoundModel& m, ArrayLike q, ArrayLike v, double restitutio
 template <class F> Array of_q(const BoundModel& m, ArrayLike q, int threads, const Shape& shape, const F& f) {
   const States states(m, q, threads);
   NewArray out = states.result(shape);
-  each_closed(states, m, [&](LoopWorkspace<>& workspace, std::size_t k) {
+  each_closed(states, [&](LoopWorkspace<>& workspace, std::size_t k) {
     f(workspace, states.q(k), item(out, k, shape));
   });
   return out.array();
@@ -214,7 +205,7 @@ Array closed_forward_dynamics(const BoundModel& m, const Arguments& given) {
   const Shape shape{m->nv()};
   NewArray out = states.result(shape);
   std::vector<Solvability> found(states.count());
-  each_closed(states, m, [&](LoopWorkspace<>& workspace, std::size_t k) {
+  each_closed(states, [&](LoopWorkspace<>& workspace, std::size_t k) {
     found[k] = applied.with(k, [&](const Loads<double>& now) {
       return forward_dynamics(*m, workspace, states.q(k), v[k], tau[k], item(out, k, shape), {}, now);
     });
@@ -223,27 +214,23 @@ Array closed_forward_dynamics(const BoundModel& m, const Arguments& given) {
   return out.array();
 }
 
-Array closed_inverse_dynamics(const BoundModel& m, const Arguments& given, nb::handle drives) {
+Array closed_inverse_dynamics(const BoundModel& m, const Arguments& given, nb::handle drives,
+                              nb::handle forces) {
   const States states(m, given.q, given.threads);
   const Items v = states.velocities("v", given.v), a = states.velocities("a", given.a);
+  std::optional<Items> besides;
+  if (!forces.is_none()) besides.emplace(states.velocities("forces", {forces.ptr()}));
   const AppliedLoads applied(states, given.loads, given.joint_losses);
   const std::vector<int> at = velocities(m, drives, "drives");
   const Shape shape{m->nv()};
   NewArray out = states.result(shape);
-  std::vector<double> left(states.count());
-  each_closed(states, m, [&](LoopWorkspace<>& workspace, std::size_t k) {
-    left[k] = applied.with(k, [&](const Loads<double>& now) {
-      return inverse_dynamics(*m, workspace, states.q(k), v[k], a[k], item(out, k, shape), {}, at, now);
+  each_closed(states, [&](LoopWorkspace<>& workspace, std::size_t k) {
+    const double left = applied.with(k, [&](const Loads<double>& now) {
+      return inverse_dynamics(*m, workspace, states.q(k), v[k], a[k], item(out, k, shape), {}, at, now,
+                              besides ? (*besides)[k] : std::span<const double>());
     });
+    check_driven(left, "make these accelerations");
   });
-  for (std::size_t k = 0; k < left.size(); ++k)
-    if (left[k] > 1e-8)
-      throw nb::value_error(
-          ((states.many() ? "state " + std::to_string(k) + ": " : "") +
-           "the drives cannot make these accelerations: " + to_text(left[k]) +
-           " of the forces needed is in directions that no drive moves; name more of them in "
-           "drives")
-              .c_str());
   states.refuse({}, out);
   return out.array();
 }
@@ -260,7 +247,7 @@ nb::object closed_derivatives(const BoundModel& m, const Arguments& given, nb::s
   const Shape shape{rows, m->nv()};
   NewArray by_q = states.result(shape), by_v = states.result(shape), by_tau = states.result(shape);
   std::vector<Solvability> found(states.count());
-  each_closed(states, m, [&](LoopWorkspace<>& workspace, std::size_t k) {
+  each_closed(states, [&](LoopWorkspace<>& workspace, std::size_t k) {
     found[k] = applied.with(k, [&](const Loads<double>& now) {
       return differentiate(workspace, states.q(k), v[k], tau[k], now,
                            std::array{item(by_q, k, shape), item(by_v, k, shape), item(by_tau, k, shape)});
@@ -354,7 +341,7 @@ True
                     of_w = states.velocities("w", w);
         const Shape shape{m->nv()};
         NewArray out = states.result(shape);
-        each_closed(states, m, [&](LoopWorkspace<>& workspace, std::size_t k) {
+        each_closed(states, [&](LoopWorkspace<>& workspace, std::size_t k) {
           loop_hessian_product(*m, workspace, states.q(k), of_lambda[k], of_w[k], item(out, k, shape));
         });
         return out.array();
@@ -380,7 +367,7 @@ True
         const Shape shape{m->loops().rows};
         NewArray out = states.result(shape);
         std::vector<Solvability> found(states.count());
-        each_closed(states, m, [&](LoopWorkspace<>& workspace, std::size_t k) {
+        each_closed(states, [&](LoopWorkspace<>& workspace, std::size_t k) {
           const std::vector<double> lambda = applied.with(k, [&](const Loads<double>& now) {
             return multipliers(m, workspace, states.q(k), of_v[k], of_tau[k], now, found[k]);
           });
@@ -425,7 +412,7 @@ derivatives.
         const Items of_v = states.velocities("v", v);
         const Shape shape{m->loops().rows};
         NewArray out = states.result(shape);
-        each_closed(states, m, [&](LoopWorkspace<>& workspace, std::size_t k) {
+        each_closed(states, [&](LoopWorkspace<>& workspace, std::size_t k) {
           loop_bias(*m, workspace, states.q(k), of_v[k], item(out, k, shape));
         });
         return out.array();

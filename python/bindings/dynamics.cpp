@@ -29,13 +29,19 @@ template <class F> Array solved_rows(const MassMatrixFactor<>& factor, NewArray 
   return out.array();
 }
 
+/// tau - forces, which have nv numbers for each state.
+Array without(nb::handle forces, Array tau, const States& states) {
+  static_cast<void>(states.velocities("forces", {forces.ptr()}));  // which refuses what they must not be
+  return {nb::steal(PyNumber_InPlaceSubtract(tau.array.ptr(), forces.ptr()))};
+}
+
 void add_equations_of_motion(nb::module_& module) {
   const StateFunctions functions(module);
   module.def(
       "inverse_dynamics",
       [f = StateFunction("inverse_dynamics")](const BoundModel& m, ArrayLike q, ArrayLike v, ArrayLike a,
                                               Algorithm algorithm, LoadList loads, bool joint_losses,
-                                              int threads, nb::handle drives) {
+                                              int threads, nb::handle drives, nb::handle forces) {
         const Arguments all{.q = q,
                             .v = v,
                             .a = a,
@@ -43,17 +49,20 @@ void add_equations_of_motion(nb::module_& module) {
                             .loads = loads,
                             .joint_losses = joint_losses,
                             .threads = threads};
-        return m->loops().empty() && drives.is_none() ? f(m, all) : closed_inverse_dynamics(m, all, drives);
+        if (!m->loops().empty() || !drives.is_none()) return closed_inverse_dynamics(m, all, drives, forces);
+        Array tau = f(m, all);
+        return forces.is_none() ? tau : without(forces, std::move(tau), States(m, q, threads));
       },
       "m"_a, "q"_a, "v"_a, "a"_a, "representation"_a = "fast", "loads"_a = nb::none(), nb::kw_only(),
-      "joint_losses"_a = false, "threads"_a = 1, "drives"_a = nb::none(), R"(
+      "joint_losses"_a = false, "threads"_a = 1, "drives"_a = nb::none(), "forces"_a = nb::none(), R"(
 tau = M(q) a + C(q, v) v + g(q) - (applied forces): the drive forces that make the accelerations a.
 
 Shape (nv,) or (N, nv), N m or N. `loads` are wrenches on frames, see `axode.Load`; joint_losses adds damping and
 friction; armature is always part of it. All representations give the same; "fast" is the quickest, and goes through N
-states in SIMD lanes on up to `threads` cores. Springs and stops of m are left out: take `spring_forces` off for them.
+states in SIMD lanes on up to `threads` cores. `forces` (nv,) or (N, nv) act besides; springs and stops of m do not by
+themselves: forces=axode.spring_forces(m, q, v).
 Of a mechanism with loops, tau of the joints that are not passive, or of `drives` (names of joints or numbers of velocities)
-alone, the least where that leaves a choice; ValueError where they cannot make a.
+alone, the least where that leaves a choice; ValueError where they cannot make a, and where a tears a loop.
 O(n), by the recursive Newton-Euler algorithm (eqs. aVbRec2 to cWhRec).
 
 >>> q, v, a = arm.neutral(), np.full(7, 0.5), np.ones(7)
@@ -354,7 +363,8 @@ np.int64(6)
   functions.of_q_at("operational_space_inertia", R"(
 (J M^-1 J^T)^-1 of a frame, (6, 6) or (N, 6, 6): the inertia that it shows to a wrench.
 
-NaN where the frame cannot move, or nearly cannot, in all six directions. SingularError where M is singular.
+NaN where the frame cannot move, or nearly cannot, in all six directions: always on fewer than six axes, and at singular
+places; there `mobility` says how it moves. SingularError where M is singular.
 
 >>> bool(np.isfinite(axode.operational_space_inertia(arm, np.full(7, 0.5), "flange")).all())
 True

@@ -30,15 +30,11 @@ template <class Range> std::vector<std::string> names(const Range& named) {
   return found;
 }
 
-/// index(name), where a name that there is not is a KeyError.
-template <class Index> int index_of(const Index& index, const char* argument, nb::handle name) {
-  if (!nb::isinstance<nb::str>(name))
-    throw nb::value_error((std::string(argument) + " is " + shown(name) + "; expected a name").c_str());
-  try {
-    return index(text_of(name));
-  } catch (const std::invalid_argument& unknown) {
-    throw nb::key_error(unknown.what());
-  }
+/// A name that is given. Throws nb::value_error for what is none.
+std::string name_in(const char* argument, nb::handle given) {
+  if (!nb::isinstance<nb::str>(given))
+    throw nb::value_error((std::string(argument) + " is " + shown(given) + "; expected a name").c_str());
+  return text_of(given);
 }
 
 /// A joint with the names that its numbers stand for.
@@ -418,10 +414,10 @@ The mechanism as a drawing in a dict, everything in the construction frame, to e
 
 void add_lookup(nb::class_<BoundModel>& model) {
   const auto joint_of = [](const BoundModel& m, nb::handle name) {
-    return BoundJoint{&m, index_of([&](const std::string& s) { return m->joint_index(s); }, "name", name)};
+    return BoundJoint{&m, m->joint_index(name_in("name", name))};
   };
   const auto body_of = [](const BoundModel& m, nb::handle name) {
-    return BoundBody{&m, index_of([&](const std::string& s) { return m->body_index(s); }, "name", name)};
+    return BoundBody{&m, m->body_index(name_in("name", name))};
   };
   model
       .def("joint", joint_of, "name"_a, nb::sig("def joint(self, name: str) -> Joint"),
@@ -465,8 +461,6 @@ array([0.   , 0.   , 1.306])
           [](const BoundModel& m, const std::vector<std::string>& locked, ArrayLike q) {
             const States states = one_state(m, q);
             std::vector<std::string_view> views(locked.begin(), locked.end());
-            for (const std::string& name : locked)
-              index_of([&](const std::string& s) { return m->joint_index(s); }, "locked", to_str(name));
             return BoundModel(reduced(m, views, states.q(0)));
           },
           "locked"_a, "q"_a, R"(
@@ -553,8 +547,7 @@ A new model with another one mounted on a frame, which takes the place of the ot
 
 int FrameName::in(const Model& model, const char* argument) const {
   const nb::handle name(given);
-  if (nb::isinstance<nb::str>(name))
-    return index_of([&](const std::string& s) { return model.frame_index(s); }, argument, name);
+  if (nb::isinstance<nb::str>(name)) return model.frame_index(text_of(name));
   if (!PyIndex_Check(given) || PyBool_Check(given))
     throw nb::value_error(
         (std::string(argument) + " is " + shown(name) + "; expected the name of a frame, or its number")

@@ -25,6 +25,7 @@ NB_MODULE(_axode, module) {
   module.def("name_here", &axode::catalog::name_here, nb::arg("theirs"),
              "What a function of other libraries is called here, or ''.");
   module.def("describe", &describe, "type"_a, "signature"_a);
+  add_wrong_calls(module);
   nb::module_ lie = module.def_submodule("lie", "See axode.lie.");
   add_lie(lie);
   add_rigid_body(lie);

@@ -1,5 +1,6 @@
 #include "raise.hpp"
 
+#include "axode/model/nearest_name.hpp"
 #include "text.hpp"
 
 namespace axode::python {
@@ -44,6 +45,8 @@ void translate_exceptions() {
       std::rethrow_exception(thrown);
     } catch (const ModelError& error) {
       set_error(errors("ModelError")(to_str(error.what()), fault_list(error.faults())));
+    } catch (const UnknownName& error) {
+      PyErr_SetObject(PyExc_KeyError, to_str(error.what()).ptr());
     }
   });
 }

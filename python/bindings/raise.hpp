@@ -18,7 +18,7 @@ nb::list fault_list(std::span<const Fault> faults);
 /// Throws an AssemblyError with the best configuration met.
 [[noreturn]] void raise_of_assembly(const std::string& sentence, Array q, double residual);
 
-/// ModelError of the library becomes axode.ModelError, std::domain_error a ValueError.
+/// ModelError of the library becomes axode.ModelError, UnknownName a KeyError.
 void translate_exceptions();
 
 }  // namespace axode::python

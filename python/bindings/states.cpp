@@ -1,6 +1,7 @@
 #include "states.hpp"
 
 #include <algorithm>
+#include <limits>
 
 #include "choice.hpp"
 #include "conversions.hpp"
@@ -39,6 +40,10 @@ double linear_cost(const Model& model) { return 0.2 * model.n_bodies(); }
 double quadratic_cost(const Model& model) { return linear_cost(model) + 0.01 * model.nv() * model.nv(); }
 double cubic_cost(const Model& model) {
   return quadratic_cost(model) + 0.01 * model.nv() * model.nv() * model.nv();
+}
+double loop_cost(const Model& model) {
+  const double rows = model.loops().rows;
+  return quadratic_cost(model) + 0.001 * rows * rows * rows;
 }
 
 States::States(const BoundModel& model, ArrayLike q, int threads, const char* name)
@@ -98,6 +103,8 @@ Rows::Rows(const States& states, const char* name, ArrayLike given, const char* 
         const int axis = states.many() ? 1 : 0;
         if (numbers.axes() != axis + 2)
           numbers.wrong_shape(std::string(states.many() ? "(N, k, nv), " : "(k, nv), ") + meaning);
+        if (numbers.length(axis) > std::numeric_limits<int>::max())
+          numbers.wrong_shape("with " + std::to_string(std::numeric_limits<int>::max()) + " rows at most");
         count_ = static_cast<int>(numbers.length(axis));
         return states.items(name, given, {count_, states.model().nv()}, meaning);
       }()) {}

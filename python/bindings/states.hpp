@@ -18,6 +18,7 @@ namespace axode::python {
 double linear_cost(const Model& model);     ///< O(n): a recursion
 double quadratic_cost(const Model& model);  ///< O(n²): a matrix
 double cubic_cost(const Model& model);      ///< O(n³): a tensor
+double loop_cost(const Model& model);       ///< O(n² + m³): a system with m rows of loops
 
 /// One argument of a function of the state: an item, or N of them.
 class Items {
@@ -61,9 +62,9 @@ class States {
   }
 
   /// f(workspace, k) for every state k. Where that takes more than 20 us, other Python threads run and Ctrl-C ends it.
-  template <class F> void each(double microseconds, const F& f) const {
-    if (threads_ > 1 || takes_long(microseconds)) return on_cores(f);
-    const BoundModel::Lease workspace(bound_);
+  template <class W = Workspace<>, class F> void each(double microseconds, const F& f) const {
+    if (threads_ > 1 || takes_long(microseconds)) return on_cores<W>(f);
+    const BoundModel::Lease<W> workspace(bound_);
     for (std::size_t k = 0; k < count_; ++k) run(f, *workspace, k);
   }
   /// f() with other Python threads running.
@@ -88,7 +89,7 @@ class States {
  private:
   bool takes_long(double microseconds) const { return microseconds * static_cast<double>(count_) > 20; }
 
-  template <class F> void run(const F& f, Workspace<>& workspace, std::size_t k) const {
+  template <class W, class F> void run(const F& f, W& workspace, std::size_t k) const {
     if (!many_) return f(workspace, k);
     try {
       f(workspace, k);
@@ -96,11 +97,11 @@ class States {
       throw std::invalid_argument("state " + std::to_string(k) + ": " + error.what());
     }
   }
-  template <class F> void on_cores(const F& f) const {
+  template <class W, class F> void on_cores(const F& f) const {
     unlocked(100, [&](const batch::Monitor& monitor) {
       return batch::in_portions(count_, 1, threads_, monitor, [&]() -> batch::Work {
-        return [&, workspace = Workspace<>(model())](std::size_t k, std::size_t) mutable {
-          run(f, workspace, k);
+        return [&, workspace = std::make_shared<W>(model())](std::size_t k, std::size_t) {
+          run(f, *workspace, k);
         };
       });
     });

@@ -181,6 +181,60 @@ TEST_P(ClosedMechanisms, AreDrivenAsTheyMove) {
   }
 }
 
+TEST_P(ClosedMechanisms, AreDrivenAgainstForcesThatActBesides) {
+  ClosedState at(model, 2);
+  Random<double> random(7);
+  const Numbers besides = random_numbers(random, model.nv(), 10);
+  const VectorXd a = acceleration_of(model, at, at.tau);
+  Numbers tau(at.v.size());
+  EXPECT_LT(inverse_dynamics(model, at.loops, at.q, at.v, numbers(a), tau, {}, {}, {}, besides), 1e-9);
+  EXPECT_LT((acceleration_of(model, at, numbers(vector(tau) + vector(besides))) - a).norm(),
+            1e-7 * (1 + a.norm()));
+  EXPECT_GT((acceleration_of(model, at, tau) - a).norm(), 1e-3);
+}
+
+TEST_P(ClosedMechanisms, AreNotDrivenWhereLoopsTear) {
+  ClosedState at(model, 2);
+  const VectorXd a = acceleration_of(model, at, at.tau);
+  const MatrixXd A = jacobian_of(model, at);
+  const VectorXd apart = A.transpose() * (A * VectorXd::Ones(model.nv()));
+  Numbers tau(at.v.size());
+  const auto refusal = [&](const VectorXd& of) -> std::string {
+    try {
+      static_cast<void>(inverse_dynamics(model, at.loops, at.q, at.v, numbers(of), tau));
+    } catch (const std::invalid_argument& error) {
+      return error.what();
+    }
+    return "";
+  };
+  EXPECT_EQ(refusal(a), "");
+  EXPECT_EQ(refusal(a + 1e-8 / (A * apart).norm() * apart), "") << "rounding and what solvers leave";
+  EXPECT_THAT(refusal(a + apart), testing::StartsWith("a tears loop \""));
+  at.q = integrate(model, at.q, numbers(apart));
+  EXPECT_THAT(refusal(a), testing::StartsWith("q leaves loop \"")) << "which is why";
+}
+
+TEST(Couplings, AreNotDrivenApart) {
+  Description two;
+  for (const char* name : {"one", "other"})
+    two.bodies.push_back(
+        {.name = name,
+         .joint = {.name = std::string(name) + "_joint", .kind = JointKind::revolute},
+         .inertia = MassProperties{.mass = 1, .com = {1, 0, 0}, .Theta = {1, 1, 1, 0, 0, 0}}});
+  two.couplings.push_back({.name = "gears", .terms = {{"one_joint", 1.0}, {"other_joint", 2.0}}});
+  const Model model = ModelBuilder(two).build();
+  LoopWorkspace<double> workspace(model);
+  const Numbers rest(2);
+  Numbers tau(2);
+  EXPECT_LT(inverse_dynamics(model, workspace, rest, rest, Numbers{2, -1}, tau), 1e-9);
+  EXPECT_THAT(
+      [&] {
+        static_cast<void>(inverse_dynamics(model, workspace, rest, rest, Numbers{2, 0}, tau));
+      },
+      testing::ThrowsMessage<std::invalid_argument>(
+          testing::StartsWith("a tears loop \"gears\" open at 2 (rad/s^2 and m/s^2)")));
+}
+
 TEST_P(ClosedMechanisms, LoseTheEnergyOfAnImpact) {
   for (const double e : {0.0, 0.4, 1.0}) {
     ClosedState at(model, 3);

@@ -335,8 +335,8 @@ TEST(Faults, LenientBuildsMakeWarningsOfTheTwoPhysicalRulesAndOfNoOther) {
       ElementsAre(
           says(Rule::inertia_not_realisable, "body \"upper\"", HasSubstr("33.33 %"), Severity::warning),
           says(Rule::mass_not_positive, "body \"fore\"", StartsWith("mass is 0;"), Severity::warning),
-          says(Rule::moves_no_mass, "joint \"elbow\"", "moves no mass; the mass matrix is singular",
-               Severity::warning)));
+          says(Rule::moves_no_mass, "joint \"elbow\"",
+               StartsWith("moves no mass; the mass matrix is singular: give"), Severity::warning)));
   EXPECT_EQ(model.total_mass(), 2.0);
   EXPECT_THAT(
       faults(with_body([](auto& b) { b.inertia->mass = -1; }), Strictness::lenient),
@@ -353,9 +353,10 @@ TEST(Faults, AJointThatMovesNoMassIsAWarning) {
   };
   const auto massless = [](Description& d) { d.bodies[1].inertia.reset(); };
   EXPECT_THAT(warnings(two_bodies()), IsEmpty());
-  EXPECT_THAT(warnings(with(massless)),
-              ElementsAre(says(Rule::moves_no_mass, "joint \"elbow\"",
-                               "moves no mass; the mass matrix is singular", Severity::warning)));
+  EXPECT_THAT(
+      warnings(with(massless)),
+      ElementsAre(says(Rule::moves_no_mass, "joint \"elbow\"",
+                       StartsWith("moves no mass; the mass matrix is singular: give"), Severity::warning)));
   EXPECT_THAT(warnings(with([](auto& d) { d.bodies[0].inertia.reset(); })), IsEmpty())
       << "the fore arm hangs on it";
   EXPECT_THAT(warnings(with([&](auto& d) {

@@ -71,6 +71,13 @@ TEST(Lookup, WhoMisspellsIsTold) {
               throws("model \"arm\" has no body \"foream\"; did you mean \"forearm\"?"));
   EXPECT_THAT([&] { model.joint_index("elbwo"); },
               throws("model \"arm\" has no joint \"elbwo\"; did you mean \"elbow\"?"));
+  const Model cardan = ModelBuilder()
+                           .add({.name = "fork",
+                                 .joint = {.name = "U", .kind = JointKind::universal, .axis = {0, 0, 1}},
+                                 .inertia = MassProperties{.mass = 1, .Theta = {1, 1, 1, 0, 0, 0}}})
+                           .build();
+  EXPECT_THAT([&] { static_cast<void>(cardan.joint_index("U")); },
+              throws("model \"mechanism\" has no joint \"U\"; there are \"U.first\", \"U.second\""));
   EXPECT_THAT([&] { model.frame_index("tol"); },
               throws("model \"arm\" has no frame \"tol\"; did you mean \"tool\"?"));
   EXPECT_THAT([&] { model.body_index("wheel"); }, throws("model \"arm\" has no body \"wheel\""))

@@ -160,9 +160,49 @@ def test_orders_out_of_range_are_refused():
         axode.twist_derivatives(ARM, Q, np.zeros((0, 7)), "flange")
 
 
-def test_none_is_a_type_error():
-    with pytest.raises(TypeError, match="NoneType"):
-        axode.mass_matrix(ARM, None)
+WRONG_CALLS = {
+    "inverse_dynamics has no argument 'load'; did you mean 'loads'?":
+        lambda: axode.inverse_dynamics(ARM, Q, V, A, load=[]),
+    "mass_matrix has no argument 'wind'; it takes m, q, representation, threads":
+        lambda: axode.mass_matrix(ARM, Q, wind=3),
+    "inverse_dynamics needs 'a' as well": lambda: axode.inverse_dynamics(ARM, Q, V),
+    "inverse_dynamics needs 'q', 'v' and 'a' as well": lambda: axode.inverse_dynamics(ARM),
+    "inverse_dynamics takes at most 6 arguments by their places (m, q, v, a, representation, loads), got 7; "
+    "write joint_losses=... for what is meant by name":
+        lambda: axode.inverse_dynamics(ARM, Q, V, A, "fast", None, True),
+    "inverse_dynamics is given 'q' twice, by place and by name": lambda: axode.inverse_dynamics(ARM, Q, V, A, q=Q),
+    "Model.joint has no argument 'nam'; did you mean 'name'?": lambda: ARM.joint(nam="A1"),
+    "Model.interpolate needs 's' as well": lambda: ARM.interpolate(Q, Q),
+    "Model.neutral takes at most 0 arguments by their places, got 1": lambda: ARM.neutral(Q),
+    "Model.from_bodies has no argument 'bodys'; did you mean 'bodies'?": lambda: axode.Model.from_bodies(bodys=[]),
+    "exp needs 'X' as well": lambda: axode.lie.exp(),
+    "mass_matrix: m: expected an axode.Model, got int": lambda: axode.mass_matrix(3, Q),
+    "mass_matrix: threads: expected a whole number, got float": lambda: axode.mass_matrix(ARM, Q, threads=1.5),
+    "inverse_dynamics: joint_losses: expected True or False, got str":
+        lambda: axode.inverse_dynamics(ARM, Q, V, A, joint_losses="no"),
+    "mass_matrix: q: expected numpy.typing.ArrayLike, got NoneType": lambda: axode.mass_matrix(ARM, None),
+}
+
+
+@pytest.mark.parametrize("sentence", WRONG_CALLS)
+def test_a_wrong_call_says_what_is_wrong_with_it(sentence):
+    with pytest.raises(TypeError) as found:
+        WRONG_CALLS[sentence]()
+    assert str(found.value) == sentence
+
+
+def test_every_function_names_an_argument_that_it_has_not():
+    compiled = [f for module in (axode, axode.lie, axode.closed_form, axode.codegen) for f in
+                map(module.__dict__.get, module.__all__) if type(f).__name__ == "nb_func"]
+    assert len(compiled) > 100
+    for function in compiled:
+        with pytest.raises(TypeError, match=f"^{function.__name__} has no argument 'no_such'; it takes "):
+            function(no_such=1)
+
+
+def test_errors_within_what_is_called_stay_what_they_are():
+    with pytest.raises(TypeError, match="^mine$"):
+        axode.simulate(ARM, Q, V, 0.1, tau=lambda *_: (_ for _ in ()).throw(TypeError("mine")))
 
 
 @pytest.mark.parametrize("call", CALLS)

@@ -1,5 +1,8 @@
 """Arguments at the edges of what there is: the largest numbers, the deepest nesting, the longest trees, the fewest."""
 
+import subprocess
+import sys
+
 import axode
 import numpy as np
 import pytest
@@ -92,6 +95,31 @@ def test_names_may_be_of_any_alphabet(tmp_path):
     source = axode.codegen.c_source(m, [("jacobian", name) for name in names])
     assert len({function.name for function in source.functions}) == len(names)
     assert source.text.isascii() or "腕" in source.text
+
+
+def test_rows_are_counted_however_many():
+    table = axode.Model.from_bodies([{"name": "table", "joint": "fixed", "mass": 1, "com": [0, 0, 0], "inertia": [1, 1, 1]}])
+    with pytest.raises(ValueError, match="rates: expected shape with 2147483647 rows at most"):
+        axode.twist_derivatives(table, np.zeros(0), np.zeros((2**31, 0)), "table")
+
+
+@pytest.mark.parametrize("name", ["jax", "torch", "casadi", "cuda", "distributed"])
+def test_a_module_that_needs_another_package_is_not_there_without_it(name):
+    needs = {"cuda": "cupy", "distributed": "pyarrow"}.get(name, name)
+    program = f"""
+import sys; sys.modules[{needs!r}] = None
+import axode
+print(hasattr(axode, {name!r}), getattr(axode, {name!r}, 3))
+for get in (lambda: getattr(axode, {name!r}), lambda: __import__("axode.{name}"), lambda: exec("from axode import {name}")):
+    try: get()
+    except Exception as error: print(type(error).__name__, error)
+"""
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True)
+    first, *rest = done.stdout.splitlines()
+    assert first == "False 3", done.stderr
+    sentences = {line.partition(" ")[2] for line in rest}
+    assert [line.partition(" ")[0] for line in rest] == ["AttributeError", "ImportError", "ImportError"]
+    assert len(sentences) == 1 and sentences.pop().startswith(f"axode.{name} needs ")
 
 
 def test_views_that_run_backwards_or_stand_still_are_read_as_they_are():

@@ -84,10 +84,44 @@ def test_drives_by_name_and_what_they_cannot_do():
     a = axode.forward_dynamics(GOUGH, q, v, tau)
     with pytest.raises(ValueError, match="the drives cannot make these accelerations"):
         axode.inverse_dynamics(GOUGH, q, v, a, drives=["leg0_joint", "leg1_joint"])
-    with pytest.raises((ValueError, KeyError), match="leg9"):
+    with pytest.raises(KeyError, match='has no joint "leg9_joint"; did you mean "leg0_joint"'):
         axode.inverse_dynamics(GOUGH, q, v, a, drives=["leg9_joint"])
+    with pytest.raises(KeyError, match='has no joint "crank"; did you mean "crank_joint"|has no joint "crank"'):
+        axode.assemble(FOUR_BAR, FOUR_BAR.neutral(), hold=["crank"])
+    with pytest.raises(KeyError, match='has no joint "crank_jiont"; did you mean "crank_joint"'):
+        axode.independent_equations(FOUR_BAR, FOUR_BAR.neutral(), np.zeros(3), ["crank_jiont"])
     with pytest.raises(ValueError, match="drives holds"):
         axode.inverse_dynamics(GOUGH, q, v, a, drives=[99])
+
+
+@pytest.mark.parametrize("name", [*MECHANISMS, "arm"])
+def test_drives_work_against_forces_that_act_besides(name):
+    m = MECHANISMS.get(name) or axode.load(axode.robots / "arm7.toml")
+    rng = np.random.default_rng(8)
+    q, v, tau = (np.array(x) for x in zip(*(state(m, seed) for seed in (1, 2, 3))))
+    a, besides = axode.forward_dynamics(m, q, v, tau), rng.normal(size=v.shape)
+    u = axode.inverse_dynamics(m, q, v, a, forces=besides)
+    np.testing.assert_allclose(axode.forward_dynamics(m, q, v, u + besides), a, atol=1e-7 * (1 + np.abs(a).max()))
+    np.testing.assert_allclose(axode.inverse_dynamics(m, q[1], v[1], a[1], forces=list(besides[1])), u[1], atol=1e-9)
+    with pytest.raises(ValueError, match=r"^forces: expected shape \(3, .*got"):
+        axode.inverse_dynamics(m, q, v, a, forces=besides[0])
+
+
+@pytest.mark.parametrize("name", MECHANISMS)
+def test_accelerations_that_tear_loops_are_refused(name):
+    m = MECHANISMS[name]
+    q, v, tau = (np.array(x) for x in zip(*(state(m, seed) for seed in (1, 2, 3))))
+    a = axode.forward_dynamics(m, q, v, tau)
+    axode.inverse_dynamics(m, q, v, a)
+    torn = a + [[0], [1], [0]]
+    first = m.loop_names[0]
+    with pytest.raises(ValueError, match=rf'^state 1: a tears loop "{first}" open at [0-9.]+ \(rad/s\^2 and m/s\^2\)'):
+        axode.inverse_dynamics(m, q, v, torn)
+    with pytest.raises(ValueError, match=f'^a tears loop "{first}" open at'):
+        axode.inverse_dynamics(m, q[1], v[1], torn[1])
+    open_q = m.integrate(q[1], 0.1 * np.ones(m.nv))
+    with pytest.raises(ValueError, match='^q leaves loop ".*" open by'):  # which is why
+        axode.inverse_dynamics(m, open_q, v[1], torn[1])
 
 
 def test_many_states_are_as_one_by_one():

@@ -168,6 +168,22 @@ def test_every_fault_of_a_mechanism_is_listed():
     assert pickle.loads(pickle.dumps(caught.value)).faults == caught.value.faults
 
 
+def test_every_fault_of_a_joint_of_an_unknown_kind_is_listed():
+    with pytest.raises(axode.ModelError) as caught:
+        axode.Model.from_bodies([{"name": "a", "mass": 1, "com": [0, 0, 0], "inertia": [1, 1, 1], "joint": {
+            "kind": "revolte", "axis": "q", "point": [0, 0], "limits": [1, 2, 3], "damping": "x", "passive": "yes"}}])
+    told = [fault.message for fault in caught.value.faults]
+    for word in ("kind is", "axis is", "point is", "limits is", "damping is", "passive is"):
+        assert sum(message.startswith(word) for message in told) == 1, word
+    with pytest.raises(axode.ModelError) as caught:
+        axode.read_urdf("""<robot name="r"><link name="a"/><link name="b"/>
+            <joint name="j" type="revolut"><parent link="a"/><child link="b"/><axis xyz="0 0"/>
+            <limit effort="x" velocity="1"/><dynamics damping="y"/></joint></robot>""")
+    told = [fault.message for fault in caught.value.faults]
+    for word in ("type is", "<axis> xyz is", "<limit> effort:", "<dynamics> damping:"):
+        assert sum(message.startswith(word) for message in told) == 1, word
+
+
 @pytest.mark.parametrize("body", [5, "rod", None, [], {"name": 3}, {"name": "rod", 7: 1},
                                   {"name": "rod", "joint": {1, 2}}, {"name": "rod", "joint": "free", "com": object()},
                                   {"name": "rod\0", "joint": "free"},

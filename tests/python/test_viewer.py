@@ -152,6 +152,9 @@ def test_states_and_motions_that_do_not_fit_are_refused(tmp_path, no_thread_is_l
                              ((PENDULUM, None, tmp_path / "one.npz"), "is no .npz")]:
         with pytest.raises(ValueError, match=words):
             axode.view(*arguments, output=page)
+    for what, kind in [(np.zeros((5, 7)), "ndarray"), ([[0.0] * 7], "list"), (3, "int")]:
+        with pytest.raises(TypeError, match=f"^motion is of type {kind}; expected a Trajectory"):
+            axode.view(ARM, motion=what, output=page)
     assert not page.exists()
     viewer = axode.Viewer(ARM)
     for q in (np.zeros(6), [np.inf] * 7, np.zeros((1, 7)), "here"):

@@ -211,7 +211,7 @@ TEST_F(FindMesh, BesideTheFileAndByAbsolutePaths) {
   EXPECT_EQ(find("file://localhost" + folder_.file("arm/urdf/beside.stl")), "arm/urdf/beside.stl");
   EXPECT_THAT(find("none.stl"), StartsWith("there is no file \""));
   EXPECT_THAT(find("../meshes"), StartsWith("there is no file \""));
-  EXPECT_THAT(find(""), StartsWith("there is no file \""));
+  EXPECT_EQ(find(""), "its file has no name");
 }
 
 TEST_F(FindMesh, InThePackageThatHoldsTheFile) {
@@ -226,6 +226,9 @@ TEST_F(FindMesh, InThePackagesOfTheEnvironment) {
   EXPECT_THAT(
       find("package://gripper/jaw.stl"),
       StartsWith("there is no package \"gripper\" in ROS_PACKAGE_PATH, in AMENT_PREFIX_PATH and in \""));
+  EXPECT_THAT(find_mesh("package://gripper/jaw.stl", {"arm.urdf", 1}).why_not,
+              HasSubstr("and in \".\" and the folders that hold it"))
+      << "told in a file of the folder where one is";
   {
     const Setting ament("AMENT_PREFIX_PATH", "/nowhere::" + folder_.file("ws"));
     EXPECT_EQ(find("package://gripper/jaw.stl"), "ws/share/gripper/jaw.stl");

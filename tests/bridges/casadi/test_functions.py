@@ -344,6 +344,6 @@ def test_the_examples_in_docstrings_are_so():
 
 
 def test_without_casadi_one_sentence_says_what_to_install():
-    program = "import sys; sys.modules['casadi'] = None\nimport axode\ntry:\n    axode.casadi\nexcept ImportError as e:\n    print(e)"
+    program = "import sys; sys.modules['casadi'] = None\nimport axode\ntry:\n    axode.casadi\nexcept AttributeError as e:\n    print(e)"
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
     assert done.stdout == 'axode.casadi needs CasADi: pip install "axode[casadi]"\n'
