@@ -22,8 +22,8 @@ LoopSystem<T>& checked(const Model& model, LoopWorkspace<T>& workspace, Numbers<
 inline constexpr double closed_enough = 1e-6;
 /// Throws where q leaves a loop open or v tears one, by more than that: which one, by how much. The system is at q then.
 void check_closed(LoopSystem<double>& system, Numbers<double> q, Numbers<double> v);
-/// Throws where a tears a loop, (A v)' = A a + γ not being 0: which one, by how much, or what is wrong with q or v if that
-/// is why. After force() at (q, v, a).
+/// Throws where a tears a loop, (A v)' = A a + γ being more than a thousandth of 1 + |a| + |v|²: which one, by how much, or
+/// what is wrong with q or v if that is why. After force() at (q, v, a).
 void check_accelerations(LoopSystem<double>& system, Numbers<double> q, Numbers<double> v, Numbers<double> a);
 /// Throws where drives cannot do a task, by what inverse_dynamics leaves: more than rounding, 1e-8.
 void check_driven(double left, const char* task);

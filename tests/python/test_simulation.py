@@ -154,6 +154,17 @@ def test_conserving_methods_refuse_forces_that_jump():
     assert axode.simulate(m, [0.0], [1.0], **arguments).complete
 
 
+@pytest.mark.parametrize("method", [{}, {"method": "rk4", "step": 0.01}, {"method": "generalized_alpha", "step": 0.01}])
+def test_dry_friction_holds(method):
+    m = axode.Model.from_bodies([{"name": "block", "mass": 1.0, "com": [0, 0, 0], "inertia": [1, 1, 1], "joint":
+                                  {"name": "rail", "kind": "prismatic", "axis": "x", "friction": 2.0}}])
+    held = axode.simulate(m, [0.3], [0.0], 5, tau=[1.9], joint_losses=True, **method)
+    assert np.all(held.q == 0.3)
+    stopped = axode.simulate(m, [0.0], [3.0], 5, joint_losses=True, **method)
+    assert stopped.q[-1] == pytest.approx([2.25], abs=1e-9)
+    assert stopped.v[-1] == 0
+
+
 def test_events():
     m = axode.Model.from_bodies([{"name": "ball", "joint": {"kind": "prismatic", "axis": "z"}, "mass": 1.0,
                                   "com": [0, 0, 0], "inertia": [1.0, 1.0, 1.0]}])
