@@ -60,7 +60,8 @@ class DryFriction {
     int way;       ///< in which it slides, 1 or -1; 0: it sticks
     double force;  ///< under which it sticks
   };
-  static std::size_t at(int c) { return static_cast<std::size_t>(c); }
+  static std::size_t at(Eigen::Index c) { return static_cast<std::size_t>(c); }
+  Joint& held(Eigen::Index i) { return joints_[held_[at(i)]]; }
   void list_sticking();
   void factorize(double size);  ///< A, of that size without loops, of what is free
   /// Forces of what sticks, from those of before, and a = Φ x + a_0 there.
@@ -69,7 +70,7 @@ class DryFriction {
   const Tree<double>* tree_;
   std::vector<Joint> joints_;
   std::vector<int> sticking_;
-  std::vector<Joint*> held_;  ///< in the order of sticking()
+  std::vector<std::size_t> held_;  ///< which of the joints, in the order of sticking()
   bool slipped_ = false;
 
   Matrix A_;  ///< of what sticks

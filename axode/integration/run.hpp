@@ -45,6 +45,7 @@ class Run {
         friction_(model.tree<double>(), options.joint_losses && options.coordinates == Coordinates::relative),
         tau_(v_0.size()),
         total_(v_0.size()),
+        loads_(options.loads),
         until_(until) {
     if (!model.loops().empty()) loops_.emplace(model);
     check_configuration(model, q);
@@ -82,6 +83,7 @@ class Run {
     }
     ++trajectory.evaluations;
     if (!finite(q_t) || !finite(v_t) || !finite(a_t)) return stop(t, "the state is not finite");
+    compute_loads(t, q_t, v_t);
     inverse_dynamics(model_, workspace_, q_t, v_t, a_t, r, loads());
     if (options_.drive) options_.drive(t, q_t, v_t, tau_);
     const Span tau = in_joints(q_t, v_t);
@@ -207,7 +209,7 @@ class Run {
     tau = in_joints(q_t, v_t);
     return true;
   }
-  Loads<double> loads() const { return {options_.loads, options_.joint_losses && !friction_.felt()}; }
+  Loads<double> loads() const { return {loads_, options_.joint_losses && !friction_.felt()}; }
 
   Trajectory trajectory;
   Vector q, v, a;  ///< now
@@ -239,10 +241,17 @@ class Run {
     if (friction_.felt()) friction_.add_losses(v_t, total_);
     return total_;
   }
-  /// Drive forces at a state, and whether all is finite.
+  void compute_loads(double t, Span q_t, Span v_t) {
+    if (!options_.computed_loads) return;
+    loads_ = options_.loads;
+    options_.computed_loads(t, q_t, v_t, loads_);
+    check_loads(model_, loads());
+  }
+  /// Drive forces and loads at a state, and whether all is finite.
   bool begin_evaluation(double t, Span q_t, Span v_t) {
     ++trajectory.evaluations;
     if (!finite(q_t) || !finite(v_t)) return stop(t, "the state is not finite at " + joint_of(v_t));
+    compute_loads(t, q_t, v_t);
     if (!options_.drive) return true;
     options_.drive(t, q_t, v_t, tau_);
     return finite(tau_) || stop(t, "the drive forces are not finite at " + joint_of(tau_));
@@ -281,6 +290,7 @@ class Run {
   std::optional<ClosedMotion> loops_;
   DryFriction friction_;
   Vector tau_, total_;
+  std::vector<AppliedWrench<>> loads_;  ///< now
 
  private:
   /// Accelerations at the end of an attempt, where the scheme did not say them.
