@@ -165,15 +165,19 @@ double DryFriction::rest_in(Span v, Span a) const {
   return std::isfinite(first) ? first : 0;
 }
 
-void DryFriction::rest(std::span<double> v, Span a, double within) {
+bool DryFriction::rest(std::span<double> v, Span a, double within) {
+  bool any = false;
   for (Joint& joint : joints_) {
     double& v_c = v[at(joint.velocity)];
-    const bool rests = joint.way * v_c <= std::max(0.0, -joint.way * a[at(joint.velocity)]) * within;
-    if (rests) v_c = 0;
-    if (rests && joint.way != 0 && joint.way * a[at(joint.velocity)] < 0)
-      joint.force = -joint.way * joint.friction, joint.way = 0;
+    const double braking = -joint.way * a[at(joint.velocity)];
+    if (joint.way * v_c > std::max(0.0, braking) * within) continue;
+    v_c = 0;
+    if (joint.way == 0 || !(braking > 0)) continue;
+    joint.force = -joint.way * joint.friction, joint.way = 0;
+    any = true;
   }
   list_sticking();
+  return any;
 }
 
 void DryFriction::release(Span a) {

@@ -48,8 +48,9 @@ class DryFriction {
   /// none does.
   double rest_in(Span v, Span a) const;
 
-  /// v_c = 0 of what sticks, and of what came to rest less than a time ago or will sooner than that, which sticks now.
-  void rest(std::span<double> v, Span a, double within);
+  /// v_c = 0 of what sticks, and of what came to rest less than a time ago or will sooner than that, which sticks now; whether
+  /// there is any.
+  bool rest(std::span<double> v, Span a, double within);
   /// What could not be held by the last hold(), which found a, slides from now on.
   void release(Span a);
 

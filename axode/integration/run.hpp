@@ -156,11 +156,14 @@ class Run {
     constexpr int most_hasty = 1000;
     hasty_steps_ = high - t_0 < hasty * (t_1 - t_0) ? hasty_steps_ + 1 : 0;
     if (hasty_steps_ > most_hasty) return stop(t_0, "dry friction changes faster than it can be followed");
-    if (!take(high, after.q, after.v, after.a)) return false;
-    if (done()) return true;
+    const bool at_once = high - t_0 <= resolution && rest(2 * resolution);
+    if (!at_once) {
+      if (!take(high, after.q, after.v, after.a)) return false;
+      if (done()) return true;
+      rest(2 * resolution);
+    }
     friction_changed_ = true;
-    rest(2 * resolution);
-    if (!accelerate(high, q, v, a)) return false;
+    if (!accelerate(now(), q, v, a)) return false;
     friction_.release(a);
     trajectory.jump(v, a);
     return true;
@@ -302,8 +305,8 @@ class Run {
   bool friction_changes(double t_0, double t_1, const StepEnd& end) const {
     return friction_.slipped() || friction_.turned(v, a, end.v, end.a, t_1 - t_0);
   }
-  /// Now: what slid until a time ago, or will until then, rests.
-  void rest(double within) { friction_.rest(v, a, within); }
+  /// Now: what slid until a time ago, or will until then, rests. Whether there was any.
+  bool rest(double within) { return friction_.rest(v, a, within); }
   Vector values_at(double t, Span q_t, Span v_t) const {
     Vector values;
     for (const Event& event : options_.events) values.push_back(event.value(t, q_t, v_t));
