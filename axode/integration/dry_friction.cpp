@@ -49,9 +49,9 @@ void DryFriction::hold(const Matrix& compliance, Span own, std::span<double> a) 
     for (std::size_t c = 0; c < a.size(); ++c)
       a[c] += compliance(static_cast<Eigen::Index>(c), i) * held(i).force;
   for (Eigen::Index i = 0; i < k; ++i) {
-    const bool slips = std::abs(a_[i]) > tolerance_[i];
-    slipped_ = slipped_ || slips;
-    a[at(sticking_[at(i)])] = slips ? a_[i] : 0;
+    const double slip = std::abs(a_[i]) / tolerance_[i];
+    slip_ = std::max(slip_, slip);
+    a[at(sticking_[at(i)])] = slip > 1 ? a_[i] : 0;
   }
 }
 

@@ -39,9 +39,10 @@ class DryFriction {
   /// Takes derivatives of accelerations, [component, direction] and ∂a/∂τ first, to those with what sticks held.
   void hold_derivatives(std::initializer_list<std::span<double>> derivatives);
 
-  /// From here on slipped() tells whether hold() found a joint that cannot be held.
-  void watch() { slipped_ = false; }
-  bool slipped() const { return slipped_; }
+  /// The largest acceleration of what sticks that hold() has found since watch(), by what is told from none: more than 1 where
+  /// a joint cannot be held.
+  double slip() const { return slip_; }
+  void watch() { slip_ = 0; }
   /// Whether what slides has turned between two ends of a step of length h, at its end or before.
   bool turned(Span v_0, Span a_0, Span v_1, Span a_1, double h) const;
   /// When, to first order, the next that slides comes to rest from v and a, forwards or, where it has turned, backwards; 0 where
@@ -72,7 +73,7 @@ class DryFriction {
   std::vector<Joint> joints_;
   std::vector<int> sticking_;
   std::vector<std::size_t> held_;  ///< which of the joints, in the order of sticking()
-  bool slipped_ = false;
+  double slip_ = 0;
 
   Matrix A_;  ///< of what sticks
   Eigen::VectorXd a_0_, a_, tolerance_, step_;

@@ -138,15 +138,19 @@ class Run {
     const double t_0 = now(), resolution = std::max(1e-13 * (t_1 - t_0), 1e-15 * t_1);
     if (!know_accelerations(t_1, end)) return false;
     if (!friction_changes(t_0, t_1, end)) return take(t_1, end.q, end.v, end.a) && (rest(0), true);
-    double low = t_0, high = t_1, t = t_1;
+    double low = t_0, high = t_1, t = t_1, slip = friction_.slip(), rise = 0;
     StepEnd after = end;
     for (int tries = 0; high - low > resolution; ++tries) {
-      const double guess = t + friction_.rest_in(end.v, end.a);  // Newton's, and a little across
+      // To first order: by what slips, which is told from two attempts, or by what turns.
+      const double guess = t + (rise > 0 ? -slip / rise : friction_.rest_in(end.v, end.a));
+      const double before = t, slip_before = slip;
       t = guess > low && guess < high && tries % 4 != 3
               ? std::clamp(guess, low + 0.5 * resolution, high - 0.5 * resolution)
               : low + (high - low) / 2;
       friction_.watch();
       if (!attempt(t, end) || !know_accelerations(t, end)) return false;
+      slip = friction_.slip();
+      rise = slip > 1 && slip_before > 1 ? (slip_before - slip) / (before - t) : 0;
       if (friction_changes(t_0, t, end))
         high = t, after = end;
       else
@@ -303,7 +307,7 @@ class Run {
     return accelerate(t, end.q, end.v, end.a);
   }
   bool friction_changes(double t_0, double t_1, const StepEnd& end) const {
-    return friction_.slipped() || friction_.turned(v, a, end.v, end.a, t_1 - t_0);
+    return friction_.slip() > 1 || friction_.turned(v, a, end.v, end.a, t_1 - t_0);
   }
   /// Now: what slid until a time ago, or will until then, rests. Whether there was any.
   bool rest(double within) { return friction_.rest(v, a, within); }
