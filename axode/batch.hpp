@@ -107,10 +107,12 @@ Outcome forward_dynamics_vjp(const Model& model, std::span<const T> q, Numbers<T
 /// N motions of K steps of one length (s), see axode::simulate_fixed: tau has nv K N numbers, constant in each step; q_out
 /// and v_out get (K + 1) states for each motion, the first of which is the one given. A motion that cannot go on is NaN
 /// from there. Loops, in double alone, are closed again after each step; throws std::invalid_argument where they are open at first.
+/// With joint_losses damping and dry friction act as in simulate_fixed(), friction in double alone and on one motion at a time.
 template <class T>
 Outcome rollout(const Model& model, std::span<const T> q, Numbers<T> v, Numbers<T> tau, double step,
                 std::type_identity_t<std::span<T>> q_out, std::type_identity_t<std::span<T>> v_out,
-                const Tableau& method = runge_kutta(4), int threads = 1, const Monitor& monitor = {});
+                const Tableau& method = runge_kutta(4), int threads = 1, const Monitor& monitor = {},
+                bool joint_losses = false);
 
 /// The same of K steps under a drive that all motions share, which is asked at every stage of a step. It is called for one
 /// motion at a time, by copies of its own in every thread; those of axode/integration/drives.hpp go through the lanes, and
@@ -119,7 +121,7 @@ template <class T>
 Outcome rollout(const Model& model, std::span<const T> q, Numbers<T> v, const Drive& drive, std::size_t K,
                 double step, std::type_identity_t<std::span<T>> q_out,
                 std::type_identity_t<std::span<T>> v_out, const Tableau& method = runge_kutta(4),
-                int threads = 1, const Monitor& monitor = {});
+                int threads = 1, const Monitor& monitor = {}, bool joint_losses = false);
 
 /// The instruction set that this processor is served with: "SSE2", "AVX2" or "AVX-512".
 const char* instruction_set();

@@ -318,7 +318,7 @@ class Rollout {
                                 std::span<Number> a) {
       if (of.law) drive(*of.law, row, q.data(), v.data()), row += nq + 2 * nv;
       at.bodies.place_and_move(tree_, q.data(), v.data(), at.motion);
-      at.bodies.factorize(tree_, at.tau);
+      at.bodies.factorize(tree_, of.damped ? with_damping(v.data()) : at.tau);
       at.bodies.accelerate(tree_, at.motion, a.data());
       return true;
     };
@@ -341,7 +341,7 @@ class Rollout {
 
  private:
   struct Dynamics {
-    Number *q, *v, *tau, *a, *q_d, *x;
+    Number *q, *v, *tau, *a, *q_d, *x, *total;
     ArticulatedBodies bodies;
     ArticulatedBodies::Motion* motion;
     FastInverseDynamics<G, Number> inverse;
@@ -352,10 +352,16 @@ class Rollout {
           a(arena.per_velocity<Number>()),
           q_d(arena.array<Number>(static_cast<std::size_t>(arena.topology().nq))),
           x(arena.per_velocity<Number>()),
+          total(arena.per_velocity<Number>()),
           bodies(arena),
           motion(arena.per_body<ArticulatedBodies::Motion>()),
           inverse(arena) {}
   };
+  const Number* with_damping(const Number* v) noexcept {
+    Dynamics& at = *dynamics_;
+    for (int c = 0; c < tree_->nv; ++c) at.total[c] = at.tau[c] - Number(tree_.damping[c]) * v[c];
+    return at.total;
+  }
   /// τ of a drive that is at a row.
   void drive(const Law<S>& law, const S* row, const Number* q, const Number* v) noexcept {
     Dynamics& at = *dynamics_;

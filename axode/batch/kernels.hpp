@@ -29,6 +29,7 @@ template <class S> struct Motions {
   S *q, *v;           ///< (K + 1) nq and nv for each
   std::ptrdiff_t K, count;
   double step;
+  bool damped;  ///< whether the joints' damping acts besides
 };
 /// Explicit methods on motions in lanes. What make() returns has memory of its own, and goes with remove().
 template <class S> struct RolloutKernel {

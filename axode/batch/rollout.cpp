@@ -17,6 +17,7 @@
 #include "axode/dynamics/springs.hpp"
 #include "axode/integration/closed_motion.hpp"
 #include "axode/integration/munthe_kaas.hpp"
+#include "axode/integration/simulation.hpp"
 #include "axode/model/configuration.hpp"
 #include "axode/model/finite.hpp"
 
@@ -26,16 +27,27 @@ namespace {
 
 template <class S> void none(std::span<S> x) { std::ranges::fill(x, std::numeric_limits<S>::quiet_NaN()); }
 
+/// What acts on the joints of all motions besides forces of their own.
+struct Losses {
+  bool damping, friction;
+
+  Losses(const Model& model, bool felt)
+      : damping(felt),
+        friction(felt && std::ranges::any_of(model.tree<double>().friction, [](double f) { return f > 0; })) {
+  }
+};
+
 /// Steps of one motion, under forces or a drive.
 template <class S> class OneMotion {
  public:
-  OneMotion(const Model& model, const Tableau& method, const Drive& drive)
+  OneMotion(const Model& model, const Tableau& method, const Drive& drive, const Losses& losses)
       : model_(&model),
         workspace_(model),
         method_(&method),
         scheme_(model.tree<S>(), method),
         group_(model.tree<S>()),
         drive_(drive),
+        losses_(losses),
         a_(static_cast<std::size_t>(model.nv())),
         total_(a_) {
     if (!model.loops().empty()) loops_ = std::make_shared<ClosedMotion>(model);
@@ -50,6 +62,8 @@ template <class S> class OneMotion {
   /// Step k; forces are for those without a drive.
   Solvability run(std::size_t k, std::span<const S> q, std::span<const S> v, std::span<const S> tau,
                   double step, std::span<S> q_1, std::span<S> v_1) {
+    if constexpr (std::same_as<S, double>)
+      if (losses_.friction) return rub(k, q, v, tau, step, q_1, v_1);
     Solvability found;
     std::size_t stage = 0;
     const auto accelerate = [&](double, std::span<const S> q_t, std::span<const S> v_t, std::span<S> a_t) {
@@ -79,10 +93,32 @@ template <class S> class OneMotion {
   bool torn() const { return torn_; }
 
  private:
+  /// A step, or more, in which joints stick and slide.
+  Solvability rub(std::size_t k, std::span<const double> q, std::span<const double> v,
+                  std::span<const double> tau, double step, std::span<double> q_1, std::span<double> v_1) {
+    if (!finite(q) || !finite(v)) return {.not_finite = true};
+    SimulationOptions options{.joint_losses = true};
+    options.drive = [&](double t, std::span<const double> q_t, std::span<const double> v_t,
+                        std::span<double> out) {
+      if (drive_)
+        drive_(static_cast<double>(k) * step + t, q_t, v_t, out);
+      else
+        std::ranges::copy(tau, out.begin());
+    };
+    const Trajectory motion = simulate_fixed(*model_, q, v, step, step, *method_, options);
+    if (!motion.complete) {
+      torn_ = loops_ != nullptr;
+      return {.not_finite = !torn_};
+    }
+    std::ranges::copy(motion.q(motion.size() - 1), q_1.begin());
+    std::ranges::copy(motion.v(motion.size() - 1), v_1.begin());
+    return {};
+  }
   Solvability solve(std::span<const S> q, std::span<const S> v, std::span<S> a) {
+    const Loads<S> loads{.joint_losses = losses_.damping};
     if constexpr (std::same_as<S, double>)
-      if (loops_) return loops_->accelerate(q, v, total_, {}, a);
-    return axode::forward_dynamics(*model_, workspace_, q, v, total_, a);
+      if (loops_) return loops_->accelerate(q, v, total_, loads, a);
+    return axode::forward_dynamics(*model_, workspace_, q, v, total_, a, loads);
   }
   void drive(double t, std::span<const S> q, std::span<const S> v) {
     if constexpr (std::same_as<S, double>) {
@@ -102,6 +138,7 @@ template <class S> class OneMotion {
   MuntheKaas<S> scheme_;
   ConfigurationGroup<S> group_;
   Drive drive_;
+  Losses losses_;
   std::shared_ptr<ClosedMotion> loops_;
   bool torn_ = false;
   std::vector<S> a_, total_;
@@ -126,7 +163,7 @@ template <class S> class InLanes {
 template <class S>
 Outcome roll(const Model& model, std::span<const S> q, std::span<const S> v, std::size_t K,
              std::span<const S> tau, const Drive& drive, double step, std::span<S> q_out, std::span<S> v_out,
-             const Tableau& method, int threads, const Monitor& monitor) {
+             const Tableau& method, int threads, const Monitor& monitor, const Losses& losses) {
   constexpr std::size_t steps_at_once = 256;  // of one motion, between two looks at the monitor
   const std::size_t nq = static_cast<std::size_t>(model.nq()), nv = static_cast<std::size_t>(model.nv()),
                     N = nq == 0 ? 0 : q.size() / nq;
@@ -151,7 +188,7 @@ Outcome roll(const Model& model, std::span<const S> q, std::span<const S> v, std
   const Tree<S>& tree = model.tree<S>();
   FollowedDrive<S> followed(model, drive);
   const bool in_lanes = N > 1 && tree->coupled_bodies.empty() && model.springs().empty() &&
-                        model.loops().empty() && (!drive || followed.known());
+                        model.loops().empty() && !losses.friction && (!drive || followed.known());
   const std::size_t group = in_lanes ? static_cast<std::size_t>(best_kernels<S>().lanes) : 1;
   std::vector<Solvability> found(N);
   std::vector<char> torn(N);
@@ -165,13 +202,14 @@ Outcome roll(const Model& model, std::span<const S> q, std::span<const S> v, std
               one = std::optional<OneMotion<S>>()](std::size_t first, std::size_t count) mutable {
         unsigned doubts = ~0u;
         if (lanes)
-          doubts = lanes->run({tau_at(first, 0).data(), law, q_at(first, 0).data(), v_at(first, 0).data(),
-                               static_cast<std::ptrdiff_t>(K), static_cast<std::ptrdiff_t>(count), step},
-                              begin, end);
+          doubts = lanes->run(
+              {tau_at(first, 0).data(), law, q_at(first, 0).data(), v_at(first, 0).data(),
+               static_cast<std::ptrdiff_t>(K), static_cast<std::ptrdiff_t>(count), step, losses.damping},
+              begin, end);
         for (std::size_t l = 0; l < count; ++l) {
           const std::size_t n = first + l;
           if ((doubts >> l & 1) == 0 && finite(v_at(n, end)) && finite(q_at(n, end))) continue;
-          if (!one) one.emplace(model, method, drive);
+          if (!one) one.emplace(model, method, drive, losses);
           if (found[n].ok() && !torn[n]) one->begin(q_at(n, begin));
           for (std::size_t k = begin; k < end; ++k) {
             if (found[n].ok() && !torn[n]) {
@@ -218,39 +256,52 @@ bool check_loops(const Model& model, std::span<const S> q, std::span<const S> v,
   }
 }
 
+/// Throws where single precision is asked for what it does not do.
+template <class S> Losses losses_of(const Model& model, bool felt) {
+  const Losses losses(model, felt);
+  if (std::same_as<S, float> && losses.friction)
+    throw std::invalid_argument("model \"" + model.name() +
+                                "\" has dry friction, which rollouts count in double precision alone");
+  return losses;
+}
+
 }  // namespace
 
 template <class S>
 Outcome rollout(const Model& model, std::span<const S> q, Numbers<S> v, Numbers<S> tau, double step,
                 std::type_identity_t<std::span<S>> q_out, std::type_identity_t<std::span<S>> v_out,
-                const Tableau& method, int threads, const Monitor& monitor) {
+                const Tableau& method, int threads, const Monitor& monitor, bool joint_losses) {
   check(method), check_step(step);
+  const Losses losses = losses_of<S>(model, joint_losses);
   const std::size_t nv = static_cast<std::size_t>(model.nv()), N = check_states(model, q, threads),
                     K = N * nv == 0 ? 0 : tau.size() / (N * nv);
   check_size("tau", tau.size(), K * nv * N, "K nv N");
   if (!check_loops(model, q, v, threads, monitor)) return {};
-  return roll<S>(model, q, v, K, tau, {}, step, q_out, v_out, method, threads, monitor);
+  return roll<S>(model, q, v, K, tau, {}, step, q_out, v_out, method, threads, monitor, losses);
 }
 
 template <class S>
 Outcome rollout(const Model& model, std::span<const S> q, Numbers<S> v, const Drive& drive, std::size_t K,
                 double step, std::type_identity_t<std::span<S>> q_out,
                 std::type_identity_t<std::span<S>> v_out, const Tableau& method, int threads,
-                const Monitor& monitor) {
+                const Monitor& monitor, bool joint_losses) {
   check(method), check_step(step);
+  const Losses losses = losses_of<S>(model, joint_losses);
   if (!drive) throw std::invalid_argument("drive is empty; expected a function of (t, q, v)");
   static_cast<void>(check_states(model, q, threads));
   if (!check_loops(model, q, v, threads, monitor)) return {};
-  return roll<S>(model, q, v, K, {}, drive, step, q_out, v_out, method, threads, monitor);
+  return roll<S>(model, q, v, K, {}, drive, step, q_out, v_out, method, threads, monitor, losses);
 }
 
 template Outcome rollout(const Model&, std::span<const double>, Numbers<double>, Numbers<double>, double,
-                         std::span<double>, std::span<double>, const Tableau&, int, const Monitor&);
+                         std::span<double>, std::span<double>, const Tableau&, int, const Monitor&, bool);
 template Outcome rollout(const Model&, std::span<const float>, Numbers<float>, Numbers<float>, double,
-                         std::span<float>, std::span<float>, const Tableau&, int, const Monitor&);
+                         std::span<float>, std::span<float>, const Tableau&, int, const Monitor&, bool);
 template Outcome rollout(const Model&, std::span<const double>, Numbers<double>, const Drive&, std::size_t,
-                         double, std::span<double>, std::span<double>, const Tableau&, int, const Monitor&);
+                         double, std::span<double>, std::span<double>, const Tableau&, int, const Monitor&,
+                         bool);
 template Outcome rollout(const Model&, std::span<const float>, Numbers<float>, const Drive&, std::size_t,
-                         double, std::span<float>, std::span<float>, const Tableau&, int, const Monitor&);
+                         double, std::span<float>, std::span<float>, const Tableau&, int, const Monitor&,
+                         bool);
 
 }  // namespace axode::batch

@@ -15,8 +15,8 @@ DryFriction::DryFriction(const Tree<double>& tree, bool felt) : tree_(&tree) {
 
 void DryFriction::list_sticking() {
   sticking_.clear(), held_.clear();
-  for (Joint& joint : joints_)
-    if (joint.way == 0) sticking_.push_back(joint.velocity), held_.push_back(&joint);
+  for (std::size_t k = 0; k < joints_.size(); ++k)
+    if (joints_[k].way == 0) sticking_.push_back(joints_[k].velocity), held_.push_back(k);
 }
 
 void DryFriction::start(Span v) {
@@ -39,7 +39,7 @@ void DryFriction::hold(const Matrix& compliance, Span own, std::span<double> a) 
   for (const double a_c : a) largest = std::max(largest, std::abs(a_c));
   A_.resize(k, k), a_0_.resize(k), tolerance_.resize(k);
   for (Eigen::Index i = 0; i < k; ++i) {
-    const Joint& joint = *held_[static_cast<std::size_t>(i)];
+    const Joint& joint = held(i);
     A_.row(i) = compliance.row(joint.velocity);
     a_0_[i] = a[at(joint.velocity)];
     tolerance_[i] = felt * A_(i, i) * joint.friction + rounding * largest;
@@ -47,11 +47,11 @@ void DryFriction::hold(const Matrix& compliance, Span own, std::span<double> a) 
   find_forces(*std::ranges::max_element(own));
   for (Eigen::Index i = 0; i < k; ++i)
     for (std::size_t c = 0; c < a.size(); ++c)
-      a[c] += compliance(static_cast<Eigen::Index>(c), i) * held_[static_cast<std::size_t>(i)]->force;
+      a[c] += compliance(static_cast<Eigen::Index>(c), i) * held(i).force;
   for (Eigen::Index i = 0; i < k; ++i) {
-    const bool slips = std::abs(a_[i]) > tolerance_[i];
-    slipped_ = slipped_ || slips;
-    a[at(sticking_[static_cast<std::size_t>(i)])] = slips ? a_[i] : 0;
+    const double slip = std::abs(a_[i]) / tolerance_[i];
+    slip_ = std::max(slip_, slip);
+    a[at(sticking_[at(i)])] = slip > 1 ? a_[i] : 0;
   }
 }
 
@@ -61,9 +61,7 @@ void DryFriction::factorize(double size) {
   factor_.resize(m);
   auto& F = factor_.matrix();
   for (Eigen::Index r = 0; r < m; ++r)
-    for (Eigen::Index s = 0; s < m; ++s)
-      F(r, s) =
-          A_(free_[static_cast<std::size_t>(r)], free_[static_cast<std::size_t>(s)]) + (r == s ? little : 0);
+    for (Eigen::Index s = 0; s < m; ++s) F(r, s) = A_(free_[at(r)], free_[at(s)]) + (r == s ? little : 0);
   factor_.factorize(m);
 }
 
@@ -74,17 +72,16 @@ void DryFriction::hold_derivatives(std::initializer_list<std::span<double>> deri
   const Matrix compliance = Eigen::Map<const Matrix>(derivatives.begin()->data(), nv, nv);
   A_ = compliance(sticking_, sticking_);
   free_.resize(sticking_.size());
-  for (Eigen::Index i = 0; i < k; ++i) free_[static_cast<std::size_t>(i)] = i;
+  for (Eigen::Index i = 0; i < k; ++i) free_[at(i)] = i;
   factorize(compliance.diagonal().maxCoeff());
   step_.resize(RowCholesky<double>::room(k));
   for (const std::span<double> derivative : derivatives) {
     Eigen::Map<Matrix> D(derivative.data(), nv, nv);
     for (Eigen::Index column = 0; column < nv; ++column) {
       step_.setZero();
-      for (Eigen::Index i = 0; i < k; ++i) step_[i] = D(sticking_[static_cast<std::size_t>(i)], column);
+      for (Eigen::Index i = 0; i < k; ++i) step_[i] = D(sticking_[at(i)], column);
       factor_.solve(k, step_);
-      for (Eigen::Index i = 0; i < k; ++i)
-        D.col(column) -= step_[i] * compliance.col(sticking_[static_cast<std::size_t>(i)]);
+      for (Eigen::Index i = 0; i < k; ++i) D.col(column) -= step_[i] * compliance.col(sticking_[at(i)]);
     }
     for (const int c : sticking_) D.row(c).setZero();
   }
@@ -94,50 +91,48 @@ void DryFriction::hold_derivatives(std::initializer_list<std::span<double>> deri
 /// bound; at the least, that which presses against its bound from the wrong side is let go.
 void DryFriction::find_forces(double size) {
   const Eigen::Index k = A_.rows();
-  const auto joint = [&](Eigen::Index i) -> Joint& { return *held_[static_cast<std::size_t>(i)]; };
   const auto accelerations = [&] {
     a_ = a_0_;
-    for (Eigen::Index i = 0; i < k; ++i) a_ += joint(i).force * A_.col(i);
+    for (Eigen::Index i = 0; i < k; ++i) a_ += held(i).force * A_.col(i);
   };
   bound_.assign(held_.size(), 0);
-  for (Eigen::Index i = 0; i < k; ++i)
-    bound_[static_cast<std::size_t>(i)] = std::abs(joint(i).force) >= joint(i).friction;
+  for (Eigen::Index i = 0; i < k; ++i) bound_[at(i)] = std::abs(held(i).force) >= held(i).friction;
   step_.resize(RowCholesky<double>::room(k));
   for (Eigen::Index tries = 0; tries < 20 + 20 * k; ++tries) {
     free_.clear();
     for (Eigen::Index i = 0; i < k; ++i)
-      if (!bound_[static_cast<std::size_t>(i)]) free_.push_back(i);
+      if (!bound_[at(i)]) free_.push_back(i);
     const auto m = static_cast<Eigen::Index>(free_.size());
     factorize(size);
     bool blocked = false;
     for (int twice = 0; twice < 2 && !blocked; ++twice) {  // which takes away what factorize() adds
       accelerations();
       step_.setZero();
-      for (Eigen::Index r = 0; r < m; ++r) step_[r] = -a_[free_[static_cast<std::size_t>(r)]];
+      for (Eigen::Index r = 0; r < m; ++r) step_[r] = -a_[free_[at(r)]];
       factor_.solve(m, step_);
       double part = 1;
       Eigen::Index first = -1;
       for (Eigen::Index r = 0; r < m; ++r) {
-        const Joint& of = joint(free_[static_cast<std::size_t>(r)]);
+        const Joint& of = held(free_[at(r)]);
         const double room = (step_[r] > 0 ? of.friction : -of.friction) - of.force;
         if (std::abs(step_[r]) * part > std::abs(room)) part = room / step_[r], first = r;
       }
-      for (Eigen::Index r = 0; r < m; ++r) joint(free_[static_cast<std::size_t>(r)]).force += part * step_[r];
+      for (Eigen::Index r = 0; r < m; ++r) held(free_[at(r)]).force += part * step_[r];
       if (first < 0) continue;
-      Joint& of = joint(free_[static_cast<std::size_t>(first)]);
+      Joint& of = held(free_[at(first)]);
       of.force = step_[first] > 0 ? of.friction : -of.friction;
-      bound_[static_cast<std::size_t>(free_[static_cast<std::size_t>(first)])] = blocked = true;
+      bound_[static_cast<std::size_t>(free_[at(first)])] = blocked = true;
     }
     accelerations();
     if (blocked) continue;
     Eigen::Index worst = -1;
     double most = 1e-3;
     for (Eigen::Index i = 0; i < k; ++i)
-      if (bound_[static_cast<std::size_t>(i)])
-        if (const double wrong = a_[i] * (joint(i).force > 0 ? 1 : -1) / tolerance_[i]; wrong > most)
+      if (bound_[at(i)])
+        if (const double wrong = a_[i] * (held(i).force > 0 ? 1 : -1) / tolerance_[i]; wrong > most)
           most = wrong, worst = i;
     if (worst < 0) return;
-    bound_[static_cast<std::size_t>(worst)] = 0;
+    bound_[at(worst)] = 0;
   }
 }
 
@@ -147,7 +142,7 @@ bool DryFriction::turned(Span v_0, Span a_0, Span v_1, Span a_1, double h) const
     if (joint.way == 0) continue;
     const std::size_t c = at(joint.velocity);
     const double y_0 = joint.way * v_0[c], y_1 = joint.way * v_1[c];
-    if (y_1 < 0) return true;
+    if (y_1 < 0 || (y_1 == 0 && joint.way * a_1[c] < 0)) return true;
     // The cubic y(s) with the velocities and accelerations of both ends has its least value where y' = 0 and y'' > 0.
     const double d_0 = joint.way * h * a_0[c], d_1 = joint.way * h * a_1[c], D = y_1 - y_0;
     const double k_3 = d_0 + d_1 - 2 * D, k_2 = 3 * D - 2 * d_0 - d_1;
@@ -170,21 +165,25 @@ double DryFriction::rest_in(Span v, Span a) const {
   return std::isfinite(first) ? first : 0;
 }
 
-void DryFriction::rest(std::span<double> v, Span a, double within) {
+bool DryFriction::rest(std::span<double> v, Span a, double within) {
+  bool any = false;
   for (Joint& joint : joints_) {
     double& v_c = v[at(joint.velocity)];
-    const bool rests = joint.way * v_c <= std::max(0.0, -joint.way * a[at(joint.velocity)]) * within;
-    if (rests) v_c = 0;
-    if (rests && joint.way != 0 && joint.way * a[at(joint.velocity)] < 0)
-      joint.force = -joint.way * joint.friction, joint.way = 0;
+    const double braking = -joint.way * a[at(joint.velocity)];
+    if (joint.way * v_c > std::max(0.0, braking) * within) continue;
+    v_c = 0;
+    if (joint.way == 0 || !(braking > 0)) continue;
+    joint.force = -joint.way * joint.friction, joint.way = 0;
+    any = true;
   }
   list_sticking();
+  return any;
 }
 
 void DryFriction::release(Span a) {
   for (std::size_t i = 0; i < held_.size(); ++i) {
     const double a_c = a[at(sticking_[i])];
-    if (a_c != 0) held_[i]->way = a_c > 0 ? 1 : -1;
+    if (a_c != 0) joints_[held_[i]].way = a_c > 0 ? 1 : -1;
   }
   list_sticking();
 }

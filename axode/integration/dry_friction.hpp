@@ -39,17 +39,19 @@ class DryFriction {
   /// Takes derivatives of accelerations, [component, direction] and ∂a/∂τ first, to those with what sticks held.
   void hold_derivatives(std::initializer_list<std::span<double>> derivatives);
 
-  /// From here on slipped() tells whether hold() found a joint that cannot be held.
-  void watch() { slipped_ = false; }
-  bool slipped() const { return slipped_; }
+  /// The largest acceleration of what sticks that hold() has found since watch(), by what is told from none: more than 1 where
+  /// a joint cannot be held.
+  double slip() const { return slip_; }
+  void watch() { slip_ = 0; }
   /// Whether what slides has turned between two ends of a step of length h, at its end or before.
   bool turned(Span v_0, Span a_0, Span v_1, Span a_1, double h) const;
   /// When, to first order, the next that slides comes to rest from v and a, forwards or, where it has turned, backwards; 0 where
   /// none does.
   double rest_in(Span v, Span a) const;
 
-  /// v_c = 0 of what sticks, and of what came to rest less than a time ago or will sooner than that, which sticks now.
-  void rest(std::span<double> v, Span a, double within);
+  /// v_c = 0 of what sticks, and of what came to rest less than a time ago or will sooner than that, which sticks now; whether
+  /// there is any.
+  bool rest(std::span<double> v, Span a, double within);
   /// What could not be held by the last hold(), which found a, slides from now on.
   void release(Span a);
 
@@ -60,7 +62,8 @@ class DryFriction {
     int way;       ///< in which it slides, 1 or -1; 0: it sticks
     double force;  ///< under which it sticks
   };
-  static std::size_t at(int c) { return static_cast<std::size_t>(c); }
+  static std::size_t at(Eigen::Index c) { return static_cast<std::size_t>(c); }
+  Joint& held(Eigen::Index i) { return joints_[held_[at(i)]]; }
   void list_sticking();
   void factorize(double size);  ///< A, of that size without loops, of what is free
   /// Forces of what sticks, from those of before, and a = Φ x + a_0 there.
@@ -69,8 +72,8 @@ class DryFriction {
   const Tree<double>* tree_;
   std::vector<Joint> joints_;
   std::vector<int> sticking_;
-  std::vector<Joint*> held_;  ///< in the order of sticking()
-  bool slipped_ = false;
+  std::vector<std::size_t> held_;  ///< which of the joints, in the order of sticking()
+  double slip_ = 0;
 
   Matrix A_;  ///< of what sticks
   Eigen::VectorXd a_0_, a_, tolerance_, step_;

@@ -45,6 +45,7 @@ class Run {
         friction_(model.tree<double>(), options.joint_losses && options.coordinates == Coordinates::relative),
         tau_(v_0.size()),
         total_(v_0.size()),
+        loads_(options.loads),
         until_(until) {
     if (!model.loops().empty()) loops_.emplace(model);
     check_configuration(model, q);
@@ -82,6 +83,7 @@ class Run {
     }
     ++trajectory.evaluations;
     if (!finite(q_t) || !finite(v_t) || !finite(a_t)) return stop(t, "the state is not finite");
+    compute_loads(t, q_t, v_t);
     inverse_dynamics(model_, workspace_, q_t, v_t, a_t, r, loads());
     if (options_.drive) options_.drive(t, q_t, v_t, tau_);
     const Span tau = in_joints(q_t, v_t);
@@ -136,15 +138,19 @@ class Run {
     const double t_0 = now(), resolution = std::max(1e-13 * (t_1 - t_0), 1e-15 * t_1);
     if (!know_accelerations(t_1, end)) return false;
     if (!friction_changes(t_0, t_1, end)) return take(t_1, end.q, end.v, end.a) && (rest(0), true);
-    double low = t_0, high = t_1, t = t_1;
+    double low = t_0, high = t_1, t = t_1, slip = friction_.slip(), rise = 0;
     StepEnd after = end;
     for (int tries = 0; high - low > resolution; ++tries) {
-      const double guess = t + friction_.rest_in(end.v, end.a);  // Newton's, and a little across
+      // To first order: by what slips, which is told from two attempts, or by what turns.
+      const double guess = t + (rise > 0 ? -slip / rise : friction_.rest_in(end.v, end.a));
+      const double before = t, slip_before = slip;
       t = guess > low && guess < high && tries % 4 != 3
               ? std::clamp(guess, low + 0.5 * resolution, high - 0.5 * resolution)
               : low + (high - low) / 2;
       friction_.watch();
       if (!attempt(t, end) || !know_accelerations(t, end)) return false;
+      slip = friction_.slip();
+      rise = slip > 1 && slip_before > 1 ? (slip_before - slip) / (before - t) : 0;
       if (friction_changes(t_0, t, end))
         high = t, after = end;
       else
@@ -154,11 +160,14 @@ class Run {
     constexpr int most_hasty = 1000;
     hasty_steps_ = high - t_0 < hasty * (t_1 - t_0) ? hasty_steps_ + 1 : 0;
     if (hasty_steps_ > most_hasty) return stop(t_0, "dry friction changes faster than it can be followed");
-    if (!take(high, after.q, after.v, after.a)) return false;
-    if (done()) return true;
+    const bool at_once = high - t_0 <= resolution && rest(2 * resolution);
+    if (!at_once) {
+      if (!take(high, after.q, after.v, after.a)) return false;
+      if (done()) return true;
+      rest(2 * resolution);
+    }
     friction_changed_ = true;
-    rest(2 * resolution);
-    if (!accelerate(high, q, v, a)) return false;
+    if (!accelerate(now(), q, v, a)) return false;
     friction_.release(a);
     trajectory.jump(v, a);
     return true;
@@ -207,7 +216,7 @@ class Run {
     tau = in_joints(q_t, v_t);
     return true;
   }
-  Loads<double> loads() const { return {options_.loads, options_.joint_losses && !friction_.felt()}; }
+  Loads<double> loads() const { return {loads_, options_.joint_losses && !friction_.felt()}; }
 
   Trajectory trajectory;
   Vector q, v, a;  ///< now
@@ -239,10 +248,17 @@ class Run {
     if (friction_.felt()) friction_.add_losses(v_t, total_);
     return total_;
   }
-  /// Drive forces at a state, and whether all is finite.
+  void compute_loads(double t, Span q_t, Span v_t) {
+    if (!options_.computed_loads) return;
+    loads_ = options_.loads;
+    options_.computed_loads(t, q_t, v_t, loads_);
+    check_loads(model_, loads());
+  }
+  /// Drive forces and loads at a state, and whether all is finite.
   bool begin_evaluation(double t, Span q_t, Span v_t) {
     ++trajectory.evaluations;
     if (!finite(q_t) || !finite(v_t)) return stop(t, "the state is not finite at " + joint_of(v_t));
+    compute_loads(t, q_t, v_t);
     if (!options_.drive) return true;
     options_.drive(t, q_t, v_t, tau_);
     return finite(tau_) || stop(t, "the drive forces are not finite at " + joint_of(tau_));
@@ -281,6 +297,7 @@ class Run {
   std::optional<ClosedMotion> loops_;
   DryFriction friction_;
   Vector tau_, total_;
+  std::vector<AppliedWrench<>> loads_;  ///< now
 
  private:
   /// Accelerations at the end of an attempt, where the scheme did not say them.
@@ -290,10 +307,10 @@ class Run {
     return accelerate(t, end.q, end.v, end.a);
   }
   bool friction_changes(double t_0, double t_1, const StepEnd& end) const {
-    return friction_.slipped() || friction_.turned(v, a, end.v, end.a, t_1 - t_0);
+    return friction_.slip() > 1 || friction_.turned(v, a, end.v, end.a, t_1 - t_0);
   }
-  /// Now: what slid until a time ago, or will until then, rests.
-  void rest(double within) { friction_.rest(v, a, within); }
+  /// Now: what slid until a time ago, or will until then, rests. Whether there was any.
+  bool rest(double within) { return friction_.rest(v, a, within); }
   Vector values_at(double t, Span q_t, Span v_t) const {
     Vector values;
     for (const Event& event : options_.events) values.push_back(event.value(t, q_t, v_t));

@@ -28,7 +28,7 @@ class MomentumRun : public Run {
   MomentumRun(const Model& model, Span q_0, Span v_0, double until, const SimulationOptions& options)
       : Run(model, q_0, v_0, until, options),
         phase_space_(model),
-        bases_(model, q_0.data(), v_0.data(), !options.loads.empty()),
+        bases_(model, q_0.data(), v_0.data(), is_loaded()),
         q_t_(q_0.size()),
         v_t_(v_0.size()),
         p_(v_0.size()),
@@ -48,7 +48,7 @@ class MomentumRun : public Run {
     bases_.leave(t, q_t_.data(), v_t_.data());
     if (!begin_evaluation(t, q_t_, v_t_)) return false;
     const Span tau = in_joints(q_t_, v_t_);
-    pushes_bases_ = !options_.loads.empty() || bases_.driven_by(tau.data());
+    pushes_bases_ = is_loaded() || bases_.driven_by(tau.data());
     phase_space_.partials(q_t_.data(), v_t.data(), bases_.gravity(), tau, loads(), p.data(), f.data());
     return true;
   }
@@ -92,6 +92,8 @@ class MomentumRun : public Run {
   }
 
  private:
+  bool is_loaded() const { return !options_.loads.empty() || options_.computed_loads; }
+
   PhaseSpace phase_space_;
   FloatingBases bases_;
   Vector q_t_, v_t_, p_, none_;

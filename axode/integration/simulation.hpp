@@ -29,6 +29,10 @@ struct SimulationOptions {
   std::function<void(double t, std::span<const double> q, std::span<const double> v, std::span<double> tau)>
       drive = {};
   std::vector<AppliedWrench<>> loads = {};
+  /// Loads at a time and state, which it adds to those: wind, thrust, a contact.
+  std::function<void(double t, std::span<const double> q, std::span<const double> v,
+                     std::vector<AppliedWrench<>>& loads)>
+      computed_loads = {};
   /// Damping and dry friction of the joints. In relative coordinates what rests sticks as long as its friction can hold it: steps
   /// end where a joint comes to rest or begins to slide. In absolute ones friction is -f sign(v).
   bool joint_losses = false;

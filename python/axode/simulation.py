@@ -26,7 +26,8 @@ def simulate(m: Model, q: ArrayLike, v: ArrayLike, until: float, *,
              coordinates: Literal["relative", "absolute", "absolute_SO3xR3"] = "relative",
              step: float | None = None, rtol: float = 1e-8, atol: float = 1e-10, spectral_radius: float = 0.8,
              tau: ArrayLike | Callable[[float, Array, Array], ArrayLike] | Sampled | PD | ComputedTorque | None = None,
-             loads: Sequence[Load] | None = None, joint_losses: bool = False, times: ArrayLike | None = None,
+             loads: Sequence[Load] | Callable[[float, Array, Array], Sequence[Load]] | None = None,
+             joint_losses: bool = False, times: ArrayLike | None = None,
              events: Sequence[Callable[[float, Array, Array], float]] | None = None,
              progress: bool = False) -> Trajectory:
     """The motion of a mechanism from (q, v) at t = 0 until a time (s), on the Lie group of its configurations.
@@ -47,9 +48,11 @@ def simulate(m: Model, q: ArrayLike, v: ArrayLike, until: float, *,
         Joints with several velocities may have no armature there.
     tau: drive forces, (nv,) for constant ones; one of `axode.drives`; or a function (t, q, v) -> (nv,), called for each
         evaluation. Springs, dampers and stops of the mechanism act besides, see `spring_forces`.
-    loads: wrenches on frames, constant in their representations. joint_losses: whether damping and dry friction act. What
-        rests sticks as long as its friction can hold it; steps end where a joint comes to rest or begins to slide, so that
-        one of given length becomes two. In absolute coordinates it creeps instead, the slower the shorter steps are.
+    loads: wrenches on frames, constant in their representations, or a function (t, q, v) -> such wrenches, called for each
+        evaluation.
+    joint_losses: whether damping and dry friction act. What rests sticks as long as its friction can hold it; steps end
+        where a joint comes to rest or begins to slide, so that one of given length becomes two. In absolute coordinates
+        it creeps instead, the slower the shorter steps are.
     times: when states are wanted, increasing from 0 to until; without it, at the ends of the steps.
     events: functions (t, q, v) -> number whose zeros are met; `f.terminal = True` ends the motion there,
         `f.direction = 1` or -1 counts rising or falling ones alone. One that is met twice within a step is found where it
@@ -85,7 +88,7 @@ def simulate(m: Model, q: ArrayLike, v: ArrayLike, until: float, *,
 
 def rollout(m: Model, q: ArrayLike, v: ArrayLike,
             tau: ArrayLike | Callable[[float, Array, Array], ArrayLike] | Sampled | PD | ComputedTorque, step: float, *,
-            steps: int | None = None, threads: int = 1) -> tuple[Array, Array]:
+            steps: int | None = None, joint_losses: bool = False, threads: int = 1) -> tuple[Array, Array]:
     """(q, v) of N motions of K steps of `step` s: (N, K + 1, nq) and (N, K + 1, nv), the states given in front.
 
     q (N, nq) and v (N, nv) are where they begin, tau (N, K, nv) the drive forces, constant in each step; of one motion
@@ -93,7 +96,8 @@ def rollout(m: Model, q: ArrayLike, v: ArrayLike,
     `simulate` at every stage of a step, at t = 0 first; or constant forces (nv,); or tau is a function (t, q, v) -> (N, nv),
     called once a step for all states. Springs of the mechanism act besides, and loops are closed again after each step.
     Munthe-Kaas' fourth order, as `simulate` with method="rk4"; functions apart, everything runs in `threads` threads,
-    several motions at once in the processor's lanes where there are no springs, loops and coupled joints.
+    several motions at once in the processor's lanes where there are no springs, loops, coupled joints and dry friction.
+    joint_losses: whether damping and dry friction act, as in `simulate`.
 
     ValueError for wrong shapes, numbers that are not finite, a drive of another mechanism, loops that are open at first and
     step <= 0. SingularError or NotFiniteError, with q, where motions cannot go on; they are NaN from there, and all of them
@@ -111,10 +115,11 @@ def rollout(m: Model, q: ArrayLike, v: ArrayLike,
     """
     if isinstance(tau, (Sampled, PD, ComputedTorque)):
         tau = tau.on(m)
+    given: dict[str, Any] = {"threads": threads, "joint_losses": joint_losses}
     if steps is None:
         if callable(tau):
             raise ValueError("steps is missing; it says how many, where tau is a function or a drive")
-        return _axode.rollout_under(m, q, v, tau, step, threads=threads)
+        return _axode.rollout_under(m, q, v, tau, step, **given)
     if steps < 0:
         raise ValueError(f"steps is {steps}; it must not be negative")
     if not callable(tau):
@@ -122,19 +127,19 @@ def rollout(m: Model, q: ArrayLike, v: ArrayLike,
             raise ValueError("steps is for functions, drives and constant forces (nv,); tau has forces for each step")
         tau = Sampled([0.0], np.asarray(tau)[None]).on(m)
     if isinstance(tau, _axode.Drive):
-        return _axode.rollout_driven(m, q, v, tau, steps, step, threads=threads)
+        return _axode.rollout_driven(m, q, v, tau, steps, step, **given)
     q_0, v_0 = np.asarray(q, dtype=np.float64), np.asarray(v, dtype=np.float64)
     all_q = np.full((*q_0.shape[:-1], steps + 1, m.nq), np.nan)
     all_v = np.full((*q_0.shape[:-1], steps + 1, m.nv), np.nan)
     none = np.empty((*q_0.shape[:-1], 0, m.nv))
-    all_q[..., :1, :], all_v[..., :1, :] = _axode.rollout_under(m, q_0, v_0, none, step, threads=threads)
+    all_q[..., :1, :], all_v[..., :1, :] = _axode.rollout_under(m, q_0, v_0, none, step, **given)
     for k in range(steps):
         q_k, v_k = all_q[..., k, :], all_v[..., k, :]
         forces = np.asarray(tau(k * step, q_k.copy(), v_k.copy()), dtype=np.float64)
         if forces.shape != v_k.shape:
             raise ValueError(f"tau(t, q, v): expected shape {v_k.shape}, got {forces.shape}")
         try:
-            q_1, v_1 = _axode.rollout_under(m, q_k, v_k, forces[..., None, :], step, threads=threads)
+            q_1, v_1 = _axode.rollout_under(m, q_k, v_k, forces[..., None, :], step, **given)
         except StatesError as error:
             all_q[..., k:k + 2, :] = error.result
             error.result = all_q

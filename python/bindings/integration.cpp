@@ -124,20 +124,32 @@ void check_drive(const BoundModel& m, const BoundDrive& drive) {
 
 BoundTrajectory simulate_of(const BoundModel& m, ArrayLike q, ArrayLike v, double until, nb::handle method,
                             nb::handle coordinates, nb::handle step, double rtol, double atol,
-                            double spectral_radius, nb::handle tau, LoadList loads, bool joint_losses,
+                            double spectral_radius, nb::handle tau, nb::handle loads, bool joint_losses,
                             nb::handle times, nb::handle given_events, nb::handle progress) {
   const States states = one_state(m, q);
   const Items velocities = states.velocities("v", v);
-  const AppliedLoads applied(states, loads, joint_losses);
   const nb::list events = nb::borrow<nb::list>(given_events);
   SimulationOptions options;
   options.joint_losses = joint_losses;
-  applied.with(0, [&](const Loads<double>& now) {
-    options.loads.assign(now.wrenches.begin(), now.wrenches.end());
-    return 0;
-  });
-
+  const auto add_loads = [&states](LoadList given, std::vector<AppliedWrench<>>& all) {
+    AppliedLoads(states, given, false).with(0, [&](const Loads<double>& now) {
+      all.insert(all.end(), now.wrenches.begin(), now.wrenches.end());
+      return 0;
+    });
+  };
   bool calls_back = !progress.is_none() || events.size() > 0;
+  if (nb::isinstance<nb::callable>(loads)) {
+    calls_back = true;
+    options.computed_loads = [add_loads, f = nb::borrow<nb::callable>(loads)](
+                                 double t, std::span<const double> q_t, std::span<const double> v_t,
+                                 std::vector<AppliedWrench<>>& all) {
+      const nb::object result = call_back(f, t, q_t, v_t);
+      add_loads({result.ptr()}, all);
+    };
+  } else {
+    add_loads({loads.ptr()}, options.loads);
+  }
+
   std::optional<Items> constant;
   if (nb::isinstance<BoundDrive>(tau)) {
     const BoundDrive& drive = nb::cast<BoundDrive&>(tau);
@@ -249,7 +261,7 @@ template <class F> std::tuple<Array, Array> motions_of(const States& states, nb:
 }
 
 std::tuple<Array, Array> rollout_of(const BoundModel& m, ArrayLike q, ArrayLike v, ArrayLike tau, double step,
-                                    int threads) {
+                                    int threads, bool joint_losses) {
   const States states(m, q, threads);
   const Items velocities = states.velocities("v", v);
   const Numbers forces("tau", tau);
@@ -260,16 +272,17 @@ std::tuple<Array, Array> rollout_of(const BoundModel& m, ArrayLike q, ArrayLike 
   if (forces.axes() != axis + 2 || !forces.ends_with(expected))
     forces.wrong_shape(std::string(states.many() ? "(" + std::to_string(states.count()) + ", K, " : "(K, ") +
                        std::to_string(m->nv()) + "), nv numbers for each step");
-  return motions_of(states, K,
-                    [&](std::span<double> q_out, std::span<double> v_out, const batch::Monitor& monitor) {
-                      return batch::rollout<double>(*m, states.q(), velocities.all(),
-                                                    {forces.data(), static_cast<std::size_t>(forces.size())},
-                                                    step, q_out, v_out, runge_kutta(4), threads, monitor);
-                    });
+  return motions_of(
+      states, K, [&](std::span<double> q_out, std::span<double> v_out, const batch::Monitor& monitor) {
+        return batch::rollout<double>(*m, states.q(), velocities.all(),
+                                      {forces.data(), static_cast<std::size_t>(forces.size())}, step, q_out,
+                                      v_out, runge_kutta(4), threads, monitor, joint_losses);
+      });
 }
 
 std::tuple<Array, Array> driven_rollout_of(const BoundModel& m, ArrayLike q, ArrayLike v,
-                                           const BoundDrive& drive, nb::ssize_t K, double step, int threads) {
+                                           const BoundDrive& drive, nb::ssize_t K, double step, int threads,
+                                           bool joint_losses) {
   const States states(m, q, threads);
   const Items velocities = states.velocities("v", v);
   check_drive(m, drive);
@@ -277,7 +290,7 @@ std::tuple<Array, Array> driven_rollout_of(const BoundModel& m, ArrayLike q, Arr
                     [&](std::span<double> q_out, std::span<double> v_out, const batch::Monitor& monitor) {
                       return batch::rollout<double>(*m, states.q(), velocities.all(), drive.drive,
                                                     static_cast<std::size_t>(K), step, q_out, v_out,
-                                                    runge_kutta(4), threads, monitor);
+                                                    runge_kutta(4), threads, monitor, joint_losses);
                     });
 }
 
@@ -426,9 +439,9 @@ Its to_parquet (with pyarrow) and to_csv write files. ModuleNotFoundError where 
              "step"_a.none(), "rtol"_a, "atol"_a, "spectral_radius"_a, "tau"_a.none(), "loads"_a.none(),
              "joint_losses"_a, "times"_a.none(), "events"_a, "progress"_a.none(), "See axode.simulate.");
   module.def("rollout_under", &rollout_of, "m"_a, "q"_a, "v"_a, "tau"_a, "step"_a, nb::kw_only(),
-             "threads"_a = 1, "See axode.rollout.");
+             "threads"_a = 1, "joint_losses"_a = false, "See axode.rollout.");
   module.def("rollout_driven", &driven_rollout_of, "m"_a, "q"_a, "v"_a, "drive"_a, "steps"_a, "step"_a,
-             nb::kw_only(), "threads"_a = 1, "See axode.rollout.");
+             nb::kw_only(), "threads"_a = 1, "joint_losses"_a = false, "See axode.rollout.");
   module.def("reconstruct_poses", &reconstruct_of, "C0"_a, "twists"_a, "times"_a, "representation"_a,
              "order"_a, "See axode.reconstruct.");
   module.def(

@@ -9,7 +9,9 @@
 namespace axode::python {
 namespace {
 
-/// How nanobind's functions begin (nb_func in its nb_internals.h): what is called is a field of each.
+/// How nanobind's functions begin (nb_func in its nb_internals.h): what is called is a field of each. Python tells where it is,
+/// but not to a module for all later versions of it.
+static_assert(NB_VERSION_MAJOR == 3);
 struct Function {
   PyVarObject head;
   vectorcallfunc call;

@@ -58,6 +58,16 @@ TEST(Friction, StopsWhereItShould) {
   }
 }
 
+/// At the end of a step as well: v is 0 there without rounding.
+TEST(Friction, StopsBetweenSteps) {
+  const Trajectory motion =
+      simulate_fixed(block(2), Numbers{0}, Numbers{3}, 4, 0.25, runge_kutta(1), with_losses);
+  EXPECT_EQ(motion.size(), 17u);
+  EXPECT_EQ(motion.v(5)[0], 0.5);
+  EXPECT_EQ(motion.v(6)[0], 0);
+  EXPECT_EQ(motion.a(6)[0], 0);
+}
+
 /// A force of 3 sin t against a friction of 2 N: it sticks until sin t = 2/3, slides with v = 3 (cos t_0 - cos t) - 2 (t - t_0) until
 /// that is 0, sticks, and so on, the other way.
 TEST(Friction, FollowsTheClosedForm) {

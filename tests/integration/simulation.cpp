@@ -1,4 +1,5 @@
 #include "axode/dynamics.hpp"
+#include "axode/integration/methods.hpp"
 #include "tests/integration/motions.hpp"
 #include "tests/support/refused_arguments.hpp"
 
@@ -283,6 +284,38 @@ TEST(Simulation, EndsWhereStepsBecomeHopelesslyShort) {
   EXPECT_THAT(stuck.stopped, testing::HasSubstr("a force jumps where the motion dwells"));
   EXPECT_LE(stuck.steps, 100'000u);
 }
+/// A force of sin t in inertial axes moves a body of 2 kg, which turns, by (t - sin t)/2; with drag it is that of a drive.
+TEST(Simulation, FeelsLoadsThatAreComputed) {
+  Description space{.name = "space", .gravity = {}};
+  space.bodies.push_back({.name = "body",
+                          .joint = {.kind = JointKind::free},
+                          .inertia = MassProperties{.mass = 2, .Theta = {.3, .2, .1}}});
+  const Model model = ModelBuilder(space).build();
+  const int body = model.frame_index("body");
+  SimulationOptions options;
+  options.computed_loads = [body](double t, Span, Span, std::vector<AppliedWrench<>>& loads) {
+    loads.emplace_back(body, Wrench<Hybrid>{{}, {std::sin(t), 0, 0}});
+  };
+  const Numbers q = neutral(model), v{1, 2, 3, 0, 0, 0};
+  const double until = 2, moved = (until - std::sin(until)) / 2;
+  for (const Coordinates coordinates :
+       {Coordinates::relative, Coordinates::absolute, Coordinates::absolute_SO3xR3})
+    for (const auto& [name, method] : methods) {
+      options.coordinates = coordinates;
+      Trajectory motion(model);
+      try {
+        motion = method.simulate({model, q, v, until, method.adapts ? 0 : 0.002, {}, 0.8, options});
+      } catch (const std::invalid_argument&) {
+        continue;  // of the other coordinates
+      }
+      ASSERT_TRUE(motion.complete) << name << motion.stopped;
+      Workspace<> workspace(model);
+      std::vector<SE3<>> C(static_cast<std::size_t>(model.n_frames()));
+      poses(model, workspace, last_q(motion), C);
+      EXPECT_NEAR(C[static_cast<std::size_t>(body)].r.x, moved, name == "euler" ? 2e-2 : 1e-4) << name;
+    }
+}
+
 /// A long motion that begins with many short steps is none of these.
 TEST(Simulation, WaitsUntilWhatIsStiffHasDiedOut) {
   Description mount{.name = "mount"};

@@ -154,6 +154,18 @@ def test_conserving_methods_refuse_forces_that_jump():
     assert axode.simulate(m, [0.0], [1.0], **arguments).complete
 
 
+def test_loads_that_are_computed():
+    m = axode.Model.from_bodies([{"name": "body", "mass": 2.0, "com": [0, 0, 0], "inertia": [0.3, 0.2, 0.1],
+                                  "joint": {"kind": "free"}}], gravity=[0, 0, 0])
+
+    def push(t, q, v):
+        return [{"frame": "body", "representation": "hybrid", "wrench": [0, 0, 0, np.sin(t), 0, 0]}]
+    motion = axode.simulate(m, m.neutral(), [1, 2, 3, 0, 0, 0], 2.0, loads=push)
+    assert axode.poses(m, motion.q[-1])[m.frame_names.index("body")][0, 3] == pytest.approx(1 - np.sin(2) / 2, abs=1e-7)
+    with pytest.raises(ValueError, match="loads: expected a list of dicts"):
+        axode.simulate(m, m.neutral(), np.zeros(6), 2.0, loads=lambda t, q, v: 3)
+
+
 @pytest.mark.parametrize("method", [{}, {"method": "rk4", "step": 0.01}, {"method": "generalized_alpha", "step": 0.01}])
 def test_dry_friction_holds(method):
     m = axode.Model.from_bodies([{"name": "block", "mass": 1.0, "com": [0, 0, 0], "inertia": [1, 1, 1], "joint":
@@ -163,6 +175,27 @@ def test_dry_friction_holds(method):
     stopped = axode.simulate(m, [0.0], [3.0], 5, joint_losses=True, **method)
     assert stopped.q[-1] == pytest.approx([2.25], abs=1e-9)
     assert stopped.v[-1] == 0
+
+
+@pytest.mark.parametrize("friction", [0.0, 0.4])
+def test_rollouts_with_losses_are_simulations(friction):
+    m = axode.Model.from_bodies([{"name": f"rod {k}", **({"on": f"rod {k - 1}"} if k else {}), "mass": 1.0,
+                                  "com": [0, 0, -0.5 - k], "inertia": [0.1, 0.1, 0.01],
+                                  "joint": {"kind": "revolute", "axis": "y", "point": [0, 0, -k], "damping": 0.3 + 0.1 * k,
+                                            "friction": friction}} for k in range(3)])
+    rng = np.random.default_rng(3)
+    q, v = rng.normal(size=(9, 3)), rng.normal(size=(9, 3))
+    v[:, 1] = 0
+    tau = rng.normal(size=(9, 3))
+    for given in (np.repeat(tau[:, None], 80, axis=1), None):
+        q_t, v_t = axode.rollout(m, q, v, given if given is not None else tau[0], 0.02, threads=2, joint_losses=True,
+                                 steps=80 if given is None else None)
+        for k in range(9):
+            one = axode.simulate(m, q[k], v[k], 1.6, method="rk4", step=0.02, tau=tau[k if given is not None else 0],
+                                 joint_losses=True, times=np.arange(81) * 0.02 - 1e-15 * np.arange(81))
+            assert np.allclose(q_t[k], one.q, atol=1e-9)
+            assert np.allclose(v_t[k], one.v, atol=1e-8)
+    assert not np.allclose(q_t, axode.rollout(m, q, v, tau[0], 0.02, steps=80)[0])
 
 
 def test_events():
