@@ -63,7 +63,7 @@ template <class S> class OneMotion {
   Solvability run(std::size_t k, std::span<const S> q, std::span<const S> v, std::span<const S> tau,
                   double step, std::span<S> q_1, std::span<S> v_1) {
     if constexpr (std::same_as<S, double>)
-      if (losses_.friction) return rub(k, q, v, tau, step, q_1, v_1);
+      if (losses_.friction && rub(k, q, v, tau, step, q_1, v_1)) return {};
     Solvability found;
     std::size_t stage = 0;
     const auto accelerate = [&](double, std::span<const S> q_t, std::span<const S> v_t, std::span<S> a_t) {
@@ -77,6 +77,10 @@ template <class S> class OneMotion {
       found = solve(q_t, v_t, a_t);
       return found.ok();
     };
+    if (losses_.friction) {  // why it could not go on
+      if (accelerate(0, q, v, a_)) torn_ = loops_ != nullptr, found.not_finite = !torn_;
+      return found;
+    }
     if (!accelerate(0, q, v, a_) || !scheme_.run(0, q.data(), v.data(), a_.data(), step, accelerate))
       return found;
     group_.move(q.data(), scheme_.theta.data(), q_1.data());
@@ -93,10 +97,10 @@ template <class S> class OneMotion {
   bool torn() const { return torn_; }
 
  private:
-  /// A step, or more, in which joints stick and slide.
-  Solvability rub(std::size_t k, std::span<const double> q, std::span<const double> v,
-                  std::span<const double> tau, double step, std::span<double> q_1, std::span<double> v_1) {
-    if (!finite(q) || !finite(v)) return {.not_finite = true};
+  /// A step, or more, in which joints stick and slide; false where the motion cannot go on.
+  bool rub(std::size_t k, std::span<const double> q, std::span<const double> v, std::span<const double> tau,
+           double step, std::span<double> q_1, std::span<double> v_1) {
+    if (!finite(q) || !finite(v)) return false;
     SimulationOptions options{.joint_losses = true};
     options.drive = [&](double t, std::span<const double> q_t, std::span<const double> v_t,
                         std::span<double> out) {
@@ -106,13 +110,10 @@ template <class S> class OneMotion {
         std::ranges::copy(tau, out.begin());
     };
     const Trajectory motion = simulate_fixed(*model_, q, v, step, step, *method_, options);
-    if (!motion.complete) {
-      torn_ = loops_ != nullptr;
-      return {.not_finite = !torn_};
-    }
+    if (!motion.complete) return false;
     std::ranges::copy(motion.q(motion.size() - 1), q_1.begin());
     std::ranges::copy(motion.v(motion.size() - 1), v_1.begin());
-    return {};
+    return true;
   }
   Solvability solve(std::span<const S> q, std::span<const S> v, std::span<S> a) {
     const Loads<S> loads{.joint_losses = losses_.damping};

@@ -120,18 +120,15 @@ class Run {
   /// What of the residual is the drive's, less: tau or, with loops, what tau makes of accelerations, to first order.
   Span drive(double t, Span q_t, Span v_t) {
     options_.drive(t, q_t, v_t, tau_);
-    if (!loops_ && friction_.sticking().empty()) return tau_;
-    total_.assign(tau_.begin(), tau_.end());
-    if (loops_) {
-      as_eigen(std::span(total_)) = compliance_ * as_eigen(Span(tau_));
-    } else {
-      for (const int c : friction_.sticking()) total_[size(c)] = 0;
-    }
+    total_ = tau_;
+    if (loops_) as_eigen(std::span(total_)) = compliance_ * as_eigen(Span(tau_));
+    for (const int c : friction_.sticking()) total_[size(c)] = 0;
     return total_;
   }
 
   /// Goes from now to the end of a step at t_1, or to where dry friction changes before: a joint comes to rest, or begins to slide.
-  /// attempt(t, end) computes the end of a step from now to t, that at t_1 last so far, with friction as it is now.
+  /// attempt(t, end) computes the end of a step from now to t, that at t_1 last so far, with friction as it is now; it says
+  /// begin_step().
   template <class Attempt> bool take_up_to(double t_1, StepEnd& end, const Attempt& attempt) {
     friction_changed_ = false;
     if (!friction_.felt()) return take(t_1, end.q, end.v, end.a);
@@ -147,7 +144,6 @@ class Run {
       t = guess > low && guess < high && tries % 4 != 3
               ? std::clamp(guess, low + 0.5 * resolution, high - 0.5 * resolution)
               : low + (high - low) / 2;
-      friction_.watch();
       if (!attempt(t, end) || !know_accelerations(t, end)) return false;
       slip = friction_.slip();
       rise = slip > 1 && slip_before > 1 ? (slip_before - slip) / (before - t) : 0;

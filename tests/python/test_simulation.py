@@ -198,6 +198,13 @@ def test_rollouts_with_losses_are_simulations(friction):
     assert not np.allclose(q_t, axode.rollout(m, q, v, tau[0], 0.02, steps=80)[0])
 
 
+def test_rollouts_with_losses_say_why_they_end():
+    m = axode.Model.from_bodies([{"name": "rod", "joint": {"name": "pin", "kind": "revolute", "axis": "y",
+                                                           "point": [0, 0, 0], "friction": 1.0}}])
+    with pytest.raises(axode.SingularError, match='joint "pin"'):
+        axode.rollout(m, [0.0], [1.0], [0.0], 0.01, steps=5, joint_losses=True)
+
+
 def test_events():
     m = axode.Model.from_bodies([{"name": "ball", "joint": {"kind": "prismatic", "axis": "z"}, "mass": 1.0,
                                   "com": [0, 0, 0], "inertia": [1.0, 1.0, 1.0]}])
