@@ -165,7 +165,8 @@ template <class S>
 Outcome roll(const Model& model, std::span<const S> q, std::span<const S> v, std::size_t K,
              std::span<const S> tau, const Drive& drive, double step, std::span<S> q_out, std::span<S> v_out,
              const Tableau& method, int threads, const Monitor& monitor, const Losses& losses) {
-  constexpr std::size_t steps_at_once = 256;  // of one motion, between two looks at the monitor
+  // Of one motion, between two looks at the monitor; a step with friction takes up to milliseconds.
+  const std::size_t steps_at_once = losses.friction ? 16 : 256;
   const std::size_t nq = static_cast<std::size_t>(model.nq()), nv = static_cast<std::size_t>(model.nv()),
                     N = nq == 0 ? 0 : q.size() / nq;
   check_size("v", v.size(), N * nv, "nv N");
