@@ -51,8 +51,9 @@ errors stay bounded, and rk4_momenta (explicit).
 
 --coordinates are relative (those of the joints), absolute (bodies as points of SE(3), every joint a constraint) or
 absolute_SO3xR3 (of SO(3) x R^3). In absolute coordinates dopri5, rk4 and euler bring joints and loops back after each step;
-rattle, rattle_suzuki4 and rattle_kahan_li6 (symplectic, of second, fourth and sixth order), half_explicit (third order),
-generalized_alpha and generalized_alpha_index3 are there besides. Results are in coordinates of the joints in any case.
+rattle, rattle_suzuki4 and rattle_kahan_li6 (of second, fourth and sixth order; symplectic, or with what rolls symmetric),
+half_explicit (third order), generalized_alpha and generalized_alpha_index3 are there besides. Results are in coordinates of
+the joints in any case.
 
 With --pd the joints are driven towards the q and v of --target besides, all but free ones on the ground, by
 tau = KP (q_target - q) + KD (v_target - v), differences of rotations being rotation vectors. Springs, dampers and stops of

@@ -244,6 +244,18 @@ LoopAt<double> AbsoluteSystem::loop_at(const Loop& loop) const {
   return {loop, about(O, C_[index(a.body)] * a.F), about(O, C_[index(b.body)] * b.F)};
 }
 
+/// Its rows of the velocities of its bodies, where it is no coupling.
+Six<double> AbsoluteSystem::loop_slip(const Loop& loop) const {
+  const auto& [a, b] = loop.ends;
+  const Vec3<> O = C_[index(std::max(a.body, b.body))].r;
+  const Twist<Spatial> X =
+      Ad(about(O, C_[index(b.body)]), V_[index(b.body)]) - Ad(about(O, C_[index(a.body)]), V_[index(a.body)]);
+  const auto W = loop_at(loop).wrenches();
+  Six<double> out{};
+  for (int k = 0; k < loop.rows(); ++k) out[index(k)] = W[index(k)] | X;
+  return out;
+}
+
 void AbsoluteSystem::enter(Span q_joints, Span v_joints, Numbers& q, Numbers& v) {
   keep(q_joints);
   q.resize(index(nq())), v.resize(index(nv()));
@@ -307,9 +319,9 @@ void AbsoluteSystem::put(std::span<const SE3<>> C, std::span<const Twist<BodyFix
   }
 }
 
-void AbsoluteSystem::gap(Span q, Numbers& out) {
+void AbsoluteSystem::gap(Span q, Numbers& out, Rows kind) {
   find_poses(q);
-  out.resize(index(rows(Rows::places)));
+  out.assign(index(rows(kind)), 0.0);
   for (int i = 1; i <= n_; ++i) {
     const auto& [free, along] = bound_[index(i)];
     const SE3<> E =
@@ -324,7 +336,7 @@ void AbsoluteSystem::gap(Span q, Numbers& out) {
     out[index(6 * n_ + r)] = angle(rotors_[index(r)]) - q[index(7 * n_ + r)];
   double* const open = out.data() + 6 * n_ + n_rotors();
   for (const Loop& loop : model_.loops().all) {
-    double* const at = open + loop.first_residual;
+    double* const at = open + (kind == Rows::places ? loop.first_residual : loop.first_row);
     if (loop.kind == LoopKind::coupling) {
       *at = -loop.offset;
       for (const Loop::Term& term : loop.terms) *at += term.factor * known_angle(term.velocity);
@@ -351,12 +363,19 @@ void AbsoluteSystem::slip(Span q, Span v, Numbers& out) {
       }
       continue;
     }
-    const auto& [a, b] = loop.ends;
-    const Vec3<> O = C_[index(std::max(a.body, b.body))].r;
-    const Twist<Spatial> X = Ad(about(O, C_[index(b.body)]), V_[index(b.body)]) -
-                             Ad(about(O, C_[index(a.body)]), V_[index(a.body)]);
-    const auto W = loop_at(loop).wrenches();
-    for (int k = 0; k < loop.rows(); ++k) at[k] = W[index(k)] | X;
+    const Six<double> all = loop_slip(loop);
+    std::copy_n(all.begin(), loop.rows(), at);
+  }
+}
+
+void AbsoluteSystem::put_rolling(Span q, Span v, double scale, Numbers& out) {
+  if (!rolls()) return;
+  find_poses(q), find_twists(v);
+  for (const Loop& loop : model_.loops().all) {
+    if (loop.rows() == loop.residuals()) continue;
+    double* const at = out.data() + 6 * n_ + n_rotors() + loop.first_row;
+    const Six<double> all = loop_slip(loop);
+    for (int k = loop.residuals(); k < loop.rows(); ++k) at[k] = scale * all[index(k)];
   }
 }
 

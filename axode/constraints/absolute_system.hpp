@@ -61,9 +61,12 @@ class AbsoluteSystem {
   /// Joint angles are counted on from these.
   void keep(Span q_joints) { near_.assign(q_joints.begin(), q_joints.end()); }
 
-  /// Φ(q), and B v at q, wherever the system is placed.
-  void gap(Span q, Numbers& out);
+  /// Φ(q), and B v at q, wherever the system is placed. Among rows of velocities Φ is 0 where there is no place.
+  void gap(Span q, Numbers& out, Rows kind = Rows::places);
   void slip(Span q, Span v, Numbers& out);
+  /// Whether something rolls, so that rows have no place; and scale B v at q in these of all rows of velocities.
+  bool rolls() const { return rows(Rows::velocities) > rows(Rows::places); }
+  void put_rolling(Span q, Span v, double scale, Numbers& out);
   /// f += Bᵀ λ at q.
   void add_closing(Span q, Span lambda, Numbers& f);
   /// p = M v.
@@ -113,6 +116,7 @@ class AbsoluteSystem {
   BodyWrench joint_force(int i, Span tau) const;
   void add_joint_wrench(int i, const BodyWrench& W, Numbers& f) const;
   LoopAt<double> loop_at(const Loop& loop) const;
+  Six<double> loop_slip(const Loop& loop) const;
 
   Model model_;
   BodyGroup kind_;

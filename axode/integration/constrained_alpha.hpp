@@ -13,6 +13,7 @@ namespace axode {
 ///   M a_1 = f(q_1, v_1) + ad_{v_1}ᵀ M v_1 + B_1ᵀ λ,   Φ(q_1) = 0                    (index 3)
 /// or, stabilised to index 2, with multipliers η of positions, B_1 v_1 = 0 besides:
 ///   x = h v_0 + h² ((1/2 - β) â_0 + β â_1 + β c M⁻¹ Bᵀ η).
+/// What rolls, N v_1 = 0 without a place, does so in either form, and where η moves it, too.
 /// Newton's method takes M and B, which is that of where the step is expected to end, for its matrix. A System is one of Rattle's.
 template <class System> class ConstrainedAlpha {
  public:
@@ -54,16 +55,18 @@ template <class System> class ConstrainedAlpha {
       bodies.momentum(a_1_, p_);
       bodies.add_closing(q_1_, lambda, r_);
       for (std::size_t k = 0; k < nv; ++k) r_[k] += turning_[k] - p_[k];
-      bodies.gap(q_1_, open_);
+      bodies.gap(q_1_, open_, AbsoluteSystem::Rows::velocities);
       for (double& open : open_) open /= -c_x;
       if (stabilized_) {
         bodies.slip(q_1_, v_1_, want_);
         for (double& slip : want_) slip /= -c_v;
         bodies.solve(r_, want_, da_, dlambda_);
         for (std::size_t k = 0; k < open_.size(); ++k) open_[k] -= want_[k];  // as B da is
+        bodies.put_rolling(q_1_, moved_, -1, open_);
         r_.assign(nv, 0.0);
         bodies.solve(r_, open_, dmoved_, deta_);
       } else {
+        bodies.put_rolling(q_1_, v_1_, -1 / c_v, open_);
         bodies.solve(r_, open_, da_, dlambda_);
         dmoved_.assign(nv, 0.0);
       }

@@ -115,11 +115,12 @@ Trajectory in_coordinates(const Model& model, Span q, Span v, double until, cons
 }
 
 /// For schemes on multipliers of places.
-void check_holonomic(const Model& model, const char* scheme) {
+void check_holonomic(const Model& model) {
   for (const Loop& loop : model.loops().all)
     if (loop.rows() != loop.residuals())
-      throw std::invalid_argument("loop \"" + loop.name + "\" rolls, which " + scheme +
-                                  " does not take; half_explicit and explicit methods do");
+      throw std::invalid_argument("loop \"" + loop.name +
+                                  "\" rolls, which a conserving scheme does not take; rattle in absolute "
+                                  "coordinates and explicit methods do");
 }
 void check_absolute(const SimulationOptions& options, const char* scheme) {
   if (options.coordinates == Coordinates::relative)
@@ -174,7 +175,6 @@ Trajectory simulate_stiff(const Model& model, Span q, Span v, double until, doub
   if (!(rho >= 0 && rho <= 1))
     throw std::invalid_argument("spectral radius is " + std::to_string(rho) + "; expected 0 to 1");
   if (options.coordinates != Coordinates::relative) {
-    check_holonomic(model, "generalised-alpha");
     AbsoluteRun run(model, q, v, until, options);
     if (run.done()) return std::move(run.trajectory);
     ConstrainedAlpha<AbsoluteRun> scheme(run, rho, stabilized, run.q, run.v, run.a, run.lambda);
@@ -206,8 +206,7 @@ Trajectory simulate_stiff(const Model& model, Span q, Span v, double until, doub
 
 Trajectory simulate_rattle(const Model& model, Span q, Span v, double until, double step, int order,
                            const SimulationOptions& options) {
-  check_step(step), check_absolute(options, "RATTLE"), check_smooth(model, options),
-      check_holonomic(model, "RATTLE");
+  check_step(step), check_absolute(options, "RATTLE"), check_smooth(model, options);
   AbsoluteRun run(model, q, v, until, options);
   if (run.done()) return std::move(run.trajectory);
   Rattle scheme(run, order, run.q, run.v);
@@ -227,7 +226,7 @@ Trajectory simulate_half_explicit(const Model& model, Span q, Span v, double unt
 
 Trajectory simulate_conserving(const Model& model, Span q, Span v, double until, double step, int order,
                                const SimulationOptions& options) {
-  check_step(step), check_smooth(model, options), check_holonomic(model, "a conserving scheme");
+  check_step(step), check_smooth(model, options), check_holonomic(model);
   check_relative(options, "a conserving scheme");
   MomentumRun run(model, q, v, until, options);
   if (run.done()) return std::move(run.trajectory);

@@ -56,15 +56,17 @@ Trajectory simulate_fixed(const Model& model, std::span<const double> q, std::sp
 /// a radius outside of [0, 1].
 ///
 /// In absolute coordinates joints and loops hold in places (index 3) or, stabilized, in velocities as well (index 2, after Gear,
-/// Gupta and Leimkuhler); there Newton's method takes M for the matrix, which stiff springs need short steps for. Throws for what rolls.
+/// Gupta and Leimkuhler); there Newton's method takes M for the matrix, which stiff springs need short steps for. What rolls
+/// does so in velocities in either.
 Trajectory simulate_stiff(const Model& model, std::span<const double> q, std::span<const double> v,
                           double until, double step, double spectral_radius = 0.8,
                           const SimulationOptions& options = {}, bool stabilized = true);
 
 /// The same in absolute coordinates, which the options must ask for, by RATTLE (order 2) or its compositions (4: Suzuki's, 6:
 /// Kahan's and Li's): symplectic where forces have a potential, so that energy errors stay bounded; joints and loops hold to
-/// rounding, in places and in velocities. Damping and drives keep the order. Implicit; a step that does not converge ends the
-/// motion. Throws as simulate_fixed(), and for other orders, events, dry friction, stops, relative coordinates and what rolls.
+/// rounding, in places and in velocities. Damping and drives keep the order. So does what rolls, where it is symmetric and
+/// nothing is symplectic. Implicit; a step that does not converge ends the motion. Throws as simulate_fixed(), and for other
+/// orders, events, dry friction, stops and relative coordinates.
 Trajectory simulate_rattle(const Model& model, std::span<const double> q, std::span<const double> v,
                            double until, double step, int order = 2, const SimulationOptions& options = {});
 

@@ -39,13 +39,13 @@ def simulate(m: Model, q: ArrayLike, v: ArrayLike, until: float, *,
         coordinates are singular, and quaternions stay on the sphere. On (q, p), conserving: "midpoint" (second order,
         implicit), "suzuki4" and "kahan_li6" (fourth and sixth, made of it) are symplectic: errors of the energy stay
         bounded; "rk4_momenta" is explicit. All four keep the momentum of what floats to rounding. They take no events,
-        stops and dry friction. Every method keeps loops closed; the symplectic ones take nothing that rolls.
+        stops and dry friction. Every method keeps loops closed; those on (q, p) that are symplectic take nothing that rolls.
     coordinates: what the motion is computed in; it is told in coordinates of the joints in any case. "relative": these;
         "absolute": bodies are points of SE(3), and every joint is a constraint; "absolute_SO3xR3": of SO(3) x R^3. In
         absolute ones "dopri5", "rk4" and "euler" bring joints and loops back after each step, and others hold them:
-        "rattle", "rattle_suzuki4" and "rattle_kahan_li6" (symplectic, of second, fourth and sixth order, no events),
-        "half_explicit" (third order), "generalized_alpha" (stabilised, index 2) and "generalized_alpha_index3".
-        Joints with several velocities may have no armature there.
+        "rattle", "rattle_suzuki4" and "rattle_kahan_li6" (of second, fourth and sixth order, no events; symplectic, or with
+        what rolls symmetric), "half_explicit" (third order), "generalized_alpha" (stabilised, index 2) and
+        "generalized_alpha_index3". Joints with several velocities may have no armature there.
     tau: drive forces, (nv,) for constant ones; one of `axode.drives`; or a function (t, q, v) -> (nv,), called for each
         evaluation. Springs, dampers and stops of the mechanism act besides, see `spring_forces`.
     loads: wrenches on frames, constant in their representations, or a function (t, q, v) -> such wrenches, called for each

@@ -90,4 +90,20 @@ inline Description gough() {
   return d;
 }
 
+/// A sphere or a disc of radius 0.3 that rolls on the plane z = 0; gravity may lean.
+inline Description wheel(bool sphere, const Vec3<>& gravity = {0, 0, -9.81}) {
+  Description d{.name = sphere ? "sphere" : "disc", .gravity = gravity, .bodies = {}, .frames = {}};
+  d.bodies.push_back({.name = "wheel",
+                      .joint = {.kind = JointKind::free},
+                      .inertia = MassProperties{.mass = 2,
+                                                .com = {0, 0, .3},
+                                                .Theta = sphere ? Sym3<>{.072, .072, .072, 0, 0, 0}
+                                                                : Sym3<>{.045, .09, .045, 0, 0, 0}}});
+  LoopDescription contact{
+      .name = "contact", .between = {"ground", "wheel"}, .kind = LoopKind::rolling, .center = {0, 0, .3}};
+  if (!sphere) contact.wheel_axis = Vec3<>{0, 1, 0};
+  d.loops.push_back(contact);
+  return d;
+}
+
 }  // namespace axode::test

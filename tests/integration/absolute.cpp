@@ -1,6 +1,8 @@
+#include "axode/constraints/absolute_system.hpp"
 #include "axode/constraints/assembly.hpp"
 #include "axode/constraints/loops.hpp"
 #include "axode/dynamics.hpp"
+#include "axode/io.hpp"
 #include "tests/constraints/mechanisms.hpp"
 #include "tests/integration/motions.hpp"
 #include "tests/model/rotors.hpp"
@@ -163,6 +165,124 @@ TEST(AbsoluteCoordinates, RattleKeepsTheEnergyInABand) {
     ASSERT_TRUE(late.complete) << late.stopped;
     EXPECT_LT(energy_error(late), 5 * energy_error(soon));
   }
+}
+
+/// What rolls, whose rows bind velocities alone, in motion, and what drives and damps it.
+struct Rolling {
+  Model model;
+  AssemblyResult at;
+  SimulationOptions forces;
+  double until;
+
+  Rolling(Model rolling, const Numbers& v, SimulationOptions acting, double end)
+      : model(std::move(rolling)),
+        at(assemble(model, neutral(model), v)),
+        forces(std::move(acting)),
+        until(end) {}
+};
+/// A sphere whose centre of mass is off its centre.
+Description lopsided_sphere() {
+  Description d = wheel(true);
+  d.name = "lopsided sphere";
+  d.bodies[0].inertia =
+      MassProperties{.mass = 2, .com = {0.05, -0.03, 0.25}, .Theta = {.072, .08, .09, .003, 0, .002}};
+  return d;
+}
+std::vector<Rolling> what_rolls() {
+  SimulationOptions motors;  // of the cart's wheels
+  motors.drive = [](double t, Span, Span v, std::span<double> tau) {
+    std::ranges::fill(tau, 0.0);
+    tau[6] = 0.01 * std::sin(3 * t) - 1e-4 * v[6], tau[7] = 0.01 * std::cos(3 * t) - 1e-4 * v[7];
+  };
+  return {
+      {ModelBuilder(wheel(false)).build(), {0.4, 6, 0.7, 0, 0, 0}, driven_and_damped(), 0.5},
+      {ModelBuilder(lopsided_sphere()).build(), {3, 2, 1, 0, 0, 0}, driven_and_damped(), 0.5},
+      {load(AXODE_SOURCE_DIR "/examples/robots/cart.toml"), {0, 0, 1, .3, 0, 0, 0, 0, 0, 0, 0}, motors, 0.1}};
+}
+
+/// The largest of B v in rows without a place.
+double rolling_slip(const Trajectory& motion) {
+  AbsoluteSystem bodies(motion.model(), BodyGroup::SE3);
+  Numbers q, v, slip(static_cast<std::size_t>(bodies.rows(AbsoluteSystem::Rows::velocities)));
+  double most = 0;
+  for (std::size_t k = 0; k < motion.size(); ++k) {
+    bodies.enter(motion.q(k), motion.v(k), q, v);
+    bodies.put_rolling(q, v, 1, slip);
+    most = std::max(most, largest_of(slip));
+  }
+  return most;
+}
+
+TEST(AbsoluteCoordinates, SchemesHaveTheirOrdersOnWhatRolls) {
+  for (const Rolling& rolling : what_rolls()) {
+    SCOPED_TRACE(rolling.model.name());
+    expect_orders(rolling.model, rolling.at.q, rolling.at.v, rolling.until, 50, {});
+    expect_orders(rolling.model, rolling.at.q, rolling.at.v, rolling.until, 50, rolling.forces);
+  }
+}
+
+TEST(AbsoluteCoordinates, RattleComposedToOrderSixKeepsItOnWhatRolls) {
+  const Rolling disc = what_rolls()[0];
+  const Trajectory exact = simulate(disc.model, disc.at.q, disc.at.v, 0.5, {1e-13, 1e-14}, disc.forces);
+  for (const Coordinates kind : absolute_kinds) {
+    const auto error = [&](int steps) {
+      return error_of(
+          simulate_rattle(disc.model, disc.at.q, disc.at.v, 0.5, 0.5 / steps, 6, in(kind, disc.forces)),
+          exact);
+    };
+    EXPECT_NEAR(std::log2(error(20) / error(40)), 6, 0.3);
+  }
+}
+
+TEST(AbsoluteCoordinates, WhatRollsDoesSoAtTheEndsOfSteps) {
+  for (const Rolling& rolling : what_rolls())
+    for (const Coordinates kind : absolute_kinds)
+      for (const auto& [name, order, run] : schemes) {
+        SCOPED_TRACE(rolling.model.name() + ", " + name);
+        const Trajectory motion =
+            run(rolling.model, rolling.at.q, rolling.at.v, rolling.until, 2e-3, in(kind, rolling.forces));
+        ASSERT_TRUE(motion.complete) << motion.stopped;
+        EXPECT_LT(largest_of(motion.gaps), 1e-12);
+        if (std::string_view(name) != "generalised-alpha, index 3") {
+          EXPECT_LT(largest_of(motion.slips), 1e-12);
+        } else if (rolling.model.n_bodies() == 1) {  // whose joint coordinates tell its motion as it is
+          EXPECT_LT(rolling_slip(motion), 1e-12);
+        }
+      }
+}
+
+TEST(AbsoluteCoordinates, RattleIsReversibleWithWhatRolls) {
+  for (const Rolling& rolling : what_rolls())
+    for (const Coordinates kind : absolute_kinds)
+      for (const int order : {2, 4}) {
+        SCOPED_TRACE(rolling.model.name());
+        const Model& model = rolling.model;
+        const Trajectory there =
+            simulate_rattle(model, rolling.at.q, rolling.at.v, 0.5, 5e-3, order, in(kind));
+        Numbers v(last_v(there).begin(), last_v(there).end());
+        for (double& v_c : v) v_c = -v_c;
+        const Trajectory back = simulate_rattle(model, last_q(there), v, 0.5, 5e-3, order, in(kind));
+        EXPECT_LT(apart(model, last_q(back), rolling.at.q), 1e-11);
+        EXPECT_GT(apart(model, last_q(there), rolling.at.q), 0.1);
+      }
+}
+
+/// Although nothing is symplectic there.
+TEST(AbsoluteCoordinates, RattleKeepsTheEnergyOfWhatRollsInABand) {
+  const std::vector<Rolling> all = what_rolls();
+  for (std::size_t k = 0; k < 2; ++k)
+    for (const Coordinates kind : absolute_kinds) {
+      SCOPED_TRACE(all[k].model.name());
+      const auto error = [&](const auto& run, double until) {
+        const Trajectory motion = run(all[k].model, all[k].at.q, all[k].at.v, until, 2e-2, in(kind));
+        EXPECT_TRUE(motion.complete) << motion.stopped;
+        const auto [least, most] = std::ranges::minmax(motion.body_energies);
+        return most - least;
+      };
+      const auto rattle = schemes[1].run, half_explicit = schemes[3].run;
+      EXPECT_LT(error(rattle, 80), 1.1 * error(rattle, 10));
+      EXPECT_GT(error(half_explicit, 80), 4 * error(half_explicit, 10)) << "drifts";
+    }
 }
 
 /// The N-four-bar's energy errors with spectral radius 0.95, as published for h = 1 ms: 1.14e-3 J; and 100 times that at 10 ms.
