@@ -418,26 +418,31 @@ template <class T> Solvability LoopSystem<T>::hold(const T* q) noexcept {
 
 template <class T> void LoopSystem<T>::hold() noexcept {
   const T part = is_float<T> ? T(1e-4) : T(1e-10);
-  const int m = size(Rows::velocities);
   filter_ = least_filter<T>;
-  dropped_.assign(index(m), 1);
+  dropped_.assign(index(size(Rows::velocities)), 1);
   left_ = Y_;
-  for (Eigen::Index rank = 0; rank < basis_.cols(); ++rank) {
-    int best = -1;
-    T most = part;
-    for (int k = 0; k < m;
-         ++k)  // that of which the others leave most: near singular places what is left is ill-conditioned
-      if (const T rest = dropped_[index(k)] ? left_.col(k).norm() / scale_[k] : T(0); rest > most)
-        best = k, most = rest;
-    if (best < 0) break;
-    dropped_[index(best)] = 0;
-    auto q = basis_.col(rank);
-    q = left_.col(best);
-    for (Eigen::Index j = 0; j < rank; ++j) q -= basis_.col(j).dot(q) * basis_.col(j);
-    q.normalize();
-    along_.noalias() = q.transpose() * left_;
-    left_.noalias() -= q * along_;
-  }
+  Eigen::Index rank = 0;
+  // Where what rolls repeats a row with a place, that one is kept: nothing else brings the place back.
+  for (const bool placed : {true, false})
+    for (; rank < basis_.cols(); ++rank) {
+      int best = -1;
+      T most = part;
+      for (const LoopPath& path : paths_)
+        for (int r = 0; r < path.rows.count; ++r) {
+          const int k = path.rows.first + r;
+          if ((r < path.residuals.count) != placed || !dropped_[index(k)]) continue;
+          // that of which the others leave most: near singular places what is left is ill-conditioned
+          if (const T rest = left_.col(k).norm() / scale_[k]; rest > most) best = k, most = rest;
+        }
+      if (best < 0) break;
+      dropped_[index(best)] = 0;
+      auto q = basis_.col(rank);
+      q = left_.col(best);
+      for (Eigen::Index j = 0; j < rank; ++j) q -= basis_.col(j).dot(q) * basis_.col(j);
+      q.normalize();
+      along_.noalias() = q.transpose() * left_;
+      left_.noalias() -= q * along_;
+    }
 }
 
 template <class T> template <class F> void LoopSystem<T>::each_dropped(const F& f) const {
