@@ -387,6 +387,34 @@ def mechanisms_of_bodies(page):
                                         "open by, rad or m"], rows)
 
 
+# ---- what rolls ------------------------------------------------------------------------------------------------------
+def coin():
+    b = axode.Builder("coin")
+    b.body("coin", joint="free", mass=2, com=[0, 0, 0.3], inertia=[0.045, 0.09, 0.045])
+    b.loop("ground", "coin", "rolling", axis="z", point=[0, 0, 0], center=[0, 0, 0.3], wheel_axis="y")
+    return b.build()
+
+
+def rolling(page):
+    rows = []
+    for m, v, step in ((coin(), [0.4, 6, 0.7, 0, 0, 0], 1e-2),
+                       (axode.load(axode.robots / "cart.toml"), [0, 0, 1, 0.3, 0, 0, 0, 0, 0, 0, 0], 2e-3)):
+        q, v = axode.assemble(m, m.neutral(), v)
+        exact = axode.simulate(m, q, v, 1, rtol=1e-13, atol=1e-14).q[-1]
+        for coordinates, group in GROUPS.items():
+            for method, options in HELD.items():
+                progress("rolling:", m.name, method, group)
+                coarse, fine, far = (axode.simulate(m, q, v, until, method=method, step=h, coordinates=coordinates,
+                                                    **options) for until, h in ((1, step), (1, step / 2), (40, step)))
+                errors = [np.abs(m.difference(exact, motion.q[-1])).max() for motion in (coarse, fine)]
+                lost = np.abs(far.body_energy - far.body_energy[0])
+                rows.append([m.name, group, f"`{method}`", f"{step:g} s", number(errors[0]),
+                             f"{np.log2(errors[0] / errors[1]):.2f}", number(lost[far.t <= 10].max()),
+                             number(lost.max()), number(far.gap.max(), 0), number(far.slip.max(), 0)])
+    page.table("rolling", ["", "group", "method", "step", "q, rad or m", "order", "energy in 10 s, J", "in 40 s, J",
+                           "open by, rad or m", "B v, rad/s or m/s"], rows)
+
+
 # ---- cost ------------------------------------------------------------------------------------------------------------
 COST = ["rk4", "rk4_momenta", "generalized_alpha", "midpoint", "suzuki4", "kahan_li6"]
 STEPS = 300
@@ -495,7 +523,7 @@ def falling_top_beside_mujoco(page):
     page.table("falling top", ["step", "`rk4`: rad, m", "`rk4_momenta`: rad, m", "MuJoCo's RK4: rad, m"], rows)
 
 
-SECTIONS = {section.__name__: section for section in (heavy_top, free_top, chain, humanoid, loops, absolute, cost)}
+SECTIONS = {section.__name__: section for section in (heavy_top, free_top, chain, humanoid, loops, absolute, rolling, cost)}
 
 
 def main():
