@@ -26,18 +26,16 @@ class Settling {
     const Numbers& dx;
   };
 
-  /// Takes a step, of which the first part is measured, against a size. Where rounding lets it come no closer, it settles
-  /// where it came closest.
+  /// Takes a step, of which the first part is measured, against a size. Where rounding lets it come no closer, not to half in four
+  /// steps, it settles where it came closest.
   Verdict take(double size, std::initializer_list<Part> parts) {
     constexpr double rounding = 2e-14, noisy = 1e-10, ill_conditioned = 1e-7;
     constexpr int most = 60, patience = 4;
     read(parts);
     const double change = dx_.head(measured(parts)).lpNorm<Eigen::Infinity>();
     if (!std::isfinite(change)) return Verdict::diverged;
-    if (change < best_) {
-      if (change < 0.5 * best_) since_ = 0;
-      best_ = change, closest_ = x_ + dx_;
-    }
+    if (change < best_) best_ = change, closest_ = x_ + dx_;
+    if (change < 0.5 * halved_) halved_ = change, since_ = 0;
     if (change <= rounding * size || (++since_ > patience && best_ < ill_conditioned * size)) {
       write(closest_, parts);
       return Verdict::settled;
@@ -81,7 +79,7 @@ class Settling {
   Eigen::MatrixXd changes_, moves_;
   Eigen::Index filled_ = 0, oldest_ = 0;
   int steps_ = 0, since_ = 0;
-  double best_ = std::numeric_limits<double>::infinity();
+  double best_ = std::numeric_limits<double>::infinity(), halved_ = best_;
 };
 
 /// The largest number, and 1.

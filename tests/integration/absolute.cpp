@@ -258,10 +258,10 @@ TEST(AbsoluteCoordinates, RattleIsReversibleWithWhatRolls) {
         SCOPED_TRACE(rolling.model.name());
         const Model& model = rolling.model;
         const Trajectory there =
-            simulate_rattle(model, rolling.at.q, rolling.at.v, 0.5, 5e-3, order, in(kind));
+            simulate_rattle(model, rolling.at.q, rolling.at.v, 0.5, 1e-2, order, in(kind));
         Numbers v(last_v(there).begin(), last_v(there).end());
         for (double& v_c : v) v_c = -v_c;
-        const Trajectory back = simulate_rattle(model, last_q(there), v, 0.5, 5e-3, order, in(kind));
+        const Trajectory back = simulate_rattle(model, last_q(there), v, 0.5, 1e-2, order, in(kind));
         EXPECT_LT(apart(model, last_q(back), rolling.at.q), 1e-11);
         EXPECT_GT(apart(model, last_q(there), rolling.at.q), 0.1);
       }
