@@ -1,8 +1,11 @@
+#include "axode/constraints/assembly.hpp"
+#include "axode/constraints/constrained_dynamics.hpp"
 #include "axode/integration/absolute_run.hpp"
 #include "axode/integration/constrained_alpha.hpp"
+#include "tests/constraints/mechanisms.hpp"
 #include "tests/integration/motions.hpp"
 
-/// The multipliers of generalised-alpha on the fast top: what the joint exerts at the end of a second.
+/// The multipliers of generalised-alpha: what a joint, or the ground under what rolls, exerts at the end of a second.
 namespace axode::test {
 namespace {
 
@@ -54,6 +57,32 @@ TEST(Multipliers, OfGeneralizedAlphaAreOfOrderTwoButForTheTransientOfIndexThree)
   const double coarse = multiplier_error(model, Coordinates::absolute_SO3xR3, false, 1024, exact),
                fine = multiplier_error(model, Coordinates::absolute_SO3xR3, false, 2048, exact);
   EXPECT_GT(std::log2(coarse / fine), 0.8) << coarse << " " << fine;
+}
+
+/// What carries a disc and keeps it from slipping, against that of its exact state.
+TEST(Multipliers, OfWhatRollsAreOfOrderTwo) {
+  const Model model = ModelBuilder(wheel(false)).build();
+  const AssemblyResult at = assemble(model, neutral(model), Numbers{0.4, 6, 0.7, 0, 0, 0});
+  const Trajectory exact = simulate(model, at.q, at.v, 1, {1e-12, 1e-13});
+  LoopWorkspace<double> workspace(model);
+  Numbers a(6), lambda(3);
+  ASSERT_TRUE(
+      forward_dynamics<double>(model, workspace, last_q(exact), last_v(exact), Numbers(6), a, lambda).ok());
+  for (const Coordinates kind : {Coordinates::absolute, Coordinates::absolute_SO3xR3})
+    for (const bool stabilized : {true, false}) {
+      const auto error = [&](int steps) {
+        SimulationOptions options;
+        options.coordinates = kind;
+        AbsoluteRun run(model, at.q, at.v, 1, options);
+        ConstrainedAlpha<AbsoluteRun> scheme(run, 0.8, stabilized, run.q, run.v, run.a, run.lambda);
+        for (int k = 0; k < steps; ++k)
+          EXPECT_EQ(scheme.run(k / double(steps), 1.0 / steps), StepOutcome::found);
+        const auto contact = std::span(scheme.lambda).last<3>();
+        return norm(Vec3<>{contact[0] - lambda[0], contact[1] - lambda[1], contact[2] - lambda[2]});
+      };
+      const double coarse = error(200), fine = error(400);
+      EXPECT_NEAR(std::log2(coarse / fine), 2, 0.1) << coarse << " " << fine;
+    }
 }
 
 }  // namespace
