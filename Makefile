@@ -46,7 +46,6 @@ nightly: deps venv ## What takes hours: Clang, sanitizers on everything, threads
 	@python3 tools/run_all_tests.py --nightly --jobs $(JOBS)
 
 bench: python ## Measure every function beside its peers, with GCC, with Clang and from Python; redraws docs/performance.svg
-	build/venv/bin/python -m pip install --quiet -r bench/requirements.txt
 	for preset in bench bench-clang; do \
 	  cmake --preset $$preset && cmake --build --preset $$preset --parallel $(JOBS) || exit 1; done
 	build/venv/bin/python tools/benchmark.py build/bench build/bench-clang --plot docs/performance.svg

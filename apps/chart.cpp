@@ -28,6 +28,7 @@ namespace {
 constexpr std::array<std::string_view, 8> palette{"#4477aa", "#ee7733", "#228833", "#aa3377",
                                                   "#999933", "#33bbee", "#000000", "#cc3311"};
 constexpr std::size_t most_lines = palette.size(), most_points = 2000, longest_name = 28;
+constexpr std::size_t most_dots = 50;  ///< of a line on which each point is shown
 
 // ---------------------------------------------------------------------------------------------------- gnuplot
 
@@ -161,8 +162,9 @@ class Script {
       for (const Curve* curve : panels_.back()) legend_ = std::max(legend_, width(in_legend(*curve)) + 4);
     }
     const int rows = (static_cast<int>(chart.panels.size()) + chart.columns - 1) / chart.columns;
-    right_ = legend_ == 0 ? 20 : 40 + 8 * static_cast<int>(legend_);
-    size_ = {chart.columns * (left + chart.width + right_), top + rows * (chart.height + gap) + bottom()};
+    right_ = legend_ == 0 ? 20 : 40 + 9 * static_cast<int>(legend_);
+    gap_ = std::ranges::any_of(chart.panels, [&](const Panel& panel) { return slanted(panel); }) ? 104 : 62;
+    size_ = {chart.columns * (left + chart.width + right_), top + rows * (chart.height + gap_) + bottom()};
   }
 
   bool empty() const {
@@ -177,8 +179,7 @@ class Script {
                    : fmt::format("font \"sans,12\" fontscale {0} linewidth {0} pointscale {0}", scale));
     text_ +=
         "set border 3 linecolor rgb \"#777777\"\nset tics nomirror textcolor rgb \"#222222\"\n"
-        "set grid linetype 1 linecolor rgb \"#e4e4e4\"\nset style fill solid 1 noborder\nset boxwidth 0.85 "
-        "absolute\n";
+        "set grid linetype 1 linecolor rgb \"#e4e4e4\"\nset style fill solid 1 noborder\n";
     text_ += fmt::format("set multiplot\nset label 1 {} at screen {},{} left font \",15\"\n",
                          literal(shortened(chart_.title, static_cast<std::size_t>(size_[0] - left) / 11)),
                          1.0 * left / size_[0], 1 - 20.0 / size_[1]);
@@ -189,7 +190,7 @@ class Script {
   }
 
  private:
-  static constexpr int left = 84, top = 44, gap = 62;
+  static constexpr int left = 84, top = 44;
   int bottom() const { return chart_.legend == Chart::below_all ? 48 : 0; }
 
   void panel(std::size_t place) {
@@ -197,8 +198,8 @@ class Script {
     const int row = static_cast<int>(place) / chart_.columns,
               column = static_cast<int>(place) % chart_.columns;
     const double x0 = column * (left + chart_.width + right_) + left;
-    const double y1 = size_[1] - top - row * (chart_.height + gap) - (panel.title.empty() ? 0 : 16);
-    const double y0 = size_[1] - top - row * (chart_.height + gap) - chart_.height;
+    const double y1 = size_[1] - top - row * (chart_.height + gap_) - (panel.title.empty() ? 0 : 16);
+    const double y0 = size_[1] - top - row * (chart_.height + gap_) - chart_.height;
     text_ += fmt::format(
         "set lmargin at screen {}\nset rmargin at screen {}\nset bmargin at screen {}\nset tmargin at screen "
         "{}\n",
@@ -208,15 +209,18 @@ class Script {
     text_ += panel.axes_through_zero
                  ? "set xzeroaxis lt 1 lc rgb \"#777777\"\nset yzeroaxis lt 1 lc rgb \"#777777\"\n"
                  : "unset xzeroaxis\nunset yzeroaxis\n";
+    text_ += axis('x', panel.log_x) + axis('y', panel.log_y) +
+             fmt::format("set boxwidth {} absolute\n", panel.bar_width);
     text_ += ranges(panels_[place].front()->kind);
     if (panel.x_range)
       text_ += fmt::format("set xrange [{}:{}]\n", panel.x_range->first, panel.x_range->second);
-    text_ += fmt::format("set ytics {}\nset xtics autofreq\n", y_step(panels_[place]));
+    text_ += fmt::format("set ytics {}\nset xtics norotate autofreq\n",
+                         panel.log_y ? "autofreq" : y_step(panels_[place]));
     if (!panel.x_ticks.empty()) {
       std::string ticks;
       for (const auto& [x, name] : panel.x_ticks)
         ticks += fmt::format("{}{} {}", ticks.empty() ? "" : ", ", literal(name), x);
-      text_ += "set xtics (" + ticks + ") scale 0\n";
+      text_ += "set xtics (" + ticks + ") scale 0" + (slanted(panel) ? " rotate by 20 right\n" : "\n");
     }
     legend(place, x0 + chart_.width + 16, y1);
     const std::vector<const Curve*>& curves = panels_[place];
@@ -226,6 +230,18 @@ class Script {
       plots += (k == 0 ? "plot " : ", ") + plotted(*curves[k], k);
     }
     text_ += plots + "\nunset label 1\n";
+  }
+
+  /// Whether names below the panel have no room beside each other.
+  bool slanted(const Panel& panel) const {
+    std::size_t longest = 0;
+    for (const auto& [x, name] : panel.x_ticks) longest = std::max(longest, width(name));
+    return 7 * longest * panel.x_ticks.size() > static_cast<std::size_t>(chart_.width);
+  }
+
+  static std::string axis(char name, bool logarithmic) {
+    if (logarithmic) return fmt::format("set logscale {0} 10\nset format {0} \"%.0te%T\"\n", name);
+    return fmt::format("unset logscale {0}\nset format {0} \"%h\"\n", name);
   }
 
   /// The distance of numbers beside the panel, which have some room each.
@@ -299,7 +315,9 @@ class Script {
     std::string style;
     switch (curve.kind) {
       case Curve::line:
-        style = fmt::format("with lines linewidth 1.8 dashtype {}", k < palette.size() / 2 ? "1" : "(8,4)");
+        style = fmt::format("with {} linewidth 1.8 dashtype {}",
+                            curve.y.size() <= most_dots ? "linespoints pointtype 7 pointsize 0.4" : "lines",
+                            k < palette.size() / 2 ? "1" : "(8,4)");
         break;
       case Curve::points: style = "with points pointtype 7 pointsize 1"; break;
       case Curve::bars: style = "with boxes"; break;
@@ -313,30 +331,32 @@ class Script {
   const Chart& chart_;
   std::vector<std::vector<const Curve*>> panels_;
   std::size_t legend_ = 0;
-  int right_;
+  int right_, gap_;
   std::array<int, 2> size_;
   std::string text_;
 };
 
 }  // namespace
 
-ChartFile::ChartFile(std::string file) : file_(std::move(file)) {
+ChartFile::ChartFile(std::string option, std::string file)
+    : option_(std::move(option)), file_(std::move(file)) {
   static constexpr std::array<std::pair<std::string_view, Format>, 2> endings{
       {{".svg", Format::svg}, {".png", Format::png}}};
-  format_ =
-      choose("--plot: " + file_ + ": the ending", std::filesystem::path(file_).extension().string(), endings);
+  format_ = choose(option_ + ": " + file_ + ": the ending", std::filesystem::path(file_).extension().string(),
+                   endings);
   if (!gnuplot(""))
-    throw InputError("--plot: gnuplot draws it, and is not installed (on Debian: apt install gnuplot-nox)");
+    throw InputError(option_ +
+                     ": gnuplot draws it, and is not installed (on Debian: apt install gnuplot-nox)");
 }
 
 void ChartFile::draw(const Chart& chart) const {
   Script script(chart);
-  if (script.empty()) throw InputError("--plot: there are no numbers to draw");
+  if (script.empty()) throw InputError(option_ + ": there are no numbers to draw");
   const std::optional<Outcome> drawn =
       gnuplot(format_ == Format::svg ? script.text("svg background rgb \"white\"", 1)
                                      : script.text("pngcairo background rgb \"white\"", 2));
   if (!drawn || drawn->status != 0 || drawn->out.empty())
-    throw InputError("--plot: gnuplot could not draw it" + (drawn ? ": " + drawn->err : ""));
+    throw InputError(option_ + ": gnuplot could not draw it" + (drawn ? ": " + drawn->err : ""));
   write_text(file_, drawn->out);
 }
 
@@ -346,7 +366,7 @@ void add_plot_option(CLI::App& command, std::string& file) {
 
 std::optional<ChartFile> chart_file(const std::string& file) {
   if (file.empty()) return std::nullopt;
-  return ChartFile(file);
+  return ChartFile("--plot", file);
 }
 
 }  // namespace axode::command

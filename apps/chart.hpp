@@ -25,6 +25,8 @@ struct Panel {
   std::vector<std::pair<double, std::string>> x_ticks = {};  ///< instead of numbers
   std::optional<std::pair<double, double>> x_range = {};     ///< instead of that of the curves
   bool axes_through_zero = false;
+  bool log_x = false, log_y = false;
+  double bar_width = 0.85;
 };
 
 struct Chart {
@@ -36,11 +38,11 @@ struct Chart {
   Legend legend = beside_each;
 };
 
-/// The file of --plot.
+/// The picture that an option names.
 class ChartFile {
  public:
   /// Throws UsageError where the ending is neither .svg nor .png, InputError where gnuplot is missing.
-  explicit ChartFile(std::string file);
+  ChartFile(std::string option, std::string file);
 
   /// Of a panel with many lines those that change most are drawn, of a long line as many points as can be seen. Throws
   /// InputError where the file cannot be written.
@@ -48,7 +50,7 @@ class ChartFile {
 
  private:
   enum class Format { svg, png };
-  std::string file_;
+  std::string option_, file_;
   Format format_;
 };
 

@@ -40,6 +40,7 @@ void add_convert(CLI::App& app, int& exit_code);
 void add_eval(CLI::App& app, int& exit_code);
 void add_linearize(CLI::App& app, int& exit_code);
 void add_simulate(CLI::App& app, int& exit_code);
+void add_plot(CLI::App& app, int& exit_code);
 void add_view(CLI::App& app, int& exit_code);
 /// Python takes the place of this program, and leaves its own exit code.
 void add_map(CLI::App& app);

@@ -83,6 +83,7 @@ int run(int argc, char** argv) {
   add_eval(app, exit_code);
   add_linearize(app, exit_code);
   add_simulate(app, exit_code);
+  add_plot(app, exit_code);
   add_view(app, exit_code);
   add_map(app);
   add_codegen(app, exit_code);

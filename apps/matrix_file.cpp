@@ -11,7 +11,7 @@
 #include <stdexcept>
 
 #include "choice.hpp"
-#include "text_file.hpp"
+#include "csv_file.hpp"
 
 namespace axode::command {
 

@@ -12,6 +12,7 @@
 
 #include "axode/model/configuration.hpp"
 #include "commands.hpp"
+#include "csv_file.hpp"
 #include "json_text.hpp"
 #include "matrix_file.hpp"
 #include "text_file.hpp"
@@ -29,32 +30,6 @@ using Tables = std::map<std::string, Rows, std::less<>>;
 [[noreturn]] void refuse(const std::string& sentence) { throw InputError(sentence); }
 
 // ------------------------------------------------------------------------------------------------------ .csv
-
-/// The words of a line of CSV, without the quotes around them.
-std::vector<std::string> words_of(std::string_view line) {
-  std::vector<std::string> words(1);
-  bool quoted = false;
-  for (std::size_t k = 0; k < line.size(); ++k) {
-    const char c = line[k];
-    if (c == '"' && quoted && line.substr(k + 1).starts_with('"')) {
-      words.back() += line[k++];
-    } else if (c == '"') {
-      quoted = !quoted;
-    } else if (c == ',' && !quoted) {
-      words.emplace_back();
-    } else {
-      words.back() += c;
-    }
-  }
-  return words;
-}
-
-std::optional<double> number_in(std::string_view word) {
-  double x = 0;
-  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), x);
-  if (error != std::errc() || end != word.data() + word.size()) return std::nullopt;
-  return x;
-}
 
 /// The columns of these names side by side; nothing where the first is missing.
 void gather(const std::vector<std::string>& headings, const std::vector<std::vector<double>>& lines,
@@ -75,21 +50,10 @@ void gather(const std::vector<std::string>& headings, const std::vector<std::vec
 }
 
 Tables read_csv(const Model& model, const std::string& file) {
-  const std::string text = read_text(file);
   std::vector<std::string> headings;
   std::vector<std::vector<double>> lines;
-  std::size_t number = 0;
-  for (std::string_view rest = text; !rest.empty();) {
-    ++number;
-    std::string_view line = rest.substr(0, rest.find('\n'));
-    rest.remove_prefix(std::min(line.size() + 1, rest.size()));
-    if (line.ends_with('\r')) line.remove_suffix(1);
-    if (line.empty()) continue;
-    const std::vector<std::string> words = words_of(line);
-    if (headings.empty()) {
-      headings = words;
-      continue;
-    }
+  for_rows_of_csv(read_text(file), [&](std::size_t number, const std::vector<std::string>& words) {
+    if (headings.empty()) return void(headings = words);
     if (words.size() != headings.size())
       refuse(fmt::format("{}:{}: there are {} columns; the first line has {}", file, number, words.size(),
                          headings.size()));
@@ -99,7 +63,7 @@ Tables read_csv(const Model& model, const std::string& file) {
       if (!x) refuse(fmt::format("{}:{}: \"{}\" is no number", file, number, word.substr(0, 40)));
       numbers.push_back(*x);
     }
-  }
+  });
   Tables tables;
   gather(headings, lines, "t", {""}, file, tables);
   gather(headings, lines, "q", coordinate_names(model), file, tables);

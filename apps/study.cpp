@@ -10,6 +10,7 @@
 #include "chart.hpp"
 #include "choice.hpp"
 #include "commands.hpp"
+#include "csv_file.hpp"
 #include "json_text.hpp"
 #include "model_options.hpp"
 #include "table.hpp"

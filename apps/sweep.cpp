@@ -1,11 +1,11 @@
 #include <fmt/format.h>
 
-#include <charconv>
 #include <cmath>
 
 #include "axode/model/configuration.hpp"
 #include "choice.hpp"
 #include "commands.hpp"
+#include "csv_file.hpp"
 #include "state.hpp"
 #include "text_file.hpp"
 
@@ -13,34 +13,6 @@ namespace axode::command {
 namespace {
 
 using Cells = std::vector<std::string>;
-
-/// The rows of a CSV file. What is in quotes may hold commas, ends of lines and, twice, quotes.
-std::vector<Cells> rows_of(const std::string& text) {
-  std::vector<Cells> rows;
-  bool quoted = false, begun = false;
-  const auto cell = [&]() -> std::string& {
-    if (!begun) rows.push_back({""});
-    begun = true;
-    return rows.back().back();
-  };
-  for (std::size_t k = 0; k < text.size(); ++k) {
-    const char c = text[k];
-    if (c == '"') {
-      const bool twice = quoted && k + 1 < text.size() && text[k + 1] == '"';
-      if (twice) cell() += text[++k];
-      if (!twice) cell(), quoted = !quoted;
-    } else if (quoted) {
-      cell() += c;
-    } else if (c == '\n') {
-      begun = false;
-    } else if (c == ',') {
-      cell(), rows.back().emplace_back();
-    } else if (c != '\r') {
-      cell() += c;
-    }
-  }
-  return rows;
-}
 
 /// Where the numbers of a column go.
 struct Column {
@@ -63,7 +35,8 @@ class SweepReader {
   }
 
   Sweep read() {
-    const std::vector<Cells> rows = rows_of(read_text(file_));
+    std::vector<Cells> rows;
+    for_rows_of_csv(read_text(file_), [&](std::size_t, const Cells& cells) { rows.push_back(cells); });
     if (rows.size() < 2)
       throw InputError(file_ + ": expected a line with the names of columns, and states below it");
     const std::vector<Column> columns = columns_of(rows[0]);
@@ -120,10 +93,9 @@ class SweepReader {
       throw InputError(std::move(faults_));
     }
     for (std::size_t k = 0; k < numbers.size(); ++k) {
-      const std::string& cell = rows[i][k];
-      const auto [stop, failure] = std::from_chars(cell.data(), cell.data() + cell.size(), numbers[k]);
-      if (failure != std::errc{} || stop != cell.data() + cell.size() || !std::isfinite(numbers[k]))
-        fault(i, fmt::format("{} is \"{}\", which is no finite number", rows[0][k], cell));
+      numbers[k] = number_in(rows[i][k]).value_or(NAN);
+      if (!std::isfinite(numbers[k]))
+        fault(i, fmt::format("{} is \"{}\", which is no finite number", rows[0][k], rows[i][k]));
     }
     return numbers;
   }

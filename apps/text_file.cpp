@@ -33,10 +33,4 @@ void write_text(const std::string& file, const std::string& text) {
   if (!stream) throw InputError(file + ": the file cannot be written");
 }
 
-std::string quoted(const std::string& word) {
-  std::string out = "\"";
-  for (const char c : word) out += c == '"' ? std::string("\"\"") : std::string(1, c);
-  return out + '"';
-}
-
 }  // namespace axode::command

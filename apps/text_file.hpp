@@ -9,7 +9,4 @@ std::string read_text(const std::string& file);
 /// Replaces what a file holds. Throws InputError where it cannot be written.
 void write_text(const std::string& file, const std::string& text);
 
-/// A word of CSV in quotes.
-std::string quoted(const std::string& word);
-
 }  // namespace axode::command

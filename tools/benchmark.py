@@ -16,6 +16,8 @@ import sys
 from collections import defaultdict
 from pathlib import Path
 
+import chart
+
 PEERS = ["pinocchio", "lcaba", "mujoco"]  # lcaba: Pinocchio's other way to solve mechanisms with loops
 COMPILED_BY_ITS_MAKERS = {"mujoco": "wheel"}  # peers that have a table of their own
 OWN_PEERS = {"generated": "fast"}  # variants of ours that are compared with another one of ours
@@ -24,6 +26,10 @@ FAST = {"inverse_dynamics": "fast", "forward_dynamics": "fast", "mass_matrix": "
         "accelerations": "hybrid",
         "inverse_dynamics_derivatives": "fast", "forward_dynamics_derivatives": "fast",
         "inverse_dynamics_second_derivatives": "fast"}
+PANELS = {"dynamics": ["inverse_dynamics", "forward_dynamics", "mass_matrix", "inverse_mass_matrix"],
+          "kinematics": ["poses", "twists", "accelerations", "joint_jacobians", "body_jacobians"],
+          "derivatives": ["inverse_dynamics_derivatives", "forward_dynamics_derivatives",
+                          "inverse_dynamics_second_derivatives"]}  # of the picture
 
 
 def compiler_of(build):
@@ -104,27 +110,14 @@ def print_beside(peer, rows):
         print(f"| {model} | " + " | ".join(cells.get((model, function), "") for function in functions) + " |")
 
 
-def draw(rows, file):
-    import matplotlib
-
-    matplotlib.use("svg")
-    matplotlib.rcParams["svg.hashsalt"] = "axode"
-    from matplotlib import pyplot
-
+def draw_beside_pinocchio(rows, picture):
     shown = [row for row in rows if row["peer"] == "pinocchio" and FAST.get(row["function"]) == row["variant"]]
-    functions = [f for f in FAST if any(row["function"] == f for row in shown)]
-    models = list(dict.fromkeys(row["model"] for row in shown))
-    figure, axes = pyplot.subplots(figsize=(11, 5.5), layout="constrained")
-    for k, function in enumerate(functions):
-        ratio = {row["model"]: row["ratio"] for row in shown if row["function"] == function}
-        places = [m + (k - len(functions) / 2 + 0.5) * 0.8 / len(functions) for m in range(len(models))]
-        axes.bar(places, [ratio.get(m, 0) for m in models], 0.8 / len(functions), label=function.replace("_", " "))
-    axes.axhline(1, color="black", linewidth=0.8)
-    axes.set_xticks(range(len(models)), models, rotation=25, ha="right")
-    axes.set_ylabel("our time / Pinocchio's, each at its better compiler")
-    axes.set_title("One state, one thread: lower is faster")
-    figure.legend(loc="outside lower center", ncols=len(functions), fontsize="small")
-    figure.savefig(file, metadata={"Date": None})
+    ratio = {(row["model"], row["function"]): row["ratio"] for row in shown}
+    names = [f"{panel}: {function.replace('_', ' ')}" for panel, functions in PANELS.items() for function in functions]
+    functions = [function for functions in PANELS.values() for function in functions]
+    table = [[model, *(ratio.get((model, function)) for function in functions)]
+             for model in dict.fromkeys(row["model"] for row in shown)]
+    chart.draw(picture, {"Our time over Pinocchio's, each at its better compiler": (["", *names], table)}, "--bars")
 
 
 def main():
@@ -134,7 +127,7 @@ def main():
     parser.add_argument("--repetitions", default="5")
     parser.add_argument("--filter", default=".", help="regular expression on <function>/<model>/<variant>")
     parser.add_argument("--output", type=Path, default=Path("build/bench/ratios.json"))
-    parser.add_argument("--plot", type=Path, help="an SVG to draw (needs matplotlib)")
+    parser.add_argument("--plot", type=Path, help="a picture to draw, .svg or .png")
     arguments = parser.parse_args()
     rows = compare({compiler_of(build): run(build, arguments) for build in arguments.builds})
     arguments.output.parent.mkdir(parents=True, exist_ok=True)
@@ -143,7 +136,7 @@ def main():
     for peer in COMPILED_BY_ITS_MAKERS:
         print_beside(peer, rows)
     if arguments.plot:
-        draw(rows, arguments.plot)
+        draw_beside_pinocchio(rows, arguments.plot)
 
 
 if __name__ == "__main__":

@@ -4,7 +4,7 @@
     build/venv/bin/python tools/motion_study.py docs/integration.md --only heavy_top cost
 
 A table of the page stands between `<!-- name -->` and `<!-- end -->`, figures lie beside it as integration-name.svg. Times
-are those of the processor, in which other programs do not count. Needs matplotlib, and `cost` MuJoCo.
+are those of the processor, in which other programs do not count. `cost` needs MuJoCo.
 """
 
 import argparse
@@ -16,15 +16,10 @@ import time
 from pathlib import Path
 
 import axode
-import matplotlib
+import chart
 import numpy as np
 
-matplotlib.use("svg")
-matplotlib.rcParams.update({"svg.hashsalt": "axode", "svg.fonttype": "none"})
-from matplotlib import pyplot  # noqa: E402: the backend comes first
-
-COLORS = {"dopri5": "#000000", "rk4": "#4477aa", "euler": "#999933", "generalized_alpha": "#aa3377", "midpoint": "#ee7733",
-          "suzuki4": "#228833", "kahan_li6": "#cc3311", "rk4_momenta": "#66ccee"}
+METHODS = ["dopri5", "rk4", "euler", "generalized_alpha", "midpoint", "suzuki4", "kahan_li6", "rk4_momenta"]
 
 
 class Page:
@@ -44,8 +39,9 @@ class Page:
         self.file.write_text(text, encoding="utf-8")
         print(f"{name}\n{table}", flush=True)
 
-    def figure(self, name, figure):
-        figure.savefig(self.file.with_name(f"integration-{name}.svg"), metadata={"Date": None})
+    def figure(self, name, tables):
+        """Of {title: table}, with a curve for each method."""
+        chart.draw(self.file.with_name(f"integration-{name}.svg"), tables, "--log", "xy")
 
 
 def progress(*words):
@@ -60,11 +56,6 @@ def number(x, digits=1):
 def slope(steps, errors):
     """The order, of the ends of a window."""
     return np.log(errors[0] / errors[-1]) / np.log(steps[-1] / steps[0])
-
-
-def legend(figure, methods):
-    handles = [pyplot.Line2D([], [], color=COLORS[method]) for method in methods]
-    figure.legend(handles, methods, loc="outside lower center", ncols=4, fontsize="small")
 
 
 # ---- heavy top -------------------------------------------------------------------------------------------------------
@@ -97,13 +88,11 @@ def heavy_top(page):
         runs[method] = [end(method, step=2.0**-power) for power in powers if (method, power) != ("rk4", 18)]
     runs["dopri5"] = [end("dopri5", rtol=rtol, atol=rtol / 100) for rtol in TOLERANCES]
 
-    figure, panels = pyplot.subplots(1, 2, sharey=True, figsize=(9, 4.2), layout="constrained")
-    rows = []
+    rows, by_steps, by_evaluations = [], {}, {}
     for method, found in runs.items():
         steps, evaluations = np.array([run[:2] for run in found]).T
         errors = np.array([np.linalg.norm(m.difference(exact, run[2])) for run in found])
-        panels[0].loglog(steps, errors, ".-", color=COLORS[method])
-        panels[1].loglog(evaluations, errors, ".-", color=COLORS[method])
+        by_steps[method], by_evaluations[method] = (steps, errors), (evaluations, errors)
         if method == "dopri5":
             first, last, window, shown = 2, 7, "rtol = 1e-6 to 1e-11", TOLERANCES.index(1e-6)
         else:
@@ -115,10 +104,8 @@ def heavy_top(page):
                      f"{evaluations[shown] / steps[shown]:.1f}"])
     page.table("heavy top", ["method", "window, steps in 1 s", "order seen in it", "steps", "error, rad",
                              "evaluations a step"], rows)
-    panels[0].set(xlabel="steps in 1 s", ylabel="error of R at 1 s, rad")
-    panels[1].set(xlabel="evaluations")
-    legend(figure, runs)
-    page.figure("heavy-top", figure)
+    page.figure("heavy-top", {"by steps": chart.curves("steps in 1 s", "error of R at 1 s, rad", by_steps),
+                              "by evaluations": chart.curves("evaluations", "error of R at 1 s, rad", by_evaluations)})
 
 
 # ---- free top --------------------------------------------------------------------------------------------------------
@@ -134,7 +121,7 @@ def free_top(page):
     progress("free top")
     exact = axode.simulate(m, *start, rtol=1e-13, atol=1e-15).q[-1]
     runs = [("dopri5", f"rtol = {number(rtol, 0)}", {"rtol": rtol, "atol": rtol / 100}) for rtol in (1e-6, 1e-8, 1e-10)]
-    runs += [(method, f"{step} s", {"step": step}) for method in COLORS if method != "dopri5"
+    runs += [(method, f"{step} s", {"step": step}) for method in METHODS if method != "dopri5"
              for step in (0.1, 0.05, 0.025)]
     rows = []
     for method, choice, options in runs:
@@ -171,8 +158,7 @@ def nearly_level(m, seed):
 
 def chain(page):
     m, times = links(10), np.sort(np.append(np.geomspace(0.1, LONG, 40), SHORT))
-    figure, axes = pyplot.subplots(figsize=(7.5, 4.5), layout="constrained")
-    rows = []
+    rows, medians_of = [], {}
     for method, until in CHAIN.items():
         errors, evaluations = [], []
         for seed in range(STARTS):
@@ -185,18 +171,14 @@ def chain(page):
             largest = np.maximum.accumulate(np.abs(energy - energy[0])) / height
             errors.append(largest[np.searchsorted(t, times[times <= until] + 1e-9) - 1])
             evaluations.append(motion.evaluations / until)
-        low, middle, high = np.quantile(errors, [0.1, 0.5, 0.9], axis=0)
         shown = times[times <= until]
-        axes.loglog(shown, middle, color=COLORS[method])
-        axes.fill_between(shown, low, high, color=COLORS[method], alpha=0.15, linewidth=0)
+        medians_of[method] = shown, np.median(errors, axis=0)
         for end in (SHORT, LONG)[:1 + (until == LONG)]:
             quantiles = np.quantile([error[shown == end][0] for error in errors], [0.1, 0.5, 0.9, 1])
             rows.append([f"`{method}`", f"{end} s", f"{statistics.mean(evaluations) / 1000:.1f}", *map(number, quantiles)])
     rows.sort(key=lambda row: row[1], reverse=True)
     page.table("chain", ["method", "until", "evaluations per ms", "10 %", "50 %", "90 %", "100 %"], rows)
-    axes.set(xlabel="t, s", ylabel="largest energy error until t / height")
-    legend(figure, CHAIN)
-    page.figure("chain", figure)
+    page.figure("chain", {"medians of 20 starts": chart.curves("t, s", "energy error / height", medians_of)})
 
 
 # ---- humanoid --------------------------------------------------------------------------------------------------------
@@ -233,12 +215,11 @@ def falling_error(m, t, q, v):
 
 
 def humanoid(page):
-    figure, panels = pyplot.subplots(1, 2, sharey=True, figsize=(9, 4.2), layout="constrained")
-    rows = []
-    for axes, title, gravity, error_of in zip(panels, ["weightless", "in free fall"], [0, -9.81],
-                                              [weightless_error, falling_error], strict=True):
+    rows, tables = [], {}
+    for title, gravity, error_of in (("weightless", 0, weightless_error), ("in free fall", -9.81, falling_error)):
         m = axode.load(axode.robots / "humanoid.urdf", base="free", gravity=[0, 0, gravity])
         q, v = m.random(seed=3), 0.3 * np.random.default_rng(1).normal(size=m.nv)
+        curves = {}
         for method in HUMANOID:
             progress(f"humanoid {title}: {method}")
             motion = axode.simulate(m, q, v, 100, method=method, step=None if method == "dopri5" else 1e-3)
@@ -246,16 +227,14 @@ def humanoid(page):
             ends = np.searchsorted(t, np.geomspace(1e-3, 100, 61) - 1e-9)  # the ends of steps that are next
             ends = np.unique(np.r_[0, ends, np.searchsorted(t, [1 - 1e-9, 10 - 1e-9, 100 - 1e-9])])
             errors = error_of(m, t[ends], motion.q[ends], motion.v[ends])
-            axes.loglog(t[ends[1:]], np.maximum(errors[1:], 1e-17), color=COLORS[method])
+            curves[method] = t[ends[1:]], np.maximum(errors[1:], 1e-17)
             energy = motion.energy
             drift = np.abs(energy - energy[0]).max() / axode.kinetic_energy(m, q, v)
             at = [errors[np.searchsorted(t[ends], until - 1e-9)] for until in (1, 10, 100)]
             rows.append([title, f"`{method}`", motion.steps, *map(number, at), number(drift)])
-        axes.set(title=title, xlabel="t, s")
+        tables[title] = chart.curves("t, s", "momentum error / sum over bodies", curves)
     page.table("humanoid", ["", "method", "steps in 100 s", "1 s", "10 s", "100 s", "energy, largest"], rows)
-    panels[0].set_ylabel("momentum error / sum over bodies")
-    legend(figure, HUMANOID)
-    page.figure("humanoid", figure)
+    page.figure("humanoid", tables)
 
 
 # ---- loops -----------------------------------------------------------------------------------------------------------

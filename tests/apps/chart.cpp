@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <functional>
 #include <nlohmann/json.hpp>
+#include <regex>
+#include <sstream>
 
 #include "tests/apps/run_command.hpp"
 
@@ -167,6 +169,97 @@ TEST(Plot, IsRefusedBeforeAnythingIsComputed) {
   const Outcome nowhere = axode({"simulate", two_bars, "--plot", "/nowhere/run.svg"});
   EXPECT_EQ(nowhere.code, 1);
   EXPECT_EQ(nowhere.err, "axode simulate: /nowhere/run.svg: the file cannot be written\n");
+}
+
+// --------------------------------------------------------------------------------------------------- axode plot
+
+TEST(PlotOfATable, HasAPanelForEachFirstWordAndTablesSideBySide) {
+  const TemporaryFolder folder;
+  const std::string run_csv = folder.file("run.csv"), svg = folder.file("run.svg");
+  ASSERT_EQ(axode({"simulate", two_bars, "--until", "0.1", "--output", run_csv}).code, 0);
+  const Outcome outcome = axode({"plot", run_csv, "--output", svg});
+  EXPECT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_EQ(outcome.out, svg + ": run\n");
+  for (const char* said : {"run", "t", "q", "v", "a", "tau", "energy", "pin", "elbow"})
+    EXPECT_THAT(texts_of(svg), Contains(said));
+  const std::string errors = folder.write(
+      "errors.csv", "steps,\"error, rad: rk 4\",\"error, rad: dopri5\"\n10,1e-3,\n1000,1e-11,1e-5\n");
+  ASSERT_EQ(axode({"plot", errors, run_csv, "--output", svg}).code, 0);
+  for (const char* said : {"errors, run", "steps", "error, rad", "rk 4", "dopri5", "1000", "energy"})
+    EXPECT_THAT(texts_of(svg), Contains(said));
+  ASSERT_EQ(axode({"plot", errors, "--output", svg, "--log", "xy"}).code, 0);
+  for (const char* said : {"errors", "steps", "error, rad", "rk 4", "dopri5", "1e-11", "1e1"})
+    EXPECT_THAT(texts_of(svg), Contains(said));
+}
+
+/// Rectangles that are filled with a colour: left and right ends.
+std::vector<std::pair<double, double>> bars_in(const std::string& file, const std::string& color) {
+  const std::string svg = contents(file);
+  std::vector<std::pair<double, double>> bars;
+  const std::regex polygon("<polygon fill = 'rgb\\(" + color + "\\)' points = '([^']*)'");
+  for (std::sregex_iterator found(svg.begin(), svg.end(), polygon), end; found != end; ++found) {
+    std::istringstream corners((*found)[1]);
+    double x = 0, y = 0, low = 1e9, high = -1e9;
+    for (char comma = 0; corners >> x >> comma >> y;) low = std::min(low, x), high = std::max(high, x);
+    bars.emplace_back(low, high);
+  }
+  return bars;
+}
+
+TEST(PlotOfATable, HasBarsOfEachNameBesideEachOther) {
+  const TemporaryFolder folder;
+  const std::string csv = folder.write("ratios.csv",
+                                       "model,ratio one,ratio two\narm,1,2\nhumanoid,3,4\nleg,,5\n"),
+                    svg = folder.file("ratios.svg");
+  ASSERT_EQ(axode({"plot", csv, "--bars", "--output", svg}).code, 0);
+  for (const char* said : {"model", "ratio", "one", "two", "arm", "humanoid", "leg"})
+    EXPECT_THAT(texts_of(svg), Contains(said));
+  auto first = bars_in(svg, " 68, 119, 170"), second = bars_in(svg, "238, 119,  51");
+  std::erase_if(first, [](const auto& bar) { return bar.second - bar.first < 30; });  // those of the legend
+  std::erase_if(second, [](const auto& bar) { return bar.second - bar.first < 30; });
+  ASSERT_EQ(first.size(), 2);
+  ASSERT_EQ(second.size(), 3);
+  for (std::size_t k = 0; k < 2; ++k) {
+    EXPECT_NEAR(first[k].second, second[k].first, 2);
+    EXPECT_LT(second[k].second, second[k + 1].first);
+  }
+}
+
+TEST(PlotOfATable, LeavesOutWhatCannotBeDrawn) {
+  const TemporaryFolder folder;
+  const std::string svg = folder.file("x.svg");
+  const std::string csv = folder.write("x.csv", "x,y a,y b\n1,nan,\n0,1,inf\n-1,2,3\n2,0,\n");
+  EXPECT_EQ(axode({"plot", csv, "--output", svg}).code, 0);
+  EXPECT_EQ(axode({"plot", csv, "--output", svg, "--log", "xy"}).err,
+            "axode plot: --output: there are no numbers to draw\n");
+  EXPECT_EQ(axode({"plot", "-", "--output", svg}, "x,y\n1,2\n").code, 0);
+}
+
+TEST(PlotOfATable, NamesWhatIsWrong) {
+  const TemporaryFolder folder;
+  const std::string svg = folder.file("x.svg");
+  const auto error = [&](const std::string& text, std::vector<std::string> words = {}) {
+    const std::string file = folder.write("x.csv", text);
+    words.insert(words.begin(), {"plot", file, "--output", svg});
+    const Outcome outcome = axode(words);
+    EXPECT_NE(outcome.code, 0);
+    EXPECT_FALSE(std::filesystem::exists(svg));
+    std::string err = outcome.err.substr(std::string("axode plot: ").size());
+    return err.starts_with(file) ? err.substr(file.size()) : err;
+  };
+  EXPECT_EQ(error(""), ": expected a line with the names of columns, and numbers below it\n");
+  EXPECT_EQ(error("t,q\n"), ": expected a line with the names of columns, and numbers below it\n");
+  EXPECT_EQ(error("t\n1\n"), ": there is one column; the first is along the axis, and others are drawn\n");
+  EXPECT_EQ(error("t,q\n1,2\n\n3\n"), ":4: there are 1 columns; the first line has 2\n");
+  EXPECT_EQ(error("t,q\n1,two\n"), ":2: \"two\" is no number\n");
+  EXPECT_EQ(error("t,\"q\nq\"\nx,2\n"), ":3: \"x\" is no number\n");
+  EXPECT_EQ(error("t,q\n1,2\n", {"--log", "z"}),
+            "--log: \"z\" is none of x, y, xy (see axode plot --help)\n");
+  EXPECT_EQ(error("t,q\n1,2\n", {"--log", "y", "--bars"}),
+            "--bars excludes --log; bars begin at 0, which has no logarithm (see axode plot --help)\n");
+  EXPECT_EQ(axode({"plot", "no.csv", "--output", svg}).err, "axode plot: no.csv: the file cannot be read\n");
+  EXPECT_THAT(axode({"plot", "no.csv", "--output", "x.pdf"}).err,
+              StartsWith("axode plot: --output: x.pdf: the ending: \".pdf\" is none of .svg, .png"));
 }
 
 // ------------------------------------------------------------------------------------------------------- sweeps

@@ -27,7 +27,7 @@ TEST(Program, HelpListsTheCommandsAndTheExitCodes) {
   EXPECT_EQ(outcome.code, 0);
   EXPECT_EQ(outcome.err, "");
   for (const char* said :
-       {"info", "check", "convert", "eval", "linearize", "view", "map", "codegen", "study", "demo",
+       {"info", "check", "convert", "eval", "linearize", "plot", "view", "map", "codegen", "study", "demo",
         "Exit codes:", "0  all is well", "1  a file is missing", "2  the command line is wrong"})
     EXPECT_THAT(outcome.out, HasSubstr(said));
 }
@@ -83,8 +83,8 @@ TEST(Program, AloneShowsWhatOneCanDoInExamplesThatRun) {
     EXPECT_EQ(ran.code, 0) << example << ran.err;
   }
   EXPECT_THAT(commands, testing::UnorderedElementsAre("info", "check", "convert", "eval", "simulate",
-                                                      "linearize", "view", "map", "codegen", "study", "demo",
-                                                      "manual", "completion"));
+                                                      "linearize", "plot", "view", "map", "codegen", "study",
+                                                      "demo", "manual", "completion"));
 }
 
 /// The lines below `Example:` up to the next empty one.
@@ -116,8 +116,8 @@ TEST_P(Help, ShowsAnExampleThatRuns) {
   EXPECT_NE(outcome.out, "");
 }
 INSTANTIATE_TEST_SUITE_P(Commands, Help,
-                         testing::Values("info", "check", "convert", "eval", "linearize", "simulate", "view",
-                                         "codegen", "study", "demo", "completion", "manual"),
+                         testing::Values("info", "check", "convert", "eval", "linearize", "simulate", "plot",
+                                         "view", "codegen", "study", "demo", "completion", "manual"),
                          [](const auto& p) { return std::string(p.param); });
 
 // ----------------------------------------------------------------------------------------------------- map

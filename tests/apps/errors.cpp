@@ -40,7 +40,7 @@ INSTANTIATE_TEST_SUITE_P(
          {"evla", arm},
          2,
          "axode: there is no command \"evla\"; there are info, check, convert, eval, linearize, simulate, "
-         "view, map, "
+         "plot, view, map, "
          "codegen, "
          "study, demo, completion, manual; "
          "did you "

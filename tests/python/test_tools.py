@@ -21,8 +21,22 @@ def test_mechanisms_are_drawn_the_same_every_time(tmp_path):
     assert {"bricard.toml", "cart.toml", "closes a loop"} <= set(texts)
 
 
+def test_tables_are_drawn_with_a_curve_for_each_name_where_it_has_points(tmp_path, monkeypatch):
+    monkeypatch.syspath_prepend(TOOLS)
+    import chart
+
+    if not chart.AXODE.exists():
+        pytest.skip("the command is not built")
+    table = chart.curves("steps", "error, rad", {"rk4": ([10, 100], [1e-2, 1e-6]), "dopri5": ([20], [1e-5])})
+    assert table == (["steps", "error, rad: rk4", "error, rad: dopri5"],
+                     [[10, 1e-2, None], [100, 1e-6, None], [20, None, 1e-5]])
+    chart.draw(tmp_path / "errors.svg", {"by steps": table, "once more": table}, "--log", "xy")
+    drawn = xml.etree.ElementTree.parse(tmp_path / "errors.svg")
+    texts = ["".join(text.itertext()).strip() for text in drawn.iter("{http://www.w3.org/2000/svg}text")]
+    assert {"by steps, once more", "error, rad", "steps", "rk4", "dopri5", "1e-6"} <= set(texts)
+
+
 def test_a_study_of_motions_refreshes_its_table_and_nothing_else(tmp_path):
-    pytest.importorskip("matplotlib")
     page = tmp_path / "page.md"
     command = [sys.executable, TOOLS / "motion_study.py", page, "--only", "free_top"]
     page.write_text("before\n\n<!-- free top -->\n| old |\n<!-- end -->\n\nafter\n")
@@ -37,7 +51,6 @@ def test_a_study_of_motions_refreshes_its_table_and_nothing_else(tmp_path):
 
 
 def test_a_study_of_motions_says_which_table_a_page_lacks(tmp_path):
-    pytest.importorskip("matplotlib")
     page = tmp_path / "page.md"
     page.write_text("no table\n")
     command = [sys.executable, TOOLS / "motion_study.py", page, "--only", "free_top"]

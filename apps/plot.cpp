@@ -1,0 +1,170 @@
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <filesystem>
+#include <memory>
+
+#include "chart.hpp"
+#include "choice.hpp"
+#include "commands.hpp"
+#include "csv_file.hpp"
+#include "text_file.hpp"
+
+/// Charts of tables, whatever has written them.
+namespace axode::command {
+namespace {
+
+struct Options {
+  std::vector<std::string> tables;
+  std::string picture, logarithmic;
+  bool bars = false;
+};
+
+constexpr const char* footer =
+    R"(A TABLE is a CSV file with the names of its columns in the first line, as `axode simulate --output run.csv` writes it. The
+first column is along the axis, each of the others is a curve. Those with the same first word, or the same words
+before a colon, share a panel that is called so: "q pin" and "q elbow" are the curves pin and elbow of the panel q. Cells that
+are empty or not finite are left out, and on logarithmic axes what is not positive. Each table has panels of its own, side by side.
+
+Example:
+  axode simulate double_pendulum.toml --until 2 --output run.csv
+  axode plot run.csv --output run.svg
+
+With --bars the first column has names, and each number is a bar.)";
+
+struct Logarithmic {
+  bool x = false, y = false;
+};
+constexpr std::array<std::pair<std::string_view, Logarithmic>, 3> logarithmic_axes{
+    {{"x", {true, false}}, {"y", {false, true}}, {"xy", {true, true}}}};
+
+/// The panel of a column, and its curve there.
+std::pair<std::string, std::string> split(const std::string& heading) {
+  const std::size_t colon = heading.find(": "), end = colon == std::string::npos ? heading.find(' ') : colon;
+  if (end == std::string::npos) return {heading, ""};
+  return {heading.substr(0, end), heading.substr(end + (end == colon ? 2 : 1))};
+}
+
+/// The panels of a table.
+class TableReader {
+ public:
+  TableReader(const std::string& file, bool bars, Logarithmic log) : file_(file), bars_(bars), log_(log) {}
+
+  std::vector<Panel> panels() {
+    for_rows_of_csv(read_text(file_), [&](std::size_t line, const std::vector<std::string>& cells) {
+      if (curves_.empty()) return read_headings(cells);
+      if (cells.size() != curves_.size() + 1)
+        throw InputError(fmt::format("{}:{}: there are {} columns; the first line has {}", file_, line,
+                                     cells.size(), curves_.size() + 1));
+      read_numbers(line, cells);
+    });
+    if (rows_ == 0)
+      throw InputError(file_ + ": expected a line with the names of columns, and numbers below it");
+    std::vector<Panel> panels;
+    for (std::size_t k = 0; k < curves_.size(); ++k) {
+      auto panel = std::ranges::find(panels, of_panels_[k], &Panel::y_axis);
+      if (panel == panels.end()) {
+        panels.push_back({.y_axis = of_panels_[k], .x_ticks = ticks_, .log_x = log_.x, .log_y = log_.y});
+        panel = panels.end() - 1;
+      }
+      panel->curves.push_back(std::move(curves_[k]));
+    }
+    if (bars_)
+      for (Panel& panel : panels) set_side_by_side(panel);
+    panels.back().x_axis = x_axis_;
+    return panels;
+  }
+
+ private:
+  void read_headings(const std::vector<std::string>& cells) {
+    if (cells.size() == 1)
+      throw InputError(file_ + ": there is one column; the first is along the axis, and others are drawn");
+    x_axis_ = cells.front();
+    for (std::size_t k = 1; k < cells.size(); ++k) {
+      auto [panel, curve] = split(cells[k]);
+      of_panels_.push_back(std::move(panel));
+      curves_.push_back({.name = std::move(curve), .kind = bars_ ? Curve::bars : Curve::line});
+    }
+  }
+
+  double number(std::size_t line, const std::string& cell) const {
+    if (cell.empty()) return NAN;
+    const std::optional<double> x = number_in(cell);
+    if (!x) throw InputError(fmt::format("{}:{}: \"{}\" is no number", file_, line, cell.substr(0, 40)));
+    return *x;
+  }
+
+  void read_numbers(std::size_t line, const std::vector<std::string>& cells) {
+    const double x = bars_ ? static_cast<double>(rows_) : number(line, cells.front());
+    if (bars_) ticks_.emplace_back(x, cells.front());
+    ++rows_;
+    for (std::size_t k = 0; k < curves_.size(); ++k) {
+      const double y = number(line, cells[k + 1]);
+      if (!std::isfinite(x) || !std::isfinite(y) || (log_.x && x <= 0) || (log_.y && y <= 0)) continue;
+      curves_[k].x.push_back(x), curves_[k].y.push_back(y);
+    }
+  }
+
+  /// The bars of each name, which are 0.8 wide together.
+  static void set_side_by_side(Panel& panel) {
+    const auto count = static_cast<double>(panel.curves.size());
+    panel.bar_width = 0.8 / count;
+    for (std::size_t k = 0; k < panel.curves.size(); ++k)
+      for (double& x : panel.curves[k].x) x += (static_cast<double>(k) - (count - 1) / 2) * panel.bar_width;
+    panel.x_range = {-0.5, static_cast<double>(panel.x_ticks.size()) - 0.5};
+  }
+
+  const std::string& file_;
+  bool bars_;
+  Logarithmic log_;
+  std::string x_axis_;
+  std::vector<std::string> of_panels_;
+  std::vector<Curve> curves_;
+  std::vector<std::pair<double, std::string>> ticks_;
+  std::size_t rows_ = 0;
+};
+
+void run(const Options& options, int& exit_code) {
+  const Logarithmic logarithmic =
+      options.logarithmic.empty() ? Logarithmic{} : choose("--log", options.logarithmic, logarithmic_axes);
+  if (options.bars && (logarithmic.x || logarithmic.y))
+    throw UsageError("--bars excludes --log; bars begin at 0, which has no logarithm");
+  const ChartFile picture("--output", options.picture);
+  std::vector<std::vector<Panel>> of_tables;
+  std::size_t rows = 0;
+  Chart chart{.columns = static_cast<int>(options.tables.size())};
+  for (const std::string& table : options.tables) {
+    of_tables.push_back(TableReader(table, options.bars, logarithmic).panels());
+    rows = std::max(rows, of_tables.back().size());
+    chart.title += (chart.title.empty() ? "" : ", ") + std::filesystem::path(table).stem().string();
+  }
+  if (chart.columns > 1) chart.width = 400;
+  if (rows == 1) chart.height = 320;
+  for (std::size_t row = 0; row < rows; ++row)
+    for (std::vector<Panel>& panels : of_tables)
+      chart.panels.push_back(row < panels.size() ? std::move(panels[row]) : Panel{});
+  picture.draw(chart);
+  fmt::print("{}: {}\n", options.picture, chart.title);
+  exit_code = all_well;
+}
+
+}  // namespace
+
+void add_plot(CLI::App& app, int& exit_code) {
+  const auto options = std::make_shared<Options>();
+  CLI::App* plot = app.add_subcommand("plot", "Draw a chart of columns of numbers");
+  plot->add_option("table", options->tables, "CSV files, or - for standard input")
+      ->required()
+      ->type_name("FILE");
+  plot->add_option("--output", options->picture, "The .svg or .png to draw")->required()->type_name("FILE");
+  plot->add_option("--log", options->logarithmic, "Which axes are logarithmic; none if left out")
+      ->type_name(words(logarithmic_axes));
+  plot->add_flag("--bars", options->bars, "Bars instead of curves");
+  plot->footer(footer);
+  plot->callback([options, &exit_code] { run(*options, exit_code); });
+}
+
+}  // namespace axode::command
