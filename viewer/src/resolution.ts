@@ -7,6 +7,8 @@ const BUDGET = 28;
 const FRAMES = 5;
 /** The coarsest resolution is kept where frames take at most this part of their time at the full one. */
 const WORTHWHILE = 0.9;
+/** Where they did not, as on a screen of 30 frames a second, it is tried again where frames take so many times as long. */
+const LONGER = 1.5;
 
 /** At which part of the full resolution something is drawn while it moves: at less, step by step, where frames take too long, and
  * at all of it again where that did not help. From one rest to the next it goes down and back once at most, so that nothing
@@ -15,6 +17,7 @@ export class Resolution {
   private step = 0;
   private times: number[] = [];
   private timeAtFull = 0;
+  private timeInVain = 0;
   private settled = false;
 
   get scale(): number {
@@ -32,8 +35,11 @@ export class Resolution {
     if (before === 0) this.timeAtFull = median;
     if (before === COARSEST) {
       this.settled = true;
-      if (median > WORTHWHILE * this.timeAtFull) this.step = 0;
-    } else if (median > BUDGET) {
+      if (median > WORTHWHILE * this.timeAtFull) {
+        this.step = 0;
+        this.timeInVain = this.timeAtFull;
+      }
+    } else if (median > BUDGET && (before > 0 || median > LONGER * this.timeInVain)) {
       ++this.step;
     }
     return this.step !== before;

@@ -252,6 +252,10 @@ test("what moves is drawn at a lower resolution where frames take too long for i
   const inVain = scalesOf(drawn, 100, () => 60);
   assert.equal(inVain.indexOf(0.5), 9);
   assert.ok(inVain.slice(14).every((scale) => scale === 1), "full again where pixels are not what takes time");
+  drawn.rest();
+  assert.ok(scalesOf(drawn, 100, () => 60).every((scale) => scale === 1), "and not tried again");
+  drawn.rest();
+  assert.equal(scalesOf(drawn, 100, (scale) => 20 + 80 * scale ** 2).at(-1), 0.5, "unless frames take longer than then");
 });
 
 test("the resolution does not flicker, whatever frames take", () => {
