@@ -19,6 +19,7 @@ import { matrixOf } from "./kinematics";
 import { Labels } from "./labels";
 import type { Layer, View } from "./layers";
 import { colors } from "./palette";
+import { sidesOfSymbols } from "./processor";
 import type { Joint, Shape } from "./scene";
 import { shapeGroup } from "./shapes";
 
@@ -100,7 +101,7 @@ function frames(view: View): Layer {
       on: false,
       over: true,
     },
-    new Instances(triad(), material, items),
+    new Instances(triad(sidesOfSymbols(items.length)), material, items),
   );
 }
 
@@ -130,7 +131,7 @@ function drawnLead(pitch: number, unit: number): number {
 
 function joints(view: View): Layer | null {
   const { scene, stage } = view;
-  const symbols = new Map<string, { make: () => BufferGeometry; items: Item[] }>();
+  const symbols = new Map<string, { make: (sides: number) => BufferGeometry; items: Item[] }>();
   const color = (joint: Joint) => (joint.leader ? colors.coupled : joint.passive ? colors.passive : colors.driven);
   scene.bodies.slice(1).forEach(({ joint, S_self, mass, com }, k) => {
     if (joint.kind === "free") return;
@@ -140,7 +141,7 @@ function joints(view: View): Layer | null {
     const make = {
       revolute: hinge,
       prismatic: slider,
-      helical: () => screwThread(lead),
+      helical: (sides: number) => screwThread(lead, sides),
       spherical: ball,
       planar: plate,
     }[joint.kind];
@@ -161,7 +162,7 @@ function joints(view: View): Layer | null {
       on: false,
       over: true,
     },
-    ...[...symbols.values()].map(({ make, items }) => new Instances(make(), material, items)),
+    ...[...symbols.values()].map(({ make, items }) => new Instances(make(sidesOfSymbols(items.length)), material, items)),
   );
 }
 
@@ -226,7 +227,7 @@ function centres(view: View): Layer | null {
   const most = Math.max(...heavy.map(({ body }) => body.mass));
   const material = new MeshStandardMaterial({ vertexColors: true, roughness: 0.4 });
   const own = new Instances(
-    quarteredBall(),
+    quarteredBall(sidesOfSymbols(heavy.length)),
     material,
     heavy.map(({ body, i }) => {
       const size = 0.12 + 0.16 * Math.cbrt(body.mass / most);
@@ -274,11 +275,12 @@ function ellipsoids(view: View): Layer | null {
     items.push({ body: i, pose: axes.setPosition(...body.com).scale(semiAxes.clampScalar(least, Infinity)) });
   });
   if (items.length === 0) return null;
+  const sides = 0.8 * sidesOfSymbols(items.length);
   const material = new MeshStandardMaterial({ color: colors.ellipsoid, transparent: true, opacity: 0.42, depthWrite: false, roughness: 0.35 });
   return fromInstances(
     view,
     { id: "ellipsoids", title: "Inertia ellipsoids", hint: () => "homogeneous ones of the same mass and inertia", swatch: colors.ellipsoid, on: false },
-    new Instances(new SphereGeometry(1, 32, 20), material, items),
+    new Instances(new SphereGeometry(1, sides, sides / 1.6), material, items),
   );
 }
 

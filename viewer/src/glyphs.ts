@@ -12,7 +12,7 @@ import {
 import { mergeGeometries } from "three/addons/utils/BufferGeometryUtils.js";
 import { colors } from "./palette";
 
-/** Symbols, about one unit large; what has an axis has it along z. */
+/** Symbols, about one unit large; what has an axis has it along z. A ring has `sides` sides, what is thinner fewer. */
 
 function painted(geometry: BufferGeometry, color: string): BufferGeometry {
   const { r, g, b } = new Color(color);
@@ -28,16 +28,21 @@ export function rod(radius: number, from: number, to: number, sides = 12): Buffe
 }
 
 /** A cone along z whose tip is at z = tip. */
-export function cone(radius: number, length: number, tip: number): BufferGeometry {
-  return new ConeGeometry(radius, length, 16).rotateX(Math.PI / 2).translate(0, 0, tip - length / 2);
+export function cone(radius: number, length: number, tip: number, sides = 16): BufferGeometry {
+  return new ConeGeometry(radius, length, sides).rotateX(Math.PI / 2).translate(0, 0, tip - length / 2);
+}
+
+/** So much of the sides of a ring. */
+function part(sides: number, of: number): number {
+  return Math.max(3, Math.round(of * sides));
 }
 
 const alongX = new Matrix4().makeRotationY(Math.PI / 2);
 const alongY = new Matrix4().makeRotationX(-Math.PI / 2);
 
 /** Three arrows in red, green and blue, as long as the unit. */
-export function triad(): BufferGeometry {
-  const arrow = () => mergeGeometries([rod(0.03, 0, 0.8, 8), cone(0.085, 0.24, 1)]);
+export function triad(sides: number): BufferGeometry {
+  const arrow = () => mergeGeometries([rod(0.03, 0, 0.8, part(sides, 0.2)), cone(0.085, 0.24, 1, part(sides, 0.4))]);
   return mergeGeometries([
     painted(arrow().applyMatrix4(alongX), colors.x),
     painted(arrow().applyMatrix4(alongY), colors.y),
@@ -46,8 +51,8 @@ export function triad(): BufferGeometry {
 }
 
 /** A tube along a helix about z that climbs `lead` in each turn (to the left where negative), from z = -height/2 on. */
-export function helix(radius: number, lead: number, turns: number, tube: number): BufferGeometry {
-  const along = Math.max(2, Math.ceil(turns * 28));
+export function helix(radius: number, lead: number, turns: number, tube: number, sides = 28): BufferGeometry {
+  const along = Math.max(2, Math.ceil(turns * sides));
   const around = 6;
   const handed = lead < 0 ? -1 : 1;
   const h = Math.abs(lead) / (2 * Math.PI);
@@ -89,37 +94,48 @@ function together(...parts: BufferGeometry[]): BufferGeometry {
   );
 }
 
+/** An axis with a head, from z = -1.1 to 1.35. */
+function axis(sides: number): BufferGeometry[] {
+  return [rod(0.035, -1.1, 1.1, part(sides, 0.3)), cone(0.1, 0.28, 1.35, part(sides, 0.4))];
+}
+
+function ring(radius: number, tube: number, sides: number, angle?: number): BufferGeometry {
+  return new TorusGeometry(radius, tube, part(sides, 0.2), sides, angle);
+}
+
 /** An axis with a head, and a ring whose own head says which way is positive. */
-export function hinge(): BufferGeometry {
+export function hinge(sides: number): BufferGeometry {
   const turn = 1.6 * Math.PI;
-  const head = cone(0.13, 0.32, 0.2).rotateX(-Math.PI / 2).translate(0.62, 0, 0).rotateZ(turn);
-  return together(rod(0.035, -1.1, 1.1), cone(0.1, 0.28, 1.35), new TorusGeometry(0.62, 0.04, 8, 40, turn), head);
+  const head = cone(0.13, 0.32, 0.2, part(sides, 0.4)).rotateX(-Math.PI / 2).translate(0.62, 0, 0).rotateZ(turn);
+  return together(...axis(sides), ring(0.62, 0.04, sides, turn), head);
 }
 
 /** A screw: an axis, and a thread about it. */
-export function screwThread(lead: number): BufferGeometry {
+export function screwThread(lead: number, sides: number): BufferGeometry {
   const turns = 1.5 / Math.abs(lead);
-  return together(rod(0.035, -1.1, 1.1), cone(0.1, 0.28, 1.35), helix(0.42, lead, turns, 0.05));
+  return together(...axis(sides), helix(0.42, lead, turns, 0.05, part(sides, 0.7)));
 }
 
 /** Arrows both ways along a rail, the positive one larger. */
-export function slider(): BufferGeometry {
+export function slider(sides: number): BufferGeometry {
   const rail = (x: number) => new BoxGeometry(0.07, 0.24, 1.5).translate(x, 0, 0);
-  return together(rod(0.035, -1.2, 1.2), cone(0.13, 0.34, 1.45), cone(0.08, 0.2, 0.2).rotateX(Math.PI).translate(0, 0, -1.2), rail(0.2), rail(-0.2));
+  const head = (radius: number, length: number, tip: number) => cone(radius, length, tip, part(sides, 0.4));
+  const back = head(0.08, 0.2, 0.2).rotateX(Math.PI).translate(0, 0, -1.2);
+  return together(rod(0.035, -1.2, 1.2, part(sides, 0.3)), head(0.13, 0.34, 1.45), back, rail(0.2), rail(-0.2));
 }
 
-export function ball(): BufferGeometry {
-  return together(new SphereGeometry(0.34, 24, 16), new TorusGeometry(0.52, 0.035, 8, 40));
+export function ball(sides: number): BufferGeometry {
+  return together(new SphereGeometry(0.34, part(sides, 0.6), part(sides, 0.4)), ring(0.52, 0.035, sides));
 }
 
 /** A thin plate with its normal. */
-export function plate(): BufferGeometry {
-  return together(new BoxGeometry(1.5, 1.5, 0.05), rod(0.035, 0, 0.8), cone(0.1, 0.28, 1.05));
+export function plate(sides: number): BufferGeometry {
+  return together(new BoxGeometry(1.5, 1.5, 0.05), rod(0.035, 0, 0.8, part(sides, 0.3)), cone(0.1, 0.28, 1.05, part(sides, 0.4)));
 }
 
 /** The sign of a centre of mass: a ball whose eighths are black and white in turn. */
-export function quarteredBall(): BufferGeometry {
-  const sphere = new SphereGeometry(1, 32, 24).toNonIndexed();
+export function quarteredBall(sides: number): BufferGeometry {
+  const sphere = new SphereGeometry(1, 4 * part(sides, 0.2), 2 * part(sides, 0.3)).toNonIndexed();
   const position = sphere.getAttribute("position");
   const values = new Float32Array(3 * position.count);
   for (let face = 0; face < position.count; face += 3) {

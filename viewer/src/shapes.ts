@@ -15,7 +15,7 @@ import { Instances, type Item } from "./instances";
 import { matrixOf } from "./kinematics";
 import type { Part } from "./meshes";
 import { colors } from "./palette";
-import { drawsOnProcessor } from "./processor";
+import { drawsOnProcessor, MANY } from "./processor";
 import type { Scene, Shape } from "./scene";
 
 /** Unit geometries; round ones have so many sides. */
@@ -23,6 +23,8 @@ function solids(sides: number) {
   return {
     box: new BoxGeometry(1, 1, 1),
     sphere: new SphereGeometry(1, sides, sides / 2).rotateX(Math.PI / 2),
+    /** The half of a ball where z > 0. */
+    dome: new SphereGeometry(1, sides, sides / 4, 0, 2 * Math.PI, 0, Math.PI / 2).rotateX(Math.PI / 2),
     cylinder: new CylinderGeometry(1, 1, 1, sides).rotateX(Math.PI / 2),
     tube: new CylinderGeometry(1, 1, 1, sides, 1, true).rotateX(Math.PI / 2),
   };
@@ -30,8 +32,6 @@ function solids(sides: number) {
 const fine = solids(40);
 const coarse = solids(16);
 const coarsest = solids(8);
-/** Where there are more shapes than this, each is small on the screen. */
-const MANY = 60;
 
 /** What so many shapes are made of, that a frame takes no longer than it may. */
 function solidsFor(count: number): typeof fine {
@@ -40,7 +40,7 @@ function solidsFor(count: number): typeof fine {
 
 /** What a shape is drawn with: unit geometries, each scaled and moved. */
 function pieces(shape: Shape, meshes: readonly Part[][], solid: typeof fine): { geometry: BufferGeometry; material: Material | null; local: Matrix4 }[] {
-  const { box, sphere, cylinder, tube } = solid;
+  const { box, sphere, dome, cylinder, tube } = solid;
   const scaled = (geometry: BufferGeometry, x: number, y: number, z: number, height = 0) => ({
     geometry,
     material: null,
@@ -57,7 +57,7 @@ function pieces(shape: Shape, meshes: readonly Part[][], solid: typeof fine): { 
     case "cylinder":
       return [scaled(cylinder, r, r, l)];
     case "capsule":
-      return [scaled(tube, r, r, l), scaled(sphere, r, r, r, l / 2), scaled(sphere, r, r, r, -l / 2)];
+      return [scaled(tube, r, r, l), scaled(dome, r, r, r, l / 2), scaled(dome, r, -r, -r, -l / 2)];
     case "mesh":
       return (meshes[shape.mesh] ?? []).map(({ geometry, material, pose }) => ({
         geometry,

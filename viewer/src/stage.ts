@@ -26,6 +26,10 @@ import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 import { Instances } from "./instances";
 import { palettes } from "./palette";
 import { drawsOnProcessor } from "./processor";
+import { Resolution } from "./resolution";
+
+/** Nothing moves where nothing was drawn for so many milliseconds. */
+const REST = 150;
 
 /** 1, 2 or 5 times a power of ten, at most x. */
 function round(x: number): number {
@@ -55,6 +59,10 @@ export class Stage {
   private points: readonly Vector3[] = [];
   private readonly up: Vector3;
   private pending = 0;
+  /** When the frame that is pending was asked for. */
+  private asked = 0;
+  private readonly resolution = new Resolution();
+  private untilRest = 0;
   private frames = 0;
   private dark = false;
   private groundHeight = 0;
@@ -63,8 +71,10 @@ export class Stage {
     readonly canvas: HTMLCanvasElement,
     gravity: readonly number[],
   ) {
+    // What is behind an opaque canvas need not be drawn by the browser; three.js itself asks for none that is opaque.
+    const context = canvas.getContext("webgl2", { alpha: false, antialias: !drawsOnProcessor() }) ?? undefined;
     try {
-      this.renderer = new WebGLRenderer({ canvas, antialias: !drawsOnProcessor() });
+      this.renderer = new WebGLRenderer({ canvas, context });
     } catch {
       throw new Error("This browser draws nothing in three dimensions: it has no WebGL, or it is switched off.");
     }
@@ -99,11 +109,16 @@ export class Stage {
   private resize(): void {
     const { clientWidth: width, clientHeight: height } = this.canvas;
     if (width === 0 || height === 0) return;
-    this.renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2));
+    this.setPixelRatio();
     this.renderer.setSize(width, height, false);
     this.camera.aspect = width / height;
     this.camera.updateProjectionMatrix();
     this.invalidate();
+  }
+
+  /** Empties the canvas, so that it has to be drawn in the same task. */
+  private setPixelRatio(): void {
+    this.renderer.setPixelRatio(this.resolution.scale * Math.min(window.devicePixelRatio, 2));
   }
 
   /** Length, one metre away, of what covers one pixel: sprites of constant size are scaled by it. */
@@ -114,7 +129,22 @@ export class Stage {
   /** Draws at the next frame of the browser, once however often it is called. */
   invalidate(moved = false): void {
     if (moved) this.renderer.shadowMap.needsUpdate = true;
-    this.pending ||= requestAnimationFrame(() => this.draw());
+    if (this.pending) return;
+    this.asked = performance.now();
+    this.pending = requestAnimationFrame(() => {
+      // A browser that is not done with the frames before calls late.
+      if (this.resolution.took(performance.now() - this.asked)) this.setPixelRatio();
+      this.draw();
+      window.clearTimeout(this.untilRest);
+      this.untilRest = window.setTimeout(() => this.rest(), REST);
+    });
+  }
+
+  /** Pictures of what rests are sharp. */
+  private rest(): void {
+    if (this.pending || !this.resolution.rest()) return;
+    this.setPixelRatio();
+    this.draw();
   }
 
   private draw(): void {
@@ -258,6 +288,7 @@ export class Stage {
   /** The view as a PNG. */
   png(): Promise<Blob> {
     if (this.pending) cancelAnimationFrame(this.pending);
+    if (this.resolution.rest()) this.setPixelRatio();
     this.draw(); // what is drawn is kept until this task ends
     return new Promise((resolve, reject) => {
       this.canvas.toBlob((blob) => (blob ? resolve(blob) : reject(new Error("No picture could be made."))), "image/png");

@@ -11,13 +11,13 @@ const EPSILON = 1e-9;
 const movedArm = movingArm();
 const root = fileURLToPath(new URL("..", import.meta.url));
 let server;
-let kinematics, screws, axode, inertia, motion, history, sceneModule, labels;
+let kinematics, screws, axode, inertia, motion, history, sceneModule, labels, resolution;
 
 before(async () => {
   server = await createServer({ root, configFile: false, logLevel: "error", server: { middlewareMode: true, hmr: false, ws: false, watch: null }, optimizeDeps: { noDiscovery: true } });
   const load = (name) => server.ssrLoadModule(`/src/${name}.ts`);
-  [kinematics, screws, axode, inertia, motion, history, sceneModule, labels] = await Promise.all(
-    ["kinematics", "screws", "axode", "inertia", "motion", "history", "scene", "labels"].map(load));
+  [kinematics, screws, axode, inertia, motion, history, sceneModule, labels, resolution] = await Promise.all(
+    ["kinematics", "screws", "axode", "inertia", "motion", "history", "scene", "labels", "resolution"].map(load));
 });
 after(() => server?.close());
 
@@ -222,4 +222,48 @@ test("no name lies on another, and the first stay where they are", () => {
   assert.deepEqual(labels.rowsOf(Array(3).fill({ x: 5, y: 7, width: 30 }), height), [0, 1, 2]);
   assert.deepEqual(labels.rowsOf([{ x: 5, y: 7, width: 30 }, { x: 9, y: 20, width: 30 }, { x: 5, y: 7, width: 30 }], height), [0, null, 1]);
   assert.deepEqual(labels.rowsOf([{ x: 0, y: 0, width: 30 }, { x: 30, y: 0, width: 30 }], height), [0, 0]);
+});
+
+/** Scales of frames that take `time(scale)` milliseconds, from the first after a rest. */
+function scalesOf(drawn, count, time) {
+  return Array.from({ length: count }, () => {
+    drawn.took(time(drawn.scale));
+    return drawn.scale;
+  });
+}
+
+test("what moves is drawn at a lower resolution where frames take too long for it, and sharply at rest", () => {
+  const drawn = new resolution.Resolution();
+  assert.ok(scalesOf(drawn, 100, () => 27).every((scale) => scale === 1), "frames are quick enough");
+  let frame = 0;
+  assert.ok(scalesOf(drawn, 100, () => (++frame % 3 === 0 ? 500 : 16)).every((scale) => scale === 1), "some are late");
+
+  const filled = scalesOf(drawn, 100, (scale) => 10 + 60 * scale ** 2);
+  assert.deepEqual([...new Set(filled)], [1, 0.75, 0.5], "down, step by step");
+  assert.equal(filled.indexOf(0.5), 9, "soon");
+  assert.equal(drawn.rest(), true);
+  assert.equal(drawn.scale, 1);
+  assert.equal(drawn.rest(), false);
+
+  const halfway = scalesOf(drawn, 100, (scale) => 5 + 30 * scale ** 2);
+  assert.deepEqual([...new Set(halfway)], [1, 0.75], "no further than frames need");
+  drawn.rest();
+
+  const inVain = scalesOf(drawn, 100, () => 60);
+  assert.equal(inVain.indexOf(0.5), 9);
+  assert.ok(inVain.slice(14).every((scale) => scale === 1), "full again where pixels are not what takes time");
+  drawn.rest();
+  assert.ok(scalesOf(drawn, 100, () => 60).every((scale) => scale === 1), "and not tried again");
+  drawn.rest();
+  assert.equal(scalesOf(drawn, 100, (scale) => 20 + 80 * scale ** 2).at(-1), 0.5, "unless frames take longer than then");
+});
+
+test("the resolution does not flicker, whatever frames take", () => {
+  const next = random(23);
+  for (let k = 0; k < 50; ++k) {
+    const drawn = new resolution.Resolution();
+    const scales = scalesOf(drawn, 400, () => 28 + 20 * next());
+    const changes = scales.filter((scale, i) => i > 0 && scale !== scales[i - 1]).length;
+    assert.ok(changes <= 3, `${changes} changes`);
+  }
 });

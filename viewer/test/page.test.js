@@ -374,6 +374,46 @@ test("a hundred bodies move, in few calls for drawing", options, async (context)
   await page.close();
 });
 
+test("what moves slowly is drawn at a lower resolution, and what rests at the full one", options, async () => {
+  // By the clock of this page a frame takes a second for all pixels, and less for fewer.
+  const slow = () => {
+    const [request, now] = [window.requestAnimationFrame.bind(window), performance.now.bind(performance)];
+    let late = 0;
+    performance.now = () => now() + late;
+    window.widths = [];
+    window.requestAnimationFrame = (callback) => request(() => {
+      const { width, height, clientWidth, clientHeight } = document.querySelector("#canvas");
+      late += (1000 * width * height) / Math.max(1, clientWidth * clientHeight);
+      window.widths.push(width / clientWidth);
+      callback(performance.now());
+    });
+  };
+  const opened = await browser.open(movingArm(), { first: slow });
+  const { page } = opened;
+  const width = () => page.$eval("#canvas", (canvas) => canvas.width / canvas.clientWidth);
+  await settled(page);
+  assert.equal(await width(), 1);
+  await keep(page, "before");
+  await page.evaluate(() => (window.widths = []));
+  await page.click("#play");
+  await page.waitForFunction(() => window.widths.at(-1) === 0.5);
+  assert.deepEqual(await page.evaluate(() => [...new Set(window.widths)]), [1, 0.75, 0.5]);
+
+  // A picture is sharp while bodies move, and the page at rest.
+  const bitmap = await page.evaluate(async () => (await createImageBitmap(await window.axode.png())).width);
+  assert.equal(bitmap, await page.$eval("#canvas", (canvas) => canvas.clientWidth));
+  await page.waitForFunction(() => window.widths.at(-1) === 0.5);
+  await page.click("#play");
+  await page.waitForFunction(() => document.querySelector("#canvas").width === document.querySelector("#canvas").clientWidth);
+  await page.evaluate(() => window.axode.setTime(0));
+  await settled(page);
+  assert.equal(await width(), 1);
+  await keep(page, "after");
+  assert.equal(await changed(page, "before", "after"), 0);
+  quiet(opened);
+  await page.close();
+});
+
 test("a page without a scene, or with one it cannot show, says so", options, async () => {
   for (const [scene, text] of [[null, /none has been written into it/], [{ ...arm().scene, format: "axode scene 2" }, /its format is "axode scene 2"/]]) {
     const { page } = await browser.open(scene, { broken: true });
