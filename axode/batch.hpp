@@ -18,7 +18,7 @@
 /// others or on the number of threads, which is the largest number of cores to use. Frames, units and
 /// conventions are those of the functions of the same name for one state. Each call allocates a workspace for
 /// each thread. Throws std::invalid_argument for a wrong size, a quaternion off 1 (it names the state), a result that
-/// shares memory with an argument, and for threads < 1.
+/// shares memory with an argument, and for threads < 1. Of specialised models: axode/codegen.hpp.
 namespace axode::batch {
 
 /// Told every 20 milliseconds, in the thread of the call, about how many states of how many are done; the call ends

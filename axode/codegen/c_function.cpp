@@ -67,14 +67,16 @@ class Statements {
     std::size_t index;  ///< of a node, a stage (of a thread: the node of an angle), a result
     int part = 0;
   };
-  static constexpr std::size_t longest_part = 1500;  // statements
 
   std::size_t size() const { return recording_.nodes.size(); }
   const Tape::Node& node(std::size_t k) const { return recording_.nodes[k]; }
   bool in_lanes() const { return width_ == Width::lanes; }
   bool on_thread() const { return width_ == Width::thread; }
+  /// In statements. The longer a part, the more time compilers take for each of them; but a thread of a GPU keeps in far
+  /// memory what one part hands on to the next.
+  std::size_t longest_part() const { return on_thread() ? 1500 : 500; }
   const char* type() const { return in_lanes() ? "axode_lanes" : precision_.type(); }
-  int n_parts() const { return static_cast<int>((steps_.size() + longest_part - 1) / longest_part); }
+  int n_parts() const { return static_cast<int>((steps_.size() + longest_part() - 1) / longest_part()); }
   bool is_cut() const { return n_parts() > 1; }
   static bool is_turned(const Tape::Node& x) { return x.operation == sine || x.operation == cosine; }
   static bool is_literal(const Tape::Node& x) {

@@ -94,12 +94,23 @@ static inline axode_lanes axode_angle(axode_lanes a, axode_lanes b) {
 )";
 
 constexpr const char* turning = R"(
-/* in[l * n + k], number k of state l, to lane l of out[k], and back. */
-static void axode_gather(const @T@ *in, long n, axode_lanes *out) {
+/* in[l * n + k], number k of state l, to lane l of out[k], and back. Where the states are fewer than the lanes, the last
+   one stands in those that are left. */
+static void axode_gather(const @T@ *in, long n, long states, axode_lanes *out) {
   long k, l;
+  if (states < AXODE_LANES) {
+    for (k = 0; k < n; ++k)
+      for (l = 0; l < AXODE_LANES; ++l) out[k][l] = in[(l < states ? l : states - 1) * n + k];
+    return;
+  }
 @GATHERING@}
-static void axode_scatter(const axode_lanes *in, long n, @T@ *out) {
+static void axode_scatter(const axode_lanes *in, long n, long states, @T@ *out) {
   long k, l;
+  if (states < AXODE_LANES) {
+    for (k = 0; k < n; ++k)
+      for (l = 0; l < states; ++l) out[l * n + k] = in[k][l];
+    return;
+  }
 @SCATTERING@}
 #endif
 
@@ -130,7 +141,7 @@ std::string c_states(const StatesFunction& f, const Precision& precision, int la
                       argument = "arguments[" + std::to_string(k) + "] + k * " + n;
     one += argument + ", ";
     in_lanes += "x + " + std::to_string(from) + ", ";
-    gather += "    axode_gather(" + argument + ", " + n + ", x + " + std::to_string(from) + ");\n";
+    gather += "    axode_gather(" + argument + ", " + n + ", states, x + " + std::to_string(from) + ");\n";
     from += f.arguments[k];
   }
   const std::string call = f.name + '(' + one + "result + k * " + std::to_string(f.results) + ')';
@@ -146,12 +157,13 @@ std::string c_states(const StatesFunction& f, const Precision& precision, int la
   if (lanes > 1) {
     text +=
         "#if AXODE_LANES > 1\n  axode_lanes *const x = (axode_lanes *)scratch;\n"
-        "  for (; k + AXODE_LANES <= count; k += AXODE_LANES) {\n";
+        "  for (; scratch && k < count; k += AXODE_LANES) {\n"
+        "    const long states = count - k < AXODE_LANES ? count - k : AXODE_LANES;\n";
     text += gather;
     text += f.returns_doubt ? "    const axode_mask doubt = " : "    ";
     text += "@NAME@_lanes(" + in_lanes +
-            "x + @Y@, x + @S@);\n    axode_scatter(x + @Y@, @N@, result + k * @N@);\n";
-    if (f.returns_doubt) text += "    for (int l = 0; l < AXODE_LANES; ++l) doubts[k + l] = doubt[l] != 0;\n";
+            "x + @Y@, x + @S@);\n    axode_scatter(x + @Y@, @N@, states, result + k * @N@);\n";
+    if (f.returns_doubt) text += "    for (int l = 0; l < states; ++l) doubts[k + l] = doubt[l] != 0;\n";
     text += "  }\n#endif\n";
   }
   text += "  for (; k < count; ++k) " + (f.returns_doubt ? "doubts[k] = (unsigned char)" : std::string()) +

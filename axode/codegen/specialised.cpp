@@ -21,9 +21,25 @@ std::string name_of(Quantity quantity) {
   return std::string(codegen::quantities[static_cast<std::size_t>(quantity)]);
 }
 
+/// What axode/batch.hpp calls the results of codegen::quantities, in that order.
+constexpr std::array<const char*, codegen::quantities.size()> results{
+    "tau",      "a",       "M",  "M_inverse", "C",        "J",       "dtau", "dtau",
+    "gradient", "hessian", "da", "da",        "gradient", "hessian", "C"};
+
+const char* name_of(catalog::Input input) { return catalog::to_string(input).data(); }
+
 bool same(const Function& a, const Function& b) {
   return a.quantity == b.quantity && (!codegen::is_of_a_frame(a.quantity) ||
                                       (a.frame == b.frame && a.representation == b.representation));
+}
+
+/// What the size of a result is made of, as in "3 nv nv N".
+template <class T> std::string meaning_of(const catalog::Function<T>& row) {
+  const std::size_t numbers = static_cast<std::size_t>(catalog::numbers_of(row.entry)) * row.symbols.size();
+  std::string meaning = numbers == 1 ? "" : std::to_string(numbers) + ' ';
+  for (const catalog::Extent extent : row.shape)
+    meaning += extent == catalog::Extent::n_frames ? "n_frames " : "nv ";
+  return meaning + 'N';
 }
 
 /// Numbers from a cache line on.
@@ -46,6 +62,8 @@ template <class T> struct Specialised<T>::Code {
     const catalog::Function<T>* row;
     void (*call)(long count, const T* const* arguments, T* result, T* scratch, unsigned char* doubts);
     std::size_t scratch, size;  ///< numbers that are needed in all, and that a state has as its result
+    const char* result;         ///< its name
+    std::string meaning;        ///< of its size
     bool may_doubt;
     std::vector<Argument> arguments;
   };
@@ -66,6 +84,8 @@ template <class T> struct Specialised<T>::Code {
       entry.scratch =
           static_cast<std::size_t>(*static_cast<const long*>(library.address(symbol + "_scratch")));
       entry.size = entry.row->size(model, 0);
+      entry.result = results[static_cast<std::size_t>(functions[k].quantity)];
+      entry.meaning = meaning_of(*entry.row);
       entry.may_doubt = name.starts_with("forward") || functions[k].quantity == Quantity::inverse_mass_matrix;
       for (const catalog::Input input : catalog::inputs_of_numbers)
         if (entry.row->takes_input(input))
@@ -92,12 +112,12 @@ template <class T> class Specialised<T>::Run {
   Run(const Model& model, const typename Code::Entry& entry, const catalog::Given<T>& given, std::span<T> out,
       std::size_t N)
       : model_(model), entry_(entry), given_(given), out_(out) {
-    for (const auto& [input, length] : entry.arguments) {
-      const std::span<const T> x = catalog::numbers(given_, input);
-      const char* const name = catalog::to_string(input).data();
-      if (input != catalog::Input::q) check_size(name, x.size(), length * N, "nv N");
-      check_separate("the result", out, name, x);
-    }
+    for (const auto& [input, length] : entry.arguments)
+      if (input != catalog::Input::q)
+        check_size(name_of(input), catalog::numbers(given_, input).size(), length * N, "nv N");
+    check_size(entry.result, out.size(), entry.size * N, entry.meaning.c_str());
+    for (const auto& [input, length] : entry.arguments)
+      check_separate(entry.result, out, name_of(input), catalog::numbers(given_, input));
     if (entry.may_doubt && N > 1) verdicts_.resize(N);
   }
 
@@ -179,12 +199,11 @@ template <class T>
 batch::Outcome Specialised<T>::operator()(const Function& function, const catalog::Given<T>& given,
                                           std::span<T> out, int threads,
                                           const batch::Monitor& monitor) const {
-  constexpr std::size_t group = 64;
+  const std::size_t group = threads > 1 ? 16 : 64;  // registers are filled, and a few states are shared out
   const auto& entry = code_->entry(model_, function);
   const std::size_t N = batch::check_states(model_, given.q, threads);
   if (!given.loads.wrenches.empty() || given.loads.joint_losses)
     throw std::invalid_argument("specialised functions take no loads and no joint losses");
-  check_size("the result", out.size(), entry.size * N, "of N states");
   Run run(model_, entry, given, out, N);
   if (out.empty()) return {.done = N};
   if (N <= group) {

@@ -28,7 +28,7 @@ class CompilationEnded : public std::runtime_error {
 /// kept in a cache for the next time. T is double or float. Threads may share one.
 ///
 ///     const Specialised<> fast(arm, {{codegen::Quantity::inverse_dynamics}});
-///     fast({codegen::Quantity::inverse_dynamics}, {.q = q, .v = v, .a = a}, tau);
+///     batch::inverse_dynamics(fast, q, v, a, tau, 4);
 ///
 /// The C++ library itself needs no compiler, and stays what it is where there is none.
 template <class T = double> class Specialised {
@@ -44,9 +44,10 @@ template <class T = double> class Specialised {
   const Model& model() const { return model_; }
   bool has(const codegen::Function& function) const;
 
-  /// The function in N states, which lie one behind the other as in axode/batch.hpp, and so do their results, each as the
-  /// catalogue's function of that name writes it. Checks are those of batch, and so is what becomes of states whose mass
-  /// matrix may be singular: the library's own function decides. Loads are refused.
+  /// The function by its name, in N states, which lie one behind the other as in axode/batch.hpp, and so do their results, each
+  /// as the catalogue's function of that name writes it. Checks, threads and the monitor are those of batch, and so is what
+  /// becomes of states whose mass matrix may be singular: the library's own function decides. A state's result depends
+  /// neither on its place nor on the threads; one state alone goes without lanes and may differ by rounding. Loads are refused.
   /// Throws std::invalid_argument for a function that was not asked for.
   batch::Outcome operator()(const codegen::Function& function, const catalog::Given<T>& given,
                             std::span<T> out, int threads = 1, const batch::Monitor& monitor = {}) const;
@@ -57,6 +58,94 @@ template <class T = double> class Specialised {
   Model model_;
   std::shared_ptr<const Code> code_;
 };
+
+/// The functions of axode/batch.hpp by a specialised model: what they are given, give, check, ask and return is the same, and
+/// results differ by rounding. They throw std::invalid_argument as well for a function that the model was specialised without.
+namespace batch {
+
+template <class T>
+std::size_t inverse_dynamics(const Specialised<T>& model, Numbers<T> q, Numbers<T> v, Numbers<T> a,
+                             std::type_identity_t<std::span<T>> tau, int threads = 1,
+                             const Monitor& monitor = {}) {
+  return model({codegen::Quantity::inverse_dynamics}, {.q = q, .v = v, .a = a}, tau, threads, monitor).done;
+}
+template <class T>
+Outcome forward_dynamics(const Specialised<T>& model, Numbers<T> q, Numbers<T> v, Numbers<T> tau,
+                         std::type_identity_t<std::span<T>> a, int threads = 1, const Monitor& monitor = {}) {
+  return model({codegen::Quantity::forward_dynamics}, {.q = q, .v = v, .tau = tau}, a, threads, monitor);
+}
+
+template <class T>
+std::size_t mass_matrix(const Specialised<T>& model, Numbers<T> q, std::type_identity_t<std::span<T>> M,
+                        int threads = 1, const Monitor& monitor = {}) {
+  return model({codegen::Quantity::mass_matrix}, {.q = q}, M, threads, monitor).done;
+}
+template <class T>
+Outcome inverse_mass_matrix(const Specialised<T>& model, Numbers<T> q,
+                            std::type_identity_t<std::span<T>> M_inverse, int threads = 1,
+                            const Monitor& monitor = {}) {
+  return model({codegen::Quantity::inverse_mass_matrix}, {.q = q}, M_inverse, threads, monitor);
+}
+template <class T>
+std::size_t poses(const Specialised<T>& model, Numbers<T> q, std::type_identity_t<std::span<SE3<T>>> C,
+                  int threads = 1, const Monitor& monitor = {}) {
+  static_assert(sizeof(SE3<T>) == 12 * sizeof(T));
+  const std::span<T> numbers(reinterpret_cast<T*>(C.data()), 12 * C.size());
+  return model({codegen::Quantity::poses}, {.q = q}, numbers, threads, monitor).done;
+}
+
+template <class T>
+std::size_t inverse_dynamics_derivatives(const Specialised<T>& model, Numbers<T> q, Numbers<T> v,
+                                         Numbers<T> a, std::type_identity_t<std::span<T>> dtau,
+                                         int threads = 1, const Monitor& monitor = {}) {
+  return model({codegen::Quantity::inverse_dynamics_derivatives}, {.q = q, .v = v, .a = a}, dtau, threads,
+               monitor)
+      .done;
+}
+template <class T>
+Outcome forward_dynamics_derivatives(const Specialised<T>& model, Numbers<T> q, Numbers<T> v, Numbers<T> tau,
+                                     std::type_identity_t<std::span<T>> da, int threads = 1,
+                                     const Monitor& monitor = {}) {
+  return model({codegen::Quantity::forward_dynamics_derivatives}, {.q = q, .v = v, .tau = tau}, da, threads,
+               monitor);
+}
+
+template <class T>
+std::size_t inverse_dynamics_jvp(const Specialised<T>& model, Numbers<T> q, Numbers<T> v, Numbers<T> a,
+                                 Numbers<T> dq, Numbers<T> dv, Numbers<T> da,
+                                 std::type_identity_t<std::span<T>> dtau, int threads = 1,
+                                 const Monitor& monitor = {}) {
+  catalog::Given<T> given{.q = q, .v = v, .a = a};
+  given.dq = dq, given.dv = dv, given.da = da;
+  return model({codegen::Quantity::inverse_dynamics_jvp}, given, dtau, threads, monitor).done;
+}
+template <class T>
+Outcome forward_dynamics_jvp(const Specialised<T>& model, Numbers<T> q, Numbers<T> v, Numbers<T> tau,
+                             Numbers<T> dq, Numbers<T> dv, Numbers<T> dtau,
+                             std::type_identity_t<std::span<T>> da, int threads = 1,
+                             const Monitor& monitor = {}) {
+  catalog::Given<T> given{.q = q, .v = v, .tau = tau};
+  given.dq = dq, given.dv = dv, given.dtau = dtau;
+  return model({codegen::Quantity::forward_dynamics_jvp}, given, da, threads, monitor);
+}
+
+template <class T>
+std::size_t inverse_dynamics_vjp(const Specialised<T>& model, Numbers<T> q, Numbers<T> v, Numbers<T> a,
+                                 Numbers<T> w, std::type_identity_t<std::span<T>> gradient, int threads = 1,
+                                 const Monitor& monitor = {}) {
+  return model({codegen::Quantity::inverse_dynamics_vjp}, {.q = q, .v = v, .a = a, .w = w}, gradient, threads,
+               monitor)
+      .done;
+}
+template <class T>
+Outcome forward_dynamics_vjp(const Specialised<T>& model, Numbers<T> q, Numbers<T> v, Numbers<T> tau,
+                             Numbers<T> w, std::type_identity_t<std::span<T>> gradient, int threads = 1,
+                             const Monitor& monitor = {}) {
+  return model({codegen::Quantity::forward_dynamics_vjp}, {.q = q, .v = v, .tau = tau, .w = w}, gradient,
+               threads, monitor);
+}
+
+}  // namespace batch
 
 /// What is kept of specialised models: in $XDG_CACHE_HOME/axode, or in ~/.cache/axode.
 struct SpecialisedCache {

@@ -10,10 +10,10 @@ namespace axode::codegen {
 ///     void NAME_states(long count, const T *const *arguments, T *result, T *scratch, unsigned char *doubts)
 ///     const long NAME_scratch
 ///
-/// States lie one behind the other. As many as a register holds, but at most `lanes` (a power of 2), are computed at once,
-/// what is left one by one; 1 is for no such registers. `scratch` has NAME_scratch numbers from a cache line on;
-/// `doubts` has an entry for each state: what the function returns. Angles may have any size;
-/// Jacobians are written column by column.
+/// States lie one behind the other. As many as a register holds, but at most `lanes` (a power of 2), are computed at once;
+/// 1 is for no such registers. `scratch` has NAME_scratch numbers from a cache line on; without it states are computed one by
+/// one, which may differ by rounding. `doubts` has an entry for each state: what the function returns. Angles may have any
+/// size; Jacobians are written column by column.
 Source states_source(const Model& model, std::span<const Function> functions, bool single_precision,
                      int lanes);
 

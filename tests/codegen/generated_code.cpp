@@ -1,5 +1,6 @@
 #include <memory>
 #include <numbers>
+#include <sstream>
 
 #include "axode/codegen.hpp"
 #include "axode/codegen/c_function.hpp"
@@ -360,6 +361,22 @@ TEST(GeneratedOperations, AreOnlyThoseThatTheMechanismNeeds) {
   EXPECT_EQ(forces.angles, 12) << "gravity is along the first axis";
   EXPECT_EQ(matrix.angles, 10) << "M depends neither on the first angle nor on the last";
   EXPECT_EQ(forces.divisions + matrix.divisions, 0);
+}
+
+/// Compilers take time for each statement that grows with the length of the function that it is in.
+TEST(GeneratedParts, AreShort) {
+  const Model model = load(robot("humanoid.urdf"), Base::free);
+  const Function function{Quantity::inverse_dynamics_derivatives};
+  std::istringstream source(codegen::c_source(model, {&function, 1}).text);
+  int parts = 0, statements = 0, all = 0;
+  for (std::string line; std::getline(source, line);) {
+    if (line.starts_with("static AXODE_PART")) ++parts, statements = 0;
+    if (!line.starts_with("  const double t")) continue;
+    ++all;
+    ASSERT_LE(++statements, 500);
+  }
+  EXPECT_GT(all, 10'000);
+  EXPECT_LT(parts, all / 250);
 }
 
 TEST(GeneratedNames, AreIdentifiersAndNoTwoAreTheSame) {

@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <cstdlib>
 #include <limits>
 #include <numbers>
 #include <numeric>
@@ -10,7 +9,7 @@
 #include "axode/io.hpp"
 #include "axode/model/builder.hpp"
 #include "axode/model/configuration.hpp"
-#include "tests/apps/run_command.hpp"
+#include "tests/codegen/specialised_models.hpp"
 #include "tests/laws/law.hpp"
 #include "tests/support/refused_arguments.hpp"
 
@@ -20,37 +19,6 @@ namespace {
 
 using codegen::Function;
 using codegen::Quantity;
-
-/// Compiled for nobody's impatience: what is tested does not depend on it.
-const std::vector<std::string> quickly{"-O0", "-march=native", "-ffp-contract=fast"};
-
-/// An environment variable with another value for a while.
-class Variable {
- public:
-  Variable(const char* name, const std::string& value) : name_(name) {
-    if (const char* before = std::getenv(name)) before_ = before;
-    setenv(name, value.c_str(), 1);
-  }
-  ~Variable() {
-    if (before_)
-      setenv(name_, before_->c_str(), 1);
-    else
-      unsetenv(name_);
-  }
-  Variable(const Variable&) = delete;
-  Variable& operator=(const Variable&) = delete;
-
- private:
-  const char* name_;
-  std::optional<std::string> before_;
-};
-/// Each test has a cache of its own.
-class SpecialisedModels : public testing::Test {
- protected:
-  TemporaryFolder folder;
-  Variable cache{"XDG_CACHE_HOME", folder.path()};
-  Variable compiler{"CC", "cc"};
-};
 
 /// Numbers of N states.
 template <class T> struct States {
@@ -134,36 +102,6 @@ void expect_what_the_library_gives(const Model& model, const Specialised<T>& spe
   }
 }
 
-/// Joints of every kind, a free base, a coupled joint across branches and an armature.
-Model every_joint() {
-  const auto joint = [](JointKind kind, Vec3<> axis) {
-    JointDescription described{.kind = kind, .axis = axis};
-    described.dof.resize(1);
-    described.dof[0].armature = 0.1;
-    return described;
-  };
-  ModelBuilder builder("every joint");
-  double height = 0;
-  const auto add = [&](const char* name, const char* on, JointDescription described) {
-    described.point = {0.3, 0.1, height += 0.2};
-    builder.add({.name = name,
-                 .predecessor = on,
-                 .joint = std::move(described),
-                 .inertia = MassProperties{
-                     .mass = 2, .com = {0.1, 0.05, -0.1}, .Theta = {0.1, 0.2, 0.25, 0.01, 0, 0.02}}});
-  };
-  add("base", "ground", {.kind = JointKind::free});
-  add("hinge", "base", joint(JointKind::revolute, {0.6, 0.8, 0}));
-  add("slide", "hinge", joint(JointKind::prismatic, {0, 0.6, 0.8}));
-  add("ball", "base", {.kind = JointKind::spherical});
-  add("screw", "ball", {.kind = JointKind::helical, .axis = {0, 0, 1}, .pitch = 0.1});
-  add("plate", "ground", {.kind = JointKind::planar, .axis = {0, 1, 0}});
-  JointDescription follower{.kind = JointKind::revolute, .axis = {1, 0, 0}};
-  follower.coupling = Coupling{.leader = "hinge_joint", .ratio = -2, .offset = 0.3};
-  add("follower", "base", follower);
-  return builder.build();
-}
-
 TEST_F(SpecialisedModels, GiveWhatTheLibraryGivesInEveryNumberOfStates) {
   const Model model = load(robot("double_pendulum.toml"));
   const std::vector<Function> functions = all_functions(model);
@@ -221,17 +159,6 @@ TEST_F(SpecialisedModels, TurnByAnglesOfEverySize) {
   }
 }
 
-/// Two hinges about one axis of which the second carries nothing.
-Model singular_wrist() {
-  const JointDescription hinge{.kind = JointKind::revolute, .axis = {0, 0, 1}};
-  return ModelBuilder("wrist")
-      .add({.name = "a",
-            .joint = hinge,
-            .inertia = MassProperties{.mass = 1, .com = {1, 0, 0}, .Theta = {1, 1, 1}}})
-      .add({.name = "b", .predecessor = "a", .joint = hinge})
-      .build();
-}
-
 TEST_F(SpecialisedModels, TellWhichStatesAreSingularAndWhichOverflow) {
   const Model wrist = singular_wrist();
   const Function function{Quantity::forward_dynamics};
@@ -265,9 +192,9 @@ TEST_F(SpecialisedModels, CheckTheirArguments) {
   EXPECT_EQ(message(function, {.q = short_of_one, .v = v, .a = v}, tau),
             "q has 5 entries; expected a multiple of nq = 2");
   EXPECT_EQ(message(function, {.q = q, .v = v, .a = v}, short_of_one),
-            "the result has 5 entries; expected of N states = 6");
+            "tau has 5 entries; expected nv N = 6");
   EXPECT_EQ(message(function, {.q = q, .v = v, .a = v}, q),
-            "the result shares memory with q; this result needs memory of its own");
+            "tau shares memory with q; this result needs memory of its own");
   EXPECT_EQ(message({Quantity::mass_matrix}, {.q = q}, tau),
             "model \"double pendulum\" was specialised without mass_matrix");
   EXPECT_EQ(message(function, {.q = q, .v = v, .a = v, .loads = {.joint_losses = true}}, tau),

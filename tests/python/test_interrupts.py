@@ -1,6 +1,8 @@
 """Ctrl-C is answered in the middle of every call on many states or items."""
 
+import functools
 import os
+import shutil
 import signal
 import subprocess
 import sys
@@ -27,6 +29,14 @@ def of_items(f, *items):
     return lambda N: [np.repeat(item[None], N, axis=0) for item in items], f
 
 
+@functools.cache
+def specialised():
+    """Derivatives of forward dynamics in code that is slow enough for few states."""
+    if shutil.which("cc") is None:
+        pytest.skip("there is no C compiler cc")
+    return ARM.specialise(["forward_dynamics_derivatives"], lanes=1, flags=["-O0"]).forward_dynamics_derivatives
+
+
 LONG = {
     "inverse dynamics": of_states(ARM, lambda q, v, a: axode.inverse_dynamics(ARM, q, v, a)),
     "inverse dynamics on two threads": of_states(ARM, lambda q, v, a: axode.inverse_dynamics(ARM, q, v, a, threads=2)),
@@ -46,6 +56,8 @@ LONG = {
     "partials of the jacobian": of_states(ARM, lambda q, v, a: axode.jacobian_partials(ARM, q, "flange", order=2)),
     "higher derivatives": of_states(ARM, lambda q, v, a: axode.twist_derivatives(
         ARM, q, np.stack([v, a, v, a], axis=1), "flange")),
+    "specialised derivatives": of_states(ARM, lambda q, v, a: specialised()(q, v, a).q),
+    "specialised derivatives on two threads": of_states(ARM, lambda q, v, a: specialised()(q, v, a, threads=2).q),
     "energy": of_states(ARM, lambda q, v, a: axode.kinetic_energy(ARM, q, v)),
     "integrate": of_states(MACHINE, lambda q, v, a: MACHINE.integrate(q, v)),
     "difference": of_states(MACHINE, lambda q, v, a: MACHINE.difference(q, q)),

@@ -63,6 +63,21 @@ def test_every_function_of_one_state_and_of_many():
     assert s.model is PENDULUM
 
 
+def test_derivatives_of_many_states_on_threads_depend_on_no_place():
+    functions = ["inverse_dynamics_derivatives", "forward_dynamics_derivatives"]
+    s = ARM.specialise(functions, flags=QUICKLY)
+    N = 1001
+    for function in functions:
+        given = arguments(ARM, function, N)
+        assert_same(ARM, s, [function], N)
+        found, shared = getattr(s, function)(*given), getattr(s, function)(*given, threads=4)
+        last = getattr(s, function)(*[x[-3:] for x in given])
+        for x, y, z in zip(found, shared, last, strict=True):
+            assert x.shape == (N, 7, 7)
+            assert np.array_equal(x, y)
+            assert np.array_equal(x[-3:], z)
+
+
 @pytest.mark.parametrize("mechanism", MECHANISMS)
 def test_mechanisms_with_joints_of_all_kinds(mechanism):
     m = MECHANISMS[mechanism]
