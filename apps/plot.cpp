@@ -139,7 +139,7 @@ void run(const Options& options, int& exit_code) {
   for (const std::string& table : options.tables) {
     of_tables.push_back(TableReader(table, options.bars, logarithmic).panels());
     rows = std::max(rows, of_tables.back().size());
-    chart.title += (chart.title.empty() ? "" : ", ") + std::filesystem::path(table).stem().string();
+    of_tables.back().front().title = std::filesystem::path(table).stem().string();
   }
   if (chart.columns > 1) chart.width = 400;
   if (rows == 1) chart.height = 320;
@@ -147,7 +147,8 @@ void run(const Options& options, int& exit_code) {
     for (std::vector<Panel>& panels : of_tables)
       chart.panels.push_back(row < panels.size() ? std::move(panels[row]) : Panel{});
   picture.draw(chart);
-  fmt::print("{}: {}\n", options.picture, chart.title);
+  fmt::print("{}: {} of {}\n", options.picture, options.bars ? "bars" : "curves",
+             fmt::join(options.tables, ", "));
   exit_code = all_well;
 }
 

@@ -179,13 +179,13 @@ TEST(PlotOfATable, HasAPanelForEachFirstWordAndTablesSideBySide) {
   ASSERT_EQ(axode({"simulate", two_bars, "--until", "0.1", "--output", run_csv}).code, 0);
   const Outcome outcome = axode({"plot", run_csv, "--output", svg});
   EXPECT_EQ(outcome.code, 0) << outcome.err;
-  EXPECT_EQ(outcome.out, svg + ": run\n");
+  EXPECT_EQ(outcome.out, svg + ": curves of " + run_csv + "\n");
   for (const char* said : {"run", "t", "q", "v", "a", "tau", "energy", "pin", "elbow"})
     EXPECT_THAT(texts_of(svg), Contains(said));
   const std::string errors = folder.write(
       "errors.csv", "steps,\"error, rad: rk 4\",\"error, rad: dopri5\"\n10,1e-3,\n1000,1e-11,1e-5\n");
   ASSERT_EQ(axode({"plot", errors, run_csv, "--output", svg}).code, 0);
-  for (const char* said : {"errors, run", "steps", "error, rad", "rk 4", "dopri5", "1000", "energy"})
+  for (const char* said : {"errors", "run", "steps", "error, rad", "rk 4", "dopri5", "1000", "energy"})
     EXPECT_THAT(texts_of(svg), Contains(said));
   ASSERT_EQ(axode({"plot", errors, "--output", svg, "--log", "xy"}).code, 0);
   for (const char* said : {"errors", "steps", "error, rad", "rk 4", "dopri5", "1e-11", "1e1"})

@@ -33,7 +33,7 @@ def test_tables_are_drawn_with_a_curve_for_each_name_where_it_has_points(tmp_pat
     chart.draw(tmp_path / "errors.svg", {"by steps": table, "once more": table}, "--log", "xy")
     drawn = xml.etree.ElementTree.parse(tmp_path / "errors.svg")
     texts = ["".join(text.itertext()).strip() for text in drawn.iter("{http://www.w3.org/2000/svg}text")]
-    assert {"by steps, once more", "error, rad", "steps", "rk4", "dopri5", "1e-6"} <= set(texts)
+    assert {"by steps", "once more", "error, rad", "steps", "rk4", "dopri5", "1e-6"} <= set(texts)
 
 
 def test_a_study_of_motions_refreshes_its_table_and_nothing_else(tmp_path):
