@@ -2,7 +2,6 @@
 #include <algorithm>
 
 #include "axode/fast/articulated_bodies.hpp"
-#include "axode/fast/inverse_mass_matrix.hpp"
 #include "axode/recursion/forward_dynamics.hpp"
 
 namespace axode {
@@ -10,6 +9,8 @@ namespace axode {
 /// Accelerations at given forces, and after them x := M⁻¹ x for matrices of nv columns: where it is quickest, or in hybrid
 /// representation where joints are coupled or M may be singular.
 template <class T> struct AccelerationsAndColumns {
+  /// On larger trees articulated bodies solve for columns in less time than products with M⁻¹ take.
+  static constexpr int most_velocities = 100;
   FastForwardDynamics<T> fast;
   using Bodies = typename FastForwardDynamics<T>::Bodies;
   typename Bodies::Columns* columns;
@@ -41,10 +42,10 @@ template <class T> struct AccelerationsAndColumns {
       for (std::ptrdiff_t r = 0; r < nv; ++r) matrix[r * nv + c] = x[r];
     }
   }
-  /// The same for a matrix that has entries only where one velocity moves the other, with M⁻¹ at hand: on short paths, where
-  /// little is lost by it, its products with the few entries of a column are quicker.
+  /// The same for a matrix that has entries only where one velocity moves the other, with M⁻¹ at hand, of which the products with
+  /// the few entries of a column are quicker on all but large trees.
   void solve(const Tree<T>& tree, const T* M_inverse, T* matrix) noexcept {
-    if (!is_fast || !FastInverseMassMatrix<T>::suits(tree)) return solve(tree, matrix);
+    if (!is_fast || tree->nv > most_velocities) return solve(tree, matrix);
     using L = Lanes<T>;
     const int nv = tree->nv;
     for (int first = 0; first < nv; first += L::width) {
