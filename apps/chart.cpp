@@ -212,6 +212,7 @@ class Script {
     text_ += axis('x', panel.log_x) + axis('y', panel.log_y) +
              fmt::format("set boxwidth {} absolute\n", panel.bar_width);
     text_ += ranges(panels_[place].front()->kind);
+    if (panel.log_x && powers_of_ten(panels_[place]) < 2) text_ += "set autoscale x\n";  // to the next ones
     if (panel.x_range)
       text_ += fmt::format("set xrange [{}:{}]\n", panel.x_range->first, panel.x_range->second);
     text_ += fmt::format("set ytics {}\nset xtics norotate autofreq\n",
@@ -251,6 +252,14 @@ class Script {
       for (const double y : curve->y) low = std::min(low, y), high = std::max(high, y);
     const double step = round_step(high - low, chart_.height / 30.0);
     return step > 0 ? fmt::format("{:.9g}", step) : "autofreq";
+  }
+
+  /// How many stand below a logarithmic axis that ends with its curves; only they have a number there.
+  static double powers_of_ten(const std::vector<const Curve*>& curves) {
+    double low = curves.front()->x.front(), high = low;
+    for (const Curve* curve : curves)
+      for (const double x : curve->x) low = std::min(low, x), high = std::max(high, x);
+    return std::floor(std::log10(high)) - std::ceil(std::log10(low)) + 1;
   }
 
   static const char* ranges(Curve::Kind kind) {
@@ -320,7 +329,10 @@ class Script {
                             k < palette.size() / 2 ? "1" : "(8,4)");
         break;
       case Curve::points: style = "with points pointtype 7 pointsize 1"; break;
-      case Curve::bars: style = "with boxes"; break;
+      case Curve::bars:  // hatched where a colour comes again
+        style = k < palette.size() ? "with boxes"
+                                   : fmt::format("with boxes fillstyle pattern {}", k / palette.size());
+        break;
       case Curve::marks: style = "with vectors nohead linewidth 1.5"; break;
     }
     return fmt::format("$d{} using {} {} linecolor rgb \"{}\" {}", k,

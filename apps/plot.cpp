@@ -6,6 +6,7 @@
 #include <cmath>
 #include <filesystem>
 #include <memory>
+#include <set>
 
 #include "chart.hpp"
 #include "choice.hpp"
@@ -27,13 +28,17 @@ constexpr const char* footer =
     R"(A TABLE is a CSV file with the names of its columns in the first line, as `axode simulate --output run.csv` writes it. The
 first column is along the axis, each of the others is a curve. Those with the same first word, or the same words
 before a colon, share a panel that is called so: "q pin" and "q elbow" are the curves pin and elbow of the panel q. Cells that
-are empty or not finite are left out, and on logarithmic axes what is not positive. Each table has panels of its own, side by side.
+are empty or not finite are left out, and on logarithmic axes what is not above 1e-307. Each table has panels of its own,
+side by side; a chart has at most 60 places for them.
 
 Example:
   axode simulate double_pendulum.toml --until 2 --output run.csv
   axode plot run.csv --output run.svg
 
 With --bars the first column has names, and each number is a bar.)";
+
+constexpr std::size_t most_places = 60;
+constexpr double least_on_logarithmic_axes = 1e-307;  // gnuplot makes 0 of what is not normal
 
 struct Logarithmic {
   bool x = false, y = false;
@@ -51,7 +56,8 @@ std::pair<std::string, std::string> split(const std::string& heading) {
 /// The panels of a table.
 class TableReader {
  public:
-  TableReader(const std::string& file, bool bars, Logarithmic log) : file_(file), bars_(bars), log_(log) {}
+  TableReader(const std::string& file, bool bars, Logarithmic log, std::size_t most_panels)
+      : file_(file), bars_(bars), log_(log), most_panels_(most_panels) {}
 
   std::vector<Panel> panels() {
     for_rows_of_csv(read_text(file_), [&](std::size_t line, const std::vector<std::string>& cells) {
@@ -88,6 +94,11 @@ class TableReader {
       of_panels_.push_back(std::move(panel));
       curves_.push_back({.name = std::move(curve), .kind = bars_ ? Curve::bars : Curve::line});
     }
+    const std::size_t count = std::set<std::string>(of_panels_.begin(), of_panels_.end()).size();
+    if (count > most_panels_)
+      throw InputError(fmt::format(
+          "{}: its columns make {} panels, one of each first word; a chart has {} places, {} for this table",
+          file_, count, most_places, most_panels_));
   }
 
   double number(std::size_t line, const std::string& cell) const {
@@ -103,9 +114,13 @@ class TableReader {
     ++rows_;
     for (std::size_t k = 0; k < curves_.size(); ++k) {
       const double y = number(line, cells[k + 1]);
-      if (!std::isfinite(x) || !std::isfinite(y) || (log_.x && x <= 0) || (log_.y && y <= 0)) continue;
+      if (!is_drawn(x, log_.x) || !is_drawn(y, log_.y)) continue;
       curves_[k].x.push_back(x), curves_[k].y.push_back(y);
     }
+  }
+
+  static bool is_drawn(double number, bool logarithmic) {
+    return std::isfinite(number) && (!logarithmic || number >= least_on_logarithmic_axes);
   }
 
   /// The bars of each name, which are 0.8 wide together.
@@ -120,6 +135,7 @@ class TableReader {
   const std::string& file_;
   bool bars_;
   Logarithmic log_;
+  std::size_t most_panels_;
   std::string x_axis_;
   std::vector<std::string> of_panels_;
   std::vector<Curve> curves_;
@@ -137,7 +153,8 @@ void run(const Options& options, int& exit_code) {
   std::size_t rows = 0;
   Chart chart{.columns = static_cast<int>(options.tables.size())};
   for (const std::string& table : options.tables) {
-    of_tables.push_back(TableReader(table, options.bars, logarithmic).panels());
+    of_tables.push_back(
+        TableReader(table, options.bars, logarithmic, most_places / options.tables.size()).panels());
     rows = std::max(rows, of_tables.back().size());
     of_tables.back().front().title = std::filesystem::path(table).stem().string();
   }

@@ -232,7 +232,34 @@ TEST(PlotOfATable, LeavesOutWhatCannotBeDrawn) {
   EXPECT_EQ(axode({"plot", csv, "--output", svg}).code, 0);
   EXPECT_EQ(axode({"plot", csv, "--output", svg, "--log", "xy"}).err,
             "axode plot: --output: there are no numbers to draw\n");
+  const std::string tiny = folder.write("tiny.csv", "x,y\n1,5e-324\n2,1e-310\n3,1e-300\n4,1e300\n");
+  const Outcome drawn = axode({"plot", tiny, "--output", svg, "--log", "y"});
+  EXPECT_EQ(drawn.err, "");
+  for (const char* said : {"1e-300", "1e300", "3", "4"}) EXPECT_THAT(texts_of(svg), Contains(said));
+  EXPECT_THAT(texts_of(svg), Not(Contains("1")));
   EXPECT_EQ(axode({"plot", "-", "--output", svg}, "x,y\n1,2\n").code, 0);
+}
+
+TEST(PlotOfATable, HasNumbersBelowLogarithmicAxesOfLessThanADecade) {
+  const TemporaryFolder folder;
+  const std::string svg = folder.file("x.svg"), csv = folder.write("x.csv", "x,y\n2,30\n8,40\n");
+  ASSERT_EQ(axode({"plot", csv, "--output", svg, "--log", "xy"}).code, 0);
+  for (const char* said : {"1e0", "1e1", "1e2"}) EXPECT_THAT(texts_of(svg), Contains(said));
+}
+
+TEST(PlotOfATable, HatchesBarsWhoseColourComesAgain) {
+  const TemporaryFolder folder;
+  const std::string svg = folder.file("x.svg");
+  const auto draw = [&](int bars) {
+    std::string headings = "name", numbers = "arm";
+    for (int k = 0; k < bars; ++k) headings += ",r c" + std::to_string(k), numbers += ",1";
+    EXPECT_EQ(axode({"plot", "-", "--bars", "--output", svg}, headings + "\n" + numbers + "\n").code, 0);
+    return contents(svg);
+  };
+  EXPECT_THAT(draw(8), Not(HasSubstr("url(#gpPat")));
+  const std::string seventeen = draw(17);
+  EXPECT_THAT(seventeen, HasSubstr("url(#gpPat1"));
+  EXPECT_THAT(seventeen, HasSubstr("url(#gpPat2"));
 }
 
 TEST(PlotOfATable, NamesWhatIsWrong) {
@@ -252,6 +279,16 @@ TEST(PlotOfATable, NamesWhatIsWrong) {
   EXPECT_EQ(error("t\n1\n"), ": there is one column; the first is along the axis, and others are drawn\n");
   EXPECT_EQ(error("t,q\n1,2\n\n3\n"), ":4: there are 1 columns; the first line has 2\n");
   EXPECT_EQ(error("t,q\n1,two\n"), ":2: \"two\" is no number\n");
+  std::string words = "t";
+  for (int k = 0; k < 61; ++k) words += ",c" + std::to_string(k) + " x";
+  EXPECT_EQ(
+      error(words + "\n"),
+      ": its columns make 61 panels, one of each first word; a chart has 60 places, 60 for this table\n");
+  words.resize(words.rfind(','));
+  folder.write("other.csv", words + "\n");
+  EXPECT_THAT(error("t,q\n1,2\n", {folder.file("other.csv")}),
+              HasSubstr("other.csv: its columns make 60 panels, one of each first word; a chart has 60 "
+                        "places, 30 for this table"));
   EXPECT_EQ(error("t,\"q\nq\"\nx,2\n"), ":3: \"x\" is no number\n");
   EXPECT_EQ(error("t,q\n1,2\n", {"--log", "z"}),
             "--log: \"z\" is none of x, y, xy (see axode plot --help)\n");
