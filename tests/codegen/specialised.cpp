@@ -20,21 +20,10 @@ namespace {
 using codegen::Function;
 using codegen::Quantity;
 
-/// Numbers of N states.
-template <class T> struct States {
-  std::vector<T> q, v, a, dq, dv, da, w;
-  States(const Model& model, std::size_t N, std::uint64_t seed) {
-    Random<double> random(seed);
-    for (std::size_t k = 0; k < N; ++k) {
-      const State<double> state = random_state(model, random);
-      const auto append = [](std::vector<T>& to, const auto& from) {
-        for (const double x : from) to.push_back(static_cast<T>(x));
-      };
-      append(q, state.q), append(v, state.v), append(a, state.a);
-      for (auto* x : {&dq, &dv, &da, &w}) append(*x, random_numbers(random, model.nv()));
-    }
-  }
+template <class T> struct States : RandomStates<T> {
+  using RandomStates<T>::RandomStates;
   catalog::Given<T> given() const {
+    const auto& [q, v, a, dq, dv, da, w] = *this;
     catalog::Given<T> all{.q = q, .v = v, .a = a, .tau = a};
     all.dq = dq, all.dv = dv, all.da = da, all.dtau = da, all.w = w;
     return all;

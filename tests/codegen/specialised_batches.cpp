@@ -16,30 +16,12 @@ namespace {
 using batch::Monitor;
 using codegen::Quantity;
 
-/// States one behind the other; x are accelerations or forces, dx is their direction.
-template <class T> struct Arguments {
-  std::vector<T> q, v, x, dq, dv, dx, w;
-
-  Arguments(const Model& model, std::size_t N, std::uint64_t seed) {
-    Random<double> random(seed);
-    const auto append = [](std::vector<T>& to, const std::vector<double>& from) {
-      for (const double number : from) to.push_back(static_cast<T>(number));
-    };
-    for (std::size_t k = 0; k < N; ++k) {
-      const State<double> state = random_state(model, random);
-      append(q, state.q), append(v, state.v), append(x, state.a);
-      for (auto* direction : {&dq, &dv, &dx, &w}) append(*direction, random_numbers(random, model.nv()));
-    }
-  }
-  /// Those of N states, without the first ones.
-  Arguments from(std::size_t first, std::size_t N) const {
-    Arguments part(*this);
-    for (auto* numbers : {&part.q, &part.v, &part.x, &part.dq, &part.dv, &part.dx, &part.w})
-      numbers->erase(numbers->begin(),
-                     numbers->begin() + static_cast<std::ptrdiff_t>(numbers->size() / N * first));
-    return part;
-  }
-};
+/// The states from one on.
+template <class T> RandomStates<T> from(std::size_t first, std::size_t N, RandomStates<T> states) {
+  for (auto* x : {&states.q, &states.v, &states.a, &states.dq, &states.dv, &states.da, &states.w})
+    x->erase(x->begin(), x->begin() + static_cast<std::ptrdiff_t>(x->size() / N * first));
+  return states;
+}
 
 batch::Outcome all_solved(std::size_t done) {
   batch::Outcome outcome;
@@ -49,9 +31,9 @@ batch::Outcome all_solved(std::size_t done) {
 
 /// A function of axode/batch.hpp by a model, or by a specialised one.
 template <class T, class M>
-batch::Outcome call(Quantity quantity, const M& m, const Arguments<T>& all, std::span<T> out, int threads = 1,
-                    const Monitor& monitor = {}) {
-  const auto& [q, v, x, dq, dv, dx, w] = all;
+batch::Outcome call(Quantity quantity, const M& m, const RandomStates<T>& all, std::span<T> out,
+                    int threads = 1, const Monitor& monitor = {}) {
+  const auto& [q, v, x, dq, dv, dx, w] = all;  // accelerations or forces
   switch (quantity) {
     case Quantity::inverse_dynamics:
       return all_solved(batch::inverse_dynamics<T>(m, q, v, x, out, threads, monitor));
@@ -125,7 +107,7 @@ void expect_same(const batch::Outcome& x, const batch::Outcome& y) {
 template <class T>
 void expect_the_librarys(const Model& model, const Specialised<T>& specialised, std::size_t N, int threads,
                          double tolerance) {
-  const Arguments<T> all(model, N, 7 + N);
+  const RandomStates<T> all(model, N, 7 + N);
   const std::size_t nv2 = size_of(Quantity::mass_matrix, model);
   std::vector<T> M(nv2 * N), M_inverse(nv2 * N);
   batch::mass_matrix<T>(model, all.q, M);
@@ -192,7 +174,7 @@ TEST_F(SpecialisedBatches, DependOnNeitherTheirPlaceNorTheThreads) {
   const Specialised<> specialised(
       model, functions, {.flags = {"-O3", "-march=native", "-ffp-contract=fast", "-ftree-slp-vectorize"}});
   const std::size_t N = 53;
-  const Arguments<double> all(model, N, 1);
+  const RandomStates<double> all(model, N, 1);
   for (const auto& [quantity, frame, representation] : functions) {
     SCOPED_TRACE(name_of(quantity));
     const std::size_t size = size_of(quantity, model);
@@ -204,7 +186,7 @@ TEST_F(SpecialisedBatches, DependOnNeitherTheirPlaceNorTheThreads) {
     }
     for (std::size_t first = 1; first < N - 1; ++first) {
       std::vector<double> part(size * (N - first));
-      ASSERT_EQ(call<double>(quantity, specialised, all.from(first, N), part).done, N - first);
+      ASSERT_EQ(call<double>(quantity, specialised, from(first, N, all), part).done, N - first);
       expect_same(part, {alone.begin() + static_cast<std::ptrdiff_t>(first * size), alone.end()});
     }
   }
@@ -217,8 +199,8 @@ TEST_F(SpecialisedBatches, LeaveWhatIsSingularOrNotFiniteToTheLibrary) {
         model, {{Quantity::forward_dynamics}, {Quantity::forward_dynamics_derivatives}}, {.flags = quickly});
     const std::size_t N = 50, nv = static_cast<std::size_t>(model.nv());
     for (const double wrong : {std::nan(""), std::numeric_limits<double>::infinity(), 1e300}) {
-      Arguments<double> all(model, N, 3);
-      all.v[37 * nv] = wrong, all.x[21 * nv + 1] = wrong * 1e300, all.v[49 * nv + 1] = wrong;
+      RandomStates<double> all(model, N, 3);
+      all.v[37 * nv] = wrong, all.a[21 * nv + 1] = wrong * 1e300, all.v[49 * nv + 1] = wrong;
       if (model.tree<double>()->quaternion_bodies.empty()) all.q[5 * nv + 1] = std::nan("");
       for (const Quantity quantity : {Quantity::forward_dynamics, Quantity::forward_dynamics_derivatives})
         for (const int threads : {1, 4}) {
@@ -245,7 +227,7 @@ TEST_F(SpecialisedBatches, EndWhereTheMonitorSaysSo) {
   const Quantity quantity = Quantity::forward_dynamics_derivatives;
   const Specialised<> specialised(model, {{quantity}}, {.flags = quickly});
   const std::size_t size = size_of(quantity, model), repeated = 1000;
-  const Arguments<double> some(model, repeated, 2);
+  const RandomStates<double> some(model, repeated, 2);
   std::vector<double> expected(size * repeated);
   ASSERT_TRUE(call<double>(quantity, specialised, some, expected).ok());
   for (const int threads : {1, 4}) {
@@ -253,11 +235,11 @@ TEST_F(SpecialisedBatches, EndWhereTheMonitorSaysSo) {
     for (std::size_t times = 100; asked == 0;
          times *= 2) {  // until the call takes long enough to be asked about
       ASSERT_LT(times, 100'000u);
-      Arguments<double> all(some);
+      RandomStates<double> all(some);
       for (std::size_t k = 1; k < times; ++k) {
         all.q.insert(all.q.end(), some.q.begin(), some.q.end());
         all.v.insert(all.v.end(), some.v.begin(), some.v.end());
-        all.x.insert(all.x.end(), some.x.begin(), some.x.end());
+        all.a.insert(all.a.end(), some.a.begin(), some.a.end());
       }
       const std::size_t N = times * repeated;
       std::vector<double> out(size * N, -1);
@@ -290,7 +272,7 @@ TEST_F(SpecialisedBatches, RefuseWhatTheLibrarysRefuse) {
     const Quantity quantity = function.quantity;
     const std::size_t size = size_of(quantity, model) * N;
     const auto both_say = [&](const auto& spoil, int threads = 1) {
-      Arguments<double> all(model, N, 4);
+      RandomStates<double> all(model, N, 4);
       std::vector<double> out(size);
       spoil(all, out);
       const auto message = [&](const auto& m) {
@@ -305,12 +287,13 @@ TEST_F(SpecialisedBatches, RefuseWhatTheLibrarysRefuse) {
     EXPECT_EQ(both_say([](auto&, auto&) {}, 0), "threads is 0; expected 1 or more");
     if (quantity == Quantity::poses) continue;  // whose result is counted in numbers here
     EXPECT_NE(both_say([](auto&, auto& out) { out.push_back(0); }), "no error");
-    for (const auto argument : {&Arguments<double>::v, &Arguments<double>::x, &Arguments<double>::dq,
-                                &Arguments<double>::dv, &Arguments<double>::dx, &Arguments<double>::w})
+    for (const auto argument :
+         {&RandomStates<double>::v, &RandomStates<double>::a, &RandomStates<double>::dq,
+          &RandomStates<double>::dv, &RandomStates<double>::da, &RandomStates<double>::w})
       both_say([&](auto& all, auto& out) { (all.*argument).pop_back(), out.pop_back(); });
-    for (const auto argument : {&Arguments<double>::q, &Arguments<double>::v, &Arguments<double>::x,
-                                &Arguments<double>::dq, &Arguments<double>::w}) {
-      const Arguments<double> all(model, N, 4);
+    for (const auto argument : {&RandomStates<double>::q, &RandomStates<double>::v, &RandomStates<double>::a,
+                                &RandomStates<double>::dq, &RandomStates<double>::w}) {
+      const RandomStates<double> all(model, N, 4);
       const std::span<double> inside(const_cast<double*>((all.*argument).data()), (all.*argument).size());
       if (size != inside.size()) continue;
       const auto message = [&](const auto& m) {

@@ -96,7 +96,7 @@ def processor_time():
 @pytest.mark.parametrize("call", LONG)
 def test_ctrl_c_is_answered_long_before_the_call_would_have_ended(call):
     make, f = LONG[call]
-    whole, after = 0.8, 0.05  # seconds of processor time, which do not depend on what else the machine does
+    whole = 0.8  # seconds of processor time, which do not depend on what else the machine does
     N, took = 500, np.zeros(2)
     while took.sum() < whole / 10:
         N *= 2
@@ -110,9 +110,9 @@ def test_ctrl_c_is_answered_long_before_the_call_would_have_ended(call):
     start = processor_time()
     try:
         with pytest.raises(KeyboardInterrupt):
-            signal.setitimer(signal.ITIMER_VIRTUAL, after)
+            signal.setitimer(signal.ITIMER_VIRTUAL, of_program / 16)
             f(*arguments)
-        assert (processor_time() - start)[0] < after + of_program / 2
+        assert (processor_time() - start)[0] < of_program / 2
     finally:
         signal.setitimer(signal.ITIMER_VIRTUAL, 0)
         signal.signal(signal.SIGVTALRM, before)
