@@ -72,18 +72,18 @@ AbsoluteSystem::AbsoluteSystem(const Model& model, BodyGroup kind)
       x_(index(model.nv())),
       tau_(x_.size()),
       b_(model.loops().rows) {
-  if (n_ > 0) C_[0].r = -tree().B[1].r;
   for (int i = 1; i <= n_; ++i) {
     const Joint& joint = model.joint(i);
     bound_[index(i)] = {free_directions(joint.kind), direction_along(joint.kind)};
     if (joint.leader) leader_[index(i)] = joint.leader->joint;
-    if (kind == BodyGroup::SO3xR3 && tree().M[i].m > 0) com_[index(i)] = center_of_mass(tree().M[i]);
+    if (tree().M[i].m > 0) com_[index(i)] = center_of_mass(tree().M[i]);
     if (joint.leader) continue;
     for (int c = joint.iv; c < joint.iv + joint.nv; ++c) {
       joint_of_[index(c)] = i;
       if (joint.nv == 1 && tree().armature[index(c)] != 0) rotors_.push_back(i);
     }
   }
+  if (n_ > 0) C_[0].r = -(tree().B[1].r + tree().B[1].R * com_[1]);
   group_tree_ = group_of(n_, n_rotors(), kind);
 }
 
@@ -145,25 +145,22 @@ void AbsoluteSystem::put_pose(const SE3<>& C, int i, Numbers& q) const {
 /// With the velocity of the centre of mass that is Rᵀ c' = v + ω × c in body axes.
 BodyTwist AbsoluteSystem::twist(const SE3<>& C, Span v, int i) const {
   const double* const at = &v[index(6 * (i - 1))];
-  if (kind_ == BodyGroup::SE3) return {angular(at), linear(at)};
-  return {angular(at), transpose(C.R) * linear(at) - cross(angular(at), com_[index(i)])};
+  const Vec3<> c_dot = kind_ == BodyGroup::SE3 ? linear(at) : transpose(C.R) * linear(at);
+  return {angular(at), c_dot - cross(angular(at), com_[index(i)])};
 }
 void AbsoluteSystem::put_twist(const SE3<>& C, const BodyTwist& V, int i, Numbers& v) const {
-  Vec3<> linear = V.v;
-  if (kind_ == BodyGroup::SO3xR3) linear = C.R * (V.v + cross(V.w, com_[index(i)]));
-  const Six<double> all = six(V.w, linear);
+  const Vec3<> c_dot = V.v + cross(V.w, com_[index(i)]);
+  const Six<double> all = six(V.w, kind_ == BodyGroup::SE3 ? c_dot : C.R * c_dot);
   std::ranges::copy(all, v.begin() + 6 * (i - 1));
 }
 BodyWrench AbsoluteSystem::wrench(const SE3<>& C, Span f, int i) const {
   const double* const at = &f[index(6 * (i - 1))];
-  if (kind_ == BodyGroup::SE3) return {angular(at), linear(at)};
-  const Vec3<> f_b = transpose(C.R) * linear(at);
+  const Vec3<> f_b = kind_ == BodyGroup::SE3 ? linear(at) : transpose(C.R) * linear(at);
   return {angular(at) + cross(com_[index(i)], f_b), f_b};
 }
 void AbsoluteSystem::add_wrench(const SE3<>& C, const BodyWrench& W, int i, Numbers& f) const {
   if (i == 0) return;
-  const Six<double> all =
-      kind_ == BodyGroup::SE3 ? six(W.m, W.f) : six(W.m - cross(com_[index(i)], W.f), C.R * W.f);
+  const Six<double> all = six(W.m - cross(com_[index(i)], W.f), kind_ == BodyGroup::SE3 ? W.f : C.R * W.f);
   for (std::size_t k = 0; k < 6; ++k) f[index(6 * (i - 1)) + k] += all[k];
 }
 
@@ -418,13 +415,7 @@ void AbsoluteSystem::momentum(Span v, Numbers& p) const {
   for (int i = 1; i <= n_; ++i) {
     const double* const at = &v[index(6 * (i - 1))];
     const Inertia<>& M = tree().M[index(i)];
-    Six<double> all;
-    if (kind_ == BodyGroup::SE3) {
-      const Momentum<BodyFixed> Pi = M * BodyTwist{angular(at), linear(at)};
-      all = six(Pi.l, Pi.p);
-    } else {
-      all = six((M.m > 0 ? inertia_about_com(M) : M.Theta) * angular(at), M.m * linear(at));
-    }
+    const Six<double> all = six((M.m > 0 ? inertia_about_com(M) : M.Theta) * angular(at), M.m * linear(at));
     std::ranges::copy(all, p.begin() + 6 * (i - 1));
   }
   for (int r = 0; r < n_rotors(); ++r)

@@ -11,8 +11,8 @@ namespace axode {
 
 /// In which group a body moves freely.
 enum class BodyGroup {
-  SE3,     ///< q = (quaternion x y z w, position of its joint frame), v = body-fixed twist of that frame
-  SO3xR3,  ///< position and velocity of the centre of mass in inertial axes, angular velocity in body axes
+  SE3,     ///< q = (quaternion x y z w, position of the centre of mass), v = body-fixed twist there
+  SO3xR3,  ///< the same q; velocity of the centre of mass in inertial axes, angular velocity in body axes
 };
 
 /// The largest size of any; NaN where one is.
@@ -28,7 +28,7 @@ inline double largest_of(std::span<const double> numbers) {
 /// with a constant M. The motion within a joint's subgroup is stripped off the relative pose of its bodies; what is left of
 /// it closes.
 ///
-/// Coordinates: those of all bodies, seen from where the first joint is drawn, for digits; then one for the rotor of every
+/// Coordinates: those of all bodies, seen from where the first body's centre of mass is drawn, for digits; then one for the rotor of every
 /// joint with armature, bound to the joint's own, so that M is constant for them too. Rows: six for each joint in the joint's
 /// axes, of which those of free directions are 0 but where a coupled joint binds its own to the leader's; one for each
 /// rotor; those of the loops.

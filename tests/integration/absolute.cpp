@@ -355,6 +355,38 @@ TEST(AbsoluteCoordinates, DoNotDependOnWhereTheMechanismStands) {
     }
 }
 
+/// A disc that is drawn ten kilometres from the inertial origin, where the frame of its free motion stays.
+TEST(AbsoluteCoordinates, DoNotDependOnHowFarAFreeBodyIsFromItsFrame) {
+  const Vec3<> center{0, 0, .3}, w{0.4, 6, 0.7};
+  const auto disc_at = [&](const Vec3<>& p) {
+    Description d = wheel(false);
+    d.bodies[0].inertia->com = p + center;
+    d.loops[0].point = p, d.loops[0].center = p + center;
+    return ModelBuilder(d).build();
+  };
+  const auto v_at = [&](const Vec3<>& p) {
+    const Vec3<> v = cross(w, center) - cross(w, p + center);
+    return Numbers{w.x, w.y, w.z, v.x, v.y, v.z};
+  };
+  /// Where the centre is by then, and where it faces.
+  const auto end_of = [&](const Trajectory& motion, const Vec3<>& p) {
+    const Span q = last_q(motion);
+    const SO3<> R = rotation(Quaternion<>{q[0], q[1], q[2], q[3]});
+    return SE3<>{R, Vec3<>{q[4], q[5], q[6]} + R * (p + center) - p};
+  };
+  const Vec3<> far{1e4, -1e4, 0};
+  const Model here = disc_at({}), there = disc_at(far);
+  for (const Coordinates kind : absolute_kinds)
+    for (const auto& [name, order, run] : schemes) {
+      SCOPED_TRACE(name);
+      const Trajectory near_by = run(here, neutral(here), v_at({}), 0.5, 1e-2, in(kind)),
+                       far_away = run(there, neutral(there), v_at(far), 0.5, 1e-2, in(kind));
+      ASSERT_TRUE(near_by.complete && far_away.complete) << near_by.stopped << far_away.stopped;
+      const SE3<> apart = inverse(end_of(near_by, {})) * end_of(far_away, far);
+      EXPECT_LT(norm(log_SO3(apart.R)) + norm(apart.r), 1e-6);
+    }
+}
+
 TEST(AbsoluteCoordinates, MeetEventsAndTellWhatIsBetween) {
   const Closed mechanism(four_bar());
   SimulationOptions options;  // until the crank turns back
