@@ -463,11 +463,19 @@ void AbsoluteSystem::forces(Span q, Span v, Span tau, const Loads<double>& loads
     if (leader_[index(i)] == 0) add_joint_wrench(i, joint_force(i, tau_), f);
 }
 
-Solvability AbsoluteSystem::place(Span q, Rows kind) {
+Solvability AbsoluteSystem::place(Span q, Rows kind) { return place(q, kind, tree().armature.data()); }
+
+Solvability AbsoluteSystem::place(Span q, Span resistance) {
+  armature_.assign(tree().armature.begin(), tree().armature.end());
+  for (std::size_t c = 0; c < armature_.size(); ++c) armature_[c] += resistance[c];
+  return place(q, Rows::velocities, armature_.data());
+}
+
+Solvability AbsoluteSystem::place(Span q, Rows kind, const double* armature) {
   find_poses(q);
   placed_ = C_, placed_rows_ = kind;
   loops_.place(placed_.data(), -C_[0].r);
-  const Solvability found = loops_.factorize();
+  const Solvability found = loops_.factorize(armature);
   if (!found.ok()) return found;
   loops_.make_wrenches(kind);
   loops_.factorize_rows();

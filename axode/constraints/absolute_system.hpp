@@ -78,6 +78,9 @@ class AbsoluteSystem {
 
   /// Places the system at q, ready to solve with rows of a kind; where loops are closed, hold() decides on their rank.
   Solvability place(Span q, Rows kind = Rows::velocities);
+  /// The same with joints that yield to x less than they are free to: each resists with a force of -resistance times its part of
+  /// S⁺x, as springs and dampers do in an implicit step. It acts like an armature.
+  Solvability place(Span q, Span resistance);
   Solvability hold(Span q);
   /// M x - Bᵀ λ = r and B x = want, least λ for rows that repeat each other.
   void solve(Span r, Span want, Numbers& x, Numbers& lambda);
@@ -110,6 +113,7 @@ class AbsoluteSystem {
   double angle(int i) const;
   double known_angle(int c) const;
   /// The rows of the joints and rotors for relative motions of all joints.
+  Solvability place(Span q, Rows kind, const double* armature);
   template <class Motion> void bind(const Motion& X, Numbers& rows) const;
   double rate(int i, const BodyTwist& X) const { return six(X.w, X.v)[index(bound_[index(i)].along)]; }
   BodyWrench co_screw(int i, double tau) const;
@@ -136,7 +140,7 @@ class AbsoluteSystem {
   std::vector<Twist<Spatial>> known_, V_s_;
   std::vector<TwistRate<Spatial>> dV_s_;
   std::vector<Wrench<Spatial>> on_, through_;
-  Numbers x_, tau_, p_;
+  Numbers x_, tau_, p_, armature_;
   Eigen::VectorXd b_;
 };
 

@@ -304,9 +304,8 @@ void LoopSystem<T>::add_wrenches(const T* lambda, Wrench<Spatial, T>* on, T* tau
   }
 }
 
-template <class T> Solvability LoopSystem<T>::factorize() noexcept {
+template <class T> Solvability LoopSystem<T>::factorize(const T* armature) noexcept {
   auto& bodies = dynamics_->bodies;
-  const T* const armature = tree().armature.data();
   const bool quick = tree()->coupled_bodies.empty() && bodies.factorize_quickly(tree(), armature);
   const Solvability verdict = quick ? Solvability{} : bodies.factorize(tree(), armature);
   const auto put = [&](int c, const T&, const T& D) { root_[c] = T(1) / sqrt(D); };

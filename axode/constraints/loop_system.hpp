@@ -87,8 +87,9 @@ template <class T> class LoopSystem {
   /// The rate of Rᵀ λ (nv) as the bodies move with their V; after move().
   void differentiate_residuals(const T* lambda, T* rate) noexcept;
 
-  /// M = Lᵀ D L at the configuration of the links.
-  Solvability factorize() noexcept;
+  /// M = Lᵀ D L at the configuration of the links, where joints may have another armature than the model says.
+  Solvability factorize() noexcept { return factorize(tree().armature.data()); }
+  Solvability factorize(const T* armature) noexcept;
   /// Y and Yᵀ Y of the rows.
   void factorize_rows() noexcept;
   /// λ with Yᵀ Y λ = -b, least where that does not fix it, and as far as the rows agree with each other.

@@ -49,6 +49,12 @@ class AbsoluteRun {
   // What schemes ask for; false, with the reason kept, where there is none.
   bool place(double t, Span q_t) { return found(t, bodies_.place(q_t)); }
   bool hold(double t, Span q_t) { return found(t, bodies_.hold(q_t)); }
+  /// With springs, dampers and drives as they resist what moves with an acceleration: places by c_x, velocities by c_v.
+  bool place(double t, Span q_t, Span v_t, double c_x, double c_v) {
+    bodies_.leave(q_t, v_t, q_joints_, v_joints_);
+    if (!run_.joint_resistance(t, q_joints_, v_joints_, c_x, c_v, resistance_)) return false;
+    return found(t, bodies_.place(q_t, resistance_));
+  }
   bool forces(double t, Span q_t, Span v_t, Vector& f) {
     if (!finite(q_t) || !finite(v_t)) return stop(t, "the state is not finite");
     bodies_.leave(q_t, v_t, q_joints_, v_joints_);
@@ -139,7 +145,7 @@ class AbsoluteRun {
 
   AbsoluteSystem bodies_;
   ConfigurationGroup<double> group_;
-  Vector q_joints_, v_joints_, f_, p_, turning_, rows_, x_, multipliers_;
+  Vector q_joints_, v_joints_, resistance_, f_, p_, turning_, rows_, x_, multipliers_;
 };
 
 }  // namespace axode

@@ -14,7 +14,8 @@ namespace axode {
 /// or, stabilised to index 2, with multipliers η of positions, B_1 v_1 = 0 besides:
 ///   x = h v_0 + h² ((1/2 - β) â_0 + β â_1 + β c M⁻¹ Bᵀ η).
 /// What rolls, N v_1 = 0 without a place, does so in either form, and where η moves it, too.
-/// Newton's method takes M and B, which is that of where the step is expected to end, for its matrix. A System is one of Rattle's.
+/// Newton's method takes M, B and what joints resist their own motion with, which are those of where the step is expected to end,
+/// for its matrix; and so does the metric of c M⁻¹ Bᵀ η. A System is one of Rattle's that knows the resistance.
 template <class System> class ConstrainedAlpha {
  public:
   using Numbers = std::vector<double>;
@@ -44,7 +45,7 @@ template <class System> class ConstrainedAlpha {
     a_1_ = a_, moved_.assign(nv, 0.0), x_.resize(nv), q_1_.resize(q.size()), turning_.resize(nv);
     mean_1_.resize(nv), v_1_.resize(nv);
     end_with(h);
-    if (!system_->place(t + h, q_1_)) return StepOutcome::impossible;
+    if (!system_->place(t + h, q_1_, v_1_, c_x, c_v)) return StepOutcome::impossible;
     Settling settling;
     for (auto verdict = Settling::Verdict::going;;) {
       end_with(h);

@@ -212,6 +212,23 @@ class Run {
     tau = in_joints(q_t, v_t);
     return true;
   }
+  /// What each joint resists its own acceleration with, 0 where it does not, as places move with it by c_x and velocities by c_v:
+  /// springs, dampers and, by differences, the drive.
+  bool joint_resistance(double t, Span q_t, Span v_t, double c_x, double c_v, Vector& out) {
+    if (!finite(q_t) || !finite(v_t)) return stop(t, "the state is not finite at " + joint_of(v_t));
+    out.assign(v_t.size(), 0.0);
+    if (!model_.springs().empty()) {
+      SquareMatrix by_q(nv(), nv()), by_v(nv(), nv());
+      spring_force_derivatives(model_, workspace_, q_t, v_t, {as_span(by_q), as_span(by_v)});
+      as_eigen(std::span(out)) = -c_x * by_q.diagonal() - c_v * by_v.diagonal();
+    }
+    if (options_.drive) add_resistance_of_drive(t, q_t, v_t, c_x, c_v, out);
+    for (std::size_t c = 0; c < out.size(); ++c) {
+      if (options_.joint_losses) out[c] += c_v * tree().damping[c];
+      out[c] = std::max(out[c], 0.0);
+    }
+    return true;
+  }
   Loads<double> loads() const { return {loads_, options_.joint_losses && !friction_.felt()}; }
 
   Trajectory trajectory;
@@ -296,6 +313,18 @@ class Run {
   std::vector<AppliedWrench<>> loads_;  ///< now
 
  private:
+  void add_resistance_of_drive(double t, Span q_t, Span v_t, double c_x, double c_v, Vector& out) {
+    options_.drive(t, q_t, v_t, tau_);
+    const Vector before = tau_;
+    Vector x(v_t.size()), v_k(v_t.begin(), v_t.end());
+    for (std::size_t k = 0; k < x.size(); ++k) {
+      const double by = 1e-7 * (1 + std::abs(v_t[k])) / c_v;
+      x[k] = c_x * by, v_k[k] += c_v * by;
+      options_.drive(t, integrate(model_, q_t, x), v_k, tau_);
+      out[k] -= (tau_[k] - before[k]) / by;
+      x[k] = 0, v_k[k] = v_t[k];
+    }
+  }
   /// Accelerations at the end of an attempt, where the scheme did not say them.
   bool know_accelerations(double t, StepEnd& end) {
     if (end.a.size() == end.v.size()) return true;

@@ -412,6 +412,45 @@ template <class F> void expect_refused(const F& f, const char* part) {
   }
 }
 
+/// Springs, dampers and drives whose own motion is over long before a step is.
+TEST(AbsoluteCoordinates, GeneralizedAlphaTakesStiffJointsInLongSteps) {
+  constexpr double stiffness = 1e4, damping = 1e3;
+  Description chain{.name = "chain", .gravity = {0, 0, -9.81}, .bodies = {}, .frames = {}};
+  for (int k = 0; k < 12; ++k)
+    chain.bodies.push_back(bar("link " + std::to_string(k),
+                               k == 0 ? "ground" : "link " + std::to_string(k - 1),
+                               k % 2 == 0 ? JointKind::revolute : JointKind::spherical, {0, 1, 0},
+                               {0.3 * k, 0, 0}, {0.3 * (k + 1), 0, 0}));
+  Description held = chain, closed = bricard();
+  for (Description* of_springs : {&chain, &closed})
+    for (BodyDescription& body : of_springs->bodies)
+      body.joint.dof.assign(body.joint.kind == JointKind::spherical ? 3 : 1,
+                            {.damping = damping, .stiffness = stiffness});
+  for (BodyDescription& body : held.bodies) body.joint.kind = JointKind::revolute;
+  SimulationOptions driven, sprung;
+  sprung.joint_losses = true;
+  driven.drive = [](double t, Span q, Span v, std::span<double> tau) {
+    for (std::size_t c = 0; c < tau.size(); ++c) tau[c] = stiffness * (0.1 * t * t - q[c]) - damping * v[c];
+  };
+  for (const auto& [mechanism, options] :
+       {std::pair{&chain, &sprung}, std::pair{&closed, &sprung}, std::pair{&held, &driven}}) {
+    SCOPED_TRACE(mechanism->name);
+    const Model model = ModelBuilder(*mechanism).build();
+    const Numbers q = neutral(model), v(static_cast<std::size_t>(model.nv()));
+    const Trajectory exact = simulate_stiff(model, q, v, 0.5, 1e-3, 0.9, *options);
+    ASSERT_TRUE(exact.complete) << exact.stopped;
+    const double moved = apart(model, last_q(exact), q);
+    EXPECT_GT(moved, 1e-4);
+    for (const Coordinates kind : absolute_kinds)
+      for (const bool stabilized : {true, false}) {
+        const Trajectory motion = simulate_stiff(model, q, v, 0.5, 1e-2, 0.9, in(kind, *options), stabilized);
+        ASSERT_TRUE(motion.complete) << motion.stopped;
+        EXPECT_LT(motion.evaluations, 20 * motion.steps);
+        EXPECT_LT(apart(model, last_q(motion), last_q(exact)), 0.02 * moved);
+      }
+  }
+}
+
 TEST(AbsoluteCoordinates, SchemesSayWhatTheyDoNotTake) {
   const Closed mechanism(four_bar());
   const Model& model = mechanism.model;
