@@ -1,8 +1,8 @@
 #include "axode/constraints/absolute_system.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <stdexcept>
 
 #include "axode/lie/quaternion.hpp"
 #include "axode/model/configuration.hpp"
@@ -78,22 +78,18 @@ AbsoluteSystem::AbsoluteSystem(const Model& model, BodyGroup kind)
     if (joint.leader) leader_[index(i)] = joint.leader->joint;
     if (tree().M[i].m > 0) com_[index(i)] = center_of_mass(tree().M[i]);
     if (joint.leader) continue;
-    for (int c = joint.iv; c < joint.iv + joint.nv; ++c) {
+    std::size_t along = 0;
+    for (int c = joint.iv; c < joint.iv + joint.nv; ++c, ++along) {
+      while (!bound_[index(i)].free[along]) ++along;
       joint_of_[index(c)] = i;
-      if (joint.nv == 1 && tree().armature[index(c)] != 0) rotors_.push_back(i);
+      if (tree().armature[index(c)] != 0) rotors_.push_back({i, c, along});
     }
   }
+  const auto unplaced = std::ranges::stable_partition(
+      rotors_, [&](const Rotor& rotor) { return model.joint(rotor.joint).nv == 1; });
+  n_placed_rotors_ = n_rotors() - static_cast<int>(unplaced.size());
   if (n_ > 0) C_[0].r = -(tree().B[1].r + tree().B[1].R * com_[1]);
   group_tree_ = group_of(n_, n_rotors(), kind);
-}
-
-void AbsoluteSystem::check(const Model& model) {
-  for (const Joint& joint : model.joints())
-    for (int c = joint.iv; c < joint.iv + joint.nv && joint.nv > 1; ++c)
-      if (const double armature = model.tree<double>().armature[index(c)]; armature != 0)
-        throw std::invalid_argument(
-            "joint \"" + joint.name + "\" has several velocities and armature of " + to_text(armature) +
-            "; in absolute coordinates joints with one velocity alone may have rotors");
 }
 
 /// Bodies as joints of a tree that is never moved: with the subgroups of their motions, all on the ground.
@@ -207,14 +203,20 @@ template <class Motion> void AbsoluteSystem::bind(const Motion& X, Numbers& rows
     if (const int l = leader_[index(i)]; l > 0)
       rows[index(6 * (i - 1) + along)] = own - tree().ratio[index(i)] * rate(l, X[index(l)]);
   }
-  for (int r = 0; r < n_rotors(); ++r)
-    rows[index(6 * n_ + r)] = rate(rotors_[index(r)], X[index(rotors_[index(r)])]);
+  for (int r = 0; r < n_rotors(); ++r) {
+    const Rotor& rotor = rotors_[index(r)];
+    rows[index(6 * n_ + r)] = rate(rotor, X[index(rotor.joint)]);
+  }
 }
 
 /// The wrench on a body that a drive of its joint, with one velocity, exerts.
 BodyWrench AbsoluteSystem::co_screw(int i, double tau) const {
-  if (bound_[index(i)].along == 5) return {{}, {0, 0, tau}};
-  return {{0, 0, tau}, {}};
+  return co_screw(index(bound_[index(i)].along), tau);
+}
+BodyWrench AbsoluteSystem::co_screw(std::size_t along, double tau) {
+  Six<double> all{};
+  all[along] = tau;
+  return {angular(all.data()), linear(all.data())};
 }
 BodyWrench AbsoluteSystem::joint_force(int i, Span tau) const {
   const double* const at = &tau[index(tree()->iv[index(i)])];
@@ -267,9 +269,9 @@ void AbsoluteSystem::enter(Span q_joints, Span v_joints, Numbers& q, Numbers& v)
     put_pose(C, i, q), put_twist(C, V_[index(i)], i, v);
   }
   for (int r = 0; r < n_rotors(); ++r) {
-    const int i = rotors_[index(r)];
-    q[index(7 * n_ + r)] = q_joints[index(tree()->iq[index(i)])];
-    v[index(6 * n_ + r)] = v_joints[index(tree()->iv[index(i)])];
+    const Rotor& rotor = rotors_[index(r)];
+    q[index(7 * n_ + r)] = r < n_placed_rotors_ ? q_joints[index(tree()->iq[index(rotor.joint)])] : 0;
+    v[index(6 * n_ + r)] = v_joints[index(rotor.velocity)];
   }
 }
 
@@ -311,8 +313,9 @@ void AbsoluteSystem::put(std::span<const SE3<>> C, std::span<const Twist<BodyFix
     put_pose(C_[index(i)], i, q), put_twist(C_[index(i)], V_[index(i)], i, v);
   }
   for (int r = 0; r < n_rotors(); ++r) {
-    const int i = rotors_[index(r)];
-    q[index(7 * n_ + r)] = angle(i), v[index(6 * n_ + r)] = rate(i, joint_twist(i));
+    const Rotor& rotor = rotors_[index(r)];
+    q[index(7 * n_ + r)] = r < n_placed_rotors_ ? angle(rotor.joint) : 0;
+    v[index(6 * n_ + r)] = rate(rotor, joint_twist(rotor.joint));
   }
 }
 
@@ -329,9 +332,9 @@ void AbsoluteSystem::gap(Span q, Numbers& out, Rows kind) {
       out[index(6 * (i - 1) + along)] =
           angle(i) - tree().ratio[index(i)] * angle(l) - tree().offset[index(i)];
   }
-  for (int r = 0; r < n_rotors(); ++r)
-    out[index(6 * n_ + r)] = angle(rotors_[index(r)]) - q[index(7 * n_ + r)];
-  double* const open = out.data() + 6 * n_ + n_rotors();
+  for (int r = 0; r < n_placed_rotors_; ++r)
+    out[index(6 * n_ + r)] = angle(rotors_[index(r)].joint) - q[index(7 * n_ + r)];
+  double* const open = out.data() + first_loop(kind);
   for (const Loop& loop : model_.loops().all) {
     double* const at = open + (kind == Rows::places ? loop.first_residual : loop.first_row);
     if (loop.kind == LoopKind::coupling) {
@@ -351,7 +354,7 @@ void AbsoluteSystem::slip(Span q, Span v, Numbers& out) {
   bind(X_, out);
   for (int r = 0; r < n_rotors(); ++r) out[index(6 * n_ + r)] -= v[index(6 * n_ + r)];
   for (const Loop& loop : model_.loops().all) {
-    double* const at = out.data() + 6 * n_ + n_rotors() + loop.first_row;
+    double* const at = out.data() + first_loop(Rows::velocities) + loop.first_row;
     if (loop.kind == LoopKind::coupling) {
       *at = 0;
       for (const Loop::Term& term : loop.terms) {
@@ -368,9 +371,13 @@ void AbsoluteSystem::slip(Span q, Span v, Numbers& out) {
 void AbsoluteSystem::put_rolling(Span q, Span v, double scale, Numbers& out) {
   if (!rolls()) return;
   find_poses(q), find_twists(v);
+  for (int r = n_placed_rotors_; r < n_rotors(); ++r) {
+    const Rotor& rotor = rotors_[index(r)];
+    out[index(6 * n_ + r)] = scale * (rate(rotor, joint_twist(rotor.joint)) - v[index(6 * n_ + r)]);
+  }
   for (const Loop& loop : model_.loops().all) {
     if (loop.rows() == loop.residuals()) continue;
-    double* const at = out.data() + 6 * n_ + n_rotors() + loop.first_row;
+    double* const at = out.data() + first_loop(Rows::velocities) + loop.first_row;
     const Six<double> all = loop_slip(loop);
     for (int k = loop.residuals(); k < loop.rows(); ++k) at[k] = scale * all[index(k)];
   }
@@ -388,11 +395,11 @@ void AbsoluteSystem::add_closing(Span q, Span lambda, Numbers& f) {
   }
   for (int r = 0; r < n_rotors(); ++r) {
     const double mu = lambda[index(6 * n_ + r)];
-    add_joint_wrench(rotors_[index(r)], co_screw(rotors_[index(r)], mu), f);
+    add_joint_wrench(rotors_[index(r)].joint, co_screw(rotors_[index(r)].along, mu), f);
     f[index(6 * n_ + r)] -= mu;
   }
   for (const Loop& loop : model_.loops().all) {
-    const double* const at = lambda.data() + 6 * n_ + n_rotors() + loop.first_row;
+    const double* const at = lambda.data() + first_loop(Rows::velocities) + loop.first_row;
     if (loop.kind == LoopKind::coupling) {
       for (const Loop::Term& term : loop.terms) {
         const int i = joint_of_[index(term.velocity)];
@@ -419,8 +426,7 @@ void AbsoluteSystem::momentum(Span v, Numbers& p) const {
     std::ranges::copy(all, p.begin() + 6 * (i - 1));
   }
   for (int r = 0; r < n_rotors(); ++r)
-    p[index(6 * n_ + r)] =
-        tree().armature[index(tree()->iv[index(rotors_[index(r)])])] * v[index(6 * n_ + r)];
+    p[index(6 * n_ + r)] = tree().armature[index(rotors_[index(r)].velocity)] * v[index(6 * n_ + r)];
 }
 
 double AbsoluteSystem::energy(Span q, Span v) {
@@ -490,8 +496,9 @@ Solvability AbsoluteSystem::hold(Span q) {
 
 void AbsoluteSystem::solve(Span r, Span want, Numbers& x, Numbers& lambda) {
   ArticulatedBodies<Spatial, double>& bodies = loops_.bodies();
-  const int first_loop = 6 * n_ + n_rotors(), m = loops_.size(placed_rows_);
-  x.resize(index(nv())), lambda.resize(index(first_loop + m));
+  const int bound_rotors = n_rotors(placed_rows_), m = loops_.size(placed_rows_);
+  const std::size_t loop_rows = index(first_loop(placed_rows_));
+  x.resize(index(nv())), lambda.resize(loop_rows + index(m));
 
   // What joints bind is known: K_i along the path, so that Z_i = X_i - K_i moves as the joints allow.
   on_[0] = {};
@@ -508,8 +515,8 @@ void AbsoluteSystem::solve(Span r, Span want, Numbers& x, Numbers& lambda) {
     return Wrench<Spatial>{Pi.l, Pi.p};
   };
   std::ranges::fill(tau_, 0.0);
-  for (int k = 0; k < n_rotors(); ++k) {
-    const int c = tree()->iv[index(rotors_[index(k)])];
+  for (int k = 0; k < bound_rotors; ++k) {
+    const int c = rotors_[index(k)].velocity;
     tau_[index(c)] = r[index(6 * n_ + k)] + tree().armature[index(c)] * want[index(6 * n_ + k)];
   }
   const auto give_way = [&] {
@@ -523,10 +530,10 @@ void AbsoluteSystem::solve(Span r, Span want, Numbers& x, Numbers& lambda) {
     for (int i = 1; i <= n_; ++i) V_s_[index(i)] = bodies.X[i] + known_[index(i)];
   };
   give_way();
-  double* const loop_lambda = lambda.data() + first_loop;
+  double* const loop_lambda = lambda.data() + loop_rows;
   if (m > 0) {
     loops_.rates(V_s_.data(), x_.data(), b_.data());
-    for (int k = 0; k < m; ++k) b_[k] -= want[index(first_loop + k)];
+    for (int k = 0; k < m; ++k) b_[k] -= want[loop_rows + index(k)];
     loops_.solve_rows(b_.data(), loop_lambda);
     loops_.add_wrenches(loop_lambda, on_.data(), tau_.data());
     give_way();
@@ -547,8 +554,10 @@ void AbsoluteSystem::solve(Span r, Span want, Numbers& x, Numbers& lambda) {
                                                               : all[index(along)];
     through_[index(parent(i))] += through_[index(i)];
   }
-  for (int k = 0; k < n_rotors(); ++k) {
-    const int c = tree()->iv[index(rotors_[index(k)])];
+  for (int k = bound_rotors; k < n_rotors(); ++k)  // which turn along
+    x[index(6 * n_ + k)] = x_[index(rotors_[index(k)].velocity)];
+  for (int k = 0; k < bound_rotors; ++k) {
+    const int c = rotors_[index(k)].velocity;
     const double moved = x_[index(c)] - want[index(6 * n_ + k)];
     x[index(6 * n_ + k)] = moved;
     lambda[index(6 * n_ + k)] = r[index(6 * n_ + k)] - tree().armature[index(c)] * moved;
@@ -558,8 +567,7 @@ void AbsoluteSystem::solve(Span r, Span want, Numbers& x, Numbers& lambda) {
 void AbsoluteSystem::bias(Span v, Numbers& want) {
   C_ = placed_;
   find_twists(v);
-  const int first_loop = 6 * n_ + n_rotors();
-  want.resize(index(first_loop + loops_.size(Rows::velocities)));
+  want.resize(index(rows(Rows::velocities)));
   // Twists of bodies that do not accelerate in their coordinates change all the same, where these are in inertial axes.
   std::vector<BodyTwist> rest(index(n_ + 1));
   for (int i = 1; i <= n_; ++i) {
@@ -578,7 +586,7 @@ void AbsoluteSystem::bias(Span v, Numbers& want) {
   V_s_[0] = {}, dV_s_[0] = {};
   loops_.bias(V_s_.data(), dV_s_.data(), b_.data());
   for (const Loop& loop : model_.loops().all) {
-    double* const at = want.data() + first_loop + loop.first_row;
+    double* const at = want.data() + first_loop(Rows::velocities) + loop.first_row;
     for (int k = 0; k < loop.rows(); ++k) at[k] = -b_[loop.first_row + k];
     for (const Loop::Term& term : loop.terms) {
       const int i = joint_of_[index(term.velocity)];

@@ -28,10 +28,10 @@ inline double largest_of(std::span<const double> numbers) {
 /// with a constant M. The motion within a joint's subgroup is stripped off the relative pose of its bodies; what is left of
 /// it closes.
 ///
-/// Coordinates: those of all bodies, seen from where the first body's centre of mass is drawn, for digits; then one for the rotor of every
-/// joint with armature, bound to the joint's own, so that M is constant for them too. Rows: six for each joint in the joint's
-/// axes, of which those of free directions are 0 but where a coupled joint binds its own to the leader's; one for each
-/// rotor; those of the loops.
+/// Coordinates: those of all bodies, seen from where the first body's centre of mass is drawn, for digits; then one for every rotor,
+/// that is, for every velocity of a joint with armature, bound to it, so that M is constant for them too. Rows: six for each
+/// joint in the joint's axes, of which those of free directions are 0 but where a coupled joint binds its own to the
+/// leader's; one for each rotor, without a place where the joint has several velocities; those of the loops.
 ///
 /// Multipliers of the tree are never solved for: what its joints leave free gives way body by body, as in the articulated
 /// bodies algorithm, and what they bind is known. O(n + m d + m² d + m³) for m rows of loops of length d.
@@ -41,17 +41,14 @@ class AbsoluteSystem {
   using Span = std::span<const double>;
   using Rows = LoopSystem<double>::Rows;
 
-  /// Joints with one velocity alone have rotors; check() throws std::invalid_argument for armature of another, which is left
-  /// out.
   AbsoluteSystem(const Model& model, BodyGroup group);
-  static void check(const Model& model);
 
   /// The group of the coordinates: a tree of nothing but bodies on the ground, each with a joint for its motion.
   const Tree<double>& group() const { return group_tree_; }
   int nq() const { return group_tree_->nq; }
   int nv() const { return group_tree_->nv; }
-  /// Numbers of rows, of velocities or of places; they differ where something rolls.
-  int rows(Rows kind) const { return 6 * n_ + n_rotors() + loops_.size(kind); }
+  /// Numbers of rows, of velocities or of places; they differ where something rolls or a joint with several velocities has rotors.
+  int rows(Rows kind) const { return first_loop(kind) + loops_.size(kind); }
 
   /// From the coordinates and velocities of the joints, and back; angles are those nearest to the ones last kept.
   void enter(Span q_joints, Span v_joints, Numbers& q, Numbers& v);
@@ -64,7 +61,7 @@ class AbsoluteSystem {
   /// Φ(q), and B v at q, wherever the system is placed. Among rows of velocities Φ is 0 where there is no place.
   void gap(Span q, Numbers& out, Rows kind = Rows::places);
   void slip(Span q, Span v, Numbers& out);
-  /// Whether something rolls, so that rows have no place; and scale B v at q in these of all rows of velocities.
+  /// Whether rows have no place; and scale B v at q in these of all rows of velocities.
   bool rolls() const { return rows(Rows::velocities) > rows(Rows::places); }
   void put_rolling(Span q, Span v, double scale, Numbers& out);
   /// f += Bᵀ λ at q.
@@ -96,7 +93,14 @@ class AbsoluteSystem {
   };
   static std::size_t index(int k) { return static_cast<std::size_t>(k); }
   const Tree<double>& tree() const { return model_.tree<double>(); }
+  /// A rotor of a velocity of a joint; those of joints with one velocity come first, the others have velocities and no places.
+  struct Rotor {
+    int joint, velocity;
+    std::size_t along;  ///< which direction of the joint
+  };
   int n_rotors() const { return static_cast<int>(rotors_.size()); }
+  int n_rotors(Rows kind) const { return kind == Rows::velocities ? n_rotors() : n_placed_rotors_; }
+  int first_loop(Rows kind) const { return 6 * n_ + n_rotors(kind); }
   int parent(int i) const { return tree()->parent[i]; }
   static Tree<double> group_of(int n, int rotors, BodyGroup group);
 
@@ -117,6 +121,8 @@ class AbsoluteSystem {
   template <class Motion> void bind(const Motion& X, Numbers& rows) const;
   double rate(int i, const BodyTwist& X) const { return six(X.w, X.v)[index(bound_[index(i)].along)]; }
   BodyWrench co_screw(int i, double tau) const;
+  static double rate(const Rotor& rotor, const BodyTwist& X) { return six(X.w, X.v)[rotor.along]; }
+  static BodyWrench co_screw(std::size_t along, double tau);
   BodyWrench joint_force(int i, Span tau) const;
   void add_joint_wrench(int i, const BodyWrench& W, Numbers& f) const;
   LoopAt<double> loop_at(const Loop& loop) const;
@@ -126,7 +132,8 @@ class AbsoluteSystem {
   BodyGroup kind_;
   int n_;
   std::vector<Bound> bound_;
-  std::vector<int> rotors_;    ///< the joints that have one
+  std::vector<Rotor> rotors_;
+  int n_placed_rotors_ = 0;
   std::vector<int> leader_;    ///< of each joint that is coupled; 0: none
   std::vector<int> joint_of_;  ///< of each velocity of joints, the joint that has it for its own
   std::vector<Vec3<>> com_;

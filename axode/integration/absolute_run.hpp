@@ -24,7 +24,6 @@ class AbsoluteRun {
         trajectory(run_.trajectory),
         bodies_(model, options.coordinates == Coordinates::absolute ? BodyGroup::SE3 : BodyGroup::SO3xR3),
         group_(bodies_.group()) {
-    AbsoluteSystem::check(model);
     if (run_.done()) return;
     bodies_.enter(q_0, v_0, q, v);
     a.resize(v.size());

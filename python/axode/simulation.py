@@ -45,7 +45,7 @@ def simulate(m: Model, q: ArrayLike, v: ArrayLike, until: float, *,
         absolute ones "dopri5", "rk4" and "euler" bring joints and loops back after each step, and others hold them:
         "rattle", "rattle_suzuki4" and "rattle_kahan_li6" (of second, fourth and sixth order, no events; symplectic, or with
         what rolls symmetric), "half_explicit" (third order), "generalized_alpha" (stabilised, index 2) and
-        "generalized_alpha_index3". Joints with several velocities may have no armature there.
+        "generalized_alpha_index3".
     tau: drive forces, (nv,) for constant ones; one of `axode.drives`; or a function (t, q, v) -> (nv,), called for each
         evaluation. Springs, dampers and stops of the mechanism act besides, see `spring_forces`.
     loads: wrenches on frames, constant in their representations, or a function (t, q, v) -> such wrenches, called for each

@@ -5,7 +5,6 @@
 #include "axode/io.hpp"
 #include "tests/constraints/mechanisms.hpp"
 #include "tests/integration/motions.hpp"
-#include "tests/model/rotors.hpp"
 
 /// Motion in absolute coordinates, told in those of the joints.
 namespace axode::test {
@@ -50,8 +49,7 @@ TEST(AbsoluteCoordinates, MoveRandomTreesAsTheirJointsDo) {
       ++tried;
       Random<double> random(seed);
       const Model model =
-          ModelBuilder(with_simple_rotors(
-                           told(random_mechanism(random, {.most_bodies = 6, .always_mass = true}), random)))
+          ModelBuilder(told(random_mechanism(random, {.most_bodies = 6, .always_mass = true}), random))
               .build();
       const State<double> state = random_state(model, random);
       SimulationOptions options = driven_and_damped();
@@ -120,6 +118,21 @@ TEST(AbsoluteCoordinates, SchemesHaveTheirOrdersOnATreeWithDrivesAndDamping) {
   const Model model = test_tree();
   const State<double> state = test_state(model);
   expect_orders(model, state.q, state.v, 0.25, 50, driven_and_damped());
+}
+
+TEST(AbsoluteCoordinates, SchemesHaveTheirOrdersWithRotorsOfSeveralVelocities) {
+  Random<double> random(5);
+  Description tree{.name = "geared", .gravity = {0, 0, -9.81}, .bodies = {}, .frames = {}};
+  tree.bodies.push_back(bar("ball", "ground", JointKind::spherical, {0, 0, 1}, {0, 0, 0}, {1, 0.2, 0}));
+  tree.bodies.push_back(bar("plate", "ball", JointKind::planar, {0.6, 0, 0.8}, {1, 0.2, 0}, {1.5, 0, 0.3}));
+  tree.bodies.push_back(bar("door", "plate", JointKind::revolute, {0, 1, 0}, {1.5, 0, 0.3}, {2, 0, 0}));
+  for (BodyDescription& body : tree.bodies)
+    body.joint.dof = {{.armature = 0.3}, {.armature = 0.7}, {.armature = 0.1}};
+  tree.bodies[2].joint.dof.resize(1);
+  const Model model = ModelBuilder(tree).build();
+  const State<double> state = random_state(model, random);
+  expect_orders(model, state.q, state.v, 0.5, 50, {});
+  expect_orders(model, state.q, state.v, 0.5, 50, driven_and_damped());
 }
 
 TEST(AbsoluteCoordinates, SchemesHaveTheirOrdersOnMechanismsWithLoops) {
