@@ -1,6 +1,5 @@
 #pragma once
 #include <array>
-#include <tuple>
 
 #include "axode/fast/lanes.hpp"
 #include "axode/fast/mirror.hpp"
@@ -53,6 +52,8 @@ template <class G, class T> struct FastArticulatedBodies {
   Matrix* R;       ///< of the bodies on which others hang, and of those whose joint is no hinge
   Handed* handed;  ///< to bodies on which others hang
   Pivot* pivot;
+  std::array<T, 6>*
+      S_K;  ///< of each joint screw S_k, S_k | K_l with the later screws l of its joint: see couple()
   decltype(T() < T()) doubtful{};  ///< whether a pivot D is so small that M may be singular
 
   explicit FastArticulatedBodies(Arena& arena)
@@ -60,7 +61,8 @@ template <class G, class T> struct FastArticulatedBodies {
         body(arena.per_body<Body>()),
         R(arena.per_body<Matrix>()),
         handed(arena.per_body<Handed>()),
-        pivot(arena.per_screw<Pivot>()) {}
+        pivot(arena.per_screw<Pivot>()),
+        S_K(arena.per_screw<std::array<T, 6>>()) {}
 
   /// Places and inertias of all bodies.
   template <class S> void place(const Tree<S>& tree, const T* q) noexcept {
@@ -169,6 +171,7 @@ template <class G, class T> struct FastArticulatedBodies {
   };
   template <class S> void inverse(const Tree<S>& tree, Columns* W, Several* u, T* out) noexcept {
     const std::ptrdiff_t nv = tree->nv;
+    couple(tree);
     int last = tree->n;
     for (int first = (tree->nv - 1) / L::width * L::width; first >= 0; first -= L::width) {
       while (tree->iv[last] >= first + L::width) --last;
@@ -182,6 +185,7 @@ template <class G, class T> struct FastArticulatedBodies {
   /// and x := M⁻¹ x for a matrix of nv columns.
   template <class S> void solve(const Tree<S>& tree, Columns* W, Several* u, T* x) noexcept {
     const std::ptrdiff_t nv = tree->nv;
+    couple(tree);
     for (int first = 0; first < tree->nv; first += L::width) {
       const int room = tree->nv - first;
       solve(
@@ -252,12 +256,11 @@ template <class G, class T> struct FastArticulatedBodies {
         u[first_screw] = value(s.D_inv) * g;
         F.m = F.m + cross(r, F.f) + g * vector(s.K_m), F.f += g * vector(s.K_f);
       } else {
-        for (int k = tree->first_screw[i + 1] - first_screw; k-- > 0;) {
-          const Pivot& s = pivots[first_screw + k];
-          const Several g = less(right_side(c + k), vector(s.w), F.m) - dot(vector(s.v), F.f);
-          u[first_screw + k] = value(s.D_inv) * g;
-          F.m += g * vector(s.K_m), F.f += g * vector(s.K_f);
-        }
+        with_count(
+            tree->first_screw[i + 1] - first_screw, [&](auto n) __attribute__((always_inline)) {
+              hand_over(
+                  n, first_screw, [&](int k) { return right_side(c + k); }, u + first_screw, p > 0, F);
+            });
         F.m += cross(r, F.f);
       }
       if (p == i - 1) continue;
@@ -268,28 +271,74 @@ template <class G, class T> struct FastArticulatedBodies {
     W[0] = X;
     for (int i = 1; i <= last; ++i) {
       if (tree->parent[i] != i - 1) X = W[tree->parent[i]];
-      const bool reached = reaches(i);
       const int first_screw = tree->first_screw[i], c = tree->iv[i];
-      const auto acceleration = [&](int k) {
-        const Pivot& s = pivots[first_screw + k];
-        const Several u_k = reached ? u[first_screw + k] : Several(T(0));
-        const Several a = less(u_k, vector(s.K_m), X.m) - dot(vector(s.K_f), X.f);
-        put(c + k, a);
-        return a;
-      };
+      const bool reached = reaches(i);
+      const auto free = [&](int k) { return reached ? u[first_screw + k] : Several(T(0)); };
       const Vec3<Several> moved = X.f + cross(X.m, vector(bodies[i].r));
       if (is_hinge(tree, i)) [[likely]] {
-        const Several a = acceleration(0);
+        const Pivot& s = pivots[first_screw];
+        const Several a = less(free(0), vector(s.K_m), X.m) - dot(vector(s.K_f), X.f);
+        put(c, a);
         X.m += a * vector(bodies[i].n), X.f = moved;
       } else {
         X.f = moved;
-        for (int k = 0; k < tree->first_screw[i + 1] - first_screw; ++k) {
-          const Several a = acceleration(k);
-          X.m += a * vector(pivots[first_screw + k].w), X.f += a * vector(pivots[first_screw + k].v);
-        }
+        with_count(
+            tree->first_screw[i + 1] - first_screw, [&](auto n) __attribute__((always_inline)) {
+              set_in_motion(
+                  n, first_screw, free, [&](int k, const Several& a) { put(c + k, a); }, tree->parent[i] > 0,
+                  X);
+            });
       }
       if (tree->branches[i]) W[i] = X;
     }
+  }
+  /// The n screws of a joint from screw s on hand over what the wrench F leaves: first what each feels of F, then what it
+  /// feels of the others, so that none waits for F to change. F is of no more use where the joint hangs on the ground.
+  template <int n, class RightSide>
+  [[gnu::always_inline]] void hand_over(std::integral_constant<int, n>, int s, const RightSide& right_side,
+                                        Several* u, bool on_a_body, Columns& F) const noexcept {
+    const Pivot* const c = pivot + s;
+    Several g[n];
+    unrolled<n>([&](auto k) { g[k] = less(right_side(k), vector(c[k].w), F.m) - dot(vector(c[k].v), F.f); });
+    unrolled<n>([&](auto m) {
+      constexpr int l = n - 1 - m;
+      unrolled<l>([&](auto k) { g[k] = g[k] - S_K[s + k][l] * g[l]; });
+    });
+    unrolled<n>([&](auto k) { u[k] = value(c[k].D_inv) * g[k]; });
+    if (on_a_body)
+      unrolled<n>([&](auto k) { F.m += g[k] * vector(c[k].K_m), F.f += g[k] * vector(c[k].K_f); });
+  }
+  /// And accelerate, in the same way: a_k = free(k) less what it feels of the motion X, which is 0 of the ground.
+  template <int n, class Free, class Put>
+  [[gnu::always_inline]] void set_in_motion(std::integral_constant<int, n>, int s, const Free& free,
+                                            const Put& put, bool on_a_body, Columns& X) const noexcept {
+    const Pivot* const c = pivot + s;
+    Several a[n];
+    unrolled<n>([&](auto k) { a[k] = free(k); });
+    if (on_a_body)
+      unrolled<n>([&](auto k) { a[k] = less(a[k], vector(c[k].K_m), X.m) - dot(vector(c[k].K_f), X.f); });
+    unrolled<n>([&](auto l) { unrolled<l>([&](auto k) { a[l] = a[l] - S_K[s + k][l] * a[k]; }); });
+    unrolled<n>([&](auto k) {
+      put(k, a[k]);
+      X.m += a[k] * vector(c[k].w), X.f += a[k] * vector(c[k].v);
+    });
+  }
+  /// f(n) of a constant, as many screws as a joint has, for which what belongs to each of them stays in registers.
+  template <class F> [[gnu::always_inline]] static void with_count(int n, const F& f) {
+    if (n == 1)
+      f(std::integral_constant<int, 1>{});
+    else if (n == 3)
+      f(std::integral_constant<int, 3>{});
+    else
+      f(std::integral_constant<int, 6>{});
+  }
+  /// What the screws of a joint feel of each other.
+  template <class S> void couple(const Tree<S>& tree) noexcept {
+    for (int i = 1; i <= tree->n; ++i)
+      if (!is_hinge(tree, i))
+        for (int k = tree->first_screw[i]; k < tree->first_screw[i + 1]; ++k)
+          for (int l = k + 1; l < tree->first_screw[i + 1]; ++l)
+            S_K[k][l - tree->first_screw[i]] = value(dot(pivot[k].w, pivot[l].K_m, pivot[k].v, pivot[l].K_f));
   }
   /// x - a · b.
   static Several less(const Several& x, const Vec3<Several>& a, const Vec3<Several>& b) noexcept {
@@ -357,7 +406,9 @@ template <class G, class T> struct FastArticulatedBodies {
     const Body& b = body[i];
     Pivot* c = pivot + tree->first_screw[i];
     with_subgroup(tree->kind[i], T(tree.pitch[i]), [&](const auto& joint) {
-      for (int k = joint.nv; k-- > 0;) {
+      constexpr int n = std::decay_t<decltype(joint)>::nv;
+      static_assert(n == 1 || n == 3 || n == 6, "with_count knows no other");
+      for (int k = n; k-- > 0;) {
         const Screw<T> X = joint.column(k);
         c[k].w = R[i] * Spread(Vector(X.w)), c[k].v = R[i] * Spread(Vector(X.v));
         const auto [U_m, U_f] = along_twist(M, c[k].w, c[k].v);
