@@ -17,14 +17,11 @@ template <class T> [[gnu::always_inline]] inline SquareBlock<T> turned(const Squ
   return rows;
 }
 
-/// Row i of the matrix from column j on. What it writes too much for its row is the start of the next one, which is to be
-/// written later.
+/// Row i of the matrix from column j on, if there is one. What it writes too much for its row is the start of the next ones,
+/// which are to be written later.
 template <class T>
 [[gnu::always_inline]] inline void store_row(const typename Lanes<T>::Number& x, int i, int j, int n, T* to) {
-  if (i < n - 1)
-    Lanes<T>::store(x, to);
-  else if (i == n - 1)
-    Lanes<T>::store(x, to, n - j);
+  if (i < n) Lanes<T>::store(x, to, (n - i) * n - j);
 }
 /// Rows i, ... from column j on, in the same way.
 template <class T>

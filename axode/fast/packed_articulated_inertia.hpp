@@ -89,8 +89,8 @@ template <class T>
   subtract_product(M.Bt, K_f, s_m), subtract_product(M.L, K_f, s_f);
 }
 template <class T>
-void give_way(ArticulatedInertia<Hybrid, T>& M, const Vec3<T>& U_m, const Vec3<T>& U_f, const Vec3<T>& K_m,
-              const Vec3<T>& K_f) {
+[[gnu::always_inline]] inline void give_way(ArticulatedInertia<Hybrid, T>& M, const Vec3<T>& U_m,
+                                            const Vec3<T>& U_f, const Vec3<T>& K_m, const Vec3<T>& K_f) {
   M.A = {M.A.xx - K_m.x * U_m.x, M.A.yy - K_m.y * U_m.y, M.A.zz - K_m.z * U_m.z,
          M.A.xy - K_m.x * U_m.y, M.A.xz - K_m.x * U_m.z, M.A.yz - K_m.y * U_m.z};
   M.B = {M.B.x - U_f.x * K_m, M.B.y - U_f.y * K_m, M.B.z - U_f.z * K_m};
