@@ -47,11 +47,7 @@ Solvability inverse_mass_matrix(const Model& model, Workspace<T>& workspace, Num
       bodies.solve(tree, M_inverse.data() + c * nv);
     }
   }
-  for (std::size_t c = 0; c < nv; ++c) {
-    const Solvability column = solved(verdict, tree->nv, M_inverse.data() + c * nv);
-    if (verdict.ok()) verdict = column;
-  }
-  return verdict;
+  return solved(verdict, static_cast<std::ptrdiff_t>(nv * nv), M_inverse.data());
 }
 
 template void mass_matrix<AXODE_REP>(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>, std::span<AXODE_T>);

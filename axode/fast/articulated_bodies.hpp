@@ -1,8 +1,8 @@
 #pragma once
 #include <array>
-#include <tuple>
 
 #include "axode/fast/lanes.hpp"
+#include "axode/fast/mirror.hpp"
 #include "axode/fast/packed_articulated_inertia.hpp"
 #include "axode/fast/poses.hpp"
 #include "axode/recursion/inverse_dynamics.hpp"
@@ -14,7 +14,7 @@ namespace axode {
 /// (n; 0), for trees without coupled joints. Bias forces come from the classical accelerations that the
 /// velocities alone make.
 ///
-/// A hinge hands over M' = Ad_rᵀ M Ad_r - Û Ûᵀ / D with Û = Ad_rᵀ U, U = M S, D = Sᵀ U + armature, so that
+/// A hinge hands over M' = Ad_rᵀ M Ad_r - K Ûᵀ with Û = Ad_rᵀ U, U = M S, D = Sᵀ U + armature, K = Û / D, so that
 /// the division and the congruence wait for nothing but M. A joint with several degrees of freedom gives way
 /// in one after the other.
 template <class G, class T> struct FastArticulatedBodies {
@@ -41,9 +41,10 @@ template <class G, class T> struct FastArticulatedBodies {
     Vector w, dw, a;
     Factor w_, dw_;
   };
-  /// What is left of a joint screw (w; v) that has given way. U is Û for a hinge, which needs no (w; v).
+  /// What is left of a joint screw (w; v) that has given way. K is the wrench that a unit of force hands over, at the
+  /// predecessor's origin for a hinge, which needs no (w; v).
   struct Pivot {
-    Vector U_m, U_f, w, v;
+    Vector K_m, K_f, w, v;
     Number D_inv, u;
   };
   JointAngles<T> angles;
@@ -51,6 +52,8 @@ template <class G, class T> struct FastArticulatedBodies {
   Matrix* R;       ///< of the bodies on which others hang, and of those whose joint is no hinge
   Handed* handed;  ///< to bodies on which others hang
   Pivot* pivot;
+  std::array<T, 6>*
+      S_K;  ///< of each joint screw S_k, S_k | K_l with the later screws l of its joint: see couple()
   decltype(T() < T()) doubtful{};  ///< whether a pivot D is so small that M may be singular
 
   explicit FastArticulatedBodies(Arena& arena)
@@ -58,7 +61,8 @@ template <class G, class T> struct FastArticulatedBodies {
         body(arena.per_body<Body>()),
         R(arena.per_body<Matrix>()),
         handed(arena.per_body<Handed>()),
-        pivot(arena.per_screw<Pivot>()) {}
+        pivot(arena.per_screw<Pivot>()),
+        S_K(arena.per_screw<std::array<T, 6>>()) {}
 
   /// Places and inertias of all bodies.
   template <class S> void place(const Tree<S>& tree, const T* q) noexcept {
@@ -116,14 +120,14 @@ template <class G, class T> struct FastArticulatedBodies {
       if (p != i - 1) w = motion[p].w, dv = motion[p].a;
       if (is_hinge(tree, i)) [[likely]] {
         const Pivot& c = pivot[tree->first_screw[i]];
-        const Number a_i = c.u - c.D_inv * dot(c.U_m, w, c.U_f, dv);
+        const Number a_i = c.u - dot(c.K_m, w, c.K_f, dv);
         dv += cross(Factor(w), Factor(b.r)), w += a_i * b.n;
         a[tree->iv[i]] = value(a_i);
       } else {
         dv += cross(Factor(w), Factor(b.r));
         for (int s = tree->first_screw[i]; s < tree->first_screw[i + 1]; ++s) {
           const Pivot& c = pivot[s];
-          const Number a_i = c.u - c.D_inv * dot(c.U_m, w, c.U_f, dv);
+          const Number a_i = c.u - dot(c.K_m, w, c.K_f, dv);
           w += a_i * c.w, dv += a_i * c.v;
           a[tree->iv[i] + s - tree->first_screw[i]] = value(a_i);
         }
@@ -140,13 +144,15 @@ template <class G, class T> struct FastArticulatedBodies {
       if (tree->branches[i]) m += handed[i].m, f += handed[i].f, handed[i].m = handed[i].f = Vector{};
       if (is_hinge(tree, i)) [[likely]] {
         Pivot& c = pivot[tree->first_screw[i]];
-        c.u = c.D_inv * (Number(x[tree->iv[i]]) - dot(b.n, m));
-        m += cross(Factor(b.r), Factor(f)) + c.u * c.U_m, f += c.u * c.U_f;
+        const Number g = Number(x[tree->iv[i]]) - dot(b.n, m);
+        c.u = c.D_inv * g;
+        m += cross(Factor(b.r), Factor(f)) + g * c.K_m, f += g * c.K_f;
       } else {
         for (int s = tree->first_screw[i + 1]; s-- > tree->first_screw[i];) {
           Pivot& c = pivot[s];
-          c.u = c.D_inv * (Number(x[tree->iv[i] + s - tree->first_screw[i]]) - dot(c.w, m, c.v, f));
-          m += c.u * c.U_m, f += c.u * c.U_f;
+          const Number g = Number(x[tree->iv[i] + s - tree->first_screw[i]]) - dot(c.w, m, c.v, f);
+          c.u = c.D_inv * g;
+          m += g * c.K_m, f += g * c.K_f;
         }
         m += cross(Factor(b.r), Factor(f));
       }
@@ -157,28 +163,35 @@ template <class G, class T> struct FastArticulatedBodies {
     accelerate(tree, motion, x);
   }
 
-  /// After factorize, several columns at once: M⁻¹,
+  /// After factorize, several columns at once: M⁻¹, of which those below the diagonal are copies,
   using L = Lanes<T>;
   using Several = typename L::Number;
   struct Columns {
     Vec3<Several> m, f;
   };
   template <class S> void inverse(const Tree<S>& tree, Columns* W, Several* u, T* out) noexcept {
-    for (int first = 0; first < tree->nv; first += L::width) {
-      const auto reaches = [&](int i) {
-        return tree->iv[i] < first + L::width && tree->velocity_end[tree->iv[i]] > first;
-      };
+    const std::ptrdiff_t nv = tree->nv;
+    couple(tree);
+    int last = tree->n;
+    for (int first = (tree->nv - 1) / L::width * L::width; first >= 0; first -= L::width) {
+      while (tree->iv[last] >= first + L::width) --last;
       solve(
-          tree, first, reaches, [&](int c) { return unit(c - first); }, W, u, out);
+          tree, last, [&](int i) { return tree->velocity_end[tree->iv[i]] > first; },
+          [&](int c) { return unit(c - first); },
+          [&](int c, const Several& a) { store_row(a, c, first, tree->nv, out + c * nv + first); }, W, u);
     }
+    mirror(tree->nv, out);
   }
   /// and x := M⁻¹ x for a matrix of nv columns.
   template <class S> void solve(const Tree<S>& tree, Columns* W, Several* u, T* x) noexcept {
     const std::ptrdiff_t nv = tree->nv;
-    for (int first = 0; first < tree->nv; first += L::width)
+    couple(tree);
+    for (int first = 0; first < tree->nv; first += L::width) {
+      const int room = tree->nv - first;
       solve(
-          tree, first, [](int) { return true; },
-          [&](int c) { return L::load(x + c * nv + first, tree->nv - first); }, W, u, x);
+          tree, tree->n, [](int) { return true; }, [&](int c) { return L::load(x + c * nv + first, room); },
+          [&](int c, const Several& a) { L::store(a, x + c * nv + first, room); }, W, u);
+    }
   }
 
  private:
@@ -196,16 +209,18 @@ template <class G, class T> struct FastArticulatedBodies {
       if (is_hinge(tree, i)) [[likely]] {
         [[maybe_unused]] Pivot& c = give_way_about_hinge(tree, i, tree.armature.data(), M);
         if constexpr (forces) {
-          c.u = c.D_inv * (Number(tau[tree->iv[i]]) - dot(b.n, m));
-          m += cross(Factor(b.r), Factor(f)) + c.u * c.U_m, f += c.u * c.U_f;
+          const Number g = Number(tau[tree->iv[i]]) - dot(b.n, m);
+          c.u = c.D_inv * g;
+          m += cross(Factor(b.r), Factor(f)) + g * c.K_m, f += g * c.K_f;
         }
       } else {
         give_way_along(tree, i, tree.armature.data(), M);
         if constexpr (forces) {
           for (int s = tree->first_screw[i + 1]; s-- > tree->first_screw[i];) {
             Pivot& c = pivot[s];
-            c.u = c.D_inv * (Number(tau[tree->iv[i] + s - tree->first_screw[i]]) - dot(c.w, m, c.v, f));
-            m += c.u * c.U_m, f += c.u * c.U_f;
+            const Number g = Number(tau[tree->iv[i] + s - tree->first_screw[i]]) - dot(c.w, m, c.v, f);
+            c.u = c.D_inv * g;
+            m += g * c.K_m, f += g * c.K_f;
           }
           m += cross(Factor(b.r), Factor(f));
         }
@@ -219,59 +234,115 @@ template <class G, class T> struct FastArticulatedBodies {
     }
   }
 
-  /// Columns first, ... of the solution for right sides that are 0 but at joints of which one reaches.
-  template <class S, class Reaches, class RightSide>
-  [[gnu::always_inline]] void solve(const Tree<S>& tree, int first, const Reaches& reaches,
-                                    const RightSide& right_side, Columns* const W, Several* const u,
-                                    T* const out) noexcept {
+  /// Several columns of the solution for right sides that are 0 but at joints of which one reaches, up to the rows of body
+  /// last, behind which none does: each row a of velocity c is handed to put(c, a).
+  template <class S, class Reaches, class RightSide, class Put>
+  [[gnu::always_inline]] void solve(const Tree<S>& tree, int last, const Reaches& reaches,
+                                    const RightSide& right_side, const Put& put, Columns* const W,
+                                    Several* const u) noexcept {
     const Body* const bodies = body;  // local copies, which no result can overwrite
     const Pivot* const pivots = pivot;
-    const int nv = tree->nv, room = nv - first;
-    for (int i = 0; i <= tree->n; ++i)
-      if (i == 0 || reaches(i)) W[i] = {};
-    for (int i = tree->n; i > 0; --i) {
+    for (int i = 0; i <= last; ++i)
+      if (tree->branches[i]) W[i] = {};
+    Columns F{};
+    for (int i = last; i > 0; --i) {
       if (!reaches(i)) continue;
-      Columns F = W[i];
+      const int p = tree->parent[i], first_screw = tree->first_screw[i], c = tree->iv[i];
       const Vec3<Several> r = vector(bodies[i].r);
-      const int first_screw = tree->first_screw[i], c = tree->iv[i];
+      if (tree->branches[i]) F.m += W[i].m, F.f += W[i].f;
       if (is_hinge(tree, i)) [[likely]] {
-        const Pivot& p = pivots[first_screw];
-        const Several x = value(p.D_inv) * (right_side(c) - dot(vector(bodies[i].n), F.m));
-        u[first_screw] = x;
-        F.m += cross(r, F.f) + x * vector(p.U_m), F.f += x * vector(p.U_f);
+        const Pivot& s = pivots[first_screw];
+        const Several g = less(right_side(c), vector(bodies[i].n), F.m);
+        u[first_screw] = value(s.D_inv) * g;
+        F.m = F.m + cross(r, F.f) + g * vector(s.K_m), F.f += g * vector(s.K_f);
       } else {
-        for (int s = tree->first_screw[i + 1]; s-- > first_screw;) {
-          const Pivot& p = pivots[s];
-          const Several x =
-              value(p.D_inv) * (right_side(c + s - first_screw) - dot(vector(p.w), F.m, vector(p.v), F.f));
-          u[s] = x;
-          F.m += x * vector(p.U_m), F.f += x * vector(p.U_f);
-        }
+        with_count(
+            tree->first_screw[i + 1] - first_screw, [&](auto n) __attribute__((always_inline)) {
+              hand_over(
+                  n, first_screw, [&](int k) { return right_side(c + k); }, u + first_screw, p > 0, F);
+            });
         F.m += cross(r, F.f);
       }
-      Columns& to = W[tree->parent[i]];
-      to.m += F.m, to.f += F.f;
+      if (p == i - 1) continue;
+      W[p].m += F.m, W[p].f += F.f;
+      F = {};
     }
     Columns X{};
     W[0] = X;
-    for (int i = 1; i <= tree->n; ++i) {
+    for (int i = 1; i <= last; ++i) {
       if (tree->parent[i] != i - 1) X = W[tree->parent[i]];
+      const int first_screw = tree->first_screw[i], c = tree->iv[i];
+      const bool reached = reaches(i);
+      const auto free = [&](int k) { return reached ? u[first_screw + k] : Several(T(0)); };
       const Vec3<Several> moved = X.f + cross(X.m, vector(bodies[i].r));
-      const bool hinge = is_hinge(tree, i), reached = reaches(i);
-      if (!hinge) X.f = moved;
-      for (int s = tree->first_screw[i]; s < tree->first_screw[i + 1]; ++s) {
-        const Pivot& p = pivots[s];
-        const Several a =
-            (reached ? u[s] : Several(T(0))) - value(p.D_inv) * dot(vector(p.U_m), X.m, vector(p.U_f), X.f);
-        L::store(a, out + static_cast<std::ptrdiff_t>(tree->iv[i] + s - tree->first_screw[i]) * nv + first,
-                 room);
-        if (hinge)
-          X.m += a * vector(bodies[i].n), X.f = moved;
-        else
-          X.m += a * vector(p.w), X.f += a * vector(p.v);
+      if (is_hinge(tree, i)) [[likely]] {
+        const Pivot& s = pivots[first_screw];
+        const Several a = less(free(0), vector(s.K_m), X.m) - dot(vector(s.K_f), X.f);
+        put(c, a);
+        X.m += a * vector(bodies[i].n), X.f = moved;
+      } else {
+        X.f = moved;
+        with_count(
+            tree->first_screw[i + 1] - first_screw, [&](auto n) __attribute__((always_inline)) {
+              set_in_motion(
+                  n, first_screw, free, [&](int k, const Several& a) { put(c + k, a); }, tree->parent[i] > 0,
+                  X);
+            });
       }
       if (tree->branches[i]) W[i] = X;
     }
+  }
+  /// The n screws of a joint from screw s on hand over what the wrench F leaves: first what each feels of F, then what it
+  /// feels of the others, so that none waits for F to change. F is of no more use where the joint hangs on the ground.
+  template <int n, class RightSide>
+  [[gnu::always_inline]] void hand_over(std::integral_constant<int, n>, int s, const RightSide& right_side,
+                                        Several* u, bool on_a_body, Columns& F) const noexcept {
+    const Pivot* const c = pivot + s;
+    Several g[n];
+    unrolled<n>([&](auto k) { g[k] = less(right_side(k), vector(c[k].w), F.m) - dot(vector(c[k].v), F.f); });
+    unrolled<n>([&](auto m) {
+      constexpr int l = n - 1 - m;
+      unrolled<l>([&](auto k) { g[k] = g[k] - S_K[s + k][l] * g[l]; });
+    });
+    unrolled<n>([&](auto k) { u[k] = value(c[k].D_inv) * g[k]; });
+    if (on_a_body)
+      unrolled<n>([&](auto k) { F.m += g[k] * vector(c[k].K_m), F.f += g[k] * vector(c[k].K_f); });
+  }
+  /// And accelerate, in the same way: a_k = free(k) less what it feels of the motion X, which is 0 of the ground.
+  template <int n, class Free, class Put>
+  [[gnu::always_inline]] void set_in_motion(std::integral_constant<int, n>, int s, const Free& free,
+                                            const Put& put, bool on_a_body, Columns& X) const noexcept {
+    const Pivot* const c = pivot + s;
+    Several a[n];
+    unrolled<n>([&](auto k) { a[k] = free(k); });
+    if (on_a_body)
+      unrolled<n>([&](auto k) { a[k] = less(a[k], vector(c[k].K_m), X.m) - dot(vector(c[k].K_f), X.f); });
+    unrolled<n>([&](auto l) { unrolled<l>([&](auto k) { a[l] = a[l] - S_K[s + k][l] * a[k]; }); });
+    unrolled<n>([&](auto k) {
+      put(k, a[k]);
+      X.m += a[k] * vector(c[k].w), X.f += a[k] * vector(c[k].v);
+    });
+  }
+  /// f(n) of a constant, as many screws as a joint has, for which what belongs to each of them stays in registers.
+  template <class F> [[gnu::always_inline]] static void with_count(int n, const F& f) {
+    if (n == 1)
+      f(std::integral_constant<int, 1>{});
+    else if (n == 3)
+      f(std::integral_constant<int, 3>{});
+    else
+      f(std::integral_constant<int, 6>{});
+  }
+  /// What the screws of a joint feel of each other.
+  template <class S> void couple(const Tree<S>& tree) noexcept {
+    for (int i = 1; i <= tree->n; ++i)
+      if (!is_hinge(tree, i))
+        for (int k = tree->first_screw[i]; k < tree->first_screw[i + 1]; ++k)
+          for (int l = k + 1; l < tree->first_screw[i + 1]; ++l)
+            S_K[k][l - tree->first_screw[i]] = value(dot(pivot[k].w, pivot[l].K_m, pivot[k].v, pivot[l].K_f));
+  }
+  /// x - a · b.
+  static Several less(const Several& x, const Vec3<Several>& a, const Vec3<Several>& b) noexcept {
+    return ((x - a.x * b.x) - a.y * b.y) - a.z * b.z;
   }
   /// Read number by number, which memory spreads over lanes for nothing.
   static Vec3<Several> vector(const Vector& a) {
@@ -322,9 +393,10 @@ template <class G, class T> struct FastArticulatedBodies {
     doubtful = doubtful || !(value(D) > floor_of(tree, tree->first_screw[i]));
     const Vector moved = U_m + cross(Factor(b.r), Factor(U_f));
     M = shifted(M, b.r);
-    give_way(M, moved, U_f, D_inv);
+    const Vector K_m = D_inv * moved, K_f = D_inv * U_f;
+    give_way(M, moved, U_f, K_m, K_f);
     Pivot& c = pivot[tree->first_screw[i]];
-    c.U_m = moved, c.U_f = U_f, c.D_inv = D_inv;
+    c.K_m = K_m, c.K_f = K_f, c.D_inv = D_inv;
     return c;
   }
   /// The same for a joint of any kind.
@@ -334,14 +406,16 @@ template <class G, class T> struct FastArticulatedBodies {
     const Body& b = body[i];
     Pivot* c = pivot + tree->first_screw[i];
     with_subgroup(tree->kind[i], T(tree.pitch[i]), [&](const auto& joint) {
-      for (int k = joint.nv; k-- > 0;) {
+      constexpr int n = std::decay_t<decltype(joint)>::nv;
+      static_assert(n == 1 || n == 3 || n == 6, "with_count knows no other");
+      for (int k = n; k-- > 0;) {
         const Screw<T> X = joint.column(k);
         c[k].w = R[i] * Spread(Vector(X.w)), c[k].v = R[i] * Spread(Vector(X.v));
-        std::tie(c[k].U_m, c[k].U_f) = along_twist(M, c[k].w, c[k].v);
-        const Number D = dot(c[k].w, c[k].U_m, c[k].v, c[k].U_f) + Number(T(armature[tree->iv[i] + k]));
-        c[k].D_inv = Number(T(1)) / D;
+        const auto [U_m, U_f] = along_twist(M, c[k].w, c[k].v);
+        const Number D = dot(c[k].w, U_m, c[k].v, U_f) + Number(T(armature[tree->iv[i] + k]));
+        c[k].D_inv = Number(T(1)) / D, c[k].K_m = c[k].D_inv * U_m, c[k].K_f = c[k].D_inv * U_f;
         doubtful = doubtful || !(value(D) > floor_of(tree, tree->first_screw[i] + k));
-        give_way(M, c[k].U_m, c[k].U_f, c[k].D_inv);
+        give_way(M, U_m, U_f, c[k].K_m, c[k].K_f);
       }
     });
     M = shifted(M, b.r);

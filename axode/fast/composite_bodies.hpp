@@ -1,6 +1,7 @@
 #pragma once
 #include <algorithm>
 
+#include "axode/fast/mirror.hpp"
 #include "axode/fast/poses.hpp"
 
 namespace axode {
@@ -51,31 +52,23 @@ template <class T> struct FastCompositeBodies {
 
   /// M, nv × nv: M_ij = S_i | F_j for i <= j where joint i moves j, and its mirror image.
   template <class Real> void write(const Tree<Real>& tree, T* out) const noexcept {
-    const int nv = tree->nv;
-    const Arrays<T> several = F;
-    if constexpr (L::width > 1) std::fill_n(out, static_cast<std::ptrdiff_t>(nv) * nv, T(0));
-    for (int i = 0; i < nv; ++i) {
-      const Six one(S, i);
-      const int end = tree->velocity_end[i];
-      T* row = out + static_cast<std::ptrdiff_t>(i) * nv;
-      if constexpr (L::width == 1) {
+    const std::ptrdiff_t nv = tree->nv;
+    if constexpr (L::width == 1) {
+      const Arrays<T> several = F;
+      for (int i = 0; i < tree->nv; ++i) {
+        const Six one(S, i);
+        const int end = tree->velocity_end[i];
+        T* const row = out + i * nv;
         T* const column = out + i;
-        for (int j = i; j < end; ++j)
-          row[j] = column[static_cast<std::ptrdiff_t>(j) * nv] = product(several, j, one);
-        for (int j = end; j < nv; ++j) row[j] = column[static_cast<std::ptrdiff_t>(j) * nv] = T(0);
-      } else if (end - i >= L::width) {
-        for (int j = i; j < end; j += L::width) {
-          const int first = std::min(j, end - L::width);  // the last ones overlap
-          L::store(product(several, first, one), row + first);
-        }
-        for (int j = i + 1; j < end; ++j) out[static_cast<std::ptrdiff_t>(j) * nv + i] = row[j];
-      } else {
-        T entries[L::width];
-        L::store(product(several, i, one), entries);
-        for (int j = i; j < end; ++j) row[j] = out[static_cast<std::ptrdiff_t>(j) * nv + i] = entries[j - i];
+        for (int j = i; j < end; ++j) row[j] = column[j * nv] = product(several, j, one);
+        for (int j = end; j < tree->nv; ++j) row[j] = column[j * nv] = T(0);
       }
-      row[i] += T(tree.armature[i]);
+    } else {
+      const int last = (tree->nv - 1) / L::width * L::width;
+      for (int i = last; i >= 0; i -= L::width)
+        for (int j = last; j >= i; j -= L::width) write_block(tree, i, j, out);
     }
+    for (int i = 0; i < tree->nv; ++i) out[i * nv + i] += T(tree.armature[i]);
   }
 
   /// Only M_ij where velocity j moves i or is i.
@@ -91,6 +84,42 @@ template <class T> struct FastCompositeBodies {
   }
 
  private:
+  /// Rows i, ... and columns j >= i, ... of M, and their mirror image, after the blocks behind and below.
+  template <class Real> void write_block(const Tree<Real>& tree, int i, int j, T* out) const noexcept {
+    const Arrays<T> one = S;
+    const int nv = tree->nv;
+    int least = nv, most = 0;  // where what these rows move ends
+    for (int m = 0; m < L::width; ++m) {
+      const int end = tree->velocity_end[std::min(i + m, nv - 1)];
+      least = std::min(least, end), most = std::max(most, end);
+    }
+    if (j >= most) {
+      const SquareBlock<T> nothing{};
+      store(nothing, i, j, nv, out), store(nothing, j, i, nv, out);
+      return;
+    }
+    Number several[6];
+    for (int k = 0; k < 6; ++k) several[k] = L::load(F.array(k) + j);
+    SquareBlock<T> block;
+    unrolled<L::width>([&](auto m) { block[m] = product(one, i + m, several); });
+    if (least < std::min(j + L::width, nv))
+      unrolled<L::width>([&](auto m) {
+        const Number end(T(tree->velocity_end[std::min(i + m, nv - 1)] - j));
+        block[m] = select(lane() < end, block[m], Number(T(0)));
+      });
+    const SquareBlock<T> mirrored = turned<T>(block);
+    if (i == j)
+      unrolled<L::width>([&](auto m) { block[m] = select(lane() < Number(T(m)), mirrored[m], block[m]); });
+    store(block, i, j, nv, out);
+    if (i < j) store(mirrored, j, i, nv, out);
+  }
+  static Number lane() { return L::load(count.data()); }
+  static constexpr std::array<T, L::width> count = [] {
+    std::array<T, L::width> numbers{};
+    for (int l = 0; l < L::width; ++l) numbers[l] = T(l);
+    return numbers;
+  }();
+
   /// M_p += M_i about the predecessor's origin, from the leaves to the roots.
   template <class Real> void compose(const Tree<Real>& tree) noexcept {
     Inertia<T> carried{};
@@ -145,6 +174,10 @@ template <class T> struct FastCompositeBodies {
   };
   static Number product(const Arrays<T>& several, int c, const Six& one) noexcept {
     const auto term = [&](int k) { return L::load(several.array(k) + c) * one.x[k]; };
+    return ((term(0) + term(1)) + term(2)) + ((term(3) + term(4)) + term(5));
+  }
+  static Number product(const Arrays<T>& one, int r, const Number* several) noexcept {
+    const auto term = [&](int k) { return one.array(k)[r] * several[k]; };
     return ((term(0) + term(1)) + term(2)) + ((term(3) + term(4)) + term(5));
   }
 };

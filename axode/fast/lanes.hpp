@@ -31,7 +31,14 @@ template <std::floating_point T> struct Lanes<T> {
     return load(entries);
   }
   static void store(const Number& x, T* p, int room) {
-    if (room >= width) return store(x, p);
+    if (room >= width) [[likely]]
+      store(x, p);
+    else
+      store_part(x, p, room);
+  }
+
+ private:
+  [[gnu::noinline]] static void store_part(Number x, T* p, int room) {
     T entries[width];
     store(x, entries);
     for (int l = 0; l < room; ++l) p[l] = entries[l];

@@ -15,10 +15,10 @@ template <class T> struct PackedArticulatedInertia {
 
 namespace packed {
 
-/// A + a bᵀ.
-template <class T> void add_product(Matrix<T>& A, const Vector<T>& a, const Spread<T>& b) {
-  A.x = Vector<T>(A.x.x + a.x * b.x.x), A.y = Vector<T>(A.y.x + a.x * b.y.x),
-  A.z = Vector<T>(A.z.x + a.x * b.z.x);
+/// A - a bᵀ.
+template <class T> void subtract_product(Matrix<T>& A, const Vector<T>& a, const Spread<T>& b) {
+  A.x = Vector<T>(A.x.x - a.x * b.x.x), A.y = Vector<T>(A.y.x - a.x * b.y.x),
+  A.z = Vector<T>(A.z.x - a.x * b.z.x);
 }
 /// A - B r~.
 template <class T> Matrix<T> minus_product(const Matrix<T>& A, const Matrix<T>& B, const Spread<T>& r) {
@@ -79,28 +79,29 @@ auto along_twist(const ArticulatedInertia<Hybrid, T>& M, const Vec3<T>& w, const
   return std::pair(M.A * w + M.B * v, transposed_times(M.B, w) + M.L * v);
 }
 
-/// M - U Uᵀ / D.
+/// M - K Uᵀ, where K = U / D. In line, for M must stay in registers.
 template <class T>
-void give_way(PackedArticulatedInertia<T>& M, const packed::Vector<T>& U_m, const packed::Vector<T>& U_f,
-              const packed::Number<T>& D_inv) {
-  const packed::Vector<T> m = -D_inv * U_m, f = -D_inv * U_f;
+[[gnu::always_inline]] inline void give_way(PackedArticulatedInertia<T>& M, const packed::Vector<T>& U_m,
+                                            const packed::Vector<T>& U_f, const packed::Vector<T>& K_m,
+                                            const packed::Vector<T>& K_f) {
   const packed::Spread<T> s_m(U_m), s_f(U_f);
-  add_product(M.A, m, s_m), add_product(M.B, m, s_f);
-  add_product(M.Bt, f, s_m), add_product(M.L, f, s_f);
+  subtract_product(M.A, K_m, s_m), subtract_product(M.B, K_m, s_f);
+  subtract_product(M.Bt, K_f, s_m), subtract_product(M.L, K_f, s_f);
 }
 template <class T>
-void give_way(ArticulatedInertia<Hybrid, T>& M, const Vec3<T>& U_m, const Vec3<T>& U_f, const T& D_inv) {
-  const Vec3<T> m = -D_inv * U_m, f = -D_inv * U_f;
-  M.A = {M.A.xx + m.x * U_m.x, M.A.yy + m.y * U_m.y, M.A.zz + m.z * U_m.z,
-         M.A.xy + m.x * U_m.y, M.A.xz + m.x * U_m.z, M.A.yz + m.y * U_m.z};
-  M.B = {M.B.x + U_f.x * m, M.B.y + U_f.y * m, M.B.z + U_f.z * m};
-  M.L = {M.L.xx + f.x * U_f.x, M.L.yy + f.y * U_f.y, M.L.zz + f.z * U_f.z,
-         M.L.xy + f.x * U_f.y, M.L.xz + f.x * U_f.z, M.L.yz + f.y * U_f.z};
+[[gnu::always_inline]] inline void give_way(ArticulatedInertia<Hybrid, T>& M, const Vec3<T>& U_m,
+                                            const Vec3<T>& U_f, const Vec3<T>& K_m, const Vec3<T>& K_f) {
+  M.A = {M.A.xx - K_m.x * U_m.x, M.A.yy - K_m.y * U_m.y, M.A.zz - K_m.z * U_m.z,
+         M.A.xy - K_m.x * U_m.y, M.A.xz - K_m.x * U_m.z, M.A.yz - K_m.y * U_m.z};
+  M.B = {M.B.x - U_f.x * K_m, M.B.y - U_f.y * K_m, M.B.z - U_f.z * K_m};
+  M.L = {M.L.xx - K_f.x * U_f.x, M.L.yy - K_f.y * U_f.y, M.L.zz - K_f.z * U_f.z,
+         M.L.xy - K_f.x * U_f.y, M.L.xz - K_f.x * U_f.z, M.L.yz - K_f.y * U_f.z};
 }
 
 /// M about a point from which its own is at r.
 template <class T>
-PackedArticulatedInertia<T> shifted(const PackedArticulatedInertia<T>& M, const packed::Vector<T>& r) {
+[[gnu::always_inline]] inline PackedArticulatedInertia<T> shifted(const PackedArticulatedInertia<T>& M,
+                                                                  const packed::Vector<T>& r) {
   const packed::Spread<T> s(r);
   const packed::Factor<T> r_(r);
   const auto Bt = minus_product(M.Bt, M.L, s);

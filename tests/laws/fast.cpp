@@ -47,5 +47,41 @@ TEST_P(FastPath, GivesTheSameMassMatrixAndJudgesItsInverseAlike) {
   });
 }
 
+Model chain(Random<double>& random, int n) {
+  ModelBuilder builder("chain");
+  for (int i = 1; i <= n; ++i)
+    builder.add({.name = std::to_string(i),
+                 .predecessor = i == 1 ? "ground" : std::to_string(i - 1),
+                 .joint = {.kind = JointKind::revolute, .axis = random.vector(), .point = random.vector()},
+                 .inertia = MassProperties{.mass = 1, .Theta = {.1, .1, .1, 0, 0, 0}}});
+  return builder.build();
+}
+
+TEST(FastMatrices, AreWrittenFromTheFirstEntryToTheLast) {
+  for (int n = 1; n <= 40; ++n) {
+    Random<double> random(static_cast<std::uint64_t>(n));
+    const Model model = chain(random, n);
+    Workspace<> workspace(model);
+    const Numbers q = random_numbers(random, n);
+    const std::size_t entries = static_cast<std::size_t>(n * n);
+    const double nothing = 12345;
+    for (const bool inverse : {false, true}) {
+      Numbers room(entries + 64, nothing), hybrid(entries);
+      const auto out = std::span(room).subspan(32, entries);
+      if (inverse) {
+        EXPECT_TRUE(inverse_mass_matrix(model, workspace, q, out).ok());
+        EXPECT_TRUE(inverse_mass_matrix<Hybrid>(model, workspace, q, hybrid).ok());
+      } else {
+        mass_matrix(model, workspace, q, out);
+        mass_matrix<Hybrid>(model, workspace, q, hybrid);
+      }
+      Comparison matrix("matrix", 1e-9);
+      matrix.expect_equal(Numbers(out.begin(), out.end()), hybrid);
+      for (std::size_t k = 0; k < 32; ++k)
+        EXPECT_TRUE(room[k] == nothing && room[entries + 32 + k] == nothing) << k << " of " << n;
+    }
+  }
+}
+
 }  // namespace
 }  // namespace axode::test

@@ -1,4 +1,5 @@
 #include "axode/batch.hpp"
+#include "axode/recursion/solvability.hpp"
 #include "tests/laws/law.hpp"
 
 /// What is singular but for rounding is refused, and what is not refused is right: by every function that inverts the
@@ -103,6 +104,20 @@ TEST_P(SingularToRounding, IsRefusedOrRight) {
   EXPECT_GT(right, (right + refused) / 10);
   EXPECT_GT(refused, (right + refused) / 20);
 }
+
+template <class T> void expect_seen() {
+  for (std::size_t n = 1; n <= 100; ++n) {
+    std::vector<T> x(n, T(1));
+    EXPECT_TRUE(solved({}, static_cast<std::ptrdiff_t>(n), x.data()).ok()) << n;
+    for (std::size_t k = 0; k < n; ++k)
+      for (const double not_finite : {std::nan(""), HUGE_VAL, -HUGE_VAL}) {
+        x[k] = T(not_finite);
+        EXPECT_TRUE(solved({}, static_cast<std::ptrdiff_t>(n), x.data()).not_finite) << k << " of " << n;
+        x[k] = T(1);
+      }
+  }
+}
+TEST(Results, AreRefusedWhereverOneIsNotFinite) { expect_seen<double>(), expect_seen<float>(); }
 
 }  // namespace
 }  // namespace axode::test
