@@ -275,16 +275,23 @@ void LoopSystem<T>::bias(const Twist<Spatial, T>* V, const TwistRate<Spatial, T>
                          T* gamma) const noexcept {
   for (std::size_t k = 0; k < at_.size(); ++k) {
     const Loop& loop = *paths_[k].loop;
-    T* const out = gamma + loop.first_row;
-    *out = T(0);
-    if (loop.kind == LoopKind::coupling) continue;
-    const int i = loop.ends[0].body, j = loop.ends[1].body;
-    const Vec3<T>& shift = at_[k].shift;
-    const Six<T> all = LoopAt<T>(loop, at_[k].C_a, at_[k].C_b)
-                           .bias({V[i].w, V[i].v - cross(V[i].w, shift)}, V[j],
-                                 {dV[i].w, dV[i].v - cross(dV[i].w, shift)}, dV[j]);
-    std::copy_n(all.begin(), paths_[k].rows.count, out);
+    if (loop.kind == LoopKind::coupling)
+      gamma[loop.first_row] = T(0);
+    else
+      bias(k, LoopAt<T>(loop, at_[k].C_a, at_[k].C_b).wrenches(), V, dV, gamma);
   }
+}
+
+template <class T>
+void LoopSystem<T>::bias(std::size_t k, const typename LoopAt<T>::Wrenches& W, const Twist<Spatial, T>* V,
+                         const TwistRate<Spatial, T>* dV, T* gamma) const noexcept {
+  const Loop& loop = *paths_[k].loop;
+  const int i = loop.ends[0].body, j = loop.ends[1].body;
+  const Vec3<T>& shift = at_[k].shift;
+  const Six<T> all = LoopAt<T>(loop, at_[k].C_a, at_[k].C_b)
+                         .bias(W, {V[i].w, V[i].v - cross(V[i].w, shift)}, V[j],
+                               {dV[i].w, dV[i].v - cross(dV[i].w, shift)}, dV[j]);
+  std::copy_n(all.begin(), loop.rows(), gamma + loop.first_row);
 }
 
 template <class T> void LoopSystem<T>::rates(const Twist<Spatial, T>* X, const T* x, T* out) const noexcept {

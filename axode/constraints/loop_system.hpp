@@ -137,6 +137,9 @@ template <class T> class LoopSystem {
   /// are coupled.
   bool accelerate_quickly(const T* q, const T* v, const T* tau, const Loads<T>& loads, T* a,
                           T* lambda) noexcept;
+  /// γ of one loop, with its wrenches.
+  void bias(std::size_t k, const typename LoopAt<T>::Wrenches& W, const Twist<Spatial, T>* V,
+            const TwistRate<Spatial, T>* dV, T* gamma) const noexcept;
   template <int n> void pull_rows_quickly(const LoopPath& path, const State& at) noexcept;
   void place_loops() noexcept;
   void make_entries() noexcept;

@@ -44,10 +44,11 @@ bool LoopSystem<T>::accelerate_quickly(const T* q, const T* v, const T* tau, con
   w_.array() /= root_.array();
   place_loops();
   make_wrenches(Rows::velocities);
-  for (std::size_t k = 0; k < at_.size(); ++k)
+  for (std::size_t k = 0; k < at_.size(); ++k) {
     with_number_of_rows(count(paths_[k]), [&](auto n) { pull_rows_quickly<n()>(paths_[k], at_[k]); });
+    bias(k, at_[k].W, V, dV, b_.data());
+  }
   multiply_rows();
-  bias(V, dV, b_.data());
   add_to_rows(b_.data());
   if (!solve_sound_rows(b_.data(), lambda)) set_filter(q), solve_filtered_rows(b_.data(), lambda);
   w_.setZero();
