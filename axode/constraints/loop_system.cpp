@@ -364,14 +364,14 @@ template <class T> void LoopSystem<T>::pull_row(const LoopPath& path, const Stat
   bodies.each_pivot(tree(), 0, put);
 }
 
-/// All rows of a loop at once, where no velocity is shared: Y_c = Sᵀ F / √D and F -= U Sᵀ F / D for the wrenches F.
+/// Several rows of a loop at once, where no velocity is shared: Y_c = Sᵀ F / √D and F -= U Sᵀ F / D for the wrenches F.
 template <class T>
 template <int n>
-void LoopSystem<T>::pull_rows(const LoopPath& path, const State& at) noexcept {
+void LoopSystem<T>::pull_rows(const LoopPath& path, const State& at, int row) noexcept {
   const auto& bodies = dynamics_->bodies;
   const Topology& topology = *tree().operator->();
   using Wrenches = RowsInLanes<T, n>;
-  Wrenches F_i = -Wrenches(at.W), F_j(at.W);
+  Wrenches F_i = -Wrenches(at.W, row), F_j(at.W, row);
   F_i.move(-at.shift);
   climb(path, F_i, F_j, [&](int i, Wrenches& F) {
     for (int s = topology.first_screw[i + 1] - 1; s >= topology.first_screw[i]; --s) {
@@ -379,7 +379,7 @@ void LoopSystem<T>::pull_rows(const LoopPath& path, const State& at) noexcept {
       const Twist<Spatial, T>& S = bodies.S[s];
       const Wrench<Spatial, T>& U = bodies.U[s];
       F.give_way(dot(Wrenches::all(S.w), F.m) + dot(Wrenches::all(S.v), F.f), root_[c], U.m, U.f,
-                 &Y_(c, first(path)));
+                 &Y_(c, first(path) + row));
     }
   });
 }
@@ -389,7 +389,7 @@ template <class T> void LoopSystem<T>::pull_loop(const LoopPath& path, const Sta
     for (int r = 0; r < count(path); ++r) pull_row(path, at, r);
     return;
   }
-  with_number_of_rows(count(path), [&](auto n) { pull_rows<n()>(path, at); });
+  each_register_of_rows<T>(count(path), [&](int row, auto n) { pull_rows<n()>(path, at, row); });
 }
 
 template <class T> void LoopSystem<T>::factorize_rows() noexcept {

@@ -140,7 +140,7 @@ template <class T> class LoopSystem {
   /// γ of one loop, with its wrenches.
   void bias(std::size_t k, const typename LoopAt<T>::Wrenches& W, const Twist<Spatial, T>* V,
             const TwistRate<Spatial, T>* dV, T* gamma) const noexcept;
-  template <int n> void pull_rows_quickly(const LoopPath& path, const State& at) noexcept;
+  template <int n> void pull_rows_quickly(const LoopPath& path, const State& at, int row) noexcept;
   void place_loops() noexcept;
   void make_entries() noexcept;
   /// All that solve_rows() needs, at the place.
@@ -175,7 +175,7 @@ template <class T> class LoopSystem {
     for (int i = path.meeting; i > 0; i = parent[i]) step(i, F_j);
   }
   void pull_row(const LoopPath& path, const State& at, int k) noexcept;
-  template <int n> void pull_rows(const LoopPath& path, const State& at) noexcept;
+  template <int n> void pull_rows(const LoopPath& path, const State& at, int row) noexcept;
   void pull_loop(const LoopPath& path, const State& at) noexcept;
   void multiply_rows() noexcept;  ///< Yᵀ Y, on and above the diagonal
 

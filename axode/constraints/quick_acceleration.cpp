@@ -45,7 +45,8 @@ bool LoopSystem<T>::accelerate_quickly(const T* q, const T* v, const T* tau, con
   place_loops();
   make_wrenches(Rows::velocities);
   for (std::size_t k = 0; k < at_.size(); ++k) {
-    with_number_of_rows(count(paths_[k]), [&](auto n) { pull_rows_quickly<n()>(paths_[k], at_[k]); });
+    each_register_of_rows<T>(count(paths_[k]),
+                             [&](int row, auto n) { pull_rows_quickly<n()>(paths_[k], at_[k], row); });
     bias(k, at_[k].W, V, dV, b_.data());
   }
   multiply_rows();
@@ -61,11 +62,11 @@ bool LoopSystem<T>::accelerate_quickly(const T* q, const T* v, const T* tau, con
 /// As pull_rows(), with the wrenches about the origins of the bodies that they come to.
 template <class T>
 template <int n>
-void LoopSystem<T>::pull_rows_quickly(const LoopPath& path, const State& at) noexcept {
+void LoopSystem<T>::pull_rows_quickly(const LoopPath& path, const State& at, int row) noexcept {
   const Tree<T>& t = tree();
   const auto& bodies = quick_->tree.bodies;
   using Wrenches = RowsInLanes<T, n>;
-  Wrenches F_i = -Wrenches(at.W), F_j(at.W);
+  Wrenches F_i = -Wrenches(at.W, row), F_j(at.W, row);
   F_i.move(-at.shift - link_[path.loop->ends[0].body].C.r);
   F_j.move(-link_[path.loop->ends[1].body].C.r);
   climb(path, F_i, F_j, [&](int i, Wrenches& F) {
@@ -74,7 +75,7 @@ void LoopSystem<T>::pull_rows_quickly(const LoopPath& path, const State& at) noe
     const auto give_way = [&](int s, const auto& felt) {
       const int c = t->iv[i] + s - first_screw;
       const auto& pivot = bodies.pivot[s];
-      F.give_way(felt, root_[c], pivot.U_m, pivot.U_f, &Y_(c, first(path)));
+      F.give_way(felt, root_[c], pivot.U_m, pivot.U_f, &Y_(c, first(path) + row));
     };
     if (is_hinge(t, i)) {  // of which U is about the predecessor's origin
       const auto felt = dot(Wrenches::all(body.n), F.m);

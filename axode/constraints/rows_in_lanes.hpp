@@ -8,15 +8,15 @@
 
 namespace axode {
 
-/// The wrenches F of n rows of a loop on their way along a path to the ground, one in each lane.
+/// The wrenches F of n rows of a loop, from one of them on, on their way along a path to the ground, one in each lane.
 template <class T, int n> struct RowsInLanes {
   using Rows = Batch<T, std::max(2U, std::bit_ceil(static_cast<unsigned>(n)))>;
   Vec3<Rows> m, f;
 
-  explicit RowsInLanes(const std::array<Wrench<Spatial, T>, 6>& W) {
+  RowsInLanes(const std::array<Wrench<Spatial, T>, 6>& W, int first) {
     const auto gather = [&](auto number) {
       Rows rows(T(0));
-      for (std::size_t r = 0; r < n; ++r) rows.x[r] = number(W[r]);
+      for (std::size_t r = 0; r < n; ++r) rows.x[r] = number(W[static_cast<std::size_t>(first) + r]);
       return rows;
     };
     m = {gather([](const auto& F) { return F.m.x; }), gather([](const auto& F) { return F.m.y; }),
@@ -44,16 +44,17 @@ template <class T, int n> struct RowsInLanes {
   }
 };
 
-/// f(std::integral_constant<int, n>()) for a number n of rows of one loop.
-template <class F> void with_number_of_rows(int n, const F& f) {
-  switch (n) {
-    case 1: return f(std::integral_constant<int, 1>());
-    case 2: return f(std::integral_constant<int, 2>());
-    case 3: return f(std::integral_constant<int, 3>());
-    case 4: return f(std::integral_constant<int, 4>());
-    case 5: return f(std::integral_constant<int, 5>());
-    default: return f(std::integral_constant<int, 6>());
-  }
+/// f(std::integral_constant<int, n>()) for a number n from 1 to most.
+template <int most, class F> void with_number_of_rows(int n, const F& f) {
+  if constexpr (most > 1)
+    if (n < most) return with_number_of_rows<most - 1>(n, f);
+  f(std::integral_constant<int, most>());
+}
+/// f(first, std::integral_constant<int, n>()) for the rows of a loop, as many together as one register holds.
+template <class T, class F> void each_register_of_rows(int rows, const F& f) {
+  constexpr int most = std::min(6, static_cast<int>(native_lanes<T>));
+  for (int first = 0; first < rows; first += most)
+    with_number_of_rows<most>(std::min(most, rows - first), [&](auto n) { f(first, n); });
 }
 
 }  // namespace axode
