@@ -481,7 +481,7 @@ Solvability AbsoluteSystem::place(Span q, Rows kind, const double* armature) {
   find_poses(q);
   placed_ = C_, placed_rows_ = kind;
   loops_.place(placed_.data(), -C_[0].r);
-  const Solvability found = loops_.factorize(armature);
+  const Solvability found = loops_.factorize_with_armature(armature);
   if (!found.ok()) return found;
   loops_.make_wrenches(kind);
   loops_.factorize_rows();

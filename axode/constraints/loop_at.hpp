@@ -48,13 +48,13 @@ template <class T> class LoopAt {
     return all;
   }
 
-  /// γ = (A v)' where V' are the rates of the two twists without accelerations of the joints, or with them (A v)' itself.
-  Six<T> bias(const Twist<Spatial, T>& V_i, const Twist<Spatial, T>& V_j, const TwistRate<Spatial, T>& dV_i,
-              const TwistRate<Spatial, T>& dV_j) const {
+  /// γ = (A v)' where V' are the rates of the two twists without accelerations of the joints, or with them (A v)' itself;
+  /// of wrenches().
+  Six<T> bias(const Wrenches& all, const Twist<Spatial, T>& V_i, const Twist<Spatial, T>& V_j,
+              const TwistRate<Spatial, T>& dV_i, const TwistRate<Spatial, T>& dV_j) const {
     const Screw<T> i{V_i.w, V_i.v}, j{V_j.w, V_j.v}, X = j - i;
     const Screw<T> dX{dV_j.w - dV_i.w, dV_j.v - dV_i.v};
     const auto power = [](const W& F, const Screw<T>& Z) { return dot(F.m, Z.w) + dot(F.f, Z.v); };
-    const Wrenches all = wrenches();
     Six<T> gamma{};
     if (loop_.kind == LoopKind::rod) {
       const Vec3<T> u = direction(), slip = velocity(j, b_.r) - velocity(i, a_.r);

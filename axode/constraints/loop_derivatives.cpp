@@ -63,13 +63,13 @@ void LoopSystem<T>::differentiate(const T* lambda, T* by_q, T* by_v, T* closing_
 
       const LoopAt<Lifted<T>> moved(loop, lift(at.C_a, of(0, J)), lift(at.C_b, of(1, J)));
       const LoopAt<Lifted<T>> still(loop, lift(at.C_a, none), lift(at.C_b, none));
+      const auto wrenches = moved.wrenches();
       const Six<Lifted<T>> along_q =
-          moved.bias(lift(twist(V_end[0]), of(0, V_q)), lift(twist(V_end[1]), of(1, V_q)),
+          moved.bias(wrenches, lift(twist(V_end[0]), of(0, V_q)), lift(twist(V_end[1]), of(1, V_q)),
                      lift(rate(dV_end[0]), of(0, dV_q)), lift(rate(dV_end[1]), of(1, dV_q)));
       const Six<Lifted<T>> along_v =
-          still.bias(lift(twist(V_end[0]), of(0, J)), lift(twist(V_end[1]), of(1, J)),
+          still.bias(still.wrenches(), lift(twist(V_end[0]), of(0, J)), lift(twist(V_end[1]), of(1, J)),
                      lift(rate(dV_end[0]), of(0, dV_v)), lift(rate(dV_end[1]), of(1, dV_v)));
-      const auto wrenches = moved.wrenches();
       Wrench<Spatial, T> dF{};
       for (int r = 0; r < path.rows.count; ++r) {
         const std::ptrdiff_t entry = (path.rows.first + r) * nv + c.velocity;

@@ -17,6 +17,8 @@ namespace {
 template <class T> constexpr bool is_float = std::same_as<T, float>;
 template <class T> constexpr T least_filter = is_float<T> ? T(1e-5) : T(1e-12);
 template <class T> constexpr T most_filter = is_float<T> ? T(1e-4) : T(1e-6);
+/// Rows of which the others leave this part of what they are need no filter.
+template <class T> constexpr T sound_part = is_float<T> ? T(1e-2) : T(1e-3);
 template <class T> constexpr T settled = is_float<T> ? T(1e-5) : T(1e-12);
 constexpr int most_steps = 5;
 
@@ -33,7 +35,12 @@ void add(const LoopPath::Range& range, std::vector<LoopPath::Range>& to) {
 
 template <class T>
 LoopSystem<T>::LoopSystem(const Model& of)
-    : model_(of), dynamics_(of.topology()), at_(of.loops().all.size()), entries_(of.loops().all.size()) {
+    : model_(of),
+      dynamics_(of.topology()),
+      quick_(of.topology()),
+      ends_(index(of.topology().n + 1)),
+      at_(of.loops().all.size()),
+      entries_(of.loops().all.size()) {
   const int m = of.loops().rows, nv = of.nv();
   std::vector<std::vector<Range>> rows_of(index(nv)), residuals_of(index(nv));
   for (std::size_t k = 0; k < at_.size(); ++k) {
@@ -41,6 +48,8 @@ LoopSystem<T>::LoopSystem(const Model& of)
     for (const int c : path.velocities)
       add(path.rows, rows_of[index(c)]), add(path.residuals, residuals_of[index(c)]);
     entries_[k].resize(path.columns.size() * index(path.rows.count));
+    for (const Loop::End& end : path.loop->ends) ends_[index(end.body)] = 1;
+    couples_ = couples_ || path.loop->kind == LoopKind::coupling;
   }
   const auto gather = [&](const std::vector<std::vector<Range>>& of_velocity, std::vector<Felt>& felt) {
     for (int c = 0; c < nv; ++c) {
@@ -62,6 +71,7 @@ template <class T>
 Solvability LoopSystem<T>::accelerate(const T* q, const T* v, const T* tau, const Loads<T>& loads, T* a,
                                       T* lambda) noexcept {
   const int nv = model_.nv();
+  if (accelerate_quickly(q, v, tau, loads, a, lambda)) return solved({}, nv, a);
   move(q, v, loads, forces_.data());
   for (int c = 0; c < nv; ++c) forces_[c] = tau[c] - forces_[c];
   const Solvability verdict = prepare(Rows::velocities, q);
@@ -79,8 +89,7 @@ Solvability LoopSystem<T>::accelerate(const T* q, const T* v, const T* tau, cons
 
 template <class T>
 Solvability LoopSystem<T>::collide(const T* q, const T* v, const T& e, T* v_after, T* impulses) noexcept {
-  place(q);
-  const Solvability verdict = prepare(Rows::velocities, q);
+  const Solvability verdict = factorize(q);
   if (verdict.ok()) return collide(v, e, v_after, impulses);
   std::fill_n(impulses, size(Rows::velocities), std::numeric_limits<T>::quiet_NaN());
   return solved(verdict, model_.nv(), v_after);
@@ -125,6 +134,7 @@ template <class T> void LoopSystem<T>::place(const T* q) noexcept {
   auto& links = dynamics_->bodies.links;
   links.run(tree(), q);
   link_ = links.link, origin_ = links.origin;
+  joint_columns(tree(), link_, dynamics_->bodies.S);
   place_loops();
 }
 
@@ -137,6 +147,7 @@ template <class T> void LoopSystem<T>::place(const SE3<T>* C, const Vec3<T>& ori
     origin_[root] = origin + C[root].r;
     for (int i = root; i < topology.subtree_end[root]; ++i) link_[i] = {{C[i].R, C[i].r - C[root].r}};
   });
+  joint_columns(tree(), link_, dynamics_->bodies.S);
   place_loops();
 }
 
@@ -147,11 +158,11 @@ void LoopSystem<T>::force(const T* q, const T* v, const T* a, const Loads<T>& lo
   recursion.project(tree(), v, a, loads.joint_losses, tau);
   link_ = recursion.motion.bodies.link, origin_ = recursion.origin;
   dynamics_->bodies.links.link = link_;
+  joint_columns(tree(), link_, dynamics_->bodies.S);
   place_loops();
 }
 
 template <class T> void LoopSystem<T>::place_loops() noexcept {
-  joint_columns(tree(), link_, dynamics_->bodies.S);
   for (std::size_t k = 0; k < at_.size(); ++k) {
     const LoopPath& path = paths_[k];
     if (path.loop->kind == LoopKind::coupling) continue;
@@ -264,16 +275,23 @@ void LoopSystem<T>::bias(const Twist<Spatial, T>* V, const TwistRate<Spatial, T>
                          T* gamma) const noexcept {
   for (std::size_t k = 0; k < at_.size(); ++k) {
     const Loop& loop = *paths_[k].loop;
-    T* const out = gamma + loop.first_row;
-    *out = T(0);
-    if (loop.kind == LoopKind::coupling) continue;
-    const int i = loop.ends[0].body, j = loop.ends[1].body;
-    const Vec3<T>& shift = at_[k].shift;
-    const Six<T> all = LoopAt<T>(loop, at_[k].C_a, at_[k].C_b)
-                           .bias({V[i].w, V[i].v - cross(V[i].w, shift)}, V[j],
-                                 {dV[i].w, dV[i].v - cross(dV[i].w, shift)}, dV[j]);
-    std::copy_n(all.begin(), paths_[k].rows.count, out);
+    if (loop.kind == LoopKind::coupling)
+      gamma[loop.first_row] = T(0);
+    else
+      bias(k, LoopAt<T>(loop, at_[k].C_a, at_[k].C_b).wrenches(), V, dV, gamma);
   }
+}
+
+template <class T>
+void LoopSystem<T>::bias(std::size_t k, const typename LoopAt<T>::Wrenches& W, const Twist<Spatial, T>* V,
+                         const TwistRate<Spatial, T>* dV, T* gamma) const noexcept {
+  const Loop& loop = *paths_[k].loop;
+  const int i = loop.ends[0].body, j = loop.ends[1].body;
+  const Vec3<T>& shift = at_[k].shift;
+  const Six<T> all = LoopAt<T>(loop, at_[k].C_a, at_[k].C_b)
+                         .bias(W, {V[i].w, V[i].v - cross(V[i].w, shift)}, V[j],
+                               {dV[i].w, dV[i].v - cross(dV[i].w, shift)}, dV[j]);
+  std::copy_n(all.begin(), loop.rows(), gamma + loop.first_row);
 }
 
 template <class T> void LoopSystem<T>::rates(const Twist<Spatial, T>* X, const T* x, T* out) const noexcept {
@@ -304,7 +322,12 @@ void LoopSystem<T>::add_wrenches(const T* lambda, Wrench<Spatial, T>* on, T* tau
   }
 }
 
-template <class T> Solvability LoopSystem<T>::factorize(const T* armature) noexcept {
+template <class T> Solvability LoopSystem<T>::factorize(const T* q) noexcept {
+  place(q);
+  return prepare(Rows::velocities, q);
+}
+
+template <class T> Solvability LoopSystem<T>::factorize_with_armature(const T* armature) noexcept {
   auto& bodies = dynamics_->bodies;
   const bool quick = tree()->coupled_bodies.empty() && bodies.factorize_quickly(tree(), armature);
   const Solvability verdict = quick ? Solvability{} : bodies.factorize(tree(), armature);
@@ -340,31 +363,24 @@ template <class T> void LoopSystem<T>::pull_row(const LoopPath& path, const Stat
   bodies.each_pivot(tree(), 0, put);
 }
 
-/// All rows of a loop at once, where no velocity is shared: Y_c = Sᵀ F / √D and F -= U Sᵀ F / D for the wrenches F.
+/// Several rows of a loop at once, where no velocity is shared: Y_c = Sᵀ F / √D and F -= U Sᵀ F / D for the wrenches F.
 template <class T>
 template <int n>
-void LoopSystem<T>::pull_rows(const LoopPath& path, const State& at) noexcept {
+void LoopSystem<T>::pull_rows(const LoopPath& path, const State& at, int row) noexcept {
   const auto& bodies = dynamics_->bodies;
   const Topology& topology = *tree().operator->();
-  std::array<Wrench<Spatial, T>, n> F_i, F_j;
-  for (std::size_t r = 0; r < n; ++r) F_i[r] = -on_first(at, at.W[r]), F_j[r] = at.W[r];
-  const auto climb = [&](int i, int end, std::array<Wrench<Spatial, T>, n>& F) {
-    for (; i != end; i = topology.parent[i])
-      for (int s = topology.first_screw[i + 1] - 1; s >= topology.first_screw[i]; --s) {
-        const int c = topology.iv[i] + s - topology.first_screw[i];
-        const T root = root_[c];
-        T* const y = &Y_(c, first(path));
-        for (std::size_t r = 0; r < n; ++r) {
-          y[r] = root * (F[r] | bodies.S[s]);
-          F[r] -= (root * y[r]) * bodies.U[s];
-        }
-      }
-  };
-  const int meeting = path.meeting;
-  climb(path.loop->ends[0].body, meeting, F_i);
-  climb(path.loop->ends[1].body, meeting, F_j);
-  for (std::size_t r = 0; r < n; ++r) F_j[r] += F_i[r];
-  climb(meeting, 0, F_j);
+  using Wrenches = RowsInLanes<T, n>;
+  Wrenches F_i = -Wrenches(at.W, row), F_j(at.W, row);
+  F_i.move(-at.shift);
+  climb(path, F_i, F_j, [&](int i, Wrenches& F) {
+    for (int s = topology.first_screw[i + 1] - 1; s >= topology.first_screw[i]; --s) {
+      const int c = topology.iv[i] + s - topology.first_screw[i];
+      const Twist<Spatial, T>& S = bodies.S[s];
+      const Wrench<Spatial, T>& U = bodies.U[s];
+      F.give_way(dot(Wrenches::all(S.w), F.m) + dot(Wrenches::all(S.v), F.f), root_[c], U.m, U.f,
+                 &Y_(c, first(path) + row));
+    }
+  });
 }
 
 template <class T> void LoopSystem<T>::pull_loop(const LoopPath& path, const State& at) noexcept {
@@ -372,25 +388,22 @@ template <class T> void LoopSystem<T>::pull_loop(const LoopPath& path, const Sta
     for (int r = 0; r < count(path); ++r) pull_row(path, at, r);
     return;
   }
-  switch (count(path)) {
-    case 1: return pull_rows<1>(path, at);
-    case 2: return pull_rows<2>(path, at);
-    case 3: return pull_rows<3>(path, at);
-    case 4: return pull_rows<4>(path, at);
-    case 5: return pull_rows<5>(path, at);
-    default: return pull_rows<6>(path, at);
-  }
+  each_register_of_rows<T>(count(path), [&](int row, auto n) { pull_rows<n()>(path, at, row); });
 }
 
 template <class T> void LoopSystem<T>::factorize_rows() noexcept {
   for (std::size_t k = 0; k < at_.size(); ++k) pull_loop(paths_[k], at_[k]);
+  multiply_rows();
+}
+
+template <class T> void LoopSystem<T>::multiply_rows() noexcept {
   const int m = size(rows_);
   using Factor = RowCholesky<T>;
   G_.setZero();
   for (const Felt& group : felt())
     for (const Range& a : group.rows)
       for (int ra = a.first; ra < a.first + a.count; ++ra) {
-        Eigen::Index from = 0;
+        Eigen::Index from = Factor::block(ra);  // what is left of the diagonal is not needed
         for (const Range& b : group.rows)
           for (from = std::max(from, Factor::block(b.first)); from < b.first + b.count;
                from += Factor::width) {
@@ -409,8 +422,7 @@ template <class T> void LoopSystem<T>::factorize_rows() noexcept {
 }
 
 template <class T> Solvability LoopSystem<T>::hold(const T* q) noexcept {
-  place(q);
-  const Solvability verdict = prepare(Rows::velocities, q);
+  const Solvability verdict = factorize(q);
   if (verdict.ok()) hold(), set_filter(q);
   return verdict;
 }
@@ -452,27 +464,49 @@ template <class T> template <class F> void LoopSystem<T>::each_dropped(const F& 
 }
 
 template <class T> void LoopSystem<T>::solve_rows(const T* b, T* lambda) noexcept {
+  if (!solve_sound_rows(b, lambda)) solve_filtered_rows(b, lambda);
+}
+
+template <class T> void LoopSystem<T>::set_rows(const T* b, const T& filter) noexcept {
   const int m = size(rows_);
-  if (m == 0) return;
   auto& F = factor_.matrix();
   F = G_;
-  F.diagonal().head(m) += filter_ * scale_.head(m).cwiseAbs2();
-  each_dropped([&](int k) { F.row(k).setZero(), F.col(k).setZero(), F(k, k) = T(1); });
+  for (int k = 0; k < m; ++k) F(k, k) += filter * scale_[k] * scale_[k], F(k, m) = -b[k];
+  each_dropped([&](int k) { F.row(k).setZero(), F.col(k).setZero(), F(k, k) = scale_[k] * scale_[k]; });
+}
+
+template <class T> bool LoopSystem<T>::solve_sound_rows(const T* b, T* lambda) noexcept {
+  const int m = size(rows_);
+  set_rows(b, T(0));
+  if (!factor_.factorize(
+          m, [&](Eigen::Index k, const T& D) { return D > sound_part<T> * scale_[k] * scale_[k]; }))
+    return false;
+  factor_.solve_right_side(m, step_);
+  std::copy_n(step_.data(), m, lambda);
+  return true;
+}
+
+template <class T> void LoopSystem<T>::solve_filtered_rows(const T* b, T* lambda) noexcept {
+  const int m = size(rows_);
+  for (int k = 0; k < m; ++k)
+    for (int j = 0; j < k; ++j) G_(k, j) = G_(j, k);
+  set_rows(b, filter_);
   factor_.factorize(m);
+  factor_.solve_right_side(m, step_);
   Eigen::Map<Vector> x(lambda, m);
   const Eigen::Map<const Vector> given(b, m);
   auto step = step_.head(m), rest = rest_.head(m), moved = moved_.head(m);
-  x.setZero(), step_.setZero(), rest = given;
-  for (int n = 0; n < most_steps; ++n) {
-    step = -rest;
-    each_dropped([&](int k) { step[k] = T(0); });
-    factor_.solve(m, step_);
-    x += step;
+  x = step, rest = given;
+  for (int n = 1;; ++n) {
     moved_.setZero();
     for (int k = 0; k < m; ++k) moved_ += step_[k] * G_.row(k).transpose();
     rest += moved;  // G x + b
     const T change = step.dot(moved), whole = x.dot(rest - given);
-    if (!(change > settled<T> * settled<T> * whole)) break;
+    if (n == most_steps || !(change > settled<T> * settled<T> * whole)) break;
+    step = -rest;
+    each_dropped([&](int k) { step[k] = T(0); });
+    factor_.solve(m, step_);
+    x += step;
   }
 }
 
@@ -485,18 +519,26 @@ template <class T> void LoopSystem<T>::pull(const T* x) noexcept {
 
 template <class T> void LoopSystem<T>::add_response(const T* x, T* b) noexcept {
   pull(x);
+  add_to_rows(b);
+}
+
+template <class T> void LoopSystem<T>::add_to_rows(T* b) const noexcept {
   for (const Felt& group : felt())
     for (int c = group.first; c < group.first + group.count; ++c)
       for (const Range& rows : group.rows)
         for (int r = rows.first; r < rows.first + rows.count; ++r) b[r] += w_[c] * Y_(c, r);
 }
 
-template <class T> void LoopSystem<T>::push(const T* lambda, T* x) noexcept {
-  auto& bodies = dynamics_->bodies;
+template <class T> void LoopSystem<T>::add_to_velocities(const T* lambda) noexcept {
   for (const Felt& group : felt())
     for (int c = group.first; c < group.first + group.count; ++c)
       for (const Range& rows : group.rows)
         for (int r = rows.first; r < rows.first + rows.count; ++r) w_[c] += Y_(c, r) * lambda[r];
+}
+
+template <class T> void LoopSystem<T>::push(const T* lambda, T* x) noexcept {
+  auto& bodies = dynamics_->bodies;
+  add_to_velocities(lambda);
   const auto put = [&](int c, T& u, const T& D) { u = root_[c] * D * w_[c]; };
   for (int i = 0; i <= tree()->n; ++i) bodies.each_pivot(tree(), i, put);
   bodies.push(tree(), x);

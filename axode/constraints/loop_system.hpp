@@ -8,6 +8,8 @@
 #include "axode/constraints/loop_at.hpp"
 #include "axode/constraints/loop_path.hpp"
 #include "axode/constraints/row_cholesky.hpp"
+#include "axode/constraints/rows_in_lanes.hpp"
+#include "axode/fast/articulated_bodies.hpp"
 #include "axode/model/workspace.hpp"
 #include "axode/recursion/forward_dynamics.hpp"
 
@@ -34,7 +36,7 @@ template <class T> class LoopSystem {
     return rows == Rows::velocities ? model_.loops().rows : model_.loops().residuals;
   }
 
-  /// a and λ at a state; all NaN where the tree without its loops has no accelerations.
+  /// a and λ at a state; all NaN where the tree without its loops has no accelerations. The place is unknown afterwards.
   Solvability accelerate(const T* q, const T* v, const T* tau, const Loads<T>& loads, T* a,
                          T* lambda) noexcept;
   /// The forces (nv) of the tree at a motion, M a + h.
@@ -87,9 +89,11 @@ template <class T> class LoopSystem {
   /// The rate of Rᵀ λ (nv) as the bodies move with their V; after move().
   void differentiate_residuals(const T* lambda, T* rate) noexcept;
 
+  /// The place q, with M and the rows A factorised.
+  Solvability factorize(const T* q) noexcept;
   /// M = Lᵀ D L at the configuration of the links, where joints may have another armature than the model says.
-  Solvability factorize() noexcept { return factorize(tree().armature.data()); }
-  Solvability factorize(const T* armature) noexcept;
+  Solvability factorize() noexcept { return factorize_with_armature(tree().armature.data()); }
+  Solvability factorize_with_armature(const T* armature) noexcept;
   /// Y and Yᵀ Y of the rows.
   void factorize_rows() noexcept;
   /// λ with Yᵀ Y λ = -b, least where that does not fix it, and as far as the rows agree with each other.
@@ -130,6 +134,14 @@ template <class T> class LoopSystem {
     std::vector<Range> rows;
   };
   const std::vector<Felt>& felt() const { return rows_ == Rows::velocities ? felt_rows_ : felt_residuals_; }
+  /// accelerate() with the fast articulated bodies; false, and a and λ not written, where these cannot, or where velocities
+  /// are coupled.
+  bool accelerate_quickly(const T* q, const T* v, const T* tau, const Loads<T>& loads, T* a,
+                          T* lambda) noexcept;
+  /// γ of one loop, with its wrenches.
+  void bias(std::size_t k, const typename LoopAt<T>::Wrenches& W, const Twist<Spatial, T>* V,
+            const TwistRate<Spatial, T>* dV, T* gamma) const noexcept;
+  template <int n> void pull_rows_quickly(const LoopPath& path, const State& at, int row) noexcept;
   void place_loops() noexcept;
   void make_entries() noexcept;
   /// All that solve_rows() needs, at the place.
@@ -138,19 +150,53 @@ template <class T> class LoopSystem {
   void pull(const T* x) noexcept;
   /// x = L⁻¹ D^-½ (w + Y λ).
   void push(const T* lambda, T* x) noexcept;
+  /// b += Yᵀ w and w += Y λ.
+  void add_to_rows(T* b) const noexcept;
+  void add_to_velocities(const T* lambda) noexcept;
   template <class F> void each_dropped(const F& f) const;
-  /// What solve_rows() ignores, by how far the loops are from closed.
+  /// solve_rows() where every row is far from depending on others, in one step; false, and λ not written, otherwise.
+  bool solve_sound_rows(const T* b, T* lambda) noexcept;
+  /// The same for all rows, step by step.
+  void solve_filtered_rows(const T* b, T* lambda) noexcept;
+  /// What is to be factorised.
+  void set_rows(const T* b, const T& filter) noexcept;
+  /// What solve_filtered_rows() ignores, by how far the loops are from closed.
   void set_filter(const T* q) noexcept;
   SE3<T> pose(const Loop::End& end, int root, const Vec3<T>& O) const noexcept;
   Wrench<Spatial, T> on_first(const State& at, const Wrench<Spatial, T>& W) const {
     return {W.m - cross(at.shift, W.f), W.f};
   }
+  /// Takes the wrenches of a loop on its two bodies to the ground: step(i, F) past the joint of body i.
+  template <class Wrenches, class Step>
+  void climb(const LoopPath& path, Wrenches& F_i, Wrenches& F_j, const Step& step) const noexcept {
+    const auto& parent = tree()->parent;
+    for (int i = path.loop->ends[0].body; i != path.meeting; i = parent[i]) step(i, F_i);
+    for (int j = path.loop->ends[1].body; j != path.meeting; j = parent[j]) step(j, F_j);
+    F_j.m += F_i.m, F_j.f += F_i.f;
+    for (int i = path.meeting; i > 0; i = parent[i]) step(i, F_j);
+  }
   void pull_row(const LoopPath& path, const State& at, int k) noexcept;
-  template <int n> void pull_rows(const LoopPath& path, const State& at) noexcept;
+  template <int n> void pull_rows(const LoopPath& path, const State& at, int row) noexcept;
   void pull_loop(const LoopPath& path, const State& at) noexcept;
+  void multiply_rows() noexcept;  ///< Yᵀ Y, on and above the diagonal
+
+  /// What accelerate_quickly() runs on: the tree, and the places and velocities of bodies against their roots.
+  struct Quick {
+    using Bodies = typename FastForwardDynamics<T>::Bodies;
+    struct Moving {
+      typename Bodies::Vector r, v;
+    };
+    FastForwardDynamics<T> tree;
+    Moving* moving;
+
+    explicit Quick(Arena& arena) : tree(arena), moving(arena.per_body<Moving>()) {}
+  };
 
   Model model_;
   WithScratch<T, ForwardDynamicsRecursion<Spatial, T>> dynamics_;
+  WithScratch<T, Quick> quick_;
+  bool couples_ = false;    ///< whether a loop is a coupling of velocities
+  std::vector<char> ends_;  ///< of each body: whether a loop ends there
   Link<Spatial, T>* link_ = nullptr;
   Vec3<T>* origin_ = nullptr;
   std::vector<LoopPath> paths_;

@@ -1,17 +1,17 @@
 #pragma once
 #include <Eigen/Core>
 #include <algorithm>
-#include <cmath>
 
 namespace axode {
 
-/// The factor Uᵀ U of a symmetric positive matrix with some dozens of rows, row by row in blocks of eight numbers: quicker
-/// than Eigen's own, which is made for large ones. Rows have room up to a whole block, 0 where nothing stands.
+/// The factor Rᵀ D R of a symmetric positive matrix with some dozens of rows, R with ones on its diagonal, row by row in
+/// blocks of eight numbers: quicker than Eigen's own, which is made for large ones. Rows have room for a right side and up
+/// to a whole block, 0 where nothing stands.
 template <class T> class RowCholesky {
  public:
   using Matrix = Eigen::Matrix<T, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
   static constexpr Eigen::Index width = 8;
-  static Eigen::Index room(Eigen::Index m) { return block(m + width - 1); }
+  static Eigen::Index room(Eigen::Index m) { return block(m + width); }
   /// Where the block of column k begins.
   static Eigen::Index block(Eigen::Index k) { return k / width * width; }
   static auto part(Matrix& A, Eigen::Index row, Eigen::Index begin) {
@@ -21,43 +21,59 @@ template <class T> class RowCholesky {
     return A.row(row).template segment<width>(begin);
   }
 
-  void resize(Eigen::Index m) { U_.setZero(m, room(m)), inverse_.resize(m); }
-  /// The matrix, then what is above the diagonal of U.
-  Matrix& matrix() { return U_; }
+  void resize(Eigen::Index m) { R_.setZero(m, room(m)), inverse_.resize(m); }
+  /// The matrix on and above its diagonal and a right side in column m, then R without its diagonal.
+  Matrix& matrix() { return R_; }
 
-  /// Of the first m rows.
-  void factorize(Eigen::Index m) noexcept {
+  /// Of the first m rows, and R⁻ᵀ of the right side. False, and nothing of use there, where a pivot D_k is not sound(k, D_k).
+  template <class Sound> bool factorize(Eigen::Index m, const Sound& sound) noexcept {
     for (Eigen::Index k = 0; k < m; ++k) {
-      using std::sqrt;
-      const T d = inverse_[k] = T(1) / sqrt(U_(k, k));
-      for (Eigen::Index b = block(k); b < m; b += width) part(U_, k, b) *= d;
+      if (!sound(k, R_(k, k))) return false;
+      const T d = inverse_[k] = T(1) / R_(k, k);
       for (Eigen::Index i = k + 1; i < m; ++i) {
-        const T u = U_(k, i);
-        for (Eigen::Index b = block(i); b < m; b += width) part(U_, i, b) -= u * part(U_, k, b);
+        const T r = d * R_(k, i);
+        for (Eigen::Index b = block(i); b <= m; b += width) part(R_, i, b) -= r * part(R_, k, b);
       }
-      for (Eigen::Index j = block(k); j <= k; ++j) U_(k, j) = T(0);
+      for (Eigen::Index b = block(k); b <= m; b += width) part(R_, k, b) *= d;
+      for (Eigen::Index j = block(k); j <= k; ++j) R_(k, j) = T(0);
     }
+    return true;
   }
-  /// x := (Uᵀ U)⁻¹ x, which has room as rows have.
+  void factorize(Eigen::Index m) noexcept {
+    factorize(m, [](Eigen::Index, const T&) { return true; });
+  }
+  /// x, which has room as rows have, for the right side that factorize() met. It is no longer there afterwards.
+  void solve_right_side(Eigen::Index m, Eigen::VectorX<T>& x) noexcept {
+    for (Eigen::Index k = 0; k < m; ++k) x[k] = R_(k, m), R_(k, m) = T(0);
+    solve_up(m, x);
+  }
+  /// x := (Rᵀ D R)⁻¹ x after that.
   void solve(Eigen::Index m, Eigen::VectorX<T>& x) const noexcept {
     for (Eigen::Index k = 0; k < m; ++k) {
-      const T x_k = x[k] *= inverse_[k];
+      const T x_k = x[k];
       for (Eigen::Index b = block(k); b < m; b += width)
-        x.template segment<width>(b) -= x_k * part(U_, k, b).transpose();
+        x.template segment<width>(b) -= x_k * part(R_, k, b).transpose();
     }
-    for (Eigen::Index k = m; k-- > 0;) {
-      const Eigen::Index next = block(k) + width;
-      T rest = x[k];  // its own block number by number: a vector just written so would be waited for
-      for (Eigen::Index j = k + 1; j < std::min(next, m); ++j) rest -= U_(k, j) * x[j];
-      for (Eigen::Index b = next; b < m; b += width)
-        rest -= part(U_, k, b).transpose().dot(x.template segment<width>(b));
-      x[k] = inverse_[k] * rest;
-    }
+    x.head(m).array() *= inverse_.head(m).array();
+    solve_up(m, x);
   }
 
  private:
-  Matrix U_;
-  Eigen::VectorX<T> inverse_;  ///< of the diagonal of U
+  /// x := R⁻¹ x. Its own block number by number, for a vector just written so would be waited for; the last number found is
+  /// the last to be used.
+  void solve_up(Eigen::Index m, Eigen::VectorX<T>& x) const noexcept {
+    for (Eigen::Index k = m; k-- > 0;) {
+      const Eigen::Index next = block(k) + width;
+      T rest = x[k];
+      for (Eigen::Index b = next; b < m; b += width)
+        rest -= part(R_, k, b).transpose().dot(x.template segment<width>(b));
+      for (Eigen::Index j = std::min(next, m) - 1; j > k; --j) rest -= R_(k, j) * x[j];
+      x[k] = rest;
+    }
+  }
+
+  Matrix R_;
+  Eigen::VectorX<T> inverse_;  ///< of D
 };
 
 }  // namespace axode

@@ -74,6 +74,12 @@ template <class G, class T> struct FastArticulatedBodies {
   /// And the wrenches that keep the accelerations of all joints at 0.
   template <class S>
   void place_and_move(const Tree<S>& tree, const T* q, const T* v, Motion* motion) noexcept {
+    place_and_move(tree, q, v, motion, [](int, const Matrix&, const Motion&, const Vector&) {});
+  }
+  /// The same, with put(i, R, motion, u) for every body, where its origin moves by u faster than that of its predecessor.
+  template <class S, class Put>
+  [[gnu::always_inline]] void place_and_move(const Tree<S>& tree, const T* q, const T* v, Motion* motion,
+                                             Put&& put) noexcept {
     angles.run(tree, q);
     Matrix last_R = R[0] = Matrix(SO3<T>{});
     Motion last{{}, {}, Vector(-cast<T>(tree.g)), {}, {}};
@@ -84,7 +90,8 @@ template <class G, class T> struct FastArticulatedBodies {
       place(tree, i, q, last_R);
       Body& b = body[i];
       const Factor r(b.r);
-      last.a += cross(last.dw_, r) + cross(last.w_, Factor(cross(last.w_, r)));
+      Vector u = cross(last.w_, r);
+      last.a += cross(last.dw_, r) + cross(last.w_, Factor(u));
       if (is_hinge(tree, i)) [[likely]] {
         const Vector w_J = Number(v[tree->iv[i]]) * b.n;
         last.dw += cross(last.w_, Factor(w_J)), last.w += w_J;
@@ -93,7 +100,7 @@ template <class G, class T> struct FastArticulatedBodies {
         const Vector w_J = last_R * Spread(Vector(V.w)), v_J = last_R * Spread(Vector(V.v)), w = last.w + w_J;
         last.dw += cross(last.w_, Factor(w_J));
         last.a += cross(Factor(last.w + w), Factor(v_J));
-        last.w = w;
+        last.w = w, u += v_J;
       }
       last.w_ = Factor(last.w), last.dw_ = Factor(last.dw);
       const Factor h_(b.h);
@@ -102,6 +109,7 @@ template <class G, class T> struct FastArticulatedBodies {
       b.m = b.Theta * Spread(last.dw) +
             (cross(last.w_, Factor(b.Theta * Spread(last.w))) + cross(h_, Factor(last.a)));
       if (tree->branches[i]) motion[i] = last;
+      put(i, last_R, last, u);
     }
   }
 
@@ -344,11 +352,7 @@ template <class G, class T> struct FastArticulatedBodies {
   static Several less(const Several& x, const Vec3<Several>& a, const Vec3<Several>& b) noexcept {
     return ((x - a.x * b.x) - a.y * b.y) - a.z * b.z;
   }
-  /// Read number by number, which memory spreads over lanes for nothing.
-  static Vec3<Several> vector(const Vector& a) {
-    const T* x = reinterpret_cast<const T*>(&a);
-    return {Several(x[0]), Several(x[1]), Several(x[2])};
-  }
+  static Vec3<Several> vector(const Vector& a) { return spread<Several, T>(a); }
   /// 1 in lane k, if there is one.
   static Several unit(int k) noexcept {
     if constexpr (L::width == 1) {
@@ -441,18 +445,25 @@ template <class T> struct FastForwardDynamics {
   /// False, and nothing written, where joints are coupled or the mass matrix may be singular. The accelerations may
   /// take the place of an argument.
   bool run(const Tree<T>& tree, const T* q, const T* v, const T* tau, const Loads<T>& loads, T* a) noexcept {
+    if (!prepare(tree, q, v, tau, loads, [](int, const auto&, const auto&, const auto&) {})) return false;
+    bodies.accelerate(tree, motion, a);
+    return true;
+  }
+  /// All but the way down, with put() of place_and_move(); false likewise.
+  template <class Put>
+  [[gnu::always_inline]] bool prepare(const Tree<T>& tree, const T* q, const T* v, const T* tau,
+                                      const Loads<T>& loads, Put&& put) noexcept {
     if (!tree->coupled_bodies.empty()) return false;
-    bodies.place_and_move(tree, q, v, motion);
+    bodies.place_and_move(tree, q, v, motion, put);
     if (!loads.wrenches.empty()) apply(tree, q, loads.wrenches);
     const T* force = tau;
     if (loads.joint_losses) {
       for (int c = 0; c < tree->nv; ++c) drive[c] = tau[c] - joint_loss(tree, c, v[c]);
       force = drive;
     }
+    bodies.doubtful = false;
     bodies.factorize(tree, force);
-    if (bodies.doubtful) return false;
-    bodies.accelerate(tree, motion, a);
-    return true;
+    return !bodies.doubtful;
   }
 
  private:

@@ -45,6 +45,12 @@ template <std::floating_point T> struct Lanes<T> {
   }
 };
 
+/// A vector of T that lies in memory, each of its numbers in all lanes: reading spreads them for nothing.
+template <class Number, class T, class Vector> Vec3<Number> spread(const Vector& a) noexcept {
+  const T* const x = reinterpret_cast<const T*>(&a);
+  return {Number(x[0]), Number(x[1]), Number(x[2])};
+}
+
 /// Arrays of n numbers each, with room for the lanes behind the last; component k of entry i is array(k)[i].
 template <class T> struct Arrays {
   T* data;

@@ -39,6 +39,8 @@ Solvability ClosedMotion::accelerate(Span q, Span v, Span tau, const Loads<doubl
                                               lambda_.data());
 }
 
+void ClosedMotion::factorize(Span q) { static_cast<void>(workspace_.system(model_).factorize(q.data())); }
+
 double ClosedMotion::respond(int c, std::span<double> a) {
   LoopSystem<double>& system = workspace_.system(model_);
   std::ranges::fill(a, 0.0);
@@ -61,6 +63,7 @@ Solvability ClosedMotion::add_closing_forces(Span q, Span v, Span tau, const Loa
   const Solvability found = accelerate(q, v, tau, loads, a_);
   if (!found.ok()) return found;
   LoopSystem<double>& system = workspace_.system(model_);
+  system.place(q.data());
   system.make_rows(LoopSystem<double>::Rows::velocities);
   system.add_transposed_times(lambda_.data(), f.data());
   return found;

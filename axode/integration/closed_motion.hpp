@@ -20,7 +20,9 @@ class ClosedMotion {
   /// Throws std::invalid_argument where a motion cannot start at (q, v): which loop is open, or torn by how much.
   void check(Span q, Span v);
   Solvability accelerate(Span q, Span v, Span tau, const Loads<double>& loads, std::span<double> a);
-  /// What a force of 1 on velocity c adds to these accelerations, nv; returns what it would add to that of c without loops.
+  /// For respond(), at a place that has accelerations.
+  void factorize(Span q);
+  /// What a force of 1 on velocity c adds to accelerations, nv; returns what it would add to that of c without loops.
   double respond(int c, std::span<double> a);
   /// The derivatives of these accelerations by q, v and tau, [component, direction].
   void differentiate(Span q, Span v, Span tau, const Loads<double>& loads,

@@ -281,7 +281,9 @@ class Run {
     const std::vector<int>& sticking = friction_.sticking();
     columns_.resize(nv(), static_cast<Eigen::Index>(sticking.size()));
     own_.resize(sticking.size());
-    if (!loops_) {
+    if (loops_) {
+      loops_->factorize(q_t);
+    } else {
       compliance_.resize(nv(), nv());
       static_cast<void>(inverse_mass_matrix(model_, workspace_, q_t, as_span(compliance_)));
     }

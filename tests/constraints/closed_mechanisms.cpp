@@ -164,6 +164,41 @@ TEST_P(ClosedMechanisms, MoveTheSameBesideOnesOfAnotherScale) {
   EXPECT_LT((vector(a).tail(n) - one).norm(), 1e-8 * (1 + one.norm()));
 }
 
+/// A pair of joints that are coupled, on its own beside the mechanism, is all it takes to move it by other recursions.
+TEST_P(ClosedMechanisms, MoveTheSameBesideCoupledJoints) {
+  Description both = model.description();
+  for (const char* name : {"leader", "follower"})
+    both.bodies.push_back({.name = name,
+                           .joint = {.kind = JointKind::revolute, .axis = {0, 0, 1}},
+                           .inertia = MassProperties{.mass = 1, .com = {1, 0, 0}, .Theta = {1, 1, 1}}});
+  both.bodies.back().joint.coupling = Coupling{"leader_joint", 2};
+  const Model coupled = ModelBuilder(both).build();
+  for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+    ClosedState at(model, seed);
+    Random<double> random(seed);
+    std::vector<AppliedWrench<>> wrenches;
+    for (const Representation in : representations)
+      wrenches.emplace_back(1, in, random.vector(), random.vector());
+    const Loads<> loads{wrenches, true};
+    const auto beside = [&](Numbers x) {
+      x.push_back(0);
+      return x;
+    };
+    LoopWorkspace<double> workspace(coupled);
+    Numbers a(at.v.size()), a_both(a.size() + 1), lambda(static_cast<std::size_t>(model.loops().rows)),
+        lambda_both(lambda.size());
+    ASSERT_TRUE(forward_dynamics(model, at.loops, at.q, at.v, at.tau, a, lambda, loads).ok());
+    ASSERT_TRUE(forward_dynamics(coupled, workspace, beside(at.q), beside(at.v), beside(at.tau), a_both,
+                                 lambda_both, loads)
+                    .ok());
+    a_both.pop_back();
+    EXPECT_LT((vector(a_both) - vector(a)).norm(), 1e-10 * (1 + vector(a).norm()));
+    const MatrixXd A = jacobian_of(model, at);
+    const VectorXd forces = A.transpose() * vector(lambda);
+    EXPECT_LT((A.transpose() * vector(lambda_both) - forces).norm(), 1e-9 * (1 + forces.norm()));
+  }
+}
+
 TEST_P(ClosedMechanisms, AreDrivenAsTheyMove) {
   for (std::uint64_t seed = 1; seed <= 5; ++seed) {
     ClosedState at(model, seed);

@@ -1,4 +1,5 @@
 #include "axode/constraints.hpp"
+#include "axode/integration/closed_motion.hpp"
 #include "tests/constraints/mechanisms.hpp"
 #include "tests/integration/motions.hpp"
 
@@ -267,6 +268,31 @@ TEST(Friction, HoldsLoopsTogether) {
       const Trajectory stiff = simulate_stiff(model, q, rest, 0.3, 0.01, 0.8, with_losses);
       ASSERT_TRUE(stiff.complete) << stiff.stopped;
       EXPECT_NEAR(apart(model, last_q(stiff), last_q(motion)), 0, part > 1 ? 0 : 1e-4);
+    }
+  }
+}
+
+/// What sticks is held by how accelerations respond to forces, where these act.
+TEST(Friction, KnowsHowLoopsRespond) {
+  for (const Description& drawn : {four_bar(), bricard(), gough()}) {
+    SCOPED_TRACE(drawn.name);
+    const Model model = ModelBuilder(drawn).build();
+    Random<double> random(1);
+    const AssemblyResult at =
+        assemble(model, integrate(model, neutral(model), random_numbers(random, model.nv(), 0.1)),
+                 random_numbers(random, model.nv()));
+    ASSERT_EQ(at.status, AssemblyStatus::closed);
+    ClosedMotion motion(model);
+    motion.check(neutral(model), Numbers(at.v.size()));
+    Numbers tau(at.v.size()), a(tau.size()), pushed(tau.size()), response(tau.size());
+    ASSERT_TRUE(motion.accelerate(at.q, at.v, tau, {}, a).ok());
+    for (std::size_t c = 0; c < tau.size(); ++c) {
+      tau[c] = 1;
+      ASSERT_TRUE(motion.accelerate(at.q, at.v, tau, {}, pushed).ok());
+      tau[c] = 0;
+      motion.factorize(at.q);
+      motion.respond(static_cast<int>(c), response);
+      EXPECT_LT((vector(response) - (vector(pushed) - vector(a))).norm(), 1e-9 * (1 + vector(pushed).norm()));
     }
   }
 }

@@ -1,0 +1,97 @@
+#include "axode/constraints/loop_system.hpp"
+#include "axode/recursion/instantiate.hpp"
+
+/// Accelerations of mechanisms with loops on the fast articulated bodies, about the bodies' origins. Only bodies where loops
+/// end are told about the origins of their roots as well, for the rows.
+namespace axode {
+
+template <class T>
+bool LoopSystem<T>::accelerate_quickly(const T* q, const T* v, const T* tau, const Loads<T>& loads, T* a,
+                                       T* lambda) noexcept {
+  if (couples_) return false;
+  const Tree<T>& t = tree();
+  using Bodies = typename Quick::Bodies;
+  Bodies& bodies = quick_->tree.bodies;
+  auto* const moving = quick_->moving;
+  auto* const V = dynamics_->recursion.motion.bodies.V;
+  auto* const dV = dynamics_->recursion.motion.bodies.dV;
+  link_ = dynamics_->recursion.motion.bodies.link, origin_ = dynamics_->recursion.origin;
+  link_[0] = Link<Spatial, T>::root(), V[0] = {}, dV[0] = {{}, -t.g};
+  moving[0] = {};
+  const bool sound = quick_->tree.prepare(
+      t, q, v, tau, loads,
+      [&](int i, const typename Bodies::Matrix& R, const typename Bodies::Motion& now,
+          const typename Bodies::Vector& u) {
+        const int p = t->parent[i];
+        const auto& d = bodies.body[i].r;
+        auto& [r, r_dot] = moving[i];
+        r = p > 0 ? moving[p].r + d : typename Bodies::Vector{}, r_dot = moving[p].v + u;
+        if (p == 0) origin_[i] = d;
+        if (!ends_[index(i)]) return;
+        const typename Bodies::Factor at(r);
+        link_[i].C = {{R.x, R.y, R.z}, r};
+        V[i] = {now.w, r_dot + cross(at, now.w_)};
+        dV[i] = {now.dw, now.a + cross(at, now.dw_) + cross(typename Bodies::Factor(r_dot), now.w_)};
+      });
+  if (!sound) return false;
+  const auto each_velocity = [&](const auto& f) {
+    for (int i = 1; i <= t->n; ++i)
+      for (int s = t->first_screw[i]; s < t->first_screw[i + 1]; ++s)
+        f(t->iv[i] + s - t->first_screw[i], bodies.pivot[s]);
+  };
+  each_velocity([&](int c, const auto& pivot) { root_[c] = value(pivot.D_inv), w_[c] = value(pivot.u); });
+  root_ = root_.cwiseSqrt();
+  w_.array() /= root_.array();
+  place_loops();
+  make_wrenches(Rows::velocities);
+  for (std::size_t k = 0; k < at_.size(); ++k) {
+    each_register_of_rows<T>(count(paths_[k]),
+                             [&](int row, auto n) { pull_rows_quickly<n()>(paths_[k], at_[k], row); });
+    bias(k, at_[k].W, V, dV, b_.data());
+  }
+  multiply_rows();
+  add_to_rows(b_.data());
+  if (!solve_sound_rows(b_.data(), lambda)) set_filter(q), solve_filtered_rows(b_.data(), lambda);
+  w_.setZero();
+  add_to_velocities(lambda);
+  each_velocity([&](int c, auto& pivot) { pivot.u = pivot.u + root_[c] * w_[c]; });
+  bodies.accelerate(t, quick_->tree.motion, a);
+  return true;
+}
+
+/// As pull_rows(), with the wrenches about the origins of the bodies that they come to.
+template <class T>
+template <int n>
+void LoopSystem<T>::pull_rows_quickly(const LoopPath& path, const State& at, int row) noexcept {
+  const Tree<T>& t = tree();
+  const auto& bodies = quick_->tree.bodies;
+  using Wrenches = RowsInLanes<T, n>;
+  Wrenches F_i = -Wrenches(at.W, row), F_j(at.W, row);
+  F_i.move(-at.shift - link_[path.loop->ends[0].body].C.r);
+  F_j.move(-link_[path.loop->ends[1].body].C.r);
+  climb(path, F_i, F_j, [&](int i, Wrenches& F) {
+    const auto& body = bodies.body[i];
+    const int first_screw = t->first_screw[i];
+    const auto give_way = [&](int s, const auto& felt) {
+      const int c = t->iv[i] + s - first_screw;
+      const auto& pivot = bodies.pivot[s];
+      F.give_way(felt, root_[c], pivot.U_m, pivot.U_f, &Y_(c, first(path) + row));
+    };
+    if (is_hinge(t, i)) {  // of which U is about the predecessor's origin
+      const auto felt = dot(Wrenches::all(body.n), F.m);
+      F.move(body.r);
+      give_way(first_screw, felt);
+    } else {
+      for (int s = t->first_screw[i + 1]; s-- > first_screw;) {
+        const auto& pivot = bodies.pivot[s];
+        give_way(s, dot(Wrenches::all(pivot.w), F.m) + dot(Wrenches::all(pivot.v), F.f));
+      }
+      F.move(body.r);
+    }
+  });
+}
+
+template bool LoopSystem<AXODE_T>::accelerate_quickly(const AXODE_T*, const AXODE_T*, const AXODE_T*,
+                                                      const Loads<AXODE_T>&, AXODE_T*, AXODE_T*) noexcept;
+
+}  // namespace axode

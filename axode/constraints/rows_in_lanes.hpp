@@ -1,0 +1,60 @@
+#pragma once
+#include <algorithm>
+#include <array>
+#include <bit>
+
+#include "axode/fast/lanes.hpp"
+#include "axode/lie/twist.hpp"
+
+namespace axode {
+
+/// The wrenches F of n rows of a loop, from one of them on, on their way along a path to the ground, one in each lane.
+template <class T, int n> struct RowsInLanes {
+  using Rows = Batch<T, std::max(2U, std::bit_ceil(static_cast<unsigned>(n)))>;
+  Vec3<Rows> m, f;
+
+  RowsInLanes(const std::array<Wrench<Spatial, T>, 6>& W, int first) {
+    const auto gather = [&](auto number) {
+      Rows rows(T(0));
+      for (std::size_t r = 0; r < n; ++r) rows.x[r] = number(W[static_cast<std::size_t>(first) + r]);
+      return rows;
+    };
+    m = {gather([](const auto& F) { return F.m.x; }), gather([](const auto& F) { return F.m.y; }),
+         gather([](const auto& F) { return F.m.z; })};
+    f = {gather([](const auto& F) { return F.f.x; }), gather([](const auto& F) { return F.f.y; }),
+         gather([](const auto& F) { return F.f.z; })};
+  }
+
+  friend RowsInLanes operator-(RowsInLanes F) {
+    F.m = -F.m, F.f = -F.f;
+    return F;
+  }
+
+  /// A vector in all lanes.
+  template <class Vector> static Vec3<Rows> all(const Vector& a) { return spread<Rows, T>(a); }
+
+  /// To a point from which the old one is at r.
+  template <class Vector> void move(const Vector& r) { m += cross(all(r), f); }
+  /// What a velocity with pivot 1/root² feels, Y = root Sᵀ F, is handed out in y, and F -= root U Y goes on.
+  template <class Vector>
+  void give_way(const Rows& felt, const T& root, const Vector& U_m, const Vector& U_f, T* y) {
+    const Rows Y = Rows(root) * felt, k = Rows(root) * Y;
+    for (std::size_t r = 0; r < n; ++r) y[r] = Y[r];
+    m -= k * all(U_m), f -= k * all(U_f);
+  }
+};
+
+/// f(std::integral_constant<int, n>()) for a number n from 1 to most.
+template <int most, class F> void with_number_of_rows(int n, const F& f) {
+  if constexpr (most > 1)
+    if (n < most) return with_number_of_rows<most - 1>(n, f);
+  f(std::integral_constant<int, most>());
+}
+/// f(first, std::integral_constant<int, n>()) for the rows of a loop, as many together as one register holds.
+template <class T, class F> void each_register_of_rows(int rows, const F& f) {
+  constexpr int most = std::min(6, static_cast<int>(native_lanes<T>));
+  for (int first = 0; first < rows; first += most)
+    with_number_of_rows<most>(std::min(most, rows - first), [&](auto n) { f(first, n); });
+}
+
+}  // namespace axode
