@@ -377,8 +377,8 @@ void LoopSystem<T>::pull_rows(const LoopPath& path, const State& at, int row) no
       const int c = topology.iv[i] + s - topology.first_screw[i];
       const Twist<Spatial, T>& S = bodies.S[s];
       const Wrench<Spatial, T>& U = bodies.U[s];
-      F.give_way(dot(Wrenches::all(S.w), F.m) + dot(Wrenches::all(S.v), F.f), root_[c], U.m, U.f,
-                 &Y_(c, first(path) + row));
+      const auto felt = dot(Wrenches::all(S.w), F.m) + dot(Wrenches::all(S.v), F.f);
+      F.give_way(felt, root_[c], &Y_(c, first(path) + row), felt * (root_[c] * root_[c]), U.m, U.f);
     }
   });
 }

@@ -75,9 +75,9 @@ void LoopSystem<T>::pull_rows_quickly(const LoopPath& path, const State& at, int
     const auto give_way = [&](int s, const auto& felt) {
       const int c = t->iv[i] + s - first_screw;
       const auto& pivot = bodies.pivot[s];
-      F.give_way(felt, root_[c], pivot.U_m, pivot.U_f, &Y_(c, first(path) + row));
+      F.give_way(felt, root_[c], &Y_(c, first(path) + row), felt, pivot.K_m, pivot.K_f);
     };
-    if (is_hinge(t, i)) {  // of which U is about the predecessor's origin
+    if (is_hinge(t, i)) {  // of which K is about the predecessor's origin
       const auto felt = dot(Wrenches::all(body.n), F.m);
       F.move(body.r);
       give_way(first_screw, felt);

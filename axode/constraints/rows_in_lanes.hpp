@@ -35,12 +35,13 @@ template <class T, int n> struct RowsInLanes {
 
   /// To a point from which the old one is at r.
   template <class Vector> void move(const Vector& r) { m += cross(all(r), f); }
-  /// What a velocity with pivot 1/root² feels, Y = root Sᵀ F, is handed out in y, and F -= root U Y goes on.
+  /// Of a velocity with pivot D that feels Sᵀ F, Y = D^-½ Sᵀ F is handed out in y, and F - U D⁻¹ Sᵀ F goes on: x U, or with x felt,
+  /// where U has D⁻¹ in it already.
   template <class Vector>
-  void give_way(const Rows& felt, const T& root, const Vector& U_m, const Vector& U_f, T* y) {
-    const Rows Y = Rows(root) * felt, k = Rows(root) * Y;
+  void give_way(const Rows& felt, const T& root, T* y, const Rows& x, const Vector& U_m, const Vector& U_f) {
+    const Rows Y = Rows(root) * felt;
     for (std::size_t r = 0; r < n; ++r) y[r] = Y[r];
-    m -= k * all(U_m), f -= k * all(U_f);
+    m -= x * all(U_m), f -= x * all(U_f);
   }
 };
 
