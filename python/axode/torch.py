@@ -125,6 +125,8 @@ def _compiled(s: Specialised) -> dict[str, Callable[..., Any]]:
         except ValueError:
             continue  # it is left to the library
         found[name] = getattr(s, name)
+    if "forward_dynamics" in found:
+        found["rollout_under"] = functools.partial(_axode.rollout_under, s.model, compiled=s)
     return found
 
 

@@ -457,7 +457,7 @@ def test_workers_of_a_loader_use_models():
 
 
 def test_specialised_models_serve_as_well():
-    functions = ["inverse_dynamics", "inverse_dynamics_vjp", "mass_matrix"]
+    functions = ["inverse_dynamics", "inverse_dynamics_vjp", "mass_matrix", "forward_dynamics"]
     q, v, a, w = states(ARM, 3)
     for scalar, dtype, tolerance in (("float64", torch.float64, 1e-11), ("float32", torch.float32, 1e-5)):
         fast = ARM.specialise(functions, scalar, flags=["-O1"])
@@ -471,6 +471,10 @@ def test_specialised_models_serve_as_well():
         assert torch.isfinite(second).all() and second.any()
         assert close(axode.torch.mass_matrix(fast, q), axode.torch.mass_matrix(ARM, q), tolerance)
         assert close(axode.torch.center_of_mass(fast, q), axode.torch.center_of_mass(ARM, q))
+        forces = torch.ones(3, 20, 7, dtype=dtype)
+        path = axode.torch.rollout(fast, *x[:2], forces, 1e-3)
+        assert all(np.array_equal(x.detach(), y) for x, y in zip(
+            path, axode.rollout(fast, *(x.numpy() for x in (*(x.detach() for x in x[:2]), forces)), 1e-3)))
     with pytest.raises(ValueError, match="compiled into it"):
         axode.torch.inverse_dynamics(fast, q, v, a, parameters=torch.tensor(ARM.parameters))
 
