@@ -1,6 +1,7 @@
 #include "axode/codegen/casadi_inverse.hpp"
 
 #include <algorithm>
+#include <span>
 
 #include "axode/codegen/c_function.hpp"
 

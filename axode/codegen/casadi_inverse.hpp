@@ -1,7 +1,6 @@
 #pragma once
 #include <array>
 #include <functional>
-#include <span>
 #include <string>
 #include <vector>
 
@@ -50,8 +49,8 @@ class CasadiInverse {
   std::string weights_;
   std::array<Part, kinds> masses_;
   std::vector<int> begin_;  ///< of coordinate k in the results for M by each coordinate
-  std::vector<int> by_q_,
-      by_q_q_;  ///< what is not 0 of A by q, k n + e for entry e of n, and of the Hessian, k nq + l
+  std::vector<int> by_q_;    ///< what may not be 0 of A by q: k n + e for entry e of n
+  std::vector<int> by_q_q_;  ///< and of the Hessian: k nq + l
 };
 
 }  // namespace axode::codegen
