@@ -577,7 +577,8 @@ def _parameters_by_state(ctx: Any, key: str, q: Tensor, v: Tensor, a: Tensor, w:
 
 
 def _parameters_vjp_backward(ctx: Any, key: Any, x: Any, result: Any, c: Tensor) -> tuple[Tensor | None, ...]:
-    return *_parameters_by_state(ctx, key, *x, c), _parameters_jvp(key, *x[:3], c) if ctx.needed[3] else None
+    q, v, a, w = x
+    return *_parameters_by_state(ctx, key, q, v, a, w, c), _parameters_jvp(key, q, v, a, c) if ctx.needed[3] else None
 
 
 def _parameters_vjp_forward(key: Any, x: Any, result: Any, dq: Tensor, dv: Tensor, da: Tensor, dw: Tensor) -> Tensor:
@@ -585,7 +586,8 @@ def _parameters_vjp_forward(key: Any, x: Any, result: Any, dq: Tensor, dv: Tenso
 
 
 def _parameters_jvp_backward(ctx: Any, key: Any, x: Any, result: Any, c: Tensor) -> tuple[Tensor | None, ...]:
-    return *_parameters_by_state(ctx, key, *x[:3], c, x[3]), _parameters_vjp(key, *x[:3], c) if ctx.needed[3] else None
+    q, v, a, dpi = x
+    return *_parameters_by_state(ctx, key, q, v, a, c, dpi), _parameters_vjp(key, q, v, a, c) if ctx.needed[3] else None
 
 
 _parameters_gradient = _operation(
@@ -659,7 +661,7 @@ class _Dynamics:
         if self.name == "inverse_dynamics":
             return _parameters_along(key, q, v, last, w, *directions)
         still, none = self._still(key), torch.zeros_like(v)
-        a, _, _, l = self.value(key, *x), *self.vjp(key, *x, w)
+        a, l = self.value(key, *x), self.vjp(key, *x, w)[2]
         turned = _inverse_dynamics.jvp(still, q, none, l, parameters, directions[0], none, none)
         return (_parameters_vjp(key, q, v, a, self.jvp(key, *x, none, none, turned))
                 - _parameters_along(key, q, v, a, l, *directions[:2], self.jvp(key, *x, *directions)))
@@ -668,9 +670,9 @@ class _Dynamics:
         """What parameters dpi more do to the gradient of w . f; of accelerations it is -(l T_q, l T_v, -l) with T(q, v, a) = tau."""
         q, v, last, parameters = x
         if self.name == "inverse_dynamics":
-            return _parameters_gradient(key, q, v, last, w, dpi)
+            return tuple(_parameters_gradient(key, q, v, last, w, dpi))
         still, none = self._still(key), torch.zeros_like(v)
-        a, _, _, l = self.value(key, *x), *self.vjp(key, *x, w)
+        a, l = self.value(key, *x), self.vjp(key, *x, w)[2]
         da, dl = (self.jvp(key, *x, none, none, -_parameters_jvp(*state, dpi)) for state in ((key, q, v, a), (still, q, none, l)))
         held, by_l = _parameters_gradient(key, q, v, a, l, dpi), _inverse_dynamics.vjp(key, q, v, a, parameters, dl)
         through_a = _inverse_dynamics.vjp(still, q, none, da, parameters, l)
