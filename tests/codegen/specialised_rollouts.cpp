@@ -220,7 +220,7 @@ TEST_F(SpecialisedRollouts, EndWhereTheMonitorSaysSo) {
                                ++asked;
                                return false;
                              });
-  EXPECT_EQ(asked, 1);
+  EXPECT_GE(asked, 1);
   EXPECT_EQ(outcome.done, 0u);
 }
 
