@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <memory>
-#include <new>
 #include <optional>
 #include <string>
 #include <tuple>
@@ -12,6 +11,7 @@
 #include "axode/batch/instruction_set.hpp"
 #include "axode/batch/kernels.hpp"
 #include "axode/batch/portions.hpp"
+#include "axode/batch/scratch.hpp"
 #include "axode/derivatives.hpp"
 #include "axode/dynamics.hpp"
 #include "axode/kinematics/check_arguments.hpp"
@@ -19,20 +19,6 @@
 
 namespace axode::batch {
 namespace {
-
-/// Scratch memory from a cache line on.
-class Memory {
- public:
-  explicit Memory(std::size_t bytes)
-      : data_(static_cast<std::byte*>(::operator new (bytes, std::align_val_t{64})), Free{}) {}
-  std::byte* data() const { return data_.get(); }
-
- private:
-  struct Free {
-    void operator()(std::byte* p) const { ::operator delete (p, std::align_val_t{64}); }
-  };
-  std::shared_ptr<std::byte> data_;
-};
 
 /// An argument with `rows` entries for each state. Where a group of states is not full, its last one is
 /// repeated in a copy.
@@ -67,13 +53,13 @@ template <class S, class F, class E, class... In> class LaneCall {
       : tree_(tree),
         kernel_(kernel),
         bytes_(kernel.bytes(tree)),
-        memory_(bytes_),
+        memory_(scratch<std::byte>(bytes_)),
         out_(std::move(out)),
         in_(std::move(in)...) {}
 
   auto operator()(std::size_t first, std::size_t count) {
     const auto call = [&](auto&... each) {
-      return kernel_.call(tree_, Arena(*tree_.topology(), memory_.data(), bytes_),
+      return kernel_.call(tree_, Arena(*tree_.topology(), memory_.get(), bytes_),
                           each.at(first, count, lanes())..., out_.at(first, count, lanes()));
     };
     if constexpr (std::is_void_v<decltype(std::apply(call, in_))>) {
@@ -91,7 +77,7 @@ template <class S, class F, class E, class... In> class LaneCall {
   const Tree<S>& tree_;
   Kernel<S, F> kernel_;
   std::size_t bytes_;
-  Memory memory_;
+  std::shared_ptr<std::byte> memory_;
   Argument<E> out_;
   std::tuple<Argument<In>...> in_;
 };

@@ -311,14 +311,19 @@ class Rollout {
 
   unsigned run(const Motions<S>& of, std::ptrdiff_t k, std::ptrdiff_t end) noexcept {
     Dynamics& at = *dynamics_;
-    at.bodies.doubtful = Number::Mask{};
+    at.bodies.doubtful = Number::Mask{}, doubts_ = 0;
     const std::ptrdiff_t nq = tree_->nq, nv = tree_->nv;
     const S* row = of.law ? of.law->rows : nullptr;
     const auto accelerate = [&](double, std::span<const Number> q, std::span<const Number> v,
                                 std::span<Number> a) {
       if (of.law) drive(*of.law, row, q.data(), v.data()), row += nq + 2 * nv;
+      const Number* const tau = of.damped ? with_damping(v.data()) : at.tau;
+      if (of.compiled) {
+        call(*of.compiled, q.data(), v.data(), tau, a.data());
+        return true;
+      }
       at.bodies.place_and_move(tree_, q.data(), v.data(), at.motion);
-      at.bodies.factorize(tree_, of.damped ? with_damping(v.data()) : at.tau);
+      at.bodies.factorize(tree_, tau);
       at.bodies.accelerate(tree_, at.motion, a.data());
       return true;
     };
@@ -336,7 +341,7 @@ class Rollout {
         for (std::ptrdiff_t c = 0; c < nv; ++c) v[c] = at.v[c][l];
       }
     }
-    return bits(at.bodies.doubtful);
+    return bits(at.bodies.doubtful) | doubts_;
   }
 
  private:
@@ -361,6 +366,15 @@ class Rollout {
     Dynamics& at = *dynamics_;
     for (int c = 0; c < tree_->nv; ++c) at.total[c] = at.tau[c] - Number(tree_.damping[c]) * v[c];
     return at.total;
+  }
+  /// Accelerations by a function that takes states one behind the other.
+  void call(const CompiledCall<S>& of, const Number* q, const Number* v, const Number* tau,
+            Number* a) noexcept {
+    scatter(q, tree_->nq, of.q), scatter(v, tree_->nv, of.v), scatter(tau, tree_->nv, of.tau);
+    const S* const arguments[]{of.q, of.v, of.tau};
+    of.dynamics->call(lanes, arguments, of.a, of.scratch, of.doubts);
+    gather(of.a, tree_->nv, a);
+    for (unsigned l = 0; l < lanes; ++l) doubts_ |= static_cast<unsigned>(of.doubts[l] != 0) << l;
   }
   /// τ of a drive that is at a row.
   void drive(const Law<S>& law, const S* row, const Number* q, const Number* v) noexcept {
@@ -395,6 +409,7 @@ class Rollout {
   MuntheKaas<Number, S> scheme_;
   ConfigurationGroup<Number, S> group_;
   WithScratch<Number, Dynamics> dynamics_;
+  unsigned doubts_ = 0;  ///< of the compiled function
 };
 void* make_rollout(const Tree<S>& tree, const Tableau& method) { return new Rollout(tree, method); }
 unsigned run_rollout(void* rollout, const Motions<S>& of, std::ptrdiff_t k, std::ptrdiff_t end) noexcept {

@@ -1,6 +1,7 @@
 #pragma once
 #include <cstddef>
 
+#include "axode/batch/compiled_dynamics.hpp"
 #include "axode/integration/tableau.hpp"
 #include "axode/model/arena.hpp"
 #include "axode/model/tree.hpp"
@@ -22,6 +23,13 @@ template <class S> struct Law {
   const S* rows;     ///< q_d (nq), v_d (nv) and w (nv) for each stage, from that of the first step on
 };
 
+/// Memory for as many states as there are lanes, one behind the other, in which it is called.
+template <class S> struct CompiledCall {
+  const CompiledDynamics<S>* dynamics;
+  S *q, *v, *tau, *a, *scratch;
+  unsigned char* doubts;
+};
+
 /// Motions of K steps, at most as many as there are lanes: the states of one lie behind each other, and so do its forces.
 template <class S> struct Motions {
   const S* tau;       ///< K nv for each; or
@@ -29,7 +37,8 @@ template <class S> struct Motions {
   S *q, *v;           ///< (K + 1) nq and nv for each
   std::ptrdiff_t K, count;
   double step;
-  bool damped;  ///< whether the joints' damping acts besides
+  bool damped;                      ///< whether the joints' damping acts besides
+  const CompiledCall<S>* compiled;  ///< in the place of the library's forward dynamics; or none
 };
 /// Explicit methods on motions in lanes. What make() returns has memory of its own, and goes with remove().
 template <class S> struct RolloutKernel {
@@ -40,8 +49,8 @@ template <class S> struct RolloutKernel {
 };
 
 /// The algorithms for one instruction set. Those that solve for accelerations return a bit for each lane whose mass
-/// matrix may be singular. Models without coupled joints; inverse_dynamics and its derivatives, poses and joint_screws
-/// take all.
+/// matrix may be singular. Models without coupled joints; inverse_dynamics and its derivatives, poses, joint_screws and rollouts
+/// by compiled dynamics take all.
 template <class S> struct Kernels {
   int lanes;
   Kernel<S, void(const Tree<S>&, Arena, const S* q, const S* v, const S* a, S* tau) noexcept>

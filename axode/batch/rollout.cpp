@@ -10,9 +10,11 @@
 
 #include "axode/batch.hpp"
 #include "axode/batch/check_states.hpp"
+#include "axode/batch/compiled_rollout.hpp"
 #include "axode/batch/followed_drive.hpp"
 #include "axode/batch/kernels.hpp"
 #include "axode/batch/portions.hpp"
+#include "axode/batch/scratch.hpp"
 #include "axode/dynamics/forward_dynamics.hpp"
 #include "axode/dynamics/springs.hpp"
 #include "axode/integration/closed_motion.hpp"
@@ -40,8 +42,10 @@ struct Losses {
 /// Steps of one motion, under forces or a drive.
 template <class S> class OneMotion {
  public:
-  OneMotion(const Model& model, const Tableau& method, const Drive& drive, const Losses& losses)
+  OneMotion(const Model& model, const CompiledDynamics<S>& compiled, const Tableau& method,
+            const Drive& drive, const Losses& losses)
       : model_(&model),
+        compiled_(compiled),
         workspace_(model),
         method_(&method),
         scheme_(model.tree<S>(), method),
@@ -116,6 +120,15 @@ template <class S> class OneMotion {
     return true;
   }
   Solvability solve(std::span<const S> q, std::span<const S> v, std::span<S> a) {
+    if (compiled_.call) {
+      const std::span damping(model_->tree<S>().damping);
+      for (std::size_t c = 0; losses_.damping && c < v.size(); ++c) total_[c] -= S(damping[c]) * v[c];
+      const S* const arguments[]{q.data(), v.data(), total_.data()};
+      unsigned char doubtful = 0;
+      compiled_.call(1, arguments, a.data(), nullptr, &doubtful);
+      if (!doubtful) return {.not_finite = !finite(a)};
+      return axode::forward_dynamics(*model_, workspace_, q, v, total_, a);
+    }
     const Loads<S> loads{.joint_losses = losses_.damping};
     if constexpr (std::same_as<S, double>)
       if (loops_) return loops_->accelerate(q, v, total_, loads, a);
@@ -134,6 +147,7 @@ template <class S> class OneMotion {
   }
 
   const Model* model_;
+  CompiledDynamics<S> compiled_;
   Workspace<S> workspace_;
   const Tableau* method_;
   MuntheKaas<S> scheme_;
@@ -145,12 +159,28 @@ template <class S> class OneMotion {
   std::vector<S> a_, total_;
 };
 
-/// The quick way, for several motions of models without coupled joints and springs.
+/// The quick way, for several motions of models without springs; with coupled joints by compiled dynamics only.
 template <class S> class InLanes {
  public:
-  InLanes(const Tree<S>& tree, const Tableau& method)
-      : kernel_(best_kernels<S>().rollout), rollout_(kernel_.make(tree, method), kernel_.remove) {}
-  unsigned run(const Motions<S>& motions, std::size_t k, std::size_t end) {
+  InLanes(const Tree<S>& tree, const CompiledDynamics<S>& compiled, const Tableau& method)
+      : kernel_(best_kernels<S>().rollout), rollout_(kernel_.make(tree, method), kernel_.remove) {
+    if (!compiled.call) return;
+    const std::size_t lanes = static_cast<std::size_t>(best_kernels<S>().lanes),
+                      nq = lanes * static_cast<std::size_t>(tree->nq),
+                      nv = lanes * static_cast<std::size_t>(tree->nv);
+    numbers_ = scratch<S>(compiled.scratch + nq + 3 * nv);
+    doubts_ = std::make_shared<std::vector<unsigned char>>(lanes);
+    S* const q = numbers_.get() + compiled.scratch;
+    call_ = {.dynamics = &compiled,
+             .q = q,
+             .v = q + nq,
+             .tau = q + nq + nv,
+             .a = q + nq + 2 * nv,
+             .scratch = numbers_.get(),
+             .doubts = doubts_->data()};
+  }
+  unsigned run(Motions<S> motions, std::size_t k, std::size_t end) {
+    if (call_.dynamics) motions.compiled = &call_;
     return kernel_.run(rollout_.get(), motions, static_cast<std::ptrdiff_t>(k),
                        static_cast<std::ptrdiff_t>(end));
   }
@@ -158,13 +188,17 @@ template <class S> class InLanes {
  private:
   RolloutKernel<S> kernel_;
   std::shared_ptr<void> rollout_;
+  std::shared_ptr<S> numbers_;
+  std::shared_ptr<std::vector<unsigned char>> doubts_;
+  CompiledCall<S> call_{};
 };
 
 /// Motions under forces, or a drive.
 template <class S>
-Outcome roll(const Model& model, std::span<const S> q, std::span<const S> v, std::size_t K,
-             std::span<const S> tau, const Drive& drive, double step, std::span<S> q_out, std::span<S> v_out,
-             const Tableau& method, int threads, const Monitor& monitor, const Losses& losses) {
+Outcome roll(const Model& model, const CompiledDynamics<S>& compiled, std::span<const S> q,
+             std::span<const S> v, std::size_t K, std::span<const S> tau, const Drive& drive, double step,
+             std::span<S> q_out, std::span<S> v_out, const Tableau& method, int threads,
+             const Monitor& monitor, const Losses& losses) {
   // Of one motion, between two looks at the monitor; a step with friction takes up to milliseconds.
   const std::size_t steps_at_once = losses.friction ? 16 : 256;
   const std::size_t nq = static_cast<std::size_t>(model.nq()), nv = static_cast<std::size_t>(model.nv()),
@@ -189,7 +223,7 @@ Outcome roll(const Model& model, std::span<const S> q, std::span<const S> v, std
 
   const Tree<S>& tree = model.tree<S>();
   FollowedDrive<S> followed(model, drive);
-  const bool in_lanes = N > 1 && tree->coupled_bodies.empty() && model.springs().empty() &&
+  const bool in_lanes = N > 1 && (tree->coupled_bodies.empty() || compiled.call) && model.springs().empty() &&
                         model.loops().empty() && !losses.friction && (!drive || followed.known());
   const std::size_t group = in_lanes ? static_cast<std::size_t>(best_kernels<S>().lanes) : 1;
   std::vector<Solvability> found(N);
@@ -200,18 +234,18 @@ Outcome roll(const Model& model, std::span<const S> q, std::span<const S> v, std
     const std::size_t end = std::min(K, begin + steps_at_once);
     const Law<S>* law = in_lanes && drive ? &followed.law(method, step, begin, end) : nullptr;
     outcome.done = in_portions(N, group, threads, monitor, [&] {
-      return [&, lanes = in_lanes ? std::optional(InLanes<S>(tree, method)) : std::nullopt,
+      return [&, lanes = in_lanes ? std::optional(InLanes<S>(tree, compiled, method)) : std::nullopt,
               one = std::optional<OneMotion<S>>()](std::size_t first, std::size_t count) mutable {
         unsigned doubts = ~0u;
         if (lanes)
-          doubts = lanes->run(
-              {tau_at(first, 0).data(), law, q_at(first, 0).data(), v_at(first, 0).data(),
-               static_cast<std::ptrdiff_t>(K), static_cast<std::ptrdiff_t>(count), step, losses.damping},
-              begin, end);
+          doubts = lanes->run({tau_at(first, 0).data(), law, q_at(first, 0).data(), v_at(first, 0).data(),
+                               static_cast<std::ptrdiff_t>(K), static_cast<std::ptrdiff_t>(count), step,
+                               losses.damping, nullptr},
+                              begin, end);
         for (std::size_t l = 0; l < count; ++l) {
           const std::size_t n = first + l;
           if ((doubts >> l & 1) == 0 && finite(v_at(n, end)) && finite(q_at(n, end))) continue;
-          if (!one) one.emplace(model, method, drive, losses);
+          if (!one) one.emplace(model, compiled, method, drive, losses);
           if (found[n].ok() && !torn[n]) one->begin(q_at(n, begin));
           for (std::size_t k = begin; k < end; ++k) {
             if (found[n].ok() && !torn[n]) {
@@ -270,21 +304,29 @@ template <class S> Losses losses_of(const Model& model, bool felt) {
 }  // namespace
 
 template <class S>
-Outcome rollout(const Model& model, std::span<const S> q, Numbers<S> v, Numbers<S> tau, double step,
-                std::type_identity_t<std::span<S>> q_out, std::type_identity_t<std::span<S>> v_out,
-                const Tableau& method, int threads, const Monitor& monitor, bool joint_losses) {
+Outcome rollout(const Model& model, const CompiledDynamics<S>& compiled, Numbers<S> q, Numbers<S> v,
+                Numbers<S> tau, double step, std::type_identity_t<std::span<S>> q_out,
+                std::type_identity_t<std::span<S>> v_out, const Tableau& method, int threads,
+                const Monitor& monitor, bool joint_losses) {
   check(method), check_step(step);
   const Losses losses = losses_of<S>(model, joint_losses);
   const std::size_t nv = static_cast<std::size_t>(model.nv()), N = check_states(model, q, threads),
                     K = N * nv == 0 ? 0 : tau.size() / (N * nv);
   check_size("tau", tau.size(), K * nv * N, "K nv N");
   if (!check_loops(model, q, v, threads, monitor)) return {};
-  return roll<S>(model, q, v, K, tau, {}, step, q_out, v_out, method, threads, monitor, losses);
+  return roll<S>(model, compiled, q, v, K, tau, {}, step, q_out, v_out, method, threads, monitor, losses);
+}
+template <class S>
+Outcome rollout(const Model& model, std::span<const S> q, Numbers<S> v, Numbers<S> tau, double step,
+                std::type_identity_t<std::span<S>> q_out, std::type_identity_t<std::span<S>> v_out,
+                const Tableau& method, int threads, const Monitor& monitor, bool joint_losses) {
+  return rollout<S>(model, CompiledDynamics<S>{}, q, v, tau, step, q_out, v_out, method, threads, monitor,
+                    joint_losses);
 }
 
 template <class S>
-Outcome rollout(const Model& model, std::span<const S> q, Numbers<S> v, const Drive& drive, std::size_t K,
-                double step, std::type_identity_t<std::span<S>> q_out,
+Outcome rollout(const Model& model, const CompiledDynamics<S>& compiled, Numbers<S> q, Numbers<S> v,
+                const Drive& drive, std::size_t K, double step, std::type_identity_t<std::span<S>> q_out,
                 std::type_identity_t<std::span<S>> v_out, const Tableau& method, int threads,
                 const Monitor& monitor, bool joint_losses) {
   check(method), check_step(step);
@@ -292,7 +334,15 @@ Outcome rollout(const Model& model, std::span<const S> q, Numbers<S> v, const Dr
   if (!drive) throw std::invalid_argument("drive is empty; expected a function of (t, q, v)");
   static_cast<void>(check_states(model, q, threads));
   if (!check_loops(model, q, v, threads, monitor)) return {};
-  return roll<S>(model, q, v, K, {}, drive, step, q_out, v_out, method, threads, monitor, losses);
+  return roll<S>(model, compiled, q, v, K, {}, drive, step, q_out, v_out, method, threads, monitor, losses);
+}
+template <class S>
+Outcome rollout(const Model& model, std::span<const S> q, Numbers<S> v, const Drive& drive, std::size_t K,
+                double step, std::type_identity_t<std::span<S>> q_out,
+                std::type_identity_t<std::span<S>> v_out, const Tableau& method, int threads,
+                const Monitor& monitor, bool joint_losses) {
+  return rollout<S>(model, CompiledDynamics<S>{}, q, v, drive, K, step, q_out, v_out, method, threads,
+                    monitor, joint_losses);
 }
 
 template Outcome rollout(const Model&, std::span<const double>, Numbers<double>, Numbers<double>, double,
@@ -305,5 +355,17 @@ template Outcome rollout(const Model&, std::span<const double>, Numbers<double>,
 template Outcome rollout(const Model&, std::span<const float>, Numbers<float>, const Drive&, std::size_t,
                          double, std::span<float>, std::span<float>, const Tableau&, int, const Monitor&,
                          bool);
+template Outcome rollout(const Model&, const CompiledDynamics<double>&, Numbers<double>, Numbers<double>,
+                         Numbers<double>, double, std::span<double>, std::span<double>, const Tableau&, int,
+                         const Monitor&, bool);
+template Outcome rollout(const Model&, const CompiledDynamics<double>&, Numbers<double>, Numbers<double>,
+                         const Drive&, std::size_t, double, std::span<double>, std::span<double>,
+                         const Tableau&, int, const Monitor&, bool);
+template Outcome rollout(const Model&, const CompiledDynamics<float>&, Numbers<float>, Numbers<float>,
+                         Numbers<float>, double, std::span<float>, std::span<float>, const Tableau&, int,
+                         const Monitor&, bool);
+template Outcome rollout(const Model&, const CompiledDynamics<float>&, Numbers<float>, Numbers<float>,
+                         const Drive&, std::size_t, double, std::span<float>, std::span<float>,
+                         const Tableau&, int, const Monitor&, bool);
 
 }  // namespace axode::batch

@@ -254,14 +254,12 @@ class Family {
     for (const CasadiOutput& out : outputs_) weighted.push_back({"adj_" + out.name, out.pattern});
     std::vector<CasadiFunction> functions{{name_, inputs_, outputs_},
                                           {"fwd1_" + name_, directed, changes()},
-                                          {"adj1_" + name_, weighted, gradients()}};
-    if (recordings_.size() > jacobian) {
-      functions.push_back({"jac_" + name_, nominal, first_derivatives(), true});
-      for (const CasadiInput& input : inputs_)
-        weighted.push_back({"out_adj_" + input.name, {input.pattern.rows, 1}});
-      functions.push_back({"jac_adj1_" + name_, weighted, second_derivatives(), true});
-    }
-    return {std::move(recordings_), std::move(functions)};
+                                          {"adj1_" + name_, weighted, gradients()},
+                                          {"jac_" + name_, nominal, first_derivatives(), true}};
+    for (const CasadiInput& input : inputs_)
+      weighted.push_back({"out_adj_" + input.name, {input.pattern.rows, 1}});
+    functions.push_back({"jac_adj1_" + name_, weighted, second_derivatives(), true});
+    return {std::move(recordings_), std::move(functions), {}};
   }
 
  private:
@@ -353,6 +351,28 @@ class Family {
   int n_ = 0;
 };
 
+/// What the derivatives of M⁻¹ are made of.
+CasadiInverse inverse_of(const Model& model, const CasadiOutput& out) {
+  const auto part = [](Recording recording) {
+    const std::vector<int> found = keep_nonzeros(recording);
+    std::vector<int> places;
+    for (std::size_t k = 0; k < found.size(); ++k)
+      if (found[k] >= 0) places.push_back(static_cast<int>(k));
+    return CasadiInverse::Part{std::move(recording), std::move(places)};
+  };
+  const int nq = model.nq(), nv = model.nv();
+  const Recording M = normalised(model, record(model, {Quantity::mass_matrix}, false));
+  const Weights B{{"B"}, {nv * nv}};
+  Recording H = hessian_of(M, B);
+  for (int k = 0; k < nq; ++k)
+    for (int l = 0; l < k; ++l) H.results[static_cast<std::size_t>(k * nq + l)] = 0;
+  return {nq,
+          nv,
+          out.pattern.entries,
+          "adj_" + out.name,
+          {part(tangent_of(M)), part(adjoint_of(M, B)), part(jacobian_of(M)), part(std::move(H))}};
+}
+
 Weights weights_of(const std::vector<CasadiOutput>& outputs) {
   Weights weights;
   for (const CasadiOutput& out : outputs) {
@@ -371,14 +391,19 @@ CasadiFamily casadi_family(const Model& model, const Function& function, const s
   Recording f = a ? a->value() : normalised(model, record(model, function, false));
   std::vector<CasadiOutput> outputs = matrices(model, function, frames, f);
   put_in_order(outputs, f);
+  if (function.quantity == Quantity::inverse_mass_matrix) {
+    CasadiInverse inverse = inverse_of(model, outputs[0]);
+    std::vector<Recording> recordings{f};
+    for (std::size_t kind = 0; kind < CasadiInverse::kinds; ++kind)
+      recordings.push_back(inverse.signature(static_cast<CasadiInverse::Kind>(kind)));
+    CasadiFamily family = Family(name, std::move(outputs), std::move(recordings)).made();
+    family.inverse = std::move(inverse);
+    return family;
+  }
   const Weights w = weights_of(outputs);
   std::vector<Recording> recordings =
       a ? std::vector{f, a->tangent(), a->adjoint(w), a->jacobian(), a->hessian(w)}
-        : std::vector{f, tangent_of(f), adjoint_of(f, w)};
-  if (!a && function.quantity != Quantity::inverse_mass_matrix) {
-    recordings.push_back(jacobian_of(f));
-    recordings.push_back(hessian_of(f, w));
-  }
+        : std::vector{f, tangent_of(f), adjoint_of(f, w), jacobian_of(f), hessian_of(f, w)};
   return Family(name, std::move(outputs), std::move(recordings)).made();
 }
 

@@ -1,8 +1,10 @@
 #pragma once
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "axode/codegen/casadi_inverse.hpp"
 #include "axode/codegen/recording.hpp"
 
 /// What CasADi's functions compute, and how their matrices are filled.
@@ -33,16 +35,17 @@ struct CasadiFunction {
   bool is_jacobian = false;  ///< whose matrices, for several states, are block by block on the diagonal
 };
 /// A function of the state and its derivatives by all coordinates, velocities and so on, as CasADi looks for them: NAME,
-/// fwd1_NAME, adj1_NAME, jac_NAME and jac_adj1_NAME, each with a recording of its own.
+/// fwd1_NAME, adj1_NAME, jac_NAME and jac_adj1_NAME, each with a recording of its own. Of the inverse mass matrix all but the
+/// first are signatures of loops.
 struct CasadiFamily {
   std::vector<Recording> recordings;
   std::vector<CasadiFunction> functions;
+  std::optional<CasadiInverse> inverse;
 };
 
 /// The function is of the coordinates as CasADi has them, n_q independent numbers: quaternions count divided by their length.
-/// Derivatives of forward dynamics are found from those of inverse dynamics, T(q, v, a) = tau; all others by differentiating
-/// what is recorded. The inverse mass matrix has neither jac_ nor jac_adj1_, which would be longer than anybody wants to compile.
-/// `frames` are their names as identifiers.
+/// Derivatives of forward dynamics are found from those of inverse dynamics, T(q, v, a) = tau, those of the inverse mass matrix
+/// from those of M, and all others by differentiating what is recorded. `frames` are their names as identifiers.
 CasadiFamily casadi_family(const Model& model, const Function& function, const std::string& name,
                            std::span<const std::string> frames);
 

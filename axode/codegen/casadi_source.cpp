@@ -1,9 +1,11 @@
 #include "axode/codegen/casadi_source.hpp"
 
 #include <algorithm>
+#include <array>
 #include <limits>
 #include <map>
 #include <stdexcept>
+#include <utility>
 
 #include "axode/codegen/c_function.hpp"
 #include "axode/codegen/c_names.hpp"
@@ -143,13 +145,10 @@ class File {
   void add(const CasadiFamily& family, Source& source) {
     for (std::size_t k = 0; k < family.recordings.size(); ++k) {
       const Recording& recording = family.recordings[k];
-      if (recording.results.empty()) continue;
-      const std::string name = numbers_of(family.functions[k].name);
-      definitions_ += "static " + c_signature(recording, name, precision) + ";\n" +
-                      c_definition(recording, name, sine_cosine(), precision).text + '\n';
-      turns_ = turns_ || operations(recording).angles > 0;
+      if (!family.inverse || k == 0) define(recording, numbers_of(family.functions[k].name));
       for (const int length : recording.lengths) longest_ = std::max(longest_, length);
     }
+    if (family.inverse) add_loops(family);
     for (const CasadiFunction& function : family.functions) {
       definitions_ += definition(family, function) + asked(family, function) + '\n';
       source.functions.push_back({function.name, cost(family, function)});
@@ -165,6 +164,33 @@ class File {
   }
 
  private:
+  void define(const Recording& recording, const std::string& name) {
+    if (recording.results.empty()) return;
+    definitions_ += "static " + c_signature(recording, name, precision) + ";\n" +
+                    c_definition(recording, name, sine_cosine(), precision).text + '\n';
+    turns_ = turns_ || operations(recording).angles > 0;
+  }
+  /// The derivatives of M⁻¹.
+  void add_loops(const CasadiFamily& family) {
+    if (family.recordings[0].results.empty()) return;  // nothing moves
+    if (!std::exchange(loops_, true)) definitions_ += CasadiInverse::loops(prefix_);
+    std::array<std::string, CasadiInverse::kinds> masses;
+    for (std::size_t kind = 0; kind < masses.size(); ++kind) {
+      masses[kind] = family.functions[kind + 1].name + "_masses";
+      define(family.inverse->of_masses(static_cast<CasadiInverse::Kind>(kind)), masses[kind]);
+    }
+    for (std::size_t kind = 0; kind < masses.size(); ++kind) {
+      const Recording& signature = family.recordings[kind + 1];
+      if (signature.results.empty()) continue;
+      definitions_ +=
+          "static " + c_signature(signature, numbers_of(family.functions[kind + 1].name), precision) +
+          family.inverse->body(static_cast<CasadiInverse::Kind>(kind), prefix_,
+                               numbers_of(family.functions[0].name), masses,
+                               [&](const std::vector<int>& numbers) { return places_(numbers); }) +
+          '\n';
+    }
+  }
+
   std::string sine_cosine() const { return prefix_ + "_sine_cosine"; }
   static std::string numbers_of(const std::string& name) { return name + "_numbers"; }
 
@@ -176,10 +202,19 @@ class File {
         all.push_back(out.recording);
     return all;
   }
+  static Operations operations_of(const CasadiFamily& family, std::size_t k) {
+    const Operations own = operations(family.recordings[k]);
+    if (!family.inverse || k == 0) return own;
+    Operations sum = family.inverse->operations(static_cast<CasadiInverse::Kind>(k - 1));
+    const Operations A = operations(family.recordings[0]);
+    sum.products += A.products, sum.sums += A.sums, sum.divisions += A.divisions;
+    sum.roots += A.roots, sum.angles += A.angles;
+    return sum;
+  }
   static Operations cost(const CasadiFamily& family, const CasadiFunction& function) {
     Operations sum;
     for (const std::size_t k : used(function)) {
-      const Operations one = operations(family.recordings[k]);
+      const Operations one = operations_of(family, k);
       sum.products += one.products, sum.sums += one.sums, sum.divisions += one.divisions;
       sum.roots += one.roots, sum.angles += one.angles;
     }
@@ -187,7 +222,12 @@ class File {
   }
   static std::size_t work(const CasadiFamily& family, const CasadiFunction& function) {
     std::size_t most = 0;
-    for (const std::size_t k : used(function)) most = std::max(most, family.recordings[k].results.size());
+    for (const std::size_t k : used(function)) {
+      const bool in_loops = family.inverse && k > 0;
+      most = std::max(most,
+                      family.recordings[k].results.size() +
+                          (in_loops ? family.inverse->scratch(static_cast<CasadiInverse::Kind>(k - 1)) : 0));
+    }
     return most;
   }
 
@@ -248,7 +288,7 @@ class File {
   std::string prefix_, definitions_;
   int states_;
   Tables patterns_, places_;
-  bool turns_ = false;
+  bool turns_ = false, loops_ = false;
   int longest_ = 1;
 };
 

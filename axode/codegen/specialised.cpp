@@ -1,11 +1,11 @@
 #include "axode/codegen/specialised.hpp"
 
 #include <algorithm>
-#include <new>
 #include <optional>
 
 #include "axode/batch/check_states.hpp"
 #include "axode/batch/portions.hpp"
+#include "axode/batch/scratch.hpp"
 #include "axode/codegen/machine_code.hpp"
 #include "axode/codegen/states_source.hpp"
 #include "axode/kinematics/check_arguments.hpp"
@@ -40,13 +40,6 @@ template <class T> std::string meaning_of(const catalog::Function<T>& row) {
   for (const catalog::Extent extent : row.shape)
     meaning += extent == catalog::Extent::n_frames ? "n_frames " : "nv ";
   return meaning + 'N';
-}
-
-/// Numbers from a cache line on.
-template <class T> std::shared_ptr<T> scratch(std::size_t n) {
-  if (n == 0) return nullptr;
-  return {static_cast<T*>(::operator new (n * sizeof(T), std::align_val_t{64})),
-          [](T* p) { ::operator delete (p, std::align_val_t{64}); }};
 }
 
 }  // namespace
@@ -126,7 +119,7 @@ template <class T> class Specialised<T>::Run {
     std::shared_ptr<T> numbers;
     std::optional<Workspace<T>> workspace;
   };
-  Memory memory(std::size_t N) const { return {N > 1 ? scratch<T>(entry_.scratch) : nullptr, {}}; }
+  Memory memory(std::size_t N) const { return {N > 1 ? batch::scratch<T>(entry_.scratch) : nullptr, {}}; }
 
   void operator()(Memory& memory, std::size_t first, std::size_t states) {
     std::array<const T*, most_arguments> at{};
@@ -189,6 +182,11 @@ Specialised<T>::Specialised(const Model& model, std::span<const Function> functi
   if (std::ranges::any_of(functions, [](const Function& f) { return f.quantity == Quantity::pose; }))
     throw std::invalid_argument("specialised models have no pose of one frame; ask for poses, which has all");
   code_ = std::make_shared<const Code>(model, functions, options);
+}
+
+template <class T> batch::CompiledDynamics<T> Specialised<T>::compiled_dynamics() const {
+  const auto& entry = code_->entry(model_, {Quantity::forward_dynamics});
+  return {entry.call, entry.scratch};
 }
 
 template <class T> bool Specialised<T>::has(const Function& function) const {

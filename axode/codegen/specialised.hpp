@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "axode/batch.hpp"
+#include "axode/batch/compiled_rollout.hpp"
 #include "axode/catalog.hpp"
 #include "axode/codegen/c_source.hpp"
 
@@ -51,6 +52,9 @@ template <class T = double> class Specialised {
   /// Throws std::invalid_argument for a function that was not asked for.
   batch::Outcome operator()(const codegen::Function& function, const catalog::Given<T>& given,
                             std::span<T> out, int threads = 1, const batch::Monitor& monitor = {}) const;
+
+  /// What rollouts call.
+  batch::CompiledDynamics<T> compiled_dynamics() const;
 
  private:
   struct Code;
@@ -143,6 +147,25 @@ Outcome forward_dynamics_vjp(const Specialised<T>& model, Numbers<T> q, Numbers<
                              const Monitor& monitor = {}) {
   return model({codegen::Quantity::forward_dynamics_vjp}, {.q = q, .v = v, .tau = tau, .w = w}, gradient,
                threads, monitor);
+}
+
+/// Of models that were specialised with forward_dynamics. Motions with coupled joints go through the lanes as well. Springs
+/// act, and with joint_losses damping and dry friction; steps with friction are the library's own.
+template <class T>
+Outcome rollout(const Specialised<T>& model, Numbers<T> q, Numbers<T> v, Numbers<T> tau, double step,
+                std::type_identity_t<std::span<T>> q_out, std::type_identity_t<std::span<T>> v_out,
+                const Tableau& method = runge_kutta(4), int threads = 1, const Monitor& monitor = {},
+                bool joint_losses = false) {
+  return rollout<T>(model.model(), model.compiled_dynamics(), q, v, tau, step, q_out, v_out, method, threads,
+                    monitor, joint_losses);
+}
+template <class T>
+Outcome rollout(const Specialised<T>& model, Numbers<T> q, Numbers<T> v, const Drive& drive, std::size_t K,
+                double step, std::type_identity_t<std::span<T>> q_out,
+                std::type_identity_t<std::span<T>> v_out, const Tableau& method = runge_kutta(4),
+                int threads = 1, const Monitor& monitor = {}, bool joint_losses = false) {
+  return rollout<T>(model.model(), model.compiled_dynamics(), q, v, drive, K, step, q_out, v_out, method,
+                    threads, monitor, joint_losses);
 }
 
 }  // namespace batch

@@ -51,10 +51,9 @@ def function(m: Model, quantity: Function, states: int = 1, *, flags: Sequence[s
     states are then one operation, with derivatives that are blocks on a diagonal; N calls, or a map, are thousands. coordinate_rates
     is made for as many by `map`.
 
-    Matrices are sparse where the mechanism has zeros. Jacobians and Hessians are exact; the inverse mass matrix has first
-    derivatives only. Evaluation fails, and IPOPT steps back, where the mass matrix may be singular. Armature and gravity of m
-    are part of it; loads and joint losses are not, springs are not. The functions hold nothing: threads may share them, and
-    they can be pickled for processes with the same cache.
+    Matrices are sparse where the mechanism has zeros. Jacobians and Hessians are exact. Evaluation fails, and IPOPT steps back,
+    where the mass matrix may be singular. Armature and gravity of m are part of it; loads and joint losses are not, springs
+    are not. The functions hold nothing: threads may share them, and they can be pickled for processes with the same cache.
 
     flags are for the compiler, as in `Model.specialise`; `axode.codegen.cache` keeps what it makes. ValueError for an unknown
     function and for dynamics of a mechanism with loops, RuntimeError where there is no compiler or it fails.

@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from . import _axode
 from ._axode import Model, Trajectory
+from .codegen import Specialised
 from .drives import PD, ComputedTorque, Sampled
 from .errors import SimulationError, StatesError
 from .records import Load
@@ -86,7 +87,7 @@ def simulate(m: Model, q: ArrayLike, v: ArrayLike, until: float, *,
     return motion
 
 
-def rollout(m: Model, q: ArrayLike, v: ArrayLike,
+def rollout(m: Model | Specialised, q: ArrayLike, v: ArrayLike,
             tau: ArrayLike | Callable[[float, Array, Array], ArrayLike] | Sampled | PD | ComputedTorque, step: float, *,
             steps: int | None = None, joint_losses: bool = False, threads: int = 1) -> tuple[Array, Array]:
     """(q, v) of N motions of K steps of `step` s: (N, K + 1, nq) and (N, K + 1, nv), the states given in front.
@@ -98,6 +99,8 @@ def rollout(m: Model, q: ArrayLike, v: ArrayLike,
     Munthe-Kaas' fourth order, as `simulate` with method="rk4"; functions apart, everything runs in `threads` threads,
     several motions at once in the processor's lanes where there are no springs, loops, coupled joints and dry friction.
     joint_losses: whether damping and dry friction act, as in `simulate`.
+    m may be specialised with forward_dynamics, several times as fast; coupled joints then go through the lanes as well, and where
+    it is in float32 so are the motions.
 
     ValueError for wrong shapes, numbers that are not finite, a drive of another mechanism, loops that are open at first and
     step <= 0. SingularError or NotFiniteError, with q, where motions cannot go on; they are NaN from there, and all of them
@@ -113,13 +116,15 @@ def rollout(m: Model, q: ArrayLike, v: ArrayLike,
     >>> bool(np.max(np.abs(q[:, -1])) < 1e-2)
     True
     """
+    compiled = m if isinstance(m, Specialised) else None
+    m = m.model if isinstance(m, Specialised) else m
     if isinstance(tau, (Sampled, PD, ComputedTorque)):
         tau = tau.on(m)
     given: dict[str, Any] = {"threads": threads, "joint_losses": joint_losses}
     if steps is None:
         if callable(tau):
             raise ValueError("steps is missing; it says how many, where tau is a function or a drive")
-        return _axode.rollout_under(m, q, v, tau, step, **given)
+        return _axode.rollout_under(m, q, v, tau, step, compiled, **given)
     if steps < 0:
         raise ValueError(f"steps is {steps}; it must not be negative")
     if not callable(tau):
@@ -127,19 +132,20 @@ def rollout(m: Model, q: ArrayLike, v: ArrayLike,
             raise ValueError("steps is for functions, drives and constant forces (nv,); tau has forces for each step")
         tau = Sampled([0.0], np.asarray(tau)[None]).on(m)
     if isinstance(tau, _axode.Drive):
-        return _axode.rollout_driven(m, q, v, tau, steps, step, **given)
+        return _axode.rollout_driven(m, q, v, tau, steps, step, compiled, **given)
     q_0, v_0 = np.asarray(q, dtype=np.float64), np.asarray(v, dtype=np.float64)
-    all_q = np.full((*q_0.shape[:-1], steps + 1, m.nq), np.nan)
-    all_v = np.full((*q_0.shape[:-1], steps + 1, m.nv), np.nan)
     none = np.empty((*q_0.shape[:-1], 0, m.nv))
-    all_q[..., :1, :], all_v[..., :1, :] = _axode.rollout_under(m, q_0, v_0, none, step, **given)
+    q_k, v_k = _axode.rollout_under(m, q_0, v_0, none, step, compiled, **given)
+    all_q = np.full((*q_0.shape[:-1], steps + 1, m.nq), np.nan, q_k.dtype)
+    all_v = np.full((*q_0.shape[:-1], steps + 1, m.nv), np.nan, v_k.dtype)
+    all_q[..., :1, :], all_v[..., :1, :] = q_k, v_k
     for k in range(steps):
         q_k, v_k = all_q[..., k, :], all_v[..., k, :]
         forces = np.asarray(tau(k * step, q_k.copy(), v_k.copy()), dtype=np.float64)
         if forces.shape != v_k.shape:
             raise ValueError(f"tau(t, q, v): expected shape {v_k.shape}, got {forces.shape}")
         try:
-            q_1, v_1 = _axode.rollout_under(m, q_k, v_k, forces[..., None, :], step, **given)
+            q_1, v_1 = _axode.rollout_under(m, q_k, v_k, forces[..., None, :], step, compiled, **given)
         except StatesError as error:
             all_q[..., k:k + 2, :] = error.result
             error.result = all_q

@@ -112,6 +112,12 @@ class _Mechanism:
         """The same with a gravity of 1 m/s^2 against x, y and z: potential energies are first moments of mass."""
         return [_mechanism_of(self.tree.model.with_gravity(-axis)) for axis in np.eye(3)]
 
+    @functools.cached_property
+    def solids(self) -> list[_Mechanism]:
+        """The same with bodies of 1 kg and 10 kg m^2, and then with one more of each parameter in turn."""
+        like = np.tile([1, 0, 0, 0, 10, 10, 10, 0, 0, 0], self.model.n_bodies)
+        return [_Mechanism(self.model.with_parameters(like + more), self.key) for more in [0 * like, *np.eye(len(like))]]
+
 
 def _compiled(s: Specialised) -> dict[str, Callable[..., Any]]:
     """The functions that a specialised model was made with."""
@@ -125,6 +131,8 @@ def _compiled(s: Specialised) -> dict[str, Callable[..., Any]]:
         except ValueError:
             continue  # it is left to the library
         found[name] = getattr(s, name)
+    if "forward_dynamics" in found:
+        found["rollout_under"] = functools.partial(_axode.rollout_under, s.model, compiled=s)
     return found
 
 
@@ -417,8 +425,8 @@ def _times(A: Tensor, x: Tensor) -> Tensor:
     return (A @ x[..., None])[..., 0]
 
 
-NO_SECOND = ("axode.torch has first derivatives by inertial parameters only: give parameters that need no gradient, "
-             "parameters.detach(), where second derivatives are wanted")
+NO_SECOND = ("axode.torch has first derivatives by inertial parameters only where there are loops: give parameters that need no "
+             "gradient, parameters.detach(), where second derivatives are wanted")
 
 
 # Motion and loads of all frames, body-fixed: the parts from which derivatives of poses and by parameters are made
@@ -539,22 +547,59 @@ def _parameters_jvp_of(key: str, q: Tensor, v: Tensor, a: Tensor, dpi: Tensor) -
     return _loads_of(key, q, torch.cat([none, torch.cat([moment, force], dim=-1)], dim=-2))
 
 
+def _of_each_parameter(key: str, name: str, q: Tensor, *others: Tensor) -> Iterator[tuple[Array, ...]]:
+    """A function that is linear in the parameters, of 1 for one of them and 0 for all others, for each in turn."""
+    arrays = [_mechanism(key).configurations(q), *map(_array, others)]
+    like, *each = (mechanism(name, *arrays) for mechanism in _mechanism(key).solids)
+    for found in each:
+        yield tuple(x - y for x, y in zip(found, like))
+
+
+def _parameters_gradient_of(key: str, q: Tensor, v: Tensor, a: Tensor, w: Tensor, dpi: Tensor) -> tuple[Tensor, ...]:
+    """Of w . Y dpi, along q and by v and a."""
+    each = zip(_components(dpi), _of_each_parameter(key, "inverse_dynamics_vjp", q, v, a, w))
+    by = [tuple(c[..., None] * _tensor(x, q) for x in found) for c, found in each]
+    return tuple(torch.stack(parts).sum(dim=0) for parts in zip(*by))
+
+
+def _parameters_along_of(key: str, q: Tensor, v: Tensor, a: Tensor, w: Tensor, dq: Tensor, dv: Tensor, da: Tensor) -> Tensor:
+    """What a direction does to w . Y."""
+    each = _of_each_parameter(key, "inverse_dynamics_jvp", q, v, a, dq, dv, da)
+    return torch.stack([(w * _tensor(change, q)).sum(dim=-1) for change, in each], dim=-1)
+
+
+def _parameters_by_state(ctx: Any, key: str, q: Tensor, v: Tensor, a: Tensor, w: Tensor,
+                         dpi: Tensor) -> tuple[Tensor | None, ...]:
+    if not any(ctx.needed[:3]):
+        return None, None, None
+    by_q, by_v, by_a = _parameters_gradient(key, q, v, a, w, dpi)
+    return _by_coordinates(key, q, by_q), by_v, by_a
+
+
 def _parameters_vjp_backward(ctx: Any, key: Any, x: Any, result: Any, c: Tensor) -> tuple[Tensor | None, ...]:
-    if any(ctx.needed[:3]):
-        raise NotImplementedError(NO_SECOND)
-    return None, None, None, _parameters_jvp(key, *x[:3], c)
+    q, v, a, w = x
+    return *_parameters_by_state(ctx, key, q, v, a, w, c), _parameters_jvp(key, q, v, a, c) if ctx.needed[3] else None
+
+
+def _parameters_vjp_forward(key: Any, x: Any, result: Any, dq: Tensor, dv: Tensor, da: Tensor, dw: Tensor) -> Tensor:
+    return _parameters_along(key, *x, _along(key, x[0], dq), dv, da) + _parameters_vjp(key, *x[:3], dw)
 
 
 def _parameters_jvp_backward(ctx: Any, key: Any, x: Any, result: Any, c: Tensor) -> tuple[Tensor | None, ...]:
-    if any(ctx.needed[:3]):
-        raise NotImplementedError(NO_SECOND)
-    return None, None, None, _parameters_vjp(key, *x[:3], c)
+    q, v, a, dpi = x
+    return *_parameters_by_state(ctx, key, q, v, a, c, dpi), _parameters_vjp(key, q, v, a, c) if ctx.needed[3] else None
 
 
-_parameters_vjp = _operation(
+_parameters_gradient = _operation(
+    "inverse_dynamics_parameters_gradient(str model, Tensor q, Tensor v, Tensor a, Tensor w, Tensor dpi)"
+    " -> (Tensor, Tensor, Tensor)", _parameters_gradient_of, _three_of_v)
+_parameters_along = _operation(
+    "inverse_dynamics_parameters_along(str model, Tensor q, Tensor v, Tensor a, Tensor w, Tensor dq, Tensor dv, Tensor da)"
+    " -> Tensor", _parameters_along_of, lambda key, q, *others: _empty(q, _sizes(key)[2]))
+_parameters_vjp: Callable[..., Any] = _operation(
     "inverse_dynamics_parameters_vjp(str model, Tensor q, Tensor v, Tensor a, Tensor w) -> Tensor",
-    _parameters_vjp_of, lambda key, q, v, a, w: _empty(q, _sizes(key)[2]), _parameters_vjp_backward)
-_parameters_jvp = _operation(
+    _parameters_vjp_of, lambda key, q, v, a, w: _empty(q, _sizes(key)[2]), _parameters_vjp_backward, _parameters_vjp_forward)
+_parameters_jvp: Callable[..., Any] = _operation(
     "inverse_dynamics_parameters_jvp(str model, Tensor q, Tensor v, Tensor a, Tensor dpi) -> Tensor",
     _parameters_jvp_of, _one_of_v, _parameters_jvp_backward)
 
@@ -606,23 +651,53 @@ class _Dynamics:
         by_q, by_v, by_x = self.hessian(key, True, q, v, last, parameters, w, *directions)
         return _by_coordinates(key, q, by_q), by_v, by_x
 
-    def _vjp_backward(self, ctx: Any, key: Any, x: Any, result: Any, *directions: Tensor) -> tuple[Tensor | None, ...]:
-        if ctx.needed[3]:
+    def _by_parameters(self, key: str, x: Any, w: Tensor, directions: Any) -> Tensor:
+        """The gradient of w . f' by the parameters, f' being what the directions do to f.
+
+        With the accelerations a, their change a' and l = M^-1 w, parameters dpi change w . a' by -l . (Y dpi)' where a is
+        held, and by l . M' M^-1 Y dpi through a.
+        """
+        q, v, last, parameters = x
+        if self.name == "inverse_dynamics":
+            return _parameters_along(key, q, v, last, w, *directions)
+        still, none = self._still(key), torch.zeros_like(v)
+        a, l = self.value(key, *x), self.vjp(key, *x, w)[2]
+        turned = _inverse_dynamics.jvp(still, q, none, l, parameters, directions[0], none, none)
+        return (_parameters_vjp(key, q, v, a, self.jvp(key, *x, none, none, turned))
+                - _parameters_along(key, q, v, a, l, *directions[:2], self.jvp(key, *x, *directions)))
+
+    def _gradient_along_parameters(self, key: str, x: Any, w: Tensor, dpi: Tensor) -> tuple[Tensor, ...]:
+        """What parameters dpi more do to the gradient of w . f; of accelerations it is -(l T_q, l T_v, -l) with T(q, v, a) = tau."""
+        q, v, last, parameters = x
+        if self.name == "inverse_dynamics":
+            return tuple(_parameters_gradient(key, q, v, last, w, dpi))
+        still, none = self._still(key), torch.zeros_like(v)
+        a, l = self.value(key, *x), self.vjp(key, *x, w)[2]
+        da, dl = (self.jvp(key, *x, none, none, -_parameters_jvp(*state, dpi)) for state in ((key, q, v, a), (still, q, none, l)))
+        held, by_l = _parameters_gradient(key, q, v, a, l, dpi), _inverse_dynamics.vjp(key, q, v, a, parameters, dl)
+        through_a = _inverse_dynamics.vjp(still, q, none, da, parameters, l)
+        return -(held[0] + by_l[0] + through_a[0]), -(held[1] + by_l[1]), dl
+
+    def _still(self, key: str) -> str:
+        if _mechanism(key).model.n_loops > 0:
             raise NotImplementedError(NO_SECOND)
+        return _mechanism(key).still.key
+
+    def _vjp_backward(self, ctx: Any, key: Any, x: Any, result: Any, *directions: Tensor) -> tuple[Tensor | None, ...]:
         second = self._second(key, x, x[4], directions) if any(ctx.needed[:3]) else (None, None, None)
-        return *second, None, self.jvp(key, *x[:4], *directions) if ctx.needed[4] else None
+        return (*second, self._by_parameters(key, x[:4], x[4], directions) if ctx.needed[3] else None,
+                self.jvp(key, *x[:4], *directions) if ctx.needed[4] else None)
 
     def _vjp_forward(self, key: Any, x: Any, result: Any, dq: Any, dv: Any, dx: Any, dpi: Any, dw: Any) -> tuple[Tensor, ...]:
+        changes = [self.hessian(key, False, *x, _along(key, x[0], dq), dv, dx), self.vjp(key, *x[:4], dw)]
         if dpi is not None:
-            raise NotImplementedError(NO_SECOND)
-        second = self.hessian(key, False, *x, _along(key, x[0], dq), dv, dx)
-        return tuple(a + b for a, b in zip(second, self.vjp(key, *x[:4], dw)))
+            changes.append(self._gradient_along_parameters(key, x[:4], x[4], dpi))
+        return tuple(sum(parts) for parts in zip(*changes))
 
     def _jvp_backward(self, ctx: Any, key: Any, x: Any, result: Any, w: Tensor) -> tuple[Tensor | None, ...]:
-        if ctx.needed[3]:
-            raise NotImplementedError(NO_SECOND)
         second = self._second(key, x, w, x[4:]) if any(ctx.needed[:3]) else (None, None, None)
-        return *second, None, *(self.vjp(key, *x[:4], w) if any(ctx.needed[4:]) else (None, None, None))
+        by_parameters = self._by_parameters(key, x[:4], w, x[4:]) if ctx.needed[3] else None
+        return *second, by_parameters, *(self.vjp(key, *x[:4], w) if any(ctx.needed[4:]) else (None, None, None))
 
     def _backward(self, ctx: Any, key: Any, x: Any, result: Any, w: Tensor) -> tuple[Tensor | None, ...]:
         q, v, last, parameters = x
@@ -878,8 +953,8 @@ def inverse_dynamics(m: Model | Specialised, q: Tensor, v: Tensor, a: Tensor, *,
     """tau = M(q) a + C(q, v) v + g(q), (..., nv), as `axode.inverse_dynamics`.
 
     parameters, (..., 10 n_bodies), are inertial parameters in the place of `m.parameters`, one set for all states or one
-    for each. Derivatives up to the second by q, v and a, the first by parameters. O(n), backwards too. ValueError for
-    wrong shapes, types and devices, and models with loops; ModelError for masses below 0.
+    for each. Derivatives up to the second; those by parameters and the state take 10 n_bodies + 1 products each. O(n), backwards
+    too. ValueError for wrong shapes, types and devices, and models with loops; ModelError for masses below 0.
 
     >>> q, v, a = torch.full((3, 1000, 7), 0.5, dtype=torch.float64)
     >>> pi = torch.tensor(arm.parameters, requires_grad=True)

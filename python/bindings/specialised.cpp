@@ -2,65 +2,51 @@
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
-#include <variant>
-
 #include "axode/model/check_no_loops.hpp"
 #include "bindings.hpp"
 #include "codegen.hpp"
 #include "named_tuple.hpp"
+#include "specialised.hpp"
 #include "state_function.hpp"
 
 namespace axode::python {
-namespace {
 
 using namespace nb::literals;
 using codegen::Function;
 using codegen::Quantity;
 
-/// Specialised as Python holds it, with the model that it was made of.
-class BoundSpecialised {
- public:
-  using Any = std::variant<Specialised<double>, Specialised<float>>;
-  BoundSpecialised(nb::object model, Any functions)
-      : model_(std::move(model)), functions_(std::move(functions)) {}
+void BoundSpecialised::check(const Function& wanted) const {
+  if (!std::visit([&](const auto& functions) { return functions.has(wanted); }, functions_))
+    throw nb::value_error(
+        ("this specialised model was made without " +
+         std::string(codegen::quantities[static_cast<std::size_t>(wanted.quantity)]) +
+         (wanted.quantity == Quantity::jacobian ? " of that frame in that representation" : "") +
+         "; name it among the functions of Model.specialise")
+            .c_str());
+}
 
-  const nb::object& python_model() const { return model_; }
-  const BoundModel& model() const { return *nb::inst_ptr<BoundModel>(model_); }
-  bool is_single() const { return functions_.index() == 1; }
-  void check(const Function& wanted) const {
-    if (!std::visit([&](const auto& functions) { return functions.has(wanted); }, functions_))
-      throw nb::value_error(
-          ("this specialised model was made without " +
-           std::string(codegen::quantities[static_cast<std::size_t>(wanted.quantity)]) +
-           (wanted.quantity == Quantity::jacobian ? " of that frame in that representation" : "") +
-           "; name it among the functions of Model.specialise")
-              .c_str());
-  }
-  batch::Outcome run(const Function& function, const catalog::Given<double>& given, std::span<double> out,
-                     int threads, const batch::Monitor& monitor) const {
-    if (const auto* doubles = std::get_if<Specialised<double>>(&functions_))
-      return (*doubles)(function, given, out, threads, monitor);
-    const auto cast = [](std::span<const double> numbers) {
-      return std::vector<float>(numbers.begin(), numbers.end());
-    };
-    std::array<std::vector<float>, catalog::inputs_of_numbers.size()> arguments;
-    catalog::Given<double> doubles = given;
-    catalog::Given<float> floats;
-    for (std::size_t k = 0; k < arguments.size(); ++k) {
-      arguments[k] = cast(catalog::numbers(doubles, catalog::inputs_of_numbers[k]));
-      catalog::numbers(floats, catalog::inputs_of_numbers[k]) = arguments[k];
-    }
-    std::vector<float> result(out.size());
-    const batch::Outcome outcome =
-        std::get<Specialised<float>>(functions_)(function, floats, result, threads, monitor);
-    std::ranges::copy(result, out.begin());
-    return outcome;
-  }
+namespace {
 
- private:
-  nb::object model_;
-  Any functions_;
-};
+batch::Outcome run(const BoundSpecialised& s, const Function& function, const catalog::Given<double>& given,
+                   std::span<double> out, int threads, const batch::Monitor& monitor) {
+  if (const auto* doubles = std::get_if<Specialised<double>>(&s.functions()))
+    return (*doubles)(function, given, out, threads, monitor);
+  const auto cast = [](std::span<const double> numbers) {
+    return std::vector<float>(numbers.begin(), numbers.end());
+  };
+  std::array<std::vector<float>, catalog::inputs_of_numbers.size()> arguments;
+  catalog::Given<double> doubles = given;
+  catalog::Given<float> floats;
+  for (std::size_t k = 0; k < arguments.size(); ++k) {
+    arguments[k] = cast(catalog::numbers(doubles, catalog::inputs_of_numbers[k]));
+    catalog::numbers(floats, catalog::inputs_of_numbers[k]) = arguments[k];
+  }
+  std::vector<float> result(out.size());
+  const batch::Outcome outcome =
+      std::get<Specialised<float>>(s.functions())(function, floats, result, threads, monitor);
+  std::ranges::copy(result, out.begin());
+  return outcome;
+}
 
 nb::object as_float32(const nb::object& result) {
   if (!nb::isinstance<nb::tuple>(result)) return result.attr("astype")("float32");
@@ -74,7 +60,7 @@ nb::object called(const BoundSpecialised& s, const Function& function, const Sta
   s.check(function);
   const Instead instead = [&](const catalog::Given<double>& all, std::span<double> out,
                               const batch::Monitor& monitor) {
-    return s.run(function, all, out, given.threads, monitor);
+    return run(s, function, all, out, given.threads, monitor);
   };
   given.instead = &instead;
   nb::object result = f.named(type, s.model(), given);

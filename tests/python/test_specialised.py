@@ -231,3 +231,39 @@ def test_threads_share_one():
     for thread in threads:
         thread.join()
     assert not wrong
+
+
+@pytest.mark.parametrize("losses", [False, True])
+def test_rollouts_are_the_librarys(losses):
+    q, v, *_ = random_states(PENDULUM, 20, seed=3)
+    tau = np.random.default_rng(4).uniform(-1, 1, (20, 30, 2))
+    pd = axode.drives.PD(3.0, 0.1, np.zeros(2), clip=True)
+    ways = [(tau, None), (tau[0, 0], 30), (pd, 30), (lambda t, q, v: -0.1 * v, 30)]
+    for scalar, tolerance in (("float64", 1e-11), ("float32", 1e-4)):
+        s = PENDULUM.specialise(["forward_dynamics"], scalar, flags=QUICKLY)
+        for forces, steps in ways:
+            given = {"steps": steps, "joint_losses": losses}
+            expected = axode.rollout(PENDULUM, q, v, forces, 1e-3, **given)
+            found = axode.rollout(s, q, v, forces, 1e-3, **given, threads=2)
+            one = forces[0] if steps is None else forces
+            alone = axode.rollout(s, q[0], v[0], one, 1e-3, **given)
+            for x, y, z in zip(found, expected, alone, strict=True):
+                assert x.dtype == z.dtype == scalar
+                assert close(x, y, tolerance) and close(z, y[0], tolerance)
+
+
+def test_rollouts_by_a_specialised_model_are_checked_as_the_librarys_are():
+    s = PENDULUM.specialise(["forward_dynamics"], flags=QUICKLY)
+    q, v, tau = np.zeros((4, 2)), np.zeros((4, 2)), np.zeros((4, 3, 2))
+    for wrong in [(q[:, :1], v, tau, 1e-3), (q, v, tau[0], 1e-3), (q, v, tau, 0), (q, v, np.full((4, 3, 2), np.nan), 1e-3)]:
+        with pytest.raises(ValueError) as theirs:
+            axode.rollout(PENDULUM, *wrong)
+        with pytest.raises(ValueError) as ours:
+            axode.rollout(s, *wrong)
+        assert str(ours.value) == str(theirs.value)
+    v[2, 1] = 1e200
+    with pytest.raises(axode.NotFiniteError) as raised:
+        axode.rollout(s, q, v, tau, 1e-3)
+    assert raised.value.states == [2]
+    with pytest.raises(ValueError, match="made without forward_dynamics; name it among the functions of Model.specialise"):
+        axode.rollout(PENDULUM.specialise(["mass_matrix"], flags=QUICKLY), q, v, tau, 1e-3)

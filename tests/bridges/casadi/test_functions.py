@@ -27,8 +27,8 @@ FRAMES = {"arm": "flange", "machine": "chip", "walker": "left leg"}
 
 
 def quantities(name):
-    some = ["forward_dynamics", "inverse_dynamics", "mass_matrix", "coordinate_rates"]
-    return some if name == "arm" else [*some, "inverse_mass_matrix", "poses", ("pose", FRAMES[name]), ("jacobian", FRAMES[name]),
+    some = ["forward_dynamics", "inverse_dynamics", "mass_matrix", "inverse_mass_matrix", "coordinate_rates"]
+    return some if name == "arm" else [*some, "poses", ("pose", FRAMES[name]), ("jacobian", FRAMES[name]),
                                        ("jacobian", FRAMES[name], "mixed")]
 
 
@@ -136,7 +136,7 @@ def assert_second_derivatives(F, x, symmetric):
     assert not symmetric or np.array_equal(H, H.T)
 
 
-@pytest.mark.parametrize(("name", "quantity"), [case for case in CASES if case[1] != "inverse_mass_matrix"])
+@pytest.mark.parametrize(("name", "quantity"), CASES)
 def test_second_derivatives_are_those_of_differences_and_symmetric(name, quantity):
     F = function(name, quantity)
     assert_second_derivatives(F, arguments(F, MODELS[name]), symmetric=quantity != "coordinate_rates")  # which is CasADi's own
@@ -217,11 +217,35 @@ def test_one_joint_has_second_derivatives():
 
 def test_a_mechanism_that_does_not_move_has_functions():
     m = axode.Model.from_bodies([{"name": "block", "joint": {"kind": "fixed"}, "mass": 1, "com": [0, 0, 0], "inertia": [1, 1, 1]}])
-    for quantity, shape in {"forward_dynamics": (0, 1), "mass_matrix": (0, 0), ("pose", "block"): (4, 4),
+    for quantity, shape in {"forward_dynamics": (0, 1), "mass_matrix": (0, 0), "inverse_mass_matrix": (0, 0), ("pose", "block"): (4, 4),
                             "coordinate_rates": (0, 1)}.items():
         F = axode.casadi.function(m, quantity, flags=QUICK)
         assert F.call([ca.DM(*F.size_in(k)) for k in range(F.n_in())])[0].shape == shape
         F.jacobian()
+
+
+def test_a_mass_matrix_that_is_the_same_everywhere_has_an_inverse_without_derivatives():
+    point = {"com": [0, 0, 0], "inertia": [0, 0, 0]}
+    m = axode.Model.from_bodies([
+        {"name": "cart", "joint": {"kind": "prismatic", "axis": "x", "point": [0, 0, 0]}, "mass": 2, **point},
+        {"name": "slide", "on": "cart", "joint": {"kind": "prismatic", "axis": [1, 1, 0], "point": [0, 0, 0]}, "mass": 1, **point}])
+    F = axode.casadi.function(m, "inverse_mass_matrix", 2, flags=QUICK)
+    q = ca.DM([[0.1, 0.2], [0.3, 0.4]])
+    assert_near(np.array(F(q)), np.hstack(2 * [np.linalg.inv(axode.mass_matrix(m, [0, 0]))]), 1e-12)
+    assert F.jacobian().nnz_out(0) == 0
+    assert_near(numbers([F.forward(1)(q, F(q), q)]), np.zeros(8), 1e-15)
+    assert_near(numbers([F.reverse(1)(q, F(q), F(q))]), np.zeros(4), 1e-15)
+
+
+def test_derivatives_of_the_inverse_mass_matrix_are_those_of_casadis_own_inverse():
+    A, M = function("machine", "inverse_mass_matrix"), function("machine", "mass_matrix")
+    q = ca.MX.sym("q", A.size1_in(0))
+    w = ca.DM(np.random.default_rng(1).uniform(-1, 1, A.size_out(0)))
+    hessians = [ca.Function("H", [q], [ca.hessian(ca.dot(w, inverse), q)[0]]) for inverse in (A(q), ca.inv(M(q)))]
+    x = arguments(A, MODELS["machine"])
+    found, expected = (H.call(x)[0].full() for H in hessians)
+    assert_near(found, expected, 1e-9)
+    assert np.array_equal(found, found.T) and found.any()
 
 
 def test_of_many_states_it_is_the_function_of_each_with_derivatives_on_the_diagonal():

@@ -152,6 +152,29 @@ def test_gradients_by_parameters_are_those_of_differences(mechanism, name):
                          rtol=1e-5, fast_mode=True)
 
 
+@every_mechanism
+@pytest.mark.parametrize("name", WITH_PARAMETERS)
+def test_second_derivatives_by_parameters_are_those_of_differences(mechanism, name):
+    m, f = SOLID[mechanism], function(name, SOLID[mechanism])
+    arguments = leaves(arguments_of(name, m, 2))
+    pi = torch.tensor(m.parameters).requires_grad_()
+    assert gradgradcheck(lambda pi, *x: f(*x, parameters=pi), [pi, *arguments], eps=1e-7, atol=1e-4, rtol=1e-4, fast_mode=True)
+
+
+@pytest.mark.parametrize("name", WITH_PARAMETERS)
+def test_hessians_by_parameters_are_the_same_both_ways(name):
+    arguments, pi = arguments_of(name, ARM), torch.tensor(ARM.parameters)
+
+    def loss(pi, q):
+        return function(name, ARM)(q, *arguments[1:], parameters=pi).square().sum()
+
+    one = torch.func.hessian(loss, argnums=(0, 1))(pi, arguments[0])
+    other = torch.func.jacrev(torch.func.jacrev(loss, argnums=(0, 1)), argnums=(0, 1))(pi, arguments[0])
+    for k in range(2):
+        for l in range(2):
+            assert close(one[k][l], other[k][l], 1e-8) and close(one[k][l], one[l][k].T, 1e-8)
+
+
 @pytest.mark.parametrize("name", WITH_PARAMETERS)
 def test_parameters_may_differ_from_state_to_state(name):
     f, arguments = function(name, ARM), arguments_of(name, ARM, 2, 3)
@@ -276,8 +299,10 @@ def operations():
         yield getattr(o, name + "_vjp"), (key, q, v, a, None, w)
         yield getattr(o, name + "_jvp"), (key, q, v, a, None, w, w, w)
         yield getattr(o, name + "_hessian"), (key, True, *(x.detach() for x in (q, v, a, pi, w, w, w, w)))
-    yield o.inverse_dynamics_parameters_vjp, (key, *(x.detach() for x in (q, v, a)), w)
-    yield o.inverse_dynamics_parameters_jvp, (key, *(x.detach() for x in (q, v, a)), pi)
+    yield o.inverse_dynamics_parameters_vjp, (key, q, v, a, w)
+    yield o.inverse_dynamics_parameters_jvp, (key, q, v, a, pi)
+    yield o.inverse_dynamics_parameters_gradient, (key, *(x.detach() for x in (q, v, a, w, pi)))
+    yield o.inverse_dynamics_parameters_along, (key, *(x.detach() for x in (q, v, a, w, w, w, w)))
     yield o.mass_matrix, (key, q, pi)
     yield o.inverse_mass_matrix, (key, q, None)
     yield o.kinetic_energy, (key, q, v, pi)
@@ -457,7 +482,7 @@ def test_workers_of_a_loader_use_models():
 
 
 def test_specialised_models_serve_as_well():
-    functions = ["inverse_dynamics", "inverse_dynamics_vjp", "mass_matrix"]
+    functions = ["inverse_dynamics", "inverse_dynamics_vjp", "mass_matrix", "forward_dynamics"]
     q, v, a, w = states(ARM, 3)
     for scalar, dtype, tolerance in (("float64", torch.float64, 1e-11), ("float32", torch.float32, 1e-5)):
         fast = ARM.specialise(functions, scalar, flags=["-O1"])
@@ -471,6 +496,10 @@ def test_specialised_models_serve_as_well():
         assert torch.isfinite(second).all() and second.any()
         assert close(axode.torch.mass_matrix(fast, q), axode.torch.mass_matrix(ARM, q), tolerance)
         assert close(axode.torch.center_of_mass(fast, q), axode.torch.center_of_mass(ARM, q))
+        forces = torch.ones(3, 20, 7, dtype=dtype)
+        path = axode.torch.rollout(fast, *x[:2], forces, 1e-3)
+        assert all(np.array_equal(x.detach(), y) for x, y in zip(
+            path, axode.rollout(fast, *(x.numpy() for x in (*(x.detach() for x in x[:2]), forces)), 1e-3)))
     with pytest.raises(ValueError, match="compiled into it"):
         axode.torch.inverse_dynamics(fast, q, v, a, parameters=torch.tensor(ARM.parameters))
 
@@ -549,8 +578,9 @@ def test_derivatives_that_there_are_not_are_refused():
     q, v, a, _ = leaves(states(ARM))
     pi = torch.tensor(ARM.parameters).requires_grad_()
     gradient, = torch.autograd.grad(axode.torch.inverse_dynamics(ARM, q, v, a, parameters=pi).sum(), q, create_graph=True)
-    with pytest.raises(NotImplementedError, match="first derivatives by inertial parameters only"):
-        gradient.sum().backward()
+    second, = torch.autograd.grad(gradient.sum(), pi, create_graph=True)
+    with pytest.raises(NotImplementedError, match="no derivatives of inverse dynamics parameters along"):
+        second.sum().backward()
     gradient, = torch.autograd.grad(axode.torch.inverse_dynamics(ARM, q, v, a).sum(), q, create_graph=True)
     second, = torch.autograd.grad(gradient.square().sum(), q, create_graph=True)
     with pytest.raises(NotImplementedError, match="no derivatives of inverse dynamics hessian"):

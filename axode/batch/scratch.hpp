@@ -1,0 +1,15 @@
+#pragma once
+#include <cstddef>
+#include <memory>
+#include <new>
+
+namespace axode::batch {
+
+/// Memory for n numbers, or for bytes, from a cache line on; none for 0. Nothing in it is set.
+template <class T> std::shared_ptr<T> scratch(std::size_t n) {
+  if (n == 0) return nullptr;
+  return {static_cast<T*>(::operator new (n * sizeof(T), std::align_val_t{64})),
+          [](T* p) { ::operator delete (p, std::align_val_t{64}); }};
+}
+
+}  // namespace axode::batch
