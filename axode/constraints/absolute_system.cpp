@@ -85,9 +85,9 @@ AbsoluteSystem::AbsoluteSystem(const Model& model, BodyGroup kind)
       if (tree().armature[index(c)] != 0) rotors_.push_back({i, c, along});
     }
   }
-  const auto unplaced = std::ranges::stable_partition(
-      rotors_, [&](const Rotor& rotor) { return model.joint(rotor.joint).nv == 1; });
-  n_placed_rotors_ = n_rotors() - static_cast<int>(unplaced.size());
+  const auto unplaced = std::stable_partition(
+      rotors_.begin(), rotors_.end(), [&](const Rotor& rotor) { return model.joint(rotor.joint).nv == 1; });
+  n_placed_rotors_ = static_cast<int>(unplaced - rotors_.begin());
   if (n_ > 0) C_[0].r = -(tree().B[1].r + tree().B[1].R * com_[1]);
   group_tree_ = group_of(n_, n_rotors(), kind);
 }

@@ -181,7 +181,7 @@ template <class G, class T> struct FastArticulatedBodies {
     const std::ptrdiff_t nv = tree->nv;
     couple(tree);
     int last = tree->n;
-    for (int first = (tree->nv - 1) / L::width * L::width; first >= 0; first -= L::width) {
+    for (int first = last_block<T>(tree->nv); first >= 0; first -= L::width) {
       while (tree->iv[last] >= first + L::width) --last;
       solve(
           tree, last, [&](int i) { return tree->velocity_end[tree->iv[i]] > first; },

@@ -64,7 +64,7 @@ template <class T> struct FastCompositeBodies {
         for (int j = end; j < tree->nv; ++j) row[j] = column[j * nv] = T(0);
       }
     } else {
-      const int last = (tree->nv - 1) / L::width * L::width;
+      const int last = last_block<T>(tree->nv);
       for (int i = last; i >= 0; i -= L::width)
         for (int j = last; j >= i; j -= L::width) write_block(tree, i, j, out);
     }

@@ -17,6 +17,11 @@ template <class T> [[gnu::always_inline]] inline SquareBlock<T> turned(const Squ
   return rows;
 }
 
+/// Where the last block of n rows begins; before the first row where there is none.
+template <class T> int last_block(int n) {
+  return (n + Lanes<T>::width - 1) / Lanes<T>::width * Lanes<T>::width - Lanes<T>::width;
+}
+
 /// Row i of the matrix from column j on, if there is one. What it writes too much for its row is the start of the next ones,
 /// which are to be written later.
 template <class T>
