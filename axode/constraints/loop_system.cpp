@@ -134,7 +134,6 @@ template <class T> void LoopSystem<T>::place(const T* q) noexcept {
   auto& links = dynamics_->bodies.links;
   links.run(tree(), q);
   link_ = links.link, origin_ = links.origin;
-  joint_columns(tree(), link_, dynamics_->bodies.S);
   place_loops();
 }
 
@@ -147,7 +146,6 @@ template <class T> void LoopSystem<T>::place(const SE3<T>* C, const Vec3<T>& ori
     origin_[root] = origin + C[root].r;
     for (int i = root; i < topology.subtree_end[root]; ++i) link_[i] = {{C[i].R, C[i].r - C[root].r}};
   });
-  joint_columns(tree(), link_, dynamics_->bodies.S);
   place_loops();
 }
 
@@ -158,11 +156,15 @@ void LoopSystem<T>::force(const T* q, const T* v, const T* a, const Loads<T>& lo
   recursion.project(tree(), v, a, loads.joint_losses, tau);
   link_ = recursion.motion.bodies.link, origin_ = recursion.origin;
   dynamics_->bodies.links.link = link_;
-  joint_columns(tree(), link_, dynamics_->bodies.S);
   place_loops();
 }
 
 template <class T> void LoopSystem<T>::place_loops() noexcept {
+  joint_columns(tree(), link_, dynamics_->bodies.S);
+  place_ends();
+}
+
+template <class T> void LoopSystem<T>::place_ends() noexcept {
   for (std::size_t k = 0; k < at_.size(); ++k) {
     const LoopPath& path = paths_[k];
     if (path.loop->kind == LoopKind::coupling) continue;

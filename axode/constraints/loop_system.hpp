@@ -142,7 +142,9 @@ template <class T> class LoopSystem {
   void bias(std::size_t k, const typename LoopAt<T>::Wrenches& W, const Twist<Spatial, T>* V,
             const TwistRate<Spatial, T>* dV, T* gamma) const noexcept;
   template <int n> void pull_rows_quickly(const LoopPath& path, const State& at, int row) noexcept;
+  /// Joint screws, and the loops between the bodies where they end.
   void place_loops() noexcept;
+  void place_ends() noexcept;  ///< the loops alone
   void make_entries() noexcept;
   /// All that solve_rows() needs, at the place.
   Solvability prepare(Rows rows, const T* q) noexcept;

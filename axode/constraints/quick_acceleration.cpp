@@ -42,7 +42,7 @@ bool LoopSystem<T>::accelerate_quickly(const T* q, const T* v, const T* tau, con
   each_velocity([&](int c, const auto& pivot) { root_[c] = value(pivot.D_inv), w_[c] = value(pivot.u); });
   root_ = root_.cwiseSqrt();
   w_.array() /= root_.array();
-  place_loops();
+  place_ends();
   make_wrenches(Rows::velocities);
   for (std::size_t k = 0; k < at_.size(); ++k) {
     each_register_of_rows<T>(count(paths_[k]),
