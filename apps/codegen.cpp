@@ -15,8 +15,6 @@
 namespace axode::command {
 namespace {
 
-using codegen::Quantity;
-
 struct Options {
   ModelOptions mechanism;
   std::string functions = "inverse_dynamics", name, out, abi = "plain";
@@ -67,7 +65,7 @@ template <class Meaning, std::size_t N> constexpr auto named(const std::array<st
   for (std::size_t k = 0; k < N; ++k) pairs[k] = {words[k], static_cast<Meaning>(k)};
   return pairs;
 }
-constexpr auto quantities = named<Quantity>(codegen::quantities);
+constexpr auto functions = named<std::size_t>(codegen::recorded_functions);
 constexpr auto abis = named<codegen::Abi>(codegen::abis);
 
 bool has_frame(const Model& model, std::string_view name) {
@@ -75,32 +73,32 @@ bool has_frame(const Model& model, std::string_view name) {
 }
 
 /// `pose:FRAME`, `jacobian:FRAME` or `jacobian:FRAME:REP`; the name of a frame may have colons itself.
-codegen::Function of_a_frame(const Model& model, Quantity quantity, std::string frame) {
+codegen::Function of_a_frame(const Model& model, codegen::Function function, std::string frame) {
   if (frame.empty())
-    throw UsageError(quantity == Quantity::pose
+    throw UsageError(function.is("pose")
                          ? "--functions: pose needs a frame: pose:FRAME"
                          : "--functions: jacobian needs a frame: jacobian:FRAME or jacobian:FRAME:REP");
-  Representation representation = Representation::body;
   const std::size_t colon = frame.rfind(':');
-  if (quantity == Quantity::jacobian && colon != std::string::npos && !has_frame(model, frame)) {
-    representation = choose("--functions: " + frame, frame.substr(colon + 1), representations);
+  if (function.is("jacobian") && colon != std::string::npos && !has_frame(model, frame)) {
+    function.representation = choose("--functions: " + frame, frame.substr(colon + 1), representations);
     frame.resize(colon);
   }
-  return {quantity, model.frame_index(frame), representation};
+  function.frame = model.frame_index(frame);
+  return function;
 }
 
 std::vector<codegen::Function> wanted(const Model& model, const std::string& list) {
-  std::vector<codegen::Function> functions;
+  std::vector<codegen::Function> all;
   for (const std::string& word : CLI::detail::split(list, ',')) {
     const std::size_t colon = std::min(word.find(':'), word.size());
-    const Quantity quantity = choose("--functions", word.substr(0, colon), quantities);
+    const std::size_t chosen = choose("--functions", word.substr(0, colon), functions);
+    const codegen::Function function{*catalog::Id::of(codegen::recorded_functions[chosen])};
     const std::string rest = word.substr(std::min(colon + 1, word.size()));
-    if (!codegen::is_of_a_frame(quantity) && colon < word.size())
+    if (!function.is_of_a_frame() && colon < word.size())
       throw UsageError("--functions: \"" + word + "\": only jacobian and pose are about a frame");
-    functions.push_back(codegen::is_of_a_frame(quantity) ? of_a_frame(model, quantity, rest)
-                                                         : codegen::Function{quantity});
+    all.push_back(function.is_of_a_frame() ? of_a_frame(model, function, rest) : function);
   }
-  return functions;
+  return all;
 }
 
 void run(const Options& options) {

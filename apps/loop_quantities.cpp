@@ -96,16 +96,4 @@ std::vector<Quantity> loop_quantities() {
           {"constraint_wrenches", "wrenches of the loops under the drive forces tau", loop_wrenches_answer}};
 }
 
-Solvability with_loops(const Question& ask, std::string_view function, const Loads<>& loads,
-                       std::span<double> out) {
-  LoopWorkspace<> workspace(ask.model);
-  const State& state = ask.state;
-  if (function == "forward_dynamics")
-    return forward_dynamics(ask.model, workspace, state.q, state.v, state.tau, out, {}, loads);
-  const double left = inverse_dynamics(ask.model, workspace, state.q, state.v, state.a, out, {},
-                                       std::span<const int>(), loads);
-  check_driven(left, "make these accelerations");
-  return {};
-}
-
 }  // namespace axode::command

@@ -2,9 +2,13 @@
 
 #include <fmt/format.h>
 
+#include <optional>
+
 #include "axode/catalog.hpp"
 #include "axode/dynamics.hpp"
+#include "axode/constraints/loops.hpp"
 #include "axode/model/inertial_parameters.hpp"
+#include "axode/table/check_counts.hpp"
 #include "commands.hpp"
 
 /// An answer for each row of the catalogue: numbers of any shape as JSON and as a table.
@@ -271,19 +275,13 @@ const Row& row_of(std::string_view name, Representation representation) {
                              [&]<class Rep>(Rep) -> const Row& { return *catalog::find<Rep>(name); });
 }
 
-/// Whether a function is another one for a mechanism with loops.
-bool counts_loops(const Question& ask, std::string_view function) {
-  if (ask.model.loops().empty()) return false;
-  if (function.starts_with("forward_dynamics_"))
-    throw InputError(
-        fmt::format("{} does not count loops, and model \"{}\" has some", function, ask.model.name()));
-  return function == "forward_dynamics" || function == "inverse_dynamics";
-}
-
 Answer answer(const Question& ask, std::string_view name) {
   const Row& row = row_of(name, ask.representation);
   const Model& model = ask.model;
+  catalog::check_counts(row, model, catalog::Way::whole);
   Workspace<> workspace(model);
+  std::optional<LoopWorkspace<>> loops;
+  if (!model.loops().empty() && row.call_with_loops != nullptr) loops.emplace(model);
   const State& state = ask.state;
   catalog::Given<double> given{state.q, state.v, state.a, state.tau, state.p};
   given.dq = state.dq, given.dv = state.dv, given.da = state.da, given.dtau = state.dtau, given.w = state.w;
@@ -300,8 +298,8 @@ Answer answer(const Question& ask, std::string_view name) {
   Answer made{label_of(row, ask.representation), Json::object(), Table(result.headings())};
   std::vector<double> out(row.size(model, ask.state.loads.size()));
   const auto make = [&](const std::string& who) {
-    const Solvability outcome = counts_loops(ask, row.name) ? with_loops(ask, row.name, given.loads, out)
-                                                            : row.call(model, workspace, given, out);
+    const Solvability outcome =
+        loops ? row.call_with_loops(model, *loops, given, out) : row.call(model, workspace, given, out);
     if (!outcome.ok()) throw InputError(who + to_string(model, outcome));
     std::vector<Reals> results;
     for (std::size_t k = 0, size = out.size() / row.symbols.size(); k < row.symbols.size(); ++k)

@@ -4,6 +4,7 @@
 #include <span>
 #include <type_traits>
 
+#include "axode/catalog.hpp"
 #include "axode/integration/drives.hpp"
 #include "axode/integration/tableau.hpp"
 #include "axode/kinematics/arguments.hpp"
@@ -25,12 +26,6 @@ namespace axode::batch {
 /// early where it returns false. The first states are then done, as many as the call says; of the others some may be.
 using Monitor = std::function<bool(std::size_t done, std::size_t of)>;
 
-/// τ of N states, see axode::inverse_dynamics. Returns how many are done.
-template <class T>
-std::size_t inverse_dynamics(const Model& model, std::span<const T> q, Numbers<T> v, Numbers<T> a,
-                             std::type_identity_t<std::span<T>> tau, int threads = 1,
-                             const Monitor& monitor = {});
-
 /// What came of N states whose mass matrices had to be inverted, or whose numbers were not finite.
 struct [[nodiscard]] Outcome {
   std::size_t singular_states = 0;  ///< their results are NaN
@@ -41,68 +36,90 @@ struct [[nodiscard]] Outcome {
   bool ok() const { return singular_states == 0; }
 };
 
-/// a of N states, see axode::forward_dynamics.
+/// A row of the table in N states: all that it takes as numbers, and its results, lie one behind the other; settings are the same for
+/// all. Only of rows that have lanes, and without loads. For those that cannot fail the outcome says only how many are done.
+template <class T>
+Outcome run(const Model& model, catalog::Id function, const catalog::Given<T>& given,
+            std::type_identity_t<std::span<T>> out, int threads = 1, const Monitor& monitor = {});
+
+/// The same by name. What they are given and make is said at axode::inverse_dynamics and so on; of derivatives and products all
+/// results of a state lie one behind the other. They return how many states are done, or the outcome where they may fail.
+template <class T>
+std::size_t inverse_dynamics(const Model& model, std::span<const T> q, Numbers<T> v, Numbers<T> a,
+                             std::type_identity_t<std::span<T>> tau, int threads = 1,
+                             const Monitor& monitor = {}) {
+  return run<T>(model, "inverse_dynamics", {.q = q, .v = v, .a = a}, tau, threads, monitor).done;
+}
 template <class T>
 Outcome forward_dynamics(const Model& model, std::span<const T> q, Numbers<T> v, Numbers<T> tau,
-                         std::type_identity_t<std::span<T>> a, int threads = 1, const Monitor& monitor = {});
-
-/// M of N states, see axode::mass_matrix. Returns how many are done.
+                         std::type_identity_t<std::span<T>> a, int threads = 1, const Monitor& monitor = {}) {
+  return run<T>(model, "forward_dynamics", {.q = q, .v = v, .tau = tau}, a, threads, monitor);
+}
 template <class T>
 std::size_t mass_matrix(const Model& model, std::span<const T> q, std::type_identity_t<std::span<T>> M,
-                        int threads = 1, const Monitor& monitor = {});
-
-/// M⁻¹ of N states, see axode::inverse_mass_matrix.
+                        int threads = 1, const Monitor& monitor = {}) {
+  return run<T>(model, "mass_matrix", {.q = q}, M, threads, monitor).done;
+}
 template <class T>
 Outcome inverse_mass_matrix(const Model& model, std::span<const T> q,
                             std::type_identity_t<std::span<T>> M_inverse, int threads = 1,
-                            const Monitor& monitor = {});
-
-/// C of every frame in N states, see axode::poses. Returns how many are done.
+                            const Monitor& monitor = {}) {
+  return run<T>(model, "inverse_mass_matrix", {.q = q}, M_inverse, threads, monitor);
+}
 template <class T>
 std::size_t poses(const Model& model, std::span<const T> q, std::type_identity_t<std::span<SE3<T>>> C,
-                  int threads = 1, const Monitor& monitor = {});
-
-/// The spatial screws of all joints in N states, n_screws N entries, see axode::joint_screws.
-/// Returns how many are done.
+                  int threads = 1, const Monitor& monitor = {}) {
+  return run<T>(model, "poses", {.q = q}, catalog::as_numbers<T>(C), threads, monitor).done;
+}
 template <class T>
 std::size_t joint_screws(const Model& model, std::span<const T> q,
                          std::type_identity_t<std::span<Twist<Spatial, T>>> J, int threads = 1,
-                         const Monitor& monitor = {});
-
-/// The derivatives of inverse dynamics in N states, see axode::inverse_dynamics_derivatives: 3 nv nv numbers for each, ∂τ/∂q,
-/// ∂τ/∂v and ∂τ/∂a one behind the other. Returns how many are done.
+                         const Monitor& monitor = {}) {
+  return run<T>(model, "joint_screws", {.q = q}, catalog::as_numbers<T>(J), threads, monitor).done;
+}
 template <class T>
 std::size_t inverse_dynamics_derivatives(const Model& model, std::span<const T> q, Numbers<T> v, Numbers<T> a,
                                          std::type_identity_t<std::span<T>> dtau, int threads = 1,
-                                         const Monitor& monitor = {});
-/// Those of forward dynamics, see axode::forward_dynamics_derivatives: ∂a/∂q, ∂a/∂v and ∂a/∂τ.
+                                         const Monitor& monitor = {}) {
+  return run<T>(model, "inverse_dynamics_derivatives", {.q = q, .v = v, .a = a}, dtau, threads, monitor).done;
+}
 template <class T>
 Outcome forward_dynamics_derivatives(const Model& model, std::span<const T> q, Numbers<T> v, Numbers<T> tau,
                                      std::type_identity_t<std::span<T>> da, int threads = 1,
-                                     const Monitor& monitor = {});
-
-/// Their products with a direction for each of N states, see axode::inverse_dynamics_jvp. Returns how many are done.
+                                     const Monitor& monitor = {}) {
+  return run<T>(model, "forward_dynamics_derivatives", {.q = q, .v = v, .tau = tau}, da, threads, monitor);
+}
 template <class T>
 std::size_t inverse_dynamics_jvp(const Model& model, std::span<const T> q, Numbers<T> v, Numbers<T> a,
                                  Numbers<T> dq, Numbers<T> dv, Numbers<T> da,
                                  std::type_identity_t<std::span<T>> dtau, int threads = 1,
-                                 const Monitor& monitor = {});
+                                 const Monitor& monitor = {}) {
+  return run<T>(model, "inverse_dynamics_jvp", {.q = q, .v = v, .a = a, .dq = dq, .dv = dv, .da = da}, dtau,
+                threads, monitor)
+      .done;
+}
 template <class T>
 Outcome forward_dynamics_jvp(const Model& model, std::span<const T> q, Numbers<T> v, Numbers<T> tau,
                              Numbers<T> dq, Numbers<T> dv, Numbers<T> dtau,
                              std::type_identity_t<std::span<T>> da, int threads = 1,
-                             const Monitor& monitor = {});
-
-/// The gradients of w·τ and w·a with w for each of N states, see axode::inverse_dynamics_vjp: 3 nv numbers for each, by q, by v
-/// and by a or τ. Returns how many are done.
+                             const Monitor& monitor = {}) {
+  return run<T>(model, "forward_dynamics_jvp", {.q = q, .v = v, .tau = tau, .dq = dq, .dv = dv, .dtau = dtau},
+                da, threads, monitor);
+}
 template <class T>
 std::size_t inverse_dynamics_vjp(const Model& model, std::span<const T> q, Numbers<T> v, Numbers<T> a,
                                  Numbers<T> w, std::type_identity_t<std::span<T>> gradient, int threads = 1,
-                                 const Monitor& monitor = {});
+                                 const Monitor& monitor = {}) {
+  return run<T>(model, "inverse_dynamics_vjp", {.q = q, .v = v, .a = a, .w = w}, gradient, threads, monitor)
+      .done;
+}
 template <class T>
 Outcome forward_dynamics_vjp(const Model& model, std::span<const T> q, Numbers<T> v, Numbers<T> tau,
                              Numbers<T> w, std::type_identity_t<std::span<T>> gradient, int threads = 1,
-                             const Monitor& monitor = {});
+                             const Monitor& monitor = {}) {
+  return run<T>(model, "forward_dynamics_vjp", {.q = q, .v = v, .tau = tau, .w = w}, gradient, threads,
+                monitor);
+}
 
 /// N motions of K steps of one length (s), see axode::simulate_fixed: tau has nv K N numbers, constant in each step; q_out
 /// and v_out get (K + 1) states for each motion, the first of which is the one given. A motion that cannot go on is NaN

@@ -2,6 +2,7 @@
 #include "axode/constraints/assembly.hpp"
 #include "axode/constraints/constrained_derivatives.hpp"
 #include "axode/constraints/constrained_dynamics.hpp"
+#include "axode/constraints/constrained_operational_space.hpp"
 #include "axode/constraints/equilibrium.hpp"
 #include "axode/constraints/independent_equations.hpp"
 #include "axode/constraints/independent_linearization.hpp"

@@ -56,6 +56,7 @@ set(AXODE_PER_REPRESENTATION
     kinematics/jacobian
     kinematics/jacobian_partials
     kinematics/twists
+    constraints/constrained_operational_space
     derivatives/motion_derivatives
     dynamics/body_momenta
     dynamics/joint_wrenches
@@ -109,7 +110,7 @@ function(axode_instantiate library name definitions)
 endfunction()
 
 # It is compiled in two parts: the demo does with the first, in double.
-set(floors_to_dynamics lie scalar model recursion fast kinematics dynamics)
+set(floors_to_dynamics lie scalar model table recursion fast kinematics dynamics)
 set(floors_beyond_dynamics derivatives constraints integration catalog)
 set(library_of_double axode_core)
 set(library_of_float axode_float)

@@ -9,11 +9,10 @@ using namespace axode;
 
 int main() {
   const Model arm = load(AXODE_ROBOTS_DIR "/arm7.toml");
-  using codegen::Quantity;
   const std::vector<codegen::Function> functions{
-      {Quantity::inverse_dynamics},
-      {Quantity::forward_dynamics},
-      {Quantity::jacobian, arm.frame_index("flange"), Representation::hybrid}};
+      {"inverse_dynamics"},
+      {"forward_dynamics"},
+      {"jacobian", arm.frame_index("flange"), Representation::hybrid}};
   const codegen::Source source = codegen::c_source(arm, functions, {.prefix = "arm"});
 
   std::printf("%zu bytes of C\n", source.text.size());  // std::ofstream("arm.c") << source.text;

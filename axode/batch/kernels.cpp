@@ -3,11 +3,9 @@
 #include "axode/batch/kernels.hpp"
 
 #include "axode/batch/transpose.hpp"
-#include "axode/derivatives/first_order.hpp"
-#include "axode/derivatives/inverse_dynamics_products.hpp"
+#include "axode/derivatives/row_kernels.hpp"
 #include "axode/fast/articulated_bodies.hpp"
 #include "axode/fast/composite_bodies.hpp"
-#include "axode/fast/inverse_dynamics.hpp"
 #include "axode/fast/inverse_mass_matrix.hpp"
 #include "axode/integration/munthe_kaas.hpp"
 #include "axode/model/workspace.hpp"
@@ -26,99 +24,95 @@ constexpr int lanes = AXODE_LANES;
 using Number = Batch<S, lanes>;
 using G = Plain<Number>;
 
-/// Numbers of the states of a call: what it is given, and what it makes.
-struct Room {
-  Number *q, *v, *a, *out;
-  Room(Arena& arena, std::size_t results)
-      : q(arena.array<Number>(static_cast<std::size_t>(arena.topology().nq))),
-        v(arena.per_velocity<Number>()),
-        a(arena.per_velocity<Number>()),
-        out(arena.array<Number>(results)) {}
-};
-std::size_t n_velocities(Arena& arena) { return static_cast<std::size_t>(arena.topology().nv); }
-/// With a number, or with a matrix, for each velocity.
-struct VectorRoom : Room {
-  explicit VectorRoom(Arena& arena) : Room(arena, n_velocities(arena)) {}
-};
-struct MatrixRoom : Room {
-  explicit MatrixRoom(Arena& arena) : Room(arena, n_velocities(arena) * n_velocities(arena)) {}
-};
-
-struct InverseDynamics : VectorRoom {
-  FastInverseDynamics<G, Number> recursion;
-  explicit InverseDynamics(Arena& arena) : VectorRoom(arena), recursion(arena) {}
-};
 using ArticulatedBodies = FastArticulatedBodies<G, Number>;
-struct ForwardDynamics : VectorRoom {
+using catalog::Id, catalog::Input;
+
+/// How accelerations are found in lanes, for the kernels of rows.
+struct ByBodies {
+  using T = Number;
   ArticulatedBodies bodies;
   ArticulatedBodies::Motion* motion;
-  explicit ForwardDynamics(Arena& arena)
-      : VectorRoom(arena), bodies(arena), motion(arena.per_body<ArticulatedBodies::Motion>()) {}
+  ArticulatedBodies::Columns* columns;
+  Number* u;
+
+  explicit ByBodies(Arena& arena)
+      : bodies(arena),
+        motion(arena.per_body<ArticulatedBodies::Motion>()),
+        columns(arena.per_body<ArticulatedBodies::Columns>()),
+        u(arena.per_screw<Number>()) {}
+  void accelerate(const Tree<S>& tree, const Number* q, const Number* v, const Number* tau, Number* a) {
+    bodies.place_and_move(tree, q, v, motion);
+    bodies.factorize(tree, tau);
+    bodies.accelerate(tree, motion, a);
+  }
+  void solve_one(const Tree<S>& tree, Number* x) { bodies.solve_one(tree, motion, x); }
+  void solve(const Tree<S>& tree, Number* matrix) { bodies.solve(tree, columns, u, matrix); }
+  void inverse(const Tree<S>& tree, Number* matrix) { bodies.inverse(tree, columns, u, matrix); }
 };
-struct MassMatrix : MatrixRoom {
+
+/// How many results a row has on a tree, where they are numbers for velocities.
+template <Id id> std::size_t results(const Topology& topology) {
+  constexpr std::size_t several = id.words().symbols.size(), axes = id.words().shape.size();
+  std::size_t n = several;
+  for (std::size_t k = 0; k < axes; ++k) n *= static_cast<std::size_t>(topology.nv);
+  return n;
+}
+
+/// A row with its numbers in lanes.
+template <Id id> struct InLanes {
+  catalog::Read<Number> given;
+  Number* x[catalog::inputs_of_numbers.size()] = {};
+  Number* out;
+  catalog::RowKernel<id, ByBodies> kernel;
+
+  explicit InLanes(Arena& arena) : out(arena.array<Number>(results<id>(arena.topology()))), kernel(arena) {
+    each_input([&]<Input input>() {
+      const Topology& topology = arena.topology();
+      const int n = input == Input::q ? topology.nq : topology.nv;
+      given[input] = x[static_cast<std::size_t>(input)] = arena.array<Number>(static_cast<std::size_t>(n));
+    });
+  }
+  /// f<input>() for the inputs that the row takes.
+  template <class F> static void each_input(const F& f) {
+    [&]<std::size_t... k>(std::index_sequence<k...>) {
+      const auto one = [&]<std::size_t i>() {
+        if constexpr (id.words().takes_input(static_cast<Input>(i)))
+          f.template operator()<static_cast<Input>(i)>();
+      };
+      (one.template operator()<k>(), ...);
+    }
+    (std::make_index_sequence<catalog::inputs_of_numbers.size()>());
+  }
+};
+
+struct MassMatrix {
+  Number *q, *out;
   FastCompositeBodies<Number> bodies;
-  explicit MassMatrix(Arena& arena) : MatrixRoom(arena), bodies(arena) {}
+  explicit MassMatrix(Arena& arena)
+      : q(arena.array<Number>(static_cast<std::size_t>(arena.topology().nq))),
+        out(arena.array<Number>(results<"mass_matrix">(arena.topology()))),
+        bodies(arena) {}
 };
 struct InverseByFactors : MassMatrix {
   FastInverseMassMatrix<Number> inverse;
   explicit InverseByFactors(Arena& arena) : MassMatrix(arena), inverse(arena) {}
 };
-struct InverseByBodies : MatrixRoom {
-  ArticulatedBodies bodies;
-  ArticulatedBodies::Columns* columns;
-  Number* u;
+struct InverseByBodies {
+  Number *q, *out;
+  ByBodies by;
   explicit InverseByBodies(Arena& arena)
-      : MatrixRoom(arena),
-        bodies(arena),
-        columns(arena.per_body<ArticulatedBodies::Columns>()),
-        u(arena.per_screw<Number>()) {}
+      : q(arena.array<Number>(static_cast<std::size_t>(arena.topology().nq))),
+        out(arena.array<Number>(results<"mass_matrix">(arena.topology()))),
+        by(arena) {}
 };
-struct Poses : VectorRoom {
+struct Poses {
+  Number* q;
   SE3<Number>* body;
   FastPoses<Number> poses;
-  explicit Poses(Arena& arena) : VectorRoom(arena), body(arena.per_body<SE3<Number>>()), poses(arena) {}
-};
-/// A direction, and results of derivatives: matrices, or vectors, for each of three directions.
-struct Directions {
-  Number *dq, *dv, *da;
-  explicit Directions(Arena& arena)
-      : dq(arena.per_velocity<Number>()),
-        dv(arena.per_velocity<Number>()),
-        da(arena.per_velocity<Number>()) {}
-};
-struct InverseDerivatives : Room {
-  FirstOrder<Number> first_order;
-  explicit InverseDerivatives(Arena& arena)
-      : Room(arena, 3 * n_velocities(arena) * n_velocities(arena)), first_order(arena) {}
-};
-struct InverseJvp : VectorRoom, Directions {
-  InverseDynamicsJvp<Number> jvp;
-  explicit InverseJvp(Arena& arena) : VectorRoom(arena), Directions(arena), jvp(arena) {}
-};
-struct InverseVjp : VectorRoom, Directions {
-  InverseDynamicsVjp<Number> vjp;
-  explicit InverseVjp(Arena& arena) : VectorRoom(arena), Directions(arena), vjp(arena) {}
-};
-/// The same at the accelerations that forces make, and M⁻¹ after it.
-template <class Inverse> struct Forward : Inverse {
-  ArticulatedBodies bodies;
-  ArticulatedBodies::Motion* motion;
-  ArticulatedBodies::Columns* columns;
-  Number *u, *acceleration, *zero;
-
-  explicit Forward(Arena& arena)
-      : Inverse(arena),
-        bodies(arena),
-        motion(arena.per_body<ArticulatedBodies::Motion>()),
-        columns(arena.per_body<ArticulatedBodies::Columns>()),
-        u(arena.per_screw<Number>()),
-        acceleration(arena.per_velocity<Number>()),
-        zero(arena.per_velocity<Number>()) {}
-  void accelerate(const Tree<S>& tree) noexcept {
-    bodies.place_and_move(tree, this->q, this->v, motion);
-    bodies.factorize(tree, this->a);
-    bodies.accelerate(tree, motion, acceleration);
-  }
+  explicit Poses(Arena& arena)
+      : q(arena.array<Number>(static_cast<std::size_t>(arena.topology().nq))),
+        body(arena.per_body<SE3<Number>>()),
+        poses(arena) {}
 };
 
 /// Memory that a kernel needs.
@@ -139,38 +133,35 @@ unsigned bits(const Number::Mask& mask) {
   return all;
 }
 
-void inverse_dynamics(const Tree<S>& tree, Arena arena, const S* q, const S* v, const S* a, S* tau) noexcept {
-  InverseDynamics at(arena);
-  gather(q, tree->nq, at.q), gather(v, tree->nv, at.v), gather(a, tree->nv, at.a);
-  for (int c = 0; c < tree->nv; ++c) at.out[c] = Number(tree.armature[c]) * at.a[c];
-  at.recursion.forward(tree, at.q, at.v, at.a, cast<Number>(tree.g));
-  at.recursion.backward(tree, at.out);
-  scatter(at.out, tree->nv, tau);
+template <Id id>
+unsigned call(const Tree<S>& tree, Arena arena, const catalog::Read<S>& given, S* out) noexcept {
+  using At = InLanes<id>;
+  At at(arena);
+  At::each_input([&]<Input input>() {
+    gather(given[input], input == Input::q ? tree->nq : tree->nv, at.x[static_cast<std::size_t>(input)]);
+  });
+  at.kernel.run(tree, at.given, at.out);
+  scatter(at.out, static_cast<std::ptrdiff_t>(results<id>(*tree.topology())), out);
+  if constexpr (id.words().may_fail)
+    return bits(at.kernel.by.bodies.doubtful);
+  else
+    return 0;
 }
 
-unsigned forward_dynamics(const Tree<S>& tree, Arena arena, const S* q, const S* v, const S* tau,
-                          S* a) noexcept {
-  ForwardDynamics at(arena);
-  gather(q, tree->nq, at.q), gather(v, tree->nv, at.v), gather(tau, tree->nv, at.a);
-  at.bodies.place_and_move(tree, at.q, at.v, at.motion);
-  at.bodies.factorize(tree, at.a);
-  at.bodies.accelerate(tree, at.motion, at.out);
-  scatter(at.out, tree->nv, a);
-  return bits(at.bodies.doubtful);
-}
-
-void mass_matrix(const Tree<S>& tree, Arena arena, const S* q, S* M) noexcept {
+unsigned mass_matrix(const Tree<S>& tree, Arena arena, const catalog::Read<S>& given, S* M) noexcept {
   MassMatrix at(arena);
-  gather(q, tree->nq, at.q);
+  gather(given[Input::q], tree->nq, at.q);
   at.bodies.run(tree, at.q);
   at.bodies.write(tree, at.out);
   scatter(at.out, n_entries(tree), M);
+  return 0;
 }
 
-unsigned inverse_mass_matrix(const Tree<S>& tree, Arena arena, const S* q, S* M_inverse) noexcept {
+unsigned inverse_mass_matrix(const Tree<S>& tree, Arena arena, const catalog::Read<S>& given,
+                             S* M_inverse) noexcept {
   if (FastInverseMassMatrix<Number>::suits(tree)) {
     InverseByFactors at(arena);
-    gather(q, tree->nq, at.q);
+    gather(given[Input::q], tree->nq, at.q);
     at.bodies.run(tree, at.q);
     at.bodies.write_paths(tree, at.out);
     at.inverse.run(tree, at.out);
@@ -178,116 +169,37 @@ unsigned inverse_mass_matrix(const Tree<S>& tree, Arena arena, const S* q, S* M_
     return bits(at.inverse.doubtful);
   }
   InverseByBodies at(arena);
-  gather(q, tree->nq, at.q);
-  at.bodies.place(tree, at.q);
-  at.bodies.factorize(tree);
-  at.bodies.inverse(tree, at.columns, at.u, at.out);
+  gather(given[Input::q], tree->nq, at.q);
+  at.by.bodies.place(tree, at.q);
+  at.by.bodies.factorize(tree);
+  at.by.inverse(tree, at.out);
   scatter(at.out, n_entries(tree), M_inverse);
-  return bits(at.bodies.doubtful);
-}
-
-/// Three matrices, one behind the other, from FirstOrder.
-void write(const Tree<S>& tree, FirstOrder<Number>& first_order, Number* out) noexcept {
-  const std::size_t n = n_entries(tree);
-  first_order.write(tree, {}, out, out + n, out + 2 * n);
-}
-void inverse_dynamics_derivatives(const Tree<S>& tree, Arena arena, const S* q, const S* v, const S* a,
-                                  S* dtau) noexcept {
-  InverseDerivatives at(arena);
-  gather(q, tree->nq, at.q), gather(v, tree->nv, at.v), gather(a, tree->nv, at.a);
-  at.first_order.run(tree, at.q, at.v, at.a, {});
-  write(tree, at.first_order, at.out);
-  scatter(at.out, 3 * n_entries(tree), dtau);
-}
-unsigned forward_dynamics_derivatives(const Tree<S>& tree, Arena arena, const S* q, const S* v, const S* tau,
-                                      S* da) noexcept {
-  Forward<InverseDerivatives> at(arena);
-  const std::size_t n = n_entries(tree);
-  gather(q, tree->nq, at.q), gather(v, tree->nv, at.v), gather(tau, tree->nv, at.a);
-  at.accelerate(tree);
-  at.first_order.run(tree, at.q, at.v, at.acceleration, {});
-  write(tree, at.first_order, at.out);
-  for (std::size_t k = 0; k < 2 * n; ++k) at.out[k] = -at.out[k];
-  at.bodies.solve(tree, at.columns, at.u, at.out);
-  at.bodies.solve(tree, at.columns, at.u, at.out + n);
-  at.bodies.inverse(tree, at.columns, at.u, at.out + 2 * n);
-  scatter(at.out, 3 * n, da);
-  return bits(at.bodies.doubtful);
-}
-
-void inverse_dynamics_jvp(const Tree<S>& tree, Arena arena, const S* q, const S* v, const S* a, const S* dq,
-                          const S* dv, const S* da, S* dtau) noexcept {
-  InverseJvp at(arena);
-  gather(q, tree->nq, at.q), gather(v, tree->nv, at.v), gather(a, tree->nv, at.a);
-  gather(dq, tree->nv, at.dq), gather(dv, tree->nv, at.dv), gather(da, tree->nv, at.da);
-  at.jvp.run(tree, at.q, at.v, at.a, at.dq, at.dv, at.da, {}, at.out);
-  scatter(at.out, tree->nv, dtau);
-}
-unsigned forward_dynamics_jvp(const Tree<S>& tree, Arena arena, const S* q, const S* v, const S* tau,
-                              const S* dq, const S* dv, const S* dtau, S* da) noexcept {
-  Forward<InverseJvp> at(arena);
-  gather(q, tree->nq, at.q), gather(v, tree->nv, at.v), gather(tau, tree->nv, at.a);
-  gather(dq, tree->nv, at.dq), gather(dv, tree->nv, at.dv), gather(dtau, tree->nv, at.da);
-  at.accelerate(tree);
-  for (int c = 0; c < tree->nv; ++c) at.zero[c] = Number(0);
-  at.jvp.run(tree, at.q, at.v, at.acceleration, at.dq, at.dv, at.zero, {}, at.out);
-  for (int c = 0; c < tree->nv; ++c) at.out[c] = at.da[c] - at.out[c];
-  at.bodies.solve_one(tree, at.motion, at.out);
-  scatter(at.out, tree->nv, da);
-  return bits(at.bodies.doubtful);
-}
-
-/// The gradients by q, v and a or τ of one state behind each other.
-void scatter_three(const Tree<S>& tree, const Number* by_q, const Number* by_v, const Number* by_a,
-                   S* gradient) noexcept {
-  for (const Number* part : {by_q, by_v, by_a}) {
-    for (int c = 0; c < tree->nv; ++c)
-      for (int l = 0; l < lanes; ++l) gradient[l * 3 * tree->nv + c] = part[c][l];
-    gradient += tree->nv;
-  }
-}
-void inverse_dynamics_vjp(const Tree<S>& tree, Arena arena, const S* q, const S* v, const S* a, const S* w,
-                          S* gradient) noexcept {
-  InverseVjp at(arena);
-  gather(q, tree->nq, at.q), gather(v, tree->nv, at.v), gather(a, tree->nv, at.a);
-  gather(w, tree->nv, at.da);
-  at.vjp.run(tree, at.q, at.v, at.a, at.da, {});
-  scatter_three(tree, at.vjp.by_q, at.vjp.by_v, at.vjp.by_a, gradient);
-}
-unsigned forward_dynamics_vjp(const Tree<S>& tree, Arena arena, const S* q, const S* v, const S* tau,
-                              const S* w, S* gradient) noexcept {
-  Forward<InverseVjp> at(arena);
-  gather(q, tree->nq, at.q), gather(v, tree->nv, at.v), gather(tau, tree->nv, at.a);
-  gather(w, tree->nv, at.da);
-  at.accelerate(tree);
-  at.bodies.solve_one(tree, at.motion, at.da);
-  at.vjp.run(tree, at.q, at.v, at.acceleration, at.da, {});
-  for (int c = 0; c < tree->nv; ++c) at.dq[c] = -at.vjp.by_q[c], at.dv[c] = -at.vjp.by_v[c];
-  scatter_three(tree, at.dq, at.dv, at.da, gradient);
-  return bits(at.bodies.doubtful);
+  return bits(at.by.bodies.doubtful);
 }
 
 void store(const Vec3<Number>& a, int lane, Vec3<S>& out) { out = {a.x[lane], a.y[lane], a.z[lane]}; }
 
-void poses(const Tree<S>& tree, Arena arena, const S* q, SE3<S>* C) noexcept {
+unsigned poses(const Tree<S>& tree, Arena arena, const catalog::Read<S>& given, S* out) noexcept {
   Poses at(arena);
-  gather(q, tree->nq, at.q);
+  gather(given[Input::q], tree->nq, at.q);
+  SE3<S>* const C = reinterpret_cast<SE3<S>*>(out);
   at.body[0] = {};
   at.poses.run(tree, at.q, [&](int i, const auto& placed) { at.body[i] = pose<Number>(placed); });
   const int n = tree->n_frames();
   for (int f = 0; f < n; ++f) {
     const SE3<Number> C_f = at.body[tree->frame_body[f]] * cast<Number>(tree.frame_offset[f]);
     for (int l = 0; l < lanes; ++l) {
-      SE3<S>& out = C[l * n + f];
-      store(C_f.R.x, l, out.R.x), store(C_f.R.y, l, out.R.y), store(C_f.R.z, l, out.R.z),
-          store(C_f.r, l, out.r);
+      SE3<S>& to = C[l * n + f];
+      store(C_f.R.x, l, to.R.x), store(C_f.R.y, l, to.R.y), store(C_f.R.z, l, to.R.z), store(C_f.r, l, to.r);
     }
   }
+  return 0;
 }
 
-void joint_screws(const Tree<S>& tree, Arena arena, const S* q, Twist<Spatial, S>* J) noexcept {
+unsigned joint_screws(const Tree<S>& tree, Arena arena, const catalog::Read<S>& given, S* out) noexcept {
   Poses at(arena);
-  gather(q, tree->nq, at.q);
+  gather(given[Input::q], tree->nq, at.q);
+  Twist<Spatial, S>* const J = reinterpret_cast<Twist<Spatial, S>*>(out);
   const int n = tree->n_screws;
   at.poses.run(tree, at.q, [&](int i, const auto& placed) {
     const SE3<Number> C = pose<Number>(placed);
@@ -295,12 +207,13 @@ void joint_screws(const Tree<S>& tree, Arena arena, const S* q, Twist<Spatial, S
       for (int k = 0; k < joint.nv; ++k) {
         const Screw<Number> X = joint.column(C, k);
         for (int l = 0; l < lanes; ++l) {
-          Twist<Spatial, S>& out = J[l * n + tree->first_screw[i] + k];
-          store(X.w, l, out.w), store(X.v, l, out.v);
+          Twist<Spatial, S>& to = J[l * n + tree->first_screw[i] + k];
+          store(X.w, l, to.w), store(X.v, l, to.v);
         }
       }
     });
   });
+  return 0;
 }
 
 /// A motion in each lane.
@@ -420,21 +333,21 @@ void remove_rollout(void* rollout) noexcept { delete static_cast<Rollout*>(rollo
 }  // namespace
 
 template <> const Kernels<S>& kernels<AXODE_ISA, S>() {
-  static constexpr Kernels<S> all{
-      .lanes = lanes,
-      .inverse_dynamics = {bytes<InverseDynamics>, inverse_dynamics},
-      .forward_dynamics = {bytes<ForwardDynamics>, forward_dynamics},
-      .mass_matrix = {bytes<MassMatrix>, mass_matrix},
-      .inverse_mass_matrix = {bytes_of_inverse, inverse_mass_matrix},
-      .poses = {bytes<Poses>, poses},
-      .joint_screws = {bytes<Poses>, joint_screws},
-      .inverse_dynamics_derivatives = {bytes<InverseDerivatives>, inverse_dynamics_derivatives},
-      .forward_dynamics_derivatives = {bytes<Forward<InverseDerivatives>>, forward_dynamics_derivatives},
-      .inverse_dynamics_jvp = {bytes<InverseJvp>, inverse_dynamics_jvp},
-      .forward_dynamics_jvp = {bytes<Forward<InverseJvp>>, forward_dynamics_jvp},
-      .inverse_dynamics_vjp = {bytes<InverseVjp>, inverse_dynamics_vjp},
-      .forward_dynamics_vjp = {bytes<Forward<InverseVjp>>, forward_dynamics_vjp},
-      .rollout = {make_rollout, run_rollout, remove_rollout}};
+  static constexpr Kernels<S> all = [] {
+    Kernels<S> made{.lanes = lanes, .rows = {}, .rollout = {make_rollout, run_rollout, remove_rollout}};
+    const auto set = [&](Id id, LaneKernel<S> kernel) { made.rows[id.index] = kernel; };
+    const auto set_kernel = [&]<Id... ids>() {
+      (set(ids, {bytes<InLanes<ids>>, call<ids>, !ids.words().may_fail}), ...);
+    };
+    set_kernel.template operator()<"inverse_dynamics", "inverse_dynamics_derivatives", "inverse_dynamics_jvp",
+                                   "inverse_dynamics_vjp", "forward_dynamics", "forward_dynamics_derivatives",
+                                   "forward_dynamics_jvp", "forward_dynamics_vjp">();
+    set("mass_matrix", {bytes<MassMatrix>, mass_matrix});
+    set("inverse_mass_matrix", {bytes_of_inverse, inverse_mass_matrix});
+    set("poses", {bytes<Poses>, poses, true});
+    set("joint_screws", {bytes<Poses>, joint_screws, true});
+    return made;
+  }();
   return all;
 }
 

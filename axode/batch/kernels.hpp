@@ -1,17 +1,21 @@
 #pragma once
+#include <array>
 #include <cstddef>
 
 #include "axode/batch/compiled_dynamics.hpp"
 #include "axode/integration/tableau.hpp"
 #include "axode/model/arena.hpp"
 #include "axode/model/tree.hpp"
+#include "axode/table/functions.hpp"
 
 namespace axode::batch {
 
-/// One algorithm on exactly `lanes` states; its arena has bytes(tree).
-template <class S, class Call> struct Kernel {
-  std::size_t (*bytes)(const Tree<S>&);
-  Call* call;
+/// A row of the table on exactly `lanes` states. Its arena has bytes(tree); the numbers of the states lie one behind the other, and
+/// so do their results. It returns a bit for each lane whose mass matrix may be singular.
+template <class S> struct LaneKernel {
+  std::size_t (*bytes)(const Tree<S>&) = nullptr;
+  unsigned (*call)(const Tree<S>&, Arena, const catalog::Read<S>& given, S* out) noexcept = nullptr;
+  bool takes_coupled_joints = false;
 };
 
 /// A drive of axode/integration/drives.hpp, the same for all motions. With x from q ⊕ x = q_d, where it tracks,
@@ -48,35 +52,11 @@ template <class S> struct RolloutKernel {
   void (*remove)(void*) noexcept;
 };
 
-/// The algorithms for one instruction set. Those that solve for accelerations return a bit for each lane whose mass
-/// matrix may be singular. Models without coupled joints; inverse_dynamics and its derivatives, poses, joint_screws and rollouts
-/// by compiled dynamics take all.
+/// The algorithms for one instruction set: the rows that have lanes, in the order of the table. Rollouts take models without coupled
+/// joints, or compiled dynamics.
 template <class S> struct Kernels {
   int lanes;
-  Kernel<S, void(const Tree<S>&, Arena, const S* q, const S* v, const S* a, S* tau) noexcept>
-      inverse_dynamics;
-  Kernel<S, unsigned(const Tree<S>&, Arena, const S* q, const S* v, const S* tau, S* a) noexcept>
-      forward_dynamics;
-  Kernel<S, void(const Tree<S>&, Arena, const S* q, S* M) noexcept> mass_matrix;
-  Kernel<S, unsigned(const Tree<S>&, Arena, const S* q, S* M_inverse) noexcept> inverse_mass_matrix;
-  Kernel<S, void(const Tree<S>&, Arena, const S* q, SE3<S>* C) noexcept> poses;
-  Kernel<S, void(const Tree<S>&, Arena, const S* q, Twist<Spatial, S>* J) noexcept> joint_screws;
-  // Of derivatives all results of a state lie one behind the other.
-  Kernel<S, void(const Tree<S>&, Arena, const S* q, const S* v, const S* a, S* dtau) noexcept>
-      inverse_dynamics_derivatives;
-  Kernel<S, unsigned(const Tree<S>&, Arena, const S* q, const S* v, const S* tau, S* da) noexcept>
-      forward_dynamics_derivatives;
-  Kernel<S, void(const Tree<S>&, Arena, const S* q, const S* v, const S* a, const S* dq, const S* dv,
-                 const S* da, S* dtau) noexcept>
-      inverse_dynamics_jvp;
-  Kernel<S, unsigned(const Tree<S>&, Arena, const S* q, const S* v, const S* tau, const S* dq, const S* dv,
-                     const S* dtau, S* da) noexcept>
-      forward_dynamics_jvp;
-  Kernel<S, void(const Tree<S>&, Arena, const S* q, const S* v, const S* a, const S* w, S* gradient) noexcept>
-      inverse_dynamics_vjp;
-  Kernel<S, unsigned(const Tree<S>&, Arena, const S* q, const S* v, const S* tau, const S* w,
-                     S* gradient) noexcept>
-      forward_dynamics_vjp;
+  std::array<LaneKernel<S>, catalog::functions_of_state.size()> rows;
   RolloutKernel<S> rollout;
 };
 

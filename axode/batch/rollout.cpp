@@ -46,7 +46,7 @@ template <class S> class OneMotion {
             const Drive& drive, const Losses& losses)
       : model_(&model),
         compiled_(compiled),
-        workspace_(model),
+        workspace_(model, cut_tree),
         method_(&method),
         scheme_(model.tree<S>(), method),
         group_(model.tree<S>()),

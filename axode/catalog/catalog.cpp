@@ -6,26 +6,6 @@
 
 namespace axode::catalog {
 
-std::string_view to_string(Input input) {
-  switch (input) {
-    case Input::q: return "q";
-    case Input::v: return "v";
-    case Input::a: return "a";
-    case Input::tau: return "tau";
-    case Input::p: return "p";
-    case Input::dq: return "dq";
-    case Input::dv: return "dv";
-    case Input::da: return "da";
-    case Input::dtau: return "dtau";
-    case Input::weights: return "w";
-    case Input::loads: return "loads";
-    case Input::place: return "frame";
-    case Input::base: return "base";
-    case Input::form: break;
-  }
-  return "form";
-}
-
 template <class T> std::span<const T>& numbers(Given<T>& given, Input input) {
   switch (input) {
     case Input::q: return given.q;
@@ -68,9 +48,6 @@ std::size_t value_of(Extent extent, const Model& model, std::size_t n_loads) {
   return 6;
 }
 
-template <class T> bool Function<T>::takes_input(Input input) const {
-  return std::find(takes.begin(), takes.end(), input) != takes.end();
-}
 template <class T> std::size_t Function<T>::size(const Model& model, std::size_t n_loads) const {
   std::size_t n = static_cast<std::size_t>(numbers_of(entry)) * symbols.size();
   for (const Extent extent : shape) n *= value_of(extent, model, n_loads);

@@ -38,10 +38,6 @@ bool is_identifier(std::string_view name) {
          std::all_of(name.begin(), name.end(), [](char c) { return is_letter(c) || is_digit(c); });
 }
 
-std::string word_for(Quantity quantity) {
-  return std::string(quantities[static_cast<std::size_t>(quantity)]);
-}
-
 std::string prefix_for(const Model& model, Abi abi) {
   const std::string prefix = identifier(model.name(), abi);
   if (is_identifier(prefix)) return prefix;
@@ -71,9 +67,9 @@ std::vector<std::string> function_names(const Model& model, std::span<const Func
   const std::vector<std::string> frames = frame_identifiers(model, abi);
   std::vector<std::string> names;
   for (const Function& function : functions) {
-    std::string name = prefix + '_' + word_for(function.quantity);
-    if (is_of_a_frame(function.quantity)) name += '_' + frames[static_cast<std::size_t>(function.frame)];
-    if (function.quantity == Quantity::jacobian && function.representation != Representation::body)
+    std::string name = prefix + '_' + std::string(function.name());
+    if (function.is_of_a_frame()) name += '_' + frames[static_cast<std::size_t>(function.frame)];
+    if (function.is("jacobian") && function.representation != Representation::body)
       name += '_' + std::string(word_for(function.representation));
     if (std::ranges::find(names, name) != names.end())
       throw std::invalid_argument(name + " is asked for twice");

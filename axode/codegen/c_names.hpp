@@ -8,9 +8,6 @@
 /// Names and comments in generated C.
 namespace axode::codegen {
 
-std::string word_for(Quantity quantity);
-using axode::word_for;  // of a representation
-
 /// What names begin with if nothing else is asked for: the model's name as an identifier.
 std::string prefix_for(const Model& model, Abi abi);
 
@@ -18,7 +15,7 @@ std::string prefix_for(const Model& model, Abi abi);
 /// the later one gets a number.
 std::vector<std::string> frame_identifiers(const Model& model, Abi abi);
 
-/// PREFIX_QUANTITY, for Jacobians and poses with the frame, and a representation other than body-fixed, behind it.
+/// PREFIX_FUNCTION, for Jacobians and poses with the frame, and a representation other than body-fixed, behind it.
 /// Throws std::invalid_argument where two are the same.
 std::vector<std::string> function_names(const Model& model, std::span<const Function> functions,
                                         const std::string& prefix, Abi abi);

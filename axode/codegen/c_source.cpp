@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cctype>
 #include <stdexcept>
 
 #include "axode/codegen/c_function.hpp"
@@ -10,7 +11,7 @@
 #include "axode/codegen/cuda_kernel.hpp"
 #include "axode/codegen/states_source.hpp"
 #include "axode/kinematics/check_arguments.hpp"
-#include "axode/model/check_no_loops.hpp"
+#include "axode/table/check_counts.hpp"
 
 namespace axode::codegen {
 namespace {
@@ -33,64 +34,51 @@ struct Part {
   Recording recording;
 };
 
+/// A sentence, or several, about a function: the row in words, and how its results lie in memory.
 std::string purpose(const Model& model, const Function& function) {
+  const catalog::Words& row = function.row.words();
+  std::string text(row.purpose);
+  text[0] = static_cast<char>(std::toupper(text[0]));
+  if (function.is_of_a_frame())
+    text += "; the frame is \"" + in_comment(model.frame(function.frame).name) + "\"";
+  text += ".\n   " + std::string(row.together) + " (" + std::string(row.units) + ") has ";
   const std::string nv = std::to_string(model.nv());
-  switch (function.quantity) {
-    case Quantity::inverse_dynamics:
-      return "The drive forces tau (N m or N) that make the accelerations a at q, v.";
-    case Quantity::forward_dynamics:
-      return "The accelerations a that the drive forces tau (N m or N) make at q, v. Returns 0, or 1 where "
-             "the\n"
-             "   mass matrix may be singular; a is then not to be trusted.";
-    case Quantity::mass_matrix:
-      return "The mass matrix M (kg m^2, kg m, kg), " + nv + " x " + nv + ", row by row.";
-    case Quantity::inverse_mass_matrix:
-      return "The inverse of the mass matrix, " + nv + " x " + nv +
-             ", row by row. Returns 0, or 1 where the mass matrix may be\n   singular; the result is then "
-             "not to "
-             "be trusted.";
-    case Quantity::poses:
-      return "The poses C of " + std::to_string(model.n_frames()) +
-             " frames in the inertial frame, 12 numbers each: the columns of R, then r (m).";
-    case Quantity::pose:
-      return "The pose C of frame \"" + in_comment(model.frame(function.frame).name) +
-             "\" in the inertial frame: the columns of R, then r (m).";
-    case Quantity::inverse_dynamics_derivatives:
-      return "The derivatives of tau by q, v and a, " + nv + " x " + nv +
-             " each, one behind the other, row by row.";
-    case Quantity::inverse_dynamics_jvp: return "What a direction (dq, dv, da) does to tau.";
-    case Quantity::inverse_dynamics_vjp:
-      return "The gradients of w tau by q, v and a, " + nv + " numbers each, one behind the other.";
-    case Quantity::inverse_dynamics_hessian:
-      return "The second derivatives of w tau by (q, q), (q, v), (v, v) and (a, q), " + nv + " x " + nv +
-             " each, one\n   behind the other, row by row.";
-    case Quantity::forward_dynamics_derivatives:
-      return "The derivatives of a by q, v and tau, " + nv + " x " + nv +
-             " each, one behind the other, row by row.\n   Returns what forward dynamics does.";
-    case Quantity::forward_dynamics_jvp:
-      return "What a direction (dq, dv, dtau) does to a. Returns what forward dynamics does.";
-    case Quantity::forward_dynamics_vjp:
-      return "The gradients of w a by q, v and tau, " + nv +
-             " numbers each, one behind the other. Returns what\n   forward dynamics does.";
-    case Quantity::forward_dynamics_hessian:
-      return "The second derivatives of w a by (q, q), (q, v), (v, v) and (tau, q), " + nv + " x " + nv +
-             " each, one\n   behind the other, row by row. Returns what forward dynamics does.";
-    case Quantity::jacobian: break;
+  if (row.entry == catalog::Entry::twist) {
+    text += "6 x " + nv + " numbers, row by row, in " + std::string(word_for(function.representation)) +
+            " representation: the\n   angular velocity (rad/s) and then the linear velocity (m/s) for a unit "
+            "of each "
+            "velocity,\n   " +
+            axes_of(function.representation);
+  } else if (row.entry == catalog::Entry::pose) {
+    text += row.shape.empty() ? "" : std::to_string(model.n_frames()) + " x ";
+    text += "12 numbers: the columns of R, then r";
+  } else {
+    std::string each = nv;
+    for (std::size_t k = 1; k < row.shape.size(); ++k) each += " x " + nv;
+    text += each + " numbers";
+    if (row.shape.size() > 1) text += ", row by row";
+    if (row.symbols.size() > 1) {
+      text += ", for each of";
+      for (const std::string_view symbol : row.symbols)
+        text += (symbol == row.symbols[0] ? " " : "; ") + std::string(symbol);
+      text += ", one behind the other";
+    }
   }
-  return "The Jacobian J of frame \"" + in_comment(model.frame(function.frame).name) + "\" in " +
-         std::string(word_for(function.representation)) + " representation, 6 x " + nv +
-         ", row by row: the angular\n   velocity (rad/s) and then the linear velocity (m/s) for a unit of "
-         "each "
-         "velocity,\n   " +
-         axes_of(function.representation) + ".";
+  if (row.may_fail)
+    text +=
+        ".\n   Returns 0, or 1 where the mass matrix may be singular; the result is then not to be trusted";
+  return text + ".";
 }
 
 void check(const Model& model, std::span<const Function> functions, const std::string& prefix) {
   if (functions.empty()) throw std::invalid_argument("there are no functions to generate");
   for (const Function& function : functions) {
-    if (is_of_a_frame(function.quantity)) check_place(model, function.frame);
-    const std::string name = word_for(function.quantity);
-    if (name.starts_with("forward_dynamics")) check_no_loops(model, "generated " + name);
+    const catalog::Words& row = function.row.words();
+    if (!row.tape)
+      throw std::invalid_argument(std::string(row.name) +
+                                  " cannot be recorded, so that there is no code to generate for it");
+    if (function.is_of_a_frame()) check_place(model, function.frame);
+    catalog::check_counts(row, model, catalog::Way::tape);
   }
   if (!is_identifier(prefix))
     throw std::invalid_argument("the prefix \"" + prefix +
@@ -136,8 +124,7 @@ Source source_of(const Model& model, std::span<const Function> functions, const 
   const Precision precision{options.single_precision};
   std::vector<Part> parts = recorded(model, functions, prefix, options.single_precision);
   for (Part& part : parts)
-    if (extras.many_states && part.function.quantity == Quantity::jacobian)
-      by_columns(part.recording.results);
+    if (extras.many_states && part.function.is("jacobian")) by_columns(part.recording.results);
 
   Source source;
   std::string& text = source.text;

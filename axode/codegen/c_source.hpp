@@ -1,4 +1,5 @@
 #pragma once
+#include <algorithm>
 #include <array>
 #include <span>
 #include <string>
@@ -8,55 +9,32 @@
 #include "axode/lie/twist.hpp"
 #include "axode/model/model.hpp"
 #include "axode/scalar/counted.hpp"
+#include "axode/table/functions.hpp"
 
 /// C source for one mechanism: functions without loops and branches over its joints, in which only the
 /// operations are left that this mechanism needs. They are what the kernels of the library do on a Trace.
 namespace axode::codegen {
 
-enum class Quantity {
-  inverse_dynamics,
-  forward_dynamics,
-  mass_matrix,
-  inverse_mass_matrix,
-  poses,
-  jacobian,
-  inverse_dynamics_derivatives,
-  inverse_dynamics_jvp,
-  inverse_dynamics_vjp,
-  inverse_dynamics_hessian,
-  forward_dynamics_derivatives,
-  forward_dynamics_jvp,
-  forward_dynamics_vjp,
-  forward_dynamics_hessian,
-  pose
-};
-/// Their names, those of the library, in that order.
-inline constexpr std::array<std::string_view, 15> quantities{"inverse_dynamics",
-                                                             "forward_dynamics",
-                                                             "mass_matrix",
-                                                             "inverse_mass_matrix",
-                                                             "poses",
-                                                             "jacobian",
-                                                             "inverse_dynamics_derivatives",
-                                                             "inverse_dynamics_jvp",
-                                                             "inverse_dynamics_vjp",
-                                                             "inverse_dynamics_hessian",
-                                                             "forward_dynamics_derivatives",
-                                                             "forward_dynamics_jvp",
-                                                             "forward_dynamics_vjp",
-                                                             "forward_dynamics_hessian",
-                                                             "pose"};
-/// Whether there is one for each frame.
-inline bool is_of_a_frame(Quantity quantity) {
-  return quantity == Quantity::jacobian || quantity == Quantity::pose;
-}
-
-/// A function to generate.
+/// A function to generate: a row of the table that can be recorded.
 struct Function {
-  Quantity quantity;
+  catalog::Id row;
   int frame = 0;                                         ///< of a Jacobian or a pose
   Representation representation = Representation::body;  ///< of a Jacobian
+
+  std::string_view name() const { return row.words().name; }
+  /// Whether there is one for each frame.
+  bool is_of_a_frame() const { return row.words().takes_input(catalog::Input::place); }
+  bool is(catalog::Id id) const { return row == id; }
 };
+/// The names of all, in the order of the table.
+inline constexpr auto recorded_functions = [] {
+  constexpr auto is_recorded = [](const catalog::Words& row) -> bool { return row.tape; };
+  std::array<std::string_view, std::ranges::count_if(catalog::functions_of_state, is_recorded)> names{};
+  std::size_t n = 0;
+  for (const catalog::Words& row : catalog::functions_of_state)
+    if (row.tape) names[n++] = row.name;
+  return names;
+}();
 
 /// Who calls the functions, and therefore what they look like.
 enum class Abi {

@@ -37,7 +37,7 @@ class Accelerations {
  public:
   explicit Accelerations(const Model& model)
       : model_(model),
-        forces_(normalised(model, record(model, {Quantity::inverse_dynamics}, false))),
+        forces_(normalised(model, record(model, {"inverse_dynamics"}, false))),
         forces_jacobian_(jacobian_of(forces_)) {
     for (const Recording& solution : record_solutions(model))
       solutions_.push_back(normalised(model, solution));
@@ -203,23 +203,20 @@ std::vector<CasadiOutput> matrices(const Model& model, const Function& function,
   const int one = places.back();
   const auto at = [&](int k) { return places[static_cast<std::size_t>(k)]; };
   const auto square = [&](int r, int c) { return at(r * nv + c); };
-  switch (function.quantity) {
-    case Quantity::mass_matrix:
-    case Quantity::inverse_mass_matrix: return {output(value.result, nv, nv, 0, square)};
-    case Quantity::jacobian: return {output("J", 6, nv, 0, square)};
-    case Quantity::pose:
-    case Quantity::poses: {
-      std::vector<CasadiOutput> all;
-      for (int f = 0; f < std::ssize(places) / 12; ++f)
-        all.push_back(
-            output(function.quantity == Quantity::pose ? "C" : "C_" + frames[static_cast<std::size_t>(f)], 4,
-                   4, 0, [&](int r, int c) { return r < 3   ? at(12 * f + 3 * c + r)
-                                                    : c < 3 ? -1
-                                                            : one; }));
-      return all;
-    }
-    default: return {output(value.result, nv, 1, 0, [&](int r, int) { return at(r); })};
+  const catalog::Words& row = function.row.words();
+  if (row.entry == catalog::Entry::twist) return {output(value.result, 6, nv, 0, square)};
+  if (row.entry == catalog::Entry::pose) {
+    std::vector<CasadiOutput> all;
+    for (int f = 0; f < std::ssize(places) / 12; ++f)
+      all.push_back(output(
+          function.is_of_a_frame() ? value.result : value.result + "_" + frames[static_cast<std::size_t>(f)],
+          4, 4, 0, [&](int r, int c) { return r < 3   ? at(12 * f + 3 * c + r)
+                                              : c < 3 ? -1
+                                                      : one; }));
+    return all;
   }
+  if (row.shape.size() == 2) return {output(value.result, nv, nv, 0, square)};
+  return {output(value.result, nv, 1, 0, [&](int r, int) { return at(r); })};
 }
 
 /// Brings results into the order in which the matrices have them.
@@ -361,7 +358,7 @@ CasadiInverse inverse_of(const Model& model, const CasadiOutput& out) {
     return CasadiInverse::Part{std::move(recording), std::move(places)};
   };
   const int nq = model.nq(), nv = model.nv();
-  const Recording M = normalised(model, record(model, {Quantity::mass_matrix}, false));
+  const Recording M = normalised(model, record(model, {"mass_matrix"}, false));
   const Weights B{{"B"}, {nv * nv}};
   Recording H = hessian_of(M, B);
   for (int k = 0; k < nq; ++k)
@@ -387,11 +384,11 @@ Weights weights_of(const std::vector<CasadiOutput>& outputs) {
 CasadiFamily casadi_family(const Model& model, const Function& function, const std::string& name,
                            std::span<const std::string> frames) {
   const std::optional<Accelerations> a =
-      function.quantity == Quantity::forward_dynamics ? std::optional<Accelerations>(model) : std::nullopt;
+      function.is("forward_dynamics") ? std::optional<Accelerations>(model) : std::nullopt;
   Recording f = a ? a->value() : normalised(model, record(model, function, false));
   std::vector<CasadiOutput> outputs = matrices(model, function, frames, f);
   put_in_order(outputs, f);
-  if (function.quantity == Quantity::inverse_mass_matrix) {
+  if (function.is("inverse_mass_matrix")) {
     CasadiInverse inverse = inverse_of(model, outputs[0]);
     std::vector<Recording> recordings{f};
     for (std::size_t kind = 0; kind < CasadiInverse::kinds; ++kind)

@@ -48,7 +48,7 @@ class CasadiInverse {
   std::vector<int> entries_;
   std::string weights_;
   std::array<Part, kinds> masses_;
-  std::vector<int> begin_;  ///< of coordinate k in the results for M by each coordinate
+  std::vector<int> begin_;   ///< of coordinate k in the results for M by each coordinate
   std::vector<int> by_q_;    ///< what may not be 0 of A by q: k n + e for entry e of n
   std::vector<int> by_q_q_;  ///< and of the Hessian: k nq + l
 };

@@ -292,20 +292,6 @@ class File {
   int longest_ = 1;
 };
 
-bool has_a_family(Quantity quantity) {
-  using enum Quantity;
-  switch (quantity) {
-    case inverse_dynamics:
-    case forward_dynamics:
-    case mass_matrix:
-    case inverse_mass_matrix:
-    case poses:
-    case pose:
-    case jacobian: return true;
-    default: return false;
-  }
-}
-
 void check(std::span<const Function> functions, const std::string& prefix, const Options& options) {
   if (options.states < 1)
     throw std::invalid_argument("states is " + std::to_string(options.states) + "; expected 1 or more");
@@ -316,11 +302,9 @@ void check(std::span<const Function> functions, const std::string& prefix, const
         "the prefix \"" + prefix +
         "\" is no name in CasADi: underscores are single there, and between letters or digits");
   for (const Function& function : functions)
-    if (!has_a_family(function.quantity)) {
-      const std::string word = word_for(function.quantity);
-      throw std::invalid_argument(word + " comes with " + word.substr(0, word.rfind("_dynamics") + 9) +
+    if (const catalog::Words& row = function.row.words(); !row.derivative_of.empty())
+      throw std::invalid_argument(std::string(row.name) + " comes with " + std::string(row.derivative_of) +
                                   " for CasADi, as jac_, fwd1_, adj1_ and jac_adj1_; ask for that");
-    }
 }
 
 /// Places in matrices of all states are an int.

@@ -3,12 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include "axode/codegen/traced_tree.hpp"
-#include "axode/derivatives/first_order.hpp"
-#include "axode/derivatives/forward_second_order.hpp"
-#include "axode/derivatives/inverse_dynamics_products.hpp"
-#include "axode/fast/inverse_dynamics.hpp"
+#include "axode/derivatives/row_kernels.hpp"
 #include "axode/fast/inverse_mass_matrix.hpp"
 #include "axode/kinematics/path.hpp"
 #include "axode/model/workspace.hpp"
@@ -46,17 +44,15 @@ class Doubt {
   Trace::Condition doubt_;
 };
 
-/// The arguments of a function, which become inputs of the tape, and what its kernels read.
+/// A function on a tape: its arguments become inputs.
 struct Traced {
   const Tree<double>& tree;
   Tree<T> constants = cast<T>(tree);
   Tape tape;
   Recording recording;
 
-  Traced(const Tree<double>& traced, std::string result) : tree(traced) {
-    recording.result = std::move(result);
-  }
-  Numbers argument(const char* name, int n) {
+  Traced(const Tree<double>& traced, std::string_view result) : tree(traced) { recording.result = result; }
+  Numbers argument(std::string_view name, int n) {
     Numbers x;
     for (int k = 0; k < n; ++k) x.push_back(tape.input(static_cast<int>(recording.arguments.size()), k));
     recording.arguments.emplace_back(name);
@@ -68,241 +64,141 @@ struct Traced {
     recording.nodes = tape.nodes();
     return std::move(recording);
   }
+  /// Results that may be doubted.
+  Recording with(Numbers results, const Trace::Condition& doubt) {
+    recording.returns_doubt = true;
+    recording.doubt = doubt;
+    if (doubt.is_constant() && doubt.constant())  // a joint moves no mass wherever it is
+      std::fill(results.begin(), results.end(), T(std::numeric_limits<double>::quiet_NaN()));
+    return with(std::move(results));
+  }
 };
 
-/// Without what the armatures take.
-Numbers forces(Traced& traced, const Numbers& q, const Numbers& v, const Numbers& a) {
-  OnTape<FastInverseDynamics<Plain<T>, T>> recursion(*traced.tree.topology());
-  Numbers tau = zeros(traced.tree->nv);
-  recursion->forward(traced.tree, q.data(), v.data(), a.data(), cast<T>(traced.tree.g));
-  recursion->backward(traced.tree, tau.data());
-  return tau;
-}
+/// How accelerations are found on a tape: by articulated bodies, or by the mass matrix and its sparse factors; body-fixed, where
+/// joint screws are constant and sparse.
+template <bool factors> struct Solver {
+  using T = Trace;
+  using Bodies = std::conditional_t<factors, CompositeBodies<BodyFixed, T>, ArticulatedBodies<BodyFixed, T>>;
+  FastInverseDynamics<Plain<T>, T> bias;
+  Bodies bodies;
+  T *zero, *H;
+  double small = 0;  ///< the part of what feeds it below which a pivot is doubted
+  std::optional<Tree<T>> constants;
+  Trace::Condition doubt;
 
-/// Body-fixed, where joint screws are constant and sparse.
-Numbers composite(Traced& traced, const Numbers& q) {
-  OnTape<CompositeBodies<BodyFixed, T>> bodies(*traced.tree.topology());
-  Numbers M = zeros(traced.tree->nv * traced.tree->nv);
-  bodies->run(traced.constants, q.data(), traced.constants.armature.data(), M.data());
-  return M;
-}
+  explicit Solver(Arena& arena)
+      : bias(arena),
+        bodies(arena),
+        zero(arena.per_velocity<T>()),
+        H(arena.array<T>(static_cast<std::size_t>(arena.topology().nv * arena.topology().nv))) {}
 
-Recording inverse_dynamics(const Tree<double>& tree) {
-  Traced traced(tree, "tau");
-  const Numbers q = traced.argument("q", tree->nq), v = traced.argument("v", tree->nv),
-                a = traced.argument("a", tree->nv);
-  Numbers tau = forces(traced, q, v, a);
-  for (std::size_t c = 0; c < tau.size(); ++c) tau[c] += T(tree.armature[c]) * a[c];
-  return traced.with(std::move(tau));
-}
-
-Recording mass_matrix(const Tree<double>& tree) {
-  Traced traced(tree, "M");
-  return traced.with(composite(traced, traced.argument("q", tree->nq)));
-}
-
-/// How accelerations are found from what the forces leave over, x := M⁻¹ x for several x, and what makes it doubtful.
-using Solver = Trace::Condition (*)(Traced&, const Numbers& q, std::span<Numbers> columns, double small);
-
-/// The articulated-body algorithm.
-Trace::Condition solve_articulated(Traced& traced, const Numbers& q, std::span<Numbers> columns,
-                                   double small) {
-  OnTape<ArticulatedBodies<BodyFixed, T>> bodies(*traced.tree.topology());
-  Doubt doubt(traced.tree, small);
-  bodies->links.run(traced.constants, q.data());
-  bodies->factorize(traced.constants, traced.constants.armature.data(), doubt);
-  for (Numbers& x : columns) bodies->solve(traced.constants, x.data());
-  return doubt.verdict();
-}
-
-/// The mass matrix and its sparse factors.
-Trace::Condition solve_factorized(Traced& traced, const Numbers& q, std::span<Numbers> columns,
-                                  double small) {
-  Numbers H = composite(traced, q);
-  const Numbers fed = zeros(traced.tree->nv);  // not asked for
-  Doubt doubt(traced.tree, small);
-  factorize(traced.constants, fed.data(), H.data(), doubt);
-  for (Numbers& x : columns) solve(traced.constants, H.data(), x.data());
-  return doubt.verdict();
-}
-
-/// What is above the diagonal to below it: of a solution for a unit vector, the part that is found before it reaches
-/// the leaves.
-void mirror(T* matrix, std::size_t n) {
-  for (std::size_t r = 0; r < n; ++r)
-    for (std::size_t c = 0; c < r; ++c) matrix[r * n + c] = matrix[c * n + r];
-}
+  void prepare(const Tree<double>& tree, const T* q) {
+    constants.emplace(cast<T>(tree));
+    Doubt judge(tree, small);
+    std::fill_n(zero, tree->nv, T(0));
+    if constexpr (factors) {
+      std::fill_n(H, tree->nv * tree->nv, T(0));
+      bodies.run(*constants, q, constants->armature.data(), H);
+      axode::factorize(*constants, zero, H, judge);  // what feeds the pivots is not asked for
+    } else {
+      bodies.links.run(*constants, q);
+      bodies.factorize(*constants, constants->armature.data(), judge);
+    }
+    doubt = judge.verdict();
+  }
+  void accelerate(const Tree<double>& tree, const T* q, const T* v, const T* tau, T* a) {
+    std::fill_n(zero, tree->nv, T(0));
+    std::fill_n(a, tree->nv, T(0));
+    bias.forward(tree, q, v, zero, cast<T>(tree.g));
+    bias.backward(tree, a);
+    for (int c = 0; c < tree->nv; ++c) a[c] = tau[c] - a[c];
+    prepare(tree, q);
+    solve_one(tree, a);
+  }
+  void solve_one(const Tree<double>&, T* x) {
+    if constexpr (factors)
+      axode::solve(*constants, H, x);
+    else
+      bodies.solve(*constants, x);
+  }
+  void solve(const Tree<double>& tree, T* matrix) {
+    const std::size_t nv = static_cast<std::size_t>(tree->nv);
+    Numbers x(nv);
+    for (std::size_t c = 0; c < nv; ++c) {
+      for (std::size_t r = 0; r < nv; ++r) x[r] = matrix[r * nv + c];
+      solve_one(tree, x.data());
+      for (std::size_t r = 0; r < nv; ++r) matrix[r * nv + c] = x[r];
+    }
+  }
+  /// Of a solution for a unit vector the part is kept that is found before it reaches the leaves.
+  void inverse(const Tree<double>& tree, T* matrix) {
+    const std::size_t nv = static_cast<std::size_t>(tree->nv);
+    for (std::size_t k = 0; k < nv * nv; ++k) matrix[k] = T(k % (nv + 1) == 0);
+    solve(tree, matrix);
+    for (std::size_t r = 0; r < nv; ++r)
+      for (std::size_t c = 0; c < r; ++c) matrix[r * nv + c] = matrix[c * nv + r];
+  }
+};
 
 /// On long paths the factors of the mass matrix lose digits.
 bool factors_are_exact(const Tree<double>& tree) {
   return tree->depth <= FastInverseMassMatrix<double>::longest_path;
 }
 
-/// The arguments of forward dynamics and the accelerations.
-struct Accelerated {
-  Traced& traced;
-  Solver solver;
-  double small;
-  Numbers q, v, tau, a;
+/// A row that has a kernel. Its results are numbers for velocities.
+template <catalog::Id id, class By> Recording record_row(const Tree<double>& tree, double small) {
+  constexpr const catalog::Words& row = id.words();
+  Traced traced(tree, row.together);
+  catalog::Read<T> given;
+  std::vector<Numbers> arguments;
+  for (const catalog::Input input : row.takes)
+    if (catalog::is_of_numbers(input)) {
+      arguments.push_back(
+          traced.argument(to_string(input), input == catalog::Input::q ? tree->nq : tree->nv));
+      given[input] = arguments.back().data();
+    }
+  std::size_t n = row.symbols.size();
+  for (std::size_t k = 0; k < row.shape.size(); ++k) n *= static_cast<std::size_t>(tree->nv);
+  Numbers out(n);
+  OnTape<catalog::RowKernel<id, By>> kernel(*tree.topology());
+  if constexpr (row.may_fail) {
+    kernel->by.small = small;
+    kernel->run(tree, given, out.data());
+    return traced.with(std::move(out), kernel->by.doubt);
+  } else {
+    kernel->run(tree, given, out.data());
+    return traced.with(std::move(out));
+  }
+}
 
-  /// Without forces, for what needs the mass matrix alone.
-  Accelerated(Traced& on, Solver by, double doubtful, Numbers at)
-      : traced(on), solver(by), small(doubtful), q(std::move(at)), a(zeros(on.tree->nv)) {}
-  Accelerated(Traced& on, Solver by, double doubtful)
-      : traced(on),
-        solver(by),
-        small(doubtful),
-        q(on.argument("q", on.tree->nq)),
-        v(on.argument("v", on.tree->nv)),
-        tau(on.argument("tau", on.tree->nv)),
-        a(tau) {
-    const Numbers bias = forces(traced, q, v, zeros(on.tree->nv));
-    for (std::size_t c = 0; c < a.size(); ++c) a[c] -= bias[c];
-    solve({&a, 1});
-  }
-  void solve(std::span<Numbers> columns) { traced.recording.doubt = solver(traced, q, columns, small); }
-  /// The same for a matrix of nv columns, row by row.
-  void solve(T* matrix) {
-    const std::size_t nv = a.size();
-    std::vector<Numbers> columns(nv, zeros(traced.tree->nv));
-    for (std::size_t k = 0; k < nv * nv; ++k) columns[k % nv][k / nv] = matrix[k];
-    solve(columns);
-    for (std::size_t k = 0; k < nv * nv; ++k) matrix[k] = columns[k % nv][k / nv];
-  }
-  Recording with(Numbers results) {
-    traced.recording.returns_doubt = true;
-    const Trace::Condition doubt = traced.recording.doubt;
-    if (doubt.is_constant() && doubt.constant())  // a joint moves no mass wherever it is
-      std::fill(results.begin(), results.end(), T(std::numeric_limits<double>::quiet_NaN()));
-    return traced.with(std::move(results));
-  }
-};
-
-/// M⁻¹ = (a row of solutions for each unit vector), of which the half is taken that takes less.
-Recording inverse_mass_matrix(const Tree<double>& tree, Solver solver, double small) {
+/// Body-fixed, where joint screws are constant and sparse.
+Recording mass_matrix(const Tree<double>& tree) {
+  Traced traced(tree, "M");
+  const Numbers q = traced.argument("q", tree->nq);
+  OnTape<CompositeBodies<BodyFixed, T>> bodies(*tree.topology());
+  Numbers M = zeros(tree->nv * tree->nv);
+  bodies->run(traced.constants, q.data(), traced.constants.armature.data(), M.data());
+  return traced.with(std::move(M));
+}
+template <class By> Recording inverse_mass_matrix(const Tree<double>& tree, double small) {
   Traced traced(tree, "M_inverse");
-  Accelerated at(traced, solver, small, traced.argument("q", tree->nq));
-  const std::size_t nv = static_cast<std::size_t>(tree->nv);
+  const Numbers q = traced.argument("q", tree->nq);
+  OnTape<By> by(*tree.topology());
+  by->small = small;
+  by->prepare(tree, q.data());
   Numbers out = zeros(tree->nv * tree->nv);
-  for (std::size_t c = 0; c < nv; ++c) out[c * nv + c] = T(1);
-  at.solve(out.data());
-  mirror(out.data(), nv);
-  return at.with(std::move(out));
+  by->inverse(tree, out.data());
+  return traced.with(std::move(out), by->doubt);
 }
-
-Recording solution(const Tree<double>& tree, Solver solver, double small) {
+template <class By> Recording solution(const Tree<double>& tree) {
   Traced traced(tree, "x");
-  Accelerated at(traced, solver, small, traced.argument("q", tree->nq));
+  const Numbers q = traced.argument("q", tree->nq);
   Numbers x = traced.argument("tau", tree->nv);
-  at.solve({&x, 1});
-  return at.with(std::move(x));
-}
-
-Recording forward_dynamics(const Tree<double>& tree, Solver solver, double small) {
-  Traced traced(tree, "a");
-  Accelerated at(traced, solver, small);
-  return at.with(at.a);
-}
-
-/// By q, v and a, one behind the other.
-Numbers matrices(Traced& traced, const Numbers& q, const Numbers& v, const Numbers& a) {
-  OnTape<FirstOrder<T>> first_order(*traced.tree.topology());
-  const int entries = traced.tree->nv * traced.tree->nv;
-  Numbers out = zeros(3 * entries);
-  first_order->run(traced.tree, q.data(), v.data(), a.data(), {});
-  first_order->write(traced.tree, {}, out.data(), out.data() + entries, out.data() + 2 * entries);
-  return out;
-}
-Numbers product(Traced& traced, const Numbers& q, const Numbers& v, const Numbers& a, const Numbers& dq,
-                const Numbers& dv, const Numbers& da) {
-  OnTape<InverseDynamicsJvp<T>> jvp(*traced.tree.topology());
-  Numbers out = zeros(traced.tree->nv);
-  jvp->run(traced.tree, q.data(), v.data(), a.data(), dq.data(), dv.data(), da.data(), {}, out.data());
-  return out;
-}
-Numbers gradients(Traced& traced, const Numbers& q, const Numbers& v, const Numbers& a, const Numbers& w) {
-  OnTape<InverseDynamicsVjp<T>> vjp(*traced.tree.topology());
-  vjp->run(traced.tree, q.data(), v.data(), a.data(), w.data(), {});
-  Numbers out;
-  for (const T* const part : {vjp->by_q, vjp->by_v, vjp->by_a})
-    out.insert(out.end(), part, part + traced.tree->nv);
-  return out;
-}
-
-/// Where the blocks of a Hessian go that lie one behind the other.
-HessianBlocks<T> blocks(Numbers& out) {
-  T* const first = out.data();
-  const std::ptrdiff_t entries = std::ssize(out) / 4;
-  return {first, first + entries, first + 2 * entries, first + 3 * entries};
-}
-Numbers hessian(Traced& traced, const Numbers& q, const Numbers& v, const Numbers& a, const Numbers& w) {
-  OnTape<SecondOrder<T>> second(*traced.tree.topology());
-  Numbers out = zeros(4 * traced.tree->nv * traced.tree->nv);
-  second->run(traced.tree, q.data(), v.data(), a.data(), w.data(), {});
-  second->add_to(*traced.tree.topology(), false, blocks(out));
-  return out;
-}
-
-Recording inverse_dynamics_derivatives(const Tree<double>& tree, Quantity quantity) {
-  const bool jvp = quantity == Quantity::inverse_dynamics_jvp,
-             vjp = quantity == Quantity::inverse_dynamics_vjp,
-             curved = quantity == Quantity::inverse_dynamics_hessian;
-  Traced traced(tree, vjp ? "gradient" : curved ? "hessian" : "dtau");
-  const Numbers q = traced.argument("q", tree->nq), v = traced.argument("v", tree->nv),
-                a = traced.argument("a", tree->nv);
-  if (vjp) return traced.with(gradients(traced, q, v, a, traced.argument("w", tree->nv)));
-  if (curved) return traced.with(hessian(traced, q, v, a, traced.argument("w", tree->nv)));
-  if (!jvp) return traced.with(matrices(traced, q, v, a));
-  const Numbers dq = traced.argument("dq", tree->nv), dv = traced.argument("dv", tree->nv),
-                da = traced.argument("da", tree->nv);
-  return traced.with(product(traced, q, v, a, dq, dv, da));
-}
-
-Recording forward_dynamics_derivatives(const Tree<double>& tree, Solver solver, double small) {
-  Traced traced(tree, "da");
-  Accelerated at(traced, solver, small);
-  const std::size_t nv = at.a.size(), entries = nv * nv;
-  Numbers out = matrices(traced, at.q, at.v, at.a);
-  for (std::size_t k = 0; k < entries; ++k) {
-    out[k] = -out[k], out[entries + k] = -out[entries + k];
-    out[2 * entries + k] = T(k % (nv + 1) == 0);
-  }
-  for (const std::size_t matrix : {0, 1, 2}) at.solve(out.data() + matrix * entries);
-  mirror(out.data() + 2 * entries, nv);
-  return at.with(std::move(out));
-}
-Recording forward_dynamics_jvp(const Tree<double>& tree, Solver solver, double small) {
-  Traced traced(tree, "da");
-  Accelerated at(traced, solver, small);
-  const Numbers dq = traced.argument("dq", tree->nv), dv = traced.argument("dv", tree->nv);
-  Numbers x = traced.argument("dtau", tree->nv);
-  const Numbers along = product(traced, at.q, at.v, at.a, dq, dv, zeros(tree->nv));
-  for (std::size_t c = 0; c < x.size(); ++c) x[c] -= along[c];
-  at.solve({&x, 1});
-  return at.with(std::move(x));
-}
-Recording forward_dynamics_vjp(const Tree<double>& tree, Solver solver, double small) {
-  Traced traced(tree, "gradient");
-  Accelerated at(traced, solver, small);
-  Numbers mu = traced.argument("w", tree->nv);
-  at.solve({&mu, 1});
-  Numbers out = gradients(traced, at.q, at.v, at.a, mu);
-  const std::size_t nv = mu.size();
-  for (std::size_t c = 0; c < nv; ++c) out[c] = -out[c], out[nv + c] = -out[nv + c], out[2 * nv + c] = mu[c];
-  return at.with(std::move(out));
-}
-
-Recording forward_dynamics_hessian(const Tree<double>& tree, Solver solver, double small) {
-  Traced traced(tree, "hessian");
-  Accelerated at(traced, solver, small);
-  Numbers mu = traced.argument("w", tree->nv);
-  for (T& x : mu) x = -x;
-  at.solve({&mu, 1});
-  OnTape<SecondOrder<T>> second(*tree.topology());
-  Numbers out = zeros(4 * tree->nv * tree->nv);
-  second->run(tree, at.q.data(), at.v.data(), at.a.data(), mu.data(), {});
-  accelerations_from(*second, tree, {}, blocks(out), [&](T* matrix) { at.solve(matrix); });
-  return at.with(std::move(out));
+  OnTape<By> by(*tree.topology());
+  by->small = doubtful_part<double>;
+  by->prepare(tree, q.data());
+  by->solve_one(tree, x.data());
+  return traced.with(std::move(x), by->doubt);
 }
 
 /// The twist of a frame for a unit of each velocity. In the axes of the frame the joint screws are found on
@@ -358,43 +254,50 @@ Recording poses(const Tree<double>& tree, int first, int last) {
   return traced.with(std::move(out));
 }
 
+using Articulated = Solver<false>;
+using Factorized = Solver<true>;
+
+/// A recorder for each row that has a tape, in the order of the table; by either solver where the row solves with M.
+struct Recorder {
+  using Of = Recording (*)(const Tree<double>&, double small);
+  Of by_bodies = nullptr, by_factors = nullptr;
+};
+constexpr auto recorders = [] {
+  std::array<Recorder, catalog::functions_of_state.size()> all{};
+  const auto set = [&]<catalog::Id... ids>() {
+    ((all[ids.index] = {record_row<ids, Articulated>,
+                        ids.words().may_fail ? record_row<ids, Factorized> : nullptr}),
+     ...);
+  };
+  set.template operator()<"inverse_dynamics", "inverse_dynamics_derivatives", "inverse_dynamics_jvp",
+                          "inverse_dynamics_vjp", "inverse_dynamics_hessian", "forward_dynamics",
+                          "forward_dynamics_derivatives", "forward_dynamics_jvp", "forward_dynamics_vjp",
+                          "forward_dynamics_hessian">();
+  all[catalog::Id("inverse_mass_matrix").index] = {inverse_mass_matrix<Articulated>,
+                                                   inverse_mass_matrix<Factorized>};
+  return all;
+}();
+
 }  // namespace
 
 std::vector<Recording> record_solutions(const Model& model) {
   const Tree<double> tree = traced_tree(model.tree<double>());
-  std::vector<Recording> solutions{solution(tree, solve_articulated, doubtful_part<double>)};
-  if (factors_are_exact(tree)) solutions.push_back(solution(tree, solve_factorized, doubtful_part<double>));
+  std::vector<Recording> solutions{solution<Articulated>(tree)};
+  if (factors_are_exact(tree)) solutions.push_back(solution<Factorized>(tree));
   return solutions;
 }
 
 Recording record(const Model& model, const Function& function, bool single_precision) {
   const Tree<double> tree = traced_tree(model.tree<double>());
-  switch (function.quantity) {
-    case Quantity::inverse_dynamics: return inverse_dynamics(tree);
-    case Quantity::mass_matrix: return mass_matrix(tree);
-    case Quantity::poses: return poses(tree, 0, tree->n_frames() - 1);
-    case Quantity::pose: return poses(tree, function.frame, function.frame);
-    case Quantity::jacobian: return jacobian(tree, function.frame, function.representation);
-    case Quantity::inverse_dynamics_derivatives:
-    case Quantity::inverse_dynamics_jvp:
-    case Quantity::inverse_dynamics_vjp:
-    case Quantity::inverse_dynamics_hessian: return inverse_dynamics_derivatives(tree, function.quantity);
-    default: break;
-  }
-  const auto by = [&](Solver solver) {
-    const double small = single_precision ? doubtful_part<float> : doubtful_part<double>;
-    switch (function.quantity) {
-      case Quantity::inverse_mass_matrix: return inverse_mass_matrix(tree, solver, small);
-      case Quantity::forward_dynamics_derivatives: return forward_dynamics_derivatives(tree, solver, small);
-      case Quantity::forward_dynamics_jvp: return forward_dynamics_jvp(tree, solver, small);
-      case Quantity::forward_dynamics_vjp: return forward_dynamics_vjp(tree, solver, small);
-      case Quantity::forward_dynamics_hessian: return forward_dynamics_hessian(tree, solver, small);
-      default: return forward_dynamics(tree, solver, small);
-    }
-  };
-  Recording by_bodies = by(solve_articulated);
-  if (!factors_are_exact(tree)) return by_bodies;
-  Recording by_factors = by(solve_factorized);
+  if (function.is("mass_matrix")) return mass_matrix(tree);
+  if (function.is("poses")) return poses(tree, 0, tree->n_frames() - 1);
+  if (function.is("pose")) return poses(tree, function.frame, function.frame);
+  if (function.is("jacobian")) return jacobian(tree, function.frame, function.representation);
+  const double small = single_precision ? doubtful_part<float> : doubtful_part<double>;
+  const Recorder& recorder = recorders[function.row.index];
+  Recording by_bodies = recorder.by_bodies(tree, small);
+  if (recorder.by_factors == nullptr || !factors_are_exact(tree)) return by_bodies;
+  Recording by_factors = recorder.by_factors(tree, small);
   return operations(by_bodies).total() < operations(by_factors).total() ? by_bodies : by_factors;
 }
 

@@ -28,7 +28,7 @@ class CompilationEnded : public std::runtime_error {
 /// Functions of one model as machine code made for it: codegen's C, compiled when this is made ($CC, cc, clang or gcc) and
 /// kept in a cache for the next time. T is double or float. Threads may share one.
 ///
-///     const Specialised<> fast(arm, {{codegen::Quantity::inverse_dynamics}});
+///     const Specialised<> fast(arm, {{"inverse_dynamics"}});
 ///     batch::inverse_dynamics(fast, q, v, a, tau, 4);
 ///
 /// The C++ library itself needs no compiler, and stays what it is where there is none.
@@ -58,7 +58,7 @@ template <class T = double> class Specialised {
 
  private:
   struct Code;
-  class Run;
+  class Call;
   Model model_;
   std::shared_ptr<const Code> code_;
 };
@@ -71,47 +71,42 @@ template <class T>
 std::size_t inverse_dynamics(const Specialised<T>& model, Numbers<T> q, Numbers<T> v, Numbers<T> a,
                              std::type_identity_t<std::span<T>> tau, int threads = 1,
                              const Monitor& monitor = {}) {
-  return model({codegen::Quantity::inverse_dynamics}, {.q = q, .v = v, .a = a}, tau, threads, monitor).done;
+  return model({"inverse_dynamics"}, {.q = q, .v = v, .a = a}, tau, threads, monitor).done;
 }
 template <class T>
 Outcome forward_dynamics(const Specialised<T>& model, Numbers<T> q, Numbers<T> v, Numbers<T> tau,
                          std::type_identity_t<std::span<T>> a, int threads = 1, const Monitor& monitor = {}) {
-  return model({codegen::Quantity::forward_dynamics}, {.q = q, .v = v, .tau = tau}, a, threads, monitor);
+  return model({"forward_dynamics"}, {.q = q, .v = v, .tau = tau}, a, threads, monitor);
 }
 
 template <class T>
 std::size_t mass_matrix(const Specialised<T>& model, Numbers<T> q, std::type_identity_t<std::span<T>> M,
                         int threads = 1, const Monitor& monitor = {}) {
-  return model({codegen::Quantity::mass_matrix}, {.q = q}, M, threads, monitor).done;
+  return model({"mass_matrix"}, {.q = q}, M, threads, monitor).done;
 }
 template <class T>
 Outcome inverse_mass_matrix(const Specialised<T>& model, Numbers<T> q,
                             std::type_identity_t<std::span<T>> M_inverse, int threads = 1,
                             const Monitor& monitor = {}) {
-  return model({codegen::Quantity::inverse_mass_matrix}, {.q = q}, M_inverse, threads, monitor);
+  return model({"inverse_mass_matrix"}, {.q = q}, M_inverse, threads, monitor);
 }
 template <class T>
 std::size_t poses(const Specialised<T>& model, Numbers<T> q, std::type_identity_t<std::span<SE3<T>>> C,
                   int threads = 1, const Monitor& monitor = {}) {
-  static_assert(sizeof(SE3<T>) == 12 * sizeof(T));
-  const std::span<T> numbers(reinterpret_cast<T*>(C.data()), 12 * C.size());
-  return model({codegen::Quantity::poses}, {.q = q}, numbers, threads, monitor).done;
+  return model({"poses"}, {.q = q}, catalog::as_numbers<T>(C), threads, monitor).done;
 }
 
 template <class T>
 std::size_t inverse_dynamics_derivatives(const Specialised<T>& model, Numbers<T> q, Numbers<T> v,
                                          Numbers<T> a, std::type_identity_t<std::span<T>> dtau,
                                          int threads = 1, const Monitor& monitor = {}) {
-  return model({codegen::Quantity::inverse_dynamics_derivatives}, {.q = q, .v = v, .a = a}, dtau, threads,
-               monitor)
-      .done;
+  return model({"inverse_dynamics_derivatives"}, {.q = q, .v = v, .a = a}, dtau, threads, monitor).done;
 }
 template <class T>
 Outcome forward_dynamics_derivatives(const Specialised<T>& model, Numbers<T> q, Numbers<T> v, Numbers<T> tau,
                                      std::type_identity_t<std::span<T>> da, int threads = 1,
                                      const Monitor& monitor = {}) {
-  return model({codegen::Quantity::forward_dynamics_derivatives}, {.q = q, .v = v, .tau = tau}, da, threads,
-               monitor);
+  return model({"forward_dynamics_derivatives"}, {.q = q, .v = v, .tau = tau}, da, threads, monitor);
 }
 
 template <class T>
@@ -119,34 +114,30 @@ std::size_t inverse_dynamics_jvp(const Specialised<T>& model, Numbers<T> q, Numb
                                  Numbers<T> dq, Numbers<T> dv, Numbers<T> da,
                                  std::type_identity_t<std::span<T>> dtau, int threads = 1,
                                  const Monitor& monitor = {}) {
-  catalog::Given<T> given{.q = q, .v = v, .a = a};
-  given.dq = dq, given.dv = dv, given.da = da;
-  return model({codegen::Quantity::inverse_dynamics_jvp}, given, dtau, threads, monitor).done;
+  return model({"inverse_dynamics_jvp"}, {.q = q, .v = v, .a = a, .dq = dq, .dv = dv, .da = da}, dtau,
+               threads, monitor)
+      .done;
 }
 template <class T>
 Outcome forward_dynamics_jvp(const Specialised<T>& model, Numbers<T> q, Numbers<T> v, Numbers<T> tau,
                              Numbers<T> dq, Numbers<T> dv, Numbers<T> dtau,
                              std::type_identity_t<std::span<T>> da, int threads = 1,
                              const Monitor& monitor = {}) {
-  catalog::Given<T> given{.q = q, .v = v, .tau = tau};
-  given.dq = dq, given.dv = dv, given.dtau = dtau;
-  return model({codegen::Quantity::forward_dynamics_jvp}, given, da, threads, monitor);
+  return model({"forward_dynamics_jvp"}, {.q = q, .v = v, .tau = tau, .dq = dq, .dv = dv, .dtau = dtau}, da,
+               threads, monitor);
 }
 
 template <class T>
 std::size_t inverse_dynamics_vjp(const Specialised<T>& model, Numbers<T> q, Numbers<T> v, Numbers<T> a,
                                  Numbers<T> w, std::type_identity_t<std::span<T>> gradient, int threads = 1,
                                  const Monitor& monitor = {}) {
-  return model({codegen::Quantity::inverse_dynamics_vjp}, {.q = q, .v = v, .a = a, .w = w}, gradient, threads,
-               monitor)
-      .done;
+  return model({"inverse_dynamics_vjp"}, {.q = q, .v = v, .a = a, .w = w}, gradient, threads, monitor).done;
 }
 template <class T>
 Outcome forward_dynamics_vjp(const Specialised<T>& model, Numbers<T> q, Numbers<T> v, Numbers<T> tau,
                              Numbers<T> w, std::type_identity_t<std::span<T>> gradient, int threads = 1,
                              const Monitor& monitor = {}) {
-  return model({codegen::Quantity::forward_dynamics_vjp}, {.q = q, .v = v, .tau = tau, .w = w}, gradient,
-               threads, monitor);
+  return model({"forward_dynamics_vjp"}, {.q = q, .v = v, .tau = tau, .w = w}, gradient, threads, monitor);
 }
 
 /// Of models that were specialised with forward_dynamics. Motions with coupled joints go through the lanes as well. Springs

@@ -6,6 +6,7 @@
 #include "axode/constraints/independent_rows.hpp"
 #include "axode/derivatives/inverse_dynamics_derivatives.hpp"
 #include "axode/dynamics/check_loads.hpp"
+#include "axode/eigen.hpp"
 #include "axode/recursion/instantiate.hpp"
 
 namespace axode {
@@ -61,7 +62,7 @@ Solvability forward_dynamics_derivatives(const Model& model, LoopWorkspace<T>& w
   const Eigen::Index r = rows.rank();
   RowByRow<T> A(m, n), by_q(n, n), by_v(n, n), M(n, n);
   system.write(A.data());
-  Workspace<T> tree(model);
+  Workspace<T> tree(model, cut_tree);
   inverse_dynamics_derivatives(model, tree, q, v, std::span<const T>(a.data(), v.size()),
                                {entries<T>(by_q), entries<T>(by_v), entries<T>(M)}, loads);
 
@@ -96,6 +97,69 @@ Solvability forward_dynamics_derivatives(const Model& model, LoopWorkspace<T>& w
   return x.allFinite() ? Solvability{} : fail({.not_finite = true});
 }
 
+namespace {
+
+/// The matrices of the derivatives by q, v and tau, one behind the other.
+template <class T> class Matrices {
+ public:
+  Matrices(const Model& model, LoopWorkspace<T>& workspace, Numbers<T> q, Numbers<T> v, Numbers<T> tau,
+           const Loads<T>& loads)
+      : nv_(v.size()), entries_(3 * nv_ * nv_) {
+    const std::span<T> all(entries_);
+    const std::size_t n = nv_ * nv_;
+    verdict = forward_dynamics_derivatives<T>(model, workspace, q, v, tau,
+                                              {all.first(n), all.subspan(n, n), all.last(n)}, loads);
+  }
+  Eigen::Map<const RowByRow<T>> operator[](std::size_t k) const {
+    const Eigen::Index n = static_cast<Eigen::Index>(nv_);
+    return {entries_.data() + k * nv_ * nv_, n, n};
+  }
+  Solvability verdict;
+
+ private:
+  std::size_t nv_;
+  std::vector<T> entries_;
+};
+
+}  // namespace
+
+template <class T>
+Solvability forward_dynamics_jvp(const Model& model, LoopWorkspace<T>& workspace, Numbers<T> q, Numbers<T> v,
+                                 Numbers<T> tau, Numbers<T> dq, Numbers<T> dv, Numbers<T> dtau,
+                                 std::type_identity_t<std::span<T>> da,
+                                 const std::type_identity_t<Loads<T>>& loads) {
+  for (const auto& [name, size] :
+       {std::pair("dq", dq.size()), {"dv", dv.size()}, {"dtau", dtau.size()}, {"da", da.size()}})
+    check_size(name, size, static_cast<std::size_t>(model.nv()), "nv");
+  const Matrices<T> d(model, workspace, q, v, tau, loads);
+  as_eigen(da) = (d[0] * as_eigen<T>(dq) + d[1] * as_eigen<T>(dv) + d[2] * as_eigen<T>(dtau)).eval();
+  return solved(d.verdict, model.nv(), da.data());
+}
+
+template <class T>
+Solvability forward_dynamics_vjp(const Model& model, LoopWorkspace<T>& workspace, Numbers<T> q, Numbers<T> v,
+                                 Numbers<T> tau, Numbers<T> w,
+                                 const std::type_identity_t<ForwardDynamicsGradients<T>>& gradient,
+                                 const std::type_identity_t<Loads<T>>& loads) {
+  check_size("w", w.size(), static_cast<std::size_t>(model.nv()), "nv");
+  check_results<T>(
+      model,
+      {{"gradient.q", gradient.q, 1}, {"gradient.v", gradient.v, 1}, {"gradient.tau", gradient.tau, 1}});
+  const Matrices<T> d(model, workspace, q, v, tau, loads);
+  const Eigen::VectorX<T> weights = as_eigen<T>(w);
+  std::size_t k = 0;
+  for (const std::span<T>& by : {gradient.q, gradient.v, gradient.tau})
+    as_eigen(by) = d[k++].transpose() * weights;
+  return solved(d.verdict, {gradient.q, gradient.v, gradient.tau});
+}
+
+template Solvability forward_dynamics_jvp(const Model&, LoopWorkspace<AXODE_T>&, Numbers<AXODE_T>,
+                                          Numbers<AXODE_T>, Numbers<AXODE_T>, Numbers<AXODE_T>,
+                                          Numbers<AXODE_T>, Numbers<AXODE_T>, std::span<AXODE_T>,
+                                          const Loads<AXODE_T>&);
+template Solvability forward_dynamics_vjp(const Model&, LoopWorkspace<AXODE_T>&, Numbers<AXODE_T>,
+                                          Numbers<AXODE_T>, Numbers<AXODE_T>, Numbers<AXODE_T>,
+                                          const ForwardDynamicsGradients<AXODE_T>&, const Loads<AXODE_T>&);
 template Solvability forward_dynamics_derivatives(const Model&, LoopWorkspace<AXODE_T>&, Numbers<AXODE_T>,
                                                   Numbers<AXODE_T>, Numbers<AXODE_T>,
                                                   const ClosedDynamicsDerivatives<AXODE_T>&,

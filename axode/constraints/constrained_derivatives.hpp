@@ -1,5 +1,6 @@
 #pragma once
 #include "axode/constraints/loops.hpp"
+#include "axode/derivatives/products.hpp"
 #include "axode/recursion/solvability.hpp"
 
 namespace axode {
@@ -20,5 +21,18 @@ Solvability forward_dynamics_derivatives(const Model& model, LoopWorkspace<T>& w
                                          Numbers<T> v, Numbers<T> tau,
                                          const std::type_identity_t<ClosedDynamicsDerivatives<T>>& d,
                                          const std::type_identity_t<Loads<T>>& loads = {});
+
+/// The derivative da (nv) of the accelerations along a direction (dq, dv, dtau), and the gradients of w a by q, v and tau: the
+/// matrices of forward_dynamics_derivatives times a vector from either side, at their cost and with their meaning.
+template <class T>
+Solvability forward_dynamics_jvp(const Model& model, LoopWorkspace<T>& workspace, Numbers<T> q, Numbers<T> v,
+                                 Numbers<T> tau, Numbers<T> dq, Numbers<T> dv, Numbers<T> dtau,
+                                 std::type_identity_t<std::span<T>> da,
+                                 const std::type_identity_t<Loads<T>>& loads = {});
+template <class T>
+Solvability forward_dynamics_vjp(const Model& model, LoopWorkspace<T>& workspace, Numbers<T> q, Numbers<T> v,
+                                 Numbers<T> tau, Numbers<T> w,
+                                 const std::type_identity_t<ForwardDynamicsGradients<T>>& gradient,
+                                 const std::type_identity_t<Loads<T>>& loads = {});
 
 }  // namespace axode

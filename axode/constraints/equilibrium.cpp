@@ -50,7 +50,7 @@ class Statics {
       : model_(model),
         tau_(tau.begin(), tau.end()),
         loads_{loads.wrenches},
-        workspace_(model),
+        workspace_(model, cut_tree),
         rest_(static_cast<std::size_t>(model.nv())),
         springs_(rest_),
         by_v_(model.nv(), model.nv()),

@@ -3,6 +3,7 @@
 #include "axode/derivatives/scratch.hpp"
 #include "axode/dynamics/check_loads.hpp"
 #include "axode/recursion/instantiate.hpp"
+#include "axode/table/check_counts.hpp"
 
 namespace axode {
 namespace {
@@ -36,6 +37,7 @@ void inverse_dynamics_geometry_derivatives(const Model& model, Workspace<T>& wor
                                            Numbers<T> v, Numbers<T> a,
                                            std::type_identity_t<std::span<T>> dtau,
                                            const std::type_identity_t<Loads<T>>& loads) {
+  catalog::check_counts<"inverse_dynamics_geometry_derivatives">(model, workspace);
   check_state(model, workspace, q, v, a);
   check_loads(model, loads);
   check_matrix<T>(model, "dtau", dtau);
@@ -49,20 +51,23 @@ Solvability forward_dynamics_geometry_derivatives(const Model& model, Workspace<
                                                   Numbers<T> v, Numbers<T> tau,
                                                   std::type_identity_t<std::span<T>> da,
                                                   const std::type_identity_t<Loads<T>>& loads) {
+  catalog::check_counts<"forward_dynamics_geometry_derivatives">(model, workspace);
   check_state(model, workspace, q, v);
   check_size("tau", tau.size(), static_cast<std::size_t>(model.nv()), "nv");
   check_loads(model, loads);
   check_matrix<T>(model, "da", da);
   check_separate("da", da, "q", q);
   Arena arena = workspace.arena(model.topology());
-  return ForwardGeometryDerivatives<T>(arena).run(model.tree<T>(), q.data(), v.data(), tau.data(), loads,
-                                                  da.data());
+  const Solvability verdict = ForwardGeometryDerivatives<T>(arena).run(model.tree<T>(), q.data(), v.data(),
+                                                                       tau.data(), loads, da.data());
+  return solved(verdict, std::ssize(da), da.data());
 }
 
 template <class T>
 void inverse_dynamics_geometry_vjp(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v,
                                    Numbers<T> a, Numbers<T> w, std::type_identity_t<std::span<T>> gradient,
                                    const std::type_identity_t<Loads<T>>& loads) {
+  catalog::check_counts<"inverse_dynamics_geometry_vjp">(model, workspace);
   check_state(model, workspace, q, v, a);
   check_loads(model, loads);
   check_gradient<T>(model, w, gradient);
@@ -82,6 +87,7 @@ Solvability forward_dynamics_geometry_vjp(const Model& model, Workspace<T>& work
                                           Numbers<T> v, Numbers<T> tau, Numbers<T> w,
                                           std::type_identity_t<std::span<T>> gradient,
                                           const std::type_identity_t<Loads<T>>& loads) {
+  catalog::check_counts<"forward_dynamics_geometry_vjp">(model, workspace);
   check_state(model, workspace, q, v);
   check_size("tau", tau.size(), static_cast<std::size_t>(model.nv()), "nv");
   check_loads(model, loads);

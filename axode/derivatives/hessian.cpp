@@ -3,6 +3,7 @@
 #include "axode/derivatives/forward_second_order.hpp"
 #include "axode/dynamics/check_loads.hpp"
 #include "axode/recursion/instantiate.hpp"
+#include "axode/table/check_counts.hpp"
 
 namespace axode {
 
@@ -11,6 +12,7 @@ void inverse_dynamics_hessian(const Model& model, Workspace<T>& workspace, Numbe
                               Numbers<T> a, Numbers<T> w,
                               const std::type_identity_t<InverseDynamicsHessian<T>>& h,
                               const std::type_identity_t<Loads<T>>& loads) {
+  catalog::check_counts<"inverse_dynamics_hessian">(model, workspace);
   check_state(model, workspace, q, v, a);
   check_loads(model, loads);
   check_size("w", w.size(), static_cast<std::size_t>(model.nv()), "nv");
@@ -30,6 +32,7 @@ Solvability forward_dynamics_hessian(const Model& model, Workspace<T>& workspace
                                      Numbers<T> tau, Numbers<T> w,
                                      const std::type_identity_t<ForwardDynamicsHessian<T>>& h,
                                      const std::type_identity_t<Loads<T>>& loads) {
+  catalog::check_counts<"forward_dynamics_hessian">(model, workspace);
   check_state(model, workspace, q, v);
   check_loads(model, loads);
   check_size("tau", tau.size(), static_cast<std::size_t>(model.nv()), "nv");
@@ -39,8 +42,10 @@ Solvability forward_dynamics_hessian(const Model& model, Workspace<T>& workspace
                            {"hessian.vv", h.vv, 2},
                            {"hessian.tauq", h.tauq, 2}});
   Arena arena = workspace.arena(model.topology());
-  return ForwardSecondOrder<T>(arena).run(model.tree<T>(), q.data(), v.data(), tau.data(), w.data(), loads,
-                                          {h.qq.data(), h.qv.data(), h.vv.data(), h.tauq.data()});
+  const Solvability verdict =
+      ForwardSecondOrder<T>(arena).run(model.tree<T>(), q.data(), v.data(), tau.data(), w.data(), loads,
+                                       {h.qq.data(), h.qv.data(), h.vv.data(), h.tauq.data()});
+  return solved(verdict, {h.qq, h.qv, h.vv, h.tauq});
 }
 
 template void inverse_dynamics_hessian(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>, Numbers<AXODE_T>,

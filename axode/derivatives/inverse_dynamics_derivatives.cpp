@@ -3,6 +3,7 @@
 #include "axode/derivatives/first_order.hpp"
 #include "axode/dynamics/check_loads.hpp"
 #include "axode/recursion/instantiate.hpp"
+#include "axode/table/check_counts.hpp"
 
 namespace axode {
 
@@ -11,6 +12,7 @@ void inverse_dynamics_derivatives(const Model& model, Workspace<T>& workspace, N
                                   Numbers<T> a,
                                   const std::type_identity_t<InverseDynamicsDerivatives<T>>& dtau,
                                   const std::type_identity_t<Loads<T>>& loads) {
+  catalog::check_counts<"inverse_dynamics_derivatives">(model, workspace);
   check_state(model, workspace, q, v, a);
   check_loads(model, loads);
   check_results<T>(model, {{"dtau.tau", dtau.tau, 1, !dtau.tau.empty()},

@@ -8,8 +8,8 @@
 #include "axode/derivatives/velocity_bracket.hpp"
 #include "axode/dynamics/springs.hpp"
 #include "axode/kinematics/check_arguments.hpp"
-#include "axode/model/check_no_loops.hpp"
 #include "axode/recursion/instantiate.hpp"
+#include "axode/table/check_counts.hpp"
 
 namespace axode {
 namespace {
@@ -29,7 +29,7 @@ template <class T>
 Solvability linearize(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v, Numbers<T> tau,
                       const std::type_identity_t<Linearization<T>>& linear,
                       const std::type_identity_t<Loads<T>>& loads) {
-  check_no_loops(model, "linearize", "independent_linearization does");
+  catalog::check_counts<"linearize">(model);
   const auto& [A, B] = linear;
   const std::size_t n = static_cast<std::size_t>(model.nv()), width = 2 * n;
   check_size("linear.A", A.size(), width * width, "2nv * 2nv");
@@ -60,10 +60,7 @@ Solvability linearize(const Model& model, Workspace<T>& workspace, Numbers<T> q,
     spring_force_derivatives(model, workspace, q, v, {forces_dq, forces_dv});
     add_product<T>(da_dtau, forces_dq, n, da_dq), add_product<T>(da_dtau, forces_dv, n, da_dv);
   }
-  if (!verdict.ok()) {
-    for (const std::span<T> all : {A, B}) std::ranges::fill(all, std::numeric_limits<T>::quiet_NaN());
-    return verdict;
-  }
+  if (!verdict.ok()) return solved(verdict, {A, B});
   for (std::size_t i = 0; i < n; ++i) {
     std::ranges::copy(da_dq.subspan(i * n, n), &lower[i * width]);
     std::ranges::copy(da_dv.subspan(i * n, n), &lower[i * width + n]);
@@ -72,7 +69,7 @@ Solvability linearize(const Model& model, Workspace<T>& workspace, Numbers<T> q,
   std::ranges::fill(B.first(n * n), T(0));
   for (std::size_t i = 0; i < n; ++i) upper[i * width + n + i] = T(1);
   subtract_ad(model.tree<T>(), v.data(), static_cast<std::ptrdiff_t>(width), upper.data());
-  return verdict;
+  return solved(verdict, {A, B});
 }
 
 template Solvability linearize(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>, Numbers<AXODE_T>,

@@ -5,6 +5,7 @@
 #include "axode/derivatives/scratch.hpp"
 #include "axode/dynamics/check_loads.hpp"
 #include "axode/recursion/instantiate.hpp"
+#include "axode/table/check_counts.hpp"
 
 namespace axode {
 namespace {
@@ -20,6 +21,7 @@ void inverse_dynamics_jvp(const Model& model, Workspace<T>& workspace, Numbers<T
                           Numbers<T> a, Numbers<T> dq, Numbers<T> dv, Numbers<T> da,
                           std::type_identity_t<std::span<T>> dtau,
                           const std::type_identity_t<Loads<T>>& loads) {
+  catalog::check_counts<"inverse_dynamics_jvp">(model, workspace);
   check_state(model, workspace, q, v, a);
   check_loads(model, loads);
   check_velocities(model, "dq", dq), check_velocities(model, "dv", dv), check_velocities(model, "da", da);
@@ -34,6 +36,7 @@ void inverse_dynamics_vjp(const Model& model, Workspace<T>& workspace, Numbers<T
                           Numbers<T> a, Numbers<T> w,
                           const std::type_identity_t<InverseDynamicsGradients<T>>& gradient,
                           const std::type_identity_t<Loads<T>>& loads) {
+  catalog::check_counts<"inverse_dynamics_vjp">(model, workspace);
   check_state(model, workspace, q, v, a);
   check_loads(model, loads);
   check_velocities(model, "w", w);
@@ -52,6 +55,7 @@ Solvability forward_dynamics_jvp(const Model& model, Workspace<T>& workspace, Nu
                                  Numbers<T> tau, Numbers<T> dq, Numbers<T> dv, Numbers<T> dtau,
                                  std::type_identity_t<std::span<T>> da,
                                  const std::type_identity_t<Loads<T>>& loads) {
+  catalog::check_counts<"forward_dynamics_jvp">(model, workspace);
   check_state(model, workspace, q, v);
   check_loads(model, loads);
   check_velocities(model, "tau", tau);
@@ -71,6 +75,7 @@ Solvability forward_dynamics_vjp(const Model& model, Workspace<T>& workspace, Nu
                                  Numbers<T> tau, Numbers<T> w,
                                  const std::type_identity_t<ForwardDynamicsGradients<T>>& gradient,
                                  const std::type_identity_t<Loads<T>>& loads) {
+  catalog::check_counts<"forward_dynamics_vjp">(model, workspace);
   check_state(model, workspace, q, v);
   check_loads(model, loads);
   check_velocities(model, "tau", tau), check_velocities(model, "w", w);
@@ -85,10 +90,7 @@ Solvability forward_dynamics_vjp(const Model& model, Workspace<T>& workspace, Nu
   std::copy_n(s.vjp.by_q, nv, gradient.q.data());
   std::copy_n(s.vjp.by_v, nv, gradient.v.data());
   std::copy_n(s.mu, nv, gradient.tau.data());
-  Solvability all = solved(verdict, nv, gradient.q.data());
-  for (T* const part : {gradient.v.data(), gradient.tau.data()})
-    if (const Solvability one = solved(verdict, nv, part); all.ok()) all = one;
-  return all;
+  return solved(verdict, {gradient.q, gradient.v, gradient.tau});
 }
 
 template void inverse_dynamics_jvp(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>, Numbers<AXODE_T>,

@@ -5,11 +5,13 @@
 #include "axode/derivatives/scratch.hpp"
 #include "axode/dynamics/check_loads.hpp"
 #include "axode/recursion/instantiate.hpp"
+#include "axode/table/check_counts.hpp"
 
 namespace axode {
 
 template <class T>
 InverseDynamicsRates<T>::InverseDynamicsRates(const Model& model, int order) : model_(model) {
+  catalog::check_counts<"inverse_dynamics_rates">(model);
   if (order < 0)
     throw std::invalid_argument("order is " + std::to_string(order) +
                                 "; it must not be negative (0 is the force)");
@@ -39,6 +41,7 @@ template <class T>
 Solvability forward_dynamics_rates(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v,
                                    Numbers<T> forces, std::type_identity_t<std::span<T>> rates,
                                    const std::type_identity_t<Loads<T>>& loads) {
+  catalog::check_counts<"forward_dynamics_rates">(model);
   check_state(model, workspace, q, v);
   check_loads(model, loads);
   check_size("rates", rates.size(), forces.size(), "as many as forces");
@@ -70,6 +73,7 @@ template <class Rep, class T>
 void second_order_inverse_dynamics(const Model& model, Workspace<T>& workspace, Numbers<T> q,
                                    Numbers<T> rates, std::type_identity_t<std::span<T>> tau,
                                    const std::type_identity_t<Loads<T>>& loads) {
+  catalog::check_counts<"inverse_dynamics_rates">(model);
   check_state(model, workspace, q);
   check_loads(model, loads);
   const std::size_t nv = static_cast<std::size_t>(model.nv());

@@ -6,6 +6,7 @@
 #include "axode/derivatives/tensors.hpp"
 #include "axode/kinematics/check_arguments.hpp"
 #include "axode/recursion/instantiate.hpp"
+#include "axode/table/check_counts.hpp"
 
 namespace axode {
 
@@ -13,6 +14,7 @@ template <class T>
 void inverse_dynamics_second_derivatives(
     const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v, Numbers<T> a,
     const std::type_identity_t<InverseDynamicsSecondDerivatives<T>>& second) {
+  catalog::check_counts<"inverse_dynamics_second_derivatives">(model, workspace);
   check_state(model, workspace, q, v, a);
   check_results<T>(model, {{"second.qq", second.qq, 3},
                            {"second.qv", second.qv, 3},
@@ -28,6 +30,7 @@ template <class T>
 Solvability forward_dynamics_second_derivatives(
     const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v, Numbers<T> tau,
     const std::type_identity_t<ForwardDynamicsSecondDerivatives<T>>& second) {
+  catalog::check_counts<"forward_dynamics_second_derivatives">(model, workspace);
   check_state(model, workspace, q, v);
   const int nv = model.nv();
   check_size("tau", tau.size(), static_cast<std::size_t>(nv), "nv");
@@ -54,7 +57,7 @@ Solvability forward_dynamics_second_derivatives(
                                                {row(0), row(1), row(2), row(3)});
     if (verdict.ok()) verdict = found;
   }
-  return verdict;
+  return solved(verdict, {second.qq, second.qv, second.vv, second.tauq});
 }
 
 template void inverse_dynamics_second_derivatives(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>,

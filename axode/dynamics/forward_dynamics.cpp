@@ -5,6 +5,7 @@
 #include "axode/kinematics/check_arguments.hpp"
 #include "axode/recursion/forward_dynamics.hpp"
 #include "axode/recursion/instantiate.hpp"
+#include "axode/table/check_counts.hpp"
 
 namespace axode {
 
@@ -12,6 +13,7 @@ template <RecursionChoice Rep, class T>
 Solvability forward_dynamics(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v,
                              Numbers<T> tau, std::type_identity_t<std::span<T>> a,
                              const std::type_identity_t<Loads<T>>& loads) {
+  catalog::check_counts<"forward_dynamics">(model, workspace);
   check_state(model, workspace, q, v);
   check_size("tau", tau.size(), static_cast<std::size_t>(model.nv()), "nv");
   check_size("a", a.size(), static_cast<std::size_t>(model.nv()), "nv");

@@ -4,12 +4,14 @@
 #include "axode/fast/inverse_dynamics.hpp"
 #include "axode/kinematics/check_arguments.hpp"
 #include "axode/recursion/instantiate.hpp"
+#include "axode/table/check_counts.hpp"
 
 namespace axode {
 
 template <RecursionChoice Rep, class T>
 void inverse_dynamics(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v, Numbers<T> a,
                       std::type_identity_t<std::span<T>> tau, const std::type_identity_t<Loads<T>>& loads) {
+  catalog::check_counts<"inverse_dynamics">(model, workspace);
   check_state(model, workspace, q, v, a);
   check_loads(model, loads);
   check_size("tau", tau.size(), static_cast<std::size_t>(model.nv()), "nv");

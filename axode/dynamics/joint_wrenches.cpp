@@ -4,6 +4,7 @@
 #include "axode/kinematics/check_arguments.hpp"
 #include "axode/recursion/instantiate.hpp"
 #include "axode/recursion/inverse_dynamics.hpp"
+#include "axode/table/check_counts.hpp"
 
 namespace axode {
 
@@ -11,6 +12,7 @@ template <RecursionRepresentation Rep, class T>
 void joint_wrenches(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v, Numbers<T> a,
                     std::type_identity_t<std::span<Wrench<Rep, T>>> W,
                     const std::type_identity_t<Loads<T>>& loads) {
+  catalog::check_counts<"joint_wrenches">(model, workspace);
   check_state(model, workspace, q, v, a);
   check_loads(model, loads);
   check_size("W", W.size(), static_cast<std::size_t>(model.n_bodies()), "n_bodies");

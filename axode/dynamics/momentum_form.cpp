@@ -6,6 +6,7 @@
 #include "axode/dynamics/scratch.hpp"
 #include "axode/kinematics/check_arguments.hpp"
 #include "axode/recursion/instantiate.hpp"
+#include "axode/table/check_counts.hpp"
 
 namespace axode {
 
@@ -14,6 +15,7 @@ Solvability momentum_form(const Model& model, Workspace<T>& workspace, Numbers<T
                           Numbers<T> tau, std::type_identity_t<std::span<T>> v,
                           std::type_identity_t<std::span<T>> dp,
                           const std::type_identity_t<Loads<T>>& loads) {
+  catalog::check_counts<"momentum_form">(model, workspace);
   check_state(model, workspace, q);
   for (const auto& [name, size] :
        {std::pair{"p", p.size()}, {"tau", tau.size()}, {"v", v.size()}, {"dp", dp.size()}})

@@ -3,11 +3,13 @@
 #include <algorithm>
 
 #include "axode/dynamics/definite_inverse.hpp"
+#include "axode/dynamics/frame_mobility.hpp"
 #include "axode/dynamics/scratch.hpp"
 #include "axode/kinematics/check_arguments.hpp"
 #include "axode/kinematics/jacobian.hpp"
 #include "axode/lie/six.hpp"
 #include "axode/recursion/instantiate.hpp"
+#include "axode/table/check_counts.hpp"
 
 namespace axode {
 namespace {
@@ -33,6 +35,7 @@ template <RecursionRepresentation Rep, class T>
 Solvability impulse_response(const Model& model, Workspace<T>& workspace, Numbers<T> q,
                              const std::type_identity_t<Place<T>>& place,
                              std::type_identity_t<std::span<Twist<Rep, T>>> Y) {
+  catalog::check_counts<"impulse_response">(model, workspace);
   jacobian<Rep>(model, workspace, q, place, Y);
   Arena arena = workspace.arena(model.topology());
   FrameResponse<Rep, T> at(arena);
@@ -43,6 +46,7 @@ template <RecursionRepresentation Rep, class T>
 Solvability mobility(const Model& model, Workspace<T>& workspace, Numbers<T> q,
                      const std::type_identity_t<Place<T>>& place,
                      std::type_identity_t<std::span<T>> mobility) {
+  catalog::check_counts<"mobility">(model, workspace);
   check_state(model, workspace, q);
   check_size("mobility", mobility.size(), 36, "6 * 6");
   const std::size_t nv = static_cast<std::size_t>(model.nv());
@@ -52,14 +56,7 @@ Solvability mobility(const Model& model, Workspace<T>& workspace, Numbers<T> q,
   jacobian<Rep>(model, workspace, q, place, J);  // takes nothing of the workspace
   std::copy(J.begin(), J.end(), Y.begin());
   const Solvability verdict = respond(model.tree<T>(), at, q.data(), Y.data());
-  for (T& x : mobility) x = T(0);
-  for (std::size_t c = 0; c < nv; ++c)
-    for (int r = 0; r < 6; ++r)
-      for (int s = 0; s < 6; ++s)
-        mobility[static_cast<std::size_t>(6 * r + s)] += entry(J[c], r) * entry(Y[c], s);
-  for (std::size_t r = 0; r < 6; ++r)
-    for (std::size_t s = 0; s < r; ++s)
-      mobility[6 * r + s] = mobility[6 * s + r] = T(0.5) * (mobility[6 * r + s] + mobility[6 * s + r]);
+  frame_mobility<Rep, T>(J, Y, mobility.data());
   return solved(verdict, 36, mobility.data());
 }
 

@@ -122,7 +122,7 @@ void ProportionalDerivative::operator()(double t, Span q, Span v, std::span<doub
 }
 
 ComputedTorque::ComputedTorque(const Model& model, const Gains& given, Reference reference)
-    : Tracking(model, given, std::move(reference)), workspace_(model), springs_(nv_of(model)) {}
+    : Tracking(model, given, std::move(reference)), workspace_(model, cut_tree), springs_(nv_of(model)) {}
 
 void ComputedTorque::operator()(double t, Span q, Span v, std::span<double> tau) {
   find(t, q);

@@ -41,7 +41,7 @@ class Run {
         a(v_0.size()),
         model_(model),
         options_(options),
-        workspace_(model),
+        workspace_(model, cut_tree),
         friction_(model.tree<double>(), options.joint_losses && options.coordinates == Coordinates::relative),
         tau_(v_0.size()),
         total_(v_0.size()),

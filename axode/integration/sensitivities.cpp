@@ -17,8 +17,8 @@
 #include "axode/integration/configuration_group.hpp"
 #include "axode/integration/group_derivatives.hpp"
 #include "axode/integration/munthe_kaas.hpp"
-#include "axode/model/check_no_loops.hpp"
 #include "axode/model/finite.hpp"
+#include "axode/table/check_counts.hpp"
 
 namespace axode {
 namespace {
@@ -40,7 +40,7 @@ void check_motion(const Model& model, double step, const Loads<double>& loads, c
                   std::initializer_list<Sized<const double>> arguments,
                   std::initializer_list<Sized<double>> results) {
   check(method), check_step(step), check_loads(model, loads),
-      check_no_loops(model, "a sensitivity of rollouts");
+      catalog::check_counts<"rollout sensitivities">(model);
   for (const auto& in : arguments) check_size(in.name, in.x.size(), in.size, in.meaning);
   for (const auto* out = results.begin(); out != results.end(); ++out) {
     check_size(out->name, out->x.size(), out->size, out->meaning);

@@ -7,8 +7,8 @@
 
 #include "axode/kinematics/check_arguments.hpp"
 #include "axode/kinematics/path.hpp"
-#include "axode/model/check_no_loops.hpp"
 #include "axode/recursion/least_squares.hpp"
+#include "axode/table/check_counts.hpp"
 
 namespace axode {
 
@@ -199,7 +199,7 @@ void check(const Model& model, std::span<const PoseTarget> targets, std::span<co
     if (!good) throw std::invalid_argument("inverse_kinematics: " + what);
   };
   const auto finite = [](double x) { return std::isfinite(x); };
-  check_no_loops(model, "inverse_kinematics", "assemble closes them, with joints held where they shall be");
+  catalog::check_counts<"inverse_kinematics">(model);
   check_configuration(model, q0, "q0");
   need(std::ranges::all_of(q0, finite), "q0 is not finite");
   need(!targets.empty(), "targets is empty; name at least one pose to reach");

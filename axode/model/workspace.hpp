@@ -8,17 +8,26 @@
 
 namespace axode {
 
+/// Says that the tree is meant which is left of a mechanism without its loops.
+struct CutTree {};
+inline constexpr CutTree cut_tree;
+
 /// Scratch memory for one thread: make one for a model and use it in every call, nothing is allocated
 /// afterwards. It holds no results; no call depends on an earlier one. T is the scalar of the computation. What it
 /// takes is proportional to the number of bodies.
+///
+/// A workspace knows the tree of a mechanism. Functions whose answer depends on loops refuse it where the model has some, and
+/// take a LoopWorkspace instead; one that is made for the cut tree says that the tree is meant.
 template <class T = double> class Workspace {
  public:
   /// Enough for every function of the library; T is double or float.
   explicit Workspace(const Model& model);
+  Workspace(const Model& model, CutTree) : Workspace(model) { is_for_cut_tree_ = true; }
   /// Enough for kernels on any scalar: `bytes` is their footprint.
   Workspace(const Topology& topology, std::size_t bytes)
       : made_for_(topology), lines_(bytes / sizeof(Line) + 1) {}
 
+  bool is_for_cut_tree() const { return is_for_cut_tree_; }
   std::size_t bytes() const { return lines_.size() * sizeof(Line); }
 
   /// All of it, for one call. The workspace must be large enough.
@@ -49,6 +58,7 @@ template <class T = double> class Workspace {
     std::byte bytes[Arena::line];
   };
   Extent made_for_;
+  bool is_for_cut_tree_ = false;
   std::vector<Line> lines_;
 };
 

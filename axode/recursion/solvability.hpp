@@ -1,7 +1,9 @@
 #pragma once
 #include <concepts>
 #include <cstddef>
+#include <initializer_list>
 #include <limits>
+#include <span>
 #include <string>
 
 #include "axode/model/model.hpp"
@@ -85,6 +87,13 @@ template <class T> Solvability solved(Solvability verdict, std::ptrdiff_t n, T* 
     verdict.not_finite = !all_finite(n, results);
   }
   return verdict;
+}
+/// The same for several results.
+template <class T> Solvability solved(Solvability verdict, std::initializer_list<std::span<T>> results) {
+  Solvability all = verdict;
+  for (const std::span<T>& x : results)
+    if (const Solvability one = solved(verdict, std::ssize(x), x.data()); all.ok()) all = one;
+  return all;
 }
 
 }  // namespace axode

@@ -21,7 +21,7 @@ import importlib
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from . import calibration, closed_form, codegen, convert, drives, identification, lie, signatures
+from . import calibration, closed_form, codegen, convert, drives, identification, lie, signatures, table
 from ._axode import (
     Body,
     Joint,
@@ -110,6 +110,7 @@ from ._axode import (
     motion_jvp,
     motion_vjp,
     operational_space_inertia,
+    pose,
     poses,
     potential_energy,
     potential_energy_regressor,
@@ -167,7 +168,7 @@ __all__ = [
     "Model", "Body", "Joint", "Builder", "load", "check", "read_drawing", "read_urdf", "read_sdf", "drawing", "urdf", "mjcf",
     "robots", "__version__",
     # kinematics
-    "poses", "twists", "accelerations", "jacobian", "jacobian_rate", "jacobian_partials", "jacobian_derivatives",
+    "pose", "poses", "twists", "accelerations", "jacobian", "jacobian_rate", "jacobian_partials", "jacobian_derivatives",
     "jacobian_derivative_along", "jacobian_columns", "jacobians", "relative_jacobian", "joint_screws", "twist_derivatives",
     "center_of_mass", "center_of_mass_jacobian", "centroidal_momentum_matrix", "centroidal_momentum_matrix_rate",
     "inverse_kinematics",
@@ -203,7 +204,7 @@ __all__ = [
     "MomentumFormDerivatives", "Linearization", "Equilibrium", "RolloutDerivatives", "RolloutGradient", "JointState", "LoopMobility",
     "RedundantRow", "AssemblyError", "Fault", "ModelError", "NotFiniteError", "SimulationError", "SingularError", "StatesError",
     # modules
-    "lie", "closed_form", "codegen", "convert", "drives", "identification", "calibration",
+    "lie", "closed_form", "codegen", "convert", "drives", "identification", "calibration", "table",
 ]
 
 #: Modules that need other packages, which are imported where one asks for them.

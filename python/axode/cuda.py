@@ -29,26 +29,16 @@ from .records import (
     InverseDynamicsHessian,
     Representation,
 )
+from .table import ROWS
 
 __all__ = ["Kernels", "kernels"]
 
 BLOCK = 128  # threads: the launch bound of the generated kernels
 
-_INVERSE, _FORWARD = ("q", "v", "a"), ("q", "v", "tau")
-_ARGUMENTS: dict[str, tuple[str, ...]] = {
-    "inverse_dynamics": _INVERSE, "inverse_dynamics_derivatives": _INVERSE,
-    "inverse_dynamics_jvp": (*_INVERSE, "dq", "dv", "da"), "inverse_dynamics_vjp": (*_INVERSE, "w"),
-    "inverse_dynamics_hessian": (*_INVERSE, "w"),
-    "forward_dynamics": _FORWARD, "forward_dynamics_derivatives": _FORWARD,
-    "forward_dynamics_jvp": (*_FORWARD, "dq", "dv", "dtau"), "forward_dynamics_vjp": (*_FORWARD, "w"),
-    "forward_dynamics_hessian": (*_FORWARD, "w"),
-}
-# What the blocks of a result that lie one behind the other are put into.
-_BLOCKS: dict[str, Any] = {
-    "inverse_dynamics_derivatives": InverseDynamicsDerivatives, "inverse_dynamics_vjp": InverseDynamicsDerivatives,
-    "inverse_dynamics_hessian": InverseDynamicsHessian,
-    "forward_dynamics_derivatives": ForwardDynamicsDerivatives, "forward_dynamics_vjp": ForwardDynamicsDerivatives,
-    "forward_dynamics_hessian": ForwardDynamicsHessian,
+# What the blocks of a result that lie one behind the other are put into, by what it differentiates and how many there are.
+_BLOCKS: dict[tuple[str, int], Any] = {
+    ("inverse_dynamics", 3): InverseDynamicsDerivatives, ("inverse_dynamics", 4): InverseDynamicsHessian,
+    ("forward_dynamics", 3): ForwardDynamicsDerivatives, ("forward_dynamics", 4): ForwardDynamicsHessian,
 }
 
 
@@ -81,7 +71,7 @@ class Kernels:
             for function, cost in zip(functions, source.functions, strict=True)}
 
     def __getattr__(self, name: str) -> Any:
-        if name in _ARGUMENTS or name in ("mass_matrix", "inverse_mass_matrix", "poses"):
+        if name in ROWS and ROWS[name].recorded:
             return lambda *arrays: self._call((name,), arrays)
         raise AttributeError(f"axode.cuda.Kernels has no {name!r}")
 
@@ -93,7 +83,7 @@ class Kernels:
         kernel = self._kernels.get(key)
         if kernel is None:
             raise ValueError(f"these kernels were made without {' '.join(map(str, key))}; name it in axode.cuda.kernels")
-        names = _ARGUMENTS.get(kernel.name, ("q",))
+        names = ROWS[kernel.name].arrays
         if len(arrays) != len(names):
             raise TypeError(f"{kernel.name} takes {', '.join(names)}; {len(arrays)} arguments were given")
         states = [self._states(name, x) for name, x in zip(names, arrays, strict=True)]
@@ -112,7 +102,8 @@ class Kernels:
                               (*(cupy.ascontiguousarray(x) for x in states), out, cupy.int32(N)))
             parts = [cupy.moveaxis(x, -1, 0) for x in _formed(kernel.name, out.reshape(*kernel.shape, N))]
         parts = [_returned(arrays[0], x[0] if one else x) for x in parts]
-        return _BLOCKS[kernel.name](*parts) if kernel.name in _BLOCKS else parts[0]
+        blocks = _blocks(kernel.name)
+        return blocks(*parts) if blocks else parts[0]
 
     def _states(self, name: str, x: Any) -> Any:
         """The array with the entries of a state first."""
@@ -144,8 +135,6 @@ def kernels(m: Model, functions: Sequence[Function], scalar: Literal["float64", 
     """
     if scalar not in ("float64", "float32"):
         raise ValueError(f"scalar is {scalar!r}; expected one of 'float64', 'float32'")
-    if "inverse_dynamics" in functions and m.loop_names:  # which counts loops in Python
-        raise ValueError(f"model {m.name!r} has closed loops, which inverse_dynamics on a GPU does not know")
     return Kernels(m, functions, scalar)
 
 
@@ -162,21 +151,20 @@ def _key(m: Model, function: Function) -> tuple[Any, ...]:
 
 
 def _shape(m: Model, function: Function) -> tuple[int, ...]:
-    nv, word = m.nv, _word(function)
-    if word == "poses":
-        return (len(m.frame_names), 4, 3)
-    if word == "jacobian":
-        return (6, nv)
-    if word in ("mass_matrix", "inverse_mass_matrix"):
-        return (nv, nv)
-    if word.endswith("_hessian"):
-        return (4, nv, nv)
-    return {"derivatives": (3, nv, nv), "vjp": (3, nv)}.get(word.rpartition("_")[2], (nv,))
+    row = ROWS[_word(function)]
+    if row.name == "poses":
+        return (m.n_frames, 4, 3)
+    return tuple(reversed(row.item(m))) if row.name == "jacobian" else row.item(m)
+
+
+def _blocks(name: str) -> Any:
+    row = ROWS[name]
+    return _BLOCKS.get((row.derivative_of, len(row.symbols)))
 
 
 def _formed(name: str, out: Any) -> Any:
     """The parts of a result."""
-    if name in _BLOCKS:
+    if _blocks(name):
         return list(out)
     if name != "poses":
         return [out]

@@ -24,7 +24,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import _axode
-from ._axode import Model
+from ._axode import Model, check_counts
 from .codegen import Specialised
 from .records import Representation
 
@@ -221,10 +221,7 @@ def _heights(key: str) -> tuple[str, str, str]:
 
 
 def _refuse_loops(key: str, name: str) -> None:
-    m = _mechanism(key).model
-    if m.n_loops > 0:
-        raise ValueError(f'axode.torch.{name} does not count loops, and model "{m.name}" has {m.n_loops}; '
-                         "axode.torch.forward_dynamics does")
+    check_counts(_mechanism(key).model, name)
 
 
 def _frame(key: str, frame: str | int) -> int:

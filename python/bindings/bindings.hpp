@@ -22,6 +22,7 @@ void add_view(nanobind::module_& module);
 void add_codegen(nanobind::module_& codegen);
 void add_specialised(nanobind::module_& codegen);
 void add_jax(nanobind::module_& jax);
+void add_table(nanobind::module_& module);
 void add_wrong_calls(nanobind::module_& module);
 
 }  // namespace axode::python

@@ -6,7 +6,6 @@
 #include <nanobind/stl/vector.h>
 
 #include "axode/codegen/machine_code.hpp"
-#include "axode/model/check_no_loops.hpp"
 #include "bindings.hpp"
 #include "bound_model.hpp"
 #include "choice.hpp"
@@ -18,7 +17,6 @@ namespace axode::python {
 namespace {
 
 using namespace nb::literals;
-using codegen::Quantity;
 
 [[noreturn]] void wrong_function(const std::string& where, nb::handle given) {
   throw nb::value_error((where + " is " + shown(given) +
@@ -34,10 +32,10 @@ codegen::Function function_from(const Model& model, const std::string& where, nb
   const std::size_t entries = is_tuple ? nb::len(given) : 1;
   if (entries == 0 || entries > 3) wrong_function(where, given);
   const nb::object word = is_tuple ? nb::object(given[0]) : nb::borrow(given);
-  const Quantity quantity = static_cast<Quantity>(choose(where.c_str(), word, codegen::quantities));
-  if (codegen::is_of_a_frame(quantity) != (entries > 1) || (quantity == Quantity::pose && entries > 2))
+  const std::size_t chosen = choose(where.c_str(), word, codegen::recorded_functions);
+  codegen::Function function{*catalog::Id::of(codegen::recorded_functions[chosen])};
+  if (function.is_of_a_frame() != (entries > 1) || (function.is("pose") && entries > 2))
     wrong_function(where, given);
-  codegen::Function function{quantity};
   if (entries > 1)
     function.frame = FrameName{nb::object(given[1]).ptr()}.in(model, (where + ", frame").c_str());
   if (entries > 2)
@@ -67,11 +65,9 @@ struct CasadiLibrary {
   codegen::MachineCode code;
 };
 
-std::unique_ptr<CasadiLibrary> casadi_library(const BoundModel& m, nb::handle quantity, int states,
+std::unique_ptr<CasadiLibrary> casadi_library(const BoundModel& m, nb::handle given, int states,
                                               const std::optional<std::vector<std::string>>& flags) {
-  const codegen::Function function = function_from(m, "quantity", quantity);
-  if (function.quantity == Quantity::inverse_dynamics)  // which counts loops in Python
-    check_no_loops(m, "inverse_dynamics for CasADi");
+  const codegen::Function function = function_from(m, "function", given);
   LongCall call(true);
   std::unique_ptr<CasadiLibrary> library;
   try {
@@ -143,9 +139,9 @@ True
       .def_prop_ro(
           "file", [](const CasadiLibrary& library) { return library.code.file().string(); },
           "Where the library lies: in the cache, or in a temporary folder where there is none.");
-  module.def("casadi_library", &casadi_library, "m"_a, "quantity"_a, "states"_a = 1, nb::kw_only(),
+  module.def("casadi_library", &casadi_library, "m"_a, "function"_a, "states"_a = 1, nb::kw_only(),
              "flags"_a = nb::none(),
-             nb::sig("def casadi_library(m: axode.Model, quantity: object, states: int = 1, *, flags: "
+             nb::sig("def casadi_library(m: axode.Model, function: object, states: int = 1, *, flags: "
                      "collections.abc.Sequence[str] | None = None) -> axode._axode.codegen.CasadiLibrary"),
              "One function of c_source with the abi \"casadi\", compiled and kept as those of "
              "`Model.specialise` are.");

@@ -198,22 +198,6 @@ nb::object joint_state_of(const BoundModel& m, ArrayLike given_C, ArrayLike give
 
 }  // namespace
 
-Array closed_forward_dynamics(const BoundModel& m, const Arguments& given) {
-  const States states(m, given.q, given.threads);
-  const Items v = states.velocities("v", given.v), tau = states.velocities("tau", given.tau);
-  const AppliedLoads applied(states, given.loads, given.joint_losses);
-  const Shape shape{m->nv()};
-  NewArray out = states.result(shape);
-  std::vector<Solvability> found(states.count());
-  each_closed(states, [&](LoopWorkspace<>& workspace, std::size_t k) {
-    found[k] = applied.with(k, [&](const Loads<double>& now) {
-      return forward_dynamics(*m, workspace, states.q(k), v[k], tau[k], item(out, k, shape), {}, now);
-    });
-  });
-  states.refuse(found, out);
-  return out.array();
-}
-
 Array closed_inverse_dynamics(const BoundModel& m, const Arguments& given, nb::handle drives,
                               nb::handle forces) {
   const States states(m, given.q, given.threads);
@@ -237,20 +221,24 @@ Array closed_inverse_dynamics(const BoundModel& m, const Arguments& given, nb::h
 
 namespace {
 
-/// `differentiate`(workspace, k, loads, {by q, by v, by tau}) for every state; each result has nv columns.
-template <class F>
-nb::object closed_derivatives(const BoundModel& m, const Arguments& given, nb::ssize_t rows,
-                              const F& differentiate) {
-  const States states(m, given.q, given.threads);
-  const Items v = states.velocities("v", given.v), tau = states.velocities("tau", given.tau);
-  const AppliedLoads applied(states, given.loads, given.joint_losses);
-  const Shape shape{rows, m->nv()};
+nb::object multiplier_derivatives(const BoundModel& m, ArrayLike q, ArrayLike given_v, ArrayLike given_tau,
+                                  LoadList loads, bool joint_losses, int threads) {
+  const States states(m, q, threads);
+  const Items v = states.velocities("v", given_v), tau = states.velocities("tau", given_tau);
+  const AppliedLoads applied(states, loads, joint_losses);
+  const Shape shape{m->loops().rows, m->nv()};
   NewArray by_q = states.result(shape), by_v = states.result(shape), by_tau = states.result(shape);
   std::vector<Solvability> found(states.count());
   each_closed(states, [&](LoopWorkspace<>& workspace, std::size_t k) {
+    const std::size_t entries = v[k].size() * v[k].size();
+    std::vector<double> of_a(3 * entries);
+    const std::span<double> a(of_a);
     found[k] = applied.with(k, [&](const Loads<double>& now) {
-      return differentiate(workspace, states.q(k), v[k], tau[k], now,
-                           std::array{item(by_q, k, shape), item(by_v, k, shape), item(by_tau, k, shape)});
+      return forward_dynamics_derivatives(
+          *m, workspace, states.q(k), v[k], tau[k],
+          {a.first(entries), a.subspan(entries, entries), a.last(entries), item(by_q, k, shape),
+           item(by_v, k, shape), item(by_tau, k, shape)},
+          now);
     });
   });
   for (NewArray* out : {&by_q, &by_v, &by_tau}) states.refuse(found, *out);
@@ -258,32 +246,7 @@ nb::object closed_derivatives(const BoundModel& m, const Arguments& given, nb::s
                      by_tau.array());
 }
 
-using Span = std::span<const double>;
-
-nb::object multiplier_derivatives(const BoundModel& m, ArrayLike q, ArrayLike v, ArrayLike tau,
-                                  LoadList loads, bool joint_losses, int threads) {
-  const auto nv = static_cast<std::size_t>(m->nv());
-  return closed_derivatives(
-      m, {.q = q, .v = v, .tau = tau, .loads = loads, .joint_losses = joint_losses, .threads = threads},
-      m->loops().rows,
-      [&](LoopWorkspace<>& workspace, Span q_k, Span v_k, Span tau_k, const Loads<double>& now,
-          const auto& by) {
-        std::vector<double> a(3 * nv * nv);
-        const auto part = [&](std::size_t k) { return std::span(a).subspan(k * nv * nv, nv * nv); };
-        return forward_dynamics_derivatives(*m, workspace, q_k, v_k, tau_k,
-                                            {part(0), part(1), part(2), by[0], by[1], by[2]}, now);
-      });
-}
-
 }  // namespace
-
-nb::object closed_forward_dynamics_derivatives(const BoundModel& m, const Arguments& given) {
-  return closed_derivatives(
-      m, given, m->nv(),
-      [&](LoopWorkspace<>& workspace, Span q, Span v, Span tau, const Loads<double>& now, const auto& by) {
-        return forward_dynamics_derivatives(*m, workspace, q, v, tau, {by[0], by[1], by[2]}, now);
-      });
-}
 
 void add_constraints(nb::module_& module) {
   module.def(

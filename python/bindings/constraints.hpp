@@ -3,10 +3,8 @@
 
 namespace axode::python {
 
-/// `forward_dynamics` and `inverse_dynamics` of a model with loops.
-Array closed_forward_dynamics(const BoundModel& m, const Arguments& given);
+/// `inverse_dynamics` with forces that act besides, or with drives: of a model with loops, or as if it had some.
 Array closed_inverse_dynamics(const BoundModel& m, const Arguments& given, nb::handle drives,
                               nb::handle forces);
-nb::object closed_forward_dynamics_derivatives(const BoundModel& m, const Arguments& given);
 
 }  // namespace axode::python

@@ -332,7 +332,7 @@ Entry [i, u] is the matrix for parameter u of body i, see `frame_geometry_jacobi
               "a: numpy.typing.ArrayLike, frame: str | int, "
               "representation: typing.Literal['body', 'spatial', 'hybrid', 'mixed'] = 'body', *, "
               "offset: numpy.typing.ArrayLike | None = None, threads: int = 1) -> axode.MotionDerivatives"),
-      R"(
+      documented("motion_derivatives", R"(
 (V_q, V_v, dV_q, dV_v): partial derivatives of a frame's twist and of its rate, (6, nv) or (N, 6, nv) each.
 
 V is an entry of `twists`, dV one of `accelerations`, in the same representation. V_v, which is the derivative of dV by a as
@@ -342,7 +342,8 @@ well, is the Jacobian. O(n).
 >>> d = axode.motion_derivatives(arm, q, v, a, "flange", "hybrid")
 >>> np.allclose(d.V_v, axode.jacobian(arm, q, "flange", "hybrid"))
 True
-)");
+)")
+          .c_str());
   module.def(
       "motion_jvp",
       [f = StateFunction("motion_jvp")](const BoundModel& m, ArrayLike q, ArrayLike v, ArrayLike a,
@@ -366,7 +367,7 @@ True
               "dv: numpy.typing.ArrayLike, da: numpy.typing.ArrayLike, "
               "representation: typing.Literal['body', 'spatial', 'hybrid', 'mixed'] = 'body', *, "
               "offset: numpy.typing.ArrayLike | None = None, threads: int = 1) -> axode.MotionChange"),
-      R"(
+      documented("motion_jvp", R"(
 (X, V, dV): what a direction (dq, dv, da) does to the motion of a frame, (6,) or (N, 6) each. O(n), without a matrix.
 
 X displaces its pose, C exp(eps X); V and dV are changes of its twist and of the twist's rate in the representation asked for.
@@ -376,7 +377,8 @@ X displaces its pose, C exp(eps X); V and dV are changes of its twist and of the
 >>> change = axode.motion_jvp(arm, q, v, a, "flange", w, w, w, "hybrid")
 >>> np.allclose(change.V, d.V_q @ w + d.V_v @ w)
 True
-)");
+)")
+          .c_str());
   module.def("motion_vjp", &motion_vjp_of, "m"_a, "q"_a, "v"_a, "a"_a, "frame"_a, "w"_a,
              "representation"_a = "body", nb::kw_only(), "offset"_a = nb::none(), "threads"_a = 1,
              nb::sig("def motion_vjp(m: Model, q: numpy.typing.ArrayLike, v: numpy.typing.ArrayLike, "

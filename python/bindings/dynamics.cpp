@@ -49,12 +49,14 @@ void add_equations_of_motion(nb::module_& module) {
                             .loads = loads,
                             .joint_losses = joint_losses,
                             .threads = threads};
-        if (!m->loops().empty() || !drives.is_none()) return closed_inverse_dynamics(m, all, drives, forces);
+        if (!drives.is_none() || (!m->loops().empty() && !forces.is_none()))
+          return closed_inverse_dynamics(m, all, drives, forces);
         Array tau = f(m, all);
         return forces.is_none() ? tau : without(forces, std::move(tau), States(m, q, threads));
       },
       "m"_a, "q"_a, "v"_a, "a"_a, "representation"_a = "fast", "loads"_a = nb::none(), nb::kw_only(),
-      "joint_losses"_a = false, "threads"_a = 1, "drives"_a = nb::none(), "forces"_a = nb::none(), R"(
+      "joint_losses"_a = false, "threads"_a = 1, "drives"_a = nb::none(), "forces"_a = nb::none(),
+      documented("inverse_dynamics", R"(
 tau = M(q) a + C(q, v) v + g(q) - (applied forces): the drive forces that make the accelerations a.
 
 Shape (nv,) or (N, nv), N m or N. `loads` are wrenches on frames, see `axode.Load`; joint_losses adds damping and
@@ -69,7 +71,8 @@ O(n), by the recursive Newton-Euler algorithm (eqs. aVbRec2 to cWhRec).
 >>> q[1] = 0.8
 >>> axode.inverse_dynamics(arm, q, v, a)[:4].round(3)
 array([  2.67 , -50.147,  -0.109,  14.362])
-)");
+)")
+          .c_str());
   module.def(
       "forward_dynamics",
       [f = StateFunction("forward_dynamics")](const BoundModel& m, ArrayLike q, ArrayLike v, ArrayLike tau,
@@ -82,10 +85,11 @@ array([  2.67 , -50.147,  -0.109,  14.362])
                             .loads = loads,
                             .joint_losses = joint_losses,
                             .threads = threads};
-        return m->loops().empty() ? f(m, all) : closed_forward_dynamics(m, all);
+        return f(m, all);
       },
       "m"_a, "q"_a, "v"_a, "tau"_a, "representation"_a = "fast", "loads"_a = nb::none(), nb::kw_only(),
-      "joint_losses"_a = false, "threads"_a = 1, R"(
+      "joint_losses"_a = false, "threads"_a = 1,
+      documented("forward_dynamics", R"(
 The accelerations a that the drive forces tau make, the inverse of `inverse_dynamics` with the same loads.
 
 Shape (nv,) or (N, nv). O(n) by the articulated-body algorithm. SingularError, which names the joint, where the mass
@@ -97,7 +101,8 @@ closed.
 >>> tau = axode.inverse_dynamics(arm, q, v, np.ones(7))
 >>> axode.forward_dynamics(arm, q, v, tau).round(9)
 array([1., 1., 1., 1., 1., 1., 1.])
-)");
+)")
+          .c_str());
   module.def(
       "joint_wrenches",
       [f = StateFunction("joint_wrenches")](const BoundModel& m, ArrayLike q, ArrayLike v, ArrayLike a,
@@ -112,7 +117,8 @@ array([1., 1., 1., 1., 1., 1., 1.])
                      .threads = threads});
       },
       "m"_a, "q"_a, "v"_a, "a"_a, "representation"_a = "body", "loads"_a = nb::none(), nb::kw_only(),
-      "joint_losses"_a = false, "threads"_a = 1, R"(
+      "joint_losses"_a = false, "threads"_a = 1,
+      documented("joint_wrenches", R"(
 The wrench that each joint transmits to its body, drive and reaction: moment (N m), then force (N).
 
 Shape (n_bodies, 6) or (N, n_bodies, 6), row i for body i of `m.body_names`, in the representation of its frame. O(n).
@@ -120,7 +126,8 @@ Shape (n_bodies, 6) or (N, n_bodies, 6), row i for body i of `m.body_names`, in 
 >>> W = axode.joint_wrenches(arm, arm.neutral(), np.zeros(7), np.zeros(7), "hybrid")
 >>> W[0, 3:].round(3)
 array([ 0.   ,  0.   , 258.337])
-)");
+)")
+          .c_str());
   functions.of_q_v("coriolis_vector", R"(
 C(q, v) v, what the motion asks of the drives without gravity, loads and accelerations: (nv,) or (N, nv). O(n).
 
@@ -140,13 +147,14 @@ np.float64(-26.588)
         return f(m, {.q = q, .v = v, .loads = loads, .joint_losses = joint_losses, .threads = threads});
       },
       "m"_a, "q"_a, "v"_a, "loads"_a = nb::none(), nb::kw_only(), "joint_losses"_a = false, "threads"_a = 1,
-      R"(
+      documented("generalized_loads", R"(
 Q, the sum of J^T W over the loads, with damping and friction where asked: (nv,) or (N, nv). O(n).
 
 >>> push = [{"frame": "flange", "representation": "hybrid", "wrench": [0, 0, 0, 10, 0, 0]}]
 >>> axode.generalized_loads(arm, arm.neutral(), np.zeros(7), push)[[1, 3, 5]].round(3)
 array([ 9.46, -5.26,  1.26])
-)");
+)")
+          .c_str());
 }
 
 void add_matrices(nb::module_& module) {
@@ -175,7 +183,8 @@ True
                                              int threads) {
         return f(m, {.q = q, .v = v, .form = form, .threads = threads});
       },
-      "m"_a, "q"_a, "v"_a, "form"_a = "christoffel", nb::kw_only(), "threads"_a = 1, R"(
+      "m"_a, "q"_a, "v"_a, "form"_a = "christoffel", nb::kw_only(), "threads"_a = 1,
+      documented("coriolis_matrix", R"(
 C(q, v) with C v = `coriolis_vector`: (nv, nv) or (N, nv, nv). O(n d).
 
 "paper": eq. CMat; M' - 2C is not skew. "skew": the paper's C', for which it is. "spatial": from spatial twists, the same
@@ -185,7 +194,8 @@ matrix as "skew". "christoffel": C_ij = sum of Gamma_ijk v_k; M' - 2C is skew.
 >>> C = axode.coriolis_matrix(arm, arm.neutral(), v, form="skew")
 >>> np.allclose(C @ v, axode.coriolis_vector(arm, arm.neutral(), v))
 True
-)");
+)")
+          .c_str());
   functions.of_q("christoffel", R"(
 Christoffel symbols of the first kind, Gamma[i, j, k]: (nv, nv, nv) or (N, nv, nv, nv) (eq. Gamma, corrected).
 
@@ -318,13 +328,14 @@ The energy that springs and stops hold, J: a number, or (N,). Its gradient is -`
         return f(m, {.q = q, .v = v, .loads = loads, .threads = threads});
       },
       "m"_a, "q"_a, "v"_a, "loads"_a, nb::kw_only(), "threads"_a = 1,
-      R"(
+      documented("load_powers", R"(
 The power of every load, W: shape (number of loads,) or (N, number of loads). O(n).
 
 >>> push = [{"frame": "flange", "representation": "hybrid", "wrench": [0, 0, 0, 10, 0, 0]}]
 >>> axode.load_powers(arm, arm.neutral(), np.zeros(7), push)
 array([0.])
-)");
+)")
+          .c_str());
   functions.of_q("centroidal_inertia", R"(
 The inertia matrix of the whole mechanism about its center of mass, in inertial axes, as if the joints were locked.
 
@@ -346,14 +357,16 @@ void add_operational_space(nb::module_& module) {
             m, {.q = q, .algorithm = {representation}, .place = place(m, frame, offset), .threads = threads});
       },
       "m"_a, "q"_a, "frame"_a, "representation"_a = "body", nb::kw_only(), "offset"_a = nb::none(),
-      "threads"_a = 1, R"(
+      "threads"_a = 1,
+      documented("impulse_response", R"(
 M^-1 J^T of a frame, (nv, 6) or (N, nv, 6): the jump of the velocities under a unit of impulse there. O(n).
 
 `offset` as in `jacobian`. SingularError where M is singular.
 
 >>> axode.impulse_response(arm, arm.neutral(), "flange").shape
 (7, 6)
-)");
+)")
+          .c_str());
   functions.of_q_at("mobility", R"(
 J M^-1 J^T of a frame, (6, 6) or (N, 6, 6): the twist that it gets from an impulse. Its rank says how it can move.
 

@@ -274,7 +274,7 @@ batch::Outcome roll(const States& states, const BoundSpecialised* compiled, cons
 std::tuple<Array, Array> motions_of(const States& states, const BoundSpecialised* compiled,
                                     const Steps& steps) {
   const nb::ssize_t K = steps.K;
-  if (compiled) compiled->check({codegen::Quantity::forward_dynamics});
+  if (compiled) compiled->check({"forward_dynamics"});
   const int nq = states.model().nq(), nv = states.model().nv();
   const Shape shape_v{K + 1, nv};
   NewArray q_out = states.result({K + 1, nq}), v_out = states.result(shape_v);

@@ -239,10 +239,10 @@ void evaluate(const catalog::Function<double>& row, const Model& model, const In
     }
     return some;
   };
-  const StateFunction::InLanes in_lanes = StateFunction::in_lanes(row.name);
-  if (in_lanes != nullptr && !losses && count > 1 && model.nq() > 0) {
+  if (row.lanes && !losses && count > 1 && model.nq() > 0) {
     const std::size_t item = answer.all().size() / states;
-    (void)in_lanes(model, given(first, count), answer.all().subspan(first * item, count * item), threads, {});
+    (void)batch::run<double>(model, *catalog::Id::of(row.name), given(first, count),
+                             answer.all().subspan(first * item, count * item), threads);
   } else {
     one_by_one(model, count, threads, [&](Workspace<>& workspace, std::size_t k) {
       const std::span<double> out = answer[first + k];

@@ -191,6 +191,14 @@ Shape (n_frames, 4, 4), or (N, n_frames, 4, 4) for q of shape (N, nq); m. In the
 >>> C[arm.frame_index("flange"), :3, 3]
 array([0.   , 0.   , 1.306])
 )");
+  functions.of_q_frame("pose", R"(
+C, the pose of a frame in the inertial frame: (4, 4), or (N, 4, 4) for q of shape (N, nq); m. O(n).
+
+`offset` is a point (3,) or pose (4, 4) in the frame.
+
+>>> axode.pose(arm, arm.neutral(), "flange")[:3, 3]
+array([0.   , 0.   , 1.306])
+)");
   functions.of_q_v_in("twists", R"(
 V_i, the twist of every frame: angular (rad/s), then linear (m/s) (eqs. VbRec, Vsrec, VhRec).
 
@@ -282,7 +290,8 @@ built.
                      .threads = threads});
       },
       "m"_a, "q"_a, "frame"_a, "base"_a, "representation"_a = "body", nb::kw_only(), "offset"_a = nb::none(),
-      "base_offset"_a = nb::none(), "threads"_a = 1, R"(
+      "base_offset"_a = nb::none(), "threads"_a = 1,
+      documented("relative_jacobian", R"(
 The Jacobian of the motion of a frame as an observer at rest in the frame `base` sees it, (6, nv) or (N, 6, nv).
 
 The base is in the role of the inertial frame. `offset` and `base_offset` as in `jacobian`.
@@ -290,7 +299,8 @@ The base is in the role of the inertial frame. `offset` and `base_offset` as in 
 >>> J = axode.relative_jacobian(arm, arm.neutral(), "flange", "link 6")
 >>> np.flatnonzero(abs(J).max(axis=0))
 array([6])
-)");
+)")
+          .c_str());
   module.def("jacobian_columns", &jacobian_columns_of, "m"_a, "q"_a, "frame"_a, "representation"_a = "body",
              nb::kw_only(), "offset"_a = nb::none(),
              nb::sig("def jacobian_columns(m: Model, q: numpy.typing.ArrayLike, frame: str | int, "

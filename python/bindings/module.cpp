@@ -26,6 +26,7 @@ NB_MODULE(_axode, module) {
              "What a function of other libraries is called here, or ''.");
   module.def("describe", &describe, "type"_a, "signature"_a);
   add_wrong_calls(module);
+  add_table(module);
   nb::module_ lie = module.def_submodule("lie", "See axode.lie.");
   add_lie(lie);
   add_rigid_body(lie);

@@ -88,7 +88,8 @@ True
             {.q = q, .tau = tau, .p = p, .loads = loads, .joint_losses = joint_losses, .threads = threads});
       },
       "m"_a, "q"_a, "p"_a, "tau"_a, "loads"_a = nb::none(), nb::kw_only(), "joint_losses"_a = false,
-      "threads"_a = 1, R"(
+      "threads"_a = 1,
+      documented("momentum_form", R"(
 (v, p'): the rates of the state (q, p), two arrays (nv,) or (N, nv): Hamilton's equations in O(n).
 
 Without accelerations and their bias terms, in spatial twists. SingularError where M is singular.
@@ -96,7 +97,8 @@ Without accelerations and their bias terms, in spatial twists. SingularError whe
 >>> v, dp = axode.momentum_form(arm, np.full(7, 0.3), np.zeros(7), np.zeros(7))
 >>> np.allclose(dp, -axode.gravity_torques(arm, np.full(7, 0.3)))
 True
-)");
+)")
+          .c_str());
   functions.of_q_v_in("body_momenta", R"(
 Pi_i = M_i V_i of every body in its own frame, (n_bodies, 6) or (N, n_bodies, 6): angular (N m s), then linear (N s). O(n).
 

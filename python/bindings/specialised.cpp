@@ -2,7 +2,6 @@
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
-#include "axode/model/check_no_loops.hpp"
 #include "bindings.hpp"
 #include "codegen.hpp"
 #include "named_tuple.hpp"
@@ -13,16 +12,13 @@ namespace axode::python {
 
 using namespace nb::literals;
 using codegen::Function;
-using codegen::Quantity;
 
 void BoundSpecialised::check(const Function& wanted) const {
   if (!std::visit([&](const auto& functions) { return functions.has(wanted); }, functions_))
-    throw nb::value_error(
-        ("this specialised model was made without " +
-         std::string(codegen::quantities[static_cast<std::size_t>(wanted.quantity)]) +
-         (wanted.quantity == Quantity::jacobian ? " of that frame in that representation" : "") +
-         "; name it among the functions of Model.specialise")
-            .c_str());
+    throw nb::value_error(("this specialised model was made without " + std::string(wanted.name()) +
+                           (wanted.is_of_a_frame() ? " of that frame in that representation" : "") +
+                           "; name it among the functions of Model.specialise")
+                              .c_str());
 }
 
 namespace {
@@ -69,8 +65,7 @@ nb::object called(const BoundSpecialised& s, const Function& function, const Sta
 
 template <ArrayLike Arguments::*... arguments>
 void define(nb::class_<BoundSpecialised>& type, const char* name, const char* result = nullptr) {
-  const auto at = std::ranges::find(codegen::quantities, std::string_view(name));
-  const Function function{static_cast<Quantity>(at - codegen::quantities.begin())};
+  const Function function{*catalog::Id::of(name)};
   std::string text = signature(name, {name_of(arguments)...}, "*, threads: int = 1", result);
   text.replace(text.find("m: Model"), 8, "self");
   type.def(
@@ -89,8 +84,6 @@ BoundSpecialised specialise(nb::handle_t<BoundModel> self, nb::handle functions,
                             const std::optional<std::vector<std::string>>& flags) {
   const BoundModel& m = *nb::inst_ptr<BoundModel>(self);
   const std::vector<Function> wanted = functions_from(m, functions);
-  for (const Function& function : wanted)  // which counts loops in Python
-    if (function.quantity == Quantity::inverse_dynamics) check_no_loops(m, "specialised inverse_dynamics");
   const bool single = choose("scalar", scalar, std::array<std::string_view, 2>{"float64", "float32"}) == 1;
   SpecialisedOptions options{.lanes = lanes};
   if (flags) options.flags = *flags;
@@ -140,7 +133,7 @@ True
           "jacobian",
           [f = StateFunction("jacobian")](const BoundSpecialised& s, ArrayLike q, FrameName frame,
                                           Representation representation, int threads) {
-            const Function function{Quantity::jacobian, frame.in(*s.model()), representation};
+            const Function function{"jacobian", frame.in(*s.model()), representation};
             return called(
                 s, function, f, nullptr,
                 {.q = q, .algorithm = {representation}, .place = function.frame, .threads = threads});

@@ -2,8 +2,7 @@
 
 #include "axode/eigen.hpp"
 #include "axode/fast/fast.hpp"
-#include "axode/model/check_no_loops.hpp"
-#include "constraints.hpp"
+#include "axode/table/check_counts.hpp"
 #include "conversions.hpp"
 
 namespace axode::python {
@@ -57,77 +56,12 @@ void unpack(Entry entry, std::span<double> numbers) {
     });
 }
 
-batch::Outcome done(std::size_t states) { return {.done = states}; }
-
 }  // namespace
 
-StateFunction::InLanes StateFunction::in_lanes(std::string_view name) {
-  using G = catalog::Given<double>;
-  using Out = std::span<double>;
-  using M = batch::Monitor;
-  static constexpr std::pair<std::string_view, InLanes> all[] = {
-      {"inverse_dynamics",
-       [](const Model& m, const G& g, Out tau, int threads, const M& monitor) {
-         return done(batch::inverse_dynamics<double>(m, g.q, g.v, g.a, tau, threads, monitor));
-       }},
-      {"forward_dynamics",
-       [](const Model& m, const G& g, Out a, int threads, const M& monitor) {
-         return batch::forward_dynamics<double>(m, g.q, g.v, g.tau, a, threads, monitor);
-       }},
-      {"inverse_dynamics_derivatives",
-       [](const Model& m, const G& g, Out dtau, int threads, const M& monitor) {
-         return done(batch::inverse_dynamics_derivatives<double>(m, g.q, g.v, g.a, dtau, threads, monitor));
-       }},
-      {"forward_dynamics_derivatives",
-       [](const Model& m, const G& g, Out da, int threads, const M& monitor) {
-         return batch::forward_dynamics_derivatives<double>(m, g.q, g.v, g.tau, da, threads, monitor);
-       }},
-      {"inverse_dynamics_jvp",
-       [](const Model& m, const G& g, Out dtau, int threads, const M& monitor) {
-         return done(batch::inverse_dynamics_jvp<double>(m, g.q, g.v, g.a, g.dq, g.dv, g.da, dtau, threads,
-                                                         monitor));
-       }},
-      {"forward_dynamics_jvp",
-       [](const Model& m, const G& g, Out da, int threads, const M& monitor) {
-         return batch::forward_dynamics_jvp<double>(m, g.q, g.v, g.tau, g.dq, g.dv, g.dtau, da, threads,
-                                                    monitor);
-       }},
-      {"inverse_dynamics_vjp",
-       [](const Model& m, const G& g, Out gradient, int threads, const M& monitor) {
-         return done(batch::inverse_dynamics_vjp<double>(m, g.q, g.v, g.a, g.w, gradient, threads, monitor));
-       }},
-      {"forward_dynamics_vjp",
-       [](const Model& m, const G& g, Out gradient, int threads, const M& monitor) {
-         return batch::forward_dynamics_vjp<double>(m, g.q, g.v, g.tau, g.w, gradient, threads, monitor);
-       }},
-      {"mass_matrix",
-       [](const Model& m, const G& g, Out M_of_q, int threads, const M& monitor) {
-         return done(batch::mass_matrix<double>(m, g.q, M_of_q, threads, monitor));
-       }},
-      {"inverse_mass_matrix",
-       [](const Model& m, const G& g, Out inverse, int threads, const M& monitor) {
-         return batch::inverse_mass_matrix<double>(m, g.q, inverse, threads, monitor);
-       }},
-      {"poses",
-       [](const Model& m, const G& g, Out C, int threads, const M& monitor) {
-         static_assert(sizeof(SE3<>) == 12 * sizeof(double));
-         return done(batch::poses<double>(m, g.q, {reinterpret_cast<SE3<>*>(C.data()), C.size() / 12},
-                                          threads, monitor));
-       }},
-      {"joint_screws",
-       [](const Model& m, const G& g, Out J, int threads, const M& monitor) {
-         return done(batch::joint_screws<double>(m, g.q, screws<Twist<Spatial>>(J), threads, monitor));
-       }},
-  };
-  for (const auto& [of, call] : all)
-    if (of == name) return call;
-  return nullptr;
-}
-
 StateFunction::StateFunction(const char* name)
-    : rows_{catalog::find<BodyFixed>(name), catalog::find<Spatial>(name), catalog::find<Hybrid>(name),
-            catalog::find<Mixed>(name), catalog::find<Fast>(name)},
-      in_lanes_(in_lanes(name)) {
+    : id_(*catalog::Id::of(name)),
+      rows_{catalog::find<BodyFixed>(name), catalog::find<Spatial>(name), catalog::find<Hybrid>(name),
+            catalog::find<Mixed>(name), catalog::find<Fast>(name)} {
   for (const ArgumentOfState& one : arguments_of_state)
     if (one.input != Input::q && rows_[0]->takes_input(one.input)) takes_.push_back(one);
 }
@@ -138,7 +72,8 @@ const catalog::Function<double>& StateFunction::row(const Algorithm& algorithm) 
 }
 
 NewArray StateFunction::run(const BoundModel& m, const Arguments& given, const Row& row) const {
-  if (row.name.starts_with("forward_dynamics")) check_no_loops(m, std::string(row.name));
+  catalog::check_counts(row, *m, catalog::Way::whole);
+  const bool counts_loops = !m->loops().empty() && row.call_with_loops != nullptr;
   const States states(m, given.q, given.threads);
   std::vector<Items> taken;
   for (const ArgumentOfState& one : takes_)
@@ -160,7 +95,7 @@ NewArray StateFunction::run(const BoundModel& m, const Arguments& given, const R
   const std::size_t size = row.size(*m, loads.count());
   std::vector<Solvability> found;
   Solvability otherwise{.not_finite = true};
-  const bool in_lanes = states.many() && in_lanes_ != nullptr && loads.none() &&
+  const bool in_lanes = states.many() && row.lanes && loads.none() && !counts_loops &&
                         (row.choice != Choice::recursion || !given.algorithm.representation);
   if (m->nq() > 0 && (given.instead != nullptr || in_lanes)) {  // they count states by q
     catalog::Given<double> all{.q = states.q()};
@@ -168,20 +103,26 @@ NewArray StateFunction::run(const BoundModel& m, const Arguments& given, const R
     const batch::Outcome outcome = states.unlocked(cost, [&](const batch::Monitor& monitor) {
       const std::span<double> result = out.all().first(states.count() * size);
       return given.instead ? (*given.instead)(all, result, monitor)
-                           : in_lanes_(*m, all, result, given.threads, monitor);
+                           : batch::run<double>(*m, id_, all, result, given.threads, monitor);
     });
     if (!outcome.ok()) otherwise = outcome.solvability;
   } else {
     found.resize(states.count());
-    states.each(cost, [&](Workspace<>& workspace, std::size_t k) {
+    const auto call_one = [&](const auto& call, auto& workspace, std::size_t k) {
       catalog::Given<double> one{
           .q = states.q(k), .place = given.place, .base = given.base, .form = given.form};
       for (std::size_t i = 0; i < taken.size(); ++i) catalog::numbers(one, takes_[i].input) = taken[i][k];
       found[k] = loads.with(k, [&](const Loads<double>& now) {
         one.loads = now;
-        return row.call(*m, workspace, one, out.all().subspan(k * size, size));
+        return call(*m, workspace, one, out.all().subspan(k * size, size));
       });
-    });
+    };
+    if (counts_loops)
+      states.each<LoopWorkspace<>>(loop_cost(*m), [&](auto& workspace, std::size_t k) {
+        call_one(row.call_with_loops, workspace, k);
+      });
+    else
+      states.each(cost, [&](Workspace<>& workspace, std::size_t k) { call_one(row.call, workspace, k); });
   }
   unpack(row.entry, out.all());
   states.refuse(found, out, otherwise);
@@ -215,8 +156,6 @@ std::string signature(const char* name, std::initializer_list<const char*> argum
 nb::object StateFunction::named(const char* type, const BoundModel& m, const Arguments& given) const {
   if (type == nullptr) return nb::cast((*this)(m, given));
   const Row& called = row(given.algorithm);
-  if (!m->loops().empty() && called.name == "forward_dynamics_derivatives")
-    return closed_forward_dynamics_derivatives(m, given);
   NewArray out = run(m, given, called);
   nb::list parts;
   const int axes = static_cast<int>(called.shape.size()) + axes_of(called.entry).axes;
@@ -225,13 +164,19 @@ nb::object StateFunction::named(const char* type, const BoundModel& m, const Arg
   return nb::module_::import_("axode.records").attr(type)(*parts);
 }
 
+std::string documented(const char* name, std::string doc) {
+  const std::string line = to_string(catalog::Id::of(name)->words().counts) + "\n\n";
+  const std::size_t example = std::min(doc.find(">>>"), doc.size());
+  return doc.insert(example, line);
+}
+
 void StateFunctions::of_q(const char* name, const char* doc) const {
   module_.def(
       name,
       [f = StateFunction(name)](const BoundModel& m, ArrayLike q, int threads) {
         return f(m, {.q = q, .threads = threads});
       },
-      "m"_a, "q"_a, nb::kw_only(), "threads"_a = 1, doc);
+      "m"_a, "q"_a, nb::kw_only(), "threads"_a = 1, documented(name, doc).c_str());
 }
 void StateFunctions::of_q_v(const char* name, const char* doc) const {
   module_.def(
@@ -239,7 +184,7 @@ void StateFunctions::of_q_v(const char* name, const char* doc) const {
       [f = StateFunction(name)](const BoundModel& m, ArrayLike q, ArrayLike v, int threads) {
         return f(m, {.q = q, .v = v, .threads = threads});
       },
-      "m"_a, "q"_a, "v"_a, nb::kw_only(), "threads"_a = 1, doc);
+      "m"_a, "q"_a, "v"_a, nb::kw_only(), "threads"_a = 1, documented(name, doc).c_str());
 }
 void StateFunctions::of_q_p(const char* name, const char* doc) const {
   module_.def(
@@ -247,7 +192,7 @@ void StateFunctions::of_q_p(const char* name, const char* doc) const {
       [f = StateFunction(name)](const BoundModel& m, ArrayLike q, ArrayLike p, int threads) {
         return f(m, {.q = q, .p = p, .threads = threads});
       },
-      "m"_a, "q"_a, "p"_a, nb::kw_only(), "threads"_a = 1, doc);
+      "m"_a, "q"_a, "p"_a, nb::kw_only(), "threads"_a = 1, documented(name, doc).c_str());
 }
 void StateFunctions::of_q_v_a(const char* name, const char* doc) const {
   module_.def(
@@ -255,7 +200,7 @@ void StateFunctions::of_q_v_a(const char* name, const char* doc) const {
       [f = StateFunction(name)](const BoundModel& m, ArrayLike q, ArrayLike v, ArrayLike a, int threads) {
         return f(m, {.q = q, .v = v, .a = a, .threads = threads});
       },
-      "m"_a, "q"_a, "v"_a, "a"_a, nb::kw_only(), "threads"_a = 1, doc);
+      "m"_a, "q"_a, "v"_a, "a"_a, nb::kw_only(), "threads"_a = 1, documented(name, doc).c_str());
 }
 void StateFunctions::of_q_v_in(const char* name, const char* doc) const {
   module_.def(
@@ -264,7 +209,8 @@ void StateFunctions::of_q_v_in(const char* name, const char* doc) const {
                                 int threads) {
         return f(m, {.q = q, .v = v, .algorithm = {representation}, .threads = threads});
       },
-      "m"_a, "q"_a, "v"_a, "representation"_a = "body", nb::kw_only(), "threads"_a = 1, doc);
+      "m"_a, "q"_a, "v"_a, "representation"_a = "body", nb::kw_only(), "threads"_a = 1,
+      documented(name, doc).c_str());
 }
 void StateFunctions::of_q_v_a_in(const char* name, const char* doc) const {
   module_.def(
@@ -273,7 +219,8 @@ void StateFunctions::of_q_v_a_in(const char* name, const char* doc) const {
                                 Representation representation, int threads) {
         return f(m, {.q = q, .v = v, .a = a, .algorithm = {representation}, .threads = threads});
       },
-      "m"_a, "q"_a, "v"_a, "a"_a, "representation"_a = "body", nb::kw_only(), "threads"_a = 1, doc);
+      "m"_a, "q"_a, "v"_a, "a"_a, "representation"_a = "body", nb::kw_only(), "threads"_a = 1,
+      documented(name, doc).c_str());
 }
 void StateFunctions::of_q_at(const char* name, const char* doc) const {
   module_.def(
@@ -284,7 +231,7 @@ void StateFunctions::of_q_at(const char* name, const char* doc) const {
             m, {.q = q, .algorithm = {representation}, .place = place(m, frame, offset), .threads = threads});
       },
       "m"_a, "q"_a, "frame"_a, "representation"_a = "body", nb::kw_only(), "offset"_a = nb::none(),
-      "threads"_a = 1, doc);
+      "threads"_a = 1, documented(name, doc).c_str());
 }
 void StateFunctions::of_q_v_at(const char* name, const char* doc) const {
   module_.def(
@@ -298,7 +245,7 @@ void StateFunctions::of_q_v_at(const char* name, const char* doc) const {
                      .threads = threads});
       },
       "m"_a, "q"_a, "v"_a, "frame"_a, "representation"_a = "body", nb::kw_only(), "offset"_a = nb::none(),
-      "threads"_a = 1, doc);
+      "threads"_a = 1, documented(name, doc).c_str());
 }
 void StateFunctions::of_q_frame(const char* name, const char* doc) const {
   module_.def(
@@ -307,7 +254,8 @@ void StateFunctions::of_q_frame(const char* name, const char* doc) const {
                                 int threads) {
         return f(m, {.q = q, .place = place(m, frame, offset), .threads = threads});
       },
-      "m"_a, "q"_a, "frame"_a, nb::kw_only(), "offset"_a = nb::none(), "threads"_a = 1, doc);
+      "m"_a, "q"_a, "frame"_a, nb::kw_only(), "offset"_a = nb::none(), "threads"_a = 1,
+      documented(name, doc).c_str());
 }
 void StateFunctions::of_q_by(const char* name, const char* doc) const {
   module_.def(
@@ -315,7 +263,8 @@ void StateFunctions::of_q_by(const char* name, const char* doc) const {
       [f = StateFunction(name)](const BoundModel& m, ArrayLike q, Algorithm algorithm, int threads) {
         return f(m, {.q = q, .algorithm = algorithm, .threads = threads});
       },
-      "m"_a, "q"_a, "representation"_a = "fast", nb::kw_only(), "threads"_a = 1, doc);
+      "m"_a, "q"_a, "representation"_a = "fast", nb::kw_only(), "threads"_a = 1,
+      documented(name, doc).c_str());
 }
 
 }  // namespace axode::python

@@ -46,12 +46,6 @@ inline const char* name_of(ArrayLike Arguments::*argument) {
 /// A function of the catalogue for one state or N of them, in SIMD lanes where the library can.
 class StateFunction {
  public:
-  /// A function of the catalogue for N states at once: all of one argument lie one behind the other.
-  using InLanes = batch::Outcome (*)(const Model&, const catalog::Given<double>&, std::span<double> out,
-                                     int threads, const batch::Monitor&);
-  /// nullptr where the library has none of that name.
-  static InLanes in_lanes(std::string_view name);
-
   explicit StateFunction(const char* name);
   /// Throws nb::value_error for what is wrong with an argument, SingularError for states that cannot be solved and
   /// NotFiniteError for those whose numbers overflow, both with the result.
@@ -68,8 +62,8 @@ class StateFunction {
   NewArray run(const BoundModel& m, const Arguments& given, const Row& row) const;
   const Row& row(const Algorithm& algorithm) const;
 
-  std::array<const Row*, 5> rows_;  ///< by representation, and the fast one
-  InLanes in_lanes_;
+  catalog::Id id_;
+  std::array<const Row*, 5> rows_;      ///< by representation, and the fast one
   std::vector<ArgumentOfState> takes_;  ///< besides q
 };
 
@@ -77,6 +71,9 @@ class StateFunction {
 std::string signature(const char* name, std::initializer_list<const char*> arguments, const char* options,
                       const char* type);
 template <ArrayLike Arguments::*> using OneArray = ArrayLike;
+
+/// A docstring with what the row counts, in a line before its example.
+std::string documented(const char* name, std::string doc);
 
 /// Defines functions by what they are given.
 class StateFunctions {
@@ -126,7 +123,7 @@ void StateFunctions::of_loaded(const char* name, const char* type, const char* d
                   "threads: int = 1",
                   type)
                   .c_str()),
-      doc);
+      documented(name, doc).c_str());
 }
 
 template <ArrayLike Arguments::*... given>
@@ -139,7 +136,8 @@ void StateFunctions::of(const char* name, const char* type, const char* doc) con
         return f.named(type, m, all);
       },
       nb::arg("m"), nb::arg(name_of(given))..., nb::kw_only(), nb::arg("threads") = 1,
-      nb::sig(signature(name, {name_of(given)...}, "*, threads: int = 1", type).c_str()), doc);
+      nb::sig(signature(name, {name_of(given)...}, "*, threads: int = 1", type).c_str()),
+      documented(name, doc).c_str());
 }
 
 }  // namespace axode::python

@@ -13,7 +13,8 @@
 namespace axode::test {
 namespace {
 
-using codegen::Function, codegen::Quantity;
+using catalog::Id;
+using codegen::Function;
 using Numbers = std::vector<double>;
 
 Model machine() { return load(robot("machine.toml"), Base::as_described); }
@@ -137,13 +138,13 @@ void expect_derivatives(const External& f, const External& jac, const std::vecto
     }
 }
 
-const std::vector<Function> all{{Quantity::forward_dynamics},
-                                {Quantity::inverse_dynamics},
-                                {Quantity::mass_matrix},
-                                {Quantity::inverse_mass_matrix},
-                                {Quantity::poses},
-                                {Quantity::pose, 9},
-                                {Quantity::jacobian, 9, Representation::mixed}};
+const std::vector<Function> all{{Id("forward_dynamics")},
+                                {Id("inverse_dynamics")},
+                                {Id("mass_matrix")},
+                                {Id("inverse_mass_matrix")},
+                                {Id("poses")},
+                                {Id("pose"), 9},
+                                {Id("jacobian"), 9, Representation::mixed}};
 
 TEST(FunctionsForCasadi, HaveFirstAndSecondDerivativesByEveryCoordinate) {
   const codegen::Source source = source_for_casadi(machine(), all);
@@ -175,8 +176,8 @@ TEST(FunctionsForCasadi, HaveFirstAndSecondDerivativesByEveryCoordinate) {
 
 TEST(FunctionsForCasadi, OfSeveralStatesAreThoseOfEachSideBySide) {
   const Model model = machine();
-  const Compiled one(source_for_casadi(model, {{Quantity::forward_dynamics}}).text),
-      three(source_for_casadi(model, {{Quantity::forward_dynamics}}, 3).text);
+  const Compiled one(source_for_casadi(model, {{Id("forward_dynamics")}}).text),
+      three(source_for_casadi(model, {{Id("forward_dynamics")}}, 3).text);
   std::mt19937 random(2);
   for (const std::string name :
        {"m_forward_dynamics", "jac_m_forward_dynamics", "jac_adj1_m_forward_dynamics"}) {
@@ -207,7 +208,7 @@ TEST(FunctionsForCasadi, OfSeveralStatesAreThoseOfEachSideBySide) {
 TEST(FunctionsForCasadi, TakeNothingForZeroAndTellWhatIsSingular) {
   const Model model = machine();
   const Compiled library(
-      source_for_casadi(model, {{Quantity::forward_dynamics}, {Quantity::inverse_mass_matrix}}).text);
+      source_for_casadi(model, {{Id("forward_dynamics")}, {Id("inverse_mass_matrix")}}).text);
   const External f(library, "m_forward_dynamics");
   const Numbers q = neutral(model), zero(static_cast<std::size_t>(model.nv()));
   EXPECT_EQ(f({q})[0], f({q, zero, zero})[0]);
@@ -242,24 +243,24 @@ TEST(FunctionsForCasadi, CompileWithoutWarningsAsC99AndAsCpp) {
 
 TEST(FunctionsForCasadi, RefuseWhatTheyCannotBe) {
   const Model model = machine();
-  const auto refusal = [&](Quantity quantity, const codegen::Options& options) {
+  const auto refusal = [&](Id quantity, const codegen::Options& options) {
     return message_of([&] { codegen::c_source(model, std::vector<Function>{{quantity}}, options); });
   };
   constexpr auto casadi = codegen::Abi::casadi;
-  EXPECT_EQ(refusal(Quantity::forward_dynamics_vjp, {.abi = casadi}),
+  EXPECT_EQ(refusal(Id("forward_dynamics_vjp"), {.abi = casadi}),
             "forward_dynamics_vjp comes with forward_dynamics for CasADi, as jac_, fwd1_, adj1_ and "
             "jac_adj1_; ask for that");
-  EXPECT_EQ(refusal(Quantity::mass_matrix, {.single_precision = true, .abi = casadi}),
+  EXPECT_EQ(refusal(Id("mass_matrix"), {.single_precision = true, .abi = casadi}),
             "CasADi computes with double; there is no single precision");
-  EXPECT_EQ(refusal(Quantity::mass_matrix, {.prefix = "a__b", .abi = casadi}),
+  EXPECT_EQ(refusal(Id("mass_matrix"), {.prefix = "a__b", .abi = casadi}),
             "the prefix \"a__b\" is no name in CasADi: underscores are single there, and between letters or "
             "digits");
-  EXPECT_EQ(refusal(Quantity::mass_matrix, {.abi = casadi, .states = 0}), "states is 0; expected 1 or more");
-  const std::string too_many = refusal(Quantity::mass_matrix, {.abi = casadi, .states = 2'000'000'000});
+  EXPECT_EQ(refusal(Id("mass_matrix"), {.abi = casadi, .states = 0}), "states is 0; expected 1 or more");
+  const std::string too_many = refusal(Id("mass_matrix"), {.abi = casadi, .states = 2'000'000'000});
   EXPECT_TRUE(too_many.starts_with("states is 2000000000; ") &&
               too_many.ends_with(" has more than 2147483647 entries of so many"))
       << too_many;
-  EXPECT_EQ(refusal(Quantity::mass_matrix, {.states = 2}),
+  EXPECT_EQ(refusal(Id("mass_matrix"), {.states = 2}),
             "states is about functions for CasADi; others are of one state");
 }
 

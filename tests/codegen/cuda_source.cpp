@@ -13,8 +13,8 @@
 namespace axode::test {
 namespace {
 
+using catalog::Id;
 using codegen::Function;
-using codegen::Quantity;
 
 class GeneratedCuda : public Law {};
 INSTANTIATE_TEST_SUITE_P(Codegen, GeneratedCuda, testing::ValuesIn(scalars()), name_of);
@@ -72,10 +72,10 @@ TEST_P(GeneratedCuda, GivesWhatTheLibraryGives) {
   const Case fastest = fast(GetParam());
   Comparison force("force", fastest.agreement()), inertia("mass matrix", fastest.agreement()),
       derivative("derivative", fastest.agreement());
-  const std::vector<Function> functions{{Quantity::inverse_dynamics},
-                                        {Quantity::mass_matrix},
-                                        {Quantity::inverse_dynamics_derivatives},
-                                        {Quantity::forward_dynamics}};
+  const std::vector<Function> functions{{Id("inverse_dynamics")},
+                                        {Id("mass_matrix")},
+                                        {Id("inverse_dynamics_derivatives")},
+                                        {Id("forward_dynamics")}};
   constexpr std::size_t states = 5;
   constexpr std::uint64_t models = 20;
   std::vector<std::unique_ptr<Trial>> trials;
@@ -151,10 +151,10 @@ TEST(GeneratedCudaArguments, AreThoseOfC) {
   };
   EXPECT_EQ(message_of([&] { source({}); }), "there are no functions to generate");
   EXPECT_EQ(message_of([&] {
-              source({{Quantity::jacobian, 9}});
+              source({{Id("jacobian"), 9}});
             }),
             "frame is 9; model \"rod\" has frames 0 to 1");
-  const codegen::Source one = source({{Quantity::forward_dynamics}}, "r");
+  const codegen::Source one = source({{Id("forward_dynamics")}}, "r");
   EXPECT_EQ(one.functions.at(0).name, "r_forward_dynamics");
   EXPECT_NE(one.text.find("enum { r_nq = 1, r_nv = 1, r_n_frames = 2 };"), std::string::npos);
   EXPECT_NE(one.text.find("static __device__ __forceinline__ int r_forward_dynamics("), std::string::npos);

@@ -15,8 +15,8 @@
 namespace axode::test {
 namespace {
 
+using catalog::Id;
 using codegen::Function;
-using codegen::Quantity;
 
 class GeneratedCode : public Law {};
 INSTANTIATE_TEST_SUITE_P(Codegen, GeneratedCode, testing::ValuesIn(scalars()), name_of);
@@ -71,11 +71,11 @@ struct Generated {
   Generated(const Case& c, std::uint64_t seed)
       : trial(c, Random<double>(seed), TreeRecipe{.most_bodies = 25}),
         random(seed + 1000),
-        jacobian{Quantity::jacobian} {
+        jacobian{Id("jacobian")} {
     jacobian.frame = static_cast<int>(random.number(0, trial.model.n_frames()));
     jacobian.representation = static_cast<Representation>(seed % 4);
     const std::vector<Function> functions{
-        {Quantity::inverse_dynamics}, {Quantity::forward_dynamics}, {Quantity::mass_matrix}, jacobian};
+        {Id("inverse_dynamics")}, {Id("forward_dynamics")}, {Id("mass_matrix")}, jacobian};
     source = codegen::c_source(trial.model, functions, {"tree" + std::to_string(seed), c.single});
   }
   const std::string& name(std::size_t k) const { return source.functions[k].name; }
@@ -149,13 +149,12 @@ TEST_P(GeneratedCode, GivesWhatTheLibraryGives) {
 TEST_P(GeneratedCode, HasTheDerivativesThatTheLibraryHas) {
   const Case fastest = fast(GetParam());
   Comparison inverse("inverse", fastest.agreement()), forward("forward", fastest.agreement());
-  constexpr Quantity quantities[]{
-      Quantity::inverse_dynamics_derivatives, Quantity::inverse_dynamics_jvp,
-      Quantity::inverse_dynamics_vjp,         Quantity::forward_dynamics_derivatives,
-      Quantity::forward_dynamics_jvp,         Quantity::forward_dynamics_vjp,
-      Quantity::inverse_dynamics_hessian,     Quantity::forward_dynamics_hessian};
+  constexpr Id quantities[]{Id("inverse_dynamics_derivatives"), Id("inverse_dynamics_jvp"),
+                            Id("inverse_dynamics_vjp"),         Id("forward_dynamics_derivatives"),
+                            Id("forward_dynamics_jvp"),         Id("forward_dynamics_vjp"),
+                            Id("inverse_dynamics_hessian"),     Id("forward_dynamics_hessian")};
   std::vector<Function> functions;
-  for (const Quantity quantity : quantities) functions.push_back({quantity});
+  for (const Id quantity : quantities) functions.push_back({quantity});
   int solvable = 0;
   std::string text;
   std::vector<std::unique_ptr<Trial>> trials;
@@ -237,14 +236,14 @@ std::string complaints(const std::string& source, std::vector<std::string> words
 }
 
 TEST_P(GeneratedCode, CompilesWithoutWarningsAsC99AndAsCpp) {
-  const std::vector<Function> functions{{Quantity::inverse_dynamics},
-                                        {Quantity::forward_dynamics},
-                                        {Quantity::mass_matrix},
-                                        {Quantity::jacobian, 0},
-                                        {Quantity::jacobian, 2, Representation::mixed},
-                                        {Quantity::inverse_dynamics_vjp},
-                                        {Quantity::forward_dynamics_jvp},
-                                        {Quantity::inverse_dynamics_hessian}};
+  const std::vector<Function> functions{{Id("inverse_dynamics")},
+                                        {Id("forward_dynamics")},
+                                        {Id("mass_matrix")},
+                                        {Id("jacobian"), 0},
+                                        {Id("jacobian"), 2, Representation::mixed},
+                                        {Id("inverse_dynamics_vjp")},
+                                        {Id("forward_dynamics_jvp")},
+                                        {Id("inverse_dynamics_hessian")}};
   for (const auto& [file, base] :
        {std::pair("arm7.toml", Base::fixed), std::pair("machine.toml", Base::as_described),
         std::pair("humanoid.urdf", Base::free)}) {
@@ -273,7 +272,7 @@ Model wrist(double mass = 1) {
 }
 
 TEST_P(GeneratedCode, TellsWhereTheMassMatrixIsSingular) {
-  const std::vector<Function> functions{{Quantity::forward_dynamics}};
+  const std::vector<Function> functions{{Id("forward_dynamics")}};
   const bool single = GetParam().single;
   const Compiled library(codegen::c_source(wrist(), functions, {"wrist", single}).text);
   const Compiled massless(codegen::c_source(wrist(0), functions, {"wrist", single}).text);
@@ -299,8 +298,7 @@ TEST_P(GeneratedCode, HasSinesAndCosinesOfTwoUnitsInTheLastPlace) {
                           .add({.name = "crank", .joint = {.kind = JointKind::revolute, .axis = {0, 0, 1}}})
                           .add(FrameDescription{.name = "pin", .body = "crank", .pose = {{}, {1, 0, 0}}})
                           .build();
-  const std::vector<Function> functions{
-      {Quantity::jacobian, crank.frame_index("pin"), Representation::hybrid}};
+  const std::vector<Function> functions{{Id("jacobian"), crank.frame_index("pin"), Representation::hybrid}};
   const Compiled library(codegen::c_source(crank, functions, {"crank", GetParam().single}).text);
   with_scalar(GetParam(), [&](auto scalar) {
     using T = decltype(scalar);
@@ -354,7 +352,7 @@ TEST_P(GeneratedCode, ComputesWhatIsRecorded) {
 /// Of the 150 products and sums that the fast path takes for a hinge, an arm with axes at right angles needs
 /// about a third.
 TEST(GeneratedOperations, AreOnlyThoseThatTheMechanismNeeds) {
-  const std::vector<Function> functions{{Quantity::inverse_dynamics}, {Quantity::mass_matrix}};
+  const std::vector<Function> functions{{Id("inverse_dynamics")}, {Id("mass_matrix")}};
   const codegen::Source arm = codegen::c_source(load(robot("arm7.toml")), functions);
   const Operations &forces = arm.functions[0].operations, &matrix = arm.functions[1].operations;
   EXPECT_LE(forces.products + forces.sums, 7 * 54);
@@ -366,7 +364,7 @@ TEST(GeneratedOperations, AreOnlyThoseThatTheMechanismNeeds) {
 /// Compilers take time for each statement that grows with the length of the function that it is in.
 TEST(GeneratedParts, AreShort) {
   const Model model = load(robot("humanoid.urdf"), Base::free);
-  const Function function{Quantity::inverse_dynamics_derivatives};
+  const Function function{Id("inverse_dynamics_derivatives")};
   std::istringstream source(codegen::c_source(model, {&function, 1}).text);
   int parts = 0, statements = 0, all = 0;
   for (std::string line; std::getline(source, line);) {
@@ -386,7 +384,7 @@ TEST(GeneratedNames, AreIdentifiersAndNoTwoAreTheSame) {
     builder.add(FrameDescription{.name = name, .body = "link */ 1"});
   const Model model = builder.build();
   std::vector<Function> functions;
-  for (int f = 0; f < model.n_frames(); ++f) functions.push_back({Quantity::jacobian, f});
+  for (int f = 0; f < model.n_frames(); ++f) functions.push_back({Id("jacobian"), f});
   const codegen::Source source = codegen::c_source(model, functions);
   std::vector<std::string> names;
   for (const auto& function : source.functions) names.push_back(function.name);
@@ -403,10 +401,10 @@ TEST(GeneratedCodeArguments, AreChecked) {
     return message_of([&] { codegen::c_source(model, functions, {.prefix = prefix}); });
   };
   EXPECT_EQ(call({}), "there are no functions to generate");
-  EXPECT_EQ(call({{Quantity::mass_matrix}}, "7th"),
+  EXPECT_EQ(call({{Id("mass_matrix")}}, "7th"),
             "the prefix \"7th\" is no C identifier: letters, digits and underscores, no digit first");
-  EXPECT_EQ(call({{Quantity::jacobian, 9}}), "frame is 9; model \"wrist\" has frames 0 to 3");
-  EXPECT_EQ(call({{Quantity::mass_matrix}, {Quantity::mass_matrix}}), "wrist_mass_matrix is asked for twice");
+  EXPECT_EQ(call({{Id("jacobian"), 9}}), "frame is 9; model \"wrist\" has frames 0 to 3");
+  EXPECT_EQ(call({{Id("mass_matrix")}, {Id("mass_matrix")}}), "wrist_mass_matrix is asked for twice");
 }
 
 }  // namespace

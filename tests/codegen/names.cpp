@@ -11,7 +11,8 @@
 namespace axode::test {
 namespace {
 
-using codegen::Function, codegen::Quantity;
+using catalog::Id;
+using codegen::Function;
 
 /// A pendulum with a frame for each name, each at another height.
 Model pendulum(const std::vector<std::string>& frames) {
@@ -35,7 +36,7 @@ TEST(GeneratedNames, OfAFrameNamedLikeARepresentationOfAnotherAreApart) {
   for (int f = 0; f < model.n_frames(); ++f)
     for (const Representation representation :
          {Representation::body, Representation::spatial, Representation::hybrid, Representation::mixed})
-      functions.push_back({Quantity::jacobian, f, representation});
+      functions.push_back({Id("jacobian"), f, representation});
   const codegen::Source source = codegen::c_source(model, functions, {.prefix = "p"});
   std::set<std::string> names;
   for (const auto& function : source.functions) names.insert(function.name);

@@ -17,8 +17,8 @@
 namespace axode::test {
 namespace {
 
+using catalog::Id;
 using codegen::Function;
-using codegen::Quantity;
 
 template <class T> struct States : RandomStates<T> {
   using RandomStates<T>::RandomStates;
@@ -41,8 +41,8 @@ template <class T> struct States : RandomStates<T> {
 };
 
 template <class T> const catalog::Function<T>& row(const Function& function) {
-  const std::string_view name = codegen::quantities[static_cast<std::size_t>(function.quantity)];
-  if (function.quantity != Quantity::jacobian) return *catalog::find<Fast, T>(name);
+  const std::string_view name = function.name();
+  if (!function.is("jacobian")) return *catalog::find<Fast, T>(name);
   return with_representation(function.representation, [&]<class Rep>(Rep) -> const catalog::Function<T>& {
     return *catalog::find<Rep, T>(name);
   });
@@ -50,9 +50,9 @@ template <class T> const catalog::Function<T>& row(const Function& function) {
 
 std::vector<Function> all_functions(const Model& model) {
   std::vector<Function> functions;
-  for (std::size_t k = 0; k < codegen::quantities.size(); ++k)
-    if (const auto quantity = static_cast<Quantity>(k); quantity != Quantity::pose)  // they have all poses
-      functions.push_back({quantity, model.n_frames() - 1, Representation::hybrid});
+  for (const std::string_view name : codegen::recorded_functions)
+    if (name != "pose")  // they have all poses
+      functions.push_back({*Id::of(name), model.n_frames() - 1, Representation::hybrid});
   return functions;
 }
 
@@ -104,20 +104,19 @@ TEST_F(SpecialisedModels, GiveWhatTheLibraryGivesInEveryNumberOfStates) {
 
 TEST_F(SpecialisedModels, HaveJointsOfEveryKindAndCoupledOnes) {
   const Model model = every_joint();
-  const std::vector<Function> functions{{Quantity::inverse_dynamics},
-                                        {Quantity::forward_dynamics},
-                                        {Quantity::mass_matrix},
-                                        {Quantity::poses},
-                                        {Quantity::jacobian, model.n_frames() - 1, Representation::mixed},
-                                        {Quantity::inverse_dynamics_derivatives}};
+  const std::vector<Function> functions{{Id("inverse_dynamics")},
+                                        {Id("forward_dynamics")},
+                                        {Id("mass_matrix")},
+                                        {Id("poses")},
+                                        {Id("jacobian"), model.n_frames() - 1, Representation::mixed},
+                                        {Id("inverse_dynamics_derivatives")}};
   expect_what_the_library_gives(model, Specialised<>(model, functions, {.flags = quickly}), functions, 13,
                                 1e-11);
 }
 
 TEST_F(SpecialisedModels, AreTheSameInLanesOfEveryNumberAndWithoutVectors) {
   const Model model = load(robot("double_pendulum.toml"));
-  const std::vector<Function> functions{
-      {Quantity::inverse_dynamics}, {Quantity::forward_dynamics}, {Quantity::poses}};
+  const std::vector<Function> functions{{Id("inverse_dynamics")}, {Id("forward_dynamics")}, {Id("poses")}};
   for (const int lanes : {1, 2, 4, 8, 16}) {
     expect_what_the_library_gives(model, Specialised<>(model, functions, {.lanes = lanes, .flags = quickly}),
                                   functions, 19, 1e-12);
@@ -132,25 +131,25 @@ TEST_F(SpecialisedModels, AreTheSameInLanesOfEveryNumberAndWithoutVectors) {
 
 TEST_F(SpecialisedModels, TurnByAnglesOfEverySize) {
   const Model model = load(robot("double_pendulum.toml"));
-  const Specialised<> specialised(model, {{Quantity::poses}}, {.flags = quickly});
+  const Specialised<> specialised(model, {{Id("poses")}}, {.flags = quickly});
   const std::vector<double> angles{0, -1e-9, 3, -99'999, 1e5, -1e6, 1e9, 1e15, 1e22, -1e300};
   std::vector<double> q;
   for (const double one : angles)
     for (const double other : angles) q.insert(q.end(), {one, other});
   const std::size_t N = q.size() / 2, size = 12 * static_cast<std::size_t>(model.n_frames());
   std::vector<double> C(N * size), expected(size);
-  ASSERT_TRUE(specialised({Quantity::poses}, {.q = q}, C).ok());
+  ASSERT_TRUE(specialised({Id("poses")}, {.q = q}, C).ok());
   Workspace<> workspace(model);
   for (std::size_t k = 0; k < N; ++k) {
-    std::ignore = row<double>({Quantity::poses})
-                      .call(model, workspace, {.q = std::span(q).subspan(2 * k, 2)}, expected);
+    std::ignore =
+        row<double>({Id("poses")}).call(model, workspace, {.q = std::span(q).subspan(2 * k, 2)}, expected);
     for (std::size_t i = 0; i < size; ++i) EXPECT_NEAR(C[k * size + i], expected[i], 1e-14);
   }
 }
 
 TEST_F(SpecialisedModels, TellWhichStatesAreSingularAndWhichOverflow) {
   const Model wrist = singular_wrist();
-  const Function function{Quantity::forward_dynamics};
+  const Function function{Id("forward_dynamics")};
   const std::vector<double> q(20), v(20), tau(20, 1);
   std::vector<double> a(20);
   const batch::Outcome singular =
@@ -170,7 +169,7 @@ TEST_F(SpecialisedModels, TellWhichStatesAreSingularAndWhichOverflow) {
 
 TEST_F(SpecialisedModels, CheckTheirArguments) {
   const Model model = load(robot("double_pendulum.toml"));
-  const Function function{Quantity::inverse_dynamics};
+  const Function function{Id("inverse_dynamics")};
   const Specialised<> specialised(model, {function}, {.flags = quickly});
   std::vector<double> q(6), v(6), tau(6), short_of_one(5);
   const auto message = [&](const Function& of, const catalog::Given<double>& given, std::span<double> out) {
@@ -184,12 +183,12 @@ TEST_F(SpecialisedModels, CheckTheirArguments) {
             "tau has 5 entries; expected nv N = 6");
   EXPECT_EQ(message(function, {.q = q, .v = v, .a = v}, q),
             "tau shares memory with q; this result needs memory of its own");
-  EXPECT_EQ(message({Quantity::mass_matrix}, {.q = q}, tau),
+  EXPECT_EQ(message({Id("mass_matrix")}, {.q = q}, tau),
             "model \"double pendulum\" was specialised without mass_matrix");
   EXPECT_EQ(message(function, {.q = q, .v = v, .a = v, .loads = {.joint_losses = true}}, tau),
             "specialised functions take no loads and no joint losses");
   EXPECT_TRUE(specialised.has(function));
-  EXPECT_FALSE(specialised.has({Quantity::poses}));
+  EXPECT_FALSE(specialised.has({Id("poses")}));
 }
 
 TEST_F(SpecialisedModels, WithoutDegreesOfFreedomHaveNoStates) {
@@ -202,7 +201,7 @@ TEST_F(SpecialisedModels, WithoutDegreesOfFreedomHaveNoStates) {
 
 TEST_F(SpecialisedModels, AreShared) {
   const Model model = load(robot("double_pendulum.toml"));
-  const std::vector<Function> functions{{Quantity::forward_dynamics}};
+  const std::vector<Function> functions{{Id("forward_dynamics")}};
   const Specialised<> specialised(model, functions, {.flags = quickly});
   std::vector<std::thread> threads;
   for (int k = 0; k < 8; ++k)
@@ -229,7 +228,7 @@ std::vector<std::string> files(const std::filesystem::path& folder) {
 
 TEST_F(SpecialisedModels, AreKeptAndCompiledAgainWhereWhatWasKeptIsSpoilt) {
   const Model model = load(robot("double_pendulum.toml"));
-  const std::vector<Function> functions{{Quantity::inverse_dynamics}};
+  const std::vector<Function> functions{{Id("inverse_dynamics")}};
   EXPECT_EQ(specialised_cache().models, 0u);
   const auto make = [&] {
     expect_what_the_library_gives(model, Specialised<>(model, functions, {.flags = quickly}), functions, 5,
@@ -266,7 +265,7 @@ TEST_F(SpecialisedModels, AreKeptAndCompiledAgainWhereWhatWasKeptIsSpoilt) {
 
 TEST_F(SpecialisedModels, NeedNoCache) {
   const Model model = load(robot("double_pendulum.toml"));
-  const std::vector<Function> functions{{Quantity::inverse_dynamics}};
+  const std::vector<Function> functions{{Id("inverse_dynamics")}};
   const Variable nowhere("XDG_CACHE_HOME", "/proc/nowhere");
   expect_what_the_library_gives(model, Specialised<>(model, functions, {.flags = quickly}), functions, 5,
                                 1e-12);
@@ -275,7 +274,7 @@ TEST_F(SpecialisedModels, NeedNoCache) {
 
 TEST_F(SpecialisedModels, AreNotTakenFromAFolderInWhichOthersWrite) {
   const Model model = load(robot("double_pendulum.toml"));
-  const std::vector<Function> functions{{Quantity::inverse_dynamics}};
+  const std::vector<Function> functions{{Id("inverse_dynamics")}};
   std::filesystem::create_directory(folder.file("axode"));
   std::filesystem::permissions(folder.file("axode"), std::filesystem::perms::all);
   expect_what_the_library_gives(model, Specialised<>(model, functions, {.flags = quickly}), functions, 5,
@@ -287,7 +286,7 @@ TEST_F(SpecialisedModels, SayWhereThereIsNoCompilerOrItFails) {
   const Model model = load(robot("double_pendulum.toml"));
   const auto make = [&](const SpecialisedOptions& options) {
     try {
-      Specialised<>(model, {{Quantity::inverse_dynamics}}, options);
+      Specialised<>(model, {{Id("inverse_dynamics")}}, options);
     } catch (const std::runtime_error& error) {
       return std::string(error.what());
     }

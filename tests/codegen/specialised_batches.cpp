@@ -14,7 +14,7 @@ namespace axode::test {
 namespace {
 
 using batch::Monitor;
-using codegen::Quantity;
+using catalog::Id;
 
 /// The states from one on.
 template <class T> RandomStates<T> from(std::size_t first, std::size_t N, RandomStates<T> states) {
@@ -31,58 +31,53 @@ batch::Outcome all_solved(std::size_t done) {
 
 /// A function of axode/batch.hpp by a model, or by a specialised one.
 template <class T, class M>
-batch::Outcome call(Quantity quantity, const M& m, const RandomStates<T>& all, std::span<T> out,
-                    int threads = 1, const Monitor& monitor = {}) {
+batch::Outcome call(Id quantity, const M& m, const RandomStates<T>& all, std::span<T> out, int threads = 1,
+                    const Monitor& monitor = {}) {
   const auto& [q, v, x, dq, dv, dx, w] = all;  // accelerations or forces
-  switch (quantity) {
-    case Quantity::inverse_dynamics:
-      return all_solved(batch::inverse_dynamics<T>(m, q, v, x, out, threads, monitor));
-    case Quantity::forward_dynamics: return batch::forward_dynamics<T>(m, q, v, x, out, threads, monitor);
-    case Quantity::mass_matrix: return all_solved(batch::mass_matrix<T>(m, q, out, threads, monitor));
-    case Quantity::inverse_mass_matrix: return batch::inverse_mass_matrix<T>(m, q, out, threads, monitor);
-    case Quantity::poses:
-      return all_solved(
-          batch::poses<T>(m, q, {reinterpret_cast<SE3<T>*>(out.data()), out.size() / 12}, threads, monitor));
-    case Quantity::inverse_dynamics_derivatives:
-      return all_solved(batch::inverse_dynamics_derivatives<T>(m, q, v, x, out, threads, monitor));
-    case Quantity::forward_dynamics_derivatives:
-      return batch::forward_dynamics_derivatives<T>(m, q, v, x, out, threads, monitor);
-    case Quantity::inverse_dynamics_jvp:
-      return all_solved(batch::inverse_dynamics_jvp<T>(m, q, v, x, dq, dv, dx, out, threads, monitor));
-    case Quantity::forward_dynamics_jvp:
-      return batch::forward_dynamics_jvp<T>(m, q, v, x, dq, dv, dx, out, threads, monitor);
-    case Quantity::inverse_dynamics_vjp:
-      return all_solved(batch::inverse_dynamics_vjp<T>(m, q, v, x, w, out, threads, monitor));
-    case Quantity::forward_dynamics_vjp:
-      return batch::forward_dynamics_vjp<T>(m, q, v, x, w, out, threads, monitor);
-    default: break;
-  }
+  if (quantity == Id("inverse_dynamics"))
+    return all_solved(batch::inverse_dynamics<T>(m, q, v, x, out, threads, monitor));
+  if (quantity == Id("forward_dynamics"))
+    return batch::forward_dynamics<T>(m, q, v, x, out, threads, monitor);
+  if (quantity == Id("mass_matrix")) return all_solved(batch::mass_matrix<T>(m, q, out, threads, monitor));
+  if (quantity == Id("inverse_mass_matrix"))
+    return batch::inverse_mass_matrix<T>(m, q, out, threads, monitor);
+  if (quantity == Id("poses"))
+    return all_solved(
+        batch::poses<T>(m, q, {reinterpret_cast<SE3<T>*>(out.data()), out.size() / 12}, threads, monitor));
+  if (quantity == Id("inverse_dynamics_derivatives"))
+    return all_solved(batch::inverse_dynamics_derivatives<T>(m, q, v, x, out, threads, monitor));
+  if (quantity == Id("forward_dynamics_derivatives"))
+    return batch::forward_dynamics_derivatives<T>(m, q, v, x, out, threads, monitor);
+  if (quantity == Id("inverse_dynamics_jvp"))
+    return all_solved(batch::inverse_dynamics_jvp<T>(m, q, v, x, dq, dv, dx, out, threads, monitor));
+  if (quantity == Id("forward_dynamics_jvp"))
+    return batch::forward_dynamics_jvp<T>(m, q, v, x, dq, dv, dx, out, threads, monitor);
+  if (quantity == Id("inverse_dynamics_vjp"))
+    return all_solved(batch::inverse_dynamics_vjp<T>(m, q, v, x, w, out, threads, monitor));
+  if (quantity == Id("forward_dynamics_vjp"))
+    return batch::forward_dynamics_vjp<T>(m, q, v, x, w, out, threads, monitor);
   ADD_FAILURE() << "there is no such batch";
   return {};
 }
 
-const std::vector<codegen::Function> batches{{Quantity::inverse_dynamics},
-                                             {Quantity::forward_dynamics},
-                                             {Quantity::mass_matrix},
-                                             {Quantity::inverse_mass_matrix},
-                                             {Quantity::poses},
-                                             {Quantity::inverse_dynamics_derivatives},
-                                             {Quantity::forward_dynamics_derivatives},
-                                             {Quantity::inverse_dynamics_jvp},
-                                             {Quantity::forward_dynamics_jvp},
-                                             {Quantity::inverse_dynamics_vjp},
-                                             {Quantity::forward_dynamics_vjp}};
+const std::vector<codegen::Function> batches{{Id("inverse_dynamics")},
+                                             {Id("forward_dynamics")},
+                                             {Id("mass_matrix")},
+                                             {Id("inverse_mass_matrix")},
+                                             {Id("poses")},
+                                             {Id("inverse_dynamics_derivatives")},
+                                             {Id("forward_dynamics_derivatives")},
+                                             {Id("inverse_dynamics_jvp")},
+                                             {Id("forward_dynamics_jvp")},
+                                             {Id("inverse_dynamics_vjp")},
+                                             {Id("forward_dynamics_vjp")}};
 
-std::string name_of(Quantity quantity) {
-  return std::string(codegen::quantities[static_cast<std::size_t>(quantity)]);
-}
+std::string name_of(Id quantity) { return std::string(quantity.words().name); }
 /// Numbers of a state.
-std::size_t size_of(Quantity quantity, const Model& model) {
+std::size_t size_of(Id quantity, const Model& model) {
   return catalog::find<Fast>(name_of(quantity))->size(model, 0);
 }
-bool is_solved(Quantity quantity) {
-  return name_of(quantity).starts_with("forward") || quantity == Quantity::inverse_mass_matrix;
-}
+bool is_solved(Id quantity) { return quantity.words().may_fail; }
 
 template <class T> void expect_same(const std::vector<T>& x, const std::vector<T>& y) {
   ASSERT_EQ(x.size(), y.size());
@@ -108,24 +103,24 @@ template <class T>
 void expect_the_librarys(const Model& model, const Specialised<T>& specialised, std::size_t N, int threads,
                          double tolerance) {
   const RandomStates<T> all(model, N, 7 + N);
-  const std::size_t nv2 = size_of(Quantity::mass_matrix, model);
+  const std::size_t nv2 = size_of(Id("mass_matrix"), model);
   std::vector<T> M(nv2 * N), M_inverse(nv2 * N);
   batch::mass_matrix<T>(model, all.q, M);
   static_cast<void>(batch::inverse_mass_matrix<T>(model, all.q, M_inverse));
   for (const codegen::Function& function : batches) {
     if (!specialised.has(function)) continue;
-    SCOPED_TRACE(name_of(function.quantity) + " of " + std::to_string(N) + " states of " + model.name() +
-                 " on " + std::to_string(threads));
-    const std::size_t size = size_of(function.quantity, model);
+    SCOPED_TRACE(name_of(function.row) + " of " + std::to_string(N) + " states of " + model.name() + " on " +
+                 std::to_string(threads));
+    const std::size_t size = size_of(function.row, model);
     std::vector<T> found(size * N, -1), expected(size * N, -1);
-    expect_same(call<T>(function.quantity, specialised, all, found, threads),
-                call<T>(function.quantity, model, all, expected, threads));
+    expect_same(call<T>(function.row, specialised, all, found, threads),
+                call<T>(function.row, model, all, expected, threads));
     for (std::size_t k = 0; k < N; ++k) {
       const auto of_state = [&](const std::vector<T>& x, std::size_t n) {
         return std::span(x).subspan(k * n, n);
       };
       double scale = std::max(largest_number(of_state(expected, size)), 1e-6);
-      if (is_solved(function.quantity))
+      if (is_solved(function.row))
         scale *=
             std::max(1.0, 1e-2 * largest_number(of_state(M, nv2)) * largest_number(of_state(M_inverse, nv2)));
       for (std::size_t i = k * size; i < (k + 1) * size; ++i)
@@ -162,7 +157,7 @@ TEST_F(SpecialisedBatches, GiveItInSinglePrecision) {
 TEST_F(SpecialisedBatches, GiveTheDerivativesOfManyStates) {
   const Model model = load(robot("arm7.toml"));
   const Specialised<> specialised(
-      model, {{Quantity::inverse_dynamics_derivatives}, {Quantity::forward_dynamics_derivatives}},
+      model, {{Id("inverse_dynamics_derivatives")}, {Id("forward_dynamics_derivatives")}},
       {.flags = quickly});
   for (const int threads : {1, 4}) expect_the_librarys(model, specialised, 1001, threads, 1e-12);
 }
@@ -170,7 +165,7 @@ TEST_F(SpecialisedBatches, GiveTheDerivativesOfManyStates) {
 /// Compiled so that one state alone and states in lanes are rounded differently.
 TEST_F(SpecialisedBatches, DependOnNeitherTheirPlaceNorTheThreads) {
   const Model model = load(robot("arm7.toml"));
-  const std::vector<codegen::Function> functions{{Quantity::poses}, {Quantity::inverse_dynamics_derivatives}};
+  const std::vector<codegen::Function> functions{{Id("poses")}, {Id("inverse_dynamics_derivatives")}};
   const Specialised<> specialised(
       model, functions, {.flags = {"-O3", "-march=native", "-ffp-contract=fast", "-ftree-slp-vectorize"}});
   const std::size_t N = 53;
@@ -195,14 +190,14 @@ TEST_F(SpecialisedBatches, DependOnNeitherTheirPlaceNorTheThreads) {
 TEST_F(SpecialisedBatches, LeaveWhatIsSingularOrNotFiniteToTheLibrary) {
   const Model pendulum = load(robot("double_pendulum.toml"));
   for (const Model& model : {singular_wrist(), pendulum, every_joint()}) {
-    const Specialised<> specialised(
-        model, {{Quantity::forward_dynamics}, {Quantity::forward_dynamics_derivatives}}, {.flags = quickly});
+    const Specialised<> specialised(model, {{Id("forward_dynamics")}, {Id("forward_dynamics_derivatives")}},
+                                    {.flags = quickly});
     const std::size_t N = 50, nv = static_cast<std::size_t>(model.nv());
     for (const double wrong : {std::nan(""), std::numeric_limits<double>::infinity(), 1e300}) {
       RandomStates<double> all(model, N, 3);
       all.v[37 * nv] = wrong, all.a[21 * nv + 1] = wrong * 1e300, all.v[49 * nv + 1] = wrong;
       if (model.tree<double>()->quaternion_bodies.empty()) all.q[5 * nv + 1] = std::nan("");
-      for (const Quantity quantity : {Quantity::forward_dynamics, Quantity::forward_dynamics_derivatives})
+      for (const Id quantity : {Id("forward_dynamics"), Id("forward_dynamics_derivatives")})
         for (const int threads : {1, 4}) {
           SCOPED_TRACE(name_of(quantity) + " of " + model.name() + " with " + std::to_string(wrong));
           const std::size_t size = size_of(quantity, model);
@@ -224,7 +219,7 @@ TEST_F(SpecialisedBatches, LeaveWhatIsSingularOrNotFiniteToTheLibrary) {
 
 TEST_F(SpecialisedBatches, EndWhereTheMonitorSaysSo) {
   const Model model = load(robot("double_pendulum.toml"));
-  const Quantity quantity = Quantity::forward_dynamics_derivatives;
+  const Id quantity = Id("forward_dynamics_derivatives");
   const Specialised<> specialised(model, {{quantity}}, {.flags = quickly});
   const std::size_t size = size_of(quantity, model), repeated = 1000;
   const RandomStates<double> some(model, repeated, 2);
@@ -269,7 +264,7 @@ TEST_F(SpecialisedBatches, RefuseWhatTheLibrarysRefuse) {
   const Specialised<> specialised(model, batches, {.flags = quickly});
   const std::size_t N = 3;
   for (const codegen::Function& function : batches) {
-    const Quantity quantity = function.quantity;
+    const Id quantity = function.row;
     const std::size_t size = size_of(quantity, model) * N;
     const auto both_say = [&](const auto& spoil, int threads = 1) {
       RandomStates<double> all(model, N, 4);
@@ -285,7 +280,7 @@ TEST_F(SpecialisedBatches, RefuseWhatTheLibrarysRefuse) {
     EXPECT_NE(both_say([](auto& all, auto&) { all.q.pop_back(); }), "no error");
     EXPECT_NE(both_say([](auto& all, auto&) { all.q[8] = 3; }), "no error");
     EXPECT_EQ(both_say([](auto&, auto&) {}, 0), "threads is 0; expected 1 or more");
-    if (quantity == Quantity::poses) continue;  // whose result is counted in numbers here
+    if (quantity == Id("poses")) continue;  // whose result is counted in numbers here
     EXPECT_NE(both_say([](auto&, auto& out) { out.push_back(0); }), "no error");
     for (const auto argument :
          {&RandomStates<double>::v, &RandomStates<double>::a, &RandomStates<double>::dq,
@@ -305,7 +300,7 @@ TEST_F(SpecialisedBatches, RefuseWhatTheLibrarysRefuse) {
   std::vector<double> q{0, 0, 0, 1, 0}, v(4), a(4), tau(4);
   EXPECT_EQ(message_of([&] { batch::inverse_dynamics(specialised, q, v, a, a); }),
             "tau shares memory with a; this result needs memory of its own");
-  const Specialised<> without(model, {{Quantity::poses}}, {.flags = quickly});
+  const Specialised<> without(model, {{Id("poses")}}, {.flags = quickly});
   EXPECT_EQ(message_of([&] { batch::inverse_dynamics(without, q, v, a, tau); }),
             "model \"shoulder\" was specialised without inverse_dynamics");
 }

@@ -13,7 +13,7 @@ namespace axode::test {
 namespace compiled_rollouts {
 namespace {
 
-using codegen::Quantity;
+using catalog::Id;
 using Vector = std::vector<double>;
 
 constexpr std::size_t K = 8;
@@ -127,7 +127,7 @@ TEST_F(SpecialisedRollouts, GiveWhatTheLibrarysGive) {
       model = ModelBuilder(tree).build();
     }
     if (model.nv() == 0) return;
-    const Specialised<> specialised(model, {{Quantity::forward_dynamics}}, {.flags = quickly});
+    const Specialised<> specialised(model, {{Id("forward_dynamics")}}, {.flags = quickly});
     for (const std::size_t N : {0, 1, 2, 9, 17})
       for (const bool losses : {false, true}) {
         const Starts<> at(model, N, seed + N);
@@ -152,7 +152,7 @@ TEST_F(SpecialisedRollouts, GiveWhatTheLibrarysGive) {
 
 TEST_F(SpecialisedRollouts, GiveItInSinglePrecision) {
   const Model model = load(robot("double_pendulum.toml"));
-  const Specialised<float> specialised(model, {{Quantity::forward_dynamics}}, {.flags = quickly});
+  const Specialised<float> specialised(model, {{Id("forward_dynamics")}}, {.flags = quickly});
   for (const std::size_t N : {1, 33}) {
     const Starts<float> at(model, N, 3);
     Starts<float> pushed(at);
@@ -166,7 +166,7 @@ TEST_F(SpecialisedRollouts, GiveItInSinglePrecision) {
 
 TEST_F(SpecialisedRollouts, DependOnNeitherTheirPlaceNorTheThreads) {
   const Model model = every_joint();
-  const Specialised<> specialised(model, {{Quantity::forward_dynamics}}, {.flags = {"-O2", "-march=native"}});
+  const Specialised<> specialised(model, {{Id("forward_dynamics")}}, {.flags = {"-O2", "-march=native"}});
   const Starts<> all(model, 21, 2);
   const Motion<> expected = under_forces(specialised, all);
   for (const int threads : {2, 5}) {
@@ -191,7 +191,7 @@ TEST_F(SpecialisedRollouts, DependOnNeitherTheirPlaceNorTheThreads) {
 TEST_F(SpecialisedRollouts, LeaveWhatIsSingularOrNotFiniteToTheLibrary) {
   const Model pendulum = load(robot("double_pendulum.toml"));
   for (const Model& model : {singular_wrist(), pendulum}) {
-    const Specialised<> specialised(model, {{Quantity::forward_dynamics}}, {.flags = quickly});
+    const Specialised<> specialised(model, {{Id("forward_dynamics")}}, {.flags = quickly});
     for (const std::size_t N : {1, 19}) {
       Starts<> at(model, N, 4);
       at.v[(N - 1) * at.nv] = 1e200, at.tau[(N / 2) * K * at.nv + 5 * at.nv] = std::nan("");
@@ -208,7 +208,7 @@ TEST_F(SpecialisedRollouts, LeaveWhatIsSingularOrNotFiniteToTheLibrary) {
 
 TEST_F(SpecialisedRollouts, EndWhereTheMonitorSaysSo) {
   const Model model = load(robot("double_pendulum.toml"));
-  const Specialised<> specialised(model, {{Quantity::forward_dynamics}}, {.flags = quickly});
+  const Specialised<> specialised(model, {{Id("forward_dynamics")}}, {.flags = quickly});
   constexpr std::size_t long_K = 400'000;
   const Starts<> at(model, 2, 3, 0);
   Motion<> of(at, long_K);
@@ -226,7 +226,7 @@ TEST_F(SpecialisedRollouts, EndWhereTheMonitorSaysSo) {
 
 TEST_F(SpecialisedRollouts, RefuseWhatTheLibrarysRefuse) {
   const Model model = shoulder();
-  const Specialised<> specialised(model, {{Quantity::forward_dynamics}}, {.flags = quickly});
+  const Specialised<> specialised(model, {{Id("forward_dynamics")}}, {.flags = quickly});
   const Drive drive = drives(model, 1)[1].second;
   const auto both_say = [&](const auto& spoil) {
     Starts<> at(model, 2, 3);
@@ -263,7 +263,7 @@ TEST_F(SpecialisedRollouts, RefuseWhatTheLibrarysRefuse) {
               testing::StartsWith("tau has"));
   EXPECT_THAT(both_say([](auto&, auto&, double&, int&, Drive& its) { its = {}; }),
               testing::EndsWith("drive is empty; expected a function of (t, q, v)"));
-  const Specialised<> without(model, {{Quantity::poses}}, {.flags = quickly});
+  const Specialised<> without(model, {{Id("poses")}}, {.flags = quickly});
   EXPECT_EQ(message_of([&] { static_cast<void>(under_forces(without, Starts<>(model, 2, 3))); }),
             "model \"shoulder\" was specialised without forward_dynamics");
 }

@@ -21,7 +21,7 @@ try:
 except ImportError as error:
     raise ImportError('axode.jax needs JAX: pip install "axode[jax]"') from error
 
-from .._axode import Model
+from .._axode import Model, check_counts
 from .calls import motion, state_function, twists_by
 from .mechanism import Array, Mechanism, cross, integrated, mechanism_of, rates_of, velocities_of
 
@@ -317,10 +317,8 @@ def _positive(threads: int) -> int:
 
 
 def _without_loops(m: Model, function: str) -> Mechanism:
-    of = mechanism_of(m)
-    if of.has_loops:
-        raise ValueError(f'axode.jax.{function} does not count loops, and model "{m.name}" has {m.n_loops}')
-    return of
+    check_counts(m, function)
+    return mechanism_of(m)
 
 
 def _still(m: Mechanism, q: Array) -> Array:

@@ -19,6 +19,7 @@ from jax.extend.core import Primitive  # type: ignore[import-not-found, unused-i
 from jax.interpreters import ad, batching, mlir  # type: ignore[import-not-found, unused-ignore]
 
 from .._axode import jax as _jax
+from ..table import ROWS
 from .mechanism import Array, Mechanism, cross, rates_of, velocities_of
 
 __all__ = ["motion", "state_function"]
@@ -26,30 +27,13 @@ __all__ = ["motion", "state_function"]
 for _name, _handler in _jax.handlers().items():
     jax.ffi.register_ffi_target(_name, _handler, platform="cpu")
 
-#: Items of results of a state.
-ITEMS: dict[str, Callable[[Mechanism], tuple[int, ...]]] = {
-    "poses": lambda m: (m.n_frames, 12),
-    "joint_screws": lambda m: (m.n_screws, 6),
-    "mass_matrix": lambda m: (m.nv, m.nv),
-    "inverse_mass_matrix": lambda m: (m.nv, m.nv),
-    "regressor": lambda m: (m.nv, 10 * m.n_bodies),
-    "inverse_dynamics": lambda m: (m.nv,),
-    "inverse_dynamics_jvp": lambda m: (m.nv,),
-    "inverse_dynamics_vjp": lambda m: (3, m.nv),
-    "inverse_dynamics_hessian": lambda m: (4, m.nv, m.nv),
-    "forward_dynamics": lambda m: (m.nv,),
-    "forward_dynamics_jvp": lambda m: (m.nv,),
-    "forward_dynamics_vjp": lambda m: (3, m.nv),
-    "forward_dynamics_hessian": lambda m: (4, m.nv, m.nv),
-}
-
 primitive: Any = Primitive("axode")
 primitive.multiple_results = True
 
 
 def state_function(function: str, m: Mechanism, *arguments: Array, joint_losses: bool = False, parameters: bool = False,
                    threads: int = 1) -> Array:
-    """A function of `ITEMS`; with `parameters` the last argument has inertial parameters for each state."""
+    """A function of the table; with `parameters` the last argument has inertial parameters for each state."""
     options = (("joint_losses", joint_losses), ("parameters", parameters), ("threads", threads))
     return primitive.bind(*arguments, function=function, mechanism=m, options=options)[0]
 
@@ -61,8 +45,8 @@ def motion(function: str, m: Mechanism, *arguments: Array, step: float, threads:
 
 def _results(function: str, m: Mechanism, arguments: Sequence[Any]) -> list[tuple[int, ...]]:
     lead = arguments[0].shape[:-1]
-    if function in ITEMS:
-        return [(*lead, *ITEMS[function](m))]
+    if function in ROWS:
+        return [(*lead, *ROWS[function].item(m))]
     K = arguments[2].shape[-2]
     if function == "rollout_vjp":
         return [(*lead, m.nv), (*lead, m.nv), (*lead, K, m.nv)]
@@ -86,9 +70,9 @@ def _lower(ctx: Any, *arguments: Any, function: str, mechanism: Mechanism, optio
     ctx.module_context.add_keepalive(mechanism)
     given = dict(options)
     attributes: dict[str, Any] = {"function": function, "model": mechanism.key, "threads": np.int64(given["threads"])}
-    if function in ITEMS:
+    if function in ROWS:
         attributes |= {"joint_losses": given["joint_losses"], "parameters": given["parameters"],
-                       "item_axes": np.int64(len(ITEMS[function](mechanism)))}
+                       "item_axes": np.int64(len(ROWS[function].item(mechanism)))}
         return jax.ffi.ffi_lowering("axode_state_function")(ctx, *arguments, **attributes)
     return jax.ffi.ffi_lowering("axode_motion")(ctx, *arguments, **attributes, step=np.float64(given["step"]))
 
@@ -267,7 +251,7 @@ def _motion_tangent(function: str, m: Mechanism, x: Sequence[Array], tangents: S
 def _differentiate(x: Sequence[Array], tangents: Sequence[Any], *, function: str, mechanism: Mechanism,
                    options: Any) -> tuple[Any, Any]:
     values = primitive.bind(*x, function=function, mechanism=mechanism, options=options)
-    if function in ITEMS:
+    if function in ROWS:
         return values, [_state_function_tangent(function, mechanism, x, tangents, values[0], dict(options))]
     return values, _motion_tangent(function, mechanism, x, tangents, values, dict(options))
 
@@ -278,7 +262,7 @@ ad.primitive_jvps[primitive] = _differentiate
 def _transpose(cotangents: Sequence[Any], *x: Any, function: str, mechanism: Mechanism, options: Any) -> list[Any]:
     """Of what is linear in the arguments behind the state: products with directions and with weights are each other's."""
     what, weights = dict(options), _along(cotangents)
-    if function in ITEMS:
+    if function in ROWS:
         state, linear, pi = _parts(x, what)
         found = _transposed_derivative(function, mechanism, state, pi, weights[0], what)
     else:

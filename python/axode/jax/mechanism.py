@@ -41,7 +41,6 @@ class Mechanism:
     def __init__(self, m: Model, key: str):
         self.key, self.name = key, m.name
         self.nq, self.nv, self.n_frames, self.n_bodies = m.nq, m.nv, m.n_frames, m.n_bodies
-        self.has_loops = m.n_loops > 0
         self.gravity, self.parameters = m.gravity, m.parameters.reshape(m.n_bodies, 10)
         self.still: Mechanism | None = None  # the same without gravity, where it was asked for
         self._tree = _jax.structure(m)

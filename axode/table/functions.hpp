@@ -1,0 +1,479 @@
+#pragma once
+#include <optional>
+
+#include "axode/table/words.hpp"
+
+/// The table of functions of a state: one row for each, from which C++, the command, Python and the laws read what it takes,
+/// gives and costs, and what it counts of a mechanism. The kernels stand in axode/catalog/functions.cpp.
+namespace axode::catalog {
+namespace table {
+
+using enum Input;
+using enum Entry;
+using enum Extent;
+
+inline constexpr std::string_view screws = "rad/s, m/s", rates = "rad/s^2, m/s^2", wrenches = "N m, N",
+                                  impulses = "N m s, N s", forces = "N m for angles, N for lengths",
+                                  inertias = "kg m^2, kg m, kg";
+
+/// What families of rows count. Springs, dampers and stops act in simulations alone, as damping and friction do where a caller
+/// turns them on.
+inline constexpr std::string_view add_springs = "spring_forces(q, v) are to be added to tau",
+                                  subtract_springs = "spring_forces(q, v) are to be subtracted from tau";
+inline constexpr Counts of_motion{.loops = of_the_tree(),
+                                  .passive_joints = of_the_tree(),
+                                  .springs = of_the_tree(),
+                                  .joint_losses = of_the_tree()};
+inline constexpr Counts of_columns{
+    .loops = of_the_tree("loops allow only velocities v with loop_jacobian(q) v = 0"),
+    .passive_joints = of_the_tree(),
+    .springs = of_the_tree(),
+    .joint_losses = of_the_tree()};
+inline constexpr Counts of_terms{
+    .loops = of_the_tree(
+        "independent_equations has the terms that belong to independent velocities of closed loops"),
+    .passive_joints = of_the_tree(),
+    .springs = of_the_tree(),
+    .joint_losses = of_the_tree()};
+inline constexpr Counts of_gravity{
+    .loops = of_the_tree(
+        "inverse_dynamics with v = a = 0 gives the drive forces that hold a mechanism with loops"),
+    .passive_joints = of_the_tree(),
+    .springs = of_the_tree(),
+    .joint_losses = of_the_tree()};
+inline constexpr Counts of_springs{.loops = of_the_tree(),
+                                   .passive_joints = of_the_tree(),
+                                   .springs = counted,
+                                   .joint_losses = of_the_tree()};
+inline constexpr Counts of_forces{
+    .loops = counted,
+    .passive_joints = {Word::optional, "a LoopWorkspace, or drives in Python, leaves them without forces"},
+    .springs = of_the_tree(subtract_springs),
+    .joint_losses = optional};
+inline constexpr Counts of_wrenches{
+    .loops = refused("loop_wrenches has the wrenches of the loops themselves"),
+    .passive_joints = of_the_tree(),
+    .springs = of_the_tree(),
+    .joint_losses = optional};
+inline constexpr Counts of_accelerations{.loops = counted,
+                                         .passive_joints = of_the_tree(),
+                                         .springs = of_the_tree(add_springs),
+                                         .joint_losses = optional};
+inline constexpr Counts of_impulses{.loops = counted,
+                                    .passive_joints = of_the_tree(),
+                                    .springs = of_the_tree(),
+                                    .joint_losses = of_the_tree()};
+inline constexpr Counts of_momentum_form{
+    .loops = refused("forward_dynamics counts them; momenta(q, v) of its motion are those of the mechanism"),
+    .passive_joints = of_the_tree(),
+    .springs = of_the_tree(add_springs),
+    .joint_losses = optional};
+inline constexpr Counts of_derivatives_of_forces{
+    .loops = refused("forward_dynamics_derivatives and independent_linearization count them"),
+    .passive_joints = of_the_tree(),
+    .springs = of_the_tree("spring_force_derivatives(q, v) are to be subtracted"),
+    .joint_losses = optional};
+inline constexpr Counts of_derivatives_of_accelerations{
+    .loops =
+        refused("forward_dynamics_derivatives, forward_dynamics_jvp and forward_dynamics_vjp count them"),
+    .passive_joints = of_the_tree(),
+    .springs = of_the_tree(add_springs),
+    .joint_losses = optional};
+
+}  // namespace table
+
+/// All functions, in the order of the documentation.
+inline constexpr auto functions_of_state = [] {
+  using namespace table;
+  return std::to_array<Words>({
+      // clang-format off
+      {.name = "poses", .purpose = "poses of all frames in the inertial frame",
+       .units = "m", .takes = {q}, .choice = Choice::none, .entry = pose, .shape = {n_frames},
+       .columns = false, .symbols = {"C"}, .together = "C", .cost = Cost::linear, .allocates = false, .may_fail = false, .lanes = true, .tape = true,
+       .counts = of_motion},
+      {.name = "pose", .purpose = "pose of a frame in the inertial frame",
+       .units = "m", .takes = {q, place}, .choice = Choice::none, .entry = pose, .shape = {},
+       .columns = false, .symbols = {"C"}, .together = "C", .cost = Cost::linear, .allocates = false,
+       .may_fail = false, .lanes = false, .tape = true, .counts = of_motion},
+      {.name = "twists", .purpose = "twists of all frames",
+       .units = screws, .takes = {q, v}, .choice = Choice::representation, .entry = twist,
+       .shape = {n_frames}, .columns = false, .symbols = {"V"}, .cost = Cost::linear, .allocates = false,
+       .may_fail = false, .lanes = false, .tape = false, .counts = of_motion},
+      {.name = "accelerations",
+       .purpose = "time derivatives of the components of the twists of all frames, without gravity",
+       .units = rates, .takes = {q, v, a}, .choice = Choice::representation, .entry = rate,
+       .shape = {n_frames}, .columns = false, .symbols = {"V'"}, .cost = Cost::linear, .allocates = false,
+       .may_fail = false, .lanes = false, .tape = false, .counts = of_motion},
+      {.name = "jacobian", .purpose = "Jacobian J of a frame, with V = J v: a column for each velocity",
+       .units = "rad, m per unit of the velocity", .takes = {q, place}, .choice = Choice::representation,
+       .entry = twist, .shape = {nv}, .columns = true, .symbols = {"J"}, .together = "J",
+       .cost = Cost::linear, .allocates = false, .may_fail = false, .lanes = false, .tape = true,
+       .counts = of_columns},
+      {.name = "jacobians", .purpose = "Jacobians of all frames",
+       .units = "rad, m per unit of the velocity", .takes = {q}, .choice = Choice::representation,
+       .entry = twist, .shape = {n_frames, nv}, .columns = true, .symbols = {"J"}, .cost = Cost::quadratic,
+       .allocates = false, .may_fail = false, .lanes = false, .tape = false, .counts = of_columns},
+      {.name = "jacobian_rate", .purpose = "time derivative of the Jacobian of a frame",
+       .units = "per s", .takes = {q, v, place}, .choice = Choice::representation, .entry = rate,
+       .shape = {nv}, .columns = true, .symbols = {"J'"}, .cost = Cost::linear, .allocates = true,
+       .may_fail = false, .lanes = false, .tape = false, .counts = of_columns},
+      {.name = "relative_jacobian",
+       .purpose = "Jacobian of a frame for the motion that an observer in another frame sees",
+       .units = "rad, m per unit of the velocity", .takes = {q, place, base},
+       .choice = Choice::representation, .entry = twist, .shape = {nv}, .columns = true, .symbols = {"J"},
+       .cost = Cost::linear, .allocates = false, .may_fail = false, .lanes = false, .tape = false, .counts = of_columns},
+      {.name = "joint_screws",
+       .purpose = "instantaneous joint screws in inertial axes about the inertial origin",
+       .units = "rad, m", .takes = {q}, .choice = Choice::none, .entry = twist, .shape = {n_screws},
+       .columns = true, .symbols = {"J"}, .together = "J", .cost = Cost::linear, .allocates = false, .may_fail = false, .lanes = true, .tape = false,
+       .counts = of_columns},
+      {.name = "center_of_mass", .purpose = "centre of mass of all moving bodies, in the inertial frame",
+       .units = "m", .takes = {q}, .choice = Choice::none, .entry = vector, .shape = {}, .columns = false,
+       .symbols = {"c"}, .cost = Cost::linear, .allocates = false, .may_fail = false, .lanes = false,
+       .tape = false, .counts = of_motion},
+      {.name = "center_of_mass_jacobian",
+       .purpose = "velocity of the centre of mass for a unit of each velocity, in inertial axes",
+       .units = "m per unit of the velocity", .takes = {q}, .choice = Choice::none, .entry = vector,
+       .shape = {nv}, .columns = true, .symbols = {"J"}, .cost = Cost::linear, .allocates = false,
+       .may_fail = false, .lanes = false, .tape = false, .counts = of_motion},
+      {.name = "centroidal_momentum_matrix",
+       .purpose = "momentum about the centre of mass for a unit of each velocity, in inertial axes",
+       .units = inertias, .takes = {q}, .choice = Choice::none, .entry = momentum, .shape = {nv},
+       .columns = true, .symbols = {"A"}, .cost = Cost::linear, .allocates = false, .may_fail = false, .lanes = false, .tape = false,
+       .counts = of_motion},
+      {.name = "centroidal_momentum_matrix_rate",
+       .purpose = "time derivative of the centroidal momentum matrix",
+       .units = "kg m^2/s, kg m/s, kg/s", .takes = {q, v}, .choice = Choice::none, .entry = wrench,
+       .shape = {nv}, .columns = true, .symbols = {"A'"}, .cost = Cost::linear, .allocates = false,
+       .may_fail = false, .lanes = false, .tape = false, .counts = of_motion},
+      {.name = "inverse_dynamics", .purpose = "drive forces tau that make the accelerations a",
+       .units = forces, .takes = {q, v, a, loads}, .choice = Choice::recursion, .entry = number,
+       .shape = {nv}, .columns = false, .symbols = {"tau"}, .together = "tau", .cost = Cost::linear,
+       .allocates = false, .may_fail = false, .lanes = true, .tape = true, .counts = of_forces},
+      {.name = "forward_dynamics", .purpose = "accelerations that the drive forces tau make",
+       .units = rates, .takes = {q, v, tau, loads}, .choice = Choice::recursion, .entry = number,
+       .shape = {nv}, .columns = false, .symbols = {"a"}, .together = "a", .cost = Cost::linear,
+       .allocates = false, .may_fail = true, .lanes = true, .tape = true, .counts = of_accelerations},
+      {.name = "joint_wrenches",
+       .purpose = "wrenches that the joints transmit to their bodies, from drives and constraints together",
+       .units = wrenches, .takes = {q, v, a, loads}, .choice = Choice::representation, .entry = wrench,
+       .shape = {n_joints}, .columns = false, .symbols = {"W"}, .cost = Cost::linear, .allocates = false,
+       .may_fail = false, .lanes = false, .tape = false, .counts = of_wrenches},
+      {.name = "mass_matrix", .purpose = "mass matrix M(q), armatures included",
+       .units = inertias, .takes = {q}, .choice = Choice::recursion, .entry = number, .shape = {nv, nv},
+       .columns = false, .symbols = {"M"}, .together = "M", .cost = Cost::quadratic, .allocates = false, .may_fail = false, .lanes = true, .tape = true,
+       .counts = of_terms},
+      {.name = "inverse_mass_matrix", .purpose = "inverse of the mass matrix",
+       .units = "1/(kg m^2), 1/(kg m), 1/kg", .takes = {q}, .choice = Choice::recursion, .entry = number,
+       .shape = {nv, nv}, .columns = false, .symbols = {"M^-1"}, .together = "M_inverse",
+       .cost = Cost::quadratic, .allocates = false, .may_fail = true, .lanes = true, .tape = true,
+       .counts = of_terms},
+      {.name = "mass_matrix_partials",
+       .purpose = "partial derivatives of the mass matrix, a matrix for each direction of the configuration",
+       .units = inertias, .takes = {q}, .choice = Choice::none, .entry = number, .shape = {nv, nv, nv},
+       .columns = false, .symbols = {"dM"}, .cost = Cost::cubic, .allocates = false, .may_fail = false, .derivative_of = "mass_matrix", .lanes = false, .tape = false,
+       .counts = of_terms},
+      {.name = "inverse_mass_matrix_partials",
+       .purpose = "partial derivatives of the inverse of the mass matrix, a matrix for each direction "
+                  "of the configuration",
+       .units = "1/(kg m^2), 1/(kg m), 1/kg", .takes = {q}, .choice = Choice::none, .entry = number,
+       .shape = {nv, nv, nv}, .columns = false, .symbols = {"dM^-1"}, .cost = Cost::cubic,
+       .allocates = true, .may_fail = true, .derivative_of = "inverse_mass_matrix", .lanes = false,
+       .tape = false, .counts = of_terms},
+      {.name = "coriolis_matrix", .purpose = "Coriolis matrix C(q, v), in the form that the caller chooses",
+       .units = "kg m^2/s, kg m/s, kg/s", .takes = {q, v, form}, .choice = Choice::none, .entry = number,
+       .shape = {nv, nv}, .columns = false, .symbols = {"C"}, .cost = Cost::quadratic, .allocates = false,
+       .may_fail = false, .lanes = false, .tape = false, .counts = of_terms},
+      {.name = "coriolis_vector", .purpose = "Coriolis and centrifugal forces C(q, v) v",
+       .units = forces, .takes = {q, v}, .choice = Choice::recursion, .entry = number, .shape = {nv},
+       .columns = false, .symbols = {"C v"}, .cost = Cost::linear, .allocates = false, .may_fail = false, .lanes = false, .tape = false,
+       .counts = of_terms},
+      {.name = "gravity_torques",
+       .purpose = "generalised forces g(q) that hold the tree at rest against gravity",
+       .units = forces, .takes = {q}, .choice = Choice::recursion, .entry = number, .shape = {nv},
+       .columns = false, .symbols = {"g"}, .cost = Cost::linear, .allocates = false, .may_fail = false, .lanes = false, .tape = false,
+       .counts = of_gravity},
+      {.name = "generalized_loads", .purpose = "generalised forces of the loads",
+       .units = forces, .takes = {q, v, loads}, .choice = Choice::recursion, .entry = number,
+       .shape = {nv}, .columns = false, .symbols = {"Q"}, .cost = Cost::linear, .allocates = false,
+       .may_fail = false, .lanes = false, .tape = false, .counts = of_motion},
+      {.name = "christoffel",
+       .purpose = "Christoffel symbols of the first kind, Gamma_ijk, a matrix over (j, k) for each i",
+       .units = inertias, .takes = {q}, .choice = Choice::none, .entry = number, .shape = {nv, nv, nv},
+       .columns = false, .symbols = {"Gamma"}, .cost = Cost::cubic, .allocates = false, .may_fail = false, .lanes = false, .tape = false,
+       .counts = of_terms},
+      {.name = "kinetic_energy", .purpose = "kinetic energy of bodies and armatures",
+       .units = "J", .takes = {q, v}, .choice = Choice::none, .entry = number, .shape = {},
+       .columns = false, .symbols = {"T"}, .cost = Cost::linear, .allocates = false, .may_fail = false, .lanes = false, .tape = false,
+       .counts = of_motion},
+      {.name = "potential_energy", .purpose = "potential energy of gravity, 0 at the inertial origin",
+       .units = "J", .takes = {q}, .choice = Choice::none, .entry = number, .shape = {}, .columns = false,
+       .symbols = {"U"}, .cost = Cost::linear, .allocates = false, .may_fail = false, .lanes = false,
+       .tape = false, .counts = of_motion},
+      {.name = "spring_forces",
+       .purpose = "generalised forces of springs, dampers and stops, which act in simulations",
+       .units = forces, .takes = {q, v}, .choice = Choice::none, .entry = number, .shape = {nv},
+       .columns = false, .symbols = {"tau"}, .cost = Cost::linear, .allocates = false, .may_fail = false, .lanes = false, .tape = false,
+       .counts = of_springs},
+      {.name = "elastic_energy", .purpose = "energy of springs and stops",
+       .units = "J", .takes = {q}, .choice = Choice::none, .entry = number, .shape = {}, .columns = false,
+       .symbols = {"U"}, .cost = Cost::linear, .allocates = false, .may_fail = false, .lanes = false,
+       .tape = false, .counts = of_springs},
+      {.name = "load_powers", .purpose = "power of each load",
+       .units = "W", .takes = {q, v, loads}, .choice = Choice::none, .entry = number, .shape = {n_loads},
+       .columns = false, .symbols = {"power"}, .cost = Cost::linear, .allocates = false, .may_fail = false, .lanes = false, .tape = false,
+       .counts = of_motion},
+      {.name = "centroidal_inertia",
+       .purpose = "mass of the whole mechanism, and its rotational inertia about its centre of mass in "
+                  "inertial axes",
+       .units = "kg, kg m^2", .takes = {q}, .choice = Choice::none, .entry = inertia, .shape = {},
+       .columns = false, .symbols = {"M"}, .cost = Cost::linear, .allocates = false, .may_fail = false, .lanes = false, .tape = false,
+       .counts = of_motion},
+      {.name = "impulse_response",
+       .purpose = "M^-1 J^T, a column for each velocity: its jump for a unit of impulse on the frame",
+       .units = "per N m s, N s", .takes = {q, place}, .choice = Choice::representation, .entry = twist,
+       .shape = {nv}, .columns = true, .symbols = {"Y"}, .cost = Cost::linear, .allocates = false,
+       .may_fail = true, .lanes = false, .tape = false, .counts = of_impulses},
+      {.name = "mobility", .purpose = "J M^-1 J^T: the twist that a frame gets from an impulse",
+       .units = "per N m s, N s", .takes = {q, place}, .choice = Choice::representation, .entry = twist,
+       .shape = {six}, .columns = true, .symbols = {"J M^-1 J^T"}, .cost = Cost::linear,
+       .allocates = false, .may_fail = true, .lanes = false, .tape = false, .counts = of_impulses},
+      {.name = "operational_space_inertia",
+       .purpose = "(J M^-1 J^T)^-1: the inertia that a frame shows to a wrench; there is none where the "
+                  "frame cannot move in all directions",
+       .units = inertias, .takes = {q, place}, .choice = Choice::representation, .entry = momentum,
+       .shape = {six}, .columns = true, .symbols = {"Lambda"}, .cost = Cost::linear, .allocates = false,
+       .may_fail = true, .lanes = false, .tape = false, .counts = of_impulses},
+      {.name = "regressor",
+       .purpose = "regressor Y of inverse dynamics, Y pi = M a + C v + g, with ten inertial parameters "
+                  "pi for each body",
+       .units = "by parameter", .takes = {q, v, a}, .choice = Choice::none, .entry = number,
+       .shape = {nv, n_parameters}, .columns = false, .symbols = {"Y"}, .cost = Cost::quadratic,
+       .allocates = false, .may_fail = false, .lanes = false, .tape = false, .counts = of_terms},
+      {.name = "kinetic_energy_regressor",
+       .purpose = "regressor y of the kinetic energy of the bodies, T = y pi",
+       .units = "by parameter", .takes = {q, v}, .choice = Choice::none, .entry = number,
+       .shape = {n_parameters}, .columns = false, .symbols = {"y"}, .cost = Cost::linear,
+       .allocates = false, .may_fail = false, .lanes = false, .tape = false, .counts = of_motion},
+      {.name = "potential_energy_regressor", .purpose = "regressor y of the potential energy, U = y pi",
+       .units = "by parameter", .takes = {q}, .choice = Choice::none, .entry = number,
+       .shape = {n_parameters}, .columns = false, .symbols = {"y"}, .cost = Cost::linear,
+       .allocates = false, .may_fail = false, .lanes = false, .tape = false, .counts = of_motion},
+      {.name = "momenta", .purpose = "generalised momenta p = M v",
+       .units = impulses, .takes = {q, v}, .choice = Choice::none, .entry = number, .shape = {nv},
+       .columns = false, .symbols = {"p"}, .cost = Cost::linear, .allocates = false, .may_fail = false, .lanes = false, .tape = false,
+       .counts = of_motion},
+      {.name = "from_momenta", .purpose = "velocities v = M^-1 p",
+       .units = screws, .takes = {q, p}, .choice = Choice::none, .entry = number, .shape = {nv},
+       .columns = false, .symbols = {"v"}, .cost = Cost::linear, .allocates = false, .may_fail = true, .lanes = false, .tape = false,
+       .counts = of_terms},
+      {.name = "momentum_form", .purpose = "rates of the state (q, p) under the drive forces tau",
+       .units = "rad/s, m/s; N m, N", .takes = {q, p, tau, loads}, .choice = Choice::none, .entry = number,
+       .shape = {nv}, .columns = false, .symbols = {"v", "dp"}, .cost = Cost::linear, .allocates = false,
+       .may_fail = true, .lanes = false, .tape = false, .counts = of_momentum_form},
+      {.name = "body_momenta", .purpose = "momenta of all bodies in their frames",
+       .units = impulses, .takes = {q, v}, .choice = Choice::representation, .entry = momentum,
+       .shape = {n_bodies}, .columns = false, .symbols = {"Pi"}, .cost = Cost::linear, .allocates = false,
+       .may_fail = false, .lanes = false, .tape = false, .counts = of_motion},
+      {.name = "spatial_momentum", .purpose = "momentum of the whole mechanism about the inertial origin",
+       .units = impulses, .takes = {q, v}, .choice = Choice::none, .entry = momentum, .shape = {},
+       .columns = false, .symbols = {"Pi"}, .cost = Cost::linear, .allocates = false, .may_fail = false, .lanes = false, .tape = false,
+       .counts = of_motion},
+      {.name = "centroidal_momentum",
+       .purpose = "momentum of the whole mechanism about its centre of mass, in inertial axes",
+       .units = impulses, .takes = {q, v}, .choice = Choice::none, .entry = momentum, .shape = {},
+       .columns = false, .symbols = {"Pi"}, .cost = Cost::linear, .allocates = false, .may_fail = false, .lanes = false, .tape = false,
+       .counts = of_motion},
+      {.name = "inverse_dynamics_derivatives", .purpose = "partial derivatives of inverse dynamics",
+       .units = "of tau per unit of the direction", .takes = {q, v, a, loads}, .choice = Choice::none,
+       .entry = number, .shape = {nv, nv}, .columns = false, .symbols = {"dtau/dq", "dtau/dv", "dtau/da"},
+       .together = "dtau", .cost = Cost::quadratic, .allocates = false, .may_fail = false, .derivative_of = "inverse_dynamics", .lanes = true,
+       .tape = true, .counts = of_derivatives_of_forces},
+      {.name = "forward_dynamics_derivatives", .purpose = "partial derivatives of forward dynamics",
+       .units = "of a per unit of the direction", .takes = {q, v, tau, loads}, .choice = Choice::none,
+       .entry = number, .shape = {nv, nv}, .columns = false, .symbols = {"da/dq", "da/dv", "da/dtau"},
+       .together = "da", .cost = Cost::quadratic, .allocates = false, .may_fail = true, .derivative_of = "forward_dynamics", .lanes = true,
+       .tape = true, .counts = of_accelerations},
+      {.name = "momentum_form_derivatives", .purpose = "partial derivatives of momentum_form",
+       .units = "of v and p' per unit of the direction", .takes = {q, p, loads}, .choice = Choice::none,
+       .entry = number, .shape = {nv, nv}, .columns = false,
+       .symbols = {"dv/dq", "dv/dp", "dp'/dq", "dp'/dp"}, .cost = Cost::quadratic, .allocates = false,
+       .may_fail = true, .derivative_of = "momentum_form", .lanes = false, .tape = false,
+       .counts = of_momentum_form},
+      {.name = "gravity_derivatives", .purpose = "partial derivatives of gravity_torques",
+       .units = forces, .takes = {q}, .choice = Choice::none, .entry = number, .shape = {nv, nv},
+       .columns = false, .symbols = {"dg/dq"}, .cost = Cost::quadratic, .allocates = false,
+       .may_fail = false, .derivative_of = "gravity_torques", .lanes = false, .tape = false, .counts = of_gravity},
+      {.name = "coriolis_derivatives", .purpose = "partial derivatives of coriolis_vector",
+       .units = "of tau per unit of the direction", .takes = {q, v}, .choice = Choice::none,
+       .entry = number, .shape = {nv, nv}, .columns = false, .symbols = {"d(C v)/dq", "d(C v)/dv"},
+       .cost = Cost::quadratic, .allocates = false, .may_fail = false, .derivative_of = "coriolis_vector", .lanes = false, .tape = false, .counts = of_terms},
+      {.name = "generalized_load_derivatives", .purpose = "partial derivatives of generalized_loads",
+       .units = "of tau per unit of the direction", .takes = {q, v, loads}, .choice = Choice::none,
+       .entry = number, .shape = {nv, nv}, .columns = false, .symbols = {"dQ/dq", "dQ/dv"},
+       .cost = Cost::quadratic, .allocates = false, .may_fail = false, .derivative_of = "generalized_loads", .lanes = false, .tape = false, .counts = of_motion},
+      {.name = "spring_force_derivatives", .purpose = "partial derivatives of spring_forces",
+       .units = "of tau per unit of the direction", .takes = {q, v}, .choice = Choice::none,
+       .entry = number, .shape = {nv, nv}, .columns = false, .symbols = {"dtau/dq", "dtau/dv"},
+       .cost = Cost::quadratic, .allocates = false, .may_fail = false, .derivative_of = "spring_forces", .lanes = false, .tape = false, .counts = of_springs},
+      {.name = "kinetic_energy_gradient",
+       .purpose = "gradients of the kinetic energy by configuration and velocities",
+       .units = "J per unit of the direction", .takes = {q, v}, .choice = Choice::none, .entry = number,
+       .shape = {nv}, .columns = false, .symbols = {"dT/dq", "dT/dv"}, .cost = Cost::linear,
+       .allocates = false, .may_fail = false, .derivative_of = "kinetic_energy", .lanes = false,
+       .tape = false, .counts = of_motion},
+      {.name = "motion_derivatives",
+       .purpose = "partial derivatives of the twist of a frame and of its rate, a column for each direction",
+       .units = "of V and V' per unit of the direction", .takes = {q, v, a, place},
+       .choice = Choice::representation, .entry = twist, .shape = {nv}, .columns = true,
+       .symbols = {"dV/dq", "dV/dv", "dV'/dq", "dV'/dv"}, .cost = Cost::linear, .allocates = false,
+       .may_fail = false, .lanes = false, .tape = false, .counts = of_motion},
+      {.name = "motion_jvp",
+       .purpose = "derivatives of pose (as a body-fixed displacement), twist and its rate along a direction",
+       .units = "of X, V and V' along the direction", .takes = {q, v, a, place, dq, dv, da},
+       .choice = Choice::representation, .entry = twist, .shape = {}, .columns = false,
+       .symbols = {"dX", "dV", "dV'"}, .cost = Cost::linear, .allocates = false, .may_fail = false, .lanes = false, .tape = false,
+       .counts = of_motion},
+      {.name = "inverse_dynamics_geometry_derivatives",
+       .purpose = "partial derivatives of the drive forces by displacements of the joints",
+       .units = "of tau per rad, m", .takes = {q, v, a, loads}, .choice = Choice::none, .entry = number,
+       .shape = {nv, n_bodies, six}, .columns = false, .symbols = {"dtau/dpi"}, .cost = Cost::quadratic,
+       .allocates = false, .may_fail = false, .derivative_of = "inverse_dynamics", .lanes = false,
+       .tape = false, .counts = of_derivatives_of_forces},
+      {.name = "forward_dynamics_geometry_derivatives",
+       .purpose = "partial derivatives of the accelerations by displacements of the joints",
+       .units = "of a per rad, m", .takes = {q, v, tau, loads}, .choice = Choice::none, .entry = number,
+       .shape = {nv, n_bodies, six}, .columns = false, .symbols = {"da/dpi"}, .cost = Cost::quadratic,
+       .allocates = false, .may_fail = true, .derivative_of = "forward_dynamics", .lanes = false,
+       .tape = false, .counts = of_derivatives_of_accelerations},
+      {.name = "inverse_dynamics_geometry_vjp",
+       .purpose = "gradient of the drive forces weighted with w, by displacements of the joints",
+       .units = "of w tau per rad, m", .takes = {q, v, a, weights, loads}, .choice = Choice::none,
+       .entry = number, .shape = {n_bodies, six}, .columns = false, .symbols = {"by pi"},
+       .cost = Cost::linear, .allocates = false, .may_fail = false, .derivative_of = "inverse_dynamics", .lanes = false, .tape = false, .counts = of_derivatives_of_forces},
+      {.name = "forward_dynamics_geometry_vjp",
+       .purpose = "gradient of the accelerations weighted with w, by displacements of the joints",
+       .units = "of w a per rad, m", .takes = {q, v, tau, weights, loads}, .choice = Choice::none,
+       .entry = number, .shape = {n_bodies, six}, .columns = false, .symbols = {"by pi"},
+       .cost = Cost::linear, .allocates = false, .may_fail = true, .derivative_of = "forward_dynamics", .lanes = false, .tape = false,
+       .counts = of_derivatives_of_accelerations},
+      {.name = "frame_geometry_jacobian",
+       .purpose = "body-fixed twist of a frame for a unit of displacement of each joint",
+       .units = "rad, m per rad, m", .takes = {q, place}, .choice = Choice::none, .entry = number,
+       .shape = {six, n_bodies, six}, .columns = false, .symbols = {"J"}, .cost = Cost::linear,
+       .allocates = false, .may_fail = false, .lanes = false, .tape = false, .counts = of_motion},
+      {.name = "jacobian_geometry_derivatives",
+       .purpose = "derivatives of the body-fixed Jacobian of a frame by displacements of the joints",
+       .units = "of J per rad, m", .takes = {q, place}, .choice = Choice::none, .entry = twist,
+       .shape = {n_bodies, six, nv}, .columns = true, .symbols = {"dJ/dpi"}, .cost = Cost::quadratic,
+       .allocates = false, .may_fail = false, .derivative_of = "jacobian", .lanes = false, .tape = false,
+       .counts = of_motion},
+      {.name = "inverse_dynamics_jvp",
+       .purpose = "derivative of the drive forces along a direction (dq, dv, da)",
+       .units = forces, .takes = {q, v, a, dq, dv, da, loads}, .choice = Choice::none, .entry = number,
+       .shape = {nv}, .columns = false, .symbols = {"dtau"}, .together = "dtau", .cost = Cost::linear,
+       .allocates = false, .may_fail = false, .derivative_of = "inverse_dynamics", .lanes = true,
+       .tape = true, .counts = of_derivatives_of_forces},
+      {.name = "inverse_dynamics_vjp", .purpose = "gradient of the drive forces weighted with w",
+       .units = "of w tau per unit of the direction", .takes = {q, v, a, weights, loads},
+       .choice = Choice::none, .entry = number, .shape = {nv}, .columns = false,
+       .symbols = {"by q", "by v", "by a"}, .together = "gradient", .cost = Cost::linear, .allocates = false, .may_fail = false, .derivative_of = "inverse_dynamics", .lanes = true, .tape = true,
+       .counts = of_derivatives_of_forces},
+      {.name = "forward_dynamics_jvp",
+       .purpose = "derivative of the accelerations along a direction (dq, dv, dtau)",
+       .units = rates, .takes = {q, v, tau, dq, dv, dtau, loads}, .choice = Choice::none, .entry = number,
+       .shape = {nv}, .columns = false, .symbols = {"da"}, .together = "da", .cost = Cost::linear,
+       .allocates = false, .may_fail = true, .derivative_of = "forward_dynamics", .lanes = true,
+       .tape = true, .counts = of_accelerations},
+      {.name = "forward_dynamics_vjp", .purpose = "gradient of the accelerations weighted with w",
+       .units = "of w a per unit of the direction", .takes = {q, v, tau, weights, loads},
+       .choice = Choice::none, .entry = number, .shape = {nv}, .columns = false,
+       .symbols = {"by q", "by v", "by tau"}, .together = "gradient", .cost = Cost::linear, .allocates = false, .may_fail = true, .derivative_of = "forward_dynamics", .lanes = true, .tape = true,
+       .counts = of_accelerations},
+      {.name = "inverse_dynamics_hessian",
+       .purpose = "second partial derivatives of the drive forces weighted with w",
+       .units = "of w tau per units of the directions", .takes = {q, v, a, weights, loads},
+       .choice = Choice::none, .entry = number, .shape = {nv, nv}, .columns = false,
+       .symbols = {"by q, q", "by q, v", "by v, v", "by a, q"}, .together = "hessian", .cost = Cost::quadratic,
+       .allocates = false, .may_fail = false, .derivative_of = "inverse_dynamics", .lanes = false, .tape = true, .counts = of_derivatives_of_forces},
+      {.name = "forward_dynamics_hessian",
+       .purpose = "second partial derivatives of the accelerations weighted with w",
+       .units = "of w a per units of the directions", .takes = {q, v, tau, weights, loads},
+       .choice = Choice::none, .entry = number, .shape = {nv, nv}, .columns = false,
+       .symbols = {"by q, q", "by q, v", "by v, v", "by tau, q"}, .together = "hessian", .cost = Cost::cubic, .allocates = false,
+       .may_fail = true, .derivative_of = "forward_dynamics", .lanes = false, .tape = true, .counts = of_derivatives_of_accelerations},
+      {.name = "inverse_dynamics_second_derivatives",
+       .purpose = "second partial derivatives of the drive forces, without loads",
+       .units = "of tau per units of the directions", .takes = {q, v, a}, .choice = Choice::none,
+       .entry = number, .shape = {nv, nv, nv}, .columns = false,
+       .symbols = {"by q, q", "by q, v", "by v, v", "by a, q"}, .cost = Cost::cubic, .allocates = false,
+       .may_fail = false, .derivative_of = "inverse_dynamics", .lanes = false, .tape = false,
+       .counts = of_derivatives_of_forces},
+      {.name = "forward_dynamics_second_derivatives",
+       .purpose = "second partial derivatives of the accelerations, without loads",
+       .units = "of a per units of the directions", .takes = {q, v, tau}, .choice = Choice::none,
+       .entry = number, .shape = {nv, nv, nv}, .columns = false,
+       .symbols = {"by q, q", "by q, v", "by v, v", "by tau, q"}, .cost = Cost::cubic, .allocates = false,
+       .may_fail = true, .derivative_of = "forward_dynamics", .lanes = false, .tape = false,
+       .counts = of_derivatives_of_accelerations},
+      // clang-format on
+  });
+}();
+
+/// Functions of a mechanism that fit no row: they take motions of any order, or targets, or give more than numbers. Only what they
+/// count is said here.
+struct Other {
+  std::string_view name;
+  Counts counts;
+};
+inline constexpr auto other_functions = std::to_array<Other>({
+    {"inverse_dynamics_rates", table::of_derivatives_of_forces},
+    {"forward_dynamics_rates", table::of_derivatives_of_accelerations},
+    {"linearize",
+     {.loops = refused("independent_linearization counts them"),
+      .passive_joints = of_the_tree(),
+      .springs = counted,
+      .joint_losses = optional}},
+    {"inverse_kinematics",
+     {.loops = refused("assemble closes them, with joints held where they are to stay"),
+      .passive_joints = of_the_tree(),
+      .springs = of_the_tree(),
+      .joint_losses = of_the_tree()}},
+    {"rollout",
+     {.loops = counted, .passive_joints = of_the_tree(), .springs = counted, .joint_losses = optional}},
+    {"rollout sensitivities",
+     {.loops = refused("forward_dynamics, inverse_dynamics and simulate count them"),
+      .passive_joints = of_the_tree(),
+      .springs = counted,
+      .joint_losses = counted}},
+});
+
+/// The number of a row, which the compiler finds from its name: a name that no row has does not compile.
+struct Id {
+  std::size_t index = 0;
+  consteval Id(
+      const char* name) {  // NOLINT(google-explicit-constructor): a name stands where an Id is asked for
+    while (index < functions_of_state.size() && functions_of_state[index].name != name) ++index;
+    if (index == functions_of_state.size()) throw "no row has this name";
+  }
+  /// The row of a name that is known at run time; none where there is no such row.
+  static constexpr std::optional<Id> of(std::string_view name) {
+    Id found("poses");
+    for (found.index = 0; found.index < functions_of_state.size(); ++found.index)
+      if (functions_of_state[found.index].name == name) return found;
+    return {};
+  }
+  constexpr const Words& words() const { return functions_of_state[index]; }
+  constexpr bool operator==(const Id&) const = default;
+};
+
+/// The same for functions that have no row.
+struct OtherId {
+  std::size_t index = 0;
+  consteval OtherId(const char* name) {  // NOLINT(google-explicit-constructor): likewise
+    while (index < other_functions.size() && other_functions[index].name != name) ++index;
+    if (index == other_functions.size()) throw "no other function has this name";
+  }
+};
+
+}  // namespace axode::catalog

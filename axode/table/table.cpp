@@ -1,0 +1,77 @@
+#include "axode/table/check_counts.hpp"
+
+#include <cctype>
+#include <stdexcept>
+#include <string>
+
+namespace axode::catalog {
+
+std::string_view to_string(Extent extent) {
+  switch (extent) {
+    case Extent::nv: return "nv";
+    case Extent::n_bodies: return "n_bodies";
+    case Extent::n_joints: return "n_joints";
+    case Extent::n_frames: return "n_frames";
+    case Extent::n_screws: return "n_screws";
+    case Extent::n_parameters: return "n_parameters";
+    case Extent::n_loads: return "n_loads";
+    case Extent::six: break;
+  }
+  return "6";
+}
+
+std::string_view to_string(Input input) {
+  switch (input) {
+    case Input::q: return "q";
+    case Input::v: return "v";
+    case Input::a: return "a";
+    case Input::tau: return "tau";
+    case Input::p: return "p";
+    case Input::dq: return "dq";
+    case Input::dv: return "dv";
+    case Input::da: return "da";
+    case Input::dtau: return "dtau";
+    case Input::weights: return "w";
+    case Input::loads: return "loads";
+    case Input::place: return "frame";
+    case Input::base: return "base";
+    case Input::form: break;
+  }
+  return "form";
+}
+
+std::string to_string(const Counts& counts) {
+  constexpr std::pair<Word, std::string_view> phrases[]{{Word::counted, "counts "},
+                                                        {Word::optional, "counts where asked for: "},
+                                                        {Word::of_the_tree, "is that of the mechanism without "},
+                                                        {Word::refused, "refuses "}};
+  std::string line;
+  for (const auto& [word, phrase] : phrases) {
+    std::string part;
+    for (const auto& [property, member] : properties) {
+      const Count& count = counts.*member;
+      if (count.word != word) continue;
+      part += (part.empty() ? phrase : std::string_view(", "));
+      part += property;
+      if (!count.sentence.empty()) part += " (" + std::string(count.sentence) + ")";
+    }
+    if (!part.empty()) line += (line.empty() ? "" : "; ") + part;
+  }
+  line[0] = static_cast<char>(std::toupper(line[0]));
+  return line + ".";
+}
+
+void check_counts(std::string_view function, const Counts& counts, const Model& model, Way way) {
+  if (model.loops().empty()) return;
+  const auto& [word, sentence] = counts.loops;
+  if (word == Word::of_the_tree || (word == Word::counted && way == Way::whole)) return;
+  const std::string name(function);
+  const std::string instead = word == Word::refused ? std::string(sentence)
+                              : way == Way::workspace
+                                  ? name + " with a LoopWorkspace counts them"
+                                  : "axode's own " + name + ", not recorded or traced, counts them";
+  throw std::invalid_argument(name + " does not count loops, and model \"" + model.name() + "\" has " +
+                              std::to_string(model.loops().all.size()) + "; " + instead);
+}
+
+}  // namespace axode::catalog

@@ -1,0 +1,147 @@
+#pragma once
+#include <array>
+#include <cstddef>
+#include <initializer_list>
+#include <string_view>
+#include <utility>
+
+/// The words in which a row of the table of functions is written. Nothing here knows a kernel, a scalar or a representation.
+namespace axode::catalog {
+
+/// A value that every row states. It has no default, so that a row which leaves it out does not compile.
+template <class E> struct Decided {
+  E value;
+  constexpr Decided(E of) : value(of) {}  // NOLINT(google-explicit-constructor): a row writes the value
+  constexpr operator E() const {
+    return value;
+  }  // NOLINT(google-explicit-constructor): and a reader reads it
+};
+
+/// A short list that may stand in a constant.
+template <class E, std::size_t most> class List {
+ public:
+  constexpr List() = default;
+  constexpr List(std::initializer_list<E> given) {
+    for (const E& each : given) items_[n_++] = each;
+  }
+  constexpr const E* begin() const { return items_.data(); }
+  constexpr const E* end() const { return items_.data() + n_; }
+  constexpr std::size_t size() const { return n_; }
+  constexpr bool empty() const { return n_ == 0; }
+  constexpr const E& operator[](std::size_t k) const { return items_[k]; }
+  constexpr const E& back() const { return items_[n_ - 1]; }
+
+ private:
+  std::array<E, most> items_{};
+  std::size_t n_ = 0;
+};
+
+/// The arguments of functions of a state.
+enum class Input { q, v, a, tau, p, dq, dv, da, dtau, weights, loads, place, base, form };
+/// Those that are numbers for each coordinate or velocity of a state. The others are settings.
+inline constexpr std::array inputs_of_numbers{Input::q,  Input::v,  Input::a,  Input::tau,  Input::p,
+                                              Input::dq, Input::dv, Input::da, Input::dtau, Input::weights};
+constexpr bool is_of_numbers(Input input) {
+  return static_cast<std::size_t>(input) < inputs_of_numbers.size();
+}
+std::string_view to_string(Input input);
+
+/// What an entry of a result is, and so how many numbers it has. Six-vectors have their angular part first.
+enum class Entry {
+  number,    ///< 1
+  vector,    ///< 3, in inertial axes
+  twist,     ///< 6
+  rate,      ///< 6, of a twist
+  wrench,    ///< 6, or the rate of a momentum
+  momentum,  ///< 6
+  pose,      ///< 12: the columns of R, then r
+  inertia,   ///< 10: m, h, Θ (xx yy zz xy xz yz)
+};
+
+/// Over what the entries of a result run.
+enum class Extent { nv, n_bodies, n_joints, n_frames, n_screws, n_parameters, n_loads, six };
+std::string_view to_string(Extent extent);
+
+/// Which representation a caller chooses.
+enum class Choice {
+  none,            ///< there is nothing to choose
+  representation,  ///< that of the result
+  recursion,       ///< that in which the recursion runs, or the quickest; the result does not depend on it
+};
+
+/// How the work grows with the number of velocities; it counts the memory for the result.
+enum class Cost { linear, quadratic, cubic };
+
+/// What a function makes of one property of mechanisms.
+enum class Word {
+  counted,      ///< the answer is that of the whole mechanism
+  of_the_tree,  ///< the quantity is by definition one of the mechanism without the property
+  optional,     ///< a parameter turns it on
+  refused,      ///< the call throws
+};
+
+/// A word, with a sentence that says what to call instead, where the call throws, or besides.
+struct Count {
+  Word word;
+  std::string_view sentence;
+  consteval Count(Word of, std::string_view hint = {}) : word(of), sentence(hint) {
+    if (of == Word::refused && hint.empty()) throw "a refusal says what to call instead";
+  }
+};
+inline constexpr Count counted{Word::counted}, optional{Word::optional};
+consteval Count of_the_tree(std::string_view besides = {}) { return {Word::of_the_tree, besides}; }
+consteval Count refused(std::string_view instead) { return {Word::refused, instead}; }
+
+/// What a function counts of a mechanism. A new property of mechanisms is a member here; then every row that has not decided
+/// stops the compiler.
+struct Counts {
+  Count loops, passive_joints, springs, joint_losses;
+};
+/// The members by their names in sentences.
+inline constexpr std::array properties{std::pair{std::string_view("loops"), &Counts::loops},
+                                       std::pair{std::string_view("passive joints"), &Counts::passive_joints},
+                                       std::pair{std::string_view("springs"), &Counts::springs},
+                                       std::pair{std::string_view("joint losses"), &Counts::joint_losses}};
+static_assert(sizeof(Counts) == properties.size() * sizeof(Count));
+
+/// What is said of a function in one row.
+struct Words {
+  std::string_view name;     ///< in C++, in Python and in the command
+  std::string_view purpose;  ///< what it gives: a phrase that can be read alone
+  std::string_view units;    ///< of the numbers of its results
+  List<Input, 8> takes;
+  Decided<Choice> choice;
+  Decided<Entry> entry;
+  List<Extent, 3> shape;              ///< outermost first
+  Decided<bool> columns;              ///< whether the entries of the last axis are columns to a reader
+  List<std::string_view, 4> symbols;  ///< of the result, or of several of that shape, one after the other
+  std::string_view
+      together;  ///< the name of all results, one behind the other, where rows run in lanes or on tapes
+  Decided<Cost> cost;
+  Decided<bool> allocates;
+  Decided<bool> may_fail;  ///< where the mass matrix is singular, or results overflow on the way to M⁻¹
+  std::string_view derivative_of;  ///< the row whose results it differentiates, if any
+  Decided<bool> lanes;             ///< whether states go through SIMD lanes, see axode/batch.hpp
+  Decided<bool> tape;              ///< whether it is recorded, for generated and specialised code
+  Counts counts;
+
+  constexpr bool takes_input(Input input) const {
+    for (const Input each : takes)
+      if (each == input) return true;
+    return false;
+  }
+};
+
+/// The numbers of a state that a kernel reads, by input.
+template <class T> class Read {
+ public:
+  [[gnu::always_inline]] const T*& operator[](Input input) { return at_[static_cast<std::size_t>(input)]; }
+  [[gnu::always_inline]] const T* operator[](Input input) const {
+    return at_[static_cast<std::size_t>(input)];
+  }
+
+ private:
+  const T* at_[inputs_of_numbers.size()] = {};
+};
+
+}  // namespace axode::catalog

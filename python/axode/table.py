@@ -1,0 +1,86 @@
+"""The table of functions of a state: what each takes, gives and counts.
+
+C++, the command, this package and its bridges are made from the same rows.
+
+>>> row = axode.table.ROWS["forward_dynamics_jvp"]
+>>> row.takes
+('q', 'v', 'tau', 'dq', 'dv', 'dtau', 'loads')
+>>> row.item(arm)
+(7,)
+>>> row.counts["loops"]
+('counted', '')
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+__all__ = ["ROWS", "Row"]
+
+#: Arguments that are no numbers of a state.
+SETTINGS = ("loads", "frame", "base", "form")
+
+
+class Row(NamedTuple):
+    """A function of a state.
+
+    >>> axode.table.ROWS["mass_matrix"].purpose
+    'mass matrix M(q), armatures included'
+    """
+
+    name: str
+    purpose: str
+    units: str
+    takes: tuple[str, ...]
+    choice: str
+    """Of a representation: "none", that of the result ("representation") or that in which a recursion runs ("recursion")."""
+    entry: int
+    """How many numbers an entry of the result has."""
+    shape: tuple[str, ...]
+    """Over what the entries run, outermost first: "nv", "n_bodies", ..."""
+    symbols: tuple[str, ...]
+    """Of the results, which lie one behind the other."""
+    derivative_of: str
+    may_fail: bool
+    """Where the mass matrix is singular."""
+    recorded: bool
+    """Whether code can be generated for it, see axode.codegen."""
+    counts: dict[str, tuple[str, str]]
+    """What becomes of loops, passive joints, springs and joint losses: "counted", "of_the_tree", "optional" or "refused", with a
+    sentence that says what to call instead or besides."""
+
+    @property
+    def arrays(self) -> tuple[str, ...]:
+        """The arguments that are numbers of a state.
+
+        >>> axode.table.ROWS["inverse_dynamics"].arrays
+        ('q', 'v', 'a')
+        """
+        return tuple(name for name in self.takes if name not in SETTINGS)
+
+    def item(self, sizes: Any) -> tuple[int, ...]:
+        """The shape of the results of one state, for whatever has nv, n_bodies and so on as attributes.
+
+        >>> axode.table.ROWS["inverse_dynamics_derivatives"].item(arm)
+        (3, 7, 7)
+        """
+        several = () if len(self.symbols) == 1 else (len(self.symbols),)
+        numbers = () if self.entry == 1 else (self.entry,)
+        return (*several, *(_extent(name, sizes) for name in self.shape), *numbers)
+
+
+def _extent(name: str, sizes: Any) -> int:
+    if name == "6":
+        return 6
+    if name == "n_parameters":
+        return 10 * int(sizes.n_bodies)
+    return int(getattr(sizes, "n_bodies" if name == "n_joints" else name))
+
+
+def _rows() -> dict[str, Row]:
+    from . import _axode
+
+    return {row.name: row for row in _axode.rows()}
+
+
+ROWS: dict[str, Row] = _rows()

@@ -1,0 +1,333 @@
+#include <gtest/gtest.h>
+
+#include <Eigen/LU>
+#include <cstring>
+#include <map>
+
+#include "axode/constraints.hpp"
+#include "axode/derivatives.hpp"
+#include "axode/dynamics.hpp"
+#include "axode/eigen.hpp"
+#include "axode/table/check_counts.hpp"
+#include "tests/laws/law.hpp"
+#include "tests/support/functions.hpp"
+#include "tests/support/random_loops.hpp"
+
+/// What the rows of the table say that they count, on mechanisms with loops of all kinds, redundant loops, passive joints, springs
+/// and friction. A function gives the answer of the whole mechanism, or that of the cut tree where the row says so, or it refuses.
+namespace axode::test {
+namespace {
+
+using catalog::Function, catalog::Given, catalog::Input, catalog::Word;
+using Row = Function<double>;
+using Numbers = std::vector<double>;
+
+bool same_bits(const Numbers& x, const Numbers& y) {
+  return x.size() == y.size() &&
+         (x.empty() || std::memcmp(x.data(), y.data(), x.size() * sizeof(double)) == 0);
+}
+std::string refusal_of(const auto& call) {
+  try {
+    call();
+  } catch (const std::invalid_argument& error) {
+    return error.what();
+  }
+  return "";
+}
+
+/// A mechanism with loops that move, springs, losses and passive joints, at a closed state, and other mechanisms without some of that.
+class Whole {
+ public:
+  explicit Whole(std::uint64_t seed)
+      : random_(seed),
+        closed_(closed_mechanism(random_, {.most_bodies = 8, .springs = true, .friction = true})),
+        model(closed_.model),
+        arguments(model, random_) {
+    arguments.q = closed_.state.q, arguments.v = closed_.state.v, arguments.a = closed_.state.a;
+    arguments.tau = closed_.tau;
+    arguments.wrenches = closed_.state.wrenches;
+    Workspace<> scratch(model);
+    momenta(model, scratch, arguments.q, arguments.v, arguments.p);
+  }
+
+  /// The mechanism after a change of its description.
+  template <class Change> Model with(const Change& change) const {
+    Description d = closed_.description;
+    change(d);
+    return ModelBuilder(d).build();
+  }
+  Model cut() const {
+    return with([](Description& d) { d.loops.clear(), d.couplings.clear(); });
+  }
+
+ private:
+  Random<double> random_;
+  ClosedMechanism closed_;
+
+ public:
+  const Model& model;
+  Arguments<double> arguments;
+};
+
+Numbers call(const Row& row, const Model& model, Workspace<>& workspace, const Given<double>& given) {
+  Numbers out(row.size(model, given.loads.wrenches.size()));
+  static_cast<void>(row.call(model, workspace, given, out));
+  return out;
+}
+
+/// law(whole, row, representation) for every row in every representation.
+template <class F> void for_rows(int seeds, const F& law) {
+  for_seeds(seeds, [&](std::uint64_t seed) {
+    Whole whole(seed);
+    for (const Case& c : cases_with_fast())
+      if (!c.single)
+        for (const Row& row : functions_of<double>(c)) {
+          SCOPED_TRACE(row.name);
+          law(whole, row, c);
+        }
+  });
+}
+
+TEST(WhatFunctionsCount, EveryRowHasACallAndViceVersa) {
+  const auto rows = catalog::functions<BodyFixed>();
+  ASSERT_EQ(rows.size(), catalog::functions_of_state.size());
+  for (std::size_t k = 0; k < rows.size(); ++k) EXPECT_EQ(rows[k].name, catalog::functions_of_state[k].name);
+}
+
+/// Through a workspace a function answers for the cut tree if its row says so, and refuses otherwise, in the words of the row.
+TEST(WhatFunctionsCount, AWorkspaceKnowsTheTree) {
+  std::map<Word, int> seen;
+  for_rows(10, [&](const Whole& whole, const Row& row, const Case&) {
+    const Model cut = whole.cut();
+    Workspace<> workspace(whole.model), for_cut_tree(whole.model, cut_tree), of_cut(cut);
+    const Given<double> given = whole.arguments.given();
+    const Numbers expected = call(row, cut, of_cut, given);
+    EXPECT_TRUE(same_bits(call(row, whole.model, for_cut_tree, given), expected)) << "for the cut tree";
+    const Word word = row.counts.loops.word;
+    ++seen[word];
+    if (word == Word::of_the_tree) {
+      EXPECT_TRUE(same_bits(call(row, whole.model, workspace, given), expected));
+      return;
+    }
+    const std::string refusal = refusal_of([&] { call(row, whole.model, workspace, given); });
+    EXPECT_NE(refusal.find(std::string(row.name) + " does not count loops"), std::string::npos) << refusal;
+    EXPECT_NE(
+        refusal.find(word == Word::refused ? std::string(row.counts.loops.sentence) : "with a LoopWorkspace"),
+        std::string::npos)
+        << refusal;
+  });
+  EXPECT_GT(seen[Word::of_the_tree], 0);
+  EXPECT_GT(seen[Word::counted], 0);
+  EXPECT_GT(seen[Word::refused], 0);
+}
+
+/// What is of the tree without a property does not depend on that property.
+TEST(WhatFunctionsCount, OtherPropertiesChangeNothingThatIsOfTheTree) {
+  struct Property {
+    catalog::Count catalog::Counts::*count;
+    void (*remove)(Description&);
+  };
+  const Property properties[]{{&catalog::Counts::springs,
+                               [](Description& d) {
+                                 d.springs.clear();
+                                 for (BodyDescription& body : d.bodies)
+                                   for (Dof& dof : body.joint.dof) dof.stiffness = dof.stop_stiffness = 0;
+                               }},
+                              {&catalog::Counts::passive_joints,
+                               [](Description& d) {
+                                 for (BodyDescription& body : d.bodies) body.joint.passive = false;
+                               }},
+                              {&catalog::Counts::joint_losses, [](Description& d) {
+                                 for (BodyDescription& body : d.bodies)
+                                   for (Dof& dof : body.joint.dof) dof.damping = dof.friction = 0;
+                               }}};
+  for_rows(5, [&](const Whole& whole, const Row& row, const Case&) {
+    for (const Property& property : properties) {
+      const Model without = whole.with(property.remove);
+      Workspace<> one(whole.model, cut_tree), other(without, cut_tree);
+      const Word word = (row.counts.*property.count).word;
+      if (word != Word::of_the_tree) continue;
+      EXPECT_TRUE(same_bits(call(row, whole.model, one, whole.arguments.given()),
+                            call(row, without, other, whole.arguments.given())));
+    }
+  });
+}
+
+using Matrix = Eigen::MatrixXd;
+using Vector = Eigen::VectorXd;
+using RowByRow = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
+/// The mechanism as its cut tree and the directions in which the loops let it move.
+struct Reference {
+  const Model& model;
+  const Given<double> given;
+  Workspace<> tree;
+  LoopWorkspace<> loops;
+  Matrix A, N;  ///< loop_jacobian, and a basis of the v with A v = 0
+
+  Reference(const Model& m, const Given<double>& at)
+      : model(m), given(at), tree(m, cut_tree), loops(m), A(m.loops().rows, m.nv()) {
+    RowByRow rows(A.rows(), A.cols());
+    loop_jacobian<double>(m, loops, given.q, as_span(rows));
+    A = rows;
+    if (A.size() == 0) {
+      N = Matrix::Identity(m.nv(), m.nv());
+      return;
+    }
+    Eigen::FullPivLU<Matrix> lu(A);
+    lu.setThreshold(1e-9);
+    N = lu.dimensionOfKernel() > 0 ? Matrix(lu.kernel()) : Matrix(m.nv(), 0);
+    for (Eigen::Index k = 0; k < N.cols(); ++k) N.col(k).normalize();
+  }
+  Vector forces(std::span<const double> a) {
+    Vector tau(model.nv());
+    inverse_dynamics(model, tree, given.q, given.v, a, as_span(tau), given.loads);
+    return tau;
+  }
+  Matrix mass() {
+    RowByRow M(model.nv(), model.nv());
+    mass_matrix(model, tree, given.q, as_span(M));
+    return M;
+  }
+};
+
+double largest(const auto& x) { return x.size() == 0 ? 0 : x.cwiseAbs().maxCoeff(); }
+template <class X> void expect_zero(const X& x, double scale, double tolerance = 1e-8) {
+  EXPECT_LE(largest(x), tolerance * (scale + std::numeric_limits<double>::min()));
+}
+
+/// By the equations of the cut tree, its constraint wrenches and differences along the motion.
+class CountedLoops {
+ public:
+  CountedLoops(const Whole& whole, const Row& row, const Case& c)
+      : whole_(whole), row_(row), case_(c), reference_(whole.model, whole.arguments.given()) {}
+
+  /// False for a function that this does not know.
+  bool check() {
+    const Given<double>& at = reference_.given;
+    const Eigen::Index nv = whole_.model.nv();
+    const Numbers out = call(at);
+    const auto result = [&](Eigen::Index rows, Eigen::Index columns, std::size_t skip = 0) -> Matrix {
+      return Eigen::Map<const RowByRow>(out.data() + skip, rows, columns);
+    };
+    if (row_.name == "inverse_dynamics") {
+      const Vector tau = result(nv, 1), need = reference_.forces(at.a);
+      expect_zero(reference_.N.transpose() * (need - tau), need.norm());
+      for (Eigen::Index c = 0; c < nv; ++c)
+        if (!whole_.model.loops().driven[static_cast<std::size_t>(c)]) EXPECT_EQ(tau[c], 0);
+    } else if (row_.name == "forward_dynamics") {
+      const Vector a = result(nv, 1);
+      Vector gamma(reference_.A.rows());
+      loop_bias<double>(whole_.model, reference_.loops, at.q, at.v, as_span(gamma));
+      expect_zero(reference_.A * a + gamma, 1 + a.norm() + gamma.norm());
+      const Vector left = reference_.forces(out) - as_eigen(at.tau);
+      expect_zero(reference_.N.transpose() * left, left.norm() + as_eigen(at.tau).norm(), 1e-7);
+    } else if (row_.name == "joint_wrenches") {
+      return true;  // which has a law of its own
+    } else if (row_.name == "impulse_response" || row_.name == "mobility" ||
+               row_.name == "operational_space_inertia") {
+      check_impulses(out, verdict_);
+    } else if (row_.name == "forward_dynamics_derivatives" || row_.name == "forward_dynamics_jvp" ||
+               row_.name == "forward_dynamics_vjp") {
+      check_rate(out);
+    } else {
+      return false;
+    }
+    return true;
+  }
+
+ private:
+  Numbers call(const Given<double>& given) { return call(row_, given); }
+  Numbers call(const Row& row, const Given<double>& given) {
+    Numbers out(row.size(whole_.model, given.loads.wrenches.size()));
+    verdict_ = row.call_with_loops(whole_.model, reference_.loops, given, out);
+    return out;
+  }
+  /// Y with A Y = 0 and Nᵀ (M Y - Jᵀ) = 0, the mobility J Y, and the inverse of that.
+  void check_impulses(const Numbers& out, const Solvability verdict) {
+    const Given<double>& at = reference_.given;
+    const Eigen::Index nv = whole_.model.nv();
+    const auto row = [&](std::string_view name) -> const Row& {
+      const auto rows = functions_of<double>(case_);
+      return *std::ranges::find(rows, name, &Row::name);
+    };
+    const Numbers response = row_.name == "impulse_response" ? out : call(row("impulse_response"), at);
+    Numbers columns(response.size());
+    static_cast<void>(row("jacobian").call(whole_.model, reference_.tree, at, columns));
+    const Matrix J = Eigen::Map<const Matrix>(columns.data(), 6, nv),
+                 Y = Eigen::Map<const Matrix>(response.data(), 6, nv);
+    const Matrix MY = reference_.mass() * Y.transpose();
+    expect_zero(reference_.A * Y.transpose(), largest(reference_.A) * largest(Y));
+    expect_zero(reference_.N.transpose() * (MY - J.transpose()), largest(MY) + largest(J));
+    if (row_.name == "impulse_response") return;
+    const Matrix JY = J * Y.transpose(), found = Eigen::Map<const RowByRow>(out.data(), 6, 6);
+    if (row_.name == "mobility")
+      expect_zero(found - (JY + JY.transpose()) / 2, largest(JY), 1e-10);
+    else if (verdict.ok())
+      expect_zero(found * JY - Matrix::Identity(6, 6), largest(found) * largest(JY), 1e-9);
+  }
+  /// Along the motion of the mechanism under drive forces τ + t τ', which needs no formula.
+  void check_rate(const Numbers& out) {
+    const Given<double>& at = reference_.given;
+    const Row& dynamics = *catalog::find<BodyFixed>("forward_dynamics");
+    const std::size_t nv = at.v.size();
+    const Numbers a = call(dynamics, at);
+    Numbers rate_of_tau(nv);
+    for (std::size_t c = 0; c < nv; ++c) rate_of_tau[c] = at.dtau[c];
+    Given<double> along = at;
+    along.dq = at.v, along.dv = a, along.dtau = rate_of_tau;
+    const auto moved = [&](double t) {
+      Given<double> later = at;
+      Numbers step(nv), v(nv), tau(nv);
+      for (std::size_t c = 0; c < nv; ++c) {
+        step[c] = t * at.v[c] + t * t / 2 * a[c];
+        v[c] = at.v[c] + t * a[c], tau[c] = at.tau[c] + t * rate_of_tau[c];
+      }
+      const Numbers q = integrate(whole_.model, at.q, step);
+      later.q = q, later.v = v, later.tau = tau;
+      return call(dynamics, later);
+    };
+    const double t = 1e-5;
+    const Numbers after = moved(t), before = moved(-t);
+    const Vector rate =
+        (as_eigen(std::span<const double>(after)) - as_eigen(std::span<const double>(before))) / (2 * t);
+    const Numbers result = row_.name == "forward_dynamics_jvp" ? call(along) : out;
+    Vector found = Vector::Zero(static_cast<Eigen::Index>(nv));
+    if (row_.name == "forward_dynamics_jvp") {
+      found = as_eigen(std::span<const double>(result));
+    } else {
+      const std::array<std::span<const double>, 3> directions{along.dq, along.dv, along.dtau};
+      if (row_.name == "forward_dynamics_vjp") {
+        double product = 0;
+        for (std::size_t k = 0; k < 3; ++k)
+          for (std::size_t c = 0; c < nv; ++c) product += result[k * nv + c] * directions[k][c];
+        const double expected = rate.dot(as_eigen(at.w));
+        EXPECT_NEAR(product, expected, 1e-4 * (1 + rate.norm() * as_eigen(at.w).norm()));
+        return;
+      }
+      for (std::size_t k = 0; k < 3; ++k)
+        found += Eigen::Map<const RowByRow>(result.data() + k * nv * nv, static_cast<Eigen::Index>(nv),
+                                            static_cast<Eigen::Index>(nv)) *
+                 as_eigen(directions[k]);
+    }
+    expect_zero(found - rate, 1 + rate.norm() + found.norm(), 1e-4);
+  }
+
+  const Whole& whole_;
+  const Row& row_;
+  const Case& case_;
+  Reference reference_;
+  Solvability verdict_;
+};
+
+TEST(WhatFunctionsCount, CountedLoopsAreThoseOfTheMechanism) {
+  for_rows(20, [&](const Whole& whole, const Row& row, const Case& c) {
+    ASSERT_EQ(row.call_with_loops != nullptr, row.counts.loops.word == Word::counted);
+    if (row.call_with_loops != nullptr) {
+      EXPECT_TRUE(CountedLoops(whole, row, c).check()) << "no reference for this row";
+    }
+  });
+}
+
+}  // namespace
+}  // namespace axode::test
