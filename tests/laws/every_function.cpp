@@ -31,7 +31,7 @@ template <class T> struct Outcome {
 template <class T> class Calls {
  public:
   Calls(const TreeRecipe& recipe, Random<double> random)
-      : model(ModelBuilder(with_springs(told(random_mechanism(random, recipe), random), random)).build()),
+      : model(ModelBuilder(random_description(random, recipe)).build()),
         arguments(model, random),
         others(model, random),
         workspace(model) {}
@@ -64,7 +64,7 @@ template <class T> class Calls {
   Outcome<T> call(const Function<T>& function) { return call(function, arguments.given()); }
 };
 
-const TreeRecipe small{.most_bodies = 8};
+const TreeRecipe small{.most_bodies = 8, .springs = true};
 
 /// law(calls, function) for every function.
 template <class Law> void for_functions(const Case& c, int trees, const TreeRecipe& recipe, const Law& law) {
@@ -107,20 +107,19 @@ TEST_P(EveryFunction, InPlaceIsRightOrRefused) {
 }
 
 TEST_P(EveryFunction, RemembersNothing) {
-  for_functions(GetParam(), 50, {.most_bodies = 8},
-                [&]<class T>(Calls<T>& calls, const Function<T>& function) {
-                  Arguments<T> none = calls.others;  // with numbers that are none
-                  for (std::vector<T>* numbers : {&none.v, &none.a, &none.tau, &none.p})
-                    std::fill(numbers->begin(), numbers->end(), std::numeric_limits<T>::quiet_NaN());
-                  Workspace<T> used = calls.workspace;  // by the functions before this one
-                  calls.workspace = Workspace<T>(calls.model);
-                  const Outcome<T> fresh = calls.call(function);
-                  calls.workspace = std::move(used);
-                  calls.call(function, calls.others.given());
-                  EXPECT_TRUE(calls.call(function) == fresh) << "after another state";
-                  calls.call(function, none.given());
-                  EXPECT_TRUE(calls.call(function) == fresh) << "after NaN";
-                });
+  for_functions(GetParam(), 50, small, [&]<class T>(Calls<T>& calls, const Function<T>& function) {
+    Arguments<T> none = calls.others;  // with numbers that are none
+    for (std::vector<T>* numbers : {&none.v, &none.a, &none.tau, &none.p})
+      std::fill(numbers->begin(), numbers->end(), std::numeric_limits<T>::quiet_NaN());
+    Workspace<T> used = calls.workspace;  // by the functions before this one
+    calls.workspace = Workspace<T>(calls.model);
+    const Outcome<T> fresh = calls.call(function);
+    calls.workspace = std::move(used);
+    calls.call(function, calls.others.given());
+    EXPECT_TRUE(calls.call(function) == fresh) << "after another state";
+    calls.call(function, none.given());
+    EXPECT_TRUE(calls.call(function) == fresh) << "after NaN";
+  });
 }
 
 TEST_P(EveryFunction, RefusesWrongSizes) {
@@ -152,7 +151,7 @@ TEST_P(EveryFunction, RefusesWrongSizes) {
 
 TEST_P(EveryFunction, NotFiniteIsSaid) {
   int said = 0, well = 0;
-  const TreeRecipe recipe{.most_bodies = 8, .always_mass = true, .one_free_root = true};
+  const TreeRecipe recipe{.most_bodies = 8, .always_mass = true, .one_free_root = true, .springs = true};
   for_functions(GetParam(), 50, recipe, [&]<class T>(Calls<T>& calls, const Function<T>& function) {
     if (!function.may_fail) return;
     const auto check = [&](const Outcome<T>& outcome, const auto&... where) {

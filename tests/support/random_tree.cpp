@@ -2,9 +2,17 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace axode::test {
 namespace {
+
+/// What this thread draws and drew last.
+struct Drawing {
+  int most_bodies = std::numeric_limits<int>::max(), bodies = 0;
+  Description told;
+};
+thread_local Drawing drawing;
 
 /// A tensor with principal second moments of mass between `thin` and 1 times the largest, in random axes.
 Sym3<> random_theta(Random<double>& random, double mass, double size, double thin = 0.1) {
@@ -29,7 +37,9 @@ Mechanism random_mechanism(Random<double>& random, const TreeRecipe& recipe) {
                                  spherical, planar,   free,     fixed,     revolute, prismatic};
 
   Mechanism mechanism{.gravity = random.vector(10), .bodies = {}};
-  const int size = 1 + static_cast<int>(recipe.most_bodies * std::pow(random.number(0, 1), 2));
+  const int size = std::min(drawing.most_bodies,
+                            1 + static_cast<int>(recipe.most_bodies * std::pow(random.number(0, 1), 2)));
+  drawing.bodies = size;
   const double chain = random.number(0, 1), new_root = chance(0.3) ? 0.2 : 0;
   std::vector<std::string> leaders;
   for (int moving = 0, i = 0; moving < size; ++i) {
@@ -58,7 +68,7 @@ Mechanism random_mechanism(Random<double>& random, const TreeRecipe& recipe) {
                    : composite && !has_one_velocity(body.kind)     ? 2
                    : body.kind == fixed                            ? 0
                                                                    : 1;
-    if (chance(0.3)) {
+    if (chance(0.3) || recipe.friction) {
       body.dof.resize(static_cast<std::size_t>(nv));
       for (Dof& dof : body.dof)
         dof.damping = random.number(0, 1), dof.friction = random.number(0, 1),
@@ -79,6 +89,7 @@ Mechanism random_mechanism(Random<double>& random, const TreeRecipe& recipe) {
     if (chance(0.1))
       mechanism.frames.push_back({"tool " + std::to_string(i), below(i + 2) - 1, body.A * nearby()});
   }
+  if (recipe.far > 0) mechanism = displaced({random.rotation(), recipe.far * random.direction()}, mechanism);
   return mechanism;
 }
 
@@ -170,6 +181,7 @@ Description told(const Mechanism& mechanism, Random<double>& random) {
          .pose = in_body ? inverse(mechanism.A(frame.body)) * frame.pose : frame.pose,
          .in = in_body ? GivenIn::body_frame : GivenIn::construction_frame});
   }
+  drawing.told = description;
   return description;
 }
 
@@ -203,8 +215,19 @@ Description with_springs(Description tree, Random<double>& random, bool losses) 
                             .stiffness = random.number(0, 30),
                             .rest = chance(0.3) ? 0 : random.number(0, 1),
                             .damping = losses ? random.number(0, 2) : 0});
+  drawing.told = tree;
   return tree;
 }
+
+Description random_description(Random<double>& random, const TreeRecipe& recipe) {
+  Description tree = told(random_mechanism(random, recipe), random);
+  return recipe.springs ? with_springs(std::move(tree), random) : tree;
+}
+
+AtMostBodies::AtMostBodies(int bodies) : before_(drawing.most_bodies) { drawing.most_bodies = bodies; }
+AtMostBodies::~AtMostBodies() { drawing.most_bodies = before_; }
+int last_number_of_bodies() { return drawing.bodies; }
+const Description& last_description() { return drawing.told; }
 
 std::vector<double> random_numbers(Random<double>& random, int n, double size) {
   std::vector<double> numbers(static_cast<std::size_t>(n));

@@ -56,6 +56,9 @@ struct TreeRecipe {
   bool couplings = true;
   bool always_mass = false;  ///< every body has a mass
   bool one_free_root = false;
+  bool springs = false;   ///< springs and stops on joints, and springs between bodies and frames
+  bool friction = false;  ///< damping and Coulomb friction on every joint, and not only on some
+  double far = 0;         ///< how far the mechanism is from the origin, m
 };
 
 bool has_one_velocity(JointKind kind);
@@ -77,6 +80,25 @@ Description told(const Mechanism& mechanism, Random<double>& random);
 /// The same with springs and stops on its joints, of every kind, and springs between its bodies and frames; without losses
 /// they keep their energy.
 Description with_springs(Description tree, Random<double>& random, bool losses = true);
+
+/// A mechanism that is drawn and told, with springs if the recipe has them.
+Description random_description(Random<double>& random, const TreeRecipe& recipe = {});
+
+/// While it lives no random mechanism of this thread has more moving bodies. What the first ones are like does not depend
+/// on how many there are.
+class AtMostBodies {
+ public:
+  explicit AtMostBodies(int bodies);
+  ~AtMostBodies();
+  AtMostBodies(const AtMostBodies&) = delete;
+  AtMostBodies& operator=(const AtMostBodies&) = delete;
+
+ private:
+  int before_;
+};
+/// How many moving bodies the last random mechanism of this thread was to have, and as what it was told.
+int last_number_of_bodies();
+const Description& last_description();
 
 /// The poses of all frames.
 std::vector<SE3<>> poses_of(const Model& model, const std::vector<double>& q);
