@@ -7,6 +7,7 @@
 
 #include "tests/support/comparison.hpp"
 #include "tests/support/dense.hpp"
+#include "tests/support/smallest_failure.hpp"
 #include "tests/support/trial.hpp"
 
 /// Laws are tested for every representation and scalar, over random trees with fixed seeds; a failure prints
@@ -16,12 +17,15 @@ namespace axode::test {
 /// A law that holds in the given ways: `class Balances : public Law {}` and LAW(Balances, cases());
 using Law = testing::TestWithParam<Case>;
 
-/// law(seed) for the seeds 1, 2, ... until one fails. AXODE_RANDOM_TREES overrides how many.
+/// law(seed) for the seeds 1, 2, ... until one fails, which is repeated with fewer bodies, see smallest_failure().
+/// AXODE_RANDOM_TREES overrides how many.
 template <class F> void for_seeds(int count, const F& law) {
   if (const char* chosen = std::getenv("AXODE_RANDOM_TREES")) count = std::max(1, std::atoi(chosen));
   for (int seed = 1; seed <= count && !testing::Test::HasFailure(); ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
-    law(static_cast<std::uint64_t>(seed));
+    const auto repeat = [&] { law(static_cast<std::uint64_t>(seed)); };
+    repeat();
+    if (testing::Test::HasFailure()) ADD_FAILURE() << smallest_failure(repeat);
   }
 }
 
