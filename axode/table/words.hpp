@@ -108,7 +108,10 @@ static_assert(sizeof(Counts) == properties.size() * sizeof(Count));
 struct Words {
   std::string_view name;     ///< in C++, in Python and in the command
   std::string_view purpose;  ///< what it gives: a phrase that can be read alone
-  std::string_view units;    ///< of the numbers of its results
+  /// The units of its numbers. A list names those of numbers of 0, 1, ... lengths, counted over the velocities of the joints and
+  /// the angular and linear parts of a six-vector: "N m, N". "of x" stands for the units of x, "per" for a quotient by those
+  /// of a direction, a velocity, a parameter or a displacement, along the last axes; a semicolon parts several results.
+  std::string_view units;
   List<Input, 8> takes;
   Decided<Choice> choice;
   Decided<Entry> entry;

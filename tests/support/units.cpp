@@ -1,0 +1,192 @@
+#include "tests/support/units.hpp"
+
+#include <cctype>
+#include <cmath>
+#include <map>
+#include <stdexcept>
+
+#include "axode/model/joint_kinds.hpp"
+
+namespace axode::test {
+namespace {
+
+using namespace dimension;
+
+Dimension power(const Dimension& base, int n) { return {n * base.length, n * base.mass, n * base.time}; }
+
+/// Whether velocity k of a joint of a kind is that of a length.
+bool is_length(JointKind kind, std::size_t k) {
+  switch (kind) {
+    case JointKind::prismatic: return true;
+    case JointKind::cylindrical:
+    case JointKind::planar: return k > 0;
+    case JointKind::free: return k > 2;
+    default: return false;
+  }
+}
+Dimension direction_of(JointKind kind, std::size_t k) { return is_length(kind, k) ? length : one; }
+
+/// The dimension of the coordinate of each joint of one velocity, parts of cylindrical and universal ones included.
+std::map<std::string, Dimension> coordinates_by_name(const Description& description) {
+  std::map<std::string, Dimension> all;
+  for (const BodyDescription& body : expand(description).bodies)
+    all[joint_name(body)] = direction_of(body.joint.kind, 0);
+  return all;
+}
+
+/// A force law along a coordinate of a dimension: what its coefficients are in.
+void scale(const Units& units, const Dimension& coordinate, Dof& dof) {
+  const Dimension effort = energy / coordinate;
+  dof.lower *= units(coordinate), dof.upper *= units(coordinate), dof.rest *= units(coordinate);
+  dof.velocity *= units(coordinate * rate), dof.effort *= units(effort), dof.friction *= units(effort);
+  dof.stiffness *= units(effort / coordinate), dof.stop_stiffness *= units(effort / coordinate);
+  dof.damping *= units(effort / (coordinate * rate)), dof.stop_damping *= units(time / coordinate);
+  dof.armature *= units(effort / (coordinate * rate * rate));
+}
+
+SE3<> scaled(double by, SE3<> C) {
+  C.r = by * C.r;
+  return C;
+}
+
+}  // namespace
+
+Dimension dimension_of(std::string_view unit) {
+  static const std::map<std::string_view, Dimension> units{{"1", one},    {"rad", one},        {"m", length},
+                                                           {"kg", mass},  {"s", time},         {"N", force},
+                                                           {"J", energy}, {"W", energy * rate}};
+  Dimension product;
+  int sign = 1;
+  bool in_parentheses = false;
+  for (std::size_t k = 0; k < unit.size();) {
+    const char c = unit[k];
+    if (c == ' ' || c == '(' || c == ')' || c == '/') {
+      if (c == '/') sign = -1;
+      if (c == '(') in_parentheses = true;
+      if (c == ')') in_parentheses = false, sign = 1;
+      ++k;
+      continue;
+    }
+    std::size_t end = k;
+    while (end < unit.size() && std::isalnum(static_cast<unsigned char>(unit[end]))) ++end;
+    const auto found = units.find(unit.substr(k, end - k));
+    if (found == units.end()) throw std::logic_error("no unit: " + std::string(unit));
+    int n = 1;
+    if (end + 1 < unit.size() && unit[end] == '^') n = unit[end + 1] - '0', end += 2;
+    product = product * power(found->second, sign * n);
+    if (!in_parentheses) sign = 1;
+    k = end;
+  }
+  return product;
+}
+
+double Units::operator()(const Dimension& d) const {
+  const auto to = [](double base, int n) {
+    double x = 1;
+    for (int k = 0; k < std::abs(n); ++k) x *= base;
+    return n < 0 ? 1 / x : x;
+  };
+  return to(length, d.length) * to(mass, d.mass) * to(time, d.time);
+}
+
+std::vector<Dimension> direction_dimensions(const Model& model) {
+  std::vector<Dimension> all;
+  for (const Joint& joint : model.joints())
+    if (!joint.leader)
+      for (int k = 0; k < joint.nv; ++k)
+        all.push_back(
+            with_subgroup<double>(joint.kind, joint.pitch, [&](const auto& j) { return j.angles; }) > k
+                ? one
+                : length);
+  return all;
+}
+std::vector<Dimension> screw_dimensions(const Model& model) {
+  std::vector<Dimension> all;
+  for (const Joint& joint : model.joints())
+    for (std::size_t k = 0; k < joint.dof.size(); ++k)
+      all.push_back(with_subgroup<double>(joint.kind, joint.pitch, [&](const auto& j) { return j.angles; }) >
+                            static_cast<int>(k)
+                        ? one
+                        : length);
+  return all;
+}
+std::vector<Dimension> coordinate_dimensions(const Model& model) {
+  std::vector<Dimension> all;
+  for (const Joint& joint : model.joints()) {
+    const int angles =
+        with_subgroup<double>(joint.kind, joint.pitch, [&](const auto& j) { return j.angles; });
+    for (int k = 0; k < joint.nq; ++k) all.push_back(k < angles + joint.nq - joint.nv ? one : length);
+  }
+  return all;
+}
+
+Description in_units(const Units& units, Description description) {
+  const double l = units(length);
+  const std::map<std::string, Dimension> coordinates = coordinates_by_name(description);
+  description.gravity = units(acceleration) * description.gravity;
+  for (BodyDescription& body : description.bodies) {
+    JointDescription& joint = body.joint;
+    if (joint.coupling) {
+      const Dimension own = direction_of(joint.kind, 0);
+      joint.coupling->ratio *= units(own / coordinates.at(joint.coupling->leader));
+      joint.coupling->offset *= units(own);
+    }
+    joint.point = l * joint.point, joint.pitch *= l;
+    for (std::size_t k = 0; k < joint.dof.size(); ++k)
+      scale(units, direction_of(joint.kind, k), joint.dof[k]);
+    if (auto* drawn = std::get_if<InConstructionFrame>(&body.geometry)) drawn->A = scaled(l, drawn->A);
+    if (auto* in_body = std::get_if<InBodyFrame>(&body.geometry)) in_body->B = scaled(l, in_body->B);
+    if (auto* in_joint = std::get_if<InJointFrames>(&body.geometry))
+      in_joint->S_prev = scaled(l, in_joint->S_prev), in_joint->S_self = scaled(l, in_joint->S_self);
+    if (body.inertia) {
+      body.inertia->mass *= units(mass);
+      body.inertia->com = l * body.inertia->com;
+      body.inertia->Theta = units(mass * length * length) * body.inertia->Theta;
+    }
+  }
+  for (FrameDescription& frame : description.frames) frame.pose = scaled(l, frame.pose);
+  for (SpringDescription& spring : description.springs) {
+    for (Vec3<>& point : spring.points) point = l * point;
+    spring.stiffness *= units(force / length), spring.rest *= l;
+    spring.damping *= units(force / velocity);
+  }
+  for (LoopDescription& loop : description.loops) {
+    loop.point = l * loop.point, loop.center = l * loop.center, loop.pitch *= l;
+    for (Vec3<>& point : loop.points) point = l * point;
+    if (loop.frames)
+      for (SE3<>& F : *loop.frames) F = scaled(l, F);
+    if (loop.length) *loop.length *= l;
+    if (loop.radius) *loop.radius *= l;
+  }
+  for (CouplingDescription& coupling : description.couplings)
+    for (auto& [joint, factor] : coupling.terms) factor *= units(one / coordinates.at(joint));
+  return description;
+}
+
+std::vector<double> in_units(const Units& units, std::vector<double> x, const std::vector<Dimension>& each,
+                             const Dimension& common) {
+  for (std::size_t k = 0; k < x.size(); ++k) x[k] *= units(each[k] * common);
+  return x;
+}
+
+Ask in_units(const Units& units, const Model& model, Ask ask) {
+  const std::vector<Dimension> direction = direction_dimensions(model);
+  std::vector<Dimension> effort;
+  for (const Dimension& d : direction) effort.push_back(energy / d);
+  ask.q = in_units(units, ask.q, coordinate_dimensions(model));
+  ask.dq = in_units(units, ask.dq, direction);
+  for (std::vector<double>* const x : {&ask.v, &ask.dv}) *x = in_units(units, *x, direction, rate);
+  for (std::vector<double>* const x : {&ask.a, &ask.da}) *x = in_units(units, *x, direction, rate * rate);
+  for (std::vector<double>* const x : {&ask.tau, &ask.dtau}) *x = in_units(units, *x, effort);
+  ask.p = in_units(units, ask.p, effort, time);
+  for (Place<>* const place : {&ask.place, &ask.base}) place->offset = scaled(units(length), place->offset);
+  return ask;
+}
+State<double> in_units(const Units& units, const Model& model, State<double> state) {
+  const Ask ask = in_units(units, model, Ask{.q = state.q, .v = state.v, .a = state.a});
+  state.q = ask.q, state.v = ask.v, state.a = ask.a;
+  for (AppliedWrench<>& W : state.wrenches) W.m = units(energy) * W.m, W.f = units(force) * W.f;
+  return state;
+}
+
+}  // namespace axode::test

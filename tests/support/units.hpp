@@ -1,0 +1,55 @@
+#pragma once
+#include <string_view>
+#include <vector>
+
+#include "tests/support/subject.hpp"
+
+/// Mechanisms and states in other units of length, mass and time.
+namespace axode::test {
+
+/// The powers of length, mass and time in a quantity. Angles have none.
+struct Dimension {
+  int length = 0, mass = 0, time = 0;
+
+  friend constexpr Dimension operator*(const Dimension& a, const Dimension& b) {
+    return {a.length + b.length, a.mass + b.mass, a.time + b.time};
+  }
+  friend constexpr Dimension operator/(const Dimension& a, const Dimension& b) {
+    return {a.length - b.length, a.mass - b.mass, a.time - b.time};
+  }
+  bool operator==(const Dimension&) const = default;
+};
+namespace dimension {
+inline constexpr Dimension one{}, length{1, 0, 0}, mass{0, 1, 0}, time{0, 0, 1}, velocity{1, 0, -1},
+    acceleration{1, 0, -2}, force{1, 1, -2}, energy{2, 1, -2}, rate{0, 0, -1};
+}  // namespace dimension
+
+/// "kg m^2/s", "1/(kg m)", "N m s", "J", "rad" as a dimension. A word that is no unit fails the test.
+Dimension dimension_of(std::string_view unit);
+
+/// By what lengths, masses and times are multiplied. With powers of 4 a computation without absolute thresholds gives the
+/// same bits, multiplied.
+struct Units {
+  double length = 1, mass = 1, time = 1;
+
+  /// By what a number of a dimension is multiplied.
+  double operator()(const Dimension& dimension) const;
+};
+
+/// The dimension of each coordinate (nq) and of what each velocity is the rate of (nv): an angle or a length.
+std::vector<Dimension> coordinate_dimensions(const Model& model);
+std::vector<Dimension> direction_dimensions(const Model& model);
+/// And of the coordinate of each joint screw (n_screws).
+std::vector<Dimension> screw_dimensions(const Model& model);
+
+/// The same mechanism in other units. Terms of couplings stay angles.
+Description in_units(const Units& units, Description description);
+/// Arguments in other units. Weights are multiplied by the inverse of `weighed`, the factor of what they weigh.
+Ask in_units(const Units& units, const Model& model, Ask ask);
+State<double> in_units(const Units& units, const Model& model, State<double> state);
+
+/// x multiplied entry by entry by its unit, times a common one.
+std::vector<double> in_units(const Units& units, std::vector<double> x, const std::vector<Dimension>& each,
+                             const Dimension& common = {});
+
+}  // namespace axode::test
