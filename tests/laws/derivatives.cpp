@@ -1,6 +1,6 @@
 #include "axode/derivatives.hpp"
+#include "axode/dynamics/generic_dynamics.hpp"
 #include "axode/model/configuration.hpp"
-#include "axode/recursion/inverse_dynamics.hpp"
 #include "axode/scalar/dual.hpp"
 #include "tests/laws/law.hpp"
 #include "tests/support/refused_arguments.hpp"
@@ -77,42 +77,92 @@ TEST_P(Derivatives, OfInverseDynamicsAreLimitsOfDifferences) {
   });
 }
 
+using D = Dual<double, 1>;
+std::vector<D> dual(const Numbers& x, const Numbers& dx) {
+  std::vector<D> out(x.size());
+  for (std::size_t k = 0; k < x.size(); ++k) out[k] = D(x[k], {dx[k]});
+  return out;
+}
+Numbers slopes(const std::vector<D>& x) {
+  Numbers out;
+  for (const D& entry : x) out.push_back(entry.dx[0]);
+  return out;
+}
+/// A state that moves along its direction, and dynamics on dual numbers.
+struct OnDualNumbers {
+  OnDualNumbers(const Trial& trial, const Ask& ask)
+      : dynamics(trial.model), q(ask.q.size()), v(dual(ask.v, ask.dv)), result(v.size()) {
+    dynamics.integrate(dual(ask.q, Numbers(q.size())), dual(trial.zero(), ask.dq), q);
+    for (const AppliedWrench<>& W : ask.loads.wrenches)
+      wrenches.emplace_back(W.frame, W.representation, axode::cast<D>(W.m), axode::cast<D>(W.f));
+  }
+  GenericDynamics<D> dynamics;
+  std::vector<D> q, v, result;
+  std::vector<AppliedWrench<D>> wrenches;
+};
+
 TEST_P(Derivatives, OfInverseDynamicsAreThoseOfDualNumbers) {
   if (GetParam().single) GTEST_SKIP() << "in double";
   Comparison direction("derivative", 1e-12);
   for_seeds(200, [&](std::uint64_t seed) {
     Random<double> random(seed);
     Trial trial(GetParam(), Random<double>(seed));
-    if (trial.model.nv() == 0) return;
     const Ask ask = any(trial, random);
-    using D = Dual<double, 1>;
-    const Tree<D> tree = axode::cast<D>(trial.model.tree<double>());
-    const auto dual = [](const Numbers& x, const Numbers& dx) {
-      std::vector<D> out(x.size());
-      for (std::size_t k = 0; k < x.size(); ++k) out[k] = D(x[k], {dx[k]});
-      return out;
-    };
-    const std::vector<D> q = dual(ask.q, Numbers(ask.q.size())), v = dual(ask.v, ask.dv),
-                         a = dual(ask.a, ask.da), step = dual(trial.zero(), ask.dq);
-    std::vector<D> moved(q);
-    for (int i = 1; i <= tree->n; ++i)
-      if (!tree->coupled[i])
-        with_joint(tree, i, [&](const auto& joint) {
-          joint.integrate(&q[tree->iq[i]], &step[tree->iv[i]], &moved[tree->iq[i]]);
-        });
-    WithScratch<D, InverseDynamicsRecursion<Hybrid, D>> recursion(trial.model.topology());
-    std::vector<AppliedWrench<D>> wrenches;
-    for (const AppliedWrench<>& W : ask.loads.wrenches)
-      wrenches.emplace_back(W.frame, W.representation, axode::cast<D>(W.m), axode::cast<D>(W.f));
-    const Loads<D> loads{wrenches, true};
-    std::vector<D> tau(v.size());
-    recursion->run(tree, moved.data(), v.data(), a.data(), loads);
-    recursion->project(tree, v.data(), a.data(), true, tau.data());
-    Numbers expected;
-    for (const D& x : tau) expected.push_back(x.dx[0]);
-    direction.expect_equal(trial.call("inverse_dynamics_jvp", ask), expected,
+    OnDualNumbers on(trial, ask);
+    on.dynamics.inverse_dynamics(on.q, on.v, dual(ask.a, ask.da), on.result, {on.wrenches, true});
+    direction.expect_equal(trial.call("inverse_dynamics_jvp", ask), slopes(on.result),
                            largest(trial.call("inverse_dynamics", ask)));
   });
+}
+
+TEST_P(Derivatives, OfForwardDynamicsAreThoseOfDualNumbers) {
+  if (GetParam().single) GTEST_SKIP() << "in double";
+  Comparison direction("derivative", 1e-8);
+  for_seeds(200, [&](std::uint64_t seed) {
+    Random<double> random(seed);
+    Trial trial(GetParam(), Random<double>(seed), {.most_bodies = 12, .always_mass = true});
+    const Ask ask = any(trial, random);
+    const auto [expected, solvability] = trial.answer("forward_dynamics_jvp", ask);
+    OnDualNumbers on(trial, ask);
+    EXPECT_EQ(
+        on.dynamics.forward_dynamics(on.q, on.v, dual(ask.tau, ask.dtau), on.result, {on.wrenches, true})
+            .ok(),
+        solvability.ok());
+    if (solvability.ok())
+      direction.expect_equal(expected, slopes(on.result), largest(trial.call("forward_dynamics", ask)));
+  });
+}
+
+TEST_P(Derivatives, OfTheMassMatrixAreThoseOfDualNumbers) {
+  if (GetParam().single) GTEST_SKIP() << "in double";
+  Comparison direction("derivative", 1e-12);
+  for_seeds(50, [&](std::uint64_t seed) {
+    Random<double> random(seed);
+    Trial trial(GetParam(), Random<double>(seed), {.most_bodies = 12});
+    const Ask ask = any(trial, random);
+    OnDualNumbers on(trial, ask);
+    std::vector<D> M(on.v.size() * on.v.size());
+    on.dynamics.mass_matrix(on.q, M);
+    const Numbers partials = trial.call("mass_matrix_partials", ask);
+    Numbers expected(M.size());
+    for (std::size_t k = 0; k < on.v.size(); ++k)
+      for (std::size_t e = 0; e < M.size(); ++e) expected[e] += partials[k * M.size() + e] * ask.dq[k];
+    direction.expect_equal(slopes(M), expected, largest_entry(trial.mass_matrix()));
+  });
+}
+
+TEST(GenericDynamicsOfDualNumbers, RefuseWrongSizesAndFrames) {
+  Random<double> random;
+  Trial trial(scalars()[0], Random<double>(1));
+  GenericDynamics<D> dynamics(trial.model);
+  const std::vector<D> q(trial.state.q.size()), v(trial.state.v.size());
+  std::vector<D> tau(v.size()), more(v.size() + 1);
+  EXPECT_THROW(dynamics.inverse_dynamics(q, v, v, more), std::invalid_argument);
+  EXPECT_THROW(dynamics.inverse_dynamics(q, more, v, tau), std::invalid_argument);
+  EXPECT_THROW(dynamics.mass_matrix(q, more), std::invalid_argument);
+  const Vec3<D> none = axode::cast<D>(Vec3<>{});
+  const std::vector<AppliedWrench<D>> nowhere(1, {trial.model.n_frames(), Representation::body, none, none});
+  EXPECT_THROW(dynamics.inverse_dynamics(q, v, v, tau, {nowhere}), std::invalid_argument);
 }
 
 TEST_P(Derivatives, ProductsAreMatricesTimesVectors) {

@@ -1,8 +1,8 @@
 #include "axode/derivatives.hpp"
 #include "axode/derivatives/geometric_parameters.hpp"
+#include "axode/dynamics/generic_dynamics.hpp"
 #include "axode/kinematics/path.hpp"
 #include "axode/model/configuration.hpp"
-#include "axode/recursion/inverse_dynamics.hpp"
 #include "axode/scalar/dual.hpp"
 #include "tests/laws/law.hpp"
 
@@ -63,12 +63,10 @@ TEST_P(GeometryDerivatives, OfInverseDynamicsAreThoseOfDualNumbers) {
     const Loads<D> loads{wrenches};
     const std::vector<D> q = constant(at.ask.q), v = constant(at.ask.v), a = constant(at.ask.a);
     Numbers expected(nv * n * 6);
-    WithScratch<D, InverseDynamicsRecursion<Hybrid, D>> recursion(model.topology());
     for (std::size_t i = 1; i <= n; ++i) {
-      const Tree<D> tree = displaced(model.tree<double>(), static_cast<int>(i));
+      GenericDynamics<D> dynamics(model, displaced(model.tree<double>(), static_cast<int>(i)));
       std::vector<D> tau(nv);
-      recursion->run(tree, q.data(), v.data(), a.data(), loads);
-      recursion->project(tree, v.data(), a.data(), false, tau.data());
+      dynamics.inverse_dynamics(q, v, a, tau, loads);
       for (std::size_t c = 0; c < nv; ++c)
         for (std::size_t u = 0; u < 6; ++u) expected[(c * n + i - 1) * 6 + u] = tau[c].dx[u];
     }

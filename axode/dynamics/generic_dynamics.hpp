@@ -1,0 +1,85 @@
+#pragma once
+#include <span>
+#include <utility>
+
+#include "axode/dynamics/check_loads.hpp"
+#include "axode/model/configuration.hpp"
+#include "axode/model/workspace.hpp"
+#include "axode/recursion/composite_bodies.hpp"
+#include "axode/recursion/forward_dynamics.hpp"
+
+namespace axode {
+
+/// The dynamics of a mechanism on a scalar T of the caller's choice, for example Dual (derivatives along directions) or
+/// Taylor (derivatives in time). The kernels are compiled where this header is included; double and float, which are
+/// compiled in the library, have the functions of axode/dynamics.hpp.
+///
+/// T needs + - * /, sqrt, sin, cos, `<`, `>`, select and a conversion from double; forward dynamics compares values only.
+/// The recursions run in the representation Rep, on which results do not depend. All functions are O(n) except
+/// mass_matrix, allocate nothing, and throw std::invalid_argument for an argument of a wrong size. That quaternions in q
+/// have norm 1 is the caller's duty. Loops and springs are not counted.
+template <class T, RecursionRepresentation Rep = Hybrid> class GenericDynamics {
+ public:
+  explicit GenericDynamics(const Model& model) : GenericDynamics(model, cast<T>(model.tree<double>())) {}
+  /// With other numbers for the model's tree, so that derivatives by inertias, armatures or gravity are possible as well:
+  /// change the TreeNumbers of cast<T>(model.tree<double>()) and make a Tree of them.
+  GenericDynamics(const Model& model, Tree<T> tree)
+      : model_(model),
+        tree_(std::move(tree)),
+        inverse_(model.topology()),
+        forward_(model.topology()),
+        bodies_(model.topology()) {}
+
+  const Tree<T>& tree() const { return tree_; }
+
+  /// q ⊕ dv (nq): every joint moved along its left-trivialised direction dv (nv).
+  void integrate(std::span<const T> q, std::span<const T> dv, std::span<T> moved) const {
+    check("q", q, model_.nq(), "nq"), check("dv", dv, model_.nv(), "nv");
+    check("moved", moved, model_.nq(), "nq");
+    for (int i = 1; i <= tree_->n; ++i)
+      if (!tree_->coupled[i])
+        with_joint(tree_, i, [&](const auto& joint) {
+          joint.integrate(&q[tree_->iq[i]], &dv[tree_->iv[i]], &moved[tree_->iq[i]]);
+        });
+  }
+
+  /// Drive forces τ (nv; N m and N) that make the accelerations a (nv), see inverse_dynamics().
+  void inverse_dynamics(std::span<const T> q, std::span<const T> v, std::span<const T> a, std::span<T> tau,
+                        const Loads<T>& loads = {}) {
+    check(q, v, loads), check("a", a, model_.nv(), "nv"), check("tau", tau, model_.nv(), "nv");
+    inverse_->run(tree_, q.data(), v.data(), a.data(), loads);
+    inverse_->project(tree_, v.data(), a.data(), loads.joint_losses, tau.data());
+  }
+
+  /// Accelerations a (nv; rad/s², m/s²) that the drive forces τ (nv) make, see forward_dynamics(). Fails where the values
+  /// of the mass matrix are those of a singular one.
+  Solvability forward_dynamics(std::span<const T> q, std::span<const T> v, std::span<const T> tau,
+                               std::span<T> a, const Loads<T>& loads = {}) {
+    check(q, v, loads), check("tau", tau, model_.nv(), "nv"), check("a", a, model_.nv(), "nv");
+    return forward_->run(tree_, q.data(), v.data(), tau.data(), loads, a.data());
+  }
+
+  /// M(q), nv × nv, row by row, armatures included. O(n²).
+  void mass_matrix(std::span<const T> q, std::span<T> M) {
+    check("q", q, model_.nq(), "nq"), check("M", M, model_.nv() * model_.nv(), "nv * nv");
+    bodies_->run(tree_, q.data(), tree_.armature.data(), M.data());
+  }
+
+ private:
+  template <class Numbers>
+  static void check(const char* argument, const Numbers& x, int expected, const char* meaning) {
+    check_size(argument, x.size(), static_cast<std::size_t>(expected), meaning);
+  }
+  void check(std::span<const T> q, std::span<const T> v, const Loads<T>& loads) const {
+    check("q", q, model_.nq(), "nq"), check("v", v, model_.nv(), "nv");
+    check_loads(model_, loads);
+  }
+
+  Model model_;
+  Tree<T> tree_;
+  WithScratch<T, InverseDynamicsRecursion<Rep, T>> inverse_;
+  WithScratch<T, ForwardDynamicsRecursion<Rep, T>> forward_;
+  WithScratch<T, CompositeBodies<Rep, T>> bodies_;
+};
+
+}  // namespace axode
