@@ -65,7 +65,7 @@ template <class Meaning, std::size_t N> constexpr auto named(const std::array<st
   for (std::size_t k = 0; k < N; ++k) pairs[k] = {words[k], static_cast<Meaning>(k)};
   return pairs;
 }
-constexpr auto functions = named<std::size_t>(codegen::recorded_functions);
+constexpr auto function_words = named<std::size_t>(codegen::recorded_functions);
 constexpr auto abis = named<codegen::Abi>(codegen::abis);
 
 bool has_frame(const Model& model, std::string_view name) {
@@ -91,7 +91,7 @@ std::vector<codegen::Function> wanted(const Model& model, const std::string& lis
   std::vector<codegen::Function> all;
   for (const std::string& word : CLI::detail::split(list, ',')) {
     const std::size_t colon = std::min(word.find(':'), word.size());
-    const std::size_t chosen = choose("--functions", word.substr(0, colon), functions);
+    const std::size_t chosen = choose("--functions", word.substr(0, colon), function_words);
     const codegen::Function function{*catalog::Id::of(codegen::recorded_functions[chosen])};
     const std::string rest = word.substr(std::min(colon + 1, word.size()));
     if (!function.is_of_a_frame() && colon < word.size())

@@ -44,7 +44,7 @@ Offer offer(const CLI::Option& option) {
   if (type == "METHOD") return {Offer::word, names(methods, [](const auto& method) { return method.first; })};
   if (type == "QUANTITIES")
     return {Offer::list, names(quantities(), [](const Quantity& x) { return x.name; })};
-  if (type == "FUNCTIONS") return {Offer::list, names(codegen::quantities, std::identity())};
+  if (type == "FUNCTIONS") return {Offer::list, names(codegen::recorded_functions, std::identity())};
   if (type.find('|') != std::string::npos) return {Offer::word, CLI::detail::split(type, '|')};
   return {};
 }

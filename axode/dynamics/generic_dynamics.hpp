@@ -7,6 +7,7 @@
 #include "axode/model/workspace.hpp"
 #include "axode/recursion/composite_bodies.hpp"
 #include "axode/recursion/forward_dynamics.hpp"
+#include "axode/table/check_counts.hpp"
 
 namespace axode {
 
@@ -17,7 +18,7 @@ namespace axode {
 /// T needs + - * /, sqrt, sin, cos, `<`, `>`, select and a conversion from double; forward dynamics compares values only.
 /// The recursions run in the representation Rep, on which results do not depend. All functions are O(n) except
 /// mass_matrix, allocate nothing, and throw std::invalid_argument for an argument of a wrong size. That quaternions in q
-/// have norm 1 is the caller's duty. Loops and springs are not counted.
+/// have norm 1 is the caller's duty. The dynamics of a mechanism with loops are refused, and springs are left out.
 template <class T, RecursionRepresentation Rep = Hybrid> class GenericDynamics {
  public:
   explicit GenericDynamics(const Model& model) : GenericDynamics(model, cast<T>(model.tree<double>())) {}
@@ -46,6 +47,7 @@ template <class T, RecursionRepresentation Rep = Hybrid> class GenericDynamics {
   /// Drive forces τ (nv; N m and N) that make the accelerations a (nv), see inverse_dynamics().
   void inverse_dynamics(std::span<const T> q, std::span<const T> v, std::span<const T> a, std::span<T> tau,
                         const Loads<T>& loads = {}) {
+    check_counts("inverse_dynamics");
     check(q, v, loads), check("a", a, model_.nv(), "nv"), check("tau", tau, model_.nv(), "nv");
     inverse_->run(tree_, q.data(), v.data(), a.data(), loads);
     inverse_->project(tree_, v.data(), a.data(), loads.joint_losses, tau.data());
@@ -55,6 +57,7 @@ template <class T, RecursionRepresentation Rep = Hybrid> class GenericDynamics {
   /// of the mass matrix are those of a singular one.
   Solvability forward_dynamics(std::span<const T> q, std::span<const T> v, std::span<const T> tau,
                                std::span<T> a, const Loads<T>& loads = {}) {
+    check_counts("forward_dynamics");
     check(q, v, loads), check("tau", tau, model_.nv(), "nv"), check("a", a, model_.nv(), "nv");
     return forward_->run(tree_, q.data(), v.data(), tau.data(), loads, a.data());
   }
@@ -66,6 +69,9 @@ template <class T, RecursionRepresentation Rep = Hybrid> class GenericDynamics {
   }
 
  private:
+  void check_counts(catalog::Id row) const {
+    catalog::check_counts(row.words(), model_, catalog::Way::workspace);
+  }
   template <class Numbers>
   static void check(const char* argument, const Numbers& x, int expected, const char* meaning) {
     check_size(argument, x.size(), static_cast<std::size_t>(expected), meaning);
