@@ -24,6 +24,9 @@ inline constexpr std::array<std::pair<std::string_view, CoriolisForm>, 4> coriol
      {"spatial", CoriolisForm::spatial},
      {"christoffel", CoriolisForm::christoffel}}};
 
+inline constexpr std::array<std::pair<std::string_view, WrenchPoint>, 2> wrench_points{
+    {{"body", WrenchPoint::body}, {"joint", WrenchPoint::joint}}};
+
 /// `; did you mean "poses"?`, or what a name of other libraries is called here; nothing where nothing is near.
 template <class Range, class NameOf>
 std::string suggestion(std::string_view word, const Range& candidates, NameOf name_of) {

@@ -25,7 +25,7 @@ struct Options {
   std::vector<std::string> frames;
   std::string relative_to = "ground";
   int order = 1;
-  std::string coriolis = "christoffel";
+  std::string coriolis = "christoffel", at = "body";
   bool joint_losses = false;
 };
 
@@ -232,6 +232,7 @@ void run(const Options& options) {
   ask.relative_to = ask.model.frame_index(options.relative_to);
   ask.order = options.order;
   ask.coriolis = choose("--coriolis", options.coriolis, coriolis_forms);
+  ask.at = choose("--at", options.at, wrench_points);
   if (sweeps) {
     run_sweep(options, format, chosen, ask, plot);
   } else {
@@ -262,6 +263,10 @@ void add_eval(CLI::App& app, int& exit_code) {
       ->capture_default_str();
   eval->add_option("--coriolis", options->coriolis, "The form of C")
       ->type_name(words(coriolis_forms))
+      ->capture_default_str();
+  eval->add_option("--at", options->at,
+                   "What moments of joint_wrenches are about: the body's origin, or the joint's point")
+      ->type_name(words(wrench_points))
       ->capture_default_str();
   eval->add_flag("--joint-losses", options->joint_losses,
                  "Count damping and friction of the joints as forces");

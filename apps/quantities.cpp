@@ -42,17 +42,20 @@ std::string rate_axes(Representation representation) {
   }
   return "w' in the frame's own axes; v' = r'' of its origin in inertial axes";
 }
-std::string wrench_axes(Representation representation, const char* whose) {
+/// `own` stands beside the axes of `whose`.
+std::string wrench_axes(Representation representation, const char* whose, const char* own,
+                        const std::string& point) {
   switch (representation) {
-    case Representation::body: return fmt::format("in the {}'s own axes, about its origin", whose);
+    case Representation::body: return fmt::format("in the {}'s own axes, about {}", whose, own);
     case Representation::spatial: return "in inertial axes, about the inertial origin";
-    case Representation::hybrid: return fmt::format("in inertial axes, about the {}'s origin", whose);
+    case Representation::hybrid: return fmt::format("in inertial axes, about {}", point);
     case Representation::mixed: break;
   }
-  return fmt::format("moment in the {}'s own axes, about its origin; force in inertial axes", whose);
+  return fmt::format("moment in the {}'s own axes, about {}; force in inertial axes", whose, own);
 }
 
-std::string label_of(const Row& row, Representation representation) {
+std::string label_of(const Row& row, const Question& ask) {
+  const Representation representation = ask.representation;
   if (row.choice != Choice::representation) return fmt::format("{}; {}", row.purpose, row.units);
   switch (row.entry) {
     case Entry::twist: return headline(row.purpose, representation, twist_axes(representation), row.units);
@@ -60,7 +63,12 @@ std::string label_of(const Row& row, Representation representation) {
     default: break;
   }
   const char* const whose = row.takes_input(Input::place) ? "frame" : "body";
-  return headline(row.purpose, representation, wrench_axes(representation, whose), row.units);
+  constexpr const char* joint = "the joint's point";
+  const bool at_joint = row.takes_input(Input::at) && ask.at == WrenchPoint::joint;
+  return headline(row.purpose, representation,
+                  wrench_axes(representation, whose, at_joint ? joint : "its origin",
+                              at_joint ? joint : fmt::format("the {}'s origin", whose)),
+                  row.units);
 }
 
 /// What an axis of a result runs over.
@@ -286,7 +294,7 @@ Answer answer(const Question& ask, std::string_view name) {
   catalog::Given<double> given{state.q, state.v, state.a, state.tau, state.p};
   given.dq = state.dq, given.dv = state.dv, given.da = state.da, given.dtau = state.dtau, given.w = state.w;
   given.loads = ask.loads();
-  given.base = ask.relative_to, given.form = ask.coriolis;
+  given.base = ask.relative_to, given.form = ask.coriolis, given.at = ask.at;
   std::vector<double> p(model.nv());
   if (ask.state.p.empty()) {
     momenta(model, workspace, ask.state.q, ask.state.v, p);
@@ -295,7 +303,7 @@ Answer answer(const Question& ask, std::string_view name) {
 
   Result result{ask, row, {}};
   for (const Extent extent : row.shape) result.axes.push_back(axis_of(extent, ask));
-  Answer made{label_of(row, ask.representation), Json::object(), Table(result.headings())};
+  Answer made{label_of(row, ask), Json::object(), Table(result.headings())};
   std::vector<double> out(row.size(model, ask.state.loads.size()));
   const auto make = [&](const std::string& who) {
     const Solvability outcome =

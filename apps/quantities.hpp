@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "axode/dynamics/coriolis.hpp"
+#include "axode/dynamics/joint_wrenches.hpp"
 #include "axode/model/model.hpp"
 #include "axode/recursion/solvability.hpp"
 #include "json_text.hpp"
@@ -22,6 +23,7 @@ struct Question {
   int relative_to = 0;           ///< the frame of the observer, for relative motion; 0 is the ground
   int order = 1;                 ///< of derivatives
   CoriolisForm coriolis = CoriolisForm::christoffel;
+  WrenchPoint at = WrenchPoint::body;  ///< of joint_wrenches
 
   Loads<> loads() const { return {state.loads, joint_losses}; }
 };
@@ -44,7 +46,7 @@ const std::vector<Quantity>& quantities();
 std::vector<Quantity> other_quantities();
 /// Those about closed loops.
 std::vector<Quantity> loop_quantities();
-/// `forward_dynamics` or `inverse_dynamics` of a mechanism with loops.
+/// `forward_dynamics`, `inverse_dynamics` or `joint_wrenches` of a mechanism with loops.
 Solvability with_loops(const Question& ask, std::string_view function, const Loads<>& loads,
                        std::span<double> out);
 

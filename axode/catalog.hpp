@@ -6,6 +6,7 @@
 
 #include "axode/constraints/loops.hpp"
 #include "axode/dynamics/coriolis.hpp"
+#include "axode/dynamics/joint_wrenches.hpp"
 #include "axode/fast/fast.hpp"
 #include "axode/kinematics/place.hpp"
 #include "axode/recursion/loads.hpp"
@@ -24,6 +25,7 @@ template <class T> struct Given {
   Loads<T> loads = {};
   Place<T> place = 0, base = 0;
   CoriolisForm form = CoriolisForm::christoffel;
+  WrenchPoint at = WrenchPoint::body;
 };
 /// Where such an input stands.
 template <class T> std::span<const T>& numbers(Given<T>& given, Input input);

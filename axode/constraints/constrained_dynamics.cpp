@@ -3,6 +3,7 @@
 #include "axode/constraints/check_loops.hpp"
 #include "axode/constraints/independent_rows.hpp"
 #include "axode/dynamics/check_loads.hpp"
+#include "axode/dynamics/wrench_frame.hpp"
 #include "axode/recursion/instantiate.hpp"
 #include "axode/recursion/least_squares.hpp"
 
@@ -40,6 +41,76 @@ std::vector<int> driven(const Model& model, std::span<const int> drives) {
   return all;
 }
 
+/// M a + h of the tree; the system is at this motion afterwards.
+template <class T>
+Eigen::VectorX<T> tree_forces(LoopSystem<T>& system, Numbers<T> q, Numbers<T> v, Numbers<T> a,
+                              const Loads<T>& loads) {
+  check_size("a", a.size(), v.size(), "nv");
+  check_loads(system.model(), loads);
+  Eigen::VectorX<T> need(system.model().nv());
+  system.force(q.data(), v.data(), a.data(), loads, need.data());
+  return need;
+}
+/// M a + h of the tree for accelerations that must keep the loops closed.
+template <class T>
+Eigen::VectorX<T> closed_forces(LoopSystem<T>& system, Numbers<T> q, Numbers<T> v, Numbers<T> a,
+                                const Loads<T>& loads) {
+  Eigen::VectorX<T> need = tree_forces(system, q, v, a, loads);
+  if constexpr (std::same_as<T, double>)  // single precision does not tell them from rounding
+    check_accelerations(system, q, v, a);
+  return need;
+}
+
+/// The least drive forces of the velocities `drives` that do, with the loops, what forces `need` on the tree do. Where the
+/// system is; its rows are made afterwards.
+template <class T> struct DriveForces {
+  using Vector = Eigen::VectorX<T>;
+  using Matrix = Eigen::MatrixX<T>;
+
+  DriveForces(LoopSystem<T>& system, const Vector& need, const std::vector<int>& drives)
+      : rows(system, LoopSystem<T>::Rows::velocities), tau(Vector::Zero(need.size())) {
+    const Matrix N = rows.kernel();
+    const Vector wanted = N.transpose() * need;
+    Matrix NB(N.cols(), static_cast<Eigen::Index>(drives.size()));
+    for (std::size_t k = 0; k < drives.size(); ++k)
+      NB.col(static_cast<Eigen::Index>(k)) = N.row(drives[k]).transpose();
+    Vector u = Vector::Zero(NB.cols());
+    if (NB.size() > 0) {
+      const double rounding =
+          static_cast<double>(Eigen::NumTraits<T>::epsilon() * T(std::min(NB.rows(), NB.cols())));
+      u = least_squares(NB.template cast<double>(), wanted.template cast<double>(), rounding)
+              .template cast<T>();
+    }
+    for (std::size_t k = 0; k < drives.size(); ++k) tau[drives[k]] += u[static_cast<Eigen::Index>(k)];
+    const T left = (wanted - NB * u).norm(), size = need.norm();
+    missing = size > T(0) ? left / size : T(0);
+    by_loops = need - tau;
+  }
+
+  IndependentRows<T> rows;
+  Vector tau, by_loops;  ///< nv; their sum is `need`
+  T missing;             ///< part of what is needed that neither gives
+};
+
+/// After force() and make_rows().
+template <class Rep, class T>
+void write_joint_wrenches(const Model& model, LoopSystem<T>& system, Numbers<T> lambda, WrenchPoint at,
+                          std::span<Wrench<Rep, T>> W) {
+  std::vector<Wrench<Spatial, T>> about_root(W.size() + 1);
+  system.joint_wrenches(lambda.data(), about_root.data());
+  each_root(model.topology(), [&](int root) {
+    for (int i = root; i < model.topology().subtree_end[root]; ++i) {
+      const Wrench<Spatial, T>& W_i = about_root[static_cast<std::size_t>(i)];
+      Wrench<Rep, T>& out = W[static_cast<std::size_t>(i - 1)];
+      if constexpr (std::same_as<Rep, Spatial>) {
+        out = {W_i.m + cross(system.root_origins()[root], W_i.f), W_i.f};
+      } else {
+        out = change<Rep>(system.link(i).C * wrench_frame<T>(model, i, at), W_i);
+      }
+    }
+  });
+}
+
 }  // namespace
 
 template <class T>
@@ -62,44 +133,47 @@ T inverse_dynamics(const Model& model, LoopWorkspace<T>& workspace, Numbers<T> q
                    std::span<const int> drives, const std::type_identity_t<Loads<T>>& loads,
                    std::type_identity_t<Numbers<T>> forces) {
   LoopSystem<T>& system = checked(model, workspace, q, v);
-  check_size("a", a.size(), v.size(), "nv");
   check_size("tau", tau.size(), v.size(), "nv");
-  check_loads(model, loads);
   check_separate("lambda", lambda, "tau", tau);
   if (!forces.empty()) {
     check_size("forces", forces.size(), v.size(), "nv");
     check_separate("tau", tau, "forces", forces);
   }
+  if (!lambda.empty()) check_rows("lambda", lambda.size(), model.loops().rows, "loops().rows");
   const std::vector<int> at = driven(model, drives);
-  using Vector = Eigen::VectorX<T>;
-  using Matrix = Eigen::MatrixX<T>;
-  Vector need(model.nv());
-  system.force(q.data(), v.data(), a.data(), loads, need.data());
-  if constexpr (std::same_as<T, double>)  // single precision does not tell them from rounding
-    check_accelerations(system, q, v, a);
+  Eigen::VectorX<T> need = closed_forces(system, q, v, a, loads);
   for (std::size_t c = 0; c < forces.size(); ++c) need[static_cast<Eigen::Index>(c)] -= forces[c];
-  const IndependentRows<T> rows(system, LoopSystem<T>::Rows::velocities);
-  const Matrix N = rows.kernel();
-  const Vector wanted = N.transpose() * need;
-  Matrix NB(N.cols(), static_cast<Eigen::Index>(at.size()));
-  for (std::size_t k = 0; k < at.size(); ++k) NB.col(static_cast<Eigen::Index>(k)) = N.row(at[k]).transpose();
-  Vector u = Vector::Zero(NB.cols());
-  if (NB.size() > 0) {
-    const double rounding =
-        static_cast<double>(Eigen::NumTraits<T>::epsilon() * T(std::min(NB.rows(), NB.cols())));
-    u = least_squares(NB.template cast<double>(), wanted.template cast<double>(), rounding)
-            .template cast<T>();
-  }
-  std::ranges::fill(tau, T(0));
-  for (std::size_t k = 0; k < at.size(); ++k)
-    tau[static_cast<std::size_t>(at[k])] += u[static_cast<Eigen::Index>(k)];
-  const T left = (wanted - NB * u).norm(), size = need.norm();
-  if (!lambda.empty()) {
-    check_rows("lambda", lambda.size(), model.loops().rows, "loops().rows");
-    for (std::size_t c = 0; c < tau.size(); ++c) need[static_cast<Eigen::Index>(c)] -= tau[c];
-    rows.least_multipliers(need, lambda);
-  }
-  return size > T(0) ? left / size : T(0);
+  const DriveForces<T> found(system, need, at);
+  std::ranges::copy(found.tau, tau.begin());
+  if (!lambda.empty()) found.rows.least_multipliers(found.by_loops, lambda);
+  return found.missing;
+}
+
+template <RecursionRepresentation Rep, class T>
+void joint_wrenches(const Model& model, LoopWorkspace<T>& workspace, Numbers<T> q, Numbers<T> v, Numbers<T> a,
+                    std::type_identity_t<Numbers<T>> lambda,
+                    std::type_identity_t<std::span<Wrench<Rep, T>>> W,
+                    const std::type_identity_t<Loads<T>>& loads, WrenchPoint at) {
+  LoopSystem<T>& system = checked(model, workspace, q, v);
+  check_rows("lambda", lambda.size(), model.loops().rows, "loops().rows");
+  check_size("W", W.size(), static_cast<std::size_t>(model.n_bodies()), "n_bodies");
+  static_cast<void>(tree_forces(system, q, v, a, loads));
+  system.make_rows(LoopSystem<T>::Rows::velocities);
+  write_joint_wrenches<Rep>(model, system, lambda, at, W);
+}
+
+template <RecursionRepresentation Rep, class T>
+T joint_wrenches(const Model& model, LoopWorkspace<T>& workspace, Numbers<T> q, Numbers<T> v, Numbers<T> a,
+                 std::type_identity_t<std::span<Wrench<Rep, T>>> W, std::span<const int> drives,
+                 const std::type_identity_t<Loads<T>>& loads, WrenchPoint at) {
+  LoopSystem<T>& system = checked(model, workspace, q, v);
+  check_size("W", W.size(), static_cast<std::size_t>(model.n_bodies()), "n_bodies");
+  const std::vector<int> at_drives = driven(model, drives);
+  const DriveForces<T> found(system, closed_forces(system, q, v, a, loads), at_drives);
+  std::vector<T> lambda(static_cast<std::size_t>(model.loops().rows));
+  found.rows.least_multipliers(found.by_loops, lambda);
+  write_joint_wrenches<Rep>(model, system, Numbers<T>(lambda), at, W);
+  return found.missing;
 }
 
 template <class T>
@@ -146,13 +220,19 @@ template AXODE_T inverse_dynamics(const Model&, LoopWorkspace<AXODE_T>&, Numbers
                                   std::span<const int>, const Loads<AXODE_T>&, Numbers<AXODE_T>);
 template Solvability impact(const Model&, LoopWorkspace<AXODE_T>&, Numbers<AXODE_T>, Numbers<AXODE_T>,
                             AXODE_T, std::span<AXODE_T>, std::span<AXODE_T>);
-#define AXODE_LOOP_WRENCHES(Rep)                                                            \
-  template void loop_wrenches<Rep>(const Model&, LoopWorkspace<AXODE_T>&, Numbers<AXODE_T>, \
-                                   Numbers<AXODE_T>, std::span<Wrench<Rep, AXODE_T>>)
-AXODE_LOOP_WRENCHES(BodyFixed);
-AXODE_LOOP_WRENCHES(Spatial);
-AXODE_LOOP_WRENCHES(Hybrid);
-AXODE_LOOP_WRENCHES(Mixed);
-#undef AXODE_LOOP_WRENCHES
+#define AXODE_WRENCHES(Rep)                                                                                 \
+  template void loop_wrenches<Rep>(const Model&, LoopWorkspace<AXODE_T>&, Numbers<AXODE_T>,                 \
+                                   Numbers<AXODE_T>, std::span<Wrench<Rep, AXODE_T>>);                      \
+  template void joint_wrenches<Rep>(const Model&, LoopWorkspace<AXODE_T>&, Numbers<AXODE_T>,                \
+                                    Numbers<AXODE_T>, Numbers<AXODE_T>, Numbers<AXODE_T>,                   \
+                                    std::span<Wrench<Rep, AXODE_T>>, const Loads<AXODE_T>&, WrenchPoint);   \
+  template AXODE_T joint_wrenches<Rep>(const Model&, LoopWorkspace<AXODE_T>&, Numbers<AXODE_T>,             \
+                                       Numbers<AXODE_T>, Numbers<AXODE_T>, std::span<Wrench<Rep, AXODE_T>>, \
+                                       std::span<const int>, const Loads<AXODE_T>&, WrenchPoint)
+AXODE_WRENCHES(BodyFixed);
+AXODE_WRENCHES(Spatial);
+AXODE_WRENCHES(Hybrid);
+AXODE_WRENCHES(Mixed);
+#undef AXODE_WRENCHES
 
 }  // namespace axode

@@ -1,5 +1,6 @@
 #pragma once
 #include "axode/constraints/loops.hpp"
+#include "axode/dynamics/joint_wrenches.hpp"
 #include "axode/recursion/solvability.hpp"
 
 /// Dynamics of mechanisms with loops: M a + h - Aᵀ λ = τ with A a + γ = 0.
@@ -29,6 +30,28 @@ template <class T>
                                  std::span<const int> drives = {},
                                  const std::type_identity_t<Loads<T>>& loads = {},
                                  std::type_identity_t<Numbers<T>> forces = {});
+
+/// The wrench that each joint of the tree transmits from the predecessor to the body, drive and reaction, at accelerations a
+/// and multipliers λ (loops().rows) that belong together, as forward_dynamics() and inverse_dynamics() give them. W has
+/// n_bodies entries, in the representation Rep of the body's frame moved to the point `at`, as the overload for trees has it.
+/// Newton-Euler recursion with the wrenches W λ of the loops among the applied ones. Sᵀ W is the drive force less armature and
+/// losses; it is 0 in passive joints, and joints in a coupling transmit the force of the coupling as well. Springs are left
+/// out, as in inverse_dynamics(). O(n + m).
+template <RecursionRepresentation Rep = BodyFixed, class T>
+void joint_wrenches(const Model& model, LoopWorkspace<T>& workspace, Numbers<T> q, Numbers<T> v, Numbers<T> a,
+                    std::type_identity_t<Numbers<T>> lambda,
+                    std::type_identity_t<std::span<Wrench<Rep, T>>> W,
+                    const std::type_identity_t<Loads<T>>& loads = {}, WrenchPoint at = WrenchPoint::body);
+
+/// These wrenches under the drive forces and the multipliers that inverse_dynamics() gives for a. Where loops are redundant,
+/// the share of each loop is indeterminate for rigid bodies: the least multipliers are taken, and the wrenches go with them.
+/// Returns what inverse_dynamics() returns, and throws as it does. Allocates; O(nv³).
+template <RecursionRepresentation Rep = BodyFixed, class T>
+[[nodiscard]] T joint_wrenches(const Model& model, LoopWorkspace<T>& workspace, Numbers<T> q, Numbers<T> v,
+                               Numbers<T> a, std::type_identity_t<std::span<Wrench<Rep, T>>> W,
+                               std::span<const int> drives = {},
+                               const std::type_identity_t<Loads<T>>& loads = {},
+                               WrenchPoint at = WrenchPoint::body);
 
 /// Velocities (nv) after an impact that closes the loops, A v⁺ = -e A v with the coefficient of restitution e, and the
 /// impulses (loops().rows; N m s and N s). It takes (1 - e²)/2 (A v)ᵀ (A M⁻¹ Aᵀ)⁻¹ A v of the energy. v⁺ may take the place

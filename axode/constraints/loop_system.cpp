@@ -324,6 +324,20 @@ void LoopSystem<T>::add_wrenches(const T* lambda, Wrench<Spatial, T>* on, T* tau
   }
 }
 
+template <class T> void LoopSystem<T>::joint_wrenches(const T* lambda, Wrench<Spatial, T>* W) noexcept {
+  const int n = tree()->n;
+  std::fill_n(W, n + 1, Wrench<Spatial, T>{});
+  for (std::size_t k = 0; k < at_.size(); ++k) {
+    const auto& [first, second] = paths_[k].loop->ends;
+    const Wrench<Spatial, T> closing = wrench(k, lambda);
+    W[second.body] += closing, W[first.body] -= on_first(at_[k], closing);
+  }
+  for (int i = n; i > 0; --i) {
+    if (const int p = tree()->parent[i]; p > 0) W[p] += W[i];  // the loops' wrenches on the whole subtree
+    W[i] = dynamics_->recursion.W[i] - W[i];
+  }
+}
+
 template <class T> Solvability LoopSystem<T>::factorize(const T* q) noexcept {
   place(q);
   return prepare(Rows::velocities, q);

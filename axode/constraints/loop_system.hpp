@@ -81,6 +81,9 @@ template <class T> class LoopSystem {
   void rates(const Twist<Spatial, T>* X, const T* x, T* out) const noexcept;
   /// W λ on bodies, likewise, and on joints.
   void add_wrenches(const T* lambda, Wrench<Spatial, T>* on, T* tau) const noexcept;
+  /// The wrenches that the joints transmit under multipliers λ, W[1] to W[n], each about the origin of its root, in
+  /// inertial axes. After force() and make_rows(Rows::velocities).
+  void joint_wrenches(const T* lambda, Wrench<Spatial, T>* W) noexcept;
 
   /// Partial derivatives along q and v of A a + γ (m × nv), and along q of Aᵀ λ (nv × nv), [component, direction], at the
   /// motion of force() and with the rows A made. Adds to what is there.
@@ -113,6 +116,8 @@ template <class T> class LoopSystem {
   /// W λ on the second body of loop k and -W λ on the first one, in inertial axes about origin(k); after make_rows().
   Wrench<Spatial, T> wrench(std::size_t k, const T* lambda) const noexcept;
   Vec3<T> origin(std::size_t k) const noexcept;
+  /// The origins of the roots in the inertial frame, at the index of each root body.
+  const Vec3<T>* root_origins() const { return origin_; }
 
   /// D^-½ L⁻ᵀ Aᵀ, nv × m, and zeros up to a whole block.
   const RowByRow& Y() const { return Y_; }

@@ -1,6 +1,7 @@
 #include "axode/dynamics/joint_wrenches.hpp"
 
 #include "axode/dynamics/check_loads.hpp"
+#include "axode/dynamics/wrench_frame.hpp"
 #include "axode/kinematics/check_arguments.hpp"
 #include "axode/recursion/instantiate.hpp"
 #include "axode/recursion/inverse_dynamics.hpp"
@@ -11,7 +12,7 @@ namespace axode {
 template <RecursionRepresentation Rep, class T>
 void joint_wrenches(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v, Numbers<T> a,
                     std::type_identity_t<std::span<Wrench<Rep, T>>> W,
-                    const std::type_identity_t<Loads<T>>& loads) {
+                    const std::type_identity_t<Loads<T>>& loads, WrenchPoint at) {
   catalog::check_counts<"joint_wrenches">(model, workspace);
   check_state(model, workspace, q, v, a);
   check_loads(model, loads);
@@ -20,8 +21,8 @@ void joint_wrenches(const Model& model, Workspace<T>& workspace, Numbers<T> q, N
   Arena arena = workspace.arena(model.topology());
   InverseDynamicsRecursion<Rep, T> recursion{arena};
   recursion.run(tree, q.data(), v.data(), a.data(), loads);
-  for (int i = 1; i <= tree->n; ++i) {  // the internal frame as a body on the user's frame
-    const SE3<T>& offset = tree.frame_offset[i];
+  for (int i = 1; i <= tree->n; ++i) {  // the internal frame as a body on the frame of the result
+    const SE3<T> offset = wrench_frame<T>(model, i, at);
     const Link<Rep, T> user = recursion.motion.bodies.link[i].child(offset);
     W[i - 1] = user.child(inverse(offset)).up(recursion.W[i]);
   }
@@ -34,6 +35,6 @@ void joint_wrenches(const Model& model, Workspace<T>& workspace, Numbers<T> q, N
 
 template void joint_wrenches<AXODE_REP>(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>, Numbers<AXODE_T>,
                                         Numbers<AXODE_T>, std::span<Wrench<AXODE_REP, AXODE_T>>,
-                                        const Loads<AXODE_T>&);
+                                        const Loads<AXODE_T>&, WrenchPoint);
 
 }  // namespace axode

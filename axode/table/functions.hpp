@@ -51,7 +51,7 @@ inline constexpr Counts of_forces{
     .springs = of_the_tree(subtract_springs),
     .joint_losses = optional};
 inline constexpr Counts of_wrenches{
-    .loops = refused("loop_wrenches has the wrenches of the loops themselves"),
+    .loops = counted,
     .passive_joints = of_the_tree(),
     .springs = of_the_tree(),
     .joint_losses = optional};
@@ -158,7 +158,7 @@ inline constexpr auto functions_of_state = [] {
        .allocates = false, .may_fail = true, .lanes = true, .tape = true, .counts = of_accelerations},
       {.name = "joint_wrenches",
        .purpose = "wrenches that the joints transmit to their bodies, from drives and constraints together",
-       .units = wrenches, .takes = {q, v, a, loads}, .choice = Choice::representation, .entry = wrench,
+       .units = wrenches, .takes = {q, v, a, loads, at}, .choice = Choice::representation, .entry = wrench,
        .shape = {n_joints}, .columns = false, .symbols = {"W"}, .cost = Cost::linear, .allocates = false,
        .may_fail = false, .lanes = false, .tape = false, .counts = of_wrenches},
       {.name = "mass_matrix", .purpose = "mass matrix M(q), armatures included",

@@ -35,9 +35,10 @@ std::string_view to_string(Input input) {
     case Input::loads: return "loads";
     case Input::place: return "frame";
     case Input::base: return "base";
-    case Input::form: break;
+    case Input::form: return "form";
+    case Input::at: break;
   }
-  return "form";
+  return "at";
 }
 
 std::string to_string(const Counts& counts) {

@@ -37,7 +37,7 @@ template <class E, std::size_t most> class List {
 };
 
 /// The arguments of functions of a state.
-enum class Input { q, v, a, tau, p, dq, dv, da, dtau, weights, loads, place, base, form };
+enum class Input { q, v, a, tau, p, dq, dv, da, dtau, weights, loads, place, base, form, at };
 /// Those that are numbers for each coordinate or velocity of a state. The others are settings.
 inline constexpr std::array inputs_of_numbers{Input::q,  Input::v,  Input::a,  Input::tau,  Input::p,
                                               Input::dq, Input::dv, Input::da, Input::dtau, Input::weights};

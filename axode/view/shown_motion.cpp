@@ -43,22 +43,12 @@ void append_lines(const Model& model, Row q, Row v, Workspace<>& workspace,
   }
 }
 
-/// What loops transmit between the bodies, where drives and springs act; false where that cannot be told.
-bool append_loops(const Model& model, Row q, Row v, Row tau, Workspace<>& workspace,
-                  LoopWorkspace<>& of_loops, std::vector<AppliedWrench<>>& loads) {
-  std::vector<double> forces(tau.begin(), tau.end()), a(forces),
-      lambda(static_cast<std::size_t>(model.loops().rows));
+/// The multipliers of the loops where drives and springs act; false where there are none.
+bool find_multipliers(const Model& model, Row q, Row v, Row tau, Workspace<>& workspace,
+                      LoopWorkspace<>& of_loops, std::vector<double>& lambda) {
+  std::vector<double> forces(tau.begin(), tau.end()), a(forces);
   add_spring_forces<double>(model, workspace, q, v, forces);
-  if (!forward_dynamics<double>(model, of_loops, q, v, forces, a, lambda).ok()) return false;
-  std::vector<Wrench<Spatial>> W(model.loops().all.size());
-  loop_wrenches<Spatial, double>(model, of_loops, q, lambda, W);
-  for (std::size_t k = 0; k < W.size(); ++k) {
-    const Loop& loop = model.loops().all[k];
-    if (loop.kind == LoopKind::coupling) continue;
-    loads.emplace_back(loop.ends[1].body, W[k]);
-    loads.emplace_back(loop.ends[0].body, Wrench<Spatial>{-W[k].m, -W[k].f});
-  }
-  return true;
+  return forward_dynamics<double>(model, of_loops, q, v, forces, a, lambda).ok();
 }
 
 /// Six numbers of each.
@@ -104,6 +94,7 @@ view::MotionNumbers view::numbers_of(const Model& model, const ShownMotion& moti
   std::vector<Twist<Spatial>> V(static_cast<std::size_t>(model.n_frames()));
   std::vector<Wrench<Spatial>> W(static_cast<std::size_t>(model.n_bodies()));
   std::vector<Momentum<Spatial>> Pi(W.size());
+  std::vector<double> lambda(static_cast<std::size_t>(model.loops().rows));
   bool with_wrenches = !motion.a.empty() && (!loops || !motion.tau.empty());
   for (std::size_t k = 0; k < motion.t.size(); ++k) {
     const Row q = row(motion.q, k, model.nq()), v = row(motion.v, k, model.nv());
@@ -124,10 +115,14 @@ view::MotionNumbers view::numbers_of(const Model& model, const ShownMotion& moti
     if (!with_wrenches) continue;
     std::vector<AppliedWrench<>> loads;
     append_lines(model, q, v, workspace, loads);
-    with_wrenches =
-        !loops || append_loops(model, q, v, row(motion.tau, k, model.nv()), workspace, *of_loops, loads);
-    joint_wrenches<Spatial, double>(model, workspace, q, v, row(motion.a, k, model.nv()), W,
-                                    {.wrenches = loads});
+    const Row a = row(motion.a, k, model.nv());
+    if (loops) {
+      with_wrenches =
+          find_multipliers(model, q, v, row(motion.tau, k, model.nv()), workspace, *of_loops, lambda);
+      joint_wrenches<Spatial, double>(model, *of_loops, q, v, a, lambda, W, {.wrenches = loads});
+    } else {
+      joint_wrenches<Spatial, double>(model, workspace, q, v, a, W, {.wrenches = loads});
+    }
     append(W, out.wrenches);
   }
   if (!with_wrenches) out.wrenches.clear();

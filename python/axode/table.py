@@ -18,7 +18,7 @@ from typing import Any, NamedTuple
 __all__ = ["ROWS", "Row"]
 
 #: Arguments that are no numbers of a state.
-SETTINGS = ("loads", "frame", "base", "form")
+SETTINGS = ("loads", "frame", "base", "form", "at")
 
 
 class Row(NamedTuple):

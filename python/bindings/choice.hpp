@@ -9,6 +9,7 @@
 
 #include "axode/catalog.hpp"
 #include "axode/dynamics/coriolis.hpp"
+#include "axode/dynamics/joint_wrenches.hpp"
 #include "axode/io.hpp"
 #include "axode/lie/twist.hpp"
 #include "axode/model/nearest_name.hpp"
@@ -82,6 +83,12 @@ template <> struct Words<CoriolisForm> {
   static constexpr std::array<std::string_view, 4> words{"paper", "skew", "spatial", "christoffel"};
   static CoriolisForm value(std::size_t k) { return static_cast<CoriolisForm>(k); }
 };
+template <> struct Words<WrenchPoint> {
+  static constexpr auto name = nb::detail::const_name("typing.Literal['body', 'joint']");
+  static constexpr const char* argument = "at";
+  static constexpr std::array<std::string_view, 2> words{"body", "joint"};
+  static WrenchPoint value(std::size_t k) { return static_cast<WrenchPoint>(k); }
+};
 
 }  // namespace axode::python
 
@@ -105,5 +112,6 @@ template <> struct type_caster<axode::Representation> : WordCaster<axode::Repres
 template <> struct type_caster<axode::python::Algorithm> : WordCaster<axode::python::Algorithm> {};
 template <> struct type_caster<axode::Base> : WordCaster<axode::Base> {};
 template <> struct type_caster<axode::CoriolisForm> : WordCaster<axode::CoriolisForm> {};
+template <> struct type_caster<axode::WrenchPoint> : WordCaster<axode::WrenchPoint> {};
 
 }  // namespace nanobind::detail

@@ -219,6 +219,26 @@ Array closed_inverse_dynamics(const BoundModel& m, const Arguments& given, nb::h
   return out.array();
 }
 
+Array closed_joint_wrenches(const BoundModel& m, const Arguments& given, nb::handle drives) {
+  const States states(m, given.q, given.threads);
+  const Items v = states.velocities("v", given.v), a = states.velocities("a", given.a);
+  const AppliedLoads applied(states, given.loads, given.joint_losses);
+  const std::vector<int> at = velocities(m, drives, "drives");
+  const Shape shape{m->n_bodies(), 6};
+  NewArray out = states.result(shape);
+  each_closed(states, [&](LoopWorkspace<>& workspace, std::size_t k) {
+    const double missing = applied.with(k, [&](const Loads<double>& now) {
+      return with_representation(*given.algorithm.representation, [&]<class Rep>(Rep) {
+        return joint_wrenches<Rep>(*m, workspace, states.q(k), v[k], a[k],
+                                   screws<Wrench<Rep>>(item(out, k, shape)), at, now, given.at);
+      });
+    });
+    check_driven(missing, "make these accelerations");
+  });
+  states.refuse({}, out);
+  return out.array();
+}
+
 namespace {
 
 nb::object multiplier_derivatives(const BoundModel& m, ArrayLike q, ArrayLike given_v, ArrayLike given_tau,

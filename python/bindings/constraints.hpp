@@ -6,5 +6,7 @@ namespace axode::python {
 /// `inverse_dynamics` with forces that act besides, or with drives: of a model with loops, or as if it had some.
 Array closed_inverse_dynamics(const BoundModel& m, const Arguments& given, nb::handle drives,
                               nb::handle forces);
+/// `joint_wrenches` under the drive forces that these drives give.
+Array closed_joint_wrenches(const BoundModel& m, const Arguments& given, nb::handle drives);
 
 }  // namespace axode::python

@@ -106,22 +106,28 @@ array([1., 1., 1., 1., 1., 1., 1.])
   module.def(
       "joint_wrenches",
       [f = StateFunction("joint_wrenches")](const BoundModel& m, ArrayLike q, ArrayLike v, ArrayLike a,
-                                            Representation representation, LoadList loads, bool joint_losses,
-                                            int threads) {
-        return f(m, {.q = q,
-                     .v = v,
-                     .a = a,
-                     .algorithm = {representation},
-                     .loads = loads,
-                     .joint_losses = joint_losses,
-                     .threads = threads});
+                                            Representation representation, LoadList loads, WrenchPoint at,
+                                            bool joint_losses, int threads, nb::handle drives) {
+        const Arguments all{.q = q,
+                            .v = v,
+                            .a = a,
+                            .algorithm = {representation},
+                            .loads = loads,
+                            .joint_losses = joint_losses,
+                            .at = at,
+                            .threads = threads};
+        return drives.is_none() ? f(m, all) : closed_joint_wrenches(m, all, drives);
       },
       "m"_a, "q"_a, "v"_a, "a"_a, "representation"_a = "body", "loads"_a = nb::none(), nb::kw_only(),
-      "joint_losses"_a = false, "threads"_a = 1,
+      "at"_a = "body", "joint_losses"_a = false, "threads"_a = 1, "drives"_a = nb::none(),
       documented("joint_wrenches", R"(
 The wrench that each joint transmits to its body, drive and reaction: moment (N m), then force (N).
 
-Shape (n_bodies, 6) or (N, n_bodies, 6), row i for body i of `m.body_names`, in the representation of its frame. O(n).
+Shape (n_bodies, 6) or (N, n_bodies, 6), row i for body i of `m.body_names`, in the representation of its frame. Moments are
+about the origin of that frame or, with at="joint", about the joint's point, `Body.S_self`; spatial ones about the inertial
+origin in either. O(n).
+Of a mechanism with loops, the wrenches under the drive forces that `inverse_dynamics` gives, with `drives` as there; O(nv^3).
+Where loops are redundant, the wrenches go with the least multipliers that there are, see `constraint_wrenches`.
 
 >>> W = axode.joint_wrenches(arm, arm.neutral(), np.zeros(7), np.zeros(7), "hybrid")
 >>> W[0, 3:].round(3)

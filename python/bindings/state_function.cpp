@@ -110,7 +110,7 @@ NewArray StateFunction::run(const BoundModel& m, const Arguments& given, const R
     found.resize(states.count());
     const auto call_one = [&](const auto& call, auto& workspace, std::size_t k) {
       catalog::Given<double> one{
-          .q = states.q(k), .place = given.place, .base = given.base, .form = given.form};
+          .q = states.q(k), .place = given.place, .base = given.base, .form = given.form, .at = given.at};
       for (std::size_t i = 0; i < taken.size(); ++i) catalog::numbers(one, takes_[i].input) = taken[i][k];
       found[k] = loads.with(k, [&](const Loads<double>& now) {
         one.loads = now;

@@ -23,6 +23,7 @@ struct Arguments {
   bool joint_losses = false;
   Place<> place = 0, base = 0;
   CoriolisForm form = CoriolisForm::christoffel;
+  WrenchPoint at = WrenchPoint::body;
   int threads = 1;
   const Instead* instead = nullptr;
 };

@@ -144,6 +144,29 @@ TEST(EvalQuantities, FitTogether) {
   EXPECT_TRUE(near(Eigen::Map<const Eigen::VectorXd>(v.data(), 7), given("v")));
 }
 
+TEST(EvalQuantities, JointWrenchesCountLoops) {
+  const Model model = load(robot("four_bar.toml"));
+  LoopWorkspace<> loops(model);
+  const std::vector<double> q = neutral(model), rest(q.size());
+  for (const auto& [point, at] : {std::pair{"body", WrenchPoint::body}, {"joint", WrenchPoint::joint}}) {
+    std::vector<Wrench<Hybrid>> W(3);
+    EXPECT_LT(joint_wrenches<Hybrid>(model, loops, q, rest, rest, W, {}, {}, at), 1e-9);
+    const Outcome outcome = axode({"eval", robot("four_bar.toml"), "--want", "joint_wrenches",
+                                   "--representation", "hybrid", "--at", point, "--format", "json"});
+    ASSERT_EQ(outcome.code, 0) << outcome.err;
+    const Json told = Json::parse(outcome.out);
+    EXPECT_THAT(told["labels"]["joint_wrenches"].get<std::string>(),
+                testing::HasSubstr(std::string("about the ") +
+                                   (at == WrenchPoint::body ? "body's origin" : "joint's point")));
+    for (int i = 1; i <= 3; ++i) {
+      const auto& [m, f] = W[static_cast<std::size_t>(i - 1)];
+      const Json& found = told["results"]["joint_wrenches"][model.joint(i).name];
+      EXPECT_EQ(found, Json({m.x, m.y, m.z, f.x, f.y, f.z}));
+      if (at == WrenchPoint::joint && model.joint(i).passive) EXPECT_NEAR(found[2].get<double>(), 0, 1e-9);
+    }
+  }
+}
+
 TEST(EvalQuantities, FormsOfCDifferAndMakeTheSameForces) {
   const std::string arm = robot("arm7.toml");
   const Json state = moving(load(arm));

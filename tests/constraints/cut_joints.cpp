@@ -134,6 +134,9 @@ class CutJoints : public testing::TestWithParam<JointKind> {
     for (std::size_t c = 0; c < a_cut.size(); ++c)
       EXPECT_NEAR(static_cast<double>(got[c]), a_cut[c], tolerance * size * condition(whole, q)) << c;
 
+    if constexpr (std::same_as<T, double>)
+      transmits_as_the_tree(trees, a, {q_cut, v_cut, a_cut}, loads, loads_T,
+                            tolerance * 100 * condition(whole, q));
     if (std::same_as<T, double> && GetParam() != JointKind::fixed) {
       std::vector<Wrench<BodyFixed>> W(static_cast<std::size_t>(whole.n_bodies())), on_body(1);
       joint_wrenches<BodyFixed>(whole, workspace, q, v, a, W, loads);
@@ -144,6 +147,63 @@ class CutJoints : public testing::TestWithParam<JointKind> {
       const double bound = tolerance * forces * 100 * condition(whole, q);
       EXPECT_LT(norm(on_body[0].m - expected.m), bound);
       EXPECT_LT(norm(on_body[0].f - expected.f), bound);
+    }
+  }
+  /// The wrench of every joint that both mechanisms have, where the joint that was cut has no drive.
+  static void transmits_as_the_tree(const CutTree& trees, const Numbers& a,
+                                    const std::array<Numbers, 3>& motion, const Loads<>& loads,
+                                    const Loads<>& loads_cut, double tolerance) {
+    const Model &whole = *trees.whole, &cut = *trees.cut;
+    Workspace<double> workspace(whole);
+    LoopWorkspace<double> loops(cut);
+    const Joint& base = cut.joint(cut.joint_index("free of cut"));
+    std::vector<int> drives;
+    for (int c = 0; c < cut.nv(); ++c)
+      if (c < base.iv || c >= base.iv + base.nv) drives.push_back(c);
+    if (drives.empty()) return;
+    const auto& [q, v, a_cut] = motion;
+    const std::size_t n = static_cast<std::size_t>(whole.n_bodies());
+    std::vector<Wrench<BodyFixed>> W(n), found(static_cast<std::size_t>(cut.n_bodies()));
+    joint_wrenches<BodyFixed>(whole, workspace, trees.state.q, trees.state.v, a, W, loads);
+    EXPECT_LT(joint_wrenches<BodyFixed>(cut, loops, q, v, a_cut, found, drives, loads_cut), tolerance);
+    double size = 1;
+    for (const Wrench<BodyFixed>& W_i : W) size += norm(W_i.m) + norm(W_i.f);
+    for (int i = 1; i <= whole.n_bodies(); ++i) {
+      const std::string& joint = whole.joint(i).name;
+      if (joint == trees.joint || joint.starts_with(trees.joint + ".")) continue;
+      const Wrench<BodyFixed>& expected = W[static_cast<std::size_t>(i - 1)];
+      const Wrench<BodyFixed>& W_i = found[static_cast<std::size_t>(cut.joint_index(joint) - 1)];
+      EXPECT_LT(norm(W_i.m - expected.m), tolerance * size) << joint;
+      EXPECT_LT(norm(W_i.f - expected.f), tolerance * size) << joint;
+    }
+    std::vector<SE3<>> C(static_cast<std::size_t>(whole.n_frames())),
+        C_cut(static_cast<std::size_t>(cut.n_frames()));
+    Workspace<double> of_cut(cut);
+    poses(whole, workspace, trees.state.q, C), poses(cut, of_cut, q, C_cut);
+    for (const Representation representation : representations)
+      with_representation(representation, [&]<class Rep>(Rep) {
+        for (const WrenchPoint at : {WrenchPoint::body, WrenchPoint::joint}) {
+          std::vector<Wrench<Rep>> of_whole(W.size()), of_loops(found.size());
+          joint_wrenches<Rep>(whole, workspace, trees.state.q, trees.state.v, a, of_whole, loads, at);
+          static_cast<void>(joint_wrenches<Rep>(cut, loops, q, v, a_cut, of_loops, drives, loads_cut, at));
+          expect_same(whole, C, W, of_whole, at, 1e-10 * size);
+          expect_same(cut, C_cut, found, of_loops, at, 1e-10 * size);
+        }
+      });
+  }
+  /// Wrenches in any representation about a point, from those about the origins of the bodies.
+  template <class Rep>
+  static void expect_same(const Model& model, const std::vector<SE3<>>& C,
+                          const std::vector<Wrench<BodyFixed>>& W, const std::vector<Wrench<Rep>>& moved,
+                          WrenchPoint at, double tolerance) {
+    for (int i = 1; i <= model.n_bodies(); ++i) {
+      const auto k = static_cast<std::size_t>(i);
+      const Vec3<> r = at == WrenchPoint::joint ? model.body(i).S_self.r : Vec3<>{};
+      const Wrench<BodyFixed>& W_i = W[k - 1];
+      const Wrench<BodyFixed> about_r{W_i.m - cross(r, W_i.f), W_i.f};
+      const Wrench<Rep> expected = change<Rep>(C[k] * SE3<>{{}, r}, about_r);
+      EXPECT_LT(norm(moved[k - 1].m - expected.m), tolerance) << model.joint(i).name;
+      EXPECT_LT(norm(moved[k - 1].f - expected.f), tolerance) << model.joint(i).name;
     }
   }
   /// Of the mass matrix, as far as errors of accelerations grow with it.

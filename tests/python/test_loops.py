@@ -74,6 +74,30 @@ def test_drives_make_the_accelerations(name):
     np.testing.assert_allclose(axode.forward_dynamics(m, q, v, everywhere), a, atol=1e-7 * (1 + np.abs(a).max()))
 
 
+@pytest.mark.parametrize("name", MECHANISMS)
+def test_joint_wrenches_are_those_of_drives_and_loops(name):
+    m = MECHANISMS[name]
+    q, v, tau = state(m, 3)
+    a = axode.forward_dynamics(m, q, v, tau)
+    u = axode.inverse_dynamics(m, q, v, a)
+    W = axode.joint_wrenches(m, q, v, a)
+    at_joint = axode.joint_wrenches(m, q, v, a, at="joint")
+    size = 1 + np.abs(W).max()
+    for i, body in enumerate(m.body_names):
+        joint, b = m.joint(m.joint_names[i]), m.body(body)
+        np.testing.assert_allclose(b.X.T @ W[i], u[joint.v], atol=1e-8 * size)
+        np.testing.assert_allclose(at_joint[i, :3], W[i, :3] - np.cross(b.S_self[:3, 3], W[i, 3:]), atol=1e-11 * size)
+        np.testing.assert_array_equal(at_joint[i, 3:], W[i, 3:])
+    both = axode.joint_wrenches(m, [q, q], [v, v], [a, a], threads=2)
+    np.testing.assert_array_equal(both, [W, W])
+    assert np.abs(axode.joint_wrenches(m, q, v, a, drives=range(m.nv)) - W).max() > 1e-6 * size
+    if name == "Gough":
+        with pytest.raises(ValueError, match="the drives cannot make these accelerations"):
+            axode.joint_wrenches(m, q, v, a, drives=["leg0_joint"])
+    with pytest.raises(ValueError, match="at is 'pin'; expected one of 'body', 'joint'"):
+        axode.joint_wrenches(m, q, v, a, at="pin")
+
+
 def test_drives_by_name_and_what_they_cannot_do():
     q, v, tau = state(FOUR_BAR)
     a = axode.forward_dynamics(FOUR_BAR, q, v, tau)

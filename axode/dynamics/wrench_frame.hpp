@@ -1,0 +1,13 @@
+#pragma once
+#include "axode/dynamics/joint_wrenches.hpp"
+#include "axode/model/model.hpp"
+
+namespace axode {
+
+/// Pose, in the internal frame of body i, of the frame in which the wrench of joint i is given.
+template <class T> SE3<T> wrench_frame(const Model& model, int i, WrenchPoint at) {
+  const SE3<T>& body = model.tree<T>().frame_offset[i];
+  return at == WrenchPoint::body ? body : body * SE3<T>{{}, cast<T>(model.body(i).S_self.r)};
+}
+
+}  // namespace axode
