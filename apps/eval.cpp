@@ -7,6 +7,7 @@
 #include <memory>
 #include <optional>
 
+#include "assembling.hpp"
 #include "axode/model/builder.hpp"
 #include "chart.hpp"
 #include "choice.hpp"
@@ -27,6 +28,7 @@ struct Options {
   int order = 1;
   std::string coriolis = "christoffel", at = "body";
   bool joint_losses = false;
+  Assembling assembling;
 };
 
 constexpr const char* footer = R"(Quantities for --want (several are separated by commas):
@@ -143,6 +145,7 @@ std::string heading(const Quantity& quantity, const std::string& label) {
 /// The quantities at one state.
 void run(const Options& options, Format format, const std::vector<Quantity>& chosen, Question& ask) {
   ask.state = options.state.empty() ? neutral_state(ask.model) : read_state(ask.model, options.state);
+  assemble(ask.model, options.assembling, ask.state);
   Json results = Json::object(), labels = Json::object();
   std::string tables;
   for (const Quantity& quantity : chosen) {
@@ -185,6 +188,7 @@ void run_sweep(const Options& options, Format format, const std::vector<Quantity
     std::vector<Curve> curves;
     for (std::size_t i = 0; i < sweep.states.size(); ++i) {
       ask.state = sweep.states[i];
+      assemble(ask.model, options.assembling, ask.state);
       const Answer answer = finite_answer(quantity, ask);
       results[name].push_back(answer.value);
       labels[name] = answer.label;
@@ -249,6 +253,7 @@ void add_eval(CLI::App& app, int& exit_code) {
   eval->add_option("--state", options->state,
                    "JSON, - for standard input, or a .csv of several; neutral and at rest if left out")
       ->type_name("FILE");
+  add_assembly_options(*eval, options->assembling);
   eval->add_option("--want", options->want, "What to compute, see below; inverse_dynamics if left out")
       ->type_name("QUANTITIES");
   eval->add_option("--representation", options->representation, "In which axes; body if left out")

@@ -8,7 +8,7 @@
 #include <memory>
 #include <optional>
 
-#include "axode/constraints/assembly.hpp"
+#include "assembling.hpp"
 #include "axode/dynamics.hpp"
 #include "axode/eigen.hpp"
 #include "axode/integration.hpp"
@@ -35,7 +35,8 @@ struct Options {
   double until = 1, relative = 1e-8, absolute = 1e-10, spectral_radius = 0.8;
   std::optional<double> step;
   int samples = 0;
-  bool joint_losses = false, assemble = false;
+  bool joint_losses = false;
+  Assembling assembling;
   std::vector<std::string> outputs;
   std::string plot;
 };
@@ -60,7 +61,8 @@ tau = KP (q_target - q) + KD (v_target - v), differences of rotations being rota
 the mechanism always act.
 
 STATE is the JSON object of `axode eval` with the keys q, v, tau and loads; what is left out is neutral, at rest or 0. With
---assemble the motion of a mechanism with loops begins at the closed q and v near it.
+--assemble the motion of a mechanism with loops begins at the closed q and v near it, where the joints that --hold names have
+their q and v of STATE.
 
 Example:
   echo '{"q": {"pin": 2}}' | axode simulate double_pendulum.toml --state - --until 10 --output run.csv --plot run.svg
@@ -302,11 +304,7 @@ void run(const Options& options, int& exit_code) {
   const std::optional<ChartFile> plot = chart_file(options.plot);
   const Model model = load(options.mechanism);
   State state = options.state.empty() ? neutral_state(model) : read_state(model, options.state);
-  if (options.assemble) {
-    AssemblyResult closed = assemble(model, state.q, state.v);
-    if (closed.status != AssemblyStatus::closed) throw InputError(to_string(model, closed));
-    state.q = std::move(closed.q), state.v = std::move(closed.v);
-  }
+  assemble(model, options.assembling, state);
   const Drive drive = drive_of(model, state, options);
   const Trajectory motion = motion_of(model, state, drive, options);
   if (motion.size() == 0) throw InputError(motion.stopped);
@@ -364,7 +362,7 @@ void add_simulate(CLI::App& app, int& exit_code) {
       ->type_name("FILE");
   simulate->add_option("--samples", options->samples, "Write so many equal intervals instead of the steps")
       ->type_name("NUMBER");
-  simulate->add_flag("--assemble", options->assemble, "Close the loops of the state first");
+  add_assembly_options(*simulate, options->assembling);
   simulate->add_flag("--joint-losses", options->joint_losses, "Count damping and friction of the joints");
   simulate->add_option("--output", options->outputs, "Write a .json, .csv or .npz; may be given again")
       ->type_name("FILE")

@@ -3,6 +3,7 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 
 #include "axode/constraints/check_loops.hpp"
@@ -34,16 +35,25 @@ class Assembly {
   }
 
  private:
+  static constexpr int patience = 5;
+
   AssemblyStatus close() {
     Vector r = residual_of(result_.q);
     const double enough = options_.tolerance * size();
     double damping = 1e-4;
+    int slow = 0;  // steps one after the other that hardly made the residual smaller
     const auto closed = [&] { return std::isfinite(r.norm()) && r.norm() <= enough; };
+    const auto closed_to_rounding = [&] { return r.norm() <= std::max(1e3 * enough, rounding()); };
     for (; !closed(); ++result_.iterations) {
       if (result_.iterations == options_.iterations || (options_.monitor && !options_.monitor()))
         return AssemblyStatus::iteration_limit;
       const Matrix R = rows(Rows::places);
-      if (!((R.transpose() * r).norm() > 1e-9 * std::pow(r.norm(), 1.5))) return AssemblyStatus::open;
+      const double slope = (R.transpose() * r).norm(), before = r.norm();
+      if (!(slope > 1e-9 * std::pow(before, 1.5))) {
+        if (result_.iterations > 0 && closed_to_rounding()) return AssemblyStatus::closed;
+        const bool at_guess = result_.iterations == 0 && std::isfinite(slope);
+        return at_guess ? AssemblyStatus::singular_guess : AssemblyStatus::open;
+      }
       bool better = false;
       for (int attempt = 0; attempt < 30 && !better; ++attempt) {
         const std::vector<double> q = integrate(model_, result_.q, as_numbers(step(R, r, damping)));
@@ -52,8 +62,10 @@ class Assembly {
         damping *= better ? 0.1 : 10;
         if (better) result_.q = q, r = r_there;
       }
-      if (!better) return r.norm() > 1e3 * enough ? AssemblyStatus::open : AssemblyStatus::closed;
       static_cast<void>(residual_of(result_.q));
+      if (!better) return closed_to_rounding() ? AssemblyStatus::closed : AssemblyStatus::open;
+      slow = r.norm() > 0.9 * before ? slow + 1 : 0;
+      if (slow >= patience && closed_to_rounding()) return AssemblyStatus::closed;
     }
     return AssemblyStatus::closed;
   }
@@ -107,6 +119,37 @@ class Assembly {
       for (const int i : path.bodies) largest = std::max(largest, norm(system_.link(i).C.r));
     return largest;
   }
+  /// What the residual may be by rounding alone where the system is, rad and m.
+  double rounding() const {
+    double sum = 0;
+    for (const LoopPath& path : system_.paths())
+      sum += static_cast<double>(path.bodies.size() + 4) * largest_term(path);
+    return 4 * std::numeric_limits<double>::epsilon() * sum;
+  }
+  /// The largest number that is added or subtracted on the way to the residual of a loop: a coordinate, a distance of a body
+  /// from the origin of its root or of that from the inertial one, or such a distance times an angle.
+  double largest_term(const LoopPath& path) const {
+    const Loop& loop = *path.loop;
+    const std::vector<double>& q = result_.q;
+    double length = std::abs(loop.offset), angle = 0, lever = 1;
+    for (const Loop::Term& term : loop.terms)
+      length = std::max(length, std::abs(term.factor * q[static_cast<std::size_t>(term.coordinate)]));
+    if (loop.kind == LoopKind::coupling) return length;
+    for (const int root : path.root)
+      if (root > 0) length = std::max(length, norm(system_.root_origins()[root]));
+    for (const Loop::End& end : loop.ends) length = std::max(length, norm(end.F.r));
+    for (const int i : path.bodies) {
+      lever = std::max(lever, norm(system_.link(i).C.r));
+      const Joint& joint = model_.joint(i);
+      for (int k = 0; k < joint.nq; ++k) {
+        const bool turns = joint.kind == Subgroup::revolute || joint.kind == Subgroup::helical ||
+                           (joint.kind == Subgroup::planar && k == 0);
+        double& largest = turns ? angle : length;
+        largest = std::max(largest, std::abs(q[static_cast<std::size_t>(joint.iq + k)]));
+      }
+    }
+    return std::max({length, lever, lever * angle});
+  }
   void report(const Vector& r) {
     result_.residual = r.norm();
     for (const Loop& loop : model_.loops().all)
@@ -126,6 +169,7 @@ std::string_view to_string(AssemblyStatus status) {
   switch (status) {
     case AssemblyStatus::closed: return "closed";
     case AssemblyStatus::open: return "open";
+    case AssemblyStatus::singular_guess: return "singular_guess";
     case AssemblyStatus::iteration_limit: return "iteration_limit";
     case AssemblyStatus::singular: return "singular";
   }
@@ -142,16 +186,21 @@ std::string to_string(const Model& model, const AssemblyResult& result) {
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::ranges::stable_sort(order,
                            [&](std::size_t a, std::size_t b) { return result.open[a] > result.open[b]; });
-  std::string text = result.status == AssemblyStatus::open
-                         ? "does not close from this guess: "
-                         : "is not closed after " + std::to_string(result.iterations) + " iterations: ";
+  const bool singular = result.status == AssemblyStatus::singular_guess;
+  std::string text =
+      singular ? "the guess is singular, stretched or folded: to first order no joint that may move "
+                 "closes a loop further: "
+      : result.status == AssemblyStatus::open
+          ? "does not close from this guess: "
+          : "is not closed after " + std::to_string(result.iterations) + " iterations: ";
   const char* separator = "";
   for (const std::size_t k : order) {
     if (result.open[k] < 1e-3 * result.open[order[0]]) break;
     text += separator + ("loop \"" + loops[k].name + "\" stays open by " + to_text(result.open[k]));
     separator = ", ";
   }
-  return text + " (rad and m); another guess may close it";
+  return text + (singular ? " (rad and m); turn one of its joints a little and try again"
+                          : " (rad and m); another guess may close it");
 }
 
 AssemblyResult assemble(const Model& model, std::span<const double> q, std::span<const double> v,

@@ -9,15 +9,16 @@
 namespace axode {
 
 struct AssemblyOptions {
-  double tolerance = 1e-12;            ///< of the residual, as a part of the size of the mechanism
-  int iterations = 200;                ///< at most
+  double tolerance = 1e-12;  ///< of the residual, as a part of the size of the mechanism; but see assemble()
+  int iterations = 200;      ///< at most
   std::span<const int> held = {};      ///< velocities of joints that shall stay where they are: drives
   std::function<bool()> monitor = {};  ///< asked at every iteration; false ends the search
 };
 
 enum class AssemblyStatus {
   closed,
-  open,             ///< no small step closes the loops further: a statement about this guess
+  open,            ///< no small step closes the loops further: a statement about this guess
+  singular_guess,  ///< at the guess itself no velocity closes them to first order: it is stretched, folded, or held
   iteration_limit,  ///< or the monitor ended the search
   singular,         ///< the loops are closed, but velocities need a mass matrix that is not
 };
@@ -35,7 +36,8 @@ std::string to_string(const Model& model, const AssemblyResult& result);
 
 /// A closed configuration near q, by Levenberg and Marquardt's way on the group; and of velocities v, or none, what is left
 /// after the loops have closed suddenly, which moves the masses least. Redundant rows do no harm; where two branches of the
-/// motion meet it is slow. Coordinates are not limited. Allocates, O(m nv²) an iteration. Throws std::invalid_argument for
+/// motion meet it is slow. A residual that stops shrinking within the rounding of the poses and coordinates it is made of, or
+/// within a thousand times the tolerance, is taken as closed. Coordinates are not limited. Allocates, O(m nv²) an iteration. Throws std::invalid_argument for
 /// wrong sizes and a q, v that is not finite.
 [[nodiscard]] AssemblyResult assemble(const Model& model, std::span<const double> q,
                                       std::span<const double> v = {}, const AssemblyOptions& options = {});

@@ -418,7 +418,8 @@ np.False_
 
 Levenberg and Marquardt's method on the group of configurations; v loses what the loops take when they close suddenly. Joints
 named in `hold`, or numbers of velocities, stay as they are. AssemblyError says which loop stays open by how much from this
-guess; another one may close.
+guess, and whether the guess is singular, as a stretched mechanism is; another one may close. `tolerance` is a part of the size
+of the mechanism; a residual that stops shrinking at the rounding of its terms is taken as closed.
 
 >>> q, v = axode.assemble(fourbar, [0.3, 0.0, 0.0], [1.0, 0.0, 0.0], hold=["crank_joint"])
 >>> q[0], bool(np.abs(axode.loop_residual(fourbar, q)).max() < 1e-11)

@@ -112,6 +112,32 @@ TEST(SimulateCommand, ClosesTheLoopsOfItsStartWhereAsked) {
     EXPECT_NEAR(energy, found.at("energy")[0].get<double>(), 1e-6);
 }
 
+TEST(SimulateCommand, HoldsJointsAsItClosesLoops) {
+  const std::string turned = R"({"q": {"crank_joint": 0.3, "coupler_joint": 0.1}})";
+  std::vector<std::string> words{
+      "simulate", robot("four_bar.toml"), "--state", "-", "--format", "json", "--until", "0.01"};
+  const Outcome open = axode(words, turned);
+  EXPECT_THAT(open.err, StartsWith("axode simulate: q leaves loop \"pin\" open by"));
+  EXPECT_THAT(open.err, testing::HasSubstr("--assemble"));
+  words.insert(words.end(), {"--hold", "crank_joint"});
+  EXPECT_THAT(axode(words, turned).err, testing::HasSubstr("give --assemble as well"));
+  words.emplace_back("--assemble");
+  const Outcome outcome = axode(words, turned);
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  const Motion found = Motion::parse(outcome.out);
+  EXPECT_EQ(found.at("q")[0][0], 0.3);
+  EXPECT_NE(found.at("q")[0][1], 0.1);
+  words.back() = "--assemble", words[words.size() - 2] = "crank";
+  EXPECT_THAT(axode(words, turned).err, testing::HasSubstr("crank_joint"));
+
+  const Outcome asked = axode({"eval", robot("four_bar.toml"), "--state", "-", "--want", "loop_residual",
+                               "--format", "json", "--assemble", "--hold", "crank_joint"},
+                              turned);
+  ASSERT_EQ(asked.code, 0) << asked.err;
+  for (const auto& r : Motion::parse(asked.out)["results"]["loop_residual"]["pin"])
+    EXPECT_NEAR(r.get<double>(), 0, 1e-11);
+}
+
 TEST(SimulateCommand, MovesInAbsoluteCoordinates) {
   const Motion joints = motion_of({"--rtol", "1e-10"});
   for (const std::string kind : {"absolute", "absolute_SO3xR3"}) {

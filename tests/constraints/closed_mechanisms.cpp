@@ -570,6 +570,41 @@ TEST(ClosedResults, NeedMemoryOfTheirOwn) {
   EXPECT_EQ(in_place, apart);
 }
 
+/// A residual is known to the rounding of what it is made of, and no search can do better.
+TEST(Assembly, ClosesToTheRoundingOfItsTerms) {
+  const Vec3<> D{1e8, -4e7, 3e6};
+  for (Description d : {slider_crank(), gough()}) {
+    SCOPED_TRACE(d.name);
+    for (BodyDescription& body : d.bodies) {
+      body.joint.point += D, body.inertia->com += D;
+      if (body.joint.kind == JointKind::free) body.geometry = InConstructionFrame{{{}, D}};
+    }
+    for (LoopDescription& loop : d.loops) loop.point += D;
+    const Model model = ModelBuilder(d).build();
+    Random<double> random(1);
+    for (int trial = 0; trial < 10; ++trial) {
+      const Numbers guess = integrate(model, neutral(model), random_numbers(random, model.nv(), 0.1));
+      const AssemblyResult found = assemble(model, guess);
+      EXPECT_EQ(found.status, AssemblyStatus::closed) << to_string(model, found);
+      EXPECT_LT(found.residual, 1e-6) << "1e-8 m is what is left of a double at 1e8 m";
+      EXPECT_LT(found.iterations, 30);
+    }
+  }
+}
+
+TEST(Assembly, CallsAStretchedGuessSingular) {
+  const Vec3<> z{0, 0, 1};
+  Description d = ring({{0, 0, 0}, {1, 0, 0}, {2, 0, 0}}, {z, z, z});
+  d.loops[0].frames = {SE3<>{{}, {2, 0, 0}}, SE3<>{{}, {1.9, 0, 0}}};
+  const Model model = ModelBuilder(d).build();
+  const AssemblyResult stretched = assemble(model, Numbers{0, 0});
+  EXPECT_EQ(stretched.status, AssemblyStatus::singular_guess);
+  EXPECT_THAT(to_string(model, stretched), testing::HasSubstr("the guess is singular, stretched or folded"));
+  EXPECT_THAT(to_string(model, stretched), testing::HasSubstr("loop \"loop 1\" stays open by 0.1"));
+  EXPECT_THAT(to_string(model, stretched), testing::HasSubstr("turn one of its joints a little"));
+  EXPECT_EQ(assemble(model, Numbers{0.1, 0}).status, AssemblyStatus::closed);
+}
+
 TEST(Assembly, SaysWhichLoopStaysOpen) {
   Description d = slider_crank();
   d.loops[0].frames = {SE3<>{{}, {2, 0, 0}}, SE3<>{{}, {2, 9, 0}}};  // nine metres off the slider's axis
