@@ -40,6 +40,7 @@ and the fast path, which is in no representation. For each:
   ad                             Lie brackets, of twists with twists or wrenches
   ns                             time of one call in one thread, median, nanoseconds
 
+All of them are algorithms for trees: a mechanism with loops or couplings is refused.
 What is computed does not depend on the frames; docs/comparative-study.md says more. The CSV has a line for
 each row of the tables. The plot has times as bars, and the sums of the operations as marks, to the scale at which that of
 body-fixed twists in joint frames meets its bar.)";
@@ -250,9 +251,16 @@ void run(const Options& options) {
   const Format format = choose("--format", options.format, formats);
   const std::optional<ChartFile> plot = chart_file(options.plot);
   const std::vector<Model> models = load_all(options.mechanisms);
-  for (std::size_t k = 0; k < models.size(); ++k)
-    if (models[k].nv() == 0)
-      throw InputError(options.mechanisms.files[k] + ": nothing moves, there is nothing to study");
+  for (std::size_t k = 0; k < models.size(); ++k) {
+    const std::string& file = options.mechanisms.files[k];
+    if (models[k].nv() == 0) throw InputError(file + ": nothing moves, there is nothing to study");
+    if (!models[k].loops().empty())
+      throw InputError(
+          file +
+          ": the mechanism has loops or couplings, and the algorithms that are compared are those of "
+          "trees; leave its [[loop]] and [[coupling]] tables out to study the tree, and call axode eval "
+          "or axode simulate to count them");
+  }
   std::vector<Study> studies;
   studies.reserve(models.size());
   for (const Model& model : models) studies.push_back(studied(model));
