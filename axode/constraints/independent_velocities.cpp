@@ -24,6 +24,7 @@ std::string names_of(const Model& model, std::span<const int> velocities) {
 
 /// The rows of the kernel that are farthest from dependent.
 std::vector<int> best_of(const Matrix& kernel) {
+  if (kernel.cols() == 0) return {};  // a decomposition needs a column
   const Eigen::ColPivHouseholderQR<Matrix> qr(kernel.transpose());
   std::vector<int> found;
   for (Eigen::Index k = 0; k < kernel.cols(); ++k)
@@ -50,11 +51,13 @@ IndependentVelocities independent_velocities(const Model& model, const Independe
   IndependentVelocities out;
   out.velocities = wanted.empty() ? best_of(kernel) : std::vector<int>(wanted.begin(), wanted.end());
   check(model, out.velocities, kernel.cols());
+  out.N = kernel;
+  if (kernel.cols() == 0) return out;
   const Eigen::FullPivLU<Matrix> chosen(Matrix(kernel(out.velocities, Eigen::indexing::all)));
-  if (kernel.cols() > 0 && !(chosen.rcond() > 1e-8))
+  if (!(chosen.rcond() > 1e-8))
     throw std::invalid_argument("velocities holds those of " + names_of(model, out.velocities) +
                                 ", which do not determine the others at this q");
-  out.N = kernel.cols() > 0 ? Matrix(kernel * chosen.inverse()) : kernel;
+  out.N = kernel * chosen.inverse();
   for (std::size_t k = 0; k < out.velocities.size(); ++k)
     out.N.row(out.velocities[k]).setZero()[static_cast<Eigen::Index>(k)] = 1;
   return out;

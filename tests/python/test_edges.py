@@ -79,6 +79,22 @@ def test_mechanisms_that_do_not_move_have_states_without_numbers(call):
     assert CALLS[call](m, many, many, many).shape == (3, *one.shape)
 
 
+def test_mechanisms_that_do_not_move_have_closed_states():
+    m = axode.Model.from_bodies([{"name": "table", "joint": "fixed", "mass": 1, "com": [0, 0, 0], "inertia": [1, 1, 1]}])
+    none = np.zeros(0)
+    assert [x.shape for x in axode.assemble(m, none, none)] == [(0,), (0,)]
+    assert axode.loop_mobility(m, none).degrees_of_freedom == 0
+    equations = axode.independent_equations(m, none, none)
+    assert equations.velocities == [] and equations.M.shape == (0, 0) and equations.h.shape == (0,)
+    small = axode.independent_linearization(m, none, none, none)
+    assert small.velocities == [] and small.A.shape == (0, 0)
+    assert axode.equilibrium(m, none).status == "solved"
+    assert axode.inverse_dynamics(m, none, none, none, drives=[]).shape == (0,)
+    assert axode.joint_wrenches(m, none, none, none, drives=[]).shape == (0, 6)
+    found = axode.joint_state(m, axode.poses(m, none), axode.twists(m, none, none))
+    assert found.q.shape == found.v.shape == (0,) and found.gap == 0
+
+
 def test_names_may_be_of_any_alphabet(tmp_path):
     names = ["основание", "腕", "ไหล่", "é" * 300, 'a "b" \\ c', "🦾"]
     m = axode.Model.from_bodies([

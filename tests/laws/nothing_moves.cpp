@@ -1,0 +1,44 @@
+#include "tests/laws/law.hpp"
+#include "tests/support/functions.hpp"
+
+/// Mechanisms that do not move have states without numbers, and every function of the catalogue answers for them.
+namespace axode::test {
+namespace {
+
+class NothingMoves : public Law {};
+INSTANTIATE_TEST_SUITE_P(Laws, NothingMoves, testing::ValuesIn(cases_with_fast()), name_of);
+
+TEST_P(NothingMoves, AndEveryFunctionAnswers) {
+  const Model model =
+      ModelBuilder(
+          Description{
+              .name = "table",
+              .bodies = {{.name = "table", .inertia = MassProperties{.mass = 1, .Theta = {1, 1, 1}}}},
+          })
+          .build();
+  ASSERT_EQ(model.nv(), 0);
+  with_scalar(GetParam(), [&](auto scalar) {
+    using T = decltype(scalar);
+    Workspace<T> workspace(model);
+    const std::vector<AppliedWrench<T>> wrenches{
+        {1, Representation::hybrid, {T(1), T(2), T(3)}, {T(4), T(5), T(6)}}};
+    catalog::Given<T> given{};
+    given.loads = {wrenches, true};
+    given.place = 1, given.base = 0;
+    for (const catalog::Function<T>& function : functions_of<T>(GetParam())) {
+      SCOPED_TRACE(function.name);
+      std::vector<T> out(function.size(model, wrenches.size()), std::numeric_limits<T>::quiet_NaN());
+      try {
+        EXPECT_TRUE(function.call(model, workspace, given, out).ok());
+      } catch (const std::domain_error& error) {
+        EXPECT_TRUE(function.name.starts_with("center") || function.name.starts_with("centroidal"))
+            << error.what();
+        continue;
+      }
+      for (const T x : out) EXPECT_TRUE(std::isfinite(x));
+    }
+  });
+}
+
+}  // namespace
+}  // namespace axode::test
