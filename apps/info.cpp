@@ -5,7 +5,10 @@
 #include <array>
 #include <cmath>
 #include <memory>
+#include <optional>
 
+#include "axode/constraints/assembly.hpp"
+#include "axode/constraints/mobility.hpp"
 #include "axode/kinematics.hpp"
 #include "choice.hpp"
 #include "commands.hpp"
@@ -27,7 +30,10 @@ constexpr const char* footer = R"(Example:
   axode info humanoid.urdf --base free
 
 Joints are listed with the indices of their coordinates q and velocities v: a joint with a rotation has
-one coordinate more (a quaternion x y z w) than velocities. Coupled joints have neither.)";
+one coordinate more (a quaternion x y z w) than velocities. Coupled joints have neither.
+
+Of a mechanism with loops the degrees of freedom are told, and how many velocities have drives: those of all joints that are
+not passive. A joint is passive if the drawing says so, and a free joint unless the drawing says passive = false.)";
 
 constexpr std::size_t most_warnings = 12;
 
@@ -73,6 +79,24 @@ Json neutral_center_of_mass(const Model& model) {
   if (!(model.total_mass() > 0)) return nullptr;
   Workspace<> workspace(model);
   return to_json(center_of_mass(model, workspace, neutral(model)));
+}
+
+/// Degrees of freedom at the closed configuration near the neutral one; none where that does not close.
+std::optional<int> degrees_of_freedom(const Model& model) {
+  const AssemblyResult closed = assemble(model, neutral(model));
+  if (closed.status != AssemblyStatus::closed) return std::nullopt;
+  return loop_mobility(model, closed.q).degrees_of_freedom;
+}
+
+std::ptrdiff_t number_of_drives(const Model& model) { return std::ranges::count(model.loops().driven, 1); }
+
+/// `3 degrees of freedom, 9 drives`, of a mechanism with loops.
+std::string freedom_and_drives(const Model& model) {
+  const std::ptrdiff_t n = number_of_drives(model);
+  const std::string drives = fmt::format("{} drive{}", n, n == 1 ? "" : "s");
+  if (const std::optional<int> freedom = degrees_of_freedom(model))
+    return fmt::format("{} degree{} of freedom, {}", *freedom, *freedom == 1 ? "" : "s", drives);
+  return drives + "; the loops do not close from the neutral configuration";
 }
 
 Json as_json(const Loop& loop, const Model& model) {
@@ -142,6 +166,11 @@ Json as_json(const Model& model) {
                               {"damping", line.damping}});
   }
   for (const Loop& loop : model.loops().all) out["loops"].push_back(as_json(loop, model));
+  if (!model.loops().empty()) {
+    const std::optional<int> freedom = degrees_of_freedom(model);
+    out["degrees_of_freedom"] = freedom ? Json(*freedom) : Json(nullptr);
+    out["drives"] = number_of_drives(model);
+  }
   for (const Fault& fault : model.warnings()) out["warnings"].push_back(to_string(fault));
   return out;
 }
@@ -270,6 +299,7 @@ void run(const Options& options) {
   fmt::print("{}: {} moving bodies, {} frames, nq = {}, nv = {}, gravity ({}, {}, {}) m/s^2\n\n",
              in(Ink::heading, model.name()), model.n_bodies(), model.n_frames(), model.nq(), model.nv(),
              significant(g.x), significant(g.y), significant(g.z));
+  if (!model.loops().empty()) fmt::print("{}\n\n", freedom_and_drives(model));
   fmt::print("{}", draw_tree(model));
   print_joints(model);
   print_springs(model);

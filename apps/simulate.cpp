@@ -56,7 +56,7 @@ rattle, rattle_suzuki4 and rattle_kahan_li6 (of second, fourth and sixth order; 
 half_explicit (third order), generalized_alpha and generalized_alpha_index3 are there besides. Results are in coordinates of
 the joints in any case.
 
-With --pd the joints are driven towards the q and v of --target besides, all but free ones on the ground, by
+With --pd the joints are driven towards the q and v of --target besides, all but passive ones and free ones on the ground, by
 tau = KP (q_target - q) + KD (v_target - v), differences of rotations being rotation vectors. Springs, dampers and stops of
 the mechanism always act.
 

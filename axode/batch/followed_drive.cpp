@@ -16,7 +16,7 @@ FollowedDrive<S>::FollowedDrive(const Model& model, const Drive& drive)
     if (forward) forces_ = *forward;
     track(*pd);
     limit_.assign(pd->limit().begin(), pd->limit().end());
-  } else if (const auto* computed = drive.target<ComputedTorque>()) {
+  } else if (const auto* computed = drive.target<ComputedTorque>(); computed && computed->drives_all()) {
     known_ = computes_ = true;
     track(*computed);
   }

@@ -53,7 +53,8 @@ void check_driven(double left, const char* task) {
     throw std::invalid_argument(
         "the drives cannot " + std::string(task) + ": " + to_text(left) +
         " of the forces needed is in directions that no drive moves; drives are the joints "
-        "that are not passive, or those that are named");
+        "that are not passive (a free joint is, unless the drawing says passive = false), or those that are "
+        "named");
 }
 
 }  // namespace axode

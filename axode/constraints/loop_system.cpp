@@ -538,6 +538,13 @@ template <class T> void LoopSystem<T>::add_response(const T* x, T* b) noexcept {
   add_to_rows(b);
 }
 
+template <class T> void LoopSystem<T>::respond(const T* tau, T* a) noexcept {
+  b_.setZero();
+  add_response(tau, b_.data());
+  solve_rows(b_.data(), lambda_.data());
+  push(lambda_.data(), a);
+}
+
 template <class T> void LoopSystem<T>::add_to_rows(T* b) const noexcept {
   for (const Felt& group : felt())
     for (int c = group.first; c < group.first + group.count; ++c)

@@ -103,13 +103,8 @@ template <class T> class LoopSystem {
   void solve_rows(const T* b, T* lambda) noexcept;
   /// b += Yᵀ D^-½ L⁻ᵀ x = A M⁻¹ x.
   void add_response(const T* x, T* b) noexcept;
-  /// x := M⁻¹ (x + Aᵀ λ) with A x = 0: the velocities that impulses x give to the closed mechanism, at rest before.
-  void respond(T* x) noexcept {
-    b_.setZero();
-    add_response(x, b_.data());
-    solve_rows(b_.data(), lambda_.data());
-    push(lambda_.data(), x);
-  }
+  /// The part of the accelerations that forces τ (nv) add, M a - Aᵀ λ = τ with A a = 0; with the rows factorised.
+  void respond(const T* tau, T* a) noexcept;
   /// x := M⁻¹ x.
   void solve(T* x) noexcept { dynamics_->bodies.solve(tree(), x); }
 

@@ -8,6 +8,11 @@ namespace axode {
 template <class T>
 LoopWorkspace<T>::LoopWorkspace(const Model& model) : system_(std::make_unique<LoopSystem<T>>(model)) {}
 template <class T> LoopWorkspace<T>::~LoopWorkspace() = default;
+template <class T>
+LoopWorkspace<T>::LoopWorkspace(const LoopWorkspace& other) : LoopWorkspace(other.system_->model()) {}
+template <class T> LoopWorkspace<T>& LoopWorkspace<T>::operator=(const LoopWorkspace& other) {
+  return *this = LoopWorkspace(other);
+}
 template <class T> LoopWorkspace<T>::LoopWorkspace(LoopWorkspace&&) noexcept = default;
 template <class T> LoopWorkspace<T>& LoopWorkspace<T>::operator=(LoopWorkspace&&) noexcept = default;
 

@@ -19,7 +19,10 @@ template <class T = double> class LoopWorkspace {
  public:
   explicit LoopWorkspace(const Model& model);
   ~LoopWorkspace();
+  /// A copy is made for the same model and shares no memory.
+  LoopWorkspace(const LoopWorkspace& other);
   LoopWorkspace(LoopWorkspace&&) noexcept;
+  LoopWorkspace& operator=(const LoopWorkspace& other);
   LoopWorkspace& operator=(LoopWorkspace&&) noexcept;
 
   /// Throws std::invalid_argument where it was made for another model.

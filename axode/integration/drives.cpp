@@ -2,12 +2,17 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 #include <string>
 
+#include "axode/constraints/constrained_dynamics.hpp"
+#include "axode/constraints/loop_system.hpp"
 #include "axode/dynamics/inverse_dynamics.hpp"
 #include "axode/dynamics/springs.hpp"
+#include "axode/eigen.hpp"
 #include "axode/model/configuration.hpp"
+#include "axode/recursion/least_squares.hpp"
 
 namespace axode {
 namespace {
@@ -100,7 +105,10 @@ Tracking::Tracking(const Model& model, const Gains& given, Reference reference)
       kd_(gains(model, "kd", given.kd)),
       x_(nv_of(model)),
       reference_(std::move(reference)),
-      group_(model_.tree<double>()) {}
+      group_(model_.tree<double>()) {
+  for (std::size_t c = 0; c < x_.size(); ++c)
+    if (!model.loops().driven[c]) kp_[c] = kd_[c] = 0;
+}
 
 void Tracking::find(double t, Span q) {
   reference_.find(t);
@@ -122,16 +130,54 @@ void ProportionalDerivative::operator()(double t, Span q, Span v, std::span<doub
 }
 
 ComputedTorque::ComputedTorque(const Model& model, const Gains& given, Reference reference)
-    : Tracking(model, given, std::move(reference)), workspace_(model, cut_tree), springs_(nv_of(model)) {}
+    : Tracking(model, given, std::move(reference)), workspace_(model, cut_tree), springs_(nv_of(model)) {
+  if (!model.loops().empty() || std::ranges::count(model.loops().driven, 0) > 0) loops_.emplace(model);
+}
 
 void ComputedTorque::operator()(double t, Span q, Span v, std::span<double> tau) {
   find(t, q);
   for (std::size_t c = 0; c < x_.size(); ++c)
     x_[c] = reference_.a()[c] + kd_[c] * (reference_.v()[c] - v[c]) + kp_[c] * x_[c];
+  if (!model_.springs().empty()) spring_forces(model_, workspace_, q, v, springs_);
+  if (loops_) {
+    if (make_possible(q, v))
+      static_cast<void>(inverse_dynamics(model_, *loops_, q, v, Span(x_), tau, {}, {}, {}, springs_));
+    else
+      std::ranges::fill(tau, std::numeric_limits<double>::quiet_NaN());
+    return;
+  }
   inverse_dynamics(model_, workspace_, q, v, x_, tau);
   if (model_.springs().empty()) return;
-  spring_forces(model_, workspace_, q, v, springs_);
   for (std::size_t c = 0; c < tau.size(); ++c) tau[c] -= springs_[c];
+}
+
+/// Accelerations are a = a₀ + R u for forces u of the drives. Those of the drives shall be w: B a₀ + B R u = w, where B takes
+/// the drives out of all velocities. Scaled by the diagonal of B R, which is symmetric, neither units nor the sizes of masses
+/// matter where there is no such u.
+bool ComputedTorque::make_possible(Span q, Span v) {
+  std::vector<int> drives;
+  for (int c = 0; c < model_.nv(); ++c)
+    if (model_.loops().driven[static_cast<std::size_t>(c)]) drives.push_back(c);
+  Eigen::VectorXd a(model_.nv()), unit = Eigen::VectorXd::Zero(model_.nv());
+  if (!forward_dynamics(model_, *loops_, q, v, Span(springs_), as_span(a)).ok()) return false;
+  LoopSystem<double>& system = loops_->system(model_);
+  static_cast<void>(system.factorize(q.data()));
+  const auto d = static_cast<Eigen::Index>(drives.size());
+  Eigen::MatrixXd R(model_.nv(), d);
+  for (Eigen::Index k = 0; k < d; ++k) {
+    const int c = drives[static_cast<std::size_t>(k)];
+    unit[c] = 1;
+    system.respond(unit.data(), R.col(k).data());
+    unit[c] = 0;
+  }
+  Eigen::MatrixXd BR = R(drives, Eigen::indexing::all);
+  const Eigen::VectorXd scale =
+      (BR.diagonal().array() > 0).select(BR.diagonal().array().rsqrt(), Eigen::ArrayXd::Zero(d));
+  BR = scale.asDiagonal() * BR * scale.asDiagonal();
+  const Eigen::VectorXd w = as_eigen(Span(x_)), missing = scale.cwiseProduct((w - a)(drives));
+  if (d > 0) a += R * scale.cwiseProduct(least_squares(BR, missing, 1e-9).col(0));
+  std::ranges::copy(a, x_.begin());
+  return a.allFinite();
 }
 
 }  // namespace axode

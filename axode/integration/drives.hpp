@@ -4,6 +4,7 @@
 #include <span>
 #include <vector>
 
+#include "axode/constraints/loops.hpp"
 #include "axode/integration/configuration_group.hpp"
 #include "axode/integration/trajectory.hpp"
 #include "axode/model/workspace.hpp"
@@ -51,7 +52,8 @@ class Reference {
   std::vector<double> q_, v_, a_;
 };
 
-/// Gains of each velocity, or one number for all. Gains of 0 leave a joint, or a free base, to itself.
+/// Gains of each velocity, or one number for all. Gains of 0 leave a joint, or a free base, to itself; those of passive
+/// joints are taken as 0.
 struct Gains {
   std::span<const double> kp, kd;
 };
@@ -95,13 +97,24 @@ class ProportionalDerivative : public Tracking {
 
 /// τ = ID(q, v, a_d + kd (v_d - v) + kp x) less what the springs of the model do, so that x'' + kd x' + kp x = 0 for small
 /// x: kp in 1/s², kd in 1/s. Loads and joint losses are not known to it. Throws as ProportionalDerivative.
+///
+/// Of a mechanism with loops or passive joints, passive joints get no force, and x is that of the drives. Their accelerations
+/// are the wanted ones as far as the mechanism lets the drives make them, otherwise those nearest, each acceleration measured
+/// by the one that a unit force of its drive makes; τ is what inverse_dynamics() with loops gives for them. NaN where the
+/// mechanism has no accelerations. Allocates there; O(nv³ + nv d²) for d drives.
 class ComputedTorque : public Tracking {
  public:
   ComputedTorque(const Model& model, const Gains& gains, Reference reference);
   void operator()(double t, std::span<const double> q, std::span<const double> v, std::span<double> tau);
+  /// Whether it is the inverse dynamics of a tree that has a drive for every velocity.
+  bool drives_all() const { return !loops_; }
 
  private:
+  /// Replaces the wanted accelerations in x_ by those that the drives make; false where there are none.
+  bool make_possible(std::span<const double> q, std::span<const double> v);
+
   Workspace<> workspace_;
+  std::optional<LoopWorkspace<>> loops_;  ///< of a mechanism with loops or passive joints
   std::vector<double> springs_;
 };
 

@@ -512,7 +512,8 @@ void read_joint(Table& body_table, Way way, BodyDescription& body) {
   if (body.joint.kind == JointKind::fixed) {
     table->refuse("passive", "a fixed joint does not move");
   } else {
-    body.joint.passive = table->flag("passive");
+    const bool said = table->has("passive"), passive = table->flag("passive");
+    if (said) body.joint.passive = passive;
   }
   if (auto follows = table->table("follows")) {
     Coupling coupling{.leader = follows->name("joint", "name the joint that leads")};

@@ -124,8 +124,8 @@ class DrawingWriter {
 
   void write(const JointDescription& joint, bool in_joint_frame) {
     const bool has_axis = traits(joint.kind).axis, still = !has_axis && !traits(joint.kind).point;
-    const bool passive = joint.passive && joint.kind != JointKind::fixed;
-    if (still && joint.name.empty() && joint.dof.empty() && !passive) {
+    const bool said = joint.passive && joint.kind != JointKind::fixed;
+    if (still && joint.name.empty() && joint.dof.empty() && !said) {
       line("joint", text(to_string(joint.kind)));
       return;
     }
@@ -136,7 +136,7 @@ class DrawingWriter {
     if (joint.kind == JointKind::universal) line("joint.second_axis", text(joint.second_axis));
     if (!still && !(in_joint_frame && is_zero(joint.point))) line("joint.point", text(joint.point));
     if (joint.kind == JointKind::helical) line("joint.pitch", text(joint.pitch));
-    if (passive) line("joint.passive", "true");
+    if (said) line("joint.passive", *joint.passive ? "true" : "false");
     if (joint.dof.size() == 1) {
       for (const auto& [key, value] : entries(joint.dof[0])) line("joint." + key, value);
     } else if (!joint.dof.empty()) {

@@ -67,7 +67,7 @@ std::vector<Fault> beyond_urdf(const Description& d) {
       error(element, "has a spring; URDF has no word for it", source);
     if (std::ranges::any_of(joint.dof, [](const Dof& dof) { return dof.stop_stiffness != 0; }))
       error(element, "has elastic stops; URDF has no word for them", source);
-    if (joint.passive && !(d.loops.empty() && d.couplings.empty()))
+    if (joint.passive.value_or(false) && !(d.loops.empty() && d.couplings.empty()))
       error(element, "is passive; URDF has no word for it", source);
     const bool own_limits =
         joint.dof.size() > 1 && std::any_of(joint.dof.begin(), joint.dof.end(), [&](const Dof& dof) {

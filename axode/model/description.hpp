@@ -59,8 +59,9 @@ struct JointDescription {
   double pitch = 0;             ///< m/rad, of a helical joint
   std::vector<Dof> dof = {};    ///< one for each velocity, or empty
   std::optional<Coupling> coupling = {};  ///< of a revolute, prismatic or helical joint
-  bool passive = false;                   ///< whether it has no drive; matters in mechanisms with loops
-  Source source = {};                     ///< where it differs from that of the body
+  /// Whether it has no drive. If nothing is said it has one, but for free joints of mechanisms with loops or couplings.
+  std::optional<bool> passive = {};
+  Source source = {};  ///< where it differs from that of the body
 };
 
 /// Everything in the construction frame: axis and point are those of Y_i; A is the reference pose of the body

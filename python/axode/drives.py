@@ -38,7 +38,8 @@ class Sampled:
 class PD:
     """tau = kp (q (-) q_now) + kd (v - v_now) + feedforward, the difference taken on the group of configurations.
 
-    kp (N m/rad, N/m) and kd (N m s/rad, N s/m): a number, or (nv,). Gains of 0 leave a joint, or a free base, to itself.
+    kp (N m/rad, N/m) and kd (N m s/rad, N s/m): a number, or (nv,). Gains of 0 leave a joint, or a free base, to itself;
+    those of passive joints are taken as 0.
     q: where to, (nq,); or a Trajectory, which has velocities as well. It rests before it begins and after it ends.
     v: (nv,), 0 if left out. feedforward: (nv,), or a `Sampled`. clip: whether tau stays within the joints' limits of effort.
     ValueError, as `simulate` starts, for wrong shapes and gains that are negative or not finite.
@@ -70,6 +71,8 @@ class ComputedTorque:
 
     What is left of the deviation x dies away as x'' + kd x' + kp x = 0: kp in 1/s^2, kd in 1/s, a number or (nv,).
     q, v, a: where to, as in `PD`; a Trajectory has all three. Loads and joint losses of the simulation are not known to it.
+    Passive joints get no force. With loops or passive joints x is that of the drives, whose accelerations are the wanted ones
+    as far as the mechanism lets the drives make them; tau is what `inverse_dynamics` with loops gives for that motion.
     ValueError as in `PD`.
 
     >>> there = axode.simulate(arm, np.zeros(7), np.ones(7), until=0.5, method="rk4", step=1e-3)

@@ -239,6 +239,19 @@ offset = 0.25
   EXPECT_THAT(axode({"info", robot("arm7.toml")}).out, Not(HasSubstr("loops")));
 }
 
+TEST(Info, CountsFreedomsAndDrives) {
+  const auto says = [](const char* file, const char* said, int freedoms, int drives) {
+    EXPECT_THAT(axode({"info", robot(file)}).out, HasSubstr(said)) << file;
+    const Json told = Json::parse(axode({"info", robot(file), "--format", "json"}).out);
+    EXPECT_EQ(told["degrees_of_freedom"], freedoms) << file;
+    EXPECT_EQ(told["drives"], drives) << file;
+  };
+  says("four_bar.toml", "\n1 degree of freedom, 1 drive\n", 1, 1);
+  says("gough.toml", "\n6 degrees of freedom, 6 drives\n", 6, 6);
+  EXPECT_THAT(axode({"info", robot("arm7.toml")}).out, Not(HasSubstr("degrees of freedom")));
+  EXPECT_FALSE(Json::parse(axode({"info", robot("arm7.toml"), "--format", "json"}).out).contains("drives"));
+}
+
 TEST(Info, ShowsEveryBodyJointAndFrame) {
   const Outcome outcome = axode({"info", robot("machine.toml")});
   ASSERT_EQ(outcome.code, 0) << outcome.err;

@@ -138,6 +138,16 @@ TEST(SimulateCommand, HoldsJointsAsItClosesLoops) {
     EXPECT_NEAR(r.get<double>(), 0, 1e-11);
 }
 
+TEST(SimulateCommand, GivesPassiveJointsNoForce) {
+  const Outcome outcome =
+      axode({"simulate", robot("four_bar.toml"), "--pd", "10,1", "--format", "json", "--until", "0.1"});
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  const Motion found = Motion::parse(outcome.out);
+  for (const auto& tau : found.at("tau"))
+    for (std::size_t c = 1; c < 3; ++c) EXPECT_EQ(tau[c], 0);
+  EXPECT_NE(found.at("tau").back()[0], 0);
+}
+
 TEST(SimulateCommand, MovesInAbsoluteCoordinates) {
   const Motion joints = motion_of({"--rtol", "1e-10"});
   for (const std::string kind : {"absolute", "absolute_SO3xR3"}) {

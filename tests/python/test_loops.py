@@ -98,6 +98,18 @@ def test_joint_wrenches_are_those_of_drives_and_loops(name):
         axode.joint_wrenches(m, q, v, a, at="pin")
 
 
+def test_controllers_give_passive_joints_no_force():
+    q, v, _ = state(GOUGH, 4)
+    assert GOUGH.joint("platform_joint").passive  # free, and the drawing does not say that it is driven
+    legs = np.array([kind == "prismatic" for kind in (GOUGH.joint(n).kind for n in GOUGH.joint_names)])
+    driven = np.concatenate([np.full(GOUGH.joint(n).v.stop - GOUGH.joint(n).v.start, leg)
+                             for n, leg in zip(GOUGH.joint_names, legs)])
+    there = axode.assemble(GOUGH, GOUGH.neutral())[0]
+    for drive in (axode.drives.ComputedTorque(9.0, 6.0, there), axode.drives.PD(9.0, 6.0, there)):
+        tau = drive.on(GOUGH)(0.0, q, v)
+        assert not tau[~driven].any() and tau[driven].all()
+
+
 def test_drives_by_name_and_what_they_cannot_do():
     q, v, tau = state(FOUR_BAR)
     a = axode.forward_dynamics(FOUR_BAR, q, v, tau)
