@@ -11,13 +11,13 @@ import os
 import socket
 import sys
 import threading
-import uuid
 from collections.abc import Callable, Generator, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
 from pathlib import Path
 from typing import Any, NamedTuple, Protocol
 
 from .parquet_states import ROWS  # first: it says what to install where pyarrow is missing
+from .written_files import replacing
 
 import pyarrow as pa  # type: ignore[import-not-found, import-untyped, unused-ignore]
 import pyarrow.parquet as pq  # type: ignore[import-not-found, import-untyped, unused-ignore]
@@ -58,19 +58,6 @@ class Interrupted(Exception):
 
 
 # ------------------------------------------------------------------------------------------------------- one part
-
-
-@contextlib.contextmanager
-def replacing(path: Path, folder: Path | None = None) -> Iterator[Path]:
-    """A file to write, there or beside the path, whose place it takes when it is whole, and not before."""
-    temporary = (folder or path.parent) / f".{path.name}.{uuid.uuid4().hex}"
-    try:
-        yield temporary
-        with temporary.open("rb") as stream:
-            os.fsync(stream.fileno())
-        temporary.replace(path)
-    finally:
-        temporary.unlink(missing_ok=True)
 
 
 def writer_to(path: Path, suffix: str, schema: Any) -> Any:

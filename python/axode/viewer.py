@@ -23,6 +23,7 @@ from numpy.typing import ArrayLike
 
 from . import _axode
 from ._axode import Model, Trajectory
+from .written_files import replacing
 
 __all__ = ["Viewer", "view"]
 
@@ -247,8 +248,10 @@ class Viewer:
         server.start()
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Writes the page: one file of HTML that needs no other and no network."""
-        Path(path).write_text(self._page, encoding="utf-8")
+        """Writes the page: one file of HTML that needs no other and no network. An existing file is replaced as a whole or, if
+        the page cannot be written, left as it was."""
+        with replacing(Path(path)) as file:
+            file.write_text(self._page, encoding="utf-8")
 
     def close(self) -> None:
         """Ends the connection to pages, which stay as they are. A page that was opened is waited for, for 10 s at most."""

@@ -168,7 +168,10 @@ TEST(Plot, IsRefusedBeforeAnythingIsComputed) {
               StartsWith("axode eval: --plot draws a sweep; give its states by --state FILE.csv"));
   const Outcome nowhere = axode({"simulate", two_bars, "--plot", "/nowhere/run.svg"});
   EXPECT_EQ(nowhere.code, 1);
-  EXPECT_EQ(nowhere.err, "axode simulate: /nowhere/run.svg: the file cannot be written\n");
+  EXPECT_EQ(nowhere.err,
+            "axode simulate: /nowhere/run.svg: the file cannot be written: no file can be made in /nowhere: "
+            "No such "
+            "file or directory\n");
 }
 
 // --------------------------------------------------------------------------------------------------- axode plot

@@ -492,7 +492,10 @@ TEST(Convert, WarningsGoToStandardError) {
 TEST(Convert, AFileThatCannotBeWrittenIsAnError) {
   const Outcome outcome = axode({"convert", robot("arm7.toml"), "/nowhere/arm.urdf"});
   EXPECT_EQ(outcome.code, 1);
-  EXPECT_EQ(outcome.err, "axode convert: /nowhere/arm.urdf: the file cannot be written\n");
+  EXPECT_EQ(outcome.err,
+            "axode convert: /nowhere/arm.urdf: the file cannot be written: no file can be made in /nowhere: "
+            "No such "
+            "file or directory\n");
 }
 
 // -------------------------------------------------------------------------------------------------- codegen

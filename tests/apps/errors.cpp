@@ -202,7 +202,9 @@ INSTANTIATE_TEST_SUITE_P(
         {"OutputThatCannotBeWritten",
          {"codegen", arm, "--output", "/nowhere/arm7.c"},
          1,
-         "axode codegen: /nowhere/arm7.c: the file cannot be written"},
+         "axode codegen: /nowhere/arm7.c: the file cannot be written: no file can be made in /nowhere: No "
+         "such file or "
+         "directory"},
         {"StudyOfNoModel", {"study"}, 2, "axode study: MODEL is required (see axode study --help)"},
         {"StudyInAnUnknownFormat",
          {"study", arm, "--format", "csv"},
@@ -215,7 +217,9 @@ INSTANTIATE_TEST_SUITE_P(
         {"StudyIntoNoFolder",
          {"study", robot("double_pendulum.toml"), "--csv", "nowhere/study.csv"},
          1,
-         "axode study: nowhere/study.csv: the file cannot be written"},
+         "axode study: nowhere/study.csv: the file cannot be written: no file can be made in nowhere: No "
+         "such file or "
+         "directory"},
         {"MissingModel",
          {"eval", "nowhere.toml"},
          1,

@@ -279,7 +279,9 @@ TEST(Linearize, RefusesWhatCannotBe) {
             "axode linearize: --output: AB.txt: the ending: \".txt\" is none of .json, .csv, .npz (see axode "
             "linearize --help)\n");
   EXPECT_EQ(refused({arm, "--output", "/nowhere/AB.npz"}, "", 1),
-            "axode linearize: /nowhere/AB.npz: the file cannot be written\n");
+            "axode linearize: /nowhere/AB.npz: the file cannot be written: no file can be made in /nowhere: "
+            "No such "
+            "file or directory\n");
   EXPECT_THAT(
       refused({robot("humanoid.urdf"), "--base", "free", "--equilibrium"}, "", 1),
       testing::MatchesRegex("axode linearize: no equilibrium was found from q: stalled after 1 step, where "

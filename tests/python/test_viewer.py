@@ -5,6 +5,7 @@ import html
 import http.client
 import json
 import os
+import resource
 import shutil
 import subprocess
 import sys
@@ -81,6 +82,25 @@ def test_mechanisms_of_every_source_are_shown(name, m, tmp_path):
     assert [body["name"] for body in scene["bodies"]] == ["ground", *m.body_names]
     assert scene["q"] == m.neutral().tolist() and scene["motion"] is None and "live" not in scene
     assert len(scene["shapes"]) >= m.n_bodies
+
+
+def test_a_page_is_replaced_as_a_whole_or_left_as_it_was(tmp_path):
+    page, link = tmp_path / "page.html", tmp_path / "link.html"
+    page.write_text("precious")
+    page.chmod(0o604)
+    link.symlink_to("page.html")
+    limits = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (4096, limits[1]))
+    try:
+        with pytest.raises(OSError, match="File too large"):
+            axode.view(PENDULUM, output=link)
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, limits)
+    assert page.read_text() == "precious" and sorted(tmp_path.iterdir()) == [link, page]
+    axode.view(PENDULUM, output=link)
+    assert link.is_symlink() and scene_in(page.read_text(encoding="utf-8"))["name"] == PENDULUM.name
+    assert page.stat().st_mode & 0o777 == 0o604 and sorted(tmp_path.iterdir()) == [link, page]
+    axode.Viewer(PENDULUM).save("/dev/null")
 
 
 def test_names_stay_text(tmp_path):
