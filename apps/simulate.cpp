@@ -290,9 +290,13 @@ void print(const Trajectory& motion, const Rows& rows) {
   const auto numbers = [](std::span<const double> x) { return std::vector<double>(x.begin(), x.end()); };
   fmt::print(
       "{}", state_tables(motion.model(), numbers(motion.q(last)), {{"v", numbers(motion.v(last))}}, "per s"));
-  fmt::print("\nat t = {} s after {} steps and {} evaluations; energy from {} to {} J\n",
-             significant(motion.t().back()), motion.steps, motion.evaluations,
-             significant(rows.energy.minCoeff()), significant(rows.energy.maxCoeff()));
+  const Eigen::Index end = rows.energy.size() - 1;
+  fmt::print(
+      "\nat t = {} s after {} steps and {} evaluations; energy {} J at the start, {} J at the end, at most "
+      "{} J "
+      "off the start\n",
+      significant(motion.t().back()), motion.steps, motion.evaluations, significant(rows.energy[0]),
+      significant(rows.energy[end]), significant((rows.energy.array() - rows.energy[0]).abs().maxCoeff(), 2));
 }
 
 void run(const Options& options, int& exit_code) {

@@ -1,7 +1,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <fstream>
 #include <nlohmann/json.hpp>
 
@@ -54,6 +56,28 @@ TEST(SimulateCommand, GivesTheMotionOfTheLibrary) {
     EXPECT_EQ(other.at("t").size(), 1001u);
     EXPECT_NEAR(other.at("q").back()[0].get<double>(), q_half[0], std::string(method) == "rk4" ? 1e-6 : 0.01);
   }
+}
+
+TEST(SimulateCommand, PrintsTheEnergyAtTheStartAndAtTheEndAndItsLargestDeviation) {
+  const std::vector<std::string> braked{"--until", "2", "--pd", "1,3"};
+  const std::vector<double> energy = motion_of(braked).at("energy").get<std::vector<double>>();
+  std::vector<std::string> words{"simulate", swinging, "--state", "-"};
+  words.insert(words.end(), braked.begin(), braked.end());
+  const std::string shown = axode(words, raised).out;
+  double start = 0, end = 0, deviation = 0;
+  const std::size_t at = shown.find("; energy ");
+  ASSERT_NE(at, std::string::npos) << shown;
+  ASSERT_EQ(std::sscanf(shown.c_str() + at,
+                        "; energy %lf J at the start, %lf J at the end, at most %lf J off the start", &start,
+                        &end, &deviation),
+            3)
+      << shown;
+  EXPECT_LT(end, start - 1);
+  EXPECT_NEAR(start, energy.front(), 1e-5 * std::abs(energy.front()));
+  EXPECT_NEAR(end, energy.back(), 1e-5 * std::abs(energy.back()));
+  double largest = 0;
+  for (const double x : energy) largest = std::max(largest, std::abs(x - energy.front()));
+  EXPECT_NEAR(deviation, largest, 0.06 * largest);
 }
 
 TEST(SimulateCommand, LeadsTheJointsWhereItIsTold) {
