@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
 #include <string>
 #include <unordered_map>
 #include <utility>
@@ -47,10 +48,43 @@ SE3<> joint_frame(const JointDescription& joint) {
   return {orthonormal(rotation_to(direction(joint.axis))), joint.point};
 }
 
+/// Where the mass of a drawn body is in the construction frame, and how far it extends.
+struct DrawnMass {
+  Vec3<> center;
+  double radius_of_gyration = 0;
+};
+std::optional<DrawnMass> drawn_mass(const BodyDescription& body) {
+  if (!is_drawn(body) || !body.inertia || !(body.inertia->mass > 0)) return std::nullopt;
+  const MassProperties& given = *body.inertia;
+  const SE3<> A = given.in == GivenIn::construction_frame
+                      ? SE3<>{}
+                      : orthonormal(std::get<InConstructionFrame>(body.geometry).A);
+  const double about_origin = given.about == InertiaAbout::frame_origin ? dot(given.com, given.com) : 0;
+  return DrawnMass{A * given.com,
+                   std::sqrt(std::max(0.0, trace(given.Theta) / (2 * given.mass) - about_origin))};
+}
+/// Of each body of an expanded description that of the first body with mass among itself and its successors.
+std::vector<std::optional<DrawnMass>> first_masses(const Description& expanded,
+                                                   const DepthFirstOrder& order) {
+  std::vector<std::optional<DrawnMass>> first(expanded.bodies.size());
+  for (auto i = order.order.rbegin(); i != order.order.rend(); ++i) {
+    if (const std::optional<DrawnMass> own = drawn_mass(expanded.bodies[*i])) first[*i] = own;
+    if (const int p = order.predecessor[*i]; p >= 0 && first[*i]) first[p] = first[*i];
+  }
+  return first;
+}
+/// Inertias about an origin that is r away from the mass lose (r / radius of gyration)² roundings. Joint frames further away than
+/// that many radii of gyration are moved to the mass if they can be.
+constexpr double most_radii = 16;
+
 /// The predecessor is nullptr for the ground.
-Placement place(const BodyDescription& body, const Placement* predecessor) {
+Placement place(const BodyDescription& body, const Placement* predecessor,
+                const std::optional<DrawnMass>& mass) {
   const SE3<> A_predecessor = predecessor == nullptr ? SE3<>{} : predecessor->A;
-  const SE3<> J = joint_frame(body.joint);
+  SE3<> J = joint_frame(body.joint);
+  if (body.joint.kind == JointKind::prismatic && is_drawn(body) && mass &&
+      norm(mass->center - J.r) > most_radii * mass->radius_of_gyration)
+    J.r = mass->center;
   const bool fixed = body.joint.kind == JointKind::fixed,
              at_body = fixed || body.joint.kind == JointKind::free;
   Placement at;
@@ -149,9 +183,10 @@ DepthFirstOrder depth_first_order(const Description& description) {
 
 std::vector<Placement> place(const Description& expanded, const DepthFirstOrder& order) {
   std::vector<Placement> placements(expanded.bodies.size());
+  const std::vector<std::optional<DrawnMass>> masses = first_masses(expanded, order);
   for (const int i : order.order) {
     const int p = order.predecessor[i];
-    placements[i] = place(expanded.bodies[i], p < 0 ? nullptr : &placements[p]);
+    placements[i] = place(expanded.bodies[i], p < 0 ? nullptr : &placements[p], masses[i]);
   }
   return placements;
 }

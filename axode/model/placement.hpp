@@ -51,7 +51,9 @@ struct Placement {
 /// The joint frame has its origin in the joint's point and is turned the shortest way from the frame in which
 /// the axis is given until its z-axis is the axis; for a spherical joint it keeps the axes of that frame, for
 /// a free joint it is the body frame. That of a fixed one moves nothing: as given; of a drawn body that of its
-/// predecessor, which is near where body frames may be far; else the body frame.
+/// predecessor, which is near where body frames may be far; else the body frame. No point matters to a prismatic joint: if the
+/// body is drawn far from the joint's point (16 radii of gyration), the origin is its centre of mass, or that of the first successor
+/// with mass.
 std::vector<Placement> place(const Description& expanded, const DepthFirstOrder& order);
 
 /// Where the frames of a loop are, as drawn in the construction frame, and its size as Loop::size has it.

@@ -1,9 +1,13 @@
+#include <array>
 #include <cmath>
 #include <sstream>
 
+#include "axode/derivatives.hpp"
 #include "axode/dynamics.hpp"
 #include "axode/io.hpp"
 #include "axode/model.hpp"
+#include "axode/model/edited.hpp"
+#include "axode/model/joint_kinds.hpp"
 #include "tests/lie/random_quantities.hpp"
 #include "tests/support/comparison.hpp"
 
@@ -18,8 +22,9 @@ enum class BodyFrames { construction, joints, turned };
 using Inertias = GivenIn;
 
 /// A palm, and a finger of 10 g with two links, a pad that is fixed to it and a ball at its end, drawn at o. All lengths
-/// are sums of few powers of two, so that they are exact wherever o is.
-Description hand(const Vec3<>& o, BodyFrames frames, Inertias inertias) {
+/// are sums of few powers of two, so that they are exact wherever o is. The tip has a joint of any kind; a prismatic one has no point.
+Description hand(const Vec3<>& o, BodyFrames frames, Inertias inertias,
+                 JointKind of_tip = JointKind::revolute) {
   Description hand{.name = "hand"};
   const auto add = [&](const char* name, const char* on, JointKind kind, const Vec3<>& axis,
                        const Vec3<>& point, double mass, const Vec3<>& com, double size) {
@@ -31,7 +36,12 @@ Description hand(const Vec3<>& o, BodyFrames frames, Inertias inertias) {
     hand.bodies.push_back(
         {.name = name,
          .predecessor = on,
-         .joint = {.name = std::string(name) + " joint", .kind = kind, .axis = axis, .point = o + point},
+         .joint = {.name = std::string(name) + " joint",
+                   .kind = kind,
+                   .axis = axis,
+                   .second_axis = {-0.5, 1, 0},
+                   .point = kind == JointKind::prismatic ? Vec3<>{} : o + point,
+                   .pitch = kind == JointKind::helical ? 1. / 64 : 0},
          .geometry = InConstructionFrame{A},
          .inertia = MassProperties{.mass = mass,
                                    .com = in_body ? transpose(A.R) * ((o - A.r) + com) : o + com,
@@ -41,23 +51,24 @@ Description hand(const Vec3<>& o, BodyFrames frames, Inertias inertias) {
   };
   add("palm", "ground", JointKind::revolute, {0, 0, 1}, {}, 0.4, {1. / 32, 0, 1. / 64}, 0.04);
   add("link", "palm", JointKind::revolute, {1, 0, 0}, {1. / 16, 0, 0}, 0.01, {1. / 16, 1. / 64, 0}, 0.01);
-  add("tip", "link", JointKind::revolute, {1, 0.5, 0}, {1. / 16, 1. / 32, 0}, 0.004, {1. / 16, 3. / 64, 0},
-      0.005);
+  add("tip", "link", of_tip, {1, 0.5, 0}, {1. / 16, 1. / 32, 0}, 0.004, {1. / 16, 3. / 64, 0}, 0.005);
   add("pad", "tip", JointKind::fixed, {0, 0, 1}, {}, 0.001, {1. / 16, 1. / 16, 1. / 256}, 0.002);
   add("ball", "pad", JointKind::spherical, {0, 0, 1}, {1. / 16, 5. / 64, 0}, 0.002, {1. / 16, 6. / 64, 0},
       0.004);
   return hand;
 }
 
-/// Their dynamics agree, in all representations whose quantities are not about the origin itself.
-void expect_same_dynamics(const Model& far, const Model& near, Random<double>& random) {
+/// Their dynamics agree, in all representations whose quantities are not about the origin itself. The solution of a linear system
+/// has `solved` as its bound, for the masses of the bodies differ by two orders of magnitude.
+void expect_same_dynamics(const Model& far, const Model& near, Random<double>& random, double bound = 1e-13) {
+  constexpr double solved = 1e-9;
   ASSERT_EQ(far.nv(), near.nv());
   const std::size_t nv = static_cast<std::size_t>(near.nv());
   const std::vector<double> q = random_configuration(near, 7);
   std::vector<double> v(nv), a(nv), tau(nv), expected(nv), M(nv * nv), M_expected(nv * nv);
   for (std::size_t c = 0; c < nv; ++c) v[c] = random.number(-1, 1), a[c] = random.number(-1, 1);
   Workspace<> workspace(near), far_workspace(far);
-  Comparison force("force", 1e-13);
+  Comparison force("force", bound);
   const auto compare = [&](auto representation) {
     using Rep = decltype(representation);
     inverse_dynamics<Rep>(near, workspace, q, v, a, expected);
@@ -68,9 +79,26 @@ void expect_same_dynamics(const Model& far, const Model& near, Random<double>& r
     for (std::size_t r = 0; r < nv; ++r)  // each entry as its own row and column let it be known
       for (std::size_t c = 0; c < nv; ++c)
         EXPECT_NEAR(M[r * nv + c], M_expected[r * nv + c],
-                    1e-13 * std::sqrt(M_expected[r * nv + r] * M_expected[c * nv + c]));
+                    bound * std::sqrt(M_expected[r * nv + r] * M_expected[c * nv + c]));
   };
   compare(Fast{}), compare(BodyFixed{}), compare(Hybrid{}), compare(Mixed{});
+
+  std::vector<double> acceleration(nv), acceleration_expected(nv);
+  ASSERT_TRUE(forward_dynamics(near, workspace, q, v, expected, acceleration_expected).ok());
+  ASSERT_TRUE(forward_dynamics(far, far_workspace, q, v, expected, acceleration).ok());
+  Comparison("acceleration", solved).expect_equal(acceleration, acceleration_expected);
+  std::array<std::vector<double>, 6> of_far, of_near;
+  for (auto* all : {&of_far, &of_near})
+    for (std::vector<double>& matrix : *all) matrix.resize(nv * nv);
+  const auto derivatives = [&](const Model& model, Workspace<>& its, auto& out) {
+    inverse_dynamics_derivatives<double>(model, its, q, v, a, {.q = out[0], .v = out[1], .a = out[2]});
+    EXPECT_TRUE(forward_dynamics_derivatives<double>(model, its, q, v, expected,
+                                                     {.q = out[3], .v = out[4], .tau = out[5]})
+                    .ok());
+  };
+  derivatives(near, workspace, of_near), derivatives(far, far_workspace, of_far);
+  for (std::size_t k = 0; k < of_far.size(); ++k)
+    Comparison("derivative", k < 3 ? bound : solved).expect_equal(of_far[k], of_near[k]);
 }
 
 /// law(at o, at the origin) for every way to draw the hand, from near to far.
@@ -90,6 +118,41 @@ TEST(FarFromTheOrigin, DynamicsAreThoseAtTheOrigin) {
   for_hands([&](const Description& far, const Description& near) {
     expect_same_dynamics(ModelBuilder(far).build(), ModelBuilder(near).build(), random);
   });
+}
+
+TEST(FarFromTheOrigin, JointsOfEveryKindLoseNothing) {
+  Random<double> random(4);
+  for (const JointTraits& kind : joint_kinds)
+    for (const double o : {1., 100., 10'000.})
+      for (const BodyFrames frames : {BodyFrames::construction, BodyFrames::joints, BodyFrames::turned})
+        for (const Inertias inertias : {GivenIn::construction_frame, GivenIn::body_frame}) {
+          // The coordinates of a free joint are about its body frame, so that this must be near the body.
+          if (kind.kind == JointKind::free && frames == BodyFrames::construction) continue;
+          SCOPED_TRACE(std::string(kind.name) + " at " + std::to_string(o) + " m, body frames " +
+                       std::to_string(static_cast<int>(frames)));
+          const auto drawn_at = [&](const Vec3<>& origin) {
+            return hand(origin, frames, inertias, kind.kind);
+          };
+          const Vec3<> away{o, -o, o / 2};
+          expect_same_dynamics(ModelBuilder(drawn_at(away)).build(), ModelBuilder(drawn_at({})).build(),
+                               random, 1e-12);
+          expect_same_dynamics(
+              append(ModelBuilder("nothing").build(), "ground", ModelBuilder(drawn_at(away)).build()),
+              ModelBuilder(drawn_at({})).build(), random, 1e-12);
+        }
+}
+
+TEST(FarFromTheOrigin, AMasslessSlideLosesNothing) {
+  Random<double> random(5);
+  const auto gantry = [](const Vec3<>& o) {
+    Description all = hand(o, BodyFrames::construction, GivenIn::construction_frame, JointKind::prismatic);
+    all.bodies.insert(all.bodies.begin() + 3, all.bodies[2]);
+    all.bodies[2].name = "cross slide", all.bodies[2].joint.name = "", all.bodies[2].inertia.reset();
+    all.bodies[2].joint.axis = {0, 0, 1};
+    all.bodies[3].predecessor = "cross slide";
+    return ModelBuilder(all).build();
+  };
+  for (const double o : {1., 100., 10'000.}) expect_same_dynamics(gantry({o, -o, o / 2}), gantry({}), random);
 }
 
 TEST(FarFromTheOrigin, LockedJointsLoseNothing) {
