@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 #include <unordered_map>
 #include <unordered_set>
 #include <utility>
@@ -270,6 +271,32 @@ class Inspection {
     return body.joint.source.line > 0 ? body.joint.source : body.source;
   }
 
+  /// Whether coordinate k of a joint is an angle with limits.
+  static bool is_angle(JointKind kind, std::size_t k) {
+    switch (kind) {
+      case JointKind::revolute:
+      case JointKind::helical:
+      case JointKind::universal: return true;
+      case JointKind::cylindrical:
+      case JointKind::planar: return k == 0;
+      default: return false;
+    }
+  }
+  /// Doubts limits of more than two turns that are a round number of degrees.
+  void angle_limits(const std::string& element, const Dof& dof, const Source& source) {
+    constexpr double two_turns = 4 * std::numbers::pi, most = 720, round = 5;
+    const auto looks_like_degrees = [](double x) {
+      return std::abs(x) > two_turns && std::abs(x) <= most && std::fmod(x, round) == 0;
+    };
+    if (!looks_like_degrees(dof.lower) && !looks_like_degrees(dof.upper)) return;
+    const auto in_radians = [](double x) { return to_text(x * (std::numbers::pi / 180)); };
+    doubt(Rule::wrong_value, element,
+          "limits are " + to_text(dof.lower) + " and " + to_text(dof.upper) +
+              " rad, which look like degrees; as degrees they would be " + in_radians(dof.lower) + " and " +
+              in_radians(dof.upper) + " rad",
+          source);
+  }
+
   void joint(const BodyDescription& body) {
     const JointDescription& joint = body.joint;
     const std::string element = "joint " + quoted(joint_name(body));
@@ -294,6 +321,8 @@ class Inspection {
             "describes " + std::to_string(joint.dof.size()) + " degrees of freedom; a " +
                 std::string(to_string(joint.kind)) + " joint has " + std::to_string(n),
             joint_source(body));
+    for (std::size_t k = 0; k < joint.dof.size(); ++k)
+      if (is_angle(joint.kind, k)) angle_limits(element, joint.dof[k], joint_source(body));
     for (const Dof& dof : joint.dof) {
       if (dof.lower > dof.upper)
         error(Rule::limits_crossed, element,

@@ -470,6 +470,8 @@ TEST(Faults, LimitsLeaveRoom) {
   EXPECT_THAT(limits(-infinity, -infinity), ElementsAre(says(Rule::limits_crossed, "joint \"elbow\"",
                                                              "limits -inf and -inf leave no place to be")));
   EXPECT_THAT(limits(0.5, 0.5), IsEmpty());
+  EXPECT_THAT(limits(-12, 12), IsEmpty());
+  EXPECT_THAT(limits(-1000, 62.83), IsEmpty());
   EXPECT_THAT(limits(-infinity, 0), IsEmpty());
   EXPECT_THAT(limits(0, infinity), IsEmpty());
   EXPECT_THAT(limits(-infinity, infinity), IsEmpty());
@@ -823,6 +825,33 @@ TEST(Faults, AllOfThemComeInOneError) {
     EXPECT_THAT(error.what(), StartsWith("model \"scrap\" has 14 faults:\n  "));
     for (const Fault& fault : found) EXPECT_THAT(error.what(), HasSubstr("\n  " + to_string(fault)));
   }
+}
+
+TEST(Faults, LimitsThatLookLikeDegreesAreDoubted) {
+  const auto joint = [](JointKind kind, std::vector<Dof> dof) {
+    return with_joint([&](JointDescription& j) { j.kind = kind, j.dof = std::move(dof); });
+  };
+  const Dof quarter{.lower = -90, .upper = 90};
+  const char* message =
+      "limits are -90 and 90 rad, which look like degrees; as degrees they would be -1.5707963267948966 and "
+      "1.5707963267948966 rad";
+  for (const auto& [kind, dof] :
+       std::vector<std::pair<JointKind, std::vector<Dof>>>{{JointKind::revolute, {quarter}},
+                                                           {JointKind::helical, {quarter}},
+                                                           {JointKind::universal, {{}, quarter}},
+                                                           {JointKind::cylindrical, {quarter, {}}},
+                                                           {JointKind::planar, {quarter, {}, {}}}}) {
+    SCOPED_TRACE(to_string(kind));
+    EXPECT_THAT(ModelBuilder(joint(kind, dof)).check(),
+                ElementsAre(says(Rule::wrong_value, "joint \"elbow\"", message, Severity::warning)));
+    EXPECT_THAT(faults(joint(kind, dof), Strictness::lenient), IsEmpty());
+    EXPECT_THAT(faults(joint(kind, dof)), ElementsAre(says(Rule::wrong_value, "joint \"elbow\"", message)));
+  }
+  EXPECT_THAT(faults(joint(JointKind::revolute, {{.upper = 170}})),
+              ElementsAre(says(Rule::wrong_value, "joint \"elbow\"", HasSubstr("limits are -inf and 170"))));
+  EXPECT_THAT(faults(joint(JointKind::prismatic, {quarter})), IsEmpty());
+  EXPECT_THAT(faults(joint(JointKind::cylindrical, {{}, quarter})), IsEmpty());
+  EXPECT_THAT(faults(joint(JointKind::planar, {{}, quarter, quarter})), IsEmpty());
 }
 
 TEST(Faults, ASingleOneIsOneSentence) {
