@@ -1,6 +1,7 @@
 #include "axode/model/edited.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <stdexcept>
 #include <string>
 #include <unordered_map>
@@ -9,6 +10,8 @@
 #include "axode/model/builder.hpp"
 #include "axode/model/configuration.hpp"
 #include "axode/model/inertial_parameters.hpp"
+#include "axode/model/joint_kinds.hpp"
+#include "axode/model/nearest_name.hpp"
 #include "axode/model/placement.hpp"
 
 namespace axode {
@@ -140,10 +143,19 @@ Model with_payload(const Model& model, std::string_view frame, const Inertia<>& 
   return built(std::move(description));
 }
 
-Model append(const Model& model, std::string_view frame, const Model& other, std::string_view prefix) {
+Model append(const Model& model, std::string_view frame, const Model& other, std::string_view prefix,
+             const JointDescription& joint) {
   const Frame& on = model.frame(model.frame_index(frame));
-  const Mount at{model.body(on.body).name, on.pose, std::string(prefix)};
+  Mount at{model.body(on.body).name, on.pose, std::string(prefix)};
   Description description = expand(model.description());
+  if (joint.kind != JointKind::fixed) {
+    BodyDescription base{
+        .name = {}, .predecessor = at.carrier, .joint = joint, .geometry = InBodyFrame{at.pose}};
+    if (joint.name.empty()) base.joint.name = at.prefix + "mount";
+    base.name = base.joint.name + ".base";
+    at.carrier = base.name, at.pose = {};
+    description.bodies.push_back(std::move(base));
+  }
   Description mounted = in_joint_frames(other.description());
   check_names_differ(description, mounted, at.prefix);
   name_loops(mounted, at.prefix);
@@ -160,6 +172,71 @@ Model append(const Model& model, std::string_view frame, const Model& other, std
   mount_all(mounted.loops, at, description.loops);
   mount_all(mounted.couplings, at, description.couplings);
   description.warnings.insert(description.warnings.end(), mounted.warnings.begin(), mounted.warnings.end());
+  return built(std::move(description));
+}
+
+namespace {
+
+/// Throws std::invalid_argument if a joint that is passed the other way round would act otherwise: the axes of several velocities
+/// are those of the body that the joint moves. Springs and losses of a spherical joint that are the same about all axes stay.
+void check_may_be_reversed(const JointDescription& joint, bool base) {
+  const auto of_own_axes = [](const Dof& dof) {
+    return dof.armature != 0 || dof.damping != 0 || dof.friction != 0 || dof.stiffness != 0;
+  };
+  const auto bounded = [](const Dof& dof) {
+    return std::isfinite(dof.lower) || std::isfinite(dof.upper) || std::isfinite(dof.velocity) ||
+           std::isfinite(dof.effort);
+  };
+  const auto differs = [&](const Dof& dof) {
+    const Dof& first = joint.dof[0];
+    return dof.armature != first.armature || dof.damping != first.damping || dof.friction != 0 ||
+           dof.stiffness != first.stiffness;
+  };
+  if (joint.dof.size() <= 1) return;
+  const bool isotropic =
+      joint.kind == JointKind::spherical && !base && std::ranges::none_of(joint.dof, differs);
+  if (std::ranges::any_of(joint.dof, bounded) || (!isotropic && std::ranges::any_of(joint.dof, of_own_axes)))
+    throw std::invalid_argument(
+        "rerooted: joint \"" + joint.name + "\" is " + std::string(to_string(joint.kind)) +
+        " and has limits, losses, springs or armatures, which would be along the axes of another body; "
+        "take them away first");
+}
+
+}  // namespace
+
+Model rerooted(const Model& model, std::string_view body) {
+  const Description expanded = expand(model.description());
+  Description description = in_joint_frames(model.description());
+  const DepthFirstOrder order = depth_first_order(expanded);
+  const std::vector<Placement> placements = place(expanded, order);
+  const auto named = std::ranges::find(description.bodies, body, &BodyDescription::name);
+  if (named == description.bodies.end())
+    throw std::invalid_argument(
+        "body \"" + std::string(body) + "\" is not described" +
+        did_you_mean(body, description.bodies, [](const BodyDescription& it) { return it.name; }));
+  std::vector<std::size_t> path;  // from the body to its root
+  for (int d = static_cast<int>(named - description.bodies.begin()); d >= 0; d = order.predecessor[d])
+    path.push_back(static_cast<std::size_t>(d));
+  const JointDescription held = description.bodies[path.back()].joint;
+  if (held.kind != JointKind::fixed && held.kind != JointKind::free)
+    throw std::invalid_argument("rerooted: body \"" + description.bodies[path.back()].name +
+                                "\" hangs on the ground by the joint \"" + held.name + "\", which is " +
+                                std::string(to_string(held.kind)) +
+                                "; only a root that is fixed or free can change places with another body");
+  if (path.size() > 1) check_may_be_reversed(held, true);
+  // A joint with the displacement C in its frames is passed with C⁻¹ the other way, which is the same coordinate about -z.
+  for (std::size_t k = path.size() - 1; k > 0; --k) {
+    BodyDescription& behind = description.bodies[path[k]];
+    const BodyDescription& ahead = description.bodies[path[k - 1]];
+    check_may_be_reversed(ahead.joint, false);
+    const auto& frames = std::get<InJointFrames>(ahead.geometry);
+    behind.joint = ahead.joint;
+    if (traits(ahead.joint.kind).dof == 1) behind.joint.axis = {0, 0, -1};
+    behind.geometry = InJointFrames{frames.S_self, frames.S_prev};
+    behind.predecessor = ahead.name;
+  }
+  BodyDescription& root = description.bodies[path.front()];
+  root.joint = held, root.geometry = InBodyFrame{placements[path.front()].A}, root.predecessor = "ground";
   return built(std::move(description));
 }
 

@@ -27,7 +27,28 @@ Model with_payload(const Model& model, std::string_view frame, const Inertia<>& 
 /// The mechanism with another one mounted on one of its frames, which takes the place of the other's ground; a hand on
 /// the flange of an arm. The prefix goes before all names of bodies, joints, frames and loops of the other one, whose gravity
 /// does not matter. Bodies are numbered depth-first as ever, so the other's coordinates need not be the last ones.
-/// Throws std::invalid_argument for an unknown frame, and that lists the names which both have.
-Model append(const Model& model, std::string_view frame, const Model& other, std::string_view prefix = "");
+///
+/// If a joint is given that is not fixed, the other's ground moves on the frame by it: it is a massless body `<joint>.base`, which
+/// coincides with the frame with the joint at zero. Axis and point are given in the frame; a joint without a name is called
+/// `<prefix>mount`, and its coupling names a joint of the first mechanism.
+///
+/// Throws std::invalid_argument for an unknown frame, and that lists the names which both have; ModelError for a joint that is
+/// described wrongly or whose names are taken.
+Model append(const Model& model, std::string_view frame, const Model& other, std::string_view prefix = "",
+             const JointDescription& joint = {});
+
+/// The same mechanism with another body as its root: the body takes the place of the root of its tree, on the ground by a joint of
+/// the same name and kind (fixed or free), and the joints between the two are passed the other way round. All bodies, frames, loops
+/// and springs keep their names, and with all joints at zero all bodies are where they were drawn.
+///
+/// A joint of one velocity keeps its q, v, a and τ, limits, losses and couplings. A spherical, planar or free joint on the path has
+/// the inverse displacement: C' = C⁻¹ between its joint frames, v' = -Ad_C v, and τ = -Ad_Cᵀ τ'. A free root has the pose and twist
+/// of the body. joint_state() (axode/constraints/joint_state.hpp) of all poses and twists of a state is that state in the new
+/// coordinates. If the root is free and its joint has no drive force, the motion is the same; if it is fixed, the new root is held in
+/// the place of the old one.
+///
+/// Throws std::invalid_argument for an unknown body, for a root on any other joint, and for limits, losses, springs and armatures of
+/// joints with several velocities on the path, which act along axes of the body that is moved.
+Model rerooted(const Model& model, std::string_view body);
 
 }  // namespace axode

@@ -3,8 +3,13 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <Eigen/LU>
+
+#include "axode/constraints/joint_state.hpp"
 #include "axode/dynamics.hpp"
+#include "axode/eigen.hpp"
 #include "axode/kinematics.hpp"
+#include "axode/model/joint_kinds.hpp"
 #include "tests/lie/relative_error.hpp"
 #include "tests/model/random_loops.hpp"
 #include "tests/support/random_tree.hpp"
@@ -220,6 +225,153 @@ TEST(Append, LoopsOfBothAreClosedAsBefore) {
   EXPECT_GT(loops, 600U);
 }
 
+/// The state of one model in the coordinates of another one of the same bodies.
+JointState in_coordinates_of(const Model& to, const Model& from, const std::vector<double>& q,
+                             const std::vector<double>& v, std::span<const double> near = {}) {
+  Workspace<double> workspace(from);
+  std::vector<SE3<>> C(from.n_frames());
+  std::vector<Twist<BodyFixed>> V(from.n_frames());
+  poses(from, workspace, q, C);
+  twists<BodyFixed>(from, workspace, q, v, V);
+  std::vector<SE3<>> C_to(1);
+  std::vector<Twist<BodyFixed>> V_to(1);
+  for (int i = 1; i <= to.n_bodies(); ++i) {
+    const auto f = static_cast<std::size_t>(from.frame_index(to.body(i).name));
+    C_to.push_back(C[f]), V_to.push_back(V[f]);
+  }
+  return joint_state(to, C_to, V_to, near);
+}
+
+/// A tree with one root, which is free or, if not, fixed; joints with several velocities have no axes of their own.
+Model tree_to_reroot(Random<double>& random, bool free) {
+  Description tree =
+      told(random_mechanism(random, {.most_bodies = 12, .always_mass = true, .one_free_root = true}), random);
+  for (BodyDescription& body : tree.bodies)
+    if (traits(body.joint.kind).dof > 1) body.joint.dof.clear();
+  return ModelBuilder(free ? tree : with_fixed_base(tree)).build();
+}
+std::string any_body(const Model& model, Random<double>& random) {
+  return model.description()
+      .bodies[static_cast<std::size_t>(
+          random.number(0, static_cast<double>(model.description().bodies.size())))]
+      .name;
+}
+
+TEST(Rerooted, AFloatingMechanismMovesAsBefore) {
+  for (std::uint64_t seed = 1; seed <= 60; ++seed) {
+    SCOPED_TRACE(seed);
+    Random<double> random(seed);
+    const Model model = tree_to_reroot(random, true), other = rerooted(model, any_body(model, random));
+    ASSERT_EQ(other.nv(), model.nv());
+    const std::vector<double> q = random_configuration(model, seed), v = random_numbers(random, model.nv());
+    const JointState at = in_coordinates_of(other, model, q, v);
+    EXPECT_LE(at.gap, 1e-9);
+    EXPECT_LE(at.slip, 1e-9);
+
+    // v' = X v, so that τ = Xᵀ τ'.
+    const Eigen::Index nv = model.nv();
+    Eigen::MatrixXd X(nv, nv);
+    for (Eigen::Index k = 0; k < nv; ++k) {
+      const Eigen::VectorXd one = Eigen::VectorXd::Unit(nv, k);
+      const std::vector<double> column = in_coordinates_of(other, model, q, {one.begin(), one.end()}, at.q).v;
+      X.col(k) = Eigen::Map<const Eigen::VectorXd>(column.data(), nv);
+    }
+    Workspace<double> workspace(model), other_workspace(other);
+    std::vector<double> M(static_cast<std::size_t>(nv * nv)), M_other(M.size());
+    mass_matrix(model, workspace, q, M), mass_matrix(other, other_workspace, at.q, M_other);
+    using Square = Eigen::Map<const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>;
+    const Eigen::MatrixXd expected = Square(M.data(), nv, nv),
+                          found = X.transpose() * Square(M_other.data(), nv, nv) * X;
+    EXPECT_LE((found - expected).cwiseAbs().maxCoeff(), 1e-9 * expected.cwiseAbs().maxCoeff());
+
+    // The same drive forces move all bodies in the same way.
+    const std::vector<double> tau = random_numbers(random, model.nv(), 10);
+    const Eigen::VectorXd tau_other =
+        X.transpose().partialPivLu().solve(Eigen::Map<const Eigen::VectorXd>(tau.data(), nv));
+    std::vector<double> a(v.size()), a_other(v.size());
+    ASSERT_TRUE(forward_dynamics(model, workspace, q, v, tau, a).ok());
+    ASSERT_TRUE(forward_dynamics(other, other_workspace, at.q, at.v,
+                                 std::vector<double>(tau_other.begin(), tau_other.end()), a_other)
+                    .ok());
+    std::vector<TwistRate<BodyFixed>> dV(model.n_frames()), dV_other(dV.size());
+    accelerations<BodyFixed>(model, workspace, q, v, a, dV);
+    accelerations<BodyFixed>(other, other_workspace, at.q, at.v, a_other, dV_other);
+    double scale = 1;
+    for (const TwistRate<BodyFixed>& each : dV) scale = std::max({scale, norm(each.w), norm(each.v)});
+    for (int f = 1; f < model.n_frames(); ++f) {
+      const TwistRate<BodyFixed>&own = dV[f], &its = dV_other[other.frame_index(model.frame(f).name)];
+      EXPECT_LE(std::max(norm(own.w - its.w), norm(own.v - its.v)), 1e-8 * scale) << model.frame(f).name;
+    }
+  }
+}
+
+TEST(Rerooted, CoordinatesOfJointsOfOneVelocityAndNamesStay) {
+  for (std::uint64_t seed = 1; seed <= 30; ++seed) {
+    SCOPED_TRACE(seed);
+    Random<double> random(seed);
+    Description tree = tree_to_reroot(random, seed % 2 == 0).description();
+    for (BodyDescription& body : tree.bodies)
+      if (body.joint.coupling) body.joint.coupling->offset = 0;  // so that all joints can be at zero
+    const Model model = ModelBuilder(tree).build(), other = rerooted(model, any_body(model, random));
+    const std::vector<double> q = random_configuration(model, seed);
+    ASSERT_EQ(other.n_bodies(), model.n_bodies());
+    if (model.n_bodies() == 0) continue;
+    std::vector<double> one = neutral(model), same = neutral(other);
+    for (const Joint& joint : model.joints()) {
+      const Joint& its = other.joint(other.joint_index(joint.name));
+      EXPECT_EQ(its.nq, joint.nq);
+      EXPECT_EQ(its.leader.has_value(), joint.leader.has_value());
+      if (joint.nq == 1) one[joint.iq] = same[its.iq] = q[joint.iq];
+    }
+    // Relative to any one body all others are where they were, and at zero in space as well.
+    const std::vector<SE3<>> C = poses_of(model, one), C_other = poses_of(other, same),
+                             C_0 = poses_of(model, neutral(model)),
+                             C_other_0 = poses_of(other, neutral(other));
+    const std::string& first = model.body(1).name;
+    const SE3<> here = C[model.frame_index(first)], there = C_other[other.frame_index(first)];
+    for (int f = 1; f < model.n_frames(); ++f) {
+      const int g = other.frame_index(model.frame(f).name);
+      if (model.frame(f).body != 0) {
+        EXPECT_LE(distance(inverse(here) * C[f], inverse(there) * C_other[g]), 1e-10);
+      }
+      EXPECT_LE(distance(C_0[f], C_other_0[g]), 1e-10);
+    }
+  }
+}
+
+TEST(Rerooted, ClosesLoopsAsBefore) {
+  for (std::uint64_t seed = 1; seed <= 30; ++seed) {
+    SCOPED_TRACE(seed);
+    Random<double> random(seed);
+    const Description tree = tree_to_reroot(random, true).description();
+    const Model model = ModelBuilder(with_loops(tree, random)).build(),
+                other = rerooted(model, any_body(model, random));
+    const std::vector<double> q = random_configuration(model, seed), v(model.nv());
+    expect_same_loops(model, q, other, in_coordinates_of(other, model, q, v).q);
+  }
+}
+
+TEST(Rerooted, RefusesWhatWouldBeAnotherMechanism) {
+  EXPECT_THAT([] { rerooted(pendulum(), "rodd"); },
+              refuses("body \"rodd\" is not described; did you mean \"rod\""));
+  EXPECT_THAT(
+      [] { rerooted(pendulum(), "rod"); },
+      refuses("body \"rod\" hangs on the ground by the joint \"pivot\", which is revolute; only a root"));
+  const auto floating = [](const Dof& dof) {
+    Description two =
+        append(
+            ModelBuilder("").add(BodyDescription{.name = "hull", .joint = {.kind = JointKind::free}}).build(),
+            "hull", pendulum())
+            .description();
+    two.bodies[1].joint.kind = JointKind::spherical, two.bodies[1].joint.dof = {dof, dof, dof};
+    return ModelBuilder(two).build();
+  };
+  EXPECT_NO_THROW(rerooted(floating({.damping = 1, .armature = 1, .stiffness = 1}), "rod"));
+  EXPECT_THAT([&] { rerooted(floating({.upper = 1}), "rod"); },
+              refuses("joint \"pivot\" is spherical and has limits, losses, springs or armatures"));
+  EXPECT_NO_THROW(rerooted(floating({.upper = 1}), "hull"));
+}
+
 TEST(Edits, KeepLoops) {
   for (std::uint64_t seed = 1; seed <= 30; ++seed) {
     SCOPED_TRACE(seed);
@@ -249,6 +401,55 @@ TEST(Append, NamesOfLoopsAndCouplingsAndTheirDefaultsCount) {
   std::vector<std::string> names;
   for (const Loop& loop : twice.loops().all) names.push_back(loop.name);
   EXPECT_THAT(names, ElementsAre("loop 1", "2 loop 1", "gear", "2 gear"));
+}
+
+TEST(Append, ByAJointIsTheOtherMechanismOnAMovingGround) {
+  for (const JointTraits& kind : joint_kinds) {
+    SCOPED_TRACE(kind.name);
+    Random<double> random(static_cast<std::uint64_t>(kind.kind) + 1);
+    const Model arm = any_model(random, 8), hand = any_model(random, 8);
+    const Frame& flange = arm.frame(static_cast<int>(random.number(0, arm.n_frames())));
+    const JointDescription wrist{.kind = kind.kind,
+                                 .axis = {0.3, -0.4, 1},
+                                 .second_axis = {1, 0.2, -0.1},
+                                 .point = {0.2, 0.1, -0.3},
+                                 .pitch = kind.kind == JointKind::helical ? 0.1 : 0};
+    const Model both = append(arm, flange.name, hand, "hand ", wrist);
+    ASSERT_EQ(both.nv(), arm.nv() + hand.nv() + kind.dof);
+
+    // The wrist as it is drawn alone on the ground.
+    const Model alone = ModelBuilder("wrist")
+                            .add(BodyDescription{.name = "hand mount.base",
+                                                 .joint =
+                                                     [&] {
+                                                       JointDescription joint = wrist;
+                                                       joint.name = "hand mount";
+                                                       return joint;
+                                                     }(),
+                                                 .geometry = InBodyFrame{}})
+                            .build();
+    const std::vector<double> q = random_configuration(both, 5);
+    const auto of = [&](const Model& part, const std::string& prefix) {
+      std::vector<double> own(part.nq());
+      for (const Joint& joint : part.joints())
+        if (joint.nq > 0)
+          std::copy_n(q.begin() + both.joint(both.joint_index(prefix + joint.name)).iq, joint.nq,
+                      own.begin() + joint.iq);
+      return own;
+    };
+    const std::vector<SE3<>> C = poses_of(both, q), C_arm = poses_of(arm, of(arm, "")),
+                             C_hand = poses_of(hand, of(hand, "hand ")),
+                             C_wrist = poses_of(alone, of(alone, ""));
+    const SE3<> mount = C_arm[arm.frame_index(flange.name)] * C_wrist.back();
+    for (int f = 1; f < hand.n_frames(); ++f)
+      EXPECT_LE(distance(C[both.frame_index("hand " + hand.frame(f).name)], mount * C_hand[f]), 1e-10);
+    if (kind.kind != JointKind::fixed) {
+      EXPECT_LE(distance(C[both.frame_index("hand mount.base")], mount), 1e-11);
+      EXPECT_THAT(
+          [&] { append(both, flange.name, pendulum(), "", {.name = "hand mount", .kind = kind.kind}); },
+          finds("the name is taken"));
+    }
+  }
 }
 
 TEST(Append, NeedsNamesOfItsOwn) {
