@@ -5,7 +5,9 @@
 #include <array>
 #include <filesystem>
 #include <memory>
+#include <span>
 #include <sstream>
+#include <vector>
 
 #include "choice.hpp"
 #include "commands.hpp"
@@ -26,14 +28,21 @@ constexpr const char* footer = R"(Example:
   axode convert humanoid.urdf humanoid.toml
 
 The ending of OUT decides: .toml is a drawing, .urdf a URDF, .xml MJCF. What the format has no words for,
-such as helical joints, is an error, and nothing is written. IN is a drawing, a URDF or SDFormat (.sdf,
-.world); MJCF is read by the Python package: axode.load.)";
+such as springs in a URDF, is left out with a warning; with --strict it is an error, and nothing is written.
+Joints of a kind that the format does not have, such as helical ones, are always an error. IN is a drawing, a
+URDF or SDFormat (.sdf, .world); MJCF is read by the Python package: axode.load.)";
 
-using Writer = void (*)(const Model&, std::ostream&);
+/// Returns warnings of what is left out.
+using Writer = std::vector<Fault> (*)(const Model&, std::ostream&, Strictness);
+
+std::vector<Fault> write_all(const Model& model, std::ostream& out, Strictness) {
+  write_drawing(model, out);
+  return {};
+}
 
 Writer writer_for(const std::string& file) {
   static constexpr std::array<std::pair<std::string_view, Writer>, 3> writers{
-      {{".toml", write_drawing}, {".urdf", write_urdf}, {".xml", write_mjcf}}};
+      {{".toml", write_all}, {".urdf", write_urdf}, {".xml", write_mjcf}}};
   return choose("OUT: " + file, std::filesystem::path(file).extension().string(), writers);
 }
 
@@ -42,10 +51,12 @@ void run(const Options& options) {
   if (!options.force && std::filesystem::exists(options.out))
     throw InputError(options.out + ": the file exists; --force replaces it");
   const Model model = load(options.in);
-  for (const Fault& fault : model.warnings())
-    fmt::print(stderr, "{}\n", in(Ink::warning, to_string(fault), stderr));
+  const auto warn = [](std::span<const Fault> faults) {
+    for (const Fault& fault : faults) fmt::print(stderr, "{}\n", in(Ink::warning, to_string(fault), stderr));
+  };
+  warn(model.warnings());
   std::ostringstream text;
-  write(model, text);
+  warn(write(model, text, options.in.strictness()));
   write_text(options.out, text.str());
   fmt::print("{}: {} moving bodies, nq = {}, nv = {}\n", options.out, model.n_bodies(), model.nq(),
              model.nv());

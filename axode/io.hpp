@@ -47,14 +47,18 @@ Description read_sdf_text(std::string_view text, const std::string& file_name,
 /// writing that gives the same text.
 void write_drawing(const Model& model, std::ostream& out);
 
-/// Writes the mechanism as a URDF. Throws ModelError that names everything URDF has no words for, such as
-/// helical and spherical joints, armature, springs, or another gravity than (0, 0, -9.81) m/s²; then nothing is
-/// written.
-void write_urdf(const Model& model, std::ostream& out);
+/// Writes the mechanism as a URDF and returns a warning for each thing that URDF cannot say and that is left out, such as
+/// armatures, springs, passive joints and another gravity than (0, 0, -9.81) m/s². Throws ModelError, and writes nothing, if a joint
+/// is of a kind that URDF does not have (helical, spherical), or if the writer is strict and something would be left out.
+std::vector<Fault> write_urdf(const Model& model, std::ostream& out,
+                              Strictness strictness = Strictness::lenient);
 
-/// Writes the mechanism as MJCF. A planar joint becomes two slides and a hinge, a universal or cylindrical one two
-/// joints of one body, a revolute loop two points that meet. Throws ModelError that names what MJCF has no words for,
-/// such as helical joints, elastic stops and most kinds of loops; then nothing is written. Velocity limits are left out.
-void write_mjcf(const Model& model, std::ostream& out);
+/// Writes the mechanism as MJCF and returns a warning for each thing that MJCF cannot say and that is left out, such as velocity
+/// limits, elastic stops and most kinds of loops. A planar joint becomes two slides and a hinge, a universal or cylindrical one two
+/// joints of one body, a revolute loop two points that meet. If some joints of a mechanism with loops are passive, the others have
+/// motors. Throws ModelError, and writes nothing, for what MuJoCo refuses (helical joints, free joints on moving bodies, moving bodies
+/// without mass, inertias that no density can produce), or if the writer is strict and something would be left out.
+std::vector<Fault> write_mjcf(const Model& model, std::ostream& out,
+                              Strictness strictness = Strictness::lenient);
 
 }  // namespace axode

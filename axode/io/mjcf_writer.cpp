@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <map>
@@ -9,6 +10,7 @@
 #include <utility>
 
 #include "axode/io.hpp"
+#include "axode/io/writing.hpp"
 #include "axode/io/xml_text.hpp"
 #include "axode/lie/quaternion.hpp"
 #include "axode/model/placement.hpp"
@@ -55,8 +57,11 @@ class Names {
 
 class MjcfWriter {
  public:
-  explicit MjcfWriter(const Description& description)
-      : d_(expand(description)), order_(depth_first_order(d_)), at_(place(d_, order_)) {
+  MjcfWriter(const Description& description, Strictness strictness)
+      : d_(expand(description)),
+        order_(depth_first_order(d_)),
+        at_(place(d_, order_)),
+        unsaid_("MJCF", strictness) {
     const auto n = d_.bodies.size();
     children_.resize(n), merged_.resize(n, 0), inherited_.resize(n);
     for (std::size_t i = 0; i < n; ++i) index_.emplace(d_.bodies[i].name, i);
@@ -66,16 +71,18 @@ class MjcfWriter {
     }
   }
 
-  void write(std::ostream& out) {
+  std::vector<Fault> write(std::ostream& out) {
     hoist_free();
     merge_massless();
     find_faults();
-    if (!faults_.empty()) throw ModelError(d_.name, std::move(faults_));
+    unsaid_.throw_errors(d_.name);
     name_bodies();
     for (const FrameDescription& frame : d_.frames) named_site(frame);
-    for (std::size_t k = 0; k < d_.loops.size(); ++k) write_loop(d_.loops[k], k);
+    for (std::size_t k = 0; k < d_.loops.size(); ++k)
+      if (in_mjcf(d_.loops[k].kind)) write_loop(d_.loops[k], k);
     for (const SpringDescription& spring : d_.springs) write_spring(spring);
     write_couplings();
+    if (has_passive_joints()) write_motors();
 
     std::ostringstream bodies;
     write_shapes(bodies, "    ", d_.shapes);
@@ -83,22 +90,20 @@ class MjcfWriter {
     for (const int i : roots_) write_tree(bodies, i);
 
     out << "<mujoco" << attribute("model", text(d_.name)) << ">\n";
-    for (const std::string& what : left_out_) out << "  <!-- " << what << " -->\n";
     out << "  <compiler angle=\"radian\" inertiafromgeom=\"false\"/>\n  <option"
         << attribute("gravity", text(d_.gravity)) << "/>\n";
     section(out, "asset", assets_.str());
     section(out, "worldbody", bodies.str());
     section(out, "tendon", tendons_.str());
     section(out, "equality", equalities_.str());
+    section(out, "actuator", motors_.str());
     out << "</mujoco>\n";
+    return std::move(unsaid_).warnings();
   }
 
  private:
   static void section(std::ostream& out, const char* name, const std::string& content) {
     if (!content.empty()) out << "  <" << name << ">\n" << content << "  </" << name << ">\n";
-  }
-  void error(std::string element, std::string message, const Source& source) {
-    faults_.push_back({Severity::error, Rule::wrong_value, std::move(element), std::move(message), source});
   }
   static const Source& source_of(const BodyDescription& body) {
     return body.joint.source.line > 0 ? body.joint.source : body.source;
@@ -170,54 +175,95 @@ class MjcfWriter {
 
   void find_faults() {
     const std::vector<char> has_mass = with_mass();
+    shapes_unsaid(d_.shapes, "the ground", d_.source);
     for (const int i : order_.order) {
       const BodyDescription& body = d_.bodies[i];
       const JointDescription& joint = body.joint;
-      const std::string element = "joint \"" + joint.name + '"';
+      const std::string element = "joint \"" + joint.name + '"', its_body = "body \"" + body.name + '"';
       const Source& source = source_of(body);
-      if (joint.kind == JointKind::helical) error(element, "is helical; MJCF has no such joint", source);
+      if (joint.kind == JointKind::helical)
+        unsaid_.refuse(element, "is helical; MJCF has no such joint", source);
       if (joint.kind == JointKind::free && order_.predecessor[i] >= 0)
-        error(element,
-              "is free and hangs on body \"" + body.predecessor + "\"; in MJCF it hangs on the world",
-              source);
+        unsaid_.refuse(
+            element, "is free and hangs on body \"" + body.predecessor + "\"; in MJCF it hangs on the world",
+            source);
       if (joint.kind != JointKind::fixed && merged_[i] == 0 && has_mass[i] == 0)
-        error("body \"" + body.name + '"', "moves and has no mass; MuJoCo refuses it", body.source);
+        unsaid_.refuse(its_body, "moves and has no mass; MuJoCo refuses it", body.source);
       if (body.inertia && body.inertia->mass > 0 &&
           realisability(inertia_in({}, *body.inertia)) < -realisability_tolerance)
-        error("body \"" + body.name + '"', "has an inertia that no density can produce; MuJoCo refuses it",
-              body.source);
-      joint_faults(joint, element, source);
+        unsaid_.refuse(its_body, "has an inertia that no density can produce; MuJoCo refuses it",
+                       body.source);
+      joint_unsaid(joint, element, source);
+      shapes_unsaid(body.shapes, its_body, body.source);
     }
+    if (has_passive_joints() && std::ranges::none_of(d_.bodies, has_drive, &BodyDescription::joint))
+      for (const BodyDescription& body : d_.bodies)
+        if (has_none(body.joint))
+          unsaid_.leave_out("joint \"" + body.joint.name + '"', "is passive, as all joints are",
+                            source_of(body));
     for (std::size_t k = 0; k < d_.loops.size(); ++k)
-      if (const LoopKind kind = d_.loops[k].kind;
-          kind != LoopKind::fixed && kind != LoopKind::spherical && kind != LoopKind::revolute)
-        error("loop \"" + loop_name(d_.loops[k], k) + '"',
-              "is " + std::string(to_string(kind)) + "; MJCF has no such loop", d_.loops[k].source);
+      if (!in_mjcf(d_.loops[k].kind))
+        unsaid_.leave_out("loop \"" + loop_name(d_.loops[k], k) + '"',
+                          "is " + std::string(to_string(d_.loops[k].kind)), d_.loops[k].source);
   }
 
-  void joint_faults(const JointDescription& joint, const std::string& element, const Source& source) {
-    if (std::ranges::any_of(joint.dof, [](const Dof& dof) { return dof.stop_stiffness != 0; }))
-      error(element, "has elastic stops; MJCF has no word for them", source);
-    if (joint.dof.size() < 2) return;
-    if (std::ranges::any_of(joint.dof, bounded))
-      error(element, "has several degrees of freedom with limits; MJCF has no word for them", source);
-    const bool ball = joint.kind == JointKind::spherical;
-    const Dof& first = joint.dof[0];
-    for (std::size_t k = 1; k < joint.dof.size(); ++k) {
-      const Dof &dof = joint.dof[k], &like = joint.kind == JointKind::planar ? joint.dof[1] : first;
-      if (dof.damping != like.damping || dof.friction != like.friction || dof.armature != like.armature ||
-          (ball && dof.stiffness != like.stiffness)) {
-        error(element,
-              "has degrees of freedom that differ; MJCF has one damping, friction, armature and "
-              "stiffness for all of them",
-              source);
-        return;
-      }
+  static bool in_mjcf(LoopKind kind) {
+    return kind == LoopKind::fixed || kind == LoopKind::spherical || kind == LoopKind::revolute;
+  }
+
+  /// The degrees of freedom as MJCF gives them to its joints: each its own to a hinge and to slides, of which the two of a planar
+  /// joint share losses, armature and effort, and one for all to balls and free bodies. What MJCF has no words for is 0 or infinite.
+  static std::vector<Dof> said(const JointDescription& joint) {
+    const bool ball = joint.kind == JointKind::spherical, planar = joint.kind == JointKind::planar;
+    std::vector<Dof> all = joint.dof;
+    all.resize(static_cast<std::size_t>(traits(joint.kind).dof));
+    const std::size_t first = planar ? 1 : 0;  // of those that share
+    const Dof like = all.empty() ? Dof{} : all[std::min(first, all.size() - 1)];
+    const bool alike = std::all_of(all.begin() + static_cast<std::ptrdiff_t>(std::min(first, all.size())),
+                                   all.end(), [&](const Dof& dof) {
+                                     return dof.damping == like.damping && dof.friction == like.friction &&
+                                            dof.armature == like.armature &&
+                                            (!ball || dof.stiffness == like.stiffness);
+                                   });
+    for (std::size_t k = 0; k < all.size(); ++k) {
+      Dof& dof = all[k];
+      dof.stop_stiffness = dof.stop_damping = 0;
+      dof.velocity = std::numeric_limits<double>::infinity();
+      if (!(dof.effort > 0) || (all.size() > 1 && !planar)) dof.effort = dof.velocity;
+      if (all.size() == 1) continue;
+      if (!planar) dof.lower = -dof.velocity, dof.upper = dof.velocity;
+      if (!alike && k >= first) dof.damping = dof.friction = dof.armature = 0;
+      if (!ball || !alike) dof.stiffness = 0;
+      dof.rest = 0;
     }
-    if (!ball && std::ranges::any_of(joint.dof, [](const Dof& dof) { return dof.stiffness != 0; }))
-      error(element,
-            "is " + std::string(to_string(joint.kind)) + " and has a spring; MJCF has another law for it",
-            source);
+    return all;
+  }
+
+  void joint_unsaid(const JointDescription& joint, const std::string& element, const Source& source) {
+    const std::vector<Dof> written = said(joint);
+    const auto check = [&](double Dof::*value, const std::string& what) {
+      for (std::size_t k = 0; k < joint.dof.size(); ++k)
+        if (joint.dof[k].*value != written[k].*value) return unsaid_.leave_out(element, what, source);
+    };
+    const std::string several = joint.dof.size() > 1 ? " in degrees of freedom that differ" : "";
+    check(&Dof::stop_stiffness, "has elastic stops");
+    check(&Dof::velocity, "has a largest velocity");
+    check(&Dof::effort, "has a largest force that is 0 or of several degrees of freedom");
+    check(&Dof::lower, "has a lower limit and several degrees of freedom");
+    check(&Dof::upper, "has an upper limit and several degrees of freedom");
+    check(&Dof::damping, "has damping" + several);
+    check(&Dof::friction, "has friction" + several);
+    check(&Dof::armature, "has armatures" + several);
+    check(&Dof::stiffness, joint.kind == JointKind::spherical
+                               ? "has springs" + several
+                               : "is " + std::string(to_string(joint.kind)) + " and has a spring");
+  }
+
+  void shapes_unsaid(const std::vector<ShapeDescription>& shapes, const std::string& owner,
+                     const Source& source) {
+    for (const ShapeDescription& shape : shapes)
+      if (!has_words_for(shape))
+        unsaid_.leave_out(owner, "has a mesh of " + shape.file + ", which MuJoCo does not open", source);
   }
 
   // ---------------------------------------------------------------- bodies
@@ -292,7 +338,7 @@ class MjcfWriter {
 
   void write_joint(std::ostream& out, const std::string& indent, const JointDescription& joint,
                    const SE3<>& frame) {
-    const auto dof = [&](std::size_t k) { return k < joint.dof.size() ? joint.dof[k] : Dof{}; };
+    const std::vector<Dof> dof = said(joint);
     const auto one = [&](const std::string& name, const char* type, const Vec3<>* axis, const Dof& its) {
       out << indent << "<joint" << attribute("name", text(name)) << attribute("type", type);
       if (type != std::string_view("free") && norm(frame.r) > 0) out << attribute("pos", text(frame.r));
@@ -300,25 +346,21 @@ class MjcfWriter {
       if (bounded(its))
         out << attribute("range", text(std::clamp(its.lower, -no_limit, no_limit)) + " " +
                                       text(std::clamp(its.upper, -no_limit, no_limit)));
-      const bool says_effort = axis != nullptr && its.effort > 0;
-      if (std::isfinite(its.effort) && says_effort)
+      if (std::isfinite(its.effort))
         out << attribute("actuatorfrcrange", text(-its.effort) + " " + text(its.effort));
       out << unless_zero("damping", its.damping) << unless_zero("frictionloss", its.friction)
           << unless_zero("armature", its.armature) << unless_zero("stiffness", its.stiffness)
           << unless_zero("springref", its.rest) << "/>\n";
-      if (std::isfinite(its.velocity)) leave_out("velocity limits of joints");
-      if (std::isfinite(its.effort) && !says_effort)
-        leave_out("efforts of 0, and those of free and spherical joints");
     };
     switch (joint.kind) {
-      case JointKind::revolute: return one(joint.name, "hinge", &frame.R.z, dof(0));
-      case JointKind::prismatic: return one(joint.name, "slide", &frame.R.z, dof(0));
-      case JointKind::spherical: return one(joint.name, "ball", nullptr, dof(0));
-      case JointKind::free: return one(joint.name, "free", nullptr, dof(0));
+      case JointKind::revolute: return one(joint.name, "hinge", &frame.R.z, dof[0]);
+      case JointKind::prismatic: return one(joint.name, "slide", &frame.R.z, dof[0]);
+      case JointKind::spherical: return one(joint.name, "ball", nullptr, dof[0]);
+      case JointKind::free: return one(joint.name, "free", nullptr, dof[0]);
       case JointKind::planar:
-        one(joint.name + ".x", "slide", &frame.R.x, dof(1));
-        one(joint.name + ".y", "slide", &frame.R.y, dof(2));
-        return one(joint.name + ".angle", "hinge", &frame.R.z, dof(0));
+        one(joint.name + ".x", "slide", &frame.R.x, dof[1]);
+        one(joint.name + ".y", "slide", &frame.R.y, dof[2]);
+        return one(joint.name + ".angle", "hinge", &frame.R.z, dof[0]);
       default: return;  // fixed
     }
   }
@@ -328,11 +370,8 @@ class MjcfWriter {
   void write_shapes(std::ostream& out, const std::string& indent,
                     const std::vector<ShapeDescription>& shapes) {
     for (const ShapeDescription& shape : shapes) {
+      if (!has_words_for(shape)) continue;
       const bool mesh = shape.kind == ShapeKind::mesh;
-      if (mesh && !opens(shape.file)) {
-        leave_out("meshes that MuJoCo does not open");
-        continue;
-      }
       const bool ball =
           shape.kind == ShapeKind::sphere || (shape.kind == ShapeKind::capsule && shape.length == 0);
       out << indent << "<geom";
@@ -355,6 +394,9 @@ class MjcfWriter {
                                                            : R"( group="3")")
           << "/>\n";
     }
+  }
+  static bool has_words_for(const ShapeDescription& shape) {
+    return shape.kind != ShapeKind::mesh || opens(shape.file);
   }
   /// Whether MuJoCo reads a file of that kind, from a folder.
   static bool opens(const std::string& file) {
@@ -482,9 +524,42 @@ class MjcfWriter {
     equalities_ << attribute("polycoef", text(offset) + " " + text(ratio) + " 0 0 0") << "/>\n";
   }
 
-  void leave_out(const char* what) {
-    const std::string sentence = std::string("Left out, for want of words: ") + what + ".";
-    if (std::ranges::find(left_out_, sentence) == left_out_.end()) left_out_.push_back(sentence);
+  // ---------------------------------------------------------------- drives
+
+  static bool moves_on_its_own(const JointDescription& joint) {
+    return joint.kind != JointKind::fixed && !joint.coupling;
+  }
+  static bool has_drive(const JointDescription& joint) { return moves_on_its_own(joint) && !joint.passive; }
+  static bool has_none(const JointDescription& joint) { return moves_on_its_own(joint) && joint.passive; }
+  /// Whether it matters which joints have drives, and some have none. MJCF says by its actuators which ones have.
+  bool has_passive_joints() const {
+    const bool closed =
+        !d_.couplings.empty() ||
+        std::ranges::any_of(d_.loops, [](const LoopDescription& loop) { return in_mjcf(loop.kind); });
+    return closed && std::ranges::any_of(d_.bodies, has_none, &BodyDescription::joint);
+  }
+  /// A motor for each velocity of the joints that have drives.
+  void write_motors() {
+    Names names{};
+    const auto motor = [&](const std::string& joint, const std::string& suffix, const char* gear) {
+      motors_ << "    <motor" << attribute("name", text(names.free(joint + suffix)))
+              << attribute("joint", text(joint)) << (gear[0] == '\0' ? "" : attribute("gear", gear))
+              << "/>\n";
+    };
+    constexpr std::array axes{"1 0 0 0 0 0", "0 1 0 0 0 0", "0 0 1 0 0 0",
+                              "0 0 0 1 0 0", "0 0 0 0 1 0", "0 0 0 0 0 1"};
+    for (const int i : order_.order) {
+      const JointDescription& joint = d_.bodies[i].joint;
+      if (!has_drive(joint)) continue;
+      const std::size_t nv = static_cast<std::size_t>(traits(joint.kind).dof);
+      if (joint.kind == JointKind::planar) {
+        for (const char* part : {".x", ".y", ".angle"}) motor(joint.name + part, "", "");
+      } else if (nv == 1) {
+        motor(joint.name, "", "");
+      } else {
+        for (std::size_t k = 0; k < nv; ++k) motor(joint.name, "." + std::to_string(k + 1), axes[k]);
+      }
+    }
   }
 
   Description d_;
@@ -495,20 +570,21 @@ class MjcfWriter {
   std::vector<int> roots_;
   std::vector<char> merged_;
   std::vector<std::vector<Moves>> inherited_;
-  std::vector<Fault> faults_;
+  io::Unsaid unsaid_;
   std::size_t merged_above_ = 0;
   std::unordered_map<std::string, std::string> body_names_;
   std::unordered_map<std::string, std::pair<std::string, SE3<>>> on_body_;  ///< named frames
   std::unordered_map<std::string, std::string> sites_;                      ///< of each body
   std::map<std::string, std::string> meshes_;
   Names geom_names_{}, site_names_{};
-  std::vector<std::string> left_out_;
-  std::ostringstream assets_, tendons_, equalities_;
+  std::ostringstream assets_, tendons_, equalities_, motors_;
   int springs_ = 0;
 };
 
 }  // namespace
 
-void write_mjcf(const Model& model, std::ostream& out) { MjcfWriter(model.description()).write(out); }
+std::vector<Fault> write_mjcf(const Model& model, std::ostream& out, Strictness strictness) {
+  return MjcfWriter(model.description(), strictness).write(out);
+}
 
 }  // namespace axode

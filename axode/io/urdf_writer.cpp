@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <ostream>
 #include <unordered_map>
 #include <unordered_set>
@@ -9,6 +10,7 @@
 #include "axode/io.hpp"
 #include "axode/io/pose.hpp"
 #include "axode/io/urdf_kinds.hpp"
+#include "axode/io/writing.hpp"
 #include "axode/io/xml_text.hpp"
 #include "axode/model/placement.hpp"
 #include "axode/model/shape_kinds.hpp"
@@ -35,21 +37,28 @@ std::string_view urdf_type(const JointDescription& joint) {
   return found == io::urdf_kinds.end() ? "" : found->type;
 }
 
-/// What a mechanism says that a URDF cannot.
-std::vector<Fault> beyond_urdf(const Description& d) {
-  std::vector<Fault> faults;
-  const auto error = [&](std::string element, std::string message, const Source& source) {
-    faults.push_back({Severity::error, Rule::wrong_value, std::move(element), std::move(message), source});
+/// The limits and losses that all degrees of freedom of a joint share, or none if these differ.
+std::optional<Dof> shared_dof(const JointDescription& joint) {
+  if (joint.dof.empty()) return Dof{};
+  const Dof& first = joint.dof[0];
+  const auto differs = [&](const Dof& dof) {
+    return bounded(dof) || dof.velocity != first.velocity || dof.effort != first.effort ||
+           dof.damping != first.damping || dof.friction != first.friction;
   };
+  if (joint.dof.size() > 1 && std::ranges::any_of(joint.dof, differs)) return std::nullopt;
+  return first;
+}
+
+/// What a mechanism says that a URDF cannot.
+void find_unsaid(const Description& d, io::Unsaid& unsaid) {
   if (norm(d.gravity - Vec3<>{0, 0, -9.81}) > 0)
-    error("gravity", "is (" + text(d.gravity) + ") m/s²; a URDF cannot say so, its users take (0, 0, -9.81)",
-          d.source);
+    unsaid.leave_out("gravity", "is (" + text(d.gravity) + ") m/s², and readers take (0, 0, -9.81)",
+                     d.source);
   const auto shapes = [&](const std::vector<ShapeDescription>& all, const std::string& owner,
                           const Source& source) {
     for (const ShapeDescription& shape : all)
       if (!traits(shape.kind).in_urdf)
-        error(owner, "has a shape that is an " + std::string(to_string(shape.kind)) + "; URDF has none",
-              source);
+        unsaid.leave_out(owner, "has a shape that is an " + std::string(to_string(shape.kind)), source);
   };
   shapes(d.shapes, "the ground", d.source);
   for (const BodyDescription& body : d.bodies) {
@@ -58,44 +67,32 @@ std::vector<Fault> beyond_urdf(const Description& d) {
     shapes(body.shapes, "body \"" + body.name + '"', body.source);
     const Source& source = joint.source.line > 0 ? joint.source : body.source;
     if (urdf_type(joint).empty())
-      error(element, "is " + std::string(to_string(joint.kind)) + "; URDF has no such joint", source);
-    const auto armed =
-        std::find_if(joint.dof.begin(), joint.dof.end(), [](const Dof& dof) { return dof.armature != 0; });
+      unsaid.refuse(element, "is " + std::string(to_string(joint.kind)) + "; URDF has no such joint", source);
+    const auto armed = std::ranges::find_if(joint.dof, [](const Dof& dof) { return dof.armature != 0; });
     if (armed != joint.dof.end())
-      error(element, "has an armature of " + text(armed->armature) + "; URDF has no word for it", source);
+      unsaid.leave_out(element, "has an armature of " + text(armed->armature), source);
     if (std::ranges::any_of(joint.dof, [](const Dof& dof) { return dof.stiffness != 0; }))
-      error(element, "has a spring; URDF has no word for it", source);
+      unsaid.leave_out(element, "has a spring", source);
     if (std::ranges::any_of(joint.dof, [](const Dof& dof) { return dof.stop_stiffness != 0; }))
-      error(element, "has elastic stops; URDF has no word for them", source);
+      unsaid.leave_out(element, "has elastic stops", source);
     if (joint.passive.value_or(false) && !(d.loops.empty() && d.couplings.empty()))
-      error(element, "is passive; URDF has no word for it", source);
-    const bool own_limits =
-        joint.dof.size() > 1 && std::any_of(joint.dof.begin(), joint.dof.end(), [&](const Dof& dof) {
-          const Dof& first = joint.dof[0];
-          return bounded(dof) || dof.velocity != first.velocity || dof.effort != first.effort ||
-                 dof.damping != first.damping || dof.friction != first.friction;
-        });
-    if (own_limits)
-      error(element,
-            "has several degrees of freedom with limits of their own; URDF gives a joint one <limit>",
-            source);
+      unsaid.leave_out(element, "is passive", source);
+    if (!shared_dof(joint))
+      unsaid.leave_out(element, "has several degrees of freedom with limits or losses of their own", source);
   }
   for (std::size_t k = 0; k < d.springs.size(); ++k)
-    error("spring " + std::to_string(k + 1),
-          "is between \"" + d.springs[k].between[0] + "\" and \"" + d.springs[k].between[1] +
-              "\"; URDF has no word for springs",
-          d.springs[k].source);
+    unsaid.leave_out("spring " + std::to_string(k + 1),
+                     "is between \"" + d.springs[k].between[0] + "\" and \"" + d.springs[k].between[1] + '"',
+                     d.springs[k].source);
   for (std::size_t k = 0; k < d.loops.size(); ++k)
     if (!io::in_urdf(d.loops[k].kind))
-      error("loop \"" + loop_name(d.loops[k], k) + '"',
-            "is " + std::string(to_string(d.loops[k].kind)) + "; <loop_joint> of a URDF has no such type",
-            d.loops[k].source);
+      unsaid.leave_out("loop \"" + loop_name(d.loops[k], k) + '"',
+                       "is " + std::string(to_string(d.loops[k].kind)), d.loops[k].source);
   for (std::size_t k = 0; k < d.couplings.size(); ++k)
-    error("coupling \"" + coupling_name(d.couplings[k], k) + '"',
-          "is one of the coordinates of " + std::to_string(d.couplings[k].terms.size()) +
-              " joints; URDF has no word for it, only joints that follow one other",
-          d.couplings[k].source);
-  return faults;
+    unsaid.leave_out(
+        "coupling \"" + coupling_name(d.couplings[k], k) + '"',
+        "is one of the coordinates of " + std::to_string(d.couplings[k].terms.size()) + " joints",
+        d.couplings[k].source);
 }
 
 class UrdfWriter {
@@ -106,9 +103,10 @@ class UrdfWriter {
     one_fixed_root_ = is_one_fixed_root();
   }
 
-  void write() {
-    if (std::vector<Fault> faults = beyond_urdf(d_); !faults.empty())
-      throw ModelError(d_.name, std::move(faults));
+  std::vector<Fault> write(Strictness strictness) {
+    io::Unsaid unsaid("URDF", strictness);
+    find_unsaid(d_, unsaid);
+    unsaid.throw_errors(d_.name);
     for (const BodyDescription& body : d_.bodies) links_.insert(body.name), joints_.insert(body.joint.name);
     for (const FrameDescription& frame : d_.frames) links_.insert(frame.name);
     out_ << "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<robot name=\"" << text(d_.name) << "\">\n";
@@ -119,8 +117,10 @@ class UrdfWriter {
     for (const int i : order_.order) write_body(i);
     for (const FrameDescription& frame : d_.frames) write_frame(frame);
     const std::vector<LoopDescription> loops = d_.loops.empty() ? d_.loops : in_joint_frames(d_).loops;
-    for (std::size_t k = 0; k < loops.size(); ++k) write_loop(loops[k], loop_name(loops[k], k));
+    for (std::size_t k = 0; k < loops.size(); ++k)
+      if (io::in_urdf(loops[k].kind)) write_loop(loops[k], loop_name(loops[k], k));
     out_ << "</robot>\n";
+    return std::move(unsaid).warnings();
   }
 
  private:
@@ -210,7 +210,8 @@ class UrdfWriter {
     }
     out_ << "\">\n";
     if (body->inertia) write_inertial(*body->inertia, at_[body - d_.bodies.data()].A);
-    for (const ShapeDescription& shape : body->shapes) write_shape(shape);
+    for (const ShapeDescription& shape : body->shapes)
+      if (traits(shape.kind).in_urdf) write_shape(shape);
     out_ << "  </link>\n";
   }
 
@@ -253,7 +254,7 @@ class UrdfWriter {
          << text(parent) << "\"/>\n    <child link=\"" << text(child) << "\"/>\n";
     write_origin("    ", origin);
     if (traits(joint.kind).axis) out_ << "    <axis xyz=\"" << text(axis) << "\"/>\n";
-    const Dof dof = joint.dof.empty() ? Dof{} : joint.dof[0];
+    const Dof dof = shared_dof(joint).value_or(Dof{});
     if (type == "revolute" || type == "prismatic") {
       out_ << "    <limit lower=\"" << limit_text(dof.lower) << "\" upper=\"" << limit_text(dof.upper)
            << "\" velocity=\"" << limit_text(dof.velocity) << "\" effort=\"" << limit_text(dof.effort)
@@ -283,6 +284,8 @@ class UrdfWriter {
 
 }  // namespace
 
-void write_urdf(const Model& model, std::ostream& out) { UrdfWriter(model.description(), out).write(); }
+std::vector<Fault> write_urdf(const Model& model, std::ostream& out, Strictness strictness) {
+  return UrdfWriter(model.description(), out).write(strictness);
+}
 
 }  // namespace axode

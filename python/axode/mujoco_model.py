@@ -199,8 +199,6 @@ class _Reader:
                 dof["spring"] = {"stiffness": stiffness, "rest": float(m.qpos_spring[at])}
             if j in self.follows:
                 joint["follows"] = self.follows[j]
-            if driven is not None and j not in driven:
-                joint["passive"] = True
         else:
             if m.jnt_limited[j]:
                 self.lose("limits of ball joints", name)
@@ -210,6 +208,8 @@ class _Reader:
                 self.lose("springs of ball joints at rest elsewhere, and of free joints", name)
             if kind == "free" and dof["armature"]:
                 self.lose("the axes in which the armature of a free joint acts, which do not turn there", name)
+        if driven is not None and j not in driven and j not in self.follows:
+            joint["passive"] = True
         if kind in ("revolute", "spherical"):
             joint["point"] = _position(m.jnt_pos[j])
         dof = {key: value for key, value in dof.items() if value}
@@ -224,22 +224,29 @@ class _Reader:
         return hasattr(self.m, polynomials) and bool(np.any(getattr(self.m, polynomials)[k]))
 
     def _drives(self) -> tuple[dict[int, float], set[int]]:
-        """The largest force of each joint that actuators drive, where they limit it, and these joints."""
+        """The largest force of hinges and slides that actuators limit, and all joints that actuators drive."""
         m, trn = self.m, self.mj.mjtTrn
         bounds: dict[int, list[float]] = {j: [max(abs(x) for x in m.jnt_actfrcrange[j])]
                                           for j in range(m.njnt) if m.jnt_actfrclimited[j]}
         single: dict[int, list[float]] = {}
+        driven: set[int] = set()
         for a in range(self.actuators):
             name, gear = m.actuator(a).name or f"actuator {a}", m.actuator_gear[a]
             j = int(m.actuator_trnid[a, 0])
-            hinge = int(m.actuator_trntype[a]) in (int(trn.mjTRN_JOINT), int(trn.mjTRN_JOINTINPARENT)) and self._kind(
-                j) in ("revolute", "prismatic")
-            if not hinge:
-                self.lose("actuators of what is no single hinge or slide", name)
-                continue
+            of_a_joint = int(m.actuator_trntype[a]) in (int(trn.mjTRN_JOINT), int(trn.mjTRN_JOINTINPARENT))
+            if of_a_joint:
+                driven.add(j)
+            elif int(m.actuator_trntype[a]) == int(trn.mjTRN_TENDON):
+                driven.update(self.joints.index(joint) for joint in self._sum_of_coordinates(j))
             motor = (m.actuator_gaintype[a] == int(self.mj.mjtGain.mjGAIN_FIXED)
                      and m.actuator_biastype[a] == int(self.mj.mjtBias.mjBIAS_NONE)
                      and m.actuator_dyntype[a] == int(self.mj.mjtDyn.mjDYN_NONE))
+            hinge = of_a_joint and self._kind(j) in ("revolute", "prismatic")
+            if not hinge:
+                unlimited = not m.actuator_forcelimited[a] and not m.actuator_ctrllimited[a]
+                if not (of_a_joint and motor and unlimited):
+                    self.lose("actuators of what is no single hinge or slide", name)
+                continue
             largest = np.inf
             if m.actuator_forcelimited[a]:
                 largest = float(max(abs(m.actuator_forcerange[a])))
@@ -251,7 +258,7 @@ class _Reader:
         for j, forces in single.items():
             bounds.setdefault(j, []).append(sum(forces))
         effort = {j: min(all_) for j, all_ in bounds.items() if np.isfinite(min(all_))}
-        return effort, set(single) if self.actuators else set(range(m.njnt))
+        return effort, driven if self.actuators else set(range(m.njnt))
 
     # ---------------------------------------------------------------- shapes
 

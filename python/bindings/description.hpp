@@ -21,5 +21,7 @@ inline Strictness strictness(bool strict) { return strict ? Strictness::strict :
 Model from_dict(const nb::dict& drawing, Base base, Strictness strictness, const std::string& file = "",
                 const std::vector<Fault>& warnings = {});
 nb::dict to_dict(const Model& model);
+/// A joint in the words of a drawing, with axis and point in the frame on which it is; a fixed one if it is None.
+JointDescription joint_of(nb::handle joint);
 
 }  // namespace axode::python

@@ -24,16 +24,16 @@ std::string drawing_text(const BoundModel& m) {
   write_drawing(m, text);
   return text.str();
 }
-std::string urdf_text(const BoundModel& m) {
+/// The text of a writer, with a warning of Python for each thing that it leaves out.
+using Writer = std::vector<Fault> (*)(const Model&, std::ostream&, Strictness);
+std::string written(Writer write, const BoundModel& m, bool strict) {
   std::ostringstream text;
-  write_urdf(m, text);
+  for (const Fault& fault : write(m, text, strictness(strict)))
+    if (PyErr_WarnEx(PyExc_UserWarning, to_string(fault).c_str(), 1) != 0) throw nb::python_error();
   return text.str();
 }
-std::string mjcf_text(const BoundModel& m) {
-  std::ostringstream text;
-  write_mjcf(m, text);
-  return text.str();
-}
+std::string urdf_text(const BoundModel& m, bool strict) { return written(write_urdf, m, strict); }
+std::string mjcf_text(const BoundModel& m, bool strict) { return written(write_mjcf, m, strict); }
 
 /// Those that Python's own readers give, as (element, message), of a file.
 std::vector<Fault> warnings_of(const nb::list& given, const std::string& file) {
@@ -144,14 +144,17 @@ The text of a drawing of the mechanism, all in the construction frame; `read_dra
 >>> print(axode.drawing(arm).splitlines()[1])
 format = "axode drawing 1"
 )");
-  module.def("urdf", &urdf_text, "m"_a, R"(
-The text of a URDF of the mechanism. ModelError names everything that URDF has no words for.
+  module.def("urdf", &urdf_text, "m"_a, nb::kw_only(), "strict"_a = false, R"(
+The text of a URDF of the mechanism. What URDF has no words for, such as armatures and springs, is left out with a UserWarning
+that names it; with strict=True it is a ModelError. Joints of kinds that URDF does not have are always a ModelError.
 
 >>> axode.urdf(axode.read_urdf('<robot name="stone"><link name="base"/></robot>'))[:5]
 '<?xml'
 )");
-  module.def("mjcf", &mjcf_text, "m"_a, R"(
-The text of an MJCF file of the mechanism, for MuJoCo. ModelError names everything that MJCF has no words for.
+  module.def("mjcf", &mjcf_text, "m"_a, nb::kw_only(), "strict"_a = false, R"(
+The text of an MJCF file of the mechanism, for MuJoCo. What MJCF has no words for, such as velocity limits and elastic stops, is
+left out with a UserWarning that names it; with strict=True it is a ModelError. What MuJoCo refuses, such as helical joints and
+moving bodies without mass, is always a ModelError.
 
 >>> print(axode.mjcf(arm).splitlines()[0])
 <mujoco model="arm7">

@@ -528,18 +528,43 @@ meshes. ModelError for a name that is taken and for an inertia that no matter ha
 )")
       .def(
           "append",
-          [](const BoundModel& m, FrameName frame, const BoundModel& other, const std::string& prefix) {
-            return BoundModel(append(m, m->frame(frame.in(m)).name, other, prefix));
+          [](const BoundModel& m, FrameName frame, const BoundModel& other, const std::string& prefix,
+             nb::handle joint) {
+            return BoundModel(append(m, m->frame(frame.in(m)).name, other, prefix, joint_of(joint)));
           },
-          "frame"_a, "other"_a, "prefix"_a = "", R"(
+          "frame"_a, "other"_a, "prefix"_a = "", "joint"_a = nb::none(),
+          nb::sig("def append(self, frame: str | int, other: Model, prefix: str = '', "
+                  "joint: dict[str, typing.Any] | str | None = None) -> Model"),
+          R"(
 A new model with another one mounted on a frame, which takes the place of the other's ground: a hand on an arm.
 
 `prefix` goes before all names of the other one; ValueError lists names that both have. Where the coordinates are,
-`coordinate_names` says: bodies are numbered depth-first as ever.
+`coordinate_names` says: bodies are numbered depth-first as ever. `joint`, as that of a body in a drawing with axis and point
+in the frame, lets the other's ground move on the frame; it is then a massless body `<joint>.base`. A joint without a name is called
+`<prefix>mount`.
 
 >>> two = arm.append("flange", arm, prefix="second ")
 >>> two.nv, two.velocity_names[7]
 (14, 'second A1')
+>>> arm.append("flange", arm, prefix="second ", joint={"kind": "prismatic", "axis": "z"}).velocity_names[7]
+'second mount'
+)")
+      .def(
+          "rerooted",
+          [](const BoundModel& m, const std::string& body) { return BoundModel(rerooted(m, body)); },
+          "body"_a, R"(
+The same mechanism with another body as its root: on the ground by the joint of the old root, which is fixed or free, with
+the joints between the two passed the other way round.
+
+Names stay, and joints of one velocity keep their q, v, a and tau. A spherical, planar or free joint between the two has the
+inverse displacement, and a free root has the pose and twist of the body; `joint_state(n, poses(m, q), twists(m, q, v))` of bodies
+with the same names has the q and v of the new model. ValueError for an unknown body, for a root on another kind of joint, and
+for limits, losses, springs and armatures that would be along the axes of another body.
+
+>>> duck = axode.load(axode.robots / "humanoid.urdf", base="free")
+>>> seen_from_a_foot = duck.rerooted(duck.body_names[-1])
+>>> seen_from_a_foot.body_names[0] == duck.body_names[-1], seen_from_a_foot.nv == duck.nv
+(True, True)
 )");
 }
 

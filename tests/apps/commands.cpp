@@ -468,6 +468,21 @@ TEST(Convert, WhatUrdfHasNoWordsForIsAnErrorAndNothingIsWritten) {
   EXPECT_FALSE(std::filesystem::exists(out));
 }
 
+TEST(Convert, WhatTheFormatHasNoWordsForIsLeftOutUnlessItIsStrict) {
+  const TemporaryFolder folder;
+  const std::string in = robot("four_bar.toml"), out = folder.file("four_bar.urdf");
+  const Outcome strict = axode({"convert", in, out, "--strict"});
+  EXPECT_EQ(strict.code, 1);
+  EXPECT_THAT(strict.err, HasSubstr("error: joint \"rocker_joint\": is passive; URDF has no word for it\n"));
+  EXPECT_FALSE(std::filesystem::exists(out));
+  const Outcome lenient = axode({"convert", in, out});
+  EXPECT_EQ(lenient.code, 0);
+  EXPECT_THAT(lenient.err,
+              HasSubstr("warning: joint \"rocker_joint\": is passive; URDF has no word for it, and "
+                        "it is left out\n"));
+  EXPECT_EQ(axode({"info", out}).code, 0);
+}
+
 TEST(Convert, WritesMjcfAndDoesNotReadIt) {
   const TemporaryFolder folder;
   const std::string out = folder.file("arm.xml");

@@ -272,24 +272,72 @@ TEST(RoundTrip, UrdfOfAnArmIsTheArm) {
   expect_urdf_round_trip(load(std::filesystem::path(AXODE_SOURCE_DIR) / "examples/robots/arm7.toml"));
 }
 
-TEST(Writers, UrdfNamesEverythingItCannotSayAndWritesNothing) {
+TEST(Writers, AStrictUrdfNamesEverythingItCannotSayAndWritesNothing) {
   const Model model = load(std::filesystem::path(AXODE_SOURCE_DIR) / "tests/data/good/every_key.toml");
   std::ostringstream out;
   try {
-    write_urdf(model, out);
+    write_urdf(model, out, Strictness::strict);
     FAIL() << "written";
   } catch (const ModelError& error) {
     for (const char* part :
          {"gravity: is (0 0 -1.62)", "joint \"screw\": is helical", "joint \"ball\": is spherical",
           "joint \"turn\": has an armature of 0.7", "joint \"turn\": has a spring",
           "joint \"turn\": has elastic stops", "spring 3: is between \"ghost\" and \"knob\"",
-          "is rod; <loop_joint> of a URDF has no such type", "\": is passive; URDF has no word for it",
+          "is rod; URDF has no word for it", "\": is passive; URDF has no word for it",
           "coupling \"coupling 1\": is one of the coordinates of 2 joints",
           "joint \"stage\": has several degrees"})
       EXPECT_THAT(error.what(), HasSubstr(part));
     EXPECT_THAT(error.what(), Not(HasSubstr("cardan")));
   }
   EXPECT_EQ(out.str(), "");
+}
+
+TEST(Writers, WhatAUrdfCannotSayIsLeftOutWithAWarningAndTheRestIsWritten) {
+  Description described;
+  const MassProperties matter{.mass = 2, .com = {0.1, 0, 0}, .Theta = {1, 1, 1}};
+  described.bodies = {
+      {.name = "bar",
+       .joint = {.name = "hinge",
+                 .kind = JointKind::revolute,
+                 .dof = {{.lower = -1, .upper = 1, .damping = 2, .armature = 3, .stiffness = 4}},
+                 .passive = true},
+       .inertia = matter,
+       .shapes = {{.kind = ShapeKind::ellipsoid, .size = {1, 2, 3}},
+                  {.kind = ShapeKind::sphere, .radius = 1}}},
+      {.name = "puck",
+       .joint = {.name = "table",
+                 .kind = JointKind::planar,
+                 .dof = {{.damping = 1}, {.damping = 2}, {.damping = 2}}},
+       .inertia = matter}};
+  described.springs = {{.between = {"bar", "ground"}, .stiffness = 1}};
+  described.loops = {
+      {.name = "rod", .between = {"bar", "puck"}, .kind = LoopKind::rod, .points = {{{1, 0, 0}, {2, 0, 0}}}},
+      {.name = "ball", .between = {"bar", "puck"}, .kind = LoopKind::spherical}};
+  described.couplings = {{.name = "gears", .terms = {{"hinge", 1}}}};
+  described.gravity = {0, 0, -1.62};
+  const Model model = ModelBuilder(described).build();
+  std::ostringstream out;
+  std::vector<std::string> elements;
+  for (const Fault& fault : write_urdf(model, out)) {
+    EXPECT_EQ(fault.severity, Severity::warning);
+    EXPECT_THAT(fault.message, testing::EndsWith("URDF has no word for it, and it is left out"));
+    elements.push_back(fault.element);
+  }
+  EXPECT_THAT(elements, testing::ElementsAre("gravity", "body \"bar\"", "joint \"hinge\"", "joint \"hinge\"",
+                                             "joint \"hinge\"", "joint \"table\"", "spring 1", "loop \"rod\"",
+                                             "coupling \"gears\""));
+
+  described.bodies[0].joint.dof[0].armature = described.bodies[0].joint.dof[0].stiffness = 0;
+  described.bodies[0].joint.passive = false;
+  described.bodies[0].shapes.erase(described.bodies[0].shapes.begin());
+  described.bodies[1].joint.dof.clear();
+  described.springs.clear(), described.couplings.clear();
+  described.loops.erase(described.loops.begin());
+  described.gravity = {0, 0, -9.81};
+  EXPECT_EQ(out.str(), test::urdf_of(ModelBuilder(described).build()));
+  std::ostringstream nothing;
+  EXPECT_THROW(write_urdf(model, nothing, Strictness::strict), ModelError);
+  EXPECT_EQ(nothing.str(), "");
 }
 
 TEST(Writers, ABodyThatNoMatterCanMakeIsWrittenAsItIs) {

@@ -417,6 +417,37 @@ def test_a_payload_is_a_load_that_moves_along():
         m.with_payload("flange", M[0])
 
 
+def test_a_mechanism_is_mounted_by_a_joint():
+    arm, hand = MECHANISMS["arm"], MECHANISMS["machine"]
+    both = arm.append("flange", hand, "hand ", {"kind": "revolute", "axis": "z", "point": [0.1, 0, 0], "limits": [-1, 2],
+                                                "follows": {"joint": "A1", "ratio": 2}})
+    assert both.nq == arm.nq + hand.nq and both.joint("hand mount").upper[0] == 2
+    assert both.joint("hand mount").leader == ("A1", 2, 0)
+    q = both.random(1)
+    poses, turn = axode.poses(both, q), 2 * q[both.coordinate_names.index("A1")]
+    mount = axode.lie.exp([0, 0, turn, 0, -0.1 * turn, 0])  # about a parallel of z through (0.1, 0, 0)
+    assert close(poses[both.frame_index("hand mount.base")], poses[both.frame_index("flange")] @ mount)
+    assert arm.append("ground", arm, "second ", joint="free").joint_names[-8] == "second mount"
+    with pytest.raises(axode.ModelError, match="an axis is missing|axis"):
+        arm.append("flange", hand, "hand ", {"kind": "revolute"})
+    with pytest.raises(axode.ModelError, match='follows joint "A9"'):
+        arm.append("flange", hand, "hand ", {"kind": "prismatic", "axis": "z", "follows": {"joint": "A9"}})
+
+
+def test_another_body_of_a_floating_mechanism_is_its_root():
+    m = axode.load(axode.robots / "humanoid.urdf", base="free")
+    n = m.rerooted(m.body_names[-1])
+    assert n.body_names[0] == m.body_names[-1] and sorted(n.joint_names) == sorted(m.joint_names)
+    q, v, _, _ = (x[0] for x in random_states(m, 1))
+    order = [m.frame_index(name) for name in ["ground", *n.body_names]]
+    there = axode.joint_state(n, axode.poses(m, q)[order], axode.twists(m, q, v)[order])
+    assert there.gap < 1e-9 and there.slip < 1e-9
+    assert close(axode.kinetic_energy(n, there.q, there.v), axode.kinetic_energy(m, q, v))
+    pendulum = axode.load(axode.robots / "double_pendulum.toml")
+    with pytest.raises(ValueError, match="is revolute; only a root that is fixed or free"):
+        pendulum.rerooted(pendulum.body_names[-1])
+
+
 def test_a_mechanism_on_another_keeps_its_poses():
     arm, hand = MECHANISMS["arm"], MECHANISMS["machine"]
     both = arm.append("flange", hand, prefix="hand ")

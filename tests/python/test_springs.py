@@ -78,7 +78,7 @@ def test_every_copy_has_them():
 
 def test_a_urdf_has_no_words_for_them():
     with pytest.raises(axode.ModelError, match="has a spring; URDF has no word for it") as found:
-        axode.urdf(M)
+        axode.urdf(M, strict=True)
     assert 'spring 1: is between "eye" and "drone"' in str(found.value)
 
 

@@ -37,7 +37,7 @@ MUJOCO_REFUSES = ["inertia must satisfy", "positive eigenvalues", "must be large
 #: What MJCF and URDF have no words for.
 NO_WORDS = ["no density can produce", "moves and has no mass", "armature", "gravity: is", "ellipsoid", "has a spring",
             "is spherical", "is free and hangs", "is passive", "closes", "loop", "several degrees of freedom", "coupl",
-            "is helical", "follows", "elastic", "URDF has no", "URDF has none"]
+            "is helical", "follows", "elastic", "URDF has no", "URDF has none", "MJCF has no word"]
 
 
 def sample():
@@ -110,7 +110,7 @@ def compiled(text):
 def written(write, m):
     """What a writer makes of a model, or a skip where it has no words for all of it."""
     try:
-        return write(m)
+        return write(m, strict=True)
     except axode.ModelError as error:
         unknown = [fault for fault in error.faults if not any(words in fault.message or words in str(fault) for words in NO_WORDS)]
         assert not unknown, str(unknown[0])

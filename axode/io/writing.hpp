@@ -1,0 +1,41 @@
+#pragma once
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "axode/io/reading.hpp"
+
+namespace axode::io {
+
+/// Collects what a mechanism has and the format of a writer cannot say.
+class Unsaid {
+ public:
+  Unsaid(std::string_view format, Strictness strictness) : format_(format), strictness_(strictness) {}
+
+  /// The writer leaves something out, which is a warning, or an error of a strict writer. `what` is the predicate of a sentence
+  /// about the element, such as `is passive`.
+  void leave_out(std::string element, const std::string& what, const Source& source) {
+    const bool strict = strictness_ == Strictness::strict;
+    faults_.push_back({strict ? Severity::error : Severity::warning, Rule::wrong_value, std::move(element),
+                       what + "; " + format_ + " has no word for it" + (strict ? "" : ", and it is left out"),
+                       source});
+  }
+  /// Without it the bodies and their joints would be others, which is an error of any writer.
+  void refuse(std::string element, std::string message, const Source& source) {
+    faults_.push_back({Severity::error, Rule::wrong_value, std::move(element), std::move(message), source});
+  }
+
+  /// Throws ModelError if there is an error.
+  void throw_errors(std::string_view model) {
+    if (has_error(faults_)) throw ModelError(model, std::move(faults_));
+  }
+  std::vector<Fault> warnings() && { return std::move(faults_); }
+
+ private:
+  std::string format_;
+  Strictness strictness_;
+  std::vector<Fault> faults_;
+};
+
+}  // namespace axode::io
