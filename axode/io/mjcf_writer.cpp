@@ -196,7 +196,8 @@ class MjcfWriter {
       joint_unsaid(joint, element, source);
       shapes_unsaid(body.shapes, its_body, body.source);
     }
-    if (has_passive_joints() && std::ranges::none_of(d_.bodies, has_drive, &BodyDescription::joint))
+    if (has_passive_joints() &&
+        std::ranges::none_of(d_.bodies, [&](const BodyDescription& body) { return has_drive(body.joint); }))
       for (const BodyDescription& body : d_.bodies)
         if (has_none(body.joint))
           unsaid_.leave_out("joint \"" + body.joint.name + '"', "is passive, as all joints are",
@@ -529,14 +530,18 @@ class MjcfWriter {
   static bool moves_on_its_own(const JointDescription& joint) {
     return joint.kind != JointKind::fixed && !joint.coupling;
   }
-  static bool has_drive(const JointDescription& joint) { return moves_on_its_own(joint) && !joint.passive; }
-  static bool has_none(const JointDescription& joint) { return moves_on_its_own(joint) && joint.passive; }
+  bool has_drive(const JointDescription& joint) const {
+    return moves_on_its_own(joint) && !is_passive(joint, d_);
+  }
+  bool has_none(const JointDescription& joint) const {
+    return moves_on_its_own(joint) && is_passive(joint, d_);
+  }
   /// Whether it matters which joints have drives, and some have none. MJCF says by its actuators which ones have.
   bool has_passive_joints() const {
     const bool closed =
         !d_.couplings.empty() ||
         std::ranges::any_of(d_.loops, [](const LoopDescription& loop) { return in_mjcf(loop.kind); });
-    return closed && std::ranges::any_of(d_.bodies, has_none, &BodyDescription::joint);
+    return closed && std::ranges::any_of(d_.bodies, [&](const BodyDescription& body) { return has_none(body.joint); });
   }
   /// A motor for each velocity of the joints that have drives.
   void write_motors() {

@@ -75,7 +75,8 @@ void find_unsaid(const Description& d, io::Unsaid& unsaid) {
       unsaid.leave_out(element, "has a spring", source);
     if (std::ranges::any_of(joint.dof, [](const Dof& dof) { return dof.stop_stiffness != 0; }))
       unsaid.leave_out(element, "has elastic stops", source);
-    if (joint.passive.value_or(false) && !(d.loops.empty() && d.couplings.empty()))
+    const bool closed = !(d.loops.empty() && d.couplings.empty());
+    if (closed && joint.kind != JointKind::free && is_passive(joint, d))
       unsaid.leave_out(element, "is passive", source);
     if (!shared_dof(joint))
       unsaid.leave_out(element, "has several degrees of freedom with limits or losses of their own", source);

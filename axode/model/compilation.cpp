@@ -127,8 +127,7 @@ class Compiler {
     Joint joint;
     joint.name = from.joint.name, joint.kind = connections_.kind.back(), joint.pitch = from.joint.pitch;
     joint.dof = from.joint.dof;
-    const bool closed = !(description_.loops.empty() && description_.couplings.empty());
-    joint.passive = from.joint.passive.value_or(closed && from.joint.kind == JointKind::free);
+    joint.passive = is_passive(from.joint, description_);
     joint.dof.resize(static_cast<std::size_t>(traits(from.joint.kind).dof));
     Body body;
     body.name = from.name, body.predecessor = parent, body.A = at.A, body.S_self = at.S_self;

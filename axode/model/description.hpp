@@ -209,4 +209,11 @@ struct Description {
   std::vector<Fault> warnings = {};  ///< what a reader found doubtful
 };
 
+/// Whether a joint has no drive: as the description says or, if it says nothing, where the joint is a free one of a mechanism
+/// with loops or couplings.
+inline bool is_passive(const JointDescription& joint, const Description& d) {
+  const bool closed = !(d.loops.empty() && d.couplings.empty());
+  return joint.passive.value_or(closed && joint.kind == JointKind::free);
+}
+
 }  // namespace axode
