@@ -1,5 +1,7 @@
-import { Quaternion } from "three";
+import { Quaternion, Vector3 } from "three";
+import { carried, combined, displacement, moved, rate, type Place } from "./se3";
 import type { Joint, Motion, Scene } from "./scene";
+import type { Screw } from "./screws";
 
 /** A moment of a motion: between samples `index` and `index + 1`, at `fraction` of the way. */
 export interface Moment {
@@ -26,17 +28,62 @@ export function interpolate(samples: readonly number[][], { index, fraction }: M
   return a.map((x, k) => x + fraction * (b[k] - x));
 }
 
-/** q between two samples: quaternions along the shorter arc, all other coordinates along the line. */
-export function coordinatesAt(scene: Scene, motion: Motion, moment: Moment): number[] {
-  const q = interpolate(motion.q, moment);
-  const a = motion.q[moment.index];
-  const b = motion.q[Math.min(moment.index + 1, motion.q.length - 1)];
+/**
+ * q between two samples, from q and v of both, on the group. For joints of several velocities it is (q_k ⊕ (t - t_k) z) ⊕ x(t)
+ * with the mean velocity z and a cubic x, so that a body may turn by any angle from one sample to the next; for the other joints
+ * it is a cubic. `axode::Trajectory` has the same rule, with accelerations and quintics.
+ */
+export function coordinatesAt(scene: Scene, motion: Motion, { index, fraction }: Moment): number[] {
+  const samples = [index, Math.min(index + 1, motion.t.length - 1)];
+  const exact = fraction === 0 || samples[0] === samples[1] ? 0 : fraction === 1 ? 1 : null;
+  if (exact !== null) return motion.q[samples[exact]].slice();
+  const h = motion.t[samples[1]] - motion.t[samples[0]];
+  const q = new Array<number>(scene.nq);
   scene.bodies.slice(1).forEach(({ joint }) => {
-    if (!hasQuaternion(joint)) return;
-    const from = new Quaternion().fromArray(a, joint.iq);
-    from.slerp(new Quaternion().fromArray(b, joint.iq), moment.fraction).toArray(q, joint.iq);
+    const { iq, nq, iv, nv, leader } = joint;
+    if (leader) return;
+    const [a, b] = samples.map((k) => motion.q[k].slice(iq, iq + nq));
+    const [v_a, v_b] = samples.map((k) => motion.v[k].slice(iv, iv + nv));
+    const between = nv === 1 ? [onCubic(fraction, b[0] - a[0], h * v_a[0], h * v_b[0]) + a[0]] : onGroup(joint, fraction, h, a, b, v_a, v_b);
+    between.forEach((x, k) => (q[iq + k] = x));
   });
   return q;
+}
+
+/** Weights, at s in [0, 1], of the value at 1 and of the rates at 0 and 1 in the cubic that begins with 0. */
+function weights(s: number): [number, number, number] {
+  return [s * s * (3 - 2 * s), s * (1 - s) ** 2, s * s * (s - 1)];
+}
+
+function onCubic(s: number, end: number, rate_0: number, rate_1: number): number {
+  const [x, x_0, x_1] = weights(s);
+  return x * end + x_0 * rate_0 + x_1 * rate_1;
+}
+
+function onGroup(joint: Joint, s: number, h: number, a: number[], b: number[], v_a: number[], v_b: number[]): number[] {
+  const [from, to] = [placeOf(joint, a), placeOf(joint, b)];
+  const [V_a, V_b] = [screwOf(joint, v_a), screwOf(joint, v_b)];
+  const z = combined([1 / 2, V_a], [1 / 2, V_b]);
+  const rest = displacement(moved(from, combined([h, z])), to);
+  const rate_0 = combined([1, V_a], [-1, z]);
+  const rate_1 = rate(rest, combined([1, V_b], [-1, carried(rest, z)]));
+  const [x, x_0, x_1] = weights(s);
+  const step = combined([s * h, z]);
+  const left = combined([x, rest], [h * x_0, rate_0], [h * x_1, rate_1]);
+  const { turn, r } = moved(moved(from, step), left);
+  if (joint.kind === "planar") return [a[0] + step.w.z + left.w.z, r.x, r.y];
+  return joint.kind === "spherical" ? turn.toArray() : [...turn.toArray(), ...r.toArray()];
+}
+
+/** Where a joint of several velocities is, and how it moves, in its own frame. */
+function placeOf({ kind }: Joint, x: readonly number[]): Place {
+  if (kind === "planar") return { turn: new Quaternion().setFromAxisAngle(new Vector3(0, 0, 1), x[0]), r: new Vector3(x[1], x[2], 0) };
+  return { turn: new Quaternion(x[0], x[1], x[2], x[3]), r: new Vector3(x[4] ?? 0, x[5] ?? 0, x[6] ?? 0) };
+}
+
+function screwOf({ kind }: Joint, v: readonly number[]): Screw {
+  if (kind === "planar") return { w: new Vector3(0, 0, v[0]), v: new Vector3(v[1], v[2], 0) };
+  return { w: new Vector3(v[0], v[1], v[2]), v: new Vector3(v[3] ?? 0, v[4] ?? 0, v[5] ?? 0) };
 }
 
 export function hasQuaternion(joint: Joint): boolean {

@@ -4,7 +4,7 @@ import { after, before, test } from "node:test";
 import { fileURLToPath } from "node:url";
 import { Matrix4, Quaternion, Vector3 } from "three";
 import { createServer } from "vite";
-import { apply, cross, dot, inverse, matrixOf, poses, turn } from "./reference.js";
+import { apply, cross, dot, exp, inverse, matrixOf, poseOf, poses, times, turn } from "./reference.js";
 import { everyKind, fourBar, movingArm, top } from "./scenes.js";
 
 const EPSILON = 1e-9;
@@ -177,17 +177,62 @@ test("principal axes diagonalise an inertia, and its ellipsoid has that inertia"
   }
 });
 
-test("between samples quaternions stay of unit length and all else is on the line", () => {
-  const scene = top();
-  const { t } = scene.motion;
-  for (const time of [t[0] - 1, t[0], 1.2345, t[t.length - 1], 99]) {
-    const moment = motion.momentOf(t, time);
-    const q = motion.coordinatesAt(scene, scene.motion, moment);
-    near([Math.hypot(...q)], [1]);
-    const [C, a, b] = [q, scene.motion.q[moment.index], scene.motion.q[moment.index + 1]].map((x) => matrixOf([0, 0, 0, ...x]));
-    const angle = (A, B) => Math.acos(Math.min(1, (A.flat().reduce((sum, x, k) => sum + x * B.flat()[k], 0) - 2) / 2));
-    near([angle(a, C)], [moment.fraction * angle(a, b)], 1e-5);
+/** The poses of the joints of a scene, apart from the page. */
+const jointPoses = (scene, q) => poses(scene, q).slice(1);
+
+/** q a little later, where the joints go on with the velocities v: from poses and exponentials alone. */
+function movedAlong(scene, q, v, t) {
+  return scene.bodies.slice(1).flatMap(({ joint: { kind, iq, nq, iv, nv, leader } }) => {
+    if (leader) return [];
+    const [x, u] = [q.slice(iq, iq + nq), v.slice(iv, iv + nv).map((c) => c * t)];
+    if (nv === 1) return [x[0] + u[0]];
+    if (kind === "planar") {
+      const C = times(matrixOf([x[1], x[2], 0, 0, 0, Math.sin(x[0] / 2), Math.cos(x[0] / 2)]), exp([0, 0, u[0], u[1], u[2], 0]));
+      return [x[0] + u[0], C[0][3], C[1][3]];
+    }
+    const pose = poseOf(times(matrixOf([...(kind === "free" ? x.slice(4) : [0, 0, 0]), ...x.slice(0, 4)]), exp([...u, 0, 0, 0].slice(0, 6))));
+    return kind === "free" ? [...pose.slice(3), ...pose.slice(0, 3)] : pose.slice(3);
+  });
+}
+
+test("between samples joints go on with their velocities, however far they turn", () => {
+  const scene = everyKind();
+  const next = random(23);
+  const q = randomState(scene, next);
+  const v = Array.from({ length: scene.nv }, () => 9 * next());
+  const t = [0, 0.9, 2.5];
+  const samples = { t, q: t.map((time) => movedAlong(scene, q, v, time)), v: t.map(() => v) };
+  for (const time of [-1, 0, 0.1, 0.45, 0.8999, 0.9, 1.3, 2.2, 2.5, 99]) {
+    const found = motion.coordinatesAt(scene, samples, motion.momentOf(t, time));
+    const exact = movedAlong(scene, q, v, Math.min(Math.max(time, 0), 2.5));
+    jointPoses(scene, found).forEach((C, i) => near(C, jointPoses(scene, exact)[i], 1e-7, `${scene.bodies[i + 1].name} at ${time}`));
+    scene.bodies.slice(1).forEach(({ joint: { kind, iq } }) => kind === "planar" && near([found[iq]], [exact[iq]], 1e-9));
   }
+});
+
+test("samples are met with the velocities that they have", () => {
+  const scene = everyKind();
+  const next = random(29);
+  const t = [0, 0.3, 0.7];
+  const samples = { t, q: t.map(() => randomState(scene, next)), v: t.map(() => Array.from({ length: scene.nv }, () => 4 * next())) };
+  const d = 1e-5;
+  [[0, 1], [1, -1], [1, 1], [2, -1]].forEach(([k, side]) => {
+    const found = motion.coordinatesAt(scene, samples, motion.momentOf(t, t[k] + side * d));
+    const exact = movedAlong(scene, samples.q[k], samples.v[k], side * d);
+    jointPoses(scene, found).forEach((C, i) => near(C, jointPoses(scene, exact)[i], 1e-7, `${scene.bodies[i + 1].name} at sample ${k}`));
+  });
+});
+
+test("between samples a fast top is where it is", () => {
+  const exact = top(0.5, 1.3, 40);
+  const { t, q, v } = exact.motion;
+  const every = 4; // samples in which it turns by 4 rad
+  const coarse = [t, q, v].map((rows) => rows.filter((_, k) => k % every === 0));
+  const samples = { t: coarse[0], q: coarse[1], v: coarse[2] };
+  t.forEach((time, k) => {
+    const found = motion.coordinatesAt(exact, samples, motion.momentOf(samples.t, time));
+    near(poses(exact, found)[1], poses(exact, q[k])[1], 0.05, `at ${time}`);
+  });
 });
 
 test("what a scene lacks is said", () => {

@@ -135,7 +135,7 @@ export function top(tilt = 0.5, precession = 1.3, spin = 4) {
   const body = builder.body("top", 0, "spherical", identity(), { joint: "tip", mass: 0.5, com: [0, 0, 0.2], inertia: [0.002, 0.002, 0.0012, 0, 0, 0] });
   builder.shape(body, "cylinder", { radius: 0.012, length: 0.3 }, { at: frameAt([0, 0, 0.15]), color: [0.3, 0.33, 0.38, 1] });
   builder.shape(body, "cylinder", { radius: 0.1, length: 0.04 }, { at: frameAt([0, 0, 0.2]), color: [0.75, 0.32, 0.28, 1] });
-  const q = (t) => poseOf(times(times(exp([0, 0, precession * t, 0, 0, 0]), exp([tilt, 0, 0, 0, 0, 0])), exp([0, 0, spin * t, 0, 0, 0]))).slice(3);
+  const q = (t) => poseOf(times(times(exp([0, 0, precession * t, 0, 0, 0]), exp([tilt, 0, 0, 0, 0, 0])), exp([0, 0, (spin * t) % (2 * Math.PI), 0, 0, 0]))).slice(3);
   return builder.move(q, 5, 201).scene;
 }
 
