@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "axode/lie/quaternion.hpp"
@@ -43,6 +44,15 @@ double nearest_turn(double angle, double to) {
   const double whole = 2 * std::numbers::pi;
   return angle + whole * std::round((to - angle) / whole);
 }
+/// angle - counted, or 0 if it is no more than the rounding of angles of that size.
+double angle_gap(double angle, double counted) {
+  const double open = angle - counted, rounding = 4 * std::numeric_limits<double>::epsilon();
+  return std::abs(open) <= rounding * std::abs(counted) ? 0 : open;
+}
+/// Whether the velocity of a joint along a direction is the rate of an angle that poses give up to whole turns.
+bool turns(Subgroup kind, std::size_t along) {
+  return along == 2 && (kind == Subgroup::revolute || kind == Subgroup::planar);
+}
 /// X seen from a body, on whose predecessor, with relative pose D, it is.
 BodyTwist carried(const SE3<>& D, const BodyTwist& X) { return twist<BodyFixed>(Ad_inv(D, screw(X))); }
 SE3<> about(const Vec3<>& O, const SE3<>& C) { return {C.R, C.r - O}; }
@@ -82,11 +92,13 @@ AbsoluteSystem::AbsoluteSystem(const Model& model, BodyGroup kind)
     for (int c = joint.iv; c < joint.iv + joint.nv; ++c, ++along) {
       while (!bound_[index(i)].free[along]) ++along;
       joint_of_[index(c)] = i;
-      if (tree().armature[index(c)] != 0) rotors_.push_back({i, c, along});
+      if (tree().armature[index(c)] != 0 || turns(joint.kind, along)) rotors_.push_back({i, c, along});
     }
   }
-  const auto unplaced = std::stable_partition(
-      rotors_.begin(), rotors_.end(), [&](const Rotor& rotor) { return model.joint(rotor.joint).nv == 1; });
+  const auto unplaced = std::stable_partition(rotors_.begin(), rotors_.end(), [&](const Rotor& rotor) {
+    const Joint& joint = model.joint(rotor.joint);
+    return joint.nv == 1 || turns(joint.kind, rotor.along);
+  });
   n_placed_rotors_ = static_cast<int>(unplaced - rotors_.begin());
   if (n_ > 0) C_[0].r = -(tree().B[1].r + tree().B[1].R * com_[1]);
   group_tree_ = group_of(n_, n_rotors(), kind);
@@ -162,6 +174,8 @@ void AbsoluteSystem::add_wrench(const SE3<>& C, const BodyWrench& W, int i, Numb
 
 void AbsoluteSystem::find_poses(Span q) {
   for (int i = 1; i <= n_; ++i) C_[index(i)] = pose(q, i);
+  for (int r = 0; r < n_placed_rotors_; ++r)
+    near_[index(tree()->iq[index(rotors_[index(r)].joint)])] = q[index(7 * n_ + r)];
 }
 void AbsoluteSystem::find_twists(Span v) {
   for (int i = 1; i <= n_; ++i) V_[index(i)] = twist(C_[index(i)], v, i);
@@ -187,8 +201,9 @@ double AbsoluteSystem::angle(int i) const {
     case Subgroup::helical: return nearest_turn(turn_about_z(D.R), D.r.z / tree().pitch[index(i)]);
     default: break;
   }
-  const double near = near_[index(tree()->iq[index(i)])];
-  return nearest_turn(turn_about_z(D.R), tree().ratio[index(i)] * near + tree().offset[index(i)]);
+  const int l = leader_[index(i)];
+  return nearest_turn(turn_about_z(D.R), l > 0 ? tree().ratio[index(i)] * angle(l) + tree().offset[index(i)]
+                                               : near_[index(tree()->iq[index(i)])]);
 }
 /// Of the coordinate whose velocity is c.
 double AbsoluteSystem::known_angle(int c) const { return angle(joint_of_[index(c)]); }
@@ -333,7 +348,7 @@ void AbsoluteSystem::gap(Span q, Numbers& out, Rows kind) {
           angle(i) - tree().ratio[index(i)] * angle(l) - tree().offset[index(i)];
   }
   for (int r = 0; r < n_placed_rotors_; ++r)
-    out[index(6 * n_ + r)] = angle(rotors_[index(r)].joint) - q[index(7 * n_ + r)];
+    out[index(6 * n_ + r)] = angle_gap(angle(rotors_[index(r)].joint), q[index(7 * n_ + r)]);
   double* const open = out.data() + first_loop(kind);
   for (const Loop& loop : model_.loops().all) {
     double* const at = open + (kind == Rows::places ? loop.first_residual : loop.first_row);

@@ -28,10 +28,13 @@ inline double largest_of(std::span<const double> numbers) {
 /// with a constant M. The motion within a joint's subgroup is stripped off the relative pose of its bodies; what is left of
 /// it closes.
 ///
-/// Coordinates: those of all bodies, seen from where the first body's centre of mass is drawn, for digits; then one for every rotor,
-/// that is, for every velocity of a joint with armature, bound to it, so that M is constant for them too. Rows: six for each
+/// Coordinates: those of all bodies, seen from where the first body's centre of mass is drawn, for digits; then one for every rotor.
+/// A rotor is bound to one velocity of a joint. Every velocity with armature has one, so that M is constant for it too; and
+/// every angle of a revolute or planar joint has one, with the mass 0 if there is no armature. The coordinate of that rotor is
+/// the angle with its whole turns, which the poses of the bodies do not tell, and every scheme moves it as it moves the bodies.
+/// Rows: six for each
 /// joint in the joint's axes, of which those of free directions are 0 but where a coupled joint binds its own to the
-/// leader's; one for each rotor, without a place where the joint has several velocities; those of the loops.
+/// leader's; one for each rotor, without a place where its velocity is not the rate of a coordinate; those of the loops.
 ///
 /// Multipliers of the tree are never solved for: what its joints leave free gives way body by body, as in the articulated
 /// bodies algorithm, and what they bind is known. O(n + m d + m² d + m³) for m rows of loops of length d.
@@ -47,15 +50,16 @@ class AbsoluteSystem {
   const Tree<double>& group() const { return group_tree_; }
   int nq() const { return group_tree_->nq; }
   int nv() const { return group_tree_->nv; }
-  /// Numbers of rows, of velocities or of places; they differ where something rolls or a joint with several velocities has rotors.
+  /// Numbers of rows, of velocities or of places; they differ where something rolls or a rotor has no place.
   int rows(Rows kind) const { return first_loop(kind) + loops_.size(kind); }
 
-  /// From the coordinates and velocities of the joints, and back; angles are those nearest to the ones last kept.
+  /// From the coordinates and velocities of the joints, and back; angles have the whole turns of their rotors.
   void enter(Span q_joints, Span v_joints, Numbers& q, Numbers& v);
   void leave(Span q, Span v, Numbers& q_joints, Numbers& v_joints);
-  /// From the poses and twists of all bodies in the user's frames, the ground's first; rotors turn with their joints.
+  /// From the poses and twists of all bodies in the user's frames, the ground's first. Rotors turn with their joints, and their
+  /// angles are those nearest to the ones last kept.
   void put(std::span<const SE3<>> C, std::span<const Twist<BodyFixed>> V, Numbers& q, Numbers& v);
-  /// Joint angles are counted on from these.
+  /// Quaternions are given with the signs of these, and put() takes the nearest angles.
   void keep(Span q_joints) { near_.assign(q_joints.begin(), q_joints.end()); }
 
   /// Φ(q), and B v at q, wherever the system is placed. Among rows of velocities Φ is 0 where there is no place.
@@ -93,7 +97,8 @@ class AbsoluteSystem {
   };
   static std::size_t index(int k) { return static_cast<std::size_t>(k); }
   const Tree<double>& tree() const { return model_.tree<double>(); }
-  /// A rotor of a velocity of a joint; those of joints with one velocity come first, the others have velocities and no places.
+  /// A rotor of a velocity of a joint. Those of joints with one velocity and of planar angles come first; the others have
+  /// velocities and no places.
   struct Rotor {
     int joint, velocity;
     std::size_t along;  ///< which direction of the joint

@@ -416,6 +416,71 @@ TEST(AbsoluteCoordinates, MeetEventsAndTellWhatIsBetween) {
   }
 }
 
+/// Joints that turn by several turns in a step, seen by a spring, by a drive, by a coupled joint and by a coupling.
+Model turning_joints() {
+  Description d{.name = "turning joints", .gravity = {0, 0, 0}};
+  const auto add = [&](const char* name, const char* on, JointKind kind, Vec3<> axis, Dof dof = {}) {
+    BodyDescription body{.name = name, .predecessor = on};
+    body.joint = {.name = name, .kind = kind, .axis = axis, .dof = {dof}};
+    body.inertia = MassProperties{.mass = 2, .com = {0, 0, 0}, .Theta = {1, 1, 1}};
+    d.bodies.push_back(std::move(body));
+  };
+  add("rotor", "ground", JointKind::revolute, {0, 0, 1});
+  add("wheel on the rotor", "rotor", JointKind::revolute, {0, 0, 1});
+  add("swinging rotor", "ground", JointKind::revolute, {0, 1, 0}, {.stiffness = 0.01});
+  add("rotor with armature", "ground", JointKind::revolute, {1, 0, 0}, {.armature = 0.5});
+  add("screw", "ground", JointKind::helical, {0, 0, 1});
+  d.bodies.back().joint.pitch = 0.2;
+  add("puck", "ground", JointKind::planar, {0, 0, 1});
+  d.bodies.back().joint.dof = {};
+  add("follower", "ground", JointKind::revolute, {0, 1, 0});
+  d.bodies.back().joint.coupling = Coupling{"rotor", -1.7, 0.3};
+  add("rack", "ground", JointKind::prismatic, {1, 0, 0});
+  add("pinion", "ground", JointKind::revolute, {0, 1, 0});
+  d.bodies.back().joint.coupling = Coupling{"rack", 10, 0};
+  add("first gear", "ground", JointKind::revolute, {0, 0, 1});
+  add("second gear", "ground", JointKind::revolute, {0, 0, 1});
+  d.couplings.push_back({.name = "gears", .terms = {{"first gear", 1.0}, {"second gear", 2.0}}});
+  return ModelBuilder(d).build();
+}
+
+/// Poses do not tell whole turns, so that they must be counted with the motion, whatever the length of the steps.
+TEST(AbsoluteCoordinates, AnglesCountTheWholeTurnsOfLongSteps) {
+  const Model model = turning_joints();
+  Numbers q = neutral(model), v(q.size());
+  const auto names = velocity_names(model);
+  for (std::size_t c = 0; c < v.size(); ++c) {
+    if (names[c] == "rotor") v[c] = 2;
+    if (names[c] == "rack") v[c] = 0.4;
+    if (names[c] == "second gear") v[c] = -1.1;
+    if (names[c] == "wheel on the rotor") v[c] = -3.5;
+    if (names[c] == "swinging rotor" || names[c] == "puck[0]" || names[c] == "first gear") v[c] = 2.2;
+    if (names[c] == "rotor with armature" || names[c] == "screw") v[c] = 1.9;
+  }
+  const double until = 20, step = 2.5;
+  const Trajectory exact = simulate(model, q, v, until, {1e-11, 1e-12});
+  ASSERT_NEAR(last_q(exact)[0], 40, 1e-9);
+  const auto compare = [&](const Trajectory& motion) {
+    ASSERT_TRUE(motion.complete) << motion.stopped;
+    ASSERT_LT(motion.steps, 30u) << "joints are to turn by more than half a turn in a step";
+    Numbers q_t(q.size()), v_t(v.size()), q_exact(q), v_exact(v);
+    for (double t = 0; t <= until; t += 0.8) {
+      motion.at(t, q_t, v_t), exact.at(t, q_exact, v_exact);
+      for (std::size_t k = 0; k < q.size(); ++k)
+        EXPECT_NEAR(q_t[k], q_exact[k], names[k] == "rotor" ? 1e-8 : 0.6) << names[k] << " at " << t << " s";
+    }
+  };
+  for (const Coordinates kind : absolute_kinds) {
+    SCOPED_TRACE(kind == Coordinates::absolute ? "SE(3)" : "SO(3) x R^3");
+    for (const auto& [name, order, run] : schemes) {
+      SCOPED_TRACE(name);
+      compare(run(model, q, v, until, step, in(kind)));
+    }
+    SCOPED_TRACE("dopri5");
+    compare(simulate(model, q, v, until, {}, in(kind)));
+  }
+}
+
 template <class F> void expect_refused(const F& f, const char* part) {
   try {
     static_cast<void>(f());
