@@ -33,6 +33,10 @@ template <class T, class S = T> class ConfigurationGroup {
       joint.difference(q0 + tree()->iq[i], q1 + tree()->iq[i], out + tree()->iv[i]);
     });
   }
+  /// x, with 0 for joints of one velocity.
+  void noncommuting(const T* x, T* out) const noexcept {
+    each_block(x, x, out, [](const Screw<T>& X, const Screw<T>&) { return X; });
+  }
   /// [x, y].
   void bracket(const T* x, const T* y, T* out) const noexcept {
     each_block(x, y, out, [](const Screw<T>& X, const Screw<T>& Y) { return ad(X, Y); });

@@ -1,6 +1,7 @@
 #pragma once
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <optional>
 #include <stdexcept>
 #include <string>
@@ -17,6 +18,7 @@
 #include "axode/integration/closed_motion.hpp"
 #include "axode/integration/dry_friction.hpp"
 #include "axode/integration/simulation.hpp"
+#include "axode/kinematics/twists.hpp"
 #include "axode/model/configuration.hpp"
 #include "axode/model/finite.hpp"
 #include "axode/model/workspace.hpp"
@@ -343,17 +345,33 @@ class Run {
     for (const Event& event : options_.events) values.push_back(event.value(t, q_t, v_t));
     return values;
   }
-  /// Times in a step at which the value of an event changes sign: once, or twice, which its rates at both ends show, where
-  /// it goes towards zero and comes back.
-  void meet(std::size_t e, double before, double after, double end, std::vector<Trajectory::Met>& met) {
-    const Event& event = options_.events[e];
+  /// The value of an event within the last step.
+  double value_at(const Event& event, double t) const {
     Vector q_t(q.size()), v_t(v.size());
-    const auto value = [&](double t) {
-      trajectory.at(t, q_t, v_t);
-      return event.value(t, q_t, v_t);
-    };
+    trajectory.at(t, q_t, v_t);
+    return event.value(t, q_t, v_t);
+  }
+  /// The number of parts of the last step, from a time on, in which no body turns by much more than a quarter turn. An event that
+  /// depends on an attitude would come and go unseen in a longer part.
+  int parts_by_turning(double before) {
+    const double h = now() - before;
+    const std::size_t k = trajectory.size() - 1;
+    std::vector<Twist<BodyFixed>> V(size(model_.n_frames()));
+    double fastest = 0;
+    for (const std::size_t end : {k - 1, k}) {
+      twists<BodyFixed, double>(model_, workspace_, trajectory.q(end), trajectory.v(end), V);
+      for (const Twist<BodyFixed>& V_i : V) fastest = std::max(fastest, norm(V_i.w));
+    }
+    return static_cast<int>(std::clamp(std::ceil(h * fastest / (std::numbers::pi / 2)), 1.0, 1e9));
+  }
+  /// Times in a part of the last step at which the value of an event, from `begin` to `end`, changes sign: once, or twice if its
+  /// rates at both ends show that it goes towards zero and comes back.
+  void meet(std::size_t e, double before, double after, double begin, double end,
+            std::vector<Trajectory::Met>& met) {
+    const Event& event = options_.events[e];
+    const auto value = [&](double t) { return value_at(event, t); };
     const double near = 1e-6 * (after - before);
-    double begin = values_[e], soon = value(before + near);
+    double soon = value(before + near);
     if (begin == 0) before += near, begin = soon, soon = value(before + near);  // it was met there
     const double sign = begin < 0 ? -1 : 1;
     const auto cross = [&](double low, double high, bool rises) {
@@ -382,14 +400,24 @@ class Run {
   bool meets_end(double before, double after) {
     const Vector next = values_at(after, q, v);
     std::vector<Trajectory::Met> met;
-    Vector q_t(q.size()), v_t(v.size());
-    for (std::size_t e = 0; e < next.size(); ++e) meet(e, before, after, next[e], met);
+    const int parts = parts_by_turning(before);
+    for (std::size_t e = 0; e < next.size(); ++e) {
+      double from = before, begin = values_[e];
+      for (int k = 1; k <= parts; ++k) {
+        const bool last = k == parts;
+        const double to = last ? after : before + k * ((after - before) / parts);
+        const double end = last ? next[e] : value_at(options_.events[e], to);
+        meet(e, from, to, begin, end, met);
+        from = to, begin = end;
+      }
+    }
     values_ = next;
     std::ranges::sort(met, {}, &Trajectory::Met::t);
     for (const Trajectory::Met& one : met) {
       trajectory.events.push_back(one);
       if (!options_.events[one.event].terminal) continue;
       ended_ = true;
+      Vector q_t(q.size()), v_t(v.size());
       trajectory.at(one.t, q_t, v_t);
       trajectory.take_back();
       if (loops_ && !loops_->close(q_t, v_t)) return !stop(one.t, open);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <stdexcept>
+#include <utility>
 
 #include "axode/model/configuration.hpp"
 
@@ -55,40 +56,62 @@ void Trajectory::at(double time, std::span<double> q_out, std::span<double> v_ou
   }
   const double h = t_[k + 1] - t_[k], s = (time - t_[k]) / h;
   const ConfigurationGroup<double> group(model_.tree<double>());
-
-  // x, x' and x'' of both ends. At the first x = 0, so that x' = v and x'' = a; at the second
-  // x'' is the derivative of x' = dexp⁻¹_{-x} v = v + [x, v]/2 + [x, [x, v]]/12.
   using Numbers = std::vector<double>;
   const std::span<const double> v_0 = v(k), a_0 = a(k), v_1 = v(k + 1), a_1 = a_before(k + 1);
-  Numbers x(nv()), dx(nv()), ddx(a_1.begin(), a_1.end());
-  group.difference(q(k).data(), q(k + 1).data(), x.data());
-  group.rate(x.data(), v_1.data(), dx.data());
-  if (!group.commutes()) {
-    const auto bracket = [&](const Numbers& y, std::span<const double> z) {
-      Numbers out(nv());
-      group.bracket(y.data(), z.data(), out.data());
-      return out;
-    };
-    const Numbers dx_v = bracket(dx, v_1), x_a = bracket(x, a_1), x_v = bracket(x, v_1);
-    const Numbers one = bracket(dx, x_v), two = bracket(x, dx_v), three = bracket(x, x_a);
-    for (std::size_t c = 0; c < nv(); ++c)
-      ddx[c] += (dx_v[c] + x_a[c]) / 2 + (one[c] + two[c] + three[c]) / 12;
-  }
 
-  Numbers y(nv()), dy(nv()), ddy(nv());
+  // The mean velocity z of the step, and the x at its second end.
+  Numbers z(nv()), none(nv()), x(nv()), y(nv());
+  for (std::size_t c = 0; c < nv(); ++c) z[c] = (v_0[c] + v_1[c]) / 2 + h * (a_0[c] - a_1[c]) / 12;
+  group.noncommuting(z.data(), z.data());
+  const auto move_along_z = [&](double t, std::span<double> q_z) {
+    for (std::size_t c = 0; c < nv(); ++c) y[c] = t * z[c];
+    group.move(q(k).data(), y.data(), q_z.data());
+  };
+  move_along_z(h, q_out);
+  group.difference(q_out.data(), q(k + 1).data(), x.data());
+
+  // z carried by x: Ad_{exp(-x)} z = z - [x, dexp_{-x} z].
+  const auto carried = [&](const Numbers& x_t) {
+    Numbers out(nv());
+    group.velocity(x_t.data(), z.data(), out.data());
+    group.bracket(x_t.data(), out.data(), out.data());
+    for (std::size_t c = 0; c < nv(); ++c) out[c] = z[c] - out[c];
+    return out;
+  };
+  // x' and x'' of an end, from v = Ad_{exp(-x)} z + u and a = u' - [u, Ad_{exp(-x)} z] with u = dexp_{-x} x'.
+  const auto rates = [&](const Numbers& x_t, std::span<const double> v_t, std::span<const double> a_t) {
+    const Numbers z_t = carried(x_t);
+    Numbers dx(nv()), ddx(nv()), turning(nv());
+    for (std::size_t c = 0; c < nv(); ++c) dx[c] = v_t[c] - z_t[c];
+    group.bracket(dx.data(), z_t.data(), turning.data());
+    group.rate(x_t.data(), dx.data(), dx.data());
+    group.acceleration(x_t.data(), dx.data(), none.data(), ddx.data());
+    for (std::size_t c = 0; c < nv(); ++c) ddx[c] = a_t[c] + turning[c] - ddx[c];
+    group.rate(x_t.data(), ddx.data(), ddx.data());
+    return std::pair(dx, ddx);
+  };
+  const auto [dx_0, ddx_0] = rates(none, v_0, a_0);
+  const auto [dx_1, ddx_1] = rates(x, v_1, a_1);
+
+  Numbers dy(nv()), ddy(nv());
+  move_along_z(time - t_[k], q_out);
   const double s2 = s * s, s3 = s2 * s, s4 = s3 * s, s5 = s4 * s;
   for (std::size_t c = 0; c < nv(); ++c) {
     // y = p1 s + p2 s² + p3 s³ + p4 s⁴ + p5 s⁵ with the first two from the first end.
-    const double p1 = h * v_0[c], p2 = h * h * a_0[c] / 2;
-    const double A = x[c] - p1 - p2, B = h * dx[c] - p1 - 2 * p2, C = h * h * ddx[c] - 2 * p2;
+    const double p1 = h * dx_0[c], p2 = h * h * ddx_0[c] / 2;
+    const double A = x[c] - p1 - p2, B = h * dx_1[c] - p1 - 2 * p2, C = h * h * ddx_1[c] - 2 * p2;
     const double p3 = 10 * A - 4 * B + C / 2, p4 = -15 * A + 7 * B - C, p5 = 6 * A - 3 * B + C / 2;
     y[c] = p1 * s + p2 * s2 + p3 * s3 + p4 * s4 + p5 * s5;
     dy[c] = (p1 + 2 * p2 * s + 3 * p3 * s2 + 4 * p4 * s3 + 5 * p5 * s4) / h;
     ddy[c] = (2 * p2 + 6 * p3 * s + 12 * p4 * s2 + 20 * p5 * s3) / (h * h);
   }
-  group.move(q(k).data(), y.data(), q_out.data());
-  group.velocity(y.data(), dy.data(), v_out.data());
+  const Numbers z_t = carried(y);
+  group.move(q_out.data(), y.data(), q_out.data());
   if (!a_out.empty()) group.acceleration(y.data(), dy.data(), ddy.data(), a_out.data());
+  group.velocity(y.data(), dy.data(), v_out.data());
+  group.bracket(v_out.data(), z_t.data(), ddy.data());
+  for (std::size_t c = 0; c < nv(); ++c) v_out[c] += z_t[c];
+  for (std::size_t c = 0; c < a_out.size(); ++c) a_out[c] -= ddy[c];
 }
 
 }  // namespace axode

@@ -26,9 +26,10 @@ class Trajectory {
   std::span<const double> v(std::size_t k) const { return std::span(v_).subspan(k * nv(), nv()); }
   std::span<const double> a(std::size_t k) const { return std::span(a_).subspan(k * nv(), nv()); }
 
-  /// q and v at a time, on the group: x(s) of q_k ⊕ x is the quintic that has the positions, velocities and accelerations
-  /// of both ends, and v = dexp_{-x} x'. Its error is of order h⁶ in q, h⁵ in v and h⁴ in a, which may be left out. Throws
-  /// std::invalid_argument for a time outside.
+  /// q, v and, unless it is empty, a at a time, on the group: q = (q_k ⊕ (t - t_k) z) ⊕ x(t) in the step from t_k. z is the mean
+  /// velocity of the step for joints of several velocities, and 0 for the others. x(t) is the quintic with which q, v and a
+  /// are those of the step at both ends. A body may turn by any angle in a step if z is right within half a turn. The errors
+  /// are of order h⁶ in q, h⁵ in v and h⁴ in a. Throws std::invalid_argument for a time outside.
   void at(double time, std::span<double> q, std::span<double> v, std::span<double> a = {}) const;
 
   /// Another end of a step.

@@ -452,7 +452,8 @@ A motion, from `simulate`: at the ends of its steps, or at the times that were a
           R"(
 (q, v) at a time, (nq,) and (nv,), or at N of them. ValueError for times outside.
 
-Between the ends of steps configurations are those of quintics on the group, errors of order h^6 in q and h^5 in v.
+Between the ends of steps configurations are those of quintics on the group, added to the mean motion of the step, so that bodies may
+turn by any angle in a step. Errors are of order h^6 in q and h^5 in v.
 
 >>> fall = axode.simulate(arm, np.full(7, 0.1), np.zeros(7), until=0.5)
 >>> q, v = fall.at(0.25)
