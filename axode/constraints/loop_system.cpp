@@ -410,6 +410,31 @@ template <class T> void LoopSystem<T>::pull_loop(const LoopPath& path, const Sta
 template <class T> void LoopSystem<T>::factorize_rows() noexcept {
   for (std::size_t k = 0; k < at_.size(); ++k) pull_loop(paths_[k], at_[k]);
   multiply_rows();
+  // A row whose terms cancel, as where a loop restates a joint of the tree, is rounding. It is measured by its terms: those
+  // of the wrench on either end alone, moment and force apart, about the place of the loop.
+  constexpr T least_part = T(1e-4);
+  const Topology& topology = *tree().operator->();
+  for (std::size_t k = 0; k < at_.size(); ++k) {
+    const LoopPath& path = paths_[k];
+    if (path.loop->kind == LoopKind::coupling) continue;
+    T by_moment(0), by_force(0);
+    for (std::size_t e = 0; e < 2; ++e) {
+      const Vec3<T> place = (e == 0 ? at_[k].C_a : at_[k].C_b).r - (e == 0 ? at_[k].shift : Vec3<T>{});
+      for (int i = path.loop->ends[e].body; i > 0; i = topology.parent[i])
+        for (int s = topology.first_screw[i]; s < topology.first_screw[i + 1]; ++s) {
+          const Twist<Spatial, T>& S = dynamics_->bodies.S[s];
+          const T root = root_[topology.iv[i] + s - topology.first_screw[i]];
+          const Vec3<T> v = S.v + cross(S.w, place);
+          by_moment += root * root * dot(S.w, S.w), by_force += root * root * dot(v, v);
+        }
+    }
+    for (int r = 0; r < count(path); ++r) {
+      const Wrench<Spatial, T>& W = at_[k].W[index(r)];
+      const Vec3<T> m = W.m - cross(at_[k].C_b.r, W.f);
+      T& scale = scale_[first(path) + r];
+      scale = std::max(scale, least_part * sqrt(dot(m, m) * by_moment + dot(W.f, W.f) * by_force));
+    }
+  }
 }
 
 template <class T> void LoopSystem<T>::multiply_rows() noexcept {

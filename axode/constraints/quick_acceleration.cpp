@@ -50,6 +50,12 @@ bool LoopSystem<T>::accelerate_quickly(const T* q, const T* v, const T* tau, con
     bias(k, at_[k].W, V, dV, b_.data());
   }
   multiply_rows();
+  for (const LoopPath& path : paths_) {  // rows that nearly vanish need a closer look
+    constexpr T least_part = T(1e-10);
+    T most(0);
+    for (const int c : path.velocities) most = std::max(most, root_[c] * root_[c]);
+    if (!(G_.diagonal().segment(first(path), count(path)).maxCoeff() > least_part * most)) return false;
+  }
   add_to_rows(b_.data());
   if (!solve_sound_rows(b_.data(), lambda)) set_filter(q), solve_filtered_rows(b_.data(), lambda);
   w_.setZero();
