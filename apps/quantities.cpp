@@ -5,8 +5,8 @@
 #include <optional>
 
 #include "axode/catalog.hpp"
-#include "axode/dynamics.hpp"
 #include "axode/constraints/loops.hpp"
+#include "axode/dynamics.hpp"
 #include "axode/model/inertial_parameters.hpp"
 #include "axode/table/check_counts.hpp"
 #include "commands.hpp"

@@ -34,8 +34,7 @@ template <class T> struct Specialised<T>::Code {
   Code(const Model& model, std::span<const Function> functions, const SpecialisedOptions& options)
       : Code(codegen::states_source(model, functions, std::same_as<T, float>, options.lanes), functions,
              options) {}
-  Code(const codegen::Source& source, std::span<const Function> functions,
-       const SpecialisedOptions& options)
+  Code(const codegen::Source& source, std::span<const Function> functions, const SpecialisedOptions& options)
       : library(source.text, options.flags, options.monitor) {
     for (std::size_t k = 0; k < functions.size(); ++k) {
       const std::string& symbol = source.functions[k].name;

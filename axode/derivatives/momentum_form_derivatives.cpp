@@ -20,9 +20,8 @@ Solvability momentum_form_derivatives(const Model& model, Workspace<T>& workspac
   for (const std::span<T> matrix : {d.v_q, d.v_p, d.dp_q, d.dp_p})
     check_separate("d", matrix, "q", q), check_separate("d", matrix, "p", p);
   Arena arena = workspace.arena(model.topology());
-  const Solvability verdict =
-      MomentumFirstOrder<T>(arena).run(model.tree<T>(), q.data(), p.data(), loads, d.v_q.data(), d.v_p.data(),
-                                       d.dp_q.data(), d.dp_p.data());
+  const Solvability verdict = MomentumFirstOrder<T>(arena).run(
+      model.tree<T>(), q.data(), p.data(), loads, d.v_q.data(), d.v_p.data(), d.dp_q.data(), d.dp_p.data());
   return solved(verdict, {d.v_q, d.v_p, d.dp_q, d.dp_p});
 }
 

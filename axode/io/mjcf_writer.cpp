@@ -541,7 +541,8 @@ class MjcfWriter {
     const bool closed =
         !d_.couplings.empty() ||
         std::ranges::any_of(d_.loops, [](const LoopDescription& loop) { return in_mjcf(loop.kind); });
-    return closed && std::ranges::any_of(d_.bodies, [&](const BodyDescription& body) { return has_none(body.joint); });
+    return closed &&
+           std::ranges::any_of(d_.bodies, [&](const BodyDescription& body) { return has_none(body.joint); });
   }
   /// A motor for each velocity of the joints that have drives.
   void write_motors() {

@@ -51,10 +51,7 @@ inline constexpr Counts of_forces{
     .springs = of_the_tree(subtract_springs),
     .joint_losses = optional};
 inline constexpr Counts of_wrenches{
-    .loops = counted,
-    .passive_joints = of_the_tree(),
-    .springs = of_the_tree(),
-    .joint_losses = optional};
+    .loops = counted, .passive_joints = of_the_tree(), .springs = of_the_tree(), .joint_losses = optional};
 inline constexpr Counts of_accelerations{.loops = counted,
                                          .passive_joints = of_the_tree(),
                                          .springs = of_the_tree(add_springs),

@@ -30,7 +30,7 @@ TEST(JointWrenchesOfClosedMechanisms, BalanceEveryBodyAndHoldTheDriveForces) {
     const Model model = ModelBuilder(closed_as_drawn(random)).build();
     const auto nv = static_cast<std::size_t>(model.nv()), n = static_cast<std::size_t>(model.n_bodies());
     LoopWorkspace<double> loops(model);
-    Workspace<double> workspace(model);
+    Workspace<double> workspace(model, cut_tree);
     const std::vector<AppliedWrench<>> applied{{1, Representation::hybrid, random.vector(), random.vector()}};
     const Loads<> loads{applied};
     const Numbers q = neutral(model);

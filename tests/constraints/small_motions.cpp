@@ -41,7 +41,7 @@ class SmallMotions : public testing::TestWithParam<DrawnMechanism> {
  protected:
   const Model model = ModelBuilder(GetParam().drawn()).build();
   LoopWorkspace<double> loops{model};
-  Workspace<double> workspace{model};
+  Workspace<double> workspace{model, cut_tree};
   const Numbers still = Numbers(static_cast<std::size_t>(model.nv()));
 
   Numbers closed(const Numbers& near, std::span<const int> held = {}) const {

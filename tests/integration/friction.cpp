@@ -154,7 +154,7 @@ struct Rubbing {
 void expect_coulomb(const Rubbing& at, const Trajectory& motion, int& sticking, int& sliding) {
   ASSERT_TRUE(motion.complete) << motion.stopped;
   const Tree<double>& tree = at.model.tree<double>();
-  Workspace<> workspace(at.model);
+  Workspace<> workspace(at.model, cut_tree);
   const std::size_t nv = at.v.size();
   Numbers force(nv), acting(nv);
   for (std::size_t k = 0; k < motion.size(); ++k) {
@@ -253,7 +253,7 @@ TEST(Friction, HoldsLoopsTogether) {
     LoopWorkspace<double> closed(weak);
     Numbers a(q.size());
     ASSERT_TRUE(forward_dynamics(weak, closed, Span(q), rest, rest, a).ok());
-    Workspace<> workspace(weak);  // of the tree, whose weight moves it along a
+    Workspace<> workspace(weak, cut_tree);  // of the tree, whose weight moves it along a
     Numbers g(q.size());
     inverse_dynamics(weak, workspace, Span(q), rest, rest, g);
     double power = 0, resisting = 0;

@@ -24,7 +24,7 @@ struct Closed : ClosedMechanism {
   std::size_t rows() const { return static_cast<std::size_t>(model.loops().rows); }
   /// What forces are made of, as far as they may cancel, under multipliers.
   double size_of_forces(const Numbers& lambda) {
-    Workspace<double> workspace(model);
+    Workspace<double> workspace(model, cut_tree);
     Numbers M(state.v.size() * state.v.size());
     mass_matrix(model, workspace, state.q, M);
     return std::max({largest(tau), largest(M) * largest(state.a), largest_entry(A) * largest(lambda)});
@@ -63,7 +63,7 @@ TEST(Loops, DrivesLoadsAndMultipliersMakeTheAccelerations) {
     ASSERT_TRUE(
         forward_dynamics(closed.model, closed.loops, q, v, closed.tau, a_again, lambda, closed.state.loads())
             .ok());
-    Workspace<double> workspace(closed.model);
+    Workspace<double> workspace(closed.model, cut_tree);
     inverse_dynamics(closed.model, workspace, q, v, a_again, needed, closed.state.loads());
     const VectorXd by_loops = closed.A.transpose() * vector(lambda);
     forces.expect_equal(VectorXd(vector(closed.tau) + by_loops), vector(needed),
@@ -76,7 +76,7 @@ TEST(Loops, DoNoWork) {
   for_seeds(200, [&](std::uint64_t seed) {
     Closed closed(seed);
     const auto& [q, v, a, wrenches] = closed.state;
-    Workspace<double> workspace(closed.model);
+    Workspace<double> workspace(closed.model, cut_tree);
     Numbers fed(wrenches.size());
     load_powers(closed.model, workspace, q, v, closed.state.loads(), fed);
     double sum = 0, scale = closed.size_of_forces({}) * largest(v);

@@ -169,7 +169,7 @@ namespace {
 bool well_conditioned(const Model& model, const std::vector<double>& q) {
   using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
   const int nv = model.nv(), m = model.loops().rows;
-  Workspace<double> workspace(model);
+  Workspace<double> workspace(model, cut_tree);
   LoopWorkspace<double> loops(model);
   Matrix M_inverse(nv, nv), A(m, nv);
   if (!inverse_mass_matrix(model, workspace, q, as_span(M_inverse)).ok()) return false;

@@ -53,9 +53,8 @@ int main() {
   const std::vector<double> zero(2);
   std::vector<double> tau(2);
   batch::inverse_dynamics<double>(pendulum, zero, zero, zero, tau);
-  const codegen::Source source =
-      codegen::c_source(pendulum, std::vector<codegen::Function>{{catalog::Id("inverse_dynamics")}},
-                        {.prefix = "pendulum"});
+  const codegen::Source source = codegen::c_source(
+      pendulum, std::vector<codegen::Function>{{catalog::Id("inverse_dynamics")}}, {.prefix = "pendulum"});
 
   std::printf("a linkage falls by %.3f rad, its energy drifts by %.0e J; a level pendulum takes %.3f N m\n",
               fall.q(fall.size() - 1)[0], drift, tau[1]);
