@@ -1,16 +1,13 @@
 """Many states in Parquet files, sweeps and Monte Carlo: in one process on all its cores, or on a Ray cluster by the same call.
 
-This needs other packages: `pip install axode[distributed]`.
+This needs pyarrow (`pip install pyarrow`), a cluster needs Ray (`pip install ray`).
 """
 
 from __future__ import annotations
 
 import contextlib
-import hashlib
-import inspect
 import itertools
 import os
-import pickle
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, Literal, NamedTuple, overload
@@ -69,8 +66,10 @@ def map_states(m: Model, function: str | Callable[..., Any],
     dtype: of the results in the files; it is computed in float64.
     faulty: a null, NaN or infinity, a singular mass matrix or an overflow ends the work in an error that names file and row,
         or with "nan" makes NaN of the results of this row.
-    overwrite: whether what is complete, or of another job, may be replaced. What is of this job and not complete is
-        continued in any case: parts are files that appear when they are whole, and only those that are missing are computed.
+    overwrite: whether what is there is removed and everything computed anew. Otherwise a job that was interrupted is continued: parts
+        are files that appear when they are whole, and only those that are missing are computed. The job is the same if the model,
+        the states and the arguments are, and the function with the values that it is bound to. Global variables and the functions
+        that it calls are not compared. A function with a value that cannot be compared, such as an open file, is not continued.
     cluster: "local" starts Ray on the cores of this machine, an address connects to a cluster; both end with the call. Without
         it a cluster to which this program is connected is used, or that of $RAY_ADDRESS, and otherwise this process. The
         workers of a cluster see the files under the same names.
@@ -97,12 +96,12 @@ def map_states(m: Model, function: str | Callable[..., Any],
     task = _StatesTask(table_function, files)
     parts = task.parts(rows_per_part)
     seen = [(file, os.path.getsize(file), os.stat(file).st_mtime_ns) for file in files]
-    identity = {"function": _identity(table_function.function), "model": _digest(m), "states": _digest(seen),
-                "arguments": _digest(table_function.arguments, keep, dtype, faulty), "rows_per_part": rows_per_part}
+    job = {"function": table_function.function, "model": m, "states": seen,
+           "arguments": [table_function.arguments, keep, dtype, faulty], "rows_per_part": rows_per_part}
     _check_apart(Path(output), states)
     if threads is None:
         threads = (os.cpu_count() or 1) if table_function.known else 1
-    return _write(task, parts, jobs.Output(output, identity, len(parts), overwrite), cluster=cluster, threads=threads,
+    return _write(task, parts, jobs.Output(output, job, len(parts), overwrite), cluster=cluster, threads=threads,
                   retries=retries, progress=progress)
 
 
@@ -216,9 +215,8 @@ def sweep(m: Any, function: Callable[..., Any], points: Mapping[str, Sequence[An
                                     progress=progress)) as reports:
             found = sorted(reports, key=lambda report: report.number)
         return _arrays(pa.concat_tables([report.table for report in found]))
-    identity = {"function": _identity(function), "model": _digest(m), "points": _digest(task.points),
-                "points_per_part": points_per_part}
-    return _write(task, parts, jobs.Output(output, identity, len(parts), overwrite), cluster=cluster, threads=threads,
+    job = {"function": function, "model": m, "points": task.points, "points_per_part": points_per_part}
+    return _write(task, parts, jobs.Output(output, job, len(parts), overwrite), cluster=cluster, threads=threads,
                   retries=retries, progress=progress)
 
 
@@ -317,33 +315,6 @@ def _write(task: Any, parts: Sequence[Any], output: jobs.Output, *, cluster: str
     finally:
         parquet_states.stop_reading()
     return Written(sum(part.rows for part in parts), len(parts), computed, faulty)
-
-
-def _digest(*values: Any) -> str:
-    """Of what a job depends on, the same in every process."""
-    found = hashlib.sha256()
-    for value in values:
-        if isinstance(value, Mapping):
-            value = list(value.items())
-        if isinstance(value, (list, tuple)):
-            found.update(_digest(len(value), *value).encode())
-            continue
-        try:
-            found.update(pickle.dumps(value))
-        except Exception:  # what only Ray's pickle takes, such as objects of a class inside of a function
-            found.update(type(value).__qualname__.encode())
-    return found.hexdigest()
-
-
-def _identity(function: str | Callable[..., Any]) -> str:
-    """The name of a function, and its text where it is known."""
-    if isinstance(function, str):
-        return function
-    try:
-        text = inspect.getsource(function)
-    except (OSError, TypeError):
-        text = ""
-    return f"{getattr(function, '__qualname__', type(function).__name__)} {_digest(text)}"
 
 
 def _check_apart(output: Path, states: str | os.PathLike[str] | Sequence[str | os.PathLike[str]]) -> None:

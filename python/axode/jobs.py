@@ -11,12 +11,14 @@ import os
 import socket
 import sys
 import threading
-from collections.abc import Callable, Generator, Iterator, Sequence
+from collections.abc import Callable, Generator, Iterator, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
 from pathlib import Path
 from typing import Any, NamedTuple, Protocol
 
+from .job_identity import Unknown, digest
 from .parquet_states import ROWS  # first: it says what to install where pyarrow is missing
+from .progress import progress_bar
 from .written_files import replacing
 
 import pyarrow as pa  # type: ignore[import-not-found, import-untyped, unused-ignore]
@@ -178,7 +180,7 @@ def cluster_named(cluster: str | None) -> Iterator[Any]:
         import ray  # type: ignore[import-not-found, import-untyped, unused-ignore]
     except ImportError as error:
         raise ImportError(f"cluster is {cluster or os.environ[RAY_ADDRESS]!r}, which needs Ray: "
-                          "pip install axode[distributed]") from error
+                          "pip install ray") from error
     if ray.is_initialized():
         if cluster is not None:
             raise ValueError(f"cluster is {cluster!r}, but this program is connected to a Ray cluster; leave it out")
@@ -215,13 +217,7 @@ class Progress:
     def __init__(self, wanted: bool | Callable[[int, int], object], rows: int):
         self.done, self.rows = 0, rows
         self.tell = wanted if callable(wanted) else None
-        self.bar = None
-        if wanted is True:
-            try:
-                from tqdm.auto import tqdm  # type: ignore[import-untyped, import-not-found, unused-ignore]
-            except ImportError as error:
-                raise ImportError("progress=True needs tqdm: pip install axode[distributed]") from error
-            self.bar = tqdm(total=rows, unit="row", unit_scale=True)
+        self.bar = progress_bar(rows, unit="row", unit_scale=True) if wanted is True else None
 
     def add(self, rows: int) -> None:
         self.done += rows
@@ -275,14 +271,22 @@ def _columns(schema: Any) -> str:
 class Output:
     """Where the parts of a job go: files of a folder, or of one beside the file that is made of them in the end.
 
-    A folder says in `_axode.json` what it holds, and whether that is all. One process works in it at a time.
+    A folder says in `_axode.json` what it holds, and whether that is all. One process works in it at a time. `job` is everything
+    that its results depend on.
     """
 
-    def __init__(self, target: str | os.PathLike[str], identity: dict[str, Any], parts: int, overwrite: bool):
+    def __init__(self, target: str | os.PathLike[str], job: Mapping[str, Any], parts: int, overwrite: bool):
         self.target = Path(target)
         self.is_file = self.target.suffix == ".parquet"
         self.folder = self.target.with_name(self.target.name + ".parts") if self.is_file else self.target
-        self.identity = identity
+        self.identity: dict[str, str | None] = {}
+        self.unknown: dict[str, str] = {}
+        for name, value in job.items():
+            try:
+                self.identity[name] = digest(value)
+            except Unknown as error:
+                self.identity[name] = None
+                self.unknown[name] = str(error)
         width = max(6, len(str(parts)))
         suffix = ".arrow" if self.is_file else ".parquet"
         self.paths = [self.folder / f"part-{number:0{width}}{suffix}" for number in range(parts)]
@@ -320,17 +324,24 @@ class Output:
             if any(not file.name.startswith(f".{MANIFEST}") for file in self.folder.iterdir()):
                 raise FileExistsError(f"{self.folder} is not empty, and what it holds is not of axode.distributed")
         else:
-            before = json.loads(manifest.read_text(encoding="utf-8"))
-            differs = [key for key in self.identity if before.get(key) != self.identity[key]]
-            if not self.overwrite and before.get("complete"):
-                raise FileExistsError(f"{self.target} is there already, and complete; overwrite=True replaces it")
-            if not self.overwrite and differs:
-                raise FileExistsError(f"{self.folder} holds parts of another job: {differs[0]} is not the same; "
-                                      "overwrite=True begins anew")
-            if differs or before.get("complete"):
+            if not self.overwrite:
+                self._check_same(json.loads(manifest.read_text(encoding="utf-8")))
+            else:
                 self._say({})  # of no job, so that nothing is taken for what it is not if this is ended here
                 self._clear("part-", ".")
         self._say({**self.identity, "complete": False})
+
+    def _check_same(self, before: dict[str, Any]) -> None:
+        """FileExistsError unless the parts that are there are known to be those of this job, and some are missing."""
+        if before.get("complete"):
+            raise FileExistsError(f"{self.target} is there already, and complete; overwrite=True replaces it")
+        for name, value in self.identity.items():
+            if name not in self.unknown and before.get(name) != value:
+                raise FileExistsError(f"{self.folder} holds parts of another job: {name} is not the same; "
+                                      "overwrite=True begins anew")
+        for name, why in self.unknown.items():
+            raise FileExistsError(f"{self.folder} holds parts of a job of which nobody can tell whether it is this one: {name} "
+                                  f"{why}; overwrite=True begins anew")
 
     def _leave(self) -> None:
         """A folder without any part is none to go on with."""

@@ -1,9 +1,11 @@
 """Work that was ended goes on where it was: nothing is lost, nothing is computed twice, and no file is there by half."""
 
+import functools
 import os
 import signal
 import subprocess
 import sys
+import threading
 import time
 from pathlib import Path
 
@@ -142,9 +144,115 @@ def test_a_job_is_continued_by_the_same_call_only(folder):
         with pytest.raises(FileExistsError, match=f"out holds parts of another job: {what} is not the same"):
             call(**options)
     twin = axode.load(axode.robots / "arm7.toml")
-    written = call(m=twin, overwrite=True)  # which is about other jobs, and not about this one
+    written = call(m=twin)
     assert written.parts - written.computed == 3
     assert call("coriolis_vector", overwrite=True).computed == 13
+
+
+class Scaled:
+    """An object that is called."""
+
+    def __init__(self, factor):
+        self.factor = factor
+
+    def __call__(self, m, q):
+        return self.factor * q
+
+
+class Shifted(Scaled):
+    def __call__(self, m, q):
+        return self.factor + q
+
+
+def scaled(m, q, factor=1.0):
+    return factor * q
+
+
+def scaled_by(factor):
+    return lambda m, q: factor * q
+
+
+def without_text(expression):
+    """A function whose source nobody can look up."""
+    return eval(f"lambda m, q: {expression}")
+
+
+FUNCTIONS = {
+    "a partial": (lambda factor: functools.partial(scaled, factor=factor), 2.0, 3.0),
+    "an object": (Scaled, 2.0, 3.0),
+    "a method": (lambda factor: Scaled(factor).__call__, 2.0, 3.0),
+    "a class": (lambda kind: kind(2.0), Scaled, Shifted),
+    "a variable of an enclosing function": (scaled_by, 2.0, 3.0),
+    "an array in a variable": (scaled_by, np.arange(7.0), np.arange(1.0, 8.0)),
+    "a function without text": (without_text, "2 * q", "3 * q"),
+    "a set of words": (without_text, "q if 'a' in {'a', 'b', 'c'} else -q", "q if 'a' in {'a', 'b', 'd'} else -q"),
+    "a function within": (lambda g: functools.partial(lambda g, m, q: g(q), g), np.sin, np.cos),
+}
+
+
+@pytest.mark.parametrize("make, value, other", FUNCTIONS.values(), ids=FUNCTIONS)
+@pytest.mark.parametrize("kind", ["map_states", "sweep"])
+def test_a_job_is_continued_with_the_values_and_the_code_of_its_function_only(kind, make, value, other, folder):
+    def ended(done, rows):
+        if done > 100:
+            raise RuntimeError("ended")
+
+    def call(function, **options):
+        if kind == "map_states":
+            return distributed.map_states(ARM, function, folder / "in.parquet", folder / "out", rows_per_part=PART, **options)
+        of_point = functools.partial(lambda f, m, k: {"x": np.asarray(f(m, np.full(7, float(k))))}, function)
+        return distributed.sweep(ARM, of_point, {"k": range(260)}, folder / "out", points_per_part=20, **options)
+
+    with pytest.raises(RuntimeError, match="ended"):
+        call(make(value), progress=ended)
+    with pytest.raises(FileExistsError, match="out holds parts of another job: function is not the same; overwrite=True"):
+        call(make(other))
+    written = call(make(value))
+    assert 0 < written.computed < written.parts == 13
+
+
+def test_overwriting_computes_everything_anew(folder):
+    def ended(done, rows):
+        if done > 100:
+            raise RuntimeError("ended")
+
+    def call(**options):
+        return distributed.map_states(ARM, "poses", folder / "in.parquet", folder / "out", rows_per_part=PART, **options)
+
+    with pytest.raises(RuntimeError, match="ended"):
+        call(progress=ended, threads=1)
+    assert call(overwrite=True).computed == 13
+
+
+def test_a_function_that_cannot_be_compared_is_computed_but_not_continued(folder):
+    held = functools.partial(lambda lock, m, q: q, threading.Lock())
+
+    def ended(done, rows):
+        if done > 100:
+            raise RuntimeError("ended")
+
+    def call(**options):
+        return distributed.map_states(ARM, held, folder / "in.parquet", folder / "out", rows_per_part=PART, **options)
+
+    with pytest.raises(RuntimeError, match="ended"):
+        call(progress=ended)
+    with pytest.raises(FileExistsError, match="nobody can tell whether it is this one: function holds an object of _thread.lock.*"
+                       "overwrite=True begins anew"):
+        call()
+    assert call(overwrite=True).computed == 13
+
+
+def test_a_job_is_known_in_another_process_whatever_the_order_of_its_sets(tmp_path):
+    program = tmp_path / "program.py"
+    program.write_text("""
+import functools
+from axode.job_identity import digest
+def member(words, m, q, among=frozenset("abcdefgh")): return q in {"p", "q", "r", "s"} and words
+print(digest(functools.partial(member, {"one", "two", "three", "four"})))
+""")
+    printed = {subprocess.run([sys.executable, program], env={**os.environ, "PYTHONHASHSEED": seed}, text=True, check=True,
+                              capture_output=True).stdout for seed in "123"}
+    assert len(printed) == 1
 
 
 def test_a_program_that_is_killed_while_it_begins_leaves_nothing_in_the_way(folder):
