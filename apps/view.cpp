@@ -38,8 +38,8 @@ AMENT_PREFIX_PATH and in the folders around that file. What has nothing to be se
 STATE is the JSON object of `axode eval`, of which q counts; the motion is a .csv, .json or .npz of `axode simulate`.
 
 Example:
-  axode simulate double_pendulum.toml --until 5 --samples 500 --output run.csv
-  axode view double_pendulum.toml --motion run.csv --output pendulum.html)";
+  axode simulate four_bar.toml --until 5 --samples 500 --output run.csv
+  axode view four_bar.toml --motion run.csv --output four_bar.html)";
 
 /// The page without a scene, of the viewer's build: beside an installed command, or where it was built.
 std::string empty_page() {
@@ -57,7 +57,11 @@ std::string empty_page() {
 
 /// A file in a folder of its own among the temporary ones.
 std::string temporary_file(const std::string& name) {
-  std::string folder = (std::filesystem::temp_directory_path() / "axode-XXXXXX").string();
+  std::error_code failed;
+  const std::filesystem::path temporary = std::filesystem::temp_directory_path(failed);
+  if (failed)
+    throw InputError("TMPDIR names no folder; set it to one, or say with --output where the page goes");
+  std::string folder = (temporary / "axode-XXXXXX").string();
   if (mkdtemp(folder.data()) == nullptr) throw InputError(folder + ": the folder cannot be made");
   return (std::filesystem::path(folder) / name).string();
 }

@@ -65,9 +65,10 @@ pid_t spawned(const std::vector<std::string>& command, const std::filesystem::pa
   std::vector<std::string> variables;
   for (char** variable = environ; *variable != nullptr; ++variable) {
     const std::string_view text = *variable;
-    if (!text.starts_with("TMPDIR=") && !text.starts_with("LC_ALL=")) variables.emplace_back(text);
+    const bool replaced = text.starts_with("LC_ALL=") || (text.starts_with("TMPDIR=") && !folder.empty());
+    if (!replaced) variables.emplace_back(text);
   }
-  variables.push_back("TMPDIR=" + folder.string());
+  if (!folder.empty()) variables.push_back("TMPDIR=" + folder.string());
   variables.emplace_back("LC_ALL=C");
   const auto pointers = [](const std::vector<std::string>& texts) {
     std::vector<char*> all;
@@ -151,7 +152,7 @@ Compiler find_compiler() {
     if (version.empty()) {
       std::vector<std::string> question = compiler.command;
       question.emplace_back("--version");
-      version = run_program(question, std::filesystem::temp_directory_path())->output;
+      version = run_program(question, {})->output;
     }
     compiler.version = version;
     return compiler;

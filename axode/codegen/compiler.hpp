@@ -20,7 +20,7 @@ struct Finished {
   int code;            ///< 128 and more where a signal ended it
   std::string output;  ///< its first kilobytes, of both kinds
 };
-/// Runs a program to its end, with its temporary files in that folder. Where the monitor says so, it is killed with all that
+/// Runs a program to its end. Its temporary files go into that folder, or where they usually go if it is empty. Where the monitor says so, it is killed with all that
 /// it has started, and the result is nothing.
 std::optional<Finished> run_program(const std::vector<std::string>& command,
                                     const std::filesystem::path& folder, const batch::Monitor& monitor = {});

@@ -126,6 +126,17 @@ class WorkFolder {
  private:
   fs::path path_;
 };
+/// The folder of temporary files. Throws std::runtime_error if $TMPDIR names none.
+fs::path temporary_folder() {
+  std::error_code failed;
+  const fs::path folder = fs::temp_directory_path(failed);
+  if (!failed) return folder;
+  const char* const named = std::getenv("TMPDIR");
+  throw std::runtime_error(
+      "there is no folder to compile in: the cache cannot be written to, and TMPDIR is \"" +
+      std::string(named == nullptr ? "" : named) +
+      "\", which is no folder; let TMPDIR or XDG_CACHE_HOME name one that can be written to");
+}
 /// Those that ended processes have left behind.
 void remove_left(const fs::path& folder, const std::string& key) {
   std::error_code failed;
@@ -201,7 +212,7 @@ Loaded loaded(const std::string& source, const std::vector<std::string>& flags,
   const fs::path folder = cache_folder(), file = folder / (key + ".so");
   if (Library kept = opened_from_cache(file)) return {file, kept};
   if (!is_usable(folder)) {
-    auto work = std::make_shared<WorkFolder>(fs::temp_directory_path(), "axode");
+    auto work = std::make_shared<WorkFolder>(temporary_folder(), "axode");
     Library library = compiled(compiler, source, flags, work->path(), monitor);
     return {work->path() / "model.so", library, work};
   }

@@ -13,6 +13,7 @@ from ._axode import Model, Trajectory
 from .codegen import Specialised
 from .drives import PD, ComputedTorque, Sampled
 from .errors import SimulationError, StatesError
+from .progress import progress_bar
 from .records import Load
 
 __all__ = ["reconstruct", "rollout", "simulate"]
@@ -58,7 +59,7 @@ def simulate(m: Model, q: ArrayLike, v: ArrayLike, until: float, *,
     events: functions (t, q, v) -> number whose zeros are met; `f.terminal = True` ends the motion there,
         `f.direction = 1` or -1 counts rising or falling ones alone. One that is met twice within a step is found where it
         goes towards zero at the beginning of the step and away from it at the end.
-    progress: whether a bar is shown; it needs the package tqdm.
+    progress: whether a bar is shown, which needs tqdm (`pip install tqdm`).
 
     ValueError for wrong shapes, numbers that are not finite, until < 0 and step <= 0. SimulationError, with the motion
     so far, where accelerations cannot be found or are not finite. Ctrl-C ends it.
@@ -71,8 +72,7 @@ def simulate(m: Model, q: ArrayLike, v: ArrayLike, until: float, *,
         tau = tau.on(m)
     bar, report = None, None
     if progress:
-        from tqdm.auto import tqdm  # type: ignore[import-untyped]
-        bar = tqdm(total=float(until), unit="s", bar_format="{l_bar}{bar}| {n:.3g}/{total:.3g} s [{remaining}]")
+        bar = progress_bar(float(until), unit="s", bar_format="{l_bar}{bar}| {n:.3g}/{total:.3g} s [{remaining}]")
 
         def report(t: float) -> None:
             bar.update(t - bar.n)

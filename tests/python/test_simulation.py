@@ -1,5 +1,6 @@
 """Motions: `axode.simulate` and `axode.reconstruct`."""
 
+import sys
 import threading
 
 import axode
@@ -203,6 +204,13 @@ def test_rollouts_with_losses_say_why_they_end():
                                                            "point": [0, 0, 0], "friction": 1.0}}])
     with pytest.raises(axode.SingularError, match='joint "pin"'):
         axode.rollout(m, [0.0], [1.0], [0.0], 0.01, steps=5, joint_losses=True)
+
+
+def test_a_bar_without_tqdm_says_what_to_install(monkeypatch):
+    monkeypatch.setitem(sys.modules, "tqdm", None)
+    monkeypatch.setitem(sys.modules, "tqdm.auto", None)
+    with pytest.raises(ImportError, match="^progress=True shows a bar of tqdm, which is not installed: pip install tqdm$"):
+        axode.simulate(axode.load(axode.robots / "double_pendulum.toml"), [1, 0], [0, 0], 1.0, progress=True)
 
 
 def test_events():

@@ -203,6 +203,21 @@ def test_without_a_compiler_there_is_one_sentence_and_the_library(monkeypatch):
     assert np.isfinite(axode.poses(PENDULUM, [0, 0])).all()
 
 
+def specialised_elsewhere(**environment):
+    """What a new process prints that specialises a model: one that has asked no compiler for its version yet."""
+    program = "import axode; m = axode.load(axode.robots / 'double_pendulum.toml'); print(m.specialise(['poses']).poses([0, 0]).shape)"
+    return subprocess.run([sys.executable, "-c", program], env={**os.environ, **environment}, capture_output=True, text=True)
+
+
+def test_a_folder_of_temporary_files_is_needed_only_without_a_cache(tmp_path):
+    gone = str(tmp_path / "gone")
+    assert specialised_elsewhere(TMPDIR=gone).stdout == "(4, 4, 4)\n"
+    refused = specialised_elsewhere(TMPDIR=gone, XDG_CACHE_HOME="/proc/none")
+    assert refused.stderr.rstrip().endswith(
+        f'RuntimeError: there is no folder to compile in: the cache cannot be written to, and TMPDIR is "{gone}", which is no '
+        "folder; let TMPDIR or XDG_CACHE_HOME name one that can be written to")
+
+
 def test_the_cache_says_what_it_has_and_is_cleared(cache):
     assert axode.codegen.cache() == (str(cache), 0, 0)
     s = PENDULUM.specialise(["mass_matrix"], flags=QUICKLY)
