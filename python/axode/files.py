@@ -24,8 +24,8 @@ def load(path: str | os.PathLike[str], base: Literal["fixed", "free"] | None = N
          gravity: ArrayLike | None = None, strict: bool = False) -> Model:
     """The mechanism of a file: a drawing (.toml), a URDF (.urdf), SDFormat (.sdf, .world), MJCF (.xml) or xacro (.xacro).
 
-    Of any other file the root element decides. MJCF is compiled by MuJoCo (`pip install axode[mujoco]`), and xacro expanded
-    by xacro (`pip install axode[xacro]`). docs/formats.md says what each format carries over.
+    Of any other file the root element decides. MJCF is compiled by MuJoCo (`pip install mujoco`), and xacro expanded
+    by xacro (`pip install xacro`). docs/formats.md says what each format carries over.
 
     base="free" sets the body that is fixed to the ground free by a joint named `free_base`, base="fixed" fixes one that
     hangs on the ground by a free joint; without it the file decides. ModelError lists every fault of a file with its line.
@@ -85,7 +85,7 @@ def _expanded(file: Path) -> str:
     try:
         xacro = importlib.import_module("xacro")
     except ImportError as error:
-        raise ImportError(f"{file} is a xacro file, which needs xacro: pip install axode[xacro]") from error
+        raise ImportError(f"{file} is a xacro file, which needs xacro: pip install xacro") from error
     try:
         return str(xacro.process_file(str(file)).toxml())
     except Exception as error:  # it raises what it likes: of Python, of XML, and its own

@@ -4,7 +4,7 @@ tau = Y(q, v, a) pi is linear in the inertial parameters, but motions show only 
 parameters, and the least squares estimate of these may be one that no matter has. `identify` gives both: the base
 parameters with their standard deviations, and a model each body of which a density can produce.
 
-Needs SciPy: pip install "axode[identification]".
+Needs SciPy: pip install scipy.
 
 The pseudo-inertia of a body, P = [[S, m c], [m c^T, m]] with the second moments S = tr(Theta)/2 I - Theta, is positive
 definite if and only if there is matter with these ten parameters (Wensing, Kim, Slotine, Linear matrix inequalities for
@@ -599,5 +599,4 @@ def _scipy_linalg() -> Any:
     try:
         return importlib.import_module("scipy.linalg")
     except ImportError as error:
-        raise ImportError("axode.identification needs SciPy; install it with: "
-                          "pip install 'axode[identification]'") from error
+        raise ImportError("axode.identification needs SciPy: pip install scipy") from error

@@ -27,7 +27,7 @@ def import_mujoco(who: str) -> types.ModuleType:
     try:
         return importlib.import_module("mujoco")
     except ImportError as error:
-        raise ImportError(f"{who} needs MuJoCo: pip install axode[mujoco]") from error
+        raise ImportError(f"{who} needs MuJoCo: pip install mujoco") from error
 
 
 def read(m: Any) -> tuple[dict[str, Any], list[tuple[str, str]]]:

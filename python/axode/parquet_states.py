@@ -22,7 +22,7 @@ try:
     import pyarrow as pa  # type: ignore[import-not-found, import-untyped, unused-ignore]
     import pyarrow.parquet as pq  # type: ignore[import-not-found, import-untyped, unused-ignore]
 except ImportError as error:
-    raise ImportError("axode.distributed needs pyarrow: pip install axode[distributed]") from error
+    raise ImportError("axode.distributed needs pyarrow: pip install pyarrow") from error
 
 __all__: list[str] = []
 

@@ -4,7 +4,7 @@ Names and arguments are those of axode, on tensors of float64 or float32 with an
 are exact, by the vjp of the library, second derivatives by its second derivatives. Every function is an operation
 `torch.ops.axode`, which torch.compile, torch.func and torch.export know. See docs/torch.md.
 
-Needs PyTorch: pip install "axode[torch]".
+Needs PyTorch: pip install torch.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ try:
     import torch  # type: ignore[import-not-found, unused-ignore]
     from torch import Tensor
 except ImportError as error:
-    raise ImportError('axode.torch needs PyTorch: pip install "axode[torch]"') from error
+    raise ImportError('axode.torch needs PyTorch: pip install torch') from error
 
 __all__ = ["center_of_mass", "forward_dynamics", "handle", "inertial_parameters", "inverse_dynamics", "inverse_mass_matrix",
            "jacobian", "kinetic_energy", "mass_matrix", "poses", "potential_energy", "rollout"]

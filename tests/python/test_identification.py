@@ -339,5 +339,5 @@ def test_scipy_is_needed_here_and_nowhere_else(monkeypatch):
     program = "import sys, axode; assert 'scipy' not in sys.modules"
     subprocess.run([sys.executable, "-c", program], check=True)
     monkeypatch.setitem(sys.modules, "scipy.linalg", None)
-    with pytest.raises(ImportError, match="needs SciPy; install it with: pip install"):
+    with pytest.raises(ImportError, match="needs SciPy: pip install scipy"):
         identify(ARM, *measured(ARM, 50))

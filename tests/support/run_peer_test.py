@@ -1,4 +1,4 @@
-"""Runs one peer test with pytest in the Python environment of `make venv`: run_peer_test.py PYTHON FILE.
+"""Runs one peer test with pytest in the Python environment of `make build/venv/tests`: run_peer_test.py PYTHON FILE.
 
 Exits with 77, which ctest reports as skipped, when the environment or the robots' files are missing or when
 every case of the file skipped itself.
@@ -15,8 +15,8 @@ SKIPPED = 77
 def main(python, file):
     source = Path(__file__).resolve().parents[2]
     robots = Path(os.environ.setdefault("AXODE_ROBOTS", str(source / "../shared/robots")))
-    if not Path(python).exists():
-        print(f"skipped: there is no Python environment at {python}; `make venv` creates it")
+    if not Path(python).exists() or subprocess.run([python, "-c", "import pytest"], stderr=subprocess.DEVNULL).returncode:
+        print(f"skipped: there is no Python environment for tests at {python}; `make build/venv/tests` creates it")
         return SKIPPED
     if not robots.is_dir():
         print(f"skipped: there are no robots at {robots}; set AXODE_ROBOTS to a folder of URDF files")

@@ -6,7 +6,7 @@ arguments. A model is static: close over it, or make it a static argument. Deriv
 quaternions counting as brought to length 1; off 1 by more than 1e-6 (1e-4 in float32) is an error. A state that has no
 result, for its mass matrix is singular or its numbers overflow, has NaN.
 
-The functions compute on the CPU. Needs JAX: pip install "axode[jax]".
+The functions compute on the CPU. Needs JAX: pip install jax.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ try:
     import jax  # type: ignore[import-not-found, unused-ignore]
     import jax.numpy as jnp  # type: ignore[import-not-found, unused-ignore]
 except ImportError as error:
-    raise ImportError('axode.jax needs JAX: pip install "axode[jax]"') from error
+    raise ImportError('axode.jax needs JAX: pip install jax') from error
 
 from .._axode import Model, check_counts
 from .calls import motion, state_function, twists_by

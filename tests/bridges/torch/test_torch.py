@@ -662,4 +662,4 @@ print(axode.torch.handle(arm))
 def test_without_pytorch_a_sentence_says_what_to_install():
     script = "import sys; sys.modules['torch'] = None; import axode; axode.torch"
     done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True)
-    assert done.stderr.strip().endswith('AttributeError: axode.torch needs PyTorch: pip install "axode[torch]"')
+    assert done.stderr.strip().endswith('AttributeError: axode.torch needs PyTorch: pip install torch')
