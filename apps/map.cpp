@@ -23,8 +23,9 @@ A function of the Python package that takes N states, of the states in STATES: c
 inverse_dynamics is tau, that of forward_dynamics a, others are called like the function. What was ended before goes on
 where it was. docs/distributed.md says more.
 
-This is the package's program, `python -m axode map`, which needs pyarrow: pip install axode[distributed]. It is run by the
-python3 of PATH, so that of an active virtual environment, or by the program that AXODE_PYTHON names.)";
+This is the package's program, `python -m axode map`, which needs pyarrow: pip install pyarrow. It is run by the
+python3 of PATH, so that of an active virtual environment, or by the program that AXODE_PYTHON names; the
+command that pip installs is of one environment and runs the Python of that one.)";
 
 /// Without the working folder among the places from which modules come.
 constexpr const char* program = R"(

@@ -161,7 +161,7 @@ from .viewer import Viewer, view
 
 #: The folder of the mechanisms that come with the package: arm7.toml, double_pendulum.toml, humanoid.urdf,
 #: machine.toml.
-robots: Path = Path(__file__).parent / "robots"
+robots: Path = Path(__file__).parent / "share/axode/robots"
 
 __all__ = [
     # mechanisms

@@ -1,21 +1,23 @@
-"""`python -m axode map`: what of the command line is Python. The command `axode map` hands its words over to it."""
+"""`python -m axode`: the command `axode` that the package brings. `axode map` is written in Python, here."""
 
 from __future__ import annotations
 
 import argparse
 import json
+import os
 import sys
-from typing import Any
+from pathlib import Path
+from typing import Any, NoReturn
 
 import axode
 
+COMMAND = Path(__file__).parent / "bin/axode"
 EXAMPLE = """\
 Example:
   axode map inverse_dynamics humanoid.urdf states.parquet tau.parquet --base free
   axode map jacobian arm7.toml states/ jacobians/ --set frame=flange --set representation=hybrid
 
-`axode map` and `python -m axode map` are the same; what it takes is in the page docs/distributed.md and in
-help(axode.distributed.map_states). It needs pyarrow: pip install axode[distributed]."""
+What it takes is in the page docs/distributed.md and in help(axode.distributed.map_states). It needs pyarrow: pip install pyarrow."""
 
 
 def argument(text: str) -> tuple[str, Any]:
@@ -30,12 +32,9 @@ def argument(text: str) -> tuple[str, Any]:
 
 
 def parser() -> argparse.ArgumentParser:
-    of_all = argparse.ArgumentParser(prog="python -m axode", description="What of the command `axode` is Python. "
-                                     "All else is in the command `axode` that is built from C++.")
-    command = of_all.add_subparsers(metavar="map", required=True).add_parser(
-        "map", prog="axode map", help="a function of the states in Parquet files, into Parquet files",
-        description="A function of the states in Parquet files, into Parquet files, row by row in the same order. What was "
-        "ended before goes on where it was.", epilog=EXAMPLE, formatter_class=argparse.RawDescriptionHelpFormatter)
+    command = argparse.ArgumentParser(
+        prog="axode map", description="A function of the states in Parquet files, into Parquet files, row by row in the same "
+        "order. What was ended before goes on where it was.", epilog=EXAMPLE, formatter_class=argparse.RawDescriptionHelpFormatter)
     command.add_argument("function", metavar="FUNCTION", help="of a state, such as inverse_dynamics or poses")
     command.add_argument("model", metavar="MODEL", help="a drawing (.toml), a URDF or any other file that axode.load takes")
     command.add_argument("states", metavar="STATES", help="a Parquet file, or a folder of such; columns q, v, a, tau with lists, "
@@ -54,7 +53,7 @@ def parser() -> argparse.ArgumentParser:
     command.add_argument("--cluster", metavar="ADDRESS",
                          help="of a Ray cluster, or local; $RAY_ADDRESS or this process if left out")
     command.add_argument("--threads", metavar="N", type=int, help="of this process; as many as there are cores if left out")
-    return of_all
+    return command
 
 
 def keep(names: str | None) -> Any:
@@ -87,9 +86,18 @@ def map_states(given: argparse.Namespace) -> None:
     print(f"{given.output}: {given.function} of {written.rows} states{continued}{faulty}")
 
 
+def run_command(words: list[str]) -> NoReturn:
+    """The program of C++ takes the place of this one."""
+    os.environ.setdefault("AXODE_PYTHON", sys.executable)
+    os.execv(COMMAND, ["axode", *words])
+
+
 def main(words: list[str] | None = None) -> int:
     """The exit code: 0, 1 where a file is wrong, 2 where the command line is, 130 after Ctrl-C."""
-    given = parser().parse_args(words)
+    words = sys.argv[1:] if words is None else words
+    if words[:1] != ["map"]:
+        run_command(words)
+    given = parser().parse_args(words[1:])
     try:
         map_states(given)
     except KeyboardInterrupt:

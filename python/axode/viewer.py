@@ -27,7 +27,7 @@ from .written_files import replacing
 
 __all__ = ["Viewer", "view"]
 
-PAGE = Path(__file__).parent / "viewer.html"
+PAGE = Path(__file__).parent / "share/axode/viewer/page.html"
 Motion = tuple[Any, Any, Any, Any, Any]
 """t, q, v, a and tau, the latter two perhaps None."""
 
