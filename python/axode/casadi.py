@@ -3,7 +3,7 @@
     import axode.casadi
     a = axode.casadi.function(arm, "forward_dynamics")(q, v, tau)
 
-Needs CasADi, pip install "axode[casadi]", and a C compiler.
+Needs CasADi, pip install casadi, and a C compiler.
 
 CasADi differentiates by the nq entries of q, one by one, while the library's derivatives are along the nv velocities. The
 functions are therefore those of any q: quaternions count divided by their length, and where this is 1 they are what
@@ -12,7 +12,8 @@ the library has under the same name.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import math
+from collections.abc import Callable, Sequence
 from typing import Any, Literal, TypeAlias
 
 import numpy as np
@@ -20,7 +21,7 @@ import numpy as np
 try:
     import casadi  # type: ignore[import-not-found, import-untyped, unused-ignore]
 except ImportError as error:
-    raise ImportError('axode.casadi needs CasADi: pip install "axode[casadi]"') from error
+    raise ImportError('axode.casadi needs CasADi: pip install casadi') from error
 
 from ._axode import Model
 from ._axode.codegen import CasadiLibrary, casadi_library
@@ -29,7 +30,8 @@ from .records import Representation
 __all__ = ["function"]
 
 Function: TypeAlias = (
-    Literal["inverse_dynamics", "forward_dynamics", "mass_matrix", "inverse_mass_matrix", "poses", "coordinate_rates"]
+    Literal["inverse_dynamics", "forward_dynamics", "mass_matrix", "inverse_mass_matrix", "poses", "coordinate_rates", "integrate",
+            "difference"]
     | tuple[Literal["pose"], str | int]
     | tuple[Literal["jacobian"], str | int]
     | tuple[Literal["jacobian"], str | int, Representation]
@@ -44,12 +46,13 @@ def function(m: Model, quantity: Function, states: int = 1, *, flags: Sequence[s
 
     quantity is "forward_dynamics" (q, v, tau -> a), "inverse_dynamics" (q, v, a -> tau), "mass_matrix" (q -> M, (nv, nv)),
     "inverse_mass_matrix", ("pose", frame) (q -> C, (4, 4)), "poses" (one C for each frame, named after it), ("jacobian",
-    frame) or ("jacobian", frame, representation) (q -> J, (6, nv)), or "coordinate_rates" (q, v -> q'), which is made of
-    SX and needs no compiler. Units and frames are those of the functions of these names.
+    frame) or ("jacobian", frame, representation) (q -> J, (6, nv)), "coordinate_rates" (q, v -> q'), "integrate" (q, dv -> q (+) dv) or
+    "difference" (q0, q1 -> dv with q0 (+) dv = q1, the shorter way round). The last three are made of SX and need no compiler. Units
+    and frames are those of the functions of these names, which for the last three are methods of the model.
 
     states is of how many it is, the columns of its arguments: q is (nq, states), and matrices stand side by side. To CasADi N
-    states are then one operation, with derivatives that are blocks on a diagonal; N calls, or a map, are thousands. coordinate_rates
-    is made for as many by `map`.
+    states are then one operation, with derivatives that are blocks on a diagonal; N calls, or a map, are thousands. What is made of
+    SX is made for as many by `map`.
 
     Matrices are sparse where the mechanism has zeros. Jacobians and Hessians are exact. Evaluation fails, and IPOPT steps back,
     where the mass matrix may be singular. Armature and gravity of m are part of it; loads and joint losses are not, springs
@@ -73,9 +76,9 @@ def function(m: Model, quantity: Function, states: int = 1, *, flags: Sequence[s
         raise TypeError(f"states is {states!r}; expected a whole number")
     if not 1 <= states < 2**31:
         raise ValueError(f"states is {states}; expected 1 to 2147483647")
-    if quantity == "coordinate_rates":
-        rates = _coordinate_rates(m)
-        return rates if states == 1 else rates.map(int(states))
+    if isinstance(quantity, str) and quantity in _OF_CONFIGURATIONS:
+        one = _of_configurations(m, quantity)
+        return one if states == 1 else one.map(int(states))
     library = casadi_library(m, quantity, int(states), flags=flags)
     _loaded[library.file] = library
     # Of several directions, and always of several states, CasADi shall take the Jacobian: it costs as much as three to six. And
@@ -83,22 +86,107 @@ def function(m: Model, quantity: Function, states: int = 1, *, flags: Sequence[s
     return casadi.external(library.name, library.file, {"ad_weight": 0.75 if states == 1 else 1})
 
 
-def _coordinate_rates(m: Model) -> Any:
-    """q' from v, of SX."""
-    q, v = casadi.SX.sym("q", m.nq), casadi.SX.sym("v", m.nv)
-    rates = [_rates(joint.kind, q[joint.q], v[joint.v]) for joint in m.joints if joint.nv]
-    return casadi.Function("coordinate_rates", [q, v], [casadi.vertcat(*rates)], ["q", "v"], ["dq"])
+# ------------------------------------------------------------------------------------- the group of configurations, of SX
+
+
+def _of_configurations(m: Model, name: str) -> Any:
+    """A function of the coordinates of each joint by itself."""
+    of_joint, first, second, result = _OF_CONFIGURATIONS[name]
+    x, y = casadi.SX.sym(first, m.nq), casadi.SX.sym(second, m.nq if second == "q1" else m.nv)
+    parts = [of_joint(joint.kind, x[joint.q], y[joint.q if second == "q1" else joint.v]) for joint in m.joints if joint.nv]
+    return casadi.Function(name, [x, y], [casadi.vertcat(*parts)], [first, second], [result])
 
 
 def _rates(kind: str, q: Any, v: Any) -> Any:
     if kind == "planar":
-        sine, cosine = casadi.sin(q[0]), casadi.cos(q[0])
-        return casadi.vertcat(v[0], cosine * v[1] - sine * v[2], sine * v[1] + cosine * v[2])
+        return casadi.vertcat(v[0], _turned_in_plane(q[0], v[1:]))
     if kind not in ("spherical", "free"):
         return v
-    u, w = q[:3], q[3]
-    rates = casadi.vertcat(w * v[:3] + casadi.cross(u, v[:3]), -casadi.dot(u, v[:3])) / 2
-    if kind == "spherical":
-        return rates
-    turned = v[3:] + 2 / casadi.sumsqr(q[:4]) * casadi.cross(u, casadi.cross(u, v[3:]) + w * v[3:])
-    return casadi.vertcat(rates, turned)
+    rates = _product(q[:4], casadi.vertcat(v[:3], 0)) / 2
+    return rates if kind == "spherical" else casadi.vertcat(rates, _turned(q[:4], v[3:]))
+
+
+def _integrated(kind: str, q: Any, dv: Any) -> Any:
+    if kind == "planar":
+        axis = casadi.vertcat(0, 0, dv[0])
+        return casadi.vertcat(q[0] + dv[0], q[1:] + _turned_in_plane(q[0], _dexp(axis, casadi.vertcat(dv[1:], 0))[:2]))
+    if kind not in ("spherical", "free"):
+        return q + dv
+    w, a = dv[:3], q[:4] / casadi.norm_2(q[:4])
+    s = casadi.sumsqr(w) / 4
+    turned = _product(a, casadi.vertcat(_of_square(s, _SINC, lambda x: casadi.sin(x) / x) * w / 2, _of_square(s, _COS, casadi.cos)))
+    return turned if kind == "spherical" else casadi.vertcat(turned, q[4:] + _turned(a, _dexp(w, dv[3:])))
+
+
+def _between(kind: str, q0: Any, q1: Any) -> Any:
+    if kind == "planar":
+        angle = casadi.atan2(casadi.sin(q1[0] - q0[0]), casadi.cos(q1[0] - q0[0]))
+        moved = casadi.vertcat(_turned_in_plane(-q0[0], q1[1:] - q0[1:]), 0)
+        return casadi.vertcat(angle, _dexp_inverse(casadi.vertcat(0, 0, angle), moved)[:2])
+    if kind not in ("spherical", "free"):
+        return q1 - q0
+    inverse = casadi.vertcat(-q0[:3], q0[3])
+    w = _rotation_vector(_product(inverse, q1[:4]))
+    return w if kind == "spherical" else casadi.vertcat(w, _dexp_inverse(w, _turned(inverse, q1[4:] - q0[4:])))
+
+
+_OF_CONFIGURATIONS: dict[str, tuple[Callable[[str, Any, Any], Any], str, str, str]] = {
+    "coordinate_rates": (_rates, "q", "v", "dq"), "integrate": (_integrated, "q", "dv", "q1"), "difference": (_between, "q0", "q1", "dv")}
+
+
+def _product(a: Any, b: Any) -> Any:
+    """Of quaternions x y z w."""
+    return casadi.vertcat(a[3] * b[:3] + b[3] * a[:3] + casadi.cross(a[:3], b[:3]), a[3] * b[3] - casadi.dot(a[:3], b[:3]))
+
+
+def _turned(a: Any, r: Any) -> Any:
+    """R r with the rotation R of a quaternion of any length."""
+    return r + 2 / casadi.sumsqr(a) * casadi.cross(a[:3], casadi.cross(a[:3], r) + a[3] * r)
+
+
+def _turned_in_plane(angle: Any, r: Any) -> Any:
+    s, c = casadi.sin(angle), casadi.cos(angle)
+    return casadi.vertcat(c * r[0] - s * r[1], s * r[0] + c * r[1])
+
+
+def _of_square(s: Any, series: Sequence[float], f: Callable[[Any], Any]) -> Any:
+    """f(x) as a function of s = x^2, by its power series in s below 1: so it has derivatives of every order at 0. SX computes both
+    cases, so that f is given no 0."""
+    near = s < 1
+    power: Any = 0
+    for c in reversed(series):
+        power = c + casadi.if_else(near, s, 0) * power
+    return casadi.if_else(near, power, f(casadi.sqrt(casadi.if_else(near, 1, s))))
+
+
+# Power series in s = x^2: of cos x, sin x / x, (1 - cos x) / x^2, (x - sin x) / x^3 and (1 - (x / 2) cot(x / 2)) / x^2, of which the
+# coefficients are |B_2k| / (2k)! with the numbers of Bernoulli.
+_COS, _SINC, _A, _B = ([(-1.0) ** k / math.factorial(2 * k + n) for k in range(11)] for n in range(4))
+_BERNOULLI = (1 / 6, 1 / 30, 1 / 42, 1 / 30, 5 / 66, 691 / 2730, 7 / 6, 3617 / 510, 43867 / 798, 174611 / 330, 854513 / 138)
+_KAPPA = [b / math.factorial(2 * k) for k, b in enumerate(_BERNOULLI, 1)]
+
+
+def _dexp(w: Any, v: Any) -> Any:
+    """How far a screw motion with the rotation vector w goes."""
+    s, t = casadi.sumsqr(w), casadi.cross(w, v)
+    return (v + _of_square(s, _A, lambda x: (1 - casadi.cos(x)) / x**2) * t
+            + _of_square(s, _B, lambda x: (x - casadi.sin(x)) / x**3) * casadi.cross(w, t))
+
+
+def _dexp_inverse(w: Any, v: Any) -> Any:
+    t = casadi.cross(w, v)
+    kappa = _of_square(casadi.sumsqr(w), _KAPPA, lambda x: (1 - x / 2 * casadi.cos(x / 2) / casadi.sin(x / 2)) / x**2)
+    return v - t / 2 + kappa * casadi.cross(w, t)
+
+
+def _rotation_vector(a: Any) -> Any:
+    """Of a quaternion of any length, at most a half turn."""
+    a = casadi.if_else(a[3] < 0, -1, 1) * a
+    s = casadi.sumsqr(a[:3])
+    near = s < 0.04 * a[3] ** 2  # there atan(x) / x with x^2 = s / w^2, by its power series
+    ratio = casadi.if_else(near, s, 0) / casadi.if_else(near, a[3], 1) ** 2
+    power: Any = 0
+    for k in reversed(range(13)):
+        power = (-1) ** k / (2 * k + 1) + ratio * power
+    x = casadi.sqrt(casadi.if_else(near, 1, s))
+    return 2 * a[:3] * casadi.if_else(near, power / casadi.if_else(near, a[3], 1), casadi.atan2(x, a[3]) / x)
