@@ -47,7 +47,7 @@ their angular part first, in the representation that --representation names.
 Example:
   echo '{"q": {"A4": 0.5}, "loads": [{"frame": "flange", "wrench": [0, 0, 0, 0, 0, -20]}]}' |
     axode eval arm7.toml --state - --want inverse_dynamics,poses --format json
-  axode simulate arm7.toml --output run.csv
+  echo '{"q": {"A2": 0.5}}' | axode simulate arm7.toml --state - --output run.csv
   axode eval arm7.toml --state run.csv --want poses --frame flange --plot flange.svg
 
 A .csv with a row for each state, as `axode simulate --output` writes it, is a sweep: its columns are t and, each with a

@@ -27,7 +27,7 @@ const std::vector<Task>& tasks() {
         {"axode convert humanoid.urdf humanoid.toml", "a URDF or SDF as a drawing, or as MJCF"}}},
       {"Compute",
        {{"axode eval arm7.toml --want inverse_dynamics,poses", "quantities at a state"},
-        {"axode simulate arm7.toml --until 2 --output run.csv", "the motion from a state"},
+        {"axode simulate four_bar.toml --until 2 --output run.csv", "the motion from a state"},
         {"axode plot run.csv --output run.svg", "a chart of it"},
         {"axode linearize double_pendulum.toml", "small motions: frequencies and modes"},
         {"axode map mass_matrix arm7.toml in.parquet out.parquet", "many states, by way of Python"}}},

@@ -32,7 +32,7 @@ are empty or not finite are left out, and on logarithmic axes what is not above 
 side by side; a chart has at most 60 places for them.
 
 Example:
-  axode simulate double_pendulum.toml --until 2 --output run.csv
+  axode simulate four_bar.toml --until 2 --output run.csv
   axode plot run.csv --output run.svg
 
 With --bars the first column has names, and each number is a bar.)";

@@ -1,14 +1,18 @@
 """What the pages show is what happens, and nothing public is left out."""
 
+import csv
 import inspect
 import os
 import re
+import shutil
 import subprocess
 import sys
+from pathlib import Path
 
 import axode
+import numpy as np
 import pytest
-from pages import SOURCE, run_page
+from pages import SOURCE, blocks, printed_by_shell, run_page
 
 PAGES = ["README.md", "docs/index.md", "docs/python.md", "docs/specialised.md",
          *sorted(file.relative_to(SOURCE).as_posix() for file in SOURCE.glob("docs/tutorials/*.md"))]
@@ -31,6 +35,50 @@ def installed(tmp_path_factory):
 def test_what_a_page_shows_is_what_happens(page, installed, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     run_page(page, installed)
+
+
+@pytest.fixture
+def robots(tmp_path, monkeypatch):
+    """The working folder, with the mechanisms that come along."""
+    for robot in axode.robots.iterdir():
+        shutil.copy(robot, tmp_path)
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def test_every_command_in_the_text_of_the_readme_runs_as_typed(robots, installed):
+    for block in blocks("README.md"):
+        if block.language == "console":
+            printed_by_shell(block, installed)  # which leaves a state
+    text = re.sub(r"^```.*?^```$", "", (SOURCE / "README.md").read_text(encoding="utf-8"), flags=re.MULTILINE | re.DOTALL)
+    commands = re.findall(r"`(axode [^`]+)`", text)
+    assert len(commands) > 10 and any("simulate" in command for command in commands)
+    for command in commands:
+        done = subprocess.run(["sh", "-c", command], env=installed, capture_output=True, text=True)
+        assert done.returncode == 0, f"{command}: {done.stderr}"
+    assert_moves("run.csv")
+
+
+def assert_moves(table):
+    """Coordinates in a table of a motion change."""
+    with open(table, encoding="utf-8") as stream:
+        names = next(csv.reader(stream))
+        rows = np.array([[float(x) for x in row] for row in csv.reader(stream)])
+    q = rows[:, [name.startswith("q ") for name in names]]
+    assert np.abs(q - q[0]).max() > 0.05
+
+
+@pytest.mark.parametrize("drawing", sorted(path.name for path in axode.robots.glob("*.toml")))
+def test_a_mechanism_that_stands_still_as_drawn_says_how_it_moves(drawing, robots, installed):
+    m = axode.load(drawing)
+    motion = axode.simulate(m, m.neutral(), np.zeros(m.nv), until=0.05)
+    stands_still = np.abs(motion.q - motion.q[0]).max() < 1e-6
+    head = Path(drawing).read_text(encoding="utf-8").partition("format =")[0]
+    lines = re.findall(r"^#   ( *(?:echo|axode) .*)$", head, re.MULTILINE)
+    assert lines or not stands_still
+    if lines:
+        subprocess.run(["sh", "-c", "\n".join(lines)], env=installed, check=True, capture_output=True)
+        assert_moves("run.csv")
 
 
 def test_every_link_leads_somewhere():
