@@ -27,14 +27,22 @@ inline constexpr std::array<std::pair<std::string_view, CoriolisForm>, 4> coriol
 inline constexpr std::array<std::pair<std::string_view, WrenchPoint>, 2> wrench_points{
     {{"body", WrenchPoint::body}, {"joint", WrenchPoint::joint}}};
 
-/// `; did you mean "poses"?`, or what a name of other libraries is called here; nothing where nothing is near.
+/// `; did you mean "poses"?` for the nearest name, `; it is called "mass_matrix" here` for a name of other libraries, or
+/// `; names that contain it: "kinetic_energy", ...`; empty if there is no such name.
 template <class Range, class NameOf>
 std::string suggestion(std::string_view word, const Range& candidates, NameOf name_of) {
   const std::string_view here = catalog::name_here(word);
   for (const auto& candidate : candidates)
     if (!here.empty() && here == name_of(candidate))
       return "; it is called \"" + std::string(here) + "\" here";
-  return did_you_mean(word, candidates, name_of);
+  std::string holding;
+  for (const auto& candidate : candidates) {
+    const std::string name(name_of(candidate));
+    if (word.size() > 2 && name.find(word) != std::string::npos)
+      holding += (holding.empty() ? "" : ", ") + ('"' + name + '"');
+  }
+  const std::string near = did_you_mean(word, candidates, name_of);
+  return near.empty() && !holding.empty() ? "; names that contain it: " + holding : near;
 }
 
 /// `"fre" is none of fixed, free; did you mean "free"?`, where names are the words that would do.

@@ -7,6 +7,7 @@ from typing import Any, Literal
 
 from numpy.typing import ArrayLike
 
+from . import signatures
 from ._axode import Model
 
 __all__ = ["Builder"]
@@ -115,3 +116,6 @@ class Builder:
     def __repr__(self) -> str:
         names = ", ".join(str(body["name"]) for body in self.bodies)
         return f'Builder("{self.name}": {names or "no bodies"})'
+
+
+signatures.explain_calls(__name__)

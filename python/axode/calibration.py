@@ -22,7 +22,7 @@ from typing import Any, NamedTuple, TypedDict
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from . import lie
+from . import lie, signatures
 from ._axode import Model, frame_geometry_jacobian, poses
 from .convert import _array, _finite, _numbers
 from .identification import _in_words, _links_of_bodies, _triangle
@@ -761,3 +761,6 @@ def _deviations(argument: str, given: ArrayLike) -> Array:
     if not np.all(x > 0):
         raise ValueError(f"{argument} is {x.tolist()}; expected standard deviations in rad and m, more than 0")
     return x
+
+
+signatures.explain_calls(__name__)

@@ -23,6 +23,7 @@ try:
 except ImportError as error:
     raise ImportError('axode.casadi needs CasADi: pip install casadi') from error
 
+from . import signatures
 from ._axode import Model
 from ._axode.codegen import CasadiLibrary, casadi_library
 from .records import Representation
@@ -190,3 +191,6 @@ def _rotation_vector(a: Any) -> Any:
         power = (-1) ** k / (2 * k + 1) + ratio * power
     x = casadi.sqrt(casadi.if_else(near, 1, s))
     return 2 * a[:3] * casadi.if_else(near, power / casadi.if_else(near, a[3], 1), casadi.atan2(x, a[3]) / x)
+
+
+signatures.explain_calls(__name__)

@@ -15,6 +15,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from . import signatures
 from ._axode.closed_form import (
     a_matrix,
     b_matrix,
@@ -82,3 +83,6 @@ class SpatialFactors(NamedTuple):
     """(6n, nv)."""
     A_sb: NDArray[np.float64]
     """(6n, 6n)."""
+
+
+signatures.explain_calls(__name__)

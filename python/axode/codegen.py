@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from typing import Literal, NamedTuple, TypeAlias
 
+from . import signatures
 from ._axode.codegen import Specialised, c_source, cache, clear_cache
 from .records import Representation
 
@@ -65,3 +66,6 @@ class Cache(NamedTuple):
     folder: str
     models: int
     bytes: int
+
+
+signatures.explain_calls(__name__)

@@ -29,7 +29,7 @@ from weakref import WeakKeyDictionary
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from . import lie, mujoco_model
+from . import lie, mujoco_model, signatures
 from ._axode import Model
 from ._axode import load_dict as _load_dict
 
@@ -447,3 +447,6 @@ def _layout(m: Model, library: str, joints: tuple[str, ...] | None, followers: b
             raise ValueError(f"joints: expected every joint of the model once; it is not so for {', '.join(wrong)}")
         known[key] = _Layout(m, library, order, followers)
     return known[key]
+
+
+signatures.explain_calls(__name__)

@@ -20,6 +20,7 @@ try:
 except ImportError as error:
     raise ImportError('axode.cuda needs CuPy: pip install cupy-cuda12x') from error
 
+from . import signatures
 from ._axode import Model
 from .codegen import Function, c_source
 from .records import (
@@ -184,3 +185,6 @@ def _returned(given: Any, result: Any) -> Any:
 
 def _count(x: Any) -> str:
     return "one state" if x.ndim == 1 else f"{x.shape[-1]} states"
+
+
+signatures.explain_calls(__name__)

@@ -15,7 +15,7 @@ from typing import Any, Literal, NamedTuple, overload
 import numpy as np
 from numpy.typing import NDArray
 
-from . import jobs, parquet_states
+from . import jobs, parquet_states, signatures
 from ._axode import Model
 from .errors import StatesError
 from .parquet_states import TableFunction
@@ -323,3 +323,6 @@ def _check_apart(output: Path, states: str | os.PathLike[str] | Sequence[str | o
         folder, target = Path(one).resolve(), output.resolve()
         if folder == target or folder in target.parents or target in folder.parents:
             raise ValueError(f"{output} and the states {one} are one in the other; write elsewhere")
+
+
+signatures.explain_calls(__name__)

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from numpy.typing import ArrayLike
 
-from . import _axode
+from . import _axode, signatures
 from ._axode import Model, Trajectory
 
 __all__ = ["PD", "ComputedTorque", "Sampled"]
@@ -92,3 +92,6 @@ class ComputedTorque:
     def on(self, m: Model) -> _axode.Drive:
         """The function (t, q, v) -> tau, (nv,)."""
         return _axode.computed_torque_drive(m, self.kp, self.kd, self.q, self.v, self.a)
+
+
+signatures.explain_calls(__name__)

@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from . import signatures
+
 if TYPE_CHECKING:
     from ._axode import Trajectory
 
@@ -129,3 +131,6 @@ class SimulationError(ArithmeticError):
 
     def __str__(self) -> str:
         return str(self.args[0])
+
+
+signatures.explain_calls(__name__)

@@ -11,7 +11,7 @@ from xml.etree import ElementTree
 
 from numpy.typing import ArrayLike
 
-from . import mujoco_model
+from . import mujoco_model, signatures
 from ._axode import Model, check_file, load_dict, load_file, load_urdf, syntax_fault
 from .errors import ModelError
 
@@ -96,3 +96,6 @@ def _refused(text: str, file: Path) -> ModelError:
     line = re.search(r"\bline (\d+)", text)
     fault = syntax_fault(" ".join(text.split()), str(file), int(line[1]) if line else 0)
     return ModelError(str(fault), [fault])
+
+
+signatures.explain_calls(__name__)

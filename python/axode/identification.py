@@ -24,6 +24,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from . import signatures
 from ._axode import Model, inverse_dynamics, jacobian_columns, regressor
 from .convert import _numbers
 from .records import Load
@@ -600,3 +601,6 @@ def _scipy_linalg() -> Any:
         return importlib.import_module("scipy.linalg")
     except ImportError as error:
         raise ImportError("axode.identification needs SciPy: pip install scipy") from error
+
+
+signatures.explain_calls(__name__)

@@ -23,6 +23,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from . import signatures
 from ._axode.lie import (
     acceleration,
     Ad,
@@ -178,3 +179,6 @@ class FramePair(NamedTuple):
     """Rotation of F_k, (..., 3, 3)."""
     w_k: ArrayLike
     """Angular velocity of F_k, rad/s, (..., 3)."""
+
+
+signatures.explain_calls(__name__)

@@ -7,6 +7,8 @@ from typing import Literal, NamedTuple, TypedDict
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from . import signatures
+
 __all__ = ["Equilibrium", "ForwardDynamicsDerivatives", "ForwardDynamicsHessian", "IndependentEquations", "IndependentLinearization", "InverseDynamicsDerivatives",
            "InverseDynamicsHessian", "InverseKinematics", "JointState", "Linearization", "Load", "LoopMobility", "RedundantRow",
            "MomentumFormDerivatives", "MotionChange", "MotionDerivatives", "RolloutDerivatives", "RolloutGradient",
@@ -228,3 +230,6 @@ class Equilibrium(NamedTuple):
     q: NDArray[np.float64]
     residual: float
     iterations: int
+
+
+signatures.explain_calls(__name__)

@@ -1,14 +1,16 @@
-"""inspect.signature for the functions and methods of the compiled module, and what is wrong with calls of them."""
+"""inspect.signature for the functions of the compiled module, and what is wrong with calls of any function of this package."""
 
 from __future__ import annotations
 
 import ast
 import difflib
+import functools
 import inspect
 import numbers
 import re
-from collections.abc import Iterator
-from types import ModuleType
+import sys
+from collections.abc import Callable, Iterator
+from types import FunctionType, ModuleType
 from typing import Any
 
 from . import _axode
@@ -85,7 +87,7 @@ def wrong_names(callee: str, takes: list[inspect.Parameter], given: list[Any], b
 def explanation(function: Any, given: list[Any], by_name: dict[str, Any]) -> str | None:
     """What is wrong with a call of one of nanobind's functions; None where that is not plain."""
     takes = list(signature(function).parameters.values())
-    callee = function.__qualname__
+    callee = function.__qualname__.removesuffix(".__init__")  # a constructor is called by the name of its class
     if takes and takes[0].name == "self":
         if not given:
             return None
@@ -104,13 +106,51 @@ def explanation(function: Any, given: list[Any], by_name: dict[str, Any]) -> str
 
 
 def functions_in(where: ModuleType | type) -> Iterator[Any]:
-    """Those of nanobind, but for constructors, whose object Python must not see before it is made."""
-    for name, value in vars(where).items():
+    """Those of nanobind."""
+    for value in vars(where).values():
         if isinstance(value, (type(_axode.load_file), type(_axode.Model.neutral))):
-            if name != "__init__":
-                yield value
+            yield value
         elif isinstance(value, (ModuleType, type)):
             yield from functions_in(value)
+
+
+def explained(function: Callable[..., Any], is_method: bool) -> Callable[..., Any]:
+    """A function of Python that says what is wrong with the names of arguments as those of nanobind do."""
+
+    @functools.wraps(function)
+    def call(*given: Any, **by_name: Any) -> Any:
+        try:
+            return function(*given, **by_name)
+        except TypeError as error:
+            if error.__traceback__ is None or error.__traceback__.tb_next is not None:  # the function itself has raised it
+                raise
+            takes = list(inspect.signature(function).parameters.values())[is_method:]
+            if any(x.kind in (x.VAR_POSITIONAL, x.VAR_KEYWORD) for x in takes):
+                raise
+            callee = function.__qualname__
+            if function.__name__ in ("__init__", "__new__"):  # of the class itself, or of one that it is derived from
+                callee = (given[0] if function.__name__ == "__new__" else type(given[0])).__qualname__
+            wrong = wrong_names(callee, takes, list(given)[is_method:], by_name)
+            if wrong is None:
+                raise
+            raise TypeError(wrong) from None
+
+    return call
+
+
+def explain_calls(module: str) -> None:
+    """Explains the functions, the constructors and the methods that a module of this package makes public."""
+    here = sys.modules[module]
+    for name in here.__all__:
+        value = getattr(here, name)
+        if isinstance(value, FunctionType) and value.__module__ == module:
+            setattr(here, name, explained(value, False))
+        elif isinstance(value, type) and value.__module__.startswith(__package__):
+            for key, attribute in list(vars(value).items()):
+                function = getattr(attribute, "__func__", attribute)
+                if isinstance(function, FunctionType) and (key in ("__init__", "__new__") or not key.startswith("_")):
+                    better = explained(function, not isinstance(attribute, staticmethod) or key == "__new__")
+                    setattr(value, key, better if function is attribute else type(attribute)(better))
 
 
 for found in functions_in(_axode):

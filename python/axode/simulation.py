@@ -8,7 +8,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from . import _axode
+from . import _axode, signatures
 from ._axode import Model, Trajectory
 from .codegen import Specialised
 from .drives import PD, ComputedTorque, Sampled
@@ -195,3 +195,6 @@ def _sampled(given: Array, t: Array, at: Array) -> Array:
         weight = np.prod([(at - t[near[:, j]]) / (t[near[:, k]] - t[near[:, j]]) for j in others], axis=0)
         out = out + np.broadcast_to(weight, at.shape)[:, None] * given[near[:, k]]
     return np.asarray(out)
+
+
+signatures.explain_calls(__name__)

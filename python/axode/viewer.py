@@ -21,7 +21,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from . import _axode
+from . import _axode, signatures
 from ._axode import Model, Trajectory
 from .written_files import replacing
 
@@ -292,3 +292,6 @@ def view(m: Model, q: ArrayLike | None = None, motion: Trajectory | str | os.Pat
     elif not _is_in_notebook():
         viewer.open()
     return viewer
+
+
+signatures.explain_calls(__name__)

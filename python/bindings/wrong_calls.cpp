@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <array>
+#include <limits>
 #include <utility>
 
 #include "bindings.hpp"
@@ -27,8 +28,10 @@ void explain(PyObject* function, PyObject* const* given, std::size_t count, PyOb
   nb::python_error error;
   try {
     if (text_of(nb::str(error.value())).find("(): incompatible function arguments") != std::string::npos) {
+      const bool constructs = text_of(nb::getattr(nb::handle(function), "__name__")) == "__init__";
       nb::list arguments;
-      for (std::size_t k = 0; k < count; ++k) arguments.append(nb::handle(given[k]));
+      for (std::size_t k = 0; k < count; ++k)  // Python must not see an object before it is made
+        arguments.append(k == 0 && constructs ? nb::none() : nb::borrow(nb::handle(given[k])));
       nb::dict by_name;
       if (keywords != nullptr)
         for (const nb::handle name : nb::borrow<nb::tuple>(keywords))
@@ -42,11 +45,15 @@ void explain(PyObject* function, PyObject* const* given, std::size_t count, PyOb
   error.restore();
 }
 
+/// What the highest two bits of a number of arguments say: Python's of the place in front of the arguments, and nanobind's that
+/// the object is about to be made.
+constexpr std::size_t flags = ~(std::numeric_limits<std::size_t>::max() >> 2);
+
 template <std::size_t k>
 PyObject* call(PyObject* function, PyObject* const* given, std::size_t count, PyObject* keywords) {
   PyObject* const result = nanobind_calls[k](function, given, count, keywords);
   if (result == nullptr && PyErr_ExceptionMatches(PyExc_TypeError))
-    explain(function, given, static_cast<std::size_t>(PyVectorcall_NARGS(count)), keywords);
+    explain(function, given, count & ~flags, keywords);
   return result;
 }
 constexpr auto calls = []<std::size_t... k>(std::index_sequence<k...>) {

@@ -1,5 +1,10 @@
 """Wrong arguments: errors that name the argument, what was expected and what came, and never a crash."""
 
+import functools
+import inspect
+import types
+import typing
+
 import axode
 import numpy as np
 import pytest
@@ -181,6 +186,13 @@ WRONG_CALLS = {
     "inverse_dynamics: joint_losses: expected True or False, got str":
         lambda: axode.inverse_dynamics(ARM, Q, V, A, joint_losses="no"),
     "mass_matrix: q: expected numpy.typing.ArrayLike, got NoneType": lambda: axode.mass_matrix(ARM, None),
+    "simulate has no argument 'metod'; did you mean 'method'?": lambda: axode.simulate(ARM, Q, V, 1.0, metod="rk4"),
+    "simulate needs 'v' and 'until' as well": lambda: axode.simulate(ARM, Q),
+    "load has no argument 'gravty'; did you mean 'gravity'?": lambda: axode.load("arm.toml", gravty=[0, 0, 0]),
+    "Builder.build has no argument 'stric'; did you mean 'strict'?": lambda: axode.Builder("b").build(stric=True),
+    "PD has no argument 'k_p'; did you mean 'kp'?": lambda: axode.drives.PD(k_p=1),
+    "MassMatrixFactor has no argument 'mm'; did you mean 'm'?": lambda: axode.MassMatrixFactor(mm=ARM, M=None),
+    "Viewer has no argument 'moton'; did you mean 'motion'?": lambda: axode.Viewer(ARM, moton=None),
 }
 
 
@@ -191,13 +203,32 @@ def test_a_wrong_call_says_what_is_wrong_with_it(sentence):
     assert str(found.value) == sentence
 
 
-def test_every_function_names_an_argument_that_it_has_not():
-    compiled = [f for module in (axode, axode.lie, axode.closed_form, axode.codegen) for f in
-                map(module.__dict__.get, module.__all__) if type(f).__name__ == "nb_func"]
-    assert len(compiled) > 100
-    for function in compiled:
-        with pytest.raises(TypeError, match=f"^{function.__name__} has no argument 'no_such'; it takes "):
+# What only other functions make.
+WITHOUT_CONSTRUCTOR = {axode.Model, axode.Body, axode.Joint, axode.Trajectory, axode.codegen.Specialised}
+
+
+def public_callables():
+    """Functions, constructors and methods of all modules, with the names by which errors call them."""
+    modules = [axode, axode.lie, axode.closed_form, axode.codegen, axode.convert, axode.drives, axode.identification,
+               axode.calibration]
+    for value in {id(x): x for module in modules for x in map(module.__dict__.get, module.__all__)}.values():
+        if not callable(value) or typing.is_typeddict(value):  # a dict, whose keys are checked where it is used
+            continue
+        if value not in WITHOUT_CONSTRUCTOR:
+            yield value.__qualname__, value
+        for name, method in vars(value).items() if isinstance(value, type) else ():
+            if isinstance(method, types.FunctionType) and not name.startswith("_"):
+                if all(x.kind is not x.VAR_KEYWORD for x in inspect.signature(method).parameters.values()):
+                    yield method.__qualname__, functools.partial(method, None)
+
+
+def test_every_function_constructor_and_method_names_an_argument_that_it_has_not():
+    found = list(public_callables())
+    assert len(found) > 200
+    for name, function in found:
+        with pytest.raises(TypeError) as error:
             function(no_such=1)
+        assert str(error.value).startswith(f"{name} has no argument 'no_such'; "), f"{name}: {error.value}"
 
 
 def test_errors_within_what_is_called_stay_what_they_are():

@@ -21,6 +21,7 @@ try:
 except ImportError as error:
     raise ImportError('axode.jax needs JAX: pip install jax') from error
 
+from .. import signatures
 from .._axode import Model, check_counts
 from .calls import motion, state_function, twists_by
 from .mechanism import Array, Mechanism, cross, integrated, mechanism_of, rates_of, velocities_of
@@ -369,3 +370,6 @@ def _number_of_frame(m: Mechanism, frame: int) -> int:
     if not 0 <= frame < m.n_frames:
         raise ValueError(f"frame is {frame}; expected 0 to {m.n_frames - 1}")
     return int(frame)
+
+
+signatures.explain_calls(__name__)
