@@ -115,7 +115,8 @@ def _integrated(kind: str, q: Any, dv: Any) -> Any:
         return q + dv
     w, a = dv[:3], q[:4] / casadi.norm_2(q[:4])
     s = casadi.sumsqr(w) / 4
-    turned = _product(a, casadi.vertcat(_of_square(s, _SINC, lambda x: casadi.sin(x) / x) * w / 2, _of_square(s, _COS, casadi.cos)))
+    sinc = _of_square(s, _SINC, lambda x: casadi.sin(x) / x)
+    turned = _product(a, casadi.vertcat(sinc * w / 2, _of_square(s, _COS, casadi.cos)))
     return turned if kind == "spherical" else casadi.vertcat(turned, q[4:] + _turned(a, _dexp(w, dv[3:])))
 
 
@@ -132,7 +133,10 @@ def _between(kind: str, q0: Any, q1: Any) -> Any:
 
 
 _OF_CONFIGURATIONS: dict[str, tuple[Callable[[str, Any, Any], Any], str, str, str]] = {
-    "coordinate_rates": (_rates, "q", "v", "dq"), "integrate": (_integrated, "q", "dv", "q1"), "difference": (_between, "q0", "q1", "dv")}
+    "coordinate_rates": (_rates, "q", "v", "dq"),
+    "integrate": (_integrated, "q", "dv", "q1"),
+    "difference": (_between, "q0", "q1", "dv"),
+}
 
 
 def _product(a: Any, b: Any) -> Any:
