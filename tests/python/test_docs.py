@@ -108,6 +108,12 @@ def test_the_packages_to_install_are_among_those_that_make_deps_installs():
     assert set(named[1].split()) <= set(installed.split())
 
 
+def test_nothing_is_installed_by_the_name_of_a_package_that_is_in_no_index():
+    for pattern in ("README.md", "docs/**/*.md", "python/axode/**/*.py", "apps/*.cpp"):
+        for file in SOURCE.glob(pattern):
+            assert not re.search(r"pip install ['\"]?axode\b", file.read_text(encoding="utf-8")), file
+
+
 def test_every_quantity_has_one_name_and_one_row():
     page = (SOURCE / "docs/python.md").read_text(encoding="utf-8").partition("## All functions")[2]
     for section in page.split("\n### ")[1:]:
