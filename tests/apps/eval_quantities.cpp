@@ -162,7 +162,9 @@ TEST(EvalQuantities, JointWrenchesCountLoops) {
       const auto& [m, f] = W[static_cast<std::size_t>(i - 1)];
       const Json& found = told["results"]["joint_wrenches"][model.joint(i).name];
       EXPECT_EQ(found, Json({m.x, m.y, m.z, f.x, f.y, f.z}));
-      if (at == WrenchPoint::joint && model.joint(i).passive) EXPECT_NEAR(found[2].get<double>(), 0, 1e-9);
+      if (at == WrenchPoint::joint && model.joint(i).passive) {
+        EXPECT_NEAR(found[2].get<double>(), 0, 1e-9);
+      }
     }
   }
 }

@@ -32,7 +32,7 @@ const Mechanism_ mechanisms[] = {{"FourBar", turned_four_bar, 5, 2, 1},
 
 /// A closed state of a mechanism, away from where it was drawn.
 struct ClosedState {
-  ClosedState(const Model& model, std::uint64_t seed) : loops(model), workspace(model) {
+  ClosedState(const Model& model, std::uint64_t seed) : loops(model), workspace(model, cut_tree) {
     Random<double> random(seed);
     const Numbers away = random_numbers(random, model.nv(), 0.1);
     AssemblyResult found =

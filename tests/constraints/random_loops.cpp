@@ -101,7 +101,7 @@ TEST(RandomLoops, MotionsKeepTheRowsAndForcesAreTheirs) {
   for_seeds(60, [](std::uint64_t seed) {
     LoopedTree tree(seed);
     const Numbers tau = random_numbers(tree.random, tree.model.nv(), 10);
-    Workspace<double> workspace(tree.model);
+    Workspace<double> workspace(tree.model, cut_tree);
     Numbers v(tree.v.size()), a(v.size()), lambda(tree.rows()), A(tree.rows() * v.size()), gamma(tree.rows());
     if (!impact(tree.model, tree.loops, tree.q, tree.v, 0.0, v).ok()) return;
     ASSERT_TRUE(forward_dynamics(tree.model, tree.loops, tree.q, v, tau, a, lambda).ok());
