@@ -64,6 +64,7 @@ template <RecursionRepresentation Rep, class T>
 Solvability operational_space_inertia(const Model& model, Workspace<T>& workspace, Numbers<T> q,
                                       const std::type_identity_t<Place<T>>& place,
                                       std::type_identity_t<std::span<T>> Lambda) {
+  catalog::check_counts<"operational_space_inertia">(model, workspace);
   check_size("Lambda", Lambda.size(), 36, "6 * 6");
   Solvability solvability = mobility<Rep>(model, workspace, q, place, Lambda);
   const int directions = invert_definite(std::span<T, 36>(Lambda.data(), 36));

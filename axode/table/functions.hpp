@@ -24,6 +24,10 @@ inline constexpr Counts of_motion{.loops = of_the_tree(),
                                   .passive_joints = of_the_tree(),
                                   .springs = of_the_tree(),
                                   .joint_losses = of_the_tree()};
+inline constexpr Counts of_loads{.loops = of_the_tree(),
+                                 .passive_joints = of_the_tree(),
+                                 .springs = of_the_tree(),
+                                 .joint_losses = optional};
 inline constexpr Counts of_columns{
     .loops = of_the_tree("loops allow only velocities v with loop_jacobian(q) v = 0"),
     .passive_joints = of_the_tree(),
@@ -195,7 +199,7 @@ inline constexpr auto functions_of_state = [] {
       {.name = "generalized_loads", .purpose = "generalised forces of the loads",
        .units = forces, .takes = {q, v, loads}, .choice = Choice::recursion, .entry = number, .shape = {nv},
        .columns = false, .symbols = {"Q"}, .cost = Cost::linear, .allocates = false, .may_fail = false,
-       .lanes = false, .tape = false, .counts = of_motion},
+       .lanes = false, .tape = false, .counts = of_loads},
       {.name = "christoffel",
        .purpose = "Christoffel symbols of the first kind, Gamma_ijk, a matrix over (j, k) for each i",
        .units = "kg m^2, kg m, kg, kg/m", .takes = {q}, .choice = Choice::none, .entry = number,
@@ -314,7 +318,7 @@ inline constexpr auto functions_of_state = [] {
        .units = "of tau per unit of the direction", .takes = {q, v, loads}, .choice = Choice::none,
        .entry = number, .shape = {nv, nv}, .columns = false, .symbols = {"dQ/dq", "dQ/dv"},
        .cost = Cost::quadratic, .allocates = false, .may_fail = false, .derivative_of = "generalized_loads",
-       .lanes = false, .tape = false, .counts = of_motion},
+       .lanes = false, .tape = false, .counts = of_loads},
       {.name = "spring_force_derivatives", .purpose = "partial derivatives of spring_forces",
        .units = "of tau per unit of the direction", .takes = {q, v}, .choice = Choice::none,
        .entry = number, .shape = {nv, nv}, .columns = false, .symbols = {"dtau/dq", "dtau/dv"},
