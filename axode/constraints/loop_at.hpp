@@ -59,8 +59,7 @@ template <class T> class LoopAt {
     if (loop_.kind == LoopKind::rod) {
       const Vec3<T> u = direction(), slip = velocity(j, b_.r) - velocity(i, a_.r);
       const Vec3<T> du = (T(1) / norm(b_.r - a_.r)) * (slip - dot(u, slip) * u);
-      gamma[0] = power(all[0], dX) + power(force(velocity(j, b_.r), u), X) - power(force({}, u), X) +
-                 power(force(b_.r, du), X);
+      gamma[0] = power(all[0], dX) + dot(cross(velocity(j, b_.r), u), X.w) + power(force(b_.r, du), X);
     } else if (loop_.kind == LoopKind::rolling) {
       const Contact at = contact();
       const Vec3<T> dp = velocity_of_contact(i, j);

@@ -3,8 +3,10 @@
 #include <cmath>
 #include <cstring>
 
+#include "axode/constraints.hpp"
 #include "tests/laws/law.hpp"
 #include "tests/support/functions.hpp"
+#include "tests/support/random_loops.hpp"
 
 /// Results do not depend on units: in other units of length, mass and time every number of every function is multiplied
 /// by the unit that its row of the catalogue names.
@@ -199,7 +201,7 @@ TEST_P(UnitsLaw, MultiplyEveryNumberByTheUnitOfItsRow) {
     using T = decltype(scalar);
     for_seeds(30, [&](std::uint64_t seed) {
       Random<double> random(seed);
-      const Description drawn = random_description(random, {.most_bodies = 8, .springs = true});
+      const Description drawn = random_description(random, {.most_bodies = 8});
       const Model model = ModelBuilder(drawn).build(), other = ModelBuilder(in_units(units, drawn)).build();
       State<double> state = rounded(how, random_state(model, random));
       state.wrenches.emplace_back(model.n_frames() - 1, Representation::hybrid, random.vector(),
@@ -241,6 +243,88 @@ TEST_P(UnitsLaw, MultiplyEveryNumberByTheUnitOfItsRow) {
       }
     });
   });
+}
+
+/// A closed mechanism and the same in other units.
+struct ClosedInUnits {
+  ClosedInUnits(const Units& in, std::uint64_t seed)
+      : units(in),
+        random(seed),
+        one(closed_mechanism(random)),
+        other(ModelBuilder(in_units(units, one.description)).build()),
+        state(in_units(units, one.model, one.state)),
+        tau(in_units(units, one.model, Ask{.tau = one.tau}).tau),
+        loops(one.model),
+        other_loops(other) {}
+  /// Accelerations under the drives and loads, with multipliers, and of the other one in the units of the first.
+  std::pair<Numbers, Numbers> accelerations() {
+    Numbers a(one.tau.size()), other_a(a.size());
+    EXPECT_TRUE(
+        forward_dynamics(one.model, loops, one.state.q, one.state.v, one.tau, a, {}, one.state.loads()).ok());
+    EXPECT_TRUE(forward_dynamics(other, other_loops, state.q, state.v, tau, other_a, {}, state.loads()).ok());
+    const Units back{.length = 1 / units.length, .mass = 1 / units.mass, .time = 1 / units.time};
+    return {a, in_units(back, one.model, Ask{.a = other_a}).a};
+  }
+
+  Units units;
+  Random<double> random;
+  ClosedMechanism one;
+  Model other;
+  State<double> state;
+  Numbers tau;
+  LoopWorkspace<double> loops, other_loops;
+};
+
+/// Rows of loops are couples and forces, which only units of length tell apart.
+TEST(UnitsOfLoops, OfMassAndTimeMultiplyToTheLastBit) {
+  for (const Units& units :
+       {Units{.mass = 0x1p-20}, Units{.mass = 0x1p20}, Units{.time = 0x1p-10}, Units{.time = 0x1p10}})
+    for_seeds(60, [&](std::uint64_t seed) {
+      ClosedInUnits in(units, seed);
+      const auto multiplied = [&](Numbers x, const Dimension& dimension) {
+        for (double& x_k : x) x_k *= units(dimension);
+        return x;
+      };
+      const std::size_t m = static_cast<std::size_t>(in.other.loops().rows);
+      Numbers gamma(m), other_gamma(m);
+      loop_bias(in.one.model, in.loops, in.one.state.q, in.one.state.v, gamma);
+      loop_bias(in.other, in.other_loops, in.state.q, in.state.v, other_gamma);
+      EXPECT_EQ(other_gamma, multiplied(gamma, dimension::rate * dimension::rate));
+      const auto [a, other_a] = in.accelerations();
+      EXPECT_EQ(other_a, a);
+      Numbers tau(a.size()), other_tau(a.size());
+      const double left = inverse_dynamics(in.one.model, in.loops, in.one.state.q, in.one.state.v,
+                                           in.one.state.a, tau, {}, {}, in.one.state.loads());
+      EXPECT_EQ(inverse_dynamics(in.other, in.other_loops, in.state.q, in.state.v, in.state.a, other_tau, {},
+                                 {}, in.state.loads()),
+                left);
+      EXPECT_EQ(other_tau, multiplied(tau, dimension::mass * dimension::rate * dimension::rate));
+      const AssemblyResult closed = assemble(in.one.model, in.one.state.q, in.one.state.v),
+                           other_closed = assemble(in.other, in.state.q, in.state.v);
+      EXPECT_EQ(other_closed.status, closed.status);
+      EXPECT_EQ(other_closed.q, closed.q);
+      EXPECT_EQ(other_closed.v, multiplied(closed.v, dimension::rate));
+      const LoopMobility mobility = loop_mobility(in.one.model, in.one.state.q),
+                         other_mobility = loop_mobility(in.other, in.state.q);
+      EXPECT_EQ(other_mobility.rank, mobility.rank);
+      EXPECT_EQ(other_mobility.mobility, mobility.mobility);
+      EXPECT_EQ(other_mobility.indeterminate, mobility.indeterminate);
+    });
+}
+
+TEST(UnitsOfLoops, OfLengthChangeNeitherAccelerationsNorMobility) {
+  Comparison accelerations("a", 1e-9);
+  for (const Units& units : {Units{.length = 0x1p-10}, Units{.length = 0x1p10}})
+    for_seeds(60, [&](std::uint64_t seed) {
+      ClosedInUnits in(units, seed);
+      const auto [a, other_a] = in.accelerations();
+      accelerations.expect_equal(other_a, a);
+      const LoopMobility mobility = loop_mobility(in.one.model, in.one.state.q),
+                         other_mobility = loop_mobility(in.other, in.state.q);
+      EXPECT_EQ(other_mobility.rank, mobility.rank);
+      EXPECT_EQ(other_mobility.mobility, mobility.mobility);
+      EXPECT_EQ(other_mobility.indeterminate, mobility.indeterminate);
+    });
 }
 
 }  // namespace
