@@ -15,16 +15,22 @@ class Balances : public Law {
 };
 INSTANTIATE_TEST_SUITE_P(Laws, Balances, testing::ValuesIn(cases()), name_of);
 
-TEST_P(Balances, DrivesAndLoadsFeedTheEnergy) {
+TEST_P(Balances, DrivesAndLoadsFeedTheEnergyAndLossesTakeIt) {
   Comparison power("power", GetParam().agreement());
   for_seeds(250, [&](std::uint64_t seed) {
-    Trial trial(GetParam(), Random<double>(seed));
-    const std::vector<double> tau = trial.inverse_dynamics();
+    const bool losses = seed % 2 == 0;
+    Trial trial(GetParam(), Random<double>(seed), {.friction = losses});
+    const Tree<double>& tree = trial.model.tree<double>();
+    const Trial::Numbers& v = trial.state.v;
+    const std::vector<double> tau =
+        trial.inverse_dynamics(v, trial.state.a, {.wrenches = trial.state.wrenches, .joint_losses = losses});
     const std::vector<SE3<>> C = trial.poses();
     const std::vector<Six> V = trial.twists();
     double fed = 0, scale = 0;
     const auto feed = [&](double P) { fed += P, scale = std::max(scale, std::abs(P)); };
-    for (std::size_t k = 0; k < tau.size(); ++k) feed(tau[k] * trial.state.v[k]);
+    for (std::size_t k = 0; k < tau.size(); ++k) feed(tau[k] * v[k]);
+    for (std::size_t k = 0; k < tau.size() && losses; ++k)
+      feed(-tree.damping[k] * v[k] * v[k] - tree.friction[k] * std::abs(v[k]));
     for (const AppliedWrench<>& load : trial.state.wrenches) {
       const std::size_t f = static_cast<std::size_t>(load.frame);
       feed(Six{load.m, load.f} | changed_twist(load.representation, own, C[f], V[f]));

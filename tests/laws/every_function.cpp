@@ -64,7 +64,7 @@ template <class T> class Calls {
   Outcome<T> call(const Function<T>& function) { return call(function, arguments.given()); }
 };
 
-const TreeRecipe small{.most_bodies = 8, .springs = true};
+const TreeRecipe small{.most_bodies = 8};
 
 /// law(calls, function) for every function.
 template <class Law> void for_functions(const Case& c, int trees, const TreeRecipe& recipe, const Law& law) {
@@ -151,7 +151,7 @@ TEST_P(EveryFunction, RefusesWrongSizes) {
 
 TEST_P(EveryFunction, NotFiniteIsSaid) {
   int said = 0, well = 0;
-  const TreeRecipe recipe{.most_bodies = 8, .always_mass = true, .one_free_root = true, .springs = true};
+  const TreeRecipe recipe{.most_bodies = 8, .always_mass = true, .one_free_root = true};
   for_functions(GetParam(), 50, recipe, [&]<class T>(Calls<T>& calls, const Function<T>& function) {
     if (!function.may_fail) return;
     const auto check = [&](const Outcome<T>& outcome, const auto&... where) {

@@ -13,7 +13,8 @@ TEST_P(ForwardDynamics, UndoesInverseDynamics) {
   Comparison torque("torque", agreement);
   int solved = 0, singular = 0;
   for_seeds(2000, [&](std::uint64_t seed) {
-    Trial trial(GetParam(), Random<double>(seed));
+    const bool far = !GetParam().single && seed % 4 == 1;
+    Trial trial(GetParam(), Random<double>(seed), {.friction = seed % 2 == 0, .far = far ? 5e3 : 0});
     Ask ask = trial.ask();
     ask.loads.joint_losses = seed % 2 == 0;
     ask.tau = trial.inverse_dynamics(ask.v, ask.a, ask.loads);

@@ -159,6 +159,7 @@ Description with_closed_loops(Description tree, const std::vector<double>& q, do
     if (const auto loop = drawing.restated_joint()) tree.loops.push_back(*loop);
   for (BodyDescription& body : tree.bodies)
     body.joint.passive = body.joint.kind != JointKind::fixed && drawing.chance(0.3);
+  set_last_description(tree);
   return tree;
 }
 

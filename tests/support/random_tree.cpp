@@ -181,7 +181,7 @@ Description told(const Mechanism& mechanism, Random<double>& random) {
          .pose = in_body ? inverse(mechanism.A(frame.body)) * frame.pose : frame.pose,
          .in = in_body ? GivenIn::body_frame : GivenIn::construction_frame});
   }
-  drawing.told = description;
+  set_last_description(description);
   return description;
 }
 
@@ -215,19 +215,20 @@ Description with_springs(Description tree, Random<double>& random, bool losses) 
                             .stiffness = random.number(0, 30),
                             .rest = chance(0.3) ? 0 : random.number(0, 1),
                             .damping = losses ? random.number(0, 2) : 0});
-  drawing.told = tree;
+  set_last_description(tree);
   return tree;
 }
 
 Description random_description(Random<double>& random, const TreeRecipe& recipe) {
   Description tree = told(random_mechanism(random, recipe), random);
-  return recipe.springs ? with_springs(std::move(tree), random) : tree;
+  return random.number(0, 1) < recipe.springs ? with_springs(std::move(tree), random) : tree;
 }
 
 AtMostBodies::AtMostBodies(int bodies) : before_(drawing.most_bodies) { drawing.most_bodies = bodies; }
 AtMostBodies::~AtMostBodies() { drawing.most_bodies = before_; }
 int last_number_of_bodies() { return drawing.bodies; }
 const Description& last_description() { return drawing.told; }
+void set_last_description(const Description& description) { drawing.told = description; }
 
 std::vector<double> random_numbers(Random<double>& random, int n, double size) {
   std::vector<double> numbers(static_cast<std::size_t>(n));

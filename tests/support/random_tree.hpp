@@ -56,7 +56,8 @@ struct TreeRecipe {
   bool couplings = true;
   bool always_mass = false;  ///< every body has a mass
   bool one_free_root = false;
-  bool springs = false;   ///< springs and stops on joints, and springs between bodies and frames
+  double springs =
+      0.5;  ///< the part of told mechanisms with springs and stops on joints and springs between frames
   bool friction = false;  ///< damping and Coulomb friction on every joint, and not only on some
   double far = 0;         ///< how far the mechanism is from the origin, m
 };
@@ -81,7 +82,7 @@ Description told(const Mechanism& mechanism, Random<double>& random);
 /// they keep their energy.
 Description with_springs(Description tree, Random<double>& random, bool losses = true);
 
-/// A mechanism that is drawn and told, with springs if the recipe has them.
+/// A mechanism that is drawn and told, some of them with springs.
 Description random_description(Random<double>& random, const TreeRecipe& recipe = {});
 
 /// While it lives no random mechanism of this thread has more moving bodies. What the first ones are like does not depend
@@ -96,9 +97,11 @@ class AtMostBodies {
  private:
   int before_;
 };
-/// How many moving bodies the last random mechanism of this thread was to have, and as what it was told.
+/// How many moving bodies the last random mechanism of this thread was to have.
 int last_number_of_bodies();
+/// As what it was told, with what was added to that.
 const Description& last_description();
+void set_last_description(const Description& description);
 
 /// The poses of all frames.
 std::vector<SE3<>> poses_of(const Model& model, const std::vector<double>& q);
