@@ -1,4 +1,5 @@
 #pragma once
+#include <concepts>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -20,7 +21,7 @@ inline constexpr CutTree cut_tree;
 /// take a LoopWorkspace instead; one that is made for the cut tree says that the tree is meant.
 template <class T = double> class Workspace {
  public:
-  /// Enough for every function of the library; T is double or float.
+  /// Enough for every function of the library; T is double or float. For other scalars see GenericDynamics.
   explicit Workspace(const Model& model);
   Workspace(const Model& model, CutTree) : Workspace(model) { is_for_cut_tree_ = true; }
   /// Enough for kernels on any scalar: `bytes` is their footprint.
@@ -79,6 +80,13 @@ template <class T, class Kernel> class WithScratch {
   Kernel kernel_;
 };
 
+template <class T> Workspace<T>::Workspace(const Model& model) : Workspace(model.topology(), 0) {
+  static_assert(
+      std::same_as<T, double> || std::same_as<T, float>,
+      "the functions that take a Workspace are compiled for double and float only; for another scalar T "
+      "include axode/dynamics/generic_dynamics.hpp and use GenericDynamics<T>, or run a kernel of "
+      "axode/recursion by WithScratch<T, Kernel>");
+}
 template <> Workspace<double>::Workspace(const Model& model);
 template <> Workspace<float>::Workspace(const Model& model);
 
