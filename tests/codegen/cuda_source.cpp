@@ -82,7 +82,8 @@ TEST_P(GeneratedCuda, GivesWhatTheLibraryGives) {
   std::vector<codegen::Source> sources;
   std::string text = shim;
   for (std::uint64_t seed = 1; seed <= models; ++seed) {
-    trials.emplace_back(new Trial(fastest, Random<double>(seed), TreeRecipe{.most_bodies = 12}));
+    trials.emplace_back(
+        new Trial(fastest, Random<double>(seed), TreeRecipe{.most_bodies = 12, .springs = 0}));
     sources.push_back(codegen::c_source(trials.back()->model, functions,
                                         {"tree" + std::to_string(seed), fastest.single, codegen::Abi::cuda}));
     std::string& source = sources.back().text;

@@ -221,7 +221,8 @@ Description with_springs(Description tree, Random<double>& random, bool losses) 
 
 Description random_description(Random<double>& random, const TreeRecipe& recipe) {
   Description tree = told(random_mechanism(random, recipe), random);
-  return random.number(0, 1) < recipe.springs ? with_springs(std::move(tree), random) : tree;
+  const bool springs = recipe.springs > 0 && random.number(0, 1) < recipe.springs;
+  return springs ? with_springs(std::move(tree), random) : tree;
 }
 
 AtMostBodies::AtMostBodies(int bodies) : before_(drawing.most_bodies) { drawing.most_bodies = bodies; }
