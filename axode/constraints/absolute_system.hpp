@@ -85,6 +85,8 @@ class AbsoluteSystem {
   Solvability hold(Span q);
   /// M x - Bᵀ λ = r and B x = want, least λ for rows that repeat each other.
   void solve(Span r, Span want, Numbers& x, Numbers& lambda);
+  /// LoopSystem::weakest_row() of the last solve().
+  double weakest_row() const { return loops_.weakest_row(); }
   /// What B v' must be at (q, v), where the system is placed, so that (B v)' = 0.
   void bias(Span v, Numbers& want);
 

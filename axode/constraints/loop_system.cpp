@@ -12,10 +12,11 @@ namespace {
 
 /// Steps of the proximal iteration filter: what has less than μ d² in Yᵀ Y is rounding, or rows that agree only where the
 /// loops are closed. A residual r makes such rows |r| d large, and a part of r² / μ of them would be obeyed in a step: so
-/// μ = (1e4 |r|)². Within a step, whose stages are a little open, the filter is the strongest: where branches of a motion
-/// meet, 1 / σ times what is open would become motion.
+/// μ = (1e4 |r|)². Where branches of a motion meet, 1 / σ times what is open would become motion, and in a motion loops are closed to
+/// no less than rounding: so μ has a larger bound there.
 template <class T> constexpr bool is_float = std::same_as<T, float>;
 template <class T> constexpr T least_filter = is_float<T> ? T(1e-5) : T(1e-12);
+template <class T> constexpr T least_filter_in_motion = is_float<T> ? T(1e-4) : T(1e-9);
 template <class T> constexpr T most_filter = is_float<T> ? T(1e-4) : T(1e-6);
 /// Rows of which the others leave this part of what they are need no filter.
 template <class T> constexpr T sound_part = is_float<T> ? T(1e-2) : T(1e-3);
@@ -189,11 +190,10 @@ SE3<T> LoopSystem<T>::pose(const Loop::End& end, int root, const Vec3<T>& O) con
 }
 
 template <class T> void LoopSystem<T>::set_filter(const T* q) noexcept {
-  filter_ = most_filter<T>;
-  if (!dropped_.empty()) return;
   residual(q, rest_.data());
   const T open = rest_.head(size(Rows::places)).squaredNorm();
-  filter_ = std::clamp(T(1e8) * open, least_filter<T>, most_filter<T>);
+  const T least = dropped_.empty() ? least_filter<T> : least_filter_in_motion<T>;
+  filter_ = std::clamp(T(1e8) * open, least, most_filter<T>);
 }
 
 template <class T> void LoopSystem<T>::residual(const T* q, T* r) const noexcept {
@@ -518,6 +518,7 @@ template <class T> void LoopSystem<T>::set_rows(const T* b, const T& filter) noe
 
 template <class T> bool LoopSystem<T>::solve_sound_rows(const T* b, T* lambda) noexcept {
   const int m = size(rows_);
+  weakest_row_ = T(1);
   set_rows(b, T(0));
   if (!factor_.factorize(
           m, [&](Eigen::Index k, const T& D) { return D > sound_part<T> * scale_[k] * scale_[k]; }))
@@ -532,7 +533,10 @@ template <class T> void LoopSystem<T>::solve_filtered_rows(const T* b, T* lambda
   for (int k = 0; k < m; ++k)
     for (int j = 0; j < k; ++j) G_(k, j) = G_(j, k);
   set_rows(b, filter_);
-  factor_.factorize(m);
+  factor_.factorize(m, [&](Eigen::Index k, const T& D) {
+    weakest_row_ = std::min(weakest_row_, D / (scale_[k] * scale_[k]) - filter_);
+    return true;
+  });
   factor_.solve_right_side(m, step_);
   Eigen::Map<Vector> x(lambda, m);
   const Eigen::Map<const Vector> given(b, m);

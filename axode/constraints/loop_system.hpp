@@ -101,6 +101,9 @@ template <class T> class LoopSystem {
   void factorize_rows() noexcept;
   /// λ with Yᵀ Y λ = -b, least where that does not fix it, and as far as the rows agree with each other.
   void solve_rows(const T* b, T* lambda) noexcept;
+  /// The smallest part of a row, squared, that the rows before it left in the last solve_rows(); 1 if no row was in doubt. Near 0
+  /// branches of a motion meet, and accelerations are those of a mechanism with more freedoms.
+  T weakest_row() const { return weakest_row_; }
   /// b += Yᵀ D^-½ L⁻ᵀ x = A M⁻¹ x.
   void add_response(const T* x, T* b) noexcept;
   /// The part of the accelerations that forces τ (nv) add, M a - Aᵀ λ = τ with A a = 0; with the rows factorised.
@@ -212,7 +215,7 @@ template <class T> class LoopSystem {
   std::vector<State> at_;
   std::vector<Felt> felt_rows_, felt_residuals_;
   Rows rows_ = Rows::velocities;
-  T filter_{};
+  T filter_{}, weakest_row_ = T(1);
   std::vector<char> dropped_;            ///< of each row of A; empty where nothing was decided
   std::vector<std::vector<T>> entries_;  ///< of each loop: A, a column of up to six rows for each LoopColumn
   RowByRow Y_, G_;

@@ -70,6 +70,7 @@ class AbsoluteRun {
     for (std::size_t c = 0; c < f_.size(); ++c) f_[c] += turning_[c];
     bodies_.bias(v_t, rows_);
     bodies_.solve(f_, rows_, x_, lambda);
+    weakest_row_ = std::min(weakest_row_, bodies_.weakest_row());
     std::ranges::copy(x_, a_t.begin());
     return finite(x_) || stop(t, "accelerations are not finite");
   }
@@ -112,7 +113,8 @@ class AbsoluteRun {
   template <class Attempt> bool take_up_to(double t_1, const StepEnd& end, const Attempt&) {
     return take(t_1, end.q, end.v);
   }
-  void begin_step() {}
+  void begin_step() { weakest_row_ = 1; }
+  double weakest_row() const { return weakest_row_; }
   /// The same of a scheme that keeps joints and loops closed itself.
   bool take_closed(double t, Span q_end, Span v_end) {
     bodies_.leave(q_end, v_end, q_joints_, v_joints_);
@@ -144,6 +146,7 @@ class AbsoluteRun {
 
   AbsoluteSystem bodies_;
   ConfigurationGroup<double> group_;
+  double weakest_row_ = 1;
   Vector q_joints_, v_joints_, resistance_, f_, p_, turning_, rows_, x_, multipliers_;
 };
 

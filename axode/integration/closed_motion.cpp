@@ -39,6 +39,8 @@ Solvability ClosedMotion::accelerate(Span q, Span v, Span tau, const Loads<doubl
                                               lambda_.data());
 }
 
+double ClosedMotion::weakest_row() { return workspace_.system(model_).weakest_row(); }
+
 void ClosedMotion::factorize(Span q) { static_cast<void>(workspace_.system(model_).factorize(q.data())); }
 
 double ClosedMotion::respond(int c, std::span<double> a) {

@@ -20,6 +20,8 @@ class ClosedMotion {
   /// Throws std::invalid_argument where a motion cannot start at (q, v): which loop is open, or torn by how much.
   void check(Span q, Span v);
   Solvability accelerate(Span q, Span v, Span tau, const Loads<double>& loads, std::span<double> a);
+  /// LoopSystem::weakest_row() of the last accelerations.
+  double weakest_row();
   /// For respond(), at a place that has accelerations.
   void factorize(Span q);
   /// What a force of 1 on velocity c adds to accelerations, nv; returns what it would add to that of c without loops.

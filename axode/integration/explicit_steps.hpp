@@ -56,6 +56,13 @@ inline constexpr const char* jumps =
     "own "
     "properties (joint losses)";
 
+/// Where branches of a motion meet, rows of the loops depend on each other. Accelerations close by are those of a mechanism with more
+/// freedoms, so that the error estimate sees a jump that is not in the motion, and shorter steps would only look closer at
+/// it. So many steps in a row, after one without such rows, are taken with the length before and whatever their error estimate; an
+/// attempt with a row that is weaker than `too_weak` is repeated so many times with a part of the length.
+inline constexpr int most_passing = 20, most_shortened = 6;
+inline constexpr double too_weak = 1e-6, shortened = 0.85;
+
 /// Steps as long as the estimated error allows, with Dormand's and Prince's method.
 template <class Run> void take_adapted_steps(Run& run, double until, const Tolerances& tolerances) {
   const Tableau& method = runge_kutta(5);
@@ -76,7 +83,7 @@ template <class Run> void take_adapted_steps(Run& run, double until, const Toler
     h = 0.01 / rate;
   }
   double last_error = 1e-4, watched_from = 0;
-  int tries = 0;
+  int tries = 0, passing = most_passing, shorter = 0;
   const auto attempt = attempts(run, scheme, group);
   StepEnd end;
   while (!run.done()) {
@@ -90,12 +97,13 @@ template <class Run> void take_adapted_steps(Run& run, double until, const Toler
       tries = 0, watched_from = t;
     }
     h = std::min({h, most, rest});
-    const bool last = h >= rest * (1 - 1e-12);
-    if (!last && !(h > 1e-15 * until)) {
+    const double length = h * std::pow(shortened, shorter);
+    const bool last = length >= rest * (1 - 1e-12);
+    if (!last && !(length > 1e-15 * until)) {
       run.stop(t, "the step became too short for the tolerances");
       break;
     }
-    const double t_1 = last ? until : t + h;
+    const double t_1 = last ? until : t + length;
     if (!attempt(t_1, end)) {
       if (h < 1e-9 * until) break;
       run.trajectory.complete = true, run.trajectory.stopped.clear();  // perhaps the step was too long
@@ -113,12 +121,21 @@ template <class Run> void take_adapted_steps(Run& run, double until, const Toler
                  (tolerances.absolute +
                   tolerances.relative * std::max(std::abs(run.v[c]), std::abs(scheme.y[c])));
         }));
-    if (!(error <= 1)) {
+    const double weakest = run.weakest_row();
+    const bool passes = weakest < 1 && passing < most_passing && std::isfinite(error);
+    if (passes && weakest < too_weak && shorter < most_shortened && !last) {
+      ++run.trajectory.rejected, ++shorter;
+      continue;
+    }
+    shorter = 0;
+    if (!(error <= 1) && !passes) {
       ++run.trajectory.rejected;
       h *= std::isfinite(error) ? std::max(0.2, 0.9 * std::pow(error, -0.2)) : 0.1;
       continue;
     }
     if (!run.take_up_to(t_1, end, attempt)) break;
+    passing = weakest < 1 ? passing + 1 : 0;
+    if (passes) continue;
     const double least = std::max(error, 1e-10);
     h *= std::clamp(0.9 * std::pow(least, -0.17) * std::pow(last_error, 0.04), 0.2, 10.0);
     last_error = std::max(error, 1e-4);

@@ -71,6 +71,7 @@ class Run {
     const Solvability found = loops_ ? loops_->accelerate(q_t, v_t, tau, loads(), a_t)
                                      : forward_dynamics(model_, workspace_, q_t, v_t, tau, a_t, loads());
     if (!found.ok()) return stop(t, to_string(model_, found));
+    if (loops_) weakest_row_ = std::min(weakest_row_, loops_->weakest_row());
     if (!friction_.sticking().empty()) hold(q_t, a_t);
     return true;
   }
@@ -171,7 +172,9 @@ class Run {
     return true;
   }
   /// Before an attempt; it is one with friction as it is now.
-  void begin_step() { friction_.watch(); }
+  void begin_step() { friction_.watch(), weakest_row_ = 1; }
+  /// The least LoopSystem::weakest_row() of accelerations since begin_step().
+  double weakest_row() const { return weakest_row_; }
   /// Whether the last step ended where friction changed, and accelerations with it.
   bool friction_changed() const { return friction_changed_; }
   /// Sees whether what sticks can be held at the end of a step of a scheme that did not ask for accelerations there.
@@ -432,7 +435,7 @@ class Run {
   SquareMatrix columns_;     ///< of what sticks
   Vector own_;               ///< see DryFriction::hold()
   Vector values_;
-  double until_;
+  double until_, weakest_row_ = 1;
   bool ended_ = false, friction_changed_ = false;
   int hasty_steps_ = 0;
 };

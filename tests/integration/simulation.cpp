@@ -1,7 +1,9 @@
 #include <numbers>
 
+#include "axode/constraints/assembly.hpp"
 #include "axode/dynamics.hpp"
 #include "axode/integration/methods.hpp"
+#include "axode/io.hpp"
 #include "axode/kinematics.hpp"
 #include "tests/integration/motions.hpp"
 #include "tests/support/refused_arguments.hpp"
@@ -306,6 +308,23 @@ TEST(Simulation, MeetsEventsOfBodiesThatTurnFast) {
     const std::array<double, 4> spin{20, 15, 12, 25};
     for (std::size_t k = 0; k < 4; ++k)
       EXPECT_NEAR(met[k], spin[k] * until / std::numbers::pi, 1.5) << "body " << k + 1;
+  }
+}
+
+/// Two four-bars side by side can move in three ways where they are flat, and swing through there ten times.
+TEST(Simulation, PassesWhereBranchesMeetAsWellAsItsToleranceSays) {
+  const Model model = load(AXODE_SOURCE_DIR "/examples/robots/n_four_bar.toml");
+  for (const double speed : {0.9, 0.97, 1.0, 1.1, 1.3, 1.5}) {
+    SCOPED_TRACE(speed);
+    const AssemblyResult at = assemble(model, neutral(model), Numbers{-speed, speed, 0, -speed, -speed});
+    const Trajectory motion = simulate(model, at.q, at.v, 10, {1e-10, 1e-12});
+    ASSERT_TRUE(motion.complete) << motion.stopped;
+    const double energy = energy_of(model, motion.q(0), motion.v(0));
+    double error = 0;
+    for (std::size_t k = 0; k < motion.size(); ++k)
+      error = std::max(error, std::abs(energy_of(model, motion.q(k), motion.v(k)) - energy));
+    EXPECT_LT(error, 2e-7);
+    EXPECT_LT(motion.steps, 1100U);
   }
 }
 
