@@ -66,6 +66,12 @@ INSTANTIATE_TEST_SUITE_P(
          2,
          "axode eval: --want: there is no quantity \"twist\"; did you mean \"twists\"? (see axode eval "
          "--help)"},
+        {"PartOfAQuantity",
+         {"eval", arm, "--want", "impulse"},
+         2,
+         "axode eval: --want: there is no quantity \"impulse\"; names that contain it: \"impulse_response\" "
+         "(see axode eval "
+         "--help)"},
         {"UnknownBase",
          {"eval", arm, "--base", "fre"},
          2,
