@@ -59,6 +59,26 @@ TEST(Program, ColoursAreForTerminalsWithoutNoColor) {
   EXPECT_THAT(piped.out, Not(HasSubstr("\033")));
 }
 
+/// In a table of a motion, as `axode simulate` writes it.
+double largest_change_of_coordinates(const std::filesystem::path& table) {
+  std::ifstream stream(table);
+  const auto next_row = [&stream] {
+    std::string line, cell;
+    std::getline(stream, line);
+    std::istringstream cells(line);
+    std::vector<std::string> row;
+    while (std::getline(cells, cell, ',')) row.push_back(cell);
+    return row;
+  };
+  const std::vector<std::string> names = next_row(), first = next_row();
+  double largest = 0;
+  for (std::vector<std::string> row = next_row(); !row.empty(); row = next_row())
+    for (std::size_t k = 0; k < row.size(); ++k)
+      if (names[k].starts_with("\"q "))
+        largest = std::max(largest, std::abs(std::stod(row[k]) - std::stod(first[k])));
+  return largest;
+}
+
 TEST(Program, AloneShowsWhatOneCanDoInExamplesThatRun) {
   const Outcome outcome = axode({});
   EXPECT_EQ(outcome.code, 0);
@@ -82,6 +102,7 @@ TEST(Program, AloneShowsWhatOneCanDoInExamplesThatRun) {
              folder.path().string()});
     EXPECT_EQ(ran.code, 0) << example << ran.err;
   }
+  EXPECT_GT(largest_change_of_coordinates(folder.path() / "run.csv"), 0.05);
   EXPECT_THAT(commands, testing::UnorderedElementsAre("info", "check", "convert", "eval", "simulate",
                                                       "linearize", "plot", "view", "map", "codegen", "study",
                                                       "demo", "manual", "completion"));
@@ -114,6 +135,10 @@ TEST_P(Help, ShowsAnExampleThatRuns) {
   EXPECT_EQ(outcome.code, 0) << shown << outcome.err;
   EXPECT_EQ(outcome.err, "");
   EXPECT_NE(outcome.out, "");
+  if (shown.find("run.csv") != std::string::npos) {
+    EXPECT_GT(largest_change_of_coordinates(folder.path() / "run.csv"), 0.05)
+        << "the motion stands still: " << shown;
+  }
 }
 INSTANTIATE_TEST_SUITE_P(Commands, Help,
                          testing::Values("info", "check", "convert", "eval", "linearize", "simulate", "plot",
