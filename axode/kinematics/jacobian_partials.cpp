@@ -31,24 +31,16 @@ void jacobian_partials(const Model& model, Workspace<T>& workspace, Numbers<T> q
   for (Twist<Rep, T>& column : J) column = {};
 
   const ScrewPath<T> path(model.tree<T>(), q.data(), place);
-  const int m = static_cast<int>(path.screws.size());
-  if (m == 0) return;
-  std::vector<int> alpha(order, 0);  // a multi-index over the screws of the path
-  for (bool more = true; more;) {
+  if (path.screws.empty()) return;
+  const ScrewPartials<Rep, T> partials(path, order);
+  const auto nv = static_cast<std::size_t>(model.nv());
+  partials.each_multi_index(order, [&](const std::vector<int>& alpha) {
     std::size_t at = 0;
-    for (int k = order; k-- > 0;)
-      at = at * static_cast<std::size_t>(model.nv()) + static_cast<std::size_t>(path.screws[alpha[k]].c);
-    for (int a = 0; a < m; ++a) {
-      const Screw<T> X = partial<Rep>(path, a, alpha);
-      J[at * static_cast<std::size_t>(model.nv()) + static_cast<std::size_t>(path.screws[a].c)] +=
-          Twist<Rep, T>{X.w, X.v};
-    }
-    more = false;
-    for (int k = 0; k < order && !more; ++k) {
-      more = ++alpha[k] < m;
-      if (!more) alpha[k] = 0;
-    }
-  }
+    for (int k = order; k-- > 0;) at = at * nv + static_cast<std::size_t>(path.screws[alpha[k]].c);
+    partials.along(alpha, [&](int a, const Screw<T>& X) {
+      J[at * nv + static_cast<std::size_t>(path.screws[a].c)] += Twist<Rep, T>{X.w, X.v};
+    });
+  });
 }
 
 template <RecursionRepresentation Rep, class T>
