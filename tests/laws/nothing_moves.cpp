@@ -37,7 +37,8 @@ TEST_P(NothingMoves, AndEveryFunctionAnswers) {
             << error.what();
         continue;
       }
-      const bool has_inertia = function.name != "operational_space_inertia";  // a frame that cannot move has none
+      const bool has_inertia =
+          function.name != "operational_space_inertia";  // a frame that cannot move has none
       for (const T x : out) EXPECT_EQ(std::isfinite(x), has_inertia);
     }
   });
