@@ -324,7 +324,9 @@ TEST(Drawing, EveryKeyIsUnderstood) {
   EXPECT_EQ(loop("train").terms[0].factor, 3 * -2) << "what follows is a multiple of what leads";
   EXPECT_EQ(loop("train").offset, -3 * 0.25);
   EXPECT_TRUE(model.joint(model.joint_index("slide")).passive);
-  EXPECT_EQ(std::ranges::count(model.loops().driven, 0), 1);
+  EXPECT_TRUE(model.joint(model.joint_index("drift")).passive)
+      << "free, and the drawing does not say that it is driven";
+  EXPECT_EQ(std::ranges::count(model.loops().driven, 0), 1 + 6);
 
   EXPECT_EQ(model.joint(model.joint_index("screw")).kind, Subgroup::helical);
   EXPECT_EQ(model.joint(model.joint_index("slide")).kind, Subgroup::prismatic);
