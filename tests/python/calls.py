@@ -35,6 +35,7 @@ CALLS = {
     "interpolate": lambda m, q, v, a: m.interpolate(q, m.integrate(q, a), 0.3),
     "clamp": lambda m, q, v, a: m.clamp(m.integrate(q, 9 * a)),
     "poses": lambda m, q, v, a: axode.poses(m, q),
+    "pose": lambda m, q, v, a: axode.pose(m, q, tool(m)),
     "joint_screws": lambda m, q, v, a: axode.joint_screws(m, q),
     "center_of_mass": lambda m, q, v, a: axode.center_of_mass(m, q),
     "center_of_mass_jacobian": lambda m, q, v, a: axode.center_of_mass_jacobian(m, q),

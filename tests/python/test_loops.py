@@ -310,7 +310,7 @@ def test_rollouts_end_where_loops_cannot_be_kept_closed():
 @pytest.mark.parametrize("call", [
     lambda m, q, v: axode.linearize(m, q, v, v),
     lambda m, q, v: axode.inverse_kinematics(m, [axode.Target(pose=np.eye(4), frame="ground")], q),
-    lambda m, q, v: axode.forward_dynamics_jvp(m, q, v, v, v, v, v),
+    lambda m, q, v: axode.inverse_dynamics_jvp(m, q, v, v, v, v, v),
     lambda m, q, v: axode.codegen.c_source(m, ["forward_dynamics"]),
 ], ids=["linearize", "inverse kinematics", "derivatives", "codegen"])
 def test_what_does_not_count_loops_says_so(call):
