@@ -196,7 +196,8 @@ INSTANTIATE_TEST_SUITE_P(Laws, UnitsLaw, testing::ValuesIn(other_units()),
                          [](const auto& info) { return info.param.name; });
 
 TEST_P(UnitsLaw, MultiplyEveryNumberByTheUnitOfItsRow) {
-  const auto& [how, units, name] = GetParam();
+  const Case& how = GetParam().how;
+  const Units& units = GetParam().units;
   with_scalar(how, [&](auto scalar) {
     using T = decltype(scalar);
     for_seeds(30, [&](std::uint64_t seed) {
