@@ -65,9 +65,9 @@ struct CasadiLibrary {
   codegen::MachineCode code;
 };
 
-std::unique_ptr<CasadiLibrary> casadi_library(const BoundModel& m, nb::handle given, int states,
+std::unique_ptr<CasadiLibrary> casadi_library(const BoundModel& m, nb::handle quantity, int states,
                                               const std::optional<std::vector<std::string>>& flags) {
-  const codegen::Function function = function_from(m, "function", given);
+  const codegen::Function function = function_from(m, "quantity", quantity);
   LongCall call(true);
   std::unique_ptr<CasadiLibrary> library;
   try {
@@ -139,9 +139,9 @@ True
       .def_prop_ro(
           "file", [](const CasadiLibrary& library) { return library.code.file().string(); },
           "Where the library lies: in the cache, or in a temporary folder where there is none.");
-  module.def("casadi_library", &casadi_library, "m"_a, "function"_a, "states"_a = 1, nb::kw_only(),
+  module.def("casadi_library", &casadi_library, "m"_a, "quantity"_a, "states"_a = 1, nb::kw_only(),
              "flags"_a = nb::none(),
-             nb::sig("def casadi_library(m: axode.Model, function: object, states: int = 1, *, flags: "
+             nb::sig("def casadi_library(m: axode.Model, quantity: object, states: int = 1, *, flags: "
                      "collections.abc.Sequence[str] | None = None) -> axode._axode.codegen.CasadiLibrary"),
              "One function of c_source with the abi \"casadi\", compiled and kept as those of "
              "`Model.specialise` are.");
