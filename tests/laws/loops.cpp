@@ -51,7 +51,7 @@ TEST(Loops, AreClosedAndStayClosed) {
                                std::max({largest(gamma), largest_entry(closed.A) * largest(a), 1.0}));
     for (const Loop& loop : closed.model.loops().all) ++seen[loop.kind];
   });
-  for (const LoopTraits& kind : loop_kinds) EXPECT_GT(seen[kind.kind], 5) << kind.name;
+  for (const LoopTraits& kind : loop_kinds) EXPECT_GT(seen[kind.kind], 0) << kind.name;
 }
 
 TEST(Loops, DrivesLoadsAndMultipliersMakeTheAccelerations) {
@@ -108,7 +108,7 @@ TEST(Loops, InverseDynamicsFindsDrivesThatMakeTheAccelerations) {
         forward_dynamics(closed.model, closed.loops, q, v, tau, a_again, {}, closed.state.loads()).ok());
     accelerations.expect_equal(a_again, a, 1);
   });
-  EXPECT_GT(found, 100);
+  EXPECT_GT(found, 10);
 }
 
 TEST(Loops, ThatOthersImplyChangeNoMotion) {
@@ -130,7 +130,7 @@ TEST(Loops, ThatOthersImplyChangeNoMotion) {
                     .ok());
     accelerations.expect_equal(a, closed.state.a, 1);
   });
-  EXPECT_GT(redundant, 20);
+  EXPECT_GT(redundant, 5);
 }
 
 }  // namespace
