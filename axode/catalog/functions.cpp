@@ -37,7 +37,7 @@ template <class E> void put(const E& result, Out out) { as<E>(out)[0] = result; 
 /// Part k of n results, one after the other.
 Out part(Out out, std::size_t k, std::size_t n) { return out.subspan(k * (out.size() / n), out.size() / n); }
 
-/// What a function object returns as a verdict: its own, or that nothing can fail.
+/// Calls a function object. The verdict is the one that it returns, or a good one if it returns none.
 template <class F, class Scratch> constexpr auto call(const F&) {
   static_assert(std::is_empty_v<F>);
   return [](const Model& m, Scratch& w, const G& g, Out out) -> Solvability {
@@ -50,21 +50,19 @@ template <class F, class Scratch> constexpr auto call(const F&) {
   };
 }
 
-struct NotCounted {};
-
-/// A row with its calls: for the tree, and for a mechanism with loops where the row counts these.
-template <Id id, class F, class L = NotCounted> Function<T> row(const F& of_tree, const L& with_loops = {}) {
+/// A row with its calls. A row that counts loops is called for these with a LoopWorkspace, by the same
+/// function object unless another one is given.
+template <Id id, class F, class L = F> Function<T> row(const F& of_tree, const L& = {}) {
   constexpr const Words& words = id.words();
   constexpr bool counts_loops = words.counts.loops.word == Word::counted;
-  static_assert(counts_loops == !std::same_as<L, NotCounted>,
-                "loops are counted where there is a call for them");
+  static_assert(counts_loops || std::same_as<L, F>, "this row does not count loops");
   static_assert(
       words.may_fail == std::same_as<decltype(of_tree(std::declval<const Model&>(), std::declval<W&>(),
                                                       std::declval<const G&>(), Out())),
                                      Solvability>,
       "a function that may fail says so");
   Function<T> made{words, call<F, W>(of_tree), nullptr};
-  if constexpr (counts_loops) made.call_with_loops = call<L, LoopWorkspace<T>>(with_loops);
+  if constexpr (counts_loops) made.call_with_loops = call<L, LoopWorkspace<T>>({});
   return made;
 }
 
@@ -152,23 +150,14 @@ std::vector<Function<T>> make() {
           [](auto& m, auto& w, auto& g, auto out) { load_powers(m, w, g.q, g.v, g.loads, out); }),
       row<"centroidal_inertia">(
           [](auto& m, auto& w, auto& g, auto out) { put(centroidal_inertia(m, w, g.q), out); }),
-      row<"impulse_response">(
-          [](auto& m, auto& w, auto& g, auto out) {
-            return impulse_response<R4>(m, w, g.q, g.place, as<Twist<R4, T>>(out));
-          },
-          [](auto& m, auto& w, auto& g, auto out) {
-            return impulse_response<R4>(m, w, g.q, g.place, as<Twist<R4, T>>(out));
-          }),
+      row<"impulse_response">([](auto& m, auto& w, auto& g, auto out) {
+        return impulse_response<R4>(m, w, g.q, g.place, as<Twist<R4, T>>(out));
+      }),
       row<"mobility">(
-          [](auto& m, auto& w, auto& g, auto out) { return mobility<R4>(m, w, g.q, g.place, out); },
           [](auto& m, auto& w, auto& g, auto out) { return mobility<R4>(m, w, g.q, g.place, out); }),
-      row<"operational_space_inertia">(
-          [](auto& m, auto& w, auto& g, auto out) {
-            return operational_space_inertia<R4>(m, w, g.q, g.place, out);
-          },
-          [](auto& m, auto& w, auto& g, auto out) {
-            return operational_space_inertia<R4>(m, w, g.q, g.place, out);
-          }),
+      row<"operational_space_inertia">([](auto& m, auto& w, auto& g, auto out) {
+        return operational_space_inertia<R4>(m, w, g.q, g.place, out);
+      }),
       row<"regressor">([](auto& m, auto& w, auto& g, auto out) { regressor(m, w, g.q, g.v, g.a, out); }),
       row<"kinetic_energy_regressor">(
           [](auto& m, auto& w, auto& g, auto out) { kinetic_energy_regressor(m, w, g.q, g.v, out); }),
@@ -192,15 +181,10 @@ std::vector<Function<T>> make() {
         inverse_dynamics_derivatives(m, w, g.q, g.v, g.a, {part(out, 0, 3), part(out, 1, 3), part(out, 2, 3)},
                                      g.loads);
       }),
-      row<"forward_dynamics_derivatives">(
-          [](auto& m, auto& w, auto& g, auto out) {
-            return forward_dynamics_derivatives(m, w, g.q, g.v, g.tau,
-                                                {part(out, 0, 3), part(out, 1, 3), part(out, 2, 3)}, g.loads);
-          },
-          [](auto& m, auto& w, auto& g, auto out) {
-            return forward_dynamics_derivatives(m, w, g.q, g.v, g.tau,
-                                                {part(out, 0, 3), part(out, 1, 3), part(out, 2, 3)}, g.loads);
-          }),
+      row<"forward_dynamics_derivatives">([](auto& m, auto& w, auto& g, auto out) {
+        return forward_dynamics_derivatives(m, w, g.q, g.v, g.tau,
+                                            {part(out, 0, 3), part(out, 1, 3), part(out, 2, 3)}, g.loads);
+      }),
       row<"momentum_form_derivatives">([](auto& m, auto& w, auto& g, auto out) {
         return momentum_form_derivatives(
             m, w, g.q, g.p, {part(out, 0, 4), part(out, 1, 4), part(out, 2, 4), part(out, 3, 4)}, g.loads);
@@ -252,22 +236,13 @@ std::vector<Function<T>> make() {
         inverse_dynamics_vjp(m, w, g.q, g.v, g.a, g.w, {part(out, 0, 3), part(out, 1, 3), part(out, 2, 3)},
                              g.loads);
       }),
-      row<"forward_dynamics_jvp">(
-          [](auto& m, auto& w, auto& g, auto out) {
-            return forward_dynamics_jvp(m, w, g.q, g.v, g.tau, g.dq, g.dv, g.dtau, out, g.loads);
-          },
-          [](auto& m, auto& w, auto& g, auto out) {
-            return forward_dynamics_jvp(m, w, g.q, g.v, g.tau, g.dq, g.dv, g.dtau, out, g.loads);
-          }),
-      row<"forward_dynamics_vjp">(
-          [](auto& m, auto& w, auto& g, auto out) {
-            return forward_dynamics_vjp(m, w, g.q, g.v, g.tau, g.w,
-                                        {part(out, 0, 3), part(out, 1, 3), part(out, 2, 3)}, g.loads);
-          },
-          [](auto& m, auto& w, auto& g, auto out) {
-            return forward_dynamics_vjp(m, w, g.q, g.v, g.tau, g.w,
-                                        {part(out, 0, 3), part(out, 1, 3), part(out, 2, 3)}, g.loads);
-          }),
+      row<"forward_dynamics_jvp">([](auto& m, auto& w, auto& g, auto out) {
+        return forward_dynamics_jvp(m, w, g.q, g.v, g.tau, g.dq, g.dv, g.dtau, out, g.loads);
+      }),
+      row<"forward_dynamics_vjp">([](auto& m, auto& w, auto& g, auto out) {
+        return forward_dynamics_vjp(m, w, g.q, g.v, g.tau, g.w,
+                                    {part(out, 0, 3), part(out, 1, 3), part(out, 2, 3)}, g.loads);
+      }),
       row<"inverse_dynamics_hessian">([](auto& m, auto& w, auto& g, auto out) {
         inverse_dynamics_hessian(m, w, g.q, g.v, g.a, g.w,
                                  {part(out, 0, 4), part(out, 1, 4), part(out, 2, 4), part(out, 3, 4)},
