@@ -2,6 +2,8 @@
 // well: every template is one of Batch<AXODE_T, AXODE_LANES>, which no other instruction set uses.
 #include "axode/batch/kernels.hpp"
 
+#include <algorithm>
+
 #include "axode/batch/transpose.hpp"
 #include "axode/derivatives/row_kernels.hpp"
 #include "axode/fast/articulated_bodies.hpp"
@@ -348,6 +350,11 @@ template <> const Kernels<S>& kernels<AXODE_ISA, S>() {
     set("joint_screws", {bytes<Poses>, joint_screws, true});
     return made;
   }();
+  static_assert(std::ranges::equal(
+                    all.rows, catalog::functions_of_state, {},
+                    [](const LaneKernel<S>& kernel) { return kernel.call != nullptr; },
+                    [](const catalog::Words& row) -> bool { return row.lanes; }),
+                "the rows with lanes have a kernel, and no others");
   return all;
 }
 
