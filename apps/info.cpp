@@ -32,8 +32,9 @@ constexpr const char* footer = R"(Example:
 Joints are listed with the indices of their coordinates q and velocities v: a joint with a rotation has
 one coordinate more (a quaternion x y z w) than velocities. Coupled joints have neither.
 
-Of a mechanism with loops the degrees of freedom are told, and how many velocities have drives: those of all joints that are
-not passive. A joint is passive if the drawing says so, and a free joint unless the drawing says passive = false.)";
+For a mechanism with loops the command prints the degrees of freedom and the number of drives, which is
+the number of velocities of all joints that are not passive. A joint is passive if the drawing says so, and
+a free joint unless the drawing says passive = false.)";
 
 constexpr std::size_t most_warnings = 12;
 

@@ -42,8 +42,9 @@ template <class T>
 Outcome run(const Model& model, catalog::Id function, const catalog::Given<T>& given,
             std::type_identity_t<std::span<T>> out, int threads = 1, const Monitor& monitor = {});
 
-/// The same by name. What they are given and make is said at axode::inverse_dynamics and so on; of derivatives and products all
-/// results of a state lie one behind the other. They return how many states are done, or the outcome where they may fail.
+/// These functions call run() for one row each. Their arguments and results are those of
+/// axode::inverse_dynamics and so on; several results of a state, such as derivatives, lie one behind the
+/// other. A function returns how many states are done, or the outcome if it may fail.
 template <class T>
 std::size_t inverse_dynamics(const Model& model, std::span<const T> q, Numbers<T> v, Numbers<T> a,
                              std::type_identity_t<std::span<T>> tau, int threads = 1,

@@ -55,7 +55,7 @@ template <class S> class StatesOfRow {
   std::span<S> result(std::size_t first, std::size_t states) const {
     return out_.subspan(first * size_, states * size_);
   }
-  /// Those of the states from the first one on; null where the row cannot fail.
+  /// The verdicts on the states from `first` on; null if the row cannot fail.
   unsigned char* verdicts(std::size_t first) {
     if (!row_.may_fail) return nullptr;
     return verdicts_.empty() ? &only_verdict_ : &verdicts_[first];
@@ -98,7 +98,7 @@ template <class S> class StatesOfRow {
  private:
   static const char* name_of(catalog::Input input) { return catalog::to_string(input).data(); }
   const char* result_name() const { return row_.together.data(); }
-  /// What the number of entries is made of, as in "3 nv nv N".
+  /// The product that gives the number of entries, such as "3 nv nv N".
   std::string meaning() const {
     const std::size_t several = row_.symbols.size();
     std::string text = several == 1 ? "" : std::to_string(several) + ' ';

@@ -130,7 +130,8 @@ template <bool factors> struct Solver {
       for (std::size_t r = 0; r < nv; ++r) matrix[r * nv + c] = x[r];
     }
   }
-  /// Of a solution for a unit vector the part is kept that is found before it reaches the leaves.
+  /// Solves for all unit vectors. Of the symmetric result only the half that each solution finds first, on
+  /// its way to the leaves, is kept and mirrored, so that the tape drops the operations for the other half.
   void inverse(const Tree<double>& tree, T* matrix) {
     const std::size_t nv = static_cast<std::size_t>(tree->nv);
     for (std::size_t k = 0; k < nv * nv; ++k) matrix[k] = T(k % (nv + 1) == 0);

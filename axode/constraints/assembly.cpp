@@ -119,7 +119,7 @@ class Assembly {
       for (const int i : path.bodies) largest = std::max(largest, norm(system_.link(i).C.r));
     return largest;
   }
-  /// What the residual may be by rounding alone where the system is, rad and m.
+  /// The size that rounding alone may give the residual at the present configuration, rad and m.
   double rounding() const {
     double sum = 0;
     for (const LoopPath& path : system_.paths())

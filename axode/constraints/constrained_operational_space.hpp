@@ -3,7 +3,8 @@
 #include "axode/kinematics/place.hpp"
 #include "axode/recursion/solvability.hpp"
 
-/// What a place on a mechanism with loops shows to a wrench. The loops pass impulses on, so that velocities jump by
+/// The response of a mechanism with loops to an impulse at a place. The loops transmit impulses, so that
+/// velocities jump by
 ///   (M⁻¹ - M⁻¹ Aᵀ (A M⁻¹ Aᵀ)⁺ A M⁻¹) Jᵀ
 /// for a unit of impulse. q should be closed, see assemble().
 namespace axode {

@@ -98,10 +98,11 @@ class ProportionalDerivative : public Tracking {
 /// τ = ID(q, v, a_d + kd (v_d - v) + kp x) less what the springs of the model do, so that x'' + kd x' + kp x = 0 for small
 /// x: kp in 1/s², kd in 1/s. Loads and joint losses are not known to it. Throws as ProportionalDerivative.
 ///
-/// Of a mechanism with loops or passive joints, passive joints get no force, and x is that of the drives. Their accelerations
-/// are the wanted ones as far as the mechanism lets the drives make them, otherwise those nearest, each acceleration measured
-/// by the one that a unit force of its drive makes; τ is what inverse_dynamics() with loops gives for them. NaN where the
-/// mechanism has no accelerations. Allocates there; O(nv³ + nv d²) for d drives.
+/// In a mechanism with loops or passive joints, passive joints get no force, and x holds accelerations of the
+/// drives alone. These accelerations are the wanted ones as far as the mechanism lets the drives make them,
+/// otherwise those nearest, each acceleration measured by the one that a unit force of its drive makes; τ is
+/// what inverse_dynamics() with loops gives for them. NaN where the mechanism has no accelerations. Allocates
+/// there; O(nv³ + nv d²) for d drives.
 class ComputedTorque : public Tracking {
  public:
   ComputedTorque(const Model& model, const Gains& gains, Reference reference);

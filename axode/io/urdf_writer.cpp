@@ -49,7 +49,7 @@ std::optional<Dof> shared_dof(const JointDescription& joint) {
   return first;
 }
 
-/// What a mechanism says that a URDF cannot.
+/// Finds everything in a description that a URDF cannot say.
 void find_unsaid(const Description& d, io::Unsaid& unsaid) {
   if (norm(d.gravity - Vec3<>{0, 0, -9.81}) > 0)
     unsaid.leave_out("gravity", "is (" + text(d.gravity) + ") m/s², and readers take (0, 0, -9.81)",

@@ -37,9 +37,10 @@ Model with_payload(const Model& model, std::string_view frame, const Inertia<>& 
 Model append(const Model& model, std::string_view frame, const Model& other, std::string_view prefix = "",
              const JointDescription& joint = {});
 
-/// The same mechanism with another body as its root: the body takes the place of the root of its tree, on the ground by a joint of
-/// the same name and kind (fixed or free), and the joints between the two are passed the other way round. All bodies, frames, loops
-/// and springs keep their names, and with all joints at zero all bodies are where they were drawn.
+/// Returns the same mechanism with another body as its root: the body takes the place of the root of its
+/// tree, on the ground by a joint of the same name and kind (fixed or free), and the joints between the two
+/// are passed the other way round. All bodies, frames, loops and springs keep their names, and with all
+/// joints at zero all bodies are where they were drawn.
 ///
 /// A joint of one velocity keeps its q, v, a and τ, limits, losses and couplings. A spherical, planar or free joint on the path has
 /// the inverse displacement: C' = C⁻¹ between its joint frames, v' = -Ad_C v, and τ = -Ad_Cᵀ τ'. A free root has the pose and twist

@@ -63,7 +63,8 @@ std::optional<DrawnMass> drawn_mass(const BodyDescription& body) {
   return DrawnMass{A * given.com,
                    std::sqrt(std::max(0.0, trace(given.Theta) / (2 * given.mass) - about_origin))};
 }
-/// Of each body of an expanded description that of the first body with mass among itself and its successors.
+/// The drawn mass of each body of an expanded description or, if the body has none, of the first of its
+/// successors that has one.
 std::vector<std::optional<DrawnMass>> first_masses(const Description& expanded,
                                                    const DepthFirstOrder& order) {
   std::vector<std::optional<DrawnMass>> first(expanded.bodies.size());
