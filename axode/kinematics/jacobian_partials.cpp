@@ -22,7 +22,7 @@ std::size_t tensor_size(std::size_t nv, int order) {
 template <RecursionRepresentation Rep, class T>
 void jacobian_partials(const Model& model, Workspace<T>& workspace, Numbers<T> q,
                        const std::type_identity_t<Place<T>>& given, int order,
-                       std::type_identity_t<std::span<Twist<Rep, T>>> J) {
+                       std::type_identity_t<std::span<Twist<Rep, T>>> J, const std::function<bool()>& go_on) {
   check_state(model, workspace, q);
   const Place<T> place = found(model, given);
   check_order(order, largest_partial_order);
@@ -32,7 +32,7 @@ void jacobian_partials(const Model& model, Workspace<T>& workspace, Numbers<T> q
 
   const ScrewPath<T> path(model.tree<T>(), q.data(), place);
   if (path.screws.empty()) return;
-  const ScrewPartials<Rep, T> partials(path, order);
+  const ScrewPartials<Rep, T> partials(path, order, go_on);
   const auto nv = static_cast<std::size_t>(model.nv());
   partials.each_multi_index(order, [&](const std::vector<int>& alpha) {
     std::size_t at = 0;
@@ -64,7 +64,8 @@ void jacobian_derivative_along(const Model& model, Workspace<T>& workspace, Numb
 }
 
 template void jacobian_partials<AXODE_REP>(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>,
-                                           const Place<AXODE_T>&, int, std::span<Twist<AXODE_REP, AXODE_T>>);
+                                           const Place<AXODE_T>&, int, std::span<Twist<AXODE_REP, AXODE_T>>,
+                                           const std::function<bool()>&);
 template void jacobian_derivative_along<AXODE_REP>(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>,
                                                    const Place<AXODE_T>&, int, Numbers<AXODE_T>,
                                                    std::span<Twist<AXODE_REP, AXODE_T>>);

@@ -1,4 +1,6 @@
 #pragma once
+#include <functional>
+
 #include "axode/kinematics/arguments.hpp"
 #include "axode/kinematics/place.hpp"
 
@@ -14,10 +16,12 @@ inline constexpr int largest_partial_order = 12;
 /// directions of one spherical, planar or free joint. Body-fixed: eqs. der1, der2Jb, nthorderBody; spatial:
 /// eqs. Jsder, Jsder2, nthorder; hybrid and mixed: eq. Jhder with its cases k < j (errata 6 to 12) and the
 /// product rule for r and R. Cost O(m^(ν + 1)) screw products for m joint screws on the path. Allocates.
+/// Where that takes long, go_on() is asked now and then, and the call ends early, with an unfinished tensor, once it says no.
 template <RecursionRepresentation Rep = BodyFixed, class T>
 void jacobian_partials(const Model& model, Workspace<T>& workspace, Numbers<T> q,
                        const std::type_identity_t<Place<T>>& place, int order,
-                       std::type_identity_t<std::span<Twist<Rep, T>>> J);
+                       std::type_identity_t<std::span<Twist<Rep, T>>> J,
+                       const std::function<bool()>& go_on = {});
 
 /// The same tensor contracted with one direction for each derivative, D_uν ... D_u1 J: `directions` has
 /// `order` rows of nv numbers, u1 first. The tensor is never built: O(m 3^order) screw products. Allocates.

@@ -1,6 +1,7 @@
 #pragma once
 #include <algorithm>
 #include <bit>
+#include <functional>
 #include <utility>
 #include <vector>
 
@@ -69,7 +70,8 @@ template <class T> Screw<T> spatial_partial(const ScrewPath<T>& path, int a, std
 /// are about 2/m of those of the result for m screws; body-fixed and spatial derivatives need no table.
 template <class Rep, class T> class ScrewPartials {
  public:
-  ScrewPartials(const ScrewPath<T>& path, int order) : path_(path) {
+  ScrewPartials(const ScrewPath<T>& path, int order, const std::function<bool()>& go_on)
+      : path_(path), go_on_(go_on) {
     if constexpr (std::same_as<Rep, Hybrid> || std::same_as<Rep, Mixed>) {
       r_.push_back({path.C.r});
       for (int k = 0; k < order; ++k) {
@@ -82,10 +84,12 @@ template <class Rep, class T> class ScrewPartials {
     }
   }
 
-  /// f(alpha) for every multi-index of an order, alpha[0] changing first.
+  /// f(alpha) for every multi-index of an order, alpha[0] changing first, as long as go_on() says so.
   template <class F> void each_multi_index(int order, const F& f) const {
     std::vector<int> alpha(static_cast<std::size_t>(order), 0);
     for (bool more = true; more;) {
+      if (alpha.size() > 2 && alpha[0] == 0 && alpha[1] == 0 && go_on_) stopped_ = stopped_ || !go_on_();
+      if (stopped_) return;
       f(alpha);
       more = false;
       for (std::size_t k = 0; k < alpha.size() && !more; ++k) {
@@ -133,6 +137,8 @@ template <class Rep, class T> class ScrewPartials {
   const ScrewPath<T>& path_;
   std::vector<std::vector<Vec3<T>>> w_;  ///< ∂_A w of screw a, by the order of A, at (number of A) m + a
   std::vector<std::vector<Vec3<T>>> r_;  ///< ∂_A r, by the order of A, at the number of A
+  const std::function<bool()>& go_on_;
+  mutable bool stopped_ = false;  ///< by go_on_; the table is then unfinished
 };
 
 /// Directional derivatives along several directions at once. For a set S of directions X^S means D_S X, the

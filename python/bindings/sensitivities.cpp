@@ -2,9 +2,6 @@
 
 #include <nanobind/stl/tuple.h>
 
-#include <atomic>
-#include <thread>
-
 #include "axode/batch/check_states.hpp"
 #include "bindings.hpp"
 #include "named_tuple.hpp"
@@ -45,18 +42,8 @@ struct Motions {
   /// Refuses what could not go on, with a result.
   template <class F> void each(double microseconds, NewArray& result, const F& f) const {
     std::vector<Solvability> found(states.count());
-    states.unlocked(microseconds * static_cast<double>(K()), [&](const batch::Monitor& monitor) {
-      const std::thread::id caller = std::this_thread::get_id();
-      batch::Watch watch(monitor, states.count());
-      std::atomic<bool> stopped = false;
-      const GoOn go_on = [&] {
-        if (std::this_thread::get_id() == caller && !stopped && !watch.go_on(0)) stopped = true;
-        return !stopped;
-      };
-      return batch::in_portions(
-          states.count(), 1, states.threads(), [&](std::size_t, std::size_t) { return go_on(); },
-          [&]() -> batch::Work { return [&](std::size_t n, std::size_t) { found[n] = f(n, go_on); }; });
-    });
+    states.each_long(microseconds * static_cast<double>(K()),
+                     [&](std::size_t n, const GoOn& go_on) { found[n] = f(n, go_on); });
     states.refuse(found, result);
   }
 };

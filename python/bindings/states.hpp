@@ -1,7 +1,10 @@
 #pragma once
 #include <array>
+#include <atomic>
+#include <functional>
 #include <optional>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "array.hpp"
@@ -65,7 +68,7 @@ class States {
   template <class W = Workspace<>, class F> void each(double microseconds, const F& f) const {
     if (threads_ > 1 || takes_long(microseconds)) return on_cores<W>(f);
     const BoundModel::Lease<W> workspace(bound_);
-    for (std::size_t k = 0; k < count_; ++k) run(f, *workspace, k);
+    for (std::size_t k = 0; k < count_; ++k) run(k, [&] { f(*workspace, k); });
   }
   /// f() with other Python threads running.
   template <class F> auto released(double microseconds, const F& f) const {
@@ -81,6 +84,22 @@ class States {
     return outcome;
   }
 
+  /// f(k, go_on) for every state k, each of which may take long: Ctrl-C is heard in its midst where it asks go_on().
+  template <class F> void each_long(double microseconds, const F& f) const {
+    unlocked(microseconds, [&](const batch::Monitor& monitor) {
+      const std::thread::id caller = std::this_thread::get_id();
+      batch::Watch watch(monitor, count_);
+      std::atomic<bool> stopped = false;
+      const std::function<bool()> go_on = [&] {
+        if (std::this_thread::get_id() == caller && !stopped && !watch.go_on(0)) stopped = true;
+        return !stopped;
+      };
+      return batch::in_portions(
+          count_, 1, threads_, [&](std::size_t, std::size_t) { return go_on(); },
+          [&]() -> batch::Work { return [&](std::size_t k, std::size_t) { run(k, [&] { f(k, go_on); }); }; });
+    });
+  }
+
   /// Throws SingularError or NotFiniteError, with the result, where some states could not be solved or have results that
   /// are not finite. `found` has an entry for each state, or none; then `otherwise` says what is wrong.
   void refuse(const std::vector<Solvability>& found, NewArray& result,
@@ -89,10 +108,11 @@ class States {
  private:
   bool takes_long(double microseconds) const { return microseconds * static_cast<double>(count_) > 20; }
 
-  template <class W, class F> void run(const F& f, W& workspace, std::size_t k) const {
-    if (!many_) return f(workspace, k);
+  /// f() for state k, which messages about one of many name.
+  template <class F> void run(std::size_t k, const F& f) const {
+    if (!many_) return f();
     try {
-      f(workspace, k);
+      f();
     } catch (const std::invalid_argument& error) {
       throw std::invalid_argument("state " + std::to_string(k) + ": " + error.what());
     }
@@ -101,7 +121,7 @@ class States {
     unlocked(100, [&](const batch::Monitor& monitor) {
       return batch::in_portions(count_, 1, threads_, monitor, [&]() -> batch::Work {
         return [&, workspace = std::make_shared<W>(model())](std::size_t k, std::size_t) {
-          run(f, *workspace, k);
+          run(k, [&] { f(*workspace, k); });
         };
       });
     });

@@ -120,6 +120,19 @@ def test_ctrl_c_is_answered_long_before_the_call_would_have_ended(call):
     assert np.shape(f(*few))[0] == 10  # and the next call is as if nothing had been
 
 
+def test_ctrl_c_is_answered_in_the_midst_of_one_state():
+    before = signal.signal(signal.SIGPROF, signal.default_int_handler)
+    start = processor_time()
+    try:
+        with pytest.raises(KeyboardInterrupt):  # all of it takes some seconds
+            signal.setitimer(signal.ITIMER_PROF, 0.05)
+            axode.jacobian_partials(ARM, ARM.random(seed=1), "flange", "hybrid", order=7)
+        assert (processor_time() - start)[0] < 0.7
+    finally:
+        signal.setitimer(signal.ITIMER_PROF, 0)
+        signal.signal(signal.SIGPROF, before)
+
+
 def test_ctrl_c_from_another_process_ends_a_program():
     program = """
 import axode, numpy as np
