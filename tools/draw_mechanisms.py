@@ -14,7 +14,7 @@ import numpy as np
 
 matplotlib.use("svg")
 matplotlib.rcParams.update({"svg.hashsalt": "axode", "svg.fonttype": "none"})
-from matplotlib import pyplot  # noqa: E402: the backend comes first
+from matplotlib import pyplot  # noqa: E402  the backend comes first
 
 ROBOTS = Path(__file__).resolve().parents[1] / "examples" / "robots"
 XY, XZ = np.eye(3)[[0, 1]], np.eye(3)[[0, 2]]

@@ -58,6 +58,12 @@ def run(*command, environment=None):
     return subprocess.run(command, cwd=SOURCE, env={**os.environ, **(environment or {})}).returncode == 0
 
 
+def run_quietly(*command):
+    """A command whose arguments are too many to be printed."""
+    print("+", *command[:3], "...", flush=True)
+    return subprocess.run(command, cwd=SOURCE).returncode == 0
+
+
 def processor_seconds():
     used = resource.getrusage(resource.RUSAGE_CHILDREN)
     return used.ru_utime + used.ru_stime
@@ -206,6 +212,25 @@ def run_pytest(python, tests, jobs, folder):
     return results
 
 
+def changed_sources():
+    """The C++ sources of the library and the command that the last commit changed."""
+    changed = subprocess.run(["git", "diff", "--name-only", "--diff-filter=d", "HEAD~1"], cwd=SOURCE, text=True,
+                             stdout=subprocess.PIPE, stderr=subprocess.DEVNULL).stdout.splitlines()
+    return [name for name in changed if name.startswith(("axode/", "apps/")) and name.endswith(".cpp")]
+
+
+def check_style(jobs, costs):
+    """Outcomes of the checks of style; mypy and tsc are tests of the package and of the viewer."""
+    sources = [str(path.relative_to(SOURCE)) for folder in ("axode", "apps", "bench", "examples", "python", "tests")
+               for pattern in ("*.hpp", "*.cpp") for path in sorted((SOURCE / folder).rglob(pattern))]
+    checks = {"clang-format": lambda: run_quietly("clang-format-14", "--dry-run", "-Werror", *sources)}
+    if changed := changed_sources()[:4]:
+        checks["clang-tidy"] = lambda: run("clang-tidy-14", "--quiet", "-p", "build/asan", *changed)
+    if READY.exists():
+        checks["ruff"] = lambda: run(str(PYTHON), "-m", "ruff", "check", "--quiet", ".")
+    return {name: "passed" if costs.measure("style", name, check) else "failed" for name, check in checks.items()}
+
+
 def test_python(jobs, costs):
     """Outcomes of the Python package's tests; skipped where `make build/venv/tests` could not make an environment."""
     if not READY.exists():
@@ -275,6 +300,7 @@ def main():
         runs["docs"] = lambda: build_site(jobs, costs)
         runs["bench"] = lambda: measure_speed(jobs, costs)
     else:
+        runs["style"] = lambda: check_style(jobs, costs)  # with the commands by which asan is compiled
         runs["python"] = lambda: test_python(jobs, costs)  # with the libraries of release
         bridges -= NIGHTLY_BRIDGES
     for name in sorted(bridges):

@@ -5,7 +5,6 @@ import sys
 from pathlib import Path
 
 import axode
-import pytest
 
 SOURCE = Path(__file__).resolve().parents[2]
 PACKAGE = Path(axode.__file__).parent

@@ -1,7 +1,6 @@
 """`axode.view`: pages, and what is pushed to them, as a browser sees it."""
 
 import csv
-import html
 import http.client
 import json
 import os

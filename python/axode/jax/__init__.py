@@ -11,7 +11,7 @@ The functions compute on the CPU. Needs JAX: pip install jax.
 
 from __future__ import annotations
 
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 

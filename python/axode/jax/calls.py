@@ -9,7 +9,7 @@ JAX's own rules make second derivatives of the former.
 from __future__ import annotations
 
 import functools
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 import jax  # type: ignore[import-not-found, unused-ignore]

@@ -116,7 +116,7 @@ def test_programs_may_be_dropped_while_they_run():
     q, v, x, _ = random_states(ARM, 2000)
     for k in range(20):
         m = ARM.with_gravity([0, 0, -1 - 0.01 * k])
-        found = jax.jit(lambda q: axode.jax.inverse_dynamics(m, q, v, x))(q)  # noqa: B023
+        found = jax.jit(lambda q: axode.jax.inverse_dynamics(m, q, v, x))(q)  # noqa: B023, F821
         del m
         jax.clear_caches()
         gc.collect()
