@@ -11,7 +11,7 @@
 #include "axode/kinematics/place.hpp"
 #include "axode/recursion/loads.hpp"
 #include "axode/recursion/solvability.hpp"
-#include "axode/table/functions.hpp"
+#include "axode/table/check_counts.hpp"
 
 /// The functions of a state as values: one row for each, with what it is given, what it makes and how it is called. The
 /// command and the Python package are made from these rows, and laws that hold for all functions run over them.
@@ -27,17 +27,33 @@ template <class T> struct Given {
   CoriolisForm form = CoriolisForm::christoffel;
   WrenchPoint at = WrenchPoint::body;
 };
-/// Where such an input stands.
-template <class T> std::span<const T>& numbers(Given<T>& given, Input input);
+/// Where an input of numbers stands.
+template <class T> constexpr std::span<const T> Given<T>::*member_of(Input input) {
+  switch (input) {
+    case Input::q: return &Given<T>::q;
+    case Input::v: return &Given<T>::v;
+    case Input::a: return &Given<T>::a;
+    case Input::tau: return &Given<T>::tau;
+    case Input::p: return &Given<T>::p;
+    case Input::dq: return &Given<T>::dq;
+    case Input::dv: return &Given<T>::dv;
+    case Input::da: return &Given<T>::da;
+    case Input::dtau: return &Given<T>::dtau;
+    default: return &Given<T>::w;
+  }
+}
+template <class T> std::span<const T>& numbers(Given<T>& given, Input input) {
+  return given.*member_of<T>(input);
+}
+template <class T> const std::span<const T>& numbers(const Given<T>& given, Input input) {
+  return given.*member_of<T>(input);
+}
 
-int numbers_of(Entry entry);
 /// Entries as the numbers that they consist of.
 template <class T, class E> std::span<T> as_numbers(std::span<E> entries) {
   static_assert(sizeof(E) % sizeof(T) == 0);
   return {reinterpret_cast<T*>(entries.data()), entries.size() * (sizeof(E) / sizeof(T))};
 }
-
-std::size_t value_of(Extent extent, const Model& model, std::size_t n_loads);
 
 /// A row, and how the function is called.
 template <class T> struct Function : Words {

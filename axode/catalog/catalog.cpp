@@ -6,52 +6,8 @@
 
 namespace axode::catalog {
 
-template <class T> std::span<const T>& numbers(Given<T>& given, Input input) {
-  switch (input) {
-    case Input::q: return given.q;
-    case Input::v: return given.v;
-    case Input::a: return given.a;
-    case Input::tau: return given.tau;
-    case Input::p: return given.p;
-    case Input::dq: return given.dq;
-    case Input::dv: return given.dv;
-    case Input::da: return given.da;
-    case Input::dtau: return given.dtau;
-    default: return given.w;
-  }
-}
-template std::span<const double>& numbers(Given<double>&, Input);
-template std::span<const float>& numbers(Given<float>&, Input);
-
-int numbers_of(Entry entry) {
-  switch (entry) {
-    case Entry::number: return 1;
-    case Entry::vector: return 3;
-    case Entry::pose: return 12;
-    case Entry::inertia: return 10;
-    default: return 6;
-  }
-}
-
-std::size_t value_of(Extent extent, const Model& model, std::size_t n_loads) {
-  const auto size = [](int n) { return static_cast<std::size_t>(n); };
-  switch (extent) {
-    case Extent::nv: return size(model.nv());
-    case Extent::n_bodies:
-    case Extent::n_joints: return size(model.n_bodies());
-    case Extent::n_frames: return size(model.n_frames());
-    case Extent::n_screws: return size(model.n_screws());
-    case Extent::n_parameters: return 10 * size(model.n_bodies());
-    case Extent::n_loads: return n_loads;
-    case Extent::six: break;
-  }
-  return 6;
-}
-
 template <class T> std::size_t Function<T>::size(const Model& model, std::size_t n_loads) const {
-  std::size_t n = static_cast<std::size_t>(numbers_of(entry)) * symbols.size();
-  for (const Extent extent : shape) n *= value_of(extent, model, n_loads);
-  return n;
+  return symbols.size() * catalog::numbers_of(*this, model, n_loads);
 }
 
 std::string_view name_here(std::string_view theirs) {

@@ -5,8 +5,8 @@
 #include "axode/constraints/check_loops.hpp"
 #include "axode/constraints/independent_rows.hpp"
 #include "axode/derivatives/inverse_dynamics_derivatives.hpp"
-#include "axode/dynamics/check_loads.hpp"
 #include "axode/eigen.hpp"
+#include "axode/kinematics/check_arguments.hpp"
 #include "axode/recursion/instantiate.hpp"
 
 namespace axode {

@@ -2,8 +2,8 @@
 
 #include "axode/constraints/check_loops.hpp"
 #include "axode/constraints/independent_rows.hpp"
-#include "axode/dynamics/check_loads.hpp"
 #include "axode/dynamics/wrench_frame.hpp"
+#include "axode/kinematics/check_arguments.hpp"
 #include "axode/recursion/instantiate.hpp"
 #include "axode/recursion/least_squares.hpp"
 

@@ -2,10 +2,10 @@
 
 #include "axode/constraints/check_loops.hpp"
 #include "axode/constraints/independent_velocities.hpp"
-#include "axode/dynamics/check_loads.hpp"
 #include "axode/dynamics/inverse_dynamics.hpp"
 #include "axode/dynamics/mass_matrix.hpp"
 #include "axode/eigen.hpp"
+#include "axode/kinematics/check_arguments.hpp"
 
 namespace axode {
 

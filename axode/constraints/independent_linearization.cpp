@@ -7,9 +7,9 @@
 #include "axode/constraints/independent_velocities.hpp"
 #include "axode/derivatives/spring_derivatives.hpp"
 #include "axode/derivatives/velocity_bracket.hpp"
-#include "axode/dynamics/check_loads.hpp"
 #include "axode/dynamics/springs.hpp"
 #include "axode/eigen.hpp"
+#include "axode/kinematics/check_arguments.hpp"
 
 namespace axode {
 namespace {

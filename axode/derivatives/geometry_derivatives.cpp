@@ -1,23 +1,14 @@
 #include "axode/derivatives/geometry_derivatives.hpp"
 
 #include "axode/derivatives/scratch.hpp"
-#include "axode/dynamics/check_loads.hpp"
+#include "axode/kinematics/checked.hpp"
 #include "axode/recursion/instantiate.hpp"
-#include "axode/table/check_counts.hpp"
 
 namespace axode {
 namespace {
 
 template <class T> std::size_t parameters(const Model& model) {
   return static_cast<std::size_t>(model.n_bodies()) * 6;
-}
-template <class T> void check_matrix(const Model& model, const char* name, std::span<T> x) {
-  check_size(name, x.size(), static_cast<std::size_t>(model.nv()) * parameters<T>(model),
-             "nv * n_bodies * 6");
-}
-template <class T> void check_gradient(const Model& model, Numbers<T> w, std::span<T> gradient) {
-  check_size("w", w.size(), static_cast<std::size_t>(model.nv()), "nv");
-  check_size("gradient", gradient.size(), parameters<T>(model), "n_bodies * 6");
 }
 
 /// f(i, u, screw) for all parameters that displace a place, with the screws as it sees them. O(d).
@@ -37,12 +28,7 @@ void inverse_dynamics_geometry_derivatives(const Model& model, Workspace<T>& wor
                                            Numbers<T> v, Numbers<T> a,
                                            std::type_identity_t<std::span<T>> dtau,
                                            const std::type_identity_t<Loads<T>>& loads) {
-  catalog::check_counts<"inverse_dynamics_geometry_derivatives">(model, workspace);
-  check_state(model, workspace, q, v, a);
-  check_loads(model, loads);
-  check_matrix<T>(model, "dtau", dtau);
-  check_separate("dtau", dtau, "q", q);
-  Arena arena = workspace.arena(model.topology());
+  Arena arena = checked<"inverse_dynamics_geometry_derivatives">(model, workspace, q, v, a, loads, dtau);
   GeometryDerivatives<T>(arena).run(model.tree<T>(), q.data(), v.data(), a.data(), loads, dtau.data());
 }
 
@@ -51,13 +37,7 @@ Solvability forward_dynamics_geometry_derivatives(const Model& model, Workspace<
                                                   Numbers<T> v, Numbers<T> tau,
                                                   std::type_identity_t<std::span<T>> da,
                                                   const std::type_identity_t<Loads<T>>& loads) {
-  catalog::check_counts<"forward_dynamics_geometry_derivatives">(model, workspace);
-  check_state(model, workspace, q, v);
-  check_size("tau", tau.size(), static_cast<std::size_t>(model.nv()), "nv");
-  check_loads(model, loads);
-  check_matrix<T>(model, "da", da);
-  check_separate("da", da, "q", q);
-  Arena arena = workspace.arena(model.topology());
+  Arena arena = checked<"forward_dynamics_geometry_derivatives">(model, workspace, q, v, tau, loads, da);
   const Solvability verdict = ForwardGeometryDerivatives<T>(arena).run(model.tree<T>(), q.data(), v.data(),
                                                                        tau.data(), loads, da.data());
   return solved(verdict, std::ssize(da), da.data());
@@ -67,14 +47,8 @@ template <class T>
 void inverse_dynamics_geometry_vjp(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v,
                                    Numbers<T> a, Numbers<T> w, std::type_identity_t<std::span<T>> gradient,
                                    const std::type_identity_t<Loads<T>>& loads) {
-  catalog::check_counts<"inverse_dynamics_geometry_vjp">(model, workspace);
-  check_state(model, workspace, q, v, a);
-  check_loads(model, loads);
-  check_gradient<T>(model, w, gradient);
-  check_separate("gradient", gradient, "q", q), check_separate("gradient", gradient, "v", v);
-  check_separate("gradient", gradient, "a", a), check_separate("gradient", gradient, "w", w);
+  Arena arena = checked<"inverse_dynamics_geometry_vjp">(model, workspace, q, v, a, w, loads, gradient);
   const Tree<T>& tree = model.tree<T>();
-  Arena arena = workspace.arena(model.topology());
   InverseDynamicsVjp<T> vjp(arena);
   vjp.run(tree, q.data(), v.data(), a.data(), w.data(), loads);
   vjp.each_parameter(tree, q.data(), v.data(), a.data(), w.data(), [&](int i, int u, const T& x) {
@@ -87,14 +61,8 @@ Solvability forward_dynamics_geometry_vjp(const Model& model, Workspace<T>& work
                                           Numbers<T> v, Numbers<T> tau, Numbers<T> w,
                                           std::type_identity_t<std::span<T>> gradient,
                                           const std::type_identity_t<Loads<T>>& loads) {
-  catalog::check_counts<"forward_dynamics_geometry_vjp">(model, workspace);
-  check_state(model, workspace, q, v);
-  check_size("tau", tau.size(), static_cast<std::size_t>(model.nv()), "nv");
-  check_loads(model, loads);
-  check_gradient<T>(model, w, gradient);
-  check_separate("gradient", gradient, "q", q), check_separate("gradient", gradient, "v", v);
+  Arena arena = checked<"forward_dynamics_geometry_vjp">(model, workspace, q, v, tau, w, loads, gradient);
   const Tree<T>& tree = model.tree<T>();
-  Arena arena = workspace.arena(model.topology());
   ForwardVjp<T> s(arena);
   const Solvability verdict = s.run(tree, q.data(), v.data(), tau.data(), w.data(), loads);
   if (verdict.ok())
@@ -108,11 +76,9 @@ template <class T>
 void frame_geometry_jacobian(const Model& model, Workspace<T>& workspace, Numbers<T> q,
                              const std::type_identity_t<Place<T>>& given,
                              std::type_identity_t<std::span<T>> J) {
-  check_state(model, workspace, q);
+  checked<"frame_geometry_jacobian">(model, workspace, q, J);
   const Place<T> place = found(model, given);
   const std::size_t columns = parameters<T>(model);
-  check_size("J", J.size(), 6 * columns, "6 * n_bodies * 6");
-  check_separate("J", J, "q", q);
   std::fill(J.begin(), J.end(), T(0));
   each_parameter(model.tree<T>(), q.data(), place, [&](int i, int u, const Screw<T>& X) {
     for (int k = 0; k < 6; ++k)
@@ -125,15 +91,12 @@ template <class T>
 void jacobian_geometry_derivatives(const Model& model, Workspace<T>& workspace, Numbers<T> q,
                                    const std::type_identity_t<Place<T>>& given,
                                    std::type_identity_t<std::span<Twist<BodyFixed, T>>> dJ) {
-  check_state(model, workspace, q);
+  Arena arena = checked<"jacobian_geometry_derivatives">(model, workspace, q, dJ);
   const Place<T> place = found(model, given);
   const Tree<T>& tree = model.tree<T>();
   const std::size_t nv = static_cast<std::size_t>(model.nv());
-  check_size("dJ", dJ.size(), parameters<T>(model) * nv, "n_bodies * 6 * nv");
-  check_separate("dJ", dJ, "q", q);
   std::fill(dJ.begin(), dJ.end(), Twist<BodyFixed, T>{});
   // A parameter displaces the place and leaves the screws before it where they are; those behind it go along.
-  Arena arena = workspace.arena(model.topology());
   CarryingScrews<T> screws(arena);
   screws.run(tree, q.data(), place);
   each_parameter(tree, q.data(), place, [&](int i, int u, const Screw<T>& X) {

@@ -1,9 +1,8 @@
 #include "axode/derivatives/hessian.hpp"
 
 #include "axode/derivatives/forward_second_order.hpp"
-#include "axode/dynamics/check_loads.hpp"
+#include "axode/kinematics/checked.hpp"
 #include "axode/recursion/instantiate.hpp"
-#include "axode/table/check_counts.hpp"
 
 namespace axode {
 
@@ -12,14 +11,8 @@ void inverse_dynamics_hessian(const Model& model, Workspace<T>& workspace, Numbe
                               Numbers<T> a, Numbers<T> w,
                               const std::type_identity_t<InverseDynamicsHessian<T>>& h,
                               const std::type_identity_t<Loads<T>>& loads) {
-  catalog::check_counts<"inverse_dynamics_hessian">(model, workspace);
-  check_state(model, workspace, q, v, a);
-  check_loads(model, loads);
-  check_size("w", w.size(), static_cast<std::size_t>(model.nv()), "nv");
-  check_results<T>(
-      model,
-      {{"hessian.qq", h.qq, 2}, {"hessian.qv", h.qv, 2}, {"hessian.vv", h.vv, 2}, {"hessian.aq", h.aq, 2}});
-  Arena arena = workspace.arena(model.topology());
+  Arena arena =
+      checked<"inverse_dynamics_hessian">(model, workspace, q, v, a, w, loads, h.qq, h.qv, h.vv, h.aq);
   SecondOrder<T> second(arena);
   second.run(model.tree<T>(), q.data(), v.data(), a.data(), w.data(), loads);
   for (const std::span<T> block : {h.qq, h.qv, h.vv, h.aq}) std::fill(block.begin(), block.end(), T(0));
@@ -32,16 +25,8 @@ Solvability forward_dynamics_hessian(const Model& model, Workspace<T>& workspace
                                      Numbers<T> tau, Numbers<T> w,
                                      const std::type_identity_t<ForwardDynamicsHessian<T>>& h,
                                      const std::type_identity_t<Loads<T>>& loads) {
-  catalog::check_counts<"forward_dynamics_hessian">(model, workspace);
-  check_state(model, workspace, q, v);
-  check_loads(model, loads);
-  check_size("tau", tau.size(), static_cast<std::size_t>(model.nv()), "nv");
-  check_size("w", w.size(), static_cast<std::size_t>(model.nv()), "nv");
-  check_results<T>(model, {{"hessian.qq", h.qq, 2},
-                           {"hessian.qv", h.qv, 2},
-                           {"hessian.vv", h.vv, 2},
-                           {"hessian.tauq", h.tauq, 2}});
-  Arena arena = workspace.arena(model.topology());
+  Arena arena =
+      checked<"forward_dynamics_hessian">(model, workspace, q, v, tau, w, loads, h.qq, h.qv, h.vv, h.tauq);
   const Solvability verdict =
       ForwardSecondOrder<T>(arena).run(model.tree<T>(), q.data(), v.data(), tau.data(), w.data(), loads,
                                        {h.qq.data(), h.qv.data(), h.vv.data(), h.tauq.data()});

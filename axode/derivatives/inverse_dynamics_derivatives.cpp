@@ -1,9 +1,8 @@
 #include "axode/derivatives/inverse_dynamics_derivatives.hpp"
 
 #include "axode/derivatives/first_order.hpp"
-#include "axode/dynamics/check_loads.hpp"
+#include "axode/kinematics/checked.hpp"
 #include "axode/recursion/instantiate.hpp"
-#include "axode/table/check_counts.hpp"
 
 namespace axode {
 
@@ -12,15 +11,13 @@ void inverse_dynamics_derivatives(const Model& model, Workspace<T>& workspace, N
                                   Numbers<T> a,
                                   const std::type_identity_t<InverseDynamicsDerivatives<T>>& dtau,
                                   const std::type_identity_t<Loads<T>>& loads) {
-  catalog::check_counts<"inverse_dynamics_derivatives">(model, workspace);
-  check_state(model, workspace, q, v, a);
-  check_loads(model, loads);
-  check_results<T>(model, {{"dtau.tau", dtau.tau, 1, !dtau.tau.empty()},
-                           {"dtau.q", dtau.q, 2},
-                           {"dtau.v", dtau.v, 2},
-                           {"dtau.a", dtau.a, 2}});
+  Arena arena =
+      checked<"inverse_dynamics_derivatives">(model, workspace, q, v, a, loads, dtau.q, dtau.v, dtau.a);
+  if (!dtau.tau.empty())
+    check_results<T>(
+        model,
+        {{"dtau.tau", dtau.tau, 1}, {"dtau.q", dtau.q, 2}, {"dtau.v", dtau.v, 2}, {"dtau.a", dtau.a, 2}});
   const Tree<T>& tree = model.tree<T>();
-  Arena arena = workspace.arena(model.topology());
   FirstOrder<T> first_order(arena);
   first_order.run(tree, q.data(), v.data(), a.data(), loads);
   if (!dtau.tau.empty()) first_order.project(tree, v.data(), a.data(), loads.joint_losses, dtau.tau.data());

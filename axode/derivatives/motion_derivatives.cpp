@@ -1,6 +1,6 @@
 #include "axode/derivatives/motion_derivatives.hpp"
 
-#include "axode/kinematics/check_arguments.hpp"
+#include "axode/kinematics/checked.hpp"
 #include "axode/kinematics/path.hpp"
 #include "axode/kinematics/scratch.hpp"
 #include "axode/lie/representation_change.hpp"
@@ -99,12 +99,8 @@ template <RecursionRepresentation Rep, class T>
 void motion_derivatives(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v, Numbers<T> a,
                         const std::type_identity_t<Place<T>>& given,
                         const std::type_identity_t<MotionDerivatives<Rep, T>>& d) {
-  check_state(model, workspace, q, v, a);
+  Arena arena = checked<"motion_derivatives">(model, workspace, q, v, a, d.V_q, d.V_v, d.dV_q, d.dV_v);
   const Place<T> place = found(model, given);
-  check_results<Twist<Rep, T>>(
-      model, {{"d.V_q", d.V_q, 1}, {"d.V_v", d.V_v, 1}, {"d.dV_q", d.dV_q, 1}, {"d.dV_v", d.dV_v, 1}});
-  for (const auto& columns : {d.V_q, d.V_v, d.dV_q, d.dV_v}) check_separate("d", columns, "q", q);
-  Arena arena = workspace.arena(model.topology());
   const MotionTo<T> motion(model.tree<T>(), arena, q.data(), v.data(), a.data(), place);
   for (const auto& columns : {d.V_q, d.V_v, d.dV_q, d.dV_v})
     std::fill(columns.begin(), columns.end(), Twist<Rep, T>{});
@@ -125,11 +121,8 @@ template <RecursionRepresentation Rep, class T>
 MotionChange<Rep, T> motion_jvp(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v,
                                 Numbers<T> a, const std::type_identity_t<Place<T>>& given, Numbers<T> dq,
                                 Numbers<T> dv, Numbers<T> da) {
-  check_state(model, workspace, q, v, a);
+  Arena arena = checked<"motion_jvp">(model, workspace, q, v, a, dq, dv, da);
   const Place<T> place = found(model, given);
-  for (const auto& [name, size] : {std::pair{"dq", dq.size()}, {"dv", dv.size()}, {"da", da.size()}})
-    check_size(name, size, static_cast<std::size_t>(model.nv()), "nv");
-  Arena arena = workspace.arena(model.topology());
   const MotionTo<T> motion(model.tree<T>(), arena, q.data(), v.data(), a.data(), place);
   V6<T> X{}, by_V{}, by_dV{};
   motion.each_column([&](int c, const V6<T>& J, const V6<T>& V_q, const V6<T>& dV_q, const V6<T>& dV_v) {

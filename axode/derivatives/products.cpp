@@ -3,30 +3,16 @@
 #include "axode/derivatives/accelerations.hpp"
 #include "axode/derivatives/inverse_dynamics_products.hpp"
 #include "axode/derivatives/scratch.hpp"
-#include "axode/dynamics/check_loads.hpp"
+#include "axode/kinematics/checked.hpp"
 #include "axode/recursion/instantiate.hpp"
-#include "axode/table/check_counts.hpp"
 
 namespace axode {
-namespace {
-
-template <class T> void check_velocities(const Model& model, const char* name, std::span<T> x) {
-  check_size(name, x.size(), static_cast<std::size_t>(model.nv()), "nv");
-}
-
-}  // namespace
-
 template <class T>
 void inverse_dynamics_jvp(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v,
                           Numbers<T> a, Numbers<T> dq, Numbers<T> dv, Numbers<T> da,
                           std::type_identity_t<std::span<T>> dtau,
                           const std::type_identity_t<Loads<T>>& loads) {
-  catalog::check_counts<"inverse_dynamics_jvp">(model, workspace);
-  check_state(model, workspace, q, v, a);
-  check_loads(model, loads);
-  check_velocities(model, "dq", dq), check_velocities(model, "dv", dv), check_velocities(model, "da", da);
-  check_velocities(model, "dtau", dtau);
-  Arena arena = workspace.arena(model.topology());
+  Arena arena = checked<"inverse_dynamics_jvp">(model, workspace, q, v, a, dq, dv, da, loads, dtau);
   InverseDynamicsJvp<T>(arena).run(model.tree<T>(), q.data(), v.data(), a.data(), dq.data(), dv.data(),
                                    da.data(), loads, dtau.data());
 }
@@ -36,13 +22,8 @@ void inverse_dynamics_vjp(const Model& model, Workspace<T>& workspace, Numbers<T
                           Numbers<T> a, Numbers<T> w,
                           const std::type_identity_t<InverseDynamicsGradients<T>>& gradient,
                           const std::type_identity_t<Loads<T>>& loads) {
-  catalog::check_counts<"inverse_dynamics_vjp">(model, workspace);
-  check_state(model, workspace, q, v, a);
-  check_loads(model, loads);
-  check_velocities(model, "w", w);
-  check_results<T>(
-      model, {{"gradient.q", gradient.q, 1}, {"gradient.v", gradient.v, 1}, {"gradient.a", gradient.a, 1}});
-  Arena arena = workspace.arena(model.topology());
+  Arena arena = checked<"inverse_dynamics_vjp">(model, workspace, q, v, a, w, loads, gradient.q, gradient.v,
+                                                gradient.a);
   InverseDynamicsVjp<T> vjp(arena);
   vjp.run(model.tree<T>(), q.data(), v.data(), a.data(), w.data(), loads);
   std::copy_n(vjp.by_q, gradient.q.size(), gradient.q.data());
@@ -55,13 +36,7 @@ Solvability forward_dynamics_jvp(const Model& model, Workspace<T>& workspace, Nu
                                  Numbers<T> tau, Numbers<T> dq, Numbers<T> dv, Numbers<T> dtau,
                                  std::type_identity_t<std::span<T>> da,
                                  const std::type_identity_t<Loads<T>>& loads) {
-  catalog::check_counts<"forward_dynamics_jvp">(model, workspace);
-  check_state(model, workspace, q, v);
-  check_loads(model, loads);
-  check_velocities(model, "tau", tau);
-  check_velocities(model, "dq", dq), check_velocities(model, "dv", dv), check_velocities(model, "dtau", dtau);
-  check_velocities(model, "da", da);
-  Arena arena = workspace.arena(model.topology());
+  Arena arena = checked<"forward_dynamics_jvp">(model, workspace, q, v, tau, dq, dv, dtau, loads, da);
   ForwardJvp<T> s(arena);
   const Tree<T>& tree = model.tree<T>();
   const Solvability verdict =
@@ -75,14 +50,8 @@ Solvability forward_dynamics_vjp(const Model& model, Workspace<T>& workspace, Nu
                                  Numbers<T> tau, Numbers<T> w,
                                  const std::type_identity_t<ForwardDynamicsGradients<T>>& gradient,
                                  const std::type_identity_t<Loads<T>>& loads) {
-  catalog::check_counts<"forward_dynamics_vjp">(model, workspace);
-  check_state(model, workspace, q, v);
-  check_loads(model, loads);
-  check_velocities(model, "tau", tau), check_velocities(model, "w", w);
-  check_results<T>(
-      model,
-      {{"gradient.q", gradient.q, 1}, {"gradient.v", gradient.v, 1}, {"gradient.tau", gradient.tau, 1}});
-  Arena arena = workspace.arena(model.topology());
+  Arena arena = checked<"forward_dynamics_vjp">(model, workspace, q, v, tau, w, loads, gradient.q, gradient.v,
+                                                gradient.tau);
   ForwardVjp<T> s(arena);
   const Tree<T>& tree = model.tree<T>();
   const int nv = tree->nv;

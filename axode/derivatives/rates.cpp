@@ -3,7 +3,7 @@
 #include "axode/derivatives/accelerations.hpp"
 #include "axode/derivatives/force_series.hpp"
 #include "axode/derivatives/scratch.hpp"
-#include "axode/dynamics/check_loads.hpp"
+#include "axode/kinematics/check_arguments.hpp"
 #include "axode/recursion/instantiate.hpp"
 #include "axode/table/check_counts.hpp"
 

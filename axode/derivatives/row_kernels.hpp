@@ -18,6 +18,10 @@
 namespace axode::catalog {
 
 template <Id id, class By> struct RowKernel;
+template <Id id, class By>
+concept HasRowKernel = requires {
+  sizeof(RowKernel<id, By>);
+};
 
 template <class By> struct RowKernel<Id("inverse_dynamics"), By> {
   using T = typename By::T;

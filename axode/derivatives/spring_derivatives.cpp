@@ -2,7 +2,7 @@
 
 #include "axode/derivatives/scratch.hpp"
 #include "axode/dynamics/spring_elements.hpp"
-#include "axode/kinematics/check_arguments.hpp"
+#include "axode/kinematics/checked.hpp"
 #include "axode/recursion/instantiate.hpp"
 
 namespace axode {
@@ -70,19 +70,14 @@ void differentiate_line(const Springs::Line& spring, const Tree<T>& tree, const 
 template <class T>
 void spring_force_derivatives(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v,
                               const std::type_identity_t<StateDerivatives<T>>& d) {
-  check_state(model, workspace, q, v);
-  check_results<T>(model, {{"d.q", d.q, 2}, {"d.v", d.v, 2}});
-  for (const std::span<T> matrix : {d.q, d.v}) {
-    check_separate("d", matrix, "q", q), check_separate("d", matrix, "v", v);
-    std::ranges::fill(matrix, T(0));
-  }
+  Arena arena = checked<"spring_force_derivatives">(model, workspace, q, v, d.q, d.v);
+  for (const std::span<T> matrix : {d.q, d.v}) std::ranges::fill(matrix, T(0));
   const std::ptrdiff_t nv = model.nv();
   const auto add = [&](std::ptrdiff_t component, std::ptrdiff_t direction, const T& by_q, const T& by_v) {
     d.q[static_cast<std::size_t>(component * nv + direction)] += by_q;
     d.v[static_cast<std::size_t>(component * nv + direction)] += by_v;
   };
   for (const int i : model.springs().joints) differentiate_joint(model, i, q.data(), v.data(), add);
-  Arena arena = workspace.arena(model.topology());
   SpringColumns<T> columns(arena);
   for (const Springs::Line& spring : model.springs().lines)
     differentiate_line(spring, model.tree<T>(), q.data(), v.data(), columns, add);

@@ -1,7 +1,7 @@
 #include "axode/dynamics/body_momenta.hpp"
 
 #include "axode/dynamics/scratch.hpp"
-#include "axode/kinematics/check_arguments.hpp"
+#include "axode/kinematics/checked.hpp"
 #include "axode/recursion/instantiate.hpp"
 
 namespace axode {
@@ -9,10 +9,8 @@ namespace axode {
 template <RecursionRepresentation Rep, class T>
 void body_momenta(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v,
                   std::type_identity_t<std::span<Momentum<Rep, T>>> Pi) {
-  check_state(model, workspace, q, v);
-  check_size("Pi", Pi.size(), static_cast<std::size_t>(model.n_bodies()), "n_bodies");
+  Arena arena = checked<"body_momenta">(model, workspace, q, v, Pi);
   const Tree<T>& tree = model.tree<T>();
-  Arena arena = workspace.arena(model.topology());
   PosesAndMotion<T> at(arena);
   auto& [C, motion] = at;
   motion.run(tree, q.data(), v.data(), v.data());

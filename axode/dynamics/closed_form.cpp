@@ -2,7 +2,6 @@
 
 #include <stdexcept>
 
-#include "axode/dynamics/check_loads.hpp"
 #include "axode/eigen.hpp"
 #include "axode/kinematics.hpp"
 #include "axode/kinematics/check_arguments.hpp"

@@ -1,7 +1,7 @@
 #include "axode/dynamics/coriolis.hpp"
 
 #include "axode/dynamics/scratch.hpp"
-#include "axode/kinematics/check_arguments.hpp"
+#include "axode/kinematics/checked.hpp"
 #include "axode/recursion/instantiate.hpp"
 
 namespace axode {
@@ -31,10 +31,8 @@ TwistToWrench<Spatial, T> body_term(CoriolisForm form, const Inertia<T>& M, cons
 template <class T>
 void coriolis_matrix(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v,
                      CoriolisForm form, std::type_identity_t<std::span<T>> C) {
-  check_state(model, workspace, q, v);
-  check_square("C", C.size(), model);
+  Arena arena = checked<"coriolis_matrix">(model, workspace, q, v, C);
   const Tree<T>& tree = model.tree<T>();
-  Arena arena = workspace.arena(model.topology());
   CoriolisBodies<T> bodies(arena);
   bodies.spatial.run(tree, q.data());
   const SpatialTree<T>& s = bodies.spatial;  // a capture of a structured binding is not for every compiler
@@ -67,11 +65,9 @@ void coriolis_matrix(const Model& model, Workspace<T>& workspace, Numbers<T> q, 
 template <class T>
 void christoffel(const Model& model, Workspace<T>& workspace, Numbers<T> q,
                  std::type_identity_t<std::span<T>> Gamma) {
-  check_state(model, workspace, q);
+  Arena arena = checked<"christoffel">(model, workspace, q, Gamma);
   const std::size_t nv = static_cast<std::size_t>(model.nv());
-  check_size("Gamma", Gamma.size(), nv * nv * nv, "nv * nv * nv");
   const Tree<T>& tree = model.tree<T>();
-  Arena arena = workspace.arena(model.topology());
   const SpatialTree<T> s(arena, tree, q.data());
   for (T& x : Gamma) x = T(0);
   const auto each_on_path = [&](int from, const auto& f) {

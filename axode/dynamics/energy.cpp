@@ -1,17 +1,15 @@
 #include "axode/dynamics/energy.hpp"
 
-#include "axode/dynamics/check_loads.hpp"
 #include "axode/dynamics/scratch.hpp"
 #include "axode/kinematics/center_of_mass.hpp"
-#include "axode/kinematics/check_arguments.hpp"
+#include "axode/kinematics/checked.hpp"
 #include "axode/recursion/instantiate.hpp"
 
 namespace axode {
 
 template <class T> T kinetic_energy(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v) {
-  check_state(model, workspace, q, v);
+  Arena arena = checked<"kinetic_energy">(model, workspace, q, v);
   const Tree<T>& tree = model.tree<T>();
-  Arena arena = workspace.arena(model.topology());
   const MovingMass<T> at(arena, tree, q.data(), v.data());
   T twice(0);
   for (int i = 1; i <= tree->n; ++i) twice += (at.spatial.M_body[i] * at.momenta.V[i]) | at.momenta.V[i];
@@ -20,9 +18,8 @@ template <class T> T kinetic_energy(const Model& model, Workspace<T>& workspace,
 }
 
 template <class T> T potential_energy(const Model& model, Workspace<T>& workspace, Numbers<T> q) {
-  check_state(model, workspace, q);
+  Arena arena = checked<"potential_energy">(model, workspace, q);
   const Tree<T>& tree = model.tree<T>();
-  Arena arena = workspace.arena(model.topology());
   const SpatialTree<T> s(arena, tree, q.data());
   T sum(0);
   each_root(model.topology(), [&](int i) { sum += dot(tree.g, s.M[i].h + s.M[i].m * s.origin[i]); });
@@ -32,12 +29,8 @@ template <class T> T potential_energy(const Model& model, Workspace<T>& workspac
 template <class T>
 void load_powers(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v,
                  const std::type_identity_t<Loads<T>>& loads, std::type_identity_t<std::span<T>> power) {
-  check_state(model, workspace, q, v);
-  check_loads(model, loads);
-  check_size("power", power.size(), loads.wrenches.size(), "number of wrenches");
-  check_separate("power", power, "loads", loads.wrenches);
+  Arena arena = checked<"load_powers">(model, workspace, q, v, loads, power);
   const Tree<T>& tree = model.tree<T>();
-  Arena arena = workspace.arena(model.topology());
   const MovingMass<T> at(arena, tree, q.data(), v.data());
   for (std::size_t k = 0; k < power.size(); ++k) {
     const AppliedWrench<T>& load = loads.wrenches[k];
@@ -51,8 +44,7 @@ void load_powers(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numb
 }
 
 template <class T> Inertia<T> centroidal_inertia(const Model& model, Workspace<T>& workspace, Numbers<T> q) {
-  check_state(model, workspace, q);
-  Arena arena = workspace.arena(model.topology());
+  Arena arena = checked<"centroidal_inertia">(model, workspace, q);
   const SpatialTree<T> s(arena, model.tree<T>(), q.data());
   if (!(s.mass() > T(0))) throw no_mass(model);
   const Vec3<T> c = s.mass_center();

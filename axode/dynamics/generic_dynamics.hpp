@@ -2,7 +2,7 @@
 #include <span>
 #include <utility>
 
-#include "axode/dynamics/check_loads.hpp"
+#include "axode/kinematics/check_arguments.hpp"
 #include "axode/model/configuration.hpp"
 #include "axode/model/workspace.hpp"
 #include "axode/recursion/composite_bodies.hpp"

@@ -1,11 +1,9 @@
 #include "axode/dynamics/joint_wrenches.hpp"
 
-#include "axode/dynamics/check_loads.hpp"
 #include "axode/dynamics/wrench_frame.hpp"
-#include "axode/kinematics/check_arguments.hpp"
+#include "axode/kinematics/checked.hpp"
 #include "axode/recursion/instantiate.hpp"
 #include "axode/recursion/inverse_dynamics.hpp"
-#include "axode/table/check_counts.hpp"
 
 namespace axode {
 
@@ -13,12 +11,8 @@ template <RecursionRepresentation Rep, class T>
 void joint_wrenches(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v, Numbers<T> a,
                     std::type_identity_t<std::span<Wrench<Rep, T>>> W,
                     const std::type_identity_t<Loads<T>>& loads, WrenchPoint at) {
-  catalog::check_counts<"joint_wrenches">(model, workspace);
-  check_state(model, workspace, q, v, a);
-  check_loads(model, loads);
-  check_size("W", W.size(), static_cast<std::size_t>(model.n_bodies()), "n_bodies");
+  Arena arena = checked<"joint_wrenches">(model, workspace, q, v, a, loads, W);
   const Tree<T>& tree = model.tree<T>();
-  Arena arena = workspace.arena(model.topology());
   InverseDynamicsRecursion<Rep, T> recursion{arena};
   recursion.run(tree, q.data(), v.data(), a.data(), loads);
   for (int i = 1; i <= tree->n; ++i) {  // the internal frame as a body on the frame of the result

@@ -3,7 +3,7 @@
 #include "axode/dynamics/scratch.hpp"
 #include "axode/fast/articulated_bodies.hpp"
 #include "axode/fast/composite_bodies.hpp"
-#include "axode/kinematics/check_arguments.hpp"
+#include "axode/kinematics/checked.hpp"
 #include "axode/recursion/composite_bodies.hpp"
 #include "axode/recursion/instantiate.hpp"
 
@@ -12,10 +12,8 @@ namespace axode {
 template <RecursionChoice Rep, class T>
 void mass_matrix(const Model& model, Workspace<T>& workspace, Numbers<T> q,
                  std::type_identity_t<std::span<T>> M) {
-  check_state(model, workspace, q);
-  check_square("M", M.size(), model);
+  Arena arena = checked<"mass_matrix">(model, workspace, q, M);
   const Tree<T>& tree = model.tree<T>();
-  Arena arena = workspace.arena(model.topology());
   if constexpr (std::same_as<Rep, Fast>) {
     if (!tree->coupled_bodies.empty()) return mass_matrix<Hybrid>(model, workspace, q, M);
     FastCompositeBodies<T> bodies(arena);
@@ -29,11 +27,9 @@ void mass_matrix(const Model& model, Workspace<T>& workspace, Numbers<T> q,
 template <RecursionChoice Rep, class T>
 Solvability inverse_mass_matrix(const Model& model, Workspace<T>& workspace, Numbers<T> q,
                                 std::type_identity_t<std::span<T>> M_inverse) {
-  check_state(model, workspace, q);
-  check_square("M_inverse", M_inverse.size(), model);
+  Arena arena = checked<"inverse_mass_matrix">(model, workspace, q, M_inverse);
   const Tree<T>& tree = model.tree<T>();
   const std::size_t nv = static_cast<std::size_t>(tree->nv);
-  Arena arena = workspace.arena(model.topology());
   Solvability verdict;
   if constexpr (std::same_as<Rep, Fast>) {
     if (!FastInverse<T>(arena).run(tree, q.data(), M_inverse.data()))

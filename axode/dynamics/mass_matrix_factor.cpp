@@ -45,7 +45,7 @@ template <class T> void MassMatrixFactor<T>::check(std::span<const T> M) const {
 }
 
 template <class T> Solvability MassMatrixFactor<T>::factorize(std::type_identity_t<std::span<const T>> M) {
-  check_square("M", M.size(), model_);
+  check_size("M", M.size(), H_.size(), "nv * nv");
   check(M);
   std::copy(M.begin(), M.end(), H_.begin());
   PivotJudge<T> judge;
@@ -59,7 +59,7 @@ template <class T> void MassMatrixFactor<T>::solve(std::type_identity_t<std::spa
 }
 
 template <class T> void MassMatrixFactor<T>::inverse(std::type_identity_t<std::span<T>> M_inverse) const {
-  check_square("M_inverse", M_inverse.size(), model_);
+  check_size("M_inverse", M_inverse.size(), H_.size(), "nv * nv");
   const std::size_t nv = static_cast<std::size_t>(nv_);
   std::fill(M_inverse.begin(), M_inverse.end(), T(0));
   for (std::size_t c = 0; c < nv; ++c) {

@@ -3,7 +3,7 @@
 #include <Eigen/Core>
 
 #include "axode/dynamics/mass_matrix.hpp"
-#include "axode/kinematics/check_arguments.hpp"
+#include "axode/kinematics/checked.hpp"
 #include "axode/recursion/instantiate.hpp"
 #include "axode/recursion/spatial_tree.hpp"
 
@@ -12,11 +12,9 @@ namespace axode {
 template <class T>
 void mass_matrix_partials(const Model& model, Workspace<T>& workspace, Numbers<T> q,
                           std::type_identity_t<std::span<T>> dM) {
-  check_state(model, workspace, q);
+  Arena arena = checked<"mass_matrix_partials">(model, workspace, q, dM);
   const std::size_t nv = static_cast<std::size_t>(model.nv());
-  check_size("dM", dM.size(), nv * nv * nv, "nv * nv * nv");
   const Tree<T>& tree = model.tree<T>();
-  Arena arena = workspace.arena(model.topology());
   const SpatialTree<T> s(arena, tree, q.data());
   for (T& x : dM) x = T(0);
   const auto add = [&](int k, int i, int j, const T& x) {
@@ -53,7 +51,7 @@ void mass_matrix_partials(const Model& model, Workspace<T>& workspace, Numbers<T
 template <class T>
 Solvability inverse_mass_matrix_partials(const Model& model, Workspace<T>& workspace, Numbers<T> q,
                                          std::type_identity_t<std::span<T>> dM_inverse) {
-  check_separate("dM_inverse", dM_inverse, "q", q);
+  checked<"inverse_mass_matrix_partials">(model, workspace, q, dM_inverse);
   mass_matrix_partials(model, workspace, q, dM_inverse);
   const Eigen::Index nv = model.nv();
   Eigen::MatrixX<T> M_inverse(nv, nv);

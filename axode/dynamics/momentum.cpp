@@ -2,7 +2,7 @@
 
 #include "axode/dynamics/scratch.hpp"
 #include "axode/kinematics/center_of_mass.hpp"
-#include "axode/kinematics/check_arguments.hpp"
+#include "axode/kinematics/checked.hpp"
 #include "axode/recursion/instantiate.hpp"
 
 namespace axode {
@@ -10,10 +10,8 @@ namespace axode {
 template <class T>
 void momenta(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v,
              std::type_identity_t<std::span<T>> p) {
-  check_state(model, workspace, q, v);
-  check_size("p", p.size(), static_cast<std::size_t>(model.nv()), "nv");
+  Arena arena = checked<"momenta">(model, workspace, q, v, p);
   const Tree<T>& tree = model.tree<T>();
-  Arena arena = workspace.arena(model.topology());
   const MovingMass<T> at(arena, tree, q.data(), v.data());
   T* const own = at.own;
   for (int c = 0; c < tree->nv; ++c) own[c] = tree.armature[c] * v[c];
@@ -25,11 +23,8 @@ void momenta(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<
 template <class T>
 Solvability from_momenta(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> p,
                          std::type_identity_t<std::span<T>> v) {
-  check_state(model, workspace, q);
-  check_size("p", p.size(), static_cast<std::size_t>(model.nv()), "nv");
-  check_size("v", v.size(), static_cast<std::size_t>(model.nv()), "nv");
+  Arena arena = checked<"from_momenta">(model, workspace, q, p, v);
   const Tree<T>& tree = model.tree<T>();
-  Arena arena = workspace.arena(model.topology());
   FrameResponse<Hybrid, T> at(arena);
   const Solvability verdict = at.bodies.factorize(tree, q.data(), tree.armature.data());
   for (int c = 0; c < tree->nv; ++c) at.x[c] = p[c];
@@ -41,8 +36,7 @@ Solvability from_momenta(const Model& model, Workspace<T>& workspace, Numbers<T>
 template <class T>
 Momentum<Spatial, T> spatial_momentum(const Model& model, Workspace<T>& workspace, Numbers<T> q,
                                       Numbers<T> v) {
-  check_state(model, workspace, q, v);
-  Arena arena = workspace.arena(model.topology());
+  Arena arena = checked<"spatial_momentum">(model, workspace, q, v);
   const MovingMass<T> at(arena, model.tree<T>(), q.data(), v.data());
   return at.momenta.whole(at.spatial);
 }
@@ -50,8 +44,7 @@ Momentum<Spatial, T> spatial_momentum(const Model& model, Workspace<T>& workspac
 template <class T>
 Momentum<Hybrid, T> centroidal_momentum(const Model& model, Workspace<T>& workspace, Numbers<T> q,
                                         Numbers<T> v) {
-  check_state(model, workspace, q, v);
-  Arena arena = workspace.arena(model.topology());
+  Arena arena = checked<"centroidal_momentum">(model, workspace, q, v);
   const MovingMass<T> at(arena, model.tree<T>(), q.data(), v.data());
   if (!(at.spatial.mass() > T(0))) throw no_mass(model);
   const Vec3<T> c = at.spatial.mass_center();

@@ -1,12 +1,8 @@
 #include "axode/dynamics/momentum_form.hpp"
 
-#include <utility>
-
-#include "axode/dynamics/check_loads.hpp"
 #include "axode/dynamics/scratch.hpp"
-#include "axode/kinematics/check_arguments.hpp"
+#include "axode/kinematics/checked.hpp"
 #include "axode/recursion/instantiate.hpp"
-#include "axode/table/check_counts.hpp"
 
 namespace axode {
 
@@ -15,14 +11,7 @@ Solvability momentum_form(const Model& model, Workspace<T>& workspace, Numbers<T
                           Numbers<T> tau, std::type_identity_t<std::span<T>> v,
                           std::type_identity_t<std::span<T>> dp,
                           const std::type_identity_t<Loads<T>>& loads) {
-  catalog::check_counts<"momentum_form">(model, workspace);
-  check_state(model, workspace, q);
-  for (const auto& [name, size] :
-       {std::pair{"p", p.size()}, {"tau", tau.size()}, {"v", v.size()}, {"dp", dp.size()}})
-    check_size(name, size, static_cast<std::size_t>(model.nv()), "nv");
-  check_separate("v", v, "dp", dp);
-  check_loads(model, loads);
-  Arena arena = workspace.arena(model.topology());
+  Arena arena = checked<"momentum_form">(model, workspace, q, p, tau, loads, v, dp);
   return MomentumForm<T>(arena).run(model.tree<T>(), q.data(), p.data(), tau.data(), loads, v.data(),
                                     dp.data());
 }

@@ -9,7 +9,6 @@
 #include "axode/kinematics/jacobian.hpp"
 #include "axode/lie/six.hpp"
 #include "axode/recursion/instantiate.hpp"
-#include "axode/table/check_counts.hpp"
 
 namespace axode {
 namespace {
@@ -35,9 +34,8 @@ template <RecursionRepresentation Rep, class T>
 Solvability impulse_response(const Model& model, Workspace<T>& workspace, Numbers<T> q,
                              const std::type_identity_t<Place<T>>& place,
                              std::type_identity_t<std::span<Twist<Rep, T>>> Y) {
-  catalog::check_counts<"impulse_response">(model, workspace);
-  jacobian<Rep>(model, workspace, q, place, Y);
-  Arena arena = workspace.arena(model.topology());
+  Arena arena = checked<"impulse_response">(model, workspace, q, Y);
+  jacobian<Rep>(model, workspace, q, place, Y);  // takes nothing of the workspace
   FrameResponse<Rep, T> at(arena);
   return respond(model.tree<T>(), at, q.data(), Y.data());
 }
@@ -46,11 +44,8 @@ template <RecursionRepresentation Rep, class T>
 Solvability mobility(const Model& model, Workspace<T>& workspace, Numbers<T> q,
                      const std::type_identity_t<Place<T>>& place,
                      std::type_identity_t<std::span<T>> mobility) {
-  catalog::check_counts<"mobility">(model, workspace);
-  check_state(model, workspace, q);
-  check_size("mobility", mobility.size(), 36, "6 * 6");
+  Arena arena = checked<"mobility">(model, workspace, q, mobility);
   const std::size_t nv = static_cast<std::size_t>(model.nv());
-  Arena arena = workspace.arena(model.topology());
   FrameResponse<Rep, T> at(arena);
   const std::span<Twist<Rep, T>> J(at.J, nv), Y(at.Y, nv);
   jacobian<Rep>(model, workspace, q, place, J);  // takes nothing of the workspace
@@ -64,8 +59,7 @@ template <RecursionRepresentation Rep, class T>
 Solvability operational_space_inertia(const Model& model, Workspace<T>& workspace, Numbers<T> q,
                                       const std::type_identity_t<Place<T>>& place,
                                       std::type_identity_t<std::span<T>> Lambda) {
-  catalog::check_counts<"operational_space_inertia">(model, workspace);
-  check_size("Lambda", Lambda.size(), 36, "6 * 6");
+  checked<"operational_space_inertia">(model, workspace, q, Lambda);
   Solvability solvability = mobility<Rep>(model, workspace, q, place, Lambda);
   const int directions = invert_definite(std::span<T, 36>(Lambda.data(), 36));
   if (solvability.ok()) solvability.directions = directions;

@@ -1,7 +1,7 @@
 #include "axode/dynamics/regressor.hpp"
 
 #include "axode/dynamics/scratch.hpp"
-#include "axode/kinematics/check_arguments.hpp"
+#include "axode/kinematics/checked.hpp"
 #include "axode/kinematics/path.hpp"
 #include "axode/recursion/instantiate.hpp"
 
@@ -27,11 +27,9 @@ template <class T, class F> void each_body(const Tree<T>& tree, const PosesAndMo
 template <class T>
 void regressor(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v, Numbers<T> a,
                std::type_identity_t<std::span<T>> Y) {
-  check_state(model, workspace, q, v, a);
+  Arena arena = checked<"regressor">(model, workspace, q, v, a, Y);
   const Tree<T>& tree = model.tree<T>();
   const std::size_t width = 10 * static_cast<std::size_t>(tree->n);
-  check_size("Y", Y.size(), static_cast<std::size_t>(tree->nv) * width, "nv * 10 * n_bodies");
-  Arena arena = workspace.arena(model.topology());
   PosesAndMotion<T> at(arena);
   at.motion.run(tree, q.data(), v.data(), a.data(), -tree.g);
   at.C.run(tree, at.motion.joints.C_pi);
@@ -51,10 +49,8 @@ void regressor(const Model& model, Workspace<T>& workspace, Numbers<T> q, Number
 template <class T>
 void kinetic_energy_regressor(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v,
                               std::type_identity_t<std::span<T>> y) {
-  check_state(model, workspace, q, v);
+  Arena arena = checked<"kinetic_energy_regressor">(model, workspace, q, v, y);
   const Tree<T>& tree = model.tree<T>();
-  check_size("y", y.size(), 10 * static_cast<std::size_t>(tree->n), "10 * n_bodies");
-  Arena arena = workspace.arena(model.topology());
   PosesAndMotion<T> at(arena);
   at.motion.run(tree, q.data(), v.data(), v.data());
   each_body(tree, at, [&](int i, const auto& V, const auto&) {
@@ -66,10 +62,8 @@ void kinetic_energy_regressor(const Model& model, Workspace<T>& workspace, Numbe
 template <class T>
 void potential_energy_regressor(const Model& model, Workspace<T>& workspace, Numbers<T> q,
                                 std::type_identity_t<std::span<T>> y) {
-  check_state(model, workspace, q);
+  Arena arena = checked<"potential_energy_regressor">(model, workspace, q, y);
   const Tree<T>& tree = model.tree<T>();
-  check_size("y", y.size(), 10 * static_cast<std::size_t>(tree->n), "10 * n_bodies");
-  Arena arena = workspace.arena(model.topology());
   const BodyPoses<T> C(arena, tree, q.data());
   for (int i = 1; i <= tree->n; ++i) {
     const SE3<T> C_user = C[i] * tree.frame_offset[i];

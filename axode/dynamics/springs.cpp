@@ -1,18 +1,11 @@
 #include "axode/dynamics/springs.hpp"
 
 #include "axode/dynamics/spring_elements.hpp"
-#include "axode/kinematics/check_arguments.hpp"
+#include "axode/kinematics/checked.hpp"
 #include "axode/recursion/instantiate.hpp"
 
 namespace axode {
 namespace {
-
-template <class T>
-void check(const Model& model, const Workspace<T>& workspace, Numbers<T> q, Numbers<T> v, std::span<T> tau) {
-  check_state(model, workspace, q, v);
-  check_size("tau", tau.size(), v.size(), "nv");
-  check_separate("tau", tau, "q", q), check_separate("tau", tau, "v", v);
-}
 
 constexpr auto no_columns = [](std::size_t, int, int, const auto&) {};
 
@@ -21,7 +14,7 @@ constexpr auto no_columns = [](std::size_t, int, int, const auto&) {};
 template <class T>
 void spring_forces(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v,
                    std::type_identity_t<std::span<T>> tau) {
-  check<T>(model, workspace, q, v, tau);
+  checked<"spring_forces">(model, workspace, q, v, tau);
   std::ranges::fill(tau, T(0));
   add_spring_forces(model, workspace, q, v, tau);
 }
@@ -29,7 +22,7 @@ void spring_forces(const Model& model, Workspace<T>& workspace, Numbers<T> q, Nu
 template <class T>
 void add_spring_forces(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v,
                        std::type_identity_t<std::span<T>> tau) {
-  check<T>(model, workspace, q, v, tau);
+  checked<"spring_forces">(model, workspace, q, v, tau);
   const Tree<T>& tree = model.tree<T>();
   for (const int i : model.springs().joints)
     with_joint(tree, i, [&]<class Joint>(const Joint& joint) {
@@ -56,7 +49,7 @@ void add_spring_forces(const Model& model, Workspace<T>& workspace, Numbers<T> q
 }
 
 template <class T> T elastic_energy(const Model& model, Workspace<T>& workspace, Numbers<T> q) {
-  check_state(model, workspace, q);
+  checked<"elastic_energy">(model, workspace, q);
   const Tree<T>& tree = model.tree<T>();
   T sum(0);
   for (const int i : model.springs().joints)

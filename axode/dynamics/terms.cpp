@@ -1,8 +1,7 @@
 #include "axode/dynamics/terms.hpp"
 
-#include "axode/dynamics/check_loads.hpp"
 #include "axode/dynamics/scratch.hpp"
-#include "axode/kinematics/check_arguments.hpp"
+#include "axode/kinematics/checked.hpp"
 #include "axode/recursion/instantiate.hpp"
 
 namespace axode {
@@ -10,18 +9,14 @@ namespace axode {
 template <RecursionChoice Rep, class T>
 void coriolis_vector(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v,
                      std::type_identity_t<std::span<T>> Cv) {
-  check_state(model, workspace, q, v);
-  check_size("Cv", Cv.size(), static_cast<std::size_t>(model.nv()), "nv");
-  Arena arena = workspace.arena(model.topology());
+  Arena arena = checked<"coriolis_vector">(model, workspace, q, v, Cv);
   ForcesAlone<Rep, T>(arena).run(model.tree<T>(), q.data(), v.data(), nullptr, {}, {}, Cv.data());
 }
 
 template <RecursionChoice Rep, class T>
 void gravity_torques(const Model& model, Workspace<T>& workspace, Numbers<T> q,
                      std::type_identity_t<std::span<T>> g) {
-  check_state(model, workspace, q);
-  check_size("g", g.size(), static_cast<std::size_t>(model.nv()), "nv");
-  Arena arena = workspace.arena(model.topology());
+  Arena arena = checked<"gravity_torques">(model, workspace, q, g);
   const Tree<T>& tree = model.tree<T>();
   ForcesAlone<Rep, T>(arena).run(tree, q.data(), nullptr, nullptr, {}, tree.g, g.data());
 }
@@ -29,10 +24,7 @@ void gravity_torques(const Model& model, Workspace<T>& workspace, Numbers<T> q,
 template <RecursionChoice Rep, class T>
 void generalized_loads(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v,
                        const std::type_identity_t<Loads<T>>& loads, std::type_identity_t<std::span<T>> Q) {
-  check_state(model, workspace, q, v);
-  check_loads(model, loads);
-  check_size("Q", Q.size(), static_cast<std::size_t>(model.nv()), "nv");
-  Arena arena = workspace.arena(model.topology());
+  Arena arena = checked<"generalized_loads">(model, workspace, q, v, loads, Q);
   ForcesAlone<Rep, T>(arena).run(model.tree<T>(), q.data(), nullptr, v.data(), loads, {}, Q.data());
   for (T& x : Q) x = -x;
 }

@@ -1,6 +1,5 @@
 #include "axode/dynamics/twist_form.hpp"
 
-#include "axode/dynamics/check_loads.hpp"
 #include "axode/dynamics/scratch.hpp"
 #include "axode/kinematics/check_arguments.hpp"
 #include "axode/recursion/instantiate.hpp"

@@ -9,7 +9,6 @@
 
 #include "axode/derivatives/inverse_dynamics_derivatives.hpp"
 #include "axode/derivatives/spring_derivatives.hpp"
-#include "axode/dynamics/check_loads.hpp"
 #include "axode/dynamics/forward_dynamics.hpp"
 #include "axode/dynamics/inverse_dynamics.hpp"
 #include "axode/dynamics/mass_matrix.hpp"
@@ -18,6 +17,7 @@
 #include "axode/integration/closed_motion.hpp"
 #include "axode/integration/dry_friction.hpp"
 #include "axode/integration/simulation.hpp"
+#include "axode/kinematics/check_arguments.hpp"
 #include "axode/kinematics/twists.hpp"
 #include "axode/model/configuration.hpp"
 #include "axode/model/finite.hpp"

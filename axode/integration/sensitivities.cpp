@@ -11,12 +11,12 @@
 #include "axode/derivatives/forward_first_order.hpp"
 #include "axode/derivatives/scratch.hpp"
 #include "axode/derivatives/spring_derivatives.hpp"
-#include "axode/dynamics/check_loads.hpp"
 #include "axode/dynamics/springs.hpp"
 #include "axode/eigen.hpp"
 #include "axode/integration/configuration_group.hpp"
 #include "axode/integration/group_derivatives.hpp"
 #include "axode/integration/munthe_kaas.hpp"
+#include "axode/kinematics/check_arguments.hpp"
 #include "axode/model/finite.hpp"
 #include "axode/table/check_counts.hpp"
 

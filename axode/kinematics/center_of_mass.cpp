@@ -1,6 +1,6 @@
 #include "axode/kinematics/center_of_mass.hpp"
 
-#include "axode/kinematics/check_arguments.hpp"
+#include "axode/kinematics/checked.hpp"
 #include "axode/kinematics/path.hpp"
 #include "axode/kinematics/scratch.hpp"
 #include "axode/recursion/instantiate.hpp"
@@ -36,18 +36,15 @@ template <class T> void compose(const Model& model, const Tree<T>& tree, const T
 }  // namespace
 
 template <class T> Vec3<T> center_of_mass(const Model& model, Workspace<T>& workspace, Numbers<T> q) {
-  check_state(model, workspace, q);
-  Arena arena = workspace.arena(model.topology());
+  Arena arena = checked<"center_of_mass">(model, workspace, q);
   return mass_center(model, model.tree<T>(), BodyPoses<T>(arena, model.tree<T>(), q.data()));
 }
 
 template <class T>
 void center_of_mass_jacobian(const Model& model, Workspace<T>& workspace, Numbers<T> q,
                              std::type_identity_t<std::span<Vec3<T>>> J) {
-  check_state(model, workspace, q);
-  check_size("J", J.size(), static_cast<std::size_t>(model.nv()), "nv");
+  Arena arena = checked<"center_of_mass_jacobian">(model, workspace, q, J);
   const Tree<T>& tree = model.tree<T>();
-  Arena arena = workspace.arena(model.topology());
   SubtreeInertias<T> at(arena);
   compose(model, tree, q.data(), at);
   for (Vec3<T>& column : J) column = {};
@@ -61,10 +58,8 @@ void center_of_mass_jacobian(const Model& model, Workspace<T>& workspace, Number
 template <class T>
 void centroidal_momentum_matrix(const Model& model, Workspace<T>& workspace, Numbers<T> q,
                                 std::type_identity_t<std::span<Momentum<Hybrid, T>>> A) {
-  check_state(model, workspace, q);
-  check_size("A", A.size(), static_cast<std::size_t>(model.nv()), "nv");
+  Arena arena = checked<"centroidal_momentum_matrix">(model, workspace, q, A);
   const Tree<T>& tree = model.tree<T>();
-  Arena arena = workspace.arena(model.topology());
   SubtreeInertias<T> at(arena);
   compose(model, tree, q.data(), at);
   for (Momentum<Hybrid, T>& column : A) column = {};
@@ -78,10 +73,8 @@ void centroidal_momentum_matrix(const Model& model, Workspace<T>& workspace, Num
 template <class T>
 void centroidal_momentum_matrix_rate(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v,
                                      std::type_identity_t<std::span<Wrench<Hybrid, T>>> dA) {
-  check_state(model, workspace, q, v);
-  check_size("dA", dA.size(), static_cast<std::size_t>(model.nv()), "nv");
+  Arena arena = checked<"centroidal_momentum_matrix_rate">(model, workspace, q, v, dA);
   const Tree<T>& tree = model.tree<T>();
-  Arena arena = workspace.arena(model.topology());
   SubtreeInertias<T> at(arena);
   compose(model, tree, q.data(), at);
   at.V[0] = {}, at.dM[0] = {};

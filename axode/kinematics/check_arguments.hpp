@@ -4,6 +4,7 @@
 
 #include "axode/kinematics/arguments.hpp"
 #include "axode/kinematics/place.hpp"
+#include "axode/recursion/loads.hpp"
 
 /// The checks that the functions of this and the later floors make before they compute.
 namespace axode {
@@ -33,30 +34,29 @@ void check_separate(const char* result, std::span<Out> out, const char* argument
                                 "; this result needs memory of its own");
 }
 
-/// One of several results of a call: nv^power numbers, or none where the caller does not want it.
+/// One of several results of a call, which has nv^power numbers.
 template <class T> struct Result {
   const char* name;
   std::span<T> x;
   int power;
-  bool wanted = true;
 };
 /// Results that are written while others are read: each has its size and memory of its own.
 template <class T> void check_results(const Model& model, std::initializer_list<Result<T>> results) {
   static constexpr const char* meanings[] = {"1", "nv", "nv * nv", "nv * nv * nv"};
   for (const Result<T>* a = results.begin(); a != results.end(); ++a) {
-    if (!a->wanted) continue;
     std::size_t size = 1;
     for (int k = 0; k < a->power; ++k) size *= static_cast<std::size_t>(model.nv());
     check_size(a->name, a->x.size(), size, meanings[a->power]);
-    for (const Result<T>* b = results.begin(); b != a; ++b)
-      if (b->wanted) check_separate(a->name, a->x, b->name, b->x);
+    for (const Result<T>* b = results.begin(); b != a; ++b) check_separate(a->name, a->x, b->name, b->x);
   }
 }
 
-/// A result with an entry for each pair of velocities.
-inline void check_square(const char* name, std::size_t size, const Model& model) {
-  const std::size_t nv = static_cast<std::size_t>(model.nv());
-  check_size(name, size, nv * nv, "nv * nv");
+template <class T> void check_loads(const Model& model, const Loads<T>& loads) {
+  for (const AppliedWrench<T>& load : loads.wrenches)
+    if (load.frame < 0 || load.frame >= model.n_frames())
+      throw std::invalid_argument("loads: a wrench acts on frame " + std::to_string(load.frame) +
+                                  "; model \"" + model.name() + "\" has frames 0 to " +
+                                  std::to_string(model.n_frames() - 1));
 }
 
 inline void check_place(const Model& model, int frame) {

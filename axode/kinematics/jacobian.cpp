@@ -1,7 +1,7 @@
 #include "axode/kinematics/jacobian.hpp"
 
 #include "axode/fast/jacobians.hpp"
-#include "axode/kinematics/check_arguments.hpp"
+#include "axode/kinematics/checked.hpp"
 #include "axode/kinematics/path.hpp"
 #include "axode/lie/representation_change.hpp"
 #include "axode/recursion/instantiate.hpp"
@@ -11,10 +11,8 @@ namespace axode {
 template <RecursionRepresentation Rep, class T>
 void jacobian(const Model& model, Workspace<T>& workspace, Numbers<T> q,
               const std::type_identity_t<Place<T>>& given, std::type_identity_t<std::span<Twist<Rep, T>>> J) {
-  check_state(model, workspace, q);
+  checked<"jacobian">(model, workspace, q, J);
   const Place<T> place = found(model, given);
-  check_size("J", J.size(), static_cast<std::size_t>(model.nv()), "nv");
-  check_separate("J", J, "q", q);
   for (Twist<Rep, T>& column : J) column = {};
   // The pose of the place is known at the end of the walk, so the columns wait for it in body-fixed
   // representation.
@@ -30,12 +28,9 @@ void jacobian(const Model& model, Workspace<T>& workspace, Numbers<T> q,
 template <RecursionRepresentation Rep, class T>
 void jacobians(const Model& model, Workspace<T>& workspace, Numbers<T> q,
                std::type_identity_t<std::span<Twist<Rep, T>>> J) {
-  check_state(model, workspace, q);
+  Arena arena = checked<"jacobians">(model, workspace, q, J);
   const Tree<T>& tree = model.tree<T>();
   const std::size_t nv = static_cast<std::size_t>(tree->nv);
-  check_size("J", J.size(), static_cast<std::size_t>(tree->n_frames()) * nv, "n_frames * nv");
-  check_separate("J", J, "q", q);
-  Arena arena = workspace.arena(model.topology());
   FastJacobians<T> of(arena);
   of.template run<Rep>(tree, q.data());
   for (std::size_t f = 0; f < tree->frame_body.size(); ++f)
@@ -91,11 +86,9 @@ void relative_jacobian(const Model& model, Workspace<T>& workspace, Numbers<T> q
                        const std::type_identity_t<Place<T>>& given,
                        const std::type_identity_t<Place<T>>& given_base,
                        std::type_identity_t<std::span<Twist<Rep, T>>> J) {
-  check_state(model, workspace, q);
+  checked<"relative_jacobian">(model, workspace, q, J);
   const Place<T> place = found(model, given);
   const Place<T> base = found(model, given_base);
-  check_size("J", J.size(), static_cast<std::size_t>(model.nv()), "nv");
-  check_separate("J", J, "q", q);
   const Tree<T>& tree = model.tree<T>();
   for (Twist<Rep, T>& column : J) column = {};
   // What moves both moves neither against the other.

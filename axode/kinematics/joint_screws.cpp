@@ -1,7 +1,7 @@
 #include "axode/kinematics/joint_screws.hpp"
 
 #include "axode/fast/poses.hpp"
-#include "axode/kinematics/check_arguments.hpp"
+#include "axode/kinematics/checked.hpp"
 #include "axode/recursion/instantiate.hpp"
 
 namespace axode {
@@ -9,11 +9,8 @@ namespace axode {
 template <class T>
 void joint_screws(const Model& model, Workspace<T>& workspace, Numbers<T> q,
                   std::type_identity_t<std::span<Twist<Spatial, T>>> J) {
-  check_state(model, workspace, q);
-  check_size("J", J.size(), static_cast<std::size_t>(model.n_screws()), "n_screws");
-  check_separate("J", J, "q", q);
+  Arena arena = checked<"joint_screws">(model, workspace, q, J);
   const Tree<T>& tree = model.tree<T>();
-  Arena arena = workspace.arena(model.topology());
   FastPoses<T> poses(arena);
   poses.run(tree, q.data(), [&](int i, const auto& at) {
     Twist<Spatial, T>* J_i = J.data() + tree->first_screw[i];

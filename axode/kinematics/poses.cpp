@@ -1,6 +1,6 @@
 #include "axode/kinematics/poses.hpp"
 
-#include "axode/kinematics/check_arguments.hpp"
+#include "axode/kinematics/checked.hpp"
 #include "axode/kinematics/scratch.hpp"
 #include "axode/recursion/instantiate.hpp"
 
@@ -9,10 +9,8 @@ namespace axode {
 template <class T>
 void poses(const Model& model, Workspace<T>& workspace, Numbers<T> q,
            std::type_identity_t<std::span<SE3<T>>> C) {
-  check_state(model, workspace, q);
-  check_size("C", C.size(), static_cast<std::size_t>(model.n_frames()), "n_frames");
+  Arena arena = checked<"poses">(model, workspace, q, C);
   const Tree<T>& tree = model.tree<T>();
-  Arena arena = workspace.arena(model.topology());
   FramePoses<T> of(arena);
   of.run(tree, q.data());
   for (int f = 0; f < tree->n_frames(); ++f) store(of(tree->frame_body[f], tree.frame_offset[f]), &C[f]);

@@ -2,7 +2,7 @@
 #include <string>
 
 #include "axode/model/workspace.hpp"
-#include "axode/table/functions.hpp"
+#include "axode/table/other_functions.hpp"
 
 namespace axode::catalog {
 
@@ -29,11 +29,37 @@ template <OtherId id> void check_counts(const Model& model) {
 
 /// The same for a call with a workspace, which costs a comparison. One that was made for the cut tree lets everything through.
 template <Id row, class T> void check_counts(const Model& model, const Workspace<T>& workspace) {
-  constexpr Word loops = row.words().counts.loops.word;
-  static_assert(loops == Word::counted || loops == Word::refused,
-                "this row answers for the tree by definition");
-  if (!model.loops().empty() && !workspace.is_for_cut_tree()) [[unlikely]]
-    check_counts(row.words(), model, Way::workspace);
+  if constexpr (row.words().counts.loops.word != Word::of_the_tree)
+    if (!model.loops().empty() && !workspace.is_for_cut_tree()) [[unlikely]]
+      check_counts(row.words(), model, Way::workspace);
 }
+
+inline std::size_t value_of(Extent extent, const Model& model, std::size_t n_loads) {
+  const auto size = [](int n) { return static_cast<std::size_t>(n); };
+  switch (extent) {
+    case Extent::nv: return size(model.nv());
+    case Extent::n_bodies:
+    case Extent::n_joints: return size(model.n_bodies());
+    case Extent::n_frames: return size(model.n_frames());
+    case Extent::n_screws: return size(model.n_screws());
+    case Extent::n_parameters: return 10 * size(model.n_bodies());
+    case Extent::n_loads: return n_loads;
+    case Extent::six: break;
+  }
+  return 6;
+}
+/// The numbers of one result.
+inline std::size_t numbers_of(const Words& row, const Model& model, std::size_t n_loads) {
+  std::size_t n = static_cast<std::size_t>(numbers_of(row.entry));
+  for (const Extent extent : row.shape) n *= value_of(extent, model, n_loads);
+  return n;
+}
+
+/// What is thrown about a call, as std::invalid_argument, where checked() finds an input of `size` numbers, a result of `size`
+/// entries of `width` numbers, or one that shares memory.
+[[noreturn]] void refuse_input(Input input, std::size_t size, const Model& model);
+[[noreturn]] void refuse_result(const Words& row, std::size_t result, std::size_t size, std::size_t width,
+                                const Model& model, std::size_t n_loads);
+[[noreturn]] void refuse_shared(const Words& row, std::size_t result, std::string_view with);
 
 }  // namespace axode::catalog

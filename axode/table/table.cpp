@@ -76,4 +76,39 @@ void check_counts(std::string_view function, const Counts& counts, const Model& 
                               std::to_string(model.loops().all.size()) + "; " + instead);
 }
 
+namespace {
+
+std::string name_of(const Words& row, std::size_t result) {
+  const std::string symbol(row.symbols[result]), together(row.together);
+  if (row.symbols.size() == 1 && !together.empty()) return together;
+  return symbol.starts_with("by ") ? (together.empty() ? "result" : together) + " " + symbol : symbol;
+}
+[[noreturn]] void refuse_size(const std::string& name, std::size_t size, const std::string& meaning,
+                              std::size_t expected) {
+  throw std::invalid_argument(name + " has " + std::to_string(size) + " entries; expected " + meaning +
+                              " = " + std::to_string(expected));
+}
+
+}  // namespace
+
+void refuse_input(Input input, std::size_t size, const Model& model) {
+  refuse_size(std::string(to_string(input)), size, "nv", static_cast<std::size_t>(model.nv()));
+}
+void refuse_result(const Words& row, std::size_t result, std::size_t size, std::size_t width,
+                   const Model& model, std::size_t n_loads) {
+  const std::size_t factor = static_cast<std::size_t>(numbers_of(row.entry)) / width;
+  std::string meaning = factor == 1 ? "" : std::to_string(factor);
+  for (const Extent extent : row.shape) {
+    if (!meaning.empty()) meaning += " * ";
+    meaning += extent == Extent::n_parameters ? "10 * n_bodies"
+               : extent == Extent::n_joints   ? "n_bodies"  // each joint carries one
+                                              : to_string(extent);
+  }
+  refuse_size(name_of(row, result), size, meaning, numbers_of(row, model, n_loads) / width);
+}
+void refuse_shared(const Words& row, std::size_t result, std::string_view with) {
+  throw std::invalid_argument(name_of(row, result) + " shares memory with " + std::string(with) +
+                              "; this result needs memory of its own");
+}
+
 }  // namespace axode::catalog

@@ -22,8 +22,9 @@ template <class E, std::size_t most> class List {
  public:
   constexpr List() = default;
   constexpr List(std::initializer_list<E> given) {
-    for (const E& each : given) items_[n_++] = each;
+    for (const E& each : given) add(each);
   }
+  constexpr void add(const E& each) { items_[n_++] = each; }
   constexpr const E* begin() const { return items_.data(); }
   constexpr const E* end() const { return items_.data() + n_; }
   constexpr std::size_t size() const { return n_; }
@@ -57,6 +58,15 @@ enum class Entry {
   pose,      ///< 12: the columns of R, then r
   inertia,   ///< 10: m, h, Θ (xx yy zz xy xz yz)
 };
+constexpr int numbers_of(Entry entry) {
+  switch (entry) {
+    case Entry::number: return 1;
+    case Entry::vector: return 3;
+    case Entry::pose: return 12;
+    case Entry::inertia: return 10;
+    default: return 6;
+  }
+}
 
 /// Over what the entries of a result run.
 enum class Extent { nv, n_bodies, n_joints, n_frames, n_screws, n_parameters, n_loads, six };
@@ -71,6 +81,12 @@ enum class Choice {
 
 /// How the work grows with the number of velocities; it counts the memory for the result.
 enum class Cost { linear, quadratic, cubic };
+
+/// Where the results of a call may lie.
+enum class Memory {
+  may_share,  ///< in the memory of arguments, too
+  own,        ///< apart from all arguments, which are read while results are written
+};
 
 /// What a function makes of one property of mechanisms.
 enum class Word {
@@ -122,12 +138,20 @@ struct Words {
       together;  ///< the name of all results, one behind the other, where rows run in lanes or on tapes
   Decided<Cost> cost;
   Decided<bool> allocates;
+  Decided<Memory> memory;
   Decided<bool> may_fail;  ///< where the mass matrix is singular, or results overflow on the way to M⁻¹
   std::string_view derivative_of;  ///< the row whose results it differentiates, if any
   Decided<bool> lanes;             ///< whether states go through SIMD lanes, see axode/batch.hpp
   Decided<bool> tape;              ///< whether it is recorded, for generated and specialised code
   Counts counts;
 
+  /// The numbers of a state that it takes.
+  constexpr List<Input, 8> numbers() const {
+    List<Input, 8> all;
+    for (const Input each : takes)
+      if (is_of_numbers(each)) all.add(each);
+    return all;
+  }
   constexpr bool takes_input(Input input) const {
     for (const Input each : takes)
       if (each == input) return true;

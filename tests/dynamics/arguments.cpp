@@ -166,17 +166,18 @@ TEST_F(EquationsOfMotionArguments, OfTheWrongSizeAreNamed) {
   EXPECT_THAT(off(Pi_s, 3), ElementsAre("Pi has 3 entries; expected n_bodies = 2"));
   EXPECT_THAT(off(dPi, 3), ElementsAre("dPi has 3 entries; expected n_bodies = 2"));
   EXPECT_THAT(off(out, 3),
-              ElementsAre("Cv has 3 entries; expected nv = 4", "Q has 3 entries; expected nv = 4",
+              ElementsAre("C v has 3 entries; expected nv = 4", "Q has 3 entries; expected nv = 4",
                           "a has 3 entries; expected nv = 4", "g has 3 entries; expected nv = 4",
                           "p has 3 entries; expected nv = 4", "v has 3 entries; expected nv = 4"));
   EXPECT_THAT(off(matrix, 15), ElementsAre("C has 15 entries; expected nv * nv = 16",
                                            "M has 15 entries; expected nv * nv = 16",
                                            "M_inverse has 15 entries; expected nv * nv = 16"));
   EXPECT_THAT(off(tensor, 65), ElementsAre("Gamma has 65 entries; expected nv * nv * nv = 64",
-                                           "dM has 65 entries; expected nv * nv * nv = 64"));
-  EXPECT_THAT(off(Y, 3), ElementsAre("J has 3 entries; expected nv = 4"));
-  EXPECT_THAT(off(six, 6), ElementsAre("Lambda has 6 entries; expected 6 * 6 = 36",
-                                       "mobility has 6 entries; expected 6 * 6 = 36"));
+                                           "dM has 65 entries; expected nv * nv * nv = 64",
+                                           "dM^-1 has 65 entries; expected nv * nv * nv = 64"));
+  EXPECT_THAT(off(Y, 3), ElementsAre("Y has 3 entries; expected nv = 4"));
+  EXPECT_THAT(off(six, 6), ElementsAre("J M^-1 J^T has 6 entries; expected 6 * 6 = 36",
+                                       "Lambda has 6 entries; expected 6 * 6 = 36"));
   EXPECT_THAT(off(columns, 40), ElementsAre("Y has 40 entries; expected nv * 10 * n_bodies = 80"));
   EXPECT_THAT(off(energies, 10), ElementsAre("y has 10 entries; expected 10 * n_bodies = 20"));
 }

@@ -435,7 +435,7 @@ TEST(Springs, ThatCannotBeAreRefused) {
   EXPECT_THAT(call([&] {
                 spring_force_derivatives(model, workspace, q, v, {tau, square});
               }),
-              refused("d.q", 2, "nv * nv", 4));
+              refused("dtau/dq", 2, "nv * nv", 4));
   EXPECT_THAT(message_of([&] {
                 spring_force_derivatives(model, workspace, q, v, {square, square});
               }),

@@ -46,7 +46,7 @@ TEST_P(KinematicsArguments, OfTheWrongSizeAreNamed) {
   ask.a.resize(4);
   expect_poses(refused("C", 2, "n_frames", 3), 2);
   expect_twists(refused("V", 4, "n_frames", 3), 4);
-  expect_accelerations(refused("dV", 1, "n_frames", 3), 1);
+  expect_accelerations(refused("V'", 1, "n_frames", 3), 1);
   ask.q.pop_back();
   expect_all(refused("q", 4, "nq", 5));
 }

@@ -481,7 +481,7 @@ TEST(DerivativeResults, ThatShareMemoryAreRefused) {
                 inverse_dynamics_derivatives(model, workspace, q, x, x,
                                              {matrix(0), matrix(20), matrix(35), all.subspan(60, 4)});
               }),
-              shared("dtau.a", "dtau.v"));
+              shared("dtau/da", "dtau/dv"));
   EXPECT_THAT(message_of([&] {
                 (void)forward_dynamics_derivatives(model, workspace, q, x, x,
                                                    {matrix(0), matrix(20), matrix(40), all.subspan(15, 4)});
@@ -491,18 +491,18 @@ TEST(DerivativeResults, ThatShareMemoryAreRefused) {
                 inverse_dynamics_vjp(model, workspace, q, x, x, x,
                                      {all.subspan(0, 4), all.subspan(3, 4), all.subspan(8, 4)});
               }),
-              shared("gradient.v", "gradient.q"));
+              shared("gradient by v", "by q"));
   EXPECT_THAT(message_of([&] {
                 inverse_dynamics_hessian(model, workspace, q, x, x, x,
                                          {matrix(0), matrix(16), matrix(32), matrix(47)});
               }),
-              shared("hessian.aq", "hessian.vv"));
+              shared("hessian by a, q", "by v, v"));
   EXPECT_THAT(message_of([&] {
                 (void)forward_dynamics_second_derivatives(
                     model, workspace, q, x, x,
                     {all.subspan(0, 64), all.subspan(64, 64), all.subspan(64, 64), all.subspan(192, 64)});
               }),
-              shared("second.vv", "second.qv"));
+              shared("result by v, v", "by q, v"));
 }
 
 }  // namespace

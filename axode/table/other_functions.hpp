@@ -1,0 +1,44 @@
+#pragma once
+#include "axode/table/functions.hpp"
+
+namespace axode::catalog {
+
+/// Functions of a mechanism that fit no row: they take motions of any order, or targets, or give more than numbers. Only what they
+/// count is said here.
+struct Other {
+  std::string_view name;
+  Counts counts;
+};
+inline constexpr auto other_functions = std::to_array<Other>({
+    {"inverse_dynamics_rates", table::of_derivatives_of_forces},
+    {"forward_dynamics_rates", table::of_derivatives_of_accelerations},
+    {"linearize",
+     {.loops = refused("independent_linearization counts them"),
+      .passive_joints = of_the_tree(),
+      .springs = counted,
+      .joint_losses = optional}},
+    {"inverse_kinematics",
+     {.loops = refused("assemble closes them, with joints held where they are to stay"),
+      .passive_joints = of_the_tree(),
+      .springs = of_the_tree(),
+      .joint_losses = of_the_tree()}},
+    {"rollout",
+     {.loops = counted, .passive_joints = of_the_tree(), .springs = counted, .joint_losses = optional}},
+    {"rollout sensitivities",
+     {.loops = refused("forward_dynamics, inverse_dynamics and simulate count them"),
+      .passive_joints = of_the_tree(),
+      .springs = counted,
+      .joint_losses = counted}},
+});
+
+/// The number of one, which the compiler finds from its name.
+struct OtherId {
+  std::size_t index = 0;
+  consteval OtherId(
+      const char* name) {  // NOLINT(google-explicit-constructor): a name stands where an OtherId is asked for
+    while (index < other_functions.size() && other_functions[index].name != name) ++index;
+    if (index == other_functions.size()) throw "no other function has this name";
+  }
+};
+
+}  // namespace axode::catalog
