@@ -36,91 +36,17 @@ struct [[nodiscard]] Outcome {
   bool ok() const { return singular_states == 0; }
 };
 
-/// A row of the table in N states: all that it takes as numbers, and its results, lie one behind the other; settings are the same for
-/// all. Only of rows that have lanes, and without loads. For those that cannot fail the outcome says only how many are done.
-template <class T>
-Outcome run(const Model& model, catalog::Id function, const catalog::Given<T>& given,
+/// A function of the table in N states: the numbers of the states and the results lie one behind the other, several results of a
+/// state as the catalogue writes them; settings are the same for all. Arguments have the names of the function's own:
+///
+///     std::vector<double> tau(N * nv);
+///     const Outcome outcome = batch::run(arm, "inverse_dynamics", {.q = q, .v = v, .a = a}, tau, threads);
+///
+/// Throws std::invalid_argument as well for a function without lanes (Words::lanes) and for loads. Of a function that cannot fail
+/// the outcome says only how many states are done.
+template <class T = double>
+Outcome run(const Model& model, catalog::Id function, const catalog::Given<std::type_identity_t<T>>& given,
             std::type_identity_t<std::span<T>> out, int threads = 1, const Monitor& monitor = {});
-
-/// These functions call run() for one row each. Their arguments and results are those of
-/// axode::inverse_dynamics and so on; several results of a state, such as derivatives, lie one behind the
-/// other. A function returns how many states are done, or the outcome if it may fail.
-template <class T>
-std::size_t inverse_dynamics(const Model& model, std::span<const T> q, Numbers<T> v, Numbers<T> a,
-                             std::type_identity_t<std::span<T>> tau, int threads = 1,
-                             const Monitor& monitor = {}) {
-  return run<T>(model, "inverse_dynamics", {.q = q, .v = v, .a = a}, tau, threads, monitor).done;
-}
-template <class T>
-Outcome forward_dynamics(const Model& model, std::span<const T> q, Numbers<T> v, Numbers<T> tau,
-                         std::type_identity_t<std::span<T>> a, int threads = 1, const Monitor& monitor = {}) {
-  return run<T>(model, "forward_dynamics", {.q = q, .v = v, .tau = tau}, a, threads, monitor);
-}
-template <class T>
-std::size_t mass_matrix(const Model& model, std::span<const T> q, std::type_identity_t<std::span<T>> M,
-                        int threads = 1, const Monitor& monitor = {}) {
-  return run<T>(model, "mass_matrix", {.q = q}, M, threads, monitor).done;
-}
-template <class T>
-Outcome inverse_mass_matrix(const Model& model, std::span<const T> q,
-                            std::type_identity_t<std::span<T>> M_inverse, int threads = 1,
-                            const Monitor& monitor = {}) {
-  return run<T>(model, "inverse_mass_matrix", {.q = q}, M_inverse, threads, monitor);
-}
-template <class T>
-std::size_t poses(const Model& model, std::span<const T> q, std::type_identity_t<std::span<SE3<T>>> C,
-                  int threads = 1, const Monitor& monitor = {}) {
-  return run<T>(model, "poses", {.q = q}, catalog::as_numbers<T>(C), threads, monitor).done;
-}
-template <class T>
-std::size_t joint_screws(const Model& model, std::span<const T> q,
-                         std::type_identity_t<std::span<Twist<Spatial, T>>> J, int threads = 1,
-                         const Monitor& monitor = {}) {
-  return run<T>(model, "joint_screws", {.q = q}, catalog::as_numbers<T>(J), threads, monitor).done;
-}
-template <class T>
-std::size_t inverse_dynamics_derivatives(const Model& model, std::span<const T> q, Numbers<T> v, Numbers<T> a,
-                                         std::type_identity_t<std::span<T>> dtau, int threads = 1,
-                                         const Monitor& monitor = {}) {
-  return run<T>(model, "inverse_dynamics_derivatives", {.q = q, .v = v, .a = a}, dtau, threads, monitor).done;
-}
-template <class T>
-Outcome forward_dynamics_derivatives(const Model& model, std::span<const T> q, Numbers<T> v, Numbers<T> tau,
-                                     std::type_identity_t<std::span<T>> da, int threads = 1,
-                                     const Monitor& monitor = {}) {
-  return run<T>(model, "forward_dynamics_derivatives", {.q = q, .v = v, .tau = tau}, da, threads, monitor);
-}
-template <class T>
-std::size_t inverse_dynamics_jvp(const Model& model, std::span<const T> q, Numbers<T> v, Numbers<T> a,
-                                 Numbers<T> dq, Numbers<T> dv, Numbers<T> da,
-                                 std::type_identity_t<std::span<T>> dtau, int threads = 1,
-                                 const Monitor& monitor = {}) {
-  return run<T>(model, "inverse_dynamics_jvp", {.q = q, .v = v, .a = a, .dq = dq, .dv = dv, .da = da}, dtau,
-                threads, monitor)
-      .done;
-}
-template <class T>
-Outcome forward_dynamics_jvp(const Model& model, std::span<const T> q, Numbers<T> v, Numbers<T> tau,
-                             Numbers<T> dq, Numbers<T> dv, Numbers<T> dtau,
-                             std::type_identity_t<std::span<T>> da, int threads = 1,
-                             const Monitor& monitor = {}) {
-  return run<T>(model, "forward_dynamics_jvp", {.q = q, .v = v, .tau = tau, .dq = dq, .dv = dv, .dtau = dtau},
-                da, threads, monitor);
-}
-template <class T>
-std::size_t inverse_dynamics_vjp(const Model& model, std::span<const T> q, Numbers<T> v, Numbers<T> a,
-                                 Numbers<T> w, std::type_identity_t<std::span<T>> gradient, int threads = 1,
-                                 const Monitor& monitor = {}) {
-  return run<T>(model, "inverse_dynamics_vjp", {.q = q, .v = v, .a = a, .w = w}, gradient, threads, monitor)
-      .done;
-}
-template <class T>
-Outcome forward_dynamics_vjp(const Model& model, std::span<const T> q, Numbers<T> v, Numbers<T> tau,
-                             Numbers<T> w, std::type_identity_t<std::span<T>> gradient, int threads = 1,
-                             const Monitor& monitor = {}) {
-  return run<T>(model, "forward_dynamics_vjp", {.q = q, .v = v, .tau = tau, .w = w}, gradient, threads,
-                monitor);
-}
 
 /// N motions of K steps of one length (s), see axode::simulate_fixed: tau has nv K N numbers, constant in each step; q_out
 /// and v_out get (K + 1) states for each motion, the first of which is the one given. A motion that cannot go on is NaN

@@ -41,16 +41,17 @@ template <class T, class F> void measure_batch(const std::string& function, bool
 
 template <class T> void measure_all() {
   measure_batch<T>("inverse_dynamics", false, [](const Model& m, Block<T>& b, int threads) {
-    batch::inverse_dynamics<T>(m, b.q, b.v, b.a, b.out, threads);
+    static_cast<void>(batch::run<T>(m, "inverse_dynamics", {.q = b.q, .v = b.v, .a = b.a}, b.out, threads));
   });
   measure_batch<T>("forward_dynamics", false, [](const Model& m, Block<T>& b, int threads) {
-    benchmark::DoNotOptimize(batch::forward_dynamics<T>(m, b.q, b.v, b.a, b.out, threads));
+    benchmark::DoNotOptimize(
+        batch::run<T>(m, "forward_dynamics", {.q = b.q, .v = b.v, .tau = b.a}, b.out, threads));
   });
   measure_batch<T>("mass_matrix", true, [](const Model& m, Block<T>& b, int threads) {
-    batch::mass_matrix<T>(m, b.q, b.out, threads);
+    static_cast<void>(batch::run<T>(m, "mass_matrix", {.q = b.q}, b.out, threads));
   });
   measure_batch<T>("inverse_mass_matrix", true, [](const Model& m, Block<T>& b, int threads) {
-    benchmark::DoNotOptimize(batch::inverse_mass_matrix<T>(m, b.q, b.out, threads));
+    benchmark::DoNotOptimize(batch::run<T>(m, "inverse_mass_matrix", {.q = b.q}, b.out, threads));
   });
 }
 

@@ -23,9 +23,10 @@ int main() {
 
   Eigen::MatrixXd tau(arm.nv(), N);
   const int threads = static_cast<int>(std::thread::hardware_concurrency());
-  batch::inverse_dynamics<double>(arm, as_span(q), as_span(v), as_span(a), as_span(tau), threads);
+  const batch::Outcome outcome = batch::run(
+      arm, "inverse_dynamics", {.q = as_span(q), .v = as_span(v), .a = as_span(a)}, as_span(tau), threads);
 
-  std::printf("%s, %d states at once with %s\n%-6s %18s %18s\n", arm.name().c_str(), N,
+  std::printf("%s, %zu states at once with %s\n%-6s %18s %18s\n", arm.name().c_str(), outcome.done,
               batch::instruction_set(), "joint", "largest force, N m", "largest power, W");
   for (const Joint& joint : arm.joints())
     std::printf("%-6s %18.3f %18.3f\n", joint.name.c_str(), tau.row(joint.iv).cwiseAbs().maxCoeff(),

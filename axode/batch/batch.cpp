@@ -27,8 +27,7 @@ template <class S> class LaneCall {
 
   void operator()(std::size_t first, std::size_t count) {
     catalog::Read<S> given;
-    for (const catalog::Input input : states_.row().takes)
-      if (catalog::is_of_numbers(input)) given[input] = argument(input, first, count);
+    for (const catalog::Input input : states_.row().numbers()) given[input] = argument(input, first, count);
     const std::size_t n = states_.size();
     if (count < lanes()) results_.resize(n * lanes());
     S* const out = count < lanes() ? results_.data() : states_.result(first, count).data();
@@ -76,7 +75,7 @@ template const Kernels<double>& best_kernels();
 template const Kernels<float>& best_kernels();
 
 template <class S>
-Outcome run(const Model& model, catalog::Id function, const catalog::Given<S>& given,
+Outcome run(const Model& model, catalog::Id function, const catalog::Given<std::type_identity_t<S>>& given,
             std::type_identity_t<std::span<S>> out, int threads, const Monitor& monitor) {
   const catalog::Words& words = function.words();
   if (!words.lanes)
@@ -107,9 +106,9 @@ Outcome run(const Model& model, catalog::Id function, const catalog::Given<S>& g
         };
   }));
 }
-template Outcome run(const Model&, catalog::Id, const catalog::Given<double>&, std::span<double>, int,
-                     const Monitor&);
-template Outcome run(const Model&, catalog::Id, const catalog::Given<float>&, std::span<float>, int,
-                     const Monitor&);
+template Outcome run<double>(const Model&, catalog::Id, const catalog::Given<double>&, std::span<double>, int,
+                             const Monitor&);
+template Outcome run<float>(const Model&, catalog::Id, const catalog::Given<float>&, std::span<float>, int,
+                            const Monitor&);
 
 }  // namespace axode::batch

@@ -338,12 +338,10 @@ template <> const Kernels<S>& kernels<AXODE_ISA, S>() {
   static constexpr Kernels<S> all = [] {
     Kernels<S> made{.lanes = lanes, .rows = {}, .rollout = {make_rollout, run_rollout, remove_rollout}};
     const auto set = [&](Id id, LaneKernel<S> kernel) { made.rows[id.index] = kernel; };
-    const auto set_kernel = [&]<Id... ids>() {
-      (set(ids, {bytes<InLanes<ids>>, call<ids>, !ids.words().may_fail}), ...);
-    };
-    set_kernel.template operator()<"inverse_dynamics", "inverse_dynamics_derivatives", "inverse_dynamics_jvp",
-                                   "inverse_dynamics_vjp", "forward_dynamics", "forward_dynamics_derivatives",
-                                   "forward_dynamics_jvp", "forward_dynamics_vjp">();
+    catalog::each_row([&]<Id id> {
+      if constexpr (id.words().lanes && catalog::HasRowKernel<id, ByBodies>)
+        set(id, {bytes<InLanes<id>>, call<id>, !id.words().may_fail});
+    });
     set("mass_matrix", {bytes<MassMatrix>, mass_matrix});
     set("inverse_mass_matrix", {bytes_of_inverse, inverse_mass_matrix});
     set("poses", {bytes<Poses>, poses, true});

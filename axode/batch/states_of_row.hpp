@@ -24,18 +24,14 @@ template <class S> class StatesOfRow {
         out_(out),
         count_(check_states(model, given.q, threads)),
         size_(row.size(model, 0)) {
-    for (const catalog::Input input : row.takes)
-      if (catalog::is_of_numbers(input)) {
-        const std::span<const S> numbers = catalog::numbers(given_, input);
-        if (input != catalog::Input::q)
-          check_size(name_of(input), numbers.size(), length(input) * count_, "nv N");
-      }
+    for (const catalog::Input input : row.numbers())
+      if (input != catalog::Input::q)
+        check_size(name_of(input), catalog::numbers(given_, input).size(), length(input) * count_, "nv N");
     const std::size_t entry = static_cast<std::size_t>(catalog::numbers_of(row.entry));
     if (out.size() != size_ * count_)
       check_size(result_name(), out.size() / entry, size_ / entry * count_, meaning().c_str());
-    for (const catalog::Input input : row.takes)
-      if (catalog::is_of_numbers(input))
-        check_separate(result_name(), out, name_of(input), catalog::numbers(given_, input));
+    for (const catalog::Input input : row.numbers())
+      check_separate(result_name(), out, name_of(input), catalog::numbers(given_, input));
     if (row.may_fail && count_ > 1) verdicts_.resize(count_);
   }
 
@@ -76,8 +72,7 @@ template <class S> class StatesOfRow {
   /// The library's function for one state.
   Solvability call_one(Workspace<S>& workspace, std::size_t k) const {
     catalog::Given<S> one;
-    for (const catalog::Input input : row_.takes)
-      if (catalog::is_of_numbers(input)) catalog::numbers(one, input) = argument(input, k, 1);
+    for (const catalog::Input input : row_.numbers()) catalog::numbers(one, input) = argument(input, k, 1);
     one.place = given_.place;
     return row_.call(model_, workspace, one, result(k, 1));
   }
@@ -108,7 +103,7 @@ template <class S> class StatesOfRow {
 
   const Model& model_;
   const catalog::Function<S>& row_;
-  mutable catalog::Given<S> given_;
+  const catalog::Given<S> given_;
   std::span<S> out_;
   std::size_t count_, size_;
   std::vector<unsigned char> verdicts_;  ///< of several states

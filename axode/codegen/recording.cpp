@@ -152,12 +152,10 @@ template <catalog::Id id, class By> Recording record_row(const Tree<double>& tre
   Traced traced(tree, row.together);
   catalog::Read<T> given;
   std::vector<Numbers> arguments;
-  for (const catalog::Input input : row.takes)
-    if (catalog::is_of_numbers(input)) {
-      arguments.push_back(
-          traced.argument(to_string(input), input == catalog::Input::q ? tree->nq : tree->nv));
-      given[input] = arguments.back().data();
-    }
+  for (const catalog::Input input : row.numbers()) {
+    arguments.push_back(traced.argument(to_string(input), input == catalog::Input::q ? tree->nq : tree->nv));
+    given[input] = arguments.back().data();
+  }
   std::size_t n = row.symbols.size();
   for (std::size_t k = 0; k < row.shape.size(); ++k) n *= static_cast<std::size_t>(tree->nv);
   Numbers out(n);
@@ -265,15 +263,11 @@ struct Recorder {
 };
 constexpr auto recorders = [] {
   std::array<Recorder, catalog::functions_of_state.size()> all{};
-  const auto set = [&]<catalog::Id... ids>() {
-    ((all[ids.index] = {record_row<ids, Articulated>,
-                        ids.words().may_fail ? record_row<ids, Factorized> : nullptr}),
-     ...);
-  };
-  set.template operator()<"inverse_dynamics", "inverse_dynamics_derivatives", "inverse_dynamics_jvp",
-                          "inverse_dynamics_vjp", "inverse_dynamics_hessian", "forward_dynamics",
-                          "forward_dynamics_derivatives", "forward_dynamics_jvp", "forward_dynamics_vjp",
-                          "forward_dynamics_hessian">();
+  catalog::each_row([&]<catalog::Id id> {
+    if constexpr (id.words().tape && catalog::HasRowKernel<id, Articulated>)
+      all[id.index] = {record_row<id, Articulated>,
+                       id.words().may_fail ? record_row<id, Factorized> : nullptr};
+  });
   all[catalog::Id("inverse_mass_matrix").index] = {inverse_mass_matrix<Articulated>,
                                                    inverse_mass_matrix<Factorized>};
   return all;

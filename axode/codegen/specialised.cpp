@@ -70,8 +70,8 @@ template <class T> class Specialised<T>::Call {
   void operator()(std::size_t first, std::size_t states) {
     std::array<const T*, catalog::inputs_of_numbers.size()> at{};
     std::size_t n = 0;
-    for (const catalog::Input input : entry_.row->takes)
-      if (catalog::is_of_numbers(input)) at[n++] = states_.argument(input, first, states).data();
+    for (const catalog::Input input : entry_.row->numbers())
+      at[n++] = states_.argument(input, first, states).data();
     unsigned char unused = 0;
     unsigned char* const verdicts = states_.verdicts(first);
     entry_.call(static_cast<long>(states), at.data(), states_.result(first, states).data(), scratch_.get(),
@@ -108,9 +108,8 @@ template <class T> bool Specialised<T>::has(const Function& function) const {
 }
 
 template <class T>
-batch::Outcome Specialised<T>::operator()(const Function& function, const catalog::Given<T>& given,
-                                          std::span<T> out, int threads,
-                                          const batch::Monitor& monitor) const {
+batch::Outcome Specialised<T>::run(const Function& function, const catalog::Given<T>& given, std::span<T> out,
+                                   int threads, const batch::Monitor& monitor) const {
   const std::size_t group = threads > 1 ? 16 : 64;  // registers are filled, and a few states are shared out
   const auto& entry = code_->entry(model_, function);
   if (!given.loads.wrenches.empty() || given.loads.joint_losses)

@@ -29,7 +29,7 @@ class CompilationEnded : public std::runtime_error {
 /// kept in a cache for the next time. T is double or float. Threads may share one.
 ///
 ///     const Specialised<> fast(arm, {{"inverse_dynamics"}});
-///     batch::inverse_dynamics(fast, q, v, a, tau, 4);
+///     const batch::Outcome outcome = batch::run(fast, {"inverse_dynamics"}, {.q = q, .v = v, .a = a}, tau, 4);
 ///
 /// The C++ library itself needs no compiler, and stays what it is where there is none.
 template <class T = double> class Specialised {
@@ -45,13 +45,9 @@ template <class T = double> class Specialised {
   const Model& model() const { return model_; }
   bool has(const codegen::Function& function) const;
 
-  /// The function by its name, in N states, which lie one behind the other as in axode/batch.hpp, and so do their results, each
-  /// as the catalogue's function of that name writes it. Checks, threads and the monitor are those of batch, and so is what
-  /// becomes of states whose mass matrix may be singular: the library's own function decides. A state's result depends
-  /// neither on its place nor on the threads; one state alone goes without lanes and may differ by rounding. Loads are refused.
-  /// Throws std::invalid_argument for a function that was not asked for.
-  batch::Outcome operator()(const codegen::Function& function, const catalog::Given<T>& given,
-                            std::span<T> out, int threads = 1, const batch::Monitor& monitor = {}) const;
+  /// What batch::run() does.
+  batch::Outcome run(const codegen::Function& function, const catalog::Given<T>& given, std::span<T> out,
+                     int threads, const batch::Monitor& monitor) const;
 
   /// What rollouts call.
   batch::CompiledDynamics<T> compiled_dynamics() const;
@@ -63,81 +59,18 @@ template <class T = double> class Specialised {
   std::shared_ptr<const Code> code_;
 };
 
-/// The functions of axode/batch.hpp by a specialised model: what they are given, give, check, ask and return is the same, and
-/// results differ by rounding. They throw std::invalid_argument as well for a function that the model was specialised without.
 namespace batch {
 
+/// A function that the model was specialised for, in N states, which lie one behind the other as in axode/batch.hpp. Checks,
+/// threads and the monitor are those of a Model, and so is what becomes of states whose mass matrix may be singular: the
+/// library's own function decides. Results differ by rounding. A state's result depends neither on its place nor on the threads;
+/// one state alone goes without lanes and may differ by rounding. Throws std::invalid_argument as well for a function that the
+/// model was specialised without, and for loads.
 template <class T>
-std::size_t inverse_dynamics(const Specialised<T>& model, Numbers<T> q, Numbers<T> v, Numbers<T> a,
-                             std::type_identity_t<std::span<T>> tau, int threads = 1,
-                             const Monitor& monitor = {}) {
-  return model({"inverse_dynamics"}, {.q = q, .v = v, .a = a}, tau, threads, monitor).done;
-}
-template <class T>
-Outcome forward_dynamics(const Specialised<T>& model, Numbers<T> q, Numbers<T> v, Numbers<T> tau,
-                         std::type_identity_t<std::span<T>> a, int threads = 1, const Monitor& monitor = {}) {
-  return model({"forward_dynamics"}, {.q = q, .v = v, .tau = tau}, a, threads, monitor);
-}
-
-template <class T>
-std::size_t mass_matrix(const Specialised<T>& model, Numbers<T> q, std::type_identity_t<std::span<T>> M,
-                        int threads = 1, const Monitor& monitor = {}) {
-  return model({"mass_matrix"}, {.q = q}, M, threads, monitor).done;
-}
-template <class T>
-Outcome inverse_mass_matrix(const Specialised<T>& model, Numbers<T> q,
-                            std::type_identity_t<std::span<T>> M_inverse, int threads = 1,
-                            const Monitor& monitor = {}) {
-  return model({"inverse_mass_matrix"}, {.q = q}, M_inverse, threads, monitor);
-}
-template <class T>
-std::size_t poses(const Specialised<T>& model, Numbers<T> q, std::type_identity_t<std::span<SE3<T>>> C,
-                  int threads = 1, const Monitor& monitor = {}) {
-  return model({"poses"}, {.q = q}, catalog::as_numbers<T>(C), threads, monitor).done;
-}
-
-template <class T>
-std::size_t inverse_dynamics_derivatives(const Specialised<T>& model, Numbers<T> q, Numbers<T> v,
-                                         Numbers<T> a, std::type_identity_t<std::span<T>> dtau,
-                                         int threads = 1, const Monitor& monitor = {}) {
-  return model({"inverse_dynamics_derivatives"}, {.q = q, .v = v, .a = a}, dtau, threads, monitor).done;
-}
-template <class T>
-Outcome forward_dynamics_derivatives(const Specialised<T>& model, Numbers<T> q, Numbers<T> v, Numbers<T> tau,
-                                     std::type_identity_t<std::span<T>> da, int threads = 1,
-                                     const Monitor& monitor = {}) {
-  return model({"forward_dynamics_derivatives"}, {.q = q, .v = v, .tau = tau}, da, threads, monitor);
-}
-
-template <class T>
-std::size_t inverse_dynamics_jvp(const Specialised<T>& model, Numbers<T> q, Numbers<T> v, Numbers<T> a,
-                                 Numbers<T> dq, Numbers<T> dv, Numbers<T> da,
-                                 std::type_identity_t<std::span<T>> dtau, int threads = 1,
-                                 const Monitor& monitor = {}) {
-  return model({"inverse_dynamics_jvp"}, {.q = q, .v = v, .a = a, .dq = dq, .dv = dv, .da = da}, dtau,
-               threads, monitor)
-      .done;
-}
-template <class T>
-Outcome forward_dynamics_jvp(const Specialised<T>& model, Numbers<T> q, Numbers<T> v, Numbers<T> tau,
-                             Numbers<T> dq, Numbers<T> dv, Numbers<T> dtau,
-                             std::type_identity_t<std::span<T>> da, int threads = 1,
-                             const Monitor& monitor = {}) {
-  return model({"forward_dynamics_jvp"}, {.q = q, .v = v, .tau = tau, .dq = dq, .dv = dv, .dtau = dtau}, da,
-               threads, monitor);
-}
-
-template <class T>
-std::size_t inverse_dynamics_vjp(const Specialised<T>& model, Numbers<T> q, Numbers<T> v, Numbers<T> a,
-                                 Numbers<T> w, std::type_identity_t<std::span<T>> gradient, int threads = 1,
-                                 const Monitor& monitor = {}) {
-  return model({"inverse_dynamics_vjp"}, {.q = q, .v = v, .a = a, .w = w}, gradient, threads, monitor).done;
-}
-template <class T>
-Outcome forward_dynamics_vjp(const Specialised<T>& model, Numbers<T> q, Numbers<T> v, Numbers<T> tau,
-                             Numbers<T> w, std::type_identity_t<std::span<T>> gradient, int threads = 1,
-                             const Monitor& monitor = {}) {
-  return model({"forward_dynamics_vjp"}, {.q = q, .v = v, .tau = tau, .w = w}, gradient, threads, monitor);
+Outcome run(const Specialised<T>& model, const codegen::Function& function,
+            const catalog::Given<std::type_identity_t<T>>& given, std::type_identity_t<std::span<T>> out,
+            int threads = 1, const Monitor& monitor = {}) {
+  return model.run(function, given, out, threads, monitor);
 }
 
 /// Of models that were specialised with forward_dynamics. Motions with coupled joints go through the lanes as well. Springs

@@ -67,12 +67,12 @@ TYPED_TEST(ManyStates, GiveWhatTheyGiveOneByOne) {
                       n_screws = static_cast<std::size_t>(model.n_screws());
     std::vector<SE3<T>> C(N * n_frames);
     std::vector<Twist<Spatial, T>> J(N * n_screws);
-    batch::inverse_dynamics<T>(model, q, v, x, tau);
-    const batch::Outcome solved = batch::forward_dynamics<T>(model, q, v, tau, a);
-    batch::mass_matrix<T>(model, q, M);
-    const batch::Outcome inverted = batch::inverse_mass_matrix<T>(model, q, M_inverse);
-    batch::poses<T>(model, q, C);
-    batch::joint_screws<T>(model, q, J);
+    EXPECT_TRUE(batch::run<T>(model, "inverse_dynamics", {.q = q, .v = v, .a = x}, tau).ok());
+    const batch::Outcome solved = batch::run<T>(model, "forward_dynamics", {.q = q, .v = v, .tau = tau}, a);
+    EXPECT_TRUE(batch::run<T>(model, "mass_matrix", {.q = q}, M).ok());
+    const batch::Outcome inverted = batch::run<T>(model, "inverse_mass_matrix", {.q = q}, M_inverse);
+    EXPECT_TRUE(batch::run<T>(model, "poses", {.q = q}, catalog::as_numbers<T>(std::span(C))).ok());
+    EXPECT_TRUE(batch::run<T>(model, "joint_screws", {.q = q}, catalog::as_numbers<T>(std::span(J))).ok());
     Workspace<T> workspace(model);
     std::size_t singular_states = 0;
     for (std::size_t k = 0; k < N; ++k) {
@@ -128,12 +128,17 @@ TYPED_TEST(ManyStates, HaveTheDerivativesThatTheyHaveOneByOne) {
     for (std::size_t k = 0; k < w.size(); ++k) w[k] = x[(k + 1) % w.size()] + T(0.25) * v[k];
     std::vector<T> dtau(3 * N * nv * nv), da(dtau), jvp(N * nv), forward_jvp(jvp), vjp(3 * N * nv),
         forward_vjp(vjp);
-    EXPECT_EQ(batch::inverse_dynamics_derivatives<T>(model, q, v, x, dtau), N);
-    EXPECT_EQ(batch::inverse_dynamics_jvp<T>(model, q, v, x, w, x, v, jvp), N);
-    EXPECT_EQ(batch::inverse_dynamics_vjp<T>(model, q, v, x, w, vjp), N);
-    const batch::Outcome solved[]{batch::forward_dynamics_derivatives<T>(model, q, v, x, da),
-                                  batch::forward_dynamics_jvp<T>(model, q, v, x, w, x, v, forward_jvp),
-                                  batch::forward_dynamics_vjp<T>(model, q, v, x, w, forward_vjp)};
+    EXPECT_EQ(batch::run<T>(model, "inverse_dynamics_derivatives", {.q = q, .v = v, .a = x}, dtau).done, N);
+    EXPECT_EQ(
+        batch::run<T>(model, "inverse_dynamics_jvp", {.q = q, .v = v, .a = x, .dq = w, .dv = x, .da = v}, jvp)
+            .done,
+        N);
+    EXPECT_EQ(batch::run<T>(model, "inverse_dynamics_vjp", {.q = q, .v = v, .a = x, .w = w}, vjp).done, N);
+    const batch::Outcome solved[]{
+        batch::run<T>(model, "forward_dynamics_derivatives", {.q = q, .v = v, .tau = x}, da),
+        batch::run<T>(model, "forward_dynamics_jvp", {.q = q, .v = v, .tau = x, .dq = w, .dv = x, .dtau = v},
+                      forward_jvp),
+        batch::run<T>(model, "forward_dynamics_vjp", {.q = q, .v = v, .tau = x, .w = w}, forward_vjp)};
     Workspace<T> workspace(model);
     std::size_t singular_states = 0;
     for (std::size_t k = 0; k < N; ++k) {
@@ -199,10 +204,16 @@ TYPED_TEST(ManyStates, DependOnNeitherTheirPlaceNorTheThreads) {
       const std::size_t n = q_.size() / nq;
       std::vector<T> all(n * nv * 2 + n * nv * nv * 2);
       const std::span<T> out(all);
-      batch::inverse_dynamics<T>(model, q_, v_, x_, out.first(n * nv), threads);
-      static_cast<void>(batch::forward_dynamics<T>(model, q_, v_, x_, out.subspan(n * nv, n * nv), threads));
-      batch::mass_matrix<T>(model, q_, out.subspan(2 * n * nv, n * nv * nv), threads);
-      static_cast<void>(batch::inverse_mass_matrix<T>(model, q_, out.last(n * nv * nv), threads));
+      EXPECT_TRUE(
+          batch::run<T>(model, "inverse_dynamics", {.q = q_, .v = v_, .a = x_}, out.first(n * nv), threads)
+              .ok());
+      EXPECT_TRUE(batch::run<T>(model, "forward_dynamics", {.q = q_, .v = v_, .tau = x_},
+                                out.subspan(n * nv, n * nv), threads)
+                      .ok());
+      EXPECT_TRUE(
+          batch::run<T>(model, "mass_matrix", {.q = q_}, out.subspan(2 * n * nv, n * nv * nv), threads).ok());
+      EXPECT_TRUE(
+          batch::run<T>(model, "inverse_mass_matrix", {.q = q_}, out.last(n * nv * nv), threads).ok());
       return all;
     };
     const auto same = [](T a, T b) { return a == b || (std::isnan(a) && std::isnan(b)); };
@@ -226,10 +237,10 @@ TYPED_TEST(ManyStates, MayBeNone) {
   Random<double> random(1);
   const Model model = tree(random);
   std::vector<T> none;
-  batch::inverse_dynamics<T>(model, none, none, none, none);
-  EXPECT_TRUE(batch::forward_dynamics<T>(model, none, none, none, none, 3).ok());
-  batch::mass_matrix<T>(model, none, none);
-  EXPECT_TRUE(batch::inverse_mass_matrix<T>(model, none, none).ok());
+  EXPECT_TRUE(batch::run<T>(model, "inverse_dynamics", {.q = none, .v = none, .a = none}, none).ok());
+  EXPECT_TRUE(batch::run<T>(model, "forward_dynamics", {.q = none, .v = none, .tau = none}, none, 3).ok());
+  EXPECT_TRUE(batch::run<T>(model, "mass_matrix", {.q = none}, none).ok());
+  EXPECT_TRUE(batch::run<T>(model, "inverse_mass_matrix", {.q = none}, none).ok());
 }
 
 TEST(ManyStatesArguments, AreChecked) {
@@ -242,7 +253,9 @@ TEST(ManyStatesArguments, AreChecked) {
   std::vector<double> tau(6);
   const auto call = [&](const std::vector<double>& q_, const std::vector<double>& v_,
                         const std::vector<double>& a_, int threads = 1) {
-    return message_of([&] { batch::inverse_dynamics<double>(model, q_, v_, a_, tau, threads); });
+    return message_of([&] {
+      EXPECT_TRUE(batch::run(model, "inverse_dynamics", {.q = q_, .v = v_, .a = a_}, tau, threads).ok());
+    });
   };
   EXPECT_EQ(call(q, v, a), "a has 5 entries; expected nv N = 6");
   EXPECT_EQ(call(q, a, v), "v has 5 entries; expected nv N = 6");

@@ -1,4 +1,4 @@
-#include <functional>
+#include <array>
 
 #include "axode/batch.hpp"
 #include "tests/laws/law.hpp"
@@ -9,51 +9,24 @@ namespace axode::test {
 namespace {
 
 using batch::Monitor;
+using catalog::Id, catalog::Input;
 
-/// A function of N states of a model: fills its results and says how many are done.
-struct Function {
-  std::string name;
-  std::function<std::size_t(const Model&)> size;  ///< numbers of a result
-  std::function<std::size_t(const Model&, std::span<const double> q, std::span<const double> x,
-                            std::span<double> out, int threads, const Monitor&)>
-      call;  ///< x are velocities, accelerations and forces alike
-};
+constexpr std::array functions{
+    Id("inverse_dynamics"), Id("forward_dynamics"), Id("mass_matrix"), Id("inverse_mass_matrix"), Id("poses"),
+    Id("joint_screws")};
 
-std::size_t number(int n) { return static_cast<std::size_t>(n); }
-
-const std::vector<Function>& functions() {
-  using Numbers = std::span<const double>;
-  using Out = std::span<double>;
-  const auto nv = [](const Model& m) { return number(m.nv()); };
-  const auto nv2 = [](const Model& m) { return number(m.nv() * m.nv()); };
-  static const std::vector<Function> all{
-      {"inverse_dynamics", nv,
-       [](const Model& m, Numbers q, Numbers x, Out out, int threads, const Monitor& monitor) {
-         return batch::inverse_dynamics(m, q, x, x, out, threads, monitor);
-       }},
-      {"forward_dynamics", nv,
-       [](const Model& m, Numbers q, Numbers x, Out out, int threads, const Monitor& monitor) {
-         return batch::forward_dynamics(m, q, x, x, out, threads, monitor).done;
-       }},
-      {"mass_matrix", nv2,
-       [](const Model& m, Numbers q, Numbers, Out out, int threads, const Monitor& monitor) {
-         return batch::mass_matrix(m, q, out, threads, monitor);
-       }},
-      {"inverse_mass_matrix", nv2,
-       [](const Model& m, Numbers q, Numbers, Out out, int threads, const Monitor& monitor) {
-         return batch::inverse_mass_matrix(m, q, out, threads, monitor).done;
-       }},
-      {"poses", [](const Model& m) { return 12 * number(m.n_frames()); },
-       [](const Model& m, Numbers q, Numbers, Out out, int threads, const Monitor& monitor) {
-         return batch::poses(m, q, {reinterpret_cast<SE3<>*>(out.data()), out.size() / 12}, threads, monitor);
-       }},
-      {"joint_screws", [](const Model& m) { return 6 * number(m.n_screws()); },
-       [](const Model& m, Numbers q, Numbers, Out out, int threads, const Monitor& monitor) {
-         return batch::joint_screws(m, q, {reinterpret_cast<Twist<Spatial>*>(out.data()), out.size() / 6},
-                                    threads, monitor);
-       }}};
-  return all;
+/// How many states are done of a function that is given q, and x for velocities, accelerations and forces alike.
+std::size_t done_of(Id function, const Model& model, std::span<const double> q, std::span<const double> x,
+                    std::span<double> out, int threads, const Monitor& monitor) {
+  catalog::Given<double> given{.q = q};
+  for (const Input input : function.words().numbers())
+    if (input != Input::q) catalog::numbers(given, input) = x;
+  return batch::run(model, function, given, out, threads, monitor).done;
 }
+std::size_t size_of(Id function, const Model& model) {
+  return catalog::find<Fast>(function.words().name)->size(model, 0);
+}
+std::size_t number(int n) { return static_cast<std::size_t>(n); }
 
 /// Three hinges; the last of them moves a mass, none, or as the first does.
 enum class Wrist { solid, massless, coupled };
@@ -91,9 +64,9 @@ INSTANTIATE_TEST_SUITE_P(, Batches, testing::Values(Wrist::solid, Wrist::massles
 TEST_P(Batches, TheFirstResultsAreThereAndTheMonitorIsAskedNoMore) {
   const Model model = arm(GetParam());
   const std::size_t nq = number(model.nq());
-  for (const Function& function : functions())
+  for (const Id function : functions)
     for (const int threads : {1, 2}) {
-      SCOPED_TRACE(function.name + " on " + std::to_string(threads));
+      SCOPED_TRACE(std::string(function.words().name) + " on " + std::to_string(threads));
       int asked = 0;
       const Monitor stop = [&](std::size_t done, std::size_t of) {
         EXPECT_LE(done, of);
@@ -104,9 +77,9 @@ TEST_P(Batches, TheFirstResultsAreThereAndTheMonitorIsAskedNoMore) {
            N *= 2) {  // until the call takes long enough to be asked about
         ASSERT_LT(N, 100'000'000u);
         const std::vector<double> q = any_numbers(nq * N);
-        const std::size_t size = function.size(model);
+        const std::size_t size = size_of(function, model);
         std::vector<double> out(size * N, -1);
-        const std::size_t done = function.call(model, q, q, out, threads, stop);
+        const std::size_t done = done_of(function, model, q, q, out, threads, stop);
         if (asked == 0) {
           EXPECT_EQ(done, N);
         }
@@ -119,7 +92,7 @@ TEST_P(Batches, TheFirstResultsAreThereAndTheMonitorIsAskedNoMore) {
         const std::size_t some = std::min<std::size_t>(done, 5000);  // the last ones of those that are done
         const std::span<const double> q_last = std::span(q).subspan((done - some) * nq, some * nq);
         std::vector<double> expected(size * some);
-        function.call(model, q_last, q_last, expected, 1, {});
+        done_of(function, model, q_last, q_last, expected, 1, {});
         for (std::size_t k = 0; k < expected.size(); ++k) {
           const double x = out[(done - some) * size + k];
           ASSERT_TRUE(x == expected[k] || (std::isnan(x) && std::isnan(expected[k])));
@@ -134,8 +107,8 @@ TEST_P(Batches, OutcomesCountTheStatesThatAreDone) {
     ASSERT_LT(N, 100'000'000u);
     const std::vector<double> q = any_numbers(number(model.nq()) * N);
     std::vector<double> a(q.size());
-    const batch::Outcome outcome =
-        batch::forward_dynamics<double>(model, q, q, q, a, 1, [](std::size_t, std::size_t) { return false; });
+    const batch::Outcome outcome = batch::run(model, "forward_dynamics", {.q = q, .v = q, .tau = q}, a, 1,
+                                              [](std::size_t, std::size_t) { return false; });
     EXPECT_EQ(outcome.singular_states, GetParam() == Wrist::massless ? outcome.done : 0);
     EXPECT_EQ(outcome.first, 0u);
     if (outcome.done < N) break;
@@ -145,27 +118,34 @@ TEST_P(Batches, OutcomesCountTheStatesThatAreDone) {
 TEST(ManyStatesArguments, ResultsHaveMemoryOfTheirOwn) {
   const Model model = arm(Wrist::solid);
   const std::size_t N = 20;
-  for (const Function& function : functions()) {
-    const std::size_t size = N * function.size(model);
+  for (const Id function : functions) {
+    const std::size_t size = N * size_of(function, model);
     std::vector<double> memory = any_numbers(size + 6 * N);
     const std::span<double> all(memory);
     for (const std::size_t at : {std::size_t{0}, std::size_t{1}, size - 1})
       EXPECT_THAT(message_of([&] {
                     const std::span<double> q = all.subspan(at, 3 * N);
-                    function.call(model, q, q, all.first(size), 1, {});
+                    done_of(function, model, q, q, all.first(size), 1, {});
                   }),
                   testing::HasSubstr(" shares memory with q; this result needs memory of its own"))
-          << function.name << " at " << at;
+          << function.words().name << " at " << at;
     const std::span<double> beside = all.subspan(size, 3 * N);
-    EXPECT_EQ(message_of([&] { function.call(model, beside, beside, all.first(size), 1, {}); }), "no error");
+    EXPECT_EQ(message_of([&] { done_of(function, model, beside, beside, all.first(size), 1, {}); }),
+              "no error");
   }
   const std::vector<double> q = any_numbers(3 * N);
   std::vector<double> x = any_numbers(3 * N);
-  EXPECT_EQ(message_of([&] { batch::inverse_dynamics<double>(model, q, q, x, x); }),
+  EXPECT_EQ(message_of([&] {
+              static_cast<void>(batch::run(model, "inverse_dynamics", {.q = q, .v = q, .a = x}, x));
+            }),
             "tau shares memory with a; this result needs memory of its own");
-  EXPECT_EQ(message_of([&] { batch::inverse_dynamics<double>(model, q, x, q, x); }),
+  EXPECT_EQ(message_of([&] {
+              static_cast<void>(batch::run(model, "inverse_dynamics", {.q = q, .v = x, .a = q}, x));
+            }),
             "tau shares memory with v; this result needs memory of its own");
-  EXPECT_EQ(message_of([&] { static_cast<void>(batch::forward_dynamics<double>(model, q, q, x, x)); }),
+  EXPECT_EQ(message_of([&] {
+              static_cast<void>(batch::run(model, "forward_dynamics", {.q = q, .v = q, .tau = x}, x));
+            }),
             "a shares memory with tau; this result needs memory of its own");
 }
 
@@ -175,9 +155,9 @@ TEST_P(Batches, WhatIsNotFiniteIsCountedAndTheOthersAreRight) {
   const std::vector<double> q = any_numbers(number(model.nq()) * N);
   for (const double wrong : {std::nan(""), std::numeric_limits<double>::infinity(), 1e300}) {
     std::vector<double> v = any_numbers(nv * N), tau = v, a(nv * N), right(nv * N);
-    const batch::Outcome before = batch::forward_dynamics<double>(model, q, v, tau, right);
+    const batch::Outcome before = batch::run(model, "forward_dynamics", {.q = q, .v = v, .tau = tau}, right);
     v[37 * nv] = wrong, v[64 * nv + 1] = wrong;
-    const batch::Outcome outcome = batch::forward_dynamics<double>(model, q, v, tau, a);
+    const batch::Outcome outcome = batch::run(model, "forward_dynamics", {.q = q, .v = v, .tau = tau}, a);
     if (GetParam() == Wrist::massless) {
       EXPECT_EQ(outcome.singular_states, N);
       continue;
@@ -209,13 +189,20 @@ TEST(LargeTreesInBatches, NeedNoMoreMemoryThanTheirResults) {
     const std::size_t nv = number(model.nv());
     const std::vector<double> q(N * nv), v(N * nv), ones(N * nv, 1.0);
     std::vector<double> tau(N * nv), a(N * nv), gradient(3 * N * nv);
-    EXPECT_EQ(batch::inverse_dynamics<double>(model, q, v, ones, tau), N);
-    EXPECT_TRUE(batch::forward_dynamics<double>(model, q, v, tau, a).ok());
-    EXPECT_EQ(batch::inverse_dynamics_jvp<double>(model, q, v, ones, v, v, ones, a), N);
+    EXPECT_EQ(batch::run(model, "inverse_dynamics", {.q = q, .v = v, .a = ones}, tau).done, N);
+    EXPECT_TRUE(batch::run(model, "forward_dynamics", {.q = q, .v = v, .tau = tau}, a).ok());
+    EXPECT_EQ(batch::run(model, "inverse_dynamics_jvp",
+                         {.q = q, .v = v, .a = ones, .dq = v, .dv = v, .da = ones}, a)
+                  .done,
+              N);
     EXPECT_EQ(a, tau);  // at rest and without weight, M times the direction is what the accelerations need
-    EXPECT_EQ(batch::inverse_dynamics_vjp<double>(model, q, v, ones, ones, gradient), N);
-    EXPECT_TRUE(batch::forward_dynamics_jvp<double>(model, q, v, tau, v, v, tau, a).ok());
-    EXPECT_TRUE(batch::forward_dynamics_vjp<double>(model, q, v, tau, ones, gradient).ok());
+    EXPECT_EQ(
+        batch::run(model, "inverse_dynamics_vjp", {.q = q, .v = v, .a = ones, .w = ones}, gradient).done, N);
+    EXPECT_TRUE(batch::run(model, "forward_dynamics_jvp",
+                           {.q = q, .v = v, .tau = tau, .dq = v, .dv = v, .dtau = tau}, a)
+                    .ok());
+    EXPECT_TRUE(
+        batch::run(model, "forward_dynamics_vjp", {.q = q, .v = v, .tau = tau, .w = ones}, gradient).ok());
   }
 }
 

@@ -73,7 +73,7 @@ void expect_what_the_library_gives(const Model& model, const Specialised<T>& spe
     SCOPED_TRACE(std::string(library.name) + " of " + model.name());
     const std::size_t size = library.size(model, 0);
     std::vector<T> result(size * N), expected(size);
-    const batch::Outcome outcome = specialised(function, states.given(), result);
+    const batch::Outcome outcome = batch::run(specialised, function, states.given(), result);
     EXPECT_EQ(outcome.done, N);
     std::size_t singular = 0;
     for (std::size_t k = 0; k < N; ++k) {
@@ -138,7 +138,7 @@ TEST_F(SpecialisedModels, TurnByAnglesOfEverySize) {
     for (const double other : angles) q.insert(q.end(), {one, other});
   const std::size_t N = q.size() / 2, size = 12 * static_cast<std::size_t>(model.n_frames());
   std::vector<double> C(N * size), expected(size);
-  ASSERT_TRUE(specialised({Id("poses")}, {.q = q}, C).ok());
+  ASSERT_TRUE(batch::run(specialised, {"poses"}, {.q = q}, C).ok());
   Workspace<> workspace(model);
   for (std::size_t k = 0; k < N; ++k) {
     std::ignore =
@@ -173,7 +173,7 @@ TEST_F(SpecialisedModels, CheckTheirArguments) {
   const Specialised<> specialised(model, {function}, {.flags = quickly});
   std::vector<double> q(6), v(6), tau(6), short_of_one(5);
   const auto message = [&](const Function& of, const catalog::Given<double>& given, std::span<double> out) {
-    return message_of([&] { static_cast<void>(specialised(of, given, out)); });
+    return message_of([&] { static_cast<void>(batch::run(specialised, of, given, out)); });
   };
   EXPECT_EQ(message(function, {.q = q, .v = short_of_one, .a = v}, tau),
             "v has 5 entries; expected nv N = 6");
@@ -196,7 +196,7 @@ TEST_F(SpecialisedModels, WithoutDegreesOfFreedomHaveNoStates) {
       ModelBuilder("block").add({.name = "block", .joint = {.kind = JointKind::fixed}}).build();
   const std::vector<Function> functions = all_functions(model);
   const Specialised<> specialised(model, functions, {.flags = quickly});
-  for (const Function& function : functions) EXPECT_EQ(specialised(function, {}, {}).done, 0u);
+  for (const Function& function : functions) EXPECT_EQ(batch::run(specialised, function, {}, {}).done, 0u);
 }
 
 TEST_F(SpecialisedModels, AreShared) {
@@ -213,8 +213,8 @@ TEST_F(SpecialisedModels, AreShared) {
 
   const States<double> states(model, 1000, 3);
   std::vector<double> alone(2000), together(2000);
-  ASSERT_TRUE(specialised(functions[0], states.given(), alone, 1).ok());
-  ASSERT_TRUE(specialised(functions[0], states.given(), together, 4).ok());
+  ASSERT_TRUE(batch::run(specialised, functions[0], states.given(), alone, 1).ok());
+  ASSERT_TRUE(batch::run(specialised, functions[0], states.given(), together, 4).ok());
   EXPECT_EQ(alone, together);
 }
 

@@ -9,12 +9,12 @@
 #include "tests/laws/law.hpp"
 #include "tests/support/refused_arguments.hpp"
 
-/// The functions of axode/batch.hpp by a specialised model: in whatever is asked of them they are the library's.
+/// batch::run() by a specialised model: in whatever is asked of it, it is the library's.
 namespace axode::test {
 namespace {
 
 using batch::Monitor;
-using catalog::Id;
+using catalog::Id, catalog::Input;
 
 /// The states from one on.
 template <class T> RandomStates<T> from(std::size_t first, std::size_t N, RandomStates<T> states) {
@@ -23,41 +23,18 @@ template <class T> RandomStates<T> from(std::size_t first, std::size_t N, Random
   return states;
 }
 
-batch::Outcome all_solved(std::size_t done) {
-  batch::Outcome outcome;
-  outcome.done = done;
-  return outcome;
-}
-
-/// A function of axode/batch.hpp by a model, or by a specialised one.
+/// A function in all states by a model, or by a specialised one.
 template <class T, class M>
-batch::Outcome call(Id quantity, const M& m, const RandomStates<T>& all, std::span<T> out, int threads = 1,
+batch::Outcome call(Id function, const M& m, const RandomStates<T>& all, std::span<T> out, int threads = 1,
                     const Monitor& monitor = {}) {
   const auto& [q, v, x, dq, dv, dx, w] = all;  // accelerations or forces
-  if (quantity == Id("inverse_dynamics"))
-    return all_solved(batch::inverse_dynamics<T>(m, q, v, x, out, threads, monitor));
-  if (quantity == Id("forward_dynamics"))
-    return batch::forward_dynamics<T>(m, q, v, x, out, threads, monitor);
-  if (quantity == Id("mass_matrix")) return all_solved(batch::mass_matrix<T>(m, q, out, threads, monitor));
-  if (quantity == Id("inverse_mass_matrix"))
-    return batch::inverse_mass_matrix<T>(m, q, out, threads, monitor);
-  if (quantity == Id("poses"))
-    return all_solved(
-        batch::poses<T>(m, q, {reinterpret_cast<SE3<T>*>(out.data()), out.size() / 12}, threads, monitor));
-  if (quantity == Id("inverse_dynamics_derivatives"))
-    return all_solved(batch::inverse_dynamics_derivatives<T>(m, q, v, x, out, threads, monitor));
-  if (quantity == Id("forward_dynamics_derivatives"))
-    return batch::forward_dynamics_derivatives<T>(m, q, v, x, out, threads, monitor);
-  if (quantity == Id("inverse_dynamics_jvp"))
-    return all_solved(batch::inverse_dynamics_jvp<T>(m, q, v, x, dq, dv, dx, out, threads, monitor));
-  if (quantity == Id("forward_dynamics_jvp"))
-    return batch::forward_dynamics_jvp<T>(m, q, v, x, dq, dv, dx, out, threads, monitor);
-  if (quantity == Id("inverse_dynamics_vjp"))
-    return all_solved(batch::inverse_dynamics_vjp<T>(m, q, v, x, w, out, threads, monitor));
-  if (quantity == Id("forward_dynamics_vjp"))
-    return batch::forward_dynamics_vjp<T>(m, q, v, x, w, out, threads, monitor);
-  ADD_FAILURE() << "there is no such batch";
-  return {};
+  catalog::Given<T> given{.q = q};
+  const std::pair<Input, std::span<const T>> others[]{{Input::v, v},     {Input::a, x},      {Input::tau, x},
+                                                      {Input::dq, dq},   {Input::dv, dv},    {Input::da, dx},
+                                                      {Input::dtau, dx}, {Input::weights, w}};
+  for (const auto& [input, numbers] : others)
+    if (function.words().takes_input(input)) catalog::numbers(given, input) = numbers;
+  return batch::run<T>(m, {function}, given, out, threads, monitor);
 }
 
 const std::vector<codegen::Function> batches{{Id("inverse_dynamics")},
@@ -105,8 +82,8 @@ void expect_the_librarys(const Model& model, const Specialised<T>& specialised, 
   const RandomStates<T> all(model, N, 7 + N);
   const std::size_t nv2 = size_of(Id("mass_matrix"), model);
   std::vector<T> M(nv2 * N), M_inverse(nv2 * N);
-  batch::mass_matrix<T>(model, all.q, M);
-  static_cast<void>(batch::inverse_mass_matrix<T>(model, all.q, M_inverse));
+  EXPECT_TRUE(batch::run<T>(model, "mass_matrix", {.q = all.q}, M).ok());
+  EXPECT_TRUE(batch::run<T>(model, "inverse_mass_matrix", {.q = all.q}, M_inverse).ok());
   for (const codegen::Function& function : batches) {
     if (!specialised.has(function)) continue;
     SCOPED_TRACE(name_of(function.row) + " of " + std::to_string(N) + " states of " + model.name() + " on " +
@@ -298,10 +275,14 @@ TEST_F(SpecialisedBatches, RefuseWhatTheLibrarysRefuse) {
     }
   }
   std::vector<double> q{0, 0, 0, 1, 0}, v(4), a(4), tau(4);
-  EXPECT_EQ(message_of([&] { batch::inverse_dynamics(specialised, q, v, a, a); }),
+  EXPECT_EQ(message_of([&] {
+              EXPECT_TRUE(batch::run(specialised, {"inverse_dynamics"}, {.q = q, .v = v, .a = a}, a).ok());
+            }),
             "tau shares memory with a; this result needs memory of its own");
   const Specialised<> without(model, {{Id("poses")}}, {.flags = quickly});
-  EXPECT_EQ(message_of([&] { batch::inverse_dynamics(without, q, v, a, tau); }),
+  EXPECT_EQ(message_of([&] {
+              EXPECT_TRUE(batch::run(without, {"inverse_dynamics"}, {.q = q, .v = v, .a = a}, tau).ok());
+            }),
             "model \"shoulder\" was specialised without inverse_dynamics");
 }
 

@@ -25,7 +25,7 @@ template <class T> Answer inverse_in_batch(const Model& model, const std::vector
   for (int k = 0; k < 3; ++k) all.insert(all.end(), q.begin(), q.end());
   const std::size_t nv2 = static_cast<std::size_t>(model.nv() * model.nv());
   std::vector<T> inverse(3 * nv2);
-  const batch::Outcome outcome = batch::inverse_mass_matrix<T>(model, all, inverse);
+  const batch::Outcome outcome = batch::run<T>(model, "inverse_mass_matrix", {.q = all}, inverse);
   EXPECT_EQ(outcome.singular_states, outcome.ok() ? 0 : 3);
   return {{inverse.begin(), inverse.begin() + static_cast<std::ptrdiff_t>(nv2)}, outcome.solvability};
 }
@@ -37,7 +37,7 @@ template <class T> Answer accelerations_in_batch(const Model& model, const Ask& 
     tau.insert(tau.end(), ask.tau.begin(), ask.tau.end());
   }
   std::vector<T> a(v.size());
-  const batch::Outcome outcome = batch::forward_dynamics<T>(model, q, v, tau, a);
+  const batch::Outcome outcome = batch::run<T>(model, "forward_dynamics", {.q = q, .v = v, .tau = tau}, a);
   EXPECT_EQ(outcome.singular_states, outcome.ok() ? 0 : 3);
   return {{a.begin(), a.begin() + model.nv()}, outcome.solvability};
 }

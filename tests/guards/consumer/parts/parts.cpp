@@ -52,7 +52,7 @@ int main() {
   const Model pendulum = ModelBuilder("pendulum").add(bar("rod", "ground", {0, 0, 0}, {0.5, 0, 0})).build();
   const std::vector<double> zero(2);
   std::vector<double> tau(2);
-  batch::inverse_dynamics<double>(pendulum, zero, zero, zero, tau);
+  static_cast<void>(batch::run(pendulum, "inverse_dynamics", {.q = zero, .v = zero, .a = zero}, tau));
   const codegen::Source source = codegen::c_source(
       pendulum, std::vector<codegen::Function>{{catalog::Id("inverse_dynamics")}}, {.prefix = "pendulum"});
 
