@@ -31,14 +31,11 @@ constexpr const char* footer = R"(Functions (several are separated by commas):
   pose:FRAME               that of one frame
   jacobian:FRAME[:REP]     J of a frame from q, 6 x nv, angular rows first; REP is body (if left out),
                            spatial, hybrid or mixed
-  inverse_dynamics_derivatives, forward_dynamics_derivatives
-                           by q, v and a or tau, nv x nv each, one behind the other
-  inverse_dynamics_jvp, forward_dynamics_jvp
-                           what a direction (dq, dv, da or dtau) does to the result
-  inverse_dynamics_vjp, forward_dynamics_vjp
-                           the gradients of w times the result by q, v and a or tau, nv each
-  inverse_dynamics_hessian, forward_dynamics_hessian
-                           the second derivatives of w times the result by (q, q), (q, v), (v, v)
+and, of inverse_dynamics and forward_dynamics, with their names before:
+  _derivatives             by q, v and a or tau, nv x nv each, one behind the other
+  _jvp                     what a direction (dq, dv, da or dtau) does to the result
+  _vjp                     the gradients of w times the result by q, v and a or tau, nv each
+  _hessian                 the second derivatives of w times the result by (q, q), (q, v), (v, v)
                            and (a or tau, q), nv x nv each
 
 Example:

@@ -1,6 +1,5 @@
 // Every function that a control loop calls, in one thread, on states drawn at random.
-#include <cmath>
-
+#include "axode/catalog.hpp"
 #include "axode/derivatives.hpp"
 #include "bench/subjects.hpp"
 
@@ -23,82 +22,37 @@ void measure_frames(const std::string& function, const std::string& variant, con
   });
 }
 
-/// f(model, workspace, state, q, v, a, three matrices or more in one piece of memory).
-template <class F>
-void measure_derivatives(const std::string& function, const F& f, int powers,
-                         const std::vector<Model>& subjects = models()) {
+/// A derivative of the dynamics, in the direction or with the weights of the jerk.
+void measure_derivative(const catalog::Function<double>& function, const std::vector<Model>& subjects) {
   measure(
-      function, "fast",
-      [f, powers](benchmark::State& state, const Model& model) {
+      std::string(function.name), "fast",
+      [&function](benchmark::State& state, const Model& model) {
         Workspace<> workspace(model);
         States states(model);
-        const std::size_t nv = static_cast<std::size_t>(model.nv());
-        std::vector<double> out(4 * static_cast<std::size_t>(std::pow(nv, powers)));
-        const std::span<double> all(out);
-        const auto part = [&](std::size_t k) { return all.subspan(k * (out.size() / 4), out.size() / 4); };
+        std::vector<double> out(function.size(model, 0));
         repeat(state, out.data(), [&] {
           const std::size_t s = states.next();
-          f(model, workspace, states.q[s], states.v[s], states.a[s], states.jerk[s], part);
+          const auto &a = states.a[s], &x = states.jerk[s];
+          benchmark::DoNotOptimize(function.call(model, workspace,
+                                                 {.q = states.q[s],
+                                                  .v = states.v[s],
+                                                  .a = a,
+                                                  .tau = a,
+                                                  .p = {},
+                                                  .dq = x,
+                                                  .dv = x,
+                                                  .da = x,
+                                                  .dtau = x,
+                                                  .w = x},
+                                                 out));
         });
       },
       subjects);
 }
 void measure_all_derivatives() {
-  measure_derivatives(
-      "inverse_dynamics_derivatives",
-      [](const Model& m, auto& w, auto& q, auto& v, auto& a, auto&, auto part) {
-        inverse_dynamics_derivatives(m, w, q, v, a, {part(0), part(1), part(2)});
-      },
-      2);
-  measure_derivatives(
-      "forward_dynamics_derivatives",
-      [](const Model& m, auto& w, auto& q, auto& v, auto& tau, auto&, auto part) {
-        benchmark::DoNotOptimize(forward_dynamics_derivatives(m, w, q, v, tau, {part(0), part(1), part(2)}));
-      },
-      2);
-  measure_derivatives(
-      "inverse_dynamics_jvp",
-      [](const Model& m, auto& w, auto& q, auto& v, auto& a, auto& x, auto part) {
-        inverse_dynamics_jvp(m, w, q, v, a, x, x, x, part(0));
-      },
-      1);
-  measure_derivatives(
-      "inverse_dynamics_vjp",
-      [](const Model& m, auto& w, auto& q, auto& v, auto& a, auto& x, auto part) {
-        inverse_dynamics_vjp(m, w, q, v, a, x, {part(0), part(1), part(2)});
-      },
-      1);
-  measure_derivatives(
-      "forward_dynamics_jvp",
-      [](const Model& m, auto& w, auto& q, auto& v, auto& tau, auto& x, auto part) {
-        benchmark::DoNotOptimize(forward_dynamics_jvp(m, w, q, v, tau, x, x, x, part(0)));
-      },
-      1);
-  measure_derivatives(
-      "forward_dynamics_vjp",
-      [](const Model& m, auto& w, auto& q, auto& v, auto& tau, auto& x, auto part) {
-        benchmark::DoNotOptimize(forward_dynamics_vjp(m, w, q, v, tau, x, {part(0), part(1), part(2)}));
-      },
-      1);
-  measure_derivatives(
-      "inverse_dynamics_hessian",
-      [](const Model& m, auto& w, auto& q, auto& v, auto& a, auto& x, auto part) {
-        inverse_dynamics_hessian(m, w, q, v, a, x, {part(0), part(1), part(2), part(3)});
-      },
-      2);
-  measure_derivatives(
-      "forward_dynamics_hessian",
-      [](const Model& m, auto& w, auto& q, auto& v, auto& tau, auto& x, auto part) {
-        benchmark::DoNotOptimize(
-            forward_dynamics_hessian(m, w, q, v, tau, x, {part(0), part(1), part(2), part(3)}));
-      },
-      2);
-  measure_derivatives(
-      "inverse_dynamics_second_derivatives",
-      [](const Model& m, auto& w, auto& q, auto& v, auto& a, auto&, auto part) {
-        inverse_dynamics_second_derivatives(m, w, q, v, a, {part(0), part(1), part(2), part(3)});
-      },
-      3, small_models());
+  for (const catalog::Function<double>& function : catalog::functions<Fast>())
+    if (function.tape && !function.derivative_of.empty()) measure_derivative(function, models());
+  measure_derivative(*catalog::find<Fast>("inverse_dynamics_second_derivatives"), small_models());
 }
 
 template <class Rep> void measure_representation(const std::string& name) {

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <tuple>
 #include <vector>
 
 #include "axode/catalog.hpp"
@@ -66,39 +67,89 @@ template <Id id, class F, class L = F> Function<T> row(const F& of_tree, const L
   return made;
 }
 
+/// Results as the struct in which a function takes several of them.
+template <class E, std::size_t n> struct Several {
+  Out out;
+  template <class S> operator S() const {  // NOLINT(google-explicit-constructor): an argument becomes it
+    return [this]<std::size_t... k>(std::index_sequence<k...>) { return S{as<E>(part(out, k, n))...}; }
+    (std::make_index_sequence<n>());
+  }
+};
+
+/// What a row's entries are to a function, where those without a choice of representation are hybrid.
+template <Entry entry, class In> auto type_of() {
+  if constexpr (entry == number) return std::type_identity<T>();
+  if constexpr (entry == vector) return std::type_identity<Vec3<T>>();
+  if constexpr (entry == pose) return std::type_identity<SE3<T>>();
+  if constexpr (entry == twist) return std::type_identity<Twist<In, T>>();
+  if constexpr (entry == rate) return std::type_identity<TwistRate<In, T>>();
+  if constexpr (entry == wrench) return std::type_identity<Wrench<In, T>>();
+  if constexpr (entry == momentum) return std::type_identity<Momentum<In, T>>();
+}
+
+/// A function whose parameters are the model, the workspace, the numbers, frames, results and loads of its row, in this
+/// order; where the row has one entry, the function returns it.
+template <Id id, class F> Function<T> in_order(const F&) {
+  return row<id>([](auto& m, auto& w, auto& g, auto out) {
+    constexpr const Words& words = id.words();
+    constexpr auto inputs = words.numbers();
+    const auto numbers_of_state = [&]<std::size_t... k>(std::index_sequence<k...>) {
+      return std::tuple(g.*member_of<T>(inputs[k])...);
+    }
+    (std::make_index_sequence<inputs.size()>());
+    const auto frame = [&] {
+      if constexpr (words.takes_input(base))
+        return std::tie(g.place, g.base);
+      else if constexpr (words.takes_input(place))
+        return std::tie(g.place);
+      else
+        return std::tuple();
+    }();
+    const auto call = [&](const auto&... rest) {
+      return std::apply([](auto&&... x) { return F()(x...); },
+                        std::tuple_cat(std::tie(m, w), numbers_of_state, frame, std::tie(rest...)));
+    };
+    if constexpr (words.shape.empty()) {
+      put(call(), out);
+    } else {
+      using In = std::conditional_t<words.choice == Choice::representation, R4, Hybrid>;
+      using E = typename decltype(type_of<words.entry, In>())::type;
+      constexpr std::size_t several = words.symbols.size();
+      const auto results = [&] {
+        if constexpr (several == 1)
+          return as<E>(out);
+        else
+          return Several<E, several>{out};
+      }();
+      if constexpr (words.takes_input(loads))
+        return call(results, g.loads);
+      else
+        return call(results);
+    }
+  });
+}
+
 std::vector<Function<T>> make() {
   return {
-      row<"poses">([](auto& m, auto& w, auto& g, auto out) { poses(m, w, g.q, as<SE3<T>>(out)); }),
+      in_order<"poses">([](auto&&... x) { return poses(x...); }),
       row<"pose">([](auto& m, auto& w, auto& g, auto out) {
         poses(m, w, g.q, std::span<const Place<T>>(&g.place, 1), as<SE3<T>>(out));
       }),
-      row<"twists">(
-          [](auto& m, auto& w, auto& g, auto out) { twists<R4>(m, w, g.q, g.v, as<Twist<R4, T>>(out)); }),
-      row<"accelerations">([](auto& m, auto& w, auto& g, auto out) {
-        accelerations<R4>(m, w, g.q, g.v, g.a, as<TwistRate<R4, T>>(out));
-      }),
-      row<"jacobian">([](auto& m, auto& w, auto& g, auto out) {
-        jacobian<R4>(m, w, g.q, g.place, as<Twist<R4, T>>(out));
-      }),
-      row<"jacobians">(
-          [](auto& m, auto& w, auto& g, auto out) { jacobians<R4>(m, w, g.q, as<Twist<R4, T>>(out)); }),
+      in_order<"twists">([](auto&&... x) { return twists<R4>(x...); }),
+      in_order<"accelerations">([](auto&&... x) { return accelerations<R4>(x...); }),
+      in_order<"jacobian">([](auto&&... x) { return jacobian<R4>(x...); }),
+      in_order<"jacobians">([](auto&&... x) { return jacobians<R4>(x...); }),
       row<"jacobian_rate">([](auto& m, auto& w, auto& g, auto out) {
         jacobian_derivative_along<R4>(m, w, g.q, g.place, 1, g.v, as<Twist<R4, T>>(out));
       }),
-      row<"relative_jacobian">([](auto& m, auto& w, auto& g, auto out) {
-        relative_jacobian<R4>(m, w, g.q, g.place, g.base, as<Twist<R4, T>>(out));
-      }),
+      in_order<"relative_jacobian">([](auto&&... x) { return relative_jacobian<R4>(x...); }),
       row<"joint_screws">(
           [](auto& m, auto& w, auto& g, auto out) { joint_screws(m, w, g.q, as<Twist<Spatial, T>>(out)); }),
-      row<"center_of_mass">([](auto& m, auto& w, auto& g, auto out) { put(center_of_mass(m, w, g.q), out); }),
-      row<"center_of_mass_jacobian">(
-          [](auto& m, auto& w, auto& g, auto out) { center_of_mass_jacobian(m, w, g.q, as<Vec3<T>>(out)); }),
-      row<"centroidal_momentum_matrix">([](auto& m, auto& w, auto& g, auto out) {
-        centroidal_momentum_matrix(m, w, g.q, as<Momentum<Hybrid, T>>(out));
-      }),
-      row<"centroidal_momentum_matrix_rate">([](auto& m, auto& w, auto& g, auto out) {
-        centroidal_momentum_matrix_rate(m, w, g.q, g.v, as<Wrench<Hybrid, T>>(out));
-      }),
+      in_order<"center_of_mass">([](auto&&... x) { return center_of_mass(x...); }),
+      in_order<"center_of_mass_jacobian">([](auto&&... x) { return center_of_mass_jacobian(x...); }),
+      in_order<"centroidal_momentum_matrix">([](auto&&... x) { return centroidal_momentum_matrix(x...); }),
+      in_order<"centroidal_momentum_matrix_rate">(
+          [](auto&&... x) { return centroidal_momentum_matrix_rate(x...); }),
       row<"inverse_dynamics">(
           [](auto& m, auto& w, auto& g, auto out) {
             inverse_dynamics<Rep>(m, w, g.q, g.v, g.a, out, g.loads);
@@ -124,143 +175,82 @@ std::vector<Function<T>> make() {
             if constexpr (std::same_as<T, double>)  // single precision does not tell it from rounding
               check_driven(left, "make these accelerations");
           }),
-      row<"mass_matrix">([](auto& m, auto& w, auto& g, auto out) { mass_matrix<Rep>(m, w, g.q, out); }),
-      row<"inverse_mass_matrix">(
-          [](auto& m, auto& w, auto& g, auto out) { return inverse_mass_matrix<Rep>(m, w, g.q, out); }),
-      row<"mass_matrix_partials">(
-          [](auto& m, auto& w, auto& g, auto out) { mass_matrix_partials(m, w, g.q, out); }),
-      row<"inverse_mass_matrix_partials">(
-          [](auto& m, auto& w, auto& g, auto out) { return inverse_mass_matrix_partials(m, w, g.q, out); }),
+      in_order<"mass_matrix">([](auto&&... x) { return mass_matrix<Rep>(x...); }),
+      in_order<"inverse_mass_matrix">([](auto&&... x) { return inverse_mass_matrix<Rep>(x...); }),
+      in_order<"mass_matrix_partials">([](auto&&... x) { return mass_matrix_partials(x...); }),
+      in_order<"inverse_mass_matrix_partials">(
+          [](auto&&... x) { return inverse_mass_matrix_partials(x...); }),
       row<"coriolis_matrix">(
           [](auto& m, auto& w, auto& g, auto out) { coriolis_matrix(m, w, g.q, g.v, g.form, out); }),
-      row<"coriolis_vector">(
-          [](auto& m, auto& w, auto& g, auto out) { coriolis_vector<Rep>(m, w, g.q, g.v, out); }),
-      row<"gravity_torques">(
-          [](auto& m, auto& w, auto& g, auto out) { gravity_torques<Rep>(m, w, g.q, out); }),
+      in_order<"coriolis_vector">([](auto&&... x) { return coriolis_vector<Rep>(x...); }),
+      in_order<"gravity_torques">([](auto&&... x) { return gravity_torques<Rep>(x...); }),
       row<"generalized_loads">(
           [](auto& m, auto& w, auto& g, auto out) { generalized_loads<Rep>(m, w, g.q, g.v, g.loads, out); }),
-      row<"christoffel">([](auto& m, auto& w, auto& g, auto out) { christoffel(m, w, g.q, out); }),
-      row<"kinetic_energy">(
-          [](auto& m, auto& w, auto& g, auto out) { out[0] = kinetic_energy(m, w, g.q, g.v); }),
-      row<"potential_energy">(
-          [](auto& m, auto& w, auto& g, auto out) { out[0] = potential_energy(m, w, g.q); }),
-      row<"spring_forces">([](auto& m, auto& w, auto& g, auto out) { spring_forces(m, w, g.q, g.v, out); }),
-      row<"elastic_energy">([](auto& m, auto& w, auto& g, auto out) { out[0] = elastic_energy(m, w, g.q); }),
+      in_order<"christoffel">([](auto&&... x) { return christoffel(x...); }),
+      in_order<"kinetic_energy">([](auto&&... x) { return kinetic_energy(x...); }),
+      in_order<"potential_energy">([](auto&&... x) { return potential_energy(x...); }),
+      in_order<"spring_forces">([](auto&&... x) { return spring_forces(x...); }),
+      in_order<"elastic_energy">([](auto&&... x) { return elastic_energy(x...); }),
       row<"load_powers">(
           [](auto& m, auto& w, auto& g, auto out) { load_powers(m, w, g.q, g.v, g.loads, out); }),
-      row<"centroidal_inertia">(
-          [](auto& m, auto& w, auto& g, auto out) { put(centroidal_inertia(m, w, g.q), out); }),
-      row<"impulse_response">([](auto& m, auto& w, auto& g, auto out) {
-        return impulse_response<R4>(m, w, g.q, g.place, as<Twist<R4, T>>(out));
-      }),
+      in_order<"centroidal_inertia">([](auto&&... x) { return centroidal_inertia(x...); }),
+      in_order<"impulse_response">([](auto&&... x) { return impulse_response<R4>(x...); }),
       row<"mobility">(
           [](auto& m, auto& w, auto& g, auto out) { return mobility<R4>(m, w, g.q, g.place, out); }),
       row<"operational_space_inertia">([](auto& m, auto& w, auto& g, auto out) {
         return operational_space_inertia<R4>(m, w, g.q, g.place, out);
       }),
-      row<"regressor">([](auto& m, auto& w, auto& g, auto out) { regressor(m, w, g.q, g.v, g.a, out); }),
-      row<"kinetic_energy_regressor">(
-          [](auto& m, auto& w, auto& g, auto out) { kinetic_energy_regressor(m, w, g.q, g.v, out); }),
-      row<"potential_energy_regressor">(
-          [](auto& m, auto& w, auto& g, auto out) { potential_energy_regressor(m, w, g.q, out); }),
-      row<"momenta">([](auto& m, auto& w, auto& g, auto out) { momenta(m, w, g.q, g.v, out); }),
-      row<"from_momenta">(
-          [](auto& m, auto& w, auto& g, auto out) { return from_momenta(m, w, g.q, g.p, out); }),
+      in_order<"regressor">([](auto&&... x) { return regressor(x...); }),
+      in_order<"kinetic_energy_regressor">([](auto&&... x) { return kinetic_energy_regressor(x...); }),
+      in_order<"potential_energy_regressor">([](auto&&... x) { return potential_energy_regressor(x...); }),
+      in_order<"momenta">([](auto&&... x) { return momenta(x...); }),
+      in_order<"from_momenta">([](auto&&... x) { return from_momenta(x...); }),
       row<"momentum_form">([](auto& m, auto& w, auto& g, auto out) {
         return momentum_form(m, w, g.q, g.p, g.tau, out.first(out.size() / 2), out.last(out.size() / 2),
                              g.loads);
       }),
-      row<"body_momenta">([](auto& m, auto& w, auto& g, auto out) {
-        body_momenta<R4>(m, w, g.q, g.v, as<Momentum<R4, T>>(out));
-      }),
-      row<"spatial_momentum">(
-          [](auto& m, auto& w, auto& g, auto out) { put(spatial_momentum(m, w, g.q, g.v), out); }),
-      row<"centroidal_momentum">(
-          [](auto& m, auto& w, auto& g, auto out) { put(centroidal_momentum(m, w, g.q, g.v), out); }),
-      row<"inverse_dynamics_derivatives">([](auto& m, auto& w, auto& g, auto out) {
-        inverse_dynamics_derivatives(m, w, g.q, g.v, g.a, {part(out, 0, 3), part(out, 1, 3), part(out, 2, 3)},
-                                     g.loads);
-      }),
-      row<"forward_dynamics_derivatives">([](auto& m, auto& w, auto& g, auto out) {
-        return forward_dynamics_derivatives(m, w, g.q, g.v, g.tau,
-                                            {part(out, 0, 3), part(out, 1, 3), part(out, 2, 3)}, g.loads);
-      }),
-      row<"momentum_form_derivatives">([](auto& m, auto& w, auto& g, auto out) {
-        return momentum_form_derivatives(
-            m, w, g.q, g.p, {part(out, 0, 4), part(out, 1, 4), part(out, 2, 4), part(out, 3, 4)}, g.loads);
-      }),
-      row<"gravity_derivatives">(
-          [](auto& m, auto& w, auto& g, auto out) { gravity_derivatives(m, w, g.q, out); }),
-      row<"coriolis_derivatives">([](auto& m, auto& w, auto& g, auto out) {
-        coriolis_derivatives(m, w, g.q, g.v, {part(out, 0, 2), part(out, 1, 2)});
-      }),
+      in_order<"body_momenta">([](auto&&... x) { return body_momenta<R4>(x...); }),
+      in_order<"spatial_momentum">([](auto&&... x) { return spatial_momentum(x...); }),
+      in_order<"centroidal_momentum">([](auto&&... x) { return centroidal_momentum(x...); }),
+      in_order<"inverse_dynamics_derivatives">(
+          [](auto&&... x) { return inverse_dynamics_derivatives(x...); }),
+      in_order<"forward_dynamics_derivatives">(
+          [](auto&&... x) { return forward_dynamics_derivatives(x...); }),
+      in_order<"momentum_form_derivatives">([](auto&&... x) { return momentum_form_derivatives(x...); }),
+      in_order<"gravity_derivatives">([](auto&&... x) { return gravity_derivatives(x...); }),
+      in_order<"coriolis_derivatives">([](auto&&... x) { return coriolis_derivatives(x...); }),
       row<"generalized_load_derivatives">([](auto& m, auto& w, auto& g, auto out) {
         generalized_load_derivatives(m, w, g.q, g.v, g.loads, {part(out, 0, 2), part(out, 1, 2)});
       }),
-      row<"spring_force_derivatives">([](auto& m, auto& w, auto& g, auto out) {
-        spring_force_derivatives(m, w, g.q, g.v, {part(out, 0, 2), part(out, 1, 2)});
-      }),
-      row<"kinetic_energy_gradient">([](auto& m, auto& w, auto& g, auto out) {
-        kinetic_energy_gradient(m, w, g.q, g.v, {part(out, 0, 2), part(out, 1, 2)});
-      }),
-      row<"motion_derivatives">([](auto& m, auto& w, auto& g, auto out) {
-        const auto columns_of = [&](std::size_t k) { return as<Twist<R4, T>>(part(out, k, 4)); };
-        motion_derivatives<R4>(m, w, g.q, g.v, g.a, g.place,
-                               {columns_of(0), columns_of(1), columns_of(2), columns_of(3)});
-      }),
+      in_order<"spring_force_derivatives">([](auto&&... x) { return spring_force_derivatives(x...); }),
+      in_order<"kinetic_energy_gradient">([](auto&&... x) { return kinetic_energy_gradient(x...); }),
+      in_order<"motion_derivatives">([](auto&&... x) { return motion_derivatives<R4>(x...); }),
       row<"motion_jvp">([](auto& m, auto& w, auto& g, auto out) {
         const auto change = motion_jvp<R4>(m, w, g.q, g.v, g.a, g.place, g.dq, g.dv, g.da);
         put(change.X, part(out, 0, 3)), put(change.V, part(out, 1, 3)), put(change.dV, part(out, 2, 3));
       }),
-      row<"inverse_dynamics_geometry_derivatives">([](auto& m, auto& w, auto& g, auto out) {
-        inverse_dynamics_geometry_derivatives(m, w, g.q, g.v, g.a, out, g.loads);
-      }),
-      row<"forward_dynamics_geometry_derivatives">([](auto& m, auto& w, auto& g, auto out) {
-        return forward_dynamics_geometry_derivatives(m, w, g.q, g.v, g.tau, out, g.loads);
-      }),
-      row<"inverse_dynamics_geometry_vjp">([](auto& m, auto& w, auto& g, auto out) {
-        inverse_dynamics_geometry_vjp(m, w, g.q, g.v, g.a, g.w, out, g.loads);
-      }),
-      row<"forward_dynamics_geometry_vjp">([](auto& m, auto& w, auto& g, auto out) {
-        return forward_dynamics_geometry_vjp(m, w, g.q, g.v, g.tau, g.w, out, g.loads);
-      }),
-      row<"frame_geometry_jacobian">(
-          [](auto& m, auto& w, auto& g, auto out) { frame_geometry_jacobian(m, w, g.q, g.place, out); }),
+      in_order<"inverse_dynamics_geometry_derivatives">(
+          [](auto&&... x) { return inverse_dynamics_geometry_derivatives(x...); }),
+      in_order<"forward_dynamics_geometry_derivatives">(
+          [](auto&&... x) { return forward_dynamics_geometry_derivatives(x...); }),
+      in_order<"inverse_dynamics_geometry_vjp">(
+          [](auto&&... x) { return inverse_dynamics_geometry_vjp(x...); }),
+      in_order<"forward_dynamics_geometry_vjp">(
+          [](auto&&... x) { return forward_dynamics_geometry_vjp(x...); }),
+      in_order<"frame_geometry_jacobian">([](auto&&... x) { return frame_geometry_jacobian(x...); }),
       row<"jacobian_geometry_derivatives">([](auto& m, auto& w, auto& g, auto out) {
         jacobian_geometry_derivatives(m, w, g.q, g.place, as<Twist<BodyFixed, T>>(out));
       }),
-      row<"inverse_dynamics_jvp">([](auto& m, auto& w, auto& g, auto out) {
-        inverse_dynamics_jvp(m, w, g.q, g.v, g.a, g.dq, g.dv, g.da, out, g.loads);
-      }),
-      row<"inverse_dynamics_vjp">([](auto& m, auto& w, auto& g, auto out) {
-        inverse_dynamics_vjp(m, w, g.q, g.v, g.a, g.w, {part(out, 0, 3), part(out, 1, 3), part(out, 2, 3)},
-                             g.loads);
-      }),
-      row<"forward_dynamics_jvp">([](auto& m, auto& w, auto& g, auto out) {
-        return forward_dynamics_jvp(m, w, g.q, g.v, g.tau, g.dq, g.dv, g.dtau, out, g.loads);
-      }),
-      row<"forward_dynamics_vjp">([](auto& m, auto& w, auto& g, auto out) {
-        return forward_dynamics_vjp(m, w, g.q, g.v, g.tau, g.w,
-                                    {part(out, 0, 3), part(out, 1, 3), part(out, 2, 3)}, g.loads);
-      }),
-      row<"inverse_dynamics_hessian">([](auto& m, auto& w, auto& g, auto out) {
-        inverse_dynamics_hessian(m, w, g.q, g.v, g.a, g.w,
-                                 {part(out, 0, 4), part(out, 1, 4), part(out, 2, 4), part(out, 3, 4)},
-                                 g.loads);
-      }),
-      row<"forward_dynamics_hessian">([](auto& m, auto& w, auto& g, auto out) {
-        return forward_dynamics_hessian(m, w, g.q, g.v, g.tau, g.w,
-                                        {part(out, 0, 4), part(out, 1, 4), part(out, 2, 4), part(out, 3, 4)},
-                                        g.loads);
-      }),
-      row<"inverse_dynamics_second_derivatives">([](auto& m, auto& w, auto& g, auto out) {
-        inverse_dynamics_second_derivatives(
-            m, w, g.q, g.v, g.a, {part(out, 0, 4), part(out, 1, 4), part(out, 2, 4), part(out, 3, 4)});
-      }),
-      row<"forward_dynamics_second_derivatives">([](auto& m, auto& w, auto& g, auto out) {
-        return forward_dynamics_second_derivatives(
-            m, w, g.q, g.v, g.tau, {part(out, 0, 4), part(out, 1, 4), part(out, 2, 4), part(out, 3, 4)});
-      }),
+      in_order<"inverse_dynamics_jvp">([](auto&&... x) { return inverse_dynamics_jvp(x...); }),
+      in_order<"inverse_dynamics_vjp">([](auto&&... x) { return inverse_dynamics_vjp(x...); }),
+      in_order<"forward_dynamics_jvp">([](auto&&... x) { return forward_dynamics_jvp(x...); }),
+      in_order<"forward_dynamics_vjp">([](auto&&... x) { return forward_dynamics_vjp(x...); }),
+      in_order<"inverse_dynamics_hessian">([](auto&&... x) { return inverse_dynamics_hessian(x...); }),
+      in_order<"forward_dynamics_hessian">([](auto&&... x) { return forward_dynamics_hessian(x...); }),
+      in_order<"inverse_dynamics_second_derivatives">(
+          [](auto&&... x) { return inverse_dynamics_second_derivatives(x...); }),
+      in_order<"forward_dynamics_second_derivatives">(
+          [](auto&&... x) { return forward_dynamics_second_derivatives(x...); }),
   };
 }
 
