@@ -21,7 +21,7 @@ import importlib
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from . import calibration, closed_form, codegen, convert, drives, identification, lie, signatures, table
+from . import calibration, closed_form, codegen, convert, drives, identification, lie, table
 from ._axode import (
     Body,
     Joint,

@@ -17,10 +17,9 @@ from .records import Representation
 
 __all__ = ["Cache", "Cost", "Source", "Specialised", "c_source", "cache", "clear_cache"]
 
+#: The name of a function, one of axode.table.ROWS that are recorded (`tape`), with a frame where it is about one.
 Function: TypeAlias = (
-    Literal["inverse_dynamics", "forward_dynamics", "mass_matrix", "inverse_mass_matrix", "poses",
-            "inverse_dynamics_derivatives", "inverse_dynamics_jvp", "inverse_dynamics_vjp", "inverse_dynamics_hessian",
-            "forward_dynamics_derivatives", "forward_dynamics_jvp", "forward_dynamics_vjp", "forward_dynamics_hessian"]
+    str
     | tuple[Literal["pose"], str | int]
     | tuple[Literal["jacobian"], str | int]
     | tuple[Literal["jacobian"], str | int, Representation]

@@ -2,9 +2,9 @@
 
 C++, the command, this package and its bridges are made from the same rows.
 
->>> row = axode.table.ROWS["forward_dynamics_jvp"]
+>>> row = axode.table.ROWS["forward_dynamics"]
 >>> row.takes
-('q', 'v', 'tau', 'dq', 'dv', 'dtau', 'loads')
+('q', 'v', 'tau', 'loads')
 >>> row.item(arm)
 (7,)
 >>> row.counts["loops"]

@@ -100,9 +100,8 @@ nb::object equilibrium_of(const BoundModel& m, ArrayLike q0, nb::handle tau, Loa
 }  // namespace
 
 void add_derivatives(nb::module_& module) {
-  using A = Arguments;
   const StateFunctions functions(module);
-  functions.of_loaded<&A::q, &A::v, &A::a>("inverse_dynamics_derivatives", "InverseDynamicsDerivatives", R"(
+  functions.define<"inverse_dynamics_derivatives">(R"(
 (q, v, a): the partial derivatives of `inverse_dynamics`, matrices (nv, nv) or (N, nv, nv), [component, direction].
 
 Directions of q are those of q (+) eps e_k, see `Model.integrate`; the derivative by a is the mass matrix. The components of
@@ -115,7 +114,7 @@ nothing, and has no derivative at v = 0. O(n d) on paths of d velocities.
 >>> np.allclose(2 * axode.inverse_dynamics_derivatives(arm, q, v, a).q @ step, difference, atol=1e-12)
 True
 )");
-  functions.of_loaded<&A::q, &A::v, &A::a, &A::dq, &A::dv, &A::da>("inverse_dynamics_jvp", nullptr, R"(
+  functions.define<"inverse_dynamics_jvp">(R"(
 What a direction (dq, dv, da) does to the forces of `inverse_dynamics`: (nv,) or (N, nv). O(n), without a matrix.
 
 >>> q, v, a, w = np.full(7, 0.3), np.ones(7), np.zeros(7), np.arange(7.0)
@@ -123,14 +122,14 @@ What a direction (dq, dv, da) does to the forces of `inverse_dynamics`: (nv,) or
 >>> np.allclose(axode.inverse_dynamics_jvp(arm, q, v, a, w, w, w), d.q @ w + d.v @ w + d.a @ w)
 True
 )");
-  functions.of_loaded<&A::q, &A::v, &A::a, &A::w>("inverse_dynamics_vjp", "InverseDynamicsDerivatives", R"(
+  functions.define<"inverse_dynamics_vjp">(R"(
 (q, v, a): the gradient of w . tau of `inverse_dynamics`, (nv,) or (N, nv) each. O(n), without a matrix.
 
 >>> q, v, a, w = np.full(7, 0.3), np.ones(7), np.zeros(7), np.arange(7.0)
 >>> np.allclose(axode.inverse_dynamics_vjp(arm, q, v, a, w).q, w @ axode.inverse_dynamics_derivatives(arm, q, v, a).q)
 True
 )");
-  functions.of_loaded<&A::q, &A::v, &A::a, &A::w>("inverse_dynamics_hessian", "InverseDynamicsHessian", R"(
+  functions.define<"inverse_dynamics_hessian">(R"(
 (qq, qv, vv, aq): second partial derivatives of w . tau of `inverse_dynamics`, (nv, nv) or (N, nv, nv) each.
 
 Entry [k, l] is the derivative along k of that along l. On a joint with several velocities the displacement k of q comes
@@ -141,7 +140,7 @@ first, q (+) e_k (+) e_l; elsewhere qq is symmetric. O(n d).
 >>> np.allclose(h.qq, h.qq.T)
 True
 )");
-  functions.of_loaded<&A::q, &A::v, &A::tau>("forward_dynamics_derivatives", "ForwardDynamicsDerivatives", R"(
+  functions.define<"forward_dynamics_derivatives">(R"(
 (q, v, tau): the partial derivatives of `forward_dynamics`, matrices (nv, nv) or (N, nv, nv), [component, direction].
 
 Terms as in `inverse_dynamics_derivatives`; the derivative by tau is the inverse mass matrix. O(n) for each column.
@@ -152,7 +151,7 @@ SingularError where M is singular.
 >>> np.allclose(d.tau @ axode.mass_matrix(arm, q), np.eye(7))
 True
 )");
-  functions.of_loaded<&A::q, &A::v, &A::tau, &A::dq, &A::dv, &A::dtau>("forward_dynamics_jvp", nullptr, R"(
+  functions.define<"forward_dynamics_jvp">(R"(
 What a direction (dq, dv, dtau) does to the accelerations of `forward_dynamics`: (nv,) or (N, nv). O(n), without a matrix.
 
 >>> q, v, tau, w = np.full(7, 0.3), np.ones(7), np.zeros(7), np.arange(7.0)
@@ -160,7 +159,7 @@ What a direction (dq, dv, dtau) does to the accelerations of `forward_dynamics`:
 >>> np.allclose(axode.forward_dynamics_jvp(arm, q, v, tau, w, w, w), d.q @ w + d.v @ w + d.tau @ w)
 True
 )");
-  functions.of_loaded<&A::q, &A::v, &A::tau, &A::w>("forward_dynamics_vjp", "ForwardDynamicsDerivatives", R"(
+  functions.define<"forward_dynamics_vjp">(R"(
 (q, v, tau): the gradient of w . a of `forward_dynamics`, (nv,) or (N, nv) each. O(n), without a matrix.
 
 >>> q, v, tau, w = np.full(7, 0.3), np.ones(7), np.zeros(7), np.arange(7.0)
@@ -168,7 +167,7 @@ True
 >>> np.allclose(axode.forward_dynamics_vjp(arm, q, v, tau, w).v, w @ d.v)
 True
 )");
-  functions.of_loaded<&A::q, &A::v, &A::tau, &A::w>("forward_dynamics_hessian", "ForwardDynamicsHessian", R"(
+  functions.define<"forward_dynamics_hessian">(R"(
 (qq, qv, vv, tauq): second partial derivatives of w . a of `forward_dynamics`, (nv, nv) or (N, nv, nv) each.
 
 Entries as in `inverse_dynamics_hessian`. O(n^2 d). SingularError where M is singular.
@@ -178,7 +177,7 @@ Entries as in `inverse_dynamics_hessian`. O(n^2 d). SingularError where M is sin
 >>> np.allclose(h.vv, h.vv.T)
 True
 )");
-  functions.of<&A::q, &A::v, &A::a>("inverse_dynamics_second_derivatives", "InverseDynamicsHessian", R"(
+  functions.define<"inverse_dynamics_second_derivatives">(R"(
 (qq, qv, vv, aq): second partial derivatives of `inverse_dynamics` without loads, (nv, nv, nv) or (N, nv, nv, nv) each.
 
 Entry [i, k, l] is the derivative along k of that of tau[i] along l, see `inverse_dynamics_hessian`, which is what to call
@@ -189,7 +188,7 @@ where components are only weighed. O(n d^2), and the zeros.
 >>> np.allclose(np.tensordot(w, second.qq, 1), axode.inverse_dynamics_hessian(arm, q, v, a, w).qq)
 True
 )");
-  functions.of<&A::q, &A::v, &A::tau>("forward_dynamics_second_derivatives", "ForwardDynamicsHessian", R"(
+  functions.define<"forward_dynamics_second_derivatives">(R"(
 (qq, qv, vv, tauq): second partial derivatives of `forward_dynamics` without loads, (nv, nv, nv) or (N, nv, nv, nv) each.
 
 Entries as in `inverse_dynamics_second_derivatives`. O(n^3 d). SingularError where M is singular.
@@ -199,7 +198,7 @@ Entries as in `inverse_dynamics_second_derivatives`. O(n^3 d). SingularError whe
 >>> np.allclose(np.tensordot(w, second.vv, 1), axode.forward_dynamics_hessian(arm, q, v, tau, w).vv)
 True
 )");
-  functions.of_loaded<&A::q, &A::p>("momentum_form_derivatives", "MomentumFormDerivatives", R"(
+  functions.define<"momentum_form_derivatives">(R"(
 (v_q, v_p, dp_q, dp_p): the partial derivatives of `momentum_form`, matrices (nv, nv) or (N, nv, nv), [component, direction].
 
 By tau they are 0 and 1. v_p is the inverse mass matrix; without joint_losses, where every joint has one velocity, dp_p is
@@ -210,7 +209,7 @@ By tau they are 0 and 1. v_p is the inverse mass matrix; without joint_losses, w
 >>> np.allclose(d.dp_p, -d.v_q.T), np.allclose(d.dp_q, d.dp_q.T)
 (True, True)
 )");
-  functions.of<&A::q>("gravity_derivatives", nullptr, R"(
+  functions.define<"gravity_derivatives">(R"(
 The partial derivatives of `gravity_torques`, (nv, nv) or (N, nv, nv), [component, direction]. O(n d).
 
 >>> q, v = np.full(7, 0.3), np.ones(7)
@@ -219,7 +218,7 @@ The partial derivatives of `gravity_torques`, (nv, nv) or (N, nv, nv), [componen
 >>> np.allclose(2 * axode.gravity_derivatives(arm, q) @ step, difference, atol=1e-12)
 True
 )");
-  functions.of<&A::q, &A::v>("coriolis_derivatives", "StateDerivatives", R"(
+  functions.define<"coriolis_derivatives">(R"(
 (q, v): the partial derivatives of `coriolis_vector`, matrices (nv, nv) or (N, nv, nv), [component, direction]. O(n d).
 
 >>> q, v = np.full(7, 0.3), np.ones(7)
@@ -227,7 +226,7 @@ True
 >>> np.allclose(d.v @ v, 2 * axode.coriolis_vector(arm, q, v))
 True
 )");
-  functions.of_loaded<&A::q, &A::v>("generalized_load_derivatives", "StateDerivatives", R"(
+  functions.define<"generalized_load_derivatives">(R"(
 (q, v): the partial derivatives of `generalized_loads`, matrices (nv, nv) or (N, nv, nv), [component, direction]. O(n d).
 
 By v there is damping alone. By a component of a load the forces have the derivative J^T, see `jacobian`, and accelerations
@@ -237,7 +236,7 @@ M^-1 J^T, see `impulse_response`.
 >>> axode.generalized_load_derivatives(arm, np.zeros(7), np.zeros(7), [weight]).q[1, 1].round(3)
 np.float64(47.3)
 )");
-  functions.of<&A::q, &A::v>("spring_force_derivatives", "StateDerivatives", R"(
+  functions.define<"spring_force_derivatives">(R"(
 (q, v): the partial derivatives of `spring_forces`, matrices (nv, nv) or (N, nv, nv), [component, direction].
 
 >>> drawing = arm.to_dict()
@@ -246,14 +245,14 @@ np.float64(47.3)
 >>> float(d.q[0, 0])
 -100.0
 )");
-  functions.of<&A::q, &A::v>("kinetic_energy_gradient", "StateDerivatives", R"(
+  functions.define<"kinetic_energy_gradient">(R"(
 (q, v): the gradient of `kinetic_energy`, (nv,) or (N, nv) each; by v these are the momenta. O(n).
 
 >>> q, v = np.full(7, 0.3), np.ones(7)
 >>> np.allclose(axode.kinetic_energy_gradient(arm, q, v).v, axode.momenta(arm, q, v))
 True
 )");
-  functions.of_loaded<&A::q, &A::v, &A::a>("inverse_dynamics_geometry_derivatives", nullptr, R"(
+  functions.define<"inverse_dynamics_geometry_derivatives">(R"(
 The partial derivatives of `inverse_dynamics` by geometric parameters: (nv, n_bodies, 6) or (N, nv, n_bodies, 6).
 
 Entry [:, i, u] belongs to the u-th unit screw (angular x y z, linear x y z) in the frame that body i of `m.body_names` has
@@ -265,7 +264,7 @@ screw and the components of loads keep their numbers. O(n d).
 >>> d.shape
 (7, 7, 6)
 )");
-  functions.of_loaded<&A::q, &A::v, &A::tau>("forward_dynamics_geometry_derivatives", nullptr, R"(
+  functions.define<"forward_dynamics_geometry_derivatives">(R"(
 The partial derivatives of `forward_dynamics` by geometric parameters: (nv, n_bodies, 6) or (N, nv, n_bodies, 6).
 
 Parameters as in `inverse_dynamics_geometry_derivatives`. O(n) for each. SingularError where M is singular.
@@ -277,7 +276,7 @@ Parameters as in `inverse_dynamics_geometry_derivatives`. O(n) for each. Singula
 >>> np.allclose(np.tensordot(axode.mass_matrix(arm, q), forward, 1), -d)
 True
 )");
-  functions.of_loaded<&A::q, &A::v, &A::a, &A::w>("inverse_dynamics_geometry_vjp", nullptr, R"(
+  functions.define<"inverse_dynamics_geometry_vjp">(R"(
 The gradient of w . tau of `inverse_dynamics` by geometric parameters: (n_bodies, 6) or (N, n_bodies, 6). O(n).
 
 >>> q, v, a, w = np.full(7, 0.3), np.ones(7), np.zeros(7), np.arange(7.0)
@@ -285,7 +284,7 @@ The gradient of w . tau of `inverse_dynamics` by geometric parameters: (n_bodies
 >>> np.allclose(axode.inverse_dynamics_geometry_vjp(arm, q, v, a, w), np.tensordot(w, d, 1))
 True
 )");
-  functions.of_loaded<&A::q, &A::v, &A::tau, &A::w>("forward_dynamics_geometry_vjp", nullptr, R"(
+  functions.define<"forward_dynamics_geometry_vjp">(R"(
 The gradient of w . a of `forward_dynamics` by geometric parameters: (n_bodies, 6) or (N, n_bodies, 6). O(n).
 
 SingularError where M is singular.
@@ -295,7 +294,7 @@ SingularError where M is singular.
 >>> np.allclose(axode.forward_dynamics_geometry_vjp(arm, q, v, tau, w), np.tensordot(w, d, 1))
 True
 )");
-  functions.of_q_frame("frame_geometry_jacobian", R"(
+  functions.define<"frame_geometry_jacobian">(R"(
 How a frame is displaced by geometric parameters: body-fixed twists, (6, n_bodies, 6) or (N, 6, n_bodies, 6).
 
 Entry [:, i, u] is C^-1 dC by parameter u of body i, see `inverse_dynamics_geometry_derivatives`; 0 for bodies that do not carry
@@ -305,7 +304,7 @@ the frame. `offset` is a point (3,) or pose (4, 4) in it. O(d).
 >>> J.shape
 (6, 7, 6)
 )");
-  functions.of_q_frame("jacobian_geometry_derivatives", R"(
+  functions.define<"jacobian_geometry_derivatives">(R"(
 The derivatives of a frame's body-fixed `jacobian` by geometric parameters: (n_bodies, 6, 6, nv), or with N in front.
 
 Entry [i, u] is the matrix for parameter u of body i, see `frame_geometry_jacobian`. O(d^2).
@@ -313,26 +312,7 @@ Entry [i, u] is the matrix for parameter u of body i, see `frame_geometry_jacobi
 >>> axode.jacobian_geometry_derivatives(arm, np.full(7, 0.3), "flange").shape
 (7, 6, 6, 7)
 )");
-  module.def(
-      "motion_derivatives",
-      [f = StateFunction("motion_derivatives")](const BoundModel& m, ArrayLike q, ArrayLike v, ArrayLike a,
-                                                FrameName frame, Representation representation,
-                                                ArrayLike offset, int threads) {
-        return f.named("MotionDerivatives", m,
-                       {.q = q,
-                        .v = v,
-                        .a = a,
-                        .algorithm = {representation},
-                        .place = place(m, frame, offset),
-                        .threads = threads});
-      },
-      "m"_a, "q"_a, "v"_a, "a"_a, "frame"_a, "representation"_a = "body", nb::kw_only(),
-      "offset"_a = nb::none(), "threads"_a = 1,
-      nb::sig("def motion_derivatives(m: Model, q: numpy.typing.ArrayLike, v: numpy.typing.ArrayLike, "
-              "a: numpy.typing.ArrayLike, frame: str | int, "
-              "representation: typing.Literal['body', 'spatial', 'hybrid', 'mixed'] = 'body', *, "
-              "offset: numpy.typing.ArrayLike | None = None, threads: int = 1) -> axode.MotionDerivatives"),
-      documented("motion_derivatives", R"(
+  functions.define<"motion_derivatives">(R"(
 (V_q, V_v, dV_q, dV_v): partial derivatives of a frame's twist and of its rate, (6, nv) or (N, 6, nv) each.
 
 V is an entry of `twists`, dV one of `accelerations`, in the same representation. V_v, which is the derivative of dV by a as
@@ -342,23 +322,21 @@ well, is the Jacobian. O(n).
 >>> d = axode.motion_derivatives(arm, q, v, a, "flange", "hybrid")
 >>> np.allclose(d.V_v, axode.jacobian(arm, q, "flange", "hybrid"))
 True
-)")
-          .c_str());
+)");
   module.def(
       "motion_jvp",
       [f = StateFunction("motion_jvp")](const BoundModel& m, ArrayLike q, ArrayLike v, ArrayLike a,
                                         FrameName frame, ArrayLike dq, ArrayLike dv, ArrayLike da,
                                         Representation representation, ArrayLike offset, int threads) {
-        return f.named("MotionChange", m,
-                       {.q = q,
-                        .v = v,
-                        .a = a,
-                        .dq = dq,
-                        .dv = dv,
-                        .da = da,
-                        .algorithm = {representation},
-                        .place = place(m, frame, offset),
-                        .threads = threads});
+        return f.all(m, {.q = q,
+                         .v = v,
+                         .a = a,
+                         .dq = dq,
+                         .dv = dv,
+                         .da = da,
+                         .algorithm = {representation},
+                         .place = place(m, frame, offset),
+                         .threads = threads});
       },
       "m"_a, "q"_a, "v"_a, "a"_a, "frame"_a, "dq"_a, "dv"_a, "da"_a, "representation"_a = "body",
       nb::kw_only(), "offset"_a = nb::none(), "threads"_a = 1,
@@ -415,14 +393,13 @@ which they are given. O(n k^2) for k results.
 >>> np.allclose(rate, d.q @ v + d.v @ a + d.a @ jerk)
 True
 )");
-  module.def("linearize", &linearize_of, "m"_a, "q"_a, "v"_a, "tau"_a, "loads"_a = nb::none(), nb::kw_only(),
-             "joint_losses"_a = false, "threads"_a = 1,
-             nb::sig(signature("linearize", {"q", "v", "tau"},
-                               "loads: collections.abc.Sequence[axode.Load] | None = None, *, "
-                               "joint_losses: bool = False, threads: int = 1",
-                               "Linearization")
-                         .c_str()),
-             R"(
+  module.def(
+      "linearize", &linearize_of, "m"_a, "q"_a, "v"_a, "tau"_a, "loads"_a = nb::none(), nb::kw_only(),
+      "joint_losses"_a = false, "threads"_a = 1,
+      nb::sig("def linearize(m: Model, q: numpy.typing.ArrayLike, v: numpy.typing.ArrayLike, "
+              "tau: numpy.typing.ArrayLike, loads: collections.abc.Sequence[axode.Load] | None = None, "
+              "*, joint_losses: bool = False, threads: int = 1) -> axode.Linearization"),
+      R"(
 (A, B): small deviations x from the motion through the state change as x' = A x + B dtau.
 
 A has shape (2 nv, 2 nv), B (2 nv, nv), or with N in front. The first half of x are displacements delta, q (+) delta as in

@@ -134,38 +134,30 @@ Where loops are redundant, the wrenches go with the least multipliers that there
 array([ 0.   ,  0.   , 258.337])
 )")
           .c_str());
-  functions.of_q_v("coriolis_vector", R"(
+  functions.define<"coriolis_vector">(R"(
 C(q, v) v, what the motion asks of the drives without gravity, loads and accelerations: (nv,) or (N, nv). O(n).
 
 >>> axode.coriolis_vector(arm, arm.neutral(), np.zeros(7)).any()
 np.False_
 )");
-  functions.of_q("gravity_torques", R"(
+  functions.define<"gravity_torques">(R"(
 g(q) = dU/dq, the drive forces that hold the mechanism at rest against gravity: (nv,) or (N, nv), N m or N. O(n).
 
 >>> axode.gravity_torques(arm, np.full(7, 0.5))[1].round(3)
 np.float64(-26.588)
 )");
-  module.def(
-      "generalized_loads",
-      [f = StateFunction("generalized_loads")](const BoundModel& m, ArrayLike q, ArrayLike v, LoadList loads,
-                                               bool joint_losses, int threads) {
-        return f(m, {.q = q, .v = v, .loads = loads, .joint_losses = joint_losses, .threads = threads});
-      },
-      "m"_a, "q"_a, "v"_a, "loads"_a = nb::none(), nb::kw_only(), "joint_losses"_a = false, "threads"_a = 1,
-      documented("generalized_loads", R"(
+  functions.define<"generalized_loads">(R"(
 Q, the sum of J^T W over the loads, with damping and friction where asked: (nv,) or (N, nv). O(n).
 
 >>> push = [{"frame": "flange", "representation": "hybrid", "wrench": [0, 0, 0, 10, 0, 0]}]
 >>> axode.generalized_loads(arm, arm.neutral(), np.zeros(7), push)[[1, 3, 5]].round(3)
 array([ 9.46, -5.26,  1.26])
-)")
-          .c_str());
+)");
 }
 
 void add_matrices(nb::module_& module) {
   const StateFunctions functions(module);
-  functions.of_q_by("mass_matrix", R"(
+  functions.define<"mass_matrix">(R"(
 M(q), the generalized mass matrix, armature included: (nv, nv) or (N, nv, nv), symmetric.
 
 By the composite-body algorithm, O(n d) for depth d; all representations give the same.
@@ -174,7 +166,7 @@ By the composite-body algorithm, O(n d) for depth d; all representations give th
 >>> bool((M == M.T).all())
 True
 )");
-  functions.of_q_by("inverse_mass_matrix", R"(
+  functions.define<"inverse_mass_matrix">(R"(
 The inverse of M(q), (nv, nv) or (N, nv, nv), by the articulated-body algorithm. O(n^2).
 
 SingularError where M is singular.
@@ -202,7 +194,7 @@ matrix as "skew". "christoffel": C_ij = sum of Gamma_ijk v_k; M' - 2C is skew.
 True
 )")
           .c_str());
-  functions.of_q("christoffel", R"(
+  functions.define<"christoffel">(R"(
 Christoffel symbols of the first kind, Gamma[i, j, k]: (nv, nv, nv) or (N, nv, nv, nv) (eq. Gamma, corrected).
 
 Symmetric in j, k but for velocities of one joint with several degrees of freedom. O(n d^2).
@@ -211,13 +203,13 @@ Symmetric in j, k but for velocities of one joint with several degrees of freedo
 >>> np.allclose(Gamma @ v @ v, axode.coriolis_vector(arm, np.full(7, 0.3), v))
 True
 )");
-  functions.of_q("mass_matrix_partials", R"(
+  functions.define<"mass_matrix_partials">(R"(
 The partial derivatives of M, entry [k] = dM/dq_k along q (+) e_k: (nv, nv, nv) or (N, nv, nv, nv). O(n d^2).
 
 >>> axode.mass_matrix_partials(arm, arm.neutral()).shape
 (7, 7, 7)
 )");
-  functions.of_q("inverse_mass_matrix_partials", R"(
+  functions.define<"inverse_mass_matrix_partials">(R"(
 The partial derivatives of the inverse of M, -M^-1 dM/dq_k M^-1, in the order of `mass_matrix_partials`. O(n^4).
 
 >>> axode.inverse_mass_matrix_partials(arm, arm.neutral()).shape
@@ -298,20 +290,20 @@ True
 
 void add_energies(nb::module_& module) {
   const StateFunctions functions(module);
-  functions.of_q_v("kinetic_energy", R"(
+  functions.define<"kinetic_energy">(R"(
 T = v^T M v / 2 of bodies and armatures, J: a number, or (N,). O(n).
 
 >>> float(axode.kinetic_energy(arm, arm.neutral(), np.zeros(7)))
 0.0
 )");
-  functions.of_q("potential_energy", R"(
+  functions.define<"potential_energy">(R"(
 U, the potential of gravity, 0 at the inertial origin, J: a number, or (N,). O(n).
 
 >>> U = axode.potential_energy(arm, arm.neutral())
 >>> bool(np.isclose(U, 9.81 * arm.total_mass * axode.center_of_mass(arm, arm.neutral())[2]))
 True
 )");
-  functions.of_q_v("spring_forces", R"(
+  functions.define<"spring_forces">(R"(
 The generalized forces of springs, dampers and stops, (nv,) or (N, nv), N m for angles and N for lengths. O(n).
 
 They act in `simulate` and `rollout`; `forward_dynamics` and the others leave them out: add these to tau.
@@ -321,7 +313,7 @@ They act in `simulate` and `rollout`; `forward_dynamics` and the others leave th
 >>> float(axode.spring_forces(axode.Model.from_dict(drawing), np.zeros(7), np.zeros(7))[0])
 20.0
 )");
-  functions.of_q("elastic_energy", R"(
+  functions.define<"elastic_energy">(R"(
 The energy that springs and stops hold, J: a number, or (N,). Its gradient is -`spring_forces` where nothing moves. O(n).
 
 >>> float(axode.elastic_energy(arm, np.ones(7)))
@@ -342,7 +334,7 @@ The power of every load, W: shape (number of loads,) or (N, number of loads). O(
 array([0.])
 )")
           .c_str());
-  functions.of_q("centroidal_inertia", R"(
+  functions.define<"centroidal_inertia">(R"(
 The inertia matrix of the whole mechanism about its center of mass, in inertial axes, as if the joints were locked.
 
 Shape (6, 6) or (N, 6, 6). Armatures are not part of it. O(n).
@@ -373,13 +365,13 @@ M^-1 J^T of a frame, (nv, 6) or (N, nv, 6): the jump of the velocities under a u
 (7, 6)
 )")
           .c_str());
-  functions.of_q_at("mobility", R"(
+  functions.define<"mobility">(R"(
 J M^-1 J^T of a frame, (6, 6) or (N, 6, 6): the twist that it gets from an impulse. Its rank says how it can move.
 
 >>> np.linalg.matrix_rank(axode.mobility(arm, np.full(7, 0.5), "flange"))
 np.int64(6)
 )");
-  functions.of_q_at("operational_space_inertia", R"(
+  functions.define<"operational_space_inertia">(R"(
 (J M^-1 J^T)^-1 of a frame, (6, 6) or (N, 6, 6): the inertia that it shows to a wrench.
 
 NaN where the frame cannot move, or nearly cannot, in all six directions: always on fewer than six axes, and at singular
@@ -392,7 +384,7 @@ True
 
 void add_regressors(nb::module_& module) {
   const StateFunctions functions(module);
-  functions.of_q_v_a("regressor", R"(
+  functions.define<"regressor">(R"(
 Y with Y pi = M a + C v + g for the inertial parameters pi: (nv, 10 n_bodies) or (N, nv, 10 n_bodies).
 
 `Model.parameters` has them. Armature, losses and loads are not part of it. O(n d).
@@ -402,13 +394,13 @@ Y with Y pi = M a + C v + g for the inertial parameters pi: (nv, 10 n_bodies) or
 >>> np.allclose(Y @ arm.parameters, axode.inverse_dynamics(arm, q, v, a))
 True
 )");
-  functions.of_q_v("kinetic_energy_regressor", R"(
+  functions.define<"kinetic_energy_regressor">(R"(
 y with y pi = the kinetic energy of the bodies, J: (10 n_bodies,) or (N, 10 n_bodies). O(n).
 
 >>> axode.kinetic_energy_regressor(arm, arm.neutral(), np.ones(7)).shape
 (70,)
 )");
-  functions.of_q("potential_energy_regressor", R"(
+  functions.define<"potential_energy_regressor">(R"(
 y with y pi = the potential energy of gravity, J: (10 n_bodies,) or (N, 10 n_bodies). O(n).
 
 >>> axode.potential_energy_regressor(arm, arm.neutral()).shape

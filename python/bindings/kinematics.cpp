@@ -68,11 +68,16 @@ Array jacobian_partials_of(const BoundModel& m, ArrayLike q, FrameName frame, Re
   Shape shape{m->nv(), 6};
   for (int k = 0; k < order; ++k) shape = shape.times(m->nv());
   const double cost = linear_cost(m) + 0.02 * static_cast<double>(shape.size());
-  return with_representation(representation, [&]<class Rep>(Rep) {
-    return columns_of(m, threads, cost, shape, q, [&](auto& workspace, auto qk, auto out) {
-      jacobian_partials<Rep>(m, workspace, qk, at, order, screws<Twist<Rep>>(out));
+  const States states(m, q, threads);
+  NewArray J = states.result(shape);
+  with_representation(representation, [&]<class Rep>(Rep) {
+    states.each_long(cost, [&](std::size_t k, const auto& go_on) {
+      Workspace<> workspace(*m);
+      jacobian_partials<Rep>(m, workspace, states.q(k), at, order, screws<Twist<Rep>>(item(J, k, shape)),
+                             go_on);
     });
   });
+  return J.transposed();
 }
 
 Array jacobian_derivative_along_of(const BoundModel& m, ArrayLike q, FrameName frame, ArrayLike directions,
@@ -182,7 +187,7 @@ nb::object inverse_kinematics_of(const BoundModel& m, nb::handle given, ArrayLik
 
 void add_kinematics(nb::module_& module) {
   const StateFunctions functions(module);
-  functions.of_q("poses", R"(
+  functions.define<"poses">(R"(
 C_i, the pose of every frame in the inertial frame (eqs. POEX, aVbRec2).
 
 Shape (n_frames, 4, 4), or (N, n_frames, 4, 4) for q of shape (N, nq); m. In the order of `m.frame_names`. O(n).
@@ -191,7 +196,7 @@ Shape (n_frames, 4, 4), or (N, n_frames, 4, 4) for q of shape (N, nq); m. In the
 >>> C[arm.frame_index("flange"), :3, 3]
 array([0.   , 0.   , 1.306])
 )");
-  functions.of_q_frame("pose", R"(
+  functions.define<"pose">(R"(
 C, the pose of a frame in the inertial frame: (4, 4), or (N, 4, 4) for q of shape (N, nq); m. O(n).
 
 `offset` is a point (3,) or pose (4, 4) in the frame.
@@ -199,7 +204,7 @@ C, the pose of a frame in the inertial frame: (4, 4), or (N, 4, 4) for q of shap
 >>> axode.pose(arm, arm.neutral(), "flange")[:3, 3]
 array([0.   , 0.   , 1.306])
 )");
-  functions.of_q_v_in("twists", R"(
+  functions.define<"twists">(R"(
 V_i, the twist of every frame: angular (rad/s), then linear (m/s) (eqs. VbRec, Vsrec, VhRec).
 
 Shape (n_frames, 6) or (N, n_frames, 6), in the order of `m.frame_names`.
@@ -210,7 +215,7 @@ about the frame's origin. mixed: angular part in the frame's axes, linear part i
 >>> V.shape
 (10, 6)
 )");
-  functions.of_q_v_a_in("accelerations", R"(
+  functions.define<"accelerations">(R"(
 V'_i, the time derivative of the components of every twist, rad/s^2 and m/s^2 (eqs. cVbRec2, dVsRec, dVhRec2).
 
 Shape (n_frames, 6) or (N, n_frames, 6), in the order of `m.frame_names`. Hybrid and mixed ones hold the classical
@@ -220,7 +225,7 @@ acceleration r'' of the frame's origin; body-fixed and spatial ones do not. Grav
 >>> dV[arm.frame_index("flange")].round(3)
 array([0.   , 1.   , 4.   , 0.546, 0.   , 0.   ])
 )");
-  functions.of_q_at("jacobian", R"(
+  functions.define<"jacobian">(R"(
 J with V = J v for a frame, shape (6, nv) or (N, 6, nv), angular rows first (eqs. JbX, JsX, Jh, JhJb).
 
 `offset` is a point (3,) or a pose (4, 4) given in the frame, m; J is then that of the offset frame. O(n).
@@ -247,7 +252,7 @@ are found once: it is much quicker than `jacobian` for each. O(n), and O(path le
 >>> np.allclose(J[1], axode.jacobian(arm, arm.neutral(), "flange", "hybrid"))
 True
 )");
-  functions.of_q_v_at("jacobian_rate", R"(
+  functions.define<"jacobian_rate">(R"(
 J', the time derivative of the Jacobian of a frame: V' = J a + J' v. Shape (6, nv) or (N, 6, nv).
 
 `offset` as in `jacobian`. O(n).
@@ -315,7 +320,7 @@ Columns of the same velocity (coupled joints) add up. One state. O(path length).
 >>> axode.jacobian_columns(arm, arm.neutral(), "link 2")[0]
 [1, 0]
 )");
-  functions.of_q("joint_screws", R"(
+  functions.define<"joint_screws">(R"(
 The instantaneous screws J_i^s of all joints, in inertial axes about the inertial origin (eqs. JsX, bVsRec).
 
 Shape (6, n) or (N, 6, n) with a column for each degree of freedom, in the model's order, coupled joints included. O(n).
@@ -323,7 +328,7 @@ Shape (6, n) or (N, 6, n) with a column for each degree of freedom, in the model
 >>> axode.joint_screws(arm, arm.neutral())[:, 0]
 array([0., 0., 1., 0., 0., 0.])
 )");
-  functions.of_q("center_of_mass", R"(
+  functions.define<"center_of_mass">(R"(
 The center of mass of all moving bodies in the inertial frame, shape (3,) or (N, 3), m. O(n).
 
 ValueError for a massless model.
@@ -331,20 +336,20 @@ ValueError for a massless model.
 >>> axode.center_of_mass(arm, arm.neutral()).shape
 (3,)
 )");
-  functions.of_q("center_of_mass_jacobian", R"(
+  functions.define<"center_of_mass_jacobian">(R"(
 J with r_com' = J v, in inertial axes, shape (3, nv) or (N, 3, nv), m. O(n).
 
 >>> axode.center_of_mass_jacobian(arm, arm.neutral()).shape
 (3, 7)
 )");
-  functions.of_q("centroidal_momentum_matrix", R"(
+  functions.define<"centroidal_momentum_matrix">(R"(
 A with A v = the momentum about the center of mass, in inertial axes, angular rows first: (6, nv) or (N, 6, nv). O(n).
 
 >>> A = axode.centroidal_momentum_matrix(arm, arm.neutral())
 >>> np.allclose(A @ np.ones(7), axode.centroidal_momentum(arm, arm.neutral(), np.ones(7)))
 True
 )");
-  functions.of_q_v("centroidal_momentum_matrix_rate", R"(
+  functions.define<"centroidal_momentum_matrix_rate">(R"(
 The time derivative of the centroidal momentum matrix, (6, nv) or (N, 6, nv). O(n).
 
 >>> axode.centroidal_momentum_matrix_rate(arm, arm.neutral(), np.ones(7)).shape

@@ -65,14 +65,14 @@ std::tuple<Array, Array> spatial_momentum_form_of(const BoundModel& m, ArrayLike
 
 void add_momentum(nb::module_& module) {
   const StateFunctions functions(module);
-  functions.of_q_v("momenta", R"(
+  functions.define<"momenta">(R"(
 p = M(q) v, the generalized momenta, armature included: (nv,) or (N, nv), kg m^2/s or kg m/s. O(n).
 
 >>> q, v = np.full(7, 0.3), np.ones(7)
 >>> np.allclose(axode.momenta(arm, q, v), axode.mass_matrix(arm, q) @ v)
 True
 )");
-  functions.of_q_p("from_momenta", R"(
+  functions.define<"from_momenta">(R"(
 v = M(q)^-1 p, the velocities of generalized momenta: (nv,) or (N, nv). O(n). SingularError where M is singular.
 
 >>> q, v = np.full(7, 0.3), np.ones(7)
@@ -99,19 +99,19 @@ Without accelerations and their bias terms, in spatial twists. SingularError whe
 True
 )")
           .c_str());
-  functions.of_q_v_in("body_momenta", R"(
+  functions.define<"body_momenta">(R"(
 Pi_i = M_i V_i of every body in its own frame, (n_bodies, 6) or (N, n_bodies, 6): angular (N m s), then linear (N s). O(n).
 
 >>> axode.body_momenta(arm, arm.neutral(), np.ones(7), "hybrid").shape
 (7, 6)
 )");
-  functions.of_q_v("spatial_momentum", R"(
+  functions.define<"spatial_momentum">(R"(
 The momentum of the whole mechanism about the inertial origin, in inertial axes, (6,) or (N, 6). O(n).
 
 >>> axode.spatial_momentum(arm, arm.neutral(), np.zeros(7))
 array([0., 0., 0., 0., 0., 0.])
 )");
-  functions.of_q_v("centroidal_momentum", R"(
+  functions.define<"centroidal_momentum">(R"(
 The momentum of the whole mechanism about its center of mass, in inertial axes, (6,) or (N, 6). O(n).
 
 ValueError for a massless model.

@@ -26,7 +26,7 @@ namespace {
 batch::Outcome run(const BoundSpecialised& s, const Function& function, const catalog::Given<double>& given,
                    std::span<double> out, int threads, const batch::Monitor& monitor) {
   if (const auto* doubles = std::get_if<Specialised<double>>(&s.functions()))
-    return (*doubles)(function, given, out, threads, monitor);
+    return batch::run(*doubles, function, given, out, threads, monitor);
   const auto cast = [](std::span<const double> numbers) {
     return std::vector<float>(numbers.begin(), numbers.end());
   };
@@ -39,7 +39,7 @@ batch::Outcome run(const BoundSpecialised& s, const Function& function, const ca
   }
   std::vector<float> result(out.size());
   const batch::Outcome outcome =
-      std::get<Specialised<float>>(s.functions())(function, floats, result, threads, monitor);
+      batch::run(std::get<Specialised<float>>(s.functions()), function, floats, result, threads, monitor);
   std::ranges::copy(result, out.begin());
   return outcome;
 }
@@ -52,32 +52,33 @@ nb::object as_float32(const nb::object& result) {
 }
 
 nb::object called(const BoundSpecialised& s, const Function& function, const StateFunction& f,
-                  const char* type, Arguments given) {
+                  Arguments given) {
   s.check(function);
   const Instead instead = [&](const catalog::Given<double>& all, std::span<double> out,
                               const batch::Monitor& monitor) {
     return run(s, function, all, out, given.threads, monitor);
   };
   given.instead = &instead;
-  nb::object result = f.named(type, s.model(), given);
+  nb::object result = f.all(s.model(), given);
   return s.is_single() ? as_float32(result) : result;
 }
 
-template <ArrayLike Arguments::*... arguments>
-void define(nb::class_<BoundSpecialised>& type, const char* name, const char* result = nullptr) {
-  const Function function{*catalog::Id::of(name)};
-  std::string text = signature(name, {name_of(arguments)...}, "*, threads: int = 1", result);
-  text.replace(text.find("m: Model"), 8, "self");
-  type.def(
-      name,
-      [f = StateFunction(name), function, result](const BoundSpecialised& s, OneArray<arguments>... arrays,
-                                                  int threads) {
-        Arguments given{.q = {}, .threads = threads};
-        ((given.*arguments = arrays), ...);
-        return called(s, function, f, result, given);
-      },
-      nb::arg(name_of(arguments))..., nb::kw_only(), nb::arg("threads") = 1, nb::sig(text.c_str()),
-      ("As `axode." + std::string(name) + "`, without loads.").c_str());
+template <catalog::Id id> void define(nb::class_<BoundSpecialised>& type) {
+  constexpr const catalog::Words& row = id.words();
+  const char* const name = row.name.data();
+  [&]<std::size_t... n>(std::index_sequence<n...>) {
+    type.def(
+        name,
+        [f = StateFunction(name)](const BoundSpecialised& s, Each<ArrayLike, n>... numbers, int threads) {
+          Arguments given{.q = {}, .threads = threads};
+          ((given.*argument_of(id.words().numbers()[n]) = numbers), ...);
+          return called(s, {id}, f, given);
+        },
+        argument<n>(name_of(row.numbers()[n]))..., nb::kw_only(), nb::arg("threads") = 1,
+        nb::sig(signature(row, "self", "*, threads: int = 1").c_str()),
+        ("As `axode." + std::string(name) + "`, without loads.").c_str());
+  }
+  (Times<row.numbers().size()>());
 }
 
 BoundSpecialised specialise(nb::handle_t<BoundModel> self, nb::handle functions, nb::handle scalar, int lanes,
@@ -104,7 +105,6 @@ BoundSpecialised specialise(nb::handle_t<BoundModel> self, nb::handle functions,
 }  // namespace
 
 void add_specialised(nb::module_& codegen) {
-  using A = Arguments;
   nb::class_<BoundSpecialised> type(codegen, "Specialised", R"(
 Functions of one model, compiled for it: what `Model.specialise` makes. Threads may share it.
 
@@ -116,26 +116,16 @@ function that was not asked for is a ValueError.
 >>> np.allclose(s.mass_matrix(q), axode.mass_matrix(arm, q))
 True
 )");
-  define<&A::q, &A::v, &A::a>(type, "inverse_dynamics");
-  define<&A::q, &A::v, &A::tau>(type, "forward_dynamics");
-  define<&A::q>(type, "mass_matrix");
-  define<&A::q>(type, "inverse_mass_matrix");
-  define<&A::q>(type, "poses");
-  define<&A::q, &A::v, &A::a>(type, "inverse_dynamics_derivatives", "InverseDynamicsDerivatives");
-  define<&A::q, &A::v, &A::a, &A::dq, &A::dv, &A::da>(type, "inverse_dynamics_jvp");
-  define<&A::q, &A::v, &A::a, &A::w>(type, "inverse_dynamics_vjp", "InverseDynamicsDerivatives");
-  define<&A::q, &A::v, &A::a, &A::w>(type, "inverse_dynamics_hessian", "InverseDynamicsHessian");
-  define<&A::q, &A::v, &A::tau>(type, "forward_dynamics_derivatives", "ForwardDynamicsDerivatives");
-  define<&A::q, &A::v, &A::tau, &A::dq, &A::dv, &A::dtau>(type, "forward_dynamics_jvp");
-  define<&A::q, &A::v, &A::tau, &A::w>(type, "forward_dynamics_vjp", "ForwardDynamicsDerivatives");
-  define<&A::q, &A::v, &A::tau, &A::w>(type, "forward_dynamics_hessian", "ForwardDynamicsHessian");
+  catalog::each_row([&]<catalog::Id id> {
+    if constexpr (id.words().tape && !id.words().takes_input(catalog::Input::place)) define<id>(type);
+  });
   type.def(
           "jacobian",
           [f = StateFunction("jacobian")](const BoundSpecialised& s, ArrayLike q, FrameName frame,
                                           Representation representation, int threads) {
             const Function function{"jacobian", frame.in(*s.model()), representation};
             return called(
-                s, function, f, nullptr,
+                s, function, f,
                 {.q = q, .algorithm = {representation}, .place = function.frame, .threads = threads});
           },
           "q"_a, "frame"_a, "representation"_a = "body", nb::kw_only(), "threads"_a = 1,

@@ -77,7 +77,7 @@ NewArray StateFunction::run(const BoundModel& m, const Arguments& given, const R
   const States states(m, given.q, given.threads);
   std::vector<Items> taken;
   for (const ArgumentOfState& one : takes_)
-    taken.push_back(states.velocities(one.name(), given.*one.argument));
+    taken.push_back(states.velocities(name_of(one.input), given.*one.argument));
   const AppliedLoads loads(states, given.loads, given.joint_losses);
 
   Shape shape{};
@@ -144,127 +144,45 @@ std::tuple<Array, Array> StateFunction::both(const BoundModel& m, const Argument
   return {out.part(0, 1), out.part(1, 1)};
 }
 
-std::string signature(const char* name, std::initializer_list<const char*> arguments, const char* options,
-                      const char* type) {
-  std::string text = std::string("def ") + name + "(m: Model, ";
-  for (const char* argument : arguments) text += std::string(argument) + ": numpy.typing.ArrayLike, ";
-  return text + options + ") -> " +
-         (type == nullptr ? std::string("numpy.typing.NDArray[numpy.float64]")
-                          : "axode." + std::string(type));
-}
-
-nb::object StateFunction::named(const char* type, const BoundModel& m, const Arguments& given) const {
-  if (type == nullptr) return nb::cast((*this)(m, given));
+nb::object StateFunction::all(const BoundModel& m, const Arguments& given) const {
+  const std::string record = record_of(id_.words());
+  if (record.empty()) return nb::cast((*this)(m, given));
   const Row& called = row(given.algorithm);
   NewArray out = run(m, given, called);
   nb::list parts;
   const int axes = static_cast<int>(called.shape.size()) + axes_of(called.entry).axes;
   for (std::size_t k = 0; k < called.symbols.size(); ++k)
     parts.append(nb::cast(out.part(static_cast<nb::ssize_t>(k), axes, called.columns)));
-  return nb::module_::import_("axode.records").attr(type)(*parts);
+  return nb::module_::import_("axode.records").attr(record.c_str())(*parts);
+}
+
+std::string record_of(const catalog::Words& row) {
+  const bool of_forces = row.derivative_of == "inverse_dynamics";
+  const std::string family = of_forces                                 ? "InverseDynamics"
+                             : row.derivative_of == "forward_dynamics" ? "ForwardDynamics"
+                             : row.derivative_of == "momentum_form"    ? "MomentumForm"
+                                                                       : "Motion";
+  switch (row.symbols.size()) {
+    case 1: return "";
+    case 2: return "StateDerivatives";
+    case 3: return family + (family == "Motion" ? "Change" : "Derivatives");
+    default: return family + (family.ends_with("Dynamics") ? "Hessian" : "Derivatives");
+  }
+}
+
+std::string signature(const catalog::Words& row, const char* self, const std::string& options) {
+  std::string text = "def " + std::string(row.name) + "(" + self + ", ";
+  for (const Input input : row.numbers())
+    text += std::string(to_string(input)) + ": numpy.typing.ArrayLike, ";
+  const std::string record = record_of(row);
+  return text + options + ") -> " +
+         (record.empty() ? "numpy.typing.NDArray[numpy.float64]" : "axode." + record);
 }
 
 std::string documented(const char* name, std::string doc) {
   const std::string line = to_string(catalog::Id::of(name)->words().counts) + "\n\n";
   const std::size_t example = std::min(doc.find(">>>"), doc.size());
   return doc.insert(example, line);
-}
-
-void StateFunctions::of_q(const char* name, const char* doc) const {
-  module_.def(
-      name,
-      [f = StateFunction(name)](const BoundModel& m, ArrayLike q, int threads) {
-        return f(m, {.q = q, .threads = threads});
-      },
-      "m"_a, "q"_a, nb::kw_only(), "threads"_a = 1, documented(name, doc).c_str());
-}
-void StateFunctions::of_q_v(const char* name, const char* doc) const {
-  module_.def(
-      name,
-      [f = StateFunction(name)](const BoundModel& m, ArrayLike q, ArrayLike v, int threads) {
-        return f(m, {.q = q, .v = v, .threads = threads});
-      },
-      "m"_a, "q"_a, "v"_a, nb::kw_only(), "threads"_a = 1, documented(name, doc).c_str());
-}
-void StateFunctions::of_q_p(const char* name, const char* doc) const {
-  module_.def(
-      name,
-      [f = StateFunction(name)](const BoundModel& m, ArrayLike q, ArrayLike p, int threads) {
-        return f(m, {.q = q, .p = p, .threads = threads});
-      },
-      "m"_a, "q"_a, "p"_a, nb::kw_only(), "threads"_a = 1, documented(name, doc).c_str());
-}
-void StateFunctions::of_q_v_a(const char* name, const char* doc) const {
-  module_.def(
-      name,
-      [f = StateFunction(name)](const BoundModel& m, ArrayLike q, ArrayLike v, ArrayLike a, int threads) {
-        return f(m, {.q = q, .v = v, .a = a, .threads = threads});
-      },
-      "m"_a, "q"_a, "v"_a, "a"_a, nb::kw_only(), "threads"_a = 1, documented(name, doc).c_str());
-}
-void StateFunctions::of_q_v_in(const char* name, const char* doc) const {
-  module_.def(
-      name,
-      [f = StateFunction(name)](const BoundModel& m, ArrayLike q, ArrayLike v, Representation representation,
-                                int threads) {
-        return f(m, {.q = q, .v = v, .algorithm = {representation}, .threads = threads});
-      },
-      "m"_a, "q"_a, "v"_a, "representation"_a = "body", nb::kw_only(), "threads"_a = 1,
-      documented(name, doc).c_str());
-}
-void StateFunctions::of_q_v_a_in(const char* name, const char* doc) const {
-  module_.def(
-      name,
-      [f = StateFunction(name)](const BoundModel& m, ArrayLike q, ArrayLike v, ArrayLike a,
-                                Representation representation, int threads) {
-        return f(m, {.q = q, .v = v, .a = a, .algorithm = {representation}, .threads = threads});
-      },
-      "m"_a, "q"_a, "v"_a, "a"_a, "representation"_a = "body", nb::kw_only(), "threads"_a = 1,
-      documented(name, doc).c_str());
-}
-void StateFunctions::of_q_at(const char* name, const char* doc) const {
-  module_.def(
-      name,
-      [f = StateFunction(name)](const BoundModel& m, ArrayLike q, FrameName frame,
-                                Representation representation, ArrayLike offset, int threads) {
-        return f(
-            m, {.q = q, .algorithm = {representation}, .place = place(m, frame, offset), .threads = threads});
-      },
-      "m"_a, "q"_a, "frame"_a, "representation"_a = "body", nb::kw_only(), "offset"_a = nb::none(),
-      "threads"_a = 1, documented(name, doc).c_str());
-}
-void StateFunctions::of_q_v_at(const char* name, const char* doc) const {
-  module_.def(
-      name,
-      [f = StateFunction(name)](const BoundModel& m, ArrayLike q, ArrayLike v, FrameName frame,
-                                Representation representation, ArrayLike offset, int threads) {
-        return f(m, {.q = q,
-                     .v = v,
-                     .algorithm = {representation},
-                     .place = place(m, frame, offset),
-                     .threads = threads});
-      },
-      "m"_a, "q"_a, "v"_a, "frame"_a, "representation"_a = "body", nb::kw_only(), "offset"_a = nb::none(),
-      "threads"_a = 1, documented(name, doc).c_str());
-}
-void StateFunctions::of_q_frame(const char* name, const char* doc) const {
-  module_.def(
-      name,
-      [f = StateFunction(name)](const BoundModel& m, ArrayLike q, FrameName frame, ArrayLike offset,
-                                int threads) {
-        return f(m, {.q = q, .place = place(m, frame, offset), .threads = threads});
-      },
-      "m"_a, "q"_a, "frame"_a, nb::kw_only(), "offset"_a = nb::none(), "threads"_a = 1,
-      documented(name, doc).c_str());
-}
-void StateFunctions::of_q_by(const char* name, const char* doc) const {
-  module_.def(
-      name,
-      [f = StateFunction(name)](const BoundModel& m, ArrayLike q, Algorithm algorithm, int threads) {
-        return f(m, {.q = q, .algorithm = algorithm, .threads = threads});
-      },
-      "m"_a, "q"_a, "representation"_a = "fast", nb::kw_only(), "threads"_a = 1,
-      documented(name, doc).c_str());
 }
 
 }  // namespace axode::python

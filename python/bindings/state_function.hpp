@@ -6,6 +6,7 @@
 #include "axode/batch.hpp"
 #include "axode/catalog.hpp"
 #include "axode/kinematics/place.hpp"
+#include "choice.hpp"
 #include "states.hpp"
 
 namespace axode::python {
@@ -32,7 +33,6 @@ struct Arguments {
 struct ArgumentOfState {
   catalog::Input input;
   ArrayLike Arguments::*argument;
-  const char* name() const { return catalog::to_string(input).data(); }
 };
 inline constexpr ArgumentOfState arguments_of_state[] = {
     {catalog::Input::q, &Arguments::q},       {catalog::Input::v, &Arguments::v},
@@ -40,9 +40,10 @@ inline constexpr ArgumentOfState arguments_of_state[] = {
     {catalog::Input::p, &Arguments::p},       {catalog::Input::dq, &Arguments::dq},
     {catalog::Input::dv, &Arguments::dv},     {catalog::Input::da, &Arguments::da},
     {catalog::Input::dtau, &Arguments::dtau}, {catalog::Input::weights, &Arguments::w}};
-inline const char* name_of(ArrayLike Arguments::*argument) {
-  return std::ranges::find(arguments_of_state, argument, &ArgumentOfState::argument)->name();
+constexpr ArrayLike Arguments::*argument_of(catalog::Input input) {
+  return std::ranges::find(arguments_of_state, input, &ArgumentOfState::input)->argument;
 }
+inline const char* name_of(catalog::Input input) { return to_string(input).data(); }
 
 /// A function of the catalogue for one state or N of them, in SIMD lanes where the library can.
 class StateFunction {
@@ -55,8 +56,8 @@ class StateFunction {
   Array in_rows(const BoundModel& m, const Arguments& given) const;
   /// Of a function with two results.
   std::tuple<Array, Array> both(const BoundModel& m, const Arguments& given) const;
-  /// Of a function with several results, as a named tuple of axode.records; of one result where there is no type.
-  nb::object named(const char* type, const BoundModel& m, const Arguments& given) const;
+  /// The result, or several in a named tuple, see record_of().
+  nb::object all(const BoundModel& m, const Arguments& given) const;
 
  private:
   using Row = catalog::Function<double>;
@@ -68,77 +69,74 @@ class StateFunction {
   std::vector<ArgumentOfState> takes_;  ///< besides q
 };
 
-/// `def name(m, arguments, options) -> a type of axode.records, or an array`.
-std::string signature(const char* name, std::initializer_list<const char*> arguments, const char* options,
-                      const char* type);
-template <ArrayLike Arguments::*> using OneArray = ArrayLike;
+/// The type of axode.records that has the results of a row; empty for one result.
+std::string record_of(const catalog::Words& row);
+
+/// `def name(self, arguments, options) -> its type of axode.records, or an array`.
+std::string signature(const catalog::Words& row, const char* self, const std::string& options);
 
 /// A docstring with what the row counts, in a line before its example.
 std::string documented(const char* name, std::string doc);
 
-/// Defines functions by what they are given.
+/// A parameter for each number of a sequence, which may have none.
+template <class Parameter, std::size_t> using Each = Parameter;
+template <std::size_t> auto argument(const char* name) { return nb::arg(name); }
+template <std::size_t, class Value> auto argument(const char* name, Value&& value) {
+  return nb::arg(name) = std::forward<Value>(value);
+}
+template <std::size_t n> using Times = std::make_index_sequence<n>;
+
+/// Defines functions by their rows: arguments and options are those that the row takes, and the results those that it gives.
 class StateFunctions {
  public:
   explicit StateFunctions(nb::module_& module) : module_(module) {}
 
-  void of_q(const char* name, const char* doc) const;
-  void of_q_v(const char* name, const char* doc) const;
-  void of_q_p(const char* name, const char* doc) const;
-  void of_q_v_a(const char* name, const char* doc) const;
-  /// With the representation of the result.
-  void of_q_v_in(const char* name, const char* doc) const;
-  void of_q_v_a_in(const char* name, const char* doc) const;
-  /// With the frame that the result is about, and its representation.
-  void of_q_at(const char* name, const char* doc) const;
-  void of_q_v_at(const char* name, const char* doc) const;
-  /// With a frame.
-  void of_q_frame(const char* name, const char* doc) const;
-  /// With the recursion to run.
-  void of_q_by(const char* name, const char* doc) const;
-  /// With loads, and several results in a type of axode.records; nullptr for one result.
-  template <ArrayLike Arguments::*... given>
-  void of_loaded(const char* name, const char* type, const char* doc) const;
-  /// The same without loads.
-  template <ArrayLike Arguments::*... given>
-  void of(const char* name, const char* type, const char* doc) const;
+  template <catalog::Id id> void define(const char* doc) const;
 
  private:
   nb::module_& module_;
 };
 
-template <ArrayLike Arguments::*... given>
-void StateFunctions::of_loaded(const char* name, const char* type, const char* doc) const {
-  module_.def(
-      name,
-      [f = StateFunction(name), type](const BoundModel& m, OneArray<given>... arrays, LoadList loads,
-                                      bool joint_losses, int threads) {
-        Arguments all{.q = {}, .loads = loads, .joint_losses = joint_losses, .threads = threads};
-        ((all.*given = arrays), ...);
-        return f.named(type, m, all);
-      },
-      nb::arg("m"), nb::arg(name_of(given))..., nb::arg("loads") = nb::none(), nb::kw_only(),
-      nb::arg("joint_losses") = false, nb::arg("threads") = 1,
-      nb::sig(signature(
-                  name, {name_of(given)...},
-                  "loads: collections.abc.Sequence[axode.Load] | None = None, *, joint_losses: bool = False, "
-                  "threads: int = 1",
-                  type)
-                  .c_str()),
-      documented(name, doc).c_str());
-}
-
-template <ArrayLike Arguments::*... given>
-void StateFunctions::of(const char* name, const char* type, const char* doc) const {
-  module_.def(
-      name,
-      [f = StateFunction(name), type](const BoundModel& m, OneArray<given>... arrays, int threads) {
-        Arguments all{.q = {}, .threads = threads};
-        ((all.*given = arrays), ...);
-        return f.named(type, m, all);
-      },
-      nb::arg("m"), nb::arg(name_of(given))..., nb::kw_only(), nb::arg("threads") = 1,
-      nb::sig(signature(name, {name_of(given)...}, "*, threads: int = 1", type).c_str()),
-      documented(name, doc).c_str());
+template <catalog::Id id> void StateFunctions::define(const char* doc) const {
+  using catalog::Input, catalog::Choice;
+  constexpr const catalog::Words& row = id.words();
+  constexpr bool about_a_frame = row.takes_input(Input::place), takes_loads = row.takes_input(Input::loads);
+  using Way = std::conditional_t<row.choice == Choice::recursion, Algorithm, Representation>;
+  const char* const name = row.name.data();
+  const char* const first_way = Words<Way>::words[0].data();
+  std::string options;
+  if (about_a_frame) options += "frame: str | int, ";
+  if (takes_loads) options += "loads: collections.abc.Sequence[axode.Load] | None = None, ";
+  if (row.choice != Choice::none)
+    options += "representation: " + std::string(Words<Way>::name.text) + " = '" + first_way + "', ";
+  options += "*, ";
+  if (takes_loads) options += "joint_losses: bool = False, ";
+  if (about_a_frame) options += "offset: numpy.typing.ArrayLike | None = None, ";
+  options += "threads: int = 1";
+  [&]<std::size_t... n, std::size_t... f, std::size_t... l, std::size_t... w>(
+      std::index_sequence<n...>, std::index_sequence<f...>, std::index_sequence<l...>,
+      std::index_sequence<w...>) {
+    module_.def(
+        name,
+        [function = StateFunction(name)](const BoundModel& m, Each<ArrayLike, n>... numbers,
+                                         Each<FrameName, f>... frame, Each<LoadList, l>... loads,
+                                         Each<Way, w>... way, Each<bool, l>... joint_losses,
+                                         Each<ArrayLike, f>... offset, int threads) {
+          Arguments given{.q = {}, .threads = threads};
+          ((given.*argument_of(id.words().numbers()[n]) = numbers), ...);
+          ((given.place = place(m, frame, offset)), ...);
+          ((given.loads = loads), ...);
+          ((given.joint_losses = joint_losses), ...);
+          ((given.algorithm = {way}), ...);
+          return function.all(m, given);
+        },
+        nb::arg("m"), argument<n>(name_of(row.numbers()[n]))..., argument<f>("frame")...,
+        argument<l>("loads", nb::none())..., argument<w>("representation", first_way)..., nb::kw_only(),
+        argument<l>("joint_losses", false)..., argument<f>("offset", nb::none())..., nb::arg("threads") = 1,
+        nb::sig(signature(row, "m: Model", options).c_str()), documented(name, doc).c_str());
+  }
+  (Times<row.numbers().size()>(), Times<about_a_frame>(), Times<takes_loads>(),
+   Times<row.choice != Choice::none>());
 }
 
 }  // namespace axode::python
