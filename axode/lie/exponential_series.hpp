@@ -88,7 +88,7 @@ constexpr Coefficients derivative(const Coefficients& c) {
   return d;
 }
 
-/// A series with its first two derivatives.
+/// The coefficients of a series and of its first two derivatives with respect to s.
 using Table = std::array<Coefficients, 3>;
 constexpr Table with_derivatives(const Coefficients& c) {
   return {c, derivative(c), derivative(derivative(c))};
@@ -100,6 +100,7 @@ inline constexpr Table c = with_derivatives(alternating_factorials(3));
 inline constexpr Table g = with_derivatives(cotangent);
 inline constexpr Coefficients half_angle_over_sine = arcsine();
 
+/// Σ_k coefficients[k] s^k, by Horner's rule.
 template <class T> constexpr T sum(const Coefficients& coefficients, const T& s) {
   T y = T(coefficients[terms - 1]);
   for (std::size_t k = terms - 1; k-- > 0;) y = y * s + T(coefficients[k]);
@@ -108,13 +109,14 @@ template <class T> constexpr T sum(const Coefficients& coefficients, const T& s)
 
 }  // namespace series
 
-/// f(s), f'(s), f''(s) for f = sin θ/θ, (1 - cos θ)/θ², (θ - sin θ)/θ³ and (1 - θ/2 cot(θ/2))/θ², θ² = s.
+/// f(s), f'(s), f''(s) for the four functions a = sin θ/θ, b = (1 - cos θ)/θ², c = (θ - sin θ)/θ³ and
+/// g = (1 - θ/2 cot(θ/2))/θ² of s = θ².
 template <class T> struct ExponentialCoefficients {
   std::array<T, 3> a, b, c, g;
 
   explicit constexpr ExponentialCoefficients(const T& s) {
     const auto near = s < T(series::radius);
-    const T x = select(near, T(1), s);  // keeps the closed forms finite where they are not used
+    const T x = select(near, T(1), s);  // the closed forms stay finite also if they are not used
     const T theta = sqrt(x), i = T(1) / (T(2) * x), half_sine = sin(T(0.5) * theta);
     const T a0 = sin(theta) / theta, b0 = T(2) * half_sine * half_sine / x, c0 = (T(1) - a0) / x;
     const T a1 = (cos(theta) - a0) * i, b1 = (a0 - T(2) * b0) * i, c1 = (b0 - T(3) * c0) * i;

@@ -16,11 +16,11 @@ double realisability(const Inertia<double>& M) {
   const Sym3<double> Theta_c = inertia_about_com(M);
   const double largest = eigenvalue_range(Theta_c).largest;
   const double smallest = eigenvalue_range(binet_tensor(Theta_c)).smallest;
-  const double rounding =
-      16 * std::numeric_limits<double>::epsilon() * trace(M.Theta);  // Theta_c is a difference
+  // Theta_c is a difference of tensors, and its rounding errors scale with Theta.
+  const double rounding = 16 * std::numeric_limits<double>::epsilon() * trace(M.Theta);
   if (smallest < 0 && smallest > -rounding) return 0.0;
   if (largest > 0) return smallest / largest;
-  return smallest < 0 ? -0.5 : 0.0;  // a point mass is realisable, a negative tensor is not
+  return smallest < 0 ? -0.5 : 0.0;  // A point mass is realisable, a negative tensor is not.
 }
 
 }  // namespace axode

@@ -23,8 +23,8 @@ constexpr Inertia<T> inertia_from_com(const T& m, const Vec3<T>& c, const Sym3<T
                                       const SO3<T>& R_bc = {}) {
   return {m, m * c, rotate(R_bc, Theta_c) + (T(0.5) * m) * parallel_axis_tensor(c, c)};
 }
-/// Θ_c, the rotational inertia about the centre of mass, in the axes of the frame of M. The mass must not be
-/// 0.
+/// Θ_c, the rotational inertia about the centre of mass, in the axes of the frame of M. The mass must not
+/// be 0.
 template <class T> constexpr Sym3<T> inertia_about_com(const Inertia<T>& M) {
   return M.Theta - (T(0.5) / M.m) * parallel_axis_tensor(M.h, M.h);
 }
@@ -36,7 +36,8 @@ template <class T> constexpr Inertia<T> transform(const SO3<T>& R, const Inertia
   const Noted<T> noted(ScrewOperation::tensor_rotation);
   return {M.m, R * M.h, rotate(R, M.Theta)};
 }
-/// Ad_r⁻ᵀ M Ad_r⁻¹: the inertia about a point from which the old one is at r, in the same axes.
+/// Ad_r⁻ᵀ M Ad_r⁻¹: the inertia about another point, in the same axes; r is the vector from that point to the
+/// origin of the frame of M.
 template <class T> constexpr Inertia<T> transform(const Vec3<T>& r, const Inertia<T>& M) {
   const Noted<T> noted(ScrewOperation::tensor_translation);
   return {M.m, M.h + M.m * r, M.Theta + parallel_axis_tensor(M.h + (T(0.5) * M.m) * r, r)};
@@ -51,19 +52,21 @@ template <class T> constexpr Inertia<T> transform(const SE3<T>& S, const Inertia
 template <class T = double> struct CentralInertia {
   T m{};
   Sym3<T> Theta;
-  constexpr operator Inertia<T>() const {  // NOLINT(google-explicit-constructor): it is one
+  constexpr operator Inertia<T>() const {  // NOLINT(google-explicit-constructor): it is an inertia
     return {m, {}, Theta};
   }
 };
-/// The same transformations of it.
+/// Ad_R⁻ᵀ M Ad_R⁻¹ of a central inertia: the origin stays at the centre of mass.
 template <class T> constexpr CentralInertia<T> transform(const SO3<T>& R, const CentralInertia<T>& M) {
   const Noted<T> noted(ScrewOperation::tensor_rotation);
   return {M.m, rotate(R, M.Theta)};
 }
+/// Ad_r⁻ᵀ M Ad_r⁻¹ of a central inertia: the inertia about a point from which the centre of mass is at r.
 template <class T> constexpr Inertia<T> transform(const Vec3<T>& r, const CentralInertia<T>& M) {
   const Noted<T> noted(ScrewOperation::tensor_translation);
   return {M.m, M.m * r, M.Theta + parallel_axis_tensor((T(0.5) * M.m) * r, r)};
 }
+/// Ad_S⁻ᵀ M Ad_S⁻¹ of a central inertia: the inertia in the frame in which S is the pose of the frame of M.
 template <class T> constexpr Inertia<T> transform(const SE3<T>& S, const CentralInertia<T>& M) {
   const Noted<T> noted(ScrewOperation::tensor_transformation);
   return transform(S.r, transform(S.R, M));
@@ -82,13 +85,13 @@ constexpr Wrench<Rep, T> operator*(const Inertia<T>& M, const TwistRate<Rep, T>&
   return {M.Theta * dV.w + cross(M.h, dV.v), M.m * dV.v - cross(M.h, dV.w)};
 }
 
-/// M' = -ad_Vᵀ M - M ad_V, the rate of an inertia that moves with the twist V (eq. Msdot); its mass entry is
-/// 0.
+/// M' = -ad_Vᵀ M - M ad_V, the rate of an inertia that moves with the twist V (eq. Msdot). The mass entry of
+/// M' is 0.
 template <AtFrameOrigin Rep, class T>
 constexpr Inertia<T> inertia_rate(const Twist<Rep, T>& V, const Inertia<T>& M) {
   const Sym3<T>& A = M.Theta;
   const Vec3<T> x = cross(V.w, Vec3<T>{A.xx, A.xy, A.xz}), y = cross(V.w, Vec3<T>{A.xy, A.yy, A.yz}),
-                z = cross(V.w, Vec3<T>{A.xz, A.yz, A.zz});  // columns of ω̃ Θ; its transpose is -Θ ω̃
+                z = cross(V.w, Vec3<T>{A.xz, A.yz, A.zz});  // columns of ω̃ Θ, whose transpose is -Θ ω̃
   const Sym3<T> turned{x.x + x.x, y.y + y.y, z.z + z.z, x.y + y.x, x.z + z.x, y.z + z.y};
   return {T(0), cross(V.w, M.h) + M.m * V.v, turned + parallel_axis_tensor(M.h, V.v)};
 }
@@ -97,7 +100,7 @@ constexpr Inertia<T> inertia_rate(const Twist<Rep, T>& V, const Inertia<T>& M) {
 template <class T> constexpr Sym3<T> binet_tensor(const Sym3<T>& Theta) {
   return identity_tensor(T(0.5) * trace(Theta)) - Theta;
 }
-/// Θ = tr(ϑ) I - ϑ, the rotational inertia of which ϑ is Binet's tensor.
+/// Θ = tr(ϑ) I - ϑ, the rotational inertia whose Binet tensor is ϑ.
 template <class T> constexpr Sym3<T> rotational_inertia(const Sym3<T>& binet) {
   return identity_tensor(trace(binet)) - binet;
 }
@@ -108,10 +111,10 @@ struct EigenvalueRange {
 };
 EigenvalueRange eigenvalue_range(const Sym3<double>& A);
 
-/// How far an inertia is from one that a mass distribution can have: the smallest eigenvalue of Binet's
-/// tensor about the centre of mass, as a fraction of the largest principal moment. A density exists where it
-/// is >= 0; -0.5 at worst where all principal moments are positive. What may be rounding of Θ counts as 0.
-/// The mass must be positive.
+/// Measures whether a mass distribution can have this inertia: the smallest eigenvalue of Binet's tensor
+/// about the centre of mass, divided by the largest principal moment. If the result is >= 0, such a density
+/// exists. If all principal moments are positive, the result is at least -0.5. A negative eigenvalue within
+/// the rounding of Θ counts as 0. The mass must be positive.
 double realisability(const Inertia<double>& M);
 
 }  // namespace axode

@@ -3,8 +3,8 @@
 #include "axode/lie/representation_change.hpp"
 
 /// The Newton-Euler equations of one rigid body, in every representation: the resultant wrench W that gives a
-/// body with inertia M and twist V the acceleration V'. The frame of the body is any frame that moves with
-/// it; where its origin is the centre of mass the first moment h of M is 0.
+/// body with inertia M and twist V the acceleration V'. The body frame may be any frame that moves with the
+/// body; if its origin is the centre of mass, the first moment h of M is 0.
 namespace axode {
 
 /// W = M V' - ad_Vᵀ M V (eqs. NEs, NEb, NEb0), with M in the same frame as V.
@@ -23,8 +23,8 @@ constexpr Wrench<Hybrid, T> newton_euler(const Inertia<T>& M, const Twist<Hybrid
   return M * dV + Wrench<Hybrid, T>{cross(V.w, Pi.l), cross(V.w, Pi.p)};
 }
 
-/// Angular part in body axes, linear part in inertial axes (eqs. NEm rot, NEm trans, NEcmixed); M in the body
-/// frame, R its rotation.
+/// The mixed Newton-Euler equations: the angular part is in body axes, the linear part in inertial axes
+/// (eqs. NEm rot, NEm trans, NEcmixed). M is in the body frame, and R is the rotation of the body frame.
 template <class T>
 constexpr Wrench<Mixed, T> newton_euler(const Inertia<T>& M, const SO3<T>& R, const Twist<Mixed, T>& V,
                                         const TwistRate<Mixed, T>& dV) {
@@ -33,7 +33,9 @@ constexpr Wrench<Mixed, T> newton_euler(const Inertia<T>& M, const SO3<T>& R, co
           M.m * dV.v + R * (cross(dV.w, M.h) + cross(V.w, cross(V.w, M.h)))};
 }
 
-/// At the centre of mass: Euler's equation and Newton's, each by itself (eqs. NEb0, NEhCOM, NEhCOM2, NEcmixed).
+/// The Newton-Euler equations about the centre of mass (eqs. NEb0, NEhCOM, NEhCOM2, NEcmixed): Euler's
+/// equation for the moment has no linear motion in it, and Newton's equation for the force has no inertia
+/// tensor.
 template <class T>
 constexpr Wrench<BodyFixed, T> newton_euler(const CentralInertia<T>& M, const Twist<BodyFixed, T>& V,
                                             const TwistRate<BodyFixed, T>& dV) {
@@ -53,9 +55,9 @@ constexpr Wrench<Mixed, T> newton_euler(const CentralInertia<T>& M, const SO3<T>
   return {M.Theta * dV.w + cross(V.w, M.Theta * V.w), M.m * dV.v};
 }
 
-/// Measured at F_j, resolved in F_k (eqs. NEij, NE (j,k) with erratum 19): M (V' + (ad_{V_j} + ad_{ω_k -
-/// ω_j}) V) - ad_Vᵀ M V = W, with M = ^kM_i^j. Of the motion of F_j and F_k only the velocity of the origin
-/// of F_j and the angular velocity of F_k remain.
+/// The Newton-Euler equations measured at F_j and resolved in F_k (eqs. NEij, NE (j,k) with erratum 19):
+/// W = M (V' + (ad_{V_j} + ad_{ω_k - ω_j}) V) - ad_Vᵀ M V, with M = ^kM_i^j. They depend on the motion of F_j
+/// and F_k only by the velocity of the origin of F_j and the angular velocity of F_k.
 template <class T>
 constexpr Wrench<InFrames, T> newton_euler(const Inertia<T>& M, const FramePair<T>& jk,
                                            const Twist<InFrames, T>& V, const TwistRate<InFrames, T>& dV) {
@@ -66,14 +68,15 @@ constexpr Wrench<InFrames, T> newton_euler(const Inertia<T>& M, const FramePair<
          Wrench<InFrames, T>{cross(V.w, Pi.l) + cross(V.v, Pi.p), cross(V.w, Pi.p)};
 }
 
-/// ^kM_i^j: the inertia of a body with pose C, measured at the origin of F_j and resolved in F_k (erratum
-/// 20).
+/// ^kM_i^j: the inertia of a body with pose C, measured at the origin of F_j and resolved in F_k
+/// (erratum 20). M is the inertia in the body frame.
 template <class T>
 constexpr Inertia<T> inertia_in_frames(const FramePair<T>& jk, const SE3<T>& C, const Inertia<T>& M) {
   return transform(inverse(jk.pose()) * C, M);
 }
 
-/// The resultant wrench on a body with pose C and inertia M in its body frame, from its motion.
+/// The resultant wrench on a body from its twist V and the rate V', by the Newton-Euler equations in the
+/// representation of V. The body has the pose C, and M is its inertia in the body frame.
 template <class Rep, class T>
 constexpr Wrench<Rep, T> wrench(const SE3<T>& C, const Inertia<T>& M, const Twist<Rep, T>& V,
                                 const TwistRate<Rep, T>& dV) {
@@ -86,14 +89,15 @@ constexpr Wrench<Rep, T> wrench(const SE3<T>& C, const Inertia<T>& M, const Twis
   else
     return newton_euler(M, C.R, V, dV);
 }
-/// The same for a twist measured at F_j and resolved in F_k.
+/// The resultant wrench on a body from its twist and rate measured at F_j and resolved in F_k. The body has
+/// the pose C, and M is its inertia in the body frame.
 template <class T>
 constexpr Wrench<InFrames, T> wrench(const SE3<T>& C, const Inertia<T>& M, const FramePair<T>& jk,
                                      const Twist<InFrames, T>& V, const TwistRate<InFrames, T>& dV) {
   return newton_euler(inertia_in_frames(jk, C, M), jk, V, dV);
 }
 
-/// The adjugate of a symmetric tensor divided by its determinant.
+/// A⁻¹ of a symmetric tensor, the adjugate divided by the determinant. A must not be singular.
 template <class T> constexpr Sym3<T> inverse(const Sym3<T>& A) {
   const T xx = A.yy * A.zz - A.yz * A.yz, xy = A.xz * A.yz - A.xy * A.zz, xz = A.xy * A.yz - A.xz * A.yy;
   const T i = T(1) / (A.xx * xx + A.xy * xy + A.xz * xz);
@@ -101,7 +105,7 @@ template <class T> constexpr Sym3<T> inverse(const Sym3<T>& A) {
           i * xz, i * (A.xy * A.xz - A.xx * A.yz)};
 }
 
-/// M⁻¹ W = V', solved at the centre of mass. The mass and Θ_c must not be singular.
+/// V' = M⁻¹ W, solved about the centre of mass. The mass must not be 0, and Θ_c must not be singular.
 template <class Rep, class T>
 constexpr TwistRate<Rep, T> solve(const Inertia<T>& M, const Wrench<Rep, T>& W) {
   static_assert(!std::same_as<Rep, Mixed>, "the mixed inertia matrix has blocks in different axes");
@@ -109,14 +113,15 @@ constexpr TwistRate<Rep, T> solve(const Inertia<T>& M, const Wrench<Rep, T>& W) 
   return {dw, (T(1) / M.m) * W.f - cross(dw, c)};
 }
 
-/// The acceleration V' of a body with pose C and inertia M in its body frame, from the resultant wrench and
-/// its twist: the inverse of wrench().
+/// The rate V' of the twist V of a body under the resultant wrench W: the inverse of wrench(). The body has
+/// the pose C, and M is its inertia in the body frame.
 template <class Rep, class T>
 constexpr TwistRate<Rep, T> acceleration(const SE3<T>& C, const Inertia<T>& M, const Twist<Rep, T>& V,
                                          const Wrench<Rep, T>& W) {
   const Twist<BodyFixed, T> V_b = change<BodyFixed>(C, V);
   return change<Rep>(C, V_b, solve(M, change<BodyFixed>(C, W) - coad(V_b, M * V_b)));
 }
+/// The rate V' of a twist that is measured at F_j and resolved in F_k, as is the resultant wrench W.
 template <class T>
 constexpr TwistRate<InFrames, T> acceleration(const SE3<T>& C, const Inertia<T>& M, const FramePair<T>& jk,
                                               const Twist<InFrames, T>& V, const Wrench<InFrames, T>& W) {

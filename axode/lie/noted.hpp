@@ -3,8 +3,8 @@
 
 namespace axode {
 
-/// What is done to screws and inertias as a whole: transformations of a screw, twist or wrench by Ad_C, Ad_R or
-/// Ad_r, congruences of an inertia with one of them, Lie brackets ad and adᵀ.
+/// The kinds of operations on whole screws and inertias: transformations of a screw, twist or wrench by Ad_C,
+/// Ad_R or Ad_r, congruences of an inertia with one of these maps, and the Lie brackets ad and adᵀ.
 enum class ScrewOperation {
   transformation,
   rotation,
@@ -16,8 +16,8 @@ enum class ScrewOperation {
 };
 inline constexpr std::size_t n_screw_operations = 7;
 
-/// Lives as long as an operation on numbers T is under way, for a scalar that counts; nothing for any other. Of
-/// operations within each other the outermost counts.
+/// Scope guard that reports one screw operation to the counting scalar `Counted` and does nothing for other
+/// scalars. Of nested guards only the outermost one counts.
 template <class T> struct [[maybe_unused]] Noted {
   constexpr explicit Noted(ScrewOperation) {}
 };

@@ -2,9 +2,9 @@
 #include "axode/lie/inertia.hpp"
 #include "axode/lie/mat3.hpp"
 
-/// Vectors of three in one SIMD register of four lanes, the last of them 0: the quickest way through one
-/// state of one mechanism. A kernel is written once over Packed<T> and Plain<T>, whose members have the same
-/// names.
+/// Three-vectors in one SIMD register of four lanes, of which the last is 0. For one state of one mechanism
+/// this is the fastest layout. A kernel is written once for Packed<T> and Plain<T>, whose members have the
+/// same names.
 namespace axode {
 
 namespace packed {
@@ -29,7 +29,7 @@ template <class T> struct alignas(4 * sizeof(T)) Vector {
   Vector& operator-=(const Vector& b) { return x -= b.x, *this; }
 };
 
-/// Lanes i, j, k and l.
+/// The vector of the lanes i, j, k and l of a.
 template <int i, int j, int k, int l, class T> Vector<T> permute(const Vector<T>& a) {
 #if defined(__clang__)
   return Vector<T>(__builtin_shufflevector(a.x, a.x, i, j, k, l));
@@ -40,7 +40,7 @@ template <int i, int j, int k, int l, class T> Vector<T> permute(const Vector<T>
 #endif
 }
 
-/// A vector as a factor of cross products.
+/// A vector as a factor of cross products: its two cyclic permutations, so that they are computed once.
 template <class T> struct Factor {
   Vector<T> yzx, zxy;
   Factor() = default;
@@ -50,17 +50,17 @@ template <class T> Vector<T> cross(const Factor<T>& a, const Factor<T>& b) {
   return Vector<T>(a.yzx.x * b.zxy.x - a.zxy.x * b.yzx.x);
 }
 
-/// The components of a vector, each in all lanes.
+/// The three components of a vector, each repeated in all lanes of a register.
 template <class T> struct Spread {
   Vector<T> x, y, z;
   explicit Spread(const Vector<T>& a)
       : x(permute<0, 0, 0, 0>(a)), y(permute<1, 1, 1, 1>(a)), z(permute<2, 2, 2, 2>(a)) {}
-  /// From memory, which costs nothing more than reading it.
+  /// Spreads a vector in memory. Loading a number into all lanes costs no more than loading it into one.
   explicit Spread(const Vec3<T>& a)
       : x(Vector<T>::all(a.x)), y(Vector<T>::all(a.y)), z(Vector<T>::all(a.z)) {}
 };
 
-/// Three columns.
+/// A 3×3 matrix, stored by its columns.
 template <class T> struct Matrix {
   Vector<T> x, y, z;
   Matrix() = default;
@@ -71,7 +71,7 @@ template <class T> struct Matrix {
 template <class T> Vector<T> operator*(const Matrix<T>& A, const Spread<T>& a) {
   return Vector<T>(A.x.x * a.x.x + A.y.x * a.y.x + A.z.x * a.z.x);
 }
-/// A number in all lanes.
+/// A number, repeated in all lanes of a register.
 template <class T> struct Number {
   Vector<T> lanes;
   Number() = default;
@@ -89,7 +89,7 @@ template <class T> struct Number {
   friend Vector<T> operator*(const Number& a, const Vector<T>& b) { return Vector<T>(a.lanes.x * b.x); }
 };
 template <class T> T value(const Number<T>& a) { return a.lanes.x[0]; }
-/// The sum of the lanes of the products.
+/// The sum of all four lanes.
 template <class T> Number<T> sum(const Vector<T>& products) {
   const Vector<T> pairs = products + permute<1, 0, 3, 2>(products);
   return Number<T>(pairs + permute<2, 3, 0, 1>(pairs));
@@ -101,10 +101,11 @@ Number<T> dot(const Vector<T>& a, const Vector<T>& b, const Vector<T>& c, const 
   return sum(Vector<T>(a.x * b.x + c.x * d.x));
 }
 
-/// a × b e_z, and a + b e_z.
+/// a × b e_z.
 template <class T> Vector<T> cross_z(const Vector<T>& a, T b) {
   return Vector<T>(permute<1, 0, 2, 3>(a).x * (b * Vector<T>(T(1), T(-1), T(0)).x));
 }
+/// a + b e_z.
 template <class T> Vector<T> add_z(const Vector<T>& a, T b) {
   return Vector<T>(a.x + b * Vector<T>(T(0), T(0), T(1)).x);
 }
@@ -112,17 +113,20 @@ template <class T> T z(const Vector<T>& a) { return a.x[2]; }
 
 }  // namespace packed
 
+/// a × b e_z.
 template <class T> constexpr Vec3<T> cross_z(const Vec3<T>& a, const T& b) {
   return {a.y * b, -(a.x * b), T(0)};
 }
+/// a · b + c · d.
 template <class T> constexpr T dot(const Vec3<T>& a, const Vec3<T>& b, const Vec3<T>& c, const Vec3<T>& d) {
   return dot(a, b) + dot(c, d);
 }
 template <class T> constexpr const T& value(const T& a) { return a; }
+/// a + b e_z.
 template <class T> constexpr Vec3<T> add_z(const Vec3<T>& a, const T& b) { return {a.x, a.y, a.z + b}; }
 template <class T> constexpr const T& z(const Vec3<T>& a) { return a.z; }
 
-/// Three-vectors as three numbers of any scalar T, and the constants of a tree of scalar S.
+/// The geometry of kernels for any scalar T: a three-vector is three numbers.
 template <class T> struct Plain {
   using Number = T;
   using Vector = Vec3<T>;
@@ -131,7 +135,7 @@ template <class T> struct Plain {
   using Matrix = SO3<T>;
   using Tensor = Sym3<T>;
 };
-/// Three-vectors in registers of four; T is double or float.
+/// The geometry of kernels for T = double or float: a three-vector is one register of four lanes.
 template <class T> struct Packed {
   using Number = packed::Number<T>;
   using Vector = packed::Vector<T>;

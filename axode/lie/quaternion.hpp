@@ -3,7 +3,7 @@
 
 namespace axode {
 
-/// A unit quaternion, in the order x y z w everywhere (vector part first); q and -q are the same rotation.
+/// A unit quaternion. The order is x y z w everywhere (vector part first); q and -q are the same rotation.
 template <class T = double> struct Quaternion { T x{0}, y{0}, z{0}, w{1}; };
 
 /// The rotation of a composed with the rotation of b (b first).
@@ -33,7 +33,8 @@ template <class T> constexpr SO3<T> rotation(const Quaternion<T>& a) {
           {xz + wy, yz - wx, T(1) - xx - yy}};
 }
 
-/// The quaternion of a rotation matrix with w >= 0, from its largest component (Shepperd 1978).
+/// The unit quaternion of a rotation matrix with w >= 0, computed from its largest component
+/// (Shepperd 1978).
 template <class T> constexpr Quaternion<T> quaternion(const SO3<T>& R) {
   const T xx = R.x.x, yy = R.y.y, zz = R.z.z;
   const T wx = R.y.z - R.z.y, wy = R.z.x - R.x.z, wz = R.x.y - R.y.x;  // 4wx, 4wy, 4wz
@@ -49,14 +50,14 @@ template <class T> constexpr Quaternion<T> quaternion(const SO3<T>& R) {
 
 /// exp: so(3) → unit quaternions; ξ is the rotation vector in rad.
 template <class T> constexpr Quaternion<T> exp_quaternion(const Vec3<T>& xi) {
-  const T s = T(0.25) * dot(xi, xi);  // of half the angle
+  const T s = T(0.25) * dot(xi, xi);  // square of half the angle
   const ExponentialCoefficients<T> half(s);
   const T k = T(0.5) * half.a[0];
   return {k * xi.x, k * xi.y, k * xi.z, T(1) - s * half.b[0]};
 }
 
-/// The rotation vector of a quaternion, angle in [0, π]; its axis stays accurate at π, where either sign is
-/// right.
+/// log: unit quaternions → so(3), the rotation vector in rad with the angle in [0, π]. The axis stays
+/// accurate at π, where either sign of the axis is right.
 template <class T> constexpr Vec3<T> log_quaternion(const Quaternion<T>& a) {
   const T sign = select(a.w < T(0), T(-1), T(1)), w = sign * a.w;
   const Vec3<T> v{sign * a.x, sign * a.y, sign * a.z};

@@ -1,25 +1,26 @@
 #pragma once
 #include "axode/lie/twist.hpp"
 
-/// change<To>(C, x): the same twist, wrench, momentum or twist rate of a body with pose C in another
-/// representation (eqs. VhVb, VsVb, Vmbhs). Everything passes through the body-fixed representation.
+/// change<To>(C, x) writes the twist, wrench, momentum or twist rate x of a body with pose C in the
+/// representation To (eqs. VhVb, VsVb, Vmbhs). Every change passes through the body-fixed representation.
 namespace axode {
 
 /// Frames j and k for ^kV^j, measured at the origin of F_j and resolved in F_k, with their motion. All
-/// vectors are resolved in the inertial frame. Spatial: both frames inertial. Body-fixed: both the body.
-/// Hybrid: j the body, k inertial.
+/// vectors are resolved in the inertial frame. ^kV^j is the spatial twist if both frames are the inertial
+/// frame, the body-fixed twist if both are the body frame, and the hybrid twist if F_j is the body frame and
+/// F_k the inertial frame.
 template <class T = double> struct FramePair {
-  Vec3<T> r_j;   ///< position of the origin of F_j
-  Vec3<T> dr_j;  ///< its velocity
+  Vec3<T> r_j;   ///< position of the origin of F_j, m
+  Vec3<T> dr_j;  ///< velocity of the origin of F_j, m/s
   SO3<T> R_k;    ///< rotation of F_k
-  Vec3<T> w_k;   ///< its angular velocity
+  Vec3<T> w_k;   ///< angular velocity of F_k, rad/s
   /// The pose with the axes of F_k and the origin of F_j.
   constexpr SE3<T> pose() const { return {R_k, r_j}; }
 };
 
 namespace detail {
 
-template <class Rep> struct Change;  // body-fixed <-> Rep
+template <class Rep> struct Change;  // changes from body-fixed to Rep (to) and back (from)
 
 template <> struct Change<BodyFixed> {
   template <class T> static constexpr Twist<BodyFixed, T> to(const SE3<T>&, const Twist<BodyFixed, T>& V) {
@@ -169,26 +170,28 @@ constexpr TwistRate<To, T> change(const SE3<T>& C, const Twist<From, T>& V, cons
   const Twist<BodyFixed, T> V_b = detail::Change<From>::from(C, V);
   return detail::Change<To>::to(C, V_b, detail::Change<From>::from(C, V_b, dV));
 }
-/// A wrench on a body with pose C, in the representation To; its power on the twist does not change.
+/// The wrench W on a body with pose C, in the representation To. The power W | V does not change.
 template <class To, class From, class T>
 constexpr Wrench<To, T> change(const SE3<T>& C, const Wrench<From, T>& W) {
   return detail::Change<To>::coscrew_to(C, detail::Change<From>::coscrew_from(C, W));
 }
-/// The momentum of a body with pose C, in the representation To.
+/// The momentum Π of a body with pose C, in the representation To.
 template <class To, class From, class T>
 constexpr Momentum<To, T> change(const SE3<T>& C, const Momentum<From, T>& Pi) {
   return detail::Change<To>::coscrew_to(C, detail::Change<From>::coscrew_from(C, Pi));
 }
 
-/// ^kV_i^j, the spatial twist measured at F_j and resolved in F_k, and back.
+/// ^kV_i^j, the twist measured at F_j and resolved in F_k, from the spatial twist V.
 template <class T> constexpr Twist<InFrames, T> change(const FramePair<T>& jk, const Twist<Spatial, T>& V) {
   const Screw<T> X = Ad_inv(jk.pose(), screw(V));
   return {X.w, X.v};
 }
+/// The spatial twist from the twist V measured at F_j and resolved in F_k.
 template <class T> constexpr Twist<Spatial, T> change(const FramePair<T>& jk, const Twist<InFrames, T>& V) {
   return twist<Spatial>(Ad(jk.pose(), Screw<T>{V.w, V.v}));
 }
-/// The rate of ^kV_i^j, and back; the moving frames F_j and F_k add their part (erratum 19).
+/// The rate of ^kV_i^j from the spatial twist V and its rate; it includes the motion of F_j and F_k
+/// (erratum 19).
 template <class T>
 constexpr TwistRate<InFrames, T> change(const FramePair<T>& jk, const Twist<Spatial, T>& V,
                                         const TwistRate<Spatial, T>& dV) {
@@ -197,6 +200,7 @@ constexpr TwistRate<InFrames, T> change(const FramePair<T>& jk, const Twist<Spat
   const Vec3<T> dv_j = dV.v + cross(dV.w, jk.r_j) + cross(V.w, jk.dr_j);
   return {Rt * (dV.w - cross(jk.w_k, V.w)), Rt * (dv_j - cross(jk.w_k, v_j))};
 }
+/// The rate of the spatial twist from the twist V measured at F_j and resolved in F_k and the rate of V.
 template <class T>
 constexpr TwistRate<Spatial, T> change(const FramePair<T>& jk, const Twist<InFrames, T>& V,
                                        const TwistRate<InFrames, T>& dV) {
@@ -205,20 +209,22 @@ constexpr TwistRate<Spatial, T> change(const FramePair<T>& jk, const Twist<InFra
   const Vec3<T> dv_j = jk.R_k * dV.v + cross(jk.w_k, v_j);
   return {dw, dv_j - cross(dw, jk.r_j) - cross(w, jk.dr_j)};
 }
-/// The spatial wrench measured at F_j and resolved in F_k, and back.
+/// The wrench measured at F_j and resolved in F_k, from the spatial wrench W.
 template <class T> constexpr Wrench<InFrames, T> change(const FramePair<T>& jk, const Wrench<Spatial, T>& W) {
   const Wrench<BodyFixed, T> W_jk = coAd_inv(jk.pose(), W);
   return {W_jk.m, W_jk.f};
 }
+/// The spatial wrench from the wrench W measured at F_j and resolved in F_k.
 template <class T> constexpr Wrench<Spatial, T> change(const FramePair<T>& jk, const Wrench<InFrames, T>& W) {
   return coAd(jk.pose(), Wrench<BodyFixed, T>{W.m, W.f});
 }
-/// The spatial momentum measured at F_j and resolved in F_k, and back.
+/// The momentum measured at F_j and resolved in F_k, from the spatial momentum Π.
 template <class T>
 constexpr Momentum<InFrames, T> change(const FramePair<T>& jk, const Momentum<Spatial, T>& Pi) {
   const auto Pi_jk = detail::Change<Spatial>::coscrew_from(jk.pose(), Pi);
   return {Pi_jk.l, Pi_jk.p};
 }
+/// The spatial momentum from the momentum Π measured at F_j and resolved in F_k.
 template <class T>
 constexpr Momentum<Spatial, T> change(const FramePair<T>& jk, const Momentum<InFrames, T>& Pi) {
   return detail::Change<Spatial>::coscrew_to(jk.pose(), Momentum<BodyFixed, T>{Pi.l, Pi.p});

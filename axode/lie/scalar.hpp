@@ -3,7 +3,7 @@
 #include <concepts>
 #include <limits>
 
-/// Everything in this library is written for any scalar T closed under + - * /, sqrt, sin, cos, atan2 and
+/// The kernels of this library are written for any scalar T closed under + - * /, sqrt, sin, cos, atan2 and
 /// select. double and float are such scalars; axode/scalar/ has more.
 namespace axode {
 
@@ -13,10 +13,10 @@ using std::cos;
 using std::sin;
 using std::sqrt;
 
-/// `a` where the condition holds, else `b`; both are evaluated, so that no kernel branches on a scalar.
+/// `a` if the condition holds, else `b`. Both are evaluated, so that no kernel branches on a scalar.
 template <std::floating_point T> constexpr T select(bool condition, T a, T b) { return condition ? a : b; }
 
-/// The relative size of what rounding leaves of a number; every scalar has its own.
+/// The relative rounding error of a number (machine epsilon). Every scalar type specialises this constant.
 template <class T> inline constexpr double unit_roundoff = std::numeric_limits<T>::epsilon();
 
 }  // namespace axode

@@ -5,23 +5,23 @@
 
 namespace axode {
 
-/// The geometry of a screw: a line with direction e (unit) through the point p, a pitch h in m/rad, a
-/// magnitude. An infinite pitch marks a translation (or a couple): then only e and the magnitude mean
-/// anything and p is 0.
+/// The geometry of a screw: a line with the unit direction e through the point p (m), a pitch h in m/rad and
+/// a magnitude. An infinite pitch marks a translation (or a couple); then p is 0, and only e and the
+/// magnitude have a meaning.
 template <class T = double> struct ScrewAxis {
   Vec3<T> e, p;
   T h{};
   T magnitude{};
 };
 
-/// Plücker coordinates of the axis: the direction and the moment p × e.
+/// Plücker coordinates of a line: the direction e and the moment p × e.
 template <class T = double> struct PlueckerLine { Vec3<T> e, moment; };
 
 template <class T> constexpr PlueckerLine<T> pluecker(const ScrewAxis<T>& axis) {
   return {axis.e, cross(axis.p, axis.e)};
 }
 
-/// Screw coordinates (e; p × e + h e) of an axis, or (0; e) for an infinite pitch, times the magnitude.
+/// Screw coordinates of an axis: the magnitude times (e; p × e + h e), or times (0; e) for an infinite pitch.
 template <class T> constexpr Screw<T> screw(const ScrewAxis<T>& a) {
   const bool finite = a.h < std::numeric_limits<T>::infinity();
   const T h = select(finite, a.h, T(0));
@@ -33,8 +33,8 @@ template <class T> constexpr Screw<T> screw(const Vec3<T>& e, const Vec3<T>& p, 
   return {e, cross(p, e) + h * e};
 }
 
-/// Axis, the axis point nearest to the origin, pitch and magnitude of a screw; the magnitude is ‖w‖, or ‖v‖
-/// where w = 0. The zero screw has magnitude 0 and direction 0.
+/// Direction, point, pitch and magnitude of a screw. The point is the one of the axis that is nearest to the
+/// origin; the magnitude is ‖w‖, or ‖v‖ if w = 0. The zero screw has magnitude 0 and direction 0.
 template <class T> constexpr ScrewAxis<T> screw_axis(const Screw<T>& X) {
   const T w2 = dot(X.w, X.w);
   if (w2 > T(0)) {
@@ -45,13 +45,13 @@ template <class T> constexpr ScrewAxis<T> screw_axis(const Screw<T>& X) {
   const Vec3<T> e = v > T(0) ? (T(1) / v) * X.v : Vec3<T>{};
   return {e, Vec3<T>{}, std::numeric_limits<T>::infinity(), v};
 }
-/// The instantaneous screw axis of a motion; body-fixed twists give it in the body frame, spatial ones in the
-/// inertial frame.
+/// The instantaneous screw axis of a motion. It is in the body frame for a body-fixed twist and in the
+/// inertial frame for a spatial twist.
 template <AtFrameOrigin Rep, class T> constexpr ScrewAxis<T> screw_axis(const Twist<Rep, T>& V) {
   return screw_axis(Screw<T>{V.w, V.v});
 }
-/// The central axis of a wrench (Poinsot): its direction is that of the force, its pitch
-/// moment·force/‖force‖², infinite for a couple.
+/// The central axis of a wrench (Poinsot). It has the direction of the force and the pitch
+/// moment·force/‖force‖², which is infinite for a couple.
 template <AtFrameOrigin Rep, class T> constexpr ScrewAxis<T> screw_axis(const Wrench<Rep, T>& W) {
   return screw_axis(Screw<T>{W.f, W.m});
 }

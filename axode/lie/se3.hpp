@@ -5,7 +5,8 @@
 
 namespace axode {
 
-/// A pose C = (R, r): takes coordinates in the posed frame to coordinates in the frame it is given in.
+/// A pose C = (R, r) of a frame relative to a reference frame: R p + r are the coordinates in the reference
+/// frame of the point whose coordinates in the posed frame are p. r is in m.
 template <class T = double> struct SE3 {
   SO3<T> R;
   Vec3<T> r;
@@ -14,15 +15,15 @@ template <class T = double> struct SE3 {
 template <class T> constexpr SE3<T> operator*(const SE3<T>& A, const SE3<T>& B) {
   return {A.R * B.R, A.r + A.R * B.r};
 }
-/// The point with coordinates p in the posed frame.
+/// Coordinates in the reference frame of the point with coordinates p in the posed frame.
 template <class T> constexpr Vec3<T> operator*(const SE3<T>& C, const Vec3<T>& p) { return C.r + C.R * p; }
 template <class T> constexpr SE3<T> inverse(const SE3<T>& C) {
   const SO3<T> Rt = transpose(C.R);
   return {Rt, -(Rt * C.r)};
 }
 
-/// Screw coordinates X = (w; v): angular before linear, in a frame that the context names. A joint screw, an
-/// element of se(3), the argument of exp. A screw that is the velocity of a body is a Twist.
+/// Screw coordinates X = (w; v), angular before linear, in a frame that the context names. Joint screws and
+/// other elements of se(3), such as the argument of exp, are Screws; the velocity of a body is a Twist.
 template <class T = double> struct Screw { Vec3<T> w, v; };
 
 template <class T> constexpr Screw<T> operator+(const Screw<T>& a, const Screw<T>& b) {
@@ -74,8 +75,8 @@ template <class T> constexpr Screw<T> log(const SE3<T>& C) {
   return {w, dexp_inv(w, C.r)};
 }
 
-/// P_X Z on se(3): the angular blocks are P_ξ, the coupling block is its derivative along the linear part of
-/// X.
+/// P_X Z on se(3): the angular blocks are P_ξ, and the coupling block is the derivative of P_ξ along the
+/// linear part of X.
 template <class T> constexpr Screw<T> apply(const ScrewOperator<T>& P, const Screw<T>& X, const Screw<T>& Z) {
   return {apply(P, X.w, Z.w), apply(P, X.w, Z.v) + apply(P, X.w, X.v, Z.w)};
 }
@@ -89,7 +90,7 @@ constexpr Screw<T> apply(const ScrewOperator<T>& P, const Screw<T>& X, const Scr
 template <class T> constexpr Screw<T> dexp(const Screw<T>& X, const Screw<T>& Z) {
   return apply(dexp_operator(dot(X.w, X.w)), X, Z);
 }
-/// dexp_X⁻¹ Z; singular at angles 2π, 4π, ...
+/// dexp_X⁻¹ Z. The map is singular at the angles 2π, 4π, ...
 template <class T> constexpr Screw<T> dexp_inv(const Screw<T>& X, const Screw<T>& Z) {
   return apply(dexp_inv_operator(dot(X.w, X.w)), X, Z);
 }

@@ -25,10 +25,11 @@ constexpr const T& entry(const Kind<Rep, T>& x, int k) {
   return k < 3 ? entry(a, k) : entry(b, k - 3);
 }
 
-/// A 6×6 matrix from twists to wrenches, by its columns.
+/// A 6×6 matrix that maps twists to wrenches, stored by its columns.
 template <class Rep, class T> struct TwistToWrench {
   std::array<Wrench<Rep, T>, 6> column;
 
+  /// The matrix of a linear map f from twists to wrenches.
   template <class Map> static TwistToWrench of(const Map& f) {
     const Vec3<T> x{T(1), T(0), T(0)}, y{T(0), T(1), T(0)}, z{T(0), T(0), T(1)}, o;
     using V = Twist<Rep, T>;
@@ -42,6 +43,7 @@ template <class Rep, class T> struct TwistToWrench {
     return X.w.x * column[0] + X.w.y * column[1] + X.w.z * column[2] + X.v.x * column[3] + X.v.y * column[4] +
            X.v.z * column[5];
   }
+  /// Aᵀ X for the matrix A.
   Wrench<Rep, T> transposed_times(const Twist<Rep, T>& X) const {
     return {{column[0] | X, column[1] | X, column[2] | X}, {column[3] | X, column[4] | X, column[5] | X}};
   }

@@ -4,8 +4,8 @@
 
 namespace axode {
 
-/// A rotation R, stored by its columns. R * a resolves in the outer frame what `a` resolves in the rotated
-/// one.
+/// A rotation matrix R, stored by its columns. R * a are the coordinates in the outer frame of the vector
+/// with coordinates `a` in the rotated frame.
 template <class T = double> struct SO3 {
   Vec3<T> x{T(1), T(0), T(0)}, y{T(0), T(1), T(0)}, z{T(0), T(0), T(1)};
 };
@@ -42,7 +42,7 @@ template <class T> constexpr SO3<T> exp_SO3(const Vec3<T>& xi) {
 template <class T> constexpr Vec3<T> dexp(const Vec3<T>& xi, const Vec3<T>& z) {
   return apply(dexp_operator(dot(xi, xi)), xi, z);
 }
-/// dexp_ξ⁻¹ z; singular at angles 2π, 4π, ...
+/// dexp_ξ⁻¹ z. The map is singular at the angles 2π, 4π, ...
 template <class T> constexpr Vec3<T> dexp_inv(const Vec3<T>& xi, const Vec3<T>& z) {
   return apply(dexp_inv_operator(dot(xi, xi)), xi, z);
 }
@@ -55,9 +55,9 @@ template <class T> constexpr Vec3<T> ddexp_inv(const Vec3<T>& xi, const Vec3<T>&
   return apply(dexp_inv_operator(dot(xi, xi)), xi, eta, z);
 }
 
-/// The shortest rotation that takes e_z to the unit vector n; half a turn about e_x where n = -e_z.
+/// The shortest rotation that takes e_z to the unit vector n. If n = -e_z it is half a turn about e_x.
 template <class T> constexpr SO3<T> rotation_to(const Vec3<T>& n) {
-  const T s = n.x * n.x + n.y * n.y;                                      // sin² of its angle
+  const T s = n.x * n.x + n.y * n.y;                                      // sin² of the angle
   const T k = select(n.z > T(0), T(1) / (T(1) + n.z), (T(1) - n.z) / s);  // (1 - cos)/sin², no cancellation
   const SO3<T> R{
       {T(1) - k * n.x * n.x, -k * n.x * n.y, -n.x}, {-k * n.x * n.y, T(1) - k * n.y * n.y, -n.y}, n};

@@ -24,7 +24,7 @@ void check_closed(std::span<const Vec3<>> vertices, std::span<const std::array<i
     if (!std::isfinite(x.x + x.y + x.z))
       throw std::invalid_argument("vertices: number " + std::to_string(&x - vertices.data()) +
                                   " is not finite");
-  std::map<std::pair<int, int>, int> directed;  // how often the faces run from one vertex to another
+  std::map<std::pair<int, int>, int> directed;  // number of faces that run from one vertex to the other
   for (std::size_t f = 0; f < faces.size(); ++f)
     for (std::size_t k = 0; k < 3; ++k) {
       const int from = faces[f][k], to = faces[f][(k + 1) % 3];
@@ -43,8 +43,8 @@ void check_closed(std::span<const Vec3<>> vertices, std::span<const std::array<i
   }
 }
 
-/// Volume, first and second moments of what a closed mesh encloses, about a point: sums over the tetrahedra that the
-/// faces make with it.
+/// Volume, first and second moments about a point of the solid that a closed mesh encloses. They are sums
+/// over the tetrahedra that this point forms with the faces.
 struct Moments {
   double volume = 0;
   Vec3<> first;
@@ -86,22 +86,28 @@ Inertia<> box_inertia(double mass, const Vec3<>& size) {
 }
 
 Inertia<> sphere_inertia(double mass, double radius) {
-  check_positive("mass", mass), check_positive("radius", radius);
+  check_positive("mass", mass);
+  check_positive("radius", radius);
   const double Theta = 0.4 * mass * radius * radius;
   return about_center(mass, Theta, Theta, Theta);
 }
 
 Inertia<> cylinder_inertia(double mass, double radius, double length) {
-  check_positive("mass", mass), check_positive("radius", radius), check_positive("length", length);
+  check_positive("mass", mass);
+  check_positive("radius", radius);
+  check_positive("length", length);
   const double across = mass * (radius * radius / 4 + length * length / 12);
   return about_center(mass, across, across, mass * radius * radius / 2);
 }
 
 Inertia<> capsule_inertia(double mass, double radius, double length) {
-  check_positive("mass", mass), check_positive("radius", radius), check_positive("length", length);
-  const double ball = 4 * radius / (3 * length + 4 * radius);  // the two half balls' share of the mass
+  check_positive("mass", mass);
+  check_positive("radius", radius);
+  check_positive("length", length);
+  const double ball = 4 * radius / (3 * length + 4 * radius);  // share of the mass in the two half balls
   const double m = (1 - ball) * mass, m_ball = ball * mass, r2 = radius * radius;
-  // Of a half ball: 83/320 m r² across about its centre of mass, which is 3/8 r from its flat side.
+  // A half ball has the moment 83/320 m r² about a transverse axis through its centre of mass, which is 3/8 r
+  // from the flat side.
   const double d = length / 2 + 0.375 * radius;
   const double across = m * (r2 / 4 + length * length / 12) + m_ball * (83.0 / 320 * r2 + d * d);
   return about_center(mass, across, across, m * r2 / 2 + 0.4 * m_ball * r2);

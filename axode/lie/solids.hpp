@@ -4,26 +4,29 @@
 
 #include "axode/lie/inertia.hpp"
 
-/// Inertias of homogeneous solids, each in its own frame, for a mass in kg and lengths in m;
-/// transform(S, M) puts them where they belong. All throw std::invalid_argument for a mass or a length that is not
-/// positive and finite.
+/// Inertias of homogeneous solids, each in its own frame, for a mass in kg and lengths in m. transform(S, M)
+/// expresses such an inertia in another frame. All functions throw std::invalid_argument if a mass or a
+/// length is not positive and finite.
 namespace axode {
 
-/// A box about its centre, with edges of the lengths of `size` along x, y and z.
+/// Inertia of a box about its centre; `size` are the lengths of the edges along x, y and z.
 Inertia<> box_inertia(double mass, const Vec3<>& size);
-/// A ball about its centre.
+/// Inertia of a ball about its centre.
 Inertia<> sphere_inertia(double mass, double radius);
-/// A cylinder about its centre, its axis along z.
+/// Inertia of a cylinder about its centre; the axis is along z.
 Inertia<> cylinder_inertia(double mass, double radius, double length);
-/// A cylinder along z of this length with a half ball on each end, about its centre.
+/// Inertia about its centre of a capsule: a cylinder of the given length along z with a half ball on each
+/// end.
 Inertia<> capsule_inertia(double mass, double radius, double length);
 
-/// What a closed mesh of triangles encloses, in m³. A face is three numbers of vertices, counterclockwise as seen from
-/// outside. Throws std::invalid_argument for a vertex that there is not, or is not finite, for a mesh that is not closed
-/// (every edge must be shared by two faces that run through it in opposite directions) and for a volume that is not
-/// positive, as where the faces look inwards.
+/// Volume in m³ that a closed mesh of triangles encloses. A face is three indices of vertices,
+/// counterclockwise as seen from outside. Throws std::invalid_argument if a vertex is not finite, if a face
+/// has an index without a vertex, if the mesh is not closed (every edge must be shared by two faces that run
+/// through it in opposite directions), or if the volume is not positive, for example because the faces are
+/// oriented inwards.
 double mesh_volume(std::span<const Vec3<>> vertices, std::span<const std::array<int, 3>> faces);
-/// The inertia of this solid in the frame of the vertices, about its origin, which need not be inside.
+/// Inertia of the homogeneous solid that a closed mesh of triangles encloses, in the frame of the vertices
+/// and about the origin of this frame, which need not be inside. Faces and errors are as in mesh_volume().
 Inertia<> mesh_inertia(double mass, std::span<const Vec3<>> vertices,
                        std::span<const std::array<int, 3>> faces);
 

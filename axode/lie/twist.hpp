@@ -6,7 +6,7 @@
 
 #include "axode/lie/se3.hpp"
 
-/// Twists, their rates, wrenches and momenta. The type says in which axes and about which point the
+/// Twists, twist rates, wrenches and momenta. The type says in which axes and about which point the
 /// components are written, so that two representations never mix by accident.
 namespace axode {
 
@@ -16,18 +16,18 @@ struct Hybrid {};     ///< axes of the inertial frame, about the origin of the b
 struct Mixed {};  ///< angular part in body axes, linear part in inertial axes, about the body's origin: V^m
 struct InFrames {};  ///< measured at the origin of a frame j, resolved in a frame k: ^kV^j
 
-/// The four in which recursions run: BodyFixed, Spatial, Hybrid, Mixed.
+/// The four representations in which recursions run: BodyFixed, Spatial, Hybrid, Mixed.
 template <class Rep>
 concept RecursionRepresentation = std::same_as<Rep, BodyFixed> || std::same_as<Rep, Spatial> ||
     std::same_as<Rep, Hybrid> || std::same_as<Rep, Mixed>;
-/// What a twist can be written in: one of the four, or InFrames.
+/// The representations in which a twist can be written: the four of the recursions, and InFrames.
 template <class Rep>
 concept TwistRepresentation = RecursionRepresentation<Rep> || std::same_as<Rep, InFrames>;
 
-/// The same four as a value, for programs that learn the representation at run time.
+/// The four representations of the recursions as values, for programs that choose one at run time.
 enum class Representation { body, spatial, hybrid, mixed };
 
-/// Their words, wherever people choose one.
+/// Names of the representations on the command line, in JSON and in Python.
 inline constexpr std::array<std::pair<std::string_view, Representation>, 4> representations{
     {{"body", Representation::body},
      {"spatial", Representation::spatial},
@@ -37,7 +37,7 @@ constexpr std::string_view word_for(Representation representation) {
   return representations[static_cast<std::size_t>(representation)].first;
 }
 
-/// f(Rep{}) for the type of a representation.
+/// Calls f(Rep{}) with the type of the given representation and returns the result.
 template <class F> constexpr decltype(auto) with_representation(Representation representation, F&& f) {
   switch (representation) {
     case Representation::body: return f(BodyFixed{});
@@ -57,8 +57,8 @@ template <class Rep, class T = double> struct Twist {
   static_assert(TwistRepresentation<Rep>, "a twist is BodyFixed, Spatial, Hybrid, Mixed or InFrames");
   Vec3<T> w, v;
 };
-/// V' = (w; v) in rad/s² and m/s²: the time derivative of the components of a twist. Changing its
-/// representation needs the twist.
+/// V' = (w; v) in rad/s² and m/s²: the time derivative of the components of a twist. A change of
+/// representation needs the twist, too.
 template <class Rep, class T = double> struct TwistRate {
   static_assert(TwistRepresentation<Rep>, "a twist's rate is BodyFixed, Spatial, Hybrid, Mixed or InFrames");
   Vec3<T> w, v;
@@ -80,7 +80,7 @@ template <> inline constexpr bool is_screw_kind<TwistRate> = true;
 template <> inline constexpr bool is_screw_kind<Wrench> = true;
 template <> inline constexpr bool is_screw_kind<Momentum> = true;
 
-/// Twists and their rates, which transform alike as long as nothing moves.
+/// Twists and twist rates. The same map transforms both if the two frames are at rest relative to each other.
 template <template <class, class> class Kind>
 concept Motion = is_screw_kind<Kind> && requires(Kind<BodyFixed, double> x) {
   x.w, x.v;
@@ -101,7 +101,8 @@ constexpr Kind<Rep, T> operator-(const Kind<Rep, T>& x, const Kind<Rep, T>& y) {
   return {x1 - y1, x2 - y2};
 }
 
-/// Quantities in different representations do not add, and neither do a twist and a wrench.
+/// Always false: the condition of the assertions below, by which the sum of quantities in different
+/// representations, or of a twist and a wrench, does not compile.
 template <class...> inline constexpr bool addable = false;
 template <template <class, class> class Kind, class Rep, class Other, class T>
   requires(is_screw_kind<Kind> && !std::same_as<Rep, Other>)
@@ -159,13 +160,14 @@ constexpr Kind<Rep, T>& operator-=(Kind<Rep, T>& x, const Kind<Rep, T>& y) { ret
 template <class Rep, class T> constexpr T operator|(const Wrench<Rep, T>& W, const Twist<Rep, T>& V) {
   return dot(W.m, V.w) + dot(W.f, V.v);
 }
-/// Π | V, twice the kinetic energy where Π = M V, in J.
+/// Π | V in J, which is twice the kinetic energy if Π = M V.
 template <class Rep, class T> constexpr T operator|(const Momentum<Rep, T>& Pi, const Twist<Rep, T>& V) {
   return dot(Pi.l, V.w) + dot(Pi.p, V.v);
 }
 
-/// The coordinates of a twist as a screw, and back; for representations that are screws.
+/// The screw coordinates of a twist, in representations whose twists are screw coordinates.
 template <AtFrameOrigin Rep, class T> constexpr Screw<T> screw(const Twist<Rep, T>& V) { return {V.w, V.v}; }
+/// The twist with the screw coordinates X.
 template <AtFrameOrigin Rep, class T> constexpr Twist<Rep, T> twist(const Screw<T>& X) { return {X.w, X.v}; }
 
 /// ad_V1 V2 = [V1, V2] (eq. ScrewProd).
@@ -173,32 +175,34 @@ template <AtFrameOrigin Rep, class T>
 constexpr Twist<Rep, T> ad(const Twist<Rep, T>& V1, const Twist<Rep, T>& V2) {
   return twist<Rep>(ad(screw(V1), screw(V2)));
 }
-/// -ad_Vᵀ Π: the rate of a momentum that moves with V.
+/// -ad_Vᵀ Π, the rate of a momentum that moves with the twist V.
 template <AtFrameOrigin Rep, class T>
 constexpr Wrench<Rep, T> coad(const Twist<Rep, T>& V, const Momentum<Rep, T>& Pi) {
   const Noted<T> noted(ScrewOperation::bracket);
   return {cross(V.w, Pi.l) + cross(V.v, Pi.p), cross(V.w, Pi.p)};
 }
-/// -ad_Xᵀ W, the twin of ad on wrenches.
+/// -ad_Xᵀ W, the counterpart of ad for wrenches.
 template <AtFrameOrigin Rep, class T>
 constexpr Wrench<Rep, T> coad(const Twist<Rep, T>& X, const Wrench<Rep, T>& W) {
   const Noted<T> noted(ScrewOperation::bracket);
   return {cross(X.w, W.m) + cross(X.v, W.f), cross(X.w, W.f)};
 }
 
-/// Ad_C V^b and its inverse (eq. VsVb).
+/// V^s = Ad_C V^b (eq. VsVb).
 template <class T> constexpr Twist<Spatial, T> Ad(const SE3<T>& C, const Twist<BodyFixed, T>& V) {
   return twist<Spatial>(Ad(C, screw(V)));
 }
+/// V^b = Ad_C⁻¹ V^s (eq. VsVb).
 template <class T> constexpr Twist<BodyFixed, T> Ad_inv(const SE3<T>& C, const Twist<Spatial, T>& V) {
   return twist<BodyFixed>(Ad_inv(C, screw(V)));
 }
-/// Ad_C⁻ᵀ W^b and its inverse: W^s measured at the inertial origin from W^b measured at the body's.
+/// W^s = Ad_C⁻ᵀ W^b: the wrench about the inertial origin from that about the origin of the body frame.
 template <class T> constexpr Wrench<Spatial, T> coAd(const SE3<T>& C, const Wrench<BodyFixed, T>& W) {
   const Noted<T> noted(ScrewOperation::transformation);
   const Vec3<T> f = C.R * W.f;
   return {C.R * W.m + cross(C.r, f), f};
 }
+/// W^b = Ad_Cᵀ W^s: the wrench about the origin of the body frame from that about the inertial origin.
 template <class T> constexpr Wrench<BodyFixed, T> coAd_inv(const SE3<T>& C, const Wrench<Spatial, T>& W) {
   const Noted<T> noted(ScrewOperation::transformation);
   const SO3<T> Rt = transpose(C.R);

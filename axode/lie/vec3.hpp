@@ -34,7 +34,7 @@ template <class T> constexpr Vec3<T> select(bool condition, const Vec3<T>& a, co
   return {select(condition, a.x, b.x), select(condition, a.y, b.y), select(condition, a.z, b.z)};
 }
 
-/// A symmetric 3×3 tensor, e.g. the rotational inertia Θ. xy is the entry (1,2) with its sign.
+/// A symmetric 3×3 tensor, e.g. the rotational inertia Θ. xy is the entry (1,2) of the matrix, sign included.
 template <class T = double> struct Sym3 { T xx{}, yy{}, zz{}, xy{}, xz{}, yz{}; };
 
 template <class T> constexpr Sym3<T> operator+(const Sym3<T>& a, const Sym3<T>& b) {
