@@ -8,9 +8,9 @@
 
 namespace axode {
 
-/// N numbers that are computed with as one, in one SIMD register or a few: run a kernel on Batch<double, 8>
-/// and it runs on eight states at once. N is a power of 2. Comparisons give a Mask with a truth value for
-/// each lane.
+/// N numbers on which every operation acts at once, in one SIMD register or a few. A kernel that runs on
+/// Batch<double, 8> computes eight states at once. N is a power of 2. Comparisons give a Mask with a truth
+/// value for each lane.
 template <class S, std::size_t N> struct alignas(N * sizeof(S)) Batch {
   using Lanes [[gnu::vector_size(N * sizeof(S))]] = S;
   using Integer = std::conditional_t<sizeof(S) == 8, std::int64_t, std::int32_t>;
@@ -22,7 +22,8 @@ template <class S, std::size_t N> struct alignas(N * sizeof(S)) Batch {
     friend Mask operator!(const Mask& a) { return {~a.bits}; }
     bool operator[](std::size_t k) const { return bits[k] != 0; }
     friend bool any(const Mask& a) {
-      std::uint64_t words[sizeof(Bits) / 8], sum = 0;
+      std::uint64_t words[sizeof(Bits) / 8];
+      std::uint64_t sum = 0;
       __builtin_memcpy(words, &a.bits, sizeof words);
       for (const std::uint64_t word : words) sum |= word;
       return sum != 0;
@@ -37,12 +38,13 @@ template <class S, std::size_t N> struct alignas(N * sizeof(S)) Batch {
     requires std::is_arithmetic_v<Number> Batch(
         Number value)  // NOLINT(google-explicit-constructor): in every lane
         : x(static_cast<S>(value) - Lanes{}) {}
-    /// The N numbers from p on, and to p.
+    /// Loads N numbers from p on; p need not be aligned.
     static Batch load(const S* p) {
       Batch r;
       __builtin_memcpy(&r.x, p, sizeof r.x);
       return r;
     }
+    /// Stores the N numbers from p on; p need not be aligned.
     void store(S* p) const { __builtin_memcpy(p, &x, sizeof x); }
     S operator[](std::size_t k) const { return x[k]; }
 

@@ -7,18 +7,18 @@
 
 namespace axode {
 
-/// How many operations of each kind: on numbers, and, made of those, on screws.
+/// Counts of operations on numbers and of the operations on screws which these make up, by kind.
 struct Operations {
   long products = 0, sums = 0, divisions = 0, roots = 0, angles = 0;  ///< angles: sin, cos, atan2
   std::array<long, n_screw_operations> screws{};
 
-  /// Everything done to numbers, in units of one product or sum.
+  /// The number of all operations on numbers; every kind counts as one.
   long total() const { return products + sums + divisions + roots + angles; }
   long operator[](ScrewOperation kind) const { return screws[static_cast<std::size_t>(kind)]; }
 };
 
-/// A number that counts what is done with it, those with an exact 0 or 1 included: run a kernel on it and
-/// read count().
+/// A number that counts the operations with it, including operations with an exact 0 or 1. To count the
+/// operations of a kernel, run it on Counted numbers and read count().
 class Counted {
  public:
   Counted() = default;
@@ -27,7 +27,7 @@ class Counted {
         : x_(static_cast<double>(value)) {}  // NOLINT(google-explicit-constructor): a constant
     explicit operator double() const { return x_; }
 
-    /// The operations of this thread since it was set.
+    /// The operations of this thread since this value was last set; assign {} to start a new count.
     static Operations& count() {
       thread_local Operations operations;
       return operations;
@@ -63,7 +63,7 @@ class Counted {
     double x_ = 0;
 };
 
-/// Counts an operation on screws, unless it is a part of one.
+/// Counts an operation on screws, unless it is part of another operation that is being counted.
 template <> struct [[maybe_unused]] Noted<Counted> {
   explicit Noted(ScrewOperation kind) {
     if (depth()++ == 0) ++Counted::count().screws[static_cast<std::size_t>(kind)];

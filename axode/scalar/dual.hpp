@@ -9,8 +9,8 @@
 
 namespace axode {
 
-/// A number and its derivatives in N directions: run a kernel on it and every result carries its gradient.
-/// Nest it for second derivatives. Cost of a product: 2N + 1.
+/// A number and its derivatives in N directions. If a kernel runs on Dual numbers, every result carries its
+/// derivatives. Nested Duals carry second derivatives. A product costs 2N + 1 products and N sums.
 template <class S, std::size_t N> struct Dual {
   S x{};                  ///< the value
   std::array<S, N> dx{};  ///< the derivatives
@@ -19,7 +19,7 @@ template <class S, std::size_t N> struct Dual {
   constexpr Dual(const S& value)
       : x(value) {}  // NOLINT(google-explicit-constructor): constants have no derivative
   constexpr Dual(const S& value, const std::array<S, N>& derivatives) : x(value), dx(derivatives) {}
-  /// A constant of the scalar below S, where S itself is a Dual.
+  /// A constant of another arithmetic type, for example a double if S itself is a Dual.
   template <class Number>
     requires(!std::same_as<Number, S> && std::constructible_from<S, Number> && std::is_arithmetic_v<Number>)
   constexpr Dual(Number value) : x(static_cast<S>(value)) {}  // NOLINT(google-explicit-constructor)
@@ -49,6 +49,7 @@ template <class S, std::size_t N> struct Dual {
     const S i = S(1) / (b.x * b.x + a.x * a.x);
     return linear(atan2(a.x, b.x), a, b.x * i, b, -(a.x * i));
   }
+  /// The nearest integer. It is piecewise constant, and its derivatives are 0.
   friend constexpr Dual round(const Dual& a) {
     using std::round;
     return Dual(round(a.x));
@@ -58,11 +59,13 @@ template <class S, std::size_t N> struct Dual {
   friend constexpr Dual select(bool condition, const Dual& a, const Dual& b) { return condition ? a : b; }
 
  private:
+  /// The value f(a) with the derivatives f'(a) a', where f'(a) is the slope.
   static constexpr Dual chain(const S& value, const Dual& a, const S& slope) {
     Dual r(value);
     for (std::size_t k = 0; k < N; ++k) r.dx[k] = slope * a.dx[k];
     return r;
   }
+  /// The value f(a, b) with the derivatives slope_a a' + slope_b b'.
   static constexpr Dual linear(const S& value, const Dual& a, const S& slope_a, const Dual& b,
                                const S& slope_b) {
     Dual r(value);

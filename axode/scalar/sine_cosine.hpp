@@ -3,12 +3,13 @@
 
 #include "axode/scalar/batch.hpp"
 
-/// Sine and cosine together and without a branch, so that many angles are done at once.
+/// sine_cosine(x) computes sine and cosine together and without a branch, so that it runs on many angles at
+/// once.
 ///
 /// x = n π/2 + r with |r| <= π/4. π/2 is split into parts of 33 bits, so that n times a part is exact up to n
-/// = 2^20 (Cody and Waite 1980), and what the subtractions round off is kept as a second part of r. The
-/// polynomials are minimax on |r| <= π/4 (Remez). Error below 1 ulp for |x| <= 1e6; larger angles are left to
-/// the standard library.
+/// = 2^20 (Cody and Waite 1980), and the rounding errors of the subtractions are kept as a second part of r.
+/// The polynomials are minimax on |r| <= π/4 (Remez). The error is below 1 ulp for |x| <= 1e6; sine and
+/// cosine of larger angles are computed by the standard library.
 namespace axode {
 
 template <class T> struct SineCosine { T sine, cosine; };
@@ -18,8 +19,8 @@ namespace reduced_angle {
 inline constexpr double largest = 1e6;
 inline constexpr double two_over_pi = 0x1.45f306dc9c883p-1;
 inline constexpr double part[]{0x1.921fb544p+0, 0x1.0b4611a6p-34, 0x1.3198a2ep-69, 0x1.b839a252049c1p-104};
-inline constexpr double rounder = 0x1.8p52;  // a small number plus this is an integer in its last bits
-// (sin r - r)/r³ and (cos r - 1 + r²/2)/r⁴ in powers of r²
+inline constexpr double rounder = 0x1.8p52;  // The last bits of x + rounder are the integer nearest to x.
+// Coefficients of (sin r - r)/r³ and (cos r - 1 + r²/2)/r⁴ in powers of r².
 template <class S>
 inline constexpr double sine[]{-0x1.5555555555549p-3, 0x1.111111110f87dp-7,   -0x1.a01a019c1202ep-13,
                                0x1.71de35781616dp-19, -0x1.ae5e66882ff13p-26, 0x1.5d931843fad39p-33};
@@ -42,13 +43,15 @@ template <class S, class Lanes, std::size_t n> Lanes sum(const double (&c)[n], c
 
 }  // namespace reduced_angle
 
-/// The angles too large for it, by the standard library.
+/// Replaces sine and cosine of the lanes with |x| > reduced_angle::largest by those of the standard library.
 template <class S, std::size_t N>
 [[gnu::noinline, gnu::cold]] SineCosine<Batch<S, N>> mend(const Batch<S, N>& x,
                                                           SineCosine<Batch<S, N>> result) {
   for (std::size_t k = 0; k < N; ++k)
-    if (std::abs(x.x[k]) > S(reduced_angle::largest))
-      result.sine.x[k] = std::sin(x.x[k]), result.cosine.x[k] = std::cos(x.x[k]);
+    if (std::abs(x.x[k]) > S(reduced_angle::largest)) {
+      result.sine.x[k] = std::sin(x.x[k]);
+      result.cosine.x[k] = std::cos(x.x[k]);
+    }
   return result;
 }
 
@@ -81,7 +84,7 @@ template <class S, std::size_t N> Batch<S, N> cos(const Batch<S, N>& x) { return
 
 template <class T> SineCosine<T> sine_cosine(const T& x) { return {sin(x), cos(x)}; }
 
-/// How many numbers fit into one register of the processor that this is compiled for.
+/// Number of lanes of one SIMD register of the processor that the code is compiled for.
 #if defined(__AVX512F__)
 template <class S> inline constexpr std::size_t native_lanes = 64 / sizeof(S);
 #elif defined(__AVX__)
@@ -90,19 +93,21 @@ template <class S> inline constexpr std::size_t native_lanes = 32 / sizeof(S);
 template <class S> inline constexpr std::size_t native_lanes = 16 / sizeof(S);
 #endif
 
-/// sine[k] and cosine[k] of n angles; up to lanes - 1 entries behind the n-th of all three are read and
-/// written.
+/// sine[k] and cosine[k] of n angles. Up to native_lanes - 1 entries beyond the n-th are read from `angle`
+/// and written to `sine` and `cosine`.
 template <class T> void sine_cosine(const T* angle, T* sine, T* cosine, int n) {
   if constexpr (std::floating_point<T>) {
     constexpr int lanes = static_cast<int>(native_lanes<T>);
     for (int k = 0; k < n; k += lanes) {
       const auto r = sine_cosine(Batch<T, native_lanes<T>>::load(angle + k));
-      r.sine.store(sine + k), r.cosine.store(cosine + k);
+      r.sine.store(sine + k);
+      r.cosine.store(cosine + k);
     }
   } else {
     for (int k = 0; k < n; ++k) {
       const auto r = sine_cosine(angle[k]);
-      sine[k] = r.sine, cosine[k] = r.cosine;
+      sine[k] = r.sine;
+      cosine[k] = r.cosine;
     }
   }
 }

@@ -7,9 +7,9 @@
 
 namespace axode {
 
-/// The first N coefficients of a power series in t, c[0] + c[1] t + c[2] t² + ...: run a kernel on it and
-/// every result carries its time derivatives, k! c[k]. Division and sqrt need c[0] ≠ 0. Cost of a product:
-/// N²/2.
+/// The first N coefficients of a power series in t, c[0] + c[1] t + c[2] t² + ... If a kernel runs on such
+/// series, every result carries its time derivatives, k! c[k]. Division and sqrt need c[0] ≠ 0. A product
+/// costs about N²/2 products.
 template <class S, std::size_t N> struct Taylor {
   std::array<S, N> c{};
 
@@ -60,7 +60,7 @@ template <class S, std::size_t N> struct Taylor {
     }
     return r;
   }
-  /// Sine and cosine together: s' = c a', c' = -s a'.
+  /// Sine s and cosine c of a, coefficient by coefficient from s' = c a' and c' = -s a'.
   friend constexpr SineCosine<Taylor> sine_cosine(const Taylor& a) {
     Taylor sine(sin(a.c[0])), cosine(cos(a.c[0]));
     for (std::size_t k = 1; k < N; ++k) {
@@ -76,9 +76,9 @@ template <class S, std::size_t N> struct Taylor {
   }
   friend constexpr Taylor sin(const Taylor& a) { return sine_cosine(a).sine; }
   friend constexpr Taylor cos(const Taylor& a) { return sine_cosine(a).cosine; }
-  /// φ' = (x y' - y x')/(x² + y²).
+  /// The angle φ of the point (x, y), integrated from φ' = (x y' - y x')/(x² + y²).
   friend constexpr Taylor atan2(const Taylor& y, const Taylor& x) {
-    Taylor numerator;  // of φ', shifted down by one order
+    Taylor numerator;  // x y' - y x', one order lower than y and x
     for (std::size_t k = 0; k + 1 < N; ++k)
       for (std::size_t j = 0; j <= k; ++j) {
         const S n(static_cast<double>(k - j + 1));

@@ -12,7 +12,8 @@ thread_local Tape* current = nullptr;
 
 using Operation = Tape::Operation;
 
-/// Two terms that cancel leave what rounding left of their constants.
+/// If two factors cancel, their sum is not exactly 0, as constants carry rounding errors. A sum below this
+/// part of the larger factor counts as 0.
 constexpr double rounding = 0x1p-50;
 double sum_of_factors(double a, double b) {
   const double sum = a + b;
@@ -32,8 +33,10 @@ std::size_t Tape::Hash::operator()(const Node& node) const {
   std::uint64_t hash = static_cast<std::uint64_t>(node.operation);
   for (const std::uint64_t word :
        {static_cast<std::uint64_t>(node.a), static_cast<std::uint64_t>(node.b),
-        static_cast<std::uint64_t>(node.condition), std::bit_cast<std::uint64_t>(node.factor)})
-    hash = (hash ^ word) * 0x9e3779b97f4a7c15U, hash ^= hash >> 32;
+        static_cast<std::uint64_t>(node.condition), std::bit_cast<std::uint64_t>(node.factor)}) {
+    hash = (hash ^ word) * 0x9e3779b97f4a7c15U;
+    hash ^= hash >> 32;
+  }
   return hash;
 }
 
@@ -51,12 +54,13 @@ const Tape::Node& Tape::at(int node) { return of_this_thread().nodes_[static_cas
 
 Trace Tape::input(int array, int index) { return Trace(1, record({Operation::input, array, index})); }
 
-/// The node of the whole number, factor included.
+/// The node whose value is the number a, factor included. A factor other than 1 is recorded as a scaling.
 int Tape::scaled(const Trace& a) {
   return a.node() != 0 && a.factor() == 1 ? a.node() : record({Operation::scale, a.node(), 0, 0, a.factor()});
 }
 
-/// a b, where a reciprocal may meet what it is the reciprocal of.
+/// The product of two nodes. If one is a reciprocal and the other its divisor, or a product with its divisor,
+/// the two cancel.
 Trace Tape::product(int a, int b) {
   for (const auto& [x, y] : {std::pair(a, b), std::pair(b, a)}) {
     if (at(x).operation != Operation::reciprocal) continue;
@@ -69,7 +73,7 @@ Trace Tape::product(int a, int b) {
   return Trace(1, record({Operation::product, std::min(a, b), std::max(a, b)}));
 }
 
-/// A sum of which neither term is 0.
+/// The sum of two terms, neither of which is 0. (u + k v) - u is folded to k v.
 Trace Tape::sum(const Trace& a, const Trace& b) {
   if (a.node() == b.node()) return Trace(sum_of_factors(a.factor(), b.factor()), a.node());
   for (const auto& [x, y] : {std::pair(a, b), std::pair(b, a)}) {  // (u + k v) - u

@@ -9,15 +9,16 @@ namespace axode {
 
 class Tape;
 
-/// A number that records how it is computed: run a kernel on it while a Tape is there, and the tape holds the
-/// kernel as a list of operations on its inputs, every one of them once.
+/// A number that records how it is computed. If a kernel runs on Traces while a Tape exists, the tape holds
+/// the kernel as a list of operations on its inputs, in which every operation occurs once.
 ///
-/// A Trace is a factor times a number on the tape, or a constant. So constants, signs and what they fold to
-/// are never recorded: 0 x = 0, x + 0 = x, x - x = 0, (2 x) (-3 y) = -6 (x y), a b - c d = -(c d - a b). What
-/// is folded is right for all finite numbers, and equal to what the operations would give up to rounding.
+/// A Trace is a factor times a number on the tape, or a constant. Therefore constants and signs are folded
+/// and never recorded: 0 x = 0, x + 0 = x, x - x = 0, (2 x) (-3 y) = -6 (x y), a b - c d = -(c d - a b). A
+/// folded result is right for all finite numbers, and equal to the result of the operations up to rounding.
 class Trace {
  public:
-  /// A truth value that only the recorded program will know. It enters select; no branch can be taken on it.
+  /// A truth value that is not known before the recorded program runs. select takes it as an argument; a
+  /// branch cannot depend on it.
   class Condition {
    public:
     Condition() = default;
@@ -42,7 +43,7 @@ class Trace {
         : factor_(static_cast<double>(value)) {}  // NOLINT(google-explicit-constructor): a constant
 
     bool is_constant() const { return node_ == 0; }
-    /// This number is factor() times the node of that index; node 0 is the number 1.
+    /// This number is factor() times the value of node(); node 0 is the number 1.
     double factor() const { return factor_; }
     int node() const { return node_; }
 
@@ -50,7 +51,7 @@ class Trace {
     friend Trace operator-(const Trace& a, const Trace& b) { return a + -b; }
     friend Trace operator-(const Trace& a) { return Trace(-a.factor_, a.node_); }
     friend Trace operator*(const Trace& a, const Trace& b);
-    /// a (1/b), so that one division serves all that b divides.
+    /// a (1/b), so that all quotients with the divisor b share one division.
     friend Trace operator/(const Trace& a, const Trace& b);
     Trace& operator+=(const Trace& b) { return *this = *this + b; }
     Trace& operator-=(const Trace& b) { return *this = *this - b; }
@@ -67,13 +68,14 @@ class Trace {
    private:
     friend class Tape;
     Trace(double factor, int node)
-        : factor_(factor == 0 ? 0 : factor), node_(factor == 0 ? 0 : node) {}  // no -0 either
+        : factor_(factor == 0 ? 0 : factor), node_(factor == 0 ? 0 : node) {}  // -0 becomes 0
     double factor_ = 0;
     int node_ = 0;
 };
 
-/// What Traces of this thread are recorded on, from its construction to its end. One at a time: a second one
-/// throws std::logic_error. Traces mean nothing without the tape on which they were recorded.
+/// The list of operations on which all Traces of this thread are recorded, from the construction of the Tape
+/// to its destruction. A thread has one Tape at a time: the constructor of a second one throws
+/// std::logic_error. Traces have no meaning without the tape on which they were recorded.
 class Tape {
  public:
   enum class Operation : unsigned char {
@@ -108,10 +110,11 @@ class Tape {
 
   /// An unknown number, entry `index` of array number `array`.
   Trace input(int array, int index);
-  /// In the order in which they can be computed.
+  /// The recorded operations, in an order in which they can be computed.
   const std::vector<Node>& nodes() const { return nodes_; }
-  /// What the node of that index is.
+  /// The number which the node of that index computes.
   static Trace number(int node) { return Trace(1, node); }
+  /// The condition which the node of that index computes.
   static Trace::Condition truth(int node);
 
  private:

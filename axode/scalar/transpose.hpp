@@ -6,7 +6,8 @@
 
 namespace axode {
 
-/// Lanes of two batches: lane l of the result is lane order[l] of a, or order[l] - N of b.
+/// Shuffles two batches: lane l of the result is lane order[l] of a, or lane order[l] - N of b if
+/// order[l] >= N.
 template <class S, std::size_t N, std::size_t... order>
 Batch<S, N> pick(const Batch<S, N>& a, const Batch<S, N>& b, std::index_sequence<order...>) {
 #if defined(__clang__)
@@ -16,20 +17,23 @@ Batch<S, N> pick(const Batch<S, N>& a, const Batch<S, N>& b, std::index_sequence
   return Batch<S, N>(__builtin_shuffle(a.x, b.x, Bits{static_cast<typename Batch<S, N>::Integer>(order)...}));
 #endif
 }
+/// Exchanges each lane l of a for which the bit s of l is set with lane l - s of b. s is a power of 2.
 template <std::size_t s, class S, std::size_t N, std::size_t... l>
 void exchange(Batch<S, N>& a, Batch<S, N>& b, std::index_sequence<l...>) {
   const Batch<S, N> low = pick(a, b, std::index_sequence<((l & s) ? N + l - s : l)...>{});
   b = pick(a, b, std::index_sequence<((l & s) ? N + l : l + s)...>{});
   a = low;
 }
-/// f(0), ..., f(n - 1) of constants, without a loop: rows of an array stay in registers.
+/// Calls f(0), ..., f(n - 1) with compile-time constants and without a loop, so that rows of an array stay in
+/// registers.
 template <int n, class F> [[gnu::always_inline]] inline void unrolled(const F& f) {
   [&]<int... m>(std::integer_sequence<int, m...>) __attribute__((always_inline)) {
     (f(std::integral_constant<int, m>{}), ...);
   }
   (std::make_integer_sequence<int, n>{});
 }
-/// Row l of the result has lane l of every row. N log2 N shuffles.
+/// Transposes N rows of N lanes in place: row l of the result has lane l of every row. It takes N log2 N
+/// shuffles.
 template <class S, std::size_t N, std::size_t s = 1>
 [[gnu::always_inline]] inline void transpose(std::array<Batch<S, N>, N>& rows) {
   if constexpr (s < N) {
