@@ -6,31 +6,33 @@ namespace axode {
 
 /// The articulated-body algorithm: M x = b in O(n).
 ///
-/// For each screw S of joint i, from the leaves to the roots, with the inertia M^A that the body behind it shows:
-/// its velocity enters, V = V' + S v, and gives way,
+/// M^A is the articulated inertia of a body, with the joints of its subtree free. From the leaves to the
+/// roots each screw S of joint i, which contributes S v to the twist of the body, is eliminated:
 ///   U = M^A S,  D = Sᵀ U + armature,  M^A -= U Uᵀ / D;     at the end of a joint M_p^A += up M^A.
-/// A joint with several degrees of freedom gives way in one after the other, like a chain of joints through massless
-/// bodies.
+/// The velocities of a joint with several degrees of freedom are eliminated one after the other, as in a
+/// chain of joints through massless bodies.
 ///
-/// A pivot D is what is left of larger numbers, whose rounding it carries. How large they are is what the same motion,
-/// with the joints behind giving way as they do, makes of the sizes of the inertias, which F collects along with M.
+/// A pivot D is a difference of larger numbers and carries their rounding errors. F estimates how large these
+/// numbers are: it starts from the sizes of the inertias and is updated by the same eliminations as M, so
+/// that D is compared with Sᵀ F S + armature.
 ///
-/// A velocity that several joints share (coupled joints) enters at each of them and gives way where their paths meet.
-/// On the way there (Topology::Ties) it is carried along as a seventh column of the inertia: the wrench U_c and the
-/// forces D_cd that its motion makes. So coupled joints cost no more than the ties that they make.
+/// Coupled joints share a velocity. It enters at each of these joints and is eliminated at the body where
+/// their paths meet. On the path to that body (Topology::Ties) it is a seventh column of the inertia: the
+/// wrench U_c and the forces D_cd that a unit of the velocity causes. Hence the cost of coupled joints is
+/// that of their ties.
 template <class Rep, class T> struct ArticulatedBodies {
   BodyLinks<Rep, T> links;
   ArticulatedInertia<Rep, T>* M;
-  ArticulatedInertia<Rep, T>* F;  ///< the sizes of the numbers of which M is made, in the same motion
+  ArticulatedInertia<Rep, T>* F;  ///< magnitude of the numbers from which M is computed
   Twist<Rep, T>* S;
   Wrench<Rep, T>* U;
   T* D;
-  // Of ties:
+  // For ties:
   Wrench<Rep, T>* U_tie;
   T* D_tie;    ///< k × k for each group of k ties
-  T* fed_tie;  ///< as F, of D
-  T* D_screw;  ///< of every screw with the ties of its body, from ties.of_screws of the body on
-  // Of a solution:
+  T* fed_tie;  ///< magnitude of the numbers from which the diagonal of D_tie is computed
+  T* D_screw;  ///< D between each screw and the ties of its body; body i begins at ties.of_screws[i]
+  // For a solution:
   Wrench<Rep, T>* W;
   Twist<Rep, T>* X;
   T *u, *u_tie;
@@ -51,27 +53,35 @@ template <class Rep, class T> struct ArticulatedBodies {
         u(arena.per_screw<T>()),
         u_tie(arena.per_tie<T>()) {}
 
+  /// Factorises M at q. `armature` has one entry for each velocity. O(n).
   template <TreeOf<T> AnyTree>
   Solvability factorize(const AnyTree& tree, const T* q, const T* armature) noexcept {
     links.run(tree, q);
     return factorize(tree, armature);
   }
-  /// At the configuration of the links.
+  /// Factorises M at the configuration for which `links` were computed.
   template <TreeOf<T> AnyTree> Solvability factorize(const AnyTree& tree, const T* armature) noexcept {
     PivotJudge<T> judge;
     factorize(tree, armature, judge);
     return judge.verdict(*tree.operator->());
   }
+  /// Factorises M at the configuration for which `links` were computed; `judge` sees each pivot and its
+  /// magnitude.
   template <TreeOf<T> AnyTree, class Judge>
   void factorize(const AnyTree& tree, const T* armature, Judge& judge) noexcept {
     joint_columns(tree, links.link, S);
     const Topology::Ties& ties = tree->ties;
-    for (int t = 0; t < ties.begin[tree->n + 1]; ++t) U_tie[t] = {}, fed_tie[t] = T(0);
+    for (int t = 0; t < ties.begin[tree->n + 1]; ++t) {
+      U_tie[t] = {};
+      fed_tie[t] = T(0);
+    }
     for (std::size_t k = 0; k < ties.n_pairs; ++k) D_tie[k] = T(0);
-    M[0] = {}, F[0] = {};
+    M[0] = {};
+    F[0] = {};
     for (int i = 1; i <= tree->n; ++i) {
       const Inertia<T> own = links.link[i].inertia(tree.M[i]);
-      M[i] = articulated(links.link[i], own), F[i] = size_of<Rep>(own);
+      M[i] = articulated(links.link[i], own);
+      F[i] = size_of<Rep>(own);
     }
     for (int i = tree->n; i > 0; --i) {
       for (int t = ties.begin[i]; t < ties.begin[i + 1]; ++t)
@@ -99,8 +109,9 @@ template <class Rep, class T> struct ArticulatedBodies {
     for (int t = ties.begin[0]; t < ties.begin[1]; ++t) release_tie(tree, 0, t, armature, judge);
   }
 
-  /// The same in less time for trees without ties, after joint_columns(); false where a pivot is so small that M may be
-  /// singular.
+  /// Factorises M without the magnitudes F, for trees without ties. `links` and, by joint_columns(), S must
+  /// have been computed before. Returns false if a pivot is so small that M may be singular; the factors are
+  /// then incomplete.
   template <TreeOf<T> AnyTree> bool factorize_quickly(const AnyTree& tree, const T* armature) noexcept {
     M[0] = {};
     for (int i = 1; i <= tree->n; ++i) M[i] = articulated(links.link[i], links.link[i].inertia(tree.M[i]));
@@ -117,20 +128,22 @@ template <class Rep, class T> struct ArticulatedBodies {
     return true;
   }
 
-  /// x := M⁻¹ x.
+  /// x := M⁻¹ x, after factorize(). O(n).
   template <TreeOf<T> AnyTree> void solve(const AnyTree& tree, T* x) noexcept {
     pull(tree, x);
     push(tree, x);
   }
 
-  /// The way up of a solution: u = L⁻ᵀ x of all velocities, where M = Lᵀ D L; see each_pivot().
+  /// The backward sweep of a solution, from the leaves to the roots: u = L⁻ᵀ x for all velocities, with M =
+  /// Lᵀ D L. each_pivot() reads u.
   template <TreeOf<T> AnyTree> void pull(const AnyTree& tree, const T* x) noexcept {
     for (int i = 0; i <= tree->n; ++i) W[i] = {};
     for (int t = 0; t < tree->ties.begin[tree->n + 1]; ++t) u_tie[t] = T(0);
     for (int i = tree->n; i > 0; --i) pull(tree, i, x);
     pull_at_ground(tree, x);
   }
-  /// Its step at body i, after those of the bodies behind it, of which W[i] has come.
+  /// The step of the backward sweep at body i. The steps of all other bodies of its subtree come before; they
+  /// have added their wrenches to W[i].
   template <TreeOf<T> AnyTree> void pull(const AnyTree& tree, int i, const T* x) noexcept {
     const Topology::Ties& ties = tree->ties;
     for (int t = ties.begin[i]; t < ties.begin[i + 1]; ++t)
@@ -153,10 +166,11 @@ template <class Rep, class T> struct ArticulatedBodies {
       if (ties.up[t] >= 0) u_tie[ties.up[t]] += u_tie[t];
     W[tree->parent[i]] += links.link[i].up(W[i]);
   }
+  /// The last step of the backward sweep: the shared velocities that are eliminated at the ground.
   template <TreeOf<T> AnyTree> void pull_at_ground(const AnyTree& tree, const T* x) noexcept {
     for (int t = tree->ties.begin[0]; t < tree->ties.begin[1]; ++t) pull_tie(tree, 0, t, x);
   }
-  /// f(c, u_c, D_c) for the velocities that give way at body i, 0 for the ground.
+  /// Calls f(c, u_c, D_c) for each velocity c that is eliminated at body i, or at the ground if i = 0.
   template <TreeOf<T> AnyTree, class F> void each_pivot(const AnyTree& tree, int i, F&& f) const {
     const Topology::Ties& ties = tree->ties;
     if (i > 0 && ties.own[i] < 0)
@@ -166,7 +180,7 @@ template <class Rep, class T> struct ArticulatedBodies {
       if (ties.up[t] < 0) f(ties.velocity[t], u_tie[t], row(ties, t)[t]);
   }
 
-  /// The way down: x = L⁻¹ D⁻¹ u.
+  /// The forward sweep of a solution, from the roots to the leaves: x = L⁻¹ D⁻¹ u.
   template <TreeOf<T> AnyTree> void push(const AnyTree& tree, T* x) noexcept {
     const Topology::Ties& ties = tree->ties;
     X[0] = {};
@@ -192,32 +206,34 @@ template <class Rep, class T> struct ArticulatedBodies {
   }
 
  private:
-  /// When a tie of a body gives way: before the joint of the body does, after that has entered, or at a predecessor.
+  /// When a tie of a body is eliminated: before the screws of the joint of the body; after these have
+  /// entered, as the joint itself shares the velocity; or later, at a predecessor.
   enum Turn { before, after, later };
   static Turn turn(const Topology::Ties& ties, int i, int t) {
     return ties.up[t] >= 0 ? later : t == ties.own[i] ? after : before;
   }
-  /// Whether the velocity of the joint of body i, which others share, gives way here.
+  /// Whether the joint of body i shares its velocity with others and this velocity is eliminated at body i.
   static bool own_ends(const Topology::Ties& ties, int i) {
     return ties.own[i] >= 0 && ties.up[ties.own[i]] < 0;
   }
-  /// Whether tie o of body i is still there when tie t gives way.
+  /// Whether tie o of body i is eliminated after tie t.
   static bool waits(const Topology::Ties& ties, int i, int o, int t) {
     const Turn of_o = turn(ties, i, o), of_t = turn(ties, i, t);
     return of_o > of_t || (of_o == of_t && o > t);
   }
-  /// D of screw s of body i with its ties; by tie, counted as all are.
+  /// The entries of D between screw s of body i and the ties of the body. The pointer is indexed by the
+  /// number of a tie in Topology::Ties.
   template <class AnyTree> T* of_screw(const AnyTree& tree, int i, int s) const noexcept {
     const Topology::Ties& ties = tree->ties;
     return D_screw + ties.of_screws[i] + (s - tree->first_screw[i]) * (ties.begin[i + 1] - ties.begin[i]) -
            ties.begin[i];
   }
-  /// Row t of the D of its group; by tie.
+  /// Row t of the D of its group. The pointer is indexed by the number of a tie in Topology::Ties.
   T* row(const Topology::Ties& ties, int t) const noexcept {
     return D_tie + ties.row[t] - ties.group_begin[t];
   }
 
-  /// A shared velocity enters at the joint of body i.
+  /// Adds screw s of the joint of body i to the column of the velocity that the joint shares.
   template <class AnyTree> void enter(const AnyTree& tree, int i, int s) noexcept {
     const Topology::Ties& ties = tree->ties;
     const int own = ties.own[i];
@@ -228,13 +244,15 @@ template <class Rep, class T> struct ArticulatedBodies {
       if (t == own) {
         row(ties, t)[t] += D_ts + D_ts + (MS | S[s]);
       } else {
-        row(ties, t)[own] += D_ts, row(ties, own)[t] += D_ts;
+        row(ties, t)[own] += D_ts;
+        row(ties, own)[t] += D_ts;
       }
     }
     U_tie[own] += MS;
     fed_tie[own] += F[i] * S[s] | S[s];
   }
-  /// The velocity of screw s of body i gives way, while the ties that go on wait.
+  /// Eliminates the velocity of screw s of body i and updates the ties that go on to the predecessor. G = F
+  /// S, and `size` is the magnitude of the numbers from which D is computed.
   template <class AnyTree>
   void release(const AnyTree& tree, int i, int s, const Wrench<Rep, T>& G, const T& size) noexcept {
     const Topology::Ties& ties = tree->ties;
@@ -253,7 +271,7 @@ template <class Rep, class T> struct ArticulatedBodies {
         if (ties.up[o] >= 0) row(ties, t)[o] -= k * D_s[o];
     }
   }
-  /// The shared velocity t gives way at body i, where its paths meet.
+  /// Eliminates the shared velocity of tie t at body i, where the paths of its joints meet.
   template <class AnyTree, class Judge>
   void release_tie(const AnyTree& tree, int i, int t, const T* armature, Judge& judge) noexcept {
     const Topology::Ties& ties = tree->ties;
@@ -273,7 +291,7 @@ template <class Rep, class T> struct ArticulatedBodies {
         if (waits(ties, i, o, t)) row(ties, r)[o] -= k * D_t[o];
     }
   }
-  /// The other ones go on to the predecessor.
+  /// Adds the ties of body i that are not eliminated there to those of the predecessor.
   template <class AnyTree> void hand_over_ties(const AnyTree& tree, int i) noexcept {
     const Topology::Ties& ties = tree->ties;
     for (int t = ties.begin[i]; t < ties.begin[i + 1]; ++t) {
@@ -285,7 +303,8 @@ template <class Rep, class T> struct ArticulatedBodies {
     }
   }
 
-  /// u of a velocity that gives way at body i, and what the others feel of it.
+  /// The backward step of tie t, which is eliminated at body i: u of its velocity, and the contributions to
+  /// W[i] and to the ties that are eliminated later.
   template <class AnyTree> void pull_tie(const AnyTree& tree, int i, int t, const T* x) noexcept {
     const Topology::Ties& ties = tree->ties;
     const T* const D_t = row(ties, t);
@@ -295,7 +314,7 @@ template <class Rep, class T> struct ArticulatedBodies {
     for (int o = ties.group_begin[t]; o < ties.group_end[t]; ++o)
       if (waits(ties, i, o, t)) u_tie[o] += k * D_t[o];
   }
-  /// The same velocity from the motion X of body i.
+  /// The forward step of tie t, which is eliminated at body i: the velocity x from the motion X[i].
   template <class AnyTree> void push_tie(const AnyTree& tree, int i, int t, T* x) noexcept {
     const Topology::Ties& ties = tree->ties;
     const T* const D_t = row(ties, t);

@@ -4,8 +4,8 @@
 
 namespace axode {
 
-/// A symmetric matrix [[A, B], [Bᵀ, L]] from twists to wrenches in Rep: the inertia that a body shows when
-/// the joints behind it are free to give way.
+/// A symmetric matrix [[A, B], [Bᵀ, L]] from twists to wrenches in Rep: the articulated inertia of a body,
+/// with the joints of its subtree free.
 template <class Rep, class T> struct ArticulatedInertia {
   Sym3<T> A;
   Mat3<T> B;
@@ -21,7 +21,7 @@ template <class Rep, class T>
 constexpr Wrench<Rep, T> operator*(const ArticulatedInertia<Rep, T>& M, const Twist<Rep, T>& V) {
   return {M.A * V.w + M.B * V.v, transposed_times(M.B, V.w) + M.L * V.v};
 }
-/// M - U Uᵀ / D: what remains of M when the direction of U = M S, D = Sᵀ U gives way.
+/// M := M - U Uᵀ / D, the inertia after the elimination of a screw S with U = M S and the pivot D.
 template <class Rep, class T>
 constexpr void give_way(ArticulatedInertia<Rep, T>& M, const Wrench<Rep, T>& U, const T& D) {
   const T d = T(-1) / D;
@@ -30,13 +30,14 @@ constexpr void give_way(ArticulatedInertia<Rep, T>& M, const Wrench<Rep, T>& U, 
   M.L = M.L + d * square(U.f);
 }
 
-/// How large the numbers of an inertia are, in every direction.
+/// The magnitude of the numbers of an inertia in every direction: tr Θ for rotations and m for translations.
 template <class Rep, class T> constexpr ArticulatedInertia<Rep, T> size_of(const Inertia<T>& M) {
   const T t = trace(M.Theta), o(0);
   return {{t, t, t, o, o, o}, {}, {M.m, M.m, M.m, o, o, o}};
 }
-/// The sizes F where S has given way: the congruence with V -> V - (Uᵀ V / D) S, where G = F S and the motion along S has
-/// the size f = Sᵀ G, or more for what moves along with it beside this body; and the size of what is subtracted from M.
+/// Updates the magnitudes F for the elimination of a screw S: F becomes its congruence with V -> V - (Uᵀ V /
+/// D) S, plus the magnitude of the U Uᵀ / D that is subtracted from M. G = F S, and f is Sᵀ G plus the
+/// magnitude of what moves with S and is not part of this body, such as the armature.
 template <class Rep, class T>
 constexpr void follow(ArticulatedInertia<Rep, T>& F, const Wrench<Rep, T>& G, const T& f,
                       const Wrench<Rep, T>& U, const T& D) {
@@ -47,12 +48,13 @@ constexpr void follow(ArticulatedInertia<Rep, T>& F, const Wrench<Rep, T>& G, co
   F.L = F.L + plus_transpose(outer_product(Y.f, U.f)) + Sym3<T>{l, l, l, o, o, o};
 }
 
-/// The congruence with Ad_r: M about a point from which its own is at r, in the same axes.
+/// The congruence of M with Ad_r: the inertia about another point, in the same axes; r is the vector from
+/// that point to the point of M.
 template <class Rep, class T>
 constexpr ArticulatedInertia<Rep, T> transform(const Vec3<T>& r, const ArticulatedInertia<Rep, T>& M) {
   const Noted<T> noted(ScrewOperation::tensor_translation);
   const Mat3<T> B = M.B + cross(r, matrix(M.L));
-  const Mat3<T> Br = cross(r, transpose(B));  // -B r̃, transposed
+  const Mat3<T> Br = cross(r, transpose(B));  // (-B r̃)ᵀ
   const Mat3<T> rB = cross(r, transpose(M.B));
   return {M.A + T(0.5) * plus_transpose(rB + Br), B, M.L};
 }

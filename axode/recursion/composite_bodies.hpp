@@ -3,8 +3,9 @@
 
 namespace axode {
 
-/// The composite-body algorithm. With M_i^c = M_i + Σ_children up M_c^c, the impulse F = M_i^c S of
-/// everything behind joint i is carried to the root; at each joint j on the way M_cj = F | S_j.
+/// The composite-body algorithm. With M_i^c = M_i + Σ_children up M_c^c, the impulse F = M_i^c S of the
+/// subtree of joint i is transformed from body to body down to the root; at each joint j on this path M_cj =
+/// F | S_j.
 template <class Rep, class T> struct CompositeBodies {
   BodyLinks<Rep, T> links;
   Inertia<T>* M;
@@ -13,7 +14,7 @@ template <class Rep, class T> struct CompositeBodies {
   explicit CompositeBodies(Arena& arena)
       : links(arena), M(arena.per_body<Inertia<T>>()), S(arena.per_screw<Twist<Rep, T>>()) {}
 
-  /// The mass matrix, row by row.
+  /// Writes the mass matrix at q to `out`, nv × nv, row by row. `armature` (nv) is added to the diagonal.
   template <TreeOf<T> AnyTree> void run(const AnyTree& tree, const T* q, const T* armature, T* out) noexcept {
     const Link<Rep, T>* link = links.run(tree, q);
     const int nv = tree->nv;

@@ -5,7 +5,7 @@
 
 namespace axode {
 
-/// What the joints contribute, before any recursion: C_{p,i} = B exp(S q), S v and S a, in the joint frames.
+/// The contributions of the joints to the recursions: C_{p,i} = B exp(S q), S v and S a, in the joint frames.
 template <class T> struct JointMotion {
   SE3<T>* C_pi;
   Twist<BodyFixed, T>* Sv;
@@ -38,6 +38,7 @@ void joint_screws(const AnyTree& tree, const T* x, Motion* Sx) noexcept {
   });
 }
 
+/// C_{p,i}, S v and S a of every joint.
 template <class T, TreeOf<T> AnyTree>
 void joint_motion(const AnyTree& tree, const T* q, const T* v, const T* a,
                   const JointMotion<T>& out) noexcept {
@@ -46,8 +47,8 @@ void joint_motion(const AnyTree& tree, const T* q, const T* v, const T* a,
   joint_screws(tree, a, out.Sa);
 }
 
-/// Poses of all bodies' internal frames, C_i = C_p C_{p,i} (eqs. POEX, aVbRec2), with every coupling. 36 mul, 33 add
-/// per body.
+/// Poses of the internal frames of all bodies, C_i = C_p C_{p,i} (eqs. POEX, aVbRec2), couplings included. 36
+/// mul, 33 add per body.
 template <class T> struct BodyPoses {
   SE3<T>* C;
 
@@ -58,7 +59,7 @@ template <class T> struct BodyPoses {
     joint_poses(tree, q, C);
     run(tree, C);
   }
-  /// From the poses of the joints, which may stand where the results will.
+  /// Computes the poses from those of the joints, C_pi, which may be the memory of the results.
   template <TreeOf<T> AnyTree> void run(const AnyTree& tree, const SE3<T>* C_pi) noexcept {
     C[0] = {};
     for (int i = 1; i <= tree->n; ++i) C[i] = C[tree->parent[i]] * C_pi[i];
@@ -67,21 +68,25 @@ template <class T> struct BodyPoses {
   SE3<T>& operator[](int i) { return C[i]; }
 };
 
-/// f(i) for every body that hangs on the ground.
+/// Calls f(i) for every body that hangs on the ground.
 template <class F> void each_root(const Topology& topology, F&& f) {
   for (int i = 1; i <= topology.n; i = topology.subtree_end[i]) f(i);
 }
 
-/// Forces do not depend on the inertial origin, but digits do: so recursions for forces take the origin of each root
-/// body, at this instant, for that of all bodies behind it. Moves the roots there, and remembers where they were.
+/// Moves the origin of each root body to the inertial origin and stores in `origin` where it was. Forces do
+/// not depend on the inertial origin, but their rounding errors do. Therefore recursions for forces use, for
+/// all bodies of a root's subtree, the origin of the root body at this instant as the inertial origin.
 template <class T> void move_to_roots(const Topology& topology, SE3<T>* C_pi, Vec3<T>* origin) noexcept {
-  each_root(topology, [&](int i) { origin[i] = C_pi[i].r, C_pi[i].r = {}; });
+  each_root(topology, [&](int i) {
+    origin[i] = C_pi[i].r;
+    C_pi[i].r = {};
+  });
 }
 
-/// The links of all bodies at a configuration, about the origins of their roots.
+/// The links of all bodies at a configuration, about the origins of their root bodies.
 template <class Rep, class T> struct BodyLinks {
   SE3<T>* C_pi;
-  Vec3<T>* origin;  ///< of the roots
+  Vec3<T>* origin;  ///< positions of the root bodies in the inertial frame
   Link<Rep, T>* link;
 
   explicit BodyLinks(Arena& arena)
@@ -98,7 +103,7 @@ template <class Rep, class T> struct BodyLinks {
   }
 };
 
-/// The screws of all joints in Rep. A coupled joint's screw is for a unit velocity of its leader.
+/// The screws of all joints in Rep. The screw of a coupled joint is for a unit velocity of its leader.
 template <class Rep, class T, TreeOf<T> AnyTree>
 void joint_columns(const AnyTree& tree, const Link<Rep, T>* link, Twist<Rep, T>* S) noexcept {
   each_joint(tree, [&](const auto& joint, int i, bool) {
@@ -109,7 +114,7 @@ void joint_columns(const AnyTree& tree, const Link<Rep, T>* link, Twist<Rep, T>*
   });
 }
 
-/// Links, twists and twist rates of all bodies, in the internal frames.
+/// Links, twists and twist rates of the internal frames of all bodies.
 template <class Rep, class T> struct BodyMotion {
   Link<Rep, T>* link;
   Twist<Rep, T>* V;
@@ -143,7 +148,7 @@ void forward_recursion(const AnyTree& tree, const JointMotion<T>& joints, const 
   }
 }
 
-/// Joints and bodies of a tree in motion.
+/// The motion of the joints and bodies of a tree at q with velocities v and accelerations a.
 template <class Rep, class T> struct TreeMotion {
   JointMotion<T> joints;
   BodyMotion<Rep, T> bodies;

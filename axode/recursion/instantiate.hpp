@@ -1,8 +1,9 @@
 #pragma once
 
-/// Sources that end in `template ... AXODE_T` are compiled once for each scalar, and those that name AXODE_REP once for
-/// each representation and scalar (see cmake/axode_library.cmake): many instantiations in one unit exhaust a compiler's
-/// inlining budget and double the run time. An editor sees such a source for these:
+/// Sources that end in `template ... AXODE_T` are compiled once for each scalar, and those that name
+/// AXODE_REP once for each representation and scalar (see cmake/axode_library.cmake), because many
+/// instantiations in one unit exhaust a compiler's inlining budget and double the run time. An editor, which
+/// does not run the build, uses these defaults:
 #ifndef AXODE_REP
 #define AXODE_REP BodyFixed
 #endif

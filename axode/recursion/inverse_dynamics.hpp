@@ -4,14 +4,15 @@
 
 namespace axode {
 
-/// One wrench on a body, resolved in the loaded frame, that frame in the body, and the body.
+/// One applied wrench W in the axes of the loaded frame and about its origin, with the body to which this
+/// frame belongs and the pose `offset` of the frame in the internal frame of the body.
 template <class T> struct ResolvedLoad {
   int body;
   SE3<T> offset;
   Wrench<BodyFixed, T> W;
   Representation representation;
 
-  /// C are the poses of the internal frames.
+  /// C are the poses of the internal frames of the bodies.
   template <TreeOf<T> AnyTree>
   ResolvedLoad(const AnyTree& tree, const AppliedWrench<T>& load, const SE3<T>* C)
       : body(tree->frame_body[load.frame]),
@@ -22,18 +23,20 @@ template <class T> struct ResolvedLoad {
               return change<BodyFixed>(C[body] * offset, Wrench<decltype(rep), T>{load.m, load.f});
             })),
         representation(load.representation) {}
-  /// From the body's frame to the loaded one, and back.
+  /// The twist of the loaded frame from the twist X of the body.
   Twist<BodyFixed, T> there(const Twist<BodyFixed, T>& X) const {
     const Screw<T> Y = Ad_inv(offset, Screw<T>{X.w, X.v});
     return {Y.w, Y.v};
   }
+  /// The wrench on the body for a wrench F on the loaded frame.
   Wrench<BodyFixed, T> back(const Wrench<BodyFixed, T>& F) const {
     const Wrench<Spatial, T> Y = coAd(offset, F);
     return {Y.m, Y.f};
   }
 };
 
-/// Applied wrenches, summed up for each body in its internal frame; C are the poses of the internal frames.
+/// W_app[i], the sum of the applied wrenches on body i in its internal frame, for i = 0 to n. C are the poses
+/// of the internal frames.
 template <class T, TreeOf<T> AnyTree>
 void sum_applied(const AnyTree& tree, std::span<const AppliedWrench<T>> wrenches, const SE3<T>* C,
                  Wrench<BodyFixed, T>* W_app) noexcept {
@@ -50,7 +53,8 @@ template <class T, TreeOf<T> AnyTree> T joint_loss(const AnyTree& tree, int c, c
   return tree.damping[c] * v_c + tree.friction[c] * sign;
 }
 
-/// What the drives of the joints themselves take: armature and, where asked for, losses.
+/// The generalised forces of the joints themselves (nv): those of the armatures and, if joint_losses is set,
+/// those against damping and friction.
 template <class T, TreeOf<T> AnyTree>
 void joint_terms(const AnyTree& tree, const T* v, const T* a, bool joint_losses, T* own) noexcept {
   for (int c = 0; c < tree->nv; ++c) own[c] = tree.armature[c] * a[c];
@@ -58,10 +62,10 @@ void joint_terms(const AnyTree& tree, const T* v, const T* a, bool joint_losses,
     for (int c = 0; c < tree->nv; ++c) own[c] += joint_loss(tree, c, v[c]);
 }
 
-/// The wrenches that the joints transmit and the generalised forces of one tree.
+/// Inverse dynamics in one representation: the wrenches that the joints transmit, and the generalised forces.
 template <class Rep, class T> struct InverseDynamicsRecursion {
-  TreeMotion<Rep, T> motion;  ///< about the origins of the roots
-  Vec3<T>* origin;            ///< of the roots, in the inertial frame
+  TreeMotion<Rep, T> motion;  ///< motion about the origins of the root bodies
+  Vec3<T>* origin;            ///< positions of the root bodies in the inertial frame
   Wrench<Rep, T>* W;
   BodyPoses<T> C;
   Wrench<BodyFixed, T>* W_app;
@@ -75,13 +79,15 @@ template <class Rep, class T> struct InverseDynamicsRecursion {
         W_app(arena.per_body<Wrench<BodyFixed, T>>()),
         own(arena.per_velocity<T>()) {}
 
-  /// Forward: poses, twists, accelerations with gravity as V'_0 = (0, -g). Backward, from the leaves to the
-  /// roots (eqs. aWbRec, bWsRec, bWhRec with erratum 22):
+  /// The forward sweep computes poses, twists and accelerations, with gravity as V'_0 = (0, -g). The backward
+  /// sweep, from the leaves to the roots, computes the joint wrenches (eqs. aWbRec, bWsRec, bWhRec with
+  /// erratum 22):
   ///   W_i = Σ_children up W_c + M_i V'_i + (velocity terms) - W_i^app
   template <TreeOf<T> AnyTree>
   void run(const AnyTree& tree, const T* q, const T* v, const T* a, const Loads<T>& loads) noexcept {
     run(tree, q, v, a, loads, tree.g);
   }
+  /// The two sweeps with the gravity g (m/s²) instead of that of the tree.
   template <TreeOf<T> AnyTree>
   void run(const AnyTree& tree, const T* q, const T* v, const T* a, const Loads<T>& loads,
            const Vec3<T>& g) noexcept {
@@ -99,8 +105,9 @@ template <class Rep, class T> struct InverseDynamicsRecursion {
     for (int i = tree->n; i > 0; --i) W[tree->parent[i]] += link[i].up(W[i]);
   }
 
-  /// τ = Sᵀ W of every joint (eqs. bWbRec, cWsRec, cWhRec), its armature and, where asked for, its losses. A
-  /// coupled joint adds its share to its leader's. τ may take the place of v or a.
+  /// τ = Sᵀ W of every joint (eqs. bWbRec, cWsRec, cWhRec), plus the force of its armature and, if
+  /// joint_losses is set, of damping and friction. The force of a coupled joint, times its ratio, is added to
+  /// that of its leader. τ may be the memory of v or a.
   template <TreeOf<T> AnyTree>
   void project(const AnyTree& tree, const T* v, const T* a, bool joint_losses, T* tau) const noexcept {
     joint_terms(tree, v, a, joint_losses, own);

@@ -3,10 +3,12 @@
 
 namespace axode {
 
-/// A⁺ B: the X of the least size among those with the least ‖A X - B‖, column by column. A column of A counts as a combination
-/// of others where what these leave of it is less than a part of the largest. Allocates, O(rows cols min(rows, cols)).
+/// A⁺ B: of all X that minimise ‖A X - B‖, column by column, the one with the least norm. The rank of A is
+/// the number of pivots of a complete orthogonal decomposition that are larger than `part` times the largest
+/// pivot. Allocates, O(rows cols min(rows, cols)).
 ///
-/// All decompositions of this kind are made here: a compiler takes seconds for one of Eigen's wherever it stands.
+/// All decompositions of this kind are made in this function, because a compiler takes seconds for one of
+/// Eigen in every source that contains it.
 Eigen::MatrixXd least_squares(const Eigen::Ref<const Eigen::MatrixXd>& A,
                               const Eigen::Ref<const Eigen::MatrixXd>& B, double part);
 

@@ -5,16 +5,16 @@
 
 /// The table of representations: what one body contributes to any recursion over a tree.
 ///
-///                  body-fixed         spatial        hybrid                    mixed
-///   push, pull     identity           Ad_C           Ad_R                      diag(I, R)        body-fixed <-> Rep
-///   down           Ad_{C_ip}          identity       Ad_{r_ip}                 block of the two  twist of p -> at i
-///   up             Ad_{C_ip}ᵀ         identity       Ad_{r_ip}ᵀ                its transpose     wrench of i -> at p
-///   bias           ad_V (S v)         ad_V (S v)     ad_{r'_ip} V_p + ad_ω Sv  from definition   V'_i - down(V'_p) - S a
-///   inertia        M                  Ad_C⁻ᵀMAd_C⁻¹  Ad_R⁻ᵀMAd_R⁻¹             M, see impulse    of body i
-///   newton_euler   eq. NEb            eq. NEs        eq. NEh                   eq. NEcmixed      its resultant wrench
+///                body-fixed  spatial       hybrid                   mixed
+///  push, pull    identity    Ad_C          Ad_R                     diag(I, R)       body-fixed <-> Rep
+///  down          Ad_{C_ip}   identity      Ad_{r_ip}                block of the two twist of p -> at i
+///  up            Ad_{C_ip}ᵀ  identity      Ad_{r_ip}ᵀ               its transpose    wrench of i -> at p
+///  bias          ad_V (S v)  ad_V (S v)    ad_{r'_ip} V_p + ad_ω Sv by definition    V'_i - down(V'_p) - S a
+///  inertia       M           Ad_C⁻ᵀMAd_C⁻¹ Ad_R⁻ᵀMAd_R⁻¹            M, see impulse   inertia of body i
+///  newton_euler  eq. NEb     eq. NEs       eq. NEh                  eq. NEcmixed     wrench on body i
 ///
-/// A Link is that for body i with predecessor p. A frame on a body is a body that never moves against it: its
-/// Link is the child of the body's, with S v = 0.
+/// A Link belongs to body i with predecessor p. A frame on a body is treated as a body that is at rest
+/// relative to it: its Link is a child of the Link of the body, with S v = 0.
 namespace axode {
 
 template <class Rep, class T> struct Link;
@@ -85,7 +85,7 @@ template <class T> struct Link<Spatial, T> {
   }
 };
 
-/// V^h = Ad_{r_ip} V_p^h + Ad_R X v (eq. VhRec); r_pi from p to i, in inertial axes.
+/// V^h = Ad_{r_ip} V_p^h + Ad_R X v (eq. VhRec); r_pi is the vector from p to i in inertial axes.
 template <class T> struct Link<Hybrid, T> {
   SO3<T> R;
   Vec3<T> r_pi;
@@ -145,7 +145,7 @@ template <class T> struct Link<Mixed, T> {
     return {C_pi.R * W.m + cross(C_pi.r, transpose(R_p) * W.f), W.f};
   }
   constexpr Inertia<T> up(const Inertia<T>& M) const { return transform(C_pi, M); }
-  /// By way of the predecessor's axes.
+  /// The congruence is computed in the axes of the predecessor.
   constexpr ArticulatedInertia<Mixed, T> up(const ArticulatedInertia<Mixed, T>& M) const {
     const Noted<T> noted(ScrewOperation::tensor_transformation);
     const SO3<T> Rt_p = transpose(R_p);
@@ -153,14 +153,16 @@ template <class T> struct Link<Mixed, T> {
         C_pi.r, ArticulatedInertia<Mixed, T>{rotate(C_pi.R, M.A), (C_pi.R * M.B) * R_p, rotate(Rt_p, M.L)});
     return {M_p.A, M_p.B * Rt_p, M.L};
   }
-  /// The hybrid bias with its angular part in body axes, where (Rᵀ)' ω^s = -ω × ω = 0 leaves ω_i × (S v).
+  /// The hybrid bias with the angular part in body axes. As (Rᵀ)' ω^s = -ω × ω = 0, the angular part is ω_i ×
+  /// (S v).
   constexpr TwistRate<Mixed, T> bias(const Twist<Mixed, T>& V_p, const Twist<Mixed, T>& V,
                                      const Twist<Mixed, T>& Sv) const {
     Noted<T>{ScrewOperation::bracket};
     Noted<T>{ScrewOperation::bracket};
     return {cross(V.w, Sv.w), cross(V_p.v - V.v, R_p * V_p.w) + cross(R * V.w, Sv.v)};
   }
-  /// The mixed inertia matrix has blocks in different axes; it is kept by the inertia in body axes.
+  /// The mixed inertia matrix has blocks in different axes. The inertia in body axes represents it, see
+  /// impulse().
   template <class InertiaOfBody> constexpr Inertia<T> inertia(const InertiaOfBody& M) const { return M; }
   template <class InertiaOfBody>
   constexpr Wrench<Mixed, T> newton_euler(const InertiaOfBody& M, const Twist<Mixed, T>& V,
@@ -169,24 +171,25 @@ template <class T> struct Link<Mixed, T> {
   }
 };
 
-/// What is body-fixed in Rep: a joint's screw (eqs. bVsRec, bVhRec2) or its rate with the link at rest, a wrench.
+/// A body-fixed joint screw (eqs. bVsRec, bVhRec2), or its rate with the link at rest, in Rep.
 template <template <class, class> class V, class Rep, class T>
   requires Motion<V>
 constexpr V<Rep, T> push(const Link<Rep, T>& link, const V<BodyFixed, T>& X) {
   const Twist<Rep, T> J = change<Rep>(link.place(), Twist<BodyFixed, T>{X.w, X.v});
   return {J.w, J.v};
 }
+/// A body-fixed wrench in Rep.
 template <class Rep, class T>
 constexpr Wrench<Rep, T> push(const Link<Rep, T>& link, const Wrench<BodyFixed, T>& W) {
   return change<Rep>(link.place(), W);
 }
-/// A wrench in Rep, body-fixed.
+/// The body-fixed wrench from a wrench in Rep.
 template <class Rep, class T>
 constexpr Wrench<BodyFixed, T> pull(const Link<Rep, T>& link, const Wrench<Rep, T>& W) {
   return change<BodyFixed>(link.place(), W);
 }
 
-/// M V for the inertia of a link, as the impulse that gives M the twist V from rest.
+/// The impulse M V that gives a body at rest the twist V. M is the inertia as Link::inertia() returns it.
 template <class Rep, class T>
 constexpr Wrench<Rep, T> impulse(const Link<Rep, T>& link, const Inertia<T>& M, const Twist<Rep, T>& V) {
   if constexpr (std::same_as<Rep, Mixed>) {
@@ -198,7 +201,7 @@ constexpr Wrench<Rep, T> impulse(const Link<Rep, T>& link, const Inertia<T>& M, 
   }
 }
 
-/// The matrix of a rigid body's inertia in Rep.
+/// The inertia matrix of a rigid body in Rep. M is the inertia as Link::inertia() returns it.
 template <class Rep, class T>
 constexpr ArticulatedInertia<Rep, T> articulated(const Link<Rep, T>& link, const Inertia<T>& M) {
   const Mat3<T> h = skew_matrix(M.h);

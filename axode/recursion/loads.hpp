@@ -5,10 +5,10 @@
 
 namespace axode {
 
-/// A wrench applied to a frame, in any representation of that frame: in its own axes about its origin
-/// (BodyFixed), in inertial axes about the inertial origin (Spatial) or about the frame's origin (Hybrid),
-/// moment in its own and force in inertial axes (Mixed). N m and N; its power on the frame's twist goes into
-/// the system.
+/// A wrench applied to a frame, moment m in N m and force f in N, in any representation of that frame: in the
+/// axes of the frame about its origin (BodyFixed), in inertial axes about the inertial origin (Spatial) or
+/// about the origin of the frame (Hybrid), or with the moment in the axes of the frame and the force in
+/// inertial axes (Mixed). W | V with the twist V of the frame is the power that enters the system.
 template <class T = double> struct AppliedWrench {
   int frame;
   Representation representation;
@@ -27,11 +27,10 @@ template <class T = double> struct AppliedWrench {
   static constexpr Representation value_of(Mixed) { return Representation::mixed; }
 };
 
-/// What acts on a system besides its drives and gravity.
+/// Loads on a system, which act in addition to drives and gravity.
 template <class T = double> struct Loads {
   std::span<const AppliedWrench<T>> wrenches = {};
-  bool joint_losses =
-      false;  ///< damping d v and Coulomb friction f sign(v) of the joints, which resist the motion
+  bool joint_losses = false;  ///< whether damping d v and Coulomb friction f sign(v) resist the motion
 };
 
 }  // namespace axode

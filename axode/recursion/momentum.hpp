@@ -5,7 +5,8 @@
 
 namespace axode {
 
-/// The rates of the state (q, p): v = M⁻¹ p, and p' = τ + Jᵀ W^A + (ad_V J)ᵀ Π^A. See momentum_form().
+/// The rates of the state (q, p): v = M⁻¹ p, and p' = τ + Jᵀ W^A + (ad_V J)ᵀ Π^A, where W^A and Π^A are the
+/// wrench on and the momentum of the subtree of each joint. See momentum_form().
 template <class T> struct MomentumForm {
   SpatialTree<T> spatial;
   SubtreeMomenta<T> momenta;
@@ -23,7 +24,7 @@ template <class T> struct MomentumForm {
         velocity(arena.per_velocity<T>()),
         force(arena.per_velocity<T>()) {}
 
-  /// The results may take the place of arguments.
+  /// Writes v and p' (nv numbers each), which may be the memory of arguments. If M is singular, both are NaN.
   template <TreeOf<T> AnyTree>
   Solvability run(const AnyTree& tree, const T* q, const T* p, const T* tau, const Loads<T>& loads, T* v,
                   T* dp) noexcept {
@@ -49,7 +50,10 @@ template <class T> struct MomentumForm {
       spatial.each_screw(i, [&](int c, const Twist<Spatial, T>& J) {
         force[c] += (W[i] | J) + (momenta.Pi[i] | ad(momenta.V[i], J));
       });
-    for (int c = 0; c < tree->nv; ++c) v[c] = velocity[c], dp[c] = force[c];
+    for (int c = 0; c < tree->nv; ++c) {
+      v[c] = velocity[c];
+      dp[c] = force[c];
+    }
     return solved(verdict, tree->nv, dp);
   }
 };

@@ -3,7 +3,8 @@
 namespace axode {
 namespace {
 
-/// `; joint "b" moves none either` of what is known to be so wherever the model is.
+/// Names the other joints that move no mass in any configuration, as in `; joint "b" moves none either`. The
+/// result is empty if there are none.
 std::string others_without_mass(const Model& model, const std::string& told) {
   std::string names;
   int n = 0;

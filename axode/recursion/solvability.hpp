@@ -9,43 +9,45 @@
 #include "axode/model/model.hpp"
 #include "axode/scalar/sine_cosine.hpp"
 
-/// What counts as a singular mass matrix, in one place.
+/// The criterion by which a mass matrix counts as singular, in one place for all algorithms.
 namespace axode {
 
-/// Whether accelerations (or velocities) could be found from forces (or momenta): the mass matrix must be
-/// positive definite. It is not where a joint moves no mass, or where it moves mass only as other joints do
-/// as well. The inertia of a frame asks more: the frame must be able to move in all directions.
+/// Whether accelerations (or velocities) could be computed from forces (or momenta). The mass matrix must be
+/// positive definite; it is singular if a joint moves no mass, or if every motion of a joint that moves mass
+/// can also be made by other joints. The operational-space inertia of a frame moreover exists only if the
+/// frame can move in all six directions.
 struct [[nodiscard]] Solvability {
-  int singular_body = 0;    ///< the body on whose joint the elimination stopped; 0 where all went well
-  bool not_finite = false;  ///< whether NaN or infinity came in, or came out because numbers overflowed
-  int directions = 6;       ///< in which the frame can move whose inertia was asked for
+  int singular_body = 0;    ///< the body of the joint with the first pivot that counts as 0, or 0
+  bool not_finite = false;  ///< whether an argument is NaN or infinite, or a result overflowed
+  int directions = 6;       ///< number of independent directions in which the frame can move
   bool ok() const { return singular_body == 0 && !not_finite && directions == 6; }
   bool operator==(const Solvability&) const = default;
 };
-/// One sentence for the user.
+/// One sentence for the user: the reason, the joint in question and a remedy.
 std::string to_string(const Model& model, const Solvability& solvability);
 
-/// The body that a velocity moves; of coupled joints that of the leader.
+/// The body whose joint has velocity c. If coupled joints share the velocity, it is the body of their leader.
 inline int body_of_velocity(const Topology& topology, int c) noexcept {
   int i = topology.n;
   while (topology.coupled[i] || topology.iv[i] > c) --i;
   return i;
 }
 
-/// The part of what feeds it with every joint at zero below which the quick kernels leave a pivot to those that look more
-/// closely: a third of the digits, so that two such pivots in a row leave digits to the next. (It may be fed more in
-/// other configurations.)
+/// Relative pivot threshold of the fast kernels. If a pivot is less than this part of the inertia scale of
+/// its velocity at q = 0, the mass matrix may be singular and a kernel that tracks rounding errors takes
+/// over. The threshold is a third of the digits, so that after two such pivots in a row some digits remain
+/// for the next one. (In other configurations the inertia may be larger than at q = 0.)
 template <std::floating_point S>
 inline constexpr S doubtful_part = std::same_as<S, float> ? S(4e-3) : S(1e-6);
 
-/// Judges the pivots of an elimination.
+/// Decides from the pivots of an elimination whether the mass matrix is singular.
 template <class T> class PivotJudge {
  public:
-  /// The pivot of velocity c: what is left, after the other joints have given way, of an inertia of the size fed(). It
-  /// counts as 0 where it may be what rounding left of that.
+  /// Checks the pivot of velocity c: the inertia that remains after the elimination of other velocities from
+  /// numbers of the magnitude fed(). The pivot counts as 0 if it may be a rounding error of these numbers.
+  /// Only the first such pivot is stored.
   template <class Fed> void see(int c, const T& pivot, const Fed& fed) {
-    if (singular_velocity_ >= 0 || T(16 * unit_roundoff<T>) * fed() < pivot)
-      return;  // what follows the first is no news
+    if (singular_velocity_ >= 0 || T(16 * unit_roundoff<T>) * fed() < pivot) return;
     singular_velocity_ = c;
     not_finite_ = !(pivot - pivot < T(1));
   }
@@ -59,7 +61,8 @@ template <class T> class PivotJudge {
   bool not_finite_ = false;
 };
 
-/// Whether n numbers are finite: x - x is 0 or NaN. Several at once in four sums, for one sum waits for itself.
+/// Whether n numbers are all finite, by the sum of x - x, which is 0 or NaN. Four sums of registers run side
+/// by side, because each addition to one sum waits for the one before.
 template <std::floating_point T> bool all_finite(std::ptrdiff_t n, const T* x) {
   using Several = Batch<T, native_lanes<T>>;
   constexpr std::ptrdiff_t lanes = native_lanes<T>;
@@ -79,7 +82,8 @@ template <std::floating_point T> bool all_finite(std::ptrdiff_t n, const T* x) {
   return rest == T(0);
 }
 
-/// The verdict of an elimination, and on its n results: all NaN where it failed.
+/// Adds to the verdict of an elimination whether its n results are finite (for floating-point T). If the
+/// elimination failed, all results are set to NaN.
 template <class T> Solvability solved(Solvability verdict, std::ptrdiff_t n, T* results) {
   if (!verdict.ok()) {
     for (std::ptrdiff_t k = 0; k < n; ++k) results[k] = T(std::numeric_limits<double>::quiet_NaN());
@@ -88,7 +92,8 @@ template <class T> Solvability solved(Solvability verdict, std::ptrdiff_t n, T* 
   }
   return verdict;
 }
-/// The same for several results.
+/// Adds to the verdict of an elimination whether several arrays of results are finite; of several failures
+/// the first is returned.
 template <class T> Solvability solved(Solvability verdict, std::initializer_list<std::span<T>> results) {
   Solvability all = verdict;
   for (const std::span<T>& x : results)

@@ -6,9 +6,11 @@
 /// entries in the columns parent(c), parent(parent(c)), ...
 namespace axode {
 
-/// M to its factors; `fed` is, for each velocity, the size of the inertia that feeds it. A pivot is D_c = zᵀ M z, where z
-/// says how the later velocities give way to a unit of c, so what rounding leaves of it is compared with
-/// (Σ |z_k| √fed_k)². Where the judge asks for that it takes another O(n d²), and z above the diagonal of H.
+/// Factorises M = LᵀDL in place. `fed` is the magnitude of the inertia of each velocity, against which
+/// rounding in its pivot is compared. A pivot is D_c = zᵀ M z, where z_c = 1 and z_k are the responses of the
+/// later velocities, on which no forces act. Hence the rounding errors of D_c are compared with (Σ |z_k|
+/// √fed_k)². If the judge evaluates this magnitude, it costs another O(n d²) for a tree of depth d, and z is
+/// stored above the diagonal of H.
 template <class T, class Judge>
 void factorize(const Tree<T>& tree, const T* fed, T* H, Judge& judge) noexcept {
   const int nv = tree->nv;

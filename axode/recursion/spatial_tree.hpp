@@ -4,24 +4,25 @@
 
 namespace axode {
 
-/// Σ of something of every body over the subtree behind each joint; of bodies with different roots nothing is summed.
+/// Replaces x[i] of each body by the sum over the subtree of body i. Nothing is added to x[0], so that bodies
+/// of different roots are never summed.
 template <class X> void sum_subtrees(const Topology& topology, X* x) noexcept {
   for (int i = topology.n; i > 0; --i)
     if (topology.parent[i] > 0) x[topology.parent[i]] += x[i];
 }
 
-/// What every formula on joint screws in spatial representation starts from: J_i^s of all joints and the
-/// inertia M_i^c of all that joint i moves. Only bodies of one root meet in such a formula, so everything is about the
-/// origin O of the root body at this instant, in inertial axes: nothing is lost where the mechanism is far from the
-/// inertial origin.
+/// The quantities from which every formula on joint screws in spatial representation starts: J_i^s of all
+/// joints and the composite inertia M_i^c of the subtree of each joint. Such a formula combines only bodies
+/// of one root. Therefore all quantities are about the origin O of the root body at this instant, in inertial
+/// axes, and no digits are lost if the mechanism is far from the inertial origin.
 template <class T> struct SpatialTree {
   const Topology* topology = nullptr;
   BodyLinks<Spatial, T> links;
-  Link<Spatial, T>* link;  ///< the poses of the bodies against O
-  Vec3<T>* origin;         ///< O of each body, in the inertial frame
-  Inertia<T>* M_body;
-  Inertia<T>* M;  ///< composite
-  Twist<Spatial, T>* J;
+  Link<Spatial, T>* link;  ///< poses of the bodies relative to O
+  Vec3<T>* origin;         ///< position of O in the inertial frame, for each body
+  Inertia<T>* M_body;      ///< inertia of each body
+  Inertia<T>* M;           ///< composite inertia of each subtree
+  Twist<Spatial, T>* J;    ///< joint screws
 
   explicit SpatialTree(Arena& arena)
       : links(arena),
@@ -43,18 +44,20 @@ template <class T> struct SpatialTree {
     sum_subtrees(*topology, M);
   }
 
-  /// f(c, J_c) for the screws of the joint of body i, with the index c of the velocity.
+  /// Calls f(c, J_c) for each screw J_c of the joint of body i; c is the index of its velocity.
   template <class F> void each_screw(int i, F&& f) const {
     const int first = topology->first_screw[i];
     for (int s = first; s < topology->first_screw[i + 1]; ++s) f(topology->iv[i] + s - first, J[s]);
   }
+  /// The pose of body i in the inertial frame.
   SE3<T> pose(int i) const { return {link[i].C.R, i > 0 ? origin[i] + link[i].C.r : Vec3<T>{}}; }
+  /// The total mass of all bodies.
   T mass() const {
     T sum(0);
     axode::each_root(*topology, [&](int i) { sum += M[i].m; });
     return sum;
   }
-  /// The centre of mass of everything, in the inertial frame. There must be a mass.
+  /// The centre of mass of all bodies in the inertial frame. The total mass must not be 0.
   Vec3<T> mass_center() const {
     Vec3<T> h;
     axode::each_root(*topology, [&](int i) { h += M[i].h + M[i].m * origin[i]; });
@@ -71,7 +74,7 @@ template <class T> struct SpatialTree {
   }
 };
 
-/// Twists of all bodies, and the momenta of their subtrees, Π_i^A, about the origins of a SpatialTree.
+/// Twists of all bodies and momenta Π_i^A of their subtrees, about the origins O of a SpatialTree.
 template <class T> struct SubtreeMomenta {
   Twist<Spatial, T>* V;
   Momentum<Spatial, T>* Pi;
@@ -84,7 +87,7 @@ template <class T> struct SubtreeMomenta {
     for (int i = 0; i <= s.topology->n; ++i) Pi[i] = s.M_body[i] * V[i];
     sum_subtrees(*s.topology, Pi);
   }
-  /// The momentum of everything, about the inertial origin.
+  /// The momentum of all bodies about the inertial origin.
   Momentum<Spatial, T> whole(const SpatialTree<T>& s) const {
     Momentum<Spatial, T> sum{};
     each_root(*s.topology, [&](int i) {
