@@ -1,10 +1,11 @@
 #pragma once
 #include "axode/model/tree.hpp"
 
-/// Joints that are no hinges, in the fast kernels: one at a time, in its own frame, out of line.
+/// Joints other than hinges in the fast kernels. Each of them is computed by itself, in its own frame, by
+/// functions that are not inlined.
 namespace axode {
 
-/// C_{p,i} of a joint of any kind.
+/// C_{p,i} of joint i, which may be of any kind.
 template <class T, class S>
 [[gnu::noinline]] SE3<T> any_joint_pose(const Tree<S>& tree, int i, const T* q) noexcept {
   return with_subgroup(tree->kind[i], T(tree.pitch[i]), [&](const auto& joint) {
@@ -12,7 +13,7 @@ template <class T, class S>
     return joint.pose(cast<T>(tree.B[i]), tree->coupled[i] ? &own : q + tree->iq[i]);
   });
 }
-/// S x, for velocities or accelerations x.
+/// S x of joint i, for velocities or accelerations x of all joints.
 template <class T, class S>
 [[gnu::noinline]] Twist<BodyFixed, T> any_joint_twist(const Tree<S>& tree, int i, const T* x) noexcept {
   return with_subgroup(tree->kind[i], T(tree.pitch[i]), [&](const auto& joint) {
@@ -21,7 +22,7 @@ template <class T, class S>
     return joint.twist(tree->coupled[i] ? &own : x_i);
   });
 }
-/// Adds Sᵀ W to the forces of its velocities.
+/// Adds Sᵀ W of joint i to the forces of its velocities.
 template <class T, class S>
 [[gnu::noinline]] void project_on_any_joint(const Tree<S>& tree, int i, const Wrench<BodyFixed, T>& W,
                                             T* tau) noexcept {

@@ -10,13 +10,13 @@
 
 namespace axode {
 
-/// The articulated-body algorithm in inertial axes about the bodies' origins, where the screw of a hinge is
-/// (n; 0), for trees without coupled joints. Bias forces come from the classical accelerations that the
-/// velocities alone make.
+/// The articulated-body algorithm for trees without coupled joints, in inertial axes about the origins of the
+/// bodies, where the screw of a hinge is (n; 0). Bias forces are computed from the classical accelerations
+/// for zero joint accelerations.
 ///
-/// A hinge hands over M' = Ad_rᵀ M Ad_r - K Ûᵀ with Û = Ad_rᵀ U, U = M S, D = Sᵀ U + armature, K = Û / D, so that
-/// the division and the congruence wait for nothing but M. A joint with several degrees of freedom gives way
-/// in one after the other.
+/// The elimination of a hinge gives the predecessor the inertia M' = Ad_rᵀ M Ad_r - K Ûᵀ with Û = Ad_rᵀ U, U
+/// = M S, D = Sᵀ U + armature, K = Û / D, so that the division and the congruence depend on M alone. The
+/// velocities of a joint with several degrees of freedom are eliminated one after the other.
 template <class G, class T> struct FastArticulatedBodies {
   using Number = typename G::Number;
   using Vector = typename G::Vector;
@@ -27,12 +27,14 @@ template <class G, class T> struct FastArticulatedBodies {
   using Articulated =
       decltype(articulated(std::declval<Tensor>(), std::declval<Vector>(), std::declval<T>()));
   struct Body {
-    Vector n;  ///< the third axis
-    Vector r;  ///< from the predecessor's origin to the body's
-    Vector h, m, f;
+    Vector n;     ///< third axis of the body frame, which is the axis of a hinge
+    Vector r;     ///< vector from the origin of the predecessor to that of the body
+    Vector h;     ///< first moment
+    Vector m, f;  ///< bias wrench
     Tensor Theta;
   };
-  /// What the bodies that hang on a body besides the next one hand over.
+  /// The sum of the inertias and wrenches that the children of a body contribute, except for the child which
+  /// is the next body.
   struct Handed {
     Articulated M;
     Vector m, f;
@@ -41,19 +43,19 @@ template <class G, class T> struct FastArticulatedBodies {
     Vector w, dw, a;
     Factor w_, dw_;
   };
-  /// What is left of a joint screw (w; v) that has given way. K is the wrench that a unit of force hands over, at the
-  /// predecessor's origin for a hinge, which needs no (w; v).
+  /// An eliminated joint screw S = (w; v). K = U/D with U = M S is the wrench on the predecessor for a unit
+  /// joint force; for a hinge it is about the predecessor's origin, and (w; v) is not stored. u is D⁻¹ times
+  /// the joint force that remains after the bias wrench.
   struct Pivot {
     Vector K_m, K_f, w, v;
     Number D_inv, u;
   };
   JointAngles<T> angles;
   Body* body;
-  Matrix* R;       ///< of the bodies on which others hang, and of those whose joint is no hinge
-  Handed* handed;  ///< to bodies on which others hang
-  Pivot* pivot;
-  std::array<T, 6>*
-      S_K;  ///< of each joint screw S_k, S_k | K_l with the later screws l of its joint: see couple()
+  Matrix* R;              ///< rotations of bodies with `branches`, and of those whose joint is not a hinge
+  Handed* handed;         ///< contributions of children, for bodies with `branches`
+  Pivot* pivot;           ///< one for each joint screw
+  std::array<T, 6>* S_K;  ///< S_k | K_l of each joint screw k with later screws l of its joint
   decltype(T() < T()) doubtful{};  ///< whether a pivot D is so small that M may be singular
 
   explicit FastArticulatedBodies(Arena& arena)
@@ -64,19 +66,21 @@ template <class G, class T> struct FastArticulatedBodies {
         pivot(arena.per_screw<Pivot>()),
         S_K(arena.per_screw<std::array<T, 6>>()) {}
 
-  /// Places and inertias of all bodies.
+  /// Computes axes, origins and inertias of all bodies at q.
   template <class S> void place(const Tree<S>& tree, const T* q) noexcept {
     angles.run(tree, q);
     Matrix last_R = R[0] = Matrix(SO3<T>{});
     for (int i = 1; i <= tree->n; ++i) place(tree, i, q, last_R);
   }
 
-  /// And the wrenches that keep the accelerations of all joints at 0.
+  /// Computes axes, origins and inertias of all bodies at q, and the bias wrenches: the wrenches on the
+  /// bodies for zero joint accelerations, gravity included.
   template <class S>
   void place_and_move(const Tree<S>& tree, const T* q, const T* v, Motion* motion) noexcept {
     place_and_move(tree, q, v, motion, [](int, const Matrix&, const Motion&, const Vector&) {});
   }
-  /// The same, with put(i, R, motion, u) for every body, where its origin moves by u faster than that of its predecessor.
+  /// place_and_move() that moreover calls put(i, R, motion, u) for every body, where u is the velocity of its
+  /// origin minus that of the origin of its predecessor.
   template <class S, class Put>
   [[gnu::always_inline]] void place_and_move(const Tree<S>& tree, const T* q, const T* v, Motion* motion,
                                              Put&& put) noexcept {
@@ -113,14 +117,16 @@ template <class G, class T> struct FastArticulatedBodies {
     }
   }
 
-  /// All joints of the placed bodies give way, from the leaves to the roots.
+  /// Eliminates all joints, from the leaves to the roots, after place() or place_and_move().
   template <class S> void factorize(const Tree<S>& tree) noexcept { sweep<false>(tree, nullptr); }
-  /// And the forces τ less what keeps the accelerations at 0; the placed bodies may carry other wrenches as well.
+  /// Eliminates all joints after place_and_move() and computes u of every joint from the forces τ minus the
+  /// bias forces. The bias wrenches of the bodies may be changed before, for example by applied wrenches.
   template <class S> void factorize(const Tree<S>& tree, const T* tau) noexcept { sweep<true>(tree, tau); }
 
-  /// The accelerations, from the roots to the leaves, after factorize(tree, tau).
+  /// The forward sweep after factorize(tree, tau), from the roots to the leaves: the accelerations a of all
+  /// joints.
   template <class S> void accelerate(const Tree<S>& tree, Motion* motion, T* a) const noexcept {
-    Vector w{}, dv{};  // what the joints add to the acceleration of the body
+    Vector w{}, dv{};  // part of the acceleration of the body that is due to joint accelerations
     motion[0].w = w, motion[0].a = dv;
     for (int i = 1; i <= tree->n; ++i) {
       const Body& b = body[i];
@@ -144,7 +150,7 @@ template <class G, class T> struct FastArticulatedBodies {
     }
   }
 
-  /// x := M⁻¹ x after factorize.
+  /// x := M⁻¹ x for one column of nv numbers, after factorize().
   template <class S> void solve_one(const Tree<S>& tree, Motion* motion, T* x) noexcept {
     Vector m{}, f{};
     for (int i = tree->n; i > 0; --i) {
@@ -171,12 +177,14 @@ template <class G, class T> struct FastArticulatedBodies {
     accelerate(tree, motion, x);
   }
 
-  /// After factorize, several columns at once: M⁻¹, of which those below the diagonal are copies,
   using L = Lanes<T>;
   using Several = typename L::Number;
+  /// Wrenches or motions of one body for several columns of a matrix at once.
   struct Columns {
     Vec3<Several> m, f;
   };
+  /// M⁻¹ (nv × nv) after factorize(), several columns at once. Entries above the diagonal are computed, and
+  /// those below are copied from them. W has one entry for each body and u one for each joint screw.
   template <class S> void inverse(const Tree<S>& tree, Columns* W, Several* u, T* out) noexcept {
     const std::ptrdiff_t nv = tree->nv;
     couple(tree);
@@ -190,7 +198,7 @@ template <class G, class T> struct FastArticulatedBodies {
     }
     mirror(tree->nv, out);
   }
-  /// and x := M⁻¹ x for a matrix of nv columns.
+  /// x := M⁻¹ x for a matrix x (nv × nv, row by row) after factorize(), several columns at once.
   template <class S> void solve(const Tree<S>& tree, Columns* W, Several* u, T* x) noexcept {
     const std::ptrdiff_t nv = tree->nv;
     couple(tree);
@@ -203,6 +211,7 @@ template <class G, class T> struct FastArticulatedBodies {
   }
 
  private:
+  /// The backward sweep of the elimination and, if `forces`, of the forces τ.
   template <bool forces, class S> void sweep(const Tree<S>& tree, const T* tau) noexcept {
     Articulated M{};
     Vector m{}, f{};
@@ -242,13 +251,14 @@ template <class G, class T> struct FastArticulatedBodies {
     }
   }
 
-  /// Several columns of the solution for right sides that are 0 but at joints of which one reaches, up to the rows of body
-  /// last, behind which none does: each row a of velocity c is handed to put(c, a).
+  /// Solves M X = B for one register of columns. reaches(i) says whether B is non-zero at a joint in the
+  /// subtree of body i; this must be false for all bodies after `last`. right_side(c) returns row c of B.
+  /// put(c, x) receives row c of X for the velocities of bodies 1 to `last`.
   template <class S, class Reaches, class RightSide, class Put>
   [[gnu::always_inline]] void solve(const Tree<S>& tree, int last, const Reaches& reaches,
                                     const RightSide& right_side, const Put& put, Columns* const W,
                                     Several* const u) noexcept {
-    const Body* const bodies = body;  // local copies, which no result can overwrite
+    const Body* const bodies = body;  // local copies of the pointers, which no stored result can change
     const Pivot* const pivots = pivot;
     for (int i = 0; i <= last; ++i)
       if (tree->branches[i]) W[i] = {};
@@ -300,8 +310,9 @@ template <class G, class T> struct FastArticulatedBodies {
       if (tree->branches[i]) W[i] = X;
     }
   }
-  /// The n screws of a joint from screw s on hand over what the wrench F leaves: first what each feels of F, then what it
-  /// feels of the others, so that none waits for F to change. F is of no more use where the joint hangs on the ground.
+  /// The backward step for the n screws of a joint from screw s on. It computes first the force of F on each
+  /// screw, then the coupling between the screws by S_K, so that no screw waits for an update of F. If the
+  /// joint hangs on the ground, F is not updated.
   template <int n, class RightSide>
   [[gnu::always_inline]] void hand_over(std::integral_constant<int, n>, int s, const RightSide& right_side,
                                         Several* u, bool on_a_body, Columns& F) const noexcept {
@@ -316,7 +327,8 @@ template <class G, class T> struct FastArticulatedBodies {
     if (on_a_body)
       unrolled<n>([&](auto k) { F.m += g[k] * vector(c[k].K_m), F.f += g[k] * vector(c[k].K_f); });
   }
-  /// And accelerate, in the same way: a_k = free(k) less what it feels of the motion X, which is 0 of the ground.
+  /// The forward step for the n screws of a joint from screw s on: a_k = free(k) minus K_k | X and minus the
+  /// coupling between the screws by S_K. If the joint hangs on the ground, X is 0.
   template <int n, class Free, class Put>
   [[gnu::always_inline]] void set_in_motion(std::integral_constant<int, n>, int s, const Free& free,
                                             const Put& put, bool on_a_body, Columns& X) const noexcept {
@@ -331,7 +343,8 @@ template <class G, class T> struct FastArticulatedBodies {
       X.m += a[k] * vector(c[k].w), X.f += a[k] * vector(c[k].v);
     });
   }
-  /// f(n) of a constant, as many screws as a joint has, for which what belongs to each of them stays in registers.
+  /// Calls f(n) with n as a compile-time constant, the number of screws of a joint (1, 3 or 6), so that
+  /// arrays of n entries stay in registers.
   template <class F> [[gnu::always_inline]] static void with_count(int n, const F& f) {
     if (n == 1)
       f(std::integral_constant<int, 1>{});
@@ -340,7 +353,7 @@ template <class G, class T> struct FastArticulatedBodies {
     else
       f(std::integral_constant<int, 6>{});
   }
-  /// What the screws of a joint feel of each other.
+  /// S_K, the coupling S_k | K_l between the screws k < l of each joint that is not a hinge.
   template <class S> void couple(const Tree<S>& tree) noexcept {
     for (int i = 1; i <= tree->n; ++i)
       if (!is_hinge(tree, i))
@@ -353,7 +366,7 @@ template <class G, class T> struct FastArticulatedBodies {
     return ((x - a.x * b.x) - a.y * b.y) - a.z * b.z;
   }
   static Vec3<Several> vector(const Vector& a) { return spread<Several, T>(a); }
-  /// 1 in lane k, if there is one.
+  /// 1 in lane k and 0 in all others; if there is no lane k, all lanes are 0.
   static Several unit(int k) noexcept {
     if constexpr (L::width == 1) {
       return Several(T(k == 0));
@@ -366,7 +379,8 @@ template <class G, class T> struct FastArticulatedBodies {
       return k >= 0 && k < L::width ? L::load(shifted.data() + L::width - k) : Several(T(0));
     }
   }
-  /// Body i; last_R is that of body i - 1, then that of body i.
+  /// Computes axes, origin and inertia of body i. last_R is the rotation of body i - 1 before the call and
+  /// that of body i after it.
   template <class S>
   [[gnu::always_inline]] void place(const Tree<S>& tree, int i, const T* q, Matrix& last_R) noexcept {
     const int p = tree->parent[i];
@@ -379,15 +393,18 @@ template <class G, class T> struct FastArticulatedBodies {
     if (tree->branches[i]) R[i] = at.R, handed[i] = {};
     if (!is_hinge(tree, i)) R[i] = at.R;
   }
+  /// The inertia of body i alone, before any elimination.
   template <class S> Articulated inertia(const Tree<S>& tree, int i) const noexcept {
     return articulated(body[i].Theta, body[i].h, constants<G, T>(tree, i).m);
   }
 
-  /// The pivot of joint screw s below which M may be singular and is looked at more closely.
+  /// The pivot threshold of joint screw s. If the pivot is not larger, M may be singular, and a kernel that
+  /// tracks rounding errors takes over.
   template <class S> static T floor_of(const Tree<S>& tree, int s) noexcept {
     return T(doubtful_part<S> * tree.fed[s]);
   }
-  /// The hinge of body i gives way: M becomes what the predecessor feels.
+  /// Eliminates the hinge of body i. M becomes the inertia that the predecessor is given, about the
+  /// predecessor's origin.
   template <class S>
   [[gnu::always_inline]] Pivot& give_way_about_hinge(const Tree<S>& tree, int i, const S* armature,
                                                      Articulated& M) noexcept {
@@ -403,7 +420,8 @@ template <class G, class T> struct FastArticulatedBodies {
     c.K_m = K_m, c.K_f = K_f, c.D_inv = D_inv;
     return c;
   }
-  /// The same for a joint of any kind.
+  /// Eliminates the screws of joint i, which may be of any kind. M becomes the inertia that the predecessor
+  /// is given, about the predecessor's origin.
   template <class S>
   [[gnu::noinline]] void give_way_along(const Tree<S>& tree, int i, const S* armature,
                                         Articulated& M) noexcept {
@@ -426,7 +444,7 @@ template <class G, class T> struct FastArticulatedBodies {
   }
 };
 
-/// Forward dynamics where it is plain sailing.
+/// Forward dynamics for trees without coupled joints whose mass matrix is far from singular.
 template <class T> struct FastForwardDynamics {
   using Bodies = FastArticulatedBodies<typename FastGeometry<T>::type, T>;
   Bodies bodies;
@@ -442,14 +460,15 @@ template <class T> struct FastForwardDynamics {
         W_app(arena.per_body<Wrench<BodyFixed, T>>()),
         drive(arena.per_velocity<T>()) {}
 
-  /// False, and nothing written, where joints are coupled or the mass matrix may be singular. The accelerations may
-  /// take the place of an argument.
+  /// Writes the accelerations a, which may be the memory of an argument. Returns false and writes nothing if
+  /// joints are coupled or the mass matrix may be singular.
   bool run(const Tree<T>& tree, const T* q, const T* v, const T* tau, const Loads<T>& loads, T* a) noexcept {
     if (!prepare(tree, q, v, tau, loads, [](int, const auto&, const auto&, const auto&) {})) return false;
     bodies.accelerate(tree, motion, a);
     return true;
   }
-  /// All but the way down, with put() of place_and_move(); false likewise.
+  /// Forward dynamics without the last sweep, accelerate(); put() is called as in place_and_move(). Returns
+  /// false if joints are coupled or the mass matrix may be singular.
   template <class Put>
   [[gnu::always_inline]] bool prepare(const Tree<T>& tree, const T* q, const T* v, const T* tau,
                                       const Loads<T>& loads, Put&& put) noexcept {
@@ -467,6 +486,7 @@ template <class T> struct FastForwardDynamics {
   }
 
  private:
+  /// Subtracts the applied wrenches from the bias wrenches of the bodies.
   void apply(const Tree<T>& tree, const T* q, std::span<const AppliedWrench<T>> wrenches) noexcept {
     C[0] = {};
     for (int i = 1; i <= tree->n; ++i) {
@@ -482,7 +502,7 @@ template <class T> struct FastForwardDynamics {
   }
 };
 
-/// The inverse mass matrix, on the same terms.
+/// The inverse mass matrix for trees without coupled joints whose mass matrix is far from singular.
 template <class T> struct FastInverse {
   using Bodies = FastArticulatedBodies<typename FastGeometry<T>::type, T>;
   Bodies bodies;
@@ -494,6 +514,8 @@ template <class T> struct FastInverse {
         columns(arena.per_body<typename Bodies::Columns>()),
         u(arena.per_screw<typename Bodies::Several>()) {}
 
+  /// Writes M⁻¹ at q (nv × nv). Returns false and writes nothing if joints are coupled or the mass matrix may
+  /// be singular.
   bool run(const Tree<T>& tree, const T* q, T* M_inverse) noexcept {
     if (!tree->coupled_bodies.empty()) return false;
     bodies.place(tree, q);

@@ -6,17 +6,17 @@
 
 namespace axode {
 
-/// The composite-body algorithm for trees without coupled joints. Inertias are composed about the bodies'
-/// origins in inertial axes; screws and impulses are then carried to the root, where M_ij = S_i | F_j is a
-/// product of two rows of numbers, one entry for each velocity: those of the bodies behind a joint follow
-/// each other.
+/// The composite-body algorithm for trees without coupled joints. Composite inertias are about the origins of
+/// the bodies in inertial axes. Screws S and impulses F are then written about the origin of the root body,
+/// where M_ij = S_i | F_j. As the velocities of a subtree are consecutive, a row of M is a product of one
+/// screw and consecutive entries of F.
 template <class T> struct FastCompositeBodies {
   using L = Lanes<T>;
   using Number = typename L::Number;
   FastPoses<T> poses;
-  Arrays<T> C;  ///< columns of R (0 to 8), r from the root (9 to 11)
-  Arrays<T> M;  ///< h (0 to 2), Theta (3 to 8), m (9)
-  Arrays<T> S, F;
+  Arrays<T> C;     ///< columns of R (0 to 8), r from the root (9 to 11)
+  Arrays<T> M;     ///< h (0 to 2), Theta (3 to 8), m (9)
+  Arrays<T> S, F;  ///< screws and impulses about the root
 
   explicit FastCompositeBodies(Arena& arena)
       : poses(arena),
@@ -25,17 +25,21 @@ template <class T> struct FastCompositeBodies {
         S(arena, 6, arena.topology().n_screws),
         F(arena, 6, arena.topology().n_screws) {}
 
-  /// Screws and impulses of all joints about the root.
+  /// Computes screws and impulses of all joints at q about the origin of their root body.
   template <class Real> void run(const Tree<Real>& tree, const T* q) noexcept {
     poses.template run<FastPoses<T>::From::root>(tree, q, [&](int i, const auto& at) {
-      C.set3(at.R.x, 0, i), C.set3(at.R.y, 3, i), C.set3(at.R.z, 6, i), C.set3(at.r, 9, i);
+      C.set3(at.R.x, 0, i);
+      C.set3(at.R.y, 3, i);
+      C.set3(at.R.z, 6, i);
+      C.set3(at.r, 9, i);
     });
     for (int i = 0; i <= tree->n; i += L::width) {
       const SO3<Number> R{C.load3(0, i), C.load3(3, i), C.load3(6, i)};
       const Inertia<Number> M_i = transform(R, inertias_in_lanes<T>(tree, i));
       const Sym3<Number>& Theta = M_i.Theta;
       M.store3(M_i.h, 0, i);
-      M.store3({Theta.xx, Theta.yy, Theta.zz}, 3, i), M.store3({Theta.xy, Theta.xz, Theta.yz}, 6, i);
+      M.store3({Theta.xx, Theta.yy, Theta.zz}, 3, i);
+      M.store3({Theta.xy, Theta.xz, Theta.yz}, 6, i);
       L::store(M_i.m, M.array(9) + i);
     }
     compose(tree);
@@ -50,7 +54,7 @@ template <class T> struct FastCompositeBodies {
     }
   }
 
-  /// M, nv × nv: M_ij = S_i | F_j for i <= j where joint i moves j, and its mirror image.
+  /// Writes M, nv × nv: M_ij = S_i | F_j for i <= j if velocity i moves j, and the mirror image.
   template <class Real> void write(const Tree<Real>& tree, T* out) const noexcept {
     const std::ptrdiff_t nv = tree->nv;
     if constexpr (L::width == 1) {
@@ -71,7 +75,7 @@ template <class T> struct FastCompositeBodies {
     for (int i = 0; i < tree->nv; ++i) out[i * nv + i] += T(tree.armature[i]);
   }
 
-  /// Only M_ij where velocity j moves i or is i.
+  /// Writes only the entries M_ij for which velocity j moves i or is i.
   template <class Real> void write_paths(const Tree<Real>& tree, T* out) const noexcept {
     static_assert(L::width == 1);
     const Arrays<T> several = S;
@@ -84,18 +88,21 @@ template <class T> struct FastCompositeBodies {
   }
 
  private:
-  /// Rows i, ... and columns j >= i, ... of M, and their mirror image, after the blocks behind and below.
+  /// Writes the block of rows i, ... and columns j >= i, ... of M and its mirror image. The blocks in later
+  /// rows, and those in later columns of these rows, must be written before: see store_row().
   template <class Real> void write_block(const Tree<Real>& tree, int i, int j, T* out) const noexcept {
     const Arrays<T> one = S;
     const int nv = tree->nv;
-    int least = nv, most = 0;  // where what these rows move ends
+    int least = nv, most = 0;  // range of the ends of the subtrees that these rows move
     for (int m = 0; m < L::width; ++m) {
       const int end = tree->velocity_end[std::min(i + m, nv - 1)];
-      least = std::min(least, end), most = std::max(most, end);
+      least = std::min(least, end);
+      most = std::max(most, end);
     }
     if (j >= most) {
       const SquareBlock<T> nothing{};
-      store(nothing, i, j, nv, out), store(nothing, j, i, nv, out);
+      store(nothing, i, j, nv, out);
+      store(nothing, j, i, nv, out);
       return;
     }
     Number several[6];
@@ -120,7 +127,7 @@ template <class T> struct FastCompositeBodies {
     return numbers;
   }();
 
-  /// M_p += M_i about the predecessor's origin, from the leaves to the roots.
+  /// Adds M_i, about the predecessor's origin, to M_p, from the leaves to the roots.
   template <class Real> void compose(const Tree<Real>& tree) noexcept {
     Inertia<T> carried{};
     for (int i = tree->n; i > 0; --i) {
@@ -139,18 +146,23 @@ template <class T> struct FastCompositeBodies {
   }
   void put(int i, const Inertia<T>& M_i) const {
     const Sym3<T>& A = M_i.Theta;
-    M.array(9)[i] = M_i.m, M.set3(M_i.h, 0, i), M.set3({A.xx, A.yy, A.zz}, 3, i),
+    M.array(9)[i] = M_i.m;
+    M.set3(M_i.h, 0, i);
+    M.set3({A.xx, A.yy, A.zz}, 3, i);
     M.set3({A.xy, A.xz, A.yz}, 6, i);
   }
 
-  /// Screws and impulses of the hinges of the bodies from i on, which are velocities from c on.
+  /// Computes the screws and impulses of one register of consecutive hinges, from body i and velocity c on.
   void set_hinges(int i, int c) noexcept {
     const Vec3<Number> n = C.load3(6, i), r = C.load3(9, i), h = M.load3(0, i);
     const Vec3<Number> d = M.load3(3, i), o = M.load3(6, i);
     const Vec3<Number> f = cross(n, h), m = Sym3<Number>{d.x, d.y, d.z, o.x, o.y, o.z} * n + cross(r, f);
-    S.store3(n, 0, c), S.store3(cross(r, n), 3, c);
-    F.store3(m, 0, c), F.store3(f, 3, c);
+    S.store3(n, 0, c);
+    S.store3(cross(r, n), 3, c);
+    F.store3(m, 0, c);
+    F.store3(f, 3, c);
   }
+  /// Computes the screws and impulses of joint i, which may be of any kind.
   template <class Real> [[gnu::noinline]] void set_columns(const Tree<Real>& tree, int i) noexcept {
     const SO3<T> R{C.get3(0, i), C.get3(3, i), C.get3(6, i)};
     const Vec3<T> r = C.get3(9, i);
@@ -160,12 +172,14 @@ template <class T> struct FastCompositeBodies {
         const Screw<T> X = Ad(R, joint.column(k));
         const Momentum<Hybrid, T> Pi = M_i * Twist<Hybrid, T>{X.w, X.v};
         const int c = tree->iv[i] + k;
-        S.set3(X.w, 0, c), S.set3(X.v + cross(r, X.w), 3, c);
-        F.set3(Pi.l + cross(r, Pi.p), 0, c), F.set3(Pi.p, 3, c);
+        S.set3(X.w, 0, c);
+        S.set3(X.v + cross(r, X.w), 3, c);
+        F.set3(Pi.l + cross(r, Pi.p), 0, c);
+        F.set3(Pi.p, 3, c);
       }
     });
   }
-  /// The six components of entry r.
+  /// The six components of entry r, each in all lanes.
   struct Six {
     Number x[6];
     Six(const Arrays<T>& from, int r) {

@@ -3,10 +3,11 @@
 
 namespace axode {
 
-/// In the place of a representation: the algorithm in the frames, mixed as they may be, in which it is quickest.
+/// Tag that is used instead of a representation: the algorithm runs in the frames in which it is fastest,
+/// which may be different ones for different quantities.
 struct Fast {};
 
-/// What may be asked for where results do not depend on the representation: one of the four, or Fast.
+/// The choices for algorithms whose results do not depend on the representation: one of the four, or Fast.
 template <class Rep>
 concept RecursionChoice = RecursionRepresentation<Rep> || std::same_as<Rep, Fast>;
 

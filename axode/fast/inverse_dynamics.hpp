@@ -5,18 +5,19 @@
 
 namespace axode {
 
-/// The recursive Newton-Euler algorithm on the classical accelerations r'' of the bodies' origins, everything
-/// in the axes of the internal frames. Linear velocities never appear: with R, r of C_{p,i} and (ω_J; v_J) =
-/// S v, (α_J; a_J) = S a,
+/// The recursive Newton-Euler algorithm on the classical accelerations r'' of the bodies' origins, in the
+/// axes of the internal frames. It does not need linear velocities: with R, r of C_{p,i} and (ω_J; v_J) = S
+/// v, (α_J; a_J) = S a,
 ///   ω_i = Rᵀ ω_p + ω_J,   ω'_i = Rᵀ ω'_p + Rᵀ ω_p × ω_J + α_J,
 ///   r''_i = Rᵀ (r''_p + ω'_p × r + ω_p × (ω_p × r)) + (Rᵀ ω_p + ω_i) × v_J + a_J.
-/// About 150 products and sums per hinge.
+/// It takes about 150 products and sums per hinge.
 template <class G, class T> struct FastInverseDynamics {
   using Vector = typename G::Vector;
   using Factor = typename G::Factor;
   using Spread = typename G::Spread;
   using Matrix = typename G::Matrix;
-  /// ω and ω' of a body, ready for every product that they enter, and r''.
+  /// ω, ω' and r'' of a body. ω and ω' are also stored in the forms that cross products and products with
+  /// matrices need.
   struct Motion {
     Vector w, dw, a;
     Spread w_each, dw_each;
@@ -41,7 +42,8 @@ template <class G, class T> struct FastInverseDynamics {
   explicit FastInverseDynamics(Arena& arena)
       : angles(arena), motion(arena.per_body<Motion>()), body(arena.per_body<Body>()) {}
 
-  /// The wrench on every body that makes its motion.
+  /// The forward sweep: the resultant wrench on every body by the Newton-Euler equations, with gravity g as
+  /// the acceleration -g of the ground.
   template <class S>
   void forward(const Tree<S>& tree, const T* q, const T* v, const T* a, const Vec3<T>& g) noexcept {
     angles.run(tree, q);
@@ -80,10 +82,10 @@ template <class G, class T> struct FastInverseDynamics {
     }
   }
 
-  /// From the leaves to the roots: the wrench that every joint transmits, and its share that the joint moves
-  /// along, which it adds to tau.
+  /// The backward sweep, from the leaves to the roots: the wrench W that every joint transmits. Sᵀ W is added
+  /// to tau.
   template <class S> void backward(const Tree<S>& tree, T* tau) noexcept {
-    Vector m{}, f{};  // from the body behind, where its predecessor is the next one
+    Vector m{}, f{};  // wrench from body i + 1, if body i is its predecessor
     for (int i = tree->n; i > 0; --i) {
       const Body& b = body[i];
       m += b.m, f += b.f;
@@ -102,7 +104,7 @@ template <class G, class T> struct FastInverseDynamics {
   }
 };
 
-/// The same for any tree, loads and losses, in one thread.
+/// Inverse dynamics of any tree, with loads and joint losses, by FastInverseDynamics.
 template <class T> struct InverseDynamicsRecursion<Fast, T> {
   FastInverseDynamics<typename FastGeometry<T>::type, T> fast;
   BodyPoses<T> C;
@@ -127,7 +129,7 @@ template <class T> struct InverseDynamicsRecursion<Fast, T> {
     sum_applied(tree, loads.wrenches, C.C, W_app);
     for (int i = 1; i <= tree->n; ++i) fast.body[i].m -= W_app[i].m, fast.body[i].f -= W_app[i].f;
   }
-  /// τ may take the place of v or a.
+  /// Writes the generalised forces τ, which may be the memory of v or a.
   void project(const Tree<T>& tree, const T* v, const T* a, bool joint_losses, T* tau) noexcept {
     joint_terms(tree, v, a, joint_losses, own);
     for (int c = 0; c < tree->nv; ++c) tau[c] = own[c];

@@ -3,17 +3,19 @@
 
 namespace axode {
 
-/// M⁻¹ from M = LᵀDL for states in SIMD lanes, on trees with short paths, where little is lost by it and less
-/// is to be done than with articulated bodies. L has entries L_ci only where velocity i moves c along, and so
-/// has X = L⁻ᵀ; M⁻¹_ij = Σ_k X_ki X_kj / D_k over the velocities k that move both. O(n d²).
+/// M⁻¹ from M = LᵀDL for states in SIMD lanes. On trees with short paths this takes fewer operations than
+/// articulated bodies, and few digits are lost. L has an entry L_ci only if velocity i moves c along, and X =
+/// L⁻ᵀ has the transposed pattern; M⁻¹_ij = Σ_k X_ki X_kj / D_k, summed over the velocities k that move both
+/// i and j. O(n d²) for a tree of depth d.
 template <class T> struct FastInverseMassMatrix {
   static constexpr int longest_path = 16;
   static constexpr int most_velocities = 64;
   T* X;
   T* D_inv;
   T* x;
-  decltype(T() < T()) doubtful{};  ///< whether a pivot has lost more than two digits
+  decltype(T() < T()) doubtful{};  ///< whether a pivot has lost more than two digits, or M may be singular
 
+  /// Whether the paths of a tree are short enough for this method.
   template <class S> static bool suits(const Tree<S>& tree) {
     return tree->depth <= longest_path && tree->nv <= most_velocities;
   }
@@ -24,14 +26,15 @@ template <class T> struct FastInverseMassMatrix {
         D_inv(arena.per_velocity<T>()),
         x(arena.per_velocity<T>()) {}
 
-  /// M⁻¹ in the place of M, of which only M_ij is read where velocity j moves i or is i.
+  /// Replaces M (nv × nv) by M⁻¹. Only the entries M_ij are read for which velocity j moves i or is i.
   template <class S> void run(const Tree<S>& tree, T* M) noexcept {
     factorize(tree, M);
     multiply(tree, M);
   }
 
  private:
-  /// From the last row on, x_c = -L_ci of the velocities c that i moves along, D_i and row i of X.
+  /// Computes, from the last row to the first, x_c = -L_ci for the velocities c that i moves along, D_i and
+  /// row i of X.
   template <class S> void factorize(const Tree<S>& tree, T* M) noexcept {
     const std::ptrdiff_t nv = tree->nv;
     const int* const parent = tree->velocity_parent.data();
@@ -56,15 +59,22 @@ template <class T> struct FastInverseMassMatrix {
       }
     }
   }
+  /// M⁻¹_ij = Σ_k X_ki X_kj / D_k, for j >= i and by symmetry.
   template <class S> void multiply(const Tree<S>& tree, T* out) const noexcept {
     const std::ptrdiff_t nv = tree->nv;
     const int* const parent = tree->velocity_parent.data();
     for (int i = 0; i < tree->nv; ++i) {
       const T* X_k[longest_path];
       int n = 0;
-      for (int k = i; k >= 0; k = parent[k], ++n) X_k[n] = X + k * nv, x[n] = X_k[n][i] * D_inv[k];
+      for (int k = i; k >= 0; k = parent[k], ++n) {
+        X_k[n] = X + k * nv;
+        x[n] = X_k[n][i] * D_inv[k];
+      }
       for (int j = i, k = i, first = 0; j < tree->nv; ++j) {
-        while (k >= 0 && tree->velocity_end[k] <= j) k = parent[k], ++first;
+        while (k >= 0 && tree->velocity_end[k] <= j) {
+          k = parent[k];
+          ++first;
+        }
         T sum(0);
         for (int l = first; l < n; ++l) sum += x[l] * X_k[l][j];
         out[i * nv + j] = out[j * nv + i] = sum;

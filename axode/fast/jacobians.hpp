@@ -5,12 +5,13 @@
 
 namespace axode {
 
-/// The Jacobians of any number of places at one configuration. Poses of the bodies and screws of the joints are found
-/// once; of a place then only the columns along its path are computed: with a screw (ω; v) about its body's origin r, in
-/// inertial axes,
+/// The Jacobians of any number of places at one configuration. Poses of the bodies and screws of the joints
+/// are computed once. For each place with position r_f, only the columns along its path are computed: with a
+/// screw (ω; v) about the origin r of its body, in inertial axes,
 ///   J_c^h = (ω; v + ω × (r_f - r)).
-/// 15 products and sums for a column, 30 more in body-fixed representation. Origins are seen from the body's root,
-/// so that no digits are lost far from the inertial one, about which only spatial columns are.
+/// A column takes 15 products and sums, in body-fixed representation 30 more. Positions are relative to the
+/// root body, so that no digits are lost far from the inertial origin; only spatial columns are about the
+/// inertial origin.
 template <class T, class G = typename FastGeometry<T>::type> struct FastJacobians {
   using Vector = typename G::Vector;
   using Factor = typename G::Factor;
@@ -28,6 +29,7 @@ template <class T, class G = typename FastGeometry<T>::type> struct FastJacobian
   explicit FastJacobians(Arena& arena)
       : poses(arena), body(arena.per_body<Placed<G>>()), column(arena.per_screw<Column>()) {}
 
+  /// Computes the poses of the bodies and the screws of the joints at q.
   template <class Rep> void run(const Tree<T>& tree, const T* q) noexcept {
     using From = typename FastPoses<T, G>::From;
     body[0] = {Matrix(SO3<T>{}), Vector{}};
@@ -42,14 +44,14 @@ template <class T, class G = typename FastGeometry<T>::type> struct FastJacobian
     poses.template run<std::same_as<Rep, Spatial> ? From::inertial_frame : From::root>(tree, q, keep);
   }
 
-  /// J, nv columns, of the place with pose F in the internal frame of body i.
+  /// Writes J, nv columns, of the place with pose F in the internal frame of body i.
   template <class Rep>
   void write(const Tree<T>& tree, int i, const SE3<T>& F, Twist<Rep, T>* J) const noexcept {
     const Seen<Rep> seen(body[i], F);
     if (!tree->coupled_bodies.empty()) return add_up(tree, i, seen, J);
     const auto clear = [J](int from, int to) { std::fill(numbers<T>(J + from), numbers<T>(J + to), T(0)); };
     const int* const parent = tree->velocity_parent.data();
-    int end = tree->nv;  // of what has not been written
+    int end = tree->nv;  // The columns from `end` on are written.
     for (int c = tree->first_screw[i + 1] - 1; c >= 0; end = c, c = parent[c]) {
       if (c + 1 < end) clear(c + 1, end);
       const auto [w, v] = seen(column[c]);
@@ -70,7 +72,7 @@ template <class T, class G = typename FastGeometry<T>::type> struct FastJacobian
       }
     });
   }
-  /// How a place sees screws.
+  /// Changes joint screws to columns of the Jacobian of one place in Rep.
   template <class Rep> struct Seen {
     Vector r{};
     Matrix Rt;
@@ -90,7 +92,8 @@ template <class T, class G = typename FastGeometry<T>::type> struct FastJacobian
         return {X.w, v};
     }
   };
-  /// Where joints are coupled, several columns may be those of one velocity.
+  /// J of a tree with coupled joints, where the screws of several joints may belong to one velocity and are
+  /// added.
   template <class Rep>
   [[gnu::noinline]] void add_up(const Tree<T>& tree, int i, const Seen<Rep>& seen,
                                 Twist<Rep, T>* J) const noexcept {

@@ -5,8 +5,8 @@
 
 namespace axode {
 
-/// Sine and cosine of the first coordinate of every joint, in one sweep; of no use where that is no angle.
-/// Those of joint i are at i - 1.
+/// Sine and cosine of the first coordinate of every joint, computed in one sweep. Entry i - 1 belongs to
+/// joint i. Entries of joints whose first coordinate is not an angle are computed but not used.
 template <class T> struct JointAngles {
   T* sine;
   T* cosine;
@@ -20,7 +20,8 @@ template <class T> struct JointAngles {
         Batch<T, native_lanes<T>> angle;
         for (int l = 0; l < lanes; ++l) angle.x[l] = q[tree->angle[k + l]];
         const auto r = sine_cosine(angle);
-        r.sine.store(sine + k), r.cosine.store(cosine + k);
+        r.sine.store(sine + k);
+        r.cosine.store(cosine + k);
       }
     } else {
       for (int k = 0; k < tree->n; ++k) set(k, q[tree->angle[k]]);
@@ -32,7 +33,8 @@ template <class T> struct JointAngles {
  private:
   void set(int k, const T& angle) {
     const SineCosine<T> r = sine_cosine(angle);
-    sine[k] = r.sine, cosine[k] = r.cosine;
+    sine[k] = r.sine;
+    cosine[k] = r.cosine;
   }
 };
 

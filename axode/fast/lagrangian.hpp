@@ -5,11 +5,13 @@
 
 namespace axode {
 
-/// The partials of the Lagrangian T - U, p = M v and f = ∂(T - U)/∂q at constant v (both left-trivialised), with loads,
-/// everything in the axes of the internal frames. Of the twist (ω'; v') of its predecessor's continuation, momentum (l; p)
-/// and the wrench (m; f) of weight and loads of all that it moves, a joint feels
+/// The partial derivatives of the Lagrangian T - U: p = M v and f = ∂(T - U)/∂q at constant v (both
+/// left-trivialised), with the forces of the loads added to f. Everything is in the axes of the internal
+/// frames. Let (ω'; v') be the twist of the predecessor about the origin of the body, and (l; p) and (m; f)
+/// the momentum and the wrench of gravity and loads of the subtree of a joint. Then the entries of this joint
+/// are
 ///   p = Sᵀ (l; p),   f = Sᵀ (m + l × ω' + p × v'; f + p × ω'),
-/// the latter for p' = f + ad_vᵀ p. Gravity is given for every root. About 110 products and sums per hinge.
+/// where f is the force in p' = f + ad_vᵀ p. It takes about 110 products and sums per hinge.
 template <class T> struct FastLagrangian {
   using G = typename FastGeometry<T>::type;
   using Vector = typename G::Vector;
@@ -22,8 +24,8 @@ template <class T> struct FastLagrangian {
   struct Body {
     Matrix R;
     Vector r;
-    Factor w, v;  ///< of the predecessor, as the body sees them
-    Vector l, p, m, f;
+    Factor w, v;        ///< twist of the predecessor in the body frame, about the origin of the body
+    Vector l, p, m, f;  ///< momentum (l; p) and wrench (m; f)
   };
   JointAngles<T> angles;
   Motion* motion;
@@ -38,11 +40,15 @@ template <class T> struct FastLagrangian {
         C(arena),
         W_app(arena.per_body<Wrench<BodyFixed, T>>()) {}
 
+  /// Writes p and f (nv numbers each). g[i] is the gravity (m/s²) on root body i and its subtree.
   void run(const Tree<T>& tree, const T* q, const T* v, std::span<const Vec3<T>> g,
            std::span<const AppliedWrench<T>> wrenches, T* p, T* f) noexcept {
     forward(tree, q, v, g);
     if (!wrenches.empty()) apply(tree, wrenches);
-    for (int c = 0; c < tree->nv; ++c) p[c] = tree.armature[c] * v[c], f[c] = T(0);
+    for (int c = 0; c < tree->nv; ++c) {
+      p[c] = tree.armature[c] * v[c];
+      f[c] = T(0);
+    }
     backward(tree, p, f);
   }
 
@@ -74,7 +80,8 @@ template <class T> struct FastLagrangian {
         const Vector w = Rt * Spread(last.w), v_p = Rt * Spread(last.v + cross(Factor(last.w), Factor(b.r)));
         last.g = Rt * Spread(last.g);
         b.w = Factor(w), b.v = Factor(v_p);
-        last.w = w + Vector(V.w), last.v = v_p + Vector(V.v);
+        last.w = w + Vector(V.w);
+        last.v = v_p + Vector(V.v);
       }
       const typename G::Tensor Theta(body_i.Theta);
       const Factor& h = body_i.h_factor();
@@ -94,14 +101,16 @@ template <class T> struct FastLagrangian {
     for (int i = 1; i <= tree->n; ++i) body[i].m += W_app[i].m, body[i].f += W_app[i].f;
   }
   void backward(const Tree<T>& tree, T* p_out, T* f_out) noexcept {
-    Vector l{}, p{}, m{}, f{};  // from the body behind, where its predecessor is the next one
+    Vector l{}, p{}, m{}, f{};  // momentum and wrench from body i + 1, if body i is its predecessor
     for (int i = tree->n; i > 0; --i) {
       const Body& b = body[i];
-      l += b.l, p += b.p, m += b.m, f += b.f;
+      l += b.l, p += b.p;
+      m += b.m, f += b.f;
       const Factor p_(p);
       const Vector moment = m + cross(Factor(l), b.w) + cross(p_, b.v);
       if (is_hinge(tree, i)) [[likely]] {
-        p_out[tree->iv[i]] += z(l), f_out[tree->iv[i]] += z(moment);
+        p_out[tree->iv[i]] += z(l);
+        f_out[tree->iv[i]] += z(moment);
       } else {
         project_on_any_joint<T>(tree, i, {l, p}, p_out);
         project_on_any_joint<T>(tree, i, {moment, f + cross(p_, b.w)}, f_out);
@@ -109,10 +118,12 @@ template <class T> struct FastLagrangian {
       const int parent = tree->parent[i];
       const Factor r(b.r);
       p = b.R * Spread(p), f = b.R * Spread(f);
-      l = b.R * Spread(l) + cross(r, Factor(p)), m = b.R * Spread(m) + cross(r, Factor(f));
+      l = b.R * Spread(l) + cross(r, Factor(p));
+      m = b.R * Spread(m) + cross(r, Factor(f));
       if (parent != i - 1) {
         Body& to = body[parent];
-        to.l += l, to.p += p, to.m += m, to.f += f;
+        to.l += l, to.p += p;
+        to.m += m, to.f += f;
         l = p = m = f = Vector{};
       }
     }

@@ -7,9 +7,9 @@
 
 namespace axode {
 
-/// How a sweep over bodies that do not depend on each other computes: several bodies at once in SIMD lanes
-/// where T is one number, one body at a time where T has lanes of its own. Numbers lie in arrays, one for
-/// each component.
+/// The lanes of a sweep over bodies that do not depend on each other. If T is one number, several bodies are
+/// computed at once in SIMD lanes; if T has lanes of its own, one body at a time. Numbers are stored in
+/// arrays, one for each component.
 template <class T> struct Lanes {
   using Number = T;
   static constexpr int width = 1;
@@ -23,13 +23,14 @@ template <std::floating_point T> struct Lanes<T> {
   static constexpr int width = static_cast<int>(native_lanes<double>);
   static Number load(const T* p) { return Number::load(p); }
   static void store(const Number& x, T* p) { x.store(p); }
-  /// Where there are no more than so many numbers; the other lanes are 0.
+  /// Loads at most `room` numbers; the other lanes are 0.
   static Number load(const T* p, int room) {
     if (room >= width) return load(p);
     T entries[width] = {};
     for (int l = 0; l < room; ++l) entries[l] = p[l];
     return load(entries);
   }
+  /// Stores at most `room` numbers.
   static void store(const Number& x, T* p, int room) {
     if (room >= width) [[likely]]
       store(x, p);
@@ -45,13 +46,15 @@ template <std::floating_point T> struct Lanes<T> {
   }
 };
 
-/// A vector of T that lies in memory, each of its numbers in all lanes: reading spreads them for nothing.
+/// The three numbers of a vector in memory, each in all lanes. Loading a number into all lanes costs no more
+/// than loading it into one.
 template <class Number, class T, class Vector> Vec3<Number> spread(const Vector& a) noexcept {
   const T* const x = reinterpret_cast<const T*>(&a);
   return {Number(x[0]), Number(x[1]), Number(x[2])};
 }
 
-/// Arrays of n numbers each, with room for the lanes behind the last; component k of entry i is array(k)[i].
+/// Arrays of numbers, one for each component of the entries: component k of entry i is array(k)[i]. A
+/// register may be loaded from any entry on, as each array has room for the lanes beyond its last entry.
 template <class T> struct Arrays {
   T* data;
   std::ptrdiff_t stride;
@@ -61,7 +64,8 @@ template <class T> struct Arrays {
   using Number = typename L::Number;
 
   Arrays(Arena& arena, int n, int entries) {
-    // Whole registers; or, for entries as long as a cache line, an odd number of them, which no cache folds.
+    // The stride is a whole number of registers. If each entry fills a cache line, the stride is odd instead,
+    // so that the arrays do not share cache sets.
     constexpr std::ptrdiff_t lanes = Arena::most_lanes;
     stride = L::width > 1 ? (entries + 2 * lanes - 1) / lanes * lanes : entries | 1;
     data = arena.lines<T>(static_cast<std::size_t>(n * stride));
@@ -72,8 +76,10 @@ template <class T> struct Arrays {
   }
   void store3(const Vec3<Number>& a, int k, int i) const {
     T* const p = array(k) + i;
-    const std::ptrdiff_t step = stride;  // which no store can change
-    L::store(a.x, p), L::store(a.y, p + step), L::store(a.z, p + 2 * step);
+    const std::ptrdiff_t step = stride;  // a local copy, which no store can change
+    L::store(a.x, p);
+    L::store(a.y, p + step);
+    L::store(a.z, p + 2 * step);
   }
   Vec3<T> get3(int k, int i) const {
     const T* const p = array(k) + i;
@@ -81,7 +87,9 @@ template <class T> struct Arrays {
   }
   void set3(const Vec3<T>& a, int k, int i) const {
     T* const p = array(k) + i;
-    p[0] = a.x, p[stride] = a.y, p[2 * stride] = a.z;
+    p[0] = a.x;
+    p[stride] = a.y;
+    p[2 * stride] = a.z;
   }
   /// The sum of the products of n numbers with components k, k + 1, ... of entries i, i + 1, ...
   template <int n> Number product(const Number* x, int k, int i) const {

@@ -5,11 +5,13 @@
 #include "axode/fast/lanes.hpp"
 #include "axode/scalar/transpose.hpp"
 
-/// Symmetric matrices of n rows, computed above the diagonal in square blocks of rows in lanes and turned in registers.
+/// Symmetric matrices of n rows. Only square blocks on and above the diagonal are computed, with the columns
+/// of a block in lanes; they are transposed in registers for the part below.
 namespace axode {
 
 template <class T> using SquareBlock = std::array<typename Lanes<T>::Number, Lanes<T>::width>;
 
+/// The transposed block.
 template <class T> [[gnu::always_inline]] inline SquareBlock<T> turned(const SquareBlock<T>& block) {
   SquareBlock<T> rows;
   unrolled<Lanes<T>::width>([&](auto m) { rows[m] = block[m]; });
@@ -17,18 +19,18 @@ template <class T> [[gnu::always_inline]] inline SquareBlock<T> turned(const Squ
   return rows;
 }
 
-/// Where the last block of n rows begins; before the first row where there is none.
+/// The first row of the last block of a matrix of n rows; negative if n = 0.
 template <class T> int last_block(int n) {
   return (n + Lanes<T>::width - 1) / Lanes<T>::width * Lanes<T>::width - Lanes<T>::width;
 }
 
-/// Row i of the matrix from column j on, if there is one. What it writes too much for its row is the start of the next ones,
-/// which are to be written later.
+/// Stores one register in row i from column j on, or nothing if i >= n. Lanes beyond the end of the row spill
+/// into the rows that follow, so these must be stored afterwards.
 template <class T>
 [[gnu::always_inline]] inline void store_row(const typename Lanes<T>::Number& x, int i, int j, int n, T* to) {
   if (i < n) Lanes<T>::store(x, to, (n - i) * n - j);
 }
-/// Rows i, ... from column j on, in the same way.
+/// Stores the rows of a block in rows i, ... from column j on, each by store_row().
 template <class T>
 [[gnu::always_inline]] inline void store(const SquareBlock<T>& block, int i, int j, int n, T* M) {
   T* const to = M + static_cast<std::ptrdiff_t>(i) * n + j;
@@ -36,7 +38,7 @@ template <class T>
       [&](auto m) { store_row(block[m], i + m, j, n, to + m * static_cast<std::ptrdiff_t>(n)); });
 }
 
-/// The part below the diagonal from the part above, but for the blocks on the diagonal.
+/// Copies the part above the diagonal to the part below, except within the blocks on the diagonal.
 template <class T> void mirror(int n, T* M) noexcept {
   using L = Lanes<T>;
   for (int i = 0; i + L::width < n; i += L::width)

@@ -3,17 +3,17 @@
 
 namespace axode {
 
-/// In the place of a rate that is not asked for: compilers copy what is there.
+/// Placeholder for a rate that is not computed. It is empty, so that nothing is copied for it.
 struct NoRate {};
 template <class Rep, class T, bool rates>
 using MotionResult = std::conditional_t<rates, TwistRate<Rep, T>, Twist<Rep, T>>;
 
-/// Motion of all bodies in inertial axes, for the representations with something in these: ω and the velocity r' of the
-/// origins, and with rates ω' and the classical accelerations r''. With d from the predecessor's origin to the body's, and (ω_J; v_J) = S v, (α_J; a_J) = S a
-/// turned into inertial axes,
+/// Motion of all bodies in inertial axes, for all representations but the body-fixed one: ω and the velocity
+/// r' of the origins and, if `rates`, ω' and the classical accelerations r''. With d from the predecessor's
+/// origin to that of the body, and (ω_J; v_J) = S v, (α_J; a_J) = S a in inertial axes,
 ///   ω_i = ω_p + ω_J,   r'_i = r'_p + ω_p × d + v_J,
 ///   ω'_i = ω'_p + ω_p × ω_J + α_J,   r''_i = r''_p + ω'_p × d + ω_p × (ω_p × d) + (ω_p + ω_i) × v_J + a_J.
-/// 69 products and sums for a hinge, 114 with rates.
+/// It takes 69 products and sums for a hinge, 114 with rates.
 template <class T, bool rates, class G = typename FastGeometry<T>::type> struct FastMotion {
   using Vector = typename G::Vector;
   using Factor = typename G::Factor;
@@ -55,14 +55,19 @@ template <class T, bool rates, class G = typename FastGeometry<T>::type> struct 
         }
         last.w += w_J, last.v += v_J;
       }
-      // Member by member: GCC copies the whole in registers so wide that they wait for what was stored.
+      // The members are copied one by one, because GCC copies the whole struct in registers that are wider
+      // than the stores before and have to wait for them.
       Body& b = body[i];
-      b.at.R.x = last.at.R.x, b.at.R.y = last.at.R.y, b.at.R.z = last.at.R.z, b.at.r = last.at.r;
-      b.w = last.w, b.v = last.v, b.dw = last.dw, b.a = last.a;
+      b.at.R.x = last.at.R.x;
+      b.at.R.y = last.at.R.y;
+      b.at.R.z = last.at.R.z;
+      b.at.r = last.at.r;
+      b.w = last.w, b.v = last.v;
+      b.dw = last.dw, b.a = last.a;
     }
   }
 
-  /// The twists of all frames, or with rates their rates.
+  /// Writes the twists of all frames or, if `rates`, their twist rates.
   template <class Rep> void write(const Tree<T>& tree, MotionResult<Rep, T, rates>* out) const noexcept {
     for (int f = 0; f < tree->n_frames(); ++f) {
       const auto [angular, linear] = of_frame<Rep>(tree->frame_body[f], tree.frame_offset[f]);
@@ -71,7 +76,7 @@ template <class T, bool rates, class G = typename FastGeometry<T>::type> struct 
   }
 
  private:
-  /// Of a frame with pose F in the internal frame of body i.
+  /// The twist or twist rate in Rep of a frame with pose F in the internal frame of body i.
   template <class Rep> std::pair<Vector, Vector> of_frame(int i, const SE3<T>& F) const noexcept {
     const Matrix& R = body[i].at.R;
     Body f = body[i];
@@ -85,19 +90,21 @@ template <class T, bool rates, class G = typename FastGeometry<T>::type> struct 
     if constexpr (std::same_as<Rep, Mixed>) angular = transposed<G, T>(R, F.R) * Spread(angular);
     return {angular, linear};
   }
-  /// To what is fixed to the same body, at a place that is to.r from there.
+  /// Changes the motion x of a body with angular velocity w to that of another frame on this body, whose
+  /// origin is at to.r from the origin of x and whose rotation is to.R.
   static void carry(Body& x, const Factor& w, const Placed<G>& to) noexcept {
     const Factor d(to.r);
     const Vector w_d = cross(w, d);
     if constexpr (rates) x.a += cross(Factor(x.dw), d) + cross(w, Factor(w_d));
     x.v += w_d;
-    x.at.R = to.R, x.at.r += to.r;
+    x.at.R = to.R;
+    x.at.r += to.r;
   }
 };
 
-/// Twists of all bodies in body axes, (ω_i; v_i) = Ad_{C_ip} (ω_p; v_p) + S v, and with rates
+/// Body-fixed twists of all bodies, (ω_i; v_i) = Ad_{C_ip} (ω_p; v_p) + S v, and if `rates`
 ///   V'_i = Ad_{C_ip} V'_p + S a + ad_V (S v).
-/// 61 products and sums for a hinge, 111 with rates.
+/// It takes 61 products and sums for a hinge, 111 with rates.
 template <class T, bool rates, class G = typename FastGeometry<T>::type> struct FastBodyFixedMotion {
   using Vector = typename G::Vector;
   using Factor = typename G::Factor;
@@ -141,12 +148,13 @@ template <class T, bool rates, class G = typename FastGeometry<T>::type> struct 
           last.dv += (cross(Factor(last.v), Factor(w_J)) + cross(Factor(last.w), Factor(v_J))) + Vector(A.v);
         }
       }
-      Body& b = body[i];  // member by member, as above
-      b.w = last.w, b.v = last.v, b.dw = last.dw, b.dv = last.dv;
+      Body& b = body[i];  // The members are copied one by one, as in FastMotion.
+      b.w = last.w, b.v = last.v;
+      b.dw = last.dw, b.dv = last.dv;
     }
   }
 
-  /// The twists of all frames, or with rates their rates.
+  /// Writes the body-fixed twists of all frames or, if `rates`, their twist rates.
   template <class Rep> void write(const Tree<T>& tree, MotionResult<Rep, T, rates>* out) const noexcept {
     static_assert(std::same_as<Rep, BodyFixed>);
     for (int f = 0; f < tree->n_frames(); ++f) {
@@ -160,7 +168,7 @@ template <class T, bool rates, class G = typename FastGeometry<T>::type> struct 
   }
 
  private:
-  /// The motion of a body in axes Rᵀ about a place r from its origin.
+  /// The motion of a body, in axes rotated by R relative to its own and about the point at r from its origin.
   static Body seen(const Body& from, const Matrix& Rt, const Factor& r) noexcept {
     const auto of = [&](const Vector& w, const Vector& v) { return Rt * Spread(v + cross(Factor(w), r)); };
     Body out{Rt * Spread(from.w), of(from.w, from.v), from.dw, from.dv};
@@ -169,7 +177,7 @@ template <class T, bool rates, class G = typename FastGeometry<T>::type> struct 
   }
 };
 
-/// Where the motion in Rep is quickest.
+/// The kernel that computes motion in Rep fastest.
 template <class Rep, class T, bool rates, class G = typename FastGeometry<T>::type>
 using FastMotionIn = std::conditional_t<std::same_as<Rep, BodyFixed>, FastBodyFixedMotion<T, rates, G>,
                                         FastMotion<T, rates, G>>;

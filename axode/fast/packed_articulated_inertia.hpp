@@ -2,11 +2,12 @@
 #include "axode/lie/packed.hpp"
 #include "axode/recursion/articulated_inertia.hpp"
 
-/// ArticulatedInertia in registers of four lanes, and the steps of the articulated-body algorithm for both:
-/// [[A, B], [Bᵀ, L]] in inertial axes about the body's origin.
+/// ArticulatedInertia in registers of four lanes, and the steps of the articulated-body algorithm for both
+/// types. They are symmetric matrices [[A, B], [Bᵀ, L]] in inertial axes about the origin of a body.
 namespace axode {
 
-/// All four blocks by their columns: more numbers than the symmetric form, fewer instructions.
+/// All four blocks, stored by their columns. These are more numbers than in the symmetric form, but they take
+/// fewer instructions.
 template <class T> struct PackedArticulatedInertia {
   using Vector = packed::Vector<T>;
   using Spread = packed::Spread<T>;
@@ -15,9 +16,10 @@ template <class T> struct PackedArticulatedInertia {
 
 namespace packed {
 
-/// A - a bᵀ.
+/// A := A - a bᵀ.
 template <class T> void subtract_product(Matrix<T>& A, const Vector<T>& a, const Spread<T>& b) {
-  A.x = Vector<T>(A.x.x - a.x * b.x.x), A.y = Vector<T>(A.y.x - a.x * b.y.x),
+  A.x = Vector<T>(A.x.x - a.x * b.x.x);
+  A.y = Vector<T>(A.y.x - a.x * b.y.x);
   A.z = Vector<T>(A.z.x - a.x * b.z.x);
 }
 /// A - B r~.
@@ -44,6 +46,7 @@ template <class T> Matrix<T> rotate(const Matrix<T>& R, const Sym3<T>& A) {
 
 }  // namespace packed
 
+/// The matrix of a rigid body with rotational inertia Theta, first moment h and mass m.
 template <class T>
 PackedArticulatedInertia<T> articulated(const packed::Matrix<T>& Theta, const packed::Vector<T>& h, T m) {
   using V = packed::Vector<T>;
@@ -60,7 +63,7 @@ ArticulatedInertia<Hybrid, T> articulated(const Sym3<T>& Theta, const Vec3<T>& h
   return {Theta, skew_matrix(h), identity_tensor(m)};
 }
 
-/// The wrench for a unit of angular velocity about the unit vector n, and for a twist.
+/// M (n; 0): the pair (moment, force) for the unit vector n.
 template <class T> auto about_axis(const PackedArticulatedInertia<T>& M, const packed::Vector<T>& n) {
   const packed::Spread<T> s(n);
   return std::pair(M.A * s, M.Bt * s);
@@ -68,6 +71,7 @@ template <class T> auto about_axis(const PackedArticulatedInertia<T>& M, const p
 template <class T> auto about_axis(const ArticulatedInertia<Hybrid, T>& M, const Vec3<T>& n) {
   return std::pair(M.A * n, transposed_times(M.B, n));
 }
+/// M (w; v): the pair (moment, force).
 template <class T>
 auto along_twist(const PackedArticulatedInertia<T>& M, const packed::Vector<T>& w,
                  const packed::Vector<T>& v) {
@@ -79,14 +83,16 @@ auto along_twist(const ArticulatedInertia<Hybrid, T>& M, const Vec3<T>& w, const
   return std::pair(M.A * w + M.B * v, transposed_times(M.B, w) + M.L * v);
 }
 
-/// M - K Uᵀ, where K = U / D. In line, for M must stay in registers.
+/// M := M - K Uᵀ with K = U / D. It is always inlined, because M must stay in registers.
 template <class T>
 [[gnu::always_inline]] inline void give_way(PackedArticulatedInertia<T>& M, const packed::Vector<T>& U_m,
                                             const packed::Vector<T>& U_f, const packed::Vector<T>& K_m,
                                             const packed::Vector<T>& K_f) {
   const packed::Spread<T> s_m(U_m), s_f(U_f);
-  subtract_product(M.A, K_m, s_m), subtract_product(M.B, K_m, s_f);
-  subtract_product(M.Bt, K_f, s_m), subtract_product(M.L, K_f, s_f);
+  subtract_product(M.A, K_m, s_m);
+  subtract_product(M.B, K_m, s_f);
+  subtract_product(M.Bt, K_f, s_m);
+  subtract_product(M.L, K_f, s_f);
 }
 template <class T>
 [[gnu::always_inline]] inline void give_way(ArticulatedInertia<Hybrid, T>& M, const Vec3<T>& U_m,
@@ -98,7 +104,7 @@ template <class T>
          M.L.xy - K_f.x * U_f.y, M.L.xz - K_f.x * U_f.z, M.L.yz - K_f.y * U_f.z};
 }
 
-/// M about a point from which its own is at r.
+/// M about another point; r is the vector from that point to the point of M.
 template <class T>
 [[gnu::always_inline]] inline PackedArticulatedInertia<T> shifted(const PackedArticulatedInertia<T>& M,
                                                                   const packed::Vector<T>& r) {

@@ -5,10 +5,10 @@
 
 namespace axode {
 
-/// The geometry in which one state is computed fastest: packed vectors for one number where the processor has
-/// them, plain ones otherwise.
+/// The geometry in which one state is computed fastest: packed vectors if T is one number and the processor
+/// has AVX2, plain vectors otherwise.
 template <class T> struct FastGeometry { using type = Plain<T>; };
-#if defined(__AVX2__)  // without, no register holds four numbers, and packing costs more than it gains
+#if defined(__AVX2__)  // Without AVX2 no register holds four numbers, and packing costs more than it gains.
 template <std::floating_point T> struct FastGeometry<T> { using type = Packed<T>; };
 #endif
 
@@ -37,14 +37,17 @@ template <class T, class S>
           {constant(3), constant(4), constant(5), constant(6), constant(7), constant(8)}};
 }
 
-/// A hinge that has its own coordinate: nearly every joint of nearly every machine.
+/// Whether joint i is a hinge with a coordinate of its own, as nearly all joints of machines are.
 template <class S> bool is_hinge(const Tree<S>& tree, int i) { return tree->hinges[i] > 0; }
 
-/// A body's rotation in some axes, and the way to its origin from its predecessor's in the same axes.
+/// A rotation R and a vector r, in axes that the context names: the rotation of a body and the vector to its
+/// origin from that of its predecessor or from a fixed point.
 template <class G> struct Placed {
   typename G::Matrix R;
   typename G::Vector r;
 };
+/// The rotation of body i, and the vector from the origin of its predecessor to its own, in the axes in which
+/// R_p is the rotation of the predecessor.
 template <class G, class T, class S>
 [[gnu::always_inline]] inline Placed<G> place(const Tree<S>& tree, int i, const T* q,
                                               const JointAngles<T>& angles,
@@ -64,9 +67,9 @@ template <class G, class T, class S>
   return {{R_p * Spread(R.x), R_p * Spread(R.y), R_p * Spread(R.z)}, r};
 }
 
-/// C_i of all bodies' internal frames, each handed to put(i, (R, r)): r is the place in the inertial frame,
-/// or (From::root) against the body's root, the one of its predecessors that hangs on the ground. 51 products
-/// and sums for a hinge.
+/// Poses of the internal frames of all bodies: put(i, (R, r)) is called with the pose of each body. r is the
+/// position in the inertial frame or, with From::root, relative to the root body, which is the predecessor
+/// that hangs on the ground. It takes 51 products and sums for a hinge.
 template <class T, class G = typename FastGeometry<T>::type> struct FastPoses {
   enum class From { inertial_frame, root };
   JointAngles<T> angles;

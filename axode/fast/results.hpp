@@ -2,13 +2,13 @@
 #include "axode/fast/poses.hpp"
 #include "axode/lie/twist.hpp"
 
-/// How the fast kernels write what they return: packed vectors as numbers one after the other, in as few stores as
-/// there are registers of them.
+/// Storing of the results of fast kernels: packed vectors become consecutive numbers, in as few stores as
+/// these numbers fill registers.
 namespace axode {
 
 namespace packed {
 
-/// Lanes of two vectors, those of b from 4 on.
+/// The vector of the lanes i, j, k and l of two vectors: 0 to 3 are the lanes of a, 4 to 7 those of b.
 template <int i, int j, int k, int l, class T> Vector<T> select(const Vector<T>& a, const Vector<T>& b) {
 #if defined(__clang__)
   return Vector<T>(__builtin_shufflevector(a.x, b.x, i, j, k, l));
@@ -18,18 +18,18 @@ template <int i, int j, int k, int l, class T> Vector<T> select(const Vector<T>&
   return Vector<T>(__builtin_shuffle(a.x, b.x, Order{i, j, k, l}));
 #endif
 }
-/// The first n lanes.
+/// Stores the first n lanes.
 template <int n, class T> void store(const Vector<T>& a, T* to) { __builtin_memcpy(to, &a.x, n * sizeof(T)); }
 
 }  // namespace packed
 
-/// What x is made of.
+/// The numbers of which the entries from x on consist, one after the other.
 template <class T, class Entry> T* numbers(Entry* x) {
   static_assert(sizeof(Entry) % sizeof(T) == 0);
   return reinterpret_cast<T*>(x);
 }
 
-/// The six numbers of a twist or of a rate.
+/// Stores the six numbers (a; b) of a twist or twist rate.
 template <class T> void store(const packed::Vector<T>& a, const packed::Vector<T>& b, T* to) {
   packed::store<4>(packed::select<0, 1, 2, 4>(a, b), to);
   packed::store<2>(packed::permute<1, 2, 3, 3>(b), to + 4);
@@ -38,6 +38,7 @@ template <class T> void store(const Vec3<T>& a, const Vec3<T>& b, T* to) {
   for (const T& x : {a.x, a.y, a.z, b.x, b.y, b.z}) *to++ = x;
 }
 
+/// Stores a pose.
 template <class T> void store(const Placed<Packed<T>>& C, SE3<T>* to) {
   T* const at = numbers<T>(to);
   packed::store<4>(packed::select<0, 1, 2, 4>(C.R.x, C.R.y), at);
