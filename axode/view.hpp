@@ -2,4 +2,4 @@
 #include "axode/view/mesh_file.hpp"
 #include "axode/view/scene.hpp"
 
-/// Mechanisms and their motions as a page that a browser shows.
+/// Pages for a browser that show mechanisms and their motions.

@@ -26,7 +26,7 @@ bool is_file(const fs::path& path) {
   return fs::is_regular_file(path, unknown);
 }
 
-/// The folders of a list in an environment variable.
+/// The folders that an environment variable lists, separated by colons.
 std::vector<fs::path> folders_of(const char* variable) {
   std::vector<fs::path> folders;
   const char* value = std::getenv(variable);
@@ -39,7 +39,7 @@ std::vector<fs::path> folders_of(const char* variable) {
   return folders;
 }
 
-/// Whether a folder is the package of a name, by its own name or by its package.xml.
+/// Whether a folder is the package of that name: the folder has this name, or its package.xml gives it.
 bool is_package(const fs::path& folder, const std::string& name) {
   if (folder.filename() == name) return true;
   tinyxml2::XMLDocument manifest;
@@ -51,7 +51,7 @@ bool is_package(const fs::path& folder, const std::string& name) {
   return told != nullptr && told->GetText() != nullptr && told->GetText() == name;
 }
 
-/// Every folder that may be the package of a name, the likeliest first.
+/// All existing folders that may be the package of that name, the likeliest first.
 std::vector<fs::path> packages(const std::string& name, const fs::path& folder) {
   std::vector<fs::path> found;
   std::error_code unknown;
@@ -71,6 +71,7 @@ std::vector<fs::path> packages(const std::string& name, const fs::path& folder) 
   return found;
 }
 
+/// Finds the file of `package://name/path`; `folder` is that of the description's file.
 FoundMesh in_package(std::string_view name_and_path, const fs::path& folder) {
   const std::size_t slash = name_and_path.find('/');
   const std::string name(name_and_path.substr(0, slash));
@@ -92,7 +93,7 @@ FoundMesh in_package(std::string_view name_and_path, const fs::path& folder) {
               in_quotes(folder) + " and the folders that hold it"};
 }
 
-/// A path with %20 and the like read as what they stand for.
+/// A path in which escapes such as %20 are replaced by the bytes that they encode.
 std::string decoded(std::string_view text) {
   std::string out;
   for (std::size_t k = 0; k < text.size(); ++k) {
@@ -105,6 +106,7 @@ std::string decoded(std::string_view text) {
   return out;
 }
 
+/// The rest of a text after `start`; empty if the text does not start with it.
 std::optional<std::string_view> behind(std::string_view text, std::string_view start) {
   if (!text.starts_with(start)) return std::nullopt;
   return text.substr(start.size());
@@ -136,7 +138,7 @@ FoundMesh find_mesh(const std::string& name, const Source& told_in) {
   } else if (const std::size_t colon = name.find("://"); colon != std::string::npos) {
     return {{}, in_quotes(name.substr(0, colon + 3)) + " is none of package://, file://"};
   }
-  file = (folder / file).lexically_normal();  // an absolute path stays what it is
+  file = (folder / file).lexically_normal();  // An absolute path does not change.
   if (name.empty()) return {{}, "its file has no name"};
   if (!is_file(file)) return {{}, "there is no file " + in_quotes(file)};
   return {file, ""};

@@ -5,29 +5,33 @@
 
 #include "axode/model/description.hpp"
 
-/// Files of meshes, which a description names and nobody has opened yet.
+/// Files of meshes: a description names them, and they are found and read here.
 namespace axode {
 
-/// A file, or in a sentence why there is none.
+/// The file of a mesh, or a sentence that says why it was not found.
 struct FoundMesh {
   std::filesystem::path file;
-  std::string why_not;  ///< empty: it is there
+  std::string why_not;  ///< empty if the file exists
 };
 
-/// Where a mesh is that a description names: `package://name/path` in ROS_PACKAGE_PATH, in share of AMENT_PREFIX_PATH and
-/// in the folders around the file that names it, `file://` and an absolute path as they are, and any other path beside that
-/// file, or where the program runs for a description that no file told.
+/// Finds the file of a mesh that a description names. `package://name/path` is searched in ROS_PACKAGE_PATH,
+/// in share of AMENT_PREFIX_PATH and in the folders that hold the file of the description. `file://` and
+/// absolute paths are used as they are. Any other path is relative to the folder of the description's file
+/// or, if the description comes from no file, to the working directory.
 FoundMesh find_mesh(const std::string& name, const Source& told_in);
 
 inline constexpr std::size_t largest_mesh = std::size_t{64} << 20;  ///< bytes
 
-/// What a file of a mesh holds, checked as far as a reader must rely on it: finite vertices, as many as it says, and
-/// nothing that lies in other files; or in a sentence what is wrong. STL, OBJ, COLLADA (.dae) and glTF (.glb, .gltf).
+/// The contents of the file of a mesh, or a sentence that says what is wrong with it. A reader can rely on
+/// these checks: the vertices are finite, the file has as many of them as it declares, and it refers to no
+/// other file. The formats are STL, OBJ, COLLADA (.dae) and glTF (.glb, .gltf).
 struct MeshFile {
-  std::string format;  ///< stl, obj, dae, glb or gltf
-  std::string bytes;
-  std::string why_not;  ///< empty: all is well
+  std::string format;   ///< stl, obj, dae, glb or gltf
+  std::string bytes;    ///< contents of the file; empty if why_not is not
+  std::string why_not;  ///< empty if all checks pass
 };
+/// Reads and checks the file of a mesh, which may have at most `largest_mesh` bytes. The format follows from
+/// the ending of its name, in upper or lower case.
 MeshFile read_mesh(const std::filesystem::path& file);
 
 }  // namespace axode

@@ -18,7 +18,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-/// A number of a little-endian file; the caller knows that it is there.
+/// The number at a byte of a little-endian file. The caller makes sure that the file is long enough.
 template <class T> T number_at(std::string_view bytes, std::size_t place) {
   static_assert(std::endian::native == std::endian::little);
   T number;
@@ -28,19 +28,21 @@ template <class T> T number_at(std::string_view bytes, std::size_t place) {
 
 constexpr std::string_view blanks = " \t\r\n\f\v";
 
-/// The next word of a text, which is shortened by it; empty at the end.
+/// The next word of a text, which is removed from the text; empty at the end.
 std::string_view next_word(std::string_view& text, std::string_view between = blanks) {
   text.remove_prefix(std::min(text.find_first_not_of(between), text.size()));
   const std::string_view word = text.substr(0, text.find_first_of(between));
   text.remove_prefix(word.size());
   return word;
 }
+/// The next line of a text, which is removed from the text.
 std::string_view next_line(std::string_view& text) {
   const std::string_view line = text.substr(0, text.find('\n'));
   text.remove_prefix(std::min(line.size() + 1, text.size()));
   return line;
 }
 
+/// The number in a word; empty if the word holds anything else.
 template <class T> std::optional<T> number_in(std::string_view word) {
   T number{};
   if (word.starts_with('+')) word.remove_prefix(1);
@@ -49,14 +51,15 @@ template <class T> std::optional<T> number_in(std::string_view word) {
   return number;
 }
 
-/// A word of a file as a message shows it.
+/// A word of a file as a message shows it: in quotes, cut after 30 characters, and with ? for other than
+/// printable ASCII.
 std::string shown(std::string_view word) {
   std::string text = "\"";
   for (const char c : word.substr(0, 30)) text += c >= ' ' && c <= '~' ? c : '?';
   return text + (word.size() > 30 ? "...\"" : "\"");
 }
 
-/// What is wrong with a word that is to be a coordinate, which the page keeps in a float.
+/// Checks a word that must be a coordinate. It must be finite as a float, in which the page stores it.
 std::string fault_of_coordinate(std::string_view word) {
   const std::optional<double> x = number_in<double>(word);
   if (x && std::abs(*x) <= std::numeric_limits<float>::max()) return "";
@@ -90,7 +93,8 @@ std::string fault_of_text_stl(std::string_view bytes) {
   return vertices % 3 == 0 ? "" : "it has " + std::to_string(vertices) + " vertices; a triangle takes three";
 }
 
-/// Where a face says which vertex: from 1, or from the last one backwards.
+/// Whether a corner of a face names one of the vertices so far, which count from 1, or backwards from -1 for
+/// the last.
 bool is_vertex(std::string_view word, std::int64_t vertices) {
   const std::optional<std::int64_t> index = number_in<std::int64_t>(word.substr(0, word.find('/')));
   return index && *index != 0 && *index >= -vertices && *index <= vertices;
@@ -99,7 +103,7 @@ bool is_vertex(std::string_view word, std::int64_t vertices) {
 }  // namespace
 
 std::string fault_of_stl(std::string_view bytes) {
-  // Some binary files begin with the word that text begins with.
+  // Some binary files begin with "solid", as text files do, and only the zero bytes tell them apart.
   const bool is_text =
       bytes.starts_with("solid") && bytes.substr(0, 1024).find('\0') == std::string_view::npos;
   return is_text ? fault_of_text_stl(bytes) : fault_of_binary_stl(bytes);
@@ -129,7 +133,8 @@ std::string fault_of_obj(std::string_view bytes) {
 
 namespace {
 
-/// The elements of a name, wherever they are: f(element) says what is wrong with one.
+/// Calls f for the elements of that name among `from`, its later siblings and their descendants, and returns
+/// the first text of f that is not empty.
 template <class F> std::string first_fault(const tinyxml2::XMLElement* from, const char* name, const F& f) {
   std::string fault;
   for (const tinyxml2::XMLElement* e = from; e != nullptr && fault.empty(); e = e->NextSiblingElement())
@@ -137,6 +142,7 @@ template <class F> std::string first_fault(const tinyxml2::XMLElement* from, con
   return fault;
 }
 
+/// Checks that an array has finite numbers, and as many as its attribute `count` says.
 std::string fault_of_numbers(const tinyxml2::XMLElement& array) {
   std::string_view text = array.GetText() == nullptr ? "" : array.GetText();
   std::uint64_t count = 0;
@@ -167,7 +173,8 @@ std::string fault_of_dae(std::string_view bytes) {
 
 namespace {
 
-/// JSON that is not nested deeply enough to exhaust a stack; discarded where it is none.
+/// Parses JSON. The result is_discarded() if the text is not JSON, or is nested more than 64 levels deep and
+/// could exhaust the stack.
 Json parsed(std::string_view text) {
   const auto shallow = [](int depth, Json::parse_event_t, Json&) {
     if (depth > 64) throw std::out_of_range("too deep");
@@ -183,7 +190,8 @@ Json parsed(std::string_view text) {
 constexpr std::array<const char*, 3> compressions{"KHR_draco_mesh_compression", "EXT_meshopt_compression",
                                                   "KHR_texture_basisu"};
 
-/// What lies in other files, and what the page has no reader for. Throws Json::exception for what is no glTF.
+/// Checks that a glTF needs no other file and no compression that the page cannot read, and has a mesh.
+/// Throws Json::exception if the JSON is not that of a glTF.
 std::string fault_of_references(const Json& json) {
   for (const char* list : {"buffers", "images"})
     for (const Json& each : json.value(list, Json::array()))
@@ -196,7 +204,7 @@ std::string fault_of_references(const Json& json) {
   return json.at("meshes").empty() ? "it has no meshes" : "";
 }
 
-/// Whether all that is told of the one buffer lies within it, and its floats are finite.
+/// Checks that all accessors lie within the one buffer and that their floats are finite.
 std::string fault_of_buffer(const Json& json, std::string_view buffer) {
   const Json views = json.value("bufferViews", Json::array());
   for (const Json& each : json.value("accessors", Json::array())) {
@@ -228,6 +236,7 @@ std::string fault_of_buffer(const Json& json, std::string_view buffer) {
   return "";
 }
 
+/// Parses JSON and returns f(json), or a text if it is not JSON or f throws a Json::exception.
 template <class F> std::string fault_of_json(std::string_view text, const F& f) {
   const Json json = parsed(text);
   if (json.is_discarded()) return "what is to be its JSON is none";

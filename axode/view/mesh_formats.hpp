@@ -2,7 +2,8 @@
 #include <string>
 #include <string_view>
 
-/// What is wrong with the bytes of a mesh, in a sentence without its subject; empty where all is well.
+/// Checks of the bytes of a mesh. Each function returns a sentence about the file that says what is wrong, or
+/// an empty text if the checks pass.
 namespace axode::view {
 
 std::string fault_of_stl(std::string_view bytes);

@@ -27,7 +27,7 @@ Json json_of(const SE3<>& C) {
   const Quaternion<> a = quaternion(C.R);
   return {C.r.x, C.r.y, C.r.z, a.x, a.y, a.z, a.w};
 }
-/// A limit, or null where there is none.
+/// A limit, or null if it is infinite.
 Json limit(double x) { return std::isfinite(x) ? Json(x) : Json(); }
 
 std::string in_base64(std::string_view bytes) {
@@ -97,7 +97,7 @@ Json loops_of(const Model& model) {
   return loops;
 }
 
-/// The shapes of a model; meshes are read, each file once.
+/// The shapes of a model and the meshes that they refer to. Each mesh file is read once.
 class Shapes {
  public:
   explicit Shapes(const Model& model) : seen_(static_cast<std::size_t>(model.n_bodies()) + 1) {
@@ -152,14 +152,15 @@ class Shapes {
     return json;
   }
 
-  /// Meshes that are not shown, for one reason.
+  /// The meshes that are not shown for one reason: the first of them and their number.
   struct Missing {
     std::string why, element, first;
     Source source;
     int count = 1;
   };
 
-  /// Where in `meshes` a file is; nothing, and the reason among the missing ones, where it cannot be shown.
+  /// The index in `meshes` of the mesh of that name. If it cannot be shown, the result is empty and the
+  /// reason is added to missing_.
   std::optional<std::size_t> mesh_of(const std::string& name, const std::string& body,
                                      const Source& told_in) {
     const auto [known, is_new] = named_.emplace(std::pair(told_in.file, name), std::nullopt);
@@ -197,14 +198,16 @@ class Shapes {
     return known->second = read->second;
   }
 
-  std::vector<bool> seen_;  ///< bodies with something to be seen
+  std::vector<bool> seen_;  ///< whether each body has a visible shape
+  /// Index in `meshes` by the file of the description and the name in it, and by the path of the mesh; empty
+  /// if the mesh cannot be shown.
   std::map<std::pair<std::string, std::string>, std::optional<std::size_t>> named_;
   std::map<std::filesystem::path, std::optional<std::size_t>> read_;
-  std::size_t bytes_ = 0;
+  std::size_t bytes_ = 0;  ///< bytes of all meshes in `meshes`
   std::vector<Missing> missing_;
 };
 
-/// So many rows of numbers.
+/// The numbers as `count` rows of equal length.
 Json rows_of(std::span<const double> numbers, std::size_t count) {
   Json rows = Json::array();
   for (std::size_t k = 0; k < count; ++k) {
@@ -214,7 +217,7 @@ Json rows_of(std::span<const double> numbers, std::size_t count) {
   return rows;
 }
 
-/// Six numbers for each body and time, or null.
+/// Six numbers for each of `count` times and for each body, or null if there are no numbers.
 Json screws_of(std::span<const double> numbers, std::size_t count, int bodies) {
   if (numbers.empty()) return {};
   Json times = Json::array();
@@ -224,7 +227,7 @@ Json screws_of(std::span<const double> numbers, std::size_t count, int bodies) {
   return times;
 }
 
-/// Every so many of the states, and the last one.
+/// The states 0, stride, 2 stride, ... of a motion, and its last state.
 ShownMotion thinned(const Model& model, const ShownMotion& motion, std::size_t stride) {
   ShownMotion out;
   const auto copy = [&](const std::vector<double>& from, std::vector<double>& to, int width, std::size_t k) {
@@ -234,12 +237,16 @@ ShownMotion thinned(const Model& model, const ShownMotion& motion, std::size_t s
   };
   for (std::size_t k = 0; k < motion.t.size(); ++k) {
     if (k % stride != 0 && k + 1 != motion.t.size()) continue;
-    copy(motion.t, out.t, 1, k), copy(motion.q, out.q, model.nq(), k), copy(motion.v, out.v, model.nv(), k);
-    copy(motion.a, out.a, model.nv(), k), copy(motion.tau, out.tau, model.nv(), k);
+    copy(motion.t, out.t, 1, k);
+    copy(motion.q, out.q, model.nq(), k);
+    copy(motion.v, out.v, model.nv(), k);
+    copy(motion.a, out.a, model.nv(), k);
+    copy(motion.tau, out.tau, model.nv(), k);
   }
   return out;
 }
 
+/// The motion as JSON, or null if it has no times. A motion that is too long is thinned, with a warning.
 Json motion_of(const Model& model, const ShownMotion& whole, std::vector<std::string>& warnings) {
   if (whole.t.empty()) return {};
   check(model, whole);
@@ -275,7 +282,8 @@ Json motion_of(const Model& model, const ShownMotion& whole, std::vector<std::st
           {"momenta", screws_of(numbers.momenta, N, model.n_bodies())}};
 }
 
-/// JSON has these three in strings alone, where they can be written otherwise: no name ends an element of HTML.
+/// Writes JSON with <, > and & as escapes, so that no name in it can end an element of HTML. These characters
+/// occur only within the strings of JSON, where escapes are allowed.
 void write_escaped(const std::string& text, std::ostream& out) {
   std::size_t from = 0;
   for (std::size_t at; (at = text.find_first_of("<>&", from)) != std::string::npos; from = at + 1) {

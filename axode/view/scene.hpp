@@ -10,34 +10,37 @@
 
 namespace axode {
 
-/// What went into a scene, and what did not.
+/// A report on a scene: the meshes in it, and warnings about things that it does not show.
 struct SceneContents {
   struct Mesh {
-    std::string file;  ///< where it was found
-    std::uintmax_t bytes;
+    std::string file;      ///< path at which it was found
+    std::uintmax_t bytes;  ///< size of the file
   };
   std::vector<Mesh> meshes;
-  std::vector<std::string> warnings;  ///< those of the model, and of meshes that are missing or unreadable
+  std::vector<std::string> warnings;  ///< warnings of the model, and of meshes that are missing or unreadable
 };
 
+/// Options of write_scene() and write_page().
 struct SceneOptions {
-  ShownMotion motion = {};  ///< none where it has no times
-  std::string live =
-      {};  ///< where the page is told states, the address of a stream of events; empty: nowhere
+  ShownMotion motion = {};  ///< motion to show; if it has no times there is none
+  std::string live = {};    ///< address of a stream of events with states for the page; may be empty
 };
 
 inline constexpr std::size_t largest_meshes = std::size_t{256} << 20;  ///< bytes of all meshes of a scene
-/// Numbers of a motion in a scene; of a longer one every second, third, ... state is shown.
+/// Largest number of numbers of a motion in a scene. Of a longer motion only every second, third, ... state
+/// is shown.
 inline constexpr std::size_t longest_motion = 1'000'000;
 
-/// Writes what a page shows as JSON: bodies with their joints and inertias, frames, shapes with the files of their meshes
-/// in them, loops, a state and a motion. Whatever names there are, it can stand in an element of HTML. A body without a
-/// shape that is seen has stand-ins. Throws std::invalid_argument for a q or a motion that does not fit the model.
+/// Writes the scene that a page shows as JSON: bodies with their joints and inertias, frames, shapes with the
+/// contents of their mesh files, loops, the configuration q and a motion. The text can be embedded in an
+/// element of HTML, whatever names are in the model. A body without a visible shape gets placeholder shapes.
+/// Throws std::invalid_argument if q or the motion does not fit the model.
 SceneContents write_scene(const Model& model, std::span<const double> q, std::ostream& out,
                           const SceneOptions& options = {});
 
-/// Writes the page of the viewer with a scene in it: one file of HTML that needs no other and no network. `empty_page` is
-/// what the viewer's build gives. Throws std::invalid_argument where that is something else.
+/// Writes the page of the viewer with a scene in it: one file of HTML that needs no other file and no
+/// network. `empty_page` is the page that the build of the viewer makes. Throws std::invalid_argument if it
+/// is another text, and as write_scene() does.
 SceneContents write_page(std::string_view empty_page, const Model& model, std::span<const double> q,
                          std::ostream& out, const SceneOptions& options = {});
 

@@ -19,7 +19,7 @@ Row row(const std::vector<double>& rows, std::size_t k, int width) {
   return Row(rows).subspan(k * static_cast<std::size_t>(width), static_cast<std::size_t>(width));
 }
 
-/// The forces that the springs between points of two frames put on them.
+/// Appends the forces of the springs between points of two frames as wrenches on these frames.
 void append_lines(const Model& model, Row q, Row v, Workspace<>& workspace,
                   std::vector<AppliedWrench<>>& loads) {
   if (model.springs().lines.empty()) return;
@@ -37,13 +37,14 @@ void append_lines(const Model& model, Row q, Row v, Workspace<>& workspace,
     const double length = norm(r);
     if (length == 0) continue;
     const double tension = line.stiffness * (length - line.rest) + line.damping * dot(dr, r) / length;
-    const Vec3<> pull = (tension / length) * r;  // on the first
+    const Vec3<> pull = (tension / length) * r;  // force on the first frame
     loads.emplace_back(first.frame, Wrench<Spatial>{cross(place(first), pull), pull});
     loads.emplace_back(second.frame, Wrench<Spatial>{-cross(place(second), pull), -pull});
   }
 }
 
-/// The multipliers of the loops where drives and springs act; false where there are none.
+/// Computes the multipliers of the loops under the forces of drives and springs. Returns false if the mass
+/// matrix is singular or a number is not finite.
 bool find_multipliers(const Model& model, Row q, Row v, Row tau, Workspace<>& workspace,
                       LoopWorkspace<>& of_loops, std::vector<double>& lambda) {
   std::vector<double> forces(tau.begin(), tau.end()), a(forces);
@@ -51,7 +52,7 @@ bool find_multipliers(const Model& model, Row q, Row v, Row tau, Workspace<>& wo
   return forward_dynamics<double>(model, of_loops, q, v, forces, a, lambda).ok();
 }
 
-/// Six numbers of each.
+/// Appends the six numbers of each screw.
 template <class Screws> void append(const Screws& screws, std::vector<double>& out) {
   for (const auto& [angular, linear] : screws)
     out.insert(out.end(), {angular.x, angular.y, angular.z, linear.x, linear.y, linear.z});

@@ -8,30 +8,32 @@
 
 namespace axode {
 
-/// A motion that is to be shown, row by row: N times (s), N × nq and N × nv numbers.
+/// A motion that a page shows, row by row: N times t (s), N × nq coordinates q and N × nv velocities v.
 struct ShownMotion {
   std::vector<double> t, q, v;
-  std::vector<double> a, tau;  ///< or empty, where they are not known
+  std::vector<double> a, tau;  ///< accelerations and drive forces, N × nv; empty if not known
 };
 
-/// Throws std::invalid_argument that names what does not fit the model: sizes, times that do not increase, numbers that are
-/// not finite, quaternions off 1.
+/// Throws std::invalid_argument with the name of the argument if a size does not fit the model, if times do
+/// not increase, if a number is not finite, or if a quaternion is not of unit norm.
 void check(const Model& model, const ShownMotion& motion);
 
 namespace view {
 
-/// What is shown of a motion besides its states.
+/// Quantities of a motion that are shown in addition to its states.
 struct MotionNumbers {
   struct Series {
     std::string name, unit;
     std::vector<std::string> labels;
-    std::vector<double> values;  ///< a row for each time
+    std::vector<double> values;  ///< one row for each time, with one number for each label
   };
   std::vector<Series> series;
-  /// Twists of the bodies, wrenches that their joints transmit, and momenta: spatial, six numbers for each body and time.
-  /// There are no wrenches where accelerations, or in loops drive forces, are not known.
+  /// Spatial twists of the bodies, wrenches that their joints transmit, and momenta: six numbers for each
+  /// time and body. `wrenches` is empty if the accelerations are not known, or in a mechanism with loops the
+  /// drive forces.
   std::vector<double> twists, wrenches, momenta;
 };
+/// Computes energies, total momentum (about the inertial origin), twists, wrenches and momenta of a motion.
 MotionNumbers numbers_of(const Model& model, const ShownMotion& motion);
 
 }  // namespace view

@@ -13,14 +13,15 @@
 namespace axode::view {
 namespace {
 
-/// Where things are on each body, the ground included, in its frame.
+/// Points on each body, the ground included, in the frame of the body.
 struct Places {
-  std::vector<std::optional<Vec3<>>> joint;  ///< the body's own
-  std::vector<std::vector<Vec3<>>> carried;  ///< joints, frames and loops
-  double size = 0;                           ///< of the mechanism: the largest distance between the two, m
+  std::vector<std::optional<Vec3<>>> joint;  ///< point of the joint of the body itself
+  std::vector<std::vector<Vec3<>>> carried;  ///< points of other joints, frames and loops on the body
+  double size = 0;                           ///< largest distance (m) of a point in `carried` from the joint
 };
 
-/// Drawn slides have a direction alone, and what floats not even that.
+/// Whether a joint has a point that its description gives. A prismatic joint in a drawing has a direction
+/// only, and a free joint has neither.
 bool has_place(const Joint& joint, const BodyDescription* body) {
   if (joint.kind != Subgroup::prismatic && joint.kind != Subgroup::free) return true;
   return body == nullptr || !std::holds_alternative<InConstructionFrame>(body->geometry) ||
@@ -43,7 +44,8 @@ Places places_of(const Model& model) {
     places.carried[body.predecessor].push_back(body.S_prev.r);
   }
   for (const Frame& frame : model.frames().subspan(n + 1)) {
-    const BodyDescription* fixed = description_of(frame.name);  // its frame may be that of the drawing
+    // A fixed body has a frame of its own name. If the body is drawn, the origin of this frame means nothing.
+    const BodyDescription* fixed = description_of(frame.name);
     if (fixed == nullptr || !std::holds_alternative<InConstructionFrame>(fixed->geometry))
       places.carried[frame.body].push_back(frame.pose.r);
   }
@@ -64,14 +66,15 @@ ShapeDescription capsule(const Vec3<>& from, const Vec3<>& to, double thickest) 
   return shape;
 }
 
-/// The solid ellipsoid of a mass and its inertia, whose second moments are m a²/5 for the semi-axes a; none of a point.
+/// The solid ellipsoid with the mass and inertia M: its second moments are m a²/5 for the semi-axes a. The
+/// result is empty for a point mass.
 std::vector<ShapeDescription> ellipsoid(const Inertia<>& M) {
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> moments(to_eigen(binet_tensor(inertia_about_com(M))));
   Eigen::Matrix3d axes = moments.eigenvectors();
   if (axes.determinant() < 0) axes.col(0) *= -1;
   const Eigen::Array3d semi_axes = (5 / M.m * moments.eigenvalues().array()).max(0).sqrt();
   if (!(semi_axes[2] > 0)) return {};
-  const double thinnest = 0.02 * semi_axes[2];  // a sheet and a wire are to be seen
+  const double thinnest = 0.02 * semi_axes[2];  // so that a sheet and a wire are visible
   ShapeDescription shape{.kind = ShapeKind::ellipsoid, .pose = {from_eigen<SO3<>>(axes), center_of_mass(M)}};
   shape.size = from_eigen<Vec3<>>(semi_axes.max(thinnest).matrix());
   return {shape};

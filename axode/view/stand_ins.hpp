@@ -5,9 +5,10 @@
 
 namespace axode::view {
 
-/// What stands for each moving body, at number i - 1, that has nothing to be seen: capsules from its joint, or its centre
-/// of mass where the joint has no place, to the joints, frames and loops that it carries; where it carries none, the solid
-/// ellipsoid of its mass and inertia. Poses are in the body frames.
+/// Placeholder shapes for bodies without a visible shape; entry i - 1 belongs to body i, and entries of other
+/// bodies are computed as well. They are capsules from the joint of the body, or from its centre of mass if
+/// the joint has no point, to the joints, frames and loops on the body. If there are none of these, the shape
+/// is the solid ellipsoid with the mass and inertia of the body. Poses are in the body frames.
 std::vector<std::vector<ShapeDescription>> stand_ins(const Model& model);
 
 }  // namespace axode::view
