@@ -14,7 +14,7 @@ namespace {
 
 constexpr double noise = 1e-15;
 
-/// Without rounding noise: a component is 0 where it is next to nothing beside `scale`.
+/// Sets the components to 0 that are rounding noise of numbers of the magnitude `scale`.
 Vec3<> clean(const Vec3<>& a, double scale) {
   const auto each = [&](double x) { return std::abs(x) < noise * scale ? 0.0 : x; };
   return {each(a.x), each(a.y), each(a.z)};
@@ -38,7 +38,7 @@ bool same(const SO3<>& a, const SO3<>& b) {
   return norm(a.x - b.x) <= 10 * noise && norm(a.y - b.y) <= 10 * noise && norm(a.z - b.z) <= 10 * noise;
 }
 
-/// The frame, on the body, in which axis and point are given.
+/// The pose in the body frame of the frame in which axis and point of the joint are given.
 SE3<> given_frame(const Geometry& geometry) {
   const auto* frames = std::get_if<InJointFrames>(&geometry);
   return frames == nullptr ? SE3<>{} : frames->S_self;
@@ -47,7 +47,8 @@ SE3<> given_frame(const Geometry& geometry) {
 void move_joint(BodyDescription& body, const Placement& at) {
   JointDescription& joint = body.joint;
   if (!traits(joint.kind).axis && !traits(joint.kind).point) {
-    joint.axis = {0, 0, 1}, joint.point = {};
+    joint.axis = {0, 0, 1};
+    joint.point = {};
     body.geometry = InConstructionFrame{clean(at.A)};
     return;
   }
@@ -59,7 +60,8 @@ void move_joint(BodyDescription& body, const Placement& at) {
     if (!same(at.A.R * at.S_self.R, by_rule)) {
       if (std::holds_alternative<InJointFrames>(body.geometry)) return;
       body.geometry = InJointFrames{clean(at.B * at.S_self), clean(at.S_self)};
-      joint.axis = {0, 0, 1}, joint.point = {};
+      joint.axis = {0, 0, 1};
+      joint.point = {};
       return;
     }
   }
@@ -74,10 +76,12 @@ void move_inertia(MassProperties& given, const SE3<>& A) {
   given.in = GivenIn::construction_frame;
   if (given.about == InertiaAbout::frame_origin && given.mass > 0) {
     const Inertia<> M{given.mass, given.mass * given.com, rotate(given.axes, given.Theta)};
-    given.Theta = inertia_about_com(M), given.axes = {};
+    given.Theta = inertia_about_com(M);
+    given.axes = {};
   }
   given.about = InertiaAbout::center_of_mass;
-  given.Theta = clean(rotate(A.R * given.axes, given.Theta)), given.axes = {};
+  given.Theta = clean(rotate(A.R * given.axes, given.Theta));
+  given.axes = {};
   given.com = clean(A * given.com, norm(given.com) + norm(A.r));
 }
 
@@ -108,7 +112,7 @@ Description in_construction_frame(const Description& description) {
     frame.in = GivenIn::construction_frame;
     frame.pose = clean(drawn ? frame.pose : given.at(frame.body).A * frame.pose);
   }
-  const auto moved = placements(result);  // as they will be read: rotations exact to working precision
+  const auto moved = placements(result);  // poses as a reader computes them, rotations to working precision
   for (BodyDescription& body : result.bodies)
     if (auto* drawn = std::get_if<InConstructionFrame>(&body.geometry)) drawn->A = moved.at(body.name).A;
   return result;

@@ -3,14 +3,16 @@
 
 namespace axode::io {
 
-/// The same mechanism with axes, points, centres of mass, inertias and frames in the construction frame. What
-/// is given there already keeps its numbers; poses and what had to be moved lose rounding noise around 0 and
-/// ±1.
+/// Rewrites a description so that axes, points, centres of mass, inertias and frames are in the construction
+/// frame; the mechanism stays the same. Numbers that are given there already do not change. Rounding noise
+/// around 0 and ±1 is removed from poses and from numbers that had to be transformed.
 ///
-/// Loops keep what they are told: they are drawn there, or have frames in frames that stay where they are.
+/// Loops do not change: they are drawn in the construction frame, or have frames relative to frames that do
+/// not move.
 ///
-/// A planar or spherical joint whose frame is turned against the one that the construction frame gives it
-/// keeps its joint frames, and its body its inertia, for its coordinates would else change their meaning.
+/// If the frame of a planar or spherical joint is rotated relative to the one that follows from the
+/// construction frame, the joint keeps its joint frames and its body its inertia, because otherwise its
+/// coordinates would change their meaning.
 Description in_construction_frame(const Description& description);
 
 }  // namespace axode::io

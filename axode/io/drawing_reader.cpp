@@ -19,7 +19,7 @@
 namespace axode::io {
 namespace {
 
-/// What stands there, for a message.
+/// A value as messages show it.
 std::string shown(const toml::Value& value) {
   if (const auto* text = value.text()) return in_quotes(*text);
   if (const auto* x = value.number()) return to_text(*x);
@@ -38,7 +38,7 @@ struct Notes {
   }
 };
 
-/// One table of a drawing. Every key that may be there is asked for once; `finish` finds the others.
+/// One table of a drawing. Each key that the table may have is read once; finish() reports all other keys.
 class Table {
  public:
   Table(const Notes& notes, const toml::Value& table, std::string element)
@@ -52,7 +52,7 @@ class Table {
   }
   void rename(std::string element) { element_ = std::move(element); }
   const std::string& element() const { return element_; }
-  /// How many faults the file has so far.
+  /// The number of faults in the file so far.
   std::size_t faults() const { return notes_.faults.size(); }
 
   const toml::Value* take(std::string_view key) {
@@ -68,7 +68,7 @@ class Table {
   void missing(std::string_view key, std::string_view need) const {
     error(Rule::missing_element, "has no " + std::string(key) + "; " + std::string(need));
   }
-  /// A key that others of its kind have and this one must not.
+  /// Reports a key that this table must not have although other tables of its kind have it.
   void refuse(std::string_view key, std::string_view reason) {
     if (const toml::Value* node = take(key))
       error(Rule::unknown_element, std::string(key) + " has no meaning here: " + std::string(reason), node);
@@ -91,7 +91,7 @@ class Table {
     wrong(key, *node, value == nullptr ? "it needs a text in quotes" : "it must not hold control characters");
     return std::nullopt;
   }
-  /// A name that must be there; empty, with a fault, where it is not.
+  /// A name that the table must have; empty, with a fault, if it is missing.
   std::string name(std::string_view key, std::string_view need) {
     const bool given = has(key);
     const auto value = text(key);
@@ -154,14 +154,14 @@ class Table {
     const auto x = numbers<3>(key);
     return x ? std::optional(Vec3<>{(*x)[0], (*x)[1], (*x)[2]}) : std::nullopt;
   }
-  /// Red, green, blue and, where it is not 1, opacity.
+  /// Red, green, blue and opacity. The opacity may be left out and is 1 then.
   std::optional<std::array<double, 4>> color(std::string_view key) {
     const toml::Value* node = look(key);
     if (node == nullptr || node->array() == nullptr || node->array()->size() != 3) return numbers<4>(key);
     const auto x = numbers<3>(key);
     return x ? std::optional(std::array<double, 4>{(*x)[0], (*x)[1], (*x)[2], 1}) : std::nullopt;
   }
-  /// Three numbers, or an axis by its name.
+  /// A direction, given by three numbers or by the name of an axis, such as "-x".
   std::optional<Vec3<>> direction(std::string_view key) {
     const toml::Value* node = look(key);
     if (node == nullptr || node->text() == nullptr) return vector(key);
@@ -200,7 +200,7 @@ class Table {
     const auto m = rows<3>(key, "it needs three rows of three numbers");
     return m ? std::optional(transpose(SO3<>{(*m)[0], (*m)[1], (*m)[2]})) : std::nullopt;
   }
-  /// Two names.
+  /// An array of two names.
   std::optional<std::array<std::string, 2>> pair_of_names(std::string_view key, std::string_view need) {
     const toml::Value* node = take(key);
     if (node == nullptr) return std::nullopt;
@@ -216,7 +216,7 @@ class Table {
     wrong(key, *node, need);
     return std::nullopt;
   }
-  /// The numbers of all keys of a table.
+  /// All keys of a table, with the number of each.
   std::vector<std::pair<std::string, double>> named_numbers(std::string_view key) {
     std::vector<std::pair<std::string, double>> all;
     auto inner = table(key);
@@ -229,7 +229,8 @@ class Table {
     }
     return all;
   }
-  /// Ixx Iyy Izz, or Ixx Iyy Izz Ixy Ixz Iyz, or the rows of a symmetric matrix.
+  /// A symmetric tensor, given by Ixx Iyy Izz, by Ixx Iyy Izz Ixy Ixz Iyz, or by the rows of a symmetric
+  /// matrix.
   std::optional<Sym3<>> symmetric(std::string_view key) {
     const toml::Value* node = look(key);
     const auto* array = node == nullptr ? nullptr : node->array();
@@ -257,7 +258,8 @@ class Table {
     return t ? std::optional(Sym3<>{(*t)[0], (*t)[1], (*t)[2], (*t)[3], (*t)[4], (*t)[5]}) : std::nullopt;
   }
 
-  /// One of `rotation` (rows), `quaternion` (x y z w) and `rpy`; the identity where there is none.
+  /// The rotation that `rotation` (rows), `quaternion` (x y z w) or `rpy` gives; the identity if there is
+  /// none of them.
   SO3<> rotation() {
     constexpr std::array<std::string_view, 3> ways{"rotation", "quaternion", "rpy"};
     if (std::count_if(ways.begin(), ways.end(), [&](std::string_view way) { return has(way); }) > 1)
@@ -358,10 +360,10 @@ constexpr auto kind_names = [] {
   return names;
 }();
 
-/// Which of the three ways a body's geometry is given in.
+/// The ways in which the geometry of a body is given: by A, by B, or by S_prev and S_self.
 enum class Way { construction, body, joint };
 
-/// The geometry of a body: A, or B, or S_prev and S_self.
+/// Reads the geometry of a body: A, or B, or S_prev and S_self.
 Way read_geometry(Table& table, BodyDescription& body) {
   const bool has_A = table.has("A"), has_B = table.has("B"),
              has_S = table.has("S_prev") || table.has("S_self"), has_frame = table.has("frame");
@@ -386,7 +388,7 @@ Way read_geometry(Table& table, BodyDescription& body) {
 constexpr std::array<std::string_view, 8> dof_keys{"limits",   "velocity", "effort", "damping",
                                                    "friction", "armature", "spring", "stop"};
 
-/// The table of a spring or of stops: its stiffness, and another key.
+/// Reads the table of a spring or of stops, which has the key `stiffness` and one other key.
 void read_elastic(Table& table, std::string_view what, double& stiffness, std::string_view key,
                   double& other) {
   auto inner = table.table(what);
@@ -412,7 +414,8 @@ Dof read_dof(Table& table) {
   return dof;
 }
 
-/// The limits and losses of a joint: beside its axis where it has one degree of freedom, else in `dof`.
+/// Reads the limits and losses of a joint. They are next to its axis if it has one degree of freedom, else in
+/// `dof`.
 void read_dofs(Table& table, JointDescription& joint) {
   if (traits(joint.kind).dof == 1) {
     table.refuse("dof", "this joint has one degree of freedom; write limits, velocity, ... beside its axis");
@@ -433,7 +436,7 @@ void read_dofs(Table& table, JointDescription& joint) {
   }
 }
 
-/// Axis, point and pitch: what a kind of joint needs, and no more.
+/// Reads axis, point and pitch of a joint, and reports those that its kind needs or must not have.
 void read_screw(Table& table, Way way, JointDescription& joint) {
   const JointKind kind = joint.kind;
   const std::string a_kind = "a " + std::string(to_string(kind)) + " joint";
@@ -470,7 +473,7 @@ void read_screw(Table& table, Way way, JointDescription& joint) {
   }
 }
 
-/// The numbers of a joint of which the kind is not known: whatever it is, they are told where they are none.
+/// Reads the keys of a joint whose kind is not known, so that faults in its numbers are reported as well.
 void read_of_unknown_kind(Table& table) {
   for (const char* const key : {"axis", "second_axis"}) table.direction(key);
   table.vector("point");
@@ -488,7 +491,7 @@ void read_joint(Table& body_table, Way way, BodyDescription& body) {
     return;
   }
   body.joint.source = {body.source.file, node->line};
-  if (node->text() != nullptr) {  // a kind that needs nothing else
+  if (node->text() != nullptr) {  // a kind without further keys
     constexpr std::array<std::string_view, 2> plain{"fixed", "free"};
     if (const auto kind = body_table.choice("joint", plain))
       body.joint.kind = *kind == 0 ? JointKind::fixed : JointKind::free;
@@ -555,8 +558,8 @@ std::optional<MassProperties> read_inertia(Table& table, Way way) {
   return given;
 }
 
-/// The frame of a drawn body where `frame` asks for it: in a point of its joint or in its centre of mass, parallel to
-/// the construction frame.
+/// Places the frame of a drawn body by the key `frame`, if there is one: at the point of its joint or at its
+/// centre of mass, parallel to the construction frame.
 void move_frame(Table& table, BodyDescription& body) {
   constexpr std::array<std::string_view, 2> places{"joint", "com"};
   const toml::Value* at = table.look("frame");
@@ -596,7 +599,7 @@ bool has_key(const ShapeTraits& kind, std::string_view key) {
   return key == kind.size || (kind.kind == ShapeKind::mesh && (key == "file" || key == "scale"));
 }
 
-/// None where something is missing or not understood.
+/// Reads a shape, or a mesh if `told` gives the kind. The result is empty if the table has faults.
 std::optional<ShapeDescription> read_shape(Table& table, const std::string& owner,
                                            std::optional<ShapeKind> told = {}) {
   ShapeDescription shape;
@@ -628,7 +631,7 @@ std::optional<ShapeDescription> read_shape(Table& table, const std::string& owne
       shape.file = table.name("file", "name the file of the mesh");
       shape.scale = table.vector("scale").value_or(shape.scale);
     }
-  } else {  // what it may have is not known
+  } else {  // without a kind, the keys of its size are not known
     for (const std::string_view key : shape_sizes) table.take(key);
   }
   const bool complete = table.faults() == faults;
@@ -697,7 +700,7 @@ SpringDescription read_spring(Table& table, std::size_t number, const std::strin
   return spring;
 }
 
-constexpr auto loop_names = [] {  // but of the last, which has tables of its own
+constexpr auto loop_names = [] {  // without the last kind, which has tables of its own
   std::array<std::string_view, loop_kinds.size() - 1> names;
   std::transform(loop_kinds.begin(), loop_kinds.begin() + names.size(), names.begin(),
                  [](const LoopTraits& traits) { return traits.name; });
@@ -705,12 +708,12 @@ constexpr auto loop_names = [] {  // but of the last, which has tables of its ow
 }();
 static_assert(loop_kinds.back().kind == LoopKind::coupling);
 
-/// What says where a loop is drawn; frames take the place of these.
+/// The keys that say where a loop is drawn. A loop with frames has none of them.
 constexpr std::array<std::string_view, 5> drawn_keys{"axis", "second_axis", "point", "points", "center"};
 constexpr std::array<std::string_view, 6> size_keys{"pitch",      "lead",   "length",
                                                     "wheel_axis", "radius", "angle"};
 
-/// Whether a key means something for a kind of loop.
+/// Whether a loop of that kind may have the key.
 bool has_key(LoopKind kind, std::string_view key) {
   if (key == "axis") return traits(kind).axis;
   if (key == "point") return kind != LoopKind::rod;
@@ -720,7 +723,8 @@ bool has_key(LoopKind kind, std::string_view key) {
   return kind == LoopKind::rolling;  // center, wheel_axis, radius
 }
 
-/// The two that a loop is between: by their names, or by those of two frames that say where it is as well.
+/// Reads the two bodies or frames that a loop connects. Their names are in `between` or, if they are frames
+/// which also say where the loop is, in `frames`.
 void read_ends(Table& table, LoopDescription& loop) {
   const toml::Value* frames = table.look("frames");
   const toml::Array* both = frames == nullptr ? nullptr : frames->array();
@@ -739,7 +743,7 @@ void read_ends(Table& table, LoopDescription& loop) {
   }
 }
 
-/// Where a loop is, and the numbers that belong to its kind.
+/// Reads where a loop is, and the numbers that belong to its kind.
 void read_place(Table& table, LoopDescription& loop) {
   const bool drawn = !table.has("frames");
   const std::string a_kind = "a " + std::string(to_string(loop.kind)) + " loop";
@@ -790,7 +794,8 @@ void refuse_keys(Table& table, LoopKind kind) {
     if (!has_key(kind, key)) table.refuse(key, reason + std::string(key));
 }
 
-/// None where something is missing or not understood: what follows from that is no fault of its own.
+/// Reads a loop. The result is empty if something is missing or wrong, so that no further faults follow from
+/// that.
 std::optional<LoopDescription> read_loop(Table& table, std::size_t number, const std::string& file) {
   LoopDescription loop;
   loop.name = table.text("name").value_or("");
@@ -800,7 +805,7 @@ std::optional<LoopDescription> read_loop(Table& table, std::size_t number, const
   read_ends(table, loop);
   if (!table.has("kind")) table.missing("kind", "give one, such as \"revolute\" or \"rod\"");
   const auto kind = table.choice("kind", loop_names);
-  if (!kind) {  // what it may have is not known
+  if (!kind) {  // without a kind, its keys are not known
     for (const std::string_view key : drawn_keys) table.take(key);
     for (const std::string_view key : size_keys) table.take(key);
     table.finish();
@@ -814,7 +819,7 @@ std::optional<LoopDescription> read_loop(Table& table, std::size_t number, const
   return complete ? std::optional(std::move(loop)) : std::nullopt;
 }
 
-/// None where something is missing or not understood.
+/// Reads a coupling. The result is empty if the table has faults.
 std::optional<CouplingDescription> read_coupling(Table& table, std::size_t number, const std::string& file) {
   CouplingDescription coupling;
   coupling.name = table.text("name").value_or("");

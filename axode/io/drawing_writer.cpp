@@ -13,7 +13,7 @@
 namespace axode {
 namespace {
 
-std::string text(double x) { return to_text(x == 0 ? 0.0 : x); }  // no -0
+std::string text(double x) { return to_text(x == 0 ? 0.0 : x); }  // -0 becomes 0
 std::string text(std::string_view s) {
   constexpr std::string_view digits = "0123456789ABCDEF";
   std::string out = "\"";
@@ -222,7 +222,7 @@ class DrawingWriter {
     if (loop.wheel_axis) line("wheel_axis", loop.frames ? text("z") : text(*loop.wheel_axis));
     if (loop.radius) line("radius", text(*loop.radius));
   }
-  /// Where a loop is drawn.
+  /// Writes where a loop is drawn.
   void write_place(const LoopDescription& loop) {
     if (traits(loop.kind).axis) line("axis", text(loop.axis));
     if (loop.kind == LoopKind::universal) line("second_axis", text(loop.second_axis));
@@ -234,7 +234,7 @@ class DrawingWriter {
     if (loop.kind == LoopKind::rolling) line("center", text(loop.center));
   }
 
-  /// Its terms in the order in which they are read: that of the names.
+  /// Writes a coupling with its terms sorted by name, which is also the order in which they are read.
   void write(const CouplingDescription& coupling) {
     out_ << "\n[[coupling]]\n";
     if (!coupling.name.empty()) line("name", text(coupling.name));

@@ -17,6 +17,7 @@ struct Text {
   std::vector<Fault> faults;
 };
 
+/// The contents of a file, or the fault for which it cannot be read.
 Text text_of(const std::filesystem::path& file) {
   Text text;
   const auto fail = [&](const std::string& why) {
@@ -28,7 +29,7 @@ Text text_of(const std::filesystem::path& file) {
     fail("it is a folder");
     return text;
   }
-  constexpr std::size_t most = std::size_t{256} << 20;  // a device may have no end
+  constexpr std::size_t most = std::size_t{256} << 20;  // a limit, as devices may have no end
   errno = 0;
   std::ifstream stream(file, std::ios::binary);
   const bool opened = stream.good();
@@ -50,7 +51,7 @@ io::Reading read_drawing(std::string_view text, const std::string& file, Strictn
   return io::read_drawing(text, file, strictness);
 }
 
-/// MJCF means what MuJoCo makes of it.
+/// Refuses MJCF, whose meaning is defined by the compiler of MuJoCo.
 io::Reading refuse_mjcf(std::string_view text, const std::string& file, Strictness) {
   const auto line =
       1 + std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(text.find("<mujoco")), '\n');
@@ -65,7 +66,7 @@ io::Reading refuse_mjcf(std::string_view text, const std::string& file, Strictne
   return unread;
 }
 
-/// By the ending of the file, and where that does not tell by the root element.
+/// The reader of a file, by the ending of its name or, if this does not decide, by its root element.
 Reader reader_for(const std::filesystem::path& file, std::string_view content) {
   const std::string extension = file.extension().string();
   if (extension == ".toml") return read_drawing;
@@ -74,7 +75,7 @@ Reader reader_for(const std::filesystem::path& file, std::string_view content) {
   const std::string_view root = io::root_element(content);
   if (root == "sdf") return io::read_sdf;
   if (root == "mujoco") return refuse_mjcf;
-  const std::size_t first = content.find_first_not_of(" \t\r\n\xEF\xBB\xBF");  // past a byte order mark
+  const std::size_t first = content.find_first_not_of(" \t\r\n\xEF\xBB\xBF");  // skips a byte order mark
   const bool is_xml = extension == ".xml" || (first != std::string_view::npos && content[first] == '<');
   return is_xml ? io::read_urdf : read_drawing;
 }
@@ -90,13 +91,14 @@ io::Reading read(const std::filesystem::path& file, Strictness strictness) {
   return reader_for(file, text.content)(text.content, file.string(), strictness);
 }
 
+/// The description with the base as the caller chooses it.
 Description held(Description description, Base base) {
   if (base == Base::free) return with_free_base(std::move(description));
   if (base == Base::fixed) return with_fixed_base(std::move(description));
   return description;
 }
 
-/// The faults of the reader, and those of the mechanism.
+/// The faults of the reader and those of the mechanism, sorted by line.
 std::vector<Fault> all_faults(io::Reading reading, Base base, Strictness strictness) {
   std::vector<Fault> faults = std::move(reading.faults);
   const bool in_part = io::has_error(faults);

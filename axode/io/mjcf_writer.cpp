@@ -21,9 +21,9 @@ namespace {
 
 using io::xml::text;
 
-/// MuJoCo takes larger numbers for an error.
+/// The largest limit that is written. MuJoCo treats larger numbers as errors.
 constexpr double no_limit = 1e10;
-/// Of one body, in MuJoCo.
+/// The largest number of joints of one body in MuJoCo.
 constexpr std::size_t most_joints = 6;
 constexpr std::size_t deepest_indent = 20;
 constexpr double realisability_tolerance = 1e-9;
@@ -34,7 +34,8 @@ std::string attribute(const char* name, const std::string& value) {
 std::string unless_zero(const char* name, double x) { return x == 0 ? "" : attribute(name, text(x)); }
 bool bounded(const Dof& dof) { return std::isfinite(dof.lower) || std::isfinite(dof.upper); }
 
-/// Position and rotation where they are not those of the frame that holds them.
+/// The attributes pos and quat of a pose. The position is left out if it is 0, and the rotation if it is the
+/// identity.
 std::string pose_text(const SE3<>& pose) {
   const Quaternion<> a = quaternion(pose.R);
   const bool turned = norm(Vec3<>{a.x, a.y, a.z}) > 0;
@@ -42,7 +43,8 @@ std::string pose_text(const SE3<>& pose) {
          (turned ? attribute("quat", text(a.w) + " " + text(a.x) + " " + text(a.y) + " " + text(a.z)) : "");
 }
 
-/// Names that differ, made of those that were wished for.
+/// A set of names. free() returns the given name if it is not taken, else with as many `_` as it needs to be
+/// new.
 class Names {
  public:
   explicit Names(std::initializer_list<std::string> taken) : taken_(taken) {}
@@ -109,9 +111,11 @@ class MjcfWriter {
     return body.joint.source.line > 0 ? body.joint.source : body.source;
   }
 
-  // ---------------------------------------------------------------- free bodies, and several joints of a body
+  // ---------------------------------------------------------------- free bodies, and several joints of a
+  // body
 
-  /// MuJoCo has free joints of bodies on the world alone: one on what stands still is placed on it.
+  /// Attaches bodies with free joints to the world if they hang on bodies that are fixed to it, because
+  /// MuJoCo has free joints on the world only.
   void hoist_free() {
     for (auto it = order_.order.rbegin(); it != order_.order.rend(); ++it) {
       const int i = *it;
@@ -127,14 +131,15 @@ class MjcfWriter {
     }
   }
 
-  /// A joint in the frame of the body that it moves together with others.
+  /// One of the joints of a body in MJCF.
   struct Moves {
-    int body;     ///< whose joint it is in the description
-    SE3<> frame;  ///< the joint frame
+    int body;     ///< body whose joint it is in the description
+    SE3<> frame;  ///< pose of the joint frame in the frame of the body in MJCF
   };
 
-  /// MuJoCo has no massless bodies that move, but several joints of one body: a massless body that carries one other and
-  /// that nobody asks about is left out, and its joints become those of the one that it carries.
+  /// Leaves out massless bodies. MuJoCo refuses moving bodies without mass, but a body may have several
+  /// joints. If a massless body carries exactly one other body, and no frame, spring or loop names it, its
+  /// joints become joints of the body that it carries.
   void merge_massless() {
     std::unordered_set<std::string> asked;
     for (const FrameDescription& frame : d_.frames) asked.insert(frame.body);
@@ -160,7 +165,7 @@ class MjcfWriter {
     }
   }
 
-  /// Whether bodies, with what is fixed to them, have mass.
+  /// Whether each body has mass, together with the bodies that are fixed to it.
   std::vector<char> with_mass() const {
     std::vector<char> has(d_.bodies.size(), 0);
     for (auto i = order_.order.rbegin(); i != order_.order.rend(); ++i) {
@@ -212,13 +217,14 @@ class MjcfWriter {
     return kind == LoopKind::fixed || kind == LoopKind::spherical || kind == LoopKind::revolute;
   }
 
-  /// The degrees of freedom as MJCF gives them to its joints: each its own to a hinge and to slides, of which the two of a planar
-  /// joint share losses, armature and effort, and one for all to balls and free bodies. What MJCF has no words for is 0 or infinite.
+  /// The degrees of freedom of a joint as MJCF can express them. Hinges and slides have numbers of their own,
+  /// but the two slides of a planar joint share losses, armature and effort; a ball or free joint has one set
+  /// of numbers for all. Numbers that MJCF cannot express are 0 or infinite.
   static std::vector<Dof> said(const JointDescription& joint) {
     const bool ball = joint.kind == JointKind::spherical, planar = joint.kind == JointKind::planar;
     std::vector<Dof> all = joint.dof;
     all.resize(static_cast<std::size_t>(traits(joint.kind).dof));
-    const std::size_t first = planar ? 1 : 0;  // of those that share
+    const std::size_t first = planar ? 1 : 0;  // first of those that share numbers
     const Dof like = all.empty() ? Dof{} : all[std::min(first, all.size() - 1)];
     const bool alike = std::all_of(all.begin() + static_cast<std::ptrdiff_t>(std::min(first, all.size())),
                                    all.end(), [&](const Dof& dof) {
@@ -269,7 +275,7 @@ class MjcfWriter {
 
   // ---------------------------------------------------------------- bodies
 
-  /// `world` is the name of MuJoCo's ground.
+  /// Chooses the names of bodies. `world` is not free, as it is the name of MuJoCo's ground.
   void name_bodies() {
     Names names{"world"};
     for (const int i : order_.order)
@@ -314,14 +320,15 @@ class MjcfWriter {
     write_sites(out, inner, body.name);
   }
 
-  /// About the centre of mass, in the axes of the body.
+  /// Writes an inertia about the centre of mass, in the axes of the body.
   static void write_inertial(std::ostream& out, const std::string& indent, const MassProperties& given,
                              const SE3<>& A) {
     const MassProperties seen = seen_from(given.in == GivenIn::body_frame ? SE3<>{} : A, given);
     Sym3<> Theta = rotate(seen.axes, seen.Theta);
     if (given.about == InertiaAbout::frame_origin && given.mass > 0)
       Theta = inertia_about_com(Inertia<>{seen.mass, seen.mass * seen.com, Theta});
-    // MuJoCo refuses principal moments below 1e-14, and one that is the sum of the others but for rounding.
+    // MuJoCo refuses principal moments below 1e-14, and a principal moment that exceeds the sum of the other
+    // two by rounding.
     const EigenvalueRange moments = eigenvalue_range(Theta);
     const double least = 2e-14 + 1e-12 * moments.largest;
     const double more =
@@ -399,7 +406,7 @@ class MjcfWriter {
   static bool has_words_for(const ShapeDescription& shape) {
     return shape.kind != ShapeKind::mesh || opens(shape.file);
   }
-  /// Whether MuJoCo reads a file of that kind, from a folder.
+  /// Whether MuJoCo can open a mesh file: it must be a path, not a URL, and have an ending that MuJoCo knows.
   static bool opens(const std::string& file) {
     if (file.find("://") != std::string::npos) return false;
     const std::size_t dot = file.rfind('.');
@@ -422,7 +429,7 @@ class MjcfWriter {
     const auto found = index_.find(body);
     return found == index_.end() ? SE3<>{} : at_[found->second].A;
   }
-  /// A site on a body, at a pose in its frame.
+  /// Adds a site on a body, at a pose in the body frame, and returns its name.
   std::string site(const std::string& body, const std::string& wished, const SE3<>& pose) {
     const std::string name = site_names_.free(wished);
     sites_[body] += "<site" + attribute("name", text(name)) + pose_text(pose) + "/>\n";
@@ -442,7 +449,8 @@ class MjcfWriter {
 
   // ---------------------------------------------------------------- loops, springs, couplings
 
-  /// A site at a pose in the frame of a body, of a named frame, which is one itself, or of the ground.
+  /// The name of a site at a pose in the frame of `carrier`, which is a body, the ground or a named frame. If
+  /// the pose in a named frame is the identity, it is the site of that frame; else a site is added.
   std::string site_on(const std::string& carrier, const std::string& wished, const SE3<>& pose) {
     const auto named = on_body_.find(carrier);
     if (named == on_body_.end()) return site(carrier, wished, pose);
@@ -474,7 +482,7 @@ class MjcfWriter {
     } else {
       tie("connect", name, {});
       if (loop.kind == LoopKind::revolute)
-        tie("connect", name + ".axis", {{}, {0, 0, 1}});  // a second point on it
+        tie("connect", name + ".axis", {{}, {0, 0, 1}});  // a second point on the axis
     }
   }
 
@@ -517,7 +525,7 @@ class MjcfWriter {
                   << attribute("polycoef", text(it.offset) + " 0 0 0 0") << "/>\n";
     }
   }
-  /// q = offset + ratio q_leader.
+  /// Writes the equality q = offset + ratio q_leader; without a leader it is q = offset.
   void write_equality(const std::string& joint, const std::string* leader, double offset, double ratio,
                       const std::string& name) {
     equalities_ << "    <joint" << name << attribute("joint1", text(joint));
@@ -536,7 +544,8 @@ class MjcfWriter {
   bool has_none(const JointDescription& joint) const {
     return moves_on_its_own(joint) && is_passive(joint, d_);
   }
-  /// Whether it matters which joints have drives, and some have none. MJCF says by its actuators which ones have.
+  /// Whether some joints are passive in a mechanism with loops or couplings, where this matters. MJCF says by
+  /// its actuators which joints have drives.
   bool has_passive_joints() const {
     const bool closed =
         !d_.couplings.empty() ||
@@ -544,7 +553,7 @@ class MjcfWriter {
     return closed &&
            std::ranges::any_of(d_.bodies, [&](const BodyDescription& body) { return has_none(body.joint); });
   }
-  /// A motor for each velocity of the joints that have drives.
+  /// Writes a motor for each velocity of the joints that have drives.
   void write_motors() {
     Names names{};
     const auto motor = [&](const std::string& joint, const std::string& suffix, const char* gear) {
@@ -579,8 +588,8 @@ class MjcfWriter {
   io::Unsaid unsaid_;
   std::size_t merged_above_ = 0;
   std::unordered_map<std::string, std::string> body_names_;
-  std::unordered_map<std::string, std::pair<std::string, SE3<>>> on_body_;  ///< named frames
-  std::unordered_map<std::string, std::string> sites_;                      ///< of each body
+  std::unordered_map<std::string, std::pair<std::string, SE3<>>> on_body_;  ///< body and pose of named frames
+  std::unordered_map<std::string, std::string> sites_;                      ///< site elements by body
   std::map<std::string, std::string> meshes_;
   Names geom_names_{}, site_names_{};
   std::ostringstream assets_, tendons_, equalities_, motors_;

@@ -13,8 +13,7 @@
 namespace axode::io {
 namespace {
 
-/// The number of bytes of the character at the start of a text; 0 where it is not UTF-8 (Unicode 15, table
-/// 3-7).
+/// The number of bytes of the character at the start of a text; 0 if it is not UTF-8 (Unicode 15, table 3-7).
 std::size_t character_length(std::string_view text) {
   const auto byte = [&](std::size_t k) { return k < text.size() ? static_cast<unsigned char>(text[k]) : 0U; };
   const auto continues = [&](std::size_t k, unsigned low = 0x80, unsigned high = 0xBF) {
@@ -57,7 +56,8 @@ void forgive(Reading& reading) {
       if (!(dof.lower > dof.upper)) continue;
       warn(Rule::limits_crossed, "lower limit " + to_text(dof.lower) + " is above upper limit " +
                                      to_text(dof.upper) + "; it is taken as unlimited");
-      dof.lower = -none, dof.upper = none;
+      dof.lower = -none;
+      dof.upper = none;
     }
     if (body.joint.coupling && !known.contains(body.joint.coupling->leader)) {
       const std::string& leader = body.joint.coupling->leader;
@@ -103,11 +103,14 @@ Number number(std::string_view text) {
   if (text.size() > 1 && text[0] == '+' && text[1] != '-') text.remove_prefix(1);
   const auto [end, failure] = std::from_chars(text.data(), text.data() + text.size(), result.value);
   if (failure == std::errc::result_out_of_range) {
-    result.broken = Rule::wrong_value, result.complaint = "is outside the range of a double";
+    result.broken = Rule::wrong_value;
+    result.complaint = "is outside the range of a double";
   } else if (failure != std::errc{} || end != text.data() + text.size()) {
-    result.broken = Rule::wrong_value, result.complaint = "is not a number";
+    result.broken = Rule::wrong_value;
+    result.complaint = "is not a number";
   } else if (!std::isfinite(result.value)) {
-    result.broken = Rule::non_finite_number, result.complaint = "is not finite";
+    result.broken = Rule::non_finite_number;
+    result.complaint = "is not finite";
   }
   return result;
 }

@@ -8,11 +8,11 @@
 #include "axode/io/toml.hpp"
 #include "axode/model/builder.hpp"
 
-/// What all readers have in common: the text, its numbers, and what comes of reading it.
+/// Parts that all readers share: checks of texts and names, numbers, and the result of reading.
 namespace axode::io {
 
-/// What a reader has understood. Where there are errors the description is what could be saved: enough to
-/// look for further faults, not to build from.
+/// The result of a reader. If there are errors, the description is incomplete: it can be searched for further
+/// faults, but no model can be built from it.
 struct Reading {
   Description description;
   std::vector<Fault> faults;
@@ -22,30 +22,33 @@ Reading read_drawing(const toml::Value& drawing, const std::string& file, Strict
 Reading read_urdf(std::string_view text, const std::string& file, Strictness strictness);
 Reading read_sdf(std::string_view text, const std::string& file, Strictness strictness);
 
-/// The name of the first element of an XML text, which need not be well-formed; empty where there is none.
+/// The name of the first element of an XML text, which need not be well-formed; empty if there is none.
 std::string_view root_element(std::string_view text);
 
-/// Mends what can be mended, with a warning for each: limits the wrong way round are none, and a joint that
-/// follows one that does not exist moves on its own.
+/// Corrects the defects that a lenient reader accepts, with a warning for each: crossed limits are removed,
+/// and a joint that follows one which does not exist moves on its own.
 void forgive(Reading& reading);
 
 bool has_error(const std::vector<Fault>& faults);
 
-/// The description with its doubts as warnings. Throws ModelError where there is an error.
+/// The description, with the faults of the reader as its warnings. Throws ModelError if one of them is an
+/// error.
 Description accept(Reading reading);
 
-/// The mechanism that was read. Throws ModelError with the faults of the reader and those of the mechanism; of
-/// one that was understood in part, only errors that do not follow from what is missing. By line.
+/// Builds the mechanism that was read. Throws ModelError with the faults of the reader and of the mechanism,
+/// sorted by line. If the reader has found errors, warnings and missing names of the mechanism are left out,
+/// as they may follow from what could not be read.
 Model build(Reading reading, Base base, Strictness strictness);
 
-/// Why a file is no text at all: a byte that is zero or not UTF-8, and its line.
+/// The fault of a file that is not text because a byte is zero or not UTF-8, with its line; empty if it is
+/// text.
 std::optional<Fault> not_text(std::string_view text, const std::string& file);
 
-/// Whether a name can stand in a line of text: no control characters.
+/// Whether a name has no control characters, so that it can be printed in a line of text.
 bool printable(std::string_view name);
 
-/// A decimal number, whatever the locale, or what is wrong with it: the rule and the rest of a sentence that
-/// begins with what was read, such as `is not a number`.
+/// A decimal number, read independently of the locale. If it is wrong, `broken` is the rule that it violates
+/// and `complaint` the predicate of a sentence about the text, such as `is not a number`.
 struct Number {
   double value = 0;
   std::optional<Rule> broken = {};
@@ -53,7 +56,8 @@ struct Number {
 };
 Number number(std::string_view text);
 
-/// `"text"`, cut short where it is long.
+/// `"text"`: the text in quotes, with blanks instead of control characters, and cut if it is longer than 60
+/// bytes.
 std::string in_quotes(std::string_view text);
 
 }  // namespace axode::io

@@ -78,7 +78,7 @@ void SdfFrames::resolve(const Report& report) {
   };
   for (int k = 1; k < size(); ++k) {
     Frame& it = (*this)[k];
-    // A joint moves with its child, and stands where that is.
+    // A joint moves with its child, and its pose is relative to that of the child.
     const int inside = it.kind == Kind::model ? k : it.model;
     const int carrier = it.attached_to.empty()
                             ? (it.kind == Kind::model ? first_link_[static_cast<std::size_t>(k)] : inside)
@@ -93,7 +93,7 @@ void SdfFrames::resolve(const Report& report) {
   }
   const std::vector<int> by_pose =
       in_order(&Frame::on, "its pose is relative to itself, by way of others", report);
-  for (int k = size() - 1; k > 0; --k) {  // a model comes before what it holds
+  for (int k = size() - 1; k > 0; --k) {  // Models have smaller numbers than the frames in them.
     Frame& model = (*this)[k];
     if (model.placement.empty()) continue;
     SE3<> placement;

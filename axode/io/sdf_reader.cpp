@@ -58,7 +58,7 @@ std::span<const Grammar> sdf_grammar() {
   return all;
 }
 
-/// A type of joint of SDFormat and what it is here.
+/// A type of joint in SDFormat, with its kind in the tree and its kind if it closes a loop.
 struct SdfKind {
   std::string_view type;
   JointKind kind;
@@ -114,7 +114,7 @@ class SdfReader : XmlReader {
   struct Link {
     int frame = 0;
     BodyDescription body;
-    std::vector<std::string> shape_frames = {};  ///< what the poses of its shapes are relative to
+    std::vector<std::string> shape_frames = {};  ///< frame to which the pose of each shape is relative
     bool is_static = false;
   };
   struct Mimic {
@@ -137,13 +137,13 @@ class SdfReader : XmlReader {
     std::string gear_reference;
     bool is_static = false;
     int line = 0;
-    int from = -1, to = -1;  ///< links; -1 for the world
+    int from = -1, to = -1;  ///< links of parent and child; -1 for the world
     bool in_tree = false, reversed = false;
   };
 
   // ---------------------------------------------------------------- elements and their texts
 
-  /// With the one model of a file its name goes without saying.
+  /// The name of a path here and in messages. If the file has one model, the name of that model is left out.
   std::string shown(const std::string& path) const {
     return models_at_top_ == 1 && path.starts_with(top_) ? path.substr(top_.size()) : path;
   }
@@ -161,7 +161,7 @@ class SdfReader : XmlReader {
       }
     return {};
   }
-  /// N numbers of a child; nothing where it is absent or, with a fault, where it is wrong.
+  /// The N numbers in a child element; empty if it is absent or, with a note, if it is wrong.
   template <std::size_t N>
   std::optional<std::array<double, N>> child_numbers(const XMLElement& e, const char* child,
                                                      const std::string& owner,
@@ -202,7 +202,7 @@ class SdfReader : XmlReader {
     const XMLElement* given = e.FirstChildElement("pose");
     if (given == nullptr) return result;
     const int line = given->GetLineNum();
-    for (const char* attribute : {"relative_to", "frame"})  // as it is called, and as it was before 1.7
+    for (const char* attribute : {"relative_to", "frame"})  // It was called frame before 1.7.
       if (const char* other = given->Attribute(attribute)) result.relative_to = other;
     const char* format = given->Attribute("rotation_format");
     const bool quaternion = format != nullptr && std::string_view(format) == "quat_xyzw";
@@ -216,7 +216,7 @@ class SdfReader : XmlReader {
       error(Rule::wrong_value, owner, "<pose> gives a quaternion in degrees; it has no angles", line);
     const std::string text = text_of(*given);
     const auto x = numbers(text, "<pose>", owner, line, Severity::error);
-    if (!x || x->empty()) return result;  // an empty one is the identity
+    if (!x || x->empty()) return result;  // An empty pose is the identity.
     const std::vector<double>& n = *x;
     if (n.size() != (quaternion ? 7U : 6U)) {
       wrong_count(text, "<pose>", quaternion ? "7 numbers" : "6 numbers", n.size(), owner, line,
@@ -236,7 +236,8 @@ class SdfReader : XmlReader {
     return result;
   }
 
-  /// A name among those of its siblings, registered; 0 where it has none.
+  /// Adds the frame of an element of a model and returns its number; 0, with a fault, if its name is missing,
+  /// reserved, too long or taken.
   int declare(const XMLElement& e, Kind kind, int model, const std::string& owner) {
     const std::string own = name(e, "name", owner);
     if (own.empty()) return 0;
@@ -389,7 +390,8 @@ class SdfReader : XmlReader {
     links_.push_back(std::move(link));
   }
 
-  /// What is not said is 1 kg and 1 kg m², and the centre of mass is the origin.
+  /// Reads <inertial>. The defaults of SDFormat are 1 kg, 1 kg m² about each axis, and the centre of mass at
+  /// the origin of the link.
   std::optional<MassProperties> read_inertial(const XMLElement& link, const std::string& owner,
                                               bool is_static) {
     const std::size_t faults_before = faults().size();
@@ -438,7 +440,8 @@ class SdfReader : XmlReader {
                        [](const Fault& f) { return f.severity == Severity::error; });
   }
 
-  /// What one does not understand of a shape is a doubt: it moves nothing.
+  /// Reads a shape. As shapes do not affect the motion, wrong dimensions and colours are errors of a strict
+  /// reader only. A shape that is not complete is left out.
   void read_shape(const XMLElement& e, ShapeDescription::Role role, const std::string& owner, Link& link) {
     inspect(e, owner);
     Pose given = pose(e, owner);
@@ -457,7 +460,7 @@ class SdfReader : XmlReader {
     }
   }
 
-  /// Whether all are there.
+  /// Reads the kind and the dimensions of a shape; false if a dimension is missing or wrong.
   bool read_dimensions(const XMLElement& e, const ShapeTraits& kind, const std::string& owner,
                        ShapeDescription& shape) {
     shape.kind = kind.kind;
@@ -565,8 +568,8 @@ class SdfReader : XmlReader {
     return nullptr;
   }
 
-  /// m/rad. A thread of positive pitch is right-handed as `screw_thread_pitch`, in m for each turn, and left-handed as
-  /// `thread_pitch`, in rad/m.
+  /// The pitch of a screw joint in m/rad. A positive `screw_thread_pitch` (m per turn) is a right-handed
+  /// thread, and a positive `thread_pitch` (rad/m) a left-handed one.
   double read_pitch(const XMLElement& e, const std::string& owner) {
     if (e.FirstChildElement("screw_thread_pitch") != nullptr ||
         e.FirstChildElement("thread_pitch") == nullptr)
@@ -598,7 +601,7 @@ class SdfReader : XmlReader {
       for (const auto& [child, most] :
            {std::pair{"effort", &dof.effort}, std::pair{"velocity", &dof.velocity}}) {
         const double given = bound(*limit, child, owner, infinity);
-        *most = given < 0 ? infinity : given;  // as it is not enforced
+        *most = given < 0 ? infinity : given;  // SDFormat does not enforce a negative limit.
       }
     }
     if (c.kind->type == "continuous") dof.lower = -infinity, dof.upper = infinity;
@@ -611,7 +614,7 @@ class SdfReader : XmlReader {
     if (const XMLElement* mimic = child_of(*e, "mimic", owner)) read_mimic(*mimic, owner, axis);
   }
 
-  /// q = multiplier (q_leader - reference) + offset.
+  /// Reads <mimic>: q = multiplier (q_leader - reference) + offset.
   void read_mimic(const XMLElement& e, const std::string& owner, Axis& axis) {
     Mimic mimic{.leader = name(e, "joint", owner), .axis = "axis", .line = e.GetLineNum()};
     if (const char* which = e.Attribute("axis")) mimic.axis = which;
@@ -624,7 +627,7 @@ class SdfReader : XmlReader {
       axis.mimic = std::move(mimic);
   }
 
-  /// A limit; 1e16 and more, and inf, say that there is none.
+  /// A limit. Magnitudes of 1e16 and more, and inf, mean that there is none.
   double bound(const XMLElement& e, const char* child, const std::string& owner, double otherwise) {
     const XMLElement* given = e.FirstChildElement(child);
     const Number x = given == nullptr ? Number{} : number(text_of(*given));
@@ -635,8 +638,8 @@ class SdfReader : XmlReader {
 
   // ---------------------------------------------------------------- the mechanism
 
-  /// The link that a joint means by a name, -1 for the world and what stands still in it; nothing, with a fault, where there
-  /// is none.
+  /// The link that moves with the frame of that name, as a joint sees it; -1 if this is the world or a link
+  /// of a static model. The result is empty, with a fault, if there is no such frame.
   std::optional<int> link_meant(const Connection& c, const std::string& name, const char* role) {
     if (name.empty()) return std::nullopt;
     const int model = frames_[c.frame].model, frame = frames_.find(model, name);
@@ -653,7 +656,8 @@ class SdfReader : XmlReader {
                : link->second;
   }
 
-  /// Bodies in the order of their joints in the file, those that no joint carries first.
+  /// Adds the bodies to the description: first those to which no joint of the tree leads, then the others in
+  /// the order of their joints in the file. Adds loops, couplings and frames, too.
   void assemble() {
     for (Link& it : links_) it.body.name = named_here(it.body.name, it.body.source.line);
     std::erase_if(connections_, [this](const Connection& c) {
@@ -681,7 +685,8 @@ class SdfReader : XmlReader {
     for (const int k : named_frames_) add_frame(k);
   }
 
-  /// The name of a body or of a frame: `ground` is that of the inertial frame here, and nothing else is called so.
+  /// The name of a body or frame here. `ground` is the name of the inertial frame, so that a body or frame of
+  /// this name gets another one, with a warning.
   std::string named_here(const std::string& name, int line) {
     if (name != "ground") return name;
     std::string other = name;
@@ -692,7 +697,7 @@ class SdfReader : XmlReader {
     return other;
   }
 
-  /// Finds the links of a joint.
+  /// Finds the links of a joint; false, with a fault, if they are missing or cannot be connected.
   bool connect(Connection& c) {
     const std::string owner = "joint \"" + c.name + '"';
     const auto parent = link_meant(c, c.parent, "parent"), child = link_meant(c, c.child, "child");
@@ -709,10 +714,11 @@ class SdfReader : XmlReader {
   }
   Link& link(int k) { return links_[static_cast<std::size_t>(k)]; }
 
-  /// Marks the joints of a tree that holds every link: the first in the file that reach further, turned round only where
-  /// none leads on. What is left closes loops. Gives the links on which no joint leads.
+  /// Marks the joints of a spanning tree of all links and returns its root links, to which no joint leads.
+  /// Joints are taken in the order of the file; a joint is reversed, from child to parent, only if no other
+  /// joint reaches a new link. The joints that remain close loops.
   std::vector<std::size_t> grow_tree() {
-    std::vector<std::vector<std::size_t>> joints_at(links_.size() + 1);  // the last is the world
+    std::vector<std::vector<std::size_t>> joints_at(links_.size() + 1);  // The last entry is the world.
     const auto at = [&](int k) { return k < 0 ? links_.size() : static_cast<std::size_t>(k); };
     std::vector<char> is_child(links_.size(), 0), reached(links_.size() + 1, 0);
     for (std::size_t k = 0; k < connections_.size(); ++k) {
@@ -721,7 +727,7 @@ class SdfReader : XmlReader {
       joints_at[at(c.from)].push_back(k), joints_at[at(c.to)].push_back(k);
       is_child[at(c.to)] = 1;
     }
-    using Step = std::pair<bool, std::size_t>;  // turned round or not, number of the joint
+    using Step = std::pair<bool, std::size_t>;  // whether the joint is reversed, and its number
     std::priority_queue<Step, std::vector<Step>, std::greater<>> ahead;
     const auto reach = [&](std::size_t k) {
       reached[k] = 1;
@@ -750,7 +756,7 @@ class SdfReader : XmlReader {
     return roots;
   }
 
-  /// A link that no joint carries is free; one of a static model is a part of the ground.
+  /// Adds the root links with free joints. Links of static models become frames and shapes of the ground.
   void add_roots(const std::vector<std::size_t>& roots) {
     const bool name_is_free =
         std::ranges::none_of(connections_, [](const Connection& c) { return c.name == "free_base"; });
@@ -779,7 +785,8 @@ class SdfReader : XmlReader {
     link.body.name = name;
   }
 
-  /// An axis in the world; nothing, with a fault, where it is expressed in nothing that is there.
+  /// An axis of a joint in the axes of the world. If the frame in which it is expressed is not described, a
+  /// fault is noted and the joint's own frame is used.
   Vec3<> axis_of(const Connection& c, std::size_t number) {
     const Axis& axis = c.axes[number];
     int in = c.frame;
@@ -809,7 +816,7 @@ class SdfReader : XmlReader {
     const int dof = traits(joint.kind).dof;
     joint.point = relative(A, frames_[c.frame].pose).r;
     if (traits(joint.kind).axis) {
-      // Turned round, what was last comes first, and everything moves the other way.
+      // In a reversed joint the second axis comes first, and the axes have the opposite directions.
       const auto in_body = [&](std::size_t k) {
         const Vec3<> axis = transpose(A.R) * axis_of(c, k);
         return c.reversed ? -axis : axis;
@@ -852,7 +859,7 @@ class SdfReader : XmlReader {
     return leader.name + ((mimic.axis == "axis2") != leader.reversed ? ".second" : ".first");
   }
 
-  /// Of a joint of two axes: those that follow another coordinate.
+  /// Adds a coupling for each axis of a universal joint that follows another coordinate.
   void add_couplings(const Connection& c) {
     if (c.kind->kind != JointKind::universal || !c.in_tree) return;
     for (std::size_t k = 0; k < 2; ++k) {
@@ -865,7 +872,8 @@ class SdfReader : XmlReader {
     }
   }
 
-  /// Against the reference body the child turns by -ratio times the angle of the parent.
+  /// Adds the coupling of a gearbox: relative to the reference body, the child turns by -ratio times the
+  /// angle of the parent.
   void add_gearbox(const Connection& c) {
     const auto reference = link_meant(c, c.gear_reference, "reference body");
     if (!reference) return;
@@ -908,9 +916,9 @@ class SdfReader : XmlReader {
   std::vector<Connection> connections_;
   std::unordered_map<int, int> link_of_frame_;
   std::unordered_map<int, std::size_t> connection_of_frame_;
-  std::map<std::pair<int, int>, std::size_t> hinges_;  ///< joints of the tree, by the links that they join
+  std::map<std::pair<int, int>, std::size_t> hinges_;  ///< revolute joints of the tree, by links
   std::vector<int> named_frames_;
-  std::string top_;  ///< the one model of the file, and `::`
+  std::string top_;  ///< name of the first model at the top, and `::`
   int models_at_top_ = 0;
   int version_ = 10;
   bool has_link_ = false;

@@ -22,12 +22,12 @@ bool is_bare(char c) {
 bool is_blank(char c) { return c == ' ' || c == '\t'; }
 bool is_control(char c) { return (c >= 0 && c < ' ' && c != '\t') || c == '\x7f'; }
 
-/// Takes a number apart; `plain` is the number without underscores.
+/// Reads a number from a word; plain_ collects its characters without underscores.
 class NumberScan {
  public:
   explicit NumberScan(std::string_view word) : rest_(word) {}
 
-  /// [+-] integer [. digits] [e [+-] digits]
+  /// Reads [+-] integer [. digits] [e [+-] digits]. Empty if the word is anything else.
   std::optional<double> decimal() {
     if (!rest_.empty() && (rest_[0] == '+' || rest_[0] == '-')) take();
     const std::string_view whole = rest_;
@@ -48,7 +48,8 @@ class NumberScan {
     return x.broken ? std::nullopt : std::optional(x.value);
   }
 
-  /// 0x, 0o or 0b and digits.
+  /// Reads digits of a base after 0x, 0o or 0b. Empty if the word is anything else, or the number has over 64
+  /// bits.
   std::optional<double> of_base(int base, bool (*is_one)(char)) {
     rest_.remove_prefix(2);
     std::uint64_t value = 0;
@@ -62,7 +63,7 @@ class NumberScan {
     plain_ += rest_[0];
     rest_.remove_prefix(1);
   }
-  /// One digit at least, single underscores between digits.
+  /// Takes one or more digits, with single underscores between digits; false if there is no digit.
   bool digits(bool (*is_one)(char)) {
     if (rest_.empty() || !is_one(rest_[0])) return false;
     while (!rest_.empty() && is_one(rest_[0])) {
@@ -87,7 +88,7 @@ std::optional<double> number_in(std::string_view word) {
   return NumberScan(word).decimal();
 }
 
-/// 1979-05-27..., or 07:32:00...
+/// Whether a word begins like a date, 1979-05-27, or like a time of day, 07:32.
 bool looks_like_date(std::string_view word) {
   const auto digits = [&](std::size_t from, std::size_t count) {
     for (std::size_t k = from; k < from + count; ++k)
@@ -152,7 +153,7 @@ class Parser {
       ++at_;
     }
   }
-  /// To the next line that says something; false at the end of the file.
+  /// Skips blank lines and comments; false at the end of the file.
   bool skip_blank_lines() {
     do {
       skip_blanks();
@@ -168,7 +169,7 @@ class Parser {
 
   [[noreturn]] void fail(std::string message) const { throw Failure{std::move(message), line_}; }
   [[noreturn]] void fail(std::string message, int line) const { throw Failure{std::move(message), line}; }
-  /// Says what stands here instead.
+  /// Fails with a message that says what was expected and what was found.
   [[noreturn]] void expected(const std::string& what) const {
     std::size_t length = 1;
     while (is_bare(peek(length - 1)) && is_bare(peek(length)) && length < 30) ++length;
@@ -194,7 +195,7 @@ class Parser {
     if (at_ == begin) expected(what);
     return {std::string(text_.substr(begin, at_ - begin)), line_};
   }
-  /// a.b.c
+  /// Reads a.b.c.
   std::vector<Key> dotted_key(const std::string& what) {
     std::vector<Key> keys{key(what)};
     for (skip_blanks(); peek() == '.'; skip_blanks()) {
@@ -220,7 +221,7 @@ class Parser {
     fail(in_quotes(key.name) + " is given twice, first in line " + std::to_string(before.line), key.line);
   }
 
-  /// [a.b.c] or [[a.b.c]]
+  /// Reads [a.b.c] or [[a.b.c]].
   void header() {
     const bool is_array = take("[[");
     if (!is_array) take("[");
@@ -249,12 +250,13 @@ class Parser {
     } else {
       if (last == nullptr) last = &add(*at, keys.back(), {Table{}, line, MadeBy::longer_header});
       if (last->table() == nullptr || last->made_by != MadeBy::longer_header) given_twice(keys.back(), *last);
-      last->made_by = MadeBy::header, last->line = line;
+      last->made_by = MadeBy::header;
+      last->line = line;
       section_ = last;
     }
   }
 
-  /// a.b.c = value
+  /// Reads a.b.c = value.
   void key_and_value(Value& table, const std::string& what) {
     const std::vector<Key> keys = dotted_key(what);
     if (!take("=")) expected("\"=\" after the key " + in_quotes(keys.back().name));
@@ -317,7 +319,8 @@ class Parser {
     if (!take("}")) expected("\",\" or \"}\" in a table in braces, all in one line");
     close(table);
   }
-  /// What dotted keys have made in braces is closed with them.
+  /// Closes a table in braces, and the tables in it that dotted keys made: nothing can be added to them
+  /// later.
   static void close(Value& table) {
     std::vector<Value*> open{&table};
     while (!open.empty()) {
@@ -329,7 +332,7 @@ class Parser {
     }
   }
 
-  /// A number, a truth value or a date.
+  /// Reads a number, a truth value or a date.
   decltype(Value::content) word() {
     const auto belongs = [](char c) { return is_bare(c) || c == '+' || c == '.' || c == ':'; };
     std::size_t length = 0;
@@ -339,7 +342,7 @@ class Parser {
     at_ += length;
     if (word == "true" || word == "false") return word == "true";
     if (looks_like_date(word)) {
-      if (peek() == ' ' && looks_like_date(text_.substr(at_ + 1, 5))) {  // the time of the day
+      if (peek() == ' ' && looks_like_date(text_.substr(at_ + 1, 5))) {  // A time of day may follow.
         ++at_;
         while (belongs(peek())) ++at_;
       }
@@ -354,7 +357,7 @@ class Parser {
       if (take(three)) return long_text(three);
     return text_in_quotes();
   }
-  /// "text" or 'text'
+  /// Reads "text" or 'text'.
   std::string text_in_quotes() {
     const char quote = peek();
     std::string text;
@@ -365,7 +368,7 @@ class Parser {
     ++at_;
     return text;
   }
-  /// """text""" or '''text''', which may run over several lines
+  /// Reads """text""" or '''text''', which may run over several lines, from after the opening quotes.
   std::string long_text(std::string_view three) {
     const int first = line_;
     std::string text;
@@ -382,7 +385,7 @@ class Parser {
     for (int more = 0; more < 2 && peek() == three[0]; ++more) text += text_[at_++];
     return text;
   }
-  /// A backslash that ends a line: skips it and all white space up to what follows.
+  /// Skips a backslash that ends a line and all white space after it; false if there is none.
   bool goes_on_in_next_line() {
     std::size_t k = 1;
     if (peek() != '\\') return false;
@@ -427,11 +430,17 @@ class Parser {
     if (code < 0x80) {
       text += static_cast<char>(code);
     } else if (code < 0x800) {
-      text += static_cast<char>(0xC0 | (code >> 6)), tail(0);
+      text += static_cast<char>(0xC0 | (code >> 6));
+      tail(0);
     } else if (code < 0x10000) {
-      text += static_cast<char>(0xE0 | (code >> 12)), tail(6), tail(0);
+      text += static_cast<char>(0xE0 | (code >> 12));
+      tail(6);
+      tail(0);
     } else {
-      text += static_cast<char>(0xF0 | (code >> 18)), tail(12), tail(6), tail(0);
+      text += static_cast<char>(0xF0 | (code >> 18));
+      tail(12);
+      tail(6);
+      tail(0);
     }
   }
 
@@ -439,7 +448,7 @@ class Parser {
   std::size_t at_ = 0;
   int line_ = 1, depth_ = 0;
   Document document_;
-  Value* section_ = nullptr;  // the table that the last header opened
+  Value* section_ = nullptr;  ///< the table that the last header opened
 };
 
 }  // namespace

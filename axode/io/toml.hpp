@@ -7,18 +7,19 @@
 #include <variant>
 #include <vector>
 
-/// TOML 1.0, read into values that know their lines. Written here because neither library of Debian 12 would do: of
-/// TOML's own test suite for 1.0 (210 valid and 499 invalid files) toml11 3.7 refuses two valid files, accepts two
-/// invalid ones and crashes on one, and on deep nesting; toml++ 3.3 does not survive malformed files, nor some valid
-/// ones. This one reads all 210 as they are meant, and accepts of the others only the 53 whose dates are none.
+/// A reader of TOML 1.0, whose values know their lines. It is written here because neither library of Debian
+/// 12 is sufficient: of TOML's own test suite for 1.0 (210 valid and 499 invalid files) toml11 3.7 refuses
+/// two valid files, accepts two invalid ones and crashes on one, and on deep nesting; toml++ 3.3 crashes on
+/// malformed files and on some valid ones. This reader reads all 210 correctly, and of the others accepts
+/// only the 53 whose dates are invalid.
 namespace axode::io::toml {
 
 struct Value;
 
-struct Date {};  ///< a date or a time of day; nothing in a drawing is one
+struct Date {};  ///< a date or a time of day, which no key of a drawing has as its value
 using Array = std::vector<Value*>;
 struct Entry {
-  int line;  ///< of the key
+  int line;  ///< line of the key
   Value* value;
 };
 using Table = std::map<std::string, Entry, std::less<>>;
@@ -33,24 +34,26 @@ struct Value {
   const double* number() const { return std::get_if<double>(&content); }
   const bool* flag() const { return std::get_if<bool>(&content); }
 
-  /// What made a table or array, which decides what may be added to it later on.
+  /// The syntax that made a table or array. It decides what may be added to the table or array later.
   enum class MadeBy { value, header, longer_header, dotted_key } made_by = MadeBy::value;
 };
 
+/// The first thing in a text that is not TOML.
 struct Failure {
   std::string message;
   int line;
 };
 
-/// The values of a file. They are held side by side, so that no depth of nesting costs stack.
+/// The values of a file. They are stored side by side and refer to each other by pointers, so that nesting
+/// costs no stack.
 struct Document {
-  std::deque<Value> values;  ///< the first is the table that the file is
+  std::deque<Value> values;  ///< all values; the first is the table of the whole file
   std::optional<Failure> failure;
 
   const Value& root() const { return values.front(); }
 };
 
-/// Reads UTF-8 text; stops at the first thing that is not TOML.
+/// Reads UTF-8 text. It stops at the first thing that is not TOML, which is then in Document::failure.
 Document parse(std::string_view text);
 
 }  // namespace axode::io::toml

@@ -6,7 +6,7 @@
 
 namespace axode::io {
 
-/// A type of joint of URDF and what it is here.
+/// A type of joint in URDF and its kind of joint.
 struct UrdfKind {
   std::string_view type;
   JointKind kind;
@@ -18,7 +18,8 @@ inline constexpr std::array<UrdfKind, 6> urdf_kinds{{{"revolute", JointKind::rev
                                                      {"floating", JointKind::free},
                                                      {"planar", JointKind::planar}}};
 
-/// Whether <loop_joint> can say all of a loop of that kind: two frames are enough. Spherical ones are what others read.
+/// Whether a <loop_joint> can describe a loop of that kind completely, because two frames are enough. Of
+/// these kinds, other programs read spherical loops.
 constexpr bool in_urdf(LoopKind kind) {
   return kind != LoopKind::helical && kind != LoopKind::universal && kind != LoopKind::rod &&
          kind != LoopKind::rolling && kind != LoopKind::coupling;

@@ -87,7 +87,7 @@ class UrdfReader : XmlReader {
 
   // ---------------------------------------------------------------- elements and attributes
 
-  /// Whether an element that URDF knows holds an expression, with a fault for the first.
+  /// Whether an element that URDF knows contains an expression of xacro, with a fault for the first one.
   bool is_xacro(const XMLElement& robot) {
     std::vector<const XMLElement*> open{&robot};
     while (!open.empty()) {
@@ -124,7 +124,7 @@ class UrdfReader : XmlReader {
     const XMLElement* origin = child_of(e, "origin", owner);
     return origin == nullptr ? SE3<>{} : pose(*origin, owner);
   }
-  /// The pose that the attributes of an element give.
+  /// The pose in the attributes of an element; the identity if there are none.
   SE3<> pose(const XMLElement& e, const std::string& owner) {
     SE3<> pose;
     pose.r = vector(e, "xyz", owner).value_or(Vec3<>{});
@@ -147,7 +147,7 @@ class UrdfReader : XmlReader {
   void read_robot(const XMLElement& robot) {
     const std::string owner = "robot";
     inspect(robot, owner);
-    if (const char* given = required(robot, "name", owner)) {  // it may be empty
+    if (const char* given = required(robot, "name", owner)) {  // The name may be empty.
       if (printable(given)) {
         description().name = given;
       } else {
@@ -173,7 +173,8 @@ class UrdfReader : XmlReader {
     }
   }
 
-  /// `ground` names the inertial frame here, and with it the root link that is called so; any other gets another name.
+  /// Chooses another name for a link `ground` that is the child of a joint, because `ground` is the name of
+  /// the inertial frame here. A root link of this name is the inertial frame itself.
   void name_what_is_called_ground(const XMLElement& robot) {
     std::unordered_set<std::string_view> names;
     const XMLElement* called = nullptr;
@@ -228,7 +229,8 @@ class UrdfReader : XmlReader {
     const std::size_t faults_before = faults().size();
     MassProperties result;
     const SE3<> frame = origin(e, owner);
-    result.com = frame.r, result.axes = frame.R;
+    result.com = frame.r;
+    result.axes = frame.R;
     if (const XMLElement* mass = required_child(e, "mass", owner))
       result.mass = required_scalar(*mass, "value", owner);
     if (const XMLElement* inertia = required_child(e, "inertia", owner)) {
@@ -250,7 +252,8 @@ class UrdfReader : XmlReader {
     return result;
   }
 
-  /// What one does not understand of a shape is a doubt: it moves nothing.
+  /// Reads a shape. As shapes do not affect the motion, wrong dimensions and colours are errors of a strict
+  /// reader only. A shape that is not complete is left out.
   void read_shape(const XMLElement& e, ShapeDescription::Role role, const std::string& owner,
                   std::vector<ShapeDescription>& shapes) {
     inspect(e, owner);
@@ -296,7 +299,8 @@ class UrdfReader : XmlReader {
     }
   }
 
-  /// Colours have names, which the robot or any of its shapes may give.
+  /// The colour of a material: its own colour or, if it has none, that which the robot or an earlier shape
+  /// gave to the name of the material.
   std::optional<Color> read_material(const XMLElement& e, const std::string& owner) {
     const char* name = e.Attribute("name");
     if (const XMLElement* color = e.FirstChildElement("color")) {
@@ -310,7 +314,8 @@ class UrdfReader : XmlReader {
 
   // ---------------------------------------------------------------- joints
 
-  /// An extension that several programs share: a joint between frames on two links, z being its axis.
+  /// Reads a loop_joint, an extension of URDF that several programs share: a joint between frames on two
+  /// links, whose z is the axis of the joint.
   void read_loop(const XMLElement& e) {
     const std::size_t faults_before = faults().size();
     LoopDescription loop{.name = name(e, "name", "loop_joint"), .source = {file_, e.GetLineNum()}};
@@ -368,7 +373,8 @@ class UrdfReader : XmlReader {
     connections_.push_back(std::move(connection));
   }
 
-  /// One that asks for nothing else where the type is none, so that the numbers of the joint are looked at as well.
+  /// The kind of a joint by its type. If the type is missing or unknown, the result is a kind without
+  /// requirements, so that the numbers of the joint are still checked.
   const UrdfKind& kind_of(const XMLElement& e, const std::string& owner) {
     static constexpr UrdfKind unknown{"", JointKind::revolute};
     const char* type = required(e, "type", owner);
@@ -392,7 +398,8 @@ class UrdfReader : XmlReader {
     if (traits(joint.kind).axis) joint.axis = axis;
   }
 
-  /// What URDF says of a joint holds for each of its degrees of freedom; positions are limited for one alone.
+  /// Reads limits and losses of a joint, which hold for each of its degrees of freedom. Only revolute and
+  /// prismatic joints have limits of their position.
   void read_dof(const XMLElement& e, const std::string& owner, const UrdfKind& kind,
                 JointDescription& joint) {
     const XMLElement* limit = child_of(e, "limit", owner);
@@ -427,7 +434,7 @@ class UrdfReader : XmlReader {
       joint.dof.assign(static_cast<std::size_t>(traits(kind.kind).dof), dof);
   }
 
-  /// A limit; the largest double and inf both say that there is none.
+  /// A limit. Both the largest double and inf mean that there is none.
   double bound(const XMLElement& e, const char* attribute, const std::string& owner, double otherwise) {
     constexpr double infinity = std::numeric_limits<double>::infinity();
     const char* text = e.Attribute(attribute);
@@ -444,7 +451,8 @@ class UrdfReader : XmlReader {
     return did_you_mean(link, links_, [](const Link& l) { return l.body.name; });
   }
 
-  /// Bodies in the order of their joints in the file, links without a joint to a parent first.
+  /// Adds the bodies to the description: first the links without a joint to a parent, then the others in the
+  /// order of their joints in the file.
   void assemble() {
     std::vector<BodyDescription> children;
     for (Connection& c : connections_) {
@@ -482,7 +490,7 @@ class UrdfReader : XmlReader {
     for (BodyDescription& body : children) description().bodies.push_back(std::move(body));
   }
 
-  /// A root link is fixed to the ground; one with the name `ground` is the ground.
+  /// Adds the root links, fixed to the ground. A root link with the name `ground` is the ground itself.
   void add_roots() {
     const bool name_is_free = std::none_of(connections_.begin(), connections_.end(),
                                            [&](const Connection& c) { return c.name == "fixed_base"; });
@@ -520,7 +528,7 @@ class UrdfReader : XmlReader {
   std::vector<Link> links_;
   std::vector<Connection> connections_;
   std::unordered_map<std::string, std::size_t> link_index_;
-  std::string ground_ = "ground";  ///< what the link of this name is called here
+  std::string ground_ = "ground";  ///< name here of the link that is called `ground` in the file
   int massless_count_ = 0, massless_line_ = 0;
   int suggestions_ = 0;
 };

@@ -20,17 +20,17 @@ namespace {
 
 using io::xml::text;
 
-/// A link of a URDF must have its origin on the axis of its joint.
+/// Tolerance on the rule of URDF that the origin of a link is on the axis of its joint.
 constexpr double on_axis = 1e-12;
 
-/// URDF has no word for "no limit"; readers take the largest number for it.
+/// The text of a limit. URDF has no word for "no limit"; the largest number means it to readers.
 std::string limit_text(double x) {
   return text(std::clamp(x, -std::numeric_limits<double>::max(), std::numeric_limits<double>::max()));
 }
 
 bool bounded(const Dof& dof) { return std::isfinite(dof.lower) || std::isfinite(dof.upper); }
 
-/// The first type that URDF has for a kind, and none where it has none.
+/// The type of a joint in URDF; empty if URDF has no type for its kind.
 std::string_view urdf_type(const JointDescription& joint) {
   if (joint.kind == JointKind::revolute && (joint.dof.empty() || !bounded(joint.dof[0]))) return "continuous";
   const auto found = std::ranges::find(io::urdf_kinds, joint.kind, &io::UrdfKind::kind);
@@ -108,7 +108,10 @@ class UrdfWriter {
     io::Unsaid unsaid("URDF", strictness);
     find_unsaid(d_, unsaid);
     unsaid.throw_errors(d_.name);
-    for (const BodyDescription& body : d_.bodies) links_.insert(body.name), joints_.insert(body.joint.name);
+    for (const BodyDescription& body : d_.bodies) {
+      links_.insert(body.name);
+      joints_.insert(body.joint.name);
+    }
     for (const FrameDescription& frame : d_.frames) links_.insert(frame.name);
     out_ << "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<robot name=\"" << text(d_.name) << "\">\n";
     if (!one_fixed_root_) {
@@ -138,7 +141,7 @@ class UrdfWriter {
     return norm(a.x - b.x) <= on_axis && norm(a.y - b.y) <= on_axis && norm(a.z - b.z) <= on_axis;
   }
 
-  /// Whether the body's own frame may be the link that its joint moves.
+  /// Whether the frame of the body can be that of the link which its joint moves.
   bool can_be_link(int i) const {
     const SE3<>& S = at_[i].S_self;
     const double scale = 1 + norm(at_[i].A.r);
@@ -183,7 +186,8 @@ class UrdfWriter {
   void write_loop(const LoopDescription& loop, const std::string& name) {
     out_ << "  <loop_joint name=\"" << text(name) << "\" type=\"" << to_string(loop.kind) << "\">\n";
     for (const std::size_t k : {0, 1}) {
-      // Where no link is the ground, the root rests on it with its frame.
+      // If the root is the one fixed body, no link is called ground, and the frame of the root is that of the
+      // ground.
       const bool on_root = one_fixed_root_ && loop.between[k] == "ground";
       const SE3<>& pose = (*loop.frames)[k];
       out_ << "    <link" << k + 1 << " link=\""
@@ -235,7 +239,7 @@ class UrdfWriter {
     out_ << "    </" << to_string(shape.role) << ">\n";
   }
 
-  /// About the centre of mass, in the axes of the link.
+  /// Writes an inertia about the centre of mass, in the axes of the link.
   void write_inertial(const MassProperties& given, const SE3<>& A) {
     const SE3<> to_body = given.in == GivenIn::body_frame ? SE3<>{} : inverse(A);
     Sym3<> Theta = rotate(given.axes, given.Theta);

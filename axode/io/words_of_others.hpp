@@ -4,57 +4,63 @@
 #include <string>
 #include <string_view>
 
-/// What people call the keys and words of a drawing who know other formats.
+/// Words of other formats and programs for the keys and words of a drawing. They are used in messages.
 namespace axode::io {
 
 struct OtherWord {
-  std::string_view theirs, ours;  ///< ours is a key, or a dotted one
+  std::string_view theirs, ours;  ///< a word of others, and the key or dotted key of a drawing
 };
 
 // clang-format off
 inline constexpr auto words_of_others = std::to_array<OtherWord>({
-    // of the file
-    {"link", "body"}, {"links", "body"}, {"bodies", "body"}, {"joint", "body.joint"}, {"joints", "body.joint"},
+    // keys of the file
+    {"link", "body"}, {"links", "body"}, {"bodies", "body"}, {"joint", "body.joint"},
+    {"joints", "body.joint"},
     {"site", "frame"}, {"sites", "frame"}, {"robot", "name"}, {"model", "name"}, {"g", "gravity"},
-    {"constraint", "loop"}, {"constraints", "loop"}, {"loops", "loop"}, {"equality", "loop"}, {"couplings", "coupling"},
-    {"gear", "coupling"},
-    // what something hangs on
-    {"parent", "on"}, {"parent_link", "on"}, {"predecessor", "on"}, {"base", "on"}, {"body", "on"}, {"link", "on"},
-    // where something is: a joint, a frame, a body
+    {"constraint", "loop"}, {"constraints", "loop"}, {"loops", "loop"}, {"equality", "loop"},
+    {"couplings", "coupling"}, {"gear", "coupling"},
+    // the body or frame on which something hangs
+    {"parent", "on"}, {"parent_link", "on"}, {"predecessor", "on"}, {"base", "on"}, {"body", "on"},
+    {"link", "on"},
+    // positions and rotations of joints, frames and bodies
     {"origin", "point"}, {"xyz", "point"}, {"pos", "point"}, {"position", "point"}, {"anchor", "point"},
     {"centre", "center"}, {"center", "point"}, {"centre", "point"},
-    {"origin", "position"}, {"xyz", "position"}, {"pos", "position"}, {"point", "position"}, {"r", "position"},
+    {"origin", "position"}, {"xyz", "position"}, {"pos", "position"}, {"point", "position"},
+    {"r", "position"},
     {"rotation_matrix", "rotation"}, {"R", "rotation"}, {"orientation", "rotation"}, {"quat", "quaternion"},
     {"euler", "rpy"},
     {"origin", "A"}, {"pose", "A"}, {"xyz", "A.position"}, {"pos", "A.position"}, {"position", "A.position"},
     {"rotation", "A.rotation"}, {"orientation", "A.rotation"}, {"quaternion", "A.quaternion"},
     {"quat", "A.quaternion"}, {"rpy", "A.rpy"}, {"euler", "A.rpy"},
-    // of a body
+    // keys of a body
     {"center_of_mass", "com"}, {"centre_of_mass", "com"}, {"cog", "com"}, {"ipos", "com"},
     {"moment_of_inertia", "inertia"}, {"rotational_inertia", "inertia"}, {"diaginertia", "inertia"},
-    {"fullinertia", "inertia"}, {"visual", "shape"}, {"collision", "shape"}, {"geometry", "shape"}, {"geom", "shape"},
-    {"shapes", "shape"}, {"filename", "file"}, {"uri", "file"}, {"rgba", "color"}, {"colour", "color"},
-    {"half_size", "size"}, {"radii", "semi_axes"},
-    // of a joint
+    {"fullinertia", "inertia"}, {"visual", "shape"}, {"collision", "shape"}, {"geometry", "shape"},
+    {"geom", "shape"}, {"shapes", "shape"}, {"filename", "file"}, {"uri", "file"}, {"rgba", "color"},
+    {"colour", "color"}, {"half_size", "size"}, {"radii", "semi_axes"},
+    // keys of a joint
     {"type", "kind"}, {"direction", "axis"}, {"normal", "axis"}, {"range", "limits"},
     {"lower", "limits"}, {"upper", "limits"}, {"max_velocity", "velocity"},
-    {"velocity_limit", "velocity"}, {"speed", "velocity"}, {"max_effort", "effort"}, {"effort_limit", "effort"},
+    {"velocity_limit", "velocity"}, {"speed", "velocity"}, {"max_effort", "effort"},
+    {"effort_limit", "effort"},
     {"torque", "effort"}, {"force", "effort"}, {"frictionloss", "friction"}, {"rotor_inertia", "armature"},
-    {"stiffness", "spring"}, {"spring_stiffness", "spring"}, {"springref", "rest"}, {"spring_reference", "rest"},
+    {"stiffness", "spring"}, {"spring_stiffness", "spring"}, {"springref", "rest"},
+    {"spring_reference", "rest"},
     {"mimic", "follows"}, {"leader", "joint"}, {"multiplier", "ratio"},
-    // of a joint, said of its body
+    // keys of a joint in the table of its body
     {"type", "joint.kind"}, {"kind", "joint.kind"}, {"axis", "joint.axis"}, {"point", "joint.point"},
-    {"limits", "joint.limits"}, {"limit", "joint.limits"}, {"effort", "joint.effort"}, {"velocity", "joint.velocity"},
-    {"damping", "joint.damping"}, {"friction", "joint.friction"}, {"armature", "joint.armature"},
-    {"follows", "joint.follows"}, {"mimic", "joint.follows"},
-    // kinds of joints
+    {"limits", "joint.limits"}, {"limit", "joint.limits"}, {"effort", "joint.effort"},
+    {"velocity", "joint.velocity"}, {"damping", "joint.damping"}, {"friction", "joint.friction"},
+    {"armature", "joint.armature"}, {"follows", "joint.follows"}, {"mimic", "joint.follows"},
+    // kinds of joints and loops
     {"hinge", "revolute"}, {"continuous", "revolute"}, {"slide", "prismatic"}, {"slider", "prismatic"},
-    {"screw", "helical"}, {"ball", "spherical"}, {"cardan", "universal"}, {"floating", "free"}, {"weld", "fixed"},
+    {"screw", "helical"}, {"ball", "spherical"}, {"cardan", "universal"}, {"floating", "free"},
+    {"weld", "fixed"},
     {"distance", "rod"},
 });
 // clang-format on
 
-/// `; it is called "on" here` for a word that others use, where one of the known words is ours for it.
+/// `; it is called "on" here` if others use the word for one of the known keys or words; else empty.
 template <class Range> std::string called_here(std::string_view word, const Range& known) {
   const auto is_ours = [&](const OtherWord& other) {
     const std::string_view key = other.ours.substr(0, other.ours.find('.'));

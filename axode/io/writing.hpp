@@ -8,20 +8,21 @@
 
 namespace axode::io {
 
-/// Collects what a mechanism has and the format of a writer cannot say.
+/// Collects faults for the things in a mechanism that the format of a writer cannot express.
 class Unsaid {
  public:
   Unsaid(std::string_view format, Strictness strictness) : format_(format), strictness_(strictness) {}
 
-  /// The writer leaves something out, which is a warning, or an error of a strict writer. `what` is the predicate of a sentence
-  /// about the element, such as `is passive`.
+  /// Notes that the writer leaves something out: a warning, or an error if the writer is strict. `what` is
+  /// the predicate of a sentence about the element, such as `is passive`.
   void leave_out(std::string element, const std::string& what, const Source& source) {
     const bool strict = strictness_ == Strictness::strict;
     faults_.push_back({strict ? Severity::error : Severity::warning, Rule::wrong_value, std::move(element),
                        what + "; " + format_ + " has no word for it" + (strict ? "" : ", and it is left out"),
                        source});
   }
-  /// Without it the bodies and their joints would be others, which is an error of any writer.
+  /// Notes an error, also if the writer is lenient, because bodies and joints would move differently without
+  /// the element.
   void refuse(std::string element, std::string message, const Source& source) {
     faults_.push_back({Severity::error, Rule::wrong_value, std::move(element), std::move(message), source});
   }

@@ -13,28 +13,28 @@
 
 #include "axode/io/reading.hpp"
 
-/// What readers of XML have in common.
+/// The base of the readers of XML formats.
 namespace axode::io {
 
 using tinyxml2::XMLElement;
 
-/// What a format knows in an element.
+/// The attributes and children that a format knows in an element.
 struct Grammar {
   std::string_view element;
   std::vector<std::string_view> attributes = {};
-  std::vector<std::string_view> once = {};      ///< children, one of each at most
-  std::vector<std::string_view> repeated = {};  ///< children, any number of each
+  std::vector<std::string_view> once = {};      ///< children of which there may be one
+  std::vector<std::string_view> repeated = {};  ///< children of which there may be any number
 };
 
-/// A format as its messages name it.
+/// A format: its names in messages, and its grammar.
 struct XmlFormat {
   std::string_view a_file;  ///< `a URDF`
   std::string_view root;    ///< its root element
   std::span<const Grammar> grammar;
 };
 
-/// Finds the elements, attributes and numbers of a text, with a fault for each that is wrong and a warning for each kind
-/// of element and attribute that the format does not know.
+/// Finds the elements, attributes and numbers of a text, with a fault for each that is wrong and a warning
+/// for each kind of element and attribute that the format does not know.
 class XmlReader {
  protected:
   XmlReader(XmlFormat format, std::string_view text, std::string file, Strictness strictness)
@@ -50,34 +50,39 @@ class XmlReader {
   void error(Rule rule, std::string element, std::string message, int line) {
     note(Severity::error, rule, std::move(element), std::move(message), line);
   }
-  /// What others forgive.
+  /// The severity of defects that a lenient reader accepts: an error if the reader is strict, else a warning.
   Severity doubt() const { return strictness_ == Strictness::strict ? Severity::error : Severity::warning; }
+  /// Counts something that the reader ignores.
   void ignore(std::string what, int line);
-  /// A warning for all that was ignored, one for each kind.
+  /// Notes one warning for each kind of thing that was ignored.
   void report_ignored();
   static std::string times(int count) {
     return count > 1 ? " (" + std::to_string(count) + " times, first here)" : "";
   }
 
-  /// The root element of the text; null, with a fault, where it is not that of the format.
+  /// The root element of the text; null, with a fault, if the text is not XML or the root is not that of the
+  /// format.
   const XMLElement* parse(tinyxml2::XMLDocument& document);
 
   static std::string tag(const XMLElement& e) { return '<' + std::string(e.Name()) + '>'; }
   const Grammar* grammar_of(std::string_view element) const;
+  /// Whether something was ignored whose description begins like this.
   bool is_ignored(std::string_view beginning) const;
-  /// Notes whatever the format does not know or allow in an element.
+  /// Notes the attributes, children and texts in an element that the format does not know or allow.
   void inspect(const XMLElement& e, const std::string& owner);
-  /// A child that is inspected on the way; null where there is none.
+  /// The first child of that name, after inspect(); null if there is none.
   const XMLElement* child_of(const XMLElement& e, const char* name, const std::string& owner);
+  /// The first child of that name, after inspect(); null, with a fault, if there is none.
   const XMLElement* required_child(const XMLElement& e, const char* name, const std::string& owner);
+  /// The text of an attribute; null, with a fault, if there is none.
   const char* required(const XMLElement& e, const char* attribute, const std::string& owner);
-  /// A name that an attribute gives; empty, with a fault, where there is none.
+  /// The name in an attribute; empty, with a fault, if there is none.
   std::string name(const XMLElement& e, const char* attribute, const std::string& owner);
-  /// A name that was read; an empty one and one that cannot be printed have a fault.
+  /// Returns a name that was read, and notes a fault if it is empty or cannot be printed.
   std::string checked_name(const char* value, const std::string& where_empty, const std::string& owner,
                            int line);
 
-  /// N numbers of a text; nothing, with a note, where it is wrong.
+  /// The N numbers in a text; empty, with a note, if the text is wrong.
   template <std::size_t N>
   std::optional<std::array<double, N>> numbers(std::string_view text, const std::string& what,
                                                const std::string& owner, int line,
@@ -93,7 +98,7 @@ class XmlReader {
     std::copy(all->begin(), all->end(), out.begin());
     return out;
   }
-  /// Those of an attribute; nothing where it is absent as well.
+  /// The N numbers in an attribute; empty if it is absent or, with a note, if it is wrong.
   template <std::size_t N>
   std::optional<std::array<double, N>> numbers(const XMLElement& e, const char* attribute,
                                                const std::string& owner,
@@ -102,7 +107,7 @@ class XmlReader {
     if (value == nullptr) return std::nullopt;
     return numbers<N>(value, tag(e) + " " + attribute, owner, e.GetLineNum(), severity);
   }
-  /// Any number of them.
+  /// All numbers in a text, however many; empty, with a note, if one of them is wrong.
   std::optional<std::vector<double>> numbers(std::string_view text, const std::string& what,
                                              const std::string& owner, int line, Severity severity);
   void wrong_count(std::string_view text, const std::string& what, const std::string& needed,

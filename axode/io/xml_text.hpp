@@ -5,10 +5,10 @@
 #include "axode/lie/vec3.hpp"
 #include "axode/model/fault.hpp"
 
-/// Numbers and names as attributes of XML.
+/// Texts of numbers and names for attributes of XML.
 namespace axode::io::xml {
 
-inline std::string text(double x) { return to_text(x == 0 ? 0.0 : x); }  // no -0
+inline std::string text(double x) { return to_text(x == 0 ? 0.0 : x); }  // -0 becomes 0
 inline std::string text(const Vec3<>& a) { return text(a.x) + " " + text(a.y) + " " + text(a.z); }
 inline std::string text(std::string_view s) {
   std::string out;
