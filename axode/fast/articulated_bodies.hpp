@@ -98,7 +98,8 @@ template <class G, class T> struct FastArticulatedBodies {
       last.a += cross(last.dw_, r) + cross(last.w_, Factor(u));
       if (is_hinge(tree, i)) [[likely]] {
         const Vector w_J = Number(v[tree->iv[i]]) * b.n;
-        last.dw += cross(last.w_, Factor(w_J)), last.w += w_J;
+        last.dw += cross(last.w_, Factor(w_J));
+        last.w += w_J;
       } else {
         const Twist<BodyFixed, T> V = any_joint_twist(tree, i, v);
         const Vector w_J = last_R * Spread(Vector(V.w)), v_J = last_R * Spread(Vector(V.v)), w = last.w + w_J;
@@ -106,7 +107,8 @@ template <class G, class T> struct FastArticulatedBodies {
         last.a += cross(Factor(last.w + w), Factor(v_J));
         last.w = w, u += v_J;
       }
-      last.w_ = Factor(last.w), last.dw_ = Factor(last.dw);
+      last.w_ = Factor(last.w);
+      last.dw_ = Factor(last.dw);
       const Factor h_(b.h);
       b.f = Number(constants<G, T>(tree, i).m) * last.a +
             (cross(last.dw_, h_) + cross(last.w_, Factor(cross(last.w_, h_))));
@@ -131,11 +133,15 @@ template <class G, class T> struct FastArticulatedBodies {
     for (int i = 1; i <= tree->n; ++i) {
       const Body& b = body[i];
       const int p = tree->parent[i];
-      if (p != i - 1) w = motion[p].w, dv = motion[p].a;
+      if (p != i - 1) {
+        w = motion[p].w;
+        dv = motion[p].a;
+      }
       if (is_hinge(tree, i)) [[likely]] {
         const Pivot& c = pivot[tree->first_screw[i]];
         const Number a_i = c.u - dot(c.K_m, w, c.K_f, dv);
-        dv += cross(Factor(w), Factor(b.r)), w += a_i * b.n;
+        dv += cross(Factor(w), Factor(b.r));
+        w += a_i * b.n;
         a[tree->iv[i]] = value(a_i);
       } else {
         dv += cross(Factor(w), Factor(b.r));
@@ -146,7 +152,10 @@ template <class G, class T> struct FastArticulatedBodies {
           a[tree->iv[i] + s - tree->first_screw[i]] = value(a_i);
         }
       }
-      if (tree->branches[i]) motion[i].w = w, motion[i].a = dv;
+      if (tree->branches[i]) {
+        motion[i].w = w;
+        motion[i].a = dv;
+      }
     }
   }
 
@@ -155,12 +164,17 @@ template <class G, class T> struct FastArticulatedBodies {
     Vector m{}, f{};
     for (int i = tree->n; i > 0; --i) {
       const Body& b = body[i];
-      if (tree->branches[i]) m += handed[i].m, f += handed[i].f, handed[i].m = handed[i].f = Vector{};
+      if (tree->branches[i]) {
+        m += handed[i].m;
+        f += handed[i].f;
+        handed[i].m = handed[i].f = Vector{};
+      }
       if (is_hinge(tree, i)) [[likely]] {
         Pivot& c = pivot[tree->first_screw[i]];
         const Number g = Number(x[tree->iv[i]]) - dot(b.n, m);
         c.u = c.D_inv * g;
-        m += cross(Factor(b.r), Factor(f)) + g * c.K_m, f += g * c.K_f;
+        m += cross(Factor(b.r), Factor(f)) + g * c.K_m;
+        f += g * c.K_f;
       } else {
         for (int s = tree->first_screw[i + 1]; s-- > tree->first_screw[i];) {
           Pivot& c = pivot[s];
@@ -171,7 +185,10 @@ template <class G, class T> struct FastArticulatedBodies {
         m += cross(Factor(b.r), Factor(f));
       }
       const int p = tree->parent[i];
-      if (p > 0 && p != i - 1) handed[p].m += m, handed[p].f += f;
+      if (p > 0 && p != i - 1) {
+        handed[p].m += m;
+        handed[p].f += f;
+      }
       if (p != i - 1 || p == 0) m = f = Vector{};
     }
     accelerate(tree, motion, x);
@@ -221,14 +238,19 @@ template <class G, class T> struct FastArticulatedBodies {
       if (tree->branches[i]) M += handed[i].M;
       if constexpr (forces) {
         m += b.m, f += b.f;
-        if (tree->branches[i]) m += handed[i].m, f += handed[i].f, handed[i].m = handed[i].f = Vector{};
+        if (tree->branches[i]) {
+          m += handed[i].m;
+          f += handed[i].f;
+          handed[i].m = handed[i].f = Vector{};
+        }
       }
       if (is_hinge(tree, i)) [[likely]] {
         [[maybe_unused]] Pivot& c = give_way_about_hinge(tree, i, tree.armature.data(), M);
         if constexpr (forces) {
           const Number g = Number(tau[tree->iv[i]]) - dot(b.n, m);
           c.u = c.D_inv * g;
-          m += cross(Factor(b.r), Factor(f)) + g * c.K_m, f += g * c.K_f;
+          m += cross(Factor(b.r), Factor(f)) + g * c.K_m;
+          f += g * c.K_f;
         }
       } else {
         give_way_along(tree, i, tree.armature.data(), M);
@@ -245,9 +267,15 @@ template <class G, class T> struct FastArticulatedBodies {
       const int p = tree->parent[i];
       if (p > 0 && p != i - 1) {
         handed[p].M += M;
-        if constexpr (forces) handed[p].m += m, handed[p].f += f;
+        if constexpr (forces) {
+          handed[p].m += m;
+          handed[p].f += f;
+        }
       }
-      if (p != i - 1 || p == 0) M = {}, m = f = Vector{};
+      if (p != i - 1 || p == 0) {
+        M = {};
+        m = f = Vector{};
+      }
     }
   }
 
@@ -267,12 +295,16 @@ template <class G, class T> struct FastArticulatedBodies {
       if (!reaches(i)) continue;
       const int p = tree->parent[i], first_screw = tree->first_screw[i], c = tree->iv[i];
       const Vec3<Several> r = vector(bodies[i].r);
-      if (tree->branches[i]) F.m += W[i].m, F.f += W[i].f;
+      if (tree->branches[i]) {
+        F.m += W[i].m;
+        F.f += W[i].f;
+      }
       if (is_hinge(tree, i)) [[likely]] {
         const Pivot& s = pivots[first_screw];
         const Several g = less(right_side(c), vector(bodies[i].n), F.m);
         u[first_screw] = value(s.D_inv) * g;
-        F.m = F.m + cross(r, F.f) + g * vector(s.K_m), F.f += g * vector(s.K_f);
+        F.m = F.m + cross(r, F.f) + g * vector(s.K_m);
+        F.f += g * vector(s.K_f);
       } else {
         with_count(
             tree->first_screw[i + 1] - first_screw, [&](auto n) __attribute__((always_inline)) {
@@ -297,7 +329,8 @@ template <class G, class T> struct FastArticulatedBodies {
         const Pivot& s = pivots[first_screw];
         const Several a = less(free(0), vector(s.K_m), X.m) - dot(vector(s.K_f), X.f);
         put(c, a);
-        X.m += a * vector(bodies[i].n), X.f = moved;
+        X.m += a * vector(bodies[i].n);
+        X.f = moved;
       } else {
         X.f = moved;
         with_count(
@@ -340,7 +373,8 @@ template <class G, class T> struct FastArticulatedBodies {
     unrolled<n>([&](auto l) { unrolled<l>([&](auto k) { a[l] = a[l] - S_K[s + k][l] * a[k]; }); });
     unrolled<n>([&](auto k) {
       put(k, a[k]);
-      X.m += a[k] * vector(c[k].w), X.f += a[k] * vector(c[k].v);
+      X.m += a[k] * vector(c[k].w);
+      X.f += a[k] * vector(c[k].v);
     });
   }
   /// Calls f(n) with n as a compile-time constant, the number of screws of a joint (1, 3 or 6), so that
@@ -389,8 +423,14 @@ template <class G, class T> struct FastArticulatedBodies {
     const auto at = axode::place<G>(tree, i, q, angles, last_R);
     Body& b = body[i];
     last_R = at.R;
-    b.n = at.R.z, b.r = at.r, b.h = at.R * Spread(body_i.h), b.Theta = rotate(at.R, body_i.Theta);
-    if (tree->branches[i]) R[i] = at.R, handed[i] = {};
+    b.n = at.R.z;
+    b.r = at.r;
+    b.h = at.R * Spread(body_i.h);
+    b.Theta = rotate(at.R, body_i.Theta);
+    if (tree->branches[i]) {
+      R[i] = at.R;
+      handed[i] = {};
+    }
     if (!is_hinge(tree, i)) R[i] = at.R;
   }
   /// The inertia of body i alone, before any elimination.
@@ -417,7 +457,9 @@ template <class G, class T> struct FastArticulatedBodies {
     const Vector K_m = D_inv * moved, K_f = D_inv * U_f;
     give_way(M, moved, U_f, K_m, K_f);
     Pivot& c = pivot[tree->first_screw[i]];
-    c.K_m = K_m, c.K_f = K_f, c.D_inv = D_inv;
+    c.K_m = K_m;
+    c.K_f = K_f;
+    c.D_inv = D_inv;
     return c;
   }
   /// Eliminates the screws of joint i, which may be of any kind. M becomes the inertia that the predecessor
@@ -432,10 +474,13 @@ template <class G, class T> struct FastArticulatedBodies {
       static_assert(n == 1 || n == 3 || n == 6, "with_count knows no other");
       for (int k = n; k-- > 0;) {
         const Screw<T> X = joint.column(k);
-        c[k].w = R[i] * Spread(Vector(X.w)), c[k].v = R[i] * Spread(Vector(X.v));
+        c[k].w = R[i] * Spread(Vector(X.w));
+        c[k].v = R[i] * Spread(Vector(X.v));
         const auto [U_m, U_f] = along_twist(M, c[k].w, c[k].v);
         const Number D = dot(c[k].w, U_m, c[k].v, U_f) + Number(T(armature[tree->iv[i] + k]));
-        c[k].D_inv = Number(T(1)) / D, c[k].K_m = c[k].D_inv * U_m, c[k].K_f = c[k].D_inv * U_f;
+        c[k].D_inv = Number(T(1)) / D;
+        c[k].K_m = c[k].D_inv * U_m;
+        c[k].K_f = c[k].D_inv * U_f;
         doubtful = doubtful || !(value(D) > floor_of(tree, tree->first_screw[i] + k));
         give_way(M, U_m, U_f, c[k].K_m, c[k].K_f);
       }
@@ -497,7 +542,8 @@ template <class T> struct FastForwardDynamics {
     sum_applied(tree, wrenches, C.C, W_app);
     for (int i = 1; i <= tree->n; ++i) {
       const SO3<T>& R = C[i].R;
-      bodies.body[i].m -= R * W_app[i].m, bodies.body[i].f -= R * W_app[i].f;
+      bodies.body[i].m -= R * W_app[i].m;
+      bodies.body[i].f -= R * W_app[i].f;
     }
   }
 };

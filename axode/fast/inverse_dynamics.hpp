@@ -57,7 +57,8 @@ template <class G, class T> struct FastInverseDynamics {
       if (is_hinge(tree, i)) [[likely]] {
         const T s = angles.sine[i - 1], c = angles.cosine[i - 1], dq = v[tree->iv[i]];
         const auto Rt = body_i.rows(s, c);
-        b.R = body_i.columns(s, c), b.r = Vector(body_i.r);
+        b.R = body_i.columns(s, c);
+        b.r = Vector(body_i.r);
         const Vector w = Rt * last.w_each;
         const Vector a_i = last.a + (cross(last.dw_, body_i.r_factor()) +
                                      cross(last.w_, Factor(cross(last.w_, body_i.r_factor()))));
@@ -127,7 +128,10 @@ template <class T> struct InverseDynamicsRecursion<Fast, T> {
       C[i] = C[tree->parent[i]] * SE3<T>{{b.R.x, b.R.y, b.R.z}, b.r};
     }
     sum_applied(tree, loads.wrenches, C.C, W_app);
-    for (int i = 1; i <= tree->n; ++i) fast.body[i].m -= W_app[i].m, fast.body[i].f -= W_app[i].f;
+    for (int i = 1; i <= tree->n; ++i) {
+      fast.body[i].m -= W_app[i].m;
+      fast.body[i].f -= W_app[i].f;
+    }
   }
   /// Writes the generalised forces τ, which may be the memory of v or a.
   void project(const Tree<T>& tree, const T* v, const T* a, bool joint_losses, T* tau) noexcept {

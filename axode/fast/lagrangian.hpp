@@ -66,7 +66,8 @@ template <class T> struct FastLagrangian {
       if (is_hinge(tree, i)) [[likely]] {
         const T s = angles.sine[i - 1], c = angles.cosine[i - 1];
         const auto Rt = body_i.rows(s, c);
-        b.R = body_i.columns(s, c), b.r = Vector(body_i.r);
+        b.R = body_i.columns(s, c);
+        b.r = Vector(body_i.r);
         const Vector w = Rt * Spread(last.w);
         last.v = Rt * Spread(last.v + cross(Factor(last.w), body_i.r_factor()));
         last.g = Rt * Spread(last.g);
@@ -87,7 +88,8 @@ template <class T> struct FastLagrangian {
       const Factor& h = body_i.h_factor();
       b.l = Theta * Spread(last.w) + cross(h, Factor(last.v));
       b.p = body_i.m * last.v + cross(Factor(last.w), h);
-      b.m = cross(h, Factor(last.g)), b.f = body_i.m * last.g;
+      b.m = cross(h, Factor(last.g));
+      b.f = body_i.m * last.g;
       if (tree->branches[i]) motion[i] = last;
     }
   }
@@ -98,7 +100,10 @@ template <class T> struct FastLagrangian {
       C[i] = C[tree->parent[i]] * SE3<T>{{b.R.x, b.R.y, b.R.z}, b.r};
     }
     sum_applied(tree, wrenches, C.C, W_app);
-    for (int i = 1; i <= tree->n; ++i) body[i].m += W_app[i].m, body[i].f += W_app[i].f;
+    for (int i = 1; i <= tree->n; ++i) {
+      body[i].m += W_app[i].m;
+      body[i].f += W_app[i].f;
+    }
   }
   void backward(const Tree<T>& tree, T* p_out, T* f_out) noexcept {
     Vector l{}, p{}, m{}, f{};  // momentum and wrench from body i + 1, if body i is its predecessor
