@@ -14,9 +14,9 @@ namespace axode {
 /// bodies, where the screw of a hinge is (n; 0). Bias forces are computed from the classical accelerations
 /// for zero joint accelerations.
 ///
-/// The elimination of a hinge gives the predecessor the inertia M' = Ad_rᵀ M Ad_r - K Ûᵀ with U = M S, D = Sᵀ
-/// U + armature, Û = Ad_rᵀ U, K = Û / D, so that the division and the congruence depend on M alone. The
-/// velocities of a joint with several degrees of freedom are eliminated one after the other.
+/// The elimination of a hinge gives the predecessor the inertia M' = Ad_rᵀ M Ad_r - K Ûᵀ with U = M S,
+/// D = Sᵀ U + armature, Û = Ad_rᵀ U, K = Û / D, so that the division and the congruence depend on M alone.
+/// The velocities of a joint with several degrees of freedom are eliminated one after the other.
 template <class G, class T> struct FastArticulatedBodies {
   using Number = typename G::Number;
   using Vector = typename G::Vector;

@@ -6,8 +6,8 @@
 namespace axode {
 
 /// The recursive Newton-Euler algorithm on the classical accelerations r'' of the bodies' origins, in the
-/// axes of the internal frames. It does not need linear velocities: with R, r of C_{p,i} and (ω_J; v_J) = S
-/// v, (α_J; a_J) = S a,
+/// axes of the internal frames. It does not need linear velocities: with R, r of C_{p,i} and
+/// (ω_J; v_J) = S v, (α_J; a_J) = S a,
 ///   ω_i = Rᵀ ω_p + ω_J,   ω'_i = Rᵀ ω'_p + Rᵀ ω_p × ω_J + α_J,
 ///   r''_i = Rᵀ (r''_p + ω'_p × r + ω_p × (ω_p × r)) + (Rᵀ ω_p + ω_i) × v_J + a_J.
 /// It takes about 150 products and sums per hinge.

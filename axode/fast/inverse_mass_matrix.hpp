@@ -4,9 +4,9 @@
 namespace axode {
 
 /// M⁻¹ from M = LᵀDL for states in SIMD lanes. On trees with short paths this takes fewer operations than
-/// articulated bodies, and few digits are lost. L has an entry L_ci only if velocity i moves c along, and X =
-/// L⁻ᵀ has the transposed pattern; M⁻¹_ij = Σ_k X_ki X_kj / D_k, summed over the velocities k that move both
-/// i and j. O(n d²) for a tree of depth d.
+/// articulated bodies, and few digits are lost. L has an entry L_ci only if velocity i moves c along, and
+/// X = L⁻ᵀ has the transposed pattern; M⁻¹_ij = Σ_k X_ki X_kj / D_k, summed over the velocities k that move
+/// both i and j. O(n d²) for a tree of depth d.
 template <class T> struct FastInverseMassMatrix {
   static constexpr int longest_path = 16;
   static constexpr int most_velocities = 64;

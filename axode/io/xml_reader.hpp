@@ -29,7 +29,7 @@ struct Grammar {
 /// A format: its names in messages, and its grammar.
 struct XmlFormat {
   std::string_view a_file;  ///< `a URDF`
-  std::string_view root;    ///< its root element
+  std::string_view root;    ///< name of the root element
   std::span<const Grammar> grammar;
 };
 
@@ -56,6 +56,7 @@ class XmlReader {
   void ignore(std::string what, int line);
   /// Notes one warning for each kind of thing that was ignored.
   void report_ignored();
+  /// ` (3 times, first here)` for a message; empty for 1.
   static std::string times(int count) {
     return count > 1 ? " (" + std::to_string(count) + " times, first here)" : "";
   }

@@ -17,7 +17,7 @@ template <class T> constexpr Inertia<T> operator+(const Inertia<T>& a, const Ine
 template <class T> constexpr Inertia<T>& operator+=(Inertia<T>& a, const Inertia<T>& b) { return a = a + b; }
 
 /// Inertia in a body frame from the mass, the centre of mass c in that frame and Θ_c about the centre of
-/// mass, given in axes rotated by R_bc against the body frame (eqs. Mbc, Mb: the parallel-axis theorem).
+/// mass, given in axes rotated by R_bc relative to the body frame (eqs. Mbc, Mb: the parallel-axis theorem).
 template <class T>
 constexpr Inertia<T> inertia_from_com(const T& m, const Vec3<T>& c, const Sym3<T>& Theta_c,
                                       const SO3<T>& R_bc = {}) {

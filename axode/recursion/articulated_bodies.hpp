@@ -134,8 +134,8 @@ template <class Rep, class T> struct ArticulatedBodies {
     push(tree, x);
   }
 
-  /// The backward sweep of a solution, from the leaves to the roots: u = L⁻ᵀ x for all velocities, with M =
-  /// Lᵀ D L. each_pivot() reads u.
+  /// The backward sweep of a solution, from the leaves to the roots: u = L⁻ᵀ x for all velocities, with
+  /// M = Lᵀ D L. each_pivot() reads u.
   template <TreeOf<T> AnyTree> void pull(const AnyTree& tree, const T* x) noexcept {
     for (int i = 0; i <= tree->n; ++i) W[i] = {};
     for (int t = 0; t < tree->ties.begin[tree->n + 1]; ++t) u_tie[t] = T(0);
@@ -251,8 +251,8 @@ template <class Rep, class T> struct ArticulatedBodies {
     U_tie[own] += MS;
     fed_tie[own] += F[i] * S[s] | S[s];
   }
-  /// Eliminates the velocity of screw s of body i and updates the ties that go on to the predecessor. G = F
-  /// S, and `size` is the magnitude of the numbers from which D is computed.
+  /// Eliminates the velocity of screw s of body i and updates the ties that go on to the predecessor.
+  /// G = F S, and `size` is the magnitude of the numbers from which D is computed.
   template <class AnyTree>
   void release(const AnyTree& tree, int i, int s, const Wrench<Rep, T>& G, const T& size) noexcept {
     const Topology::Ties& ties = tree->ties;

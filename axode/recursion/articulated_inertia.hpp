@@ -35,9 +35,9 @@ template <class Rep, class T> constexpr ArticulatedInertia<Rep, T> size_of(const
   const T t = trace(M.Theta), o(0);
   return {{t, t, t, o, o, o}, {}, {M.m, M.m, M.m, o, o, o}};
 }
-/// Updates the magnitudes F for the elimination of a screw S: F becomes its congruence with V -> V - (Uᵀ V /
-/// D) S, plus the magnitude of the U Uᵀ / D that is subtracted from M. G = F S, and f is Sᵀ G plus the
-/// magnitude of what moves with S and is not part of this body, such as the armature.
+/// Updates the magnitudes F for the elimination of a screw S: F becomes its congruence with
+/// V -> V - (Uᵀ V / D) S, plus the magnitude of the U Uᵀ / D that is subtracted from M. G = F S, and f is
+/// Sᵀ G plus the magnitude of what moves with S and is not part of this body, such as the armature.
 template <class Rep, class T>
 constexpr void follow(ArticulatedInertia<Rep, T>& F, const Wrench<Rep, T>& G, const T& f,
                       const Wrench<Rep, T>& U, const T& D) {

@@ -153,8 +153,7 @@ template <class T> struct Link<Mixed, T> {
         C_pi.r, ArticulatedInertia<Mixed, T>{rotate(C_pi.R, M.A), (C_pi.R * M.B) * R_p, rotate(Rt_p, M.L)});
     return {M_p.A, M_p.B * Rt_p, M.L};
   }
-  /// The hybrid bias with the angular part in body axes. As (Rᵀ)' ω^s = -ω × ω = 0, the angular part is ω_i ×
-  /// (S v).
+  /// The hybrid bias with the angular part in body axes, which is ω_i × (S v) because (Rᵀ)' ω^s = -ω × ω = 0.
   constexpr TwistRate<Mixed, T> bias(const Twist<Mixed, T>& V_p, const Twist<Mixed, T>& V,
                                      const Twist<Mixed, T>& Sv) const {
     Noted<T>{ScrewOperation::bracket};

@@ -8,9 +8,9 @@ namespace axode {
 
 /// Factorises M = LᵀDL in place. `fed` is the magnitude of the inertia of each velocity, against which
 /// rounding in its pivot is compared. A pivot is D_c = zᵀ M z, where z_c = 1 and z_k are the responses of the
-/// later velocities, on which no forces act. Hence the rounding errors of D_c are compared with (Σ |z_k|
-/// √fed_k)². If the judge evaluates this magnitude, it costs another O(n d²) for a tree of depth d, and z is
-/// stored above the diagonal of H.
+/// later velocities, on which no forces act. Hence the rounding errors of D_c are compared with
+/// (Σ |z_k| √fed_k)². If the judge evaluates this magnitude, it costs another O(n d²) for a tree of depth d,
+/// and z is stored above the diagonal of H.
 template <class T, class Judge>
 void factorize(const Tree<T>& tree, const T* fed, T* H, Judge& judge) noexcept {
   const int nv = tree->nv;

@@ -20,7 +20,7 @@ struct FoundMesh {
 /// or, if the description comes from no file, to the working directory.
 FoundMesh find_mesh(const std::string& name, const Source& told_in);
 
-inline constexpr std::size_t largest_mesh = std::size_t{64} << 20;  ///< bytes
+inline constexpr std::size_t largest_mesh = std::size_t{64} << 20;  ///< largest size of a file, bytes
 
 /// The contents of the file of a mesh, or a sentence that says what is wrong with it. A reader can rely on
 /// these checks: the vertices are finite, the file has as many of them as it declares, and it refers to no

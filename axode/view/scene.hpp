@@ -26,7 +26,8 @@ struct SceneOptions {
   std::string live = {};    ///< address of a stream of events with states for the page; may be empty
 };
 
-inline constexpr std::size_t largest_meshes = std::size_t{256} << 20;  ///< bytes of all meshes of a scene
+/// Largest number of bytes of all mesh files of a scene together. Meshes beyond it are not shown.
+inline constexpr std::size_t largest_meshes = std::size_t{256} << 20;
 /// Largest number of numbers of a motion in a scene. Of a longer motion only every second, third, ... state
 /// is shown.
 inline constexpr std::size_t longest_motion = 1'000'000;
