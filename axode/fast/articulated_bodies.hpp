@@ -39,6 +39,8 @@ template <class G, class T> struct FastArticulatedBodies {
     Articulated M;
     Vector m, f;
   };
+  /// The motion of a body for zero joint accelerations: ω, ω' and r'', also as factors of cross products.
+  /// accelerate() uses w and a for the part of the acceleration that is due to joint accelerations.
   struct Motion {
     Vector w, dw, a;
     Factor w_, dw_;
@@ -56,7 +58,7 @@ template <class G, class T> struct FastArticulatedBodies {
   Handed* handed;         ///< contributions of children, for bodies with `branches`
   Pivot* pivot;           ///< one for each joint screw
   std::array<T, 6>* S_K;  ///< S_k | K_l of each joint screw k with later screws l of its joint
-  decltype(T() < T()) doubtful{};  ///< whether a pivot D is so small that M may be singular
+  decltype(T() < T()) doubtful{};  ///< whether M may be singular; factorize() sets it and does not reset it
 
   explicit FastArticulatedBodies(Arena& arena)
       : angles(arena),

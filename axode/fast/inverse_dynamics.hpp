@@ -32,8 +32,9 @@ template <class G, class T> struct FastInverseDynamics {
           dw_(dw) {}
   };
   struct Body {
-    Matrix R;
-    Vector r, m, f;
+    Matrix R;     ///< rotation relative to the predecessor
+    Vector r;     ///< vector from the origin of the predecessor, in its axes
+    Vector m, f;  ///< wrench on the body
   };
   JointAngles<T> angles;
   Motion* motion;

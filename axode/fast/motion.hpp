@@ -30,6 +30,7 @@ template <class T, bool rates, class G = typename FastGeometry<T>::type> struct 
 
   explicit FastMotion(Arena& arena) : angles(arena), body(arena.per_body<Body>()) {}
 
+  /// Computes the motion of all bodies; `a` is used only if `rates`.
   void run(const Tree<T>& tree, const T* q, const T* v, const T* a = nullptr) noexcept {
     angles.run(tree, q);
     Body last{{Matrix(SO3<T>{}), {}}, {}, {}, {}, {}};
@@ -120,6 +121,7 @@ template <class T, bool rates, class G = typename FastGeometry<T>::type> struct 
 
   explicit FastBodyFixedMotion(Arena& arena) : angles(arena), body(arena.per_body<Body>()) {}
 
+  /// Computes the motion of all bodies; `a` is used only if `rates`.
   void run(const Tree<T>& tree, const T* q, const T* v, const T* a = nullptr) noexcept {
     angles.run(tree, q);
     Body last{};

@@ -77,6 +77,7 @@ template <class T, class G = typename FastGeometry<T>::type> struct FastPoses {
 
   explicit FastPoses(Arena& arena) : angles(arena), branch(arena.per_body<Placed<G>>()) {}
 
+  /// Computes the poses at q and calls put() for bodies 1 to n, in this order.
   template <From from = From::inertial_frame, class S, class Put>
   [[gnu::always_inline]] void run(const Tree<S>& tree, const T* q, Put&& put) noexcept {
     using Vector = typename G::Vector;

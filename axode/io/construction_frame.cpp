@@ -44,6 +44,8 @@ SE3<> given_frame(const Geometry& geometry) {
   return frames == nullptr ? SE3<>{} : frames->S_self;
 }
 
+/// Writes axis and point of a joint in the construction frame, and the geometry of its body as the pose A,
+/// unless the joint has to keep its joint frames.
 void move_joint(BodyDescription& body, const Placement& at) {
   JointDescription& joint = body.joint;
   if (!traits(joint.kind).axis && !traits(joint.kind).point) {
@@ -71,6 +73,7 @@ void move_joint(BodyDescription& body, const Placement& at) {
   body.geometry = InConstructionFrame{clean(at.A)};
 }
 
+/// Writes the inertia of a body with the pose A in the construction frame, about the centre of mass.
 void move_inertia(MassProperties& given, const SE3<>& A) {
   if (given.in == GivenIn::construction_frame) return;
   given.in = GivenIn::construction_frame;

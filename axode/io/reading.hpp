@@ -17,6 +17,7 @@ struct Reading {
   Description description;
   std::vector<Fault> faults;
 };
+/// Read the text of a drawing, a parsed drawing, a URDF and an SDF file; `file` is its name in messages.
 Reading read_drawing(std::string_view text, const std::string& file, Strictness strictness);
 Reading read_drawing(const toml::Value& drawing, const std::string& file, Strictness strictness);
 Reading read_urdf(std::string_view text, const std::string& file, Strictness strictness);
@@ -29,6 +30,7 @@ std::string_view root_element(std::string_view text);
 /// and a joint that follows one which does not exist moves on its own.
 void forgive(Reading& reading);
 
+/// Whether one of the faults is an error, not a warning.
 bool has_error(const std::vector<Fault>& faults);
 
 /// The description, with the faults of the reader as its warnings. Throws ModelError if one of them is an

@@ -31,6 +31,7 @@ class Unsaid {
   void throw_errors(std::string_view model) {
     if (has_error(faults_)) throw ModelError(model, std::move(faults_));
   }
+  /// The warnings, after throw_errors().
   std::vector<Fault> warnings() && { return std::move(faults_); }
 
  private:

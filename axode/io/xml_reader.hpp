@@ -66,6 +66,7 @@ class XmlReader {
   const XMLElement* parse(tinyxml2::XMLDocument& document);
 
   static std::string tag(const XMLElement& e) { return '<' + std::string(e.Name()) + '>'; }
+  /// The grammar of an element; null if the format does not know it.
   const Grammar* grammar_of(std::string_view element) const;
   /// Whether something was ignored whose description begins like this.
   bool is_ignored(std::string_view beginning) const;
@@ -111,6 +112,7 @@ class XmlReader {
   /// All numbers in a text, however many; empty, with a note, if one of them is wrong.
   std::optional<std::vector<double>> numbers(std::string_view text, const std::string& what,
                                              const std::string& owner, int line, Severity severity);
+  /// Notes that a text has another count of numbers than `needed`, which is a phrase such as `6 numbers`.
   void wrong_count(std::string_view text, const std::string& what, const std::string& needed,
                    std::size_t count, const std::string& owner, int line, Severity severity);
 

@@ -10,6 +10,7 @@ namespace axode::io::xml {
 
 inline std::string text(double x) { return to_text(x == 0 ? 0.0 : x); }  // -0 becomes 0
 inline std::string text(const Vec3<>& a) { return text(a.x) + " " + text(a.y) + " " + text(a.z); }
+/// The text with escapes for the characters that an attribute must not contain.
 inline std::string text(std::string_view s) {
   std::string out;
   for (const char c : s) {

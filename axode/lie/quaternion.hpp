@@ -11,6 +11,7 @@ template <class T> constexpr Quaternion<T> operator*(const Quaternion<T>& a, con
   return {a.w * b.x + a.x * b.w + a.y * b.z - a.z * b.y, a.w * b.y - a.x * b.z + a.y * b.w + a.z * b.x,
           a.w * b.z + a.x * b.y - a.y * b.x + a.z * b.w, a.w * b.w - a.x * b.x - a.y * b.y - a.z * b.z};
 }
+/// The inverse rotation of a unit quaternion.
 template <class T> constexpr Quaternion<T> conjugate(const Quaternion<T>& a) {
   return {-a.x, -a.y, -a.z, a.w};
 }

@@ -17,6 +17,7 @@ template <class T = double> struct ScrewAxis {
 /// Plücker coordinates of a line: the direction e and the moment p × e.
 template <class T = double> struct PlueckerLine { Vec3<T> e, moment; };
 
+/// The line of a screw axis with a finite pitch.
 template <class T> constexpr PlueckerLine<T> pluecker(const ScrewAxis<T>& axis) {
   return {axis.e, cross(axis.p, axis.e)};
 }

@@ -12,11 +12,14 @@ template <class T = double> struct SE3 {
   Vec3<T> r;
 };
 
+/// The composition A B: if B is the pose of a frame relative to the frame that A poses, A B is relative to
+/// the reference frame of A.
 template <class T> constexpr SE3<T> operator*(const SE3<T>& A, const SE3<T>& B) {
   return {A.R * B.R, A.r + A.R * B.r};
 }
 /// Coordinates in the reference frame of the point with coordinates p in the posed frame.
 template <class T> constexpr Vec3<T> operator*(const SE3<T>& C, const Vec3<T>& p) { return C.r + C.R * p; }
+/// C⁻¹, the pose of the reference frame relative to the posed frame.
 template <class T> constexpr SE3<T> inverse(const SE3<T>& C) {
   const SO3<T> Rt = transpose(C.R);
   return {Rt, -(Rt * C.r)};

@@ -19,6 +19,8 @@ Inertia<> about_center(double mass, double xx, double yy, double zz) {
   return {mass, {}, {xx, yy, zz, 0, 0, 0}};
 }
 
+/// Throws std::invalid_argument if a vertex is not finite, if a face has an index without a vertex, or if the
+/// mesh is not closed.
 void check_closed(std::span<const Vec3<>> vertices, std::span<const std::array<int, 3>> faces) {
   for (const Vec3<>& x : vertices)
     if (!std::isfinite(x.x + x.y + x.z))
@@ -67,6 +69,7 @@ Moments moments(std::span<const Vec3<>> vertices, std::span<const std::array<int
   return sum;
 }
 
+/// The moments about the first vertex of a mesh, after all checks of mesh_volume().
 Moments checked_moments(std::span<const Vec3<>> vertices, std::span<const std::array<int, 3>> faces) {
   check_closed(vertices, faces);
   const Moments sum = moments(vertices, faces, vertices.empty() ? Vec3<>{} : vertices[0]);

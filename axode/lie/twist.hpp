@@ -33,6 +33,7 @@ inline constexpr std::array<std::pair<std::string_view, Representation>, 4> repr
      {"spatial", Representation::spatial},
      {"hybrid", Representation::hybrid},
      {"mixed", Representation::mixed}}};
+/// The name of a representation.
 constexpr std::string_view word_for(Representation representation) {
   return representations[static_cast<std::size_t>(representation)].first;
 }

@@ -55,6 +55,7 @@ template <class T> struct BodyPoses {
   explicit BodyPoses(Arena& arena) : C(arena.per_body<SE3<T>>()) {}
   BodyPoses(Arena& arena, const Tree<T>& tree, const T* q) noexcept : BodyPoses(arena) { run(tree, q); }
 
+  /// Computes the poses at q.
   void run(const Tree<T>& tree, const T* q) noexcept {
     joint_poses(tree, q, C);
     run(tree, C);
@@ -94,6 +95,7 @@ template <class Rep, class T> struct BodyLinks {
         origin(arena.per_body<Vec3<T>>()),
         link(arena.per_body<Link<Rep, T>>()) {}
 
+  /// Computes the links at q and returns them; entry 0 is the ground.
   template <TreeOf<T> AnyTree> Link<Rep, T>* run(const AnyTree& tree, const T* q) noexcept {
     joint_poses(tree, q, C_pi);
     move_to_roots(*tree.operator->(), C_pi, origin);
@@ -154,6 +156,7 @@ template <class Rep, class T> struct TreeMotion {
   BodyMotion<Rep, T> bodies;
 
   explicit TreeMotion(Arena& arena) : joints(arena), bodies(arena) {}
+  /// Computes the motion; ground_acceleration (m/s²) is the linear part of V'_0.
   template <TreeOf<T> AnyTree>
   void run(const AnyTree& tree, const T* q, const T* v, const T* a,
            const Vec3<T>& ground_acceleration = {}) const noexcept {

@@ -51,6 +51,7 @@ template <class T> class PivotJudge {
     singular_velocity_ = c;
     not_finite_ = !(pivot - pivot < T(1));
   }
+  /// The result of all checks. If the first pivot that counts as 0 is NaN or infinite, it is not_finite.
   Solvability verdict(const Topology& topology) const {
     if (not_finite_) return {.not_finite = true};
     return {.singular_body = singular_velocity_ < 0 ? 0 : body_of_velocity(topology, singular_velocity_)};

@@ -33,6 +33,7 @@ template <class T> struct SpatialTree {
         J(arena.per_screw<Twist<Spatial, T>>()) {}
   SpatialTree(Arena& arena, const Tree<T>& tree, const T* q) noexcept : SpatialTree(arena) { run(tree, q); }
 
+  /// Computes all members at q.
   template <TreeOf<T> AnyTree> void run(const AnyTree& t, const T* q) noexcept {
     topology = t.operator->();
     links.run(t, q);
@@ -82,6 +83,7 @@ template <class T> struct SubtreeMomenta {
   explicit SubtreeMomenta(Arena& arena)
       : V(arena.per_body<Twist<Spatial, T>>()), Pi(arena.per_body<Momentum<Spatial, T>>()) {}
 
+  /// Computes twists and momenta for the velocities v at the configuration of s.
   void run(const SpatialTree<T>& s, const T* v) noexcept {
     s.twists(v, V);
     for (int i = 0; i <= s.topology->n; ++i) Pi[i] = s.M_body[i] * V[i];

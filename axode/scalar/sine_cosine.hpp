@@ -55,6 +55,7 @@ template <class S, std::size_t N>
   return result;
 }
 
+/// Sine and cosine of all lanes at once.
 template <class S, std::size_t N>
 [[gnu::always_inline]] inline SineCosine<Batch<S, N>> sine_cosine(const Batch<S, N>& x) {
   namespace reduced = reduced_angle;
@@ -82,6 +83,7 @@ template <class S, std::size_t N>
 template <class S, std::size_t N> Batch<S, N> sin(const Batch<S, N>& x) { return sine_cosine(x).sine; }
 template <class S, std::size_t N> Batch<S, N> cos(const Batch<S, N>& x) { return sine_cosine(x).cosine; }
 
+/// Sine and cosine of a scalar without a function for both.
 template <class T> SineCosine<T> sine_cosine(const T& x) { return {sin(x), cos(x)}; }
 
 /// Number of lanes of one SIMD register of the processor that the code is compiled for.

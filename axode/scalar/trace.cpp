@@ -44,6 +44,7 @@ Tape& Tape::of_this_thread() {
   if (!current) throw std::logic_error("a Trace is computed with where there is no Tape");
   return *current;
 }
+/// The node of an operation, which is appended to the tape if it is new.
 int Tape::record(const Node& node) {
   Tape& tape = of_this_thread();
   const auto [at, is_new] = tape.known_.try_emplace(node, static_cast<int>(tape.nodes_.size()));

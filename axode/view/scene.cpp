@@ -59,6 +59,7 @@ Json json_of(const Joint& joint) {
           {"limits", limits},     {"passive", joint.passive}};
 }
 
+/// The ground and the bodies with their joints and inertias (about the centre of mass).
 Json bodies_of(const Model& model) {
   Json bodies = Json::array({{{"name", "ground"}}});
   for (int i = 1; i <= model.n_bodies(); ++i) {
@@ -78,6 +79,7 @@ Json bodies_of(const Model& model) {
   return bodies;
 }
 
+/// The frames other than those of the ground and the bodies.
 Json frames_of(const Model& model) {
   Json frames = Json::array();
   for (const Frame& frame : model.frames().subspan(static_cast<std::size_t>(model.n_bodies()) + 1))
@@ -85,6 +87,7 @@ Json frames_of(const Model& model) {
   return frames;
 }
 
+/// The loop joints, without couplings, with the pose of each end in the frame of its body.
 Json loops_of(const Model& model) {
   Json loops = Json::array();
   for (const Loop& loop : model.loops().all) {

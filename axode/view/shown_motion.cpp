@@ -15,6 +15,7 @@ namespace {
 
 using Row = std::span<const double>;
 
+/// Row k of numbers that are stored row by row.
 Row row(const std::vector<double>& rows, std::size_t k, int width) {
   return Row(rows).subspan(k * static_cast<std::size_t>(width), static_cast<std::size_t>(width));
 }

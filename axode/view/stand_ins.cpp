@@ -59,6 +59,7 @@ Places places_of(const Model& model) {
   return places;
 }
 
+/// A capsule from one point to another, with a radius of a sixth of its length, but at most `thickest`.
 ShapeDescription capsule(const Vec3<>& from, const Vec3<>& to, double thickest) {
   ShapeDescription shape{.kind = ShapeKind::capsule, .length = norm(to - from)};
   shape.pose = {rotation_to((1 / shape.length) * (to - from)), 0.5 * (from + to)};
