@@ -29,9 +29,10 @@ from weakref import WeakKeyDictionary
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from . import lie, mujoco_model, signatures
+from . import coordinates, lie, mujoco_model, signatures
 from ._axode import Model
 from ._axode import load_dict as _load_dict
+from .coordinates import NUMPY
 
 __all__ = ["from_mujoco", "from_pinocchio", "model_from_mujoco", "to_mujoco", "to_pinocchio"]
 
@@ -205,15 +206,10 @@ class _SlidesAndHinge(_Coding):
         super().__init__([1, 2, 0], [1, 2, 0])
 
     def v_there(self, q: Array, v: Array) -> Array:
-        return super().v_there(q, self._turned(q[:, 0], v))
+        return super().v_there(q, coordinates.rates(NUMPY, "planar", q, v))
 
     def v_here(self, q: Array, there: Array) -> Array:
-        return self._turned(-q[:, 0], super().v_here(q, there))
-
-    @staticmethod
-    def _turned(angle: Array, v: Array) -> Array:
-        c, s = np.cos(angle), np.sin(angle)
-        return np.column_stack([v[:, 0], c * v[:, 1] - s * v[:, 2], s * v[:, 1] + c * v[:, 2]])
+        return np.asarray(coordinates.velocities(NUMPY, "planar", q, super().v_here(q, there)))
 
 
 class _FreeBody(_Coding):
@@ -226,21 +222,21 @@ class _FreeBody(_Coding):
     def q_there(self, q: Array) -> Array:
         self._check(q)
         Q = lie.quaternion_product(self.Q, q[:, :4])
-        return super().q_there(np.hstack([Q, self.r + _rotated(self.Q, q[:, 4:])]))
+        return super().q_there(np.hstack([Q, self.r + coordinates.turned(NUMPY, self.Q, q[:, 4:])]))
 
     def q_here(self, there: Array) -> Array:
         pose = super().q_here(there)
         self._check(pose)
         Q = lie.quaternion_product(_inverse(self.Q), pose[:, :4])
-        return np.hstack([Q, _rotated(_inverse(self.Q), pose[:, 4:] - self.r)])
+        return np.hstack([Q, coordinates.turned_back(NUMPY, self.Q, pose[:, 4:] - self.r)])
 
     def v_there(self, q: Array, v: Array) -> Array:
         Q = lie.quaternion_product(self.Q, q[:, :4])
-        return super().v_there(q, np.hstack([v[:, :3], _rotated(Q, v[:, 3:])]))
+        return super().v_there(q, np.hstack([v[:, :3], coordinates.turned(NUMPY, Q, v[:, 3:])]))
 
     def v_here(self, q: Array, there: Array) -> Array:
         Q, v = lie.quaternion_product(self.Q, q[:, :4]), super().v_here(q, there)
-        return np.hstack([v[:, :3], _rotated(_inverse(Q), v[:, 3:])])
+        return np.hstack([v[:, :3], coordinates.turned_back(NUMPY, Q, v[:, 3:])])
 
     def _check(self, pose: Array) -> None:
         _check_length(np.linalg.norm(pose[:, :4], axis=1), f'the quaternion of joint "{self.joint}"')
@@ -248,10 +244,6 @@ class _FreeBody(_Coding):
 
 def _inverse(Q: Array) -> Array:
     return np.asarray(Q * [-1, -1, -1, 1])
-
-
-def _rotated(Q: Array, v: Array) -> Array:
-    return np.asarray((lie.rotation(Q) @ v[..., None])[..., 0])
 
 
 def _check_length(length: Array, what: str) -> None:

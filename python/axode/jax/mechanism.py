@@ -12,6 +12,7 @@ import jax.numpy as jnp  # type: ignore[import-not-found, unused-ignore]
 import numpy as np
 from numpy.typing import NDArray
 
+from .. import coordinates
 from .._axode import Model
 from .._axode import jax as _jax
 
@@ -86,38 +87,20 @@ class Mechanism:
         return rates
 
     def _coordinates(self, m: Model) -> None:
-        """Where the numbers of joints are, by what their rates are to velocities."""
-        rotations: list[tuple[int, int]] = []  # the first coordinate and velocity of each
-        positions: list[tuple[int, int, int]] = []  # of the quaternion, and the position in q and v
-        planes: list[tuple[int, int]] = []
-        plain: list[tuple[int, int]] = []
+        """Groups the joints by kind: the places of their numbers in q and in v, (joints, numbers)."""
+        places: dict[str, list[tuple[range, range]]] = {}
         for joint in m.joints:
-            q, v = joint.q.start, joint.v.start
-            if joint.q.stop == q:
-                continue
-            if joint.kind in ("spherical", "free"):
-                rotations.append((q, v))
-            if joint.kind == "free":
-                positions.append((q, q + 4, v + 3))
-            elif joint.kind == "planar":
-                planes.append((q, v))
-            elif joint.kind != "spherical":
-                plain += [(q + k, v + k) for k in range(joint.q.stop - q)]
-
-        def runs(first: list[int], length: int) -> NDArray[np.int_]:
-            return np.array(first, dtype=int)[:, None] + np.arange(length)
-
-        self.plain_q, self.plain_v = (np.array([pair[k] for pair in plain], dtype=int) for k in (0, 1))
-        self.turn_q, self.turn_v = runs([q for q, _ in rotations], 4), runs([v for _, v in rotations], 3)
-        self.base_q = runs([q for q, _, _ in positions], 4)
-        self.place_q, self.place_v = (runs([each[k] for each in positions], 3) for k in (1, 2))
-        self.plane_q, self.plane_v = (runs([pair[k] for pair in planes], 3) for k in (0, 1))
-        self.from_parts_v = np.argsort(np.concatenate(
-            [self.plain_v, *(each.ravel() for each in (self.turn_v, self.place_v, self.plane_v))]))
-        self.from_parts_q = np.argsort(np.concatenate(
-            [self.plain_q, *(each.ravel() for each in (self.turn_q, self.place_q, self.plane_q))]))
+            q, v = (range(of.start, of.stop) for of in (joint.q, joint.v))
+            if joint.kind in ("planar", "spherical", "free"):
+                places.setdefault(joint.kind, []).append((q, v))
+            else:
+                places.setdefault("plain", []).extend((range(i, i + 1), range(j, j + 1)) for i, j in zip(q, v))
+        self.joints: list[tuple[str, NDArray[np.int_], NDArray[np.int_]]] = [
+            (kind, np.array([q for q, _ in joints]), np.array([v for _, v in joints])) for kind, joints in places.items()]
+        self.q_order = np.argsort([k for _, at, _ in self.joints for k in at.ravel()])
+        self.v_order = np.argsort([k for _, _, at in self.joints for k in at.ravel()])
         #: whether v is dq/dt
-        self.is_vector = self.plain_v.size == self.nv and bool(np.all(self.plain_q == self.plain_v))
+        self.is_vector = set(places) <= {"plain"}
 
 
 _of_models: weakref.WeakKeyDictionary[Model, Mechanism] = weakref.WeakKeyDictionary()
@@ -138,88 +121,40 @@ def mechanism_of(m: Model, still: bool = False) -> Mechanism:
     return found
 
 
-# Products of vectors and of quaternions, and R |a|^2 of a quaternion a, as linear maps: XLA compiles few operations quickly.
+# The vector product as a linear map: XLA compiles few operations quickly.
 _CROSS = np.zeros((3, 3, 3))
 for _i, _j, _k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
     _CROSS[_i, _j, _k], _CROSS[_i, _k, _j] = 1, -1  # [of the result, of a, of b]
-_QUATERNION = np.zeros((4, 4, 4))
-_QUATERNION[:3, :3, :3] = _CROSS
-_QUATERNION[3] = np.diag([-1, -1, -1, 1])
-_QUATERNION[np.arange(3), 3, np.arange(3)] = _QUATERNION[np.arange(3), np.arange(3), 3] = 1
-_CONJUGATE = np.diag([-1.0, -1, -1, 1])
-#: [of the row, of the column, of a, of a]: R r = Im(a (r; 0) a*)
-_ROTATION = np.einsum("ipm,pnj,mk->ijnk", _QUATERNION[:3], _QUATERNION[:, :, :3], _CONJUGATE)
-
-
-def _bilinear(table: NDArray[np.float64], a: Array, b: Array) -> Array:
-    n, k, l = table.shape
-    rows = (a @ np.moveaxis(table, 1, 0).reshape(k, n * l).astype(a.dtype)).reshape(*a.shape[:-1], n, l)
-    return jnp.sum(rows * b[..., None, :], axis=-1)
 
 
 def cross(a: Array, b: Array) -> Array:
     """a x b."""
-    return _bilinear(_CROSS, a, b)
+    rows = (a @ np.moveaxis(_CROSS, 1, 0).reshape(3, 9).astype(a.dtype)).reshape(*a.shape[:-1], 3, 3)
+    return jnp.sum(rows * b[..., None, :], axis=-1)
 
 
-def _product(a: Array, b: Array) -> Array:
-    """Of quaternions x y z w."""
-    return _bilinear(_QUATERNION, a, b)
-
-
-def _conjugate(a: Array) -> Array:
-    return a * np.diag(_CONJUGATE).astype(a.dtype)
-
-
-def _turned(a: Array, r: Array) -> Array:
-    """R r with the rotation R of a quaternion a of any length."""
-    pairs = (a[..., :, None] * a[..., None, :]).reshape(*a.shape[:-1], 16)
-    R = (pairs @ _ROTATION.reshape(9, 16).T.astype(a.dtype)).reshape(*a.shape[:-1], 3, 3)
-    return jnp.sum(R * r[..., None, :], axis=-1) / jnp.sum(a * a, axis=-1, keepdims=True)
-
-
-def _turned_in_plane(angle: Array, r: Array) -> Array:
-    s, c = jnp.sin(angle), jnp.cos(angle)
-    return jnp.stack([c * r[..., 0] - s * r[..., 1], s * r[..., 0] + c * r[..., 1]], axis=-1)
+_ARRAYS = coordinates.Arrays(
+    part=lambda x, first, end: x[..., first:end], join=lambda parts: jnp.concatenate(parts, axis=-1), cross=cross,
+    dot=lambda x, y: jnp.sum(x * y, axis=-1, keepdims=True), cos=jnp.cos, sin=jnp.sin)
 
 
 def _in_order(parts: list[Array], order: NDArray[np.int_]) -> Array:
-    """The numbers of joints of one kind behind those of the other, (..., joints, numbers), in their places."""
-    flat = [each.reshape(*each.shape[:-2], each.shape[-2] * each.shape[-1]) for each in parts if each.shape[-2]]
-    return jnp.concatenate(flat, axis=-1)[..., order]
+    """The numbers of all joints, kind by kind, (..., joints, numbers), in their places."""
+    return jnp.concatenate([each.reshape(*each.shape[:-2], each.shape[-2] * each.shape[-1]) for each in parts], axis=-1)[..., order]
 
 
 def velocities_of(m: Mechanism, q: Array, dq: Array) -> Array:
     """v from dq/dt. What changes the length of a quaternion is left out, and quaternions count as brought to length 1."""
     if m.is_vector:
         return dq
-    parts = [dq[..., m.plain_q[:, None]]]
-    if m.turn_q.size:
-        a = q[..., m.turn_q]
-        w = 2 * _product(_conjugate(a), dq[..., m.turn_q])[..., :3]
-        parts.append(w / jnp.sum(a * a, axis=-1, keepdims=True))
-    if m.place_q.size:
-        parts.append(_turned(_conjugate(q[..., m.base_q]), dq[..., m.place_q]))
-    if m.plane_q.size:
-        plane = dq[..., m.plane_q]
-        parts.append(jnp.concatenate([plane[..., :1], _turned_in_plane(-q[..., m.plane_q[:, 0]], plane[..., 1:])], axis=-1))
-    return _in_order(parts, m.from_parts_v)
+    return _in_order([coordinates.velocities(_ARRAYS, kind, q[..., at], dq[..., at]) for kind, at, _ in m.joints], m.v_order)
 
 
 def rates_of(m: Mechanism, q: Array, v: Array) -> Array:
     """dq/dt from v."""
     if m.is_vector:
         return v
-    parts = [v[..., m.plain_v[:, None]]]
-    if m.turn_q.size:
-        w = v[..., m.turn_v]
-        parts.append(0.5 * _product(q[..., m.turn_q], jnp.concatenate([w, jnp.zeros_like(w[..., :1])], axis=-1)))
-    if m.place_q.size:
-        parts.append(_turned(q[..., m.base_q], v[..., m.place_v]))
-    if m.plane_q.size:
-        plane = v[..., m.plane_v]
-        parts.append(jnp.concatenate([plane[..., :1], _turned_in_plane(q[..., m.plane_q[:, 0]], plane[..., 1:])], axis=-1))
-    return _in_order(parts, m.from_parts_q)
+    return _in_order([coordinates.rates(_ARRAYS, kind, q[..., at_q], v[..., at_v]) for kind, at_q, at_v in m.joints], m.q_order)
 
 
 def _sinc(s: Array) -> Array:
@@ -247,20 +182,23 @@ def _carried(w: Array, v: Array) -> Array:
     return v + 0.5 * _sinc(s / 4) ** 2 * t + _rest_of_sinc(s) * cross(w, t)
 
 
+def _integrated(kind: str, q: Array, dv: Array) -> Array:
+    if kind == "planar":
+        axis = jnp.concatenate([jnp.zeros_like(dv[..., :2]), dv[..., :1]], axis=-1)
+        ahead = _carried(axis, jnp.concatenate([dv[..., 1:], jnp.zeros_like(dv[..., :1])], axis=-1))[..., :2]
+        moved = coordinates.turned_in_plane(_ARRAYS, q[..., :1], ahead)
+        return q + jnp.concatenate([dv[..., :1], moved], axis=-1)
+    if kind not in coordinates.TURNING:
+        return q + dv
+    after = coordinates.product(_ARRAYS, q[..., :4], _exp_quaternion(dv[..., :3]))
+    if kind == "spherical":
+        return after
+    moved = coordinates.turned(_ARRAYS, q[..., :4], _carried(dv[..., :3], dv[..., 3:]))
+    return jnp.concatenate([after, q[..., 4:] + moved], axis=-1)
+
+
 def integrated(m: Mechanism, q: Array, dv: Array) -> Array:
     """q (+) dv."""
     if m.is_vector:
         return q + dv
-    parts = [q[..., m.plain_q[:, None]] + dv[..., m.plain_v[:, None]]]
-    if m.turn_q.size:
-        parts.append(_product(q[..., m.turn_q], _exp_quaternion(dv[..., m.turn_v])))
-    if m.place_q.size:
-        moved = _carried(dv[..., m.place_v - 3], dv[..., m.place_v])
-        parts.append(q[..., m.place_q] + _turned(q[..., m.base_q], moved))
-    if m.plane_q.size:
-        plane, by = q[..., m.plane_q], dv[..., m.plane_v]
-        axis = jnp.concatenate([jnp.zeros_like(by[..., :2]), by[..., :1]], axis=-1)
-        ahead = _carried(axis, jnp.concatenate([by[..., 1:], jnp.zeros_like(by[..., :1])], axis=-1))[..., :2]
-        parts.append(jnp.concatenate(
-            [plane[..., :1] + by[..., :1], plane[..., 1:] + _turned_in_plane(plane[..., 0], ahead)], axis=-1))
-    return _in_order(parts, m.from_parts_q)
+    return _in_order([_integrated(kind, q[..., at_q], dv[..., at_v]) for kind, at_q, at_v in m.joints], m.q_order)

@@ -152,29 +152,6 @@ def test_gradients_by_parameters_are_those_of_differences(mechanism, name):
                          rtol=1e-5, fast_mode=True)
 
 
-@every_mechanism
-@pytest.mark.parametrize("name", WITH_PARAMETERS)
-def test_second_derivatives_by_parameters_are_those_of_differences(mechanism, name):
-    m, f = SOLID[mechanism], function(name, SOLID[mechanism])
-    arguments = leaves(arguments_of(name, m, 2))
-    pi = torch.tensor(m.parameters).requires_grad_()
-    assert gradgradcheck(lambda pi, *x: f(*x, parameters=pi), [pi, *arguments], eps=1e-7, atol=1e-4, rtol=1e-4, fast_mode=True)
-
-
-@pytest.mark.parametrize("name", WITH_PARAMETERS)
-def test_hessians_by_parameters_are_the_same_both_ways(name):
-    arguments, pi = arguments_of(name, ARM), torch.tensor(ARM.parameters)
-
-    def loss(pi, q):
-        return function(name, ARM)(q, *arguments[1:], parameters=pi).square().sum()
-
-    one = torch.func.hessian(loss, argnums=(0, 1))(pi, arguments[0])
-    other = torch.func.jacrev(torch.func.jacrev(loss, argnums=(0, 1)), argnums=(0, 1))(pi, arguments[0])
-    for k in range(2):
-        for l in range(2):
-            assert close(one[k][l], other[k][l], 1e-8) and close(one[k][l], one[l][k].T, 1e-8)
-
-
 @pytest.mark.parametrize("name", WITH_PARAMETERS)
 def test_parameters_may_differ_from_state_to_state(name):
     f, arguments = function(name, ARM), arguments_of(name, ARM, 2, 3)
@@ -254,8 +231,8 @@ def test_a_batch_of_parameters_is_a_loop_over_them():
 
 def test_only_what_is_needed_is_computed(monkeypatch):
     called = []
-    call = axode.torch._Mechanism.__call__
-    monkeypatch.setattr(axode.torch._Mechanism, "__call__", lambda self, name, *x: called.append(name) or call(self, name, *x))
+    call = axode.torch.mechanism.Mechanism.__call__
+    monkeypatch.setattr(axode.torch.mechanism.Mechanism, "__call__", lambda self, name, *x: called.append(name) or call(self, name, *x))
     q, v, a, w = states(ARM)
     pi = torch.tensor(ARM.parameters)
     axode.torch.inverse_dynamics(ARM, q, v, a, parameters=pi)
@@ -299,13 +276,10 @@ def operations():
         yield getattr(o, name + "_vjp"), (key, q, v, a, None, w)
         yield getattr(o, name + "_jvp"), (key, q, v, a, None, w, w, w)
         yield getattr(o, name + "_hessian"), (key, True, *(x.detach() for x in (q, v, a, pi, w, w, w, w)))
-    yield o.inverse_dynamics_parameters_vjp, (key, q, v, a, w)
-    yield o.inverse_dynamics_parameters_jvp, (key, q, v, a, pi)
-    yield o.inverse_dynamics_parameters_gradient, (key, *(x.detach() for x in (q, v, a, w, pi)))
-    yield o.inverse_dynamics_parameters_along, (key, *(x.detach() for x in (q, v, a, w, w, w, w)))
+    yield o.inverse_dynamics_parameters_vjp, (key, *(x.detach() for x in (q, v, a, w)))
+    yield o.inverse_dynamics_parameters_jvp, (key, *(x.detach() for x in (q, v, a, pi)))
     yield o.mass_matrix, (key, q, pi)
     yield o.inverse_mass_matrix, (key, q, None)
-    yield o.kinetic_energy, (key, q, v, pi)
     yield o.potential_energy, (key, q, pi)
     yield o.poses, (key, q)
     yield o.twists, (key, q, v)
@@ -408,9 +382,9 @@ def test_a_model_is_kept_while_a_graph_needs_it_and_no_longer():
     key = axode.torch.handle(own)
     expected = axode.inverse_dynamics_vjp(own, *map(np.asarray, (q, v, a, w))).v
     tau = axode.torch.inverse_dynamics(own, q, v.requires_grad_(), a)
-    kept = weakref.ref(axode.torch._mechanisms[key])
+    kept = weakref.ref(axode.torch.mechanism._mechanisms[key])
     del own
-    for k in range(axode.torch.KEPT + 1):  # so many others are used
+    for k in range(axode.torch.mechanism.KEPT + 1):  # so many others are used
         axode.torch.handle(ARM.with_gravity([0, 0, -4 - k]))
     gc.collect()
     assert kept() is not None
@@ -521,6 +495,14 @@ def test_loops_are_counted_or_refused():
         assert gradcheck(function(name, m), x, eps=1e-7, atol=1e-4, fast_mode=True), name
 
 
+@pytest.mark.parametrize("joint", [{"kind": "planar", "axis": "z", "point": [0, 0, 0]},
+                                   {"kind": "spherical", "point": [0, 0, 0]}, {"kind": "free"}], ids=lambda joint: joint["kind"])
+def test_a_model_with_a_single_joint_has_gradients_by_its_coordinates(joint):
+    m = axode.Model.from_bodies([{"name": "block", "joint": joint, "mass": 1, "com": [0.1, 0, 0.2], "inertia": [1, 2, 2]}])
+    x = leaves(states(m, 2)[:3])
+    assert gradcheck(function("inverse_dynamics", m), x, eps=1e-7, atol=1e-4, rtol=1e-5)
+
+
 def test_a_model_without_joints_has_empty_results():
     m = ARM.reduced(ARM.joint_names, ARM.neutral())
     none = torch.zeros(3, 0, dtype=torch.float64, requires_grad=True)
@@ -556,6 +538,10 @@ def test_what_is_wrong_is_said_in_a_sentence():
         (lambda: f(ARM, q, v, a / 0), ValueError, "expected finite numbers"),
         (lambda: f(humanoid, longer, *of_humanoid), ValueError,
          'q: the quaternion of joint "free_base" has norm 1.01; it must be 1 to 1e-06'),
+        (lambda: axode.torch.inverse_dynamcs, AttributeError, "no attribute 'inverse_dynamcs'; did you mean 'inverse_dynamics'?"),
+        (lambda: f(ARM, q, v, a, parameter=q), TypeError,
+         "inverse_dynamics has no argument 'parameter'; did you mean 'parameters'?"),
+        (lambda: f(ARM, q, v), TypeError, "inverse_dynamics needs 'a' as well"),
         (lambda: axode.torch.jacobian(ARM, q, "flang"), KeyError, "did you mean"),
         (lambda: axode.torch.jacobian(ARM, q, "flange", "world"), ValueError, "representation is 'world'"),
         (lambda: axode.torch.rollout(ARM, q, v, a[0], 1e-3), ValueError, "tau: expected a tensor of shape (..., K, nv)"),
@@ -577,10 +563,18 @@ def test_singular_states_are_named():
 def test_derivatives_that_there_are_not_are_refused():
     q, v, a, _ = leaves(states(ARM))
     pi = torch.tensor(ARM.parameters).requires_grad_()
-    gradient, = torch.autograd.grad(axode.torch.inverse_dynamics(ARM, q, v, a, parameters=pi).sum(), q, create_graph=True)
-    second, = torch.autograd.grad(gradient.sum(), pi, create_graph=True)
-    with pytest.raises(NotImplementedError, match="no derivatives of inverse dynamics parameters along"):
-        second.sum().backward()
+    for name in ("inverse_dynamics", "forward_dynamics"):
+        def loss(pi, q, name=name):
+            return getattr(axode.torch, name)(ARM, q, v, a, parameters=pi).square().sum()
+
+        for x in (pi, q):
+            gradient, = torch.autograd.grad(loss(pi, q), x, create_graph=True)
+            with pytest.raises(NotImplementedError, match="parameters"):
+                gradient.sum().backward()
+        for of in (lambda: hessian(loss)(pi, q), lambda: jacfwd(grad(loss, 1))(pi, q), lambda: jacrev(grad(loss, 1))(pi, q)):
+            with pytest.raises(NotImplementedError, match="parameters"):
+                of()
+        assert hessian(loss, 1)(pi.detach(), q).isfinite().all()
     gradient, = torch.autograd.grad(axode.torch.inverse_dynamics(ARM, q, v, a).sum(), q, create_graph=True)
     second, = torch.autograd.grad(gradient.square().sum(), q, create_graph=True)
     with pytest.raises(NotImplementedError, match="no derivatives of inverse dynamics hessian"):

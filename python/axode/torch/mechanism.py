@@ -1,0 +1,211 @@
+"""Models as operations of PyTorch know them: by a word, and with arrays of the library."""
+
+from __future__ import annotations
+
+import atexit
+import functools
+import hashlib
+import itertools
+import math
+import pickle
+import weakref
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import numpy as np
+import torch  # type: ignore[import-not-found, unused-ignore]
+from numpy.typing import NDArray
+from torch import Tensor
+
+from .. import _axode
+from .._axode import Model, check_counts
+from ..codegen import Specialised
+from ..coordinates import TURNING
+
+__all__: list[str] = []
+
+Array = NDArray[np.float64]
+
+#: How many models are kept for operations to come, the last ones that were used.
+KEPT = 256
+#: How many models with other parameters are kept, so that backward finds that of forward.
+KEPT_PARAMETERS = 32
+#: Calls with fewer states run on one core.
+MANY = 64
+#: How far the length of a quaternion may be from 1, as in the library.
+OFF_LENGTH = {torch.float64: 1e-6, torch.float32: 1e-4}
+
+
+def array(x: Tensor, axes: int = 1) -> Array:
+    """The numbers of a tensor, with the axes of an item and at most one in front."""
+    a: Array = x.detach().numpy()
+    lead, item = a.shape[:a.ndim - axes], a.shape[a.ndim - axes:]
+    return a if len(lead) < 2 else a.reshape(math.prod(lead), *item)
+
+
+class Part(NamedTuple):
+    """Coordinates of one joint, or of several joints whose velocities are the rates of their coordinates."""
+
+    kind: str
+    q: slice
+    v: slice
+
+
+class Mechanism:
+    """A model as operations know it."""
+
+    def __init__(self, m: Model | Specialised, key: str):
+        self.key = key
+        self.model = m if isinstance(m, Model) else m.model
+        self.compiled = {} if isinstance(m, Model) else _compiled(m)
+        self.is_specialised = not isinstance(m, Model)
+        self.sizes = (self.model.nq, self.model.nv, 10 * self.model.n_bodies)
+        self.parts = _parts(self.model)
+        self.turning = [part for part in self.parts if part.kind in TURNING]
+
+    def __call__(self, name: str, *arguments: Any) -> tuple[Array, ...]:
+        """The results of a function of axode."""
+        states = np.shape(arguments[0])
+        many = len(states) == 2 and states[0] >= MANY
+        function = self.compiled.get(name) or functools.partial(getattr(_axode, name), self.model)
+        result = function(*arguments, threads=torch.get_num_threads() if many else 1)
+        return result if isinstance(result, tuple) else (result,)
+
+    def configurations(self, q: Tensor) -> Array:
+        """The configurations with quaternions of length 1; the library refuses those that are too far from it."""
+        given = array(q)
+        if not self.turning:
+            return given
+        unit = given.astype(np.float64)
+        for part in self.turning:
+            at = slice(part.q.start, part.q.start + 4)
+            length = np.linalg.norm(unit[..., at], axis=-1, keepdims=True)
+            if np.all(np.abs(length - 1) <= OFF_LENGTH[q.dtype]):
+                unit[..., at] /= length
+        return unit
+
+    @functools.cached_property
+    def tree(self) -> Mechanism:
+        """The mechanism without its loops, whose mass matrix and energies are those of the mechanism."""
+        if self.model.n_loops == 0:
+            return self
+        drawing = {key: value for key, value in self.model.to_dict().items() if key not in ("loop", "coupling")}
+        return mechanism_of(Model.from_dict(drawing))
+
+    @functools.cached_property
+    def still(self) -> Mechanism:
+        """The tree without gravity, whose forces at rest are M a."""
+        return mechanism_of(self.tree.model.with_gravity([0, 0, 0]))
+
+    @functools.cached_property
+    def heights(self) -> list[Mechanism]:
+        """The tree with a gravity of 1 m/s^2 against x, y and z: its potential energies are first moments of mass."""
+        return [mechanism_of(self.tree.model.with_gravity(-axis)) for axis in np.eye(3)]
+
+
+def _compiled(s: Specialised) -> dict[str, Callable[..., Any]]:
+    """The functions that a specialised model was made with."""
+    q, v = np.empty((0, s.model.nq)), np.empty((0, s.model.nv))
+    found = {}
+    for name, others in [("mass_matrix", 0), ("inverse_mass_matrix", 0), ("poses", 0)] + [
+            (dynamics + kind, others) for dynamics in ("inverse_dynamics", "forward_dynamics")
+            for kind, others in (("", 2), ("_jvp", 5), ("_vjp", 3), ("_hessian", 3))]:
+        try:
+            getattr(s, name)(q, *others * [v])
+        except ValueError:
+            continue  # it is left to the library
+        found[name] = getattr(s, name)
+    if "forward_dynamics" in found:
+        found["rollout_under"] = functools.partial(_axode.rollout_under, s.model, compiled=s)
+    return found
+
+
+def _parts(m: Model) -> list[Part]:
+    parts: list[Part] = []
+    for joint in m.joints:
+        if joint.nv == 0:
+            continue
+        kind = joint.kind if joint.kind in ("planar", "spherical", "free") else "plain"
+        first = parts.pop() if kind == "plain" and parts and parts[-1].kind == "plain" else joint
+        parts.append(Part(kind, slice(first.q.start, joint.q.stop), slice(first.v.start, joint.v.stop)))
+    return parts
+
+
+#: The models that are alive: the last ones that were used, and all that a graph goes back through.
+_mechanisms: weakref.WeakValueDictionary[str, Mechanism] = weakref.WeakValueDictionary()
+_specialised_number = itertools.count(1)
+
+
+@functools.lru_cache(maxsize=KEPT)
+def mechanism_of(m: Model | Specialised) -> Mechanism:
+    model = m if isinstance(m, Model) else m.model
+    key = f"{model.name} {hashlib.sha256(pickle.dumps(model)).hexdigest()[:16]}"
+    if not isinstance(m, Model):
+        key += f" specialised {next(_specialised_number)}"
+    if (found := _mechanisms.get(key)) is not None:
+        return found
+    return _mechanisms.setdefault(key, Mechanism(m, key))
+
+
+@functools.lru_cache(maxsize=KEPT_PARAMETERS)
+def with_parameters(key: str, pi: bytes) -> Mechanism:
+    known = mechanism(key)
+    if known.is_specialised:
+        raise ValueError("parameters: those of a specialised model are compiled into it; give the model itself")
+    return Mechanism(known.model.with_parameters(np.frombuffer(pi)), key)
+
+
+@atexit.register
+def _forget() -> None:
+    """PyTorch keeps operations and graphs to the very end of a process, where their models would be taken for leaked."""
+    mechanism_of.cache_clear()
+    with_parameters.cache_clear()
+    for each in list(_mechanisms.values()):
+        vars(each).clear()
+
+
+def mechanism(key: str) -> Mechanism:
+    try:
+        return _mechanisms[key]
+    except KeyError:
+        raise KeyError(f"this process knows no model {key!r}; axode.torch.handle(m) tells it one") from None
+
+
+# What depends on a model alone
+
+def key_of(m: Model | Specialised) -> str:
+    """The word by which operations know a model."""
+    if not isinstance(m, (Model, Specialised)):
+        raise TypeError(f"m: expected an axode.Model, or what Model.specialise makes of one, got {type(m).__name__}")
+    return mechanism_of(m).key
+
+
+def sizes(key: str) -> tuple[int, int, int]:
+    """nq, nv and the number of inertial parameters."""
+    return mechanism(key).sizes
+
+
+def total_mass(key: str) -> float:
+    return mechanism(key).model.total_mass
+
+
+def still(key: str) -> str:
+    return mechanism(key).still.key
+
+
+def heights(key: str) -> tuple[str, str, str]:
+    x, y, z = mechanism(key).heights
+    return x.key, y.key, z.key
+
+
+def refuse_loops(key: str, name: str) -> None:
+    check_counts(mechanism(key).model, name)
+
+
+def frame_index(key: str, frame: str | int) -> int:
+    return mechanism(key).model.frame_index(frame)
+
+
+# These are constants to torch.compile, which compiles anew for another model.
+for _constant in (key_of, sizes, total_mass, still, heights, refuse_loops, frame_index):
+    torch.compiler.assume_constant_result(_constant)
