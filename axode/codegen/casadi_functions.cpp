@@ -253,9 +253,11 @@ class Family {
                                           {"fwd1_" + name_, directed, changes()},
                                           {"adj1_" + name_, weighted, gradients()},
                                           {"jac_" + name_, nominal, first_derivatives(), true}};
-    for (const CasadiInput& input : inputs_)
-      weighted.push_back({"out_adj_" + input.name, {input.pattern.rows, 1}});
-    functions.push_back({"jac_adj1_" + name_, weighted, second_derivatives(), true});
+    if (recordings_.size() > hessian) {
+      for (const CasadiInput& input : inputs_)
+        weighted.push_back({"out_adj_" + input.name, {input.pattern.rows, 1}});
+      functions.push_back({"jac_adj1_" + name_, weighted, second_derivatives(), true});
+    }
     return {std::move(recordings_), std::move(functions), {}};
   }
 
@@ -360,14 +362,11 @@ CasadiInverse inverse_of(const Model& model, const CasadiOutput& out) {
   const int nq = model.nq(), nv = model.nv();
   const Recording M = normalised(model, record(model, {"mass_matrix"}, false));
   const Weights B{{"B"}, {nv * nv}};
-  Recording H = hessian_of(M, B);
-  for (int k = 0; k < nq; ++k)
-    for (int l = 0; l < k; ++l) H.results[static_cast<std::size_t>(k * nq + l)] = 0;
   return {nq,
           nv,
           out.pattern.entries,
           "adj_" + out.name,
-          {part(tangent_of(M)), part(adjoint_of(M, B)), part(jacobian_of(M)), part(std::move(H))}};
+          {part(tangent_of(M)), part(adjoint_of(M, B)), part(jacobian_of(M))}};
 }
 
 Weights weights_of(const std::vector<CasadiOutput>& outputs) {

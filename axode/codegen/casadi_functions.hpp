@@ -35,8 +35,8 @@ struct CasadiFunction {
   bool is_jacobian = false;  ///< whose matrices, for several states, are block by block on the diagonal
 };
 /// A function of the state and its derivatives by all coordinates, velocities and so on, as CasADi looks for them: NAME,
-/// fwd1_NAME, adj1_NAME, jac_NAME and jac_adj1_NAME, each with a recording of its own. Of the inverse mass matrix all but the
-/// first are signatures of loops.
+/// fwd1_NAME, adj1_NAME, jac_NAME and jac_adj1_NAME, each with a recording of its own. The inverse mass matrix has no
+/// jac_adj1_NAME, and the recordings of its derivatives are signatures of loops.
 struct CasadiFamily {
   std::vector<Recording> recordings;
   std::vector<CasadiFunction> functions;

@@ -72,33 +72,6 @@ constexpr const char* jacobian_body = R"( {
 }
 )";
 
-constexpr const char* hessian_body = R"( {
-  casadi_real *const A = hess + @N_RESULTS@, *const B = A + @NN@, *const M = B + @NN@, *const H = M + @NN@;
-  casadi_real *const M_A = H + @NQ@ * @NQ@, *const B_M = M_A + @NQ@ * @NN@, *const t = B_M + @NQ@ * @NN@;
-  const int failed = @INVERSE@(q, t);
-  int i, k, r, c;
-  @P@_spread(@NN@, A, @N@, t, @ENTRIES@);
-  @P@_spread(@NN@, M, @N@, @W@, @ENTRIES@);
-  @P@_product(@NV@, A, M, M_A);
-  @P@_product(@NV@, M_A, A, B);
-@CALL@  @P@_spread(@NQ@ * @NQ@, H, @N_PLACES@, t, @PLACES@);
-  for (r = 0; r < @NV@; ++r)
-    for (c = 0; c <= r; ++c) B[r * @NV@ + c] = B[c * @NV@ + r] = B[r * @NV@ + c] + B[c * @NV@ + r];
-@CALL_M@  for (k = 0; k < @NQ@; ++k) {
-    @P@_spread(@NN@, M, @BEGIN@[k + 1] - @BEGIN@[k], t + @BEGIN@[k], @PLACES_M@ + @BEGIN@[k]);
-    @P@_product(@NV@, M, A, M_A + k * @NN@);
-    @P@_product(@NV@, B, M, B_M + k * @NN@);
-  }
-  for (i = 0; i < @N_RESULTS@; ++i) {
-    const casadi_real *const x = M_A + @RESULTS@[i] / @NQ@ * @NN@, *const y = B_M + @RESULTS@[i] % @NQ@ * @NN@;
-    casadi_real sum = -H[@RESULTS@[i]];
-    for (c = 0; c < @NN@; ++c) sum += x[c] * y[c];
-    hess[i] = sum;
-  }
-  return failed;
-}
-)";
-
 /// Which entries of a matrix, or of several one behind the other, may not be 0.
 using Flags = std::vector<char>;
 
@@ -121,11 +94,6 @@ Flags product(std::size_t n, const Flags& x, const Flags& y) {
         for (std::size_t c = 0; c < n; ++c) z[r * n + c] |= y[k * n + c];
   return z;
 }
-bool overlap(const Flags& x, const Flags& y) {
-  for (std::size_t k = 0; k < x.size(); ++k)
-    if (x[k] && y[k]) return true;
-  return false;
-}
 
 }  // namespace
 
@@ -143,28 +111,24 @@ CasadiInverse::CasadiInverse(int nq, int nv, std::vector<int> entries, std::stri
         static_cast<int>(std::ranges::lower_bound(places, static_cast<int>(k * nn)) - places.begin()));
   for (int& place : places) place %= static_cast<int>(nn);
 
-  const Flags A = flags_at(entries_, nn), B = product(nv_, product(nv_, A, A), A);
-  std::vector<Flags> M_A, B_M;
-  Flags by_q, by_q_q = flags_at(masses_[hessian].places, nq_ * nq_);
+  const Flags A = flags_at(entries_, nn);
+  Flags by_q;
   for (std::size_t k = 0; k < nq_; ++k) {
     const std::span all(places);
     const Flags M = flags_at(
         all.subspan(static_cast<std::size_t>(begin_[k]), static_cast<std::size_t>(begin_[k + 1] - begin_[k])),
         nn);
-    M_A.push_back(product(nv_, M, A)), B_M.push_back(product(nv_, B, M));
-    const Flags A_k = product(nv_, A, M_A.back());
+    const Flags A_k = product(nv_, A, product(nv_, M, A));
     for (std::size_t e = 0; e < n; ++e) by_q.push_back(A_k[static_cast<std::size_t>(entries_[e])]);
   }
-  for (std::size_t k = 0; k < nq_; ++k)
-    for (std::size_t l = k; l < nq_; ++l) by_q_q[k * nq_ + l] |= overlap(B_M[l], M_A[k]);
-  by_q_ = places_of(by_q), by_q_q_ = places_of(by_q_q);
+  by_q_ = places_of(by_q);
 }
 
 Recording CasadiInverse::signature(Kind kind) const {
   const int nq = static_cast<int>(nq_), n = static_cast<int>(entries_.size());
   Recording of{.arguments = {"q"}, .lengths = {nq}, .nodes = {{}}, .returns_doubt = true};
   if (kind == tangent) of.arguments.push_back("fwd_q"), of.lengths.push_back(nq);
-  if (kind == adjoint || kind == hessian) of.arguments.push_back(weights_), of.lengths.push_back(n);
+  if (kind == adjoint) of.arguments.push_back(weights_), of.lengths.push_back(n);
   const auto give = [&](const char* name, const Flags& flags) {
     of.result = name;
     of.results.assign(flags.begin(), flags.end());
@@ -173,7 +137,6 @@ Recording CasadiInverse::signature(Kind kind) const {
     case tangent: give("fwd", Flags(entries_.size(), 1)); break;
     case adjoint: give("adj", Flags(nq_, 1)); break;
     case jacobian: give("jac", flags_at(by_q_, nq_ * entries_.size())); break;
-    case hessian: give("hess", flags_at(by_q_q_, nq_ * nq_)); break;
   }
   return of;
 }
@@ -188,54 +151,42 @@ Operations CasadiInverse::operations(Kind kind) const {
     case tangent: both = (size(masses_[tangent].places) + A) * n; break;
     case adjoint: both = 2 * A * n; break;
     case jacobian: both = (M + nq * A) * n; break;
-    case hessian: {
-      const Operations by_q = codegen::operations(masses_[jacobian].recording);
-      sum.products += by_q.products, sum.sums += by_q.sums, sum.divisions += by_q.divisions;
-      sum.roots += by_q.roots, sum.angles += by_q.angles;
-      both = (2 * A + M + nq * A) * n + size(by_q_q_) * n * n;
-    }
   }
   sum.products += both, sum.sums += both;
   return sum;
 }
 
-std::size_t CasadiInverse::scratch(Kind kind) const {
+std::size_t CasadiInverse::scratch() const {
   std::size_t t = entries_.size();
   for (const Part& part : masses_) t = std::max(t, part.places.size());
-  const std::size_t nn = nv_ * nv_;
-  return 3 * nn + t + (kind == hessian ? nq_ * nq_ + 2 * nq_ * nn : 0);
+  return 3 * nv_ * nv_ + t;
 }
 
 std::string CasadiInverse::body(Kind kind, const std::string& prefix, const std::string& inverse,
-                                const std::array<std::string, kinds>& masses,
+                                const std::string& masses,
                                 const std::function<std::string(const std::vector<int>&)>& table) const {
-  constexpr std::array bodies{tangent_body, adjoint_body, jacobian_body, hessian_body};
-  constexpr std::array arguments{"(q, fwd_q, t)", "(q, B, t)", "(q, t)", "(q, B, t)"};
-  const auto call = [&](Kind part) {
-    return masses_[part].places.empty() ? "" : "  " + masses[part] + arguments[part] + ";\n";
-  };
+  constexpr std::array bodies{tangent_body, adjoint_body, jacobian_body};
+  constexpr std::array arguments{"(q, fwd_q, t)", "(q, B, t)", "(q, t)"};
+  const bool moves = !masses_[kind].places.empty();
   const auto places = [&](const std::vector<int>& numbers) { return numbers.empty() ? "0" : table(numbers); };
   const int nv = static_cast<int>(nv_);
   std::vector<int> upper;
   for (const int entry : entries_)
     upper.push_back(std::min(entry / nv, entry % nv) * nv + std::max(entry / nv, entry % nv));
-  const std::vector<int>& results = kind == hessian ? by_q_q_ : by_q_;
   return filled(bodies[kind], {{"N", std::to_string(entries_.size())},
                                {"NN", std::to_string(nv_ * nv_)},
                                {"NQ", std::to_string(nq_)},
                                {"NV", std::to_string(nv_)},
-                               {"N_RESULTS", std::to_string(results.size())},
+                               {"N_RESULTS", std::to_string(by_q_.size())},
                                {"N_PLACES", std::to_string(masses_[kind].places.size())},
-                               {"CALL", call(kind)},
-                               {"CALL_M", call(jacobian)},
+                               {"CALL", moves ? "  " + masses + arguments[kind] + ";\n" : ""},
                                {"INVERSE", inverse},
                                {"W", weights_},
                                {"ENTRIES", places(entries_)},
                                {"UPPER", places(upper)},
                                {"PLACES", places(masses_[kind].places)},
-                               {"PLACES_M", places(masses_[jacobian].places)},
                                {"BEGIN", places(begin_)},
-                               {"RESULTS", places(results)},
+                               {"RESULTS", places(by_q_)},
                                {"P", prefix}});
 }
 

@@ -8,17 +8,17 @@
 
 namespace axode::codegen {
 
-/// The derivatives of A(q) = M⁻¹ for CasADi, by those of M and products of matrices, which are loops: written out they would be
-/// more than compilers take for a humanoid. With weights W, and B = A W A,
+/// The first derivatives of A(q) = M⁻¹ for CasADi, by those of M and products of matrices, which are loops: written out they would
+/// be more than compilers take for a humanoid. With weights W, and B = A W A,
 ///
-///     dA = - A dM A,    d(W·A) = - B·dM,    d²(W·A) = ((B + Bᵀ) dM)·(dM A) - B·d²M.
+///     dA = - A dM A,    d(W·A) = - B·dM.
 class CasadiInverse {
  public:
-  enum Kind : std::size_t { tangent, adjoint, jacobian, hessian };
-  static constexpr std::size_t kinds = 4;
+  enum Kind : std::size_t { tangent, adjoint, jacobian };
+  static constexpr std::size_t kinds = 3;
 
-  /// A function of M, (nv, nv): along a direction, the gradient with weights B, by each coordinate one behind the other, or the
-  /// Hessian with weights B, (nq, nq) without what is below the diagonal. Its results are the entries `places` of that.
+  /// A function of M, (nv, nv): its change along a direction, the gradient with weights B, or the derivatives by each coordinate one
+  /// behind the other. Its results are the entries `places` of that.
   struct Part {
     Recording recording;
     std::vector<int> places;
@@ -34,11 +34,11 @@ class CasadiInverse {
   /// What it does besides A.
   Operations operations(Kind kind) const;
   /// Numbers that it takes behind its results.
-  std::size_t scratch(Kind kind) const;
-  /// Its body. `inverse` and `masses` are the names of the functions for A and of the parts of M, table(numbers) is that of a
+  std::size_t scratch() const;
+  /// Its body. `inverse` and `masses` are the names of the functions for A and of the part of M, table(numbers) is that of a
   /// constant array.
   std::string body(Kind kind, const std::string& prefix, const std::string& inverse,
-                   const std::array<std::string, kinds>& masses,
+                   const std::string& masses,
                    const std::function<std::string(const std::vector<int>&)>& table) const;
   /// Loops that the functions of a file share.
   static std::string loops(const std::string& prefix);
@@ -48,9 +48,8 @@ class CasadiInverse {
   std::vector<int> entries_;
   std::string weights_;
   std::array<Part, kinds> masses_;
-  std::vector<int> begin_;   ///< of coordinate k in the results for M by each coordinate
-  std::vector<int> by_q_;    ///< what may not be 0 of A by q: k n + e for entry e of n
-  std::vector<int> by_q_q_;  ///< and of the Hessian: k nq + l
+  std::vector<int> begin_;  ///< where the results for M by coordinate k begin
+  std::vector<int> by_q_;   ///< entries of A by q that may not be 0: k n + e for entry e of n
 };
 
 }  // namespace axode::codegen

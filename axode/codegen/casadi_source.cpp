@@ -174,18 +174,15 @@ class File {
   void add_loops(const CasadiFamily& family) {
     if (family.recordings[0].results.empty()) return;  // nothing moves
     if (!std::exchange(loops_, true)) definitions_ += CasadiInverse::loops(prefix_);
-    std::array<std::string, CasadiInverse::kinds> masses;
-    for (std::size_t kind = 0; kind < masses.size(); ++kind) {
-      masses[kind] = family.functions[kind + 1].name + "_masses";
-      define(family.inverse->of_masses(static_cast<CasadiInverse::Kind>(kind)), masses[kind]);
-    }
-    for (std::size_t kind = 0; kind < masses.size(); ++kind) {
-      const Recording& signature = family.recordings[kind + 1];
+    for (std::size_t k = 0; k < CasadiInverse::kinds; ++k) {
+      const auto kind = static_cast<CasadiInverse::Kind>(k);
+      const std::string masses = family.functions[k + 1].name + "_masses";
+      define(family.inverse->of_masses(kind), masses);
+      const Recording& signature = family.recordings[k + 1];
       if (signature.results.empty()) continue;
       definitions_ +=
-          "static " + c_signature(signature, numbers_of(family.functions[kind + 1].name), precision) +
-          family.inverse->body(static_cast<CasadiInverse::Kind>(kind), prefix_,
-                               numbers_of(family.functions[0].name), masses,
+          "static " + c_signature(signature, numbers_of(family.functions[k + 1].name), precision) +
+          family.inverse->body(kind, prefix_, numbers_of(family.functions[0].name), masses,
                                [&](const std::vector<int>& numbers) { return places_(numbers); }) +
           '\n';
     }
@@ -224,9 +221,7 @@ class File {
     std::size_t most = 0;
     for (const std::size_t k : used(function)) {
       const bool in_loops = family.inverse && k > 0;
-      most = std::max(most,
-                      family.recordings[k].results.size() +
-                          (in_loops ? family.inverse->scratch(static_cast<CasadiInverse::Kind>(k - 1)) : 0));
+      most = std::max(most, family.recordings[k].results.size() + (in_loops ? family.inverse->scratch() : 0));
     }
     return most;
   }

@@ -15,7 +15,7 @@ namespace axode::codegen {
 ///     int NAME_work(casadi_int *sz_arg, casadi_int *sz_res, casadi_int *sz_iw, casadi_int *sz_w)
 ///
 /// and the same for its derivatives jac_NAME, fwd1_NAME, adj1_NAME and jac_adj1_NAME, the exact second derivatives of what
-/// weights make of the results. Matrices lie column by column and have entries only where there is something; M and
+/// weights make of the results; M_inverse has none of second order. Matrices lie column by column and have entries only where there is something; M and
 /// M_inverse are nv x nv, J is 6 x nv, a pose 4 x 4. Derivatives by q are those by its nq entries, and quaternions
 /// count divided by their length. Functions return 1 where the mass matrix may be singular. They keep nothing, so
 /// threads may call them at once. Results may be null and are then not written, arguments may be null and are then 0.

@@ -12,6 +12,7 @@ the library has under the same name.
 
 from __future__ import annotations
 
+import functools
 import math
 from collections.abc import Callable, Sequence
 from typing import Any, Literal, TypeAlias
@@ -23,9 +24,10 @@ try:
 except ImportError as error:
     raise ImportError('axode.casadi needs CasADi: pip install casadi') from error
 
-from . import signatures
+from . import coordinates, signatures
 from ._axode import Model
 from ._axode.codegen import CasadiLibrary, casadi_library
+from .coordinates import TURNING, product, turned, turned_in_plane
 from .records import Representation
 
 __all__ = ["function"]
@@ -55,7 +57,8 @@ def function(m: Model, quantity: Function, states: int = 1, *, flags: Sequence[s
     states are then one operation, with derivatives that are blocks on a diagonal; N calls, or a map, are thousands. What is made of
     SX is made for as many by `map`.
 
-    Matrices are sparse where the mechanism has zeros. Jacobians and Hessians are exact. Evaluation fails, and IPOPT steps back,
+    Matrices are sparse where the mechanism has zeros. Jacobians and Hessians are exact; "inverse_mass_matrix" has no Hessian, for which
+    take casadi.inv of "mass_matrix". Evaluation fails, and IPOPT steps back,
     where the mass matrix may be singular. Armature and gravity of m are part of it; loads and joint losses are not, springs
     are not. The functions hold nothing: threads may share them, and they can be pickled for processes with the same cache.
 
@@ -89,6 +92,9 @@ def function(m: Model, quantity: Function, states: int = 1, *, flags: Sequence[s
 
 # ------------------------------------------------------------------------------------- the group of configurations, of SX
 
+_ARRAYS = coordinates.Arrays(part=lambda x, first, end: x[first:end], join=lambda parts: casadi.vertcat(*parts),
+                             cross=casadi.cross, dot=casadi.dot, cos=casadi.cos, sin=casadi.sin)
+
 
 def _of_configurations(m: Model, name: str) -> Any:
     """A function of the coordinates of each joint by itself."""
@@ -98,60 +104,36 @@ def _of_configurations(m: Model, name: str) -> Any:
     return casadi.Function(name, [x, y], [casadi.vertcat(*parts)], [first, second], [result])
 
 
-def _rates(kind: str, q: Any, v: Any) -> Any:
-    if kind == "planar":
-        return casadi.vertcat(v[0], _turned_in_plane(q[0], v[1:]))
-    if kind not in ("spherical", "free"):
-        return v
-    rates = _product(q[:4], casadi.vertcat(v[:3], 0)) / 2
-    return rates if kind == "spherical" else casadi.vertcat(rates, _turned(q[:4], v[3:]))
-
-
 def _integrated(kind: str, q: Any, dv: Any) -> Any:
     if kind == "planar":
         axis = casadi.vertcat(0, 0, dv[0])
-        return casadi.vertcat(q[0] + dv[0], q[1:] + _turned_in_plane(q[0], _dexp(axis, casadi.vertcat(dv[1:], 0))[:2]))
-    if kind not in ("spherical", "free"):
+        return casadi.vertcat(q[0] + dv[0], q[1:] + turned_in_plane(_ARRAYS, q[0], _dexp(axis, casadi.vertcat(dv[1:], 0))[:2]))
+    if kind not in TURNING:
         return q + dv
     w, a = dv[:3], q[:4] / casadi.norm_2(q[:4])
     s = casadi.sumsqr(w) / 4
     sinc = _of_square(s, _SINC, lambda x: casadi.sin(x) / x)
-    turned = _product(a, casadi.vertcat(sinc * w / 2, _of_square(s, _COS, casadi.cos)))
-    return turned if kind == "spherical" else casadi.vertcat(turned, q[4:] + _turned(a, _dexp(w, dv[3:])))
+    after = product(_ARRAYS, a, casadi.vertcat(sinc * w / 2, _of_square(s, _COS, casadi.cos)))
+    return after if kind == "spherical" else casadi.vertcat(after, q[4:] + turned(_ARRAYS, a, _dexp(w, dv[3:])))
 
 
 def _between(kind: str, q0: Any, q1: Any) -> Any:
     if kind == "planar":
         angle = casadi.atan2(casadi.sin(q1[0] - q0[0]), casadi.cos(q1[0] - q0[0]))
-        moved = casadi.vertcat(_turned_in_plane(-q0[0], q1[1:] - q0[1:]), 0)
+        moved = casadi.vertcat(turned_in_plane(_ARRAYS, -q0[0], q1[1:] - q0[1:]), 0)
         return casadi.vertcat(angle, _dexp_inverse(casadi.vertcat(0, 0, angle), moved)[:2])
-    if kind not in ("spherical", "free"):
+    if kind not in TURNING:
         return q1 - q0
     inverse = casadi.vertcat(-q0[:3], q0[3])
-    w = _rotation_vector(_product(inverse, q1[:4]))
-    return w if kind == "spherical" else casadi.vertcat(w, _dexp_inverse(w, _turned(inverse, q1[4:] - q0[4:])))
+    w = _rotation_vector(product(_ARRAYS, inverse, q1[:4]))
+    return w if kind == "spherical" else casadi.vertcat(w, _dexp_inverse(w, turned(_ARRAYS, inverse, q1[4:] - q0[4:])))
 
 
 _OF_CONFIGURATIONS: dict[str, tuple[Callable[[str, Any, Any], Any], str, str, str]] = {
-    "coordinate_rates": (_rates, "q", "v", "dq"),
+    "coordinate_rates": (functools.partial(coordinates.rates, _ARRAYS), "q", "v", "dq"),
     "integrate": (_integrated, "q", "dv", "q1"),
     "difference": (_between, "q0", "q1", "dv"),
 }
-
-
-def _product(a: Any, b: Any) -> Any:
-    """Of quaternions x y z w."""
-    return casadi.vertcat(a[3] * b[:3] + b[3] * a[:3] + casadi.cross(a[:3], b[:3]), a[3] * b[3] - casadi.dot(a[:3], b[:3]))
-
-
-def _turned(a: Any, r: Any) -> Any:
-    """R r with the rotation R of a quaternion of any length."""
-    return r + 2 / casadi.sumsqr(a) * casadi.cross(a[:3], casadi.cross(a[:3], r) + a[3] * r)
-
-
-def _turned_in_plane(angle: Any, r: Any) -> Any:
-    s, c = casadi.sin(angle), casadi.cos(angle)
-    return casadi.vertcat(c * r[0] - s * r[1], s * r[0] + c * r[1])
 
 
 def _of_square(s: Any, series: Sequence[float], f: Callable[[Any], Any]) -> Any:

@@ -149,16 +149,20 @@ const std::vector<Function> all{{Id("forward_dynamics")},
 TEST(FunctionsForCasadi, HaveFirstAndSecondDerivativesByEveryCoordinate) {
   const codegen::Source source = source_for_casadi(machine(), all);
   const Compiled library(source.text);
-  ASSERT_EQ(source.functions.size(), 5 * all.size());
+  ASSERT_EQ(source.functions.size(),
+            5 * all.size() - 1);  // the inverse mass matrix has no second derivatives
   std::mt19937 random(1);
-  for (std::size_t k = 0; k < source.functions.size(); k += 5) {
+  for (std::size_t k = 0; k < source.functions.size();) {
     const std::string& name = source.functions[k].name;
+    const bool has_second = name != "m_inverse_mass_matrix";
+    k += has_second ? 5 : 4;
     SCOPED_TRACE(name);
     const External f(library, name), gradient(library, "adj1_" + name);
     const std::size_t inputs = static_cast<std::size_t>(f.n_in());
     expect_derivatives(f, External(library, "jac_" + name), random_arguments(f, random), inputs);
-    expect_derivatives(gradient, External(library, "jac_adj1_" + name), random_arguments(gradient, random),
-                       static_cast<std::size_t>(gradient.n_in()));
+    if (has_second)
+      expect_derivatives(gradient, External(library, "jac_adj1_" + name), random_arguments(gradient, random),
+                         static_cast<std::size_t>(gradient.n_in()));
     const External tangent(library, "fwd1_" + name);
     std::vector<Numbers> x = random_arguments(tangent, random), at(x.begin(), x.begin() + f.n_in());
     for (Numbers& direction : x) direction = {};
@@ -215,7 +219,7 @@ TEST(FunctionsForCasadi, TakeNothingForZeroAndTellWhatIsSingular) {
   EXPECT_EQ(f.status(), 0);
   f({Numbers(q.size(), std::nan(""))});
   EXPECT_EQ(f.status(), 1);
-  for (const std::string derivative : {"", "fwd1_", "adj1_", "jac_", "jac_adj1_"}) {
+  for (const std::string derivative : {"", "fwd1_", "adj1_", "jac_"}) {
     const External A(library, derivative + "m_inverse_mass_matrix");
     A({q});
     EXPECT_EQ(A.status(), 0);
