@@ -16,7 +16,5 @@ std::vector<const CLI::Option*> positionals(const CLI::App& command);
 /// The names of an option with their dashes; none of a positional one.
 std::vector<std::string> flags(const CLI::Option& option);
 bool takes_value(const CLI::Option& option);
-/// Whether an option may be given again, or an argument be several.
-bool several(const CLI::Option& option);
 
 }  // namespace axode::command

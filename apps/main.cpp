@@ -89,10 +89,10 @@ int run(int argc, char** argv) {
   add_codegen(app, exit_code);
   add_study(app, exit_code);
   add_demo(app, exit_code);
-  add_completion(app, exit_code);
-  add_manual(app, exit_code);
   for (CLI::App* command : app.get_subcommands({}))
     command->parse_complete_callback([command] { refuse_empty_words(*command); });
+  add_completion(app, exit_code);
+  add_manual(app, exit_code);
   try {
     if (argc == 1) {
       fmt::print("{}", overview());

@@ -6,7 +6,7 @@
 #include "commands.hpp"
 #include "overview.hpp"
 
-/// The manual page of `axode`, made from the command line itself.
+/// The manual page of `axode`: the help of the program and of every command.
 namespace axode::command {
 namespace {
 
@@ -15,67 +15,31 @@ constexpr const char* footer = R"(Example:
 
 To read it: axode manual | man -l -. An installed axode has it in its place: man axode.)";
 
-/// Text of roff that is shown as it stands; what is not ASCII is not needed anywhere.
-std::string roff(const std::string& text) {
-  std::string out;
-  for (std::size_t k = 0; k < text.size(); ++k) {
-    const bool begins_line = k == 0 || text[k - 1] == '\n';
-    if (begins_line && (text[k] == '.' || text[k] == '\'')) out += "\\&";
-    switch (text[k]) {
-      case '\\': out += "\\e"; break;
-      case '-': out += "\\-"; break;
-      case '\'': out += "\\(aq"; break;
-      case '`': out += "\\(ga"; break;
-      case '^': out += "\\(ha"; break;
-      case '~': out += "\\(ti"; break;
-      default: out += text[k];
-    }
-  }
-  return out;
-}
-
-/// Lines that keep their breaks and blanks.
+/// Lines of roff that are shown with their breaks and blanks.
 std::string as_it_stands(const std::string& text) {
+  constexpr std::string_view special = "\\-'`^~";
+  constexpr std::array names{"\\e", "\\-", "\\(aq", "\\(ga", "\\(ha", "\\(ti"};
   std::string out = ".EX\n";
-  for (const std::string& line : CLI::detail::split(text, '\n'))
-    out += line.empty() ? ".sp\n" : roff(line) + "\n";
+  for (const std::string& line : CLI::detail::split(text, '\n')) {
+    if (line.starts_with('.')) out += "\\&";
+    for (const char c : line) {
+      const std::size_t k = special.find(c);
+      out += k == std::string_view::npos ? std::string(1, c) : names[k];
+    }
+    out += line.empty() ? ".sp\n" : "\n";
+  }
   return out + ".EE\n";
-}
-
-std::string described(const CLI::Option& option) {
-  std::string names;
-  for (const std::string& name : flags(option))
-    names += (names.empty() ? "" : ", ") + fmt::format("\\fB{}\\fR", roff(name));
-  const std::string value = option.get_positional() ? option.get_name(true) : option.get_type_name();
-  if (takes_value(option)) names += fmt::format("{}\\fI{}\\fR", names.empty() ? "" : " ", roff(value));
-  return fmt::format(".TP\n{}\n{}\n", names, roff(option.get_description()));
-}
-
-std::string section(const CLI::App& command) {
-  std::string usage = "axode " + command.get_name() + " [OPTIONS]";
-  for (const CLI::Option* argument : positionals(command)) usage += " " + argument->get_name(true);
-  std::string text = fmt::format(".SS {}\n{}.\n.PP\n\\fB{}\\fR\n", roff(command.get_name()),
-                                 roff(command.get_description()), roff(usage));
-  for (const CLI::Option* option : command.get_options()) text += described(*option);
-  return text + ".PP\n" + as_it_stands(command.get_footer());
 }
 
 std::string page(const CLI::App& app) {
   std::string text =
-      fmt::format(R"(.TH AXODE 1 "{}" "axode {}" "User Commands"
-.SH NAME
-axode \- {}
-.SH SYNOPSIS
-.B axode
-.I COMMAND
-.RI [ ARGUMENTS ]
-.SH DESCRIPTION
-{}.SH OPTIONS
-)",
-                  AXODE_DATE, AXODE_VERSION, roff(app.get_description()), as_it_stands(overview()));
-  for (const CLI::Option* option : app.get_options()) text += described(*option);
+      fmt::format(".TH AXODE 1 \"{}\" \"axode {}\" \"User Commands\"\n.SH NAME\naxode \\- {}\n", AXODE_DATE,
+                  AXODE_VERSION, app.get_description());
+  text +=
+      ".SH SYNOPSIS\n.B axode\n.I COMMAND\n.RI [ ARGUMENTS ]\n.SH DESCRIPTION\n" + as_it_stands(overview());
   text += ".SH COMMANDS\n";
-  for (const CLI::App* command : commands(app)) text += section(*command);
+  for (const CLI::App* command : commands(app))
+    text += ".SS " + command->get_name() + '\n' + as_it_stands(command->help("axode"));
   return text + ".SH NOTES\n" + as_it_stands(app.get_footer());
 }
 
