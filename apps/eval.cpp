@@ -58,12 +58,33 @@ The JSON is {"model", "nq", "nv", "joints": [...], "results": {name: value}} wit
 of "joints", poses, twists and accelerations keyed by frame, joint_wrenches keyed by joint. Jacobians are
 keyed by frame: six rows of nv entries; their partial derivatives are lists of them, outermost first.)";
 
+/// Functions of a state whose arguments or results the command has another way for, or none.
+constexpr std::pair<std::string_view, std::string_view> elsewhere[]{
+    {"assemble", "ask for \"assembly\", or close the loops of the state by --assemble"},
+    {"independent_linearization", "use axode linearize"},
+    {"jacobian_columns", "ask for \"jacobian\", whose columns off the path of the frame are 0"},
+    {"jacobian_derivative_along", "ask for \"jacobian_partials\", its derivatives along all directions"},
+    {"jacobian_derivatives", "ask for \"jacobian_derivative\" with --order"},
+    {"linearize", "use axode linearize"},
+    {"loop_hessian_product",
+     "a state has no multipliers to take it with; it is a function of the library alone"},
+    {"motion_vjp", "ask for \"motion_derivatives\", the matrices whose product with weights it is"},
+    {"rollout", "use axode simulate"},
+    {"rollout_derivatives", "a state has no forces of several steps; it is a function of the library alone"},
+    {"rollout_jvp", "a state has no forces of several steps; it is a function of the library alone"},
+    {"rollout_vjp", "a state has no forces of several steps; it is a function of the library alone"},
+    {"simulate", "use axode simulate"},
+    {"twist_derivatives", "ask for \"twist_derivative\" with --order"},
+    {"view", "use axode view"}};
+
 std::vector<Quantity> wanted(const std::string& list) {
   std::vector<Quantity> chosen;
   for (const std::string& name : CLI::detail::split(list, ',')) {
     const auto& all = quantities();
     const auto found =
         std::find_if(all.begin(), all.end(), [&](const Quantity& q) { return q.name == name; });
+    for (const auto& [function, remedy] : elsewhere)
+      if (name == function) throw UsageError(fmt::format("--want: {} is no quantity: {}", name, remedy));
     if (found == all.end())
       throw UsageError("--want: there is no quantity \"" + name + '"' +
                        suggestion(name, all, [](const Quantity& q) { return q.name; }));

@@ -1,3 +1,4 @@
+#include "axode/derivatives/rates.hpp"
 #include "axode/dynamics.hpp"
 #include "axode/eigen.hpp"
 #include "axode/kinematics.hpp"
@@ -230,6 +231,21 @@ Answer spatial_momentum_form_answer(const Question& ask) {
       "the bodies at the state's v; N m, N",
       {"body", "l' x", "l' y", "l' z", "p' x", "p' y", "p' z"}, "dPi", v, dPi);
 }
+Answer inverse_dynamics_rates_answer(const Question& ask) {
+  std::vector<double> rates, tau(3 * ask.state.v.size());
+  for (const auto* row : {&ask.state.v, &ask.state.a, &ask.state.jerk, &ask.state.snap})
+    rates.insert(rates.end(), row->begin(), row->end());
+  InverseDynamicsRates<> forces(ask.model, 2);
+  forces.evaluate(ask.state.q, rates, tau, ask.loads());
+  Answer answer{"drive forces and their first and second time derivatives", Json::array(),
+                Table({"joint", "tau", "tau'", "tau\""})};
+  const std::vector<std::string> names = velocity_names(ask.model);
+  const std::size_t nv = names.size();
+  for (std::size_t order = 0; order < 3; ++order)
+    answer.value.push_back(std::vector(tau.begin() + order * nv, tau.begin() + (order + 1) * nv));
+  for (std::size_t k = 0; k < nv; ++k) answer.table.row({names[k], tau[k], tau[nv + k], tau[2 * nv + k]});
+  return answer;
+}
 Answer inertial_parameters_answer(const Question& ask) {
   const std::vector<double> pi = inertial_parameters(ask.model);
   Answer answer{"of every body in its frame, with what is fixed to it; kg, kg m, kg m^2", pi,
@@ -255,6 +271,8 @@ std::vector<Quantity> other_quantities() {
       {"mass_matrix_factors", "L and D of M = L^T D L", mass_matrix_factors_answer},
       {"twist_form", "rates of (q, V) under the drive forces tau", twist_form_answer},
       {"spatial_momentum_form", "rates of (q, Pi) under the drive forces tau", spatial_momentum_form_answer},
+      {"inverse_dynamics_rates", "drive forces and their time derivatives, from a, jerk and snap",
+       inverse_dynamics_rates_answer},
       {"inertial_parameters", "ten for every body", inertial_parameters_answer},
   };
 }

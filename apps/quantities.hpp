@@ -46,9 +46,6 @@ const std::vector<Quantity>& quantities();
 std::vector<Quantity> other_quantities();
 /// Those about closed loops.
 std::vector<Quantity> loop_quantities();
-/// `forward_dynamics`, `inverse_dynamics` or `joint_wrenches` of a mechanism with loops.
-Solvability with_loops(const Question& ask, std::string_view function, const Loads<>& loads,
-                       std::span<double> out);
 
 /// The frames that the question is about: those it names, or all but the inertial one.
 std::vector<int> frames_of(const Question& ask);
