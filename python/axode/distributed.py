@@ -17,7 +17,6 @@ from numpy.typing import NDArray
 
 from . import jobs, parquet_states, signatures
 from ._axode import Model
-from .errors import StatesError
 from .parquet_states import TableFunction
 
 import pyarrow as pa  # type: ignore[import-not-found, import-untyped, unused-ignore]
@@ -134,10 +133,7 @@ class _StatesTask:
         try:
             yield from self.function.pieces(loaded)
         except parquet_states.RowError as error:
-            raise ValueError(f"{part.file}: row {part.first + error.row}: {error.why}") from error
-        except StatesError as error:
-            rows = [part.first + k for k in error.states]
-            raise type(error)(f"{part.file}: row {rows[0]}: {error}", rows, error.result) from error
+            raise error.located(f"{part.file}: ", part.first) from error.cause
         except Exception as error:
             if self.function.known:
                 raise ValueError(f"{part.file}: {error}") from error
@@ -281,7 +277,7 @@ def _column(name: str, values: list[Any]) -> Any:
     if array.dtype == object or array.dtype.kind not in "fiu":
         wrong = next((x for x in values if np.asarray(x).dtype.kind not in "fiu"), values[0])
         raise ValueError(f'"{name}" is {wrong!r:.60}; expected numbers, words or arrays of numbers')
-    return parquet_states.as_column(name, array, len(values), "float64")
+    return parquet_states.as_column(name, array, len(values))
 
 
 def _arrays(table: Any) -> dict[str, NDArray[Any]]:
@@ -300,21 +296,14 @@ def _at_least_one(name: str, value: int) -> None:
 def _write(task: Any, parts: Sequence[Any], output: jobs.Output, *, cluster: str | None, threads: int, retries: int,
            progress: Progress) -> Written:
     _at_least_one("threads", threads)
-    computed, faulty = 0, 0
-
-    def counted(reports: Iterator[jobs.Report]) -> Iterator[jobs.Report]:
-        nonlocal computed, faulty
-        for report in reports:
-            computed, faulty = computed + report.computed, faulty + report.faulty
-            yield report
-
     try:
         with output.held(), contextlib.closing(jobs.run(task, parts, output.paths, cluster=cluster, threads=threads,
-                                                   retries=retries, progress=progress)) as reports:
-            output.write(counted(reports))
+                                                        retries=retries, progress=progress)) as reports:
+            found = output.write(reports)
     finally:
         parquet_states.stop_reading()
-    return Written(sum(part.rows for part in parts), len(parts), computed, faulty)
+    return Written(sum(part.rows for part in parts), len(parts), sum(report.computed for report in found),
+                   sum(report.faulty for report in found))
 
 
 def _check_apart(output: Path, states: str | os.PathLike[str] | Sequence[str | os.PathLike[str]]) -> None:

@@ -1,4 +1,7 @@
-"""Work in parts, each of which leaves one file, or none: in this process or on a Ray cluster, begun anew where it was ended."""
+"""Work in parts, each of which leaves one file, or none: in this process or on a Ray cluster, begun anew where it was ended.
+
+Parts are tasks of Ray and not rows of Ray Data, whose errors do not say which part has ended its worker.
+"""
 
 from __future__ import annotations
 
@@ -17,17 +20,18 @@ from pathlib import Path
 from typing import Any, NamedTuple, Protocol
 
 from .job_identity import Unknown, digest
-from .parquet_states import ROWS  # first: it says what to install where pyarrow is missing
+from .parquet_states import ROWS  # first: it says what to install if pyarrow is missing
 from .progress import progress_bar
 from .written_files import replacing
 
 import pyarrow as pa  # type: ignore[import-not-found, import-untyped, unused-ignore]
+import pyarrow.dataset as ds  # type: ignore[import-not-found, import-untyped, unused-ignore]
 import pyarrow.parquet as pq  # type: ignore[import-not-found, import-untyped, unused-ignore]
 
 __all__: list[str] = []
 
 MANIFEST = "_axode.json"
-#: Where Ray itself looks for the address of a cluster.
+#: The variable in which Ray itself looks for the address of a cluster.
 RAY_ADDRESS = "RAY_ADDRESS"
 
 
@@ -35,7 +39,7 @@ class Task(Protocol):
     """What is done with the parts. It goes to every worker once."""
 
     def said(self, part: Any) -> str:
-        """Which part it is."""
+        """The words for a part."""
 
     def load(self, part: Any) -> Any:
         """What a part is computed from; parts are loaded in their order."""
@@ -55,55 +59,39 @@ class Report(NamedTuple):
     error: Exception | None = None
 
 
-class Interrupted(Exception):
-    """Somebody wants the work to end."""
+def stored(paths: Sequence[Path]) -> Any:
+    """The files of parts as one data set."""
+    return ds.dataset([str(path) for path in paths], format="parquet" if paths[0].suffix == ".parquet" else "ipc")
 
 
-# ------------------------------------------------------------------------------------------------------- one part
-
-
-def writer_to(path: Path, suffix: str, schema: Any) -> Any:
-    """Of Parquet, or of Arrow's own format for parts of a file that is yet to be written."""
-    if suffix == ".parquet":
-        return pq.ParquetWriter(path, schema, use_dictionary=False)
-    return pa.ipc.new_file(path, schema)
-
-
-def schema_of(path: Path) -> Any:
-    if path.suffix == ".parquet":
-        return pq.read_schema(path)
-    with pa.memory_map(str(path)) as stream:
-        return pa.ipc.open_file(stream).schema
+def parquet_file(path: Path, schema: Any) -> Any:
+    return pq.ParquetWriter(path, schema, use_dictionary=False)
 
 
 def compute(task: Task, number: int, part: Any, path: Path | None, loaded: Any = None,
             stop: threading.Event | None = None) -> Report:
     """Writes the file of a part, unless it is there: a worker may have ended between writing it and saying so."""
+    faulty, tables, schema = 0, [], None
     try:
         if path is not None and path.exists():
-            return Report(number, schema_of(path))
-        pieces = _until(stop, task.tables(part, task.load(part) if loaded is None else loaded))
-        if path is None:
-            tables, faulty = zip(*pieces)
-            table = pa.concat_tables(tables)
-            return Report(number, table.schema, sum(faulty), True, table)
-        with replacing(path) as temporary:
-            table, faulty_rows = next(pieces)
-            with writer_to(temporary, path.suffix, table.schema) as writer:
-                writer.write_table(table)
-                for more, faulty in pieces:
-                    writer.write_table(more.cast(table.schema))
-                    faulty_rows += faulty
-        return Report(number, table.schema, faulty_rows, True)
+            return Report(number, stored([path]).schema)
+        with contextlib.ExitStack() as stack:
+            temporary: Any = None if path is None else stack.enter_context(replacing(path))
+            for table, without in task.tables(part, task.load(part) if loaded is None else loaded):
+                if stop is not None and stop.is_set():
+                    raise InterruptedError
+                if path is None:
+                    tables.append(table)
+                elif schema is None:
+                    new = parquet_file if path.suffix == ".parquet" else pa.ipc.new_file
+                    writer = stack.enter_context(new(temporary, table.schema))
+                schema = schema or table.schema
+                if path is not None:
+                    writer.write_table(table.cast(schema))
+                faulty += without
+        return Report(number, schema, faulty, True, pa.concat_tables(tables) if path is None else None)
     except Exception as error:
         return Report(number, None, error=error)
-
-
-def _until(stop: threading.Event | None, pieces: Iterator[Any]) -> Iterator[Any]:
-    for piece in pieces:
-        yield piece
-        if stop is not None and stop.is_set():
-            raise Interrupted
 
 
 # ------------------------------------------------------------------------------------------------------- all parts
@@ -120,8 +108,11 @@ def _here(task: Task, parts: list[tuple[int, Any, Path | None]], threads: int) -
     with ThreadPoolExecutor(threads) as pool:
         try:
             for number, part, path in parts:
-                running.add(pool.submit(compute, task, number, part, path, _loaded(task, part), stop))
-                if len(running) > threads:
+                loaded = None
+                with contextlib.suppress(Exception):  # it cannot be loaded, which `compute` finds out again and reports
+                    loaded = task.load(part)
+                running.add(pool.submit(compute, task, number, part, path, loaded, stop))
+                while len(running) > threads:
                     done, running = wait(running, return_when=FIRST_COMPLETED)
                     yield from (future.result() for future in done)
             while running:
@@ -132,37 +123,27 @@ def _here(task: Task, parts: list[tuple[int, Any, Path | None]], threads: int) -
             pool.shutdown(wait=True, cancel_futures=True)
 
 
-def _loaded(task: Task, part: Any) -> Any:
-    """None where it cannot be loaded, which `compute` finds out again and reports."""
-    try:
-        return task.load(part)
-    except Exception:
-        return None
-
-
 def _over(ray: Any, task: Task, parts: list[tuple[int, Any, Path | None]], retries: int) -> Generator[Report, None, None]:
     """As many tasks as the cluster has cores, and as many again that wait."""
     shipped = ray.put(task)
-    all_parts = {number: part for number, part, _ in parts}
     remote = ray.remote(max_retries=retries, num_cpus=1)(compute)
     waiting = iter(parts)
-    running: dict[Any, int] = {}
+    running: dict[Any, tuple[int, Any]] = {}
     try:
         while True:
             room = 2 * max(1, int(ray.cluster_resources().get("CPU", 1))) - len(running)
             for number, part, path in itertools.islice(waiting, room):
-                running[remote.remote(shipped, number, part, path)] = number
+                running[remote.remote(shipped, number, part, path)] = number, part
             if not running:
                 return
-            done, _ = ray.wait(list(running), num_returns=1)
-            number = running.pop(done[0])
+            (done,), _ = ray.wait(list(running), num_returns=1)
+            number, part = running.pop(done)
             try:
-                report: Report = ray.get(done[0])
+                yield ray.get(done)
             except ray.exceptions.RayError as error:
                 lost = isinstance(error, ray.exceptions.WorkerCrashedError)
                 why = f"its worker ended {retries + 1} times" if lost else str(error).strip().splitlines()[-1]
-                report = Report(number, None, error=RuntimeError(f"{task.said(all_parts[number])}: {why}"))
-            yield report
+                yield Report(number, None, error=RuntimeError(f"{task.said(part)}: {why}"))
     finally:
         for reference in running:
             with contextlib.suppress(Exception):  # the cluster itself may be gone
@@ -171,98 +152,77 @@ def _over(ray: Any, task: Task, parts: list[tuple[int, Any, Path | None]], retri
 
 @contextlib.contextmanager
 def cluster_named(cluster: str | None) -> Iterator[Any]:
-    """Ray, where there is a cluster: the one that this program is connected to, that of the address, or one of the cores of
-    this machine. None stands for this process."""
-    if cluster is None and not os.environ.get(RAY_ADDRESS):
-        yield _connected()
+    """Ray, connected to the cluster with that address, to one of the cores of this machine, or to the one that this program is
+    connected to already. None stands for this process."""
+    wanted = cluster or os.environ.get(RAY_ADDRESS)
+    ray = sys.modules.get("ray")
+    if ray is None and wanted:
+        try:
+            import ray  # type: ignore[import-not-found, import-untyped, unused-ignore, no-redef]
+        except ImportError as error:
+            raise ImportError(f"cluster is {wanted!r}, which needs Ray: pip install ray") from error
+    connected = ray is not None and ray.is_initialized()
+    if connected and cluster is not None:
+        raise ValueError(f"cluster is {cluster!r}, but this program is connected to a Ray cluster; leave it out")
+    if connected or not wanted:
+        yield ray if connected else None
         return
+    assert ray is not None
     try:
-        import ray  # type: ignore[import-not-found, import-untyped, unused-ignore]
-    except ImportError as error:
-        raise ImportError(f"cluster is {cluster or os.environ[RAY_ADDRESS]!r}, which needs Ray: "
-                          "pip install ray") from error
-    if ray.is_initialized():
-        if cluster is not None:
-            raise ValueError(f"cluster is {cluster!r}, but this program is connected to a Ray cluster; leave it out")
-        yield ray
-        return
-    try:
-        _reach(cluster or os.environ[RAY_ADDRESS])
+        host, _, port = wanted.removeprefix("ray://").rpartition(":")
+        if host and port.isdigit():  # Ray itself waits some minutes if nobody listens
+            socket.create_connection((host.strip("[]"), int(port)), timeout=10).close()
         ray.init(address=cluster, log_to_driver=False, logging_level=logging.ERROR,
                  include_dashboard=False if cluster == "local" else None)
     except (OSError, ValueError) as error:
-        raise ConnectionError(f"there is no Ray cluster at {cluster or os.environ[RAY_ADDRESS]!r}: {error}") from error
+        raise ConnectionError(f"there is no Ray cluster at {wanted!r}: {error}") from error
     try:
         yield ray
     finally:
         ray.shutdown()
 
 
-def _reach(address: str) -> None:
-    """OSError where nobody listens, for which Ray itself waits some minutes."""
-    host, _, port = address.removeprefix("ray://").rpartition(":")
-    if host and port.isdigit():
-        socket.create_connection((host.strip("[]"), int(port)), timeout=10).close()
+@contextlib.contextmanager
+def _shown(wanted: bool | Callable[[int, int], object], rows: int) -> Iterator[Callable[[int], None]]:
+    """A function to call with more rows that are done, which are told to a function or shown by tqdm."""
+    done = 0
+    bar = progress_bar(rows, unit="row", unit_scale=True) if wanted is True else None
 
+    def add(more: int) -> None:
+        nonlocal done
+        done += more
+        if bar is not None:
+            bar.update(more)
+        if callable(wanted):
+            wanted(done, rows)
 
-def _connected() -> Any:
-    """Ray, if this program has imported it and is connected."""
-    ray = sys.modules.get("ray")
-    return ray if ray is not None and ray.is_initialized() else None
-
-
-class Progress:
-    """Rows that are done, told to a function or shown by tqdm."""
-
-    def __init__(self, wanted: bool | Callable[[int, int], object], rows: int):
-        self.done, self.rows = 0, rows
-        self.tell = wanted if callable(wanted) else None
-        self.bar = progress_bar(rows, unit="row", unit_scale=True) if wanted is True else None
-
-    def add(self, rows: int) -> None:
-        self.done += rows
-        if self.bar is not None:
-            self.bar.update(rows)
-        if self.tell is not None:
-            self.tell(self.done, self.rows)
-
-    def close(self) -> None:
-        if self.bar is not None:
-            self.bar.close()
+    with contextlib.closing(bar) if bar is not None else contextlib.nullcontext():
+        yield add
 
 
 def run(task: Task, parts: Sequence[Any], paths: Sequence[Path | None], *, cluster: str | None, threads: int, retries: int,
         progress: bool | Callable[[int, int], object]) -> Generator[Report, None, None]:
     """Reports of all parts, in the order in which they end. The first error ends the work; so does Ctrl-C. What is written
     by then stays."""
-    shown = Progress(progress, sum(part.rows for part in parts))
+    there = {number for number, path in enumerate(paths) if path is not None and path.exists()}
+    missing = [(number, parts[number], path) for number, path in enumerate(paths) if number not in there]
     schema = None
-    try:
-        missing = []
-        for number, (part, path) in enumerate(zip(parts, paths)):
-            if path is not None and path.exists():
-                shown.add(part.rows)
-                schema = schema_of(path) if schema is None else schema
-                yield Report(number, schema)
-            else:
-                missing.append((number, part, path))
-        with cluster_named(cluster) as ray:
-            reports = _here(task, missing, threads) if ray is None else _over(ray, task, missing, retries)
-            with contextlib.closing(reports):
-                for report in reports:
-                    if report.error is not None:
-                        raise report.error
-                    schema = report.schema if schema is None else schema
-                    if report.schema != schema:
-                        raise ValueError(f"results differ from part to part: {_columns(schema)} and {_columns(report.schema)}")
-                    shown.add(parts[report.number].rows)
-                    yield report
-    finally:
-        shown.close()
-
-
-def _columns(schema: Any) -> str:
-    return ", ".join(f"{field.name} ({field.type})" for field in schema)
+    with _shown(progress, sum(part.rows for part in parts)) as add:
+        for number in sorted(there):
+            add(parts[number].rows)
+            schema = schema or stored([paths[number]]).schema  # type: ignore[list-item]
+            yield Report(number, schema)
+        with cluster_named(cluster) as ray, contextlib.closing(
+                _here(task, missing, threads) if ray is None else _over(ray, task, missing, retries)) as reports:
+            for report in reports:
+                if report.error is not None:
+                    raise report.error
+                schema = schema or report.schema
+                if report.schema != schema:
+                    before, after = (", ".join(f"{field.name} ({field.type})" for field in of) for of in (schema, report.schema))
+                    raise ValueError(f"results differ from part to part: {before} and {after}")
+                add(parts[report.number].rows)
+                yield report
 
 
 # ------------------------------------------------------------------------------------------------------- files
@@ -276,19 +236,17 @@ class Output:
     """
 
     def __init__(self, target: str | os.PathLike[str], job: Mapping[str, Any], parts: int, overwrite: bool):
-        self.target = Path(target)
+        self.target, self.overwrite = Path(target), overwrite
         self.is_file = self.target.suffix == ".parquet"
         self.folder = self.target.with_name(self.target.name + ".parts") if self.is_file else self.target
-        self.identity: dict[str, str | None] = {}
+        self.identity: dict[str, str | None] = dict.fromkeys(job)
         self.unknown: dict[str, str] = {}
         for name, value in job.items():
             try:
                 self.identity[name] = digest(value)
             except Unknown as error:
-                self.identity[name] = None
                 self.unknown[name] = str(error)
-        width = max(6, len(str(parts)))
-        suffix = ".arrow" if self.is_file else ".parquet"
+        width, suffix = max(6, len(str(parts))), ".arrow" if self.is_file else ".parquet"
         self.paths = [self.folder / f"part-{number:0{width}}{suffix}" for number in range(parts)]
         if not self.target.parent.is_dir():
             raise FileNotFoundError(f"{self.target.parent}: there is no such folder")
@@ -297,7 +255,6 @@ class Output:
         if self.is_file and self.target.is_dir() or not self.is_file and self.target.is_file():
             raise FileExistsError(f"{self.target} is a {'folder' if self.is_file else 'file'}; a name that ends in .parquet is "
                                   "one of a file, others are of folders")
-        self.overwrite = overwrite
 
     @contextlib.contextmanager
     def held(self) -> Iterator[None]:
@@ -305,30 +262,23 @@ class Output:
         self.folder.mkdir(exist_ok=True)
         lock = os.open(self.folder, os.O_RDONLY)
         try:
-            try:
-                fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-            except BlockingIOError:
-                raise FileExistsError(f"{self.target}: another process is at work on it") from None
+            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
             self._begin()
-            try:
-                yield
-            finally:
-                if self.folder.exists():
-                    self._leave()
+            yield
+        except BlockingIOError:
+            raise FileExistsError(f"{self.target}: another process is at work on it") from None
         finally:
             os.close(lock)
 
     def _begin(self) -> None:
         manifest = self.folder / MANIFEST
-        if not manifest.exists():
-            if any(not file.name.startswith(f".{MANIFEST}") for file in self.folder.iterdir()):
-                raise FileExistsError(f"{self.folder} is not empty, and what it holds is not of axode.distributed")
-        else:
-            if not self.overwrite:
-                self._check_same(json.loads(manifest.read_text(encoding="utf-8")))
-            else:
-                self._say({})  # of no job, so that nothing is taken for what it is not if this is ended here
-                self._clear("part-", ".")
+        if not manifest.exists() and any(not file.name.startswith(f".{MANIFEST}") for file in self.folder.iterdir()):
+            raise FileExistsError(f"{self.folder} is not empty, and what it holds is not of axode.distributed")
+        if manifest.exists() and not self.overwrite:
+            self._check_same(json.loads(manifest.read_text(encoding="utf-8")))
+        elif manifest.exists():
+            self._say({})  # of no job, so that nothing is taken for what it is not if this is ended here
+            self._clear("part-", ".")
         self._say({**self.identity, "complete": False})
 
     def _check_same(self, before: dict[str, Any]) -> None:
@@ -343,12 +293,6 @@ class Output:
             raise FileExistsError(f"{self.folder} holds parts of a job of which nobody can tell whether it is this one: {name} "
                                   f"{why}; overwrite=True begins anew")
 
-    def _leave(self) -> None:
-        """A folder without any part is none to go on with."""
-        if not any(file.name.startswith("part-") for file in self.folder.iterdir()):
-            self._clear(MANIFEST)
-            self.folder.rmdir()
-
     def _clear(self, *beginnings: str) -> None:
         for file in self.folder.iterdir():
             if file.name.startswith(beginnings):
@@ -359,27 +303,22 @@ class Output:
             temporary.write_text(json.dumps(what, indent=1), encoding="utf-8")
 
     def write(self, reports: Iterator[Report]) -> list[Report]:
-        """Takes the reports of all parts; what becomes one file grows in the order of its rows meanwhile."""
-        found = list(self._joined(reports)) if self.is_file else list(reports)
-        if self.is_file:
-            self._clear("part-", ".", MANIFEST)
-            self.folder.rmdir()
-        else:
-            self._clear(".")
+        """Takes the reports of all parts, and makes one file of the parts if one is wanted."""
+        found = []
+        try:
+            found = list(reports)
+        finally:
+            if not found and not any(path.exists() for path in self.paths):  # a folder without any part is none to go on with
+                self._clear(MANIFEST, ".")
+                self.folder.rmdir()
+        self._clear(".")
+        if not self.is_file:
             self._say({**self.identity, "complete": True})
+            return found
+        parts = stored(self.paths)
+        with replacing(self.target, self.folder) as temporary, parquet_file(temporary, parts.schema) as writer:
+            for batch in parts.to_batches(batch_size=ROWS, batch_readahead=1, fragment_readahead=1):
+                writer.write_batch(batch)
+        self._clear("part-", MANIFEST)
+        self.folder.rmdir()
         return found
-
-    def _joined(self, reports: Iterator[Report]) -> Iterator[Report]:
-        done: set[int] = set()
-        with replacing(self.target, self.folder) as temporary, contextlib.ExitStack() as stack:
-            writer, following = None, 0
-            for report in reports:
-                done.add(report.number)
-                if writer is None:
-                    writer = stack.enter_context(writer_to(temporary, ".parquet", report.schema))
-                while following in done:
-                    with pa.memory_map(str(self.paths[following])) as stream:
-                        writer.write_table(pa.ipc.open_file(stream).read_all(), ROWS)
-                    following += 1
-                yield report
-

@@ -5,6 +5,7 @@ from __future__ import annotations
 import difflib
 import inspect
 import os
+import re
 import threading
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
@@ -20,6 +21,7 @@ from .errors import StatesError
 
 try:
     import pyarrow as pa  # type: ignore[import-not-found, import-untyped, unused-ignore]
+    import pyarrow.compute as pc  # type: ignore[import-not-found, import-untyped, unused-ignore]
     import pyarrow.parquet as pq  # type: ignore[import-not-found, import-untyped, unused-ignore]
 except ImportError as error:
     raise ImportError("axode.distributed needs pyarrow: pip install pyarrow") from error
@@ -27,67 +29,55 @@ except ImportError as error:
 __all__: list[str] = []
 
 Array = NDArray[Any]
-#: States that are read, computed and written at once, at most.
+#: How many states are read, computed and written at once, at most.
 ROWS = 65536
-#: Bytes of results that are computed at once, where one state has fewer.
+#: How many bytes of results are computed at once, unless one state has more.
 BYTES = 1 << 26
 #: Parameters with a number for each velocity.
 OF_VELOCITIES = {"v", "a", "tau", "p", "dq", "dv", "da", "dtau"}
 #: Parameters of which every state has its own.
 OF_STATES = OF_VELOCITIES | {"q", "w", "V", "Pi", "rates", "directions", "more", "multipliers", "w_q", "w_v"}
-#: What a result is called that is itself a part of a state.
+#: Names of results that are themselves a part of a state.
 RESULT_NAMES = {"inverse_dynamics": "tau", "forward_dynamics": "a"}
 
 
-class RowError(ValueError):
-    """What is wrong with one row of a table."""
+class RowError(Exception):
+    """A row of a table that is refused, and why."""
 
-    def __init__(self, row: int, why: str):
-        super().__init__(row, why)
-        self.row = row
-        self.why = why
+    def __init__(self, row: int, why: str, cause: StatesError | None = None):
+        super().__init__(row, why, cause)
+        self.row, self.why, self.cause = row, why, cause
 
-
-# ------------------------------------------------------------------------------------------------- columns as arrays
-
-
-def _is_number(kind: Any) -> bool:
-    return bool(pa.types.is_floating(kind) or pa.types.is_integer(kind))
+    def located(self, where: str, first: int = 0) -> Exception:
+        """The error to raise, which names the row, counted from the first row of the table."""
+        row = first + self.row
+        text = f"{where}row {row}: {self.why}"
+        return ValueError(text) if self.cause is None else type(self.cause)(text, [row], self.cause.result)
 
 
-def _is_list(kind: Any) -> bool:
-    return bool(pa.types.is_fixed_size_list(kind) or pa.types.is_list(kind) or pa.types.is_large_list(kind))
-
-
-def _one_length(column: Any, name: str, expected: int | None, meaning: str) -> int:
-    """Of the lists of a column, which must be the expected one, or else that of the longest."""
-    if pa.types.is_fixed_size_list(column.type):
-        lengths = np.array([column.type.list_size])
-    else:
-        lengths = np.asarray(column.value_lengths().fill_null(-1), dtype=np.int64)
-    length = int(lengths.max(initial=0)) if expected is None else expected
-    wrong = (lengths >= 0) & (lengths != length)
-    if wrong.any():
-        row = int(np.argmax(wrong))
-        rule = meaning if expected is not None else f"in other rows it has {length}"
-        raise RowError(row, f'column "{name}" has {lengths[row]} numbers; {rule}')
-    return length
+# ------------------------------------------------------------------------------------------------- columns and arrays
 
 
 def numbers(column: Any, name: str, expected: int | None = None, meaning: str = "") -> tuple[Array, Array]:
-    """What stands in a column, of shape (N, ...), NaN where it is null, and which rows have nulls. What is neither numbers nor
-    lists of them comes back as it is, where nothing is expected."""
+    """The numbers in a column, (N, ...), NaN where it is null, and which rows have nulls. Unless lists of a length are expected, a
+    column without numbers is returned as it is."""
     column = column.combine_chunks() if isinstance(column, pa.ChunkedArray) else column
     shape: tuple[int, ...] = ()
-    if pa.types.is_null(column.type):  # as pandas writes what has no rows, or nothing in any
+    if pa.types.is_null(column.type):  # pandas writes columns without rows or values so
         column = pa.nulls(len(column), pa.float64() if expected is None else pa.list_(pa.float64()))
     if isinstance(column.type, pa.FixedShapeTensorType):
         shape, column = tuple(column.type.shape), column.storage
-    elif _is_list(column.type):
-        shape = (_one_length(column, name, expected, meaning),)
+    elif hasattr(column.type, "value_type") and not pa.types.is_dictionary(column.type):
+        lengths = np.asarray(pc.list_value_length(column).fill_null(-1), dtype=np.int64)
+        shape = (int(lengths.max(initial=0)) if expected is None else expected,)
+        if (wrong := (lengths >= 0) & (lengths != shape[0])).any():
+            row = int(np.argmax(wrong))
+            rule = meaning if expected is not None else f"in other rows it has {shape[0]}"
+            raise RowError(row, f'column "{name}" has {lengths[row]} numbers; {rule}')
     values = column.flatten() if shape else column
     missing = np.asarray(column.is_null(), dtype=bool)
-    if not _is_number(values.type) or (expected is not None and not shape):
+    is_number = pa.types.is_floating(values.type) or pa.types.is_integer(values.type)
+    if not is_number or (expected is not None and not shape):
         if shape or expected is not None:
             raise ValueError(f'column "{name}" holds {column.type}; expected lists of numbers')
         return np.asarray(column.to_numpy(zero_copy_only=False)), missing
@@ -95,43 +85,35 @@ def numbers(column: Any, name: str, expected: int | None = None, meaning: str = 
     if not missing.any() and not values.null_count:
         return flat.reshape(len(column), *shape), missing
     out = np.full((len(column), *shape), np.nan)
-    if shape:
-        out[~missing] = flat.reshape(-1, *shape)
-        missing[~missing] = np.asarray(values.is_null(), dtype=bool).reshape(-1, int(np.prod(shape))).any(axis=1)
-    else:
-        out[:] = flat
-    return out, missing
-
-
-def names_of(m: Model, what: str) -> list[str]:
-    """Of the numbers of a part of a state; none where it has no such numbers."""
-    return m.coordinate_names if what == "q" else m.velocity_names if what in OF_VELOCITIES else []
-
-
-def headings(m: Model, what: str) -> list[str]:
-    """The columns that a part of a state has where each coordinate has a column of its own, as `axode simulate` writes them."""
-    return [f"{what} {name}" for name in names_of(m, what)]
+    out[~missing if shape else slice(None)] = flat.reshape(-1, *shape)
+    return out, missing | np.isnan(out.reshape(len(out), -1)).any(axis=1) if values.null_count else missing
 
 
 def columns_of(m: Model, what: str, there: Sequence[str]) -> list[str]:
-    """The column of a part of a state, or its columns, of those that are there. ValueError where there are none."""
+    """The column of a part of a state, or its columns as `axode simulate` writes them. ValueError if there are none."""
     if what in there:
         return [what]
     wanted = headings(m, what)
-    if not any(name in there for name in wanted):
+    missing = [name for name in wanted if name not in there]
+    if len(missing) == len(wanted):
         others = f', nor columns "{wanted[0]}", ..., "{wanted[-1]}"' if len(wanted) > 1 else ""
         raise ValueError(f'there is no column "{what}"{others}; there are {", ".join(there) or "none"}')
-    for name in wanted:
-        if name not in there:
-            raise ValueError(f'there is no column "{name}"')
+    if missing:
+        raise ValueError(f'there is no column "{missing[0]}"')
     return wanted
+
+
+def headings(m: Model, what: str) -> list[str]:
+    """The columns of a part of a state, one for each of its numbers."""
+    names = m.coordinate_names if what == "q" else m.velocity_names if what in OF_VELOCITIES else []
+    return [f"{what} {name}" for name in names]
 
 
 def part_of_state(table: Any, m: Model, what: str) -> tuple[Array, Array]:
     """The numbers of all states in a table, and which rows have nulls."""
     names = columns_of(m, what, table.column_names)
     if names == [what]:
-        expected = len(names_of(m, what)) if what in OF_VELOCITIES | {"q"} else None
+        expected = len(headings(m, what)) or None
         return numbers(table.column(what), what, expected, f'model "{m.name}" takes {expected}')
     columns = [numbers(table.column(name), name) for name in names]
     for name, (x, _) in zip(names, columns):
@@ -140,11 +122,8 @@ def part_of_state(table: Any, m: Model, what: str) -> tuple[Array, Array]:
     return np.stack([x for x, _ in columns], axis=1), np.any([missing for _, missing in columns], axis=0)
 
 
-# ------------------------------------------------------------------------------------------------- arrays as columns
-
-
-def as_column(name: str, x: Any, rows: int, dtype: str) -> Any:
-    """Numbers of shape (N,) as they are, (N, k) as lists of k, (N, k, l, ...) as tensors, which are lists to other readers."""
+def as_column(name: str, x: Any, rows: int, dtype: str = "float64") -> Any:
+    """Numbers (N,) as they are, (N, k) as lists of k, and (N, k, l, ...) as tensors, which are lists to other readers."""
     array = np.asarray(x)
     if array.shape[:1] != (rows,):
         raise ValueError(f'"{name}" has shape {array.shape}; expected ({rows}, ...), an entry for each state')
@@ -162,12 +141,11 @@ def as_column(name: str, x: Any, rows: int, dtype: str) -> Any:
 
 
 def named_results(result: Any, name: str) -> dict[str, Any]:
-    """Arrays under names: keys of a dict as they are, fields and entries of tuples behind that of the function."""
+    """Arrays by name: the keys of a dict, or fields and entries of tuples behind the name of the function."""
     if isinstance(result, Mapping):
         return {str(key): value for key, value in result.items()}
     if isinstance(result, tuple):
-        fields = getattr(result, "_fields", range(len(result)))
-        return {f"{name}.{field}": value for field, value in zip(fields, result)}
+        return {f"{name}.{field}": value for field, value in zip(getattr(result, "_fields", range(len(result))), result)}
     return {name: result}
 
 
@@ -188,16 +166,14 @@ def functions() -> list[str]:
 
 def _known_name(function: str | Callable[..., Any]) -> str | None:
     """The name of a function of this package; KeyError with the nearest one for other names."""
+    known = functions()
     if not isinstance(function, str):
         name = getattr(function, "__name__", "")
-        return name if getattr(axode, name, None) is function and name in functions() else None
-    known = functions()
+        return name if name in known and getattr(axode, name) is function else None
     if function in known:
         return function
-    near = name_here(function) or next(iter(difflib.get_close_matches(function, known, n=1)), None)
-    if near not in known:
-        near = None
-    raise KeyError(f'there is no function of states "{function}"' + (f'; did you mean "{near}"?' if near else ""))
+    near = [name for name in (name_here(function), *difflib.get_close_matches(function, known, n=1)) if name in known]
+    raise KeyError(f'there is no function of states "{function}"' + (f'; did you mean "{near[0]}"?' if near else ""))
 
 
 class TableFunction:
@@ -230,12 +206,11 @@ class TableFunction:
         self.arguments = dict(arguments or {})
         self.takes = self._parameters()
         self.keep = keep if keep is None or keep == "all" else list(keep)
-        of_known_shape = self.known and set(self.takes) <= OF_VELOCITIES | {"q"} and not self.known.startswith("rollout")
-        if of_known_shape:  # what is wrong with the arguments shows without states
-            self._call({what: np.empty((0, m.nq if what == "q" else m.nv)) for what in self.takes})
+        if self.known and set(self.takes) <= OF_VELOCITIES | {"q"} and not self.known.startswith("rollout"):
+            self._call({what: np.empty((0, len(headings(m, what)))) for what in self.takes})  # refuses wrong arguments
 
     def _parameters(self) -> list[str]:
-        """What the function takes of each state: what has no default and is no argument."""
+        """The parameters that a column is for: those without a default and without an argument."""
         callee: Any = getattr(axode, self.known) if self.known else self.function
         parameters = list(inspect.signature(callee).parameters.values())[1:]
         names = [x.name for x in parameters]
@@ -243,48 +218,41 @@ class TableFunction:
             if name not in names or name == "threads":
                 near = difflib.get_close_matches(name, names, n=1)
                 raise TypeError(f"{self.name} has no argument {name!r}" + (f"; did you mean {near[0]!r}?" if near else ""))
-        takes = [x.name for x in parameters if x.default is inspect.Parameter.empty and x.name not in self.arguments
+        takes = [x.name for x in parameters if x.default is x.empty and x.name not in self.arguments
                  and x.kind in (x.POSITIONAL_OR_KEYWORD, x.KEYWORD_ONLY)]
         if self.known and (missing := [name for name in takes if name not in OF_STATES]):
             raise TypeError(f"{self.name} needs an argument {missing[0]!r}")
         return takes
 
     def columns(self, there: Sequence[str]) -> tuple[list[str], list[str]]:
-        """The columns that are read for the function, and those that are carried over. ValueError where one is missing."""
+        """The columns that are read for the function, and those that are carried over. ValueError if one is missing."""
         taken = [name for what in self.takes for name in columns_of(self.m, what, there)]
-        if self.keep == "all":
-            return taken, list(there)
-        if self.keep is not None:
-            for name in self.keep:
-                if name not in there:
-                    raise ValueError(f'there is no column "{name}" to keep; there are {", ".join(there)}')
-            return taken, list(self.keep)
-        parts = {*OF_STATES, *(name for what in OF_STATES for name in headings(self.m, what))}
-        return taken, [name for name in there if name not in parts]
+        if self.keep is None:
+            parts = {*OF_STATES, *(name for what in OF_STATES for name in headings(self.m, what))}
+            return taken, [name for name in there if name not in parts]
+        kept = list(there if self.keep == "all" else self.keep)
+        for name in kept:
+            if name not in there:
+                raise ValueError(f'there is no column "{name}" to keep; there are {", ".join(there)}')
+        return taken, kept
 
     def __call__(self, table: Any) -> Any:
         try:
-            pieces = list(self.pieces(table))
+            return pa.concat_tables([piece for piece, _ in self.pieces(table)])
         except RowError as error:
-            raise ValueError(f"row {error.row}: {error.why}") from error
-        except StatesError as error:
-            raise type(error)(f"row {error.states[0]}: {error}", error.states, error.result) from error
-        return pa.concat_tables([piece for piece, _ in pieces])
+            raise error.located("") from error.cause
 
     def pieces(self, table: Any) -> Iterator[tuple[Any, int]]:
         """Tables of results, one behind the other, of which none is large, and how many states of each have none."""
         kept = self.columns(table.column_names)[1]
         given, bad = self._states(table)
-        step = self._at_once(given, bad)
+        step = max(len(bad), 1)
+        if self.known and len(bad) > 1:
+            one, _ = self._results({name: x[:1] for name, x in given.items()}, bad[:1], 0)
+            step = max(1, min(step, BYTES // max(sum(np.asarray(x).nbytes for x in one.values()), 1)))
         for start in range(0, max(table.num_rows, 1), step):
             rows = slice(start, start + step)
-            try:
-                results, without = self._results({name: x[rows] for name, x in given.items()}, bad[rows])
-            except StatesError as error:
-                error.states[:] = [start + k for k in error.states]
-                raise
-            except RowError as error:
-                raise RowError(start + error.row, error.why) from error
+            results, without = self._results({name: x[rows] for name, x in given.items()}, bad[rows], start)
             columns = {name: table.column(name).slice(start, step) for name in kept}
             for name, x in results.items():
                 if name in columns:
@@ -294,7 +262,7 @@ class TableFunction:
             yield pa.table(columns), int(without.sum())
 
     def _states(self, table: Any) -> tuple[dict[str, Array], Array]:
-        """What the function is given, and which rows have nulls or NaN. These are of a neutral state at rest."""
+        """The numbers that the function is given, and which rows have nulls or NaN: these become a neutral state at rest."""
         given, bad = {}, np.zeros(table.num_rows, dtype=bool)
         for what in self.takes:
             x, missing = part_of_state(table, self.m, what)
@@ -310,64 +278,31 @@ class TableFunction:
             given[what], bad = x, bad | wrong
         return given, bad
 
-    def _at_once(self, given: dict[str, Array], bad: Array) -> int:
-        """How many states are computed in one call; a function of somebody else is given all."""
-        if not self.known or len(bad) <= 1:
-            return max(len(bad), 1)
-        one, _ = self._results({name: x[:1] for name, x in given.items()}, bad[:1])
-        size = sum(np.asarray(x).nbytes for x in one.values())
-        return max(1, min(len(bad), BYTES // max(size, 1)))
-
     def _call(self, given: Mapping[str, Any]) -> dict[str, Any]:
-        if self.known:
-            result = getattr(axode, self.known)(self.m, **given, **self.arguments)
-        else:
-            assert callable(self.function)
-            result = self.function(self.m, **given, **self.arguments)
-        return named_results(result, RESULT_NAMES.get(self.name, self.name))
+        function: Any = getattr(axode, self.known) if self.known else self.function
+        return named_results(function(self.m, **given, **self.arguments), RESULT_NAMES.get(self.name, self.name))
 
-    def _results(self, given: dict[str, Array], bad: Array) -> tuple[dict[str, Any], Array]:
-        """Results of all states, and which have none: their rows are NaN."""
-        if self.faulty == "refuse":
-            try:
-                return self._call(given), bad
-            except (StatesError, ValueError) as error:
-                if self.known:
-                    self._name_row(given, error)
-                raise
+    def _results(self, given: dict[str, Array], bad: Array, first: int) -> tuple[dict[str, Any], Array]:
+        """Results of all states, and which have none: their rows are NaN, or the first of them is a RowError."""
         good = np.flatnonzero(~bad)
         try:
-            some = self._call({name: x[good] for name, x in given.items()})
+            some = self._call({name: x[good] for name, x in given.items()} if bad.any() else given)
         except StatesError as error:
+            if self.faulty == "refuse":
+                raise RowError(first + error.states[0], re.sub(r"^states? [^:]*: ", "", str(error)), error) from error
             bad = bad.copy()
             bad[good[error.states]] = True
-            good = np.flatnonzero(~bad)
-            some = self._call({name: x[good] for name, x in given.items()})
-        results = {}
+            return self._results(given, bad, first)
+        except ValueError as error:
+            if self.known and (at := re.match(r"state (\d+): ", str(error))):
+                raise RowError(first + int(good[int(at[1])]), str(error)[at.end():]) from error
+            raise
+        if not bad.any():
+            return some, bad
+        results = {name: np.full((len(bad), *np.shape(x)[1:]), np.nan) for name, x in some.items()}
         for name, x in some.items():
-            results[name] = np.full((len(bad), *np.shape(x)[1:]), np.nan)
             results[name][good] = x
         return results, bad
-
-    def _name_row(self, given: dict[str, Array], error: Exception) -> None:
-        """Raises what is wrong with the first state that is refused, in the words for a single state."""
-        if isinstance(error, StatesError):
-            row = error.states[0]
-        else:  # the first k states are refused where k is above its number
-            row, end = 0, len(next(iter(given.values())))
-            while end - row > 1:
-                middle = (row + end) // 2
-                try:
-                    self._call({name: x[row:middle] for name, x in given.items()})
-                    row = middle
-                except ValueError:
-                    end = middle
-        try:
-            self._call({name: x[row] for name, x in given.items()})
-        except StatesError as one:
-            raise type(one)(str(one), [row], one.result) from error
-        except ValueError as one:
-            raise RowError(row, str(one)) from error
 
 
 # ------------------------------------------------------------------------------------------------- files by parts
@@ -384,15 +319,12 @@ class Slice(NamedTuple):
 
 
 def _open(file: str) -> Any:
-    try:
-        return pq.ParquetFile(file, buffer_size=1 << 22)
-    except (pa.ArrowException, OSError) as error:
-        if isinstance(error, (FileNotFoundError, PermissionError)):
-            raise
-        raise _unreadable(file, error) from error
+    return pq.ParquetFile(file, buffer_size=1 << 22)
 
 
-def _unreadable(file: str, error: Exception) -> ValueError:
+def unreadable(file: str, error: Exception) -> Exception:
+    if isinstance(error, (FileNotFoundError, PermissionError)):
+        return error
     return ValueError(f"{file}: it cannot be read as Parquet: {' '.join(str(error).split()) or 'it is cut short'}")
 
 
@@ -405,66 +337,50 @@ def files_in(states: str | os.PathLike[str] | Sequence[str | os.PathLike[str]]) 
     if not os.fspath(states):
         raise ValueError("states is empty; expected the name of a file or folder")
     path = Path(states)
-    if not path.is_dir():
-        if not path.exists():
-            raise FileNotFoundError(f"{path}: there is no such file or folder")
-        return [str(path)]
-    found = [file for file in sorted(path.rglob("*.parquet"))
-             if not any(part.startswith((".", "_")) for part in file.relative_to(path).parts)]
+    if not path.exists():
+        raise FileNotFoundError(f"{path}: there is no such file or folder")
+    found = [path] if not path.is_dir() else [
+        file for file in sorted(path.rglob("*.parquet"))
+        if not any(part.startswith((".", "_")) for part in file.relative_to(path).parts)]
     if not found:
         raise FileNotFoundError(f"{path}: there are no files *.parquet in this folder")
     return [str(file) for file in found]
 
 
-class Cursor:
-    """Reads a row group from its beginning to its end, not all of it at once."""
-
-    def __init__(self, file: str, group: int, columns: list[str]):
-        self.key = (file, group, tuple(columns))
-        self.row = 0
-        self.batches = _open(file).iter_batches(batch_size=ROWS, row_groups=[group], columns=columns)
-        self.rest: Any = None
-
-    def read(self, start: int, rows: int) -> Any:
-        taken = []
-        while self.row < start + rows:
-            if self.rest is None or self.rest.num_rows == 0:
-                self.rest = next(self.batches)
-            skip = max(0, min(start - self.row, self.rest.num_rows))
-            here = self.rest.slice(skip, start + rows - self.row - skip)
-            if here.num_rows:
-                taken.append(here)
-            self.row += skip + here.num_rows
-            self.rest = self.rest.slice(skip + here.num_rows)
-        return pa.Table.from_batches(taken)
-
-
-#: Where this thread reads.
+#: The row group that this thread reads: its key, the batches to come, the rows that were read last, and the number of the first.
 _reading = threading.local()
 
 
 def read(part: Slice, columns: list[str]) -> Any:
-    """The rows of a part. Parts of one row group that are read in their order are read once."""
-    cursor = getattr(_reading, "cursor", None)
+    """The rows of a part. Parts of one row group that a thread reads in their order are read once."""
     key = (part.file, part.group, tuple(columns))
     try:
-        if part.rows == 0:
-            return _open(part.file).schema_arrow.empty_table().select(columns)
-        if cursor is None or cursor.key != key or cursor.row > part.start:
-            cursor = _reading.cursor = Cursor(part.file, part.group, columns)
-        return cursor.read(part.start, part.rows).select(columns)
+        if getattr(_reading, "key", None) != key or _reading.row > part.start:
+            opened = _open(part.file)
+            _reading.table, _reading.row = opened.schema_arrow.empty_table().select(columns), 0
+            _reading.batches = opened.iter_batches(batch_size=ROWS, row_groups=[part.group] if part.rows else [], columns=columns)
+            _reading.key = key
+        while _reading.row + _reading.table.num_rows < part.start + part.rows:
+            skip = min(part.start - _reading.row, _reading.table.num_rows)
+            following = pa.Table.from_batches([next(_reading.batches)]).select(columns)
+            _reading.table = pa.concat_tables([_reading.table.slice(skip), following])
+            _reading.row += skip
+        return _reading.table.slice(part.start - _reading.row, part.rows)
     except (pa.ArrowException, OSError, StopIteration) as error:
         stop_reading()
-        raise _unreadable(part.file, error) from error
+        raise unreadable(part.file, error) from error
 
 
 def stop_reading() -> None:
-    _reading.cursor = None
+    vars(_reading).clear()
 
 
 def slices(file: str, rows_per_part: int, use: Callable[[Any], object]) -> list[Slice]:
     """The parts of a file, whose schema is shown to `use`."""
-    opened = _open(file)
+    try:
+        opened = _open(file)
+    except (pa.ArrowException, OSError) as error:
+        raise unreadable(file, error) from error
     try:
         use(opened.schema_arrow)
     except ValueError as error:
