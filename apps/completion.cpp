@@ -18,15 +18,17 @@ namespace {
 constexpr const char* footer = R"(Example:
   axode completion bash
 
-In ~/.bashrc: source <(axode completion bash). In ~/.zshrc, after compinit: source <(axode completion zsh). For fish:
-axode completion fish > ~/.config/fish/completions/axode.fish. An installed axode has these files in their places.
+In ~/.bashrc: source <(axode completion bash). In ~/.zshrc, after compinit: source <(axode completion zsh).
+For fish: axode completion fish > ~/.config/fish/completions/axode.fish. An installed axode has these files in
+their places.
 The scripts call axode with the WORDS of a command line, and it prints what the last of them can become.)";
 
-/// A shell asks with all words behind `axode`, the last of which is to be completed, and is answered in lines of a word, a tab and a
-/// description. The answer ":files" stands for the names of files.
+/// A shell asks with all words behind `axode`, the last of which is to be completed, and is answered in lines
+/// of a word, a tab and a description. The answer ":files" stands for the names of files.
 constexpr const char* bash = R"sh(# Completion of axode for bash.
 _axode() {
-  mapfile -t COMPREPLY < <("${COMP_WORDS[0]}" completion bash -- "${COMP_WORDS[@]:1:COMP_CWORD}" 2>/dev/null | cut -f 1)
+  local words=("${COMP_WORDS[@]:1:COMP_CWORD}")
+  mapfile -t COMPREPLY < <("${COMP_WORDS[0]}" completion bash -- "${words[@]}" 2>/dev/null | cut -f 1)
   if [[ ${COMPREPLY[0]} == :files ]]; then
     compopt -o filenames 2>/dev/null
     mapfile -t COMPREPLY < <(compgen -f -- "${COMP_WORDS[COMP_CWORD]#=}")
@@ -35,7 +37,7 @@ _axode() {
 complete -F _axode axode
 )sh";
 constexpr const char* zsh = R"sh(#compdef axode
-# Completion of axode for zsh. The characters = and , at the end of a word are suffixes that a blank takes away.
+# Completion of axode for zsh. A blank takes the characters = and , at the end of a word away.
 _axode() {
   local line word suffix
   local -a shown
@@ -82,7 +84,8 @@ template <class Range, class NameOf> Offer offer_of(const Range& all, NameOf nam
   return offer;
 }
 
-/// The type of a value is `FILE`, the words that it can be, as in `table|json`, or the name of words that are many.
+/// The type of a value is `FILE`, the words that it can be, as in `table|json`, or the name of words that are
+/// many.
 Offer offer(const CLI::Option& option) {
   const std::string type = option.get_type_name();
   if (type.starts_with("FILE")) return {.files = true};

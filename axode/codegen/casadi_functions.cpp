@@ -28,7 +28,8 @@ Recording normalised(const Model& model, const Recording& f) {
   return on.with(f.result, on(f, x));
 }
 
-/// a(q, v, tau) = M⁻¹ (tau - T(q, v, 0)) and its derivatives. With T at these accelerations, and x for q, v, tau:
+/// a(q, v, tau) = M⁻¹ (tau - T(q, v, 0)) and its derivatives. With T at these accelerations, and x for q, v,
+/// tau:
 ///
 ///     M da = dtau - T_q dq - T_v dv,    mu = M⁻¹ w,    d²(w a) = - mu (T_xx + T_xa a_x + (T_xa a_x)ᵀ);
 ///
@@ -135,7 +136,8 @@ class Accelerations {
         columns[(moving + c) * nv + r] = columns[(moving + r) * nv + c];
     return columns;
   }
-  /// d²(w a), of which what is above the diagonal counts, from L = mu T_xx, the columns of T_x and K = M⁻¹ (mu T_aq).
+  /// d²(w a), of which what is above the diagonal counts, from L = mu T_xx, the columns of T_x and K = M⁻¹
+  /// (mu T_aq).
   Numbers curvature(const Numbers& L, const Numbers& T_x, const std::vector<Numbers>& K) const {
     const std::size_t nq = K.size(), nv = static_cast<std::size_t>(model_.nv()), n = nq + 2 * nv,
                       moving = nq + nv;

@@ -34,18 +34,19 @@ struct CasadiFunction {
   std::vector<CasadiOutput> outputs;
   bool is_jacobian = false;  ///< whose matrices, for several states, are block by block on the diagonal
 };
-/// A function of the state and its derivatives by all coordinates, velocities and so on, as CasADi looks for them: NAME,
-/// fwd1_NAME, adj1_NAME, jac_NAME and jac_adj1_NAME, each with a recording of its own. The inverse mass matrix has no
-/// jac_adj1_NAME, and the recordings of its derivatives are signatures of loops.
+/// A function of the state and its derivatives by all coordinates, velocities and so on, as CasADi looks for
+/// them: NAME, fwd1_NAME, adj1_NAME, jac_NAME and jac_adj1_NAME, each with a recording of its own. The
+/// inverse mass matrix has no jac_adj1_NAME, and the recordings of its derivatives are signatures of loops.
 struct CasadiFamily {
   std::vector<Recording> recordings;
   std::vector<CasadiFunction> functions;
   std::optional<CasadiInverse> inverse;
 };
 
-/// The function is of the coordinates as CasADi has them, n_q independent numbers: quaternions count divided by their length.
-/// Derivatives of forward dynamics are found from those of inverse dynamics, T(q, v, a) = tau, those of the inverse mass matrix
-/// from those of M, and all others by differentiating what is recorded. `frames` are their names as identifiers.
+/// The function is of the coordinates as CasADi has them, n_q independent numbers: quaternions count divided
+/// by their length. Derivatives of forward dynamics are found from those of inverse dynamics, T(q, v, a) =
+/// tau, those of the inverse mass matrix from those of M, and all others by differentiating what is recorded.
+/// `frames` are their names as identifiers.
 CasadiFamily casadi_family(const Model& model, const Function& function, const std::string& name,
                            std::span<const std::string> frames);
 

@@ -8,8 +8,8 @@
 
 namespace axode::codegen {
 
-/// The first derivatives of A(q) = M⁻¹ for CasADi, by those of M and products of matrices, which are loops: written out they would
-/// be more than compilers take for a humanoid. With weights W, and B = A W A,
+/// The first derivatives of A(q) = M⁻¹ for CasADi, by those of M and products of matrices, which are loops:
+/// written out they would be more than compilers take for a humanoid. With weights W, and B = A W A,
 ///
 ///     dA = - A dM A,    d(W·A) = - B·dM.
 class CasadiInverse {
@@ -17,8 +17,8 @@ class CasadiInverse {
   enum Kind : std::size_t { tangent, adjoint, jacobian };
   static constexpr std::size_t kinds = 3;
 
-  /// A function of M, (nv, nv): its change along a direction, the gradient with weights B, or the derivatives by each coordinate one
-  /// behind the other. Its results are the entries `places` of that.
+  /// A function of M, (nv, nv): its change along a direction, the gradient with weights B, or the derivatives
+  /// by each coordinate one behind the other. Its results are the entries `places` of that.
   struct Part {
     Recording recording;
     std::vector<int> places;
@@ -29,14 +29,15 @@ class CasadiInverse {
                 std::array<Part, kinds> masses);
 
   const Recording& of_masses(Kind kind) const { return masses_[kind].recording; }
-  /// Arguments and results of a function for A: 1, or 0 where they are 0 always, which the function leaves out.
+  /// Arguments and results of a function for A: 1, or 0 where they are 0 always, which the function leaves
+  /// out.
   Recording signature(Kind kind) const;
   /// What it does besides A.
   Operations operations(Kind kind) const;
   /// Numbers that it takes behind its results.
   std::size_t scratch() const;
-  /// Its body. `inverse` and `masses` are the names of the functions for A and of the part of M, table(numbers) is that of a
-  /// constant array.
+  /// Its body. `inverse` and `masses` are the names of the functions for A and of the part of M,
+  /// table(numbers) is that of a constant array.
   std::string body(Kind kind, const std::string& prefix, const std::string& inverse,
                    const std::string& masses,
                    const std::function<std::string(const std::vector<int>&)>& table) const;

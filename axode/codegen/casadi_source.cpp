@@ -93,8 +93,8 @@ template <class Items, class Word> std::string words(const Items& items, const W
   return text;
 }
 
-/// Rows, columns, where columns begin, and the row of each entry; or rows, columns, 1 for a matrix without zeros. Those of
-/// several states stand side by side, or, as derivatives of all by all, along the diagonal.
+/// Rows, columns, where columns begin, and the row of each entry; or rows, columns, 1 for a matrix without
+/// zeros. Those of several states stand side by side, or, as derivatives of all by all, along the diagonal.
 std::vector<int> compressed(const Pattern& pattern, int states, bool diagonal) {
   const int down = diagonal ? pattern.rows : 0;
   std::vector<int> numbers{pattern.rows + (states - 1) * down, states * pattern.columns};

@@ -57,8 +57,8 @@ def function(m: Model, quantity: Function, states: int = 1, *, flags: Sequence[s
     states are then one operation, with derivatives that are blocks on a diagonal; N calls, or a map, are thousands. What is made of
     SX is made for as many by `map`.
 
-    Matrices are sparse where the mechanism has zeros. Jacobians and Hessians are exact; "inverse_mass_matrix" has no Hessian, for which
-    take casadi.inv of "mass_matrix". Evaluation fails, and IPOPT steps back,
+    Matrices are sparse where the mechanism has zeros. Jacobians and Hessians are exact; "inverse_mass_matrix" has no
+    Hessian, for which take casadi.inv of "mass_matrix". Evaluation fails, and IPOPT steps back,
     where the mass matrix may be singular. Armature and gravity of m are part of it; loads and joint losses are not, springs
     are not. The functions hold nothing: threads may share them, and they can be pickled for processes with the same cache.
 
@@ -107,7 +107,8 @@ def _of_configurations(m: Model, name: str) -> Any:
 def _integrated(kind: str, q: Any, dv: Any) -> Any:
     if kind == "planar":
         axis = casadi.vertcat(0, 0, dv[0])
-        return casadi.vertcat(q[0] + dv[0], q[1:] + turned_in_plane(_ARRAYS, q[0], _dexp(axis, casadi.vertcat(dv[1:], 0))[:2]))
+        moved = _dexp(axis, casadi.vertcat(dv[1:], 0))[:2]
+        return casadi.vertcat(q[0] + dv[0], q[1:] + turned_in_plane(_ARRAYS, q[0], moved))
     if kind not in TURNING:
         return q + dv
     w, a = dv[:3], q[:4] / casadi.norm_2(q[:4])

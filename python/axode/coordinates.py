@@ -1,7 +1,7 @@
 """The map q' = E(q) v from velocities to rates of coordinates, joint by joint, for the arrays of any library.
 
-A joint is planar (angle, x, y), spherical (a quaternion x y z w), free (a quaternion and a position), or has q' = v. Its velocities
-are along its own axes. Quaternions may have any length: a rotation R is that of a / |a|.
+A joint is planar (angle, x, y), spherical (a quaternion x y z w), free (a quaternion and a position), or has q' = v.
+Its velocities are along its own axes. Quaternions may have any length: a rotation R is that of a / |a|.
 """
 
 from __future__ import annotations

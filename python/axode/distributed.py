@@ -1,4 +1,5 @@
-"""Many states in Parquet files, sweeps and Monte Carlo: in one process on all its cores, or on a Ray cluster by the same call.
+"""Many states in Parquet files, sweeps and Monte Carlo: in one process on all its cores, or on a Ray cluster by the
+same call.
 
 This needs pyarrow (`pip install pyarrow`), a cluster needs Ray (`pip install ray`).
 """
@@ -29,8 +30,8 @@ PARTS = 256
 
 
 class Written(NamedTuple):
-    """What `map_states` and `sweep` have written: `rows` in all, `parts` they were written in, of which `computed` by this call
-    and not by one before that was ended, and `faulty`, the rows of NaN among those that this call computed.
+    """What `map_states` and `sweep` have written: `rows` in all, `parts` they were written in, of which `computed` by
+    this call and not by one before that was ended, and `faulty`, the rows of NaN among those that this call computed.
 
     >>> axode.distributed.Written(rows=10, parts=1, computed=1, faulty=0).rows
     10
@@ -53,32 +54,35 @@ def map_states(m: Model, function: str | Callable[..., Any],
                rows_per_part: int = parquet_states.ROWS, progress: Progress = False) -> Written:
     """A function of the states that are in Parquet files, into Parquet files, row by row in the same order.
 
-    function: the name of one of this package that takes N states, such as "inverse_dynamics"; or a function (m, q, v, ...) of
-        yours whose parameters without a default are names of columns, and which returns (N, ...), or a dict of such arrays.
-    states: a file, a list of files or a folder of them. A column `q` holds lists of nq numbers, `v`, `a` and `tau` of nv; or
-        each coordinate has a column, `q A1`, `q A2`, ..., as `axode simulate --output` names them. Numbers of any real type.
+    function: the name of one of this package that takes N states, such as "inverse_dynamics"; or a function (m, q, v,
+        ...) of yours whose parameters without a default are names of columns, and which returns (N, ...), or a dict of
+        such arrays.
+    states: a file, a list of files or a folder of them. A column `q` holds lists of nq numbers, `v`, `a` and `tau` of
+        nv; or each coordinate has a column, `q A1`, `q A2`, ..., as `axode simulate --output` names them. Numbers of
+        any real type.
     output: a file where it ends in .parquet, otherwise a folder of files. Columns are those of `keep` and the result: a
         number, lists, or tensors (lists to readers that do not know these) where there are several axes. That of
         inverse_dynamics is `tau`, that of forward_dynamics `a`, others have the name of the function.
     arguments: what else the function is given, such as {"frame": "flange"}; the same for all states.
     keep: columns to carry over, or "all"; without it, all that are no part of a state, such as a time or a number.
     dtype: of the results in the files; it is computed in float64.
-    faulty: a null, NaN or infinity, a singular mass matrix or an overflow ends the work in an error that names file and row,
-        or with "nan" makes NaN of the results of this row.
-    overwrite: whether what is there is removed and everything computed anew. Otherwise a job that was interrupted is continued: parts
-        are files that appear when they are whole, and only those that are missing are computed. The job is the same if the model,
-        the states and the arguments are, and the function with the values that it is bound to. Global variables and the functions
-        that it calls are not compared. A function with a value that cannot be compared, such as an open file, is not continued.
-    cluster: "local" starts Ray on the cores of this machine, an address connects to a cluster; both end with the call. Without
-        it a cluster to which this program is connected is used, or that of $RAY_ADDRESS, and otherwise this process. The
-        workers of a cluster see the files under the same names.
+    faulty: a null, NaN or infinity, a singular mass matrix or an overflow ends the work in an error that names file and
+        row, or with "nan" makes NaN of the results of this row.
+    overwrite: whether what is there is removed and everything computed anew. Otherwise a job that was interrupted is
+        continued: parts are files that appear when they are whole, and only those that are missing are computed. The
+        job is the same if the model, the states and the arguments are, and the function with the values that it is
+        bound to. Global variables and the functions that it calls are not compared. A function with a value that cannot
+        be compared, such as an open file, is not continued.
+    cluster: "local" starts Ray on the cores of this machine, an address connects to a cluster; both end with the call.
+        Without it a cluster to which this program is connected is used, or that of $RAY_ADDRESS, and otherwise this
+        process. The workers of a cluster see the files under the same names.
     threads: of this process; all cores where it is left out, or one for a function of yours.
     retries: how often Ray computes a part anew whose worker was lost.
     rows_per_part: states in a part.
     progress: whether a bar is shown, which needs tqdm; or a function (rows done, rows).
 
-    Memory is bounded: each core has one part at work. ValueError for what is in the files, KeyError for an unknown function,
-    TypeError for its arguments, FileExistsError for an output that is there. Ctrl-C ends it.
+    Memory is bounded: each core has one part at work. ValueError for what is in the files, KeyError for an unknown
+    function, TypeError for its arguments, FileExistsError for an output that is there. Ctrl-C ends it.
 
     >>> import pyarrow as pa, pyarrow.parquet as pq, tempfile
     >>> folder = tempfile.mkdtemp()
@@ -117,7 +121,8 @@ class _StatesTask:
             wanted = {name for names in self.function.columns(schema.names) for name in names}
             columns = [name for name in schema.names if name in wanted]
             if self.columns and wanted != set(self.columns):
-                raise ValueError(f"it has the columns {', '.join(columns)}; {self.files[0]} has {', '.join(self.columns)}")
+                raise ValueError(f"it has the columns {', '.join(columns)}; {self.files[0]} has "
+                                 f"{', '.join(self.columns)}")
             self.columns = self.columns or columns
 
         parts = [part for file in self.files for part in parquet_states.slices(file, rows_per_part, use)]
@@ -169,20 +174,22 @@ def sweep(m: Any, function: Callable[..., Any], points: Mapping[str, Sequence[An
           output: str | os.PathLike[str] | None = None, *, overwrite: bool = False, cluster: str | None = None,
           threads: int = 1, retries: int = 3, points_per_part: int | None = None,
           progress: Progress = False) -> dict[str, NDArray[Any]] | Written:
-    """A function of a model at many points: of a grid, or of seeds for Monte Carlo. A row for each point, in their order.
+    """A function of a model at many points: of a grid, or of seeds for Monte Carlo. A row for each point, in their
+    order.
 
-    function: takes m, a model or whatever it needs, and the numbers of a point under their names, and returns a number, or a
-        dict of numbers, words and arrays; it is the same words in every point. A number of its own is called `result`.
+    function: takes m, a model or whatever it needs, and the numbers of a point under their names, and returns a number,
+        or a dict of numbers, words and arrays; it is the same words in every point. A number of its own is called
+        `result`.
     points: a dict of equally many values under each name, such as `grid(...)` or {"seed": range(1000)}.
     output: a Parquet file or folder as that of `map_states`, which is continued like that. Without it the columns
         come back as arrays.
-    threads: of this process. More than 1 pay where the function is long in axode or numpy, which let other threads run; a
-        cluster, be it "local", where it is long in Python.
+    threads: of this process. More than 1 pay where the function is long in axode or numpy, which let other threads run;
+        a cluster, be it "local", where it is long in Python.
     points_per_part: points that a worker computes before it writes them; the points make 256 parts if it is left out.
     overwrite, cluster, retries, progress: as in `map_states`.
 
-    Draw from the seed alone, `np.random.default_rng(seed)`: then it does not matter who computes which point. Numbers are
-    float64. RuntimeError, with the point, where the function fails.
+    Draw from the seed alone, `np.random.default_rng(seed)`: then it does not matter who computes which point. Numbers
+    are float64. RuntimeError, with the point, where the function fails.
 
     >>> def holding_torque(m, seed):
     ...     drawn = m.parameters * np.random.default_rng(seed).normal(1, 0.01, m.parameters.shape)
@@ -207,8 +214,8 @@ def sweep(m: Any, function: Callable[..., Any], points: Mapping[str, Sequence[An
     parts = [_Points(start, min(points_per_part, N - start)) for start in range(0, N, points_per_part)]
     if output is None:
         _at_least_one("threads", threads)
-        with contextlib.closing(jobs.run(task, parts, [None] * len(parts), cluster=cluster, threads=threads, retries=retries,
-                                    progress=progress)) as reports:
+        with contextlib.closing(jobs.run(task, parts, [None] * len(parts), cluster=cluster, threads=threads,
+                                         retries=retries, progress=progress)) as reports:
             found = sorted(reports, key=lambda report: report.number)
         return _arrays(pa.concat_tables([report.table for report in found]))
     job = {"function": function, "model": m, "points": task.points, "points_per_part": points_per_part}
@@ -242,8 +249,8 @@ class _SweepTask:
             point = dict(zip(loaded, values))
             row = self._row(point)
             if rows and list(row) != list(rows[0]):
-                raise ValueError(f"at {_shown(point)} the function returns {', '.join(row) or 'nothing'}; before it was "
-                                 f"{', '.join(rows[0]) or 'nothing'}")
+                raise ValueError(f"at {_shown(point)} the function returns {', '.join(row) or 'nothing'}; before it "
+                                 f"was {', '.join(rows[0]) or 'nothing'}")
             rows.append(row)
         columns = {name: column.slice(part.start, part.rows) for name, column in self.columns.items()}
         for name in rows[0]:

@@ -1,4 +1,5 @@
-"""Work in parts, each of which leaves one file, or none: in this process or on a Ray cluster, begun anew where it was ended.
+"""Work in parts, each of which leaves one file, or none: in this process or on a Ray cluster, begun anew where it was
+ended.
 
 Parts are tasks of Ray and not rows of Ray Data, whose errors do not say which part has ended its worker.
 """
@@ -123,7 +124,8 @@ def _here(task: Task, parts: list[tuple[int, Any, Path | None]], threads: int) -
             pool.shutdown(wait=True, cancel_futures=True)
 
 
-def _over(ray: Any, task: Task, parts: list[tuple[int, Any, Path | None]], retries: int) -> Generator[Report, None, None]:
+def _over(ray: Any, task: Task, parts: list[tuple[int, Any, Path | None]],
+          retries: int) -> Generator[Report, None, None]:
     """As many tasks as the cluster has cores, and as many again that wait."""
     shipped = ray.put(task)
     remote = ray.remote(max_retries=retries, num_cpus=1)(compute)
@@ -152,8 +154,8 @@ def _over(ray: Any, task: Task, parts: list[tuple[int, Any, Path | None]], retri
 
 @contextlib.contextmanager
 def cluster_named(cluster: str | None) -> Iterator[Any]:
-    """Ray, connected to the cluster with that address, to one of the cores of this machine, or to the one that this program is
-    connected to already. None stands for this process."""
+    """Ray, connected to the cluster with that address, to one of the cores of this machine, or to the one that this
+    program is connected to already. None stands for this process."""
     wanted = cluster or os.environ.get(RAY_ADDRESS)
     ray = sys.modules.get("ray")
     if ray is None and wanted:
@@ -200,10 +202,10 @@ def _shown(wanted: bool | Callable[[int, int], object], rows: int) -> Iterator[C
         yield add
 
 
-def run(task: Task, parts: Sequence[Any], paths: Sequence[Path | None], *, cluster: str | None, threads: int, retries: int,
-        progress: bool | Callable[[int, int], object]) -> Generator[Report, None, None]:
-    """Reports of all parts, in the order in which they end. The first error ends the work; so does Ctrl-C. What is written
-    by then stays."""
+def run(task: Task, parts: Sequence[Any], paths: Sequence[Path | None], *, cluster: str | None, threads: int,
+        retries: int, progress: bool | Callable[[int, int], object]) -> Generator[Report, None, None]:
+    """Reports of all parts, in the order in which they end. The first error ends the work; so does Ctrl-C. What is
+    written by then stays."""
     there = {number for number, path in enumerate(paths) if path is not None and path.exists()}
     missing = [(number, parts[number], path) for number, path in enumerate(paths) if number not in there]
     schema = None
@@ -219,7 +221,8 @@ def run(task: Task, parts: Sequence[Any], paths: Sequence[Path | None], *, clust
                     raise report.error
                 schema = schema or report.schema
                 if report.schema != schema:
-                    before, after = (", ".join(f"{field.name} ({field.type})" for field in of) for of in (schema, report.schema))
+                    before, after = (", ".join(f"{field.name} ({field.type})" for field in of)
+                                     for of in (schema, report.schema))
                     raise ValueError(f"results differ from part to part: {before} and {after}")
                 add(parts[report.number].rows)
                 yield report
@@ -231,8 +234,8 @@ def run(task: Task, parts: Sequence[Any], paths: Sequence[Path | None], *, clust
 class Output:
     """Where the parts of a job go: files of a folder, or of one beside the file that is made of them in the end.
 
-    A folder says in `_axode.json` what it holds, and whether that is all. One process works in it at a time. `job` is everything
-    that its results depend on.
+    A folder says in `_axode.json` what it holds, and whether that is all. One process works in it at a time. `job` is
+    everything that its results depend on.
     """
 
     def __init__(self, target: str | os.PathLike[str], job: Mapping[str, Any], parts: int, overwrite: bool):
@@ -253,8 +256,8 @@ class Output:
         if self.is_file and self.target.exists() and not overwrite:
             raise FileExistsError(f"{self.target} is there already; overwrite=True replaces it")
         if self.is_file and self.target.is_dir() or not self.is_file and self.target.is_file():
-            raise FileExistsError(f"{self.target} is a {'folder' if self.is_file else 'file'}; a name that ends in .parquet is "
-                                  "one of a file, others are of folders")
+            raise FileExistsError(f"{self.target} is a {'folder' if self.is_file else 'file'}; a name that ends in .parquet "
+                                  "is one of a file, others are of folders")
 
     @contextlib.contextmanager
     def held(self) -> Iterator[None]:
@@ -290,8 +293,8 @@ class Output:
                 raise FileExistsError(f"{self.folder} holds parts of another job: {name} is not the same; "
                                       "overwrite=True begins anew")
         for name, why in self.unknown.items():
-            raise FileExistsError(f"{self.folder} holds parts of a job of which nobody can tell whether it is this one: {name} "
-                                  f"{why}; overwrite=True begins anew")
+            raise FileExistsError(f"{self.folder} holds parts of a job of which nobody can tell whether it is this one: "
+                                  f"{name} {why}; overwrite=True begins anew")
 
     def _clear(self, *beginnings: str) -> None:
         for file in self.folder.iterdir():
@@ -308,7 +311,7 @@ class Output:
         try:
             found = list(reports)
         finally:
-            if not found and not any(path.exists() for path in self.paths):  # a folder without any part is none to go on with
+            if not found and not any(path.exists() for path in self.paths):  # there is nothing to go on with
                 self._clear(MANIFEST, ".")
                 self.folder.rmdir()
         self._clear(".")

@@ -59,8 +59,8 @@ class RowError(Exception):
 
 
 def numbers(column: Any, name: str, expected: int | None = None, meaning: str = "") -> tuple[Array, Array]:
-    """The numbers in a column, (N, ...), NaN where it is null, and which rows have nulls. Unless lists of a length are expected, a
-    column without numbers is returned as it is."""
+    """The numbers in a column, (N, ...), NaN where it is null, and which rows have nulls. Unless lists of a length are
+    expected, a column without numbers is returned as it is."""
     column = column.combine_chunks() if isinstance(column, pa.ChunkedArray) else column
     shape: tuple[int, ...] = ()
     if pa.types.is_null(column.type):  # pandas writes columns without rows or values so
@@ -123,7 +123,8 @@ def part_of_state(table: Any, m: Model, what: str) -> tuple[Array, Array]:
 
 
 def as_column(name: str, x: Any, rows: int, dtype: str = "float64") -> Any:
-    """Numbers (N,) as they are, (N, k) as lists of k, and (N, k, l, ...) as tensors, which are lists to other readers."""
+    """Numbers (N,) as they are, (N, k) as lists of k, and (N, k, l, ...) as tensors, which are lists to other
+    readers."""
     array = np.asarray(x)
     if array.shape[:1] != (rows,):
         raise ValueError(f'"{name}" has shape {array.shape}; expected ({rows}, ...), an entry for each state')
@@ -145,7 +146,8 @@ def named_results(result: Any, name: str) -> dict[str, Any]:
     if isinstance(result, Mapping):
         return {str(key): value for key, value in result.items()}
     if isinstance(result, tuple):
-        return {f"{name}.{field}": value for field, value in zip(getattr(result, "_fields", range(len(result))), result)}
+        fields = getattr(result, "_fields", range(len(result)))
+        return {f"{name}.{field}": value for field, value in zip(fields, result)}
     return {name: result}
 
 
@@ -180,8 +182,8 @@ class TableFunction:
     """A function of states as one of tables of pyarrow: states in, results out, row by row.
 
     It is what `map_states` calls, and what `ray.data.Dataset.map_batches` takes with batch_format="pyarrow".
-    The arguments are those of `map_states`. A table with a state that cannot be computed is a ValueError or a StatesError, which
-    names the row.
+    The arguments are those of `map_states`. A table with a state that cannot be computed is a ValueError or a
+    StatesError, which names the row.
 
     >>> import pyarrow as pa
     >>> torques = axode.distributed.TableFunction(arm, "gravity_torques")
@@ -217,7 +219,8 @@ class TableFunction:
         for name in self.arguments:
             if name not in names or name == "threads":
                 near = difflib.get_close_matches(name, names, n=1)
-                raise TypeError(f"{self.name} has no argument {name!r}" + (f"; did you mean {near[0]!r}?" if near else ""))
+                raise TypeError(f"{self.name} has no argument {name!r}"
+                                + (f"; did you mean {near[0]!r}?" if near else ""))
         takes = [x.name for x in parameters if x.default is x.empty and x.name not in self.arguments
                  and x.kind in (x.POSITIONAL_OR_KEYWORD, x.KEYWORD_ONLY)]
         if self.known and (missing := [name for name in takes if name not in OF_STATES]):
@@ -262,7 +265,8 @@ class TableFunction:
             yield pa.table(columns), int(without.sum())
 
     def _states(self, table: Any) -> tuple[dict[str, Array], Array]:
-        """The numbers that the function is given, and which rows have nulls or NaN: these become a neutral state at rest."""
+        """The numbers that the function is given, and which rows have nulls or NaN: these become a neutral state at
+        rest."""
         given, bad = {}, np.zeros(table.num_rows, dtype=bool)
         for what in self.takes:
             x, missing = part_of_state(table, self.m, what)
@@ -347,7 +351,8 @@ def files_in(states: str | os.PathLike[str] | Sequence[str | os.PathLike[str]]) 
     return [str(file) for file in found]
 
 
-#: The row group that this thread reads: its key, the batches to come, the rows that were read last, and the number of the first.
+#: The row group that this thread reads: its key, the batches to come, the rows that were read last, and the number of
+#  the first.
 _reading = threading.local()
 
 
@@ -358,7 +363,8 @@ def read(part: Slice, columns: list[str]) -> Any:
         if getattr(_reading, "key", None) != key or _reading.row > part.start:
             opened = _open(part.file)
             _reading.table, _reading.row = opened.schema_arrow.empty_table().select(columns), 0
-            _reading.batches = opened.iter_batches(batch_size=ROWS, row_groups=[part.group] if part.rows else [], columns=columns)
+            groups = [part.group] if part.rows else []
+            _reading.batches = opened.iter_batches(batch_size=ROWS, row_groups=groups, columns=columns)
             _reading.key = key
         while _reading.row + _reading.table.num_rows < part.start + part.rows:
             skip = min(part.start - _reading.row, _reading.table.num_rows)

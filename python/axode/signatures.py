@@ -140,11 +140,13 @@ def explained(function: Callable[..., Any], is_method: bool) -> Callable[..., An
 
 def _refuse_name(module: ModuleType, name: str) -> Any:
     near = difflib.get_close_matches(name, module.__all__, n=1)
-    raise AttributeError(f"module {module.__name__!r} has no attribute {name!r}" + (f"; did you mean {near[0]!r}?" if near else ""))
+    raise AttributeError(f"module {module.__name__!r} has no attribute {name!r}"
+                         + (f"; did you mean {near[0]!r}?" if near else ""))
 
 
 def explain_calls(module: str) -> None:
-    """Explains the functions, the constructors and the methods that a module of this package makes public, and unknown names."""
+    """Explains the functions, the constructors and the methods that a module of this package makes public, and names
+    that it does not have."""
     here = sys.modules[module]
     setattr(here, "__getattr__", functools.partial(_refuse_name, here))
     for name in here.__all__:

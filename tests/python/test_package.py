@@ -56,7 +56,8 @@ def test_the_command_computes_every_function_of_a_state_or_says_what_to_use(name
         remedy = done.stderr.partition(f"--want: {name} is no quantity: ")[2].partition(" (see")[0]
         assert remedy, done.stderr
         for quantity in re.findall(r'"(\w+)"', remedy):
-            assert f"  {quantity} " in subprocess.run([COMMAND, "eval", "--help"], capture_output=True, text=True).stdout
+            shown = subprocess.run([COMMAND, "eval", "--help"], capture_output=True, text=True).stdout
+            assert f"  {quantity} " in shown
         for command in re.findall(r"axode (\w+)", remedy):
             assert subprocess.run([COMMAND, command, "--help"], capture_output=True).returncode == 0
 
@@ -69,7 +70,8 @@ def test_what_the_command_says_of_loops_and_rates_is_what_the_functions_give():
     d = axode.loop_multiplier_derivatives(m, q, v, tau)
     expected = {"loop_jacobian": axode.loop_jacobian(m, q), "loop_bias": axode.loop_bias(m, q, v),
                 "loop_residual_jacobian": axode.loop_residual_jacobian(m, q),
-                "loop_multipliers": axode.loop_multipliers(m, q, v, tau), "loop_multiplier_derivatives": np.hstack([d.q, d.v, d.tau])}
+                "loop_multipliers": axode.loop_multipliers(m, q, v, tau),
+                "loop_multiplier_derivatives": np.hstack([d.q, d.v, d.tau])}
     for name, value in expected.items():
         done = evaluated("four_bar.toml", name, "--state", "-", state=state)
         found, = json.loads(done.stdout)["results"][name].values()
@@ -77,7 +79,8 @@ def test_what_the_command_says_of_loops_and_rates_is_what_the_functions_give():
     opening = {"q": q.tolist(), "v": [1.0, 0.0, 0.0]}
     found = json.loads(evaluated("four_bar.toml", "impact", "--state", "-", state=opening).stdout)["results"]["impact"]
     assert np.allclose(found["v"], axode.impact(m, q, opening["v"])) and any(found["impulses"])
-    found = json.loads(evaluated("four_bar.toml", "independent_equations", "--state", "-", state=state).stdout)["results"]
+    printed = evaluated("four_bar.toml", "independent_equations", "--state", "-", state=state).stdout
+    found = json.loads(printed)["results"]
     equations = axode.independent_equations(m, q, v)
     for name in "MNhc":
         assert np.allclose(found["independent_equations"][name], getattr(equations, name), atol=1e-12)

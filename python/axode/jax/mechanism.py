@@ -96,7 +96,8 @@ class Mechanism:
             else:
                 places.setdefault("plain", []).extend((range(i, i + 1), range(j, j + 1)) for i, j in zip(q, v))
         self.joints: list[tuple[str, NDArray[np.int_], NDArray[np.int_]]] = [
-            (kind, np.array([q for q, _ in joints]), np.array([v for _, v in joints])) for kind, joints in places.items()]
+            (kind, np.array([q for q, _ in joints]), np.array([v for _, v in joints]))
+            for kind, joints in places.items()]
         self.q_order = np.argsort([k for _, at, _ in self.joints for k in at.ravel()])
         self.v_order = np.argsort([k for _, _, at in self.joints for k in at.ravel()])
         #: whether v is dq/dt
@@ -140,21 +141,24 @@ _ARRAYS = coordinates.Arrays(
 
 def _in_order(parts: list[Array], order: NDArray[np.int_]) -> Array:
     """The numbers of all joints, kind by kind, (..., joints, numbers), in their places."""
-    return jnp.concatenate([each.reshape(*each.shape[:-2], each.shape[-2] * each.shape[-1]) for each in parts], axis=-1)[..., order]
+    flat = [each.reshape(*each.shape[:-2], each.shape[-2] * each.shape[-1]) for each in parts]
+    return jnp.concatenate(flat, axis=-1)[..., order]
 
 
 def velocities_of(m: Mechanism, q: Array, dq: Array) -> Array:
     """v from dq/dt. What changes the length of a quaternion is left out, and quaternions count as brought to length 1."""
     if m.is_vector:
         return dq
-    return _in_order([coordinates.velocities(_ARRAYS, kind, q[..., at], dq[..., at]) for kind, at, _ in m.joints], m.v_order)
+    parts = [coordinates.velocities(_ARRAYS, kind, q[..., at], dq[..., at]) for kind, at, _ in m.joints]
+    return _in_order(parts, m.v_order)
 
 
 def rates_of(m: Mechanism, q: Array, v: Array) -> Array:
     """dq/dt from v."""
     if m.is_vector:
         return v
-    return _in_order([coordinates.rates(_ARRAYS, kind, q[..., at_q], v[..., at_v]) for kind, at_q, at_v in m.joints], m.q_order)
+    parts = [coordinates.rates(_ARRAYS, kind, q[..., at_q], v[..., at_v]) for kind, at_q, at_v in m.joints]
+    return _in_order(parts, m.q_order)
 
 
 def _sinc(s: Array) -> Array:

@@ -1,8 +1,9 @@
-"""Functions of the state as operations of PyTorch: axode.torch.inverse_dynamics(m, q, v, a), and what learns through them.
+"""Functions of the state as operations of PyTorch: axode.torch.inverse_dynamics(m, q, v, a), and what learns through
+them.
 
-Names and arguments are those of axode, on tensors of float64 or float32 with any axes in front, which broadcast. Gradients
-are exact, by the vjp of the library, second derivatives by its second derivatives. Every function is made of operations
-`torch.ops.axode`, which torch.compile, torch.func and torch.export know. See docs/torch.md.
+Names and arguments are those of axode, on tensors of float64 or float32 with any axes in front, which broadcast.
+Gradients are exact, by the vjp of the library, second derivatives by its second derivatives. Every function is made of
+operations `torch.ops.axode`, which torch.compile, torch.func and torch.export know. See docs/torch.md.
 
 Needs PyTorch: pip install torch.
 """
@@ -23,11 +24,12 @@ except ImportError as error:
 from . import dynamics, operations
 from .mechanism import frame_index, heights, key_of, refuse_loops, sizes, still, total_mass
 
-__all__ = ["center_of_mass", "forward_dynamics", "handle", "inertial_parameters", "inverse_dynamics", "inverse_mass_matrix",
-           "jacobian", "kinetic_energy", "mass_matrix", "poses", "potential_energy", "rollout"]
+__all__ = ["center_of_mass", "forward_dynamics", "handle", "inertial_parameters", "inverse_dynamics",
+           "inverse_mass_matrix", "jacobian", "kinetic_energy", "mass_matrix", "poses", "potential_energy", "rollout"]
 
 
-def _checked(m: Model | Specialised, parameters: Tensor | None, **given: Tensor) -> tuple[str, list[Tensor], Tensor | None]:
+def _checked(m: Model | Specialised, parameters: Tensor | None,
+             **given: Tensor) -> tuple[str, list[Tensor], Tensor | None]:
     """The model's word, and the tensors with the same axes in front."""
     key = key_of(m)
     nq, nv, n = sizes(key)
@@ -39,7 +41,8 @@ def _checked(m: Model | Specialised, parameters: Tensor | None, **given: Tensor)
         if not isinstance(x, Tensor):
             raise ValueError(f"{name}: expected a tensor, got {type(x).__name__}")
         if x.device.type != "cpu":
-            raise ValueError(f"{name} is on the device {x.device}; axode computes on the CPU, where {name}.cpu() takes it")
+            raise ValueError(f"{name} is on the device {x.device}; axode computes on the CPU, where {name}.cpu() "
+                             "takes it")
         if x.layout != torch.strided:
             raise ValueError(f"{name}: expected a dense tensor, got {x.layout}")
         if x.dtype != torch.float64 and x.dtype != torch.float32:
@@ -78,11 +81,13 @@ def handle(m: Model | Specialised) -> str:
     return key_of(m)
 
 
-def inverse_dynamics(m: Model | Specialised, q: Tensor, v: Tensor, a: Tensor, *, parameters: Tensor | None = None) -> Tensor:
+def inverse_dynamics(m: Model | Specialised, q: Tensor, v: Tensor, a: Tensor, *,
+                     parameters: Tensor | None = None) -> Tensor:
     """tau = M(q) a + C(q, v) v + g(q), (..., nv), as `axode.inverse_dynamics`.
 
     parameters, (..., 10 n_bodies), are inertial parameters instead of `m.parameters`, one set for all states or one
-    for each. Derivatives up to the second, by parameters the first. O(n), backwards too. ValueError for wrong shapes, types and devices, and models with loops; ModelError for masses below 0.
+    for each. Derivatives up to the second, by parameters the first. O(n), backwards too. ValueError for wrong shapes,
+    types and devices, and models with loops; ModelError for masses below 0.
 
     >>> q, v, a = torch.full((3, 1000, 7), 0.5, dtype=torch.float64)
     >>> pi = torch.tensor(arm.parameters, requires_grad=True)
@@ -98,9 +103,11 @@ def inverse_dynamics(m: Model | Specialised, q: Tensor, v: Tensor, a: Tensor, *,
 
 def forward_dynamics(m: Model | Specialised, q: Tensor, v: Tensor, tau: Tensor, *,
                      parameters: Tensor | None = None) -> Tensor:
-    """The accelerations (..., nv) that drive forces make, as `axode.forward_dynamics`; with loops, first derivatives alone.
+    """The accelerations (..., nv) that drive forces make, as `axode.forward_dynamics`; with loops, first derivatives
+    alone.
 
-    parameters and derivatives as in `inverse_dynamics`. O(n), backwards too. SingularError where the mass matrix is singular.
+    parameters and derivatives as in `inverse_dynamics`. O(n), backwards too. SingularError where the mass matrix is
+    singular.
 
     >>> q, v, tau = torch.zeros(3, 7, dtype=torch.float64)
     >>> axode.torch.forward_dynamics(arm, q, v, tau).shape
@@ -184,7 +191,8 @@ def poses(m: Model | Specialised, q: Tensor) -> Tensor:
 
 
 def jacobian(m: Model | Specialised, q: Tensor, frame: str | int, representation: Representation = "body") -> Tensor:
-    """J of a frame, (..., 6, nv), with V = J v, as `axode.jacobian`. Derivatives of any order up to 12. O(n^2) backwards.
+    """J of a frame, (..., 6, nv), with V = J v, as `axode.jacobian`. Derivatives of any order up to 12. O(n^2)
+    backwards.
 
     >>> q, v = torch.ones(2, 7, dtype=torch.float64)
     >>> V = axode.torch.jacobian(arm, q, "flange", "hybrid") @ v
@@ -198,8 +206,8 @@ def jacobian(m: Model | Specialised, q: Tensor, frame: str | int, representation
 def rollout(m: Model, q: Tensor, v: Tensor, tau: Tensor, step: float) -> tuple[Tensor, Tensor]:
     """(q, v) of motions of K steps, (..., K + 1, nq) and (..., K + 1, nv), under tau (..., K, nv), as `axode.rollout`.
 
-    First derivatives by q, v and tau, O(n) for each step; only states are kept for them. With K = 1 it is a step. ValueError for
-    models with loops, SingularError and NotFiniteError where motions cannot go on.
+    First derivatives by q, v and tau, O(n) for each step; only states are kept for them. With K = 1 it is a step.
+    ValueError for models with loops, SingularError and NotFiniteError where motions cannot go on.
 
     >>> q, v = torch.zeros(2, 5, 7, dtype=torch.float64)
     >>> tau = torch.zeros(5, 20, 7, dtype=torch.float64, requires_grad=True)
@@ -223,8 +231,8 @@ def inertial_parameters(P: Tensor) -> Tensor:
     """The ten parameters (..., 10) of bodies with the pseudo-inertias P (..., 4, 4), the inverse of
     `axode.identification.pseudo_inertia`.
 
-    There is matter with them where P is positive definite: with P = L L^T any lower triangular L with a positive diagonal
-    gives parameters that a body can have. kg, kg m and kg m^2.
+    There is matter with them where P is positive definite: with P = L L^T any lower triangular L with a positive
+    diagonal gives parameters that a body can have. kg, kg m and kg m^2.
 
     >>> P = torch.tensor(axode.identification.pseudo_inertia(arm.parameters.reshape(-1, 10)))
     >>> np.allclose(axode.torch.inertial_parameters(P).flatten(), arm.parameters)

@@ -42,10 +42,13 @@ def _product(x: list[Tensor], y: list[Tensor]) -> list[Tensor]:
 
 
 def _body_motion(key: str, q: Tensor, v: Tensor, a: Tensor) -> tuple[list[Tensor], list[Tensor], list[Tensor]]:
-    """Of each moving body, in its axes: angular velocity, its rate, and r'' - g of the origin of its frame; by components."""
+    """Of each moving body, in its axes: angular velocity, its rate, and r'' - g of the origin of its frame; by
+    components."""
     m = mechanism(key).model
     bodies = slice(1, m.n_bodies + 1)  # in front of them stands the ground
-    (V,), (dV,), (C,) = (evaluated(key, "twists", q, v), evaluated(key, "accelerations", q, v, a), evaluated(key, "poses", q))
+    V, = evaluated(key, "twists", q, v)
+    dV, = evaluated(key, "accelerations", q, v, a)
+    C, = evaluated(key, "poses", q)
     motion, rate = _components(V[..., bodies, :]), _components(dV[..., bodies, :])
     R = _components(C[..., bodies, :3, :3].flatten(-2))
     r = [x + y - sum(float(g) * R[3 * j + k] for j, g in enumerate(m.gravity))
@@ -103,8 +106,8 @@ class _Dynamics:
         arguments = f"Tensor q, Tensor v, Tensor {x}, Tensor? parameters"
         directions = f"Tensor dq, Tensor dv, Tensor d{x}"
         self.hessian = operation(
-            f"{name}_hessian(str model, bool gradient, {arguments}, Tensor w, {directions}) -> (Tensor, Tensor, Tensor)",
-            self._hessian, lambda key, gradient, *x: three_of_v(key, *x))
+            f"{name}_hessian(str model, bool gradient, {arguments}, Tensor w, {directions})"
+            " -> (Tensor, Tensor, Tensor)", self._hessian, lambda key, gradient, *x: three_of_v(key, *x))
         self.jvp = operation(
             f"{name}_jvp(str model, {arguments}, {directions}) -> Tensor",
             lambda key, *x: self._product(key, "_jvp", *x)[0], one_of_v, self._jvp_backward)
@@ -145,9 +148,11 @@ class _Dynamics:
         return by_coordinates(key, x[0], by_q), by_v, by_x, None
 
     def _vjp_backward(self, ctx: Any, key: Any, x: Any, result: Any, *directions: Tensor) -> tuple[Tensor | None, ...]:
-        return *self._second(ctx, key, x, x[4], directions), self.jvp(key, *x[:4], *directions) if ctx.needed[4] else None
+        return (*self._second(ctx, key, x, x[4], directions),
+                self.jvp(key, *x[:4], *directions) if ctx.needed[4] else None)
 
-    def _vjp_forward(self, key: Any, x: Any, result: Any, dq: Any, dv: Any, dx: Any, dpi: Any, dw: Any) -> tuple[Tensor, ...]:
+    def _vjp_forward(self, key: Any, x: Any, result: Any, dq: Any, dv: Any, dx: Any, dpi: Any,
+                     dw: Any) -> tuple[Tensor, ...]:
         if dpi is not None:
             _refuse_parameters()
         of_state = self.hessian(key, False, *x, displacement(key, x[0], dq), dv, dx)
@@ -179,8 +184,8 @@ class _Dynamics:
 
 
 def _refuse_parameters() -> None:
-    raise NotImplementedError("axode.torch has first derivatives by inertial parameters; a second one was asked for. If it is not "
-                              "wanted, give parameters that need no gradient: parameters.detach()")
+    raise NotImplementedError("axode.torch has first derivatives by inertial parameters; a second one was asked for. If it "
+                              "is not wanted, give parameters that need no gradient: parameters.detach()")
 
 
 inverse_dynamics = _Dynamics("inverse_dynamics", "a")
@@ -272,7 +277,8 @@ def _rollout_of(key: str, step: float, q: Tensor, v: Tensor, tau: Tensor) -> tup
     return tuple(tensor(x, q) for x in of("rollout_under", *arrays, step))
 
 
-def _rollout_vjp_of(key: str, step: float, q: Tensor, v: Tensor, tau: Tensor, w_q: Tensor, w_v: Tensor) -> tuple[Tensor, ...]:
+def _rollout_vjp_of(key: str, step: float, q: Tensor, v: Tensor, tau: Tensor, w_q: Tensor,
+                    w_v: Tensor) -> tuple[Tensor, ...]:
     of, (*motion, of_q, of_v) = _rollout_arrays(key, q, v, tau, w_q, w_v)
     return tuple(tensor(x, q) for x in of("rollout_vjp", *motion, step, of_q, of_v)[:3])
 
@@ -301,7 +307,8 @@ def _states_of(tau: Tensor, *sizes: int) -> tuple[Tensor, ...]:
 
 
 _rollout_vjp = operation(
-    "rollout_vjp(str model, float step, Tensor q, Tensor v, Tensor tau, Tensor w_q, Tensor w_v) -> (Tensor, Tensor, Tensor)",
+    "rollout_vjp(str model, float step, Tensor q, Tensor v, Tensor tau, Tensor w_q, Tensor w_v)"
+    " -> (Tensor, Tensor, Tensor)",
     _rollout_vjp_of,
     lambda key, step, q, v, tau, *_: (empty(v, v.shape[-1]), empty(v, v.shape[-1]), tau.new_empty(tau.shape)))
 _rollout_jvp = operation(

@@ -157,7 +157,8 @@ def with_parameters(key: str, pi: bytes) -> Mechanism:
 
 @atexit.register
 def _forget() -> None:
-    """PyTorch keeps operations and graphs to the very end of a process, where their models would be taken for leaked."""
+    """PyTorch keeps operations and graphs to the very end of a process, where their models would be taken for
+    leaked."""
     mechanism_of.cache_clear()
     with_parameters.cache_clear()
     for each in list(_mechanisms.values()):

@@ -91,7 +91,8 @@ def displacement(key: str, q: Tensor, dq: Tensor) -> Tensor:
 
 
 def squares(key: str, q: Tensor) -> Tensor | float:
-    """The diagonal of E^T E: |a|^2 / 4 for the angular velocity of a joint with the quaternion a, 1 for all other velocities."""
+    """The diagonal of E^T E: |a|^2 / 4 for the angular velocity of a joint with the quaternion a, 1 for all other
+    velocities."""
     if not mechanism(key).turning:
         return 1.0
     squares, one = [], torch.ones_like(q[..., :1])
@@ -106,7 +107,8 @@ def squares(key: str, q: Tensor) -> Tensor | float:
 
 
 def by_coordinates(key: str, q: Tensor, g: Tensor) -> Tensor:
-    """The gradient (..., nq) by q of a function of q / |q| from that along left-trivialised directions (..., nv), g E^+."""
+    """The gradient (..., nq) by q of a function of q / |q| from that along left-trivialised directions (..., nv), g
+    E^+."""
     return rates(key, q, g / squares(key, q))
 
 
@@ -120,8 +122,8 @@ def operation(schema: str, compute: Callable[..., Any], like: Callable[..., Any]
     Its first arguments are constants, the first of these a model; the others are tensors with the same leading axes.
     `like` returns empty results, `backward(ctx, constants, tensors, results, *weights)` a gradient for each tensor,
     `forward(constants, tensors, results, *directions)` the change of the results; a single constant is not in a tuple.
-    Operations of torch.library know neither forward mode nor torch.func.grad. Therefore the function calls them through an
-    autograd.Function, which does, unless it is being compiled.
+    Operations of torch.library know neither forward mode nor torch.func.grad. Therefore the function calls them through
+    an autograd.Function, which does, unless it is being compiled.
     """
     name, _, signature = schema.partition("(")
     kinds = [argument.split()[0] for argument in signature.partition(")")[0].split(",")]
@@ -139,7 +141,8 @@ def operation(schema: str, compute: Callable[..., Any], like: Callable[..., Any]
     def kept(ctx: Any, rule: Any) -> tuple[Any, tuple[Any, ...], tuple[Tensor, ...]]:
         if rule is None:
             raise NotImplementedError(f"axode.torch has no derivatives of {name.replace('_', ' ')}")
-        return ctx.constants[0] if front == 1 else ctx.constants, ctx.saved_tensors[:ctx.tensors], ctx.saved_tensors[ctx.tensors:]
+        constants = ctx.constants[0] if front == 1 else ctx.constants
+        return constants, ctx.saved_tensors[:ctx.tensors], ctx.saved_tensors[ctx.tensors:]
 
     def differentiate(ctx: Any, *weights: Tensor) -> tuple[Tensor | None, ...]:
         constants, tensors, results = kept(ctx, backward)
@@ -161,7 +164,8 @@ def operation(schema: str, compute: Callable[..., Any], like: Callable[..., Any]
         return op(*arguments)
 
     value.__signature__ = inspect.signature(value)  # type: ignore[attr-defined]  # which is asked for in every call
-    statics = {"forward": value, "setup_context": setup_context, "backward": differentiate, "vmap": batched, "jvp": push}
+    statics = {"forward": value, "setup_context": setup_context, "backward": differentiate, "vmap": batched,
+               "jvp": push}
     function: Any = type(name, (torch.autograd.Function,), {key: staticmethod(value) for key, value in statics.items()})
 
     def call(*arguments: Any) -> Any:
@@ -219,19 +223,22 @@ _generalized_loads: Callable[..., Any] = operation(  # Q = sum of J^T W
     loads_of, lambda key, q, W: empty(q, sizes(key)[1]),
     lambda ctx, key, x, Q, w: (by_coordinates(key, x[0], _load_product(key, True, *x, w)) if ctx.needed[0] else None,
                                twists(key, x[0], w) if ctx.needed[1] else None),
-    lambda key, x, Q, dq, dW: _load_product(key, False, *x, displacement(key, x[0], dq)) + _generalized_loads(key, x[0], dW))
+    lambda key, x, Q, dq, dW: (_load_product(key, False, *x, displacement(key, x[0], dq))
+                               + _generalized_loads(key, x[0], dW)))
 twists: Callable[..., Any] = operation(  # V = J v, so w . V = v . Q(q, w)
     "twists(str model, Tensor q, Tensor v) -> Tensor",
     lambda key, q, v: evaluated(key, "twists", q, v)[0], lambda key, q, v: empty(q, _frames(key), 6),
-    lambda ctx, key, x, V, w: (by_coordinates(key, x[0], _load_product(key, True, x[0], w, x[1])) if ctx.needed[0] else None,
-                               _generalized_loads(key, x[0], w) if ctx.needed[1] else None))
+    lambda ctx, key, x, V, w: (
+        by_coordinates(key, x[0], _load_product(key, True, x[0], w, x[1])) if ctx.needed[0] else None,
+        _generalized_loads(key, x[0], w) if ctx.needed[1] else None))
 
 
 def _poses_backward(ctx: Any, key: Any, x: Any, C: Any, w: Tensor) -> tuple[Tensor]:
     """dC = C hat(X): w . dC = W . X with the body-fixed wrench W = (axial(R^T w_R); R^T w_r)."""
     q, R = x[0], C[0][..., :3, :3]
     A = R.mT @ w[..., :3, :3]
-    moment = torch.stack([A[..., 2, 1] - A[..., 1, 2], A[..., 0, 2] - A[..., 2, 0], A[..., 1, 0] - A[..., 0, 1]], dim=-1)
+    axial = [A[..., 2, 1] - A[..., 1, 2], A[..., 0, 2] - A[..., 2, 0], A[..., 1, 0] - A[..., 0, 1]]
+    moment = torch.stack(axial, dim=-1)
     W = torch.cat([moment, times(R.mT, w[..., :3, 3])], dim=-1)
     return (by_coordinates(key, q, _generalized_loads(key, q, W)),)
 
