@@ -69,7 +69,8 @@ def numbers(column: Any, name: str, expected: int | None = None, meaning: str = 
         shape, column = tuple(column.type.shape), column.storage
     elif hasattr(column.type, "value_type") and not pa.types.is_dictionary(column.type):
         lengths = np.asarray(pc.list_value_length(column).fill_null(-1), dtype=np.int64)
-        shape = (int(lengths.max(initial=0)) if expected is None else expected,)
+        longest = column.type.list_size if pa.types.is_fixed_size_list(column.type) else int(lengths.max(initial=0))
+        shape = (longest if expected is None else expected,)
         if (wrong := (lengths >= 0) & (lengths != shape[0])).any():
             row = int(np.argmax(wrong))
             rule = meaning if expected is not None else f"in other rows it has {shape[0]}"
@@ -84,9 +85,12 @@ def numbers(column: Any, name: str, expected: int | None = None, meaning: str = 
     flat = values.to_numpy(zero_copy_only=False).astype(np.float64, copy=False)
     if not missing.any() and not values.null_count:
         return flat.reshape(len(column), *shape), missing
+    if not shape:
+        return flat, missing
     out = np.full((len(column), *shape), np.nan)
-    out[~missing if shape else slice(None)] = flat.reshape(-1, *shape)
-    return out, missing | np.isnan(out.reshape(len(out), -1)).any(axis=1) if values.null_count else missing
+    out[~missing] = flat.reshape(-1, *shape)
+    missing[~missing] = np.asarray(values.is_null(), dtype=bool).reshape(-1, int(np.prod(shape))).any(axis=1)
+    return out, missing
 
 
 def columns_of(m: Model, what: str, there: Sequence[str]) -> list[str]:

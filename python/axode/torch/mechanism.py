@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import atexit
+import contextlib
 import functools
 import hashlib
 import itertools
@@ -21,6 +22,7 @@ from .. import _axode
 from .._axode import Model, check_counts
 from ..codegen import Specialised
 from ..coordinates import TURNING
+from ..table import ROWS
 
 __all__: list[str] = []
 
@@ -105,16 +107,12 @@ class Mechanism:
 
 def _compiled(s: Specialised) -> dict[str, Callable[..., Any]]:
     """The functions that a specialised model was made with."""
-    q, v = np.empty((0, s.model.nq)), np.empty((0, s.model.nv))
     found = {}
-    for name, others in [("mass_matrix", 0), ("inverse_mass_matrix", 0), ("poses", 0)] + [
-            (dynamics + kind, others) for dynamics in ("inverse_dynamics", "forward_dynamics")
-            for kind, others in (("", 2), ("_jvp", 5), ("_vjp", 3), ("_hessian", 3))]:
-        try:
-            getattr(s, name)(q, *others * [v])
-        except ValueError:
-            continue  # it is left to the library
-        found[name] = getattr(s, name)
+    for name, row in ROWS.items():
+        if hasattr(s, name) and "frame" not in row.takes:
+            with contextlib.suppress(ValueError):  # it is left to the library
+                getattr(s, name)(*(np.empty((0, s.model.nq if x == "q" else s.model.nv)) for x in row.arrays))
+                found[name] = getattr(s, name)
     if "forward_dynamics" in found:
         found["rollout_under"] = functools.partial(_axode.rollout_under, s.model, compiled=s)
     return found
@@ -172,8 +170,6 @@ def mechanism(key: str) -> Mechanism:
         raise KeyError(f"this process knows no model {key!r}; axode.torch.handle(m) tells it one") from None
 
 
-# What depends on a model alone
-
 def key_of(m: Model | Specialised) -> str:
     """The word by which operations know a model."""
     if not isinstance(m, (Model, Specialised)):
@@ -181,32 +177,20 @@ def key_of(m: Model | Specialised) -> str:
     return mechanism_of(m).key
 
 
-def sizes(key: str) -> tuple[int, int, int]:
-    """nq, nv and the number of inertial parameters."""
-    return mechanism(key).sizes
+def _of_model(value: Callable[..., Any]) -> Callable[..., Any]:
+    """A function of the word of a model, a constant to torch.compile, which compiles anew for another model."""
+
+    def constant(key: str, *arguments: Any) -> Any:
+        return value(mechanism(key), *arguments)
+
+    torch.compiler.assume_constant_result(constant)
+    return constant
 
 
-def total_mass(key: str) -> float:
-    return mechanism(key).model.total_mass
-
-
-def still(key: str) -> str:
-    return mechanism(key).still.key
-
-
-def heights(key: str) -> tuple[str, str, str]:
-    x, y, z = mechanism(key).heights
-    return x.key, y.key, z.key
-
-
-def refuse_loops(key: str, name: str) -> None:
-    check_counts(mechanism(key).model, name)
-
-
-def frame_index(key: str, frame: str | int) -> int:
-    return mechanism(key).model.frame_index(frame)
-
-
-# These are constants to torch.compile, which compiles anew for another model.
-for _constant in (key_of, sizes, total_mass, still, heights, refuse_loops, frame_index):
-    torch.compiler.assume_constant_result(_constant)
+torch.compiler.assume_constant_result(key_of)
+sizes = _of_model(lambda of: of.sizes)
+total_mass = _of_model(lambda of: of.model.total_mass)
+still = _of_model(lambda of: of.still.key)
+heights = _of_model(lambda of: tuple(each.key for each in of.heights))
+refuse_loops = _of_model(lambda of, name: check_counts(of.model, name))
+frame_index = _of_model(lambda of, frame: of.model.frame_index(frame))

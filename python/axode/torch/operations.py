@@ -37,12 +37,10 @@ def evaluated(key: str, name: str, q: Tensor, *others: Tensor, parameters: Tenso
 
 def _by_parameters(key: str, name: str, arrays: list[Array], pi: Array) -> tuple[Array, ...]:
     """The results of a function with the parameters of each state, with one call for all states that share theirs."""
-    if pi.ndim == 1:
-        return with_parameters(key, pi.tobytes())(name, *arrays)
     if len(pi) == 0:
         return mechanism(key)(name, *arrays)
-    if (pi == pi[0]).all():
-        return with_parameters(key, pi[0].tobytes())(name, *arrays)
+    if pi.ndim == 1 or (pi == pi[0]).all():
+        return with_parameters(key, (pi if pi.ndim == 1 else pi[0]).tobytes())(name, *arrays)
     states: dict[bytes, list[int]] = {}
     for k, own in enumerate(pi):
         states.setdefault(own.tobytes(), []).append(k)

@@ -152,12 +152,13 @@ def rows(N=40, **changed):
     (rows(row3=None), "row 3: v has null in it; expected finite numbers"),
     (rows(row39=[0.1, None, 0.1, 0.1, 0.1, 0.1, 0.1]), "row 39: v has null in it"),
     (rows(row20=[0.1, np.nan, 0.1, 0.1, 0.1, 0.1, 0.1]), "row 20: v has nan in it"),
+    (rows(row3=[0.1, np.nan, 0.1, 0.1, 0.1, 0.1, 0.1], row20=[None] * 7), "row 3: v has nan in it"),
     (rows(row8=[0.1, 0.1, 0.1, 0.1, 0.1, 0.1, -np.inf]), "row 8: v has -inf in it"),
     (lists(np.zeros((40, 8))), 'column "v" has 8 numbers; model "arm7" takes 7'),
     (pa.array([["a"] * 7] * 40), 'column "v" holds list<.*: string>; expected lists of numbers'),
     (pa.array(["0.1"] * 40), 'column "v" holds string; expected lists of numbers'),
     (pa.array(np.zeros(40)), 'column "v" holds double; expected lists of numbers'),
-], ids=["length", "null", "null in a list", "nan", "inf", "all lengths", "words", "strings", "no lists"])
+], ids=["length", "null", "null in a list", "nan", "nan before null", "inf", "all lengths", "words", "strings", "no lists"])
 def test_columns_that_are_no_states_are_refused_with_file_and_row(column, sentence, tmp_path):
     pq.write_table(table_with("v", column), tmp_path / "in.parquet", row_group_size=7)
     with pytest.raises(ValueError, match=rf"in\.parquet: (row \d+: )?{sentence}"):
