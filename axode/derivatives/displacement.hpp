@@ -15,6 +15,7 @@ namespace axode {
 template <class T> using Motion6 = Twist<Spatial, T>;
 
 /// The first two time derivatives ψ' and ψ'' of a screw J where it is fixed to a body with V_p and V'_p.
+/// See (D1.4) of docs/derivations.
 template <class T> struct CarriedScrew {
   Motion6<T> first, second;
 
@@ -24,6 +25,7 @@ template <class T> struct CarriedScrew {
 
 /// B = 2 [[D, 0], [-p~, 0]] of bodies that move rigidly, each with its own twist: 12 numbers that add up. With the place r
 /// and the velocity r' of the mass, D = tr(E) 1 - E, E = ∫ r' rᵀ dm and p = ∫ r' dm: B X = 2 ∫ (r × (w × r'); w × r') dm.
+/// See (D1.9) to (D1.12) of docs/derivations.
 template <class T> struct CoriolisInertia {
   Mat3<T> D;
   Vec3<T> p;
@@ -43,7 +45,7 @@ template <class T> struct CoriolisInertia {
   constexpr Vec3<T> transposed_times(const Motion6<T>& X) const {
     return T(2) * (transposed_times_(X.w) + cross(p, X.v));
   }
-  /// What a displacement of the bodies along J adds to it.
+  /// What a displacement of the bodies along J adds to it. See (D2.10) of docs/derivations.
   constexpr CoriolisInertia along(const Motion6<T>& J) const {
     const Vec3<T>& e = J.w;
     const T pv = dot(p, J.v);  // D' = e~ D - D e~ + p·v 1 - p vᵀ

@@ -9,7 +9,7 @@
 namespace axode {
 
 /// ∂τ/∂q, ∂τ/∂v and ∂τ/∂a of inverse dynamics. For every joint screw and all columns behind it a row of products: 67 products
-/// and sums for a pair, in all three matrices.
+/// and sums for a pair, in all three matrices. See (D1.17) of docs/derivations.
 template <class T> struct FirstOrder {
   using L = Lanes<T>;
   using Number = typename L::Number;

@@ -14,6 +14,7 @@ template <class T> struct ForwardDynamicsDerivatives {
 /// The first derivatives of forward dynamics at a state, ∂a/∂τ = M⁻¹ among them: -M⁻¹ times those of inverse dynamics at
 /// the accelerations a. Terms as there. Articulated bodies on all columns, O(n) for each of them, or products with M⁻¹ on
 /// short paths; no allocation. Where the status is not ok(), everything is NaN.
+/// See (D1.24) of docs/derivations.
 template <class T>
 Solvability forward_dynamics_derivatives(const Model& model, Workspace<T>& workspace, Numbers<T> q,
                                          Numbers<T> v, Numbers<T> tau,

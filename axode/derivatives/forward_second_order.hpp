@@ -8,7 +8,7 @@ namespace axode {
 /// μ·τ at these accelerations, which `second` has, and Q = H_aq:
 ///   tauq = M⁻¹ Q    qq = H_qq + P + Pᵀ, P = -tauqᵀ ∂τ/∂q    qv = H_qv - tauqᵀ ∂τ/∂v    vv = H_vv.
 /// No matrix but the results is kept: products with ∂τ/∂q and ∂τ/∂v are added entry by entry. solve(x) does x := M⁻¹ x for nv
-/// columns.
+/// columns. See (D2.9) of docs/derivations.
 template <class T, class Real, class Solve>
 void accelerations_from(SecondOrder<T>& second, const Tree<Real>& tree, const Loads<T>& loads,
                         const HessianBlocks<T>& H, const Solve& solve) noexcept {

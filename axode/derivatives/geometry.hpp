@@ -6,6 +6,7 @@
 namespace axode {
 
 /// ∂τ/∂π of inverse dynamics. A parameter is a displacement like that of a joint; only that no joint's forces are asked for it.
+/// See (D1.18) of docs/derivations.
 template <class T> struct GeometryDerivatives {
   using L = Lanes<T>;
   using Number = typename L::Number;

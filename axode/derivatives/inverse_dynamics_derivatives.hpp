@@ -15,6 +15,7 @@ template <class T> struct InverseDynamicsDerivatives {
 /// is part of ∂τ/∂v; Coulomb friction adds nothing, and has no derivative at v = 0. Units of τ per unit of
 /// the direction. O(n d) for n velocities on paths of d and the zeros of the matrices, no allocation. Throws
 /// std::invalid_argument for a wrong size, a quaternion off 1, a load on a frame that does not exist and results that overlap.
+/// See (D1.17) of docs/derivations.
 template <class T>
 void inverse_dynamics_derivatives(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v,
                                   Numbers<T> a,

@@ -6,7 +6,7 @@
 namespace axode {
 
 /// What a displacement X of a body adds to a load W on it, L(X) W, where W is constant in a representation; both
-/// resolved in the loaded frame.
+/// resolved in the loaded frame. See (D1.14) of docs/derivations.
 template <class T>
 constexpr Wrench<BodyFixed, T> turned(Representation representation, const Wrench<BodyFixed, T>& W,
                                       const Twist<BodyFixed, T>& X) {
@@ -33,6 +33,7 @@ constexpr Wrench<BodyFixed, T> turned_transposed(Representation representation, 
 
 /// N of wrenches that are constant in a representation: with everything behind a place displaced along X the wrench that
 /// holds against them has gained N X, seen by one who is displaced along. N = [[A, -b~], [-f~, 0]], 15 numbers.
+/// See (D1.15) of docs/derivations.
 template <class T> struct LoadStiffness {
   Mat3<T> A;
   Vec3<T> b, f;

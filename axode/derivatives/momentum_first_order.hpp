@@ -8,6 +8,7 @@ namespace axode {
 /// before that of k; where both are of one joint, the second line holds for any two:
 ///   d(Mv)_l/dq_k = S_l|D_k   dp'_l/dq_k = η_l|D_k    dp'_l/dv_k = η_l|U_k
 ///   d(Mv)_k/dq_l = U_k|ψ_l   dp'_k/dq_l = A_k|ψ_l    dp'_k/dv_l = A_k|S_l
+/// See (D5.3) and (D5.4) of docs/derivations.
 template <class T> struct MomentumEffects {
   Motion6<T> S, psi, eta;  ///< ψ = [V_p, S] with the predecessor's twist, η = [V, S] with the body's
   Wrench<Spatial, T> U, D, A;
@@ -31,6 +32,7 @@ template <class T> struct MomentumEffects {
 /// The derivatives of (v, p') of momentum_form() by q and p. With (Mv)_q, F_q and F_v the derivatives of M v and of p' as
 /// functions of q and v:
 ///   v_q = -M⁻¹ (Mv)_q, v_p = M⁻¹, p'_q = F_q + F_v v_q, p'_p = F_v M⁻¹.
+/// See (D5.5) of docs/derivations.
 template <class T> struct MomentumFirstOrder {
   using L = Lanes<T>;
   using Number = typename L::Number;

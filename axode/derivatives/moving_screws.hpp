@@ -10,7 +10,7 @@
 namespace axode {
 
 /// What the wrench of a body depends on when it is displaced: inertia M, its Coriolis twin B, the wrench F. Of several bodies
-/// they add up.
+/// they add up. See (D1.11) of docs/derivations.
 template <class T> struct MovingInertia {
   Inertia<T> M;
   CoriolisInertia<T> B;
@@ -30,6 +30,7 @@ template <class T> struct MovingInertia {
 /// before that of k; where both are of one joint, the second line holds for any two, and for their mass:
 ///   dτ_l/dq_k = S_l|P_k   dτ_l/dv_k = S_l|R_k   M_lk = S_l|U_k
 ///   dτ_k/dq_l = U_k|ψ''_l + t_k·ω(ψ'_l) + N_kᵀS_k|S_l   dτ_k/dv_l = U_k|σ_l + t_k·ω(S_l)
+/// See (D1.16) and (D1.17) of docs/derivations.
 template <class T> struct ScrewEffects {
   Motion6<T> S, psi_2, sigma;
   Wrench<Spatial, T> U, P, R;

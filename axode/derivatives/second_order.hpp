@@ -6,6 +6,7 @@ namespace axode {
 
 /// What the gradient of λ·τ depends on at a joint when the tree is displaced, with Λ as in InverseDynamicsGradient: A = M Λ,
 /// H = Bᵀ Λ (a pure moment) and the Coriolis inertia of Λ in the place of V, whose p is the force of A. They add up over bodies.
+/// See (D1.21) and (D2.2) of docs/derivations.
 template <class T> struct VirtualMomentum {
   Wrench<Spatial, T> A;
   Vec3<T> H;
@@ -24,6 +25,7 @@ template <class T> struct VirtualMomentum {
 /// What a column contributes besides ScrewEffects. With l before k:
 ///   qq_lk = χ_l|P_k + ψ''_l|Y_k + ψ'_l|X_k + S_l|Q_k       qv_lk = χ_l|R_k + ψ'_l|Z_k, qv_kl = σ_l|Y_k + S_l|X_k
 ///   vv_lk = S_l|Z_k                                        aq_kl = χ_l|U_k,            aq_lk = S_l|Y_k
+/// See (D2.7) and (D2.8) of docs/derivations.
 template <class T> struct ScrewCurvature {
   Motion6<T> chi, psi_1;
   Wrench<Spatial, T> X, Y, Z, Q;

@@ -9,6 +9,7 @@
 namespace axode {
 
 /// A load and its first two time derivatives in the frame of its body: W' = L(V) W.
+/// See (D3.4) of docs/derivations.
 template <class T> struct LoadRates {
   Wrench<BodyFixed, T> W[3];
 
@@ -37,6 +38,7 @@ template <class Rep, class T> struct SecondOrderRecursion;
 
 /// Body-fixed twists: with S = X v a joint's twist, Ad the inverse transformation to the body and U_k the k-th derivative of Ad V_p,
 ///   (Ad)' = -ad_S Ad,  V = U + S,  V' = U_1 + S',  ...;  (Adᵀ)' = -Adᵀ ad_Sᵀ.
+/// See (D3.1) to (D3.5) of docs/derivations.
 template <class T> struct SecondOrderRecursion<BodyFixed, T> {
   using V6 = Twist<BodyFixed, T>;
   using W6 = Wrench<BodyFixed, T>;
@@ -112,6 +114,7 @@ template <class T> struct SecondOrderRecursion<BodyFixed, T> {
 
 /// Hybrid twists: inertial axes, so that derivatives are those of vectors. d is the origin of a body against that of its
 /// predecessor, d' = v - v_p; everything that is fixed to a body turns with it.
+/// See (D3.6), (D3.7) and (D3.12) of docs/derivations.
 template <class T> struct SecondOrderRecursion<Hybrid, T> {
   using V6 = Twist<Hybrid, T>;
   using W6 = Wrench<Hybrid, T>;

@@ -5,6 +5,7 @@ namespace axode {
 
 /// Inverse dynamics and its derivative along one direction (δq, δv, δa): the tangent of the recursion on classical accelerations.
 /// For a hinge, with x' = Rᵀ x, δ(x') = (δx)' + x' × e_z δq. About 340 products and sums per hinge.
+/// It gives the numbers of (D1.20) of docs/derivations.
 template <class G, class T> struct InverseDynamicsTangent {
   using Vector = typename G::Vector;
   using Factor = typename G::Factor;

@@ -24,7 +24,7 @@ template <class T>
 void generalized_load_derivatives(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v,
                                   const Loads<T>& loads, const std::type_identity_t<StateDerivatives<T>>& d);
 
-/// ∂T/∂q and ∂T/∂v = M v of the kinetic energy: nv numbers each. O(n).
+/// ∂T/∂q and ∂T/∂v = M v of the kinetic energy: nv numbers each. O(n). See (D1.25) of docs/derivations.
 template <class T>
 void kinetic_energy_gradient(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v,
                              const std::type_identity_t<StateDerivatives<T>>& gradient);

@@ -8,7 +8,7 @@
 namespace axode {
 
 /// M = LᵀDL with a unit lower triangular L that has entries only where velocities are on one path, as M has.
-/// It makes room once; nothing is allocated afterwards.
+/// It makes room once; nothing is allocated afterwards. See (D4.7) and (D4.8) of docs/derivations.
 template <class T = double> class MassMatrixFactor {
  public:
   explicit MassMatrixFactor(const Model& model);

@@ -20,6 +20,7 @@ namespace axode {
 /// their paths meet. On the path to that body (Topology::Ties) it is a seventh column of the inertia: the
 /// wrench U_c and the forces D_cd that a unit of the velocity causes. Hence the cost of coupled joints is
 /// that of their ties.
+/// See (D4.2) to (D4.11) of docs/derivations.
 template <class Rep, class T> struct ArticulatedBodies {
   BodyLinks<Rep, T> links;
   ArticulatedInertia<Rep, T>* M;

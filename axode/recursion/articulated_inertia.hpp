@@ -22,6 +22,7 @@ constexpr Wrench<Rep, T> operator*(const ArticulatedInertia<Rep, T>& M, const Tw
   return {M.A * V.w + M.B * V.v, transposed_times(M.B, V.w) + M.L * V.v};
 }
 /// M := M - U Uᵀ / D, the inertia after the elimination of a screw S with U = M S and the pivot D.
+/// See (D4.5) of docs/derivations.
 template <class Rep, class T>
 constexpr void give_way(ArticulatedInertia<Rep, T>& M, const Wrench<Rep, T>& U, const T& D) {
   const T d = T(-1) / D;
@@ -38,6 +39,7 @@ template <class Rep, class T> constexpr ArticulatedInertia<Rep, T> size_of(const
 /// Updates the magnitudes F for the elimination of a screw S: F becomes its congruence with
 /// V -> V - (Uᵀ V / D) S, plus the magnitude of the U Uᵀ / D that is subtracted from M. G = F S, and f is
 /// Sᵀ G plus the magnitude of what moves with S and is not part of this body, such as the armature.
+/// See (D4.9) of docs/derivations.
 template <class Rep, class T>
 constexpr void follow(ArticulatedInertia<Rep, T>& F, const Wrench<Rep, T>& G, const T& f,
                       const Wrench<Rep, T>& U, const T& D) {

@@ -15,6 +15,7 @@
 ///
 /// A Link belongs to body i with predecessor p. A frame on a body is treated as a body that is at rest
 /// relative to it: its Link is a child of the Link of the body, with S v = 0.
+/// The lines down and up are dual to each other, see (D4.1) of docs/derivations.
 namespace axode {
 
 template <class Rep, class T> struct Link;

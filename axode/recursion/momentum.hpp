@@ -7,6 +7,7 @@ namespace axode {
 
 /// The rates of the state (q, p): v = M⁻¹ p, and p' = τ + Jᵀ W^A + (ad_V J)ᵀ Π^A, where W^A and Π^A are the
 /// wrench on and the momentum of the subtree of each joint. See momentum_form().
+/// See (D5.1) of docs/derivations.
 template <class T> struct MomentumForm {
   SpatialTree<T> spatial;
   SubtreeMomenta<T> momenta;

@@ -41,6 +41,7 @@ template <std::floating_point S>
 inline constexpr S doubtful_part = std::same_as<S, float> ? S(4e-3) : S(1e-6);
 
 /// Decides from the pivots of an elimination whether the mass matrix is singular.
+/// See (D4.10) of docs/derivations.
 template <class T> class PivotJudge {
  public:
   /// Checks the pivot of velocity c: the inertia that remains after the elimination of other velocities from

@@ -11,6 +11,7 @@ namespace axode {
 /// later velocities, on which no forces act. Hence the rounding errors of D_c are compared with
 /// (Σ |z_k| √fed_k)². If the judge evaluates this magnitude, it costs another O(n d²) for a tree of depth d,
 /// and z is stored above the diagonal of H.
+/// See (D4.7) and (D4.8) of docs/derivations.
 template <class T, class Judge>
 void factorize(const Tree<T>& tree, const T* fed, T* H, Judge& judge) noexcept {
   const int nv = tree->nv;
