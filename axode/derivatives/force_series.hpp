@@ -8,7 +8,7 @@ namespace axode {
 /// at t = 0: there a wrench is the rate of a momentum, so with Π = M V of each body
 ///   (k + 1) M_{k+1} = Σ_{l<=k} (-ad_Vᵀ M - M ad_V)_{l, k-l}      Π_k = Σ_{l<=k} M_l V_{k-l}
 ///   W_k = (k + 1) Π_{k+1} - (weight)_k - (loads)_k               τ_k = Σ_{l<=k} J_l|F_{k-l},  F = Σ W behind the joint.
-/// Cost O(n k²). See (D3.8) to (D3.10) of docs/derivations.
+/// Cost O(n k²). See (D3.9) to (D3.11) of docs/derivations.
 template <class T> class ForceSeries {
  public:
   /// τ to this order.

@@ -43,7 +43,7 @@ void second_order_inverse_dynamics(const Model& model, Workspace<T>& workspace, 
 
 /// The way back: from q, v and τ, τ', ... (`forces`, k rows of nv) to a, jerk, ... (`rates`, as many). Each is affine in the one
 /// before with the matrix M. O(n k³) and a solution each. Where the status is not ok(), NaN. Allocates.
-/// See (D3.11) of docs/derivations.
+/// See (D3.12) of docs/derivations.
 template <class T>
 Solvability forward_dynamics_rates(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v,
                                    Numbers<T> forces, std::type_identity_t<std::span<T>> rates,

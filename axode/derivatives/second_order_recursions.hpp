@@ -114,7 +114,7 @@ template <class T> struct SecondOrderRecursion<BodyFixed, T> {
 
 /// Hybrid twists: inertial axes, so that derivatives are those of vectors. d is the origin of a body against that of its
 /// predecessor, d' = v - v_p; everything that is fixed to a body turns with it.
-/// See (D3.6), (D3.7) and (D3.12) of docs/derivations.
+/// See (D3.6) to (D3.8) of docs/derivations.
 template <class T> struct SecondOrderRecursion<Hybrid, T> {
   using V6 = Twist<Hybrid, T>;
   using W6 = Wrench<Hybrid, T>;

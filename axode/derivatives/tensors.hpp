@@ -13,7 +13,7 @@ template <class T> struct SecondDerivatives { T *qq, *qv, *vv, *aq; };
 ///   g = S_j|(B_S σ_l - hat(U) σ_l + B_ψ S_l)          h = -S_j|(hat(U) σ_l + hat(t) S_l) - ψ'_j|B_S S_l
 ///   G = S_j|(B_S ψ''_l - hat(U) ψ''_l + B_ψ ψ'_l)     H = -S_j|(hat(U) ψ''_l + hat(t) ψ'_l) - ψ'_j|B_S ψ'_l
 /// O(n d²) and nv³ zeros: about 400 products and sums for two columns, and 100 for three in each order of l and j.
-/// See (D2.10) to (D2.14) of docs/derivations.
+/// See (D2.10) to (D2.15) of docs/derivations.
 template <class T> struct SecondOrderTensors {
   using L = Lanes<T>;
   using Number = typename L::Number;
