@@ -11,6 +11,7 @@
 namespace axode {
 
 /// ∂τ/∂π at (q, v, a): nv × n_bodies × 6 numbers, [component, body - 1, screw]. O(n d) on paths of d velocities.
+/// See (D1.18) of docs/derivations.
 template <class T>
 void inverse_dynamics_geometry_derivatives(const Model& model, Workspace<T>& workspace, Numbers<T> q,
                                            Numbers<T> v, Numbers<T> a,
@@ -23,7 +24,7 @@ Solvability forward_dynamics_geometry_derivatives(const Model& model, Workspace<
                                                   std::type_identity_t<std::span<T>> da,
                                                   const std::type_identity_t<Loads<T>>& loads = {});
 
-/// The gradient of w·τ with respect to π: n_bodies × 6 numbers. O(n).
+/// The gradient of w·τ with respect to π: n_bodies × 6 numbers. O(n). See (D1.23) of docs/derivations.
 template <class T>
 void inverse_dynamics_geometry_vjp(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v,
                                    Numbers<T> a, Numbers<T> w, std::type_identity_t<std::span<T>> gradient,

@@ -12,7 +12,7 @@ namespace axode {
 
 /// Σ_i w_i ∂²τ_i of inverse dynamics: along (q, q), (q, v), (v, v), and (a, q). ∂²/∂v∂a and ∂²/∂a² vanish.
 template <class T> struct InverseDynamicsHessian { std::span<T> qq, qv, vv, aq; };
-/// O(n d), no allocation; less than twice inverse_dynamics_derivatives().
+/// O(n d), no allocation; less than twice inverse_dynamics_derivatives(). See (D2.8) of docs/derivations.
 template <class T>
 void inverse_dynamics_hessian(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v,
                               Numbers<T> a, Numbers<T> w,
@@ -21,7 +21,7 @@ void inverse_dynamics_hessian(const Model& model, Workspace<T>& workspace, Numbe
 
 /// Σ_i w_i ∂²a_i of forward dynamics: along (q, q), (q, v), (v, v), and (τ, q). The others vanish.
 template <class T> struct ForwardDynamicsHessian { std::span<T> qq, qv, vv, tauq; };
-/// O(n² d), no allocation. Where the status is not ok(), NaN.
+/// O(n² d), no allocation. Where the status is not ok(), NaN. See (D2.9) of docs/derivations.
 template <class T>
 Solvability forward_dynamics_hessian(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v,
                                      Numbers<T> tau, Numbers<T> w,

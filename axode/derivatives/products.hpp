@@ -8,6 +8,7 @@
 namespace axode {
 
 /// δτ = ∂τ/∂q dq + ∂τ/∂v dv + ∂τ/∂a da. About two and a half times inverse dynamics.
+/// See (D1.20) of docs/derivations.
 template <class T>
 void inverse_dynamics_jvp(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v,
                           Numbers<T> a, Numbers<T> dq, Numbers<T> dv, Numbers<T> da,
@@ -16,7 +17,7 @@ void inverse_dynamics_jvp(const Model& model, Workspace<T>& workspace, Numbers<T
 
 /// Where the gradients of w·τ go: nv entries each. They may not overlap.
 template <class T> struct InverseDynamicsGradients { std::span<T> q, v, a; };
-/// The gradient of w·τ, wᵀ times the three matrices.
+/// The gradient of w·τ, wᵀ times the three matrices. See (D1.22) of docs/derivations.
 template <class T>
 void inverse_dynamics_vjp(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v,
                           Numbers<T> a, Numbers<T> w,
@@ -24,6 +25,7 @@ void inverse_dynamics_vjp(const Model& model, Workspace<T>& workspace, Numbers<T
                           const std::type_identity_t<Loads<T>>& loads = {});
 
 /// δa = ∂a/∂q dq + ∂a/∂v dv + ∂a/∂τ dtau of forward dynamics. Where the status is not ok(), NaN.
+/// See (D1.24) of docs/derivations.
 template <class T>
 Solvability forward_dynamics_jvp(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v,
                                  Numbers<T> tau, Numbers<T> dq, Numbers<T> dv, Numbers<T> dtau,
@@ -32,7 +34,7 @@ Solvability forward_dynamics_jvp(const Model& model, Workspace<T>& workspace, Nu
 
 /// Where the gradients of w·a go.
 template <class T> struct ForwardDynamicsGradients { std::span<T> q, v, tau; };
-/// The gradient of w·a.
+/// The gradient of w·a. See (D1.24) of docs/derivations.
 template <class T>
 Solvability forward_dynamics_vjp(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v,
                                  Numbers<T> tau, Numbers<T> w,

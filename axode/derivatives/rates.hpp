@@ -12,7 +12,7 @@ template <class T> class ForceSeries;
 /// The time derivatives of the drive forces along a motion, τ, τ', τ'', ... to any order (section 6.3), and the way back. A motion
 /// is q and the derivatives of the velocities, v, v', v'', ..., all in the joints' left-trivialised directions; loads are
 /// constant in the representation in which they are given. Make one for a model and an order and evaluate it as often as
-/// needed; evaluation allocates nothing. One thread.
+/// needed; evaluation allocates nothing. One thread. See (D3.9) to (D3.11) of docs/derivations.
 template <class T = double> class InverseDynamicsRates {
  public:
   /// τ to its derivative of that order. Throws std::invalid_argument for a negative one.
@@ -35,7 +35,7 @@ template <class T = double> class InverseDynamicsRates {
 
 /// τ, τ' and τ'' by the recursions of Newton and Euler, differentiated twice, in Rep: BodyFixed or Hybrid. `rates` are v, a, jerk
 /// and snap, 4 nv numbers row by row, and tau has 3 nv, which may not overlap them. The same numbers as of InverseDynamicsRates
-/// of order 2, loads and losses too. O(n), no allocation.
+/// of order 2, loads and losses too. O(n), no allocation. See (D3.1) to (D3.8) of docs/derivations.
 template <class Rep, class T>
 void second_order_inverse_dynamics(const Model& model, Workspace<T>& workspace, Numbers<T> q,
                                    Numbers<T> rates, std::type_identity_t<std::span<T>> tau,
