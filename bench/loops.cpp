@@ -1,29 +1,111 @@
-// Forward dynamics of mechanisms with closed loops, at closed states.
+// Mechanisms with closed loops, at closed states: dynamics, and what integrations and assembly ask of the loops.
+#include <algorithm>
+
 #include "axode/constraints.hpp"
+#include "axode/constraints/loop_system.hpp"
+#include "axode/integration/simulation.hpp"
 #include "bench/subjects.hpp"
 
 namespace {
 
 using namespace axode;
 using namespace axode::bench;
+using Numbers = std::vector<double>;
 
-const bool registered = [] {
-  for (const ClosedMechanism& mechanism : closed_mechanisms())
-    measure("constrained_forward_dynamics", "spatial",
-            [&mechanism](benchmark::State& state, const Model& model) {
-              LoopWorkspace<> workspace(model);
-              ClosedStates states(mechanism);
-              const std::size_t nq = static_cast<std::size_t>(model.nq()),
-                                nv = static_cast<std::size_t>(model.nv());
-              std::vector<double> a(nv), lambda(static_cast<std::size_t>(model.loops().rows));
-              repeat(state, a.data(), [&] {
-                const std::size_t s = states.next();
-                const std::span q(states.q[s]), v(states.v[s]), tau(states.tau[s]);
-                benchmark::DoNotOptimize(forward_dynamics<double>(model, workspace, q.first(nq), v.first(nv),
-                                                                  tau.first(nv), a, lambda));
+/// A closed mechanism at its states, with memory for results.
+struct Subject {
+  const Model& model;
+  LoopWorkspace<> workspace;
+  ClosedStates states;
+  std::size_t nv = static_cast<std::size_t>(model.nv()), m = static_cast<std::size_t>(model.loops().rows),
+              s = 0;
+  Numbers a = Numbers(nv), lambda = Numbers(m), A = Numbers(m * nv);
+  Numbers a_q = Numbers(nv * nv), a_v = a_q, a_tau = a_q;
+
+  explicit Subject(const ClosedMechanism& mechanism)
+      : model(mechanism.model), workspace(model), states(mechanism) {}
+  std::span<const double> q() const {
+    return std::span(states.q[s]).first(static_cast<std::size_t>(model.nq()));
+  }
+  std::span<const double> v() const { return std::span(states.v[s]).first(nv); }
+  std::span<const double> tau() const { return std::span(states.tau[s]).first(nv); }
+  LoopSystem<double>& system() { return workspace.system(model); }
+};
+
+/// f(subject) at one state after the other.
+template <class F>
+void measure_closed(const std::string& function, const std::string& variant, const F& f,
+                    const std::vector<ClosedMechanism>& mechanisms) {
+  for (const ClosedMechanism& mechanism : mechanisms)
+    measure(function, variant,
+            [&mechanism, f](benchmark::State& state, const Model&) {
+              Subject subject(mechanism);
+              repeat(state, subject.a.data(), [&] {
+                subject.s = subject.states.next();
+                f(subject);
               });
             },
             {mechanism.model});
+}
+
+constexpr double step = 1e-3, steps = 10;
+
+const bool registered = [] {
+  measure_closed(
+      "constrained_forward_dynamics", "spatial",
+      [](Subject& at) {
+        benchmark::DoNotOptimize(
+            forward_dynamics<double>(at.model, at.workspace, at.q(), at.v(), at.tau(), at.a, at.lambda));
+      },
+      closed_mechanisms());
+  const std::vector<ClosedMechanism>& all = loop_mechanisms();
+  measure_closed(
+      "loops_forward_dynamics", "axode",
+      [](Subject& at) {
+        benchmark::DoNotOptimize(
+            forward_dynamics<double>(at.model, at.workspace, at.q(), at.v(), at.tau(), at.a, at.lambda));
+      },
+      all);
+  measure_closed(
+      "loops_impact", "axode",
+      [](Subject& at) {
+        benchmark::DoNotOptimize(
+            impact<double>(at.model, at.workspace, at.q(), at.v(), 0.5, at.a, at.lambda));
+      },
+      all);
+  measure_closed(
+      "loops_projection", "axode",
+      [](Subject& at) { benchmark::DoNotOptimize(at.system().approach(at.q().data(), at.a.data())); }, all);
+  measure_closed(
+      "loops_rank", "axode", [](Subject& at) { benchmark::DoNotOptimize(at.system().hold(at.q().data())); },
+      all);
+  measure_closed(
+      "loops_jacobian", "axode",
+      [](Subject& at) { loop_jacobian<double>(at.model, at.workspace, at.q(), at.A); }, all);
+  measure_closed(
+      "loops_derivatives", "axode",
+      [](Subject& at) {
+        benchmark::DoNotOptimize(forward_dynamics_derivatives<double>(at.model, at.workspace, at.q(), at.v(),
+                                                                      at.tau(), {at.a_q, at.a_v, at.a_tau}));
+      },
+      all);
+  measure_closed(
+      "loops_ten_steps", "rattle",
+      [](Subject& at) {
+        benchmark::DoNotOptimize(simulate_rattle(at.model, at.q(), at.v(), steps * step, step, 2,
+                                                 {.coordinates = Coordinates::absolute}));
+      },
+      all);
+  static std::vector<ClosedMechanism> holonomic = all;
+  std::erase_if(holonomic, [](const ClosedMechanism& of) {
+    return of.model.loops().rows != of.model.loops().residuals;
+  });
+  measure_closed(
+      "loops_ten_steps", "midpoint",
+      [](Subject& at) {
+        benchmark::DoNotOptimize(simulate_conserving(at.model, at.q(), at.v(), steps * step, step));
+      },
+      holonomic);
   return true;
 }();
 

@@ -112,6 +112,18 @@ const std::vector<ClosedMechanism>& closed_mechanisms() {
   return all;
 }
 
+const std::vector<ClosedMechanism>& loop_mechanisms() {
+  static const std::vector<ClosedMechanism> all = [] {
+    std::vector<ClosedMechanism> some;
+    for (const char* name : {"four_bar", "gough", "leg", "cart"}) {
+      const Model model = ModelBuilder(drawing(name)).build();
+      some.push_back({model, model});
+    }
+    return some;
+  }();
+  return all;
+}
+
 ClosedStates::ClosedStates(const ClosedMechanism& mechanism) {
   Random random;
   const Model& model = mechanism.of_balls;

@@ -39,6 +39,8 @@ struct ClosedMechanism {
 
 /// The Gough platform, the leg, and the leg with a rod that is a body in both.
 const std::vector<ClosedMechanism>& closed_mechanisms();
+/// A four-bar linkage, the Gough platform, the leg with a rod, and a cart on three wheels.
+const std::vector<ClosedMechanism>& loop_mechanisms();
 
 /// Closed configurations near that of the drawing, velocities that keep them closed, and drive forces; with the
 /// coordinates of the rod, which has no drives.
