@@ -58,14 +58,14 @@ constexpr std::array<DofField, 7> dof_fields{{{"lower", "lower", &Dof::lower},
                                               {"armature", "armature", &Dof::armature}}};
 
 /// The joint whose coordinate a term of a coupling is.
-const Joint& moved_by(const Model& model, const Loop::Term& term) {
+const Joint& moved_by(const Model& model, const LoopCoupling::Term& term) {
   return *std::ranges::find_if(model.joints(),
                                [&](const Joint& j) { return !j.leader && j.iv == term.velocity; });
 }
 /// The sum that a coupling keeps at its offset.
-std::string sum(const Model& model, const Loop& coupling) {
+std::string sum(const Model& model, const LoopCoupling& coupling) {
   std::string text;
-  for (const Loop::Term& term : coupling.terms) {
+  for (const LoopCoupling::Term& term : coupling.terms) {
     const bool negative = term.factor < 0;
     text += text.empty() ? (negative ? "-" : "") : (negative ? " - " : " + ");
     text += fmt::format("{} q({})", significant(std::abs(term.factor)), moved_by(model, term).name);
@@ -101,13 +101,15 @@ std::string freedom_and_drives(const Model& model) {
 }
 
 Json as_json(const Loop& loop, const Model& model) {
-  Json about{{"name", loop.name}, {"kind", to_string(loop.kind)}, {"rows", loop.rows()}};
-  if (loop.kind != LoopKind::coupling) {
-    about["between"] = {model.body(loop.ends[0].body).name, model.body(loop.ends[1].body).name};
-    return about;
-  }
-  about["offset"] = loop.offset;
-  for (const Loop::Term& term : loop.terms)
+  return {{"name", loop.name},
+          {"kind", to_string(loop.kind)},
+          {"rows", loop.rows},
+          {"between", {model.body(loop.ends[0].body).name, model.body(loop.ends[1].body).name}}};
+}
+Json as_json(const LoopCoupling& coupling, const Model& model) {
+  Json about{
+      {"name", coupling.name}, {"kind", "coupling"}, {"rows", coupling.rows}, {"offset", coupling.offset}};
+  for (const LoopCoupling::Term& term : coupling.terms)
     about["terms"].push_back({{"joint", moved_by(model, term).name}, {"factor", term.factor}});
   return about;
 }
@@ -166,7 +168,9 @@ Json as_json(const Model& model) {
                               {"rest", line.rest},
                               {"damping", line.damping}});
   }
-  for (const Loop& loop : model.loops().all) out["loops"].push_back(as_json(loop, model));
+  for (const Loop& loop : model.loops().joints) out["loops"].push_back(as_json(loop, model));
+  for (const LoopCoupling& coupling : model.loops().couplings)
+    out["loops"].push_back(as_json(coupling, model));
   if (!model.loops().empty()) {
     const std::optional<int> freedom = degrees_of_freedom(model);
     out["degrees_of_freedom"] = freedom ? Json(*freedom) : Json(nullptr);
@@ -234,13 +238,11 @@ void print_springs(const Model& model) {
 
 void print_loops(const Model& model) {
   Table loops({"loop", "kind", "between", "and", "rows"}), couplings({"coupling", "", "offset"});
-  for (const Loop& loop : model.loops().all)
-    if (loop.kind == LoopKind::coupling) {
-      couplings.row({loop.name, sum(model, loop), loop.offset});
-    } else {
-      loops.row({loop.name, std::string(to_string(loop.kind)), model.body(loop.ends[0].body).name,
-                 model.body(loop.ends[1].body).name, std::to_string(loop.rows())});
-    }
+  for (const Loop& loop : model.loops().joints)
+    loops.row({loop.name, std::string(to_string(loop.kind)), model.body(loop.ends[0].body).name,
+               model.body(loop.ends[1].body).name, std::to_string(loop.rows)});
+  for (const LoopCoupling& coupling : model.loops().couplings)
+    couplings.row({coupling.name, sum(model, coupling), coupling.offset});
   if (!loops.empty()) fmt::print("\n{}\n{}", in(Ink::heading, "loops"), loops.text());
   if (!couplings.empty())
     fmt::print("\n{} (rad or m)\n{}", in(Ink::heading, "couplings of coordinates"), couplings.text());

@@ -28,9 +28,9 @@ Answer answer_by_rows(const Question& ask, std::string label, Rows kind, const s
   std::vector<std::string> headings{"loop"};
   headings.insert(headings.end(), columns.begin(), columns.end());
   Answer answer{std::move(label), Json::object(), Table(std::move(headings))};
-  for (const Loop& loop : ask.model.loops().all) {
+  for (const LoopRows& loop : ask.model.loops().all) {
     const int first = kind == Rows::velocities ? loop.first_row : loop.first_residual;
-    const int n = kind == Rows::velocities ? loop.rows() : loop.residuals();
+    const int n = kind == Rows::velocities ? loop.rows : loop.residuals;
     Json& rows = answer.value[loop.name] = Json::array();
     for (int r = first; r < first + n; ++r) {
       const auto begin = x.begin() + r * std::ssize(columns);
@@ -141,14 +141,14 @@ Answer impact_answer(const Question& ask) {
 }
 
 Answer loop_residual_answer(const Question& ask) {
-  const std::vector<Loop>& loops = ask.model.loops().all;
+  const std::vector<LoopRows>& loops = ask.model.loops().all;
   LoopWorkspace<> workspace(ask.model);
   std::vector<double> r(static_cast<std::size_t>(ask.model.loops().residuals));
   loop_residual(ask.model, workspace, ask.state.q, r);
   Answer answer{"how far the loops are from closed; rad, m", Json::object(), Table({"loop", "open by"})};
-  for (const Loop& loop : loops) {
+  for (const LoopRows& loop : loops) {
     const std::vector<double> own(r.begin() + loop.first_residual,
-                                  r.begin() + loop.first_residual + loop.residuals());
+                                  r.begin() + loop.first_residual + loop.residuals);
     double squares = 0;
     for (const double x : own) squares += x * x;
     answer.value[loop.name] = own;
@@ -158,7 +158,7 @@ Answer loop_residual_answer(const Question& ask) {
 }
 
 Answer loop_wrenches_answer(const Question& ask) {
-  const std::vector<Loop>& loops = ask.model.loops().all;
+  const std::vector<LoopRows>& loops = ask.model.loops().all;
   LoopWorkspace<> workspace(ask.model);
   const std::vector<double> lambda = multipliers(ask);
   Answer answer{headline("wrenches of the loops on their second bodies under the drive forces tau",

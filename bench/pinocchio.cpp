@@ -96,7 +96,7 @@ struct PeerLoops {
     const auto placement = [](const Loop::End& end) {
       return pinocchio::SE3(to_eigen(end.F.R), to_eigen(end.F.r));
     };
-    for (const Loop& loop : model.loops().all) {
+    for (const Loop& loop : model.loops().joints) {
       if (loop.kind != LoopKind::spherical) throw std::logic_error("no such loop in the benchmarks");
       const auto& [i, j] = loop.ends;
       models.emplace_back(pinocchio::CONTACT_3D, other, i.body, placement(i), j.body, placement(j));

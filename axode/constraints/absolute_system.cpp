@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 
 #include "axode/lie/quaternion.hpp"
 #include "axode/model/configuration.hpp"
@@ -15,43 +14,22 @@ namespace {
 using BodyTwist = Twist<BodyFixed, double>;
 using BodyWrench = Wrench<BodyFixed, double>;
 
-/// The loop joint that leaves the same subgroup free; a free joint closes nothing.
-LoopKind closing(Subgroup kind) {
-  switch (kind) {
-    case Subgroup::revolute: return LoopKind::revolute;
-    case Subgroup::prismatic: return LoopKind::prismatic;
-    case Subgroup::helical: return LoopKind::helical;
-    case Subgroup::spherical: return LoopKind::spherical;
-    case Subgroup::planar: return LoopKind::planar;
-    case Subgroup::free: break;
-  }
-  return LoopKind::fixed;
-}
-std::array<bool, 6> free_directions(Subgroup kind) {
-  if (kind == Subgroup::free) return {1, 1, 1, 1, 1, 1};
-  return free_coordinates(closing(kind));
-}
-/// Of a joint with one velocity.
-int direction_along(Subgroup kind) {
-  if (kind == Subgroup::revolute || kind == Subgroup::helical) return 2;
-  return kind == Subgroup::prismatic ? 5 : -1;
+/// The direction of a joint with one velocity; -1 of others.
+int direction_along(const std::array<bool, 6>& free) {
+  return std::ranges::count(free, true) == 1 ? static_cast<int>(std::ranges::find(free, true) - free.begin())
+                                             : -1;
 }
 
 Vec3<> angular(const double* x) { return {x[0], x[1], x[2]}; }
 Vec3<> linear(const double* x) { return {x[3], x[4], x[5]}; }
-double turn_about_z(const SO3<>& R) { return std::atan2(R.x.y - R.y.x, R.x.x + R.y.y); }
-double nearest_turn(double angle, double to) {
-  const double whole = 2 * std::numbers::pi;
-  return angle + whole * std::round((to - angle) / whole);
-}
 /// angle - counted, or 0 if it is no more than the rounding of angles of that size.
 double angle_gap(double angle, double counted) {
   const double open = angle - counted, rounding = 4 * std::numeric_limits<double>::epsilon();
   return std::abs(open) <= rounding * std::abs(counted) ? 0 : open;
 }
 /// Whether the velocity of a joint along a direction is the rate of an angle that poses give up to whole turns.
-bool turns(Subgroup kind, std::size_t along) {
-  return along == 2 && (kind == Subgroup::revolute || kind == Subgroup::planar);
+bool turns(const loops::SubgroupClosure& joint, std::size_t along) {
+  return along == 2 && !joint.free[0] && joint.pitch == 0;
 }
 /// X seen from a body, on whose predecessor, with relative pose D, it is.
 BodyTwist carried(const SE3<>& D, const BodyTwist& X) { return twist<BodyFixed>(Ad_inv(D, screw(X))); }
@@ -84,20 +62,22 @@ AbsoluteSystem::AbsoluteSystem(const Model& model, BodyGroup kind)
       b_(model.loops().rows) {
   for (int i = 1; i <= n_; ++i) {
     const Joint& joint = model.joint(i);
-    bound_[index(i)] = {free_directions(joint.kind), direction_along(joint.kind)};
+    const std::array<bool, 6> free = free_directions(joint.kind);
+    bound_[index(i)] = {{free, joint.pitch}, direction_along(free)};
     if (joint.leader) leader_[index(i)] = joint.leader->joint;
     if (tree().M[i].m > 0) com_[index(i)] = center_of_mass(tree().M[i]);
     if (joint.leader) continue;
     std::size_t along = 0;
     for (int c = joint.iv; c < joint.iv + joint.nv; ++c, ++along) {
-      while (!bound_[index(i)].free[along]) ++along;
+      while (!bound_[index(i)].closure.free[along]) ++along;
       joint_of_[index(c)] = i;
-      if (tree().armature[index(c)] != 0 || turns(joint.kind, along)) rotors_.push_back({i, c, along});
+      if (tree().armature[index(c)] != 0 || turns(bound_[index(i)].closure, along))
+        rotors_.push_back({i, c, along});
     }
   }
   const auto unplaced = std::stable_partition(rotors_.begin(), rotors_.end(), [&](const Rotor& rotor) {
-    const Joint& joint = model.joint(rotor.joint);
-    return joint.nv == 1 || turns(joint.kind, rotor.along);
+    const Bound& bound = bound_[index(rotor.joint)];
+    return bound.along >= 0 || turns(bound.closure, rotor.along);
   });
   n_placed_rotors_ = static_cast<int>(unplaced - rotors_.begin());
   if (n_ > 0) C_[0].r = -(tree().B[1].r + tree().B[1].R * com_[1]);
@@ -193,28 +173,33 @@ BodyTwist AbsoluteSystem::joint_twist(int i) const {
   if (p == 0) return V_[index(i)];
   return V_[index(i)] - carried(inverse(C_[index(p)]) * C_[index(i)], V_[index(p)]);
 }
-/// The coordinate of a joint with one velocity, coupled or not.
+/// The coordinates of a joint that are nearest to others.
+void AbsoluteSystem::joint_coordinates(int i, const double* near, double* q_i) const {
+  with_subgroup(tree()->kind[index(i)], tree().pitch[index(i)],
+                [&](const auto& joint) { joint.coordinates(joint_pose(i), near, q_i); });
+}
+/// The first coordinate of a joint, coupled or not.
 double AbsoluteSystem::angle(int i) const {
-  const SE3<> D = joint_pose(i);
-  switch (tree()->kind[index(i)]) {
-    case Subgroup::prismatic: return D.r.z;
-    case Subgroup::helical: return nearest_turn(turn_about_z(D.R), D.r.z / tree().pitch[index(i)]);
-    default: break;
-  }
   const int l = leader_[index(i)];
-  return nearest_turn(turn_about_z(D.R), l > 0 ? tree().ratio[index(i)] * angle(l) + tree().offset[index(i)]
-                                               : near_[index(tree()->iq[index(i)])]);
+  std::array<double, 7> near{}, q_i;
+  if (l > 0) {
+    near[0] = tree().ratio[index(i)] * angle(l) + tree().offset[index(i)];
+  } else {
+    std::copy_n(&near_[index(tree()->iq[index(i)])], model_.joint(i).nq, near.begin());
+  }
+  joint_coordinates(i, near.data(), q_i.data());
+  return q_i[0];
 }
 /// Of the coordinate whose velocity is c.
 double AbsoluteSystem::known_angle(int c) const { return angle(joint_of_[index(c)]); }
 
 template <class Motion> void AbsoluteSystem::bind(const Motion& X, Numbers& rows) const {
   for (int i = 1; i <= n_; ++i) {
-    const auto& [free, along] = bound_[index(i)];
+    const auto& [closure, along] = bound_[index(i)];
     Six<double> x = six(X[index(i)].w, X[index(i)].v);
     const double own = along < 0 ? 0 : x[index(along)];
-    if (tree()->kind[index(i)] == Subgroup::helical) x[5] -= tree().pitch[index(i)] * x[2];
-    for (std::size_t k = 0; k < 6; ++k) rows[index(6 * (i - 1)) + k] = free[k] ? 0 : x[k];
+    x[5] -= closure.pitch * x[2];
+    for (std::size_t k = 0; k < 6; ++k) rows[index(6 * (i - 1)) + k] = closure.free[k] ? 0 : x[k];
     if (const int l = leader_[index(i)]; l > 0)
       rows[index(6 * (i - 1) + along)] = own - tree().ratio[index(i)] * rate(l, X[index(l)]);
   }
@@ -239,7 +224,7 @@ BodyWrench AbsoluteSystem::joint_force(int i, Span tau) const {
   Six<double> all{};
   int c = 0;
   for (std::size_t k = 0; k < 6; ++k)
-    if (bound_[index(i)].free[k]) all[k] = at[c++];
+    if (bound_[index(i)].closure.free[k]) all[k] = at[c++];
   return {angular(all.data()), linear(all.data())};
 }
 /// W on body i at its joint, and the reaction on the predecessor.
@@ -251,23 +236,30 @@ void AbsoluteSystem::add_joint_wrench(int i, const BodyWrench& W, Numbers& f) co
   add_wrench(C_[index(p)], {-back.m, -back.f}, p, f);
 }
 
-/// About the origin of one of its bodies.
-LoopAt<double> AbsoluteSystem::loop_at(const Loop& loop) const {
-  const auto& [a, b] = loop.ends;
-  const Vec3<> O = C_[index(std::max(a.body, b.body))].r;
-  return {loop, about(O, C_[index(a.body)] * a.F), about(O, C_[index(b.body)] * b.F)};
+/// The point about which a loop joint is seen: the origin of one of its bodies.
+const Vec3<>& AbsoluteSystem::loop_origin(const LoopPath& path) const {
+  return C_[index(std::max(path.ends[0].body, path.ends[1].body))].r;
+}
+loops::LoopFrames<double> AbsoluteSystem::loop_frames(const LoopPath& path) const {
+  const auto& [a, b] = path.ends;
+  const Vec3<>& O = loop_origin(path);
+  return {about(O, C_[index(a.body)] * a.F), about(O, C_[index(b.body)] * b.F)};
 }
 
-/// Its rows of the velocities of its bodies, where it is no coupling.
-Six<double> AbsoluteSystem::loop_slip(const Loop& loop) const {
-  const auto& [a, b] = loop.ends;
-  const Vec3<> O = C_[index(std::max(a.body, b.body))].r;
-  const Twist<Spatial> X =
-      Ad(about(O, C_[index(b.body)]), V_[index(b.body)]) - Ad(about(O, C_[index(a.body)]), V_[index(a.body)]);
-  const auto W = loop_at(loop).wrenches();
-  Six<double> out{};
-  for (int k = 0; k < loop.rows(); ++k) out[index(k)] = W[index(k)] | X;
-  return out;
+/// f(path, slip) for every loop joint, with its rows of the velocities of its bodies.
+template <class F> void AbsoluteSystem::each_loop_slip(const F& f) const {
+  loops_.table().each([&](std::size_t n, const auto& joint) {
+    const LoopPath& path = loops_.table().paths[n];
+    const auto& [a, b] = path.ends;
+    const Vec3<>& O = loop_origin(path);
+    const Twist<Spatial> X = Ad(about(O, C_[index(b.body)]), V_[index(b.body)]) -
+                             Ad(about(O, C_[index(a.body)]), V_[index(a.body)]);
+    loops::LoopWrenches<double> W;
+    joint.wrenches(loop_frames(path), W.data());
+    Six<double> slip{};
+    for (std::size_t k = 0; k < index(path.rows.count); ++k) slip[k] = W[k] | X;
+    f(path, slip);
+  });
 }
 
 void AbsoluteSystem::enter(Span q_joints, Span v_joints, Numbers& q, Numbers& v) {
@@ -295,25 +287,13 @@ void AbsoluteSystem::leave(Span q, Span v, Numbers& q_joints, Numbers& v_joints)
   q_joints.resize(near_.size()), v_joints.resize(x_.size());
   for (int i = 1; i <= n_; ++i) {
     if (leader_[index(i)] > 0) continue;
-    const SE3<> D = joint_pose(i);
     const BodyTwist X = joint_twist(i);
-    const int from = tree()->iq[index(i)];
-    double* const q_i = &q_joints[index(from)];
-    const double* const near = &near_[index(from)];
-    if (bound_[index(i)].along >= 0) {
-      *q_i = angle(i);
-    } else if (tree()->kind[index(i)] == Subgroup::planar) {
-      q_i[0] = nearest_turn(turn_about_z(D.R), near[0]), q_i[1] = D.r.x, q_i[2] = D.r.y;
-    } else {
-      const Quaternion<> a = quaternion(D.R);
-      const double side = a.x * near[0] + a.y * near[1] + a.z * near[2] + a.w * near[3] < 0 ? -1 : 1;
-      q_i[0] = side * a.x, q_i[1] = side * a.y, q_i[2] = side * a.z, q_i[3] = side * a.w;
-      if (tree()->kind[index(i)] == Subgroup::free) q_i[4] = D.r.x, q_i[5] = D.r.y, q_i[6] = D.r.z;
-    }
+    const std::size_t from = index(tree()->iq[index(i)]);
+    joint_coordinates(i, &near_[from], &q_joints[from]);
     const Six<double> x = six(X.w, X.v);
     double* v_i = &v_joints[index(tree()->iv[index(i)])];
     for (std::size_t k = 0; k < 6; ++k)
-      if (bound_[index(i)].free[k]) *v_i++ = x[k];
+      if (bound_[index(i)].closure.free[k]) *v_i++ = x[k];
   }
 }
 
@@ -338,11 +318,10 @@ void AbsoluteSystem::gap(Span q, Numbers& out, Rows kind) {
   find_poses(q);
   out.assign(index(rows(kind)), 0.0);
   for (int i = 1; i <= n_; ++i) {
-    const auto& [free, along] = bound_[index(i)];
-    const SE3<> E =
-        Closure<double>(closing(tree()->kind[index(i)]), tree().pitch[index(i)]).strip(joint_pose(i));
+    const auto& [closure, along] = bound_[index(i)];
+    const SE3<> E = closure.strip(joint_pose(i));
     const Six<double> open = six(log_SO3(E.R), E.r);
-    for (std::size_t k = 0; k < 6; ++k) out[index(6 * (i - 1)) + k] = free[k] ? 0 : open[k];
+    for (std::size_t k = 0; k < 6; ++k) out[index(6 * (i - 1)) + k] = closure.free[k] ? 0 : open[k];
     if (const int l = leader_[index(i)]; l > 0)
       out[index(6 * (i - 1) + along)] =
           angle(i) - tree().ratio[index(i)] * angle(l) - tree().offset[index(i)];
@@ -350,15 +329,14 @@ void AbsoluteSystem::gap(Span q, Numbers& out, Rows kind) {
   for (int r = 0; r < n_placed_rotors_; ++r)
     out[index(6 * n_ + r)] = angle_gap(angle(rotors_[index(r)].joint), q[index(7 * n_ + r)]);
   double* const open = out.data() + first_loop(kind);
-  for (const Loop& loop : model_.loops().all) {
-    double* const at = open + (kind == Rows::places ? loop.first_residual : loop.first_row);
-    if (loop.kind == LoopKind::coupling) {
-      *at = -loop.offset;
-      for (const Loop::Term& term : loop.terms) *at += term.factor * known_angle(term.velocity);
-    } else {
-      const Six<double> all = loop_at(loop).residual();
-      std::copy_n(all.begin(), loop.residuals(), at);
-    }
+  loops_.table().each([&](std::size_t n, const auto& joint) {
+    const LoopPath& path = loops_.table().paths[n];
+    joint.residual(loop_frames(path), open + (kind == Rows::places ? path.residuals : path.rows).first);
+  });
+  for (const LoopCoupling& coupling : model_.loops().couplings) {
+    double& sum = open[kind == Rows::places ? coupling.first_residual : coupling.first_row];
+    sum = -coupling.offset;
+    for (const LoopCoupling::Term& term : coupling.terms) sum += term.factor * known_angle(term.velocity);
   }
 }
 
@@ -368,19 +346,21 @@ void AbsoluteSystem::slip(Span q, Span v, Numbers& out) {
   for (int i = 1; i <= n_; ++i) X_[index(i)] = joint_twist(i);
   bind(X_, out);
   for (int r = 0; r < n_rotors(); ++r) out[index(6 * n_ + r)] -= v[index(6 * n_ + r)];
-  for (const Loop& loop : model_.loops().all) {
-    double* const at = out.data() + first_loop(Rows::velocities) + loop.first_row;
-    if (loop.kind == LoopKind::coupling) {
-      *at = 0;
-      for (const Loop::Term& term : loop.terms) {
-        const int i = joint_of_[index(term.velocity)];
-        *at += term.factor * rate(i, X_[index(i)]);
-      }
-      continue;
-    }
-    const Six<double> all = loop_slip(loop);
-    std::copy_n(all.begin(), loop.rows(), at);
+  double* const at = out.data() + first_loop(Rows::velocities);
+  each_loop_slip([&](const LoopPath& path, const Six<double>& slip) {
+    std::copy_n(slip.begin(), path.rows.count, at + path.rows.first);
+  });
+  for (const LoopCoupling& coupling : model_.loops().couplings)
+    at[coupling.first_row] = coupled_rate(coupling, X_);
+}
+/// Σ factor q' of a coupling for relative motions of all joints.
+double AbsoluteSystem::coupled_rate(const LoopCoupling& coupling, const std::vector<BodyTwist>& X) const {
+  double sum = 0;
+  for (const LoopCoupling::Term& term : coupling.terms) {
+    const int i = joint_of_[index(term.velocity)];
+    sum += term.factor * rate(i, X[index(i)]);
   }
+  return sum;
 }
 
 void AbsoluteSystem::put_rolling(Span q, Span v, double scale, Numbers& out) {
@@ -390,12 +370,11 @@ void AbsoluteSystem::put_rolling(Span q, Span v, double scale, Numbers& out) {
     const Rotor& rotor = rotors_[index(r)];
     out[index(6 * n_ + r)] = scale * (rate(rotor, joint_twist(rotor.joint)) - v[index(6 * n_ + r)]);
   }
-  for (const Loop& loop : model_.loops().all) {
-    if (loop.rows() == loop.residuals()) continue;
-    double* const at = out.data() + first_loop(Rows::velocities) + loop.first_row;
-    const Six<double> all = loop_slip(loop);
-    for (int k = loop.residuals(); k < loop.rows(); ++k) at[k] = scale * all[index(k)];
-  }
+  double* const at = out.data() + first_loop(Rows::velocities);
+  each_loop_slip([&](const LoopPath& path, const Six<double>& slip) {
+    for (int k = path.residuals.count; k < path.rows.count; ++k)
+      at[path.rows.first + k] = scale * slip[index(k)];
+  });
 }
 
 void AbsoluteSystem::add_closing(Span q, Span lambda, Numbers& f) {
@@ -403,7 +382,7 @@ void AbsoluteSystem::add_closing(Span q, Span lambda, Numbers& f) {
   for (int i = 1; i <= n_; ++i) {
     const double* const at = &lambda[index(6 * (i - 1))];
     BodyWrench W{angular(at), linear(at)};
-    if (tree()->kind[index(i)] == Subgroup::helical) W.m.z -= tree().pitch[index(i)] * W.f.z;
+    W.m.z -= bound_[index(i)].closure.pitch * W.f.z;
     add_joint_wrench(i, W, f);
     if (const int l = leader_[index(i)]; l > 0)
       add_joint_wrench(l, co_screw(l, -tree().ratio[index(i)] * at[bound_[index(i)].along]), f);
@@ -413,23 +392,23 @@ void AbsoluteSystem::add_closing(Span q, Span lambda, Numbers& f) {
     add_joint_wrench(rotors_[index(r)].joint, co_screw(rotors_[index(r)].along, mu), f);
     f[index(6 * n_ + r)] -= mu;
   }
-  for (const Loop& loop : model_.loops().all) {
-    const double* const at = lambda.data() + first_loop(Rows::velocities) + loop.first_row;
-    if (loop.kind == LoopKind::coupling) {
-      for (const Loop::Term& term : loop.terms) {
-        const int i = joint_of_[index(term.velocity)];
-        add_joint_wrench(i, co_screw(i, term.factor * *at), f);
-      }
-      continue;
-    }
-    const auto& [a, b] = loop.ends;
-    const Vec3<> O = C_[index(std::max(a.body, b.body))].r;
-    const auto all = loop_at(loop).wrenches();
+  const double* const at = lambda.data() + first_loop(Rows::velocities);
+  loops_.table().each([&](std::size_t n, const auto& joint) {
+    const LoopPath& path = loops_.table().paths[n];
+    const auto& [a, b] = path.ends;
+    const Vec3<>& O = loop_origin(path);
+    loops::LoopWrenches<double> all;
+    joint.wrenches(loop_frames(path), all.data());
     Wrench<Spatial> W{};
-    for (int k = 0; k < loop.rows(); ++k) W += at[k] * all[index(k)];
+    for (int k = 0; k < path.rows.count; ++k) W += at[path.rows.first + k] * all[index(k)];
     add_wrench(C_[index(b.body)], coAd_inv(about(O, C_[index(b.body)]), W), b.body, f);
     add_wrench(C_[index(a.body)], coAd_inv(about(O, C_[index(a.body)]), -W), a.body, f);
-  }
+  });
+  for (const LoopCoupling& coupling : model_.loops().couplings)
+    for (const LoopCoupling::Term& term : coupling.terms) {
+      const int i = joint_of_[index(term.velocity)];
+      add_joint_wrench(i, co_screw(i, term.factor * at[coupling.first_row]), f);
+    }
 }
 
 void AbsoluteSystem::momentum(Span v, Numbers& p) const {
@@ -478,7 +457,7 @@ void AbsoluteSystem::forces(Span q, Span v, Span tau, const Loads<double>& loads
       const Six<double> x = six(X.w, X.v);
       int c = tree()->iv[index(i)];
       for (std::size_t k = 0; k < 6; ++k)
-        if (bound_[index(i)].free[k]) tau_[index(c)] -= joint_loss(tree(), c, x[k]), ++c;
+        if (bound_[index(i)].closure.free[k]) tau_[index(c)] -= joint_loss(tree(), c, x[k]), ++c;
     }
   for (int i = 1; i <= n_; ++i)
     if (leader_[index(i)] == 0) add_joint_wrench(i, joint_force(i, tau_), f);
@@ -520,7 +499,7 @@ void AbsoluteSystem::solve(Span r, Span want, Numbers& x, Numbers& lambda) {
   for (int i = 1; i <= n_; ++i) {
     const double* const at = &want[index(6 * (i - 1))];
     BodyTwist k{angular(at), linear(at)};
-    if (tree()->kind[index(i)] == Subgroup::helical) k.v.z += tree().pitch[index(i)] * k.w.z;
+    k.v.z += bound_[index(i)].closure.pitch * k.w.z;
     known_[index(i)] = known_[index(parent(i))];
     known_[index(i)] += Ad(loops_.link(i).C, k);
     on_[index(i)] = coAd(loops_.link(i).C, wrench(placed_[index(i)], r, i));
@@ -560,13 +539,11 @@ void AbsoluteSystem::solve(Span r, Span want, Numbers& x, Numbers& lambda) {
     put_twist(placed_[index(i)], Ad_inv(C, V_s_[index(i)]), i, x);
     through_[index(i)] += inertial(i, V_s_[index(i)]) - on_[index(i)];
     const BodyWrench W = coAd_inv(C, through_[index(i)]);
-    const auto& [free, along] = bound_[index(i)];
+    const auto& [closure, along] = bound_[index(i)];
     const Six<double> all = six(W.m, W.f);
     double* const at = &lambda[index(6 * (i - 1))];
-    for (std::size_t k = 0; k < 6; ++k) at[k] = free[k] ? 0 : all[k];
-    if (leader_[index(i)] > 0)
-      at[along] = tree()->kind[index(i)] == Subgroup::helical ? W.m.z + tree().pitch[index(i)] * W.f.z
-                                                              : all[index(along)];
+    for (std::size_t k = 0; k < 6; ++k) at[k] = closure.free[k] ? 0 : all[k];
+    if (leader_[index(i)] > 0) at[along] = all[index(along)] + closure.pitch * W.f.z;
     through_[index(parent(i))] += through_[index(i)];
   }
   for (int k = bound_rotors; k < n_rotors(); ++k)  // which turn along
@@ -600,14 +577,10 @@ void AbsoluteSystem::bias(Span v, Numbers& want) {
   if (model_.loops().empty()) return;
   V_s_[0] = {}, dV_s_[0] = {};
   loops_.bias(V_s_.data(), dV_s_.data(), b_.data());
-  for (const Loop& loop : model_.loops().all) {
-    double* const at = want.data() + first_loop(Rows::velocities) + loop.first_row;
-    for (int k = 0; k < loop.rows(); ++k) at[k] = -b_[loop.first_row + k];
-    for (const Loop::Term& term : loop.terms) {
-      const int i = joint_of_[index(term.velocity)];
-      *at += term.factor * rate(i, X_[index(i)]);
-    }
-  }
+  double* const at = want.data() + first_loop(Rows::velocities);
+  for (int k = 0; k < model_.loops().rows; ++k) at[k] = -b_[k];
+  for (const LoopCoupling& coupling : model_.loops().couplings)
+    at[coupling.first_row] = coupled_rate(coupling, X_);
 }
 
 }  // namespace axode

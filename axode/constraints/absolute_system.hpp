@@ -94,8 +94,8 @@ class AbsoluteSystem {
   using BodyTwist = Twist<BodyFixed, double>;
   using BodyWrench = Wrench<BodyFixed, double>;
   struct Bound {
-    std::array<bool, 6> free;  ///< directions of the joint, in its frame
-    int along = -1;            ///< that of a joint with one velocity
+    loops::SubgroupClosure closure;  ///< what the joint leaves free, in its frame
+    int along = -1;                  ///< the free direction of a joint with one velocity
   };
   static std::size_t index(int k) { return static_cast<std::size_t>(k); }
   const Tree<double>& tree() const { return model_.tree<double>(); }
@@ -121,6 +121,7 @@ class AbsoluteSystem {
   void find_twists(Span v);
   SE3<> joint_pose(int i) const;
   BodyTwist joint_twist(int i) const;
+  void joint_coordinates(int i, const double* near, double* q_i) const;
   double angle(int i) const;
   double known_angle(int c) const;
   /// The rows of the joints and rotors for relative motions of all joints.
@@ -132,8 +133,10 @@ class AbsoluteSystem {
   static BodyWrench co_screw(std::size_t along, double tau);
   BodyWrench joint_force(int i, Span tau) const;
   void add_joint_wrench(int i, const BodyWrench& W, Numbers& f) const;
-  LoopAt<double> loop_at(const Loop& loop) const;
-  Six<double> loop_slip(const Loop& loop) const;
+  const Vec3<>& loop_origin(const LoopPath& path) const;
+  loops::LoopFrames<double> loop_frames(const LoopPath& path) const;
+  template <class F> void each_loop_slip(const F& f) const;
+  double coupled_rate(const LoopCoupling& coupling, const std::vector<BodyTwist>& X) const;
 
   Model model_;
   BodyGroup kind_;

@@ -115,36 +115,41 @@ class Assembly {
   /// How far loops are from the origins of their roots, and 1: m, and rad.
   double size() const {
     double largest = 1;
-    for (const LoopPath& path : system_.paths())
+    for (const LoopPath& path : system_.table().paths)
       for (const int i : path.bodies) largest = std::max(largest, norm(system_.link(i).C.r));
     return largest;
   }
   /// The size that rounding alone may give the residual at the present configuration, rad and m.
   double rounding() const {
     double sum = 0;
-    for (const LoopPath& path : system_.paths())
-      sum += static_cast<double>(path.bodies.size() + 4) * largest_term(path);
+    const LoopTable& table = system_.table();
+    for (std::size_t k = 0; k < table.paths.size(); ++k)
+      sum += static_cast<double>(table.paths[k].bodies.size() + 4) *
+             (k < table.joints.size() ? largest_term(table.paths[k])
+                                      : largest_term(model_.loops().couplings[k - table.joints.size()]));
     return 4 * std::numeric_limits<double>::epsilon() * sum;
   }
   /// The largest number that is added or subtracted on the way to the residual of a loop: a coordinate, a distance of a body
   /// from the origin of its root or of that from the inertial one, or such a distance times an angle.
+  double largest_term(const LoopCoupling& coupling) const {
+    double largest = std::abs(coupling.offset);
+    for (const LoopCoupling::Term& term : coupling.terms)
+      largest =
+          std::max(largest, std::abs(term.factor * result_.q[static_cast<std::size_t>(term.coordinate)]));
+    return largest;
+  }
   double largest_term(const LoopPath& path) const {
-    const Loop& loop = *path.loop;
     const std::vector<double>& q = result_.q;
-    double length = std::abs(loop.offset), angle = 0, lever = 1;
-    for (const Loop::Term& term : loop.terms)
-      length = std::max(length, std::abs(term.factor * q[static_cast<std::size_t>(term.coordinate)]));
-    if (loop.kind == LoopKind::coupling) return length;
+    double length = 0, angle = 0, lever = 1;
     for (const int root : path.root)
       if (root > 0) length = std::max(length, norm(system_.root_origins()[root]));
-    for (const Loop::End& end : loop.ends) length = std::max(length, norm(end.F.r));
+    for (const Loop::End& end : path.ends) length = std::max(length, norm(end.F.r));
     for (const int i : path.bodies) {
       lever = std::max(lever, norm(system_.link(i).C.r));
       const Joint& joint = model_.joint(i);
+      const std::array<bool, 6> free = free_directions(joint.kind);
       for (int k = 0; k < joint.nq; ++k) {
-        const bool turns = joint.kind == Subgroup::revolute || joint.kind == Subgroup::helical ||
-                           (joint.kind == Subgroup::planar && k == 0);
-        double& largest = turns ? angle : length;
+        double& largest = k == 0 && free[2] && !free[0] ? angle : length;
         largest = std::max(largest, std::abs(q[static_cast<std::size_t>(joint.iq + k)]));
       }
     }
@@ -152,8 +157,8 @@ class Assembly {
   }
   void report(const Vector& r) {
     result_.residual = r.norm();
-    for (const Loop& loop : model_.loops().all)
-      result_.open.push_back(r.segment(loop.first_residual, loop.residuals()).norm());
+    for (const LoopRows& loop : model_.loops().all)
+      result_.open.push_back(r.segment(loop.first_residual, loop.residuals).norm());
   }
 
   const Model& model_;
@@ -181,7 +186,7 @@ std::string to_string(const Model& model, const AssemblyResult& result) {
   if (result.status == AssemblyStatus::singular)
     return "the loops are closed, but the mass matrix of the tree is singular, so velocities cannot be "
            "adapted";
-  const std::vector<Loop>& loops = model.loops().all;
+  const std::vector<LoopRows>& loops = model.loops().all;
   std::vector<std::size_t> order(loops.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::ranges::stable_sort(order,

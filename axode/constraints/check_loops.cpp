@@ -10,16 +10,16 @@ void check_closed(LoopSystem<double>& system, Numbers<double> q, Numbers<double>
   Eigen::VectorXd r(std::max(loops.residuals, loops.rows));
   system.place(q.data());
   system.residual(q.data(), r.data());
-  for (const Loop& loop : loops.all)
-    if (const double open = r.segment(loop.first_residual, loop.residuals()).norm(); !(open <= closed_enough))
+  for (const LoopRows& loop : loops.all)
+    if (const double open = r.segment(loop.first_residual, loop.residuals).norm(); !(open <= closed_enough))
       throw std::invalid_argument(
           "q leaves loop \"" + loop.name + "\" open by " + to_text(open) +
           " (rad and m); assemble() closes it, in a shell --assemble, as \"axode eval FILE --assemble\"");
   system.make_rows(LoopSystem<double>::Rows::velocities);
   system.times(v.data(), r.data());
   const double size = 1 + Eigen::Map<const Eigen::VectorXd>(v.data(), std::ssize(v)).norm();
-  for (const Loop& loop : loops.all)
-    if (const double slip = r.segment(loop.first_row, loop.rows()).norm(); !(slip <= closed_enough * size))
+  for (const LoopRows& loop : loops.all)
+    if (const double slip = r.segment(loop.first_row, loop.rows).norm(); !(slip <= closed_enough * size))
       throw std::invalid_argument("v tears loop \"" + loop.name + "\" open at " + to_text(slip) +
                                   " (rad/s and m/s); assemble() finds velocities that do not, in a shell "
                                   "--assemble, as \"axode eval FILE --assemble\"");
@@ -33,13 +33,13 @@ void check_accelerations(LoopSystem<double>& system, Numbers<double> q, Numbers<
     return Eigen::Map<const Eigen::VectorXd>(x.data(), std::ssize(x)).norm();
   };
   const double size = 1 + norm(a) + norm(v) * norm(v);
-  Eigen::VectorXd rates(loops.rows), coupled(loops.rows);
-  system.bias(rates.data());
+  Eigen::VectorXd rates(loops.rows), products(loops.rows);
+  system.bias(rates.data());  // at these accelerations, but for those of couplings
   system.make_rows(LoopSystem<double>::Rows::velocities);
-  system.times(a.data(), coupled.data());
-  for (const Loop& loop : loops.all) {
-    const Eigen::VectorXd& of = loop.terms.empty() ? rates : coupled;
-    const double tear = of.segment(loop.first_row, loop.rows()).norm();
+  system.times(a.data(), products.data());
+  rates.tail(std::ssize(loops.couplings)) = products.tail(std::ssize(loops.couplings));
+  for (const LoopRows& loop : loops.all) {
+    const double tear = rates.segment(loop.first_row, loop.rows).norm();
     if (tear <= torn * size) continue;
     check_closed(system, q, v);
     throw std::invalid_argument(

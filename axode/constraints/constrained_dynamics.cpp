@@ -194,14 +194,15 @@ void loop_wrenches(const Model& model, LoopWorkspace<T>& workspace, Numbers<T> q
                    std::type_identity_t<std::span<Wrench<Rep, T>>> W) {
   LoopSystem<T>& system = checked(model, workspace, q);
   check_rows("lambda", lambda.size(), model.loops().rows, "loops().rows");
-  const std::vector<Loop>& loops = model.loops().all;
-  check_size("W", W.size(), loops.size(), "loops().all.size()");
+  const std::vector<Loop>& joints = model.loops().joints;
+  check_size("W", W.size(), model.loops().all.size(), "loops().all.size()");
   system.place(q.data());
-  system.make_rows(LoopSystem<T>::Rows::velocities);
+  system.make_wrenches(LoopSystem<T>::Rows::velocities);
   const Tree<T>& tree = model.tree<T>();
-  for (std::size_t k = 0; k < loops.size(); ++k) {
+  std::ranges::fill(W, Wrench<Rep, T>{});
+  for (std::size_t k = 0; k < joints.size(); ++k) {
     const Wrench<Spatial, T> about_O = system.wrench(k, lambda.data());
-    const int j = loops[k].ends[1].body;
+    const int j = joints[k].ends[1].body;
     const Vec3<T> O = system.origin(k);
     if constexpr (std::same_as<Rep, Spatial>) {
       W[k] = {about_O.m + cross(O, about_O.f), about_O.f};

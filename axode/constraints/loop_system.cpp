@@ -23,15 +23,6 @@ template <class T> constexpr T sound_part = is_float<T> ? T(1e-2) : T(1e-3);
 template <class T> constexpr T settled = is_float<T> ? T(1e-5) : T(1e-12);
 constexpr int most_steps = 5;
 
-/// Ranges that follow each other are one.
-void add(const LoopPath::Range& range, std::vector<LoopPath::Range>& to) {
-  if (!to.empty() && to.back().first + to.back().count == range.first) {
-    to.back().count += range.count;
-  } else {
-    to.push_back(range);
-  }
-}
-
 }  // namespace
 
 template <class T>
@@ -39,27 +30,13 @@ LoopSystem<T>::LoopSystem(const Model& of)
     : model_(of),
       dynamics_(of.topology()),
       quick_(of.topology()),
-      ends_(index(of.topology().n + 1)),
-      at_(of.loops().all.size()),
+      table_(of),
+      at_(of.loops().joints.size()),
       entries_(of.loops().all.size()) {
   const int m = of.loops().rows, nv = of.nv();
-  std::vector<std::vector<Range>> rows_of(index(nv)), residuals_of(index(nv));
-  for (std::size_t k = 0; k < at_.size(); ++k) {
-    const LoopPath& path = paths_.emplace_back(of.tree<double>(), of.loops().all[k]);
-    for (const int c : path.velocities)
-      add(path.rows, rows_of[index(c)]), add(path.residuals, residuals_of[index(c)]);
-    entries_[k].resize(path.columns.size() * index(path.rows.count));
-    for (const Loop::End& end : path.loop->ends) ends_[index(end.body)] = 1;
-    couples_ = couples_ || path.loop->kind == LoopKind::coupling;
-  }
-  const auto gather = [&](const std::vector<std::vector<Range>>& of_velocity, std::vector<Felt>& felt) {
-    for (int c = 0; c < nv; ++c) {
-      const std::vector<Range>& rows = of_velocity[index(c)];
-      if (felt.empty() || felt.back().rows != rows) felt.push_back({c, 0, rows});
-      ++felt.back().count;
-    }
-  };
-  gather(rows_of, felt_rows_), gather(residuals_of, felt_residuals_);
+  for (std::size_t k = 0; k < entries_.size(); ++k)
+    for (const LoopColumn& column : table_.paths[k].columns)  // what is constant of them, of couplings all
+      entries_[k].resize(entries_[k].size() + index(table_.paths[k].rows.count), T(column.factor));
   const Eigen::Index room = RowCholesky<T>::room(m);
   Y_.setZero(nv, room), G_.setZero(m, room), factor_.resize(m);
   left_.setZero(nv, room), along_.setZero(room), basis_.resize(nv, std::min(nv, m));
@@ -167,17 +144,15 @@ template <class T> void LoopSystem<T>::place_loops() noexcept {
 
 template <class T> void LoopSystem<T>::place_ends() noexcept {
   for (std::size_t k = 0; k < at_.size(); ++k) {
-    const LoopPath& path = paths_[k];
-    if (path.loop->kind == LoopKind::coupling) continue;
+    const LoopPath& path = table_.paths[k];
     const Vec3<T> O = origin(k);
-    at_[k].C_a = pose(path.loop->ends[0], path.root[0], O);
-    at_[k].C_b = pose(path.loop->ends[1], path.root[1], O);
+    at_[k].frames = {pose(path.ends[0], path.root[0], O), pose(path.ends[1], path.root[1], O)};
     at_[k].shift = path.root[0] > 0 ? origin_[path.root[0]] - O : Vec3<T>{};
   }
 }
 
 template <class T> Vec3<T> LoopSystem<T>::origin(std::size_t k) const noexcept {
-  const auto& [i, j] = paths_[k].root;
+  const auto& [i, j] = table_.paths[k].root;
   return i + j == 0 ? Vec3<T>{} : origin_[j > 0 ? j : i];
 }
 
@@ -197,16 +172,13 @@ template <class T> void LoopSystem<T>::set_filter(const T* q) noexcept {
 }
 
 template <class T> void LoopSystem<T>::residual(const T* q, T* r) const noexcept {
-  for (std::size_t k = 0; k < at_.size(); ++k) {
-    const Loop& loop = *paths_[k].loop;
-    T* const out = r + loop.first_residual;
-    if (loop.kind == LoopKind::coupling) {
-      *out = T(-loop.offset);
-      for (const Loop::Term& term : loop.terms) *out += T(term.factor) * q[term.coordinate];
-    } else {
-      const Six<T> all = LoopAt<T>(loop, at_[k].C_a, at_[k].C_b).residual();
-      std::copy_n(all.begin(), paths_[k].residuals.count, out);
-    }
+  table_.each([&](std::size_t k, const auto& joint) {
+    joint.residual(at_[k].frames, r + table_.paths[k].residuals.first);
+  });
+  for (const LoopCoupling& coupling : model_.loops().couplings) {
+    T& out = r[coupling.first_residual];
+    out = T(-coupling.offset);
+    for (const LoopCoupling::Term& term : coupling.terms) out += T(term.factor) * q[term.coordinate];
   }
 }
 
@@ -218,25 +190,24 @@ template <class T> void LoopSystem<T>::make_rows(Rows rows) noexcept {
 template <class T> void LoopSystem<T>::make_wrenches(Rows rows) noexcept {
   if (rows != rows_) Y_.setZero();  // its columns are now those of others
   rows_ = rows;
-  for (std::size_t k = 0; k < at_.size(); ++k) {
-    if (paths_[k].loop->kind == LoopKind::coupling) continue;
-    const LoopAt<T> loop(*paths_[k].loop, at_[k].C_a, at_[k].C_b);
-    at_[k].W = rows == Rows::velocities ? loop.wrenches() : loop.residual_wrenches();
+  if (rows == Rows::velocities) {
+    table_.each([&](std::size_t k, const auto& joint) { joint.wrenches(at_[k].frames, at_[k].W.data()); });
+  } else {
+    table_.each([&](std::size_t k, const auto& joint) {
+      loops::residual_wrenches(joint, at_[k].frames, at_[k].W.data());
+    });
   }
 }
 
 template <class T> void LoopSystem<T>::make_entries() noexcept {
   for (std::size_t k = 0; k < at_.size(); ++k) {
-    const LoopPath& path = paths_[k];
+    const LoopPath& path = table_.paths[k];
     T* entry = entries_[k].data();
-    if (path.loop->kind == LoopKind::coupling) {
-      for (const LoopColumn& column : path.columns) *entry++ = T(column.factor);
-      continue;
-    }
-    typename LoopAt<T>::Wrenches first{};
-    for (std::size_t r = 0; r < 6; ++r) first[r] = on_first(at_[k], at_[k].W[r]);
+    const std::size_t rows = index(count(path));
+    loops::LoopWrenches<T> first;
+    for (std::size_t r = 0; r < rows; ++r) first[r] = on_first(at_[k], at_[k].W[r]);
     for (const LoopColumn& column : path.columns)
-      for (std::size_t r = 0; r < index(count(path)); ++r) {
+      for (std::size_t r = 0; r < rows; ++r) {
         const Twist<Spatial, T>& J = dynamics_->bodies.S[column.screw];
         *entry++ = column.side > 0 ? at_[k].W[r] | J : -(first[r] | J);
       }
@@ -245,90 +216,78 @@ template <class T> void LoopSystem<T>::make_entries() noexcept {
 
 template <class T> void LoopSystem<T>::write(T* A) const noexcept {
   std::fill_n(A, static_cast<std::ptrdiff_t>(size(rows_)) * model_.nv(), T(0));
-  for (std::size_t k = 0; k < at_.size(); ++k) {
-    const T* entry = entries_[k].data();
-    for (const LoopColumn& column : paths_[k].columns)
-      for (int r = 0; r < count(paths_[k]); ++r)
-        A[static_cast<std::ptrdiff_t>(first(paths_[k]) + r) * model_.nv() + column.velocity] += *entry++;
-  }
+  each_entry([&](int row, int c, const T& entry) {
+    A[static_cast<std::ptrdiff_t>(row) * model_.nv() + c] += entry;
+  });
 }
 
 template <class T> void LoopSystem<T>::times(const T* x, T* out) const noexcept {
   std::fill_n(out, size(rows_), T(0));
-  for (std::size_t k = 0; k < at_.size(); ++k) {
-    const T* entry = entries_[k].data();
-    T* const rows = out + first(paths_[k]);
-    for (const LoopColumn& column : paths_[k].columns)
-      for (int r = 0; r < count(paths_[k]); ++r) rows[r] += *entry++ * x[column.velocity];
-  }
+  each_entry([&](int row, int c, const T& entry) { out[row] += entry * x[c]; });
 }
 
 template <class T> void LoopSystem<T>::add_transposed_times(const T* lambda, T* out) const noexcept {
-  for (std::size_t k = 0; k < at_.size(); ++k) {
-    const T* entry = entries_[k].data();
-    const T* const rows = lambda + first(paths_[k]);
-    for (const LoopColumn& column : paths_[k].columns)
-      for (int r = 0; r < count(paths_[k]); ++r) out[column.velocity] += *entry++ * rows[r];
-  }
+  each_entry([&](int row, int c, const T& entry) { out[c] += entry * lambda[row]; });
 }
 
 template <class T>
 void LoopSystem<T>::bias(const Twist<Spatial, T>* V, const TwistRate<Spatial, T>* dV,
                          T* gamma) const noexcept {
-  for (std::size_t k = 0; k < at_.size(); ++k) {
-    const Loop& loop = *paths_[k].loop;
-    if (loop.kind == LoopKind::coupling)
-      gamma[loop.first_row] = T(0);
-    else
-      bias(k, LoopAt<T>(loop, at_[k].C_a, at_[k].C_b).wrenches(), V, dV, gamma);
-  }
+  for (const LoopPath& path : table_.of_couplings()) gamma[path.rows.first] = T(0);
+  table_.each([&](std::size_t k, const auto& joint) {
+    const loops::LoopFrames<T>& frames = at_[k].frames;
+    loops::LoopWrenches<T> W;
+    joint.wrenches(frames, W.data());
+    loops::bias(joint, frames, W.data(), motion_of_ends(k, V, dV), gamma + table_.paths[k].rows.first);
+  });
 }
 
 template <class T>
-void LoopSystem<T>::bias(std::size_t k, const typename LoopAt<T>::Wrenches& W, const Twist<Spatial, T>* V,
-                         const TwistRate<Spatial, T>* dV, T* gamma) const noexcept {
-  const Loop& loop = *paths_[k].loop;
-  const int i = loop.ends[0].body, j = loop.ends[1].body;
+loops::EndMotion<T> LoopSystem<T>::motion_of_ends(std::size_t k, const Twist<Spatial, T>* V,
+                                                  const TwistRate<Spatial, T>* dV) const noexcept {
+  const auto& [first, second] = table_.paths[k].ends;
+  const int i = first.body, j = second.body;
   const Vec3<T>& shift = at_[k].shift;
-  const Six<T> all = LoopAt<T>(loop, at_[k].C_a, at_[k].C_b)
-                         .bias(W, {V[i].w, V[i].v - cross(V[i].w, shift)}, V[j],
-                               {dV[i].w, dV[i].v - cross(dV[i].w, shift)}, dV[j]);
-  std::copy_n(all.begin(), loop.rows(), gamma + loop.first_row);
+  return {{V[i].w, V[i].v - cross(V[i].w, shift)},
+          {V[j].w, V[j].v},
+          {dV[i].w, dV[i].v - cross(dV[i].w, shift)},
+          {dV[j].w, dV[j].v}};
 }
 
 template <class T> void LoopSystem<T>::rates(const Twist<Spatial, T>* X, const T* x, T* out) const noexcept {
   for (std::size_t k = 0; k < at_.size(); ++k) {
-    const Loop& loop = *paths_[k].loop;
-    T* const rows = out + first(paths_[k]);
-    if (loop.kind == LoopKind::coupling) {
-      *rows = T(0);
-      for (const Loop::Term& term : loop.terms) *rows += T(term.factor) * x[term.velocity];
-      continue;
-    }
-    for (int r = 0; r < count(paths_[k]); ++r) {
+    const LoopPath& path = table_.paths[k];
+    T* const rows = out + first(path);
+    for (int r = 0; r < count(path); ++r) {
       const Wrench<Spatial, T>& W = at_[k].W[index(r)];
-      rows[r] = (W | X[loop.ends[1].body]) - (on_first(at_[k], W) | X[loop.ends[0].body]);
+      rows[r] = (W | X[path.ends[1].body]) - (on_first(at_[k], W) | X[path.ends[0].body]);
     }
+  }
+  for (const LoopPath& path : table_.of_couplings()) {
+    T& row = out[first(path)];
+    row = T(0);
+    for (const LoopColumn& column : path.columns) row += T(column.factor) * x[column.velocity];
   }
 }
 
 template <class T>
 void LoopSystem<T>::add_wrenches(const T* lambda, Wrench<Spatial, T>* on, T* tau) const noexcept {
   for (std::size_t k = 0; k < at_.size(); ++k) {
-    const Loop& loop = *paths_[k].loop;
-    if (loop.kind == LoopKind::coupling)
-      for (const Loop::Term& term : loop.terms)
-        tau[term.velocity] += T(term.factor) * lambda[first(paths_[k])];
+    const LoopPath& path = table_.paths[k];
     const Wrench<Spatial, T> W = wrench(k, lambda);
-    on[loop.ends[1].body] += W, on[loop.ends[0].body] -= on_first(at_[k], W);
+    on[path.ends[1].body] += W;
+    on[path.ends[0].body] -= on_first(at_[k], W);
   }
+  for (const LoopPath& path : table_.of_couplings())
+    for (const LoopColumn& column : path.columns)
+      tau[column.velocity] += T(column.factor) * lambda[first(path)];
 }
 
 template <class T> void LoopSystem<T>::joint_wrenches(const T* lambda, Wrench<Spatial, T>* W) noexcept {
   const int n = tree()->n;
   std::fill_n(W, n + 1, Wrench<Spatial, T>{});
   for (std::size_t k = 0; k < at_.size(); ++k) {
-    const auto& [first, second] = paths_[k].loop->ends;
+    const auto& [first, second] = table_.paths[k].ends;
     const Wrench<Spatial, T> closing = wrench(k, lambda);
     W[second.body] += closing, W[first.body] -= on_first(at_[k], closing);
   }
@@ -352,8 +311,11 @@ template <class T> Solvability LoopSystem<T>::factorize_with_armature(const T* a
   return verdict;
 }
 
-/// Row k of a loop as what its unit wrench makes the joints feel, on its way to the ground.
-template <class T> void LoopSystem<T>::pull_row(const LoopPath& path, const State& at, int k) noexcept {
+/// A row as what the joints feel, on its way to the ground: of its unit wrench on the bodies of a loop joint, or of the
+/// factors of a coupling.
+template <class T>
+void LoopSystem<T>::pull_row(const LoopPath& path, int row, const Wrench<Spatial, T>& first,
+                             const Wrench<Spatial, T>& second) noexcept {
   auto& bodies = dynamics_->bodies;
   const Topology::Ties& ties = tree()->ties;
   const auto at_rest = [&](int i) {
@@ -362,19 +324,13 @@ template <class T> void LoopSystem<T>::pull_row(const LoopPath& path, const Stat
   };
   at_rest(0);
   for (const int i : path.bodies) at_rest(i);
-  const bool coupling = path.loop->kind == LoopKind::coupling;
-  if (coupling) {
-    for (const LoopColumn& column : path.columns) zero_[column.velocity] += T(column.factor);
-  } else {
-    const Wrench<Spatial, T>& W = at.W[index(k)];
-    bodies.W[path.loop->ends[0].body] += on_first(at, W);
-    bodies.W[path.loop->ends[1].body] -= W;
-  }
+  bodies.W[path.ends[0].body] += first;
+  bodies.W[path.ends[1].body] -= second;
+  for (const LoopColumn& column : path.columns) zero_[column.velocity] += T(column.factor);
   for (const int i : path.bodies) bodies.pull(tree(), i, zero_.data());
   bodies.pull_at_ground(tree(), zero_.data());
-  if (coupling)
-    for (const LoopColumn& column : path.columns) zero_[column.velocity] = T(0);
-  const auto put = [&](int c, const T& u, const T&) { Y_(c, first(path) + k) = root_[c] * u; };
+  for (const LoopColumn& column : path.columns) zero_[column.velocity] = T(0);
+  const auto put = [&](int c, const T& u, const T&) { Y_(c, row) = root_[c] * u; };
   for (const int i : path.bodies) bodies.each_pivot(tree(), i, put);
   bodies.each_pivot(tree(), 0, put);
 }
@@ -400,27 +356,31 @@ void LoopSystem<T>::pull_rows(const LoopPath& path, const State& at, int row) no
 }
 
 template <class T> void LoopSystem<T>::pull_loop(const LoopPath& path, const State& at) noexcept {
-  if (!tree()->coupled_bodies.empty() || path.loop->kind == LoopKind::coupling) {
-    for (int r = 0; r < count(path); ++r) pull_row(path, at, r);
+  if (!tree()->coupled_bodies.empty()) {
+    for (int r = 0; r < count(path); ++r) {
+      const Wrench<Spatial, T>& W = at.W[index(r)];
+      pull_row(path, first(path) + r, on_first(at, W), W);
+    }
     return;
   }
   each_register_of_rows<T>(count(path), [&](int row, auto n) { pull_rows<n()>(path, at, row); });
 }
 
 template <class T> void LoopSystem<T>::factorize_rows() noexcept {
-  for (std::size_t k = 0; k < at_.size(); ++k) pull_loop(paths_[k], at_[k]);
+  for (std::size_t k = 0; k < at_.size(); ++k) pull_loop(table_.paths[k], at_[k]);
+  for (const LoopPath& path : table_.of_couplings()) pull_row(path, first(path), {}, {});
   multiply_rows();
   // A row whose terms cancel, as where a loop restates a joint of the tree, is rounding. It is measured by its terms: those
   // of the wrench on either end alone, moment and force apart, about the place of the loop.
   constexpr T least_part = T(1e-4);
   const Topology& topology = *tree().operator->();
   for (std::size_t k = 0; k < at_.size(); ++k) {
-    const LoopPath& path = paths_[k];
-    if (path.loop->kind == LoopKind::coupling) continue;
+    const LoopPath& path = table_.paths[k];
+    const auto& [a, b] = at_[k].frames;
     T by_moment(0), by_force(0);
     for (std::size_t e = 0; e < 2; ++e) {
-      const Vec3<T> place = (e == 0 ? at_[k].C_a : at_[k].C_b).r - (e == 0 ? at_[k].shift : Vec3<T>{});
-      for (int i = path.loop->ends[e].body; i > 0; i = topology.parent[i])
+      const Vec3<T> place = e == 0 ? a.r - at_[k].shift : b.r;
+      for (int i = path.ends[e].body; i > 0; i = topology.parent[i])
         for (int s = topology.first_screw[i]; s < topology.first_screw[i + 1]; ++s) {
           const Twist<Spatial, T>& S = dynamics_->bodies.S[s];
           const T root = root_[topology.iv[i] + s - topology.first_screw[i]];
@@ -430,7 +390,7 @@ template <class T> void LoopSystem<T>::factorize_rows() noexcept {
     }
     for (int r = 0; r < count(path); ++r) {
       const Wrench<Spatial, T>& W = at_[k].W[index(r)];
-      const Vec3<T> m = W.m - cross(at_[k].C_b.r, W.f);
+      const Vec3<T> m = W.m - cross(b.r, W.f);
       T& scale = scale_[first(path) + r];
       scale = std::max(scale, least_part * sqrt(dot(m, m) * by_moment + dot(W.f, W.f) * by_force));
     }
@@ -441,7 +401,7 @@ template <class T> void LoopSystem<T>::multiply_rows() noexcept {
   const int m = size(rows_);
   using Factor = RowCholesky<T>;
   G_.setZero();
-  for (const Felt& group : felt())
+  for (const LoopTable::VelocityBlock& group : blocks())
     for (const Range& a : group.rows)
       for (int ra = a.first; ra < a.first + a.count; ++ra) {
         Eigen::Index from = Factor::block(ra);  // what is left of the diagonal is not needed
@@ -455,7 +415,7 @@ template <class T> void LoopSystem<T>::multiply_rows() noexcept {
           }
       }
   const T largest = m > 0 ? sqrt(G_.diagonal().head(m).maxCoeff()) : T(0);
-  for (const LoopPath& path : paths_) {
+  for (const LoopPath& path : table_.paths) {
     const auto own = G_.diagonal().segment(first(path), count(path));
     const T floor = std::max(T(0.1) * sqrt(own.maxCoeff()), T(1e-6) * largest);
     scale_.segment(first(path), count(path)) = own.cwiseSqrt().cwiseMax(floor > T(0) ? floor : T(1));
@@ -479,7 +439,7 @@ template <class T> void LoopSystem<T>::hold() noexcept {
     for (; rank < basis_.cols(); ++rank) {
       int best = -1;
       T most = part;
-      for (const LoopPath& path : paths_)
+      for (const LoopPath& path : table_.paths)
         for (int r = 0; r < path.rows.count; ++r) {
           const int k = path.rows.first + r;
           if ((r < path.residuals.count) != placed || !dropped_[index(k)]) continue;
@@ -499,7 +459,7 @@ template <class T> void LoopSystem<T>::hold() noexcept {
 
 template <class T> template <class F> void LoopSystem<T>::each_dropped(const F& f) const {
   if (dropped_.empty()) return;
-  for (const LoopPath& path : paths_)
+  for (const LoopPath& path : table_.paths)
     for (int r = 0; r < count(path); ++r)
       if (dropped_[index(path.rows.first + r)]) f(first(path) + r);
 }
@@ -575,14 +535,14 @@ template <class T> void LoopSystem<T>::respond(const T* tau, T* a) noexcept {
 }
 
 template <class T> void LoopSystem<T>::add_to_rows(T* b) const noexcept {
-  for (const Felt& group : felt())
+  for (const LoopTable::VelocityBlock& group : blocks())
     for (int c = group.first; c < group.first + group.count; ++c)
       for (const Range& rows : group.rows)
         for (int r = rows.first; r < rows.first + rows.count; ++r) b[r] += w_[c] * Y_(c, r);
 }
 
 template <class T> void LoopSystem<T>::add_to_velocities(const T* lambda) noexcept {
-  for (const Felt& group : felt())
+  for (const LoopTable::VelocityBlock& group : blocks())
     for (int c = group.first; c < group.first + group.count; ++c)
       for (const Range& rows : group.rows)
         for (int r = rows.first; r < rows.first + rows.count; ++r) w_[c] += Y_(c, r) * lambda[r];
@@ -598,8 +558,8 @@ template <class T> void LoopSystem<T>::push(const T* lambda, T* x) noexcept {
 
 template <class T> Wrench<Spatial, T> LoopSystem<T>::wrench(std::size_t k, const T* lambda) const noexcept {
   Wrench<Spatial, T> sum{};
-  if (paths_[k].loop->kind != LoopKind::coupling)
-    for (int r = 0; r < count(paths_[k]); ++r) sum += lambda[first(paths_[k]) + r] * at_[k].W[index(r)];
+  const LoopPath& path = table_.paths[k];
+  for (int r = 0; r < count(path); ++r) sum += lambda[first(path) + r] * at_[k].W[index(r)];
   return sum;
 }
 

@@ -5,8 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "axode/constraints/loop_at.hpp"
-#include "axode/constraints/loop_path.hpp"
+#include "axode/constraints/loops/loop_table.hpp"
 #include "axode/constraints/row_cholesky.hpp"
 #include "axode/constraints/rows_in_lanes.hpp"
 #include "axode/fast/articulated_bodies.hpp"
@@ -111,7 +110,7 @@ template <class T> class LoopSystem {
   /// x := M⁻¹ x.
   void solve(T* x) noexcept { dynamics_->bodies.solve(tree(), x); }
 
-  /// W λ on the second body of loop k and -W λ on the first one, in inertial axes about origin(k); after make_rows().
+  /// W λ on the second body of loop joint k and -W λ on the first, in inertial axes about origin(k); after make_rows().
   Wrench<Spatial, T> wrench(std::size_t k, const T* lambda) const noexcept;
   Vec3<T> origin(std::size_t k) const noexcept;
   /// The origins of the roots in the inertial frame, at the index of each root body.
@@ -121,16 +120,16 @@ template <class T> class LoopSystem {
   const RowByRow& Y() const { return Y_; }
   /// The size of each row, no less than a tenth of the largest of its loop: it may be felt by no joint.
   const Vector& scale() const { return scale_; }
-  const std::vector<LoopPath>& paths() const { return paths_; }
+  const LoopTable& table() const { return table_; }
   const Link<Spatial, T>& link(int i) const { return link_[i]; }
   /// The tree without its loops.
   ArticulatedBodies<Spatial, T>& bodies() { return dynamics_->bodies; }
 
  private:
   struct State {
-    SE3<T> C_a, C_b;  ///< the frames of the loop about origin(k)
-    Vec3<T> shift;    ///< from there to the origin of the first body's root
-    typename LoopAt<T>::Wrenches W;
+    loops::LoopFrames<T> frames;  ///< about origin(k)
+    Vec3<T> shift;                ///< from there to the origin of the first body's root
+    loops::LoopWrenches<T> W;
   };
   const Tree<T>& tree() const { return model_.tree<T>(); }
   static std::size_t index(int k) { return static_cast<std::size_t>(k); }
@@ -138,19 +137,25 @@ template <class T> class LoopSystem {
   Range range(const LoopPath& path) const { return rows_ == Rows::velocities ? path.rows : path.residuals; }
   int count(const LoopPath& path) const { return range(path).count; }
   int first(const LoopPath& path) const { return range(path).first; }
-  /// Velocities one after the other that feel the same rows as they give way.
-  struct Felt {
-    int first, count;
-    std::vector<Range> rows;
-  };
-  const std::vector<Felt>& felt() const { return rows_ == Rows::velocities ? felt_rows_ : felt_residuals_; }
+  const std::vector<LoopTable::VelocityBlock>& blocks() const {
+    return rows_ == Rows::velocities ? table_.row_blocks : table_.residual_blocks;
+  }
   /// accelerate() with the fast articulated bodies; false, and a and λ not written, where these cannot, or where velocities
   /// are coupled.
   bool accelerate_quickly(const T* q, const T* v, const T* tau, const Loads<T>& loads, T* a,
                           T* lambda) noexcept;
-  /// γ of one loop, with its wrenches.
-  void bias(std::size_t k, const typename LoopAt<T>::Wrenches& W, const Twist<Spatial, T>* V,
-            const TwistRate<Spatial, T>* dV, T* gamma) const noexcept;
+  /// The motion of the two bodies of a loop joint about origin(k).
+  loops::EndMotion<T> motion_of_ends(std::size_t k, const Twist<Spatial, T>* V,
+                                     const TwistRate<Spatial, T>* dV) const noexcept;
+  /// f(row, velocity, entry) for the entries of the rows.
+  template <class F> void each_entry(const F& f) const {
+    for (std::size_t k = 0; k < entries_.size(); ++k) {
+      const LoopPath& path = table_.paths[k];
+      const T* entry = entries_[k].data();
+      for (const LoopColumn& column : path.columns)
+        for (int r = 0; r < count(path); ++r) f(first(path) + r, column.velocity, *entry++);
+    }
+  }
   template <int n> void pull_rows_quickly(const LoopPath& path, const State& at, int row) noexcept;
   /// Joint screws, and the loops between the bodies where they end.
   void place_loops() noexcept;
@@ -182,12 +187,13 @@ template <class T> class LoopSystem {
   template <class Wrenches, class Step>
   void climb(const LoopPath& path, Wrenches& F_i, Wrenches& F_j, const Step& step) const noexcept {
     const auto& parent = tree()->parent;
-    for (int i = path.loop->ends[0].body; i != path.meeting; i = parent[i]) step(i, F_i);
-    for (int j = path.loop->ends[1].body; j != path.meeting; j = parent[j]) step(j, F_j);
+    for (int i = path.ends[0].body; i != path.meeting; i = parent[i]) step(i, F_i);
+    for (int j = path.ends[1].body; j != path.meeting; j = parent[j]) step(j, F_j);
     F_j.m += F_i.m, F_j.f += F_i.f;
     for (int i = path.meeting; i > 0; i = parent[i]) step(i, F_j);
   }
-  void pull_row(const LoopPath& path, const State& at, int k) noexcept;
+  void pull_row(const LoopPath& path, int row, const Wrench<Spatial, T>& first,
+                const Wrench<Spatial, T>& second) noexcept;
   template <int n> void pull_rows(const LoopPath& path, const State& at, int row) noexcept;
   void pull_loop(const LoopPath& path, const State& at) noexcept;
   void multiply_rows() noexcept;  ///< Yᵀ Y, on and above the diagonal
@@ -207,13 +213,10 @@ template <class T> class LoopSystem {
   Model model_;
   WithScratch<T, ForwardDynamicsRecursion<Spatial, T>> dynamics_;
   WithScratch<T, Quick> quick_;
-  bool couples_ = false;    ///< whether a loop is a coupling of velocities
-  std::vector<char> ends_;  ///< of each body: whether a loop ends there
+  LoopTable table_;
   Link<Spatial, T>* link_ = nullptr;
   Vec3<T>* origin_ = nullptr;
-  std::vector<LoopPath> paths_;
-  std::vector<State> at_;
-  std::vector<Felt> felt_rows_, felt_residuals_;
+  std::vector<State> at_;  ///< of each loop joint
   Rows rows_ = Rows::velocities;
   T filter_{}, weakest_row_ = T(1);
   std::vector<char> dropped_;            ///< of each row of A; empty where nothing was decided

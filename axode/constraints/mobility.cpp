@@ -84,14 +84,14 @@ LoopMobility loop_mobility(const Model& model, std::span<const double> q) {
   found.kernel = rows.kernel();
   for (std::size_t n = 0; n < rows.implied.size(); ++n) {
     const Eigen::VectorXd dependency = rows.dependencies.col(static_cast<Eigen::Index>(n));
-    const std::vector<Loop>& loops = model.loops().all;
+    const std::vector<LoopRows>& loops = model.loops().all;
     const auto of = std::ranges::find_if(
-        loops, [&](const Loop& loop) { return rows.implied[n] < loop.first_row + loop.rows(); });
+        loops, [&](const LoopRows& loop) { return rows.implied[n] < loop.first_row + loop.rows; });
     const auto k = static_cast<std::size_t>(of - loops.begin());
     found.redundant.push_back({rows.implied[n], of->name, dependency,
-                               of->kind == LoopKind::coupling
-                                   ? "coupling"
-                                   : in_words(system.wrench(k, dependency.data()), system.origin(k))});
+                               k < model.loops().joints.size()
+                                   ? in_words(system.wrench(k, dependency.data()), system.origin(k))
+                                   : "coupling"});
   }
   const Eigen::VectorXd size = system.scale().head(model.loops().rows);
   for (int k = 0; k < model.loops().rows; ++k)

@@ -8,7 +8,7 @@ namespace axode {
 template <class T>
 bool LoopSystem<T>::accelerate_quickly(const T* q, const T* v, const T* tau, const Loads<T>& loads, T* a,
                                        T* lambda) noexcept {
-  if (couples_) return false;
+  if (!table_.of_couplings().empty()) return false;
   const Tree<T>& t = tree();
   using Bodies = typename Quick::Bodies;
   Bodies& bodies = quick_->tree.bodies;
@@ -27,7 +27,7 @@ bool LoopSystem<T>::accelerate_quickly(const T* q, const T* v, const T* tau, con
         auto& [r, r_dot] = moving[i];
         r = p > 0 ? moving[p].r + d : typename Bodies::Vector{}, r_dot = moving[p].v + u;
         if (p == 0) origin_[i] = d;
-        if (!ends_[index(i)]) return;
+        if (!table_.ends[index(i)]) return;
         const typename Bodies::Factor at(r);
         link_[i].C = {{R.x, R.y, R.z}, r};
         V[i] = {now.w, r_dot + cross(at, now.w_)};
@@ -44,13 +44,15 @@ bool LoopSystem<T>::accelerate_quickly(const T* q, const T* v, const T* tau, con
   w_.array() /= root_.array();
   place_ends();
   make_wrenches(Rows::velocities);
-  for (std::size_t k = 0; k < at_.size(); ++k) {
-    each_register_of_rows<T>(count(paths_[k]),
-                             [&](int row, auto n) { pull_rows_quickly<n()>(paths_[k], at_[k], row); });
-    bias(k, at_[k].W, V, dV, b_.data());
-  }
+  table_.each([&](std::size_t k, const auto& joint) {
+    loops::bias(joint, at_[k].frames, at_[k].W.data(), motion_of_ends(k, V, dV),
+                b_.data() + table_.paths[k].rows.first);
+  });
+  for (std::size_t k = 0; k < at_.size(); ++k)
+    each_register_of_rows<T>(count(table_.paths[k]),
+                             [&](int row, auto n) { pull_rows_quickly<n()>(table_.paths[k], at_[k], row); });
   multiply_rows();
-  for (const LoopPath& path : paths_) {  // rows that nearly vanish need a closer look
+  for (const LoopPath& path : table_.paths) {  // rows that nearly vanish need a closer look
     constexpr T least_part = T(1e-10);
     T most(0);
     for (const int c : path.velocities) most = std::max(most, root_[c] * root_[c]);
@@ -73,8 +75,8 @@ void LoopSystem<T>::pull_rows_quickly(const LoopPath& path, const State& at, int
   const auto& bodies = quick_->tree.bodies;
   using Wrenches = RowsInLanes<T, n>;
   Wrenches F_i = -Wrenches(at.W, row), F_j(at.W, row);
-  F_i.move(-at.shift - link_[path.loop->ends[0].body].C.r);
-  F_j.move(-link_[path.loop->ends[1].body].C.r);
+  F_i.move(-at.shift - link_[path.ends[0].body].C.r);
+  F_j.move(-link_[path.ends[1].body].C.r);
   climb(path, F_i, F_j, [&](int i, Wrenches& F) {
     const auto& body = bodies.body[i];
     const int first_screw = t->first_screw[i];

@@ -94,13 +94,15 @@ class FloatingBases {
   /// Whether a loop ties a root, or what it carries, to something else.
   bool tied(const Model& model, int i) const {
     const auto carried = [&](int body) { return body >= i && body < (*tree_)->subtree_end[i]; };
-    const auto its = [&](const Loop::Term& term) {
+    const auto its = [&](const LoopCoupling::Term& term) {
       return term.velocity >= (*tree_)->iv[i] && term.velocity < (*tree_)->iv[i] + 6;
     };
-    return std::ranges::any_of(model.loops().all, [&](const Loop& loop) {
-      return loop.kind == LoopKind::coupling ? std::ranges::any_of(loop.terms, its)
-                                             : carried(loop.ends[0].body) != carried(loop.ends[1].body);
-    });
+    const auto leaves = [&](const Loop& loop) {
+      return carried(loop.ends[0].body) != carried(loop.ends[1].body);
+    };
+    const auto binds = [&](const LoopCoupling& coupling) { return std::ranges::any_of(coupling.terms, its); };
+    return std::ranges::any_of(model.loops().joints, leaves) ||
+           std::ranges::any_of(model.loops().couplings, binds);
   }
   /// At the configuration of the kernel.
   Vec3<> center(int i) {

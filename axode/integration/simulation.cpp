@@ -116,8 +116,8 @@ Trajectory in_coordinates(const Model& model, Span q, Span v, double until, cons
 
 /// For schemes on multipliers of places.
 void check_holonomic(const Model& model) {
-  for (const Loop& loop : model.loops().all)
-    if (loop.rows() != loop.residuals())
+  for (const LoopRows& loop : model.loops().all)
+    if (loop.rows != loop.residuals)
       throw std::invalid_argument("loop \"" + loop.name +
                                   "\" rolls, which a conserving scheme does not take; rattle in absolute "
                                   "coordinates and explicit methods do");

@@ -700,28 +700,19 @@ SpringDescription read_spring(Table& table, std::size_t number, const std::strin
   return spring;
 }
 
-constexpr auto loop_names = [] {  // without the last kind, which has tables of its own
-  std::array<std::string_view, loop_kinds.size() - 1> names;
-  std::transform(loop_kinds.begin(), loop_kinds.begin() + names.size(), names.begin(),
-                 [](const LoopTraits& traits) { return traits.name; });
+constexpr auto loop_names = [] {
+  std::array<std::string_view, loop_kinds.size()> names;
+  std::ranges::transform(loop_kinds, names.begin(), &LoopTraits::name);
   return names;
 }();
-static_assert(loop_kinds.back().kind == LoopKind::coupling);
 
 /// The keys that say where a loop is drawn. A loop with frames has none of them.
 constexpr std::array<std::string_view, 5> drawn_keys{"axis", "second_axis", "point", "points", "center"};
 constexpr std::array<std::string_view, 6> size_keys{"pitch",      "lead",   "length",
                                                     "wheel_axis", "radius", "angle"};
 
-/// Whether a loop of that kind may have the key.
-bool has_key(LoopKind kind, std::string_view key) {
-  if (key == "axis") return traits(kind).axis;
-  if (key == "point") return kind != LoopKind::rod;
-  if (key == "second_axis" || key == "angle") return kind == LoopKind::universal;
-  if (key == "pitch" || key == "lead") return kind == LoopKind::helical;
-  if (key == "points" || key == "length") return kind == LoopKind::rod;
-  return kind == LoopKind::rolling;  // center, wheel_axis, radius
-}
+/// Whether a key means something for a kind of loop. A lead is another way to write a pitch.
+bool has_key(LoopKind kind, std::string_view key) { return traits(kind).has(key == "lead" ? "pitch" : key); }
 
 /// Reads the two bodies or frames that a loop connects. Their names are in `between` or, if they are frames
 /// which also say where the loop is, in `frames`.
@@ -756,11 +747,11 @@ void read_place(Table& table, LoopDescription& loop) {
   };
   need("axis", "one, such as [0, 0, 1] or \"z\"");
   need("second_axis", "one, such as [0, 0, 1] or \"z\"");
-  if (traits(loop.kind).point)
+  if (traits(loop.kind).located)
     need("point", "one: [x, y, z] of a point on its axis or plane, or of its centre");
   need("points", "its ends, [[x, y, z], [x, y, z]]");
   need("center", "that of what rolls, [x, y, z]");
-  if (loop.kind == LoopKind::helical && table.has("pitch") == table.has("lead"))
+  if (reads("pitch") && table.has("pitch") == table.has("lead"))
     table.error(Rule::missing_element, "needs either pitch, m/rad, or lead, m for each turn");
 
   if (reads("axis")) loop.axis = table.direction("axis").value_or(loop.axis);

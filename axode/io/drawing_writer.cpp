@@ -215,23 +215,22 @@ class DrawingWriter {
     line("kind", text(to_string(loop.kind)));
     if (loop.frames && !named) line("frames", both(*loop.frames));
     if (!loop.frames) write_place(loop);
-    if (loop.kind == LoopKind::helical) line("pitch", text(loop.pitch));
-    if (loop.kind == LoopKind::rod && loop.length) line("length", text(*loop.length));
-    if (loop.kind == LoopKind::universal && loop.angle) line("angle", text(*loop.angle));
-    if (loop.kind != LoopKind::rolling) return;
-    if (loop.wheel_axis) line("wheel_axis", loop.frames ? text("z") : text(*loop.wheel_axis));
-    if (loop.radius) line("radius", text(*loop.radius));
+    const LoopTraits& kind = traits(loop.kind);
+    if (kind.has("pitch")) line("pitch", text(loop.pitch));
+    if (kind.has("length") && loop.length) line("length", text(*loop.length));
+    if (kind.has("angle") && loop.angle) line("angle", text(*loop.angle));
+    if (kind.has("wheel_axis") && loop.wheel_axis)
+      line("wheel_axis", loop.frames ? text("z") : text(*loop.wheel_axis));
+    if (kind.has("radius") && loop.radius) line("radius", text(*loop.radius));
   }
   /// Writes where a loop is drawn.
   void write_place(const LoopDescription& loop) {
-    if (traits(loop.kind).axis) line("axis", text(loop.axis));
-    if (loop.kind == LoopKind::universal) line("second_axis", text(loop.second_axis));
-    if (loop.kind == LoopKind::rod) {
-      line("points", both(loop.points));
-    } else if (traits(loop.kind).point || !is_zero(loop.point)) {
-      line("point", text(loop.point));
-    }
-    if (loop.kind == LoopKind::rolling) line("center", text(loop.center));
+    const LoopTraits& kind = traits(loop.kind);
+    if (kind.has("axis")) line("axis", text(loop.axis));
+    if (kind.has("second_axis")) line("second_axis", text(loop.second_axis));
+    if (kind.has("points")) line("points", both(loop.points));
+    if (kind.has("point") && (kind.located || !is_zero(loop.point))) line("point", text(loop.point));
+    if (kind.has("center")) line("center", text(loop.center));
   }
 
   /// Writes a coupling with its terms sorted by name, which is also the order in which they are read.

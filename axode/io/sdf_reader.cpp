@@ -73,7 +73,7 @@ constexpr std::array<SdfKind, 9> sdf_kinds{{
     {"revolute2", JointKind::universal, LoopKind::universal},
     {"ball", JointKind::spherical, LoopKind::spherical},
     {"fixed", JointKind::fixed, LoopKind::fixed},
-    {"gearbox", JointKind::fixed, LoopKind::coupling},
+    {"gearbox", JointKind::fixed, LoopKind::fixed},  // becomes a coupling
 }};
 
 class SdfReader : XmlReader {
@@ -837,7 +837,7 @@ class SdfReader : XmlReader {
     loop.between = {c.from < 0 ? "ground" : link(c.from).body.name, link(c.to).body.name};
     loop.point = frames_[c.frame].pose.r;
     if (c.kind->kind != JointKind::fixed && c.kind->kind != JointKind::spherical) loop.axis = axis_of(c, 0);
-    if (loop.kind == LoopKind::universal) loop.second_axis = axis_of(c, 1);
+    if (traits(loop.kind).has("second_axis")) loop.second_axis = axis_of(c, 1);
     const auto says_more = [](const Axis& axis) {
       const Dof& d = axis.dof;
       return std::isfinite(d.lower) || std::isfinite(d.upper) || d.damping != 0 || d.friction != 0 ||

@@ -21,8 +21,9 @@ inline constexpr std::array<UrdfKind, 6> urdf_kinds{{{"revolute", JointKind::rev
 /// Whether a <loop_joint> can describe a loop of that kind completely, because two frames are enough. Of
 /// these kinds, other programs read spherical loops.
 constexpr bool in_urdf(LoopKind kind) {
-  return kind != LoopKind::helical && kind != LoopKind::universal && kind != LoopKind::rod &&
-         kind != LoopKind::rolling && kind != LoopKind::coupling;
+  const std::array<std::string_view, 5>& keys = traits(kind).keys;
+  return std::all_of(keys.begin(), keys.end(),
+                     [](std::string_view key) { return key.empty() || key == "axis" || key == "point"; });
 }
 
 }  // namespace axode::io

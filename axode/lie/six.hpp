@@ -25,6 +25,12 @@ constexpr const T& entry(const Kind<Rep, T>& x, int k) {
   return k < 3 ? entry(a, k) : entry(b, k - 3);
 }
 
+/// The six coordinates of a screw or wrench, angular before linear.
+template <class T> using Six = std::array<T, 6>;
+template <class T> constexpr Six<T> six(const Vec3<T>& a, const Vec3<T>& b) {
+  return {a.x, a.y, a.z, b.x, b.y, b.z};
+}
+
 /// A 6×6 matrix that maps twists to wrenches, stored by its columns.
 template <class Rep, class T> struct TwistToWrench {
   std::array<Wrench<Rep, T>, 6> column;

@@ -183,16 +183,28 @@ class Compiler {
     return springs;
   }
 
+  /// Gives what closes a loop the rows that follow those before it.
+  static void number(LoopRows& next, Loops& loops) {
+    next.first_row = loops.rows;
+    next.first_residual = loops.residuals;
+    loops.rows += next.rows;
+    loops.residuals += next.residuals;
+    loops.all.push_back(next);
+  }
+
   /// Loops with their frames in the internal frames of the bodies, then couplings of coordinates.
   Loops closed_loops(const Topology& topology) const {
     const std::unordered_map<std::string_view, int> frame = frames_by_name();
     Loops loops;
     for (std::size_t k = 0; k < description_.loops.size(); ++k) {
       const LoopDescription& from = description_.loops[k];
-      Loop loop{.name = loop_name(from, k),
-                .kind = from.kind,
-                .pitch = from.pitch,
-                .wheel = from.wheel_axis.has_value()};
+      Loop loop;
+      loop.name = loop_name(from, k);
+      loop.kind = from.kind;
+      loop.rows = traits(from.kind).rows;
+      loop.residuals = traits(from.kind).residuals;
+      loop.pitch = from.pitch;
+      loop.wheel = from.wheel_axis.has_value();
       const DrawnLoop drawn = from.frames ? DrawnLoop{*from.frames, size_of(from)} : place(from);
       loop.size = drawn.size;
       for (std::size_t e = 0; e < 2; ++e) {
@@ -200,24 +212,24 @@ class Compiler {
         loop.ends[e] = {body, from.frames ? numbers_.frame_offset[f] * orthonormal(drawn.C[e])
                                           : relative(internal_[body], drawn.C[e])};
       }
-      loops.all.push_back(std::move(loop));
+      number(loop, loops);
+      loops.joints.push_back(std::move(loop));
     }
     std::unordered_map<std::string_view, int> joint;
     for (int i = 1; i < n_bodies(); ++i) joint.emplace(joints_[i].name, i);
     for (std::size_t k = 0; k < description_.couplings.size(); ++k) {
       const CouplingDescription& from = description_.couplings[k];
-      Loop loop{.name = coupling_name(from, k), .kind = LoopKind::coupling, .offset = from.offset};
+      LoopCoupling coupling;
+      coupling.name = coupling_name(from, k);
+      coupling.offset = from.offset;
       for (const auto& [name, factor] : from.terms) {
         const int i = joint.at(name);
         const Joint::Leader own = joints_[i].leader.value_or(Joint::Leader{i, 1, 0});
-        loop.terms.push_back({topology.iq[i], topology.iv[i], factor * own.ratio});
-        loop.offset -= factor * own.offset;
+        coupling.terms.push_back({topology.iq[i], topology.iv[i], factor * own.ratio});
+        coupling.offset -= factor * own.offset;
       }
-      loops.all.push_back(std::move(loop));
-    }
-    for (Loop& loop : loops.all) {
-      loop.first_row = loops.rows, loop.first_residual = loops.residuals;
-      loops.rows += loop.rows(), loops.residuals += loop.residuals();
+      number(coupling, loops);
+      loops.couplings.push_back(std::move(coupling));
     }
     loops.driven.assign(static_cast<std::size_t>(topology.nv), 0);
     for (int i = 1; i <= topology.n; ++i)
@@ -286,7 +298,7 @@ class Compiler {
 
   void report_loops_within_bodies(Compilation& out) const {
     for (std::size_t k = 0; k < description_.loops.size(); ++k) {
-      const Loop& loop = out.loops.all[k];
+      const Loop& loop = out.loops.joints[k];
       if (loop.ends[0].body != loop.ends[1].body) continue;
       const LoopDescription& from = description_.loops[k];
       out.faults.push_back(
@@ -345,7 +357,7 @@ class Compiler {
         if (!finite(end.point) && finite(tree.frame_offset[end.frame]))
           note(out, 0, Severity::error, Rule::non_finite_number, "spring " + std::to_string(k + 1),
                "its numbers are so large that a point overflows");
-    for (const Loop& loop : out.loops.all)
+    for (const Loop& loop : out.loops.joints)
       for (const Loop::End& end : loop.ends)
         if (!finite(end.F) || !finite(loop.size))
           note(out, 0, Severity::error, Rule::non_finite_number, "loop \"" + loop.name + '"',

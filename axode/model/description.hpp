@@ -9,6 +9,7 @@
 
 #include "axode/lie/inertia.hpp"
 #include "axode/model/fault.hpp"
+#include "axode/model/loops.hpp"
 
 /// What an engineer says about a mechanism; ModelBuilder checks it and compiles it into a Model.
 ///
@@ -146,22 +147,6 @@ struct SpringDescription {
   double rest = 0;                          ///< length without a force, m
   double damping = 0;                       ///< N s/m
   Source source = {};
-};
-
-/// What closes a loop: a joint between two bodies that both hang on others already, or a rod or a contact.
-enum class LoopKind {
-  fixed,
-  revolute,
-  prismatic,
-  helical,
-  cylindrical,
-  spherical,
-  planar,
-  translational,  ///< every translation and no rotation
-  universal,
-  rod,       ///< massless, with a ball at either end: two points keep their distance
-  rolling,   ///< of a wheel or a sphere on a plane, without slip
-  coupling,  ///< of coordinates; see CouplingDescription
 };
 
 /// A joint that closes a loop. All is drawn at q = 0 in the construction frame, where the loop is closed, so axis and point

@@ -407,44 +407,41 @@ class Inspection {
     for (const std::optional<double>& size : {loop.length, loop.radius, loop.angle})
       good = good && finite(size.value_or(0));
     if (!good) return wrong(Rule::non_finite_number, "a number is not finite");
-    const bool helical = loop.kind == LoopKind::helical;
+    const LoopTraits& kind = traits(loop.kind);
+    const bool helical = kind.has("pitch");
     if (!helical && loop.pitch != 0)
       wrong(Rule::pitch_without_helix, "has a pitch of " + to_text(loop.pitch) + " m/rad but is " +
                                            std::string(to_string(loop.kind)) +
                                            "; only helical joints have a pitch");
     if (helical && loop.pitch == 0)
       wrong(Rule::wrong_value, "has the pitch 0; make it revolute, or give a pitch in m/rad");
-    if (loop.kind == LoopKind::universal && loop.angle && std::abs(std::sin(*loop.angle)) < 1e-6)
+    if (kind.has("angle") && loop.angle && std::abs(std::sin(*loop.angle)) < 1e-6)
       wrong(Rule::parallel_axes, "the angle between its axes is " + to_text(*loop.angle) +
                                      "; those of a universal joint must not be parallel");
-    if (loop.kind == LoopKind::coupling)
-      wrong(Rule::wrong_value, "is a coupling; couplings are told by their terms, not between bodies");
     for (const auto& [what, size] : {std::pair{"length", loop.length}, std::pair{"radius", loop.radius}})
       if (size && !(*size > 0))
         wrong(Rule::wrong_value, std::string(what) + " is " + to_text(*size) + " m; it must be positive");
     if (loop.frames) {
       rotation(element, "the first frame", (*loop.frames)[0], loop.source);
       rotation(element, "the second frame", (*loop.frames)[1], loop.source);
-      if (loop.kind == LoopKind::rod && !loop.length)
+      if (kind.has("length") && !loop.length)
         wrong(Rule::missing_element, "has no length; a rod between frames needs one, m");
-      if (loop.kind == LoopKind::rolling && !loop.radius)
+      if (kind.has("radius") && !loop.radius)
         wrong(Rule::missing_element, "has no radius; what rolls between frames needs one, m");
       return;
     }
     const auto zero = [](const Vec3<>& axis) { return axis.x == 0 && axis.y == 0 && axis.z == 0; };
-    const bool wheel = loop.kind == LoopKind::rolling && loop.wheel_axis,
-               universal = loop.kind == LoopKind::universal;
-    if ((traits(loop.kind).axis && zero(loop.axis)) || (universal && zero(loop.second_axis)) ||
+    const bool wheel = kind.has("wheel_axis") && loop.wheel_axis, universal = kind.has("second_axis");
+    if ((kind.has("axis") && zero(loop.axis)) || (universal && zero(loop.second_axis)) ||
         (wheel && zero(*loop.wheel_axis)))
       return wrong(Rule::zero_axis, "an axis is (0, 0, 0); an axis needs a direction");
     if (universal && norm(cross(direction(loop.axis), direction(loop.second_axis))) < 1e-6)
       wrong(Rule::parallel_axes, "its two axes are parallel; those of a universal joint must not be");
     if (wheel && norm(cross(direction(loop.axis), direction(*loop.wheel_axis))) < 1e-6)
       wrong(Rule::parallel_axes, "the wheel lies flat on the plane; its axis must not be the normal");
-    if (loop.kind == LoopKind::rod && !(norm(loop.points[1] - loop.points[0]) > 0) && !loop.length)
+    if (kind.has("points") && !(norm(loop.points[1] - loop.points[0]) > 0) && !loop.length)
       wrong(Rule::wrong_value, "its points are the same; a rod needs a length");
-    if (loop.kind == LoopKind::rolling &&
-        !(std::abs(dot(direction(loop.axis), loop.center - loop.point)) > 0))
+    if (kind.has("center") && !(std::abs(dot(direction(loop.axis), loop.center - loop.point)) > 0))
       wrong(Rule::wrong_value, "its centre lies in the plane; what rolls needs a radius");
   }
 

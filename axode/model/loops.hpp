@@ -5,33 +5,63 @@
 #include <string_view>
 #include <vector>
 
-#include "axode/model/description.hpp"
+#include "axode/lie/se3.hpp"
 
 namespace axode {
 
-/// The table of what closes loops: who needs to know something about a kind asks here.
+/// What closes a loop: a joint between two bodies that both hang on others already, or a rod or a contact.
+enum class LoopKind {
+  fixed,
+  revolute,
+  prismatic,
+  helical,
+  cylindrical,
+  spherical,
+  planar,
+  translational,  ///< every translation and no rotation
+  universal,
+  rod,      ///< massless, with a ball at either end: two points keep their distance
+  rolling,  ///< of a wheel or a sphere on a plane, without slip
+};
+
+/// The table of loop joints: who needs to know something about a kind asks here. Its equations are a type in
+/// constraints/loops/, which the table there finds by the kind.
 struct LoopTraits {
   LoopKind kind;
   std::string_view name;
-  int rows;       ///< of the Jacobian
-  int residuals;  ///< fewer where velocities are bound and places are not
-  bool axis;      ///< whether it is drawn with one; for planar and rolling the normal
-  bool point;     ///< whether it matters where it is
+  int rows;       ///< number of rows of the Jacobian
+  int residuals;  ///< number of residuals, fewer where velocities are bound and places are not
+  /// Which directions ω_x ω_y ω_z v_x v_y v_z the joint leaves free; a helical one ω_z with v_z = pitch ω_z. A universal
+  /// joint is a spherical one with a row more; none of a rod and of what rolls, which are no subgroups.
+  std::array<bool, 6> free;
+  bool located;  ///< whether it matters where the joint is, not only which directions it has
+  /// Members of LoopDescription by which the joint is drawn. It has one frame for both bodies unless it has a second axis,
+  /// two points, or a centre.
+  std::array<std::string_view, 5> keys;
+
+  constexpr bool has(std::string_view key) const {
+    return std::find(keys.begin(), keys.end(), key) != keys.end();
+  }
 };
 
-inline constexpr std::array<LoopTraits, 12> loop_kinds{{
-    {LoopKind::fixed, "fixed", 6, 6, false, false},
-    {LoopKind::revolute, "revolute", 5, 5, true, true},
-    {LoopKind::prismatic, "prismatic", 5, 5, true, false},
-    {LoopKind::helical, "helical", 5, 5, true, true},
-    {LoopKind::cylindrical, "cylindrical", 4, 4, true, true},
-    {LoopKind::spherical, "spherical", 3, 3, false, true},
-    {LoopKind::planar, "planar", 3, 3, true, true},
-    {LoopKind::translational, "translational", 3, 3, false, false},
-    {LoopKind::universal, "universal", 4, 4, true, true},
-    {LoopKind::rod, "rod", 1, 1, false, false},
-    {LoopKind::rolling, "rolling", 3, 1, true, true},
-    {LoopKind::coupling, "coupling", 1, 1, false, false},
+inline constexpr std::array<LoopTraits, 11> loop_kinds{{
+    {LoopKind::fixed, "fixed", 6, 6, {}, false, {"point"}},
+    {LoopKind::revolute, "revolute", 5, 5, {0, 0, 1, 0, 0, 0}, true, {"axis", "point"}},
+    {LoopKind::prismatic, "prismatic", 5, 5, {0, 0, 0, 0, 0, 1}, false, {"axis", "point"}},
+    {LoopKind::helical, "helical", 5, 5, {0, 0, 1, 0, 0, 0}, true, {"axis", "point", "pitch"}},
+    {LoopKind::cylindrical, "cylindrical", 4, 4, {0, 0, 1, 0, 0, 1}, true, {"axis", "point"}},
+    {LoopKind::spherical, "spherical", 3, 3, {1, 1, 1, 0, 0, 0}, true, {"point"}},
+    {LoopKind::planar, "planar", 3, 3, {0, 0, 1, 1, 1, 0}, true, {"axis", "point"}},
+    {LoopKind::translational, "translational", 3, 3, {0, 0, 0, 1, 1, 1}, false, {"point"}},
+    {LoopKind::universal,
+     "universal",
+     4,
+     4,
+     {1, 1, 1, 0, 0, 0},
+     true,
+     {"axis", "second_axis", "point", "angle"}},
+    {LoopKind::rod, "rod", 1, 1, {}, true, {"points", "length"}},
+    {LoopKind::rolling, "rolling", 3, 1, {}, true, {"axis", "point", "center", "wheel_axis", "radius"}},
 }};
 
 constexpr const LoopTraits& traits(LoopKind kind) {
@@ -40,35 +70,42 @@ constexpr const LoopTraits& traits(LoopKind kind) {
 }
 constexpr std::string_view to_string(LoopKind kind) { return traits(kind).name; }
 
-/// A closed loop as the kernels read it, see loop_jacobian().
-struct Loop {
+/// The name of what closes a loop, a joint or a coupling, and its rows of A and of r.
+struct LoopRows {
+  std::string name;
+  int first_row = 0, rows = 1;
+  int first_residual = 0, residuals = 1;
+};
+
+/// A loop joint as the kernels read it, see loop_jacobian().
+struct Loop : LoopRows {
   struct End {
     int body = 0;
     SE3<> F;  ///< the frame of the loop in the internal frame of that body
   };
-  /// factor q[coordinate], of a coupling.
-  struct Term {
-    int coordinate, velocity;
-    double factor;
-  };
-  std::string name;
   LoopKind kind{};
   std::array<End, 2> ends = {};
   double pitch = 0;  ///< m/rad, of a helical joint
   double size = 0;   ///< length of a rod, radius of what rolls, m; cosine of the angle between universal axes
   bool wheel = false;  ///< whether what rolls is a wheel
-  std::vector<Term> terms = {};
-  double offset = 0;  ///< Σ factor q = offset
-  int first_row = 0, first_residual = 0;
+};
 
-  int rows() const { return traits(kind).rows; }
-  int residuals() const { return traits(kind).residuals; }
+/// Σ factor q = offset: a coupling of the coordinates of several joints. It is a constant row of velocities.
+struct LoopCoupling : LoopRows {
+  struct Term {
+    int coordinate, velocity;
+    double factor;
+  };
+  std::vector<Term> terms = {};
+  double offset = 0;
 };
 
 /// All loops of a mechanism.
 struct Loops {
-  std::vector<Loop> all;
-  int rows = 0, residuals = 0;  ///< of all together
+  std::vector<Loop> joints;
+  std::vector<LoopCoupling> couplings;
+  std::vector<LoopRows> all;    ///< names and rows of the joints, and after them those of the couplings
+  int rows = 0, residuals = 0;  ///< numbers of rows and residuals of all together
   std::vector<char> driven;     ///< nv: whether a joint that is not passive has that velocity
 
   bool empty() const { return all.empty(); }

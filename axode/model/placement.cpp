@@ -196,35 +196,32 @@ DrawnLoop place(const LoopDescription& loop) {
   const auto frame = [](const Vec3<>& axis, const Vec3<>& point) {
     return SE3<>{orthonormal(rotation_to(direction(axis))), point};
   };
-  switch (loop.kind) {
-    case LoopKind::rod:
-      return {{SE3<>{{}, loop.points[0]}, SE3<>{{}, loop.points[1]}},
-              loop.length.value_or(norm(loop.points[1] - loop.points[0]))};
-    case LoopKind::universal: {
-      const double cosine = dot(direction(loop.axis), direction(loop.second_axis));
-      return {{frame(loop.axis, loop.point), frame(loop.second_axis, loop.point)},
-              loop.angle ? std::cos(*loop.angle) : cosine};
-    }
-    case LoopKind::rolling: {
-      const Vec3<> n = direction(loop.axis), up = loop.center - loop.point;
-      const double height = dot(n, up);
-      const Vec3<> k = direction(loop.wheel_axis.value_or(Vec3<>{0, 0, 1}));
-      const double sine = loop.wheel_axis ? norm(cross(n, k)) : 1;
-      return {{frame(height < 0 ? -n : n, loop.point), frame(k, loop.center)},
-              loop.radius.value_or(std::abs(height) / sine)};
-    }
-    case LoopKind::fixed:
-    case LoopKind::spherical:
-    case LoopKind::translational: return {{SE3<>{{}, loop.point}, SE3<>{{}, loop.point}}};
-    default: return {{frame(loop.axis, loop.point), frame(loop.axis, loop.point)}};
+  const LoopTraits& kind = traits(loop.kind);
+  if (kind.has("points"))
+    return {{SE3<>{{}, loop.points[0]}, SE3<>{{}, loop.points[1]}},
+            loop.length.value_or(norm(loop.points[1] - loop.points[0]))};
+  if (kind.has("second_axis")) {
+    const double cosine = dot(direction(loop.axis), direction(loop.second_axis));
+    return {{frame(loop.axis, loop.point), frame(loop.second_axis, loop.point)},
+            loop.angle ? std::cos(*loop.angle) : cosine};
   }
+  if (kind.has("center")) {
+    const Vec3<> n = direction(loop.axis), up = loop.center - loop.point;
+    const double height = dot(n, up);
+    const Vec3<> k = direction(loop.wheel_axis.value_or(Vec3<>{0, 0, 1}));
+    const double sine = loop.wheel_axis ? norm(cross(n, k)) : 1;
+    return {{frame(height < 0 ? -n : n, loop.point), frame(k, loop.center)},
+            loop.radius.value_or(std::abs(height) / sine)};
+  }
+  const SE3<> C = kind.has("axis") ? frame(loop.axis, loop.point) : SE3<>{{}, loop.point};
+  return {{C, C}};
 }
 
 double size_of(const LoopDescription& loop) {
-  return loop.kind == LoopKind::rod         ? loop.length.value_or(0)
-         : loop.kind == LoopKind::rolling   ? loop.radius.value_or(0)
-         : loop.kind == LoopKind::universal ? std::cos(loop.angle.value_or(std::numbers::pi / 2))
-                                            : 0;
+  const LoopTraits& kind = traits(loop.kind);
+  if (kind.has("length")) return loop.length.value_or(0);
+  if (kind.has("radius")) return loop.radius.value_or(0);
+  return kind.has("angle") ? std::cos(loop.angle.value_or(std::numbers::pi / 2)) : 0;
 }
 
 std::string loop_name(const LoopDescription& loop, std::size_t k) {
@@ -291,9 +288,10 @@ Description in_joint_frames(const Description& given) {
     if (loop.frames) continue;
     const auto [C, size] = place(loop);
     loop.frames = {relative(A.at(loop.between[0]), C[0]), relative(A.at(loop.between[1]), C[1])};
-    if (loop.kind == LoopKind::rod) loop.length = size;
-    if (loop.kind == LoopKind::rolling) loop.radius = size;
-    if (loop.kind == LoopKind::universal) loop.angle = std::acos(size);
+    const LoopTraits& kind = traits(loop.kind);
+    if (kind.has("length")) loop.length = size;
+    if (kind.has("radius")) loop.radius = size;
+    if (kind.has("angle")) loop.angle = std::acos(size);
   }
   return description;
 }

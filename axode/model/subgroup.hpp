@@ -1,5 +1,8 @@
 #pragma once
+#include <algorithm>
 #include <array>
+#include <cmath>
+#include <numbers>
 
 #include "axode/lie/twist.hpp"
 
@@ -14,6 +17,7 @@
 ///   vector_coordinates           whether q and v have the same meaning (q' = v)
 ///   neutral()                    the coordinates of the identity
 ///   pose(B, q)                   B exp(S q), the pose of the child's joint frame, for a reference pose B
+///   coordinates(D, near, q)      the q nearest to others with pose(I, q) = D; D need not be a pose that the joint allows
 ///   twist(v)                     S v in the joint frame
 ///   project(W)                   Sᵀ W for a wrench in the joint frame
 ///   column(k)                    the k-th column of S
@@ -52,6 +56,26 @@ template <class T> constexpr SO3<T> turn(const SO3<T>& B, const T& s, const T& c
   return {c * B.x + s * B.y, c * B.y - s * B.x, B.z};
 }
 
+/// The angle of the rotation about z that is nearest to R.
+template <class T> T turn_about_z(const SO3<T>& R) { return atan2(R.x.y - R.y.x, R.x.x + R.y.y); }
+
+/// The angle that differs from another one by whole turns and is nearest to a third.
+template <class T> T nearest_turn(const T& angle, const T& to) {
+  using std::round;
+  const T whole = T(2 * std::numbers::pi);
+  return angle + whole * round((to - angle) / whole);
+}
+
+/// The quaternion of R, of the two that of which the sign is nearer to another one.
+template <class T> void nearest_quaternion(const SO3<T>& R, const T* near, T* q) {
+  const Quaternion<T> a = quaternion(R);
+  const T side = a.x * near[0] + a.y * near[1] + a.z * near[2] + a.w * near[3] < T(0) ? T(-1) : T(1);
+  q[0] = side * a.x;
+  q[1] = side * a.y;
+  q[2] = side * a.z;
+  q[3] = side * a.w;
+}
+
 /// The k-th column of a rotation.
 template <class T> constexpr const Vec3<T>& axis(const SO3<T>& R, int k) {
   return k == 0 ? R.x : k == 1 ? R.y : R.z;
@@ -61,6 +85,9 @@ template <class T> constexpr const Vec3<T>& axis(const SO3<T>& R, int k) {
 template <class T> struct Revolute : VectorCoordinates<T, 1> {
   static constexpr int angles = 1;
   static constexpr SE3<T> pose(const SE3<T>& B, const T* q) { return {turn(B.R, sin(q[0]), cos(q[0])), B.r}; }
+  static void coordinates(const SE3<T>& D, const T* near, T* q) {
+    q[0] = nearest_turn(turn_about_z(D.R), near[0]);
+  }
   static constexpr Twist<BodyFixed, T> twist(const T* v) { return {{T(0), T(0), v[0]}, {T(0), T(0), T(0)}}; }
   static constexpr std::array<T, 1> project(const Wrench<BodyFixed, T>& W) { return {W.m.z}; }
   static constexpr Screw<T> column(int) { return {{T(0), T(0), T(1)}, {T(0), T(0), T(0)}}; }
@@ -71,6 +98,7 @@ template <class T> struct Revolute : VectorCoordinates<T, 1> {
 template <class T> struct Prismatic : VectorCoordinates<T, 1> {
   static constexpr int angles = 0;
   static constexpr SE3<T> pose(const SE3<T>& B, const T* q) { return {B.R, B.r + q[0] * B.R.z}; }
+  static void coordinates(const SE3<T>& D, const T*, T* q) { q[0] = D.r.z; }
   static constexpr Twist<BodyFixed, T> twist(const T* v) { return {{T(0), T(0), T(0)}, {T(0), T(0), v[0]}}; }
   static constexpr std::array<T, 1> project(const Wrench<BodyFixed, T>& W) { return {W.f.z}; }
   static constexpr Screw<T> column(int) { return {{T(0), T(0), T(0)}, {T(0), T(0), T(1)}}; }
@@ -84,6 +112,9 @@ template <class T> struct Helical : VectorCoordinates<T, 1> {
   explicit constexpr Helical(const T& h) : pitch(h) {}
   constexpr SE3<T> pose(const SE3<T>& B, const T* q) const {
     return {turn(B.R, sin(q[0]), cos(q[0])), B.r + (pitch * q[0]) * B.R.z};
+  }
+  void coordinates(const SE3<T>& D, const T*, T* q) const {
+    q[0] = nearest_turn(turn_about_z(D.R), D.r.z / pitch);
   }
   constexpr Twist<BodyFixed, T> twist(const T* v) const {
     return {{T(0), T(0), v[0]}, {T(0), T(0), pitch * v[0]}};
@@ -102,6 +133,7 @@ template <class T> struct Spherical {
   static constexpr SE3<T> pose(const SE3<T>& B, const T* q) {
     return {B.R * rotation(quaternion_of(q)), B.r};
   }
+  static void coordinates(const SE3<T>& D, const T* near, T* q) { nearest_quaternion(D.R, near, q); }
   static constexpr Twist<BodyFixed, T> twist(const T* v) { return {{v[0], v[1], v[2]}, {T(0), T(0), T(0)}}; }
   static constexpr std::array<T, 3> project(const Wrench<BodyFixed, T>& W) { return {W.m.x, W.m.y, W.m.z}; }
   static constexpr Screw<T> column(int k) { return {{T(k == 0), T(k == 1), T(k == 2)}, {T(0), T(0), T(0)}}; }
@@ -135,6 +167,11 @@ template <class T> struct Planar {
   static constexpr std::array<T, 3> neutral() { return {}; }
   static constexpr SE3<T> pose(const SE3<T>& B, const T* q) {
     return {turn(B.R, sin(q[0]), cos(q[0])), B.r + q[1] * B.R.x + q[2] * B.R.y};
+  }
+  static void coordinates(const SE3<T>& D, const T* near, T* q) {
+    q[0] = nearest_turn(turn_about_z(D.R), near[0]);
+    q[1] = D.r.x;
+    q[2] = D.r.y;
   }
   static constexpr Twist<BodyFixed, T> twist(const T* v) { return {{T(0), T(0), v[0]}, {v[1], v[2], T(0)}}; }
   static constexpr std::array<T, 3> project(const Wrench<BodyFixed, T>& W) { return {W.m.z, W.f.x, W.f.y}; }
@@ -172,6 +209,12 @@ template <class T> struct Free {
   static constexpr Vec3<T> position_of(const T* q) { return {q[4], q[5], q[6]}; }
   static constexpr SE3<T> pose(const SE3<T>& B, const T* q) {
     return B * SE3<T>{rotation(quaternion_of(q)), position_of(q)};
+  }
+  static void coordinates(const SE3<T>& D, const T* near, T* q) {
+    nearest_quaternion(D.R, near, q);
+    q[4] = D.r.x;
+    q[5] = D.r.y;
+    q[6] = D.r.z;
   }
   static constexpr Twist<BodyFixed, T> twist(const T* v) { return {{v[0], v[1], v[2]}, {v[3], v[4], v[5]}}; }
   static constexpr std::array<T, 6> project(const Wrench<BodyFixed, T>& W) {
@@ -221,6 +264,21 @@ template <class T, class F> constexpr decltype(auto) with_subgroup(Subgroup kind
     case Subgroup::free: break;
   }
   return f(subgroup::Free<T>{});
+}
+
+/// Which directions ω_x ω_y ω_z v_x v_y v_z a joint leaves free: for each velocity the first one that it moves along, so that
+/// v_z of a helical joint, which follows ω_z, is not among them.
+constexpr std::array<bool, 6> free_directions(Subgroup kind) {
+  std::array<bool, 6> free{};
+  with_subgroup(kind, 1.0, [&](const auto& joint) {
+    for (int k = 0; k < joint.nv; ++k) {
+      const auto [w, v] = joint.column(k);
+      const std::array<double, 6> S{w.x, w.y, w.z, v.x, v.y, v.z};
+      free[static_cast<std::size_t>(std::find_if(S.begin(), S.end(), [](double x) { return x != 0; }) -
+                                    S.begin())] = true;
+    }
+  });
+  return free;
 }
 
 }  // namespace axode

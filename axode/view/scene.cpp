@@ -90,8 +90,7 @@ Json frames_of(const Model& model) {
 /// The loop joints, without couplings, with the pose of each end in the frame of its body.
 Json loops_of(const Model& model) {
   Json loops = Json::array();
-  for (const Loop& loop : model.loops().all) {
-    if (loop.kind == LoopKind::coupling) continue;
+  for (const Loop& loop : model.loops().joints) {
     Json ends = Json::array();
     for (const Loop::End& end : loop.ends)
       ends.push_back({{"body", end.body}, {"pose", json_of(model.body(end.body).S_self * end.F)}});

@@ -49,8 +49,8 @@ Places places_of(const Model& model) {
     if (fixed == nullptr || !std::holds_alternative<InConstructionFrame>(fixed->geometry))
       places.carried[frame.body].push_back(frame.pose.r);
   }
-  for (const Loop& loop : model.loops().all)
-    if (loop.kind == LoopKind::rod || traits(loop.kind).point)
+  for (const Loop& loop : model.loops().joints)
+    if (traits(loop.kind).located)
       for (const Loop::End& end : loop.ends)
         places.carried[end.body].push_back((model.body(end.body).S_self * end.F).r);
   for (std::size_t i = 1; i <= n; ++i)

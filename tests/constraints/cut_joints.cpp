@@ -1,7 +1,7 @@
-#include "axode/constraints/closure.hpp"
 #include "axode/constraints/constrained_dynamics.hpp"
 #include "axode/dynamics.hpp"
 #include "axode/kinematics.hpp"
+#include "axode/lie/six.hpp"
 #include "tests/laws/law.hpp"
 
 /// A tree whose one joint is cut and told as a loop moves as the tree does, and the loop transmits the wrench of the joint.

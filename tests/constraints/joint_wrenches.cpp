@@ -52,8 +52,8 @@ TEST(JointWrenchesOfClosedMechanisms, BalanceEveryBodyAndHoldTheDriveForces) {
       on[i + 1] += W[i] - of_tree[i], on[p] -= W[i] - of_tree[i];
       size += norm(W[i].m) + norm(W[i].f);
     }
-    for (std::size_t k = 0; k < closing.size(); ++k) {
-      const auto& ends = model.loops().all[k].ends;
+    for (std::size_t k = 0; k < model.loops().joints.size(); ++k) {
+      const auto& ends = model.loops().joints[k].ends;
       on[static_cast<std::size_t>(ends[1].body)] += closing[k];
       on[static_cast<std::size_t>(ends[0].body)] -= closing[k];
     }
@@ -78,10 +78,9 @@ TEST(JointWrenchesOfClosedMechanisms, BalanceEveryBodyAndHoldTheDriveForces) {
     }
     for (std::size_t c = 0; c < nv; ++c) {
       double coupled = 0;
-      for (const Loop& loop : model.loops().all)
-        if (loop.kind == LoopKind::coupling)
-          coupled += A[static_cast<std::size_t>(loop.first_row) * nv + c] *
-                     lambda[static_cast<std::size_t>(loop.first_row)];
+      for (const LoopCoupling& gear : model.loops().couplings)
+        coupled += A[static_cast<std::size_t>(gear.first_row) * nv + c] *
+                   lambda[static_cast<std::size_t>(gear.first_row)];
       EXPECT_NEAR(held[c], (model.loops().driven[c] ? tau[c] : 0) + coupled, 1e-6 * size) << c;
     }
     rows += model.loops().rows;

@@ -61,12 +61,12 @@ TEST(RandomLoops, ResidualsHaveTheirRates) {
     loop_residual(tree.model, tree.loops, tree.q, r);
     loop_residual_jacobian(tree.model, tree.loops, tree.q, R);
     const VectorXd said = matrix(static_cast<int>(r.size()), R) * vector(tree.v);
-    for (const Loop& loop : tree.model.loops().all) {
-      const VectorXd own = vector(r).segment(loop.first_residual, loop.residuals());
+    for (const LoopRows& loop : tree.model.loops().all) {
+      const VectorXd own = vector(r).segment(loop.first_residual, loop.residuals);
       if (own.norm() > 1.5) continue;  // half a turn off, or half a lead, it may jump
       ++seen;
-      EXPECT_LT((said - rate).segment(loop.first_residual, loop.residuals()).norm(), 1e-6 * (1 + said.norm()))
-          << to_string(loop.kind);
+      EXPECT_LT((said - rate).segment(loop.first_residual, loop.residuals).norm(), 1e-6 * (1 + said.norm()))
+          << loop.name;
     }
   });
   EXPECT_GE(seen, 5);
@@ -79,9 +79,9 @@ TEST(RandomLoops, HessianProductsAreRatesOfJacobians) {
     Numbers lambda = random_numbers(tree.random, static_cast<int>(tree.residuals()), 1);
     Numbers r(tree.residuals()), R(tree.residuals() * tree.v.size()), product(tree.v.size());
     loop_residual(tree.model, tree.loops, tree.q, r);
-    for (const Loop& loop : tree.model.loops().all) {
-      const bool jumps = vector(r).segment(loop.first_residual, loop.residuals()).norm() > 1.5;
-      for (int k = 0; k < loop.residuals(); ++k)  // half a turn off, or half a lead
+    for (const LoopRows& loop : tree.model.loops().all) {
+      const bool jumps = vector(r).segment(loop.first_residual, loop.residuals).norm() > 1.5;
+      for (int k = 0; k < loop.residuals; ++k)  // half a turn off, or half a lead
         if (jumps) lambda[static_cast<std::size_t>(loop.first_residual + k)] = 0;
       seen += !jumps;
     }

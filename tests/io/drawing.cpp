@@ -296,7 +296,10 @@ TEST(Drawing, EveryKeyIsUnderstood) {
   EXPECT_EQ(model.springs().lines.size(), 3U);
 
   const auto loop = [&](std::string_view name) {
-    return *std::ranges::find(model.loops().all, name, &Loop::name);
+    return *std::ranges::find(model.loops().joints, name, &Loop::name);
+  };
+  const auto coupling = [&](std::string_view name) {
+    return *std::ranges::find(model.loops().couplings, name, &LoopCoupling::name);
   };
   const auto origin = [&](const Loop::End& end) {
     return model.body(end.body).A * (model.body(end.body).S_self * end.F.r);
@@ -319,10 +322,10 @@ TEST(Drawing, EveryKeyIsUnderstood) {
   EXPECT_FALSE(loop("marble").wheel);
   EXPECT_TRUE(loop("disc").wheel);
   EXPECT_EQ(loop("disc").size, 0.3);
-  EXPECT_EQ(loop("coupling 1").offset, 0.1);
-  ASSERT_EQ(loop("train").terms.size(), 3U);
-  EXPECT_EQ(loop("train").terms[0].factor, 3 * -2) << "what follows is a multiple of what leads";
-  EXPECT_EQ(loop("train").offset, -3 * 0.25);
+  EXPECT_EQ(coupling("coupling 1").offset, 0.1);
+  ASSERT_EQ(coupling("train").terms.size(), 3U);
+  EXPECT_EQ(coupling("train").terms[0].factor, 3 * -2) << "what follows is a multiple of what leads";
+  EXPECT_EQ(coupling("train").offset, -3 * 0.25);
   EXPECT_TRUE(model.joint(model.joint_index("slide")).passive);
   EXPECT_TRUE(model.joint(model.joint_index("drift")).passive)
       << "free, and the drawing does not say that it is driven";

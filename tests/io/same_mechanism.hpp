@@ -45,14 +45,16 @@ inline std::map<std::string, SE3<>> frames_at_zero(const Model& model) {
 /// That of loops: where their frames are at q = 0, and their numbers.
 inline double disparity(const Loops& one, const Loops& other, const Model& a, const Model& b) {
   const double infinity = std::numeric_limits<double>::infinity();
-  if (one.all.size() != other.all.size() || one.driven != other.driven) return infinity;
+  if (one.joints.size() != other.joints.size() || one.couplings.size() != other.couplings.size() ||
+      one.driven != other.driven)
+    return infinity;
   double largest = 0;
-  for (std::size_t k = 0; k < one.all.size(); ++k) {
-    const Loop &x = one.all[k], &y = other.all[k];
+  for (std::size_t k = 0; k < one.joints.size(); ++k) {
+    const Loop &x = one.joints[k], &y = other.joints[k];
     if (x.name != y.name || x.kind != y.kind || x.pitch != y.pitch || x.wheel != y.wheel ||
-        x.first_row != y.first_row || x.terms.size() != y.terms.size())
+        x.first_row != y.first_row)
       return infinity;
-    largest = std::max({largest, std::abs(x.size - y.size), std::abs(x.offset - y.offset)});
+    largest = std::max(largest, std::abs(x.size - y.size));
     for (std::size_t e = 0; e < 2; ++e) {
       const auto &end = x.ends[e], &its = y.ends[e];
       if (end.body != its.body) return infinity;
@@ -60,9 +62,14 @@ inline double disparity(const Loops& one, const Loops& other, const Model& a, co
       largest =
           std::max(largest, disparity(body.A * body.S_self * end.F, same_body.A * same_body.S_self * its.F));
     }
+  }
+  for (std::size_t k = 0; k < one.couplings.size(); ++k) {
+    const LoopCoupling &x = one.couplings[k], &y = other.couplings[k];
+    if (x.name != y.name || x.first_row != y.first_row || x.terms.size() != y.terms.size()) return infinity;
+    largest = std::max(largest, std::abs(x.offset - y.offset));
     std::vector<double> factors(a.nv());  // by velocity: terms may be in another order
-    for (const Loop::Term& term : x.terms) factors[term.velocity] += term.factor;
-    for (const Loop::Term& term : y.terms) factors[term.velocity] -= term.factor;
+    for (const LoopCoupling::Term& term : x.terms) factors[term.velocity] += term.factor;
+    for (const LoopCoupling::Term& term : y.terms) factors[term.velocity] -= term.factor;
     for (const double left : factors) largest = std::max(largest, std::abs(left));
   }
   return largest;

@@ -202,7 +202,7 @@ TEST(Urdf, LoopJointsCloseLoopsBetweenFramesOfLinks) {
       <link2 link="c" xyz="0 1 0" rpy="0 0 -1.5707963267948966"/></loop_joint>
       <loop_joint name="axle" type="continuous"><link1 link="b"/><link2 link="a" xyz="0 0 1"/></loop_joint>)");
   ASSERT_EQ(model.loops().all.size(), 2U);
-  const Loop &pin = model.loops().all[0], &axle = model.loops().all[1];
+  const Loop &pin = model.loops().joints[0], &axle = model.loops().joints[1];
   EXPECT_EQ(pin.name, "pin");
   EXPECT_EQ(pin.kind, LoopKind::spherical);
   EXPECT_EQ(axle.kind, LoopKind::revolute);

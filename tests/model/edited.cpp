@@ -399,7 +399,7 @@ TEST(Append, NamesOfLoopsAndCouplingsAndTheirDefaultsCount) {
   EXPECT_THAT([&] { append(model, "tip", model); }, refuses("\"tip\", \"loop 1\", \"gear\"; give a prefix"));
   const Model twice = append(model, "tip", model, "2 ");
   std::vector<std::string> names;
-  for (const Loop& loop : twice.loops().all) names.push_back(loop.name);
+  for (const LoopRows& loop : twice.loops().all) names.push_back(loop.name);
   EXPECT_THAT(names, ElementsAre("loop 1", "2 loop 1", "gear", "2 gear"));
 }
 

@@ -947,14 +947,11 @@ TEST(Faults, NumbersOfLoopsAreFiniteAndPosesAreOnes) {
                                "the second frame mirrors; a rotation has determinant +1")));
 }
 
-TEST(Faults, PitchesAndCouplingsAreNotForEveryLoop) {
+TEST(Faults, PitchesAreNotForEveryLoop) {
   EXPECT_THAT(
       faults(with_loop({.between = {"fore", "ground"}, .pitch = 0.1})),
       ElementsAre(says(Rule::pitch_without_helix, "loop \"loop 1\"",
                        "has a pitch of 0.1 m/rad but is revolute; only helical joints have a pitch")));
-  EXPECT_THAT(faults(with_loop({.name = "gear", .between = {"fore", "ground"}, .kind = LoopKind::coupling})),
-              ElementsAre(says(Rule::wrong_value, "loop \"gear\"",
-                               "is a coupling; couplings are told by their terms, not between bodies")));
 }
 
 TEST(Faults, ACouplingNamesEachOfItsJointsOnce) {

@@ -5,7 +5,6 @@
 #include <cmath>
 #include <numbers>
 
-#include "axode/constraints/closure.hpp"
 #include "axode/constraints/constrained_dynamics.hpp"
 #include "axode/dynamics.hpp"
 #include "axode/eigen.hpp"
@@ -72,9 +71,8 @@ class LoopDrawing {
   /// The same loop again. Where the loop joint commutes with a translation along its axis its frames are moved there.
   LoopDescription again(LoopDescription loop) {
     loop.name += " again";
-    const std::array<bool, 6> is_free = free_coordinates(loop.kind);
-    const bool turns_anyhow = is_free[0] || is_free[1];
-    if (!turns_anyhow && loop.kind != LoopKind::rod && loop.kind != LoopKind::rolling)
+    const LoopTraits& kind = traits(loop.kind);
+    if (!kind.free[0] && !kind.has("points") && !kind.has("center"))
       for (SE3<>& F : *loop.frames) F = F * SE3<>{{}, {0, 0, length_}};
     return loop;
   }
@@ -109,7 +107,7 @@ class LoopDrawing {
         return {about_z() * exp_SO3(Vec3<>{*loop.angle, 0, 0}) * about_z(), {}};
       default: break;
     }
-    const std::array<bool, 6> is_free = free_coordinates(loop.kind);
+    const std::array<bool, 6>& is_free = traits(loop.kind).free;
     if (is_free[0]) return {random_.rotation(), {}};
     SE3<> D;
     const double theta = random_.number(-3, 3);
@@ -135,21 +133,23 @@ Description with_closed_loops(Description tree, const std::vector<double>& q, do
                               Random<double>& random) {
   const Model bare = ModelBuilder(tree).build();
   LoopDrawing drawing(bare, q, length, random);
-  std::vector<LoopKind> kinds;
-  for (const LoopTraits& kind : loop_kinds) kinds.push_back(kind.kind);
+  std::vector<std::optional<LoopKind>> kinds;
+  for (const LoopTraits& kind : loop_kinds) kinds.emplace_back(kind.kind);
+  kinds.emplace_back();  // a coupling
   for (std::size_t k = kinds.size(); k > 1; --k)
     std::swap(kinds[k - 1], kinds[std::min(k - 1, static_cast<std::size_t>(random.number(0, double(k))))]);
   int to_spare = bare.nv() - 1;
-  for (const LoopKind kind : kinds) {
-    if (traits(kind).rows > to_spare || drawing.chance(0.3)) continue;
-    if (kind == LoopKind::coupling) {
+  for (const std::optional<LoopKind> kind : kinds) {
+    const int rows = kind ? traits(*kind).rows : 1;
+    if (rows > to_spare || drawing.chance(0.3)) continue;
+    if (!kind) {
       if (const auto coupling = drawing.coupling()) {
         tree.couplings.push_back(*coupling);
-        to_spare -= traits(kind).rows;
+        to_spare -= rows;
       }
-    } else if (const auto loop = drawing.between_frames(kind)) {
+    } else if (const auto loop = drawing.between_frames(*kind)) {
       tree.loops.push_back(*loop);
-      to_spare -= traits(kind).rows;
+      to_spare -= rows;
     }
   }
   const std::vector<LoopDescription> once = tree.loops;

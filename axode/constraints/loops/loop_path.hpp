@@ -15,9 +15,11 @@ struct LoopColumn {
   double factor = 0;  ///< of a term
 };
 
-/// What of a loop does not change: the paths on the tree that it closes.
+/// What of a loop does not change: its rows, and the paths on the tree that it closes.
 struct LoopPath {
-  LoopPath(const Tree<double>& tree, const Loop& of);
+  LoopPath(const Tree<double>& tree, const Loop& joint);
+  /// A coupling has no ends: they are at the ground.
+  LoopPath(const Tree<double>& tree, const LoopCoupling& coupling);
 
   /// Rows of A, or of those that have a residual.
   struct Range {
@@ -25,13 +27,18 @@ struct LoopPath {
     bool operator==(const Range&) const = default;
   };
 
-  const Loop* loop;
-  Range rows, residuals;            ///< of this loop
+  Range rows, residuals;  ///< of this loop
+  std::array<Loop::End, 2> ends = {};
   std::array<int, 2> root{};        ///< of its bodies; 0 for the ground
   int meeting = 0;                  ///< the body where the two paths meet, 0 for the ground
   std::vector<LoopColumn> columns;  ///< up to there
   std::vector<int> bodies;          ///< on the paths to the ground, the last ones first
   std::vector<int> velocities;      ///< that give way there
+
+ private:
+  explicit LoopPath(const LoopRows& of)
+      : rows{of.first_row, of.rows}, residuals{of.first_residual, of.residuals} {}
+  void add_bodies(const Topology& topology, const std::vector<int>& from);
 };
 
 }  // namespace axode

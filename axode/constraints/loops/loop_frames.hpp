@@ -1,0 +1,90 @@
+#pragma once
+#include <array>
+
+#include "axode/lie/twist.hpp"
+#include "axode/scalar/dual.hpp"
+
+/// What a loop joint is: a small type with double parameters and members that are templates over the scalar.
+///   rows(), residuals()            numbers of rows of A and of the residual r
+///   residual(at, r)                r, which vanishes when the loop is closed
+///   wrenches(at, W)                W on the second body for unit multipliers: A v = Wᵀ (V_j - V_i)
+/// These are optional, and the functions below have a default for each:
+///   residual_wrenches(at, R)       r' = Rᵀ (V_j - V_i); by default the first of W
+///   wrench_rates(at, m, dW)        W' of moving bodies; by default W on dual numbers
+///   bias(at, W, m, gamma)          γ = Wᵀ (V'_j - V'_i) + W'ᵀ (V_j - V_i)
+/// Numbers of rows are the same in all representations. W λ acts on the second body and -W λ on the first.
+namespace axode::loops {
+
+template <class T> using SpatialWrench = Wrench<Spatial, T>;
+template <class T> using LoopWrenches = std::array<SpatialWrench<T>, 6>;
+
+/// The frames of a loop joint on its two bodies, seen from a common point O in inertial axes.
+template <class T> struct LoopFrames { SE3<T> a, b; };
+/// Spatial twists of the two bodies about O, and their rates without or with joint accelerations.
+template <class T> struct EndMotion { Screw<T> V_i, V_j, dV_i, dV_j; };
+
+template <class T> T power(const SpatialWrench<T>& W, const Screw<T>& X) {
+  return dot(W.m, X.w) + dot(W.f, X.v);
+}
+template <class T> Vec3<T> velocity(const Screw<T>& V, const Vec3<T>& p) { return V.v + cross(V.w, p); }
+/// A force f at the point p, and its rate.
+template <class T> SpatialWrench<T> force_at(const Vec3<T>& p, const Vec3<T>& f) { return {cross(p, f), f}; }
+template <class T>
+SpatialWrench<T> force_rate(const Vec3<T>& p, const Vec3<T>& dp, const Vec3<T>& f, const Vec3<T>& df) {
+  return {cross(dp, f) + cross(p, df), df};
+}
+
+/// A vector, a screw or a pose with its rate, as dual numbers.
+template <class T> Vec3<Dual<T, 1>> lift(const Vec3<T>& x, const Vec3<T>& dx) {
+  return {{x.x, {dx.x}}, {x.y, {dx.y}}, {x.z, {dx.z}}};
+}
+template <class T> Screw<Dual<T, 1>> lift(const Screw<T>& X, const Screw<T>& dX) {
+  return {lift(X.w, dX.w), lift(X.v, dX.v)};
+}
+template <class T> SE3<Dual<T, 1>> lift(const SE3<T>& C, const Screw<T>& V) {
+  const auto axis = [&](const Vec3<T>& e) { return lift(e, cross(V.w, e)); };
+  return {{axis(C.R.x), axis(C.R.y), axis(C.R.z)}, lift(C.r, velocity(V, C.r))};
+}
+/// The value and the rate of a wrench of dual numbers.
+template <class T> SpatialWrench<T> value_of(const SpatialWrench<Dual<T, 1>>& W) {
+  return {{W.m.x.x, W.m.y.x, W.m.z.x}, {W.f.x.x, W.f.y.x, W.f.z.x}};
+}
+template <class T> SpatialWrench<T> rate_of(const SpatialWrench<Dual<T, 1>>& W) {
+  return {{W.m.x.dx[0], W.m.y.dx[0], W.m.z.dx[0]}, {W.f.x.dx[0], W.f.y.dx[0], W.f.z.dx[0]}};
+}
+
+template <class Joint, class T>
+void residual_wrenches(const Joint& joint, const LoopFrames<T>& at, SpatialWrench<T>* R) {
+  if constexpr (requires { joint.residual_wrenches(at, R); }) {
+    joint.residual_wrenches(at, R);
+  } else {
+    joint.wrenches(at, R);
+  }
+}
+
+template <class Joint, class T>
+void wrench_rates(const Joint& joint, const LoopFrames<T>& at, const EndMotion<T>& m, SpatialWrench<T>* dW) {
+  if constexpr (requires { joint.wrench_rates(at, m, dW); }) {
+    joint.wrench_rates(at, m, dW);
+  } else {
+    LoopWrenches<Dual<T, 1>> W;
+    joint.wrenches(LoopFrames<Dual<T, 1>>{lift(at.a, m.V_i), lift(at.b, m.V_j)}, W.data());
+    for (std::size_t k = 0; k < static_cast<std::size_t>(joint.rows()); ++k) dW[k] = rate_of(W[k]);
+  }
+}
+
+template <class Joint, class T>
+void bias(const Joint& joint, const LoopFrames<T>& at, const SpatialWrench<T>* W, const EndMotion<T>& m,
+          T* gamma) {
+  if constexpr (requires { joint.bias(at, W, m, gamma); }) {
+    joint.bias(at, W, m, gamma);
+  } else {
+    LoopWrenches<T> dW;
+    wrench_rates(joint, at, m, dW.data());
+    const Screw<T> X = m.V_j - m.V_i, dX = m.dV_j - m.dV_i;
+    for (std::size_t k = 0; k < static_cast<std::size_t>(joint.rows()); ++k)
+      gamma[k] = power(W[k], dX) + power(dW[k], X);
+  }
+}
+
+}  // namespace axode::loops
