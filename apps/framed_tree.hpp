@@ -86,7 +86,7 @@ template <class T, class Frames> struct Sliding : subgroup::VectorCoordinates<T,
   SE3<T> C_0;
   Vec3<T> u, e;  ///< the axis in the predecessor's and in the body's frame
 
-  Sliding(const SE3<T>& L, const SE3<T>& D) : C_0(L * D), u(L.R.z), e(transpose(D.R).z) {}
+  Sliding(const SE3<T>& L, const SE3<T>& D, const T& /*pitch*/) : C_0(L * D), u(L.R.z), e(transpose(D.R).z) {}
 
   SE3<T> pose(const SE3<T>&, const T* q) const {
     if constexpr (std::same_as<Frames, ConstructionFrames>)
@@ -191,6 +191,11 @@ template <class T, class Frames> class FramedTree {
   FramedTree& operator=(const FramedTree&) = delete;
   const Topology* operator->() const { return tree_.operator->(); }
 
+  /// The joints with one velocity that have constants of their own, by what they are in joint frames.
+  template <class Tree> static auto& own(Tree& tree, const subgroup::Revolute<T>&) { return tree.revolute; }
+  template <class Tree> static auto& own(Tree& tree, const subgroup::Helical<T>&) { return tree.helical; }
+  template <class Tree> static auto& own(Tree& tree, const subgroup::Prismatic<T>&) { return tree.prismatic; }
+
  private:
   /// The poses of the body frames in the joint frames.
   static std::vector<SE3<T>> offsets(const Tree<T>& tree) {
@@ -222,15 +227,15 @@ template <class T, class Frames> class FramedTree {
       const int split = static_cast<int>(middle - by_kind.begin());
       if (begin != middle) add_run({run.kind, run.coupled, run.begin, split}, -1);
       if (middle == end) continue;
-      const std::ptrdiff_t first = run.kind == Subgroup::revolute  ? std::ssize(revolute)
-                                   : run.kind == Subgroup::helical ? std::ssize(helical)
-                                                                   : std::ssize(prismatic);
+      std::ptrdiff_t first = 0;
+      with_subgroup(run.kind, T(1), [&](const auto& joint) {
+        if constexpr (std::remove_cvref_t<decltype(joint)>::nv == 1) {
+          auto& joints = own(*this, joint);
+          first = std::ssize(joints);
+          for (auto i = middle; i != end; ++i) joints.emplace_back(L[*i], in_joint[*i], pitch[*i]);
+        }
+      });
       add_run({run.kind, run.coupled, split, run.end}, first);
-      for (auto i = middle; i != end; ++i) {
-        if (run.kind == Subgroup::revolute) revolute.emplace_back(L[*i], in_joint[*i], T(0));
-        if (run.kind == Subgroup::helical) helical.emplace_back(L[*i], in_joint[*i], pitch[*i]);
-        if (run.kind == Subgroup::prismatic) prismatic.emplace_back(L[*i], in_joint[*i]);
-      }
     }
   }
   void add_run(const JointRun& run, std::ptrdiff_t first) { runs.push_back(run), at.push_back(first); }
@@ -249,30 +254,22 @@ constexpr void each_joint(const FramedTree<T, Frames>& tree, F&& f) {
         return joints[static_cast<std::size_t>(tree.at[r] + k - run.begin)];
       });
     };
-    const auto conjugated = [&](auto joint) {
-      over([&](int k) {
-        const int i = tree.by_kind[k];
-        return framed::Conjugated<decltype(joint), T, framed::Offset<Frames, T>>{
-            tree.L[i], tree.D[i], &tree.X[tree->first_screw[i]]};
-      });
-    };
     if (tree.at[r] < 0 && run.kind == Subgroup::helical)
       over([&](int k) { return subgroup::Helical<T>{tree.pitch[tree.by_kind[k]]}; });
     else if (tree.at[r] < 0)
       with_subgroup(run.kind, T(0),
                     [&](const auto& joint) { over([&](int) -> const auto& { return joint; }); });
-    else if (run.kind == Subgroup::revolute)
-      stored(tree.revolute);
-    else if (run.kind == Subgroup::helical)
-      stored(tree.helical);
-    else if (run.kind == Subgroup::prismatic)
-      stored(tree.prismatic);
-    else if (run.kind == Subgroup::spherical)
-      conjugated(subgroup::Spherical<T>{});
-    else if (run.kind == Subgroup::planar)
-      conjugated(subgroup::Planar<T>{});
     else
-      conjugated(subgroup::Free<T>{});
+      with_subgroup(run.kind, T(1), [&]<class Joint>(const Joint& joint) {
+        if constexpr (Joint::nv == 1)
+          stored(tree.own(tree, joint));
+        else
+          over([&](int k) {
+            const int i = tree.by_kind[k];
+            return framed::Conjugated<Joint, T, framed::Offset<Frames, T>>{tree.L[i], tree.D[i],
+                                                                           &tree.X[tree->first_screw[i]]};
+          });
+      });
   }
 }
 

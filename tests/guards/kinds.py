@@ -1,0 +1,48 @@
+"""Every kind of joint and of loop joint is in its table and in the docs: kinds.py SOURCE_DIR."""
+
+import re
+import sys
+from pathlib import Path
+
+# Where each enumeration is, and where its enumerators have to be named besides, with what around them.
+DRAWING = ("docs/drawing-format.md", "`{}`")
+ENUMERATIONS = {
+    "JointKind": (
+        "axode/model/description.hpp",
+        [("axode/model/joint_kinds.hpp", "{{JointKind::{},"), DRAWING],
+    ),
+    "Subgroup": (
+        "axode/model/subgroup.hpp",
+        [("axode/model/subgroup.hpp", "case Subgroup::{}:"), ("axode/model/joint_kinds.hpp", "Subgroup::{},")],
+    ),
+    "LoopKind": ("axode/model/loops.hpp", [("axode/model/loops.hpp", "{{LoopKind::{},"), DRAWING]),
+}
+
+
+def enumerators(name, text):
+    body = re.search(rf"enum class {name}\b[^{{]*{{(.*?)}};", text, re.DOTALL).group(1)
+    return re.findall(r"\w+", re.sub(r"//.*", "", body))
+
+
+def forgotten(read):
+    """What is missing of the kinds; read(path) is the text of a file."""
+    return [
+        f"{path} has no {words.format(kind)}, which {name} has in {home}"
+        for name, (home, places) in ENUMERATIONS.items()
+        for kind in enumerators(name, read(home))
+        for path, words in places
+        if words.format(kind) not in read(path)
+    ]
+
+
+if __name__ == "__main__":
+    source = Path(sys.argv[1])
+
+    def read(path):
+        return (source / path).read_text(encoding="utf-8")
+
+    found = forgotten(read)
+    planted = forgotten(lambda path: re.sub(r"(enum class LoopKind {)", r"\1 slot, // a new one\n", read(path)))
+    assert len(planted) == len(found) + 2, planted
+    print("\n".join(found) or "every kind is in its table and in the docs")
+    sys.exit(bool(found))
