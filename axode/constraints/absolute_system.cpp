@@ -484,7 +484,7 @@ Solvability AbsoluteSystem::place(Span q, Rows kind, const double* armature) {
 
 Solvability AbsoluteSystem::hold(Span q) {
   const Solvability found = place(q);
-  if (found.ok()) loops_.hold();
+  if (found.ok()) loops_.determine_rank(rank_);
   return found;
 }
 
@@ -528,7 +528,7 @@ void AbsoluteSystem::solve(Span r, Span want, Numbers& x, Numbers& lambda) {
   if (m > 0) {
     loops_.rates(V_s_.data(), x_.data(), b_.data());
     for (int k = 0; k < m; ++k) b_[k] -= want[loop_rows + index(k)];
-    loops_.solve_rows(b_.data(), loop_lambda);
+    loops_.solve_rows(b_.data(), loop_lambda, rank_);
     loops_.add_wrenches(loop_lambda, on_.data(), tau_.data());
     give_way();
   }

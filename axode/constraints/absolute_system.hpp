@@ -77,7 +77,8 @@ class AbsoluteSystem {
   /// f of weight, loads and drives, tau being those of the joints.
   void forces(Span q, Span v, Span tau, const Loads<double>& loads, Numbers& f);
 
-  /// Places the system at q, ready to solve with rows of a kind; where loops are closed, hold() decides on their rank.
+  /// Places the system at q, ready to solve with rows of a kind; where loops are closed, hold() decides on
+  /// their rank, which solve() obeys from then on.
   Solvability place(Span q, Rows kind = Rows::velocities);
   /// The same with joints that yield to x less than they are free to: each resists with a force of -resistance times its part of
   /// S⁺x, as springs and dampers do in an implicit step. It acts like an armature.
@@ -149,6 +150,7 @@ class AbsoluteSystem {
   std::vector<Vec3<>> com_;
   Tree<double> group_tree_;
   LoopSystem<double> loops_;
+  RowRank rank_;
   Rows placed_rows_ = Rows::velocities;
   Numbers near_;
   std::vector<SE3<>> placed_;

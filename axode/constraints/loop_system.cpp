@@ -32,6 +32,7 @@ LoopSystem<T>::LoopSystem(const Model& of)
       quick_(of.topology()),
       table_(of),
       at_(of.loops().joints.size()),
+      filter_(least_filter<T>),
       entries_(of.loops().all.size()) {
   const int m = of.loops().rows, nv = of.nv();
   for (std::size_t k = 0; k < entries_.size(); ++k)
@@ -47,16 +48,16 @@ LoopSystem<T>::LoopSystem(const Model& of)
 
 template <class T>
 Solvability LoopSystem<T>::accelerate(const T* q, const T* v, const T* tau, const Loads<T>& loads, T* a,
-                                      T* lambda) noexcept {
+                                      T* lambda, const RowRank& rank) noexcept {
   const int nv = model_.nv();
-  if (accelerate_quickly(q, v, tau, loads, a, lambda)) return solved({}, nv, a);
+  if (accelerate_quickly(q, v, tau, loads, a, lambda, rank)) return solved({}, nv, a);
   move(q, v, loads, forces_.data());
   for (int c = 0; c < nv; ++c) forces_[c] = tau[c] - forces_[c];
-  const Solvability verdict = prepare(Rows::velocities, q);
+  const Solvability verdict = prepare(Rows::velocities, q, rank);
   if (verdict.ok()) {
     bias(b_.data());
     add_response(forces_.data(), b_.data());
-    solve_rows(b_.data(), lambda);
+    solve_rows(b_.data(), lambda, rank);
     push(lambda, forces_.data());
   } else {
     std::fill_n(lambda, size(Rows::velocities), std::numeric_limits<T>::quiet_NaN());
@@ -74,34 +75,35 @@ Solvability LoopSystem<T>::collide(const T* q, const T* v, const T& e, T* v_afte
 }
 
 template <class T>
-Solvability LoopSystem<T>::collide(const T* v, const T& e, T* v_after, T* impulses) noexcept {
+Solvability LoopSystem<T>::collide(const T* v, const T& e, T* v_after, T* impulses,
+                                   const RowRank& rank) noexcept {
   const int nv = model_.nv();
   make_entries();
   times(v, b_.data());
   b_ *= T(1) + e;
-  solve_rows(b_.data(), impulses);
+  solve_rows(b_.data(), impulses, rank);
   w_.setZero();
   push(impulses, forces_.data());
   for (int c = 0; c < nv; ++c) v_after[c] = v[c] + forces_[c];
   return solved({}, nv, v_after);
 }
 
-template <class T> Solvability LoopSystem<T>::approach(const T* q, T* x) noexcept {
+template <class T> Solvability LoopSystem<T>::approach(const T* q, T* x, const RowRank& rank) noexcept {
   place(q);
-  const Solvability verdict = prepare(Rows::places, q);
+  const Solvability verdict = prepare(Rows::places, q, rank);
   if (verdict.ok()) {
     residual(q, b_.data());
-    solve_rows(b_.data(), lambda_.data());
+    solve_rows(b_.data(), lambda_.data(), rank);
     w_.setZero();
     push(lambda_.data(), x);
   }
   return solved(verdict, model_.nv(), x);
 }
 
-template <class T> Solvability LoopSystem<T>::prepare(Rows rows, const T* q) noexcept {
+template <class T> Solvability LoopSystem<T>::prepare(Rows rows, const T* q, const RowRank& rank) noexcept {
   const Solvability verdict = factorize();
   if (verdict.ok()) {
-    set_filter(q);
+    set_filter(q, rank);
     make_wrenches(rows);
     factorize_rows();
   }
@@ -164,10 +166,10 @@ SE3<T> LoopSystem<T>::pose(const Loop::End& end, int root, const Vec3<T>& O) con
   return {C.R, C.r + (origin_[root] - O)};
 }
 
-template <class T> void LoopSystem<T>::set_filter(const T* q) noexcept {
+template <class T> void LoopSystem<T>::set_filter(const T* q, const RowRank& rank) noexcept {
   residual(q, rest_.data());
   const T open = rest_.head(size(Rows::places)).squaredNorm();
-  const T least = dropped_.empty() ? least_filter<T> : least_filter_in_motion<T>;
+  const T least = rank.redundant.empty() ? least_filter<T> : least_filter_in_motion<T>;
   filter_ = std::clamp(T(1e8) * open, least, most_filter<T>);
 }
 
@@ -297,9 +299,9 @@ template <class T> void LoopSystem<T>::joint_wrenches(const T* lambda, Wrench<Sp
   }
 }
 
-template <class T> Solvability LoopSystem<T>::factorize(const T* q) noexcept {
+template <class T> Solvability LoopSystem<T>::factorize(const T* q, const RowRank& rank) noexcept {
   place(q);
-  return prepare(Rows::velocities, q);
+  return prepare(Rows::velocities, q, rank);
 }
 
 template <class T> Solvability LoopSystem<T>::factorize_with_armature(const T* armature) noexcept {
@@ -311,8 +313,8 @@ template <class T> Solvability LoopSystem<T>::factorize_with_armature(const T* a
   return verdict;
 }
 
-/// A row as what the joints feel, on its way to the ground: of its unit wrench on the bodies of a loop joint, or of the
-/// factors of a coupling.
+/// A row as what the joints feel, on its way to the ground: of its unit wrench on the bodies of a loop joint,
+/// or of the factors of a coupling.
 template <class T>
 void LoopSystem<T>::pull_row(const LoopPath& path, int row, const Wrench<Spatial, T>& first,
                              const Wrench<Spatial, T>& second) noexcept {
@@ -422,64 +424,72 @@ template <class T> void LoopSystem<T>::multiply_rows() noexcept {
   }
 }
 
-template <class T> Solvability LoopSystem<T>::hold(const T* q) noexcept {
-  const Solvability verdict = factorize(q);
-  if (verdict.ok()) hold(), set_filter(q);
+template <class T> Solvability LoopSystem<T>::determine_rank(const T* q, RowRank& rank) noexcept {
+  const Solvability verdict = factorize(q, rank);
+  if (!verdict.ok()) return verdict;
+  determine_rank(rank);
+  set_filter(q, rank);
   return verdict;
 }
 
-template <class T> void LoopSystem<T>::hold() noexcept {
+template <class T> void LoopSystem<T>::determine_rank(RowRank& rank) noexcept {
   const T part = is_float<T> ? T(1e-4) : T(1e-10);
   filter_ = least_filter<T>;
-  dropped_.assign(index(size(Rows::velocities)), 1);
+  rank.redundant.assign(index(size(Rows::velocities)), 1);
   left_ = Y_;
-  Eigen::Index rank = 0;
+  Eigen::Index found = 0;
   // Where what rolls repeats a row with a place, that one is kept: nothing else brings the place back.
   for (const bool placed : {true, false})
-    for (; rank < basis_.cols(); ++rank) {
+    for (; found < basis_.cols(); ++found) {
       int best = -1;
       T most = part;
       for (const LoopPath& path : table_.paths)
         for (int r = 0; r < path.rows.count; ++r) {
           const int k = path.rows.first + r;
-          if ((r < path.residuals.count) != placed || !dropped_[index(k)]) continue;
+          if ((r < path.residuals.count) != placed || !rank.redundant[index(k)]) continue;
           // that of which the others leave most: near singular places what is left is ill-conditioned
           if (const T rest = left_.col(k).norm() / scale_[k]; rest > most) best = k, most = rest;
         }
       if (best < 0) break;
-      dropped_[index(best)] = 0;
-      auto q = basis_.col(rank);
+      rank.redundant[index(best)] = 0;
+      auto q = basis_.col(found);
       q = left_.col(best);
-      for (Eigen::Index j = 0; j < rank; ++j) q -= basis_.col(j).dot(q) * basis_.col(j);
+      for (Eigen::Index j = 0; j < found; ++j) q -= basis_.col(j).dot(q) * basis_.col(j);
       q.normalize();
       along_.noalias() = q.transpose() * left_;
       left_.noalias() -= q * along_;
     }
 }
 
-template <class T> template <class F> void LoopSystem<T>::each_dropped(const F& f) const {
-  if (dropped_.empty()) return;
+template <class T>
+template <class F>
+void LoopSystem<T>::each_redundant(const RowRank& rank, const F& f) const {
+  if (rank.redundant.empty()) return;
   for (const LoopPath& path : table_.paths)
     for (int r = 0; r < count(path); ++r)
-      if (dropped_[index(path.rows.first + r)]) f(first(path) + r);
+      if (rank.redundant[index(path.rows.first + r)]) f(first(path) + r);
 }
 
-template <class T> void LoopSystem<T>::solve_rows(const T* b, T* lambda) noexcept {
-  if (!solve_sound_rows(b, lambda)) solve_filtered_rows(b, lambda);
+template <class T> void LoopSystem<T>::solve_rows(const T* b, T* lambda, const RowRank& rank) noexcept {
+  if (!solve_sound_rows(b, lambda, rank)) solve_filtered_rows(b, lambda, rank);
 }
 
-template <class T> void LoopSystem<T>::set_rows(const T* b, const T& filter) noexcept {
+template <class T> void LoopSystem<T>::set_rows(const T* b, const T& filter, const RowRank& rank) noexcept {
   const int m = size(rows_);
   auto& F = factor_.matrix();
   F = G_;
   for (int k = 0; k < m; ++k) F(k, k) += filter * scale_[k] * scale_[k], F(k, m) = -b[k];
-  each_dropped([&](int k) { F.row(k).setZero(), F.col(k).setZero(), F(k, k) = scale_[k] * scale_[k]; });
+  each_redundant(rank, [&](int k) {
+    F.row(k).setZero();
+    F.col(k).setZero();
+    F(k, k) = scale_[k] * scale_[k];
+  });
 }
 
-template <class T> bool LoopSystem<T>::solve_sound_rows(const T* b, T* lambda) noexcept {
+template <class T> bool LoopSystem<T>::solve_sound_rows(const T* b, T* lambda, const RowRank& rank) noexcept {
   const int m = size(rows_);
   weakest_row_ = T(1);
-  set_rows(b, T(0));
+  set_rows(b, T(0), rank);
   if (!factor_.factorize(
           m, [&](Eigen::Index k, const T& D) { return D > sound_part<T> * scale_[k] * scale_[k]; }))
     return false;
@@ -488,11 +498,12 @@ template <class T> bool LoopSystem<T>::solve_sound_rows(const T* b, T* lambda) n
   return true;
 }
 
-template <class T> void LoopSystem<T>::solve_filtered_rows(const T* b, T* lambda) noexcept {
+template <class T>
+void LoopSystem<T>::solve_filtered_rows(const T* b, T* lambda, const RowRank& rank) noexcept {
   const int m = size(rows_);
   for (int k = 0; k < m; ++k)
     for (int j = 0; j < k; ++j) G_(k, j) = G_(j, k);
-  set_rows(b, filter_);
+  set_rows(b, filter_, rank);
   factor_.factorize(m, [&](Eigen::Index k, const T& D) {
     weakest_row_ = std::min(weakest_row_, D / (scale_[k] * scale_[k]) - filter_);
     return true;
@@ -509,7 +520,7 @@ template <class T> void LoopSystem<T>::solve_filtered_rows(const T* b, T* lambda
     const T change = step.dot(moved), whole = x.dot(rest - given);
     if (n == most_steps || !(change > settled<T> * settled<T> * whole)) break;
     step = -rest;
-    each_dropped([&](int k) { step[k] = T(0); });
+    each_redundant(rank, [&](int k) { step[k] = T(0); });
     factor_.solve(m, step_);
     x += step;
   }

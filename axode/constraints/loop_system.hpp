@@ -14,6 +14,13 @@
 
 namespace axode {
 
+/// Which rows of the loops are redundant, as LoopSystem::determine_rank() decides it where they are closed. Their
+/// multipliers are 0 in what is given this rank. So redundancy by geometry, which is lost as soon as the loops
+/// are a little open, is that of a whole step of an integration.
+struct RowRank {
+  std::vector<char> redundant = {};  ///< whether each row of A is redundant; empty where nothing was decided
+};
+
 /// The loops of a tree at a state, and the system that they make:
 ///   M a + h - Aᵀ λ = τ,   A a + γ = 0
 /// Articulated bodies factor M = Lᵀ D L, so that with Y = D^-½ L⁻ᵀ Aᵀ the multipliers come from Yᵀ Y λ = -(Yᵀ w + γ),
@@ -36,23 +43,22 @@ template <class T> class LoopSystem {
   }
 
   /// a and λ at a state; all NaN where the tree without its loops has no accelerations. The place is unknown afterwards.
-  Solvability accelerate(const T* q, const T* v, const T* tau, const Loads<T>& loads, T* a,
-                         T* lambda) noexcept;
+  Solvability accelerate(const T* q, const T* v, const T* tau, const Loads<T>& loads, T* a, T* lambda,
+                         const RowRank& rank = {}) noexcept;
   /// The forces (nv) of the tree at a motion, M a + h.
   void force(const T* q, const T* v, const T* a, const Loads<T>& loads, T* tau) noexcept;
   /// v after the impulses of loops that close suddenly, (A v)⁺ = -e A v, and these impulses.
   Solvability collide(const T* q, const T* v, const T& e, T* v_after, T* impulses) noexcept;
-  /// The same where the system is after hold().
-  Solvability collide(const T* v, const T& e, T* v_after, T* impulses) noexcept;
+  /// The same where the system is after factorize(q) or determine_rank(q).
+  Solvability collide(const T* v, const T& e, T* v_after, T* impulses, const RowRank& rank = {}) noexcept;
   /// The step x towards a closed configuration, r + R x = 0, that moves the masses least.
-  Solvability approach(const T* q, T* x) noexcept;
+  Solvability approach(const T* q, T* x, const RowRank& rank = {}) noexcept;
 
-  /// Decides at a closed q which rows are independent; from then on the others have no multipliers. So redundancy by
-  /// geometry, which is lost as soon as the loops are a little open, is that of a whole step of an integration. Decides
-  /// nothing where the tree without its loops has no accelerations.
-  Solvability hold(const T* q) noexcept;
-
-  void hold() noexcept;  ///< the same with the rows that are factorised, closed to rounding
+  /// Decides at a closed q which rows are redundant; the rows of velocities are factorised there afterwards.
+  /// Decides nothing where the tree without its loops has no accelerations.
+  Solvability determine_rank(const T* q, RowRank& rank) noexcept;
+  /// The same with the rows of velocities that are factorised.
+  void determine_rank(RowRank& rank) noexcept;
 
   /// Links, screws and loops at q, or where bodies have the poses C, seen from an origin, which their joints need not allow.
   void place(const T* q) noexcept;
@@ -92,14 +98,17 @@ template <class T> class LoopSystem {
   void differentiate_residuals(const T* lambda, T* rate) noexcept;
 
   /// The place q, with M and the rows A factorised.
-  Solvability factorize(const T* q) noexcept;
+  Solvability factorize(const T* q, const RowRank& rank = {}) noexcept;
   /// M = Lᵀ D L at the configuration of the links, where joints may have another armature than the model says.
   Solvability factorize() noexcept { return factorize_with_armature(tree().armature.data()); }
   Solvability factorize_with_armature(const T* armature) noexcept;
   /// Y and Yᵀ Y of the rows.
   void factorize_rows() noexcept;
   /// λ with Yᵀ Y λ = -b, least where that does not fix it, and as far as the rows agree with each other.
-  void solve_rows(const T* b, T* lambda) noexcept;
+  void solve_rows(const T* b, T* lambda, const RowRank& rank = {}) noexcept;
+  /// Sets how small a part of a row solve_rows() ignores, by how far the loops are from closed at the place q.
+  /// Accelerations, impulses and steps towards closed configurations set it where they are.
+  void set_filter(const T* q, const RowRank& rank) noexcept;
   /// The smallest part of a row, squared, that the rows before it left in the last solve_rows(); 1 if no row was in doubt. Near 0
   /// branches of a motion meet, and accelerations are those of a mechanism with more freedoms.
   T weakest_row() const { return weakest_row_; }
@@ -110,7 +119,7 @@ template <class T> class LoopSystem {
   /// x := M⁻¹ x.
   void solve(T* x) noexcept { dynamics_->bodies.solve(tree(), x); }
 
-  /// W λ on the second body of loop joint k and -W λ on the first, in inertial axes about origin(k); after make_rows().
+  /// W λ on the second body of loop joint k and -W λ on the first, about origin(k); after make_rows().
   Wrench<Spatial, T> wrench(std::size_t k, const T* lambda) const noexcept;
   Vec3<T> origin(std::size_t k) const noexcept;
   /// The origins of the roots in the inertial frame, at the index of each root body.
@@ -142,8 +151,8 @@ template <class T> class LoopSystem {
   }
   /// accelerate() with the fast articulated bodies; false, and a and λ not written, where these cannot, or where velocities
   /// are coupled.
-  bool accelerate_quickly(const T* q, const T* v, const T* tau, const Loads<T>& loads, T* a,
-                          T* lambda) noexcept;
+  bool accelerate_quickly(const T* q, const T* v, const T* tau, const Loads<T>& loads, T* a, T* lambda,
+                          const RowRank& rank) noexcept;
   /// The motion of the two bodies of a loop joint about origin(k).
   loops::EndMotion<T> motion_of_ends(std::size_t k, const Twist<Spatial, T>* V,
                                      const TwistRate<Spatial, T>* dV) const noexcept;
@@ -162,7 +171,7 @@ template <class T> class LoopSystem {
   void place_ends() noexcept;  ///< the loops alone
   void make_entries() noexcept;
   /// All that solve_rows() needs, at the place.
-  Solvability prepare(Rows rows, const T* q) noexcept;
+  Solvability prepare(Rows rows, const T* q, const RowRank& rank) noexcept;
   /// w = D^-½ L⁻ᵀ x.
   void pull(const T* x) noexcept;
   /// x = L⁻¹ D^-½ (w + Y λ).
@@ -170,15 +179,14 @@ template <class T> class LoopSystem {
   /// b += Yᵀ w and w += Y λ.
   void add_to_rows(T* b) const noexcept;
   void add_to_velocities(const T* lambda) noexcept;
-  template <class F> void each_dropped(const F& f) const;
+  /// f(row) for the redundant ones of the rows that were made.
+  template <class F> void each_redundant(const RowRank& rank, const F& f) const;
   /// solve_rows() where every row is far from depending on others, in one step; false, and λ not written, otherwise.
-  bool solve_sound_rows(const T* b, T* lambda) noexcept;
+  bool solve_sound_rows(const T* b, T* lambda, const RowRank& rank) noexcept;
   /// The same for all rows, step by step.
-  void solve_filtered_rows(const T* b, T* lambda) noexcept;
+  void solve_filtered_rows(const T* b, T* lambda, const RowRank& rank) noexcept;
   /// What is to be factorised.
-  void set_rows(const T* b, const T& filter) noexcept;
-  /// What solve_filtered_rows() ignores, by how far the loops are from closed.
-  void set_filter(const T* q) noexcept;
+  void set_rows(const T* b, const T& filter, const RowRank& rank) noexcept;
   SE3<T> pose(const Loop::End& end, int root, const Vec3<T>& O) const noexcept;
   Wrench<Spatial, T> on_first(const State& at, const Wrench<Spatial, T>& W) const {
     return {W.m - cross(at.shift, W.f), W.f};
@@ -218,8 +226,7 @@ template <class T> class LoopSystem {
   Vec3<T>* origin_ = nullptr;
   std::vector<State> at_;  ///< of each loop joint
   Rows rows_ = Rows::velocities;
-  T filter_{}, weakest_row_ = T(1);
-  std::vector<char> dropped_;            ///< of each row of A; empty where nothing was decided
+  T filter_, weakest_row_ = T(1);
   std::vector<std::vector<T>> entries_;  ///< of each loop: A, a column of up to six rows for each LoopColumn
   RowByRow Y_, G_;
   RowCholesky<T> factor_;

@@ -7,7 +7,7 @@ namespace axode {
 
 template <class T>
 bool LoopSystem<T>::accelerate_quickly(const T* q, const T* v, const T* tau, const Loads<T>& loads, T* a,
-                                       T* lambda) noexcept {
+                                       T* lambda, const RowRank& rank) noexcept {
   if (!table_.of_couplings().empty()) return false;
   const Tree<T>& t = tree();
   using Bodies = typename Quick::Bodies;
@@ -59,7 +59,10 @@ bool LoopSystem<T>::accelerate_quickly(const T* q, const T* v, const T* tau, con
     if (!(G_.diagonal().segment(first(path), count(path)).maxCoeff() > least_part * most)) return false;
   }
   add_to_rows(b_.data());
-  if (!solve_sound_rows(b_.data(), lambda)) set_filter(q), solve_filtered_rows(b_.data(), lambda);
+  if (!solve_sound_rows(b_.data(), lambda, rank)) {
+    set_filter(q, rank);
+    solve_filtered_rows(b_.data(), lambda, rank);
+  }
   w_.setZero();
   add_to_velocities(lambda);
   each_velocity([&](int c, auto& pivot) { pivot.u = pivot.u + root_[c] * w_[c]; });
@@ -100,6 +103,7 @@ void LoopSystem<T>::pull_rows_quickly(const LoopPath& path, const State& at, int
 }
 
 template bool LoopSystem<AXODE_T>::accelerate_quickly(const AXODE_T*, const AXODE_T*, const AXODE_T*,
-                                                      const Loads<AXODE_T>&, AXODE_T*, AXODE_T*) noexcept;
+                                                      const Loads<AXODE_T>&, AXODE_T*, AXODE_T*,
+                                                      const RowRank&) noexcept;
 
 }  // namespace axode

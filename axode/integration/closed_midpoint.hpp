@@ -43,8 +43,9 @@ template <class System> class ClosedMidpoint {
   Outcome run(double t, double h, const Numbers& q0, const Numbers& p0) {
     LoopSystem<double>&ends = ends_.system(model_), &middle = middle_.system(model_);
     constexpr auto places = LoopSystem<double>::Rows::places;
-    if (!system_->can(t, ends.hold(q0.data())) || !system_->can(t, middle.hold(q0.data())))
-      return Outcome::impossible;
+    if (!system_->can(t, ends.determine_rank(q0.data(), rank_))) return Outcome::impossible;
+    middle.place(q0.data());
+    middle.set_filter(q0.data(), rank_);
     ends.make_rows(places);
     ends.write(R_.data());
     go(0.5 * h, q0, q_middle);
@@ -67,7 +68,7 @@ template <class System> class ClosedMidpoint {
       ends.residual(q.data(), want_.data());
       for (double& open : want_) open /= h;
       middle.add_response(r_.data(), want_.data());
-      middle.solve_rows(want_.data(), dlambda_.data());
+      middle.solve_rows(want_.data(), dlambda_.data(), rank_);
       middle.add_transposed_times(dlambda_.data(), r_.data());
       middle.solve(r_.data());
       for (double& d : dlambda_) d *= 2 / h;
@@ -99,6 +100,7 @@ template <class System> class ClosedMidpoint {
   Model model_;
   ConfigurationGroup<double> group_;
   LoopWorkspace<double> ends_, middle_;
+  RowRank rank_;
   Numbers R_, lambda_, want_, dlambda_, y_, p_0_, momenta_, r_;
 };
 

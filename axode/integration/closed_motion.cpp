@@ -30,18 +30,20 @@ ClosedMotion::ClosedMotion(const Model& model)
 void ClosedMotion::check(Span q, Span v) {
   LoopSystem<double>& system = workspace_.system(model_);
   check_closed(system, q, v);
-  static_cast<void>(system.hold(q.data()));
+  static_cast<void>(system.determine_rank(q.data(), rank_));
 }
 
 Solvability ClosedMotion::accelerate(Span q, Span v, Span tau, const Loads<double>& loads,
                                      std::span<double> a) {
-  return workspace_.system(model_).accelerate(q.data(), v.data(), tau.data(), loads, a.data(),
-                                              lambda_.data());
+  return workspace_.system(model_).accelerate(q.data(), v.data(), tau.data(), loads, a.data(), lambda_.data(),
+                                              rank_);
 }
 
 double ClosedMotion::weakest_row() { return workspace_.system(model_).weakest_row(); }
 
-void ClosedMotion::factorize(Span q) { static_cast<void>(workspace_.system(model_).factorize(q.data())); }
+void ClosedMotion::factorize(Span q) {
+  static_cast<void>(workspace_.system(model_).factorize(q.data(), rank_));
+}
 
 double ClosedMotion::respond(int c, std::span<double> a) {
   LoopSystem<double>& system = workspace_.system(model_);
@@ -49,7 +51,7 @@ double ClosedMotion::respond(int c, std::span<double> a) {
   a[static_cast<std::size_t>(c)] = 1;
   system.solve(a.data());
   const double alone = a[static_cast<std::size_t>(c)];
-  static_cast<void>(system.collide(a.data(), 0, a.data(), lambda_.data()));
+  static_cast<void>(system.collide(a.data(), 0, a.data(), lambda_.data(), rank_));
   return alone;
 }
 
@@ -58,7 +60,9 @@ void ClosedMotion::differentiate(Span q, Span v, Span tau, const Loads<double>& 
   static_cast<void>(forward_dynamics_derivatives(model_, workspace_, q, v, tau, d, loads));
 }
 
-void ClosedMotion::hold(Span q) { static_cast<void>(workspace_.system(model_).hold(q.data())); }
+void ClosedMotion::hold(Span q) {
+  static_cast<void>(workspace_.system(model_).determine_rank(q.data(), rank_));
+}
 
 Solvability ClosedMotion::add_closing_forces(Span q, Span v, Span tau, const Loads<double>& loads,
                                              std::span<double> f) {
@@ -73,11 +77,11 @@ Solvability ClosedMotion::add_closing_forces(Span q, Span v, Span tau, const Loa
 
 bool ClosedMotion::close_momenta(Span q, std::span<double> p) {
   LoopSystem<double>& system = workspace_.system(model_);
-  if (!system.hold(q.data()).ok()) return false;
+  if (!system.determine_rank(q.data(), rank_).ok()) return false;
   system.make_rows(LoopSystem<double>::Rows::velocities);
   std::ranges::fill(r_, 0.0);
   system.add_response(p.data(), r_.data());
-  system.solve_rows(r_.data(), lambda_.data());
+  system.solve_rows(r_.data(), lambda_.data(), rank_);
   system.add_transposed_times(lambda_.data(), p.data());
   return true;
 }
@@ -85,7 +89,8 @@ bool ClosedMotion::close_momenta(Span q, std::span<double> p) {
 bool ClosedMotion::close(std::vector<double>& q, std::vector<double>& v) {
   if (!close_places(q)) return false;
   LoopSystem<double>& system = workspace_.system(model_);
-  return system.hold(q.data()).ok() && system.collide(v.data(), 0, v.data(), lambda_.data()).ok();
+  return system.determine_rank(q.data(), rank_).ok() &&
+         system.collide(v.data(), 0, v.data(), lambda_.data(), rank_).ok();
 }
 
 bool ClosedMotion::close_places(std::vector<double>& q) {
@@ -97,7 +102,7 @@ bool ClosedMotion::close_places(std::vector<double>& q) {
   };
   double before = open();
   for (int n = 0; n < 5 && before > closed; ++n) {
-    if (!system.approach(q.data(), x_.data()).ok()) return false;
+    if (!system.approach(q.data(), x_.data(), rank_).ok()) return false;
     group_.move(q.data(), x_.data(), q.data());
     const double now = open();
     if (!(now < 0.5 * before)) {  // as far as rounding lets it come, or not at all

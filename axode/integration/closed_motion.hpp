@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "axode/constraints/constrained_derivatives.hpp"
+#include "axode/constraints/loop_system.hpp"
 #include "axode/constraints/loops.hpp"
 #include "axode/integration/configuration_group.hpp"
 #include "axode/recursion/solvability.hpp"
@@ -42,6 +43,7 @@ class ClosedMotion {
  private:
   Model model_;
   LoopWorkspace<double> workspace_;
+  RowRank rank_;  ///< as of the last closed configuration
   ConfigurationGroup<double> group_;
   std::vector<double> lambda_, r_, x_, a_;
 };

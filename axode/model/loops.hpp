@@ -31,12 +31,12 @@ struct LoopTraits {
   std::string_view name;
   int rows;       ///< number of rows of the Jacobian
   int residuals;  ///< number of residuals, fewer where velocities are bound and places are not
-  /// Which directions ω_x ω_y ω_z v_x v_y v_z the joint leaves free; a helical one ω_z with v_z = pitch ω_z. A universal
-  /// joint is a spherical one with a row more; none of a rod and of what rolls, which are no subgroups.
+  /// Which directions ω_x ω_y ω_z v_x v_y v_z the joint leaves free; a helical one ω_z with v_z = pitch ω_z. A
+  /// universal joint is a spherical one with a row more; rods and rolling contacts are no subgroups.
   std::array<bool, 6> free;
   bool located;  ///< whether it matters where the joint is, not only which directions it has
-  /// Members of LoopDescription by which the joint is drawn. It has one frame for both bodies unless it has a second axis,
-  /// two points, or a centre.
+  /// Members of LoopDescription by which the joint is drawn. It has one frame for both bodies unless it has a
+  /// second axis, two points, or a centre.
   std::array<std::string_view, 5> keys;
 
   constexpr bool has(std::string_view key) const {

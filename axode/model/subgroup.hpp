@@ -17,7 +17,7 @@
 ///   vector_coordinates           whether q and v have the same meaning (q' = v)
 ///   neutral()                    the coordinates of the identity
 ///   pose(B, q)                   B exp(S q), the pose of the child's joint frame, for a reference pose B
-///   coordinates(D, near, q)      the q nearest to others with pose(I, q) = D; D need not be a pose that the joint allows
+///   coordinates(D, near, q)      the q nearest to others with pose(I, q) = D, or near D if the joint cannot
 ///   twist(v)                     S v in the joint frame
 ///   project(W)                   Sᵀ W for a wrench in the joint frame
 ///   column(k)                    the k-th column of S
@@ -266,8 +266,8 @@ template <class T, class F> constexpr decltype(auto) with_subgroup(Subgroup kind
   return f(subgroup::Free<T>{});
 }
 
-/// Which directions ω_x ω_y ω_z v_x v_y v_z a joint leaves free: for each velocity the first one that it moves along, so that
-/// v_z of a helical joint, which follows ω_z, is not among them.
+/// Which directions ω_x ω_y ω_z v_x v_y v_z a joint leaves free: for each velocity the first one that it moves
+/// along, so that v_z of a helical joint, which follows ω_z, is not among them.
 constexpr std::array<bool, 6> free_directions(Subgroup kind) {
   std::array<bool, 6> free{};
   with_subgroup(kind, 1.0, [&](const auto& joint) {

@@ -5,7 +5,7 @@
 #include "tests/laws/law.hpp"
 #include "tests/lie/random_quantities.hpp"
 
-/// The laws of every loop joint of the table: what its type says of residuals, wrenches and biases goes together.
+/// The laws of every loop joint of the table: residuals, wrenches and biases of its type go together.
 namespace axode::test {
 namespace {
 

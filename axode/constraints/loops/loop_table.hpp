@@ -7,8 +7,8 @@
 
 namespace axode {
 
-/// The loops of a mechanism as the constraints read them, made once: each joint with its type, and couplings, which are
-/// constant rows of velocities.
+/// The loops of a mechanism as the constraints read them, made once: each joint with its type, and couplings,
+/// which are constant rows of velocities.
 struct LoopTable {
   using Range = LoopPath::Range;
   /// Consecutive velocities that feel the same rows as they give way.

@@ -3,8 +3,8 @@
 
 namespace axode::loops {
 
-/// A sphere or a wheel on the second body, z of whose frame is its axis, that rolls on the plane of the first, z of whose frame
-/// is the normal. The row of the normal has a residual, the two tangential rows have none.
+/// A sphere or a wheel on the second body that rolls on a plane of the first. z of the first frame is the normal,
+/// z of the second the axis of the wheel. The row of the normal has a residual, the two tangential rows have none.
 struct RollingContact {
   double radius = 0;  ///< m
   bool wheel = false;
@@ -36,7 +36,7 @@ struct RollingContact {
   }
 
  private:
-  /// The point of contact p, the unit vector d from there to the centre, and the vector y of which d is the direction.
+  /// The point of contact p, the direction d from there to the centre, and the vector y along d.
   template <class T> struct Contact { Vec3<T> d, p, y; };
   template <class T> Contact<T> contact(const LoopFrames<T>& at) const {
     const Vec3<T>&n = at.a.R.z, &k = at.b.R.z;

@@ -5,12 +5,12 @@
 
 namespace axode::loops {
 
-/// A loop joint that leaves a subgroup of SE(3) free, given by its free directions ω_x ω_y ω_z v_x v_y v_z in the frame of the
-/// joint, and by the pitch of a helical joint, whose v_z is bound to ω_z.
+/// A loop joint that leaves a subgroup of SE(3) free, given by its free directions ω_x ω_y ω_z v_x v_y v_z in the
+/// frame of the joint, and by the pitch of a helical joint, whose v_z is bound to ω_z.
 ///
-/// S spans the subalgebra of the joint, T the wrenches with Tᵀ S = 0. Of a relative pose D = g E the motion g in the subgroup
-/// is stripped off. The residual r = Tᵀ (log R_E; r_E) vanishes on the whole subgroup, however far the joint has moved;
-/// Tᵀ log D does not (it jumps at half a turn).
+/// S spans the subalgebra of the joint, T the wrenches with Tᵀ S = 0. Of a relative pose D = g E the motion g in
+/// the subgroup is stripped off. The residual r = Tᵀ (log R_E; r_E) vanishes on the whole subgroup, however far the
+/// joint has moved; Tᵀ log D does not (it jumps at half a turn).
 struct SubgroupClosure {
   std::array<bool, 6> free{};
   double pitch = 0;  ///< m/rad, 0 of all but helical joints

@@ -3,7 +3,7 @@
 
 namespace axode::loops {
 
-/// Two axes through one point, z of the first and of the second frame, that keep their angle: a ball and one couple more.
+/// Two axes through one point, z of either frame, that keep their angle: a ball and one couple more.
 struct Universal {
   double cosine = 0;  ///< of the angle between the axes
   static constexpr SubgroupClosure ball{{true, true, true}};
