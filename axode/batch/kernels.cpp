@@ -9,7 +9,7 @@
 #include "axode/fast/articulated_bodies.hpp"
 #include "axode/fast/composite_bodies.hpp"
 #include "axode/fast/inverse_mass_matrix.hpp"
-#include "axode/integration/munthe_kaas.hpp"
+#include "axode/integration/schemes/munthe_kaas.hpp"
 #include "axode/model/workspace.hpp"
 
 #ifndef AXODE_ISA  // as an editor sees it

@@ -18,7 +18,7 @@
 #include "axode/dynamics/forward_dynamics.hpp"
 #include "axode/dynamics/springs.hpp"
 #include "axode/integration/closed_motion.hpp"
-#include "axode/integration/munthe_kaas.hpp"
+#include "axode/integration/schemes/munthe_kaas.hpp"
 #include "axode/integration/simulation.hpp"
 #include "axode/model/configuration.hpp"
 #include "axode/model/finite.hpp"

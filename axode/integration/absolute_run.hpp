@@ -2,12 +2,13 @@
 #include <algorithm>
 #include <cmath>
 #include <span>
-#include <stdexcept>
 #include <string>
 #include <vector>
 
 #include "axode/constraints/absolute_system.hpp"
 #include "axode/integration/run.hpp"
+#include "axode/integration/schemes/settling.hpp"
+#include "axode/model/finite.hpp"
 
 namespace axode {
 
@@ -15,7 +16,7 @@ namespace axode {
 /// coordinates, with the accelerations of these.
 class AbsoluteRun {
  public:
-  using Vector = std::vector<double>;
+  using Numbers = std::vector<double>;
   using Span = std::span<const double>;
   using Rows = AbsoluteSystem::Rows;
 
@@ -23,12 +24,15 @@ class AbsoluteRun {
       : run_(model, q_0, v_0, until, options),
         trajectory(run_.trajectory),
         bodies_(model, options.coordinates == Coordinates::absolute ? BodyGroup::SE3 : BodyGroup::SO3xR3),
-        group_(bodies_.group()) {
+        group_(bodies_.group()),
+        norm_(inertia_of(bodies_)) {
     if (run_.done()) return;
     bodies_.enter(q_0, v_0, q, v);
     a.resize(v.size());
     tell_bodies();
-    if (hold(0, q)) accelerate(0, q, v, a);
+    Failure failure = hold(0, q);
+    if (!failure) failure = accelerate(0, q, v, a);
+    if (failure) stop(failure);
   }
   AbsoluteRun(const AbsoluteRun&) = delete;
 
@@ -37,98 +41,116 @@ class AbsoluteRun {
 
  public:
   Trajectory& trajectory;
-  Vector q, v, a, lambda;  ///< now
+  Numbers q, v, a, lambda;  ///< now
 
   AbsoluteSystem& bodies() { return bodies_; }
   const Tree<double>& tree() const { return bodies_.group(); }
   bool done() const { return run_.done(); }
   double now() const { return run_.now(); }
-  bool stop(double t, const std::string& why) { return run_.stop(t, why); }
-
-  // What schemes ask for; false, with the reason kept, where there is none.
-  bool place(double t, Span q_t) { return found(t, bodies_.place(q_t)); }
-  bool hold(double t, Span q_t) { return found(t, bodies_.hold(q_t)); }
-  /// With springs, dampers and drives as they resist what moves with an acceleration: places by c_x, velocities by c_v.
-  bool place(double t, Span q_t, Span v_t, double c_x, double c_v) {
-    bodies_.leave(q_t, v_t, q_joints_, v_joints_);
-    if (!run_.joint_resistance(t, q_joints_, v_joints_, c_x, c_v, resistance_)) return false;
-    return found(t, bodies_.place(q_t, resistance_));
+  void stop(const Failure& failure) { run_.stop(failure); }
+  const EnergyNorm& norm() const { return norm_; }
+  /// See Run; that of v_t are the velocities of the bodies.
+  double velocity_scale(const Numbers& v_t, double h) const {
+    return std::max(norm_.of_velocities(as_eigen(v_t)), run_.velocity_scale(h));
   }
-  bool forces(double t, Span q_t, Span v_t, Vector& f) {
-    if (!finite(q_t) || !finite(v_t)) return stop(t, "the state is not finite");
+
+  // What schemes ask for:
+  Failure place(double t, Span q_t) { return checked(t, bodies_.place(q_t)); }
+  Failure hold(double t, Span q_t) { return checked(t, bodies_.hold(q_t)); }
+  /// With springs, dampers and drives as they resist what moves with an acceleration: places by c_x, velocities by c_v.
+  Failure place(double t, Span q_t, Span v_t, double c_x, double c_v) {
+    bodies_.leave(q_t, v_t, q_joints_, v_joints_);
+    if (Failure failure = run_.joint_resistance(t, q_joints_, v_joints_, c_x, c_v, resistance_))
+      return failure;
+    return checked(t, bodies_.place(q_t, resistance_));
+  }
+  Failure forces(double t, Span q_t, Span v_t, Numbers& f) {
+    if (!finite(q_t) || !finite(v_t)) return {t, "the state is not finite"};
     bodies_.leave(q_t, v_t, q_joints_, v_joints_);
     Span tau;
-    if (!run_.joint_forces(t, q_joints_, v_joints_, tau)) return false;
+    if (Failure failure = run_.joint_forces(t, q_joints_, v_joints_, tau)) return failure;
     bodies_.forces(q_t, v_t, tau, run_.loads(), f);
-    return true;
+    return {};
   }
-  bool accelerate(double t, Span q_t, Span v_t, std::span<double> a_t) {
-    if (!forces(t, q_t, v_t, f_) || !place(t, q_t)) return false;
+  /// f += ad_vᵀ M v.
+  void add_turning(Span v_t, Numbers& f) {
     bodies_.momentum(v_t, p_);
-    turning_.resize(p_.size());
-    group_.cobracket(v_t.data(), p_.data(), turning_.data());
-    for (std::size_t c = 0; c < f_.size(); ++c) f_[c] += turning_[c];
+    group_.cobracket(v_t, p_, p_);
+    as_eigen(f) += as_eigen(p_);
+  }
+  Failure accelerate(double t, Span q_t, Span v_t, std::span<double> a_t) {
+    if (Failure failure = forces(t, q_t, v_t, f_)) return failure;
+    if (Failure failure = place(t, q_t)) return failure;
+    add_turning(v_t, f_);
     bodies_.bias(v_t, rows_);
     bodies_.solve(f_, rows_, x_, lambda);
     weakest_row_ = std::min(weakest_row_, bodies_.weakest_row());
     std::ranges::copy(x_, a_t.begin());
-    return finite(x_) || stop(t, "accelerations are not finite");
+    return finite(x_) ? Failure{} : Failure{t, "accelerations are not finite"};
   }
-  auto accelerations() {
-    return
-        [this](double t, Span q_t, Span v_t, std::span<double> a_t) { return accelerate(t, q_t, v_t, a_t); };
-  }
-
   /// Closes joints and loops again, by the displacement and the impulses that move the masses least, and is held there.
-  bool close(double t, Vector& q_1, Vector& v_1) {
+  Failure close(double t, Numbers& q_1, Numbers& v_1) {
     constexpr double closed = 1e-13, tolerable = 1e-6;
     double before = open_at(q_1);
-    if (!(before <= closed) && !found(t, bodies_.place(q_1, Rows::places))) return false;
+    if (!(before <= closed))
+      if (Failure failure = checked(t, bodies_.place(q_1, Rows::places))) return failure;
     for (int n = 0; n < 10 && !(before <= closed); ++n) {
-      for (double& open : rows_) open = -open;
-      f_.assign(v_1.size(), 0.0);
-      bodies_.solve(f_, rows_, x_, multipliers_);
-      group_.move(q_1.data(), x_.data(), q_1.data());
+      push_back();
+      group_.move(q_1, x_, q_1);
       const double now = open_at(q_1);
       const bool done = !(now < 0.5 * before);  // as far as rounding lets it come, or not at all
       before = now;
       if (done) break;
     }
-    if (!(before <= tolerable))
-      return stop(t, "joints and loops cannot be kept closed; a shorter step may help");
-    if (!hold(t, q_1)) return false;
+    if (!(before <= tolerable)) return {t, "joints and loops cannot be kept closed; a shorter step may help"};
+    if (Failure failure = hold(t, q_1)) return failure;
     bodies_.slip(q_1, v_1, rows_);
-    for (double& slip : rows_) slip = -slip;
-    f_.assign(v_1.size(), 0.0);
-    bodies_.solve(f_, rows_, x_, multipliers_);
-    for (std::size_t c = 0; c < v_1.size(); ++c) v_1[c] += x_[c];
-    return true;
+    push_back();
+    as_eigen(v_1) += as_eigen(x_);
+    return {};
   }
-  /// Takes the end of a step, closed again.
-  bool take(double t, Span q_end, Span v_end, Span = {}) {
-    Vector q_1(q_end.begin(), q_end.end()), v_1(v_end.begin(), v_end.end());
-    return close(t, q_1, v_1) && take_closed(t, q_1, v_1) && accelerate(t, q, v, a);
-  }
-  /// The same; dry friction is the force that the velocity says, and changes in steps.
-  template <class Attempt> bool take_up_to(double t_1, const StepEnd& end, const Attempt&) {
-    return take(t_1, end.q, end.v);
+  /// Takes the end of a step, closed again; dry friction is the force that the velocity says, and changes in steps.
+  Failure take_up_to(double t_1, const StepEnd& end, const Attempt&) {
+    Numbers q_1(end.q.begin(), end.q.end()), v_1(end.v.begin(), end.v.end());
+    if (Failure failure = close(t_1, q_1, v_1)) return failure;
+    if (Failure failure = take_closed(t_1, q_1, v_1)) return failure;
+    return done() ? Failure{} : accelerate(t_1, q, v, a);
   }
   void begin_step() { weakest_row_ = 1; }
   double weakest_row() const { return weakest_row_; }
   /// The same of a scheme that keeps joints and loops closed itself.
-  bool take_closed(double t, Span q_end, Span v_end) {
+  Failure take_closed(double t, Span q_end, Span v_end) {
     bodies_.leave(q_end, v_end, q_joints_, v_joints_);
     bodies_.keep(q_joints_);
-    q.assign(q_end.begin(), q_end.end()), v.assign(v_end.begin(), v_end.end());
+    q.assign(q_end.begin(), q_end.end());
+    v.assign(v_end.begin(), v_end.end());
     const std::size_t before = trajectory.size();
-    const bool goes_on = run_.take_closed(t, q_joints_, v_joints_);
+    Failure failure = run_.take_closed(t, q_joints_, v_joints_);
     if (trajectory.size() > before) tell_bodies();
-    return goes_on;
+    return failure;
   }
 
  private:
-  bool found(double t, const Solvability& how) {
-    return how.ok() || stop(t, to_string(trajectory.model(), how));
+  Failure checked(double t, const Solvability& how) {
+    return how.ok() ? Failure{} : Failure{t, to_string(trajectory.model(), how)};
+  }
+  /// The diagonal of M, which is constant.
+  static Eigen::VectorXd inertia_of(const AbsoluteSystem& bodies) {
+    Eigen::VectorXd inertia(bodies.nv());
+    Numbers v(static_cast<std::size_t>(bodies.nv())), p;
+    for (std::size_t c = 0; c < v.size(); ++c) {
+      v[c] = 1;
+      bodies.momentum(v, p);
+      inertia[static_cast<Eigen::Index>(c)] = p[c];
+      v[c] = 0;
+    }
+    return inertia;
+  }
+  /// x, by the impulses that take rows_ away.
+  void push_back() {
+    as_eigen(rows_) *= -1;
+    f_.assign(static_cast<std::size_t>(bodies_.nv()), 0.0);
+    bodies_.solve(f_, rows_, x_, multipliers_);
   }
   void tell_bodies() {
     bodies_.gap(q, rows_);
@@ -139,15 +161,14 @@ class AbsoluteRun {
   }
   double open_at(Span q_t) {
     bodies_.gap(q_t, rows_);
-    double sum = 0;
-    for (const double open : rows_) sum += open * open;
-    return std::sqrt(sum);
+    return as_eigen(rows_).norm();
   }
 
   AbsoluteSystem bodies_;
   ConfigurationGroup<double> group_;
+  EnergyNorm norm_;
   double weakest_row_ = 1;
-  Vector q_joints_, v_joints_, resistance_, f_, p_, turning_, rows_, x_, multipliers_;
+  Numbers q_joints_, v_joints_, resistance_, f_, p_, rows_, x_, multipliers_;
 };
 
 }  // namespace axode

@@ -86,14 +86,14 @@ bool ClosedMotion::close_momenta(Span q, std::span<double> p) {
   return true;
 }
 
-bool ClosedMotion::close(std::vector<double>& q, std::vector<double>& v) {
+bool ClosedMotion::close(std::span<double> q, std::span<double> v) {
   if (!close_places(q)) return false;
   LoopSystem<double>& system = workspace_.system(model_);
   return system.determine_rank(q.data(), rank_).ok() &&
          system.collide(v.data(), 0, v.data(), lambda_.data(), rank_).ok();
 }
 
-bool ClosedMotion::close_places(std::vector<double>& q) {
+bool ClosedMotion::close_places(std::span<double> q) {
   LoopSystem<double>& system = workspace_.system(model_);
   const auto open = [&] {
     system.place(q.data());

@@ -33,9 +33,9 @@ class ClosedMotion {
   /// Adds what the loops do to the joints, Aᵀ λ, under which accelerations keep them closed.
   Solvability add_closing_forces(Span q, Span v, Span tau, const Loads<double>& loads, std::span<double> f);
   /// Whether the loops could be closed. What is 1e-13 rad and m off stays.
-  [[nodiscard]] bool close(std::vector<double>& q, std::vector<double>& v);
+  [[nodiscard]] bool close(std::span<double> q, std::span<double> v);
   /// The same of places alone, and, where these are closed, of momenta p = M v.
-  [[nodiscard]] bool close_places(std::vector<double>& q);
+  [[nodiscard]] bool close_places(std::span<double> q);
   [[nodiscard]] bool close_momenta(Span q, std::span<double> p);
   /// Decides on the rank of the rows, where the loops are closed already.
   void hold(Span q);

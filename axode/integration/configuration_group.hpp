@@ -6,7 +6,8 @@ namespace axode {
 
 /// The configurations of a tree as a Lie group, the product of the joints' subgroups: all that a scheme knows of joints.
 /// Elements x, y of its algebra have nv numbers T, in the joints' left-trivialised directions; S is the tree's. Brackets vanish,
-/// and ⊕ is +, for joints of one velocity. Results may take the place of arguments. O(n).
+/// and ⊕ is +, for joints of one velocity. Arguments are vectors of any kind, or pointers to their first numbers; results
+/// may take the place of arguments. O(n).
 template <class T, class S = T> class ConfigurationGroup {
  public:
   explicit ConfigurationGroup(const Tree<S>& tree) : tree_(&tree) {
@@ -17,10 +18,10 @@ template <class T, class S = T> class ConfigurationGroup {
   bool commutes() const { return commutes_; }
 
   /// q ⊕ x, quaternions brought back to norm 1 in second order.
-  void move(const T* q, const T* x, T* out) const noexcept {
+  void move(const auto& q, const auto& x, auto&& out) const noexcept {
     each_own_joint([&]<class Joint>(const Joint& joint, int i) {
-      T* const to = out + tree()->iq[i];
-      joint.integrate(q + tree()->iq[i], x + tree()->iv[i], to);
+      T* const to = first(out) + tree()->iq[i];
+      joint.integrate(first(q) + tree()->iq[i], first(x) + tree()->iv[i], to);
       if constexpr (Joint::nq > Joint::nv) {
         const T scale = T(0.5) * (T(3) - (to[0] * to[0] + to[1] * to[1] + to[2] * to[2] + to[3] * to[3]));
         for (int k = 0; k < 4; ++k) to[k] = scale * to[k];
@@ -28,60 +29,70 @@ template <class T, class S = T> class ConfigurationGroup {
     });
   }
   /// The x with q0 ⊕ x = q1, by the shorter way round on rotations.
-  void difference(const T* q0, const T* q1, T* out) const noexcept {
+  void difference(const auto& q0, const auto& q1, auto&& out) const noexcept {
     each_own_joint([&](const auto& joint, int i) {
-      joint.difference(q0 + tree()->iq[i], q1 + tree()->iq[i], out + tree()->iv[i]);
+      joint.difference(first(q0) + tree()->iq[i], first(q1) + tree()->iq[i], first(out) + tree()->iv[i]);
     });
   }
   /// x, with 0 for joints of one velocity.
-  void noncommuting(const T* x, T* out) const noexcept {
-    each_block(x, x, out, [](const Screw<T>& X, const Screw<T>&) { return X; });
+  void noncommuting(const auto& x, auto&& out) const noexcept {
+    each_block(first(x), first(x), first(out), [](const Screw<T>& X, const Screw<T>&) { return X; });
   }
   /// [x, y].
-  void bracket(const T* x, const T* y, T* out) const noexcept {
-    each_block(x, y, out, [](const Screw<T>& X, const Screw<T>& Y) { return ad(X, Y); });
+  void bracket(const auto& x, const auto& y, auto&& out) const noexcept {
+    each_block(first(x), first(y), first(out), [](const Screw<T>& X, const Screw<T>& Y) { return ad(X, Y); });
   }
   /// dexp_{-x} y: the velocity of q ⊕ x where x' = y.
-  void velocity(const T* x, const T* y, T* out) const noexcept {
+  void velocity(const auto& x, const auto& y, auto&& out) const noexcept {
     each_block(
-        x, y, out, [](const Screw<T>& X, const Screw<T>& Y) { return dexp(-X, Y); }, y);
+        first(x), first(y), first(out), [](const Screw<T>& X, const Screw<T>& Y) { return dexp(-X, Y); },
+        first(y));
   }
   /// Its derivative where y' = z: dexp_{-x} z + (D_{-y} dexp)_{-x} y, the acceleration of q ⊕ x.
-  void acceleration(const T* x, const T* y, const T* z, T* out) const noexcept {
+  void acceleration(const auto& x, const auto& y, const auto& z, auto&& out) const noexcept {
     each_own_joint([&]<class Joint>(const Joint& joint, int i) {
       const int c = tree()->iv[i];
       if constexpr (Joint::nv == 1) {
         out[c] = z[c];
       } else {
-        const Screw<T> X = screw(joint, x + c), Y = screw(joint, y + c), Z = screw(joint, z + c);
-        put(joint, dexp(-X, Z) + ddexp(-X, -Y, Y), out + c);
+        const Screw<T> X = screw(joint, first(x) + c), Y = screw(joint, first(y) + c),
+                       Z = screw(joint, first(z) + c);
+        put(joint, dexp(-X, Z) + ddexp(-X, -Y, Y), first(out) + c);
       }
     });
   }
   /// dexp⁻¹_{-x} y: the x' with which q ⊕ x has the velocity y.
-  void rate(const T* x, const T* y, T* out) const noexcept {
+  void rate(const auto& x, const auto& y, auto&& out) const noexcept {
     each_block(
-        x, y, out, [](const Screw<T>& X, const Screw<T>& Y) { return dexp_inv(-X, Y); }, y);
+        first(x), first(y), first(out), [](const Screw<T>& X, const Screw<T>& Y) { return dexp_inv(-X, Y); },
+        first(y));
   }
 
   // And of momenta p, the duals of velocities:
   /// ad_xᵀ p.
-  void cobracket(const T* x, const T* p, T* out) const noexcept {
-    each_dual_block(x, p, out, [](const Screw<T>& X, const Screw<T>& P) { return ad(-X, P); });
+  void cobracket(const auto& x, const auto& p, auto&& out) const noexcept {
+    each_dual_block(first(x), first(p), first(out),
+                    [](const Screw<T>& X, const Screw<T>& P) { return ad(-X, P); });
   }
   /// Ad_{exp x}ᵀ p: at q ⊕ x the momentum that p is at q.
-  void carry(const T* x, const T* p, T* out) const noexcept {
+  void carry(const auto& x, const auto& p, auto&& out) const noexcept {
     each_dual_block(
-        x, p, out, [](const Screw<T>& X, const Screw<T>& P) { return Ad(exp(-X), P); }, p);
+        first(x), first(p), first(out), [](const Screw<T>& X, const Screw<T>& P) { return Ad(exp(-X), P); },
+        first(p));
   }
   /// dexp_xᵀ p.
-  void codexp(const T* x, const T* p, T* out) const noexcept {
+  void codexp(const auto& x, const auto& p, auto&& out) const noexcept {
     each_dual_block(
-        x, p, out, [](const Screw<T>& X, const Screw<T>& P) { return dexp(-X, P); }, p);
+        first(x), first(p), first(out), [](const Screw<T>& X, const Screw<T>& P) { return dexp(-X, P); },
+        first(p));
   }
 
  private:
   const Tree<S>& tree() const { return *tree_; }
+  static const T* first(const T* x) noexcept { return x; }
+  static T* first(T* x) noexcept { return x; }
+  static auto* first(auto&& x) requires requires { x.data(); }
+  { return x.data(); }
   template <class F> void each_own_joint(const F& f) const noexcept {
     for (const JointRun& run : tree()->runs)
       if (!run.coupled)

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "axode/eigen.hpp"
+
 namespace axode {
 
 DryFriction::DryFriction(const Tree<double>& tree, bool felt) : tree_(&tree) {
@@ -32,17 +34,16 @@ void DryFriction::add_losses(Span v, std::span<double> tau) const {
   for (const Joint& joint : joints_) tau[at(joint.velocity)] -= joint.way * joint.friction;
 }
 
-void DryFriction::hold(const Matrix& compliance, Span own, std::span<double> a) {
+void DryFriction::hold(const Matrix& compliance, Span own, const EnergyNorm& norm, std::span<double> a) {
   constexpr double felt = 1e-9, rounding = 1e-13;  // of what its friction can make of a velocity, and of all
   const auto k = static_cast<Eigen::Index>(held_.size());
-  double largest = 0;
-  for (const double a_c : a) largest = std::max(largest, std::abs(a_c));
+  const double size = norm.of_velocities(as_eigen(Span(a)));
   A_.resize(k, k), a_0_.resize(k), tolerance_.resize(k);
   for (Eigen::Index i = 0; i < k; ++i) {
     const Joint& joint = held(i);
     A_.row(i) = compliance.row(joint.velocity);
     a_0_[i] = a[at(joint.velocity)];
-    tolerance_[i] = felt * A_(i, i) * joint.friction + rounding * largest;
+    tolerance_[i] = felt * A_(i, i) * joint.friction + rounding * norm.alone(joint.velocity, size);
   }
   find_forces(*std::ranges::max_element(own));
   for (Eigen::Index i = 0; i < k; ++i)

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "axode/constraints/row_cholesky.hpp"
+#include "axode/integration/schemes/energy_norm.hpp"
 #include "axode/model/tree.hpp"
 
 namespace axode {
@@ -33,8 +34,8 @@ class DryFriction {
   /// Damping, and friction of what slides.
   void add_losses(Span v, std::span<double> tau) const;
   /// Takes a to the accelerations with what sticks held; `compliance` are the columns of Φ that belong to sticking(), `own` what
-  /// each would be on its diagonal without loops.
-  void hold(const Matrix& compliance, Span own, std::span<double> a);
+  /// each would be on its diagonal without loops; `norm` measures a.
+  void hold(const Matrix& compliance, Span own, const EnergyNorm& norm, std::span<double> a);
 
   /// Takes derivatives of accelerations, [component, direction] and ∂a/∂τ first, to those with what sticks held.
   void hold_derivatives(std::initializer_list<std::span<double>> derivatives);

@@ -5,21 +5,22 @@
 #include <stdexcept>
 #include <string>
 
+#include "axode/dynamics/inverse_dynamics.hpp"
 #include "axode/dynamics/momentum.hpp"
 #include "axode/integration/absolute_run.hpp"
-#include "axode/integration/closed_midpoint.hpp"
-#include "axode/integration/conserving.hpp"
-#include "axode/integration/constrained_alpha.hpp"
-#include "axode/integration/explicit_steps.hpp"
-#include "axode/integration/generalized_alpha.hpp"
-#include "axode/integration/half_explicit.hpp"
-#include "axode/integration/phase_space.hpp"
-#include "axode/integration/rattle.hpp"
+#include "axode/integration/schemes/closed_midpoint.hpp"
+#include "axode/integration/schemes/conserving.hpp"
+#include "axode/integration/schemes/constrained_alpha.hpp"
+#include "axode/integration/schemes/explicit_steps.hpp"
+#include "axode/integration/schemes/generalized_alpha.hpp"
+#include "axode/integration/schemes/half_explicit.hpp"
+#include "axode/integration/schemes/phase_space.hpp"
+#include "axode/integration/schemes/rattle.hpp"
 
 namespace axode {
 namespace {
 
-using Vector = std::vector<double>;
+using Vector = Eigen::VectorXd;
 using Span = std::span<const double>;
 
 /// The same on Hamilton's side, what floats seen from its centre of mass.
@@ -29,66 +30,73 @@ class MomentumRun : public Run {
       : Run(model, q_0, v_0, until, options),
         phase_space_(model),
         bases_(model, q_0.data(), v_0.data(), is_loaded()),
-        q_t_(q_0.size()),
-        v_t_(v_0.size()),
-        p_(v_0.size()),
-        none_(v_0.size()) {}
+        p_(model.nv()) {}
 
   FloatingBases& bases() { return bases_; }
   /// The start: q, v and p = M v, against the frames of the bases.
   void enter(Vector& q_0, Vector& v_0, Vector& p_0) {
-    q_0 = q, v_0 = v, p_0.resize(v.size());
+    q_0 = q;
+    v_0 = v;
+    p_0.resize(v.size());
     bases_.enter(0, q_0.data(), v_0.data());
-    momenta(model_, workspace_, Span(q_0), v_0, p_0);
+    momenta(model_, workspace_, Span(as_span(q_0)), as_span(v_0), as_span(p_0));
   }
 
-  /// p = M v and f = τ + ∂L/∂q; false, with the reason kept, where there are none.
-  bool partials(double t, Span q_t, Span v_t, Vector& p, std::span<double> f) {
-    q_t_.assign(q_t.begin(), q_t.end()), v_t_.assign(v_t.begin(), v_t.end());
+  /// p = M v and f = τ + ∂L/∂q.
+  Failure partials(double t, const Vector& q_t, const Vector& v_t, Vector& p, Vector& f) {
+    q_t_ = q_t;
+    v_t_ = v_t;
     bases_.leave(t, q_t_.data(), v_t_.data());
-    if (!begin_evaluation(t, q_t_, v_t_)) return false;
-    const Span tau = in_joints(q_t_, v_t_);
+    Span tau;
+    if (Failure failure = joint_forces(t, as_span(q_t_), as_span(v_t_), tau)) return failure;
     pushes_bases_ = is_loaded() || bases_.driven_by(tau.data());
     phase_space_.partials(q_t_.data(), v_t.data(), bases_.gravity(), tau, loads(), p.data(), f.data());
-    return true;
+    return {};
   }
-  bool factorize(double t, Span q_t) { return can(t, phase_space_.factorize(q_t.data())); }
-  void solve(std::span<double> x) { phase_space_.solve(x.data()); }
+  Failure factorize(double t, const Vector& q_t) { return checked(t, phase_space_.factorize(q_t.data())); }
+  void solve(Vector& x) { phase_space_.solve(x.data()); }
   /// v of a state (q, p).
-  bool velocity(double t, Span q_t, Span p, std::span<double> v_t) {
-    if (!factorize(t, q_t)) return false;
-    std::ranges::copy(p, v_t.begin());
+  Failure velocity(double t, const Vector& q_t, const Vector& p, Vector& v_t) {
+    if (Failure failure = factorize(t, q_t)) return failure;
+    v_t = p;
     solve(v_t);
-    return finite(v_t) || stop(t, "the state is not finite at " + joint_of(v_t));
+    return finite(v_t) ? Failure{} : not_finite(t, "the state is", as_span(v_t));
   }
   /// v, and p' less ad_vᵀ p.
-  bool rates(double t, Span q_t, Span p, std::span<double> v_t, std::span<double> f) {
-    if (!velocity(t, q_t, p, v_t) || !partials(t, q_t, v_t, p_, f)) return false;
-    if (!loops_) return true;
-    return can(t, loops_->add_closing_forces(q_t_, v_t_, in_joints(q_t_, v_t_), loads(), f));
+  Failure rates(double t, const Vector& q_t, const Vector& p, Vector& v_t, Vector& f) {
+    if (Failure failure = velocity(t, q_t, p, v_t)) return failure;
+    if (Failure failure = partials(t, q_t, v_t, p_, f)) return failure;
+    if (!loops_) return {};
+    return checked(
+        t, loops_->add_closing_forces(as_span(q_t_), as_span(v_t_), as_span(forces_), loads(), as_span(f)));
   }
-  bool can(double t, const Solvability& found) { return found.ok() || stop(t, to_string(model_, found)); }
+  Failure checked(double t, const Solvability& found) const {
+    return found.ok() ? Failure{} : Failure{t, to_string(model_, found)};
+  }
   /// Takes away of p what opens loops; and closes them.
-  bool close(double t, Span q_t, Vector& p) {
-    return !loops_ || loops_->close_momenta(q_t, p) || stop(t, open);
+  Failure close(double t, const Vector& q_t, Vector& p) {
+    return !loops_ || loops_->close_momenta(as_span(q_t), as_span(p)) ? Failure{} : Failure{t, open};
   }
-  bool close_places(double t, Vector& q_t) { return !loops_ || loops_->close_places(q_t) || stop(t, open); }
+  Failure close_places(double t, Vector& q_t) {
+    return !loops_ || loops_->close_places(as_span(q_t)) ? Failure{} : Failure{t, open};
+  }
   /// Whether anything but weight acted on a base in the last evaluation.
   bool pushes_bases() const { return pushes_bases_; }
   /// Takes the end of a step.
-  bool take_momenta(double t, Span q_t, Span p) {
-    Vector q_1(q_t.begin(), q_t.end()), v_1(p.size());
-    if (!velocity(t, q_t, p, v_1)) return false;
+  Failure take_momenta(double t, const Vector& q_t, const Vector& p) {
+    Vector q_1 = q_t, v_1, a_1(p.size());
+    if (Failure failure = velocity(t, q_t, p, v_1)) return failure;
     bases_.leave(t, q_1.data(), v_1.data());
-    if (loops_) return take_closed(t, q_1, v_1);
-    if (!begin_evaluation(t, q_1, v_1)) return false;  // M is factorised there: a = M⁻¹ (τ - h)
-    const Span tau = in_joints(q_1, v_1);
-    Vector a_1(p.size());
-    inverse_dynamics(model_, workspace_, Span(q_1), v_1, none_, a_1, loads());
-    for (std::size_t c = 0; c < a_1.size(); ++c) a_1[c] = tau[c] - a_1[c];
+    if (loops_) return take_closed(t, as_span(q_1), as_span(v_1));
+    Span tau;  // M is factorised there: a = M⁻¹ (τ - h)
+    if (Failure failure = joint_forces(t, as_span(q_1), as_span(v_1), tau)) return failure;
+    const Vector none = Vector::Zero(p.size());
+    inverse_dynamics(model_, workspace_, Span(as_span(q_1)), as_span(v_1), as_span(none), as_span(a_1),
+                     loads());
+    a_1 = as_eigen(tau) - a_1;
     solve(a_1);
-    if (!finite(a_1)) return stop(t, "accelerations are not finite");
-    return record(t, q_1, v_1, a_1);
+    if (!finite(a_1)) return {t, "accelerations are not finite"};
+    return record(t, {q_1, v_1, a_1});
   }
 
  private:
@@ -96,7 +104,7 @@ class MomentumRun : public Run {
 
   PhaseSpace phase_space_;
   FloatingBases bases_;
-  Vector q_t_, v_t_, p_, none_;
+  Vector q_t_, v_t_, p_;
   bool pushes_bases_ = false;
 };
 
@@ -134,9 +142,8 @@ void check_relative(const SimulationOptions& options, const char* scheme) {
 /// Steps of a scheme that keeps joints and loops closed itself.
 template <class Scheme> void take_closed_steps(AbsoluteRun& run, Scheme& scheme, double until, double step) {
   each_step(run, until, step, [&](double t_1) {
-    const StepOutcome outcome = scheme.run(run.now(), t_1 - run.now());
-    if (outcome == StepOutcome::diverged) run.stop(t_1, "the step did not converge; a shorter one may");
-    return outcome == StepOutcome::found && run.take_closed(t_1, scheme.q, scheme.v);
+    if (Failure failure = scheme.run(run.now(), t_1 - run.now())) return failure;
+    return run.take_closed(t_1, scheme.q, scheme.v);
   });
 }
 
@@ -184,22 +191,15 @@ Trajectory simulate_stiff(const Model& model, Span q, Span v, double until, doub
   if (!stabilized) check_absolute(options, "generalised-alpha of index 3");
   Run run(model, q, v, until, options);
   GeneralizedAlpha scheme(run, model.tree<double>(), rho, run.a);
-  using Outcome = GeneralizedAlpha<Run>::Outcome;
-  const auto attempt = [&](double t_1, StepEnd& end) {
-    const Outcome outcome = scheme.run(t_1, t_1 - run.now(), run.q, run.v, run.a);
-    if (outcome == Outcome::diverged)
-      run.stop(t_1, "Newton's method did not converge; a shorter step may help");
-    if (outcome != Outcome::found) return false;
+  const Attempt attempt = [&](double t_1, StepEnd& end) {
+    if (Failure failure = scheme.run(t_1, t_1 - run.now(), run.q, run.v, run.a)) return failure;
     end = {scheme.q, scheme.v, scheme.a};
-    return run.can_hold(t_1, end);
+    return run.hold_at(t_1, end);
   };
   StepEnd end;
   each_step(run, until, step, [&](double t_1) {
-    while (run.now() < t_1 && !run.done()) {
-      if (!attempt(t_1, end) || !run.take_up_to(t_1, end, attempt)) return false;
-      run.friction_changed() ? scheme.begin(run.a) : scheme.go_on();
-    }
-    return true;
+    return take_until(run, t_1, end, attempt,
+                      [&] { run.friction_changed() ? scheme.begin(run.a) : scheme.go_on(); });
   });
   return std::move(run.trajectory);
 }
@@ -234,11 +234,9 @@ Trajectory simulate_conserving(const Model& model, Span q, Span v, double until,
   run.enter(q_0, v_0, p_0);
   const auto take = [&](auto part) {
     ConservingStep scheme(run, std::move(part), order, q_0, p_0, v_0);
-    using Outcome = Midpoint<MomentumRun>::Outcome;
     each_step(run, until, step, [&](double t_1) {
-      const Outcome outcome = scheme.run(run.now(), t_1 - run.now());
-      if (outcome == Outcome::diverged) run.stop(t_1, "the step did not converge; a shorter one may");
-      return outcome == Outcome::found && run.take_momenta(t_1, scheme.q, scheme.p);
+      if (Failure failure = scheme.run(run.now(), t_1 - run.now())) return failure;
+      return run.take_momenta(t_1, scheme.q, scheme.p);
     });
   };
   if (model.loops().empty())
@@ -259,31 +257,35 @@ Trajectory simulate_momenta(const Model& model, Span q, Span v, double until, do
   const ConfigurationGroup<double> group(model.tree<double>());
   Vector q_1, v_1, y;
   run.enter(q_1, v_1, y);
-  Vector p(y), turning(y), dy(y);
+  Vector q_i, p = y, v_i, dp = y, dy = y;
   bases.begin(q_1.data(), y.data());
+  Failure failure;
   const auto rates = [&](double t, Span q_t, Span y_t, std::span<double> v_t, std::span<double> dy_t) {
-    p.assign(y_t.begin(), y_t.end());
+    q_i = as_eigen(q_t);
+    p = as_eigen(y_t);
     bases.to_momenta(q_t.data(), y_t.data(), p.data());
-    if (!run.rates(t, q_t, p, v_t, dy_t)) return false;
-    group.cobracket(v_t.data(), p.data(), turning.data());
-    for (std::size_t c = 0; c < p.size(); ++c) turning[c] += dy_t[c];
-    bases.rates(q_t.data(), run.pushes_bases(), dy_t.data(), turning.data());
-    std::ranges::copy(turning, dy_t.begin());
+    failure = run.rates(t, q_i, p, v_i, dp);
+    if (failure) return false;
+    as_eigen(v_t) = v_i;
+    group.cobracket(v_i, p, dy_t);
+    as_eigen(dy_t) += dp;
+    bases.rates(q_t.data(), run.pushes_bases(), dp.data(), dy_t.data());
     return true;
   };
   each_step(run, until, step, [&](double t_1) {
     const double t = run.now();
-    if (!rates(t, q_1, y, v_1, dy) ||
+    if (!rates(t, as_span(q_1), as_span(y), as_span(v_1), as_span(dy)) ||
         !scheme.run(t, q_1.data(), y.data(), v_1.data(), dy.data(), t_1 - t, rates))
-      return false;
-    group.move(q_1.data(), scheme.theta.data(), q_1.data());
-    y = p = scheme.y;
-    if (!run.close_places(t_1, q_1)) return false;
+      return failure;
+    group.move(q_1, scheme.theta, q_1);
+    y = as_eigen(scheme.y);
+    p = y;
+    if ((failure = run.close_places(t_1, q_1))) return failure;
     bases.settle(q_1.data());
     bases.to_momenta(q_1.data(), y.data(), p.data());
     const Vector before = p;
-    if (!run.close(t_1, q_1, p)) return false;
-    for (std::size_t c = 0; c < p.size(); ++c) y[c] += p[c] - before[c];  // which is 0 of what floats
+    if ((failure = run.close(t_1, q_1, p))) return failure;
+    y += p - before;  // which is 0 of what floats
     return run.take_momenta(t_1, q_1, p);
   });
   return std::move(run.trajectory);

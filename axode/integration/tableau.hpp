@@ -1,4 +1,5 @@
 #pragma once
+#include <span>
 #include <vector>
 
 namespace axode {
@@ -23,5 +24,9 @@ void check_step(double step);
 /// Euler, the midpoint rule, Kutta's third and fourth order, and Dormand's and Prince's fifth (with an error estimate). Throws
 /// std::invalid_argument for another order than 1 to 5.
 const Tableau& runge_kutta(int order);
+
+/// The lengths, adding up to 1, of the steps by a symmetric method of second order that make one of order 2 (one step), 4
+/// (Suzuki's five) or 6 (Kahan's and Li's nine); some go backwards. Throws std::invalid_argument for another order.
+std::span<const double> symmetric_composition(int order);
 
 }  // namespace axode

@@ -9,6 +9,14 @@
 
 namespace axode {
 
+/// Why a motion cannot go on at a time. Nothing, and false, where it can.
+struct [[nodiscard]] Failure {
+  double t = 0;
+  std::string why = {};
+
+  explicit operator bool() const { return !why.empty(); }
+};
+
 /// A motion at times t_0 < t_1 < ..., the ends of steps, and in between.
 class Trajectory {
  public:

@@ -1,13 +1,12 @@
 #pragma once
-#include <algorithm>
-#include <cmath>
 #include <span>
 #include <vector>
 
 #include "axode/constraints/absolute_system.hpp"
-#include "axode/integration/composition.hpp"
 #include "axode/integration/configuration_group.hpp"
-#include "axode/integration/settling.hpp"
+#include "axode/integration/schemes/settling.hpp"
+#include "axode/integration/tableau.hpp"
+#include "axode/integration/trajectory.hpp"
 
 namespace axode {
 
@@ -20,7 +19,8 @@ namespace axode {
 /// The second half is solved for the v_1 on which f may depend: so damping and drives keep the order. Newton's method takes
 /// M and B, where the step is expected to end, for its matrix.
 ///
-/// A System has the AbsoluteSystem as bodies(), and forces(t, q, v, f), place(t, q) and hold(t, q), which say whether they could.
+/// A System has the AbsoluteSystem as bodies(); forces(t, q, v, f), place(t, q), hold(t, q) and add_turning(v, f), which adds
+/// ad_vᵀ M v to f; norm() and velocity_scale(v, h), see Run.
 template <class System> class Rattle {
  public:
   using Numbers = std::vector<double>;
@@ -34,76 +34,80 @@ template <class System> class Rattle {
         lengths_(symmetric_composition(order)) {}
 
   /// Takes q and v at time t to t + h.
-  StepOutcome run(double t, double h) {
-    for (std::size_t k = 0; k < lengths_.size(); ++k) {
-      if (const StepOutcome outcome = step(t, lengths_[k] * h); outcome != StepOutcome::found) return outcome;
-      t += lengths_[k] * h;
+  Failure run(double t, double h) {
+    for (const double length : lengths_) {
+      if (Failure failure = step(t, length * h)) return failure;
+      t += length * h;
     }
-    return StepOutcome::found;
+    return {};
   }
 
   Numbers q, v;
 
  private:
-  StepOutcome step(double t, double h) {
+  Failure step(double t, double h) {
     auto& bodies = system_->bodies();
-    if (!system_->forces(t, q, v, f_)) return StepOutcome::impossible;
+    if (Failure failure = system_->forces(t, q, v, f_)) return failure;
     bodies.momentum(v, p_);
     k_0_ = p_;
-    for (std::size_t c = 0; c < v.size(); ++c) k_0_[c] += h / 2 * f_[c];
-    w_ = v, x_.resize(v.size()), q_1_.resize(q.size()), q_middle_.resize(q.size()), r_.resize(v.size());
+    as_eigen(k_0_) += h / 2 * as_eigen(f_);
+    w_ = v;
+    x_.resize(v.size());
+    q_1_.resize(q.size());
+    q_middle_.resize(q.size());
     // Where branches of a motion meet, the guess decides which one is followed: it is that of the accelerations.
-    group_.cobracket(v.data(), p_.data(), r_.data());
-    for (std::size_t c = 0; c < v.size(); ++c) r_[c] += f_[c];
+    r_ = f_;
+    system_->add_turning(v, r_);
     bodies.bias(v, want_);
     bodies.solve(r_, want_, dw_, lambda_);
-    for (std::size_t c = 0; c < v.size(); ++c) w_[c] += h / 2 * dw_[c];
-    for (double& lambda_k : lambda_) lambda_k *= h / 2;
+    as_eigen(w_) += h / 2 * as_eigen(dw_);
+    as_eigen(lambda_) *= h / 2;
     go(h, q_1_);
-    if (!system_->place(t + h, q_1_)) return StepOutcome::impossible;
-    Settling settling;
+    if (Failure failure = system_->place(t + h, q_1_)) return failure;
+    Settling settling(system_->norm());
     for (auto verdict = Settling::Verdict::going;;) {
       go(h, q_1_);
       k_ = k_0_;
       bodies.add_closing(q, lambda_, k_);
       if (verdict == Settling::Verdict::settled) break;
-      group_.codexp(x_.data(), k_.data(), r_.data());
+      group_.codexp(x_, k_, r_);
       bodies.momentum(w_, p_);
-      for (std::size_t c = 0; c < v.size(); ++c) r_[c] -= p_[c];
+      as_eigen(r_) -= as_eigen(p_);
       bodies.gap(q_1_, want_, AbsoluteSystem::Rows::velocities);
-      for (double& open : want_) open *= -1 / h;
+      as_eigen(want_) *= -1 / h;
       if (bodies.rolls()) {
         go(h / 2, q_middle_);
         bodies.put_rolling(q_middle_, w_, -1, want_);
       }
       bodies.solve(r_, want_, dw_, dlambda_);
-      verdict = settling.take(scale_of(w_), {{w_, dw_}, {lambda_, dlambda_}});
-      if (verdict == Settling::Verdict::diverged) return StepOutcome::diverged;
+      verdict = settling.take(system_->velocity_scale(w_, h),
+                              {{as_eigen(w_), as_eigen(dw_)}, {as_eigen(lambda_), as_eigen(dlambda_)}});
+      if (verdict == Settling::Verdict::lost) return {t + h, diverged};
     }
-    group_.carry(x_.data(), k_.data(), k_.data());
-    if (!system_->hold(t + h, q_1_)) return StepOutcome::impossible;
+    group_.carry(x_, k_, k_);
+    if (Failure failure = system_->hold(t + h, q_1_)) return failure;
     v = w_;
-    Settling settling_again;
+    Settling settling_again(system_->norm());
     old_.clear();
     for (auto verdict = Settling::Verdict::going; verdict != Settling::Verdict::settled; old_ = f_) {
-      if (!system_->forces(t + h, q_1_, v, f_)) return StepOutcome::impossible;
+      if (Failure failure = system_->forces(t + h, q_1_, v, f_)) return failure;
       if (old_ == f_) break;  // which does not depend on v
       bodies.momentum(v, p_);
-      for (std::size_t c = 0; c < v.size(); ++c) r_[c] = k_[c] + h / 2 * f_[c] - p_[c];
+      as_eigen(r_) = as_eigen(k_) + h / 2 * as_eigen(f_) - as_eigen(p_);
       bodies.slip(q_1_, v, want_);
-      for (double& slip : want_) slip = -slip;
+      as_eigen(want_) *= -1;
       bodies.solve(r_, want_, dw_, dlambda_);
-      verdict = settling_again.take(scale_of(v), {{v, dw_}});
-      if (verdict == Settling::Verdict::diverged) return StepOutcome::diverged;
+      verdict = settling_again.take(system_->velocity_scale(v, h), {{as_eigen(v), as_eigen(dw_)}});
+      if (verdict == Settling::Verdict::lost) return {t + h, diverged};
     }
     q = q_1_;
-    return StepOutcome::found;
+    return {};
   }
 
   /// q ⊕ part w, by x.
   void go(double part, Numbers& to) {
-    for (std::size_t c = 0; c < v.size(); ++c) x_[c] = part * w_[c];
-    group_.move(q.data(), x_.data(), to.data());
+    as_eigen(x_) = part * as_eigen(w_);
+    group_.move(q, x_, to);
   }
 
   System* system_;

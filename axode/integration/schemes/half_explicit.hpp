@@ -1,12 +1,12 @@
 #pragma once
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <vector>
 
 #include "axode/constraints/absolute_system.hpp"
 #include "axode/integration/configuration_group.hpp"
-#include "axode/integration/settling.hpp"
+#include "axode/integration/schemes/settling.hpp"
+#include "axode/integration/trajectory.hpp"
 
 namespace axode {
 
@@ -25,36 +25,33 @@ template <class System> class HalfExplicit {
       : q(q_0), v(v_0), system_(&system), group_(system.bodies().group()) {}
 
   /// Takes q and v at time t to t + h.
-  StepOutcome run(double t, double h) {
+  Failure run(double t, double h) {
     static constexpr std::array<std::array<double, 3>, 3> a{{{1.0 / 3, 0, 0}, {-1, 2, 0}, {0, 0.75, 0.25}}};
     static constexpr std::array<double, 3> c{0, 1.0 / 3, 1};
-    auto& bodies = system_->bodies();
     const std::size_t nv = v.size();
-    q_i_ = q, V_ = v, theta_.assign(nv, 0.0);
+    q_i_ = q;
+    V_ = v;
+    theta_.assign(nv, 0.0);
+    q_next_.resize(q.size());
     for (std::size_t i = 0; i < 3; ++i) {
-      if (i > 0 && !system_->place(t + c[i] * h, q_i_)) return StepOutcome::impossible;
-      if (!system_->forces(t + c[i] * h, q_i_, V_, f_)) return StepOutcome::impossible;
-      bodies.momentum(V_, p_);
-      p_.resize(nv), turning_.resize(nv);
-      group_.cobracket(V_.data(), p_.data(), turning_.data());
-      for (std::size_t k = 0; k < nv; ++k) f_[k] += turning_[k];
+      if (i > 0)
+        if (Failure failure = system_->place(t + c[i] * h, q_i_)) return failure;
+      if (Failure failure = system_->forces(t + c[i] * h, q_i_, V_, f_)) return failure;
+      system_->add_turning(V_, f_);
       K_[i].resize(nv);
-      group_.rate(theta_.data(), V_.data(), K_[i].data());
-      std::ranges::fill(theta_, 0.0);
+      group_.rate(theta_, V_, K_[i]);
+      theta_.assign(nv, 0.0);
       base_ = v;
-      for (std::size_t j = 0; j <= i; ++j)
-        for (std::size_t k = 0; k < nv; ++k) {
-          theta_[k] += h * a[i][j] * K_[j][k];
-          if (j < i) base_[k] += h * a[i][j] * L_[j][k];
-        }
-      q_next_.resize(q.size());
-      group_.move(q.data(), theta_.data(), q_next_.data());
-      if (!accelerate(h * a[i][i], L_[i])) return StepOutcome::diverged;
-      for (std::size_t k = 0; k < nv; ++k) V_[k] = base_[k] + h * a[i][i] * L_[i][k];
+      for (std::size_t j = 0; j <= i; ++j) as_eigen(theta_) += h * a[i][j] * as_eigen(K_[j]);
+      for (std::size_t j = 0; j < i; ++j) as_eigen(base_) += h * a[i][j] * as_eigen(L_[j]);
+      group_.move(q, theta_, q_next_);
+      if (!accelerate(h * a[i][i], L_[i])) return {t + h, diverged};
+      as_eigen(V_) = as_eigen(base_) + h * a[i][i] * as_eigen(L_[i]);
       q_i_ = q_next_;
     }
-    q = q_i_, v = V_;
-    return system_->close(t + h, q, v) ? StepOutcome::found : StepOutcome::impossible;
+    q = q_i_;
+    v = V_;
+    return system_->close(t + h, q, v);
   }
 
   Numbers q, v;
@@ -63,21 +60,21 @@ template <class System> class HalfExplicit {
   /// L at q_i, with which base + part L is consistent at the next stage.
   bool accelerate(double part, Numbers& L) {
     auto& bodies = system_->bodies();
-    const std::size_t nv = v.size();
-    L.assign(nv, 0.0);
+    L.assign(v.size(), 0.0);
     lambda_.assign(static_cast<std::size_t>(bodies.rows(AbsoluteSystem::Rows::velocities)), 0.0);
-    Settling settling;
+    Settling settling(system_->norm());
     for (;;) {
-      V_ = base_;
-      for (std::size_t k = 0; k < nv; ++k) V_[k] += part * L[k];
+      as_eigen(V_) = as_eigen(base_) + part * as_eigen(L);
       bodies.slip(q_next_, V_, want_);
-      for (double& slip : want_) slip *= -1 / part;
+      as_eigen(want_) *= -1 / part;
       bodies.momentum(L, p_);
       r_ = f_;
       bodies.add_closing(q_i_, lambda_, r_);
-      for (std::size_t k = 0; k < nv; ++k) r_[k] -= p_[k];
+      as_eigen(r_) -= as_eigen(p_);
       bodies.solve(r_, want_, dL_, dlambda_);
-      const auto verdict = settling.take(scale_of(V_) / std::abs(part), {{L, dL_}, {lambda_, dlambda_}});
+      const double size = system_->velocity_scale(V_, part) / std::abs(part);
+      const auto verdict =
+          settling.take(size, {{as_eigen(L), as_eigen(dL_)}, {as_eigen(lambda_), as_eigen(dlambda_)}});
       if (verdict != Settling::Verdict::going) return verdict == Settling::Verdict::settled;
     }
   }
@@ -85,7 +82,7 @@ template <class System> class HalfExplicit {
   System* system_;
   ConfigurationGroup<double> group_;
   std::array<Numbers, 3> K_, L_;
-  Numbers q_i_, q_next_, V_, theta_, base_, f_, p_, turning_, lambda_, want_, r_, dL_, dlambda_;
+  Numbers q_i_, q_next_, V_, theta_, base_, f_, p_, lambda_, want_, r_, dL_, dlambda_;
 };
 
 }  // namespace axode

@@ -1,15 +1,14 @@
 #pragma once
-#include <algorithm>
-#include <cmath>
 #include <vector>
 
 #include "axode/constraints/absolute_system.hpp"
 #include "axode/integration/configuration_group.hpp"
-#include "axode/integration/settling.hpp"
+#include "axode/integration/schemes/generalized_alpha.hpp"
+#include "axode/integration/schemes/settling.hpp"
 
 namespace axode {
 
-/// A step of generalised-α under constraints, on a group with constant M (Arnold, Brüls): the means of GeneralizedAlpha, with
+/// A step of generalised-α under constraints, on a group with constant M (Arnold, Brüls): with AlphaMeans
 ///   M a_1 = f(q_1, v_1) + ad_{v_1}ᵀ M v_1 + B_1ᵀ λ,   Φ(q_1) = 0                    (index 3)
 /// or, stabilised to index 2, with multipliers η of positions, B_1 v_1 = 0 besides:
 ///   x = h v_0 + h² ((1/2 - β) â_0 + β â_1 + β c M⁻¹ Bᵀ η).
@@ -29,40 +28,36 @@ template <class System> class ConstrainedAlpha {
         system_(&system),
         group_(system.bodies().group()),
         stabilized_(stabilized),
-        a_f_(spectral_radius / (spectral_radius + 1)),
-        a_m_((2 * spectral_radius - 1) / (spectral_radius + 1)),
-        gamma_(0.5 + a_f_ - a_m_),
-        beta_((gamma_ + 0.5) * (gamma_ + 0.5) / 4),
-        c_((1 - a_f_) / (1 - a_m_)),
-        a_(a_0),
-        mean_(a_0) {}
+        means_(spectral_radius),
+        a_(as_eigen(a_0)),
+        mean_(a_) {}
 
   /// Takes q, v and λ at time t to t + h.
-  StepOutcome run(double t, double h) {
+  Failure run(double t, double h) {
     auto& bodies = system_->bodies();
     const std::size_t nv = v.size();
-    const double c_x = h * h * beta_ * c_, c_v = h * gamma_ * c_;
-    a_1_ = a_, moved_.assign(nv, 0.0), x_.resize(nv), q_1_.resize(q.size()), turning_.resize(nv);
-    mean_1_.resize(nv), v_1_.resize(nv);
+    const double c_x = h * h * means_.beta * means_.c, c_v = h * means_.gamma * means_.c;
+    a_1_.assign(a_.begin(), a_.end());
+    moved_.assign(nv, 0.0);
+    q_1_.resize(q.size());
     end_with(h);
-    if (!system_->place(t + h, q_1_, v_1_, c_x, c_v)) return StepOutcome::impossible;
-    Settling settling;
+    if (Failure failure = system_->place(t + h, q_1_, v_1_, c_x, c_v)) return failure;
+    Settling settling(system_->norm());
     for (auto verdict = Settling::Verdict::going;;) {
       end_with(h);
       if (verdict == Settling::Verdict::settled) break;
-      if (!system_->forces(t + h, q_1_, v_1_, r_)) return StepOutcome::impossible;
-      bodies.momentum(v_1_, p_);
-      group_.cobracket(v_1_.data(), p_.data(), turning_.data());
+      if (Failure failure = system_->forces(t + h, q_1_, v_1_, r_)) return failure;
+      system_->add_turning(v_1_, r_);
       bodies.momentum(a_1_, p_);
+      as_eigen(r_) -= as_eigen(p_);
       bodies.add_closing(q_1_, lambda, r_);
-      for (std::size_t k = 0; k < nv; ++k) r_[k] += turning_[k] - p_[k];
       bodies.gap(q_1_, open_, AbsoluteSystem::Rows::velocities);
-      for (double& open : open_) open /= -c_x;
+      as_eigen(open_) /= -c_x;
       if (stabilized_) {
         bodies.slip(q_1_, v_1_, want_);
-        for (double& slip : want_) slip /= -c_v;
+        as_eigen(want_) /= -c_v;
         bodies.solve(r_, want_, da_, dlambda_);
-        for (std::size_t k = 0; k < open_.size(); ++k) open_[k] -= want_[k];  // as B da is
+        as_eigen(open_) -= as_eigen(want_);  // as B da is
         bodies.put_rolling(q_1_, moved_, -1, open_);
         r_.assign(nv, 0.0);
         bodies.solve(r_, open_, dmoved_, deta_);
@@ -71,11 +66,16 @@ template <class System> class ConstrainedAlpha {
         bodies.solve(r_, open_, da_, dlambda_);
         dmoved_.assign(nv, 0.0);
       }
-      verdict = settling.take(scale_of(v_1_) / h, {{a_1_, da_}, {moved_, dmoved_}, {lambda, dlambda_}});
-      if (verdict == Settling::Verdict::diverged) return StepOutcome::diverged;
+      verdict = settling.take(system_->velocity_scale(v_1_, h) / h, {{as_eigen(a_1_), as_eigen(da_)},
+                                                                     {as_eigen(moved_), as_eigen(dmoved_)},
+                                                                     {as_eigen(lambda), as_eigen(dlambda_)}});
+      if (verdict == Settling::Verdict::lost) return {t + h, diverged};
     }
-    q = q_1_, v = v_1_, a_ = a_1_, mean_ = mean_1_;
-    return system_->hold(t + h, q) ? StepOutcome::found : StepOutcome::impossible;
+    q = q_1_;
+    v = v_1_;
+    a_ = as_eigen(a_1_);
+    mean_ = mean_1_;
+    return system_->hold(t + h, q);
   }
 
   Numbers q, v, lambda;
@@ -83,20 +83,19 @@ template <class System> class ConstrainedAlpha {
  private:
   /// The end of a step in which the acceleration becomes a_1 and bodies are moved besides.
   void end_with(double h) {
-    for (std::size_t k = 0; k < v.size(); ++k) {
-      mean_1_[k] = (a_f_ * a_[k] - a_m_ * mean_[k]) / (1 - a_m_) + c_ * a_1_[k];
-      v_1_[k] = v[k] + h * ((1 - gamma_) * mean_[k] + gamma_ * mean_1_[k]);
-      x_[k] = h * v[k] + h * h * ((0.5 - beta_) * mean_[k] + beta_ * (mean_1_[k] + c_ * moved_[k]));
-    }
-    group_.move(q.data(), x_.data(), q_1_.data());
+    v_1_.resize(v.size());
+    Eigen::Map<Eigen::VectorXd> v_1 = as_eigen(v_1_);
+    means_.advance(h, as_eigen(v), a_, mean_, as_eigen(a_1_), mean_1_, v_1, x_);
+    x_ += h * h * means_.beta * means_.c * as_eigen(moved_);
+    group_.move(q, x_, q_1_);
   }
 
   System* system_;
   ConfigurationGroup<double> group_;
   bool stabilized_;
-  double a_f_, a_m_, gamma_, beta_, c_;
-  Numbers a_, mean_, a_1_, mean_1_, v_1_, moved_, x_, q_1_, r_, p_, turning_, open_, want_, da_, dlambda_,
-      dmoved_, deta_;
+  AlphaMeans means_;
+  Eigen::VectorXd a_, mean_, mean_1_, x_;
+  Numbers a_1_, v_1_, moved_, q_1_, r_, p_, open_, want_, da_, dlambda_, dmoved_, deta_;
 };
 
 }  // namespace axode

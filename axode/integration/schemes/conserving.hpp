@@ -1,27 +1,26 @@
 #pragma once
-#include <algorithm>
+#include <Eigen/Core>
 #include <span>
 #include <utility>
 #include <vector>
 
-#include "axode/integration/composition.hpp"
-#include "axode/integration/floating_bases.hpp"
-#include "axode/integration/midpoint.hpp"
+#include "axode/integration/schemes/floating_bases.hpp"
+#include "axode/integration/schemes/midpoint.hpp"
+#include "axode/integration/tableau.hpp"
 
 namespace axode {
 
 /// A step of a symmetric composition of the midpoint rule on (q, p), what floats seen from its centre of mass. Velocities of
 /// the same part of the steps before, extrapolated, are the guesses. Part is Midpoint or ClosedMidpoint. A System is one of its
 /// that has with bases() its FloatingBases, says with pushes_bases() whether something acted on one of them in the last
-/// evaluation, and with close(t, q, p), which has p open no loops, whether it could.
+/// evaluation, and has p open no loops with close(t, q, p).
 template <class System, class Part> class ConservingStep {
  public:
-  using Numbers = std::vector<double>;
-  using Outcome = typename Midpoint<System>::Outcome;
+  using Vector = Eigen::VectorXd;
 
   /// From a state with p = M v.
-  ConservingStep(System& system, Part part, int order, const Numbers& q_0, const Numbers& p_0,
-                 const Numbers& v_0)
+  ConservingStep(System& system, Part part, int order, const Vector& q_0, const Vector& p_0,
+                 const Vector& v_0)
       : q(q_0),
         p(p_0),
         system_(&system),
@@ -35,54 +34,53 @@ template <class System, class Part> class ConservingStep {
   }
 
   /// Takes q and p at time t to t + h.
-  Outcome run(double t, double h) {
+  Failure run(double t, double h) {
     FloatingBases& bases = system_->bases();
     for (std::size_t k = 0; k < lengths_.size(); ++k) {
       const double part = lengths_[k] * h;
       guesses_[k].extrapolate(midpoint_.v);
-      if (const Outcome outcome = midpoint_.run(t, part, q, p); outcome != Outcome::found) return outcome;
+      if (Failure failure = midpoint_.run(t, part, q, p)) return failure;
       guesses_[k].take(midpoint_.v);
-      q = midpoint_.q, p = midpoint_.p, t += part;
+      q = midpoint_.q;
+      p = midpoint_.p;
+      t += part;
       bases.advance(midpoint_.q_middle.data(), part, system_->pushes_bases(), midpoint_.f.data(), y_.data());
       bases.settle(q.data());
       bases.to_momenta(q.data(), y_.data(), p.data());
-      if (!system_->close(t, q, p)) return Outcome::impossible;
+      if (Failure failure = system_->close(t, q, p)) return failure;
     }
-    return Outcome::found;
+    return {};
   }
 
-  Numbers q, p;
+  Vector q, p;
 
  private:
   /// The next of equally spaced values, from as many as four.
   class Extrapolation {
    public:
-    void take(const Numbers& v) {
-      if (last_.size() < 4) {
-        last_.push_back(v);
-      } else {
-        std::rotate(last_.begin(), last_.begin() + 1, last_.end());
-        last_.back() = v;
-      }
+    void take(const Vector& v) {
+      if (last_.cols() < 4)
+        last_.conservativeResize(v.size(), last_.cols() + 1);
+      else
+        last_.leftCols(3) = last_.rightCols(3).eval();
+      last_.rightCols(1) = v;
     }
     /// Leaves v as it is before there are any.
-    void extrapolate(Numbers& v) const {
-      if (last_.empty()) return;
-      static constexpr double weights[4][4] = {{1}, {-1, 2}, {1, -3, 3}, {-1, 4, -6, 4}};
-      std::ranges::fill(v, 0.0);
-      for (std::size_t j = 0; j < last_.size(); ++j)
-        for (std::size_t c = 0; c < v.size(); ++c) v[c] += weights[last_.size() - 1][j] * last_[j][c];
+    void extrapolate(Vector& v) const {
+      static const Eigen::Matrix4d weights{{1, -1, 1, -1}, {0, 2, -3, 4}, {0, 0, 3, -6}, {0, 0, 0, 4}};
+      const Eigen::Index n = last_.cols();
+      if (n > 0) v.noalias() = last_ * weights.col(n - 1).head(n);
     }
 
    private:
-    std::vector<Numbers> last_;
+    Eigen::MatrixXd last_;
   };
 
   System* system_;
   Part midpoint_;
   std::span<const double> lengths_;
   std::vector<Extrapolation> guesses_;
-  Numbers y_;
+  Vector y_;
 };
 
 }  // namespace axode

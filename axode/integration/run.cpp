@@ -1,0 +1,444 @@
+#include "axode/integration/run.hpp"
+
+#include <numbers>
+#include <stdexcept>
+
+#include "axode/derivatives/spring_derivatives.hpp"
+#include "axode/kinematics/check_arguments.hpp"
+#include "axode/dynamics/forward_dynamics.hpp"
+#include "axode/dynamics/inverse_dynamics.hpp"
+#include "axode/dynamics/mass_matrix.hpp"
+#include "axode/dynamics/springs.hpp"
+#include "axode/eigen.hpp"
+#include "axode/kinematics/twists.hpp"
+#include "axode/model/configuration.hpp"
+#include "axode/model/finite.hpp"
+
+namespace axode {
+namespace {
+
+/// The norm of gravity as a force on the whole mechanism, of which no joint feels more.
+double weight_of(const Tree<double>& tree) {
+  double mass = 0;
+  for (int i = 1; i <= tree->n; ++i) mass += tree.M[i].m;
+  return std::sqrt(mass) * axode::norm(tree.g);
+}
+
+}  // namespace
+
+Run::Run(const Model& model, Span q_0, Span v_0, double until, const SimulationOptions& options)
+    : trajectory(model),
+      q(as_eigen(q_0)),
+      v(as_eigen(v_0)),
+      a(v.size()),
+      model_(model),
+      options_(options),
+      workspace_(model, cut_tree),
+      friction_(model.tree<double>(), options.joint_losses && options.coordinates == Coordinates::relative),
+      norm_(model.tree<double>()),
+      places_(0),
+      weight_(weight_of(model.tree<double>())),
+      tau_(Vector::Zero(model.nv())),
+      forces_(tau_),
+      loads_(options.loads),
+      until_(until) {
+  if (!model.loops().empty()) loops_.emplace(model);
+  check_configuration(model, q_0);
+  check_size("v", v_0.size(), static_cast<std::size_t>(model.nv()), "nv");
+  if (!finite(v)) throw std::invalid_argument("v has numbers that are not finite");
+  if (!(until >= 0) || !std::isfinite(until))
+    throw std::invalid_argument("until is " + std::to_string(until) + "; expected a time of 0 s or more");
+  check_loads(model, loads());
+  if (loops_) loops_->check(q_0, v_0);
+  places_ = norm_.of_places(tree(), q);
+  friction_.start(v_0);
+  if (Failure failure = accelerate(0, q_0, v_0, as_span(a))) {
+    stop(failure);
+    return;
+  }
+  friction_.release(as_span(a));
+  trajectory.append(0, q_0, v_0, as_span(a), as_span(tau_));
+  values_ = values_at(0, q_0, v_0);
+}
+
+void Run::stop(const Failure& failure) {
+  trajectory.complete = false;
+  trajectory.stopped = "at t = " + std::to_string(failure.t) + " s: " + failure.why;
+}
+
+// What acts, and what comes of it.
+
+Failure Run::not_finite(double t, const char* what, Span x) const {
+  return {t, what + std::string(" not finite at ") + joint_of(x)};
+}
+
+std::string Run::joint_of(Span x) const {
+  for (std::size_t c = 0; c < x.size(); ++c)
+    if (!std::isfinite(x[c])) return "joint \"" + velocity_names(model_)[c] + "\"";
+  return "a joint";
+}
+
+void Run::compute_loads(double t, Span q_t, Span v_t) {
+  if (!options_.computed_loads) return;
+  loads_ = options_.loads;
+  options_.computed_loads(t, q_t, v_t, loads_);
+  check_loads(model_, loads());
+}
+
+Failure Run::begin_evaluation(double t, Span q_t, Span v_t) {
+  ++trajectory.evaluations;
+  if (!finite(q_t) || !finite(v_t)) return not_finite(t, "the state is", v_t);
+  compute_loads(t, q_t, v_t);
+  if (!options_.drive) return {};
+  options_.drive(t, q_t, v_t, as_span(tau_));
+  return finite(tau_) ? Failure{} : not_finite(t, "the drive forces are", as_span(tau_));
+}
+
+Run::Span Run::in_joints(Span q_t, Span v_t) {
+  forces_ = tau_;
+  if (!model_.springs().empty()) add_spring_forces(model_, workspace_, q_t, v_t, as_span(forces_));
+  if (friction_.felt()) friction_.add_losses(v_t, as_span(forces_));
+  return as_span(std::as_const(forces_));
+}
+
+Failure Run::joint_forces(double t, Span q_t, Span v_t, Span& tau) {
+  if (Failure failure = begin_evaluation(t, q_t, v_t)) return failure;
+  tau = in_joints(q_t, v_t);
+  return {};
+}
+
+Failure Run::accelerate(double t, Span q_t, Span v_t, std::span<double> a_t) {
+  Span tau;
+  if (Failure failure = joint_forces(t, q_t, v_t, tau)) return failure;
+  const Solvability found = loops_ ? loops_->accelerate(q_t, v_t, tau, loads(), a_t)
+                                   : forward_dynamics(model_, workspace_, q_t, v_t, tau, a_t, loads());
+  if (!found.ok()) return {t, to_string(model_, found)};
+  if (loops_) weakest_row_ = std::min(weakest_row_, loops_->weakest_row());
+  if (!friction_.sticking().empty()) hold(q_t, a_t);
+  return {};
+}
+
+Failure Run::residual(double t, const Vector& q_t, const Vector& v_t, const Vector& a_t, Vector& r) {
+  if (loops_) {
+    if (Failure failure = accelerate(t, as_span(q_t), as_span(v_t), as_span(r))) return failure;
+    r = a_t - r;
+    return {};
+  }
+  ++trajectory.evaluations;
+  if (!finite(q_t) || !finite(v_t) || !finite(a_t)) return {t, "the state is not finite"};
+  compute_loads(t, as_span(q_t), as_span(v_t));
+  inverse_dynamics(model_, workspace_, as_span(q_t), as_span(v_t), as_span(a_t), as_span(r), loads());
+  if (options_.drive) options_.drive(t, as_span(q_t), as_span(v_t), as_span(tau_));
+  r -= as_eigen(in_joints(as_span(q_t), as_span(v_t)));
+  for (const int c : friction_.sticking()) r[c] = a_t[c];
+  return finite(r) ? Failure{} : not_finite(t, "forces are", as_span(r));
+}
+
+void Run::residual_derivatives(const Vector& q_t, const Vector& v_t, const Vector& a_t,
+                               const InverseDynamicsDerivatives<double>& dr) {
+  const Eigen::Index nv = model_.nv();
+  const Span q_s = as_span(q_t), v_s = as_span(v_t);
+  const bool forces = !model_.springs().empty() || friction_.felt();
+  SquareMatrix by_q, by_v;
+  if (forces) {
+    by_q.resize(nv, nv);
+    by_v.resize(nv, nv);
+    spring_force_derivatives(model_, workspace_, q_s, v_s, {as_span(by_q), as_span(by_v)});
+    if (friction_.felt()) by_v.diagonal() -= as_eigen(Span(tree().damping));
+  }
+  Eigen::Map<SquareMatrix> r_q(dr.q.data(), nv, nv), r_v(dr.v.data(), nv, nv), r_a(dr.a.data(), nv, nv);
+  if (loops_) {
+    compliance_.resize(nv, nv);
+    loops_->differentiate(q_s, v_s, in_joints(q_s, v_s), loads(), {dr.q, dr.v, as_span(compliance_)});
+    if (forces) {
+      r_q += compliance_ * by_q;
+      r_v += compliance_ * by_v;
+    }
+    friction_.hold_derivatives({as_span(compliance_), dr.q, dr.v});
+    r_q = -r_q;
+    r_v = -r_v;
+    r_a.setIdentity();
+    return;
+  }
+  inverse_dynamics_derivatives(model_, workspace_, q_s, v_s, as_span(a_t), dr, loads());
+  if (forces) {
+    r_q -= by_q;
+    r_v -= by_v;
+  }
+  for (const int c : friction_.sticking()) {
+    r_q.row(c).setZero();
+    r_v.row(c).setZero();
+    r_a.row(c).setZero();
+    r_a(c, c) = 1;
+  }
+}
+
+Run::Span Run::drive(double t, const Vector& q_t, const Vector& v_t) {
+  options_.drive(t, as_span(q_t), as_span(v_t), as_span(tau_));
+  driven_ = tau_;
+  if (loops_) driven_ = compliance_ * tau_;
+  for (const int c : friction_.sticking()) driven_[c] = 0;
+  return as_span(std::as_const(driven_));
+}
+
+Failure Run::joint_resistance(double t, Span q_t, Span v_t, double c_x, double c_v,
+                              std::vector<double>& out) {
+  if (!finite(q_t) || !finite(v_t)) return not_finite(t, "the state is", v_t);
+  const Eigen::Index nv = model_.nv();
+  out.assign(v_t.size(), 0.0);
+  Eigen::Map<Vector> inertia(out.data(), nv);
+  if (!model_.springs().empty()) {
+    SquareMatrix by_q(nv, nv), by_v(nv, nv);
+    spring_force_derivatives(model_, workspace_, q_t, v_t, {as_span(by_q), as_span(by_v)});
+    inertia = -c_x * by_q.diagonal() - c_v * by_v.diagonal();
+  }
+  if (options_.drive) add_resistance_of_drive(t, q_t, v_t, c_x, c_v, out);
+  if (options_.joint_losses) inertia += c_v * as_eigen(Span(tree().damping));
+  inertia = inertia.cwiseMax(0);
+  return {};
+}
+
+void Run::add_resistance_of_drive(double t, Span q_t, Span v_t, double c_x, double c_v,
+                                  std::vector<double>& out) {
+  options_.drive(t, q_t, v_t, as_span(tau_));
+  const Vector before = tau_;
+  const double size = velocity_scale(as_eigen(v_t), c_v);
+  Vector x = Vector::Zero(before.size()), v_k = as_eigen(v_t);
+  for (Eigen::Index k = 0; k < x.size(); ++k) {
+    const double by = norm_.increment(k, v_k[k], size) / c_v;
+    x[k] = c_x * by;
+    v_k[k] += c_v * by;
+    options_.drive(t, integrate(model_, q_t, as_span(x)), as_span(v_k), as_span(tau_));
+    out[static_cast<std::size_t>(k)] -= (tau_[k] - before[k]) / by;
+    x[k] = 0;
+    v_k[k] = v_t[static_cast<std::size_t>(k)];
+  }
+}
+
+// Dry friction.
+
+/// Takes a, the accelerations last found, to those with what sticks held.
+void Run::hold(Span q_t, std::span<double> a_t) {
+  const std::vector<int>& sticking = friction_.sticking();
+  columns_.resize(model_.nv(), static_cast<Eigen::Index>(sticking.size()));
+  own_.resize(sticking.size());
+  if (loops_) {
+    loops_->factorize(q_t);
+  } else {
+    compliance_.resize(model_.nv(), model_.nv());
+    static_cast<void>(inverse_mass_matrix(model_, workspace_, q_t, as_span(compliance_)));
+  }
+  Vector column(model_.nv());
+  for (std::size_t k = 0; k < sticking.size(); ++k) {
+    const int c = sticking[k];
+    own_[k] = loops_ ? loops_->respond(c, as_span(column)) : compliance_(c, c);
+    if (!loops_) column = compliance_.col(c);
+    columns_.col(static_cast<Eigen::Index>(k)) = column;
+  }
+  friction_.hold(columns_, own_, norm_, a_t);
+}
+
+void Run::begin_step() {
+  friction_.watch();
+  weakest_row_ = 1;
+}
+
+Failure Run::hold_at(double t, const StepEnd& end) {
+  Vector a_end(end.v.size());
+  begin_step();
+  if (friction_.sticking().empty()) return {};
+  return accelerate(t, as_span(end.q), as_span(end.v), as_span(a_end));
+}
+
+/// Accelerations at the end of an attempt, where the scheme did not say them.
+Failure Run::know_accelerations(double t, StepEnd& end) {
+  if (end.a.size() == end.v.size()) return {};
+  end.a.resize(end.v.size());
+  return accelerate(t, as_span(end.q), as_span(end.v), as_span(end.a));
+}
+
+bool Run::friction_changes(double t_0, double t_1, const StepEnd& end) const {
+  return friction_.slip() > 1 ||
+         friction_.turned(as_span(v), as_span(a), as_span(end.v), as_span(end.a), t_1 - t_0);
+}
+
+/// Now: what slid until a time ago, or will until then, rests. Whether there was any.
+bool Run::rest(double within) { return friction_.rest(as_span(v), as_span(a), within); }
+
+Failure Run::take_up_to(double t_1, StepEnd& end, const Attempt& attempt) {
+  friction_changed_ = false;
+  if (!friction_.felt()) return take(t_1, end);
+  const double t_0 = now(), resolution = std::max(1e-13 * (t_1 - t_0), 1e-15 * t_1);
+  if (Failure failure = know_accelerations(t_1, end)) return failure;
+  if (!friction_changes(t_0, t_1, end)) {
+    Failure failure = take(t_1, end);
+    if (!failure && !done()) rest(0);
+    return failure;
+  }
+  double low = t_0, high = t_1, t = t_1, slip = friction_.slip(), rise = 0;
+  StepEnd after = end;
+  for (int tries = 0; high - low > resolution; ++tries) {
+    // To first order: by what slips, which is told from two attempts, or by what turns.
+    const double guess = t + (rise > 0 ? -slip / rise : friction_.rest_in(as_span(end.v), as_span(end.a)));
+    const double before = t, slip_before = slip;
+    t = guess > low && guess < high && tries % 4 != 3
+            ? std::clamp(guess, low + 0.5 * resolution, high - 0.5 * resolution)
+            : low + (high - low) / 2;
+    if (Failure failure = attempt(t, end)) return failure;
+    if (Failure failure = know_accelerations(t, end)) return failure;
+    slip = friction_.slip();
+    rise = slip > 1 && slip_before > 1 ? (slip_before - slip) / (before - t) : 0;
+    if (friction_changes(t_0, t, end)) {
+      high = t;
+      after = end;
+    } else {
+      low = t;
+    }
+  }
+  constexpr double hasty = 1e-9;
+  constexpr int most_hasty = 1000;
+  hasty_steps_ = high - t_0 < hasty * (t_1 - t_0) ? hasty_steps_ + 1 : 0;
+  if (hasty_steps_ > most_hasty) return {t_0, "dry friction changes faster than it can be followed"};
+  const bool at_once = high - t_0 <= resolution && rest(2 * resolution);
+  if (!at_once) {
+    if (Failure failure = take(high, after)) return failure;
+    if (done()) return {};
+    rest(2 * resolution);
+  }
+  friction_changed_ = true;
+  if (Failure failure = accelerate(now(), as_span(q), as_span(v), as_span(a))) return failure;
+  friction_.release(as_span(a));
+  trajectory.jump(as_span(v), as_span(a));
+  return {};
+}
+
+// Ends of steps.
+
+Failure Run::take(double t, const StepEnd& end) {
+  if (!loops_) return record(t, end);
+  StepEnd closed{end.q, end.v, {}};
+  if (!loops_->close(as_span(closed.q), as_span(closed.v))) return {t, open};
+  return record(t, std::move(closed));
+}
+
+Failure Run::take_closed(double t, Span q_end, Span v_end) {
+  if (loops_) loops_->hold(q_end);
+  return record(t, {as_eigen(q_end), as_eigen(v_end), {}});
+}
+
+Failure Run::record(double t, StepEnd end) {
+  if (Failure failure = know_accelerations(t, end)) return failure;
+  const double before = now();
+  q = std::move(end.q);
+  places_ = norm_.of_places(tree(), q);
+  v = std::move(end.v);
+  a = std::move(end.a);
+  trajectory.append(t, as_span(q), as_span(v), as_span(a), as_span(tau_));
+  ++trajectory.steps;
+  if (!options_.events.empty())
+    if (Failure failure = meet_events(before, t)) return failure;
+  if (!ended_ && options_.monitor && !options_.monitor(t)) return {t, "it was interrupted"};
+  return {};
+}
+
+// Events.
+
+std::vector<double> Run::values_at(double t, Span q_t, Span v_t) const {
+  std::vector<double> values;
+  for (const Event& event : options_.events) values.push_back(event.value(t, q_t, v_t));
+  return values;
+}
+
+/// The value of an event within the last step.
+double Run::value_at(const Event& event, double t) const {
+  Vector q_t(q.size()), v_t(v.size());
+  trajectory.at(t, as_span(q_t), as_span(v_t));
+  return event.value(t, as_span(q_t), as_span(v_t));
+}
+
+/// The number of parts of the last step, from a time on, in which no body turns by much more than a quarter turn. An event that
+/// depends on an attitude would come and go unseen in a longer part.
+int Run::parts_by_turning(double before) {
+  const double h = now() - before;
+  const std::size_t k = trajectory.size() - 1;
+  std::vector<Twist<BodyFixed>> V(static_cast<std::size_t>(model_.n_frames()));
+  double fastest = 0;
+  for (const std::size_t end : {k - 1, k}) {
+    twists<BodyFixed, double>(model_, workspace_, trajectory.q(end), trajectory.v(end), V);
+    for (const Twist<BodyFixed>& V_i : V) fastest = std::max(fastest, axode::norm(V_i.w));
+  }
+  return static_cast<int>(std::clamp(std::ceil(h * fastest / (std::numbers::pi / 2)), 1.0, 1e9));
+}
+
+/// Times in a part of the last step at which the value of an event, from `begin` to `end`, changes sign: once, or twice if its
+/// rates at both ends show that it goes towards zero and comes back.
+void Run::meet(std::size_t e, double before, double after, double begin, double end,
+               std::vector<Trajectory::Met>& met) const {
+  const Event& event = options_.events[e];
+  const auto value = [&](double t) { return value_at(event, t); };
+  const double near = 1e-6 * (after - before);
+  double soon = value(before + near);
+  if (begin == 0) {  // it was met there
+    before += near;
+    begin = soon;
+    soon = value(before + near);
+  }
+  const double sign = begin < 0 ? -1 : 1;
+  const auto cross = [&](double low, double high, bool rises) {
+    if (event.direction != 0 && rises != (event.direction > 0)) return;
+    for (int k = 0; k < 60 && high - low > 1e-15 * std::abs(after); ++k) {
+      const double middle = low + (high - low) / 2;
+      ((value(middle) < 0) == rises ? low : high) = middle;
+    }
+    met.push_back({e, high});
+  };
+  if ((begin < 0) != (end < 0)) return cross(before, after, begin < 0);
+  if (!(sign * (soon - begin) < 0 && sign * (end - value(after - near)) > 0)) return;
+  double low = before, high = after;
+  for (int k = 0; k < 40; ++k) {  // a third goes each time, on the side of the larger value
+    const double a_third = (high - low) / 3, one = low + a_third, two = high - a_third;
+    const double at_one = sign * value(one), at_two = sign * value(two);
+    if (std::min(at_one, at_two) < 0) {
+      const double turn = at_one < at_two ? one : two;
+      cross(before, turn, begin < 0);
+      cross(turn, after, begin >= 0);
+      return;
+    }
+    (at_one < at_two ? high : low) = at_one < at_two ? two : one;
+  }
+}
+
+/// Looks for events between two times, the last step; where one is terminal the trajectory is cut off there.
+Failure Run::meet_events(double before, double after) {
+  const std::vector<double> next = values_at(after, as_span(q), as_span(v));
+  std::vector<Trajectory::Met> met;
+  const int parts = parts_by_turning(before);
+  for (std::size_t e = 0; e < next.size(); ++e) {
+    double from = before, begin = values_[e];
+    for (int k = 1; k <= parts; ++k) {
+      const bool last = k == parts;
+      const double to = last ? after : before + k * ((after - before) / parts);
+      const double end = last ? next[e] : value_at(options_.events[e], to);
+      meet(e, from, to, begin, end, met);
+      from = to;
+      begin = end;
+    }
+  }
+  values_ = next;
+  std::ranges::sort(met, {}, &Trajectory::Met::t);
+  for (const Trajectory::Met& one : met) {
+    trajectory.events.push_back(one);
+    if (!options_.events[one.event].terminal) continue;
+    ended_ = true;
+    Vector q_t(q.size()), v_t(v.size()), a_t(v.size());
+    trajectory.at(one.t, as_span(q_t), as_span(v_t));
+    trajectory.take_back();
+    if (loops_ && !loops_->close(as_span(q_t), as_span(v_t))) return {one.t, open};
+    if (Failure failure = accelerate(one.t, as_span(q_t), as_span(v_t), as_span(a_t))) return failure;
+    trajectory.append(one.t, as_span(q_t), as_span(v_t), as_span(a_t), as_span(tau_));
+    return {};
+  }
+  return {};
+}
+
+}  // namespace axode

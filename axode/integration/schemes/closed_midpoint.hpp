@@ -1,0 +1,113 @@
+#pragma once
+#include <Eigen/Core>
+#include <algorithm>
+
+#include "axode/constraints/loop_system.hpp"
+#include "axode/integration/configuration_group.hpp"
+#include "axode/integration/schemes/midpoint.hpp"
+#include "axode/integration/schemes/settling.hpp"
+
+namespace axode {
+
+/// The step of Midpoint between impulses of the loops at its ends, with r(q) and its rows R, r' = R v:
+///   p_0⁺ = p_0 + h/2 R(q_0)ᵀ λ,   (q_1, p_1⁻) = midpoint step of (q_0, p_0⁺),   r(q_1) = 0.
+/// With p_1 = p_1⁻ + R(q_1)ᵀ μ for which R M⁻¹ p_1 = 0, which is for the System to find, it is symmetric and of second order,
+/// and symplectic on the closed configurations where the midpoint rule is. Newton's method takes M and R where the middle is
+/// expected for its matrix. A System is one of Midpoint's that has checked(t, solvability).
+template <class System> class ClosedMidpoint {
+ public:
+  using Vector = Eigen::VectorXd;
+
+  ClosedMidpoint(System& system, const Model& model)
+      : q(model.nq()),
+        q_middle(model.nq()),
+        p(model.nv()),
+        v(model.nv()),
+        f(model.nv()),
+        system_(&system),
+        model_(model),
+        group_(model_.tree<double>()),
+        ends_(model_),
+        middle_(model_),
+        R_(model.loops().residuals, model.nv()),
+        lambda_(Vector::Zero(model.loops().residuals)),
+        want_(lambda_),
+        dlambda_(lambda_),
+        y_(model.nv()),
+        p_0_(model.nv()),
+        momenta_(model.nv()),
+        r_(model.nv()) {}
+
+  /// From (q0, p0) at time t over h, as Midpoint. Loops are closed at q0.
+  Failure run(double t, double h, const Vector& q0, const Vector& p0) {
+    LoopSystem<double>&ends = ends_.system(model_), &middle = middle_.system(model_);
+    constexpr auto places = LoopSystem<double>::Rows::places;
+    if (Failure failure = system_->checked(t, ends.determine_rank(q0.data(), rank_))) return failure;
+    middle.place(q0.data());
+    middle.set_filter(q0.data(), rank_);
+    ends.make_rows(places);
+    ends.write(R_.data());
+    go(h / 2, q0, q_middle);
+    middle.place(q_middle.data());
+    if (Failure failure = system_->checked(t, middle.factorize())) return failure;
+    middle.make_rows(places);
+    middle.factorize_rows();
+    Settling settling(system_->norm());
+    for (auto verdict = Settling::Verdict::going;;) {
+      go(h / 2, q0, q_middle);
+      p_0_ = p0 + h / 2 * (R_.transpose() * lambda_);
+      group_.carry(y_, p_0_, p);
+      if (verdict == Settling::Verdict::settled) break;
+      if (Failure failure = system_->partials(t + h / 2, q_middle, v, momenta_, f)) return failure;
+      p += h * f;
+      r_ = (p_0_ + p) / 2;
+      group_.codexp(y_, r_, r_);
+      r_ -= momenta_;
+      const double scale = system_->velocity_scale(v, h);
+      const double residual = system_->norm().of_forces(r_);
+      go(h, q0, q);
+      ends.place(q.data());
+      ends.residual(q.data(), want_.data());
+      want_ /= h;
+      middle.add_response(r_.data(), want_.data());
+      middle.solve_rows(want_.data(), dlambda_.data(), rank_);
+      middle.add_transposed_times(dlambda_.data(), r_.data());
+      middle.solve(r_.data());
+      dlambda_ *= 2 / h;
+      verdict = settling.take(scale, {{v, r_}, {lambda_, dlambda_}},
+                              [&] { return residual <= 1e-12 * terms(h, scale); });
+      if (verdict == Settling::Verdict::lost) return {t + h, diverged};
+    }
+    p += h * f;
+    group_.carry(y_, p, p);
+    go(h, q0, q);
+    return {};
+  }
+
+  Vector q, q_middle, p, v, f;  ///< after run(): at its end, v and f of its middle
+
+ private:
+  /// q_0 ⊕ part v, by y.
+  void go(double part, const Vector& q0, Vector& to) {
+    y_ = part * v;
+    group_.move(q0, y_, to);
+  }
+  /// The largest term of the residual: momenta, forces, and the impulse of each row.
+  double terms(double h, double scale) const {
+    double most = std::max({system_->norm().of_forces(p_0_), system_->norm().of_forces(momenta_), scale});
+    for (Eigen::Index row = 0; row < lambda_.size(); ++row)
+      most =
+          std::max(most, std::abs(h / 2 * lambda_[row]) * system_->norm().of_forces(R_.row(row).transpose()));
+    return most;
+  }
+
+  System* system_;
+  Model model_;
+  ConfigurationGroup<double> group_;
+  LoopWorkspace<double> ends_, middle_;
+  RowRank rank_;
+  Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> R_;
+  Vector lambda_, want_, dlambda_, y_, p_0_, momenta_, r_;
+};
+
+}  // namespace axode

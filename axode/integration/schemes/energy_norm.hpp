@@ -1,0 +1,65 @@
+#pragma once
+#include <Eigen/Core>
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+
+#include "axode/model/tree.hpp"
+
+namespace axode {
+
+/// Measures velocities in unlike units (rad/s, m/s) by their energies: |v| = √Σ m_c v_c², where m_c bounds the inertia M_cc that
+/// velocity c moves, and momenta and generalised forces by the dual norm |p| = √Σ p_c²/m_c. As |M v| is of the size of |v|, both
+/// sides of an equation can be compared, and no comparison depends on units. What has no inertia is not measured.
+class EnergyNorm {
+ public:
+  using Vector = Eigen::VectorXd;
+  using Argument = Eigen::Ref<const Vector>;
+
+  /// With the inertia m_c of each velocity.
+  explicit EnergyNorm(const Vector& inertia)
+      : root_(inertia.cwiseSqrt()),
+        inverse_root_((root_.array() > 0).select(root_.cwiseInverse(), Vector::Zero(root_.size()))) {}
+  /// With the bounds that the tree knows.
+  explicit EnergyNorm(const Tree<double>& tree) : EnergyNorm(inertia_of(tree)) {}
+
+  double of_velocities(const Argument& v) const { return root_.cwiseProduct(v).norm(); }
+  double of_forces(const Argument& p) const { return inverse_root_.cwiseProduct(p).norm(); }
+  /// That of a displacement of a radian of all rotations, and of lengths as large as those in q are.
+  double of_places(const Tree<double>& tree, const Argument& q) const {
+    double squares = 0;
+    for (int i = 1; i <= tree->n; ++i) {
+      if (tree->coupled[i]) continue;
+      with_joint(tree, i, [&]<class Joint>(const Joint& joint) {
+        for (int k = 0; k < Joint::nv; ++k) {
+          const double x = k < joint.angles ? 1 : q[tree->iq[i] + Joint::nq - Joint::nv + k];
+          squares += std::pow(root_[tree->iv[i] + k] * x, 2);
+        }
+      });
+    }
+    return std::sqrt(squares);
+  }
+  /// √m_c.
+  const Vector& weights() const { return root_; }
+  /// The velocity c that is of a size by itself; without inertia it gets that of the heaviest.
+  double alone(Eigen::Index c, double size) const {
+    return size / (root_[c] > 0 ? root_[c] : root_.maxCoeff());
+  }
+  /// A small change of velocity c, v_c, for difference quotients where velocities are of a size.
+  double increment(Eigen::Index c, double v_c, double size) const {
+    return 1e-7 * std::max(std::abs(v_c), alone(c, size));
+  }
+
+ private:
+  static Vector inertia_of(const Tree<double>& tree) {
+    Vector m = Vector::Zero(tree->nv);
+    for (int i = 1; i <= tree->n; ++i)
+      for (int s = tree->first_screw[i]; s < tree->first_screw[i + 1]; ++s)
+        m[tree->iv[i] + s - tree->first_screw[i]] += std::pow(tree.ratio[i], 2) * tree.fed[s];
+    return m;
+  }
+
+  Vector root_, inverse_root_;
+};
+
+}  // namespace axode

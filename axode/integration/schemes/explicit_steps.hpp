@@ -1,0 +1,148 @@
+#pragma once
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "axode/integration/run.hpp"
+#include "axode/integration/schemes/munthe_kaas.hpp"
+#include "axode/integration/schemes/settling.hpp"
+
+/// Explicit methods on a run: it has q, v and a of now on the group of tree(), accelerate(), and takes the ends of steps.
+namespace axode {
+
+/// Steps of one length from 0 on, the last as long as is left; take(t_1) goes to t_1, or ends the motion by a failure.
+template <class Run, class Take> void each_step(Run& run, double until, double step, const Take& take) {
+  const double whole = std::ceil(until / step - 1e-9);
+  for (double k = 1; k <= whole && !run.done(); ++k)
+    if (Failure failure = take(k == whole ? until : k * step)) run.stop(failure);
+}
+
+/// Steps to t_1, or two where friction changes between; after(run) follows each.
+template <class Run, class After>
+Failure take_until(Run& run, double t_1, StepEnd& end, const Attempt& attempt, const After& after) {
+  while (run.now() < t_1 && !run.done()) {
+    if (Failure failure = attempt(t_1, end)) return failure;
+    if (Failure failure = run.take_up_to(t_1, end, attempt)) return failure;
+    after();
+  }
+  return {};
+}
+
+/// The attempts of an explicit method.
+template <class Run, class Scheme> Attempt attempts(Run& run, Scheme& scheme) {
+  return [&, group = ConfigurationGroup<double>(run.tree())](double t_1, StepEnd& end) {
+    const double t = run.now();
+    Failure failure;
+    const auto accelerate = [&](double t_i, auto q_i, auto v_i, auto a_i) {
+      failure = run.accelerate(t_i, q_i, v_i, a_i);
+      return !failure;
+    };
+    run.begin_step();
+    if (!scheme.run(t, run.q.data(), run.v.data(), run.a.data(), t_1 - t, accelerate)) return failure;
+    end.q.resize(static_cast<Eigen::Index>(run.q.size()));
+    group.move(run.q, scheme.theta, end.q);
+    end.v = as_eigen(scheme.y);
+    end.a = as_eigen(scheme.end());
+    return failure;
+  };
+}
+
+/// Steps of one length until a time.
+template <class Run> void take_steps(Run& run, double until, double step, const Tableau& method) {
+  MuntheKaas scheme(run.tree(), method);
+  const Attempt attempt = attempts(run, scheme);
+  StepEnd end;
+  each_step(run, until, step, [&](double t_1) { return take_until(run, t_1, end, attempt, [] {}); });
+}
+
+/// A drive force that jumps where the motion dwells, as -sign(v) does at rest, is crossed in ever shorter steps: so many are
+/// looked at together, and so many times as many are not begun, where one is shorter than anything that swings and
+/// dies out (s).
+inline constexpr int watched = 10'000;
+inline constexpr double hopeless = 1e5, too_short = 1e-9;
+inline constexpr const char* jumps =
+    "the steps have become so short that a thousand million more would not do: a force jumps where the "
+    "motion dwells, or "
+    "grows without bound; methods in steps of one length go on, and dry friction of a joint is one of its "
+    "own "
+    "properties (joint losses)";
+
+/// Where branches of a motion meet, rows of the loops depend on each other. Accelerations close by are those of a mechanism with more
+/// freedoms, so that the error estimate sees a jump that is not in the motion, and shorter steps would only look closer at
+/// it. So many steps in a row, after one without such rows, are taken with the length before and whatever their error estimate; an
+/// attempt with a row that is weaker than `too_weak` is repeated so many times with a part of the length.
+inline constexpr int most_passing = 20, most_shortened = 6;
+inline constexpr double too_weak = 1e-6, shortened = 0.85;
+
+/// Steps as long as the estimated error allows, with Dormand's and Prince's method.
+template <class Run> void take_adapted_steps(Run& run, double until, const Tolerances& tolerances) {
+  const Tableau& method = runge_kutta(5);
+  MuntheKaas scheme(run.tree(), method);
+  const auto to_array = [](const auto& x) {
+    return Eigen::Map<const Eigen::ArrayXd>(x.data(), static_cast<Eigen::Index>(x.size()));
+  };
+  // The root mean square of the errors of q and v, each by what it may be.
+  const auto error_of_step = [&] {
+    const double relative = tolerances.relative, absolute = tolerances.absolute;
+    const auto theta = to_array(scheme.theta).abs().max(1.0),
+               speed = to_array(run.v).abs().max(to_array(scheme.y).abs());
+    const double squares = (to_array(scheme.error_theta) / (absolute + relative * theta)).square().sum() +
+                           (to_array(scheme.error_y) / (absolute + relative * speed)).square().sum();
+    return std::sqrt(squares / std::max(1.0, 2.0 * static_cast<double>(scheme.theta.size())));
+  };
+  const double most = tolerances.largest_step > 0 ? tolerances.largest_step : until;
+  double h = tolerances.first_step;
+  if (!(h > 0)) {  // in which little happens
+    const Eigen::Index n = static_cast<Eigen::Index>(run.v.size());
+    const double fastest = n > 0 ? to_array(run.v).abs().maxCoeff() : 0;
+    const double largest = n > 0 ? to_array(run.a).abs().maxCoeff() : 0;
+    h = 0.01 / std::max({1e-3, fastest, std::sqrt(largest)});
+  }
+  double last_error = 1e-4, watched_from = 0;
+  int tries = 0, passing = most_passing, shorter = 0;
+  const Attempt attempt = attempts(run, scheme);
+  StepEnd end;
+  while (!run.done()) {
+    const double t = run.now(), rest = until - t;
+    if (++tries == watched) {
+      const double gone = t - watched_from;
+      if (gone < too_short * watched && rest > hopeless * gone) return run.stop({t, jumps});
+      tries = 0;
+      watched_from = t;
+    }
+    h = std::min({h, most, rest});
+    const double length = h * std::pow(shortened, shorter);
+    const bool last = length >= rest * (1 - 1e-12);
+    if (!last && !(length > 1e-15 * until))
+      return run.stop({t, "the step became too short for the tolerances"});
+    const double t_1 = last ? until : t + length;
+    if (Failure failure = attempt(t_1, end)) {  // perhaps the step was too long
+      if (h < 1e-9 * until) return run.stop(failure);
+      ++run.trajectory.rejected;
+      h *= 0.1;
+      continue;
+    }
+    const double error = error_of_step(), weakest = run.weakest_row();
+    const bool passes = weakest < 1 && passing < most_passing && std::isfinite(error);
+    if (passes && weakest < too_weak && shorter < most_shortened && !last) {
+      ++run.trajectory.rejected;
+      ++shorter;
+      continue;
+    }
+    shorter = 0;
+    if (!(error <= 1) && !passes) {
+      ++run.trajectory.rejected;
+      h *= std::isfinite(error) ? std::max(0.2, 0.9 * std::pow(error, -0.2)) : 0.1;
+      continue;
+    }
+    if (Failure failure = run.take_up_to(t_1, end, attempt)) return run.stop(failure);
+    passing = weakest < 1 ? passing + 1 : 0;
+    if (passes) continue;
+    const double least = std::max(error, 1e-10);
+    h *= std::clamp(0.9 * std::pow(least, -0.17) * std::pow(last_error, 0.04), 0.2, 10.0);
+    last_error = std::max(error, 1e-4);
+  }
+}
+
+}  // namespace axode

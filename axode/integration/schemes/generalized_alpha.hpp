@@ -1,0 +1,121 @@
+#pragma once
+#include <Eigen/Core>
+#include <algorithm>
+#include <limits>
+
+#include "axode/integration/schemes/step_matrix.hpp"
+#include "axode/integration/trajectory.hpp"
+
+namespace axode {
+
+/// The means of generalised-α: with a mean acceleration â and x = h v_0 + ...,
+///   (1 - α_m) â_1 + α_m â_0 = (1 - α_f) a_1 + α_f a_0,   v_1 = v_0 + h ((1 - γ) â_0 + γ â_1),
+///   x = h v_0 + h² ((1/2 - β) â_0 + β â_1).
+/// v_1 moves with a_1 as h γ c and x as h² β c, c = (1 - α_f) / (1 - α_m).
+struct AlphaMeans {
+  using Vector = Eigen::VectorXd;
+
+  double a_f, a_m, gamma, beta, c;
+
+  explicit AlphaMeans(double spectral_radius)
+      : a_f(spectral_radius / (spectral_radius + 1)),
+        a_m((2 * spectral_radius - 1) / (spectral_radius + 1)),
+        gamma(0.5 + a_f - a_m),
+        beta((gamma + 0.5) * (gamma + 0.5) / 4),
+        c((1 - a_f) / (1 - a_m)) {}
+
+  /// â_1, v_1 and x of a step in which the acceleration goes from a_0 to a_1 and its mean starts with â_0.
+  void advance(double h, const auto& v_0, const Vector& a_0, const Vector& mean_0, const auto& a_1,
+               Vector& mean_1, auto& v_1, Vector& x) const {
+    mean_1 = (a_f * a_0 - a_m * mean_0) / (1 - a_m) + c * a_1;
+    v_1 = v_0 + h * ((1 - gamma) * mean_0 + gamma * mean_1);
+    x = h * v_0 + h * h * ((0.5 - beta) * mean_0 + beta * mean_1);
+  }
+};
+
+/// One step of generalised-α on the group: with AlphaMeans and q_1 = q_0 ⊕ x, it is solved for the a_1 with
+/// ID(q_1, v_1, a_1) = τ by Newton's method with
+///   J = M + h γ c ∂ID/∂v + h² β c ∂ID/∂q dexp_{-x}.
+/// It is found where the change of a_1 is rounding, where the residual is rounding of the terms that it is the
+/// sum of, or where a_1 moves q_1 by no more than its rounding.
+/// A System has residual(t, q, v, a, r), which finds r = ID - τ; size_of_residual(r);
+/// place_resolution(h), see Run; and what StepMatrix
+/// asks for.
+template <class System> class GeneralizedAlpha {
+ public:
+  using Vector = Eigen::VectorXd;
+
+  GeneralizedAlpha(System& system, const Tree<double>& tree, double spectral_radius, const Vector& a_0)
+      : q(tree->nq),
+        v(tree->nv),
+        a(a_0),
+        system_(&system),
+        group_(tree),
+        matrix_(system, tree),
+        means_(spectral_radius),
+        mean_0_(a_0),
+        mean_(tree->nv),
+        x_(tree->nv),
+        r_(tree->nv) {}
+
+  /// From (q0, v0, a0) over h to q, v and a at time t.
+  Failure run(double t, double h, const Vector& q0, const Vector& v0, const Vector& a0) {
+    constexpr int most = 40;
+    const EnergyNorm& norm = system_->norm();
+    a = a0;
+    double before = std::numeric_limits<double>::infinity();
+    for (int iteration = 0; iteration < most; ++iteration) {
+      end_with(h, q0, v0, a0);
+      if (Failure failure = system_->residual(t, q, v, a, r_)) return failure;
+      if (iteration == 0) linearize(t, h, q0);
+      const double size = std::max(system_->velocity_scale(v, h) / h, norm.of_velocities(a));
+      da_ = r_;
+      matrix_.solve(da_);
+      const double change = norm.of_velocities(da_);
+      if (!(change < 0.1 * before)) {
+        const bool rests = with_drive_ && h * change <= system_->place_resolution(h);
+        if (rests || system_->size_of_residual(r_) <= 1e-13 * size) return {};
+        with_drive_ = true;
+        linearize(t, h, q0);
+        da_ = r_;
+        matrix_.solve(da_);
+      }
+      a -= da_;
+      if (change <= 1e-13 * size) {
+        end_with(h, q0, v0, a0);
+        return {};
+      }
+      before = change;
+    }
+    return {t, "Newton's method did not converge; a shorter step may help"};
+  }
+  /// The next step goes on from the end of this one; or from where accelerations have jumped to a_0.
+  void go_on() { mean_0_ = mean_; }
+  void begin(const Vector& a_0) { mean_0_ = a_0; }
+
+  Vector q, v, a;  ///< after run()
+
+ private:
+  /// The end of a step in which the acceleration becomes a.
+  void end_with(double h, const Vector& q0, const Vector& v0, const Vector& a0) {
+    means_.advance(h, v0, a0, mean_0_, a, mean_, v, x_);
+    group_.move(q0, x_, q);
+  }
+  /// With the drive's part from when Newton's method needs it on.
+  void linearize(double t, double h, const Vector& q0) {
+    const double c_x = h * h * means_.beta * means_.c, c_v = h * means_.gamma * means_.c;
+    if (with_drive_)
+      matrix_.compute_with_drive(t, q0, x_, q, v, a, c_x, c_v);
+    else
+      matrix_.compute(x_, q, v, a, c_x, c_v);
+  }
+
+  System* system_;
+  ConfigurationGroup<double> group_;
+  StepMatrix<System> matrix_;
+  AlphaMeans means_;
+  Vector mean_0_, mean_, x_, r_, da_;
+  bool with_drive_ = false;
+};
+
+}  // namespace axode

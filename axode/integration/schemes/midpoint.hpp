@@ -1,0 +1,99 @@
+#pragma once
+#include <Eigen/Core>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "axode/integration/schemes/settling.hpp"
+#include "axode/integration/schemes/step_matrix.hpp"
+#include "axode/integration/trajectory.hpp"
+
+namespace axode {
+
+/// One step of the midpoint rule on the group for (q, p): with y = h v / 2 and q_m = q_0 ⊕ y,
+///   p⁻ = Ad_{exp y}ᵀ p_0,   p⁺ = p⁻ + h f(t_m, q_m, v),   M(q_m) v = dexp_yᵀ (p_0 + p⁺) / 2,
+///   q_1 = q_0 ⊕ 2 y,        p_1 = Ad_{exp y}ᵀ p⁺.
+/// It is symmetric and of second order, and symplectic where f = ∂L/∂q, as it follows from the discrete Lagrangian h L(q_m, v).
+/// (With M(q_m) v = (p⁻ + p⁺)/2 it is not, where joints have several velocities.) Forces that depend on v enter by
+/// d'Alembert's discrete principle.
+///
+/// v is found with M, factorised once, in the place of Newton's matrix, and with that where the residual r does not become half as
+/// large in an iteration. It is found where its change is rounding, or where r is rounding of the terms that it is the sum of:
+/// where M is nearly singular only the latter shows. A stiff drive at rest has the rounding of q in its force: there v is found
+/// where it moves q by no more than that.
+///
+/// A System has partials(t, q, v, p, f), which finds p = M v and f; factorize(t, q), which finds M, and solve(x), with it;
+/// norm(), velocity_scale(v, h) and place_resolution(h), see Run; and what StepMatrix asks for.
+template <class System> class Midpoint {
+ public:
+  using Vector = Eigen::VectorXd;
+
+  Midpoint(System& system, const Tree<double>& tree)
+      : q(tree->nq),
+        q_middle(tree->nq),
+        p(tree->nv),
+        v(tree->nv),
+        f(tree->nv),
+        system_(&system),
+        group_(tree),
+        matrix_(system, tree),
+        y_(tree->nv),
+        momenta_(tree->nv),
+        r_(tree->nv) {}
+
+  /// From (q0, p0) at time t over h, which may be negative, from a guess in v to q, p, and what else is public.
+  Failure run(double t, double h, const Vector& q0, const Vector& p0) {
+    constexpr int most = 60;
+    const EnergyNorm& norm = system_->norm();
+    const double terms = norm.of_forces(p0);
+    bool newton = false;
+    double before = std::numeric_limits<double>::infinity();
+    for (int iteration = 0; iteration < most; ++iteration) {
+      y_ = h / 2 * v;
+      group_.move(q0, y_, q_middle);
+      if (iteration == 0)
+        if (Failure failure = system_->factorize(t + h / 2, q_middle)) return failure;
+      if (Failure failure = system_->partials(t + h / 2, q_middle, v, momenta_, f)) return failure;
+      group_.carry(y_, p0, p);
+      p += h * f;
+      r_ = (p0 + p) / 2;
+      group_.codexp(y_, r_, r_);
+      r_ = momenta_ - r_;
+      const double residual = norm.of_forces(r_), scale = system_->velocity_scale(v, h);
+      if (newton)
+        matrix_.solve(r_);
+      else
+        system_->solve(r_);
+      v -= r_;
+      const bool slow = !(residual < 0.5 * before);
+      const double change = norm.of_velocities(r_);
+      if (change <= 1e-13 * scale || residual <= (slow ? 1e-13 : 1e-14) * std::max(terms, scale) ||
+          (newton && slow && change <= system_->place_resolution(h))) {
+        // Along the last v, q and p alike: momenta depend on that they move together.
+        y_ = h / 2 * v;
+        group_.carry(y_, p0, p);
+        p += h * f;
+        group_.carry(y_, p, p);
+        y_ *= 2;
+        group_.move(q0, y_, q);
+        return {};
+      }
+      before = residual;
+      if (!slow) continue;
+      newton = true;
+      before = std::numeric_limits<double>::infinity();
+      matrix_.compute_with_drive(t + h / 2, q0, y_, q_middle, v, Vector::Zero(v.size()), h * h / 4, h / 2);
+    }
+    return {t + h, diverged};
+  }
+
+  Vector q, q_middle, p, v, f;  ///< after run(): at its end, v and f of its middle
+
+ private:
+  System* system_;
+  ConfigurationGroup<double> group_;
+  StepMatrix<System> matrix_;
+  Vector y_, momenta_, r_;
+};
+
+}  // namespace axode

@@ -1,0 +1,112 @@
+#pragma once
+#include <Eigen/Core>
+#include <cmath>
+#include <initializer_list>
+#include <limits>
+#include <vector>
+
+#include "axode/integration/schemes/energy_norm.hpp"
+#include "axode/recursion/least_squares.hpp"
+
+namespace axode {
+
+/// The numbers that an AbsoluteSystem takes, as Eigen vectors; nothing is copied.
+inline Eigen::Map<Eigen::VectorXd> as_eigen(std::vector<double>& x) {
+  return {x.data(), static_cast<Eigen::Index>(x.size())};
+}
+inline Eigen::Map<const Eigen::VectorXd> as_eigen(const std::vector<double>& x) {
+  return {x.data(), static_cast<Eigen::Index>(x.size())};
+}
+
+/// What a step says that did not find its end.
+inline constexpr const char* diverged = "the step did not converge; a shorter one may";
+
+/// An iteration x += dx(x), of which Newton's method with a matrix that is nearly right is one, on its way to dx = 0. By Anderson's
+/// mixing: of the combinations of the last steps that which would have changed least is taken. So it comes through
+/// where the matrix has the wrong sign in a few directions, as where branches of a motion meet within a step.
+class Settling {
+ public:
+  using Vector = Eigen::VectorXd;
+  enum class Verdict { going, settled, lost };
+  /// A part of x, and its dx.
+  struct Part {
+    Eigen::Ref<Vector> x;
+    Eigen::Ref<const Vector> dx;
+  };
+
+  /// The first part of x has velocities or accelerations, which are measured by a norm.
+  explicit Settling(const EnergyNorm& norm) : norm_(&norm) {}
+
+  /// Takes a step, of which the first part is measured, against a size. Where it comes no closer, not to half in four steps, it
+  /// settles where it came closest, but only if is_rounding() says that what dx is computed from is no more than that.
+  template <class F> Verdict take(double size, std::initializer_list<Part> parts, const F& is_rounding) {
+    constexpr double rounding = 2e-14, noisy = 1e-10, ill_conditioned = 1e-7;
+    constexpr int most = 60, patience = 4;
+    read(parts);
+    const double change = norm_->of_velocities(dx_.head(n_measured(parts)));
+    if (!std::isfinite(change)) return Verdict::lost;
+    if (change < best_) {
+      best_ = change;
+      closest_ = x_ + dx_;
+    }
+    if (change < 0.5 * halved_) {
+      halved_ = change;
+      since_ = 0;
+    }
+    const bool stalled = ++since_ > patience && best_ < ill_conditioned * size && is_rounding();
+    if (change <= rounding * size || stalled) {
+      write(closest_, parts);
+      return Verdict::settled;
+    }
+    write(change > noisy * size ? mixed(n_measured(parts)) : x_ + dx_, parts);
+    x_before_.swap(x_);
+    dx_before_.swap(dx_);
+    return ++steps_ == most ? Verdict::lost : Verdict::going;
+  }
+  Verdict take(double size, std::initializer_list<Part> parts) {
+    return take(size, parts, [] { return true; });
+  }
+
+ private:
+  static Eigen::Index n_measured(std::initializer_list<Part> parts) { return parts.begin()->x.size(); }
+  void read(std::initializer_list<Part> parts) {
+    Eigen::Index n = 0;
+    for (const Part& part : parts) n += part.x.size();
+    x_.resize(n);
+    dx_.resize(n);
+    Eigen::Index at = 0;
+    for (const Part& part : parts) {
+      x_.segment(at, part.x.size()) = part.x;
+      dx_.segment(at, part.x.size()) = part.dx;
+      at += part.x.size();
+    }
+  }
+  static void write(const Vector& x, std::initializer_list<Part> parts) {
+    Eigen::Index at = 0;
+    for (const Part& part : parts) {
+      Eigen::Ref<Vector>(part.x) = x.segment(at, part.x.size());
+      at += part.x.size();
+    }
+  }
+  Vector mixed(Eigen::Index n) {
+    if (steps_ == 0) return x_ + dx_;
+    constexpr Eigen::Index depth = 5;
+    const Eigen::Index column = filled_ < depth ? filled_++ : oldest_++ % depth;
+    changes_.conservativeResize(n, depth);
+    moves_.conservativeResize(x_.size(), depth);
+    const auto weighted = norm_->weights().asDiagonal();
+    changes_.col(column) = weighted * (dx_ - dx_before_).head(n);
+    moves_.col(column) = x_ + dx_ - x_before_ - dx_before_;
+    return x_ + dx_ -
+           moves_.leftCols(filled_) * least_squares(changes_.leftCols(filled_), weighted * dx_.head(n), 1e-8);
+  }
+
+  const EnergyNorm* norm_;
+  Vector x_, dx_, x_before_, dx_before_, closest_;
+  Eigen::MatrixXd changes_, moves_;
+  Eigen::Index filled_ = 0, oldest_ = 0;
+  int steps_ = 0, since_ = 0;
+  double best_ = std::numeric_limits<double>::infinity(), halved_ = best_;
+};
+
+}  // namespace axode

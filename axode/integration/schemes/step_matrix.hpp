@@ -1,0 +1,75 @@
+#pragma once
+#include <Eigen/LU>
+#include <span>
+
+#include "axode/derivatives/inverse_dynamics_derivatives.hpp"
+#include "axode/eigen.hpp"
+#include "axode/integration/configuration_group.hpp"
+#include "axode/integration/schemes/energy_norm.hpp"
+
+namespace axode {
+
+/// Newton's matrix of an implicit step, factorised: that of r = ID(q, v, a) - τ by a, where q = q_0 ⊕ x and where x and v move
+/// with a as c_x a and c_v a,
+///   J = M + c_v ∂r/∂v + c_x ∂r/∂q dexp_{-x}.
+/// A System has residual_derivatives(q, v, a, dr), those of ID; is_driven(); drive(t, q, v), which is τ; norm() and
+/// velocity_scale(v, h), see Run.
+template <class System> class StepMatrix {
+ public:
+  using Vector = Eigen::VectorXd;
+
+  StepMatrix(System& system, const Tree<double>& tree) : system_(&system), group_(tree), q_(tree->nq) {}
+
+  /// Without the part of the drive.
+  void compute(const Vector& x, const Vector& q, const Vector& v, const Vector& a, double c_x, double c_v) {
+    assemble(x, q, v, a, c_x, c_v);
+    lu_.compute(J_);
+  }
+  /// With it, by differences.
+  void compute_with_drive(double t, const Vector& q_0, const Vector& x, const Vector& q, const Vector& v,
+                          const Vector& a, double c_x, double c_v) {
+    assemble(x, q, v, a, c_x, c_v);
+    if (system_->is_driven()) add_drive(t, q_0, x, q, v, c_x, c_v);
+    lu_.compute(J_);
+  }
+  /// r := J⁻¹ r.
+  void solve(Vector& r) const { r = lu_.solve(r).eval(); }
+
+ private:
+  using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
+  void assemble(const Vector& x, const Vector& q, const Vector& v, const Vector& a, double c_x, double c_v) {
+    // Schemes that never come here need no room.
+    for (Matrix* matrix : {&dq_, &dv_, &J_}) matrix->resize(v.size(), v.size());
+    system_->residual_derivatives(q, v, a, {as_span(dq_), as_span(dv_), as_span(J_)});
+    if (!group_.commutes()) {
+      const Vector back = -x;
+      for (Eigen::Index i = 0; i < dq_.rows(); ++i)  // rows are momenta: dexp_{-x}ᵀ
+        group_.codexp(back, dq_.row(i), dq_.row(i));
+    }
+    J_ += c_v * dv_ + c_x * dq_;
+  }
+  void add_drive(double t, const Vector& q_0, const Vector& x, const Vector& q, const Vector& v, double c_x,
+                 double c_v) {
+    const Vector tau = as_eigen(system_->drive(t, q, v));
+    const double size = system_->velocity_scale(v, c_v);
+    Vector x_k = x, v_k = v;
+    for (Eigen::Index k = 0; k < v.size(); ++k) {
+      const double by = system_->norm().increment(k, v[k], size) / c_v;
+      x_k[k] += c_x * by;
+      v_k[k] += c_v * by;
+      group_.move(q_0, x_k, q_);
+      J_.col(k) -= (as_eigen(system_->drive(t, q_, v_k)) - tau) / by;
+      x_k[k] = x[k];
+      v_k[k] = v[k];
+    }
+  }
+
+  System* system_;
+  ConfigurationGroup<double> group_;
+  Vector q_;
+  Matrix dq_, dv_, J_;
+  Eigen::PartialPivLU<Matrix> lu_;
+};
+
+}  // namespace axode

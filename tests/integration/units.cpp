@@ -1,0 +1,101 @@
+#include "tests/support/units.hpp"
+
+#include "tests/integration/motions.hpp"
+#include "tests/support/random_loops.hpp"
+
+/// Motions do not depend on units: in other units of length, mass and time every coordinate of every step is multiplied by its
+/// unit. Schemes that compare numbers with an absolute threshold stop their iterations elsewhere.
+namespace axode::test {
+namespace {
+
+struct Scheme {
+  const char* method;
+  const char* coordinates = "relative";
+};
+/// What a name stands for in a table of names.
+template <class Table> const auto& named(const Table& table, std::string_view name) {
+  const auto found = std::ranges::find(table, name, [](const auto& row) { return row.first; });
+  if (found == table.end()) throw std::logic_error("no row " + std::string(name));
+  return found->second;
+}
+/// Steps of one length, from (q, v) on under constant forces of the drives and their damping.
+Trajectory motion_of(const Model& model, const State<double>& at, const Numbers& tau, const Numbers& damping,
+                     double step, const Scheme& scheme) {
+  SimulationOptions options{.coordinates = named(coordinate_kinds, scheme.coordinates)};
+  options.drive = [&](double, Span, Span v, std::span<double> out) {
+    for (std::size_t c = 0; c < out.size(); ++c) out[c] = tau[c] - damping[c] * v[c];
+  };
+  return named(methods, scheme.method).simulate({model, at.q, at.v, 20 * step, step, {}, 0.8, options});
+}
+
+/// The end of the motion, and what of it is left in the units of the first.
+void expect_the_same_motion(const Units& units, const Description& description, const State<double>& at,
+                            const Numbers& tau, double step, const Scheme& scheme, Comparison& positions,
+                            Comparison& velocities) {
+  SCOPED_TRACE(std::string(scheme.method) + " " + scheme.coordinates);
+  const Model model = ModelBuilder(description).build(),
+              other = ModelBuilder(in_units(units, description)).build();
+  const Units back{.length = 1 / units.length, .mass = 1 / units.mass, .time = 1 / units.time};
+  const Numbers other_tau = in_units(units, model, Ask{.tau = tau}).tau;
+  Numbers damping(tau.size(), 0.01), other_damping(tau.size());
+  const std::vector<Dimension> directions = direction_dimensions(model);
+  for (std::size_t c = 0; c < tau.size(); ++c)
+    other_damping[c] =
+        damping[c] * units(dimension::energy * dimension::time / (directions[c] * directions[c]));
+  const Trajectory one = motion_of(model, at, tau, damping, step, scheme),
+                   two = motion_of(other, in_units(units, model, at), other_tau, other_damping,
+                                   step * units.time, scheme);
+  ASSERT_EQ(two.complete, one.complete) << one.stopped << two.stopped;
+  EXPECT_EQ(two.steps, one.steps);
+  EXPECT_EQ(two.evaluations, one.evaluations);
+  const Ask end = in_units(back, model,
+                           Ask{.q = Numbers(last_q(two).begin(), last_q(two).end()),
+                               .v = Numbers(last_v(two).begin(), last_v(two).end())});
+  positions.expect_equal(end.q, Numbers(last_q(one).begin(), last_q(one).end()));
+  velocities.expect_equal(end.v, Numbers(last_v(one).begin(), last_v(one).end()));
+}
+
+TEST(UnitsOfMotions, OfTreesMultiplyEveryStep) {
+  Comparison positions("q", 1e-11), velocities("v", 1e-10);
+  for (const Units& units : {Units{.length = 0x1p-8, .mass = 0x1p-12, .time = 0x1p-4},
+                             Units{.length = 0x1p10, .mass = 0x1p-10, .time = 0x1p12}})
+    for_seeds(15, [&](std::uint64_t seed) {
+      Random<double> random(seed);
+      const Description drawn =
+          told(random_mechanism(random, {.most_bodies = 5, .always_mass = true}), random);
+      const Model model = ModelBuilder(drawn).build();
+      State<double> at = random_state(model, random);
+      const Numbers tau = random_numbers(random, model.nv());
+      for (const Scheme& scheme :
+           {Scheme{"rk4"}, Scheme{"generalized_alpha"}, Scheme{"midpoint"}, Scheme{"kahan_li6"},
+            Scheme{"rk4", "absolute"}, Scheme{"rattle", "absolute"},
+            Scheme{"generalized_alpha", "absolute_SO3xR3"}})
+        expect_the_same_motion(units, drawn, at, tau, 1e-3, scheme, positions, velocities);
+    });
+}
+
+/// Rows of loops are couples and forces, which only units of length tell apart.
+TEST(UnitsOfMotions, OfMassAndTimeMultiplyStepsOfMechanismsWithLoops) {
+  Comparison positions("q", 1e-10), velocities("v", 1e-9);
+  for (const Units& units : {Units{.mass = 0x1p-20, .time = 0x1p12}, Units{.mass = 0x1p20, .time = 0x1p-10}})
+    for_seeds(15, [&](std::uint64_t seed) {
+      Random<double> random(seed);
+      const ClosedMechanism closed(closed_mechanism(random));
+      bool smooth = true, rolls = false;
+      for (const int i : closed.model.springs().joints)
+        for (const Dof& dof : closed.model.joint(i).dof) smooth = smooth && dof.stop_stiffness == 0;
+      for (const Loop& loop : closed.model.loops().all) rolls = rolls || loop.rows() != loop.residuals();
+      const auto expect = [&](const Scheme& scheme) {
+        expect_the_same_motion(units, closed.description, closed.state, closed.tau, 1e-4, scheme, positions,
+                               velocities);
+      };
+      for (const char* const method : {"rk4", "generalized_alpha"}) expect({method});
+      for (const char* const method : {"half_explicit", "generalized_alpha_index3"})
+        expect({method, "absolute_SO3xR3"});
+      if (smooth && !rolls) expect({"midpoint"});
+      if (smooth) expect({"rattle", "absolute"});
+    });
+}
+
+}  // namespace
+}  // namespace axode::test
