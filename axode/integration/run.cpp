@@ -4,12 +4,12 @@
 #include <stdexcept>
 
 #include "axode/derivatives/spring_derivatives.hpp"
-#include "axode/kinematics/check_arguments.hpp"
 #include "axode/dynamics/forward_dynamics.hpp"
 #include "axode/dynamics/inverse_dynamics.hpp"
 #include "axode/dynamics/mass_matrix.hpp"
 #include "axode/dynamics/springs.hpp"
 #include "axode/eigen.hpp"
+#include "axode/kinematics/check_arguments.hpp"
 #include "axode/kinematics/twists.hpp"
 #include "axode/model/configuration.hpp"
 #include "axode/model/finite.hpp"
