@@ -47,7 +47,7 @@ template <class System> class Midpoint {
     const EnergyNorm& norm = system_->norm();
     const double terms = norm.of_forces(p0);
     bool newton = false;
-    double before = std::numeric_limits<double>::infinity();
+    double before = std::numeric_limits<double>::infinity(), scale = 0;
     for (int iteration = 0; iteration < most; ++iteration) {
       y_ = h / 2 * v;
       group_.move(q0, y_, q_middle);
@@ -59,7 +59,8 @@ template <class System> class Midpoint {
       r_ = (p0 + p) / 2;
       group_.codexp(y_, r_, r_);
       r_ = momenta_ - r_;
-      const double residual = norm.of_forces(r_), scale = system_->velocity_scale(v, h);
+      if (iteration == 0) scale = system_->velocity_scale(v, h);
+      const double residual = norm.of_forces(r_);
       if (newton)
         matrix_.solve(r_);
       else
