@@ -71,7 +71,7 @@ complete -c axode -f -a '(__axode)'
 constexpr std::array<std::pair<std::string_view, const char*>, 3> shells{
     {{"bash", bash}, {"zsh", zsh}, {"fish", fish}}};
 
-/// What can stand in a place.
+/// The words, or files, that fit in a place of the command line.
 struct Offer {
   bool files = false;
   bool list = false;                                            ///< whether commas separate several words
@@ -98,7 +98,7 @@ Offer offer(const CLI::Option& option) {
   return offer_of(CLI::detail::split(type, '|'), std::identity());
 }
 
-/// What can stand where no option asks for a value.
+/// The words that fit if no option asks for a value.
 Offer words_of(const CLI::App& command, bool is_option, bool with_equals) {
   Offer all;
   for (const CLI::App* sub : commands(command))
@@ -118,7 +118,7 @@ Offer words_of(const CLI::App& command, bool is_option, bool with_equals) {
   return all;
 }
 
-/// What the last of the words behind `axode` can become, a line each.
+/// The words that the last of those behind `axode` can become, a line each.
 std::string completions(const CLI::App& app, std::vector<std::string> words, std::string_view shell) {
   std::string word = words.back(), head;  // a part of the word that stays
   words.pop_back();

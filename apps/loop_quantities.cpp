@@ -12,7 +12,7 @@
 #include "commands.hpp"
 #include "quantities.hpp"
 
-/// What is asked about closed loops.
+/// Quantities of closed loops.
 namespace axode::command {
 namespace {
 

@@ -352,7 +352,7 @@ class Family {
   int n_ = 0;
 };
 
-/// What the derivatives of M⁻¹ are made of.
+/// The parts from which the derivatives of M⁻¹ are made.
 CasadiInverse inverse_of(const Model& model, const CasadiOutput& out) {
   const auto part = [](Recording recording) {
     const std::vector<int> found = keep_nonzeros(recording);

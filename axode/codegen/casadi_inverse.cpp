@@ -127,8 +127,14 @@ CasadiInverse::CasadiInverse(int nq, int nv, std::vector<int> entries, std::stri
 Recording CasadiInverse::signature(Kind kind) const {
   const int nq = static_cast<int>(nq_), n = static_cast<int>(entries_.size());
   Recording of{.arguments = {"q"}, .lengths = {nq}, .nodes = {{}}, .returns_doubt = true};
-  if (kind == tangent) of.arguments.push_back("fwd_q"), of.lengths.push_back(nq);
-  if (kind == adjoint) of.arguments.push_back(weights_), of.lengths.push_back(n);
+  if (kind == tangent) {
+    of.arguments.push_back("fwd_q");
+    of.lengths.push_back(nq);
+  }
+  if (kind == adjoint) {
+    of.arguments.push_back(weights_);
+    of.lengths.push_back(n);
+  }
   const auto give = [&](const char* name, const Flags& flags) {
     of.result = name;
     of.results.assign(flags.begin(), flags.end());
@@ -152,7 +158,8 @@ Operations CasadiInverse::operations(Kind kind) const {
     case adjoint: both = 2 * A * n; break;
     case jacobian: both = (M + nq * A) * n; break;
   }
-  sum.products += both, sum.sums += both;
+  sum.products += both;
+  sum.sums += both;
   return sum;
 }
 

@@ -199,22 +199,23 @@ class File {
         all.push_back(out.recording);
     return all;
   }
+  static void add(Operations& sum, const Operations& more) {
+    sum.products += more.products;
+    sum.sums += more.sums;
+    sum.divisions += more.divisions;
+    sum.roots += more.roots;
+    sum.angles += more.angles;
+  }
   static Operations operations_of(const CasadiFamily& family, std::size_t k) {
     const Operations own = operations(family.recordings[k]);
     if (!family.inverse || k == 0) return own;
     Operations sum = family.inverse->operations(static_cast<CasadiInverse::Kind>(k - 1));
-    const Operations A = operations(family.recordings[0]);
-    sum.products += A.products, sum.sums += A.sums, sum.divisions += A.divisions;
-    sum.roots += A.roots, sum.angles += A.angles;
+    add(sum, operations(family.recordings[0]));
     return sum;
   }
   static Operations cost(const CasadiFamily& family, const CasadiFunction& function) {
     Operations sum;
-    for (const std::size_t k : used(function)) {
-      const Operations one = operations_of(family, k);
-      sum.products += one.products, sum.sums += one.sums, sum.divisions += one.divisions;
-      sum.roots += one.roots, sum.angles += one.angles;
-    }
+    for (const std::size_t k : used(function)) add(sum, operations_of(family, k));
     return sum;
   }
   static std::size_t work(const CasadiFamily& family, const CasadiFunction& function) {
