@@ -152,16 +152,16 @@ TEST_F(SpecialisedModels, TellWhichStatesAreSingularAndWhichOverflow) {
   const Function function{Id("forward_dynamics")};
   const std::vector<double> q(20), v(20), tau(20, 1);
   std::vector<double> a(20);
-  const batch::Outcome singular =
-      Specialised<>(wrist, {function}, {.flags = quickly})(function, {.q = q, .v = v, .tau = tau}, a);
+  const batch::Outcome singular = batch::run(Specialised<>(wrist, {function}, {.flags = quickly}), function,
+                                             {.q = q, .v = v, .tau = tau}, a);
   EXPECT_EQ(singular.singular_states, 10u);
   EXPECT_FALSE(singular.solvability.ok() || singular.solvability.not_finite);
 
   const Model pendulum = load(robot("double_pendulum.toml"));
   std::vector<double> fast(20);
   fast[6] = 1e200;
-  const batch::Outcome overflow =
-      Specialised<>(pendulum, {function}, {.flags = quickly})(function, {.q = q, .v = fast, .tau = tau}, a);
+  const batch::Outcome overflow = batch::run(Specialised<>(pendulum, {function}, {.flags = quickly}),
+                                             function, {.q = q, .v = fast, .tau = tau}, a);
   EXPECT_EQ(overflow.singular_states, 1u);
   EXPECT_EQ(overflow.first, 3u);
   EXPECT_TRUE(overflow.solvability.not_finite);

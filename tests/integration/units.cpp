@@ -84,7 +84,7 @@ TEST(UnitsOfMotions, OfMassAndTimeMultiplyStepsOfMechanismsWithLoops) {
       bool smooth = true, rolls = false;
       for (const int i : closed.model.springs().joints)
         for (const Dof& dof : closed.model.joint(i).dof) smooth = smooth && dof.stop_stiffness == 0;
-      for (const Loop& loop : closed.model.loops().all) rolls = rolls || loop.rows() != loop.residuals();
+      for (const LoopRows& loop : closed.model.loops().all) rolls = rolls || loop.rows != loop.residuals;
       const auto expect = [&](const Scheme& scheme) {
         expect_the_same_motion(units, closed.description, closed.state, closed.tau, 1e-4, scheme, positions,
                                velocities);
