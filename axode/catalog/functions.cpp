@@ -92,11 +92,10 @@ template <Entry entry, class In> auto type_of() {
 template <Id id, class F> Function<T> in_order(const F&) {
   return row<id>([](auto& m, auto& w, auto& g, auto out) {
     constexpr const Words& words = id.words();
-    constexpr auto inputs = words.numbers();
     const auto numbers_of_state = [&]<std::size_t... k>(std::index_sequence<k...>) {
-      return std::tuple(g.*member_of<T>(inputs[k])...);
+      return std::tuple(g.*member_of<T>(id.words().numbers()[k])...);
     }
-    (std::make_index_sequence<inputs.size()>());
+    (std::make_index_sequence<words.numbers().size()>());
     const auto frame = [&] {
       if constexpr (words.takes_input(base))
         return std::tie(g.place, g.base);

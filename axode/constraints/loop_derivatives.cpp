@@ -13,7 +13,8 @@ template <class T> Twist<Spatial, T> twist(const Screw<T>& X) { return {X.w, X.v
 
 template <class T>
 void LoopSystem<T>::differentiate(const T* lambda, T* by_q, T* by_v, T* closing_by_q) noexcept {
-  const auto& [link, V, dV] = dynamics_->recursion.motion.bodies;
+  const auto& V = dynamics_->recursion.motion.bodies.V;
+  const auto& dV = dynamics_->recursion.motion.bodies.dV;
   const auto nv = static_cast<std::ptrdiff_t>(model_.nv());
   table_.each([&](std::size_t k, const auto& joint) {  // rows of couplings are constant
     const LoopPath& path = table_.paths[k];

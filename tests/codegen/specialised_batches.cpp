@@ -83,7 +83,7 @@ void expect_the_librarys(const Model& model, const Specialised<T>& specialised, 
   const std::size_t nv2 = size_of(Id("mass_matrix"), model);
   std::vector<T> M(nv2 * N), M_inverse(nv2 * N);
   EXPECT_TRUE(batch::run<T>(model, "mass_matrix", {.q = all.q}, M).ok());
-  EXPECT_TRUE(batch::run<T>(model, "inverse_mass_matrix", {.q = all.q}, M_inverse).ok());
+  EXPECT_EQ(batch::run<T>(model, "inverse_mass_matrix", {.q = all.q}, M_inverse).done, N);
   for (const codegen::Function& function : batches) {
     if (!specialised.has(function)) continue;
     SCOPED_TRACE(name_of(function.row) + " of " + std::to_string(N) + " states of " + model.name() + " on " +
@@ -276,12 +276,12 @@ TEST_F(SpecialisedBatches, RefuseWhatTheLibrarysRefuse) {
   }
   std::vector<double> q{0, 0, 0, 1, 0}, v(4), a(4), tau(4);
   EXPECT_EQ(message_of([&] {
-              EXPECT_TRUE(batch::run(specialised, {"inverse_dynamics"}, {.q = q, .v = v, .a = a}, a).ok());
+              static_cast<void>(batch::run(specialised, {"inverse_dynamics"}, {.q = q, .v = v, .a = a}, a));
             }),
             "tau shares memory with a; this result needs memory of its own");
   const Specialised<> without(model, {{Id("poses")}}, {.flags = quickly});
   EXPECT_EQ(message_of([&] {
-              EXPECT_TRUE(batch::run(without, {"inverse_dynamics"}, {.q = q, .v = v, .a = a}, tau).ok());
+              static_cast<void>(batch::run(without, {"inverse_dynamics"}, {.q = q, .v = v, .a = a}, tau));
             }),
             "model \"shoulder\" was specialised without inverse_dynamics");
 }

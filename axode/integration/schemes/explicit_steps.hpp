@@ -85,8 +85,8 @@ template <class Run> void take_adapted_steps(Run& run, double until, const Toler
   // The root mean square of the errors of q and v, each by what it may be.
   const auto error_of_step = [&] {
     const double relative = tolerances.relative, absolute = tolerances.absolute;
-    const auto theta = to_array(scheme.theta).abs().max(1.0),
-               speed = to_array(run.v).abs().max(to_array(scheme.y).abs());
+    const auto theta = to_array(scheme.theta).abs().max(1.0);
+    const auto speed = to_array(run.v).abs().max(to_array(scheme.y).abs());
     const double squares = (to_array(scheme.error_theta) / (absolute + relative * theta)).square().sum() +
                            (to_array(scheme.error_y) / (absolute + relative * speed)).square().sum();
     return std::sqrt(squares / std::max(1.0, 2.0 * static_cast<double>(scheme.theta.size())));
