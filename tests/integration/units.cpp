@@ -97,5 +97,29 @@ TEST(UnitsOfMotions, OfMassAndTimeMultiplyStepsOfMechanismsWithLoops) {
     });
 }
 
+/// An implicit step whose sizes overflow takes every change for rounding, and its first guess for the end.
+TEST(UnitsOfMotions, SquaresOfAccelerationsMayOverflow) {
+  Description top{.name = "top", .gravity = {}};
+  BodyDescription body{.name = "body", .predecessor = "ground"};
+  body.joint = {.name = "ball", .kind = JointKind::spherical};
+  body.inertia = MassProperties{.mass = 1, .Theta = {1, 2, 2.5}};
+  top.bodies.push_back(std::move(body));
+  const Model model = ModelBuilder(top).build();
+  const double faster = 0x1p460;
+  const Numbers none(3), v{1, 0.3, 0.1};
+  Numbers high(v);
+  for (double& v_c : high) v_c *= faster;
+  for (const char* const method : {"generalized_alpha", "midpoint"}) {
+    SCOPED_TRACE(method);
+    const Trajectory slow = motion_of(model, {neutral(model), v, none}, none, none, 0.1, {method});
+    const Trajectory fast =
+        motion_of(model, {neutral(model), high, none}, none, none, 0.1 / faster, {method});
+    ASSERT_TRUE(fast.complete) << fast.stopped;
+    EXPECT_EQ(fast.evaluations, slow.evaluations);
+    for (std::size_t c = 0; c < 3; ++c)
+      EXPECT_NEAR(fast.v(fast.size() - 1)[c] / faster, slow.v(slow.size() - 1)[c], 1e-12);
+  }
+}
+
 }  // namespace
 }  // namespace axode::test

@@ -23,8 +23,8 @@ class EnergyNorm {
   /// With the bounds that the tree knows.
   explicit EnergyNorm(const Tree<double>& tree) : EnergyNorm(inertia_of(tree)) {}
 
-  double of_velocities(const Argument& v) const { return root_.cwiseProduct(v).norm(); }
-  double of_forces(const Argument& p) const { return inverse_root_.cwiseProduct(p).norm(); }
+  double of_velocities(const Argument& v) const { return length(root_.cwiseProduct(v)); }
+  double of_forces(const Argument& p) const { return length(inverse_root_.cwiseProduct(p)); }
   /// That of a displacement of a radian of all rotations, and of lengths as large as those in q are.
   double of_places(const Tree<double>& tree, const Argument& q) const {
     double squares = 0;
@@ -51,6 +51,11 @@ class EnergyNorm {
   }
 
  private:
+  /// The Euclidean norm, also if the squares of its entries overflow.
+  static double length(const auto& x) {
+    const double norm = x.norm();
+    return std::isfinite(norm) ? norm : x.stableNorm();
+  }
   static Vector inertia_of(const Tree<double>& tree) {
     Vector m = Vector::Zero(tree->nv);
     for (int i = 1; i <= tree->n; ++i)
