@@ -246,20 +246,17 @@ loops::LoopFrames<double> AbsoluteSystem::loop_frames(const LoopPath& path) cons
   return {about(O, C_[index(a.body)] * a.F), about(O, C_[index(b.body)] * b.F)};
 }
 
-/// f(path, slip) for every loop joint, with its rows of the velocities of its bodies.
-template <class F> void AbsoluteSystem::each_loop_slip(const F& f) const {
-  loops_.table().each([&](std::size_t n, const auto& joint) {
-    const LoopPath& path = loops_.table().paths[n];
-    const auto& [a, b] = path.ends;
-    const Vec3<>& O = loop_origin(path);
-    const Twist<Spatial> X = Ad(about(O, C_[index(b.body)]), V_[index(b.body)]) -
-                             Ad(about(O, C_[index(a.body)]), V_[index(a.body)]);
-    loops::LoopWrenches<double> W;
-    joint.wrenches(loop_frames(path), W.data());
-    Six<double> slip{};
-    for (std::size_t k = 0; k < index(path.rows.count); ++k) slip[k] = W[k] | X;
-    f(path, slip);
-  });
+/// The rows of a loop joint times the velocities of its bodies.
+template <class Joint> Six<double> AbsoluteSystem::loop_slip(const LoopPath& path, const Joint& joint) const {
+  const auto& [a, b] = path.ends;
+  const Vec3<>& O = loop_origin(path);
+  const Twist<Spatial> X =
+      Ad(about(O, C_[index(b.body)]), V_[index(b.body)]) - Ad(about(O, C_[index(a.body)]), V_[index(a.body)]);
+  loops::LoopWrenches<double> W;
+  joint.wrenches(loop_frames(path), W.data());
+  Six<double> slip{};
+  for (std::size_t k = 0; k < index(path.rows.count); ++k) slip[k] = W[k] | X;
+  return slip;
 }
 
 void AbsoluteSystem::enter(Span q_joints, Span v_joints, Numbers& q, Numbers& v) {
@@ -347,8 +344,9 @@ void AbsoluteSystem::slip(Span q, Span v, Numbers& out) {
   bind(X_, out);
   for (int r = 0; r < n_rotors(); ++r) out[index(6 * n_ + r)] -= v[index(6 * n_ + r)];
   double* const at = out.data() + first_loop(Rows::velocities);
-  each_loop_slip([&](const LoopPath& path, const Six<double>& slip) {
-    std::copy_n(slip.begin(), path.rows.count, at + path.rows.first);
+  loops_.table().each([&](std::size_t n, const auto& joint) {
+    const LoopPath& path = loops_.table().paths[n];
+    std::copy_n(loop_slip(path, joint).begin(), path.rows.count, at + path.rows.first);
   });
   for (const LoopCoupling& coupling : model_.loops().couplings)
     at[coupling.first_row] = coupled_rate(coupling, X_);
@@ -371,7 +369,10 @@ void AbsoluteSystem::put_rolling(Span q, Span v, double scale, Numbers& out) {
     out[index(6 * n_ + r)] = scale * (rate(rotor, joint_twist(rotor.joint)) - v[index(6 * n_ + r)]);
   }
   double* const at = out.data() + first_loop(Rows::velocities);
-  each_loop_slip([&](const LoopPath& path, const Six<double>& slip) {
+  loops_.table().each([&](std::size_t n, const auto& joint) {
+    const LoopPath& path = loops_.table().paths[n];
+    if (path.residuals.count == path.rows.count) return;
+    const Six<double> slip = loop_slip(path, joint);
     for (int k = path.residuals.count; k < path.rows.count; ++k)
       at[path.rows.first + k] = scale * slip[index(k)];
   });

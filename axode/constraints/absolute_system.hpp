@@ -136,7 +136,7 @@ class AbsoluteSystem {
   void add_joint_wrench(int i, const BodyWrench& W, Numbers& f) const;
   const Vec3<>& loop_origin(const LoopPath& path) const;
   loops::LoopFrames<double> loop_frames(const LoopPath& path) const;
-  template <class F> void each_loop_slip(const F& f) const;
+  template <class Joint> Six<double> loop_slip(const LoopPath& path, const Joint& joint) const;
   double coupled_rate(const LoopCoupling& coupling, const std::vector<BodyTwist>& X) const;
 
   Model model_;
