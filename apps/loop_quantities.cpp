@@ -44,19 +44,20 @@ Answer answer_by_rows(const Question& ask, std::string label, Rows kind, const s
   return answer;
 }
 
-Answer loop_jacobian_answer(const Question& ask) {
+/// A matrix with a column for each velocity.
+template <class F> Answer matrix_answer(const Question& ask, const char* label, Rows kind, const F& write) {
   LoopWorkspace<> workspace(ask.model);
-  std::vector<double> A(number_of(ask.model, Rows::velocities) * ask.state.v.size());
-  loop_jacobian(ask.model, workspace, ask.state.q, A);
-  return answer_by_rows(ask, "A with A v = 0 where v keeps the loops closed", Rows::velocities, A,
-                        velocity_names(ask.model));
+  std::vector<double> matrix(number_of(ask.model, kind) * ask.state.v.size());
+  write(ask.model, workspace, ask.state.q, matrix);
+  return answer_by_rows(ask, label, kind, matrix, velocity_names(ask.model));
+}
+Answer loop_jacobian_answer(const Question& ask) {
+  return matrix_answer(ask, "A with A v = 0 where v keeps the loops closed", Rows::velocities,
+                       [](auto&... x) { loop_jacobian(x...); });
 }
 Answer loop_residual_jacobian_answer(const Question& ask) {
-  LoopWorkspace<> workspace(ask.model);
-  std::vector<double> R(number_of(ask.model, Rows::residuals) * ask.state.v.size());
-  loop_residual_jacobian(ask.model, workspace, ask.state.q, R);
-  return answer_by_rows(ask, "R with r' = R v for the residuals r", Rows::residuals, R,
-                        velocity_names(ask.model));
+  return matrix_answer(ask, "R with r' = R v for the residuals r", Rows::residuals,
+                       [](auto&... x) { loop_residual_jacobian(x...); });
 }
 Answer loop_bias_answer(const Question& ask) {
   LoopWorkspace<> workspace(ask.model);

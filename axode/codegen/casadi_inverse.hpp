@@ -36,7 +36,7 @@ class CasadiInverse {
   Operations operations(Kind kind) const;
   /// Numbers that it takes behind its results.
   std::size_t scratch() const;
-  /// Its body. `inverse` and `masses` are the names of the functions for A and of the part of M,
+  /// The body of the function in C. `inverse` and `masses` are the names of the functions for A and of the part of M,
   /// table(numbers) is that of a constant array.
   std::string body(Kind kind, const std::string& prefix, const std::string& inverse,
                    const std::string& masses,

@@ -14,9 +14,9 @@
 
 namespace axode {
 
-/// Which rows of the loops are redundant, as LoopSystem::determine_rank() decides it where they are closed. Their
-/// multipliers are 0 in what is given this rank. So redundancy by geometry, which is lost as soon as the loops
-/// are a little open, is that of a whole step of an integration.
+/// The rank of the rows of the loops, as LoopSystem::determine_rank() finds it at a closed configuration. Solutions
+/// with this rank give redundant rows multipliers of 0. An integration keeps the rank for a whole step, because
+/// rows that are redundant by geometry become independent as soon as the loops are a little open.
 struct RowRank {
   std::vector<char> redundant = {};  ///< whether each row of A is redundant; empty where nothing was decided
 };
@@ -49,7 +49,7 @@ template <class T> class LoopSystem {
   void force(const T* q, const T* v, const T* a, const Loads<T>& loads, T* tau) noexcept;
   /// v after the impulses of loops that close suddenly, (A v)⁺ = -e A v, and these impulses.
   Solvability collide(const T* q, const T* v, const T& e, T* v_after, T* impulses) noexcept;
-  /// The same where the system is after factorize(q) or determine_rank(q).
+  /// Velocities after the impulses, and the impulses, at the configuration of the last factorize(q) or determine_rank(q).
   Solvability collide(const T* v, const T& e, T* v_after, T* impulses, const RowRank& rank = {}) noexcept;
   /// The step x towards a closed configuration, r + R x = 0, that moves the masses least.
   Solvability approach(const T* q, T* x, const RowRank& rank = {}) noexcept;
@@ -57,7 +57,7 @@ template <class T> class LoopSystem {
   /// Decides at a closed q which rows are redundant; the rows of velocities are factorised there afterwards.
   /// Decides nothing where the tree without its loops has no accelerations.
   Solvability determine_rank(const T* q, RowRank& rank) noexcept;
-  /// The same with the rows of velocities that are factorised.
+  /// Determines the rank of the rows of velocities that are factorised already.
   void determine_rank(RowRank& rank) noexcept;
 
   /// Links, screws and loops at q, or where bodies have the poses C, seen from an origin, which their joints need not allow.

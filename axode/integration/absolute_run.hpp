@@ -54,7 +54,7 @@ class AbsoluteRun {
     return std::max(norm_.of_velocities(as_eigen(v_t)), run_.velocity_scale(h));
   }
 
-  // What schemes ask for:
+  // The schemes call these functions.
   Failure place(double t, Span q_t) { return checked(t, bodies_.place(q_t)); }
   Failure hold(double t, Span q_t) { return checked(t, bodies_.hold(q_t)); }
   /// With springs, dampers and drives as they resist what moves with an acceleration: places by c_x, velocities by c_v.

@@ -4,7 +4,7 @@
 #include "axode/lie/twist.hpp"
 #include "axode/scalar/dual.hpp"
 
-/// What a loop joint is: a small type with double parameters and members that are templates over the scalar.
+/// A loop joint is a small type with double parameters and members that are templates over the scalar:
 ///   rows(), residuals()            numbers of rows of A and of the residual r
 ///   residual(at, r)                r, which vanishes when the loop is closed
 ///   wrenches(at, W)                W on the second body for unit multipliers: A v = Wᵀ (V_j - V_i)

@@ -15,7 +15,7 @@ struct LoopColumn {
   double factor = 0;  ///< of a term
 };
 
-/// What of a loop does not change: its rows, and the paths on the tree that it closes.
+/// The constant part of a loop: its rows, and the paths on the tree that it closes.
 struct LoopPath {
   LoopPath(const Tree<double>& tree, const Loop& joint);
   /// A coupling has no ends: they are at the ground.

@@ -1,4 +1,7 @@
 #pragma once
+#include <algorithm>
+#include <array>
+
 #include "axode/constraints/loops/loop_frames.hpp"
 #include "axode/lie/six.hpp"
 #include "axode/model/subgroup.hpp"

@@ -63,10 +63,8 @@ inline constexpr int watched = 10'000;
 inline constexpr double hopeless = 1e5, too_short = 1e-9;
 inline constexpr const char* jumps =
     "the steps have become so short that a thousand million more would not do: a force jumps where the "
-    "motion dwells, or "
-    "grows without bound; methods in steps of one length go on, and dry friction of a joint is one of its "
-    "own "
-    "properties (joint losses)";
+    "motion dwells, or grows without bound; methods in steps of one length go on, and dry friction of a "
+    "joint is one of its own properties (joint losses)";
 
 /// Where branches of a motion meet, rows of the loops depend on each other. Accelerations close by are those of a mechanism with more
 /// freedoms, so that the error estimate sees a jump that is not in the motion, and shorter steps would only look closer at
