@@ -9,7 +9,6 @@
 #include <memory>
 #include <sstream>
 
-#include "axode/model/configuration.hpp"
 #include "axode/view.hpp"
 #include "commands.hpp"
 #include "model_options.hpp"
@@ -92,7 +91,7 @@ void run(const Options& options) {
   const Model model = load(options.mechanism);
   SceneOptions shown;
   if (!options.motion.empty()) shown.motion = read_motion(model, options.motion);
-  std::vector<double> q = neutral(model);
+  std::vector<double> q = first_configuration(model);
   if (!options.motion.empty()) q.assign(shown.motion.q.begin(), shown.motion.q.begin() + model.nq());
   if (!options.state.empty()) q = read_state(model, options.state).q;
   std::ostringstream text;
@@ -117,8 +116,9 @@ void add_view(CLI::App& app, int& exit_code) {
   const auto options = std::make_shared<Options>();
   CLI::App* view = app.add_subcommand("view", "Show a mechanism and its motion in a browser");
   add_model_options(*view, options->mechanism);
-  view->add_option("--state", options->state,
-                   "JSON, - for standard input; the start of the motion, or neutral, if left out")
+  view->add_option(
+          "--state", options->state,
+          "JSON, - for standard input. If left out: the start of the motion, or neutral with loops closed")
       ->type_name("FILE");
   view->add_option("--motion", options->motion, "A .csv, .json or .npz of `axode simulate --output`")
       ->type_name("FILE");

@@ -29,7 +29,7 @@ const tab = await browser.newPage({ viewport: { width: 1000, height: 640 } });
 await tab.goto(`file://${page}`);
 await tab.waitForSelector("#canvas[data-ready]");
 await tab.evaluate(() => {
-  for (const layer of ["joints", "com", "screw-axis", "fixed-axode", "moving-axode"]) window.axode.setLayer(layer, true);
+  for (const layer of ["screw-axis", "fixed-axode", "moving-axode"]) window.axode.setLayer(layer, true);
   window.axode.select("link 4");
   window.axode.setTime(0.3);
 });

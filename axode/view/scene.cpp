@@ -9,6 +9,7 @@
 #include <stdexcept>
 #include <unordered_map>
 
+#include "axode/constraints/assembly.hpp"
 #include "axode/lie/quaternion.hpp"
 #include "axode/model/configuration.hpp"
 #include "axode/model/finite.hpp"
@@ -110,11 +111,15 @@ class Shapes {
     for (const BodyDescription& body : told.bodies)
       for (const ShapeDescription& shape : body.shapes)
         add(shape, model.frame(frame.at(body.name)), body.source.file.empty() ? told.source : body.source);
-    const std::vector<std::vector<ShapeDescription>> others = view::stand_ins(model);
-    for (int i = 1; i <= model.n_bodies(); ++i)
-      if (!seen_[i])
-        for (const ShapeDescription& shape : others[i - 1])
-          shapes.push_back(json_of(shape, i, shape.pose, /*stand_in=*/true));
+    for (const view::StandIn& other : view::stand_ins(model, seen_)) {
+      Json json = json_of(other.shape, other.body, other.shape.pose, /*stand_in=*/true);
+      if (!other.hull.empty()) {
+        json["kind"] = "hull";
+        json["radius"] = other.shape.radius;
+        for (const Vec3<>& point : other.hull) json["points"].push_back(axode::json_of(point));
+      }
+      shapes.push_back(std::move(json));
+    }
     for (const auto& [why, element, first, source, count] : missing_)
       contents.warnings.push_back(to_string(
           {Severity::warning, Rule::unreadable_file, element,
@@ -200,7 +205,7 @@ class Shapes {
     return known->second = read->second;
   }
 
-  std::vector<bool> seen_;  ///< whether each body has a visible shape
+  std::vector<bool> seen_;  ///< whether the ground and each body have a visible shape
   /// Index in `meshes` by the file of the description and the name in it, and by the path of the mesh; empty
   /// if the mesh cannot be shown.
   std::map<std::pair<std::string, std::string>, std::optional<std::size_t>> named_;
@@ -296,6 +301,13 @@ void write_escaped(const std::string& text, std::ostream& out) {
 }
 
 }  // namespace
+
+std::vector<double> first_configuration(const Model& model) {
+  std::vector<double> q = neutral(model);
+  if (model.loops().empty()) return q;
+  AssemblyResult closed = assemble(model, q);
+  return closed.status == AssemblyStatus::closed ? std::move(closed.q) : q;
+}
 
 SceneContents write_scene(const Model& model, std::span<const double> q, std::ostream& out,
                           const SceneOptions& options) {

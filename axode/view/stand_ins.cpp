@@ -13,50 +13,74 @@
 namespace axode::view {
 namespace {
 
+using Color = std::array<double, 4>;
+constexpr Color driven{0.88, 0.54, 0.12, 1}, passive{0.31, 0.36, 0.42, 1};
+
 /// Points on each body, the ground included, in the frame of the body.
-struct Places {
-  std::vector<std::optional<Vec3<>>> joint;  ///< point of the joint of the body itself
-  std::vector<std::vector<Vec3<>>> carried;  ///< points of other joints, frames and loops on the body
-  double size = 0;                           ///< largest distance (m) of a point in `carried` from the joint
+class Points {
+ public:
+  explicit Points(const Model& model);
+
+  /// Point of the joint of body i; empty if the joint has no point.
+  const std::optional<Vec3<>>& joint(int i) const { return joints_[i]; }
+  /// The points on a body, no two of which are nearer than a hundredth of the size.
+  std::vector<Vec3<>> distinct(int body) const;
+  /// Largest distance (m) between points of one body, or between its only point and the end of its bar.
+  double size() const { return size_; }
+
+ private:
+  std::vector<std::optional<Vec3<>>> joints_;
+  std::vector<std::vector<Vec3<>>> all_;
+  double size_ = 0;
 };
 
 /// Whether a joint has a point that its description gives. A prismatic joint in a drawing has a direction
 /// only, and a free joint has neither.
-bool has_place(const Joint& joint, const BodyDescription* body) {
+bool has_point(const Joint& joint, const BodyDescription* body) {
   if (joint.kind != Subgroup::prismatic && joint.kind != Subgroup::free) return true;
   return body == nullptr || !std::holds_alternative<InConstructionFrame>(body->geometry) ||
          traits(body->joint.kind).point;
 }
 
-Places places_of(const Model& model) {
+Points::Points(const Model& model)
+    : joints_(static_cast<std::size_t>(model.n_bodies()) + 1), all_(joints_.size()) {
   std::unordered_map<std::string_view, const BodyDescription*> described;
   for (const BodyDescription& body : model.description().bodies) described.emplace(body.name, &body);
   const auto description_of = [&](const std::string& name) {
     const auto found = described.find(name);
     return found == described.end() ? nullptr : found->second;
   };
-  const auto n = static_cast<std::size_t>(model.n_bodies());
-  Places places{std::vector<std::optional<Vec3<>>>(n + 1), std::vector<std::vector<Vec3<>>>(n + 1)};
   for (int i = 1; i <= model.n_bodies(); ++i) {
     const Body& body = model.body(i);
-    if (!has_place(model.joint(i), description_of(body.name))) continue;
-    places.joint[i] = body.S_self.r;
-    places.carried[body.predecessor].push_back(body.S_prev.r);
+    if (!has_point(model.joint(i), description_of(body.name))) continue;
+    joints_[i] = body.S_self.r;
+    all_[i].push_back(body.S_self.r);
+    all_[body.predecessor].push_back(body.S_prev.r);
   }
-  for (const Frame& frame : model.frames().subspan(n + 1)) {
+  for (const Frame& frame : model.frames().subspan(joints_.size())) {
     // A fixed body has a frame of its own name. If the body is drawn, the origin of this frame means nothing.
     const BodyDescription* fixed = description_of(frame.name);
     if (fixed == nullptr || !std::holds_alternative<InConstructionFrame>(fixed->geometry))
-      places.carried[frame.body].push_back(frame.pose.r);
+      all_[frame.body].push_back(frame.pose.r);
   }
   for (const Loop& loop : model.loops().joints)
     if (traits(loop.kind).located)
       for (const Loop::End& end : loop.ends)
-        places.carried[end.body].push_back((model.body(end.body).S_self * end.F).r);
-  for (std::size_t i = 1; i <= n; ++i)
-    for (const Vec3<>& place : places.carried[i])
-      if (places.joint[i]) places.size = std::max(places.size, norm(place - *places.joint[i]));
-  return places;
+        all_[end.body].push_back((model.body(end.body).S_self * end.F).r);
+  for (int i = 1; i <= model.n_bodies(); ++i) {
+    for (const Vec3<>& a : all_[i])
+      for (const Vec3<>& b : all_[i]) size_ = std::max(size_, norm(b - a));
+    const Inertia<>& M = model.body(i).M;
+    if (!all_[i].empty() && M.m > 0) size_ = std::max(size_, 2 * norm(center_of_mass(M) - all_[i].front()));
+  }
+}
+
+std::vector<Vec3<>> Points::distinct(int body) const {
+  std::vector<Vec3<>> points;
+  for (const Vec3<>& point : all_[body])
+    if (std::ranges::none_of(points, [&](const Vec3<>& p) { return norm(p - point) <= 0.01 * size_; }))
+      points.push_back(point);
+  return points;
 }
 
 /// A capsule from one point to another, with a radius of a sixth of its length, but at most `thickest`.
@@ -67,35 +91,126 @@ ShapeDescription capsule(const Vec3<>& from, const Vec3<>& to, double thickest) 
   return shape;
 }
 
-/// The solid ellipsoid with the mass and inertia M: its second moments are m a²/5 for the semi-axes a. The
-/// result is empty for a point mass.
-std::vector<ShapeDescription> ellipsoid(const Inertia<>& M) {
+/// The convex hull of balls about points, in a frame at their mean.
+StandIn hull(int body, std::vector<Vec3<>> points, double radius) {
+  Vec3<> mean{};
+  for (const Vec3<>& point : points) mean = mean + 1.0 / static_cast<double>(points.size()) * point;
+  for (Vec3<>& point : points) point = point - mean;
+  return {body, {.pose = {{}, mean}, .radius = radius}, std::move(points)};
+}
+
+/// The solid with the mass and inertia M of a body: a cylinder if exactly two principal moments are equal, an
+/// ellipsoid if not. Its kind is box, without a size, for a point mass.
+ShapeDescription solid(const Inertia<>& M) {
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> moments(to_eigen(binet_tensor(inertia_about_com(M))));
   Eigen::Matrix3d axes = moments.eigenvectors();
   if (axes.determinant() < 0) axes.col(0) *= -1;
-  const Eigen::Array3d semi_axes = (5 / M.m * moments.eigenvalues().array()).max(0).sqrt();
-  if (!(semi_axes[2] > 0)) return {};
-  const double thinnest = 0.02 * semi_axes[2];  // so that a sheet and a wire are visible
-  ShapeDescription shape{.kind = ShapeKind::ellipsoid, .pose = {from_eigen<SO3<>>(axes), center_of_mass(M)}};
-  shape.size = from_eigen<Vec3<>>(semi_axes.max(thinnest).matrix());
-  return {shape};
+  const Eigen::Array3d second = (moments.eigenvalues().array() / M.m).max(0);  // of x, y and z, m²
+  ShapeDescription shape{.pose = {from_eigen<SO3<>>(axes), center_of_mass(M)}};
+  if (!(second[2] > 0)) return shape;
+  const auto equal = [&](int a, int b) { return second[b] - second[a] <= 1e-3 * second[2]; };
+  if (equal(0, 1) == equal(1, 2)) {
+    const double thinnest = 0.02 * std::sqrt(5 * second[2]);  // so that a sheet and a wire are visible
+    shape.kind = ShapeKind::ellipsoid;
+    shape.size = from_eigen<Vec3<>>((5 * second).sqrt().max(thinnest).matrix());
+    return shape;
+  }
+  const int axis = equal(0, 1) ? 2 : 0;
+  shape.kind = ShapeKind::cylinder;
+  shape.pose.R = rotation_to(from_eigen<Vec3<>>(Eigen::Vector3d(axes.col(axis))));
+  shape.radius = std::sqrt(std::max(4 * second[1], 1e-3 * second[2]));
+  shape.length = std::sqrt(std::max(12 * second[axis], 1e-2 * second[2]));
+  return shape;
+}
+
+/// Whether a body is a rod along the line through its centre of mass and a point.
+bool is_rod(const Inertia<>& M, const Vec3<>& point) {
+  const Vec3<> to_com = center_of_mass(M) - point, e = (1 / norm(to_com)) * to_com;
+  const Sym3<> Theta = inertia_about_com(M);
+  const double along = dot(e, Theta * e);
+  return along < 0.3 * (Theta.xx + Theta.yy + Theta.zz - along) / 2;
+}
+
+/// The shapes of one body.
+void add_body(std::vector<StandIn>& all, const Model& model, int i, const Points& points) {
+  const Inertia<>& M = model.body(i).M;
+  const bool slides = model.joint(i).kind == Subgroup::prismatic;
+  const double radius = (slides ? 0.02 : 0.03) * points.size();
+  const std::vector<Vec3<>> own = points.distinct(i);
+  if (own.size() > 2) {
+    all.push_back(hull(i, own, radius));
+  } else if (own.size() == 2) {
+    all.push_back({i, capsule(own[0], own[1], radius)});
+  } else if (M.m > 0) {
+    const bool has_arm = !own.empty() && norm(center_of_mass(M) - own[0]) > 0.01 * points.size();
+    if (has_arm && is_rod(M, own[0])) {
+      all.push_back({i, capsule(own[0], 2.0 * center_of_mass(M) - own[0], radius)});
+      return;
+    }
+    if (has_arm) all.push_back({i, capsule(own[0], center_of_mass(M), radius)});
+    const ShapeDescription body = solid(M);
+    if (body.kind != ShapeKind::box) all.push_back({i, body});
+  }
+}
+
+/// The pin, ball or pad of a joint whose axis is z of `pose`; the kind of box without a size if it has none.
+ShapeDescription joint_part(Subgroup kind, const SE3<>& pose, double radius, const Color& color) {
+  ShapeDescription shape{.pose = pose, .color = color};
+  if (kind == Subgroup::revolute || kind == Subgroup::helical) {
+    shape.kind = ShapeKind::cylinder;
+    shape.radius = 1.25 * radius;
+    shape.length = 3 * radius;
+  } else if (kind == Subgroup::spherical) {
+    shape.kind = ShapeKind::sphere;
+    shape.radius = 1.5 * radius;
+  } else if (kind == Subgroup::planar) {
+    shape.size = {6 * radius, 6 * radius, radius};
+  } else if (kind == Subgroup::prismatic) {
+    shape.size = {3.2 * radius, 3.2 * radius, 7 * radius};
+  }
+  return shape;
+}
+
+/// What a loop joint looks like: the joint with the same freedom.
+std::optional<Subgroup> like_joint(LoopKind kind) {
+  const LoopTraits& loop = traits(kind);
+  if (!loop.located || loop.has("center")) return std::nullopt;
+  if (loop.has("points") || loop.free[0]) return Subgroup::spherical;
+  return loop.free[3] ? Subgroup::planar : Subgroup::revolute;
 }
 
 }  // namespace
 
-std::vector<std::vector<ShapeDescription>> stand_ins(const Model& model) {
-  const Places places = places_of(model);
-  std::vector<std::vector<ShapeDescription>> all;
+std::vector<StandIn> stand_ins(const Model& model, const std::vector<bool>& seen) {
+  const Points points(model);
+  const double radius = 0.03 * points.size();
+  std::vector<StandIn> all;
+  const Vec3<> g = model.gravity();
+  const Vec3<> up = norm(g) > 0 ? (-1 / norm(g)) * g : Vec3<>{0, 0, 1};
+  const auto add_mount = [&](const Vec3<>& point) {
+    ShapeDescription mount{.pose = {rotation_to(up), point - 2.4 * radius * up}};
+    mount.size = {7 * radius, 7 * radius, 1.6 * radius};
+    if (!seen[0]) all.push_back({0, mount});
+  };
   for (int i = 1; i <= model.n_bodies(); ++i) {
-    const Inertia<>& M = model.body(i).M;
-    const bool has_mass = M.m > 0;
-    std::vector<ShapeDescription>& shapes = all.emplace_back();
-    if (places.joint[i] || has_mass) {
-      const Vec3<> from = places.joint[i] ? *places.joint[i] : center_of_mass(M);
-      for (const Vec3<>& to : places.carried[i])
-        if (norm(to - from) > 0.01 * places.size) shapes.push_back(capsule(from, to, 0.03 * places.size));
+    const Body& body = model.body(i);
+    if (!seen[i]) add_body(all, model, i, points);
+    const bool shown = seen[i] && (seen[body.predecessor] || body.predecessor == 0);
+    if (shown || !points.joint(i) || radius == 0) continue;
+    const Joint& joint = model.joint(i);
+    all.push_back({i, joint_part(joint.kind, body.S_self, radius, joint.passive ? passive : driven)});
+    if (body.predecessor == 0) add_mount(body.S_prev.r);
+  }
+  for (const Loop& loop : model.loops().joints) {
+    const std::optional<Subgroup> kind = like_joint(loop.kind);
+    if (!kind || radius == 0) continue;
+    for (const Loop::End& end : loop.ends) {
+      const SE3<> pose = model.body(end.body).S_self * end.F;
+      const Loop::End& other = loop.ends[&end == loop.ends.data() ? 1 : 0];
+      if (end.body == 0 && !seen[other.body]) add_mount(pose.r);
+      if (end.body != 0 && !seen[end.body])
+        all.push_back({end.body, joint_part(*kind, pose, radius, passive)});
     }
-    if (shapes.empty() && has_mass) shapes = ellipsoid(M);
   }
   return all;
 }

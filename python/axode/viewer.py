@@ -209,7 +209,7 @@ class Viewer:
             raise RuntimeError("this build of axode has no viewer; build it with npm at hand")
         self._m = m
         self._motion = _motion_of(m, motion)
-        self._q: Any = q if q is not None else m.neutral() if self._motion is None else np.asarray(self._motion[1])[0]
+        self._q: Any = q if q is not None else _axode.first_configuration(m) if self._motion is None else np.asarray(self._motion[1])[0]
         self._server: _Server | None = None
         self._finalizer: Any = None
         self._is_closed = False
@@ -267,7 +267,7 @@ class Viewer:
 
 def view(m: Model, q: ArrayLike | None = None, motion: Trajectory | str | os.PathLike[str] | None = None, *,
          output: str | os.PathLike[str] | None = None) -> Viewer:
-    """Shows a mechanism, at q (nq,) or neutral, and a motion of it: in a notebook there, otherwise in a browser.
+    """Shows a mechanism, at q (nq,), or neutral with its loops closed, and a motion of it: in a notebook there, otherwise in a browser.
 
     motion: from `simulate`, or the .csv, .json or .npz that `axode simulate --output` has written.
     output: a file of HTML to write instead of showing it; it needs no other file and no network.

@@ -51,6 +51,18 @@ nb::tuple page_of(const BoundModel& m, const std::string& empty_page, ArrayLike 
 }  // namespace
 
 void add_view(nb::module_& module) {
+  module.def(
+      "first_configuration",
+      [](const BoundModel& m) {
+        std::vector<double> q;
+        {
+          const nb::gil_scoped_release released;
+          q = first_configuration(*m);
+        }
+        return to_array(q);
+      },
+      "m"_a, nb::sig("def first_configuration(m: Model) -> numpy.typing.NDArray[numpy.float64]"),
+      "The configuration that a page shows first if no other is given; see axode.viewer.");
   module.def("viewer_page", &page_of, "m"_a, "empty_page"_a, "q"_a, "motion"_a.none(), "live"_a,
              nb::sig("def viewer_page(m: Model, empty_page: str, q: numpy.typing.ArrayLike, "
                      "motion: tuple[typing.Any, typing.Any, typing.Any, typing.Any, typing.Any] | None, "

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <map>
 
 #include "axode/integration.hpp"
 #include "tests/model/random_loops.hpp"
@@ -313,34 +314,120 @@ TEST(Page, RefusesAPageWithoutAPlaceForTheScene) {
   EXPECT_EQ(out.str(), "");
 }
 
-TEST(StandIns, CapsulesGoFromJointToJoint) {
-  const Model model = shipped("arm7.toml");
-  const std::vector<double> q = random_configuration(model, 1);
-  const Json scene = scene_of(model, q);
-  const std::vector<Eigen::Isometry3d> C = poses_of(scene, q);
-  std::vector<bool> seen(static_cast<std::size_t>(model.n_bodies()) + 1);
-  for (const Json& shape : scene["shapes"]) {
-    EXPECT_EQ(shape["stand_in"], true);
-    const auto i = shape["body"].get<std::size_t>();
-    seen[i] = true;
-    if (shape["kind"] != "capsule") continue;
-    const Eigen::Isometry3d at = C[i] * pose_from(shape["pose"]);
-    const Eigen::Vector3d half = at.linear().col(2) * shape["length"].get<double>() / 2;
-    const Eigen::Vector3d joint = (C[i] * pose_from(scene["bodies"][i]["S_self"])).translation();
-    EXPECT_LT((at.translation() - half - joint).norm(), 1e-12);
-    double nearest = INFINITY;
-    for (std::size_t j = i + 1; j < C.size(); ++j)
-      nearest = std::min(
-          nearest,
-          (at.translation() + half - (C[j] * pose_from(scene["bodies"][j]["S_self"])).translation()).norm());
-    for (const Json& frame : scene["frames"])
-      nearest =
-          std::min(nearest, (at.translation() + half -
-                             (C[frame["body"].get<std::size_t>()] * pose_from(frame["pose"])).translation())
-                                .norm());
-    EXPECT_LT(nearest, 1e-12);
+/// Points of joints, frames and loop ends on a body, in its frame.
+std::vector<Eigen::Vector3d> points_on(const Json& scene, std::size_t body) {
+  std::vector<Eigen::Vector3d> points;
+  const auto add = [&](const Json& pose) { points.push_back(pose_from(pose).translation()); };
+  for (std::size_t i = 1; i < scene["bodies"].size(); ++i) {
+    const Json& other = scene["bodies"][i];
+    if (i == body) add(other["S_self"]);
+    if (other["predecessor"] == body) add(other["S_prev"]);
   }
-  for (int i = 1; i <= model.n_bodies(); ++i) EXPECT_TRUE(seen[i]) << model.body(i).name;
+  for (const Json& frame : scene["frames"])
+    if (frame["body"] == body) add(frame["pose"]);
+  for (const Json& loop : scene["loops"])
+    for (const Json& end : loop["ends"])
+      if (end["body"] == body) add(end["pose"]);
+  return points;
+}
+double distance_to_nearest(const Eigen::Vector3d& point, const std::vector<Eigen::Vector3d>& others) {
+  double nearest = INFINITY;
+  for (const Eigen::Vector3d& other : others) nearest = std::min(nearest, (point - other).norm());
+  return nearest;
+}
+
+TEST(StandIns, ReachFromPointToPointOfTheirBody) {
+  for (const std::string name :
+       {"arm7.toml", "four_bar.toml", "gough.toml", "humanoid.urdf", "machine.toml"}) {
+    const Model model = shipped(name);
+    const Json scene = scene_of(model, neutral(model));
+    std::vector<bool> seen(static_cast<std::size_t>(model.n_bodies()) + 1);
+    int bars = 0;
+    for (const Json& shape : scene["shapes"]) {
+      EXPECT_EQ(shape["stand_in"], true);
+      const auto i = shape["body"].get<std::size_t>();
+      seen[i] = true;
+      std::vector<Eigen::Vector3d> points = points_on(scene, i);
+      const Eigen::Isometry3d pose = pose_from(shape["pose"]);
+      if (shape["kind"] == "hull") {
+        EXPECT_GT(shape["points"].size(), 2U);
+        for (const Json& point : shape["points"])
+          EXPECT_LT(distance_to_nearest(pose * Eigen::Vector3d(point[0], point[1], point[2]), points), 1e-12);
+      } else if (shape["kind"] == "capsule") {
+        const Eigen::Vector3d half = pose.linear().col(2) * shape["length"].get<double>() / 2;
+        EXPECT_LT(distance_to_nearest(pose.translation() - half, points), 1e-12);
+        const Json& com = scene["bodies"][i]["com"];
+        const Eigen::Vector3d center(com[0], com[1], com[2]);
+        points.insert(points.end(), {center, 2 * center - (pose.translation() - half)});
+        EXPECT_LT(distance_to_nearest(pose.translation() + half, points), 1e-12);
+        ++bars;
+      } else if (i != 0 && !shape["color"].is_null()) {  // the part of a joint
+        EXPECT_LT(distance_to_nearest(pose.translation(), points), 1e-12);
+      }
+    }
+    EXPECT_GT(bars, 0) << name;
+    for (int i = 1; i <= model.n_bodies(); ++i)
+      EXPECT_TRUE(seen[i] || model.body(i).M.m == 0) << name << ": " << model.body(i).name;
+  }
+}
+
+TEST(StandIns, APlateJoinsTheTopsOfLegs) {
+  const Model model = shipped("gough.toml");
+  const Json scene = scene_of(model, neutral(model));
+  const Json plate =
+      *std::ranges::find_if(scene["shapes"], [](const Json& shape) { return shape["kind"] == "hull"; });
+  EXPECT_EQ(plate["body"], model.body_index("platform"));
+  EXPECT_EQ(plate["points"].size(), 6U);
+}
+
+TEST(StandIns, DrivesHaveAColorOfTheirOwnAndHingesOnTheGroundAMount) {
+  const Model model = shipped("four_bar.toml");
+  std::map<std::string, int> pins;
+  int mounts = 0;
+  const Json scene = scene_of(model, neutral(model));
+  for (const Json& shape : scene["shapes"]) {
+    mounts += shape["body"] == 0;
+    pins[shape["color"].dump()] += shape["kind"] == "cylinder";
+  }
+  EXPECT_EQ(mounts, 2);  // of the crank and the rocker
+  const int driven = static_cast<int>(std::ranges::count(model.joints(), false, &Joint::passive));
+  EXPECT_EQ(driven, 1);
+  EXPECT_EQ(pins["[0.88,0.54,0.12,1.0]"], driven);
+  EXPECT_EQ(pins["[0.31,0.36,0.42,1.0]"], 2 + 2);  // of two passive joints, and of both ends of the loop
+}
+
+TEST(StandIns, AnAxisymmetricBodyIsTheCylinderWithItsInertia) {
+  for (const double ratio : {0.1, 0.9, 1.4, 1.9}) {  // moments about the axis and across it
+    const double m = 3, across = 0.4, along = ratio * across;
+    const Model model =
+        ModelBuilder("wheel")
+            .add(BodyDescription{.name = "wheel",
+                                 .joint = {.kind = JointKind::free},
+                                 .inertia = MassProperties{.mass = m, .Theta = {across, along, across}}})
+            .build();
+    const Json shape = scene_of(model, neutral(model))["shapes"][0];
+    ASSERT_EQ(shape["kind"], "cylinder") << ratio;
+    const double r2 = std::pow(shape["radius"].get<double>(), 2),
+                 l2 = std::pow(shape["length"].get<double>(), 2);
+    EXPECT_NEAR(m * r2 / 2, along, 1e-12);
+    EXPECT_NEAR(m * (r2 / 4 + l2 / 12), across, 1e-12);
+    EXPECT_NEAR(std::abs(pose_from(shape["pose"]).linear()(1, 2)), 1, 1e-12);  // its axis is y
+  }
+}
+
+TEST(FirstConfiguration, ClosesLoopsThatCanBeClosed) {
+  for (const std::string name :
+       {"andrews.toml", "bricard.toml", "cart.toml", "five_bar_arm.toml", "four_bar.toml", "gough.toml",
+        "governor.toml", "leg.toml", "n_four_bar.toml", "slider_crank.toml"}) {
+    const Model model = shipped(name);
+    const std::vector<double> q = first_configuration(model);
+    std::vector<double> r(static_cast<std::size_t>(model.loops().residuals));
+    LoopWorkspace<> workspace(model);
+    loop_residual<double>(model, workspace, q, r);
+    for (const double x : r) EXPECT_LT(std::abs(x), 1e-10) << name;
+  }
+  const Model arm = shipped("arm7.toml");
+  EXPECT_EQ(first_configuration(arm), neutral(arm));
 }
 
 TEST(StandIns, AnEllipsoidHasTheInertiaOfItsBody) {

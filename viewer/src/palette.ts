@@ -15,7 +15,7 @@ export const colors = {
   x: "#d8434f",
   y: "#2f9e58",
   z: "#3672d9",
-  bodies: ["#8ea4b8", "#c3ccd4"],
+  bodies: ["#6d97bd", "#d3c08a", "#86b59a", "#c79686", "#9c93c4", "#77b3b8", "#c4a5bd", "#a8b27c"],
   ground: "#7b858f",
   collision: "#d98b2b",
   chosen: "#ffb454",

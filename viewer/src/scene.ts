@@ -41,12 +41,14 @@ export interface Shape {
   pose: Pose;
   role: "visual" | "collision";
   name: string;
-  kind: "box" | "sphere" | "cylinder" | "capsule" | "ellipsoid" | "mesh";
+  kind: "box" | "sphere" | "cylinder" | "capsule" | "ellipsoid" | "mesh" | "hull";
   size: Vec3;
   radius: number;
   length: number;
   scale: Vec3;
   mesh: number;
+  /** Of a hull, which is that of balls of the radius about these points. */
+  points: Vec3[];
   color: [number, number, number, number] | null;
   stand_in: boolean;
 }

@@ -4,6 +4,7 @@ import {
   DoubleSide,
   FrontSide,
   Group,
+  IcosahedronGeometry,
   Matrix4,
   MeshStandardMaterial,
   SphereGeometry,
@@ -11,6 +12,7 @@ import {
   type BufferGeometry,
   type Material,
 } from "three";
+import { ConvexGeometry } from "three/addons/geometries/ConvexGeometry.js";
 import { Instances, type Item } from "./instances";
 import { matrixOf } from "./kinematics";
 import type { Part } from "./meshes";
@@ -38,6 +40,30 @@ function solidsFor(count: number): typeof fine {
   return count <= MANY ? fine : drawsOnProcessor() ? coarsest : coarse;
 }
 
+const hulls = new WeakMap<Shape, BufferGeometry>();
+
+/** The convex hull of balls about points, with the normals of the balls, so that its edges look round. */
+function hull(shape: Shape): BufferGeometry {
+  const known = hulls.get(shape);
+  if (known) return known;
+  const ball = new IcosahedronGeometry(shape.radius, 2).getAttribute("position");
+  const centres = shape.points.map((point) => new Vector3(...point));
+  const geometry = new ConvexGeometry(
+    centres.flatMap((centre) => Array.from({ length: ball.count }, (_, k) => new Vector3().fromBufferAttribute(ball, k).add(centre))),
+  );
+  const position = geometry.getAttribute("position");
+  const normal = geometry.getAttribute("normal");
+  const corner = new Vector3();
+  for (let k = 0; k < position.count; ++k) {
+    corner.fromBufferAttribute(position, k);
+    const centre = centres.reduce((a, b) => (b.distanceTo(corner) < a.distanceTo(corner) ? b : a));
+    corner.sub(centre).normalize();
+    normal.setXYZ(k, corner.x, corner.y, corner.z);
+  }
+  hulls.set(shape, geometry);
+  return geometry;
+}
+
 /** What a shape is drawn with: unit geometries, each scaled and moved. */
 function pieces(shape: Shape, meshes: readonly Part[][], solid: typeof fine): { geometry: BufferGeometry; material: Material | null; local: Matrix4 }[] {
   const { box, sphere, dome, cylinder, tube } = solid;
@@ -58,6 +84,8 @@ function pieces(shape: Shape, meshes: readonly Part[][], solid: typeof fine): { 
       return [scaled(cylinder, r, r, l)];
     case "capsule":
       return [scaled(tube, r, r, l), scaled(dome, r, r, r, l / 2), scaled(dome, r, -r, -r, -l / 2)];
+    case "hull":
+      return [scaled(hull(shape), 1, 1, 1)];
     case "mesh":
       return (meshes[shape.mesh] ?? []).map(({ geometry, material, pose }) => ({
         geometry,
@@ -102,7 +130,7 @@ export function shapeGroup(scene: Scene, shapes: readonly Shape[], meshes: reado
       made.items.push({
         body: shape.body,
         pose: pose.clone().multiply(piece.local),
-        color: own ? "#ffffff" : collision ? colors.collision : shape.color ? rgb(shape.color) : plain(shape.body, depth),
+        color: own ? "#ffffff" : collision ? colors.collision : shape.color ? rgb(shape.color) : plain(shape.body),
       });
     }
   }
@@ -125,9 +153,9 @@ function rgb(color: readonly number[]): string {
   return `rgb(${color.slice(0, 3).map((part) => Math.round(255 * Math.min(1, Math.max(0, part)))).join(",")})`;
 }
 
-/** Bodies without a colour are told from their predecessors by two greys. */
-function plain(body: number, depth: readonly number[]): string {
-  return body === 0 ? colors.ground : colors.bodies[depth[body] % colors.bodies.length];
+/** The colour of a body whose shapes have none of their own. */
+function plain(body: number): string {
+  return body === 0 ? colors.ground : colors.bodies[(body - 1) % colors.bodies.length];
 }
 
 /** How far the scene reaches as it stands now: points at the ends of its shapes, its joints and centres of mass. */

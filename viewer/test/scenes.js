@@ -153,7 +153,7 @@ export function fourBar(a = 0.3, b = 0.7, c = 0.6, d = 0.8) {
   };
   const bar = (name, from, point, length) => {
     const body = builder.body(name, from, "revolute", frameAt(point, x), { A: frameAt(point), com: [0, length / 2, 0], joint: name, passive: name !== "crank" });
-    builder.shape(body, "capsule", { radius: 0.02, length }, { at: frameAt([0, length / 2, 0], [0, 1, 0]) });
+    builder.shape(body, "hull", { radius: 0.02, points: [[0, 0, 0], [0, length, 0], [0.03, length / 2, 0]] });
     return body;
   };
   const crank = bar("crank", 0, [0, 0, 0], a);
