@@ -105,11 +105,11 @@ using Offset = std::conditional_t<std::same_as<Frames, MassCenterFrames>, Vec3<T
 
 template <class T> SE3<T> moved(const SE3<T>& C, const SE3<T>& D) { return C * D; }
 template <class T> SE3<T> moved(const SE3<T>& C, const Vec3<T>& d) { return {C.R, C.r + C.R * d}; }
-template <class T> Twist<BodyFixed, T> seen_from(const SE3<T>& D, const Twist<BodyFixed, T>& V) {
+template <class T> Twist<BodyFixed, T> expressed_in(const SE3<T>& D, const Twist<BodyFixed, T>& V) {
   return twist<BodyFixed>(Ad_inv(D, screw(V)));
 }
-template <class T> Twist<BodyFixed, T> seen_from(const Vec3<T>& d, const Twist<BodyFixed, T>& V) {
-  const Noted<T> noted(ScrewOperation::translation);
+template <class T> Twist<BodyFixed, T> expressed_in(const Vec3<T>& d, const Twist<BodyFixed, T>& V) {
+  const ScrewOperationScope<T> scope(ScrewOperation::translation);
   return {V.w, V.v + cross(V.w, d)};
 }
 template <class T> Wrench<BodyFixed, T> brought_back(const SE3<T>& D, const Wrench<BodyFixed, T>& W) {
@@ -117,7 +117,7 @@ template <class T> Wrench<BodyFixed, T> brought_back(const SE3<T>& D, const Wren
   return {W_joint.m, W_joint.f};
 }
 template <class T> Wrench<BodyFixed, T> brought_back(const Vec3<T>& d, const Wrench<BodyFixed, T>& W) {
-  const Noted<T> noted(ScrewOperation::translation);
+  const ScrewOperationScope<T> scope(ScrewOperation::translation);
   return {W.m + cross(d, W.f), W.f};
 }
 
@@ -129,7 +129,7 @@ template <class Joint, class T, class Offset> struct Conjugated {
   const Screw<T>* X;
 
   SE3<T> pose(const SE3<T>&, const T* q) const { return moved(Joint::pose(L, q), D); }
-  Twist<BodyFixed, T> twist(const T* v) const { return seen_from(D, Joint::twist(v)); }
+  Twist<BodyFixed, T> twist(const T* v) const { return expressed_in(D, Joint::twist(v)); }
   auto project(const Wrench<BodyFixed, T>& W) const { return Joint::project(brought_back(D, W)); }
   const Screw<T>& column(int k) const { return X[k]; }
 };
@@ -152,11 +152,11 @@ template <class T, class Frames> class FramedTree {
   const Vec3<T>& g = tree_.g;
   std::vector<SE3<T>> B, frame_offset;  ///< in these frames, as all that follows
   std::vector<InertiaOfBody> M;         ///< n + 1
-  std::vector<JointRun> runs;
+  std::vector<JointGroup> joint_groups;
   std::vector<int> by_kind;
   std::vector<std::ptrdiff_t>
-      at;  ///< of each run: its first joint in revolute, helical or prismatic; -1 for a
-           ///< run of bodies whose frames are their joint frames
+      at;  ///< of each group: its first joint in revolute, helical or prismatic; -1 for a
+           ///< group of bodies whose frames are their joint frames
   std::vector<framed::Turning<T, Frames, false>> revolute;
   std::vector<framed::Turning<T, Frames, true>> helical;
   std::vector<framed::Sliding<T, Frames>> prismatic;
@@ -185,7 +185,7 @@ template <class T, class Frames> class FramedTree {
     axode::each_joint(tree, [&](const auto& joint, int i, bool) {
       for (int k = 0; k < joint.nv; ++k) X[tree->first_screw[i] + k] = Ad_inv(in_joint[i], joint.column(k));
     });
-    sort_joints(tree->runs, in_joint);
+    sort_joints(tree->joint_groups, in_joint);
   }
   FramedTree(const FramedTree&) = delete;
   FramedTree& operator=(const FramedTree&) = delete;
@@ -217,50 +217,52 @@ template <class T, class Frames> class FramedTree {
     const bool at_joint = !(dot(x, x) + dot(y, y) + dot(D.r, D.r) > T(0));
     return at_joint || (central && kind == Subgroup::prismatic);
   }
-  /// Each run in two: those whose joints stay and those that have constants of their own.
-  void sort_joints(const std::vector<JointRun>& before, const std::vector<SE3<T>>& in_joint) {
-    runs.clear();
-    for (const JointRun& run : before) {
-      const auto begin = by_kind.begin() + run.begin, end = by_kind.begin() + run.end;
+  /// Each group in two: those whose joints stay and those that have constants of their own.
+  void sort_joints(const std::vector<JointGroup>& before, const std::vector<SE3<T>>& in_joint) {
+    joint_groups.clear();
+    for (const JointGroup& group : before) {
+      const auto begin = by_kind.begin() + group.begin, end = by_kind.begin() + group.end;
       const auto middle =
-          std::stable_partition(begin, end, [&](int i) { return keeps_its_joint(run.kind, in_joint[i]); });
+          std::stable_partition(begin, end, [&](int i) { return keeps_its_joint(group.kind, in_joint[i]); });
       const int split = static_cast<int>(middle - by_kind.begin());
-      if (begin != middle) add_run({run.kind, run.coupled, run.begin, split}, -1);
+      if (begin != middle) add_group({group.kind, group.coupled, group.begin, split}, -1);
       if (middle == end) continue;
       std::ptrdiff_t first = 0;
-      with_subgroup(run.kind, T(1), [&](const auto& joint) {
+      with_subgroup(group.kind, T(1), [&](const auto& joint) {
         if constexpr (std::remove_cvref_t<decltype(joint)>::nv == 1) {
           auto& joints = own(*this, joint);
           first = std::ssize(joints);
           for (auto i = middle; i != end; ++i) joints.emplace_back(L[*i], in_joint[*i], pitch[*i]);
         }
       });
-      add_run({run.kind, run.coupled, split, run.end}, first);
+      add_group({group.kind, group.coupled, split, group.end}, first);
     }
   }
-  void add_run(const JointRun& run, std::ptrdiff_t first) { runs.push_back(run), at.push_back(first); }
+  void add_group(const JointGroup& group, std::ptrdiff_t first) {
+    joint_groups.push_back(group), at.push_back(first);
+  }
 };
 
 /// f(joint, i, coupled) for every joint, kind by kind; coupled ones last.
 template <class T, class Frames, class F>
 constexpr void each_joint(const FramedTree<T, Frames>& tree, F&& f) {
-  for (std::size_t r = 0; r < tree.runs.size(); ++r) {
-    const JointRun& run = tree.runs[r];
+  for (std::size_t r = 0; r < tree.joint_groups.size(); ++r) {
+    const JointGroup& group = tree.joint_groups[r];
     const auto over = [&](const auto& joint_of) {
-      for (int k = run.begin; k < run.end; ++k) f(joint_of(k), tree.by_kind[k], run.coupled);
+      for (int k = group.begin; k < group.end; ++k) f(joint_of(k), tree.by_kind[k], group.coupled);
     };
     const auto stored = [&](const auto& joints) {
       over([&](int k) -> const auto& {
-        return joints[static_cast<std::size_t>(tree.at[r] + k - run.begin)];
+        return joints[static_cast<std::size_t>(tree.at[r] + k - group.begin)];
       });
     };
-    if (tree.at[r] < 0 && run.kind == Subgroup::helical)
+    if (tree.at[r] < 0 && group.kind == Subgroup::helical)
       over([&](int k) { return subgroup::Helical<T>{tree.pitch[tree.by_kind[k]]}; });
     else if (tree.at[r] < 0)
-      with_subgroup(run.kind, T(0),
+      with_subgroup(group.kind, T(0),
                     [&](const auto& joint) { over([&](int) -> const auto& { return joint; }); });
     else
-      with_subgroup(run.kind, T(1), [&]<class Joint>(const Joint& joint) {
+      with_subgroup(group.kind, T(1), [&]<class Joint>(const Joint& joint) {
         if constexpr (Joint::nv == 1)
           stored(tree.own(tree, joint));
         else

@@ -92,7 +92,7 @@ void call(Algorithm algorithm, const Tree<double>& tree, Workspace<T>& workspace
     case Algorithm::forward_dynamics: {
       Bodies bodies(arena);
       auto* motion = arena.template per_body<typename Bodies::Motion>();
-      bodies.place_and_move(tree, q, v, motion);
+      bodies.update_kinematics_and_bias(tree, q, v, motion);
       bodies.factorize(tree, a);
       bodies.accelerate(tree, motion, out);
       break;
@@ -107,7 +107,7 @@ void call(Algorithm algorithm, const Tree<double>& tree, Workspace<T>& workspace
       Bodies bodies(arena);
       auto* columns = arena.template per_body<typename Bodies::Columns>();
       auto* u = arena.template per_screw<typename Bodies::Several>();
-      bodies.place(tree, q);
+      bodies.update_kinematics(tree, q);
       bodies.factorize(tree);
       bodies.inverse(tree, columns, u, out);
       break;

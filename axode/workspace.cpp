@@ -15,7 +15,7 @@ namespace axode {
 namespace {
 
 template <class Rep, class T> std::size_t of_representation(const Topology& t) {
-  return footprint<TreeMotion<Rep, T>, ForcesAlone<Rep, T>, ForwardDynamicsRecursion<Rep, T>,
+  return footprint<TreeMotion<Rep, T>, BiasForces<Rep, T>, ForwardDynamicsRecursion<Rep, T>,
                    CompositeBodies<Rep, T>, FrameResponse<Rep, T>, StateForm<Rep, T>>(t);
 }
 
@@ -24,7 +24,7 @@ template <class T> std::size_t of_all(const Topology& t) {
       {of_representation<BodyFixed, T>(t), of_representation<Spatial, T>(t), of_representation<Hybrid, T>(t),
        of_representation<Mixed, T>(t),
        footprint<FramePoses<T>, SubtreeInertias<T>, MovingMass<T>, PosesAndMotion<T>, CoriolisBodies<T>,
-                 MomentumForm<T>, ForcesAlone<Fast, T>, FastForwardDynamics<T>, FastInverse<T>,
+                 MomentumForm<T>, BiasForces<Fast, T>, FastForwardDynamics<T>, FastInverse<T>,
                  FastCompositeBodies<T>, FastJacobians<T>, FastMotion<T, true>, FastBodyFixedMotion<T, true>,
                  ForwardFirstOrder<T>, ForwardJvp<T>, ForwardVjp<T>, HessiansOfAccelerations<T>,
                  SecondOrderTensors<T>, ForwardGeometryDerivatives<T>, CarryingScrews<T>, SpringColumns<T>,

@@ -31,10 +31,12 @@ template <class S> class LaneCall {
     const std::size_t n = states_.size();
     if (count < lanes()) results_.resize(n * lanes());
     S* const out = count < lanes() ? results_.data() : states_.result(first, count).data();
-    const unsigned doubts = kernel_.call(tree_, Arena(*tree_.topology(), memory_.get(), bytes_), given, out);
+    const unsigned singular_lanes =
+        kernel_.call(tree_, Arena(*tree_.topology(), memory_.get(), bytes_), given, out);
     if (count < lanes()) std::copy_n(out, n * count, states_.result(first, count).data());
     if (unsigned char* const verdicts = states_.verdicts(first); verdicts != nullptr)
-      for (std::size_t l = 0; l < count; ++l) verdicts[l] = static_cast<unsigned char>(doubts >> l & 1);
+      for (std::size_t l = 0; l < count; ++l)
+        verdicts[l] = static_cast<unsigned char>(singular_lanes >> l & 1);
   }
   static std::size_t lanes() { return static_cast<std::size_t>(best_kernels<S>().lanes); }
 
@@ -96,7 +98,7 @@ Outcome run(const Model& model, catalog::Id function, const catalog::Given<std::
           if (call) {
             (*call)(first, count);
           } else if (words.may_fail) {
-            std::fill_n(states.verdicts(first), count, StatesOfRow<S>::doubtful);
+            std::fill_n(states.verdicts(first), count, StatesOfRow<S>::maybe_singular);
           } else {
             if (!workspace) workspace.emplace(model);
             for (std::size_t k = first; k < first + count; ++k)

@@ -43,7 +43,7 @@ struct ByBodies {
         columns(arena.per_body<ArticulatedBodies::Columns>()),
         u(arena.per_screw<Number>()) {}
   void accelerate(const Tree<S>& tree, const Number* q, const Number* v, const Number* tau, Number* a) {
-    bodies.place_and_move(tree, q, v, motion);
+    bodies.update_kinematics_and_bias(tree, q, v, motion);
     bodies.factorize(tree, tau);
     bodies.accelerate(tree, motion, a);
   }
@@ -145,7 +145,7 @@ unsigned call(const Tree<S>& tree, Arena arena, const catalog::Read<S>& given, S
   at.kernel.run(tree, at.given, at.out);
   scatter(at.out, static_cast<std::ptrdiff_t>(results<id>(*tree.topology())), out);
   if constexpr (id.words().may_fail)
-    return bits(at.kernel.by.bodies.doubtful);
+    return bits(at.kernel.by.bodies.maybe_singular);
   else
     return 0;
 }
@@ -168,15 +168,15 @@ unsigned inverse_mass_matrix(const Tree<S>& tree, Arena arena, const catalog::Re
     at.bodies.write_paths(tree, at.out);
     at.inverse.run(tree, at.out);
     scatter(at.out, n_entries(tree), M_inverse);
-    return bits(at.inverse.doubtful);
+    return bits(at.inverse.maybe_singular);
   }
   InverseByBodies at(arena);
   gather(given[Input::q], tree->nq, at.q);
-  at.by.bodies.place(tree, at.q);
+  at.by.bodies.update_kinematics(tree, at.q);
   at.by.bodies.factorize(tree);
   at.by.inverse(tree, at.out);
   scatter(at.out, n_entries(tree), M_inverse);
-  return bits(at.by.bodies.doubtful);
+  return bits(at.by.bodies.maybe_singular);
 }
 
 void store(const Vec3<Number>& a, int lane, Vec3<S>& out) { out = {a.x[lane], a.y[lane], a.z[lane]}; }
@@ -226,7 +226,7 @@ class Rollout {
 
   unsigned run(const Motions<S>& of, std::ptrdiff_t k, std::ptrdiff_t end) noexcept {
     Dynamics& at = *dynamics_;
-    at.bodies.doubtful = Number::Mask{}, doubts_ = 0;
+    at.bodies.maybe_singular = Number::Mask{}, singular_lanes_ = 0;
     const std::ptrdiff_t nq = tree_->nq, nv = tree_->nv;
     const S* row = of.law ? of.law->rows : nullptr;
     const auto accelerate = [&](double, std::span<const Number> q, std::span<const Number> v,
@@ -237,7 +237,7 @@ class Rollout {
         call(*of.compiled, q.data(), v.data(), tau, a.data());
         return true;
       }
-      at.bodies.place_and_move(tree_, q.data(), v.data(), at.motion);
+      at.bodies.update_kinematics_and_bias(tree_, q.data(), v.data(), at.motion);
       at.bodies.factorize(tree_, tau);
       at.bodies.accelerate(tree_, at.motion, a.data());
       return true;
@@ -256,7 +256,7 @@ class Rollout {
         for (std::ptrdiff_t c = 0; c < nv; ++c) v[c] = at.v[c][l];
       }
     }
-    return bits(at.bodies.doubtful) | doubts_;
+    return bits(at.bodies.maybe_singular) | singular_lanes_;
   }
 
  private:
@@ -287,9 +287,10 @@ class Rollout {
             Number* a) noexcept {
     scatter(q, tree_->nq, of.q), scatter(v, tree_->nv, of.v), scatter(tau, tree_->nv, of.tau);
     const S* const arguments[]{of.q, of.v, of.tau};
-    of.dynamics->call(lanes, arguments, of.a, of.scratch, of.doubts);
+    of.dynamics->call(lanes, arguments, of.a, of.scratch, of.maybe_singular);
     gather(of.a, tree_->nv, a);
-    for (unsigned l = 0; l < lanes; ++l) doubts_ |= static_cast<unsigned>(of.doubts[l] != 0) << l;
+    for (unsigned l = 0; l < lanes; ++l)
+      singular_lanes_ |= static_cast<unsigned>(of.maybe_singular[l] != 0) << l;
   }
   /// τ of a drive that is at a row.
   void drive(const Law<S>& law, const S* row, const Number* q, const Number* v) noexcept {
@@ -324,7 +325,7 @@ class Rollout {
   MuntheKaas<Number, S> scheme_;
   ConfigurationGroup<Number, S> group_;
   WithScratch<Number, Dynamics> dynamics_;
-  unsigned doubts_ = 0;  ///< of the compiled function
+  unsigned singular_lanes_ = 0;  ///< of the compiled function
 };
 void* make_rollout(const Tree<S>& tree, const Tableau& method) { return new Rollout(tree, method); }
 unsigned run_rollout(void* rollout, const Motions<S>& of, std::ptrdiff_t k, std::ptrdiff_t end) noexcept {

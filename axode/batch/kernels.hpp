@@ -31,7 +31,7 @@ template <class S> struct Law {
 template <class S> struct CompiledCall {
   const CompiledDynamics<S>* dynamics;
   S *q, *v, *tau, *a, *scratch;
-  unsigned char* doubts;
+  unsigned char* maybe_singular;
 };
 
 /// Motions of K steps, at most as many as there are lanes: the states of one lie behind each other, and so do its forces.

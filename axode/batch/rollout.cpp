@@ -124,9 +124,9 @@ template <class S> class OneMotion {
       const std::span damping(model_->tree<S>().damping);
       for (std::size_t c = 0; losses_.damping && c < v.size(); ++c) total_[c] -= S(damping[c]) * v[c];
       const S* const arguments[]{q.data(), v.data(), total_.data()};
-      unsigned char doubtful = 0;
-      compiled_.call(1, arguments, a.data(), nullptr, &doubtful);
-      if (!doubtful) return {.not_finite = !finite(a)};
+      unsigned char maybe_singular = 0;
+      compiled_.call(1, arguments, a.data(), nullptr, &maybe_singular);
+      if (!maybe_singular) return {.not_finite = !finite(a)};
       return axode::forward_dynamics(*model_, workspace_, q, v, total_, a);
     }
     const Loads<S> loads{.joint_losses = losses_.damping};
@@ -169,7 +169,7 @@ template <class S> class InLanes {
                       nq = lanes * static_cast<std::size_t>(tree->nq),
                       nv = lanes * static_cast<std::size_t>(tree->nv);
     numbers_ = scratch<S>(compiled.scratch + nq + 3 * nv);
-    doubts_ = std::make_shared<std::vector<unsigned char>>(lanes);
+    maybe_singular_ = std::make_shared<std::vector<unsigned char>>(lanes);
     S* const q = numbers_.get() + compiled.scratch;
     call_ = {.dynamics = &compiled,
              .q = q,
@@ -177,7 +177,7 @@ template <class S> class InLanes {
              .tau = q + nq + nv,
              .a = q + nq + 2 * nv,
              .scratch = numbers_.get(),
-             .doubts = doubts_->data()};
+             .maybe_singular = maybe_singular_->data()};
   }
   unsigned run(Motions<S> motions, std::size_t k, std::size_t end) {
     if (call_.dynamics) motions.compiled = &call_;
@@ -189,7 +189,7 @@ template <class S> class InLanes {
   RolloutKernel<S> kernel_;
   std::shared_ptr<void> rollout_;
   std::shared_ptr<S> numbers_;
-  std::shared_ptr<std::vector<unsigned char>> doubts_;
+  std::shared_ptr<std::vector<unsigned char>> maybe_singular_;
   CompiledCall<S> call_{};
 };
 
@@ -236,15 +236,15 @@ Outcome roll(const Model& model, const CompiledDynamics<S>& compiled, std::span<
     outcome.done = in_portions(N, group, threads, monitor, [&] {
       return [&, lanes = in_lanes ? std::optional(InLanes<S>(tree, compiled, method)) : std::nullopt,
               one = std::optional<OneMotion<S>>()](std::size_t first, std::size_t count) mutable {
-        unsigned doubts = ~0u;
+        unsigned singular_lanes = ~0u;
         if (lanes)
-          doubts = lanes->run({tau_at(first, 0).data(), law, q_at(first, 0).data(), v_at(first, 0).data(),
-                               static_cast<std::ptrdiff_t>(K), static_cast<std::ptrdiff_t>(count), step,
-                               losses.damping, nullptr},
-                              begin, end);
+          singular_lanes = lanes->run({tau_at(first, 0).data(), law, q_at(first, 0).data(),
+                                       v_at(first, 0).data(), static_cast<std::ptrdiff_t>(K),
+                                       static_cast<std::ptrdiff_t>(count), step, losses.damping, nullptr},
+                                      begin, end);
         for (std::size_t l = 0; l < count; ++l) {
           const std::size_t n = first + l;
-          if ((doubts >> l & 1) == 0 && finite(v_at(n, end)) && finite(q_at(n, end))) continue;
+          if ((singular_lanes >> l & 1) == 0 && finite(v_at(n, end)) && finite(q_at(n, end))) continue;
           if (!one) one.emplace(model, compiled, method, drive, losses);
           if (found[n].ok() && !torn[n]) one->begin(q_at(n, begin));
           for (std::size_t k = begin; k < end; ++k) {

@@ -13,7 +13,7 @@ namespace axode::batch {
 /// to the library's own function for one state.
 template <class S> class StatesOfRow {
  public:
-  enum Verdict : unsigned char { solved, doubtful, singular, not_finite };
+  enum Verdict : unsigned char { solved, maybe_singular, singular, not_finite };
 
   /// Throws std::invalid_argument for wrong sizes, threads < 1, and results in the memory of arguments.
   StatesOfRow(const Model& model, const catalog::Function<S>& row, const catalog::Given<S>& given,

@@ -45,11 +45,12 @@ class Statements {
         write_result(step.index);
     }
     enter(n_parts());
-    if (recording.returns_doubt)
-      body() += "  return " +
-                (recording.doubt.is_constant() ? constant_condition(recording.doubt.constant())
-                                               : text(recording.doubt.node())) +
-                ";\n";
+    if (recording.returns_singularity)
+      body() +=
+          "  return " +
+          (recording.maybe_singular.is_constant() ? constant_condition(recording.maybe_singular.constant())
+                                                  : text(recording.maybe_singular.node())) +
+          ";\n";
   }
 
   /// The last one is the function itself; where there is but one, it is all there is.
@@ -168,7 +169,8 @@ class Statements {
         if (maker[k] >= 0 && std::ranges::find(from, maker[k]) == from.end()) from.push_back(maker[k]);
       });
     }
-    if (!recording_.doubt.is_constant() && maker[doubt()] >= 0) lasting.push_back(maker[doubt()]);
+    if (!recording_.maybe_singular.is_constant() && maker[singularity_node()] >= 0)
+      lasting.push_back(maker[singularity_node()]);
     std::vector<Step> ordered;
     for (const int s : order_for_few_registers(operands, lasting))
       ordered.push_back(steps_[static_cast<std::size_t>(s)]);
@@ -185,7 +187,7 @@ class Statements {
       for (const std::size_t k : made_by(step)) part_[k] = step.part;
       each_use(step, [&](std::size_t k) { last_part_[k] = step.part; });
     }
-    if (!recording_.doubt.is_constant()) last_part_[doubt()] = n_parts();
+    if (!recording_.maybe_singular.is_constant()) last_part_[singularity_node()] = n_parts();
     parts_.resize(is_cut() ? static_cast<std::size_t>(n_parts()) + 1 : 1);
     for (Part& part : parts_) part.reads.resize(recording_.arguments.size());
     if (!is_cut()) return;
@@ -219,7 +221,7 @@ class Statements {
       use(k);
   }
 
-  std::size_t doubt() const { return static_cast<std::size_t>(recording_.doubt.node()); }
+  std::size_t singularity_node() const { return static_cast<std::size_t>(recording_.maybe_singular.node()); }
 
   void enter(int part) {
     if (is_cut()) now_ = part;
@@ -450,7 +452,7 @@ bool calls_math_library(const Recording& recording) {
 std::string c_signature(const Recording& recording, const std::string& name, const Precision& precision,
                         Width width) {
   const std::string type = precision.type();
-  std::string text = (recording.returns_doubt ? "int " : "void ") + name + "(\n    ";
+  std::string text = (recording.returns_singularity ? "int " : "void ") + name + "(\n    ";
   for (const std::string& argument : recording.arguments)
     text.append("const ").append(type).append(" *AXODE_RESTRICT ").append(argument).append(", ");
   return text + type + " *AXODE_RESTRICT " + recording.result + (width == Width::thread ? ", int n)" : ")");
@@ -485,8 +487,8 @@ Definition c_definition(const Recording& recording, const std::string& name, con
             (parts[k].keeps ? "" : "  (void)s;\n") + parts[k].text + "}\n";
     calls += "  " + part + '(' + arguments + recording.result + (on_thread ? ", n" : "") + ", s);\n";
   }
-  text += in_lanes ? std::string("static ") + (recording.returns_doubt ? "axode_mask " : "void ") + name +
-                         "(\n    " + with_scratch + ')'
+  text += in_lanes ? std::string("static ") + (recording.returns_singularity ? "axode_mask " : "void ") +
+                         name + "(\n    " + with_scratch + ')'
                    : (on_thread ? "static __device__ __forceinline__ " : "") +
                          c_signature(recording, name, precision, width);
   text += " {\n" + unused(parts.back(), is_cut);

@@ -153,22 +153,23 @@ std::string c_states(const StatesFunction& f, const Precision& precision, int la
   if (lanes > 1) text += "#endif\n";
   text +=
       "void @NAME@_states(\n    long count, const @T@ *const *arguments, @T@ *result, @T@ *scratch, "
-      "unsigned char *doubts) {\n  long k = 0;\n";
+      "unsigned char *maybe_singular) {\n  long k = 0;\n";
   if (lanes > 1) {
     text +=
         "#if AXODE_LANES > 1\n  axode_lanes *const x = (axode_lanes *)scratch;\n"
         "  for (; scratch && k < count; k += AXODE_LANES) {\n"
         "    const long states = count - k < AXODE_LANES ? count - k : AXODE_LANES;\n";
     text += gather;
-    text += f.returns_doubt ? "    const axode_mask doubt = " : "    ";
+    text += f.returns_singularity ? "    const axode_mask singular = " : "    ";
     text += "@NAME@_lanes(" + in_lanes +
             "x + @Y@, x + @S@);\n    axode_scatter(x + @Y@, @N@, states, result + k * @N@);\n";
-    if (f.returns_doubt) text += "    for (int l = 0; l < states; ++l) doubts[k + l] = doubt[l] != 0;\n";
+    if (f.returns_singularity)
+      text += "    for (int l = 0; l < states; ++l) maybe_singular[k + l] = singular[l] != 0;\n";
     text += "  }\n#endif\n";
   }
-  text += "  for (; k < count; ++k) " + (f.returns_doubt ? "doubts[k] = (unsigned char)" : std::string()) +
-          call + ";\n";
-  text += std::string("  (void)scratch;\n") + (f.returns_doubt ? "" : "  (void)doubts;\n") +
+  text += "  for (; k < count; ++k) " +
+          (f.returns_singularity ? "maybe_singular[k] = (unsigned char)" : std::string()) + call + ";\n";
+  text += std::string("  (void)scratch;\n") + (f.returns_singularity ? "" : "  (void)maybe_singular;\n") +
           (f.arguments.empty() ? "  (void)arguments;\n" : "") + "}\n";
   return filled(text, {{"NAME", f.name},
                        {"T", precision.type()},

@@ -14,7 +14,7 @@ struct StatesFunction {
   std::string name;
   std::vector<int> arguments;  ///< how many numbers each has
   int results, scratch;        ///< how many there are; numbers that the function in lanes keeps
-  bool returns_doubt;
+  bool returns_singularity;
 };
 std::string c_states(const StatesFunction& function, const Precision& precision, int lanes);
 

@@ -158,7 +158,7 @@ Source source_of(const Model& model, std::span<const Function> functions, const 
     is_cut = is_cut || one.scratch > 0;
     if (!extras.many_states) continue;
     StatesFunction states{part.name, part.recording.lengths, static_cast<int>(part.recording.results.size()),
-                          0, part.recording.returns_doubt};
+                          0, part.recording.returns_singularity};
     if (extras.lanes > 1) {
       const Definition in_lanes =
           c_definition(part.recording, part.name + "_lanes", sine_cosine, precision, Width::lanes);

@@ -126,7 +126,7 @@ CasadiInverse::CasadiInverse(int nq, int nv, std::vector<int> entries, std::stri
 
 Recording CasadiInverse::signature(Kind kind) const {
   const int nq = static_cast<int>(nq_), n = static_cast<int>(entries_.size());
-  Recording of{.arguments = {"q"}, .lengths = {nq}, .nodes = {{}}, .returns_doubt = true};
+  Recording of{.arguments = {"q"}, .lengths = {nq}, .nodes = {{}}, .returns_singularity = true};
   if (kind == tangent) {
     of.arguments.push_back("fwd_q");
     of.lengths.push_back(nq);

@@ -255,8 +255,8 @@ class File {
                    prefix_ + "_zeros, ";
     }
     const std::string name = numbers_of(family.functions[k].name);
-    return "    if (" + wanted + ") {\n      " + (recording.returns_doubt ? "failed |= " : "") + name + '(' +
-           arguments + "w);\n" + copies + "    }\n";
+    return "    if (" + wanted + ") {\n      " + (recording.returns_singularity ? "failed |= " : "") + name +
+           '(' + arguments + "w);\n" + copies + "    }\n";
   }
   std::string place(const std::vector<int>& results) {
     for (std::size_t k = 0; k < results.size(); ++k)

@@ -31,7 +31,7 @@ std::string cuda_kernel(const Recording& recording, const std::string& name, con
   std::string text = cuda_signature(recording, name, precision) +
                      " {\n  const unsigned i = blockIdx.x * blockDim.x + threadIdx.x;\n"
                      "  if (i >= (unsigned)n) return;\n";
-  if (!recording.returns_doubt) return text + "  " + call + ";\n}\n";
+  if (!recording.returns_singularity) return text + "  " + call + ";\n}\n";
   return text + filled(
                     "  if (@CALL@)\n#pragma unroll 1\n    for (int k = 0; k < @N@; ++k) @Y@[(long long)k * n "
                     "+ i] = @NAN@;\n}\n",

@@ -81,8 +81,10 @@ Numbers Composition::operator()(const Recording& f, std::span<const Numbers> arg
   };
   Numbers results;
   for (const Trace& result : f.results) results.push_back(now(result));
-  recording_.returns_doubt = recording_.returns_doubt || f.returns_doubt;
-  recording_.doubt = recording_.doubt || (f.doubt.is_constant() ? f.doubt : truth[index(f.doubt.node())]);
+  recording_.returns_singularity = recording_.returns_singularity || f.returns_singularity;
+  recording_.maybe_singular =
+      recording_.maybe_singular ||
+      (f.maybe_singular.is_constant() ? f.maybe_singular : truth[index(f.maybe_singular.node())]);
   return results;
 }
 

@@ -25,23 +25,24 @@ Numbers zeros(int n) { return Numbers(static_cast<std::size_t>(n)); }
 template <class Kernel> using OnTape = WithScratch<T, Kernel>;
 
 /// Doubts a solution where a pivot is small against what feeds the velocity with every joint at zero.
-class Doubt {
+class SingularityTest {
  public:
-  Doubt(const Tree<double>& tree, double small) : fed_(static_cast<std::size_t>(tree->nv)), small_(small) {
+  SingularityTest(const Tree<double>& tree, double small)
+      : inertia_scale_(static_cast<std::size_t>(tree->nv)), small_(small) {
     for (int i = 1; i <= tree->n; ++i)
       for (int s = tree->first_screw[i]; s < tree->first_screw[i + 1]; ++s)
-        fed_[static_cast<std::size_t>(tree->iv[i] + s - tree->first_screw[i])] +=
-            tree.fed[static_cast<std::size_t>(s)];
+        inertia_scale_[static_cast<std::size_t>(tree->iv[i] + s - tree->first_screw[i])] +=
+            tree.inertia_scale[static_cast<std::size_t>(s)];
   }
-  template <class Fed> void see(int c, const T& pivot, const Fed&) {
-    doubt_ = doubt_ || !(pivot > T(small_ * fed_[static_cast<std::size_t>(c)]));
+  template <class Scale> void add(int c, const T& pivot, const Scale&) {
+    maybe_singular_ = maybe_singular_ || !(pivot > T(small_ * inertia_scale_[static_cast<std::size_t>(c)]));
   }
-  const Trace::Condition& verdict() const { return doubt_; }
+  const Trace::Condition& verdict() const { return maybe_singular_; }
 
  private:
-  std::vector<double> fed_;
+  std::vector<double> inertia_scale_;
   double small_;
-  Trace::Condition doubt_;
+  Trace::Condition maybe_singular_;
 };
 
 /// A function on a tape: its arguments become inputs.
@@ -65,10 +66,10 @@ struct Traced {
     return std::move(recording);
   }
   /// Results that may be doubted.
-  Recording with(Numbers results, const Trace::Condition& doubt) {
-    recording.returns_doubt = true;
-    recording.doubt = doubt;
-    if (doubt.is_constant() && doubt.constant())  // a joint moves no mass wherever it is
+  Recording with(Numbers results, const Trace::Condition& maybe_singular) {
+    recording.returns_singularity = true;
+    recording.maybe_singular = maybe_singular;
+    if (maybe_singular.is_constant() && maybe_singular.constant())  // a joint moves no mass wherever it is
       std::fill(results.begin(), results.end(), T(std::numeric_limits<double>::quiet_NaN()));
     return with(std::move(results));
   }
@@ -84,7 +85,7 @@ template <bool factors> struct Solver {
   T *zero, *H;
   double small = 0;  ///< the part of what feeds it below which a pivot is doubted
   std::optional<Tree<T>> constants;
-  Trace::Condition doubt;
+  Trace::Condition maybe_singular;
 
   explicit Solver(Arena& arena)
       : bias(arena),
@@ -94,17 +95,17 @@ template <bool factors> struct Solver {
 
   void prepare(const Tree<double>& tree, const T* q) {
     constants.emplace(cast<T>(tree));
-    Doubt judge(tree, small);
+    SingularityTest check(tree, small);
     std::fill_n(zero, tree->nv, T(0));
     if constexpr (factors) {
       std::fill_n(H, tree->nv * tree->nv, T(0));
       bodies.run(*constants, q, constants->armature.data(), H);
-      axode::factorize(*constants, zero, H, judge);  // what feeds the pivots is not asked for
+      axode::factorize(*constants, zero, H, check);  // what feeds the pivots is not asked for
     } else {
       bodies.links.run(*constants, q);
-      bodies.factorize(*constants, constants->armature.data(), judge);
+      bodies.factorize(*constants, constants->armature.data(), check);
     }
-    doubt = judge.verdict();
+    maybe_singular = check.verdict();
   }
   void accelerate(const Tree<double>& tree, const T* q, const T* v, const T* tau, T* a) {
     std::fill_n(zero, tree->nv, T(0));
@@ -163,7 +164,7 @@ template <catalog::Id id, class By> Recording record_row(const Tree<double>& tre
   if constexpr (row.may_fail) {
     kernel->by.small = small;
     kernel->run(tree, given, out.data());
-    return traced.with(std::move(out), kernel->by.doubt);
+    return traced.with(std::move(out), kernel->by.maybe_singular);
   } else {
     kernel->run(tree, given, out.data());
     return traced.with(std::move(out));
@@ -187,17 +188,17 @@ template <class By> Recording inverse_mass_matrix(const Tree<double>& tree, doub
   by->prepare(tree, q.data());
   Numbers out = zeros(tree->nv * tree->nv);
   by->inverse(tree, out.data());
-  return traced.with(std::move(out), by->doubt);
+  return traced.with(std::move(out), by->maybe_singular);
 }
 template <class By> Recording solution(const Tree<double>& tree) {
   Traced traced(tree, "x");
   const Numbers q = traced.argument("q", tree->nq);
   Numbers x = traced.argument("tau", tree->nv);
   OnTape<By> by(*tree.topology());
-  by->small = doubtful_part<double>;
+  by->small = pivot_threshold<double>;
   by->prepare(tree, q.data());
   by->solve_one(tree, x.data());
-  return traced.with(std::move(x), by->doubt);
+  return traced.with(std::move(x), by->maybe_singular);
 }
 
 /// The twist of a frame for a unit of each velocity. In the axes of the frame the joint screws are found on
@@ -288,7 +289,7 @@ Recording record(const Model& model, const Function& function, bool single_preci
   if (function.is("poses")) return poses(tree, 0, tree->n_frames() - 1);
   if (function.is("pose")) return poses(tree, function.frame, function.frame);
   if (function.is("jacobian")) return jacobian(tree, function.frame, function.representation);
-  const double small = single_precision ? doubtful_part<float> : doubtful_part<double>;
+  const double small = single_precision ? pivot_threshold<float> : pivot_threshold<double>;
   const Recorder& recorder = recorders[function.row.index];
   Recording by_bodies = recorder.by_bodies(tree, small);
   if (recorder.by_factors == nullptr || !factors_are_exact(tree)) return by_bodies;
@@ -314,7 +315,7 @@ std::array<int, 3> operands(const Tape::Node& node) {
 std::vector<char> needed(const Recording& recording) {
   std::vector<char> need(recording.nodes.size());
   for (const T& x : recording.results) need[static_cast<std::size_t>(x.node())] = 1;
-  need[static_cast<std::size_t>(recording.doubt.node())] = 1;
+  need[static_cast<std::size_t>(recording.maybe_singular.node())] = 1;
   for (std::size_t k = need.size(); k-- > 0;)
     if (need[k])
       for (const int from : operands(recording.nodes[k])) need[static_cast<std::size_t>(from)] = 1;

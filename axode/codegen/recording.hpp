@@ -15,8 +15,8 @@ struct Recording {
   std::string result;                  ///< the name of the array of results
   std::vector<Tape::Node> nodes;
   std::vector<Trace> results;
-  bool returns_doubt = false;
-  Trace::Condition doubt{};  ///< whether the mass matrix may be singular, where this is returned
+  bool returns_singularity = false;
+  Trace::Condition maybe_singular{};  ///< whether the mass matrix may be singular, where this is returned
 };
 
 /// The kernels of the library on a Trace, in the representation in which they leave the fewest operations.
@@ -29,7 +29,7 @@ std::vector<Recording> record_solutions(const Model& model);
 /// How many operations the results need.
 Operations operations(const Recording& recording);
 
-/// For each node whether the results, or the doubt, depend on it.
+/// For each node whether the results, or maybe_singular, depend on it.
 std::vector<char> needed(const Recording& recording);
 
 /// The nodes that a node is computed from; those that it does not use are node 0, the number 1.

@@ -25,7 +25,7 @@ template <class T> struct Specialised<T>::Code {
   struct Entry {
     Function function;
     const catalog::Function<T>* row;
-    void (*call)(long count, const T* const* arguments, T* result, T* scratch, unsigned char* doubts);
+    void (*call)(long count, const T* const* arguments, T* result, T* scratch, unsigned char* maybe_singular);
     std::size_t scratch;  ///< numbers that are needed in all
   };
   codegen::MachineCode library;

@@ -518,9 +518,9 @@ void AbsoluteSystem::solve(Span r, Span want, Numbers& x, Numbers& lambda) {
     bodies.W[0] = {};
     for (int i = 1; i <= n_; ++i) bodies.W[i] = inertial(i, known_[index(i)]) - on_[index(i)];
     for (int t = 0; t < tree()->ties.begin[index(n_ + 1)]; ++t) bodies.u_tie[t] = 0;
-    for (int i = n_; i > 0; --i) bodies.pull(tree(), i, tau_.data());
-    bodies.pull_at_ground(tree(), tau_.data());
-    bodies.push(tree(), x_.data());
+    for (int i = n_; i > 0; --i) bodies.backward_step(tree(), i, tau_.data());
+    bodies.backward_step_at_ground(tree(), tau_.data());
+    bodies.forward_sweep(tree(), x_.data());
     V_s_[0] = {};
     for (int i = 1; i <= n_; ++i) V_s_[index(i)] = bodies.X[i] + known_[index(i)];
   };

@@ -329,8 +329,8 @@ void LoopSystem<T>::pull_row(const LoopPath& path, int row, const Wrench<Spatial
   bodies.W[path.ends[0].body] += first;
   bodies.W[path.ends[1].body] -= second;
   for (const LoopColumn& column : path.columns) zero_[column.velocity] += T(column.factor);
-  for (const int i : path.bodies) bodies.pull(tree(), i, zero_.data());
-  bodies.pull_at_ground(tree(), zero_.data());
+  for (const int i : path.bodies) bodies.backward_step(tree(), i, zero_.data());
+  bodies.backward_step_at_ground(tree(), zero_.data());
   for (const LoopColumn& column : path.columns) zero_[column.velocity] = T(0);
   const auto put = [&](int c, const T& u, const T&) { Y_(c, row) = root_[c] * u; };
   for (const int i : path.bodies) bodies.each_pivot(tree(), i, put);
@@ -528,7 +528,7 @@ void LoopSystem<T>::solve_filtered_rows(const T* b, T* lambda, const RowRank& ra
 
 template <class T> void LoopSystem<T>::pull(const T* x) noexcept {
   auto& bodies = dynamics_->bodies;
-  bodies.pull(tree(), x);
+  bodies.backward_sweep(tree(), x);
   const auto put = [&](int c, const T& u, const T&) { w_[c] = root_[c] * u; };
   for (int i = 0; i <= tree()->n; ++i) bodies.each_pivot(tree(), i, put);
 }
@@ -564,7 +564,7 @@ template <class T> void LoopSystem<T>::push(const T* lambda, T* x) noexcept {
   add_to_velocities(lambda);
   const auto put = [&](int c, T& u, const T& D) { u = root_[c] * D * w_[c]; };
   for (int i = 0; i <= tree()->n; ++i) bodies.each_pivot(tree(), i, put);
-  bodies.push(tree(), x);
+  bodies.forward_sweep(tree(), x);
 }
 
 template <class T> Wrench<Spatial, T> LoopSystem<T>::wrench(std::size_t k, const T* lambda) const noexcept {

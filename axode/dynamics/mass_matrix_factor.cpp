@@ -13,11 +13,12 @@ MassMatrixFactor<T>::MassMatrixFactor(const Model& model)
     : model_(model),
       nv_(model.nv()),
       H_(static_cast<std::size_t>(nv_) * static_cast<std::size_t>(nv_)),
-      fed_(static_cast<std::size_t>(nv_)) {
+      inertia_scale_(static_cast<std::size_t>(nv_)) {
   const Tree<T>& tree = model_.tree<T>();
   for (int i = 1; i <= tree->n; ++i)
     for (int s = tree->first_screw[i]; s < tree->first_screw[i + 1]; ++s)
-      fed_[static_cast<std::size_t>(tree->iv[i] + s - tree->first_screw[i])] += tree.fed[s];
+      inertia_scale_[static_cast<std::size_t>(tree->iv[i] + s - tree->first_screw[i])] +=
+          tree.inertia_scale[s];
 }
 
 /// Entries of M are compared with √(M_rr M_cc).
@@ -48,9 +49,9 @@ template <class T> Solvability MassMatrixFactor<T>::factorize(std::type_identity
   check_size("M", M.size(), H_.size(), "nv * nv");
   check(M);
   std::copy(M.begin(), M.end(), H_.begin());
-  PivotJudge<T> judge;
-  axode::factorize(model_.tree<T>(), fed_.data(), H_.data(), judge);
-  return judge.verdict(model_.topology());
+  PivotCheck<T> check;
+  axode::factorize(model_.tree<T>(), inertia_scale_.data(), H_.data(), check);
+  return check.verdict(model_.topology());
 }
 
 template <class T> void MassMatrixFactor<T>::solve(std::type_identity_t<std::span<T>> x) const {

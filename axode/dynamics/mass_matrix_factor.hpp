@@ -32,7 +32,7 @@ template <class T = double> class MassMatrixFactor {
 
   Model model_;
   int nv_;
-  std::vector<T> H_, fed_;  ///< the size of the inertia that feeds each velocity
+  std::vector<T> H_, inertia_scale_;  ///< the size of the inertia that feeds each velocity
 };
 
 }  // namespace axode

@@ -9,11 +9,11 @@
 namespace axode {
 
 /// The forces without accelerations.
-template <class Rep, class T> struct ForcesAlone {
+template <class Rep, class T> struct BiasForces {
   InverseDynamicsRecursion<Rep, T> recursion;
   T* zero;
 
-  explicit ForcesAlone(Arena& arena) : recursion(arena), zero(arena.per_velocity<T>()) {}
+  explicit BiasForces(Arena& arena) : recursion(arena), zero(arena.per_velocity<T>()) {}
 
   /// At velocity v, under gravity g and loads, whose joint losses are those at v_losses. Without a velocity the system
   /// is at rest.

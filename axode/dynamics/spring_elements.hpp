@@ -29,9 +29,9 @@ template <class T> ElasticForce<T> elastic_force(const Dof& dof, const T& p, con
 /// The spring of a joint of several velocities at x = log(q): K x, and the rates x' = dexp_{-x}⁻¹ e_k that belong to
 /// its velocities.
 template <class Joint, class T> struct ElasticLogarithm {
-  using Numbers = std::array<T, Joint::nv>;
-  Numbers x, Kx;
-  std::array<Numbers, Joint::nv> dx;
+  using Entries = std::array<T, Joint::nv>;
+  Entries x, Kx;
+  std::array<Entries, Joint::nv> dx;
 
   ElasticLogarithm(const Joint& joint, const std::vector<Dof>& dof, const T* q) noexcept : joint_(joint) {
     joint.difference(joint.neutral().data(), q, x.data());
@@ -43,7 +43,7 @@ template <class Joint, class T> struct ElasticLogarithm {
   T force(int k) const { return -product(Kx, dx[k]); }
   /// Its derivative along velocity j.
   T by_q(const std::vector<Dof>& dof, int k, int j) const {
-    Numbers K_dx;
+    Entries K_dx;
     for (int l = 0; l < joint_.nv; ++l) K_dx[l] = T(dof[l].stiffness) * dx[j][l];
     const Twist<BodyFixed, T> dX = joint_.twist(dx[j].data());
     return -product(K_dx, dx[k]) -
@@ -52,8 +52,8 @@ template <class Joint, class T> struct ElasticLogarithm {
   T energy() const { return T(0.5) * product(Kx, x); }
 
  private:
-  Numbers components(const Screw<T>& Z) const { return joint_.project(Wrench<BodyFixed, T>{Z.w, Z.v}); }
-  static T product(const Numbers& a, const Numbers& b) {
+  Entries components(const Screw<T>& Z) const { return joint_.project(Wrench<BodyFixed, T>{Z.w, Z.v}); }
+  static T product(const Entries& a, const Entries& b) {
     T sum(0);
     for (std::size_t l = 0; l < a.size(); ++l) sum += a[l] * b[l];
     return sum;

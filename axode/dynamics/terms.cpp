@@ -10,7 +10,7 @@ template <RecursionChoice Rep, class T>
 void coriolis_vector(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v,
                      std::type_identity_t<std::span<T>> Cv) {
   Arena arena = checked<"coriolis_vector">(model, workspace, q, v, Cv);
-  ForcesAlone<Rep, T>(arena).run(model.tree<T>(), q.data(), v.data(), nullptr, {}, {}, Cv.data());
+  BiasForces<Rep, T>(arena).run(model.tree<T>(), q.data(), v.data(), nullptr, {}, {}, Cv.data());
 }
 
 template <RecursionChoice Rep, class T>
@@ -18,14 +18,14 @@ void gravity_torques(const Model& model, Workspace<T>& workspace, Numbers<T> q,
                      std::type_identity_t<std::span<T>> g) {
   Arena arena = checked<"gravity_torques">(model, workspace, q, g);
   const Tree<T>& tree = model.tree<T>();
-  ForcesAlone<Rep, T>(arena).run(tree, q.data(), nullptr, nullptr, {}, tree.g, g.data());
+  BiasForces<Rep, T>(arena).run(tree, q.data(), nullptr, nullptr, {}, tree.g, g.data());
 }
 
 template <RecursionChoice Rep, class T>
 void generalized_loads(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v,
                        const std::type_identity_t<Loads<T>>& loads, std::type_identity_t<std::span<T>> Q) {
   Arena arena = checked<"generalized_loads">(model, workspace, q, v, loads, Q);
-  ForcesAlone<Rep, T>(arena).run(model.tree<T>(), q.data(), nullptr, v.data(), loads, {}, Q.data());
+  BiasForces<Rep, T>(arena).run(model.tree<T>(), q.data(), nullptr, v.data(), loads, {}, Q.data());
   for (T& x : Q) x = -x;
 }
 

@@ -2,9 +2,9 @@
 #include <array>
 
 #include "axode/fast/lanes.hpp"
-#include "axode/fast/mirror.hpp"
 #include "axode/fast/packed_articulated_inertia.hpp"
 #include "axode/fast/poses.hpp"
+#include "axode/fast/symmetric_blocks.hpp"
 #include "axode/recursion/inverse_dynamics.hpp"
 #include "axode/recursion/solvability.hpp"
 
@@ -35,7 +35,7 @@ template <class G, class T> struct FastArticulatedBodies {
   };
   /// The sum of the inertias and wrenches that the children of a body contribute, except for the child which
   /// is the next body.
-  struct Handed {
+  struct ChildSum {
     Articulated M;
     Vector m, f;
   };
@@ -55,37 +55,38 @@ template <class G, class T> struct FastArticulatedBodies {
   JointAngles<T> angles;
   Body* body;
   Matrix* R;              ///< rotations of bodies with `branches`, and of those whose joint is not a hinge
-  Handed* handed;         ///< contributions of children, for bodies with `branches`
+  ChildSum* child_sum;    ///< contributions of children, for bodies with `branches`
   Pivot* pivot;           ///< one for each joint screw
   std::array<T, 6>* S_K;  ///< S_k | K_l of each joint screw k with later screws l of its joint
-  decltype(T() < T()) doubtful{};  ///< whether M may be singular; factorize() sets it and does not reset it
+  decltype(T() <
+           T()) maybe_singular{};  ///< whether M may be singular; factorize() sets it and does not reset it
 
   explicit FastArticulatedBodies(Arena& arena)
       : angles(arena),
         body(arena.per_body<Body>()),
         R(arena.per_body<Matrix>()),
-        handed(arena.per_body<Handed>()),
+        child_sum(arena.per_body<ChildSum>()),
         pivot(arena.per_screw<Pivot>()),
         S_K(arena.per_screw<std::array<T, 6>>()) {}
 
   /// Computes axes, origins and inertias of all bodies at q.
-  template <class S> void place(const Tree<S>& tree, const T* q) noexcept {
+  template <class S> void update_kinematics(const Tree<S>& tree, const T* q) noexcept {
     angles.run(tree, q);
     Matrix last_R = R[0] = Matrix(SO3<T>{});
-    for (int i = 1; i <= tree->n; ++i) place(tree, i, q, last_R);
+    for (int i = 1; i <= tree->n; ++i) update_kinematics(tree, i, q, last_R);
   }
 
   /// Computes axes, origins and inertias of all bodies at q, and the bias wrenches: the wrenches on the
   /// bodies for zero joint accelerations, gravity included.
   template <class S>
-  void place_and_move(const Tree<S>& tree, const T* q, const T* v, Motion* motion) noexcept {
-    place_and_move(tree, q, v, motion, [](int, const Matrix&, const Motion&, const Vector&) {});
+  void update_kinematics_and_bias(const Tree<S>& tree, const T* q, const T* v, Motion* motion) noexcept {
+    update_kinematics_and_bias(tree, q, v, motion, [](int, const Matrix&, const Motion&, const Vector&) {});
   }
-  /// place_and_move() that moreover calls put(i, R, motion, u) for every body, where u is the velocity of its
+  /// update_kinematics_and_bias() that moreover calls put(i, R, motion, u) for every body, where u is the velocity of its
   /// origin minus that of the origin of its predecessor.
   template <class S, class Put>
-  [[gnu::always_inline]] void place_and_move(const Tree<S>& tree, const T* q, const T* v, Motion* motion,
-                                             Put&& put) noexcept {
+  [[gnu::always_inline]] void update_kinematics_and_bias(const Tree<S>& tree, const T* q, const T* v,
+                                                         Motion* motion, Put&& put) noexcept {
     angles.run(tree, q);
     Matrix last_R = R[0] = Matrix(SO3<T>{});
     Motion last{{}, {}, Vector(-cast<T>(tree.g)), {}, {}};
@@ -93,7 +94,7 @@ template <class G, class T> struct FastArticulatedBodies {
     for (int i = 1; i <= tree->n; ++i) {
       const int p = tree->parent[i];
       if (p != i - 1) last = motion[p];
-      place(tree, i, q, last_R);
+      update_kinematics(tree, i, q, last_R);
       Body& b = body[i];
       const Factor r(b.r);
       Vector u = cross(last.w_, r);
@@ -121,9 +122,9 @@ template <class G, class T> struct FastArticulatedBodies {
     }
   }
 
-  /// Eliminates all joints, from the leaves to the roots, after place() or place_and_move().
+  /// Eliminates all joints, from the leaves to the roots, after update_kinematics() or update_kinematics_and_bias().
   template <class S> void factorize(const Tree<S>& tree) noexcept { sweep<false>(tree, nullptr); }
-  /// Eliminates all joints after place_and_move() and computes u of every joint from the forces τ minus the
+  /// Eliminates all joints after update_kinematics_and_bias() and computes u of every joint from the forces τ minus the
   /// bias forces. The bias wrenches of the bodies may be changed before, for example by applied wrenches.
   template <class S> void factorize(const Tree<S>& tree, const T* tau) noexcept { sweep<true>(tree, tau); }
 
@@ -167,9 +168,9 @@ template <class G, class T> struct FastArticulatedBodies {
     for (int i = tree->n; i > 0; --i) {
       const Body& b = body[i];
       if (tree->branches[i]) {
-        m += handed[i].m;
-        f += handed[i].f;
-        handed[i].m = handed[i].f = Vector{};
+        m += child_sum[i].m;
+        f += child_sum[i].f;
+        child_sum[i].m = child_sum[i].f = Vector{};
       }
       if (is_hinge(tree, i)) [[likely]] {
         Pivot& c = pivot[tree->first_screw[i]];
@@ -188,8 +189,8 @@ template <class G, class T> struct FastArticulatedBodies {
       }
       const int p = tree->parent[i];
       if (p > 0 && p != i - 1) {
-        handed[p].m += m;
-        handed[p].f += f;
+        child_sum[p].m += m;
+        child_sum[p].f += f;
       }
       if (p != i - 1 || p == 0) m = f = Vector{};
     }
@@ -237,17 +238,17 @@ template <class G, class T> struct FastArticulatedBodies {
     for (int i = tree->n; i > 0; --i) {
       const Body& b = body[i];
       M += inertia(tree, i);
-      if (tree->branches[i]) M += handed[i].M;
+      if (tree->branches[i]) M += child_sum[i].M;
       if constexpr (forces) {
         m += b.m, f += b.f;
         if (tree->branches[i]) {
-          m += handed[i].m;
-          f += handed[i].f;
-          handed[i].m = handed[i].f = Vector{};
+          m += child_sum[i].m;
+          f += child_sum[i].f;
+          child_sum[i].m = child_sum[i].f = Vector{};
         }
       }
       if (is_hinge(tree, i)) [[likely]] {
-        [[maybe_unused]] Pivot& c = give_way_about_hinge(tree, i, tree.armature.data(), M);
+        [[maybe_unused]] Pivot& c = eliminate_hinge(tree, i, tree.armature.data(), M);
         if constexpr (forces) {
           const Number g = Number(tau[tree->iv[i]]) - dot(b.n, m);
           c.u = c.D_inv * g;
@@ -255,7 +256,7 @@ template <class G, class T> struct FastArticulatedBodies {
           f += g * c.K_f;
         }
       } else {
-        give_way_along(tree, i, tree.armature.data(), M);
+        eliminate_screws(tree, i, tree.armature.data(), M);
         if constexpr (forces) {
           for (int s = tree->first_screw[i + 1]; s-- > tree->first_screw[i];) {
             Pivot& c = pivot[s];
@@ -268,10 +269,10 @@ template <class G, class T> struct FastArticulatedBodies {
       }
       const int p = tree->parent[i];
       if (p > 0 && p != i - 1) {
-        handed[p].M += M;
+        child_sum[p].M += M;
         if constexpr (forces) {
-          handed[p].m += m;
-          handed[p].f += f;
+          child_sum[p].m += m;
+          child_sum[p].f += f;
         }
       }
       if (p != i - 1 || p == 0) {
@@ -310,7 +311,7 @@ template <class G, class T> struct FastArticulatedBodies {
       } else {
         with_count(
             tree->first_screw[i + 1] - first_screw, [&](auto n) __attribute__((always_inline)) {
-              hand_over(
+              pass_to_parent(
                   n, first_screw, [&](int k) { return right_side(c + k); }, u + first_screw, p > 0, F);
             });
         F.m += cross(r, F.f);
@@ -349,8 +350,9 @@ template <class G, class T> struct FastArticulatedBodies {
   /// screw, then the coupling between the screws by S_K, so that no screw waits for an update of F. If the
   /// joint hangs on the ground, F is not updated.
   template <int n, class RightSide>
-  [[gnu::always_inline]] void hand_over(std::integral_constant<int, n>, int s, const RightSide& right_side,
-                                        Several* u, bool on_a_body, Columns& F) const noexcept {
+  [[gnu::always_inline]] void pass_to_parent(std::integral_constant<int, n>, int s,
+                                             const RightSide& right_side, Several* u, bool on_a_body,
+                                             Columns& F) const noexcept {
     const Pivot* const c = pivot + s;
     Several g[n];
     unrolled<n>([&](auto k) { g[k] = less(right_side(k), vector(c[k].w), F.m) - dot(vector(c[k].v), F.f); });
@@ -418,7 +420,8 @@ template <class G, class T> struct FastArticulatedBodies {
   /// Computes axes, origin and inertia of body i. last_R is the rotation of body i - 1 before the call and
   /// that of body i after it.
   template <class S>
-  [[gnu::always_inline]] void place(const Tree<S>& tree, int i, const T* q, Matrix& last_R) noexcept {
+  [[gnu::always_inline]] void update_kinematics(const Tree<S>& tree, int i, const T* q,
+                                                Matrix& last_R) noexcept {
     const int p = tree->parent[i];
     if (p != i - 1) last_R = R[p];
     const auto& body_i = constants<G, T>(tree, i);
@@ -431,7 +434,7 @@ template <class G, class T> struct FastArticulatedBodies {
     b.Theta = rotate(at.R, body_i.Theta);
     if (tree->branches[i]) {
       R[i] = at.R;
-      handed[i] = {};
+      child_sum[i] = {};
     }
     if (!is_hinge(tree, i)) R[i] = at.R;
   }
@@ -443,21 +446,21 @@ template <class G, class T> struct FastArticulatedBodies {
   /// The pivot threshold of joint screw s. If the pivot is not larger, M may be singular, and a kernel that
   /// tracks rounding errors takes over.
   template <class S> static T floor_of(const Tree<S>& tree, int s) noexcept {
-    return T(doubtful_part<S> * tree.fed[s]);
+    return T(pivot_threshold<S> * tree.inertia_scale[s]);
   }
   /// Eliminates the hinge of body i. M becomes the inertia that the predecessor is given, about the
   /// predecessor's origin.
   template <class S>
-  [[gnu::always_inline]] Pivot& give_way_about_hinge(const Tree<S>& tree, int i, const S* armature,
-                                                     Articulated& M) noexcept {
+  [[gnu::always_inline]] Pivot& eliminate_hinge(const Tree<S>& tree, int i, const S* armature,
+                                                Articulated& M) noexcept {
     const Body& b = body[i];
     const auto [U_m, U_f] = about_axis(M, b.n);
     const Number D = dot(b.n, U_m) + Number(T(armature[tree->iv[i]])), D_inv = Number(T(1)) / D;
-    doubtful = doubtful || !(value(D) > floor_of(tree, tree->first_screw[i]));
+    maybe_singular = maybe_singular || !(value(D) > floor_of(tree, tree->first_screw[i]));
     const Vector moved = U_m + cross(Factor(b.r), Factor(U_f));
     M = shifted(M, b.r);
     const Vector K_m = D_inv * moved, K_f = D_inv * U_f;
-    give_way(M, moved, U_f, K_m, K_f);
+    eliminate(M, moved, U_f, K_m, K_f);
     Pivot& c = pivot[tree->first_screw[i]];
     c.K_m = K_m;
     c.K_f = K_f;
@@ -467,8 +470,8 @@ template <class G, class T> struct FastArticulatedBodies {
   /// Eliminates the screws of joint i, which may be of any kind. M becomes the inertia that the predecessor
   /// is given, about the predecessor's origin.
   template <class S>
-  [[gnu::noinline]] void give_way_along(const Tree<S>& tree, int i, const S* armature,
-                                        Articulated& M) noexcept {
+  [[gnu::noinline]] void eliminate_screws(const Tree<S>& tree, int i, const S* armature,
+                                          Articulated& M) noexcept {
     const Body& b = body[i];
     Pivot* c = pivot + tree->first_screw[i];
     with_subgroup(tree->kind[i], T(tree.pitch[i]), [&](const auto& joint) {
@@ -483,8 +486,8 @@ template <class G, class T> struct FastArticulatedBodies {
         c[k].D_inv = Number(T(1)) / D;
         c[k].K_m = c[k].D_inv * U_m;
         c[k].K_f = c[k].D_inv * U_f;
-        doubtful = doubtful || !(value(D) > floor_of(tree, tree->first_screw[i] + k));
-        give_way(M, U_m, U_f, c[k].K_m, c[k].K_f);
+        maybe_singular = maybe_singular || !(value(D) > floor_of(tree, tree->first_screw[i] + k));
+        eliminate(M, U_m, U_f, c[k].K_m, c[k].K_f);
       }
     });
     M = shifted(M, b.r);
@@ -514,22 +517,22 @@ template <class T> struct FastForwardDynamics {
     bodies.accelerate(tree, motion, a);
     return true;
   }
-  /// Forward dynamics without the last sweep, accelerate(); put() is called as in place_and_move(). Returns
+  /// Forward dynamics without the last sweep, accelerate(); put() is called as in update_kinematics_and_bias(). Returns
   /// false if joints are coupled or the mass matrix may be singular.
   template <class Put>
   [[gnu::always_inline]] bool prepare(const Tree<T>& tree, const T* q, const T* v, const T* tau,
                                       const Loads<T>& loads, Put&& put) noexcept {
     if (!tree->coupled_bodies.empty()) return false;
-    bodies.place_and_move(tree, q, v, motion, put);
+    bodies.update_kinematics_and_bias(tree, q, v, motion, put);
     if (!loads.wrenches.empty()) apply(tree, q, loads.wrenches);
     const T* force = tau;
     if (loads.joint_losses) {
       for (int c = 0; c < tree->nv; ++c) drive[c] = tau[c] - joint_loss(tree, c, v[c]);
       force = drive;
     }
-    bodies.doubtful = false;
+    bodies.maybe_singular = false;
     bodies.factorize(tree, force);
-    return !bodies.doubtful;
+    return !bodies.maybe_singular;
   }
 
  private:
@@ -566,9 +569,9 @@ template <class T> struct FastInverse {
   /// be singular.
   bool run(const Tree<T>& tree, const T* q, T* M_inverse) noexcept {
     if (!tree->coupled_bodies.empty()) return false;
-    bodies.place(tree, q);
+    bodies.update_kinematics(tree, q);
     bodies.factorize(tree);
-    if (bodies.doubtful) return false;
+    if (bodies.maybe_singular) return false;
     bodies.inverse(tree, columns, u, M_inverse);
     return true;
   }

@@ -1,8 +1,8 @@
 #pragma once
 #include <algorithm>
 
-#include "axode/fast/mirror.hpp"
 #include "axode/fast/poses.hpp"
+#include "axode/fast/symmetric_blocks.hpp"
 
 namespace axode {
 
@@ -114,7 +114,7 @@ template <class T> struct FastCompositeBodies {
         const Number end(T(tree->velocity_end[std::min(i + m, nv - 1)] - j));
         block[m] = select(lane() < end, block[m], Number(T(0)));
       });
-    const SquareBlock<T> mirrored = turned<T>(block);
+    const SquareBlock<T> mirrored = transposed<T>(block);
     if (i == j)
       unrolled<L::width>([&](auto m) { block[m] = select(lane() < Number(T(m)), mirrored[m], block[m]); });
     store(block, i, j, nv, out);

@@ -13,7 +13,8 @@ template <class T> struct FastInverseMassMatrix {
   T* X;
   T* D_inv;
   T* x;
-  decltype(T() < T()) doubtful{};  ///< whether a pivot has lost more than two digits, or M may be singular
+  decltype(T() <
+           T()) maybe_singular{};  ///< whether a pivot has lost more than two digits, or M may be singular
 
   /// Whether the paths of a tree are short enough for this method.
   template <class S> static bool suits(const Tree<S>& tree) {
@@ -49,7 +50,8 @@ template <class T> struct FastInverseMassMatrix {
         for (int c = i + 1; c < end; ++c) sum += x[c] * M[c * nv + j];
         M_i[j] = sum;
       }
-      doubtful = doubtful || !(M_i[i] > T(0.01) * M_ii) || !(M_i[i] > T(doubtful_part<S> * tree.fed[i]));
+      maybe_singular = maybe_singular || !(M_i[i] > T(0.01) * M_ii) ||
+                       !(M_i[i] > T(pivot_threshold<S> * tree.inertia_scale[i]));
       D_inv[i] = T(1) / M_i[i];
       X_i[i] = T(1);
       for (int j = i + 1; j < end; ++j) {

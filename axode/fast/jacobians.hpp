@@ -1,7 +1,7 @@
 #pragma once
 #include <algorithm>
 
-#include "axode/fast/results.hpp"
+#include "axode/fast/packed_store.hpp"
 
 namespace axode {
 
@@ -47,14 +47,14 @@ template <class T, class G = typename FastGeometry<T>::type> struct FastJacobian
   /// Writes J, nv columns, of the place with pose F in the internal frame of body i.
   template <class Rep>
   void write(const Tree<T>& tree, int i, const SE3<T>& F, Twist<Rep, T>* J) const noexcept {
-    const Seen<Rep> seen(body[i], F);
-    if (!tree->coupled_bodies.empty()) return add_up(tree, i, seen, J);
+    const ScrewInRep<Rep> in_rep(body[i], F);
+    if (!tree->coupled_bodies.empty()) return add_up(tree, i, in_rep, J);
     const auto clear = [J](int from, int to) { std::fill(numbers<T>(J + from), numbers<T>(J + to), T(0)); };
     const int* const parent = tree->velocity_parent.data();
     int end = tree->nv;  // The columns from `end` on are written.
     for (int c = tree->first_screw[i + 1] - 1; c >= 0; end = c, c = parent[c]) {
       if (c + 1 < end) clear(c + 1, end);
-      const auto [w, v] = seen(column[c]);
+      const auto [w, v] = in_rep(column[c]);
       store(w, v, numbers<T>(J + c));
     }
     if (end > 0) clear(0, end);
@@ -73,11 +73,11 @@ template <class T, class G = typename FastGeometry<T>::type> struct FastJacobian
     });
   }
   /// Changes joint screws to columns of the Jacobian of one place in Rep.
-  template <class Rep> struct Seen {
+  template <class Rep> struct ScrewInRep {
     Vector r{};
     Matrix Rt;
 
-    Seen(const Placed<G>& at, const SE3<T>& F) {
+    ScrewInRep(const Placed<G>& at, const SE3<T>& F) {
       if constexpr (!std::same_as<Rep, Spatial>) r = at.r + at.R * Spread(F.r);
       if constexpr (std::same_as<Rep, BodyFixed> || std::same_as<Rep, Mixed>)
         Rt = transposed<G, T>(at.R, F.R);
@@ -95,12 +95,12 @@ template <class T, class G = typename FastGeometry<T>::type> struct FastJacobian
   /// J of a tree with coupled joints, where the screws of several joints may belong to one velocity and are
   /// added.
   template <class Rep>
-  [[gnu::noinline]] void add_up(const Tree<T>& tree, int i, const Seen<Rep>& seen,
+  [[gnu::noinline]] void add_up(const Tree<T>& tree, int i, const ScrewInRep<Rep>& in_rep,
                                 Twist<Rep, T>* J) const noexcept {
     std::fill_n(J, tree->nv, Twist<Rep, T>{});
     for (; i > 0; i = tree->parent[i])
       for (int k = tree->first_screw[i], c = tree->iv[i]; k < tree->first_screw[i + 1]; ++k, ++c) {
-        const auto [w, v] = seen(column[k]);
+        const auto [w, v] = in_rep(column[k]);
         J[c] += Twist<Rep, T>{w, v};
       }
   }

@@ -1,5 +1,5 @@
 #pragma once
-#include "axode/fast/results.hpp"
+#include "axode/fast/packed_store.hpp"
 
 namespace axode {
 

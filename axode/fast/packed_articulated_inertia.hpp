@@ -85,9 +85,9 @@ auto along_twist(const ArticulatedInertia<Hybrid, T>& M, const Vec3<T>& w, const
 
 /// M := M - K Uᵀ with K = U / D. It is always inlined, because M must stay in registers.
 template <class T>
-[[gnu::always_inline]] inline void give_way(PackedArticulatedInertia<T>& M, const packed::Vector<T>& U_m,
-                                            const packed::Vector<T>& U_f, const packed::Vector<T>& K_m,
-                                            const packed::Vector<T>& K_f) {
+[[gnu::always_inline]] inline void eliminate(PackedArticulatedInertia<T>& M, const packed::Vector<T>& U_m,
+                                             const packed::Vector<T>& U_f, const packed::Vector<T>& K_m,
+                                             const packed::Vector<T>& K_f) {
   const packed::Spread<T> s_m(U_m), s_f(U_f);
   subtract_product(M.A, K_m, s_m);
   subtract_product(M.B, K_m, s_f);
@@ -95,8 +95,8 @@ template <class T>
   subtract_product(M.L, K_f, s_f);
 }
 template <class T>
-[[gnu::always_inline]] inline void give_way(ArticulatedInertia<Hybrid, T>& M, const Vec3<T>& U_m,
-                                            const Vec3<T>& U_f, const Vec3<T>& K_m, const Vec3<T>& K_f) {
+[[gnu::always_inline]] inline void eliminate(ArticulatedInertia<Hybrid, T>& M, const Vec3<T>& U_m,
+                                             const Vec3<T>& U_f, const Vec3<T>& K_m, const Vec3<T>& K_f) {
   M.A = {M.A.xx - K_m.x * U_m.x, M.A.yy - K_m.y * U_m.y, M.A.zz - K_m.z * U_m.z,
          M.A.xy - K_m.x * U_m.y, M.A.xz - K_m.x * U_m.z, M.A.yz - K_m.y * U_m.z};
   M.B = {M.B.x - U_f.x * K_m, M.B.y - U_f.y * K_m, M.B.z - U_f.z * K_m};

@@ -94,10 +94,10 @@ template <class T, class S = T> class ConfigurationGroup {
   static auto* first(auto&& x) requires requires { x.data(); }
   { return x.data(); }
   template <class F> void each_own_joint(const F& f) const noexcept {
-    for (const JointRun& run : tree()->runs)
-      if (!run.coupled)
-        with_subgroup(run.kind, T(0), [&](const auto& joint) {  // no pitch has a part in any of this
-          for (int k = run.begin; k < run.end; ++k) f(joint, tree()->by_kind[k]);
+    for (const JointGroup& group : tree()->joint_groups)
+      if (!group.coupled)
+        with_subgroup(group.kind, T(0), [&](const auto& joint) {  // no pitch has a part in any of this
+          for (int k = group.begin; k < group.end; ++k) f(joint, tree()->by_kind[k]);
         });
   }
   /// S x, and x from it.

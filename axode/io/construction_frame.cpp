@@ -93,7 +93,7 @@ void move_inertia(MassProperties& given, const SE3<>& A) {
 Description in_construction_frame(const Description& description) {
   const auto placements = [](const Description& d) {
     const Description expanded = expand(d);
-    const std::vector<Placement> all = place(expanded, depth_first_order(expanded));
+    const std::vector<Placement> all = reference_placements(expanded, depth_first_order(expanded));
     std::unordered_map<std::string, Placement> by_name;
     for (std::size_t k = 0; k < all.size(); ++k) by_name.emplace(expanded.bodies[k].name, all[k]);
     return by_name;

@@ -6,10 +6,10 @@
 #include <utility>
 
 #include "axode/io.hpp"
+#include "axode/io/foreign_terms.hpp"
 #include "axode/io/pose.hpp"
 #include "axode/io/reading.hpp"
 #include "axode/io/toml.hpp"
-#include "axode/io/words_of_others.hpp"
 #include "axode/model/joint_kinds.hpp"
 #include "axode/model/loops.hpp"
 #include "axode/model/nearest_name.hpp"
@@ -76,7 +76,7 @@ class Table {
   void finish() const {
     for (const auto& [key, entry] : entries_) {
       if (std::find(known_.begin(), known_.end(), key) != known_.end()) continue;
-      std::string nearest = called_here(key, known_);
+      std::string nearest = own_term_for(key, known_);
       if (nearest.empty()) nearest = did_you_mean(key, known_, [](std::string_view k) { return k; });
       notes_.error(Rule::unknown_element, element_, "key " + in_quotes(key) + " is not known" + nearest,
                    entry.line);
@@ -113,7 +113,7 @@ class Table {
       list += (k == 0 ? "" : k + 1 == N ? " or " : ", ") + in_quotes(choices[k]);
     const auto* value = node->text();
     if (value != nullptr && N > 1) {
-      const std::string called = called_here(*value, choices);
+      const std::string called = own_term_for(*value, choices);
       list += called.empty() ? did_you_mean(*value, choices, [](std::string_view c) { return c; }) : called;
     }
     wrong(key, *node, list);

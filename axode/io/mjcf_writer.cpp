@@ -62,7 +62,7 @@ class MjcfWriter {
   MjcfWriter(const Description& description, Strictness strictness)
       : d_(expand(description)),
         order_(depth_first_order(d_)),
-        at_(place(d_, order_)),
+        at_(reference_placements(d_, order_)),
         unsaid_("MJCF", strictness) {
     const auto n = d_.bodies.size();
     children_.resize(n), merged_.resize(n, 0), inherited_.resize(n);
@@ -323,7 +323,7 @@ class MjcfWriter {
   /// Writes an inertia about the centre of mass, in the axes of the body.
   static void write_inertial(std::ostream& out, const std::string& indent, const MassProperties& given,
                              const SE3<>& A) {
-    const MassProperties seen = seen_from(given.in == GivenIn::body_frame ? SE3<>{} : A, given);
+    const MassProperties seen = expressed_in(given.in == GivenIn::body_frame ? SE3<>{} : A, given);
     Sym3<> Theta = rotate(seen.axes, seen.Theta);
     if (given.about == InertiaAbout::frame_origin && given.mass > 0)
       Theta = inertia_about_com(Inertia<>{seen.mass, seen.mass * seen.com, Theta});
@@ -467,7 +467,7 @@ class MjcfWriter {
     if (loop.frames) {
       frames = *loop.frames;
     } else {
-      const DrawnLoop drawn = place(loop);
+      const DrawnLoop drawn = drawn_loop(loop);
       for (std::size_t e = 0; e < 2; ++e) frames[e] = relative(pose_of_carrier(loop.between[e]), drawn.C[e]);
     }
     const std::string name = loop_name(loop, k);

@@ -305,12 +305,12 @@ class SdfReader : XmlReader {
     const std::string_view text = given == nullptr ? "" : given;
     const Number minor = text.starts_with("1.") ? number(text.substr(2)) : Number{};
     if (given == nullptr) {
-      note(doubt(), Rule::missing_element, "sdf", "has no attribute version; it is read as one of 1.10",
-           sdf.GetLineNum());
+      note(lenient_severity(), Rule::missing_element, "sdf",
+           "has no attribute version; it is read as one of 1.10", sdf.GetLineNum());
     } else if (minor.value >= 1 && minor.value < 1000 && minor.value == std::floor(minor.value)) {
       version_ = static_cast<int>(minor.value);
     } else {
-      note(doubt(), Rule::wrong_value, "sdf",
+      note(lenient_severity(), Rule::wrong_value, "sdf",
            "its version is " + in_quotes(text) + "; it is read as one of 1.10", sdf.GetLineNum());
     }
   }
@@ -467,18 +467,18 @@ class SdfReader : XmlReader {
     bool complete = true;
     const auto is_there = [&](const char* child) {
       if (e.FirstChildElement(child) != nullptr) return true;
-      note(doubt(), Rule::missing_element, owner,
+      note(lenient_severity(), Rule::missing_element, owner,
            tag(e) + " has no <" + child + ">; a shape without one is ignored", e.GetLineNum());
       return complete = false;
     };
     const auto length = [&](const char* child) {
-      const auto x = is_there(child) ? child_numbers<1>(e, child, owner, doubt()) : std::nullopt;
+      const auto x = is_there(child) ? child_numbers<1>(e, child, owner, lenient_severity()) : std::nullopt;
       complete &= x.has_value();
       return x ? (*x)[0] : 0;
     };
     if (!kind.size.empty()) {
       const char* child = kind.kind == ShapeKind::ellipsoid ? "radii" : "size";
-      const auto size = is_there(child) ? vector(e, child, owner, doubt()) : std::nullopt;
+      const auto size = is_there(child) ? vector(e, child, owner, lenient_severity()) : std::nullopt;
       complete &= size.has_value();
       shape.size = size.value_or(Vec3<>{});
     }
@@ -486,7 +486,7 @@ class SdfReader : XmlReader {
     if (kind.length) shape.length = length("length");
     if (kind.kind == ShapeKind::mesh) {
       shape.file = required_text(e, "uri", owner);
-      shape.scale = vector(e, "scale", owner, doubt()).value_or(Vec3<>{1, 1, 1});
+      shape.scale = vector(e, "scale", owner, lenient_severity()).value_or(Vec3<>{1, 1, 1});
       complete = !shape.file.empty();
     }
     return complete;
@@ -498,10 +498,10 @@ class SdfReader : XmlReader {
     if (diffuse == nullptr) return std::nullopt;
     const int line = diffuse->GetLineNum();
     const std::string text = text_of(*diffuse);
-    const auto x = numbers(text, "<diffuse>", owner, line, doubt());
+    const auto x = numbers(text, "<diffuse>", owner, line, lenient_severity());
     if (!x) return std::nullopt;
     if (x->size() != 3 && x->size() != 4) {
-      wrong_count(text, "<diffuse>", "3 or 4 numbers", x->size(), owner, line, doubt());
+      wrong_count(text, "<diffuse>", "3 or 4 numbers", x->size(), owner, line, lenient_severity());
       return std::nullopt;
     }
     return std::array<double, 4>{(*x)[0], (*x)[1], (*x)[2],

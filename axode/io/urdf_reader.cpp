@@ -272,19 +272,21 @@ class UrdfReader : XmlReader {
       bool complete = true;
       const auto is_there = [&](const char* attribute) {
         if (given->Attribute(attribute) != nullptr) return true;
-        note(doubt(), Rule::missing_element, owner,
+        note(lenient_severity(), Rule::missing_element, owner,
              tag(*given) + " has no attribute " + attribute + "; a shape without one is ignored",
              given->GetLineNum());
         return complete = false;
       };
       const auto length = [&](const char* attribute) {
-        const auto x = is_there(attribute) ? numbers<1>(*given, attribute, owner, doubt()) : std::nullopt;
+        const auto x =
+            is_there(attribute) ? numbers<1>(*given, attribute, owner, lenient_severity()) : std::nullopt;
         complete &= x.has_value();
         return x ? (*x)[0] : 0;
       };
       if (!kind->size.empty()) {
         const char* attribute = kind->size.data();
-        const auto size = is_there(attribute) ? vector(*given, attribute, owner, doubt()) : std::nullopt;
+        const auto size =
+            is_there(attribute) ? vector(*given, attribute, owner, lenient_severity()) : std::nullopt;
         complete &= size.has_value();
         shape.size = size.value_or(Vec3<>{});
       }
@@ -292,7 +294,7 @@ class UrdfReader : XmlReader {
       if (kind->length) shape.length = length("length");
       if (kind->kind == ShapeKind::mesh) {
         shape.file = name(*given, "filename", owner);
-        shape.scale = vector(*given, "scale", owner, doubt()).value_or(Vec3<>{1, 1, 1});
+        shape.scale = vector(*given, "scale", owner, lenient_severity()).value_or(Vec3<>{1, 1, 1});
         complete = !shape.file.empty();
       }
       if (complete) shapes.push_back(shape);
@@ -304,7 +306,7 @@ class UrdfReader : XmlReader {
   std::optional<Color> read_material(const XMLElement& e, const std::string& owner) {
     const char* name = e.Attribute("name");
     if (const XMLElement* color = e.FirstChildElement("color")) {
-      const auto rgba = numbers<4>(*color, "rgba", owner, doubt());
+      const auto rgba = numbers<4>(*color, "rgba", owner, lenient_severity());
       if (rgba && name != nullptr) materials_.emplace(name, *rgba);
       return rgba;
     }
@@ -519,7 +521,7 @@ class UrdfReader : XmlReader {
 
   void report_massless() {
     if (massless_count_ > 0)
-      note(doubt(), Rule::mass_not_positive, "<inertial>",
+      note(lenient_severity(), Rule::mass_not_positive, "<inertial>",
            "says that mass and inertia are 0; a massless link needs no <inertial>" + times(massless_count_),
            massless_line_);
   }

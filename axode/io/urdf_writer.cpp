@@ -99,7 +99,10 @@ void find_unsaid(const Description& d, io::Unsaid& unsaid) {
 class UrdfWriter {
  public:
   UrdfWriter(const Description& description, std::ostream& out)
-      : d_(expand(description)), order_(depth_first_order(d_)), at_(place(d_, order_)), out_(out) {
+      : d_(expand(description)),
+        order_(depth_first_order(d_)),
+        at_(reference_placements(d_, order_)),
+        out_(out) {
     for (std::size_t i = 0; i < d_.bodies.size(); ++i) bodies_.emplace(d_.bodies[i].name, i);
     one_fixed_root_ = is_one_fixed_root();
   }

@@ -119,8 +119,8 @@ void XmlReader::inspect(const XMLElement& e, const std::string& owner) {
     } else if (before == seen.end()) {
       seen.push_back(child);
     } else if (child->NoChildren() && (*before)->NoChildren() && child->ShallowEqual(*before)) {
-      note(doubt(), Rule::duplicate_element, owner, tag(e) + " holds the same " + tag(*child) + " twice",
-           child->GetLineNum());
+      note(lenient_severity(), Rule::duplicate_element, owner,
+           tag(e) + " holds the same " + tag(*child) + " twice", child->GetLineNum());
     } else {
       error(Rule::duplicate_element, owner, tag(e) + " holds " + tag(*child) + " twice", child->GetLineNum());
     }

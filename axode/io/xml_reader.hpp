@@ -51,7 +51,9 @@ class XmlReader {
     note(Severity::error, rule, std::move(element), std::move(message), line);
   }
   /// The severity of defects that a lenient reader accepts: an error if the reader is strict, else a warning.
-  Severity doubt() const { return strictness_ == Strictness::strict ? Severity::error : Severity::warning; }
+  Severity lenient_severity() const {
+    return strictness_ == Strictness::strict ? Severity::error : Severity::warning;
+  }
   /// Counts something that the reader ignores.
   void ignore(std::string what, int line);
   /// Notes one warning for each kind of thing that was ignored.

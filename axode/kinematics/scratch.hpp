@@ -1,5 +1,5 @@
 #pragma once
-#include "axode/fast/results.hpp"
+#include "axode/fast/packed_store.hpp"
 #include "axode/recursion/forward_kinematics.hpp"
 
 /// What the functions of this floor take of a workspace, besides the recursions themselves.

@@ -33,18 +33,18 @@ template <class T> constexpr Vec3<T> center_of_mass(const Inertia<T>& M) { retur
 
 /// Ad_R⁻ᵀ M Ad_R⁻¹: the inertia in rotated axes about the same point (eq. aWhRec).
 template <class T> constexpr Inertia<T> transform(const SO3<T>& R, const Inertia<T>& M) {
-  const Noted<T> noted(ScrewOperation::tensor_rotation);
+  const ScrewOperationScope<T> scope(ScrewOperation::tensor_rotation);
   return {M.m, R * M.h, rotate(R, M.Theta)};
 }
 /// Ad_r⁻ᵀ M Ad_r⁻¹: the inertia about another point, in the same axes; r is the vector from that point to the
 /// origin of the frame of M.
 template <class T> constexpr Inertia<T> transform(const Vec3<T>& r, const Inertia<T>& M) {
-  const Noted<T> noted(ScrewOperation::tensor_translation);
+  const ScrewOperationScope<T> scope(ScrewOperation::tensor_translation);
   return {M.m, M.h + M.m * r, M.Theta + parallel_axis_tensor(M.h + (T(0.5) * M.m) * r, r)};
 }
 /// Ad_S⁻ᵀ M Ad_S⁻¹: the inertia in the frame in which S is the pose of the frame of M (eqs. Ms, Mb).
 template <class T> constexpr Inertia<T> transform(const SE3<T>& S, const Inertia<T>& M) {
-  const Noted<T> noted(ScrewOperation::tensor_transformation);
+  const ScrewOperationScope<T> scope(ScrewOperation::tensor_transformation);
   return transform(S.r, transform(S.R, M));
 }
 
@@ -58,17 +58,17 @@ template <class T = double> struct CentralInertia {
 };
 /// Ad_R⁻ᵀ M Ad_R⁻¹ of a central inertia: the origin stays at the centre of mass.
 template <class T> constexpr CentralInertia<T> transform(const SO3<T>& R, const CentralInertia<T>& M) {
-  const Noted<T> noted(ScrewOperation::tensor_rotation);
+  const ScrewOperationScope<T> scope(ScrewOperation::tensor_rotation);
   return {M.m, rotate(R, M.Theta)};
 }
 /// Ad_r⁻ᵀ M Ad_r⁻¹ of a central inertia: the inertia about a point from which the centre of mass is at r.
 template <class T> constexpr Inertia<T> transform(const Vec3<T>& r, const CentralInertia<T>& M) {
-  const Noted<T> noted(ScrewOperation::tensor_translation);
+  const ScrewOperationScope<T> scope(ScrewOperation::tensor_translation);
   return {M.m, M.m * r, M.Theta + parallel_axis_tensor((T(0.5) * M.m) * r, r)};
 }
 /// Ad_S⁻ᵀ M Ad_S⁻¹ of a central inertia: the inertia in the frame in which S is the pose of the frame of M.
 template <class T> constexpr Inertia<T> transform(const SE3<T>& S, const CentralInertia<T>& M) {
-  const Noted<T> noted(ScrewOperation::tensor_transformation);
+  const ScrewOperationScope<T> scope(ScrewOperation::tensor_transformation);
   return transform(S.r, transform(S.R, M));
 }
 

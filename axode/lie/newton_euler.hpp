@@ -18,7 +18,7 @@ constexpr Wrench<Rep, T> newton_euler(const Inertia<T>& M, const Twist<Rep, T>& 
 template <class T>
 constexpr Wrench<Hybrid, T> newton_euler(const Inertia<T>& M, const Twist<Hybrid, T>& V,
                                          const TwistRate<Hybrid, T>& dV) {
-  const Noted<T> noted(ScrewOperation::bracket);
+  const ScrewOperationScope<T> scope(ScrewOperation::bracket);
   const Momentum<Hybrid, T> Pi = M * Twist<Hybrid, T>{V.w, {}};
   return M * dV + Wrench<Hybrid, T>{cross(V.w, Pi.l), cross(V.w, Pi.p)};
 }
@@ -28,7 +28,7 @@ constexpr Wrench<Hybrid, T> newton_euler(const Inertia<T>& M, const Twist<Hybrid
 template <class T>
 constexpr Wrench<Mixed, T> newton_euler(const Inertia<T>& M, const SO3<T>& R, const Twist<Mixed, T>& V,
                                         const TwistRate<Mixed, T>& dV) {
-  const Noted<T> noted(ScrewOperation::bracket);
+  const ScrewOperationScope<T> scope(ScrewOperation::bracket);
   return {M.Theta * dV.w + cross(V.w, M.Theta * V.w) + cross(M.h, transpose(R) * dV.v),
           M.m * dV.v + R * (cross(dV.w, M.h) + cross(V.w, cross(V.w, M.h)))};
 }
@@ -39,19 +39,19 @@ constexpr Wrench<Mixed, T> newton_euler(const Inertia<T>& M, const SO3<T>& R, co
 template <class T>
 constexpr Wrench<BodyFixed, T> newton_euler(const CentralInertia<T>& M, const Twist<BodyFixed, T>& V,
                                             const TwistRate<BodyFixed, T>& dV) {
-  const Noted<T> noted(ScrewOperation::bracket);
+  const ScrewOperationScope<T> scope(ScrewOperation::bracket);
   return {M.Theta * dV.w + cross(V.w, M.Theta * V.w), M.m * (dV.v + cross(V.w, V.v))};
 }
 template <class T>
 constexpr Wrench<Hybrid, T> newton_euler(const CentralInertia<T>& M, const Twist<Hybrid, T>& V,
                                          const TwistRate<Hybrid, T>& dV) {
-  const Noted<T> noted(ScrewOperation::bracket);
+  const ScrewOperationScope<T> scope(ScrewOperation::bracket);
   return {M.Theta * dV.w + cross(V.w, M.Theta * V.w), M.m * dV.v};
 }
 template <class T>
 constexpr Wrench<Mixed, T> newton_euler(const CentralInertia<T>& M, const SO3<T>&, const Twist<Mixed, T>& V,
                                         const TwistRate<Mixed, T>& dV) {
-  const Noted<T> noted(ScrewOperation::bracket);
+  const ScrewOperationScope<T> scope(ScrewOperation::bracket);
   return {M.Theta * dV.w + cross(V.w, M.Theta * V.w), M.m * dV.v};
 }
 

@@ -70,14 +70,14 @@ template <> struct Change<Spatial> {
   }
   template <template <class, class> class CoScrew, class T>
   static constexpr CoScrew<Spatial, T> coscrew_to(const SE3<T>& C, const CoScrew<BodyFixed, T>& W) {
-    const Noted<T> noted(ScrewOperation::transformation);
+    const ScrewOperationScope<T> scope(ScrewOperation::transformation);
     const auto& [m, f] = W;
     const Vec3<T> f_s = C.R * f;
     return {C.R * m + cross(C.r, f_s), f_s};
   }
   template <template <class, class> class CoScrew, class T>
   static constexpr CoScrew<BodyFixed, T> coscrew_from(const SE3<T>& C, const CoScrew<Spatial, T>& W) {
-    const Noted<T> noted(ScrewOperation::transformation);
+    const ScrewOperationScope<T> scope(ScrewOperation::transformation);
     const auto& [m, f] = W;
     const SO3<T> Rt = transpose(C.R);
     return {Rt * (m - cross(C.r, f)), Rt * f};
@@ -86,36 +86,36 @@ template <> struct Change<Spatial> {
 
 template <> struct Change<Hybrid> {
   template <class T> static constexpr Twist<Hybrid, T> to(const SE3<T>& C, const Twist<BodyFixed, T>& V) {
-    const Noted<T> noted(ScrewOperation::rotation);
+    const ScrewOperationScope<T> scope(ScrewOperation::rotation);
     return {C.R * V.w, C.R * V.v};
   }
   template <class T> static constexpr Twist<BodyFixed, T> from(const SE3<T>& C, const Twist<Hybrid, T>& V) {
-    const Noted<T> noted(ScrewOperation::rotation);
+    const ScrewOperationScope<T> scope(ScrewOperation::rotation);
     const SO3<T> Rt = transpose(C.R);
     return {Rt * V.w, Rt * V.v};
   }
   template <class T>
   static constexpr TwistRate<Hybrid, T> to(const SE3<T>& C, const Twist<BodyFixed, T>& V,
                                            const TwistRate<BodyFixed, T>& dV) {
-    const Noted<T> noted(ScrewOperation::rotation);
+    const ScrewOperationScope<T> scope(ScrewOperation::rotation);
     return {C.R * dV.w, C.R * (dV.v + cross(V.w, V.v))};
   }
   template <class T>
   static constexpr TwistRate<BodyFixed, T> from(const SE3<T>& C, const Twist<BodyFixed, T>& V,
                                                 const TwistRate<Hybrid, T>& dV) {
-    const Noted<T> noted(ScrewOperation::rotation);
+    const ScrewOperationScope<T> scope(ScrewOperation::rotation);
     const SO3<T> Rt = transpose(C.R);
     return {Rt * dV.w, Rt * dV.v - cross(V.w, V.v)};
   }
   template <template <class, class> class CoScrew, class T>
   static constexpr CoScrew<Hybrid, T> coscrew_to(const SE3<T>& C, const CoScrew<BodyFixed, T>& W) {
-    const Noted<T> noted(ScrewOperation::rotation);
+    const ScrewOperationScope<T> scope(ScrewOperation::rotation);
     const auto& [m, f] = W;
     return {C.R * m, C.R * f};
   }
   template <template <class, class> class CoScrew, class T>
   static constexpr CoScrew<BodyFixed, T> coscrew_from(const SE3<T>& C, const CoScrew<Hybrid, T>& W) {
-    const Noted<T> noted(ScrewOperation::rotation);
+    const ScrewOperationScope<T> scope(ScrewOperation::rotation);
     const auto& [m, f] = W;
     const SO3<T> Rt = transpose(C.R);
     return {Rt * m, Rt * f};
@@ -124,34 +124,34 @@ template <> struct Change<Hybrid> {
 
 template <> struct Change<Mixed> {
   template <class T> static constexpr Twist<Mixed, T> to(const SE3<T>& C, const Twist<BodyFixed, T>& V) {
-    const Noted<T> noted(ScrewOperation::rotation);
+    const ScrewOperationScope<T> scope(ScrewOperation::rotation);
     return {V.w, C.R * V.v};
   }
   template <class T> static constexpr Twist<BodyFixed, T> from(const SE3<T>& C, const Twist<Mixed, T>& V) {
-    const Noted<T> noted(ScrewOperation::rotation);
+    const ScrewOperationScope<T> scope(ScrewOperation::rotation);
     return {V.w, transpose(C.R) * V.v};
   }
   template <class T>
   static constexpr TwistRate<Mixed, T> to(const SE3<T>& C, const Twist<BodyFixed, T>& V,
                                           const TwistRate<BodyFixed, T>& dV) {
-    const Noted<T> noted(ScrewOperation::rotation);
+    const ScrewOperationScope<T> scope(ScrewOperation::rotation);
     return {dV.w, C.R * (dV.v + cross(V.w, V.v))};
   }
   template <class T>
   static constexpr TwistRate<BodyFixed, T> from(const SE3<T>& C, const Twist<BodyFixed, T>& V,
                                                 const TwistRate<Mixed, T>& dV) {
-    const Noted<T> noted(ScrewOperation::rotation);
+    const ScrewOperationScope<T> scope(ScrewOperation::rotation);
     return {dV.w, transpose(C.R) * dV.v - cross(V.w, V.v)};
   }
   template <template <class, class> class CoScrew, class T>
   static constexpr CoScrew<Mixed, T> coscrew_to(const SE3<T>& C, const CoScrew<BodyFixed, T>& W) {
-    const Noted<T> noted(ScrewOperation::rotation);
+    const ScrewOperationScope<T> scope(ScrewOperation::rotation);
     const auto& [m, f] = W;
     return {m, C.R * f};
   }
   template <template <class, class> class CoScrew, class T>
   static constexpr CoScrew<BodyFixed, T> coscrew_from(const SE3<T>& C, const CoScrew<Mixed, T>& W) {
-    const Noted<T> noted(ScrewOperation::rotation);
+    const ScrewOperationScope<T> scope(ScrewOperation::rotation);
     const auto& [m, f] = W;
     return {m, transpose(C.R) * f};
   }

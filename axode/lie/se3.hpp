@@ -1,6 +1,6 @@
 #pragma once
-#include "axode/lie/noted.hpp"
 #include "axode/lie/quaternion.hpp"
+#include "axode/lie/screw_operation_scope.hpp"
 #include "axode/lie/so3.hpp"
 
 namespace axode {
@@ -40,29 +40,29 @@ template <class T> constexpr Screw<T> operator*(const T& s, const Screw<T>& a) {
 
 /// Ad_C X, the frame transformation of screws (eq. Ad).
 template <class T> constexpr Screw<T> Ad(const SE3<T>& C, const Screw<T>& X) {
-  const Noted<T> noted(ScrewOperation::transformation);
+  const ScrewOperationScope<T> scope(ScrewOperation::transformation);
   const Vec3<T> w = C.R * X.w;
   return {w, C.R * X.v + cross(C.r, w)};
 }
 /// Ad_C⁻¹ X.
 template <class T> constexpr Screw<T> Ad_inv(const SE3<T>& C, const Screw<T>& X) {
-  const Noted<T> noted(ScrewOperation::transformation);
+  const ScrewOperationScope<T> scope(ScrewOperation::transformation);
   const SO3<T> Rt = transpose(C.R);
   return {Rt * X.w, Rt * (X.v - cross(C.r, X.w))};
 }
 /// Ad_R X, the rotational part of Ad (eq. AdRr).
 template <class T> constexpr Screw<T> Ad(const SO3<T>& R, const Screw<T>& X) {
-  const Noted<T> noted(ScrewOperation::rotation);
+  const ScrewOperationScope<T> scope(ScrewOperation::rotation);
   return {R * X.w, R * X.v};
 }
 /// Ad_r X, the translational part of Ad (eq. AdRr).
 template <class T> constexpr Screw<T> Ad(const Vec3<T>& r, const Screw<T>& X) {
-  const Noted<T> noted(ScrewOperation::translation);
+  const ScrewOperationScope<T> scope(ScrewOperation::translation);
   return {X.w, X.v + cross(r, X.w)};
 }
 /// ad_X Z = [X, Z], the Lie bracket or screw product (eqs. ScrewProd, adse3).
 template <class T> constexpr Screw<T> ad(const Screw<T>& X, const Screw<T>& Z) {
-  const Noted<T> noted(ScrewOperation::bracket);
+  const ScrewOperationScope<T> scope(ScrewOperation::bracket);
   return {cross(X.w, Z.w), cross(X.v, Z.w) + cross(X.w, Z.v)};
 }
 /// X ⊙ Z, the reciprocal product of two screws.

@@ -179,13 +179,13 @@ constexpr Twist<Rep, T> ad(const Twist<Rep, T>& V1, const Twist<Rep, T>& V2) {
 /// -ad_Vᵀ Π, the rate of a momentum that moves with the twist V.
 template <AtFrameOrigin Rep, class T>
 constexpr Wrench<Rep, T> coad(const Twist<Rep, T>& V, const Momentum<Rep, T>& Pi) {
-  const Noted<T> noted(ScrewOperation::bracket);
+  const ScrewOperationScope<T> scope(ScrewOperation::bracket);
   return {cross(V.w, Pi.l) + cross(V.v, Pi.p), cross(V.w, Pi.p)};
 }
 /// -ad_Xᵀ W, the counterpart of ad for wrenches.
 template <AtFrameOrigin Rep, class T>
 constexpr Wrench<Rep, T> coad(const Twist<Rep, T>& X, const Wrench<Rep, T>& W) {
-  const Noted<T> noted(ScrewOperation::bracket);
+  const ScrewOperationScope<T> scope(ScrewOperation::bracket);
   return {cross(X.w, W.m) + cross(X.v, W.f), cross(X.w, W.f)};
 }
 
@@ -199,13 +199,13 @@ template <class T> constexpr Twist<BodyFixed, T> Ad_inv(const SE3<T>& C, const T
 }
 /// W^s = Ad_C⁻ᵀ W^b: the wrench about the inertial origin from that about the origin of the body frame.
 template <class T> constexpr Wrench<Spatial, T> coAd(const SE3<T>& C, const Wrench<BodyFixed, T>& W) {
-  const Noted<T> noted(ScrewOperation::transformation);
+  const ScrewOperationScope<T> scope(ScrewOperation::transformation);
   const Vec3<T> f = C.R * W.f;
   return {C.R * W.m + cross(C.r, f), f};
 }
 /// W^b = Ad_Cᵀ W^s: the wrench about the origin of the body frame from that about the inertial origin.
 template <class T> constexpr Wrench<BodyFixed, T> coAd_inv(const SE3<T>& C, const Wrench<Spatial, T>& W) {
-  const Noted<T> noted(ScrewOperation::transformation);
+  const ScrewOperationScope<T> scope(ScrewOperation::transformation);
   const SO3<T> Rt = transpose(C.R);
   return {Rt * (W.m - cross(C.r, W.f)), Rt * W.f};
 }

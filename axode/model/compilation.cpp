@@ -23,7 +23,7 @@ class Compiler {
       : description_(description),
         expanded_(expand(description)),
         order_(depth_first_order(expanded_)),
-        placements_(place(expanded_, order_)),
+        placements_(reference_placements(expanded_, order_)),
         on_(expanded_.bodies.size()) {
     for (std::size_t d = 0; d < expanded_.bodies.size(); ++d) index_.emplace(expanded_.bodies[d].name, d);
     Body ground;
@@ -86,7 +86,7 @@ class Compiler {
     const MassProperties& given = *from.inertia;
     if (given.in == GivenIn::construction_frame) return inertia_in(J, given);
     return is_drawn(from) ? inertia_in(J, placements_[d].A, given)
-                          : inertia_in(on_[d].F, seen_from(on_[d].S, given));
+                          : inertia_in(on_[d].F, expressed_in(on_[d].S, given));
   }
 
   void merge(int d) {
@@ -205,7 +205,7 @@ class Compiler {
       loop.residuals = traits(from.kind).residuals;
       loop.pitch = from.pitch;
       loop.wheel = from.wheel_axis.has_value();
-      const DrawnLoop drawn = from.frames ? DrawnLoop{*from.frames, size_of(from)} : place(from);
+      const DrawnLoop drawn = from.frames ? DrawnLoop{*from.frames, size_of(from)} : drawn_loop(from);
       loop.size = drawn.size;
       for (std::size_t e = 0; e < 2; ++e) {
         const int f = frame.at(from.between[e]), body = frames_[f].body;

@@ -208,7 +208,7 @@ Model rerooted(const Model& model, std::string_view body) {
   const Description expanded = expand(model.description());
   Description description = in_joint_frames(model.description());
   const DepthFirstOrder order = depth_first_order(expanded);
-  const std::vector<Placement> placements = place(expanded, order);
+  const std::vector<Placement> placements = reference_placements(expanded, order);
   const auto named = std::ranges::find(description.bodies, body, &BodyDescription::name);
   if (named == description.bodies.end())
     throw std::invalid_argument(

@@ -69,7 +69,7 @@ class Inspection {
   void error(Rule rule, std::string element, std::string message, const Source& source) {
     note(Severity::error, rule, std::move(element), std::move(message), source);
   }
-  void doubt(Rule rule, std::string element, std::string message, const Source& source) {
+  void report_lenient(Rule rule, std::string element, std::string message, const Source& source) {
     note(strictness_ == Strictness::strict ? Severity::error : Severity::warning, rule, std::move(element),
          std::move(message), source);
   }
@@ -256,14 +256,15 @@ class Inspection {
     if (!good) return false;
     const auto positive = [&](std::string_view what, double x, bool may_be_zero = false) {
       if (x < 0 || (x == 0 && !may_be_zero))
-        doubt(Rule::wrong_value, owner,
-              "the " + std::string(what) + of_it + " is " + to_text(x) + " m; it must be positive", source);
+        report_lenient(Rule::wrong_value, owner,
+                       "the " + std::string(what) + of_it + " is " + to_text(x) + " m; it must be positive",
+                       source);
     };
     if (!kind.size.empty()) positive(kind.size, std::min({it.size.x, it.size.y, it.size.z}));
     if (kind.radius) positive("radius", it.radius);
     if (kind.length) positive("length", it.length, it.kind == ShapeKind::capsule);
     if (it.color && std::ranges::any_of(*it.color, [](double x) { return x < 0 || x > 1; }))
-      doubt(Rule::wrong_value, owner, "the color" + of_it + " is not between 0 and 1", source);
+      report_lenient(Rule::wrong_value, owner, "the color" + of_it + " is not between 0 and 1", source);
     return true;
   }
 
@@ -290,11 +291,11 @@ class Inspection {
     };
     if (!looks_like_degrees(dof.lower) && !looks_like_degrees(dof.upper)) return;
     const auto in_radians = [](double x) { return to_text(x * (std::numbers::pi / 180)); };
-    doubt(Rule::wrong_value, element,
-          "limits are " + to_text(dof.lower) + " and " + to_text(dof.upper) +
-              " rad, which look like degrees; as degrees they would be " + in_radians(dof.lower) + " and " +
-              in_radians(dof.upper) + " rad",
-          source);
+    report_lenient(Rule::wrong_value, element,
+                   "limits are " + to_text(dof.lower) + " and " + to_text(dof.upper) +
+                       " rad, which look like degrees; as degrees they would be " + in_radians(dof.lower) +
+                       " and " + in_radians(dof.upper) + " rad",
+                   source);
   }
 
   void joint(const BodyDescription& body) {
@@ -453,13 +454,14 @@ class Inspection {
       error(Rule::mass_not_positive, element,
             "mass is " + to_text(given.mass) + " kg; a mass must be positive", body.source);
     } else if (given.mass == 0) {
-      doubt(Rule::mass_not_positive, element,
-            "mass is 0; a mass must be positive, and a massless body needs no mass at all", body.source);
+      report_lenient(Rule::mass_not_positive, element,
+                     "mass is 0; a mass must be positive, and a massless body needs no mass at all",
+                     body.source);
     } else {
       // The axes and the choice of frame do not matter to what a density can produce.
       const double worst = realisability(inertia_in({}, given));
       if (worst < -realisability_tolerance)
-        doubt(
+        report_lenient(
             Rule::inertia_not_realisable, element,
             "no density can produce its inertia: a principal moment about the centre of mass exceeds the sum "
             "of the other two by " +

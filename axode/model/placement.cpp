@@ -79,8 +79,8 @@ std::vector<std::optional<DrawnMass>> first_masses(const Description& expanded,
 constexpr double most_radii = 16;
 
 /// The predecessor is nullptr for the ground.
-Placement place(const BodyDescription& body, const Placement* predecessor,
-                const std::optional<DrawnMass>& mass) {
+Placement reference_placement(const BodyDescription& body, const Placement* predecessor,
+                              const std::optional<DrawnMass>& mass) {
   const SE3<> A_predecessor = predecessor == nullptr ? SE3<>{} : predecessor->A;
   SE3<> J = joint_frame(body.joint);
   if (body.joint.kind == JointKind::prismatic && is_drawn(body) && mass &&
@@ -182,17 +182,17 @@ DepthFirstOrder depth_first_order(const Description& description) {
   return result;
 }
 
-std::vector<Placement> place(const Description& expanded, const DepthFirstOrder& order) {
+std::vector<Placement> reference_placements(const Description& expanded, const DepthFirstOrder& order) {
   std::vector<Placement> placements(expanded.bodies.size());
   const std::vector<std::optional<DrawnMass>> masses = first_masses(expanded, order);
   for (const int i : order.order) {
     const int p = order.predecessor[i];
-    placements[i] = place(expanded.bodies[i], p < 0 ? nullptr : &placements[p], masses[i]);
+    placements[i] = reference_placement(expanded.bodies[i], p < 0 ? nullptr : &placements[p], masses[i]);
   }
   return placements;
 }
 
-DrawnLoop place(const LoopDescription& loop) {
+DrawnLoop drawn_loop(const LoopDescription& loop) {
   const auto frame = [](const Vec3<>& axis, const Vec3<>& point) {
     return SE3<>{orthonormal(rotation_to(direction(axis))), point};
   };
@@ -245,7 +245,7 @@ Inertia<> inertia_in(const SE3<>& J, const SE3<>& A, const MassProperties& given
   return inertia_from_com(given.mass, Rt * ((A.r - J.r) + A.R * given.com), given.Theta, Rt * A.R * axes);
 }
 
-MassProperties seen_from(const SE3<>& S, const MassProperties& given) {
+MassProperties expressed_in(const SE3<>& S, const MassProperties& given) {
   MassProperties seen = given;
   const SO3<> axes = orthonormal(given.axes), Rt = transpose(S.R);
   if (given.about == InertiaAbout::center_of_mass) {
@@ -260,14 +260,14 @@ MassProperties seen_from(const SE3<>& S, const MassProperties& given) {
 
 Description in_joint_frames(const Description& given) {
   Description description = expand(given);
-  const std::vector<Placement> placements = place(description, depth_first_order(description));
+  const std::vector<Placement> placements = reference_placements(description, depth_first_order(description));
   std::unordered_map<std::string_view, SE3<>> A;
   for (std::size_t d = 0; d < description.bodies.size(); ++d) {
     BodyDescription& body = description.bodies[d];
     const Placement& at = placements[d];
     A.emplace(body.name, at.A);
     if (body.inertia && body.inertia->in == GivenIn::construction_frame)
-      body.inertia = seen_from(at.A, *body.inertia);
+      body.inertia = expressed_in(at.A, *body.inertia);
     body.geometry = InJointFrames{at.S_prev, at.S_self};
     if (body.joint.kind != JointKind::fixed) body.joint.axis = {0, 0, 1}, body.joint.point = {0, 0, 0};
   }
@@ -286,7 +286,7 @@ Description in_joint_frames(const Description& given) {
   }
   for (LoopDescription& loop : description.loops) {
     if (loop.frames) continue;
-    const auto [C, size] = place(loop);
+    const auto [C, size] = drawn_loop(loop);
     loop.frames = {relative(A.at(loop.between[0]), C[0]), relative(A.at(loop.between[1]), C[1])};
     const LoopTraits& kind = traits(loop.kind);
     if (kind.has("length")) loop.length = size;

@@ -54,7 +54,7 @@ struct Placement {
 /// predecessor, which is near where body frames may be far; else the body frame. No point matters to a prismatic joint: if the
 /// body is drawn far from the joint's point (16 radii of gyration), the origin is its centre of mass, or that of the first successor
 /// with mass.
-std::vector<Placement> place(const Description& expanded, const DepthFirstOrder& order);
+std::vector<Placement> reference_placements(const Description& expanded, const DepthFirstOrder& order);
 
 /// Where the frames of a loop are, as drawn in the construction frame, and its size as Loop::size has it.
 struct DrawnLoop {
@@ -62,7 +62,7 @@ struct DrawnLoop {
   double size = 0;
 };
 /// Of a loop that is told without frames.
-DrawnLoop place(const LoopDescription& loop);
+DrawnLoop drawn_loop(const LoopDescription& loop);
 /// The size of one that is told with frames.
 double size_of(const LoopDescription& loop);
 /// Its name, `loop 1` or `coupling 1` where it has none of its own; k from 0.
@@ -75,6 +75,6 @@ std::string coupling_name(const CouplingDescription& coupling, std::size_t k);
 Inertia<> inertia_in(const SE3<>& F, const MassProperties& given);
 Inertia<> inertia_in(const SE3<>& J, const SE3<>& A, const MassProperties& given);
 /// The same matter, given in the body frame, as one gives it in the frame S that is seen from that.
-MassProperties seen_from(const SE3<>& S, const MassProperties& given);
+MassProperties expressed_in(const SE3<>& S, const MassProperties& given);
 
 }  // namespace axode

@@ -44,7 +44,7 @@ void sort_by_kind(Topology& t) {
     int end = begin;
     while (end < t.n && key(t.by_kind[end]) == key(t.by_kind[begin])) ++end;
     const auto [coupled, kind] = key(t.by_kind[begin]);
-    t.runs.push_back({kind, coupled, begin, end});
+    t.joint_groups.push_back({kind, coupled, begin, end});
     begin = end;
   }
 }

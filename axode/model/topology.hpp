@@ -7,9 +7,9 @@
 namespace axode {
 
 /// Bodies whose joints are of one kind: by_kind[begin] to by_kind[end - 1].
-struct JointRun {
+struct JointGroup {
   Subgroup kind;
-  bool coupled;  ///< q_i = ratio q_j + offset; coupled runs come last
+  bool coupled;  ///< q_i = ratio q_j + offset; coupled groups come last
   int begin, end;
 };
 
@@ -37,7 +37,7 @@ struct Topology {
   std::vector<int>
       frame_body;  ///< frame f: 0 is the ground, 1..n the bodies as the user placed them, then extra
 
-  std::vector<JointRun> runs;
+  std::vector<JointGroup> joint_groups;
   std::vector<int> by_kind;                            ///< n
   std::vector<int> coupled_bodies, quaternion_bodies;  ///< those whose joint is coupled; has a quaternion
   std::vector<int> subtree_end;  ///< n + 1: the bodies that joint i moves are i to subtree_end[i] - 1

@@ -32,7 +32,7 @@ template <class T = double> class Tree : public TreeNumbers<T> {
   const std::shared_ptr<const Topology>& topology() const { return topology_; }
 
   // The same numbers again, as sweeps want them.
-  std::vector<T> fed;             ///< n_screws: the size of the inertia that a unit of the screw feels
+  std::vector<T> inertia_scale;   ///< n_screws: the size of the inertia that a unit of the screw feels
   std::vector<T> inertia_arrays;  ///< M in arrays: h, Θ (xx yy zz xy xz yz), m; entry i for body i
   int inertia_stride = 0;         ///< from one array to the next
   PackedConstants<T> packed;      ///< of n + 1 bodies
@@ -100,15 +100,15 @@ template <class T, class F> constexpr decltype(auto) with_joint(const Tree<T>& t
 
 /// f(joint, i, coupled) for every joint with coordinates of its own, kind by kind; then for the coupled ones.
 template <class T, class F> constexpr void each_joint(const Tree<T>& tree, F&& f) {
-  for (const JointRun& run : tree->runs) {
-    if (run.kind == Subgroup::helical) {
-      for (int k = run.begin; k < run.end; ++k) {
+  for (const JointGroup& group : tree->joint_groups) {
+    if (group.kind == Subgroup::helical) {
+      for (int k = group.begin; k < group.end; ++k) {
         const int i = tree->by_kind[k];
-        f(subgroup::Helical<T>{tree.pitch[i]}, i, run.coupled);
+        f(subgroup::Helical<T>{tree.pitch[i]}, i, group.coupled);
       }
     } else {
-      with_subgroup(run.kind, T(0), [&](const auto& joint) {
-        for (int k = run.begin; k < run.end; ++k) f(joint, tree->by_kind[k], run.coupled);
+      with_subgroup(group.kind, T(0), [&](const auto& joint) {
+        for (int k = group.begin; k < group.end; ++k) f(joint, tree->by_kind[k], group.coupled);
       });
     }
   }
@@ -134,7 +134,8 @@ template <class T> void Tree<T>::set_fed() {
       for (int k = 0; k < joint.nv; ++k) {
         const Screw<T> X = joint.column(k);
         const T drive = topology_->coupled[i] ? T(0) : this->armature[topology_->iv[i] + k];
-        fed.push_back(dot(X.w, X.w) * trace(composite[i].Theta) + dot(X.v, X.v) * composite[i].m + drive);
+        inertia_scale.push_back(dot(X.w, X.w) * trace(composite[i].Theta) + dot(X.v, X.v) * composite[i].m +
+                                drive);
       }
     });
 }

@@ -30,9 +30,9 @@ template <class Rep, class T> struct ArticulatedBodies {
   T* D;
   // For ties:
   Wrench<Rep, T>* U_tie;
-  T* D_tie;    ///< k × k for each group of k ties
-  T* fed_tie;  ///< magnitude of the numbers from which the diagonal of D_tie is computed
-  T* D_screw;  ///< D between each screw and the ties of its body; body i begins at ties.of_screws[i]
+  T* D_tie;      ///< k × k for each group of k ties
+  T* scale_tie;  ///< magnitude of the numbers from which the diagonal of D_tie is computed
+  T* D_screw;    ///< D between each screw and the ties of its body; body i begins at ties.of_screws[i]
   // For a solution:
   Wrench<Rep, T>* W;
   Twist<Rep, T>* X;
@@ -47,7 +47,7 @@ template <class Rep, class T> struct ArticulatedBodies {
         D(arena.per_screw<T>()),
         U_tie(arena.per_tie<Wrench<Rep, T>>()),
         D_tie(arena.per_pair_of_ties<T>()),
-        fed_tie(arena.per_tie<T>()),
+        scale_tie(arena.per_tie<T>()),
         D_screw(arena.per_tie_and_screw<T>()),
         W(arena.per_body<Wrench<Rep, T>>()),
         X(arena.per_body<Twist<Rep, T>>()),
@@ -62,19 +62,19 @@ template <class Rep, class T> struct ArticulatedBodies {
   }
   /// Factorises M at the configuration for which `links` were computed.
   template <TreeOf<T> AnyTree> Solvability factorize(const AnyTree& tree, const T* armature) noexcept {
-    PivotJudge<T> judge;
-    factorize(tree, armature, judge);
-    return judge.verdict(*tree.operator->());
+    PivotCheck<T> check;
+    factorize(tree, armature, check);
+    return check.verdict(*tree.operator->());
   }
-  /// Factorises M at the configuration for which `links` were computed; `judge` sees each pivot and its
+  /// Factorises M at the configuration for which `links` were computed; `check` is given each pivot and its
   /// magnitude.
-  template <TreeOf<T> AnyTree, class Judge>
-  void factorize(const AnyTree& tree, const T* armature, Judge& judge) noexcept {
+  template <TreeOf<T> AnyTree, class Check>
+  void factorize(const AnyTree& tree, const T* armature, Check& check) noexcept {
     joint_columns(tree, links.link, S);
     const Topology::Ties& ties = tree->ties;
     for (int t = 0; t < ties.begin[tree->n + 1]; ++t) {
       U_tie[t] = {};
-      fed_tie[t] = T(0);
+      scale_tie[t] = T(0);
     }
     for (std::size_t k = 0; k < ties.n_pairs; ++k) D_tie[k] = T(0);
     M[0] = {};
@@ -86,7 +86,7 @@ template <class Rep, class T> struct ArticulatedBodies {
     }
     for (int i = tree->n; i > 0; --i) {
       for (int t = ties.begin[i]; t < ties.begin[i + 1]; ++t)
-        if (turn(ties, i, t) == before) release_tie(tree, i, t, armature, judge);
+        if (turn(ties, i, t) == before) eliminate_tie(tree, i, t, armature, check);
       const int first = tree->first_screw[i];
       for (int s = tree->first_screw[i + 1] - 1; s >= first; --s) {
         if (ties.own[i] >= 0) {
@@ -97,17 +97,17 @@ template <class Rep, class T> struct ArticulatedBodies {
           D[s] = (U[s] | S[s]) + I;
           const Wrench<Rep, T> G = F[i] * S[s];
           const T size = (G | S[s]) + I;
-          judge.see(tree->iv[i] + s - first, D[s], [&] { return size; });
-          release(tree, i, s, G, size);
+          check.add(tree->iv[i] + s - first, D[s], [&] { return size; });
+          eliminate_screw(tree, i, s, G, size);
         }
       }
-      if (own_ends(ties, i)) release_tie(tree, i, ties.own[i], armature, judge);
+      if (own_tie_ends(ties, i)) eliminate_tie(tree, i, ties.own[i], armature, check);
       const int p = tree->parent[i];
       M[p] += links.link[i].up(M[i]);
       F[p] += links.link[i].up(F[i]);
-      hand_over_ties(tree, i);
+      pass_ties_to_parent(tree, i);
     }
-    for (int t = ties.begin[0]; t < ties.begin[1]; ++t) release_tie(tree, 0, t, armature, judge);
+    for (int t = ties.begin[0]; t < ties.begin[1]; ++t) eliminate_tie(tree, 0, t, armature, check);
   }
 
   /// Factorises M without the magnitudes F, for trees without ties. `links` and, by joint_columns(), S must
@@ -121,8 +121,8 @@ template <class Rep, class T> struct ArticulatedBodies {
       for (int s = tree->first_screw[i + 1] - 1; s >= first; --s) {
         U[s] = M[i] * S[s];
         D[s] = (U[s] | S[s]) + armature[tree->iv[i] + s - first];
-        if (!(D[s] > doubtful_part<T> * tree.fed[s])) return false;
-        give_way(M[i], U[s], D[s]);
+        if (!(D[s] > pivot_threshold<T> * tree.inertia_scale[s])) return false;
+        eliminate(M[i], U[s], D[s]);
       }
       M[tree->parent[i]] += links.link[i].up(M[i]);
     }
@@ -131,24 +131,24 @@ template <class Rep, class T> struct ArticulatedBodies {
 
   /// x := M⁻¹ x, after factorize(). O(n).
   template <TreeOf<T> AnyTree> void solve(const AnyTree& tree, T* x) noexcept {
-    pull(tree, x);
-    push(tree, x);
+    backward_sweep(tree, x);
+    forward_sweep(tree, x);
   }
 
   /// The backward sweep of a solution, from the leaves to the roots: u = L⁻ᵀ x for all velocities, with
   /// M = Lᵀ D L. each_pivot() reads u.
-  template <TreeOf<T> AnyTree> void pull(const AnyTree& tree, const T* x) noexcept {
+  template <TreeOf<T> AnyTree> void backward_sweep(const AnyTree& tree, const T* x) noexcept {
     for (int i = 0; i <= tree->n; ++i) W[i] = {};
     for (int t = 0; t < tree->ties.begin[tree->n + 1]; ++t) u_tie[t] = T(0);
-    for (int i = tree->n; i > 0; --i) pull(tree, i, x);
-    pull_at_ground(tree, x);
+    for (int i = tree->n; i > 0; --i) backward_step(tree, i, x);
+    backward_step_at_ground(tree, x);
   }
   /// The step of the backward sweep at body i. The steps of all other bodies of its subtree come before; they
   /// have added their wrenches to W[i].
-  template <TreeOf<T> AnyTree> void pull(const AnyTree& tree, int i, const T* x) noexcept {
+  template <TreeOf<T> AnyTree> void backward_step(const AnyTree& tree, int i, const T* x) noexcept {
     const Topology::Ties& ties = tree->ties;
     for (int t = ties.begin[i]; t < ties.begin[i + 1]; ++t)
-      if (turn(ties, i, t) == before) pull_tie(tree, i, t, x);
+      if (turn(ties, i, t) == before) backward_step_of_tie(tree, i, t, x);
     const int first = tree->first_screw[i];
     for (int s = tree->first_screw[i + 1] - 1; s >= first; --s) {
       if (ties.own[i] >= 0) {
@@ -162,14 +162,14 @@ template <class Rep, class T> struct ArticulatedBodies {
           if (ties.up[t] >= 0) u_tie[t] += k * D_s[t];
       }
     }
-    if (own_ends(ties, i)) pull_tie(tree, i, ties.own[i], x);
+    if (own_tie_ends(ties, i)) backward_step_of_tie(tree, i, ties.own[i], x);
     for (int t = ties.begin[i]; t < ties.begin[i + 1]; ++t)
       if (ties.up[t] >= 0) u_tie[ties.up[t]] += u_tie[t];
     W[tree->parent[i]] += links.link[i].up(W[i]);
   }
   /// The last step of the backward sweep: the shared velocities that are eliminated at the ground.
-  template <TreeOf<T> AnyTree> void pull_at_ground(const AnyTree& tree, const T* x) noexcept {
-    for (int t = tree->ties.begin[0]; t < tree->ties.begin[1]; ++t) pull_tie(tree, 0, t, x);
+  template <TreeOf<T> AnyTree> void backward_step_at_ground(const AnyTree& tree, const T* x) noexcept {
+    for (int t = tree->ties.begin[0]; t < tree->ties.begin[1]; ++t) backward_step_of_tie(tree, 0, t, x);
   }
   /// Calls f(c, u_c, D_c) for each velocity c that is eliminated at body i, or at the ground if i = 0.
   template <TreeOf<T> AnyTree, class F> void each_pivot(const AnyTree& tree, int i, F&& f) const {
@@ -182,13 +182,13 @@ template <class Rep, class T> struct ArticulatedBodies {
   }
 
   /// The forward sweep of a solution, from the roots to the leaves: x = L⁻¹ D⁻¹ u.
-  template <TreeOf<T> AnyTree> void push(const AnyTree& tree, T* x) noexcept {
+  template <TreeOf<T> AnyTree> void forward_sweep(const AnyTree& tree, T* x) noexcept {
     const Topology::Ties& ties = tree->ties;
     X[0] = {};
-    for (int t = ties.begin[1]; t-- > ties.begin[0];) push_tie(tree, 0, t, x);
+    for (int t = ties.begin[1]; t-- > ties.begin[0];) forward_step_of_tie(tree, 0, t, x);
     for (int i = 1; i <= tree->n; ++i) {
       X[i] = links.link[i].down(X[tree->parent[i]]);
-      if (own_ends(ties, i)) push_tie(tree, i, ties.own[i], x);
+      if (own_tie_ends(ties, i)) forward_step_of_tie(tree, i, ties.own[i], x);
       const int first = tree->first_screw[i];
       for (int s = first; s < tree->first_screw[i + 1]; ++s) {
         T& x_s = x[tree->iv[i] + s - first];
@@ -202,7 +202,7 @@ template <class Rep, class T> struct ArticulatedBodies {
         X[i] += x_s * S[s];
       }
       for (int t = ties.begin[i + 1]; t-- > ties.begin[i];)
-        if (turn(ties, i, t) == before) push_tie(tree, i, t, x);
+        if (turn(ties, i, t) == before) forward_step_of_tie(tree, i, t, x);
     }
   }
 
@@ -214,7 +214,7 @@ template <class Rep, class T> struct ArticulatedBodies {
     return ties.up[t] >= 0 ? later : t == ties.own[i] ? after : before;
   }
   /// Whether the joint of body i shares its velocity with others and this velocity is eliminated at body i.
-  static bool own_ends(const Topology::Ties& ties, int i) {
+  static bool own_tie_ends(const Topology::Ties& ties, int i) {
     return ties.own[i] >= 0 && ties.up[ties.own[i]] < 0;
   }
   /// Whether tie o of body i is eliminated after tie t.
@@ -250,15 +250,15 @@ template <class Rep, class T> struct ArticulatedBodies {
       }
     }
     U_tie[own] += MS;
-    fed_tie[own] += F[i] * S[s] | S[s];
+    scale_tie[own] += F[i] * S[s] | S[s];
   }
   /// Eliminates the velocity of screw s of body i and updates the ties that go on to the predecessor.
   /// G = F S, and `size` is the magnitude of the numbers from which D is computed.
   template <class AnyTree>
-  void release(const AnyTree& tree, int i, int s, const Wrench<Rep, T>& G, const T& size) noexcept {
+  void eliminate_screw(const AnyTree& tree, int i, int s, const Wrench<Rep, T>& G, const T& size) noexcept {
     const Topology::Ties& ties = tree->ties;
-    give_way(M[i], U[s], D[s]);
-    follow(F[i], G, size, U[s], D[s]);
+    eliminate(M[i], U[s], D[s]);
+    update_scale(F[i], G, size, U[s], D[s]);
     if (ties.begin[i] == ties.begin[i + 1]) return;
     T* const D_s = of_screw(tree, i, s);
     for (int t = ties.begin[i]; t < ties.begin[i + 1]; ++t)
@@ -267,38 +267,38 @@ template <class Rep, class T> struct ArticulatedBodies {
       if (ties.up[t] < 0) continue;
       const T k = D_s[t] / D[s];
       U_tie[t] -= k * U[s];
-      fed_tie[t] += k * k * size;
+      scale_tie[t] += k * k * size;
       for (int o = ties.group_begin[t]; o < ties.group_end[t]; ++o)
         if (ties.up[o] >= 0) row(ties, t)[o] -= k * D_s[o];
     }
   }
   /// Eliminates the shared velocity of tie t at body i, where the paths of its joints meet.
-  template <class AnyTree, class Judge>
-  void release_tie(const AnyTree& tree, int i, int t, const T* armature, Judge& judge) noexcept {
+  template <class AnyTree, class Check>
+  void eliminate_tie(const AnyTree& tree, int i, int t, const T* armature, Check& check) noexcept {
     const Topology::Ties& ties = tree->ties;
     T* const D_t = row(ties, t);
     const T I = armature[ties.velocity[t]];
     D_t[t] += I;
-    const T size = fed_tie[t] + I;
-    judge.see(ties.velocity[t], D_t[t], [&] { return size; });
-    give_way(M[i], U_tie[t], D_t[t]);
-    follow(F[i], {}, size, U_tie[t], D_t[t]);
+    const T size = scale_tie[t] + I;
+    check.add(ties.velocity[t], D_t[t], [&] { return size; });
+    eliminate(M[i], U_tie[t], D_t[t]);
+    update_scale(F[i], {}, size, U_tie[t], D_t[t]);
     for (int r = ties.group_begin[t]; r < ties.group_end[t]; ++r) {
       if (!waits(ties, i, r, t)) continue;
       const T k = D_t[r] / D_t[t];
       U_tie[r] -= k * U_tie[t];
-      fed_tie[r] += k * k * size;
+      scale_tie[r] += k * k * size;
       for (int o = ties.group_begin[t]; o < ties.group_end[t]; ++o)
         if (waits(ties, i, o, t)) row(ties, r)[o] -= k * D_t[o];
     }
   }
   /// Adds the ties of body i that are not eliminated there to those of the predecessor.
-  template <class AnyTree> void hand_over_ties(const AnyTree& tree, int i) noexcept {
+  template <class AnyTree> void pass_ties_to_parent(const AnyTree& tree, int i) noexcept {
     const Topology::Ties& ties = tree->ties;
     for (int t = ties.begin[i]; t < ties.begin[i + 1]; ++t) {
       if (ties.up[t] < 0) continue;
       U_tie[ties.up[t]] += links.link[i].up(U_tie[t]);
-      fed_tie[ties.up[t]] += fed_tie[t];
+      scale_tie[ties.up[t]] += scale_tie[t];
       for (int o = ties.group_begin[t]; o < ties.group_end[t]; ++o)
         if (ties.up[o] >= 0) row(ties, ties.up[t])[ties.up[o]] += row(ties, t)[o];
     }
@@ -306,7 +306,7 @@ template <class Rep, class T> struct ArticulatedBodies {
 
   /// The backward step of tie t, which is eliminated at body i: u of its velocity, and the contributions to
   /// W[i] and to the ties that are eliminated later.
-  template <class AnyTree> void pull_tie(const AnyTree& tree, int i, int t, const T* x) noexcept {
+  template <class AnyTree> void backward_step_of_tie(const AnyTree& tree, int i, int t, const T* x) noexcept {
     const Topology::Ties& ties = tree->ties;
     const T* const D_t = row(ties, t);
     u_tie[t] = x[ties.velocity[t]] - u_tie[t];
@@ -316,7 +316,7 @@ template <class Rep, class T> struct ArticulatedBodies {
       if (waits(ties, i, o, t)) u_tie[o] += k * D_t[o];
   }
   /// The forward step of tie t, which is eliminated at body i: the velocity x from the motion X[i].
-  template <class AnyTree> void push_tie(const AnyTree& tree, int i, int t, T* x) noexcept {
+  template <class AnyTree> void forward_step_of_tie(const AnyTree& tree, int i, int t, T* x) noexcept {
     const Topology::Ties& ties = tree->ties;
     const T* const D_t = row(ties, t);
     T rest = u_tie[t] - (U_tie[t] | X[i]);

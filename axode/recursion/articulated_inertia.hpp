@@ -24,7 +24,7 @@ constexpr Wrench<Rep, T> operator*(const ArticulatedInertia<Rep, T>& M, const Tw
 /// M := M - U Uᵀ / D, the inertia after the elimination of a screw S with U = M S and the pivot D.
 /// See (D4.5) of docs/derivations.
 template <class Rep, class T>
-constexpr void give_way(ArticulatedInertia<Rep, T>& M, const Wrench<Rep, T>& U, const T& D) {
+constexpr void eliminate(ArticulatedInertia<Rep, T>& M, const Wrench<Rep, T>& U, const T& D) {
   const T d = T(-1) / D;
   M.A = M.A + d * square(U.m);
   M.B = M.B + d * outer_product(U.m, U.f);
@@ -41,8 +41,8 @@ template <class Rep, class T> constexpr ArticulatedInertia<Rep, T> size_of(const
 /// Sᵀ G plus the magnitude of what moves with S and is not part of this body, such as the armature.
 /// See (D4.9) of docs/derivations.
 template <class Rep, class T>
-constexpr void follow(ArticulatedInertia<Rep, T>& F, const Wrench<Rep, T>& G, const T& f,
-                      const Wrench<Rep, T>& U, const T& D) {
+constexpr void update_scale(ArticulatedInertia<Rep, T>& F, const Wrench<Rep, T>& G, const T& f,
+                            const Wrench<Rep, T>& U, const T& D) {
   const T d = T(1) / D, a = d * dot(U.m, U.m), l = d * dot(U.f, U.f), o(0);
   const Wrench<Rep, T> Y = d * ((T(0.5) * f * d) * U - G);
   F.A = F.A + plus_transpose(outer_product(Y.m, U.m)) + Sym3<T>{a, a, a, o, o, o};
@@ -54,7 +54,7 @@ constexpr void follow(ArticulatedInertia<Rep, T>& F, const Wrench<Rep, T>& G, co
 /// that point to the point of M.
 template <class Rep, class T>
 constexpr ArticulatedInertia<Rep, T> transform(const Vec3<T>& r, const ArticulatedInertia<Rep, T>& M) {
-  const Noted<T> noted(ScrewOperation::tensor_translation);
+  const ScrewOperationScope<T> scope(ScrewOperation::tensor_translation);
   const Mat3<T> B = M.B + cross(r, matrix(M.L));
   const Mat3<T> Br = cross(r, transpose(B));  // (-B r̃)ᵀ
   const Mat3<T> rB = cross(r, transpose(M.B));

@@ -26,7 +26,7 @@ template <class T> struct Link<BodyFixed, T> {
 
   static constexpr Link root() { return {}; }
   constexpr Link child(const SE3<T>& C) const { return {C}; }
-  constexpr SE3<T> place() const { return {}; }
+  constexpr SE3<T> body_pose() const { return {}; }
 
   template <template <class, class> class V>
     requires Motion<V>
@@ -35,13 +35,13 @@ template <class T> struct Link<BodyFixed, T> {
     return {X.w, X.v};
   }
   constexpr Wrench<BodyFixed, T> up(const Wrench<BodyFixed, T>& W) const {
-    const Noted<T> noted(ScrewOperation::transformation);
+    const ScrewOperationScope<T> scope(ScrewOperation::transformation);
     const Vec3<T> f = C_pi.R * W.f;
     return {C_pi.R * W.m + cross(C_pi.r, f), f};
   }
   constexpr Inertia<T> up(const Inertia<T>& M) const { return transform(C_pi, M); }
   constexpr ArticulatedInertia<BodyFixed, T> up(const ArticulatedInertia<BodyFixed, T>& M) const {
-    const Noted<T> noted(ScrewOperation::tensor_transformation);
+    const ScrewOperationScope<T> scope(ScrewOperation::tensor_transformation);
     const SO3<T>&R = C_pi.R, Rt = transpose(R);
     return transform(C_pi.r,
                      ArticulatedInertia<BodyFixed, T>{rotate(R, M.A), (R * M.B) * Rt, rotate(R, M.L)});
@@ -66,7 +66,7 @@ template <class T> struct Link<Spatial, T> {
 
   static constexpr Link root() { return {}; }
   constexpr Link child(const SE3<T>& C_pi) const { return {C * C_pi}; }
-  constexpr const SE3<T>& place() const { return C; }
+  constexpr const SE3<T>& body_pose() const { return C; }
 
   template <class Screwlike> constexpr Screwlike down(const Screwlike& V_p) const { return V_p; }
   template <class Anything> constexpr const Anything& up(const Anything& W) const { return W; }
@@ -93,16 +93,16 @@ template <class T> struct Link<Hybrid, T> {
 
   static constexpr Link root() { return {}; }
   constexpr Link child(const SE3<T>& C_pi) const { return {R * C_pi.R, R * C_pi.r}; }
-  constexpr SE3<T> place() const { return {R, {}}; }
+  constexpr SE3<T> body_pose() const { return {R, {}}; }
 
   template <template <class, class> class V>
     requires Motion<V>
   constexpr V<Hybrid, T> down(const V<Hybrid, T>& V_p) const {
-    const Noted<T> noted(ScrewOperation::translation);
+    const ScrewOperationScope<T> scope(ScrewOperation::translation);
     return {V_p.w, V_p.v + cross(V_p.w, r_pi)};
   }
   constexpr Wrench<Hybrid, T> up(const Wrench<Hybrid, T>& W) const {
-    const Noted<T> noted(ScrewOperation::translation);
+    const ScrewOperationScope<T> scope(ScrewOperation::translation);
     return {W.m + cross(r_pi, W.f), W.f};
   }
   constexpr Inertia<T> up(const Inertia<T>& M) const { return transform(r_pi, M); }
@@ -112,8 +112,8 @@ template <class T> struct Link<Hybrid, T> {
   /// ad_{r'_ip} V_p + ad_ω (X v) with r'_ip = r'_p - r'_i (eqs. recVhdot1, dVhRec2).
   constexpr TwistRate<Hybrid, T> bias(const Twist<Hybrid, T>& V_p, const Twist<Hybrid, T>& V,
                                       const Twist<Hybrid, T>& Sv) const {
-    Noted<T>{ScrewOperation::bracket};
-    Noted<T>{ScrewOperation::bracket};
+    ScrewOperationScope<T>{ScrewOperation::bracket};
+    ScrewOperationScope<T>{ScrewOperation::bracket};
     return {cross(V.w, Sv.w), cross(V_p.v - V.v, V_p.w) + cross(V.w, Sv.v)};
   }
   template <class InertiaOfBody> constexpr Inertia<T> inertia(const InertiaOfBody& M) const {
@@ -133,22 +133,22 @@ template <class T> struct Link<Mixed, T> {
 
   static constexpr Link root() { return {}; }
   constexpr Link child(const SE3<T>& C) const { return {C, R, R * C.R}; }
-  constexpr SE3<T> place() const { return {R, {}}; }
+  constexpr SE3<T> body_pose() const { return {R, {}}; }
 
   template <template <class, class> class V>
     requires Motion<V>
   constexpr V<Mixed, T> down(const V<Mixed, T>& V_p) const {
-    const Noted<T> noted(ScrewOperation::transformation);
+    const ScrewOperationScope<T> scope(ScrewOperation::transformation);
     return {transpose(C_pi.R) * V_p.w, V_p.v + R_p * cross(V_p.w, C_pi.r)};
   }
   constexpr Wrench<Mixed, T> up(const Wrench<Mixed, T>& W) const {
-    const Noted<T> noted(ScrewOperation::transformation);
+    const ScrewOperationScope<T> scope(ScrewOperation::transformation);
     return {C_pi.R * W.m + cross(C_pi.r, transpose(R_p) * W.f), W.f};
   }
   constexpr Inertia<T> up(const Inertia<T>& M) const { return transform(C_pi, M); }
   /// The congruence is computed in the axes of the predecessor.
   constexpr ArticulatedInertia<Mixed, T> up(const ArticulatedInertia<Mixed, T>& M) const {
-    const Noted<T> noted(ScrewOperation::tensor_transformation);
+    const ScrewOperationScope<T> scope(ScrewOperation::tensor_transformation);
     const SO3<T> Rt_p = transpose(R_p);
     const ArticulatedInertia<Mixed, T> M_p = transform(
         C_pi.r, ArticulatedInertia<Mixed, T>{rotate(C_pi.R, M.A), (C_pi.R * M.B) * R_p, rotate(Rt_p, M.L)});
@@ -157,8 +157,8 @@ template <class T> struct Link<Mixed, T> {
   /// The hybrid bias with the angular part in body axes, which is ω_i × (S v) because (Rᵀ)' ω^s = -ω × ω = 0.
   constexpr TwistRate<Mixed, T> bias(const Twist<Mixed, T>& V_p, const Twist<Mixed, T>& V,
                                      const Twist<Mixed, T>& Sv) const {
-    Noted<T>{ScrewOperation::bracket};
-    Noted<T>{ScrewOperation::bracket};
+    ScrewOperationScope<T>{ScrewOperation::bracket};
+    ScrewOperationScope<T>{ScrewOperation::bracket};
     return {cross(V.w, Sv.w), cross(V_p.v - V.v, R_p * V_p.w) + cross(R * V.w, Sv.v)};
   }
   /// The mixed inertia matrix has blocks in different axes. The inertia in body axes represents it, see
@@ -175,18 +175,18 @@ template <class T> struct Link<Mixed, T> {
 template <template <class, class> class V, class Rep, class T>
   requires Motion<V>
 constexpr V<Rep, T> push(const Link<Rep, T>& link, const V<BodyFixed, T>& X) {
-  const Twist<Rep, T> J = change<Rep>(link.place(), Twist<BodyFixed, T>{X.w, X.v});
+  const Twist<Rep, T> J = change<Rep>(link.body_pose(), Twist<BodyFixed, T>{X.w, X.v});
   return {J.w, J.v};
 }
 /// A body-fixed wrench in Rep.
 template <class Rep, class T>
 constexpr Wrench<Rep, T> push(const Link<Rep, T>& link, const Wrench<BodyFixed, T>& W) {
-  return change<Rep>(link.place(), W);
+  return change<Rep>(link.body_pose(), W);
 }
 /// The body-fixed wrench from a wrench in Rep.
 template <class Rep, class T>
 constexpr Wrench<BodyFixed, T> pull(const Link<Rep, T>& link, const Wrench<Rep, T>& W) {
-  return change<BodyFixed>(link.place(), W);
+  return change<BodyFixed>(link.body_pose(), W);
 }
 
 /// The impulse M V that gives a body at rest the twist V. M is the inertia as Link::inertia() returns it.

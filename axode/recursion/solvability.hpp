@@ -38,17 +38,17 @@ inline int body_of_velocity(const Topology& topology, int c) noexcept {
 /// over. The threshold is a third of the digits, so that after two such pivots in a row some digits remain
 /// for the next one. (In other configurations the inertia may be larger than at q = 0.)
 template <std::floating_point S>
-inline constexpr S doubtful_part = std::same_as<S, float> ? S(4e-3) : S(1e-6);
+inline constexpr S pivot_threshold = std::same_as<S, float> ? S(4e-3) : S(1e-6);
 
 /// Decides from the pivots of an elimination whether the mass matrix is singular.
 /// See (D4.10) of docs/derivations.
-template <class T> class PivotJudge {
+template <class T> class PivotCheck {
  public:
   /// Checks the pivot of velocity c: the inertia that remains after the elimination of other velocities from
-  /// numbers of the magnitude fed(). The pivot counts as 0 if it may be a rounding error of these numbers.
+  /// numbers of the magnitude scale(). The pivot counts as 0 if it may be a rounding error of these numbers.
   /// Only the first such pivot is stored.
-  template <class Fed> void see(int c, const T& pivot, const Fed& fed) {
-    if (singular_velocity_ >= 0 || T(16 * unit_roundoff<T>) * fed() < pivot) return;
+  template <class Scale> void add(int c, const T& pivot, const Scale& scale) {
+    if (singular_velocity_ >= 0 || T(16 * unit_roundoff<T>) * scale() < pivot) return;
     singular_velocity_ = c;
     not_finite_ = !(pivot - pivot < T(1));
   }

@@ -6,29 +6,29 @@
 /// entries in the columns parent(c), parent(parent(c)), ...
 namespace axode {
 
-/// Factorises M = LᵀDL in place. `fed` is the magnitude of the inertia of each velocity, against which
+/// Factorises M = LᵀDL in place. `inertia_scale` is the magnitude of the inertia of each velocity, against which
 /// rounding in its pivot is compared. A pivot is D_c = zᵀ M z, where z_c = 1 and z_k are the responses of the
 /// later velocities, on which no forces act. Hence the rounding errors of D_c are compared with
-/// (Σ |z_k| √fed_k)². If the judge evaluates this magnitude, it costs another O(n d²) for a tree of depth d,
+/// (Σ |z_k| √scale_k)². If `check` evaluates this magnitude, it costs another O(n d²) for a tree of depth d,
 /// and z is stored above the diagonal of H.
 /// See (D4.7) and (D4.8) of docs/derivations.
-template <class T, class Judge>
-void factorize(const Tree<T>& tree, const T* fed, T* H, Judge& judge) noexcept {
+template <class T, class Check>
+void factorize(const Tree<T>& tree, const T* inertia_scale, T* H, Check& check) noexcept {
   const int nv = tree->nv;
   const bool coupled = !tree->coupled_bodies.empty();
   const std::vector<int>& parent = tree->velocity_parent;
   const auto at = [&](int r, int c) -> T& { return H[static_cast<std::ptrdiff_t>(r) * nv + c]; };
   for (int c = nv - 1; c >= 0; --c) {
-    judge.see(c, at(c, c), [&] {
+    check.add(c, at(c, c), [&] {
       T* const z = &at(c, 0);
-      T size = select(fed[c] < at(c, c), sqrt(at(c, c)), sqrt(fed[c]));
+      T size = select(inertia_scale[c] < at(c, c), sqrt(at(c, c)), sqrt(inertia_scale[c]));
       for (int k = c + 1, end = coupled ? nv : tree->velocity_end[c]; k < end; ++k) {
         T sum(0);
         int i = parent[k];
         for (; i > c; i = parent[i]) sum += at(k, i) * z[i];
         if (i == c) sum += at(k, c);
         z[k] = -sum;
-        size += select(sum < T(0), -sum, sum) * sqrt(fed[k]);
+        size += select(sum < T(0), -sum, sum) * sqrt(inertia_scale[k]);
       }
       return size * size;
     });

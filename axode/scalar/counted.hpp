@@ -2,8 +2,8 @@
 #include <array>
 #include <type_traits>
 
-#include "axode/lie/noted.hpp"
 #include "axode/lie/scalar.hpp"
+#include "axode/lie/screw_operation_scope.hpp"
 
 namespace axode {
 
@@ -64,13 +64,13 @@ class Counted {
 };
 
 /// Counts an operation on screws, unless it is part of another operation that is being counted.
-template <> struct [[maybe_unused]] Noted<Counted> {
-  explicit Noted(ScrewOperation kind) {
+template <> struct [[maybe_unused]] ScrewOperationScope<Counted> {
+  explicit ScrewOperationScope(ScrewOperation kind) {
     if (depth()++ == 0) ++Counted::count().screws[static_cast<std::size_t>(kind)];
   }
-  ~Noted() { --depth(); }
-  Noted(const Noted&) = delete;
-  Noted& operator=(const Noted&) = delete;
+  ~ScrewOperationScope() { --depth(); }
+  ScrewOperationScope(const ScrewOperationScope&) = delete;
+  ScrewOperationScope& operator=(const ScrewOperationScope&) = delete;
 
  private:
   static int& depth() {

@@ -125,8 +125,8 @@ constexpr std::array<MeshFormat, 5> mesh_formats{{{"stl", view::fault_of_stl},
 
 }  // namespace
 
-FoundMesh find_mesh(const std::string& name, const Source& told_in) {
-  fs::path folder = fs::path(told_in.file).parent_path() / "";
+FoundMesh find_mesh(const std::string& name, const Source& referenced_from) {
+  fs::path folder = fs::path(referenced_from.file).parent_path() / "";
   if (folder.empty()) folder = ".";
   if (name.find('\0') != std::string::npos) return {{}, "there is a zero byte in its name"};
   if (const auto rest = behind(name, "package://")) return in_package(*rest, folder);

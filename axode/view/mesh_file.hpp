@@ -18,7 +18,7 @@ struct FoundMesh {
 /// in share of AMENT_PREFIX_PATH and in the folders that hold the file of the description. `file://` and
 /// absolute paths are used as they are. Any other path is relative to the folder of the description's file
 /// or, if the description comes from no file, to the working directory.
-FoundMesh find_mesh(const std::string& name, const Source& told_in);
+FoundMesh find_mesh(const std::string& name, const Source& referenced_from);
 
 inline constexpr std::size_t largest_mesh = std::size_t{64} << 20;  ///< largest size of a file, bytes
 

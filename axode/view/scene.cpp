@@ -132,10 +132,10 @@ class Shapes {
   SceneContents contents;
 
  private:
-  void add(const ShapeDescription& shape, const Frame& on, const Source& told_in) {
+  void add(const ShapeDescription& shape, const Frame& on, const Source& referenced_from) {
     Json json = json_of(shape, on.body, on.pose * shape.pose, false);
     if (shape.kind == ShapeKind::mesh) {
-      const std::optional<std::size_t> mesh = mesh_of(shape.file, on.name, told_in);
+      const std::optional<std::size_t> mesh = mesh_of(shape.file, on.name, referenced_from);
       if (!mesh) return;
       json["mesh"] = *mesh;
     }
@@ -169,18 +169,18 @@ class Shapes {
   /// The index in `meshes` of the mesh of that name. If it cannot be shown, the result is empty and the
   /// reason is added to missing_.
   std::optional<std::size_t> mesh_of(const std::string& name, const std::string& body,
-                                     const Source& told_in) {
-    const auto [known, is_new] = named_.emplace(std::pair(told_in.file, name), std::nullopt);
+                                     const Source& referenced_from) {
+    const auto [known, is_new] = named_.emplace(std::pair(referenced_from.file, name), std::nullopt);
     if (!is_new) return known->second;
     const auto warn = [&](const std::string& why) {
       const auto same = std::ranges::find(missing_, why, &Missing::why);
       if (same != missing_.end()) {
         ++same->count;
       } else {
-        missing_.push_back({why, "body \"" + body + '"', name, told_in});
+        missing_.push_back({why, "body \"" + body + '"', name, referenced_from});
       }
     };
-    const FoundMesh found = find_mesh(name, told_in);
+    const FoundMesh found = find_mesh(name, referenced_from);
     if (!found.why_not.empty()) {
       warn(found.why_not);
       return std::nullopt;

@@ -268,11 +268,12 @@ TEST_F(SpecialisedRollouts, RefuseWhatTheLibrarysRefuse) {
             "model \"shoulder\" was specialised without forward_dynamics");
 }
 
-/// a = 2 tau - v, which no model has; it doubts where tau is above 0.9 at first.
-template <class T> void made_up(long count, const T* const* arguments, T* a, T*, unsigned char* doubts) {
+/// a = 2 tau - v, which no model has; it returns maybe_singular where tau is above 0.9 at first.
+template <class T>
+void made_up(long count, const T* const* arguments, T* a, T*, unsigned char* maybe_singular) {
   for (long k = 0; k < count; ++k) {
     for (long c = 0; c < 2; ++c) a[2 * k + c] = 2 * arguments[2][2 * k + c] - arguments[1][2 * k + c];
-    doubts[k] = arguments[2][2 * k] > T(0.9);
+    maybe_singular[k] = arguments[2][2 * k] > T(0.9);
   }
 }
 

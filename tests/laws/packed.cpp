@@ -45,10 +45,10 @@ Numbers accelerations(const Model& model, const State<double>& state, const Numb
   using Bodies = FastArticulatedBodies<G, T>;
   Bodies bodies(arena);
   auto* motion = arena.template per_body<typename Bodies::Motion>();
-  bodies.place_and_move(tree, at.q.data(), at.v.data(), motion);
+  bodies.update_kinematics_and_bias(tree, at.q.data(), at.v.data(), motion);
   std::vector<T> a(at.v.size());
   bodies.factorize(tree, tau.data());
-  if (bodies.doubtful) return {};
+  if (bodies.maybe_singular) return {};
   bodies.accelerate(tree, motion, a.data());
   return cast<double>(a);
 }

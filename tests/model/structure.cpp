@@ -420,15 +420,15 @@ TEST(Structure, RunsOfOneKindCoverEveryJointOnce) {
     std::vector<int> seen(tree->n + 1);
     bool coupled_before = false;
     int next = 0;
-    for (const JointRun& run : tree->runs) {
-      EXPECT_EQ(run.begin, next);
-      EXPECT_LT(run.begin, run.end);
-      EXPECT_GE(run.coupled, coupled_before) << "coupled ones come last";
-      coupled_before = run.coupled, next = run.end;
-      for (int k = run.begin; k < run.end; ++k) {
+    for (const JointGroup& group : tree->joint_groups) {
+      EXPECT_EQ(group.begin, next);
+      EXPECT_LT(group.begin, group.end);
+      EXPECT_GE(group.coupled, coupled_before) << "coupled ones come last";
+      coupled_before = group.coupled, next = group.end;
+      for (int k = group.begin; k < group.end; ++k) {
         const Joint& joint = model.joint(tree->by_kind[k]);
-        EXPECT_EQ(joint.kind, run.kind);
-        EXPECT_EQ(joint.leader.has_value(), run.coupled);
+        EXPECT_EQ(joint.kind, group.kind);
+        EXPECT_EQ(joint.leader.has_value(), group.coupled);
         ++seen[tree->by_kind[k]];
       }
     }

@@ -189,8 +189,8 @@ class FindMesh : public testing::Test {
     folder_.write("secret", "");
   }
   /// Where it is in the folder, or why it is not.
-  std::string find(const std::string& name, const std::string& told_in = "arm/urdf/arm.urdf") const {
-    const FoundMesh found = find_mesh(name, {folder_.file(told_in), 1});
+  std::string find(const std::string& name, const std::string& referenced_from = "arm/urdf/arm.urdf") const {
+    const FoundMesh found = find_mesh(name, {folder_.file(referenced_from), 1});
     if (found.why_not.empty())
       return std::filesystem::canonical(found.file)
           .lexically_relative(std::filesystem::canonical(folder_.path()))

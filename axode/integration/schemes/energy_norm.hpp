@@ -60,7 +60,7 @@ class EnergyNorm {
     Vector m = Vector::Zero(tree->nv);
     for (int i = 1; i <= tree->n; ++i)
       for (int s = tree->first_screw[i]; s < tree->first_screw[i + 1]; ++s)
-        m[tree->iv[i] + s - tree->first_screw[i]] += std::pow(tree.ratio[i], 2) * tree.fed[s];
+        m[tree->iv[i] + s - tree->first_screw[i]] += std::pow(tree.ratio[i], 2) * tree.inertia_scale[s];
     return m;
   }
 

@@ -34,9 +34,9 @@ class PhaseSpace {
     auto& [lagrangian, quick, motion, careful] = *kernels_;
     quick_ = (*tree_)->coupled_bodies.empty();
     if (quick_) {
-      quick.doubtful = false;
-      quick.place(*tree_, q), quick.factorize(*tree_);
-      quick_ = !quick.doubtful;
+      quick.maybe_singular = false;
+      quick.update_kinematics(*tree_, q), quick.factorize(*tree_);
+      quick_ = !quick.maybe_singular;
     }
     return quick_ ? Solvability{} : careful.factorize(*tree_, q, tree_->armature.data());
   }

@@ -12,7 +12,7 @@ namespace axode {
 template <class T> using SquareBlock = std::array<typename Lanes<T>::Number, Lanes<T>::width>;
 
 /// The transposed block.
-template <class T> [[gnu::always_inline]] inline SquareBlock<T> turned(const SquareBlock<T>& block) {
+template <class T> [[gnu::always_inline]] inline SquareBlock<T> transposed(const SquareBlock<T>& block) {
   SquareBlock<T> rows;
   unrolled<Lanes<T>::width>([&](auto m) { rows[m] = block[m]; });
   if constexpr (Lanes<T>::width > 1) transpose(rows);
@@ -45,7 +45,7 @@ template <class T> void mirror(int n, T* M) noexcept {
     for (int j = i + L::width; j < n; j += L::width) {
       SquareBlock<T> block;
       unrolled<L::width>([&](auto m) { block[m] = L::load(M + static_cast<std::ptrdiff_t>(i + m) * n + j); });
-      store(turned<T>(block), j, i, n, M);
+      store(transposed<T>(block), j, i, n, M);
     }
 }
 

@@ -7,12 +7,12 @@
 /// Words of other formats and programs for the keys and words of a drawing. They are used in messages.
 namespace axode::io {
 
-struct OtherWord {
+struct ForeignTerm {
   std::string_view theirs, ours;  ///< a word of others, and the key or dotted key of a drawing
 };
 
 // clang-format off
-inline constexpr auto words_of_others = std::to_array<OtherWord>({
+inline constexpr auto foreign_terms = std::to_array<ForeignTerm>({
     // keys of the file
     {"link", "body"}, {"links", "body"}, {"bodies", "body"}, {"joint", "body.joint"},
     {"joints", "body.joint"},
@@ -61,13 +61,13 @@ inline constexpr auto words_of_others = std::to_array<OtherWord>({
 // clang-format on
 
 /// `; it is called "on" here` if others use the word for one of the known keys or words; else empty.
-template <class Range> std::string called_here(std::string_view word, const Range& known) {
-  const auto is_ours = [&](const OtherWord& other) {
+template <class Range> std::string own_term_for(std::string_view word, const Range& known) {
+  const auto is_ours = [&](const ForeignTerm& other) {
     const std::string_view key = other.ours.substr(0, other.ours.find('.'));
     return other.theirs == word && std::find(known.begin(), known.end(), key) != known.end();
   };
-  const auto found = std::find_if(words_of_others.begin(), words_of_others.end(), is_ours);
-  return found == words_of_others.end() ? "" : "; it is called \"" + std::string(found->ours) + "\" here";
+  const auto found = std::find_if(foreign_terms.begin(), foreign_terms.end(), is_ours);
+  return found == foreign_terms.end() ? "" : "; it is called \"" + std::string(found->ours) + "\" here";
 }
 
 }  // namespace axode::io

@@ -18,8 +18,8 @@ inline constexpr std::size_t n_screw_operations = 7;
 
 /// Scope guard that reports one screw operation to the counting scalar `Counted` and does nothing for other
 /// scalars. Of nested guards only the outermost one counts.
-template <class T> struct [[maybe_unused]] Noted {
-  constexpr explicit Noted(ScrewOperation) {}
+template <class T> struct [[maybe_unused]] ScrewOperationScope {
+  constexpr explicit ScrewOperationScope(ScrewOperation) {}
 };
 
 }  // namespace axode
