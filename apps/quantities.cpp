@@ -291,7 +291,7 @@ Answer answer(const Question& ask, std::string_view name) {
   std::optional<LoopWorkspace<>> loops;
   if (!model.loops().empty() && row.call_with_loops != nullptr) loops.emplace(model);
   const State& state = ask.state;
-  catalog::Given<double> given{state.q, state.v, state.a, state.tau, state.p};
+  catalog::Arguments<double> given{state.q, state.v, state.a, state.tau, state.p};
   given.dq = state.dq, given.dv = state.dv, given.da = state.da, given.dtau = state.dtau, given.w = state.w;
   given.loads = ask.loads();
   given.base = ask.relative_to, given.form = ask.coriolis, given.at = ask.at;

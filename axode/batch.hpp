@@ -45,8 +45,9 @@ struct [[nodiscard]] Outcome {
 /// Throws std::invalid_argument as well for a function without lanes (Words::lanes) and for loads. Of a function that cannot fail
 /// the outcome says only how many states are done.
 template <class T = double>
-Outcome run(const Model& model, catalog::Id function, const catalog::Given<std::type_identity_t<T>>& given,
-            std::type_identity_t<std::span<T>> out, int threads = 1, const Monitor& monitor = {});
+Outcome run(const Model& model, catalog::Id function,
+            const catalog::Arguments<std::type_identity_t<T>>& given, std::type_identity_t<std::span<T>> out,
+            int threads = 1, const Monitor& monitor = {});
 
 /// N motions of K steps of one length (s), see axode::simulate_fixed: tau has nv K N numbers, constant in each step; q_out
 /// and v_out get (K + 1) states for each motion, the first of which is the one given. A motion that cannot go on is NaN

@@ -18,7 +18,7 @@
 namespace axode::catalog {
 
 /// What a function can be given. What it does not take stays as it is.
-template <class T> struct Given {
+template <class T> struct Arguments {
   std::span<const T> q, v, a, tau, p;
   std::span<const T> dq = {}, dv = {}, da = {}, dtau = {};  ///< a direction
   std::span<const T> w = {};                                ///< weights of a result
@@ -28,24 +28,24 @@ template <class T> struct Given {
   WrenchPoint at = WrenchPoint::body;
 };
 /// Where an input of numbers stands.
-template <class T> constexpr std::span<const T> Given<T>::*member_of(Input input) {
+template <class T> constexpr std::span<const T> Arguments<T>::*member_of(Input input) {
   switch (input) {
-    case Input::q: return &Given<T>::q;
-    case Input::v: return &Given<T>::v;
-    case Input::a: return &Given<T>::a;
-    case Input::tau: return &Given<T>::tau;
-    case Input::p: return &Given<T>::p;
-    case Input::dq: return &Given<T>::dq;
-    case Input::dv: return &Given<T>::dv;
-    case Input::da: return &Given<T>::da;
-    case Input::dtau: return &Given<T>::dtau;
-    default: return &Given<T>::w;
+    case Input::q: return &Arguments<T>::q;
+    case Input::v: return &Arguments<T>::v;
+    case Input::a: return &Arguments<T>::a;
+    case Input::tau: return &Arguments<T>::tau;
+    case Input::p: return &Arguments<T>::p;
+    case Input::dq: return &Arguments<T>::dq;
+    case Input::dv: return &Arguments<T>::dv;
+    case Input::da: return &Arguments<T>::da;
+    case Input::dtau: return &Arguments<T>::dtau;
+    default: return &Arguments<T>::w;
   }
 }
-template <class T> std::span<const T>& numbers(Given<T>& given, Input input) {
+template <class T> std::span<const T>& numbers(Arguments<T>& given, Input input) {
   return given.*member_of<T>(input);
 }
-template <class T> const std::span<const T>& numbers(const Given<T>& given, Input input) {
+template <class T> const std::span<const T>& numbers(const Arguments<T>& given, Input input) {
   return given.*member_of<T>(input);
 }
 
@@ -58,9 +58,9 @@ template <class T, class E> std::span<T> as_numbers(std::span<E> entries) {
 /// A row, and how the function is called.
 template <class T> struct Function : Words {
   /// Calls it. `out` has size() numbers.
-  Solvability (*call)(const Model&, Workspace<T>&, const Given<T>&, std::span<T> out);
+  Solvability (*call)(const Model&, Workspace<T>&, const Arguments<T>&, std::span<T> out);
   /// Calls it for a mechanism with loops; null unless these are counted.
-  Solvability (*call_with_loops)(const Model&, LoopWorkspace<T>&, const Given<T>&, std::span<T> out);
+  Solvability (*call_with_loops)(const Model&, LoopWorkspace<T>&, const Arguments<T>&, std::span<T> out);
 
   /// How many numbers it makes.
   std::size_t size(const Model& model, std::size_t n_loads) const;

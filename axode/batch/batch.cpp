@@ -77,8 +77,9 @@ template const Kernels<double>& best_kernels();
 template const Kernels<float>& best_kernels();
 
 template <class S>
-Outcome run(const Model& model, catalog::Id function, const catalog::Given<std::type_identity_t<S>>& given,
-            std::type_identity_t<std::span<S>> out, int threads, const Monitor& monitor) {
+Outcome run(const Model& model, catalog::Id function,
+            const catalog::Arguments<std::type_identity_t<S>>& given, std::type_identity_t<std::span<S>> out,
+            int threads, const Monitor& monitor) {
   const catalog::Words& words = function.words();
   if (!words.lanes)
     throw std::invalid_argument(std::string(words.name) +
@@ -108,9 +109,9 @@ Outcome run(const Model& model, catalog::Id function, const catalog::Given<std::
         };
   }));
 }
-template Outcome run<double>(const Model&, catalog::Id, const catalog::Given<double>&, std::span<double>, int,
-                             const Monitor&);
-template Outcome run<float>(const Model&, catalog::Id, const catalog::Given<float>&, std::span<float>, int,
-                            const Monitor&);
+template Outcome run<double>(const Model&, catalog::Id, const catalog::Arguments<double>&, std::span<double>,
+                             int, const Monitor&);
+template Outcome run<float>(const Model&, catalog::Id, const catalog::Arguments<float>&, std::span<float>,
+                            int, const Monitor&);
 
 }  // namespace axode::batch

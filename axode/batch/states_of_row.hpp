@@ -16,7 +16,7 @@ template <class S> class StatesOfRow {
   enum Verdict : unsigned char { solved, maybe_singular, singular, not_finite };
 
   /// Throws std::invalid_argument for wrong sizes, threads < 1, and results in the memory of arguments.
-  StatesOfRow(const Model& model, const catalog::Function<S>& row, const catalog::Given<S>& given,
+  StatesOfRow(const Model& model, const catalog::Function<S>& row, const catalog::Arguments<S>& given,
               std::span<S> out, int threads)
       : model_(model),
         row_(row),
@@ -71,7 +71,7 @@ template <class S> class StatesOfRow {
   }
   /// The library's function for one state.
   Solvability call_one(Workspace<S>& workspace, std::size_t k) const {
-    catalog::Given<S> one;
+    catalog::Arguments<S> one;
     for (const catalog::Input input : row_.numbers()) catalog::numbers(one, input) = argument(input, k, 1);
     one.place = given_.place;
     return row_.call(model_, workspace, one, result(k, 1));
@@ -103,7 +103,7 @@ template <class S> class StatesOfRow {
 
   const Model& model_;
   const catalog::Function<S>& row_;
-  const catalog::Given<S> given_;
+  const catalog::Arguments<S> given_;
   std::span<S> out_;
   std::size_t count_, size_;
   std::vector<unsigned char> verdicts_;  ///< of several states

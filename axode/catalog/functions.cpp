@@ -21,7 +21,7 @@ using enum Input;
 using enum Entry;
 using enum Extent;
 using W = Workspace<T>;
-using G = Given<T>;
+using G = Arguments<T>;
 using Out = std::span<T>;
 
 constexpr bool fast = std::same_as<Rep, Fast>;
@@ -194,8 +194,9 @@ std::vector<Function<T>> make() {
           [](auto& m, auto& w, auto& g, auto out) { load_powers(m, w, g.q, g.v, g.loads, out); }),
       in_order<"centroidal_inertia">([](auto&&... x) { return centroidal_inertia(x...); }),
       in_order<"impulse_response">([](auto&&... x) { return impulse_response<R4>(x...); }),
-      row<"mobility">(
-          [](auto& m, auto& w, auto& g, auto out) { return mobility<R4>(m, w, g.q, g.place, out); }),
+      row<"inverse_operational_space_inertia">([](auto& m, auto& w, auto& g, auto out) {
+        return inverse_operational_space_inertia<R4>(m, w, g.q, g.place, out);
+      }),
       row<"operational_space_inertia">([](auto& m, auto& w, auto& g, auto out) {
         return operational_space_inertia<R4>(m, w, g.q, g.place, out);
       }),

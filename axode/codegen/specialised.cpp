@@ -108,8 +108,8 @@ template <class T> bool Specialised<T>::has(const Function& function) const {
 }
 
 template <class T>
-batch::Outcome Specialised<T>::run(const Function& function, const catalog::Given<T>& given, std::span<T> out,
-                                   int threads, const batch::Monitor& monitor) const {
+batch::Outcome Specialised<T>::run(const Function& function, const catalog::Arguments<T>& given,
+                                   std::span<T> out, int threads, const batch::Monitor& monitor) const {
   const std::size_t group = threads > 1 ? 16 : 64;  // registers are filled, and a few states are shared out
   const auto& entry = code_->entry(model_, function);
   if (!given.loads.wrenches.empty() || given.loads.joint_losses)

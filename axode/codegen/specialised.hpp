@@ -46,7 +46,7 @@ template <class T = double> class Specialised {
   bool has(const codegen::Function& function) const;
 
   /// What batch::run() does.
-  batch::Outcome run(const codegen::Function& function, const catalog::Given<T>& given, std::span<T> out,
+  batch::Outcome run(const codegen::Function& function, const catalog::Arguments<T>& given, std::span<T> out,
                      int threads, const batch::Monitor& monitor) const;
 
   /// What rollouts call.
@@ -68,7 +68,7 @@ namespace batch {
 /// model was specialised without, and for loads.
 template <class T>
 Outcome run(const Specialised<T>& model, const codegen::Function& function,
-            const catalog::Given<std::type_identity_t<T>>& given, std::type_identity_t<std::span<T>> out,
+            const catalog::Arguments<std::type_identity_t<T>>& given, std::type_identity_t<std::span<T>> out,
             int threads = 1, const Monitor& monitor = {}) {
   return model.run(function, given, out, threads, monitor);
 }

@@ -4,7 +4,7 @@
 
 #include "axode/constraints/check_loops.hpp"
 #include "axode/dynamics/definite_inverse.hpp"
-#include "axode/dynamics/frame_mobility.hpp"
+#include "axode/dynamics/inverse_frame_inertia.hpp"
 #include "axode/kinematics/jacobian.hpp"
 #include "axode/lie/six.hpp"
 #include "axode/recursion/instantiate.hpp"
@@ -33,16 +33,16 @@ Solvability impulse_response(const Model& model, LoopWorkspace<T>& workspace, Nu
 }
 
 template <RecursionRepresentation Rep, class T>
-Solvability mobility(const Model& model, LoopWorkspace<T>& workspace, Numbers<T> q,
-                     const std::type_identity_t<Place<T>>& place,
-                     std::type_identity_t<std::span<T>> mobility) {
-  check_size("mobility", mobility.size(), 36, "6 * 6");
+Solvability inverse_operational_space_inertia(const Model& model, LoopWorkspace<T>& workspace, Numbers<T> q,
+                                              const std::type_identity_t<Place<T>>& place,
+                                              std::type_identity_t<std::span<T>> Lambda_inverse) {
+  check_size("Lambda_inverse", Lambda_inverse.size(), 36, "6 * 6");
   std::vector<Twist<Rep, T>> J(static_cast<std::size_t>(model.nv())), Y(J.size());
   Workspace<T> tree(model);
   jacobian<Rep>(model, tree, q, place, J);
   const Solvability verdict = impulse_response<Rep>(model, workspace, q, place, Y);
-  frame_mobility<Rep, T>(J, Y, mobility.data());
-  return solved(verdict, 36, mobility.data());
+  inverse_frame_inertia<Rep, T>(J, Y, Lambda_inverse.data());
+  return solved(verdict, 36, Lambda_inverse.data());
 }
 
 template <RecursionRepresentation Rep, class T>
@@ -50,7 +50,7 @@ Solvability operational_space_inertia(const Model& model, LoopWorkspace<T>& work
                                       const std::type_identity_t<Place<T>>& place,
                                       std::type_identity_t<std::span<T>> Lambda) {
   check_size("Lambda", Lambda.size(), 36, "6 * 6");
-  Solvability solvability = mobility<Rep>(model, workspace, q, place, Lambda);
+  Solvability solvability = inverse_operational_space_inertia<Rep>(model, workspace, q, place, Lambda);
   const int directions = invert_definite(std::span<T, 36>(Lambda.data(), 36));
   if (solvability.ok()) solvability.directions = directions;
   return solvability;
@@ -58,8 +58,9 @@ Solvability operational_space_inertia(const Model& model, LoopWorkspace<T>& work
 
 template Solvability impulse_response<AXODE_REP>(const Model&, LoopWorkspace<AXODE_T>&, Numbers<AXODE_T>,
                                                  const Place<AXODE_T>&, std::span<Twist<AXODE_REP, AXODE_T>>);
-template Solvability mobility<AXODE_REP>(const Model&, LoopWorkspace<AXODE_T>&, Numbers<AXODE_T>,
-                                         const Place<AXODE_T>&, std::span<AXODE_T>);
+template Solvability inverse_operational_space_inertia<AXODE_REP>(const Model&, LoopWorkspace<AXODE_T>&,
+                                                                  Numbers<AXODE_T>, const Place<AXODE_T>&,
+                                                                  std::span<AXODE_T>);
 template Solvability operational_space_inertia<AXODE_REP>(const Model&, LoopWorkspace<AXODE_T>&,
                                                           Numbers<AXODE_T>, const Place<AXODE_T>&,
                                                           std::span<AXODE_T>);

@@ -18,9 +18,9 @@ Solvability impulse_response(const Model& model, LoopWorkspace<T>& workspace, Nu
 
 /// The twist that a place gets from an impulse, 36 entries, symmetric and positive semi-definite. Allocates.
 template <RecursionRepresentation Rep = BodyFixed, class T>
-Solvability mobility(const Model& model, LoopWorkspace<T>& workspace, Numbers<T> q,
-                     const std::type_identity_t<Place<T>>& place,
-                     std::type_identity_t<std::span<T>> mobility);
+Solvability inverse_operational_space_inertia(const Model& model, LoopWorkspace<T>& workspace, Numbers<T> q,
+                                              const std::type_identity_t<Place<T>>& place,
+                                              std::type_identity_t<std::span<T>> Lambda_inverse);
 
 /// The inverse of the mobility, 36 entries: the inertia that the place shows to a wrench. NaN where the place cannot move in all
 /// six directions, and Solvability says in how many it can. Allocates.

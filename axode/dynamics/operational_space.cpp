@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "axode/dynamics/definite_inverse.hpp"
-#include "axode/dynamics/frame_mobility.hpp"
+#include "axode/dynamics/inverse_frame_inertia.hpp"
 #include "axode/dynamics/scratch.hpp"
 #include "axode/kinematics/check_arguments.hpp"
 #include "axode/kinematics/jacobian.hpp"
@@ -41,18 +41,18 @@ Solvability impulse_response(const Model& model, Workspace<T>& workspace, Number
 }
 
 template <RecursionRepresentation Rep, class T>
-Solvability mobility(const Model& model, Workspace<T>& workspace, Numbers<T> q,
-                     const std::type_identity_t<Place<T>>& place,
-                     std::type_identity_t<std::span<T>> mobility) {
-  Arena arena = checked<"mobility">(model, workspace, q, mobility);
+Solvability inverse_operational_space_inertia(const Model& model, Workspace<T>& workspace, Numbers<T> q,
+                                              const std::type_identity_t<Place<T>>& place,
+                                              std::type_identity_t<std::span<T>> Lambda_inverse) {
+  Arena arena = checked<"inverse_operational_space_inertia">(model, workspace, q, Lambda_inverse);
   const std::size_t nv = static_cast<std::size_t>(model.nv());
   FrameResponse<Rep, T> at(arena);
   const std::span<Twist<Rep, T>> J(at.J, nv), Y(at.Y, nv);
   jacobian<Rep>(model, workspace, q, place, J);  // takes nothing of the workspace
   std::copy(J.begin(), J.end(), Y.begin());
   const Solvability verdict = respond(model.tree<T>(), at, q.data(), Y.data());
-  frame_mobility<Rep, T>(J, Y, mobility.data());
-  return solved(verdict, 36, mobility.data());
+  inverse_frame_inertia<Rep, T>(J, Y, Lambda_inverse.data());
+  return solved(verdict, 36, Lambda_inverse.data());
 }
 
 template <RecursionRepresentation Rep, class T>
@@ -60,7 +60,7 @@ Solvability operational_space_inertia(const Model& model, Workspace<T>& workspac
                                       const std::type_identity_t<Place<T>>& place,
                                       std::type_identity_t<std::span<T>> Lambda) {
   checked<"operational_space_inertia">(model, workspace, q, Lambda);
-  Solvability solvability = mobility<Rep>(model, workspace, q, place, Lambda);
+  Solvability solvability = inverse_operational_space_inertia<Rep>(model, workspace, q, place, Lambda);
   const int directions = invert_definite(std::span<T, 36>(Lambda.data(), 36));
   if (solvability.ok()) solvability.directions = directions;
   return solvability;
@@ -68,8 +68,9 @@ Solvability operational_space_inertia(const Model& model, Workspace<T>& workspac
 
 template Solvability impulse_response<AXODE_REP>(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>,
                                                  const Place<AXODE_T>&, std::span<Twist<AXODE_REP, AXODE_T>>);
-template Solvability mobility<AXODE_REP>(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>,
-                                         const Place<AXODE_T>&, std::span<AXODE_T>);
+template Solvability inverse_operational_space_inertia<AXODE_REP>(const Model&, Workspace<AXODE_T>&,
+                                                                  Numbers<AXODE_T>, const Place<AXODE_T>&,
+                                                                  std::span<AXODE_T>);
 template Solvability operational_space_inertia<AXODE_REP>(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>,
                                                           const Place<AXODE_T>&, std::span<AXODE_T>);
 

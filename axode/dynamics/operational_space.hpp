@@ -16,9 +16,9 @@ Solvability impulse_response(const Model& model, Workspace<T>& workspace, Number
 /// J M⁻¹ Jᵀ for a place, 36 entries, symmetric: the twist that it gets from an impulse. Positive
 /// semi-definite; its rank is the number of directions in which the place can move.
 template <RecursionRepresentation Rep = BodyFixed, class T>
-Solvability mobility(const Model& model, Workspace<T>& workspace, Numbers<T> q,
-                     const std::type_identity_t<Place<T>>& place,
-                     std::type_identity_t<std::span<T>> mobility);
+Solvability inverse_operational_space_inertia(const Model& model, Workspace<T>& workspace, Numbers<T> q,
+                                              const std::type_identity_t<Place<T>>& place,
+                                              std::type_identity_t<std::span<T>> Lambda_inverse);
 
 /// Λ = (J M⁻¹ Jᵀ)⁻¹ of a place, 36 entries: the inertia that it shows to a wrench. NaN where the place cannot
 /// move in all six directions (or nearly cannot: condition above 1e12 in double, 1e5 in float, after scaling

@@ -22,7 +22,8 @@ std::string to_string(const Model& model, const Solvability& solvability) {
     return "a number is not finite: an argument is NaN or infinite, or so large that the results overflow";
   if (solvability.directions < 6)
     return "the frame can move in " + std::to_string(solvability.directions) +
-           " of six directions, so that it shows no inertia to a wrench; ask for its mobility";
+           " of six directions, so that it shows no inertia to a wrench; ask for "
+           "inverse_operational_space_inertia";
   const int i = solvability.singular_body;
   const std::string joint = "joint \"" + model.joint(i).name + '"';
   return "the mass matrix is singular: with the other joints free, " + joint + " of body \"" +

@@ -242,7 +242,7 @@ inline constexpr auto functions_of_state = [] {
        .units = "rad/s, m/s per N m s, N s", .takes = {q, place}, .choice = representation, .entry = twist,
        .shape = {nv}, .columns = true, .symbols = {"Y"}, .cost = linear, .allocates = false,
        .memory = own, .may_fail = true, .lanes = false, .tape = false, .counts = of_impulses},
-      {.name = "mobility", .purpose = "J M^-1 J^T: the twist that a frame gets from an impulse",
+      {.name = "inverse_operational_space_inertia", .purpose = "J M^-1 J^T: the twist that a frame gets from an impulse",
        .units = "rad/s, m/s per N m s, N s", .takes = {q, place}, .choice = representation, .entry = twist,
        .shape = {six}, .columns = true, .symbols = {"J M^-1 J^T"}, .cost = linear, .allocates = false,
        .memory = may_share, .may_fail = true, .lanes = false, .tape = false, .counts = of_impulses},

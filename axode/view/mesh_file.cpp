@@ -156,17 +156,17 @@ MeshFile read_mesh(const fs::path& file) {
   std::error_code unknown;
   const std::uintmax_t size = fs::file_size(file, unknown);
   if (unknown) {
-    mesh.why_not = "it cannot be read: " + unknown.message();
+    mesh.error = "it cannot be read: " + unknown.message();
   } else if (size > largest_mesh) {
-    mesh.why_not = "it has " + std::to_string(size >> 20) + " MiB; a mesh may have " +
-                   std::to_string(largest_mesh >> 20);
+    mesh.error = "it has " + std::to_string(size >> 20) + " MiB; a mesh may have " +
+                 std::to_string(largest_mesh >> 20);
   } else {
     std::ifstream stream(file, std::ios::binary);
     mesh.bytes.resize(size);
     stream.read(mesh.bytes.data(), static_cast<std::streamsize>(size));
-    mesh.why_not = stream ? format->fault(mesh.bytes) : "it cannot be read";
+    mesh.error = stream ? format->fault(mesh.bytes) : "it cannot be read";
   }
-  if (!mesh.why_not.empty()) mesh.bytes.clear();
+  if (!mesh.error.empty()) mesh.bytes.clear();
   return mesh;
 }
 

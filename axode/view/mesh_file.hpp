@@ -11,7 +11,7 @@ namespace axode {
 /// The file of a mesh, or a sentence that says why it was not found.
 struct FoundMesh {
   std::filesystem::path file;
-  std::string why_not;  ///< empty if the file exists
+  std::string error;  ///< empty if the file exists
 };
 
 /// Finds the file of a mesh that a description names. `package://name/path` is searched in ROS_PACKAGE_PATH,
@@ -26,9 +26,9 @@ inline constexpr std::size_t largest_mesh = std::size_t{64} << 20;  ///< largest
 /// these checks: the vertices are finite, the file has as many of them as it declares, and it refers to no
 /// other file. The formats are STL, OBJ, COLLADA (.dae) and glTF (.glb, .gltf).
 struct MeshFile {
-  std::string format;   ///< stl, obj, dae, glb or gltf
-  std::string bytes;    ///< contents of the file; empty if why_not is not
-  std::string why_not;  ///< empty if all checks pass
+  std::string format;  ///< stl, obj, dae, glb or gltf
+  std::string bytes;   ///< contents of the file; empty if error is not
+  std::string error;   ///< empty if all checks pass
 };
 /// Reads and checks the file of a mesh, which may have at most `largest_mesh` bytes. The format follows from
 /// the ending of its name, in upper or lower case.

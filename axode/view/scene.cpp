@@ -181,16 +181,16 @@ class Shapes {
       }
     };
     const FoundMesh found = find_mesh(name, referenced_from);
-    if (!found.why_not.empty()) {
-      warn(found.why_not);
+    if (!found.error.empty()) {
+      warn(found.error);
       return std::nullopt;
     }
     const auto [read, is_unread] = read_.emplace(found.file, std::nullopt);
     if (is_unread) {
       const MeshFile mesh = read_mesh(found.file);
       bytes_ += mesh.bytes.size();
-      if (!mesh.why_not.empty()) {
-        warn(mesh.why_not);
+      if (!mesh.error.empty()) {
+        warn(mesh.error);
       } else if (bytes_ > largest_meshes) {
         bytes_ -= mesh.bytes.size();
         warn("the meshes before it and it have more than " + std::to_string(largest_meshes >> 20) + " MiB");

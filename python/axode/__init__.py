@@ -102,7 +102,7 @@ from ._axode import (
     mass_matrix,
     mass_matrix_partials,
     mjcf,
-    mobility,
+    inverse_operational_space_inertia,
     momenta,
     momentum_form,
     momentum_form_derivatives,
@@ -176,7 +176,7 @@ __all__ = [
     "inverse_dynamics", "forward_dynamics", "joint_wrenches", "mass_matrix", "inverse_mass_matrix",
     "mass_matrix_partials", "inverse_mass_matrix_partials", "MassMatrixFactor", "coriolis_matrix", "coriolis_vector",
     "christoffel", "gravity_torques", "generalized_loads", "kinetic_energy", "potential_energy", "load_powers", "spring_forces", "elastic_energy",
-    "centroidal_inertia", "impulse_response", "mobility", "operational_space_inertia", "regressor",
+    "centroidal_inertia", "impulse_response", "inverse_operational_space_inertia", "operational_space_inertia", "regressor",
     "kinetic_energy_regressor", "potential_energy_regressor",
     # momentum form
     "momenta", "from_momenta", "momentum_form", "body_momenta", "spatial_momentum", "centroidal_momentum",

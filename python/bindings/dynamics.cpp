@@ -365,17 +365,17 @@ M^-1 J^T of a frame, (nv, 6) or (N, nv, 6): the jump of the velocities under a u
 (7, 6)
 )")
           .c_str());
-  functions.define<"mobility">(R"(
+  functions.define<"inverse_operational_space_inertia">(R"(
 J M^-1 J^T of a frame, (6, 6) or (N, 6, 6): the twist that it gets from an impulse. Its rank says how it can move.
 
->>> np.linalg.matrix_rank(axode.mobility(arm, np.full(7, 0.5), "flange"))
+>>> np.linalg.matrix_rank(axode.inverse_operational_space_inertia(arm, np.full(7, 0.5), "flange"))
 np.int64(6)
 )");
   functions.define<"operational_space_inertia">(R"(
 (J M^-1 J^T)^-1 of a frame, (6, 6) or (N, 6, 6): the inertia that it shows to a wrench.
 
 NaN where the frame cannot move, or nearly cannot, in all six directions: always on fewer than six axes, and at singular
-places; there `mobility` says how it moves. SingularError where M is singular.
+places; there `inverse_operational_space_inertia` says how it moves. SingularError where M is singular.
 
 >>> bool(np.isfinite(axode.operational_space_inertia(arm, np.full(7, 0.5), "flange")).all())
 True

@@ -232,7 +232,7 @@ void evaluate(const catalog::Function<double>& row, const Model& model, const In
               std::size_t states, std::size_t first, std::size_t count, bool losses, int threads,
               const Answer& answer) {
   const auto given = [&](std::size_t from, std::size_t n) {
-    catalog::Given<double> some{.loads = {.joint_losses = losses}};
+    catalog::Arguments<double> some{.loads = {.joint_losses = losses}};
     for (const auto& [input, numbers] : inputs) {
       const std::size_t item = numbers.all().size() / states;
       catalog::numbers(some, input) = numbers.all().subspan(from * item, n * item);

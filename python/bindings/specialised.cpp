@@ -23,16 +23,17 @@ void BoundSpecialised::check(const Function& wanted) const {
 
 namespace {
 
-batch::Outcome run(const BoundSpecialised& s, const Function& function, const catalog::Given<double>& given,
-                   std::span<double> out, int threads, const batch::Monitor& monitor) {
+batch::Outcome run(const BoundSpecialised& s, const Function& function,
+                   const catalog::Arguments<double>& given, std::span<double> out, int threads,
+                   const batch::Monitor& monitor) {
   if (const auto* doubles = std::get_if<Specialised<double>>(&s.functions()))
     return batch::run(*doubles, function, given, out, threads, monitor);
   const auto cast = [](std::span<const double> numbers) {
     return std::vector<float>(numbers.begin(), numbers.end());
   };
   std::array<std::vector<float>, catalog::inputs_of_numbers.size()> arguments;
-  catalog::Given<double> doubles = given;
-  catalog::Given<float> floats;
+  catalog::Arguments<double> doubles = given;
+  catalog::Arguments<float> floats;
   for (std::size_t k = 0; k < arguments.size(); ++k) {
     arguments[k] = cast(catalog::numbers(doubles, catalog::inputs_of_numbers[k]));
     catalog::numbers(floats, catalog::inputs_of_numbers[k]) = arguments[k];
@@ -54,7 +55,7 @@ nb::object as_float32(const nb::object& result) {
 nb::object called(const BoundSpecialised& s, const Function& function, const StateFunction& f,
                   Arguments given) {
   s.check(function);
-  const Instead instead = [&](const catalog::Given<double>& all, std::span<double> out,
+  const Instead instead = [&](const catalog::Arguments<double>& all, std::span<double> out,
                               const batch::Monitor& monitor) {
     return run(s, function, all, out, given.threads, monitor);
   };

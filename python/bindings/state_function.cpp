@@ -98,7 +98,7 @@ NewArray StateFunction::run(const BoundModel& m, const Arguments& given, const R
   const bool in_lanes = states.many() && row.lanes && loads.none() && !counts_loops &&
                         (row.choice != Choice::recursion || !given.algorithm.representation);
   if (m->nq() > 0 && (given.instead != nullptr || in_lanes)) {  // they count states by q
-    catalog::Given<double> all{.q = states.q()};
+    catalog::Arguments<double> all{.q = states.q()};
     for (std::size_t i = 0; i < taken.size(); ++i) catalog::numbers(all, takes_[i].input) = taken[i].all();
     const batch::Outcome outcome = states.unlocked(cost, [&](const batch::Monitor& monitor) {
       const std::span<double> result = out.all().first(states.count() * size);
@@ -109,7 +109,7 @@ NewArray StateFunction::run(const BoundModel& m, const Arguments& given, const R
   } else {
     found.resize(states.count());
     const auto call_one = [&](const auto& call, auto& workspace, std::size_t k) {
-      catalog::Given<double> one{
+      catalog::Arguments<double> one{
           .q = states.q(k), .place = given.place, .base = given.base, .form = given.form, .at = given.at};
       for (std::size_t i = 0; i < taken.size(); ++i) catalog::numbers(one, takes_[i].input) = taken[i][k];
       found[k] = loads.with(k, [&](const Loads<double>& now) {

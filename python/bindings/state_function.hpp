@@ -12,7 +12,7 @@
 namespace axode::python {
 
 /// What takes the library's place: a function of N states, whose arguments lie one behind the other.
-using Instead = std::function<batch::Outcome(const catalog::Given<double>&, std::span<double> out,
+using Instead = std::function<batch::Outcome(const catalog::Arguments<double>&, std::span<double> out,
                                              const batch::Monitor&)>;
 
 /// What a function of the state is given in Python; what it does not take stays as it is.

@@ -130,7 +130,7 @@ INSTANTIATE_TEST_SUITE_P(
          1,
          "axode eval: operational_space_inertia: frame \"link 3\": the frame can move in 2 of six "
          "directions, so that "
-         "it shows no inertia to a wrench; ask for its mobility"},
+         "it shows no inertia to a wrench; ask for inverse_operational_space_inertia"},
         {"ANameOfAnotherLibrary",
          {"eval", arm, "--want", "poses,gravity_vector"},
          2,

@@ -18,7 +18,7 @@ constexpr std::array functions{
 /// How many states are done of a function that is given q, and x for velocities, accelerations and forces alike.
 std::size_t done_of(Id function, const Model& model, std::span<const double> q, std::span<const double> x,
                     std::span<double> out, int threads, const Monitor& monitor) {
-  catalog::Given<double> given{.q = q};
+  catalog::Arguments<double> given{.q = q};
   for (const Input input : function.words().numbers())
     if (input != Input::q) catalog::numbers(given, input) = x;
   return batch::run(model, function, given, out, threads, monitor).done;

@@ -22,14 +22,14 @@ using codegen::Function;
 
 template <class T> struct States : RandomStates<T> {
   using RandomStates<T>::RandomStates;
-  catalog::Given<T> given() const {
+  catalog::Arguments<T> given() const {
     const auto& [q, v, a, dq, dv, da, w] = *this;
-    catalog::Given<T> all{.q = q, .v = v, .a = a, .tau = a};
+    catalog::Arguments<T> all{.q = q, .v = v, .a = a, .tau = a};
     all.dq = dq, all.dv = dv, all.da = da, all.dtau = da, all.w = w;
     return all;
   }
-  catalog::Given<T> given(const Model& model, std::size_t k) const {
-    catalog::Given<T> one = given();
+  catalog::Arguments<T> given(const Model& model, std::size_t k) const {
+    catalog::Arguments<T> one = given();
     const std::size_t nq = static_cast<std::size_t>(model.nq()), nv = static_cast<std::size_t>(model.nv());
     for (const catalog::Input input : catalog::inputs_of_numbers) {
       std::span<const T>& x = catalog::numbers(one, input);
@@ -77,7 +77,7 @@ void expect_what_the_library_gives(const Model& model, const Specialised<T>& spe
     EXPECT_EQ(outcome.done, N);
     std::size_t singular = 0;
     for (std::size_t k = 0; k < N; ++k) {
-      catalog::Given<T> one = states.given(model, k);
+      catalog::Arguments<T> one = states.given(model, k);
       one.place = function.frame;
       singular += !library.call(model, workspace, one, expected).ok();
       const std::span<const T> found = std::span(result).subspan(k * size, size);
@@ -172,7 +172,8 @@ TEST_F(SpecialisedModels, CheckTheirArguments) {
   const Function function{Id("inverse_dynamics")};
   const Specialised<> specialised(model, {function}, {.flags = quickly});
   std::vector<double> q(6), v(6), tau(6), short_of_one(5);
-  const auto message = [&](const Function& of, const catalog::Given<double>& given, std::span<double> out) {
+  const auto message = [&](const Function& of, const catalog::Arguments<double>& given,
+                           std::span<double> out) {
     return message_of([&] { static_cast<void>(batch::run(specialised, of, given, out)); });
   };
   EXPECT_EQ(message(function, {.q = q, .v = short_of_one, .a = v}, tau),

@@ -28,7 +28,7 @@ template <class T, class M>
 batch::Outcome call(Id function, const M& m, const RandomStates<T>& all, std::span<T> out, int threads = 1,
                     const Monitor& monitor = {}) {
   const auto& [q, v, x, dq, dv, dx, w] = all;  // accelerations or forces
-  catalog::Given<T> given{.q = q};
+  catalog::Arguments<T> given{.q = q};
   const std::pair<Input, std::span<const T>> others[]{{Input::v, v},     {Input::a, x},      {Input::tau, x},
                                                       {Input::dq, dq},   {Input::dv, dv},    {Input::da, dx},
                                                       {Input::dtau, dx}, {Input::weights, w}};

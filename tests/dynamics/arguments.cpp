@@ -113,7 +113,7 @@ struct EquationsOfMotionArguments : testing::Test {
       [this] { coriolis_matrix(model, workspace, q, v, CoriolisForm::paper, matrix); },
       [this] { christoffel(model, workspace, q, tensor); },
       [this] { static_cast<void>(impulse_response(model, workspace, q, 1, Y)); },
-      [this] { static_cast<void>(mobility(model, workspace, q, 1, six)); },
+      [this] { static_cast<void>(inverse_operational_space_inertia(model, workspace, q, 1, six)); },
       [this] { static_cast<void>(operational_space_inertia(model, workspace, q, 1, six)); },
       [this] { momenta(model, workspace, q, v, out); },
       [this] { static_cast<void>(momentum_form(model, workspace, q, p, tau, out, out2)); },

@@ -74,7 +74,7 @@ TEST_P(NoAllocation, InEveryFunction) {
       Random<double> random(seed);
       const Model model = ModelBuilder(with_springs(told(random_mechanism(random), random), random)).build();
       const Arguments<T> arguments(model, random);
-      const catalog::Given<T> given = arguments.given();
+      const catalog::Arguments<T> given = arguments.given();
       Workspace<T> workspace(model);
       for (const catalog::Function<T>& function : functions_of<T>(GetParam())) {
         if (function.allocates || (function.cost == catalog::Cost::cubic && model.nv() > 20)) continue;

@@ -18,7 +18,7 @@
 namespace axode::test {
 namespace {
 
-using catalog::Function, catalog::Given, catalog::Input, catalog::Word;
+using catalog::Function, catalog::Input, catalog::Word;
 using Row = Function<double>;
 using Numbers = std::vector<double>;
 
@@ -70,7 +70,8 @@ class Whole {
   Arguments<double> arguments;
 };
 
-Numbers call(const Row& row, const Model& model, Workspace<>& workspace, const Given<double>& given) {
+Numbers call(const Row& row, const Model& model, Workspace<>& workspace,
+             const catalog::Arguments<double>& given) {
   Numbers out(row.size(model, given.loads.wrenches.size()));
   static_cast<void>(row.call(model, workspace, given, out));
   return out;
@@ -101,7 +102,7 @@ TEST(WhatFunctionsCount, AWorkspaceKnowsTheTree) {
   for_rows(10, [&](const Whole& whole, const Row& row, const Case&) {
     const Model cut = whole.cut();
     Workspace<> workspace(whole.model), for_cut_tree(whole.model, cut_tree), of_cut(cut);
-    const Given<double> given = whole.arguments.given();
+    const catalog::Arguments<double> given = whole.arguments.given();
     const Numbers expected = call(row, cut, of_cut, given);
     EXPECT_TRUE(same_bits(call(row, whole.model, for_cut_tree, given), expected)) << "for the cut tree";
     const Word word = row.counts.loops.word;
@@ -148,7 +149,7 @@ TEST(WhatFunctionsCount, OtherPropertiesChangeNothingThatIsOfTheTree) {
       Workspace<> one(whole.model, cut_tree), other(without, cut_tree);
       const Word word = (row.counts.*property.count).word;
       if (word != Word::of_the_tree) continue;
-      Given<double> given = whole.arguments.given();
+      catalog::Arguments<double> given = whole.arguments.given();
       given.loads.joint_losses = true;
       EXPECT_TRUE(same_bits(call(row, whole.model, one, given), call(row, without, other, given)));
     }
@@ -162,12 +163,12 @@ using RowByRow = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::Ro
 /// The mechanism as its cut tree and the directions in which the loops let it move.
 struct Reference {
   const Model& model;
-  const Given<double> given;
+  const catalog::Arguments<double> given;
   Workspace<> tree;
   LoopWorkspace<> loops;
   Matrix A, N;  ///< loop_jacobian, and a basis of the v with A v = 0
 
-  Reference(const Model& m, const Given<double>& at)
+  Reference(const Model& m, const catalog::Arguments<double>& at)
       : model(m), given(at), tree(m, cut_tree), loops(m), A(m.loops().rows, m.nv()) {
     RowByRow rows(A.rows(), A.cols());
     loop_jacobian<double>(m, loops, given.q, as_span(rows));
@@ -206,7 +207,7 @@ class CountedLoops {
 
   /// False for a function that this does not know.
   bool check() {
-    const Given<double>& at = reference_.given;
+    const catalog::Arguments<double>& at = reference_.given;
     const Eigen::Index nv = whole_.model.nv();
     const Numbers out = call(at);
     const auto result = [&](Eigen::Index rows, Eigen::Index columns, std::size_t skip = 0) -> Matrix {
@@ -228,7 +229,7 @@ class CountedLoops {
       expect_zero(reference_.N.transpose() * left, left.norm() + as_eigen(at.tau).norm(), 1e-7);
     } else if (row_.name == "joint_wrenches") {
       return true;  // which has a law of its own
-    } else if (row_.name == "impulse_response" || row_.name == "mobility" ||
+    } else if (row_.name == "impulse_response" || row_.name == "inverse_operational_space_inertia" ||
                row_.name == "operational_space_inertia") {
       check_impulses(out, verdict_);
     } else if (row_.name == "forward_dynamics_derivatives" || row_.name == "forward_dynamics_jvp" ||
@@ -241,15 +242,15 @@ class CountedLoops {
   }
 
  private:
-  Numbers call(const Given<double>& given) { return call(row_, given); }
-  Numbers call(const Row& row, const Given<double>& given) {
+  Numbers call(const catalog::Arguments<double>& given) { return call(row_, given); }
+  Numbers call(const Row& row, const catalog::Arguments<double>& given) {
     Numbers out(row.size(whole_.model, given.loads.wrenches.size()));
     verdict_ = row.call_with_loops(whole_.model, reference_.loops, given, out);
     return out;
   }
   /// Y with A Y = 0 and Nᵀ (M Y - Jᵀ) = 0, the mobility J Y, and the inverse of that.
   void check_impulses(const Numbers& out, const Solvability verdict) {
-    const Given<double>& at = reference_.given;
+    const catalog::Arguments<double>& at = reference_.given;
     const Eigen::Index nv = whole_.model.nv();
     const auto row = [&](std::string_view name) -> const Row& {
       const auto rows = functions_of<double>(case_);
@@ -268,23 +269,23 @@ class CountedLoops {
     expect_zero(reference_.N.transpose() * (MY - J.transpose()), largest_of(MY) + largest_of(J));
     if (row_.name == "impulse_response") return;
     const Matrix JY = J * Y.transpose(), found = Eigen::Map<const RowByRow>(out.data(), 6, 6);
-    if (row_.name == "mobility")
+    if (row_.name == "inverse_operational_space_inertia")
       expect_zero(found - (JY + JY.transpose()) / 2, largest_of(JY), 1e-10);
     else if (verdict.ok())
       expect_zero(found * JY - Matrix::Identity(6, 6), largest_of(found) * largest_of(JY), 1e-9);
   }
   /// Along the motion of the mechanism under drive forces τ + t τ', which needs no formula.
   void check_rate(const Numbers& out) {
-    const Given<double>& at = reference_.given;
+    const catalog::Arguments<double>& at = reference_.given;
     const Row& dynamics = *catalog::find<BodyFixed>("forward_dynamics");
     const std::size_t nv = at.v.size();
     const Numbers a = call(dynamics, at);
     Numbers rate_of_tau(nv);
     for (std::size_t c = 0; c < nv; ++c) rate_of_tau[c] = at.dtau[c];
-    Given<double> along = at;
+    catalog::Arguments<double> along = at;
     along.dq = at.v, along.dv = a, along.dtau = rate_of_tau;
     const auto moved = [&](double t) {
-      Given<double> later = at;
+      catalog::Arguments<double> later = at;
       Numbers step(nv), v(nv), tau(nv);
       for (std::size_t c = 0; c < nv; ++c) {
         step[c] = t * at.v[c] + t * t / 2 * a[c];

@@ -88,7 +88,7 @@ TEST_P(EquationsOfMotion, AFrameAnswersAnImpulse) {
                    Y_transposed = matrix(trial.model.nv(), columns_of_Y), M = trial.mass_matrix();
     response.expect_equal(product(M, Y_transposed), J_transposed,
                           largest_entry(M) * largest_entry(Y_transposed));
-    const auto [rows, mobile] = trial.answer("mobility", ask);
+    const auto [rows, mobile] = trial.answer("inverse_operational_space_inertia", ask);
     EXPECT_TRUE(mobile.ok());
     const MatrixXd mobility = matrix(6, rows);
     symmetry.expect_equal(mobility, product(J_transposed.transpose(), Y_transposed));

@@ -7,7 +7,7 @@
 namespace axode::test {
 namespace {
 
-using catalog::Function, catalog::Given, catalog::Input;
+using catalog::Function, catalog::Input;
 
 class EveryFunction : public Law {};
 INSTANTIATE_TEST_SUITE_P(Laws, EveryFunction, testing::ValuesIn(cases_with_fast()), name_of);
@@ -45,7 +45,7 @@ template <class T> class Calls {
     return function.size(model, arguments.wrenches.size());
   }
   /// Calls with results in given memory.
-  Outcome<T> call(const Function<T>& function, const Given<T>& given, std::span<T> out) {
+  Outcome<T> call(const Function<T>& function, const catalog::Arguments<T>& given, std::span<T> out) {
     Outcome<T> outcome;
     try {
       outcome.solvability = function.call(model, workspace, given, out);
@@ -57,7 +57,7 @@ template <class T> class Calls {
     outcome.numbers.assign(out.begin(), out.end());
     return outcome;
   }
-  Outcome<T> call(const Function<T>& function, const Given<T>& given) {
+  Outcome<T> call(const Function<T>& function, const catalog::Arguments<T>& given) {
     std::vector<T> out(size(function));
     return call(function, given, out);
   }
@@ -87,7 +87,7 @@ TEST_P(EveryFunction, InPlaceIsRightOrRefused) {
     for (const Input input : inputs_of_numbers(function))
       for (const std::ptrdiff_t shift : {0, 1, -1}) {  // from the argument's first number to the result's
         SCOPED_TRACE(std::string(to_string(input)) + " shifted by " + std::to_string(shift));
-        Given<T> given = calls.arguments.given();
+        catalog::Arguments<T> given = calls.arguments.given();
         std::span<const T>& argument = catalog::numbers(given, input);
         const std::size_t size = calls.size(function);
         std::vector<T> memory(std::max(argument.size(), size) + 1);
@@ -126,7 +126,7 @@ TEST_P(EveryFunction, RefusesWrongSizes) {
   for_functions(GetParam(), 20, small, [&]<class T>(Calls<T>& calls, const Function<T>& function) {
     for (const Input input : inputs_of_numbers(function))
       for (const int change : {-1, 1}) {
-        Given<T> given = calls.arguments.given();
+        catalog::Arguments<T> given = calls.arguments.given();
         std::span<const T>& argument = catalog::numbers(given, input);
         if (argument.empty() && change < 0) continue;
         std::vector<T> numbers(argument.begin(), argument.end());
@@ -165,7 +165,7 @@ TEST_P(EveryFunction, NotFiniteIsSaid) {
     const T nan = std::numeric_limits<T>::quiet_NaN(), infinity = std::numeric_limits<T>::infinity(),
             huge = T(1e-8) * std::numeric_limits<T>::max();
     for (const Input input : inputs_of_numbers(function)) {
-      Given<T> given = calls.arguments.given();
+      catalog::Arguments<T> given = calls.arguments.given();
       std::span<const T>& argument = catalog::numbers(given, input);
       std::vector<T> numbers(argument.begin(), argument.end());
       argument = numbers;
@@ -179,7 +179,7 @@ TEST_P(EveryFunction, NotFiniteIsSaid) {
     if (!function.takes_input(Input::place)) return;
     for (const T wrong : {nan, infinity, huge}) {
       SCOPED_TRACE("a place at " + std::to_string(wrong));
-      Given<T> given = calls.arguments.given();
+      catalog::Arguments<T> given = calls.arguments.given();
       given.place.offset.r.x = wrong;
       check(calls.call(function, given));
     }

@@ -22,7 +22,7 @@ TEST_P(NothingMoves, AndEveryFunctionAnswers) {
     Workspace<T> workspace(model);
     const std::vector<AppliedWrench<T>> wrenches{
         {1, Representation::hybrid, {T(1), T(2), T(3)}, {T(4), T(5), T(6)}}};
-    catalog::Given<T> given{};
+    catalog::Arguments<T> given{};
     given.loads = {wrenches, true};
     given.place = 1, given.base = 0;
     for (const catalog::Function<T>& function : functions_of<T>(GetParam())) {

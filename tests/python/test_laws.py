@@ -175,7 +175,7 @@ def test_impulses_mobility_and_operational_inertia_agree(mechanism, representati
     J = axode.jacobian(m, q, tool(m), representation)
     Y = axode.impulse_response(m, q, tool(m), representation)
     assert close(Y, axode.inverse_mass_matrix(m, q) @ J.T, 1e-9)
-    assert close(axode.mobility(m, q, tool(m), representation), J @ Y, 1e-9)
+    assert close(axode.inverse_operational_space_inertia(m, q, tool(m), representation), J @ Y, 1e-9)
     Lambda = axode.operational_space_inertia(m, q, tool(m), representation)
     if np.isfinite(Lambda).all():
         assert close(Lambda @ (J @ Y), np.eye(6), 1e-6)

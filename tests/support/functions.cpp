@@ -58,8 +58,8 @@ template <class T>
 Arguments<T>::Arguments(const Model& model, Random<double>& random)
     : Arguments(any(model, loaded_state(model, random), random)) {}
 
-template <class T> catalog::Given<T> Arguments<T>::given() const {
-  catalog::Given<T> given{q, v, a, tau, p, dq, dv, da, dtau, w};
+template <class T> catalog::Arguments<T> Arguments<T>::given() const {
+  catalog::Arguments<T> given{q, v, a, tau, p, dq, dv, da, dtau, w};
   given.loads = {wrenches, joint_losses};
   given.place = place, given.base = base, given.form = form;
   return given;

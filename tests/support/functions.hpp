@@ -27,7 +27,7 @@ template <class T> struct Arguments {
   CoriolisForm form = CoriolisForm::christoffel;
 
   /// To be read as long as these arguments are.
-  catalog::Given<T> given() const;
+  catalog::Arguments<T> given() const;
 };
 
 /// The inputs of numbers that a function takes.

@@ -64,7 +64,7 @@ struct DerivativeState {
   }
 
   /// A function of the catalogue; result k of n.
-  std::vector<std::vector<double>> call(const char* name, catalog::Given<double> given, bool loaded,
+  std::vector<std::vector<double>> call(const char* name, catalog::Arguments<double> given, bool loaded,
                                         int dimensions) {
     const catalog::Function<double>& function = *catalog::find<BodyFixed>(name);
     given.q = q;
@@ -123,11 +123,11 @@ TEST_P(ReferenceDerivatives, SecondOrder) {
   const bool contracted = at.file.at("second_partials").text() == "contracted";
   const std::vector<double> v = at.velocities("v"), a = at.velocities("a"), tau = at.velocities("tau");
   const std::size_t nv = at.nv();
-  const auto check = [&](const char* function, bool loaded, const catalog::Given<double>& given,
+  const auto check = [&](const char* function, bool loaded, const catalog::Arguments<double>& given,
                          const char* group, std::initializer_list<const char*> keys, Comparison& comparison) {
     std::vector<std::vector<double>> found(keys.size());
     for (std::size_t i = 0; i < (contracted ? 1 : nv); ++i) {
-      catalog::Given<double> weighed = given;
+      catalog::Arguments<double> weighed = given;
       std::vector<double> w(nv);
       if (contracted)
         w = at.velocities("weights");

@@ -73,7 +73,7 @@ TEST(MeshFiles, OfEveryFormatAreRead) {
                                                {"e.glb", "glb", glb(gltf_json(3), nine_floats(0))},
                                                {"f.gltf", "gltf", gltf_json(3)}}) {
     const MeshFile mesh = read_mesh(folder.write(name, text));
-    EXPECT_EQ(mesh.why_not, "") << name;
+    EXPECT_EQ(mesh.error, "") << name;
     EXPECT_EQ(mesh.format, format);
     EXPECT_EQ(mesh.bytes, text) << name;
   }
@@ -83,7 +83,7 @@ TEST(MeshFiles, ABinaryOneMayBeginLikeText) {
   std::string bytes = binary_stl(2, {corner, corner});
   bytes.replace(0, 12, "solid robot\0", 12);
   const TemporaryFolder folder;
-  EXPECT_EQ(read_mesh(folder.write("a.stl", bytes)).why_not, "");
+  EXPECT_EQ(read_mesh(folder.write("a.stl", bytes)).error, "");
 }
 
 TEST(MeshFiles, ThatAReaderCannotRelyOnAreRefusedInOneSentence) {
@@ -140,24 +140,24 @@ TEST(MeshFiles, ThatAReaderCannotRelyOnAreRefusedInOneSentence) {
   const TemporaryFolder folder;
   for (const auto& [name, text, sentence] : bad) {
     const MeshFile mesh = read_mesh(folder.write(name, text));
-    EXPECT_THAT(mesh.why_not, StartsWith(sentence)) << name << ": " << text.substr(0, 60);
+    EXPECT_THAT(mesh.error, StartsWith(sentence)) << name << ": " << text.substr(0, 60);
     EXPECT_EQ(mesh.bytes, "");
-    EXPECT_EQ(mesh.why_not.find('\n'), std::string::npos);
+    EXPECT_EQ(mesh.error.find('\n'), std::string::npos);
   }
   const std::string large = folder.write("large.stl", "");
   std::filesystem::resize_file(large, largest_mesh + (1 << 20));
-  EXPECT_EQ(read_mesh(large).why_not, "it has 65 MiB; a mesh may have 64");
-  EXPECT_THAT(read_mesh(folder.file("none.stl")).why_not, StartsWith("it cannot be read"));
+  EXPECT_EQ(read_mesh(large).error, "it has 65 MiB; a mesh may have 64");
+  EXPECT_THAT(read_mesh(folder.file("none.stl")).error, StartsWith("it cannot be read"));
 }
 
 TEST(MeshFiles, CutShortAnywhereAreRefusedOrWholeWithoutTheRest) {
   const TemporaryFolder folder;
   const std::string scene = glb(gltf_json(3), nine_floats(0));
   for (std::size_t n = 0; n < scene.size(); ++n)
-    EXPECT_NE(read_mesh(folder.write("a.glb", scene.substr(0, n))).why_not, "") << n;
+    EXPECT_NE(read_mesh(folder.write("a.glb", scene.substr(0, n))).error, "") << n;
   const std::string triangles = binary_stl(3, {corner, corner, corner});
   for (std::size_t n = 0; n < triangles.size(); ++n)
-    EXPECT_NE(read_mesh(folder.write("a.stl", triangles.substr(0, n))).why_not, "") << n;
+    EXPECT_NE(read_mesh(folder.write("a.stl", triangles.substr(0, n))).error, "") << n;
 }
 
 /// An environment variable while this lives.
@@ -191,12 +191,12 @@ class FindMesh : public testing::Test {
   /// Where it is in the folder, or why it is not.
   std::string find(const std::string& name, const std::string& referenced_from = "arm/urdf/arm.urdf") const {
     const FoundMesh found = find_mesh(name, {folder_.file(referenced_from), 1});
-    if (found.why_not.empty())
+    if (found.error.empty())
       return std::filesystem::canonical(found.file)
           .lexically_relative(std::filesystem::canonical(folder_.path()))
           .string();
     EXPECT_TRUE(found.file.empty());
-    return found.why_not;
+    return found.error;
   }
 
   TemporaryFolder folder_;
@@ -226,7 +226,7 @@ TEST_F(FindMesh, InThePackagesOfTheEnvironment) {
   EXPECT_THAT(
       find("package://gripper/jaw.stl"),
       StartsWith("there is no package \"gripper\" in ROS_PACKAGE_PATH, in AMENT_PREFIX_PATH and in \""));
-  EXPECT_THAT(find_mesh("package://gripper/jaw.stl", {"arm.urdf", 1}).why_not,
+  EXPECT_THAT(find_mesh("package://gripper/jaw.stl", {"arm.urdf", 1}).error,
               HasSubstr("and in \".\" and the folders that hold it"))
       << "told in a file of the folder where one is";
   {
