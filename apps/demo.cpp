@@ -42,11 +42,11 @@ std::string short_number(double x) { return x == 0 ? "0" : fmt::format("{:.1e}",
 double microseconds(double seconds) { return std::round(1e8 * seconds) / 100; }
 
 /// Inverse dynamics of one robot at one state: in the four representations, and in whatever frames are quickest.
-struct FiveWays {
+struct RepresentationTimes {
   std::array<std::vector<double>, 5> tau;
   std::array<double, 5> time{};
 
-  FiveWays(const Model& model, const State& state) {
+  RepresentationTimes(const Model& model, const State& state) {
     Workspace<> workspace(model);
     const auto run = [&](std::size_t r, auto rep) {
       tau[r].resize(model.nv());
@@ -78,7 +78,7 @@ struct FiveWays {
   }
 };
 
-void print_forces(const Model& model, const FiveWays& ways) {
+void print_forces(const Model& model, const RepresentationTimes& times) {
   constexpr std::size_t most_rows = 10;
   const std::vector<std::string> names = velocity_names(model);
   std::vector<std::size_t> shown(names.size());
@@ -86,7 +86,7 @@ void print_forces(const Model& model, const FiveWays& ways) {
   const bool some = shown.size() > most_rows;
   if (some) {
     const auto larger = [&](std::size_t i, std::size_t j) {
-      return std::abs(ways.tau[0][i]) > std::abs(ways.tau[0][j]);
+      return std::abs(times.tau[0][i]) > std::abs(times.tau[0][j]);
     };
     std::ranges::sort(shown, larger);
     shown.resize(most_rows);
@@ -94,8 +94,8 @@ void print_forces(const Model& model, const FiveWays& ways) {
   }
   Table table({"joint", "body-fixed", "spatial", "hybrid", "mixed", "they differ by"});
   for (const std::size_t k : shown)
-    table.row({names[k], ways.tau[0][k], ways.tau[1][k], ways.tau[2][k], ways.tau[3][k],
-               short_number(ways.spread(k))});
+    table.row({names[k], times.tau[0][k], times.tau[1][k], times.tau[2][k], times.tau[3][k],
+               short_number(times.spread(k))});
   fmt::print("\ndrive forces at a random state, one recursion in four representations{}; N m or N\n{}",
              some ? fmt::format(" (the {} largest of {})", most_rows, names.size()) : "", table.text());
 }
@@ -123,14 +123,14 @@ void print_reaction(const Model& model, const State& state) {
   fmt::print("{}", wrench.text());
 }
 
-FiveWays show(const Model& model) {
+RepresentationTimes show(const Model& model) {
   fmt::print("\n{}: {} moving bodies, nq = {}, nv = {}, {} kg\n{}", in(Ink::heading, model.name()),
              model.n_bodies(), model.nq(), model.nv(), significant(model.total_mass()), draw_limbs(model));
   std::fflush(stdout);
   const State state = random_state(model);
-  const FiveWays ways(model, state);
-  print_forces(model, ways);
-  return ways;
+  const RepresentationTimes times(model, state);
+  print_forces(model, times);
+  return times;
 }
 
 void print_summary(const Table& table) {
@@ -152,17 +152,17 @@ void show_demo() {
       {"robot", "bodies", "body-fixed", "spatial", "hybrid", "mixed", "fast", "difference / largest force"});
   double worst = 0;
   for (const Model* model : {&arm, &humanoid}) {
-    const FiveWays ways = show(*model);
+    const RepresentationTimes times = show(*model);
     if (model == &arm) {
       const State state = random_state(arm);
       print_tip(arm, state);
       print_reaction(arm, state);
     }
-    const double difference = ways.largest_spread() / ways.largest();
+    const double difference = times.largest_spread() / times.largest();
     worst = std::max(worst, difference);
-    summary.row({model->name(), std::to_string(model->n_bodies()), microseconds(ways.time[0]),
-                 microseconds(ways.time[1]), microseconds(ways.time[2]), microseconds(ways.time[3]),
-                 microseconds(ways.time[4]), short_number(difference)});
+    summary.row({model->name(), std::to_string(model->n_bodies()), microseconds(times.time[0]),
+                 microseconds(times.time[1]), microseconds(times.time[2]), microseconds(times.time[3]),
+                 microseconds(times.time[4]), short_number(difference)});
   }
   print_summary(summary);
   const bool agree = worst <= 1e-11;

@@ -70,31 +70,32 @@ constexpr std::array<std::string_view, 5> ways_to_compute{"body", "spatial", "hy
 constexpr std::array<std::string_view, 4> frame_choices{"joint", "user", "com", "construction"};
 
 /// One way to compute.
-struct Way {
+struct Variant {
   std::string_view frames, representation;
   std::unique_ptr<Subject> subject;
   Operations (*operations)(Algorithm, const Model&, const State&);
 };
 
 template <class Frames>
-void add_ways(std::vector<Way>& ways, std::string_view frames, const Model& model, const State& state) {
+void add_variants(std::vector<Variant>& variants, std::string_view frames, const Model& model,
+                  const State& state) {
   for (const auto& [name, representation] : representations)
     with_representation(representation, [&, name = name](auto rep) {
-      ways.push_back({frames, name, make_subject<decltype(rep), Frames>(model, state),
-                      operations<decltype(rep), Frames>});
+      variants.push_back({frames, name, make_subject<decltype(rep), Frames>(model, state),
+                          operations<decltype(rep), Frames>});
     });
   if constexpr (std::same_as<Frames, JointFrames>)
-    ways.push_back(
+    variants.push_back(
         {frames, fast, make_subject<Fast, JointFrames>(model, state), operations<Fast, JointFrames>});
 }
 
-std::vector<Way> ways_of(const Model& model, const State& state) {
-  std::vector<Way> ways;
-  add_ways<JointFrames>(ways, "joint", model, state);
-  add_ways<UserFrames>(ways, "user", model, state);
-  add_ways<MassCenterFrames>(ways, "com", model, state);
-  add_ways<ConstructionFrames>(ways, "construction", model, state);
-  return ways;
+std::vector<Variant> variants_of(const Model& model, const State& state) {
+  std::vector<Variant> variants;
+  add_variants<JointFrames>(variants, "joint", model, state);
+  add_variants<UserFrames>(variants, "user", model, state);
+  add_variants<MassCenterFrames>(variants, "com", model, state);
+  add_variants<ConstructionFrames>(variants, "construction", model, state);
+  return variants;
 }
 
 /// A line that a terminal shows while something takes long.
@@ -120,16 +121,16 @@ Study studied(const Model& model) {
     study.left_out = "forward_dynamics, inverse_mass_matrix and momentum_form are left out: " +
                      to_string(model, solvability);
 
-  const std::vector<Way> ways = ways_of(model, state);
+  const std::vector<Variant> variants = variants_of(model, state);
   std::vector<CallTimer> timers;
   for (const auto& [name, algorithm] : algorithms)
-    for (const Way& way : ways) {
-      if (!way.subject->can(algorithm) || (!solvability.ok() && needs_mass_matrix_inverse(algorithm)))
+    for (const Variant& variant : variants) {
+      if (!variant.subject->can(algorithm) || (!solvability.ok() && needs_mass_matrix_inverse(algorithm)))
         continue;
-      study.efforts.push_back(
-          {algorithm, way.frames, way.representation, way.operations(algorithm, model, state), 0});
+      study.efforts.push_back({algorithm, variant.frames, variant.representation,
+                               variant.operations(algorithm, model, state), 0});
       timers.emplace_back(
-          [&subject = *way.subject, algorithm = algorithm](int calls) { subject.run(algorithm, calls); });
+          [&subject = *variant.subject, algorithm = algorithm](int calls) { subject.run(algorithm, calls); });
     }
   for (int round = 0; round < rounds; ++round) {
     show_progress(fmt::format("{}: round {} of {}", model.name(), round + 1, rounds));

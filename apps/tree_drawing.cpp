@@ -39,10 +39,11 @@ class Branches {
   std::vector<bool> open_;
 };
 
-struct Kinship {
+struct ChildCounts {
   std::vector<int> children, last_child;  // 0 to n_bodies: how many, and the last of them
 
-  explicit Kinship(const Model& model) : children(model.n_bodies() + 1), last_child(model.n_bodies() + 1) {
+  explicit ChildCounts(const Model& model)
+      : children(model.n_bodies() + 1), last_child(model.n_bodies() + 1) {
     for (int i = 1; i <= model.n_bodies(); ++i) {
       const int p = model.body(i).predecessor;
       ++children[p], last_child[p] = i;
@@ -67,7 +68,7 @@ std::string coupling(const Model& model, const Joint& joint) {
 }
 
 std::string draw_tree(const Model& model) {
-  const Kinship kin(model);
+  const ChildCounts counts(model);
   std::vector<std::size_t> depth(model.n_bodies() + 1);
   std::vector<std::string> left(model.n_bodies() + 1);
   Branches branches;
@@ -75,7 +76,7 @@ std::string draw_tree(const Model& model) {
   for (int i = 1; i <= model.n_bodies(); ++i) {
     const int p = model.body(i).predecessor;
     depth[i] = p == 0 ? 0 : depth[p] + 1;
-    left[i] = branches.before(depth[i], kin.last_child[p] == i) + model.body(i).name;
+    left[i] = branches.before(depth[i], counts.last_child[p] == i) + model.body(i).name;
     widest = std::max(widest, width(left[i]));
     widest_joint = std::max(widest_joint, width(model.joint(i).name));
   }
@@ -92,7 +93,7 @@ std::string draw_tree(const Model& model) {
 }
 
 std::string draw_limbs(const Model& model) {
-  const Kinship kin(model);
+  const ChildCounts counts(model);
   std::vector<std::size_t> depth(model.n_bodies() + 1);
   Branches branches;
   std::string out, line = model.body(0).name;
@@ -100,13 +101,13 @@ std::string draw_limbs(const Model& model) {
   for (int i = 1; i <= model.n_bodies(); ++i) {
     const int p = model.body(i).predecessor;
     const std::string& name = model.body(i).name;
-    if (p > 0 && kin.children[p] == 1) {
+    if (p > 0 && counts.children[p] == 1) {
       depth[i] = depth[p];
       if (width(line) + width(name) > widest_line) begin_line(branches.under());
       line += " ─ " + name;
     } else {
       depth[i] = p == 0 ? 0 : depth[p] + 1;
-      begin_line(branches.before(depth[i], kin.last_child[p] == i) + name);
+      begin_line(branches.before(depth[i], counts.last_child[p] == i) + name);
     }
   }
   return out + line + "\n";

@@ -163,7 +163,7 @@ axode_add_part(beyond_dynamics)
 find_package(TBB REQUIRED)
 axode_add_library(axode_batch batch)
 target_sources(axode_batch PRIVATE ${PROJECT_SOURCE_DIR}/axode/batch/batch.cpp
-                                   ${PROJECT_SOURCE_DIR}/axode/batch/followed_drive.cpp
+                                   ${PROJECT_SOURCE_DIR}/axode/batch/control_law_sampler.cpp
                                    ${PROJECT_SOURCE_DIR}/axode/batch/instruction_set.cpp
                                    ${PROJECT_SOURCE_DIR}/axode/batch/portions.cpp
                                    ${PROJECT_SOURCE_DIR}/axode/batch/rollout.cpp)

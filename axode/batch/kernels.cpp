@@ -61,13 +61,13 @@ template <Id id> std::size_t results(const Topology& topology) {
 }
 
 /// A row with its numbers in lanes.
-template <Id id> struct InLanes {
+template <Id id> struct RowBuffers {
   catalog::Read<Number> given;
   Number* x[catalog::inputs_of_numbers.size()] = {};
   Number* out;
   catalog::RowKernel<id, ByBodies> kernel;
 
-  explicit InLanes(Arena& arena) : out(arena.array<Number>(results<id>(arena.topology()))), kernel(arena) {
+  explicit RowBuffers(Arena& arena) : out(arena.array<Number>(results<id>(arena.topology()))), kernel(arena) {
     each_input([&]<Input input>() {
       const Topology& topology = arena.topology();
       const int n = input == Input::q ? topology.nq : topology.nv;
@@ -87,17 +87,17 @@ template <Id id> struct InLanes {
   }
 };
 
-struct MassMatrix {
+struct MassMatrixBuffers {
   Number *q, *out;
   FastCompositeBodies<Number> bodies;
-  explicit MassMatrix(Arena& arena)
+  explicit MassMatrixBuffers(Arena& arena)
       : q(arena.array<Number>(static_cast<std::size_t>(arena.topology().nq))),
         out(arena.array<Number>(results<"mass_matrix">(arena.topology()))),
         bodies(arena) {}
 };
-struct InverseByFactors : MassMatrix {
+struct InverseByFactors : MassMatrixBuffers {
   FastInverseMassMatrix<Number> inverse;
-  explicit InverseByFactors(Arena& arena) : MassMatrix(arena), inverse(arena) {}
+  explicit InverseByFactors(Arena& arena) : MassMatrixBuffers(arena), inverse(arena) {}
 };
 struct InverseByBodies {
   Number *q, *out;
@@ -107,18 +107,20 @@ struct InverseByBodies {
         out(arena.array<Number>(results<"mass_matrix">(arena.topology()))),
         by(arena) {}
 };
-struct Poses {
+struct PoseBuffers {
   Number* q;
   SE3<Number>* body;
   FastPoses<Number> poses;
-  explicit Poses(Arena& arena)
+  explicit PoseBuffers(Arena& arena)
       : q(arena.array<Number>(static_cast<std::size_t>(arena.topology().nq))),
         body(arena.per_body<SE3<Number>>()),
         poses(arena) {}
 };
 
 /// Memory that a kernel needs.
-template <class Room> std::size_t bytes(const Tree<S>& tree) { return footprint<Room>(*tree.topology()); }
+template <class Buffers> std::size_t bytes(const Tree<S>& tree) {
+  return footprint<Buffers>(*tree.topology());
+}
 std::size_t bytes_of_inverse(const Tree<S>& tree) {
   return FastInverseMassMatrix<Number>::suits(tree) ? bytes<InverseByFactors>(tree)
                                                     : bytes<InverseByBodies>(tree);
@@ -137,7 +139,7 @@ unsigned bits(const Number::Mask& mask) {
 
 template <Id id>
 unsigned call(const Tree<S>& tree, Arena arena, const catalog::Read<S>& given, S* out) noexcept {
-  using At = InLanes<id>;
+  using At = RowBuffers<id>;
   At at(arena);
   At::each_input([&]<Input input>() {
     gather(given[input], input == Input::q ? tree->nq : tree->nv, at.x[static_cast<std::size_t>(input)]);
@@ -151,7 +153,7 @@ unsigned call(const Tree<S>& tree, Arena arena, const catalog::Read<S>& given, S
 }
 
 unsigned mass_matrix(const Tree<S>& tree, Arena arena, const catalog::Read<S>& given, S* M) noexcept {
-  MassMatrix at(arena);
+  MassMatrixBuffers at(arena);
   gather(given[Input::q], tree->nq, at.q);
   at.bodies.run(tree, at.q);
   at.bodies.write(tree, at.out);
@@ -182,7 +184,7 @@ unsigned inverse_mass_matrix(const Tree<S>& tree, Arena arena, const catalog::Re
 void store(const Vec3<Number>& a, int lane, Vec3<S>& out) { out = {a.x[lane], a.y[lane], a.z[lane]}; }
 
 unsigned poses(const Tree<S>& tree, Arena arena, const catalog::Read<S>& given, S* out) noexcept {
-  Poses at(arena);
+  PoseBuffers at(arena);
   gather(given[Input::q], tree->nq, at.q);
   SE3<S>* const C = reinterpret_cast<SE3<S>*>(out);
   at.body[0] = {};
@@ -199,7 +201,7 @@ unsigned poses(const Tree<S>& tree, Arena arena, const catalog::Read<S>& given, 
 }
 
 unsigned joint_screws(const Tree<S>& tree, Arena arena, const catalog::Read<S>& given, S* out) noexcept {
-  Poses at(arena);
+  PoseBuffers at(arena);
   gather(given[Input::q], tree->nq, at.q);
   Twist<Spatial, S>* const J = reinterpret_cast<Twist<Spatial, S>*>(out);
   const int n = tree->n_screws;
@@ -293,7 +295,7 @@ class Rollout {
       singular_lanes_ |= static_cast<unsigned>(of.maybe_singular[l] != 0) << l;
   }
   /// τ of a drive that is at a row.
-  void drive(const Law<S>& law, const S* row, const Number* q, const Number* v) noexcept {
+  void drive(const ControlLaw<S>& law, const S* row, const Number* q, const Number* v) noexcept {
     Dynamics& at = *dynamics_;
     const int nq = tree_->nq, nv = tree_->nv;
     const S *const v_d = row + nq, *const w = v_d + nv;
@@ -341,12 +343,12 @@ template <> const Kernels<S>& kernels<AXODE_ISA, S>() {
     const auto set = [&](Id id, LaneKernel<S> kernel) { made.rows[id.index] = kernel; };
     catalog::each_row([&]<Id id> {
       if constexpr (id.words().lanes && catalog::HasRowKernel<id, ByBodies>)
-        set(id, {bytes<InLanes<id>>, call<id>, !id.words().may_fail});
+        set(id, {bytes<RowBuffers<id>>, call<id>, !id.words().may_fail});
     });
-    set("mass_matrix", {bytes<MassMatrix>, mass_matrix});
+    set("mass_matrix", {bytes<MassMatrixBuffers>, mass_matrix});
     set("inverse_mass_matrix", {bytes_of_inverse, inverse_mass_matrix});
-    set("poses", {bytes<Poses>, poses, true});
-    set("joint_screws", {bytes<Poses>, joint_screws, true});
+    set("poses", {bytes<PoseBuffers>, poses, true});
+    set("joint_screws", {bytes<PoseBuffers>, joint_screws, true});
     return made;
   }();
   static_assert(std::ranges::equal(

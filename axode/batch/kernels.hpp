@@ -20,7 +20,7 @@ template <class S> struct LaneKernel {
 
 /// A drive of axode/integration/drives.hpp, the same for all motions. With x from q ⊕ x = q_d, where it tracks,
 ///   y = kp x + kd (v_d - v) + w,   τ = y within the limits, or τ = ID(q, v, y) where it computes.
-template <class S> struct Law {
+template <class S> struct ControlLaw {
   bool tracks, computes;
   const S *kp, *kd;  ///< nv each
   const S* limit;    ///< nv, or none
@@ -36,9 +36,9 @@ template <class S> struct CompiledCall {
 
 /// Motions of K steps, at most as many as there are lanes: the states of one lie behind each other, and so do its forces.
 template <class S> struct Motions {
-  const S* tau;       ///< K nv for each; or
-  const Law<S>* law;  ///< that of their drive
-  S *q, *v;           ///< (K + 1) nq and nv for each
+  const S* tau;              ///< K nv for each; or
+  const ControlLaw<S>* law;  ///< that of their drive
+  S *q, *v;                  ///< (K + 1) nq and nv for each
   std::ptrdiff_t K, count;
   double step;
   bool damped;                      ///< whether the joints' damping acts besides

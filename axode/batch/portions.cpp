@@ -9,15 +9,15 @@
 
 namespace axode::batch {
 
-bool Watch::go_on(std::size_t done) {
-  if (!monitor_ || ++calls_ < calls_between_looks_) return true;
+bool MonitorThrottle::should_continue(std::size_t done) {
+  if (!monitor_ || ++calls_ < calls_between_checks_) return true;
   const Clock::time_point now = Clock::now();
-  const bool soon = now - looked_ < std::chrono::milliseconds(2);
-  calls_between_looks_ =
-      soon ? std::min(2 * calls_between_looks_, 1024) : std::max(calls_between_looks_ / 4, 1);
-  calls_ = 0, looked_ = now;
-  if (now - told_ < std::chrono::milliseconds(20)) return true;
-  told_ = now;
+  const bool soon = now - last_check_ < std::chrono::milliseconds(2);
+  calls_between_checks_ =
+      soon ? std::min(2 * calls_between_checks_, 1024) : std::max(calls_between_checks_ / 4, 1);
+  calls_ = 0, last_check_ = now;
+  if (now - last_call_ < std::chrono::milliseconds(20)) return true;
+  last_call_ = now;
   return monitor_(done, of_);
 }
 
@@ -28,7 +28,7 @@ std::size_t in_portions(std::size_t N, std::size_t group, int threads, const Mon
   const std::size_t tasks =
       std::min(groups, static_cast<std::size_t>(std::min(threads, tbb::info::default_concurrency())));
   const std::thread::id caller = std::this_thread::get_id();
-  Watch watch(monitor, N);
+  MonitorThrottle throttle(monitor, N);
   std::atomic<std::size_t> next, first_left = groups, finished = 0;
   std::atomic<bool> stopped = false;
   const auto run = [&] {
@@ -45,7 +45,7 @@ std::size_t in_portions(std::size_t N, std::size_t group, int threads, const Mon
           return;
         }
         work(g * group, std::min(group, N - g * group));
-        if (is_caller && !watch.go_on(g * group)) stopped = true;
+        if (is_caller && !throttle.should_continue(g * group)) stopped = true;
       }
     }
   };

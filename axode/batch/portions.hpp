@@ -9,17 +9,17 @@
 namespace axode::batch {
 
 /// Tells a monitor how far a call is, now and then, and learns whether to go on. For the thread of the call.
-class Watch {
+class MonitorThrottle {
  public:
-  Watch(const Monitor& monitor, std::size_t of) : monitor_(monitor), of_(of) {}
-  bool go_on(std::size_t done);
+  MonitorThrottle(const Monitor& monitor, std::size_t of) : monitor_(monitor), of_(of) {}
+  bool should_continue(std::size_t done);
 
  private:
   using Clock = std::chrono::steady_clock;
   const Monitor& monitor_;
   std::size_t of_;
-  int calls_ = 0, calls_between_looks_ = 1;  ///< at the clock, which costs more than some states
-  Clock::time_point looked_ = Clock::now(), told_ = looked_;
+  int calls_ = 0, calls_between_checks_ = 1;  ///< at the clock, which costs more than some states
+  Clock::time_point last_check_ = Clock::now(), last_call_ = last_check_;
 };
 
 /// Work on a group of states: the first of them, and how many.

@@ -11,7 +11,7 @@
 #include "axode/batch.hpp"
 #include "axode/batch/check_states.hpp"
 #include "axode/batch/compiled_rollout.hpp"
-#include "axode/batch/followed_drive.hpp"
+#include "axode/batch/control_law_sampler.hpp"
 #include "axode/batch/kernels.hpp"
 #include "axode/batch/portions.hpp"
 #include "axode/batch/scratch.hpp"
@@ -33,17 +33,17 @@ template <class S> void none(std::span<S> x) { std::ranges::fill(x, std::numeric
 struct Losses {
   bool damping, friction;
 
-  Losses(const Model& model, bool felt)
-      : damping(felt),
-        friction(felt && std::ranges::any_of(model.tree<double>().friction, [](double f) { return f > 0; })) {
-  }
+  Losses(const Model& model, bool enabled)
+      : damping(enabled),
+        friction(enabled &&
+                 std::ranges::any_of(model.tree<double>().friction, [](double f) { return f > 0; })) {}
 };
 
 /// Steps of one motion, under forces or a drive.
-template <class S> class OneMotion {
+template <class S> class ScalarRollout {
  public:
-  OneMotion(const Model& model, const CompiledDynamics<S>& compiled, const Tableau& method,
-            const Drive& drive, const Losses& losses)
+  ScalarRollout(const Model& model, const CompiledDynamics<S>& compiled, const Tableau& method,
+                const Drive& drive, const Losses& losses)
       : model_(&model),
         compiled_(compiled),
         workspace_(model, cut_tree),
@@ -67,7 +67,7 @@ template <class S> class OneMotion {
   Solvability run(std::size_t k, std::span<const S> q, std::span<const S> v, std::span<const S> tau,
                   double step, std::span<S> q_1, std::span<S> v_1) {
     if constexpr (std::same_as<S, double>)
-      if (losses_.friction && rub(k, q, v, tau, step, q_1, v_1)) return {};
+      if (losses_.friction && step_with_friction(k, q, v, tau, step, q_1, v_1)) return {};
     Solvability found;
     std::size_t stage = 0;
     const auto accelerate = [&](double, std::span<const S> q_t, std::span<const S> v_t, std::span<S> a_t) {
@@ -102,8 +102,9 @@ template <class S> class OneMotion {
 
  private:
   /// A step, or more, in which joints stick and slide; false where the motion cannot go on.
-  bool rub(std::size_t k, std::span<const double> q, std::span<const double> v, std::span<const double> tau,
-           double step, std::span<double> q_1, std::span<double> v_1) {
+  bool step_with_friction(std::size_t k, std::span<const double> q, std::span<const double> v,
+                          std::span<const double> tau, double step, std::span<double> q_1,
+                          std::span<double> v_1) {
     if (!finite(q) || !finite(v)) return false;
     SimulationOptions options{.joint_losses = true};
     options.drive = [&](double t, std::span<const double> q_t, std::span<const double> v_t,
@@ -160,9 +161,9 @@ template <class S> class OneMotion {
 };
 
 /// The quick way, for several motions of models without springs; with coupled joints by compiled dynamics only.
-template <class S> class InLanes {
+template <class S> class LaneRollout {
  public:
-  InLanes(const Tree<S>& tree, const CompiledDynamics<S>& compiled, const Tableau& method)
+  LaneRollout(const Tree<S>& tree, const CompiledDynamics<S>& compiled, const Tableau& method)
       : kernel_(best_kernels<S>().rollout), rollout_(kernel_.make(tree, method), kernel_.remove) {
     if (!compiled.call) return;
     const std::size_t lanes = static_cast<std::size_t>(best_kernels<S>().lanes),
@@ -195,10 +196,10 @@ template <class S> class InLanes {
 
 /// Motions under forces, or a drive.
 template <class S>
-Outcome roll(const Model& model, const CompiledDynamics<S>& compiled, std::span<const S> q,
-             std::span<const S> v, std::size_t K, std::span<const S> tau, const Drive& drive, double step,
-             std::span<S> q_out, std::span<S> v_out, const Tableau& method, int threads,
-             const Monitor& monitor, const Losses& losses) {
+Outcome run_rollouts(const Model& model, const CompiledDynamics<S>& compiled, std::span<const S> q,
+                     std::span<const S> v, std::size_t K, std::span<const S> tau, const Drive& drive,
+                     double step, std::span<S> q_out, std::span<S> v_out, const Tableau& method, int threads,
+                     const Monitor& monitor, const Losses& losses) {
   // Of one motion, between two looks at the monitor; a step with friction takes up to milliseconds.
   const std::size_t steps_at_once = losses.friction ? 16 : 256;
   const std::size_t nq = static_cast<std::size_t>(model.nq()), nv = static_cast<std::size_t>(model.nv()),
@@ -222,20 +223,20 @@ Outcome roll(const Model& model, const CompiledDynamics<S>& compiled, std::span<
         std::ranges::copy(v.subspan(n * nv, nv), v_at(n, 0).begin());
 
   const Tree<S>& tree = model.tree<S>();
-  FollowedDrive<S> followed(model, drive);
+  ControlLawSampler<S> sampler(model, drive);
   const bool in_lanes = N > 1 && (tree->coupled_bodies.empty() || compiled.call) && model.springs().empty() &&
-                        model.loops().empty() && !losses.friction && (!drive || followed.known());
+                        model.loops().empty() && !losses.friction && (!drive || sampler.known());
   const std::size_t group = in_lanes ? static_cast<std::size_t>(best_kernels<S>().lanes) : 1;
   std::vector<Solvability> found(N);
   std::vector<char> torn(N);
   Outcome outcome{.done = N};
-  Watch watch(monitor, N);
+  MonitorThrottle throttle(monitor, N);
   for (std::size_t begin = 0; begin < K && outcome.done == N; begin += steps_at_once) {
     const std::size_t end = std::min(K, begin + steps_at_once);
-    const Law<S>* law = in_lanes && drive ? &followed.law(method, step, begin, end) : nullptr;
+    const ControlLaw<S>* law = in_lanes && drive ? &sampler.law(method, step, begin, end) : nullptr;
     outcome.done = in_portions(N, group, threads, monitor, [&] {
-      return [&, lanes = in_lanes ? std::optional(InLanes<S>(tree, compiled, method)) : std::nullopt,
-              one = std::optional<OneMotion<S>>()](std::size_t first, std::size_t count) mutable {
+      return [&, lanes = in_lanes ? std::optional(LaneRollout<S>(tree, compiled, method)) : std::nullopt,
+              one = std::optional<ScalarRollout<S>>()](std::size_t first, std::size_t count) mutable {
         unsigned singular_lanes = ~0u;
         if (lanes)
           singular_lanes = lanes->run({tau_at(first, 0).data(), law, q_at(first, 0).data(),
@@ -258,7 +259,7 @@ Outcome roll(const Model& model, const CompiledDynamics<S>& compiled, std::span<
         }
       };
     });
-    if (!watch.go_on(0)) outcome.done = 0;
+    if (!throttle.should_continue(0)) outcome.done = 0;
   }
   for (std::size_t n = 0; n < outcome.done; ++n)
     if ((!found[n].ok() || torn[n]) && outcome.singular_states++ == 0)
@@ -293,8 +294,8 @@ bool check_loops(const Model& model, std::span<const S> q, std::span<const S> v,
 }
 
 /// Throws where single precision is asked for what it does not do.
-template <class S> Losses losses_of(const Model& model, bool felt) {
-  const Losses losses(model, felt);
+template <class S> Losses losses_of(const Model& model, bool enabled) {
+  const Losses losses(model, enabled);
   if (std::same_as<S, float> && losses.friction)
     throw std::invalid_argument("model \"" + model.name() +
                                 "\" has dry friction, which rollouts count in double precision alone");
@@ -314,7 +315,8 @@ Outcome rollout(const Model& model, const CompiledDynamics<S>& compiled, Numbers
                     K = N * nv == 0 ? 0 : tau.size() / (N * nv);
   check_size("tau", tau.size(), K * nv * N, "K nv N");
   if (!check_loops(model, q, v, threads, monitor)) return {};
-  return roll<S>(model, compiled, q, v, K, tau, {}, step, q_out, v_out, method, threads, monitor, losses);
+  return run_rollouts<S>(model, compiled, q, v, K, tau, {}, step, q_out, v_out, method, threads, monitor,
+                         losses);
 }
 template <class S>
 Outcome rollout(const Model& model, std::span<const S> q, Numbers<S> v, Numbers<S> tau, double step,
@@ -334,7 +336,8 @@ Outcome rollout(const Model& model, const CompiledDynamics<S>& compiled, Numbers
   if (!drive) throw std::invalid_argument("drive is empty; expected a function of (t, q, v)");
   static_cast<void>(check_states(model, q, threads));
   if (!check_loops(model, q, v, threads, monitor)) return {};
-  return roll<S>(model, compiled, q, v, K, {}, drive, step, q_out, v_out, method, threads, monitor, losses);
+  return run_rollouts<S>(model, compiled, q, v, K, {}, drive, step, q_out, v_out, method, threads, monitor,
+                         losses);
 }
 template <class S>
 Outcome rollout(const Model& model, std::span<const S> q, Numbers<S> v, const Drive& drive, std::size_t K,

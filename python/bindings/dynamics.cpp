@@ -19,8 +19,8 @@ template <class F> Array solved_rows(const MassMatrixFactor<>& factor, NewArray 
   const std::size_t n = static_cast<std::size_t>(factor.nv()), rows = n == 0 ? 0 : out.all().size() / n;
   LongCall call(true);
   const batch::Monitor monitor = call.monitor();
-  batch::Watch watch(monitor, rows);
-  for (std::size_t k = 0; k < rows && watch.go_on(k); ++k) {
+  batch::MonitorThrottle throttle(monitor, rows);
+  for (std::size_t k = 0; k < rows && throttle.should_continue(k); ++k) {
     const std::span<double> row = out.all().subspan(k * n, n);
     set(k, row);
     factor.solve(row);

@@ -36,8 +36,8 @@ nb::object call_back(const nb::callable& f, double t, std::span<const double> q,
 template <class F> void each_of(std::size_t count, const F& f, bool calls_back = false) {
   LongCall call(!calls_back && count > 20);
   const batch::Monitor monitor = call.monitor();
-  batch::Watch watch(monitor, count);
-  for (std::size_t k = 0; k < count && watch.go_on(k); ++k) f(k);
+  batch::MonitorThrottle throttle(monitor, count);
+  for (std::size_t k = 0; k < count && throttle.should_continue(k); ++k) f(k);
   call.end();
 }
 
@@ -218,10 +218,10 @@ BoundTrajectory simulate_of(const BoundModel& m, ArrayLike q, ArrayLike v, doubl
     if (!progress.is_none()) progress(now);
     return look(0, 0);
   };
-  batch::Watch watch(tell, 0);
+  batch::MonitorThrottle throttle(tell, 0);
   options.monitor = [&](double t) {
     now = t;
-    return watch.go_on(0);
+    return throttle.should_continue(0);
   };
   const std::span<const double> q_0 = states.q(0), v_0 = velocities[0];
   BoundTrajectory found{

@@ -164,8 +164,8 @@ template <class F, class... T> auto map_items(const F& f, const Given<T>&... giv
   Results<std::invoke_result_t<const F&, const T&...>> results(leading);
   LongCall call(leading.size() > 200);
   const batch::Monitor monitor = call.monitor();
-  batch::Watch watch(monitor, static_cast<std::size_t>(leading.size()));
-  for (nb::ssize_t k = 0; k < leading.size() && watch.go_on(static_cast<std::size_t>(k)); ++k) {
+  batch::MonitorThrottle throttle(monitor, static_cast<std::size_t>(leading.size()));
+  for (nb::ssize_t k = 0; k < leading.size() && throttle.should_continue(static_cast<std::size_t>(k)); ++k) {
     try {
       [&]<std::size_t... n>(std::index_sequence<n...>) {
         results.write(k, f(Item<T>::read(operands[n].name(), operands[n][k])...));

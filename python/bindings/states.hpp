@@ -88,10 +88,10 @@ class States {
   template <class F> void each_long(double microseconds, const F& f) const {
     unlocked(microseconds, [&](const batch::Monitor& monitor) {
       const std::thread::id caller = std::this_thread::get_id();
-      batch::Watch watch(monitor, count_);
+      batch::MonitorThrottle throttle(monitor, count_);
       std::atomic<bool> stopped = false;
       const std::function<bool()> go_on = [&] {
-        if (std::this_thread::get_id() == caller && !stopped && !watch.go_on(0)) stopped = true;
+        if (std::this_thread::get_id() == caller && !stopped && !throttle.should_continue(0)) stopped = true;
         return !stopped;
       };
       return batch::in_portions(

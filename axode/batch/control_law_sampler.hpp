@@ -8,14 +8,14 @@
 namespace axode::batch {
 
 /// A drive of axode/integration/drives.hpp as motions in lanes take it. What it follows is found once for all of them.
-template <class S> class FollowedDrive {
+template <class S> class ControlLawSampler {
  public:
-  FollowedDrive(const Model& model, const Drive& drive);
+  ControlLawSampler(const Model& model, const Drive& drive);
 
   /// Whether it is one of these, and its feedforward is given by samples.
   bool known() const { return known_; }
   /// For the stages of steps begin to end - 1; until the next call.
-  const Law<S>& law(const Tableau& method, double step, std::size_t begin, std::size_t end);
+  const ControlLaw<S>& law(const Tableau& method, double step, std::size_t begin, std::size_t end);
 
  private:
   void track(const Tracking& drive);
@@ -25,7 +25,7 @@ template <class S> class FollowedDrive {
   std::optional<Reference> reference_;
   std::optional<SampledDrive> forces_;
   std::vector<S> kp_, kd_, limit_, rows_;
-  Law<S> law_{};
+  ControlLaw<S> law_{};
 };
 
 /// When a stage of step k is, as simulate_fixed() has it.

@@ -1,11 +1,11 @@
-#include "axode/batch/followed_drive.hpp"
+#include "axode/batch/control_law_sampler.hpp"
 
 #include <algorithm>
 
 namespace axode::batch {
 
 template <class S>
-FollowedDrive<S>::FollowedDrive(const Model& model, const Drive& drive)
+ControlLawSampler<S>::ControlLawSampler(const Model& model, const Drive& drive)
     : nq_(static_cast<std::size_t>(model.nq())), nv_(static_cast<std::size_t>(model.nv())) {
   if (const auto* samples = drive.target<SampledDrive>()) {
     known_ = true;
@@ -22,13 +22,14 @@ FollowedDrive<S>::FollowedDrive(const Model& model, const Drive& drive)
   }
 }
 
-template <class S> void FollowedDrive<S>::track(const Tracking& drive) {
+template <class S> void ControlLawSampler<S>::track(const Tracking& drive) {
   kp_.assign(drive.kp().begin(), drive.kp().end()), kd_.assign(drive.kd().begin(), drive.kd().end());
   reference_ = drive.reference();
 }
 
 template <class S>
-const Law<S>& FollowedDrive<S>::law(const Tableau& method, double step, std::size_t begin, std::size_t end) {
+const ControlLaw<S>& ControlLawSampler<S>::law(const Tableau& method, double step, std::size_t begin,
+                                               std::size_t end) {
   const std::size_t width = nq_ + 2 * nv_, stages = method.c.size();
   rows_.assign((end - begin) * stages * width, S(0));
   std::vector<double> w(nv_);
@@ -53,7 +54,7 @@ const Law<S>& FollowedDrive<S>::law(const Tableau& method, double step, std::siz
   return law_;
 }
 
-template class FollowedDrive<double>;
-template class FollowedDrive<float>;
+template class ControlLawSampler<double>;
+template class ControlLawSampler<float>;
 
 }  // namespace axode::batch
