@@ -31,8 +31,11 @@ struct [[nodiscard]] Outcome {
   std::size_t singular_states = 0;  ///< their results are NaN
   std::size_t first = 0;            ///< the first of them
   Solvability solvability;          ///< of that one
-  bool torn = false;                ///< or whether its loops could not be kept closed; of motions
-  std::size_t done = 0;             ///< N, unless the monitor ended the call
+  union {
+    bool loops_open = false;  ///< of a motion: whether it ended because its loops could not be kept closed
+    [[deprecated("use loops_open")]] bool torn;  ///< the former name of loops_open
+  };
+  std::size_t done = 0;  ///< N, unless the monitor ended the call
   bool ok() const { return singular_states == 0; }
 };
 

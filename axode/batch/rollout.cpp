@@ -82,7 +82,7 @@ template <class S> class ScalarRollout {
       return found.ok();
     };
     if (losses_.friction) {  // why it could not go on
-      if (accelerate(0, q, v, a_)) torn_ = loops_ != nullptr, found.not_finite = !torn_;
+      if (accelerate(0, q, v, a_)) loops_open_ = loops_ != nullptr, found.not_finite = !loops_open_;
       return found;
     }
     if (!accelerate(0, q, v, a_) || !scheme_.run(0, q.data(), v.data(), a_.data(), step, accelerate))
@@ -92,13 +92,13 @@ template <class S> class ScalarRollout {
     if constexpr (std::same_as<S, double>)
       if (loops_) {
         std::vector<double> q_end(q_1.begin(), q_1.end());
-        torn_ = !loops_->close(q_end, scheme_.y);
+        loops_open_ = !loops_->close(q_end, scheme_.y);
         std::ranges::copy(q_end, q_1.begin()), std::ranges::copy(scheme_.y, v_1.begin());
       }
     return found;
   }
   /// Whether the loops could not be closed at the end of the last step.
-  bool torn() const { return torn_; }
+  bool loops_open() const { return loops_open_; }
 
  private:
   /// A step, or more, in which joints stick and slide; false where the motion cannot go on.
@@ -156,7 +156,7 @@ template <class S> class ScalarRollout {
   Drive drive_;
   Losses losses_;
   std::shared_ptr<ClosedMotion> loops_;
-  bool torn_ = false;
+  bool loops_open_ = false;
   std::vector<S> a_, total_;
 };
 
@@ -228,7 +228,7 @@ Outcome run_rollouts(const Model& model, const CompiledDynamics<S>& compiled, st
                         model.loops().empty() && !losses.friction && (!drive || sampler.known());
   const std::size_t group = in_lanes ? static_cast<std::size_t>(best_kernels<S>().lanes) : 1;
   std::vector<Solvability> found(N);
-  std::vector<char> torn(N);
+  std::vector<char> loops_open(N);
   Outcome outcome{.done = N};
   MonitorThrottle throttle(monitor, N);
   for (std::size_t begin = 0; begin < K && outcome.done == N; begin += steps_at_once) {
@@ -247,14 +247,14 @@ Outcome run_rollouts(const Model& model, const CompiledDynamics<S>& compiled, st
           const std::size_t n = first + l;
           if ((singular_lanes >> l & 1) == 0 && finite(v_at(n, end)) && finite(q_at(n, end))) continue;
           if (!one) one.emplace(model, compiled, method, drive, losses);
-          if (found[n].ok() && !torn[n]) one->begin(q_at(n, begin));
+          if (found[n].ok() && !loops_open[n]) one->begin(q_at(n, begin));
           for (std::size_t k = begin; k < end; ++k) {
-            if (found[n].ok() && !torn[n]) {
+            if (found[n].ok() && !loops_open[n]) {
               found[n] =
                   one->run(k, q_at(n, k), v_at(n, k), tau_at(n, k), step, q_at(n, k + 1), v_at(n, k + 1));
-              torn[n] = one->torn();
+              loops_open[n] = one->loops_open();
             }
-            if (!found[n].ok() || torn[n]) none(q_at(n, k + 1)), none(v_at(n, k + 1));
+            if (!found[n].ok() || loops_open[n]) none(q_at(n, k + 1)), none(v_at(n, k + 1));
           }
         }
       };
@@ -262,8 +262,8 @@ Outcome run_rollouts(const Model& model, const CompiledDynamics<S>& compiled, st
     if (!throttle.should_continue(0)) outcome.done = 0;
   }
   for (std::size_t n = 0; n < outcome.done; ++n)
-    if ((!found[n].ok() || torn[n]) && outcome.singular_states++ == 0)
-      outcome.first = n, outcome.solvability = found[n], outcome.torn = torn[n];
+    if ((!found[n].ok() || loops_open[n]) && outcome.singular_states++ == 0)
+      outcome.first = n, outcome.solvability = found[n], outcome.loops_open = loops_open[n];
   return outcome;
 }
 

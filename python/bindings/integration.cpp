@@ -282,7 +282,7 @@ std::tuple<Array, Array> motions_of(const States& states, const BoundSpecialised
       states.unlocked(100.0 * static_cast<double>(K), [&](const batch::Monitor& monitor) {
         return roll(states, compiled, steps, q_out.all(), v_out.all(), monitor);
       });
-  if (outcome.torn) {
+  if (outcome.loops_open) {
     std::vector<std::size_t> torn;
     for (std::size_t n = outcome.first; n < states.count(); ++n)
       if (!all_finite(item(v_out, n, shape_v))) torn.push_back(n);

@@ -230,7 +230,7 @@ TEST(Rollouts, EndWhereLoopsCannotBeKeptClosed) {
   const batch::Outcome outcome = batch::rollout<double>(model, q, v, Vector(2 * 3 * 3), 0.1, q_out, v_out);
   EXPECT_EQ(outcome.singular_states, 1u);
   EXPECT_EQ(outcome.first, 1u);
-  EXPECT_TRUE(outcome.torn);
+  EXPECT_TRUE(outcome.loops_open);
   EXPECT_FALSE(std::isnan(q_out[11]));
   EXPECT_TRUE(std::isnan(q_out[23]));
 }
