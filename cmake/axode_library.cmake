@@ -37,7 +37,7 @@ set(AXODE_PER_SCALAR
     constraints/independent_rows
     constraints/loop_system
     constraints/loops
-    constraints/quick_acceleration
+    constraints/fast_acceleration
     derivatives/geometry_derivatives
     derivatives/linearization
     derivatives/momentum_form_derivatives

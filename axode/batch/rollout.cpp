@@ -60,7 +60,7 @@ template <class S> class ScalarRollout {
   /// At a state, where loops are closed.
   void begin(std::span<const S> q) {
     if constexpr (std::same_as<S, double>)
-      if (loops_) loops_->hold(q);
+      if (loops_) loops_->determine_rank(q);
   }
 
   /// Step k; forces are for those without a drive.

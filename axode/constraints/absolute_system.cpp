@@ -23,7 +23,7 @@ int direction_along(const std::array<bool, 6>& free) {
 Vec3<> angular(const double* x) { return {x[0], x[1], x[2]}; }
 Vec3<> linear(const double* x) { return {x[3], x[4], x[5]}; }
 /// angle - counted, or 0 if it is no more than the rounding of angles of that size.
-double angle_gap(double angle, double counted) {
+double angle_residual(double angle, double counted) {
   const double open = angle - counted, rounding = 4 * std::numeric_limits<double>::epsilon();
   return std::abs(open) <= rounding * std::abs(counted) ? 0 : open;
 }
@@ -47,7 +47,7 @@ AbsoluteSystem::AbsoluteSystem(const Model& model, BodyGroup kind)
       com_(index(n_ + 1)),
       group_tree_(group_of(0, 0, kind)),
       loops_(model),
-      near_(neutral(model)),
+      reference_q_(neutral(model)),
       placed_(index(n_ + 1)),
       C_(index(n_ + 1)),
       V_(index(n_ + 1)),
@@ -102,7 +102,7 @@ Tree<double> AbsoluteSystem::group_of(int n, int rotors, BodyGroup kind) {
   for (int k = 0; k < rotors; ++k) add(Subgroup::prismatic);
   const std::size_t joints = all.parent.size();
   const auto topology = std::make_shared<const Topology>(std::move(all));
-  const Numbers none(index(topology->nv)), zero(joints), one(joints, 1.0);
+  const Vector none(index(topology->nv)), zero(joints), one(joints, 1.0);
   const std::vector<SE3<>> identity(joints);
   return {topology,
           {.pitch = zero,
@@ -124,7 +124,7 @@ SE3<> AbsoluteSystem::pose(Span q, int i) const {
   const SO3<> R = rotation(Quaternion<>{at[0], at[1], at[2], at[3]});
   return {R, Vec3<>{at[4], at[5], at[6]} - R * com_[index(i)]};
 }
-void AbsoluteSystem::put_pose(const SE3<>& C, int i, Numbers& q) const {
+void AbsoluteSystem::put_pose(const SE3<>& C, int i, Vector& q) const {
   const Quaternion<> turn = quaternion(C.R);
   const Vec3<> r = C.r + C.R * com_[index(i)];
   const std::array<double, 7> all{turn.x, turn.y, turn.z, turn.w, r.x, r.y, r.z};
@@ -136,7 +136,7 @@ BodyTwist AbsoluteSystem::twist(const SE3<>& C, Span v, int i) const {
   const Vec3<> c_dot = kind_ == BodyGroup::SE3 ? linear(at) : transpose(C.R) * linear(at);
   return {angular(at), c_dot - cross(angular(at), com_[index(i)])};
 }
-void AbsoluteSystem::put_twist(const SE3<>& C, const BodyTwist& V, int i, Numbers& v) const {
+void AbsoluteSystem::put_twist(const SE3<>& C, const BodyTwist& V, int i, Vector& v) const {
   const Vec3<> c_dot = V.v + cross(V.w, com_[index(i)]);
   const Six<double> all = six(V.w, kind_ == BodyGroup::SE3 ? c_dot : C.R * c_dot);
   std::ranges::copy(all, v.begin() + 6 * (i - 1));
@@ -146,7 +146,7 @@ BodyWrench AbsoluteSystem::wrench(const SE3<>& C, Span f, int i) const {
   const Vec3<> f_b = kind_ == BodyGroup::SE3 ? linear(at) : transpose(C.R) * linear(at);
   return {angular(at) + cross(com_[index(i)], f_b), f_b};
 }
-void AbsoluteSystem::add_wrench(const SE3<>& C, const BodyWrench& W, int i, Numbers& f) const {
+void AbsoluteSystem::add_wrench(const SE3<>& C, const BodyWrench& W, int i, Vector& f) const {
   if (i == 0) return;
   const Six<double> all = six(W.m - cross(com_[index(i)], W.f), kind_ == BodyGroup::SE3 ? W.f : C.R * W.f);
   for (std::size_t k = 0; k < 6; ++k) f[index(6 * (i - 1)) + k] += all[k];
@@ -155,7 +155,7 @@ void AbsoluteSystem::add_wrench(const SE3<>& C, const BodyWrench& W, int i, Numb
 void AbsoluteSystem::find_poses(Span q) {
   for (int i = 1; i <= n_; ++i) C_[index(i)] = pose(q, i);
   for (int r = 0; r < n_placed_rotors_; ++r)
-    near_[index(tree()->iq[index(rotors_[index(r)].joint)])] = q[index(7 * n_ + r)];
+    reference_q_[index(tree()->iq[index(rotors_[index(r)].joint)])] = q[index(7 * n_ + r)];
 }
 void AbsoluteSystem::find_twists(Span v) {
   for (int i = 1; i <= n_; ++i) V_[index(i)] = twist(C_[index(i)], v, i);
@@ -185,7 +185,7 @@ double AbsoluteSystem::angle(int i) const {
   if (l > 0) {
     near[0] = tree().ratio[index(i)] * angle(l) + tree().offset[index(i)];
   } else {
-    std::copy_n(&near_[index(tree()->iq[index(i)])], model_.joint(i).nq, near.begin());
+    std::copy_n(&reference_q_[index(tree()->iq[index(i)])], model_.joint(i).nq, near.begin());
   }
   joint_coordinates(i, near.data(), q_i.data());
   return q_i[0];
@@ -193,7 +193,7 @@ double AbsoluteSystem::angle(int i) const {
 /// Of the coordinate whose velocity is c.
 double AbsoluteSystem::known_angle(int c) const { return angle(joint_of_[index(c)]); }
 
-template <class Motion> void AbsoluteSystem::bind(const Motion& X, Numbers& rows) const {
+template <class Motion> void AbsoluteSystem::bind(const Motion& X, Vector& rows) const {
   for (int i = 1; i <= n_; ++i) {
     const auto& [closure, along] = bound_[index(i)];
     Six<double> x = six(X[index(i)].w, X[index(i)].v);
@@ -228,7 +228,7 @@ BodyWrench AbsoluteSystem::joint_force(int i, Span tau) const {
   return {angular(all.data()), linear(all.data())};
 }
 /// W on body i at its joint, and the reaction on the predecessor.
-void AbsoluteSystem::add_joint_wrench(int i, const BodyWrench& W, Numbers& f) const {
+void AbsoluteSystem::add_joint_wrench(int i, const BodyWrench& W, Vector& f) const {
   add_wrench(C_[index(i)], W, i, f);
   const int p = parent(i);
   if (p == 0) return;
@@ -247,7 +247,8 @@ loops::LoopFrames<double> AbsoluteSystem::loop_frames(const LoopPath& path) cons
 }
 
 /// The rows of a loop joint times the velocities of its bodies.
-template <class Joint> Six<double> AbsoluteSystem::loop_slip(const LoopPath& path, const Joint& joint) const {
+template <class Joint>
+Six<double> AbsoluteSystem::loop_rates(const LoopPath& path, const Joint& joint) const {
   const auto& [a, b] = path.ends;
   const Vec3<>& O = loop_origin(path);
   const Twist<Spatial> X =
@@ -259,8 +260,8 @@ template <class Joint> Six<double> AbsoluteSystem::loop_slip(const LoopPath& pat
   return slip;
 }
 
-void AbsoluteSystem::enter(Span q_joints, Span v_joints, Numbers& q, Numbers& v) {
-  keep(q_joints);
+void AbsoluteSystem::from_joint_state(Span q_joints, Span v_joints, Vector& q, Vector& v) {
+  set_reference_angles(q_joints);
   q.resize(index(nq())), v.resize(index(nv()));
   std::vector<SE3<>> D(index(n_ + 1));
   std::vector<BodyTwist> Sv(index(n_ + 1));
@@ -279,14 +280,14 @@ void AbsoluteSystem::enter(Span q_joints, Span v_joints, Numbers& q, Numbers& v)
   }
 }
 
-void AbsoluteSystem::leave(Span q, Span v, Numbers& q_joints, Numbers& v_joints) {
+void AbsoluteSystem::to_joint_state(Span q, Span v, Vector& q_joints, Vector& v_joints) {
   find_poses(q), find_twists(v);
-  q_joints.resize(near_.size()), v_joints.resize(x_.size());
+  q_joints.resize(reference_q_.size()), v_joints.resize(x_.size());
   for (int i = 1; i <= n_; ++i) {
     if (leader_[index(i)] > 0) continue;
     const BodyTwist X = joint_twist(i);
     const std::size_t from = index(tree()->iq[index(i)]);
-    joint_coordinates(i, &near_[from], &q_joints[from]);
+    joint_coordinates(i, &reference_q_[from], &q_joints[from]);
     const Six<double> x = six(X.w, X.v);
     double* v_i = &v_joints[index(tree()->iv[index(i)])];
     for (std::size_t k = 0; k < 6; ++k)
@@ -294,8 +295,8 @@ void AbsoluteSystem::leave(Span q, Span v, Numbers& q_joints, Numbers& v_joints)
   }
 }
 
-void AbsoluteSystem::put(std::span<const SE3<>> C, std::span<const Twist<BodyFixed>> V, Numbers& q,
-                         Numbers& v) {
+void AbsoluteSystem::set_poses_and_twists(std::span<const SE3<>> C, std::span<const Twist<BodyFixed>> V,
+                                          Vector& q, Vector& v) {
   q.resize(index(nq())), v.resize(index(nv()));
   for (int i = 1; i <= n_; ++i) {
     const SE3<>& offset = tree().frame_offset[index(i)];  // of the user's frame
@@ -311,9 +312,9 @@ void AbsoluteSystem::put(std::span<const SE3<>> C, std::span<const Twist<BodyFix
   }
 }
 
-void AbsoluteSystem::gap(Span q, Numbers& out, Rows kind) {
+void AbsoluteSystem::position_residual(Span q, Vector& out, ConstraintLevel level) {
   find_poses(q);
-  out.assign(index(rows(kind)), 0.0);
+  out.assign(index(rows(level)), 0.0);
   for (int i = 1; i <= n_; ++i) {
     const auto& [closure, along] = bound_[index(i)];
     const SE3<> E = closure.strip(joint_pose(i));
@@ -324,29 +325,30 @@ void AbsoluteSystem::gap(Span q, Numbers& out, Rows kind) {
           angle(i) - tree().ratio[index(i)] * angle(l) - tree().offset[index(i)];
   }
   for (int r = 0; r < n_placed_rotors_; ++r)
-    out[index(6 * n_ + r)] = angle_gap(angle(rotors_[index(r)].joint), q[index(7 * n_ + r)]);
-  double* const open = out.data() + first_loop(kind);
+    out[index(6 * n_ + r)] = angle_residual(angle(rotors_[index(r)].joint), q[index(7 * n_ + r)]);
+  double* const open = out.data() + first_loop(level);
   loops_.table().each([&](std::size_t n, const auto& joint) {
     const LoopPath& path = loops_.table().paths[n];
-    joint.residual(loop_frames(path), open + (kind == Rows::places ? path.residuals : path.rows).first);
+    joint.residual(loop_frames(path),
+                   open + (level == ConstraintLevel::position ? path.residuals : path.rows).first);
   });
   for (const LoopCoupling& coupling : model_.loops().couplings) {
-    double& sum = open[kind == Rows::places ? coupling.first_residual : coupling.first_row];
+    double& sum = open[level == ConstraintLevel::position ? coupling.first_residual : coupling.first_row];
     sum = -coupling.offset;
     for (const LoopCoupling::Term& term : coupling.terms) sum += term.factor * known_angle(term.velocity);
   }
 }
 
-void AbsoluteSystem::slip(Span q, Span v, Numbers& out) {
+void AbsoluteSystem::velocity_residual(Span q, Span v, Vector& out) {
   find_poses(q), find_twists(v);
-  out.resize(index(rows(Rows::velocities)));
+  out.resize(index(rows(ConstraintLevel::velocity)));
   for (int i = 1; i <= n_; ++i) X_[index(i)] = joint_twist(i);
   bind(X_, out);
   for (int r = 0; r < n_rotors(); ++r) out[index(6 * n_ + r)] -= v[index(6 * n_ + r)];
-  double* const at = out.data() + first_loop(Rows::velocities);
+  double* const at = out.data() + first_loop(ConstraintLevel::velocity);
   loops_.table().each([&](std::size_t n, const auto& joint) {
     const LoopPath& path = loops_.table().paths[n];
-    std::copy_n(loop_slip(path, joint).begin(), path.rows.count, at + path.rows.first);
+    std::copy_n(loop_rates(path, joint).begin(), path.rows.count, at + path.rows.first);
   });
   for (const LoopCoupling& coupling : model_.loops().couplings)
     at[coupling.first_row] = coupled_rate(coupling, X_);
@@ -361,24 +363,24 @@ double AbsoluteSystem::coupled_rate(const LoopCoupling& coupling, const std::vec
   return sum;
 }
 
-void AbsoluteSystem::put_rolling(Span q, Span v, double scale, Numbers& out) {
-  if (!rolls()) return;
+void AbsoluteSystem::set_nonholonomic_rates(Span q, Span v, double scale, Vector& out) {
+  if (!has_nonholonomic_rows()) return;
   find_poses(q), find_twists(v);
   for (int r = n_placed_rotors_; r < n_rotors(); ++r) {
     const Rotor& rotor = rotors_[index(r)];
     out[index(6 * n_ + r)] = scale * (rate(rotor, joint_twist(rotor.joint)) - v[index(6 * n_ + r)]);
   }
-  double* const at = out.data() + first_loop(Rows::velocities);
+  double* const at = out.data() + first_loop(ConstraintLevel::velocity);
   loops_.table().each([&](std::size_t n, const auto& joint) {
     const LoopPath& path = loops_.table().paths[n];
     if (path.residuals.count == path.rows.count) return;
-    const Six<double> slip = loop_slip(path, joint);
+    const Six<double> slip = loop_rates(path, joint);
     for (int k = path.residuals.count; k < path.rows.count; ++k)
       at[path.rows.first + k] = scale * slip[index(k)];
   });
 }
 
-void AbsoluteSystem::add_closing(Span q, Span lambda, Numbers& f) {
+void AbsoluteSystem::add_constraint_forces(Span q, Span lambda, Vector& f) {
   find_poses(q);
   for (int i = 1; i <= n_; ++i) {
     const double* const at = &lambda[index(6 * (i - 1))];
@@ -393,7 +395,7 @@ void AbsoluteSystem::add_closing(Span q, Span lambda, Numbers& f) {
     add_joint_wrench(rotors_[index(r)].joint, co_screw(rotors_[index(r)].along, mu), f);
     f[index(6 * n_ + r)] -= mu;
   }
-  const double* const at = lambda.data() + first_loop(Rows::velocities);
+  const double* const at = lambda.data() + first_loop(ConstraintLevel::velocity);
   loops_.table().each([&](std::size_t n, const auto& joint) {
     const LoopPath& path = loops_.table().paths[n];
     const auto& [a, b] = path.ends;
@@ -412,7 +414,7 @@ void AbsoluteSystem::add_closing(Span q, Span lambda, Numbers& f) {
     }
 }
 
-void AbsoluteSystem::momentum(Span v, Numbers& p) const {
+void AbsoluteSystem::momentum(Span v, Vector& p) const {
   p.resize(index(nv()));
   for (int i = 1; i <= n_; ++i) {
     const double* const at = &v[index(6 * (i - 1))];
@@ -436,7 +438,7 @@ double AbsoluteSystem::energy(Span q, Span v) {
   return sum;
 }
 
-void AbsoluteSystem::forces(Span q, Span v, Span tau, const Loads<double>& loads, Numbers& f) {
+void AbsoluteSystem::forces(Span q, Span v, Span tau, const Loads<double>& loads, Vector& f) {
   find_poses(q), find_twists(v);
   f.assign(index(nv()), 0.0);
   std::vector<BodyWrench> applied(index(n_ + 1));
@@ -464,41 +466,43 @@ void AbsoluteSystem::forces(Span q, Span v, Span tau, const Loads<double>& loads
     if (leader_[index(i)] == 0) add_joint_wrench(i, joint_force(i, tau_), f);
 }
 
-Solvability AbsoluteSystem::place(Span q, Rows kind) { return place(q, kind, tree().armature.data()); }
-
-Solvability AbsoluteSystem::place(Span q, Span resistance) {
-  armature_.assign(tree().armature.begin(), tree().armature.end());
-  for (std::size_t c = 0; c < armature_.size(); ++c) armature_[c] += resistance[c];
-  return place(q, Rows::velocities, armature_.data());
+Solvability AbsoluteSystem::factorize(Span q, ConstraintLevel level) {
+  return factorize(q, level, tree().armature.data());
 }
 
-Solvability AbsoluteSystem::place(Span q, Rows kind, const double* armature) {
+Solvability AbsoluteSystem::factorize(Span q, Span resistance) {
+  armature_.assign(tree().armature.begin(), tree().armature.end());
+  for (std::size_t c = 0; c < armature_.size(); ++c) armature_[c] += resistance[c];
+  return factorize(q, ConstraintLevel::velocity, armature_.data());
+}
+
+Solvability AbsoluteSystem::factorize(Span q, ConstraintLevel level, const double* armature) {
   find_poses(q);
-  placed_ = C_, placed_rows_ = kind;
-  loops_.place(placed_.data(), -C_[0].r);
+  placed_ = C_, factorized_level_ = level;
+  loops_.update_kinematics(placed_.data(), -C_[0].r);
   const Solvability found = loops_.factorize_with_armature(armature);
   if (!found.ok()) return found;
-  loops_.make_wrenches(kind);
+  loops_.make_wrenches(level);
   loops_.factorize_rows();
   return found;
 }
 
-Solvability AbsoluteSystem::hold(Span q) {
-  const Solvability found = place(q);
+Solvability AbsoluteSystem::factorize_with_rank(Span q) {
+  const Solvability found = factorize(q);
   if (found.ok()) loops_.determine_rank(rank_);
   return found;
 }
 
-void AbsoluteSystem::solve(Span r, Span want, Numbers& x, Numbers& lambda) {
+void AbsoluteSystem::solve(Span r, Span rhs, Vector& x, Vector& lambda) {
   ArticulatedBodies<Spatial, double>& bodies = loops_.bodies();
-  const int bound_rotors = n_rotors(placed_rows_), m = loops_.size(placed_rows_);
-  const std::size_t loop_rows = index(first_loop(placed_rows_));
+  const int bound_rotors = n_rotors(factorized_level_), m = loops_.size(factorized_level_);
+  const std::size_t loop_rows = index(first_loop(factorized_level_));
   x.resize(index(nv())), lambda.resize(loop_rows + index(m));
 
   // What joints bind is known: K_i along the path, so that Z_i = X_i - K_i moves as the joints allow.
   on_[0] = {};
   for (int i = 1; i <= n_; ++i) {
-    const double* const at = &want[index(6 * (i - 1))];
+    const double* const at = &rhs[index(6 * (i - 1))];
     BodyTwist k{angular(at), linear(at)};
     k.v.z += bound_[index(i)].closure.pitch * k.w.z;
     known_[index(i)] = known_[index(parent(i))];
@@ -512,9 +516,9 @@ void AbsoluteSystem::solve(Span r, Span want, Numbers& x, Numbers& lambda) {
   std::ranges::fill(tau_, 0.0);
   for (int k = 0; k < bound_rotors; ++k) {
     const int c = rotors_[index(k)].velocity;
-    tau_[index(c)] = r[index(6 * n_ + k)] + tree().armature[index(c)] * want[index(6 * n_ + k)];
+    tau_[index(c)] = r[index(6 * n_ + k)] + tree().armature[index(c)] * rhs[index(6 * n_ + k)];
   }
-  const auto give_way = [&] {
+  const auto eliminate = [&] {
     bodies.W[0] = {};
     for (int i = 1; i <= n_; ++i) bodies.W[i] = inertial(i, known_[index(i)]) - on_[index(i)];
     for (int t = 0; t < tree()->ties.begin[index(n_ + 1)]; ++t) bodies.u_tie[t] = 0;
@@ -524,14 +528,14 @@ void AbsoluteSystem::solve(Span r, Span want, Numbers& x, Numbers& lambda) {
     V_s_[0] = {};
     for (int i = 1; i <= n_; ++i) V_s_[index(i)] = bodies.X[i] + known_[index(i)];
   };
-  give_way();
+  eliminate();
   double* const loop_lambda = lambda.data() + loop_rows;
   if (m > 0) {
     loops_.rates(V_s_.data(), x_.data(), b_.data());
-    for (int k = 0; k < m; ++k) b_[k] -= want[loop_rows + index(k)];
+    for (int k = 0; k < m; ++k) b_[k] -= rhs[loop_rows + index(k)];
     loops_.solve_rows(b_.data(), loop_lambda, rank_);
     loops_.add_wrenches(loop_lambda, on_.data(), tau_.data());
-    give_way();
+    eliminate();
   }
 
   std::ranges::fill(through_, Wrench<Spatial>{});
@@ -551,16 +555,16 @@ void AbsoluteSystem::solve(Span r, Span want, Numbers& x, Numbers& lambda) {
     x[index(6 * n_ + k)] = x_[index(rotors_[index(k)].velocity)];
   for (int k = 0; k < bound_rotors; ++k) {
     const int c = rotors_[index(k)].velocity;
-    const double moved = x_[index(c)] - want[index(6 * n_ + k)];
+    const double moved = x_[index(c)] - rhs[index(6 * n_ + k)];
     x[index(6 * n_ + k)] = moved;
     lambda[index(6 * n_ + k)] = r[index(6 * n_ + k)] - tree().armature[index(c)] * moved;
   }
 }
 
-void AbsoluteSystem::bias(Span v, Numbers& want) {
+void AbsoluteSystem::bias(Span v, Vector& rhs) {
   C_ = placed_;
   find_twists(v);
-  want.resize(index(rows(Rows::velocities)));
+  rhs.resize(index(rows(ConstraintLevel::velocity)));
   // Twists of bodies that do not accelerate in their coordinates change all the same, where these are in inertial axes.
   std::vector<BodyTwist> rest(index(n_ + 1));
   for (int i = 1; i <= n_; ++i) {
@@ -574,11 +578,11 @@ void AbsoluteSystem::bias(Span v, Numbers& want) {
     const BodyTwist V_p = carried(D, V_[index(parent(i))]);
     X_[index(i)] = ad(V_p, V) - rest[index(i)] + carried(D, rest[index(parent(i))]);
   }
-  bind(X_, want);
+  bind(X_, rhs);
   if (model_.loops().empty()) return;
   V_s_[0] = {}, dV_s_[0] = {};
   loops_.bias(V_s_.data(), dV_s_.data(), b_.data());
-  double* const at = want.data() + first_loop(Rows::velocities);
+  double* const at = rhs.data() + first_loop(ConstraintLevel::velocity);
   for (int k = 0; k < model_.loops().rows; ++k) at[k] = -b_[k];
   for (const LoopCoupling& coupling : model_.loops().couplings)
     at[coupling.first_row] = coupled_rate(coupling, X_);

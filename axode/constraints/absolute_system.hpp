@@ -40,9 +40,8 @@ inline double largest_of(std::span<const double> numbers) {
 /// bodies algorithm, and what they bind is known. O(n + m d + m² d + m³) for m rows of loops of length d.
 class AbsoluteSystem {
  public:
-  using Numbers = std::vector<double>;
+  using Vector = std::vector<double>;
   using Span = std::span<const double>;
-  using Rows = LoopSystem<double>::Rows;
 
   AbsoluteSystem(const Model& model, BodyGroup group);
 
@@ -50,46 +49,49 @@ class AbsoluteSystem {
   const Tree<double>& group() const { return group_tree_; }
   int nq() const { return group_tree_->nq; }
   int nv() const { return group_tree_->nv; }
-  /// Numbers of rows, of velocities or of places; they differ where something rolls or a rotor has no place.
-  int rows(Rows kind) const { return first_loop(kind) + loops_.size(kind); }
+  /// Vector of rows, of velocities or of places; they differ where something rolls or a rotor has no place.
+  int rows(ConstraintLevel level) const { return first_loop(level) + loops_.size(level); }
 
   /// From the coordinates and velocities of the joints, and back; angles have the whole turns of their rotors.
-  void enter(Span q_joints, Span v_joints, Numbers& q, Numbers& v);
-  void leave(Span q, Span v, Numbers& q_joints, Numbers& v_joints);
+  void from_joint_state(Span q_joints, Span v_joints, Vector& q, Vector& v);
+  void to_joint_state(Span q, Span v, Vector& q_joints, Vector& v_joints);
   /// From the poses and twists of all bodies in the user's frames, the ground's first. Rotors turn with their joints, and their
   /// angles are those nearest to the ones last kept.
-  void put(std::span<const SE3<>> C, std::span<const Twist<BodyFixed>> V, Numbers& q, Numbers& v);
+  void set_poses_and_twists(std::span<const SE3<>> C, std::span<const Twist<BodyFixed>> V, Vector& q,
+                            Vector& v);
   /// Quaternions are given with the signs of these, and put() takes the nearest angles.
-  void keep(Span q_joints) { near_.assign(q_joints.begin(), q_joints.end()); }
+  void set_reference_angles(Span q_joints) { reference_q_.assign(q_joints.begin(), q_joints.end()); }
 
   /// Φ(q), and B v at q, wherever the system is placed. Among rows of velocities Φ is 0 where there is no place.
-  void gap(Span q, Numbers& out, Rows kind = Rows::places);
-  void slip(Span q, Span v, Numbers& out);
+  void position_residual(Span q, Vector& out, ConstraintLevel level = ConstraintLevel::position);
+  void velocity_residual(Span q, Span v, Vector& out);
   /// Whether rows have no place; and scale B v at q in these of all rows of velocities.
-  bool rolls() const { return rows(Rows::velocities) > rows(Rows::places); }
-  void put_rolling(Span q, Span v, double scale, Numbers& out);
+  bool has_nonholonomic_rows() const {
+    return rows(ConstraintLevel::velocity) > rows(ConstraintLevel::position);
+  }
+  void set_nonholonomic_rates(Span q, Span v, double scale, Vector& out);
   /// f += Bᵀ λ at q.
-  void add_closing(Span q, Span lambda, Numbers& f);
+  void add_constraint_forces(Span q, Span lambda, Vector& f);
   /// p = M v.
-  void momentum(Span v, Numbers& p) const;
+  void momentum(Span v, Vector& p) const;
   /// Kinetic energy, and that of weight, J.
   double energy(Span q, Span v);
   /// f of weight, loads and drives, tau being those of the joints.
-  void forces(Span q, Span v, Span tau, const Loads<double>& loads, Numbers& f);
+  void forces(Span q, Span v, Span tau, const Loads<double>& loads, Vector& f);
 
   /// Places the system at q, ready to solve with rows of a kind; where loops are closed, hold() decides on
   /// their rank, which solve() obeys from then on.
-  Solvability place(Span q, Rows kind = Rows::velocities);
+  Solvability factorize(Span q, ConstraintLevel level = ConstraintLevel::velocity);
   /// The same with joints that yield to x less than they are free to: each resists with a force of -resistance times its part of
   /// S⁺x, as springs and dampers do in an implicit step. It acts like an armature.
-  Solvability place(Span q, Span resistance);
-  Solvability hold(Span q);
-  /// M x - Bᵀ λ = r and B x = want, least λ for rows that repeat each other.
-  void solve(Span r, Span want, Numbers& x, Numbers& lambda);
+  Solvability factorize(Span q, Span resistance);
+  Solvability factorize_with_rank(Span q);
+  /// M x - Bᵀ λ = r and B x = rhs, least λ for rows that repeat each other.
+  void solve(Span r, Span rhs, Vector& x, Vector& lambda);
   /// LoopSystem::weakest_row() of the last solve().
   double weakest_row() const { return loops_.weakest_row(); }
   /// What B v' must be at (q, v), where the system is placed, so that (B v)' = 0.
-  void bias(Span v, Numbers& want);
+  void bias(Span v, Vector& rhs);
 
  private:
   using BodyTwist = Twist<BodyFixed, double>;
@@ -107,17 +109,19 @@ class AbsoluteSystem {
     std::size_t along;  ///< which direction of the joint
   };
   int n_rotors() const { return static_cast<int>(rotors_.size()); }
-  int n_rotors(Rows kind) const { return kind == Rows::velocities ? n_rotors() : n_placed_rotors_; }
-  int first_loop(Rows kind) const { return 6 * n_ + n_rotors(kind); }
+  int n_rotors(ConstraintLevel level) const {
+    return level == ConstraintLevel::velocity ? n_rotors() : n_placed_rotors_;
+  }
+  int first_loop(ConstraintLevel level) const { return 6 * n_ + n_rotors(level); }
   int parent(int i) const { return tree()->parent[i]; }
   static Tree<double> group_of(int n, int rotors, BodyGroup group);
 
   SE3<> pose(Span q, int i) const;
-  void put_pose(const SE3<>& C, int i, Numbers& q) const;
+  void put_pose(const SE3<>& C, int i, Vector& q) const;
   BodyTwist twist(const SE3<>& C, Span v, int i) const;
-  void put_twist(const SE3<>& C, const BodyTwist& V, int i, Numbers& v) const;
+  void put_twist(const SE3<>& C, const BodyTwist& V, int i, Vector& v) const;
   BodyWrench wrench(const SE3<>& C, Span f, int i) const;
-  void add_wrench(const SE3<>& C, const BodyWrench& W, int i, Numbers& f) const;
+  void add_wrench(const SE3<>& C, const BodyWrench& W, int i, Vector& f) const;
   void find_poses(Span q);
   void find_twists(Span v);
   SE3<> joint_pose(int i) const;
@@ -126,17 +130,17 @@ class AbsoluteSystem {
   double angle(int i) const;
   double known_angle(int c) const;
   /// The rows of the joints and rotors for relative motions of all joints.
-  Solvability place(Span q, Rows kind, const double* armature);
-  template <class Motion> void bind(const Motion& X, Numbers& rows) const;
+  Solvability factorize(Span q, ConstraintLevel level, const double* armature);
+  template <class Motion> void bind(const Motion& X, Vector& rows) const;
   double rate(int i, const BodyTwist& X) const { return six(X.w, X.v)[index(bound_[index(i)].along)]; }
   BodyWrench co_screw(int i, double tau) const;
   static double rate(const Rotor& rotor, const BodyTwist& X) { return six(X.w, X.v)[rotor.along]; }
   static BodyWrench co_screw(std::size_t along, double tau);
   BodyWrench joint_force(int i, Span tau) const;
-  void add_joint_wrench(int i, const BodyWrench& W, Numbers& f) const;
+  void add_joint_wrench(int i, const BodyWrench& W, Vector& f) const;
   const Vec3<>& loop_origin(const LoopPath& path) const;
   loops::LoopFrames<double> loop_frames(const LoopPath& path) const;
-  template <class Joint> Six<double> loop_slip(const LoopPath& path, const Joint& joint) const;
+  template <class Joint> Six<double> loop_rates(const LoopPath& path, const Joint& joint) const;
   double coupled_rate(const LoopCoupling& coupling, const std::vector<BodyTwist>& X) const;
 
   Model model_;
@@ -151,15 +155,15 @@ class AbsoluteSystem {
   Tree<double> group_tree_;
   LoopSystem<double> loops_;
   RowRank rank_;
-  Rows placed_rows_ = Rows::velocities;
-  Numbers near_;
+  ConstraintLevel factorized_level_ = ConstraintLevel::velocity;
+  Vector reference_q_;
   std::vector<SE3<>> placed_;
   std::vector<SE3<>> C_;
   std::vector<BodyTwist> V_, X_;
   std::vector<Twist<Spatial>> known_, V_s_;
   std::vector<TwistRate<Spatial>> dV_s_;
   std::vector<Wrench<Spatial>> on_, through_;
-  Numbers x_, tau_, p_, armature_;
+  Vector x_, tau_, p_, armature_;
   Eigen::VectorXd b_;
 };
 

@@ -16,7 +16,6 @@ namespace {
 
 using Vector = Eigen::VectorXd;
 using Matrix = Eigen::MatrixXd;
-using Rows = LoopSystem<double>::Rows;
 
 class Assembly {
  public:
@@ -47,7 +46,7 @@ class Assembly {
     for (; !closed(); ++result_.iterations) {
       if (result_.iterations == options_.iterations || (options_.monitor && !options_.monitor()))
         return AssemblyStatus::iteration_limit;
-      const Matrix R = rows(Rows::places);
+      const Matrix R = rows(ConstraintLevel::position);
       const double slope = (R.transpose() * r).norm(), before = r.norm();
       if (!(slope > 1e-9 * std::pow(before, 1.5))) {
         if (result_.iterations > 0 && closed_to_rounding()) return AssemblyStatus::closed;
@@ -86,14 +85,14 @@ class Assembly {
   /// r(q), with the system there.
   Vector residual_of(const std::vector<double>& q) {
     Vector r(model_.loops().residuals);
-    system_.place(q.data());
+    system_.update_kinematics(q.data());
     system_.residual(q.data(), r.data());
     return r;
   }
   /// R or A where the system is, with the columns of what is held empty.
-  Matrix rows(Rows which) {
-    LoopSystem<double>::RowByRow R(system_.size(which), model_.nv());
-    system_.make_rows(which);
+  Matrix rows(ConstraintLevel level) {
+    LoopSystem<double>::RowByRow R(system_.size(level), model_.nv());
+    system_.make_rows(level);
     system_.write(R.data());
     for (const int c : options_.held) R.col(c).setZero();
     return R;
@@ -102,9 +101,9 @@ class Assembly {
     if (options_.held.empty()) return impact(model_, workspace_, result_.q, result_.v, 0.0, result_.v).ok();
     static_cast<void>(residual_of(result_.q));
     Vector slip(model_.loops().rows);
-    system_.make_rows(Rows::velocities);
+    system_.make_rows(ConstraintLevel::velocity);
     system_.times(result_.v.data(), slip.data());
-    const Matrix A = rows(Rows::velocities);
+    const Matrix A = rows(ConstraintLevel::velocity);
     Eigen::Map<Vector> v(result_.v.data(), model_.nv());
     for (int n = 0; n < 3; ++n) {  // each leaves a small part of what it is given
       const Vector dv = least(A, slip, 1e-8 * A.squaredNorm());

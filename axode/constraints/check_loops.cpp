@@ -8,14 +8,14 @@ namespace axode {
 void check_closed(LoopSystem<double>& system, Numbers<double> q, Numbers<double> v) {
   const Loops& loops = system.model().loops();
   Eigen::VectorXd r(std::max(loops.residuals, loops.rows));
-  system.place(q.data());
+  system.update_kinematics(q.data());
   system.residual(q.data(), r.data());
   for (const LoopRows& loop : loops.all)
     if (const double open = r.segment(loop.first_residual, loop.residuals).norm(); !(open <= closed_enough))
       throw std::invalid_argument(
           "q leaves loop \"" + loop.name + "\" open by " + to_text(open) +
           " (rad and m); assemble() closes it, in a shell --assemble, as \"axode eval FILE --assemble\"");
-  system.make_rows(LoopSystem<double>::Rows::velocities);
+  system.make_rows(ConstraintLevel::velocity);
   system.times(v.data(), r.data());
   const double size = 1 + Eigen::Map<const Eigen::VectorXd>(v.data(), std::ssize(v)).norm();
   for (const LoopRows& loop : loops.all)
@@ -35,7 +35,7 @@ void check_accelerations(LoopSystem<double>& system, Numbers<double> q, Numbers<
   const double size = 1 + norm(a) + norm(v) * norm(v);
   Eigen::VectorXd rates(loops.rows), products(loops.rows);
   system.bias(rates.data());  // at these accelerations, but for those of couplings
-  system.make_rows(LoopSystem<double>::Rows::velocities);
+  system.make_rows(ConstraintLevel::velocity);
   system.times(a.data(), products.data());
   rates.tail(std::ssize(loops.couplings)) = products.tail(std::ssize(loops.couplings));
   for (const LoopRows& loop : loops.all) {

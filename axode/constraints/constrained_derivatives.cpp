@@ -58,7 +58,7 @@ Solvability forward_dynamics_derivatives(const Model& model, LoopWorkspace<T>& w
   if (!verdict.ok()) return fail(verdict);
   system.move(q.data(), v.data(), loads, h.data());
   system.bias(gamma.data());
-  const IndependentRows<T> rows(system, LoopSystem<T>::Rows::velocities);
+  const IndependentRows<T> rows(system, ConstraintLevel::velocity);
   const Eigen::Index r = rows.rank();
   RowByRow<T> A(m, n), by_q(n, n), by_v(n, n), M(n, n);
   system.write(A.data());
@@ -67,29 +67,30 @@ Solvability forward_dynamics_derivatives(const Model& model, LoopWorkspace<T>& w
                                {entries<T>(by_q), entries<T>(by_v), entries<T>(M)}, loads);
 
   Matrix K = Matrix::Zero(n + r, n + r);
-  const Matrix A_kept = kept<T>(A, rows.kept);
+  const Matrix A_kept = kept<T>(A, rows.independent);
   K.topLeftCorner(n, n) = M, K.topRightCorner(n, r) = -A_kept.transpose(), K.bottomLeftCorner(r, n) = A_kept;
   const Eigen::PartialPivLU<Matrix> factor(K);
   Vector right(n + r);
   for (Eigen::Index c = 0; c < n; ++c) right[c] = tau[static_cast<std::size_t>(c)] - h[c];
-  for (Eigen::Index k = 0; k < r; ++k) right[n + k] = -gamma[rows.kept[static_cast<std::size_t>(k)]];
+  for (Eigen::Index k = 0; k < r; ++k) right[n + k] = -gamma[rows.independent[static_cast<std::size_t>(k)]];
   const Vector found = factor.solve(right);
   a = found.head(n), lambda.setZero();
-  for (Eigen::Index k = 0; k < r; ++k) lambda[rows.kept[static_cast<std::size_t>(k)]] = found[n + k];
+  for (Eigen::Index k = 0; k < r; ++k) lambda[rows.independent[static_cast<std::size_t>(k)]] = found[n + k];
 
   RowByRow<T> closing = RowByRow<T>::Zero(n, n), rows_q = RowByRow<T>::Zero(m, n),
               rows_v = RowByRow<T>::Zero(m, n);
   system.force(q.data(), v.data(), a.data(), loads, h.data());
-  system.make_rows(LoopSystem<T>::Rows::velocities);
+  system.make_rows(ConstraintLevel::velocity);
   system.differentiate(lambda.data(), rows_q.data(), rows_v.data(), closing.data());
   Matrix changes = Matrix::Zero(n + r, 3 * n);
   changes.topLeftCorner(n, n) = closing - by_q, changes.block(0, n, n, n) = -by_v;
   changes.topRightCorner(n, n).setIdentity();
-  changes.bottomLeftCorner(r, n) = -kept<T>(rows_q, rows.kept);
-  changes.block(n, n, r, n) = -kept<T>(rows_v, rows.kept);
+  changes.bottomLeftCorner(r, n) = -kept<T>(rows_q, rows.independent);
+  changes.block(n, n, r, n) = -kept<T>(rows_v, rows.independent);
   const Matrix x = factor.solve(changes);
   Matrix of_rows = Matrix::Zero(m, 3 * n);
-  for (Eigen::Index k = 0; k < r; ++k) of_rows.row(rows.kept[static_cast<std::size_t>(k)]) = x.row(n + k);
+  for (Eigen::Index k = 0; k < r; ++k)
+    of_rows.row(rows.independent[static_cast<std::size_t>(k)]) = x.row(n + k);
   write<T>(x.topLeftCorner(n, n), d.a_q), write<T>(x.block(0, n, n, n), d.a_v),
       write<T>(x.topRightCorner(n, n), d.a_tau);
   write<T>(of_rows.leftCols(n), d.lambda_q), write<T>(of_rows.middleCols(n, n), d.lambda_v);

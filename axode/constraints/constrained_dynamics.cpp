@@ -68,7 +68,7 @@ template <class T> struct DriveForces {
   using Matrix = Eigen::MatrixX<T>;
 
   DriveForces(LoopSystem<T>& system, const Vector& need, const std::vector<int>& drives)
-      : rows(system, LoopSystem<T>::Rows::velocities), tau(Vector::Zero(need.size())) {
+      : rows(system, ConstraintLevel::velocity), tau(Vector::Zero(need.size())) {
     const Matrix N = rows.kernel();
     const Vector wanted = N.transpose() * need;
     Matrix NB(N.cols(), static_cast<Eigen::Index>(drives.size()));
@@ -158,7 +158,7 @@ void joint_wrenches(const Model& model, LoopWorkspace<T>& workspace, Numbers<T> 
   check_rows("lambda", lambda.size(), model.loops().rows, "loops().rows");
   check_size("W", W.size(), static_cast<std::size_t>(model.n_bodies()), "n_bodies");
   static_cast<void>(tree_forces(system, q, v, a, loads));
-  system.make_rows(LoopSystem<T>::Rows::velocities);
+  system.make_rows(ConstraintLevel::velocity);
   write_joint_wrenches<Rep>(model, system, lambda, at, W);
 }
 
@@ -185,8 +185,8 @@ Solvability impact(const Model& model, LoopWorkspace<T>& workspace, Numbers<T> q
   if (!(restitution >= T(0) && restitution <= T(1)))
     throw std::invalid_argument("restitution is " + to_text(static_cast<double>(restitution)) +
                                 "; it must be from 0 to 1");
-  return system.collide(q.data(), v.data(), restitution, v_after.data(),
-                        Multipliers<T>(model, "impulses", impulses).data());
+  return system.impact(q.data(), v.data(), restitution, v_after.data(),
+                       Multipliers<T>(model, "impulses", impulses).data());
 }
 
 template <RecursionRepresentation Rep, class T>
@@ -196,8 +196,8 @@ void loop_wrenches(const Model& model, LoopWorkspace<T>& workspace, Numbers<T> q
   check_rows("lambda", lambda.size(), model.loops().rows, "loops().rows");
   const std::vector<Loop>& joints = model.loops().joints;
   check_size("W", W.size(), model.loops().all.size(), "loops().all.size()");
-  system.place(q.data());
-  system.make_wrenches(LoopSystem<T>::Rows::velocities);
+  system.update_kinematics(q.data());
+  system.make_wrenches(ConstraintLevel::velocity);
   const Tree<T>& tree = model.tree<T>();
   std::ranges::fill(W, Wrench<Rep, T>{});
   for (std::size_t k = 0; k < joints.size(); ++k) {

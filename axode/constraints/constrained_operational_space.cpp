@@ -24,7 +24,7 @@ Solvability impulse_response(const Model& model, LoopWorkspace<T>& workspace, Nu
   std::vector<T> x(Y.size());
   for (int k = 0; k < 6; ++k) {
     for (std::size_t c = 0; c < x.size(); ++c) x[c] = entry(Y[c], k);
-    if (factorized.ok()) system.respond(x.data(), x.data());
+    if (factorized.ok()) system.force_response(x.data(), x.data());
     const Solvability row = solved(factorized, model.nv(), x.data());
     if (!row.ok()) verdict = row;
     for (std::size_t c = 0; c < x.size(); ++c) entry(Y[c], k) = x[c];

@@ -79,11 +79,11 @@ class Statics {
     const Eigen::Index nv = model_.nv(), m = model_.loops().rows;
     Vector lambda(m), forces(nv);
     Matrix by_q = Matrix::Zero(m, nv), by_v = by_q, closing = Matrix::Zero(nv, nv);
-    loops_->place(at.q.data());
-    const IndependentRows<double> rows(*loops_, LoopSystem<double>::Rows::velocities);
+    loops_->update_kinematics(at.q.data());
+    const IndependentRows<double> rows(*loops_, ConstraintLevel::velocity);
     rows.least_multipliers(at.r, as_span(lambda));
     loops_->move(at.q.data(), rest_.data(), {}, forces.data());
-    loops_->make_rows(LoopSystem<double>::Rows::velocities);
+    loops_->make_rows(ConstraintLevel::velocity);
     loops_->differentiate(lambda.data(), by_q.data(), by_v.data(), closing.data());
     at.N = rows.kernel();
     at.r = Vector(at.N.transpose() * at.r);

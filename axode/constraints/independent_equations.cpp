@@ -16,8 +16,8 @@ IndependentEquations independent_equations(const Model& model, std::span<const d
   LoopSystem<double>& system = checked<double>(model, loops, q, v);
   check_loads(model, loads);
   const Eigen::Index nv = model.nv();
-  system.place(q.data());
-  const IndependentRows<double> rows(system, LoopSystem<double>::Rows::velocities);
+  system.update_kinematics(q.data());
+  const IndependentRows<double> rows(system, ConstraintLevel::velocity);
   const IndependentVelocities independent = independent_velocities(model, rows, velocities);
   IndependentEquations out;
   out.velocities = independent.velocities, out.N = independent.N;

@@ -26,7 +26,7 @@ RowByRow velocity_rows_by_q(LoopSystem<double>& system, std::span<const double> 
   Eigen::VectorXd forces(nv);
   RowByRow by_q = RowByRow::Zero(m, nv), by_v = by_q, closing = RowByRow::Zero(nv, nv);
   system.force(q.data(), still.data(), v.data(), {}, forces.data());
-  system.make_rows(LoopSystem<double>::Rows::velocities);
+  system.make_rows(ConstraintLevel::velocity);
   system.differentiate(lambda.data(), by_q.data(), by_v.data(), closing.data());
   return by_q;
 }
@@ -44,7 +44,7 @@ IndependentLinearization independent_linearization(const Model& model, std::span
   check_closed(system, q, v);
   const Eigen::Index nv = model.nv();
   RowByRow rows_q = velocity_rows_by_q(system, q, v), A(rows_q.rows(), nv);
-  const IndependentRows<double> rows(system, LoopSystem<double>::Rows::velocities);
+  const IndependentRows<double> rows(system, ConstraintLevel::velocity);
   const IndependentVelocities independent = independent_velocities(model, rows, velocities);
   const std::vector<int>& chosen = independent.velocities;
   system.write(A.data());

@@ -9,10 +9,10 @@
 namespace axode {
 
 template <class T>
-IndependentRows<T>::IndependentRows(LoopSystem<T>& system, RowsOf rows, T part)
-    : nv_(system.model().nv()), m_(system.size(rows)) {
+IndependentRows<T>::IndependentRows(LoopSystem<T>& system, ConstraintLevel level, T part)
+    : nv_(system.model().nv()), m_(system.size(level)) {
   static_cast<void>(system.factorize());
-  system.make_rows(rows);
+  system.make_rows(level);
   system.factorize_rows();
   typename LoopSystem<T>::RowByRow dense(m_, nv_);
   system.write(dense.data());
@@ -24,27 +24,27 @@ IndependentRows<T>::IndependentRows(LoopSystem<T>& system, RowsOf rows, T part)
     const auto before = Q.leftCols(rank());
     for (int twice = 0; twice < 2; ++twice) z -= before * (before.transpose() * z).eval();
     const T rest = z.norm();
-    const bool independent = rank() < Q.cols() && rest > part * scale_[k];
-    if (independent) Q.col(rank()) = z / rest;
-    (independent ? kept : implied).push_back(k);
+    const bool found = rank() < Q.cols() && rest > part * scale_[k];
+    if (found) Q.col(rank()) = z / rest;
+    (found ? independent : redundant).push_back(k);
   }
   find_dependencies(Y);
 }
 
 template <class T> void IndependentRows<T>::find_dependencies(const Matrix& Y) {
-  dependencies = Matrix::Zero(m_, static_cast<Eigen::Index>(implied.size()));
-  for (std::size_t n = 0; n < implied.size(); ++n)
-    dependencies(implied[n], static_cast<Eigen::Index>(n)) = T(1);
-  if (kept.empty() || implied.empty()) return;
+  dependencies = Matrix::Zero(m_, static_cast<Eigen::Index>(redundant.size()));
+  for (std::size_t n = 0; n < redundant.size(); ++n)
+    dependencies(redundant[n], static_cast<Eigen::Index>(n)) = T(1);
+  if (independent.empty() || redundant.empty()) return;
   const Eigen::MatrixXd all = Y.template cast<double>();
-  dependencies(kept, Eigen::indexing::all) =
-      -least_squares(all(Eigen::indexing::all, kept), all(Eigen::indexing::all, implied), 0)
+  dependencies(independent, Eigen::indexing::all) =
+      -least_squares(all(Eigen::indexing::all, independent), all(Eigen::indexing::all, redundant), 0)
            .template cast<T>();
 }
 
 template <class T> auto IndependentRows<T>::kernel() const -> Matrix {
-  if (kept.empty()) return Matrix::Identity(nv_, nv_);
-  const Eigen::HouseholderQR<Matrix> qr(A_(kept, Eigen::indexing::all).transpose());
+  if (independent.empty()) return Matrix::Identity(nv_, nv_);
+  const Eigen::HouseholderQR<Matrix> qr(A_(independent, Eigen::indexing::all).transpose());
   const Matrix Q = qr.householderQ() * Matrix::Identity(nv_, nv_);
   return Q.rightCols(nv_ - rank());
 }

@@ -14,13 +14,13 @@ template <class T> class IndependentRows {
  public:
   using Vector = Eigen::VectorX<T>;
   using Matrix = Eigen::MatrixX<T>;
-  using RowsOf = typename LoopSystem<T>::Rows;
 
-  /// At the place where the system is. A row is implied by others where what they leave of it is less than a part of its
+  /// At the place where the system is. A row is redundant by others where what they leave of it is less than a part of its
   /// size: 1e-8 (float 1e-4), or how far the loops are from closed.
-  IndependentRows(LoopSystem<T>& system, RowsOf rows, T part = std::same_as<T, float> ? T(1e-4) : T(1e-8));
+  IndependentRows(LoopSystem<T>& system, ConstraintLevel level,
+                  T part = std::same_as<T, float> ? T(1e-4) : T(1e-8));
 
-  int rank() const { return static_cast<int>(kept.size()); }
+  int rank() const { return static_cast<int>(independent.size()); }
 
   /// N with A N = 0: an orthonormal basis of the velocities that the loops allow, nv × (nv - rank).
   Matrix kernel() const;
@@ -28,8 +28,8 @@ template <class T> class IndependentRows {
   /// λ with Aᵀ λ = f as far as there is one, least in Σ d² λ² with the sizes d of the rows.
   void least_multipliers(const Vector& f, std::span<T> lambda) const;
 
-  std::vector<int> kept, implied;
-  Matrix dependencies;  ///< m × implied: the n with nᵀ A = 0
+  std::vector<int> independent, redundant;
+  Matrix dependencies;  ///< m × redundant: the n with nᵀ A = 0
 
  private:
   void find_dependencies(const Matrix& Y);

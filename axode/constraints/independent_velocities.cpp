@@ -65,8 +65,9 @@ IndependentVelocities independent_velocities(const Model& model, const Independe
 
 Matrix dependent_part(const IndependentVelocities& independent, const IndependentRows<double>& rows,
                       const Matrix& A, const Matrix& b) {
-  if (rows.kept.empty()) return Matrix::Zero(A.cols(), b.cols());
-  Matrix x = least_squares(A(rows.kept, Eigen::indexing::all), b(rows.kept, Eigen::indexing::all), 0);
+  if (rows.independent.empty()) return Matrix::Zero(A.cols(), b.cols());
+  Matrix x =
+      least_squares(A(rows.independent, Eigen::indexing::all), b(rows.independent, Eigen::indexing::all), 0);
   x -= independent.N * Matrix(x(independent.velocities, Eigen::indexing::all));
   for (const int k : independent.velocities) x.row(k).setZero();
   return x;

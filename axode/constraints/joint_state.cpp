@@ -12,13 +12,13 @@ JointState joint_state(const Model& model, std::span<const SE3<>> C, std::span<c
   check_size("V", V.size(), bodies, "n_bodies + 1");
   if (!near.empty()) check_configuration(model, near);
   AbsoluteSystem system(model, BodyGroup::SE3);
-  if (!near.empty()) system.keep(near);
+  if (!near.empty()) system.set_reference_angles(near);
   JointState out;
   std::vector<double> q, v, rows;
-  system.put(C, V, q, v);
-  system.leave(q, v, out.q, out.v);
-  system.gap(q, rows), out.gap = largest_of(rows);
-  system.slip(q, v, rows), out.slip = largest_of(rows);
+  system.set_poses_and_twists(C, V, q, v);
+  system.to_joint_state(q, v, out.q, out.v);
+  system.position_residual(q, rows), out.gap = largest_of(rows);
+  system.velocity_residual(q, v, rows), out.slip = largest_of(rows);
   return out;
 }
 

@@ -12,7 +12,7 @@ template <class T> Twist<Spatial, T> twist(const Screw<T>& X) { return {X.w, X.v
 }  // namespace
 
 template <class T>
-void LoopSystem<T>::differentiate(const T* lambda, T* by_q, T* by_v, T* closing_by_q) noexcept {
+void LoopSystem<T>::differentiate(const T* lambda, T* by_q, T* by_v, T* constraint_forces_by_q) noexcept {
   const auto& V = dynamics_->recursion.motion.bodies.V;
   const auto& dV = dynamics_->recursion.motion.bodies.dV;
   const auto nv = static_cast<std::ptrdiff_t>(model_.nv());
@@ -63,7 +63,7 @@ void LoopSystem<T>::differentiate(const T* lambda, T* by_q, T* by_v, T* closing_
         const Screw<T> J_k = about_O(dynamics_->bodies.S[of_k.screw], of_k.body, of_k.side);
         T change = dF | twist(J_k);
         if (of_k.side == c.side && c.body <= of_k.body) change += F | twist(ad(J, J_k));  // it moves along
-        closing_by_q[of_k.velocity * nv + c.velocity] += of_k.side > 0 ? change : -change;
+        constraint_forces_by_q[of_k.velocity * nv + c.velocity] += of_k.side > 0 ? change : -change;
       }
     }
   });

@@ -29,7 +29,7 @@ template <class T>
 LoopSystem<T>::LoopSystem(const Model& of)
     : model_(of),
       dynamics_(of.topology()),
-      quick_(of.topology()),
+      fast_(of.topology()),
       table_(of),
       at_(of.loops().joints.size()),
       filter_(least_filter<T>),
@@ -50,33 +50,33 @@ template <class T>
 Solvability LoopSystem<T>::accelerate(const T* q, const T* v, const T* tau, const Loads<T>& loads, T* a,
                                       T* lambda, const RowRank& rank) noexcept {
   const int nv = model_.nv();
-  if (accelerate_quickly(q, v, tau, loads, a, lambda, rank)) return solved({}, nv, a);
+  if (accelerate_fast(q, v, tau, loads, a, lambda, rank)) return solved({}, nv, a);
   move(q, v, loads, forces_.data());
   for (int c = 0; c < nv; ++c) forces_[c] = tau[c] - forces_[c];
-  const Solvability verdict = prepare(Rows::velocities, q, rank);
+  const Solvability verdict = prepare(ConstraintLevel::velocity, q, rank);
   if (verdict.ok()) {
     bias(b_.data());
     add_response(forces_.data(), b_.data());
     solve_rows(b_.data(), lambda, rank);
     push(lambda, forces_.data());
   } else {
-    std::fill_n(lambda, size(Rows::velocities), std::numeric_limits<T>::quiet_NaN());
+    std::fill_n(lambda, size(ConstraintLevel::velocity), std::numeric_limits<T>::quiet_NaN());
   }
   std::copy_n(forces_.data(), nv, a);
   return solved(verdict, nv, a);
 }
 
 template <class T>
-Solvability LoopSystem<T>::collide(const T* q, const T* v, const T& e, T* v_after, T* impulses) noexcept {
+Solvability LoopSystem<T>::impact(const T* q, const T* v, const T& e, T* v_after, T* impulses) noexcept {
   const Solvability verdict = factorize(q);
-  if (verdict.ok()) return collide(v, e, v_after, impulses);
-  std::fill_n(impulses, size(Rows::velocities), std::numeric_limits<T>::quiet_NaN());
+  if (verdict.ok()) return impact(v, e, v_after, impulses);
+  std::fill_n(impulses, size(ConstraintLevel::velocity), std::numeric_limits<T>::quiet_NaN());
   return solved(verdict, model_.nv(), v_after);
 }
 
 template <class T>
-Solvability LoopSystem<T>::collide(const T* v, const T& e, T* v_after, T* impulses,
-                                   const RowRank& rank) noexcept {
+Solvability LoopSystem<T>::impact(const T* v, const T& e, T* v_after, T* impulses,
+                                  const RowRank& rank) noexcept {
   const int nv = model_.nv();
   make_entries();
   times(v, b_.data());
@@ -88,9 +88,10 @@ Solvability LoopSystem<T>::collide(const T* v, const T& e, T* v_after, T* impuls
   return solved({}, nv, v_after);
 }
 
-template <class T> Solvability LoopSystem<T>::approach(const T* q, T* x, const RowRank& rank) noexcept {
-  place(q);
-  const Solvability verdict = prepare(Rows::places, q, rank);
+template <class T>
+Solvability LoopSystem<T>::projection_step(const T* q, T* x, const RowRank& rank) noexcept {
+  update_kinematics(q);
+  const Solvability verdict = prepare(ConstraintLevel::position, q, rank);
   if (verdict.ok()) {
     residual(q, b_.data());
     solve_rows(b_.data(), lambda_.data(), rank);
@@ -100,24 +101,25 @@ template <class T> Solvability LoopSystem<T>::approach(const T* q, T* x, const R
   return solved(verdict, model_.nv(), x);
 }
 
-template <class T> Solvability LoopSystem<T>::prepare(Rows rows, const T* q, const RowRank& rank) noexcept {
+template <class T>
+Solvability LoopSystem<T>::prepare(ConstraintLevel level, const T* q, const RowRank& rank) noexcept {
   const Solvability verdict = factorize();
   if (verdict.ok()) {
     set_filter(q, rank);
-    make_wrenches(rows);
+    make_wrenches(level);
     factorize_rows();
   }
   return verdict;
 }
 
-template <class T> void LoopSystem<T>::place(const T* q) noexcept {
+template <class T> void LoopSystem<T>::update_kinematics(const T* q) noexcept {
   auto& links = dynamics_->bodies.links;
   links.run(tree(), q);
   link_ = links.link, origin_ = links.origin;
   place_loops();
 }
 
-template <class T> void LoopSystem<T>::place(const SE3<T>* C, const Vec3<T>& origin) noexcept {
+template <class T> void LoopSystem<T>::update_kinematics(const SE3<T>* C, const Vec3<T>& origin) noexcept {
   const Topology& topology = *tree().operator->();
   auto& links = dynamics_->bodies.links;
   link_ = links.link, origin_ = links.origin;
@@ -168,7 +170,7 @@ SE3<T> LoopSystem<T>::pose(const Loop::End& end, int root, const Vec3<T>& O) con
 
 template <class T> void LoopSystem<T>::set_filter(const T* q, const RowRank& rank) noexcept {
   residual(q, rest_.data());
-  const T open = rest_.head(size(Rows::places)).squaredNorm();
+  const T open = rest_.head(size(ConstraintLevel::position)).squaredNorm();
   const T least = rank.redundant.empty() ? least_filter<T> : least_filter_in_motion<T>;
   filter_ = std::clamp(T(1e8) * open, least, most_filter<T>);
 }
@@ -184,15 +186,15 @@ template <class T> void LoopSystem<T>::residual(const T* q, T* r) const noexcept
   }
 }
 
-template <class T> void LoopSystem<T>::make_rows(Rows rows) noexcept {
-  make_wrenches(rows);
+template <class T> void LoopSystem<T>::make_rows(ConstraintLevel level) noexcept {
+  make_wrenches(level);
   make_entries();
 }
 
-template <class T> void LoopSystem<T>::make_wrenches(Rows rows) noexcept {
-  if (rows != rows_) Y_.setZero();  // its columns are now those of others
-  rows_ = rows;
-  if (rows == Rows::velocities) {
+template <class T> void LoopSystem<T>::make_wrenches(ConstraintLevel level) noexcept {
+  if (level != level_) Y_.setZero();  // its columns are now those of others
+  level_ = level;
+  if (level == ConstraintLevel::velocity) {
     table_.each([&](std::size_t k, const auto& joint) { joint.wrenches(at_[k].frames, at_[k].W.data()); });
   } else {
     table_.each([&](std::size_t k, const auto& joint) {
@@ -217,14 +219,14 @@ template <class T> void LoopSystem<T>::make_entries() noexcept {
 }
 
 template <class T> void LoopSystem<T>::write(T* A) const noexcept {
-  std::fill_n(A, static_cast<std::ptrdiff_t>(size(rows_)) * model_.nv(), T(0));
+  std::fill_n(A, static_cast<std::ptrdiff_t>(size(level_)) * model_.nv(), T(0));
   each_entry([&](int row, int c, const T& entry) {
     A[static_cast<std::ptrdiff_t>(row) * model_.nv() + c] += entry;
   });
 }
 
 template <class T> void LoopSystem<T>::times(const T* x, T* out) const noexcept {
-  std::fill_n(out, size(rows_), T(0));
+  std::fill_n(out, size(level_), T(0));
   each_entry([&](int row, int c, const T& entry) { out[row] += entry * x[c]; });
 }
 
@@ -300,8 +302,8 @@ template <class T> void LoopSystem<T>::joint_wrenches(const T* lambda, Wrench<Sp
 }
 
 template <class T> Solvability LoopSystem<T>::factorize(const T* q, const RowRank& rank) noexcept {
-  place(q);
-  return prepare(Rows::velocities, q, rank);
+  update_kinematics(q);
+  return prepare(ConstraintLevel::velocity, q, rank);
 }
 
 template <class T> Solvability LoopSystem<T>::factorize_with_armature(const T* armature) noexcept {
@@ -346,13 +348,13 @@ void LoopSystem<T>::pull_rows(const LoopPath& path, const State& at, int row) no
   using Wrenches = RowsInLanes<T, n>;
   Wrenches F_i = -Wrenches(at.W, row), F_j(at.W, row);
   F_i.move(-at.shift);
-  climb(path, F_i, F_j, [&](int i, Wrenches& F) {
+  propagate_to_root(path, F_i, F_j, [&](int i, Wrenches& F) {
     for (int s = topology.first_screw[i + 1] - 1; s >= topology.first_screw[i]; --s) {
       const int c = topology.iv[i] + s - topology.first_screw[i];
       const Twist<Spatial, T>& S = bodies.S[s];
       const Wrench<Spatial, T>& U = bodies.U[s];
       const auto felt = dot(Wrenches::all(S.w), F.m) + dot(Wrenches::all(S.v), F.f);
-      F.give_way(felt, root_[c], &Y_(c, first(path) + row), felt * (root_[c] * root_[c]), U.m, U.f);
+      F.eliminate(felt, root_[c], &Y_(c, first(path) + row), felt * (root_[c] * root_[c]), U.m, U.f);
     }
   });
 }
@@ -400,7 +402,7 @@ template <class T> void LoopSystem<T>::factorize_rows() noexcept {
 }
 
 template <class T> void LoopSystem<T>::multiply_rows() noexcept {
-  const int m = size(rows_);
+  const int m = size(level_);
   using Factor = RowCholesky<T>;
   G_.setZero();
   for (const LoopTable::VelocityBlock& group : blocks())
@@ -435,7 +437,7 @@ template <class T> Solvability LoopSystem<T>::determine_rank(const T* q, RowRank
 template <class T> void LoopSystem<T>::determine_rank(RowRank& rank) noexcept {
   const T part = is_float<T> ? T(1e-4) : T(1e-10);
   filter_ = least_filter<T>;
-  rank.redundant.assign(index(size(Rows::velocities)), 1);
+  rank.redundant.assign(index(size(ConstraintLevel::velocity)), 1);
   left_ = Y_;
   Eigen::Index found = 0;
   // Where what rolls repeats a row with a place, that one is kept: nothing else brings the place back.
@@ -475,7 +477,7 @@ template <class T> void LoopSystem<T>::solve_rows(const T* b, T* lambda, const R
 }
 
 template <class T> void LoopSystem<T>::set_rows(const T* b, const T& filter, const RowRank& rank) noexcept {
-  const int m = size(rows_);
+  const int m = size(level_);
   auto& F = factor_.matrix();
   F = G_;
   for (int k = 0; k < m; ++k) F(k, k) += filter * scale_[k] * scale_[k], F(k, m) = -b[k];
@@ -487,7 +489,7 @@ template <class T> void LoopSystem<T>::set_rows(const T* b, const T& filter, con
 }
 
 template <class T> bool LoopSystem<T>::solve_sound_rows(const T* b, T* lambda, const RowRank& rank) noexcept {
-  const int m = size(rows_);
+  const int m = size(level_);
   weakest_row_ = T(1);
   set_rows(b, T(0), rank);
   if (!factor_.factorize(
@@ -500,7 +502,7 @@ template <class T> bool LoopSystem<T>::solve_sound_rows(const T* b, T* lambda, c
 
 template <class T>
 void LoopSystem<T>::solve_filtered_rows(const T* b, T* lambda, const RowRank& rank) noexcept {
-  const int m = size(rows_);
+  const int m = size(level_);
   for (int k = 0; k < m; ++k)
     for (int j = 0; j < k; ++j) G_(k, j) = G_(j, k);
   set_rows(b, filter_, rank);
@@ -538,7 +540,7 @@ template <class T> void LoopSystem<T>::add_response(const T* x, T* b) noexcept {
   add_to_rows(b);
 }
 
-template <class T> void LoopSystem<T>::respond(const T* tau, T* a) noexcept {
+template <class T> void LoopSystem<T>::force_response(const T* tau, T* a) noexcept {
   b_.setZero();
   add_response(tau, b_.data());
   solve_rows(b_.data(), lambda_.data());

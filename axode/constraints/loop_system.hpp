@@ -21,6 +21,12 @@ struct RowRank {
   std::vector<char> redundant = {};  ///< whether each row of A is redundant; empty where nothing was decided
 };
 
+/// The level at which constraints are imposed.
+enum class ConstraintLevel {
+  position,  ///< the rows R that have a residual, r' = R v
+  velocity,  ///< all rows A, A v = 0
+};
+
 /// The loops of a tree at a state, and the system that they make:
 ///   M a + h - Aᵀ λ = τ,   A a + γ = 0
 /// Articulated bodies factor M = Lᵀ D L, so that with Y = D^-½ L⁻ᵀ Aᵀ the multipliers come from Yᵀ Y λ = -(Yᵀ w + γ),
@@ -30,16 +36,12 @@ template <class T> class LoopSystem {
   using Vector = Eigen::VectorX<T>;
   using Matrix = Eigen::MatrixX<T>;
   using RowByRow = Eigen::Matrix<T, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-  enum class Rows {
-    velocities,  ///< A: all rows
-    places,      ///< r' = R v: rows that have a residual
-  };
 
   explicit LoopSystem(const Model& model);
 
   const Model& model() const { return model_; }
-  int size(Rows rows) const {
-    return rows == Rows::velocities ? model_.loops().rows : model_.loops().residuals;
+  int size(ConstraintLevel level) const {
+    return level == ConstraintLevel::velocity ? model_.loops().rows : model_.loops().residuals;
   }
 
   /// a and λ at a state; all NaN where the tree without its loops has no accelerations. The place is unknown afterwards.
@@ -48,11 +50,11 @@ template <class T> class LoopSystem {
   /// The forces (nv) of the tree at a motion, M a + h.
   void force(const T* q, const T* v, const T* a, const Loads<T>& loads, T* tau) noexcept;
   /// v after the impulses of loops that close suddenly, (A v)⁺ = -e A v, and these impulses.
-  Solvability collide(const T* q, const T* v, const T& e, T* v_after, T* impulses) noexcept;
+  Solvability impact(const T* q, const T* v, const T& e, T* v_after, T* impulses) noexcept;
   /// Velocities after the impulses, and the impulses, at the configuration of the last factorize(q) or determine_rank(q).
-  Solvability collide(const T* v, const T& e, T* v_after, T* impulses, const RowRank& rank = {}) noexcept;
+  Solvability impact(const T* v, const T& e, T* v_after, T* impulses, const RowRank& rank = {}) noexcept;
   /// The step x towards a closed configuration, r + R x = 0, that moves the masses least.
-  Solvability approach(const T* q, T* x, const RowRank& rank = {}) noexcept;
+  Solvability projection_step(const T* q, T* x, const RowRank& rank = {}) noexcept;
 
   /// Decides at a closed q which rows are redundant; the rows of velocities are factorised there afterwards.
   /// Decides nothing where the tree without its loops has no accelerations.
@@ -61,8 +63,8 @@ template <class T> class LoopSystem {
   void determine_rank(RowRank& rank) noexcept;
 
   /// Links, screws and loops at q, or where bodies have the poses C, seen from an origin, which their joints need not allow.
-  void place(const T* q) noexcept;
-  void place(const SE3<T>* C, const Vec3<T>& origin) noexcept;
+  void update_kinematics(const T* q) noexcept;
+  void update_kinematics(const SE3<T>* C, const Vec3<T>& origin) noexcept;
   /// And the forces h (nv) of the tree without accelerations, with the motion of all bodies.
   void move(const T* q, const T* v, const Loads<T>& loads, T* h) noexcept {
     force(q, v, zero_.data(), loads, h);
@@ -70,8 +72,8 @@ template <class T> class LoopSystem {
 
   void residual(const T* q, T* r) const noexcept;  ///< after place() or move()
   /// Makes the rows; A, or R.
-  void make_rows(Rows rows) noexcept;
-  void make_wrenches(Rows rows) noexcept;  ///< without the entries
+  void make_rows(ConstraintLevel level) noexcept;
+  void make_wrenches(ConstraintLevel level) noexcept;  ///< without the entries
   /// Entries of the rows, dense, m × nv.
   void write(T* A) const noexcept;
   /// out = A x and out += Aᵀ λ.
@@ -87,12 +89,12 @@ template <class T> class LoopSystem {
   /// W λ on bodies, likewise, and on joints.
   void add_wrenches(const T* lambda, Wrench<Spatial, T>* on, T* tau) const noexcept;
   /// The wrenches that the joints transmit under multipliers λ, W[1] to W[n], each about the origin of its root, in
-  /// inertial axes. After force() and make_rows(Rows::velocities).
+  /// inertial axes. After force() and make_rows(ConstraintLevel::velocity).
   void joint_wrenches(const T* lambda, Wrench<Spatial, T>* W) noexcept;
 
   /// Partial derivatives along q and v of A a + γ (m × nv), and along q of Aᵀ λ (nv × nv), [component, direction], at the
   /// motion of force() and with the rows A made. Adds to what is there.
-  void differentiate(const T* lambda, T* by_q, T* by_v, T* closing_by_q) noexcept;
+  void differentiate(const T* lambda, T* by_q, T* by_v, T* constraint_forces_by_q) noexcept;
 
   /// The rate of Rᵀ λ (nv) as the bodies move with their V; after move().
   void differentiate_residuals(const T* lambda, T* rate) noexcept;
@@ -115,7 +117,7 @@ template <class T> class LoopSystem {
   /// b += Yᵀ D^-½ L⁻ᵀ x = A M⁻¹ x.
   void add_response(const T* x, T* b) noexcept;
   /// The part of the accelerations that forces τ (nv) add, M a - Aᵀ λ = τ with A a = 0; with the rows factorised.
-  void respond(const T* tau, T* a) noexcept;
+  void force_response(const T* tau, T* a) noexcept;
   /// x := M⁻¹ x.
   void solve(T* x) noexcept { dynamics_->bodies.solve(tree(), x); }
 
@@ -143,16 +145,18 @@ template <class T> class LoopSystem {
   const Tree<T>& tree() const { return model_.tree<T>(); }
   static std::size_t index(int k) { return static_cast<std::size_t>(k); }
   using Range = LoopPath::Range;
-  Range range(const LoopPath& path) const { return rows_ == Rows::velocities ? path.rows : path.residuals; }
+  Range range(const LoopPath& path) const {
+    return level_ == ConstraintLevel::velocity ? path.rows : path.residuals;
+  }
   int count(const LoopPath& path) const { return range(path).count; }
   int first(const LoopPath& path) const { return range(path).first; }
   const std::vector<LoopTable::VelocityBlock>& blocks() const {
-    return rows_ == Rows::velocities ? table_.row_blocks : table_.residual_blocks;
+    return level_ == ConstraintLevel::velocity ? table_.row_blocks : table_.residual_blocks;
   }
   /// accelerate() with the fast articulated bodies; false, and a and λ not written, where these cannot, or where velocities
   /// are coupled.
-  bool accelerate_quickly(const T* q, const T* v, const T* tau, const Loads<T>& loads, T* a, T* lambda,
-                          const RowRank& rank) noexcept;
+  bool accelerate_fast(const T* q, const T* v, const T* tau, const Loads<T>& loads, T* a, T* lambda,
+                       const RowRank& rank) noexcept;
   /// The motion of the two bodies of a loop joint about origin(k).
   loops::EndMotion<T> motion_of_ends(std::size_t k, const Twist<Spatial, T>* V,
                                      const TwistRate<Spatial, T>* dV) const noexcept;
@@ -165,13 +169,13 @@ template <class T> class LoopSystem {
         for (int r = 0; r < count(path); ++r) f(first(path) + r, column.velocity, *entry++);
     }
   }
-  template <int n> void pull_rows_quickly(const LoopPath& path, const State& at, int row) noexcept;
+  template <int n> void pull_rows_fast(const LoopPath& path, const State& at, int row) noexcept;
   /// Joint screws, and the loops between the bodies where they end.
   void place_loops() noexcept;
   void place_ends() noexcept;  ///< the loops alone
   void make_entries() noexcept;
   /// All that solve_rows() needs, at the place.
-  Solvability prepare(Rows rows, const T* q, const RowRank& rank) noexcept;
+  Solvability prepare(ConstraintLevel level, const T* q, const RowRank& rank) noexcept;
   /// w = D^-½ L⁻ᵀ x.
   void pull(const T* x) noexcept;
   /// x = L⁻¹ D^-½ (w + Y λ).
@@ -193,7 +197,8 @@ template <class T> class LoopSystem {
   }
   /// Takes the wrenches of a loop on its two bodies to the ground: step(i, F) past the joint of body i.
   template <class Wrenches, class Step>
-  void climb(const LoopPath& path, Wrenches& F_i, Wrenches& F_j, const Step& step) const noexcept {
+  void propagate_to_root(const LoopPath& path, Wrenches& F_i, Wrenches& F_j,
+                         const Step& step) const noexcept {
     const auto& parent = tree()->parent;
     for (int i = path.ends[0].body; i != path.meeting; i = parent[i]) step(i, F_i);
     for (int j = path.ends[1].body; j != path.meeting; j = parent[j]) step(j, F_j);
@@ -206,26 +211,26 @@ template <class T> class LoopSystem {
   void pull_loop(const LoopPath& path, const State& at) noexcept;
   void multiply_rows() noexcept;  ///< Yᵀ Y, on and above the diagonal
 
-  /// What accelerate_quickly() runs on: the tree, and the places and velocities of bodies against their roots.
-  struct Quick {
+  /// What accelerate_fast() runs on: the tree, and the places and velocities of bodies against their roots.
+  struct FastKernel {
     using Bodies = typename FastForwardDynamics<T>::Bodies;
-    struct Moving {
+    struct OriginMotion {
       typename Bodies::Vector r, v;
     };
     FastForwardDynamics<T> tree;
-    Moving* moving;
+    OriginMotion* moving;
 
-    explicit Quick(Arena& arena) : tree(arena), moving(arena.per_body<Moving>()) {}
+    explicit FastKernel(Arena& arena) : tree(arena), moving(arena.per_body<OriginMotion>()) {}
   };
 
   Model model_;
   WithScratch<T, ForwardDynamicsRecursion<Spatial, T>> dynamics_;
-  WithScratch<T, Quick> quick_;
+  WithScratch<T, FastKernel> fast_;
   LoopTable table_;
   Link<Spatial, T>* link_ = nullptr;
   Vec3<T>* origin_ = nullptr;
   std::vector<State> at_;  ///< of each loop joint
-  Rows rows_ = Rows::velocities;
+  ConstraintLevel level_ = ConstraintLevel::velocity;
   T filter_, weakest_row_ = T(1);
   std::vector<std::vector<T>> entries_;  ///< of each loop: A, a column of up to six rows for each LoopColumn
   RowByRow Y_, G_;

@@ -29,7 +29,7 @@ void loop_residual(const Model& model, LoopWorkspace<T>& workspace, Numbers<T> q
   LoopSystem<T>& system = checked(model, workspace, q);
   check_rows("r", r.size(), model.loops().residuals, "loops().residuals");
   check_separate("r", r, "q", q);
-  system.place(q.data());
+  system.update_kinematics(q.data());
   system.residual(q.data(), r.data());
 }
 
@@ -38,8 +38,8 @@ void loop_jacobian(const Model& model, LoopWorkspace<T>& workspace, Numbers<T> q
                    std::type_identity_t<std::span<T>> A) {
   LoopSystem<T>& system = checked(model, workspace, q);
   check_rows("A", A.size(), model.loops().rows, "loops().rows * nv", model.nv());
-  system.place(q.data());
-  system.make_rows(LoopSystem<T>::Rows::velocities);
+  system.update_kinematics(q.data());
+  system.make_rows(ConstraintLevel::velocity);
   system.write(A.data());
 }
 
@@ -48,8 +48,8 @@ void loop_residual_jacobian(const Model& model, LoopWorkspace<T>& workspace, Num
                             std::type_identity_t<std::span<T>> R) {
   LoopSystem<T>& system = checked(model, workspace, q);
   check_rows("R", R.size(), model.loops().residuals, "loops().residuals * nv", model.nv());
-  system.place(q.data());
-  system.make_rows(LoopSystem<T>::Rows::places);
+  system.update_kinematics(q.data());
+  system.make_rows(ConstraintLevel::position);
   system.write(R.data());
 }
 

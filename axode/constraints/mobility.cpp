@@ -74,21 +74,21 @@ LoopMobility loop_mobility(const Model& model, std::span<const double> q) {
   LoopWorkspace<double> workspace(model);
   LoopSystem<double>& system = checked<double>(model, workspace, q);
   LoopMobility found{.degrees_of_freedom = model.nv(), .redundant = {}, .indeterminate = {}, .kernel = {}};
-  system.place(q.data());
+  system.update_kinematics(q.data());
   Eigen::VectorXd r(model.loops().residuals);
   system.residual(q.data(), r.data());
   const double open = r.size() > 0 ? r.norm() : 0;
-  const IndependentRows<double> rows(system, LoopSystem<double>::Rows::velocities, std::max(1e-8, open));
+  const IndependentRows<double> rows(system, ConstraintLevel::velocity, std::max(1e-8, open));
   found.rank = rows.rank();
   found.degrees_of_freedom = model.nv() - found.rank;
   found.kernel = rows.kernel();
-  for (std::size_t n = 0; n < rows.implied.size(); ++n) {
+  for (std::size_t n = 0; n < rows.redundant.size(); ++n) {
     const Eigen::VectorXd dependency = rows.dependencies.col(static_cast<Eigen::Index>(n));
     const std::vector<LoopRows>& loops = model.loops().all;
     const auto of = std::ranges::find_if(
-        loops, [&](const LoopRows& loop) { return rows.implied[n] < loop.first_row + loop.rows; });
+        loops, [&](const LoopRows& loop) { return rows.redundant[n] < loop.first_row + loop.rows; });
     const auto k = static_cast<std::size_t>(of - loops.begin());
-    found.redundant.push_back({rows.implied[n], of->name, dependency,
+    found.redundant.push_back({rows.redundant[n], of->name, dependency,
                                k < model.loops().joints.size()
                                    ? in_words(system.wrench(k, dependency.data()), system.origin(k))
                                    : "coupling"});

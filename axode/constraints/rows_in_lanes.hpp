@@ -38,7 +38,7 @@ template <class T, int n> struct RowsInLanes {
   /// Of a velocity with pivot D that feels Sᵀ F, Y = D^-½ Sᵀ F is handed out in y, and F - U D⁻¹ Sᵀ F goes on: x U, or with x felt,
   /// where U has D⁻¹ in it already.
   template <class Vector>
-  void give_way(const Rows& felt, const T& root, T* y, const Rows& x, const Vector& U_m, const Vector& U_f) {
+  void eliminate(const Rows& felt, const T& root, T* y, const Rows& x, const Vector& U_m, const Vector& U_f) {
     const Rows Y = Rows(root) * felt;
     for (std::size_t r = 0; r < n; ++r) y[r] = Y[r];
     m -= x * all(U_m), f -= x * all(U_f);

@@ -49,7 +49,7 @@ template <class T> struct FirstOrder {
   void compose(const Topology& topology, bool loaded) noexcept {
     screws.compose(topology);
     for (int c = 0; c < topology.n_screws; c += L::width) {
-      const auto numbers = std::bit_cast<typename ScrewEffects<Number>::Numbers>(screws.effects(c));
+      const auto numbers = std::bit_cast<typename ScrewEffects<Number>::Entries>(screws.effects(c));
       for (std::size_t k = 0; k < numbers.size(); ++k)
         L::store(numbers[k], effect.array(static_cast<int>(k)) + c);
     }

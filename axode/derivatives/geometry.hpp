@@ -26,7 +26,7 @@ template <class T> struct GeometryDerivatives {
       const int first = tree->first_screw[i], end = tree->first_screw[tree->subtree_end[i]];
       const Motion6<T> V_p{screws.V_p.get3(0, first), screws.V_p.get3(3, first)},
           dV_p{screws.dV_p.get3(0, first), screws.dV_p.get3(3, first)};
-      const MovingInertia<T> behind = screws.behind_column(first);
+      const MovingInertia<T> subtree = screws.subtree_of_column(first);
       each_unit_screw(screws.pose(i) * frame_at_zero(tree, i, q), [&](int u, const Screw<T>& unit) {
         const Motion6<T> J{unit.w, unit.v};
         T* const column = out + (i - 1) * 6 + u;
@@ -37,8 +37,8 @@ template <class T> struct GeometryDerivatives {
         multiply(psi, J, first, end, loaded);
         for (int j = i; j < tree->subtree_end[i]; ++j)
           for (int c = tree->first_screw[j]; c < tree->first_screw[j + 1]; ++c) add(j, c, line.array(0)[c]);
-        const Momentum<Spatial, T> Pi = behind.M * psi.second;
-        Wrench<Spatial, T> P = Wrench<Spatial, T>{Pi.l, Pi.p} + behind.B * psi.first + coad(J, behind.F);
+        const Momentum<Spatial, T> Pi = subtree.M * psi.second;
+        Wrench<Spatial, T> P = Wrench<Spatial, T>{Pi.l, Pi.p} + subtree.B * psi.first + coad(J, subtree.F);
         if (loaded) P += state.N[i] * J;
         for (int j = tree->parent[i]; j > 0; j = tree->parent[j])
           for (int c = tree->first_screw[j]; c < tree->first_screw[j + 1]; ++c)

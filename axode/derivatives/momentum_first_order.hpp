@@ -14,7 +14,7 @@ template <class T> struct MomentumEffects {
   Wrench<Spatial, T> U, D, A;
 
   static constexpr std::size_t size = 36;
-  using Numbers = std::array<T, size>;
+  using Entries = std::array<T, size>;
 
   /// M is the inertia and Π the momentum of all that the joint moves.
   static constexpr MomentumEffects of(const Inertia<T>& M, const Wrench<Spatial, T>& Pi, const Motion6<T>& S,
@@ -104,9 +104,9 @@ template <class T> struct MomentumFirstOrder {
       for (int c = tree->first_screw[i]; c < tree->first_screw[i + 1]; ++c)
         screws.V_i.set3(screws.dV.get3(0, i), 0, c), screws.V_i.set3(screws.dV.get3(3, i), 3, c);
     for (int c = 0; c < tree->n_screws; c += L::width) {
-      const MovingInertia<Number> moved = screws.behind_columns(c);
+      const MovingInertia<Number> moved = screws.subtree_of_columns(c);
       const auto numbers =
-          std::bit_cast<typename MomentumEffects<Number>::Numbers>(MomentumEffects<Number>::of(
+          std::bit_cast<typename MomentumEffects<Number>::Entries>(MomentumEffects<Number>::of(
               moved.M, moved.F, load6(screws.S, c), load6(screws.dV_p, c), load6(screws.V_i, c)));
       for (std::size_t k = 0; k < numbers.size(); ++k)
         L::store(numbers[k], effect.array(static_cast<int>(k)) + c);

@@ -17,7 +17,7 @@ template <class T> struct MovingInertia {
   Wrench<Spatial, T> F;  ///< M V' + B V / 2 less the applied wrenches
 
   static constexpr std::size_t size = 28;  ///< numbers
-  using Numbers = std::array<T, size>;
+  using Entries = std::array<T, size>;
 
   static constexpr MovingInertia of(const Inertia<T>& M, const Motion6<T>& V, const Motion6<T>& dV) {
     const auto B = CoriolisInertia<T>::of(M, V);
@@ -37,7 +37,7 @@ template <class T> struct ScrewEffects {
   Vec3<T> psi_1, t;  ///< psi_1: its angular part
 
   static constexpr std::size_t size = 42;
-  using Numbers = std::array<T, size>;
+  using Entries = std::array<T, size>;
 
   /// V_p and V'_p of the predecessor, V of the body.
   static constexpr ScrewEffects of(const MovingInertia<T>& moved, const Motion6<T>& S, const Motion6<T>& V_p,
@@ -69,8 +69,8 @@ template <class T> void set6(const Arrays<T>& x, int i, const Motion6<T>& X) {
 
 /// Adds up n arrays of bodies over all that each joint moves, and copies the sums to its columns.
 template <class T>
-void sum_behind(const Topology& topology, int n, const Arrays<T>& of_bodies,
-                const Arrays<T>& of_columns) noexcept {
+void sum_subtrees(const Topology& topology, int n, const Arrays<T>& of_bodies,
+                  const Arrays<T>& of_columns) noexcept {
   using L = Lanes<T>;
   for (int i = topology.n; i > 0; --i)
     if (const int p = topology.parent[i]; p > 0)
@@ -95,30 +95,30 @@ void sum_behind(const Topology& topology, int n, const Arrays<T>& of_bodies,
 template <class T> struct MovingScrews {
   using L = Lanes<T>;
   using Number = typename L::Number;
-  struct Moving {
+  struct SpatialMotion {
     Motion6<T> V, dV;
   };
 
   FastPoses<T> poses;
-  Arrays<T> C, V, dV;  ///< of bodies: columns of R, then r; twists; their rates, gravity folded in
-  Moving* moving;      ///< the same
-  Arrays<T> moved;     ///< MovingInertia of each body, then of all that its joint moves
+  Arrays<T> C, V, dV;     ///< of bodies: columns of R, then r; twists; their rates, gravity folded in
+  SpatialMotion* moving;  ///< the same
+  Arrays<T> moved;        ///< MovingInertia of each body, then of all that its joint moves
   Arrays<T> S, V_p, dV_p,
-      V_i;           ///< of columns: the screw; twist and rate of the predecessor; twist of the body
-  Arrays<T> behind;  ///< of columns: MovingInertia of all that they move
+      V_i;            ///< of columns: the screw; twist and rate of the predecessor; twist of the body
+  Arrays<T> subtree;  ///< of columns: MovingInertia of all that they move
 
   explicit MovingScrews(Arena& arena)
       : poses(arena),
         C(arena, 12, arena.topology().n + 1),
         V(arena, 6, arena.topology().n + 1),
         dV(arena, 6, arena.topology().n + 1),
-        moving(arena.per_body<Moving>()),
+        moving(arena.per_body<SpatialMotion>()),
         moved(arena, static_cast<int>(MovingInertia<T>::size), arena.topology().n + 1),
         S(arena, 6, arena.topology().n_screws),
         V_p(arena, 6, arena.topology().n_screws),
         dV_p(arena, 6, arena.topology().n_screws),
         V_i(arena, 6, arena.topology().n_screws),
-        behind(arena, static_cast<int>(MovingInertia<T>::size), arena.topology().n_screws) {}
+        subtree(arena, static_cast<int>(MovingInertia<T>::size), arena.topology().n_screws) {}
 
   /// Motions and inertias of the bodies, each for itself.
   template <class Real>
@@ -126,7 +126,7 @@ template <class T> struct MovingScrews {
     moving[0] = {{}, {{}, -g}};
     poses.template run<FastPoses<T>::From::root>(tree, q, [&](int i, const auto& at) {
       const SE3<T> C_i = axode::pose<T>(at);
-      Moving next = moving[tree->parent[i]];
+      SpatialMotion next = moving[tree->parent[i]];
       if (is_hinge(tree, i)) [[likely]] {
         const int s = tree->first_screw[i], c = tree->iv[i];
         add(s, {C_i.R.z, cross(C_i.r, C_i.R.z)}, moving[tree->parent[i]], v[c], a[c], next);
@@ -141,7 +141,7 @@ template <class T> struct MovingScrews {
     for (int i = 0; i <= tree->n; i += L::width) {
       const SE3<Number> at{{C.load3(0, i), C.load3(3, i), C.load3(6, i)}, C.load3(9, i)};
       const Inertia<Number> M = transform(at, inertias_in_lanes<T>(tree, i));
-      const auto numbers = std::bit_cast<typename MovingInertia<Number>::Numbers>(
+      const auto numbers = std::bit_cast<typename MovingInertia<Number>::Entries>(
           MovingInertia<Number>::of(M, load6(V, i), load6(dV, i)));
       for (std::size_t k = 0; k < numbers.size(); ++k)
         L::store(numbers[k], moved.array(static_cast<int>(k)) + i);
@@ -155,23 +155,23 @@ template <class T> struct MovingScrews {
 
   /// From what bodies need to what is behind the joints.
   void compose(const Topology& topology) noexcept {
-    sum_behind(topology, static_cast<int>(MovingInertia<T>::size), moved, behind);
+    sum_subtrees(topology, static_cast<int>(MovingInertia<T>::size), moved, subtree);
   }
   /// The wrench that the joint of body i transmits, once composed.
   Wrench<Spatial, T> transmitted(int i) const { return {moved.get3(22, i), moved.get3(25, i)}; }
 
   /// Of the columns from c on, once composed.
   ScrewEffects<Number> effects(int c) const {
-    return ScrewEffects<Number>::of(behind_columns(c), load6(S, c), load6(V_p, c), load6(dV_p, c),
+    return ScrewEffects<Number>::of(subtree_of_columns(c), load6(S, c), load6(V_p, c), load6(dV_p, c),
                                     load6(V_i, c));
   }
   /// Of body i and the next ones, each alone, before anything is composed.
   MovingInertia<Number> bodies(int i) const { return several(moved, i); }
   /// Of all that column c and the next ones move, once composed.
-  MovingInertia<Number> behind_columns(int c) const { return several(behind, c); }
-  MovingInertia<T> behind_column(int c) const {
-    typename MovingInertia<T>::Numbers numbers;
-    for (std::size_t k = 0; k < numbers.size(); ++k) numbers[k] = behind.array(static_cast<int>(k))[c];
+  MovingInertia<Number> subtree_of_columns(int c) const { return several(subtree, c); }
+  MovingInertia<T> subtree_of_column(int c) const {
+    typename MovingInertia<T>::Entries numbers;
+    for (std::size_t k = 0; k < numbers.size(); ++k) numbers[k] = subtree.array(static_cast<int>(k))[c];
     return std::bit_cast<MovingInertia<T>>(numbers);
   }
   /// Of body i, about the origin of its root.
@@ -180,7 +180,8 @@ template <class T> struct MovingScrews {
 
  private:
   /// Puts a column, and adds S v and S a + [V_p, S v] to the motion: of several screws the sum is [V_i, S v] as well.
-  void add(int c, const Motion6<T>& S_c, const Moving& p, const T& v, const T& a, Moving& next) noexcept {
+  void add(int c, const Motion6<T>& S_c, const SpatialMotion& p, const T& v, const T& a,
+           SpatialMotion& next) noexcept {
     set6(S, c, S_c), set6(V_p, c, p.V), set6(dV_p, c, p.dV);
     const Motion6<T> psi = ad(p.V, S_c);
     next.V += v * S_c;
@@ -188,8 +189,8 @@ template <class T> struct MovingScrews {
   }
   template <class Real>
   [[gnu::noinline]] void add_joint(const Tree<Real>& tree, int i, const SE3<T>& C_i, const T* v, const T* a,
-                                   Moving& next) noexcept {
-    const Moving p = next;
+                                   SpatialMotion& next) noexcept {
+    const SpatialMotion p = next;
     const int first = tree->first_screw[i], c = tree->iv[i];
     const T ratio(tree.ratio[i]);
     with_subgroup(tree->kind[i], T(tree.pitch[i]), [&](const auto& joint) {
@@ -201,7 +202,7 @@ template <class T> struct MovingScrews {
     });
   }
   static MovingInertia<Number> several(const Arrays<T>& x, int first) {
-    typename MovingInertia<Number>::Numbers numbers;
+    typename MovingInertia<Number>::Entries numbers;
     for (std::size_t k = 0; k < numbers.size(); ++k)
       numbers[k] = L::load(x.array(static_cast<int>(k)) + first);
     return std::bit_cast<MovingInertia<Number>>(numbers);

@@ -13,7 +13,7 @@ template <class T> struct VirtualMomentum {
   Mat3<T> D;
 
   static constexpr std::size_t size = 18;
-  using Numbers = std::array<T, size>;
+  using Entries = std::array<T, size>;
 
   static constexpr VirtualMomentum of(const MovingInertia<T>& body, const Motion6<T>& Lambda) {
     const Momentum<Spatial, T> A = body.M * Lambda;
@@ -32,7 +32,7 @@ template <class T> struct ScrewCurvature {
   Wrench<Spatial, T> AS;  ///< hat(A) S
 
   static constexpr std::size_t size = 42;
-  using Numbers = std::array<T, size>;
+  using Entries = std::array<T, size>;
 
   /// Λ_p of the predecessor.
   static constexpr ScrewCurvature of(const MovingInertia<T>& moved, const VirtualMomentum<T>& momentum,
@@ -81,10 +81,10 @@ template <class T> struct SecondOrder {
            const Loads<T>& loads) noexcept {
     const Topology& topology = *tree.operator->();
     first.screws.run(tree, q, v, a, cast<T>(tree.g));
-    weigh(topology, lambda);
+    compute_adjoint_twists(topology, lambda);
     const bool loaded = !loads.wrenches.empty();
     if constexpr (std::same_as<Real, T>)
-      if (loaded) first.load(tree, q, loads.wrenches), bend(tree, loads.wrenches);
+      if (loaded) first.load(tree, q, loads.wrenches), add_load_hessian(tree, loads.wrenches);
     first.compose(topology, loaded);
     compose(topology, loaded);
   }
@@ -122,7 +122,7 @@ template <class T> struct SecondOrder {
   enum CurvaturePart { chi = 0, psi_1 = 6, X = 12, Y = 18, Z = 24, Q = 30, AS = 36 };
 
   /// Λ and what it makes of each body.
-  void weigh(const Topology& topology, const T* lambda) noexcept {
+  void compute_adjoint_twists(const Topology& topology, const T* lambda) noexcept {
     Lambda[0] = {};
     set6(Lambdas, 0, Lambda[0]);
     for (int i = 1; i <= topology.n; ++i) {
@@ -135,14 +135,15 @@ template <class T> struct SecondOrder {
       set6(Lambdas, i, Lambda[i]);
     }
     for (int i = 0; i <= topology.n; i += L::width) {
-      const auto numbers = std::bit_cast<typename VirtualMomentum<Number>::Numbers>(
+      const auto numbers = std::bit_cast<typename VirtualMomentum<Number>::Entries>(
           VirtualMomentum<Number>::of(first.screws.bodies(i), load6(Lambdas, i)));
       for (std::size_t k = 0; k < numbers.size(); ++k)
         L::store(numbers[k], momenta.array(static_cast<int>(k)) + i);
     }
   }
   /// -Λ|L(·)L(·)W of the loads: outer displacement from the left, inner from the right.
-  [[gnu::noinline]] void bend(const Tree<T>& tree, std::span<const AppliedWrench<T>> wrenches) noexcept {
+  [[gnu::noinline]] void add_load_hessian(const Tree<T>& tree,
+                                          std::span<const AppliedWrench<T>> wrenches) noexcept {
     for (int i = 0; i <= tree->n; ++i) K[i] = {};
     first.each_load(
         tree, wrenches, [&](const auto& given, int i, const Vec3<T>& r, const Vec3<T>& m, const Vec3<T>& f) {
@@ -164,13 +165,13 @@ template <class T> struct SecondOrder {
         });
   }
   void compose(const Topology& topology, bool loaded) noexcept {
-    sum_behind(topology, static_cast<int>(VirtualMomentum<T>::size), momenta, momentum);
+    sum_subtrees(topology, static_cast<int>(VirtualMomentum<T>::size), momenta, momentum);
     const MovingScrews<T>& screws = first.screws;
     for (int c = 0; c < topology.n_screws; c += L::width) {
-      typename VirtualMomentum<Number>::Numbers Pi;
+      typename VirtualMomentum<Number>::Entries Pi;
       for (std::size_t k = 0; k < Pi.size(); ++k) Pi[k] = L::load(momentum.array(static_cast<int>(k)) + c);
-      const auto numbers = std::bit_cast<typename ScrewCurvature<Number>::Numbers>(
-          ScrewCurvature<Number>::of(screws.behind_columns(c), std::bit_cast<VirtualMomentum<Number>>(Pi),
+      const auto numbers = std::bit_cast<typename ScrewCurvature<Number>::Entries>(
+          ScrewCurvature<Number>::of(screws.subtree_of_columns(c), std::bit_cast<VirtualMomentum<Number>>(Pi),
                                      load6(screws.S, c), load6(screws.V_p, c), load6(Lambda_p, c)));
       for (std::size_t k = 0; k < numbers.size(); ++k)
         L::store(numbers[k], curvature.array(static_cast<int>(k)) + c);

@@ -79,7 +79,7 @@ template <class T> struct SecondOrderTensors {
 
   void find_twins(int c) noexcept {
     const MovingScrews<T>& screws = first.screws;
-    const MovingInertia<Number> moved = screws.behind_columns(c);
+    const MovingInertia<Number> moved = screws.subtree_of_columns(c);
     const Motion6<Number> S = load6(screws.S, c), psi = ad(load6(screws.V_p, c), S);
     CoriolisInertia<Number> of_psi = CoriolisInertia<Number>::of(moved.M, psi);
     of_psi += moved.B.along(S);
@@ -195,7 +195,7 @@ template <class T> struct SecondOrderTensors {
   Motion6<T> screw(int l) const { return {path_S.get3(0, l), path_S.get3(3, l)}; }
   /// Inside a joint there is one bracket less.
   void put_brackets(std::ptrdiff_t nv, const Last& d, T* vv) noexcept {
-    const Inertia<T> M = first.screws.behind_column(d.c).M;
+    const Inertia<T> M = first.screws.subtree_of_column(d.c).M;
     for (int l = d.begin; l < d.end; ++l) {
       const Momentum<Spatial, T> Pi = M * ad(screw(l), first.screws.screw(d.c));
       for (int j = 0; j < d.begin; ++j) vv[(velocity[j] * nv + velocity[l]) * nv + d.v] -= Pi | screw(j);

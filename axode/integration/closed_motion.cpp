@@ -45,13 +45,13 @@ void ClosedMotion::factorize(Span q) {
   static_cast<void>(workspace_.system(model_).factorize(q.data(), rank_));
 }
 
-double ClosedMotion::respond(int c, std::span<double> a) {
+double ClosedMotion::unit_force_response(int c, std::span<double> a) {
   LoopSystem<double>& system = workspace_.system(model_);
   std::ranges::fill(a, 0.0);
   a[static_cast<std::size_t>(c)] = 1;
   system.solve(a.data());
   const double alone = a[static_cast<std::size_t>(c)];
-  static_cast<void>(system.collide(a.data(), 0, a.data(), lambda_.data(), rank_));
+  static_cast<void>(system.impact(a.data(), 0, a.data(), lambda_.data(), rank_));
   return alone;
 }
 
@@ -60,17 +60,17 @@ void ClosedMotion::differentiate(Span q, Span v, Span tau, const Loads<double>& 
   static_cast<void>(forward_dynamics_derivatives(model_, workspace_, q, v, tau, d, loads));
 }
 
-void ClosedMotion::hold(Span q) {
+void ClosedMotion::determine_rank(Span q) {
   static_cast<void>(workspace_.system(model_).determine_rank(q.data(), rank_));
 }
 
-Solvability ClosedMotion::add_closing_forces(Span q, Span v, Span tau, const Loads<double>& loads,
-                                             std::span<double> f) {
+Solvability ClosedMotion::add_constraint_forces(Span q, Span v, Span tau, const Loads<double>& loads,
+                                                std::span<double> f) {
   const Solvability found = accelerate(q, v, tau, loads, a_);
   if (!found.ok()) return found;
   LoopSystem<double>& system = workspace_.system(model_);
-  system.place(q.data());
-  system.make_rows(LoopSystem<double>::Rows::velocities);
+  system.update_kinematics(q.data());
+  system.make_rows(ConstraintLevel::velocity);
   system.add_transposed_times(lambda_.data(), f.data());
   return found;
 }
@@ -78,7 +78,7 @@ Solvability ClosedMotion::add_closing_forces(Span q, Span v, Span tau, const Loa
 bool ClosedMotion::close_momenta(Span q, std::span<double> p) {
   LoopSystem<double>& system = workspace_.system(model_);
   if (!system.determine_rank(q.data(), rank_).ok()) return false;
-  system.make_rows(LoopSystem<double>::Rows::velocities);
+  system.make_rows(ConstraintLevel::velocity);
   std::ranges::fill(r_, 0.0);
   system.add_response(p.data(), r_.data());
   system.solve_rows(r_.data(), lambda_.data(), rank_);
@@ -90,19 +90,19 @@ bool ClosedMotion::close(std::span<double> q, std::span<double> v) {
   if (!close_places(q)) return false;
   LoopSystem<double>& system = workspace_.system(model_);
   return system.determine_rank(q.data(), rank_).ok() &&
-         system.collide(v.data(), 0, v.data(), lambda_.data(), rank_).ok();
+         system.impact(v.data(), 0, v.data(), lambda_.data(), rank_).ok();
 }
 
 bool ClosedMotion::close_places(std::span<double> q) {
   LoopSystem<double>& system = workspace_.system(model_);
   const auto open = [&] {
-    system.place(q.data());
+    system.update_kinematics(q.data());
     system.residual(q.data(), r_.data());
     return norm(Span(r_).first(static_cast<std::size_t>(model_.loops().residuals)));
   };
   double before = open();
   for (int n = 0; n < 5 && before > closed; ++n) {
-    if (!system.approach(q.data(), x_.data(), rank_).ok()) return false;
+    if (!system.projection_step(q.data(), x_.data(), rank_).ok()) return false;
     group_.move(q.data(), x_.data(), q.data());
     const double now = open();
     if (!(now < 0.5 * before)) {  // as far as rounding lets it come, or not at all

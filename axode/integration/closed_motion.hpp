@@ -26,19 +26,20 @@ class ClosedMotion {
   /// For respond(), at a place that has accelerations.
   void factorize(Span q);
   /// What a force of 1 on velocity c adds to accelerations, nv; returns what it would add to that of c without loops.
-  double respond(int c, std::span<double> a);
+  double unit_force_response(int c, std::span<double> a);
   /// The derivatives of these accelerations by q, v and tau, [component, direction].
   void differentiate(Span q, Span v, Span tau, const Loads<double>& loads,
                      const ClosedDynamicsDerivatives<double>& d);
   /// Adds what the loops do to the joints, Aᵀ λ, under which accelerations keep them closed.
-  Solvability add_closing_forces(Span q, Span v, Span tau, const Loads<double>& loads, std::span<double> f);
+  Solvability add_constraint_forces(Span q, Span v, Span tau, const Loads<double>& loads,
+                                    std::span<double> f);
   /// Whether the loops could be closed. What is 1e-13 rad and m off stays.
   [[nodiscard]] bool close(std::span<double> q, std::span<double> v);
   /// The same of places alone, and, where these are closed, of momenta p = M v.
   [[nodiscard]] bool close_places(std::span<double> q);
   [[nodiscard]] bool close_momenta(Span q, std::span<double> p);
   /// Decides on the rank of the rows, where the loops are closed already.
-  void hold(Span q);
+  void determine_rank(Span q);
 
  private:
   Model model_;

@@ -70,18 +70,18 @@ template <class T, class S = T> class ConfigurationGroup {
 
   // And of momenta p, the duals of velocities:
   /// ad_xᵀ p.
-  void cobracket(const auto& x, const auto& p, auto&& out) const noexcept {
+  void ad_transpose(const auto& x, const auto& p, auto&& out) const noexcept {
     each_dual_block(first(x), first(p), first(out),
                     [](const Screw<T>& X, const Screw<T>& P) { return ad(-X, P); });
   }
   /// Ad_{exp x}ᵀ p: at q ⊕ x the momentum that p is at q.
-  void carry(const auto& x, const auto& p, auto&& out) const noexcept {
+  void Ad_transpose(const auto& x, const auto& p, auto&& out) const noexcept {
     each_dual_block(
         first(x), first(p), first(out), [](const Screw<T>& X, const Screw<T>& P) { return Ad(exp(-X), P); },
         first(p));
   }
   /// dexp_xᵀ p.
-  void codexp(const auto& x, const auto& p, auto&& out) const noexcept {
+  void dexp_transpose(const auto& x, const auto& p, auto&& out) const noexcept {
     each_dual_block(
         first(x), first(p), first(out), [](const Screw<T>& X, const Screw<T>& P) { return dexp(-X, P); },
         first(p));

@@ -167,7 +167,7 @@ bool ComputedTorque::make_possible(Span q, Span v) {
   for (Eigen::Index k = 0; k < d; ++k) {
     const int c = drives[static_cast<std::size_t>(k)];
     unit[c] = 1;
-    system.respond(unit.data(), R.col(k).data());
+    system.force_response(unit.data(), R.col(k).data());
     unit[c] = 0;
   }
   Eigen::MatrixXd BR = R(drives, Eigen::indexing::all);

@@ -8,50 +8,52 @@
 
 namespace axode {
 
-DryFriction::DryFriction(const Tree<double>& tree, bool felt) : tree_(&tree) {
-  if (!felt) return;
+DryFriction::DryFriction(const Tree<double>& tree, bool enabled) : tree_(&tree) {
+  if (!enabled) return;
   for (int c = 0; c < tree->nv; ++c)
     if (tree.friction[at(c)] > 0) joints_.push_back({c, tree.friction[at(c)], 0, 0});
   list_sticking();
 }
 
 void DryFriction::list_sticking() {
-  sticking_.clear(), held_.clear();
+  sticking_.clear(), sticking_joints_.clear();
   for (std::size_t k = 0; k < joints_.size(); ++k)
-    if (joints_[k].way == 0) sticking_.push_back(joints_[k].velocity), held_.push_back(k);
+    if (joints_[k].direction == 0) sticking_.push_back(joints_[k].velocity), sticking_joints_.push_back(k);
 }
 
 void DryFriction::start(Span v) {
   for (Joint& joint : joints_) {
     const double v_c = v[at(joint.velocity)];
-    joint.way = (v_c > 0) - (v_c < 0), joint.force = 0;
+    joint.direction = (v_c > 0) - (v_c < 0), joint.force = 0;
   }
   list_sticking();
 }
 
 void DryFriction::add_losses(Span v, std::span<double> tau) const {
   for (std::size_t c = 0; c < tau.size(); ++c) tau[c] -= tree_->damping[c] * v[c];
-  for (const Joint& joint : joints_) tau[at(joint.velocity)] -= joint.way * joint.friction;
+  for (const Joint& joint : joints_) tau[at(joint.velocity)] -= joint.direction * joint.friction;
 }
 
-void DryFriction::hold(const Matrix& compliance, Span own, const EnergyNorm& norm, std::span<double> a) {
-  constexpr double felt = 1e-9, rounding = 1e-13;  // of what its friction can make of a velocity, and of all
-  const auto k = static_cast<Eigen::Index>(held_.size());
+void DryFriction::apply_sticking_forces(const Matrix& compliance, Span own, const EnergyNorm& norm,
+                                        std::span<double> a) {
+  constexpr double by_friction = 1e-9,
+                   by_largest = 1e-13;  // of what its friction can make of a velocity, and of all
+  const auto k = static_cast<Eigen::Index>(sticking_joints_.size());
   const double size = norm.of_velocities(as_eigen(Span(a)));
   A_.resize(k, k), a_0_.resize(k), tolerance_.resize(k);
   for (Eigen::Index i = 0; i < k; ++i) {
-    const Joint& joint = held(i);
+    const Joint& joint = sticking_joint(i);
     A_.row(i) = compliance.row(joint.velocity);
     a_0_[i] = a[at(joint.velocity)];
-    tolerance_[i] = felt * A_(i, i) * joint.friction + rounding * norm.alone(joint.velocity, size);
+    tolerance_[i] = by_friction * A_(i, i) * joint.friction + by_largest * norm.alone(joint.velocity, size);
   }
   find_forces(*std::ranges::max_element(own));
   for (Eigen::Index i = 0; i < k; ++i)
     for (std::size_t c = 0; c < a.size(); ++c)
-      a[c] += compliance(static_cast<Eigen::Index>(c), i) * held(i).force;
+      a[c] += compliance(static_cast<Eigen::Index>(c), i) * sticking_joint(i).force;
   for (Eigen::Index i = 0; i < k; ++i) {
     const double slip = std::abs(a_[i]) / tolerance_[i];
-    slip_ = std::max(slip_, slip);
+    violation_ = std::max(violation_, slip);
     a[at(sticking_[at(i)])] = slip > 1 ? a_[i] : 0;
   }
 }
@@ -66,7 +68,7 @@ void DryFriction::factorize(double size) {
   factor_.factorize(m);
 }
 
-void DryFriction::hold_derivatives(std::initializer_list<std::span<double>> derivatives) {
+void DryFriction::constrain_derivatives(std::initializer_list<std::span<double>> derivatives) {
   const auto k = static_cast<Eigen::Index>(sticking_.size());
   if (k == 0) return;
   const auto nv = static_cast<Eigen::Index>((*tree_)->nv);
@@ -94,10 +96,11 @@ void DryFriction::find_forces(double size) {
   const Eigen::Index k = A_.rows();
   const auto accelerations = [&] {
     a_ = a_0_;
-    for (Eigen::Index i = 0; i < k; ++i) a_ += held(i).force * A_.col(i);
+    for (Eigen::Index i = 0; i < k; ++i) a_ += sticking_joint(i).force * A_.col(i);
   };
-  bound_.assign(held_.size(), 0);
-  for (Eigen::Index i = 0; i < k; ++i) bound_[at(i)] = std::abs(held(i).force) >= held(i).friction;
+  bound_.assign(sticking_joints_.size(), 0);
+  for (Eigen::Index i = 0; i < k; ++i)
+    bound_[at(i)] = std::abs(sticking_joint(i).force) >= sticking_joint(i).friction;
   step_.resize(RowCholesky<double>::room(k));
   for (Eigen::Index tries = 0; tries < 20 + 20 * k; ++tries) {
     free_.clear();
@@ -114,13 +117,13 @@ void DryFriction::find_forces(double size) {
       double part = 1;
       Eigen::Index first = -1;
       for (Eigen::Index r = 0; r < m; ++r) {
-        const Joint& of = held(free_[at(r)]);
+        const Joint& of = sticking_joint(free_[at(r)]);
         const double room = (step_[r] > 0 ? of.friction : -of.friction) - of.force;
         if (std::abs(step_[r]) * part > std::abs(room)) part = room / step_[r], first = r;
       }
-      for (Eigen::Index r = 0; r < m; ++r) held(free_[at(r)]).force += part * step_[r];
+      for (Eigen::Index r = 0; r < m; ++r) sticking_joint(free_[at(r)]).force += part * step_[r];
       if (first < 0) continue;
-      Joint& of = held(free_[at(first)]);
+      Joint& of = sticking_joint(free_[at(first)]);
       of.force = step_[first] > 0 ? of.friction : -of.friction;
       bound_[static_cast<std::size_t>(free_[at(first)])] = blocked = true;
     }
@@ -130,22 +133,22 @@ void DryFriction::find_forces(double size) {
     double most = 1e-3;
     for (Eigen::Index i = 0; i < k; ++i)
       if (bound_[at(i)])
-        if (const double wrong = a_[i] * (held(i).force > 0 ? 1 : -1) / tolerance_[i]; wrong > most)
+        if (const double wrong = a_[i] * (sticking_joint(i).force > 0 ? 1 : -1) / tolerance_[i]; wrong > most)
           most = wrong, worst = i;
     if (worst < 0) return;
     bound_[at(worst)] = 0;
   }
 }
 
-bool DryFriction::turned(Span v_0, Span a_0, Span v_1, Span a_1, double h) const {
+bool DryFriction::reverses(Span v_0, Span a_0, Span v_1, Span a_1, double h) const {
   constexpr double none = -1e-9;
   for (const Joint& joint : joints_) {
-    if (joint.way == 0) continue;
+    if (joint.direction == 0) continue;
     const std::size_t c = at(joint.velocity);
-    const double y_0 = joint.way * v_0[c], y_1 = joint.way * v_1[c];
-    if (y_1 < 0 || (y_1 == 0 && joint.way * a_1[c] < 0)) return true;
+    const double y_0 = joint.direction * v_0[c], y_1 = joint.direction * v_1[c];
+    if (y_1 < 0 || (y_1 == 0 && joint.direction * a_1[c] < 0)) return true;
     // The cubic y(s) with the velocities and accelerations of both ends has its least value where y' = 0 and y'' > 0.
-    const double d_0 = joint.way * h * a_0[c], d_1 = joint.way * h * a_1[c], D = y_1 - y_0;
+    const double d_0 = joint.direction * h * a_0[c], d_1 = joint.direction * h * a_1[c], D = y_1 - y_0;
     const double k_3 = d_0 + d_1 - 2 * D, k_2 = 3 * D - 2 * d_0 - d_1;
     const double root = k_2 * k_2 - 3 * k_3 * d_0;
     if (!(root > 0)) continue;
@@ -157,34 +160,34 @@ bool DryFriction::turned(Span v_0, Span a_0, Span v_1, Span a_1, double h) const
   return false;
 }
 
-double DryFriction::rest_in(Span v, Span a) const {
+double DryFriction::time_to_stop(Span v, Span a) const {
   double first = std::numeric_limits<double>::infinity();
   for (const Joint& joint : joints_) {
-    const double v_c = joint.way * v[at(joint.velocity)], a_c = joint.way * a[at(joint.velocity)];
-    if (joint.way != 0 && a_c < 0) first = std::min(first, -v_c / a_c);
+    const double v_c = joint.direction * v[at(joint.velocity)], a_c = joint.direction * a[at(joint.velocity)];
+    if (joint.direction != 0 && a_c < 0) first = std::min(first, -v_c / a_c);
   }
   return std::isfinite(first) ? first : 0;
 }
 
-bool DryFriction::rest(std::span<double> v, Span a, double within) {
+bool DryFriction::stop_sliding(std::span<double> v, Span a, double within) {
   bool any = false;
   for (Joint& joint : joints_) {
     double& v_c = v[at(joint.velocity)];
-    const double braking = -joint.way * a[at(joint.velocity)];
-    if (joint.way * v_c > std::max(0.0, braking) * within) continue;
+    const double braking = -joint.direction * a[at(joint.velocity)];
+    if (joint.direction * v_c > std::max(0.0, braking) * within) continue;
     v_c = 0;
-    if (joint.way == 0 || !(braking > 0)) continue;
-    joint.force = -joint.way * joint.friction, joint.way = 0;
+    if (joint.direction == 0 || !(braking > 0)) continue;
+    joint.force = -joint.direction * joint.friction, joint.direction = 0;
     any = true;
   }
   list_sticking();
   return any;
 }
 
-void DryFriction::release(Span a) {
-  for (std::size_t i = 0; i < held_.size(); ++i) {
+void DryFriction::start_sliding(Span a) {
+  for (std::size_t i = 0; i < sticking_joints_.size(); ++i) {
     const double a_c = a[at(sticking_[i])];
-    if (a_c != 0) joints_[held_[i]].way = a_c > 0 ? 1 : -1;
+    if (a_c != 0) joints_[sticking_joints_[i]].direction = a_c > 0 ? 1 : -1;
   }
   list_sticking();
 }

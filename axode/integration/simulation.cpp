@@ -7,15 +7,15 @@
 
 #include "axode/dynamics/inverse_dynamics.hpp"
 #include "axode/dynamics/momentum.hpp"
-#include "axode/integration/absolute_run.hpp"
+#include "axode/integration/absolute_simulation_run.hpp"
 #include "axode/integration/schemes/closed_midpoint.hpp"
-#include "axode/integration/schemes/conserving.hpp"
 #include "axode/integration/schemes/constrained_alpha.hpp"
 #include "axode/integration/schemes/explicit_steps.hpp"
 #include "axode/integration/schemes/generalized_alpha.hpp"
 #include "axode/integration/schemes/half_explicit.hpp"
 #include "axode/integration/schemes/phase_space.hpp"
 #include "axode/integration/schemes/rattle.hpp"
+#include "axode/integration/schemes/symplectic_step.hpp"
 
 namespace axode {
 namespace {
@@ -24,21 +24,22 @@ using Vector = Eigen::VectorXd;
 using Span = std::span<const double>;
 
 /// The same on Hamilton's side, what floats seen from its centre of mass.
-class MomentumRun : public Run {
+class MomentumSimulationRun : public SimulationRun {
  public:
-  MomentumRun(const Model& model, Span q_0, Span v_0, double until, const SimulationOptions& options)
-      : Run(model, q_0, v_0, until, options),
+  MomentumSimulationRun(const Model& model, Span q_0, Span v_0, double until,
+                        const SimulationOptions& options)
+      : SimulationRun(model, q_0, v_0, until, options),
         phase_space_(model),
         bases_(model, q_0.data(), v_0.data(), is_loaded()),
         p_(model.nv()) {}
 
   FloatingBases& bases() { return bases_; }
   /// The start: q, v and p = M v, against the frames of the bases.
-  void enter(Vector& q_0, Vector& v_0, Vector& p_0) {
+  void initial_state(Vector& q_0, Vector& v_0, Vector& p_0) {
     q_0 = q;
     v_0 = v;
     p_0.resize(v.size());
-    bases_.enter(0, q_0.data(), v_0.data());
+    bases_.to_moving_frame(0, q_0.data(), v_0.data());
     momenta(model_, workspace_, Span(as_span(q_0)), as_span(v_0), as_span(p_0));
   }
 
@@ -46,7 +47,7 @@ class MomentumRun : public Run {
   Failure partials(double t, const Vector& q_t, const Vector& v_t, Vector& p, Vector& f) {
     q_t_ = q_t;
     v_t_ = v_t;
-    bases_.leave(t, q_t_.data(), v_t_.data());
+    bases_.from_moving_frame(t, q_t_.data(), v_t_.data());
     Span tau;
     if (Failure failure = joint_forces(t, as_span(q_t_), as_span(v_t_), tau)) return failure;
     pushes_bases_ = is_loaded() || bases_.driven_by(tau.data());
@@ -67,8 +68,8 @@ class MomentumRun : public Run {
     if (Failure failure = velocity(t, q_t, p, v_t)) return failure;
     if (Failure failure = partials(t, q_t, v_t, p_, f)) return failure;
     if (!loops_) return {};
-    return checked(
-        t, loops_->add_closing_forces(as_span(q_t_), as_span(v_t_), as_span(forces_), loads(), as_span(f)));
+    return checked(t, loops_->add_constraint_forces(as_span(q_t_), as_span(v_t_), as_span(forces_), loads(),
+                                                    as_span(f)));
   }
   Failure checked(double t, const Solvability& found) const {
     return found.ok() ? Failure{} : Failure{t, to_string(model_, found)};
@@ -86,7 +87,7 @@ class MomentumRun : public Run {
   Failure take_momenta(double t, const Vector& q_t, const Vector& p) {
     Vector q_1 = q_t, v_1, a_1(p.size());
     if (Failure failure = velocity(t, q_t, p, v_1)) return failure;
-    bases_.leave(t, q_1.data(), v_1.data());
+    bases_.from_moving_frame(t, q_1.data(), v_1.data());
     if (loops_) return take_closed(t, as_span(q_1), as_span(v_1));
     Span tau;  // M is factorised there: a = M⁻¹ (τ - h)
     if (Failure failure = joint_forces(t, as_span(q_1), as_span(v_1), tau)) return failure;
@@ -113,11 +114,11 @@ template <class F>
 Trajectory in_coordinates(const Model& model, Span q, Span v, double until, const SimulationOptions& options,
                           const F& f) {
   if (options.coordinates == Coordinates::relative) {
-    Run run(model, q, v, until, options);
+    SimulationRun run(model, q, v, until, options);
     f(run);
     return std::move(run.trajectory);
   }
-  AbsoluteRun run(model, q, v, until, options);
+  AbsoluteSimulationRun run(model, q, v, until, options);
   f(run);
   return std::move(run.trajectory);
 }
@@ -140,7 +141,8 @@ void check_relative(const SimulationOptions& options, const char* scheme) {
                                 " is for relative coordinates; in absolute ones RATTLE conserves");
 }
 /// Steps of a scheme that keeps joints and loops closed itself.
-template <class Scheme> void take_closed_steps(AbsoluteRun& run, Scheme& scheme, double until, double step) {
+template <class Scheme>
+void take_closed_steps(AbsoluteSimulationRun& run, Scheme& scheme, double until, double step) {
   each_step(run, until, step, [&](double t_1) {
     if (Failure failure = scheme.run(run.now(), t_1 - run.now())) return failure;
     return run.take_closed(t_1, scheme.q, scheme.v);
@@ -182,14 +184,14 @@ Trajectory simulate_stiff(const Model& model, Span q, Span v, double until, doub
   if (!(rho >= 0 && rho <= 1))
     throw std::invalid_argument("spectral radius is " + std::to_string(rho) + "; expected 0 to 1");
   if (options.coordinates != Coordinates::relative) {
-    AbsoluteRun run(model, q, v, until, options);
+    AbsoluteSimulationRun run(model, q, v, until, options);
     if (run.done()) return std::move(run.trajectory);
-    ConstrainedAlpha<AbsoluteRun> scheme(run, rho, stabilized, run.q, run.v, run.a, run.lambda);
+    ConstrainedAlpha<AbsoluteSimulationRun> scheme(run, rho, stabilized, run.q, run.v, run.a, run.lambda);
     take_closed_steps(run, scheme, until, step);
     return std::move(run.trajectory);
   }
   if (!stabilized) check_absolute(options, "generalised-alpha of index 3");
-  Run run(model, q, v, until, options);
+  SimulationRun run(model, q, v, until, options);
   GeneralizedAlpha scheme(run, model.tree<double>(), rho, run.a);
   const Attempt attempt = [&](double t_1, StepEnd& end) {
     if (Failure failure = scheme.run(t_1, t_1 - run.now(), run.q, run.v, run.a)) return failure;
@@ -207,7 +209,7 @@ Trajectory simulate_stiff(const Model& model, Span q, Span v, double until, doub
 Trajectory simulate_rattle(const Model& model, Span q, Span v, double until, double step, int order,
                            const SimulationOptions& options) {
   check_step(step), check_absolute(options, "RATTLE"), check_smooth(model, options);
-  AbsoluteRun run(model, q, v, until, options);
+  AbsoluteSimulationRun run(model, q, v, until, options);
   if (run.done()) return std::move(run.trajectory);
   Rattle scheme(run, order, run.q, run.v);
   take_closed_steps(run, scheme, until, step);
@@ -217,7 +219,7 @@ Trajectory simulate_rattle(const Model& model, Span q, Span v, double until, dou
 Trajectory simulate_half_explicit(const Model& model, Span q, Span v, double until, double step,
                                   const SimulationOptions& options) {
   check_step(step), check_absolute(options, "the half-explicit method");
-  AbsoluteRun run(model, q, v, until, options);
+  AbsoluteSimulationRun run(model, q, v, until, options);
   if (run.done()) return std::move(run.trajectory);
   HalfExplicit scheme(run, run.q, run.v);
   take_closed_steps(run, scheme, until, step);
@@ -228,21 +230,21 @@ Trajectory simulate_conserving(const Model& model, Span q, Span v, double until,
                                const SimulationOptions& options) {
   check_step(step), check_smooth(model, options), check_holonomic(model);
   check_relative(options, "a conserving scheme");
-  MomentumRun run(model, q, v, until, options);
+  MomentumSimulationRun run(model, q, v, until, options);
   if (run.done()) return std::move(run.trajectory);
   Vector q_0, v_0, p_0;
-  run.enter(q_0, v_0, p_0);
+  run.initial_state(q_0, v_0, p_0);
   const auto take = [&](auto part) {
-    ConservingStep scheme(run, std::move(part), order, q_0, p_0, v_0);
+    SymplecticStep scheme(run, std::move(part), order, q_0, p_0, v_0);
     each_step(run, until, step, [&](double t_1) {
       if (Failure failure = scheme.run(run.now(), t_1 - run.now())) return failure;
       return run.take_momenta(t_1, scheme.q, scheme.p);
     });
   };
   if (model.loops().empty())
-    take(Midpoint<MomentumRun>(run, model.tree<double>()));
+    take(Midpoint<MomentumSimulationRun>(run, model.tree<double>()));
   else
-    take(ClosedMidpoint<MomentumRun>(run, model));
+    take(ClosedMidpoint<MomentumSimulationRun>(run, model));
   return std::move(run.trajectory);
 }
 
@@ -250,13 +252,13 @@ Trajectory simulate_momenta(const Model& model, Span q, Span v, double until, do
                             const Tableau& method, const SimulationOptions& options) {
   check(method), check_step(step), check_smooth(model, options);
   check_relative(options, "a scheme on momenta");
-  MomentumRun run(model, q, v, until, options);
+  MomentumSimulationRun run(model, q, v, until, options);
   if (run.done()) return std::move(run.trajectory);
   FloatingBases& bases = run.bases();
   MuntheKaas scheme(model.tree<double>(), method);
   const ConfigurationGroup<double> group(model.tree<double>());
   Vector q_1, v_1, y;
-  run.enter(q_1, v_1, y);
+  run.initial_state(q_1, v_1, y);
   Vector q_i, p = y, v_i, dp = y, dy = y;
   bases.begin(q_1.data(), y.data());
   Failure failure;
@@ -267,7 +269,7 @@ Trajectory simulate_momenta(const Model& model, Span q, Span v, double until, do
     failure = run.rates(t, q_i, p, v_i, dp);
     if (failure) return false;
     as_eigen(v_t) = v_i;
-    group.cobracket(v_i, p, dy_t);
+    group.ad_transpose(v_i, p, dy_t);
     as_eigen(dy_t) += dp;
     bases.rates(q_t.data(), run.pushes_bases(), dp.data(), dy_t.data());
     return true;
@@ -281,7 +283,7 @@ Trajectory simulate_momenta(const Model& model, Span q, Span v, double until, do
     y = as_eigen(scheme.y);
     p = y;
     if ((failure = run.close_places(t_1, q_1))) return failure;
-    bases.settle(q_1.data());
+    bases.restore_centers(q_1.data());
     bases.to_momenta(q_1.data(), y.data(), p.data());
     const Vector before = p;
     if ((failure = run.close(t_1, q_1, p))) return failure;

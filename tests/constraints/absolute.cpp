@@ -14,7 +14,6 @@ namespace axode::test {
 namespace {
 
 using Numbers = std::vector<double>;
-using Rows = AbsoluteSystem::Rows;
 
 struct FreeBodies {
   FreeBodies(Model of, Numbers q_of, Numbers v_of, BodyGroup kind)
@@ -23,7 +22,7 @@ struct FreeBodies {
         q_joints(std::move(q_of)),
         v_joints(std::move(v_of)),
         bodies(model, kind) {
-    bodies.enter(q_joints, v_joints, q, v);
+    bodies.from_joint_state(q_joints, v_joints, q, v);
   }
 
   Numbers moved(const Numbers& velocity, double t) const {
@@ -34,7 +33,7 @@ struct FreeBodies {
     return out;
   }
   BodyGroup kind() const { return kind_; }
-  std::size_t rows() const { return static_cast<std::size_t>(bodies.rows(Rows::velocities)); }
+  std::size_t rows() const { return static_cast<std::size_t>(bodies.rows(ConstraintLevel::velocity)); }
 
   Model model;
   BodyGroup kind_;
@@ -73,7 +72,7 @@ double product_of(const Numbers& x, const Numbers& y) {
 TEST(AbsoluteSystem, GoesThereAndBack) {
   for_free_bodies(60, [](FreeBodies& free, Random<double>&) {
     Numbers q, v;
-    free.bodies.leave(free.q, free.v, q, v);
+    free.bodies.to_joint_state(free.q, free.v, q, v);
     const Numbers apart = difference(free.model, free.q_joints, q);
     EXPECT_LT(largest_of(apart), 1e-11);
     for (std::size_t c = 0; c < v.size(); ++c) EXPECT_NEAR(v[c], free.v_joints[c], 1e-11);
@@ -85,9 +84,9 @@ TEST(AbsoluteSystem, GoesThereAndBack) {
 TEST(AbsoluteSystem, JointsAreClosedAndStaySo) {
   for_free_bodies(60, [](FreeBodies& free, Random<double>&) {
     Numbers gap, slip;
-    free.bodies.gap(free.q, gap);
+    free.bodies.position_residual(free.q, gap);
     EXPECT_LT(largest_of(gap), 1e-10);
-    free.bodies.slip(free.q, free.v, slip);
+    free.bodies.velocity_residual(free.q, free.v, slip);
     EXPECT_LT(largest_of(slip), 1e-9 * (1 + largest_of(free.v)));
   });
 }
@@ -96,13 +95,14 @@ TEST(AbsoluteSystem, RowsAreTheRatesOfTheGaps) {
   for_free_bodies(40, [](FreeBodies& free, Random<double>& random) {
     const Numbers any = random_numbers(random, free.bodies.nv());
     Numbers slip, before, after, twice_before, twice_after;
-    free.bodies.slip(free.q, any, slip);
+    free.bodies.velocity_residual(free.q, any, slip);
     const double h = 1e-3;
     const auto gap = [&](double by, Numbers& out) {
-      free.bodies.gap(free.moved(any, by), out, AbsoluteSystem::Rows::velocities);
+      free.bodies.position_residual(free.moved(any, by), out, ConstraintLevel::velocity);
     };
     gap(-h, before), gap(h, after), gap(-2 * h, twice_before), gap(2 * h, twice_after);
-    free.bodies.put_rolling(free.q, any, 0, slip);  // rotors of joints with several velocities have no places
+    free.bodies.set_nonholonomic_rates(free.q, any, 0,
+                                       slip);  // rotors of joints with several velocities have no places
     for (std::size_t k = 0; k < slip.size(); ++k)
       EXPECT_NEAR(slip[k], (8 * (after[k] - before[k]) - (twice_after[k] - twice_before[k])) / (12 * h),
                   1e-8 * (1 + largest_of(slip)))
@@ -114,10 +114,10 @@ TEST(AbsoluteSystem, ClosingWrenchesAreDualToRows) {
   for_free_bodies(40, [](FreeBodies& free, Random<double>& random) {
     const Numbers any = random_numbers(random, free.bodies.nv());
     Numbers slip, lambda = random_numbers(random, static_cast<int>(free.rows())), f(any.size());
-    free.bodies.slip(free.q, any, slip);
+    free.bodies.velocity_residual(free.q, any, slip);
     for (std::size_t k = 0; k < slip.size(); ++k)
       if (slip[k] == 0) lambda[k] = 0;  // directions that joints leave free
-    free.bodies.add_closing(free.q, lambda, f);
+    free.bodies.add_constraint_forces(free.q, lambda, f);
     EXPECT_NEAR(product_of(f, any), product_of(lambda, slip),
                 1e-11 * (1 + largest_of(slip)) * static_cast<double>(f.size()));
   });
@@ -126,18 +126,18 @@ TEST(AbsoluteSystem, ClosingWrenchesAreDualToRows) {
 TEST(AbsoluteSystem, SolvesItsEquations) {
   for_free_bodies(40, [](FreeBodies& free, Random<double>& random) {
     if (free.model.name() == "Bricard") return;  // rows that repeat each other do not take any right side
-    if (!free.bodies.hold(free.q).ok()) return;
+    if (!free.bodies.factorize_with_rank(free.q).ok()) return;
     const Numbers r = random_numbers(random, free.bodies.nv()),
                   any = random_numbers(random, free.bodies.nv());
     Numbers want, x, lambda, Mx, got;
-    free.bodies.slip(free.q, any, want);
+    free.bodies.velocity_residual(free.q, any, want);
     free.bodies.solve(r, want, x, lambda);
-    free.bodies.slip(free.q, x, got);
+    free.bodies.velocity_residual(free.q, x, got);
     for (std::size_t k = 0; k < got.size(); ++k)
       EXPECT_NEAR(got[k], want[k], 1e-7 * (1 + largest_of(x))) << "row " << k;
     free.bodies.momentum(x, Mx);
     Numbers f = r;
-    free.bodies.add_closing(free.q, lambda, f);
+    free.bodies.add_constraint_forces(free.q, lambda, f);
     for (std::size_t c = 0; c < f.size(); ++c)
       EXPECT_NEAR(Mx[c], f[c], 1e-9 * (1 + largest_of(lambda) + largest_of(Mx))) << "coordinate " << c;
   });
@@ -159,10 +159,10 @@ TEST(AbsoluteSystem, AcceleratesAsTheTreeDoes) {
     if (!found.ok() || largest_of(a_joints) > 1e4) return;
     ++seen;
     Numbers f, p, turning(free.v.size()), want, a, lambda;
-    ASSERT_TRUE(free.bodies.hold(free.q).ok());
+    ASSERT_TRUE(free.bodies.factorize_with_rank(free.q).ok());
     free.bodies.forces(free.q, free.v, tau, {}, f);
     free.bodies.momentum(free.v, p);
-    ConfigurationGroup<double>(free.bodies.group()).cobracket(free.v.data(), p.data(), turning.data());
+    ConfigurationGroup<double>(free.bodies.group()).ad_transpose(free.v.data(), p.data(), turning.data());
     for (std::size_t c = 0; c < f.size(); ++c) f[c] += turning[c];
     free.bodies.bias(free.v, want);
     free.bodies.solve(f, want, a, lambda);
@@ -171,7 +171,7 @@ TEST(AbsoluteSystem, AcceleratesAsTheTreeDoes) {
       for (std::size_t c = 0; c < x.size(); ++c)
         x[c] = h * free.v_joints[c] + h * h / 2 * a_joints[c], v_h[c] += h * a_joints[c];
       AbsoluteSystem there(free.model, free.kind());
-      there.enter(integrate(free.model, free.q_joints, x), v_h, q_b, v_b);
+      there.from_joint_state(integrate(free.model, free.q_joints, x), v_h, q_b, v_b);
       return v_b;
     };
     const double h = 1e-4;

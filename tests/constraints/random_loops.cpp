@@ -123,13 +123,13 @@ TEST(RandomLoops, RankDoesNotDependOnWhatWasAskedBefore) {
   for_seeds(30, [](std::uint64_t seed) {
     const LoopedTree tree(seed);
     const auto kept = [](LoopSystem<double>& system, const Numbers& q) {
-      system.place(q.data());
-      return IndependentRows<double>(system, LoopSystem<double>::Rows::velocities).kept;
+      system.update_kinematics(q.data());
+      return IndependentRows<double>(system, ConstraintLevel::velocity).independent;
     };
     LoopSystem<double> system(tree.model), other(tree.model);
     const std::vector<int> expected = kept(system, tree.q);
     Numbers x(tree.v.size());
-    if (!other.approach(tree.q.data(), x.data()).ok()) return;
+    if (!other.projection_step(tree.q.data(), x.data()).ok()) return;
     EXPECT_EQ(kept(other, tree.q), expected);
   });
 }

@@ -216,11 +216,11 @@ std::vector<Rolling> what_rolls() {
 /// The largest of B v in rows without a place.
 double rolling_slip(const Trajectory& motion) {
   AbsoluteSystem bodies(motion.model(), BodyGroup::SE3);
-  Numbers q, v, slip(static_cast<std::size_t>(bodies.rows(AbsoluteSystem::Rows::velocities)));
+  Numbers q, v, slip(static_cast<std::size_t>(bodies.rows(ConstraintLevel::velocity)));
   double most = 0;
   for (std::size_t k = 0; k < motion.size(); ++k) {
-    bodies.enter(motion.q(k), motion.v(k), q, v);
-    bodies.put_rolling(q, v, 1, slip);
+    bodies.from_joint_state(motion.q(k), motion.v(k), q, v);
+    bodies.set_nonholonomic_rates(q, v, 1, slip);
     most = std::max(most, largest_of(slip));
   }
   return most;

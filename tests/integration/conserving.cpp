@@ -34,12 +34,12 @@ TEST(ConfigurationGroup, HasDualsOfItsMaps) {
   const Numbers x = numbers(), y = numbers(), p = numbers();
   Numbers back(x), of_p(p.size()), of_y(p.size()), carried(p.size());
   for (double& x_k : back) x_k = -x_k;
-  group.cobracket(x.data(), p.data(), of_p.data()), group.bracket(x.data(), y.data(), of_y.data());
+  group.ad_transpose(x.data(), p.data(), of_p.data()), group.bracket(x.data(), y.data(), of_y.data());
   EXPECT_NEAR(dot(of_p, y), dot(p, of_y), 1e-13);
-  group.codexp(x.data(), p.data(), of_p.data()), group.velocity(back.data(), y.data(), of_y.data());
+  group.dexp_transpose(x.data(), p.data(), of_p.data()), group.velocity(back.data(), y.data(), of_y.data());
   EXPECT_NEAR(dot(of_p, y), dot(p, of_y), 1e-13);
-  group.carry(x.data(), p.data(), carried.data());  // dexp_x = Ad_{exp x} dexp_{-x}
-  group.codexp(back.data(), carried.data(), carried.data());
+  group.Ad_transpose(x.data(), p.data(), carried.data());  // dexp_x = Ad_{exp x} dexp_{-x}
+  group.dexp_transpose(back.data(), carried.data(), carried.data());
   for (std::size_t k = 0; k < p.size(); ++k) EXPECT_NEAR(carried[k], of_p[k], 1e-13);
 }
 
@@ -141,7 +141,7 @@ template <class Run> double symplectic_error(const Model& model, const State<dou
     for (Eigen::Index k = 0; k < n; ++k) {
       Numbers unit(nv), image(nv);
       unit[static_cast<std::size_t>(k)] = 1;
-      group.cobracket(unit.data(), p.data(), image.data());
+      group.ad_transpose(unit.data(), p.data(), image.data());
       B.col(n + k).tail(n) = Eigen::Map<Eigen::VectorXd>(image.data(), n);
     }
     return B;

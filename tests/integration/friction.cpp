@@ -291,7 +291,7 @@ TEST(Friction, KnowsHowLoopsRespond) {
       ASSERT_TRUE(motion.accelerate(at.q, at.v, tau, {}, pushed).ok());
       tau[c] = 0;
       motion.factorize(at.q);
-      motion.respond(static_cast<int>(c), response);
+      motion.unit_force_response(static_cast<int>(c), response);
       EXPECT_LT((vector(response) - (vector(pushed) - vector(a))).norm(), 1e-9 * (1 + vector(pushed).norm()));
     }
   }

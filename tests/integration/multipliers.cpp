@@ -1,6 +1,6 @@
 #include "axode/constraints/assembly.hpp"
 #include "axode/constraints/constrained_dynamics.hpp"
-#include "axode/integration/absolute_run.hpp"
+#include "axode/integration/absolute_simulation_run.hpp"
 #include "axode/integration/schemes/constrained_alpha.hpp"
 #include "tests/constraints/mechanisms.hpp"
 #include "tests/integration/motions.hpp"
@@ -34,8 +34,8 @@ double multiplier_error(const Model& model, Coordinates kind, bool stabilized, i
   SimulationOptions options;
   options.coordinates = kind;
   const Numbers q{0, 0, 0, 1}, v{0, 150, -4.61538};
-  AbsoluteRun run(model, q, v, 1, options);
-  ConstrainedAlpha<AbsoluteRun> scheme(run, 0.9, stabilized, run.q, run.v, run.a, run.lambda);
+  AbsoluteSimulationRun run(model, q, v, 1, options);
+  ConstrainedAlpha<AbsoluteSimulationRun> scheme(run, 0.9, stabilized, run.q, run.v, run.a, run.lambda);
   for (int k = 0; k < steps; ++k) EXPECT_EQ(scheme.run(k / double(steps), 1.0 / steps).why, "");
   const SO3<> R = rotation(Quaternion<>{scheme.q[0], scheme.q[1], scheme.q[2], scheme.q[3]});
   const Vec3<> error = R * Vec3<>{scheme.lambda[3], scheme.lambda[4], scheme.lambda[5]} - exact;
@@ -73,8 +73,8 @@ TEST(Multipliers, OfWhatRollsAreOfOrderTwo) {
       const auto error = [&](int steps) {
         SimulationOptions options;
         options.coordinates = kind;
-        AbsoluteRun run(model, at.q, at.v, 1, options);
-        ConstrainedAlpha<AbsoluteRun> scheme(run, 0.8, stabilized, run.q, run.v, run.a, run.lambda);
+        AbsoluteSimulationRun run(model, at.q, at.v, 1, options);
+        ConstrainedAlpha<AbsoluteSimulationRun> scheme(run, 0.8, stabilized, run.q, run.v, run.a, run.lambda);
         for (int k = 0; k < steps; ++k) EXPECT_EQ(scheme.run(k / double(steps), 1.0 / steps).why, "");
         const auto contact = std::span(scheme.lambda).last<3>();
         return norm(Vec3<>{contact[0] - lambda[0], contact[1] - lambda[1], contact[2] - lambda[2]});

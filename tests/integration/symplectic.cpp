@@ -43,7 +43,7 @@ Matrix form(const ConfigurationGroup<double>& group, const Numbers& p, const Mat
   const Matrix dq = Z.topRows(nv), dp = Z.bottomRows(nv);
   Matrix turning(nv, Z.cols());
   for (Eigen::Index k = 0; k < Z.cols(); ++k)
-    group.cobracket(dq.col(k).data(), p.data(), turning.col(k).data());
+    group.ad_transpose(dq.col(k).data(), p.data(), turning.col(k).data());
   return dq.transpose() * dp - dp.transpose() * dq - dq.transpose() * turning;
 }
 

@@ -38,16 +38,16 @@ void LoopPath::add_bodies(const Topology& topology, const std::vector<int>& from
     for (int i = last; i > 0; i = topology.parent[i]) on_paths.insert(i);
   bodies.assign(on_paths.begin(), on_paths.end());
   const Topology::Ties& ties = topology.ties;
-  std::set<int> give_way;
+  std::set<int> eliminate;
   for (const int i : bodies) {
     if (ties.own[i] < 0)
       for (int s = topology.first_screw[i]; s < topology.first_screw[i + 1]; ++s)
-        give_way.insert(topology.iv[i] + s - topology.first_screw[i]);
+        eliminate.insert(topology.iv[i] + s - topology.first_screw[i]);
     for (int t = ties.begin[i]; t < ties.begin[i + 1]; ++t)
-      if (ties.up[t] < 0) give_way.insert(ties.velocity[t]);
+      if (ties.up[t] < 0) eliminate.insert(ties.velocity[t]);
   }
-  for (int t = ties.begin[0]; t < ties.begin[1]; ++t) give_way.insert(ties.velocity[t]);
-  velocities.assign(give_way.begin(), give_way.end());
+  for (int t = ties.begin[0]; t < ties.begin[1]; ++t) eliminate.insert(ties.velocity[t]);
+  velocities.assign(eliminate.begin(), eliminate.end());
 }
 
 }  // namespace axode

@@ -4,8 +4,8 @@
 
 #include "axode/constraints/loop_system.hpp"
 #include "axode/integration/configuration_group.hpp"
+#include "axode/integration/schemes/anderson_iteration.hpp"
 #include "axode/integration/schemes/midpoint.hpp"
-#include "axode/integration/schemes/settling.hpp"
 
 namespace axode {
 
@@ -31,7 +31,7 @@ template <class System> class ClosedMidpoint {
         middle_(model_),
         R_(model.loops().residuals, model.nv()),
         lambda_(Vector::Zero(model.loops().residuals)),
-        want_(lambda_),
+        rhs_(lambda_),
         dlambda_(lambda_),
         y_(model.nv()),
         p_0_(model.nv()),
@@ -41,45 +41,45 @@ template <class System> class ClosedMidpoint {
   /// From (q0, p0) at time t over h, as Midpoint. Loops are closed at q0.
   Failure run(double t, double h, const Vector& q0, const Vector& p0) {
     LoopSystem<double>&ends = ends_.system(model_), &middle = middle_.system(model_);
-    constexpr auto places = LoopSystem<double>::Rows::places;
+    constexpr auto places = ConstraintLevel::position;
     if (Failure failure = system_->checked(t, ends.determine_rank(q0.data(), rank_))) return failure;
-    middle.place(q0.data());
+    middle.update_kinematics(q0.data());
     middle.set_filter(q0.data(), rank_);
     ends.make_rows(places);
     ends.write(R_.data());
     go(h / 2, q0, q_middle);
-    middle.place(q_middle.data());
+    middle.update_kinematics(q_middle.data());
     if (Failure failure = system_->checked(t, middle.factorize())) return failure;
     middle.make_rows(places);
     middle.factorize_rows();
-    Settling settling(system_->norm());
-    for (auto verdict = Settling::Verdict::going;;) {
+    AndersonIteration iteration(system_->norm());
+    for (auto status = AndersonIteration::Status::iterating;;) {
       go(h / 2, q0, q_middle);
       p_0_ = p0 + h / 2 * (R_.transpose() * lambda_);
-      group_.carry(y_, p_0_, p);
-      if (verdict == Settling::Verdict::settled) break;
+      group_.Ad_transpose(y_, p_0_, p);
+      if (status == AndersonIteration::Status::converged) break;
       if (Failure failure = system_->partials(t + h / 2, q_middle, v, momenta_, f)) return failure;
       p += h * f;
       r_ = (p_0_ + p) / 2;
-      group_.codexp(y_, r_, r_);
+      group_.dexp_transpose(y_, r_, r_);
       r_ -= momenta_;
       const double scale = system_->velocity_scale(v, h);
       const double residual = system_->norm().of_forces(r_);
       go(h, q0, q);
-      ends.place(q.data());
-      ends.residual(q.data(), want_.data());
-      want_ /= h;
-      middle.add_response(r_.data(), want_.data());
-      middle.solve_rows(want_.data(), dlambda_.data(), rank_);
+      ends.update_kinematics(q.data());
+      ends.residual(q.data(), rhs_.data());
+      rhs_ /= h;
+      middle.add_response(r_.data(), rhs_.data());
+      middle.solve_rows(rhs_.data(), dlambda_.data(), rank_);
       middle.add_transposed_times(dlambda_.data(), r_.data());
       middle.solve(r_.data());
       dlambda_ *= 2 / h;
-      verdict = settling.take(scale, {{v, r_}, {lambda_, dlambda_}},
-                              [&] { return residual <= 1e-12 * terms(h, scale); });
-      if (verdict == Settling::Verdict::lost) return {t + h, diverged};
+      status = iteration.update(scale, {{v, r_}, {lambda_, dlambda_}},
+                                [&] { return residual <= 1e-12 * terms(h, scale); });
+      if (status == AndersonIteration::Status::diverged) return {t + h, no_convergence};
     }
     p += h * f;
-    group_.carry(y_, p, p);
+    group_.Ad_transpose(y_, p, p);
     go(h, q0, q);
     return {};
   }
@@ -107,7 +107,7 @@ template <class System> class ClosedMidpoint {
   LoopWorkspace<double> ends_, middle_;
   RowRank rank_;
   Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> R_;
-  Vector lambda_, want_, dlambda_, y_, p_0_, momenta_, r_;
+  Vector lambda_, rhs_, dlambda_, y_, p_0_, momenta_, r_;
 };
 
 }  // namespace axode

@@ -3,8 +3,8 @@
 
 #include "axode/constraints/absolute_system.hpp"
 #include "axode/integration/configuration_group.hpp"
+#include "axode/integration/schemes/anderson_iteration.hpp"
 #include "axode/integration/schemes/generalized_alpha.hpp"
-#include "axode/integration/schemes/settling.hpp"
 
 namespace axode {
 
@@ -17,11 +17,11 @@ namespace axode {
 /// for its matrix; and so does the metric of c M⁻¹ Bᵀ η. A System is one of Rattle's that knows the resistance.
 template <class System> class ConstrainedAlpha {
  public:
-  using Numbers = std::vector<double>;
+  using Vector = std::vector<double>;
 
   /// From a state with acceleration a_0 and multipliers, at which the system is held.
-  ConstrainedAlpha(System& system, double spectral_radius, bool stabilized, const Numbers& q_0,
-                   const Numbers& v_0, const Numbers& a_0, const Numbers& lambda_0)
+  ConstrainedAlpha(System& system, double spectral_radius, bool stabilized, const Vector& q_0,
+                   const Vector& v_0, const Vector& a_0, const Vector& lambda_0)
       : q(q_0),
         v(v_0),
         lambda(lambda_0),
@@ -41,44 +41,45 @@ template <class System> class ConstrainedAlpha {
     moved_.assign(nv, 0.0);
     q_1_.resize(q.size());
     end_with(h);
-    if (Failure failure = system_->place(t + h, q_1_, v_1_, c_x, c_v)) return failure;
-    Settling settling(system_->norm());
-    for (auto verdict = Settling::Verdict::going;;) {
+    if (Failure failure = system_->factorize(t + h, q_1_, v_1_, c_x, c_v)) return failure;
+    AndersonIteration iteration(system_->norm());
+    for (auto status = AndersonIteration::Status::iterating;;) {
       end_with(h);
-      if (verdict == Settling::Verdict::settled) break;
+      if (status == AndersonIteration::Status::converged) break;
       if (Failure failure = system_->forces(t + h, q_1_, v_1_, r_)) return failure;
       system_->add_turning(v_1_, r_);
       bodies.momentum(a_1_, p_);
       as_eigen(r_) -= as_eigen(p_);
-      bodies.add_closing(q_1_, lambda, r_);
-      bodies.gap(q_1_, open_, AbsoluteSystem::Rows::velocities);
+      bodies.add_constraint_forces(q_1_, lambda, r_);
+      bodies.position_residual(q_1_, open_, ConstraintLevel::velocity);
       as_eigen(open_) /= -c_x;
       if (stabilized_) {
-        bodies.slip(q_1_, v_1_, want_);
-        as_eigen(want_) /= -c_v;
-        bodies.solve(r_, want_, da_, dlambda_);
-        as_eigen(open_) -= as_eigen(want_);  // as B da is
-        bodies.put_rolling(q_1_, moved_, -1, open_);
+        bodies.velocity_residual(q_1_, v_1_, rhs_);
+        as_eigen(rhs_) /= -c_v;
+        bodies.solve(r_, rhs_, da_, dlambda_);
+        as_eigen(open_) -= as_eigen(rhs_);  // as B da is
+        bodies.set_nonholonomic_rates(q_1_, moved_, -1, open_);
         r_.assign(nv, 0.0);
         bodies.solve(r_, open_, dmoved_, deta_);
       } else {
-        bodies.put_rolling(q_1_, v_1_, -1 / c_v, open_);
+        bodies.set_nonholonomic_rates(q_1_, v_1_, -1 / c_v, open_);
         bodies.solve(r_, open_, da_, dlambda_);
         dmoved_.assign(nv, 0.0);
       }
-      verdict = settling.take(system_->velocity_scale(v_1_, h) / h, {{as_eigen(a_1_), as_eigen(da_)},
-                                                                     {as_eigen(moved_), as_eigen(dmoved_)},
-                                                                     {as_eigen(lambda), as_eigen(dlambda_)}});
-      if (verdict == Settling::Verdict::lost) return {t + h, diverged};
+      status =
+          iteration.update(system_->velocity_scale(v_1_, h) / h, {{as_eigen(a_1_), as_eigen(da_)},
+                                                                  {as_eigen(moved_), as_eigen(dmoved_)},
+                                                                  {as_eigen(lambda), as_eigen(dlambda_)}});
+      if (status == AndersonIteration::Status::diverged) return {t + h, no_convergence};
     }
     q = q_1_;
     v = v_1_;
     a_ = as_eigen(a_1_);
     mean_ = mean_1_;
-    return system_->hold(t + h, q);
+    return system_->factorize_with_rank(t + h, q);
   }
 
-  Numbers q, v, lambda;
+  Vector q, v, lambda;
 
  private:
   /// The end of a step in which the acceleration becomes a_1 and bodies are moved besides.
@@ -95,7 +96,7 @@ template <class System> class ConstrainedAlpha {
   bool stabilized_;
   AlphaMeans means_;
   Eigen::VectorXd a_, mean_, mean_1_, x_;
-  Numbers a_1_, v_1_, moved_, q_1_, r_, p_, open_, want_, da_, dlambda_, dmoved_, deta_;
+  Vector a_1_, v_1_, moved_, q_1_, r_, p_, open_, rhs_, da_, dlambda_, dmoved_, deta_;
 };
 
 }  // namespace axode

@@ -4,9 +4,9 @@
 #include <limits>
 #include <vector>
 
-#include "axode/integration/run.hpp"
+#include "axode/integration/schemes/anderson_iteration.hpp"
 #include "axode/integration/schemes/munthe_kaas.hpp"
-#include "axode/integration/schemes/settling.hpp"
+#include "axode/integration/simulation_run.hpp"
 
 /// Explicit methods on a run: it has q, v and a of now on the group of tree(), accelerate(), and takes the ends of steps.
 namespace axode {
@@ -59,8 +59,8 @@ template <class Run> void take_steps(Run& run, double until, double step, const 
 /// A drive force that jumps where the motion dwells, as -sign(v) does at rest, is crossed in ever shorter steps: so many are
 /// looked at together, and so many times as many are not begun, where one is shorter than anything that swings and
 /// dies out (s).
-inline constexpr int watched = 10'000;
-inline constexpr double hopeless = 1e5, too_short = 1e-9;
+inline constexpr int stall_window = 10'000;
+inline constexpr double stall_ratio = 1e5, stall_step = 1e-9;
 inline constexpr const char* jumps =
     "the steps have become so short that a thousand million more would not do: a force jumps where the "
     "motion dwells, or grows without bound; methods in steps of one length go on, and dry friction of a "
@@ -97,17 +97,17 @@ template <class Run> void take_adapted_steps(Run& run, double until, const Toler
     const double largest = n > 0 ? to_array(run.a).abs().maxCoeff() : 0;
     h = 0.01 / std::max({1e-3, fastest, std::sqrt(largest)});
   }
-  double last_error = 1e-4, watched_from = 0;
+  double last_error = 1e-4, window_start = 0;
   int tries = 0, passing = most_passing, shorter = 0;
   const Attempt attempt = attempts(run, scheme);
   StepEnd end;
   while (!run.done()) {
     const double t = run.now(), rest = until - t;
-    if (++tries == watched) {
-      const double gone = t - watched_from;
-      if (gone < too_short * watched && rest > hopeless * gone) return run.stop({t, jumps});
+    if (++tries == stall_window) {
+      const double gone = t - window_start;
+      if (gone < stall_step * stall_window && rest > stall_ratio * gone) return run.stop({t, jumps});
       tries = 0;
-      watched_from = t;
+      window_start = t;
     }
     h = std::min({h, most, rest});
     const double length = h * std::pow(shortened, shorter);

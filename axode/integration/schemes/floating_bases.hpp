@@ -40,8 +40,8 @@ class FloatingBases {
   }
 
   /// From the inertial frame to the moving ones and back, at time t.
-  void enter(double t, double* q, double* v) const { add(-1, t, q, v); }
-  void leave(double t, double* q, double* v) const { add(1, t, q, v); }
+  void to_moving_frame(double t, double* q, double* v) const { add(-1, t, q, v); }
+  void from_moving_frame(double t, double* q, double* v) const { add(1, t, q, v); }
 
   // Against the moving frames:
   /// y where p is.
@@ -69,7 +69,7 @@ class FloatingBases {
       for (int c = first(root); c < first(root) + 6; ++c) y[c] += h * f[c];
   }
   /// Centres that are held back to their places.
-  void settle(double* q) {
+  void restore_centers(double* q) {
     if (std::ranges::none_of(roots_, &Root::held)) return;
     kernel_->run(*tree_, q);
     for (const Root& root : roots_)

@@ -38,7 +38,7 @@ struct AlphaMeans {
 ///   J = M + h γ c ∂ID/∂v + h² β c ∂ID/∂q dexp_{-x}.
 /// It is found where the change of a_1 is rounding, where the residual is rounding of the terms that it is the
 /// sum of, or where a_1 moves q_1 by no more than its rounding.
-/// A System has residual(t, q, v, a, r), which finds r = ID - τ; size_of_residual(r) and place_resolution(h), see Run;
+/// A System has residual(t, q, v, a, r), which finds r = ID - τ; size_of_residual(r) and place_resolution(h), see SimulationRun;
 /// and what StepMatrix asks for.
 template <class System> class GeneralizedAlpha {
  public:

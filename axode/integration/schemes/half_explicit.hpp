@@ -5,7 +5,7 @@
 
 #include "axode/constraints/absolute_system.hpp"
 #include "axode/integration/configuration_group.hpp"
-#include "axode/integration/schemes/settling.hpp"
+#include "axode/integration/schemes/anderson_iteration.hpp"
 #include "axode/integration/trajectory.hpp"
 
 namespace axode {
@@ -19,9 +19,9 @@ namespace axode {
 /// A System is one of Rattle's, with place(t, q) and close(t, q, v) besides.
 template <class System> class HalfExplicit {
  public:
-  using Numbers = std::vector<double>;
+  using Vector = std::vector<double>;
 
-  HalfExplicit(System& system, const Numbers& q_0, const Numbers& v_0)
+  HalfExplicit(System& system, const Vector& q_0, const Vector& v_0)
       : q(q_0), v(v_0), system_(&system), group_(system.bodies().group()) {}
 
   /// Takes q and v at time t to t + h.
@@ -35,7 +35,7 @@ template <class System> class HalfExplicit {
     q_next_.resize(q.size());
     for (std::size_t i = 0; i < 3; ++i) {
       if (i > 0)
-        if (Failure failure = system_->place(t + c[i] * h, q_i_)) return failure;
+        if (Failure failure = system_->factorize(t + c[i] * h, q_i_)) return failure;
       if (Failure failure = system_->forces(t + c[i] * h, q_i_, V_, f_)) return failure;
       system_->add_turning(V_, f_);
       K_[i].resize(nv);
@@ -45,7 +45,7 @@ template <class System> class HalfExplicit {
       for (std::size_t j = 0; j <= i; ++j) as_eigen(theta_) += h * a[i][j] * as_eigen(K_[j]);
       for (std::size_t j = 0; j < i; ++j) as_eigen(base_) += h * a[i][j] * as_eigen(L_[j]);
       group_.move(q, theta_, q_next_);
-      if (!accelerate(h * a[i][i], L_[i])) return {t + h, diverged};
+      if (!accelerate(h * a[i][i], L_[i])) return {t + h, no_convergence};
       as_eigen(V_) = as_eigen(base_) + h * a[i][i] * as_eigen(L_[i]);
       q_i_ = q_next_;
     }
@@ -54,35 +54,36 @@ template <class System> class HalfExplicit {
     return system_->close(t + h, q, v);
   }
 
-  Numbers q, v;
+  Vector q, v;
 
  private:
   /// L at q_i, with which base + part L is consistent at the next stage.
-  bool accelerate(double part, Numbers& L) {
+  bool accelerate(double part, Vector& L) {
     auto& bodies = system_->bodies();
     L.assign(v.size(), 0.0);
-    lambda_.assign(static_cast<std::size_t>(bodies.rows(AbsoluteSystem::Rows::velocities)), 0.0);
-    Settling settling(system_->norm());
+    lambda_.assign(static_cast<std::size_t>(bodies.rows(ConstraintLevel::velocity)), 0.0);
+    AndersonIteration iteration(system_->norm());
     for (;;) {
       as_eigen(V_) = as_eigen(base_) + part * as_eigen(L);
-      bodies.slip(q_next_, V_, want_);
-      as_eigen(want_) *= -1 / part;
+      bodies.velocity_residual(q_next_, V_, rhs_);
+      as_eigen(rhs_) *= -1 / part;
       bodies.momentum(L, p_);
       r_ = f_;
-      bodies.add_closing(q_i_, lambda_, r_);
+      bodies.add_constraint_forces(q_i_, lambda_, r_);
       as_eigen(r_) -= as_eigen(p_);
-      bodies.solve(r_, want_, dL_, dlambda_);
+      bodies.solve(r_, rhs_, dL_, dlambda_);
       const double size = system_->velocity_scale(V_, part) / std::abs(part);
-      const auto verdict =
-          settling.take(size, {{as_eigen(L), as_eigen(dL_)}, {as_eigen(lambda_), as_eigen(dlambda_)}});
-      if (verdict != Settling::Verdict::going) return verdict == Settling::Verdict::settled;
+      const auto status =
+          iteration.update(size, {{as_eigen(L), as_eigen(dL_)}, {as_eigen(lambda_), as_eigen(dlambda_)}});
+      if (status != AndersonIteration::Status::iterating)
+        return status == AndersonIteration::Status::converged;
     }
   }
 
   System* system_;
   ConfigurationGroup<double> group_;
-  std::array<Numbers, 3> K_, L_;
-  Numbers q_i_, q_next_, V_, theta_, base_, f_, p_, lambda_, want_, r_, dL_, dlambda_;
+  std::array<Vector, 3> K_, L_;
+  Vector q_i_, q_next_, V_, theta_, base_, f_, p_, lambda_, rhs_, r_, dL_, dlambda_;
 };
 
 }  // namespace axode

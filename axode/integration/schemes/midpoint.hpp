@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "axode/integration/schemes/settling.hpp"
+#include "axode/integration/schemes/anderson_iteration.hpp"
 #include "axode/integration/schemes/step_matrix.hpp"
 #include "axode/integration/trajectory.hpp"
 
@@ -23,7 +23,7 @@ namespace axode {
 /// where it moves q by no more than that.
 ///
 /// A System has partials(t, q, v, p, f), which finds p = M v and f; factorize(t, q), which finds M, and solve(x), with it;
-/// norm(), velocity_scale(v, h) and place_resolution(h), see Run; and what StepMatrix asks for.
+/// norm(), velocity_scale(v, h) and place_resolution(h), see SimulationRun; and what StepMatrix asks for.
 template <class System> class Midpoint {
  public:
   using Vector = Eigen::VectorXd;
@@ -54,10 +54,10 @@ template <class System> class Midpoint {
       if (iteration == 0)
         if (Failure failure = system_->factorize(t + h / 2, q_middle)) return failure;
       if (Failure failure = system_->partials(t + h / 2, q_middle, v, momenta_, f)) return failure;
-      group_.carry(y_, p0, p);
+      group_.Ad_transpose(y_, p0, p);
       p += h * f;
       r_ = (p0 + p) / 2;
-      group_.codexp(y_, r_, r_);
+      group_.dexp_transpose(y_, r_, r_);
       r_ = momenta_ - r_;
       if (iteration == 0) scale = system_->velocity_scale(v, h);
       const double residual = norm.of_forces(r_);
@@ -72,9 +72,9 @@ template <class System> class Midpoint {
           (newton && slow && change <= system_->place_resolution(h))) {
         // Along the last v, q and p alike: momenta depend on that they move together.
         y_ = h / 2 * v;
-        group_.carry(y_, p0, p);
+        group_.Ad_transpose(y_, p0, p);
         p += h * f;
-        group_.carry(y_, p, p);
+        group_.Ad_transpose(y_, p, p);
         y_ *= 2;
         group_.move(q0, y_, q);
         return {};
@@ -85,7 +85,7 @@ template <class System> class Midpoint {
       before = std::numeric_limits<double>::infinity();
       matrix_.compute_with_drive(t + h / 2, q0, y_, q_middle, v, Vector::Zero(v.size()), h * h / 4, h / 2);
     }
-    return {t + h, diverged};
+    return {t + h, no_convergence};
   }
 
   Vector q, q_middle, p, v, f;  ///< after run(): at its end, v and f of its middle

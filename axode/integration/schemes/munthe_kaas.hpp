@@ -13,7 +13,7 @@ namespace axode {
 /// With one stage it is Euler's; where y is v it is semi-implicit: q moves with the new v.
 template <class T = double, class S = T> class MuntheKaas {
  public:
-  using Numbers = std::vector<T>;
+  using Vector = std::vector<T>;
 
   MuntheKaas(const Tree<S>& tree, const Tableau& method)
       : theta(static_cast<std::size_t>(tree->nv)),
@@ -59,8 +59,8 @@ template <class T = double, class S = T> class MuntheKaas {
     return true;
   }
 
-  Numbers theta, y;              ///< after run(): the step of q, and y at its end
-  Numbers error_theta, error_y;  ///< of an embedded method
+  Vector theta, y;              ///< after run(): the step of q, and y at its end
+  Vector error_theta, error_y;  ///< of an embedded method
 
   /// y' at the end of the step where the last stage is there, otherwise nothing.
   std::span<const T> end() const {
@@ -71,7 +71,7 @@ template <class T = double, class S = T> class MuntheKaas {
 
  private:
   /// out = h Σ w_j x_j.
-  static void sum(const std::vector<double>& weights, double h, const Numbers& x, Numbers& out) {
+  static void sum(const std::vector<double>& weights, double h, const Vector& x, Vector& out) {
     std::ranges::fill(out, T(0));
     for (std::size_t j = 0; j < weights.size(); ++j)
       if (const double w = h * weights[j]; w != 0)
@@ -85,7 +85,7 @@ template <class T = double, class S = T> class MuntheKaas {
 
   ConfigurationGroup<T, S> group_;
   const Tableau* method_;
-  Numbers K_, L_, q_;
+  Vector K_, L_, q_;
 };
 template <class S> MuntheKaas(const Tree<S>&, const Tableau&) -> MuntheKaas<S, S>;
 

@@ -23,7 +23,7 @@ class PhaseSpace {
     kernels_->lagrangian.run(tree, q, v, g, loads.wrenches, p, f);
     // Of joints with several velocities armatures have a momentum that, as forward_dynamics() has it, does not turn.
     for (int c = 0; c < tree->nv; ++c) own_[index(c)] = tree.armature[index(c)] * v[c];
-    group_.cobracket(v, own_.data(), own_.data());
+    group_.ad_transpose(v, own_.data(), own_.data());
     for (int c = 0; c < tree->nv; ++c) {
       f[c] += tau[index(c)] - own_[index(c)];
       if (loads.joint_losses) f[c] -= joint_loss(tree, c, v[c]);
@@ -31,34 +31,34 @@ class PhaseSpace {
   }
   /// Makes solve() ready for a configuration.
   Solvability factorize(const double* q) {
-    auto& [lagrangian, quick, motion, careful] = *kernels_;
-    quick_ = (*tree_)->coupled_bodies.empty();
-    if (quick_) {
-      quick.maybe_singular = false;
-      quick.update_kinematics(*tree_, q), quick.factorize(*tree_);
-      quick_ = !quick.maybe_singular;
+    auto& [lagrangian, fast, motion, robust] = *kernels_;
+    use_fast_ = (*tree_)->coupled_bodies.empty();
+    if (use_fast_) {
+      fast.maybe_singular = false;
+      fast.update_kinematics(*tree_, q), fast.factorize(*tree_);
+      use_fast_ = !fast.maybe_singular;
     }
-    return quick_ ? Solvability{} : careful.factorize(*tree_, q, tree_->armature.data());
+    return use_fast_ ? Solvability{} : robust.factorize(*tree_, q, tree_->armature.data());
   }
   /// x := M⁻¹ x.
   void solve(double* x) {
-    auto& [lagrangian, quick, motion, careful] = *kernels_;
-    if (quick_)
-      quick.solve_one(*tree_, motion, x);
+    auto& [lagrangian, fast, motion, robust] = *kernels_;
+    if (use_fast_)
+      fast.solve_one(*tree_, motion, x);
     else
-      careful.solve(*tree_, x);
+      robust.solve(*tree_, x);
   }
 
  private:
   struct Kernels {
-    using Quick = FastArticulatedBodies<FastGeometry<double>::type, double>;
+    using Fast = FastArticulatedBodies<FastGeometry<double>::type, double>;
     FastLagrangian<double> lagrangian;
-    Quick quick;
-    Quick::Motion* motion;
-    ArticulatedBodies<Hybrid, double> careful;
+    Fast fast;
+    Fast::Motion* motion;
+    ArticulatedBodies<Hybrid, double> robust;
 
     explicit Kernels(Arena& arena)
-        : lagrangian(arena), quick(arena), motion(arena.per_body<Quick::Motion>()), careful(arena) {}
+        : lagrangian(arena), fast(arena), motion(arena.per_body<Fast::Motion>()), robust(arena) {}
   };
   static std::size_t index(int c) { return static_cast<std::size_t>(c); }
   static std::size_t size(const Model& model) { return static_cast<std::size_t>(model.nv()); }
@@ -67,7 +67,7 @@ class PhaseSpace {
   ConfigurationGroup<double> group_;
   WithScratch<double, Kernels> kernels_;
   std::vector<double> own_;
-  bool quick_ = true;
+  bool use_fast_ = true;
 };
 
 }  // namespace axode

@@ -4,7 +4,7 @@
 
 #include "axode/constraints/absolute_system.hpp"
 #include "axode/integration/configuration_group.hpp"
-#include "axode/integration/schemes/settling.hpp"
+#include "axode/integration/schemes/anderson_iteration.hpp"
 #include "axode/integration/tableau.hpp"
 #include "axode/integration/trajectory.hpp"
 
@@ -20,13 +20,13 @@ namespace axode {
 /// M and B, where the step is expected to end, for its matrix.
 ///
 /// A System has the AbsoluteSystem as bodies(); forces(t, q, v, f), place(t, q), hold(t, q) and add_turning(v, f), which adds
-/// ad_vᵀ M v to f; norm() and velocity_scale(v, h), see Run.
+/// ad_vᵀ M v to f; norm() and velocity_scale(v, h), see SimulationRun.
 template <class System> class Rattle {
  public:
-  using Numbers = std::vector<double>;
+  using Vector = std::vector<double>;
 
   /// From a state at which the system is held.
-  Rattle(System& system, int order, const Numbers& q_0, const Numbers& v_0)
+  Rattle(System& system, int order, const Vector& q_0, const Vector& v_0)
       : q(q_0),
         v(v_0),
         system_(&system),
@@ -42,7 +42,7 @@ template <class System> class Rattle {
     return {};
   }
 
-  Numbers q, v;
+  Vector q, v;
 
  private:
   Failure step(double t, double h) {
@@ -58,54 +58,55 @@ template <class System> class Rattle {
     // Where branches of a motion meet, the guess decides which one is followed: it is that of the accelerations.
     r_ = f_;
     system_->add_turning(v, r_);
-    bodies.bias(v, want_);
-    bodies.solve(r_, want_, dw_, lambda_);
+    bodies.bias(v, rhs_);
+    bodies.solve(r_, rhs_, dw_, lambda_);
     as_eigen(w_) += h / 2 * as_eigen(dw_);
     as_eigen(lambda_) *= h / 2;
     go(h, q_1_);
-    if (Failure failure = system_->place(t + h, q_1_)) return failure;
-    Settling settling(system_->norm());
-    for (auto verdict = Settling::Verdict::going;;) {
+    if (Failure failure = system_->factorize(t + h, q_1_)) return failure;
+    AndersonIteration iteration(system_->norm());
+    for (auto status = AndersonIteration::Status::iterating;;) {
       go(h, q_1_);
       k_ = k_0_;
-      bodies.add_closing(q, lambda_, k_);
-      if (verdict == Settling::Verdict::settled) break;
-      group_.codexp(x_, k_, r_);
+      bodies.add_constraint_forces(q, lambda_, k_);
+      if (status == AndersonIteration::Status::converged) break;
+      group_.dexp_transpose(x_, k_, r_);
       bodies.momentum(w_, p_);
       as_eigen(r_) -= as_eigen(p_);
-      bodies.gap(q_1_, want_, AbsoluteSystem::Rows::velocities);
-      as_eigen(want_) *= -1 / h;
-      if (bodies.rolls()) {
+      bodies.position_residual(q_1_, rhs_, ConstraintLevel::velocity);
+      as_eigen(rhs_) *= -1 / h;
+      if (bodies.has_nonholonomic_rows()) {
         go(h / 2, q_middle_);
-        bodies.put_rolling(q_middle_, w_, -1, want_);
+        bodies.set_nonholonomic_rates(q_middle_, w_, -1, rhs_);
       }
-      bodies.solve(r_, want_, dw_, dlambda_);
-      verdict = settling.take(system_->velocity_scale(w_, h),
-                              {{as_eigen(w_), as_eigen(dw_)}, {as_eigen(lambda_), as_eigen(dlambda_)}});
-      if (verdict == Settling::Verdict::lost) return {t + h, diverged};
+      bodies.solve(r_, rhs_, dw_, dlambda_);
+      status = iteration.update(system_->velocity_scale(w_, h),
+                                {{as_eigen(w_), as_eigen(dw_)}, {as_eigen(lambda_), as_eigen(dlambda_)}});
+      if (status == AndersonIteration::Status::diverged) return {t + h, no_convergence};
     }
-    group_.carry(x_, k_, k_);
-    if (Failure failure = system_->hold(t + h, q_1_)) return failure;
+    group_.Ad_transpose(x_, k_, k_);
+    if (Failure failure = system_->factorize_with_rank(t + h, q_1_)) return failure;
     v = w_;
-    Settling settling_again(system_->norm());
+    AndersonIteration second_iteration(system_->norm());
     old_.clear();
-    for (auto verdict = Settling::Verdict::going; verdict != Settling::Verdict::settled; old_ = f_) {
+    for (auto status = AndersonIteration::Status::iterating; status != AndersonIteration::Status::converged;
+         old_ = f_) {
       if (Failure failure = system_->forces(t + h, q_1_, v, f_)) return failure;
       if (old_ == f_) break;  // which does not depend on v
       bodies.momentum(v, p_);
       as_eigen(r_) = as_eigen(k_) + h / 2 * as_eigen(f_) - as_eigen(p_);
-      bodies.slip(q_1_, v, want_);
-      as_eigen(want_) *= -1;
-      bodies.solve(r_, want_, dw_, dlambda_);
-      verdict = settling_again.take(system_->velocity_scale(v, h), {{as_eigen(v), as_eigen(dw_)}});
-      if (verdict == Settling::Verdict::lost) return {t + h, diverged};
+      bodies.velocity_residual(q_1_, v, rhs_);
+      as_eigen(rhs_) *= -1;
+      bodies.solve(r_, rhs_, dw_, dlambda_);
+      status = second_iteration.update(system_->velocity_scale(v, h), {{as_eigen(v), as_eigen(dw_)}});
+      if (status == AndersonIteration::Status::diverged) return {t + h, no_convergence};
     }
     q = q_1_;
     return {};
   }
 
   /// q ⊕ part w, by x.
-  void go(double part, Numbers& to) {
+  void go(double part, Vector& to) {
     as_eigen(x_) = part * as_eigen(w_);
     group_.move(q, x_, to);
   }
@@ -113,7 +114,7 @@ template <class System> class Rattle {
   System* system_;
   ConfigurationGroup<double> group_;
   std::span<const double> lengths_;
-  Numbers f_, old_, k_0_, k_, w_, x_, q_1_, q_middle_, r_, p_, want_, dw_, lambda_, dlambda_;
+  Vector f_, old_, k_0_, k_, w_, x_, q_1_, q_middle_, r_, p_, rhs_, dw_, lambda_, dlambda_;
 };
 
 }  // namespace axode

@@ -13,7 +13,7 @@ namespace axode {
 /// with a as c_x a and c_v a,
 ///   J = M + c_v ∂r/∂v + c_x ∂r/∂q dexp_{-x}.
 /// A System has residual_derivatives(q, v, a, dr), those of ID; is_driven(); drive(t, q, v), which is τ; norm() and
-/// velocity_scale(v, h), see Run.
+/// velocity_scale(v, h), see SimulationRun.
 template <class System> class StepMatrix {
  public:
   using Vector = Eigen::VectorXd;
@@ -45,7 +45,7 @@ template <class System> class StepMatrix {
     if (!group_.commutes()) {
       const Vector back = -x;
       for (Eigen::Index i = 0; i < dq_.rows(); ++i)  // rows are momenta: dexp_{-x}ᵀ
-        group_.codexp(back, dq_.row(i), dq_.row(i));
+        group_.dexp_transpose(back, dq_.row(i), dq_.row(i));
     }
     J_ += c_v * dv_ + c_x * dq_;
   }

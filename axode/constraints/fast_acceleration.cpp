@@ -6,19 +6,19 @@
 namespace axode {
 
 template <class T>
-bool LoopSystem<T>::accelerate_quickly(const T* q, const T* v, const T* tau, const Loads<T>& loads, T* a,
-                                       T* lambda, const RowRank& rank) noexcept {
+bool LoopSystem<T>::accelerate_fast(const T* q, const T* v, const T* tau, const Loads<T>& loads, T* a,
+                                    T* lambda, const RowRank& rank) noexcept {
   if (!table_.of_couplings().empty()) return false;
   const Tree<T>& t = tree();
-  using Bodies = typename Quick::Bodies;
-  Bodies& bodies = quick_->tree.bodies;
-  auto* const moving = quick_->moving;
+  using Bodies = typename FastKernel::Bodies;
+  Bodies& bodies = fast_->tree.bodies;
+  auto* const moving = fast_->moving;
   auto* const V = dynamics_->recursion.motion.bodies.V;
   auto* const dV = dynamics_->recursion.motion.bodies.dV;
   link_ = dynamics_->recursion.motion.bodies.link, origin_ = dynamics_->recursion.origin;
   link_[0] = Link<Spatial, T>::root(), V[0] = {}, dV[0] = {{}, -t.g};
   moving[0] = {};
-  const bool sound = quick_->tree.prepare(
+  const bool sound = fast_->tree.prepare(
       t, q, v, tau, loads,
       [&](int i, const typename Bodies::Matrix& R, const typename Bodies::Motion& now,
           const typename Bodies::Vector& u) {
@@ -43,14 +43,14 @@ bool LoopSystem<T>::accelerate_quickly(const T* q, const T* v, const T* tau, con
   root_ = root_.cwiseSqrt();
   w_.array() /= root_.array();
   place_ends();
-  make_wrenches(Rows::velocities);
+  make_wrenches(ConstraintLevel::velocity);
   table_.each([&](std::size_t k, const auto& joint) {
     loops::bias(joint, at_[k].frames, at_[k].W.data(), motion_of_ends(k, V, dV),
                 b_.data() + table_.paths[k].rows.first);
   });
   for (std::size_t k = 0; k < at_.size(); ++k)
     each_register_of_rows<T>(count(table_.paths[k]),
-                             [&](int row, auto n) { pull_rows_quickly<n()>(table_.paths[k], at_[k], row); });
+                             [&](int row, auto n) { pull_rows_fast<n()>(table_.paths[k], at_[k], row); });
   multiply_rows();
   for (const LoopPath& path : table_.paths) {  // rows that nearly vanish need a closer look
     constexpr T least_part = T(1e-10);
@@ -66,44 +66,44 @@ bool LoopSystem<T>::accelerate_quickly(const T* q, const T* v, const T* tau, con
   w_.setZero();
   add_to_velocities(lambda);
   each_velocity([&](int c, auto& pivot) { pivot.u = pivot.u + root_[c] * w_[c]; });
-  bodies.accelerate(t, quick_->tree.motion, a);
+  bodies.accelerate(t, fast_->tree.motion, a);
   return true;
 }
 
 /// As pull_rows(), with the wrenches about the origins of the bodies that they come to.
 template <class T>
 template <int n>
-void LoopSystem<T>::pull_rows_quickly(const LoopPath& path, const State& at, int row) noexcept {
+void LoopSystem<T>::pull_rows_fast(const LoopPath& path, const State& at, int row) noexcept {
   const Tree<T>& t = tree();
-  const auto& bodies = quick_->tree.bodies;
+  const auto& bodies = fast_->tree.bodies;
   using Wrenches = RowsInLanes<T, n>;
   Wrenches F_i = -Wrenches(at.W, row), F_j(at.W, row);
   F_i.move(-at.shift - link_[path.ends[0].body].C.r);
   F_j.move(-link_[path.ends[1].body].C.r);
-  climb(path, F_i, F_j, [&](int i, Wrenches& F) {
+  propagate_to_root(path, F_i, F_j, [&](int i, Wrenches& F) {
     const auto& body = bodies.body[i];
     const int first_screw = t->first_screw[i];
-    const auto give_way = [&](int s, const auto& felt) {
+    const auto eliminate = [&](int s, const auto& felt) {
       const int c = t->iv[i] + s - first_screw;
       const auto& pivot = bodies.pivot[s];
-      F.give_way(felt, root_[c], &Y_(c, first(path) + row), felt, pivot.K_m, pivot.K_f);
+      F.eliminate(felt, root_[c], &Y_(c, first(path) + row), felt, pivot.K_m, pivot.K_f);
     };
     if (is_hinge(t, i)) {  // of which K is about the predecessor's origin
       const auto felt = dot(Wrenches::all(body.n), F.m);
       F.move(body.r);
-      give_way(first_screw, felt);
+      eliminate(first_screw, felt);
     } else {
       for (int s = t->first_screw[i + 1]; s-- > first_screw;) {
         const auto& pivot = bodies.pivot[s];
-        give_way(s, dot(Wrenches::all(pivot.w), F.m) + dot(Wrenches::all(pivot.v), F.f));
+        eliminate(s, dot(Wrenches::all(pivot.w), F.m) + dot(Wrenches::all(pivot.v), F.f));
       }
       F.move(body.r);
     }
   });
 }
 
-template bool LoopSystem<AXODE_T>::accelerate_quickly(const AXODE_T*, const AXODE_T*, const AXODE_T*,
-                                                      const Loads<AXODE_T>&, AXODE_T*, AXODE_T*,
-                                                      const RowRank&) noexcept;
+template bool LoopSystem<AXODE_T>::accelerate_fast(const AXODE_T*, const AXODE_T*, const AXODE_T*,
+                                                   const Loads<AXODE_T>&, AXODE_T*, AXODE_T*,
+                                                   const RowRank&) noexcept;
 
 }  // namespace axode

@@ -1,4 +1,4 @@
-#include "axode/integration/run.hpp"
+#include "axode/integration/simulation_run.hpp"
 
 #include <numbers>
 #include <stdexcept>
@@ -26,7 +26,8 @@ double weight_of(const Tree<double>& tree) {
 
 }  // namespace
 
-Run::Run(const Model& model, Span q_0, Span v_0, double until, const SimulationOptions& options)
+SimulationRun::SimulationRun(const Model& model, Span q_0, Span v_0, double until,
+                             const SimulationOptions& options)
     : trajectory(model),
       q(as_eigen(q_0)),
       v(as_eigen(v_0)),
@@ -56,36 +57,36 @@ Run::Run(const Model& model, Span q_0, Span v_0, double until, const SimulationO
     stop(failure);
     return;
   }
-  friction_.release(as_span(a));
+  friction_.start_sliding(as_span(a));
   trajectory.append(0, q_0, v_0, as_span(a), as_span(tau_));
   values_ = values_at(0, q_0, v_0);
 }
 
-void Run::stop(const Failure& failure) {
+void SimulationRun::stop(const Failure& failure) {
   trajectory.complete = false;
   trajectory.stopped = "at t = " + std::to_string(failure.t) + " s: " + failure.why;
 }
 
 // What acts, and what comes of it.
 
-Failure Run::not_finite(double t, const char* what, Span x) const {
+Failure SimulationRun::not_finite(double t, const char* what, Span x) const {
   return {t, what + std::string(" not finite at ") + joint_of(x)};
 }
 
-std::string Run::joint_of(Span x) const {
+std::string SimulationRun::joint_of(Span x) const {
   for (std::size_t c = 0; c < x.size(); ++c)
     if (!std::isfinite(x[c])) return "joint \"" + velocity_names(model_)[c] + "\"";
   return "a joint";
 }
 
-void Run::compute_loads(double t, Span q_t, Span v_t) {
+void SimulationRun::compute_loads(double t, Span q_t, Span v_t) {
   if (!options_.computed_loads) return;
   loads_ = options_.loads;
   options_.computed_loads(t, q_t, v_t, loads_);
   check_loads(model_, loads());
 }
 
-Failure Run::begin_evaluation(double t, Span q_t, Span v_t) {
+Failure SimulationRun::begin_evaluation(double t, Span q_t, Span v_t) {
   ++trajectory.evaluations;
   if (!finite(q_t) || !finite(v_t)) return not_finite(t, "the state is", v_t);
   compute_loads(t, q_t, v_t);
@@ -94,31 +95,32 @@ Failure Run::begin_evaluation(double t, Span q_t, Span v_t) {
   return finite(tau_) ? Failure{} : not_finite(t, "the drive forces are", as_span(tau_));
 }
 
-Run::Span Run::in_joints(Span q_t, Span v_t) {
+SimulationRun::Span SimulationRun::in_joints(Span q_t, Span v_t) {
   forces_ = tau_;
   if (!model_.springs().empty()) add_spring_forces(model_, workspace_, q_t, v_t, as_span(forces_));
-  if (friction_.felt()) friction_.add_losses(v_t, as_span(forces_));
+  if (friction_.active()) friction_.add_losses(v_t, as_span(forces_));
   return as_span(std::as_const(forces_));
 }
 
-Failure Run::joint_forces(double t, Span q_t, Span v_t, Span& tau) {
+Failure SimulationRun::joint_forces(double t, Span q_t, Span v_t, Span& tau) {
   if (Failure failure = begin_evaluation(t, q_t, v_t)) return failure;
   tau = in_joints(q_t, v_t);
   return {};
 }
 
-Failure Run::accelerate(double t, Span q_t, Span v_t, std::span<double> a_t) {
+Failure SimulationRun::accelerate(double t, Span q_t, Span v_t, std::span<double> a_t) {
   Span tau;
   if (Failure failure = joint_forces(t, q_t, v_t, tau)) return failure;
   const Solvability found = loops_ ? loops_->accelerate(q_t, v_t, tau, loads(), a_t)
                                    : forward_dynamics(model_, workspace_, q_t, v_t, tau, a_t, loads());
   if (!found.ok()) return {t, to_string(model_, found)};
   if (loops_) weakest_row_ = std::min(weakest_row_, loops_->weakest_row());
-  if (!friction_.sticking().empty()) hold(q_t, a_t);
+  if (!friction_.sticking().empty()) apply_sticking_forces(q_t, a_t);
   return {};
 }
 
-Failure Run::residual(double t, const Vector& q_t, const Vector& v_t, const Vector& a_t, Vector& r) {
+Failure SimulationRun::residual(double t, const Vector& q_t, const Vector& v_t, const Vector& a_t,
+                                Vector& r) {
   if (loops_) {
     if (Failure failure = accelerate(t, as_span(q_t), as_span(v_t), as_span(r))) return failure;
     r = a_t - r;
@@ -134,17 +136,17 @@ Failure Run::residual(double t, const Vector& q_t, const Vector& v_t, const Vect
   return finite(r) ? Failure{} : not_finite(t, "forces are", as_span(r));
 }
 
-void Run::residual_derivatives(const Vector& q_t, const Vector& v_t, const Vector& a_t,
-                               const InverseDynamicsDerivatives<double>& dr) {
+void SimulationRun::residual_derivatives(const Vector& q_t, const Vector& v_t, const Vector& a_t,
+                                         const InverseDynamicsDerivatives<double>& dr) {
   const Eigen::Index nv = model_.nv();
   const Span q_s = as_span(q_t), v_s = as_span(v_t);
-  const bool forces = !model_.springs().empty() || friction_.felt();
+  const bool forces = !model_.springs().empty() || friction_.active();
   SquareMatrix by_q, by_v;
   if (forces) {
     by_q.resize(nv, nv);
     by_v.resize(nv, nv);
     spring_force_derivatives(model_, workspace_, q_s, v_s, {as_span(by_q), as_span(by_v)});
-    if (friction_.felt()) by_v.diagonal() -= as_eigen(Span(tree().damping));
+    if (friction_.active()) by_v.diagonal() -= as_eigen(Span(tree().damping));
   }
   Eigen::Map<SquareMatrix> r_q(dr.q.data(), nv, nv), r_v(dr.v.data(), nv, nv), r_a(dr.a.data(), nv, nv);
   if (loops_) {
@@ -154,7 +156,7 @@ void Run::residual_derivatives(const Vector& q_t, const Vector& v_t, const Vecto
       r_q += compliance_ * by_q;
       r_v += compliance_ * by_v;
     }
-    friction_.hold_derivatives({as_span(compliance_), dr.q, dr.v});
+    friction_.constrain_derivatives({as_span(compliance_), dr.q, dr.v});
     r_q = -r_q;
     r_v = -r_v;
     r_a.setIdentity();
@@ -173,7 +175,7 @@ void Run::residual_derivatives(const Vector& q_t, const Vector& v_t, const Vecto
   }
 }
 
-Run::Span Run::drive(double t, const Vector& q_t, const Vector& v_t) {
+SimulationRun::Span SimulationRun::drive(double t, const Vector& q_t, const Vector& v_t) {
   options_.drive(t, as_span(q_t), as_span(v_t), as_span(tau_));
   driven_ = tau_;
   if (loops_) driven_ = compliance_ * tau_;
@@ -181,8 +183,8 @@ Run::Span Run::drive(double t, const Vector& q_t, const Vector& v_t) {
   return as_span(std::as_const(driven_));
 }
 
-Failure Run::joint_resistance(double t, Span q_t, Span v_t, double c_x, double c_v,
-                              std::vector<double>& out) {
+Failure SimulationRun::joint_resistance(double t, Span q_t, Span v_t, double c_x, double c_v,
+                                        std::vector<double>& out) {
   if (!finite(q_t) || !finite(v_t)) return not_finite(t, "the state is", v_t);
   const Eigen::Index nv = model_.nv();
   out.assign(v_t.size(), 0.0);
@@ -198,8 +200,8 @@ Failure Run::joint_resistance(double t, Span q_t, Span v_t, double c_x, double c
   return {};
 }
 
-void Run::add_resistance_of_drive(double t, Span q_t, Span v_t, double c_x, double c_v,
-                                  std::vector<double>& out) {
+void SimulationRun::add_resistance_of_drive(double t, Span q_t, Span v_t, double c_x, double c_v,
+                                            std::vector<double>& out) {
   options_.drive(t, q_t, v_t, as_span(tau_));
   const Vector before = tau_;
   const double size = velocity_scale(as_eigen(v_t), c_v);
@@ -218,7 +220,7 @@ void Run::add_resistance_of_drive(double t, Span q_t, Span v_t, double c_x, doub
 // Dry friction.
 
 /// Takes a, the accelerations last found, to those with what sticks held.
-void Run::hold(Span q_t, std::span<double> a_t) {
+void SimulationRun::apply_sticking_forces(Span q_t, std::span<double> a_t) {
   const std::vector<int>& sticking = friction_.sticking();
   columns_.resize(model_.nv(), static_cast<Eigen::Index>(sticking.size()));
   own_.resize(sticking.size());
@@ -231,19 +233,19 @@ void Run::hold(Span q_t, std::span<double> a_t) {
   Vector column(model_.nv());
   for (std::size_t k = 0; k < sticking.size(); ++k) {
     const int c = sticking[k];
-    own_[k] = loops_ ? loops_->respond(c, as_span(column)) : compliance_(c, c);
+    own_[k] = loops_ ? loops_->unit_force_response(c, as_span(column)) : compliance_(c, c);
     if (!loops_) column = compliance_.col(c);
     columns_.col(static_cast<Eigen::Index>(k)) = column;
   }
-  friction_.hold(columns_, own_, norm_, a_t);
+  friction_.apply_sticking_forces(columns_, own_, norm_, a_t);
 }
 
-void Run::begin_step() {
-  friction_.watch();
+void SimulationRun::begin_step() {
+  friction_.reset_violation();
   weakest_row_ = 1;
 }
 
-Failure Run::hold_at(double t, const StepEnd& end) {
+Failure SimulationRun::hold_at(double t, const StepEnd& end) {
   Vector a_end(end.v.size());
   begin_step();
   if (friction_.sticking().empty()) return {};
@@ -251,42 +253,45 @@ Failure Run::hold_at(double t, const StepEnd& end) {
 }
 
 /// Accelerations at the end of an attempt, where the scheme did not say them.
-Failure Run::know_accelerations(double t, StepEnd& end) {
+Failure SimulationRun::know_accelerations(double t, StepEnd& end) {
   if (end.a.size() == end.v.size()) return {};
   end.a.resize(end.v.size());
   return accelerate(t, as_span(end.q), as_span(end.v), as_span(end.a));
 }
 
-bool Run::friction_changes(double t_0, double t_1, const StepEnd& end) const {
-  return friction_.slip() > 1 ||
-         friction_.turned(as_span(v), as_span(a), as_span(end.v), as_span(end.a), t_1 - t_0);
+bool SimulationRun::friction_changes(double t_0, double t_1, const StepEnd& end) const {
+  return friction_.violation() > 1 ||
+         friction_.reverses(as_span(v), as_span(a), as_span(end.v), as_span(end.a), t_1 - t_0);
 }
 
 /// Now: what slid until a time ago, or will until then, rests. Whether there was any.
-bool Run::rest(double within) { return friction_.rest(as_span(v), as_span(a), within); }
+bool SimulationRun::stop_sliding(double within) {
+  return friction_.stop_sliding(as_span(v), as_span(a), within);
+}
 
-Failure Run::take_up_to(double t_1, StepEnd& end, const Attempt& attempt) {
+Failure SimulationRun::take_up_to(double t_1, StepEnd& end, const Attempt& attempt) {
   friction_changed_ = false;
-  if (!friction_.felt()) return take(t_1, end);
+  if (!friction_.active()) return take(t_1, end);
   const double t_0 = now(), resolution = std::max(1e-13 * (t_1 - t_0), 1e-15 * t_1);
   if (Failure failure = know_accelerations(t_1, end)) return failure;
   if (!friction_changes(t_0, t_1, end)) {
     Failure failure = take(t_1, end);
-    if (!failure && !done()) rest(0);
+    if (!failure && !done()) stop_sliding(0);
     return failure;
   }
-  double low = t_0, high = t_1, t = t_1, slip = friction_.slip(), rise = 0;
+  double low = t_0, high = t_1, t = t_1, slip = friction_.violation(), rise = 0;
   StepEnd after = end;
   for (int tries = 0; high - low > resolution; ++tries) {
     // To first order: by what slips, which is told from two attempts, or by what turns.
-    const double guess = t + (rise > 0 ? -slip / rise : friction_.rest_in(as_span(end.v), as_span(end.a)));
+    const double guess =
+        t + (rise > 0 ? -slip / rise : friction_.time_to_stop(as_span(end.v), as_span(end.a)));
     const double before = t, slip_before = slip;
     t = guess > low && guess < high && tries % 4 != 3
             ? std::clamp(guess, low + 0.5 * resolution, high - 0.5 * resolution)
             : low + (high - low) / 2;
     if (Failure failure = attempt(t, end)) return failure;
     if (Failure failure = know_accelerations(t, end)) return failure;
-    slip = friction_.slip();
+    slip = friction_.violation();
     rise = slip > 1 && slip_before > 1 ? (slip_before - slip) / (before - t) : 0;
     if (friction_changes(t_0, t, end)) {
       high = t;
@@ -295,38 +300,38 @@ Failure Run::take_up_to(double t_1, StepEnd& end, const Attempt& attempt) {
       low = t;
     }
   }
-  constexpr double hasty = 1e-9;
-  constexpr int most_hasty = 1000;
-  hasty_steps_ = high - t_0 < hasty * (t_1 - t_0) ? hasty_steps_ + 1 : 0;
-  if (hasty_steps_ > most_hasty) return {t_0, "dry friction changes faster than it can be followed"};
-  const bool at_once = high - t_0 <= resolution && rest(2 * resolution);
+  constexpr double short_part = 1e-9;
+  constexpr int most_short_steps = 1000;
+  short_steps_ = high - t_0 < short_part * (t_1 - t_0) ? short_steps_ + 1 : 0;
+  if (short_steps_ > most_short_steps) return {t_0, "dry friction changes faster than it can be followed"};
+  const bool at_once = high - t_0 <= resolution && stop_sliding(2 * resolution);
   if (!at_once) {
     if (Failure failure = take(high, after)) return failure;
     if (done()) return {};
-    rest(2 * resolution);
+    stop_sliding(2 * resolution);
   }
   friction_changed_ = true;
   if (Failure failure = accelerate(now(), as_span(q), as_span(v), as_span(a))) return failure;
-  friction_.release(as_span(a));
+  friction_.start_sliding(as_span(a));
   trajectory.jump(as_span(v), as_span(a));
   return {};
 }
 
 // Ends of steps.
 
-Failure Run::take(double t, const StepEnd& end) {
+Failure SimulationRun::take(double t, const StepEnd& end) {
   if (!loops_) return record(t, end);
   StepEnd closed{end.q, end.v, {}};
   if (!loops_->close(as_span(closed.q), as_span(closed.v))) return {t, open};
   return record(t, std::move(closed));
 }
 
-Failure Run::take_closed(double t, Span q_end, Span v_end) {
-  if (loops_) loops_->hold(q_end);
+Failure SimulationRun::take_closed(double t, Span q_end, Span v_end) {
+  if (loops_) loops_->determine_rank(q_end);
   return record(t, {as_eigen(q_end), as_eigen(v_end), {}});
 }
 
-Failure Run::record(double t, StepEnd end) {
+Failure SimulationRun::record(double t, StepEnd end) {
   if (Failure failure = know_accelerations(t, end)) return failure;
   const double before = now();
   q = std::move(end.q);
@@ -343,14 +348,14 @@ Failure Run::record(double t, StepEnd end) {
 
 // Events.
 
-std::vector<double> Run::values_at(double t, Span q_t, Span v_t) const {
+std::vector<double> SimulationRun::values_at(double t, Span q_t, Span v_t) const {
   std::vector<double> values;
   for (const Event& event : options_.events) values.push_back(event.value(t, q_t, v_t));
   return values;
 }
 
 /// The value of an event within the last step.
-double Run::value_at(const Event& event, double t) const {
+double SimulationRun::value_at(const Event& event, double t) const {
   Vector q_t(q.size()), v_t(v.size());
   trajectory.at(t, as_span(q_t), as_span(v_t));
   return event.value(t, as_span(q_t), as_span(v_t));
@@ -358,7 +363,7 @@ double Run::value_at(const Event& event, double t) const {
 
 /// The number of parts of the last step, from a time on, in which no body turns by much more than a quarter turn. An event that
 /// depends on an attitude would come and go unseen in a longer part.
-int Run::parts_by_turning(double before) {
+int SimulationRun::parts_by_turning(double before) {
   const double h = now() - before;
   const std::size_t k = trajectory.size() - 1;
   std::vector<Twist<BodyFixed>> V(static_cast<std::size_t>(model_.n_frames()));
@@ -372,8 +377,8 @@ int Run::parts_by_turning(double before) {
 
 /// Times in a part of the last step at which the value of an event, from `begin` to `end`, changes sign: once, or twice if its
 /// rates at both ends show that it goes towards zero and comes back.
-void Run::meet(std::size_t e, double before, double after, double begin, double end,
-               std::vector<Trajectory::Met>& met) const {
+void SimulationRun::meet(std::size_t e, double before, double after, double begin, double end,
+                         std::vector<Trajectory::Met>& met) const {
   const Event& event = options_.events[e];
   const auto value = [&](double t) { return value_at(event, t); };
   const double near = 1e-6 * (after - before);
@@ -409,7 +414,7 @@ void Run::meet(std::size_t e, double before, double after, double begin, double 
 }
 
 /// Looks for events between two times, the last step; where one is terminal the trajectory is cut off there.
-Failure Run::meet_events(double before, double after) {
+Failure SimulationRun::meet_events(double before, double after) {
   const std::vector<double> next = values_at(after, as_span(q), as_span(v));
   std::vector<Trajectory::Met> met;
   const int parts = parts_by_turning(before);

@@ -24,12 +24,12 @@ struct StepEnd {
 using Attempt = std::function<Failure(double t_1, StepEnd& end)>;
 
 /// What all schemes share: the motion so far in joint coordinates, accelerations, events, dry friction.
-class Run {
+class SimulationRun {
  public:
   using Vector = Eigen::VectorXd;
   using Span = std::span<const double>;
 
-  Run(const Model& model, Span q_0, Span v_0, double until, const SimulationOptions& options);
+  SimulationRun(const Model& model, Span q_0, Span v_0, double until, const SimulationOptions& options);
 
   /// Accelerations under what acts.
   Failure accelerate(double t, Span q_t, Span v_t, std::span<double> a_t);
@@ -84,7 +84,7 @@ class Run {
   /// The inertia that springs, dampers and, by differences, the drive add to each velocity in an implicit step in which places move
   /// with an acceleration by c_x and velocities by c_v; 0 where they would reduce it.
   Failure joint_resistance(double t, Span q_t, Span v_t, double c_x, double c_v, std::vector<double>& out);
-  Loads<double> loads() const { return {loads_, options_.joint_losses && !friction_.felt()}; }
+  Loads<double> loads() const { return {loads_, options_.joint_losses && !friction_.active()}; }
 
   Trajectory trajectory;
   Vector q, v, a;  ///< now
@@ -115,10 +115,10 @@ class Run {
 
  private:
   void compute_loads(double t, Span q_t, Span v_t);
-  void hold(Span q_t, std::span<double> a_t);
+  void apply_sticking_forces(Span q_t, std::span<double> a_t);
   Failure know_accelerations(double t, StepEnd& end);
   bool friction_changes(double t_0, double t_1, const StepEnd& end) const;
-  bool rest(double within);
+  bool stop_sliding(double within);
   void add_resistance_of_drive(double t, Span q_t, Span v_t, double c_x, double c_v,
                                std::vector<double>& out);
   std::vector<double> values_at(double t, Span q_t, Span v_t) const;
@@ -135,7 +135,7 @@ class Run {
   std::vector<double> values_;
   double until_, weakest_row_ = 1;
   bool ended_ = false, friction_changed_ = false;
-  int hasty_steps_ = 0;
+  int short_steps_ = 0;
 };
 
 }  // namespace axode

@@ -6,42 +6,42 @@
 #include <vector>
 
 #include "axode/constraints/absolute_system.hpp"
-#include "axode/integration/run.hpp"
-#include "axode/integration/schemes/settling.hpp"
+#include "axode/integration/schemes/anderson_iteration.hpp"
+#include "axode/integration/simulation_run.hpp"
 #include "axode/model/finite.hpp"
 
 namespace axode {
 
 /// A run in absolute coordinates: q, v and a are those of the bodies, see AbsoluteSystem. What it takes is told in joint
 /// coordinates, with the accelerations of these.
-class AbsoluteRun {
+class AbsoluteSimulationRun {
  public:
-  using Numbers = std::vector<double>;
+  using Vector = std::vector<double>;
   using Span = std::span<const double>;
-  using Rows = AbsoluteSystem::Rows;
 
-  AbsoluteRun(const Model& model, Span q_0, Span v_0, double until, const SimulationOptions& options)
+  AbsoluteSimulationRun(const Model& model, Span q_0, Span v_0, double until,
+                        const SimulationOptions& options)
       : run_(model, q_0, v_0, until, options),
         trajectory(run_.trajectory),
         bodies_(model, options.coordinates == Coordinates::absolute ? BodyGroup::SE3 : BodyGroup::SO3xR3),
         group_(bodies_.group()),
         norm_(inertia_of(bodies_)) {
     if (run_.done()) return;
-    bodies_.enter(q_0, v_0, q, v);
+    bodies_.from_joint_state(q_0, v_0, q, v);
     a.resize(v.size());
-    tell_bodies();
-    Failure failure = hold(0, q);
+    record_residuals();
+    Failure failure = factorize_with_rank(0, q);
     if (!failure) failure = accelerate(0, q, v, a);
     if (failure) stop(failure);
   }
-  AbsoluteRun(const AbsoluteRun&) = delete;
+  AbsoluteSimulationRun(const AbsoluteSimulationRun&) = delete;
 
  private:
-  Run run_;
+  SimulationRun run_;
 
  public:
   Trajectory& trajectory;
-  Numbers q, v, a, lambda;  ///< now
+  Vector q, v, a, lambda;  ///< now
 
   AbsoluteSystem& bodies() { return bodies_; }
   const Tree<double>& tree() const { return bodies_.group(); }
@@ -49,38 +49,38 @@ class AbsoluteRun {
   double now() const { return run_.now(); }
   void stop(const Failure& failure) { run_.stop(failure); }
   const EnergyNorm& norm() const { return norm_; }
-  /// See Run; that of v_t are the velocities of the bodies.
-  double velocity_scale(const Numbers& v_t, double h) const {
+  /// See SimulationRun; that of v_t are the velocities of the bodies.
+  double velocity_scale(const Vector& v_t, double h) const {
     return std::max(norm_.of_velocities(as_eigen(v_t)), run_.velocity_scale(h));
   }
 
   // The schemes call these functions.
-  Failure place(double t, Span q_t) { return checked(t, bodies_.place(q_t)); }
-  Failure hold(double t, Span q_t) { return checked(t, bodies_.hold(q_t)); }
+  Failure factorize(double t, Span q_t) { return checked(t, bodies_.factorize(q_t)); }
+  Failure factorize_with_rank(double t, Span q_t) { return checked(t, bodies_.factorize_with_rank(q_t)); }
   /// With springs, dampers and drives as they resist what moves with an acceleration: places by c_x, velocities by c_v.
-  Failure place(double t, Span q_t, Span v_t, double c_x, double c_v) {
-    bodies_.leave(q_t, v_t, q_joints_, v_joints_);
+  Failure factorize(double t, Span q_t, Span v_t, double c_x, double c_v) {
+    bodies_.to_joint_state(q_t, v_t, q_joints_, v_joints_);
     if (Failure failure = run_.joint_resistance(t, q_joints_, v_joints_, c_x, c_v, resistance_))
       return failure;
-    return checked(t, bodies_.place(q_t, resistance_));
+    return checked(t, bodies_.factorize(q_t, resistance_));
   }
-  Failure forces(double t, Span q_t, Span v_t, Numbers& f) {
+  Failure forces(double t, Span q_t, Span v_t, Vector& f) {
     if (!finite(q_t) || !finite(v_t)) return {t, "the state is not finite"};
-    bodies_.leave(q_t, v_t, q_joints_, v_joints_);
+    bodies_.to_joint_state(q_t, v_t, q_joints_, v_joints_);
     Span tau;
     if (Failure failure = run_.joint_forces(t, q_joints_, v_joints_, tau)) return failure;
     bodies_.forces(q_t, v_t, tau, run_.loads(), f);
     return {};
   }
   /// f += ad_vᵀ M v.
-  void add_turning(Span v_t, Numbers& f) {
+  void add_turning(Span v_t, Vector& f) {
     bodies_.momentum(v_t, p_);
-    group_.cobracket(v_t, p_, p_);
+    group_.ad_transpose(v_t, p_, p_);
     as_eigen(f) += as_eigen(p_);
   }
   Failure accelerate(double t, Span q_t, Span v_t, std::span<double> a_t) {
     if (Failure failure = forces(t, q_t, v_t, f_)) return failure;
-    if (Failure failure = place(t, q_t)) return failure;
+    if (Failure failure = factorize(t, q_t)) return failure;
     add_turning(v_t, f_);
     bodies_.bias(v_t, rows_);
     bodies_.solve(f_, rows_, x_, lambda);
@@ -89,29 +89,29 @@ class AbsoluteRun {
     return finite(x_) ? Failure{} : Failure{t, "accelerations are not finite"};
   }
   /// Closes joints and loops again, by the displacement and the impulses that move the masses least, and is held there.
-  Failure close(double t, Numbers& q_1, Numbers& v_1) {
+  Failure close(double t, Vector& q_1, Vector& v_1) {
     constexpr double closed = 1e-13, tolerable = 1e-6;
-    double before = open_at(q_1);
+    double before = position_error(q_1);
     if (!(before <= closed))
-      if (Failure failure = checked(t, bodies_.place(q_1, Rows::places))) return failure;
+      if (Failure failure = checked(t, bodies_.factorize(q_1, ConstraintLevel::position))) return failure;
     for (int n = 0; n < 10 && !(before <= closed); ++n) {
-      push_back();
+      project();
       group_.move(q_1, x_, q_1);
-      const double now = open_at(q_1);
+      const double now = position_error(q_1);
       const bool done = !(now < 0.5 * before);  // as far as rounding lets it come, or not at all
       before = now;
       if (done) break;
     }
     if (!(before <= tolerable)) return {t, "joints and loops cannot be kept closed; a shorter step may help"};
-    if (Failure failure = hold(t, q_1)) return failure;
-    bodies_.slip(q_1, v_1, rows_);
-    push_back();
+    if (Failure failure = factorize_with_rank(t, q_1)) return failure;
+    bodies_.velocity_residual(q_1, v_1, rows_);
+    project();
     as_eigen(v_1) += as_eigen(x_);
     return {};
   }
   /// Takes the end of a step, closed again; dry friction is the force that the velocity says, and changes in steps.
   Failure take_up_to(double t_1, const StepEnd& end, const Attempt&) {
-    Numbers q_1(end.q.begin(), end.q.end()), v_1(end.v.begin(), end.v.end());
+    Vector q_1(end.q.begin(), end.q.end()), v_1(end.v.begin(), end.v.end());
     if (Failure failure = close(t_1, q_1, v_1)) return failure;
     if (Failure failure = take_closed(t_1, q_1, v_1)) return failure;
     return done() ? Failure{} : accelerate(t_1, q, v, a);
@@ -120,13 +120,13 @@ class AbsoluteRun {
   double weakest_row() const { return weakest_row_; }
   /// The same of a scheme that keeps joints and loops closed itself.
   Failure take_closed(double t, Span q_end, Span v_end) {
-    bodies_.leave(q_end, v_end, q_joints_, v_joints_);
-    bodies_.keep(q_joints_);
+    bodies_.to_joint_state(q_end, v_end, q_joints_, v_joints_);
+    bodies_.set_reference_angles(q_joints_);
     q.assign(q_end.begin(), q_end.end());
     v.assign(v_end.begin(), v_end.end());
     const std::size_t before = trajectory.size();
     Failure failure = run_.take_closed(t, q_joints_, v_joints_);
-    if (trajectory.size() > before) tell_bodies();
+    if (trajectory.size() > before) record_residuals();
     return failure;
   }
 
@@ -137,7 +137,7 @@ class AbsoluteRun {
   /// The diagonal of M, which is constant.
   static Eigen::VectorXd inertia_of(const AbsoluteSystem& bodies) {
     Eigen::VectorXd inertia(bodies.nv());
-    Numbers v(static_cast<std::size_t>(bodies.nv())), p;
+    Vector v(static_cast<std::size_t>(bodies.nv())), p;
     for (std::size_t c = 0; c < v.size(); ++c) {
       v[c] = 1;
       bodies.momentum(v, p);
@@ -147,20 +147,20 @@ class AbsoluteRun {
     return inertia;
   }
   /// x, by the impulses that take rows_ away.
-  void push_back() {
+  void project() {
     as_eigen(rows_) *= -1;
     f_.assign(static_cast<std::size_t>(bodies_.nv()), 0.0);
     bodies_.solve(f_, rows_, x_, multipliers_);
   }
-  void tell_bodies() {
-    bodies_.gap(q, rows_);
+  void record_residuals() {
+    bodies_.position_residual(q, rows_);
     trajectory.gaps.push_back(largest_of(rows_));
-    bodies_.slip(q, v, rows_);
+    bodies_.velocity_residual(q, v, rows_);
     trajectory.slips.push_back(largest_of(rows_));
     trajectory.body_energies.push_back(bodies_.energy(q, v));
   }
-  double open_at(Span q_t) {
-    bodies_.gap(q_t, rows_);
+  double position_error(Span q_t) {
+    bodies_.position_residual(q_t, rows_);
     return as_eigen(rows_).norm();
   }
 
@@ -168,7 +168,7 @@ class AbsoluteRun {
   ConfigurationGroup<double> group_;
   EnergyNorm norm_;
   double weakest_row_ = 1;
-  Numbers q_joints_, v_joints_, resistance_, f_, p_, rows_, x_, multipliers_;
+  Vector q_joints_, v_joints_, resistance_, f_, p_, rows_, x_, multipliers_;
 };
 
 }  // namespace axode

@@ -19,15 +19,15 @@ inline Eigen::Map<const Eigen::VectorXd> as_eigen(const std::vector<double>& x) 
 }
 
 /// What a step says that did not find its end.
-inline constexpr const char* diverged = "the step did not converge; a shorter one may";
+inline constexpr const char* no_convergence = "the step did not converge; a shorter one may";
 
 /// An iteration x += dx(x), of which Newton's method with a matrix that is nearly right is one, on its way to dx = 0. By Anderson's
 /// mixing: of the combinations of the last steps that which would have changed least is taken. So it comes through
 /// where the matrix has the wrong sign in a few directions, as where branches of a motion meet within a step.
-class Settling {
+class AndersonIteration {
  public:
   using Vector = Eigen::VectorXd;
-  enum class Verdict { going, settled, lost };
+  enum class Status { iterating, converged, diverged };
   /// A part of x, and its dx.
   struct Part {
     Eigen::Ref<Vector> x;
@@ -35,16 +35,16 @@ class Settling {
   };
 
   /// The first part of x has velocities or accelerations, which are measured by a norm.
-  explicit Settling(const EnergyNorm& norm) : norm_(&norm) {}
+  explicit AndersonIteration(const EnergyNorm& norm) : norm_(&norm) {}
 
   /// Takes a step, of which the first part is measured, against a size. Where it comes no closer, not to half in four steps, it
   /// settles where it came closest, but only if is_rounding() says that what dx is computed from is no more than that.
-  template <class F> Verdict take(double size, std::initializer_list<Part> parts, const F& is_rounding) {
+  template <class F> Status update(double size, std::initializer_list<Part> parts, const F& is_rounding) {
     constexpr double rounding = 2e-14, noisy = 1e-10, ill_conditioned = 1e-7;
     constexpr int most = 60, patience = 4;
     read(parts);
     const double change = norm_->of_velocities(dx_.head(n_measured(parts)));
-    if (!std::isfinite(change)) return Verdict::lost;
+    if (!std::isfinite(change)) return Status::diverged;
     if (change < best_) {
       best_ = change;
       closest_ = x_ + dx_;
@@ -56,15 +56,15 @@ class Settling {
     const bool stalled = ++since_ > patience && best_ < ill_conditioned * size && is_rounding();
     if (change <= rounding * size || stalled) {
       write(closest_, parts);
-      return Verdict::settled;
+      return Status::converged;
     }
     write(change > noisy * size ? mixed(n_measured(parts)) : x_ + dx_, parts);
     x_before_.swap(x_);
     dx_before_.swap(dx_);
-    return ++steps_ == most ? Verdict::lost : Verdict::going;
+    return ++steps_ == most ? Status::diverged : Status::iterating;
   }
-  Verdict take(double size, std::initializer_list<Part> parts) {
-    return take(size, parts, [] { return true; });
+  Status update(double size, std::initializer_list<Part> parts) {
+    return update(size, parts, [] { return true; });
   }
 
  private:

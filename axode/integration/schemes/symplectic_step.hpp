@@ -14,12 +14,12 @@ namespace axode {
 /// the same part of the steps before, extrapolated, are the guesses. Part is Midpoint or ClosedMidpoint. A System is one of its
 /// that has with bases() its FloatingBases, says with pushes_bases() whether something acted on one of them in the last
 /// evaluation, and has p open no loops with close(t, q, p).
-template <class System, class Part> class ConservingStep {
+template <class System, class Part> class SymplecticStep {
  public:
   using Vector = Eigen::VectorXd;
 
   /// From a state with p = M v.
-  ConservingStep(System& system, Part part, int order, const Vector& q_0, const Vector& p_0,
+  SymplecticStep(System& system, Part part, int order, const Vector& q_0, const Vector& p_0,
                  const Vector& v_0)
       : q(q_0),
         p(p_0),
@@ -45,7 +45,7 @@ template <class System, class Part> class ConservingStep {
       p = midpoint_.p;
       t += part;
       bases.advance(midpoint_.q_middle.data(), part, system_->pushes_bases(), midpoint_.f.data(), y_.data());
-      bases.settle(q.data());
+      bases.restore_centers(q.data());
       bases.to_momenta(q.data(), y_.data(), p.data());
       if (Failure failure = system_->close(t, q, p)) return failure;
     }
