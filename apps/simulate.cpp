@@ -227,7 +227,7 @@ Json as_json(const Trajectory& motion, const Rows& rows, const Options& options)
           {"steps", motion.steps},
           {"evaluations", motion.evaluations},
           {"complete", motion.complete},
-          {"stopped", motion.stopped},
+          {"stopped", motion.stop_reason},
           {"t", list(rows.t)},
           {"q", lists(rows.q)},
           {"v", lists(rows.v)},
@@ -311,7 +311,7 @@ void run(const Options& options, int& exit_code) {
   assemble(model, options.assembling, state);
   const Drive drive = drive_of(model, state, options);
   const Trajectory motion = motion_of(model, state, drive, options);
-  if (motion.size() == 0) throw InputError(motion.stopped);
+  if (motion.size() == 0) throw InputError(motion.stop_reason);
   const Rows rows = rows_of(motion, drive, options.samples);
   for (std::size_t k = 0; k < kinds.size(); ++k) switch (kinds[k]) {
       case FileFormat::json: write_text(options.outputs[k], text(as_json(motion, rows, options))); break;
@@ -328,7 +328,7 @@ void run(const Options& options, int& exit_code) {
   } else {
     print(motion, rows);
   }
-  if (!motion.complete) throw InputError("the motion ended early, " + motion.stopped);
+  if (!motion.complete) throw InputError("the motion ended early, " + motion.stop_reason);
   exit_code = all_well;
 }
 

@@ -105,7 +105,7 @@ const bool registered = [] {
   measure_closed(
       "loops_ten_steps", "midpoint",
       [](Subject& at) {
-        benchmark::DoNotOptimize(simulate_conserving(at.model, at.q(), at.v(), steps * step, step));
+        benchmark::DoNotOptimize(simulate_symplectic(at.model, at.q(), at.v(), steps * step, step));
       },
       holonomic);
   return true;

@@ -36,7 +36,8 @@ int main() {
   SimulationOptions options;
   options.events.push_back({.value = [](double, std::span<const double> q_t, auto) { return q_t[6] - 0.2; }});
   const Trajectory motion = simulate(model, q, v, 1.0, {}, options);
-  for (const Trajectory::Met& met : motion.events) std::printf("at %.4f s its base is 0.2 m up\n", met.t);
+  for (const Trajectory::EventOccurrence& met : motion.events)
+    std::printf("at %.4f s its base is 0.2 m up\n", met.t);
 
   std::vector<double> q_half(q.size()), v_half(v.size());
   motion.at(0.5, q_half, v_half);

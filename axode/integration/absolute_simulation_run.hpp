@@ -154,9 +154,9 @@ class AbsoluteSimulationRun {
   }
   void record_residuals() {
     bodies_.position_residual(q, rows_);
-    trajectory.gaps.push_back(largest_of(rows_));
+    trajectory.position_residuals.push_back(largest_of(rows_));
     bodies_.velocity_residual(q, v, rows_);
-    trajectory.slips.push_back(largest_of(rows_));
+    trajectory.velocity_residuals.push_back(largest_of(rows_));
     trajectory.body_energies.push_back(bodies_.energy(q, v));
   }
   double position_error(Span q_t) {

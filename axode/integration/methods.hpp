@@ -35,8 +35,8 @@ inline Trajectory simulate_adapting(const MotionRequest& x) {
 template <int order> Trajectory simulate_explicit(const MotionRequest& x) {
   return simulate_fixed(x.model, x.q, x.v, x.until, x.step, runge_kutta(order), x.options);
 }
-template <int order> Trajectory simulate_conserving(const MotionRequest& x) {
-  return axode::simulate_conserving(x.model, x.q, x.v, x.until, x.step, order, x.options);
+template <int order> Trajectory simulate_symplectic(const MotionRequest& x) {
+  return axode::simulate_symplectic(x.model, x.q, x.v, x.until, x.step, order, x.options);
 }
 template <int order> Trajectory simulate_rattle(const MotionRequest& x) {
   return axode::simulate_rattle(x.model, x.q, x.v, x.until, x.step, order, x.options);
@@ -59,9 +59,9 @@ inline constexpr std::array<std::pair<std::string_view, Method>, 13> methods{
      {"rk4", {false, detail::simulate_explicit<4>}},
      {"euler", {false, detail::simulate_explicit<1>}},
      {"generalized_alpha", {false, detail::simulate_stiff<true>}},
-     {"midpoint", {false, detail::simulate_conserving<2>}},
-     {"suzuki4", {false, detail::simulate_conserving<4>}},
-     {"kahan_li6", {false, detail::simulate_conserving<6>}},
+     {"midpoint", {false, detail::simulate_symplectic<2>}},
+     {"suzuki4", {false, detail::simulate_symplectic<4>}},
+     {"kahan_li6", {false, detail::simulate_symplectic<6>}},
      {"rk4_momenta", {false, detail::simulate_momenta}},
      {"rattle", {false, detail::simulate_rattle<2>}},
      {"rattle_suzuki4", {false, detail::simulate_rattle<4>}},

@@ -320,7 +320,7 @@ Solvability step_derivatives(const Model& model, Workspace<double>& workspace, S
 
 Solvability rollout_jvp(const Model& model, Span q, Span v, Span tau, double step, Span dq, Span dv,
                         Span dtau, std::span<double> dq_out, std::span<double> dv_out,
-                        const Loads<double>& loads, const Tableau& method, const GoOn& go_on) {
+                        const Loads<double>& loads, const Tableau& method, const Monitor& monitor) {
   const std::size_t nq = static_cast<std::size_t>(model.nq()), nv = static_cast<std::size_t>(model.nv()),
                     K = steps_of(model, tau);
   check_motion(
@@ -345,7 +345,7 @@ Solvability rollout_jvp(const Model& model, Span q, Span v, Span tau, double ste
   };
   write(0);
   for (std::size_t k = 0; k < K && verdict.ok(); ++k) {
-    if (go_on && !go_on()) verdict.not_finite = true;
+    if (monitor && !monitor()) verdict.not_finite = true;
     const double *const tau_k = tau.data() + k * nv, *const dtau_k = dtau.data() + k * nv;
     steps.run(step, [&](const double* q_i, const double* v_i, const Matrix& eta, const Matrix& dV, double* a,
                         Matrix& da) {
@@ -371,7 +371,7 @@ Solvability rollout_jvp(const Model& model, Span q, Span v, Span tau, double ste
 
 Solvability rollout_vjp(const Model& model, Span q, Span v, Span tau, double step, Span w_q, Span w_v,
                         const RolloutGradients& gradient, const Loads<double>& loads, const Tableau& method,
-                        const GoOn& go_on) {
+                        const Monitor& monitor) {
   const std::size_t nq = static_cast<std::size_t>(model.nq()), nv = static_cast<std::size_t>(model.nv()),
                     K = steps_of(model, tau);
   const bool geometry = !gradient.geometry.empty();
@@ -393,7 +393,7 @@ Solvability rollout_vjp(const Model& model, Span q, Span v, Span tau, double ste
   Vector q_k(q.begin(), q.end()), v_k(v.begin(), v.end());  // of all states
   Solvability verdict;
   const auto find = [&](std::size_t k) {
-    if (go_on && !go_on()) return Solvability{.not_finite = true};
+    if (monitor && !monitor()) return Solvability{.not_finite = true};
     return one.find(step, &q_k[k * nq], &v_k[k * nv], &tau[k * nv]);
   };
   for (std::size_t k = 0; k < K && verdict.ok(); ++k) {

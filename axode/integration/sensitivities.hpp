@@ -30,7 +30,7 @@ Solvability step_derivatives(const Model& model, Workspace<double>& workspace, s
                              const Tableau& method = runge_kutta(4));
 
 /// Asked before each step whether to go on; where it says no, results are NaN and not_finite is told.
-using GoOn = std::function<bool()>;
+using Monitor = std::function<bool()>;
 
 /// What becomes of the states of a motion of K steps, K nv drive forces, where its start is displaced by dq,
 /// v by dv and the forces by dtau, K nv numbers. dq_out and dv_out get (K + 1) nv, the given ones in front.
@@ -39,7 +39,7 @@ Solvability rollout_jvp(const Model& model, std::span<const double> q, std::span
                         std::span<const double> tau, double step, std::span<const double> dq,
                         std::span<const double> dv, std::span<const double> dtau, std::span<double> dq_out,
                         std::span<double> dv_out, const Loads<double>& loads = {},
-                        const Tableau& method = runge_kutta(4), const GoOn& go_on = {});
+                        const Tableau& method = runge_kutta(4), const Monitor& monitor = {});
 
 /// Where gradients by the start, nv numbers each, the drive forces, K nv, and the geometric parameters,
 /// n_bodies × 6 as in geometry_derivatives.hpp, go; the last where they are wanted, which of models with springs
@@ -53,6 +53,6 @@ Solvability rollout_vjp(const Model& model, std::span<const double> q, std::span
                         std::span<const double> tau, double step, std::span<const double> w_q,
                         std::span<const double> w_v, const RolloutGradients& gradient,
                         const Loads<double>& loads = {}, const Tableau& method = runge_kutta(4),
-                        const GoOn& go_on = {});
+                        const Monitor& monitor = {});
 
 }  // namespace axode

@@ -226,7 +226,7 @@ Trajectory simulate_half_explicit(const Model& model, Span q, Span v, double unt
   return std::move(run.trajectory);
 }
 
-Trajectory simulate_conserving(const Model& model, Span q, Span v, double until, double step, int order,
+Trajectory simulate_symplectic(const Model& model, Span q, Span v, double until, double step, int order,
                                const SimulationOptions& options) {
   check_step(step), check_smooth(model, options), check_holonomic(model);
   check_relative(options, "a conserving scheme");

@@ -83,7 +83,7 @@ Trajectory simulate_half_explicit(const Model& model, std::span<const double> q,
 /// velocities. Implicit; a step that does not converge ends the motion. Throws as simulate_fixed(), for events, dry friction,
 /// what rolls, which has nothing symplectic, and other orders. (Armatures of joints with several velocities, which have momenta
 /// that do not turn with the joint, are forces here: order and momenta stay, symplecticity does not.)
-Trajectory simulate_conserving(const Model& model, std::span<const double> q, std::span<const double> v,
+Trajectory simulate_symplectic(const Model& model, std::span<const double> q, std::span<const double> v,
                                double until, double step, int order = 2,
                                const SimulationOptions& options = {});
 

@@ -64,7 +64,7 @@ SimulationRun::SimulationRun(const Model& model, Span q_0, Span v_0, double unti
 
 void SimulationRun::stop(const Failure& failure) {
   trajectory.complete = false;
-  trajectory.stopped = "at t = " + std::to_string(failure.t) + " s: " + failure.why;
+  trajectory.stop_reason = "at t = " + std::to_string(failure.t) + " s: " + failure.why;
 }
 
 // What acts, and what comes of it.
@@ -378,7 +378,7 @@ int SimulationRun::parts_by_turning(double before) {
 /// Times in a part of the last step at which the value of an event, from `begin` to `end`, changes sign: once, or twice if its
 /// rates at both ends show that it goes towards zero and comes back.
 void SimulationRun::meet(std::size_t e, double before, double after, double begin, double end,
-                         std::vector<Trajectory::Met>& met) const {
+                         std::vector<Trajectory::EventOccurrence>& met) const {
   const Event& event = options_.events[e];
   const auto value = [&](double t) { return value_at(event, t); };
   const double near = 1e-6 * (after - before);
@@ -416,7 +416,7 @@ void SimulationRun::meet(std::size_t e, double before, double after, double begi
 /// Looks for events between two times, the last step; where one is terminal the trajectory is cut off there.
 Failure SimulationRun::meet_events(double before, double after) {
   const std::vector<double> next = values_at(after, as_span(q), as_span(v));
-  std::vector<Trajectory::Met> met;
+  std::vector<Trajectory::EventOccurrence> met;
   const int parts = parts_by_turning(before);
   for (std::size_t e = 0; e < next.size(); ++e) {
     double from = before, begin = values_[e];
@@ -430,14 +430,14 @@ Failure SimulationRun::meet_events(double before, double after) {
     }
   }
   values_ = next;
-  std::ranges::sort(met, {}, &Trajectory::Met::t);
-  for (const Trajectory::Met& one : met) {
+  std::ranges::sort(met, {}, &Trajectory::EventOccurrence::t);
+  for (const Trajectory::EventOccurrence& one : met) {
     trajectory.events.push_back(one);
     if (!options_.events[one.event].terminal) continue;
     ended_ = true;
     Vector q_t(q.size()), v_t(v.size()), a_t(v.size());
     trajectory.at(one.t, as_span(q_t), as_span(v_t));
-    trajectory.take_back();
+    trajectory.pop_back();
     if (loops_ && !loops_->close(as_span(q_t), as_span(v_t))) return {one.t, open};
     if (Failure failure = accelerate(one.t, as_span(q_t), as_span(v_t), as_span(a_t))) return failure;
     trajectory.append(one.t, as_span(q_t), as_span(v_t), as_span(a_t), as_span(tau_));

@@ -125,7 +125,7 @@ class SimulationRun {
   double value_at(const Event& event, double t) const;
   int parts_by_turning(double before);
   void meet(std::size_t e, double before, double after, double begin, double end,
-            std::vector<Trajectory::Met>& met) const;
+            std::vector<Trajectory::EventOccurrence>& met) const;
   Failure meet_events(double before, double after);
 
   Vector driven_;            ///< of drive()

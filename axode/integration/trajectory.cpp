@@ -30,7 +30,7 @@ std::span<const double> Trajectory::a_before(std::size_t k) const {
   return jump == before_jumps_.end() ? a(k) : std::span<const double>(jump->second);
 }
 
-void Trajectory::take_back() {
+void Trajectory::pop_back() {
   before_jumps_.erase(size() - 1);
   t_.pop_back();
   q_.resize(q_.size() - nq());

@@ -48,21 +48,21 @@ class Trajectory {
   void jump(std::span<const double> v, std::span<const double> a);
 
   /// Takes back the last one.
-  void take_back();
+  void pop_back();
 
   std::size_t steps = 0, rejected = 0;  ///< that were taken, and tried in vain
   std::size_t evaluations = 0;          ///< of accelerations
   bool complete = true;                 ///< whether the end was reached, or a terminal event
-  std::string stopped;                  ///< what stopped it before, in a sentence
-  struct Met {
+  std::string stop_reason;              ///< what stopped it before, in a sentence
+  struct EventOccurrence {
     std::size_t event;
     double t;
   };
-  std::vector<Met> events;  ///< that were met, in the order of time
+  std::vector<EventOccurrence> events;  ///< that were met, in the order of time
 
   /// In absolute coordinates, at each end of a step: by how much joints and loops were open, and slipped, the largest number of
   /// any (rad, m; rad/s, m/s). Coordinates of the joints are what is left of the bodies' without that.
-  std::vector<double> gaps, slips;
+  std::vector<double> position_residuals, velocity_residuals;
   std::vector<double> body_energies;  ///< likewise, kinetic and of weight, of the bodies as they are, J
 
  private:

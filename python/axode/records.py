@@ -124,13 +124,13 @@ class IndependentLinearization(NamedTuple):
 class JointState(NamedTuple):
     """Coordinates and velocities of the joints, and what of the bodies' motion they cannot say.
 
-    `gap` is by how much joints and loops are open, the largest number of any (rad, m), `slip` that of their velocities.
+    `position_residual` is by how much joints and loops are open, the largest number of any (rad, m), `velocity_residual` that of their velocities.
     """
 
     q: NDArray[np.float64]
     v: NDArray[np.float64]
-    gap: float
-    slip: float
+    position_residual: float
+    velocity_residual: float
 
 
 class InverseDynamicsDerivatives(NamedTuple):

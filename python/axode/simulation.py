@@ -83,7 +83,7 @@ def simulate(m: Model, q: ArrayLike, v: ArrayLike, until: float, *,
         if bar is not None:
             bar.close()
     if not motion.complete:
-        raise SimulationError(motion.stopped, motion)
+        raise SimulationError(motion.stop_reason, motion)
     return motion
 
 

@@ -192,8 +192,8 @@ nb::object joint_state_of(const BoundModel& m, ArrayLike given_C, ArrayLike give
   std::optional<States> around;
   if (!near.is_none()) around.emplace(one_state(m, {near.ptr()}));
   const JointState found = joint_state(m, poses, twists, around ? around->q(0) : std::span<const double>());
-  return named_tuple("axode.records", "JointState", to_array(found.q), to_array(found.v), found.gap,
-                     found.slip);
+  return named_tuple("axode.records", "JointState", to_array(found.q), to_array(found.v),
+                     found.position_residual, found.velocity_residual);
 }
 
 }  // namespace
@@ -506,7 +506,7 @@ Angles are those nearest to `near` (nq,), neutral if left out. O(n).
 
 >>> q, v = np.full(7, 0.5), np.ones(7)
 >>> found = axode.joint_state(arm, axode.poses(arm, q), axode.twists(arm, q, v))
->>> found.q.round(9), bool(found.gap < 1e-12)
+>>> found.q.round(9), bool(found.position_residual < 1e-12)
 (array([0.5, 0.5, 0.5, 0.5, 0.5, 0.5, 0.5]), True)
 )");
 }

@@ -407,12 +407,14 @@ A motion, from `simulate`: at the ends of its steps, or at the times that were a
       .def_prop_ro(
           "evaluations", [](const BoundTrajectory& x) { return x.motion.evaluations; }, "Of accelerations.")
       .def_prop_ro(
-          "gap", [](const BoundTrajectory& x) { return to_array(x.motion.gaps); },
+          "position_residuals",
+          [](const BoundTrajectory& x) { return to_array(x.motion.position_residuals); },
           "By how much joints and loops were open at each end of a step, the largest of them, rad and m; in "
           "absolute "
           "coordinates only, otherwise empty.")
       .def_prop_ro(
-          "slip", [](const BoundTrajectory& x) { return to_array(x.motion.slips); },
+          "velocity_residuals",
+          [](const BoundTrajectory& x) { return to_array(x.motion.velocity_residuals); },
           "The same of velocities, rad/s and m/s.")
       .def_prop_ro(
           "body_energy", [](const BoundTrajectory& x) { return to_array(x.motion.body_energies); },
@@ -421,13 +423,14 @@ A motion, from `simulate`: at the ends of its steps, or at the times that were a
           "complete", [](const BoundTrajectory& x) { return x.motion.complete; },
           "Whether the end was reached, or a terminal event.")
       .def_prop_ro(
-          "stopped", [](const BoundTrajectory& x) { return nb::str(x.motion.stopped.c_str()); },
+          "stop_reason", [](const BoundTrajectory& x) { return nb::str(x.motion.stop_reason.c_str()); },
           "What stopped it before, in a sentence, or ''.")
       .def_prop_ro(
           "events",
           [](const BoundTrajectory& x) {
             nb::list out;
-            for (const Trajectory::Met& met : x.motion.events) out.append(nb::make_tuple(met.event, met.t));
+            for (const Trajectory::EventOccurrence& met : x.motion.events)
+              out.append(nb::make_tuple(met.event, met.t));
             return out;
           },
           nb::sig("def events(self) -> list[tuple[int, float]]"),
@@ -473,7 +476,7 @@ Its to_parquet (with pyarrow) and to_csv write files. ModuleNotFoundError where 
       .def("__repr__", [](const BoundTrajectory& x) {
         return "Trajectory(" + std::to_string(x.motion.steps) + " steps" +
                (x.motion.t().empty() ? "" : " to t = " + std::to_string(x.motion.t().back()) + " s") +
-               (x.motion.complete ? ")" : ", " + x.motion.stopped + ")");
+               (x.motion.complete ? ")" : ", " + x.motion.stop_reason + ")");
       });
   module.def("simulate_motion", &simulate_of, "m"_a, "q"_a, "v"_a, "until"_a, "method"_a, "coordinates"_a,
              "step"_a.none(), "rtol"_a, "atol"_a, "spectral_radius"_a, "tau"_a.none(), "loads"_a.none(),

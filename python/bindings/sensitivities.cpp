@@ -43,7 +43,7 @@ struct Motions {
   template <class F> void each(double microseconds, NewArray& result, const F& f) const {
     std::vector<Solvability> found(states.count());
     states.each_long(microseconds * static_cast<double>(K()),
-                     [&](std::size_t n, const GoOn& go_on) { found[n] = f(n, go_on); });
+                     [&](std::size_t n, const Monitor& go_on) { found[n] = f(n, go_on); });
     states.refuse(found, result);
   }
 };
@@ -54,7 +54,7 @@ nb::object rollout_derivatives_of(const BoundModel& m, ArrayLike q, ArrayLike v,
   const nb::ssize_t K = motions.K(), nv = m->nv();
   const Shape shape_A{K, 2 * nv, 2 * nv}, shape_B{K, 2 * nv, nv};
   NewArray A = motions.states.result(shape_A), B = motions.states.result(shape_B);
-  motions.each(12 * quadratic_cost(*m), A, [&](std::size_t n, const GoOn& go_on) {
+  motions.each(12 * quadratic_cost(*m), A, [&](std::size_t n, const Monitor& go_on) {
     Workspace<> workspace(*m);
     const std::span<const double> from = motions.states.q(n);
     std::vector<double> q_k(from.begin(), from.end()), v_k(motions.v[n].begin(), motions.v[n].end()),
@@ -83,7 +83,7 @@ std::tuple<Array, Array> rollout_jvp_of(const BoundModel& m, ArrayLike q, ArrayL
               of_tau = motions.rows("dtau", dtau, motions.K());
   const Shape shape{motions.K() + 1, m->nv()};
   NewArray q_out = motions.states.result(shape), v_out = motions.states.result(shape);
-  motions.each(15 * linear_cost(*m), v_out, [&](std::size_t n, const GoOn& go_on) {
+  motions.each(15 * linear_cost(*m), v_out, [&](std::size_t n, const Monitor& go_on) {
     return rollout_jvp(*m, motions.states.q(n), motions.v[n], motions.tau[n], step, of_q[n], of_v[n],
                        of_tau[n], item(q_out, n, shape), item(v_out, n, shape), {}, runge_kutta(4), go_on);
   });
@@ -98,7 +98,7 @@ nb::object rollout_vjp_of(const BoundModel& m, ArrayLike q, ArrayLike v, ArrayLi
   const Shape one{m->nv()}, steps{motions.K(), m->nv()}, bodies{m->n_bodies(), 6};
   NewArray by_q = motions.states.result(one), by_v = motions.states.result(one),
            by_tau = motions.states.result(steps), geometry = motions.states.result(bodies);
-  motions.each(20 * linear_cost(*m), by_q, [&](std::size_t n, const GoOn& go_on) {
+  motions.each(20 * linear_cost(*m), by_q, [&](std::size_t n, const Monitor& go_on) {
     return rollout_vjp(
         *m, motions.states.q(n), motions.v[n], motions.tau[n], step, of_q[n], of_v[n],
         {item(by_q, n, one), item(by_v, n, one), item(by_tau, n, steps), item(geometry, n, bodies)}, {},

@@ -198,16 +198,16 @@ TEST(JointState, IsTheWayBackFromPosesAndTwists) {
     const JointState found = joint_state(model, C, V, state.q);
     for (std::size_t k = 0; k < found.q.size(); ++k) EXPECT_NEAR(found.q[k], state.q[k], 1e-10);
     for (std::size_t k = 0; k < found.v.size(); ++k) EXPECT_NEAR(found.v[k], state.v[k], 1e-9);
-    EXPECT_LT(found.gap, 1e-10);
-    EXPECT_LT(found.slip, 1e-8);
+    EXPECT_LT(found.position_residual, 1e-10);
+    EXPECT_LT(found.velocity_residual, 1e-8);
     if (model.joint(model.n_bodies()).kind == Subgroup::free) return;
     C.back().r.x += 0.1, C.back().r.y += 0.2, C.back().r.z += 0.3, V.back().v.x += 1, V.back().v.y += 2,
         V.back().v.z += 1;
     const JointState apart = joint_state(model, C, V);
-    EXPECT_GT(apart.gap, 0.01);
-    EXPECT_GT(apart.slip, 0.01);
+    EXPECT_GT(apart.position_residual, 0.01);
+    EXPECT_GT(apart.velocity_residual, 0.01);
     V.back().v.x = std::numeric_limits<double>::quiet_NaN();
-    EXPECT_TRUE(std::isnan(joint_state(model, C, V).slip));
+    EXPECT_TRUE(std::isnan(joint_state(model, C, V).velocity_residual));
   });
 }
 

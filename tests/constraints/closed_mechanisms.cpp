@@ -385,7 +385,7 @@ TEST_P(ClosedMechanisms, HaveDerivativesAlongTheirMotions) {
       };
       const Trajectory motion =
           simulate_fixed(model, at.q, v, std::abs(t), std::abs(t) / 4, runge_kutta(4), options);
-      EXPECT_TRUE(motion.complete) << motion.stopped;
+      EXPECT_TRUE(motion.complete) << motion.stop_reason;
       return vector({motion.a().end() - model.nv(), motion.a().end()});
     };
     const VectorXd rate = (8 * (later(h) - later(-h)) - (later(2 * h) - later(-2 * h))) / (12 * h);

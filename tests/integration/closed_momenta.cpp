@@ -68,7 +68,7 @@ TEST(ConservingSchemesWithLoops, HaveTheirOrders) {
       SCOPED_TRACE(order);
       const auto error = [&](int steps) {
         const Trajectory motion = run(until, until / steps);
-        EXPECT_TRUE(motion.complete) << motion.stopped;
+        EXPECT_TRUE(motion.complete) << motion.stop_reason;
         EXPECT_LE(most_open(motion), 1e-11);
         return apart(at.model, last_q(exact), last_q(motion));
       };
@@ -77,7 +77,7 @@ TEST(ConservingSchemesWithLoops, HaveTheirOrders) {
     };
     const auto conserving = [&](int order, double until, int n) {
       expect_order(order, until, n, [&](double t, double h) {
-        return simulate_conserving(at.model, at.at.q, at.at.v, t, h, order, options);
+        return simulate_symplectic(at.model, at.at.q, at.at.v, t, h, order, options);
       });
     };
     conserving(2, 0.1, 40), conserving(4, 0.1, 10), conserving(6, 0.4, steps_of_6);
@@ -91,10 +91,10 @@ TEST(ConservingSchemesWithLoops, GoBackTheWayTheyCame) {
   for (const Description& description : {four_bar(), bricard(), floating({})})
     for (const int order : {2, 4}) {
       const Moving at(description);
-      const Trajectory there = simulate_conserving(at.model, at.at.q, at.at.v, 0.3, 2e-3, order);
+      const Trajectory there = simulate_symplectic(at.model, at.at.q, at.at.v, 0.3, 2e-3, order);
       Numbers v(last_v(there).begin(), last_v(there).end());
       for (double& v_c : v) v_c = -v_c;
-      const Trajectory back = simulate_conserving(at.model, last_q(there), v, 0.3, 2e-3, order);
+      const Trajectory back = simulate_symplectic(at.model, last_q(there), v, 0.3, 2e-3, order);
       EXPECT_LE(apart(at.model, at.at.q, last_q(back)), 1e-10);
       EXPECT_GT(apart(at.model, at.at.q, last_q(there)), 0.01);
     }
@@ -102,8 +102,8 @@ TEST(ConservingSchemesWithLoops, GoBackTheWayTheyCame) {
 
 TEST(ConservingSchemesWithLoops, KeepTheEnergyInABand) {
   const Moving at(bricard());
-  const Trajectory motion = simulate_conserving(at.model, at.at.q, at.at.v, 40, 2e-2);
-  ASSERT_TRUE(motion.complete) << motion.stopped;
+  const Trajectory motion = simulate_symplectic(at.model, at.at.q, at.at.v, 40, 2e-2);
+  ASSERT_TRUE(motion.complete) << motion.stop_reason;
   EXPECT_LE(energy_error_until(motion, 40), 1.5 * energy_error_until(motion, 10));
 }
 
@@ -117,7 +117,7 @@ TEST(ConservingSchemesWithLoops, KeepTheMomentumOfWhatFloatsToRounding) {
       const Vec3<> weight = (at.model.total_mass() * motion.t().back()) * g;
       return (norm(after.l - before.l) + norm(after.p - before.p - weight)) / (1 + norm(weight));
     };
-    EXPECT_LE(error(simulate_conserving(at.model, at.at.q, at.at.v, 4, 2e-2)), 1e-13);
+    EXPECT_LE(error(simulate_symplectic(at.model, at.at.q, at.at.v, 4, 2e-2)), 1e-13);
     EXPECT_LE(error(simulate_momenta(at.model, at.at.q, at.at.v, 4, 2e-2)), 1e-13);
     EXPECT_GT(error(simulate_fixed(at.model, at.at.q, at.at.v, 4, 2e-2)), 1e-12);
   }
@@ -137,9 +137,9 @@ TEST(ConservingSchemesWithLoops, CutJointsMoveAsTheTreeDoes) {
   const Model whole = ModelBuilder(tree).build(), parts = ModelBuilder(cut).build();
   const double h = 5e-3, until = 0.2;
   const auto hand = [&](const Model& model, double step) {
-    const Trajectory motion = simulate_conserving(model, neutral(model),
+    const Trajectory motion = simulate_symplectic(model, neutral(model),
                                                   Numbers(static_cast<std::size_t>(model.nv())), until, step);
-    EXPECT_TRUE(motion.complete) << motion.stopped;
+    EXPECT_TRUE(motion.complete) << motion.stop_reason;
     Workspace<> workspace(model);
     std::vector<SE3<>> C(static_cast<std::size_t>(model.n_frames()));
     poses<double>(model, workspace, last_q(motion), C);
@@ -156,12 +156,12 @@ TEST(ConservingSchemesWithLoops, TakeWhatRollsOnMomentaAlone) {
   const Trajectory exact = simulate(at.model, at.at.q, at.at.v, 0.5, {.relative = 1e-11, .absolute = 1e-12});
   const auto error = [&](double step) {
     const Trajectory motion = simulate_momenta(at.model, at.at.q, at.at.v, 0.5, step);
-    EXPECT_TRUE(motion.complete) << motion.stopped;
+    EXPECT_TRUE(motion.complete) << motion.stop_reason;
     EXPECT_LE(most_open(motion), 1e-11);
     return apart(at.model, last_q(exact), last_q(motion));
   };
   EXPECT_NEAR(std::log2(error(0.02) / error(0.01)), 4, 0.35);
-  EXPECT_EQ(message_of([&] { (void)simulate_conserving(at.model, at.at.q, at.at.v, 0.5, 0.01); }),
+  EXPECT_EQ(message_of([&] { (void)simulate_symplectic(at.model, at.at.q, at.at.v, 0.5, 0.01); }),
             "loop \"contact\" rolls, which a conserving scheme does not take; rattle in absolute coordinates "
             "and explicit methods do");
 }

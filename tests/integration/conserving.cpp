@@ -51,14 +51,14 @@ TEST(ConservingSchemes, HaveTheirOrdersOnTheGroup) {
   const auto order_of = [&](const auto& run, int n) {
     const auto error = [&](int steps) {
       const Trajectory motion = run(0.5 / steps);
-      EXPECT_TRUE(motion.complete) << motion.stopped;
+      EXPECT_TRUE(motion.complete) << motion.stop_reason;
       return apart(model, last_q(exact), last_q(motion));
     };
     return std::log2(error(n) / error(2 * n));
   };
   for (const int order : {2, 4, 6})
     EXPECT_NEAR(
-        order_of([&](double h) { return simulate_conserving(model, at.q, at.v, 0.5, h, order, options); },
+        order_of([&](double h) { return simulate_symplectic(model, at.q, at.v, 0.5, h, order, options); },
                  order == 2 ? 100 : 20),
         order, 0.25);
   for (const int order : {1, 2, 3, 4})
@@ -81,13 +81,13 @@ TEST(ConservingSchemes, AgreeWithTheDynamicsOfAnyTree) {
     if (!exact.complete) return;  // joints that move no mass
     const auto expect_order = [&](const auto& run, double ratio) {
       const Trajectory coarse = run(1e-3), fine = run(0.5e-3);
-      ASSERT_TRUE(fine.complete && coarse.complete) << fine.stopped << coarse.stopped;
+      ASSERT_TRUE(fine.complete && coarse.complete) << fine.stop_reason << coarse.stop_reason;
       const double error = apart(subject.model, last_q(exact), last_q(fine));
       EXPECT_LE(error, std::max(apart(subject.model, last_q(exact), last_q(coarse)) / ratio, 1e-9));
     };
     expect_order(
         [&](double h) {
-          return simulate_conserving(subject.model, subject.state.q, subject.state.v, 0.02, h, 2, options);
+          return simulate_symplectic(subject.model, subject.state.q, subject.state.v, 0.02, h, 2, options);
         },
         3);
     expect_order(
@@ -112,7 +112,7 @@ template <class Run> double symplectic_error(const Model& model, const State<dou
     Numbers v(nv);
     EXPECT_TRUE(from_momenta(model, workspace, q, p, v).ok());
     const Trajectory motion = run(q, v);
-    EXPECT_TRUE(motion.complete) << motion.stopped;
+    EXPECT_TRUE(motion.complete) << motion.stop_reason;
     return Point{Numbers(last_q(motion).begin(), last_q(motion).end()),
                  momenta_of(model, last_q(motion), last_v(motion))};
   };
@@ -156,7 +156,7 @@ TEST(ConservingSchemes, AreSymplecticOnJointsWithSeveralVelocities) {
   for (const int order : {2, 4, 6}) {
     SCOPED_TRACE(order);
     EXPECT_LE(symplectic_error(model, at,
-                               [&](Span q, Span v) { return simulate_conserving(model, q, v, h, h, order); }),
+                               [&](Span q, Span v) { return simulate_symplectic(model, q, v, h, h, order); }),
               1e-8);
   }
   EXPECT_GT(
@@ -169,10 +169,10 @@ TEST(ConservingSchemes, GoBackTheWayTheyCame) {
   const Model model = test_tree();
   const State<double> at = test_state(model);
   for (const int order : {2, 4, 6}) {
-    const Trajectory there = simulate_conserving(model, at.q, at.v, 0.4, 0.01, order);
+    const Trajectory there = simulate_symplectic(model, at.q, at.v, 0.4, 0.01, order);
     Numbers turned(last_v(there).begin(), last_v(there).end());
     for (double& v_k : turned) v_k = -v_k;
-    const Trajectory back = simulate_conserving(model, last_q(there), turned, 0.4, 0.01, order);
+    const Trajectory back = simulate_symplectic(model, last_q(there), turned, 0.4, 0.01, order);
     EXPECT_LE(apart(model, at.q, last_q(back)), 1e-11);
     EXPECT_GT(apart(model, at.q, last_q(there)), 0.1);
   }
@@ -205,7 +205,7 @@ TEST(ConservingSchemes, KeepTheMomentumOfWhatFloatsToRounding) {
     const State<double> at = test_state(model);
     for (const int order : {2, 4}) {
       SCOPED_TRACE(order);
-      EXPECT_LE(momentum_error(simulate_conserving(model, at.q, at.v, 4, 0.004, order), g), 1e-14);
+      EXPECT_LE(momentum_error(simulate_symplectic(model, at.q, at.v, 4, 0.004, order), g), 1e-14);
     }
     EXPECT_LE(momentum_error(simulate_momenta(model, at.q, at.v, 4, 0.004), g), 1e-14);
     EXPECT_GT(momentum_error(simulate_fixed(model, at.q, at.v, 4, 0.004), g), 1e-12);
@@ -217,7 +217,7 @@ TEST(ConservingSchemes, CountImpulsesOnWhatFloats) {
   const State<double> at = test_state(model);
   SimulationOptions options;
   options.loads = {{model.frame_index("door"), Wrench<Spatial>{{0.3, -1, 2}, {4, 5, -6}}}};
-  const Trajectory motion = simulate_conserving(model, at.q, at.v, 1, 0.01, 2, options);
+  const Trajectory motion = simulate_symplectic(model, at.q, at.v, 1, 0.01, 2, options);
   Workspace<> workspace(model);
   const Momentum<Spatial> before = spatial_momentum(model, workspace, motion.q(0), motion.v(0)),
                           after = spatial_momentum(model, workspace, last_q(motion), last_v(motion));
@@ -246,8 +246,8 @@ TEST(ConservingSchemes, KeepTheEnergyOfAChainInABand) {
   q[0] = -std::acos(-1.0) / 2;
   const double start = energy_of(model, q, v), deep = start - energy_of(model, Numbers(10), v);
   const auto band = [&](double step, int order) {
-    const Trajectory motion = simulate_conserving(model, q, v, 2, step, order);
-    EXPECT_TRUE(motion.complete) << motion.stopped;
+    const Trajectory motion = simulate_symplectic(model, q, v, 2, step, order);
+    EXPECT_TRUE(motion.complete) << motion.stop_reason;
     double worst = 0;
     for (std::size_t k = 0; k < motion.size(); ++k)
       worst = std::max(worst, std::abs(energy_of(model, motion.q(k), motion.v(k)) - start) / deep);
@@ -289,8 +289,8 @@ TEST(ConservingSchemes, SolveStepsToRoundingWhereJointsAreFarOut) {
   for (double& v_c : v) v_c = number(generator);
   for (double& x_c : q_from_neutral) x_c = 0.5 * number(generator);
   const Numbers q = integrate(model, neutral(model), q_from_neutral);
-  const Trajectory motion = simulate_conserving(model, q, v, 6, 3e-3, 6);
-  ASSERT_TRUE(motion.complete) << motion.stopped;
+  const Trajectory motion = simulate_symplectic(model, q, v, 6, 3e-3, 6);
+  ASSERT_TRUE(motion.complete) << motion.stop_reason;
   const double energy = energy_of(model, q, v);
   double worst = 0;
   for (std::size_t k = 0; k < motion.size(); ++k)
@@ -302,8 +302,8 @@ TEST(ConservingSchemes, GoOverToNewtonsMethodOnStiffSprings) {
   const Model model = chain(2, JointKind::revolute);
   SimulationOptions options;
   options.drive = [&](double, Span q, Span, std::span<double> tau) { tau[0] = -1e8 * q[0], tau[1] = 0; };
-  const Trajectory motion = simulate_conserving(model, Numbers{0, 0.5}, Numbers{0, 0}, 0.2, 1e-3, 2, options);
-  EXPECT_TRUE(motion.complete) << motion.stopped;
+  const Trajectory motion = simulate_symplectic(model, Numbers{0, 0.5}, Numbers{0, 0}, 0.2, 1e-3, 2, options);
+  EXPECT_TRUE(motion.complete) << motion.stop_reason;
   EXPECT_LE(std::abs(last_q(motion)[0]), 1e-5);
   EXPECT_LE(motion.evaluations, 25 * motion.steps);
 }
@@ -318,16 +318,16 @@ TEST(ConservingSchemes, RefuseForcesThatJump) {
   const Model model = ModelBuilder(slider).build();
   const Numbers q{0}, v{1};
   SimulationOptions options{.joint_losses = true};
-  EXPECT_EQ(message_of([&] { (void)simulate_conserving(model, q, v, 1, 0.1, 2, options); }),
+  EXPECT_EQ(message_of([&] { (void)simulate_symplectic(model, q, v, 1, 0.1, 2, options); }),
             "joint \"rail\" has dry friction of 0.500000, a force that jumps, which conserving schemes do "
             "not take; rk4 and euler do");
   SimulationOptions events;
   events.events.push_back({.value = [](double, Span x, Span) { return x[0] - 0.5; }});
   EXPECT_THAT(message_of([&] { (void)simulate_momenta(model, q, v, 1, 0.1, runge_kutta(4), events); }),
               testing::StartsWith("events are not met by conserving schemes"));
-  EXPECT_EQ(message_of([&] { (void)simulate_conserving(model, q, v, 1, 0.1, 3); }),
+  EXPECT_EQ(message_of([&] { (void)simulate_symplectic(model, q, v, 1, 0.1, 3); }),
             "order is 3; expected 2, 4 or 6");
-  EXPECT_NE(message_of([&] { (void)simulate_conserving(model, q, v, 1, 0); }), "");
+  EXPECT_NE(message_of([&] { (void)simulate_symplectic(model, q, v, 1, 0); }), "");
 }
 
 }  // namespace

@@ -118,7 +118,7 @@ TEST(Drives, AProportionalDerivativeDriveArrives) {
     for (const Trajectory& motion :
          {simulate(model, random_configuration(model, seed + 10), rest, 20, {}, options),
           simulate_stiff(model, random_configuration(model, seed + 10), rest, 20, 0.01, 0.8, options)}) {
-      ASSERT_TRUE(motion.complete) << motion.stopped;
+      ASSERT_TRUE(motion.complete) << motion.stop_reason;
       EXPECT_LE(distance(model, motion.q(motion.size() - 1), q_d), 1e-7);
     }
   }
@@ -152,7 +152,7 @@ TEST(Drives, ComputedTorqueFollowsAMotion) {
     options.drive = ComputedTorque(subject.model, {kp, kd}, {subject.model, reference});
     const Trajectory motion = simulate(subject.model, subject.at.q, subject.at.v, 0.5,
                                        {.relative = 1e-10, .absolute = 1e-11}, options);
-    ASSERT_TRUE(motion.complete) << motion.stopped;
+    ASSERT_TRUE(motion.complete) << motion.stop_reason;
     Numbers q(subject.at.q.size()), q_d(q.size()), v(subject.nv()), v_d(v.size());
     for (const double t : {0.1, 0.2333, 0.4, 0.5}) {
       motion.at(t, q, v), reference.at(t, q_d, v_d);

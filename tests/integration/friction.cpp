@@ -37,7 +37,7 @@ TEST(Friction, HoldsWhatItCan) {
         simulate_fixed(model, Numbers{0.3}, Numbers{0}, 1, 0.01, runge_kutta(4), options),
         simulate_fixed(model, Numbers{0.3}, Numbers{0}, 1, 0.01, runge_kutta(1), options),
         simulate_stiff(model, Numbers{0.3}, Numbers{0}, 1, 0.01, 0.8, options)}) {
-    EXPECT_TRUE(motion.complete) << motion.stopped;
+    EXPECT_TRUE(motion.complete) << motion.stop_reason;
     EXPECT_EQ(last_q(motion)[0], 0.3);
     EXPECT_EQ(motion.v().back(), 0);
     EXPECT_EQ(motion.a().back(), 0);
@@ -85,7 +85,7 @@ TEST(Friction, FollowsTheClosedForm) {
   }
   const double stroke = slid(t_0, low);
   const Trajectory motion = simulate(model, Numbers{0}, Numbers{0}, 20, tight, options);
-  ASSERT_TRUE(motion.complete) << motion.stopped;
+  ASSERT_TRUE(motion.complete) << motion.stop_reason;
   Numbers q(1), v(1);
   const double pi = std::acos(-1.0);
   for (int k = 0; k < 6; ++k) {  // half a turn each
@@ -101,7 +101,7 @@ TEST(Friction, KeepsTheOrdersOfMethods) {
   const Model model = block(0.8, 0.1, 3);
   const SimulationOptions options = driven([](double t) { return 2 * std::sin(1.3 * t); });
   const Trajectory exact = simulate(model, Numbers{0.2}, Numbers{1}, 10, {1e-13, 1e-13}, options);
-  ASSERT_TRUE(exact.complete) << exact.stopped;
+  ASSERT_TRUE(exact.complete) << exact.stop_reason;
   int rests = 0;
   for (std::size_t k = 1; k < exact.size(); ++k) rests += exact.v(k)[0] == 0 && exact.v(k - 1)[0] != 0;
   EXPECT_GE(rests, 3);
@@ -152,7 +152,7 @@ struct Rubbing {
 
 /// What slides is resisted by f; what rests by no more.
 void expect_coulomb(const Rubbing& at, const Trajectory& motion, int& sticking, int& sliding) {
-  ASSERT_TRUE(motion.complete) << motion.stopped;
+  ASSERT_TRUE(motion.complete) << motion.stop_reason;
   const Tree<double>& tree = at.model.tree<double>();
   Workspace<> workspace(at.model, cut_tree);
   const std::size_t nv = at.v.size();
@@ -232,7 +232,7 @@ TEST(Friction, TakesTheEnergyThatIsMissing) {
     const Model model = ModelBuilder(chain).build();
     const Trajectory motion =
         simulate(model, Numbers(5, 0.3), random_numbers(random, 5, 2), 3, tight, with_losses);
-    ASSERT_TRUE(motion.complete) << motion.stopped;
+    ASSERT_TRUE(motion.complete) << motion.stop_reason;
     Workspace<> workspace(model);
     const auto energy = [&](std::size_t k) {
       return energy_of(model, motion.q(k), motion.v(k)) + elastic_energy(model, workspace, motion.q(k));
@@ -263,10 +263,10 @@ TEST(Friction, HoldsLoopsTogether) {
       for (BodyDescription& body : drawn.bodies) body.joint.dof[0].friction = part * power / resisting;
       const Model model = ModelBuilder(drawn).build();
       const Trajectory motion = simulate(model, q, rest, 0.3, tight, with_losses);
-      ASSERT_TRUE(motion.complete) << motion.stopped;
+      ASSERT_TRUE(motion.complete) << motion.stop_reason;
       EXPECT_EQ(apart(model, q, last_q(motion)) == 0, part > 1) << part;
       const Trajectory stiff = simulate_stiff(model, q, rest, 0.3, 0.01, 0.8, with_losses);
-      ASSERT_TRUE(stiff.complete) << stiff.stopped;
+      ASSERT_TRUE(stiff.complete) << stiff.stop_reason;
       EXPECT_NEAR(apart(model, last_q(stiff), last_q(motion)), 0, part > 1 ? 0 : 1e-4);
     }
   }
@@ -306,7 +306,7 @@ TEST(Friction, TakesTheEnergyThatIsMissingInLoops) {
     for (const bool fixed : {false, true}) {
       const Trajectory motion = fixed ? simulate_fixed(model, q, v, 5, 0.001, runge_kutta(4), with_losses)
                                       : simulate(model, q, v, 5, tight, with_losses);
-      ASSERT_TRUE(motion.complete) << motion.stopped;
+      ASSERT_TRUE(motion.complete) << motion.stop_reason;
       const auto energy = [&](std::size_t k) { return energy_of(model, motion.q(k), motion.v(k)); };
       const double lost = energy(0) - energy(motion.size() - 1);
       EXPECT_GT(lost, 0.1);
@@ -332,7 +332,7 @@ TEST(Friction, CreepsInAbsoluteCoordinates) {
   SimulationOptions options = driven([](double) { return 1.9; });
   options.coordinates = Coordinates::absolute;
   const Trajectory motion = simulate_fixed(model, Numbers{0}, Numbers{0}, 1, 0.01, runge_kutta(4), options);
-  EXPECT_TRUE(motion.complete) << motion.stopped;
+  EXPECT_TRUE(motion.complete) << motion.stop_reason;
   EXPECT_NEAR(last_q(motion)[0], 0, 0.02);
 }
 

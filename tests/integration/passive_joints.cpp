@@ -101,7 +101,7 @@ TEST(PassiveJoints, OfClosedMechanismsGetNoForceAndDrivesMoveAsWanted) {
     options.drive = drive;
     const Trajectory motion =
         simulate(model, at.q, Numbers(nv), 8, {.relative = 1e-6, .absolute = 1e-8}, options);
-    ASSERT_TRUE(motion.complete) << motion.stopped;
+    ASSERT_TRUE(motion.complete) << motion.stop_reason;
     for (const double x : difference(model, motion.q(motion.size() - 1), Span(there.q)))
       EXPECT_NEAR(x, 0, 1e-3);
   }

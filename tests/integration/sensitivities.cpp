@@ -253,13 +253,13 @@ TEST(Sensitivities, AreNotANumberWhereTheMotionCannotGoOn) {
   const Model model = shoulder();
   const Numbers q = neutral(model), v(4), dq(4, 1);
   Numbers tau(3 * 4), out_q(16), out_v(16), by_tau(12);
-  const auto both = [&](const GoOn& go_on) {
+  const auto both = [&](const Monitor& monitor) {
     const Solvability forward =
-        rollout_jvp(model, q, v, tau, 0.1, dq, dq, tau, out_q, out_v, {}, runge_kutta(4), go_on);
+        rollout_jvp(model, q, v, tau, 0.1, dq, dq, tau, out_q, out_v, {}, runge_kutta(4), monitor);
     Numbers by_q(4), by_v(4);
     const Numbers w(16, 1);
     const Solvability back =
-        rollout_vjp(model, q, v, tau, 0.1, w, w, {by_q, by_v, by_tau}, {}, runge_kutta(4), go_on);
+        rollout_vjp(model, q, v, tau, 0.1, w, w, {by_q, by_v, by_tau}, {}, runge_kutta(4), monitor);
     EXPECT_EQ(forward.ok(), back.ok());
     EXPECT_EQ(std::isnan(out_v[3]), !forward.ok());
     EXPECT_EQ(std::isnan(by_tau[0]), !forward.ok());

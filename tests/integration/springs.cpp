@@ -196,7 +196,7 @@ TEST(Springs, ImplicitAndExplicitMethodsAndRolloutsSeeTheSameOnes) {
     if (!exact.complete || largest(exact.a()) > 1e3) return;
     const auto error = [&](Span q) { return largest(difference(at.model, exact.q(exact.size() - 1), q)); };
     const Trajectory stiff = simulate_stiff(at.model, at.q, at.v, until, until / 40);
-    ASSERT_TRUE(stiff.complete) << stiff.stopped;
+    ASSERT_TRUE(stiff.complete) << stiff.stop_reason;
     EXPECT_LE(error(stiff.q(40)), 1e-4 * (1 + largest(exact.a()) * until));
     const Trajectory fixed = simulate_fixed(at.model, at.q, at.v, until, until / 40);
     Numbers q(41 * at.q.size()), v(41 * at.nv());
@@ -340,7 +340,7 @@ TEST(Springs, StopsHoldAndNeverPull) {
   const double weight = 2 * 9.81;
   for (const Trajectory& motion : {simulate(built, Numbers{0.1}, Numbers{0}, 20),
                                    simulate_stiff(built, Numbers{0.1}, Numbers{0}, 20, 1e-3)}) {
-    ASSERT_TRUE(motion.complete) << motion.stopped;
+    ASSERT_TRUE(motion.complete) << motion.stop_reason;
     const std::size_t last = motion.size() - 1;
     double deepest = 0, highest = -1;
     for (std::size_t k = 0; k < motion.size(); ++k) {
@@ -374,7 +374,7 @@ TEST(Springs, StiffOnesTakeAFewIterationsOfNewtonsMethod) {
   const Model model = ModelBuilder(arm).build();
   const auto elbow = [&](double step) {
     const Trajectory motion = simulate_stiff(model, Numbers{0, 0}, Numbers{0, 0}, 0.5, step);
-    EXPECT_TRUE(motion.complete) << motion.stopped;
+    EXPECT_TRUE(motion.complete) << motion.stop_reason;
     const std::size_t last = motion.size() - 1;
     EXPECT_LE(std::abs(motion.q(last)[0]), 1e-5);
     EXPECT_LE(motion.evaluations, 6 * motion.steps);

@@ -64,7 +64,7 @@ template <class Run> double form_error(const MovingMechanism& mechanism, const R
   };
   const auto ends_of_step = [&](const AssemblyResult& at) {
     const Trajectory motion = run(at.q, at.v);
-    EXPECT_TRUE(motion.complete) << motion.stopped;
+    EXPECT_TRUE(motion.complete) << motion.stop_reason;
     return std::array{point(at.q, at.v), point(last_q(motion), last_v(motion))};
   };
   const std::array own = ends_of_step(mechanism.at);
@@ -98,7 +98,7 @@ void expect_the_form_kept(const MovingMechanism& mechanism, double tolerance) {
   for (const int order : {2, 4}) {
     SCOPED_TRACE(order);
     EXPECT_LT(
-        error([&](const Model& m, Span q, Span v) { return simulate_conserving(m, q, v, h, h, order); }),
+        error([&](const Model& m, Span q, Span v) { return simulate_symplectic(m, q, v, h, h, order); }),
         tolerance);
     for (const Coordinates kind : {Coordinates::absolute, Coordinates::absolute_SO3xR3}) {
       SimulationOptions options;

@@ -45,7 +45,7 @@ void expect_the_same_motion(const Units& units, const Description& description, 
   const Trajectory one = motion_of(model, at, tau, damping, step, scheme),
                    two = motion_of(other, in_units(units, model, at), other_tau, other_damping,
                                    step * units.time, scheme);
-  ASSERT_EQ(two.complete, one.complete) << one.stopped << two.stopped;
+  ASSERT_EQ(two.complete, one.complete) << one.stop_reason << two.stop_reason;
   EXPECT_EQ(two.steps, one.steps);
   EXPECT_EQ(two.evaluations, one.evaluations);
   const Ask end = in_units(back, model,
@@ -114,7 +114,7 @@ TEST(UnitsOfMotions, SquaresOfAccelerationsMayOverflow) {
     const Trajectory slow = motion_of(model, {neutral(model), v, none}, none, none, 0.1, {method});
     const Trajectory fast =
         motion_of(model, {neutral(model), high, none}, none, none, 0.1 / faster, {method});
-    ASSERT_TRUE(fast.complete) << fast.stopped;
+    ASSERT_TRUE(fast.complete) << fast.stop_reason;
     EXPECT_EQ(fast.evaluations, slow.evaluations);
     for (std::size_t c = 0; c < 3; ++c)
       EXPECT_NEAR(fast.v(fast.size() - 1)[c] / faster, slow.v(slow.size() - 1)[c], 1e-12);

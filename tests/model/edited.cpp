@@ -265,8 +265,8 @@ TEST(Rerooted, AFloatingMechanismMovesAsBefore) {
     ASSERT_EQ(other.nv(), model.nv());
     const std::vector<double> q = random_configuration(model, seed), v = random_numbers(random, model.nv());
     const JointState at = in_coordinates_of(other, model, q, v);
-    EXPECT_LE(at.gap, 1e-9);
-    EXPECT_LE(at.slip, 1e-9);
+    EXPECT_LE(at.position_residual, 1e-9);
+    EXPECT_LE(at.velocity_residual, 1e-9);
 
     // v' = X v, so that τ = Xᵀ τ'.
     const Eigen::Index nv = model.nv();

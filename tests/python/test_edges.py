@@ -92,7 +92,7 @@ def test_mechanisms_that_do_not_move_have_closed_states():
     assert axode.inverse_dynamics(m, none, none, none, drives=[]).shape == (0,)
     assert axode.joint_wrenches(m, none, none, none, drives=[]).shape == (0, 6)
     found = axode.joint_state(m, axode.poses(m, none), axode.twists(m, none, none))
-    assert found.q.shape == found.v.shape == (0,) and found.gap == 0
+    assert found.q.shape == found.v.shape == (0,) and found.position_residual == 0
 
 
 def test_names_may_be_of_any_alphabet(tmp_path):

@@ -23,7 +23,7 @@ def test_methods_agree_and_keep_the_energy(method, step, tolerance):
     assert motion.q.shape == (len(motion.t), 7) and motion.v.shape == motion.q.shape
     np.testing.assert_allclose(motion.q[-1], exact.q[-1], atol=tolerance)
     assert np.ptp(motion.energy) < 100 * tolerance
-    assert motion.complete and motion.stopped == "" and motion.steps == len(motion.t) - 1
+    assert motion.complete and motion.stop_reason == "" and motion.steps == len(motion.t) - 1
     assert motion.evaluations >= motion.steps
     np.testing.assert_allclose(axode.forward_dynamics(ARM, motion.q, motion.v, motion.tau), motion.a, atol=1e-8)
 

@@ -61,7 +61,7 @@ TEST_P(ReferenceMotions, AreMet) {
   };
   const Trajectory motion = simulate(model, coordinates(first.at("q")), velocities(first.at("v")), 1.0,
                                      {.relative = 1e-12, .absolute = 1e-12}, options);
-  ASSERT_TRUE(motion.complete) << motion.stopped;
+  ASSERT_TRUE(motion.complete) << motion.stop_reason;
   Comparison pose("C", 1e-9), velocity("v", 1e-9);
   Workspace<> workspace(model);
   for (const Json& sample : file.at("samples")) {
@@ -98,7 +98,7 @@ void expect_top(const Json& top, const Json& inertia, JointKind kind, double unt
   const Vec3<> w = vec3(top.at("omega0"));
   v[0] = w.x, v[1] = w.y, v[2] = w.z;
   const Trajectory motion = simulate(model, q, v, until, {.relative = 1e-13, .absolute = 1e-13});
-  ASSERT_TRUE(motion.complete) << motion.stopped;
+  ASSERT_TRUE(motion.complete) << motion.stop_reason;
   Workspace<> workspace(model);
   std::size_t met = 0;
   for (const Json& sample : top.at("samples")) {

@@ -144,7 +144,7 @@ ShownMotion motion_of(const Model& model, double until) {
   const AssemblyResult closed =
       assemble(model, neutral(model), std::vector<double>(static_cast<std::size_t>(model.nv()), 0.1));
   const Trajectory motion = simulate(model, closed.q, closed.v, until);
-  EXPECT_TRUE(motion.complete) << motion.stopped;
+  EXPECT_TRUE(motion.complete) << motion.stop_reason;
   return shown(motion);
 }
 
