@@ -25,6 +25,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr std::size_t digits = 32;  // length of a digest; one is appended to each library in the cache
+
 /// 128 bits of a text as 32 hexadecimal digits. For what is the same, not against who wants it to look so.
 std::string digest(std::string_view text) {
   std::uint64_t a = 0xcbf29ce484222325U, b = 0x9e3779b97f4a7c15U ^ text.size();
@@ -33,10 +35,14 @@ std::string digest(std::string_view text) {
     b = (b + static_cast<unsigned char>(c)) * 0xff51afd7ed558ccdU;
     b ^= b >> 29;
   }
-  std::array<char, 33> digits{};
-  std::snprintf(digits.data(), digits.size(), "%016llx%016llx", static_cast<unsigned long long>(a),
+  std::array<char, digits + 1> hexadecimal{};
+  std::snprintf(hexadecimal.data(), hexadecimal.size(), "%016llx%016llx", static_cast<unsigned long long>(a),
                 static_cast<unsigned long long>(b));
-  return digits.data();
+  return hexadecimal.data();
+}
+
+bool is_key(const std::string& name) {
+  return name.size() == digits && name.find_first_not_of("0123456789abcdef") == std::string::npos;
 }
 
 std::string contents(const fs::path& file) {
@@ -137,11 +143,19 @@ fs::path temporary_folder() {
       std::string(named == nullptr ? "" : named) +
       "\", which is no folder; let TMPDIR or XDG_CACHE_HOME name one that can be written to");
 }
-/// Those that ended processes have left behind.
-void remove_left(const fs::path& folder, const std::string& key) {
+/// Moves the work folders of ended processes into the folder `work` of this process, which holds `lock` on `key`, so
+/// that they are removed with it. Removal in place may fail: a compiler that outlives its process still creates files
+/// there. After the move it does not find the folder any more.
+void collect_abandoned(const fs::path& cache, const fs::path& work, const std::string& key,
+                       const Lock& lock) {
   std::error_code failed;
-  for (const fs::directory_entry& entry : fs::directory_iterator(folder, failed))
-    if (entry.path().stem() == key && entry.is_directory(failed)) fs::remove_all(entry.path(), failed);
+  for (const fs::directory_entry& entry : fs::directory_iterator(cache, failed)) {
+    const std::string name = entry.path().stem();
+    if (!is_key(name) || !entry.is_directory(failed) || entry.path() == work) continue;
+    Lock other(cache, name);
+    const bool is_abandoned = name == key ? lock.is_held() : other.try_it() && other.is_held();
+    if (is_abandoned) fs::rename(entry.path(), work / entry.path().filename(), failed);
+  }
 }
 
 using Library = std::shared_ptr<void>;
@@ -152,7 +166,6 @@ Library opened(const fs::path& file) {
             if (library != nullptr) dlclose(library);
           }};
 }
-constexpr std::size_t digits = 32;  // of a digest, which stands behind each library in the cache
 Library opened_from_cache(const fs::path& file) {
   if (!is_ours(file.parent_path()) || !is_ours(file)) return nullptr;
   const std::string all = contents(file);
@@ -222,8 +235,8 @@ Loaded loaded(const std::string& source, const std::vector<std::string>& flags,
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
   }
   if (Library kept = opened_from_cache(file)) return {file, kept};  // another process was first
-  if (lock.is_held()) remove_left(folder, key);
   auto work = std::make_shared<WorkFolder>(folder, key);
+  collect_abandoned(folder, work->path(), key, lock);
   Library library = compiled(compiler, source, flags, work->path(), monitor);
   std::error_code failed;  // then it is compiled again the next time
   fs::rename(work->path() / "model.so", file, failed);
@@ -266,8 +279,7 @@ void clear_specialised_cache() {
   std::error_code failed;
   for (const fs::directory_entry& entry : fs::directory_iterator(folder, failed)) {
     const std::string key = entry.path().stem();
-    if (key.size() != codegen::digits || key.find_first_not_of("0123456789abcdef") != std::string::npos)
-      continue;
+    if (!codegen::is_key(key)) continue;
     codegen::Lock lock(folder, key);
     if (entry.path().extension() == ".so" || (lock.try_it() && lock.is_held()))
       fs::remove_all(entry.path(), failed);
