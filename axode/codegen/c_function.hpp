@@ -18,25 +18,27 @@ struct Precision {
   std::string literal(double x) const;
 };
 
-/// What a function computes on: one state, one in each lane of a vector (types axode_lanes and axode_mask), or one of n that lie
-/// side by side, which is a thread's of a GPU (axode_at).
-enum class Width { one, lanes, thread };
-
-/// `void NAME(const double *AXODE_RESTRICT q, ...)`.
+/// `HEAD(const TYPE *AXODE_RESTRICT q, ..., TYPE *AXODE_RESTRICT tauTAIL)`.
+std::string c_declaration(const Recording& recording, const std::string& head, const std::string& type,
+                          const std::string& tail);
+/// `void NAME(const double *AXODE_RESTRICT q, ..., double *AXODE_RESTRICT tauTAIL)`.
 std::string c_signature(const Recording& recording, const std::string& name, const Precision& precision,
-                        Width width = Width::one);
+                        const std::string& tail = "");
 
 struct Definition {
   std::string text;
   int scratch = 0;  ///< numbers that the function keeps in an array
 };
-/// The definition of the function; sine_cosine is the name of the function for n angles at once, to
-/// which `_lanes` is added in lanes. A long one is
-/// cut into parts, so that compilers take time in proportion to its length; what one part hands to
-/// another lies in an array. In lanes the function is `static`, returns a mask where it returns a doubt, and has that
-/// array as its last argument. For a thread it is a device function.
+/// The definition of a function in C. `sine_cosine` is the name of the function for n angles at once. A long function is
+/// cut into parts, so that compilers take time in proportion to its length. Numbers that one part hands to another lie
+/// in an array.
 Definition c_definition(const Recording& recording, const std::string& name, const std::string& sine_cosine,
-                        const Precision& precision, Width width = Width::one);
+                        const Precision& precision);
+/// The definition for a state in each lane of a vector (types axode_lanes and axode_mask). `_lanes` is added to the name
+/// `sine_cosine`. The function is `static`, returns a mask instead of a doubt, and its last argument is the array of
+/// numbers that it keeps.
+Definition lanes_definition(const Recording& recording, const std::string& name,
+                            const std::string& sine_cosine, const Precision& precision);
 
 /// Whether the function takes roots or angles, for which it needs <math.h>.
 bool calls_math_library(const Recording& recording);

@@ -161,7 +161,7 @@ Source source_of(const Model& model, std::span<const Function> functions, const 
                           0, part.recording.returns_singularity};
     if (extras.lanes > 1) {
       const Definition in_lanes =
-          c_definition(part.recording, part.name + "_lanes", sine_cosine, precision, Width::lanes);
+          lanes_definition(part.recording, part.name + "_lanes", sine_cosine, precision);
       definitions += "#if AXODE_LANES > 1\n" + in_lanes.text + "#endif\n";
       states.scratch = in_lanes.scratch;
       is_cut = is_cut || in_lanes.scratch > 0;
@@ -211,7 +211,7 @@ Source cuda_source(const Model& model, std::span<const Function> functions, cons
     const Operations count = operations(part.recording);
     source.functions.push_back({part.name, count});
     source.text += "/* " + purpose(model, part.function) + "\n   " + counted(count) + ". */\n" +
-                   c_definition(part.recording, part.name, "", precision, Width::thread).text +
+                   cuda_definition(part.recording, part.name, precision).text +
                    cuda_kernel(part.recording, part.name, precision) + '\n';
   }
   source.text += "#undef AXODE_PART\n#undef AXODE_RESTRICT\n";

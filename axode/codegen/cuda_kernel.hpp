@@ -5,12 +5,12 @@
 
 namespace axode::codegen {
 
-/// What the functions of a file of CUDA have in common: axode_at, an entry of the state of a thread.
+/// The definition of axode_at, which reads an entry of the state of a thread. Every file in CUDA begins with it.
 extern const char* const cuda_entries;
 
-/// `extern "C" __global__ void NAME_states(..., int n)`.
-std::string cuda_signature(const Recording& recording, const std::string& name, const Precision& precision);
-/// The kernel that calls the function NAME in n states, a thread for each.
+/// The device function for a thread, whose state is one of n that lie side by side.
+Definition cuda_definition(const Recording& recording, const std::string& name, const Precision& precision);
+/// The kernel `NAME_states(..., int n)` that calls the function NAME for n states, a thread for each.
 std::string cuda_kernel(const Recording& recording, const std::string& name, const Precision& precision);
 
 }  // namespace axode::codegen
