@@ -17,8 +17,8 @@ struct Assembling {
 };
 /// The options --assemble and --hold.
 void add_assembly_options(CLI::App& app, Assembling& assembling);
-/// Closes the loops of a state where that is wanted. Throws InputError where they do not close, UsageError for --hold without
-/// --assemble and for joints that follow others.
+/// Closes the loops of a state where that is wanted. Throws InputError where they do not close, UsageError
+/// for --hold without --assemble and for joints that follow others.
 void assemble(const Model& model, const Assembling& assembling, State& state);
 
 }  // namespace axode::command

@@ -30,7 +30,8 @@ constexpr std::array<std::string_view, 8> palette{"#4477aa", "#ee7733", "#228833
 constexpr std::size_t most_lines = palette.size(), most_points = 2000, longest_name = 28;
 constexpr std::size_t most_dots = 50;  ///< of a line on which each point is shown
 
-// ---------------------------------------------------------------------------------------------------- gnuplot
+// ----------------------------------------------------------------------------------------------------
+// gnuplot
 
 struct Outcome {
   int status;
@@ -80,10 +81,12 @@ std::optional<Outcome> gnuplot(const std::string& script) {
   return Outcome{status, out.text(), err.text()};
 }
 
-// ----------------------------------------------------------------------------------------------------- script
+// -----------------------------------------------------------------------------------------------------
+// script
 
-/// A string of gnuplot that holds the text and nothing else, whatever is in it: but for letters and blanks all is
-/// written as numbers of bytes, digits too, for gnuplot takes one that follows such a number for a part of it. Control characters become blanks, what is no UTF-8 a question mark.
+/// A string of gnuplot that holds the text and nothing else, whatever is in it: but for letters and blanks
+/// all is written as numbers of bytes, digits too, for gnuplot takes one that follows such a number for a
+/// part of it. Control characters become blanks, what is no UTF-8 a question mark.
 std::string literal(const std::string& text) {
   const std::string valid =
       Json::parse(Json(text).dump(-1, ' ', false, Json::error_handler_t::replace)).get<std::string>();
@@ -127,7 +130,8 @@ std::vector<const Curve*> chosen(const Panel& panel) {
   return curves;
 }
 
-/// The places of the points that are drawn: where they are too many, the lowest and the highest of each of equal parts.
+/// The places of the points that are drawn: where they are too many, the lowest and the highest of each of
+/// equal parts.
 std::vector<std::size_t> thinned(const std::vector<double>& y) {
   std::vector<std::size_t> places;
   const std::size_t parts = y.size() <= most_points ? y.size() : most_points / 2;
@@ -142,7 +146,8 @@ std::vector<std::size_t> thinned(const std::vector<double>& y) {
   return places;
 }
 
-/// A step of 1, 2 or 5 times a power of ten, with which at most so many make the whole; 0 where there is none.
+/// A step of 1, 2 or 5 times a power of ten, with which at most so many make the whole; 0 where there is
+/// none.
 double round_step(double whole, double most) {
   if (!(whole > 0) || !std::isfinite(whole)) return 0;
   const double power = std::pow(10, std::floor(std::log10(whole / most)));

@@ -44,8 +44,8 @@ class ChartFile {
   /// Throws UsageError where the ending is neither .svg nor .png, InputError where gnuplot is missing.
   ChartFile(std::string option, std::string file);
 
-  /// Of a panel with many lines those that change most are drawn, of a long line as many points as can be seen. Throws
-  /// InputError where the file cannot be written.
+  /// Of a panel with many lines those that change most are drawn, of a long line as many points as can be
+  /// seen. Throws InputError where the file cannot be written.
   void draw(const Chart& chart) const;
 
  private:

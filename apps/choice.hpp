@@ -27,8 +27,8 @@ inline constexpr std::array<std::pair<std::string_view, CoriolisForm>, 4> coriol
 inline constexpr std::array<std::pair<std::string_view, WrenchPoint>, 2> wrench_points{
     {{"body", WrenchPoint::body}, {"joint", WrenchPoint::joint}}};
 
-/// `; did you mean "poses"?` for the nearest name, `; it is called "mass_matrix" here` for a name of other libraries, or
-/// `; names that contain it: "kinetic_energy", ...`; empty if there is no such name.
+/// `; did you mean "poses"?` for the nearest name, `; it is called "mass_matrix" here` for a name of other
+/// libraries, or `; names that contain it: "kinetic_energy", ...`; empty if there is no such name.
 template <class Range, class NameOf>
 std::string suggestion(std::string_view word, const Range& candidates, NameOf name_of) {
   const std::string_view here = catalog::name_here(word);

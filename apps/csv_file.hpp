@@ -5,7 +5,8 @@
 #include <string_view>
 #include <vector>
 
-/// Tables of text, a row a line and commas between cells. What is in quotes may hold commas, ends of lines and, twice, quotes.
+/// Tables of text, a row a line and commas between cells. What is in quotes may hold commas, ends of lines
+/// and, twice, quotes.
 namespace axode::command {
 
 /// Calls with each row that is not empty, and the number of the line on which it begins, from 1.

@@ -41,7 +41,8 @@ std::string short_number(double x) { return x == 0 ? "0" : fmt::format("{:.1e}",
 
 double microseconds(double seconds) { return std::round(1e8 * seconds) / 100; }
 
-/// Inverse dynamics of one robot at one state: in the four representations, and in whatever frames are quickest.
+/// Inverse dynamics of one robot at one state: in the four representations, and in whatever frames are
+/// quickest.
 struct RepresentationTimes {
   std::array<std::vector<double>, 5> tau;
   std::array<double, 5> time{};

@@ -4,8 +4,9 @@
 
 #include "axode/model/tree.hpp"
 
-/// A tree in body frames other than the joint frames of Tree: a second view of the same mechanism, to compare choices
-/// of frames. The recursions take it in the place of a Tree; drive forces and mass matrices are the same.
+/// A tree in body frames other than the joint frames of Tree: a second view of the same mechanism, to compare
+/// choices of frames. The recursions take it in the place of a Tree; drive forces and mass matrices are the
+/// same.
 namespace axode {
 
 struct UserFrames {};        ///< where the user placed the bodies; joint screws may be anything
@@ -15,7 +16,8 @@ struct ConstructionFrames {
 
 namespace framed {
 
-/// The entries of a pose that is C_0 + sin q C_s + cos q C_c, one after the other. None of the three is a pose.
+/// The entries of a pose that is C_0 + sin q C_s + cos q C_c, one after the other. None of the three is a
+/// pose.
 template <class T> struct Terms { SE3<T> C_0, C_s, C_c; };
 
 /// L exp(e_z q) D for poses L and D.
@@ -24,7 +26,8 @@ template <class T> Terms<T> terms(const SE3<T>& L, const SE3<T>& D) {
   return {{along * D.R, L.r + along * D.r}, {sine * D.R, sine * D.r}, {cosine * D.R, cosine * D.r}};
 }
 
-/// A revolute or a helical joint with the screw X = (n; y) in the body frame. The reference pose is among the constants.
+/// A revolute or a helical joint with the screw X = (n; y) in the body frame. The reference pose is among the
+/// constants.
 template <class T, class Frames, bool helical> struct Turning : subgroup::VectorCoordinates<T, 1> {
   Terms<T> C;
   Screw<T> X;
@@ -136,8 +139,9 @@ template <class Joint, class T, class Offset> struct Conjugated {
 
 }  // namespace framed
 
-/// The numbers of a tree in other frames. Bodies whose frame is their joint frame keep the joints of the tree; all others
-/// have joints with constant screws that need not be sparse. What does not depend on frames is that of the tree.
+/// The numbers of a tree in other frames. Bodies whose frame is their joint frame keep the joints of the
+/// tree; all others have joints with constant screws that need not be sparse. What does not depend on frames
+/// is that of the tree.
 template <class T, class Frames> class FramedTree {
  public:
   static constexpr bool central = std::same_as<Frames, MassCenterFrames>;

@@ -10,7 +10,8 @@
 #include "command_line.hpp"
 #include "commands.hpp"
 
-/// Functions of states in Parquet files. Python computes them; here is what the shell and its readers know of it.
+/// Functions of states in Parquet files. Python computes them; here is what the shell and its readers know of
+/// it.
 namespace axode::command {
 namespace {
 

@@ -10,8 +10,8 @@ enum class FileFormat { json, csv, npz };
 /// Of the file of an option. Throws UsageError for another ending.
 FileFormat file_format(const std::string& file, const char* option = "--output");
 
-/// Comma-separated values: a line with the names of the columns, then for each row its name and its numbers, which read
-/// back to the same doubles.
+/// Comma-separated values: a line with the names of the columns, then for each row its name and its numbers,
+/// which read back to the same doubles.
 std::string as_csv(const Eigen::MatrixXd& matrix, const std::vector<std::string>& rows,
                    const std::vector<std::string>& columns);
 /// The same without names of rows.

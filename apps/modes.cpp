@@ -15,8 +15,8 @@ using Matrix = Eigen::MatrixXd;
 /// What is 0 to rounding beside the largest number, once the matrix is balanced.
 constexpr double zero_pivot = 1e-12, zero_part = 1e-10;
 
-/// About the largest frequency: in its inverse as the unit of time, what displacements do and what velocities do are of
-/// one size. At least 1/s, for a stiffness that rounding made is none.
+/// About the largest frequency: in its inverse as the unit of time, what displacements do and what velocities
+/// do are of one size. At least 1/s, for a stiffness that rounding made is none.
 double largest_rate(const Matrix& A) {
   const Eigen::Index nv = A.rows() / 2;
   return std::sqrt(std::max(1.0, A.bottomLeftCorner(nv, nv).lpNorm<Eigen::Infinity>()));
@@ -35,9 +35,9 @@ Matrix null_space(const Matrix& A, double scale) {
   return lu.isInvertible() ? Matrix(A.cols(), 0) : Matrix(lu.kernel());
 }
 
-/// Eigenvalues other than 0, and their eigenvectors. An eigenvalue 0 that lacks eigenvectors, as those of bodies that
-/// drift, would be scattered by rounding; so the null space Q1 is split off, QᵀAQ = [0 X; 0 A2], and that of
-/// A2 and so on, until there is none (Kublanovskaya 1966).
+/// Eigenvalues other than 0, and their eigenvectors. An eigenvalue 0 that lacks eigenvectors, as those of
+/// bodies that drift, would be scattered by rounding; so the null space Q1 is split off, QᵀAQ = [0 X; 0 A2],
+/// and that of A2 and so on, until there is none (Kublanovskaya 1966).
 Spectrum nonzero_spectrum(const Matrix& A, double scale) {
   if (A.rows() == 0) return {};
   const Matrix kernel = null_space(A, scale);

@@ -5,8 +5,8 @@
 
 namespace axode::command {
 
-/// One way in which a linear system moves by itself, exp(λt) times a shape. Of two conjugates the one with the positive
-/// imaginary part; 0 of a rigid mode, a displacement that no force opposes.
+/// One way in which a linear system moves by itself, exp(λt) times a shape. Of two conjugates the one with
+/// the positive imaginary part; 0 of a rigid mode, a displacement that no force opposes.
 struct Mode {
   std::complex<double> eigenvalue;  ///< λ, 1/s; parts that rounding may have made are 0
   Eigen::VectorXcd shape;           ///< of the displacements, nv or k numbers of which the largest is 1

@@ -72,7 +72,8 @@ Tables read_csv(const Model& model, const std::string& file) {
   return tables;
 }
 
-// ------------------------------------------------------------------------------------------------------ .json
+// ------------------------------------------------------------------------------------------------------
+// .json
 
 Tables read_json(const std::string& file) {
   const auto shallow = [&](int depth, Json::parse_event_t, Json&) {

@@ -7,7 +7,8 @@
 #include "commands.hpp"
 #include "quantities.hpp"
 
-/// What is asked with an order or with targets, the matrices that are factors, and motion in the unknowns of its own forms.
+/// What is asked with an order or with targets, the matrices that are factors, and motion in the unknowns of
+/// its own forms.
 namespace axode::command {
 namespace {
 

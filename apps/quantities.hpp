@@ -40,7 +40,8 @@ struct Quantity {
   std::string_view name, purpose;
   std::function<Answer(const Question&)> answer;
 };
-/// All, in the order of the documentation: the functions of the catalogue, and those that are none of one state.
+/// All, in the order of the documentation: the functions of the catalogue, and those that are none of one
+/// state.
 const std::vector<Quantity>& quantities();
 /// Those that are not in the catalogue: they take an order or targets, or make more than numbers.
 std::vector<Quantity> other_quantities();

@@ -70,7 +70,8 @@ class StateReader {
 
   void fault(const std::string& sentence) { faults_.push_back(source_ + ": " + sentence); }
 
-  /// Nothing in a state is nested deeper than the rows of a target's pose, and what is deep takes a deep stack to look at.
+  /// Nothing in a state is nested deeper than the rows of a target's pose, and what is deep takes a deep
+  /// stack to look at.
   static constexpr int deepest = 16;
 
   Json parse(const std::string& text) {

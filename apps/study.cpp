@@ -205,7 +205,8 @@ Json as_json(const std::vector<Study>& studies) {
   return out;
 }
 
-/// Where the bar of an effort stands: five for the joint frames, four for each of the others, with gaps between.
+/// Where the bar of an effort stands: five for the joint frames, four for each of the others, with gaps
+/// between.
 double place_of(const Effort& effort) {
   const auto number = [](const auto& names, std::string_view name) {
     return static_cast<int>(std::ranges::find(names, name) - names.begin());

@@ -32,14 +32,15 @@ inline constexpr std::array<std::pair<std::string_view, Algorithm>, 6> algorithm
 /// The frames of the library's own trees, beside those of FramedTree.
 struct JointFrames {};
 
-/// A model, a state, a representation and a choice of body frames, ready for every algorithm. Those that take drive
-/// forces find them in the place of the accelerations, momenta in that of the velocities.
+/// A model, a state, a representation and a choice of body frames, ready for every algorithm. Those that take
+/// drive forces find them in the place of the accelerations, momenta in that of the velocities.
 class Subject {
  public:
   virtual ~Subject() = default;
   virtual bool can(Algorithm algorithm) const = 0;
   virtual void run(Algorithm algorithm, int calls) = 0;
-  /// What one call of it makes; of the momentum form the velocities, then the rates of the momenta; not of accelerations.
+  /// What one call of it makes; of the momentum form the velocities, then the rates of the momenta; not of
+  /// accelerations.
   virtual std::vector<double> results_of(Algorithm algorithm) = 0;
 };
 /// Rep: BodyFixed, Spatial, Hybrid, Mixed, or Fast with JointFrames only and nothing applied.

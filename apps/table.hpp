@@ -20,7 +20,8 @@ class Table {
   Table& rule();
   bool empty() const { return rows_.empty(); }
 
-  /// Each number under a name, the words before it in its row and its heading; a blank word is that of the row above.
+  /// Each number under a name, the words before it in its row and its heading; a blank word is that of the
+  /// row above.
   std::vector<std::pair<std::string, double>> numbers() const;
 
   /// Lines that end in a newline, headings first and underlined.

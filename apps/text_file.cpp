@@ -30,8 +30,8 @@ std::string reason(int error) { return std::strerror(error); }
 
 fs::path folder_of(const fs::path& file) { return file.has_parent_path() ? file.parent_path() : "."; }
 
-/// The file to which symbolic links lead; it need not exist. There is none if the file must be written directly: it is a device or
-/// a pipe, or a link of /proc to a file that some process has open.
+/// The file to which symbolic links lead; it need not exist. There is none if the file must be written
+/// directly: it is a device or a pipe, or a link of /proc to a file that some process has open.
 std::optional<fs::path> replaceable(fs::path file) {
   constexpr int most_links = 40;  // as in Linux
   std::error_code failed;
@@ -45,8 +45,8 @@ std::optional<fs::path> replaceable(fs::path file) {
   return file;
 }
 
-/// Blocks the signals that end the program while a file is incomplete, and the signal of a file that grows beyond the limit of its
-/// size, which is reported as an error instead.
+/// Blocks the signals that end the program while a file is incomplete, and the signal of a file that grows
+/// beyond the limit of its size, which is reported as an error instead.
 class BlockedSignals {
  public:
   BlockedSignals() {

@@ -15,7 +15,8 @@
 namespace axode::batch {
 namespace {
 
-/// Calls a kernel on groups of states, as many as there are lanes. Where a group is not full its last state is repeated.
+/// Calls a kernel on groups of states, as many as there are lanes. Where a group is not full its last state
+/// is repeated.
 template <class S> class LaneCall {
  public:
   LaneCall(StatesOfRow<S>& states, const LaneKernel<S>& kernel)
@@ -38,7 +39,7 @@ template <class S> class LaneCall {
       for (std::size_t l = 0; l < count; ++l)
         verdicts[l] = static_cast<unsigned char>(singular_lanes >> l & 1);
   }
-  static std::size_t lanes() { return static_cast<std::size_t>(best_kernels<S>().lanes); }
+  static std::size_t lanes() { return best_kernels<S>().lanes; }
 
  private:
   const S* argument(catalog::Input input, std::size_t first, std::size_t count) {

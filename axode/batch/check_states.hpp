@@ -10,7 +10,7 @@ namespace axode::batch {
 template <class S> std::size_t check_states(const Model& model, std::span<const S> q, int threads) {
   if (threads < 1)
     throw std::invalid_argument("threads is " + std::to_string(threads) + "; expected 1 or more");
-  const std::size_t nq = static_cast<std::size_t>(model.nq());
+  const std::size_t nq = model.nq();
   if (nq == 0) {
     if (!q.empty()) check_size("q", q.size(), 0, "nq N");
     return 0;

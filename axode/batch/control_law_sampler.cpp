@@ -6,7 +6,7 @@ namespace axode::batch {
 
 template <class S>
 ControlLawSampler<S>::ControlLawSampler(const Model& model, const Drive& drive)
-    : nq_(static_cast<std::size_t>(model.nq())), nv_(static_cast<std::size_t>(model.nv())) {
+    : nq_(model.nq()), nv_(static_cast<std::size_t>(model.nv())) {
   if (const auto* samples = drive.target<SampledDrive>()) {
     known_ = true;
     forces_ = *samples;

@@ -7,7 +7,8 @@
 
 namespace axode::batch {
 
-/// A drive of axode/integration/drives.hpp as motions in lanes take it. What it follows is found once for all of them.
+/// A drive of axode/integration/drives.hpp as motions in lanes take it. What it follows is found once for all
+/// of them.
 template <class S> class ControlLawSampler {
  public:
   ControlLawSampler(const Model& model, const Drive& drive);

@@ -56,7 +56,7 @@ struct ByBodies {
 template <Id id> std::size_t results(const Topology& topology) {
   constexpr std::size_t several = id.words().symbols.size(), axes = id.words().shape.size();
   std::size_t n = several;
-  for (std::size_t k = 0; k < axes; ++k) n *= static_cast<std::size_t>(topology.nv);
+  for (std::size_t k = 0; k < axes; ++k) n *= topology.nv;
   return n;
 }
 
@@ -71,7 +71,7 @@ template <Id id> struct RowBuffers {
     each_input([&]<Input input>() {
       const Topology& topology = arena.topology();
       const int n = input == Input::q ? topology.nq : topology.nv;
-      given[input] = x[static_cast<std::size_t>(input)] = arena.array<Number>(static_cast<std::size_t>(n));
+      given[input] = x[static_cast<std::size_t>(input)] = arena.array<Number>(n);
     });
   }
   /// f<input>() for the inputs that the row takes.
@@ -91,7 +91,7 @@ struct MassMatrixBuffers {
   Number *q, *out;
   FastCompositeBodies<Number> bodies;
   explicit MassMatrixBuffers(Arena& arena)
-      : q(arena.array<Number>(static_cast<std::size_t>(arena.topology().nq))),
+      : q(arena.array<Number>(arena.topology().nq)),
         out(arena.array<Number>(results<"mass_matrix">(arena.topology()))),
         bodies(arena) {}
 };
@@ -103,7 +103,7 @@ struct InverseByBodies {
   Number *q, *out;
   ByBodies by;
   explicit InverseByBodies(Arena& arena)
-      : q(arena.array<Number>(static_cast<std::size_t>(arena.topology().nq))),
+      : q(arena.array<Number>(arena.topology().nq)),
         out(arena.array<Number>(results<"mass_matrix">(arena.topology()))),
         by(arena) {}
 };
@@ -112,9 +112,7 @@ struct PoseBuffers {
   SE3<Number>* body;
   FastPoses<Number> poses;
   explicit PoseBuffers(Arena& arena)
-      : q(arena.array<Number>(static_cast<std::size_t>(arena.topology().nq))),
-        body(arena.per_body<SE3<Number>>()),
-        poses(arena) {}
+      : q(arena.array<Number>(arena.topology().nq)), body(arena.per_body<SE3<Number>>()), poses(arena) {}
 };
 
 /// Memory that a kernel needs.
@@ -126,9 +124,7 @@ std::size_t bytes_of_inverse(const Tree<S>& tree) {
                                                     : bytes<InverseByBodies>(tree);
 }
 
-std::size_t n_entries(const Tree<S>& tree) {
-  return static_cast<std::size_t>(tree->nv) * static_cast<std::size_t>(tree->nv);
-}
+std::size_t n_entries(const Tree<S>& tree) { return static_cast<std::size_t>(tree->nv) * tree->nv; }
 
 /// Bit l for lane l.
 unsigned bits(const Number::Mask& mask) {
@@ -251,7 +247,7 @@ class Rollout {
                  {at.a, static_cast<std::size_t>(nv)});
       static_cast<void>(scheme_.run(0, at.q, at.v, at.a, of.step, accelerate));
       group_.move(at.q, scheme_.theta.data(), at.q);
-      for (std::ptrdiff_t c = 0; c < nv; ++c) at.v[c] = scheme_.y[static_cast<std::size_t>(c)];
+      for (std::ptrdiff_t c = 0; c < nv; ++c) at.v[c] = scheme_.y[c];
       for (std::ptrdiff_t l = 0; l < of.count; ++l) {
         S *const q = of.q + (l * (of.K + 1) + k + 1) * nq, *const v = of.v + (l * (of.K + 1) + k + 1) * nv;
         for (std::ptrdiff_t c = 0; c < nq; ++c) q[c] = at.q[c][l];
@@ -268,11 +264,11 @@ class Rollout {
     ArticulatedBodies::Motion* motion;
     FastInverseDynamics<G, Number> inverse;
     explicit Dynamics(Arena& arena)
-        : q(arena.array<Number>(static_cast<std::size_t>(arena.topology().nq))),
+        : q(arena.array<Number>(arena.topology().nq)),
           v(arena.per_velocity<Number>()),
           tau(arena.per_velocity<Number>()),
           a(arena.per_velocity<Number>()),
-          q_d(arena.array<Number>(static_cast<std::size_t>(arena.topology().nq))),
+          q_d(arena.array<Number>(arena.topology().nq)),
           x(arena.per_velocity<Number>()),
           total(arena.per_velocity<Number>()),
           bodies(arena),

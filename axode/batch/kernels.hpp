@@ -10,15 +10,17 @@
 
 namespace axode::batch {
 
-/// A row of the table on exactly `lanes` states. Its arena has bytes(tree); the numbers of the states lie one behind the other, and
-/// so do their results. It returns a bit for each lane whose mass matrix may be singular.
+/// A row of the table on exactly `lanes` states. Its arena has bytes(tree); the numbers of the states lie one
+/// behind the other, and so do their results. It returns a bit for each lane whose mass matrix may be
+/// singular.
 template <class S> struct LaneKernel {
   std::size_t (*bytes)(const Tree<S>&) = nullptr;
   unsigned (*call)(const Tree<S>&, Arena, const catalog::Read<S>& given, S* out) noexcept = nullptr;
   bool takes_coupled_joints = false;
 };
 
-/// A drive of axode/integration/drives.hpp, the same for all motions. With x from q ⊕ x = q_d, where it tracks,
+/// A drive of axode/integration/drives.hpp, the same for all motions. With x from q ⊕ x = q_d, where it
+/// tracks,
 ///   y = kp x + kd (v_d - v) + w,   τ = y within the limits, or τ = ID(q, v, y) where it computes.
 template <class S> struct ControlLaw {
   bool tracks, computes;
@@ -34,7 +36,8 @@ template <class S> struct CompiledCall {
   unsigned char* maybe_singular;
 };
 
-/// Motions of K steps, at most as many as there are lanes: the states of one lie behind each other, and so do its forces.
+/// Motions of K steps, at most as many as there are lanes: the states of one lie behind each other, and so do
+/// its forces.
 template <class S> struct Motions {
   const S* tau;              ///< K nv for each; or
   const ControlLaw<S>* law;  ///< that of their drive
@@ -52,8 +55,8 @@ template <class S> struct RolloutKernel {
   void (*remove)(void*) noexcept;
 };
 
-/// The algorithms for one instruction set: the rows that have lanes, in the order of the table. Rollouts take models without coupled
-/// joints, or compiled dynamics.
+/// The algorithms for one instruction set: the rows that have lanes, in the order of the table. Rollouts take
+/// models without coupled joints, or compiled dynamics.
 template <class S> struct Kernels {
   int lanes;
   std::array<LaneKernel<S>, catalog::functions_of_state.size()> rows;

@@ -53,7 +53,8 @@ std::size_t in_portions(std::size_t N, std::size_t group, int threads, const Mon
   if (tasks < 2) {
     run();
   } else {
-    // What tasks find and leave goes through next and finished: ThreadSanitizer sees no locks of the thread library.
+    // What tasks find and leave goes through next and finished: ThreadSanitizer sees no locks of the thread
+    // library.
     const auto task = [&](std::size_t) __attribute__((no_sanitize("thread"))) {
       if (next.load() < groups) run();
       ++finished;

@@ -25,10 +25,11 @@ class MonitorThrottle {
 /// Work on a group of states: the first of them, and how many.
 using Work = std::function<void(std::size_t first, std::size_t count)>;
 
-/// Does work on every group of `group` out of N states, the last group with fewer states. As many tasks as there are
-/// cores to use, each with work of its own, take the groups in portions. They run wherever the caller's tasks would,
-/// where the threads are awake. Ends early, after the groups at hand, where the monitor says so. Returns how many states
-/// are done, from the first on; of those behind them some may be done as well.
+/// Does work on every group of `group` out of N states, the last group with fewer states. As many tasks as
+/// there are cores to use, each with work of its own, take the groups in portions. They run wherever the
+/// caller's tasks would, where the threads are awake. Ends early, after the groups at hand, where the monitor
+/// says so. Returns how many states are done, from the first on; of those behind them some may be done as
+/// well.
 std::size_t in_portions(std::size_t N, std::size_t group, int threads, const Monitor& monitor,
                         const std::function<Work()>& make_work);
 

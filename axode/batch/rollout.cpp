@@ -52,7 +52,7 @@ template <class S> class ScalarRollout {
         group_(model.tree<S>()),
         drive_(drive),
         losses_(losses),
-        a_(static_cast<std::size_t>(model.nv())),
+        a_(model.nv()),
         total_(a_) {
     if (!model.loops().empty()) loops_ = std::make_shared<ClosedMotion>(model);
   }
@@ -160,15 +160,14 @@ template <class S> class ScalarRollout {
   std::vector<S> a_, total_;
 };
 
-/// The quick way, for several motions of models without springs; with coupled joints by compiled dynamics only.
+/// The quick way, for several motions of models without springs; with coupled joints by compiled dynamics
+/// only.
 template <class S> class LaneRollout {
  public:
   LaneRollout(const Tree<S>& tree, const CompiledDynamics<S>& compiled, const Tableau& method)
       : kernel_(best_kernels<S>().rollout), rollout_(kernel_.make(tree, method), kernel_.remove) {
     if (!compiled.call) return;
-    const std::size_t lanes = static_cast<std::size_t>(best_kernels<S>().lanes),
-                      nq = lanes * static_cast<std::size_t>(tree->nq),
-                      nv = lanes * static_cast<std::size_t>(tree->nv);
+    const std::size_t lanes = best_kernels<S>().lanes, nq = lanes * tree->nq, nv = lanes * tree->nv;
     numbers_ = scratch<S>(compiled.scratch + nq + 3 * nv);
     maybe_singular_ = std::make_shared<std::vector<unsigned char>>(lanes);
     S* const q = numbers_.get() + compiled.scratch;
@@ -202,8 +201,7 @@ Outcome run_rollouts(const Model& model, const CompiledDynamics<S>& compiled, st
                      const Monitor& monitor, const Losses& losses) {
   // Of one motion, between two looks at the monitor; a step with friction takes up to milliseconds.
   const std::size_t steps_at_once = losses.friction ? 16 : 256;
-  const std::size_t nq = static_cast<std::size_t>(model.nq()), nv = static_cast<std::size_t>(model.nv()),
-                    N = nq == 0 ? 0 : q.size() / nq;
+  const std::size_t nq = model.nq(), nv = model.nv(), N = nq == 0 ? 0 : q.size() / nq;
   check_size("v", v.size(), N * nv, "nv N");
   check_size("q_out", q_out.size(), (K + 1) * nq * N, "(K + 1) nq N");
   check_size("v_out", v_out.size(), (K + 1) * nv * N, "(K + 1) nv N");
@@ -267,15 +265,14 @@ Outcome run_rollouts(const Model& model, const CompiledDynamics<S>& compiled, st
   return outcome;
 }
 
-/// Looks whether a motion can start at every state: where loops are closed. Throws std::invalid_argument where it cannot;
-/// false where the monitor ended it, which is told that nothing is done.
+/// Looks whether a motion can start at every state: where loops are closed. Throws std::invalid_argument
+/// where it cannot; false where the monitor ended it, which is told that nothing is done.
 template <class S>
 bool check_loops(const Model& model, std::span<const S> q, std::span<const S> v, int threads,
                  const Monitor& monitor) {
   if (model.loops().empty()) return true;
   if constexpr (std::same_as<S, double>) {
-    const std::size_t nq = static_cast<std::size_t>(model.nq()), nv = static_cast<std::size_t>(model.nv()),
-                      N = q.size() / nq;
+    const std::size_t nq = model.nq(), nv = model.nv(), N = q.size() / nq;
     check_size("v", v.size(), N * nv, "nv N");
     const Monitor asked = [&](std::size_t, std::size_t of) { return !monitor || monitor(0, of); };
     return N == in_portions(N, 1, threads, asked, [&]() -> Work {

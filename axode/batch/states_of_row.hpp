@@ -9,8 +9,8 @@
 
 namespace axode::batch {
 
-/// The arguments and results of a row in N states, checked, and what came of each state. Kernels leave states that they doubt
-/// to the library's own function for one state.
+/// The arguments and results of a row in N states, checked, and what came of each state. Kernels leave states
+/// that they doubt to the library's own function for one state.
 template <class S> class StatesOfRow {
  public:
   enum Verdict : unsigned char { solved, maybe_singular, singular, not_finite };
@@ -27,7 +27,7 @@ template <class S> class StatesOfRow {
     for (const catalog::Input input : row.numbers())
       if (input != catalog::Input::q)
         check_size(name_of(input), catalog::numbers(given_, input).size(), length(input) * count_, "nv N");
-    const std::size_t entry = static_cast<std::size_t>(catalog::numbers_of(row.entry));
+    const std::size_t entry = catalog::numbers_of(row.entry);
     if (out.size() != size_ * count_)
       check_size(result_name(), out.size() / entry, size_ / entry * count_, meaning().c_str());
     for (const catalog::Input input : row.numbers())

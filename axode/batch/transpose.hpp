@@ -6,7 +6,8 @@ namespace axode::batch {
 
 template <class S> constexpr int cache_line = static_cast<int>(64 / sizeof(S));
 
-/// Calls f(k) for blocks of N out of n numbers; the last block overlaps the one before where they do not come out even.
+/// Calls f(k) for blocks of N out of n numbers; the last block overlaps the one before where they do not come
+/// out even.
 template <int N, class F> void each_block(std::ptrdiff_t n, const F& f) {
   std::ptrdiff_t k = 0;
   for (; k + N <= n; k += N) f(k);

@@ -9,7 +9,8 @@
 namespace axode::codegen {
 namespace {
 
-/// C for one state. All sines and cosines of a stage are computed at once, by one call of a function for n angles.
+/// C for one state. All sines and cosines of a stage are computed at once, by one call of a function for n
+/// angles.
 class CEmitter : public Emitter {
  public:
   CEmitter(const Recording& recording, const Precision& precision, std::string sine_cosine)

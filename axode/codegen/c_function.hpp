@@ -29,14 +29,14 @@ struct Definition {
   std::string text;
   int scratch = 0;  ///< numbers that the function keeps in an array
 };
-/// The definition of a function in C. `sine_cosine` is the name of the function for n angles at once. A long function is
-/// cut into parts, so that compilers take time in proportion to its length. Numbers that one part hands to another lie
-/// in an array.
+/// The definition of a function in C. `sine_cosine` is the name of the function for n angles at once. A long
+/// function is cut into parts, so that compilers take time in proportion to its length. Numbers that one part
+/// hands to another lie in an array.
 Definition c_definition(const Recording& recording, const std::string& name, const std::string& sine_cosine,
                         const Precision& precision);
-/// The definition for a state in each lane of a vector (types axode_lanes and axode_mask). `_lanes` is added to the name
-/// `sine_cosine`. The function is `static`, returns a mask instead of a doubt, and its last argument is the array of
-/// numbers that it keeps.
+/// The definition for a state in each lane of a vector (types axode_lanes and axode_mask). `_lanes` is added
+/// to the name `sine_cosine`. The function is `static`, returns a mask instead of a doubt, and its last
+/// argument is the array of numbers that it keeps.
 Definition lanes_definition(const Recording& recording, const std::string& name,
                             const std::string& sine_cosine, const Precision& precision);
 

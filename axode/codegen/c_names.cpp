@@ -11,7 +11,8 @@ namespace {
 bool is_letter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_'; }
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
 
-/// A name in which everything that C has no place for is an underscore; CasADi knows these only one by one and between others.
+/// Replaces characters that a C identifier cannot have by underscores. For CasADi no two underscores are
+/// neighbours, and none is first or last.
 std::string identifier(const std::string& name, Abi abi) {
   std::string text;
   for (const char c : name) {
@@ -68,7 +69,7 @@ std::vector<std::string> function_names(const Model& model, std::span<const Func
   std::vector<std::string> names;
   for (const Function& function : functions) {
     std::string name = prefix + '_' + std::string(function.name());
-    if (function.is_of_a_frame()) name += '_' + frames[static_cast<std::size_t>(function.frame)];
+    if (function.is_of_a_frame()) name += '_' + frames[function.frame];
     if (function.is("jacobian") && function.representation != Representation::body)
       name += '_' + std::string(word_for(function.representation));
     if (std::ranges::find(names, name) != names.end())

@@ -8,19 +8,19 @@
 /// Names and comments in generated C.
 namespace axode::codegen {
 
-/// What names begin with if nothing else is asked for: the model's name as an identifier.
+/// The default prefix of all names: the model's name as an identifier.
 std::string prefix_for(const Model& model, Abi abi);
 
-/// The name of each frame as an identifier; where two would be the same, with or without a representation behind them,
-/// the later one gets a number.
+/// The name of each frame as an identifier. If two would be equal, with or without a representation at the
+/// end, the later one gets a number.
 std::vector<std::string> frame_identifiers(const Model& model, Abi abi);
 
-/// PREFIX_FUNCTION, for Jacobians and poses with the frame, and a representation other than body-fixed, behind it.
-/// Throws std::invalid_argument where two are the same.
+/// The names PREFIX_FUNCTION. Jacobians and poses have the frame at the end, and Jacobians a representation
+/// other than the body-fixed one. Throws std::invalid_argument if two names are equal.
 std::vector<std::string> function_names(const Model& model, std::span<const Function> functions,
                                         const std::string& prefix, Abi abi);
 
-/// A text inside a comment, which it cannot end.
+/// Changes a text so that it does not begin or end a comment in C.
 std::string in_comment(std::string text);
 /// A table of the joints and their coordinates, for a comment.
 std::string coordinates(const Model& model);

@@ -57,7 +57,8 @@ static void @NAME@_lanes(
 }
 #endif
 )";
-/// Of floats the compiler makes vectors by itself: their angles are reduced as doubles, of which a register holds half.
+/// The compiler vectorises the function for floats: it reduces angles as doubles, of which a register holds
+/// half as many.
 constexpr const char* turn_one_by_one = R"(#if AXODE_LANES > 1
 static void @NAME@_lanes(
     const axode_lanes *AXODE_RESTRICT angle, axode_lanes *AXODE_RESTRICT sine, axode_lanes *AXODE_RESTRICT cosine,

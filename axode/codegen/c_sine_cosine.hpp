@@ -5,12 +5,12 @@
 
 namespace axode::codegen {
 
-/// Up to which angles polynomials are used.
+/// The range of angles for which a function is right.
 enum class Angles { moderate, all };
-/// The definition of the function for n angles, errors below 2 ulp up to 1e5 rad; larger ones are left to
-/// <math.h> where all angles are wanted.
+/// The definition of a function that computes sines and cosines of n angles by polynomials, with errors below
+/// 2 ulp up to 1e5 rad. With Angles::all it calls <math.h> for larger ones.
 std::string c_sine_cosine(const std::string& name, const Precision& precision, Angles angles);
-/// NAME_lanes, the same for n angles in each lane, of all sizes.
+/// The definition of NAME_lanes, which computes sines and cosines of n angles of any size in each lane.
 std::string c_sine_cosine_in_lanes(const std::string& name, const Precision& precision);
 
 }  // namespace axode::codegen

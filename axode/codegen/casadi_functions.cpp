@@ -11,7 +11,7 @@ namespace {
 
 using Numbers = Composition::Numbers;
 
-/// With quaternions divided by their length.
+/// The function f with quaternions divided by their norm.
 Recording normalised(const Model& model, const Recording& f) {
   const Topology& topology = *model.tree<double>().topology();
   if (topology.quaternion_bodies.empty()) return f;
@@ -19,7 +19,7 @@ Recording normalised(const Model& model, const Recording& f) {
   std::vector<Numbers> x = on.arguments_of(f);
   const Numbers q = x[0];
   for (const int body : topology.quaternion_bodies) {
-    const std::size_t first = static_cast<std::size_t>(topology.iq[body]);
+    const std::size_t first = topology.iq[body];
     Trace square;
     for (std::size_t k = first; k < first + 4; ++k) square += q[k] * q[k];
     const Trace shorter = 1 / sqrt(square);
@@ -130,14 +130,13 @@ class Accelerations {
       for (std::size_t r = 0; r < nv; ++r) rest[r] = c < moving ? -columns[c * nv + r] : T(c - moving == r);
       std::ranges::copy(on(solution, {at.q, rest}), columns.begin() + static_cast<std::ptrdiff_t>(c * nv));
     }
-    // Of a solution for a unit vector, the part that is found before it reaches the leaves.
+    // M⁻¹ is symmetric. Keep the half that each solution finds first, on its way to the leaves.
     for (std::size_t c = 0; c < nv; ++c)
       for (std::size_t r = c + 1; r < nv; ++r)
         columns[(moving + c) * nv + r] = columns[(moving + r) * nv + c];
     return columns;
   }
-  /// d²(w a), of which what is above the diagonal counts, from L = mu T_xx, the columns of T_x and K = M⁻¹
-  /// (mu T_aq).
+  /// The upper triangle of d²(w a), from L = mu T_xx, the columns of T_x and K = M⁻¹ (mu T_aq).
   Numbers curvature(const Numbers& L, const Numbers& T_x, const std::vector<Numbers>& K) const {
     const std::size_t nq = K.size(), nv = static_cast<std::size_t>(model_.nv()), n = nq + 2 * nv,
                       moving = nq + nv;
@@ -164,7 +163,7 @@ class Accelerations {
   std::vector<Recording> solutions_;
 };
 
-/// Leaves out the results that are always 0; the place of each of the others, -1 for these.
+/// Removes the results that are always 0. Returns the new index of each result, or -1 for a removed one.
 std::vector<int> keep_nonzeros(Recording& recording) {
   std::vector<int> places;
   Numbers kept;
@@ -183,7 +182,7 @@ Pattern dense(int rows, int columns) {
   return pattern;
 }
 
-/// A matrix whose entry (r, c) is the result with that number, or none where it is negative.
+/// A matrix whose entry (r, c) is result number result(r, c), or 0 if that is negative.
 template <class Result>
 CasadiOutput output(std::string name, int rows, int columns, std::size_t recording, const Result& result) {
   CasadiOutput out{std::move(name), {rows, columns}, recording};
@@ -196,43 +195,42 @@ CasadiOutput output(std::string name, int rows, int columns, std::size_t recordi
   return out;
 }
 
-/// The results of a function as matrices.
+/// The matrices that CasADi gets for the results of a function.
 std::vector<CasadiOutput> matrices(const Model& model, const Function& function,
                                    std::span<const std::string> frames, Recording& value) {
   const int nv = model.nv();
   value.results.push_back(1);
   const std::vector<int> places = keep_nonzeros(value);
   const int one = places.back();
-  const auto at = [&](int k) { return places[static_cast<std::size_t>(k)]; };
+  const auto at = [&](int k) { return places[k]; };
   const auto square = [&](int r, int c) { return at(r * nv + c); };
   const catalog::Words& row = function.row.words();
   if (row.entry == catalog::Entry::twist) return {output(value.result, 6, nv, 0, square)};
   if (row.entry == catalog::Entry::pose) {
     std::vector<CasadiOutput> all;
     for (int f = 0; f < std::ssize(places) / 12; ++f)
-      all.push_back(output(
-          function.is_of_a_frame() ? value.result : value.result + "_" + frames[static_cast<std::size_t>(f)],
-          4, 4, 0, [&](int r, int c) { return r < 3   ? at(12 * f + 3 * c + r)
-                                              : c < 3 ? -1
-                                                      : one; }));
+      all.push_back(output(function.is_of_a_frame() ? value.result : value.result + "_" + frames[f], 4, 4, 0,
+                           [&](int r, int c) { return r < 3   ? at(12 * f + 3 * c + r)
+                                                      : c < 3 ? -1
+                                                              : one; }));
     return all;
   }
   if (row.shape.size() == 2) return {output(value.result, nv, nv, 0, square)};
   return {output(value.result, nv, 1, 0, [&](int r, int) { return at(r); })};
 }
 
-/// Brings results into the order in which the matrices have them.
+/// Brings results into the order of the entries of the matrices.
 void put_in_order(std::vector<CasadiOutput>& outputs, Recording& value) {
   Numbers ordered;
   for (CasadiOutput& out : outputs)
     for (int& result : out.results) {
-      ordered.push_back(value.results[static_cast<std::size_t>(result)]);
+      ordered.push_back(value.results[result]);
       result = static_cast<int>(ordered.size()) - 1;
     }
   value.results = std::move(ordered);
 }
 
-/// The exported functions of a family, from what is recorded.
+/// Makes the exported functions of a family from recordings.
 class Family {
  public:
   enum Kind : std::size_t { value, tangent, adjoint, jacobian, hessian };
@@ -264,7 +262,7 @@ class Family {
   }
 
  private:
-  /// Calls use(output, input, block) for each block of the Jacobian, the block column by column.
+  /// Calls use(output, input, block) for each block of the Jacobian; a block is a vector of columns.
   template <class Use> void each_block(const std::vector<int>& places, const Use& use) const {
     const std::size_t m = recordings_[value].results.size();
     std::size_t row = 0;
@@ -285,9 +283,7 @@ class Family {
       row += out.pattern.entries.size();
     }
   }
-  static int in(const std::vector<std::vector<int>>& block, int r, int c) {
-    return block[static_cast<std::size_t>(c)][static_cast<std::size_t>(r)];
-  }
+  static int in(const std::vector<std::vector<int>>& block, int r, int c) { return block[c][r]; }
   std::vector<CasadiOutput> first_derivatives() {
     std::vector<CasadiOutput> blocks;
     jacobian_places_ = keep_nonzeros(recordings_[jacobian]);
@@ -299,7 +295,10 @@ class Family {
   }
   std::vector<CasadiOutput> changes() const {
     std::vector<CasadiOutput> all = outputs_;
-    for (CasadiOutput& out : all) out.name = "fwd_" + out.name, out.recording = tangent;
+    for (CasadiOutput& out : all) {
+      out.name = "fwd_" + out.name;
+      out.recording = tangent;
+    }
     return all;
   }
   std::vector<CasadiOutput> gradients() const {
@@ -312,11 +311,11 @@ class Family {
     }
     return all;
   }
-  /// By the inputs, by what is not looked at, and by the weights, which is the transposed Jacobian.
+  /// Derivatives by the inputs, by the outputs (0), and by the weights (the transposed Jacobian).
   std::vector<CasadiOutput> second_derivatives() {
     Recording& H = recordings_[hessian];
     for (int i = 0; i < n_; ++i)
-      for (int j = 0; j < i; ++j) H.results[static_cast<std::size_t>(i * n_ + j)] = 0;
+      for (int j = 0; j < i; ++j) H.results[i * n_ + j] = 0;
     const std::vector<int> places = keep_nonzeros(H);
     std::vector<CasadiOutput> blocks;
     int row = 0;
@@ -326,7 +325,7 @@ class Family {
       for (const CasadiInput& y : inputs_) {
         blocks.push_back(output(name + y.name, x.pattern.rows, y.pattern.rows, hessian, [&](int r, int c) {
           const int i = std::min(row + r, column + c), j = std::max(row + r, column + c);
-          return places[static_cast<std::size_t>(i * n_ + j)];
+          return places[i * n_ + j];
         }));
         column += y.pattern.rows;
       }
@@ -352,7 +351,7 @@ class Family {
   int n_ = 0;
 };
 
-/// The parts from which the derivatives of M⁻¹ are made.
+/// The derivatives of M from which those of M⁻¹ are computed.
 CasadiInverse inverse_of(const Model& model, const CasadiOutput& out) {
   const auto part = [](Recording recording) {
     const std::vector<int> found = keep_nonzeros(recording);

@@ -72,12 +72,12 @@ constexpr const char* jacobian_body = R"( {
 }
 )";
 
-/// Which entries of a matrix, or of several one behind the other, may not be 0.
+/// A flag for each entry of a matrix, or of several contiguous ones, that is true if the entry may not be 0.
 using Flags = std::vector<char>;
 
 Flags flags_at(std::span<const int> places, std::size_t size) {
   Flags flags(size);
-  for (const int place : places) flags[static_cast<std::size_t>(place)] = 1;
+  for (const int place : places) flags[place] = 1;
   return flags;
 }
 std::vector<int> places_of(const Flags& flags) {
@@ -99,8 +99,8 @@ Flags product(std::size_t n, const Flags& x, const Flags& y) {
 
 CasadiInverse::CasadiInverse(int nq, int nv, std::vector<int> entries, std::string weights,
                              std::array<Part, kinds> masses)
-    : nq_(static_cast<std::size_t>(nq)),
-      nv_(static_cast<std::size_t>(nv)),
+    : nq_(nq),
+      nv_(nv),
       entries_(std::move(entries)),
       weights_(std::move(weights)),
       masses_(std::move(masses)) {
@@ -152,7 +152,7 @@ Operations CasadiInverse::operations(Kind kind) const {
   const auto size = [](const std::vector<int>& numbers) { return static_cast<long>(numbers.size()); };
   const long n = static_cast<long>(nv_), nq = static_cast<long>(nq_), A = size(entries_),
              M = size(masses_[jacobian].places);
-  long both = 0;  // of products of matrices, where the first has no zeros
+  long both = 0;  // products, and sums, of the products of matrices
   switch (kind) {
     case tangent: both = (size(masses_[tangent].places) + A) * n; break;
     case adjoint: both = 2 * A * n; break;

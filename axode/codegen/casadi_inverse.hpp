@@ -8,8 +8,9 @@
 
 namespace axode::codegen {
 
-/// The first derivatives of A(q) = M⁻¹ for CasADi, by those of M and products of matrices, which are loops:
-/// written out they would be more than compilers take for a humanoid. With weights W, and B = A W A,
+/// The first derivatives of A(q) = M⁻¹ for CasADi, computed from derivatives of M and products of matrices in
+/// loops. Without loops the code would be too long for compilers if the mechanism is a humanoid. With weights
+/// W and B = A W A,
 ///
 ///     dA = - A dM A,    d(W·A) = - B·dM.
 class CasadiInverse {
@@ -17,27 +18,27 @@ class CasadiInverse {
   enum Kind : std::size_t { tangent, adjoint, jacobian };
   static constexpr std::size_t kinds = 3;
 
-  /// A function of M, (nv, nv): its change along a direction, the gradient with weights B, or the derivatives
-  /// by each coordinate one behind the other. Its results are the entries `places` of that.
+  /// A function with nv x nv results: the derivative of M in a direction, the gradient with weights B, or the
+  /// derivatives by each coordinate. Only the entries `places` are results of the recording.
   struct Part {
     Recording recording;
     std::vector<int> places;
   };
 
-  /// The function for A results in its `entries`, r + nv c, whose weights are called `weights`.
+  /// The function for A computes its `entries`, r + nv c. `weights` is the name of their weights.
   CasadiInverse(int nq, int nv, std::vector<int> entries, std::string weights,
                 std::array<Part, kinds> masses);
 
   const Recording& of_masses(Kind kind) const { return masses_[kind].recording; }
-  /// Arguments and results of a function for A: 1, or 0 where they are 0 always, which the function leaves
-  /// out.
+  /// A recording with the arguments of a function for A. Its results are 1, or 0 for results that are always
+  /// 0, which the function leaves out.
   Recording signature(Kind kind) const;
-  /// What it does besides A.
+  /// The operations of a function in addition to those for A.
   Operations operations(Kind kind) const;
-  /// Numbers that it takes behind its results.
+  /// Length of the memory that a function uses after its results.
   std::size_t scratch() const;
-  /// The body of the function in C. `inverse` and `masses` are the names of the functions for A and of the part of M,
-  /// table(numbers) is that of a constant array.
+  /// The body of a function in C. `inverse` and `masses` are the names of the functions for A and for the
+  /// part of M; table(numbers) returns the name of a constant array.
   std::string body(Kind kind, const std::string& prefix, const std::string& inverse,
                    const std::string& masses,
                    const std::function<std::string(const std::vector<int>&)>& table) const;
@@ -50,7 +51,7 @@ class CasadiInverse {
   std::string weights_;
   std::array<Part, kinds> masses_;
   std::vector<int> begin_;  ///< where the results for M by coordinate k begin
-  std::vector<int> by_q_;   ///< entries of A by q that may not be 0: k n + e for entry e of n
+  std::vector<int> by_q_;   ///< k n + e for each entry e of n whose derivative by q_k may not be 0
 };
 
 }  // namespace axode::codegen

@@ -54,7 +54,7 @@ constexpr const char* foot = R"(#undef AXODE_EXPORT
 #endif
 )";
 
-/// What one may ask of a function without calling it.
+/// The functions by which CasADi inspects a function.
 constexpr const char* questions = R"(AXODE_EXPORT casadi_int @F@_n_in(void) { return @N_IN@; }
 AXODE_EXPORT casadi_int @F@_n_out(void) { return @N_OUT@; }
 AXODE_EXPORT const char *@F@_name_in(casadi_int i) {
@@ -93,8 +93,9 @@ template <class Items, class Word> std::string words(const Items& items, const W
   return text;
 }
 
-/// Rows, columns, where columns begin, and the row of each entry; or rows, columns, 1 for a matrix without
-/// zeros. Those of several states stand side by side, or, as derivatives of all by all, along the diagonal.
+/// A pattern in CasADi's format: rows, columns, begins of columns, and the row of each entry; or rows,
+/// columns, 1 for a dense matrix. Matrices of several states stand side by side, or, for derivatives by all
+/// states, along the diagonal.
 std::vector<int> compressed(const Pattern& pattern, int states, bool diagonal) {
   const int down = diagonal ? pattern.rows : 0;
   std::vector<int> numbers{pattern.rows + (states - 1) * down, states * pattern.columns};
@@ -104,9 +105,9 @@ std::vector<int> compressed(const Pattern& pattern, int states, bool diagonal) {
   }
   std::vector<int> begin{0}, rows;
   for (int state = 0; state < states; ++state) {
-    std::vector<int> in_column(static_cast<std::size_t>(pattern.columns));
+    std::vector<int> in_column(pattern.columns);
     for (const int entry : pattern.entries) {
-      ++in_column[static_cast<std::size_t>(entry / pattern.rows)];
+      ++in_column[entry / pattern.rows];
       rows.push_back(entry % pattern.rows + state * down);
     }
     for (const int n : in_column) begin.push_back(begin.back() + n);
@@ -116,7 +117,7 @@ std::vector<int> compressed(const Pattern& pattern, int states, bool diagonal) {
   return numbers;
 }
 
-/// Constant arrays of a file, each of them once.
+/// Constant arrays of a file. Equal arrays are defined once.
 class Tables {
  public:
   Tables(const std::string& prefix, const char* type) : prefix_(prefix), type_(type) {}
@@ -170,7 +171,7 @@ class File {
                     c_definition(recording, name, sine_cosine(), precision).text + '\n';
     turns_ = turns_ || operations(recording).angles > 0;
   }
-  /// The derivatives of M⁻¹.
+  /// Adds the functions for the derivatives of M⁻¹.
   void add_loops(const CasadiFamily& family) {
     if (family.recordings[0].results.empty()) return;  // nothing moves
     if (!std::exchange(loops_, true)) definitions_ += CasadiInverse::loops(prefix_);
@@ -191,7 +192,7 @@ class File {
   std::string sine_cosine() const { return prefix_ + "_sine_cosine"; }
   static std::string numbers_of(const std::string& name) { return name + "_numbers"; }
 
-  /// Which recordings a function needs.
+  /// The recordings that a function needs.
   static std::vector<std::size_t> used(const CasadiFunction& function) {
     std::vector<std::size_t> all;
     for (const CasadiOutput& out : function.outputs)
@@ -236,7 +237,7 @@ class File {
     for (const std::size_t k : used(function)) text += block(family, function, k);
     return text + "  }\n  return failed;\n}\n";
   }
-  /// What one recording results in, where any of it is wanted.
+  /// The call for one recording, if any of its results is wanted, and the copies of its results.
   std::string block(const CasadiFamily& family, const CasadiFunction& function, std::size_t k) {
     const Recording& recording = family.recordings[k];
     std::string wanted, copies, arguments;
@@ -303,9 +304,9 @@ void check(std::span<const Function> functions, const std::string& prefix, const
                                   " for CasADi, as jac_, fwd1_, adj1_ and jac_adj1_; ask for that");
 }
 
-/// Places in matrices of all states are an int.
+/// Throws if an index into the matrices of all states does not fit into an int.
 void check_size(const CasadiFamily& family, int states) {
-  const std::size_t most = std::numeric_limits<int>::max() / static_cast<std::size_t>(states);
+  const std::size_t most = std::numeric_limits<int>::max() / states;
   const auto check = [&](const std::string& function, const auto& port) {
     const Pattern& pattern = port.pattern;
     const int longer = std::max(pattern.rows, pattern.columns);

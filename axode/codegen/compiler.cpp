@@ -94,7 +94,8 @@ pid_t spawned(const std::vector<std::string>& command, const std::filesystem::pa
   return process;
 }
 
-/// Of a process that has ended; nothing where it has not. Where nobody may know (SIGCHLD is ignored), 0: what it has left tells.
+/// Of a process that has ended; nothing where it has not. Where nobody may know (SIGCHLD is ignored), 0: what
+/// it has left tells.
 std::optional<int> exit_code(pid_t process, int options) {
   int status = 0;
   pid_t ended = 0;

@@ -20,8 +20,8 @@ struct Finished {
   int code;            ///< 128 and more where a signal ended it
   std::string output;  ///< its first kilobytes, of both kinds
 };
-/// Runs a program to its end. Its temporary files go into that folder, or where they usually go if it is empty. Where the
-/// monitor says so, it is killed with all that it has started, and the result is nothing.
+/// Runs a program to its end. Its temporary files go into that folder, or where they usually go if it is
+/// empty. Where the monitor says so, it is killed with all that it has started, and the result is nothing.
 std::optional<Finished> run_program(const std::vector<std::string>& command,
                                     const std::filesystem::path& folder, const batch::Monitor& monitor = {});
 

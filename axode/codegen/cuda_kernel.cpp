@@ -6,8 +6,8 @@
 namespace axode::codegen {
 namespace {
 
-/// CUDA for a thread, whose state is one of n side by side. Sines are computed one by one, and the statements are in the
-/// order that needs the fewest registers.
+/// CUDA for a thread, whose state is one of n side by side. Sines are computed one by one, and the statements
+/// are in the order that needs the fewest registers.
 class CudaEmitter final : public Emitter {
  public:
   CudaEmitter(const Recording& recording, const Precision& precision)

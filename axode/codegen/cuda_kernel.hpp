@@ -5,7 +5,8 @@
 
 namespace axode::codegen {
 
-/// The definition of axode_at, which reads an entry of the state of a thread. Every file in CUDA begins with it.
+/// The definition of axode_at, which reads an entry of the state of a thread. Every file in CUDA begins with
+/// it.
 extern const char* const cuda_entries;
 
 /// The device function for a thread, whose state is one of n that lie side by side.

@@ -6,10 +6,9 @@ namespace {
 using enum Tape::Operation;
 using Numbers = Composition::Numbers;
 
-std::size_t index(int node) { return static_cast<std::size_t>(node); }
 bool is_zero(const Trace& x) { return x.is_constant() && x.factor() == 0; }
 
-/// The derivatives of a node, which is y, by the two that it is made from.
+/// The derivatives of a node, whose value is y, by its two operands.
 std::array<Trace, 2> partials(const Tape::Node& node, const Trace& y) {
   const Trace a = Tape::number(node.a), b = Tape::number(node.b);
   switch (node.operation) {
@@ -56,7 +55,7 @@ Numbers Composition::operator()(const Recording& f, std::span<const Numbers> arg
   for (std::size_t k = 0; k < need.size(); ++k) {
     if (!need[k]) continue;
     const Tape::Node& node = f.nodes[k];
-    const std::size_t a = index(node.a), b = index(node.b);
+    const std::size_t a = node.a, b = node.b;
     switch (node.operation) {
       case one: x[k] = 1; break;
       case input: x[k] = arguments[a][b]; break;
@@ -68,7 +67,7 @@ Numbers Composition::operator()(const Recording& f, std::span<const Numbers> arg
       case sine: x[k] = sin(x[a]); break;
       case cosine: x[k] = cos(x[a]); break;
       case angle: x[k] = atan2(x[a], x[b]); break;
-      case choice: x[k] = select(truth[index(node.condition)], x[a], x[b]); break;
+      case choice: x[k] = select(truth[node.condition], x[a], x[b]); break;
       case less: truth[k] = x[a] < x[b]; break;
       case less_equal: truth[k] = x[a] <= x[b]; break;
       case both: truth[k] = truth[a] && truth[b]; break;
@@ -77,19 +76,19 @@ Numbers Composition::operator()(const Recording& f, std::span<const Numbers> arg
     }
   }
   const auto now = [&](const Trace& result) {
-    return result.factor() * (result.is_constant() ? Trace(1) : x[index(result.node())]);
+    return result.factor() * (result.is_constant() ? Trace(1) : x[result.node()]);
   };
   Numbers results;
   for (const Trace& result : f.results) results.push_back(now(result));
   recording_.returns_singularity = recording_.returns_singularity || f.returns_singularity;
   recording_.maybe_singular =
       recording_.maybe_singular ||
-      (f.maybe_singular.is_constant() ? f.maybe_singular : truth[index(f.maybe_singular.node())]);
+      (f.maybe_singular.is_constant() ? f.maybe_singular : truth[f.maybe_singular.node()]);
   return results;
 }
 
 std::size_t Composition::node(std::size_t argument, std::size_t entry) const {
-  return index(inputs_[argument][entry].node());
+  return inputs_[argument][entry].node();
 }
 
 Numbers Composition::along(const Numbers& x, std::span<const Numbers> direction) const {
@@ -105,25 +104,25 @@ Numbers Composition::along(const Recording& made, const std::vector<char>& need,
   for (std::size_t k = 1; k < need.size(); ++k) {
     const Tape::Node& node = made.nodes[k];
     if (!need[k] || node.operation == input) continue;
-    const Trace &da = d[index(node.a)], &db = d[index(node.b)];
+    const Trace &da = d[node.a], &db = d[node.b];
     if (is_zero(da) && is_zero(db)) continue;
     const auto [by_a, by_b] = partials(node, Tape::number(static_cast<int>(k)));
     d[k] = by_a * da + by_b * db;
   }
   Numbers change;
-  for (const Trace& result : made.results) change.push_back(result.factor() * d[index(result.node())]);
+  for (const Trace& result : made.results) change.push_back(result.factor() * d[result.node()]);
   return change;
 }
 
 Numbers Composition::gradient(const Numbers& x, const Numbers& w, std::size_t arguments) const {
   const std::vector<Tape::Node> nodes = tape_.nodes();
   Numbers by(nodes.size());
-  for (std::size_t k = 0; k < x.size(); ++k) by[index(x[k].node())] += x[k].factor() * w[k];
+  for (std::size_t k = 0; k < x.size(); ++k) by[x[k].node()] += x[k].factor() * w[k];
   for (std::size_t k = by.size(); k-- > 1;) {
     if (is_zero(by[k]) || nodes[k].operation == input) continue;
     const auto [by_a, by_b] = partials(nodes[k], Tape::number(static_cast<int>(k)));
-    by[index(nodes[k].a)] += by[k] * by_a;
-    by[index(nodes[k].b)] += by[k] * by_b;
+    by[nodes[k].a] += by[k] * by_a;
+    by[nodes[k].b] += by[k] * by_b;
   }
   Numbers out;
   for (std::size_t i = 0; i < arguments; ++i)

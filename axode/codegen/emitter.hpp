@@ -8,9 +8,9 @@
 
 namespace axode::codegen {
 
-/// Writes the statements of one function in a walk over its tape, in the order in which the numbers were recorded.
-/// Everything that depends on sines comes after them: stage k has the statements that need sines of stage k - 1.
-/// Subclasses know the language, and how sines and cosines are computed.
+/// Writes the statements of one function in a walk over its tape, in the order in which the numbers were
+/// recorded. Everything that depends on sines comes after them: stage k has the statements that need sines of
+/// stage k - 1. Subclasses know the language, and how sines and cosines are computed.
 class Emitter {
  public:
   using enum Tape::Operation;

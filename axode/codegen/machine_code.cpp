@@ -85,8 +85,8 @@ bool is_usable(const fs::path& folder) {
   return is_ours(folder) && access(folder.c_str(), W_OK | X_OK) == 0;
 }
 
-/// That one process at a time compiles under a key. It goes with the process, however that ends. Where the file system has no
-/// locks, several may compile the same.
+/// That one process at a time compiles under a key. It goes with the process, however that ends. Where the
+/// file system has no locks, several may compile the same.
 class Lock {
  public:
   Lock(const fs::path& folder, const std::string& key)
@@ -143,9 +143,9 @@ fs::path temporary_folder() {
       std::string(named == nullptr ? "" : named) +
       "\", which is no folder; let TMPDIR or XDG_CACHE_HOME name one that can be written to");
 }
-/// Moves the work folders of ended processes into the folder `work` of this process, which holds `lock` on `key`, so
-/// that they are removed with it. Removal in place may fail: a compiler that outlives its process still creates files
-/// there. After the move it does not find the folder any more.
+/// Moves the work folders of ended processes into the folder `work` of this process, which holds `lock` on
+/// `key`, so that they are removed with it. Removal in place may fail: a compiler that outlives its process
+/// still creates files there. After the move it does not find the folder any more.
 void collect_abandoned(const fs::path& cache, const fs::path& work, const std::string& key,
                        const Lock& lock) {
   std::error_code failed;

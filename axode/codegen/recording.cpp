@@ -5,6 +5,7 @@
 #include <limits>
 #include <optional>
 
+#include "axode/codegen/differentiation.hpp"
 #include "axode/codegen/traced_tree.hpp"
 #include "axode/derivatives/row_kernels.hpp"
 #include "axode/fast/inverse_mass_matrix.hpp"
@@ -18,24 +19,22 @@ namespace axode::codegen {
 namespace {
 
 using T = Trace;
-using Numbers = std::vector<T>;
-
-Numbers zeros(int n) { return Numbers(static_cast<std::size_t>(n)); }
+using Numbers = Composition::Numbers;
 
 template <class Kernel> using OnTape = WithScratch<T, Kernel>;
 
-/// Doubts a solution where a pivot is small against what feeds the velocity with every joint at zero.
+/// Determines whether the mass matrix may be singular: whether a pivot is small compared with the inertia
+/// scale of its velocity at q = 0.
 class SingularityTest {
  public:
-  SingularityTest(const Tree<double>& tree, double small)
-      : inertia_scale_(static_cast<std::size_t>(tree->nv)), small_(small) {
+  SingularityTest(const Tree<double>& tree, double small) : inertia_scale_(tree->nv), small_(small) {
     for (int i = 1; i <= tree->n; ++i)
       for (int s = tree->first_screw[i]; s < tree->first_screw[i + 1]; ++s)
         inertia_scale_[static_cast<std::size_t>(tree->iv[i] + s - tree->first_screw[i])] +=
-            tree.inertia_scale[static_cast<std::size_t>(s)];
+            tree.inertia_scale[s];
   }
   template <class Scale> void add(int c, const T& pivot, const Scale&) {
-    maybe_singular_ = maybe_singular_ || !(pivot > T(small_ * inertia_scale_[static_cast<std::size_t>(c)]));
+    maybe_singular_ = maybe_singular_ || !(pivot > T(small_ * inertia_scale_[c]));
   }
   const Trace::Condition& verdict() const { return maybe_singular_; }
 
@@ -45,45 +44,35 @@ class SingularityTest {
   Trace::Condition maybe_singular_;
 };
 
-/// A function on a tape: its arguments become inputs.
+/// A function of a tree that is recorded.
 struct Traced {
-  const Tree<double>& tree;
-  Tree<T> constants = cast<T>(tree);
-  Tape tape;
-  Recording recording;
+  Composition on;
+  Tree<T> constants;
+  std::string result;
 
-  Traced(const Tree<double>& traced, std::string_view result) : tree(traced) { recording.result = result; }
-  Numbers argument(std::string_view name, int n) {
-    Numbers x;
-    for (int k = 0; k < n; ++k) x.push_back(tape.input(static_cast<int>(recording.arguments.size()), k));
-    recording.arguments.emplace_back(name);
-    recording.lengths.push_back(n);
-    return x;
-  }
-  Recording with(Numbers results) {
-    recording.results = std::move(results);
-    recording.nodes = tape.nodes();
-    return std::move(recording);
-  }
-  /// Results that may be doubted.
+  Traced(const Tree<double>& tree, std::string_view name) : constants(cast<T>(tree)), result(name) {}
+  Numbers argument(std::string_view name, int n) { return on.argument(std::string(name), n); }
+  Recording with(Numbers results) { return on.with(result, std::move(results)); }
+  /// For results that are wrong if `doubt` is true.
   Recording with(Numbers results, const Trace::Condition& maybe_singular) {
+    if (maybe_singular.is_constant() && maybe_singular.constant())  // a joint moves no mass at any q
+      std::ranges::fill(results, T(std::numeric_limits<double>::quiet_NaN()));
+    Recording recording = with(std::move(results));
     recording.returns_singularity = true;
     recording.maybe_singular = maybe_singular;
-    if (maybe_singular.is_constant() && maybe_singular.constant())  // a joint moves no mass wherever it is
-      std::fill(results.begin(), results.end(), T(std::numeric_limits<double>::quiet_NaN()));
-    return with(std::move(results));
+    return recording;
   }
 };
 
-/// How accelerations are found on a tape: by articulated bodies, or by the mass matrix and its sparse factors; body-fixed, where
-/// joint screws are constant and sparse.
+/// Computes accelerations on a tape, by articulated bodies or by the mass matrix and its sparse factors. Both
+/// are body-fixed, because joint screws are then constant and sparse.
 template <bool factors> struct Solver {
   using T = Trace;
   using Bodies = std::conditional_t<factors, CompositeBodies<BodyFixed, T>, ArticulatedBodies<BodyFixed, T>>;
   FastInverseDynamics<Plain<T>, T> bias;
   Bodies bodies;
   T *zero, *H;
-  double small = 0;  ///< the part of what feeds it below which a pivot is doubted
+  double small = 0;  ///< relative pivot threshold
   std::optional<Tree<T>> constants;
   Trace::Condition maybe_singular;
 
@@ -91,7 +80,7 @@ template <bool factors> struct Solver {
       : bias(arena),
         bodies(arena),
         zero(arena.per_velocity<T>()),
-        H(arena.array<T>(static_cast<std::size_t>(arena.topology().nv * arena.topology().nv))) {}
+        H(arena.array<T>(arena.topology().nv * arena.topology().nv)) {}
 
   void prepare(const Tree<double>& tree, const T* q) {
     constants.emplace(cast<T>(tree));
@@ -100,7 +89,7 @@ template <bool factors> struct Solver {
     if constexpr (factors) {
       std::fill_n(H, tree->nv * tree->nv, T(0));
       bodies.run(*constants, q, constants->armature.data(), H);
-      axode::factorize(*constants, zero, H, check);  // what feeds the pivots is not asked for
+      axode::factorize(*constants, zero, H, check);  // Doubt has inertia scales of its own
     } else {
       bodies.links.run(*constants, q);
       bodies.factorize(*constants, constants->armature.data(), check);
@@ -123,7 +112,7 @@ template <bool factors> struct Solver {
       bodies.solve(*constants, x);
   }
   void solve(const Tree<double>& tree, T* matrix) {
-    const std::size_t nv = static_cast<std::size_t>(tree->nv);
+    const std::size_t nv = tree->nv;
     Numbers x(nv);
     for (std::size_t c = 0; c < nv; ++c) {
       for (std::size_t r = 0; r < nv; ++r) x[r] = matrix[r * nv + c];
@@ -131,10 +120,10 @@ template <bool factors> struct Solver {
       for (std::size_t r = 0; r < nv; ++r) matrix[r * nv + c] = x[r];
     }
   }
-  /// Solves for all unit vectors. Of the symmetric result only the half that each solution finds first, on
-  /// its way to the leaves, is kept and mirrored, so that the tape drops the operations for the other half.
+  /// Solves for all unit vectors. The half of the symmetric result that each solution finds first, on its way
+  /// to the leaves, is mirrored, so that the tape drops the operations for the other half.
   void inverse(const Tree<double>& tree, T* matrix) {
-    const std::size_t nv = static_cast<std::size_t>(tree->nv);
+    const std::size_t nv = tree->nv;
     for (std::size_t k = 0; k < nv * nv; ++k) matrix[k] = T(k % (nv + 1) == 0);
     solve(tree, matrix);
     for (std::size_t r = 0; r < nv; ++r)
@@ -142,12 +131,12 @@ template <bool factors> struct Solver {
   }
 };
 
-/// On long paths the factors of the mass matrix lose digits.
+/// Whether the factors of the mass matrix are exact to rounding. On long paths they lose digits.
 bool factors_are_exact(const Tree<double>& tree) {
   return tree->depth <= FastInverseMassMatrix<double>::longest_path;
 }
 
-/// A row that has a kernel. Its results are numbers for velocities.
+/// Records a row of the table that has a kernel, whose results are numbers for velocities.
 template <catalog::Id id, class By> Recording record_row(const Tree<double>& tree, double small) {
   constexpr const catalog::Words& row = id.words();
   Traced traced(tree, row.together);
@@ -157,9 +146,7 @@ template <catalog::Id id, class By> Recording record_row(const Tree<double>& tre
     arguments.push_back(traced.argument(to_string(input), input == catalog::Input::q ? tree->nq : tree->nv));
     given[input] = arguments.back().data();
   }
-  std::size_t n = row.symbols.size();
-  for (std::size_t k = 0; k < row.shape.size(); ++k) n *= static_cast<std::size_t>(tree->nv);
-  Numbers out(n);
+  Numbers out(row.symbols.size() * static_cast<std::size_t>(std::pow(tree->nv, row.shape.size())));
   OnTape<catalog::RowKernel<id, By>> kernel(*tree.topology());
   if constexpr (row.may_fail) {
     kernel->by.small = small;
@@ -171,12 +158,12 @@ template <catalog::Id id, class By> Recording record_row(const Tree<double>& tre
   }
 }
 
-/// Body-fixed, where joint screws are constant and sparse.
+/// Records the mass matrix, body-fixed, because joint screws are then constant and sparse.
 Recording mass_matrix(const Tree<double>& tree) {
   Traced traced(tree, "M");
   const Numbers q = traced.argument("q", tree->nq);
   OnTape<CompositeBodies<BodyFixed, T>> bodies(*tree.topology());
-  Numbers M = zeros(tree->nv * tree->nv);
+  Numbers M(tree->nv * tree->nv);
   bodies->run(traced.constants, q.data(), traced.constants.armature.data(), M.data());
   return traced.with(std::move(M));
 }
@@ -186,7 +173,7 @@ template <class By> Recording inverse_mass_matrix(const Tree<double>& tree, doub
   OnTape<By> by(*tree.topology());
   by->small = small;
   by->prepare(tree, q.data());
-  Numbers out = zeros(tree->nv * tree->nv);
+  Numbers out(tree->nv * tree->nv);
   by->inverse(tree, out.data());
   return traced.with(std::move(out), by->maybe_singular);
 }
@@ -201,11 +188,11 @@ template <class By> Recording solution(const Tree<double>& tree) {
   return traced.with(std::move(x), by->maybe_singular);
 }
 
-/// The twist of a frame for a unit of each velocity. In the axes of the frame the joint screws are found on
-/// the way from it to the ground, in inertial axes from the poses of the bodies.
+/// The twist of a frame for a unit of each velocity. Joint screws are computed on the path from the frame to
+/// the ground if the axes are the frame's, and from the poses of the bodies if they are inertial.
 template <class Rep> std::vector<Twist<Rep, T>> columns(Traced& traced, const Numbers& q, int frame) {
   const Tree<T>& tree = traced.constants;
-  std::vector<Twist<Rep, T>> J(static_cast<std::size_t>(tree->nv));
+  std::vector<Twist<Rep, T>> J(tree->nv);
   const auto add = [&](int c, const Screw<T>& X) { J[c] += Twist<Rep, T>{X.w, X.v}; };
   if constexpr (std::same_as<Rep, BodyFixed>) {
     each_body_fixed_column(tree, q.data(), Place<T>(frame),
@@ -227,7 +214,7 @@ template <class Rep> std::vector<Twist<Rep, T>> columns(Traced& traced, const Nu
 Recording jacobian(const Tree<double>& tree, int frame, Representation representation) {
   Traced traced(tree, "J");
   const Numbers q = traced.argument("q", tree->nq);
-  const std::size_t nv = static_cast<std::size_t>(tree->nv);
+  const std::size_t nv = tree->nv;
   Numbers rows(6 * nv);
   with_representation(representation, [&](auto rep) {
     const auto J = columns<decltype(rep)>(traced, q, frame);
@@ -240,7 +227,7 @@ Recording jacobian(const Tree<double>& tree, int frame, Representation represent
   return traced.with(std::move(rows));
 }
 
-/// Frame by frame: the columns of R, then r.
+/// Records the poses of frames `first` to `last`, each as the columns of R, then r.
 Recording poses(const Tree<double>& tree, int first, int last) {
   Traced traced(tree, "C");
   const Numbers q = traced.argument("q", tree->nq);
@@ -257,7 +244,7 @@ Recording poses(const Tree<double>& tree, int first, int last) {
 using Articulated = Solver<false>;
 using Factorized = Solver<true>;
 
-/// A recorder for each row that has a tape, in the order of the table; by either solver where the row solves with M.
+/// The functions that record a row of the table, with either solver if the row solves with M.
 struct Recorder {
   using Of = Recording (*)(const Tree<double>&, double small);
   Of by_bodies = nullptr, by_factors = nullptr;
@@ -314,11 +301,11 @@ std::array<int, 3> operands(const Tape::Node& node) {
 
 std::vector<char> needed(const Recording& recording) {
   std::vector<char> need(recording.nodes.size());
-  for (const T& x : recording.results) need[static_cast<std::size_t>(x.node())] = 1;
-  need[static_cast<std::size_t>(recording.maybe_singular.node())] = 1;
+  for (const T& x : recording.results) need[x.node()] = 1;
+  need[recording.maybe_singular.node()] = 1;
   for (std::size_t k = need.size(); k-- > 0;)
     if (need[k])
-      for (const int from : operands(recording.nodes[k])) need[static_cast<std::size_t>(from)] = 1;
+      for (const int from : operands(recording.nodes[k])) need[from] = 1;
   return need;
 }
 
@@ -333,7 +320,10 @@ Operations operations(const Recording& recording) {
     const Tape::Node& node = recording.nodes[k];
     switch (node.operation) {
       case scale: count.products += node.a != 0 && is_factor(node.factor); break;
-      case sum: ++count.sums, count.products += node.b != 0 && is_factor(node.factor); break;
+      case sum:
+        ++count.sums;
+        count.products += node.b != 0 && is_factor(node.factor);
+        break;
       case product: ++count.products; break;
       case reciprocal: ++count.divisions; break;
       case root: ++count.roots; break;

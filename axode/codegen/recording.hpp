@@ -8,31 +8,32 @@
 
 namespace axode::codegen {
 
-/// A function as the operations that lead from its arguments to its results.
+/// A function as a list of operations that compute its results from its arguments.
 struct Recording {
-  std::vector<std::string> arguments;  ///< by the number of the array
-  std::vector<int> lengths;            ///< how many numbers each of them has
+  std::vector<std::string> arguments;  ///< names of the arrays; their index is Tape::Node::a of an input
+  std::vector<int> lengths;            ///< length of each argument
   std::string result;                  ///< the name of the array of results
   std::vector<Tape::Node> nodes;
   std::vector<Trace> results;
   bool returns_singularity = false;
-  Trace::Condition maybe_singular{};  ///< whether the mass matrix may be singular, where this is returned
+  Trace::Condition
+      maybe_singular{};  ///< whether the mass matrix may be singular; used if returns_singularity
 };
 
-/// The kernels of the library on a Trace, in the representation in which they leave the fewest operations.
+/// Records the kernel of a function, in the representation that needs the fewest operations.
 Recording record(const Model& model, const Function& function, bool single_precision);
 
-/// x = M⁻¹ tau from q and tau, the accelerations that forces make by themselves, in each way in which the library finds
-/// them: by articulated bodies, and where no path is long by the factors of the mass matrix.
+/// Records x = M⁻¹ tau, with arguments q and tau: by articulated bodies and, unless a path of the tree is
+/// long, by the factors of the mass matrix.
 std::vector<Recording> record_solutions(const Model& model);
 
-/// How many operations the results need.
+/// The number of operations that the results need.
 Operations operations(const Recording& recording);
 
-/// For each node whether the results, or maybe_singular, depend on it.
+/// Determines for each node whether the results or the doubt depend on it.
 std::vector<char> needed(const Recording& recording);
 
-/// The nodes that a node is computed from; those that it does not use are node 0, the number 1.
+/// The nodes from which a node is computed. Unused entries are 0, the node of the number 1.
 std::array<int, 3> operands(const Tape::Node& node);
 
 }  // namespace axode::codegen

@@ -25,8 +25,8 @@ class CompilationEnded : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// Functions of one model as machine code made for it: codegen's C, compiled when this is made ($CC, cc, clang or gcc) and
-/// kept in a cache for the next time. T is double or float. Threads may share one.
+/// Functions of one model as machine code made for it: codegen's C, compiled when this is made ($CC, cc,
+/// clang or gcc) and kept in a cache for the next time. T is double or float. Threads may share one.
 ///
 ///     const Specialised<> fast(arm, {{"inverse_dynamics"}});
 ///     const batch::Outcome outcome = batch::run(fast, {"inverse_dynamics"}, {.q = q, .v = v, .a = a}, tau, 4);
@@ -61,11 +61,12 @@ template <class T = double> class Specialised {
 
 namespace batch {
 
-/// A function that the model was specialised for, in N states, which lie one behind the other as in axode/batch.hpp. Checks,
-/// threads and the monitor are those of a Model, and so is what becomes of states whose mass matrix may be singular: the
-/// library's own function decides. Results differ by rounding. A state's result depends neither on its place nor on the threads;
-/// one state alone goes without lanes and may differ by rounding. Throws std::invalid_argument as well for a function that the
-/// model was specialised without, and for loads.
+/// A function that the model was specialised for, in N states, which lie one behind the other as in
+/// axode/batch.hpp. Checks, threads and the monitor are those of a Model, and so is what becomes of states
+/// whose mass matrix may be singular: the library's own function decides. Results differ by rounding. A
+/// state's result depends neither on its place nor on the threads; one state alone goes without lanes and may
+/// differ by rounding. Throws std::invalid_argument as well for a function that the model was specialised
+/// without, and for loads.
 template <class T>
 Outcome run(const Specialised<T>& model, const codegen::Function& function,
             const catalog::Arguments<std::type_identity_t<T>>& given, std::type_identity_t<std::span<T>> out,
@@ -73,8 +74,9 @@ Outcome run(const Specialised<T>& model, const codegen::Function& function,
   return model.run(function, given, out, threads, monitor);
 }
 
-/// Of models that were specialised with forward_dynamics. Motions with coupled joints go through the lanes as well. Springs
-/// act, and with joint_losses damping and dry friction; steps with friction are the library's own.
+/// Of models that were specialised with forward_dynamics. Motions with coupled joints go through the lanes as
+/// well. Springs act, and with joint_losses damping and dry friction; steps with friction are the library's
+/// own.
 template <class T>
 Outcome rollout(const Specialised<T>& model, Numbers<T> q, Numbers<T> v, Numbers<T> tau, double step,
                 std::type_identity_t<std::span<T>> q_out, std::type_identity_t<std::span<T>> v_out,

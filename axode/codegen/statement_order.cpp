@@ -6,8 +6,6 @@
 namespace axode::codegen {
 namespace {
 
-std::size_t at(int k) { return static_cast<std::size_t>(k); }
-
 class Ordering {
  public:
   Ordering(const std::vector<std::vector<int>>& operands, const std::vector<int>& lasting)
@@ -18,11 +16,11 @@ class Ordering {
         possible_since_(operands.size()),
         done_(operands.size()) {
     for (std::size_t k = 0; k < operands.size(); ++k) {
-      for (const int from : operands[k]) users_[at(from)].push_back(static_cast<int>(k));
+      for (const int from : operands[k]) users_[from].push_back(static_cast<int>(k));
       missing_[k] = static_cast<int>(operands[k].size());
     }
     for (std::size_t k = 0; k < operands.size(); ++k) uses_left_[k] = static_cast<int>(users_[k].size());
-    for (const int k : lasting) ++uses_left_[at(k)];
+    for (const int k : lasting) ++uses_left_[k];
   }
 
   std::vector<int> run() {
@@ -32,7 +30,7 @@ class Ordering {
     while (!possible_.empty()) {
       const Candidate next = possible_.top();
       possible_.pop();
-      if (done_[at(next.statement)]) continue;
+      if (done_[next.statement]) continue;
       if (next.freed != freed(next.statement)) {
         offer(next.statement);
         continue;
@@ -53,21 +51,24 @@ class Ordering {
     }
   };
 
-  /// Numbers that wait no longer after a statement.
+  /// Number of results whose life ends with a statement, less 1 if its own result is used later.
   int freed(int k) const {
     int count = 0;
-    for (const int from : operands_[at(k)]) count += uses_left_[at(from)] == 1;
-    return count - (uses_left_[at(k)] > 0);
+    for (const int from : operands_[k]) count += uses_left_[from] == 1;
+    return count - (uses_left_[k] > 0);
   }
-  void offer(int k) { possible_.push({freed(k), possible_since_[at(k)], k}); }
+  void offer(int k) { possible_.push({freed(k), possible_since_[k], k}); }
   void take(int k, int now) {
-    done_[at(k)] = 1;
-    for (const int from : operands_[at(k)])
-      if (--uses_left_[at(from)] == 1)
-        for (const int user : users_[at(from)])
-          if (!done_[at(user)] && missing_[at(user)] == 0) offer(user);
-    for (const int user : users_[at(k)])
-      if (--missing_[at(user)] == 0) possible_since_[at(user)] = now, offer(user);
+    done_[k] = 1;
+    for (const int from : operands_[k])
+      if (--uses_left_[from] == 1)
+        for (const int user : users_[from])
+          if (!done_[user] && missing_[user] == 0) offer(user);
+    for (const int user : users_[k])
+      if (--missing_[user] == 0) {
+        possible_since_[user] = now;
+        offer(user);
+      }
   }
 
   const std::vector<std::vector<int>>& operands_;

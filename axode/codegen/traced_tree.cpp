@@ -23,7 +23,8 @@ void snap(SE3<>& C) {
   snap(C.r);
 }
 
-/// The share of an inertia in the frame of a joint that the predecessor feels wherever the joint is.
+/// The part of an inertia, in the frame of a joint, that acts on the predecessor alike for every joint
+/// coordinate.
 Inertia<> share_of_predecessor(Subgroup kind, const Inertia<>& M) {
   const double Theta = M.Theta.yy;
   switch (kind) {
@@ -37,7 +38,7 @@ Inertia<> share_of_predecessor(Subgroup kind, const Inertia<>& M) {
   return {};
 }
 
-/// From the leaves to the ground.
+/// Moves inertias to predecessors, from the leaves to the ground.
 void move_inertias(const Topology& topology, TreeNumbers<double>& tree) {
   for (int i = topology.n; i > 0; --i) {
     Inertia<>& M = tree.M[i];
