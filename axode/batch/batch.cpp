@@ -15,8 +15,8 @@
 namespace axode::batch {
 namespace {
 
-/// Calls a kernel on groups of states, as many as there are lanes. Where a group is not full its last state
-/// is repeated.
+/// Calls a kernel on groups of as many states as there are lanes. The last state of a smaller group is
+/// repeated.
 template <class S> class LaneCall {
  public:
   LaneCall(StatesOfRow<S>& states, const LaneKernel<S>& kernel)

@@ -6,7 +6,7 @@
 
 namespace axode::batch {
 
-/// The number of states, from q.
+/// Checks q and the number of threads, and returns the number of states.
 template <class S> std::size_t check_states(const Model& model, std::span<const S> q, int threads) {
   if (threads < 1)
     throw std::invalid_argument("threads is " + std::to_string(threads) + "; expected 1 or more");

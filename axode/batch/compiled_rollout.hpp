@@ -2,7 +2,7 @@
 #include "axode/batch.hpp"
 #include "axode/batch/compiled_dynamics.hpp"
 
-/// The rollouts of axode/batch.hpp with forward dynamics that was compiled for their model.
+/// The rollouts of axode/batch.hpp with forward dynamics that was compiled for the model.
 namespace axode::batch {
 
 template <class S>

@@ -23,7 +23,8 @@ ControlLawSampler<S>::ControlLawSampler(const Model& model, const Drive& drive)
 }
 
 template <class S> void ControlLawSampler<S>::track(const Tracking& drive) {
-  kp_.assign(drive.kp().begin(), drive.kp().end()), kd_.assign(drive.kd().begin(), drive.kd().end());
+  kp_.assign(drive.kp().begin(), drive.kp().end());
+  kd_.assign(drive.kd().begin(), drive.kd().end());
   reference_ = drive.reference();
 }
 
@@ -40,7 +41,8 @@ const ControlLaw<S>& ControlLawSampler<S>::law(const Tableau& method, double ste
       const auto v_d = row + static_cast<std::ptrdiff_t>(nq_);
       if (reference_) {
         reference_->find(t);
-        std::ranges::copy(reference_->q(), row), std::ranges::copy(reference_->v(), v_d);
+        std::ranges::copy(reference_->q(), row);
+        std::ranges::copy(reference_->v(), v_d);
       }
       if (forces_) (*forces_)(t, {}, {}, w);
       std::ranges::copy(computes_ ? reference_->a() : w, v_d + static_cast<std::ptrdiff_t>(nv_));

@@ -7,15 +7,15 @@
 
 namespace axode::batch {
 
-/// A drive of axode/integration/drives.hpp as motions in lanes take it. What it follows is found once for all
-/// of them.
+/// Evaluates a drive of axode/integration/drives.hpp for motions in lanes: the reference and the feedforward
+/// once for all motions.
 template <class S> class ControlLawSampler {
  public:
   ControlLawSampler(const Model& model, const Drive& drive);
 
-  /// Whether it is one of these, and its feedforward is given by samples.
+  /// Whether the drive is one of axode/integration/drives.hpp and has its feedforward, if any, from samples.
   bool known() const { return known_; }
-  /// For the stages of steps begin to end - 1; until the next call.
+  /// The law at the stages of steps begin to end - 1. It is valid until the next call.
   const ControlLaw<S>& law(const Tableau& method, double step, std::size_t begin, std::size_t end);
 
  private:
@@ -29,7 +29,7 @@ template <class S> class ControlLawSampler {
   ControlLaw<S> law_{};
 };
 
-/// When a stage of step k is, as simulate_fixed() has it.
+/// The time of a stage of step k, as simulate_fixed() computes it.
 inline double time_of(const Tableau& method, double step, std::size_t k, std::size_t stage) {
   const double t = static_cast<double>(k) * step;
   return t + method.c[stage] * (static_cast<double>(k + 1) * step - t);

@@ -1,10 +1,10 @@
 #pragma once
 
-/// Instruction sets that batches have kernels for, chosen at run time.
+/// The instruction sets for which batches have kernels. One is chosen at run time.
 namespace axode::batch {
 
 enum class InstructionSet { sse2, avx2, avx512 };
-/// The best one that this processor has.
+/// The best instruction set of this processor.
 InstructionSet best_instruction_set();
 
 }  // namespace axode::batch

@@ -1,5 +1,6 @@
-// Compiled for one instruction set. Nothing here may be a function that code for another processor has as
-// well: every template is one of Batch<AXODE_T, AXODE_LANES>, which no other instruction set uses.
+// This file is compiled once for each instruction set. It must not contain a function that code for another
+// processor has as well: every template is instantiated with Batch<AXODE_T, AXODE_LANES>, which no other
+// instruction set uses.
 #include "axode/batch/kernels.hpp"
 
 #include <algorithm>
@@ -29,7 +30,7 @@ using G = Plain<Number>;
 using ArticulatedBodies = FastArticulatedBodies<G, Number>;
 using catalog::Id, catalog::Input;
 
-/// How accelerations are found in lanes, for the kernels of rows.
+/// Computes accelerations in lanes, for the kernels of rows.
 struct ByBodies {
   using T = Number;
   ArticulatedBodies bodies;
@@ -52,7 +53,7 @@ struct ByBodies {
   void inverse(const Tree<S>& tree, Number* matrix) { bodies.inverse(tree, columns, u, matrix); }
 };
 
-/// How many results a row has on a tree, where they are numbers for velocities.
+/// The number of results of a row whose results are numbers for velocities.
 template <Id id> std::size_t results(const Topology& topology) {
   constexpr std::size_t several = id.words().symbols.size(), axes = id.words().shape.size();
   std::size_t n = several;
@@ -60,7 +61,7 @@ template <Id id> std::size_t results(const Topology& topology) {
   return n;
 }
 
-/// A row with its numbers in lanes.
+/// Arguments and results of a row in lanes, and its kernel.
 template <Id id> struct RowBuffers {
   catalog::Read<Number> given;
   Number* x[catalog::inputs_of_numbers.size()] = {};
@@ -74,7 +75,7 @@ template <Id id> struct RowBuffers {
       given[input] = x[static_cast<std::size_t>(input)] = arena.array<Number>(n);
     });
   }
-  /// f<input>() for the inputs that the row takes.
+  /// Calls f<input>() for the inputs that the row takes.
   template <class F> static void each_input(const F& f) {
     [&]<std::size_t... k>(std::index_sequence<k...>) {
       const auto one = [&]<std::size_t i>() {
@@ -115,7 +116,7 @@ struct PoseBuffers {
       : q(arena.array<Number>(arena.topology().nq)), body(arena.per_body<SE3<Number>>()), poses(arena) {}
 };
 
-/// Memory that a kernel needs.
+/// The size of the memory of a kernel.
 template <class Buffers> std::size_t bytes(const Tree<S>& tree) {
   return footprint<Buffers>(*tree.topology());
 }
@@ -126,7 +127,7 @@ std::size_t bytes_of_inverse(const Tree<S>& tree) {
 
 std::size_t n_entries(const Tree<S>& tree) { return static_cast<std::size_t>(tree->nv) * tree->nv; }
 
-/// Bit l for lane l.
+/// The mask of lanes as bits, bit l for lane l.
 unsigned bits(const Number::Mask& mask) {
   unsigned all = 0;
   for (unsigned l = 0; l < lanes; ++l) all |= static_cast<unsigned>(mask[l]) << l;
@@ -190,7 +191,10 @@ unsigned poses(const Tree<S>& tree, Arena arena, const catalog::Read<S>& given, 
     const SE3<Number> C_f = at.body[tree->frame_body[f]] * cast<Number>(tree.frame_offset[f]);
     for (int l = 0; l < lanes; ++l) {
       SE3<S>& to = C[l * n + f];
-      store(C_f.R.x, l, to.R.x), store(C_f.R.y, l, to.R.y), store(C_f.R.z, l, to.R.z), store(C_f.r, l, to.r);
+      store(C_f.R.x, l, to.R.x);
+      store(C_f.R.y, l, to.R.y);
+      store(C_f.R.z, l, to.R.z);
+      store(C_f.r, l, to.r);
     }
   }
   return 0;
@@ -208,7 +212,8 @@ unsigned joint_screws(const Tree<S>& tree, Arena arena, const catalog::Read<S>& 
         const Screw<Number> X = joint.column(C, k);
         for (int l = 0; l < lanes; ++l) {
           Twist<Spatial, S>& to = J[l * n + tree->first_screw[i] + k];
-          store(X.w, l, to.w), store(X.v, l, to.v);
+          store(X.w, l, to.w);
+          store(X.v, l, to.v);
         }
       }
     });
@@ -216,7 +221,7 @@ unsigned joint_screws(const Tree<S>& tree, Arena arena, const catalog::Read<S>& 
   return 0;
 }
 
-/// A motion in each lane.
+/// Integrates a motion in each lane.
 class Rollout {
  public:
   Rollout(const Tree<S>& tree, const Tableau& method)
@@ -224,12 +229,16 @@ class Rollout {
 
   unsigned run(const Motions<S>& of, std::ptrdiff_t k, std::ptrdiff_t end) noexcept {
     Dynamics& at = *dynamics_;
-    at.bodies.maybe_singular = Number::Mask{}, singular_lanes_ = 0;
+    at.bodies.maybe_singular = Number::Mask{};
+    singular_lanes_ = 0;
     const std::ptrdiff_t nq = tree_->nq, nv = tree_->nv;
     const S* row = of.law ? of.law->rows : nullptr;
     const auto accelerate = [&](double, std::span<const Number> q, std::span<const Number> v,
                                 std::span<Number> a) {
-      if (of.law) drive(*of.law, row, q.data(), v.data()), row += nq + 2 * nv;
+      if (of.law) {
+        drive(*of.law, row, q.data(), v.data());
+        row += nq + 2 * nv;
+      }
       const Number* const tau = of.damped ? with_damping(v.data()) : at.tau;
       if (of.compiled) {
         call(*of.compiled, q.data(), v.data(), tau, a.data());
@@ -240,7 +249,8 @@ class Rollout {
       at.bodies.accelerate(tree_, at.motion, a.data());
       return true;
     };
-    each(of, of.q + k * nq, (of.K + 1) * nq, at.q, nq), each(of, of.v + k * nv, (of.K + 1) * nv, at.v, nv);
+    each(of, of.q + k * nq, (of.K + 1) * nq, at.q, nq);
+    each(of, of.v + k * nv, (of.K + 1) * nv, at.v, nv);
     for (; k < end; ++k) {
       if (!of.law) each(of, of.tau + k * nv, of.K * nv, at.tau, nv);
       accelerate(0, {at.q, static_cast<std::size_t>(nq)}, {at.v, static_cast<std::size_t>(nv)},
@@ -280,17 +290,19 @@ class Rollout {
     for (int c = 0; c < tree_->nv; ++c) at.total[c] = at.tau[c] - Number(tree_.damping[c]) * v[c];
     return at.total;
   }
-  /// Accelerations by a function that takes states one behind the other.
+  /// Computes accelerations by a function that takes contiguous states.
   void call(const CompiledCall<S>& of, const Number* q, const Number* v, const Number* tau,
             Number* a) noexcept {
-    scatter(q, tree_->nq, of.q), scatter(v, tree_->nv, of.v), scatter(tau, tree_->nv, of.tau);
+    scatter(q, tree_->nq, of.q);
+    scatter(v, tree_->nv, of.v);
+    scatter(tau, tree_->nv, of.tau);
     const S* const arguments[]{of.q, of.v, of.tau};
     of.dynamics->call(lanes, arguments, of.a, of.scratch, of.maybe_singular);
     gather(of.a, tree_->nv, a);
     for (unsigned l = 0; l < lanes; ++l)
       singular_lanes_ |= static_cast<unsigned>(of.maybe_singular[l] != 0) << l;
   }
-  /// τ of a drive that is at a row.
+  /// Computes the forces τ of a drive from a row of its law.
   void drive(const ControlLaw<S>& law, const S* row, const Number* q, const Number* v) noexcept {
     Dynamics& at = *dynamics_;
     const int nq = tree_->nq, nv = tree_->nv;
@@ -303,7 +315,10 @@ class Rollout {
         at.tau[c] += Number(law.kp[c]) * at.x[c] + Number(law.kd[c]) * (Number(v_d[c]) - v[c]);
     }
     if (law.computes) {
-      for (int c = 0; c < nv; ++c) at.x[c] = at.tau[c], at.tau[c] = Number(tree_.armature[c]) * at.x[c];
+      for (int c = 0; c < nv; ++c) {
+        at.x[c] = at.tau[c];
+        at.tau[c] = Number(tree_.armature[c]) * at.x[c];
+      }
       at.inverse.forward(tree_, q, v, at.x, cast<Number>(tree_.g));
       at.inverse.backward(tree_, at.tau);
     } else if (law.limit) {
@@ -313,7 +328,7 @@ class Rollout {
       }
     }
   }
-  /// n numbers of every motion, the last one repeated in lanes that are left.
+  /// Copies n numbers of every motion to its lane; the last motion is repeated in the remaining lanes.
   static void each(const Motions<S>& of, const S* in, std::ptrdiff_t stride, Number* out, std::ptrdiff_t n) {
     for (std::ptrdiff_t l = 0; l < lanes; ++l)
       for (std::ptrdiff_t c = 0; c < n; ++c) out[c].x[l] = in[std::min(l, of.count - 1) * stride + c];
@@ -323,7 +338,7 @@ class Rollout {
   MuntheKaas<Number, S> scheme_;
   ConfigurationGroup<Number, S> group_;
   WithScratch<Number, Dynamics> dynamics_;
-  unsigned singular_lanes_ = 0;  ///< of the compiled function
+  unsigned singular_lanes_ = 0;  ///< lanes for which the compiled function returned a doubt
 };
 void* make_rollout(const Tree<S>& tree, const Tableau& method) { return new Rollout(tree, method); }
 unsigned run_rollout(void* rollout, const Motions<S>& of, std::ptrdiff_t k, std::ptrdiff_t end) noexcept {

@@ -15,7 +15,8 @@ bool MonitorThrottle::should_continue(std::size_t done) {
   const bool soon = now - last_check_ < std::chrono::milliseconds(2);
   calls_between_checks_ =
       soon ? std::min(2 * calls_between_checks_, 1024) : std::max(calls_between_checks_ / 4, 1);
-  calls_ = 0, last_check_ = now;
+  calls_ = 0;
+  last_check_ = now;
   if (now - last_call_ < std::chrono::milliseconds(20)) return true;
   last_call_ = now;
   return monitor_(done, of_);
@@ -40,8 +41,9 @@ std::size_t in_portions(std::size_t N, std::size_t group, int threads, const Mon
       if (!next.compare_exchange_weak(begin, end)) continue;
       for (std::size_t g = begin; g < end; ++g) {
         if (stopped) {
-          for (std::size_t left = first_left; g < left && !first_left.compare_exchange_weak(left, g);) {
-          }
+          std::size_t left = first_left;
+          while (g < left)
+            if (first_left.compare_exchange_weak(left, g)) break;
           return;
         }
         work(g * group, std::min(group, N - g * group));
@@ -53,7 +55,7 @@ std::size_t in_portions(std::size_t N, std::size_t group, int threads, const Mon
   if (tasks < 2) {
     run();
   } else {
-    // What tasks find and leave goes through next and finished: ThreadSanitizer sees no locks of the thread
+    // Tasks synchronise by `next` and `finished`: ThreadSanitizer does not see the locks of the thread
     // library.
     const auto task = [&](std::size_t) __attribute__((no_sanitize("thread"))) {
       if (next.load() < groups) run();

@@ -5,10 +5,10 @@
 
 #include "axode/batch.hpp"
 
-/// Work on many states that is spread over cores, told about and ended early.
+/// Spreads work on many states over cores, and reports progress to a monitor that may end it early.
 namespace axode::batch {
 
-/// Tells a monitor how far a call is, now and then, and learns whether to go on. For the thread of the call.
+/// Calls a monitor at most every 20 ms. It may be used in the calling thread only.
 class MonitorThrottle {
  public:
   MonitorThrottle(const Monitor& monitor, std::size_t of) : monitor_(monitor), of_(of) {}
@@ -18,18 +18,17 @@ class MonitorThrottle {
   using Clock = std::chrono::steady_clock;
   const Monitor& monitor_;
   std::size_t of_;
-  int calls_ = 0, calls_between_checks_ = 1;  ///< at the clock, which costs more than some states
+  int calls_ = 0, calls_between_checks_ = 1;  ///< checks of the clock, which cost more than some states
   Clock::time_point last_check_ = Clock::now(), last_call_ = last_check_;
 };
 
-/// Work on a group of states: the first of them, and how many.
+/// Work on `count` states, beginning with `first`.
 using Work = std::function<void(std::size_t first, std::size_t count)>;
 
-/// Does work on every group of `group` out of N states, the last group with fewer states. As many tasks as
-/// there are cores to use, each with work of its own, take the groups in portions. They run wherever the
-/// caller's tasks would, where the threads are awake. Ends early, after the groups at hand, where the monitor
-/// says so. Returns how many states are done, from the first on; of those behind them some may be done as
-/// well.
+/// Does work on N states in groups of `group` states; the last group may be smaller. As many tasks as there
+/// are cores to use take portions of the groups, and each has a Work of its own. They run in the caller's TBB
+/// arena, whose threads are awake. If the monitor returns false, the call ends after the current groups.
+/// Returns n if the first n states are done; some later ones may be done as well.
 std::size_t in_portions(std::size_t N, std::size_t group, int threads, const Monitor& monitor,
                         const std::function<Work()>& make_work);
 

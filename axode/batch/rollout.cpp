@@ -29,7 +29,7 @@ namespace {
 
 template <class S> void none(std::span<S> x) { std::ranges::fill(x, std::numeric_limits<S>::quiet_NaN()); }
 
-/// What acts on the joints of all motions besides forces of their own.
+/// The joint losses that act on all motions.
 struct Losses {
   bool damping, friction;
 
@@ -39,7 +39,7 @@ struct Losses {
                  std::ranges::any_of(model.tree<double>().friction, [](double f) { return f > 0; })) {}
 };
 
-/// Steps of one motion, under forces or a drive.
+/// Integrates one motion under given forces or a drive.
 template <class S> class ScalarRollout {
  public:
   ScalarRollout(const Model& model, const CompiledDynamics<S>& compiled, const Tableau& method,
@@ -57,13 +57,13 @@ template <class S> class ScalarRollout {
     if (!model.loops().empty()) loops_ = std::make_shared<ClosedMotion>(model);
   }
 
-  /// At a state, where loops are closed.
+  /// Begins at a state with closed loops.
   void begin(std::span<const S> q) {
     if constexpr (std::same_as<S, double>)
       if (loops_) loops_->determine_rank(q);
   }
 
-  /// Step k; forces are for those without a drive.
+  /// Computes step k. The forces tau act if there is no drive.
   Solvability run(std::size_t k, std::span<const S> q, std::span<const S> v, std::span<const S> tau,
                   double step, std::span<S> q_1, std::span<S> v_1) {
     if constexpr (std::same_as<S, double>)
@@ -81,8 +81,10 @@ template <class S> class ScalarRollout {
       found = solve(q_t, v_t, a_t);
       return found.ok();
     };
-    if (losses_.friction) {  // why it could not go on
-      if (accelerate(0, q, v, a_)) loops_open_ = loops_ != nullptr, found.not_finite = !loops_open_;
+    if (losses_.friction) {  // the step has failed: find out why
+      if (!accelerate(0, q, v, a_)) return found;
+      loops_open_ = loops_ != nullptr;
+      found.not_finite = !loops_open_;
       return found;
     }
     if (!accelerate(0, q, v, a_) || !scheme_.run(0, q.data(), v.data(), a_.data(), step, accelerate))
@@ -93,7 +95,8 @@ template <class S> class ScalarRollout {
       if (loops_) {
         std::vector<double> q_end(q_1.begin(), q_1.end());
         loops_open_ = !loops_->close(q_end, scheme_.y);
-        std::ranges::copy(q_end, q_1.begin()), std::ranges::copy(scheme_.y, v_1.begin());
+        std::ranges::copy(q_end, q_1.begin());
+        std::ranges::copy(scheme_.y, v_1.begin());
       }
     return found;
   }
@@ -101,7 +104,7 @@ template <class S> class ScalarRollout {
   bool loops_open() const { return loops_open_; }
 
  private:
-  /// A step, or more, in which joints stick and slide; false where the motion cannot go on.
+  /// Computes a step in which joints stick and slide. Returns false if the motion cannot continue.
   bool step_with_friction(std::size_t k, std::span<const double> q, std::span<const double> v,
                           std::span<const double> tau, double step, std::span<double> q_1,
                           std::span<double> v_1) {
@@ -160,8 +163,7 @@ template <class S> class ScalarRollout {
   std::vector<S> a_, total_;
 };
 
-/// The quick way, for several motions of models without springs; with coupled joints by compiled dynamics
-/// only.
+/// Integrates several motions in lanes, for models without springs. Coupled joints need compiled dynamics.
 template <class S> class LaneRollout {
  public:
   LaneRollout(const Tree<S>& tree, const CompiledDynamics<S>& compiled, const Tableau& method)
@@ -193,21 +195,23 @@ template <class S> class LaneRollout {
   CompiledCall<S> call_{};
 };
 
-/// Motions under forces, or a drive.
+/// Integrates motions under given forces or a drive.
 template <class S>
 Outcome run_rollouts(const Model& model, const CompiledDynamics<S>& compiled, std::span<const S> q,
                      std::span<const S> v, std::size_t K, std::span<const S> tau, const Drive& drive,
                      double step, std::span<S> q_out, std::span<S> v_out, const Tableau& method, int threads,
                      const Monitor& monitor, const Losses& losses) {
-  // Of one motion, between two looks at the monitor; a step with friction takes up to milliseconds.
+  // Steps of a motion between two calls of the monitor. A step with friction takes up to milliseconds.
   const std::size_t steps_at_once = losses.friction ? 16 : 256;
   const std::size_t nq = model.nq(), nv = model.nv(), N = nq == 0 ? 0 : q.size() / nq;
   check_size("v", v.size(), N * nv, "nv N");
   check_size("q_out", q_out.size(), (K + 1) * nq * N, "(K + 1) nq N");
   check_size("v_out", v_out.size(), (K + 1) * nv * N, "(K + 1) nv N");
   for (const auto& [name, given] :
-       {std::pair<const char*, std::span<const S>>{"q", q}, {"v", v}, {"tau", tau}})
-    check_separate("q_out", q_out, name, given), check_separate("v_out", v_out, name, given);
+       {std::pair<const char*, std::span<const S>>{"q", q}, {"v", v}, {"tau", tau}}) {
+    check_separate("q_out", q_out, name, given);
+    check_separate("v_out", v_out, name, given);
+  }
   check_separate("q_out", q_out, "v_out", std::span<const S>(v_out));
 
   for (const std::span<S> out : {q_out, v_out}) std::ranges::fill(out, std::numeric_limits<S>::quiet_NaN());
@@ -216,9 +220,10 @@ Outcome run_rollouts(const Model& model, const CompiledDynamics<S>& compiled, st
   const auto tau_at = [&](std::size_t n, std::size_t k) {
     return drive ? std::span<const S>{} : tau.subspan((n * K + k) * nv, nv);
   };
-  for (std::size_t n = 0; n < N; ++n)
-    std::ranges::copy(q.subspan(n * nq, nq), q_at(n, 0).begin()),
-        std::ranges::copy(v.subspan(n * nv, nv), v_at(n, 0).begin());
+  for (std::size_t n = 0; n < N; ++n) {
+    std::ranges::copy(q.subspan(n * nq, nq), q_at(n, 0).begin());
+    std::ranges::copy(v.subspan(n * nv, nv), v_at(n, 0).begin());
+  }
 
   const Tree<S>& tree = model.tree<S>();
   ControlLawSampler<S> sampler(model, drive);
@@ -252,7 +257,9 @@ Outcome run_rollouts(const Model& model, const CompiledDynamics<S>& compiled, st
                   one->run(k, q_at(n, k), v_at(n, k), tau_at(n, k), step, q_at(n, k + 1), v_at(n, k + 1));
               loops_open[n] = one->loops_open();
             }
-            if (!found[n].ok() || loops_open[n]) none(q_at(n, k + 1)), none(v_at(n, k + 1));
+            if (found[n].ok() && !loops_open[n]) continue;
+            none(q_at(n, k + 1));
+            none(v_at(n, k + 1));
           }
         }
       };
@@ -260,13 +267,16 @@ Outcome run_rollouts(const Model& model, const CompiledDynamics<S>& compiled, st
     if (!throttle.should_continue(0)) outcome.done = 0;
   }
   for (std::size_t n = 0; n < outcome.done; ++n)
-    if ((!found[n].ok() || loops_open[n]) && outcome.singular_states++ == 0)
-      outcome.first = n, outcome.solvability = found[n], outcome.loops_open = loops_open[n];
+    if ((!found[n].ok() || loops_open[n]) && outcome.singular_states++ == 0) {
+      outcome.first = n;
+      outcome.solvability = found[n];
+      outcome.loops_open = loops_open[n];
+    }
   return outcome;
 }
 
-/// Looks whether a motion can start at every state: where loops are closed. Throws std::invalid_argument
-/// where it cannot; false where the monitor ended it, which is told that nothing is done.
+/// Checks that loops are closed at every state. Throws std::invalid_argument if they are not. Returns false
+/// if the monitor, which is called with 0 finished states, has ended the check.
 template <class S>
 bool check_loops(const Model& model, std::span<const S> q, std::span<const S> v, int threads,
                  const Monitor& monitor) {
@@ -290,7 +300,7 @@ bool check_loops(const Model& model, std::span<const S> q, std::span<const S> v,
   }
 }
 
-/// Throws where single precision is asked for what it does not do.
+/// The losses of a model. Throws if it has dry friction and S is float.
 template <class S> Losses losses_of(const Model& model, bool enabled) {
   const Losses losses(model, enabled);
   if (std::same_as<S, float> && losses.friction)

@@ -9,8 +9,8 @@
 
 namespace axode::batch {
 
-/// The arguments and results of a row in N states, checked, and what came of each state. Kernels leave states
-/// that they doubt to the library's own function for one state.
+/// The checked arguments and the results of a row in N states, with a verdict on each state. The library's
+/// function for one state computes the states that kernels find maybe_singular.
 template <class S> class StatesOfRow {
  public:
   enum Verdict : unsigned char { solved, maybe_singular, singular, not_finite };
@@ -38,7 +38,7 @@ template <class S> class StatesOfRow {
   const Model& model() const { return model_; }
   const catalog::Function<S>& row() const { return row_; }
   std::size_t count() const { return count_; }
-  /// How many numbers an argument, and the result, have for each state.
+  /// Length of an argument for one state; size() is that of the result.
   std::size_t length(catalog::Input input) const {
     return static_cast<std::size_t>(input == catalog::Input::q ? model_.nq() : model_.nv());
   }
@@ -51,13 +51,13 @@ template <class S> class StatesOfRow {
   std::span<S> result(std::size_t first, std::size_t states) const {
     return out_.subspan(first * size_, states * size_);
   }
-  /// The verdicts on the states from `first` on; null if the row cannot fail.
+  /// The verdicts on the states, beginning with `first`; null if the row cannot fail.
   unsigned char* verdicts(std::size_t first) {
     if (!row_.may_fail) return nullptr;
     return verdicts_.empty() ? &only_verdict_ : &verdicts_[first];
   }
 
-  /// Solves the states among these that a kernel doubts one by one, and looks at the numbers of the others.
+  /// Solves maybe_singular states one by one, and checks that the results of the other states are finite.
   void settle(std::optional<Workspace<S>>& workspace, std::size_t first, std::size_t states) {
     for (std::size_t k = first; row_.may_fail && k < first + states; ++k) {
       unsigned char& verdict = *verdicts(k);
@@ -69,7 +69,7 @@ template <class S> class StatesOfRow {
       }
     }
   }
-  /// The library's function for one state.
+  /// Calls the library's function for one state.
   Solvability call_one(Workspace<S>& workspace, std::size_t k) const {
     catalog::Arguments<S> one;
     for (const catalog::Input input : row_.numbers()) catalog::numbers(one, input) = argument(input, k, 1);
@@ -106,7 +106,7 @@ template <class S> class StatesOfRow {
   const catalog::Arguments<S> given_;
   std::span<S> out_;
   std::size_t count_, size_;
-  std::vector<unsigned char> verdicts_;  ///< of several states
+  std::vector<unsigned char> verdicts_;  ///< empty for a single state
   unsigned char only_verdict_ = solved;
 };
 

@@ -1,24 +1,23 @@
 #pragma once
 #include "axode/scalar/transpose.hpp"
 
-/// From states one behind the other to numbers with a state in each lane, and back.
+/// Transposes contiguous states to numbers with a state in each lane, and back.
 namespace axode::batch {
 
 template <class S> constexpr int cache_line = static_cast<int>(64 / sizeof(S));
 
-/// Calls f(k) for blocks of N out of n numbers; the last block overlaps the one before where they do not come
-/// out even.
+/// Calls f(k) for blocks of N out of n numbers. The last block overlaps the one before unless N divides n.
 template <int N, class F> void each_block(std::ptrdiff_t n, const F& f) {
   std::ptrdiff_t k = 0;
   for (; k + N <= n; k += N) f(k);
   if (k < n) f(n - N);
 }
 
-/// in[l * n + k], number k of the state in lane l, to out[k].
+/// Copies in[l * n + k], number k of the state in lane l, to out[k].
 template <class S, std::size_t N> void gather(const S* in, std::ptrdiff_t n, Batch<S, N>* out) {
   constexpr int lanes = static_cast<int>(N);
   for (std::ptrdiff_t k = lanes * n; k < 2 * lanes * n; k += cache_line<S>)
-    __builtin_prefetch(in + k);  // the states that follow
+    __builtin_prefetch(in + k);  // the next states
   std::array<Batch<S, N>, N> rows;
   if (n >= lanes) {
     each_block<lanes>(n, [&](std::ptrdiff_t k) {
@@ -28,7 +27,7 @@ template <class S, std::size_t N> void gather(const S* in, std::ptrdiff_t n, Bat
     });
     return;
   }
-  for (int l = 0; l < lanes; ++l) {  // what follows a short row is the next state, and of no use
+  for (int l = 0; l < lanes; ++l) {  // a load may read beyond a short row, but not beyond the last state
     if (l * n + lanes <= lanes * n) {
       rows[l] = Batch<S, N>::load(in + l * n);
     } else {
@@ -39,7 +38,7 @@ template <class S, std::size_t N> void gather(const S* in, std::ptrdiff_t n, Bat
   transpose(rows);
   for (int k = 0; k < n; ++k) out[k] = rows[k];
 }
-/// in[k] to out[l * n + k].
+/// Copies lane l of in[k] to out[l * n + k].
 template <class S, std::size_t N> void scatter(const Batch<S, N>* in, std::ptrdiff_t n, S* out) {
   constexpr int lanes = static_cast<int>(N), ahead = 8 * cache_line<S>;
   std::array<Batch<S, N>, N> rows;
@@ -57,7 +56,7 @@ template <class S, std::size_t N> void scatter(const Batch<S, N>* in, std::ptrdi
   }
   for (int k = 0; k < lanes; ++k) rows[k] = k < n ? in[k] : Batch<S, N>(S(0));
   transpose(rows);
-  for (int l = 0; l < lanes; ++l) {  // what a row writes too much, the next one mends
+  for (int l = 0; l < lanes; ++l) {  // a store may write into the next row, which is stored later
     if (l * n + lanes <= lanes * n)
       rows[l].store(out + l * n);
     else

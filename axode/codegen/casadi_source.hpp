@@ -10,7 +10,8 @@ namespace axode::codegen {
 /// With the names of c_source, for each function
 ///
 ///     int NAME(const casadi_real **arg, casadi_real **res, casadi_int *iw, casadi_real *w, int mem)
-///     casadi_int NAME_n_in(void), NAME_n_out(void); const char *NAME_name_in(casadi_int i), NAME_name_out(casadi_int i)
+///     casadi_int NAME_n_in(void), NAME_n_out(void)
+///     const char *NAME_name_in(casadi_int i), *NAME_name_out(casadi_int i)
 ///     const casadi_int *NAME_sparsity_in(casadi_int i), *NAME_sparsity_out(casadi_int i)
 ///     int NAME_work(casadi_int *sz_arg, casadi_int *sz_res, casadi_int *sz_iw, casadi_int *sz_w)
 ///

@@ -28,7 +28,7 @@ bool can_be_run(const std::filesystem::path& file) {
   std::error_code none;
   return std::filesystem::is_regular_file(file, none) && access(file.c_str(), X_OK) == 0;
 }
-/// Where a program is, or nothing.
+/// The path of a program, or an empty text.
 std::string found_on_path(const std::string& program) {
   if (program.find('/') != std::string::npos) return can_be_run(program) ? program : "";
   std::istringstream folders(environment("PATH"));
@@ -39,7 +39,7 @@ std::string found_on_path(const std::string& program) {
   return "";
 }
 
-/// A file that other programs do not inherit.
+/// A file descriptor that is closed with its owner.
 class Descriptor {
  public:
   explicit Descriptor(int number) : number_(number) {}
@@ -94,8 +94,8 @@ pid_t spawned(const std::vector<std::string>& command, const std::filesystem::pa
   return process;
 }
 
-/// Of a process that has ended; nothing where it has not. Where nobody may know (SIGCHLD is ignored), 0: what
-/// it has left tells.
+/// Exit code of a process, or 128 + n if signal n ended it; empty while it runs. The code is 0 if it is not
+/// available (SIGCHLD is ignored): the files that the process wrote decide then.
 std::optional<int> exit_code(pid_t process, int options) {
   int status = 0;
   pid_t ended = 0;
@@ -126,7 +126,7 @@ std::optional<Finished> run_program(const std::vector<std::string>& command,
       exit_code(process, 0);
       return std::nullopt;
     }
-    if (ready == 0) code = exit_code(process, WNOHANG);  // what it has started may go on, with the pipe open
+    if (ready == 0) code = exit_code(process, WNOHANG);  // its children may go on, with the pipe open
     if (ready <= 0) continue;
     std::array<char, 1024> text;
     const ssize_t n = read(reader.number(), text.data(), text.size());

@@ -6,22 +6,23 @@
 
 #include "axode/batch.hpp"
 
-/// The C compiler of this machine, run without a shell.
+/// Runs the C compiler of this machine, without a shell.
 namespace axode::codegen {
 
 struct Compiler {
   std::vector<std::string> command;  ///< a program and its first arguments
-  std::string version;               ///< what it says of itself
+  std::string version;               ///< the output of --version
 };
-/// The first of $CC, cc, clang and gcc that is there. Throws std::runtime_error where none is.
+/// The first of $CC, cc, clang and gcc that can be run. Throws std::runtime_error if none can.
 Compiler find_compiler();
 
 struct Finished {
-  int code;            ///< 128 and more where a signal ended it
-  std::string output;  ///< its first kilobytes, of both kinds
+  int code;            ///< exit code, or 128 + n if signal n ended the program
+  std::string output;  ///< the first kilobytes of standard output and standard error
 };
-/// Runs a program to its end. Its temporary files go into that folder, or where they usually go if it is
-/// empty. Where the monitor says so, it is killed with all that it has started, and the result is nothing.
+/// Runs a program to its end. Its temporary files go into `folder`, or into the usual folder if that is
+/// empty. If the monitor returns false, the program is killed with all processes that it has started, and the
+/// result is empty.
 std::optional<Finished> run_program(const std::vector<std::string>& command,
                                     const std::filesystem::path& folder, const batch::Monitor& monitor = {});
 

@@ -27,7 +27,7 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t digits = 32;  // length of a digest; one is appended to each library in the cache
 
-/// 128 bits of a text as 32 hexadecimal digits. For what is the same, not against who wants it to look so.
+/// Hash of a text, 128 bits as 32 hexadecimal digits. It is not safe against intended collisions.
 std::string digest(std::string_view text) {
   std::uint64_t a = 0xcbf29ce484222325U, b = 0x9e3779b97f4a7c15U ^ text.size();
   for (const char c : text) {
@@ -54,7 +54,7 @@ void append(const fs::path& file, const std::string& text, std::ios::openmode mo
   if (!(stream << text) || !stream.flush()) throw std::runtime_error("cannot write " + file.string());
 }
 
-/// Its kind, which says what code may be in it.
+/// The kind of the processor, which decides on the instructions that code may have.
 std::string processor() {
   std::ifstream stream("/proc/cpuinfo");
   std::string text;
@@ -64,14 +64,14 @@ std::string processor() {
   return text;
 }
 
-/// The folder of the cache, empty where there is none to be had.
+/// The folder of the cache; empty if the environment names none.
 fs::path cache_folder() {
   const char *const base = std::getenv("XDG_CACHE_HOME"), *const home = std::getenv("HOME");
   if (base != nullptr && *base == '/') return fs::path(base) / "axode";
   if (home != nullptr && *home == '/') return fs::path(home) / ".cache" / "axode";
   return {};
 }
-/// Code is only taken from a folder in which nobody else can put it.
+/// Whether only this user can write to a file or folder. Code is loaded from no other place.
 bool is_ours(const fs::path& file) {
   struct stat status {};
   return !file.empty() && lstat(file.c_str(), &status) == 0 && !S_ISLNK(status.st_mode) &&
@@ -85,8 +85,8 @@ bool is_usable(const fs::path& folder) {
   return is_ours(folder) && access(folder.c_str(), W_OK | X_OK) == 0;
 }
 
-/// That one process at a time compiles under a key. It goes with the process, however that ends. Where the
-/// file system has no locks, several may compile the same.
+/// Ensures that one process at a time compiles under a key. The lock ends with the process, even if that is
+/// killed. If the file system has no locks, several processes may compile under one key.
 class Lock {
  public:
   Lock(const fs::path& folder, const std::string& key)
@@ -97,10 +97,13 @@ class Lock {
   }
   Lock(const Lock&) = delete;
   Lock& operator=(const Lock&) = delete;
-  /// False where another process has it.
+  /// Tries to take the lock. Returns false if another process holds it.
   bool try_it() {
     struct flock range {};
-    range.l_type = F_WRLCK, range.l_whence = SEEK_SET, range.l_start = place_, range.l_len = 1;
+    range.l_type = F_WRLCK;
+    range.l_whence = SEEK_SET;
+    range.l_start = place_;
+    range.l_len = 1;
     is_held_ = file_ >= 0 && fcntl(file_, F_OFD_SETLK, &range) == 0;
     return is_held_ || file_ < 0 || (errno != EAGAIN && errno != EACCES);
   }
@@ -112,7 +115,7 @@ class Lock {
   bool is_held_ = false;
 };
 
-/// A folder of its own that goes with it.
+/// A new folder that is removed with this object.
 class WorkFolder {
  public:
   explicit WorkFolder(const fs::path& in, const std::string& name) {
@@ -179,7 +182,7 @@ Library opened_from_cache(const fs::path& file) {
   return opened(file);
 }
 
-/// The first lines of what a compiler says.
+/// The first lines of a compiler's output.
 std::string first_lines(const std::string& output) {
   std::istringstream stream(output);
   std::string text;
@@ -208,11 +211,10 @@ Library compiled(const Compiler& compiler, const std::string& source, const std:
   return loaded;
 }
 
-/// A library, where it lies, and the folder that goes with it if it is not kept.
 struct Loaded {
   fs::path file;
   Library library;
-  std::shared_ptr<WorkFolder> folder = nullptr;
+  std::shared_ptr<WorkFolder> folder = nullptr;  ///< the folder of the library if it is not in the cache
 };
 
 Loaded loaded(const std::string& source, const std::vector<std::string>& flags,
@@ -249,7 +251,9 @@ Loaded loaded(const std::string& source, const std::vector<std::string>& flags,
 MachineCode::MachineCode(const std::string& source, const std::vector<std::string>& flags,
                          const batch::Monitor& monitor) {
   const Loaded code = loaded(source, flags, monitor);
-  file_ = code.file, folder_ = code.folder, library_ = code.library;
+  file_ = code.file;
+  folder_ = code.folder;
+  library_ = code.library;
 }
 
 void* MachineCode::address(const std::string& name) const {
@@ -267,7 +271,9 @@ SpecialisedCache specialised_cache() {
   for (const fs::directory_entry& entry : fs::directory_iterator(cache.folder, failed)) {
     if (entry.path().extension() != ".so") continue;
     const std::uintmax_t bytes = entry.file_size(failed);
-    if (!failed) ++cache.models, cache.bytes += bytes;
+    if (failed) continue;
+    ++cache.models;
+    cache.bytes += bytes;
   }
   return cache;
 }

@@ -20,13 +20,13 @@ bool same(const Function& a, const Function& b) {
 
 }  // namespace
 
-/// A function as it lies in memory.
+/// The loaded library and its functions.
 template <class T> struct Specialised<T>::Code {
   struct Entry {
     Function function;
     const catalog::Function<T>* row;
     void (*call)(long count, const T* const* arguments, T* result, T* scratch, unsigned char* maybe_singular);
-    std::size_t scratch;  ///< numbers that are needed in all
+    std::size_t scratch;  ///< length of the array `scratch`
   };
   codegen::MachineCode library;
   std::vector<Entry> entries;
@@ -59,7 +59,7 @@ template <class T> struct Specialised<T>::Code {
   }
 };
 
-/// Calls an entry on states, with scratch memory of its own.
+/// Calls a compiled function on states, with scratch memory of its own.
 template <class T> class Specialised<T>::Call {
  public:
   Call(batch::StatesOfRow<T>& states, const typename Code::Entry& entry)
@@ -110,7 +110,7 @@ template <class T> bool Specialised<T>::has(const Function& function) const {
 template <class T>
 batch::Outcome Specialised<T>::run(const Function& function, const catalog::Arguments<T>& given,
                                    std::span<T> out, int threads, const batch::Monitor& monitor) const {
-  const std::size_t group = threads > 1 ? 16 : 64;  // registers are filled, and a few states are shared out
+  const std::size_t group = threads > 1 ? 16 : 64;  // fills registers, and leaves work for all threads
   const auto& entry = code_->entry(model_, function);
   if (!given.loads.wrenches.empty() || given.loads.joint_losses)
     throw std::invalid_argument("specialised functions take no loads and no joint losses");

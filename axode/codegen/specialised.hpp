@@ -14,28 +14,28 @@
 namespace axode {
 
 struct SpecialisedOptions {
-  int lanes = 16;  ///< states in a register, at most: 1, 2, 4, 8 or 16; as many as fit where that is less
+  int lanes = 16;  ///< largest number of states in a register: 1, 2, 4, 8 or 16
   std::vector<std::string> flags = {"-O3", "-march=native", "-ffp-contract=fast"};  ///< for the compiler
-  batch::Monitor monitor = {};  ///< told while the compiler runs, which it ends by saying no
+  batch::Monitor monitor = {};  ///< called while the compiler runs; ends it by returning false
 };
 
-/// The monitor said no while the compiler ran.
+/// The error that the monitor returned false while the compiler ran.
 class CompilationEnded : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
 
-/// Functions of one model as machine code made for it: codegen's C, compiled when this is made ($CC, cc,
-/// clang or gcc) and kept in a cache for the next time. T is double or float. Threads may share one.
+/// Functions of one model as machine code. The constructor generates C for the model and compiles it ($CC,
+/// cc, clang or gcc), or takes the code from a cache. T is double or float. Threads may share one object.
 ///
 ///     const Specialised<> fast(arm, {{"inverse_dynamics"}});
-///     const batch::Outcome outcome = batch::run(fast, {"inverse_dynamics"}, {.q = q, .v = v, .a = a}, tau, 4);
+///     batch::Outcome outcome = batch::run(fast, {"inverse_dynamics"}, {.q = q, .v = v, .a = a}, tau, 4);
 ///
-/// The C++ library itself needs no compiler, and stays what it is where there is none.
+/// All other functions of the library need no compiler.
 template <class T = double> class Specialised {
  public:
-  /// Throws std::invalid_argument for what codegen::c_source does and for lanes that are none of those, and
-  /// std::runtime_error where there is no compiler or it fails.
+  /// Throws std::invalid_argument if codegen::c_source() does and for other numbers of lanes, and
+  /// std::runtime_error if there is no compiler or it fails.
   Specialised(const Model& model, std::span<const codegen::Function> functions,
               SpecialisedOptions options = {});
   Specialised(const Model& model, std::initializer_list<codegen::Function> functions,
@@ -45,11 +45,11 @@ template <class T = double> class Specialised {
   const Model& model() const { return model_; }
   bool has(const codegen::Function& function) const;
 
-  /// What batch::run() does.
+  /// Implements batch::run() below.
   batch::Outcome run(const codegen::Function& function, const catalog::Arguments<T>& given, std::span<T> out,
                      int threads, const batch::Monitor& monitor) const;
 
-  /// What rollouts call.
+  /// The forward dynamics that rollouts call.
   batch::CompiledDynamics<T> compiled_dynamics() const;
 
  private:
@@ -61,12 +61,12 @@ template <class T = double> class Specialised {
 
 namespace batch {
 
-/// A function that the model was specialised for, in N states, which lie one behind the other as in
-/// axode/batch.hpp. Checks, threads and the monitor are those of a Model, and so is what becomes of states
-/// whose mass matrix may be singular: the library's own function decides. Results differ by rounding. A
-/// state's result depends neither on its place nor on the threads; one state alone goes without lanes and may
-/// differ by rounding. Throws std::invalid_argument as well for a function that the model was specialised
-/// without, and for loads.
+/// Computes a function that the model was specialised for in N states, which are contiguous as in
+/// axode/batch.hpp. Checks, threads and the monitor are those of a Model. The library's own function decides
+/// on states whose mass matrix may be singular. Results differ from the library's by rounding. The result of
+/// a state depends neither on its index nor on the number of threads, but a single state is computed without
+/// lanes and may differ by rounding. Also throws std::invalid_argument for a function that the model was
+/// specialised without, and for loads.
 template <class T>
 Outcome run(const Specialised<T>& model, const codegen::Function& function,
             const catalog::Arguments<std::type_identity_t<T>>& given, std::type_identity_t<std::span<T>> out,
@@ -74,9 +74,9 @@ Outcome run(const Specialised<T>& model, const codegen::Function& function,
   return model.run(function, given, out, threads, monitor);
 }
 
-/// Of models that were specialised with forward_dynamics. Motions with coupled joints go through the lanes as
-/// well. Springs act, and with joint_losses damping and dry friction; steps with friction are the library's
-/// own.
+/// Integrates N motions of a model that was specialised with forward_dynamics, see axode/batch.hpp. Motions
+/// with coupled joints are computed in lanes as well. Springs act, and with joint_losses damping and dry
+/// friction. Steps with friction are computed by the library's own functions.
 template <class T>
 Outcome rollout(const Specialised<T>& model, Numbers<T> q, Numbers<T> v, Numbers<T> tau, double step,
                 std::type_identity_t<std::span<T>> q_out, std::type_identity_t<std::span<T>> v_out,
@@ -96,14 +96,14 @@ Outcome rollout(const Specialised<T>& model, Numbers<T> q, Numbers<T> v, const D
 
 }  // namespace batch
 
-/// What is kept of specialised models: in $XDG_CACHE_HOME/axode, or in ~/.cache/axode.
+/// The cache of specialised models in $XDG_CACHE_HOME/axode, or in ~/.cache/axode.
 struct SpecialisedCache {
-  std::string folder;  ///< empty where there is none
+  std::string folder;  ///< empty if there is no cache
   std::size_t models = 0;
   std::uintmax_t bytes = 0;
 };
 SpecialisedCache specialised_cache();
-/// Removes all of it, but not what is being compiled right now. Models that are loaded stay as they are.
+/// Empties the cache, except for models that are being compiled. Loaded models remain usable.
 void clear_specialised_cache();
 
 }  // namespace axode
