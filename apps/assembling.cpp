@@ -40,7 +40,8 @@ void assemble(const Model& model, const Assembling& assembling, State& state) {
   const std::vector<int> held = velocities_of(model, assembling.hold);
   AssemblyResult closed = axode::assemble(model, state.q, state.v, {.held = held});
   if (closed.status != AssemblyStatus::closed) throw InputError(to_string(model, closed));
-  state.q = std::move(closed.q), state.v = std::move(closed.v);
+  state.q = std::move(closed.q);
+  state.v = std::move(closed.v);
 }
 
 }  // namespace axode::command

@@ -6,10 +6,10 @@
 
 namespace axode::command {
 
-/// How long one call takes: the median of batches of calls that are long enough for the clock.
+/// Measures the time of one call as the median over batches of calls that are long enough for the clock.
 class CallTimer {
  public:
-  /// `run` makes as many calls as it is told.
+  /// run(n) makes n calls.
   explicit CallTimer(std::function<void(int)> run) : run_(std::move(run)) {
     run_(1);
     calls_ = std::clamp(static_cast<int>(50e-6 / std::max(seconds(10), 1e-9)), 1, 100000);
@@ -17,7 +17,7 @@ class CallTimer {
   void sample(int batches) {
     for (int k = 0; k < batches; ++k) times_.push_back(seconds(calls_));
   }
-  /// In seconds, of all samples so far.
+  /// The median of all samples so far, in seconds.
   double median() {
     const auto middle = times_.begin() + std::ssize(times_) / 2;
     std::nth_element(times_.begin(), middle, times_.end());

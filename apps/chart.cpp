@@ -24,11 +24,12 @@ extern char** environ;
 namespace axode::command {
 namespace {
 
-/// Colours that are told apart with any kind of eyes; the second half is dashed besides.
+/// Colours that can also be distinguished with a colour vision deficiency. Lines of the second half are
+/// dashed.
 constexpr std::array<std::string_view, 8> palette{"#4477aa", "#ee7733", "#228833", "#aa3377",
                                                   "#999933", "#33bbee", "#000000", "#cc3311"};
 constexpr std::size_t most_lines = palette.size(), most_points = 2000, longest_name = 28;
-constexpr std::size_t most_dots = 50;  ///< of a line on which each point is shown
+constexpr std::size_t most_dots = 50;  ///< largest number of points of a line that has a dot for each
 
 // ----------------------------------------------------------------------------------------------------
 // gnuplot
@@ -62,7 +63,7 @@ class TemporaryFile {
   std::unique_ptr<std::FILE, int (*)(std::FILE*)> file_;
 };
 
-/// What gnuplot answers to a script, read from its standard input; nothing where there is no gnuplot.
+/// The output of gnuplot for a script, which it reads from standard input; empty if gnuplot is not installed.
 std::optional<Outcome> gnuplot(const std::string& script) {
   TemporaryFile in, out, err;
   in.write(script);
@@ -84,9 +85,9 @@ std::optional<Outcome> gnuplot(const std::string& script) {
 // -----------------------------------------------------------------------------------------------------
 // script
 
-/// A string of gnuplot that holds the text and nothing else, whatever is in it: but for letters and blanks
-/// all is written as numbers of bytes, digits too, for gnuplot takes one that follows such a number for a
-/// part of it. Control characters become blanks, what is no UTF-8 a question mark.
+/// A string of gnuplot for any text. All bytes except letters and blanks are written as numbers, digits too,
+/// because gnuplot takes a digit after such a number for a part of it. Control characters become blanks, and
+/// bytes that are not UTF-8 become question marks.
 std::string literal(const std::string& text) {
   const std::string valid =
       Json::parse(Json(text).dump(-1, ' ', false, Json::error_handler_t::replace)).get<std::string>();
@@ -104,7 +105,7 @@ std::string literal(const std::string& text) {
   return out + '"';
 }
 
-/// The text, cut short where it is longer.
+/// The text, shortened if it is longer.
 std::string shortened(std::string text, std::size_t longest) {
   if (width(text) <= longest) return text;
   while (width(text) > longest - 3) text.pop_back();
@@ -114,10 +115,11 @@ std::string in_legend(const Curve& curve) { return shortened(curve.name, longest
 
 double range(const Curve& curve) {
   const auto [low, high] = std::ranges::minmax(curve.y);
-  return high / 2 - low / 2;  // which does not overflow
+  return high / 2 - low / 2;  // does not overflow
 }
 
-/// The curves that are drawn: where lines are too many, those that change most, in their order.
+/// The curves that are drawn. If there are too many lines, they are the lines that change most, in their
+/// order.
 std::vector<const Curve*> chosen(const Panel& panel) {
   std::vector<const Curve*> curves;
   for (const Curve& curve : panel.curves)
@@ -130,8 +132,8 @@ std::vector<const Curve*> chosen(const Panel& panel) {
   return curves;
 }
 
-/// The places of the points that are drawn: where they are too many, the lowest and the highest of each of
-/// equal parts.
+/// The indices of the points that are drawn. If there are too many, they are the lowest and the highest point
+/// of each of equal parts.
 std::vector<std::size_t> thinned(const std::vector<double>& y) {
   std::vector<std::size_t> places;
   const std::size_t parts = y.size() <= most_points ? y.size() : most_points / 2;
@@ -146,8 +148,8 @@ std::vector<std::size_t> thinned(const std::vector<double>& y) {
   return places;
 }
 
-/// A step of 1, 2 or 5 times a power of ten, with which at most so many make the whole; 0 where there is
-/// none.
+/// A step of 1, 2 or 5 times a power of ten, so that at most the given number of steps make the whole; 0 if
+/// there is no such step.
 double round_step(double whole, double most) {
   if (!(whole > 0) || !std::isfinite(whole)) return 0;
   const double power = std::pow(10, std::floor(std::log10(whole / most)));
@@ -156,7 +158,7 @@ double round_step(double whole, double most) {
   return 10 * power;
 }
 
-/// A chart as a script of gnuplot, whose answer is the picture.
+/// Writes a chart as a script of gnuplot, whose output is the picture.
 class Script {
  public:
   explicit Script(const Chart& chart) : chart_(chart) {
@@ -238,7 +240,7 @@ class Script {
     text_ += plots + "\nunset label 1\n";
   }
 
-  /// Whether names below the panel have no room beside each other.
+  /// Whether names below the panel are too long to stand side by side.
   bool slanted(const Panel& panel) const {
     std::size_t longest = 0;
     for (const auto& [x, name] : panel.x_ticks) longest = std::max(longest, width(name));
@@ -250,7 +252,7 @@ class Script {
     return fmt::format("unset logscale {0}\nset format {0} \"%h\"\n", name);
   }
 
-  /// The distance of numbers beside the panel, which have some room each.
+  /// The distance of numbers beside the panel that leaves some room for each.
   std::string y_step(const std::vector<const Curve*>& curves) const {
     double low = curves.front()->kind == Curve::bars ? 0 : curves.front()->y.front(), high = low;
     for (const Curve* curve : curves)
@@ -259,7 +261,8 @@ class Script {
     return step > 0 ? fmt::format("{:.9g}", step) : "autofreq";
   }
 
-  /// How many stand below a logarithmic axis that ends with its curves; only they have a number there.
+  /// The number of powers of ten below a logarithmic axis that ends with its curves; only they have a number
+  /// there.
   static double powers_of_ten(const std::vector<const Curve*>& curves) {
     double low = curves.front()->x.front(), high = low;
     for (const Curve* curve : curves)
@@ -279,7 +282,7 @@ class Script {
     return "set autoscale xfix\nset offsets 0.5, 0.5, 0, 0\nset yrange [0:*]\n";
   }
 
-  /// What the legend says of lines that are not drawn.
+  /// The entry of the legend for lines that are not drawn.
   std::string note(const Panel& panel) const {
     const auto all = std::ranges::count_if(panel.curves, [](const Curve& curve) { return !curve.y.empty(); });
     const std::size_t drawn = panels_[static_cast<std::size_t>(&panel - chart_.panels.data())].size();
@@ -295,7 +298,7 @@ class Script {
         x / size_[0], y / size_[1], literal(note(chart_.panels[place])));
   }
 
-  /// The legend of the first panel, as wide as the chart: that of a plot without anything else.
+  /// The legend of the first panel, as wide as the chart. It is drawn as the legend of an empty plot.
   std::string legend_below() const {
     std::string text = fmt::format(
         "set lmargin at screen 0\nset rmargin at screen 1\nset bmargin at screen 0\nset tmargin at screen "

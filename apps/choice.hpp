@@ -45,7 +45,7 @@ std::string suggestion(std::string_view word, const Range& candidates, NameOf na
   return near.empty() && !holding.empty() ? "; names that contain it: " + holding : near;
 }
 
-/// `"fre" is none of fixed, free; did you mean "free"?`, where names are the words that would do.
+/// `"fre" is none of fixed, free; did you mean "free"?`, where names are the valid words.
 template <class Range, class NameOf>
 std::string none_of(std::string_view word, const Range& candidates, NameOf name_of) {
   std::string sentence = '"' + std::string(word) + "\" is none of ";
@@ -57,7 +57,7 @@ std::string none_of(std::string_view word, const Range& candidates, NameOf name_
   return sentence + suggestion(word, candidates, name_of);
 }
 
-/// The value of a word. Throws Error where there is no such word; `where` starts the sentence.
+/// The value of a word. Throws Error if there is no such word; `where` is the begin of the sentence.
 template <class Error = UsageError, class Value, std::size_t N>
 Value choose(const std::string& where, std::string_view word,
              const std::array<std::pair<std::string_view, Value>, N>& choices) {

@@ -56,7 +56,7 @@ the columns of their arguments.
 With --abi cuda it is CUDA: each function for a thread of a GPU, and NAME_states, a kernel for n states that lie
 side by side, entry k of state i at x[k * n + i], which writes NaN where the function returns 1.)";
 
-/// Words and what they mean.
+/// Pairs of words and their values.
 template <class Meaning, std::size_t N> constexpr auto named(const std::array<std::string_view, N>& words) {
   std::array<std::pair<std::string_view, Meaning>, N> pairs{};
   for (std::size_t k = 0; k < N; ++k) pairs[k] = {words[k], static_cast<Meaning>(k)};

@@ -7,7 +7,7 @@ namespace CLI {
 class App;
 }
 
-/// The commands of `axode`. Each adds itself to the command line and, when chosen, leaves its exit code.
+/// The commands of `axode`. Each adds itself to the command line and sets the exit code when it is run.
 namespace axode::command {
 
 enum ExitCode {
@@ -22,7 +22,7 @@ class UsageError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// What was given is wrong: one sentence for each fault.
+/// The error of a wrong input, with one sentence for each fault.
 class InputError : public std::runtime_error {
  public:
   explicit InputError(std::vector<std::string> sentences)
@@ -42,7 +42,7 @@ void add_linearize(CLI::App& app, int& exit_code);
 void add_simulate(CLI::App& app, int& exit_code);
 void add_plot(CLI::App& app, int& exit_code);
 void add_view(CLI::App& app, int& exit_code);
-/// Python takes the place of this program, and leaves its own exit code.
+/// Python replaces this program, and the exit code is Python's.
 void add_map(CLI::App& app);
 void add_codegen(CLI::App& app, int& exit_code);
 void add_study(CLI::App& app, int& exit_code);

@@ -23,8 +23,9 @@ For fish: axode completion fish > ~/.config/fish/completions/axode.fish. An inst
 their places.
 The scripts call axode with the WORDS of a command line, and it prints what the last of them can become.)";
 
-/// A shell asks with all words behind `axode`, the last of which is to be completed, and is answered in lines
-/// of a word, a tab and a description. The answer ":files" stands for the names of files.
+/// A shell calls axode with all words after `axode`, the last of which is to be completed. The output has a
+/// line for each completion: a word, a tab and a description. The output ":files" stands for the names of
+/// files.
 constexpr const char* bash = R"sh(# Completion of axode for bash.
 _axode() {
   local words=("${COMP_WORDS[@]:1:COMP_CWORD}")
@@ -71,11 +72,11 @@ complete -c axode -f -a '(__axode)'
 constexpr std::array<std::pair<std::string_view, const char*>, 3> shells{
     {{"bash", bash}, {"zsh", zsh}, {"fish", fish}}};
 
-/// The words, or files, that fit in a place of the command line.
+/// The words, or files, that are valid at a place of the command line.
 struct Offer {
   bool files = false;
   bool list = false;                                            ///< whether commas separate several words
-  std::vector<std::pair<std::string, std::string>> words = {};  ///< with their descriptions
+  std::vector<std::pair<std::string, std::string>> words = {};  ///< words and descriptions
 };
 
 template <class Range, class NameOf> Offer offer_of(const Range& all, NameOf name_of, bool list = false) {
@@ -84,8 +85,8 @@ template <class Range, class NameOf> Offer offer_of(const Range& all, NameOf nam
   return offer;
 }
 
-/// The type of a value is `FILE`, the words that it can be, as in `table|json`, or the name of words that are
-/// many.
+/// The words that an option takes. The type of its value is `FILE`, a list of words, as in `table|json`, or a
+/// name for many words.
 Offer offer(const CLI::Option& option) {
   const std::string type = option.get_type_name();
   if (type.starts_with("FILE")) return {.files = true};
@@ -98,7 +99,7 @@ Offer offer(const CLI::Option& option) {
   return offer_of(CLI::detail::split(type, '|'), std::identity());
 }
 
-/// The words that fit if no option asks for a value.
+/// The words that are valid if the word before is not an option with a value.
 Offer words_of(const CLI::App& command, bool is_option, bool with_equals) {
   Offer all;
   for (const CLI::App* sub : commands(command))
@@ -118,7 +119,7 @@ Offer words_of(const CLI::App& command, bool is_option, bool with_equals) {
   return all;
 }
 
-/// The words that the last of those behind `axode` can become, a line each.
+/// The completions of the last of the words after `axode`, one in a line.
 std::string completions(const CLI::App& app, std::vector<std::string> words, std::string_view shell) {
   std::string word = words.back(), head;  // a part of the word that stays
   words.pop_back();

@@ -32,7 +32,7 @@ such as springs in a URDF, is left out with a warning; with --strict it is an er
 Joints of a kind that the format does not have, such as helical ones, are always an error. IN is a drawing, a
 URDF or SDFormat (.sdf, .world); MJCF is read by the Python package: axode.load.)";
 
-/// Returns warnings of what is left out.
+/// Writes the file and returns warnings about what the format cannot express.
 using Writer = std::vector<Fault> (*)(const Model&, std::ostream&, Strictness);
 
 std::vector<Fault> write_all(const Model& model, std::ostream& out, Strictness) {

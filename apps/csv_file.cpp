@@ -10,7 +10,10 @@ void for_rows_of_csv(std::string_view text,
   std::size_t line = 1, begin = 1;
   bool quoted = false;
   const auto cell = [&]() -> std::string& {
-    if (cells.empty()) begin = line, cells.emplace_back();
+    if (cells.empty()) {
+      begin = line;
+      cells.emplace_back();
+    }
     return cells.back();
   };
   const auto end = [&] {
@@ -31,7 +34,8 @@ void for_rows_of_csv(std::string_view text,
     } else if (c == '\n') {
       end();
     } else if (c == ',') {
-      cell(), cells.emplace_back();
+      cell();
+      cells.emplace_back();
     } else if (c != '\r') {
       cell() += c;
     }

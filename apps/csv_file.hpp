@@ -5,18 +5,18 @@
 #include <string_view>
 #include <vector>
 
-/// Tables of text, a row a line and commas between cells. What is in quotes may hold commas, ends of lines
-/// and, twice, quotes.
+/// Tables of text with a row in each line and commas between cells. A cell in quotes may contain commas, ends
+/// of lines and doubled quotes.
 namespace axode::command {
 
-/// Calls with each row that is not empty, and the number of the line on which it begins, from 1.
+/// Calls a function with each row that is not empty and the number of its first line, which begins at 1.
 void for_rows_of_csv(std::string_view text,
                      const std::function<void(std::size_t line, const std::vector<std::string>& cells)>& row);
 
-/// Of a cell that is a number and nothing else, infinite and NaN among them.
+/// The number in a cell, inf and nan included; empty if the cell holds anything else.
 std::optional<double> number_in(std::string_view cell);
 
-/// A word of CSV in quotes.
+/// A text as a quoted cell of CSV.
 std::string quoted(const std::string& word);
 
 }  // namespace axode::command

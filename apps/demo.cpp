@@ -41,8 +41,8 @@ std::string short_number(double x) { return x == 0 ? "0" : fmt::format("{:.1e}",
 
 double microseconds(double seconds) { return std::round(1e8 * seconds) / 100; }
 
-/// Inverse dynamics of one robot at one state: in the four representations, and in whatever frames are
-/// quickest.
+/// Results and times of inverse dynamics of one robot at one state, in the four representations and by the
+/// fast path.
 struct RepresentationTimes {
   std::array<std::vector<double>, 5> tau;
   std::array<double, 5> time{};
@@ -62,7 +62,7 @@ struct RepresentationTimes {
       with_representation(all_representations[r], [&](auto rep) { run(r, rep); });
     run(4, Fast{});
   }
-  /// How far they are apart in component k.
+  /// The largest difference of two results in component k.
   double spread(std::size_t k) const {
     const auto [least, most] = std::minmax({tau[0][k], tau[1][k], tau[2][k], tau[3][k], tau[4][k]});
     return most - least;

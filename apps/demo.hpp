@@ -2,8 +2,8 @@
 
 namespace axode::command {
 
-/// Shows on standard output what axode does, on an arm and a humanoid. Throws std::runtime_error where there
-/// are no robots, and where the representations do not agree.
+/// Prints a demonstration of axode with an arm and a humanoid. Throws std::runtime_error if the robots are
+/// missing or the representations do not agree.
 void show_demo();
 
 }  // namespace axode::command

@@ -3,7 +3,7 @@
 
 #include "demo.hpp"
 
-/// `axode demo` as a program of its own: what `make demo` builds, in a quarter of the time of the command.
+/// `axode demo` as a program of its own, which `make demo` builds in a quarter of the time of the command.
 int main() {
   try {
     axode::command::show_demo();

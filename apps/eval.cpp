@@ -58,7 +58,7 @@ The JSON is {"model", "nq", "nv", "joints": [...], "results": {name: value}} wit
 of "joints", poses, twists and accelerations keyed by frame, joint_wrenches keyed by joint. Jacobians are
 keyed by frame: six rows of nv entries; their partial derivatives are lists of them, outermost first.)";
 
-/// Functions of a state whose arguments or results the command has another way for, or none.
+/// Functions of a state that the command does not offer, or offers in another way.
 constexpr std::pair<std::string_view, std::string_view> elsewhere[]{
     {"assemble", "ask for \"assembly\", or close the loops of the state by --assemble"},
     {"independent_linearization", "use axode linearize"},
@@ -163,7 +163,7 @@ std::string heading(const Quantity& quantity, const std::string& label) {
   return "\n" + in(Ink::heading, quantity.name) + ": " + label + "\n";
 }
 
-/// The quantities at one state.
+/// Prints the quantities at one state.
 void run(const Options& options, Format format, const std::vector<Quantity>& chosen, Question& ask) {
   ask.state = options.state.empty() ? neutral_state(ask.model) : read_state(ask.model, options.state);
   assemble(ask.model, options.assembling, ask.state);
@@ -186,7 +186,7 @@ void run(const Options& options, Format format, const std::vector<Quantity>& cho
   print_warnings(ask, options);
 }
 
-/// Where each number of a quantity is smallest and largest.
+/// The smallest and the largest value of each number of a quantity, and the states at which it has them.
 std::string extremes(const std::vector<Curve>& curves, const Sweep& sweep) {
   const std::string at = sweep.timed ? "at t" : "at state";
   Table table({"", "smallest", at, "largest", at});
@@ -198,7 +198,7 @@ std::string extremes(const std::vector<Curve>& curves, const Sweep& sweep) {
   return table.text();
 }
 
-/// The quantities at each state of a sweep.
+/// Prints the quantities at each state of a sweep.
 void run_sweep(const Options& options, Format format, const std::vector<Quantity>& chosen, Question& ask,
                const std::optional<ChartFile>& plot) {
   const Sweep sweep = read_sweep(ask.model, options.state);
@@ -217,7 +217,8 @@ void run_sweep(const Options& options, Format format, const std::vector<Quantity
       curves.resize(numbers.size());
       for (std::size_t k = 0; k < numbers.size(); ++k) {
         curves[k].name = numbers[k].first;
-        curves[k].x.push_back(sweep.t[i]), curves[k].y.push_back(numbers[k].second);
+        curves[k].x.push_back(sweep.t[i]);
+        curves[k].y.push_back(numbers[k].second);
       }
     }
     const std::string label = labels[name];

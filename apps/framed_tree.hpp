@@ -4,20 +4,18 @@
 
 #include "axode/model/tree.hpp"
 
-/// A tree in body frames other than the joint frames of Tree: a second view of the same mechanism, to compare
-/// choices of frames. The recursions take it in the place of a Tree; drive forces and mass matrices are the
-/// same.
+/// A tree in body frames other than the joint frames of Tree, to compare choices of frames. Recursions take
+/// it instead of a Tree; drive forces and mass matrices do not depend on the frames.
 namespace axode {
 
-struct UserFrames {};        ///< where the user placed the bodies; joint screws may be anything
+struct UserFrames {};        ///< the user's body frames; joint screws may be anything
 struct MassCenterFrames {};  ///< at the centres of mass, parallel to the joint frames; h = 0
 struct ConstructionFrames {
 };  ///< all at the inertial frame at q = 0: B_i = I, C_i = exp(Y_1 q_1) ... exp(Y_i q_i)
 
 namespace framed {
 
-/// The entries of a pose that is C_0 + sin q C_s + cos q C_c, one after the other. None of the three is a
-/// pose.
+/// The entries of the three terms of a pose C_0 + sin q C_s + cos q C_c. None of the terms is a pose.
 template <class T> struct Terms { SE3<T> C_0, C_s, C_c; };
 
 /// L exp(e_z q) D for poses L and D.
@@ -26,14 +24,14 @@ template <class T> Terms<T> terms(const SE3<T>& L, const SE3<T>& D) {
   return {{along * D.R, L.r + along * D.r}, {sine * D.R, sine * D.r}, {cosine * D.R, cosine * D.r}};
 }
 
-/// A revolute or a helical joint with the screw X = (n; y) in the body frame. The reference pose is among the
-/// constants.
+/// A revolute or a helical joint with the screw X = (n; y) in the body frame. The constants contain the
+/// reference pose.
 template <class T, class Frames, bool helical> struct Turning : subgroup::VectorCoordinates<T, 1> {
   Terms<T> C;
   Screw<T> X;
   Vec3<T> lead;  ///< in the predecessor's frame, for q = 1
 
-  /// For the joint frame L on the predecessor, and the body frame D on the joint frame.
+  /// L is the joint frame in the predecessor's frame, D the body frame in the joint frame.
   Turning(const SE3<T>& L, const SE3<T>& D, const T& pitch)
       : C(terms(L, D)),
         X(Ad_inv(D, Screw<T>{{T(0), T(0), T(1)}, {T(0), T(0), pitch}})),
@@ -102,7 +100,7 @@ template <class T, class Frames> struct Sliding : subgroup::VectorCoordinates<T,
   Screw<T> column(int) const { return {{}, e}; }
 };
 
-/// The body frame on the joint frame: any pose, or a mere displacement.
+/// The body frame in the joint frame: any pose, or a translation.
 template <class Frames, class T>
 using Offset = std::conditional_t<std::same_as<Frames, MassCenterFrames>, Vec3<T>, SE3<T>>;
 
@@ -116,7 +114,7 @@ template <class T> Twist<BodyFixed, T> expressed_in(const Vec3<T>& d, const Twis
   return {V.w, V.v + cross(V.w, d)};
 }
 template <class T> Wrench<BodyFixed, T> brought_back(const SE3<T>& D, const Wrench<BodyFixed, T>& W) {
-  const Wrench<Spatial, T> W_joint = coAd(D, W);  // the joint frame in the place of the inertial one
+  const Wrench<Spatial, T> W_joint = coAd(D, W);  // the joint frame replaces the inertial one
   return {W_joint.m, W_joint.f};
 }
 template <class T> Wrench<BodyFixed, T> brought_back(const Vec3<T>& d, const Wrench<BodyFixed, T>& W) {
@@ -140,8 +138,8 @@ template <class Joint, class T, class Offset> struct Conjugated {
 }  // namespace framed
 
 /// The numbers of a tree in other frames. Bodies whose frame is their joint frame keep the joints of the
-/// tree; all others have joints with constant screws that need not be sparse. What does not depend on frames
-/// is that of the tree.
+/// tree; all others have joints with constant screws that need not be sparse. Numbers that do not depend on
+/// frames are the tree's.
 template <class T, class Frames> class FramedTree {
  public:
   static constexpr bool central = std::same_as<Frames, MassCenterFrames>;
@@ -154,7 +152,7 @@ template <class T, class Frames> class FramedTree {
   const std::vector<T>&pitch = tree_.pitch, &ratio = tree_.ratio, &offset = tree_.offset;
   const std::vector<T>&armature = tree_.armature, &damping = tree_.damping, &friction = tree_.friction;
   const Vec3<T>& g = tree_.g;
-  std::vector<SE3<T>> B, frame_offset;  ///< in these frames, as all that follows
+  std::vector<SE3<T>> B, frame_offset;  ///< in these frames, as all members below
   std::vector<InertiaOfBody> M;         ///< n + 1
   std::vector<JointGroup> joint_groups;
   std::vector<int> by_kind;
@@ -195,7 +193,7 @@ template <class T, class Frames> class FramedTree {
   FramedTree& operator=(const FramedTree&) = delete;
   const Topology* operator->() const { return tree_.operator->(); }
 
-  /// The joints with one velocity that have constants of their own, by what they are in joint frames.
+  /// Joints with one velocity that have constants of their own, by their kind in joint frames.
   template <class Tree> static auto& own(Tree& tree, const subgroup::Revolute<T>&) { return tree.revolute; }
   template <class Tree> static auto& own(Tree& tree, const subgroup::Helical<T>&) { return tree.helical; }
   template <class Tree> static auto& own(Tree& tree, const subgroup::Prismatic<T>&) { return tree.prismatic; }
@@ -215,13 +213,13 @@ template <class T, class Frames> class FramedTree {
     }
     return D;
   }
-  /// Whether a joint stays what it is in a tree of joint frames.
+  /// Whether a joint is the same as in a tree of joint frames.
   static bool keeps_its_joint(Subgroup kind, const SE3<T>& D) {
     const Vec3<T> x = D.R.x - Vec3<T>{T(1), T(0), T(0)}, y = D.R.y - Vec3<T>{T(0), T(1), T(0)};
     const bool at_joint = !(dot(x, x) + dot(y, y) + dot(D.r, D.r) > T(0));
     return at_joint || (central && kind == Subgroup::prismatic);
   }
-  /// Each group in two: those whose joints stay and those that have constants of their own.
+  /// Splits each run in two: joints that stay the same and joints that have constants of their own.
   void sort_joints(const std::vector<JointGroup>& before, const std::vector<SE3<T>>& in_joint) {
     joint_groups.clear();
     for (const JointGroup& group : before) {
@@ -247,7 +245,7 @@ template <class T, class Frames> class FramedTree {
   }
 };
 
-/// f(joint, i, coupled) for every joint, kind by kind; coupled ones last.
+/// Calls f(joint, i, coupled) for every joint, kind by kind; coupled ones last.
 template <class T, class Frames, class F>
 constexpr void each_joint(const FramedTree<T, Frames>& tree, F&& f) {
   for (std::size_t r = 0; r < tree.joint_groups.size(); ++r) {

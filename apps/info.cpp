@@ -38,13 +38,13 @@ a free joint unless the drawing says passive = false.)";
 
 constexpr std::size_t most_warnings = 12;
 
-/// A number of each degree of freedom: its name in JSON, its heading, the value where it says nothing.
+/// A number of each degree of freedom: its name in JSON, its heading, and the value that is not printed.
 struct DofField {
   const char* name;
   const char* heading;
   double Dof::*value;
 };
-/// Of springs and stops, which few joints have.
+/// The numbers of springs and stops, which few joints have.
 constexpr std::array<DofField, 4> spring_fields{{{"stiffness", "stiffness", &Dof::stiffness},
                                                  {"rest", "rest", &Dof::rest},
                                                  {"stop_stiffness", "stop", &Dof::stop_stiffness},
@@ -82,7 +82,7 @@ Json neutral_center_of_mass(const Model& model) {
   return to_json(center_of_mass(model, workspace, neutral(model)));
 }
 
-/// Degrees of freedom at the closed configuration near the neutral one; none where that does not close.
+/// Degrees of freedom at the closed configuration near the neutral one; empty if its loops cannot be closed.
 std::optional<int> degrees_of_freedom(const Model& model) {
   const AssemblyResult closed = assemble(model, neutral(model));
   if (closed.status != AssemblyStatus::closed) return std::nullopt;

@@ -5,7 +5,7 @@
 
 #include "axode/lie/twist.hpp"
 
-/// Quantities as JSON. Numbers read back to the same double; what is infinite (no limit) is null.
+/// Quantities as JSON. Numbers read back to the same double; infinite numbers (no limit) are null.
 namespace axode::command {
 
 using Json = nlohmann::ordered_json;

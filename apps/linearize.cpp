@@ -59,16 +59,17 @@ The ending of FILE says what is written by --output: .json all that is known; .c
 with loops) and their names; .npz A and B: A = numpy.load("AB.npz")["A"]. --plot draws the poles, which are the
 eigenvalues of A, and the natural frequencies.)";
 
-constexpr Index most_columns = 8;        ///< of a matrix that is printed
-constexpr std::size_t most_entries = 4;  ///< of a mode shape that are printed
-constexpr double smallest_entry = 0.01;  ///< of them
+constexpr Index most_columns = 8;        ///< largest width of a matrix that is printed
+constexpr std::size_t most_entries = 4;  ///< largest number of entries of a mode shape that are printed
+constexpr double smallest_entry = 0.01;  ///< smallest entry that is printed
 
-/// A linear system, and where it is that of the model.
+/// A linear system, and the state of the model at which it was computed.
 struct Linearized {
   Model model;
   State state;
   bool joint_losses;
-  std::vector<std::string> velocities;  ///< that A is about: all, or with loops those that are independent
+  std::vector<std::string>
+      velocities;  ///< names of the velocities in A: all, or the independent ones of loops
   RowMajor A, B;
   Modes modes;
 };
@@ -77,7 +78,7 @@ bool is_zero(const std::vector<double>& x) {
   return std::ranges::all_of(x, [](double x_k) { return x_k == 0; });
 }
 
-/// The state that is asked for.
+/// The state that the options describe.
 State found_state(const Model& model, const Options& options) {
   State state = options.state.empty() ? neutral_state(model) : read_state(model, options.state);
   if (options.equilibrium || options.hold) {
@@ -138,7 +139,9 @@ Linearized linearized(const Options& options) {
     require(forward_dynamics<double>(model, loops, state.q, state.v, forces, state.a, {}, loads));
     std::vector<std::string> chosen;
     for (const int c : linear.velocities) chosen.push_back(at.velocities[static_cast<std::size_t>(c)]);
-    at.velocities = chosen, at.A = linear.A, at.B = linear.B;
+    at.velocities = chosen;
+    at.A = linear.A;
+    at.B = linear.B;
   } else {
     require(forward_dynamics(model, workspace, state.q, state.v, forces, state.a, loads));
     require(linearize(model, workspace, state.q, state.v, state.tau, {as_span(at.A), as_span(at.B)}, loads));
@@ -164,7 +167,7 @@ Named named(const Linearized& at) {
   return AB;
 }
 
-/// "stable" where every deviation dies out, "unstable" where one grows exponentially, otherwise "marginal".
+/// "stable" if every deviation decays, "unstable" if one grows exponentially, otherwise "marginal".
 std::string_view stability(const Modes& modes) {
   const auto each = [&](auto condition) { return std::ranges::all_of(modes.all, condition); };
   if (!each([](const Mode& mode) { return mode.eigenvalue.real() <= 0; })) return "unstable";
@@ -309,9 +312,11 @@ Chart chart_of(const Linearized& at) {
     const double x = mode.eigenvalue.real(), y = mode.eigenvalue.imag();
     Curve& curve = poles[x < 0 ? 0 : x > 0 ? 2 : 1];
     curve.kind = Curve::points;
-    curve.x.push_back(x), curve.y.push_back(y);
+    curve.x.push_back(x);
+    curve.y.push_back(y);
     if (!mode.oscillates()) continue;
-    curve.x.push_back(x), curve.y.push_back(-y);
+    curve.x.push_back(x);
+    curve.y.push_back(-y);
     frequencies.x.push_back(static_cast<double>(k + 1));
     frequencies.y.push_back(mode.natural_frequency() / (2 * std::numbers::pi));
   }

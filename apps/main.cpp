@@ -37,7 +37,7 @@ std::string full_name(const CLI::App& app) {
   return &command == &app ? app.get_name() : app.get_name() + " " + command.get_name();
 }
 
-/// What is wrong with the command line, in one sentence.
+/// A sentence about the error in the command line.
 std::string complaint(const CLI::App& app, const CLI::ParseError& error) {
   const CLI::App& command = chosen(app);
   const std::vector<std::string> extras = app.remaining(true);
@@ -60,7 +60,7 @@ std::string complaint(const CLI::App& app, const CLI::ParseError& error) {
          did_you_mean(extras.front(), command.get_options(), long_name);
 }
 
-/// A word that is given as "" is not one that is left out.
+/// Throws UsageError for a word that is given as "", which does not mean that it is left out.
 void refuse_empty_words(const CLI::App& command) {
   for (const CLI::Option* option : command.get_options())
     for (const std::string& word : option->results())

@@ -10,8 +10,7 @@
 #include "command_line.hpp"
 #include "commands.hpp"
 
-/// Functions of states in Parquet files. Python computes them; here is what the shell and its readers know of
-/// it.
+/// Functions of states in Parquet files. Python computes them; this file has the options and the help.
 namespace axode::command {
 namespace {
 
@@ -28,7 +27,7 @@ This is the package's program, `python -m axode map`, which needs pyarrow: pip i
 python3 of PATH, so that of an active virtual environment, or by the program that AXODE_PYTHON names; the
 command that pip installs is of one environment and runs the Python of that one.)";
 
-/// Without the working folder among the places from which modules come.
+/// Arguments of Python that keep the working folder out of the path of modules.
 constexpr const char* program = R"(
 import sys
 sys.path[:] = [place for place in sys.path if place]
@@ -55,7 +54,7 @@ std::vector<std::string> words_given(const CLI::App& map) {
   return words;
 }
 
-/// Python takes the place of this program.
+/// Replaces this program by Python.
 [[noreturn]] void hand_over(std::vector<std::string> words) {
   const char* const named = std::getenv("AXODE_PYTHON");
   std::string python = named != nullptr && *named != '\0' ? named : "python3";

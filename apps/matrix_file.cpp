@@ -84,7 +84,7 @@ std::string as_npy(const NamedArray& array) {
   return out;
 }
 
-/// A call of libzip's, which fails where memory ends.
+/// Checks a call of libzip, which fails if there is no memory.
 template <class T> T* made(T* thing) {
   if (thing == nullptr) throw std::runtime_error("no .npz could be made: there is no memory for it");
   return thing;
@@ -95,7 +95,7 @@ template <class T> T* made(T* thing) {
 std::string as_npz(const std::vector<NamedArray>& arrays) {
   const std::unique_ptr<zip_source_t, void (*)(zip_source_t*)> bytes(
       made(zip_source_buffer_create(nullptr, 0, 0, nullptr)), zip_source_free);
-  zip_source_keep(bytes.get());  // which the archive takes away otherwise
+  zip_source_keep(bytes.get());  // otherwise the archive frees it
   std::unique_ptr<zip_t, void (*)(zip_t*)> archive(
       made(zip_open_from_source(bytes.get(), ZIP_TRUNCATE, nullptr)), zip_discard);
   std::vector<std::string> files;

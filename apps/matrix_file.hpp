@@ -5,16 +5,16 @@
 
 namespace axode::command {
 
-/// What the ending of a file says that is to be written or read.
+/// The format of a file, by its ending.
 enum class FileFormat { json, csv, npz };
-/// Of the file of an option. Throws UsageError for another ending.
+/// The format of the file of an option. Throws UsageError for an unknown ending.
 FileFormat file_format(const std::string& file, const char* option = "--output");
 
 /// Comma-separated values: a line with the names of the columns, then for each row its name and its numbers,
 /// which read back to the same doubles.
 std::string as_csv(const Eigen::MatrixXd& matrix, const std::vector<std::string>& rows,
                    const std::vector<std::string>& columns);
-/// The same without names of rows.
+/// Comma-separated values without names of rows.
 std::string as_csv(const Eigen::MatrixXd& matrix, const std::vector<std::string>& columns);
 
 /// A matrix, or a vector, and its name.

@@ -10,7 +10,7 @@ class App;
 
 namespace axode::command {
 
-/// Which mechanisms, and how to read them: the same words in every command that reads any.
+/// Options for the files of mechanisms, which are equal in all commands.
 struct ModelOptions {
   std::vector<std::string> files;
   std::string base;

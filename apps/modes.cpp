@@ -12,11 +12,12 @@ namespace {
 
 using Matrix = Eigen::MatrixXd;
 
-/// What is 0 to rounding beside the largest number, once the matrix is balanced.
+/// Bound of numbers that are 0 to rounding, relative to the largest number of the balanced matrix.
 constexpr double zero_pivot = 1e-12, zero_part = 1e-10;
 
-/// About the largest frequency: in its inverse as the unit of time, what displacements do and what velocities
-/// do are of one size. At least 1/s, for a stiffness that rounding made is none.
+/// An estimate of the largest frequency. With its inverse as the unit of time, the parts of A for
+/// displacements and for velocities have one size. It is at least 1/s, because a stiffness may be due to
+/// rounding.
 double largest_rate(const Matrix& A) {
   const Eigen::Index nv = A.rows() / 2;
   return std::sqrt(std::max(1.0, A.bottomLeftCorner(nv, nv).lpNorm<Eigen::Infinity>()));
@@ -27,7 +28,7 @@ struct Spectrum {
   Eigen::MatrixXcd eigenvectors;
 };
 
-/// Columns that span what A takes to 0, to rounding beside a number of the size `scale`.
+/// A basis of the null space of A, to rounding relative to `scale`.
 Matrix null_space(const Matrix& A, double scale) {
   Eigen::FullPivLU<Matrix> lu(A);
   if (lu.maxPivot() <= zero_pivot * scale) return Matrix::Identity(A.cols(), A.cols());
@@ -35,9 +36,9 @@ Matrix null_space(const Matrix& A, double scale) {
   return lu.isInvertible() ? Matrix(A.cols(), 0) : Matrix(lu.kernel());
 }
 
-/// Eigenvalues other than 0, and their eigenvectors. An eigenvalue 0 that lacks eigenvectors, as those of
-/// bodies that drift, would be scattered by rounding; so the null space Q1 is split off, QᵀAQ = [0 X; 0 A2],
-/// and that of A2 and so on, until there is none (Kublanovskaya 1966).
+/// Eigenvalues other than 0, and their eigenvectors. Rounding would scatter a defective eigenvalue 0, as
+/// drifting bodies have it. Therefore the null space Q1 is split off, QᵀAQ = [0 X; 0 A2], then the null space
+/// of A2 and so on, until it is empty (Kublanovskaya 1966).
 Spectrum nonzero_spectrum(const Matrix& A, double scale) {
   if (A.rows() == 0) return {};
   const Matrix kernel = null_space(A, scale);
@@ -62,7 +63,7 @@ Eigen::Index largest_entry(const Eigen::VectorXcd& x) {
   return at;
 }
 
-/// The displacements of an eigenvector, with the largest of them 1.
+/// The displacements of an eigenvector, scaled so that the largest is 1.
 Eigen::VectorXcd shape(const Eigen::VectorXcd& x) {
   const Eigen::VectorXcd displacements = x.head(x.size() / 2);
   return displacements / displacements[largest_entry(displacements)];

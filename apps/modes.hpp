@@ -5,11 +5,11 @@
 
 namespace axode::command {
 
-/// One way in which a linear system moves by itself, exp(λt) times a shape. Of two conjugates the one with
-/// the positive imaginary part; 0 of a rigid mode, a displacement that no force opposes.
+/// A mode of a linear system, exp(λt) times a shape. Two conjugates are one mode, with the positive imaginary
+/// part. A rigid mode, a displacement that no force opposes, has λ = 0.
 struct Mode {
   std::complex<double> eigenvalue;  ///< λ, 1/s; parts that rounding may have made are 0
-  Eigen::VectorXcd shape;           ///< of the displacements, nv or k numbers of which the largest is 1
+  Eigen::VectorXcd shape;           ///< displacements, nv or k numbers; the largest is 1
 
   bool rigid() const { return eigenvalue == 0.0; }
   bool oscillates() const { return eigenvalue.imag() > 0; }
@@ -17,12 +17,12 @@ struct Mode {
   double damping_ratio() const { return -eigenvalue.real() / std::abs(eigenvalue); }
   double time_constant() const {
     return 1 / std::abs(eigenvalue.real());
-  }  ///< s, in which it dies out or grows by e
+  }  ///< time in which the mode decays or grows by the factor e, s
 };
 
 struct Modes {
   std::vector<Mode> all;  ///< rigid ones first, then by the size of λ
-  int zeros = 0;          ///< how often 0 is an eigenvalue
+  int zeros = 0;          ///< multiplicity of the eigenvalue 0
 };
 
 /// The modes of x' = A x, where the first half of x are displacements and the second half velocities.

@@ -31,7 +31,7 @@ using Tables = std::map<std::string, Rows, std::less<>>;
 
 // ------------------------------------------------------------------------------------------------------ .csv
 
-/// The columns of these names side by side; nothing where the first is missing.
+/// The columns of these names side by side; empty if the first is missing.
 void gather(const std::vector<std::string>& headings, const std::vector<std::vector<double>>& lines,
             const std::string& what, const std::vector<std::string>& names, const std::string& file,
             Tables& out) {
@@ -111,7 +111,7 @@ Tables read_json(const std::string& file) {
 
 // ------------------------------------------------------------------------------------------------------ .npz
 
-/// What stands behind a key in the header of an .npy.
+/// The value of a key in the header of an .npy file.
 std::string_view told(std::string_view header, std::string_view key) {
   const std::size_t at = header.find(key);
   return at == std::string_view::npos ? "" : header.substr(at + key.size());

@@ -5,9 +5,9 @@
 
 namespace axode::command {
 
-/// The motion of a model in a .csv, .json or .npz that `axode simulate --output` has written; what it has
-/// besides t, q, v, a and tau is passed over, and the latter two may be missing. Throws InputError that says
-/// what does not fit the model.
+/// Reads the motion of a model from a .csv, .json or .npz that `axode simulate --output` has written: t, q,
+/// v, a and tau. The latter two may be missing, and other columns are ignored. Throws InputError with all
+/// that does not fit the model.
 ShownMotion read_motion(const Model& model, const std::string& file);
 
 }  // namespace axode::command

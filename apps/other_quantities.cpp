@@ -7,8 +7,7 @@
 #include "commands.hpp"
 #include "quantities.hpp"
 
-/// What is asked with an order or with targets, the matrices that are factors, and motion in the unknowns of
-/// its own forms.
+/// Quantities with an order or with targets, matrices that are factors, and rates in the unknowns of a form.
 namespace axode::command {
 namespace {
 
@@ -31,12 +30,12 @@ template <class Column> Json rows_of(std::span<const Column> columns) {
   }
   return rows;
 }
-/// The motion at the state, up to an order of twist derivatives.
+/// The motion at the state, up to the given order of twist derivatives.
 HigherOrderMotion<> motion_of(const Question& ask, int order) {
   std::vector<double> rates = ask.state.v;
   for (const std::vector<double>* next : {&ask.state.a, &ask.state.jerk, &ask.state.snap})
     rates.insert(rates.end(), next->begin(), next->end());
-  rates.resize((order + 1) * ask.model.nv());  // nothing further is given: zero
+  rates.resize((order + 1) * ask.model.nv());  // derivatives that are not given are 0
   HigherOrderMotion<> motion(ask.model, order);
   motion.evaluate(ask.state.q, rates);
   return motion;

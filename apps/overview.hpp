@@ -3,7 +3,7 @@
 
 namespace axode::command {
 
-/// What one can do with the command, by task: an example and a few words each.
+/// An overview of the tasks of the command, each with an example and a few words.
 std::string overview();
 
 }  // namespace axode::command

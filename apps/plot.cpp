@@ -14,7 +14,7 @@
 #include "csv_file.hpp"
 #include "text_file.hpp"
 
-/// Charts of tables, whatever has written them.
+/// Charts of tables from any source.
 namespace axode::command {
 namespace {
 
@@ -38,7 +38,7 @@ Example:
 With --bars the first column has names, and each number is a bar.)";
 
 constexpr std::size_t most_places = 60;
-constexpr double least_on_logarithmic_axes = 1e-307;  // gnuplot makes 0 of what is not normal
+constexpr double least_on_logarithmic_axes = 1e-307;  // gnuplot takes subnormal numbers for 0
 
 struct Logarithmic {
   bool x = false, y = false;
@@ -115,7 +115,8 @@ class TableReader {
     for (std::size_t k = 0; k < curves_.size(); ++k) {
       const double y = number(line, cells[k + 1]);
       if (!is_drawn(x, log_.x) || !is_drawn(y, log_.y)) continue;
-      curves_[k].x.push_back(x), curves_[k].y.push_back(y);
+      curves_[k].x.push_back(x);
+      curves_[k].y.push_back(y);
     }
   }
 
@@ -123,7 +124,7 @@ class TableReader {
     return std::isfinite(number) && (!logarithmic || number >= least_on_logarithmic_axes);
   }
 
-  /// The bars of each name, which are 0.8 wide together.
+  /// Adds the bars of each name, which are together 0.8 wide.
   static void set_side_by_side(Panel& panel) {
     const auto count = static_cast<double>(panel.curves.size());
     panel.bar_width = 0.8 / count;

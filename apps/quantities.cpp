@@ -11,7 +11,7 @@
 #include "axode/table/check_counts.hpp"
 #include "commands.hpp"
 
-/// An answer for each row of the catalogue: numbers of any shape as JSON and as a table.
+/// Prints the results of each row of the catalogue, numbers of any shape, as JSON and as a table.
 namespace axode::command {
 namespace {
 
@@ -42,7 +42,7 @@ std::string rate_axes(Representation representation) {
   }
   return "w' in the frame's own axes; v' = r'' of its origin in inertial axes";
 }
-/// `own` stands beside the axes of `whose`.
+/// The axes of `whose`, and `own` beside them.
 std::string wrench_axes(Representation representation, const char* whose, const char* own,
                         const std::string& point) {
   switch (representation) {
@@ -71,11 +71,11 @@ std::string label_of(const Row& row, const Question& ask) {
                   row.units);
 }
 
-/// What an axis of a result runs over.
+/// The meaning of the entries of an axis of a result.
 struct Axis {
   std::string_view heading;
   std::vector<std::string> names;
-  bool keyed = false;  ///< whether its entries go by name in JSON
+  bool keyed = false;  ///< whether its entries have names as keys in JSON
 };
 Axis axis_of(Extent extent, const Question& ask) {
   const Model& model = ask.model;
@@ -125,14 +125,14 @@ SE3<> pose(Reals x) {
   const auto column = [&](std::size_t k) { return Vec3<>{x[k], x[k + 1], x[k + 2]}; };
   return {{column(0), column(3), column(6)}, column(9)};
 }
-/// The centre of mass being the origin, m and Θ say all.
+/// An inertia about the centre of mass, for which m and Θ suffice.
 std::vector<double> mass_and_inertia(Reals x) {
   std::vector<double> kept{x[0]};
   kept.insert(kept.end(), x.begin() + 4, x.end());
   return kept;
 }
 
-/// An entry as it stands in a row of a table.
+/// An entry as a cell of a table.
 std::vector<double> shown(Entry entry, Reals x) {
   if (entry == Entry::inertia) return mass_and_inertia(x);
   if (entry != Entry::pose) return {x.begin(), x.end()};
@@ -159,7 +159,7 @@ struct Result {
     for (; axis < axes.size(); ++axis) n *= axes[axis].names.size();
     return n;
   }
-  /// Whether the question leaves out this entry of an axis.
+  /// Whether the question excludes this entry of an axis.
   bool left_out(std::size_t axis, std::size_t k) const {
     return row.shape[axis] == Extent::n_frames && !ask.frames.empty() &&
            std::find(ask.frames.begin(), ask.frames.end(), static_cast<int>(k)) == ask.frames.end();
@@ -192,10 +192,10 @@ struct Result {
     return out;
   }
 
-  /// Whether a matrix of numbers is printed as it stands, and whether it is printed on its side.
+  /// Whether a matrix of numbers is printed as it is, and whether it is printed transposed.
   bool matrix() const { return row.entry == Entry::number && axes.size() > 1; }
   bool on_its_side() const { return matrix() && row.shape.back() == Extent::n_parameters; }
-  /// Whether several results stand below each other in a table, and not side by side.
+  /// Whether several results are printed below each other and not side by side.
   bool stacked() const { return row.symbols.size() > 1 && (matrix() || row.entry != Entry::number); }
 
   std::vector<std::string> headings() const {
@@ -292,9 +292,15 @@ Answer answer(const Question& ask, std::string_view name) {
   if (!model.loops().empty() && row.call_with_loops != nullptr) loops.emplace(model);
   const State& state = ask.state;
   catalog::Arguments<double> given{state.q, state.v, state.a, state.tau, state.p};
-  given.dq = state.dq, given.dv = state.dv, given.da = state.da, given.dtau = state.dtau, given.w = state.w;
+  given.dq = state.dq;
+  given.dv = state.dv;
+  given.da = state.da;
+  given.dtau = state.dtau;
+  given.w = state.w;
   given.loads = ask.loads();
-  given.base = ask.relative_to, given.form = ask.coriolis, given.at = ask.at;
+  given.base = ask.relative_to;
+  given.form = ask.coriolis;
+  given.at = ask.at;
   std::vector<double> p(model.nv());
   if (ask.state.p.empty()) {
     momenta(model, workspace, ask.state.q, ask.state.v, p);

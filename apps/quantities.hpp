@@ -19,41 +19,41 @@ struct Question {
   State state;
   Representation representation = Representation::body;
   bool joint_losses = false;
-  std::vector<int> frames = {};  ///< the frames it is about; none: all
+  std::vector<int> frames = {};  ///< the frames of the question; all if empty
   int relative_to = 0;           ///< the frame of the observer, for relative motion; 0 is the ground
-  int order = 1;                 ///< of derivatives
+  int order = 1;                 ///< order of derivatives
   CoriolisForm coriolis = CoriolisForm::christoffel;
-  WrenchPoint at = WrenchPoint::body;  ///< of joint_wrenches
+  WrenchPoint at = WrenchPoint::body;  ///< point of the moments of joint_wrenches
 
   Loads<> loads() const { return {state.loads, joint_losses}; }
 };
 
-/// What a quantity is, its units and axes, and its value twice: for programs and for people.
+/// The answer to a question: a title with units and axes, and the value as JSON and as a table.
 struct Answer {
   std::string label;
   Json value;
   Table table;
 };
 
-/// What `axode eval` can compute.
+/// A quantity that `axode eval` can compute.
 struct Quantity {
   std::string_view name, purpose;
   std::function<Answer(const Question&)> answer;
 };
-/// All, in the order of the documentation: the functions of the catalogue, and those that are none of one
-/// state.
+/// All quantities in the order of the documentation: functions of the catalogue and other quantities.
 const std::vector<Quantity>& quantities();
-/// Those that are not in the catalogue: they take an order or targets, or make more than numbers.
+/// Quantities that are not in the catalogue: they take an order or targets, or their results are not only
+/// numbers.
 std::vector<Quantity> other_quantities();
-/// Those about closed loops.
+/// Quantities of closed loops.
 std::vector<Quantity> loop_quantities();
 
-/// The frames that the question is about: those it names, or all but the inertial one.
+/// The frames that the question names, or all but the inertial frame.
 std::vector<int> frames_of(const Question& ask);
 
-/// Where the six components of a twist live, by representation.
+/// The axes and the reference point of the six components of a twist in a representation.
 std::string twist_axes(Representation representation);
-/// A label: what it is, in which representation and axes, and its units.
+/// A title with the name of a quantity, its representation and axes, and its units.
 std::string headline(std::string_view what, Representation representation, const std::string& axes,
                      std::string_view units);
 

@@ -74,7 +74,7 @@ and the energies over time. Ctrl-C ends the motion; what there is by then is wri
 volatile std::sig_atomic_t interrupted = 0;
 void interrupt(int) { interrupted = 1; }
 
-/// Ctrl-C is heard while this lives.
+/// Catches Ctrl-C while the object exists.
 class Interruptible {
  public:
   Interruptible() : before_(std::signal(SIGINT, interrupt)) {}
@@ -85,7 +85,7 @@ class Interruptible {
   void (*before_)(int);
 };
 
-/// A bar on a terminal, with the time that is left, once a second has gone by.
+/// A progress bar on a terminal with the remaining time. It appears after one second.
 class Progress {
  public:
   explicit Progress(double until) : until_(until) {}
@@ -112,7 +112,7 @@ class Progress {
   bool shown_ = false;
 };
 
-/// The constant drive forces of the state, and a controller where one is asked for.
+/// The constant drive forces of the state, and the controller of the options.
 Drive drive_of(const Model& model, const State& state, const Options& options) {
   const Drive constant = [&state](double, std::span<const double>, std::span<const double>,
                                   std::span<double> tau) { std::ranges::copy(state.tau, tau.begin()); };
@@ -124,8 +124,10 @@ Drive drive_of(const Model& model, const State& state, const Options& options) {
   std::vector<double> kp(static_cast<std::size_t>(model.nv()), options.gains[0]),
       kd(kp.size(), options.gains[1]);
   for (int i = 1; i <= model.n_bodies(); ++i)
-    if (const Joint& joint = model.joint(i); joint.kind == Subgroup::free && model.body(i).predecessor == 0)
-      std::fill_n(&kp[joint.iv], joint.nv, 0), std::fill_n(&kd[joint.iv], joint.nv, 0);
+    if (const Joint& joint = model.joint(i); joint.kind == Subgroup::free && model.body(i).predecessor == 0) {
+      std::fill_n(&kp[joint.iv], joint.nv, 0);
+      std::fill_n(&kd[joint.iv], joint.nv, 0);
+    }
   return ProportionalDerivative(model, {kp, kd}, {model, target.q, target.v}, constant);
 }
 
@@ -155,7 +157,7 @@ Trajectory motion_of(const Model& model, const State& state, const Drive& drive,
                           acting});
 }
 
-/// What is shown of a motion, a row for each time.
+/// The numbers of a motion that are written, a row for each time.
 struct Rows {
   Eigen::VectorXd t, energy, kinetic_energy;
   Eigen::MatrixXd q, v, a, tau;
@@ -195,7 +197,7 @@ Rows rows_of(const Trajectory& motion, const Drive& drive, int samples) {
   return rows;
 }
 
-/// All of them side by side, under names.
+/// All numbers side by side, with the names of the columns.
 std::string csv_of(const Model& model, const Rows& rows) {
   std::vector<std::string> names{"t"};
   const auto add = [&](const char* what, const std::vector<std::string>& all) {
@@ -245,7 +247,7 @@ std::string npz_of(const Rows& rows) {
                  {"energy", rows.energy, true}});
 }
 
-/// A symbol with the units of the numbers that joints have: of angles, of lengths.
+/// A symbol with the units that it has for angles and for lengths.
 std::string with_units(const Model& model, const std::string& symbol, const char* of_angles,
                        const char* of_lengths) {
   bool angles = false, lengths = false, quaternions = false;
@@ -319,7 +321,7 @@ void run(const Options& options, int& exit_code) {
       case FileFormat::npz: write_text(options.outputs[k], npz_of(rows)); break;
     }
   if (plot) {
-    constexpr int smooth = 500;  // intervals, for long steps would be drawn as straight lines
+    constexpr int smooth = 500;  // intervals; long steps would be drawn as straight lines
     const bool coarse = options.samples == 0 && rows.t.size() < smooth;
     plot->draw(chart_of(model, coarse ? rows_of(motion, drive, smooth) : rows));
   }

@@ -32,7 +32,9 @@ State random_state(const Model& model) {
     return x;
   };
   State state = neutral_state(model);
-  state.q = random_configuration(model, 7), state.v = random(1), state.a = random(2);
+  state.q = random_configuration(model, 7);
+  state.v = random(1);
+  state.a = random(2);
   return state;
 }
 

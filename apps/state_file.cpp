@@ -16,13 +16,13 @@
 namespace axode::command {
 namespace {
 
-/// What stands where something else was expected, cut short where it is long.
+/// A JSON value for a message, shortened if it is long.
 std::string shown(const Json& value) {
   std::string text = value.dump(-1, ' ', true, Json::error_handler_t::replace);
   return text.size() <= 40 ? text : text.substr(0, 37) + "...";
 }
 
-/// Walks through a state and notes every fault.
+/// Reads a state and collects every fault.
 class StateReader {
  public:
   StateReader(const Model& model, std::string source) : model_(model), source_(std::move(source)) {}
@@ -52,7 +52,7 @@ class StateReader {
  private:
   static constexpr std::array<std::string_view, 14> known_keys{
       "q", "v", "a", "jerk", "snap", "tau", "p", "dq", "dv", "da", "dtau", "w", "loads", "targets"};
-  /// What has a number for each velocity.
+  /// Reads an array or object with a number for each velocity.
   static constexpr std::array<std::pair<std::string_view, std::vector<double> State::*>, 11> of_velocities{
       {{"v", &State::v},
        {"a", &State::a},
@@ -70,8 +70,8 @@ class StateReader {
 
   void fault(const std::string& sentence) { faults_.push_back(source_ + ": " + sentence); }
 
-  /// Nothing in a state is nested deeper than the rows of a target's pose, and what is deep takes a deep
-  /// stack to look at.
+  /// Limits the depth, because deep values need a deep stack. Nothing in a state is nested deeper than the
+  /// rows of a target's pose.
   static constexpr int deepest = 16;
 
   Json parse(const std::string& text) {
@@ -119,8 +119,8 @@ class StateReader {
     fault(where + "the key " + none_of(key, known, [](std::string_view name) { return name; }));
   }
 
-  /// q, v or a: all numbers in the model's order, or some of them by joint. `place` is where a joint's
-  /// numbers are.
+  /// Reads q, v or a: all numbers in the model's order, or some of them by joint. `place` returns the indices
+  /// of a joint's numbers.
   template <class Place>
   void numbers(const std::string& key, const Json& value, Place place, const char* size,
                std::vector<double>& out) {

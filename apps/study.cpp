@@ -69,7 +69,7 @@ constexpr std::string_view fast = "fast";
 constexpr std::array<std::string_view, 5> ways_to_compute{"body", "spatial", "hybrid", "mixed", fast};
 constexpr std::array<std::string_view, 4> frame_choices{"joint", "user", "com", "construction"};
 
-/// One way to compute.
+/// A representation and a choice of body frames, with which all algorithms are run.
 struct Variant {
   std::string_view frames, representation;
   std::unique_ptr<Subject> subject;
@@ -98,7 +98,7 @@ std::vector<Variant> variants_of(const Model& model, const State& state) {
   return variants;
 }
 
-/// A line that a terminal shows while something takes long.
+/// A line that a terminal shows during long computations.
 void show_progress(std::string_view text) {
   if (!is_terminal(stderr)) return;
   fmt::print(stderr, "\r\033[K{}", text);
@@ -111,7 +111,7 @@ bool needs_mass_matrix_inverse(Algorithm algorithm) {
 }
 
 Study studied(const Model& model) {
-  constexpr int rounds = 6, batches = 50;  // rounds: what slows the machine for a while slows all alike
+  constexpr int rounds = 6, batches = 50;  // rounds: a temporary load of the machine slows all variants alike
   const State state = random_state(model);
   Study study{model.name(), model.n_bodies(), model.nv(), {}, {}};
   Workspace<> workspace(model);
@@ -205,8 +205,8 @@ Json as_json(const std::vector<Study>& studies) {
   return out;
 }
 
-/// Where the bar of an effort stands: five for the joint frames, four for each of the others, with gaps
-/// between.
+/// The position of the bar of an effort: five bars for the joint frames, four for each of the others, with
+/// gaps between.
 double place_of(const Effort& effort) {
   const auto number = [](const auto& names, std::string_view name) {
     return static_cast<int>(std::ranges::find(names, name) - names.begin());
@@ -230,8 +230,10 @@ Panel panel_of(const Study& study, Algorithm algorithm) {
     if (scale == 0) scale = microseconds / sum;
     Curve& bars = panel.curves[static_cast<std::size_t>(
         std::ranges::find(ways_to_compute, effort.representation) - ways_to_compute.begin())];
-    bars.x.push_back(x), bars.y.push_back(microseconds);
-    operations.x.push_back(x), operations.y.push_back(scale * sum);
+    bars.x.push_back(x);
+    bars.y.push_back(microseconds);
+    operations.x.push_back(x);
+    operations.y.push_back(scale * sum);
   }
   if (scale == 0) return {};
   panel.curves.push_back(operations);
@@ -240,7 +242,7 @@ Panel panel_of(const Study& study, Algorithm algorithm) {
   return panel;
 }
 
-/// A column for each model, a row for each algorithm.
+/// The chart of the studies, with a column for each model and a row for each algorithm.
 Chart chart_of(const std::vector<Study>& studies) {
   Chart chart{
       .columns = static_cast<int>(studies.size()), .width = 240, .height = 130, .legend = Chart::below_all};

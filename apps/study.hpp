@@ -10,7 +10,7 @@
 #include "axode/scalar/counted.hpp"
 #include "state.hpp"
 
-/// The comparison of algorithms, representations and choices of body frames: what each costs.
+/// Compares the cost of algorithms, representations and choices of body frames.
 namespace axode::command {
 
 enum class Algorithm {
@@ -29,28 +29,29 @@ inline constexpr std::array<std::pair<std::string_view, Algorithm>, 6> algorithm
      {"accelerations", Algorithm::accelerations},
      {"momentum_form", Algorithm::momentum_form}}};
 
-/// The frames of the library's own trees, beside those of FramedTree.
+/// The frames of the library's own trees; FramedTree has others.
 struct JointFrames {};
 
-/// A model, a state, a representation and a choice of body frames, ready for every algorithm. Those that take
-/// drive forces find them in the place of the accelerations, momenta in that of the velocities.
+/// A model, a state, a representation and a choice of body frames, with which every algorithm can run.
+/// Algorithms that take drive forces or momenta get the accelerations or the velocities of the state as such.
 class Subject {
  public:
   virtual ~Subject() = default;
   virtual bool can(Algorithm algorithm) const = 0;
   virtual void run(Algorithm algorithm, int calls) = 0;
-  /// What one call of it makes; of the momentum form the velocities, then the rates of the momenta; not of
-  /// accelerations.
+  /// The result of one call of an algorithm, except accelerations; for the momentum form the velocities, then
+  /// the rates of the momenta.
   virtual std::vector<double> results_of(Algorithm algorithm) = 0;
 };
-/// Rep: BodyFixed, Spatial, Hybrid, Mixed, or Fast with JointFrames only and nothing applied.
+/// Makes a subject. Rep is BodyFixed, Spatial, Hybrid, Mixed, or Fast, with JointFrames only and without
+/// loads.
 template <class Rep, class Frames>
 std::unique_ptr<Subject> make_subject(const Model& model, const State& state);
-/// What one call of an algorithm that the subject can do executes.
+/// The operations of one call of an algorithm that the subject can run.
 template <class Rep, class Frames>
 Operations operations(Algorithm algorithm, const Model& model, const State& state);
 
-/// What one algorithm costs in one way.
+/// The cost of an algorithm in one variant.
 struct Effort {
   Algorithm algorithm;
   std::string_view frames, representation;
@@ -61,7 +62,7 @@ struct Study {
   std::string model;
   int bodies, velocities;
   std::vector<Effort> efforts;  ///< by algorithm, then frames, then representation
-  std::string left_out;         ///< a sentence, where some algorithms cannot run
+  std::string left_out;         ///< a sentence if some algorithms cannot run
 };
 
 }  // namespace axode::command

@@ -26,7 +26,7 @@ template <class T> struct Numbers {
   Loads<T> loads() const { return {.wrenches = wrenches}; }
 };
 
-/// What the algorithms take of a workspace.
+/// The scratch memory of the algorithms.
 template <class T> std::size_t footprint_of_study(const Topology& t) {
   const auto of = [&]<class Rep>(Rep) {
     return footprint<ForwardDynamicsRecursion<Rep, T>, CompositeBodies<Rep, T>>(t);
@@ -36,7 +36,7 @@ template <class T> std::size_t footprint_of_study(const Topology& t) {
                              FastForwardDynamics<T>, FastInverse<T>, FastCompositeBodies<T>>(t)});
 }
 
-/// One call of an algorithm by the recursion in Rep.
+/// Runs an algorithm once, by the recursion in Rep.
 template <class Rep, class T, TreeOf<T> AnyTree>
   requires(!std::same_as<Rep, Fast>)
 void call(Algorithm algorithm, const AnyTree& tree, Workspace<T>& workspace, Numbers<T>& x) {
@@ -73,7 +73,7 @@ void call(Algorithm algorithm, const AnyTree& tree, Workspace<T>& workspace, Num
   }
 }
 
-/// The same by the fast path.
+/// Runs an algorithm once by the fast path.
 template <std::same_as<Fast> Rep, class T>
 void call(Algorithm algorithm, const Tree<double>& tree, Workspace<T>& workspace, Numbers<T>& x) {
   Arena arena = workspace.arena(*tree.topology());

@@ -14,9 +14,9 @@ namespace {
 
 using Cells = std::vector<std::string>;
 
-/// Where the numbers of a column go.
+/// The destination of the numbers of a column.
 struct Column {
-  std::vector<double> State::*member = nullptr;  ///< none: the time, or nowhere
+  std::vector<double> State::*member = nullptr;  ///< null for the time and for an ignored column
   std::size_t place = 0;
 };
 
@@ -30,7 +30,9 @@ class SweepReader {
     known_.push_back({"t", {}});
     const std::vector<std::string> velocities = velocity_names(model);
     add("q ", &State::q, coordinate_names(model));
-    add("v ", &State::v, velocities), add("a ", &State::a, velocities), add("tau ", &State::tau, velocities);
+    add("v ", &State::v, velocities);
+    add("a ", &State::a, velocities);
+    add("tau ", &State::tau, velocities);
     known_.push_back({"energy", {}});
   }
 

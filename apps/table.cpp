@@ -10,8 +10,8 @@
 namespace axode::command {
 namespace {
 
-/// How the numbers of one column are written: six digits of the largest, without the zeros at the end that
-/// all share.
+/// The format of the numbers of one column: six digits for the largest, without trailing zeros that all
+/// numbers have.
 class NumberStyle {
  public:
   explicit NumberStyle(const std::vector<double>& column) {

@@ -6,7 +6,7 @@
 
 namespace axode::command {
 
-/// Text as it stands, or a number that is written with as many decimals as its column needs.
+/// A text, or a number that is written with as many decimals as its column needs.
 using Cell = std::variant<std::string, double>;
 
 /// A table for a terminal. Columns of numbers are aligned on the decimal point, with at most six digits for
@@ -16,12 +16,12 @@ class Table {
   explicit Table(std::vector<std::string> headings) : headings_(std::move(headings)) {}
 
   Table& row(std::vector<Cell> cells);
-  /// A line between the rows so far and those that follow.
+  /// Draws a line between the rows so far and later rows.
   Table& rule();
   bool empty() const { return rows_.empty(); }
 
-  /// Each number under a name, the words before it in its row and its heading; a blank word is that of the
-  /// row above.
+  /// Each number with a name, which is made of the words before it in its row and its heading. A blank word
+  /// stands for the word in the row above.
   std::vector<std::pair<std::string, double>> numbers() const;
 
   /// Lines that end in a newline, headings first and underlined.

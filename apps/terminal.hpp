@@ -7,7 +7,7 @@ namespace axode::command {
 
 enum class Ink { heading, faint, good, warning, bad };
 
-/// The text in a colour, where the stream is a terminal and the environment does not say NO_COLOR.
+/// The text in a colour if the stream is a terminal and NO_COLOR is not set.
 std::string in(Ink ink, std::string_view text, std::FILE* stream = stdout);
 
 bool is_terminal(std::FILE* stream);

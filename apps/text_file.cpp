@@ -62,7 +62,8 @@ class BlockedSignals {
   }
   ~BlockedSignals() {
     sigset_t too_large;
-    sigemptyset(&too_large), sigaddset(&too_large, SIGXFSZ);
+    sigemptyset(&too_large);
+    sigaddset(&too_large, SIGXFSZ);
     const timespec at_once{};
     sigtimedwait(&too_large, nullptr, &at_once);
     pthread_sigmask(SIG_SETMASK, &before_, nullptr);

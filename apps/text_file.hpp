@@ -3,10 +3,10 @@
 
 namespace axode::command {
 
-/// What a file holds, "-" for standard input. Throws InputError where it cannot be read.
+/// The contents of a file, "-" for standard input. Throws InputError if it cannot be read.
 std::string read_text(const std::string& file);
 
-/// Replaces what a file holds by the text, or leaves the file as it was and throws InputError.
+/// Replaces the contents of a file by the text, or leaves the file as it was and throws InputError.
 ///
 /// The text is written to a new file in the same folder, which is then renamed. The permissions of an
 /// existing file are kept, a symbolic link stays and its target is replaced, and a failure or a signal leaves

@@ -26,7 +26,7 @@ class Branches {
     open_.push_back(!last);
     return text;
   }
-  /// In front of what continues the last entry on another line.
+  /// The branches in front of a line that continues the last entry.
   std::string under() const { return branches(0) + "  "; }
 
  private:
@@ -40,13 +40,14 @@ class Branches {
 };
 
 struct ChildCounts {
-  std::vector<int> children, last_child;  // 0 to n_bodies: how many, and the last of them
+  std::vector<int> children, last_child;  ///< number of children of bodies 0 to n_bodies, and the last child
 
   explicit ChildCounts(const Model& model)
       : children(model.n_bodies() + 1), last_child(model.n_bodies() + 1) {
     for (int i = 1; i <= model.n_bodies(); ++i) {
       const int p = model.body(i).predecessor;
-      ++children[p], last_child[p] = i;
+      ++children[p];
+      last_child[p] = i;
     }
   }
 };

@@ -11,7 +11,7 @@ std::string draw_tree(const Model& model);
 /// The tree with a line for each unbranched run of bodies.
 std::string draw_limbs(const Model& model);
 
-/// `q[3]`, `q[3:7]` (up to and without 7), nothing where count is 0.
+/// `q[3]`, or `q[3:7]` (without 7), or an empty text if count is 0.
 std::string slice(char symbol, int first, int count);
 
 /// `= -0.5 q(knee) + 0.1`, for a coupled joint.

@@ -3,7 +3,7 @@
 
 namespace axode::command {
 
-/// The version in a line, then how this program was built and what it runs on.
+/// A line with the version, then details of the build and the processor.
 std::string version();
 
 }  // namespace axode::command

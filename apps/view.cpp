@@ -65,7 +65,7 @@ std::string temporary_file(const std::string& name) {
   return (std::filesystem::path(folder) / name).string();
 }
 
-/// Leaves a file to the program that opens such files; false where there is none.
+/// Opens a file with the desktop's program for its type. Returns false if there is none.
 bool open(const std::string& file) {
   posix_spawn_file_actions_t silent;
   posix_spawn_file_actions_init(&silent);
