@@ -4,6 +4,7 @@
 #include <span>
 #include <type_traits>
 
+#include "axode/batch/compiled_dynamics.hpp"
 #include "axode/catalog.hpp"
 #include "axode/integration/drives.hpp"
 #include "axode/integration/tableau.hpp"
@@ -62,11 +63,12 @@ Outcome run(const Model& model, catalog::Id function,
 /// closed again after each step; throws std::invalid_argument if they are open at first. With joint_losses
 /// damping and dry friction act as in simulate_fixed(), friction in double precision only and on one motion
 /// at a time.
+/// `compiled` replaces the library's forward dynamics if it is not empty.
 template <class T>
 Outcome rollout(const Model& model, std::span<const T> q, Numbers<T> v, Numbers<T> tau, double step,
                 std::type_identity_t<std::span<T>> q_out, std::type_identity_t<std::span<T>> v_out,
                 const Tableau& method = runge_kutta(4), int threads = 1, const Monitor& monitor = {},
-                bool joint_losses = false);
+                bool joint_losses = false, const CompiledDynamics<T>& compiled = {});
 
 /// Integrates N motions of K steps under a drive that all motions share and that is called at every stage of
 /// a step. Each thread has a copy of the drive and calls it for one motion at a time. Drives of
@@ -76,7 +78,8 @@ template <class T>
 Outcome rollout(const Model& model, std::span<const T> q, Numbers<T> v, const Drive& drive, std::size_t K,
                 double step, std::type_identity_t<std::span<T>> q_out,
                 std::type_identity_t<std::span<T>> v_out, const Tableau& method = runge_kutta(4),
-                int threads = 1, const Monitor& monitor = {}, bool joint_losses = false);
+                int threads = 1, const Monitor& monitor = {}, bool joint_losses = false,
+                const CompiledDynamics<T>& compiled = {});
 
 /// The instruction set that batches use on this processor: "SSE2", "AVX2" or "AVX-512".
 const char* instruction_set();

@@ -88,25 +88,20 @@ template <Id id> struct RowBuffers {
   }
 };
 
-struct MassMatrixBuffers {
+/// Coordinates and a matrix in lanes, and the algorithm that computes it.
+template <class Algorithm> struct MatrixBuffers {
   Number *q, *out;
-  FastCompositeBodies<Number> bodies;
-  explicit MassMatrixBuffers(Arena& arena)
-      : q(arena.array<Number>(arena.topology().nq)),
-        out(arena.array<Number>(results<"mass_matrix">(arena.topology()))),
-        bodies(arena) {}
-};
-struct InverseByFactors : MassMatrixBuffers {
-  FastInverseMassMatrix<Number> inverse;
-  explicit InverseByFactors(Arena& arena) : MassMatrixBuffers(arena), inverse(arena) {}
-};
-struct InverseByBodies {
-  Number *q, *out;
-  ByBodies by;
-  explicit InverseByBodies(Arena& arena)
+  Algorithm by;
+  explicit MatrixBuffers(Arena& arena)
       : q(arena.array<Number>(arena.topology().nq)),
         out(arena.array<Number>(results<"mass_matrix">(arena.topology()))),
         by(arena) {}
+};
+using MassMatrix = MatrixBuffers<FastCompositeBodies<Number>>;
+using InverseByBodies = MatrixBuffers<ByBodies>;
+struct InverseByFactors : MassMatrix {
+  FastInverseMassMatrix<Number> inverse;
+  explicit InverseByFactors(Arena& arena) : MassMatrix(arena), inverse(arena) {}
 };
 struct PoseBuffers {
   Number* q;
@@ -150,10 +145,10 @@ unsigned call(const Tree<S>& tree, Arena arena, const catalog::Read<S>& given, S
 }
 
 unsigned mass_matrix(const Tree<S>& tree, Arena arena, const catalog::Read<S>& given, S* M) noexcept {
-  MassMatrixBuffers at(arena);
+  MassMatrix at(arena);
   gather(given[Input::q], tree->nq, at.q);
-  at.bodies.run(tree, at.q);
-  at.bodies.write(tree, at.out);
+  at.by.run(tree, at.q);
+  at.by.write(tree, at.out);
   scatter(at.out, n_entries(tree), M);
   return 0;
 }
@@ -163,8 +158,8 @@ unsigned inverse_mass_matrix(const Tree<S>& tree, Arena arena, const catalog::Re
   if (FastInverseMassMatrix<Number>::suits(tree)) {
     InverseByFactors at(arena);
     gather(given[Input::q], tree->nq, at.q);
-    at.bodies.run(tree, at.q);
-    at.bodies.write_paths(tree, at.out);
+    at.by.run(tree, at.q);
+    at.by.write_paths(tree, at.out);
     at.inverse.run(tree, at.out);
     scatter(at.out, n_entries(tree), M_inverse);
     return bits(at.inverse.maybe_singular);
@@ -356,7 +351,7 @@ template <> const Kernels<S>& kernels<AXODE_ISA, S>() {
       if constexpr (id.words().lanes && catalog::HasRowKernel<id, ByBodies>)
         set(id, {bytes<RowBuffers<id>>, call<id>, !id.words().may_fail});
     });
-    set("mass_matrix", {bytes<MassMatrixBuffers>, mass_matrix});
+    set("mass_matrix", {bytes<MassMatrix>, mass_matrix});
     set("inverse_mass_matrix", {bytes_of_inverse, inverse_mass_matrix});
     set("poses", {bytes<PoseBuffers>, poses, true});
     set("joint_screws", {bytes<PoseBuffers>, joint_screws, true});

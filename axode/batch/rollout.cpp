@@ -10,7 +10,6 @@
 
 #include "axode/batch.hpp"
 #include "axode/batch/check_states.hpp"
-#include "axode/batch/compiled_rollout.hpp"
 #include "axode/batch/control_law_sampler.hpp"
 #include "axode/batch/kernels.hpp"
 #include "axode/batch/portions.hpp"
@@ -32,11 +31,6 @@ template <class S> void none(std::span<S> x) { std::ranges::fill(x, std::numeric
 /// The joint losses that act on all motions.
 struct Losses {
   bool damping, friction;
-
-  Losses(const Model& model, bool enabled)
-      : damping(enabled),
-        friction(enabled &&
-                 std::ranges::any_of(model.tree<double>().friction, [](double f) { return f > 0; })) {}
 };
 
 /// Integrates one motion under given forces or a drive.
@@ -302,43 +296,39 @@ bool check_loops(const Model& model, std::span<const S> q, std::span<const S> v,
 
 /// The losses of a model. Throws if it has dry friction and S is float.
 template <class S> Losses losses_of(const Model& model, bool enabled) {
-  const Losses losses(model, enabled);
-  if (std::same_as<S, float> && losses.friction)
+  const bool friction =
+      enabled && std::ranges::any_of(model.tree<double>().friction, [](double f) { return f > 0; });
+  if (std::same_as<S, float> && friction)
     throw std::invalid_argument("model \"" + model.name() +
                                 "\" has dry friction, which rollouts count in double precision alone");
-  return losses;
+  return {enabled, friction};
 }
 
 }  // namespace
 
 template <class S>
-Outcome rollout(const Model& model, const CompiledDynamics<S>& compiled, Numbers<S> q, Numbers<S> v,
-                Numbers<S> tau, double step, std::type_identity_t<std::span<S>> q_out,
-                std::type_identity_t<std::span<S>> v_out, const Tableau& method, int threads,
-                const Monitor& monitor, bool joint_losses) {
-  check(method), check_step(step);
+Outcome rollout(const Model& model, std::span<const S> q, Numbers<S> v, Numbers<S> tau, double step,
+                std::type_identity_t<std::span<S>> q_out, std::type_identity_t<std::span<S>> v_out,
+                const Tableau& method, int threads, const Monitor& monitor, bool joint_losses,
+                const CompiledDynamics<S>& compiled) {
+  check(method);
+  check_step(step);
   const Losses losses = losses_of<S>(model, joint_losses);
-  const std::size_t nv = static_cast<std::size_t>(model.nv()), N = check_states(model, q, threads),
+  const std::size_t nv = model.nv(), N = check_states(model, q, threads),
                     K = N * nv == 0 ? 0 : tau.size() / (N * nv);
   check_size("tau", tau.size(), K * nv * N, "K nv N");
   if (!check_loops(model, q, v, threads, monitor)) return {};
   return run_rollouts<S>(model, compiled, q, v, K, tau, {}, step, q_out, v_out, method, threads, monitor,
                          losses);
 }
-template <class S>
-Outcome rollout(const Model& model, std::span<const S> q, Numbers<S> v, Numbers<S> tau, double step,
-                std::type_identity_t<std::span<S>> q_out, std::type_identity_t<std::span<S>> v_out,
-                const Tableau& method, int threads, const Monitor& monitor, bool joint_losses) {
-  return rollout<S>(model, CompiledDynamics<S>{}, q, v, tau, step, q_out, v_out, method, threads, monitor,
-                    joint_losses);
-}
 
 template <class S>
-Outcome rollout(const Model& model, const CompiledDynamics<S>& compiled, Numbers<S> q, Numbers<S> v,
-                const Drive& drive, std::size_t K, double step, std::type_identity_t<std::span<S>> q_out,
+Outcome rollout(const Model& model, std::span<const S> q, Numbers<S> v, const Drive& drive, std::size_t K,
+                double step, std::type_identity_t<std::span<S>> q_out,
                 std::type_identity_t<std::span<S>> v_out, const Tableau& method, int threads,
-                const Monitor& monitor, bool joint_losses) {
-  check(method), check_step(step);
+                const Monitor& monitor, bool joint_losses, const CompiledDynamics<S>& compiled) {
+  check(method);
+  check_step(step);
   const Losses losses = losses_of<S>(model, joint_losses);
   if (!drive) throw std::invalid_argument("drive is empty; expected a function of (t, q, v)");
   static_cast<void>(check_states(model, q, threads));
@@ -346,36 +336,18 @@ Outcome rollout(const Model& model, const CompiledDynamics<S>& compiled, Numbers
   return run_rollouts<S>(model, compiled, q, v, K, {}, drive, step, q_out, v_out, method, threads, monitor,
                          losses);
 }
-template <class S>
-Outcome rollout(const Model& model, std::span<const S> q, Numbers<S> v, const Drive& drive, std::size_t K,
-                double step, std::type_identity_t<std::span<S>> q_out,
-                std::type_identity_t<std::span<S>> v_out, const Tableau& method, int threads,
-                const Monitor& monitor, bool joint_losses) {
-  return rollout<S>(model, CompiledDynamics<S>{}, q, v, drive, K, step, q_out, v_out, method, threads,
-                    monitor, joint_losses);
-}
 
 template Outcome rollout(const Model&, std::span<const double>, Numbers<double>, Numbers<double>, double,
-                         std::span<double>, std::span<double>, const Tableau&, int, const Monitor&, bool);
+                         std::span<double>, std::span<double>, const Tableau&, int, const Monitor&, bool,
+                         const CompiledDynamics<double>&);
 template Outcome rollout(const Model&, std::span<const float>, Numbers<float>, Numbers<float>, double,
-                         std::span<float>, std::span<float>, const Tableau&, int, const Monitor&, bool);
+                         std::span<float>, std::span<float>, const Tableau&, int, const Monitor&, bool,
+                         const CompiledDynamics<float>&);
 template Outcome rollout(const Model&, std::span<const double>, Numbers<double>, const Drive&, std::size_t,
                          double, std::span<double>, std::span<double>, const Tableau&, int, const Monitor&,
-                         bool);
+                         bool, const CompiledDynamics<double>&);
 template Outcome rollout(const Model&, std::span<const float>, Numbers<float>, const Drive&, std::size_t,
                          double, std::span<float>, std::span<float>, const Tableau&, int, const Monitor&,
-                         bool);
-template Outcome rollout(const Model&, const CompiledDynamics<double>&, Numbers<double>, Numbers<double>,
-                         Numbers<double>, double, std::span<double>, std::span<double>, const Tableau&, int,
-                         const Monitor&, bool);
-template Outcome rollout(const Model&, const CompiledDynamics<double>&, Numbers<double>, Numbers<double>,
-                         const Drive&, std::size_t, double, std::span<double>, std::span<double>,
-                         const Tableau&, int, const Monitor&, bool);
-template Outcome rollout(const Model&, const CompiledDynamics<float>&, Numbers<float>, Numbers<float>,
-                         Numbers<float>, double, std::span<float>, std::span<float>, const Tableau&, int,
-                         const Monitor&, bool);
-template Outcome rollout(const Model&, const CompiledDynamics<float>&, Numbers<float>, Numbers<float>,
-                         const Drive&, std::size_t, double, std::span<float>, std::span<float>,
-                         const Tableau&, int, const Monitor&, bool);
+                         bool, const CompiledDynamics<float>&);
 
 }  // namespace axode::batch

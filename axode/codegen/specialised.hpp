@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "axode/batch.hpp"
-#include "axode/batch/compiled_rollout.hpp"
 #include "axode/catalog.hpp"
 #include "axode/codegen/c_source.hpp"
 
@@ -82,16 +81,16 @@ Outcome rollout(const Specialised<T>& model, Numbers<T> q, Numbers<T> v, Numbers
                 std::type_identity_t<std::span<T>> q_out, std::type_identity_t<std::span<T>> v_out,
                 const Tableau& method = runge_kutta(4), int threads = 1, const Monitor& monitor = {},
                 bool joint_losses = false) {
-  return rollout<T>(model.model(), model.compiled_dynamics(), q, v, tau, step, q_out, v_out, method, threads,
-                    monitor, joint_losses);
+  return rollout<T>(model.model(), q, v, tau, step, q_out, v_out, method, threads, monitor, joint_losses,
+                    model.compiled_dynamics());
 }
 template <class T>
 Outcome rollout(const Specialised<T>& model, Numbers<T> q, Numbers<T> v, const Drive& drive, std::size_t K,
                 double step, std::type_identity_t<std::span<T>> q_out,
                 std::type_identity_t<std::span<T>> v_out, const Tableau& method = runge_kutta(4),
                 int threads = 1, const Monitor& monitor = {}, bool joint_losses = false) {
-  return rollout<T>(model.model(), model.compiled_dynamics(), q, v, drive, K, step, q_out, v_out, method,
-                    threads, monitor, joint_losses);
+  return rollout<T>(model.model(), q, v, drive, K, step, q_out, v_out, method, threads, monitor, joint_losses,
+                    model.compiled_dynamics());
 }
 
 }  // namespace batch

@@ -1,7 +1,6 @@
 #include <atomic>
 #include <cmath>
 
-#include "axode/batch/compiled_rollout.hpp"
 #include "axode/codegen.hpp"
 #include "axode/io.hpp"
 #include "tests/codegen/specialised_models.hpp"
@@ -296,8 +295,8 @@ TEST(CompiledRollouts, GoByTheFunctionThatIsGivenUnlessItDoubts) {
       }
       Motion<> of(some);
       const batch::CompiledDynamics<double> compiled{made_up<double>, 0};
-      ASSERT_TRUE(batch::rollout<double>(model, compiled, some.q, some.v, some.tau, step, of.q, of.v,
-                                         runge_kutta(4), 1, {}, true)
+      ASSERT_TRUE(batch::rollout<double>(model, some.q, some.v, some.tau, step, of.q, of.v, runge_kutta(4), 1,
+                                         {}, true, compiled)
                       .ok());
       const Motion<> librarys = under_forces(model, some, 1, true);
       for (std::size_t m = 0; m < some.N; ++m)
