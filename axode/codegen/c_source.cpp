@@ -92,12 +92,6 @@ void by_columns(std::vector<Trace>& J) {
   for (std::size_t k = 0; k < J.size(); ++k) J[k] = rows[k % 6 * nv + k / 6];
 }
 
-/// Functions for many states, in addition to those for one state.
-struct Extras {
-  bool many_states = false;
-  int lanes = 1;
-};
-
 /// The begin of the comment at the head of a file.
 std::string headline(const Model& model) {
   return "/* " + in_comment(model.name()) +
@@ -117,14 +111,15 @@ std::vector<Part> recorded(const Model& model, std::span<const Function> functio
   return parts;
 }
 
-Source source_of(const Model& model, std::span<const Function> functions, const Options& options,
-                 const Extras& extras) {
+/// `lanes` is 0 for functions of one state only, see states_source().
+Source source_of(const Model& model, std::span<const Function> functions, const Options& options, int lanes) {
+  const bool many_states = lanes > 0;
   const std::string prefix = options.prefix.empty() ? prefix_for(model, Abi::plain) : options.prefix;
   check(model, functions, prefix);
   const Precision precision{options.single_precision};
   std::vector<Part> parts = recorded(model, functions, prefix, options.single_precision);
   for (Part& part : parts)
-    if (extras.many_states && part.function.is("jacobian")) by_columns(part.recording.results);
+    if (many_states && part.function.is("jacobian")) by_columns(part.recording.results);
 
   Source source;
   std::string& text = source.text;
@@ -135,7 +130,7 @@ Source source_of(const Model& model, std::span<const Function> functions, const 
          "#ifdef __FAST_MATH__\n#error \"compile this file without -ffast-math\"\n#endif\n";
   const bool calls_math =
       std::ranges::any_of(parts, [](const Part& part) { return calls_math_library(part.recording); });
-  if (calls_math || extras.many_states) text += "#include <math.h>\n";
+  if (calls_math || many_states) text += "#include <math.h>\n";
   text +=
       "#ifdef __cplusplus\n#define AXODE_RESTRICT __restrict\nextern \"C\" {\n#else\n"
       "#define AXODE_RESTRICT restrict\n#endif\n\n";
@@ -149,31 +144,31 @@ Source source_of(const Model& model, std::span<const Function> functions, const 
   const bool turns = std::ranges::any_of(source.functions,
                                          [](const Source::Cost& cost) { return cost.operations.angles > 0; });
   if (turns)
-    text += c_sine_cosine(sine_cosine, precision, extras.many_states ? Angles::all : Angles::moderate) + "\n";
+    text += c_sine_cosine(sine_cosine, precision, many_states ? Angles::all : Angles::moderate) + "\n";
   std::string definitions;
   bool is_cut = false;
   for (const Part& part : parts) {
     const Definition one = c_definition(part.recording, part.name, sine_cosine, precision);
     definitions += one.text + '\n';
     is_cut = is_cut || one.scratch > 0;
-    if (!extras.many_states) continue;
+    if (!many_states) continue;
     StatesFunction states{part.name, part.recording.lengths, static_cast<int>(part.recording.results.size()),
                           0, part.recording.returns_singularity};
-    if (extras.lanes > 1) {
+    if (lanes > 1) {
       const Definition in_lanes =
           lanes_definition(part.recording, part.name + "_lanes", sine_cosine, precision);
       definitions += "#if AXODE_LANES > 1\n" + in_lanes.text + "#endif\n";
       states.scratch = in_lanes.scratch;
       is_cut = is_cut || in_lanes.scratch > 0;
     }
-    definitions += c_states(states, precision, extras.lanes) + '\n';
+    definitions += c_states(states, precision, lanes) + '\n';
   }
   if (is_cut)
     text +=
         "#ifdef __GNUC__\n#define AXODE_PART __attribute__((noinline))\n#else\n#define "
         "AXODE_PART\n#endif\n\n";
-  if (extras.lanes > 1) text += c_lanes(precision, extras.lanes, calls_math);
-  if (extras.lanes > 1 && turns) text += c_sine_cosine_in_lanes(sine_cosine, precision) + "\n";
+  if (lanes > 1) text += c_lanes(precision, lanes, calls_math);
+  if (lanes > 1 && turns) text += c_sine_cosine_in_lanes(sine_cosine, precision) + "\n";
   text += definitions;
   if (is_cut) text += "#undef AXODE_PART\n";
   text += "#undef AXODE_RESTRICT\n#ifdef __cplusplus\n}\n#endif\n";
@@ -229,12 +224,12 @@ Source c_source(const Model& model, std::span<const Function> functions, const O
   if (options.states != 1)
     throw std::invalid_argument("states is about functions for CasADi; others are of one state");
   return options.abi == Abi::cuda ? cuda_source(model, functions, options)
-                                  : source_of(model, functions, options, {});
+                                  : source_of(model, functions, options, 0);
 }
 
 Source states_source(const Model& model, std::span<const Function> functions, bool single_precision,
                      int lanes) {
-  return source_of(model, functions, {"axode", single_precision}, {.many_states = true, .lanes = lanes});
+  return source_of(model, functions, {"axode", single_precision}, lanes);
 }
 
 }  // namespace axode::codegen

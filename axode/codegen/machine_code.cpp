@@ -211,49 +211,45 @@ Library compiled(const Compiler& compiler, const std::string& source, const std:
   return loaded;
 }
 
-struct Loaded {
-  fs::path file;
-  Library library;
-  std::shared_ptr<WorkFolder> folder = nullptr;  ///< the folder of the library if it is not in the cache
-};
+}  // namespace
 
-Loaded loaded(const std::string& source, const std::vector<std::string>& flags,
-              const batch::Monitor& monitor) {
+MachineCode::MachineCode(const std::string& source, const std::vector<std::string>& flags,
+                         const batch::Monitor& monitor) {
   const Compiler compiler = find_compiler();
   std::string all = compiler.version + '\n' + processor();
   for (const std::vector<std::string>& words : {compiler.command, flags})
     for (const std::string& word : words) all += '\n' + word;
   const std::string key = digest(all + '\n' + source);
-  const fs::path folder = cache_folder(), file = folder / (key + ".so");
-  if (Library kept = opened_from_cache(file)) return {file, kept};
+  const fs::path folder = cache_folder();
+  file_ = folder / (key + ".so");
+  library_ = opened_from_cache(file_);
+  if (library_) return;
+  const auto compile_in = [&](const std::shared_ptr<WorkFolder>& work) {
+    library_ = compiled(compiler, source, flags, work->path(), monitor);
+    folder_ = work;
+  };
   if (!is_usable(folder)) {
-    auto work = std::make_shared<WorkFolder>(temporary_folder(), "axode");
-    Library library = compiled(compiler, source, flags, work->path(), monitor);
-    return {work->path() / "model.so", library, work};
+    const auto work = std::make_shared<WorkFolder>(temporary_folder(), "axode");
+    compile_in(work);
+    file_ = work->path() / "model.so";
+    return;
   }
   Lock lock(folder, key);
   while (!lock.try_it()) {
     if (monitor && !monitor(0, 1)) throw CompilationEnded("the wait for a specialised model was ended");
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
   }
-  if (Library kept = opened_from_cache(file)) return {file, kept};  // another process was first
-  auto work = std::make_shared<WorkFolder>(folder, key);
+  library_ = opened_from_cache(file_);
+  if (library_) return;  // another process was first
+  const auto work = std::make_shared<WorkFolder>(folder, key);
   collect_abandoned(folder, work->path(), key, lock);
-  Library library = compiled(compiler, source, flags, work->path(), monitor);
-  std::error_code failed;  // then it is compiled again the next time
-  fs::rename(work->path() / "model.so", file, failed);
-  if (failed) return {work->path() / "model.so", library, work};
-  return {file, library};
-}
-
-}  // namespace
-
-MachineCode::MachineCode(const std::string& source, const std::vector<std::string>& flags,
-                         const batch::Monitor& monitor) {
-  const Loaded code = loaded(source, flags, monitor);
-  file_ = code.file;
-  folder_ = code.folder;
-  library_ = code.library;
+  compile_in(work);
+  std::error_code failed;
+  fs::rename(work->path() / "model.so", file_, failed);
+  if (failed)
+    file_ = work->path() / "model.so";  // the next process compiles again
+  else
+    folder_ = nullptr;
 }
 
 void* MachineCode::address(const std::string& name) const {

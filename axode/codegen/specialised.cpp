@@ -31,9 +31,6 @@ template <class T> struct Specialised<T>::Code {
   codegen::MachineCode library;
   std::vector<Entry> entries;
 
-  Code(const Model& model, std::span<const Function> functions, const SpecialisedOptions& options)
-      : Code(codegen::states_source(model, functions, std::same_as<T, float>, options.lanes), functions,
-             options) {}
   Code(const codegen::Source& source, std::span<const Function> functions, const SpecialisedOptions& options)
       : library(source.text, options.flags, options.monitor) {
     for (std::size_t k = 0; k < functions.size(); ++k) {
@@ -95,7 +92,8 @@ Specialised<T>::Specialised(const Model& model, std::span<const Function> functi
     throw std::invalid_argument("lanes is " + std::to_string(options.lanes) + "; expected 1, 2, 4, 8 or 16");
   if (std::ranges::any_of(functions, [](const Function& f) { return f.is("pose"); }))
     throw std::invalid_argument("specialised models have no pose of one frame; ask for poses, which has all");
-  code_ = std::make_shared<const Code>(model, functions, options);
+  code_ = std::make_shared<const Code>(
+      codegen::states_source(model, functions, std::same_as<T, float>, options.lanes), functions, options);
 }
 
 template <class T> batch::CompiledDynamics<T> Specialised<T>::compiled_dynamics() const {
