@@ -45,25 +45,17 @@ class Accelerations {
   }
 
   Recording value() const {
-    return shortest([&](const Recording& solution) {
-      Composition on;
-      const State at = state(on, solution);
-      return on.with("a", at.a);
-    });
+    return shortest([](Composition& on, const State& at, const Recording&) { return on.with("a", at.a); });
   }
 
   Recording jacobian() const {
-    return shortest([&](const Recording& solution) {
-      Composition on;
-      const State at = state(on, solution);
+    return shortest([&](Composition& on, const State& at, const Recording& solution) {
       return on.with("jac", by_state(on, at, solution));
     });
   }
   Recording tangent() const {
     const Recording forces_tangent = tangent_of(forces_);
-    return shortest([&](const Recording& solution) {
-      Composition on;
-      const State at = state(on, solution);
+    return shortest([&](Composition& on, const State& at, const Recording& solution) {
       const Numbers dq = on.argument("fwd_q", model_.nq()), dv = on.argument("fwd_v", model_.nv());
       Numbers rest = on.argument("fwd_tau", model_.nv());
       subtract(rest, on(forces_tangent, {at.q, at.v, at.a, dq, dv, Numbers(rest.size())}));
@@ -72,9 +64,7 @@ class Accelerations {
   }
   Recording adjoint(const Weights& weights) const {
     const Recording forces_adjoint = adjoint_of(forces_, {{"w"}, {model_.nv()}});
-    return shortest([&](const Recording& solution) {
-      Composition on;
-      const State at = state(on, solution);
+    return shortest([&](Composition& on, const State& at, const Recording& solution) {
       const Numbers mu = on(solution, {at.q, weights.on(on)});
       Numbers out = on(forces_adjoint, {at.q, at.v, at.a, mu});
       const std::size_t moving = out.size() - mu.size();
@@ -85,9 +75,7 @@ class Accelerations {
   }
   Recording hessian(const Weights& weights) const {
     const Recording forces_hessian = hessian_of(forces_, {{"w"}, {model_.nv()}});
-    return shortest([&](const Recording& solution) {
-      Composition on;
-      const State at = state(on, solution);
+    return shortest([&](Composition& on, const State& at, const Recording& solution) {
       const Numbers mu = on(solution, {at.q, weights.on(on)});
       const Numbers L = on(forces_hessian, {at.q, at.v, at.a, mu});
       const std::size_t nq = at.q.size(), nv = at.v.size(), n = nq + 2 * nv, moving = nq + nv;
@@ -114,11 +102,14 @@ class Accelerations {
   static void subtract(Numbers& x, const Numbers& y) {
     for (std::size_t k = 0; k < x.size(); ++k) x[k] -= y[k];
   }
+  /// The recording with the fewest operations of make(composition, state, solution) for all solutions.
   template <class Make> Recording shortest(const Make& make) const {
-    Recording best = make(solutions_[0]);
-    for (std::size_t k = 1; k < solutions_.size(); ++k)
-      if (Recording other = make(solutions_[k]); operations(other).total() < operations(best).total())
-        best = std::move(other);
+    Recording best;
+    for (const Recording& solution : solutions_) {
+      Composition on;
+      Recording made = make(on, state(on, solution), solution);
+      if (best.nodes.empty() || operations(made).total() < operations(best).total()) best = std::move(made);
+    }
     return best;
   }
   /// Columns of a by q, v and tau.
