@@ -79,24 +79,19 @@ struct Offer {
   std::vector<std::pair<std::string, std::string>> words = {};  ///< words and descriptions
 };
 
-template <class Range, class NameOf> Offer offer_of(const Range& all, NameOf name_of, bool list = false) {
-  Offer offer{.list = list};
-  for (const auto& one : all) offer.words.emplace_back(name_of(one), "");
-  return offer;
-}
-
-/// The words that an option takes. The type of its value is `FILE`, a list of words, as in `table|json`, or a
-/// name for many words.
+/// The words that an option takes. The type of its value is `FILE`, a list of words, as in `table|json`, or a name
+/// for many words.
 Offer offer(const CLI::Option& option) {
   const std::string type = option.get_type_name();
-  if (type.starts_with("FILE")) return {.files = true};
-  if (type == "METHOD") return offer_of(methods, [](const auto& method) { return method.first; });
-  if (type == "QUANTITIES")
-    return offer_of(
-        quantities(), [](const Quantity& x) { return x.name; }, true);
-  if (type == "FUNCTIONS") return offer_of(codegen::recorded_functions, std::identity(), true);
-  if (type.find('|') == std::string::npos) return {};
-  return offer_of(CLI::detail::split(type, '|'), std::identity());
+  Offer offer{.files = type.starts_with("FILE"), .list = type == "QUANTITIES" || type == "FUNCTIONS"};
+  const auto add = [&](const auto& all, const auto& name_of) {
+    for (const auto& one : all) offer.words.emplace_back(name_of(one), "");
+  };
+  if (type == "METHOD") add(methods, [](const auto& method) { return method.first; });
+  if (type == "QUANTITIES") add(quantities(), [](const Quantity& x) { return x.name; });
+  if (type == "FUNCTIONS") add(codegen::recorded_functions, std::identity());
+  if (type.find('|') != std::string::npos) add(CLI::detail::split(type, '|'), std::identity());
+  return offer;
 }
 
 /// The words that are valid if the word before is not an option with a value.
