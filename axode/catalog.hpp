@@ -13,21 +13,22 @@
 #include "axode/recursion/solvability.hpp"
 #include "axode/table/check_counts.hpp"
 
-/// The functions of a state as values: one row for each, with what it is given, what it makes and how it is called. The
-/// command and the Python package are made from these rows, and laws that hold for all functions run over them.
+/// The functions of a state as values: each has a row with its arguments, its result and how it is called. The
+/// command and the Python package are made from these rows, and the tests of laws run over them.
 namespace axode::catalog {
 
-/// What a function can be given. What it does not take stays as it is.
+/// All arguments that a function can have. A function reads only those of its row.
 template <class T> struct Arguments {
   std::span<const T> q, v, a, tau, p;
-  std::span<const T> dq = {}, dv = {}, da = {}, dtau = {};  ///< a direction
-  std::span<const T> w = {};                                ///< weights of a result
+  std::span<const T> dq = {}, dv = {}, da = {}, dtau = {};  ///< direction of a derivative
+  std::span<const T> w = {};                                ///< weights of the entries of a result
   Loads<T> loads = {};
   Place<T> place = 0, base = 0;
   CoriolisForm form = CoriolisForm::christoffel;
   WrenchPoint at = WrenchPoint::body;
 };
-/// Where an input of numbers stands.
+template <class T> using Given [[deprecated("use Arguments")]] = Arguments<T>;
+/// The member of Arguments that holds the numbers of an input.
 template <class T> constexpr std::span<const T> Arguments<T>::*member_of(Input input) {
   switch (input) {
     case Input::q: return &Arguments<T>::q;
@@ -49,30 +50,32 @@ template <class T> const std::span<const T>& numbers(const Arguments<T>& given, 
   return given.*member_of<T>(input);
 }
 
-/// Entries as the numbers that they consist of.
+/// The numbers of which the entries consist, one after the other.
 template <class T, class E> std::span<T> as_numbers(std::span<E> entries) {
   static_assert(sizeof(E) % sizeof(T) == 0);
   return {reinterpret_cast<T*>(entries.data()), entries.size() * (sizeof(E) / sizeof(T))};
 }
 
-/// A row, and how the function is called.
+/// A row of the table of functions with the C++ function that computes it.
 template <class T> struct Function : Words {
-  /// Calls it. `out` has size() numbers.
+  /// Calls the function; `out` receives size() numbers.
   Solvability (*call)(const Model&, Workspace<T>&, const Arguments<T>&, std::span<T> out);
-  /// Calls it for a mechanism with loops; null unless these are counted.
+  /// Calls the function for a mechanism with loops; null unless the row counts loops.
   Solvability (*call_with_loops)(const Model&, LoopWorkspace<T>&, const Arguments<T>&, std::span<T> out);
 
-  /// How many numbers it makes.
+  /// The number of numbers in the result.
   std::size_t size(const Model& model, std::size_t n_loads) const;
 };
 
-/// All functions, in the order of the documentation, with results in Rep or by the recursion in Rep; of functions to
-/// which Rep means nothing the same row stands in every table. For Fast only those that have such a recursion, or none.
+/// All functions, in the order of the documentation. Functions with a representation give results in Rep or run
+/// the recursion in Rep; all others have the same row for every Rep. For Fast, functions without a fast recursion
+/// are left out.
 template <RecursionChoice Rep, class T = double> std::span<const Function<T>> functions();
-/// The row of that name, or nullptr.
+/// The row of a function, or nullptr if no function has this name.
 template <RecursionChoice Rep, class T = double> const Function<T>* find(std::string_view name);
 
-/// The name here of what other libraries call so (`crba` is `mass_matrix`), or nothing.
+/// The name of the function that has another name in other libraries (`crba` is `mass_matrix`) or had another name
+/// in earlier versions; empty if there is none.
 std::string_view name_here(std::string_view theirs);
 
 }  // namespace axode::catalog

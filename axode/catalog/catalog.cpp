@@ -32,6 +32,7 @@ std::string_view name_here(std::string_view theirs) {
       {"task_space_inertia", "operational_space_inertia"}, {"torque_regressor", "regressor"},
       {"joint_torque_regressor", "regressor"}, {"generalized_momenta", "momenta"},
       {"generalized_momentum", "momenta"}, {"total_momentum", "spatial_momentum"},
+      {"mobility", "inverse_operational_space_inertia"},
   });
   // clang-format on
   const auto found = std::ranges::find(names, theirs, &decltype(names)::value_type::first);

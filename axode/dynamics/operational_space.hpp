@@ -1,9 +1,11 @@
 #pragma once
+#include <utility>
+
 #include "axode/kinematics/arguments.hpp"
 #include "axode/kinematics/place.hpp"
 #include "axode/recursion/solvability.hpp"
 
-/// What a place on a mechanism shows to a wrench.
+/// Response of a place on a mechanism to a wrench.
 namespace axode {
 
 /// M⁻¹ Jᵀ for a place: a column for each velocity, Y_c | W = jump of velocity c under a unit of impulse W at
@@ -19,6 +21,11 @@ template <RecursionRepresentation Rep = BodyFixed, class T>
 Solvability inverse_operational_space_inertia(const Model& model, Workspace<T>& workspace, Numbers<T> q,
                                               const std::type_identity_t<Place<T>>& place,
                                               std::type_identity_t<std::span<T>> Lambda_inverse);
+
+template <RecursionRepresentation Rep = BodyFixed, class... Arguments>
+[[deprecated("use inverse_operational_space_inertia")]] Solvability mobility(Arguments&&... arguments) {
+  return inverse_operational_space_inertia<Rep>(std::forward<Arguments>(arguments)...);
+}
 
 /// Λ = (J M⁻¹ Jᵀ)⁻¹ of a place, 36 entries: the inertia that it shows to a wrench. NaN where the place cannot
 /// move in all six directions (or nearly cannot: condition above 1e12 in double, 1e5 in float, after scaling

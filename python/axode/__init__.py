@@ -18,6 +18,7 @@ from __future__ import annotations
 
 import difflib
 import importlib
+import warnings
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -176,7 +177,8 @@ __all__ = [
     "inverse_dynamics", "forward_dynamics", "joint_wrenches", "mass_matrix", "inverse_mass_matrix",
     "mass_matrix_partials", "inverse_mass_matrix_partials", "MassMatrixFactor", "coriolis_matrix", "coriolis_vector",
     "christoffel", "gravity_torques", "generalized_loads", "kinetic_energy", "potential_energy", "load_powers", "spring_forces", "elastic_energy",
-    "centroidal_inertia", "impulse_response", "inverse_operational_space_inertia", "operational_space_inertia", "regressor",
+    "centroidal_inertia", "impulse_response", "inverse_operational_space_inertia", "operational_space_inertia",
+    "regressor",
     "kinetic_energy_regressor", "potential_energy_regressor",
     # momentum form
     "momenta", "from_momenta", "momentum_form", "body_momenta", "spatial_momentum", "centroidal_momentum",
@@ -210,6 +212,9 @@ __all__ = [
 #: Modules that need other packages, which are imported where one asks for them.
 BRIDGES = ("casadi", "cuda", "distributed", "jax", "torch")
 
+#: Names that changed; the former ones work until the next minor version.
+RENAMED = {"mobility": "inverse_operational_space_inertia"}
+
 if not TYPE_CHECKING:  # to a type checker every name would be known
 
     def __getattr__(name: str) -> Any:
@@ -218,6 +223,9 @@ if not TYPE_CHECKING:  # to a type checker every name would be known
                 return importlib.import_module(f"{__name__}.{name}")
             except ImportError as error:  # hasattr hears of AttributeError alone; `import axode.jax` raises this one
                 raise AttributeError(str(error)) from error
+        if name in RENAMED:
+            warnings.warn(f"axode.{name} is deprecated; use axode.{RENAMED[name]}", DeprecationWarning, stacklevel=2)
+            return globals()[RENAMED[name]]
         message = f"module {__name__!r} has no attribute {name!r}"
         if (here := _name_here(name)) in __all__:
             raise AttributeError(f"{message}; it is called {here!r} here")

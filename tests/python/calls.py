@@ -149,7 +149,9 @@ for rep in REPRESENTATIONS:
         f"inverse_mass_matrix {rep}": lambda m, q, v, a, rep=rep: axode.inverse_mass_matrix(m, q, rep),
         f"joint_wrenches {rep}": lambda m, q, v, a, rep=rep: axode.joint_wrenches(m, q, v, a, rep, load_on(m, q)),
         f"impulse_response {rep}": lambda m, q, v, a, rep=rep: axode.impulse_response(m, q, tool(m), rep),
-        f"inverse_operational_space_inertia {rep}": lambda m, q, v, a, rep=rep: axode.inverse_operational_space_inertia(m, q, tool(m), rep),
+        f"inverse_operational_space_inertia {rep}": lambda m, q, v, a, rep=rep: axode.inverse_operational_space_inertia(
+            m, q, tool(m), rep
+        ),
         f"operational_space_inertia {rep}": lambda m, q, v, a, rep=rep: axode.operational_space_inertia(
             m, q, tool(m), rep),
         f"body_momenta {rep}": lambda m, q, v, a, rep=rep: axode.body_momenta(m, q, v, rep),
