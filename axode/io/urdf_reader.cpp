@@ -12,7 +12,6 @@
 #include "axode/io/urdf_kinds.hpp"
 #include "axode/io/xml_reader.hpp"
 #include "axode/model/nearest_name.hpp"
-#include "axode/model/shape_kinds.hpp"
 
 namespace axode::io {
 namespace {
@@ -56,7 +55,7 @@ constexpr const char* expand_first = "; this is a xacro file: expand it with xac
 class UrdfReader : XmlReader {
  public:
   UrdfReader(std::string_view text, std::string file, Strictness strictness)
-      : XmlReader({"a URDF", "robot", urdf_grammar()}, text, std::move(file), strictness) {
+      : XmlReader({"URDF", "a URDF", "robot", urdf_grammar(), false}, text, std::move(file), strictness) {
     description().name = "robot";
     description().source = {file_, 0};
   }
@@ -107,15 +106,6 @@ class UrdfReader : XmlReader {
     return false;
   }
 
-  std::optional<Vec3<>> vector(const XMLElement& e, const char* attribute, const std::string& owner,
-                               Severity severity = Severity::error) {
-    const auto x = numbers<3>(e, attribute, owner, severity);
-    return x ? std::optional(Vec3<>{(*x)[0], (*x)[1], (*x)[2]}) : std::nullopt;
-  }
-  double scalar(const XMLElement& e, const char* attribute, const std::string& owner, double otherwise) {
-    const auto x = numbers<1>(e, attribute, owner);
-    return x ? (*x)[0] : otherwise;
-  }
   double required_scalar(const XMLElement& e, const char* attribute, const std::string& owner) {
     return required(e, attribute, owner) == nullptr ? 0 : scalar(e, attribute, owner, 0);
   }
@@ -155,11 +145,9 @@ class UrdfReader : XmlReader {
       }
     }
     description().source.line = robot.GetLineNum();
-    for (const XMLElement* e = robot.FirstChildElement("material"); e != nullptr;
-         e = e->NextSiblingElement("material"))
-      read_material(*e, owner);
+    for (const XMLElement* e : children(robot, "material")) read_material(*e, owner);
     name_what_is_called_ground(robot);
-    for (const XMLElement* e = robot.FirstChildElement(); e != nullptr; e = e->NextSiblingElement()) {
+    for (const XMLElement* e : children(robot)) {
       const std::string_view element = e->Name();
       if (element == "link") read_link(*e);
       if (element == "joint") read_joint(*e);
@@ -178,20 +166,17 @@ class UrdfReader : XmlReader {
   void name_what_is_called_ground(const XMLElement& robot) {
     std::unordered_set<std::string_view> names;
     const XMLElement* called = nullptr;
-    for (const XMLElement* e = robot.FirstChildElement("link"); e != nullptr;
-         e = e->NextSiblingElement("link"))
+    for (const XMLElement* e : children(robot, "link"))
       if (const char* given = e->Attribute("name")) {
         names.insert(given);
         if (given == ground_) called = e;
       }
-    const auto is_its_child = [&](const XMLElement& joint) {
-      const XMLElement* child = joint.FirstChildElement("child");
+    const auto is_its_child = [&](const XMLElement* joint) {
+      const XMLElement* child = joint->FirstChildElement("child");
       const char* given = child == nullptr ? nullptr : child->Attribute("link");
       return given != nullptr && given == ground_;
     };
-    const XMLElement* joint = robot.FirstChildElement("joint");
-    while (joint != nullptr && !is_its_child(*joint)) joint = joint->NextSiblingElement("joint");
-    if (called == nullptr || joint == nullptr) return;
+    if (called == nullptr || std::ranges::none_of(children(robot, "joint"), is_its_child)) return;
     for (int k = 2; names.contains(ground_); ++k) ground_ = "ground_" + std::to_string(k);
     note(Severity::warning, Rule::duplicate_name, "link \"ground\"",
          "is called " + in_quotes(ground_) + " here, where \"ground\" is the inertial frame",
@@ -210,8 +195,7 @@ class UrdfReader : XmlReader {
     inspect(e, owner);
     if (const XMLElement* inertial = child_of(e, "inertial", owner))
       link.body.inertia = read_inertial(*inertial, owner);
-    for (const XMLElement* shape = e.FirstChildElement(); shape != nullptr;
-         shape = shape->NextSiblingElement()) {
+    for (const XMLElement* shape : children(e)) {
       if (shape->Name() == std::string_view("visual"))
         read_shape(*shape, ShapeDescription::Role::visual, owner, link.body.shapes);
       if (shape->Name() == std::string_view("collision"))
@@ -234,14 +218,8 @@ class UrdfReader : XmlReader {
     if (const XMLElement* mass = required_child(e, "mass", owner))
       result.mass = required_scalar(*mass, "value", owner);
     if (const XMLElement* inertia = required_child(e, "inertia", owner)) {
-      Sym3<>& Theta = result.Theta;
-      const std::array<std::pair<const char*, double*>, 6> entries{{{"ixx", &Theta.xx},
-                                                                    {"ixy", &Theta.xy},
-                                                                    {"ixz", &Theta.xz},
-                                                                    {"iyy", &Theta.yy},
-                                                                    {"iyz", &Theta.yz},
-                                                                    {"izz", &Theta.zz}}};
-      for (const auto& [attribute, entry] : entries) *entry = required_scalar(*inertia, attribute, owner);
+      for (const auto& [attribute, entry] : inertia_entries)
+        result.Theta.*entry = required_scalar(*inertia, attribute, owner);
     }
     if (faults().size() != faults_before) return std::nullopt;
     const Sym3<>& I = result.Theta;
@@ -252,53 +230,13 @@ class UrdfReader : XmlReader {
     return result;
   }
 
-  /// Reads a shape. As shapes do not affect the motion, wrong dimensions and colours are errors of a strict
-  /// reader only. A shape that is not complete is left out.
   void read_shape(const XMLElement& e, ShapeDescription::Role role, const std::string& owner,
                   std::vector<ShapeDescription>& shapes) {
     inspect(e, owner);
     ShapeDescription shape{.role = role, .pose = origin(e, owner)};
-    if (const char* given = e.Attribute("name"); given != nullptr && printable(given)) shape.name = given;
     if (const XMLElement* material = e.FirstChildElement("material"))
       shape.color = read_material(*material, owner);
-    const XMLElement* geometry = required_child(e, "geometry", owner);
-    if (geometry == nullptr) return;
-    for (const XMLElement* given = geometry->FirstChildElement(); given != nullptr;
-         given = given->NextSiblingElement()) {
-      inspect(*given, owner);
-      const auto kind = std::ranges::find(shape_kinds, std::string_view(given->Name()), &ShapeTraits::name);
-      if (kind == shape_kinds.end()) continue;
-      shape.kind = kind->kind;
-      bool complete = true;
-      const auto is_there = [&](const char* attribute) {
-        if (given->Attribute(attribute) != nullptr) return true;
-        note(lenient_severity(), Rule::missing_element, owner,
-             tag(*given) + " has no attribute " + attribute + "; a shape without one is ignored",
-             given->GetLineNum());
-        return complete = false;
-      };
-      const auto length = [&](const char* attribute) {
-        const auto x =
-            is_there(attribute) ? numbers<1>(*given, attribute, owner, lenient_severity()) : std::nullopt;
-        complete &= x.has_value();
-        return x ? (*x)[0] : 0;
-      };
-      if (!kind->size.empty()) {
-        const char* attribute = kind->size.data();
-        const auto size =
-            is_there(attribute) ? vector(*given, attribute, owner, lenient_severity()) : std::nullopt;
-        complete &= size.has_value();
-        shape.size = size.value_or(Vec3<>{});
-      }
-      if (kind->radius) shape.radius = length("radius");
-      if (kind->length) shape.length = length("length");
-      if (kind->kind == ShapeKind::mesh) {
-        shape.file = name(*given, "filename", owner);
-        shape.scale = vector(*given, "scale", owner, lenient_severity()).value_or(Vec3<>{1, 1, 1});
-        complete = !shape.file.empty();
-      }
-      if (complete) shapes.push_back(shape);
-    }
+    read_geometry(e, std::move(shape), owner, shapes);
   }
 
   /// The colour of a material: its own colour or, if it has none, that which the robot or an earlier shape
@@ -358,7 +296,10 @@ class UrdfReader : XmlReader {
     if (const XMLElement* child = required_child(e, "child", owner))
       connection.child = name_of_link(*child, "link", owner);
     connection.origin = origin(e, owner);
-    const UrdfKind& kind = kind_of(e, owner);
+    // With an unknown type the numbers of the joint are still checked.
+    static constexpr UrdfKind unknown{"", JointKind::revolute};
+    const UrdfKind* known = kind_of(e, owner, urdf_kinds);
+    const UrdfKind& kind = known == nullptr ? unknown : *known;
     joint.kind = kind.kind;
     read_axis(e, owner, joint);
     read_dof(e, owner, kind, joint);
@@ -373,23 +314,6 @@ class UrdfReader : XmlReader {
     }
     child_of(e, "safety_controller", owner);
     connections_.push_back(std::move(connection));
-  }
-
-  /// The kind of a joint by its type. If the type is missing or unknown, the result is a kind without
-  /// requirements, so that the numbers of the joint are still checked.
-  const UrdfKind& kind_of(const XMLElement& e, const std::string& owner) {
-    static constexpr UrdfKind unknown{"", JointKind::revolute};
-    const char* type = required(e, "type", owner);
-    if (type == nullptr) return unknown;
-    for (const UrdfKind& kind : urdf_kinds)
-      if (kind.type == type) return kind;
-    error(Rule::wrong_value, owner,
-          "type is " + in_quotes(type) +
-              "; URDF knows revolute, continuous, prismatic, fixed, floating and planar" +
-              did_you_mean(std::string_view(type).substr(0, 30), urdf_kinds,
-                           [](const UrdfKind& k) { return k.type; }),
-          e.GetLineNum());
-    return unknown;
   }
 
   void read_axis(const XMLElement& e, const std::string& owner, JointDescription& joint) {
@@ -417,15 +341,18 @@ class UrdfReader : XmlReader {
     };
     if (limit != nullptr) {
       constexpr double none = std::numeric_limits<double>::infinity();
+      const auto bound_of = [&](const char* attribute, double otherwise) {
+        return bound(*limit, attribute, owner, otherwise, std::numeric_limits<double>::max());
+      };
       for (const char* attribute : {"velocity", "effort"})
         if (needs_limits && limit->Attribute(attribute) == nullptr)
           warn("<limit> has no " + std::string(attribute) + "; it is taken as unlimited",
                limit->GetLineNum());
-      dof.velocity = bound(*limit, "velocity", owner, none);
-      dof.effort = bound(*limit, "effort", owner, none);
+      dof.velocity = bound_of("velocity", none);
+      dof.effort = bound_of("effort", none);
       if (needs_limits) {
-        dof.lower = bound(*limit, "lower", owner, 0);
-        dof.upper = bound(*limit, "upper", owner, 0);
+        dof.lower = bound_of("lower", 0);
+        dof.upper = bound_of("upper", 0);
         if (limit->Attribute("lower") == nullptr && limit->Attribute("upper") == nullptr)
           warn("<limit> has neither lower nor upper; URDF takes both as 0", limit->GetLineNum());
       }
@@ -434,16 +361,6 @@ class UrdfReader : XmlReader {
     }
     if (limit != nullptr || dynamics != nullptr)
       joint.dof.assign(static_cast<std::size_t>(traits(kind.kind).dof), dof);
-  }
-
-  /// A limit. Both the largest double and inf mean that there is none.
-  double bound(const XMLElement& e, const char* attribute, const std::string& owner, double otherwise) {
-    constexpr double infinity = std::numeric_limits<double>::infinity();
-    const char* text = e.Attribute(attribute);
-    const Number x = text == nullptr ? Number{} : number(text);
-    if (x.broken == Rule::non_finite_number && std::isinf(x.value)) return x.value;
-    const double value = scalar(e, attribute, owner, otherwise);
-    return std::abs(value) < std::numeric_limits<double>::max() ? value : std::copysign(infinity, value);
   }
 
   // ---------------------------------------------------------------- the tree

@@ -1,6 +1,8 @@
 #include "axode/io/xml_reader.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 
 namespace axode::io {
 namespace {
@@ -86,6 +88,14 @@ const XMLElement* XmlReader::parse(tinyxml2::XMLDocument& document) {
   return root;
 }
 
+std::vector<const XMLElement*> XmlReader::children(const XMLElement& e, const char* name) {
+  std::vector<const XMLElement*> all;
+  for (const XMLElement* child = e.FirstChildElement(name); child != nullptr;
+       child = child->NextSiblingElement(name))
+    all.push_back(child);
+  return all;
+}
+
 const Grammar* XmlReader::grammar_of(std::string_view element) const {
   const auto found = std::ranges::find(format_.grammar, element, &Grammar::element);
   return found == format_.grammar.end() ? nullptr : &*found;
@@ -154,6 +164,25 @@ std::string XmlReader::name(const XMLElement& e, const char* attribute, const st
                           : checked_name(value, tag(e) + " has an empty " + attribute, owner, e.GetLineNum());
 }
 
+std::string XmlReader::required_text(const XMLElement& e, const char* child, const std::string& owner) {
+  const XMLElement* given = e.FirstChildElement(child);
+  if (given != nullptr)
+    return checked_name(text_of(*given).c_str(), tag(*given) + " is empty", owner, given->GetLineNum());
+  error(Rule::missing_element, owner, tag(e) + " has no <" + child + ">; it needs one", e.GetLineNum());
+  return {};
+}
+
+std::string XmlReader::text_of(const XMLElement& e) {
+  for (const tinyxml2::XMLNode* node = e.FirstChild(); node != nullptr; node = node->NextSibling())
+    if (const tinyxml2::XMLText* text = node->ToText()) {
+      const std::string_view all = text->Value();
+      const std::size_t first = all.find_first_not_of(" \t\r\n");
+      if (first == std::string_view::npos) continue;
+      return std::string(all.substr(first, all.find_last_not_of(" \t\r\n") + 1 - first));
+    }
+  return {};
+}
+
 std::string XmlReader::checked_name(const char* value, const std::string& where_empty,
                                     const std::string& owner, int line) {
   if (*value == '\0') error(Rule::missing_name, owner, where_empty, line);
@@ -181,6 +210,85 @@ std::optional<std::vector<double>> XmlReader::numbers(std::string_view text, con
     out.push_back(x.value);
   }
   return out;
+}
+
+std::optional<XmlReader::Value> XmlReader::value(const XMLElement& e, const char* key) const {
+  if (format_.values_are_elements) {
+    const XMLElement* child = e.FirstChildElement(key);
+    if (child == nullptr) return std::nullopt;
+    return Value{text_of(*child), tag(*child), child->GetLineNum()};
+  }
+  const char* attribute = e.Attribute(key);
+  if (attribute == nullptr) return std::nullopt;
+  return Value{attribute, tag(e) + " " + key, e.GetLineNum()};
+}
+
+std::optional<Vec3<>> XmlReader::vector(const XMLElement& e, const char* key, const std::string& owner,
+                                        Severity severity) {
+  const auto x = numbers<3>(e, key, owner, severity);
+  return x ? std::optional(Vec3<>{(*x)[0], (*x)[1], (*x)[2]}) : std::nullopt;
+}
+
+double XmlReader::scalar(const XMLElement& e, const char* key, const std::string& owner, double otherwise) {
+  const auto x = numbers<1>(e, key, owner);
+  return x ? (*x)[0] : otherwise;
+}
+
+double XmlReader::bound(const XMLElement& e, const char* key, const std::string& owner, double otherwise,
+                        double unbounded) {
+  const std::optional<Value> given = value(e, key);
+  const Number x = given ? number(given->text) : Number{};
+  if (x.broken == Rule::non_finite_number && std::isinf(x.value)) return x.value;
+  const double limit = scalar(e, key, owner, otherwise);
+  return std::abs(limit) < unbounded ? limit : std::copysign(std::numeric_limits<double>::infinity(), limit);
+}
+
+void XmlReader::read_geometry(const XMLElement& e, ShapeDescription shape, const std::string& owner,
+                              std::vector<ShapeDescription>& shapes) {
+  if (const char* given = e.Attribute("name"); given != nullptr && printable(given)) shape.name = given;
+  const XMLElement* geometry = required_child(e, "geometry", owner);
+  if (geometry == nullptr) return;
+  for (const XMLElement* given : children(*geometry)) {
+    const auto kind = std::ranges::find(shape_kinds, std::string_view(given->Name()), &ShapeTraits::name);
+    if (kind == shape_kinds.end()) continue;
+    inspect(*given, owner);
+    if (read_dimensions(*given, *kind, owner, shape)) shapes.push_back(shape);
+  }
+}
+
+/// Reads the kind and the dimensions of a shape; false if a dimension is missing or wrong.
+bool XmlReader::read_dimensions(const XMLElement& e, const ShapeTraits& kind, const std::string& owner,
+                                ShapeDescription& shape) {
+  shape.kind = kind.kind;
+  if (kind.kind == ShapeKind::mesh) {
+    shape.file = format_.values_are_elements ? required_text(e, "uri", owner) : name(e, "filename", owner);
+    shape.scale = vector(e, "scale", owner, lenient_severity()).value_or(Vec3<>{1, 1, 1});
+    return !shape.file.empty();
+  }
+  bool complete = true;
+  const auto is_there = [&](const std::string& key) {
+    if (value(e, key.c_str())) return true;
+    note(lenient_severity(), Rule::missing_element, owner,
+         tag(e) + " has no " + (format_.values_are_elements ? "<" + key + ">" : "attribute " + key) +
+             "; a shape without one is ignored",
+         e.GetLineNum());
+    return complete = false;
+  };
+  const auto length = [&](const char* key) {
+    const auto x = is_there(key) ? numbers<1>(e, key, owner, lenient_severity()) : std::nullopt;
+    complete &= x.has_value();
+    return x ? (*x)[0] : 0;
+  };
+  if (!kind.size.empty()) {
+    const bool radii = format_.values_are_elements && kind.kind == ShapeKind::ellipsoid;
+    const char* key = radii ? "radii" : kind.size.data();
+    const auto size = is_there(key) ? vector(e, key, owner, lenient_severity()) : std::nullopt;
+    complete &= size.has_value();
+    shape.size = size.value_or(Vec3<>{});
+  }
+  if (kind.radius) shape.radius = length("radius");
+  if (kind.length) shape.length = length("length");
+  return complete;
 }
 
 void XmlReader::wrong_count(std::string_view text, const std::string& what, const std::string& needed,

@@ -12,6 +12,8 @@
 #include <vector>
 
 #include "axode/io/reading.hpp"
+#include "axode/model/nearest_name.hpp"
+#include "axode/model/shape_kinds.hpp"
 
 /// The base of the readers of XML formats.
 namespace axode::io {
@@ -28,10 +30,21 @@ struct Grammar {
 
 /// A format: its names in messages, and its grammar.
 struct XmlFormat {
+  std::string_view name;    ///< `URDF`
   std::string_view a_file;  ///< `a URDF`
   std::string_view root;    ///< name of the root element
   std::span<const Grammar> grammar;
+  bool values_are_elements;  ///< whether numbers are texts of child elements instead of attributes
 };
+
+/// The entries of a rotational inertia by their names in URDF and SDFormat.
+inline constexpr std::array<std::pair<const char*, double Sym3<>::*>, 6> inertia_entries{
+    {{"ixx", &Sym3<>::xx},
+     {"ixy", &Sym3<>::xy},
+     {"ixz", &Sym3<>::xz},
+     {"iyy", &Sym3<>::yy},
+     {"iyz", &Sym3<>::yz},
+     {"izz", &Sym3<>::zz}}};
 
 /// Finds the elements, attributes and numbers of a text, with a fault for each that is wrong and a warning
 /// for each kind of element and attribute that the format does not know.
@@ -67,6 +80,8 @@ class XmlReader {
   /// format.
   const XMLElement* parse(tinyxml2::XMLDocument& document);
 
+  /// The child elements of that name, or all if `name` is null.
+  static std::vector<const XMLElement*> children(const XMLElement& e, const char* name = nullptr);
   static std::string tag(const XMLElement& e) { return '<' + std::string(e.Name()) + '>'; }
   /// The grammar of an element; null if the format does not know it.
   const Grammar* grammar_of(std::string_view element) const;
@@ -82,6 +97,10 @@ class XmlReader {
   const char* required(const XMLElement& e, const char* attribute, const std::string& owner);
   /// The name in an attribute; empty, with a fault, if there is none.
   std::string name(const XMLElement& e, const char* attribute, const std::string& owner);
+  /// The text of a child element; empty, with a fault, if there is none.
+  std::string required_text(const XMLElement& e, const char* child, const std::string& owner);
+  /// The text in an element, without blanks around it.
+  static std::string text_of(const XMLElement& e);
   /// Returns a name that was read, and notes a fault if it is empty or cannot be printed.
   std::string checked_name(const char* value, const std::string& where_empty, const std::string& owner,
                            int line);
@@ -102,15 +121,49 @@ class XmlReader {
     std::copy(all->begin(), all->end(), out.begin());
     return out;
   }
-  /// The N numbers in an attribute; empty if it is absent or, with a note, if it is wrong.
+  /// A value in an element: the text of an attribute or, if values_are_elements, of a child.
+  struct Value {
+    std::string text, what;  ///< `what` is the name of the value in messages
+    int line;
+  };
+  std::optional<Value> value(const XMLElement& e, const char* key) const;
+  /// The N numbers in a value; empty if it is absent or, with a note, if it is wrong.
   template <std::size_t N>
-  std::optional<std::array<double, N>> numbers(const XMLElement& e, const char* attribute,
-                                               const std::string& owner,
+  std::optional<std::array<double, N>> numbers(const XMLElement& e, const char* key, const std::string& owner,
                                                Severity severity = Severity::error) {
-    const char* value = e.Attribute(attribute);
-    if (value == nullptr) return std::nullopt;
-    return numbers<N>(value, tag(e) + " " + attribute, owner, e.GetLineNum(), severity);
+    const std::optional<Value> given = value(e, key);
+    if (!given) return std::nullopt;
+    return numbers<N>(given->text, given->what, owner, given->line, severity);
   }
+  std::optional<Vec3<>> vector(const XMLElement& e, const char* key, const std::string& owner,
+                               Severity severity = Severity::error);
+  double scalar(const XMLElement& e, const char* key, const std::string& owner, double otherwise);
+  /// A limit. Infinity, and magnitudes of `unbounded` and more, mean that there is none.
+  double bound(const XMLElement& e, const char* key, const std::string& owner, double otherwise,
+               double unbounded);
+
+  /// Reads the geometry of a visual or collision element and adds a copy of `shape` for each complete shape in
+  /// it. As shapes do not affect the motion, wrong dimensions are errors of a strict reader only.
+  void read_geometry(const XMLElement& e, ShapeDescription shape, const std::string& owner,
+                     std::vector<ShapeDescription>& shapes);
+
+  /// The row of a table of joint types with the type of an element; null, with a fault, if there is none.
+  template <class Kind, std::size_t N>
+  const Kind* kind_of(const XMLElement& e, const std::string& owner, const std::array<Kind, N>& kinds) {
+    const char* type = required(e, "type", owner);
+    if (type == nullptr) return nullptr;
+    std::string known;
+    for (const Kind& kind : kinds) {
+      if (kind.type == type) return &kind;
+      known += (known.empty() ? "" : &kind == &kinds.back() ? " and " : ", ") + std::string(kind.type);
+    }
+    error(Rule::wrong_value, owner,
+          "type is " + in_quotes(type) + "; " + std::string(format_.name) + " knows " + known +
+              did_you_mean(std::string_view(type).substr(0, 30), kinds, [](const Kind& k) { return k.type; }),
+          e.GetLineNum());
+    return nullptr;
+  }
+
   /// All numbers in a text, however many; empty, with a note, if one of them is wrong.
   std::optional<std::vector<double>> numbers(std::string_view text, const std::string& what,
                                              const std::string& owner, int line, Severity severity);
@@ -124,6 +177,9 @@ class XmlReader {
   Strictness strictness_;
 
  private:
+  bool read_dimensions(const XMLElement& e, const ShapeTraits& kind, const std::string& owner,
+                       ShapeDescription& shape);
+
   struct Ignored {
     std::string what;
     int line, count;
