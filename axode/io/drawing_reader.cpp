@@ -1,364 +1,20 @@
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <numbers>
 #include <optional>
 #include <utility>
 
 #include "axode/io.hpp"
-#include "axode/io/foreign_terms.hpp"
-#include "axode/io/pose.hpp"
-#include "axode/io/reading.hpp"
-#include "axode/io/toml.hpp"
+#include "axode/io/drawing_loops.hpp"
 #include "axode/model/joint_kinds.hpp"
-#include "axode/model/loops.hpp"
-#include "axode/model/nearest_name.hpp"
 #include "axode/model/placement.hpp"
 #include "axode/model/shape_kinds.hpp"
 
 namespace axode::io {
 namespace {
 
-/// A value as messages show it.
-std::string shown(const toml::Value& value) {
-  if (const auto* text = value.text()) return in_quotes(*text);
-  if (const auto* x = value.number()) return to_text(*x);
-  if (const auto* flag = value.flag()) return *flag ? "true" : "false";
-  if (const auto* array = value.array()) return "an array of " + std::to_string(array->size());
-  return value.table() != nullptr ? "a table" : "a date";
-}
-
-/// The faults of one file.
-struct Notes {
-  std::vector<Fault>& faults;
-  std::string file;
-
-  void error(Rule rule, std::string element, std::string message, int line) const {
-    faults.push_back({Severity::error, rule, std::move(element), std::move(message), {file, line}});
-  }
-};
-
-/// One table of a drawing. Each key that the table may have is read once; finish() reports all other keys.
-class Table {
- public:
-  Table(const Notes& notes, const toml::Value& table, std::string element)
-      : notes_(notes), entries_(*table.table()), line_(table.line), element_(std::move(element)) {}
-
-  int line() const { return line_; }
-  bool has(std::string_view key) const { return entries_.contains(key); }
-  const toml::Value* look(std::string_view key) const {
-    const auto found = entries_.find(key);
-    return found == entries_.end() ? nullptr : found->second.value;
-  }
-  void rename(std::string element) { element_ = std::move(element); }
-  const std::string& element() const { return element_; }
-  /// The number of faults in the file so far.
-  std::size_t faults() const { return notes_.faults.size(); }
-
-  const toml::Value* take(std::string_view key) {
-    known_.push_back(key);
-    return look(key);
-  }
-  void error(Rule rule, std::string message, const toml::Value* at = nullptr) const {
-    notes_.error(rule, element_, std::move(message), at == nullptr ? line() : at->line);
-  }
-  void wrong(std::string_view key, const toml::Value& value, std::string_view need) const {
-    error(Rule::wrong_value, std::string(key) + " is " + shown(value) + "; " + std::string(need), &value);
-  }
-  void missing(std::string_view key, std::string_view need) const {
-    error(Rule::missing_element, "has no " + std::string(key) + "; " + std::string(need));
-  }
-  /// Reports a key that this table must not have although other tables of its kind have it.
-  void refuse(std::string_view key, std::string_view reason) {
-    if (const toml::Value* node = take(key))
-      error(Rule::unknown_element, std::string(key) + " has no meaning here: " + std::string(reason), node);
-  }
-  void finish() const {
-    for (const auto& [key, entry] : entries_) {
-      if (std::find(known_.begin(), known_.end(), key) != known_.end()) continue;
-      std::string nearest = own_term_for(key, known_);
-      if (nearest.empty()) nearest = did_you_mean(key, known_, [](std::string_view k) { return k; });
-      notes_.error(Rule::unknown_element, element_, "key " + in_quotes(key) + " is not known" + nearest,
-                   entry.line);
-    }
-  }
-
-  std::optional<std::string> text(std::string_view key) {
-    const toml::Value* node = take(key);
-    if (node == nullptr) return std::nullopt;
-    const std::string* value = node->text();
-    if (value != nullptr && printable(*value)) return *value;
-    wrong(key, *node, value == nullptr ? "it needs a text in quotes" : "it must not hold control characters");
-    return std::nullopt;
-  }
-  /// A name that the table must have; empty, with a fault, if it is missing.
-  std::string name(std::string_view key, std::string_view need) {
-    const bool given = has(key);
-    const auto value = text(key);
-    if (!given) missing(key, need);
-    if (value && value->empty())
-      error(Rule::missing_name, std::string(key) + " is empty; " + std::string(need));
-    return value.value_or("");
-  }
-  template <std::size_t N>
-  std::optional<std::size_t> choice(std::string_view key, const std::array<std::string_view, N>& choices) {
-    const toml::Value* node = take(key);
-    if (node == nullptr) return std::nullopt;
-    if (const auto* value = node->text()) {
-      const auto found = std::find(choices.begin(), choices.end(), *value);
-      if (found != choices.end()) return static_cast<std::size_t>(found - choices.begin());
-    }
-    std::string list = N == 1 ? "it must be " : "it is one of ";
-    for (std::size_t k = 0; k < N; ++k)
-      list += (k == 0 ? "" : k + 1 == N ? " or " : ", ") + in_quotes(choices[k]);
-    const auto* value = node->text();
-    if (value != nullptr && N > 1) {
-      const std::string called = own_term_for(*value, choices);
-      list += called.empty() ? did_you_mean(*value, choices, [](std::string_view c) { return c; }) : called;
-    }
-    wrong(key, *node, list);
-    return std::nullopt;
-  }
-
-  std::optional<double> number(std::string_view key, bool may_be_infinite = false) {
-    const toml::Value* node = take(key);
-    if (node == nullptr) return std::nullopt;
-    const double* x = node->number();
-    if (x == nullptr) wrong(key, *node, "it needs a number");
-    return x != nullptr && finite(key, *node, *x, may_be_infinite) ? std::optional(*x) : std::nullopt;
-  }
-  bool flag(std::string_view key) {
-    const toml::Value* node = take(key);
-    if (node == nullptr) return false;
-    if (node->flag() == nullptr) wrong(key, *node, "it needs true or false");
-    return node->flag() != nullptr && *node->flag();
-  }
-  template <std::size_t N>
-  std::optional<std::array<double, N>> numbers(std::string_view key, bool may_be_infinite = false) {
-    const toml::Value* node = take(key);
-    if (node == nullptr) return std::nullopt;
-    std::array<double, N> out{};
-    const auto* array = node->array();
-    bool good = array != nullptr && array->size() == N;
-    for (std::size_t k = 0; good && k < N; ++k) {
-      const double* x = (*array)[k]->number();
-      good = x != nullptr;
-      if (good && !finite(key, *(*array)[k], *x, may_be_infinite)) return std::nullopt;
-      if (good) out[k] = *x;
-    }
-    if (good) return out;
-    wrong(key, *node, "it needs " + std::to_string(N) + " numbers in brackets");
-    return std::nullopt;
-  }
-  std::optional<Vec3<>> vector(std::string_view key) {
-    const auto x = numbers<3>(key);
-    return x ? std::optional(Vec3<>{(*x)[0], (*x)[1], (*x)[2]}) : std::nullopt;
-  }
-  /// Red, green, blue and opacity. The opacity may be left out and is 1 then.
-  std::optional<std::array<double, 4>> color(std::string_view key) {
-    const toml::Value* node = look(key);
-    if (node == nullptr || node->array() == nullptr || node->array()->size() != 3) return numbers<4>(key);
-    const auto x = numbers<3>(key);
-    return x ? std::optional(std::array<double, 4>{(*x)[0], (*x)[1], (*x)[2], 1}) : std::nullopt;
-  }
-  /// A direction, given by three numbers or by the name of an axis, such as "-x".
-  std::optional<Vec3<>> direction(std::string_view key) {
-    const toml::Value* node = look(key);
-    if (node == nullptr || node->text() == nullptr) return vector(key);
-    constexpr std::array<std::string_view, 6> names{"x", "y", "z", "-x", "-y", "-z"};
-    const auto chosen = choice(key, names);
-    if (!chosen) return std::nullopt;
-    const double sign = *chosen < 3 ? 1 : -1;
-    const std::size_t k = *chosen % 3;
-    return Vec3<>{k == 0 ? sign : 0, k == 1 ? sign : 0, k == 2 ? sign : 0};
-  }
-  /// N rows of three numbers.
-  template <std::size_t N>
-  std::optional<std::array<Vec3<>, N>> rows(std::string_view key, std::string_view need) {
-    const toml::Value* node = take(key);
-    if (node == nullptr) return std::nullopt;
-    std::array<Vec3<>, N> m{};
-    const auto* given = node->array();
-    bool good = given != nullptr && given->size() == N;
-    for (std::size_t i = 0; good && i < N; ++i) {
-      const toml::Array* row = (*given)[i]->array();
-      good = row != nullptr && row->size() == 3;
-      std::array<double, 3> x{};
-      for (std::size_t j = 0; good && j < 3; ++j) {
-        const double* number = (*row)[j]->number();
-        good = number != nullptr;
-        if (good && !finite(key, *(*row)[j], *number, false)) return std::nullopt;
-        if (good) x[j] = *number;
-      }
-      m[i] = {x[0], x[1], x[2]};
-    }
-    if (good) return m;
-    wrong(key, *node, need);
-    return std::nullopt;
-  }
-  std::optional<SO3<>> matrix(std::string_view key) {
-    const auto m = rows<3>(key, "it needs three rows of three numbers");
-    return m ? std::optional(transpose(SO3<>{(*m)[0], (*m)[1], (*m)[2]})) : std::nullopt;
-  }
-  /// An array of two names.
-  std::optional<std::array<std::string, 2>> pair_of_names(std::string_view key, std::string_view need) {
-    const toml::Value* node = take(key);
-    if (node == nullptr) return std::nullopt;
-    const auto* array = node->array();
-    std::array<std::string, 2> names;
-    bool good = array != nullptr && array->size() == 2;
-    for (std::size_t k = 0; good && k < 2; ++k) {
-      const std::string* name = (*array)[k]->text();
-      good = name != nullptr && printable(*name) && !name->empty();
-      if (good) names[k] = *name;
-    }
-    if (good) return names;
-    wrong(key, *node, need);
-    return std::nullopt;
-  }
-  /// All keys of a table, with the number of each.
-  std::vector<std::pair<std::string, double>> named_numbers(std::string_view key) {
-    std::vector<std::pair<std::string, double>> all;
-    auto inner = table(key);
-    if (!inner) return all;
-    inner->rename(std::string(key) + " of " + element_);
-    for (const auto& [name, entry] : inner->entries_) {
-      if (!printable(name))
-        inner->error(Rule::wrong_value, in_quotes(name) + " must not hold control characters", entry.value);
-      if (const auto x = inner->number(name)) all.emplace_back(name, *x);
-    }
-    return all;
-  }
-  /// A symmetric tensor, given by Ixx Iyy Izz, by Ixx Iyy Izz Ixy Ixz Iyz, or by the rows of a symmetric
-  /// matrix.
-  std::optional<Sym3<>> symmetric(std::string_view key) {
-    const toml::Value* node = look(key);
-    const auto* array = node == nullptr ? nullptr : node->array();
-    if (array != nullptr && array->size() == 3 && array->front()->array() != nullptr) {
-      const auto A = matrix(key);
-      if (!A) return std::nullopt;
-      const double largest = std::max({std::abs(A->x.x), std::abs(A->y.y), std::abs(A->z.z)});
-      const double skew =
-          std::max({std::abs(A->x.y - A->y.x), std::abs(A->x.z - A->z.x), std::abs(A->y.z - A->z.y)});
-      if (skew <= 1e-9 * largest) return Sym3<>{A->x.x, A->y.y, A->z.z, A->y.x, A->z.x, A->z.y};
-      wrong(key, *node, "its rows must be those of a symmetric matrix");
-      return std::nullopt;
-    }
-    if (array != nullptr && array->size() == 3) {
-      const auto d = vector(key);
-      return d ? std::optional(Sym3<>{d->x, d->y, d->z, 0, 0, 0}) : std::nullopt;
-    }
-    if (node != nullptr && (array == nullptr || array->size() != 6)) {
-      take(key);
-      wrong(key, *node,
-            "it needs [Ixx, Iyy, Izz], [Ixx, Iyy, Izz, Ixy, Ixz, Iyz] or three rows of three numbers");
-      return std::nullopt;
-    }
-    const auto t = numbers<6>(key);
-    return t ? std::optional(Sym3<>{(*t)[0], (*t)[1], (*t)[2], (*t)[3], (*t)[4], (*t)[5]}) : std::nullopt;
-  }
-
-  /// The rotation that `rotation` (rows), `quaternion` (x y z w) or `rpy` gives; the identity if there is
-  /// none of them.
-  SO3<> rotation() {
-    constexpr std::array<std::string_view, 3> ways{"rotation", "quaternion", "rpy"};
-    if (std::count_if(ways.begin(), ways.end(), [&](std::string_view way) { return has(way); }) > 1)
-      error(Rule::wrong_value, "gives more than one of rotation, quaternion and rpy; one is enough");
-    std::optional<SO3<>> R;
-    if (const auto rows = matrix("rotation")) {
-      R = rows;
-      if (!is_rotation(*rows)) {
-        error(Rule::not_a_rotation,
-              "rotation is not one: RᵀR must be the identity to 1e-6 and the determinant +1",
-              look("rotation"));
-        R.reset();
-      }
-    }
-    if (const auto x = numbers<4>("quaternion")) {
-      R = from_quaternion({(*x)[0], (*x)[1], (*x)[2], (*x)[3]});
-      if (!R)
-        error(Rule::not_a_rotation, "quaternion is off norm 1 by more than 1e-6; its order is x, y, z, w",
-              look("quaternion"));
-    }
-    if (const auto angles = vector("rpy")) R = from_roll_pitch_yaw(*angles);
-    return R.value_or(SO3<>{});
-  }
-  SE3<> pose() {
-    const Vec3<> r = vector("position").value_or(Vec3<>{});
-    return {rotation(), r};
-  }
-
-  /// A table inside this one.
-  std::optional<Table> table(std::string_view key) {
-    const toml::Value* node = take(key);
-    if (node == nullptr) return std::nullopt;
-    if (node->table() != nullptr) return Table(notes_, *node, element_);
-    wrong(key, *node, "it needs a table, { key = value, ... }");
-    return std::nullopt;
-  }
-  std::optional<SE3<>> pose(std::string_view key) {
-    auto inner = table(key);
-    if (!inner) return std::nullopt;
-    const SE3<> C = inner->pose();
-    inner->finish();
-    return C;
-  }
-  std::optional<std::array<SE3<>, 2>> pair_of_poses(std::string_view key, std::string_view need) {
-    const toml::Value* node = take(key);
-    if (node == nullptr) return std::nullopt;
-    const auto* array = node->array();
-    const auto is_table = [](const toml::Value* entry) { return entry->table() != nullptr; };
-    if (array == nullptr || array->size() != 2 || !std::ranges::all_of(*array, is_table)) {
-      wrong(key, *node, need);
-      return std::nullopt;
-    }
-    std::array<SE3<>, 2> poses;
-    for (std::size_t k = 0; k < 2; ++k) {
-      Table inner(notes_, *(*array)[k], element_);
-      poses[k] = inner.pose();
-      inner.finish();
-    }
-    return poses;
-  }
-  /// The tables of an array of tables.
-  std::vector<Table> tables(std::string_view key, const std::string& need) {
-    const toml::Value* node = take(key);
-    if (node == nullptr) return {};
-    std::vector<Table> all;
-    const auto* array = node->array();
-    if (array == nullptr) {
-      wrong(key, *node, need);
-    } else {
-      for (const toml::Value* entry : *array) {
-        if (entry->table() != nullptr) {
-          all.emplace_back(notes_, *entry, element_);
-        } else {
-          error(Rule::wrong_value, std::string(key) + " holds " + shown(*entry) + "; " + need, entry);
-        }
-      }
-    }
-    return all;
-  }
-
- private:
-  bool finite(std::string_view key, const toml::Value& at, double x, bool may_be_infinite) const {
-    if (std::isfinite(x) || (may_be_infinite && std::isinf(x))) return true;
-    error(Rule::non_finite_number, std::string(key) + " holds " + to_text(x) + ", which is not finite", &at);
-    return false;
-  }
-
-  Notes notes_;
-  const toml::Table& entries_;
-  int line_;
-  std::string element_;
-  std::vector<std::string_view> known_;
-};
-
-constexpr auto kind_names = [] {
-  std::array<std::string_view, joint_kinds.size()> names;
-  std::ranges::transform(joint_kinds, names.begin(), &JointTraits::name);
-  return names;
-}();
+constexpr auto kind_names = names_of(joint_kinds);
+constexpr auto shape_names = names_of(shape_kinds);
 
 /// The ways in which the geometry of a body is given: by A, by B, or by S_prev and S_self.
 enum class Way { construction, body, joint };
@@ -402,8 +58,10 @@ void read_elastic(Table& table, std::string_view what, double& stiffness, std::s
 
 Dof read_dof(Table& table) {
   Dof dof;
-  if (const auto limits = table.numbers<2>("limits", true))
-    dof.lower = (*limits)[0], dof.upper = (*limits)[1];
+  if (const auto limits = table.numbers<2>("limits", true)) {
+    dof.lower = (*limits)[0];
+    dof.upper = (*limits)[1];
+  }
   dof.velocity = table.number("velocity", true).value_or(dof.velocity);
   dof.effort = table.number("effort", true).value_or(dof.effort);
   dof.damping = table.number("damping").value_or(0);
@@ -554,7 +212,9 @@ std::optional<MassProperties> read_inertia(Table& table, Way way) {
   const auto com = table.vector("com");
   const auto Theta = table.symmetric("inertia");
   if (!mass || !com || !Theta) return std::nullopt;
-  given.mass = *mass, given.com = *com, given.Theta = *Theta;
+  given.mass = *mass;
+  given.com = *com;
+  given.Theta = *Theta;
   return given;
 }
 
@@ -585,11 +245,6 @@ void move_frame(Table& table, BodyDescription& body) {
   }
 }
 
-constexpr auto shape_names = [] {
-  std::array<std::string_view, shape_kinds.size()> names;
-  std::ranges::transform(shape_kinds, names.begin(), &ShapeTraits::name);
-  return names;
-}();
 constexpr std::array<std::string_view, 6> shape_sizes{"size",   "semi_axes", "radius",
                                                       "length", "file",      "scale"};
 
@@ -645,12 +300,16 @@ void read_shapes(Table& owner, const std::string& element, const std::string& ke
     if (auto told = read_shape(shape, element)) shapes.push_back(std::move(*told));
 }
 
-BodyDescription read_body(Table& table, std::size_t number, const std::string& file) {
-  BodyDescription body;
-  table.rename("body " + std::to_string(number));
-  body.source = {file, table.line()};
-  body.name = table.name("name", "every body needs one");
-  if (!body.name.empty()) table.rename("body \"" + body.name + '"');
+/// Reads the name of a body or frame. Faults name the table by it or, if it is missing, by its number.
+std::string read_name(Table& table, const std::string& kind, std::size_t number) {
+  table.rename(kind + " " + std::to_string(number + 1));
+  std::string name = table.name("name", "every " + kind + " needs one");
+  if (!name.empty()) table.rename(kind + " \"" + name + '"');
+  return name;
+}
+
+bool read_body(Table& table, std::size_t number, BodyDescription& body) {
+  body.name = read_name(table, "body", number);
   body.predecessor = table.text("on").value_or("ground");
   const Way way = read_geometry(table, body);
   read_joint(table, way, body);
@@ -661,27 +320,21 @@ BodyDescription read_body(Table& table, std::size_t number, const std::string& f
     if (auto told = read_shape(mesh, table.element(), ShapeKind::mesh))
       body.shapes.push_back(std::move(*told));
   table.finish();
-  return body;
+  return true;
 }
 
-FrameDescription read_frame(Table& table, std::size_t number, const std::string& file) {
-  FrameDescription frame;
-  table.rename("frame " + std::to_string(number));
-  frame.source = {file, table.line()};
-  frame.name = table.name("name", "every frame needs one");
-  if (!frame.name.empty()) table.rename("frame \"" + frame.name + '"');
+bool read_frame(Table& table, std::size_t number, FrameDescription& frame) {
+  frame.name = read_name(table, "frame", number);
   frame.body = table.name("on", "name the body that carries it, or \"ground\"");
   if (frame.body.empty()) frame.body = "ground";
   frame.in = table.choice("in", frame_names) == 1U ? GivenIn::body_frame : GivenIn::construction_frame;
   frame.pose = table.pose();
   table.finish();
-  return frame;
+  return true;
 }
 
-SpringDescription read_spring(Table& table, std::size_t number, const std::string& file) {
-  SpringDescription spring;
-  table.rename("spring " + std::to_string(number));
-  spring.source = {file, table.line()};
+bool read_spring(Table& table, std::size_t number, SpringDescription& spring) {
+  table.rename("spring " + std::to_string(number + 1));
   const std::string_view need = "it needs the names of two bodies or frames, or \"ground\"";
   if (!table.has("between")) table.missing("between", need);
   spring.between =
@@ -697,159 +350,32 @@ SpringDescription read_spring(Table& table, std::size_t number, const std::strin
   spring.rest = table.number("rest").value_or(0);
   spring.damping = table.number("damping").value_or(0);
   table.finish();
-  return spring;
+  return true;
 }
 
-constexpr auto loop_names = [] {
-  std::array<std::string_view, loop_kinds.size()> names;
-  std::ranges::transform(loop_kinds, names.begin(), &LoopTraits::name);
-  return names;
-}();
-
-/// The keys that say where a loop is drawn. A loop with frames has none of them.
-constexpr std::array<std::string_view, 5> drawn_keys{"axis", "second_axis", "point", "points", "center"};
-constexpr std::array<std::string_view, 6> size_keys{"pitch",      "lead",   "length",
-                                                    "wheel_axis", "radius", "angle"};
-
-/// Whether a key means something for a kind of loop. A lead is another way to write a pitch.
-bool has_key(LoopKind kind, std::string_view key) { return traits(kind).has(key == "lead" ? "pitch" : key); }
-
-/// Reads the two bodies or frames that a loop connects. Their names are in `between` or, if they are frames
-/// which also say where the loop is, in `frames`.
-void read_ends(Table& table, LoopDescription& loop) {
-  const toml::Value* frames = table.look("frames");
-  const toml::Array* both = frames == nullptr ? nullptr : frames->array();
-  const bool named = both != nullptr && !both->empty() && both->front()->text() != nullptr;
-  const std::string_view key = named ? "frames" : "between",
-                         need = "it needs the names of two bodies or frames, or \"ground\"";
-  if (!table.has(key)) table.missing(key, need);
-  loop.between = table.pair_of_names(key, need).value_or(loop.between);
-  if (named) {
-    table.refuse("between", "frames has the names already");
-    loop.frames.emplace();
-  } else {
-    loop.frames = table.pair_of_poses("frames",
-                                      "it needs the names of two frames, or, with between, two poses, "
-                                      "[{ position = ... }, { position = ... }]");
+/// Reads the tables of an array of the top. read(table, number, item) returns whether the item is complete.
+template <class Item, class Read>
+void read_all(Table& top, const std::string& key, const Read& read, std::vector<Item>& items) {
+  std::size_t number = 0;
+  for (Table& table : top.tables(key, "write [[" + key + "]] before the keys of each " + key)) {
+    Item item;
+    item.source = {table.file(), table.line()};
+    if (read(table, number++, item)) items.push_back(std::move(item));
   }
 }
 
-/// Reads where a loop is, and the numbers that belong to its kind.
-void read_place(Table& table, LoopDescription& loop) {
-  const bool drawn = !table.has("frames");
-  const std::string a_kind = "a " + std::string(to_string(loop.kind)) + " loop";
-  const auto reads = [&](std::string_view key) {
-    const bool by_frames = !drawn && std::ranges::find(drawn_keys, key) != drawn_keys.end();
-    return has_key(loop.kind, key) && !by_frames;
-  };
-  const auto need = [&](std::string_view key, std::string_view what) {
-    if (reads(key) && !table.has(key)) table.missing(key, a_kind + " needs " + std::string(what));
-  };
-  need("axis", "one, such as [0, 0, 1] or \"z\"");
-  need("second_axis", "one, such as [0, 0, 1] or \"z\"");
-  if (traits(loop.kind).located)
-    need("point", "one: [x, y, z] of a point on its axis or plane, or of its centre");
-  need("points", "its ends, [[x, y, z], [x, y, z]]");
-  need("center", "that of what rolls, [x, y, z]");
-  if (reads("pitch") && table.has("pitch") == table.has("lead"))
-    table.error(Rule::missing_element, "needs either pitch, m/rad, or lead, m for each turn");
-
-  if (reads("axis")) loop.axis = table.direction("axis").value_or(loop.axis);
-  if (reads("second_axis")) loop.second_axis = table.direction("second_axis").value_or(loop.second_axis);
-  if (reads("point")) loop.point = table.vector("point").value_or(loop.point);
-  if (reads("points"))
-    loop.points =
-        table.rows<2>("points", "it needs two points, [[x, y, z], [x, y, z]]").value_or(loop.points);
-  if (reads("center")) loop.center = table.vector("center").value_or(loop.center);
-  if (reads("pitch")) loop.pitch = table.number("pitch").value_or(0);
-  if (reads("lead"))
-    if (const auto lead = table.number("lead")) loop.pitch = *lead / (2 * std::numbers::pi);
-  if (reads("length")) loop.length = table.number("length");
-  if (reads("radius")) loop.radius = table.number("radius");
-  if (reads("angle")) loop.angle = table.number("angle");
-  if (reads("wheel_axis")) loop.wheel_axis = table.direction("wheel_axis");
-  if (!drawn && loop.wheel_axis && norm(*loop.wheel_axis - Vec3<>{0, 0, 1}) > 0)
-    table.wrong("wheel_axis", *table.look("wheel_axis"),
-                "between frames it is \"z\", that of the second frame");
-}
-
-void refuse_keys(Table& table, LoopKind kind) {
-  const std::string reason = "a " + std::string(to_string(kind)) + " loop has no ";
-  for (const std::string_view key : drawn_keys)
-    if (!has_key(kind, key)) {
-      table.refuse(key, reason + std::string(key));
-    } else if (table.has("frames")) {
-      table.refuse(key, "frames say where the loop is");
-    }
-  for (const std::string_view key : size_keys)
-    if (!has_key(kind, key)) table.refuse(key, reason + std::string(key));
-}
-
-/// Reads a loop. The result is empty if something is missing or wrong, so that no further faults follow from
-/// that.
-std::optional<LoopDescription> read_loop(Table& table, std::size_t number, const std::string& file) {
-  LoopDescription loop;
-  loop.name = table.text("name").value_or("");
-  loop.source = {file, table.line()};
-  table.rename("loop " + in_quotes(loop_name(loop, number)));
-  const std::size_t faults = table.faults();
-  read_ends(table, loop);
-  if (!table.has("kind")) table.missing("kind", "give one, such as \"revolute\" or \"rod\"");
-  const auto kind = table.choice("kind", loop_names);
-  if (!kind) {  // without a kind, its keys are not known
-    for (const std::string_view key : drawn_keys) table.take(key);
-    for (const std::string_view key : size_keys) table.take(key);
-    table.finish();
-    return std::nullopt;
-  }
-  loop.kind = loop_kinds[*kind].kind;
-  read_place(table, loop);
-  const bool complete = table.faults() == faults;
-  refuse_keys(table, loop.kind);
-  table.finish();
-  return complete ? std::optional(std::move(loop)) : std::nullopt;
-}
-
-/// Reads a coupling. The result is empty if the table has faults.
-std::optional<CouplingDescription> read_coupling(Table& table, std::size_t number, const std::string& file) {
-  CouplingDescription coupling;
-  coupling.name = table.text("name").value_or("");
-  coupling.source = {file, table.line()};
-  table.rename("coupling " + in_quotes(coupling_name(coupling, number)));
-  const std::size_t faults = table.faults();
-  if (!table.has("terms"))
-    table.missing("terms", "name joints and their factors, such as { left = 1, right = -1 }");
-  coupling.terms = table.named_numbers("terms");
-  coupling.offset = table.number("offset").value_or(0);
-  const bool complete = table.faults() == faults;
-  table.finish();
-  return complete ? std::optional(std::move(coupling)) : std::nullopt;
-}
-
-void read_top(Table& top, Reading& result, const std::string& file) {
-  Description& description = result.description;
+void read_top(Table& top, Description& description) {
   constexpr std::array<std::string_view, 1> formats{"axode drawing 1"};
   if (!top.has("format")) top.missing("format", "a drawing begins with format = \"axode drawing 1\"");
   top.choice("format", formats);
   description.name = top.text("name").value_or(description.name);
   description.gravity = top.vector("gravity").value_or(description.gravity);
-  std::size_t number = 0;
-  for (Table& body : top.tables("body", "write [[body]] before the keys of each body"))
-    description.bodies.push_back(read_body(body, ++number, file));
-  number = 0;
-  for (Table& frame : top.tables("frame", "write [[frame]] before the keys of each frame"))
-    description.frames.push_back(read_frame(frame, ++number, file));
+  read_all(top, "body", read_body, description.bodies);
+  read_all(top, "frame", read_frame, description.frames);
   read_shapes(top, "the ground", "shape", description.shapes);
-  number = 0;
-  for (Table& spring : top.tables("spring", "write [[spring]] before the keys of each spring"))
-    description.springs.push_back(read_spring(spring, ++number, file));
-  number = 0;
-  for (Table& loop : top.tables("loop", "write [[loop]] before the keys of each loop"))
-    if (auto told = read_loop(loop, number++, file)) description.loops.push_back(std::move(*told));
-  number = 0;
-  for (Table& coupling : top.tables("coupling", "write [[coupling]] before the keys of each coupling"))
-    if (auto told = read_coupling(coupling, number++, file))
-      description.couplings.push_back(std::move(*told));
+  read_all(top, "spring", read_spring, description.springs);
+  read_all(top, "loop", read_loop, description.loops);
+  read_all(top, "coupling", read_coupling, description.couplings);
   top.finish();
 }
 
@@ -873,7 +399,7 @@ Reading read_drawing(const toml::Value& drawing, const std::string& file, Strict
   result.description.source = {file, 0};
   const Notes notes{result.faults, file};
   Table top(notes, drawing, "drawing");
-  read_top(top, result, file);
+  read_top(top, result.description);
   if (strictness == Strictness::lenient) forgive(result);
   return result;
 }

@@ -142,8 +142,8 @@ class XmlReader {
   double bound(const XMLElement& e, const char* key, const std::string& owner, double otherwise,
                double unbounded);
 
-  /// Reads the geometry of a visual or collision element and adds a copy of `shape` for each complete shape in
-  /// it. As shapes do not affect the motion, wrong dimensions are errors of a strict reader only.
+  /// Reads the geometry of a visual or collision element and adds a copy of `shape` for each complete shape
+  /// in it. As shapes do not affect the motion, wrong dimensions are errors of a strict reader only.
   void read_geometry(const XMLElement& e, ShapeDescription shape, const std::string& owner,
                      std::vector<ShapeDescription>& shapes);
 
