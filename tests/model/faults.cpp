@@ -466,9 +466,9 @@ TEST(Faults, LimitsLeaveRoom) {
   EXPECT_THAT(limits(infinity, -infinity), ElementsAre(says(Rule::limits_crossed, "joint \"elbow\"",
                                                             "lower limit inf is above upper limit -inf")));
   EXPECT_THAT(limits(infinity, infinity), ElementsAre(says(Rule::limits_crossed, "joint \"elbow\"",
-                                                           "limits inf and inf leave no place to be")));
+                                                           "limits inf and inf allow no position")));
   EXPECT_THAT(limits(-infinity, -infinity), ElementsAre(says(Rule::limits_crossed, "joint \"elbow\"",
-                                                             "limits -inf and -inf leave no place to be")));
+                                                             "limits -inf and -inf allow no position")));
   EXPECT_THAT(limits(0.5, 0.5), IsEmpty());
   EXPECT_THAT(limits(-12, 12), IsEmpty());
   EXPECT_THAT(limits(-1000, 62.83), IsEmpty());
