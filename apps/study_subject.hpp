@@ -1,6 +1,6 @@
 #pragma once
-#include "axode/fast/articulated_bodies.hpp"
 #include "axode/fast/composite_bodies.hpp"
+#include "axode/fast/forward_dynamics.hpp"
 #include "axode/fast/inverse_dynamics.hpp"
 #include "axode/model/workspace.hpp"
 #include "axode/recursion/composite_bodies.hpp"

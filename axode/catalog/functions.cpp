@@ -227,7 +227,9 @@ std::vector<Function<T>> make() {
       in_order<"motion_derivatives">([](auto&&... x) { return motion_derivatives<R4>(x...); }),
       row<"motion_jvp">([](auto& m, auto& w, auto& g, auto out) {
         const auto change = motion_jvp<R4>(m, w, g.q, g.v, g.a, g.place, g.dq, g.dv, g.da);
-        put(change.X, part(out, 0, 3)), put(change.V, part(out, 1, 3)), put(change.dV, part(out, 2, 3));
+        put(change.X, part(out, 0, 3));
+        put(change.V, part(out, 1, 3));
+        put(change.dV, part(out, 2, 3));
       }),
       in_order<"inverse_dynamics_geometry_derivatives">(
           [](auto&&... x) { return inverse_dynamics_geometry_derivatives(x...); }),

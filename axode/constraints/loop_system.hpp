@@ -8,7 +8,7 @@
 #include "axode/constraints/loops/loop_table.hpp"
 #include "axode/constraints/row_cholesky.hpp"
 #include "axode/constraints/rows_in_lanes.hpp"
-#include "axode/fast/articulated_bodies.hpp"
+#include "axode/fast/forward_dynamics.hpp"
 #include "axode/model/workspace.hpp"
 #include "axode/recursion/forward_dynamics.hpp"
 

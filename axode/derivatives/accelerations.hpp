@@ -1,7 +1,7 @@
 #pragma once
 #include <algorithm>
 
-#include "axode/fast/articulated_bodies.hpp"
+#include "axode/fast/forward_dynamics.hpp"
 #include "axode/recursion/forward_dynamics.hpp"
 
 namespace axode {

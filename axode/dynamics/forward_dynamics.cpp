@@ -1,6 +1,6 @@
 #include "axode/dynamics/forward_dynamics.hpp"
 
-#include "axode/fast/articulated_bodies.hpp"
+#include "axode/fast/forward_dynamics.hpp"
 #include "axode/kinematics/checked.hpp"
 #include "axode/recursion/forward_dynamics.hpp"
 #include "axode/recursion/instantiate.hpp"

@@ -35,7 +35,8 @@ template <class T, RecursionRepresentation Rep = Hybrid> class GenericDynamics {
 
   /// q ⊕ dv (nq): every joint moved along its left-trivialised direction dv (nv).
   void integrate(std::span<const T> q, std::span<const T> dv, std::span<T> moved) const {
-    check("q", q, model_.nq(), "nq"), check("dv", dv, model_.nv(), "nv");
+    check("q", q, model_.nq(), "nq");
+    check("dv", dv, model_.nv(), "nv");
     check("moved", moved, model_.nq(), "nq");
     for (int i = 1; i <= tree_->n; ++i)
       if (!tree_->coupled[i])
@@ -48,7 +49,9 @@ template <class T, RecursionRepresentation Rep = Hybrid> class GenericDynamics {
   void inverse_dynamics(std::span<const T> q, std::span<const T> v, std::span<const T> a, std::span<T> tau,
                         const Loads<T>& loads = {}) {
     check_counts("inverse_dynamics");
-    check(q, v, loads), check("a", a, model_.nv(), "nv"), check("tau", tau, model_.nv(), "nv");
+    check(q, v, loads);
+    check("a", a, model_.nv(), "nv");
+    check("tau", tau, model_.nv(), "nv");
     inverse_->run(tree_, q.data(), v.data(), a.data(), loads);
     inverse_->project(tree_, v.data(), a.data(), loads.joint_losses, tau.data());
   }
@@ -58,13 +61,16 @@ template <class T, RecursionRepresentation Rep = Hybrid> class GenericDynamics {
   Solvability forward_dynamics(std::span<const T> q, std::span<const T> v, std::span<const T> tau,
                                std::span<T> a, const Loads<T>& loads = {}) {
     check_counts("forward_dynamics");
-    check(q, v, loads), check("tau", tau, model_.nv(), "nv"), check("a", a, model_.nv(), "nv");
+    check(q, v, loads);
+    check("tau", tau, model_.nv(), "nv");
+    check("a", a, model_.nv(), "nv");
     return forward_->run(tree_, q.data(), v.data(), tau.data(), loads, a.data());
   }
 
   /// M(q), nv × nv, row by row, armatures included. O(n²).
   void mass_matrix(std::span<const T> q, std::span<T> M) {
-    check("q", q, model_.nq(), "nq"), check("M", M, model_.nv() * model_.nv(), "nv * nv");
+    check("q", q, model_.nq(), "nq");
+    check("M", M, model_.nv() * model_.nv(), "nv * nv");
     bodies_->run(tree_, q.data(), tree_.armature.data(), M.data());
   }
 
@@ -77,7 +83,8 @@ template <class T, RecursionRepresentation Rep = Hybrid> class GenericDynamics {
     check_size(argument, x.size(), static_cast<std::size_t>(expected), meaning);
   }
   void check(std::span<const T> q, std::span<const T> v, const Loads<T>& loads) const {
-    check("q", q, model_.nq(), "nq"), check("v", v, model_.nv(), "nv");
+    check("q", q, model_.nq(), "nq");
+    check("v", v, model_.nv(), "nv");
     check_loads(model_, loads);
   }
 

@@ -1,8 +1,8 @@
 #include "axode/dynamics/mass_matrix.hpp"
 
 #include "axode/dynamics/scratch.hpp"
-#include "axode/fast/articulated_bodies.hpp"
 #include "axode/fast/composite_bodies.hpp"
+#include "axode/fast/forward_dynamics.hpp"
 #include "axode/kinematics/checked.hpp"
 #include "axode/recursion/composite_bodies.hpp"
 #include "axode/recursion/instantiate.hpp"

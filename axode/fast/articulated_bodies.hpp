@@ -5,7 +5,6 @@
 #include "axode/fast/packed_articulated_inertia.hpp"
 #include "axode/fast/poses.hpp"
 #include "axode/fast/symmetric_blocks.hpp"
-#include "axode/recursion/inverse_dynamics.hpp"
 #include "axode/recursion/solvability.hpp"
 
 namespace axode {
@@ -58,8 +57,8 @@ template <class G, class T> struct FastArticulatedBodies {
   ChildSum* child_sum;    ///< contributions of children, for bodies with `branches`
   Pivot* pivot;           ///< one for each joint screw
   std::array<T, 6>* S_K;  ///< S_k | K_l of each joint screw k with later screws l of its joint
-  decltype(T() <
-           T()) maybe_singular{};  ///< whether M may be singular; factorize() sets it and does not reset it
+  /// Whether M may be singular. factorize() sets it and does not reset it.
+  decltype(T() < T()) maybe_singular{};
 
   explicit FastArticulatedBodies(Arena& arena)
       : angles(arena),
@@ -108,7 +107,8 @@ template <class G, class T> struct FastArticulatedBodies {
         const Vector w_J = last_R * Spread(Vector(V.w)), v_J = last_R * Spread(Vector(V.v)), w = last.w + w_J;
         last.dw += cross(last.w_, Factor(w_J));
         last.a += cross(Factor(last.w + w), Factor(v_J));
-        last.w = w, u += v_J;
+        last.w = w;
+        u += v_J;
       }
       last.w_ = Factor(last.w);
       last.dw_ = Factor(last.dw);
@@ -132,7 +132,8 @@ template <class G, class T> struct FastArticulatedBodies {
   /// joints.
   template <class S> void accelerate(const Tree<S>& tree, Motion* motion, T* a) const noexcept {
     Vector w{}, dv{};  // part of the acceleration of the body that is due to joint accelerations
-    motion[0].w = w, motion[0].a = dv;
+    motion[0].w = w;
+    motion[0].a = dv;
     for (int i = 1; i <= tree->n; ++i) {
       const Body& b = body[i];
       const int p = tree->parent[i];
@@ -151,7 +152,8 @@ template <class G, class T> struct FastArticulatedBodies {
         for (int s = tree->first_screw[i]; s < tree->first_screw[i + 1]; ++s) {
           const Pivot& c = pivot[s];
           const Number a_i = c.u - dot(c.K_m, w, c.K_f, dv);
-          w += a_i * c.w, dv += a_i * c.v;
+          w += a_i * c.w;
+          dv += a_i * c.v;
           a[tree->iv[i] + s - tree->first_screw[i]] = value(a_i);
         }
       }
@@ -183,7 +185,8 @@ template <class G, class T> struct FastArticulatedBodies {
           Pivot& c = pivot[s];
           const Number g = Number(x[tree->iv[i] + s - tree->first_screw[i]]) - dot(c.w, m, c.v, f);
           c.u = c.D_inv * g;
-          m += g * c.K_m, f += g * c.K_f;
+          m += g * c.K_m;
+          f += g * c.K_f;
         }
         m += cross(Factor(b.r), Factor(f));
       }
@@ -240,7 +243,8 @@ template <class G, class T> struct FastArticulatedBodies {
       M += inertia(tree, i);
       if (tree->branches[i]) M += child_sum[i].M;
       if constexpr (forces) {
-        m += b.m, f += b.f;
+        m += b.m;
+        f += b.f;
         if (tree->branches[i]) {
           m += child_sum[i].m;
           f += child_sum[i].f;
@@ -262,7 +266,8 @@ template <class G, class T> struct FastArticulatedBodies {
             Pivot& c = pivot[s];
             const Number g = Number(tau[tree->iv[i] + s - tree->first_screw[i]]) - dot(c.w, m, c.v, f);
             c.u = c.D_inv * g;
-            m += g * c.K_m, f += g * c.K_f;
+            m += g * c.K_m;
+            f += g * c.K_f;
           }
           m += cross(Factor(b.r), Factor(f));
         }
@@ -317,7 +322,8 @@ template <class G, class T> struct FastArticulatedBodies {
         F.m += cross(r, F.f);
       }
       if (p == i - 1) continue;
-      W[p].m += F.m, W[p].f += F.f;
+      W[p].m += F.m;
+      W[p].f += F.f;
       F = {};
     }
     Columns X{};
@@ -491,89 +497,6 @@ template <class G, class T> struct FastArticulatedBodies {
       }
     });
     M = shifted(M, b.r);
-  }
-};
-
-/// Forward dynamics for trees without coupled joints whose mass matrix is far from singular.
-template <class T> struct FastForwardDynamics {
-  using Bodies = FastArticulatedBodies<typename FastGeometry<T>::type, T>;
-  Bodies bodies;
-  typename Bodies::Motion* motion;
-  BodyPoses<T> C;
-  Wrench<BodyFixed, T>* W_app;
-  T* drive;
-
-  explicit FastForwardDynamics(Arena& arena)
-      : bodies(arena),
-        motion(arena.per_body<typename Bodies::Motion>()),
-        C(arena),
-        W_app(arena.per_body<Wrench<BodyFixed, T>>()),
-        drive(arena.per_velocity<T>()) {}
-
-  /// Writes the accelerations a, which may be the memory of an argument. Returns false and writes nothing if
-  /// joints are coupled or the mass matrix may be singular.
-  bool run(const Tree<T>& tree, const T* q, const T* v, const T* tau, const Loads<T>& loads, T* a) noexcept {
-    if (!prepare(tree, q, v, tau, loads, [](int, const auto&, const auto&, const auto&) {})) return false;
-    bodies.accelerate(tree, motion, a);
-    return true;
-  }
-  /// Forward dynamics without the last sweep, accelerate(); put() is called as in update_kinematics_and_bias(). Returns
-  /// false if joints are coupled or the mass matrix may be singular.
-  template <class Put>
-  [[gnu::always_inline]] bool prepare(const Tree<T>& tree, const T* q, const T* v, const T* tau,
-                                      const Loads<T>& loads, Put&& put) noexcept {
-    if (!tree->coupled_bodies.empty()) return false;
-    bodies.update_kinematics_and_bias(tree, q, v, motion, put);
-    if (!loads.wrenches.empty()) apply(tree, q, loads.wrenches);
-    const T* force = tau;
-    if (loads.joint_losses) {
-      for (int c = 0; c < tree->nv; ++c) drive[c] = tau[c] - joint_loss(tree, c, v[c]);
-      force = drive;
-    }
-    bodies.maybe_singular = false;
-    bodies.factorize(tree, force);
-    return !bodies.maybe_singular;
-  }
-
- private:
-  /// Subtracts the applied wrenches from the bias wrenches of the bodies.
-  void apply(const Tree<T>& tree, const T* q, std::span<const AppliedWrench<T>> wrenches) noexcept {
-    C[0] = {};
-    for (int i = 1; i <= tree->n; ++i) {
-      const SE3<T>& C_p = C[tree->parent[i]];
-      const Placed<Plain<T>> at = place<Plain<T>>(tree, i, q, bodies.angles, C_p.R);
-      C[i] = {at.R, C_p.r + at.r};
-    }
-    sum_applied(tree, wrenches, C.C, W_app);
-    for (int i = 1; i <= tree->n; ++i) {
-      const SO3<T>& R = C[i].R;
-      bodies.body[i].m -= R * W_app[i].m;
-      bodies.body[i].f -= R * W_app[i].f;
-    }
-  }
-};
-
-/// The inverse mass matrix for trees without coupled joints whose mass matrix is far from singular.
-template <class T> struct FastInverse {
-  using Bodies = FastArticulatedBodies<typename FastGeometry<T>::type, T>;
-  Bodies bodies;
-  typename Bodies::Columns* columns;
-  typename Bodies::Several* u;
-
-  explicit FastInverse(Arena& arena)
-      : bodies(arena),
-        columns(arena.per_body<typename Bodies::Columns>()),
-        u(arena.per_screw<typename Bodies::Several>()) {}
-
-  /// Writes M⁻¹ at q (nv × nv). Returns false and writes nothing if joints are coupled or the mass matrix may
-  /// be singular.
-  bool run(const Tree<T>& tree, const T* q, T* M_inverse) noexcept {
-    if (!tree->coupled_bodies.empty()) return false;
-    bodies.update_kinematics(tree, q);
-    bodies.factorize(tree);
-    if (bodies.maybe_singular) return false;
-    bodies.inverse(tree, columns, u, M_inverse);
-    return true;
   }
 };
 

@@ -69,7 +69,8 @@ template <class G, class T> struct FastInverseDynamics {
         const SE3<T> C = any_joint_pose(tree, i, q);
         const Twist<BodyFixed, T> V = any_joint_twist(tree, i, v), A = any_joint_twist(tree, i, a);
         const Matrix Rt(transpose(C.R));
-        b.R = Matrix(C.R), b.r = Vector(C.r);
+        b.R = Matrix(C.R);
+        b.r = Vector(C.r);
         const Factor r(b.r), w_J(Vector(V.w)), v_J(Vector(V.v));
         const Vector w = Rt * last.w_each, w_i = w + Vector(V.w);
         const Vector a_i = last.a + (cross(last.dw_, r) + cross(last.w_, Factor(cross(last.w_, r))));
@@ -90,7 +91,8 @@ template <class G, class T> struct FastInverseDynamics {
     Vector m{}, f{};  // wrench from body i + 1, if body i is its predecessor
     for (int i = tree->n; i > 0; --i) {
       const Body& b = body[i];
-      m += b.m, f += b.f;
+      m += b.m;
+      f += b.f;
       if (is_hinge(tree, i)) [[likely]]
         tau[tree->iv[i]] += z(m);
       else
@@ -99,7 +101,8 @@ template <class G, class T> struct FastInverseDynamics {
       f = b.R * Spread(f);
       m = b.R * Spread(m) + cross(Factor(b.r), Factor(f));
       if (p != i - 1) {
-        body[p].m += m, body[p].f += f;
+        body[p].m += m;
+        body[p].f += f;
         m = f = Vector{};
       }
     }

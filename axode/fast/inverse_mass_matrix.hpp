@@ -13,8 +13,8 @@ template <class T> struct FastInverseMassMatrix {
   T* X;
   T* D_inv;
   T* x;
-  decltype(T() <
-           T()) maybe_singular{};  ///< whether a pivot has lost more than two digits, or M may be singular
+  /// Whether a pivot has lost more than two digits, or M may be singular.
+  decltype(T() < T()) maybe_singular{};
 
   /// Whether the paths of a tree are short enough for this method.
   template <class S> static bool suits(const Tree<S>& tree) {

@@ -71,16 +71,19 @@ template <class T> struct FastLagrangian {
         const Vector w = Rt * Spread(last.w);
         last.v = Rt * Spread(last.v + cross(Factor(last.w), body_i.r_factor()));
         last.g = Rt * Spread(last.g);
-        b.w = Factor(w), b.v = Factor(last.v);
+        b.w = Factor(w);
+        b.v = Factor(last.v);
         last.w = add_z(w, v[tree->iv[i]]);
       } else {
         const SE3<T> C_pi = any_joint_pose(tree, i, q);
         const Twist<BodyFixed, T> V = any_joint_twist(tree, i, v);
         const Matrix Rt(transpose(C_pi.R));
-        b.R = Matrix(C_pi.R), b.r = Vector(C_pi.r);
+        b.R = Matrix(C_pi.R);
+        b.r = Vector(C_pi.r);
         const Vector w = Rt * Spread(last.w), v_p = Rt * Spread(last.v + cross(Factor(last.w), Factor(b.r)));
         last.g = Rt * Spread(last.g);
-        b.w = Factor(w), b.v = Factor(v_p);
+        b.w = Factor(w);
+        b.v = Factor(v_p);
         last.w = w + Vector(V.w);
         last.v = v_p + Vector(V.v);
       }
@@ -109,8 +112,10 @@ template <class T> struct FastLagrangian {
     Vector l{}, p{}, m{}, f{};  // momentum and wrench from body i + 1, if body i is its predecessor
     for (int i = tree->n; i > 0; --i) {
       const Body& b = body[i];
-      l += b.l, p += b.p;
-      m += b.m, f += b.f;
+      l += b.l;
+      p += b.p;
+      m += b.m;
+      f += b.f;
       const Factor p_(p);
       const Vector moment = m + cross(Factor(l), b.w) + cross(p_, b.v);
       if (is_hinge(tree, i)) [[likely]] {
@@ -122,13 +127,16 @@ template <class T> struct FastLagrangian {
       }
       const int parent = tree->parent[i];
       const Factor r(b.r);
-      p = b.R * Spread(p), f = b.R * Spread(f);
+      p = b.R * Spread(p);
+      f = b.R * Spread(f);
       l = b.R * Spread(l) + cross(r, Factor(p));
       m = b.R * Spread(m) + cross(r, Factor(f));
       if (parent != i - 1) {
         Body& to = body[parent];
-        to.l += l, to.p += p;
-        to.m += m, to.f += f;
+        to.l += l;
+        to.p += p;
+        to.m += m;
+        to.f += f;
         l = p = m = f = Vector{};
       }
     }

@@ -54,7 +54,8 @@ template <class T, bool rates, class G = typename FastGeometry<T>::type> struct 
           last.dw += cross(w_p, Factor(w_J)) + next.R * Spread(Vector(A.w));
           last.a += cross(Factor(last.w + last.w + w_J), Factor(v_J)) + next.R * Spread(Vector(A.v));
         }
-        last.w += w_J, last.v += v_J;
+        last.w += w_J;
+        last.v += v_J;
       }
       // The members are copied one by one, because GCC copies the whole struct in registers that are wider
       // than the stores before and have to wait for them.
@@ -63,8 +64,10 @@ template <class T, bool rates, class G = typename FastGeometry<T>::type> struct 
       b.at.R.y = last.at.R.y;
       b.at.R.z = last.at.R.z;
       b.at.r = last.at.r;
-      b.w = last.w, b.v = last.v;
-      b.dw = last.dw, b.a = last.a;
+      b.w = last.w;
+      b.v = last.v;
+      b.dw = last.dw;
+      b.a = last.a;
     }
   }
 
@@ -83,7 +86,10 @@ template <class T, bool rates, class G = typename FastGeometry<T>::type> struct 
     Body f = body[i];
     carry(f, Factor(f.w), {R, R * Spread(F.r)});
     Vector angular = f.w, linear = f.v;
-    if constexpr (rates) angular = f.dw, linear = f.a;
+    if constexpr (rates) {
+      angular = f.dw;
+      linear = f.a;
+    }
     if constexpr (std::same_as<Rep, Spatial>) {
       linear += cross(Factor(f.at.r), Factor(angular));
       if constexpr (rates) linear += cross(Factor(f.v), Factor(f.w));
@@ -143,7 +149,8 @@ template <class T, bool rates, class G = typename FastGeometry<T>::type> struct 
         const Twist<BodyFixed, T> V = any_joint_twist(tree, i, v);
         const Vector w_J(V.w), v_J(V.v);
         last = seen(last, Matrix(transpose(C.R)), Factor(Vector(C.r)));
-        last.w += w_J, last.v += v_J;
+        last.w += w_J;
+        last.v += v_J;
         if constexpr (rates) {
           const Twist<BodyFixed, T> A = any_joint_twist(tree, i, a);
           last.dw += cross(Factor(last.w), Factor(w_J)) + Vector(A.w);
@@ -151,8 +158,10 @@ template <class T, bool rates, class G = typename FastGeometry<T>::type> struct 
         }
       }
       Body& b = body[i];  // The members are copied one by one, as in FastMotion.
-      b.w = last.w, b.v = last.v;
-      b.dw = last.dw, b.dv = last.dv;
+      b.w = last.w;
+      b.v = last.v;
+      b.dw = last.dw;
+      b.dv = last.dv;
     }
   }
 
@@ -174,7 +183,10 @@ template <class T, bool rates, class G = typename FastGeometry<T>::type> struct 
   static Body seen(const Body& from, const Matrix& Rt, const Factor& r) noexcept {
     const auto of = [&](const Vector& w, const Vector& v) { return Rt * Spread(v + cross(Factor(w), r)); };
     Body out{Rt * Spread(from.w), of(from.w, from.v), from.dw, from.dv};
-    if constexpr (rates) out.dw = Rt * Spread(from.dw), out.dv = of(from.dw, from.dv);
+    if constexpr (rates) {
+      out.dw = Rt * Spread(from.dw);
+      out.dv = of(from.dw, from.dv);
+    }
     return out;
   }
 };

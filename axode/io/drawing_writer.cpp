@@ -20,9 +20,12 @@ std::string text(std::string_view s) {
   for (const char c : s) {
     const auto byte = static_cast<unsigned char>(c);
     if (c == '"' || c == '\\') {
-      out += '\\', out += c;
+      out += '\\';
+      out += c;
     } else if (byte < 0x20 || byte == 0x7f) {
-      out += "\\u00", out += digits[byte >> 4], out += digits[byte & 15];
+      out += "\\u00";
+      out += digits[byte >> 4];
+      out += digits[byte & 15];
     } else {
       out += c;
     }

@@ -65,7 +65,9 @@ class MjcfWriter {
         at_(reference_placements(d_, order_)),
         unsaid_("MJCF", strictness) {
     const auto n = d_.bodies.size();
-    children_.resize(n), merged_.resize(n, 0), inherited_.resize(n);
+    children_.resize(n);
+    merged_.resize(n, 0);
+    inherited_.resize(n);
     for (std::size_t i = 0; i < n; ++i) index_.emplace(d_.bodies[i].name, i);
     for (const int i : order_.order) {
       const int p = order_.predecessor[i];
@@ -238,7 +240,10 @@ class MjcfWriter {
       dof.velocity = std::numeric_limits<double>::infinity();
       if (!(dof.effort > 0) || (all.size() > 1 && !planar)) dof.effort = dof.velocity;
       if (all.size() == 1) continue;
-      if (!planar) dof.lower = -dof.velocity, dof.upper = dof.velocity;
+      if (!planar) {
+        dof.lower = -dof.velocity;
+        dof.upper = dof.velocity;
+      }
       if (!alike && k >= first) dof.damping = dof.friction = dof.armature = 0;
       if (!ball || !alike) dof.stiffness = 0;
       dof.rest = 0;
@@ -333,7 +338,9 @@ class MjcfWriter {
     const double least = 2e-14 + 1e-12 * moments.largest;
     const double more =
         std::max({0.0, least - moments.smallest, least - (trace(Theta) - 2 * moments.largest)});
-    Theta.xx += more, Theta.yy += more, Theta.zz += more;
+    Theta.xx += more;
+    Theta.yy += more;
+    Theta.zz += more;
     out << indent << "<inertial" << attribute("pos", text(seen.com)) << attribute("mass", text(seen.mass));
     if (Theta.xy == 0 && Theta.xz == 0 && Theta.yz == 0) {
       out << attribute("diaginertia", text(Vec3<>{Theta.xx, Theta.yy, Theta.zz}));

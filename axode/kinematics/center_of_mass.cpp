@@ -77,7 +77,8 @@ void centroidal_momentum_matrix_rate(const Model& model, Workspace<T>& workspace
   const Tree<T>& tree = model.tree<T>();
   SubtreeInertias<T> at(arena);
   compose(model, tree, q.data(), at);
-  at.V[0] = {}, at.dM[0] = {};
+  at.V[0] = {};
+  at.dM[0] = {};
   for (int i = 1; i <= tree->n; ++i) {
     at.V[i] = at.V[tree->parent[i]];
     each_screw(tree, i, at.C[i], [&](int c, const Screw<T>& X) { at.V[i] += v[c] * twist<Spatial>(X); });

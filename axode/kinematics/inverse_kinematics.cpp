@@ -114,7 +114,8 @@ class Solver {
       const double distance_try = solved ? way_to_posture(at_.q).norm() : distance;
       if (distance_try < distance * (1 - 1e-6)) {
         q = at_.q;
-        residual = at_.residual, distance = distance_try;
+        residual = at_.residual;
+        distance = distance_try;
       } else {
         gain *= 0.5;
       }
@@ -248,7 +249,10 @@ InverseKinematicsResult inverse_kinematics(const Model& model, std::span<const P
     if (start == 0 && options.limits) q = clamp(model, q);
     const InverseKinematicsStatus status = solver.run(q, best.iterations);
     const Iterate& end = solver.end();
-    if (end.residual < best.residual) best.q = end.q, best.residual = end.residual;
+    if (end.residual < best.residual) {
+      best.q = end.q;
+      best.residual = end.residual;
+    }
     best.restarts = start;
     if (status == InverseKinematicsStatus::iteration_limit || status == InverseKinematicsStatus::solved)
       best.status = status;

@@ -80,7 +80,8 @@ template <class T> class PoseSeries {
   explicit PoseSeries(int order) : r_(order + 2), R_(order + 2) {}
 
   void run(int order, const Screw<T>* V, const SE3<T>& C) noexcept {
-    r_[0] = C.r, R_[0] = C.R;
+    r_[0] = C.r;
+    R_[0] = C.R;
     for (int k = 0; k <= order; ++k) {
       Vec3<T> r = V[k].v;
       SO3<T> R{{}, {}, {}};

@@ -34,8 +34,10 @@ SE3<T> each_body_fixed_column(const Tree<T>& tree, const T* q, const Place<T>& p
   for (int i = tree->frame_body[place.frame]; i != until;) {
     int body[most], n = 0;
     T angle[most]{}, sine[most], cosine[most];
-    for (; i != until && n < most; i = tree->parent[i], ++n)
-      body[n] = i, angle[n] = tree.ratio[i] * q[tree->iq[i]] + tree.offset[i];
+    for (; i != until && n < most; i = tree->parent[i], ++n) {
+      body[n] = i;
+      angle[n] = tree.ratio[i] * q[tree->iq[i]] + tree.offset[i];
+    }
     sine_cosine(angle, sine, cosine, n);
     for (int k = 0; k < n; ++k) {
       const int j = body[k];

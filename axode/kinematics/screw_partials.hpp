@@ -79,7 +79,8 @@ template <class Rep, class T> class ScrewPartials {
         each_multi_index(k, [&](const std::vector<int>& alpha) {
           hybrid(alpha, [&](int, const Screw<T>& X) { w.push_back(X.w), r.push_back(X.v); });
         });
-        w_.push_back(std::move(w)), r_.push_back(std::move(r));
+        w_.push_back(std::move(w));
+        r_.push_back(std::move(r));
       }
     }
   }
@@ -212,7 +213,8 @@ template <class T> class DirectionalDerivatives {
   }
   /// r and Rᵀ of the place: D_u r = v + w × r and D_u Rᵀ = -Rᵀ w̃ with (w; v) = W(u).
   void pose() {
-    r_[0] = path_.C.r, Rt_[0] = transpose(path_.C.R);
+    r_[0] = path_.C.r;
+    Rt_[0] = transpose(path_.C.R);
     for (unsigned S = 1; S < sets_; ++S) {
       const int s = lowest(S);
       const unsigned rest = S & (S - 1);
@@ -225,7 +227,8 @@ template <class T> class DirectionalDerivatives {
         const Vec3<T> x{T(0), -w.z, w.y}, y{w.z, T(0), -w.x}, z{-w.y, w.x, T(0)};
         Rt = {Rt.x + Q * x, Rt.y + Q * y, Rt.z + Q * z};
       });
-      r_[S] = r, Rt_[S] = Rt;
+      r_[S] = r;
+      Rt_[S] = Rt;
     }
   }
 

@@ -125,12 +125,17 @@ class Compiler {
     described_.push_back(d);
 
     Joint joint;
-    joint.name = from.joint.name, joint.kind = connections_.kind.back(), joint.pitch = from.joint.pitch;
+    joint.name = from.joint.name;
+    joint.kind = connections_.kind.back();
+    joint.pitch = from.joint.pitch;
     joint.dof = from.joint.dof;
     joint.passive = is_passive(from.joint, description_);
     joint.dof.resize(static_cast<std::size_t>(traits(from.joint.kind).dof));
     Body body;
-    body.name = from.name, body.predecessor = parent, body.A = at.A, body.S_self = at.S_self;
+    body.name = from.name;
+    body.predecessor = parent;
+    body.A = at.A;
+    body.S_self = at.S_self;
     body.S_prev = inverse(offset_[parent]) * B;
     body.B = body.S_prev * inverse(at.S_self);
     with_subgroup(joint.kind, joint.pitch, [&](const auto& s) {
@@ -142,7 +147,9 @@ class Compiler {
 
   void add_body(double pitch, Subgroup kind, const SE3<>& offset, const SE3<>& B = {}) {
     connections_.kind.push_back(kind);
-    numbers_.pitch.push_back(pitch), numbers_.B.push_back(B), numbers_.M.emplace_back();
+    numbers_.pitch.push_back(pitch);
+    numbers_.B.push_back(B);
+    numbers_.M.emplace_back();
     offset_.push_back(offset);
   }
 
@@ -264,7 +271,8 @@ class Compiler {
     for (const Joint& joint : joints_) {
       const Joint::Leader own = joint.leader.value_or(Joint::Leader{0, 1, 0});
       connections_.leader.push_back(own.joint);
-      numbers_.ratio.push_back(own.ratio), numbers_.offset.push_back(own.offset);
+      numbers_.ratio.push_back(own.ratio);
+      numbers_.offset.push_back(own.offset);
     }
   }
 
@@ -275,7 +283,8 @@ class Compiler {
       terms->assign(static_cast<std::size_t>(topology.nv), 0);
     for (int i = 1; i <= topology.n; ++i) {
       Joint& joint = joints_[i];
-      joint.iq = topology.iq[i], joint.iv = topology.iv[i];
+      joint.iq = topology.iq[i];
+      joint.iv = topology.iv[i];
       if (!joint.leader)
         with_subgroup(joint.kind, joint.pitch, [&](const auto& s) { joint.nq = s.nq, joint.nv = s.nv; });
       const double k = numbers_.ratio[i];  // power: a coupled joint moves k times as fast

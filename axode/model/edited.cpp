@@ -153,7 +153,8 @@ Model append(const Model& model, std::string_view frame, const Model& other, std
         .name = {}, .predecessor = at.carrier, .joint = joint, .geometry = InBodyFrame{at.pose}};
     if (joint.name.empty()) base.joint.name = at.prefix + "mount";
     base.name = base.joint.name + ".base";
-    at.carrier = base.name, at.pose = {};
+    at.carrier = base.name;
+    at.pose = {};
     description.bodies.push_back(std::move(base));
   }
   Description mounted = in_joint_frames(other.description());
@@ -236,7 +237,9 @@ Model rerooted(const Model& model, std::string_view body) {
     behind.predecessor = ahead.name;
   }
   BodyDescription& root = description.bodies[path.front()];
-  root.joint = held, root.geometry = InBodyFrame{placements[path.front()].A}, root.predecessor = "ground";
+  root.joint = held;
+  root.geometry = InBodyFrame{placements[path.front()].A};
+  root.predecessor = "ground";
   return built(std::move(description));
 }
 

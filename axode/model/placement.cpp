@@ -249,10 +249,13 @@ MassProperties expressed_in(const SE3<>& S, const MassProperties& given) {
   MassProperties seen = given;
   const SO3<> axes = orthonormal(given.axes), Rt = transpose(S.R);
   if (given.about == InertiaAbout::center_of_mass) {
-    seen.com = Rt * (given.com - S.r), seen.axes = Rt * axes;
+    seen.com = Rt * (given.com - S.r);
+    seen.axes = Rt * axes;
   } else {
     const Inertia<> M = inertia_in(S, given);
-    seen.com = M.m > 0 ? center_of_mass(M) : Vec3<>{}, seen.Theta = M.Theta, seen.axes = {};
+    seen.com = M.m > 0 ? center_of_mass(M) : Vec3<>{};
+    seen.Theta = M.Theta;
+    seen.axes = {};
   }
   seen.in = GivenIn::body_frame;
   return seen;
@@ -269,7 +272,10 @@ Description in_joint_frames(const Description& given) {
     if (body.inertia && body.inertia->in == GivenIn::construction_frame)
       body.inertia = expressed_in(at.A, *body.inertia);
     body.geometry = InJointFrames{at.S_prev, at.S_self};
-    if (body.joint.kind != JointKind::fixed) body.joint.axis = {0, 0, 1}, body.joint.point = {0, 0, 0};
+    if (body.joint.kind != JointKind::fixed) {
+      body.joint.axis = {0, 0, 1};
+      body.joint.point = {0, 0, 0};
+    }
   }
   for (FrameDescription& frame : description.frames) {
     if (frame.in == GivenIn::construction_frame && frame.body != "ground")

@@ -32,7 +32,18 @@ enum class Subgroup : unsigned char { revolute, prismatic, helical, spherical, p
 
 namespace subgroup {
 
-/// Coordinates that are their own velocities' integrals.
+/// Write the components of a vector or a quaternion one after the other.
+template <class T> constexpr void put(const Vec3<T>& a, T* out) {
+  out[0] = a.x;
+  out[1] = a.y;
+  out[2] = a.z;
+}
+template <class T> constexpr void put(const Quaternion<T>& a, T* out) {
+  put(Vec3<T>{a.x, a.y, a.z}, out);
+  out[3] = a.w;
+}
+
+/// Coordinates whose rates are the velocities.
 template <class T, int N> struct VectorCoordinates {
   static constexpr int nq = N, nv = N;
   static constexpr bool vector_coordinates = true;
@@ -143,19 +154,19 @@ template <class T> struct Spherical {
   }
   static constexpr void integrate(const T* q, const T* dv, T* out) {
     const Quaternion<T> a = quaternion_of(q) * exp_quaternion(Vec3<T>{dv[0], dv[1], dv[2]});
-    out[0] = a.x, out[1] = a.y, out[2] = a.z, out[3] = a.w;
+    put(a, out);
   }
   static constexpr void difference(const T* q0, const T* q1, T* out) {
     const Vec3<T> xi = log_quaternion(conjugate(quaternion_of(q0)) * quaternion_of(q1));
-    out[0] = xi.x, out[1] = xi.y, out[2] = xi.z;
+    put(xi, out);
   }
   static constexpr void rates(const T* q, const T* v, T* out) {
     const Quaternion<T> da = quaternion_of(q) * Quaternion<T>{v[0], v[1], v[2], T(0)};
-    out[0] = T(0.5) * da.x, out[1] = T(0.5) * da.y, out[2] = T(0.5) * da.z, out[3] = T(0.5) * da.w;
+    put(Quaternion<T>{T(0.5) * da.x, T(0.5) * da.y, T(0.5) * da.z, T(0.5) * da.w}, out);
   }
   static constexpr void velocities(const T* q, const T* dq, T* out) {
     const Quaternion<T> w = conjugate(quaternion_of(q)) * quaternion_of(dq);
-    out[0] = T(2) * w.x, out[1] = T(2) * w.y, out[2] = T(2) * w.z;
+    put(Vec3<T>{T(2) * w.x, T(2) * w.y, T(2) * w.z}, out);
   }
 };
 
@@ -182,21 +193,21 @@ template <class T> struct Planar {
   static constexpr void integrate(const T* q, const T* dv, T* out) {
     const SE3<T> C = exp(Screw<T>{{T(0), T(0), dv[0]}, {dv[1], dv[2], T(0)}});
     const T s = sin(q[0]), c = cos(q[0]), x = q[1] + c * C.r.x - s * C.r.y, y = q[2] + s * C.r.x + c * C.r.y;
-    out[0] = q[0] + dv[0], out[1] = x, out[2] = y;
+    put(Vec3<T>{q[0] + dv[0], x, y}, out);
   }
   static constexpr void difference(const T* q0, const T* q1, T* out) {
     const T s = sin(q0[0]), c = cos(q0[0]), dx = q1[1] - q0[1], dy = q1[2] - q0[2], d = q1[0] - q0[0];
     const Vec3<T> w{T(0), T(0), atan2(sin(d), cos(d))};
     const Vec3<T> v = dexp_inv(w, Vec3<T>{c * dx + s * dy, c * dy - s * dx, T(0)});
-    out[0] = w.z, out[1] = v.x, out[2] = v.y;
+    put(Vec3<T>{w.z, v.x, v.y}, out);
   }
   static constexpr void rates(const T* q, const T* v, T* out) {
     const T s = sin(q[0]), c = cos(q[0]), dx = c * v[1] - s * v[2], dy = s * v[1] + c * v[2];
-    out[0] = v[0], out[1] = dx, out[2] = dy;
+    put(Vec3<T>{v[0], dx, dy}, out);
   }
   static constexpr void velocities(const T* q, const T* dq, T* out) {
     const T s = sin(q[0]), c = cos(q[0]), vx = c * dq[1] + s * dq[2], vy = c * dq[2] - s * dq[1];
-    out[0] = dq[0], out[1] = vx, out[2] = vy;
+    put(Vec3<T>{dq[0], vx, vy}, out);
   }
 };
 
@@ -230,24 +241,25 @@ template <class T> struct Free {
     const Screw<T> X{{dv[0], dv[1], dv[2]}, {dv[3], dv[4], dv[5]}};
     const Quaternion<T> a = quaternion_of(q) * exp_quaternion(X.w);
     const Vec3<T> r = position_of(q) + rotation(quaternion_of(q)) * dexp(X.w, X.v);
-    out[0] = a.x, out[1] = a.y, out[2] = a.z, out[3] = a.w;
-    out[4] = r.x, out[5] = r.y, out[6] = r.z;
+    put(a, out);
+    put(r, out + 4);
   }
   static constexpr void difference(const T* q0, const T* q1, T* out) {
     const Quaternion<T> inverse = conjugate(quaternion_of(q0));
     const Vec3<T> w = log_quaternion(inverse * quaternion_of(q1));
     const Vec3<T> v = dexp_inv(w, rotation(inverse) * (position_of(q1) - position_of(q0)));
-    out[0] = w.x, out[1] = w.y, out[2] = w.z, out[3] = v.x, out[4] = v.y, out[5] = v.z;
+    put(w, out);
+    put(v, out + 3);
   }
   static constexpr void rates(const T* q, const T* v, T* out) {
     Spherical<T>::rates(q, v, out);
     const Vec3<T> dr = rotation(quaternion_of(q)) * Vec3<T>{v[3], v[4], v[5]};
-    out[4] = dr.x, out[5] = dr.y, out[6] = dr.z;
+    put(dr, out + 4);
   }
   static constexpr void velocities(const T* q, const T* dq, T* out) {
     Spherical<T>::velocities(q, dq, out);
     const Vec3<T> v = transpose(rotation(quaternion_of(q))) * position_of(dq);
-    out[3] = v.x, out[4] = v.y, out[5] = v.z;
+    put(v, out + 3);
   }
 };
 

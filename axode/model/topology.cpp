@@ -15,7 +15,8 @@ std::size_t size(int n) { return static_cast<std::size_t>(n); }
 
 /// Coordinates and velocities in the order of the bodies; a coupled joint has those of its leader.
 void number_coordinates(const std::vector<int>& leader, Topology& t) {
-  t.iq.assign(size(t.n + 1), 0), t.iv.assign(size(t.n + 1), 0);
+  t.iq.assign(size(t.n + 1), 0);
+  t.iv.assign(size(t.n + 1), 0);
   t.first_screw = {0, 0};
   for (int i = 1; i <= t.n; ++i)
     with_subgroup(t.kind[i], 0.0, [&](const auto& joint) {
@@ -28,7 +29,8 @@ void number_coordinates(const std::vector<int>& leader, Topology& t) {
   for (int i = 1; i <= t.n; ++i) {
     t.coupled.push_back(leader[i] > 0);
     if (leader[i] > 0) {
-      t.iq[i] = t.iq[leader[i]], t.iv[i] = t.iv[leader[i]];
+      t.iq[i] = t.iq[leader[i]];
+      t.iv[i] = t.iv[leader[i]];
       t.coupled_bodies.push_back(i);
     }
   }
@@ -50,7 +52,8 @@ void sort_by_kind(Topology& t) {
 }
 
 void find_subtrees(Topology& t) {
-  t.branches.resize(size(t.n + 1)), t.subtree_end.resize(size(t.n + 1));
+  t.branches.resize(size(t.n + 1));
+  t.subtree_end.resize(size(t.n + 1));
   for (int i = t.n; i >= 0; --i) {
     t.subtree_end[i] = std::max(t.subtree_end[i], i + 1);
     const int p = t.parent[i];
@@ -142,7 +145,10 @@ struct Groups {
          std::vector<int>& first_from) {
     for (const auto& [leader, from] : here) {
       const int k = static_cast<int>(leaders.size()) - (!leaders.empty() && leaders.back() == leader);
-      if (k == static_cast<int>(leaders.size())) leaders.push_back(leader), group.push_back(k);
+      if (k == static_cast<int>(leaders.size())) {
+        leaders.push_back(leader);
+        group.push_back(k);
+      }
       unite(k, first_from[from] < 0 ? k : first_from[from]);
       first_from[from] = k;
       if (meets[leader] == i) continue;
@@ -160,7 +166,8 @@ struct Groups {
     return k;
   }
   void unite(int a, int b) {
-    a = root(a), b = root(b);
+    a = root(a);
+    b = root(b);
     group[std::max(a, b)] = std::min(a, b);
   }
 };
@@ -178,7 +185,8 @@ void find_ties(const std::vector<int>& leader, Topology& t) {
     return std::lower_bound(entries[i].begin(), entries[i].end(), std::pair(l, 0))->second;
   };
   Topology::Ties& ties = t.ties;
-  ties.begin = {0}, ties.of_screws = {0};
+  ties.begin = {0};
+  ties.of_screws = {0};
   for (int i = 0; i <= t.n; ++i) {
     const Groups groups(here[i], meets, i, first_from);
     const std::size_t count = groups.leaders.size();
