@@ -9,21 +9,21 @@
 
 namespace axode {
 
-// Always inlined, for code for one instruction set must not become that of others.
+// The functions are always inlined, because their code must not be shared between instruction sets.
 
-/// Hands out scratch memory from its start, for the length of one call. A kernel takes what it needs in its
-/// constructor, so that the same constructor, on an arena without memory, says how much that is: see footprint().
+/// Scratch memory that is handed out from its start, for the length of one call. A kernel takes its memory in
+/// its constructor; the same constructor on an arena without memory only counts, see footprint().
 class Arena {
  public:
   static constexpr std::size_t line = 64;        ///< bytes of a cache line, to which the memory is aligned
-  static constexpr std::size_t most_lanes = 16;  ///< of a SIMD register
+  static constexpr std::size_t most_lanes = 16;  ///< largest number of lanes of a SIMD register
 
   [[gnu::always_inline]] Arena(const Topology& topology, std::byte* begin, std::size_t bytes)
       : topology_(&topology),
         begin_(reinterpret_cast<std::uintptr_t>(begin)),
         next_(begin_),
         end_(begin_ + bytes) {}
-  /// One that only counts.
+  /// An arena without memory, which only counts.
   [[gnu::always_inline]] explicit Arena(const Topology& topology)
       : topology_(&topology), end_(std::numeric_limits<std::uintptr_t>::max()) {}
 
@@ -37,13 +37,13 @@ class Arena {
     assert(next_ <= end_);
     return p;
   }
-  /// From the start of a cache line.
+  /// Memory from the start of a cache line.
   template <class U> [[gnu::always_inline]] U* lines(std::size_t n) {
     next_ += -next_ % line;
     return array<U>(n);
   }
-  /// One U for each body and the ground, for each joint screw, for each velocity, for each tie of coupled joints, for
-  /// each tie and each screw of its body, for each pair of ties of one group.
+  /// Arrays with an entry for each body and the ground, each joint screw, each velocity, each tie of coupled
+  /// joints, each tie and each screw of its body, or each pair of ties of one group.
   template <class U> [[gnu::always_inline]] U* per_body() { return array<U>(size(topology_->n + 1)); }
   template <class U> [[gnu::always_inline]] U* per_screw() { return array<U>(size(topology_->n_screws)); }
   template <class U> [[gnu::always_inline]] U* per_velocity() { return array<U>(size(topology_->nv)); }
@@ -54,7 +54,7 @@ class Arena {
   template <class U> [[gnu::always_inline]] U* per_pair_of_ties() {
     return array<U>(topology_->ties.n_pairs);
   }
-  /// One U for each body, and for the lanes behind the last one.
+  /// An array with an entry for each body and for the lanes behind the last one.
   template <class U> [[gnu::always_inline]] U* per_lane() {
     return array<U>((size(topology_->n) + most_lanes) / most_lanes * most_lanes);
   }
@@ -66,7 +66,7 @@ class Arena {
   std::uintptr_t begin_ = 0, next_ = 0, end_;
 };
 
-/// What each of these kernels takes of an arena, and the largest of it, in bytes.
+/// The largest memory that one of the kernels takes of an arena, in bytes.
 template <class... Kernels> std::size_t footprint(const Topology& topology) {
   std::size_t most = 0;
   const auto count = [&]<class Kernel>(Kernel*) {

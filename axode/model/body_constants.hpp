@@ -7,7 +7,7 @@
 
 namespace axode {
 
-/// What a sweep over the bodies reads of one body: B = (B, r), the inertia (m, h, Theta). With R = B.R
+/// The constants of one body that a sweep reads: B = (B, r) and the inertia (m, h, Theta). With R = B.R
 /// exp(e_z θ), the rotation of a hinge, columns(sin θ, cos θ) * u is R u and rows(sin θ, cos θ) * u is Rᵀ u.
 template <class G> struct BodyConstants;
 
@@ -49,7 +49,7 @@ template <std::floating_point T> struct BodyConstants<Packed<T>> {
   const packed::Factor<T>& h_factor() const { return h_; }
 };
 
-/// The packed constants of a tree whose scalar has them.
+/// The packed constants of a tree, for scalars that have them.
 template <class T> struct PackedConstants {};
 template <std::floating_point T> struct PackedConstants<T> { std::vector<BodyConstants<Packed<T>>> body; };
 

@@ -5,7 +5,7 @@
 
 namespace axode {
 
-/// A description turned into numbers, and what only the numbers show to be wrong or doubtful with it.
+/// The result of a compilation: the numbers of a mechanism, and the faults that only the numbers show.
 struct Compilation {
   std::vector<Body> bodies;
   std::vector<Joint> joints;
@@ -15,7 +15,7 @@ struct Compilation {
   Tree<double> tree;
   std::vector<Fault> faults;
 };
-/// The description must have passed inspect() without an error.
+/// Compiles a description, which must have passed inspect() without an error.
 Compilation compile(const Description& description);
 
 }  // namespace axode

@@ -11,7 +11,8 @@
 #include "axode/model/fault.hpp"
 #include "axode/model/loops.hpp"
 
-/// What an engineer says about a mechanism; ModelBuilder checks it and compiles it into a Model.
+/// The description of a mechanism as an engineer gives it. ModelBuilder checks it and compiles it into a
+/// Model.
 ///
 /// The mechanism is drawn with every joint at zero. Its one construction frame is the inertial frame, and the
 /// body "ground" rests in it.
@@ -29,19 +30,22 @@ enum class JointKind {
   free,
 };
 
-/// What bounds and brakes one degree of freedom of a joint. Units by kind: rad or m, N m or N.
+/// Limits, losses, drive inertia and elastic elements of one degree of freedom of a joint. Units follow from
+/// the kind: rad or m, N m or N.
 struct Dof {
   double lower = -std::numeric_limits<double>::infinity();
   double upper = std::numeric_limits<double>::infinity();
   double velocity = std::numeric_limits<double>::infinity();  ///< largest speed
   double effort = std::numeric_limits<double>::infinity();    ///< largest drive force
-  double damping = 0;         ///< N m s/rad or N s/m; a force law, see Loads::joint_losses
-  double friction = 0;        ///< Coulomb friction, N m or N; a force law, see Loads::joint_losses
-  double armature = 0;        ///< kg m² or kg: inertia of the drive, felt at the joint; part of the dynamics
-  double stiffness = 0;       ///< of a spring, N m/rad or N/m; acts in simulations, see spring_forces()
-  double rest = 0;            ///< where the spring has no force, rad or m; 0 in joints of several velocities
-  double stop_stiffness = 0;  ///< of stops at the limits, N m/rad or N/m; of joints of one velocity
-  double stop_damping = 0;    ///< Hunt and Crossley's, s/rad or s/m
+  double damping = 0;    ///< N m s/rad or N s/m; a force law, see Loads::joint_losses
+  double friction = 0;   ///< Coulomb friction, N m or N; a force law, see Loads::joint_losses
+  double armature = 0;   ///< inertia of the drive as it acts at the joint, kg m² or kg; part of the dynamics
+  double stiffness = 0;  ///< stiffness of a spring, N m/rad or N/m; acts in simulations, see spring_forces()
+  /// Position at which the spring has no force, rad or m; 0 for joints of several velocities.
+  double rest = 0;
+  /// Stiffness of stops at the limits, N m/rad or N/m; for joints of one velocity.
+  double stop_stiffness = 0;
+  double stop_damping = 0;  ///< damping of the stops by Hunt and Crossley, s/rad or s/m
 };
 
 /// q = ratio q_leader + offset; a coupled joint has no coordinate of its own.
@@ -54,30 +58,32 @@ struct Coupling {
 struct JointDescription {
   std::string name = {};  ///< empty: `<body>_joint`
   JointKind kind = JointKind::fixed;
-  Vec3<> axis{0, 0, 1};         ///< any length but 0; for planar the normal
-  Vec3<> second_axis{1, 0, 0};  ///< of a universal joint, fixed in the child
+  Vec3<> axis{0, 0, 1};         ///< axis of any length but 0; for planar joints the normal
+  Vec3<> second_axis{1, 0, 0};  ///< second axis of a universal joint, fixed in the child
   Vec3<> point{0, 0, 0};        ///< a point on the axis, the centre of a spherical or universal joint, m
-  double pitch = 0;             ///< m/rad, of a helical joint
+  double pitch = 0;             ///< pitch of a helical joint, m/rad
   std::vector<Dof> dof = {};    ///< one for each velocity, or empty
-  std::optional<Coupling> coupling = {};  ///< of a revolute, prismatic or helical joint
-  /// Whether it has no drive. If nothing is said it has one, but for free joints of mechanisms with loops or couplings.
+  std::optional<Coupling> coupling = {};  ///< coupling of a revolute, prismatic or helical joint
+  /// Whether the joint has no drive. If empty, it has a drive unless it is a free joint of a mechanism with
+  /// loops or couplings.
   std::optional<bool> passive = {};
-  Source source = {};  ///< where it differs from that of the body
+  Source source = {};  ///< source of the joint if it differs from that of the body
 };
 
-/// Everything in the construction frame: axis and point are those of Y_i; A is the reference pose of the body
-/// frame. Where nothing is said that is the construction frame itself, whose origin need not be on the body;
-/// InConstructionFrame{{{}, point}} puts it at the joint, and `in` of MassProperties says where com is given.
+/// Geometry in the construction frame: axis and point are those of Y_i; A is the reference pose of the body
+/// frame. By default A is the construction frame itself, whose origin need not be on the body;
+/// InConstructionFrame{{{}, point}} has the origin at the joint. `in` of MassProperties names the frame of
+/// com.
 struct InConstructionFrame {
   SE3<> A;
 };
-/// Axis and point in the body frame, as in X_i; B is the reference pose of the body frame in the
-/// predecessor's.
+/// Geometry in the body frame: axis and point are those of X_i; B is the reference pose of the body frame in
+/// the frame of the predecessor.
 struct InBodyFrame {
   SE3<> B;
 };
-/// Axis and point in the joint frame, as in Z_i; the joint frame has pose S_prev = S_{i-1,i} on the
-/// predecessor and S_self = S_{i,i} on the body.
+/// Geometry in joint frames: axis and point are those of Z_i; the joint frame has pose S_prev = S_{i-1,i} on
+/// the predecessor and S_self = S_{i,i} on the body.
 struct InJointFrames {
   SE3<> S_prev, S_self;
 };
@@ -102,20 +108,21 @@ enum class ShapeKind {
   cylinder,  ///< along z, about its middle
   capsule,   ///< a cylinder along z with a half ball on each end, about its middle
   ellipsoid,
-  mesh,  ///< of a file, which is named and not opened
+  mesh,  ///< mesh in a file, which is not opened here
 };
 
-/// What a body looks like, or what it touches others with. Kept, written and drawn; no part of the dynamics.
+/// A visual shape of a body, or one for contacts. Shapes are kept, written and drawn; they are no part of the
+/// dynamics.
 struct ShapeDescription {
   enum class Role { visual, collision } role = Role::visual;
   std::string name = {};
   ShapeKind kind = ShapeKind::box;
-  SE3<> pose = {};        ///< in the body frame; of the ground in the construction frame
+  SE3<> pose = {};        ///< pose in the body frame, or in the construction frame for shapes of the ground
   Vec3<> size{};          ///< edges of a box, semi-axes of an ellipsoid, m
   double radius = 0;      ///< m
-  double length = 0;      ///< of a cylinder; of a capsule without its ends, m
-  std::string file = {};  ///< of a mesh, as it was told: see find_mesh()
-  Vec3<> scale{1, 1, 1};  ///< of a mesh: m for each of its units
+  double length = 0;      ///< length of a cylinder, or of a capsule without its ends, m
+  std::string file = {};  ///< file of a mesh as the description gives it: see find_mesh()
+  Vec3<> scale{1, 1, 1};  ///< scale of a mesh: m for each of its units
   std::optional<std::array<double, 4>> color = {};  ///< red, green, blue, opacity; 0 to 1
 };
 
@@ -124,7 +131,7 @@ struct BodyDescription {
   std::string predecessor = "ground";
   JointDescription joint = {};
   Geometry geometry = InConstructionFrame{};
-  std::optional<MassProperties> inertia = {};  ///< none: massless
+  std::optional<MassProperties> inertia = {};  ///< empty: the body is massless
   std::vector<ShapeDescription> shapes = {};
   Source source = {};
 };
@@ -138,42 +145,47 @@ struct FrameDescription {
   Source source = {};
 };
 
-/// A spring and a damper along the line between points of two frames; act in simulations, see spring_forces().
+/// A spring and a damper along the line between points of two frames. They act in simulations, see
+/// spring_forces().
 struct SpringDescription {
   std::array<std::string, 2> between = {};  ///< bodies, named frames or "ground"
   std::array<Vec3<>, 2> points = {};        ///< m
-  GivenIn in = GivenIn::body_frame;         ///< the points: each in its frame, or as drawn
-  double stiffness = 0;                     ///< N/m
-  double rest = 0;                          ///< length without a force, m
-  double damping = 0;                       ///< N s/m
+  /// Frame of the points: each in its frame, or both in the construction frame.
+  GivenIn in = GivenIn::body_frame;
+  double stiffness = 0;  ///< N/m
+  double rest = 0;       ///< length without a force, m
+  double damping = 0;    ///< N s/m
   Source source = {};
 };
 
-/// A joint that closes a loop. All is drawn at q = 0 in the construction frame, where the loop is closed, so axis and point
-/// are enough; or the frame of the loop is given on either one of the two, which need not meet at q = 0.
+/// A joint that closes a loop. It is drawn by axis and point in the construction frame at q = 0, where the
+/// loop is closed; or the frame of the loop is given on either body, and the two frames need not meet at q =
+/// 0.
 struct LoopDescription {
-  std::string name = {};  ///< empty: `loop 1`, ...; unlike those of joints
+  std::string name = {};  ///< empty: `loop 1`, ...; must differ from names of joints
   std::array<std::string, 2> between =
       {};  ///< bodies, named frames or "ground"; its wrench acts on the second
   LoopKind kind = LoopKind::revolute;
-  Vec3<> axis{0, 0, 1};               ///< any length but 0; for planar and rolling the normal of the plane
-  Vec3<> second_axis{1, 0, 0};        ///< of a universal joint, fixed in the second
-  Vec3<> point{};                     ///< on the axis; the centre; on the plane, m
-  double pitch = 0;                   ///< m/rad, of a helical joint
-  std::array<Vec3<>, 2> points = {};  ///< of a rod: on the first, on the second, m
-  Vec3<> center{};                    ///< of what rolls, m
-  std::optional<Vec3<>> wheel_axis = {};  ///< of a wheel that rolls; none: a sphere
-  /// In place of all these: poses in the frames of the two. z is the axis and the origin the point; of a universal joint z
-  /// is the first axis on the first and the second on the second; of a rod the origins are its ends; of what rolls z is the
-  /// normal on the first, and on the second, whose origin is the centre, the axis of a wheel.
+  Vec3<> axis{0, 0, 1};         ///< axis of any length but 0; for planar and rolling the normal of the plane
+  Vec3<> second_axis{1, 0, 0};  ///< second axis of a universal joint, fixed in the second body
+  Vec3<> point{};               ///< point on the axis, centre, or point on the plane, m
+  double pitch = 0;             ///< pitch of a helical joint, m/rad
+  std::array<Vec3<>, 2> points = {};      ///< ends of a rod on the first and the second body, m
+  Vec3<> center{};                        ///< centre of the rolling body, m
+  std::optional<Vec3<>> wheel_axis = {};  ///< axis of a rolling wheel; empty: the body is a sphere
+  /// The alternative to a drawn loop: its poses in the frames of both bodies, whose z is the axis and whose
+  /// origin is the point. For a universal joint z is the first axis on the first body and the second axis on
+  /// the second one. For a rod the origins are its ends. For a rolling contact z is the normal on the first
+  /// body; on the second one the origin is the centre, and z is the axis of a wheel.
   std::optional<std::array<SE3<>, 2>> frames = {};
-  std::optional<double> length = {};  ///< of a rod, m; none: as drawn
-  std::optional<double> radius = {};  ///< of what rolls, m; none: as drawn
-  std::optional<double> angle = {};   ///< between the axes of a universal joint, rad; none: as drawn
+  std::optional<double> length = {};  ///< length of a rod, m; empty: as drawn
+  std::optional<double> radius = {};  ///< radius of a rolling body, m; empty: as drawn
+  std::optional<double> angle = {};   ///< angle between the axes of a universal joint, rad; empty: as drawn
   Source source = {};
 };
 
-/// Σ factor q = offset, over joints of one velocity: a differential, a cable, a gear train. Closes a loop as well.
+/// A coupling Σ factor q = offset of joints with one velocity: a differential, a cable or a gear train. It
+/// closes a loop as well.
 struct CouplingDescription {
   std::string name = {};                                   ///< empty: `coupling 1`, ...
   std::vector<std::pair<std::string, double>> terms = {};  ///< joints and their factors
@@ -186,16 +198,16 @@ struct Description {
   Vec3<> gravity{0, 0, -9.81};  ///< m/s²
   std::vector<BodyDescription> bodies;
   std::vector<FrameDescription> frames;
-  std::vector<ShapeDescription> shapes = {};  ///< of the ground
+  std::vector<ShapeDescription> shapes = {};  ///< shapes of the ground
   std::vector<SpringDescription> springs = {};
   std::vector<LoopDescription> loops = {};
   std::vector<CouplingDescription> couplings = {};
   Source source = {};
-  std::vector<Fault> warnings = {};  ///< what a reader found doubtful
+  std::vector<Fault> warnings = {};  ///< warnings of the reader
 };
 
-/// Whether a joint has no drive: as the description says or, if it says nothing, where the joint is a free one of a mechanism
-/// with loops or couplings.
+/// Whether a joint has no drive: as the description says or, if it says nothing, if it is a free joint of a
+/// mechanism with loops or couplings.
 inline bool is_passive(const JointDescription& joint, const Description& d) {
   const bool closed = !(d.loops.empty() && d.couplings.empty());
   return joint.passive.value_or(closed && joint.kind == JointKind::free);

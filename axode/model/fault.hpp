@@ -7,7 +7,7 @@
 
 namespace axode {
 
-/// Where a description comes from; an empty file for a mechanism described in code.
+/// The place in a file from which a description comes; the file is empty for a mechanism described in code.
 struct Source {
   std::string file;
   int line = 0;
@@ -15,7 +15,7 @@ struct Source {
 
 enum class Severity { warning, error };
 
-/// What is checked. Each rule has one name in messages, tests and JSON: `to_string`.
+/// The rules that are checked. Each has one name in messages, tests and JSON: `to_string`.
 enum class Rule {
   missing_name,
   duplicate_name,
@@ -50,7 +50,7 @@ enum class Rule {
 };
 std::string_view to_string(Rule rule);
 
-/// One thing that is wrong, or doubtful, in a description.
+/// An error or a warning in a description.
 struct Fault {
   Severity severity = Severity::error;
   Rule rule{};
@@ -61,11 +61,12 @@ struct Fault {
 /// `arm.urdf:12: error: body "forearm": mass is -1.2 kg; a mass must be positive`.
 std::string to_string(const Fault& fault);
 
-/// Thrown by ModelBuilder::build() and the readers: every fault of the description at once.
+/// Thrown by ModelBuilder::build() and the readers, with all faults of the description.
 class ModelError : public std::runtime_error {
  public:
   ModelError(std::string_view model, std::vector<Fault> faults);
-  /// All faults, warnings included, as they were found: names and tree first, couplings last.
+  /// All faults, warnings included, in the order in which they were found: names and tree first, couplings
+  /// last.
   std::span<const Fault> faults() const { return faults_; }
 
  private:

@@ -6,16 +6,16 @@
 
 #include "axode/model/model.hpp"
 
-/// Ten parameters for each moving body, in which the equations of motion are linear; in the frame of the body with
-/// everything fixed to it,
-///   π = (m, m c_x, m c_y, m c_z, Θ_xx, Θ_yy, Θ_zz, Θ_xy, Θ_xz, Θ_yz), Θ about the origin of the body frame.
+/// The ten parameters of each moving body in which the equations of motion are linear:
+///   π = (m, m c_x, m c_y, m c_z, Θ_xx, Θ_yy, Θ_zz, Θ_xy, Θ_xz, Θ_yz).
+/// They are in the frame of the body, with Θ about its origin, and include all bodies that are fixed to it.
 namespace axode {
 
 std::array<double, 10> inertial_parameters(const Inertia<double>& M);
 Inertia<double> inertia_of(std::span<const double, 10> parameters);
-/// Those of all bodies, 10 n_bodies numbers.
+/// The parameters of all bodies, 10 n_bodies numbers.
 std::vector<double> inertial_parameters(const Model& model);
-/// Their names, `<body> m`, `<body> m cx`, ..., `<body> Iyz`.
+/// The names of the parameters: `<body> m`, `<body> m cx`, ..., `<body> Iyz`.
 std::vector<std::string> parameter_names(const Model& model);
 
 }  // namespace axode

@@ -5,7 +5,7 @@
 
 namespace axode {
 
-/// Everything that is wrong or doubtful with a description as it stands, before it is compiled.
+/// All errors and warnings of a description that can be found before it is compiled.
 std::vector<Fault> inspect(const Description& description, Strictness strictness);
 
 }  // namespace axode

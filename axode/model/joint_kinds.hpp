@@ -5,20 +5,21 @@
 #include "axode/model/description.hpp"
 #include "axode/model/subgroup.hpp"
 
-/// The table of joint kinds: who needs to know something about a kind of joint asks here.
+/// The table of joint kinds, with everything that depends on the kind alone.
 namespace axode {
 
 struct JointTraits {
   JointKind kind;
   std::string_view name;
-  int dof;            ///< degrees of freedom
-  Subgroup subgroup;  ///< of the joint next to the body, where the kind stands for two
-  bool axis;          ///< whether it has one; for planar the normal
-  bool point;         ///< whether it matters where it is
+  int dof;  ///< degrees of freedom
+  /// Subgroup of the joint; for a kind that stands for two joints, of the one next to the body.
+  Subgroup subgroup;
+  bool axis;   ///< whether the joint has an axis; for planar joints it is the normal
+  bool point;  ///< whether the position of the joint matters
 };
 
 inline constexpr std::array<JointTraits, 9> joint_kinds{{
-    {JointKind::fixed, "fixed", 0, Subgroup::revolute, false, false},  // of no subgroup
+    {JointKind::fixed, "fixed", 0, Subgroup::revolute, false, false},  // the subgroup is not used
     {JointKind::revolute, "revolute", 1, Subgroup::revolute, true, true},
     {JointKind::prismatic, "prismatic", 1, Subgroup::prismatic, true, false},
     {JointKind::helical, "helical", 1, Subgroup::helical, true, true},
@@ -33,7 +34,7 @@ constexpr const JointTraits& traits(JointKind kind) {
   return *std::find_if(joint_kinds.begin(), joint_kinds.end(),
                        [&](const JointTraits& t) { return t.kind == kind; });
 }
-/// Whether it has one degree of freedom, so that it can follow another joint or lead one.
+/// Whether a joint has one degree of freedom, so that it can follow another joint or lead one.
 constexpr bool can_couple(JointKind kind) { return traits(kind).dof == 1; }
 
 constexpr std::string_view to_string(JointKind kind) { return traits(kind).name; }

@@ -9,7 +9,7 @@
 
 namespace axode {
 
-/// What closes a loop: a joint between two bodies that both hang on others already, or a rod or a contact.
+/// The kinds of loop joints: joints between two bodies that both hang on other bodies, rods and contacts.
 enum class LoopKind {
   fixed,
   revolute,
@@ -20,21 +20,22 @@ enum class LoopKind {
   planar,
   translational,  ///< every translation and no rotation
   universal,
-  rod,      ///< massless, with a ball at either end: two points keep their distance
-  rolling,  ///< of a wheel or a sphere on a plane, without slip
+  rod,      ///< massless rod with a ball joint at either end: two points keep their distance
+  rolling,  ///< rolling of a wheel or a sphere on a plane, without slip
 };
 
-/// The table of loop joints: who needs to know something about a kind asks here. Its equations are a type in
-/// constraints/loops/, which the table there finds by the kind.
+/// The table of loop joints, with everything that depends on the kind alone. The equations of a kind are a
+/// type in constraints/loops/, which the table there finds by the kind.
 struct LoopTraits {
   LoopKind kind;
   std::string_view name;
   int rows;       ///< number of rows of the Jacobian
-  int residuals;  ///< number of residuals, fewer where velocities are bound and places are not
-  /// Which directions ω_x ω_y ω_z v_x v_y v_z the joint leaves free; a helical one ω_z with v_z = pitch ω_z. A
-  /// universal joint is a spherical one with a row more; rods and rolling contacts are no subgroups.
+  int residuals;  ///< number of residuals; fewer than rows if some rows have no position level
+  /// Which of the directions ω_x ω_y ω_z v_x v_y v_z the joint leaves free; a helical joint ω_z with v_z =
+  /// pitch ω_z. A universal joint is a spherical one with another row; rods and rolling contacts are no
+  /// subgroups.
   std::array<bool, 6> free;
-  bool located;  ///< whether it matters where the joint is, not only which directions it has
+  bool located;  ///< whether the position of the joint matters and not only its directions
   /// Members of LoopDescription by which the joint is drawn. It has one frame for both bodies unless it has a
   /// second axis, two points, or a centre.
   std::array<std::string_view, 5> keys;
@@ -70,7 +71,7 @@ constexpr const LoopTraits& traits(LoopKind kind) {
 }
 constexpr std::string_view to_string(LoopKind kind) { return traits(kind).name; }
 
-/// The name of what closes a loop, a joint or a coupling, and its rows of A and of r.
+/// The name of a loop joint or coupling, and its rows of A and of the residuals r.
 struct LoopRows {
   std::string name;
   int first_row = 0, rows = 1;
@@ -81,13 +82,14 @@ struct LoopRows {
 struct Loop : LoopRows {
   struct End {
     int body = 0;
-    SE3<> F;  ///< the frame of the loop in the internal frame of that body
+    SE3<> F;  ///< frame of the loop in the internal frame of the body
   };
   LoopKind kind{};
   std::array<End, 2> ends = {};
-  double pitch = 0;  ///< m/rad, of a helical joint
-  double size = 0;   ///< length of a rod, radius of what rolls, m; cosine of the angle between universal axes
-  bool wheel = false;  ///< whether what rolls is a wheel
+  double pitch = 0;  ///< pitch of a helical joint, m/rad
+  /// Length of a rod or radius of a rolling body, m; cosine of the angle between universal axes.
+  double size = 0;
+  bool wheel = false;  ///< whether the rolling body is a wheel
 };
 
 /// Σ factor q = offset: a coupling of the coordinates of several joints. It is a constant row of velocities.
@@ -104,8 +106,8 @@ struct LoopCoupling : LoopRows {
 struct Loops {
   std::vector<Loop> joints;
   std::vector<LoopCoupling> couplings;
-  std::vector<LoopRows> all;    ///< names and rows of the joints, and after them those of the couplings
-  int rows = 0, residuals = 0;  ///< numbers of rows and residuals of all together
+  std::vector<LoopRows> all;    ///< names and rows of the joints, followed by those of the couplings
+  int rows = 0, residuals = 0;  ///< total numbers of rows and residuals
   std::vector<char> driven;     ///< nv: whether a joint that is not passive has that velocity
 
   bool empty() const { return all.empty(); }

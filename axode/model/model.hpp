@@ -22,7 +22,7 @@ struct Body {
   SE3<> B;                 ///< reference pose in the predecessor's frame
   SE3<> S_prev, S_self;    ///< joint frame on the predecessor and on the body, B = S_prev S_self⁻¹
   std::vector<Screw<>> X;  ///< joint screw(s) in the body frame, a column for each velocity; Y_i = Ad_A X_i
-  Inertia<> M;             ///< in the body frame, with everything that is fixed to the body
+  Inertia<> M;             ///< inertia in the body frame, with everything that is fixed to the body
 };
 
 /// The joint that moves a body. Joint i moves body i.
@@ -30,13 +30,13 @@ struct Joint {
   std::string name;
   Subgroup kind{};
   double pitch = 0;
-  int iq = 0, nq = 0;  ///< its coordinates are q[iq] to q[iq + nq - 1]; nq = 0 for a coupled joint
+  int iq = 0, nq = 0;  ///< the coordinates are q[iq] to q[iq + nq - 1]; nq = 0 for a coupled joint
   int iv = 0, nv = 0;
   struct Leader {
     int joint;
     double ratio, offset;
   };
-  std::optional<Leader> leader;  ///< of a coupled joint, with chains of couplings resolved
+  std::optional<Leader> leader;  ///< leader of a coupled joint, with chains of couplings resolved
   std::vector<Dof> dof;          ///< one for each degree of freedom
   bool passive = false;          ///< whether it has no drive
 };
@@ -44,14 +44,14 @@ struct Joint {
 /// A named frame: the ground, a body, a body fixed to another, or a frame of interest.
 struct Frame {
   std::string name;
-  int body = 0;  ///< the body it moves with
-  SE3<> pose;    ///< in the frame of that body
+  int body = 0;  ///< body that the frame moves with
+  SE3<> pose;    ///< pose in the frame of that body
 };
 
 /// An immutable tree of bodies. Copies are cheap and share the data; threads may share a model.
 class Model {
  public:
-  // A model that was moved from stays what it was: there is no empty one.
+  // A model that was moved from keeps its data: there is no empty model.
   Model(const Model&) = default;
   Model& operator=(const Model&) = default;
 
@@ -81,21 +81,21 @@ class Model {
 
   /// Springs, dampers and stops, which act in simulations.
   const Springs& springs() const { return data_->springs; }
-  /// What closes loops; all that is not said to count them is about the tree that is left without them.
+  /// Loop joints, rods, contacts and couplings. Functions whose documentation does not mention loops compute
+  /// with the spanning tree alone.
   const Loops& loops() const { return data_->loops; }
 
-  /// Indices by name. Throws std::invalid_argument that names what was asked for and the nearest name there
-  /// is.
+  /// Indices by name. They throw std::invalid_argument with the unknown name and the nearest known one.
   int body_index(std::string_view name) const;
   int joint_index(std::string_view name) const;
   int frame_index(std::string_view name) const;
 
-  /// Σ m of all moving bodies, kg.
+  /// The mass Σ m of all moving bodies, kg.
   double total_mass() const;
 
-  /// What is doubtful but did not prevent the build.
+  /// Defects of the description that did not prevent the build.
   std::span<const Fault> warnings() const { return data_->warnings; }
-  /// What the model was built from: edit a copy and build again.
+  /// The description from which the model was built; edit a copy of it to build another model.
   const Description& description() const { return data_->description; }
   const Topology& topology() const { return *data_->tree.topology(); }
   /// The numbers for the kernels, T = double or float; other scalars: cast<T>(tree<double>()).

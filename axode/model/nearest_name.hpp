@@ -7,7 +7,7 @@
 
 namespace axode {
 
-/// Thrown for a name of a joint, body or frame that a model has not.
+/// Thrown for a name of a joint, body or frame that a model does not have.
 struct UnknownName : std::invalid_argument {
   using std::invalid_argument::invalid_argument;
 };
@@ -28,10 +28,10 @@ inline std::size_t edit_distance(std::string_view a, std::string_view b) {
   return row[b.size()];
 }
 
-/// Of many names that nobody has only the first get a suggestion, for each is compared with every name there is.
+/// Only the first unknown names get a suggestion, because each is compared with every known name.
 inline constexpr int most_suggestions = 20;
 
-/// `; did you mean "forearm"?` for the nearest name there is, or nothing where none is near.
+/// `; did you mean "forearm"?` for the nearest known name; empty if none is near.
 template <class Range, class NameOf>
 std::string did_you_mean(std::string_view name, const Range& candidates, NameOf name_of) {
   std::string best;

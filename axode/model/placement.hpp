@@ -4,17 +4,18 @@
 
 #include "axode/model/description.hpp"
 
-/// From the three ways in which geometry may be given to one, (A, B, S_self), for every body of a
-/// description.
+/// Reference poses: the poses (A, B, S_self) of every body of a description, whose geometry may be given in
+/// three ways.
 namespace axode {
 
-/// A pose whose rotation is one to working precision, from one that is to 1e-6.
+/// The rotation of a pose, which is exact to 1e-6, made exact to working precision.
 SE3<> orthonormal(const SE3<>& C);
 
-/// A⁻¹ B: B seen from A. Where the two are near each other but far from the origin nothing is lost.
+/// A⁻¹ B, the pose of B relative to A. No digits are lost if the two are near each other but far from the
+/// origin.
 SE3<> relative(const SE3<>& A, const SE3<>& B);
 
-/// The name of the joint of a body, `<body>_joint` where it has none of its own.
+/// The name of the joint of a body: `<body>_joint` if it has no name of its own.
 std::string joint_name(const BodyDescription& body);
 
 /// Whether a body and its joint are drawn in the construction frame.
@@ -23,22 +24,24 @@ bool is_drawn(const BodyDescription& body);
 /// The unit vector along an axis of any length but 0.
 Vec3<> direction(const Vec3<>& axis);
 
-/// The same mechanism with cylindrical and universal joints as chains of two joints through a massless body.
+/// The mechanism with cylindrical and universal joints replaced by chains of two joints through a massless
+/// body.
 Description expand(const Description& description);
 
-/// The same mechanism, expanded, with every joint in joint frames, every fixed body, frame and inertia relative to the
-/// body frame: nothing depends on where its predecessor is. The description must be without faults.
+/// The expanded mechanism with every joint in joint frames, and every fixed body, frame and inertia relative
+/// to a body frame, so that nothing depends on the pose of the predecessor. The description must have no
+/// faults.
 Description in_joint_frames(const Description& description);
 
 /// Bodies in depth-first order, children as declared, and the index of each body's predecessor, -1 for the
-/// ground. Bodies that hang on no ground (an unknown predecessor, a cycle) are left out of the order.
+/// ground. Bodies that do not hang on the ground (unknown predecessor, cycle) are left out of the order.
 struct DepthFirstOrder {
   std::vector<int> order;
   std::vector<int> predecessor;
 };
 DepthFirstOrder depth_first_order(const Description& description);
 
-/// Where a body and its joint frame are at q = 0.
+/// The reference poses of a body and of its joint frame, at q = 0.
 struct Placement {
   SE3<> A;       ///< body frame in the construction frame
   SE3<> B;       ///< body frame in the predecessor's
@@ -46,35 +49,37 @@ struct Placement {
   SE3<> S_self;  ///< joint frame in the body frame; its z-axis is the joint axis
   SE3<> J;       ///< joint frame in the construction frame
 };
-/// One for each body of an expanded description; those not in the order stay at the identity.
+/// The placement of each body of an expanded description. Bodies that are not in the order have identity
+/// poses.
 ///
-/// The joint frame has its origin in the joint's point and is turned the shortest way from the frame in which
-/// the axis is given until its z-axis is the axis; for a spherical joint it keeps the axes of that frame, for
-/// a free joint it is the body frame. That of a fixed one moves nothing: as given; of a drawn body that of its
-/// predecessor, which is near where body frames may be far; else the body frame. No point matters to a prismatic joint: if the
-/// body is drawn far from the joint's point (16 radii of gyration), the origin is its centre of mass, or that of the first successor
-/// with mass.
+/// The origin of the joint frame is the point of the joint. Its axes are those of the frame in which the axis
+/// is given, turned the shortest way until z is the axis; a spherical joint keeps the axes of that frame, and
+/// a free joint has the body frame. The joint frame of a fixed joint moves nothing: it is used as given, or
+/// it is the frame of the predecessor if the body is drawn, because body frames may be far away; else it is
+/// the body frame. The position of a prismatic joint does not matter: if the body is drawn far from the point
+/// of the joint (16 radii of gyration), the origin is the centre of mass of the body or of its first
+/// successor with mass.
 std::vector<Placement> reference_placements(const Description& expanded, const DepthFirstOrder& order);
 
-/// Where the frames of a loop are, as drawn in the construction frame, and its size as Loop::size has it.
+/// The frames of a loop in the construction frame as it is drawn, and its size as in Loop::size.
 struct DrawnLoop {
   std::array<SE3<>, 2> C;
   double size = 0;
 };
-/// Of a loop that is told without frames.
+/// The frames of a loop that is described without frames.
 DrawnLoop drawn_loop(const LoopDescription& loop);
-/// The size of one that is told with frames.
+/// The size of a loop that is described with frames.
 double size_of(const LoopDescription& loop);
-/// Its name, `loop 1` or `coupling 1` where it has none of its own; k from 0.
+/// The name of a loop or coupling: `loop 1` or `coupling 1` if it has no name of its own; k counts from 0.
 std::string loop_name(const LoopDescription& loop, std::size_t k);
 std::string coupling_name(const CouplingDescription& coupling, std::size_t k);
 
-/// The inertia in the frame F, seen from the frame in which it is given; or in the frame J, where it is given in A and
-/// both are seen from one frame. It goes by the centre of mass, so that nothing is lost where the origin in which it is
-/// given is far away, unless it is the inertia about that origin.
+/// The inertia in the frame F, whose pose is relative to the frame in which the inertia is given; or in the
+/// joint frame J if the inertia is given in A and both are relative to one frame. It is transformed by way of
+/// the centre of mass, so that no digits are lost far from the origin, unless it is given about that origin.
 Inertia<> inertia_in(const SE3<>& F, const MassProperties& given);
 Inertia<> inertia_in(const SE3<>& J, const SE3<>& A, const MassProperties& given);
-/// The same matter, given in the body frame, as one gives it in the frame S that is seen from that.
+/// The mass properties, given in the body frame, expressed in a frame S relative to the body frame.
 MassProperties expressed_in(const SE3<>& S, const MassProperties& given);
 
 }  // namespace axode

@@ -7,13 +7,13 @@
 
 namespace axode {
 
-/// The table of shapes: who needs to know something about a kind asks here.
+/// The table of shapes, with everything that depends on the kind alone.
 struct ShapeTraits {
   ShapeKind kind;
   std::string_view name;
-  std::string_view size;  ///< what its three lengths are called; empty: it has none
+  std::string_view size;  ///< key of the three lengths; empty if the shape has none
   bool radius, length;
-  bool in_urdf;  ///< whether URDF has a word for it
+  bool in_urdf;  ///< whether URDF has an element for the shape
 };
 
 inline constexpr std::array<ShapeTraits, 6> shape_kinds{{

@@ -13,16 +13,19 @@ struct JointGroup {
   int begin, end;
 };
 
-/// What a tree is made of, before anything is numbered: body 0 is the ground, its entries are of no use.
+/// The bodies and joints of a tree before its coordinates are numbered. Body 0 is the ground; its entries are
+/// not used.
 struct Connections {
-  std::vector<int> parent;      ///< of each body, parent[i] < i
-  std::vector<Subgroup> kind;   ///< of the joint that moves it
-  std::vector<int> leader;      ///< the joint that it follows, which has no leader itself; 0: none
-  std::vector<int> frame_body;  ///< the body that each named frame moves with
+  std::vector<int> parent;     ///< predecessor of each body, parent[i] < i
+  std::vector<Subgroup> kind;  ///< subgroup of the joint that moves the body
+  /// Joint that the joint of the body follows, which has no leader itself; 0 if there is none.
+  std::vector<int> leader;
+  std::vector<int> frame_body;  ///< body that each named frame moves with
 };
 
-/// The integers of a tree: what hangs on what, and where the numbers of a joint stand. Body 0 is the ground;
-/// the joint of body i is index i. It is made once, whole, and shared by the trees of all scalars.
+/// The integers of a tree: its structure, and the indices of the coordinates, velocities and screws of each
+/// joint. Body 0 is the ground; joint i moves body i. A topology is made once and shared by the trees of all
+/// scalars.
 struct Topology {
   explicit Topology(Connections connections);
 
@@ -38,28 +41,33 @@ struct Topology {
       frame_body;  ///< frame f: 0 is the ground, 1..n the bodies as the user placed them, then extra
 
   std::vector<JointGroup> joint_groups;
-  std::vector<int> by_kind;                            ///< n
-  std::vector<int> coupled_bodies, quaternion_bodies;  ///< those whose joint is coupled; has a quaternion
+  std::vector<int> by_kind;  ///< n
+  /// Bodies whose joint is coupled, and bodies whose joint has a quaternion.
+  std::vector<int> coupled_bodies, quaternion_bodies;
   std::vector<int> subtree_end;  ///< n + 1: the bodies that joint i moves are i to subtree_end[i] - 1
   std::vector<int>
       velocity_end;  ///< nv: without couplings, what moves along with c is c to velocity_end[c] - 1
-  /// nv: M = LᵀDL has entries L(c, velocity_parent[c]), ...; -1 at the end. It is the elimination tree of M from
-  /// the last velocity to the first: without couplings the velocity that precedes on the path to the ground; a
-  /// coupled joint ties the path of its leader to its own.
+  /// nv entries: M = LᵀDL has the entries L(c, velocity_parent[c]), ...; -1 at the end. This is the
+  /// elimination tree of M from the last velocity to the first. Without couplings it is the preceding
+  /// velocity on the path to the ground; a coupled joint joins the path of its leader with its own.
   std::vector<int> velocity_parent;
 
-  /// Velocities that several joints share, on their way through an elimination from the leaves to the ground: one
-  /// entry for each body between a joint that has the velocity and the body where the paths of all that have it meet.
-  /// There it gives way, before the joint of that body does, unless that joint has it as well. Entries ties.begin[i] to
-  /// ties.begin[i + 1] - 1 are those of body i, 0 for the ground. Those that come through one body or go on together
-  /// are a group, next to each other; entries of different groups do not feel each other.
+  /// Velocities that several joints share, during an elimination from the leaves to the ground. There is one
+  /// entry for each body between a joint that has the velocity and the body where the paths of all these
+  /// joints meet. There the velocity is eliminated, before the joint of that body, unless that joint has it
+  /// as well. Entries ties.begin[i] to ties.begin[i + 1] - 1 belong to body i, 0 for the ground. Entries that
+  /// come through one body or go on together are consecutive and form a group; entries of different groups
+  /// are not coupled.
   struct Ties {
     std::vector<int> begin;     ///< n + 2
-    std::vector<int> velocity;  ///< of each entry
-    std::vector<int> up;        ///< the entry of the predecessor for the same velocity; -1 where it gives way
-    std::vector<int> own;  ///< n + 1: the entry for the joint of the body itself; -1 where it shares none
-    std::vector<int> group_begin, group_end;  ///< of each entry: the entries of its group
-    std::vector<std::size_t> row;  ///< of each entry: its first pair, where it has one with each of its group
+    std::vector<int> velocity;  ///< velocity of each entry
+    /// The entry of the predecessor for the same velocity; -1 if the velocity is eliminated here.
+    std::vector<int> up;
+    /// n + 1: the entry for the joint of the body itself; -1 if this shares no velocity.
+    std::vector<int> own;
+    std::vector<int> group_begin, group_end;  ///< the entries of the group of each entry
+    /// The first pair of each entry, which has one with each entry of its group.
+    std::vector<std::size_t> row;
     std::size_t n_pairs = 0;
     std::vector<std::size_t>
         of_screws;  ///< n + 2: as begin, where body i has its entries once for each screw of its joint
@@ -67,7 +75,7 @@ struct Topology {
 
   // For sweeps that take several bodies at once.
   std::vector<int> angle;  ///< iq of joints 1 to n, and 0 up to a multiple of the lanes of any SIMD register
-  std::vector<char> branches;  ///< n + 1: whether a body other than the next one hangs on it
+  std::vector<char> branches;  ///< n + 1: whether a body other than the next one hangs on the body
   std::vector<int> hinges;  ///< n + 2: how many hinges with coordinates of their own follow, from joint i on
 
   int n_frames() const { return static_cast<int>(frame_body.size()); }

@@ -9,8 +9,8 @@
 
 namespace axode {
 
-/// What numbers a tree is made from. The internal frame of body i is its joint frame, so that S_i is sparse; frames
-/// carry the user's own as offsets.
+/// The numbers of which a tree is made. The internal frame of body i is its joint frame, so that S_i is
+/// sparse; named frames have offsets from internal frames.
 template <class T = double> struct TreeNumbers {
   std::vector<T> pitch;          ///< n + 1, m/rad
   std::vector<T> ratio, offset;  ///< n + 1: 1 and 0 for a joint with coordinates of its own
@@ -22,8 +22,8 @@ template <class T = double> struct TreeNumbers {
   Vec3<T> g;                         ///< gravity, m/s²
 };
 
-/// A tree as the kernels read it: integers through the arrow, `tree->parent[i]`, which all scalars share, and
-/// numbers, `tree.B[i]`.
+/// A tree as the kernels read it: its integers through the arrow, as in `tree->parent[i]`, which all scalars
+/// share, and its numbers, as in `tree.B[i]`.
 template <class T = double> class Tree : public TreeNumbers<T> {
  public:
   Tree(std::shared_ptr<const Topology> topology, TreeNumbers<T> numbers);
@@ -31,21 +31,21 @@ template <class T = double> class Tree : public TreeNumbers<T> {
   const Topology* operator->() const { return topology_.get(); }
   const std::shared_ptr<const Topology>& topology() const { return topology_; }
 
-  // The same numbers again, as sweeps want them.
-  std::vector<T> inertia_scale;   ///< n_screws: the size of the inertia that a unit of the screw feels
+  // Numbers that are derived from the others for the sweeps:
+  std::vector<T> inertia_scale;   ///< n_screws: magnitude of the inertia that a unit of the screw moves
   std::vector<T> inertia_arrays;  ///< M in arrays: h, Θ (xx yy zz xy xz yz), m; entry i for body i
   int inertia_stride = 0;         ///< from one array to the next
   PackedConstants<T> packed;      ///< of n + 1 bodies
 
  private:
-  void set_fed();
+  void set_inertia_scale();
   void set_inertia_arrays();
 
   std::shared_ptr<const Topology> topology_;
 };
 
-/// A tree in whatever frames: what a kernel takes that reads integers through the arrow, joints with each_joint, and
-/// no poses and inertias of bodies but B and M.
+/// A tree in any frames. Kernels read its integers through the arrow, its joints by each_joint, and no
+/// numbers of bodies except B and M.
 template <class X, class T>
 concept TreeOf = requires(const X& tree, int i) {
   { tree->parent[i] } -> std::convertible_to<int>;
@@ -54,7 +54,7 @@ concept TreeOf = requires(const X& tree, int i) {
   tree.B[i], tree.M[i], tree.ratio[i], tree.frame_offset[i];
 };
 
-/// The same numbers as another scalar.
+/// Conversions of numbers to another scalar.
 template <class To, class From> constexpr Vec3<To> cast(const Vec3<From>& a) {
   return {To(a.x), To(a.y), To(a.z)};
 }
@@ -93,12 +93,13 @@ template <class To, class From> Tree<To> cast(const Tree<From>& tree) {
            .g = cast<To>(tree.g)}};
 }
 
-/// f(joint) for the joint of body i.
+/// Calls f(joint) for the joint of body i.
 template <class T, class F> constexpr decltype(auto) with_joint(const Tree<T>& tree, int i, F&& f) {
   return with_subgroup(tree->kind[i], tree.pitch[i], f);
 }
 
-/// f(joint, i, coupled) for every joint with coordinates of its own, kind by kind; then for the coupled ones.
+/// Calls f(joint, i, coupled) for every joint with coordinates of its own, kind by kind, and then for the
+/// coupled ones.
 template <class T, class F> constexpr void each_joint(const Tree<T>& tree, F&& f) {
   for (const JointGroup& group : tree->joint_groups) {
     if (group.kind == Subgroup::helical) {
@@ -117,15 +118,15 @@ template <class T, class F> constexpr void each_joint(const Tree<T>& tree, F&& f
 template <class T>
 Tree<T>::Tree(std::shared_ptr<const Topology> topology, TreeNumbers<T> numbers)
     : TreeNumbers<T>(std::move(numbers)), topology_(std::move(topology)) {
-  set_fed();
+  set_inertia_scale();
   set_inertia_arrays();
   if constexpr (std::floating_point<T>)
     for (int i = 0; i <= topology_->n; ++i) packed.body.emplace_back(this->B[i], this->M[i]);
 }
 
-/// A bound of the inertia that the joint moves, with every joint at zero: trace of the rotational inertia about the
-/// joint's origin, or the mass.
-template <class T> void Tree<T>::set_fed() {
+/// A bound of the inertia that the joint moves, with every joint at zero: the trace of the rotational inertia
+/// about the origin of the joint, or the mass.
+template <class T> void Tree<T>::set_inertia_scale() {
   std::vector<Inertia<T>> composite(this->M);
   for (int i = topology_->n; i > 0; --i)
     composite[topology_->parent[i]] += transform(this->B[i], composite[i]);

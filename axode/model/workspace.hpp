@@ -9,34 +9,35 @@
 
 namespace axode {
 
-/// Says that the tree is meant which is left of a mechanism without its loops.
+/// Selects the spanning tree of a mechanism, without its loops.
 struct CutTree {};
 inline constexpr CutTree cut_tree;
 
-/// Scratch memory for one thread: make one for a model and use it in every call, nothing is allocated
-/// afterwards. It holds no results; no call depends on an earlier one. T is the scalar of the computation. What it
-/// takes is proportional to the number of bodies.
+/// Scratch memory for one thread. Make one for a model and use it in every call; nothing is allocated
+/// afterwards. It holds no results, and no call depends on an earlier one. T is the scalar of the
+/// computation. The memory is proportional to the number of bodies.
 ///
-/// A workspace knows the tree of a mechanism. Functions whose answer depends on loops refuse it where the model has some, and
-/// take a LoopWorkspace instead; one that is made for the cut tree says that the tree is meant.
+/// A workspace knows the tree of a mechanism. Functions whose answer depends on loops refuse it for a model
+/// with loops and take a LoopWorkspace instead. A workspace that is made for the cut tree is accepted: its
+/// functions compute with the spanning tree.
 template <class T = double> class Workspace {
  public:
-  /// Enough for every function of the library; T is double or float. For other scalars see GenericDynamics.
+  /// Memory for every function of the library; T is double or float. For other scalars see GenericDynamics.
   explicit Workspace(const Model& model);
   Workspace(const Model& model, CutTree) : Workspace(model) { is_for_cut_tree_ = true; }
-  /// Enough for kernels on any scalar: `bytes` is their footprint.
+  /// Memory for kernels on any scalar: `bytes` is their footprint.
   Workspace(const Topology& topology, std::size_t bytes)
       : made_for_(topology), lines_(bytes / sizeof(Line) + 1) {}
 
   bool is_for_cut_tree() const { return is_for_cut_tree_; }
   std::size_t bytes() const { return lines_.size() * sizeof(Line); }
 
-  /// All of it, for one call. The workspace must be large enough.
+  /// The whole memory, for one call. The workspace must be large enough.
   Arena arena(const Topology& topology) {
     return {topology, reinterpret_cast<std::byte*>(lines_.data()), bytes()};
   }
 
-  /// Throws std::invalid_argument where the workspace is too small for a model.
+  /// Throws std::invalid_argument if the workspace is too small for a model.
   void check(const Model& model) const {
     const Extent needed(model.topology());
     if (made_for_.bodies < needed.bodies || made_for_.screws < needed.screws || made_for_.ties < needed.ties)
@@ -45,7 +46,7 @@ template <class T = double> class Workspace {
   }
 
  private:
-  /// What footprints grow with.
+  /// The numbers with which footprints grow.
   struct Extent {
     explicit Extent(const Topology& t) : bodies(t.n), screws(t.n_screws), ties(t.ties.n_pairs) {}
     std::string text() const {
@@ -63,7 +64,7 @@ template <class T = double> class Workspace {
   std::vector<Line> lines_;
 };
 
-/// A kernel with scratch memory of its own, which is how one runs on any scalar T:
+/// A kernel with scratch memory of its own, for any scalar T:
 /// `WithScratch<Dual<double, 3>, InverseDynamicsRecursion<Hybrid, Dual<double, 3>>> dynamics(topology)`.
 template <class T, class Kernel> class WithScratch {
  public:
