@@ -58,7 +58,7 @@ VectorXd applied_wrenches(const Model& model, const std::vector<SE3<>>& C, const
   return W;
 }
 
-/// Armature and, where asked for, losses of the joints.
+/// The armature forces and, if they are asked for, the losses of the joints.
 VectorXd joint_forces(const Model& model, std::span<const double> v, std::span<const double> a,
                       const Loads<double>& loads) {
   const Tree<double>& tree = model.tree<double>();
@@ -79,7 +79,7 @@ void check(const Model& model, std::span<const double> q, std::span<const double
   check_loads(model, loads);
 }
 
-/// f(i, V_i, V'_i) of every body.
+/// Calls f(i, V_i, V'_i) for every body.
 template <class Rep, class F>
 void each_motion(const Model& model, std::span<const double> q, std::span<const double> v,
                  std::span<const double> a, F&& f) {

@@ -9,7 +9,7 @@ namespace {
 
 template <class T> Wrench<Spatial, T> per_second(const Momentum<Spatial, T>& Pi) { return {Pi.l, Pi.p}; }
 
-/// B in C = Jᵀ (M J' + B J) of one body: what the forms differ in.
+/// B in C = Jᵀ (M J' + B J) of one body, in which the forms differ.
 template <class T>
 TwistToWrench<Spatial, T> body_term(CoriolisForm form, const Inertia<T>& M, const Twist<Spatial, T>& V) {
   switch (form) {

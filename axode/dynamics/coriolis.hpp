@@ -3,12 +3,13 @@
 
 namespace axode {
 
-/// Which matrix C with C v = the Coriolis vector.
+/// The matrices C with which C v is the Coriolis vector.
 enum class CoriolisForm {
   paper,    ///< the paper's C = -Jᵀ (M A a + bᵀ M) J (eq. CMat); M' - 2C is not skew
   skew,     ///< C' = -Jᵀ (M A a + bᵀ M - M b) J: M' - 2C is skew
   spatial,  ///< Jᵀ (M J' - ad_Vᵀ M J) in spatial twists; the same matrix as C'
-  christoffel  ///< C_ij = Σ Γ_ijk v_k; M' - 2C is skew. On multi-DOF joints Γ is the Levi-Civita connection of M
+  /// C_ij = Σ Γ_ijk v_k; M' - 2C is skew. On multi-DOF joints Γ is the Levi-Civita connection of M.
+  christoffel
 };
 /// C(q, v), nv × nv entries, row by row. O(n d) for depth d, and nv² to clear.
 template <class T>
@@ -17,9 +18,9 @@ void coriolis_matrix(const Model& model, Workspace<T>& workspace, Numbers<T> q, 
 
 /// Christoffel symbols of the first kind, Γ_ijk at [(i nv + j) nv + k], nv³ entries, from joint screws and
 /// composite inertias (eq. Gamma with erratum 25): 2 Γ_ijk = J_kᵀ M^c [J_i, J_j] + J_jᵀ M^c [J_i, J_k] + J_iᵀ
-/// M^c [J_s, J_r] with s, r the inner and the outer of j, k, and M^c behind the outermost of the three.
-/// Symmetric in j, k but for velocities of one multi-DOF joint, where Γ_ijk - Γ_ikj belongs to [S_k, S_j].
-/// O(n d²), and nv³ to clear.
+/// M^c [J_s, J_r] with s, r the inner and the outer of j, k, and M^c the composite inertia of the subtree of
+/// the outermost of the three. They are symmetric in j, k except for velocities of one multi-DOF joint, where
+/// Γ_ijk - Γ_ikj belongs to [S_k, S_j]. O(n d²), and nv³ to clear.
 template <class T>
 void christoffel(const Model& model, Workspace<T>& workspace, Numbers<T> q,
                  std::type_identity_t<std::span<T>> Gamma);

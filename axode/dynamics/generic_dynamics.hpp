@@ -11,19 +11,20 @@
 
 namespace axode {
 
-/// The dynamics of a mechanism on a scalar T of the caller's choice, for example Dual (derivatives along directions) or
-/// Taylor (derivatives in time). The kernels are compiled where this header is included; double and float, which are
-/// compiled in the library, have the functions of axode/dynamics.hpp.
+/// The dynamics of a mechanism on a scalar T of the caller's choice, for example Dual (derivatives along
+/// directions) or Taylor (derivatives in time). The kernels are compiled in the file that includes this
+/// header. For double and float the library has the functions of axode/dynamics.hpp.
 ///
-/// T needs + - * /, sqrt, sin, cos, `<`, `>`, select and a conversion from double; forward dynamics compares values only.
-/// The recursions run in the representation Rep, on which results do not depend. All functions are O(n) except
-/// mass_matrix, allocate nothing, and throw std::invalid_argument for an argument of a wrong size. That quaternions in q
-/// have norm 1 is the caller's duty. The dynamics of a mechanism with loops are refused, and springs are left out.
+/// T needs + - * /, sqrt, sin, cos, `<`, `>`, select and a conversion from double; forward dynamics compares
+/// values only. The recursions run in the representation Rep, on which results do not depend. All functions
+/// are O(n) except mass_matrix, allocate nothing, and throw std::invalid_argument for an argument of a wrong
+/// size. The caller must make sure that quaternions in q have norm 1. The dynamics of a mechanism with loops
+/// are refused, and springs are left out.
 template <class T, RecursionRepresentation Rep = Hybrid> class GenericDynamics {
  public:
   explicit GenericDynamics(const Model& model) : GenericDynamics(model, cast<T>(model.tree<double>())) {}
-  /// With other numbers for the model's tree, so that derivatives by inertias, armatures or gravity are possible as well:
-  /// change the TreeNumbers of cast<T>(model.tree<double>()) and make a Tree of them.
+  /// Replaces the numbers of the model's tree, so that derivatives by inertias, armatures or gravity are
+  /// possible as well: change the TreeNumbers of cast<T>(model.tree<double>()) and make a Tree of them.
   GenericDynamics(const Model& model, Tree<T> tree)
       : model_(model),
         tree_(std::move(tree)),
@@ -33,7 +34,7 @@ template <class T, RecursionRepresentation Rep = Hybrid> class GenericDynamics {
 
   const Tree<T>& tree() const { return tree_; }
 
-  /// q ⊕ dv (nq): every joint moved along its left-trivialised direction dv (nv).
+  /// q ⊕ dv (nq): the configuration after every joint has moved along its left-trivialised direction dv (nv).
   void integrate(std::span<const T> q, std::span<const T> dv, std::span<T> moved) const {
     check("q", q, model_.nq(), "nq");
     check("dv", dv, model_.nv(), "nv");
@@ -45,7 +46,7 @@ template <class T, RecursionRepresentation Rep = Hybrid> class GenericDynamics {
         });
   }
 
-  /// Drive forces τ (nv; N m and N) that make the accelerations a (nv), see inverse_dynamics().
+  /// The drive forces τ (nv; N m and N) for accelerations a (nv), see inverse_dynamics().
   void inverse_dynamics(std::span<const T> q, std::span<const T> v, std::span<const T> a, std::span<T> tau,
                         const Loads<T>& loads = {}) {
     check_counts("inverse_dynamics");
@@ -56,8 +57,8 @@ template <class T, RecursionRepresentation Rep = Hybrid> class GenericDynamics {
     inverse_->project(tree_, v.data(), a.data(), loads.joint_losses, tau.data());
   }
 
-  /// Accelerations a (nv; rad/s², m/s²) that the drive forces τ (nv) make, see forward_dynamics(). Fails where the values
-  /// of the mass matrix are those of a singular one.
+  /// The accelerations a (nv; rad/s², m/s²) for drive forces τ (nv), see forward_dynamics(). It fails if the
+  /// values of the mass matrix are those of a singular one.
   Solvability forward_dynamics(std::span<const T> q, std::span<const T> v, std::span<const T> tau,
                                std::span<T> a, const Loads<T>& loads = {}) {
     check_counts("forward_dynamics");

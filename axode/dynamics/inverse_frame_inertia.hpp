@@ -7,7 +7,8 @@
 
 namespace axode {
 
-/// J Y for a Jacobian J and the response Y of the velocities to impulses on its place: 36 entries, made symmetric.
+/// J Y for the Jacobian J of a place and the response Y of the velocities to impulses on it: 36 entries, made
+/// symmetric.
 template <class Rep, class T>
 void inverse_frame_inertia(std::span<const Twist<Rep, T>> J, std::span<const Twist<Rep, T>> Y,
                            T* Lambda_inverse) {

@@ -7,17 +7,18 @@
 
 namespace axode {
 
-/// M = LᵀDL with a unit lower triangular L that has entries only where velocities are on one path, as M has.
-/// It makes room once; nothing is allocated afterwards. See (D4.7) and (D4.8) of docs/derivations.
+/// The factors M = LᵀDL with a unit lower triangular L, whose non-zero entries belong to velocities on one
+/// path, as those of M. The constructor allocates the memory. See (D4.7) and (D4.8) of docs/derivations.
 template <class T = double> class MassMatrixFactor {
  public:
   explicit MassMatrixFactor(const Model& model);
-  /// From the entries of M, O(n d²), and nv² to look at them. Where it fails the factor is of no use. Throws
-  /// std::invalid_argument for a wrong size, an M that is not symmetric, and an entry of velocities on different paths.
+  /// Factorises M, O(n d²), and nv² to check its entries. If the mass matrix is singular, the factors must
+  /// not be used. Throws std::invalid_argument for a wrong size, an M that is not symmetric, and a non-zero
+  /// entry of velocities on different paths.
   Solvability factorize(std::type_identity_t<std::span<const T>> M);
   /// x := M⁻¹ x, O(n d).
   void solve(std::type_identity_t<std::span<T>> x) const;
-  /// nv × nv entries, O(n² d).
+  /// M⁻¹, nv × nv entries, O(n² d).
   void inverse(std::type_identity_t<std::span<T>> M_inverse) const;
   /// Entry (c, p) of L.
   T L(int c, int p) const { return c == p ? T(1) : c < p ? T(0) : H_[at(c, p)]; }
@@ -32,7 +33,7 @@ template <class T = double> class MassMatrixFactor {
 
   Model model_;
   int nv_;
-  std::vector<T> H_, inertia_scale_;  ///< the size of the inertia that feeds each velocity
+  std::vector<T> H_, inertia_scale_;  ///< inertia scale of each velocity
 };
 
 }  // namespace axode

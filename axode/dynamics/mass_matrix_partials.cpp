@@ -23,8 +23,8 @@ void mass_matrix_partials(const Model& model, Workspace<T>& workspace, Numbers<T
     dM[(c * nv + a) * nv + b] += x;
     dM[(c * nv + b) * nv + a] += x;
   };
-  // Bodies b_j < b_k on the path of b_i, or b_j <= b_i on the path of b_k; what moves along with k changes
-  // nothing.
+  // Bodies b_j < b_k are on the path of b_i, or b_j <= b_i on the path of b_k. Parts that move along with k
+  // do not change.
   for (int b_i = 1; b_i <= tree->n; ++b_i)
     s.each_screw(b_i, [&](int i, const Twist<Spatial, T>& J_i) {
       const Momentum<Spatial, T> Pi = s.M[b_i] * J_i;

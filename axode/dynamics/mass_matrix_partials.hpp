@@ -11,8 +11,8 @@ namespace axode {
 template <class T>
 void mass_matrix_partials(const Model& model, Workspace<T>& workspace, Numbers<T> q,
                           std::type_identity_t<std::span<T>> dM);
-/// ∂(M⁻¹)/∂q_k = -M⁻¹ ∂_k M M⁻¹, in the same order, nv³ entries; O(n⁴). Allocates. Where M is singular the result is
-/// NaN.
+/// ∂(M⁻¹)/∂q_k = -M⁻¹ ∂_k M M⁻¹, in the same order, nv³ entries; O(n⁴). Allocates. If M is singular, the
+/// result is NaN.
 template <class T>
 Solvability inverse_mass_matrix_partials(const Model& model, Workspace<T>& workspace, Numbers<T> q,
                                          std::type_identity_t<std::span<T>> dM_inverse);

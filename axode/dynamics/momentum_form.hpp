@@ -9,10 +9,9 @@ namespace axode {
 
 /// The rates of (q, p): velocities v = M⁻¹ p and
 ///   p'_i = τ_i + J_iᵀ W_i^A + (ad_{V_i} J_i)ᵀ Π_i^A
-/// with the momentum Π_i^A of all that joint i moves and the wrench W_i^A of gravity and loads on it. O(n),
-/// without accelerations and their bias terms; v and dp have nv
-/// entries. Where the mass matrix is singular the status names a body, and both are NaN.
-/// See (D5.1) and (D5.2) of docs/derivations.
+/// with the momentum Π_i^A of the subtree of body i and the wrench W_i^A of gravity and loads on it. O(n),
+/// without accelerations and their bias terms; v and dp have nv entries. If the mass matrix is singular, the
+/// status names a body, and both results are NaN. See (D5.1) and (D5.2) of docs/derivations.
 template <class T>
 Solvability momentum_form(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> p,
                           Numbers<T> tau, std::type_identity_t<std::span<T>> v,
@@ -21,7 +20,7 @@ Solvability momentum_form(const Model& model, Workspace<T>& workspace, Numbers<T
 
 /// The state as (q, Π^s), n + 6n unknowns (eqs. PEs with erratum 24): the rates of q and Π that belong to the
 /// spatial momenta Π of all bodies. v has nv and dPi n_bodies entries. M_i J_i v = Π_i is solved by its
-/// projection JᵀΠ = (JᵀMJ) v, so that massless bodies do no harm. O(n). See (D5.8) of docs/derivations.
+/// projection JᵀΠ = (JᵀMJ) v, so that massless bodies are allowed. O(n). See (D5.8) of docs/derivations.
 template <class T>
 Solvability spatial_momentum_form(const Model& model, Workspace<T>& workspace, Numbers<T> q,
                                   std::type_identity_t<std::span<const Momentum<Spatial, T>>> Pi,

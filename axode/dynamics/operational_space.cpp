@@ -13,7 +13,7 @@
 namespace axode {
 namespace {
 
-/// J to M⁻¹ Jᵀ: each of the six rows is a generalised force.
+/// Replaces J by M⁻¹ Jᵀ: each of the six rows of J is a generalised force.
 template <class Rep, class T>
 Solvability respond(const Tree<T>& tree, FrameResponse<Rep, T>& at, const T* q, Twist<Rep, T>* columns) {
   const Solvability factorized = at.bodies.factorize(tree, q, tree.armature.data());
@@ -35,7 +35,7 @@ Solvability impulse_response(const Model& model, Workspace<T>& workspace, Number
                              const std::type_identity_t<Place<T>>& place,
                              std::type_identity_t<std::span<Twist<Rep, T>>> Y) {
   Arena arena = checked<"impulse_response">(model, workspace, q, Y);
-  jacobian<Rep>(model, workspace, q, place, Y);  // takes nothing of the workspace
+  jacobian<Rep>(model, workspace, q, place, Y);  // this call takes no memory of the workspace
   FrameResponse<Rep, T> at(arena);
   return respond(model.tree<T>(), at, q.data(), Y.data());
 }
@@ -48,7 +48,7 @@ Solvability inverse_operational_space_inertia(const Model& model, Workspace<T>& 
   const std::size_t nv = static_cast<std::size_t>(model.nv());
   FrameResponse<Rep, T> at(arena);
   const std::span<Twist<Rep, T>> J(at.J, nv), Y(at.Y, nv);
-  jacobian<Rep>(model, workspace, q, place, J);  // takes nothing of the workspace
+  jacobian<Rep>(model, workspace, q, place, J);  // this call takes no memory of the workspace
   std::copy(J.begin(), J.end(), Y.begin());
   const Solvability verdict = respond(model.tree<T>(), at, q.data(), Y.data());
   inverse_frame_inertia<Rep, T>(J, Y, Lambda_inverse.data());

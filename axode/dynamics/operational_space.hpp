@@ -8,15 +8,15 @@
 /// Response of a place on a mechanism to a wrench.
 namespace axode {
 
-/// M⁻¹ Jᵀ for a place: a column for each velocity, Y_c | W = jump of velocity c under a unit of impulse W at
-/// the place. nv columns. O(n) for each of the six components.
+/// M⁻¹ Jᵀ for a place. Y_c | W is the jump of velocity c under an impulse W at the place; nv columns. O(n)
+/// for each of the six components.
 template <RecursionRepresentation Rep = BodyFixed, class T>
 Solvability impulse_response(const Model& model, Workspace<T>& workspace, Numbers<T> q,
                              const std::type_identity_t<Place<T>>& place,
                              std::type_identity_t<std::span<Twist<Rep, T>>> Y);
 
-/// J M⁻¹ Jᵀ for a place, 36 entries, symmetric: the twist that it gets from an impulse. Positive
-/// semi-definite; its rank is the number of directions in which the place can move.
+/// J M⁻¹ Jᵀ for a place, 36 entries, symmetric: it maps an impulse on the place to the jump of its twist. It
+/// is positive semi-definite; its rank is the number of directions in which the place can move.
 template <RecursionRepresentation Rep = BodyFixed, class T>
 Solvability inverse_operational_space_inertia(const Model& model, Workspace<T>& workspace, Numbers<T> q,
                                               const std::type_identity_t<Place<T>>& place,
@@ -27,9 +27,9 @@ template <RecursionRepresentation Rep = BodyFixed, class... Arguments>
   return inverse_operational_space_inertia<Rep>(std::forward<Arguments>(arguments)...);
 }
 
-/// Λ = (J M⁻¹ Jᵀ)⁻¹ of a place, 36 entries: the inertia that it shows to a wrench. NaN where the place cannot
+/// Λ = (J M⁻¹ Jᵀ)⁻¹ of a place, 36 entries: the inertia of the place against a wrench. If the place cannot
 /// move in all six directions (or nearly cannot: condition above 1e12 in double, 1e5 in float, after scaling
-/// to a unit diagonal), and Solvability says in how many it can.
+/// to a unit diagonal), the result is NaN and Solvability has the number of directions.
 template <RecursionRepresentation Rep = BodyFixed, class T>
 Solvability operational_space_inertia(const Model& model, Workspace<T>& workspace, Numbers<T> q,
                                       const std::type_identity_t<Place<T>>& place,

@@ -1,9 +1,9 @@
 #pragma once
 #include "axode/kinematics/arguments.hpp"
 
-/// The equations of motion are linear in the inertial parameters π of the bodies (axode/model/inertial_parameters.hpp).
-/// Columns 10 (i - 1) to 10 (i - 1) + 9 belong to body i. Armatures, damping, friction and loads are not part
-/// of it.
+/// Regressors. The equations of motion are linear in the inertial parameters π of the bodies
+/// (axode/model/inertial_parameters.hpp). Columns 10 (i - 1) to 10 (i - 1) + 9 belong to body i. Armatures,
+/// damping, friction and loads are not included.
 namespace axode {
 
 /// Y with Y π = M a + C v + g, nv × 10 n_bodies entries, row by row; O(n d), and the size of Y to clear.

@@ -5,18 +5,18 @@
 #include "axode/recursion/forward_dynamics.hpp"
 #include "axode/recursion/momentum.hpp"
 
-/// What the functions of this floor take of a workspace, besides the recursions themselves.
+/// Scratch memory of the functions in this folder, in addition to that of the recursions.
 namespace axode {
 
-/// The forces without accelerations.
+/// Bias forces: inverse dynamics with zero accelerations, C v + g - Q.
 template <class Rep, class T> struct BiasForces {
   InverseDynamicsRecursion<Rep, T> recursion;
   T* zero;
 
   explicit BiasForces(Arena& arena) : recursion(arena), zero(arena.per_velocity<T>()) {}
 
-  /// At velocity v, under gravity g and loads, whose joint losses are those at v_losses. Without a velocity the system
-  /// is at rest.
+  /// Bias forces at velocity v under gravity g and loads. Joint losses are those at v_losses. Without a
+  /// velocity the system is at rest.
   void run(const Tree<T>& tree, const T* q, const T* v, const T* v_losses, const Loads<T>& loads,
            const Vec3<T>& g, T* tau) noexcept {
     for (int c = 0; c < tree->nv; ++c) zero[c] = T(0);
@@ -25,7 +25,7 @@ template <class Rep, class T> struct BiasForces {
   }
 };
 
-/// How a frame answers impulses.
+/// Memory for the response of a frame to impulses.
 template <class Rep, class T> struct FrameResponse {
   ArticulatedBodies<Rep, T> bodies;
   Twist<Rep, T>*J, *Y;
@@ -51,7 +51,7 @@ template <class T> struct MovingMass {
   }
 };
 
-/// The state as (q, V) or (q, Π): velocities from it, then accelerations of all bodies.
+/// Memory for the state as (q, V) or (q, Π): velocities of the joints, then accelerations of all bodies.
 template <class Rep, class T> struct StateForm {
   BodyPoses<T> C;
   Twist<Spatial, T>* V_s;
@@ -83,7 +83,7 @@ template <class T> struct PosesAndMotion {
   explicit PosesAndMotion(Arena& arena) : C(arena), motion(arena) {}
 };
 
-/// The bodies of a Coriolis matrix.
+/// Memory for a Coriolis matrix.
 template <class T> struct CoriolisBodies {
   SpatialTree<T> spatial;
   Twist<Spatial, T>* V;

@@ -8,7 +8,8 @@
 /// The force laws of springs, dampers and stops, for forces and their derivatives.
 namespace axode {
 
-/// What spring and stops do to a joint of one velocity.
+/// Force of the spring and the stops on a joint of one velocity, its derivatives by position and velocity,
+/// and its energy.
 template <class T> struct ElasticForce { T f, by_p, by_dp, energy; };
 template <class T> ElasticForce<T> elastic_force(const Dof& dof, const T& p, const T& dp) noexcept {
   const T k = T(dof.stiffness), x = p - T(dof.rest);
@@ -26,8 +27,8 @@ template <class T> ElasticForce<T> elastic_force(const Dof& dof, const T& p, con
   return out;
 }
 
-/// The spring of a joint of several velocities at x = log(q): K x, and the rates x' = dexp_{-x}⁻¹ e_k that belong to
-/// its velocities.
+/// The spring of a joint of several velocities at x = log(q): the force K x, and the rates x' = dexp_{-x}⁻¹
+/// e_k that belong to the velocities of the joint.
 template <class Joint, class T> struct ElasticLogarithm {
   using Entries = std::array<T, Joint::nv>;
   Entries x, Kx;
@@ -41,7 +42,7 @@ template <class Joint, class T> struct ElasticLogarithm {
     for (int k = 0; k < joint.nv; ++k) dx[k] = components(dexp_inv(minus_X_, joint.column(k)));
   }
   T force(int k) const { return -product(Kx, dx[k]); }
-  /// Its derivative along velocity j.
+  /// The derivative of the force along velocity j.
   T by_q(const std::vector<Dof>& dof, int k, int j) const {
     Entries K_dx;
     for (int l = 0; l < joint_.nv; ++l) K_dx[l] = T(dof[l].stiffness) * dx[j][l];
@@ -63,18 +64,19 @@ template <class Joint, class T> struct ElasticLogarithm {
   Screw<T> minus_X_;
 };
 
-/// The line of a spring, in the internal frame of the body where the paths from both ends to the ground meet: far from the
-/// inertial origin nothing is lost.
+/// The line of a spring, in the internal frame of the body where the paths from both ends to the ground meet,
+/// so that no digits are lost far from the inertial origin.
 template <class T> struct SpringLine {
   std::array<Place<T>, 2> place;
   int meeting;
   std::array<SO3<T>, 2> R;
-  Vec3<T> r, dr;  ///< from the first end to the second, and its rate
+  Vec3<T> r, dr;  ///< vector from the first end to the second, and its rate
   T length;       ///< ‖r‖
   Vec3<T> u;      ///< r/‖r‖, or 0
-  T rate{}, f{};  ///< of the length; tension
+  T rate{}, f{};  ///< rate of the length, and tension
 
-  /// f(end, joint, velocity, column) for the columns of both ends on the way, if there is one; v may be nullptr.
+  /// Calls columns(end, joint, velocity, column) for each column on the paths from the ends to the meeting
+  /// body. Without v, which may be nullptr, the rates are 0.
   template <class F>
   SpringLine(const Springs::Line& line, const Tree<T>& tree, const T* q, const T* v,
              const F& columns) noexcept

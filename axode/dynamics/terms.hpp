@@ -6,7 +6,7 @@
 /// The terms of M(q) a + C(q, v) v + g(q) = τ + Q, one by one. nv entries each, O(n).
 namespace axode {
 
-/// C(q, v) v: what the motion asks of the drives without gravity, loads and accelerations.
+/// C(q, v) v: the drive forces of the motion without gravity, loads and accelerations.
 template <RecursionChoice Rep = Fast, class T>
 void coriolis_vector(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v,
                      std::type_identity_t<std::span<T>> Cv);
@@ -14,7 +14,7 @@ void coriolis_vector(const Model& model, Workspace<T>& workspace, Numbers<T> q, 
 template <RecursionChoice Rep = Fast, class T>
 void gravity_torques(const Model& model, Workspace<T>& workspace, Numbers<T> q,
                      std::type_identity_t<std::span<T>> g);
-/// Q = Σ Jᵀ W: the generalised forces of the loads, with damping and friction where asked.
+/// Q = Σ Jᵀ W: the generalised forces of the loads, with damping and friction if loads.joint_losses is set.
 template <RecursionChoice Rep = Fast, class T>
 void generalized_loads(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v,
                        const std::type_identity_t<Loads<T>>& loads, std::type_identity_t<std::span<T>> Q);

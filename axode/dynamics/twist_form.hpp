@@ -6,8 +6,8 @@
 namespace axode {
 
 /// The state as (q, V), n + 6n unknowns: the rates of q and V that belong to the twists V of all bodies (in
-/// their own frames) and the drive forces. v and dV are the results, nv and n_bodies entries. V should come
-/// from some v; of others the part that the joints allow is taken. O(n).
+/// their own frames) and the drive forces. v and dV are the results, nv and n_bodies entries. If V does not
+/// belong to joint velocities, its part that the joints allow is used. O(n).
 template <RecursionRepresentation Rep = BodyFixed, class T>
 Solvability twist_form(const Model& model, Workspace<T>& workspace, Numbers<T> q,
                        std::type_identity_t<std::span<const Twist<Rep, T>>> V, Numbers<T> tau,

@@ -16,8 +16,9 @@ enum class Strictness {
 /// Collects a description, checks all of it and compiles it.
 ///
 ///     Model arm = ModelBuilder("arm")
-///         .add({.name = "upper arm", .joint = {.name = "shoulder", .kind = JointKind::revolute, .axis = {0, 1, 0}},
-///               .inertia = MassProperties{.mass = 2, .com = {0.2, 0, 0}, .Theta = {.01, .02, .02, 0, 0, 0}}})
+///         .add({.name = "upper arm",
+///               .joint = {.name = "shoulder", .kind = JointKind::revolute, .axis = {0, 1, 0}},
+///               .inertia = MassProperties{.mass = 2, .com = {.2, 0, 0}, .Theta = {.01, .02, .02, 0, 0, 0}}})
 ///         .build();
 class ModelBuilder {
  public:

@@ -12,11 +12,12 @@
 namespace axode {
 namespace {
 
-/// A mechanism on its way from the description to the model. Bodies that are fixed to others are merged into
-/// what carries them, and stay as frames.
+/// A mechanism during its compilation into a model. Bodies that are fixed to others are merged into the
+/// bodies that carry them, and stay as frames.
 ///
-/// What is drawn in the construction frame is related to its neighbours by differences of what was drawn, and what
-/// is given relative to a neighbour never sees the construction frame: far from its origin nothing is lost.
+/// Poses that are drawn in the construction frame are related to their neighbours by differences, and poses
+/// that are given relative to a neighbour never use the construction frame. Hence no digits are lost far from
+/// its origin.
 class Compiler {
  public:
   explicit Compiler(const Description& description)
@@ -68,13 +69,13 @@ class Compiler {
   }
 
  private:
-  /// The body of the model that carries a body of the description. Its internal frame is seen from the joint of the body
-  /// and that from the body frame, which may be far from both.
+  /// The body of the model that carries a body of the description. The pose of its internal frame is relative
+  /// to the joint of the body, and that of the joint to the body frame, which may be far from both.
   struct Carried {
     int carrier = 0;
     SE3<> S, F;
   };
-  /// A pose that is seen from the body frame, in the internal frame of the carrier.
+  /// A pose relative to the body frame, expressed in the internal frame of the carrier.
   static SE3<> in_carrier(const Carried& on, const SE3<>& C) { return relative(on.F, relative(on.S, C)); }
 
   int n_bodies() const { return static_cast<int>(bodies_.size()); }
@@ -173,7 +174,7 @@ class Compiler {
     return frame;
   }
 
-  /// Their ends, each in its frame.
+  /// The ends of the springs, each in its frame.
   Springs springs_between_frames() const {
     const std::unordered_map<std::string_view, int> frame = frames_by_name();
     Springs springs;
@@ -190,7 +191,7 @@ class Compiler {
     return springs;
   }
 
-  /// Gives what closes a loop the rows that follow those before it.
+  /// Gives a loop joint or coupling the rows that follow the previous ones.
   static void number(LoopRows& next, Loops& loops) {
     next.first_row = loops.rows;
     next.first_residual = loops.residuals;
@@ -199,7 +200,7 @@ class Compiler {
     loops.all.push_back(next);
   }
 
-  /// Loops with their frames in the internal frames of the bodies, then couplings of coordinates.
+  /// Loop joints with their frames in internal frames of bodies, followed by the couplings of coordinates.
   Loops closed_loops(const Topology& topology) const {
     const std::unordered_map<std::string_view, int> frame = frames_by_name();
     Loops loops;
@@ -276,7 +277,7 @@ class Compiler {
     }
   }
 
-  /// Coordinates and velocities of the joints, and the terms that belong to velocities.
+  /// Numbers the coordinates and velocities of the joints and adds up the terms that belong to velocities.
   void number_joints(const Topology& topology) {
     numbers_.g = description_.gravity;
     for (std::vector<double>* terms : {&numbers_.armature, &numbers_.damping, &numbers_.friction})
@@ -345,7 +346,7 @@ class Compiler {
       }
   }
 
-  /// Finite numbers can be so large that what follows from them is not.
+  /// Numbers of a description can be finite and so large that results overflow; this reports them.
   void report_overflow(Compilation& out) const {
     const Tree<double>& tree = out.tree;
     for (int i = 0; i <= tree->n; ++i) {
@@ -379,12 +380,12 @@ class Compiler {
   const std::vector<Placement> placements_;
   std::unordered_map<std::string_view, std::size_t> index_;
   std::vector<Carried> on_;     ///< by body of the description
-  std::vector<int> described_;  ///< of bodies 1, 2, ... of the model: their place in the description
-  // By body of the model, from the ground on:
+  std::vector<int> described_;  ///< index in the description of bodies 1, 2, ... of the model
+  // The members below are indexed by bodies of the model, from the ground on.
   Connections connections_{.parent = {0}};
   TreeNumbers<double> numbers_{.frame_offset = {SE3<>{}}};
   std::vector<SE3<>> internal_{SE3<>{}};  ///< internal frame in the construction frame, at q = 0
-  std::vector<SE3<>> offset_;             ///< user's frame in the internal frame
+  std::vector<SE3<>> offset_;             ///< frame of the user in the internal frame
   std::vector<Body> bodies_;
   std::vector<Joint> joints_;
   std::vector<Frame> frames_;

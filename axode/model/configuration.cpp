@@ -10,7 +10,7 @@
 namespace axode {
 namespace {
 
-/// f(joint, i) for every joint with coordinates of its own, in the order of the model.
+/// Calls f(joint, i) for every joint with coordinates of its own, in the order of the model.
 template <class F> void each_independent_joint(const Model& model, F&& f) {
   for (int i = 1; i <= model.n_bodies(); ++i)
     if (!model.joint(i).leader)
@@ -31,7 +31,7 @@ void check(const Model& model, std::span<const Real> q, const char* argument, do
   }
 }
 
-/// Throws std::invalid_argument where a step is so large that a result is not finite, or was not finite itself.
+/// Throws std::invalid_argument if a step is not finite or so large that a result is not finite.
 void check_finite(const Model& model, const char* step, int Joint::*first, int Joint::*count,
                   std::span<const double> results) {
   for (const Joint& joint : model.joints()) {
@@ -43,7 +43,7 @@ void check_finite(const Model& model, const char* step, int Joint::*first, int J
   }
 }
 
-/// The joint's name once for each of its coordinates or velocities, numbered where there are several.
+/// The name of a joint once for each of its coordinates or velocities, numbered if there are several.
 std::vector<std::string> numbered(const Model& model, int Joint::*count) {
   std::vector<std::string> names;
   for (const Joint& joint : model.joints())
@@ -87,7 +87,7 @@ std::vector<double> random_configurations(const Model& model, std::uint64_t seed
   const auto uniform = [&](double lower,
                            double upper) {  // the standard's distributions differ between libraries
     const double s = static_cast<double>(bits() >> 11) * 0x1p-53;
-    return lower * (1 - s) + upper * s;  // where the difference overflows as well
+    return lower * (1 - s) + upper * s;  // in this form the difference cannot overflow
   };
   const CoordinateLimits limit = limits(model);
   std::vector<double> all(n * static_cast<std::size_t>(model.nq()));

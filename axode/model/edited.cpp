@@ -25,7 +25,8 @@ MassProperties mass_properties(const Inertia<>& M) {
           .about = InertiaAbout::frame_origin};
 }
 
-/// Throws std::invalid_argument where two mechanisms have names in common, the second one's with a prefix.
+/// Throws std::invalid_argument if two mechanisms have names in common; the names of the second one have a
+/// prefix.
 void check_names_differ(const Description& one, const Description& other, const std::string& prefix) {
   std::unordered_set<std::string> places,
       joints;  // bodies and frames share their names, joints and loops theirs
@@ -47,7 +48,8 @@ void check_names_differ(const Description& one, const Description& other, const 
                                 "; give a prefix that makes them differ");
 }
 
-/// Where another mechanism is mounted: a frame with this pose on a body takes the place of its ground.
+/// The frame on which another mechanism is mounted, with its pose on a body; it replaces the ground of the
+/// other one.
 struct Mount {
   std::string carrier;
   SE3<> pose;
@@ -55,11 +57,11 @@ struct Mount {
 
   std::string renamed(const std::string& name) const { return prefix + name; }
   std::string place(const std::string& name) const { return name == "ground" ? carrier : renamed(name); }
-  /// From a frame of the other mechanism to that which carries it now.
+  /// The pose of a frame of the other mechanism relative to the frame that carries it now.
   SE3<> from(const std::string& name) const { return name == "ground" ? pose : SE3<>{}; }
 };
 
-// What is mounted is told relative to bodies and frames, see in_joint_frames().
+// Mounted bodies are described relative to bodies and frames, see in_joint_frames().
 void mount(BodyDescription& body, const Mount& at) {
   body.joint.name = at.renamed(joint_name(body));
   body.name = at.renamed(body.name);
@@ -95,7 +97,7 @@ template <class Part> void mount_all(std::vector<Part>& parts, const Mount& at, 
   }
 }
 
-/// Names for loops and couplings that have none: the default ones depend on how many come before.
+/// Names loops and couplings that have no name, because the default names depend on how many precede.
 void name_loops(Description& description, const std::string& prefix) {
   for (std::size_t k = 0; k < description.loops.size(); ++k)
     description.loops[k].name = prefix + loop_name(description.loops[k], k);
@@ -178,8 +180,9 @@ Model append(const Model& model, std::string_view frame, const Model& other, std
 
 namespace {
 
-/// Throws std::invalid_argument if a joint that is passed the other way round would act otherwise: the axes of several velocities
-/// are those of the body that the joint moves. Springs and losses of a spherical joint that are the same about all axes stay.
+/// Throws std::invalid_argument if a joint would act differently when it is reversed: the axes of several
+/// velocities are those of the body that the joint moves. Springs and losses of a spherical joint that are
+/// equal about all axes stay.
 void check_may_be_reversed(const JointDescription& joint, bool base) {
   const auto of_own_axes = [](const Dof& dof) {
     return dof.armature != 0 || dof.damping != 0 || dof.friction != 0 || dof.stiffness != 0;
@@ -225,7 +228,8 @@ Model rerooted(const Model& model, std::string_view body) {
                                 std::string(to_string(held.kind)) +
                                 "; only a root that is fixed or free can change places with another body");
   if (path.size() > 1) check_may_be_reversed(held, true);
-  // A joint with the displacement C in its frames is passed with C⁻¹ the other way, which is the same coordinate about -z.
+  // A joint with the displacement C in its frames is reversed with C⁻¹, which is the same coordinate about
+  // -z.
   for (std::size_t k = path.size() - 1; k > 0; --k) {
     BodyDescription& behind = description.bodies[path[k]];
     const BodyDescription& ahead = description.bodies[path[k - 1]];

@@ -55,7 +55,7 @@ class Inspection {
   void error(Rule rule, std::string element, std::string message, const Source& source) {
     faults_.note(Severity::error, rule, std::move(element), std::move(message), source);
   }
-  /// `; did you mean ...?` with the name in `range` that is next to an unknown one.
+  /// `; did you mean ...?` with the name in `range` that is nearest to an unknown name.
   template <class Range, class NameOf>
   std::string nearest(std::string_view name, const Range& range, NameOf name_of) {
     return ++suggestions_ > most_suggestions ? "" : did_you_mean(name, range, name_of);

@@ -11,7 +11,7 @@
 namespace axode {
 namespace {
 
-/// Moves the first of the two motions of a joint to a massless body in between.
+/// Makes the first of the two motions of a joint the joint of a massless body in between.
 BodyDescription split_off(BodyDescription& body, const char* carrier, JointKind first_kind, const char* first,
                           JointKind second_kind, const char* second, const Vec3<>& second_axis) {
   const std::string name = joint_name(body);
@@ -36,7 +36,7 @@ BodyDescription split_off(BodyDescription& body, const char* carrier, JointKind 
   return between;
 }
 
-/// A rotation that is one to working precision, from one that is to 1e-6.
+/// The rotation, exact to 1e-6, made exact to working precision.
 SO3<> orthonormal(const SO3<>& R) {
   const SO3<> G = transpose(R) * R;
   const double off = abs(G.x.x - 1) + abs(G.y.y - 1) + abs(G.z.z - 1) + abs(G.x.y) + abs(G.x.z) + abs(G.y.z);
@@ -48,7 +48,7 @@ SE3<> joint_frame(const JointDescription& joint) {
   return {orthonormal(rotation_to(direction(joint.axis))), joint.point};
 }
 
-/// Where the mass of a drawn body is in the construction frame, and how far it extends.
+/// The mass of a drawn body: its centre in the construction frame and its radius of gyration.
 struct DrawnMass {
   Vec3<> center;
   double radius_of_gyration = 0;
@@ -74,8 +74,9 @@ std::vector<std::optional<DrawnMass>> first_masses(const Description& expanded,
   }
   return first;
 }
-/// Inertias about an origin that is r away from the mass lose (r / radius of gyration)² roundings. Joint frames further away than
-/// that many radii of gyration are moved to the mass if they can be.
+/// Inertias about an origin at a distance r from the mass lose (r / radius of gyration)² roundings. Joint
+/// frames that are further away than this many radii of gyration are moved to the mass if the joint allows
+/// it.
 constexpr double most_radii = 16;
 
 /// The predecessor is nullptr for the ground.

@@ -10,7 +10,7 @@
 namespace axode {
 namespace {
 
-/// The coordinate of a joint of one velocity, which may follow another.
+/// The coordinate of a joint of one velocity, which may follow another joint.
 double coordinate(const Joint& joint, std::span<const double> q) {
   return joint.leader ? joint.leader->ratio * q[joint.iq] + joint.leader->offset : q[joint.iq];
 }
@@ -22,7 +22,8 @@ SE3<> displacement(const Joint& joint, std::span<const double> q) {
   return with_subgroup(joint.kind, joint.pitch, [&](const auto& s) { return s.pose(SE3<>{}, q_i); });
 }
 
-/// Leaves out the loops between bodies that do not move against each other; those that stay keep their names.
+/// Leaves out the loops between bodies that do not move relative to each other; the other loops keep their
+/// names.
 void drop_still_loops(Description& description) {
   std::unordered_map<std::string_view, std::string_view> carrier{{"ground", "ground"}};
   for (const int d : depth_first_order(description).order) {
@@ -39,7 +40,7 @@ void drop_still_loops(Description& description) {
   });
 }
 
-/// Takes the terms of locked joints over to the offset; couplings that have no others are left out.
+/// Moves the terms of locked joints into the offset; couplings without other terms are left out.
 void lock_terms(Description& description, const Model& model, const std::vector<bool>& is_locked,
                 std::span<const double> q) {
   for (std::size_t k = 0; k < description.couplings.size(); ++k) {
@@ -69,8 +70,8 @@ Model reduced(const Model& model, std::span<const std::string_view> locked, std:
   for (int i = 1; i <= model.n_bodies(); ++i)
     if (const auto& leader = model.joint(i).leader; leader && is_locked[leader->joint]) is_locked[i] = true;
 
-  // Every body relative to its predecessor, so that nothing else depends on a joint that moves away from
-  // zero; by joint frames, which are near each other where body frames may be far.
+  // Every body is described relative to its predecessor, so that nothing else depends on a locked joint; by
+  // joint frames, which are close to each other even if body frames are far away.
   std::unordered_map<std::string_view, int> index;
   for (int i = 1; i <= model.n_bodies(); ++i) index.emplace(model.body(i).name, i);
   Description description = in_joint_frames(model.description());

@@ -12,20 +12,20 @@
 /// The joint frame is a frame of the child: its z-axis is the axis of the joint. Velocities are
 /// left-trivialised: components in the child's joint frame, where the motion subspace S is constant. Every
 /// struct has
-///   nq, nv                       numbers of coordinates and velocities; where nq > nv the first four are a quaternion
-///   angles                       how many velocities, the first ones, are angular
+///   nq, nv                       sizes of q and v; if nq > nv, q begins with a quaternion
+///   angles                       number of angular velocities, which come first
 ///   vector_coordinates           whether q and v have the same meaning (q' = v)
 ///   neutral()                    the coordinates of the identity
 ///   pose(B, q)                   B exp(S q), the pose of the child's joint frame, for a reference pose B
-///   coordinates(D, near, q)      the q nearest to others with pose(I, q) = D, or near D if the joint cannot
+///   coordinates(D, near, q)      the q nearest to `near` with pose(I, q) = D, or with a pose near D
 ///   twist(v)                     S v in the joint frame
 ///   project(W)                   Sᵀ W for a wrench in the joint frame
 ///   column(k)                    the k-th column of S
-///   column(C, k)                 Ad_C of it: the joint screw seen from where the joint frame has pose C
+///   column(C, k)                 Ad_C of the k-th column, where C is the pose of the joint frame
 ///   integrate(q, dv, out)        out = q ⊕ dv
 ///   difference(q0, q1, out)      q0 ⊕ out = q1
 ///   rates(q, v, out)             q' from v
-///   velocities(q, dq, out)       v from q'; of a quaternion's rate what would change its length is left out
+///   velocities(q, dq, out)       v from q', without the part that would change the norm of a quaternion
 namespace axode {
 
 enum class Subgroup : unsigned char { revolute, prismatic, helical, spherical, planar, free };
@@ -70,14 +70,14 @@ template <class T> constexpr SO3<T> turn(const SO3<T>& B, const T& s, const T& c
 /// The angle of the rotation about z that is nearest to R.
 template <class T> T turn_about_z(const SO3<T>& R) { return atan2(R.x.y - R.y.x, R.x.x + R.y.y); }
 
-/// The angle that differs from another one by whole turns and is nearest to a third.
+/// The angle that differs from `angle` by whole turns and is nearest to `to`.
 template <class T> T nearest_turn(const T& angle, const T& to) {
   using std::round;
   const T whole = T(2 * std::numbers::pi);
   return angle + whole * round((to - angle) / whole);
 }
 
-/// The quaternion of R, of the two that of which the sign is nearer to another one.
+/// The quaternion of R with the sign that is nearer to another quaternion.
 template <class T> void nearest_quaternion(const SO3<T>& R, const T* near, T* q) {
   const Quaternion<T> a = quaternion(R);
   const T side = a.x * near[0] + a.y * near[1] + a.z * near[2] + a.w * near[3] < T(0) ? T(-1) : T(1);
@@ -265,7 +265,7 @@ template <class T> struct Free {
 
 }  // namespace subgroup
 
-/// f(joint) for the struct of a subgroup; the pitch (m/rad) matters to helical joints only.
+/// Calls f(joint) for the struct of a subgroup; the pitch (m/rad) matters to helical joints only.
 template <class T, class F> constexpr decltype(auto) with_subgroup(Subgroup kind, const T& pitch, F&& f) {
   switch (kind) {
     case Subgroup::revolute: return f(subgroup::Revolute<T>{});
@@ -278,8 +278,8 @@ template <class T, class F> constexpr decltype(auto) with_subgroup(Subgroup kind
   return f(subgroup::Free<T>{});
 }
 
-/// Which directions ω_x ω_y ω_z v_x v_y v_z a joint leaves free: for each velocity the first one that it moves
-/// along, so that v_z of a helical joint, which follows ω_z, is not among them.
+/// The directions of ω_x ω_y ω_z v_x v_y v_z that a joint leaves free: for each velocity the first one along
+/// which it moves. Hence v_z of a helical joint, which follows ω_z, is not among them.
 constexpr std::array<bool, 6> free_directions(Subgroup kind) {
   std::array<bool, 6> free{};
   with_subgroup(kind, 1.0, [&](const auto& joint) {

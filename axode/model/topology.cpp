@@ -13,7 +13,7 @@ constexpr std::size_t most_lanes = 16;  // of any SIMD register
 
 std::size_t size(int n) { return static_cast<std::size_t>(n); }
 
-/// Coordinates and velocities in the order of the bodies; a coupled joint has those of its leader.
+/// Numbers coordinates and velocities in the order of the bodies; a coupled joint has those of its leader.
 void number_coordinates(const std::vector<int>& leader, Topology& t) {
   t.iq.assign(size(t.n + 1), 0);
   t.iv.assign(size(t.n + 1), 0);
@@ -36,7 +36,7 @@ void number_coordinates(const std::vector<int>& leader, Topology& t) {
   }
 }
 
-/// Runs of bodies of one kind; coupled joints last.
+/// Groups bodies by the subgroup of their joint; coupled joints come last.
 void sort_by_kind(Topology& t) {
   t.by_kind.resize(size(t.n));
   std::iota(t.by_kind.begin(), t.by_kind.end(), 1);
@@ -65,8 +65,8 @@ void find_subtrees(Topology& t) {
       t.velocity_end.push_back(t.subtree_end[i] <= t.n ? t.iv[t.subtree_end[i]] : t.nv);
 }
 
-/// For each velocity later ones that it is tied to, enough of them for the elimination tree: all velocities on one
-/// path are tied to each other, for which it takes the next one only.
+/// Later velocities that each velocity is coupled to, as many as the elimination tree needs. All velocities
+/// on one path are coupled to each other; of these only the next one is listed.
 std::vector<std::vector<int>> later_neighbours(const Topology& t) {
   std::vector<std::vector<int>> later(size(t.nv));
   std::multiset<int> path;  // velocities from the ground to the body where the walk is
@@ -88,8 +88,8 @@ std::vector<std::vector<int>> later_neighbours(const Topology& t) {
   return later;
 }
 
-/// Liu's algorithm: the root of every subtree that velocity c reaches becomes its child; paths are shortened on the
-/// way.
+/// The algorithm of Liu: the root of every subtree that velocity c reaches becomes a child of c. Paths are
+/// shortened on the way.
 void find_velocity_parents(Topology& t) {
   const std::vector<std::vector<int>> later = later_neighbours(t);
   std::vector<int> root(size(t.nv), -1);
@@ -115,12 +115,13 @@ int meeting_point(const Topology& t, int i, int j) {
   return i;
 }
 
-/// A velocity that joints share, by its leader, and the body through which it comes to another one.
+/// A velocity that joints share, by its leader, and the body through which it reaches another body.
 struct Arrival {
   int leader, from;
 };
 
-/// What arrives at every body, by leader; the velocity of a body's own joint comes from the body itself.
+/// The shared velocities that reach every body, by leader; the velocity of a body's own joint comes from the
+/// body itself.
 std::vector<std::vector<Arrival>> arrivals(const std::vector<int>& leader, const std::vector<int>& meets,
                                            const Topology& t) {
   std::vector<std::vector<Arrival>> all(size(t.n + 1));
@@ -136,7 +137,7 @@ std::vector<std::vector<Arrival>> arrivals(const std::vector<int>& leader, const
   return all;
 }
 
-/// The ties of one body: its leaders, each once, and for each the smallest number of its group.
+/// The ties of one body: its leaders without repetition, and for each the smallest number of its group.
 struct Groups {
   std::vector<int> leaders, group;
 
