@@ -5,8 +5,8 @@
 #include "axode/eigen.hpp"
 #include "axode/kinematics.hpp"
 
-/// Results of functions of the state as Eigen's matrices and vectors, returned. Arguments, units, errors and costs are
-/// those of the functions that write into spans; each call allocates what it returns.
+/// Results of functions of a state, returned as Eigen matrices and vectors. Arguments, units, errors and
+/// costs are those of the functions that write into spans; each call allocates its result.
 namespace axode {
 
 template <class T> using Matrix6X = Eigen::Matrix<T, 6, Eigen::Dynamic>;
@@ -19,7 +19,7 @@ template <class Rep, class T> std::span<Twist<Rep, T>> twists_of(Matrix6X<T>& ma
   return {reinterpret_cast<Twist<Rep, T>*>(matrix.data()), static_cast<std::size_t>(matrix.cols())};
 }
 
-/// f(span) for the entries of a rows × cols matrix, row by row.
+/// Calls f(span) for the entries of a rows × cols matrix, row by row.
 template <class T, class F> Eigen::MatrixX<T> row_by_row(Eigen::Index rows, Eigen::Index cols, const F& f) {
   Eigen::Matrix<T, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> matrix(rows, cols);
   f(std::span<T>(matrix.data(), static_cast<std::size_t>(matrix.size())));
@@ -36,7 +36,7 @@ Matrix6X<T> jacobian(const Model& model, Workspace<T>& workspace, Numbers<T> q,
   jacobian<Rep>(model, workspace, q, place, detail::twists_of<Rep>(J));
   return J;
 }
-/// Those of several places, one below the other: 6 k × nv.
+/// The Jacobians of several places, one below the other: 6 k × nv.
 template <RecursionRepresentation Rep = BodyFixed, class T>
 Eigen::MatrixX<T> jacobians(const Model& model, Workspace<T>& workspace, Numbers<T> q,
                             std::type_identity_t<std::span<const Place<T>>> places) {
@@ -48,7 +48,7 @@ Eigen::MatrixX<T> jacobians(const Model& model, Workspace<T>& workspace, Numbers
     all.template middleRows<6>(6 * k) = side_by_side.middleCols(k * nv, nv);
   return all;
 }
-/// J of a place as an observer in `base` sees it, 6 × nv.
+/// The Jacobian of a place for an observer in `base`, 6 × nv.
 template <RecursionRepresentation Rep = BodyFixed, class T>
 Matrix6X<T> relative_jacobian(const Model& model, Workspace<T>& workspace, Numbers<T> q,
                               const std::type_identity_t<Place<T>>& place,
@@ -58,7 +58,7 @@ Matrix6X<T> relative_jacobian(const Model& model, Workspace<T>& workspace, Numbe
   return J;
 }
 
-/// tau, nv entries.
+/// The drive forces tau, nv entries.
 template <RecursionChoice Rep = Fast, class T>
 Eigen::VectorX<T> inverse_dynamics(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v,
                                    Numbers<T> a, const std::type_identity_t<Loads<T>>& loads = {}) {

@@ -25,10 +25,10 @@ using G = Arguments<T>;
 using Out = std::span<T>;
 
 constexpr bool fast = std::same_as<Rep, Fast>;
-/// A representation to name where a function is left out for Fast.
+/// The representation for functions that are left out for Fast.
 using R4 = std::conditional_t<fast, BodyFixed, Rep>;
 
-/// Numbers as the entries that they are.
+/// The entries of which numbers consist.
 template <class E> std::span<E> as(Out out) {
   static_assert(sizeof(E) % sizeof(T) == 0);
   return {reinterpret_cast<E*>(out.data()), out.size() / (sizeof(E) / sizeof(T))};
@@ -76,7 +76,7 @@ template <class E, std::size_t n> struct Several {
   }
 };
 
-/// What a row's entries are to a function, where those without a choice of representation are hybrid.
+/// The type of a row's entries. Without a choice of representation they are hybrid.
 template <Entry entry, class In> auto type_of() {
   if constexpr (entry == number) return std::type_identity<T>();
   if constexpr (entry == vector) return std::type_identity<Vec3<T>>();
@@ -87,8 +87,8 @@ template <Entry entry, class In> auto type_of() {
   if constexpr (entry == momentum) return std::type_identity<Momentum<In, T>>();
 }
 
-/// A function whose parameters are the model, the workspace, the numbers, frames, results and loads of its row, in this
-/// order; where the row has one entry, the function returns it.
+/// Makes the row of a function whose parameters are the model, the workspace, and the numbers, frames,
+/// results and loads of its row, in this order. If the row has one entry, the function returns it.
 template <Id id, class F> Function<T> in_order(const F&) {
   return row<id>([](auto& m, auto& w, auto& g, auto out) {
     constexpr const Words& words = id.words();
@@ -149,15 +149,14 @@ std::vector<Function<T>> make() {
       in_order<"centroidal_momentum_matrix">([](auto&&... x) { return centroidal_momentum_matrix(x...); }),
       in_order<"centroidal_momentum_matrix_rate">(
           [](auto&&... x) { return centroidal_momentum_matrix_rate(x...); }),
-      row<"inverse_dynamics">(
-          [](auto& m, auto& w, auto& g, auto out) {
-            inverse_dynamics<Rep>(m, w, g.q, g.v, g.a, out, g.loads);
-          },
-          [](auto& m, auto& w, auto& g, auto out) {
-            const T left = inverse_dynamics(m, w, g.q, g.v, g.a, out, {}, {}, g.loads);
-            if constexpr (std::same_as<T, double>)  // single precision does not tell it from rounding
-              check_driven(left, "make these accelerations");
-          }),
+      row<"inverse_dynamics">([](auto& m, auto& w, auto& g,
+                                 auto out) { inverse_dynamics<Rep>(m, w, g.q, g.v, g.a, out, g.loads); },
+                              [](auto& m, auto& w, auto& g, auto out) {
+                                const T left = inverse_dynamics(m, w, g.q, g.v, g.a, out, {}, {}, g.loads);
+                                // In single precision it cannot be distinguished from rounding.
+                                if constexpr (std::same_as<T, double>)
+                                  check_driven(left, "make these accelerations");
+                              }),
       row<"forward_dynamics">(
           [](auto& m, auto& w, auto& g, auto out) {
             return forward_dynamics<Rep>(m, w, g.q, g.v, g.tau, out, g.loads);
@@ -171,8 +170,8 @@ std::vector<Function<T>> make() {
           },
           [](auto& m, auto& w, auto& g, auto out) {
             const T left = joint_wrenches<R4>(m, w, g.q, g.v, g.a, as<Wrench<R4, T>>(out), {}, g.loads, g.at);
-            if constexpr (std::same_as<T, double>)  // single precision does not tell it from rounding
-              check_driven(left, "make these accelerations");
+            // In single precision it cannot be distinguished from rounding.
+            if constexpr (std::same_as<T, double>) check_driven(left, "make these accelerations");
           }),
       in_order<"mass_matrix">([](auto&&... x) { return mass_matrix<Rep>(x...); }),
       in_order<"inverse_mass_matrix">([](auto&&... x) { return inverse_mass_matrix<Rep>(x...); }),

@@ -9,7 +9,8 @@
 
 namespace axode {
 
-/// Numbers that lie one after the other: a std::span of whatever a span can be made of, and of a vector of Eigen.
+/// Numbers that lie one after the other: a std::span of everything that converts to a span, and of an Eigen
+/// vector.
 template <class T> class NumberSpan : public std::span<const T> {
  public:
   using std::span<const T>::span;

@@ -3,14 +3,14 @@
 
 #include "axode/kinematics/arguments.hpp"
 
-/// The centre of mass of all moving bodies, and the momentum about it. All throw std::domain_error for a massless
-/// model.
+/// The centre of mass of all moving bodies, and the momentum about it. All functions throw std::domain_error
+/// for a massless model.
 namespace axode {
 
-/// In the inertial frame, m; O(n).
+/// The centre of mass in the inertial frame, m; O(n).
 template <class T> Vec3<T> center_of_mass(const Model& model, Workspace<T>& workspace, Numbers<T> q);
 
-/// The Jacobian of the centre of mass, nv columns in the inertial frame, m per unit velocity; O(n).
+/// The Jacobian of the centre of mass: nv columns in the inertial frame, m per unit velocity; O(n).
 template <class T>
 void center_of_mass_jacobian(const Model& model, Workspace<T>& workspace, Numbers<T> q,
                              std::type_identity_t<std::span<Vec3<T>>> J);
@@ -26,7 +26,7 @@ template <class T>
 void centroidal_momentum_matrix_rate(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v,
                                      std::type_identity_t<std::span<Wrench<Hybrid, T>>> dA);
 
-/// What the functions about the centre of mass say of a model that has none.
+/// The error for a massless model, which has no centre of mass.
 inline std::domain_error no_mass(const Model& model) {
   return std::domain_error("model \"" + model.name() + "\" has no mass that moves, so no centre of mass");
 }

@@ -6,7 +6,7 @@
 #include "axode/kinematics/place.hpp"
 #include "axode/recursion/loads.hpp"
 
-/// The checks that the functions of this and the later floors make before they compute.
+/// Checks of arguments that the functions of this and the later folders make before they compute.
 namespace axode {
 
 template <class T> void check_state(const Model& model, const Workspace<T>& workspace, Numbers<T> q) {
@@ -25,7 +25,7 @@ void check_state(const Model& model, const Workspace<T>& workspace, Numbers<T> q
   check_size("a", a.size(), static_cast<std::size_t>(model.nv()), "nv");
 }
 
-/// Throws std::invalid_argument where a result shares memory with an argument that is still being read.
+/// Throws std::invalid_argument if a result shares memory with an argument that is still being read.
 template <class Out, class In>
 void check_separate(const char* result, std::span<Out> out, const char* argument, std::span<In> in) {
   const auto begin = [](const auto& x) { return reinterpret_cast<std::uintptr_t>(x.data()); };
@@ -40,7 +40,7 @@ template <class T> struct Result {
   std::span<T> x;
   int power;
 };
-/// Results that are written while others are read: each has its size and memory of its own.
+/// Checks results that are written while others are read: each needs its size and memory of its own.
 template <class T> void check_results(const Model& model, std::initializer_list<Result<T>> results) {
   static constexpr const char* meanings[] = {"1", "nv", "nv * nv", "nv * nv * nv"};
   for (const Result<T>* a = results.begin(); a != results.end(); ++a) {
@@ -65,7 +65,7 @@ inline void check_place(const Model& model, int frame) {
                                 "\" has frames 0 to " + std::to_string(model.n_frames() - 1));
 }
 
-/// The place by the number of its frame. Throws std::invalid_argument for a frame that there is not.
+/// The place by the number of its frame. Throws std::invalid_argument for a frame that does not exist.
 template <class T> Place<T> found(const Model& model, const Place<T>& place) {
   const int frame = place.name.empty() ? place.frame : model.frame_index(place.name);
   check_place(model, frame);

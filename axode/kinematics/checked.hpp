@@ -4,7 +4,7 @@
 #include "axode/kinematics/check_arguments.hpp"
 #include "axode/table/check_counts.hpp"
 
-/// Checks of what a function of the table is given, made from its row.
+/// Checks of the arguments of a function of the table, made from its row.
 namespace axode {
 namespace detail {
 
@@ -26,7 +26,7 @@ template <class T> struct Piece {
   bool overlaps(const Piece& other) const { return begin < other.end && other.begin < end; }
 };
 
-/// The inputs of a row that checked() is given: numbers, then loads. Settings are checked where they are looked up.
+/// The inputs of a row that checked() receives: numbers, then loads. Settings are checked when they are used.
 template <catalog::Id id>
 inline constexpr auto checked_inputs = [] {
   auto inputs = id.words().numbers();
@@ -34,7 +34,7 @@ inline constexpr auto checked_inputs = [] {
   return inputs;
 }();
 
-/// Checks piece k: an input, or a result with regard to the pieces before it.
+/// Checks piece k: an input, or a result together with the pieces before it.
 template <catalog::Id id, std::size_t k, class T>
 void check_piece(const Model& model, const Piece<T>* pieces, std::size_t n_loads) {
   constexpr const catalog::Words& row = id.words();
@@ -58,10 +58,10 @@ void check_piece(const Model& model, const Piece<T>* pieces, std::size_t n_loads
 
 }  // namespace detail
 
-/// The memory for one call of a function of the table, after all that the call is given has been compared with the function's row:
-/// the model, the workspace, then numbers and loads in the order of the row, then the results. Results may not share memory
-/// with each other, nor with the inputs where the row says so. Throws std::invalid_argument with the name, the value and
-/// the rule. It is inlined into every caller, which is quicker by some 20 ns.
+/// Returns the memory for one call of a function of the table, after it has compared all arguments with the
+/// row: the model, the workspace, then numbers and loads in the order of the row, then the results. Results
+/// may not share memory with each other, nor with the inputs if the row says so. Throws std::invalid_argument
+/// with the name, the value and the rule. It is inlined into every caller, which saves about 20 ns.
 template <catalog::Id id, class T, class... Given>
 [[gnu::always_inline]] inline Arena checked(const Model& model, Workspace<T>& workspace,
                                             const Given&... given) {

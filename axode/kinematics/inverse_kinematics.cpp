@@ -31,11 +31,11 @@ Eigen::Matrix<double, 6, 1> weighted(const PoseTarget& target, const Screw<>& X)
   return vector({target.angular_weight * X.w, target.linear_weight * X.v});
 }
 
-/// A configuration, how far it is from the targets, and the body-fixed Jacobians of the places there.
+/// A configuration, its distance from the targets, and the body-fixed Jacobians of the places.
 struct Iterate {
   std::vector<double> q;
   std::vector<Screw<>> X;  ///< log(C⁻¹ C_target) of each target
-  Vector e;                ///< the same with weights
+  Vector e;                ///< X with weights
   Matrix J;                ///< six rows for each target
   double residual = 0;     ///< ‖e‖
 
@@ -92,11 +92,11 @@ class Solver {
     return at_.residual <= options_.tolerance ? InverseKinematicsStatus::solved
                                               : InverseKinematicsStatus::iteration_limit;
   }
-  /// Where the last run ended.
+  /// The last iterate of the last run.
   const Iterate& end() const { return at_; }
 
-  /// From a solution, moves within the null space of the targets, (I - J⁺J)(posture ⊖ q), and back onto the
-  /// targets, as long as that comes nearer to the posture.
+  /// Moves from a solution within the null space of the targets, by (I - J⁺J)(posture ⊖ q), and back onto the
+  /// targets, while this comes nearer to the posture.
   void approach_posture(std::vector<double>& q, double& residual, int& iterations) {
     std::vector<double> q_try(q.size());
     double gain = 1, distance = way_to_posture(q).norm();
@@ -132,7 +132,7 @@ class Solver {
       const SE3<> C = each_body_fixed_column(
           tree_, at.q.data(), target.place,
           [&](int, int c, const Screw<>& column) { at.J.block<6, 1>(row, c) += vector(column); });
-      // Where the orientation is free, the error is the way between the origins.
+      // If the orientation is free, the error is the vector between the origins.
       const SE3<> goal = target.angular_weight > 0 ? target.pose : SE3<>{C.R, target.pose.r};
       at.X[t] = log(inverse(C) * goal);
       at.e.segment<6>(row) = weighted(target, at.X[t]);
@@ -152,8 +152,8 @@ class Solver {
       }
     }
   }
-  /// Joints at a limit that `push` would move beyond it stay there: takes them out of J, push and way.
-  /// Whether there was one.
+  /// Takes joints at a limit that `push` would move beyond it out of J, push and way, so that they stay.
+  /// Returns whether there was one.
   bool hold(Vector& push, Vector& way) {
     bool held = false;
     for (int i = 1; options_.limits && i <= tree_->n; ++i) {

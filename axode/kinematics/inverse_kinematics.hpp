@@ -9,9 +9,9 @@
 
 namespace axode {
 
-/// A pose that a place shall take. The error is the screw log(C⁻¹ C_target), its angular part (rad) and
-/// linear part (m) scaled by the weights. A weight of 0 leaves a part free; where it is the orientation, the
-/// error is the distance of the origins.
+/// A target pose of a place. The error is the screw log(C⁻¹ C_target), whose angular part (rad) and linear
+/// part (m) are scaled by the weights. A weight of 0 leaves a part free; with a free orientation the error is
+/// the distance of the origins.
 struct PoseTarget {
   Place<> place;
   SE3<> pose;
@@ -19,34 +19,37 @@ struct PoseTarget {
 };
 
 struct InverseKinematicsOptions {
-  double tolerance = 1e-9;  ///< on the norm of the weighted error
-  int iterations = 60;      ///< at most, from each start
-  int restarts = 40;        ///< from random configurations within the limits, after the first start
-  std::uint64_t seed = 1;   ///< of the restarts
-  bool limits = true;       ///< keep joints within their position limits
-  std::span<const double> posture = {};  ///< a configuration to stay near in the null space of the targets
-  std::function<bool()> monitor = {};    ///< asked before each start; false ends the search
+  double tolerance = 1e-9;  ///< tolerance of the norm of the weighted error
+  int iterations = 60;      ///< largest number of iterations from each start
+  int restarts = 40;        ///< largest number of restarts from random configurations within the limits
+  std::uint64_t seed = 1;   ///< seed of the restarts
+  bool limits = true;       ///< whether joints are kept within their position limits
+  /// Configuration that the joints approach in the null space of the targets.
+  std::span<const double> posture = {};
+  std::function<bool()> monitor = {};  ///< called before each start; if it returns false, the search ends
 };
 
 enum class InverseKinematicsStatus {
-  solved,   ///< the error is within the tolerance
-  stalled,  ///< every start ended in a configuration that no small step improves: out of reach, most likely
+  solved,  ///< the error is within the tolerance
+  /// Every start ended in a configuration that no small step improves; the targets are probably out of reach.
+  stalled,
   iteration_limit,  ///< some start still improved when its iterations were used up, or the monitor ended the search
 };
 std::string_view to_string(InverseKinematicsStatus status);
 
 struct InverseKinematicsResult {
   InverseKinematicsStatus status{};
-  std::vector<double> q;  ///< the best configuration met
-  double residual = 0;    ///< norm of the weighted error there
-  int iterations = 0;     ///< over all starts
+  std::vector<double> q;  ///< best configuration that was found
+  double residual = 0;    ///< norm of the weighted error at q
+  int iterations = 0;     ///< number of iterations over all starts
   int restarts = 0;
 };
 
-/// The configuration in which places take given poses, by Levenberg and Marquardt's damped least squares on
-/// SE(3) with the exact derivative -dexp⁻¹ J^b of the error. Starts at q0; joints at a limit that they would
-/// cross are held there. With a posture the joints move towards it as far as the targets leave them free.
-/// Allocates. Throws std::invalid_argument for wrong sizes, unknown frames, and numbers that make no sense.
+/// The configuration in which places have given poses, by the damped least squares of Levenberg and Marquardt
+/// on SE(3) with the exact derivative -dexp⁻¹ J^b of the error. The search starts at q0; joints at a limit
+/// that they would cross are held there. With a posture the joints move towards it as far as the targets
+/// leave them free. Allocates. Throws std::invalid_argument for wrong sizes, unknown frames, and numbers out
+/// of range.
 [[nodiscard]] InverseKinematicsResult inverse_kinematics(const Model& model,
                                                          std::span<const PoseTarget> targets,
                                                          std::span<const double> q0,

@@ -14,8 +14,8 @@ void jacobian(const Model& model, Workspace<T>& workspace, Numbers<T> q,
   checked<"jacobian">(model, workspace, q, J);
   const Place<T> place = found(model, given);
   for (Twist<Rep, T>& column : J) column = {};
-  // The pose of the place is known at the end of the walk, so the columns wait for it in body-fixed
-  // representation.
+  // The pose of the place is known only at the end of the walk, so that the columns are kept in body-fixed
+  // representation until then.
   const SE3<T> C =
       each_body_fixed_column(model.tree<T>(), q.data(), place, [&](int, int c, const Screw<T>& X) {
         J[c].w += X.w;
@@ -91,9 +91,9 @@ void relative_jacobian(const Model& model, Workspace<T>& workspace, Numbers<T> q
   const Place<T> base = found(model, given_base);
   const Tree<T>& tree = model.tree<T>();
   for (Twist<Rep, T>& column : J) column = {};
-  // What moves both moves neither against the other.
+  // Joints that move both places equally do not contribute.
   const int common = common_predecessor(tree, tree->frame_body[base.frame], tree->frame_body[place.frame]);
-  // The observer's own screws first: seen from the place they enter with the opposite sign.
+  // The screws of the observer come first. They contribute with the opposite sign.
   const auto subtract = [&](int, int c, const Screw<T>& X) {
     J[c].w -= X.w;
     J[c].v -= X.v;

@@ -9,7 +9,7 @@
 namespace axode {
 namespace {
 
-/// nv^(order + 1), or the largest number where that is beyond it.
+/// nv^(order + 1), or the largest number if it overflows.
 std::size_t tensor_size(std::size_t nv, int order) {
   constexpr std::size_t largest = std::numeric_limits<std::size_t>::max();
   std::size_t size = nv;

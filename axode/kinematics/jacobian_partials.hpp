@@ -8,23 +8,25 @@
 /// products. All derivatives are along the joints' left-trivialised directions, d/dε of J(q ⊕ ε e_k).
 namespace axode {
 
-/// Partials of a higher order than this are refused: their cost grows exponentially.
+/// The largest order of partials; their cost grows exponentially with the order.
 inline constexpr int largest_partial_order = 12;
 
-/// ∂^ν J / ∂q_αν ... ∂q_α1 of a place, as a dense tensor: nv^(ν + 1) columns, J[((αν nv + ...) nv + α1) nv +
-/// j] the column of velocity j. α1 is the inner derivative (taken first); the order matters only between
-/// directions of one spherical, planar or free joint. Body-fixed: eqs. der1, der2Jb, nthorderBody; spatial:
-/// eqs. Jsder, Jsder2, nthorder; hybrid and mixed: eq. Jhder with its cases k < j (errata 6 to 12) and the
-/// product rule for r and R. Cost O(m^(ν + 1)) screw products for m joint screws on the path. Allocates.
-/// Where that takes long, go_on() is asked now and then, and the call ends early, with an unfinished tensor, once it says no.
+/// The partial derivatives ∂^ν J / ∂q_αν ... ∂q_α1 of the Jacobian of a place, as a dense tensor: nv^(ν + 1)
+/// columns; J[((αν nv + ...) nv + α1) nv + j] is the column of velocity j. α1 is the inner derivative (taken
+/// first); the order matters only between directions of one spherical, planar or free joint. Body-fixed: eqs.
+/// der1, der2Jb, nthorderBody; spatial: eqs. Jsder, Jsder2, nthorder; hybrid and mixed: eq. Jhder with its
+/// cases k < j (errata 6 to 12) and the product rule for r and R. Cost O(m^(ν + 1)) screw products for m
+/// joint screws on the path. Allocates. During long calls go_on() is called now and then; if it returns
+/// false, the call ends early with an unfinished tensor.
 template <RecursionRepresentation Rep = BodyFixed, class T>
 void jacobian_partials(const Model& model, Workspace<T>& workspace, Numbers<T> q,
                        const std::type_identity_t<Place<T>>& place, int order,
                        std::type_identity_t<std::span<Twist<Rep, T>>> J,
                        const std::function<bool()>& go_on = {});
 
-/// The same tensor contracted with one direction for each derivative, D_uν ... D_u1 J: `directions` has
-/// `order` rows of nv numbers, u1 first. The tensor is never built: O(m 3^order) screw products. Allocates.
+/// The tensor of jacobian_partials() contracted with one direction for each derivative, D_uν ... D_u1 J:
+/// `directions` has `order` rows of nv numbers, u1 first. The tensor is never built: O(m 3^order) screw
+/// products. Allocates.
 template <RecursionRepresentation Rep = BodyFixed, class T>
 void jacobian_derivative_along(const Model& model, Workspace<T>& workspace, Numbers<T> q,
                                const std::type_identity_t<Place<T>>& place, int order, Numbers<T> directions,

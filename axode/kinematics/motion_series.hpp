@@ -5,8 +5,8 @@
 
 namespace axode {
 
-/// The motion of a tree as power series in time, to any order, in spatial representation, where one rule
-/// makes every order: J' = [V_i, J] for the joint screws of body i (eq. timeDerJs) and V_i = V_p + J v (eq.
+/// The motion of a tree as power series in time, to any order. In spatial representation one rule holds for
+/// every order: J' = [V_i, J] for the joint screws of body i (eq. timeDerJs) and V_i = V_p + J v (eq.
 /// Vsirec). With coefficients J(t) = Σ J_k t^k this reads
 ///   V_{i,k} = V_{p,k} + Σ_{l<=k} J_l v_{k-l}        (k + 1) J_{k+1} = Σ_{l<=k} [V_{i,l}, J_{k-l}].
 /// Every joint screw is one column, whatever the kind of joint. Cost O(n k²).
@@ -25,7 +25,7 @@ template <class T> class MotionSeries {
   /// Series to orders V: 0..order and J: 0..order + 1 from q and the rates v, v', v'', ... (order + 1 rows of
   /// nv).
   void run(const Tree<T>& tree, const T* q, const T* rates) noexcept { run<false>(tree, q, rates); }
-  /// The same about the origins of the roots at t = 0, in inertial axes.
+  /// The series of run() about the origins of the roots at t = 0, in inertial axes.
   void run_about_roots(const Tree<T>& tree, const T* q, const T* rates) noexcept {
     run<true>(tree, q, rates);
   }

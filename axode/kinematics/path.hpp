@@ -14,18 +14,18 @@ template <class T> SE3<T> joint_pose(const Tree<T>& tree, int i, const T* q) noe
   });
 }
 
-/// f(c, screw) for every joint screw of body i, seen from where its joint frame has pose C. A coupled joint's
-/// screw is scaled by its ratio, so that it belongs to a unit velocity of its leader. c is the index of the
-/// velocity.
+/// Calls f(c, screw) for every joint screw of body i and the index c of its velocity; C is the pose of the
+/// joint frame in the axes of the result. The screw of a coupled joint is scaled by its ratio, so that it
+/// belongs to a unit velocity of its leader.
 template <class T, class F> void each_screw(const Tree<T>& tree, int i, const SE3<T>& C, F&& f) noexcept {
   with_joint(tree, i, [&](const auto& joint) {
     for (int k = 0; k < joint.nv; ++k) f(tree->iv[i] + k, tree.ratio[i] * joint.column(C, k));
   });
 }
 
-/// Walks from a place to the root, or to body `until`: f(i, c, X) with the body-fixed Jacobian's column X =
-/// J_{f,c}^b of joint i for velocity c (eq. JbX). Returns the pose of the place in the inertial frame, or in
-/// the internal frame of that body. O(path length).
+/// Walks from a place to the root, or to body `until`, and calls f(i, c, X) with the column X = J_{f,c}^b of
+/// joint i in the body-fixed Jacobian for velocity c (eq. JbX). Returns the pose of the place in the inertial
+/// frame, or in the internal frame of body `until`. O(path length).
 template <class T, class F>
 SE3<T> each_body_fixed_column(const Tree<T>& tree, const T* q, const Place<T>& place, F&& f,
                               int until = 0) noexcept {
@@ -57,7 +57,7 @@ SE3<T> each_body_fixed_column(const Tree<T>& tree, const T* q, const Place<T>& p
   return E;
 }
 
-/// The last body on the paths to both of two bodies; the ground where there is no other.
+/// The last body that is on the paths to both of two bodies; the ground if there is no other.
 template <class T> int common_predecessor(const Tree<T>& tree, int i, int j) noexcept {
   while (i != j) {
     int& later = i > j ? i : j;

@@ -6,12 +6,12 @@
 
 namespace axode {
 
-/// A place on a mechanism: a frame of the model, by number or by name, or a point or pose given in that frame. A name is
-/// looked for at every call, and has to live as long as the place.
+/// A place on a mechanism: a frame of the model, by number or by name, or a point or pose in that frame. A
+/// name is looked up at every call and must live as long as the place.
 template <class T = double> struct Place {
   int frame = 0;
   SE3<T> offset;
-  std::string_view name = {};  ///< of the frame, in place of its number
+  std::string_view name = {};  ///< name of the frame, instead of its number
 
   constexpr Place(int f) : frame(f) {}  // NOLINT(google-explicit-constructor): a frame is a place
   constexpr Place(int f, const Vec3<T>& point) : frame(f), offset{{}, point} {}

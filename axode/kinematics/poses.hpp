@@ -8,7 +8,7 @@ namespace axode {
 template <class T>
 void poses(const Model& model, Workspace<T>& workspace, Numbers<T> q,
            std::type_identity_t<std::span<SE3<T>>> C);
-/// Those of some places only, in their order.
+/// Poses of the given places, one entry for each, in their order.
 template <class T>
 void poses(const Model& model, Workspace<T>& workspace, Numbers<T> q,
            std::type_identity_t<std::span<const Place<T>>> places, std::type_identity_t<std::span<SE3<T>>> C);

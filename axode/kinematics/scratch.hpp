@@ -2,10 +2,10 @@
 #include "axode/fast/packed_store.hpp"
 #include "axode/recursion/forward_kinematics.hpp"
 
-/// What the functions of this floor take of a workspace, besides the recursions themselves.
+/// Scratch memory of the functions in this folder, in addition to that of the recursions.
 namespace axode {
 
-/// Poses of all bodies, and of what is fixed to them.
+/// Poses of all bodies, and of frames that are fixed to them.
 template <class T> struct FramePoses {
   using G = typename FastGeometry<T>::type;
   FastPoses<T> poses;
@@ -17,7 +17,7 @@ template <class T> struct FramePoses {
     body[0] = {typename G::Matrix(SO3<T>{}), typename G::Vector{}};
     poses.run(tree, q, [&](int i, const Placed<G>& at) { body[i] = at; });
   }
-  /// C_i F, of what has pose F in the internal frame of body i.
+  /// C_i F, the pose of a frame that has pose F in the internal frame of body i.
   Placed<G> operator()(int i, const SE3<T>& F) const noexcept {
     using Spread = typename G::Spread;
     const Placed<G>& C = body[i];
@@ -25,7 +25,7 @@ template <class T> struct FramePoses {
   }
 };
 
-/// Bodies and what is behind them, about the centre of mass of the whole.
+/// Bodies and their subtrees, about the centre of mass of the whole system.
 template <class T> struct SubtreeInertias {
   BodyPoses<T> C;
   Inertia<T>*M, *dM;

@@ -63,11 +63,12 @@ template <class T> Screw<T> spatial_partial(const ScrewPath<T>& path, int a, std
   return X;
 }
 
-/// The partial derivatives of all screws of a path by all multi-indices alpha of one order, computed from the lower orders. With the
-/// spatial screw J^s = (w; v) and the position r of the place, the hybrid screw is J^h = (w; v + w × r). By the product rule
+/// The partial derivatives of all screws of a path by all multi-indices alpha of one order, computed from the
+/// lower orders. With the spatial screw J^s = (w; v) and the position r of the place, the hybrid screw is J^h
+/// = (w; v + w × r). By the product rule
 ///   ∂_α v^h = ∂_α v + Σ_{A ⊆ α} ∂_A w × ∂_{α∖A} r,    ∂_α r = ∂_{α2 ... αν} v^h of the screw α1.
-/// A table keeps ∂_A w and ∂_A r of every lower order, so that each term of the sum is one cross product. The numbers of the table
-/// are about 2/m of those of the result for m screws; body-fixed and spatial derivatives need no table.
+/// A table keeps ∂_A w and ∂_A r of every lower order, so that each term of the sum is one cross product. It
+/// has about 2/m of the numbers of the result for m screws; body-fixed and spatial derivatives need no table.
 template <class Rep, class T> class ScrewPartials {
  public:
   ScrewPartials(const ScrewPath<T>& path, int order, const std::function<bool()>& go_on)
@@ -85,7 +86,7 @@ template <class Rep, class T> class ScrewPartials {
     }
   }
 
-  /// f(alpha) for every multi-index of an order, alpha[0] changing first, as long as go_on() says so.
+  /// Calls f(alpha) for every multi-index of an order, alpha[0] changing first, while go_on() returns true.
   template <class F> void each_multi_index(int order, const F& f) const {
     std::vector<int> alpha(static_cast<std::size_t>(order), 0);
     for (bool more = true; more;) {
@@ -99,7 +100,8 @@ template <class Rep, class T> class ScrewPartials {
       }
     }
   }
-  /// f(a, X) with the derivative X of every screw a along alpha, alpha[0] first, whose order is that of the constructor.
+  /// Calls f(a, X) with the derivative X of every screw a along alpha, alpha[0] first; its order is that of
+  /// the constructor.
   template <class F> void along(const std::vector<int>& alpha, const F& f) const {
     if constexpr (std::same_as<Rep, BodyFixed>)
       for (int a = 0; a < count(); ++a) f(a, body_fixed_partial(path_, a, alpha));
@@ -118,7 +120,8 @@ template <class Rep, class T> class ScrewPartials {
   template <class F> void hybrid(const std::vector<int>& alpha, const F& f) const {
     const auto m = static_cast<std::size_t>(count());
     const unsigned all = (1U << alpha.size()) - 1;
-    // Where ∂_A of the table is for the members A of alpha whose bits are set: alpha[0] is the lowest digit of a number of base m.
+    // `at` has the index in the table of ∂_A for the members A of alpha whose bits are set; alpha[0] is the
+    // lowest digit of a number of base m.
     std::vector<std::size_t> at(all + 1, 0);
     for (unsigned A = 1; A <= all; ++A)
       at[A] = static_cast<std::size_t>(alpha[static_cast<std::size_t>(std::countr_zero(A))]) +
@@ -139,7 +142,7 @@ template <class Rep, class T> class ScrewPartials {
   std::vector<std::vector<Vec3<T>>> w_;  ///< ∂_A w of screw a, by the order of A, at (number of A) m + a
   std::vector<std::vector<Vec3<T>>> r_;  ///< ∂_A r, by the order of A, at the number of A
   const std::function<bool()>& go_on_;
-  mutable bool stopped_ = false;  ///< by go_on_; the table is then unfinished
+  mutable bool stopped_ = false;  ///< whether go_on_() has returned false; the table is then unfinished
 };
 
 /// Directional derivatives along several directions at once. For a set S of directions X^S means D_S X, the
@@ -193,7 +196,8 @@ template <class T> class DirectionalDerivatives {
     return v;
   }
 
-  /// The screws begin..end - 1 of one joint; W_ is that of its predecessor before and of its body after.
+  /// Differentiates the screws begin to end - 1 of one joint. W_ belongs to its predecessor before and to its
+  /// body after.
   void body(int begin, int end, const T* directions, int nv) {
     for (int c = begin; c < end; ++c) J_[c * sets_] = path_.screws[c].spatial;
     for (unsigned S = 0; S < sets_; ++S) {

@@ -17,8 +17,8 @@ using SystemMatrix = Eigen::SparseMatrix<double>;
 struct SystemMatrices {
   SystemMatrix A, D, X;
 };
-/// In representation Rep. A^b has blocks Ad_{C_ij}, A^h has Ad_{r_ij}; spatial D has identities, and X the
-/// instantaneous screws J_i^s, so that A is the lower block-triangular identity L.
+/// The system matrices in representation Rep. A^b has blocks Ad_{C_ij}, A^h has Ad_{r_ij}; spatial D has
+/// identities, and X the instantaneous screws J_i^s, so that A is the lower block-triangular identity L.
 template <RecursionRepresentation Rep = BodyFixed>
 SystemMatrices system_matrices(const Model& model, std::span<const double> q);
 
@@ -29,8 +29,8 @@ struct SpatialFactors {
 };
 SpatialFactors spatial_factors(const Model& model, std::span<const double> q);
 
-/// a^b(v) = diag(ad_{X_i v_i}), 6n × 6n (eq. ab): J^b' = -A^b a^b D^b J^b. Where every joint has one degree
-/// of freedom, a^b X^b = 0 and this is -A^b a^b J^b (eq. u:Jb_dot matrix).
+/// a^b(v) = diag(ad_{X_i v_i}), 6n × 6n (eq. ab): J^b' = -A^b a^b D^b J^b. If every joint has one degree of
+/// freedom, a^b X^b = 0 and this is -A^b a^b J^b (eq. u:Jb_dot matrix).
 SystemMatrix a_matrix(const Model& model, std::span<const double> v);
 /// b(V) = diag(ad_{V_1}, ..., ad_{V_n}) of stacked body-fixed or spatial twists (eqs. bb, bs).
 SystemMatrix b_matrix(const Model& model, const Eigen::VectorXd& V);
@@ -44,7 +44,7 @@ Eigen::VectorXd system_acceleration(const Model& model, std::span<const double> 
                                     std::span<const double> a);
 
 /// The velocities v that belong to given twists of all bodies, (XᵀX)⁻¹ Xᵀ (I - D) V: the overall inverse
-/// kinematics. The least-squares solution where no v makes V.
+/// kinematics. If no v gives V, the result is the least-squares solution.
 template <RecursionRepresentation Rep = BodyFixed>
 Eigen::VectorXd joint_velocities(const Model& model, std::span<const double> q, const Eigen::VectorXd& V);
 /// The accelerations that belong to given twists and twist rates of all bodies, (XᵀX)⁻¹ Xᵀ ((I - D) V' -

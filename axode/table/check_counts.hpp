@@ -6,18 +6,19 @@
 
 namespace axode::catalog {
 
-/// What a row counts, in a line for its documentation.
+/// The properties that a row counts, in a line for its documentation.
 std::string to_string(const Counts& counts);
 
-/// Who calls a function, and therefore what a refusal names.
+/// The kinds of callers of a function, which decide what a refusal names.
 enum class Way {
   workspace,  ///< C++ with a Workspace, which knows the tree alone
-  whole,      ///< whoever counts all that the row counts: C++ with a LoopWorkspace, Python, the command
-  tape        ///< a recording, of which generated and specialised code are made; it knows trees alone
+  /// A caller that counts all properties that the row counts: C++ with a LoopWorkspace, Python, the command.
+  whole,
+  tape  ///< a recording, of which generated and specialised code are made; it knows trees alone
 };
 
-/// Throws std::invalid_argument where a function, called in this way, would answer for another mechanism than the model: one
-/// sentence that says what to call instead.
+/// Throws std::invalid_argument if the function, called in this way, would give the answer of another
+/// mechanism than the model. The message says what to call instead.
 void check_counts(std::string_view function, const Counts& counts, const Model& model, Way way);
 inline void check_counts(const Words& row, const Model& model, Way way) {
   check_counts(row.name, row.counts, model, way);
@@ -27,7 +28,8 @@ template <OtherId id> void check_counts(const Model& model) {
   check_counts(other.name, other.counts, model, Way::whole);
 }
 
-/// The same for a call with a workspace, which costs a comparison. One that was made for the cut tree lets everything through.
+/// check_counts() for a call with a workspace, which costs a comparison. A workspace for the cut tree is
+/// always accepted.
 template <Id row, class T> void check_counts(const Model& model, const Workspace<T>& workspace) {
   if constexpr (row.words().counts.loops.word != Word::of_the_tree)
     if (!model.loops().empty() && !workspace.is_for_cut_tree()) [[unlikely]]
@@ -48,15 +50,15 @@ inline std::size_t value_of(Extent extent, const Model& model, std::size_t n_loa
   }
   return 6;
 }
-/// The numbers of one result.
+/// The number of numbers in one result.
 inline std::size_t numbers_of(const Words& row, const Model& model, std::size_t n_loads) {
   std::size_t n = static_cast<std::size_t>(numbers_of(row.entry));
   for (const Extent extent : row.shape) n *= value_of(extent, model, n_loads);
   return n;
 }
 
-/// What is thrown about a call, as std::invalid_argument, where checked() finds an input of `size` numbers, a result of `size`
-/// entries of `width` numbers, or one that shares memory.
+/// Throw std::invalid_argument if checked() finds an input of `size` numbers, a result of `size` entries of
+/// `width` numbers, or one that shares memory.
 [[noreturn]] void refuse_input(Input input, std::size_t size, const Model& model);
 [[noreturn]] void refuse_result(const Words& row, std::size_t result, std::size_t size, std::size_t width,
                                 const Model& model, std::size_t n_loads);

@@ -4,8 +4,9 @@
 
 #include "axode/table/words.hpp"
 
-/// The table of functions of a state: one row for each, from which C++, the command, Python and the laws read what it
-/// takes, gives and costs, and what it counts of a mechanism. The kernels stand in axode/catalog/functions.cpp.
+/// The table of functions of a state. From its rows C++, the command, Python and the tests read the
+/// arguments, results and costs of each function, and what it counts of a mechanism. The kernels are called
+/// in axode/catalog/functions.cpp.
 namespace axode::catalog {
 namespace table {
 
@@ -20,8 +21,8 @@ inline constexpr std::string_view screws = "rad/s, m/s", rates = "rad/s^2, m/s^2
                                   impulses = "N m s, N s", forces = "N m for angles, N for lengths",
                                   inertias = "kg m^2, kg m, kg";
 
-/// What families of rows count. Springs, dampers and stops act in simulations alone, as damping and friction do where a caller
-/// turns them on.
+/// The properties that families of rows count. Springs, dampers and stops act in simulations only; damping
+/// and friction act as well if a caller enables them.
 inline constexpr std::string_view add_springs = "spring_forces(q, v) are to be added to tau",
                                   subtract_springs = "spring_forces(q, v) are to be subtracted from tau";
 inline constexpr Counts of_motion{.loops = of_the_tree(),
@@ -436,7 +437,7 @@ inline constexpr auto functions_of_state = [] {
   });
 }();
 
-/// The number of a row, which the compiler finds from its name: a name that no row has does not compile.
+/// The number of a row, which the compiler finds by its name; an unknown name does not compile.
 struct Id {
   std::size_t index = 0;
   consteval Id(
@@ -444,7 +445,7 @@ struct Id {
     while (index < functions_of_state.size() && functions_of_state[index].name != name) ++index;
     if (index == functions_of_state.size()) throw "no row has this name";
   }
-  /// The row of a name that is known at run time; none where there is no such row.
+  /// The row of a name that is known at run time; empty if there is no such row.
   static constexpr std::optional<Id> of(std::string_view name) {
     Id found("poses");
     for (found.index = 0; found.index < functions_of_state.size(); ++found.index)
@@ -455,7 +456,7 @@ struct Id {
   constexpr bool operator==(const Id&) const = default;
 };
 
-/// f<id>() for every row, in the order of the table, as the compiler reads it.
+/// Calls f<id>() for every row, in the order of the table, at compile time.
 template <class F> constexpr void each_row(const F& f) {
   constexpr auto number = []<std::size_t index> {
     Id id("poses");

@@ -3,8 +3,8 @@
 
 namespace axode::catalog {
 
-/// Functions of a mechanism that fit no row: they take motions of any order, or targets, or give more than numbers. Only what they
-/// count is said here.
+/// Functions of a mechanism that are no rows of the table: they take motions of any order, or targets, or
+/// return more than numbers. Only the properties that they count are listed here.
 struct Other {
   std::string_view name;
   Counts counts;
@@ -31,7 +31,7 @@ inline constexpr auto other_functions = std::to_array<Other>({
       .joint_losses = counted}},
 });
 
-/// The number of one, which the compiler finds from its name.
+/// The number of such a function, which the compiler finds by its name.
 struct OtherId {
   std::size_t index = 0;
   consteval OtherId(

@@ -5,10 +5,11 @@
 #include <string_view>
 #include <utility>
 
-/// The words in which a row of the table of functions is written. Nothing here knows a kernel, a scalar or a representation.
+/// The types in which a row of the table of functions is written. They do not depend on kernels, scalars or
+/// representations.
 namespace axode::catalog {
 
-/// A value that every row states. It has no default, so that a row which leaves it out does not compile.
+/// A value that every row must state. It has no default, so that a row without it does not compile.
 template <class E> struct Decided {
   E value;
   constexpr Decided(E of) : value(of) {}  // NOLINT(google-explicit-constructor): a row writes the value
@@ -17,7 +18,7 @@ template <class E> struct Decided {
   }  // NOLINT(google-explicit-constructor): and a reader reads it
 };
 
-/// A short list that may stand in a constant.
+/// A short list for constants.
 template <class E, std::size_t most> class List {
  public:
   constexpr List() = default;
@@ -39,7 +40,7 @@ template <class E, std::size_t most> class List {
 
 /// The arguments of functions of a state.
 enum class Input { q, v, a, tau, p, dq, dv, da, dtau, weights, loads, place, base, form, at };
-/// Those that are numbers for each coordinate or velocity of a state. The others are settings.
+/// The inputs that are numbers for each coordinate or velocity of a state. The others are settings.
 inline constexpr std::array inputs_of_numbers{Input::q,  Input::v,  Input::a,  Input::tau,  Input::p,
                                               Input::dq, Input::dv, Input::da, Input::dtau, Input::weights};
 constexpr bool is_of_numbers(Input input) {
@@ -47,7 +48,8 @@ constexpr bool is_of_numbers(Input input) {
 }
 std::string_view to_string(Input input);
 
-/// What an entry of a result is, and so how many numbers it has. Six-vectors have their angular part first.
+/// The kind of an entry of a result, which decides how many numbers it has. Six-vectors have their angular
+/// part first.
 enum class Entry {
   number,    ///< 1
   vector,    ///< 3, in inertial axes
@@ -68,27 +70,27 @@ constexpr int numbers_of(Entry entry) {
   }
 }
 
-/// Over what the entries of a result run.
+/// The axes over which the entries of a result run.
 enum class Extent { nv, n_bodies, n_joints, n_frames, n_screws, n_parameters, n_loads, six };
 std::string_view to_string(Extent extent);
 
-/// Which representation a caller chooses.
+/// The representation that a caller chooses.
 enum class Choice {
   none,            ///< there is nothing to choose
-  representation,  ///< that of the result
-  recursion,       ///< that in which the recursion runs, or the quickest; the result does not depend on it
+  representation,  ///< representation of the result
+  recursion,       ///< representation in which the recursion runs, or Fast; the result does not depend on it
 };
 
-/// How the work grows with the number of velocities; it counts the memory for the result.
+/// How the work, memory for the result included, grows with the number of velocities.
 enum class Cost { linear, quadratic, cubic };
 
-/// Where the results of a call may lie.
+/// The memory in which the results of a call may lie.
 enum class Memory {
   may_share,  ///< in the memory of arguments, too
-  own,        ///< apart from all arguments, which are read while results are written
+  own,        ///< memory of their own: arguments are read while results are written
 };
 
-/// What a function makes of one property of mechanisms.
+/// How a function treats a property of mechanisms.
 enum class Word {
   counted,      ///< the answer is that of the whole mechanism
   of_the_tree,  ///< the quantity is by definition one of the mechanism without the property
@@ -96,7 +98,7 @@ enum class Word {
   refused,      ///< the call throws
 };
 
-/// A word, with a sentence that says what to call instead, where the call throws, or besides.
+/// The treatment of a property, with a sentence that says what to call instead or in addition.
 struct Count {
   Word word;
   std::string_view sentence;
@@ -108,8 +110,8 @@ inline constexpr Count counted{Word::counted}, optional{Word::optional};
 consteval Count of_the_tree(std::string_view besides = {}) { return {Word::of_the_tree, besides}; }
 consteval Count refused(std::string_view instead) { return {Word::refused, instead}; }
 
-/// What a function counts of a mechanism. A new property of mechanisms is a member here; then every row that has not decided
-/// stops the compiler.
+/// The treatment of every property of mechanisms by a function. A new property is a member here; a row that
+/// does not state its treatment does not compile.
 struct Counts {
   Count loops, passive_joints, springs, joint_losses;
 };
@@ -120,32 +122,35 @@ inline constexpr std::array properties{std::pair{std::string_view("loops"), &Cou
                                        std::pair{std::string_view("joint losses"), &Counts::joint_losses}};
 static_assert(sizeof(Counts) == properties.size() * sizeof(Count));
 
-/// What is said of a function in one row.
+/// The description of a function in one row.
 struct Words {
-  std::string_view name;     ///< in C++, in Python and in the command
-  std::string_view purpose;  ///< what it gives: a phrase that can be read alone
-  /// The units of its numbers. A list names those of numbers of 0, 1, ... lengths, counted over the velocities of the joints and
-  /// the angular and linear parts of a six-vector: "N m, N". "of x" stands for the units of x, "per" for a quotient by those
-  /// of a direction, a velocity, a parameter or a displacement, along the last axes; a semicolon parts several results.
+  std::string_view name;     ///< name in C++, in Python and in the command
+  std::string_view purpose;  ///< purpose: a phrase that can be read alone
+  /// The units of the numbers. A list names those of numbers of 0, 1, ... lengths, counted over the
+  /// velocities of the joints and the angular and linear parts of a six-vector: "N m, N". "of x" stands for
+  /// the units of x, "per" for a quotient by the units of a direction, a velocity, a parameter or a
+  /// displacement, along the last axes; a semicolon separates several results.
   std::string_view units;
   List<Input, 8> takes;
   Decided<Choice> choice;
   Decided<Entry> entry;
-  List<Extent, 3> shape;              ///< outermost first
-  Decided<bool> columns;              ///< whether the entries of the last axis are columns to a reader
-  List<std::string_view, 4> symbols;  ///< of the result, or of several of that shape, one after the other
+  List<Extent, 3> shape;  ///< axes of the result, outermost first
+  Decided<bool> columns;  ///< whether the entries of the last axis are columns to a reader
+  /// Symbols of the result, or of several results of that shape, one after the other.
+  List<std::string_view, 4> symbols;
   std::string_view
       together;  ///< the name of all results, one behind the other, where rows run in lanes or on tapes
   Decided<Cost> cost;
   Decided<bool> allocates;
   Decided<Memory> memory;
-  Decided<bool> may_fail;  ///< where the mass matrix is singular, or results overflow on the way to M⁻¹
-  std::string_view derivative_of;  ///< the row whose results it differentiates, if any
+  /// Whether the call fails if the mass matrix is singular or results overflow on the way to M⁻¹.
+  Decided<bool> may_fail;
+  std::string_view derivative_of;  ///< row whose results it differentiates, if any
   Decided<bool> lanes;             ///< whether states go through SIMD lanes, see axode/batch.hpp
-  Decided<bool> tape;              ///< whether it is recorded, for generated and specialised code
+  Decided<bool> tape;              ///< whether it is recorded for generated and specialised code
   Counts counts;
 
-  /// The numbers of a state that it takes.
+  /// The inputs of the row that are numbers of a state.
   constexpr List<Input, 8> numbers() const {
     List<Input, 8> all;
     for (const Input each : takes)
