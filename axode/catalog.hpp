@@ -13,8 +13,8 @@
 #include "axode/recursion/solvability.hpp"
 #include "axode/table/check_counts.hpp"
 
-/// The functions of a state as values: each has a row with its arguments, its result and how it is called. The
-/// command and the Python package are made from these rows, and the tests of laws run over them.
+/// The functions of a state as values: each has a row with its arguments, its result and how it is called.
+/// The command and the Python package are made from these rows, and the tests of laws run over them.
 namespace axode::catalog {
 
 /// All arguments that a function can have. A function reads only those of its row.
@@ -67,15 +67,15 @@ template <class T> struct Function : Words {
   std::size_t size(const Model& model, std::size_t n_loads) const;
 };
 
-/// All functions, in the order of the documentation. Functions with a representation give results in Rep or run
-/// the recursion in Rep; all others have the same row for every Rep. For Fast, functions without a fast recursion
-/// are left out.
+/// All functions, in the order of the documentation. Functions with a representation give results in Rep or
+/// run the recursion in Rep; all others have the same row for every Rep. For Fast, functions without a fast
+/// recursion are left out.
 template <RecursionChoice Rep, class T = double> std::span<const Function<T>> functions();
 /// The row of a function, or nullptr if no function has this name.
 template <RecursionChoice Rep, class T = double> const Function<T>* find(std::string_view name);
 
-/// The name of the function that has another name in other libraries (`crba` is `mass_matrix`) or had another name
-/// in earlier versions; empty if there is none.
+/// The name of a function that has another name in other libraries (`crba` is `mass_matrix`) or had another
+/// name in earlier versions; empty if there is none.
 std::string_view name_here(std::string_view theirs);
 
 }  // namespace axode::catalog

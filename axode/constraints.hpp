@@ -10,5 +10,5 @@
 #include "axode/constraints/loops.hpp"
 #include "axode/constraints/mobility.hpp"
 
-/// Closed loops: rows and residuals of loop joints, dynamics, assembly, mobility, small motions; equilibria, of trees
-/// as well.
+/// Closed loops: rows and residuals of loop joints, dynamics, assembly, mobility, small motions; equilibria,
+/// also of trees.

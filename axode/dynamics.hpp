@@ -18,5 +18,5 @@
 #include "axode/kinematics.hpp"
 
 /// Forces from motion, and motion from forces. Conventions as in axode/kinematics.hpp: T is the scalar of the
-/// workspace, Rep the representation in which the recursion runs; where results do not depend on it, Fast, the default,
-/// is the quickest way.
+/// workspace, Rep the representation in which the recursion runs. If results do not depend on Rep, it is Fast
+/// by default, which takes the least time.

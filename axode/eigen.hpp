@@ -15,7 +15,7 @@ namespace axode {
 template <class T> using Vector6 = Eigen::Matrix<T, 6, 1>;
 template <class T> using Matrix6 = Eigen::Matrix<T, 6, 6>;
 
-// ---------------------------------------------------------------------------------------------- skew matrices
+// ------------------------------------------------------------------------------------ skew matrices
 
 /// ã, the matrix of b -> a × b.
 template <class T> Eigen::Matrix3<T> skew(const Vec3<T>& a) {
@@ -29,7 +29,7 @@ template <class T> Eigen::Matrix4<T> hat(const Screw<T>& X) {
                            {T(0), T(0), T(0), T(0)}};
 }
 
-// --------------------------------------------------------------------------------------------------- to Eigen
+// ---------------------------------------------------------------------------------------- to Eigen
 
 template <class T> Eigen::Vector3<T> to_eigen(const Vec3<T>& a) { return {a.x, a.y, a.z}; }
 template <class T> Eigen::Matrix3<T> to_eigen(const Sym3<T>& A) {
@@ -63,7 +63,7 @@ template <class T> Matrix6<T> to_eigen(const Inertia<T>& M) {
   return matrix;
 }
 
-// ------------------------------------------------------------------------------------------------- from Eigen
+// -------------------------------------------------------------------------------------- from Eigen
 
 namespace detail {
 
@@ -152,7 +152,7 @@ template <class Derived> Screw<typename Derived::Scalar> from_hat(const Eigen::M
   return {{A(2, 1), A(0, 2), A(1, 0)}, {A(0, 3), A(1, 3), A(2, 3)}};
 }
 
-// ------------------------------------------------------------------------------------------------------ spans
+// -------------------------------------------------------------------------------------------- spans
 
 /// Eigen vectors whose entries lie one after the other in memory.
 template <class Derived>
@@ -170,8 +170,8 @@ std::span<typename Derived::Scalar> as_span(Eigen::MatrixBase<Derived>& vector) 
   return {vector.derived().data(), static_cast<std::size_t>(vector.size())};
 }
 /// The entries of an Eigen matrix in the order in which it stores them: column by column, unless its type
-/// says RowMajor: with a column for each state, as axode/batch.hpp takes many states. Results of this library that
-/// are matrices come row by row.
+/// says RowMajor. Matrices with a column for each state fit axode/batch.hpp; matrices that are results of
+/// this library are stored row by row.
 template <class Derived>
   requires(!Derived::IsVectorAtCompileTime)
 std::span<const typename Derived::Scalar> as_span(const Eigen::PlainObjectBase<Derived>& matrix) {
@@ -193,7 +193,7 @@ Eigen::Map<Eigen::VectorX<T>> as_eigen(std::span<T, Extent> entries) {
   return {entries.data(), static_cast<Eigen::Index>(entries.size())};
 }
 
-// ------------------------------------------------------------------------------------ orders of other libraries
+// ------------------------------------------------------------------------ orders of other libraries
 
 /// The rows of a 6×n matrix (a vector, a Jacobian) with its angular and its linear half exchanged; its own
 /// inverse.
@@ -226,7 +226,7 @@ Quaternion<typename Derived::Scalar> from_scalar_first(const Eigen::MatrixBase<D
   return {a[1], a[2], a[3], a[0]};
 }
 
-// ------------------------------------------------------------------------------------- matrices of linear maps
+// --------------------------------------------------------------------------- matrices of linear maps
 
 /// The 3×3 matrix of a linear map on vectors, from its action.
 template <class T = double, class Map> Eigen::Matrix3<T> matrix3(const Map& f) {

@@ -9,8 +9,9 @@
 #include "axode/kinematics/poses.hpp"
 #include "axode/kinematics/twists.hpp"
 
-/// Where every body is and how it moves. T is the scalar of the workspace, double or float; Rep is BodyFixed,
-/// Spatial, Hybrid or Mixed. q has nq, v and a have nv entries; results for frames have n_frames entries: the ground,
-/// the bodies in the model's order, the other frames, each in the frame that the user placed. What is O(n) allocates
-/// nothing. Throws std::invalid_argument for a wrong size or a quaternion off 1. A result may take the place of an
-/// argument where that can be right, and is refused otherwise.
+/// Poses and motions of bodies and frames. T is the scalar of the workspace, double or float; Rep is
+/// BodyFixed, Spatial, Hybrid or Mixed. q has nq, v and a have nv entries. Results for frames have n_frames
+/// entries: the ground, the bodies in the order of the model, and the other frames, each as the user placed
+/// it. O(n) functions allocate nothing. Throws std::invalid_argument for a wrong size or a quaternion that is
+/// not of unit norm. A result may share memory with an argument if the result stays correct; otherwise it is
+/// refused.

@@ -81,8 +81,8 @@ template <class G, class T> struct FastArticulatedBodies {
   void update_kinematics_and_bias(const Tree<S>& tree, const T* q, const T* v, Motion* motion) noexcept {
     update_kinematics_and_bias(tree, q, v, motion, [](int, const Matrix&, const Motion&, const Vector&) {});
   }
-  /// update_kinematics_and_bias() that moreover calls put(i, R, motion, u) for every body, where u is the velocity of its
-  /// origin minus that of the origin of its predecessor.
+  /// update_kinematics_and_bias() that moreover calls put(i, R, motion, u) for every body, where u is the
+  /// velocity of its origin minus that of the origin of its predecessor.
   template <class S, class Put>
   [[gnu::always_inline]] void update_kinematics_and_bias(const Tree<S>& tree, const T* q, const T* v,
                                                          Motion* motion, Put&& put) noexcept {
@@ -122,10 +122,11 @@ template <class G, class T> struct FastArticulatedBodies {
     }
   }
 
-  /// Eliminates all joints, from the leaves to the roots, after update_kinematics() or update_kinematics_and_bias().
+  /// Eliminates all joints, from the leaves to the roots, after one of the update_kinematics functions.
   template <class S> void factorize(const Tree<S>& tree) noexcept { sweep<false>(tree, nullptr); }
-  /// Eliminates all joints after update_kinematics_and_bias() and computes u of every joint from the forces τ minus the
-  /// bias forces. The bias wrenches of the bodies may be changed before, for example by applied wrenches.
+  /// Eliminates all joints after update_kinematics_and_bias() and computes u of every joint from the forces τ
+  /// minus the bias forces. The bias wrenches of the bodies may be changed before, for example by applied
+  /// wrenches.
   template <class S> void factorize(const Tree<S>& tree, const T* tau) noexcept { sweep<true>(tree, tau); }
 
   /// The forward sweep after factorize(tree, tau), from the roots to the leaves: the accelerations a of all

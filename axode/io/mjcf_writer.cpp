@@ -1,7 +1,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <map>
 #include <ostream>
 #include <sstream>
@@ -10,15 +9,16 @@
 #include <utility>
 
 #include "axode/io.hpp"
-#include "axode/io/writing.hpp"
+#include "axode/io/mjcf_terms.hpp"
 #include "axode/io/xml_text.hpp"
-#include "axode/lie/quaternion.hpp"
 #include "axode/model/placement.hpp"
 #include "axode/model/shape_kinds.hpp"
 
 namespace axode {
 namespace {
 
+using io::mjcf::attribute, io::mjcf::has_words_for, io::mjcf::inertial_element, io::mjcf::pose_text,
+    io::mjcf::unless_zero, io::mjcf::in_mjcf, io::mjcf::joint_unsaid, io::mjcf::said, io::mjcf::shapes_unsaid;
 using io::xml::text;
 
 /// The largest limit that is written. MuJoCo treats larger numbers as errors.
@@ -28,20 +28,7 @@ constexpr std::size_t most_joints = 6;
 constexpr std::size_t deepest_indent = 20;
 constexpr double realisability_tolerance = 1e-9;
 
-std::string attribute(const char* name, const std::string& value) {
-  return " " + std::string(name) + "=\"" + value + "\"";
-}
-std::string unless_zero(const char* name, double x) { return x == 0 ? "" : attribute(name, text(x)); }
 bool bounded(const Dof& dof) { return std::isfinite(dof.lower) || std::isfinite(dof.upper); }
-
-/// The attributes pos and quat of a pose. The position is left out if it is 0, and the rotation if it is the
-/// identity.
-std::string pose_text(const SE3<>& pose) {
-  const Quaternion<> a = quaternion(pose.R);
-  const bool turned = norm(Vec3<>{a.x, a.y, a.z}) > 0;
-  return (norm(pose.r) > 0 ? attribute("pos", text(pose.r)) : "") +
-         (turned ? attribute("quat", text(a.w) + " " + text(a.x) + " " + text(a.y) + " " + text(a.z)) : "");
-}
 
 /// A set of names. free() returns the given name if it is not taken, else with as many `_` as it needs to be
 /// new.
@@ -182,7 +169,7 @@ class MjcfWriter {
 
   void find_faults() {
     const std::vector<char> has_mass = with_mass();
-    shapes_unsaid(d_.shapes, "the ground", d_.source);
+    shapes_unsaid(d_.shapes, "the ground", d_.source, unsaid_);
     for (const int i : order_.order) {
       const BodyDescription& body = d_.bodies[i];
       const JointDescription& joint = body.joint;
@@ -200,8 +187,8 @@ class MjcfWriter {
           realisability(inertia_in({}, *body.inertia)) < -realisability_tolerance)
         unsaid_.refuse(its_body, "has an inertia that no density can produce; MuJoCo refuses it",
                        body.source);
-      joint_unsaid(joint, element, source);
-      shapes_unsaid(body.shapes, its_body, body.source);
+      joint_unsaid(joint, element, source, unsaid_);
+      shapes_unsaid(body.shapes, its_body, body.source, unsaid_);
     }
     if (has_passive_joints() &&
         std::ranges::none_of(d_.bodies, [&](const BodyDescription& body) { return has_drive(body.joint); }))
@@ -213,69 +200,6 @@ class MjcfWriter {
       if (!in_mjcf(d_.loops[k].kind))
         unsaid_.leave_out("loop \"" + loop_name(d_.loops[k], k) + '"',
                           "is " + std::string(to_string(d_.loops[k].kind)), d_.loops[k].source);
-  }
-
-  static bool in_mjcf(LoopKind kind) {
-    return kind == LoopKind::fixed || kind == LoopKind::spherical || kind == LoopKind::revolute;
-  }
-
-  /// The degrees of freedom of a joint as MJCF can express them. Hinges and slides have numbers of their own,
-  /// but the two slides of a planar joint share losses, armature and effort; a ball or free joint has one set
-  /// of numbers for all. Numbers that MJCF cannot express are 0 or infinite.
-  static std::vector<Dof> said(const JointDescription& joint) {
-    const bool ball = joint.kind == JointKind::spherical, planar = joint.kind == JointKind::planar;
-    std::vector<Dof> all = joint.dof;
-    all.resize(static_cast<std::size_t>(traits(joint.kind).dof));
-    const std::size_t first = planar ? 1 : 0;  // first of those that share numbers
-    const Dof like = all.empty() ? Dof{} : all[std::min(first, all.size() - 1)];
-    const bool alike = std::all_of(all.begin() + static_cast<std::ptrdiff_t>(std::min(first, all.size())),
-                                   all.end(), [&](const Dof& dof) {
-                                     return dof.damping == like.damping && dof.friction == like.friction &&
-                                            dof.armature == like.armature &&
-                                            (!ball || dof.stiffness == like.stiffness);
-                                   });
-    for (std::size_t k = 0; k < all.size(); ++k) {
-      Dof& dof = all[k];
-      dof.stop_stiffness = dof.stop_damping = 0;
-      dof.velocity = std::numeric_limits<double>::infinity();
-      if (!(dof.effort > 0) || (all.size() > 1 && !planar)) dof.effort = dof.velocity;
-      if (all.size() == 1) continue;
-      if (!planar) {
-        dof.lower = -dof.velocity;
-        dof.upper = dof.velocity;
-      }
-      if (!alike && k >= first) dof.damping = dof.friction = dof.armature = 0;
-      if (!ball || !alike) dof.stiffness = 0;
-      dof.rest = 0;
-    }
-    return all;
-  }
-
-  void joint_unsaid(const JointDescription& joint, const std::string& element, const Source& source) {
-    const std::vector<Dof> written = said(joint);
-    const auto check = [&](double Dof::*value, const std::string& what) {
-      for (std::size_t k = 0; k < joint.dof.size(); ++k)
-        if (joint.dof[k].*value != written[k].*value) return unsaid_.leave_out(element, what, source);
-    };
-    const std::string several = joint.dof.size() > 1 ? " in degrees of freedom that differ" : "";
-    check(&Dof::stop_stiffness, "has elastic stops");
-    check(&Dof::velocity, "has a largest velocity");
-    check(&Dof::effort, "has a largest force that is 0 or of several degrees of freedom");
-    check(&Dof::lower, "has a lower limit and several degrees of freedom");
-    check(&Dof::upper, "has an upper limit and several degrees of freedom");
-    check(&Dof::damping, "has damping" + several);
-    check(&Dof::friction, "has friction" + several);
-    check(&Dof::armature, "has armatures" + several);
-    check(&Dof::stiffness, joint.kind == JointKind::spherical
-                               ? "has springs" + several
-                               : "is " + std::string(to_string(joint.kind)) + " and has a spring");
-  }
-
-  void shapes_unsaid(const std::vector<ShapeDescription>& shapes, const std::string& owner,
-                     const Source& source) {
-    for (const ShapeDescription& shape : shapes)
-      if (!has_words_for(shape))
-        unsaid_.leave_out(owner, "has a mesh of " + shape.file + ", which MuJoCo does not open", source);
   }
 
   // ---------------------------------------------------------------- bodies
@@ -320,35 +244,9 @@ class MjcfWriter {
     out << indent << "<body" << attribute("name", text(body_names_.at(body.name))) << pose_text(at_[i].B)
         << ">\n";
     for (const Moves& it : inherited_[i]) write_joint(out, inner, d_.bodies[it.body].joint, it.frame);
-    if (body.inertia) write_inertial(out, inner, *body.inertia, at_[i].A);
+    if (body.inertia) out << inner << inertial_element(*body.inertia, at_[i].A);
     write_shapes(out, inner, body.shapes);
     write_sites(out, inner, body.name);
-  }
-
-  /// Writes an inertia about the centre of mass, in the axes of the body.
-  static void write_inertial(std::ostream& out, const std::string& indent, const MassProperties& given,
-                             const SE3<>& A) {
-    const MassProperties seen = expressed_in(given.in == GivenIn::body_frame ? SE3<>{} : A, given);
-    Sym3<> Theta = rotate(seen.axes, seen.Theta);
-    if (given.about == InertiaAbout::frame_origin && given.mass > 0)
-      Theta = inertia_about_com(Inertia<>{seen.mass, seen.mass * seen.com, Theta});
-    // MuJoCo refuses principal moments below 1e-14, and a principal moment that exceeds the sum of the other
-    // two by rounding.
-    const EigenvalueRange moments = eigenvalue_range(Theta);
-    const double least = 2e-14 + 1e-12 * moments.largest;
-    const double more =
-        std::max({0.0, least - moments.smallest, least - (trace(Theta) - 2 * moments.largest)});
-    Theta.xx += more;
-    Theta.yy += more;
-    Theta.zz += more;
-    out << indent << "<inertial" << attribute("pos", text(seen.com)) << attribute("mass", text(seen.mass));
-    if (Theta.xy == 0 && Theta.xz == 0 && Theta.yz == 0) {
-      out << attribute("diaginertia", text(Vec3<>{Theta.xx, Theta.yy, Theta.zz}));
-    } else {
-      out << attribute("fullinertia", text(Vec3<>{Theta.xx, Theta.yy, Theta.zz}) + " " +
-                                          text(Vec3<>{Theta.xy, Theta.xz, Theta.yz}));
-    }
-    out << "/>\n";
   }
 
   void write_joint(std::ostream& out, const std::string& indent, const JointDescription& joint,
@@ -409,18 +307,6 @@ class MjcfWriter {
                                                            : R"( group="3")")
           << "/>\n";
     }
-  }
-  static bool has_words_for(const ShapeDescription& shape) {
-    return shape.kind != ShapeKind::mesh || opens(shape.file);
-  }
-  /// Whether MuJoCo can open a mesh file: it must be a path, not a URL, and have an ending that MuJoCo knows.
-  static bool opens(const std::string& file) {
-    if (file.find("://") != std::string::npos) return false;
-    const std::size_t dot = file.rfind('.');
-    std::string ending = dot == std::string::npos ? "" : file.substr(dot);
-    std::ranges::transform(ending, ending.begin(),
-                           [](char c) { return c >= 'A' && c <= 'Z' ? char(c + 32) : c; });
-    return ending == ".stl" || ending == ".obj" || ending == ".msh";
   }
   std::string asset(const ShapeDescription& shape) {
     const std::string key = shape.file + '\n' + text(shape.scale);

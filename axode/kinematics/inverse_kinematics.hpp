@@ -33,7 +33,8 @@ enum class InverseKinematicsStatus {
   solved,  ///< the error is within the tolerance
   /// Every start ended in a configuration that no small step improves; the targets are probably out of reach.
   stalled,
-  iteration_limit,  ///< some start still improved when its iterations were used up, or the monitor ended the search
+  /// Some start still improved when its iterations were used up, or the monitor ended the search.
+  iteration_limit,
 };
 std::string_view to_string(InverseKinematicsStatus status);
 

@@ -31,9 +31,8 @@ struct LoopTraits {
   std::string_view name;
   int rows;       ///< number of rows of the Jacobian
   int residuals;  ///< number of residuals; fewer than rows if some rows have no position level
-  /// Which of the directions ω_x ω_y ω_z v_x v_y v_z the joint leaves free; a helical joint ω_z with v_z =
-  /// pitch ω_z. A universal joint is a spherical one with another row; rods and rolling contacts are no
-  /// subgroups.
+  /// Directions of ω_x ω_y ω_z v_x v_y v_z that the joint leaves free; a helical joint ω_z with v_z = pitch
+  /// ω_z. A universal joint is a spherical one with another row; rods and rolling contacts are no subgroups.
   std::array<bool, 6> free;
   bool located;  ///< whether the position of the joint matters and not only its directions
   /// Members of LoopDescription by which the joint is drawn. It has one frame for both bodies unless it has a
