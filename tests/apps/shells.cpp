@@ -160,12 +160,6 @@ TEST_F(Completion, InZshHasTheSame) {
                   "axode completion zsh ", "axode info arm.toml "));
 }
 
-TEST(CompletionCommand, RefusesOtherShells) {
-  const Outcome outcome = axode({"completion", "tcsh"});
-  EXPECT_EQ(outcome.code, 2);
-  EXPECT_THAT(outcome.err, HasSubstr("SHELL: \"tcsh\" is none of bash, zsh, fish"));
-}
-
 // ----------------------------------------------------------------------------------------------- the manual page
 
 TEST(Manual, HasEveryCommandAndOption) {

@@ -127,7 +127,6 @@ TEST(SimulateCommand, WritesFiles) {
 TEST(SimulateCommand, ClosesTheLoopsOfItsStartWhereAsked) {
   const std::string spun = R"({"v": {"crank_joint": 1}})";
   std::vector<std::string> words{"simulate", robot("four_bar.toml"), "--state", "-", "--format", "json"};
-  EXPECT_THAT(axode(words, spun).err, StartsWith("axode simulate: v tears loop \"pin\" open at 0.2"));
   words.emplace_back("--assemble");
   const Outcome outcome = axode(words, spun);
   ASSERT_EQ(outcome.code, 0) << outcome.err;
@@ -190,39 +189,6 @@ TEST(SimulateCommand, MovesInAbsoluteCoordinates) {
         .back();
   };
   EXPECT_NE(end_with("0.5"), end_with("0.9"));
-}
-
-TEST(SimulateCommand, RefusesWhatItCannotUse) {
-  const auto error = [](std::vector<std::string> more) {
-    more.insert(more.begin(), {"simulate", swinging});
-    const Outcome outcome = axode(more);
-    EXPECT_NE(outcome.code, 0);
-    EXPECT_EQ(outcome.out, "");
-    return outcome.err;
-  };
-  EXPECT_THAT(
-      error({"--method", "verlet"}),
-      StartsWith(
-          "axode simulate: --method: \"verlet\" is none of dopri5, rk4, euler, generalized_alpha, midpoint"));
-  EXPECT_THAT(error({"--method", "rk4"}), StartsWith("axode simulate: --step is missing"));
-  EXPECT_THAT(error({"--coordinates", "absolut"}),
-              StartsWith("axode simulate: --coordinates: \"absolut\" is none of relative, absolute, "
-                         "absolute_SO3xR3; did you mean \"absolute\"?"));
-  EXPECT_THAT(error({"--method", "rattle", "--step", "0.01"}),
-              StartsWith("axode simulate: RATTLE is for absolute coordinates"));
-  EXPECT_THAT(error({"--method", "generalized_alpha", "--step", "0.01", "--spectral-radius", "2"}),
-              StartsWith("axode simulate: spectral radius is 2"));
-  EXPECT_THAT(error({"--method", "rk4", "--step", "-1"}), StartsWith("axode simulate: step is -1"));
-  EXPECT_THAT(error({"--target", "no.json"}),
-              StartsWith("axode simulate: --target says where to, but not how; give --pd as well"));
-  EXPECT_THAT(error({"--pd", "-1,2"}), StartsWith("axode simulate: kp[0] is -1"));
-  EXPECT_THAT(error({"--pd", "1,2", "--target", "no.json"}), testing::HasSubstr("no.json"));
-  EXPECT_THAT(error({"--samples", "-1"}), StartsWith("axode simulate: --samples is -1"));
-  EXPECT_THAT(error({"--until", "-1"}), StartsWith("axode simulate: until is -1"));
-  EXPECT_THAT(
-      error({"--output", "run.txt"}),
-      StartsWith("axode simulate: --output: run.txt: the ending: \".txt\" is none of .json, .csv, .npz"));
-  EXPECT_THAT(error({"--rtol", "nan"}), StartsWith("axode simulate: "));
 }
 
 }  // namespace

@@ -33,13 +33,6 @@ const std::map<std::string, int> rows_of{{"inverse_dynamics", 17}, {"forward_dyn
                                          {"mass_matrix", 17},      {"inverse_mass_matrix", 17},
                                          {"accelerations", 16},    {"momentum_form", 4}};
 
-TEST(Study, RefusesLoopsWhichNoneOfItsAlgorithmsCounts) {
-  const Outcome outcome = axode({"study", robot("four_bar.toml")});
-  EXPECT_EQ(outcome.code, 1);
-  EXPECT_EQ(outcome.out, "");
-  EXPECT_THAT(outcome.err, HasSubstr("four_bar.toml: the mechanism has loops or couplings"));
-}
-
 TEST(Study, WritesARowForEveryWayToCompute) {
   const TemporaryFolder folder;
   const std::string csv = folder.file("study.csv");
