@@ -3,7 +3,8 @@
 import xml.etree.ElementTree as ElementTree
 
 import numpy as np
-from axode_command import FREE_BASE
+
+FREE_BASE = "free_base"
 
 
 def mimic_joints(file):

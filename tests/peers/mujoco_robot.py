@@ -9,8 +9,7 @@ import xml.etree.ElementTree as ElementTree
 
 import mujoco
 import numpy as np
-from axode_command import FREE_BASE
-from coordinates import CoupledCoordinates
+from coordinates import FREE_BASE, CoupledCoordinates
 
 
 class CannotLoad(Exception):

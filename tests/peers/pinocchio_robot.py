@@ -6,9 +6,7 @@ mimic joints as functions of their leaders, whose generalised forces take the sh
 
 import numpy as np
 import pinocchio as pin
-
-from axode_command import FREE_BASE
-from coordinates import CoupledCoordinates
+from coordinates import FREE_BASE, CoupledCoordinates
 
 LOCAL, WORLD = pin.ReferenceFrame.LOCAL, pin.ReferenceFrame.WORLD
 ALIGNED = pin.ReferenceFrame.LOCAL_WORLD_ALIGNED
@@ -48,18 +46,6 @@ class Robot(CoupledCoordinates):
                                                      else self.follow(name, values, with_offset=False))
         return v
 
-    def forces(self, tau):
-        """Generalised forces by independent joint from Pinocchio's tau."""
-        found = {name: np.zeros(joint.nv) for name, joint in self.joints.items() if name not in self.mimic}
-        for name, joint in self.joints.items():
-            part = tau[joint.idx_v:joint.idx_v + joint.nv]
-            ratio = 1
-            while name in self.mimic:
-                name, share, _ = self.mimic[name]
-                ratio *= share
-            found[name] = found[name] + ratio * (np.roll(part, 3) if name == FREE_BASE else part)
-        return found
-
     def update(self, q, v, a):
         pin.forwardKinematics(self.model, self.data, q, v, a)
         pin.updateFramePlacements(self.model, self.data)
@@ -67,6 +53,10 @@ class Robot(CoupledCoordinates):
     def inverse_dynamics(self, q, v, a, loads):
         """tau with loads (link, representation, wrench); leaves the joints' wrenches in data.f."""
         self.update(q, v, a)
+        return pin.rnea(self.model, self.data, q, v, a, self.on_joints(loads))
+
+    def on_joints(self, loads):
+        """The forces of loads on every joint; after update()."""
         on_joints = [pin.Force.Zero() for _ in range(self.model.njoints)]
         for link, representation, wrench in loads:
             frame, C = self.model.frames[self.links[link]], self.pose(link)
@@ -77,7 +67,7 @@ class Robot(CoupledCoordinates):
                      "hybrid": lambda: pin.Force(R_t @ force, R_t @ moment),
                      "mixed": lambda: pin.Force(R_t @ force, moment)}[representation]()
             on_joints[frame.parentJoint] += frame.placement.act(local)
-        return pin.rnea(self.model, self.data, q, v, a, on_joints)
+        return on_joints
 
     def joint_wrench(self, name):
         """What a joint transmits, in the frame of its child link."""

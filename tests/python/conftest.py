@@ -1,4 +1,4 @@
-"""What compares axode with other libraries is in tests/peers; the tests here take it from there."""
+"""Robots of other libraries, in the conventions of axode, are in tests/peers."""
 
 import os
 import sys
@@ -14,9 +14,9 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 _CACHE = tempfile.TemporaryDirectory(prefix="axode-")
 os.environ["XDG_CACHE_HOME"] = _CACHE.name
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "peers"))
-
-from axode_command import ROBOTS  # noqa: E402
+TESTS = Path(__file__).resolve().parents[1]
+sys.path.insert(0, str(TESTS / "peers"))
+ROBOTS = Path(os.environ.get("AXODE_ROBOTS") or TESTS.parent.parent / "shared/robots")
 
 
 def pytest_generate_tests(metafunc):

@@ -5,15 +5,14 @@ from functools import lru_cache
 import axode
 import numpy as np
 import pytest
-from mechanisms import REPRESENTATIONS
+from mechanisms import REPRESENTATIONS, close
 
 pin = pytest.importorskip("pinocchio")
 mujoco = pytest.importorskip("mujoco")
 
 import mujoco_robot  # noqa: E402
 import pinocchio_robot  # noqa: E402
-from axode_command import FREE_BASE  # noqa: E402
-from states import random_state  # noqa: E402
+from coordinates import FREE_BASE  # noqa: E402
 
 STATES = 3
 FAST = ["fast", *REPRESENTATIONS]
@@ -25,6 +24,22 @@ def assert_close(ours, theirs, of=0.0, bound=1e-10):
     assert ours.shape == theirs.shape
     error, size = np.max(np.abs(ours - theirs), initial=0), max(np.max(np.abs(theirs), initial=0), of)
     assert error <= bound * size, f"differs by {error} in {size}"
+
+
+def random_state(robot, random):
+    """Numbers by joint, and a few loads on links."""
+    values = {key: {name: random.uniform(-1, 1, 6 if name == FREE_BASE else 1).tolist()
+                    for name in robot.independent_joints()} for key in ("q", "v", "a", "tau")}
+    for name in robot.independent_joints():
+        if name == FREE_BASE:
+            quaternion = random.normal(size=4)
+            position = random.uniform(-1, 1, 3)
+            values["q"][name] = [*(quaternion / np.linalg.norm(quaternion)).tolist(), *position.tolist()]
+        else:
+            values["q"][name] = [np.pi * values["q"][name][0]]
+    loads = [(str(random.choice(list(robot.links))), str(random.choice(REPRESENTATIONS)),
+              random.uniform(-20, 20, 6).tolist()) for _ in range(4)]
+    return values, loads
 
 
 class Case:
@@ -183,6 +198,9 @@ def test_center_of_mass_and_momentum_about_it(case):
         assert_close(c[k], pin.centerOfMass(model, data, q))
         assert_close(J[k], pin.jacobianCenterOfMass(model, data, q) @ P)
         assert_close(A[k], np.roll(pin.computeCentroidalMap(model, data, q), 3, axis=0) @ P)
+        A_at = [np.roll(pin.computeCentroidalMap(model, data, pin.integrate(model, q, s * v)), 3, axis=0) @ P
+                for s in (1e-6, -1e-6)]
+        assert_close(dA[k], (A_at[0] - A_at[1]) / 2e-6, bound=1e-7)
         # Pinocchio's rate is not the derivative of its own matrix, though its product with v is that of the momentum;
         # and not even that on data in which computeCentroidalMomentum left another state.
         rate = np.roll(pin.computeCentroidalMapTimeVariation(model, model.createData(), q, v), 3, axis=0)
@@ -190,6 +208,102 @@ def test_center_of_mass_and_momentum_about_it(case):
         assert_close(h[k], np.roll(pin.computeCentroidalMomentum(model, data, q, v).vector, 3))
         pin.ccrba(model, data, q, v)
         assert_close(I_c[k], np.roll(data.Ig.matrix(), (3, 3), axis=(0, 1)))
+
+
+#: The parameters xx xy yy xz yz zz of Pinocchio in our order xx yy zz xy xz yz, after m, m c.
+PARAMETERS = [0, 1, 2, 3, 4, 6, 9, 5, 7, 8]
+
+
+def test_regressor(case):
+    robot, Y = case.robot, axode.regressor(case.m, case.q, case.v, case.a)
+    moved = [robot.model.frames[robot.links[body]].parentJoint for body in case.m.body_names]
+    columns = [10 * (joint - 1) + k for joint in moved for k in PARAMETERS]
+    for k, state in enumerate(case.theirs):
+        theirs = case.P.T @ pin.computeJointTorqueRegressor(robot.model, robot.data, *state)
+        assert_close(Y[k], theirs[:, columns])
+
+
+def test_derivatives_of_inverse_dynamics(case):
+    """The wrenches are constant in the frames of links, as Pinocchio takes them."""
+    m, P, robot, dg = case.m, case.P, case.robot, axode.gravity_derivatives(case.m, case.q)
+    for k, state in enumerate(case.theirs):
+        loads = [(link, "body", W) for link, _, W in case.loads[k]]
+        ours = axode.inverse_dynamics_derivatives(
+            m, case.q[k], case.v[k], case.a[k],
+            [axode.Load(frame=link, representation=rep, wrench=W) for link, rep, W in loads])
+        robot.update(*state)
+        by_q, by_v, by_a = pin.computeRNEADerivatives(robot.model, robot.data, *state, robot.on_joints(loads))
+        for x, y in zip(ours, (by_q, by_v, symmetric(by_a)), strict=True):
+            assert_close(x, P.T @ y @ P)
+        assert_close(dg[k], P.T @ pin.computeGeneralizedGravityDerivatives(robot.model, robot.data, state[0]) @ P)
+
+
+def test_derivatives_of_forward_dynamics(case):
+    m, P, model, data = case.m, case.P, case.robot.model, case.robot.data
+    if case.robot.mimic:
+        pytest.skip("Pinocchio's algorithm does not couple these joints")
+    M, back = axode.mass_matrix(m, case.q), np.linalg.inv(P)
+    if case.singular() or np.linalg.cond(M).max() > 1e10:
+        pytest.skip("the mass matrix is singular, or nearly so")
+    ours = axode.forward_dynamics_derivatives(m, case.q, case.v, case.tau)
+    for k, (q, v, _) in enumerate(case.theirs):
+        pin.computeABADerivatives(model, data, q, v, back.T @ case.tau[k])
+        for x, y in ((ours.q[k], data.ddq_dq), (ours.v[k], data.ddq_dv)):
+            # What is left of the equation M da = -dtau in the units of forces, where M may be ill-conditioned.
+            assert_close(M[k] @ x, M[k] @ back @ y @ P, of=np.abs(M[k]).max() * np.abs(x).max())
+        assert_close(ours.tau[k], back @ symmetric(np.array(data.Minv)) @ back.T, bound=1e-9)
+
+
+def test_derivatives_of_the_motion_of_a_frame(case):
+    robot, link = case.robot, list(case.robot.links)[-1]
+    ours = axode.motion_derivatives(case.m, case.q, case.v, case.a, link)
+    for k, state in enumerate(case.theirs):
+        pin.computeForwardKinematicsDerivatives(robot.model, robot.data, *state)
+        pin.updateFramePlacements(robot.model, robot.data)
+        V_q, dV_q, dV_v, V_v = pin.getFrameAccelerationDerivatives(robot.model, robot.data, robot.links[link],
+                                                                   pinocchio_robot.LOCAL)
+        for x, y in zip(ours, (V_q, V_v, dV_q, dV_v), strict=True):
+            assert_close(x[k], np.roll(y, 3, axis=0) @ case.P, of=1.0)
+
+
+CONTACTS = {"spherical": pin.ContactType.CONTACT_3D, "fixed": pin.ContactType.CONTACT_6D}
+
+
+@pytest.mark.parametrize("kind", CONTACTS)
+def test_accelerations_of_closed_robots(case, kind):
+    """A loop joins two links where they are."""
+    m, robot, random = case.m, case.robot, np.random.default_rng(5)
+    if robot.mimic:
+        pytest.skip("Pinocchio's mimic joints move on their own here")
+    moving = [link for link in robot.links if robot.model.frames[robot.links[link]].parentJoint > 0]
+    compared = 0
+    for k, (q, _, _) in enumerate(case.theirs):
+        links = random.choice(moving, 2, replace=False).tolist()
+        frames = [robot.model.frames[robot.links[link]] for link in links]
+        if frames[0].parentJoint == frames[1].parentJoint:
+            continue
+        C = axode.poses(m, case.q[k])[[m.frame_index(link) for link in links]]
+        between = np.linalg.inv(C[0]) @ C[1]
+        places = [{"position": F[:3, 3].tolist(), "rotation": F[:3, :3].tolist()} for F in (between, np.eye(4))]
+        closed = axode.Model.from_dict(m.to_dict() | {"loop": [{"between": links, "kind": kind, "frames": places}]})
+        if axode.loop_mobility(closed, case.q[k]).redundant:
+            continue
+        at, v = axode.assemble(closed, case.q[k], case.v[k])
+        assert close(at, case.q[k], 1e-12) and np.abs(axode.loop_residual(closed, case.q[k])).max() < 1e-12
+        contact = pin.RigidConstraintModel(CONTACTS[kind], robot.model, frames[0].parentJoint,
+                                           frames[0].placement * pin.SE3(between), frames[1].parentJoint,
+                                           frames[1].placement, pin.ReferenceFrame.LOCAL)
+        models, datas = pin.StdVec_RigidConstraintModel(), pin.StdVec_RigidConstraintData()
+        models.append(contact)
+        datas.append(contact.createData())
+        pin.initConstraintDynamics(robot.model, robot.data, models, datas)
+        theirs = pin.constraintDynamics(robot.model, robot.data, q, case.P @ v, np.linalg.inv(case.P).T @ case.tau[k],
+                                        models, datas)
+        ours = axode.forward_dynamics(closed, case.q[k], v, case.tau[k])
+        assert_close(case.P @ ours, theirs, bound=1e-8)
+        compared += 1
+    if compared == 0:
+        pytest.skip("the joints between these links cannot keep such a loop's rows independent")
 
 
 # ---------------------------------------------------------------- MuJoCo
