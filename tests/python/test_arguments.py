@@ -8,6 +8,7 @@ import typing
 import axode
 import numpy as np
 import pytest
+from axode.table import ROWS
 from calls import CALLS, tool
 from mechanisms import MECHANISMS, random_states
 
@@ -43,21 +44,14 @@ def test_a_wrong_array_is_named_with_what_was_expected(argument, kind):
         axode.inverse_dynamics(ARM, *state)
 
 
-@pytest.mark.parametrize("call", CALLS)
-def test_every_function_refuses_wrong_states(call):
+@pytest.mark.parametrize("call", [call for call in CALLS if call not in ROWS])
+def test_every_function_refuses_wrong_configurations(call):
+    """Rows refuse each of their arrays in test_table.py."""
     m = MECHANISMS["machine"]
     q, v, a, _ = random_states(m, 3)
     for wrong in (q[:, :-1], np.where(q == q[1, 2], np.nan, q), q[None], q + 0j):
         with pytest.raises(ValueError, match=r"^q"):
             CALLS[call](m, wrong, v, a)
-    if call != "interpolate":  # whose v is not asked for
-        with pytest.raises(ValueError):
-            CALLS[call](m, q, v[:2], a[:2]) if call in TAKES_VELOCITIES else CALLS[call](m, q[:, :2], v, a)
-
-
-TAKES_VELOCITIES = {call for call in CALLS if call.split()[0] in {
-    "twists", "accelerations", "jacobian_rate", "inverse_dynamics", "forward_dynamics", "coriolis_vector",
-    "coriolis_matrix", "kinetic_energy", "regressor", "momenta", "from_momenta", "momentum_form", "body_momenta"}}
 
 
 def test_states_must_be_of_one_number():

@@ -1,13 +1,17 @@
 """What the rows of axode.table say, against what the functions of the package, specialised models and generated code do."""
 
-import inspect
+import json
 import re
-
-import numpy as np
-import pytest
+import subprocess
+import sysconfig
+from pathlib import Path
 
 import axode
+import numpy as np
+import pytest
 from axode.table import ROWS
+from calls import given_to, in_one, tool
+from mechanisms import MECHANISMS, REPRESENTATIONS, random_states
 
 LOOPS = ["four_bar.toml", "slider_crank.toml", "bricard.toml", "gough.toml", "leg.toml", "governor.toml"]
 
@@ -34,15 +38,11 @@ def arguments(m, row, seed=1):
     given = {name: values[name] for name in row.arrays}
     if "frame" in row.takes:
         given["frame"] = m.n_frames - 1
-    return given
+    return given | ({"base": 0} if "base" in row.takes else {})
 
 
 def call(m, row, given):
-    function = getattr(axode, row.name)
-    if row.name != "relative_jacobian":
-        return function(m, **given)
-    names = list(inspect.signature(function).parameters)
-    return function(m, **given, **{names[names.index("frame") + 1]: 0})
+    return getattr(axode, row.name)(m, **given)
 
 
 def numbers(result):
@@ -90,3 +90,87 @@ def test_docstrings_say_what_is_counted():
         for word, phrase in (("counted", "ounts "), ("refused", "efuses ")):
             counted = [column for column in row.counts if row.counts[column][0] == word]
             assert all(re.search(f"{phrase}[^;]*{column}", doc) for column in counted), name
+
+
+COMMAND = Path(sysconfig.get_path("scripts")) / "axode"
+
+
+def told(file, state, names, *words):
+    """What the command prints, by name."""
+    done = subprocess.run([COMMAND, "eval", axode.robots / file, "--state", "-", "--want", ",".join(names), "--format",
+                           "json", *words], input=json.dumps(state), capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    return json.loads(done.stdout)["results"]
+
+
+def in_order(value):
+    """An array of what JSON holds; the entries of an object are in their order."""
+    value = list(value.values()) if isinstance(value, dict) else value
+    return np.array([in_order(x) for x in value]) if isinstance(value, list) else value
+
+
+def as_in_python(name, value):
+    """The array of a printed result, in the shape that the docstring says."""
+    if name == "joint_screws":  # by joint there, columns here
+        return np.concatenate([in_order(screws) for screws in value.values()]).T
+    if name == "centroidal_inertia":
+        xx, yy, zz, xy, xz, yz = value["inertia"]
+        I = [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]
+        return np.block([[np.array(I), np.zeros((3, 3))], [np.zeros((3, 3)), value["mass"] * np.eye(3)]])
+    if name.startswith("momentum_form"):
+        value = {key: x for key, x in value.items() if key != "p"}  # of the state
+    array = in_order(value)
+    array = array[0] if "frame" in ROWS[name].takes else array
+    return array.T if name == "impulse_response" else array
+
+
+@pytest.mark.parametrize("representation", REPRESENTATIONS)
+@pytest.mark.parametrize("file", ["arm7.toml", "machine.toml"])
+def test_arrays_are_the_numbers_that_the_command_prints_to_the_last_bit(file, representation):
+    m = mechanism(file)
+    q, v, a, _ = (x[0] for x in random_states(m, 1, seed=2))
+    loads = [axode.Load(frame=tool(m), representation="hybrid", wrench=[1, 2, 3, 4, 5, 6])]
+    state = {"loads": [dict(loads[0])]}
+    left_out = ["operational_space_inertia"] if file == "machine.toml" else []  # no frame moves in every direction
+    compared = 0
+    for with_frame in (False, True):
+        rows = [row for name, row in ROWS.items() if ("frame" in row.takes) == with_frame and name not in left_out]
+        given = {row.name: given_to(row, m, q, v, a) for row in rows}
+        for one in given.values():
+            one.pop("joint_losses", None)
+            one |= {"loads": loads} if "loads" in one else {}
+            state |= {key: x.tolist() for key, x in one.items() if isinstance(x, np.ndarray)}
+        words = ["--frame", tool(m), "--relative-to", m.frame_names[1]] if with_frame else []
+        printed = told(file, state, list(given), "--representation", representation, *words)
+        for row in rows:
+            choice = {} if row.choice == "none" else {"representation": representation}
+            found = np.asarray(in_one(call(m, row, given[row.name] | choice), q))
+            expected = as_in_python(row.name, printed[row.name])
+            assert found.shape == np.shape(expected) and np.array_equal(found, expected), row.name
+            assert row.name in ("joint_screws", "load_powers", "centroidal_inertia", "pose", "poses") or (
+                found.size == np.prod(row.item(m))), row.name
+            compared += 1
+    assert compared == len(ROWS) - len(left_out)
+
+
+WRONG = {"short": lambda x: x[..., :-1], "nan": lambda x: np.where(np.arange(x.shape[-1]) == 1, np.nan, x),
+         "deep": lambda x: x[None], "complex": lambda x: x + 0j, "of another number": lambda x: x[:2]}
+
+
+@pytest.mark.parametrize("name", ROWS)
+def test_every_array_is_refused_by_its_name(name):
+    m, row = MECHANISMS["machine"], ROWS[name]
+    q, v, a, _ = random_states(m, 3)
+    given = given_to(row, m, q, v, a)
+    for argument in row.arrays:
+        for kind, make in WRONG.items():
+            if (argument, kind) == ("q", "of another number"):  # then the others are
+                continue
+            with pytest.raises(ValueError, match=rf"^{argument}\b"):
+                call(m, row, given | {argument: make(given[argument])})
+    for setting in {"frame", "base"} & set(row.takes):
+        with pytest.raises(KeyError, match='has no frame "flang"'):
+            call(m, row, given | {setting: "flang"})
+    if "loads" in row.takes:
+        with pytest.raises(ValueError, match=r"^loads\[0\].wrench: expected shape"):
+            call(m, row, given | {"loads": [axode.Load(frame=0, wrench=np.zeros(5))]})
