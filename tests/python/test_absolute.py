@@ -7,42 +7,22 @@ import pytest
 KINDS = ["absolute", "absolute_SO3xR3"]
 ARM = axode.load(axode.robots / "arm7.toml")
 HUMANOID = axode.load(axode.robots / "humanoid.urdf", base="free")
-MECHANISMS = ["slider_crank", "four_bar", "n_four_bar", "bricard", "governor", "gough", "five_bar_arm", "leg", "cart",
-              "machine"]
 METHODS = {"dopri5": (None, 1e-6), "rk4": (1e-3, 1e-6), "euler": (1e-4, 2e-2), "generalized_alpha": (1e-3, 2e-3),
            "generalized_alpha_index3": (1e-3, 2e-3), "rattle": (1e-3, 2e-3), "rattle_suzuki4": (1e-3, 1e-6),
            "rattle_kahan_li6": (2e-3, 1e-6), "half_explicit": (1e-3, 1e-4)}
 
 
-def start(m, seed=0):
-    q, v = m.neutral(), 0.5 * np.random.default_rng(seed).normal(size=m.nv)
-    return axode.assemble(m, q, v) if m.n_loops else (q, v)
-
-
 @pytest.mark.parametrize("coordinates", KINDS)
-@pytest.mark.parametrize("name", MECHANISMS)
-def test_mechanisms_move_as_in_their_joints(name, coordinates):
-    m = axode.load(axode.robots / f"{name}.toml")
-    q, v = start(m)
-    relative = axode.simulate(m, q, v, 0.1, rtol=1e-9)
-    absolute = axode.simulate(m, q, v, 0.1, rtol=1e-9, coordinates=coordinates)
-    np.testing.assert_allclose(m.difference(relative.q[-1], absolute.q[-1]), 0, atol=1e-5)
-    np.testing.assert_allclose(absolute.v[-1], relative.v[-1], atol=1e-4)
-    assert np.ptp(absolute.energy) < 1e-5 * (1 + np.ptp(axode.kinetic_energy(m, absolute.q, absolute.v)))
-    if m.n_loops:
-        assert np.abs(axode.loop_residual(m, absolute.q)).max() < 1e-10
-
-
-@pytest.mark.parametrize("coordinates", KINDS)
-@pytest.mark.parametrize("m, q", [(ARM, np.full(7, 0.3)), (HUMANOID, HUMANOID.random(seed=2))], ids=["arm", "humanoid"])
 @pytest.mark.parametrize("method", METHODS)
-def test_methods_agree_on_trees(m, q, method, coordinates):
+def test_methods_agree_on_trees(method, coordinates):
+    m, q = HUMANOID, HUMANOID.random(seed=2)
     step, tolerance = METHODS[method]
     v = 0.1 * np.random.default_rng(1).normal(size=m.nv)
     tau = 0.1 * np.cos(np.arange(m.nv))
     exact = axode.simulate(m, q, v, 0.1, tau=tau, rtol=1e-11)
     motion = axode.simulate(m, q, v, 0.1, tau=tau, method=method, step=step, coordinates=coordinates)
     assert np.abs(m.difference(exact.q[-1], motion.q[-1])).max() < tolerance
+    assert motion.position_residuals.max() < 1e-9
     assert motion.complete and motion.t[-1] == 0.1 and motion.steps == len(motion.t) - 1
     np.testing.assert_allclose(axode.forward_dynamics(m, motion.q, motion.v, motion.tau), motion.a, atol=1e-6)
 
@@ -66,16 +46,6 @@ def test_drives_losses_loads_events_and_times(coordinates):
     assert ends[0] < 5 and abs(ends[1] - ends[0]) < 1e-6
 
 
-@pytest.mark.parametrize("coordinates", KINDS)
-def test_angles_count_turns(coordinates):
-    b = axode.Builder("wheel", gravity=(0, 0, 0))
-    b.body("wheel", joint={"kind": "revolute", "axis": "z", "point": [0, 0, 0]}, mass=1, com=[0, 0, 0],
-           inertia=[0.01, 0.01, 0.02])
-    m = b.build()
-    motion = axode.simulate(m, [7.0], [50.0], 2, method="rattle", step=1e-2, coordinates=coordinates)
-    assert motion.q[-1, 0] == pytest.approx(107, abs=1e-6)
-
-
 @pytest.mark.parametrize("arguments, words", [
     (dict(coordinates="cartesian"), "coordinates is 'cartesian'; expected one of 'relative', 'absolute', 'absolute_SO3xR3'"),
     (dict(method="rattle", step=1e-3), "RATTLE is for absolute coordinates; these are relative"),
@@ -88,22 +58,7 @@ def test_what_does_not_go_together(arguments, words):
         axode.simulate(ARM, np.full(7, 0.3), np.zeros(7), 0.1, **arguments)
 
 
-@pytest.mark.parametrize("coordinates", KINDS)
-@pytest.mark.parametrize("method", METHODS)
-def test_every_method_takes_what_rolls(method, coordinates):
-    step, tolerance = METHODS[method]
-    m = axode.load(axode.robots / "cart.toml")
-    q, v = axode.assemble(m, m.neutral(), [0, 0, 1, 0.3, 0, 0, 0, 0, 0, 0, 0])
-    tau = 0.01 * np.isin(np.arange(m.nv), [m.joint(f"{side} wheel_joint").v.start for side in ("left", "right")])
-    exact = axode.simulate(m, q, v, 0.1, tau=tau, rtol=1e-11)
-    motion = axode.simulate(m, q, v, 0.1, tau=tau, method=method, step=step, coordinates=coordinates)
-    assert np.abs(m.difference(exact.q[-1], motion.q[-1])).max() < tolerance
-    assert np.abs(m.difference(q, motion.q[-1])).max() > 1 and motion.position_residuals.max() < 1e-12
-    if method != "generalized_alpha_index3":
-        assert np.abs(np.einsum("nij,nj->ni", axode.loop_jacobian(m, motion.q), motion.v)).max() < 1e-12
-
-
 def test_what_rolls_has_nothing_symplectic():
     m = axode.load(axode.robots / "cart.toml")
     with pytest.raises(ValueError, match='loop "left contact" rolls, which a conserving scheme does not take; rattle in'):
-        axode.simulate(m, *start(m), 0.1, method="midpoint", step=1e-3)
+        axode.simulate(m, m.neutral(), np.zeros(m.nv), 0.1, method="midpoint", step=1e-3)

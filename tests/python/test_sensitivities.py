@@ -24,27 +24,6 @@ def motions(m, seed=0):
     return (q, v, np.stack(tau, axis=1)), (dq, dv, random.normal(size=(N, K, m.nv)) * np.abs(tau).mean(axis=(0, 1)))
 
 
-def away(m, motion, other):
-    """The displacements and velocities by which another motion differs."""
-    q, v = (np.concatenate(x) for x in motion)
-    q_other, v_other = (np.concatenate(x) for x in other)
-    return np.stack([m.difference(q, q_other), v_other - v]).reshape(2, N, K + 1, m.nv)
-
-
-def limit(x, h=1e-4):
-    return (8 * (x(h) - x(-h)) - (x(2 * h) - x(-2 * h))) / (12 * h)
-
-
-@pytest.mark.parametrize("name", ALL)
-def test_displaced_motions_are_limits_of_differences(name):
-    m = ALL[name]
-    (q, v, tau), (dq, dv, dtau) = motions(m)
-    here = axode.rollout(m, q, v, tau, STEP)
-    expected = limit(lambda h: away(m, here, axode.rollout(
-        m, m.integrate(q, h * dq), v + h * dv, tau + h * dtau, STEP)))
-    assert close(np.stack(axode.rollout_jvp(m, q, v, tau, STEP, dq, dv, dtau)), expected, 1e-8)
-
-
 @pytest.mark.parametrize("name", ALL)
 def test_steps_and_gradients_are_those_of_displaced_motions(name):
     m = ALL[name]
@@ -61,21 +40,6 @@ def test_steps_and_gradients_are_those_of_displaced_motions(name):
     back = [np.sum(g * d, axis=tuple(range(1, d.ndim))) for g, d in zip(gradient, (dq, dv, dtau))]
     forth = [np.sum(w * d, axis=(1, 2)) for w, d in zip((w_q, w_v), (moved_q, moved_v))]
     np.testing.assert_allclose(sum(back), sum(forth), rtol=0, atol=1e-12 * np.max(np.abs([*back, *forth])))
-
-
-@pytest.mark.parametrize("name", ALL)
-def test_gradients_by_geometry_are_limits_of_differences(name):
-    m = ALL[name]
-    (q, v, tau), _ = motions(m, 3)
-    random = np.random.default_rng(4)
-    w = random.normal(size=(2, N, K + 1, m.nv))
-    pi = random.normal(size=(m.n_bodies, 6))
-    here = axode.rollout(m, q, v, tau, STEP)
-    moved = limit(lambda h: away(m, here, axode.rollout(axode.calibration.with_geometry(m, h * pi), q, v, tau, STEP)))
-    gradient = axode.rollout_vjp(m, q, v, tau, STEP, *w)
-    assert gradient.geometry.shape == (N, m.n_bodies, 6)
-    found, expected = np.sum(gradient.geometry * pi, axis=(1, 2)), np.sum(w * moved, axis=(0, 2, 3))
-    np.testing.assert_allclose(found, expected, rtol=0, atol=1e-8 * np.sum(np.abs(w * moved)))
 
 
 def test_one_motion_is_one_of_many_on_any_number_of_threads():

@@ -82,21 +82,13 @@ def test_a_urdf_has_no_words_for_them():
     assert 'spring 1: is between "eye" and "drone"' in str(found.value)
 
 
-def test_forces_are_the_gradient_of_the_energy_and_have_these_derivatives():
+def test_derivatives_are_by_the_last_axis():
     q, v = states()
-    d = axode.spring_force_derivatives(M, q, v)
-    h = 1e-6
-    for k in range(M.nv):
-        x = np.zeros((len(q), M.nv))
-        x[:, k] = h
-        ahead, behind = M.integrate(q, x), M.integrate(q, -x)
-        slope = (axode.elastic_energy(M, ahead) - axode.elastic_energy(M, behind)) / (2 * h)
-        np.testing.assert_allclose(axode.spring_forces(M, q, np.zeros_like(v))[:, k], -slope, atol=1e-4)
-        by_q = (axode.spring_forces(M, ahead, v) - axode.spring_forces(M, behind, v)) / (2 * h)
-        by_v = (axode.spring_forces(M, q, v + x) - axode.spring_forces(M, q, v - x)) / (2 * h)
-        scale = np.abs(d.q).max()
-        np.testing.assert_allclose(d.q[:, :, k], by_q, atol=1e-6 * scale)
-        np.testing.assert_allclose(d.v[:, :, k], by_v, atol=1e-6 * scale)
+    d, x, h = axode.spring_force_derivatives(M, q, v), np.random.default_rng(2).normal(size=(20, M.nv)), 1e-6
+    by_q = (axode.spring_forces(M, M.integrate(q, h * x), v) - axode.spring_forces(M, M.integrate(q, -h * x), v)) / (2 * h)
+    np.testing.assert_allclose(np.einsum("nij,nj->ni", d.q, x), by_q, atol=1e-5 * np.abs(d.q).max())
+    by_v = axode.spring_forces(M, q, v + x) - axode.spring_forces(M, q, v)
+    assert np.abs(np.einsum("nij,nj->ni", d.v, x) - by_v).max() < 1e-9 * np.abs(by_v).max()
 
 
 def test_they_act_in_simulations_alone():
@@ -119,19 +111,6 @@ def test_they_act_in_simulations_alone():
     np.testing.assert_allclose(sprung.q, driven.q, atol=1e-9)
     rolled, _ = axode.rollout(M, q[0], v[0], np.zeros((300, M.nv)), 1e-3)
     np.testing.assert_allclose(rolled[-1], sprung.q[-1], atol=1e-9)
-
-
-def test_their_energy_is_that_of_the_motion():
-    drawing = M.to_dict()
-    drawing["spring"][0].pop("damping")
-    drawing["body"][0]["joint"]["stop"].pop("damping")
-    m = axode.Model.from_dict(drawing)
-    q, v = states()
-    motion = axode.simulate(m, q[0], v[0], 2.0, rtol=1e-10, atol=1e-12)
-    assert np.ptp(motion.energy) < 1e-6 * np.abs(motion.energy).max()
-    assert np.ptp(axode.elastic_energy(m, motion.q)) > 1
-    lossy = axode.simulate(M, q[0], v[0], 2.0)
-    assert np.all(np.diff(lossy.energy) < 1e-6) and lossy.energy[-1] < lossy.energy[0] - 0.01
 
 
 @pytest.mark.parametrize("change, sentence", [
