@@ -102,18 +102,6 @@ TEST_F(SpecialisedModels, GiveWhatTheLibraryGivesInEveryNumberOfStates) {
   }
 }
 
-TEST_F(SpecialisedModels, HaveJointsOfEveryKindAndCoupledOnes) {
-  const Model model = every_joint();
-  const std::vector<Function> functions{{Id("inverse_dynamics")},
-                                        {Id("forward_dynamics")},
-                                        {Id("mass_matrix")},
-                                        {Id("poses")},
-                                        {Id("jacobian"), model.n_frames() - 1, Representation::mixed},
-                                        {Id("inverse_dynamics_derivatives")}};
-  expect_what_the_library_gives(model, Specialised<>(model, functions, {.flags = quickly}), functions, 13,
-                                1e-11);
-}
-
 TEST_F(SpecialisedModels, AreTheSameInLanesOfEveryNumberAndWithoutVectors) {
   const Model model = load(robot("double_pendulum.toml"));
   const std::vector<Function> functions{{Id("inverse_dynamics")}, {Id("forward_dynamics")}, {Id("poses")}};

@@ -1,76 +1,22 @@
-"""Generated C, compiled and called, gives what the library gives."""
+"""Generated C is what the command writes; C++ tests compile it and call it."""
 
-import ctypes
-import shutil
 import subprocess
+import sys
 
 import axode
-import numpy as np
 import pytest
-from mechanisms import MECHANISMS, REPRESENTATIONS, close, random_states
+from mechanisms import MECHANISMS
 
-COMPILER = shutil.which("cc")
-COMPILED = pytest.mark.skipif(COMPILER is None, reason="there is no C compiler cc")
-EVERYWHERE = pytest.mark.parametrize("mechanism", MECHANISMS)
 ARM = MECHANISMS["arm"]
 
 
-class Compiled:
-    """The functions of a source, called with arrays."""
-
-    def __init__(self, source, folder, dtype=np.float64):
-        (folder / "source.c").write_text(source.text)
-        subprocess.run([COMPILER, "-std=c99", "-Wall", "-Werror", "-O1", "-shared", "-fPIC", "source.c", "-o",
-                        "source.so", "-lm"], cwd=folder, check=True)
-        self.library, self.dtype = ctypes.CDLL(str(folder / "source.so")), dtype
-
-    def __call__(self, name, *arguments, size):
-        """(what it returns, its result)."""
-        arrays = [np.array(x, self.dtype) for x in arguments] + [np.full(size, np.nan, self.dtype)]
-        status = getattr(self.library, name)(*(x.ctypes.data_as(ctypes.c_void_p) for x in arrays))
-        return status, arrays[-1]
-
-
-@COMPILED
-@EVERYWHERE
-def test_compiled_functions_agree_with_the_library(mechanism, tmp_path):
-    m = MECHANISMS[mechanism]
-    frame = m.frame_names[-1]
-    jacobians = [("jacobian", frame, representation) for representation in REPRESENTATIONS]
-    source = axode.codegen.c_source(
-        m, ["inverse_dynamics", "forward_dynamics", "mass_matrix", *jacobians], prefix="p")
-    names = [cost.name for cost in source.functions]
-    assert names[:3] == ["p_inverse_dynamics", "p_forward_dynamics", "p_mass_matrix"] and len(names) == 7
-    call = Compiled(source, tmp_path)
-    for q, v, a in zip(*random_states(m, 5)[:3]):
-        tau = axode.inverse_dynamics(m, q, v, a)
-        assert close(call(names[0], q, v, a, size=m.nv)[1], tau, 1e-11)
-        status, again = call(names[1], q, v, tau, size=m.nv)
-        assert status == 0 and close(again, a, 1e-8)
-        assert close(call(names[2], q, size=m.nv**2)[1].reshape(m.nv, m.nv), axode.mass_matrix(m, q), 1e-12)
-        for name, representation in zip(names[3:], REPRESENTATIONS, strict=True):
-            J = call(name, q, size=6 * m.nv)[1].reshape(6, m.nv)
-            assert close(J, axode.jacobian(m, q, frame, representation), 1e-12)
-
-
-@COMPILED
-def test_single_precision_is_float(tmp_path):
-    source = axode.codegen.c_source(ARM, ["inverse_dynamics"], single_precision=True)
-    assert "const float *" in source.text and "double *" not in source.text
-    call = Compiled(source, tmp_path, np.float32)
-    q, v, a, _ = (x[0] for x in random_states(ARM, 1))
-    tau = call("arm7_inverse_dynamics", q, v, a, size=7)[1]
-    assert close(tau, axode.inverse_dynamics(ARM, q, v, a), 1e-5)
-
-
-@COMPILED
-def test_a_singular_mass_matrix_is_told(tmp_path):
-    m = axode.Model.from_bodies([
-        {"name": "rod", "joint": {"kind": "revolute", "axis": "z", "point": [0, 0, 0]}, "mass": 1, "com": [1, 0, 0],
-         "inertia": [1, 1, 1]},
-        {"name": "wrist", "on": "rod", "joint": {"kind": "revolute", "axis": "z", "point": [0, 0, 0]}}])
-    call = Compiled(axode.codegen.c_source(m, ["forward_dynamics"], "m"), tmp_path)
-    assert call("m_forward_dynamics", [0, 0], [0, 0], [0, 1], size=2)[0] == 1
+@pytest.mark.parametrize("single", [False, True])
+def test_the_text_is_the_one_that_the_command_writes(single):
+    words = ["--functions", "inverse_dynamics,mass_matrix,jacobian:flange:hybrid", "--name", "p", *(["--float"] if single else [])]
+    written = subprocess.run([sys.executable, "-m", "axode", "codegen", axode.robots / "arm7.toml", *words],
+                             capture_output=True, text=True, check=True).stdout
+    functions = ["inverse_dynamics", "mass_matrix", ("jacobian", "flange", "hybrid")]
+    assert axode.codegen.c_source(ARM, functions, "p", single).text == written
 
 
 def test_costs_are_those_that_the_text_says():

@@ -5,24 +5,21 @@ import shutil
 import signal
 import subprocess
 import sys
-import threading
 import time
 
 import axode
 import numpy as np
 import pytest
+from axode.table import ROWS
+from calls import given_to
 from mechanisms import MECHANISMS, close, random_states
 
 pytestmark = pytest.mark.skipif(shutil.which("cc") is None, reason="there is no C compiler cc")
 QUICKLY = ["-O1", "-march=native", "-ffp-contract=fast"]
 ARM = MECHANISMS["arm"]
 PENDULUM = axode.load(axode.robots / "double_pendulum.toml")
+RECORDED = [name for name, row in ROWS.items() if row.recorded and "frame" not in row.takes]
 CHEAP = ["inverse_dynamics", "mass_matrix", "poses"]
-# What each function takes besides q.
-TAKES = {"inverse_dynamics": "va", "forward_dynamics": "va", "mass_matrix": "", "inverse_mass_matrix": "", "poses": "",
-         "inverse_dynamics_derivatives": "va", "inverse_dynamics_jvp": "vaxyz", "inverse_dynamics_vjp": "vax",
-         "inverse_dynamics_hessian": "vax", "forward_dynamics_derivatives": "va", "forward_dynamics_jvp": "vaxyz",
-         "forward_dynamics_vjp": "vax", "forward_dynamics_hessian": "vax"}
 
 
 @pytest.fixture(autouse=True)
@@ -35,11 +32,11 @@ def cache(tmp_path, monkeypatch):
 
 def arguments(m, function, N=None):
     """(q, ...) of N states, or of one."""
-    q, *rest = random_states(m, N or 1, seed=1)
-    named = dict(zip("va", rest[:2], strict=True))
-    named |= dict(zip("xyz", np.random.default_rng(2).uniform(-1, 1, (3, *rest[0].shape)), strict=True))
-    all_of = [q, *(named[name] for name in TAKES[function])]
-    return all_of if N is not None else [x[0] for x in all_of]
+    state = [x if N is not None else x[0] for x in random_states(m, N or 1, seed=1)[:3]]
+    if N == 0:
+        state = [x[:0] for x in state]
+    given = given_to(ROWS[function], m, *state)
+    return [given[name] for name in ROWS[function].arrays]
 
 
 def assert_same(m, s, functions, N, tolerance=1e-11):
@@ -52,9 +49,9 @@ def assert_same(m, s, functions, N, tolerance=1e-11):
 
 
 def test_every_function_of_one_state_and_of_many():
-    s = PENDULUM.specialise([*TAKES, ("jacobian", 2), ("jacobian", 1, "mixed")], flags=QUICKLY)
+    s = PENDULUM.specialise([*RECORDED, ("jacobian", 2), ("jacobian", 1, "mixed")], flags=QUICKLY)
     for N in (None, 0, 1, 7, 33):
-        assert_same(PENDULUM, s, TAKES, N)
+        assert_same(PENDULUM, s, RECORDED, N)
     q = random_states(PENDULUM, 9)[0]
     assert close(s.jacobian(q, 2), axode.jacobian(PENDULUM, q, 2))
     assert close(s.jacobian(q[0], 1, "mixed"), axode.jacobian(PENDULUM, q[0], 1, "mixed"))
@@ -63,31 +60,10 @@ def test_every_function_of_one_state_and_of_many():
     assert s.model is PENDULUM
 
 
-def test_derivatives_of_many_states_on_threads_depend_on_no_place():
-    functions = ["inverse_dynamics_derivatives", "forward_dynamics_derivatives"]
-    s = ARM.specialise(functions, flags=QUICKLY)
-    N = 1001
-    for function in functions:
-        given = arguments(ARM, function, N)
-        assert_same(ARM, s, [function], N)
-        found, shared = getattr(s, function)(*given), getattr(s, function)(*given, threads=4)
-        last = getattr(s, function)(*[x[-3:] for x in given])
-        for x, y, z in zip(found, shared, last, strict=True):
-            assert x.shape == (N, 7, 7)
-            assert np.array_equal(x, y)
-            assert np.array_equal(x[-3:], z)
-
-
 @pytest.mark.parametrize("mechanism", MECHANISMS)
 def test_mechanisms_with_joints_of_all_kinds(mechanism):
     m = MECHANISMS[mechanism]
     assert_same(m, m.specialise(CHEAP, flags=["-O0", "-march=native"]), CHEAP, 11, 1e-12)
-
-
-def test_every_robot(robot):
-    m = axode.load(robot, base="free")
-    s = m.specialise(CHEAP, flags=["-O0", "-march=native"])
-    assert_same(m, s, CHEAP, 5, 1e-12)
 
 
 def test_single_precision_is_float32():
@@ -113,6 +89,8 @@ def test_arguments_are_checked_as_the_library_checks_them():
     with pytest.raises(axode.NotFiniteError) as raised:
         s.forward_dynamics(np.zeros((4, 2)), [[0, 0], [0, 0], [0, 1e200], [0, 0]], np.zeros((4, 2)))
     assert raised.value.states == [2]
+    with pytest.raises(ValueError, match="lanes is 3; expected 1, 2, 4, 8 or 16"):
+        PENDULUM.specialise(["poses"], lanes=3)
     with pytest.raises(ValueError, match="made without mass_matrix; name it among the functions of Model.specialise"):
         s.mass_matrix(q)
     with pytest.raises(ValueError, match="made without jacobian of that frame in that representation"):
@@ -131,19 +109,6 @@ def test_arguments_are_checked_as_the_library_checks_them():
 def test_a_wrong_request_is_refused(request_, error, message):
     with pytest.raises(error, match=message):
         PENDULUM.specialise(*request_)
-
-
-def test_lanes_are_a_power_of_two():
-    with pytest.raises(ValueError, match="lanes is 3; expected 1, 2, 4, 8 or 16"):
-        PENDULUM.specialise(["poses"], lanes=3)
-
-
-def test_mechanisms_with_loops_have_what_loops_do_not_change():
-    m = axode.load(axode.robots / "four_bar.toml")
-    for function in ("inverse_dynamics", "forward_dynamics"):
-        with pytest.raises(ValueError, match="loop"):
-            m.specialise([function])
-    assert_same(m, m.specialise(["mass_matrix"], flags=QUICKLY), ["mass_matrix"], 3)
 
 
 def test_a_model_without_degrees_of_freedom():
@@ -228,24 +193,6 @@ def test_the_cache_says_what_it_has_and_is_cleared(cache):
     axode.codegen.clear_cache()
     assert axode.codegen.cache().models == 0
     assert_same(PENDULUM, s, ["mass_matrix"], 3)
-
-
-def test_threads_share_one():
-    s = PENDULUM.specialise(["inverse_dynamics"], flags=QUICKLY)
-    given = arguments(PENDULUM, "inverse_dynamics", 500)
-    expected, wrong = s.inverse_dynamics(*given), []
-
-    def call():
-        for _ in range(50):
-            if not np.array_equal(s.inverse_dynamics(*given), expected):
-                wrong.append(1)
-
-    threads = [threading.Thread(target=call) for _ in range(8)]
-    for thread in threads:
-        thread.start()
-    for thread in threads:
-        thread.join()
-    assert not wrong
 
 
 @pytest.mark.parametrize("losses", [False, True])

@@ -13,15 +13,13 @@ import host_cupy
 import numpy as np
 import nvrtc
 import pytest
+from axode.table import ROWS
+from calls import given_to
 from mechanisms import MECHANISMS, close, random_states
 from pages import SOURCE, run_page
 
 ARM, PENDULUM = MECHANISMS["arm"], axode.load(axode.robots / "double_pendulum.toml")
-INVERSE, FORWARD = ["q", "v", "a"], ["q", "v", "tau"]
-TAKES = {"mass_matrix": ["q"], "inverse_mass_matrix": ["q"], "poses": ["q"]} | {
-    f"{name}{what}": [*(INVERSE if name[0] == "i" else FORWARD), *more]
-    for name in ("inverse_dynamics", "forward_dynamics")
-    for what, more in [("", []), ("_derivatives", []), ("_jvp", ["dq", "dv", "dx"]), ("_vjp", ["w"]), ("_hessian", ["w"])]}
+RECORDED = [name for name, row in ROWS.items() if row.recorded and "frame" not in row.takes]
 CHEAP = ["inverse_dynamics", "forward_dynamics", "mass_matrix", "inverse_mass_matrix", "poses", "inverse_dynamics_vjp"]
 LONG = ["forward_dynamics_derivatives", "inverse_dynamics_derivatives"]  # in parts
 
@@ -39,11 +37,8 @@ def cuda(monkeypatch):
 
 
 def arguments(m, function, N, dtype=np.float64):
-    q, v, a, _ = random_states(m, N, seed=3)
-    q = q.reshape(N, m.nq)
-    more = np.random.default_rng(4).uniform(-1, 1, (4, N, m.nv))
-    named = {"q": q, "v": v, "a": a, "tau": a, **dict(zip(["dq", "dv", "dx", "w"], more, strict=True))}
-    return [named[name].astype(dtype) for name in TAKES[function]]
+    given = given_to(ROWS[function], m, *(x[:N] for x in random_states(m, max(N, 1), seed=3)[:3]))
+    return [given[name].astype(dtype) for name in ROWS[function].arrays]
 
 
 def assert_same(found, expected, tolerance):
@@ -55,7 +50,7 @@ def assert_same(found, expected, tolerance):
 
 
 @pytest.mark.parametrize("mechanism, functions, tolerance", [
-    ("pendulum", list(TAKES), 1e-11), ("arm", CHEAP + LONG, 1e-9), ("machine", CHEAP, 1e-9), ("humanoid", CHEAP, 1e-9)])
+    ("pendulum", RECORDED, 1e-11), ("arm", CHEAP + LONG, 1e-9), ("machine", CHEAP, 1e-9), ("humanoid", CHEAP, 1e-9)])
 def test_kernels_give_what_the_library_gives(cuda, mechanism, functions, tolerance):
     m = PENDULUM if mechanism == "pendulum" else MECHANISMS[mechanism]
     frame = m.frame_names[-1]
@@ -175,13 +170,6 @@ def test_wrong_arguments_are_refused_in_a_sentence(cuda):
         cuda.kernels(ARM, ["crba"])
 
 
-@pytest.mark.parametrize("function", ["inverse_dynamics", "forward_dynamics"])
-def test_mechanisms_with_loops_are_refused(cuda, function):
-    fourbar = axode.load(axode.robots / "four_bar.toml")
-    with pytest.raises(ValueError, match="loops"):
-        cuda.kernels(fourbar, [function])
-
-
 def test_nothing_to_compute(cuda):
     fixed = axode.Model.from_bodies([{"name": "block", "joint": "fixed", "mass": 1, "com": [0, 0, 0], "inertia": [1, 1, 1]}])
     gpu = cuda.kernels(fixed, ["inverse_dynamics", "poses"])
@@ -202,7 +190,7 @@ NVRTC = pytest.mark.skipif(nvrtc.LIBRARY is None, reason="there is no NVRTC: pip
 @NVRTC
 @pytest.mark.parametrize("architecture", ["compute_70", "compute_75", "compute_80", "compute_86", "compute_89", "compute_90"])
 def test_sources_compile_for_every_architecture(architecture):
-    for m, functions in ((PENDULUM, list(TAKES)), (ARM, ["inverse_dynamics", ("jacobian", "flange", "hybrid")])):
+    for m, functions in ((PENDULUM, RECORDED), (ARM, ["inverse_dynamics", ("jacobian", "flange", "hybrid")])):
         for single in (False, True):
             source = axode.codegen.c_source(m, functions, "p", single, "cuda")
             ptx, said = nvrtc.compiled(source.text, architecture)
