@@ -274,40 +274,6 @@ def test_what_is_printed_names_the_mechanism_and_its_joints(mechanism):
     assert m.joint_names[0] in repr(m.joint(m.joint_names[0])) and m.body_names[0] in repr(m.body(m.body_names[0]))
 
 
-@EVERYWHERE
-def test_difference_undoes_integrate(mechanism):
-    m = MECHANISMS[mechanism]
-    q, dv, _, _ = random_states(m, 30)
-    assert close(m.difference(q, m.integrate(q, dv)), dv)
-    quarter = m.interpolate(q[0], m.integrate(q[0], dv[0]), 0.25)
-    assert close(m.difference(q[0], quarter), dv[0] / 4)
-    with pytest.raises(ValueError, match=r"^q0: expected shape"):
-        m.difference(q[0, :-1], q[0])
-    with pytest.raises(ValueError, match=r"^q1: expected shape"):
-        m.difference(q[0], q[0, :-1])
-    with pytest.raises(ValueError, match=r"^dv: expected shape"):
-        m.integrate(q[0], dv[0, :-1])
-
-
-@EVERYWHERE
-def test_random_configurations_are_repeatable_and_within_limits(mechanism):
-    m = MECHANISMS[mechanism]
-    assert np.array_equal(m.random(5), m.random(5)) and not np.array_equal(m.random(5), m.random(6))
-    lower, upper = m.limits()
-    assert all((lower <= q).all() and (q <= upper).all() for q in map(m.random, range(50)))
-    assert close(m.clamp(m.random(3)), m.random(3))
-
-
-def test_locked_joints_do_not_move():
-    m = MECHANISMS["arm"]
-    q, v, a, _ = random_states(m, 1)
-    v[0, 5:] = a[0, 5:] = 0
-    n = m.reduced(["A6", "A7"], q[0])
-    assert n.joint_names == m.joint_names[:5]
-    assert close(axode.inverse_dynamics(n, q[0, :5], v[0, :5], a[0, :5]),
-                 axode.inverse_dynamics(m, q[0], v[0], a[0])[:5])
-
-
 def test_models_cannot_be_changed():
     m = MECHANISMS["arm"]
     for attribute in ("nq", "gravity", "body_names"):
@@ -321,24 +287,6 @@ def test_models_cannot_be_changed():
 def test_parts_outlive_their_model():
     joint, body = (lambda m: (m.joint("A2"), m.body("link 2")))(axode.load(axode.robots / "arm7.toml"))
     assert joint.name == "A2" and body.name == "link 2"
-
-
-@EVERYWHERE
-def test_drive_forces_are_linear_in_the_parameters(mechanism):
-    m = MECHANISMS[mechanism]
-    q, v, a, _ = random_states(m, 3)
-    armature = axode.inverse_dynamics(m, q, v, a) - axode.regressor(m, q, v, a) @ m.parameters
-    pi = m.parameters * np.random.default_rng(1).uniform(0.9, 1.1, len(m.parameters))
-    n = m.with_parameters(pi)
-    assert close(n.parameters, pi) and n.frame_names == m.frame_names
-    assert len(m.parameter_names) == len(pi) and m.parameter_names[9] == m.body_names[0] + " Iyz"
-    assert close(axode.inverse_dynamics(n, q, v, a), axode.regressor(m, q, v, a) @ pi + armature)
-    twin = pickle.loads(pickle.dumps(n))
-    assert np.array_equal(twin.parameters, n.parameters) and same_dynamics(twin, n)
-    with pytest.raises(ValueError, match=rf"^pi: expected shape \({len(pi)},\), ten numbers for each body"):
-        m.with_parameters(pi[1:])
-    with pytest.raises(axode.ModelError, match="a mass must be positive"):
-        m.with_parameters(-pi)
 
 
 @EVERYWHERE
@@ -356,37 +304,6 @@ def test_names_and_limits_go_with_every_number(mechanism):
     assert np.array_equal(m.velocity_limits, speed) and np.array_equal(m.effort_limits, effort)
 
 
-@EVERYWHERE
-def test_rates_of_coordinates_and_velocities_are_each_other_s_way_back(mechanism):
-    m = MECHANISMS[mechanism]
-    q, v, _, _ = random_states(m, 4)
-    dq = m.coordinate_rates(q, v)
-    assert close(m.velocities_from_rates(q, dq), v)
-    h = 1e-6
-    assert close((m.integrate(q, h * v) - m.integrate(q, -h * v)) / (2 * h), dq, 1e-8)
-    with pytest.raises(ValueError, match=r"^dq: expected shape"):
-        m.velocities_from_rates(q, dq[:, 1:])
-
-
-def test_quaternions_are_normalised_where_asked():
-    m = MECHANISMS["humanoid"]
-    q = m.random(2, n=3)
-    longer = q.copy()
-    longer[:, :4] *= 3
-    assert close(m.normalize(longer), q)
-    longer[1, :4] = 0
-    with pytest.raises(ValueError, match='the quaternion of joint "free_base" has norm 0'):
-        m.normalize(longer)
-
-
-@EVERYWHERE
-def test_many_random_configurations_begin_with_the_one(mechanism):
-    m = MECHANISMS[mechanism]
-    q = m.random(5, n=20)
-    assert q.shape == (20, m.nq) and np.array_equal(q[0], m.random(5)) and m.random(5, n=0).shape == (0, m.nq)
-    assert (np.abs(np.diff(q, axis=0)).max(axis=0) > 0).all()
-
-
 def test_gravity_is_that_of_the_file_or_the_one_given():
     file = axode.robots / "arm7.toml"
     m = axode.load(file, gravity=[0, 0, -1.62])
@@ -397,66 +314,83 @@ def test_gravity_is_that_of_the_file_or_the_one_given():
             wrong()
 
 
-def test_a_payload_is_a_load_that_moves_along():
-    m = MECHANISMS["arm"]
-    box = axode.lie.box_inertia(3, [0.1, 0.2, 0.3])
-    M = axode.lie.transform_inertia(axode.lie.exp([0.1, 0.2, 0.3, 0.1, 0, 0.05]), box)
-    n = m.with_payload("flange", M, name="box")
-    q, v, a, _ = random_states(m, 4)
-    V, dV = (f[:, m.frame_index("flange")] for f in (axode.twists(m, q, v), axode.accelerations(m, q, v, a)))
-    R = axode.poses(m, q)[:, m.frame_index("flange"), :3, :3]
-    dV = dV - np.concatenate([np.zeros((4, 3)), np.einsum("nji,j->ni", R, m.gravity)], axis=-1)
-    W = axode.lie.newton_euler(M, V, dV)
-    expected = axode.inverse_dynamics(m, q, v, a, loads=[axode.Load(frame="flange", wrench=-W)])
-    assert close(axode.inverse_dynamics(n, q, v, a), expected) and "box" in n.frame_names
-    with pytest.raises(axode.ModelError, match='body "box": the name is taken'):
-        n.with_payload("flange", M, name="box")
-    with pytest.raises(KeyError, match='did you mean "flange"'):
-        m.with_payload("flang", M)
-    with pytest.raises(ValueError, match=r"^M: expected shape \(6, 6\)"):
-        m.with_payload("flange", M[0])
+# ---------------------------------------------------------------- configurations and edits, whose laws are C++ tests
 
 
-def test_a_mechanism_is_mounted_by_a_joint():
-    arm, hand = MECHANISMS["arm"], MECHANISMS["machine"]
-    both = arm.append("flange", hand, "hand ", {"kind": "revolute", "axis": "z", "point": [0.1, 0, 0], "limits": [-1, 2],
-                                                "follows": {"joint": "A1", "ratio": 2}})
-    assert both.nq == arm.nq + hand.nq and both.joint("hand mount").upper[0] == 2
-    assert both.joint("hand mount").leader == ("A1", 2, 0)
-    q = both.random(1)
-    poses, turn = axode.poses(both, q), 2 * q[both.coordinate_names.index("A1")]
-    mount = axode.lie.exp([0, 0, turn, 0, -0.1 * turn, 0])  # about a parallel of z through (0.1, 0, 0)
-    assert close(poses[both.frame_index("hand mount.base")], poses[both.frame_index("flange")] @ mount)
-    assert arm.append("ground", arm, "second ", joint="free").joint_names[-8] == "second mount"
-    with pytest.raises(axode.ModelError, match="an axis is missing|axis"):
-        arm.append("flange", hand, "hand ", {"kind": "revolute"})
-    with pytest.raises(axode.ModelError, match='follows joint "A9"'):
-        arm.append("flange", hand, "hand ", {"kind": "prismatic", "axis": "z", "follows": {"joint": "A9"}})
+@EVERYWHERE
+def test_maps_of_configurations_are_each_other_s_way_back(mechanism):
+    m = MECHANISMS[mechanism]
+    q, dv, _, _ = random_states(m, 30)
+    assert close(m.difference(q, m.integrate(q, dv)), dv)
+    assert close(m.difference(q[0], m.interpolate(q[0], m.integrate(q[0], dv[0]), 0.25)), dv[0] / 4)
+    rates = m.coordinate_rates(q, dv)
+    assert close(m.velocities_from_rates(q, rates), dv)
+    assert close((m.integrate(q, 1e-6 * dv) - m.integrate(q, -1e-6 * dv)) / 2e-6, rates, 1e-8)
+    many, (lower, upper) = m.random(5, n=20), m.limits()
+    assert np.array_equal(many[0], m.random(5)) and not np.array_equal(m.random(5), m.random(6))
+    assert m.random(5, n=0).shape == (0, m.nq) and (np.abs(np.diff(many, axis=0)).max(axis=0) > 0).all()
+    assert (lower <= many).all() and (many <= upper).all() and close(m.clamp(many), many)
+    longer = q.copy()
+    for joint in m.joints:
+        longer[:, joint.q][:, :4] *= 3 if joint.kind in ("free", "spherical") else 1
+    assert close(m.normalize(longer), q)
+    for call, name in [(lambda: m.difference(q[0, :-1], q[0]), "q0"), (lambda: m.difference(q[0], q[0, :-1]), "q1"),
+                       (lambda: m.integrate(q[0], dv[0, :-1]), "dv"), (lambda: m.velocities_from_rates(q, rates[:, 1:]), "dq")]:
+        with pytest.raises(ValueError, match=f"^{name}: expected shape"):
+            call()
 
 
-def test_another_body_of_a_floating_mechanism_is_its_root():
-    m = axode.load(axode.robots / "humanoid.urdf", base="free")
-    n = m.rerooted(m.body_names[-1])
-    assert n.body_names[0] == m.body_names[-1] and sorted(n.joint_names) == sorted(m.joint_names)
-    q, v, _, _ = (x[0] for x in random_states(m, 1))
-    order = [m.frame_index(name) for name in ["ground", *n.body_names]]
-    there = axode.joint_state(n, axode.poses(m, q)[order], axode.twists(m, q, v)[order])
-    assert there.position_residual < 1e-9 and there.velocity_residual < 1e-9
-    assert close(axode.kinetic_energy(n, there.q, there.v), axode.kinetic_energy(m, q, v))
-    pendulum = axode.load(axode.robots / "double_pendulum.toml")
-    with pytest.raises(ValueError, match="is revolute; only a root that is fixed or free"):
-        pendulum.rerooted(pendulum.body_names[-1])
+def test_quaternions_of_no_length_are_not_normalised():
+    m = MECHANISMS["humanoid"]
+    with pytest.raises(ValueError, match='the quaternion of joint "free_base" has norm 0'):
+        m.normalize(m.random(2, n=3) * np.where(np.arange(m.nq) < 4, 0, 1))
 
 
-def test_a_mechanism_on_another_keeps_its_poses():
-    arm, hand = MECHANISMS["arm"], MECHANISMS["machine"]
+@EVERYWHERE
+def test_parameters_are_those_of_the_bodies_in_order(mechanism):
+    m = MECHANISMS[mechanism]
+    pi = m.parameters * np.random.default_rng(1).uniform(0.9, 1.1, len(m.parameters))
+    n = m.with_parameters(pi)
+    assert close(n.parameters, pi) and n.frame_names == m.frame_names
+    assert len(m.parameter_names) == len(pi) and m.parameter_names[9] == m.body_names[0] + " Iyz"
+    assert close([n.body(name).mass for name in n.body_names], pi[::10])
+    twin = pickle.loads(pickle.dumps(n))
+    assert np.array_equal(twin.parameters, n.parameters) and same_dynamics(twin, n)
+    with pytest.raises(ValueError, match=rf"^pi: expected shape \({len(pi)},\), ten numbers for each body"):
+        m.with_parameters(pi[1:])
+    with pytest.raises(axode.ModelError, match="a mass must be positive"):
+        m.with_parameters(-pi)
+
+
+def test_edits_make_models_with_the_names_of_their_parts():
+    arm, hand, humanoid = MECHANISMS["arm"], MECHANISMS["machine"], MECHANISMS["humanoid"]
+    q = arm.random(1)
+    assert arm.reduced(["A6", "A7"], q).joint_names == arm.joint_names[:5]
+    M = axode.lie.transform_inertia(axode.lie.exp([0.1, 0.2, 0.3, 0.1, 0, 0.05]), axode.lie.box_inertia(3, [0.1, 0.2, 0.3]))
+    loaded = arm.with_payload("flange", M, name="box")
+    assert "box" in loaded.frame_names and loaded.total_mass == pytest.approx(arm.total_mass + 3)
     both = arm.append("flange", hand, prefix="hand ")
-    q_arm, q_hand = arm.random(1), hand.random(2)
-    q = np.concatenate([q_arm, q_hand])
     assert both.coordinate_names[arm.nq:] == ["hand " + name for name in hand.coordinate_names]
-    mount = axode.poses(arm, q_arm)[arm.frame_index("flange")]
-    poses = axode.poses(both, q)
-    for frame, pose in zip(hand.frame_names[1:], axode.poses(hand, q_hand)[1:]):
+    mount = axode.poses(arm, q)[arm.frame_index("flange")]
+    poses = axode.poses(both, np.concatenate([q, hand.random(2)]))
+    for frame, pose in zip(hand.frame_names[1:], axode.poses(hand, hand.random(2))[1:]):
         assert close(poses[both.frame_index("hand " + frame)], mount @ pose)
-    with pytest.raises(ValueError, match='^append: both models have "base", "base_joint", "link 1", .*; give a prefix'):
-        arm.append("flange", arm)
+    mounted = arm.append("flange", hand, "hand ", {"kind": "revolute", "axis": "z", "point": [0.1, 0, 0], "limits": [-1, 2],
+                                                   "follows": {"joint": "A1", "ratio": 2}})
+    assert mounted.joint("hand mount").upper[0] == 2 and mounted.joint("hand mount").leader == ("A1", 2, 0)
+    assert arm.append("ground", arm, "second ", joint="free").joint_names[-8] == "second mount"
+    rerooted = humanoid.rerooted(humanoid.body_names[-1])
+    assert rerooted.body_names[0] == humanoid.body_names[-1]
+    assert sorted(rerooted.joint_names) == sorted(humanoid.joint_names)
+    pendulum = axode.load(axode.robots / "double_pendulum.toml")
+    for error, sentence, call in [
+            (axode.ModelError, 'body "box": the name is taken', lambda: loaded.with_payload("flange", M, name="box")),
+            (KeyError, 'did you mean "flange"', lambda: arm.with_payload("flang", M)),
+            (ValueError, r"^M: expected shape \(6, 6\)", lambda: arm.with_payload("flange", M[0])),
+            (ValueError, '^append: both models have "base", "base_joint", "link 1", .*; give a prefix', lambda: arm.append("flange", arm)),
+            (axode.ModelError, "axis", lambda: arm.append("flange", hand, "hand ", {"kind": "revolute"})),
+            (axode.ModelError, 'follows joint "A9"', lambda: arm.append(
+                "flange", hand, "hand ", {"kind": "prismatic", "axis": "z", "follows": {"joint": "A9"}})),
+            (ValueError, "is revolute; only a root that is fixed or free", lambda: pendulum.rerooted(pendulum.body_names[-1]))]:
+        with pytest.raises(error, match=sentence):
+            call()
