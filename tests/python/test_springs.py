@@ -3,46 +3,13 @@
 import copy
 import pickle
 import tomllib
+from pathlib import Path
 
 import axode
 import numpy as np
 import pytest
 
-FLAP = """
-format = "axode drawing 1"
-[[body]]
-name = "flap"
-joint = { kind = "revolute", axis = "y", point = [0, 0, 1], limits = [-0.5, 1.2], spring = { stiffness = 40, rest = 0.3 }, stop = { stiffness = 1e4, damping = 0.5 } }
-mass = 2
-com = [0.4, 0, 1]
-inertia = [0.01, 0.1, 0.1]
-[[body]]
-name = "ball"
-on = "flap"
-joint = { kind = "spherical", point = [0.8, 0, 1], dof = [{ spring = { stiffness = 3 } }, {}, { spring = { stiffness = 5 } }] }
-mass = 1
-com = [0.9, 0.1, 1]
-inertia = [0.1, 0.2, 0.15]
-[[body]]
-name = "drone"
-joint = "free"
-mass = 1
-com = [2, 0, 1]
-inertia = [0.1, 0.2, 0.15]
-[[frame]]
-name = "eye"
-on = "ball"
-position = [1, 0.2, 1]
-[[spring]]
-between = ["eye", "drone"]
-points = [[1, 0.2, 1], [2, 0, 1]]
-stiffness = 20
-rest = 0.7
-damping = 0.5
-[[spring]]
-between = ["eye", "ground"]
-stiffness = 5
-"""
+FLAP = (Path(__file__).resolve().parents[1] / "data/good/springs.toml").read_text(encoding="utf-8")
 M = axode.read_drawing(FLAP)
 
 
