@@ -20,26 +20,6 @@ namespace {
 using catalog::Id;
 using codegen::Function;
 
-template <class T> struct States : RandomStates<T> {
-  using RandomStates<T>::RandomStates;
-  catalog::Arguments<T> given() const {
-    const auto& [q, v, a, dq, dv, da, w] = *this;
-    catalog::Arguments<T> all{.q = q, .v = v, .a = a, .tau = a};
-    all.dq = dq, all.dv = dv, all.da = da, all.dtau = da, all.w = w;
-    return all;
-  }
-  catalog::Arguments<T> given(const Model& model, std::size_t k) const {
-    catalog::Arguments<T> one = given();
-    const std::size_t nq = static_cast<std::size_t>(model.nq()), nv = static_cast<std::size_t>(model.nv());
-    for (const catalog::Input input : catalog::inputs_of_numbers) {
-      std::span<const T>& x = catalog::numbers(one, input);
-      const std::size_t n = input == catalog::Input::q ? nq : nv;
-      if (!x.empty()) x = x.subspan(k * n, n);
-    }
-    return one;
-  }
-};
-
 template <class T> const catalog::Function<T>& row(const Function& function) {
   const std::string_view name = function.name();
   if (!function.is("jacobian")) return *catalog::find<Fast, T>(name);
@@ -66,18 +46,19 @@ template <class T> T largest_of(std::span<const T> x) {
 template <class T>
 void expect_what_the_library_gives(const Model& model, const Specialised<T>& specialised,
                                    const std::vector<Function>& functions, std::size_t N, double tolerance) {
-  const States<T> states(model, N, N);
+  const RandomStates<T> states(model, N, N);
   Workspace<T> workspace(model);
   for (const Function& function : functions) {
     const catalog::Function<T>& library = row<T>(function);
     SCOPED_TRACE(std::string(library.name) + " of " + model.name());
     const std::size_t size = library.size(model, 0);
     std::vector<T> result(size * N), expected(size);
-    const batch::Outcome outcome = batch::run(specialised, function, states.given(), result);
+    const batch::Outcome outcome =
+        batch::run(specialised, function, states.given(model, library, 0, N), result);
     EXPECT_EQ(outcome.done, N);
     std::size_t singular = 0;
     for (std::size_t k = 0; k < N; ++k) {
-      catalog::Arguments<T> one = states.given(model, k);
+      catalog::Arguments<T> one = states.given(model, library, k, 1);
       one.place = function.frame;
       singular += !library.call(model, workspace, one, expected).ok();
       const std::span<const T> found = std::span(result).subspan(k * size, size);
@@ -200,10 +181,11 @@ TEST_F(SpecialisedModels, AreShared) {
     });
   for (std::thread& thread : threads) thread.join();
 
-  const States<double> states(model, 1000, 3);
+  const RandomStates<double> all(model, 1000, 3);
+  const catalog::Arguments<double> given = all.given(model, functions[0].row.words(), 0, 1000);
   std::vector<double> alone(2000), together(2000);
-  ASSERT_TRUE(batch::run(specialised, functions[0], states.given(), alone, 1).ok());
-  ASSERT_TRUE(batch::run(specialised, functions[0], states.given(), together, 4).ok());
+  ASSERT_TRUE(batch::run(specialised, functions[0], given, alone, 1).ok());
+  ASSERT_TRUE(batch::run(specialised, functions[0], given, together, 4).ok());
   EXPECT_EQ(alone, together);
 }
 

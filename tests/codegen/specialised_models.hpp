@@ -10,6 +10,7 @@
 #include "axode/model/builder.hpp"
 #include "tests/apps/run_command.hpp"
 #include "tests/laws/law.hpp"
+#include "tests/support/random_states.hpp"
 
 /// What tests of specialised models have in common.
 namespace axode::test {
@@ -74,23 +75,6 @@ inline Model every_joint() {
   add("follower", "base", follower);
   return builder.build();
 }
-
-/// Numbers of N states, one behind the other; those of accelerations stand for forces too.
-template <class T> struct RandomStates {
-  std::vector<T> q, v, a, dq, dv, da, w;
-
-  RandomStates(const Model& model, std::size_t N, std::uint64_t seed) {
-    Random<double> random(seed);
-    const auto append = [](std::vector<T>& to, const auto& from) {
-      for (const double x : from) to.push_back(static_cast<T>(x));
-    };
-    for (std::size_t k = 0; k < N; ++k) {
-      const State<double> state = random_state(model, random);
-      append(q, state.q), append(v, state.v), append(a, state.a);
-      for (auto* x : {&dq, &dv, &da, &w}) append(*x, random_numbers(random, model.nv()));
-    }
-  }
-};
 
 /// Two hinges about one axis of which the second carries nothing.
 inline Model singular_wrist() {
