@@ -51,20 +51,5 @@ TEST_P(Threads, AgreeToTheLastBit) {
   });
 }
 
-TEST_P(Threads, AWorkspaceRemembersNothing) {
-  with_scalar(GetParam(), [&](auto scalar) {
-    using T = decltype(scalar);
-    Random<double> random(5);
-    const Model model = any_tree(random);
-    const Arguments<T> state(model, random), other(model, random);
-    const Fingerprints fresh = results<T>(GetParam(), model, {state});
-    const Fingerprints later = results<T>(GetParam(), model, {other, state});
-    ASSERT_EQ(later.size(), 2 * fresh.size());
-    for (std::size_t k = 0; k < fresh.size(); ++k)
-      EXPECT_EQ(later[2 * k + 1], fresh[k]) << functions_of<T>(GetParam())[k].name;
-    EXPECT_NE(later[0], fresh[0]);
-  });
-}
-
 }  // namespace
 }  // namespace axode::test

@@ -127,37 +127,5 @@ TEST_P(Balances, DriveForcesAreTheSharesOfJointWrenchesAlongTheJoints) {
   });
 }
 
-/// Of bodies and rotors, from the twists; rotors count by their armature.
-double kinetic_energy(Trial& trial) {
-  const std::vector<SE3<>> C = trial.poses();
-  const std::vector<Six> V = trial.twists();
-  const std::vector<double>& armature = trial.model.tree<double>().armature;
-  double E = 0;
-  for (int i = 1; i <= trial.model.n_bodies(); ++i) {
-    const std::size_t f = static_cast<std::size_t>(i);
-    const Six V_b = changed_twist(Representation::body, trial.how.representation, C[f], V[f]);
-    const Twist<BodyFixed> twist = twist_of<BodyFixed>(V_b);
-    E += 0.5 * (trial.model.body(i).M * twist | twist);
-  }
-  for (std::size_t k = 0; k < armature.size(); ++k)
-    E += 0.5 * armature[k] * trial.state.v[k] * trial.state.v[k];
-  return E;
-}
-
-TEST_P(Balances, KineticEnergyIsTheQuadraticFormOfTheMassMatrix) {
-  Comparison kinetic("kinetic", GetParam().agreement());
-  for_seeds(250, [&](std::uint64_t seed) {
-    Random<double> random(seed);
-    Trial trial(GetParam(), ModelBuilder(told(random_mechanism(random), random)).gravity({}).build(), random);
-    const std::vector<double> momenta = trial.inverse_dynamics(trial.zero(), trial.state.v, {});
-    double twice = 0, scale = 0;
-    for (std::size_t k = 0; k < momenta.size(); ++k) {
-      const double part = momenta[k] * trial.state.v[k];
-      twice += part, scale = std::max(scale, std::abs(part));
-    }
-    kinetic.expect_equal(2 * kinetic_energy(trial), twice, scale);
-  });
-}
-
 }  // namespace
 }  // namespace axode::test

@@ -53,16 +53,6 @@ TEST_P(InverseDynamics, MassMatrixIsSymmetricAndNotNegative) {
   });
 }
 
-TEST_P(InverseDynamics, IsAffineInTheAccelerations) {
-  Comparison torque("torque", GetParam().agreement());
-  for_seeds(100, [&](std::uint64_t seed) {
-    Trial trial(GetParam(), Random<double>(seed));
-    const VectorXd bias = vector(trial.inverse_dynamics(trial.state.v, trial.zero(), trial.state.loads()));
-    torque.expect_equal(VectorXd(product(columns_of_mass_matrix(trial), vector(trial.state.a)) + bias),
-                        vector(trial.inverse_dynamics()));
-  });
-}
-
 TEST_P(InverseDynamics, VelocityTermsAreQuadratic) {
   Comparison torque("torque", GetParam().agreement());
   for_seeds(250, [&](std::uint64_t seed) {

@@ -84,22 +84,6 @@ TEST_P(Poses, AreProductsOfExponentialsOfBodyAndOfSpatialScrews) {
   });
 }
 
-TEST_P(Poses, PutTheCentreOfMassAtTheMeanOfThoseOfTheBodies) {
-  Comparison moment("first moment", GetParam().agreement());
-  for_seeds(500, [&](std::uint64_t seed) {
-    Trial trial(GetParam(), Random<double>(seed));
-    if (trial.model.total_mass() == 0) return;
-    const std::vector<SE3<>> C = trial.poses();
-    Vec3<> sum;
-    for (int i = 1; i <= trial.model.n_bodies(); ++i) {
-      const Inertia<>& M = trial.model.body(i).M;
-      if (M.m > 0) sum += M.m * (C[static_cast<std::size_t>(i)] * center_of_mass(M));
-    }
-    const Vec3<> c = vectors_of(trial.call("center_of_mass"))[0];
-    moment.expect_equal(trial.model.total_mass() * c, sum, trial.model.total_mass());
-  });
-}
-
 TEST_P(Poses, OfEveryJointAtZeroAreThoseDrawn) {
   Comparison pose("pose", GetParam().agreement());
   for_seeds(500, [&](std::uint64_t seed) {

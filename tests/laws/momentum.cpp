@@ -105,25 +105,6 @@ TEST_P(MomentumForm, OfBodiesAddUpToThatOfTheSystem) {
   });
 }
 
-TEST(EnergyBalance, EnergyChangesWithThePowerOfDrivesAndLoads) {
-  Comparison power("power", 1e-6);
-  for_seeds(2000, [&](std::uint64_t seed) {
-    Trial trial(in(Representation::spatial, scalars()[0]), Random<double>(seed), {.most_bodies = 25});
-    const auto energy = [&](double s) {
-      const State<double> there = after(s, trial);
-      return trial.call("kinetic_energy", {.q = there.q, .v = there.v})[0] +
-             trial.call("potential_energy", {.q = there.q})[0];
-    };
-    const double h = 1e-5, rate = (energy(h) - energy(-h)) / (2 * h);
-    const Numbers tau = trial.inverse_dynamics();
-    double sum = 0, size = std::abs(energy(0));
-    for (std::size_t c = 0; c < tau.size(); ++c)
-      sum += tau[c] * trial.state.v[c], size += std::abs(tau[c] * trial.state.v[c]);
-    for (const double x : trial.call("load_powers")) sum += x, size += std::abs(x);
-    power.expect_equal(rate, sum, size);
-  });
-}
-
 /// What a form of the state makes: velocities, and six numbers for each body.
 struct Rates {
   Numbers v, bodies;
