@@ -20,13 +20,15 @@ endif()
 
 # What mixes representations or kinds does not compile.
 get_target_property(eigen_includes Eigen3::Eigen INTERFACE_INCLUDE_DIRECTORIES)
-file(GLOB files CONFIGURE_DEPENDS ${guards}/must_not_compile/*.cpp)
-foreach(file IN LISTS files)
-  cmake_path(GET file STEM name)
-  add_test(NAME MustNotCompile.${name}
-           COMMAND ${AXODE_PYTHON} ${guards}/must_not_compile.py ${file} ${CMAKE_CXX_COMPILER} -std=c++20
+set(file ${guards}/must_not_compile.cpp)
+set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${file})
+file(STRINGS ${file} cases REGEX "^#ifdef ")
+list(TRANSFORM cases REPLACE "^#ifdef ([a-z_]+).*" "\\1")
+foreach(case IN LISTS cases ITEMS no_case)
+  add_test(NAME MustNotCompile.${case}
+           COMMAND ${AXODE_PYTHON} ${guards}/must_not_compile.py ${file} ${case} ${CMAKE_CXX_COMPILER} -std=c++20
                    -I${PROJECT_SOURCE_DIR} -isystem ${eigen_includes})
-  set_tests_properties(MustNotCompile.${name} PROPERTIES LABELS guards)
+  set_tests_properties(MustNotCompile.${case} PROPERTIES LABELS guards)
 endforeach()
 
 # Tiny outside programs build and run against the installed tree, found by find_package and by pkg-config.

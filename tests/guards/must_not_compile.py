@@ -1,39 +1,30 @@
-"""A file does not compile, for the stated reason: must_not_compile.py FILE COMPILER [FLAG...].
+"""What mixes representations or kinds does not compile: must_not_compile.py FILE CASE COMPILER [FLAG...].
 
-The first line of FILE is `// expect: <part of the compiler's message>`; several parts, of which one must
-appear, are separated by ` or `. With -DAXODE_CONTROL the same file must compile, so that nothing but the
-forbidden expression is to blame.
+A case stands in FILE between `#ifdef CASE  // expect: <part of the compiler's message>` and `#endif`; several parts, of
+which one must appear, are separated by ` or `. With the CASE `no_case` the file must compile, so that nothing but
+the forbidden expressions is to blame.
 """
 
 import os
+import re
 import subprocess
 import sys
 from pathlib import Path
 
 
-def compile_only(compiler, file):
-    run = subprocess.run([*compiler, "-fsyntax-only", file], capture_output=True, text=True,
+def main(file, case, *compiler):
+    run = subprocess.run([*compiler, f"-D{case}", "-fsyntax-only", file], capture_output=True, text=True,
                          env={**os.environ, "LC_ALL": "C"})
-    return run.returncode == 0, run.stderr
-
-
-def main(file, *compiler):
-    first_line = Path(file).read_text(encoding="utf-8").splitlines()[0]
-    if not first_line.startswith("// expect: "):
-        print(f"{file}: the first line must be `// expect: <part of the compiler's message>`")
+    if case == "no_case":
+        if run.returncode != 0:
+            print(f"{file} does not even compile without its cases:\n{run.stderr}")
+        return run.returncode
+    expected = re.search(rf"#ifdef {case}  // expect: (.+)", Path(file).read_text(encoding="utf-8"))[1].split(" or ")
+    if run.returncode == 0:
+        print(f"{file} compiles with {case}, but must not")
         return 1
-    expected = first_line.removeprefix("// expect: ").split(" or ")
-
-    compiles, message = compile_only([*compiler, "-DAXODE_CONTROL"], file)
-    if not compiles:
-        print(f"{file} does not even compile with AXODE_CONTROL:\n{message}")
-        return 1
-    compiles, message = compile_only(compiler, file)
-    if compiles:
-        print(f"{file} compiles, but must not")
-        return 1
-    if not any(part in message for part in expected):
-        print(f"{file} fails to compile, but without saying any of {expected}:\n{message}")
+    if not any(part in run.stderr for part in expected):
+        print(f"{file} fails to compile with {case}, but without saying any of {expected}:\n{run.stderr}")
         return 1
     return 0
 

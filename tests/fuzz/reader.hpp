@@ -1,0 +1,24 @@
+#pragma once
+#include <cstddef>
+#include <cstdint>
+#include <sstream>
+
+#include "axode/io.hpp"
+#include "axode/io/reading.hpp"
+#include "axode/model/builder.hpp"
+
+namespace axode::test {
+
+/// Whatever the bytes of a file are, its reader gives faults or a model, and a model can be written. Nothing else may be thrown.
+inline int fuzz(io::Reading (*read)(std::string_view, const std::string&, Strictness),
+                const std::uint8_t* data, std::size_t size) {
+  const std::string_view text(reinterpret_cast<const char*>(data), size);
+  const io::Reading reading = read(text, "fuzz", Strictness::lenient);
+  const ModelBuilder builder(reading.description);
+  if (io::has_error(builder.check()) || io::has_error(reading.faults)) return 0;
+  std::ostringstream out;
+  write_drawing(builder.build(), out);
+  return 0;
+}
+
+}  // namespace axode::test
