@@ -2,6 +2,7 @@
 
 #include "tests/laws/law.hpp"
 #include "tests/support/functions.hpp"
+#include "tests/support/refused_arguments.hpp"
 
 /// What holds for every function of the catalogue, in every representation and by the fast path.
 namespace axode::test {
@@ -144,8 +145,63 @@ TEST_P(EveryFunction, RefusesWrongSizes) {
     std::vector<T> memory(size + entry);
     for (const std::size_t wrong : {size - std::min(size, entry), size + entry})
       if (wrong != size) {
-        EXPECT_NE(calls.call(function, calls.arguments.given(), {memory.data(), wrong}).refusal, "") << wrong;
+        const std::string refusal =
+            calls.call(function, calls.arguments.given(), {memory.data(), wrong}).refusal;
+        EXPECT_TRUE(refusal.starts_with(std::string(function.symbols[0]) + " has ")) << refusal;
+        EXPECT_NE(refusal.find(" entries; expected "), std::string::npos) << refusal;
       }
+  });
+}
+
+TEST_P(EveryFunction, RefusesAWorkspaceOfASmallerModel) {
+  for_functions(GetParam(), 20, small, [&]<class T>(Calls<T>& calls, const Function<T>& function) {
+    if (calls.model.n_bodies() < 2) return;
+    const Workspace<T> own = calls.workspace;
+    calls.workspace = Workspace<T>(one_body());
+    const std::string refusal = calls.call(function).refusal;
+    EXPECT_TRUE(refusal.starts_with("workspace: made for 1 bodies")) << refusal;
+    calls.workspace = own;
+  });
+}
+
+TEST_P(EveryFunction, RefusesQuaternionsThatAreNotOfUnitNorm) {
+  const double allowed = GetParam().single ? 5e-5 : 5e-7;
+  const TreeRecipe recipe{.most_bodies = 8, .one_free_root = true};
+  for_functions(GetParam(), 20, recipe, [&]<class T>(Calls<T>& calls, const Function<T>& function) {
+    const Joint& joint = calls.model.joint(1);
+    ASSERT_EQ(joint.nq, 7);
+    for (const double norm : {1 + allowed, 1 + 4 * allowed, 2.0, 0.0, std::nan("")}) {
+      catalog::Arguments<T> given = calls.arguments.given();
+      std::vector<T> q = calls.arguments.q;
+      for (int k = joint.iq; k < joint.iq + joint.nq; ++k) q[static_cast<std::size_t>(k)] *= T(norm);
+      given.q = q;
+      const std::string refusal = calls.call(function, given).refusal;
+      if (norm == 1 + allowed) {
+        EXPECT_EQ(refusal.find("must be 1 to 1e-0"), std::string::npos) << refusal;
+      } else {
+        EXPECT_TRUE(refusal.starts_with("q: ")) << refusal;
+        EXPECT_NE(refusal.find('"' + joint.name + '"'), std::string::npos) << refusal;
+        EXPECT_NE(refusal.find("must be 1 to 1e-0"), std::string::npos) << refusal;
+      }
+    }
+  });
+}
+
+TEST_P(EveryFunction, RefusesLoadsOnFramesThatDoNotExist) {
+  for_functions(GetParam(), 20, small, [&]<class T>(Calls<T>& calls, const Function<T>& function) {
+    if (!function.takes_input(Input::loads)) return;
+    for (const int frame : {-1, calls.model.n_frames()}) {
+      std::vector<AppliedWrench<T>> wrenches = calls.arguments.wrenches;
+      wrenches.back().frame = frame;
+      catalog::Arguments<T> given = calls.arguments.given();
+      given.loads.wrenches = wrenches;
+      const std::string refusal = calls.call(function, given).refusal;
+      EXPECT_TRUE(refusal.starts_with("loads: ")) << refusal;
+      EXPECT_NE(refusal.find("frame " + std::to_string(frame)), std::string::npos) << refusal;
+      EXPECT_NE(refusal.find("has frames 0 to " + std::to_string(calls.model.n_frames() - 1)),
+                std::string::npos)
+          << refusal;
+    }
   });
 }
 
