@@ -24,8 +24,7 @@ std::vector<int> velocities_of(const Model& model, const std::vector<std::string
 
 void add_assembly_options(CLI::App& app, Assembling& assembling) {
   app.add_flag("--assemble", assembling.wanted, "Close the loops of the state first");
-  app.add_option("--hold", assembling.hold,
-                 "A joint that stays where it is as --assemble closes the loops; may be given again")
+  app.add_option("--hold", assembling.hold, "A joint that --assemble does not move; may be given again")
       ->type_name("JOINT")
       ->allow_extra_args(false);
 }
@@ -33,8 +32,7 @@ void add_assembly_options(CLI::App& app, Assembling& assembling) {
 void assemble(const Model& model, const Assembling& assembling, State& state) {
   if (!assembling.wanted) {
     if (!assembling.hold.empty())
-      throw UsageError(
-          "--hold says which joints stay where they are as the loops close; give --assemble as well");
+      throw UsageError("--hold names joints that --assemble does not move; give --assemble as well");
     return;
   }
   const std::vector<int> held = velocities_of(model, assembling.hold);

@@ -42,12 +42,12 @@ struct Outcome {
 class TemporaryFile {
  public:
   TemporaryFile() : file_(std::tmpfile(), std::fclose) {
-    if (!file_) throw InputError("no temporary file can be made");
+    if (!file_) throw InputError("gnuplot: no temporary file can be created");
   }
   int descriptor() const { return fileno(file_.get()); }
   void write(const std::string& text) {
     if (std::fwrite(text.data(), 1, text.size(), file_.get()) != text.size() || std::fflush(file_.get()) != 0)
-      throw InputError("a temporary file cannot be written");
+      throw InputError("gnuplot: a temporary file cannot be written");
     std::rewind(file_.get());
   }
   std::string text() {

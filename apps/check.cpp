@@ -21,10 +21,10 @@ struct Options {
 constexpr const char* footer = R"(Example:
   axode check arm7.toml humanoid.urdf
 
-Every fault is one line, FILE:LINE: error: ... or FILE:LINE: warning: ... What can be computed although it is
-doubtful (a mass of 0, an inertia that no density produces, limits the wrong way round, a joint that follows
-one which does not exist) is a warning, and with --strict an error, as for every command. The exit code is 1
-where there is an error in any of the files.)";
+Every fault is printed as one line, FILE:LINE: error: ... or FILE:LINE: warning: ... A defect that does
+not prevent computations is a warning, for example a mass of 0, an inertia that no density produces,
+interchanged limits, or a joint that follows a joint which does not exist. With --strict it is an error,
+as for every command. The exit code is 1 if any of the files has an error.)";
 
 std::string counted(std::size_t n, const char* what) {
   return fmt::format("{} {}{}", n == 0 ? "no" : std::to_string(n), what, n == 1 ? "" : "s");

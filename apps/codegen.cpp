@@ -24,37 +24,38 @@ struct Options {
 
 constexpr const char* footer = R"(Functions (several are separated by commas):
   inverse_dynamics         tau from q, v, a
-  forward_dynamics         a from q, v, tau; returns 1 where the mass matrix may be singular, else 0
+  forward_dynamics         a from q, v, tau; returns 1 if the mass matrix may be singular, else 0
   mass_matrix              M from q, nv x nv
-  inverse_mass_matrix      its inverse from q, nv x nv; returns what forward_dynamics does
+  inverse_mass_matrix      inverse of M from q, nv x nv; returns 1 or 0 like forward_dynamics
   poses                    C of all frames from q: the columns of R, then r, 12 numbers each
-  pose:FRAME               that of one frame
+  pose:FRAME               C of one frame from q
   jacobian:FRAME[:REP]     J of a frame from q, 6 x nv, angular rows first; REP is body (if left out),
                            spatial, hybrid or mixed
-and, of inverse_dynamics and forward_dynamics, with their names before:
-  _derivatives             by q, v and a or tau, nv x nv each, one behind the other
-  _jvp                     what a direction (dq, dv, da or dtau) does to the result
-  _vjp                     the gradients of w times the result by q, v and a or tau, nv each
-  _hessian                 the second derivatives of w times the result by (q, q), (q, v), (v, v)
+and derivatives of inverse_dynamics and forward_dynamics, whose names begin with the name of the function:
+  _derivatives             Jacobians by q, v and a or tau, nv x nv each, one after the other
+  _jvp                     derivative along a direction (dq, dv, da or dtau)
+  _vjp                     gradients of w times the result by q, v and a or tau, nv each
+  _hessian                 second derivatives of w times the result by (q, q), (q, v), (v, v)
                            and (a or tau, q), nv x nv each
 
 Example:
   axode codegen arm7.toml --functions inverse_dynamics,jacobian:flange:hybrid
 
-The file is C99 (and C++), needs no other, and says what its arguments are. Only the operations that this
-mechanism needs are in it: products with 0 and 1, signs and repetitions are gone, and inertia that a joint
-does not turn is counted to the body before it. Results differ from those of `axode eval` by rounding, for
-angles up to 1e5 rad. Fast with cc -O3 -march=native -ffp-contract=fast, wrong with -ffast-math.
+The file is C99 (and C++), includes no other file, and describes the arguments of each function. It
+contains only the operations that this mechanism needs: products with 0 and 1, changes of sign and
+repeated operations are removed, and inertia that a joint does not turn is added to the preceding body.
+For angles up to 1e5 rad the results agree with `axode eval` to rounding. Compile with cc -O3
+-march=native -ffp-contract=fast; -ffast-math gives wrong results.
 
-With --abi casadi the functions, without those of derivatives, are external functions of CasADi, and each brings
-its exact first and second derivatives along:
+With --abi casadi the functions are external functions of CasADi, and each has exact first and second
+derivatives (the functions for derivatives above are then not available):
   axode codegen arm7.toml --functions forward_dynamics --abi casadi --output arm7.c
   cc -O3 -march=native -ffp-contract=fast -fPIC -shared arm7.c -o arm7.so -lm
-and in Python casadi.external("arm7_forward_dynamics", "./arm7.so"). With --states N they are of N states at once,
-the columns of their arguments.
+and in Python casadi.external("arm7_forward_dynamics", "./arm7.so"). With --states N a function computes N
+states at once, which are the columns of its arguments.
 
-With --abi cuda it is CUDA: each function for a thread of a GPU, and NAME_states, a kernel for n states that lie
-side by side, entry k of state i at x[k * n + i], which writes NaN where the function returns 1.)";
+With --abi cuda the file is CUDA: it has each function for one thread of a GPU, and a kernel NAME_states
+for n states. Entry k of state i is at x[k * n + i]. The kernel writes NaN if the function returns 1.)";
 
 /// Pairs of words and their values.
 template <class Meaning, std::size_t N> constexpr auto named(const std::array<std::string_view, N>& words) {
@@ -92,7 +93,7 @@ std::vector<codegen::Function> wanted(const Model& model, const std::string& lis
     const codegen::Function function{*catalog::Id::of(codegen::recorded_functions[chosen])};
     const std::string rest = word.substr(std::min(colon + 1, word.size()));
     if (!function.is_of_a_frame() && colon < word.size())
-      throw UsageError("--functions: \"" + word + "\": only jacobian and pose are about a frame");
+      throw UsageError("--functions: \"" + word + "\": only jacobian and pose take a frame");
     all.push_back(function.is_of_a_frame() ? of_a_frame(model, function, rest) : function);
   }
   return all;
@@ -102,7 +103,7 @@ void run(const Options& options) {
   const Model model = load(options.mechanism);
   if (!options.name.empty() && !codegen::is_identifier(options.name))
     throw UsageError("--name: \"" + options.name +
-                     "\" is no C identifier: letters, digits and underscores, no digit first");
+                     "\" is not a C identifier: letters, digits and underscores, no digit first");
   const std::vector<codegen::Function> functions = wanted(model, options.functions);
   const codegen::Source source = codegen::c_source(
       model, functions,
@@ -135,7 +136,7 @@ void add_codegen(CLI::App& app, int& exit_code) {
       ->add_option("--states", options->states,
                    "With --abi casadi: how many states a function is of; 1 if left out")
       ->type_name("N");
-  codegen->add_option("--name", options->name, "What all names begin with; the model's name if left out")
+  codegen->add_option("--name", options->name, "Prefix of all names; the model's name if left out")
       ->type_name("PREFIX");
   codegen->add_option("--output", options->out, "The file to write; standard output if left out")
       ->type_name("FILE");

@@ -19,9 +19,9 @@ constexpr const char* footer = R"(Example:
   axode completion bash
 
 In ~/.bashrc: source <(axode completion bash). In ~/.zshrc, after compinit: source <(axode completion zsh).
-For fish: axode completion fish > ~/.config/fish/completions/axode.fish. An installed axode has these files in
-their places.
-The scripts call axode with the WORDS of a command line, and it prints what the last of them can become.)";
+For fish: axode completion fish > ~/.config/fish/completions/axode.fish. `cmake --install` installs
+these files.
+The scripts call axode with the WORDS of a command line, and axode prints the completions of the last word.)";
 
 /// A shell calls axode with all words after `axode`, the last of which is to be completed. The output has a
 /// line for each completion: a word, a tab and a description. The output ":files" stands for the names of
@@ -149,7 +149,7 @@ void add_completion(CLI::App& app, int& exit_code) {
   CLI::App* completion =
       app.add_subcommand("completion", "Print what makes a shell complete commands and options");
   completion->add_option("SHELL", *shell, "The shell")->required()->type_name(words(shells));
-  completion->add_option("WORDS", *line, "Words behind axode, to complete the last of them");
+  completion->add_option("WORDS", *line, "Words after axode; the last one is completed");
   completion->footer(footer);
   completion->callback([&app, shell, line, &exit_code] {
     const char* const script = choose("SHELL", *shell, shells);

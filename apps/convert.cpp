@@ -27,10 +27,11 @@ struct Options {
 constexpr const char* footer = R"(Example:
   axode convert humanoid.urdf humanoid.toml
 
-The ending of OUT decides: .toml is a drawing, .urdf a URDF, .xml MJCF. What the format has no words for,
-such as springs in a URDF, is left out with a warning; with --strict it is an error, and nothing is written.
-Joints of a kind that the format does not have, such as helical ones, are always an error. IN is a drawing, a
-URDF or SDFormat (.sdf, .world); MJCF is read by the Python package: axode.load.)";
+The suffix of OUT chooses the format: .toml is a drawing, .urdf a URDF, .xml MJCF. Properties that the
+format cannot describe, such as springs in a URDF, are left out with a warning; with --strict they are an
+error, and nothing is written. A joint of a kind that the format does not have, such as a helical joint,
+is always an error. IN is a drawing, a URDF or SDFormat (.sdf, .world); MJCF is read by the Python
+package: axode.load.)";
 
 /// Writes the file and returns warnings about what the format cannot express.
 using Writer = std::vector<Fault> (*)(const Model&, std::ostream&, Strictness);
@@ -70,7 +71,7 @@ void add_convert(CLI::App& app, int& exit_code) {
       app.add_subcommand("convert", "Write a mechanism in another format: drawing, URDF, MJCF");
   add_model_options(*convert, options->in, Files::one, "IN");
   convert->add_option("OUT", options->out, "The file to write")->required()->type_name("FILE");
-  convert->add_flag("--force", options->force, "Replace OUT where it exists");
+  convert->add_flag("--force", options->force, "Replace OUT if it exists");
   convert->footer(footer);
   convert->callback([options, &exit_code] {
     run(*options);

@@ -34,15 +34,16 @@ struct Options {
 constexpr const char* footer = R"(Quantities for --want (several are separated by commas):
 {quantities}
 
-A state is a JSON object with the keys q, v, a, jerk, snap, tau, p, dq, dv, da, dtau, w, loads and targets, all of
+A state is a JSON object with the keys q, v, a, jerk, snap, tau, p, dq, dv, da, dtau, w, loads and
+targets, all of
 which may be left out:
   q, v, a, jerk, snap, tau, p; a direction dq, dv, da, dtau; weights w, 1 if absent:
             arrays in the model's order (`axode info MODEL` shows it), or objects keyed by joint
             name; a joint that is not named is neutral or at rest
   loads     applied wrenches, a list of {"frame": NAME, "representation": "body", "wrench": [moment, force]}
   targets   poses for inverse_kinematics, a list of {"frame": NAME, "pose": [four rows of four numbers]}
-Units are m, kg, s, rad. Rotations are quaternions x y z w. Twists, accelerations and wrenches have
-their angular part first, in the representation that --representation names.
+Units are m, kg, s, rad. Rotations are quaternions x y z w. Twists, accelerations and wrenches have their
+angular part first, in the representation that --representation names.
 
 Example:
   echo '{"q": {"A4": 0.5}, "loads": [{"frame": "flange", "wrench": [0, 0, 0, 0, 0, -20]}]}' |
@@ -50,9 +51,9 @@ Example:
   echo '{"q": {"A2": 0.5}}' | axode simulate arm7.toml --state - --output run.csv
   axode eval arm7.toml --state run.csv --want poses --frame flange --plot flange.svg
 
-A .csv with a row for each state, as `axode simulate --output` writes it, is a sweep: its columns are t and, each with a
-name of `axode info` behind it, q, v, a and tau. The table has the smallest and the largest of each number, --plot draws
-them over t, and the JSON has a list of values for each quantity.
+A .csv with a row for each state, as `axode simulate --output` writes it, is a sweep: its columns are t
+and, each with a name of `axode info` behind it, q, v, a and tau. The table has the smallest and the
+largest of each number, --plot draws them over t, and the JSON has a list of values for each quantity.
 
 The JSON is {"model", "nq", "nv", "joints": [...], "results": {name: value}} with arrays in the order
 of "joints", poses, twists and accelerations keyed by frame, joint_wrenches keyed by joint. Jacobians are
@@ -84,7 +85,7 @@ std::vector<Quantity> wanted(const std::string& list) {
     const auto found =
         std::find_if(all.begin(), all.end(), [&](const Quantity& q) { return q.name == name; });
     for (const auto& [function, remedy] : elsewhere)
-      if (name == function) throw UsageError(fmt::format("--want: {} is no quantity: {}", name, remedy));
+      if (name == function) throw UsageError(fmt::format("--want: {} is not a quantity: {}", name, remedy));
     if (found == all.end())
       throw UsageError("--want: there is no quantity \"" + name + '"' +
                        suggestion(name, all, [](const Quantity& q) { return q.name; }));
@@ -291,8 +292,9 @@ void add_eval(CLI::App& app, int& exit_code) {
   eval->add_option("--coriolis", options->coriolis, "The form of C")
       ->type_name(words(coriolis_forms))
       ->capture_default_str();
-  eval->add_option("--at", options->at,
-                   "What moments of joint_wrenches are about: the body's origin, or the joint's point")
+  eval->add_option(
+          "--at", options->at,
+          "Reference point of the moments of joint_wrenches: origin of the body, or point of the joint")
       ->type_name(words(wrench_points))
       ->capture_default_str();
   eval->add_flag("--joint-losses", options->joint_losses,

@@ -277,7 +277,7 @@ void print_frames(const Model& model) {
     table.row({frame.name, model.body(frame.body).name, r.x, r.y, r.z, a.x, a.y, a.z, a.w});
   }
   if (!table.empty())
-    fmt::print("\n{} (besides those of the bodies, in the frame of their body; m)\n{}",
+    fmt::print("\n{} (other than those of the bodies, in the frame of their body; m)\n{}",
                in(Ink::heading, "frames"), table.text());
 }
 

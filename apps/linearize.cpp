@@ -41,23 +41,25 @@ struct Options {
 };
 
 constexpr const char* footer =
-    R"(Small deviations x = (delta, dv) from the motion through the state change as x' = A x + B dtau: the displacements
-delta of the joints, angles and lengths in their own axes, and their velocities dv. The modes are how they do so by
-themselves: natural frequencies and damping ratios of those that oscillate, time constants of those that die out or
-grow, and the displacements in each, the largest of them 1.
+    R"(Small deviations x = (delta, dv) from the motion through the state change as x' = A x + B dtau: the
+displacements delta of the joints, angles and lengths in their own axes, and their velocities dv. The
+command prints the modes of the system without dtau: natural frequency and damping ratio of a mode that
+oscillates, time constant of a mode that decays or grows, and the displacements in each mode, scaled so
+that the largest is 1.
 
-STATE is the JSON object of `axode eval` with the keys q, v, tau and loads; what is left out is neutral, at rest or 0.
---equilibrium goes from q to a configuration near it that rests under tau and the loads, stable or not; --hold makes tau
-what holds q at rest, of joints that are not passive where there are loops. With loops x is about velocities that
-are independent, of which the names are told.
+STATE is the JSON object of `axode eval` with the keys q, v, tau and loads; keys that are left out are
+neutral, at rest or 0. --equilibrium replaces q by a near configuration that is in equilibrium under tau
+and the loads, stable or unstable. --hold replaces tau by the drive forces that hold q at rest; in a
+mechanism with loops only joints that are not passive have drives. With loops x refers to independent
+velocities, whose names are printed.
 
 Example:
   echo '{"q": {"pin": 3}}' |
     axode linearize double_pendulum.toml --state - --equilibrium --output AB.npz --output AB.csv --plot poles.svg
 
-The ending of FILE says what is written by --output: .json all that is known; .csv the matrix [A B] with 2nv rows and 3nv columns (fewer
-with loops) and their names; .npz A and B: A = numpy.load("AB.npz")["A"]. --plot draws the poles, which are the
-eigenvalues of A, and the natural frequencies.)";
+The suffix of FILE chooses what --output writes: .json has all results; .csv has the matrix [A B] with 2nv
+rows and 3nv columns (fewer with loops) and their names; .npz has A and B: A = numpy.load("AB.npz")["A"].
+--plot draws the poles, which are the eigenvalues of A, and the natural frequencies.)";
 
 constexpr Index most_columns = 8;        ///< largest width of a matrix that is printed
 constexpr std::size_t most_entries = 4;  ///< largest number of entries of a mode shape that are printed
@@ -340,7 +342,9 @@ void print(const Linearized& at) {
                                 "per s, N m or N, per s^2"));
   const double a = as_eigen(std::span<const double>(state.a)).lpNorm<Eigen::Infinity>();
   if (!is_zero(state.v) || a > 1e-6)
-    fmt::print("\n{}\n", in(Ink::warning, "no equilibrium: A and B are those of this instant of a motion"));
+    fmt::print("\n{}\n",
+               in(Ink::warning,
+                  "the state is no equilibrium: A and B are the matrices at this instant of a motion"));
   fmt::print("{}{}{}", matrix_tables(at),
              heading("modes", verdict(at) + "; time constants in s, displacements in rad or m"),
              mode_table(at));

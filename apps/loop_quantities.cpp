@@ -52,7 +52,7 @@ template <class F> Answer matrix_answer(const Question& ask, const char* label, 
   return answer_by_rows(ask, label, kind, matrix, velocity_names(ask.model));
 }
 Answer loop_jacobian_answer(const Question& ask) {
-  return matrix_answer(ask, "A with A v = 0 where v keeps the loops closed", Rows::velocities,
+  return matrix_answer(ask, "A with A v = 0 if v keeps the loops closed", Rows::velocities,
                        [](auto&... x) { loop_jacobian(x...); });
 }
 Answer loop_residual_jacobian_answer(const Question& ask) {

@@ -13,7 +13,7 @@ namespace {
 constexpr const char* footer = R"(Example:
   axode manual
 
-To read it: axode manual | man -l -. An installed axode has it in its place: man axode.)";
+To read it: axode manual | man -l -. After `cmake --install`: man axode.)";
 
 /// Lines of roff that are shown with their breaks and blanks.
 std::string as_it_stands(const std::string& text) {

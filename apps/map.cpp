@@ -18,14 +18,15 @@ constexpr const char* footer = R"(Example:
   axode map inverse_dynamics humanoid.urdf states.parquet tau.parquet --base free
   axode map jacobian arm7.toml states/ jacobians/ --set frame=flange --set representation=hybrid
 
-A function of the Python package that takes N states, of the states in STATES: columns q, v, a and tau with lists of numbers, or
-"q A1", "q A2", ... as in the run.csv of `axode simulate`. OUTPUT has a row for each, in their order; the result of
-inverse_dynamics is tau, that of forward_dynamics a, others are called like the function. What was ended before goes on
-where it was. docs/distributed.md says more.
+FUNCTION is a function of the Python package that takes N states. STATES has the columns q, v, a and tau
+with lists of numbers, or "q A1", "q A2", ... as in the run.csv of `axode simulate`. OUTPUT has a row for
+each state, in the same order; the result of inverse_dynamics is named tau, that of forward_dynamics a,
+and every other one like its function. An interrupted job continues where it stopped. See
+docs/distributed.md.
 
-This is the package's program, `python -m axode map`, which needs pyarrow: pip install pyarrow. It is run by the
-python3 of PATH, so that of an active virtual environment, or by the program that AXODE_PYTHON names; the
-command that pip installs is of one environment and runs the Python of that one.)";
+This command runs `python -m axode map`, which needs pyarrow: pip install pyarrow. It uses the program in
+AXODE_PYTHON, or else the first python3 on PATH, which is the one of an active virtual environment; the
+command that pip installs uses the Python of its own environment.)";
 
 /// Arguments of Python that keep the working folder out of the path of modules.
 constexpr const char* program = R"(
@@ -64,8 +65,8 @@ std::vector<std::string> words_given(const CLI::App& map) {
   arguments.push_back(nullptr);
   execvp(python.c_str(), arguments.data());
   throw InputError(
-      fmt::format("{} cannot be run: {}; `axode map` needs Python, of which AXODE_PYTHON names the program",
-                  python, std::strerror(errno)));
+      fmt::format("{} cannot be run: {}; `axode map` needs Python; set AXODE_PYTHON to its program", python,
+                  std::strerror(errno)));
 }
 
 }  // namespace
@@ -80,22 +81,23 @@ void add_map(CLI::App& app) {
     map->add_flag_function(
         name, [](std::int64_t) {}, meaning);
   };
-  add("FUNCTION", "Of a state, such as inverse_dynamics or poses", "TEXT")->required();
+  add("FUNCTION", "A function of a state, such as inverse_dynamics or poses", "TEXT")->required();
   add("MODEL", "A drawing (.toml), a URDF, SDFormat, MJCF or xacro", "FILE")->required();
-  add("STATES", "A Parquet file, or a folder of such", "FILE")->required();
-  add("OUTPUT", "A file where it ends in .parquet, otherwise a folder", "FILE")->required();
+  add("STATES", "A Parquet file, or a folder of Parquet files", "FILE")->required();
+  add("OUTPUT", "A file if the name ends in .parquet, otherwise a folder", "FILE")->required();
   add("--base", "How the base is held; as the file says if left out", "fixed|free");
-  add_flag("--strict", "Refuse what is doubtful instead of warning of it");
+  add_flag("--strict", "Treat warnings as errors");
   add("--set", "An argument of the function; may be given again", "NAME=VALUE")
       ->expected(1, CLI::detail::expected_max_vector_size)
       ->allow_extra_args(false);
-  add("--keep", "Columns to carry over, with commas, or all or none; what is no part of a state if left out",
+  add("--keep",
+      "Columns to copy, separated by commas, or all, or none; all that are not part of a state if left out",
       "NAMES");
-  add_flag("--float", "float instead of double in the files");
-  add("--faulty", "What is done where a state has no result; refuse if left out", "refuse|nan");
-  add_flag("--overwrite", "Replace what is there");
-  add("--cluster", "Of a Ray cluster, or local; $RAY_ADDRESS or this process if left out", "ADDRESS");
-  add("--threads", "Of this process; as many as there are cores if left out", "N");
+  add_flag("--float", "Write float instead of double");
+  add("--faulty", "What to do if a state has no result; refuse if left out", "refuse|nan");
+  add_flag("--overwrite", "Replace existing results");
+  add("--cluster", "Address of a Ray cluster, or local; $RAY_ADDRESS or this process if left out", "ADDRESS");
+  add("--threads", "Threads of this process; one for each core if left out", "N");
   map->footer(footer);
   map->callback([map] { hand_over(words_given(*map)); });
 }

@@ -86,7 +86,7 @@ std::string as_npy(const NamedArray& array) {
 
 /// Checks a call of libzip, which fails if there is no memory.
 template <class T> T* made(T* thing) {
-  if (thing == nullptr) throw std::runtime_error("no .npz could be made: there is no memory for it");
+  if (thing == nullptr) throw std::runtime_error("no .npz can be written: there is not enough memory");
   return thing;
 }
 

@@ -27,7 +27,7 @@ void add_model_options(CLI::App& command, ModelOptions& options, Files files, co
   }
   command.add_option("--base", options.base, "How the base is held; as the file says if left out")
       ->type_name(words(bases));
-  command.add_flag("--strict", options.strict, "Refuse what is doubtful instead of warning of it");
+  command.add_flag("--strict", options.strict, "Treat warnings as errors");
 }
 
 std::vector<Model> load_all(const ModelOptions& options) {

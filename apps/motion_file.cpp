@@ -60,7 +60,7 @@ Tables read_csv(const Model& model, const std::string& file) {
     std::vector<double>& numbers = lines.emplace_back();
     for (const std::string& word : words) {
       const std::optional<double> x = number_in(word);
-      if (!x) refuse(fmt::format("{}:{}: \"{}\" is no number", file, number, word.substr(0, 40)));
+      if (!x) refuse(fmt::format("{}:{}: \"{}\" is not a number", file, number, word.substr(0, 40)));
       numbers.push_back(*x);
     }
   });
@@ -122,7 +122,7 @@ Rows read_npy(const std::string& bytes, const std::string& name) {
     return static_cast<std::size_t>(static_cast<unsigned char>(bytes[k]));
   };
   const auto wrong = [&](const std::string& why) { refuse(name + ": " + why); };
-  if (bytes.size() < 12 || !bytes.starts_with("\x93NUMPY")) wrong("it is no array of numpy");
+  if (bytes.size() < 12 || !bytes.starts_with("\x93NUMPY")) wrong("it is not an array of numpy");
   const bool first_version = byte(6) == 1;
   const std::size_t begin = first_version ? 10 : 12,
                     length = byte(8) | byte(9) << 8 | (first_version ? 0 : byte(10) << 16 | byte(11) << 24);
@@ -131,7 +131,7 @@ Rows read_npy(const std::string& bytes, const std::string& name) {
       data(&bytes[begin + length], bytes.size() - begin - length);
   if (!told(header, "'descr': ").starts_with("'<f8'") ||
       !told(header, "'fortran_order': ").starts_with("False"))
-    wrong("it is no array of float64 in C order");
+    wrong("it is not an array of float64 in C order");
   std::vector<std::size_t> shape;
   std::string_view list = told(header, "'shape': (");
   list = list.substr(0, list.find(')'));

@@ -260,7 +260,7 @@ Answer inertial_parameters_answer(const Question& ask) {
 std::vector<Quantity> other_quantities() {
   return {
       {"jacobian_derivative", "time derivative of --order of the Jacobian", jacobian_derivative_answer},
-      {"jacobian_partials", "its partial derivatives of --order in the configuration",
+      {"jacobian_partials", "partial derivatives of --order of the Jacobian by the configuration",
        jacobian_partials_answer},
       {"jerk", "second time derivatives of the twists", jerk_answer},
       {"snap", "third time derivatives of the twists", snap_answer},

@@ -25,11 +25,12 @@ struct Options {
 };
 
 constexpr const char* footer =
-    R"(A TABLE is a CSV file with the names of its columns in the first line, as `axode simulate --output run.csv` writes it. The
-first column is along the axis, each of the others is a curve. Those with the same first word, or the same words
-before a colon, share a panel that is called so: "q pin" and "q elbow" are the curves pin and elbow of the panel q. Cells that
-are empty or not finite are left out, and on logarithmic axes what is not above 1e-307. Each table has panels of its own,
-side by side; a chart has at most 60 places for them.
+    R"(A TABLE is a CSV file with the names of its columns in the first line, as `axode simulate --output
+run.csv` writes it. The first column is the horizontal axis, and each other column is a curve. Columns
+with the same first word, or the same words before a colon, share a panel of that name: "q pin" and "q
+elbow" are the curves pin and elbow of the panel q. Cells that are empty or not finite are left out, and
+on logarithmic axes also numbers that are not above 1e-307. Each table has its own panels, side by side; a
+chart has room for 60 panels.
 
 Example:
   axode simulate four_bar.toml --until 2 --output run.csv
@@ -87,7 +88,9 @@ class TableReader {
  private:
   void read_headings(const std::vector<std::string>& cells) {
     if (cells.size() == 1)
-      throw InputError(file_ + ": there is one column; the first is along the axis, and others are drawn");
+      throw InputError(
+          file_ +
+          ": there is only one column; the first one is the horizontal axis, and the others are drawn");
     x_axis_ = cells.front();
     for (std::size_t k = 1; k < cells.size(); ++k) {
       auto [panel, curve] = split(cells[k]);
@@ -104,7 +107,7 @@ class TableReader {
   double number(std::size_t line, const std::string& cell) const {
     if (cell.empty()) return NAN;
     const std::optional<double> x = number_in(cell);
-    if (!x) throw InputError(fmt::format("{}:{}: \"{}\" is no number", file_, line, cell.substr(0, 40)));
+    if (!x) throw InputError(fmt::format("{}:{}: \"{}\" is not a number", file_, line, cell.substr(0, 40)));
     return *x;
   }
 
@@ -179,7 +182,7 @@ void add_plot(CLI::App& app, int& exit_code) {
       ->required()
       ->type_name("FILE");
   plot->add_option("--output", options->picture, "The .svg or .png to draw")->required()->type_name("FILE");
-  plot->add_option("--log", options->logarithmic, "Which axes are logarithmic; none if left out")
+  plot->add_option("--log", options->logarithmic, "Logarithmic axes; none if left out")
       ->type_name(words(logarithmic_axes));
   plot->add_flag("--bars", options->bars, "Bars instead of curves");
   plot->footer(footer);

@@ -42,34 +42,39 @@ struct Options {
 };
 
 constexpr const char* footer =
-    R"(The motion of a mechanism from a state at t = 0 under its weight, constant drive forces and loads, on the Lie group of its
-configurations: quaternions stay unit quaternions, and no orientation is singular.
+    R"(Simulates a mechanism from a state at t = 0 under gravity, constant drive forces and loads. The
+integration is on the Lie group of configurations: quaternions stay unit quaternions, and no orientation
+is singular.
 
-METHOD is dopri5 (steps as long as the tolerances allow), rk4 or euler (steps of --step seconds; of fourth and of first
-order, the latter semi-implicit), or generalized_alpha (implicit, of second order, for stiff systems). Methods on (q, p) keep the
-momentum of what floats to rounding: midpoint, suzuki4 and kahan_li6 (implicit, of second, fourth and sixth order), whose energy
-errors stay bounded, and rk4_momenta (explicit).
+METHOD is dopri5 (adaptive steps), rk4 or euler (fixed steps of --step seconds; of fourth and of first
+order, the latter semi-implicit), or generalized_alpha (implicit, of second order, for stiff systems). The
+methods on (q, p) conserve the momenta of floating bases to rounding: midpoint, suzuki4 and kahan_li6
+(implicit, of second, fourth and sixth order), whose energy errors stay bounded, and rk4_momenta
+(explicit).
 
---coordinates are relative (those of the joints), absolute (bodies as points of SE(3), every joint a constraint) or
-absolute_SO3xR3 (of SO(3) x R^3). In absolute coordinates dopri5, rk4 and euler bring joints and loops back after each step;
-rattle, rattle_suzuki4 and rattle_kahan_li6 (of second, fourth and sixth order; symplectic, or with what rolls symmetric),
-half_explicit (third order), generalized_alpha and generalized_alpha_index3 are there besides. Results are in coordinates of
-the joints in any case.
+--coordinates are relative (joint coordinates), absolute (bodies as points of SE(3), every joint a
+constraint) or absolute_SO3xR3 (bodies as points of SO(3) x R^3). In absolute coordinates dopri5, rk4 and
+euler project onto the constraints after each step. Further methods for absolute coordinates are rattle,
+rattle_suzuki4 and rattle_kahan_li6 (of second, fourth and sixth order; symplectic, or symmetric if there
+are rolling contacts), half_explicit (third order), generalized_alpha and generalized_alpha_index3.
+Results are always joint coordinates.
 
-With --pd the joints are driven towards the q and v of --target besides, all but passive ones and free ones on the ground, by
-tau = KP (q_target - q) + KD (v_target - v), differences of rotations being rotation vectors. Springs, dampers and stops of
-the mechanism always act.
+With --pd a controller drives all joints, except passive joints and free joints on the ground, towards the
+q and v of --target by tau = KP (q_target - q) + KD (v_target - v); the difference of rotations is a
+rotation vector. It is added to the drive forces of STATE. Springs, dampers and stops of the mechanism
+always act.
 
-STATE is the JSON object of `axode eval` with the keys q, v, tau and loads; what is left out is neutral, at rest or 0. With
---assemble the motion of a mechanism with loops begins at the closed q and v near it, where the joints that --hold names have
-their q and v of STATE.
+STATE is the JSON object of `axode eval` with the keys q, v, tau and loads; keys that are left out are
+neutral, at rest or 0. With --assemble the motion of a mechanism with loops begins at the nearest q and v
+that close the loops; the joints that --hold names keep their q and v of STATE.
 
 Example:
   echo '{"q": {"pin": 2}}' | axode simulate double_pendulum.toml --state - --until 10 --output run.csv --plot run.svg
 
-The ending of FILE says what is written by --output: .json all that is known; .csv a row for each time with t, q, v, a, tau and the
-energy, under names; .npz these as arrays: q = numpy.load("run.npz")["q"]. --plot draws q, v, tau
-and the energies over time. Ctrl-C ends the motion; what there is by then is written.)";
+The ending of FILE says what is written by --output: .json all that is known; .csv a row for each time
+with t, q, v, a, tau and the energy, under names; .npz these as arrays: q = numpy.load("run.npz")["q"].
+--plot draws q, v, tau and the energies over time. Ctrl-C ends the motion; what there is by then is
+written.)";
 
 volatile std::sig_atomic_t interrupted = 0;
 void interrupt(int) { interrupted = 1; }
@@ -117,7 +122,8 @@ Drive drive_of(const Model& model, const State& state, const Options& options) {
   const Drive constant = [&state](double, std::span<const double>, std::span<const double>,
                                   std::span<double> tau) { std::ranges::copy(state.tau, tau.begin()); };
   if (options.gains.empty()) {
-    if (!options.target.empty()) throw UsageError("--target says where to, but not how; give --pd as well");
+    if (!options.target.empty())
+      throw UsageError("--target needs the gains of a controller; give --pd as well");
     return constant;
   }
   const State target = options.target.empty() ? neutral_state(model) : read_state(model, options.target);
@@ -146,7 +152,7 @@ Trajectory motion_of(const Model& model, const State& state, const Drive& drive,
   acting.coordinates = choose("--coordinates", options.coordinates, coordinate_kinds);
   if (options.step) check_step(*options.step);
   if (!method.adapts && !options.step)
-    throw UsageError("--step is missing; " + options.method + " takes steps of one length");
+    throw UsageError("--step is missing; " + options.method + " takes fixed steps");
   return method.simulate({model,
                           state.q,
                           state.v,
@@ -355,8 +361,9 @@ void add_simulate(CLI::App& app, int& exit_code) {
   simulate->add_option("--atol", options->absolute, "Absolute tolerance, rad, m; 1e-10 if left out")
       ->type_name("NUMBER");
   simulate
-      ->add_option("--spectral-radius", options->spectral_radius,
-                   "What generalized_alpha leaves of quick oscillations in a step, 0 to 1; 0.8 if left out")
+      ->add_option(
+          "--spectral-radius", options->spectral_radius,
+          "Part of fast oscillations that generalized_alpha leaves after a step, 0 to 1; 0.8 if left out")
       ->type_name("NUMBER");
   simulate
       ->add_option("--pd", options->gains, "Gains of a controller, N m/rad and N m s/rad, or N/m and N s/m")
@@ -364,7 +371,7 @@ void add_simulate(CLI::App& app, int& exit_code) {
       ->delimiter(',')
       ->expected(2);
   simulate
-      ->add_option("--target", options->target, "JSON, where --pd leads to; neutral and at rest if left out")
+      ->add_option("--target", options->target, "JSON, the target of --pd; neutral and at rest if left out")
       ->type_name("FILE");
   simulate->add_option("--samples", options->samples, "Write so many equal intervals instead of the steps")
       ->type_name("NUMBER");

@@ -82,7 +82,7 @@ class StateReader {
       if (event == Json::parse_event_t::object_start) keys.emplace_back();
       if (event == Json::parse_event_t::object_end) keys.pop_back();
       if (event == Json::parse_event_t::key && !keys.back().insert(value.get<std::string>()).second)
-        fault("the key " + value.dump() + " stands twice in one object");
+        fault("the key " + value.dump() + " is given twice in one object");
       return true;
     };
     try {

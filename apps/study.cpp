@@ -28,22 +28,22 @@ struct Options {
 constexpr const char* footer = R"(Example:
   axode study double_pendulum.toml --csv study.csv --plot study.svg
 
-Every algorithm in every representation and four choices of body frames:
-  joint         the library's own: the axis of the joint is the z-axis of the body, at its origin
-  user          where the file has the bodies
-  com           at the centres of mass, parallel to the joint frames
-  construction  all at the inertial frame when the joints are at zero
-and the fast path, which is in no representation. For each:
+Measures every algorithm in every representation and four choices of body frames:
+  joint         joint frames: the axis of the joint is the z-axis of the body, at its origin
+  user          body frames of the file
+  com           frames at the centres of mass, parallel to the joint frames
+  construction  frames that coincide with the inertial frame at q = 0
+and the fast path, which belongs to no representation. The columns are:
   mul, add, div, sqrt, sin cos   operations on numbers that the code executes, zeros and ones included
   Ad, Ad_R, Ad_r                 twists, wrenches and screws transformed: by a pose, a rotation, a translation
-  M Ad, M Ad_R, M Ad_r           inertias transformed by the same
+  M Ad, M Ad_R, M Ad_r           inertias transformed by a pose, a rotation, a translation
   ad                             Lie brackets, of twists with twists or wrenches
   ns                             time of one call in one thread, median, nanoseconds
 
-All of them are algorithms for trees: a mechanism with loops or couplings is refused.
-What is computed does not depend on the frames; docs/comparative-study.md says more. The CSV has a line for
-each row of the tables. The plot has times as bars, and the sums of the operations as marks, to the scale at which that of
-body-fixed twists in joint frames meets its bar.)";
+All of them are algorithms for trees: a mechanism with loops or couplings is refused. The results do not
+depend on the frames; see docs/comparative-study.md. The CSV has a line for each row of the tables. The
+plot shows times as bars and total operations as marks, scaled so that the mark of body-fixed twists in
+joint frames is at the end of its bar.)";
 
 /// A count of an effort: its heading in a table, its name in a file.
 struct Column {
@@ -257,12 +257,13 @@ void run(const Options& options) {
   const std::vector<Model> models = load_all(options.mechanisms);
   for (std::size_t k = 0; k < models.size(); ++k) {
     const std::string& file = options.mechanisms.files[k];
-    if (models[k].nv() == 0) throw InputError(file + ": nothing moves, there is nothing to study");
+    if (models[k].nv() == 0)
+      throw InputError(file + ": the model has no moving body; a study needs at least one");
     if (!models[k].loops().empty())
       throw InputError(
           file +
-          ": the mechanism has loops or couplings, and the algorithms that are compared are those of "
-          "trees; leave its [[loop]] and [[coupling]] tables out to study the tree, and call axode eval "
+          ": the mechanism has loops or couplings, and a study compares algorithms for trees; leave its "
+          "[[loop]] and [[coupling]] tables out to study the tree, and call axode eval "
           "or axode simulate to count them");
   }
   std::vector<Study> studies;

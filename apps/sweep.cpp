@@ -74,11 +74,12 @@ class SweepReader {
       const auto found = std::ranges::find(known_, names[k], name_of);
       if (found == known_.end()) {
         faults_.push_back(
-            fmt::format("{}: there is no column \"{}\"; there are t, and q, v, a and tau with names behind{}",
+            fmt::format("{}: the column \"{}\" has no meaning here; columns are t, and q, v, a and tau, each "
+                        "followed by a name{}",
                         file_, names[k], did_you_mean(names[k], known_, name_of)));
       } else if (std::ranges::count(names, names[k]) > 1 &&
                  std::ranges::find(names, names[k]) == names.begin() + static_cast<std::ptrdiff_t>(k)) {
-        faults_.push_back(fmt::format("{}: the column \"{}\" stands more than once", file_, names[k]));
+        faults_.push_back(fmt::format("{}: the column \"{}\" is given more than once", file_, names[k]));
       } else {
         columns.push_back(found->second);
       }
@@ -97,7 +98,7 @@ class SweepReader {
     for (std::size_t k = 0; k < numbers.size(); ++k) {
       numbers[k] = number_in(rows[i][k]).value_or(NAN);
       if (!std::isfinite(numbers[k]))
-        fault(i, fmt::format("{} is \"{}\", which is no finite number", rows[0][k], rows[i][k]));
+        fault(i, fmt::format("{} is \"{}\", which is not a finite number", rows[0][k], rows[i][k]));
     }
     return numbers;
   }

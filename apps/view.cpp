@@ -27,14 +27,16 @@ struct Options {
 };
 
 constexpr const char* footer =
-    R"(A page for a browser: the mechanism with its meshes, joints to move, the screws of the joints, and a motion with its
-twists, wrenches and energies. It is one file that needs no other and no network. Without --output it is opened at once,
-from a folder for temporary files.
+    R"(Writes a page for a browser that shows the mechanism with its meshes, controls for its joints, the joint
+screws, and a motion with its twists, wrenches and energies. The page is one file and needs no network.
+Without --output it is written to a folder for temporary files and opened.
 
-Meshes are looked for beside the file that names them; package://NAME/PATH in ROS_PACKAGE_PATH, in share of
-AMENT_PREFIX_PATH and in the folders around that file. What has nothing to be seen is drawn from its joints and inertia.
+Meshes are searched beside the file that names them, and package://NAME/PATH in ROS_PACKAGE_PATH, in share
+of AMENT_PREFIX_PATH and in the folders around that file. A body without a visible shape is drawn from its
+joints and inertia.
 
-STATE is the JSON object of `axode eval`, of which q counts; the motion is a .csv, .json or .npz of `axode simulate`.
+STATE is the JSON object of `axode eval`, of which only q is used; the motion is a .csv, .json or .npz of
+`axode simulate`.
 
 Example:
   axode simulate four_bar.toml --until 5 --samples 500 --output run.csv
@@ -59,7 +61,7 @@ std::string temporary_file(const std::string& name) {
   std::error_code failed;
   const std::filesystem::path temporary = std::filesystem::temp_directory_path(failed);
   if (failed)
-    throw InputError("TMPDIR names no folder; set it to one, or say with --output where the page goes");
+    throw InputError("TMPDIR names no folder; set it to one, or say by --output where to write the page");
   std::string folder = (temporary / "axode-XXXXXX").string();
   if (mkdtemp(folder.data()) == nullptr) throw InputError(folder + ": the folder cannot be made");
   return (std::filesystem::path(folder) / name).string();

@@ -87,7 +87,7 @@ Outcome run(const Model& model, catalog::Id function,
                                 " has no kernel for states in lanes; call it state by state");
   catalog::check_counts(words, model, catalog::Way::workspace);
   if (!given.loads.wrenches.empty() || given.loads.joint_losses)
-    throw std::invalid_argument("functions of states in lanes take no loads and no joint losses");
+    throw std::invalid_argument("loads: functions of states in lanes take no loads and no joint losses");
   StatesOfRow<S> states(model, *catalog::find<Fast, S>(words.name), given, out, threads);
   const std::size_t N = states.count();
   if (states.size() == 0) return {.done = N};

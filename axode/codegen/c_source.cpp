@@ -71,18 +71,19 @@ std::string purpose(const Model& model, const Function& function) {
 }
 
 void check(const Model& model, std::span<const Function> functions, const std::string& prefix) {
-  if (functions.empty()) throw std::invalid_argument("there are no functions to generate");
+  if (functions.empty())
+    throw std::invalid_argument("functions is empty; expected at least one to generate code for");
   for (const Function& function : functions) {
     const catalog::Words& row = function.row.words();
     if (!row.tape)
       throw std::invalid_argument(std::string(row.name) +
-                                  " cannot be recorded, so that there is no code to generate for it");
+                                  " cannot be recorded, so no code can be generated for it");
     if (function.is_of_a_frame()) check_place(model, function.frame);
     catalog::check_counts(row, model, catalog::Way::tape);
   }
   if (!is_identifier(prefix))
     throw std::invalid_argument("the prefix \"" + prefix +
-                                "\" is no C identifier: letters, digits and underscores, no digit first");
+                                "\" is not a C identifier: letters, digits and underscores, no digit first");
 }
 
 /// Transposes the 6 x nv numbers of a Jacobian to columns of six, the layout of the library.
@@ -222,7 +223,8 @@ Source c_source(const Model& model, std::span<const Function> functions, const O
     return casadi_source(model, functions, prefix, options);
   }
   if (options.states != 1)
-    throw std::invalid_argument("states is about functions for CasADi; others are of one state");
+    throw std::invalid_argument(
+        "states is an option of functions for CasADi (abi = casadi); other functions compute one state");
   return options.abi == Abi::cuda ? cuda_source(model, functions, options)
                                   : source_of(model, functions, options, 0);
 }

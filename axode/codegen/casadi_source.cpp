@@ -293,15 +293,16 @@ void check(std::span<const Function> functions, const std::string& prefix, const
   if (options.states < 1)
     throw std::invalid_argument("states is " + std::to_string(options.states) + "; expected 1 or more");
   if (options.single_precision)
-    throw std::invalid_argument("CasADi computes with double; there is no single precision");
+    throw std::invalid_argument("single_precision is set, but CasADi computes in double precision");
   if (prefix.find("__") != std::string::npos || prefix.starts_with('_') || prefix.ends_with('_'))
     throw std::invalid_argument(
         "the prefix \"" + prefix +
-        "\" is no name in CasADi: underscores are single there, and between letters or digits");
+        "\" is not a name in CasADi: underscores must be single, and between letters or digits");
   for (const Function& function : functions)
     if (const catalog::Words& row = function.row.words(); !row.derivative_of.empty())
-      throw std::invalid_argument(std::string(row.name) + " comes with " + std::string(row.derivative_of) +
-                                  " for CasADi, as jac_, fwd1_, adj1_ and jac_adj1_; ask for that");
+      throw std::invalid_argument(
+          std::string(row.name) + " comes with " + std::string(row.derivative_of) +
+          " for CasADi, as jac_, fwd1_, adj1_ and jac_adj1_; generate that function instead");
 }
 
 /// Throws if an index into the matrices of all states does not fit into an int.
@@ -312,7 +313,7 @@ void check_size(const CasadiFamily& family, int states) {
     const int longer = std::max(pattern.rows, pattern.columns);
     if (std::max(pattern.entries.size(), static_cast<std::size_t>(longer)) > most)
       throw std::invalid_argument("states is " + std::to_string(states) + "; " + port.name + " of " +
-                                  function + " has more than 2147483647 entries of so many");
+                                  function + " would have more than 2147483647 entries for so many states");
   };
   for (const CasadiFunction& function : family.functions) {
     for (const CasadiInput& in : function.inputs) check(function.name, in);

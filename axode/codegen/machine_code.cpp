@@ -144,7 +144,7 @@ fs::path temporary_folder() {
   throw std::runtime_error(
       "there is no folder to compile in: the cache cannot be written to, and TMPDIR is \"" +
       std::string(named == nullptr ? "" : named) +
-      "\", which is no folder; let TMPDIR or XDG_CACHE_HOME name one that can be written to");
+      "\", which is not a folder; set TMPDIR or XDG_CACHE_HOME to a folder that can be written to");
 }
 /// Moves the work folders of ended processes into the folder `work` of this process, which holds `lock` on
 /// `key`, so that they are removed with it. Removal in place may fail: a compiler that outlives its process
@@ -200,7 +200,7 @@ Library compiled(const Compiler& compiler, const std::string& source, const std:
   command.insert(command.end(), flags.begin(), flags.end());
   command.insert(command.end(), {"-fPIC", "-shared", work / "model.c", "-o", library, "-lm"});
   const std::optional<Finished> finished = run_program(command, work, monitor);
-  if (!finished) throw CompilationEnded("the compilation of a specialised model was ended");
+  if (!finished) throw CompilationEnded("the compilation of a specialised model was interrupted");
   if (finished->code != 0)
     throw std::runtime_error("the compiler " + compiler.command[0] +
                              " failed on a specialised model with exit code " +
@@ -236,7 +236,7 @@ MachineCode::MachineCode(const std::string& source, const std::vector<std::strin
   }
   Lock lock(folder, key);
   while (!lock.try_it()) {
-    if (monitor && !monitor(0, 1)) throw CompilationEnded("the wait for a specialised model was ended");
+    if (monitor && !monitor(0, 1)) throw CompilationEnded("the wait for a specialised model was interrupted");
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
   }
   library_ = opened_from_cache(file_);

@@ -91,7 +91,8 @@ Specialised<T>::Specialised(const Model& model, std::span<const Function> functi
   if (std::ranges::find(widths, options.lanes) == widths.end())
     throw std::invalid_argument("lanes is " + std::to_string(options.lanes) + "; expected 1, 2, 4, 8 or 16");
   if (std::ranges::any_of(functions, [](const Function& f) { return f.is("pose"); }))
-    throw std::invalid_argument("specialised models have no pose of one frame; ask for poses, which has all");
+    throw std::invalid_argument(
+        "functions: a specialised model cannot have pose; poses has the poses of all frames");
   code_ = std::make_shared<const Code>(
       codegen::states_source(model, functions, std::same_as<T, float>, options.lanes), functions, options);
 }
@@ -111,7 +112,7 @@ batch::Outcome Specialised<T>::run(const Function& function, const catalog::Argu
   const std::size_t group = threads > 1 ? 16 : 64;  // fills registers, and leaves work for all threads
   const auto& entry = code_->entry(model_, function);
   if (!given.loads.wrenches.empty() || given.loads.joint_losses)
-    throw std::invalid_argument("specialised functions take no loads and no joint losses");
+    throw std::invalid_argument("loads: specialised functions take no loads and no joint losses");
   batch::StatesOfRow<T> states(model_, *entry.row, given, out, threads);
   const std::size_t N = states.count();
   if (out.empty()) return {.done = N};

@@ -55,8 +55,8 @@ IndependentVelocities independent_velocities(const Model& model, const Independe
   if (kernel.cols() == 0) return out;
   const Eigen::FullPivLU<Matrix> chosen(Matrix(kernel(out.velocities, Eigen::indexing::all)));
   if (!(chosen.rcond() > 1e-8))
-    throw std::invalid_argument("velocities holds those of " + names_of(model, out.velocities) +
-                                ", which do not determine the others at this q");
+    throw std::invalid_argument("velocities: the velocities of " + names_of(model, out.velocities) +
+                                " do not determine the others at this q");
   out.N = kernel * chosen.inverse();
   for (std::size_t k = 0; k < out.velocities.size(); ++k)
     out.N.row(out.velocities[k]).setZero()[static_cast<Eigen::Index>(k)] = 1;

@@ -18,8 +18,9 @@ template <class T> LoopWorkspace<T>& LoopWorkspace<T>::operator=(LoopWorkspace&&
 
 template <class T> LoopSystem<T>& LoopWorkspace<T>::system(const Model& model) {
   if (&model.loops() != &system_->model().loops())
-    throw std::invalid_argument("loop workspace: made for another model than \"" + model.name() +
-                                "\"; a copy of a model is the same, one that was built again is not");
+    throw std::invalid_argument(
+        "loop workspace: it was made for another model than \"" + model.name() +
+        "\"; copies of one model share their workspaces, but a model that is built again needs its own");
   return *system_;
 }
 

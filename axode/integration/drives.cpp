@@ -45,7 +45,7 @@ Vector gains(const Model& model, const char* name, Span given) {
 
 SampledDrive::SampledDrive(const Model& model, Span times, Span tau, bool hold)
     : times_(times.begin(), times.end()), tau_(tau.begin(), tau.end()), hold_(hold) {
-  if (times.empty()) throw std::invalid_argument("t is empty; a sampled drive needs one time at least");
+  if (times.empty()) throw std::invalid_argument("t is empty; a sampled drive needs at least one time");
   check_size("tau", tau.size(), times.size() * nv_of(model), "nv for each time");
   for (std::size_t k = 0; k < times.size(); ++k)
     if (!std::isfinite(times[k]) || (k > 0 && !(times[k] > times[k - 1])))
@@ -88,7 +88,8 @@ Reference::Reference(const Model& model, Trajectory motion)
     throw std::invalid_argument("the trajectory has nq = " + std::to_string(its.nq()) + " and nv = " +
                                 std::to_string(its.nv()) + "; model \"" + model.name() + "\" has " +
                                 std::to_string(model.nq()) + " and " + std::to_string(model.nv()));
-  if (motion_->size() == 0) throw std::invalid_argument("the trajectory has no state");
+  if (motion_->size() == 0)
+    throw std::invalid_argument("motion is empty; a reference needs at least one state");
 }
 
 void Reference::find(double t) {

@@ -128,17 +128,17 @@ void check_holonomic(const Model& model) {
   for (const LoopRows& loop : model.loops().all)
     if (loop.rows != loop.residuals)
       throw std::invalid_argument("loop \"" + loop.name +
-                                  "\" rolls, which a conserving scheme does not take; rattle in absolute "
-                                  "coordinates and explicit methods do");
+                                  "\" is a rolling contact, which conserving schemes do not support; use "
+                                  "rattle in absolute coordinates or an explicit method");
 }
 void check_absolute(const SimulationOptions& options, const char* scheme) {
   if (options.coordinates == Coordinates::relative)
-    throw std::invalid_argument(std::string(scheme) + " is for absolute coordinates; these are relative");
+    throw std::invalid_argument(std::string(scheme) + " needs absolute coordinates, and these are relative");
 }
 void check_relative(const SimulationOptions& options, const char* scheme) {
   if (options.coordinates != Coordinates::relative)
     throw std::invalid_argument(std::string(scheme) +
-                                " is for relative coordinates; in absolute ones RATTLE conserves");
+                                " needs relative coordinates; in absolute coordinates use rattle");
 }
 /// Steps of a scheme that keeps joints and loops closed itself.
 template <class Scheme>
@@ -153,12 +153,14 @@ void take_closed_steps(AbsoluteSimulationRun& run, Scheme& scheme, double until,
 void check_smooth(const Model& model, const SimulationOptions& options) {
   if (!options.events.empty())
     throw std::invalid_argument(
-        "events are not met by conserving schemes, whose steps must not be cut; dopri5 and rk4 do");
+        "events: conserving schemes do not support them, because their steps must not be cut; use dopri5 or "
+        "rk4");
   for (const int i : model.springs().joints)
     for (const Dof& dof : model.joint(i).dof)
       if (dof.stop_stiffness > 0)
-        throw std::invalid_argument("joint \"" + model.joint(i).name +
-                                    "\" has stops, which conserving schemes do not take; dopri5 and rk4 do");
+        throw std::invalid_argument(
+            "joint \"" + model.joint(i).name +
+            "\" has stops, which conserving schemes do not support; use dopri5 or rk4");
   if (!options.joint_losses) return;
   const Tree<double>& tree = model.tree<double>();
   for (std::size_t c = 0; c < tree.friction.size(); ++c)
@@ -166,7 +168,7 @@ void check_smooth(const Model& model, const SimulationOptions& options) {
       throw std::invalid_argument(
           "joint \"" + velocity_names(model)[c] + "\" has dry friction of " +
           std::to_string(tree.friction[c]) +
-          ", a force that jumps, which conserving schemes do not take; rk4 and euler do");
+          ", a discontinuous force, which conserving schemes do not support; use rk4 or euler");
 }
 
 }  // namespace
@@ -302,7 +304,7 @@ Trajectory simulate(const Model& model, Span q, Span v, double until, const Tole
     if (!(x >= 0) || !std::isfinite(x))
       throw std::invalid_argument(std::string(name) + " is " + std::to_string(x) + "; expected 0 or more");
   if (tolerances.relative == 0 && tolerances.absolute == 0)
-    throw std::invalid_argument("both tolerances are 0; one must be more");
+    throw std::invalid_argument("relative and absolute tolerance are 0; at least one must be positive");
   return in_coordinates(model, q, v, until, options,
                         [&](auto& run) { take_adapted_steps(run, until, tolerances); });
 }

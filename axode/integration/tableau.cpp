@@ -10,14 +10,14 @@ namespace axode {
 void check(const Tableau& tableau) {
   const std::size_t s = tableau.b.size();
   const auto refuse = [](const std::string& what) { throw std::invalid_argument("tableau: " + what); };
-  if (s == 0) refuse("b is empty; a method has one stage at least");
+  if (s == 0) refuse("b is empty; a method has at least one stage");
   if (tableau.a.size() != s || tableau.c.size() != s || (!tableau.error.empty() && tableau.error.size() != s))
     refuse("b has " + std::to_string(s) + " numbers; a, c and error must have as many");
   double weights = 0;
   for (std::size_t i = 0; i < s; ++i) {
     if (tableau.a[i].size() != i)
       refuse("a[" + std::to_string(i) + "] has " + std::to_string(tableau.a[i].size()) +
-             " numbers; of an explicit method it has " + std::to_string(i));
+             " numbers; in an explicit method it has " + std::to_string(i));
     double sum = 0;
     for (const double x : tableau.a[i]) sum += x;
     if (!(std::abs(sum - tableau.c[i]) <= 1e-12))

@@ -74,7 +74,7 @@ void read_place(Table& table, LoopDescription& loop) {
   if (reads("wheel_axis")) loop.wheel_axis = table.direction("wheel_axis");
   if (!drawn && loop.wheel_axis && norm(*loop.wheel_axis - Vec3<>{0, 0, 1}) > 0)
     table.wrong("wheel_axis", *table.look("wheel_axis"),
-                "between frames it is \"z\", that of the second frame");
+                "between frames it is \"z\", the z-axis of the second frame");
 }
 
 void refuse_keys(Table& table, LoopKind kind) {

@@ -122,7 +122,7 @@ std::optional<Sym3<>> Table::symmetric(std::string_view key) {
     const double skew =
         std::max({std::abs(A->x.y - A->y.x), std::abs(A->x.z - A->z.x), std::abs(A->y.z - A->z.y)});
     if (skew <= 1e-9 * largest) return Sym3<>{A->x.x, A->y.y, A->z.z, A->y.x, A->z.x, A->z.y};
-    wrong(key, *node, "its rows must be those of a symmetric matrix");
+    wrong(key, *node, "its rows must form a symmetric matrix");
     return std::nullopt;
   }
   if (array != nullptr && array->size() == 3) {
@@ -155,7 +155,8 @@ SO3<> Table::rotation() {
   if (const auto x = numbers<4>("quaternion")) {
     R = from_quaternion({(*x)[0], (*x)[1], (*x)[2], (*x)[3]});
     if (!R)
-      error(Rule::not_a_rotation, "quaternion is off norm 1 by more than 1e-6; its order is x, y, z, w",
+      error(Rule::not_a_rotation,
+            "quaternion has a norm that differs from 1 by more than 1e-6; its order is x, y, z, w",
             look("quaternion"));
   }
   if (const auto angles = vector("rpy")) R = from_roll_pitch_yaw(*angles);

@@ -75,7 +75,7 @@ bool SdfMechanism::connect(Connection& c) {
   c.to = *child;
   if (c.to < 0) {
     error(Rule::unknown_predecessor, owner,
-          "its child is the world, or stands still in it; that must be the parent", c.line);
+          "its child is the world, or fixed to it; the world must be the parent", c.line);
   } else if (c.from == c.to) {
     error(Rule::cycle, owner, "its parent and its child are both link \"" + link(c.to).body.name + '"',
           c.line);

@@ -130,7 +130,8 @@ class SdfReader : SdfMechanism {
     if (quaternion) {
       const auto R = from_quaternion({n[3], n[4], n[5], n[6]});
       if (!R)
-        error(Rule::not_a_rotation, owner, "the quaternion of <pose> is off norm 1 by more than 1e-6", line);
+        error(Rule::not_a_rotation, owner,
+              "the norm of the quaternion of <pose> differs from 1 by more than 1e-6", line);
       result.X.R = R.value_or(SO3<>{});
     } else {
       const double unit = in_degrees ? std::numbers::pi / 180 : 1;
@@ -184,7 +185,7 @@ class SdfReader : SdfMechanism {
     read_version(sdf);
     const XMLElement* world = sdf.FirstChildElement("world");
     if (world != nullptr && world->NextSiblingElement("world") != nullptr)
-      error(Rule::duplicate_element, "sdf", "holds more than one <world>; a mechanism stands in one",
+      error(Rule::duplicate_element, "sdf", "holds more than one <world>; a mechanism is in one world",
             world->NextSiblingElement("world")->GetLineNum());
     const std::vector<const XMLElement*> models = children(sdf, "model");
     std::vector<const XMLElement*> at_top = models;
@@ -199,7 +200,7 @@ class SdfReader : SdfMechanism {
     if (models_at_top_ == 0)
       error(Rule::missing_element, "sdf", "has no <model>; a mechanism needs at least one", sdf.GetLineNum());
     else if (links_.empty() && !has_link_)
-      error(Rule::missing_element, "sdf", "has no <link>; a mechanism needs one at least", sdf.GetLineNum());
+      error(Rule::missing_element, "sdf", "has no <link>; a mechanism needs at least one", sdf.GetLineNum());
   }
 
   void read_version(const XMLElement& sdf) {
@@ -309,7 +310,8 @@ class SdfReader : SdfMechanism {
             e->GetLineNum());
     const Pose frame = pose(*e, owner);
     if (!frame.relative_to.empty())
-      error(Rule::wrong_value, owner, "the <pose> of <inertial> is relative to the link and to nothing else",
+      error(Rule::wrong_value, owner,
+            "the <pose> of <inertial> is relative to the link and must not name another frame",
             e->GetLineNum());
     result.com = frame.X.r;
     result.axes = frame.X.R;

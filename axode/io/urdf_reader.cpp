@@ -125,8 +125,8 @@ class UrdfReader : XmlReader {
     if (const auto x = numbers<4>(e, "quat_xyzw", owner)) {
       const auto R = from_quaternion({(*x)[0], (*x)[1], (*x)[2], (*x)[3]});
       if (!R)
-        error(Rule::not_a_rotation, owner, tag(e) + " quat_xyzw is off norm 1 by more than 1e-6",
-              e.GetLineNum());
+        error(Rule::not_a_rotation, owner,
+              tag(e) + " quat_xyzw has a norm that differs from 1 by more than 1e-6", e.GetLineNum());
       pose.R = R.value_or(SO3<>{});
     }
     return pose;
@@ -156,7 +156,7 @@ class UrdfReader : XmlReader {
     if (links_.empty() && robot.FirstChildElement("link") == nullptr) {
       const bool is_xacro = is_ignored("<xacro:");
       error(Rule::missing_element, owner,
-            std::string("has no <link>; a robot needs one at least") + (is_xacro ? expand_first : ""),
+            std::string("has no <link>; a robot needs at least one") + (is_xacro ? expand_first : ""),
             robot.GetLineNum());
     }
   }

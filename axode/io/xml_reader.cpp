@@ -129,8 +129,8 @@ void XmlReader::inspect(const XMLElement& e, const std::string& owner) {
     } else if (before == seen.end()) {
       seen.push_back(child);
     } else if (child->NoChildren() && (*before)->NoChildren() && child->ShallowEqual(*before)) {
-      note(lenient_severity(), Rule::duplicate_element, owner,
-           tag(e) + " holds the same " + tag(*child) + " twice", child->GetLineNum());
+      note(lenient_severity(), Rule::duplicate_element, owner, tag(e) + " holds two equal " + tag(*child),
+           child->GetLineNum());
     } else {
       error(Rule::duplicate_element, owner, tag(e) + " holds " + tag(*child) + " twice", child->GetLineNum());
     }

@@ -339,10 +339,10 @@ class Compiler {
         const bool cut = !out.loops.empty();
         note(out, i, cut ? Severity::error : Severity::warning, Rule::moves_no_mass,
              "joint \"" + out.joints[i].name + '"',
-             cut ? "moves no mass once the loops are cut; cut elsewhere, or make what it moves a rod"
-                 : "moves no mass; the mass matrix is singular: give what it moves a mass, or the joint "
-                   "armature, or lock it, "
-                   "see reduced");
+             cut ? "moves no mass when the loops are cut; cut them at another joint, or describe the body "
+                   "that it moves as a rod"
+                 : "moves no mass; the mass matrix is singular: give the body that it moves a mass, or the "
+                   "joint an armature, or lock the joint, see reduced");
       }
   }
 

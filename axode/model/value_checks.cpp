@@ -168,7 +168,8 @@ void check_joint(const BodyDescription& body, FaultCollector& faults) {
   if ((traits(joint.kind).axis && zero(joint.axis)) || (universal && zero(joint.second_axis))) {
     at.error(Rule::zero_axis, "an axis is (0, 0, 0); an axis needs a direction");
   } else if (universal && parallel(joint.axis, joint.second_axis)) {
-    at.error(Rule::parallel_axes, "its two axes are parallel; those of a universal joint must not be");
+    at.error(Rule::parallel_axes,
+             "its two axes are parallel; the axes of a universal joint must not be parallel");
   }
   if (joint.pitch != 0 && joint.kind != JointKind::helical)
     at.error(Rule::pitch_without_helix, "has a pitch of " + to_text(joint.pitch) + " m/rad but is " + kind +
@@ -246,7 +247,7 @@ void check_loop(const FaultySubject& at, const LoopDescription& loop) {
     at.error(Rule::wrong_value, "has the pitch 0; make it revolute, or give a pitch in m/rad");
   if (kind.has("angle") && loop.angle && std::abs(std::sin(*loop.angle)) < 1e-6)
     at.error(Rule::parallel_axes, "the angle between its axes is " + to_text(*loop.angle) +
-                                      "; those of a universal joint must not be parallel");
+                                      "; the axes of a universal joint must not be parallel");
   for (const auto& [what, size] : {std::pair{"length", loop.length}, std::pair{"radius", loop.radius}})
     if (size && !(*size > 0))
       at.error(Rule::wrong_value, std::string(what) + " is " + to_text(*size) + " m; it must be positive");
@@ -256,7 +257,7 @@ void check_loop(const FaultySubject& at, const LoopDescription& loop) {
     if (kind.has("length") && !loop.length)
       at.error(Rule::missing_element, "has no length; a rod between frames needs one, m");
     if (kind.has("radius") && !loop.radius)
-      at.error(Rule::missing_element, "has no radius; a rolling contact between frames needs one, m");
+      at.error(Rule::missing_element, "has no radius; a rolling body between frames needs one, m");
     return;
   }
   const bool wheel = kind.has("wheel_axis") && loop.wheel_axis, universal = kind.has("second_axis");
@@ -264,11 +265,12 @@ void check_loop(const FaultySubject& at, const LoopDescription& loop) {
       (wheel && zero(*loop.wheel_axis)))
     return at.error(Rule::zero_axis, "an axis is (0, 0, 0); an axis needs a direction");
   if (universal && parallel(loop.axis, loop.second_axis))
-    at.error(Rule::parallel_axes, "its two axes are parallel; those of a universal joint must not be");
+    at.error(Rule::parallel_axes,
+             "its two axes are parallel; the axes of a universal joint must not be parallel");
   if (wheel && parallel(loop.axis, *loop.wheel_axis))
     at.error(Rule::parallel_axes, "the wheel lies flat on the plane; its axis must not be the normal");
   if (kind.has("points") && !(norm(loop.points[1] - loop.points[0]) > 0) && !loop.length)
-    at.error(Rule::wrong_value, "its points are the same; a rod needs a length");
+    at.error(Rule::wrong_value, "its two points coincide; a rod needs a length");
   if (kind.has("center") && !(std::abs(dot(direction(loop.axis), loop.center - loop.point)) > 0))
     at.error(Rule::wrong_value, "its centre lies in the plane; a rolling contact needs a radius");
 }

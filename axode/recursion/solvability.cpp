@@ -22,13 +22,13 @@ std::string to_string(const Model& model, const Solvability& solvability) {
     return "a number is not finite: an argument is NaN or infinite, or so large that the results overflow";
   if (solvability.directions < 6)
     return "the frame can move in " + std::to_string(solvability.directions) +
-           " of six directions, so that it shows no inertia to a wrench; ask for "
-           "inverse_operational_space_inertia";
+           " of six directions, so its operational-space inertia does not exist; compute its "
+           "inverse_operational_space_inertia instead";
   const int i = solvability.singular_body;
   const std::string joint = "joint \"" + model.joint(i).name + '"';
   return "the mass matrix is singular: with the other joints free, " + joint + " of body \"" +
          model.body(i).name + "\" moves no mass" + others_without_mass(model, joint) +
-         "; mass or armature helps, or a joint that is locked, see reduced";
+         "; give it mass, give the joint armature, or lock the joint, see reduced";
 }
 
 }  // namespace axode

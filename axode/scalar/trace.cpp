@@ -41,7 +41,7 @@ std::size_t Tape::Hash::operator()(const Node& node) const {
 }
 
 Tape& Tape::of_this_thread() {
-  if (!current) throw std::logic_error("a Trace is computed with where there is no Tape");
+  if (!current) throw std::logic_error("a Trace needs a Tape in its thread, and there is none");
   return *current;
 }
 /// The node of an operation, which is appended to the tape if it is new.

@@ -42,11 +42,10 @@ std::string_view to_string(Input input) {
 }
 
 std::string to_string(const Counts& counts) {
-  constexpr std::pair<Word, std::string_view> phrases[]{
-      {Word::counted, "counts "},
-      {Word::optional, "counts where asked for: "},
-      {Word::of_the_tree, "is that of the mechanism without "},
-      {Word::refused, "refuses "}};
+  constexpr std::pair<Word, std::string_view> phrases[]{{Word::counted, "counts "},
+                                                        {Word::optional, "counts on request: "},
+                                                        {Word::of_the_tree, "ignores "},
+                                                        {Word::refused, "refuses "}};
   std::string line;
   for (const auto& [word, phrase] : phrases) {
     std::string part;

@@ -80,7 +80,7 @@ FoundMesh in_package(std::string_view name_and_path, const fs::path& folder) {
                             : fs::path(name_and_path.substr(slash + 1)).lexically_normal();
   if (name.empty() || name == "." || name == ".." || path.empty() || path.is_absolute() ||
       *path.begin() == "..")
-    return {{}, "it is no path within a package"};
+    return {{}, "it is not a path within a package"};
   const std::vector<fs::path> roots = packages(name, folder);
   for (const fs::path& root : roots)
     if (is_file(root / path)) return {root / path, ""};

@@ -239,7 +239,7 @@ std::string fault_of_buffer(const Json& json, std::string_view buffer) {
 /// Parses JSON and returns f(json), or a text if it is not JSON or f throws a Json::exception.
 template <class F> std::string fault_of_json(std::string_view text, const F& f) {
   const Json json = parsed(text);
-  if (json.is_discarded()) return "what is to be its JSON is none";
+  if (json.is_discarded()) return "its JSON chunk is not JSON";
   try {
     return f(json);
   } catch (const Json::exception&) {

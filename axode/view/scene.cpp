@@ -312,7 +312,7 @@ std::vector<double> first_configuration(const Model& model) {
 SceneContents write_scene(const Model& model, std::span<const double> q, std::ostream& out,
                           const SceneOptions& options) {
   check_configuration(model, q);
-  if (!finite(q)) throw std::invalid_argument("q: its numbers must be finite");
+  if (!finite(q)) throw std::invalid_argument("q: it must be finite");
   Shapes shapes(model);
   std::vector<std::string> warnings;
   for (const Fault& fault : model.warnings()) warnings.push_back(to_string(fault));
@@ -345,7 +345,7 @@ SceneContents write_page(std::string_view empty_page, const Model& model, std::s
                              place = "null</script>";
   const std::size_t at = empty_page.find(before);
   if (at == std::string_view::npos || !empty_page.substr(at + before.size()).starts_with(place))
-    throw std::invalid_argument("the page is not that of the viewer: it has no place for a scene");
+    throw std::invalid_argument("empty_page is not the page of the viewer: it has no place for a scene");
   out << empty_page.substr(0, at + before.size());
   SceneContents contents = write_scene(model, q, out, options);
   out << empty_page.substr(at + before.size() + place.find('<'));

@@ -17,7 +17,7 @@ Example:
   axode map inverse_dynamics humanoid.urdf states.parquet tau.parquet --base free
   axode map jacobian arm7.toml states/ jacobians/ --set frame=flange --set representation=hybrid
 
-What it takes is in the page docs/distributed.md and in help(axode.distributed.map_states). It needs pyarrow: pip install pyarrow."""
+Its arguments are explained in docs/distributed.md and in help(axode.distributed.map_states). It needs pyarrow: pip install pyarrow."""
 
 
 def argument(text: str) -> tuple[str, Any]:
@@ -33,26 +33,26 @@ def argument(text: str) -> tuple[str, Any]:
 
 def parser() -> argparse.ArgumentParser:
     command = argparse.ArgumentParser(
-        prog="axode map", description="A function of the states in Parquet files, into Parquet files, row by row in the same "
-        "order. What was ended before goes on where it was.", epilog=EXAMPLE, formatter_class=argparse.RawDescriptionHelpFormatter)
-    command.add_argument("function", metavar="FUNCTION", help="of a state, such as inverse_dynamics or poses")
+        prog="axode map", description="Compute a function of the states in Parquet files. The results are Parquet files "
+        "with the same rows in the same order. An interrupted job continues where it stopped.", epilog=EXAMPLE, formatter_class=argparse.RawDescriptionHelpFormatter)
+    command.add_argument("function", metavar="FUNCTION", help="a function of a state, such as inverse_dynamics or poses")
     command.add_argument("model", metavar="MODEL", help="a drawing (.toml), a URDF or any other file that axode.load takes")
-    command.add_argument("states", metavar="STATES", help="a Parquet file, or a folder of such; columns q, v, a, tau with lists, "
+    command.add_argument("states", metavar="STATES", help="a Parquet file, or a folder of Parquet files; columns q, v, a, tau with lists, "
                          'or "q A1", "q A2", ... as in run.csv')
-    command.add_argument("output", metavar="OUTPUT", help="a file where it ends in .parquet, otherwise a folder")
+    command.add_argument("output", metavar="OUTPUT", help="a file if the name ends in .parquet, otherwise a folder")
     command.add_argument("--base", choices=["fixed", "free"], help="how the base is held; as the file says if left out")
-    command.add_argument("--strict", action="store_true", help="refuse what is doubtful instead of warning of it")
+    command.add_argument("--strict", action="store_true", help="treat warnings as errors")
     command.add_argument("--set", metavar="NAME=VALUE", type=argument, action="append", default=[],
                          help="an argument of the function; may be given again")
-    command.add_argument("--keep", metavar="NAMES", help="columns to carry over, with commas between them, or all or none; what is "
-                         "no part of a state if left out")
-    command.add_argument("--float", action="store_true", help="float instead of double in the files")
+    command.add_argument("--keep", metavar="NAMES", help="columns to copy, separated by commas, or all, or none; all that are "
+                         "not part of a state if left out")
+    command.add_argument("--float", action="store_true", help="write float instead of double")
     command.add_argument("--faulty", choices=["refuse", "nan"], default="refuse",
-                         help="what is done where a state has no result; refuse if left out")
-    command.add_argument("--overwrite", action="store_true", help="replace what is there")
+                         help="what to do if a state has no result; refuse if left out")
+    command.add_argument("--overwrite", action="store_true", help="replace existing results")
     command.add_argument("--cluster", metavar="ADDRESS",
-                         help="of a Ray cluster, or local; $RAY_ADDRESS or this process if left out")
-    command.add_argument("--threads", metavar="N", type=int, help="of this process; as many as there are cores if left out")
+                         help="address of a Ray cluster, or local; $RAY_ADDRESS or this process if left out")
+    command.add_argument("--threads", metavar="N", type=int, help="threads of this process; one for each core if left out")
     return command
 
 
@@ -80,20 +80,20 @@ def map_states(given: argparse.Namespace) -> None:
         m, given.function, given.states, given.output, arguments=dict(given.set), keep=keep(given.keep),
         dtype="float32" if given.float else "float64", faulty=given.faulty, overwrite=given.overwrite,
         cluster=given.cluster, threads=given.threads, progress=progress_on_a_terminal())
-    continued = f", {written.parts - written.computed} of {written.parts} parts were there" \
+    continued = f", {written.parts - written.computed} of {written.parts} parts existed" \
         if written.computed < written.parts else ""
     faulty = f", {written.faulty} of them NaN" if written.faulty else ""
     print(f"{given.output}: {given.function} of {written.rows} states{continued}{faulty}")
 
 
 def run_command(words: list[str]) -> NoReturn:
-    """The program of C++ takes the place of this one."""
+    """Replaces this process by the C++ program."""
     os.environ.setdefault("AXODE_PYTHON", sys.executable)
     os.execv(COMMAND, ["axode", *words])
 
 
 def main(words: list[str] | None = None) -> int:
-    """The exit code: 0, 1 where a file is wrong, 2 where the command line is, 130 after Ctrl-C."""
+    """Runs the command. Returns 0, or 1 if a file is wrong, 2 if the command line is wrong, 130 after Ctrl-C."""
     words = sys.argv[1:] if words is None else words
     if words[:1] != ["map"]:
         run_command(words)
@@ -101,7 +101,7 @@ def main(words: list[str] | None = None) -> int:
     try:
         map_states(given)
     except KeyboardInterrupt:
-        print("axode map: ended; the same command goes on from there", file=sys.stderr)
+        print("axode map: interrupted; the same command continues from there", file=sys.stderr)
         return 130
     except axode.ModelError as error:
         for fault in error.faults:

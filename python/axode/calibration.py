@@ -416,7 +416,7 @@ class _Unknowns:
         self.blocks: list[tuple[str, Any]] = [("body", k) for k in self.bodies]
         self.blocks += [("tool", name) for name in data.frames if tool] + [("device", 0)] * device
         if not self.blocks:
-            raise ValueError("bodies, tool, device: nothing is left to calibrate")
+            raise ValueError("bodies, tool, device: they select no parameter to calibrate")
         self.n = 6 * len(self.blocks)
         words: dict[tuple[str, Any], str] = {("body", k): m.body_names[k] for k in self.bodies}
         words |= {("tool", name): f"tool {name}" for name in data.frames} | {("device", 0): "device"}
@@ -586,7 +586,7 @@ class _Fit:
         _, sigma, Vt = np.linalg.svd(self._S)
         self.rank = int(np.sum(sigma > RANK_TOLERANCE * sigma[0])) if sigma[0] > 0 else 0
         if not self.rank:
-            raise ValueError("measurements: none of the poses depends on what is to be calibrated")
+            raise ValueError("measurements: none of the poses depends on the parameters to calibrate")
         self.condition = float(sigma[0] / sigma[self.rank - 1])
         self.null_space = Vt[self.rank:].T
         return self._S, R[:, -1]

@@ -254,8 +254,8 @@ def _check_length(length: Array, what: str) -> None:
 
 def _check_axes(m: Model, joint: str, body: str, screws: Array, library: str) -> None:
     if not np.allclose(m.body(body).X[:len(screws)], screws, rtol=0, atol=1e-9):
-        raise ValueError(f'joint "{joint}": its axes are not those of body "{body}", in which {library} has the '
-                         f"coordinates of a {m.joint(joint).kind} joint")
+        raise ValueError(f'joint "{joint}": its axes differ from the axes of body "{body}", to which the '
+                         f"coordinates of a {m.joint(joint).kind} joint of {library} refer")
 
 
 def _pinocchio_coding(m: Model, joint: str, body: str) -> _Coding:

@@ -206,7 +206,7 @@ def sweep(m: Any, function: Callable[..., Any], points: Mapping[str, Sequence[An
         raise ValueError(f"points: expected equally many values under each name, got {lengths}")
     N = next(iter(lengths.values()))
     if N == 0:
-        raise ValueError("points: there are none")
+        raise ValueError("points is empty; expected at least one value under each name")
     if points_per_part is None:
         points_per_part = -(-N // PARTS)
     _at_least_one("points_per_part", points_per_part)
@@ -280,7 +280,7 @@ def _column(name: str, values: list[Any]) -> Any:
     try:
         array = np.array(values)
     except ValueError as error:
-        raise ValueError(f'"{name}" has not the same shape in all points') from error
+        raise ValueError(f'"{name}" must have the same shape at all points') from error
     if array.dtype == object or array.dtype.kind not in "fiu":
         wrong = next((x for x in values if np.asarray(x).dtype.kind not in "fiu"), values[0])
         raise ValueError(f'"{name}" is {wrong!r:.60}; expected numbers, words or arrays of numbers')
@@ -318,7 +318,7 @@ def _check_apart(output: Path, states: str | os.PathLike[str] | Sequence[str | o
     for one in [states] if isinstance(states, (str, os.PathLike)) else states:
         folder, target = Path(one).resolve(), output.resolve()
         if folder == target or folder in target.parents or target in folder.parents:
-            raise ValueError(f"{output} and the states {one} are one in the other; write elsewhere")
+            raise ValueError(f"{output} and the states {one} contain each other; choose another folder")
 
 
 signatures.explain_calls(__name__)

@@ -404,7 +404,7 @@ class _Base:
         _, sigma, Vt = np.linalg.svd(_triangle(np.vstack(X)))
         self.rank = int(np.sum(sigma > RANK_TOLERANCE * sigma[0])) if sigma[0] > 0 else 0
         if not self.rank:
-            raise ValueError("q, v, a: no torque of these motions depends on what is to be identified")
+            raise ValueError("q, v, a: no torque of these motions depends on the parameters to identify")
         self.V = scale[:, None] * Vt[:self.rank].T
         self.lift = Vt[:self.rank].T / scale[:, None]  # V^T lift = 1
         self.null_space = Vt[self.rank:].T / scale[:, None]

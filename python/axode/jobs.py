@@ -254,7 +254,7 @@ class Output:
         if not self.target.parent.is_dir():
             raise FileNotFoundError(f"{self.target.parent}: there is no such folder")
         if self.is_file and self.target.exists() and not overwrite:
-            raise FileExistsError(f"{self.target} is there already; overwrite=True replaces it")
+            raise FileExistsError(f"{self.target} exists; overwrite=True replaces it")
         if self.is_file and self.target.is_dir() or not self.is_file and self.target.is_file():
             raise FileExistsError(f"{self.target} is a {'folder' if self.is_file else 'file'}; a name that ends in .parquet "
                                   "is one of a file, others are of folders")
@@ -269,14 +269,14 @@ class Output:
             self._begin()
             yield
         except BlockingIOError:
-            raise FileExistsError(f"{self.target}: another process is at work on it") from None
+            raise FileExistsError(f"{self.target}: another process is writing to it") from None
         finally:
             os.close(lock)
 
     def _begin(self) -> None:
         manifest = self.folder / MANIFEST
         if not manifest.exists() and any(not file.name.startswith(f".{MANIFEST}") for file in self.folder.iterdir()):
-            raise FileExistsError(f"{self.folder} is not empty, and what it holds is not of axode.distributed")
+            raise FileExistsError(f"{self.folder} is not empty and was not written by axode.distributed")
         if manifest.exists() and not self.overwrite:
             self._check_same(json.loads(manifest.read_text(encoding="utf-8")))
         elif manifest.exists():
@@ -287,14 +287,13 @@ class Output:
     def _check_same(self, before: dict[str, Any]) -> None:
         """FileExistsError unless the parts that are there are known to be those of this job, and some are missing."""
         if before.get("complete"):
-            raise FileExistsError(f"{self.target} is there already, and complete; overwrite=True replaces it")
+            raise FileExistsError(f"{self.target} exists and is complete; overwrite=True replaces it")
         for name, value in self.identity.items():
             if name not in self.unknown and before.get(name) != value:
-                raise FileExistsError(f"{self.folder} holds parts of another job: {name} is not the same; "
-                                      "overwrite=True begins anew")
+                raise FileExistsError(f"{self.folder} holds parts of another job: {name} differs; overwrite=True starts it again")
         for name, why in self.unknown.items():
-            raise FileExistsError(f"{self.folder} holds parts of a job of which nobody can tell whether it is this one: "
-                                  f"{name} {why}; overwrite=True begins anew")
+            raise FileExistsError(f"{self.folder} holds parts of a job that cannot be compared with this one: "
+                                  f"{name} {why}; overwrite=True starts it again")
 
     def _clear(self, *beginnings: str) -> None:
         for file in self.folder.iterdir():

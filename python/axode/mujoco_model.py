@@ -102,7 +102,7 @@ class _Reader:
     def warnings(self) -> list[tuple[str, str]]:
         changed = self.body_names.changed + self.joint_names.changed
         renamed = [("names", ", ".join(changed[:5]) + (", ..." if len(changed) > 5 else "")
-                    + "; names of bodies and frames differ here, and those of joints")] if changed else []
+                    + "; names of bodies and frames must differ in axode, and names of joints")] if changed else []
         return renamed + [(what, self._listed(names)) for what, names in self.lost.items()]
 
     @staticmethod
@@ -176,7 +176,7 @@ class _Reader:
         if m.body_gravcomp[i] != 0:
             self.lose("gravity compensation of bodies", self.bodies[i])
         if m.body_mocapid[i] >= 0:
-            self.lose("mocap bodies, which stand still here", self.bodies[i])
+            self.lose("mocap bodies, which are fixed in axode", self.bodies[i])
         return out
 
     def _joint(self, j: int, effort: dict[int, float], driven: set[int] | None) -> dict[str, Any]:
@@ -245,7 +245,7 @@ class _Reader:
             if not hinge:
                 unlimited = not m.actuator_forcelimited[a] and not m.actuator_ctrllimited[a]
                 if not (of_a_joint and motor and unlimited):
-                    self.lose("actuators of what is no single hinge or slide", name)
+                    self.lose("actuators of anything but a single hinge or slide", name)
                 continue
             largest = np.inf
             if m.actuator_forcelimited[a]:
@@ -253,7 +253,7 @@ class _Reader:
             if motor and m.actuator_ctrllimited[a]:
                 largest = min(largest, float(abs(m.actuator_gainprm[a, 0]) * max(abs(m.actuator_ctrlrange[a]))))
             if not motor:
-                self.lose("laws of actuators that are no motors", name)
+                self.lose("control laws of actuators other than motors", name)
             single.setdefault(j, []).append(abs(float(gear[0])) * largest)
         for j, forces in single.items():
             bounds.setdefault(j, []).append(sum(forces))
@@ -320,7 +320,7 @@ class _Reader:
             read = readers.get(int(m.eq_type[e]))
             if read is None or not read(e, free):
                 what = kinds(m.eq_type[e]).name.removeprefix("mjEQ_").lower()
-                self.lose(f"equalities of type {what} that are not linear, or tie what is fixed together", name)
+                self.lose(f"equalities of type {what} that are not linear, or between bodies that are fixed to each other", name)
 
     def _loop(self, e: int, name: str) -> bool:
         m, one, other, data = self.m, int(self.m.eq_obj1id[e]), int(self.m.eq_obj2id[e]), self.m.eq_data[e]

@@ -264,7 +264,7 @@ class TableFunction:
             for name, x in results.items():
                 if name in columns:
                     raise ValueError(f'the result "{name}" and a column that is kept have the same name; '
-                                     "say with `keep` which columns are kept")
+                                     "choose the columns by `keep`")
                 columns[name] = as_column(name, x, len(bad[rows]), self.dtype)
             yield pa.table(columns), int(without.sum())
 
@@ -340,7 +340,7 @@ def files_in(states: str | os.PathLike[str] | Sequence[str | os.PathLike[str]]) 
     """Parquet files by their names: one, a list, or all in a folder and below it in the order of their paths."""
     if not isinstance(states, (str, os.PathLike)):
         if not states:
-            raise ValueError("states names no file")
+            raise ValueError("states is empty; expected at least one file")
         return [file for one in states for file in files_in(one)]
     if not os.fspath(states):
         raise ValueError("states is empty; expected the name of a file or folder")

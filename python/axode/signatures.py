@@ -77,7 +77,7 @@ def wrong_names(callee: str, takes: list[inspect.Parameter], given: list[Any], b
         after = [name for name in names if name not in positional and name not in by_name]
         return (f"{callee} takes at most {len(positional)} arguments by their places"
                 f"{' (' + ', '.join(positional) + ')' if positional else ''}, got {len(given)}" +
-                (f"; write {after[0]}=... for what is meant by name" if after else ""))
+                (f"; write {after[0]}=... for an argument by name" if after else ""))
     if twice := [name for name in positional[:len(given)] if name in by_name]:
         return f"{callee} is given {in_words(twice)} twice, by place and by name"
     missing = [x.name for x in takes if x.default is x.empty and x.name not in [*positional[:len(given)], *by_name]]

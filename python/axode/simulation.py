@@ -123,7 +123,7 @@ def rollout(m: Model | Specialised, q: ArrayLike, v: ArrayLike,
     given: dict[str, Any] = {"threads": threads, "joint_losses": joint_losses}
     if steps is None:
         if callable(tau):
-            raise ValueError("steps is missing; it says how many, where tau is a function or a drive")
+            raise ValueError("steps is missing; a function or a drive as tau needs the number of steps")
         return _axode.rollout_under(m, q, v, tau, step, compiled, **given)
     if steps < 0:
         raise ValueError(f"steps is {steps}; it must not be negative")

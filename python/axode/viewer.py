@@ -40,7 +40,7 @@ def _motion_in(m: Model, file: Path) -> Motion:
             with np.load(file, allow_pickle=False) as arrays:
                 found = {name: arrays[name] for name in names if name in arrays}
         except (zipfile.BadZipFile, EOFError, TypeError, ValueError) as error:
-            raise ValueError(f"motion: {file} is no .npz of arrays") from error
+            raise ValueError(f"motion: {file} is not an .npz of arrays") from error
     elif file.suffix == ".json":
         found = json.loads(file.read_text(encoding="utf-8"))
     elif file.suffix == ".csv":
@@ -206,7 +206,7 @@ class Viewer:
     def __init__(self, m: Model, q: ArrayLike | None = None,
                  motion: Trajectory | str | os.PathLike[str] | None = None) -> None:
         if not PAGE.exists():
-            raise RuntimeError("this build of axode has no viewer; build it with npm at hand")
+            raise RuntimeError("this build of axode has no viewer; build it with npm installed")
         self._m = m
         self._motion = _motion_of(m, motion)
         self._q: Any = q if q is not None else _axode.first_configuration(m) if self._motion is None else np.asarray(self._motion[1])[0]

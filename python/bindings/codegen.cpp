@@ -135,10 +135,10 @@ is asked for twice, none, an unknown abi and a prefix that is no C identifier.
 True
 )");
   nb::class_<CasadiLibrary>(module, "CasadiLibrary", "An external function of CasADi in a shared library.")
-      .def_ro("name", &CasadiLibrary::name, "Of the function.")
+      .def_ro("name", &CasadiLibrary::name, "Name of the function.")
       .def_prop_ro(
           "file", [](const CasadiLibrary& library) { return library.code.file().string(); },
-          "Where the library lies: in the cache, or in a temporary folder where there is none.");
+          "Path of the library: in the cache, or in a temporary folder if there is no cache.");
   module.def("casadi_library", &casadi_library, "m"_a, "quantity"_a, "states"_a = 1, nb::kw_only(),
              "flags"_a = nb::none(),
              nb::sig("def casadi_library(m: axode.Model, quantity: object, states: int = 1, *, flags: "

@@ -39,7 +39,7 @@ Reference reference(const BoundModel& m, nb::handle q, nb::handle v, nb::handle 
     for (const auto& [name, given] : {std::pair{"v", v}, {"a", a}})
       if (!given.is_none())
         throw nb::value_error(
-            (std::string(name) + ": q is a trajectory, which has its own; leave it out").c_str());
+            (std::string(name) + ": leave it out, because q is a trajectory and has its own").c_str());
     return {*m, *motion};
   }
   const States state = one_state(m, {q.ptr()});

@@ -206,7 +206,7 @@ BoundTrajectory simulate_of(const BoundModel& m, ArrayLike q, ArrayLike v, doubl
   const Method& way = chosen("method", method, methods);
   if (!way.adapts && step.is_none())
     throw nb::value_error(
-        ("step: method '" + text_of(method) + "' takes steps of one length; expected it in s").c_str());
+        ("step: method '" + text_of(method) + "' takes fixed steps; expected their length in s").c_str());
   options.coordinates = chosen("coordinates", coordinates, coordinate_kinds);
 
   const double length = step.is_none() ? 0.0 : number("step", step);
@@ -356,7 +356,7 @@ Array reconstruct_of(ArrayLike C0, ArrayLike twists, ArrayLike times, Representa
     found = reconstruct<Spatial>(
         C, [&](double) { return next(Spatial{}); }, at, method);
   else
-    throw nb::value_error("representation: a twist from which a pose follows is 'body' or 'spatial'");
+    throw nb::value_error("representation must be 'body' or 'spatial' to integrate a twist to a pose");
   NewArray out({static_cast<nb::ssize_t>(N), 4, 4});
   for (std::size_t k = 0; k < N; ++k) write(found[k], out.data() + 16 * k);
   return out.array();
@@ -389,8 +389,7 @@ A motion, from `simulate`: at the ends of its steps, or at the times that were a
       .def_prop_ro(
           "tau", [](const BoundTrajectory& x) { return rows(x, &Trajectory::tau); },
           "(N, nv) drive forces, N m or N.")
-      .def_prop_ro("energy", &energies,
-                   "(N,) kinetic and potential energy, that of springs and stops included, J.")
+      .def_prop_ro("energy", &energies, "Kinetic and potential energy, including springs and stops, (N,), J.")
       .def_prop_ro(
           "momentum",
           [](const BoundTrajectory& x) {
@@ -398,12 +397,13 @@ A motion, from `simulate`: at the ends of its steps, or at the times that were a
               write_screw(spatial_momentum<double>(x.motion.model(), w, q, v), out.data());
             });
           },
-          "(N, 6) spatial momentum of the whole, about the inertial origin, N m s and N s.")
+          "Spatial momentum of the mechanism about the inertial origin, (N, 6), N m s and N s.")
       .def_prop_ro(
-          "steps", [](const BoundTrajectory& x) { return x.motion.steps; }, "That were taken.")
+          "steps", [](const BoundTrajectory& x) { return x.motion.steps; },
+          "Number of steps that were taken.")
       .def_prop_ro(
           "rejected", [](const BoundTrajectory& x) { return x.motion.rejected; },
-          "Steps that were tried in vain.")
+          "Number of steps that were rejected and repeated.")
       .def_prop_ro(
           "evaluations", [](const BoundTrajectory& x) { return x.motion.evaluations; }, "Of accelerations.")
       .def_prop_ro(
@@ -418,10 +418,11 @@ A motion, from `simulate`: at the ends of its steps, or at the times that were a
           "The same of velocities, rad/s and m/s.")
       .def_prop_ro(
           "body_energy", [](const BoundTrajectory& x) { return to_array(x.motion.body_energies); },
-          "Likewise, the kinetic energy and that of weight of the bodies as they are, J.")
+          "Kinetic energy and potential energy of gravity at the end of each step from the motion of the "
+          "bodies, J; empty unless the coordinates are absolute.")
       .def_prop_ro(
           "complete", [](const BoundTrajectory& x) { return x.motion.complete; },
-          "Whether the end was reached, or a terminal event.")
+          "Whether the motion reached its end or a terminal event.")
       .def_prop_ro(
           "stop_reason", [](const BoundTrajectory& x) { return nb::str(x.motion.stop_reason.c_str()); },
           "What stopped it before, in a sentence, or ''.")
@@ -434,7 +435,7 @@ A motion, from `simulate`: at the ends of its steps, or at the times that were a
             return out;
           },
           nb::sig("def events(self) -> list[tuple[int, float]]"),
-          "The events that were met: their places in the list that was given, and the times.")
+          "Events that occurred, as pairs of the index in the list `events` and the time.")
       .def(
           "at",
           [](const BoundTrajectory& x, ArrayLike t) {
@@ -494,7 +495,7 @@ Its to_parquet (with pyarrow) and to_csv write files. ModuleNotFoundError where 
         const Tableau& method = runge_kutta(order);
         return to_array(method.c);
       },
-      "order"_a, "Where in a step, from 0 to 1, a method evaluates.");
+      "order"_a, "Stage times of a method as parts of a step, from 0 to 1.");
 }
 
 }  // namespace axode::python

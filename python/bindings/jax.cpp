@@ -40,7 +40,7 @@ class Mechanisms {
     const std::shared_lock lock(mutex_);
     const auto found = all_.find(key);
     if (found == all_.end())
-      throw std::invalid_argument("this program was compiled for a model that is not in this process");
+      throw std::invalid_argument("m: this program was compiled for a model that is not in this process");
     return found->second.model;
   }
 
@@ -65,7 +65,7 @@ struct Operand {
   Operand(const xla::Buffer& given, int item_axes) : buffer(given) {
     if (given.rank < item_axes || (given.type != xla::Type::float64 && given.type != xla::Type::float32))
       throw std::invalid_argument(
-          "expected arrays of float64 or float32 with an axis for each of their items");
+          "arguments: expected arrays of float64 or float32 with an axis for the items");
     for (std::int64_t k = 0; k < given.rank; ++k)
       (k < given.rank - item_axes ? states : item) *= static_cast<std::size_t>(given.lengths[k]);
   }
@@ -152,7 +152,7 @@ class Call {
   }
   static Operand of(const xla::Buffers& buffers, std::size_t k, int item_axes) {
     if (k >= static_cast<std::size_t>(buffers.size))
-      throw std::invalid_argument("arguments or results are missing");
+      throw std::invalid_argument("arguments or results: too few were given");
     return {*buffers.all[k], item_axes};
   }
 

@@ -99,7 +99,7 @@ Array jacobian_derivative_along_of(const BoundModel& m, ArrayLike q, FrameName f
 template <class F>
 NewArray each_motion(const States& states, const Rows& rates, const Shape& item_shape, const F& f) {
   const Model& m = states.model();
-  if (rates.count() == 0) throw nb::value_error("rates: expected at least one row, the velocities");
+  if (rates.count() == 0) throw nb::value_error("rates is empty; expected at least one row, the velocities");
   const int orders = rates.count();
   return each_item(states, linear_cost(m) * orders * orders, item_shape.times(orders),
                    [&](auto&, std::size_t k, std::span<double> out) {

@@ -104,14 +104,14 @@ void add_parts(nb::module_& module) {
           "kind", [](const BoundJoint& j) { return std::string(to_string((*j).kind)); },
           "revolute, prismatic, helical, spherical, planar or free.")
       .def_prop_ro(
-          "pitch", [](const BoundJoint& j) { return (*j).pitch; }, "Of a helical joint, m/rad.")
+          "pitch", [](const BoundJoint& j) { return (*j).pitch; }, "Pitch of a helical joint, m/rad.")
       .def_prop_ro(
           "q", [](const BoundJoint& j) { return nb::slice((*j).iq, (*j).iq + (*j).nq, 1); },
           nb::sig("def q(self) -> slice[int, int, int]"),
-          "Where its coordinates are in q: `q[m.joint(name).q]`. Empty for a coupled joint.")
+          "Slice of its coordinates in q: `q[m.joint(name).q]`. Empty for a coupled joint.")
       .def_prop_ro(
           "v", [](const BoundJoint& j) { return nb::slice((*j).iv, (*j).iv + (*j).nv, 1); },
-          nb::sig("def v(self) -> slice[int, int, int]"), "Where its velocities are in v, a and tau.")
+          nb::sig("def v(self) -> slice[int, int, int]"), "Slice of its velocities in v, a and tau.")
       .def_prop_ro("nq", [](const BoundJoint& j) { return (*j).nq; })
       .def_prop_ro("nv", [](const BoundJoint& j) { return (*j).nv; })
       .def_prop_ro(
@@ -121,7 +121,8 @@ void add_parts(nb::module_& module) {
             return std::tuple((*j.model)->joint((*j).leader->joint).name, (*j).leader->ratio,
                               (*j).leader->offset);
           },
-          "(name, ratio, offset) where its coordinate is ratio * that of another joint + offset, else None.")
+          "(name, ratio, offset) if its coordinate is ratio * the coordinate of joint `name` + offset, else "
+          "None.")
       .def_prop_ro("lower", &of_each_dof<&Dof::lower>,
                    "Lower limit of each degree of freedom, rad or m; may be -inf.")
       .def_prop_ro("upper", &of_each_dof<&Dof::upper>,
@@ -129,14 +130,14 @@ void add_parts(nb::module_& module) {
       .def_prop_ro("velocity", &of_each_dof<&Dof::velocity>, "Largest speed, rad/s or m/s; may be inf.")
       .def_prop_ro("effort", &of_each_dof<&Dof::effort>, "Largest drive force, N m or N; may be inf.")
       .def_prop_ro("damping", &of_each_dof<&Dof::damping>,
-                   "N m s/rad or N s/m; felt where `joint_losses` asks.")
+                   "Viscous damping, N m s/rad or N s/m; counted if `joint_losses` is set.")
       .def_prop_ro("friction", &of_each_dof<&Dof::friction>,
-                   "Coulomb friction, N m or N; felt where `joint_losses` asks.")
+                   "Coulomb friction, N m or N; counted if `joint_losses` is set.")
       .def_prop_ro("armature", &of_each_dof<&Dof::armature>,
                    "Inertia of the drive at the joint, kg m^2 or kg.")
       .def_prop_ro(
           "passive", [](const BoundJoint& j) { return (*j).passive; },
-          "Whether it has no drive; matters in mechanisms with loops.")
+          "Whether it has no drive; this matters in mechanisms with loops.")
       .def("__repr__", [](const BoundJoint& j) {
         return "Joint(\"" + (*j).name + "\": " + std::string(to_string((*j).kind)) + ", q " +
                indices((*j).iq, (*j).nq) + ", v " + indices((*j).iv, (*j).nv) + ")";
@@ -610,27 +611,30 @@ Model("arm7": 7 moving bodies, nq = 7, nv = 7, 10 frames, 26.334 kg)
 )");
   model.def_prop_ro("name", [](const BoundModel& m) { return m->name(); })
       .def_prop_ro(
-          "nq", [](const BoundModel& m) { return m->nq(); }, "Coordinates; four for a rotation.")
+          "nq", [](const BoundModel& m) { return m->nq(); }, "Number of coordinates q; a rotation has four.")
       .def_prop_ro(
-          "nv", [](const BoundModel& m) { return m->nv(); }, "Velocities, the degrees of freedom.")
+          "nv", [](const BoundModel& m) { return m->nv(); },
+          "Number of velocities v, the degrees of freedom.")
       .def_prop_ro(
-          "n_bodies", [](const BoundModel& m) { return m->n_bodies(); }, "Bodies that move.")
+          "n_bodies", [](const BoundModel& m) { return m->n_bodies(); }, "Number of moving bodies.")
       .def_prop_ro("n_frames", [](const BoundModel& m) { return m->n_frames(); })
       .def_prop_ro(
           "body_names", [](const BoundModel& m) { return names(m->bodies().subspan(1)); },
-          "Of the bodies that move, in the model's order.")
+          "Names of the moving bodies, in the model's order.")
       .def_prop_ro(
           "joint_names", [](const BoundModel& m) { return names(m->joints()); },
-          "One for each moving body, in the model's order; `velocity_names` has those of v, a and tau.")
+          "Names of the joints, one for each moving body, in the model's order; `velocity_names` names the "
+          "entries of v, a and tau.")
       .def_prop_ro(
           "coordinate_names", [](const BoundModel& m) { return coordinate_names(m); },
-          "One for each entry of q: its joint's, numbered as in `hip[0]` where that has several.")
+          "Names of the entries of q: the name of the joint, with a number as in `hip[0]` if it has several.")
       .def_prop_ro(
           "velocity_names", [](const BoundModel& m) { return velocity_names(m); },
-          "One for each entry of v, a and tau: its joint's, numbered as in `hip[0]` where that has several.")
+          "Names of the entries of v, a and tau: the name of the joint, with a number as in `hip[0]` if it "
+          "has several.")
       .def_prop_ro(
           "parameter_names", [](const BoundModel& m) { return parameter_names(m); },
-          "One for each entry of `parameters`: `link 1 m`, `link 1 m cx`, ..., `link 1 Iyz`.")
+          "Names of the entries of `parameters`: `link 1 m`, `link 1 m cx`, ..., `link 1 Iyz`.")
       .def_prop_ro(
           "joints",
           [](nb::handle_t<BoundModel> self) {
@@ -639,13 +643,13 @@ Model("arm7": 7 moving bodies, nq = 7, nv = 7, 10 frames, 26.334 kg)
             for (const Joint& joint : m->joints()) all.append(self.attr("joint")(to_str(joint.name)));
             return all;
           },
-          nb::sig("def joints(self) -> list[Joint]"), "All, in the order of `joint_names`.")
+          nb::sig("def joints(self) -> list[Joint]"), "All joints, in the order of `joint_names`.")
       .def_prop_ro(
           "n_loops", [](const BoundModel& m) { return static_cast<int>(m->loops().all.size()); },
-          "Loops and couplings.")
+          "Number of loops and couplings.")
       .def_prop_ro(
           "loop_names", [](const BoundModel& m) { return names(m->loops().all); },
-          "Of the loops, then of the couplings, in the order of the drawing.")
+          "Names of the loops, then of the couplings, in the order of the drawing.")
       .def_prop_ro(
           "parameters", [](const BoundModel& m) { return to_array(inertial_parameters(m)); },
           "Inertial parameters, (10 n_bodies,): m, m c, Theta (xx, yy, zz, xy, xz, yz) of each body in its "
@@ -658,16 +662,17 @@ Model("arm7": 7 moving bodies, nq = 7, nv = 7, 10 frames, 26.334 kg)
           "Largest drive force for each velocity, (nv,), N m or N; may be inf.")
       .def_prop_ro(
           "frame_names", [](const BoundModel& m) { return names(m->frames()); },
-          "\"ground\", the moving bodies, then everything that is fixed to one of them.")
+          "Names of the frames: \"ground\", the moving bodies, then the frames that are fixed to one of "
+          "them.")
       .def_prop_ro(
           "gravity", [](const BoundModel& m) { return to_array(m->gravity()); },
-          "In the inertial frame, (3,), m/s^2.")
+          "Acceleration of gravity in the inertial frame, (3,), m/s^2.")
       .def_prop_ro(
-          "total_mass", [](const BoundModel& m) { return m->total_mass(); }, "Of all moving bodies, kg.")
+          "total_mass", [](const BoundModel& m) { return m->total_mass(); }, "Mass of all moving bodies, kg.")
       .def_prop_ro(
           "warnings", [](const BoundModel& m) { return fault_list(m->warnings()); },
           nb::sig("def warnings(self) -> list[axode.Fault]"),
-          "What is doubtful about the mechanism but did not prevent the build.")
+          "Warnings about the mechanism, which did not prevent its compilation.")
       .def("__repr__", &repr)
       .def("__str__", &table)
       .def("__copy__", [](const BoundModel& m) { return BoundModel(*m); })

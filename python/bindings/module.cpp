@@ -23,7 +23,7 @@ NB_MODULE(_axode, module) {
   translate_exceptions();
   module.attr("version") = AXODE_VERSION;
   module.def("name_here", &axode::catalog::name_here, nb::arg("theirs"),
-             "What a function of other libraries is called here, or ''.");
+             "The name in axode of a function of another library, or ''.");
   module.def("describe", &describe, "type"_a, "signature"_a);
   add_wrong_calls(module);
   add_table(module);

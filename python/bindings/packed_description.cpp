@@ -61,7 +61,8 @@ template <class T> struct Packing {
     std::apply(
         [&](auto&... each) {
           if (nb::len(from) != sizeof...(each))
-            throw nb::value_error("a pickled model of another version of axode");
+            throw nb::value_error(
+                "state: it was pickled by another version of axode; pickle the model again");
           std::size_t k = 0;
           (Packing<std::remove_cvref_t<decltype(each)>>::unpack(from[k++], each), ...);
         },

@@ -226,7 +226,7 @@ Array newton_euler_of(ArrayLike M, ArrayLike V, ArrayLike dV, Representation rep
   const bool rotated = !nb::handle(R.given).is_none();
   if (rotated != (representation == Representation::mixed))
     throw nb::value_error(rotated
-                              ? "R: expected none, it is for the mixed representation"
+                              ? "R: expected None, because only the mixed representation needs it"
                               : "R: the mixed representation needs the rotation of the body, (..., 3, 3)");
   if (rotated)
     return map_items(

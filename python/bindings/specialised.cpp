@@ -77,7 +77,7 @@ template <catalog::Id id> void define(nb::class_<BoundSpecialised>& type) {
         },
         argument<n>(name_of(row.numbers()[n]))..., nb::kw_only(), nb::arg("threads") = 1,
         nb::sig(signature(row, "self", "*, threads: int = 1").c_str()),
-        ("As `axode." + std::string(name) + "`, without loads.").c_str());
+        ("Computes `axode." + std::string(name) + "` by compiled code, without loads.").c_str());
   }
   (Times<row.numbers().size()>());
 }
@@ -133,10 +133,11 @@ True
           nb::sig("def jacobian(self, q: numpy.typing.ArrayLike, frame: str | int, representation: "
                   "typing.Literal['body', 'spatial', 'hybrid', 'mixed'] = 'body', *, threads: int = 1) -> "
                   "numpy.typing.NDArray[numpy.float64]"),
-          "As `axode.jacobian`, of a frame and in a representation that were asked for.")
+          "Computes `axode.jacobian` by compiled code, for a frame and a representation that were named in "
+          "Model.specialise.")
       .def_prop_ro(
           "model", [](const BoundSpecialised& s) { return s.python_model(); },
-          nb::sig("def model(self) -> axode.Model"), "The model that it was made of.");
+          nb::sig("def model(self) -> axode.Model"), "The model from which it was compiled.");
 
   nb::cpp_function_def(
       &specialise, nb::scope(nb::type<BoundModel>()), nb::name("specialise"), nb::is_method(), "functions"_a,

@@ -54,8 +54,8 @@ void add_table(nb::module_& module) {
         check(catalog::functions_of_state), check(catalog::other_functions);
       },
       "m"_a, "function"_a,
-      "ValueError where the function of a state, as compiled or traced code, would answer for another "
-      "mechanism than m.");
+      "Raises ValueError if the function of a state, as compiled or traced code, would not count everything "
+      "that m has.");
 }
 
 }  // namespace axode::python

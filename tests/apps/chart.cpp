@@ -267,9 +267,10 @@ TEST(PlotOfATable, NamesWhatIsWrong) {
   };
   EXPECT_EQ(error(""), ": expected a line with the names of columns, and numbers below it\n");
   EXPECT_EQ(error("t,q\n"), ": expected a line with the names of columns, and numbers below it\n");
-  EXPECT_EQ(error("t\n1\n"), ": there is one column; the first is along the axis, and others are drawn\n");
+  EXPECT_EQ(error("t\n1\n"),
+            ": there is only one column; the first one is the horizontal axis, and the others are drawn\n");
   EXPECT_EQ(error("t,q\n1,2\n\n3\n"), ":4: there are 1 columns; the first line has 2\n");
-  EXPECT_EQ(error("t,q\n1,two\n"), ":2: \"two\" is no number\n");
+  EXPECT_EQ(error("t,q\n1,two\n"), ":2: \"two\" is not a number\n");
   std::string words = "t";
   for (int k = 0; k < 61; ++k) words += ",c" + std::to_string(k) + " x";
   EXPECT_EQ(
@@ -280,7 +281,7 @@ TEST(PlotOfATable, NamesWhatIsWrong) {
   EXPECT_THAT(error("t,q\n1,2\n", {folder.file("other.csv")}),
               HasSubstr("other.csv: its columns make 60 panels, one of each first word; a chart has 60 "
                         "places, 30 for this table"));
-  EXPECT_EQ(error("t,\"q\nq\"\nx,2\n"), ":3: \"x\" is no number\n");
+  EXPECT_EQ(error("t,\"q\nq\"\nx,2\n"), ":3: \"x\" is not a number\n");
 }
 
 // ------------------------------------------------------------------------------------------------------- sweeps
@@ -334,14 +335,16 @@ TEST(Sweep, NamesWhatIsWrongWithItsFile) {
   };
   EXPECT_EQ(error(""), "expected a line with the names of columns, and states below it\n");
   EXPECT_EQ(error("t,q pin\n"), "expected a line with the names of columns, and states below it\n");
-  EXPECT_EQ(error("q pni,v pin,w\n0,0,0\n"),
-            "there is no column \"q pni\"; there are t, and q, v, a and tau with names behind; did you mean "
-            "\"q pin\"?\n"
-            "there is no column \"w\"; there are t, and q, v, a and tau with names behind\n");
-  EXPECT_EQ(error("t,t\n0,0\n"), "the column \"t\" stands more than once\n");
+  EXPECT_EQ(
+      error("q pni,v pin,w\n0,0,0\n"),
+      "the column \"q pni\" has no meaning here; columns are t, and q, v, a and tau, each followed by a "
+      "name; did you mean "
+      "\"q pin\"?\n"
+      "the column \"w\" has no meaning here; columns are t, and q, v, a and tau, each followed by a name\n");
+  EXPECT_EQ(error("t,t\n0,0\n"), "the column \"t\" is given more than once\n");
   EXPECT_EQ(error("t,q pin\n0,0\n1\n"), "state 1: has 1 number, and there are 2 columns\n");
-  EXPECT_EQ(error("t,q pin\n0,x\n"), "state 0: q pin is \"x\", which is no finite number\n");
-  EXPECT_EQ(error("t,q pin\n0,nan\n"), "state 0: q pin is \"nan\", which is no finite number\n");
+  EXPECT_EQ(error("t,q pin\n0,x\n"), "state 0: q pin is \"x\", which is not a finite number\n");
+  EXPECT_EQ(error("t,q pin\n0,nan\n"), "state 0: q pin is \"nan\", which is not a finite number\n");
   EXPECT_EQ(error("t,\"q pin\n0,0\n"), "expected a line with the names of columns, and states below it\n");
 }
 

@@ -172,10 +172,9 @@ TEST(Map, SaysWhatItNeedsWhereThatIsMissing) {
   };
   const Outcome none = with("no-such-python");
   EXPECT_EQ(none.code, 1);
-  EXPECT_EQ(
-      none.err,
-      "axode map: no-such-python cannot be run: No such file or directory; `axode map` needs Python, of "
-      "which AXODE_PYTHON names the program\n");
+  EXPECT_EQ(none.err,
+            "axode map: no-such-python cannot be run: No such file or directory; `axode map` needs Python; "
+            "set AXODE_PYTHON to its program\n");
   const TemporaryFolder folder;
   const std::string bare = folder.write("python", "#!/bin/sh\nexec python3 -I -S \"$@\"\n");
   std::filesystem::permissions(bare, std::filesystem::perms::owner_all);

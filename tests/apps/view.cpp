@@ -127,7 +127,7 @@ TEST_F(View, RefusesMotionsThatDoNotFitInOneSentence) {
   EXPECT_THAT(csv("t,q pin\n0,1\n"), HasSubstr("there is no column \"q elbow\""));
   EXPECT_THAT(csv("t,q pin,q elbow,v pin,v elbow\n0,1,2,3\n"),
               HasSubstr("a.csv:2: there are 4 columns; the first line has 5"));
-  EXPECT_THAT(csv("t,q pin,q elbow,v pin,v elbow\n0,1,x,3,4\n"), HasSubstr("a.csv:2: \"x\" is no number"));
+  EXPECT_THAT(csv("t,q pin,q elbow,v pin,v elbow\n0,1,x,3,4\n"), HasSubstr("a.csv:2: \"x\" is not a number"));
   EXPECT_THAT(csv("t,q pin,q elbow,v pin,v elbow\n0,1,nan,3,4\n"), HasSubstr("must be finite"));
   EXPECT_THAT(csv("t,q pin,q elbow,v pin,v elbow\n1,1,1,1,1\n0,1,1,3,4\n"), HasSubstr("times must increase"));
   EXPECT_THAT(json("{"), HasSubstr("this is not JSON"));

@@ -211,7 +211,7 @@ TEST(Rollouts, OfMechanismsWithLoopsAreTheMotionsOneByOne) {
     }
     v[nv] += 1;
     EXPECT_THAT(message_of([&] { (void)batch::rollout<double>(model, q, v, all, step, q_tau, v_tau); }),
-                testing::StartsWith("state 1: v tears loop"));
+                testing::StartsWith("state 1: v does not keep loop"));
     const std::vector<float> q_f(q.begin(), q.end()), v_f(v.begin(), v.end()), tau_f(all.begin(), all.end());
     std::vector<float> q_single(q_out.size()), v_single(v_out.size());
     EXPECT_THAT(

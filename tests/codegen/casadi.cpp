@@ -114,19 +114,19 @@ TEST(FunctionsForCasadi, RefuseWhatTheyCannotBe) {
   constexpr auto casadi = codegen::Abi::casadi;
   EXPECT_EQ(refusal(Id("forward_dynamics_vjp"), {.abi = casadi}),
             "forward_dynamics_vjp comes with forward_dynamics for CasADi, as jac_, fwd1_, adj1_ and "
-            "jac_adj1_; ask for that");
+            "jac_adj1_; generate that function instead");
   EXPECT_EQ(refusal(Id("mass_matrix"), {.single_precision = true, .abi = casadi}),
-            "CasADi computes with double; there is no single precision");
+            "single_precision is set, but CasADi computes in double precision");
   EXPECT_EQ(refusal(Id("mass_matrix"), {.prefix = "a__b", .abi = casadi}),
-            "the prefix \"a__b\" is no name in CasADi: underscores are single there, and between letters or "
+            "the prefix \"a__b\" is not a name in CasADi: underscores must be single, and between letters or "
             "digits");
   EXPECT_EQ(refusal(Id("mass_matrix"), {.abi = casadi, .states = 0}), "states is 0; expected 1 or more");
   const std::string too_many = refusal(Id("mass_matrix"), {.abi = casadi, .states = 2'000'000'000});
   EXPECT_TRUE(too_many.starts_with("states is 2000000000; ") &&
-              too_many.ends_with(" has more than 2147483647 entries of so many"))
+              too_many.ends_with(" would have more than 2147483647 entries for so many states"))
       << too_many;
   EXPECT_EQ(refusal(Id("mass_matrix"), {.states = 2}),
-            "states is about functions for CasADi; others are of one state");
+            "states is an option of functions for CasADi (abi = casadi); other functions compute one state");
 }
 
 }  // namespace

@@ -22,7 +22,8 @@ TEST(GeneratedCudaArguments, AreThoseOfC) {
   const auto source = [&](const std::vector<Function>& functions, const std::string& prefix = "") {
     return codegen::c_source(rod, functions, {.prefix = prefix, .abi = codegen::Abi::cuda});
   };
-  EXPECT_EQ(message_of([&] { source({}); }), "there are no functions to generate");
+  EXPECT_EQ(message_of([&] { source({}); }),
+            "functions is empty; expected at least one to generate code for");
   EXPECT_EQ(message_of([&] {
               source({{Id("jacobian"), 9}});
             }),

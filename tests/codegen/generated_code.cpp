@@ -400,9 +400,9 @@ TEST(GeneratedCodeArguments, AreChecked) {
   const auto call = [&](const std::vector<Function>& functions, const std::string& prefix = "") {
     return message_of([&] { codegen::c_source(model, functions, {.prefix = prefix}); });
   };
-  EXPECT_EQ(call({}), "there are no functions to generate");
+  EXPECT_EQ(call({}), "functions is empty; expected at least one to generate code for");
   EXPECT_EQ(call({{Id("mass_matrix")}}, "7th"),
-            "the prefix \"7th\" is no C identifier: letters, digits and underscores, no digit first");
+            "the prefix \"7th\" is not a C identifier: letters, digits and underscores, no digit first");
   EXPECT_EQ(call({{Id("jacobian"), 9}}), "frame is 9; model \"wrist\" has frames 0 to 3");
   EXPECT_EQ(call({{Id("mass_matrix")}, {Id("mass_matrix")}}), "wrist_mass_matrix is asked for twice");
 }

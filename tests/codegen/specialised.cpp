@@ -156,7 +156,7 @@ TEST_F(SpecialisedModels, CheckTheirArguments) {
   EXPECT_EQ(message({Id("mass_matrix")}, {.q = q}, tau),
             "model \"double pendulum\" was specialised without mass_matrix");
   EXPECT_EQ(message(function, {.q = q, .v = v, .a = v, .loads = {.joint_losses = true}}, tau),
-            "specialised functions take no loads and no joint losses");
+            "loads: specialised functions take no loads and no joint losses");
   EXPECT_TRUE(specialised.has(function));
   EXPECT_FALSE(specialised.has({Id("poses")}));
 }
@@ -268,7 +268,7 @@ TEST_F(SpecialisedModels, SayWhereThereIsNoCompilerOrItFails) {
       testing::MatchesRegex(
           "the compiler .*/cc failed on a specialised model with exit code 1:\n(.|\n)*--nothing(.|\n)*"));
   EXPECT_THAT(make({.monitor = [](std::size_t, std::size_t) { return false; }}),
-              testing::HasSubstr("was ended"));
+              testing::HasSubstr("was interrupted"));
   EXPECT_EQ(files(folder.file("axode")), std::vector<std::string>{"lock"});
   const Variable path("PATH", "");
   const Variable none("CC", "/nonexistent");

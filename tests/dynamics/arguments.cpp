@@ -117,7 +117,7 @@ TEST(DynamicsArgument, AMassMatrixThatIsSingularNamesTheJoint) {
   ASSERT_FALSE(solvability.ok());
   EXPECT_EQ(to_string(massless, solvability),
             "the mass matrix is singular: with the other joints free, joint \"swivel\" of body \"hook\" "
-            "moves no mass; mass or armature helps, or a joint that is locked, see reduced");
+            "moves no mass; give it mass, give the joint armature, or lock the joint, see reduced");
   EXPECT_TRUE(std::isnan(x[0]) && std::isnan(x[1]));
   EXPECT_EQ(inverse_mass_matrix(massless, own, zero, M).singular_body, 2);
   MassMatrixFactor<> factor(massless);

@@ -1,12 +1,14 @@
 # Laws about the source tree itself, and about the installed package.
 set(guards ${CMAKE_CURRENT_LIST_DIR})
 
-# Includes follow the floors; every kind is in its table; no machine's paths, no catch-all names; one version.
+# Includes follow the floors; every kind is in its table; no machine's paths, no catch-all names; one version; clear messages.
 add_test(NAME Guards.IncludeFloors COMMAND ${AXODE_PYTHON} ${guards}/include_floors.py ${PROJECT_SOURCE_DIR})
 add_test(NAME Guards.CleanTree COMMAND ${AXODE_PYTHON} ${guards}/clean_tree.py ${PROJECT_SOURCE_DIR})
 add_test(NAME Guards.Kinds COMMAND ${AXODE_PYTHON} ${guards}/kinds.py ${PROJECT_SOURCE_DIR})
 add_test(NAME Guards.Versions COMMAND ${AXODE_PYTHON} ${guards}/versions.py ${PROJECT_SOURCE_DIR})
-set_tests_properties(Guards.IncludeFloors Guards.CleanTree Guards.Kinds Guards.Versions PROPERTIES LABELS guards)
+add_test(NAME Guards.Messages COMMAND ${AXODE_PYTHON} ${guards}/messages.py ${PROJECT_SOURCE_DIR}
+                                      ${PROJECT_BINARY_DIR}/messages.txt)
+set_tests_properties(Guards.IncludeFloors Guards.CleanTree Guards.Kinds Guards.Versions Guards.Messages PROPERTIES LABELS guards)
 
 # Code for one instruction set stays out of programs that run without it. (Unoptimised code inlines too little.)
 if(CMAKE_BUILD_TYPE STREQUAL Release AND NOT AXODE_NATIVE)

@@ -244,8 +244,7 @@ TEST(Drives, ThatCannotBeAreRefused) {
   EXPECT_THAT(message_of([&] { Reference(model, three); }), StartsWith("q has 3 entries"));
   EXPECT_THAT(message_of([&] { Reference(model, q, three); }), StartsWith("v has 3 entries"));
   EXPECT_THAT(message_of([&] { Reference(model, Numbers{0, 0, 0, 2, 0}); }), testing::HasSubstr("\"ball\""));
-  EXPECT_THAT(message_of([&] { Reference(model, Trajectory(model)); }),
-              StartsWith("the trajectory has no state"));
+  EXPECT_THAT(message_of([&] { Reference(model, Trajectory(model)); }), StartsWith("motion is empty"));
   EXPECT_THAT(message_of([&] { Reference(model, Trajectory(one_body())); }),
               StartsWith("the trajectory has nq = 1 and nv = 1"));
 }

@@ -180,7 +180,7 @@ TEST(Urdf, ASecondEqualElementAndAScaleOfFourNumbersAreDoubts) {
   EXPECT_THAT(
       messages(model),
       ElementsAre(HasSubstr("<mesh> scale is \"2 2 2 2\"; it needs 3 numbers and has 4; it is ignored"),
-                  HasSubstr("joint \"j\": <joint> holds the same <axis> twice"), HasSubstr("moves no mass")));
+                  HasSubstr("joint \"j\": <joint> holds two equal <axis>"), HasSubstr("moves no mass")));
 }
 
 TEST(Urdf, MimicCouplesAJoint) {

@@ -416,7 +416,7 @@ TEST(Faults, AxesOfAUniversalJointAreNotParallel) {
   };
   const auto parallel =
       ElementsAre(says(Rule::parallel_axes, "joint \"elbow\"",
-                       "its two axes are parallel; those of a universal joint must not be"));
+                       "its two axes are parallel; the axes of a universal joint must not be parallel"));
   EXPECT_THAT(axes({1, 2, 3}, {-2, -4, -6}), parallel);
   EXPECT_THAT(axes({0, 0, 1}, {1e-7, 0, 1}), parallel);
   EXPECT_THAT(axes({0, 0, 1e-200}, {0, 0, 1e200}), parallel);
@@ -465,10 +465,14 @@ TEST(Faults, LimitsLeaveRoom) {
                                                    "lower limit 0.5 is above upper limit -0.25")));
   EXPECT_THAT(limits(infinity, -infinity), ElementsAre(says(Rule::limits_crossed, "joint \"elbow\"",
                                                             "lower limit inf is above upper limit -inf")));
-  EXPECT_THAT(limits(infinity, infinity), ElementsAre(says(Rule::limits_crossed, "joint \"elbow\"",
-                                                           "limits inf and inf allow no position")));
-  EXPECT_THAT(limits(-infinity, -infinity), ElementsAre(says(Rule::limits_crossed, "joint \"elbow\"",
-                                                             "limits -inf and -inf allow no position")));
+  EXPECT_THAT(limits(infinity, infinity),
+              ElementsAre(says(Rule::limits_crossed, "joint \"elbow\"",
+                               "limits inf and inf allow no position; the lower limit must be below inf and "
+                               "the upper one above -inf")));
+  EXPECT_THAT(limits(-infinity, -infinity),
+              ElementsAre(says(Rule::limits_crossed, "joint \"elbow\"",
+                               "limits -inf and -inf allow no position; the lower limit must be below inf "
+                               "and the upper one above -inf")));
   EXPECT_THAT(limits(0.5, 0.5), IsEmpty());
   EXPECT_THAT(limits(-12, 12), IsEmpty());
   EXPECT_THAT(limits(-1000, 62.83), IsEmpty());

@@ -48,11 +48,11 @@ def test_drives_losses_loads_events_and_times(coordinates):
 
 @pytest.mark.parametrize("arguments, words", [
     (dict(coordinates="cartesian"), "coordinates is 'cartesian'; expected one of 'relative', 'absolute', 'absolute_SO3xR3'"),
-    (dict(method="rattle", step=1e-3), "RATTLE is for absolute coordinates; these are relative"),
-    (dict(method="half_explicit", step=1e-3), "the half-explicit method is for absolute coordinates"),
-    (dict(method="rattle", coordinates="absolute"), "takes steps of one length"),
-    (dict(method="midpoint", step=1e-3, coordinates="absolute"), "for relative coordinates; in absolute ones RATTLE"),
-    (dict(method="generalized_alpha_index3", step=1e-3), "generalised-alpha of index 3 is for absolute coordinates")])
+    (dict(method="rattle", step=1e-3), "RATTLE needs absolute coordinates, and these are relative"),
+    (dict(method="half_explicit", step=1e-3), "the half-explicit method needs absolute coordinates"),
+    (dict(method="rattle", coordinates="absolute"), "takes fixed steps"),
+    (dict(method="midpoint", step=1e-3, coordinates="absolute"), "needs relative coordinates; in absolute coordinates use rattle"),
+    (dict(method="generalized_alpha_index3", step=1e-3), "generalised-alpha of index 3 needs absolute coordinates")])
 def test_what_does_not_go_together(arguments, words):
     with pytest.raises(ValueError, match=words):
         axode.simulate(ARM, np.full(7, 0.3), np.zeros(7), 0.1, **arguments)
@@ -60,5 +60,5 @@ def test_what_does_not_go_together(arguments, words):
 
 def test_what_rolls_has_nothing_symplectic():
     m = axode.load(axode.robots / "cart.toml")
-    with pytest.raises(ValueError, match='loop "left contact" rolls, which a conserving scheme does not take; rattle in'):
+    with pytest.raises(ValueError, match='loop "left contact" is a rolling contact, which conserving schemes do not support; use rattle in'):
         axode.simulate(m, m.neutral(), np.zeros(m.nv), 0.1, method="midpoint", step=1e-3)

@@ -155,7 +155,7 @@ def test_orders_out_of_range_are_refused():
             axode.jacobian_partials(ARM, Q, "flange", order=order)
     with pytest.raises((ValueError, MemoryError)):
         axode.jacobian_partials(ARM, Q, "flange", order=12)
-    with pytest.raises(ValueError, match="rates: expected at least one row"):
+    with pytest.raises(ValueError, match="rates is empty; expected at least one row"):
         axode.twist_derivatives(ARM, Q, np.zeros((0, 7)), "flange")
 
 
@@ -167,7 +167,7 @@ WRONG_CALLS = {
     "inverse_dynamics needs 'a' as well": lambda: axode.inverse_dynamics(ARM, Q, V),
     "inverse_dynamics needs 'q', 'v' and 'a' as well": lambda: axode.inverse_dynamics(ARM),
     "inverse_dynamics takes at most 6 arguments by their places (m, q, v, a, representation, loads), got 7; "
-    "write joint_losses=... for what is meant by name":
+    "write joint_losses=... for an argument by name":
         lambda: axode.inverse_dynamics(ARM, Q, V, A, "fast", None, True),
     "inverse_dynamics is given 'q' twice, by place and by name": lambda: axode.inverse_dynamics(ARM, Q, V, A, q=Q),
     "Model.joint has no argument 'nam'; did you mean 'name'?": lambda: ARM.joint(nam="A1"),

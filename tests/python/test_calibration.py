@@ -498,7 +498,7 @@ def test_arguments_that_are_wrong_are_named():
         (KeyError, 'no body "link 9"', poses, {"bodies": ["link 9"]}),
         (TypeError, "bodies is 'link 1'; expected a list", poses, {"bodies": "link 1"}),
         (ValueError, '"ground" has no joint', poses, {"bodies": ["ground"]}),
-        (ValueError, "nothing is left to calibrate", poses, {"bodies": [], "tool": False, "device": False}),
+        (ValueError, "they select no parameter to calibrate", poses, {"bodies": [], "tool": False, "device": False}),
         (ValueError, 'frame "link 7" is that of a body', on_link, {}),
         (ValueError, "none of the poses depends", {"frame": "base", "q": q, "pose": np.tile(np.eye(4), (20, 1, 1))},
          {"bodies": ["link 1"], "tool": False, "device": False}),

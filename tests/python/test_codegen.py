@@ -35,7 +35,7 @@ def test_frames_are_names_or_numbers():
 
 
 WRONG = {
-    "no functions": ([], {}, "there are no functions"),
+    "no functions": ([], {}, "functions is empty"),
     "a word instead of a list": ("inverse_dynamics", {}, "functions is 'inverse_dynamics'; expected a list"),
     "a function of another library": (["crba"], {}, r"functions\[0\] is 'crba'; .*it is called 'mass_matrix' here"),
     "an unknown function": (["inverse_dynamic"], {}, r"functions\[0\] is 'inverse_dynamic'; .*did you mean"),
@@ -50,7 +50,7 @@ WRONG = {
     "a frame out of range": ([("jacobian", 99)], {}, r"functions\[0\], frame is 99; model"),
     "the same twice": (["mass_matrix", "mass_matrix"], {}, "arm7_mass_matrix is asked for twice"),
     "an unknown abi": (["mass_matrix"], {"abi": "cud"}, "abi is 'cud'; expected one of 'plain', 'casadi', 'cuda'; did you mean"),
-    "a prefix with a space": (["mass_matrix"], {"prefix": "my arm"}, 'the prefix "my arm" is no C identifier'),
+    "a prefix with a space": (["mass_matrix"], {"prefix": "my arm"}, 'the prefix "my arm" is not a C identifier'),
 }
 
 

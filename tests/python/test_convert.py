@@ -367,7 +367,7 @@ def test_planes_that_pinocchio_does_not_have_are_refused():
 @pytest.mark.parametrize("f", [f for way in WAYS.values() for f in way])
 def test_balls_in_axes_of_their_own_are_refused(f):
     m = one_body(joint={"kind": "spherical", "name": "ball", "point": [0, 0, 0]}, A={"quaternion": [0.6, 0, 0, 0.8]})
-    with pytest.raises(ValueError, match='joint "ball": its axes are not those of body "b"'):
+    with pytest.raises(ValueError, match='joint "ball": its axes differ from the axes of body "b"'):
         f(m, m.neutral())
 
 

@@ -130,7 +130,7 @@ def test_rollouts_refuse_what_is_no_drive_of_theirs():
     (PD(1.0, 1.0, TARGET, feedforward=np.zeros(6)), r"feedforward: expected shape \(7,\)"),
     (PD(1.0, 1.0, TARGET, feedforward=Sampled([0.0], [np.zeros(6)])), r"tau: expected shape \(1, 7\)"),
     (ComputedTorque(1.0, 1.0, TARGET, a=np.zeros(6)), r"a: expected shape \(7,\)"),
-    (PD(1.0, 1.0, axode.simulate(ARM, *REST, 0.01), np.zeros(7)), "v: q is a trajectory"),
+    (PD(1.0, 1.0, axode.simulate(ARM, *REST, 0.01), np.zeros(7)), "v: leave it out, because q is a trajectory"),
     (PD(1.0, 1.0, axode.simulate(HUMANOID, HUMANOID.neutral(), np.zeros(HUMANOID.nv), 0.001)),
      "the trajectory has nq = "),
     (PD(1.0, 1.0, HUMANOID.neutral()).on(HUMANOID), 'tau: a drive of model "humanoid"')])

@@ -317,7 +317,7 @@ WRONG = {
     "an unknown source": (lambda: lie.change_twist(C, X, "world", "body"), "source is 'world'; expected one of 'body'"),
     "an unknown target": (lambda: lie.change_wrench(C, X, "body", "hybird"), "target is 'hybird'; .* did you mean"),
     "no rotation for mixed": (lambda: lie.newton_euler(M, X, U, "mixed"), "R: the mixed representation needs"),
-    "a rotation for body": (lambda: lie.newton_euler(M, X, U, "body", R), "R: expected none"),
+    "a rotation for body": (lambda: lie.newton_euler(M, X, U, "body", R), "R: expected None"),
 }
 
 

@@ -106,7 +106,7 @@ def test_a_urdf_has_no_words_for_them():
     (lambda d: d["coupling"][0].update(terms={}), "has no terms"),
     (lambda d: d["body"][0]["joint"].update(passive=1), "passive is 1; it needs true or false"),
     (lambda d: d["body"][1].pop("mass") and d["body"][1].pop("com") and d["body"][1].pop("inertia"),
-     "moves no mass once the loops are cut")])
+     "moves no mass when the loops are cut")])
 def test_what_is_wrong_is_said(change, message):
     drawing = tomllib.loads(FOUR_BAR)
     change(drawing)

@@ -53,7 +53,7 @@ def test_the_command_computes_every_function_of_a_state_or_says_what_to_use(name
     if done.returncode:
         done = evaluated("four_bar.toml", name)
     if done.returncode:
-        remedy = done.stderr.partition(f"--want: {name} is no quantity: ")[2].partition(" (see")[0]
+        remedy = done.stderr.partition(f"--want: {name} is not a quantity: ")[2].partition(" (see")[0]
         assert remedy, done.stderr
         for quantity in re.findall(r'"(\w+)"', remedy):
             shown = subprocess.run([COMMAND, "eval", "--help"], capture_output=True, text=True).stdout

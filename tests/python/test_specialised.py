@@ -101,7 +101,7 @@ def test_arguments_are_checked_as_the_library_checks_them():
 
 
 @pytest.mark.parametrize(("request_", "error", "message"), [
-    (([],), ValueError, "there are no functions"),
+    (([],), ValueError, "functions is empty"),
     ((["crba"],), ValueError, "it is called 'mass_matrix' here"),
     ((["poses"], "float16"), ValueError, "scalar is 'float16'; expected one of 'float64', 'float32'"),
     (([("jacobian", "hand")],), KeyError, "has no frame"),
@@ -179,8 +179,8 @@ def test_a_folder_of_temporary_files_is_needed_only_without_a_cache(tmp_path):
     assert specialised_elsewhere(TMPDIR=gone).stdout == "(4, 4, 4)\n"
     refused = specialised_elsewhere(TMPDIR=gone, XDG_CACHE_HOME="/proc/none")
     assert refused.stderr.rstrip().endswith(
-        f'RuntimeError: there is no folder to compile in: the cache cannot be written to, and TMPDIR is "{gone}", which is no '
-        "folder; let TMPDIR or XDG_CACHE_HOME name one that can be written to")
+        f'RuntimeError: there is no folder to compile in: the cache cannot be written to, and TMPDIR is "{gone}", which is not a '
+        "folder; set TMPDIR or XDG_CACHE_HOME to a folder that can be written to")
 
 
 def test_the_cache_says_what_it_has_and_is_cleared(cache):

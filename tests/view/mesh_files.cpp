@@ -127,9 +127,9 @@ TEST(MeshFiles, ThatAReaderCannotRelyOnAreRefusedInOneSentence) {
       {"a.glb", glb(gltf_json(4), nine_floats(0)), "an accessor has 4 entries, more than its buffer holds"},
       {"a.glb", glb(gltf_json(2'000'000'000), nine_floats(0)), "an accessor has 2000000000 entries"},
       {"a.glb", glb(gltf_json(-1), nine_floats(0)), "an accessor has 18446744073709551615 entries"},
-      {"a.glb", glb("{", ""), "what is to be its JSON is none"},
+      {"a.glb", glb("{", ""), "its JSON chunk is not JSON"},
       {"a.glb", glb("{}", ""), "its JSON is not that of a glTF"},
-      {"a.gltf", deep, "what is to be its JSON is none"},
+      {"a.gltf", deep, "its JSON chunk is not JSON"},
       {"a.gltf", "[]", "its JSON is not that of a glTF"},
       {"a.gltf", gltf_json(3, R"(, "images": [{"uri": "../skin.png"}])"),
        "it needs another file, \"../skin.png\"; a .glb has everything in one"},
@@ -245,8 +245,8 @@ TEST_F(FindMesh, NeverOutsideAPackageNorElsewhere) {
   for (const char* name : {"package://arm/../secret", "package://arm/meshes/../../secret",
                            "package://../secret", "package://..//secret", "package:///secret",
                            "package://arm", "package://arm/", "package://./secret", "package://"})
-    EXPECT_EQ(find(name), "it is no path within a package") << name;
-  EXPECT_EQ(find("package://arm//secret"), "it is no path within a package");
+    EXPECT_EQ(find(name), "it is not a path within a package") << name;
+  EXPECT_EQ(find("package://arm//secret"), "it is not a path within a package");
   EXPECT_EQ(find("file://host/secret"), "it is on another machine");
   EXPECT_EQ(find("http://host/a.stl"), "\"http://\" is none of package://, file://");
   EXPECT_EQ(find(std::string("beside.stl\0.png", 15)), "there is a zero byte in its name");

@@ -257,7 +257,7 @@ TEST(Scene, RefusesStatesAndMotionsThatDoNotFit) {
   const std::vector<double> q = neutral(model);
   std::vector<double> bad = q;
   bad[3] = std::nan("");
-  EXPECT_EQ(refusal(model, bad), "q: its numbers must be finite");
+  EXPECT_EQ(refusal(model, bad), "q: it must be finite");
   EXPECT_EQ(refusal(model, std::vector<double>(6)), "q has 6 entries; expected nq = 7");
   const ShownMotion good{{0, 1}, std::vector<double>(14), std::vector<double>(14)};
   EXPECT_EQ(refusal(model, q, good), "none");

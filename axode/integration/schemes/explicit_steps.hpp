@@ -62,9 +62,9 @@ template <class Run> void take_steps(Run& run, double until, double step, const 
 inline constexpr int stall_window = 10'000;
 inline constexpr double stall_ratio = 1e5, stall_step = 1e-9;
 inline constexpr const char* jumps =
-    "the steps have become so short that a thousand million more would not do: a force jumps where the "
-    "motion dwells, or grows without bound; methods in steps of one length go on, and dry friction of a "
-    "joint is one of its own properties (joint losses)";
+    "the step size has collapsed: a force is discontinuous at a state in which the motion stays, or grows "
+    "without bound; use a method of fixed steps (rk4), and give dry friction as a joint property that "
+    "joint_losses counts";
 
 /// Where branches of a motion meet, rows of the loops depend on each other. Accelerations close by are those of a mechanism with more
 /// freedoms, so that the error estimate sees a jump that is not in the motion, and shorter steps would only look closer at

@@ -103,8 +103,8 @@ batching.primitive_batchers[primitive] = _batch
 
 # Derivatives. A tangent that is 0 comes as ad.Zero.
 
-_FIRST_BY_PARAMETERS = ("axode.jax has first derivatives by inertial parameters; a second one was asked for. Where it is not "
-                        "wanted, jax.lax.stop_gradient(parameters)")
+_FIRST_BY_PARAMETERS = ("axode.jax has first derivatives by inertial parameters; a second one was asked for. If you do "
+                        "not need it, pass jax.lax.stop_gradient(parameters)")
 
 
 def _along(tangents: Sequence[Any]) -> list[Array]:
@@ -243,8 +243,8 @@ def _motion_tangent(function: str, m: Mechanism, x: Sequence[Array], tangents: S
         dq, dv = motion("rollout_jvp", m, *x, *_velocity_tangents(m, x[0], tangents), **what)
         return [rates_of(m, values[0], dq), dv]
     if not _all_zero(tangents[:3]):
-        raise NotImplementedError("axode.jax has first derivatives of rollout; a second one was asked for. Steps of your own, "
-                                  "with forward_dynamics and integrate in jax.lax.scan, have it")
+        raise NotImplementedError("axode.jax has first derivatives of rollout; a second one was asked for. Steps that you "
+                                  "write with forward_dynamics and integrate in jax.lax.scan have second derivatives")
     return motion(function, m, *x[:3], *_along(tangents[3:]), **what)
 
 

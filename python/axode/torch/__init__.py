@@ -220,7 +220,7 @@ def rollout(m: Model, q: Tensor, v: Tensor, tau: Tensor, step: float) -> tuple[T
         got = tuple(tau.shape) if isinstance(tau, Tensor) else type(tau).__name__
         raise ValueError(f"tau: expected a tensor of shape (..., K, nv), forces for each step, got {got}")
     if isinstance(step, Tensor) and step.requires_grad:
-        raise ValueError("step needs a gradient; expected a number, rollout has no derivative by it")
+        raise ValueError("step requires a gradient; expected a number, because rollout has no derivative by step")
     key, (q, v, _), _ = _checked(m, None, q=q, v=v, tau=tau[..., 0, :] if tau.shape[-2] > 0 else tau.sum(dim=-2))
     refuse_loops(key, "rollout")
     states, velocities = dynamics.rollout(key, float(step), q, v, tau.expand(*q.shape[:-1], *tau.shape[-2:]))

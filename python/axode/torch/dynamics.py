@@ -184,8 +184,8 @@ class _Dynamics:
 
 
 def _refuse_parameters() -> None:
-    raise NotImplementedError("axode.torch has first derivatives by inertial parameters; a second one was asked for. If it "
-                              "is not wanted, give parameters that need no gradient: parameters.detach()")
+    raise NotImplementedError("axode.torch has first derivatives by inertial parameters; a second one was asked for. If you "
+                              "do not need it, pass parameters.detach()")
 
 
 inverse_dynamics = _Dynamics("inverse_dynamics", "a")

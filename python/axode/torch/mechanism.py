@@ -149,7 +149,7 @@ def mechanism_of(m: Model | Specialised) -> Mechanism:
 def with_parameters(key: str, pi: bytes) -> Mechanism:
     known = mechanism(key)
     if known.is_specialised:
-        raise ValueError("parameters: those of a specialised model are compiled into it; give the model itself")
+        raise ValueError("parameters: a specialised model is compiled with its own parameters; give the model itself")
     return Mechanism(known.model.with_parameters(np.frombuffer(pi)), key)
 
 
@@ -167,13 +167,13 @@ def mechanism(key: str) -> Mechanism:
     try:
         return _mechanisms[key]
     except KeyError:
-        raise KeyError(f"this process knows no model {key!r}; axode.torch.handle(m) tells it one") from None
+        raise KeyError(f"this process knows no model {key!r}; axode.torch.handle(m) registers one") from None
 
 
 def key_of(m: Model | Specialised) -> str:
     """The word by which operations know a model."""
     if not isinstance(m, (Model, Specialised)):
-        raise TypeError(f"m: expected an axode.Model, or what Model.specialise makes of one, got {type(m).__name__}")
+        raise TypeError(f"m: expected an axode.Model, or a specialised model from Model.specialise, got {type(m).__name__}")
     return mechanism_of(m).key
 
 

@@ -383,9 +383,9 @@ def test_names_are_such_that_casadi_takes_them():
     assert F.name_out()[2:] == ["C_tool_1", "C_tool_1_2", "C_tool_1_3", "C_Hand_left", "C_frame"]
     for name in m.frame_names:
         axode.casadi.function(m, ("jacobian", name, "hybrid"), flags=QUICK).jacobian()
-    with pytest.raises(ValueError, match='the prefix "my__robot" is no name in CasADi'):
+    with pytest.raises(ValueError, match='the prefix "my__robot" is not a name in CasADi'):
         axode.codegen.c_source(m, ["mass_matrix"], prefix="my__robot", abi="casadi")
-    with pytest.raises(ValueError, match="CasADi computes with double"):
+    with pytest.raises(ValueError, match="CasADi computes in double"):
         axode.codegen.c_source(m, ["mass_matrix"], single_precision=True, abi="casadi")
     with pytest.raises(ValueError, match="abi is 'cuda'|abi is 'matlab'"):
         axode.codegen.c_source(m, ["mass_matrix"], abi="matlab")

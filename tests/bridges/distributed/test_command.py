@@ -48,7 +48,7 @@ def test_it_maps_a_file_to_a_file(axode_on_the_shell, tmp_path):
     direct = axode.mass_matrix(HUMANOID, state["q"][good], "body").astype(np.float32)
     assert same(read(tmp_path / "out.parquet", "mass_matrix")[good], direct)
     code, out, error = axode_on_the_shell(*words)
-    assert code == 1 and "axode map: out.parquet is there already; --overwrite replaces it\n" in error
+    assert code == 1 and "axode map: out.parquet exists; --overwrite replaces it\n" in error
 
 
 @pytest.mark.parametrize("words, code, sentence", [

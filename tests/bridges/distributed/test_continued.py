@@ -122,7 +122,7 @@ def test_ctrl_c_ends_the_command_with_a_sentence(folder):
         time.sleep(0.05)
     ended.send_signal(signal.SIGINT)
     _, error = ended.communicate(timeout=60)
-    assert (ended.returncode, error) == (130, "axode map: ended; the same command goes on from there\n")
+    assert (ended.returncode, error) == (130, "axode map: interrupted; the same command continues from there\n")
     assert not list(folder.glob("out/.part-*"))
 
 
@@ -141,7 +141,7 @@ def test_a_job_is_continued_by_the_same_call_only(folder):
     for options, what in (({"function": "coriolis_vector"}, "function"), ({"m": heavier}, "model"), ({"keep": []}, "arguments"),
                           ({"rows_per_part": 51}, "rows_per_part"), ({"states": "other.parquet"}, "states"),
                           ({"arguments": {"joint_losses": True}}, "arguments"), ({"dtype": "float32"}, "arguments")):
-        with pytest.raises(FileExistsError, match=f"out holds parts of another job: {what} is not the same"):
+        with pytest.raises(FileExistsError, match=f"out holds parts of another job: {what} differs"):
             call(**options)
     twin = axode.load(axode.robots / "arm7.toml")
     written = call(m=twin)
@@ -205,7 +205,7 @@ def test_a_job_is_continued_with_the_values_and_the_code_of_its_function_only(ki
 
     with pytest.raises(RuntimeError, match="ended"):
         call(make(value), progress=ended)
-    with pytest.raises(FileExistsError, match="out holds parts of another job: function is not the same; overwrite=True"):
+    with pytest.raises(FileExistsError, match="out holds parts of another job: function differs; overwrite=True"):
         call(make(other))
     written = call(make(value))
     assert 0 < written.computed < written.parts == 13
@@ -236,8 +236,8 @@ def test_a_function_that_cannot_be_compared_is_computed_but_not_continued(folder
 
     with pytest.raises(RuntimeError, match="ended"):
         call(progress=ended)
-    with pytest.raises(FileExistsError, match="nobody can tell whether it is this one: function holds an object of _thread.lock.*"
-                       "overwrite=True begins anew"):
+    with pytest.raises(FileExistsError, match="cannot be compared with this one: function holds an object of _thread.lock.*"
+                       "overwrite=True starts it again"):
         call()
     assert call(overwrite=True).computed == 13
 
@@ -269,7 +269,7 @@ def test_a_program_that_is_killed_while_it_begins_leaves_nothing_in_the_way(fold
 
 def test_two_processes_do_not_work_on_the_same_output(folder):
     def at_work(done, rows):
-        with pytest.raises(FileExistsError, match="out: another process is at work on it"):
+        with pytest.raises(FileExistsError, match="out: another process is writing to it"):
             distributed.map_states(ARM, "poses", folder / "in.parquet", folder / "out", overwrite=True)
 
     distributed.map_states(ARM, "poses", folder / "in.parquet", folder / "out", progress=at_work)

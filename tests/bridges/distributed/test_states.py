@@ -273,7 +273,7 @@ def test_wrong_calls_get_a_sentence_and_leave_no_file(wrong, tmp_path):
 
 
 def test_names_of_no_files_are_refused(tmp_path):
-    for given, sentence in (("", "states is empty; expected the name"), ([], "states names no file")):
+    for given, sentence in (("", "states is empty; expected the name"), ([], "states is empty; expected at least one file")):
         with pytest.raises(ValueError, match=sentence):
             distributed.map_states(ARM, "poses", given, tmp_path / "out")
 
@@ -331,7 +331,7 @@ def test_an_output_that_is_there_is_replaced_only_if_one_says_so(tmp_path):
         target = tmp_path / output
         distributed.map_states(ARM, "poses", file, target, rows_per_part=30)
         for function in ("poses", "mass_matrix"):
-            with pytest.raises(FileExistsError, match="is there already.*overwrite=True replaces it"):
+            with pytest.raises(FileExistsError, match="exists; overwrite=True replaces it"):
                 distributed.map_states(ARM, function, file, target, rows_per_part=30)
         assert read(target, "poses").shape == (100, len(ARM.frame_names), 4, 4)
         written = distributed.map_states(ARM, "mass_matrix", file, target, rows_per_part=50, overwrite=True)
@@ -339,7 +339,7 @@ def test_an_output_that_is_there_is_replaced_only_if_one_says_so(tmp_path):
     (tmp_path / "mine").mkdir()
     (tmp_path / "mine/thesis.txt").write_text("of three years")
     for overwrite in (False, True):
-        with pytest.raises(FileExistsError, match="mine is not empty, and what it holds is not of axode.distributed"):
+        with pytest.raises(FileExistsError, match="mine is not empty and was not written by axode.distributed"):
             distributed.map_states(ARM, "poses", file, tmp_path / "mine", overwrite=overwrite)
     assert (tmp_path / "mine/thesis.txt").read_text() == "of three years"
     with pytest.raises(FileNotFoundError, match="there is no such folder"):
@@ -354,6 +354,6 @@ def test_results_may_not_lie_among_the_states(tmp_path):
     write(tmp_path / "in/1.parquet", ARM, states(ARM, 5))
     for given, output in ((tmp_path / "in", tmp_path / "in/out.parquet"), (tmp_path / "in/1.parquet", tmp_path / "in"),
                           (tmp_path / "in/1.parquet", tmp_path / "in/1.parquet"), (tmp_path / "in", tmp_path / "in/out")):
-        with pytest.raises(ValueError, match="are one in the other; write elsewhere"):
+        with pytest.raises(ValueError, match="contain each other; choose another folder"):
             distributed.map_states(ARM, "poses", given, output, overwrite=True)
     assert read(tmp_path / "in/1.parquet", "q").shape == (5, 7)

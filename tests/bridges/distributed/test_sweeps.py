@@ -56,7 +56,7 @@ def test_rows_go_to_files_and_what_is_there_is_not_computed_again(output, tmp_pa
     assert written == (12, 6, 3, 0) and log.read_text().split() == ["3", "3", "4", "4", "5", "5"]
     assert list(read(tmp_path / output, "result")) == [x * a[1] for x, a in zip(points["x"], points["axis"])]
     assert read(tmp_path / output, "axis").tolist() == points["axis"]
-    with pytest.raises(FileExistsError, match="is there already"):
+    with pytest.raises(FileExistsError, match="exists.*; overwrite=True replaces it"):
         distributed.sweep(ARM, counted, points, tmp_path / output, points_per_part=2)
 
 
@@ -70,9 +70,9 @@ def test_what_varies_may_be_the_model_and_nothing_needs_to_be_one():
 @pytest.mark.parametrize("points, error, sentence", [
     ({"x": [1, 2], "y": [1]}, ValueError, "points: expected equally many values under each name"),
     ({}, ValueError, "points: expected equally many values"),
-    ({"x": []}, ValueError, "points: there are none"),
+    ({"x": []}, ValueError, "points is empty; expected at least one value"),
     ({"x": [1, object()]}, ValueError, '"x" is <object.*; expected numbers, words or arrays of numbers'),
-    ({"x": [[1], [1, 2]]}, ValueError, '"x" has not the same shape in all points'),
+    ({"x": [[1], [1, 2]]}, ValueError, '"x" must have the same shape at all points'),
     ({"y": [1]}, RuntimeError, "at y = 1: TypeError"),
     ([{"x": 1}], TypeError, "expected a dict of equally many values under each name"),
 ])
@@ -84,7 +84,7 @@ def test_points_that_are_none_are_refused(points, error, sentence):
 @pytest.mark.parametrize("function, sentence", [
     (lambda m, x: {"a": x} if x < 2 else {"b": x}, "at x = 2 the function returns b; before it was a"),
     (lambda m, x: {"x": x}, 'the function returns "x", which is a name of the points as well'),
-    (lambda m, x: np.zeros(x), '"result" has not the same shape in all points'),
+    (lambda m, x: np.zeros(x), '"result" must have the same shape at all points'),
     (lambda m, x: None, '"result" is None; expected numbers, words or arrays of numbers'),
     (lambda m, x: {"a": object()}, '"a" is <object'),
     (lambda m, x: {"a": 1 + 2j}, r'"a" is \(1\+2j\)'),

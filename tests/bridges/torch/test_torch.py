@@ -393,7 +393,7 @@ def test_a_model_is_kept_while_a_graph_needs_it_and_no_longer():
     del tau
     gc.collect()
     assert kept() is None
-    with pytest.raises(KeyError, match=re.escape(f"no model '{key}'; axode.torch.handle(m) tells it one")):
+    with pytest.raises(KeyError, match=re.escape(f"no model '{key}'; axode.torch.handle(m) registers one")):
         torch.ops.axode.inverse_dynamics(key, q, v, a, None)
 
 
@@ -474,7 +474,7 @@ def test_specialised_models_serve_as_well():
         path = axode.torch.rollout(fast, *x[:2], forces, 1e-3)
         assert all(np.array_equal(x.detach(), y) for x, y in zip(
             path, axode.rollout(fast, *(x.numpy() for x in (*(x.detach() for x in x[:2]), forces)), 1e-3)))
-    with pytest.raises(ValueError, match="compiled into it"):
+    with pytest.raises(ValueError, match="compiled with its own parameters"):
         axode.torch.inverse_dynamics(fast, q, v, a, parameters=torch.tensor(ARM.parameters))
 
 
@@ -534,7 +534,7 @@ def test_what_is_wrong_is_said_in_a_sentence():
         (lambda: f(ARM, q, v, a, parameters=torch.ones(7, 10, dtype=torch.float64)), ValueError,
          "parameters: expected shape (..., 70), ten numbers for each body, got (7, 10)"),
         (lambda: f(ARM, q, v, a, parameters=-torch.tensor(ARM.parameters)), axode.ModelError, "a mass must be positive"),
-        (lambda: f("arm", q, v, a), TypeError, "m: expected an axode.Model, or what Model.specialise makes of one, got str"),
+        (lambda: f("arm", q, v, a), TypeError, "m: expected an axode.Model, or a specialised model from Model.specialise, got str"),
         (lambda: f(ARM, q, v, a / 0), ValueError, "expected finite numbers"),
         (lambda: f(humanoid, longer, *of_humanoid), ValueError,
          'q: the quaternion of joint "free_base" has norm 1.01; it must be 1 to 1e-06'),
