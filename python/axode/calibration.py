@@ -53,7 +53,7 @@ class _MeasurementNeeds(TypedDict):
 
 
 class Measurement(_MeasurementNeeds, total=False):
-    """What was measured of a frame in N configurations q (N, nq): `pose` (N, 4, 4) or `position` (N, 3), in m.
+    """Measurements of a frame in N configurations q (N, nq): `pose` (N, 4, 4) or `position` (N, 3), in m.
 
     Both are in the frame of the measuring device, which is the inertial frame where `calibrate` is told device=False.
     It is a dict.
@@ -68,7 +68,7 @@ class Measurement(_MeasurementNeeds, total=False):
 
 
 class Calibration(NamedTuple):
-    """What `calibrate` finds. p parameters: six of each calibrated body, of each measured frame, of the device."""
+    """Result of `calibrate`. p parameters: six of each calibrated body, of each measured frame, of the device."""
 
     model: Model
     """m with the geometry found, the poses of measured frames on their bodies included."""
@@ -239,7 +239,7 @@ class _Drawing:
         return np.asarray(self.m.body(body).A) if body != "ground" else np.eye(4)
 
     def point(self, name: str) -> Array:
-        """Of the joint of a body, in the frame of the body."""
+        """A point on the joint of a body, in the frame of the body."""
         link = self._link[name]
         if "S_self" in link:
             return np.asarray(link["S_self"].get("position", np.zeros(3)))
@@ -334,7 +334,7 @@ class _Data:
         return tools, D
 
     def residuals(self, geometry: _Geometry) -> list[Array]:
-        """Of each part log((D^-1 C)^-1 C_measured), (N, 6), or of positions their differences, (N, 3)."""
+        """Residuals of each part: log((D^-1 C)^-1 C_measured), (N, 6), or differences of positions, (N, 3)."""
         r = []
         for part in self.parts:
             blocks = []
@@ -347,13 +347,13 @@ class _Data:
         return r
 
     def rms(self, r: list[Array]) -> Array:
-        """Of angles and of distances."""
+        """Root mean square of the angles and of the distances."""
         squares = _squares(r)
         return np.array([np.sqrt(3 * x.sum() / n) if n else np.nan for x, n in zip(squares, self.components)])
 
 
 def _predicted(m: Model, part: _Part, to_device: Array) -> Iterator[tuple[slice, Array]]:
-    """What a device measures of m, block by block."""
+    """The measurements of m that the parameters predict, block by block."""
     block = max(BLOCK // (16 * m.n_frames), 1)
     for start in range(0, len(part.q), block):
         own = slice(start, start + block)
@@ -361,7 +361,7 @@ def _predicted(m: Model, part: _Part, to_device: Array) -> Iterator[tuple[slice,
 
 
 def _turns(R: Array) -> Array:
-    """Of the rotations from one to the next, axis times sine of the angle, (N - 1, 3): continuous at every angle."""
+    """Axis times sine of the angle of the rotations between successive measurements, (N - 1, 3); continuous at every angle."""
     turn = R[1:] @ R[:-1].swapaxes(1, 2)
     return np.asarray(lie.from_skew((turn - turn.swapaxes(1, 2)) / 2))
 
@@ -373,7 +373,7 @@ def _squares(r: list[Array]) -> tuple[Array, Array]:
 
 
 class _Geometry:
-    """What is found so far: displacements exp(pi) of bodies and exp(rho) of frames, the pose of the device."""
+    """The current estimate: displacements exp(pi) of bodies and exp(rho) of frames, the pose of the device."""
 
     def __init__(self, drawing: _Drawing, bodies: Array, tools: dict[str, Array], device: Array):
         self._drawing, self.bodies, self.tools, self.device = drawing, bodies, tools, device
@@ -499,7 +499,7 @@ def _null_space(A: Array, tolerance: float) -> Array:
 
 
 def _tidy(N: Array) -> Array:
-    """The same space in columns of which each has an entry 1 where all others have 0."""
+    """A basis of the same space, of which each column has an entry 1 in a row in which all other columns have 0."""
     rows = N.T.copy()
     for k in range(len(rows)):
         j = int(np.argmax(np.abs(rows[k:]).max(axis=0)))
@@ -654,7 +654,7 @@ class _Fit:
     # ---------------------------------------------------------------- noise and covariance
 
     def _spent(self) -> Array:
-        """How many degrees of freedom of angles and of lengths the parameters take."""
+        """Number of degrees of freedom of angles and of lengths that the parameters use."""
         root = self._covariance_root()
         spent = [np.linalg.norm(R_k[:, :-1] @ root / s)**2 for R_k, s in zip(self._factors(weighted=False), self.noise)]
         free = self._data.components - spent
@@ -686,7 +686,7 @@ class _Fit:
         return np.asarray(B)
 
     def _finish(self) -> None:
-        """What the measurements show without Huber's weights, with the noise that these leave effective."""
+        """The final estimate without Huber's weights, with the effective noise after weighting."""
         data = self._data
         effective = self.noise.copy()
         if self._robust:

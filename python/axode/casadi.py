@@ -155,7 +155,7 @@ _KAPPA = [b / math.factorial(2 * k) for k, b in enumerate(_BERNOULLI, 1)]
 
 
 def _dexp(w: Any, v: Any) -> Any:
-    """How far a screw motion with the rotation vector w goes."""
+    """The map from the linear part of a screw to the translation of its motion with the rotation vector w."""
     s, t = casadi.sumsqr(w), casadi.cross(w, v)
     return (v + _of_square(s, _A, lambda x: (1 - casadi.cos(x)) / x**2) * t
             + _of_square(s, _B, lambda x: (x - casadi.sin(x)) / x**3) * casadi.cross(w, t))
@@ -168,7 +168,7 @@ def _dexp_inverse(w: Any, v: Any) -> Any:
 
 
 def _rotation_vector(a: Any) -> Any:
-    """Of a quaternion of any length, at most a half turn."""
+    """The rotation vector, of at most a half turn, of a quaternion of any norm."""
     a = casadi.if_else(a[3] < 0, -1, 1) * a
     s = casadi.sumsqr(a[:3])
     near = s < 0.04 * a[3] ** 2  # there atan(x) / x with x^2 = s / w^2, by its power series

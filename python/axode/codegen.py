@@ -27,7 +27,7 @@ Function: TypeAlias = (
 
 
 class Cost(NamedTuple):
-    """How many operations one call of a generated function takes.
+    """Number of operations of one call of a generated function.
 
     >>> cost = axode.codegen.c_source(arm, ["inverse_dynamics"]).functions[0]
     >>> cost.angles  # a sine and a cosine for each of the joints but the first, which is vertical
@@ -56,7 +56,7 @@ class Source(NamedTuple):
 
 
 class Cache(NamedTuple):
-    """What is kept of specialised models.
+    """Contents of the cache of specialised models.
 
     >>> axode.codegen.cache()._fields
     ('folder', 'models', 'bytes')

@@ -47,10 +47,9 @@ def from_pinocchio(m: Model, q: ArrayLike, v: None = None, *, joints: Sequence[s
                    tolerance: float = 1e-9) -> tuple[Array, None]: ...
 def from_pinocchio(m: Model, q: ArrayLike, v: ArrayLike | None = None, *, joints: Sequence[str] | None = None,
                    tolerance: float = 1e-9) -> tuple[Array, Array | None]:
-    """(q, v) of axode, (nq,) and (nv,) or (N, nq) and (N, nv), from Pinocchio's. Where v is None, so is the result's.
+    """(q, v) of axode, (nq,) and (nv,) or (N, nq) and (N, nv), from Pinocchio's. If v is None, so is the v of the result.
 
-    Pinocchio's model is that of buildModelFromUrdf on the file of m, with a free flyer at its root where m has a free
-    base, and with or without mimic=True: the length of q tells. Without it followers have coordinates: ValueError
+    Pinocchio's model is that of buildModelFromUrdf on the file of m, with a free flyer at its root if m has a free base, and with or without mimic=True: the length of q decides. Without it followers have coordinates: ValueError
     where one is off its place by more than `tolerance`, in rad, m, rad/s and m/s; np.inf drops them. Unlimited angles
     come in [-pi, pi], as (cos, sin) do not count turns.
 
@@ -80,7 +79,7 @@ def to_pinocchio(m: Model, q: ArrayLike, v: None = None, *, joints: Sequence[str
                  mimic: bool = False) -> tuple[Array, None]: ...
 def to_pinocchio(m: Model, q: ArrayLike, v: ArrayLike | None = None, *, joints: Sequence[str] | None = None,
                  mimic: bool = False) -> tuple[Array, Array | None]:
-    """(q, v) of Pinocchio from axode's, (nq,) and (nv,) or (N, nq) and (N, nv). Where v is None, so is the result's.
+    """(q, v) of Pinocchio from axode's, (nq,) and (nv,) or (N, nq) and (N, nv). If v is None, so is the v of the result.
 
     Otherwise as `from_pinocchio`. Followers get the place and velocity that their leaders give them; with mimic=True
     they are left out, as by buildModelFromUrdf(..., mimic=True).
@@ -182,7 +181,7 @@ class _Coding:
 
 
 class _CosSin(_Coding):
-    """An angle as (cos, sin), behind the lengths x and y of a planar joint."""
+    """An angle as (cos, sin), after the lengths x and y of a planar joint."""
 
     def __init__(self, joint: str, lengths: Sequence[int] = ()):
         super().__init__([*lengths, 0, 0], [*lengths, 0])
@@ -200,7 +199,7 @@ class _CosSin(_Coding):
 
 
 class _SlidesAndHinge(_Coding):
-    """A planar joint as x, y, angle one behind the other: the axes of x and y do not turn with the angle."""
+    """A planar joint as x, y, angle, one after the other: the axes of x and y do not turn with the angle."""
 
     def __init__(self) -> None:
         super().__init__([1, 2, 0], [1, 2, 0])

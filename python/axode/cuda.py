@@ -77,7 +77,7 @@ class Kernels:
         raise AttributeError(f"axode.cuda.Kernels has no {name!r}")
 
     def jacobian(self, q: Any, frame: str | int, representation: Representation = "body") -> Any:
-        """As `axode.jacobian`."""
+        """Computes `axode.jacobian`."""
         return self._call(_key(self.model, ("jacobian", frame, representation)), (q,))
 
     def _call(self, key: tuple[Any, ...], arrays: tuple[Any, ...]) -> Any:
@@ -144,7 +144,7 @@ def _word(function: Function) -> str:
 
 
 def _key(m: Model, function: Function) -> tuple[Any, ...]:
-    """What tells a function from others."""
+    """Key that distinguishes functions."""
     if isinstance(function, str):
         return (function,)
     frame = function[1] if isinstance(function[1], int) else m.frame_index(function[1])

@@ -30,8 +30,9 @@ PARTS = 256
 
 
 class Written(NamedTuple):
-    """What `map_states` and `sweep` have written: `rows` in all, `parts` they were written in, of which `computed` by
-    this call and not by one before that was ended, and `faulty`, the rows of NaN among those that this call computed.
+    """Summary of the files that `map_states` or `sweep` wrote: the number of `rows` and of `parts`, the number of parts
+    that this call `computed` (an interrupted call before may have computed the others), and the number of `faulty` rows, which
+    are NaN, among them.
 
     >>> axode.distributed.Written(rows=10, parts=1, computed=1, faulty=0).rows
     10
@@ -52,7 +53,7 @@ def map_states(m: Model, function: str | Callable[..., Any],
                dtype: Literal["float64", "float32"] = "float64", faulty: Literal["refuse", "nan"] = "refuse",
                overwrite: bool = False, cluster: str | None = None, threads: int | None = None, retries: int = 3,
                rows_per_part: int = parquet_states.ROWS, progress: Progress = False) -> Written:
-    """A function of the states that are in Parquet files, into Parquet files, row by row in the same order.
+    """Computes a function of the states in Parquet files and writes Parquet files with the same rows in the same order.
 
     function: the name of one of this package that takes N states, such as "inverse_dynamics"; or a function (m, q, v,
         ...) of yours whose parameters without a default are names of columns, and which returns (N, ...), or a dict of
@@ -174,8 +175,7 @@ def sweep(m: Any, function: Callable[..., Any], points: Mapping[str, Sequence[An
           output: str | os.PathLike[str] | None = None, *, overwrite: bool = False, cluster: str | None = None,
           threads: int = 1, retries: int = 3, points_per_part: int | None = None,
           progress: Progress = False) -> dict[str, NDArray[Any]] | Written:
-    """A function of a model at many points: of a grid, or of seeds for Monte Carlo. A row for each point, in their
-    order.
+    """Computes a function of a model at many points, of a grid or of seeds for Monte Carlo, and writes a row for each point.
 
     function: takes m, a model or whatever it needs, and the numbers of a point under their names, and returns a number,
         or a dict of numbers, words and arrays; it is the same words in every point. A number of its own is called
@@ -224,7 +224,7 @@ def sweep(m: Any, function: Callable[..., Any], points: Mapping[str, Sequence[An
 
 
 class _Points(NamedTuple):
-    """_Points of a sweep, one behind the other."""
+    """Consecutive points of a sweep."""
 
     start: int
     rows: int
@@ -314,7 +314,7 @@ def _write(task: Any, parts: Sequence[Any], output: jobs.Output, *, cluster: str
 
 
 def _check_apart(output: Path, states: str | os.PathLike[str] | Sequence[str | os.PathLike[str]]) -> None:
-    """What is written may not be read as states when the work is continued."""
+    """Raises ValueError if the output and the states contain each other: a continued job would read its output as states."""
     for one in [states] if isinstance(states, (str, os.PathLike)) else states:
         folder, target = Path(one).resolve(), output.resolve()
         if folder == target or folder in target.parents or target in folder.parents:

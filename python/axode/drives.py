@@ -1,4 +1,4 @@
-"""What drives a mechanism in `simulate` and `rollout`, computed without a call into Python: samples and controllers.
+"""Drives for `simulate` and `rollout` that are computed without a call into Python: samples and controllers.
 
 Each is given as `tau` of `axode.simulate` and `axode.rollout`; `on(m)` is the function (t, q, v) -> tau that it is on a
 mechanism.
@@ -15,9 +15,9 @@ __all__ = ["PD", "ComputedTorque", "Sampled"]
 
 
 class Sampled:
-    """Forces tau (K, nv) at times t (K,), s, which must increase.
+    """Forces tau (K, nv) at times t (K,), s, which must increase. Between the samples the forces are interpolated linearly, or constant with hold=True. The first sample
 
-    In between on straight lines; with hold=True each holds until the next. The first ones hold before, the last ones after.
+    holds before its time, and the last one afterwards.
     ValueError, as `simulate` starts, for wrong shapes and times that do not increase.
 
     >>> ramp = axode.drives.Sampled([0.0, 1.0], np.array([np.zeros(7), np.ones(7)]))
@@ -67,9 +67,7 @@ class PD:
 
 
 class ComputedTorque:
-    """tau = ID(q_now, v_now, a + kd (v - v_now) + kp (q (-) q_now)) less what the springs of the mechanism do.
-
-    What is left of the deviation x dies away as x'' + kd x' + kp x = 0: kp in 1/s^2, kd in 1/s, a number or (nv,).
+    """tau = ID(q_now, v_now, a + kd (v - v_now) + kp (q (-) q_now)) minus the spring forces of the mechanism. The deviation x follows x'' + kd x' + kp x = 0: kp in 1/s^2, kd in 1/s, a number or (nv,).
     q, v, a: where to, as in `PD`; a Trajectory has all three. Loads and joint losses of the simulation are not known to it.
     Passive joints get no force. With loops or passive joints x is that of the drives, whose accelerations are the wanted ones
     as far as the mechanism lets the drives make them; tau is what `inverse_dynamics` with loops gives for that motion.

@@ -1,4 +1,4 @@
-"""What this package raises besides ValueError, KeyError and TypeError."""
+"""Exceptions of this package in addition to ValueError, KeyError and TypeError."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ __all__ = ["AssemblyError", "Fault", "ModelError", "NotFiniteError", "Simulation
 
 @dataclass(frozen=True)
 class Fault:
-    """One thing that is wrong, or doubtful, in a mechanism.
+    """An error or a warning about a mechanism.
 
     `rule` is a short name that stays the same (`mass_not_positive`), `element` what it is about (`body "forearm"`),
     `message` the value and the rule. `file` and `line` are "" and 0 for mechanisms described in Python.

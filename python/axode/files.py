@@ -1,4 +1,4 @@
-"""Mechanisms of files, whatever their format."""
+"""Reading of mechanisms from files of any format."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ __all__ = ["check", "load"]
 
 def load(path: str | os.PathLike[str], base: Literal["fixed", "free"] | None = None, *,
          gravity: ArrayLike | None = None, strict: bool = False) -> Model:
-    """The mechanism of a file: a drawing (.toml), a URDF (.urdf), SDFormat (.sdf, .world), MJCF (.xml) or xacro (.xacro).
+    """Loads the mechanism of a file: a drawing (.toml), a URDF (.urdf), SDFormat (.sdf, .world), MJCF (.xml) or xacro (.xacro).
 
     Of any other file the root element decides. MJCF is compiled by MuJoCo (`pip install mujoco`), and xacro expanded
     by xacro (`pip install xacro`). docs/formats.md says what each format carries over.
@@ -48,7 +48,7 @@ def load(path: str | os.PathLike[str], base: Literal["fixed", "free"] | None = N
 
 def check(path: str | os.PathLike[str], base: Literal["fixed", "free"] | None = None, *,
           strict: bool = False) -> list[Fault]:
-    """Everything that `load` finds wrong or doubtful with a file, by line. A file that cannot be read is a fault as well.
+    """Lists all errors and warnings of `load` for a file, by line. A file that cannot be read is a fault as well.
 
     >>> axode.check(axode.robots / "arm7.toml")
     []

@@ -46,7 +46,7 @@ BLOCK = 1 << 22
 
 
 class Identification(NamedTuple):
-    """What `identify` finds. p parameters: those of `Model.parameters`, then of joints where they were asked for.
+    """Result of `identify`. Its p parameters are those of `Model.parameters`, and then those of joints if they were requested.
 
     `parameters` and `model` are consistent: of every body that is not in `known` the pseudo-inertia is positive
     definite. `base_parameters` are the (weighted) least squares estimate without this condition and without the prior.
@@ -93,10 +93,9 @@ def identify(m: Model, q: ArrayLike, v: ArrayLike, a: ArrayLike, tau: ArrayLike,
              loads: Sequence[Load] | None = None, joint_losses: bool = False, armature: bool = False,
              known: Sequence[str] = (), noise: ArrayLike | None = None, robust: bool = False,
              prior: float = 10.0) -> Identification:
-    """The inertial parameters of m, and a consistent model, from N measured samples of q (N, nq), v, a and tau (N, nv).
+    """Estimates the inertial parameters of m, and a consistent model, from N measured samples of q (N, nq), v, a and tau (N, nv).
 
-    Some 20 samples for each parameter, of motions that are fast and different, are a beginning; `condition` tells
-    whether they excite all (below 100 is good). Accelerations are best taken from filtered positions, and tau through
+    Some 20 samples for each parameter, of motions that are fast and different, are a beginning; `condition` measures whether they excite all parameters (below 100 is good). Accelerations are best taken from filtered positions, and tau through
     the same filter. tau are drive forces with the inverse dynamics of `loads`, as in `inverse_dynamics`, N m or N.
 
     joint_losses: identify damping d and Coulomb friction f of each velocity, tau = ... + d v + f sign(v); without it
@@ -202,7 +201,7 @@ SYMMETRIC = _symmetric_basis()
 
 
 def _coordinates(A: Array) -> Array:
-    """Of symmetric matrices (..., 4, 4) in this basis, (..., 10)."""
+    """Coordinates of symmetric matrices (..., 4, 4) in this basis, (..., 10)."""
     return np.asarray(np.einsum("kij,...ij->...k", SYMMETRIC, A))
 
 
@@ -361,7 +360,7 @@ class _Data:
         return R, e
 
     def largest_of_body(self, sizes: Array) -> Array:
-        """Of each unknown, the largest of its body."""
+        """For each unknown, the largest value of its body."""
         n = 10 * len(self._unknowns.bodies)
         return np.append(np.repeat(sizes[:n].reshape(-1, 10).max(axis=1), 10), sizes[n:])
 
@@ -376,7 +375,7 @@ class _Data:
 
 
 class _Base:
-    """What the motions show, z = V^T x, and its weighted least squares estimate, the minimum of |S z - c|."""
+    """The base parameters z = V^T x that the motions determine, and their weighted least squares estimate, the minimum of |S z - c|."""
 
     def __init__(self, data: _Data, given: Array | None, robust: bool):
         self._data, self._estimate = data, given is None
@@ -542,7 +541,7 @@ class _Fit:
         return decrement
 
     def _change(self, before: tuple[Array, Array], after: tuple[Array, Array], mu: Array) -> float | None:
-        """Of sum mu D; None where it is infinite."""
+        """Change of sum mu D; None if it is infinite."""
         if np.any(after[1] <= 0) or np.any(np.linalg.eigvalsh(after[0]) <= 0):
             return None
 

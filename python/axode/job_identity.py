@@ -1,4 +1,4 @@
-"""Which job a folder of parts belongs to: a digest of values and of code that is the same in every process."""
+"""Identity of the job of a folder of parts: a digest of values and of code that is the same in every process."""
 
 from __future__ import annotations
 
@@ -90,13 +90,13 @@ def _name(of: Any) -> str:
 
 
 def _functions_of(attribute: Any) -> list[types.FunctionType]:
-    """The functions of Python behind an attribute of a class."""
+    """The Python functions that implement an attribute of a class."""
     behind = [attribute, *(getattr(attribute, name, None) for name in ("__func__", "func", "fget", "fset", "fdel"))]
     return [one for one in behind if isinstance(one, types.FunctionType)]
 
 
 def _made_of(value: Any) -> Iterator[Any]:
-    """What a value is made of, in an order that is always the same."""
+    """The components of a value, in a fixed order."""
     if type(value) in (list, tuple):
         yield from value
     elif type(value) is dict:
@@ -118,7 +118,7 @@ def _made_of(value: Any) -> Iterator[Any]:
 
 
 def _state_of(value: Any) -> Iterator[Any]:
-    """What pickle would write of an object."""
+    """The state of an object that pickle would write."""
     kind = type(value)
     reduce = copyreg.dispatch_table.get(kind)
     try:

@@ -37,20 +37,20 @@ RAY_ADDRESS = "RAY_ADDRESS"
 
 
 class Task(Protocol):
-    """What is done with the parts. It goes to every worker once."""
+    """A task that is computed for each part. Every worker receives it once."""
 
     def said(self, part: Any) -> str:
         """The words for a part."""
 
     def load(self, part: Any) -> Any:
-        """What a part is computed from; parts are loaded in their order."""
+        """The input of a part; parts are loaded in their order."""
 
     def tables(self, part: Any, loaded: Any) -> Iterator[tuple[Any, int]]:
         """Results of a part in pieces, and how many rows of each have none. Errors say which row they are about."""
 
 
 class Report(NamedTuple):
-    """What a worker says of a part."""
+    """Report of a worker about a part."""
 
     number: int
     schema: Any
@@ -126,7 +126,7 @@ def _here(task: Task, parts: list[tuple[int, Any, Path | None]], threads: int) -
 
 def _over(ray: Any, task: Task, parts: list[tuple[int, Any, Path | None]],
           retries: int) -> Generator[Report, None, None]:
-    """As many tasks as the cluster has cores, and as many again that wait."""
+    """Keeps two tasks for each core of the cluster: one that runs and one that waits."""
     shipped = ray.put(task)
     remote = ray.remote(max_retries=retries, num_cpus=1)(compute)
     waiting = iter(parts)
@@ -154,8 +154,8 @@ def _over(ray: Any, task: Task, parts: list[tuple[int, Any, Path | None]],
 
 @contextlib.contextmanager
 def cluster_named(cluster: str | None) -> Iterator[Any]:
-    """Ray, connected to the cluster with that address, to one of the cores of this machine, or to the one that this
-    program is connected to already. None stands for this process."""
+    """Ray, connected to the cluster with that address, to a cluster on the cores of this machine, or to the cluster of this
+    program; None means this process."""
     wanted = cluster or os.environ.get(RAY_ADDRESS)
     ray = sys.modules.get("ray")
     if ray is None and wanted:
@@ -186,7 +186,7 @@ def cluster_named(cluster: str | None) -> Iterator[Any]:
 
 @contextlib.contextmanager
 def _shown(wanted: bool | Callable[[int, int], object], rows: int) -> Iterator[Callable[[int], None]]:
-    """A function to call with more rows that are done, which are told to a function or shown by tqdm."""
+    """A function that receives the number of further finished rows, and reports it to `progress` or shows it by tqdm."""
     done = 0
     bar = progress_bar(rows, unit="row", unit_scale=True) if wanted is True else None
 
@@ -232,7 +232,7 @@ def run(task: Task, parts: Sequence[Any], paths: Sequence[Path | None], *, clust
 
 
 class Output:
-    """Where the parts of a job go: files of a folder, or of one beside the file that is made of them in the end.
+    """Destination of the parts of a job: files in a folder, or in a temporary folder beside the file into which they are joined.
 
     A folder says in `_axode.json` what it holds, and whether that is all. One process works in it at a time. `job` is
     everything that its results depend on.

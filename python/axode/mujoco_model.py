@@ -137,7 +137,7 @@ class _Reader:
     # ---------------------------------------------------------------- bodies and joints
 
     def _body(self, i: int, effort: dict[int, float], driven: set[int] | None) -> Iterable[dict[str, Any]]:
-        """The body, behind a massless one for each of its joints but the last."""
+        """The body, after a massless body for each of its joints but the last."""
         m, on = self.m, self.bodies[self.m.body_parentid[i]]
         first, count = int(m.body_jntadr[i]), int(m.body_jntnum[i])
         C = _matrix(m.body_pos[i], m.body_quat[i])

@@ -146,7 +146,7 @@ def as_column(name: str, x: Any, rows: int, dtype: str = "float64") -> Any:
 
 
 def named_results(result: Any, name: str) -> dict[str, Any]:
-    """Arrays by name: the keys of a dict, or fields and entries of tuples behind the name of the function."""
+    """Arrays by name: the keys of a dict, or fields and entries of tuples, appended to the name of the function."""
     if isinstance(result, Mapping):
         return {str(key): value for key, value in result.items()}
     if isinstance(result, tuple):
@@ -250,7 +250,7 @@ class TableFunction:
             raise error.located("") from error.cause
 
     def pieces(self, table: Any) -> Iterator[tuple[Any, int]]:
-        """Tables of results, one behind the other, of which none is large, and how many states of each have none."""
+        """Yields consecutive tables of results of limited size, each with its number of states without a result."""
         kept = self.columns(table.column_names)[1]
         given, bad = self._states(table)
         step = max(len(bad), 1)

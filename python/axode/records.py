@@ -1,4 +1,4 @@
-"""What some functions take and give besides arrays."""
+"""Types of arguments and results other than arrays."""
 
 from __future__ import annotations
 
@@ -80,10 +80,10 @@ class RedundantRow(NamedTuple):
 
 
 class LoopMobility(NamedTuple):
-    """What the loops leave of nv velocities: degrees_of_freedom = nv - rank.
+    """Mobility of a mechanism with loops: degrees_of_freedom = nv - rank. `redundant` has the rows that other rows imply, in
 
-    `redundant` are the rows that others imply, in their order. `mobility` is "regular" where all velocities of the `kernel`
-    (nv, degrees_of_freedom) begin motions, "branches" where several motions meet, "shaky" where nothing moves.
+    their order. `mobility` is "regular" if all velocities of the `kernel`
+    (nv, degrees_of_freedom) begin motions, "branches" if several motions meet, "shaky" if no finite motion exists.
     Multipliers of the rows `indeterminate` are not fixed by the motion: a stress of the loops may be added to them.
     """
 
@@ -208,7 +208,7 @@ class Linearization(NamedTuple):
 
 
 class RolloutDerivatives(NamedTuple):
-    """What steps of a motion do to small deviations x, x_{k+1} = A_k x_k + B_k dtau_k, displacements before velocities."""
+    """Linear maps of small deviations x over the steps of a motion, x_{k+1} = A_k x_k + B_k dtau_k, displacements before velocities."""
 
     A: NDArray[np.float64]
     B: NDArray[np.float64]

@@ -65,7 +65,7 @@ def in_words(names: list[str]) -> str:
 
 
 def wrong_names(callee: str, takes: list[inspect.Parameter], given: list[Any], by_name: dict[str, Any]) -> str | None:
-    """What is wrong with the names and the number of arguments."""
+    """Explanation of wrong names or a wrong number of arguments, or None."""
     names = [x.name for x in takes]
     positional = [x.name for x in takes if x.kind is not x.KEYWORD_ONLY]
     for name in by_name:
@@ -85,7 +85,7 @@ def wrong_names(callee: str, takes: list[inspect.Parameter], given: list[Any], b
 
 
 def explanation(function: Any, given: list[Any], by_name: dict[str, Any]) -> str | None:
-    """What is wrong with a call of one of nanobind's functions; None where that is not plain."""
+    """Explanation of a wrong call of a function of nanobind; None if the reason is not clear."""
     takes = list(signature(function).parameters.values())
     callee = function.__qualname__.removesuffix(".__init__")  # a constructor is called by the name of its class
     if takes and takes[0].name == "self":
@@ -106,7 +106,7 @@ def explanation(function: Any, given: list[Any], by_name: dict[str, Any]) -> str
 
 
 def functions_in(where: ModuleType | type) -> Iterator[Any]:
-    """Those of nanobind."""
+    """The functions of nanobind in a module."""
     for value in vars(where).values():
         if isinstance(value, (type(_axode.load_file), type(_axode.Model.neutral))):
             yield value

@@ -32,7 +32,7 @@ def simulate(m: Model, q: ArrayLike, v: ArrayLike, until: float, *,
              joint_losses: bool = False, times: ArrayLike | None = None,
              events: Sequence[Callable[[float, Array, Array], float]] | None = None,
              progress: bool = False) -> Trajectory:
-    """The motion of a mechanism from (q, v) at t = 0 until a time (s), on the Lie group of its configurations.
+    """Simulates a mechanism from (q, v) at t = 0 until a time (s), on the Lie group of its configurations.
 
     method: "dopri5" takes steps as long as rtol and atol allow, errors being measured in the algebra (rad, m; rad/s,
         m/s), `step` being the first; "rk4" (fourth order) and "euler" (first order, semi-implicit) take steps of
@@ -46,7 +46,7 @@ def simulate(m: Model, q: ArrayLike, v: ArrayLike, until: float, *,
         "absolute": bodies are points of SE(3), and every joint is a constraint; "absolute_SO3xR3": of SO(3) x R^3. In
         absolute ones "dopri5", "rk4" and "euler" bring joints and loops back after each step, and others hold them:
         "rattle", "rattle_suzuki4" and "rattle_kahan_li6" (of second, fourth and sixth order, no events; symplectic, or with
-        what rolls symmetric), "half_explicit" (third order), "generalized_alpha" (stabilised, index 2) and
+        with rolling contacts only symmetric), "half_explicit" (third order), "generalized_alpha" (stabilised, index 2) and
         "generalized_alpha_index3".
     tau: drive forces, (nv,) for constant ones; one of `axode.drives`; or a function (t, q, v) -> (nv,), called for each
         evaluation. Springs, dampers and stops of the mechanism act besides, see `spring_forces`.

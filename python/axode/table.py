@@ -1,4 +1,4 @@
-"""The table of functions of a state: what each takes, gives and counts.
+"""The table of functions of a state: arguments, results, and the parts of a mechanism that each function counts.
 
 C++, the command, this package and its bridges are made from the same rows.
 
@@ -33,16 +33,16 @@ class Row(NamedTuple):
     units: str
     takes: tuple[str, ...]
     choice: str
-    """Of a representation: "none", that of the result ("representation") or that in which a recursion runs ("recursion")."""
+    """The representation that the caller chooses: "none", that of the result ("representation") or that in which a recursion runs ("recursion")."""
     entry: int
-    """How many numbers an entry of the result has."""
+    """Number of numbers in an entry of the result."""
     shape: tuple[str, ...]
-    """Over what the entries run, outermost first: "nv", "n_bodies", ..."""
+    """Extents of the result, outermost first: "nv", "n_bodies", ..."""
     symbols: tuple[str, ...]
-    """Of the results, which lie one behind the other."""
+    """Symbols of the results, which are stored one after the other."""
     derivative_of: str
     may_fail: bool
-    """Where the mass matrix is singular."""
+    """Whether it fails if the mass matrix is singular."""
     recorded: bool
     """Whether code can be generated for it, see axode.codegen."""
     counts: dict[str, tuple[str, str]]
@@ -59,7 +59,7 @@ class Row(NamedTuple):
         return tuple(name for name in self.takes if name not in SETTINGS)
 
     def item(self, sizes: Any) -> tuple[int, ...]:
-        """The shape of the results of one state, for whatever has nv, n_bodies and so on as attributes.
+        """The shape of the results of one state, for an object with the attributes nv, n_bodies and so on.
 
         >>> axode.table.ROWS["inverse_dynamics_derivatives"].item(arm)
         (3, 7, 7)

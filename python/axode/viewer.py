@@ -33,7 +33,7 @@ Motion = tuple[Any, Any, Any, Any, Any]
 
 
 def _motion_in(m: Model, file: Path) -> Motion:
-    """What `axode simulate --output` has written."""
+    """Reads a motion from a file of `axode simulate --output`."""
     names = ("t", "q", "v", "a", "tau")
     if file.suffix == ".npz":
         try:

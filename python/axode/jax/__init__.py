@@ -130,7 +130,7 @@ def momenta(m: Model, q: Array, v: Array, *, threads: int = 1) -> Array:
 
 
 def kinetic_energy(m: Model, q: Array, v: Array, *, threads: int = 1) -> Array:
-    """Of bodies and armatures, (...), J, see `axode.kinetic_energy`. First and second derivatives.
+    """Kinetic energy of bodies and armatures, (...), J, see `axode.kinetic_energy`. First and second derivatives.
 
     >>> q, v = jnp.full(7, 0.3), jnp.ones(7)
     >>> p = jax.grad(axode.jax.kinetic_energy, argnums=2)(arm, q, v)
@@ -142,7 +142,7 @@ def kinetic_energy(m: Model, q: Array, v: Array, *, threads: int = 1) -> Array:
 
 
 def potential_energy(m: Model, q: Array, *, threads: int = 1) -> Array:
-    """Of gravity, (...), J, see `axode.potential_energy`. Derivatives of any order.
+    """Potential energy of gravity, (...), J, see `axode.potential_energy`. Derivatives of any order.
 
     >>> q = jnp.full(7, 0.3)
     >>> g = jax.grad(axode.jax.potential_energy, argnums=1)(arm, q)
@@ -155,7 +155,7 @@ def potential_energy(m: Model, q: Array, *, threads: int = 1) -> Array:
 
 
 def center_of_mass(m: Model, q: Array, *, threads: int = 1) -> Array:
-    """Of all moving bodies, (..., 3), m, in the inertial frame, see `axode.center_of_mass`. Derivatives of any order.
+    """Centre of mass of all moving bodies, (..., 3), m, in the inertial frame, see `axode.center_of_mass`. Derivatives of any order.
 
     >>> axode.jax.center_of_mass(arm, jnp.zeros(7)).shape
     (3,)
@@ -355,7 +355,7 @@ def _from_spatial(V: Array, columns: Array, representation: Representation) -> A
 
 
 def _displaced(columns: Array, offset: Array) -> Array:
-    """Those of a point (3,) or pose (4, 4) given in a frame."""
+    """Poses of a point (3,) or pose (4, 4) that is given in a frame."""
     if offset.shape == (3,):
         return columns.at[..., 3, :].add(jnp.einsum("k,...kc->...c", offset, columns[..., :3, :]))
     if offset.shape == (4, 4):

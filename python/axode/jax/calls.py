@@ -116,13 +116,13 @@ def _all_zero(tangents: Sequence[Any]) -> bool:
 
 
 def _velocity_tangents(m: Mechanism, q: Array, tangents: Sequence[Any]) -> list[Array]:
-    """That of q along the velocities, those of other arguments as they are."""
+    """Tangents of the arguments; that of q is converted to directions of the velocities."""
     dq, *others = _along(tangents)
     return [velocities_of(m, q, dq), *others]
 
 
 def _times(H: Array, x: Sequence[Array]) -> tuple[Array, Array, Array]:
-    """What a direction x does to the gradient whose Hessian is H, in its parts by q, v and the third argument t.
+    """Change of the gradient with the Hessian H along a direction x, in its parts by q, v and the third argument t.
 
     H has the parts by (q, q), (q, v), (v, v) and (t, q); of a part entry [k, l] is displaced along k first.
     """
@@ -139,7 +139,7 @@ def _times(H: Array, x: Sequence[Array]) -> tuple[Array, Array, Array]:
 
 
 def _all_hessians(dynamics: str, m: Mechanism, state: Sequence[Array], pi: Sequence[Array], what: dict[str, Any]) -> Array:
-    """Those of each component of inverse or forward dynamics: an axis of nv behind that of the states."""
+    """Hessians of each component of inverse or forward dynamics, with an axis of nv after that of the states."""
     def spread(x: Array) -> Array:
         return jnp.broadcast_to(x[..., None, :], (*x.shape[:-1], m.nv, x.shape[-1]))
 
@@ -156,7 +156,7 @@ def _parts(x: Sequence[Any], what: dict[str, Any]) -> tuple[Sequence[Any], Seque
 
 def _dynamics_tangent(dynamics: str, m: Mechanism, x: Sequence[Array], tangents: Sequence[Any], value: Array,
                       what: dict[str, Any]) -> Array:
-    """Of inverse or forward dynamics. tau = Y pi + ... is linear in the parameters, and they change a as -Y dpi in tau does."""
+    """Tangent of inverse or forward dynamics. tau = Y pi + ... is linear in the parameters, and they change a as -Y dpi in tau does."""
     state, _, pi = _parts(x, what)
     dx, _, dpi = _parts(tangents, what)
     dq, dv, dt = _velocity_tangents(m, state[0], dx)
@@ -172,7 +172,7 @@ def _dynamics_tangent(dynamics: str, m: Mechanism, x: Sequence[Array], tangents:
 
 def _derivative_tangent(function: str, m: Mechanism, x: Sequence[Array], tangents: Sequence[Any],
                         what: dict[str, Any]) -> Array:
-    """Of products with the first derivatives of dynamics, and of the Hessian."""
+    """Tangent of products with the first derivatives of dynamics, and of the Hessian."""
     dynamics, _, order = function.rpartition("_")
     state, linear, pi = _parts(x, what)
     dx, d_linear, dpi = _parts(tangents, what)
@@ -260,7 +260,8 @@ ad.primitive_jvps[primitive] = _differentiate
 
 
 def _transpose(cotangents: Sequence[Any], *x: Any, function: str, mechanism: Mechanism, options: Any) -> list[Any]:
-    """Of what is linear in the arguments behind the state: products with directions and with weights are each other's."""
+    """Transpose of a function that is linear in the arguments after the state: products with directions and products with
+weights are transposes of each other."""
     what, weights = dict(options), _along(cotangents)
     if function in ROWS:
         state, linear, pi = _parts(x, what)

@@ -1,4 +1,4 @@
-"""What programs of JAX know of a model: a handle that they hold, and its coordinates."""
+"""Models in programs of JAX: a handle, and operations on coordinates."""
 
 from __future__ import annotations
 

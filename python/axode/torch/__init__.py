@@ -168,7 +168,7 @@ def potential_energy(m: Model | Specialised, q: Tensor, *, parameters: Tensor | 
 
 
 def center_of_mass(m: Model | Specialised, q: Tensor, *, parameters: Tensor | None = None) -> Tensor:
-    """Where it is, (..., 3), m, as `axode.center_of_mass`. Derivatives as in `potential_energy`. O(n).
+    """Centre of mass of all moving bodies, (..., 3), m, as `axode.center_of_mass`. Derivatives as in `potential_energy`. O(n).
 
     >>> axode.torch.center_of_mass(arm, torch.zeros(7, dtype=torch.float64)).numpy()[1:].round(3)
     array([-0.003,  0.619])

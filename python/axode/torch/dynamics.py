@@ -42,7 +42,7 @@ def _product(x: list[Tensor], y: list[Tensor]) -> list[Tensor]:
 
 
 def _body_motion(key: str, q: Tensor, v: Tensor, a: Tensor) -> tuple[list[Tensor], list[Tensor], list[Tensor]]:
-    """Of each moving body, in its axes: angular velocity, its rate, and r'' - g of the origin of its frame; by
+    """Motion of each moving body, in its axes: angular velocity, its rate, and r'' - g of the origin of its frame; by
     components."""
     m = mechanism(key).model
     bodies = slice(1, m.n_bodies + 1)  # in front of them stands the ground
