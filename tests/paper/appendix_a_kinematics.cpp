@@ -146,6 +146,7 @@ TEST(Paper, YsXhFirst) {
   each_body_with_one_screw([](Equation& eq, const Motion& m, int j) {
     const Vec6 X = Ad(m.pose(j).R) * m.X(j);  // ^0X_j^j
     eq.holds(m.J<Spatial>(j, j), Ad(m.pose(j).r) * X);
+    eq.holds(m.joint_screw(j), Ad(m.pose(j).r) * X);
     eq.fails(m.drawn(j).Y, Ad(m.pose(j).r) * X);
   });
 }

@@ -97,13 +97,16 @@ template <class Rep> Matrix partials_of(const Motion& m, int i, int order) {
   return matrix_of(J);
 }
 template <class Rep> Matrix jacobian_rate(const Motion& m, int i) {
-  std::vector<double> rates = m.v();
-  rates.insert(rates.end(), m.a().begin(), m.a().end());
-  HigherOrderMotion<> motion(m.model(), 1);
-  motion.evaluate(m.q(), rates);
-  std::vector<TwistRate<Rep>> J(m.v().size());
-  motion.jacobian_derivative<Rep>(i, 1, J);
+  std::vector<Twist<Rep>> J(m.v().size());
+  Workspace<double> workspace(m.model());
+  jacobian_derivative_along<Rep>(m.model(), workspace, m.q(), i, 1, m.v(), J);
   return matrix_of(J);
+}
+template <class Rep> Vec6 library_partial(const Motion& m, int i, int j, int k) {
+  return partials_of<Rep>(m, i, 1).col(velocity(m, k) * m.model().nv() + velocity(m, j));
+}
+template <class Rep> Vec6 library_dJ(const Motion& m, int i, int j) {
+  return jacobian_rate<Rep>(m, i).col(velocity(m, j));
 }
 
 template <class Rep> Vec6 dJ(const Motion& m, int i, int j) {
@@ -137,7 +140,7 @@ template <class Rep> TwistRate<Rep> jerk(const Motion& m, int i) {
 Mat4 relative_pose_partial(const Motion& m, int f, int g, int k) {
   std::vector<Series> q(m.q().begin(), m.q().end());
   q[m.model().joint(k).iq].c[1] = 1;
-  const auto C = poses_on(m, q);
+  const auto C = poses_by_spatial_screws(m.model(), q.data());
   return rate(to_matrix(inverse(C[f]) * C[g]));
 }
 
@@ -175,10 +178,17 @@ void each_system_with_one_screw_joints(const CheckOfMotion& check) {
   });
 }
 
+Matrix joint_accelerations_of(const Motion& m) {
+  return joint_accelerations<BodyFixed>(m.model(), m.q(), to_eigen_vector(system_V<BodyFixed>(m)),
+                                        to_eigen_vector(system_dV<BodyFixed>(m)));
+}
+
 template Vec6 partial_of<BodyFixed>(const Motion&, int, int, const std::vector<int>&);
 template Matrix jacobian_of<BodyFixed>(const Motion&, int);
 template Matrix partials_of<BodyFixed>(const Motion&, int, int);
+template Vec6 library_partial<BodyFixed>(const Motion&, int, int, int);
 template Matrix jacobian_rate<BodyFixed>(const Motion&, int);
+template Vec6 library_dJ<BodyFixed>(const Motion&, int, int);
 template Vec6 dJ<BodyFixed>(const Motion&, int, int);
 template Vec6 ddJ<BodyFixed>(const Motion&, int, int);
 template Vec6 ddV<BodyFixed>(const Motion&, int);
@@ -189,7 +199,9 @@ template TwistRate<BodyFixed> jerk<BodyFixed>(const Motion&, int);
 template Vec6 partial_of<Spatial>(const Motion&, int, int, const std::vector<int>&);
 template Matrix jacobian_of<Spatial>(const Motion&, int);
 template Matrix partials_of<Spatial>(const Motion&, int, int);
+template Vec6 library_partial<Spatial>(const Motion&, int, int, int);
 template Matrix jacobian_rate<Spatial>(const Motion&, int);
+template Vec6 library_dJ<Spatial>(const Motion&, int, int);
 template Vec6 dJ<Spatial>(const Motion&, int, int);
 template Vec6 ddJ<Spatial>(const Motion&, int, int);
 template Vec6 ddV<Spatial>(const Motion&, int);
@@ -200,7 +212,9 @@ template TwistRate<Spatial> jerk<Spatial>(const Motion&, int);
 template Vec6 partial_of<Hybrid>(const Motion&, int, int, const std::vector<int>&);
 template Matrix jacobian_of<Hybrid>(const Motion&, int);
 template Matrix partials_of<Hybrid>(const Motion&, int, int);
+template Vec6 library_partial<Hybrid>(const Motion&, int, int, int);
 template Matrix jacobian_rate<Hybrid>(const Motion&, int);
+template Vec6 library_dJ<Hybrid>(const Motion&, int, int);
 template Vec6 dJ<Hybrid>(const Motion&, int, int);
 template Vec6 ddJ<Hybrid>(const Motion&, int, int);
 template Vec6 ddV<Hybrid>(const Motion&, int);
@@ -211,7 +225,9 @@ template TwistRate<Hybrid> jerk<Hybrid>(const Motion&, int);
 template Vec6 partial_of<Mixed>(const Motion&, int, int, const std::vector<int>&);
 template Matrix jacobian_of<Mixed>(const Motion&, int);
 template Matrix partials_of<Mixed>(const Motion&, int, int);
+template Vec6 library_partial<Mixed>(const Motion&, int, int, int);
 template Matrix jacobian_rate<Mixed>(const Motion&, int);
+template Vec6 library_dJ<Mixed>(const Motion&, int, int);
 template Vec6 dJ<Mixed>(const Motion&, int, int);
 template Vec6 ddJ<Mixed>(const Motion&, int, int);
 template Vec6 ddV<Mixed>(const Motion&, int);

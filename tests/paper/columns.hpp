@@ -23,8 +23,11 @@ template <class Rep> Vec6 partial_of(const Motion& m, int i, int j, const std::v
 template <class Rep> Matrix jacobian_of(const Motion& m, int i);
 /// Partials of an order, column ((αν nv + ...) nv + α1) nv + j.
 template <class Rep> Matrix partials_of(const Motion& m, int i, int order);
-/// The rate of the Jacobian.
+/// ∂J_{i,j} / ∂q_k.
+template <class Rep> Vec6 library_partial(const Motion& m, int i, int j, int k);
+/// The rate of the Jacobian, and its column J̇_{i,j}.
 template <class Rep> Matrix jacobian_rate(const Motion& m, int i);
+template <class Rep> Vec6 library_dJ(const Motion& m, int i, int j);
 inline int velocity(const Motion& m, int j) { return m.model().joint(j).iv; }
 
 // ------------------------------------------------------------------------ along a motion, of joints with one screw
@@ -39,7 +42,7 @@ template <class Rep> Vec6 ddV(const Motion& m, int i);
 HigherOrderMotion<> jerk_motion(const Motion& m);
 template <class Rep> TwistRate<Rep> jerk(const Motion& m, int i);
 
-/// ∂(C_f⁻¹ C_g) / ∂q_k.
+/// ∂(C_f⁻¹ C_g) / ∂q_k of the library's products of exponentials.
 Mat4 relative_pose_partial(const Motion& m, int f, int g, int k);
 
 // ----------------------------------------------------------------------------------------- all bodies, one on another
@@ -54,6 +57,8 @@ struct MatricesOfSystem {
   Matrix A, D, X;
   MatricesOfSystem(const SystemMatrices& s) : A(s.A), D(s.D), X(s.X) {}
 };
+/// The joint accelerations that the library finds for the twists of all bodies and their rates, body-fixed.
+Matrix joint_accelerations_of(const Motion& m);
 inline Matrix as_vector(const std::vector<double>& x) { return Matrix(x); }
 /// diag(f(1), ..., f(n)).
 Matrix block_diagonal_of(const Motion& m, const std::function<Mat6(int i)>& f);

@@ -21,6 +21,7 @@ template <class T> class MatrixOf {
   MatrixOf(const SE3<T>& C);  ///< 4×4
   MatrixOf(const Sym3<T>& A);
   MatrixOf(const Inertia<T>& M);
+  MatrixOf(const CentralInertia<T>& M) : MatrixOf(Inertia<T>(M)) {}
   MatrixOf(const Screw<T>& X);
   template <template <class, class> class Kind, class Rep>
     requires is_screw_kind<Kind> MatrixOf(const Kind<Rep, T>& x) : MatrixOf(screw_of(x)) {}

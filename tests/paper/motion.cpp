@@ -5,18 +5,26 @@
 
 namespace axode::test::paper {
 
-template <class Rep> Motion::Answer<Rep> Motion::ask() const {
+template <class Rep> const Motion::Answer<Rep>& Motion::answer(Asked asked) const {
+  Answer<Rep>& known = std::get<Answer<Rep>>(answers_);
   Workspace<double> workspace(model());
   const Loads<> loads{.wrenches = system_.loads};
-  const std::size_t n_frames = static_cast<std::size_t>(model().n_frames());
-  Answer<Rep> answer{std::vector<Twist<Rep>>(n_frames), std::vector<TwistRate<Rep>>(n_frames),
-                     std::vector<Wrench<Rep>>(static_cast<std::size_t>(n())), std::vector<double>(v_.size())};
-  axode::twists<Rep>(model(), workspace, q_, v_, answer.V);
-  axode::accelerations<Rep>(model(), workspace, q_, v_, a_, answer.dV);
-  axode::joint_wrenches<Rep>(model(), workspace, q_, v_, a_, answer.W, loads);
-  axode::inverse_dynamics<Rep>(model(), workspace, q_, v_, a_, answer.tau, loads);
-  return answer;
+  const auto unknown = [](auto& x, std::size_t size) { return x.empty() && (x.resize(size), true); };
+  const auto n_frames = static_cast<std::size_t>(model().n_frames());
+  if (asked == Asked::twists && unknown(known.V, n_frames))
+    axode::twists<Rep>(model(), workspace, q_, v_, known.V);
+  if (asked == Asked::accelerations && unknown(known.dV, n_frames))
+    axode::accelerations<Rep>(model(), workspace, q_, v_, a_, known.dV);
+  if (asked == Asked::joint_wrenches && unknown(known.W, static_cast<std::size_t>(n())))
+    axode::joint_wrenches<Rep>(model(), workspace, q_, v_, a_, known.W, loads);
+  if (asked == Asked::joint_forces && unknown(known.tau, v_.size()))
+    axode::inverse_dynamics<Rep>(model(), workspace, q_, v_, a_, known.tau, loads);
+  return known;
 }
+template const Motion::Answer<BodyFixed>& Motion::answer(Asked) const;
+template const Motion::Answer<Spatial>& Motion::answer(Asked) const;
+template const Motion::Answer<Hybrid>& Motion::answer(Asked) const;
+template const Motion::Answer<Mixed>& Motion::answer(Asked) const;
 
 namespace {
 
@@ -36,7 +44,6 @@ Motion::Motion(System system, std::uint64_t seed) : system_(std::move(system)) {
   a_ = generic_numbers(random, model().nv());
   C_ = poses_of_t(v_, a_);
   pose_ = poses_at(q_), pose_at_zero_ = poses_at(neutral(model()));
-  answers_ = {ask<BodyFixed>(), ask<Spatial>(), ask<Hybrid>(), ask<Mixed>()};
 }
 
 std::vector<SE3<>> Motion::poses_at(const std::vector<double>& q) const {
@@ -164,6 +171,13 @@ Vec6 Motion::transmitted(int i, const PoseOfT& F) const {
   Vec6 sum = W(i, F) - W_app(i, F);
   for (const int k : children(i)) sum += transmitted(k, F);
   return sum;
+}
+
+Twist<Spatial> Motion::joint_screw(int i) const {
+  std::vector<Twist<Spatial>> J(static_cast<std::size_t>(model().n_screws()));
+  Workspace<double> workspace(model());
+  joint_screws(model(), workspace, q_, J);
+  return J[static_cast<std::size_t>(model().first_screw(i))];
 }
 
 FramePair<> Motion::frame_pair(int j, int k) const {

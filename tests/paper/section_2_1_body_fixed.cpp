@@ -44,7 +44,7 @@ TEST(Paper, AccelerationByPartials) {
 TEST(Paper, DerTemp) {
   each_body_with_one_screw([](Equation& eq, const Motion& m, int i) {
     each_pair_before(m, i, [&](int j, int k) {
-      const Mat4 left = hat(from_six(partial_of<BodyFixed>(m, i, j, {k})));
+      const Mat4 left = hat(from_six(library_partial<BodyFixed>(m, i, j, k)));
       const Mat4 first = relative_pose_partial(m, i, j, k) * X_by_Y(m, j),
                  second = C_of(m, i, j) * X_by_Y(m, j) * relative_pose_partial(m, j, i, k);
       eq.holds(left, first * C_of(m, j, i) + second);
@@ -113,7 +113,7 @@ TEST(Paper, InverseRelativePosePartial) {
 TEST(Paper, DJhatCommutator) {
   each_body_with_one_screw([](Equation& eq, const Motion& m, int i) {
     each_pair_before(m, i, [&](int j, int k) {
-      const Mat4 left = hat(from_six(partial_of<BodyFixed>(m, i, j, {k})));
+      const Mat4 left = hat(from_six(library_partial<BodyFixed>(m, i, j, k)));
       eq.holds(left, J_hat(m, i, j) * J_hat(m, i, k) - J_hat(m, i, k) * J_hat(m, i, j), 1);
     });
   });
@@ -163,6 +163,7 @@ TEST(Paper, DJbij) {
     each_pair_before(m, i, [&](int j, int k) {
       const Vec6 left = partial_of<BodyFixed>(m, i, j, {k}), X_k = m.X(k);
       const double size = J_b(m, i, j).norm();
+      eq.holds(left, library_partial<BodyFixed>(m, i, j, k), size);
       eq.holds(left, bracket(J_b(m, i, j), J_b(m, i, k)), size);
       eq.holds(left, Ad(m.C(i, k)) * bracket(J_b(m, k, j), X_k), size);
       eq.holds(left, -Ad(m.C(i, k)) * ad(X_k) * J_b(m, k, j), size);
@@ -173,7 +174,6 @@ TEST(Paper, DJbij) {
 // J̇_{i,j} = Σ_{j<k<=i} [J_{i,j}, J_{i,k}] q̇_k = -Σ_{j<k<=i} Ad_{C_{i,k}} ad_{X_k} J_{k,j} q̇_k, body-fixed
 TEST(Paper, JbijDot) {
   each_body_with_one_screw([](Equation& eq, const Motion& m, int i) {
-    const Matrix library = jacobian_rate<BodyFixed>(m, i);
     for (const int j : m.path(i)) {
       Vec6 first, second;
       for (const int k : m.path(i))
@@ -185,7 +185,7 @@ TEST(Paper, JbijDot) {
       const double size = J_b(m, i, j).norm();
       eq.holds(left, first, size);
       eq.holds(left, second, size);
-      eq.holds(library.col(velocity(m, j)), left, size);
+      eq.holds(left, library_dJ<BodyFixed>(m, i, j), size);
     }
   });
 }
@@ -217,6 +217,7 @@ TEST(Paper, VbdotMat) {
     const Matrix a = a_matrix(m.model(), m.v()), J_all = system_jacobian<BodyFixed>(m);
     eq.holds(system_dV<BodyFixed>(m), J_all * as_vector(m.a()) - s.A * a * J_all * as_vector(m.v()));
     eq.holds(system_dV<BodyFixed>(m), J_all * as_vector(m.a()) - s.A * a * system_V<BodyFixed>(m));
+    eq.holds(system_dV<BodyFixed>(m), system_acceleration<BodyFixed>(m.model(), m.q(), m.v(), m.a()));
   });
 }
 
@@ -227,8 +228,7 @@ TEST(Paper, Solqddot1) {
     const Matrix a = a_matrix(m.model(), m.v()), X = s.X, XtX = X.transpose() * X;
     const Matrix V = system_V<BodyFixed>(m), dV = system_dV<BodyFixed>(m);
     eq.holds(as_vector(m.a()), XtX.inverse() * X.transpose() * (dV - s.D * dV + a * V));
-    eq.holds(as_vector(m.a()),
-             joint_accelerations<BodyFixed>(m.model(), m.q(), to_eigen_vector(V), to_eigen_vector(dV)));
+    eq.holds(as_vector(m.a()), joint_accelerations_of(m));
   });
 }
 
@@ -240,6 +240,7 @@ TEST(Paper, SolqddotComponents) {
     const Vec6 moved =
         m.dV<BodyFixed>(i) - Ad(m.C(i, p)) * m.dV<BodyFixed>(p) + m.qd(i)[0] * bracket(X, m.V<BodyFixed>(i));
     eq.holds(m.qdd(i)[0], X.dot(moved) / X.squared_norm());
+    eq.holds(m.qdd(i)[0], joint_accelerations_of(m)[velocity(m, i)]);
   });
 }
 

@@ -55,7 +55,7 @@ TEST(Paper, TimeDerJs) {
     eq.holds(left, first, size);
     eq.holds(left, bracket(inner, J_s(m, j)), size);
     eq.holds(left, bracket(m.V<Spatial>(j), J_s(m, j)), size);
-    eq.holds(jacobian_rate<Spatial>(m, j).col(velocity(m, j)), left, size);
+    eq.holds(left, library_dJ<Spatial>(m, j, j), size);
     eq.fails(left, bracket(printed, J_s(m, j)) * m.qd(j)[0]);  // q̇_k with a free index k, read as q̇_j
   });
 }
@@ -67,9 +67,11 @@ TEST(Paper, VsdotMat) {
     const Matrix b = b_matrix(m.model(), to_eigen_vector(system_V<Spatial>(m)));
     Matrix diagonal(6 * m.n(), m.model().nv());
     for (int i = 1; i <= m.n(); ++i) diagonal.set_block(6 * (i - 1), velocity(m, i), m.J<Spatial>(i, i));
+    const Matrix right =
+        system_jacobian<Spatial>(m) * as_vector(m.a()) + s.A * b * diagonal * as_vector(m.v());
     eq.holds(s.X, diagonal);
-    eq.holds(system_dV<Spatial>(m),
-             system_jacobian<Spatial>(m) * as_vector(m.a()) + s.A * b * diagonal * as_vector(m.v()));
+    eq.holds(system_dV<Spatial>(m), right);
+    eq.holds(system_acceleration<Spatial>(m.model(), m.q(), m.v(), m.a()), right);
   });
 }
 

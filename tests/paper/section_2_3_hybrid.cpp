@@ -39,7 +39,7 @@ TEST(Paper, JhderDerivation) {
     for (const int j : m.path(i))
       for (const int k : m.path(i)) {
         if (k < j) continue;
-        const Vec6 left = partial_of<Hybrid>(m, i, j, {k});
+        const Vec6 left = library_partial<Hybrid>(m, i, j, k);
         const Vec6 J_b = m.J<BodyFixed>(i, j), J_b_k = m.J<BodyFixed>(i, k);
         const Mat3 dR = relative_pose_partial(m, 0, i, k).block(0, 0, 3, 3);
         const double size = J_h(m, i, j).norm();
@@ -82,7 +82,6 @@ Vec6 vDeltaV(const Motion& m, int j, int i) {
 // + ad_{ω_{j-1}} J_{i,j}
 TEST(Paper, JhdotViaDeltaV) {
   each_body_with_one_screw([](Equation& eq, const Motion& m, int i) {
-    const Matrix library = jacobian_rate<Hybrid>(m, i);
     for (const int j : m.path(i)) {
       Vec6 right, printed;
       for (const int k : m.path(i)) {
@@ -94,7 +93,7 @@ TEST(Paper, JhdotViaDeltaV) {
       const double size = J_h(m, i, j).norm();
       eq.holds(left, right, size);
       eq.holds(left, by_DeltaV + ad_omega(m, m.predecessor(j)) * J_h(m, i, j), size);
-      eq.holds(library.col(velocity(m, j)), left, size);
+      eq.holds(left, library_dJ<Hybrid>(m, i, j), size);
       eq.fails(left, printed);
       eq.fails(left, by_DeltaV);
     }
@@ -110,6 +109,7 @@ TEST(Paper, JhdotLine1) {
         return (ad_v(dr(m, i, j)) + Ad(r(m, i, to)) * ad_omega(m, j)) * X(m, j);
       };
       eq.holds(left, right(j), X(m, j).norm());
+      eq.holds(library_dJ<Hybrid>(m, i, j), right(j), X(m, j).norm());
       eq.fails(left, right(m.predecessor(j)));
     }
   });
@@ -121,6 +121,7 @@ TEST(Paper, JhdotLine2a) {
     for (const int j : m.path(i)) {
       const Vec6 left = dJ<Hybrid>(m, i, j), X_dot = (ad_v(dr(m, i, j)) + ad_omega(m, j)) * X(m, j);
       eq.holds(left, Ad(r(m, i, j)) * X_dot, X(m, j).norm());
+      eq.holds(library_dJ<Hybrid>(m, i, j), Ad(r(m, i, j)) * X_dot, X(m, j).norm());
       eq.fails(left, Ad(r(m, i, m.predecessor(j))) * X_dot);
     }
   });
@@ -131,7 +132,9 @@ TEST(Paper, JhdotLine2b) {
   each_body_with_one_screw([](Equation& eq, const Motion& m, int i) {
     for (const int j : m.path(i)) {
       const Vec6 left = dJ<Hybrid>(m, i, j);
-      eq.holds(left, Ad(r(m, i, j)) * (ad(m.V<Hybrid>(j)) - ad_v(dr(m, i))) * X(m, j), X(m, j).norm());
+      const Vec6 right = Ad(r(m, i, j)) * (ad(m.V<Hybrid>(j)) - ad_v(dr(m, i))) * X(m, j);
+      eq.holds(left, right, X(m, j).norm());
+      eq.holds(library_dJ<Hybrid>(m, i, j), right, X(m, j).norm());
       eq.fails(left, Ad(r(m, i, m.predecessor(j))) * (ad(m.V<Spatial>(j)) - ad_v(dr(m, i))) * X(m, j));
     }
   });

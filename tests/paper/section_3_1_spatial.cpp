@@ -60,9 +60,12 @@ TEST(Paper, NEs) {
 TEST(Paper, RemSkew) {
   each_body([](Equation& eq, const Motion& m, int i) {
     const Mat6 ad_V = ad(m.V<Spatial>(i)), M = M_s(m, i), C_s = -(ad_V.transpose() * M);
-    const Mat6 N = rate(M_s_of_t(m, i)) - 2 * C_s;
+    const Mat6 N = rate(M_s_of_t(m, i)) - 2 * C_s,
+               by_library =
+                   to_matrix(inertia_rate(m.twist<Spatial>(i), transform(m.pose(i), m.M(i)))) - 2 * C_s;
     eq.holds(N, ad_V.transpose() * M - M * ad_V);
     eq.holds(N, -N.transpose());
+    eq.holds(by_library, -by_library.transpose());
   });
 }
 

@@ -5,10 +5,11 @@ namespace axode::test::paper {
 namespace {
 
 /// M_c^h and M^h as the library computes them.
-Inertia<> M_c_h(const Motion& m, int i) { return transform(m.pose(m.com(i)).R, M_c(m, i)); }
+CentralInertia<> M_c_h(const Motion& m, int i) { return transform(m.pose(m.com(i)).R, M_c(m, i)); }
 Inertia<> M_h(const Motion& m, int i) { return transform(m.pose(i).R, m.M(i)); }
 MatrixOfT M_c_h_of_t(const Motion& m, int i) {
-  return to_matrix(transform(m.C_of_t(m.com(i)).R, cast<Series>(M_c(m, i))));
+  const CentralInertia<Series> M{M_c(m, i).m, cast<Series>(Inertia<>(M_c(m, i))).Theta};
+  return to_matrix(transform(m.C_of_t(m.com(i)).R, M));
 }
 MatrixOfT M_h_of_t(const Motion& m, int i) {
   return to_matrix(transform(m.C_of_t(i).R, cast<Series>(m.M(i))));
@@ -57,6 +58,8 @@ TEST(Paper, HybridComInertiaRate) {
   each_body([](Equation& eq, const Motion& m, int i) {
     const Mat6 ad_ws = ad_w(w_s(m, i)), M = to_matrix(M_c_h(m, i));
     eq.holds(rate(M_c_h_of_t(m, i)), -(ad_ws.transpose() * M + M * ad_ws));
+    eq.holds(rate(M_c_h_of_t(m, i)),
+             inertia_rate(Twist<Spatial>{m.twist<Spatial>(i).w, {}}, Inertia<>(M_c_h(m, i))));
     eq.holds(-ad_ws.transpose(), ad_ws);
   });
 }
@@ -68,7 +71,7 @@ TEST(Paper, NEh0) {
     const Mat6 M = to_matrix(M_c_h(m, i));
     const Vec6 V = m.V<Hybrid>(c);
     eq.holds(m.W<Hybrid>(c), M * m.dV<Hybrid>(c) + ad_w(angular(V)) * M * angular_screw(V));
-    eq.holds(m.W<Hybrid>(c), wrench(m.pose(c), M_c(m, i), m.twist<Hybrid>(c), m.twist_rate<Hybrid>(c)));
+    eq.holds(m.W<Hybrid>(c), newton_euler(M_c_h(m, i), m.twist<Hybrid>(c), m.twist_rate<Hybrid>(c)));
   });
 }
 

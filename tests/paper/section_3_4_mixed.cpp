@@ -5,7 +5,7 @@ namespace axode::test::paper {
 namespace {
 
 /// The mixed wrench of frame f on body i, as the library computes it from the motion.
-Wrench<Mixed> W_m(const Motion& m, int f, const Inertia<>& M) {
+template <class InertiaOfBody> Wrench<Mixed> W_m(const Motion& m, int f, const InertiaOfBody& M) {
   return newton_euler(M, m.pose(f).R, m.twist<Mixed>(f), m.twist_rate<Mixed>(f));
 }
 
@@ -51,14 +51,14 @@ TEST(Paper, NEmTrans) {
 TEST(Paper, NEcmixed) {
   each_body([](Equation& eq, const Motion& m, int i) {
     const int c = m.com(i);
-    const Inertia<> M_c = transform(inverse(m.S_bc(i)), m.M(i));
-    const Mat3 Theta = to_matrix(M_c.Theta);
+    const CentralInertia<> M = M_c(m, i);
+    const Mat3 Theta = to_matrix(M.Theta);
     const Vec3d w = angular(m.V<Mixed>(c)), t = Theta * angular(m.dV<Mixed>(c)) + tilde(w) * Theta * w;
     const double size = m.W<Mixed>(c).norm();  // t = 0 for a body that only slides
     eq.holds(angular(m.W<Mixed>(c)), t, size);
-    eq.holds(W_m(m, c, M_c).m, t, size);
-    eq.holds(linear(m.W<Mixed>(c)), M_c.m * m.ddr(c));
-    eq.holds(W_m(m, c, M_c).f, M_c.m * m.ddr(c));
+    eq.holds(W_m(m, c, M).m, t, size);
+    eq.holds(linear(m.W<Mixed>(c)), M.m * m.ddr(c));
+    eq.holds(W_m(m, c, M).f, M.m * m.ddr(c));
   });
 }
 

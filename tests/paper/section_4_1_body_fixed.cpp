@@ -1,4 +1,4 @@
-#include "tests/paper/equation.hpp"
+#include "tests/paper/columns.hpp"
 
 /// Section 4.1: recursive Newton-Euler algorithm, body-fixed representation. "i - 1" is the predecessor p of
 /// body i; with more than one screw to a joint, X_i q̇_i is the sum of its screws times their rates.
@@ -11,6 +11,7 @@ TEST(Paper, RelativeAdRate) {
     const int p = m.predecessor(i);
     const Vec6 V_p = to_matrix(m.twist<BodyFixed>(p));
     eq.holds(rate(Ad(m.C_of_t(i, p))) * V_p, ad(Ad(m.C(i, p)) * V_p) * m.Xqd(i));
+    eq.holds(rate(Ad(m.C_of_t(i, p))) * V_p, m.bias<BodyFixed>(i));
   });
 }
 
@@ -58,6 +59,7 @@ TEST(Paper, RemAfterCrecVbi) {
       return X.dot(first - Ad_ip * dV_p + ad(V_i) * Ad_ip * V_p) / X.squared_norm();
     };
     eq.holds(m.qdd(i), side(dV_i));
+    eq.holds(m.qdd(i), joint_accelerations_of(m)[velocity(m, i)]);
     eq.fails(m.qdd(i), side(V_i));
   });
 }

@@ -42,6 +42,7 @@ TEST(Paper, BVsRec) {
     eq.holds(J, Ad(m.pose(i)) * m.X(i));
     eq.holds(J, Ad(m.pose(i) * inverse(m.body(i).A)) * to_matrix(m.drawn(i).Y));
     eq.holds(J, Ad(m.pose(i) * m.joint_frames(i).S_self) * to_matrix(m.joint_frames(i).Z));
+    eq.holds(J, m.joint_screw(i));
     eq.holds(m.push_Xqd<Spatial>(i), J * m.qd(i));
   });
 }

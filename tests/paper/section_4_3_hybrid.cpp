@@ -27,7 +27,9 @@ TEST(Paper, TranslationAdRate) {
   each_body([](Equation& eq, const Motion& m, int i) {
     const int p = m.predecessor(i);
     const Mat6 left = rate(Ad(m.r_of_t(i, p)));
-    eq.holds(left, Step(m, i).ad_dr_ip);
+    const Step s(m, i);
+    eq.holds(left, s.ad_dr_ip);
+    eq.holds(left * s.V_p + s.ad_w_i * s.Xqd, m.bias<Hybrid>(i));
     const Vec3d dr_i = to_matrix(m.twist<Hybrid>(i).v), dr_p = to_matrix(m.twist<Hybrid>(p).v);
     eq.holds(left, ad_v(dr_p) - ad_v(dr_i));
   });

@@ -1,4 +1,7 @@
+#include <algorithm>
+
 #include "axode/dynamics/closed_form.hpp"
+#include "axode/dynamics/momentum_form.hpp"
 #include "tests/paper/energy.hpp"
 
 /// Section 5.1: the projected Newton-Euler equations of all bodies, and the general form of the equations of
@@ -82,6 +85,23 @@ TEST(Paper, PEsLine1) {
   });
 }
 
+/// v and Π̇ of all bodies that the library finds for Π and the drive forces.
+struct MomentumState {
+  std::vector<double> v;
+  std::vector<Wrench<Spatial>> dPi;
+};
+MomentumState rates_by_spatial_momenta(const Motion& m) {
+  MomentumState rates{m.v(), std::vector<Wrench<Spatial>>(static_cast<std::size_t>(m.n()))};
+  std::ranges::fill(rates.v, 0);
+  std::vector<Momentum<Spatial>> Pi;
+  for (int i = 1; i <= m.n(); ++i) Pi.push_back(from_six<Momentum<Spatial>>(m.Pi<Spatial>(i)));
+  Workspace<> workspace(m.model());
+  const Solvability solved = spatial_momentum_form(m.model(), workspace, m.q(), Pi, drive_forces(m).entries(),
+                                                   rates.v, rates.dPi, {.wrenches = m.loads()});
+  EXPECT_TRUE(solved.ok());
+  return rates;
+}
+
 // M_i [J_1 ... J_i 0 ...] q̇ = Π_i for i = 1, ..., n, spatial
 TEST(Paper, PEsLine2) {
   each_body([](Equation& eq, const Motion& m, int i) {
@@ -89,6 +109,9 @@ TEST(Paper, PEsLine2) {
     Vec6 V;
     for (const int j : m.path(i)) V += m.J<Spatial>(j, j) * m.qd(j);
     eq.holds(M * V, m.Pi<Spatial>(i));
+    const MomentumState rates = rates_by_spatial_momenta(m);
+    eq.holds(as_vector(rates.v), as_vector(m.v()));
+    eq.holds(rates.dPi[i - 1], rate(m.Pi_of_t<Spatial>(i)));
     eq.fails(M * m.J<Spatial>(i, i) * m.qd(i), m.Pi<Spatial>(i));  // with the screw J_i of joint i alone
   });
 }

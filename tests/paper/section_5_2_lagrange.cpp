@@ -1,6 +1,8 @@
 #include <algorithm>
 
+#include "axode/derivatives/term_derivatives.hpp"
 #include "axode/dynamics/closed_form.hpp"
+#include "axode/dynamics/momentum_form.hpp"
 #include "tests/paper/energy.hpp"
 
 /// Section 5.2: Lagrange's equations, with the matrices of the whole system in body-fixed representation.
@@ -64,6 +66,7 @@ TEST(Paper, MLE) {
     const Matrix M = mass_matrix_of(m);
     eq.holds(M, s.J.transpose() * s.M * s.J);
     eq.holds(M, mass_matrix_by_recursion(m));
+    eq.holds(M, closed_form::mass_matrix(m.model(), m.q()));
     double T = 0;
     for (int i = 1; i <= m.n(); ++i) T += m.kinetic_energy(i);
     eq.holds(T, 0.5 * s.V.dot(s.M * s.V));
@@ -91,6 +94,13 @@ TEST(Paper, ConjugateMomentumRate) {
     const Matrix MAa = s.M * s.A * s.a;
     eq.holds(conjugate_momenta(m).dp,
              mass_matrix_of(m) * s.qdd - s.J.transpose() * (MAa.transpose() + MAa) * s.J * s.qd);
+    Workspace<> workspace(m.model());
+    std::vector<double> v(m.v().size()), dp = v;
+    const Solvability solved = momentum_form(m.model(), workspace, m.q(), conjugate_momenta(m).p.entries(),
+                                             drive_forces(m).entries(), v, dp, {.wrenches = m.loads()});
+    EXPECT_TRUE(solved.ok());
+    eq.holds(s.qd, as_vector(v));
+    eq.holds(conjugate_momenta(m).dp, as_vector(dp));
   });
 }
 
@@ -98,6 +108,11 @@ TEST(Paper, ConjugateMomentumRate) {
 TEST(Paper, KineticEnergyGradient) {
   each_system_of_lagrange([](Equation& eq, const Motion& m, const SystemOfLagrange& s) {
     eq.holds(energy_gradient(m), (s.M * s.A * s.b * s.X).transpose() * s.J * s.qd);
+    Workspace<> workspace(m.model());
+    std::vector<double> by_q(m.v().size()), by_v = by_q;
+    kinetic_energy_gradient(m.model(), workspace, m.q(), m.v(), {by_q, by_v});
+    eq.holds(energy_gradient(m), as_vector(by_q));
+    eq.holds(conjugate_momenta(m).p, as_vector(by_v));
   });
 }
 
@@ -120,6 +135,7 @@ TEST(Paper, CMatTmp) {
     eq.holds(coriolis_forces_of(m), first * s.qd);
     eq.holds(coriolis_matrix_by_recursion(m), first);
     eq.holds(coriolis_matrix_by_recursion(m), second);
+    eq.holds(closed_form::coriolis_matrix(m.model(), m.q(), m.v(), CoriolisForm::paper), first);
   });
 }
 
