@@ -86,6 +86,8 @@ TEST_P(ClosedMechanisms, HaveTheirRankAndFreedom) {
       EXPECT_LT((A.transpose() * row.dependency).norm(), 1e-8 * row.dependency.norm());
       EXPECT_EQ(row.dependency[row.row], 1);
     }
+    const Numbers ajar = integrate(model, at.q, Numbers(at.v.size(), 1e-6));
+    EXPECT_EQ(loop_mobility(model, ajar).rank, GetParam().rank) << "as far as the loops are closed";
   }
 }
 
@@ -246,6 +248,7 @@ TEST_P(ClosedMechanisms, AreNotDrivenWhereLoopsTear) {
   };
   EXPECT_EQ(refusal(a), "");
   EXPECT_EQ(refusal(a + 1e-8 / (A * apart).norm() * apart), "") << "rounding and what solvers leave";
+  EXPECT_EQ(refusal(a + 5e-4 / (A * apart).norm() * apart), "") << "what was measured";
   EXPECT_THAT(refusal(a + apart), testing::StartsWith("a does not keep loop \""));
   at.q = integrate(model, at.q, numbers(apart));
   EXPECT_THAT(refusal(a), testing::StartsWith("q leaves loop \"")) << "which is why";
@@ -405,6 +408,17 @@ TEST(RedundantRows, AreNamedByTheirWrenches) {
   EXPECT_EQ(found.redundant[0].wrench, "couple about (1, 0, 0)");
   EXPECT_EQ(found.redundant[1].wrench, "couple about (0, 1, 0)");
   EXPECT_EQ(found.redundant[2].wrench.substr(0, 21), "force along (0, 0, 1)");
+
+  Description screw{.name = "nut"};
+  screw.bodies.push_back(bar("nut", "ground", JointKind::helical, {0, 0, 1}, {}, {1, 0, 0}));
+  screw.bodies[0].joint.pitch = 0.2;
+  screw.loops.push_back({.between = {"nut", "ground"}, .kind = LoopKind::helical, .pitch = 0.2});
+  const Model nut = ModelBuilder(screw).build();
+  const LoopMobility turning = loop_mobility(nut, neutral(nut));
+  EXPECT_EQ(turning.degrees_of_freedom, 1);
+  const auto has_pitch = [](const RedundantRow& row) { return row.wrench.ends_with(" with pitch -0.2"); };
+  EXPECT_EQ(std::ranges::count_if(turning.redundant, has_pitch), 1)
+      << "which has no power on the screw's motion";
 }
 
 TEST(SecondOrder, TellsBranchesFromShakes) {
@@ -420,10 +434,12 @@ TEST(SecondOrder, TellsBranchesFromShakes) {
   EXPECT_EQ(branching.degrees_of_freedom, 2);
   EXPECT_EQ(branching.mobility, Mobility::branches);
 
-  const Model line = ModelBuilder(ring({{0, 0, 0}, {1, 0, 0}, {2, 0, 0}}, {z, z, z})).build();
-  const LoopMobility shaking = loop_mobility(line, neutral(line));
-  EXPECT_EQ(shaking.degrees_of_freedom, 1);
-  EXPECT_EQ(shaking.mobility, Mobility::shaky);
+  for (const double to : {1.0, -1.0}) {
+    const Model line = ModelBuilder(ring({{0, 0, 0}, {to, 0, 0}, {2 * to, 0, 0}}, {z, z, z})).build();
+    const LoopMobility shaking = loop_mobility(line, neutral(line));
+    EXPECT_EQ(shaking.degrees_of_freedom, 1);
+    EXPECT_EQ(shaking.mobility, Mobility::shaky);
+  }
 }
 
 TEST(Rolling, SphereDownASlopeHasFiveSeventhsOfTheAcceleration) {

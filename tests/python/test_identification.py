@@ -207,6 +207,7 @@ def test_outliers_do_less_harm_to_the_robust_estimate(given):
     assert robust.converged and robust.noise == pytest.approx(np.full(7, 0.05), rel=0.2)
     assert chi_squared(robust, ARM.parameters) < 2
     clean = identify(ARM, *measured(ARM, 600, 0.05), robust=True)
+    assert clean.noise.mean() == pytest.approx(0.05, rel=0.06)  # three standard deviations
     assert chi_squared(clean, ARM.parameters) == pytest.approx(1, abs=5 * np.sqrt(2 / 43))
 
 
