@@ -270,6 +270,14 @@ def lint(jobs, costs):
     return {"lint": "passed" if costs.measure("lint", "run", lambda: run("make", "lint", f"JOBS={jobs}")) else "failed"}
 
 
+def check_tests(jobs, costs):
+    """The tests of the ledger run the code that they name, and every mistake of tests/mutants.tsv makes a test fail."""
+    if not build("coverage", jobs, costs):
+        return {"build": "failed"}
+    return {tool: "passed" if costs.measure("coverage", tool, lambda tool=tool: run(
+        sys.executable, f"tools/{tool}.py", "--jobs", str(jobs))) else "failed" for tool in ("ledger_coverage", "mutants")}
+
+
 def measure_speed(jobs, costs):
     """The benchmarks run to their end."""
     if not costs.measure("bench", "run", lambda: run("make", "bench", f"JOBS={jobs}")):
@@ -295,6 +303,7 @@ def main():
         runs["fuzz"] = lambda: fuzz(jobs, costs)
         runs["docs"] = lambda: build_site(jobs, costs)
         runs["lint"] = lambda: lint(jobs, costs)
+        runs["coverage"] = lambda: check_tests(jobs, costs)
         runs["bench"] = lambda: measure_speed(jobs, costs)
     else:
         runs["style"] = lambda: check_style(jobs, costs)

@@ -13,7 +13,8 @@
 
 /// The ledger of the paper's equations, equations.tsv: a table with the columns test, id, section, meaning, status,
 /// stage and code, one row for each equation. Every row of a stage that is reached has a test Paper.<test>; code is
-/// a header and something in it. The site's page about the paper is made of it.
+/// a header and something in it, which the test runs: tools/ledger_coverage.py checks that. The site's page about the
+/// paper is made of it.
 namespace axode::test::paper {
 namespace {
 
