@@ -1,38 +1,46 @@
+#include <Eigen/Core>
 #include <atomic>
+#include <cerrno>
 #include <cstdlib>
-#include <new>
 
 #include "tests/laws/law.hpp"
 #include "tests/support/functions.hpp"
 
-/// The algorithms allocate nothing once the workspace exists: every operator new and delete of this program
-/// counts.
+/// The algorithms allocate nothing once the workspace exists. Operator new and Eigen take their memory from malloc() and
+/// aligned_alloc(), of which this program counts every call.
 namespace {
 
 std::atomic<long> allocations{0}, releases{0};
 
-void* allocate(std::size_t size, std::size_t alignment) {
+void* counted(void* memory) {
   ++allocations;
-  void* memory = std::aligned_alloc(alignment, (size + alignment - 1) / alignment * alignment);
-  if (memory == nullptr) throw std::bad_alloc();
   return memory;
-}
-void release(void* memory) noexcept {
-  if (memory != nullptr) ++releases;
-  std::free(memory);
 }
 
 }  // namespace
 
-// The nothrow and array forms of the standard library call these.
-void* operator new(std::size_t size) { return allocate(size, alignof(std::max_align_t)); }
-void* operator new(std::size_t size, std::align_val_t alignment) {
-  return allocate(size, static_cast<std::size_t>(alignment));
+extern "C" {
+void* __libc_malloc(std::size_t);
+void* __libc_calloc(std::size_t, std::size_t);
+void* __libc_realloc(void*, std::size_t);
+void* __libc_memalign(std::size_t, std::size_t);
+void __libc_free(void*);
+
+void* malloc(std::size_t size) { return counted(__libc_malloc(size)); }
+void* calloc(std::size_t count, std::size_t size) { return counted(__libc_calloc(count, size)); }
+void* realloc(void* memory, std::size_t size) { return counted(__libc_realloc(memory, size)); }
+void* aligned_alloc(std::size_t alignment, std::size_t size) {
+  return counted(__libc_memalign(alignment, size));
 }
-void operator delete(void* memory) noexcept { release(memory); }
-void operator delete(void* memory, std::size_t) noexcept { release(memory); }
-void operator delete(void* memory, std::align_val_t) noexcept { release(memory); }
-void operator delete(void* memory, std::size_t, std::align_val_t) noexcept { release(memory); }
+int posix_memalign(void** memory, std::size_t alignment, std::size_t size) {
+  *memory = counted(__libc_memalign(alignment, size));
+  return *memory == nullptr ? ENOMEM : 0;
+}
+void free(void* memory) {
+  if (memory != nullptr) ++releases;
+  __libc_free(memory);
+}
+}
 
 namespace axode::test {
 namespace {
@@ -50,6 +58,9 @@ TEST(NoAllocation, IsWhatTheCounterWouldNotice) {
   const std::align_val_t line{64};
   EXPECT_EQ(memory_operations([&] { ::operator delete(::operator new(size, line), line); }), 2);
   EXPECT_GE(memory_operations([&] { std::string text(100 * size, 'x'); }), 2);
+  volatile double last = 0;
+  const Eigen::Index rows = static_cast<Eigen::Index>(size);
+  EXPECT_EQ(memory_operations([&] { last = Eigen::VectorXd::Ones(rows).eval()[rows - 1]; }), 2);
   EXPECT_EQ(memory_operations([] {}), 0);
 }
 
