@@ -11,6 +11,7 @@
 #include "axode/model/configuration.hpp"
 #include "axode/model/shape_kinds.hpp"
 #include "tests/io/same_mechanism.hpp"
+#include "tests/laws/law.hpp"
 #include "tests/model/random_loops.hpp"
 #include "tests/model/random_mechanism.hpp"
 #include "tests/support/shared_files.hpp"
@@ -155,35 +156,31 @@ Description random_description(std::uint64_t seed) {
 }
 
 TEST(RoundTrip, ADrawingOfARandomTreeIsTheSameMechanismAndTheSameTextAgain) {
-  for (std::uint64_t seed = 1; seed <= 300 && !HasFailure(); ++seed) {
-    SCOPED_TRACE("seed " + std::to_string(seed));
+  test::for_seeds(300, [&](std::uint64_t seed) {
     expect_drawing_round_trip(ModelBuilder(random_description(seed)).build());
-  }
+  });
 }
 
 TEST(RoundTrip, ADrawingOfRandomLoopsIsTheSameMechanismAndTheSameTextAgain) {
-  for (std::uint64_t seed = 1; seed <= 300 && !HasFailure(); ++seed) {
-    SCOPED_TRACE("seed " + std::to_string(seed));
+  test::for_seeds(300, [&](std::uint64_t seed) {
     test::Random<double> random(seed);
     expect_drawing_round_trip(ModelBuilder(test::with_loops(random_description(seed), random)).build());
-  }
+  });
 }
 
 TEST(RoundTrip, LoopsInJointFramesAreTheSameMechanism) {
-  for (std::uint64_t seed = 1; seed <= 300 && !HasFailure(); ++seed) {
-    SCOPED_TRACE("seed " + std::to_string(seed));
+  test::for_seeds(300, [&](std::uint64_t seed) {
     test::Random<double> random(seed);
     const Model model = ModelBuilder(test::with_loops(random_description(seed), random)).build();
     EXPECT_LT(test::disparity(model, ModelBuilder(in_joint_frames(model.description())).build()), tolerance);
-  }
+  });
 }
 
 TEST(RoundTrip, AUrdfOfARandomTreeIsTheSameMechanism) {
   constexpr std::array kinds{JointKind::fixed,       JointKind::revolute,  JointKind::prismatic,
                              JointKind::cylindrical, JointKind::universal, JointKind::planar,
                              JointKind::free};
-  for (std::uint64_t seed = 1; seed <= 300 && !HasFailure(); ++seed) {
-    SCOPED_TRACE("seed " + std::to_string(seed));
+  test::for_seeds(300, [&](std::uint64_t seed) {
     test::Random<double> random(seed);
     Description tree = test::random_tree(random, static_cast<int>(random.number(1, 25)), kinds);
     tree.gravity = {0, 0, -9.81};
@@ -198,14 +195,13 @@ TEST(RoundTrip, AUrdfOfARandomTreeIsTheSameMechanism) {
     }
     tree.frames.push_back({.name = "tool", .body = tree.bodies.back().name, .pose = random.pose()});
     expect_urdf_round_trip(ModelBuilder(tree).build());
-  }
+  });
 }
 
 TEST(RoundTrip, AUrdfOfRandomLoopsIsTheSameMechanism) {
   constexpr std::array kinds{JointKind::fixed, JointKind::revolute, JointKind::prismatic, JointKind::planar};
   std::size_t loops = 0;
-  for (std::uint64_t seed = 1; seed <= 100 && !HasFailure(); ++seed) {
-    SCOPED_TRACE("seed " + std::to_string(seed));
+  test::for_seeds(100, [&](std::uint64_t seed) {
     test::Random<double> random(seed);
     Description tree = test::random_tree(random, static_cast<int>(random.number(1, 9)), kinds);
     tree.gravity = {0, 0, -9.81};
@@ -218,7 +214,7 @@ TEST(RoundTrip, AUrdfOfRandomLoopsIsTheSameMechanism) {
     });
     loops += tree.loops.size();
     expect_urdf_round_trip(ModelBuilder(tree).build());
-  }
+  });
   EXPECT_GT(loops, 100U);
 }
 
