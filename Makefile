@@ -36,8 +36,7 @@ wheel: deps venv ## Build a wheel that brings its libraries along, in build/whee
 	PATH="$(CURDIR)/build/venv/bin:$$PATH" auditwheel repair --wheel-dir build/wheels build/wheels/local/axode-*.whl
 
 test: deps ## Run every test: GCC, Clang with sanitizers, Python; the last line counts them
-	@$(MAKE) --no-print-directory build/venv/tests || echo "No Python environment: the tests of the package and of peers will be skipped."
-	@python3 tools/run_all_tests.py --jobs $(JOBS)
+	@python3 tools/run_all_tests.py --jobs $(JOBS) $(TEST_OPTIONS)
 
 test-one: deps ## Build and run the tests whose names begin with T, e.g. make test-one T=Paper.Der1
 	@tools/test_one.sh '$(T)' $(JOBS)
