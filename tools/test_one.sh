@@ -1,5 +1,5 @@
 #!/bin/sh
-# Builds the program that holds a test, with GCC, and runs all tests whose names begin so, e.g.
+# Builds the program that holds a test by the preset dev, and runs all tests whose names begin so, e.g.
 #   tools/test_one.sh Paper.Der1
 #   tools/test_one.sh Laws/InverseOfInverseDynamics
 set -e
@@ -12,6 +12,6 @@ if [ -z "$1" ] || [ -z "$folder" ]; then
   echo "No test is named '$1': the names are Suite.Name of TEST(Suite, Name) in tests/" >&2
   exit 1
 fi
-cmake --preset release > /dev/null
-cmake --build --preset release --parallel "$jobs" --target "test_$folder"
-exec "build/release/tests/test_$folder" --gtest_filter="$1*:*/$1*"
+cmake --preset dev > /dev/null
+cmake --build --preset dev --parallel "$jobs" --target "test_$folder"
+exec "build/dev/tests/test_$folder" --gtest_filter="$1*:*/$1*"
