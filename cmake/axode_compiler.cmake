@@ -7,9 +7,15 @@ if(PROJECT_IS_TOP_LEVEL)
   endif()
   find_program(AXODE_CCACHE ccache)
   if(AXODE_CCACHE AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
-    # Paths count as relative, so that what one build folder has compiled serves the others.
+    # Paths count as relative, so that what one build folder has compiled serves the others; precompiled headers are cached as the
+    # manual of ccache asks.
     set(CMAKE_CXX_COMPILER_LAUNCHER ${CMAKE_COMMAND} -E env CCACHE_BASEDIR=${PROJECT_SOURCE_DIR} CCACHE_NOHASHDIR=1
-                                    ${AXODE_CCACHE})
+                                    CCACHE_SLOPPINESS=pch_defines,time_macros ${AXODE_CCACHE})
+    if(CMAKE_CXX_COMPILER_ID STREQUAL GNU)
+      add_compile_options(-fpch-preprocess)
+    else()
+      add_compile_options("SHELL:-Xclang -fno-pch-timestamp")
+    endif()
   endif()
 endif()
 
