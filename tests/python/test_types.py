@@ -51,7 +51,7 @@ BAD = {
 
 
 def mypy(tmp_path, *arguments):
-    run = subprocess.run([sys.executable, "-m", "mypy", "--strict", "--cache-dir", tmp_path / "cache", *arguments],
+    run = subprocess.run([sys.executable, "-m", "mypy", "--strict", "--cache-dir", tmp_path.parent / "mypy", *arguments],
                          capture_output=True, text=True, cwd=tmp_path)
     return run.returncode, run.stdout + run.stderr
 
