@@ -25,8 +25,8 @@ std::string drawing_text(const BoundModel& m) {
   return text.str();
 }
 /// The text of a writer, with a warning of Python for each thing that it leaves out.
-using Writer = std::vector<Fault> (*)(const Model&, std::ostream&, Strictness);
-std::string written(Writer write, const BoundModel& m, bool strict) {
+using ModelWriter = std::vector<Fault> (*)(const Model&, std::ostream&, Strictness);
+std::string written(ModelWriter write, const BoundModel& m, bool strict) {
   std::ostringstream text;
   for (const Fault& fault : write(m, text, strictness(strict)))
     if (PyErr_WarnEx(PyExc_UserWarning, to_string(fault).c_str(), 1) != 0) throw nb::python_error();
