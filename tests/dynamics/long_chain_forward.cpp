@@ -2,21 +2,21 @@
 
 #include "tests/laws/law.hpp"
 
-/// Forward dynamics of long chains: how well the accelerations meet the forces that they were found from.
+/// Long chains: all representations agree, and accelerations meet the forces that they were found from.
 namespace axode::test {
 namespace {
 
-/// n links of 20 cm and 1 kg with hinges about x, y and z in turn, the first one `away` from the inertial
-/// origin, m.
-Model chain(int n, double away) {
+/// n links of 20 cm, or of another length, and 1 kg with hinges about x, y and z in turn, the first one `away` from the
+/// inertial origin, m.
+Model chain(int n, double away, double length = 0.2) {
   ModelBuilder builder("chain");
   const Vec3<> axes[] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
   for (int i = 0; i < n; ++i) {
     BodyDescription link{.name = "link " + std::to_string(i)};
     if (i > 0) link.predecessor = "link " + std::to_string(i - 1);
     link.joint = {.kind = JointKind::revolute, .axis = axes[i % 3]};
-    link.geometry = InBodyFrame{{{}, i == 0 ? Vec3<>{away, 0, 0} : Vec3<>{0, 0, -0.2}}};
-    link.inertia = MassProperties{.mass = 1, .com = {0.01, 0, -0.1}, .Theta = {0.01, 0.01, 0.002}};
+    link.geometry = InBodyFrame{{{}, i == 0 ? Vec3<>{away, 0, 0} : Vec3<>{0, 0, -length}}};
+    link.inertia = MassProperties{.mass = 1, .com = {0.01, 0, -length / 2}, .Theta = {0.01, 0.01, 0.002}};
     builder.add(std::move(link));
   }
   return builder.build();
@@ -44,6 +44,20 @@ std::array<double, 4> residuals(int n, double bend, double away, std::uint64_t s
   std::array<double, 4> all{};
   for (std::size_t r = 0; r < 4; ++r) all[r] = residual(trial.by(representations[r]));
   return all;
+}
+
+TEST(LongChain, AgreesInAllRepresentations) {
+  const int n = 10'000;
+  Random<double> random(1);
+  std::vector<double> q = random_numbers(random, n), v = random_numbers(random, n),
+                      a = random_numbers(random, n);
+  for (double& x : q) x *= 0.01;
+  for (double& x : v) x *= 0.01;
+  Trial body(in(Representation::body, scalars()[0]), chain(n, 0, 0.01), {q, v, a});
+  const std::vector<double> tau = body.inverse_dynamics();
+  Comparison torque("torque", agreement<double>);
+  for (const Representation other : {Representation::spatial, Representation::hybrid, Representation::mixed})
+    torque.expect_equal(body.by(other).inverse_dynamics(), tau);
 }
 
 TEST(LongChain, ForwardDynamicsUndoesInverseDynamics) {

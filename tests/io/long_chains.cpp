@@ -65,39 +65,6 @@ TEST(LongChains, TenThousandMimicJointsOneAfterAnotherFollowTheFirst) {
   });
 }
 
-TEST(LongChains, ACycleOfTenThousandIsAFaultWithAShortMessage) {
-  expect_linear([](int n) {
-    std::string text = "format = \"axode drawing 1\"\n";
-    for (int i = 0; i < n; ++i)
-      text += "[[body]]\nname = \"b" + number(i) + "\"\non = \"b" + number((i + 1) % n) +
-              "\"\njoint = \"fixed\"\n";
-    try {
-      ModelBuilder(read_drawing_text(text, "cycle.toml")).build();
-      ADD_FAILURE() << "built";
-    } catch (const ModelError& error) {
-      ASSERT_EQ(error.faults().size(), 1U);
-      EXPECT_EQ(error.faults()[0].rule, Rule::cycle);
-      EXPECT_LT(error.faults()[0].message.size(), 500U);
-    }
-  });
-}
-
-TEST(LongChains, TenThousandUnknownNamesAreTenThousandFaultsInTime) {
-  expect_linear([](int n) {
-    std::string text = "format = \"axode drawing 1\"\n";
-    for (int i = 0; i < n; ++i)
-      text += "[[body]]\nname = \"b" + number(i) + "\"\non = \"c" + number(i) +
-              "\"\njoint = { kind = \"prismatic\", axis = \"x\", follows = { joint = \"k" + number(i) +
-              "\" } }\n";
-    try {
-      ModelBuilder(read_drawing_text(text, "unknown.toml")).build();
-      ADD_FAILURE() << "built";
-    } catch (const ModelError& error) {
-      EXPECT_EQ(error.faults().size(), 2U * n);
-    }
-  });
-}
-
 TEST(LongChains, TenThousandBodiesOnTheGround) {
   expect_linear([](int n) {
     std::string text = "format = \"axode drawing 1\"\n";

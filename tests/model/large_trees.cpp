@@ -3,6 +3,7 @@
 
 #include <ctime>
 #include <functional>
+#include <map>
 
 #include "axode/dynamics.hpp"
 #include "tests/model/random_mechanism.hpp"
@@ -66,7 +67,13 @@ Description chain_of_couplings(int n) {  // each follows the next, declared afte
 Description nothing_but_faults(int n) {
   Description description = chain(n);
   for (BodyDescription& body : description.bodies)
-    body.predecessor = "x" + body.name, body.inertia->mass = -1;
+    body.predecessor = "x" + body.name, body.inertia->mass = -1,
+    body.joint.coupling = Coupling{"k" + body.name};
+  return description;
+}
+Description ring_of_couplings(int n) {
+  Description description = star(n);
+  for (int i = 0; i < n; ++i) description.bodies[i].joint.coupling = Coupling{numbered('j', (i + 1) % n)};
   return description;
 }
 Description ring(int n) {
@@ -83,6 +90,8 @@ Description many_frames(int n) {
 struct Shape {
   const char* name;
   Description (*make)(int n);
+  std::vector<Rule> faults_of_each = {};  ///< of each body
+  std::vector<Rule> faults_of_all = {};
 };
 class LargeTrees : public testing::TestWithParam<Shape> {};
 
@@ -134,25 +143,37 @@ TEST_P(LargeTrees, NeedNoDeepRecursion) {
       poses(model, workspace, q, C);
       inverse_dynamics(model, workspace, q, zero, zero, tau);
       const std::string_view locked[] = {model.joint(1).name};
+      EXPECT_TRUE(GetParam().faults_of_each.empty() && GetParam().faults_of_all.empty());
       if (!model.joint(1).leader) {
         EXPECT_EQ(reduced(model, locked, q).n_frames(), model.n_frames());
       }
     } catch (const ModelError& error) {
-      EXPECT_FALSE(error.faults().empty());
+      std::map<Rule, std::size_t> found, expected;
+      for (const Fault& fault : error.faults()) {
+        ++found[fault.rule];
+        EXPECT_LT(fault.message.size(), 500u);
+      }
+      for (const Rule rule : GetParam().faults_of_each) expected[rule] += description.bodies.size();
+      for (const Rule rule : GetParam().faults_of_all) ++expected[rule];
+      EXPECT_EQ(found, expected);
     }
   });
 }
 
-INSTANTIATE_TEST_SUITE_P(, LargeTrees,
-                         testing::Values(Shape{"chain", chain}, Shape{"backward_chain", backward_chain},
-                                         Shape{"star", star}, Shape{"forest", forest},
-                                         Shape{"fixed_chain", fixed_chain},
-                                         Shape{"chain_of_split_joints", chain_of_split_joints},
-                                         Shape{"couplings_on_one_joint", couplings_on_one_joint},
-                                         Shape{"chain_of_couplings", chain_of_couplings},
-                                         Shape{"nothing_but_faults", nothing_but_faults}, Shape{"ring", ring},
-                                         Shape{"many_frames", many_frames}),
-                         [](const auto& shape) { return std::string(shape.param.name); });
+INSTANTIATE_TEST_SUITE_P(
+    , LargeTrees,
+    testing::Values(Shape{"chain", chain}, Shape{"backward_chain", backward_chain}, Shape{"star", star},
+                    Shape{"forest", forest}, Shape{"fixed_chain", fixed_chain},
+                    Shape{"chain_of_split_joints", chain_of_split_joints},
+                    Shape{"couplings_on_one_joint", couplings_on_one_joint},
+                    Shape{"chain_of_couplings", chain_of_couplings},
+                    Shape{"nothing_but_faults",
+                          nothing_but_faults,
+                          {Rule::unknown_predecessor, Rule::mass_not_positive, Rule::coupling_unknown_joint}},
+                    Shape{"ring", ring, {}, {Rule::cycle}},
+                    Shape{"ring_of_couplings", ring_of_couplings, {Rule::coupling_loop}},
+                    Shape{"many_frames", many_frames}),
+    [](const auto& shape) { return std::string(shape.param.name); });
 
 TEST(LargeTree, AChainOfTenThousandBodiesIsEvaluatedRight) {
   const int n = 10'000;
