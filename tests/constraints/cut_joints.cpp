@@ -161,7 +161,7 @@ class CutJoints : public testing::TestWithParam<JointKind> {
     for (int c = 0; c < cut.nv(); ++c)
       if (c < base.iv || c >= base.iv + base.nv) drives.push_back(c);
     if (drives.empty()) return;
-    const auto& [q, v, a_cut] = motion;
+    const Numbers &q = motion[0], &v = motion[1], &a_cut = motion[2];
     const std::size_t n = static_cast<std::size_t>(whole.n_bodies());
     std::vector<Wrench<BodyFixed>> W(n), found(static_cast<std::size_t>(cut.n_bodies()));
     joint_wrenches<BodyFixed>(whole, workspace, trees.state.q, trees.state.v, a, W, loads);
