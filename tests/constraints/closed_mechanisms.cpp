@@ -259,8 +259,8 @@ TEST_P(ClosedMechanisms, AreNotDrivenWhereLoopsTear) {
   EXPECT_EQ(refusal(a), "");
   const double size = 1 + a.norm() + vector(at.v).squaredNorm();
   EXPECT_EQ(refusal(a + 1e-4 * size / (A * apart).norm() * apart), "") << "accelerations that were measured";
-  EXPECT_THAT(refusal(a + 1e-2 * size / (A * apart).norm() * apart), testing::StartsWith("a tears loop \""));
-  EXPECT_THAT(refusal(a + apart), testing::StartsWith("a tears loop \""));
+  EXPECT_THAT(refusal(a + 1e-2 * size / (A * apart).norm() * apart), testing::StartsWith("a does not keep loop \""));
+  EXPECT_THAT(refusal(a + apart), testing::StartsWith("a does not keep loop \""));
   at.q = integrate(model, at.q, numbers(apart));
   EXPECT_THAT(refusal(a), testing::StartsWith("q leaves loop \"")) << "which is why";
 }
@@ -428,17 +428,6 @@ TEST(RedundantRows, AreNamedByTheirWrenches) {
   EXPECT_EQ(found.redundant[0].wrench, "couple about (1, 0, 0)");
   EXPECT_EQ(found.redundant[1].wrench, "couple about (0, 1, 0)");
   EXPECT_EQ(found.redundant[2].wrench.substr(0, 21), "force along (0, 0, 1)");
-
-  Description screw{.name = "nut"};
-  screw.bodies.push_back(bar("nut", "ground", JointKind::helical, {0, 0, 1}, {}, {1, 0, 0}));
-  screw.bodies[0].joint.pitch = 0.2;
-  screw.loops.push_back({.between = {"nut", "ground"}, .kind = LoopKind::helical, .pitch = 0.2});
-  const Model nut = ModelBuilder(screw).build();
-  const LoopMobility turning = loop_mobility(nut, neutral(nut));
-  EXPECT_EQ(turning.degrees_of_freedom, 1);
-  const auto has_pitch = [](const RedundantRow& row) { return row.wrench.ends_with(" with pitch -0.2"); };
-  EXPECT_EQ(std::ranges::count_if(turning.redundant, has_pitch), 1)
-      << "which has no power on the screw's motion";
 }
 
 /// A nut that a second thread guides is held for nothing by a force along the threads with a couple against their pitch.

@@ -1,7 +1,9 @@
 #pragma once
 #include <cmath>
+#include <limits>
 #include <span>
 
+#include "axode/constraints/assembly.hpp"
 #include "axode/dynamics.hpp"
 #include "axode/integration.hpp"
 #include "axode/model/configuration.hpp"
@@ -39,8 +41,54 @@ inline double energy_of(const Model& model, Span q, Span v) {
   Workspace<> workspace(model);
   return kinetic_energy(model, workspace, q, v) + potential_energy(model, workspace, q);
 }
+/// The largest change of the energy until then.
+inline double energy_error(const Trajectory& motion, double until = std::numeric_limits<double>::infinity()) {
+  const double before = energy_of(motion.model(), motion.q(0), motion.v(0));
+  double most = 0;
+  for (std::size_t k = 0; k < motion.size() && motion.t()[k] <= until; ++k)
+    most = std::max(most, std::abs(energy_of(motion.model(), motion.q(k), motion.v(k)) - before));
+  return most;
+}
 inline Span last_q(const Trajectory& motion) { return motion.q(motion.size() - 1); }
 inline Span last_v(const Trajectory& motion) { return motion.v(motion.size() - 1); }
+
+/// A symmetric scheme comes back to where it began with all velocities turned round.
+template <class Run>
+void expect_way_back(const Model& model, const Numbers& q, const Numbers& v, double bound, double away,
+                     const Run& run) {
+  const Trajectory there = run(Span(q), Span(v));
+  Numbers turned(last_v(there).begin(), last_v(there).end());
+  for (double& v_c : turned) v_c = -v_c;
+  EXPECT_LE(apart(model, q, last_q(run(last_q(there), Span(turned)))), bound);
+  EXPECT_GT(apart(model, q, last_q(there)), away);
+}
+
+/// A mechanism with loops in motion.
+struct Closed {
+  Model model;
+  AssemblyResult at;
+
+  explicit Closed(const Description& description)
+      : model(ModelBuilder(description).build()), at([&] {
+          Random<double> random(3);
+          return assemble(model, neutral(model), random_numbers(random, model.nv()));
+        }()) {}
+};
+
+/// Two links of 1 m and 10 kg with hinges about y.
+inline Description two_links() {
+  Description arm{.name = "arm"};
+  for (int k = 0; k < 2; ++k) {
+    BodyDescription body{.name = k == 0 ? "upper" : "fore", .predecessor = k == 0 ? "ground" : "upper"};
+    body.joint = {.name = k == 0 ? "shoulder" : "elbow",
+                  .kind = JointKind::revolute,
+                  .axis = {0, 1, 0},
+                  .point = {static_cast<double>(k), 0, 0}};
+    body.inertia = MassProperties{.mass = 10, .com = {0.5 + k, 0, 0}, .Theta = {1, 1, 1}};
+    arm.bodies.push_back(std::move(body));
+  }
+  return arm;
+}
 
 /// One spherical, one free and one planar joint, and a hinge: nothing in it is singular.
 inline Model test_tree(Vec3<> gravity = {0, 0, -9.81}) {

@@ -102,17 +102,7 @@ TEST(Simulation, IsTheSameWhereverTheSceneStands) {
 TEST(Simulation, OfAStiffSpringIsQuietWhereTheMotionIs) {
   // A spring of 1e8 N m/rad at the first of two hinges, in equilibrium with the weight at the start; explicit methods would
   // need steps of 0.07 ms.
-  Description arm{.name = "arm"};
-  for (int k = 0; k < 2; ++k) {
-    BodyDescription body{.name = k == 0 ? "upper" : "fore", .predecessor = k == 0 ? "ground" : "upper"};
-    body.joint = {.name = k == 0 ? "shoulder" : "elbow",
-                  .kind = JointKind::revolute,
-                  .axis = {0, 1, 0},
-                  .point = {static_cast<double>(k), 0, 0}};
-    body.inertia = MassProperties{.mass = 10, .com = {0.5 + k, 0, 0}, .Theta = {1, 1, 1}};
-    arm.bodies.push_back(std::move(body));
-  }
-  const Model model = ModelBuilder(arm).build();
+  const Model model = ModelBuilder(two_links()).build();
   const double stiffness = 1e8;
   Workspace<> workspace(model);
   Numbers weight(2);
@@ -130,41 +120,6 @@ TEST(Simulation, OfAStiffSpringIsQuietWhereTheMotionIs) {
   };
   const double coarse = elbow(2e-3), middle = elbow(1e-3), fine = elbow(5e-4);
   EXPECT_NEAR(std::log2((coarse - middle) / (middle - fine)), 2, 0.3);
-}
-
-TEST(Simulation, IsOfSecondOrderWhereTheGroupIsForgotten) {
-  // The same stages with x' = v in the place of x' = dexp⁻¹ v: what HasTheOrders would let pass on hinges alone.
-  const Model model = test_tree();
-  const State<double> at = test_state(model);
-  const ConfigurationGroup<double> group(model.tree<double>());
-  const std::size_t nv = at.v.size();
-  Workspace<> workspace(model);
-  const auto error = [&](int steps, const Trajectory& exact) {
-    Numbers q = at.q, v = at.v, tau(nv);
-    const double h = 0.5 / steps;
-    for (int k = 0; k < steps; ++k) {
-      const Tableau& m = runge_kutta(4);
-      std::vector<Numbers> K, L;
-      Numbers x(nv), y(nv), q_i(q.size());
-      for (std::size_t i = 0; i <= 4; ++i) {
-        const Numbers& weights = i < 4 ? m.a[i] : m.b;
-        for (std::size_t c = 0; c < nv; ++c) {
-          x[c] = 0, y[c] = v[c];
-          for (std::size_t j = 0; j < weights.size(); ++j)
-            x[c] += h * weights[j] * K[j][c], y[c] += h * weights[j] * L[j][c];
-        }
-        group.move(q.data(), x.data(), q_i.data());
-        if (i == 4) break;
-        Numbers a(nv);
-        EXPECT_TRUE(forward_dynamics(model, workspace, q_i, y, tau, a).ok());
-        K.push_back(y), L.push_back(a);
-      }
-      q = q_i, v = y;
-    }
-    return apart(model, last_q(exact), q);
-  };
-  const Trajectory exact = simulate(model, at.q, at.v, 0.5, {.relative = 1e-13, .absolute = 1e-13});
-  EXPECT_NEAR(std::log2(error(80, exact) / error(160, exact)), 2, 0.2);
 }
 
 TEST(Simulation, KeepsEnergyAndMomentumAsFarAsItsToleranceGoes) {
@@ -319,22 +274,22 @@ TEST(Simulation, PassesWhereBranchesMeetAsWellAsItsToleranceSays) {
     const AssemblyResult at = assemble(model, neutral(model), Numbers{-speed, speed, 0, -speed, -speed});
     const Trajectory motion = simulate(model, at.q, at.v, 10, {1e-10, 1e-12});
     ASSERT_TRUE(motion.complete) << motion.stop_reason;
-    const double energy = energy_of(model, motion.q(0), motion.v(0));
-    double error = 0;
-    for (std::size_t k = 0; k < motion.size(); ++k)
-      error = std::max(error, std::abs(energy_of(model, motion.q(k), motion.v(k)) - energy));
-    EXPECT_LT(error, 2e-7);
+    EXPECT_LT(energy_error(motion), 2e-7);
     EXPECT_LT(motion.steps, 1100U);
   }
 }
 
+/// A body of 1 kg that slides along an axis.
+Model slide(const Vec3<>& axis) {
+  return ModelBuilder("slide")
+      .add({.name = "block",
+            .joint = {.kind = JointKind::prismatic, .axis = axis},
+            .inertia = MassProperties{.mass = 1, .Theta = {.1, .1, .1}}})
+      .build();
+}
+
 TEST(Simulation, MeetsEventsWhereTheyAre) {
-  Description drop{.name = "drop"};
-  BodyDescription ball{.name = "ball", .predecessor = "ground"};
-  ball.joint = {.name = "height", .kind = JointKind::prismatic, .axis = {0, 0, 1}};
-  ball.inertia = MassProperties{.mass = 2, .com = {0, 0, 0}, .Theta = {1, 1, 1}};
-  drop.bodies.push_back(ball);
-  const Model model = ModelBuilder(drop).build();
+  const Model model = slide({0, 0, 1});
   SimulationOptions options;
   options.events.push_back({.value = [](double, Span q, Span) { return q[0] - 1; }});
   options.events.push_back(
@@ -377,11 +332,7 @@ TEST(Simulation, MeetsEventsTwiceInOneStep) {
   }
 }
 TEST(Simulation, BouncesUntilItLies) {
-  Description drop{.name = "ball"};
-  drop.bodies.push_back({.name = "ball",
-                         .joint = {.kind = JointKind::prismatic, .axis = {0, 0, 1}},
-                         .inertia = MassProperties{.mass = 1, .Theta = {.1, .1, .1}}});
-  const Model model = ModelBuilder(drop).build();
+  const Model model = slide({0, 0, 1});
   SimulationOptions options;
   options.events.push_back(
       {.value = [](double, Span q, Span) { return q[0]; }, .direction = -1, .terminal = true});
@@ -399,16 +350,11 @@ TEST(Simulation, BouncesUntilItLies) {
 }
 
 TEST(Simulation, EndsWhereStepsBecomeHopelesslyShort) {
-  Description mount{.name = "mount"};
-  mount.bodies.push_back({.name = "block",
-                          .joint = {.kind = JointKind::prismatic, .axis = {1, 0, 0}},
-                          .inertia = MassProperties{.mass = 1, .Theta = {.1, .1, .1}}});
   SimulationOptions options;
   options.drive = [](double, Span, Span v, std::span<double> tau) { tau[0] = v[0] > 0 ? -1e4 : 1e4; };
-  const Trajectory stuck = simulate(ModelBuilder(mount).build(), Numbers{.2}, Numbers{0.1}, 10, {}, options);
+  const Trajectory stuck = simulate(slide({1, 0, 0}), Numbers{.2}, Numbers{0.1}, 10, {}, options);
   EXPECT_FALSE(stuck.complete);
-  EXPECT_THAT(stuck.stop_reason,
-              testing::HasSubstr("a force is discontinuous at a state in which the motion stays"));
+  EXPECT_THAT(stuck.stop_reason, testing::HasSubstr("a force jumps where the motion dwells"));
   EXPECT_LE(stuck.steps, 100'000u);
 }
 /// A force of sin t in inertial axes moves a body of 2 kg, which turns, by (t - sin t)/2; with drag it is that of a drive.
@@ -445,16 +391,12 @@ TEST(Simulation, FeelsLoadsThatAreComputed) {
 
 /// A long motion that begins with many short steps is none of these.
 TEST(Simulation, WaitsUntilWhatIsStiffHasDiedOut) {
-  Description mount{.name = "mount"};
-  mount.bodies.push_back({.name = "block",
-                          .joint = {.kind = JointKind::prismatic, .axis = {1, 0, 0}},
-                          .inertia = MassProperties{.mass = 1, .Theta = {.1, .1, .1}}});
   SimulationOptions options;
   options.drive = [](double t, Span q, Span v, std::span<double> tau) {
     tau[0] = -std::exp(-40 * t) * (1e10 * q[0] + 1e3 * v[0]);
   };
   const Trajectory motion =
-      simulate(ModelBuilder(mount).build(), Numbers{1e-3}, Numbers{0}, 1e6, {.relative = 1e-6}, options);
+      simulate(slide({1, 0, 0}), Numbers{1e-3}, Numbers{0}, 1e6, {.relative = 1e-6}, options);
   EXPECT_TRUE(motion.complete) << motion.stop_reason;
   EXPECT_GE(motion.steps, 10'000u);
 }
@@ -516,7 +458,7 @@ TEST(Simulation, RefusesWhatItCannotUse) {
   EXPECT_THAT(message_of([&] { (void)simulate(model, at.q, at.v, 1, {.relative = -1}); }),
               testing::StartsWith("relative tolerance is -1"));
   EXPECT_THAT(message_of([&] { (void)simulate(model, at.q, at.v, 1, {.relative = 0, .absolute = 0}); }),
-              testing::StartsWith("relative and absolute tolerance are 0"));
+              testing::StartsWith("both tolerances are 0"));
   const Trajectory motion = simulate(model, at.q, at.v, 0.1);
   Numbers q(at.q.size()), u(at.v.size());
   EXPECT_THAT(message_of([&] { motion.at(0.2, q, u); }), testing::StartsWith("t is 0.2"));

@@ -5,17 +5,13 @@
 #include "axode/dynamics.hpp"
 #include "axode/integration.hpp"
 #include "axode/model/configuration.hpp"
-#include "tests/laws/law.hpp"
-#include "tests/support/refused_arguments.hpp"
+#include "tests/integration/motions.hpp"
 
 /// Springs, dampers and stops: forces are gradients of the energy, derivatives those of the forces, and motions under them
 /// keep or lose energy as they should.
 namespace axode::test {
 namespace springs {
 namespace {
-
-using Numbers = std::vector<double>;
-using Span = std::span<const double>;
 
 enum class Loss { none, some };
 
@@ -355,16 +351,7 @@ TEST(Springs, StopsHoldAndNeverPull) {
 
 TEST(Springs, StiffOnesTakeAFewIterationsOfNewtonsMethod) {
   // A spring of 1e8 N m/rad at the first of two hinges, in equilibrium with the weight at the start.
-  Description arm{.name = "arm"};
-  for (int k = 0; k < 2; ++k) {
-    BodyDescription body{.name = k == 0 ? "upper" : "fore", .predecessor = k == 0 ? "ground" : "upper"};
-    body.joint = {.name = k == 0 ? "shoulder" : "elbow",
-                  .kind = JointKind::revolute,
-                  .axis = {0, 1, 0},
-                  .point = {static_cast<double>(k), 0, 0}};
-    body.inertia = MassProperties{.mass = 10, .com = {0.5 + k, 0, 0}, .Theta = {1, 1, 1}};
-    arm.bodies.push_back(std::move(body));
-  }
+  Description arm = two_links();
   const double stiffness = 1e8;
   const Model plain = ModelBuilder(arm).build();
   Workspace<> workspace(plain);
@@ -382,64 +369,6 @@ TEST(Springs, StiffOnesTakeAFewIterationsOfNewtonsMethod) {
   };
   const double coarse = elbow(2e-3), middle = elbow(1e-3), fine = elbow(5e-4);
   EXPECT_NEAR(std::log2((coarse - middle) / (middle - fine)), 2, 0.3);
-}
-
-TEST(Springs, ThatCannotBeAreRefused) {
-  const auto faults = [](const auto& change) {
-    Description model = slides();
-    model.bodies[1].joint = {.name = "ball", .kind = JointKind::spherical, .dof = {{}, {}, {}}};
-    model.bodies[0].joint.dof = {{}};
-    model.springs = {{.between = {"first", "ground"}, .stiffness = 1}};
-    change(model, model.bodies[0].joint.dof[0], model.bodies[1].joint.dof[1], model.springs[0]);
-    std::string text;
-    for (const Fault& fault : ModelBuilder(model).check())
-      text += to_string(fault) + " [" + std::string(to_string(fault.rule)) + "]\n";
-    return text;
-  };
-  using testing::HasSubstr;
-  using D = Description;
-  using S = SpringDescription;
-  EXPECT_EQ(faults([](D&, Dof&, Dof&, S&) {}), "");
-  EXPECT_THAT(faults([](D&, Dof& slide, Dof&, S&) { slide.stiffness = -1; }),
-              HasSubstr("joint \"first slide\": stiffness of the spring is -1; it must not be negative"));
-  EXPECT_THAT(faults([](D&, Dof& slide, Dof&, S&) { slide.stop_damping = -2, slide.lower = 0; }),
-              HasSubstr("damping of the stops is -2"));
-  EXPECT_THAT(faults([](D&, Dof& slide, Dof&, S&) { slide.rest = NAN; }),
-              HasSubstr("a spring or stop is not finite [non_finite_number]"));
-  EXPECT_THAT(faults([](D&, Dof& slide, Dof&, S&) { slide.stop_stiffness = 1; }),
-              HasSubstr("has stops but no limits"));
-  EXPECT_THAT(
-      faults([](D&, Dof&, Dof& ball, S&) { ball.rest = 1; }),
-      HasSubstr(
-          "a spherical joint has several velocities that move together, and its spring rests as drawn"));
-  EXPECT_THAT(faults([](D&, Dof&, Dof& ball, S&) { ball.stop_stiffness = 1; }),
-              HasSubstr("joint \"ball\": has stops"));
-  EXPECT_THAT(faults([](D&, Dof&, Dof&, S& line) { line.between[1] = "secnd"; }),
-              HasSubstr("spring 1: ends on \"secnd\", which is neither a body nor a frame; did you mean "
-                        "\"second\"? [unknown_spring_frame]"));
-  EXPECT_THAT(faults([](D&, Dof&, Dof&, S& line) { line.points[0].x = INFINITY; }),
-              HasSubstr("spring 1: a point, stiffness, rest or damping is not finite"));
-  EXPECT_THAT(faults([](D&, Dof&, Dof&, S& line) { line.rest = -1; }), HasSubstr("spring 1: rest is -1"));
-  EXPECT_THAT(faults([](D&, Dof&, Dof&, S& line) {
-                line.points[0].x = 1e308, line.points[1].x = -1e308, line.in = GivenIn::construction_frame;
-              }),
-              testing::Not(HasSubstr("nan")));
-
-  const Model model = ModelBuilder(slides()).build();
-  Workspace<> workspace(model);
-  const Numbers q(2), v(2);
-  Numbers tau(2), short_one(1), square(4);
-  const auto call = [](auto f) { return std::function<void()>(f); };
-  EXPECT_THAT(call([&] { spring_forces(model, workspace, q, v, short_one); }), refused("tau", 1, "nv", 2));
-  EXPECT_THAT(call([&] { spring_forces(model, workspace, q, short_one, tau); }), refused("v", 1, "nv", 2));
-  EXPECT_THAT(call([&] {
-                spring_force_derivatives(model, workspace, q, v, {tau, square});
-              }),
-              refused("dtau/dq", 2, "nv * nv", 4));
-  EXPECT_THAT(message_of([&] {
-                spring_force_derivatives(model, workspace, q, v, {square, square});
-              }),
-              HasSubstr("shares memory"));
 }
 
 }  // namespace
