@@ -510,14 +510,14 @@ TEST(AbsoluteCoordinates, SchemesSayWhatTheyDoNotTake) {
   expect_refused(run({}), "RATTLE is for absolute coordinates; these are relative");
   SimulationOptions with_event = in(Coordinates::absolute);
   with_event.events = {{.value = [](double, Span, Span) { return 1.0; }}};
-  expect_refused(run(with_event), "events are not met by conserving schemes");
+  expect_refused(run(with_event), "events: conserving schemes do not support them");
   expect_refused([&] { return simulate_half_explicit(model, at.q, at.v, 1, 0.1); },
-                 "the half-explicit method is for absolute coordinates");
+                 "the half-explicit method needs absolute coordinates");
   const Model tree = test_tree();
   const State<double> state = test_state(tree);
   expect_refused(
       [&] { return simulate_symplectic(tree, state.q, state.v, 1, 0.1, 2, in(Coordinates::absolute)); },
-      "a conserving scheme is for relative coordinates; in absolute ones RATTLE conserves");
+      "a conserving scheme needs relative coordinates; in absolute coordinates use rattle");
   expect_refused([&] { return simulate_rattle(model, at.q, at.v, 1, 0.1, 3, in(Coordinates::absolute)); },
                  "order");
 }

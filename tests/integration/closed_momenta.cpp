@@ -139,7 +139,7 @@ TEST(ConservingSchemesWithLoops, TakeWhatRollsOnMomentaAlone) {
   };
   EXPECT_NEAR(std::log2(error(0.02) / error(0.01)), 4, 0.35);
   EXPECT_EQ(message_of([&] { (void)simulate_symplectic(at.model, at.at.q, at.at.v, 0.5, 0.01); }),
-            "loop \"contact\" rolls, which a conserving scheme does not take; rattle in absolute coordinates "
+            "loop \"contact\" is a rolling contact, which conserving schemes do not support; use rattle in absolute coordinates "
             "and explicit methods do");
 }
 

@@ -312,7 +312,7 @@ TEST(ConservingSchemes, RefuseForcesThatJump) {
   SimulationOptions events;
   events.events.push_back({.value = [](double, Span x, Span) { return x[0] - 0.5; }});
   EXPECT_THAT(message_of([&] { (void)simulate_momenta(model, q, v, 1, 0.1, runge_kutta(4), events); }),
-              testing::StartsWith("events are not met by conserving schemes"));
+              testing::StartsWith("events: conserving schemes do not support them"));
   EXPECT_EQ(message_of([&] { (void)simulate_symplectic(model, q, v, 1, 0.1, 3); }),
             "order is 3; expected 2, 4 or 6");
   EXPECT_NE(message_of([&] { (void)simulate_symplectic(model, q, v, 1, 0); }), "");

@@ -354,7 +354,7 @@ TEST(Simulation, EndsWhereStepsBecomeHopelesslyShort) {
   options.drive = [](double, Span, Span v, std::span<double> tau) { tau[0] = v[0] > 0 ? -1e4 : 1e4; };
   const Trajectory stuck = simulate(slide({1, 0, 0}), Numbers{.2}, Numbers{0.1}, 10, {}, options);
   EXPECT_FALSE(stuck.complete);
-  EXPECT_THAT(stuck.stop_reason, testing::HasSubstr("a force jumps where the motion dwells"));
+  EXPECT_THAT(stuck.stop_reason, testing::HasSubstr("a force is discontinuous at a state in which the motion stays"));
   EXPECT_LE(stuck.steps, 100'000u);
 }
 /// A force of sin t in inertial axes moves a body of 2 kg, which turns, by (t - sin t)/2; with drag it is that of a drive.
