@@ -513,10 +513,5 @@ std::string robot_name(const ::testing::TestParamInfo<std::filesystem::path>& in
 }
 INSTANTIATE_TEST_SUITE_P(RoundTrip, Robot, ::testing::ValuesIn(robots()), robot_name);
 
-TEST(RoundTrip, RobotsOfOtherProjectsAreAtHand) {
-  if (test::files_ending_in(test::robots_folder(), ".urdf").empty())
-    GTEST_SKIP() << test::missing(test::robots_folder(), "AXODE_ROBOTS");
-}
-
 }  // namespace
 }  // namespace axode

@@ -187,20 +187,24 @@ TEST_P(EveryFunction, RefusesQuaternionsThatAreNotOfUnitNorm) {
   });
 }
 
-TEST_P(EveryFunction, RefusesLoadsOnFramesThatDoNotExist) {
+TEST_P(EveryFunction, RefusesFramesThatDoNotExist) {
   for_functions(GetParam(), 20, small, [&]<class T>(Calls<T>& calls, const Function<T>& function) {
-    if (!function.takes_input(Input::loads)) return;
-    for (const int frame : {-1, calls.model.n_frames()}) {
+    const int n = calls.model.n_frames();
+    for (const int frame : {-1, n}) {
+      const auto expect_refused = [&](const catalog::Arguments<T>& given, const std::string& argument) {
+        const std::string refusal = calls.call(function, given).refusal;
+        EXPECT_TRUE(refusal.starts_with(argument)) << refusal;
+        EXPECT_NE(refusal.find(std::to_string(frame)), std::string::npos) << refusal;
+        EXPECT_NE(refusal.find("has frames 0 to " + std::to_string(n - 1)), std::string::npos) << refusal;
+      };
+      catalog::Arguments<T> loaded = calls.arguments.given(), placed = loaded, based = loaded;
       std::vector<AppliedWrench<T>> wrenches = calls.arguments.wrenches;
       wrenches.back().frame = frame;
-      catalog::Arguments<T> given = calls.arguments.given();
-      given.loads.wrenches = wrenches;
-      const std::string refusal = calls.call(function, given).refusal;
-      EXPECT_TRUE(refusal.starts_with("loads: ")) << refusal;
-      EXPECT_NE(refusal.find("frame " + std::to_string(frame)), std::string::npos) << refusal;
-      EXPECT_NE(refusal.find("has frames 0 to " + std::to_string(calls.model.n_frames() - 1)),
-                std::string::npos)
-          << refusal;
+      loaded.loads.wrenches = wrenches;
+      placed.place.frame = based.base.frame = frame;
+      if (function.takes_input(Input::loads)) expect_refused(loaded, "loads: ");
+      if (function.takes_input(Input::place)) expect_refused(placed, "");
+      if (function.takes_input(Input::base)) expect_refused(based, "");
     }
   });
 }

@@ -138,14 +138,18 @@ template <class T> Rates by_momenta(const Trial& t, const Numbers& Pi, const Num
 
 TEST_P(MomentumForm, StatesInTwistsAndInSpatialMomentaMoveAlike) {
   Comparison velocity("v", agreement), twist("V'", agreement), momentum("Π'", agreement);
+  int compared = 0, trees = 0;
   for_seeds(2000, [&](std::uint64_t seed) {
     Trial trial(how, Random<double>(seed), {.most_bodies = 25, .always_mass = true});
+    ++trees;
     const std::size_t n = trial.n_bodies();
     Ask ask = trial.ask();
     ask.tau = trial.inverse_dynamics();
     const auto [a, solvability] = trial.answer("forward_dynamics", ask);
     if (!solvability.ok()) return;
     trial.state.a = a;
+    const double condition = largest(trial.call("mass_matrix")) * largest(trial.call("inverse_mass_matrix")),
+                 loss = std::max(1.0, 1e-2 * condition);
     for (const Representation representation : representations) {
       Trial in_this = trial.by(representation);
       const auto of_bodies = [&](const Numbers& frames) {
@@ -157,9 +161,10 @@ TEST_P(MomentumForm, StatesInTwistsAndInSpatialMomentaMoveAlike) {
           (how.single ? by_twists<float> : by_twists<double>)(trial, representation, V, ask.tau);
       EXPECT_TRUE(solved);
       velocity.expect_equal(v, trial.state.v);
-      // Accelerations are as good as M is far from singular: compared by what they ask of the drives in
-      // another test.
-      if (largest(a) < 1e4) twist.expect_equal(dV_found, dV, 1e3 * largest(a));
+      if (loss * agreement < 1e-2) {  // which is how well accelerations can be known
+        ++compared;
+        twist.expect_equal(dV_found, dV, loss * largest(a));
+      }
     }
 
     const auto [v, dPi, solved] =
@@ -184,6 +189,7 @@ TEST_P(MomentumForm, StatesInTwistsAndInSpatialMomentaMoveAlike) {
                                              C[static_cast<std::size_t>(load.frame)], {load.m, load.f});
     momentum.expect_equal(sum, external, 10 * std::max(size, largest(dPi)));
   });
+  EXPECT_GE(compared, how.single ? trees / 100 : trees);
 }
 
 TEST_P(MomentumForm, RegressorsAreLinearInTheInertialParameters) {
