@@ -244,7 +244,7 @@ TEST(Simulation, InBetweenFollowsBodiesThatTurnFastAndNutate) {
 /// An event of an attitude comes many times in one step.
 TEST(Simulation, MeetsEventsOfBodiesThatTurnFast) {
   const FastBodies fast;
-  const auto& [model, q, v] = fast;
+  const Model& model = fast.model;
   Workspace<> workspace(model);
   std::vector<SE3<>> C(static_cast<std::size_t>(model.n_frames()));
   for (const auto& [kind, coordinates] : coordinate_kinds) {
@@ -257,7 +257,7 @@ TEST(Simulation, MeetsEventsOfBodiesThatTurnFast) {
         return C[static_cast<std::size_t>(body)].R.x.y;
       }});
     const double until = 4;
-    const Trajectory motion = simulate(model, q, v, until, {}, options);
+    const Trajectory motion = simulate(model, fast.q, fast.v, until, {}, options);
     std::array<int, 4> met{};
     for (const Trajectory::EventOccurrence& one : motion.events) ++met[one.event];
     const std::array<double, 4> spin{20, 15, 12, 25};
