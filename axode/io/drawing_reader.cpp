@@ -254,23 +254,23 @@ bool has_key(const ShapeTraits& kind, std::string_view key) {
   return key == kind.size || (kind.kind == ShapeKind::mesh && (key == "file" || key == "scale"));
 }
 
-/// Reads a shape, or a mesh if `told` gives the kind. The result is empty if the table has faults.
+/// Reads a shape, or a mesh if `given_kind` says so. The result is empty if the table has faults.
 std::optional<ShapeDescription> read_shape(Table& table, const std::string& owner,
-                                           std::optional<ShapeKind> told = {}) {
+                                           std::optional<ShapeKind> given_kind = {}) {
   ShapeDescription shape;
   const std::size_t faults = table.faults();
-  table.rename((told ? "mesh of " : "shape of ") + owner);
+  table.rename((given_kind ? "mesh of " : "shape of ") + owner);
   shape.name = table.text("name").value_or("");
   constexpr std::array<std::string_view, 2> roles{"visual", "collision"};
   if (table.choice("role", roles) == 1U) shape.role = ShapeDescription::Role::collision;
-  if (!told) {
+  if (!given_kind) {
     if (!table.has("kind")) table.missing("kind", "give one, such as \"box\" or \"mesh\"");
-    if (const auto kind = table.choice("kind", shape_names)) told = shape_kinds[*kind].kind;
+    if (const auto kind = table.choice("kind", shape_names)) given_kind = shape_kinds[*kind].kind;
   }
   shape.pose = table.pose();
   shape.color = table.color("color");
-  if (told) {
-    const ShapeTraits& kind = traits(shape.kind = *told);
+  if (given_kind) {
+    const ShapeTraits& kind = traits(shape.kind = *given_kind);
     const std::string a_kind = "a " + std::string(kind.name);
     for (const std::string_view key : shape_sizes) {
       if (!has_key(kind, key)) {
@@ -297,7 +297,7 @@ std::optional<ShapeDescription> read_shape(Table& table, const std::string& owne
 void read_shapes(Table& owner, const std::string& element, const std::string& key,
                  std::vector<ShapeDescription>& shapes) {
   for (Table& shape : owner.tables("shape", "write [[" + key + "]] before its keys"))
-    if (auto told = read_shape(shape, element)) shapes.push_back(std::move(*told));
+    if (auto read = read_shape(shape, element)) shapes.push_back(std::move(*read));
 }
 
 /// Reads the name of a body or frame. Faults name the table by it or, if it is missing, by its number.
@@ -317,8 +317,8 @@ bool read_body(Table& table, std::size_t number, BodyDescription& body) {
   move_frame(table, body);
   read_shapes(table, table.element(), "body.shape", body.shapes);
   for (Table& mesh : table.tables("mesh", "write [[body.mesh]] before its keys"))
-    if (auto told = read_shape(mesh, table.element(), ShapeKind::mesh))
-      body.shapes.push_back(std::move(*told));
+    if (auto read = read_shape(mesh, table.element(), ShapeKind::mesh))
+      body.shapes.push_back(std::move(*read));
   table.finish();
   return true;
 }

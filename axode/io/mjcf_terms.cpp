@@ -105,10 +105,10 @@ std::string pose_text(const SE3<>& pose) {
 }
 
 std::string inertial_element(const MassProperties& given, const SE3<>& A) {
-  const MassProperties seen = expressed_in(given.in == GivenIn::body_frame ? SE3<>{} : A, given);
-  Sym3<> Theta = rotate(seen.axes, seen.Theta);
+  const MassProperties in_body = expressed_in(given.in == GivenIn::body_frame ? SE3<>{} : A, given);
+  Sym3<> Theta = rotate(in_body.axes, in_body.Theta);
   if (given.about == InertiaAbout::frame_origin && given.mass > 0)
-    Theta = inertia_about_com(Inertia<>{seen.mass, seen.mass * seen.com, Theta});
+    Theta = inertia_about_com(Inertia<>{in_body.mass, in_body.mass * in_body.com, Theta});
   // MuJoCo refuses principal moments below 1e-14, and a principal moment that exceeds the sum of the other
   // two by rounding.
   const EigenvalueRange moments = eigenvalue_range(Theta);
@@ -117,7 +117,8 @@ std::string inertial_element(const MassProperties& given, const SE3<>& A) {
   Theta.xx += more;
   Theta.yy += more;
   Theta.zz += more;
-  std::string element = "<inertial" + attribute("pos", text(seen.com)) + attribute("mass", text(seen.mass));
+  std::string element =
+      "<inertial" + attribute("pos", text(in_body.com)) + attribute("mass", text(in_body.mass));
   if (Theta.xy == 0 && Theta.xz == 0 && Theta.yz == 0) {
     element += attribute("diaginertia", text(Vec3<>{Theta.xx, Theta.yy, Theta.zz}));
   } else {

@@ -379,7 +379,7 @@ class Compiler {
   const DepthFirstOrder order_;
   const std::vector<Placement> placements_;
   std::unordered_map<std::string_view, std::size_t> index_;
-  std::vector<Carried> on_;     ///< by body of the description
+  std::vector<Carried> on_;     ///< carrier of each body of the description
   std::vector<int> described_;  ///< index in the description of bodies 1, 2, ... of the model
   // The members below are indexed by bodies of the model, from the ground on.
   Connections connections_{.parent = {0}};

@@ -163,8 +163,8 @@ struct SpringDescription {
 /// 0.
 struct LoopDescription {
   std::string name = {};  ///< empty: `loop 1`, ...; must differ from names of joints
-  std::array<std::string, 2> between =
-      {};  ///< bodies, named frames or "ground"; its wrench acts on the second
+  /// Bodies, named frames or "ground". The wrench of the loop acts on the second one.
+  std::array<std::string, 2> between = {};
   LoopKind kind = LoopKind::revolute;
   Vec3<> axis{0, 0, 1};         ///< axis of any length but 0; for planar and rolling the normal of the plane
   Vec3<> second_axis{1, 0, 0};  ///< second axis of a universal joint, fixed in the second body

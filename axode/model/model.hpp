@@ -70,13 +70,11 @@ class Model {
 
   const Body& body(int i) const { return data_->bodies[i]; }    ///< i = 0 is the ground
   const Joint& joint(int i) const { return data_->joints[i]; }  ///< i from 1; the joint that moves body i
-  const Frame& frame(int f) const {
-    return data_->frames[f];
-  }  ///< 0 to n_bodies(): the bodies; then the others
+  /// Frames 0 to n_bodies() are the ground and the bodies; the others follow.
+  const Frame& frame(int f) const { return data_->frames[f]; }
   std::span<const Body> bodies() const { return data_->bodies; }
-  std::span<const Joint> joints() const {
-    return std::span(data_->joints).subspan(1);
-  }  ///< of bodies 1, 2, ...
+  /// The joints of bodies 1, 2, ...
+  std::span<const Joint> joints() const { return std::span(data_->joints).subspan(1); }
   std::span<const Frame> frames() const { return data_->frames; }
 
   /// Springs, dampers and stops, which act in simulations.

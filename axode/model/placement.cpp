@@ -247,19 +247,19 @@ Inertia<> inertia_in(const SE3<>& J, const SE3<>& A, const MassProperties& given
 }
 
 MassProperties expressed_in(const SE3<>& S, const MassProperties& given) {
-  MassProperties seen = given;
+  MassProperties result = given;
   const SO3<> axes = orthonormal(given.axes), Rt = transpose(S.R);
   if (given.about == InertiaAbout::center_of_mass) {
-    seen.com = Rt * (given.com - S.r);
-    seen.axes = Rt * axes;
+    result.com = Rt * (given.com - S.r);
+    result.axes = Rt * axes;
   } else {
     const Inertia<> M = inertia_in(S, given);
-    seen.com = M.m > 0 ? center_of_mass(M) : Vec3<>{};
-    seen.Theta = M.Theta;
-    seen.axes = {};
+    result.com = M.m > 0 ? center_of_mass(M) : Vec3<>{};
+    result.Theta = M.Theta;
+    result.axes = {};
   }
-  seen.in = GivenIn::body_frame;
-  return seen;
+  result.in = GivenIn::body_frame;
+  return result;
 }
 
 Description in_joint_frames(const Description& given) {

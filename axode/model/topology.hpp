@@ -37,16 +37,15 @@ struct Topology {
   std::vector<char> coupled;     ///< n + 1
   std::vector<int> iq, iv;       ///< n + 1: first coordinate and velocity (of the leader for a coupled joint)
   std::vector<int> first_screw;  ///< n + 2: joint i has screws first_screw[i] to first_screw[i + 1] - 1
-  std::vector<int>
-      frame_body;  ///< frame f: 0 is the ground, 1..n the bodies as the user placed them, then extra
+  std::vector<int> frame_body;   ///< body of frame f: 0 is the ground, 1 to n are the bodies, others follow
 
   std::vector<JointGroup> joint_groups;
   std::vector<int> by_kind;  ///< n
   /// Bodies whose joint is coupled, and bodies whose joint has a quaternion.
   std::vector<int> coupled_bodies, quaternion_bodies;
   std::vector<int> subtree_end;  ///< n + 1: the bodies that joint i moves are i to subtree_end[i] - 1
-  std::vector<int>
-      velocity_end;  ///< nv: without couplings, what moves along with c is c to velocity_end[c] - 1
+  /// nv entries: without couplings the velocities of the subtree that c moves are c to velocity_end[c] - 1.
+  std::vector<int> velocity_end;
   /// nv entries: M = LᵀDL has the entries L(c, velocity_parent[c]), ...; -1 at the end. This is the
   /// elimination tree of M from the last velocity to the first. Without couplings it is the preceding
   /// velocity on the path to the ground; a coupled joint joins the path of its leader with its own.
@@ -69,8 +68,8 @@ struct Topology {
     /// The first pair of each entry, which has one with each entry of its group.
     std::vector<std::size_t> row;
     std::size_t n_pairs = 0;
-    std::vector<std::size_t>
-        of_screws;  ///< n + 2: as begin, where body i has its entries once for each screw of its joint
+    /// n + 2: like `begin` if body i had its entries once for each screw of its joint.
+    std::vector<std::size_t> of_screws;
   } ties;
 
   // For sweeps that take several bodies at once.

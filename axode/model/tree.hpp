@@ -34,8 +34,8 @@ template <class T = double> class Tree : public TreeNumbers<T> {
   // Numbers that are derived from the others for the sweeps:
   std::vector<T> inertia_scale;   ///< n_screws: magnitude of the inertia that a unit of the screw moves
   std::vector<T> inertia_arrays;  ///< M in arrays: h, Θ (xx yy zz xy xz yz), m; entry i for body i
-  int inertia_stride = 0;         ///< from one array to the next
-  PackedConstants<T> packed;      ///< of n + 1 bodies
+  int inertia_stride = 0;         ///< distance between arrays, entries
+  PackedConstants<T> packed;      ///< n + 1 bodies
 
  private:
   void set_inertia_scale();

@@ -440,8 +440,7 @@ inline constexpr auto functions_of_state = [] {
 /// The number of a row, which the compiler finds by its name; an unknown name does not compile.
 struct Id {
   std::size_t index = 0;
-  consteval Id(
-      const char* name) {  // NOLINT(google-explicit-constructor): a name stands where an Id is asked for
+  consteval Id(const char* name) {  // NOLINT(google-explicit-constructor): a name converts to an Id
     while (index < functions_of_state.size() && functions_of_state[index].name != name) ++index;
     if (index == functions_of_state.size()) throw "no row has this name";
   }

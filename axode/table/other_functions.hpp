@@ -34,8 +34,7 @@ inline constexpr auto other_functions = std::to_array<Other>({
 /// The number of such a function, which the compiler finds by its name.
 struct OtherId {
   std::size_t index = 0;
-  consteval OtherId(
-      const char* name) {  // NOLINT(google-explicit-constructor): a name stands where an OtherId is asked for
+  consteval OtherId(const char* name) {  // NOLINT(google-explicit-constructor): a name converts to an OtherId
     while (index < other_functions.size() && other_functions[index].name != name) ++index;
     if (index == other_functions.size()) throw "no other function has this name";
   }

@@ -86,7 +86,7 @@ enum class Cost { linear, quadratic, cubic };
 
 /// The memory in which the results of a call may lie.
 enum class Memory {
-  may_share,  ///< in the memory of arguments, too
+  may_share,  ///< memory that may be shared with arguments
   own,        ///< memory of their own: arguments are read while results are written
 };
 
