@@ -5,7 +5,7 @@
 #include "axode/dynamics/definite_inverse.hpp"
 #include "axode/dynamics/inverse_frame_inertia.hpp"
 #include "axode/dynamics/scratch.hpp"
-#include "axode/kinematics/check_arguments.hpp"
+#include "axode/kinematics/checked.hpp"
 #include "axode/kinematics/jacobian.hpp"
 #include "axode/lie/six.hpp"
 #include "axode/recursion/instantiate.hpp"
