@@ -35,6 +35,7 @@ set(AXODE_PER_SCALAR
     constraints/constrained_derivatives
     constraints/constrained_dynamics
     constraints/independent_rows
+    constraints/loop_rows
     constraints/loop_system
     constraints/loops
     constraints/fast_acceleration

@@ -9,13 +9,13 @@
 
 namespace axode {
 
-/// In which group a body moves freely.
+/// The group in which a body moves freely.
 enum class BodyGroup {
   SE3,     ///< q = (quaternion x y z w, position of the centre of mass), v = body-fixed twist there
   SO3xR3,  ///< the same q; velocity of the centre of mass in inertial axes, angular velocity in body axes
 };
 
-/// The largest size of any; NaN where one is.
+/// The largest absolute value; NaN if any number is NaN.
 inline double largest_of(std::span<const double> numbers) {
   double most = 0;
   for (const double x : numbers)
@@ -23,21 +23,24 @@ inline double largest_of(std::span<const double> numbers) {
   return most;
 }
 
-/// A mechanism in absolute coordinates: every body moves freely, and every joint binds two of them, as loops do.
+/// A mechanism in absolute coordinates: every body moves freely, and every joint is a constraint between two
+/// bodies, as loops are.
 ///   M v' - ad_vᵀ M v = f + Bᵀ λ,   Φ(q) = 0,   B v = 0
-/// with a constant M. The motion within a joint's subgroup is stripped off the relative pose of its bodies; what is left of
-/// it closes.
+/// with a constant M. The residual of a joint is what remains of the relative pose of its bodies without the
+/// motion in the subgroup of the joint (D6.1).
 ///
-/// Coordinates: those of all bodies, seen from where the first body's centre of mass is drawn, for digits; then one for every rotor.
-/// A rotor is bound to one velocity of a joint. Every velocity with armature has one, so that M is constant for it too; and
-/// every angle of a revolute or planar joint has one, with the mass 0 if there is no armature. The coordinate of that rotor is
-/// the angle with its whole turns, which the poses of the bodies do not tell, and every scheme moves it as it moves the bodies.
-/// Rows: six for each
-/// joint in the joint's axes, of which those of free directions are 0 but where a coupled joint binds its own to the
-/// leader's; one for each rotor, without a place where its velocity is not the rate of a coordinate; those of the loops.
+/// Coordinates are those of all bodies, relative to the centre of mass of the first body in the reference
+/// configuration, and one for every rotor. A rotor is bound to one velocity of a joint. Every velocity with
+/// armature has a rotor, so that M is constant; every angle of a revolute or planar joint has one as well,
+/// without inertia if there is no armature. The coordinate of such a rotor is the angle with its whole turns,
+/// which poses do not determine; the schemes integrate it like the coordinates of the bodies.
 ///
-/// Multipliers of the tree are never solved for: what its joints leave free gives way body by body, as in the articulated
-/// bodies algorithm, and what they bind is known. O(n + m d + m² d + m³) for m rows of loops of length d.
+/// Rows are six for each joint in the axes of the joint, where those of free directions are 0 unless a
+/// coupled joint binds its rate to that of its leader; one for each rotor, at the position level only if its
+/// velocity is the rate of a coordinate; and those of the loops.
+///
+/// The multipliers of the tree joints are not unknowns: the free velocities are eliminated body by body, as
+/// in the articulated-body algorithm. O(n + m d + m² d + m³) for m rows of loops on paths of d joints.
 class AbsoluteSystem {
  public:
   using Vector = std::vector<double>;
@@ -45,27 +48,30 @@ class AbsoluteSystem {
 
   AbsoluteSystem(const Model& model, BodyGroup group);
 
-  /// The group of the coordinates: a tree of nothing but bodies on the ground, each with a joint for its motion.
+  /// The group of the coordinates: a tree whose bodies all hang on the ground, each on a joint with the group
+  /// of its motion.
   const Tree<double>& group() const { return group_tree_; }
   int nq() const { return group_tree_->nq; }
   int nv() const { return group_tree_->nv; }
-  /// Vector of rows, of velocities or of places; they differ where something rolls or a rotor has no place.
+  /// The number of rows. Rolling contacts and rotors without a position have rows at the velocity level only.
   int rows(ConstraintLevel level) const { return first_loop(level) + loops_.size(level); }
 
-  /// From the coordinates and velocities of the joints, and back; angles have the whole turns of their rotors.
+  /// Converts coordinates and velocities of the joints to those of the bodies, and back; angles keep their
+  /// whole turns.
   void from_joint_state(Span q_joints, Span v_joints, Vector& q, Vector& v);
   void to_joint_state(Span q, Span v, Vector& q_joints, Vector& v_joints);
-  /// From the poses and twists of all bodies in the user's frames, the ground's first. Rotors turn with their joints, and their
-  /// angles are those nearest to the ones last kept.
+  /// Sets q and v to poses and twists of all bodies in the user's frames, beginning with the ground. Rotors
+  /// move with their joints, with the angles nearest to the reference angles.
   void set_poses_and_twists(std::span<const SE3<>> C, std::span<const Twist<BodyFixed>> V, Vector& q,
                             Vector& v);
-  /// Quaternions are given with the signs of these, and put() takes the nearest angles.
+  /// Sets the coordinates that determine whole turns of angles and the signs of quaternions.
   void set_reference_angles(Span q_joints) { reference_q_.assign(q_joints.begin(), q_joints.end()); }
 
-  /// Φ(q), and B v at q, wherever the system is placed. Among rows of velocities Φ is 0 where there is no place.
+  /// Φ(q) and B v at any q. With the rows of the velocity level Φ is 0 in those without a residual.
   void position_residual(Span q, Vector& out, ConstraintLevel level = ConstraintLevel::position);
   void velocity_residual(Span q, Span v, Vector& out);
-  /// Whether rows have no place; and scale B v at q in these of all rows of velocities.
+  /// Whether rows have no position level; and sets these rows, among all of the velocity level, to scale B v
+  /// at q.
   bool has_nonholonomic_rows() const {
     return rows(ConstraintLevel::velocity) > rows(ConstraintLevel::position);
   }
@@ -74,39 +80,41 @@ class AbsoluteSystem {
   void add_constraint_forces(Span q, Span lambda, Vector& f);
   /// p = M v.
   void momentum(Span v, Vector& p) const;
-  /// Kinetic energy, and that of weight, J.
+  /// Kinetic energy and potential energy of gravity, J.
   double energy(Span q, Span v);
-  /// f of weight, loads and drives, tau being those of the joints.
+  /// Computes the forces f of gravity, loads and drives; tau are the drive forces of the joints.
   void forces(Span q, Span v, Span tau, const Loads<double>& loads, Vector& f);
 
-  /// Places the system at q, ready to solve with rows of a kind; where loops are closed, hold() decides on
-  /// their rank, which solve() obeys from then on.
+  /// Evaluates the kinematics at q and factorises the system with the constraint rows of a level. If the
+  /// loops are closed at q, factorize_with_rank() decides in addition which rows of loops are redundant;
+  /// solve() uses this rank from then on.
   Solvability factorize(Span q, ConstraintLevel level = ConstraintLevel::velocity);
-  /// The same with joints that yield to x less than they are free to: each resists with a force of -resistance times its part of
-  /// S⁺x, as springs and dampers do in an implicit step. It acts like an armature.
+  /// factorize() with a resistance of the joints (nv of the model), as of springs and dampers in an implicit
+  /// step: a velocity c of the joints that changes by x_c adds a force of -resistance_c x_c. It acts like an
+  /// armature.
   Solvability factorize(Span q, Span resistance);
   Solvability factorize_with_rank(Span q);
-  /// M x - Bᵀ λ = r and B x = rhs, least λ for rows that repeat each other.
+  /// Solves M x - Bᵀ λ = r and B x = rhs, with the least λ of redundant rows.
   void solve(Span r, Span rhs, Vector& x, Vector& lambda);
   /// LoopSystem::weakest_row() of the last solve().
   double weakest_row() const { return loops_.weakest_row(); }
-  /// What B v' must be at (q, v), where the system is placed, so that (B v)' = 0.
+  /// Computes the rhs of B v' = rhs with which (B v)' = 0 at (q, v), for the q of the last factorisation.
   void bias(Span v, Vector& rhs);
 
  private:
   using BodyTwist = Twist<BodyFixed, double>;
   using BodyWrench = Wrench<BodyFixed, double>;
   struct Bound {
-    loops::SubgroupClosure closure;  ///< what the joint leaves free, in its frame
-    int along = -1;                  ///< the free direction of a joint with one velocity
+    loops::SubgroupClosure closure;  ///< the free directions of the joint, in its frame
+    int along = -1;                  ///< the free direction if the joint has one velocity
   };
   static std::size_t index(int k) { return static_cast<std::size_t>(k); }
   const Tree<double>& tree() const { return model_.tree<double>(); }
-  /// A rotor of a velocity of a joint. Those of joints with one velocity and of planar angles come first; the others have
-  /// velocities and no places.
+  /// A rotor of a velocity of a joint. Rotors with a position come first: those of joints with one velocity
+  /// and of planar angles.
   struct Rotor {
     int joint, velocity;
-    std::size_t along;  ///< which direction of the joint
+    std::size_t along;  ///< the direction of the joint
   };
   int n_rotors() const { return static_cast<int>(rotors_.size()); }
   int n_rotors(ConstraintLevel level) const {
@@ -115,6 +123,13 @@ class AbsoluteSystem {
   int first_loop(ConstraintLevel level) const { return 6 * n_ + n_rotors(level); }
   int parent(int i) const { return tree()->parent[i]; }
   static Tree<double> group_of(int n, int rotors, BodyGroup group);
+  static Vec3<> angular(const double* x) { return {x[0], x[1], x[2]}; }
+  static Vec3<> linear(const double* x) { return {x[3], x[4], x[5]}; }
+  /// X of the predecessor in the frame of a body with the relative pose D.
+  static BodyTwist carried(const SE3<>& D, const BodyTwist& X) {
+    return axode::twist<BodyFixed>(Ad_inv(D, screw(X)));
+  }
+  static SE3<> about(const Vec3<>& O, const SE3<>& C) { return {C.R, C.r - O}; }
 
   SE3<> pose(Span q, int i) const;
   void put_pose(const SE3<>& C, int i, Vector& q) const;
@@ -129,8 +144,8 @@ class AbsoluteSystem {
   void joint_coordinates(int i, const double* near, double* q_i) const;
   double angle(int i) const;
   double known_angle(int c) const;
-  /// The rows of the joints and rotors for relative motions of all joints.
   Solvability factorize(Span q, ConstraintLevel level, const double* armature);
+  /// Writes the rows of the joints and rotors for relative motions X of all joints.
   template <class Motion> void bind(const Motion& X, Vector& rows) const;
   double rate(int i, const BodyTwist& X) const { return six(X.w, X.v)[index(bound_[index(i)].along)]; }
   BodyWrench co_screw(int i, double tau) const;
@@ -149,15 +164,15 @@ class AbsoluteSystem {
   std::vector<Bound> bound_;
   std::vector<Rotor> rotors_;
   int n_placed_rotors_ = 0;
-  std::vector<int> leader_;    ///< of each joint that is coupled; 0: none
-  std::vector<int> joint_of_;  ///< of each velocity of joints, the joint that has it for its own
+  std::vector<int> leader_;    ///< the leader of each joint; 0: the joint is not coupled
+  std::vector<int> joint_of_;  ///< the joint of each velocity
   std::vector<Vec3<>> com_;
   Tree<double> group_tree_;
   LoopSystem<double> loops_;
   RowRank rank_;
   ConstraintLevel factorized_level_ = ConstraintLevel::velocity;
   Vector reference_q_;
-  std::vector<SE3<>> placed_;
+  std::vector<SE3<>> factorized_C_;
   std::vector<SE3<>> C_;
   std::vector<BodyTwist> V_, X_;
   std::vector<Twist<Spatial>> known_, V_s_;

@@ -40,7 +40,7 @@ class Assembly {
     Vector r = residual_of(result_.q);
     const double enough = options_.tolerance * size();
     double damping = 1e-4;
-    int slow = 0;  // steps one after the other that hardly made the residual smaller
+    int slow = 0;  // consecutive steps that hardly reduced the residual
     const auto closed = [&] { return std::isfinite(r.norm()) && r.norm() <= enough; };
     const auto closed_to_rounding = [&] { return r.norm() <= std::max(1e3 * enough, rounding()); };
     for (; !closed(); ++result_.iterations) {
@@ -59,7 +59,9 @@ class Assembly {
         const Vector r_there = residual_of(q);
         better = r_there.norm() < r.norm();
         damping *= better ? 0.1 : 10;
-        if (better) result_.q = q, r = r_there;
+        if (!better) continue;
+        result_.q = q;
+        r = r_there;
       }
       static_cast<void>(residual_of(result_.q));
       if (!better) return closed_to_rounding() ? AssemblyStatus::closed : AssemblyStatus::open;
@@ -74,7 +76,8 @@ class Assembly {
     S.diagonal().array() += small;
     return -R.transpose() * S.ldlt().solve(r);
   }
-  /// What closes the loops to first order; the floor keeps implied rows from pulling. At most half a radian or metre.
+  /// The damped step that closes the loops to first order, at most half a radian or metre. The constant part
+  /// of the damping keeps redundant rows from contributing.
   static Vector step(const Matrix& R, const Vector& r, double damping) {
     const Vector x = least(R, r, damping * r.norm() + 1e-12 * R.squaredNorm());
     const double largest = x.cwiseAbs().maxCoeff();
@@ -82,14 +85,14 @@ class Assembly {
   }
   static std::vector<double> as_numbers(const Vector& x) { return {x.begin(), x.end()}; }
 
-  /// r(q), with the system there.
+  /// r(q); updates the kinematics of the system.
   Vector residual_of(const std::vector<double>& q) {
     Vector r(model_.loops().residuals);
     system_.update_kinematics(q.data());
     system_.residual(q.data(), r.data());
     return r;
   }
-  /// R or A where the system is, with the columns of what is held empty.
+  /// R or A at the present kinematics, with zero columns for held velocities.
   Matrix rows(ConstraintLevel level) {
     LoopSystem<double>::RowByRow R(system_.size(level), model_.nv());
     system_.make_rows(level);
@@ -100,25 +103,26 @@ class Assembly {
   bool adapt_velocities() {
     if (options_.held.empty()) return impact(model_, workspace_, result_.q, result_.v, 0.0, result_.v).ok();
     static_cast<void>(residual_of(result_.q));
-    Vector slip(model_.loops().rows);
+    Vector rates(model_.loops().rows);
     system_.make_rows(ConstraintLevel::velocity);
-    system_.times(result_.v.data(), slip.data());
+    system_.times(result_.v.data(), rates.data());
     const Matrix A = rows(ConstraintLevel::velocity);
     Eigen::Map<Vector> v(result_.v.data(), model_.nv());
-    for (int n = 0; n < 3; ++n) {  // each leaves a small part of what it is given
-      const Vector dv = least(A, slip, 1e-8 * A.squaredNorm());
-      v += dv, slip += A * dv;
+    for (int n = 0; n < 3; ++n) {  // each step leaves a small part of the rates
+      const Vector dv = least(A, rates, 1e-8 * A.squaredNorm());
+      v += dv;
+      rates += A * dv;
     }
     return true;
   }
-  /// How far loops are from the origins of their roots, and 1: m, and rad.
+  /// The largest distance of a body in a loop from the origin of its root, at least 1 m.
   double size() const {
     double largest = 1;
     for (const LoopPath& path : system_.table().paths)
       for (const int i : path.bodies) largest = std::max(largest, norm(system_.link(i).C.r));
     return largest;
   }
-  /// The size that rounding alone may give the residual at the present configuration, rad and m.
+  /// A bound on the rounding of the residual at the present configuration, rad and m.
   double rounding() const {
     double sum = 0;
     const LoopTable& table = system_.table();
@@ -128,8 +132,8 @@ class Assembly {
                                       : largest_term(model_.loops().couplings[k - table.joints.size()]));
     return 4 * std::numeric_limits<double>::epsilon() * sum;
   }
-  /// The largest number that is added or subtracted on the way to the residual of a loop: a coordinate, a distance of a body
-  /// from the origin of its root or of that from the inertial one, or such a distance times an angle.
+  /// The largest term in the residual of a loop: a coordinate, a distance of a body from the origin of its
+  /// root or of the root from the inertial origin, or such a distance times an angle.
   double largest_term(const LoopCoupling& coupling) const {
     double largest = std::abs(coupling.offset);
     for (const LoopCoupling::Term& term : coupling.terms)

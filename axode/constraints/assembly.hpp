@@ -9,36 +9,37 @@
 namespace axode {
 
 struct AssemblyOptions {
-  double tolerance = 1e-12;  ///< of the residual, as a part of the size of the mechanism; but see assemble()
-  int iterations = 200;      ///< at most
-  std::span<const int> held = {};      ///< velocities of joints that shall stay where they are: drives
-  std::function<bool()> monitor = {};  ///< asked at every iteration; false ends the search
+  double tolerance = 1e-12;        ///< on the residual, relative to the size of the mechanism; see assemble()
+  int iterations = 200;            ///< upper limit
+  std::span<const int> held = {};  ///< velocities of joints that must not move, such as drives
+  std::function<bool()> monitor = {};  ///< called at every iteration; false ends the search
 };
 
 enum class AssemblyStatus {
   closed,
-  open,            ///< no small step closes the loops further: a statement about this guess
-  singular_guess,  ///< at the guess itself no velocity closes them to first order: it is stretched, folded, or held
-  iteration_limit,  ///< or the monitor ended the search
-  singular,         ///< the loops are closed, but velocities need a mass matrix that is not
+  open,            ///< no small step from this guess closes the loops further
+  singular_guess,  ///< at the guess no velocity closes the loops to first order: it is stretched, folded, or held
+  iteration_limit,  ///< the iterations were used up, or the monitor ended the search
+  singular,         ///< the loops are closed, but the mass matrix that velocities need is singular
 };
 std::string_view to_string(AssemblyStatus status);
 
 struct AssemblyResult {
   AssemblyStatus status{};
-  std::vector<double> q, v;  ///< the best configuration met, and velocities that keep it closed
+  std::vector<double> q, v;  ///< the best configuration found, and velocities that keep it closed
   double residual = 0;       ///< |r|, rad and m
   std::vector<double> open;  ///< |r| of each loop
   int iterations = 0;
 };
-/// One sentence for the user: which loops stay open by how much, the worst one first.
+/// A sentence for the user with the residual of each open loop, the largest first.
 std::string to_string(const Model& model, const AssemblyResult& result);
 
-/// A closed configuration near q, by Levenberg and Marquardt's way on the group; and of velocities v, or none, what is left
-/// after the loops have closed suddenly, which moves the masses least. Redundant rows do no harm; where two branches of the
-/// motion meet it is slow. A residual that stops shrinking within the rounding of the poses and coordinates it is made of, or
-/// within a thousand times the tolerance, is taken as closed. Coordinates are not limited. Allocates, O(m nv²) an iteration. Throws std::invalid_argument for
-/// wrong sizes and a q, v that is not finite.
+/// Finds a closed configuration near q by the Levenberg-Marquardt method on the group. If v is not empty,
+/// also finds the velocities after an impact that closes the loops, the nearest to v in kinetic energy.
+/// Redundant rows are allowed; where two branches of the motion meet, convergence is slow. A residual that
+/// stops decreasing within the rounding of the poses and coordinates, or within a thousand times the
+/// tolerance, counts as closed. Limits of coordinates are ignored. Allocates; O(m nv²) an iteration. Throws
+/// std::invalid_argument for wrong sizes and for numbers in q or v that are not finite.
 [[nodiscard]] AssemblyResult assemble(const Model& model, std::span<const double> q,
                                       std::span<const double> v = {}, const AssemblyOptions& options = {});
 

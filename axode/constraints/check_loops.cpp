@@ -19,42 +19,42 @@ void check_closed(LoopSystem<double>& system, Numbers<double> q, Numbers<double>
   system.times(v.data(), r.data());
   const double size = 1 + Eigen::Map<const Eigen::VectorXd>(v.data(), std::ssize(v)).norm();
   for (const LoopRows& loop : loops.all)
-    if (const double slip = r.segment(loop.first_row, loop.rows).norm(); !(slip <= closed_enough * size))
-      throw std::invalid_argument("v does not keep loop \"" + loop.name + "\" closed: A v is " +
-                                  to_text(slip) +
-                                  " (rad/s and m/s) and must be 0; assemble() finds such velocities, in a "
-                                  "shell --assemble, as \"axode eval FILE --assemble\"");
+    if (const double rate = r.segment(loop.first_row, loop.rows).norm(); !(rate <= closed_enough * size))
+      throw std::invalid_argument("v tears loop \"" + loop.name + "\" open at " + to_text(rate) +
+                                  " (rad/s and m/s); assemble() finds velocities that do not, in a shell "
+                                  "--assemble, as \"axode eval FILE --assemble\"");
 }
 
 void check_accelerations(LoopSystem<double>& system, Numbers<double> q, Numbers<double> v,
                          Numbers<double> a) {
-  constexpr double torn = 1e-3;  // accelerations that were measured, or differenced, have few digits
+  constexpr double tolerance = 1e-3;  // accelerations that are measured or differenced have few digits
   const Loops& loops = system.model().loops();
   const auto norm = [](Numbers<double> x) {
     return Eigen::Map<const Eigen::VectorXd>(x.data(), std::ssize(x)).norm();
   };
   const double size = 1 + norm(a) + norm(v) * norm(v);
   Eigen::VectorXd rates(loops.rows), products(loops.rows);
-  system.bias(rates.data());  // at these accelerations, but for those of couplings
+  system.bias(rates.data());  // A a + γ of loop joints, because force() was called with a
   system.make_rows(ConstraintLevel::velocity);
   system.times(a.data(), products.data());
   rates.tail(std::ssize(loops.couplings)) = products.tail(std::ssize(loops.couplings));
   for (const LoopRows& loop : loops.all) {
-    const double tear = rates.segment(loop.first_row, loop.rows).norm();
-    if (tear <= torn * size) continue;
+    const double error = rates.segment(loop.first_row, loop.rows).norm();
+    if (error <= tolerance * size) continue;
     check_closed(system, q, v);
     throw std::invalid_argument(
-        "a does not keep loop \"" + loop.name + "\" closed: A a + gamma is " + to_text(tear) +
-        " (rad/s^2 and m/s^2) and must be 0, with A from loop_jacobian and gamma from loop_bias");
+        "a tears loop \"" + loop.name + "\" open at " + to_text(error) +
+        " (rad/s^2 and m/s^2); A a + gamma must be 0, of loop_jacobian and loop_bias");
   }
 }
 
 void check_driven(double left, const char* task) {
   if (left > 1e-8)
-    throw std::invalid_argument("the drives cannot " + std::string(task) + ": " + to_text(left) +
-                                " of the required forces (by norm) is in directions that no drive acts on; "
-                                "the drives are the joints that are not passive (a free joint is passive "
-                                "unless the drawing has passive = false), or the joints in `drives`");
+    throw std::invalid_argument(
+        "the drives cannot " + std::string(task) + ": " + to_text(left) +
+        " of the forces needed is in directions that no drive moves; drives are the joints "
+        "that are not passive (a free joint is, unless the drawing says passive = false), or those that are "
+        "named");
 }
 
 }  // namespace axode

@@ -18,14 +18,15 @@ LoopSystem<T>& checked(const Model& model, LoopWorkspace<T>& workspace, Numbers<
   return checked(model, workspace, q);
 }
 
-/// A loop that is open by no more, rad and m, is closed where a motion begins.
+/// The largest residual of a loop, rad and m, with which a motion may start.
 inline constexpr double closed_enough = 1e-6;
-/// Throws where q leaves a loop open or v tears one, by more than that: which one, by how much. The system is at q then.
+/// Throws std::invalid_argument, with the loop and its residual, if q leaves a loop open or v does not keep
+/// it closed. Updates the kinematics of the system.
 void check_closed(LoopSystem<double>& system, Numbers<double> q, Numbers<double> v);
-/// Throws where a tears a loop, (A v)' = A a + γ being more than a thousandth of 1 + |a| + |v|²: which one, by how much, or
-/// what is wrong with q or v if that is why. After force() at (q, v, a).
+/// Throws std::invalid_argument, with the loop, if |A a + γ| is more than a thousandth of 1 + |a| + |v|², or
+/// with the fault of q or v if that is the cause. It follows force() at (q, v, a).
 void check_accelerations(LoopSystem<double>& system, Numbers<double> q, Numbers<double> v, Numbers<double> a);
-/// Throws where drives cannot do a task, by what inverse_dynamics leaves: more than rounding, 1e-8.
+/// Throws std::invalid_argument if inverse_dynamics leaves more than 1e-8 of the required forces to no drive.
 void check_driven(double left, const char* task);
 
 inline void check_rows(const char* name, std::size_t size, int rows, const char* meaning, int columns = 1) {

@@ -18,8 +18,8 @@ template <class T> std::span<T> entries(RowByRow<T>& matrix) {
   return {matrix.data(), static_cast<std::size_t>(matrix.size())};
 }
 
-/// The rows of a matrix that are kept, and back.
-template <class T> Eigen::MatrixX<T> kept(const RowByRow<T>& all, const std::vector<int>& rows) {
+/// The given rows of a matrix.
+template <class T> Eigen::MatrixX<T> rows_of(const RowByRow<T>& all, const std::vector<int>& rows) {
   Eigen::MatrixX<T> out(static_cast<Eigen::Index>(rows.size()), all.cols());
   for (std::size_t k = 0; k < rows.size(); ++k) out.row(static_cast<Eigen::Index>(k)) = all.row(rows[k]);
   return out;
@@ -67,40 +67,46 @@ Solvability forward_dynamics_derivatives(const Model& model, LoopWorkspace<T>& w
                                {entries<T>(by_q), entries<T>(by_v), entries<T>(M)}, loads);
 
   Matrix K = Matrix::Zero(n + r, n + r);
-  const Matrix A_kept = kept<T>(A, rows.independent);
-  K.topLeftCorner(n, n) = M, K.topRightCorner(n, r) = -A_kept.transpose(), K.bottomLeftCorner(r, n) = A_kept;
+  const Matrix A_independent = rows_of<T>(A, rows.independent);
+  K.topLeftCorner(n, n) = M;
+  K.topRightCorner(n, r) = -A_independent.transpose();
+  K.bottomLeftCorner(r, n) = A_independent;
   const Eigen::PartialPivLU<Matrix> factor(K);
   Vector right(n + r);
   for (Eigen::Index c = 0; c < n; ++c) right[c] = tau[static_cast<std::size_t>(c)] - h[c];
   for (Eigen::Index k = 0; k < r; ++k) right[n + k] = -gamma[rows.independent[static_cast<std::size_t>(k)]];
   const Vector found = factor.solve(right);
-  a = found.head(n), lambda.setZero();
+  a = found.head(n);
+  lambda.setZero();
   for (Eigen::Index k = 0; k < r; ++k) lambda[rows.independent[static_cast<std::size_t>(k)]] = found[n + k];
 
-  RowByRow<T> closing = RowByRow<T>::Zero(n, n), rows_q = RowByRow<T>::Zero(m, n),
+  RowByRow<T> forces_q = RowByRow<T>::Zero(n, n), rows_q = RowByRow<T>::Zero(m, n),
               rows_v = RowByRow<T>::Zero(m, n);
   system.force(q.data(), v.data(), a.data(), loads, h.data());
   system.make_rows(ConstraintLevel::velocity);
-  system.differentiate(lambda.data(), rows_q.data(), rows_v.data(), closing.data());
+  system.differentiate(lambda.data(), rows_q.data(), rows_v.data(), forces_q.data());
   Matrix changes = Matrix::Zero(n + r, 3 * n);
-  changes.topLeftCorner(n, n) = closing - by_q, changes.block(0, n, n, n) = -by_v;
+  changes.topLeftCorner(n, n) = forces_q - by_q;
+  changes.block(0, n, n, n) = -by_v;
   changes.topRightCorner(n, n).setIdentity();
-  changes.bottomLeftCorner(r, n) = -kept<T>(rows_q, rows.independent);
-  changes.block(n, n, r, n) = -kept<T>(rows_v, rows.independent);
+  changes.bottomLeftCorner(r, n) = -rows_of<T>(rows_q, rows.independent);
+  changes.block(n, n, r, n) = -rows_of<T>(rows_v, rows.independent);
   const Matrix x = factor.solve(changes);
-  Matrix of_rows = Matrix::Zero(m, 3 * n);
+  Matrix lambda_rows = Matrix::Zero(m, 3 * n);
   for (Eigen::Index k = 0; k < r; ++k)
-    of_rows.row(rows.independent[static_cast<std::size_t>(k)]) = x.row(n + k);
-  write<T>(x.topLeftCorner(n, n), d.a_q), write<T>(x.block(0, n, n, n), d.a_v),
-      write<T>(x.topRightCorner(n, n), d.a_tau);
-  write<T>(of_rows.leftCols(n), d.lambda_q), write<T>(of_rows.middleCols(n, n), d.lambda_v);
-  write<T>(of_rows.rightCols(n), d.lambda_tau);
+    lambda_rows.row(rows.independent[static_cast<std::size_t>(k)]) = x.row(n + k);
+  write<T>(x.topLeftCorner(n, n), d.a_q);
+  write<T>(x.block(0, n, n, n), d.a_v);
+  write<T>(x.topRightCorner(n, n), d.a_tau);
+  write<T>(lambda_rows.leftCols(n), d.lambda_q);
+  write<T>(lambda_rows.middleCols(n, n), d.lambda_v);
+  write<T>(lambda_rows.rightCols(n), d.lambda_tau);
   return x.allFinite() ? Solvability{} : fail({.not_finite = true});
 }
 
 namespace {
 
-/// The matrices of the derivatives by q, v and tau, one behind the other.
+/// The matrices of the derivatives by q, v and tau, in this order.
 template <class T> class Matrices {
  public:
   Matrices(const Model& model, LoopWorkspace<T>& workspace, Numbers<T> q, Numbers<T> v, Numbers<T> tau,

@@ -5,25 +5,27 @@
 
 namespace axode {
 
-/// Where ∂a/∂q, ∂a/∂v and ∂a/∂τ go, nv × nv each, and those of λ, loops().rows × nv each or empty, row by row, [component,
-/// direction].
+/// Receives ∂a/∂q, ∂a/∂v and ∂a/∂τ (nv × nv each), and the derivatives of λ (loops().rows × nv each, may be
+/// empty), row by row, [component, direction].
 template <class T> struct ClosedDynamicsDerivatives {
   std::span<T> a_q, a_v, a_tau;
   std::span<T> lambda_q = {}, lambda_v = {}, lambda_tau = {};
 };
 
-/// The first derivatives of forward dynamics with loops, from the equations M a + h - Aᵀ λ = τ, A a + γ = 0 of the rows that
-/// are independent at q; multipliers of the others are 0 and stay so. Where rows are redundant by geometry (Bricard's
-/// mechanism) accelerations jump as the loops open: only derivatives along velocities that the loops allow mean
-/// something. Directions of q are those of q ⊕ ε e_k. Allocates; O((nv + m)³). Throws std::invalid_argument for wrong sizes.
+/// First derivatives of forward dynamics with loops, by differentiating M a + h - Aᵀ λ = τ, A a + γ = 0 with
+/// the rows that are independent at q (D7.15); the multipliers of the other rows are 0. If rows are redundant
+/// by geometry (Bricard's mechanism), accelerations jump as the loops open: then only derivatives along
+/// velocities that the loops allow are meaningful. Directions of q are those of q ⊕ ε e_k. Allocates; O((nv +
+/// m)³). Throws std::invalid_argument for wrong sizes.
 template <class T>
 Solvability forward_dynamics_derivatives(const Model& model, LoopWorkspace<T>& workspace, Numbers<T> q,
                                          Numbers<T> v, Numbers<T> tau,
                                          const std::type_identity_t<ClosedDynamicsDerivatives<T>>& d,
                                          const std::type_identity_t<Loads<T>>& loads = {});
 
-/// The derivative da (nv) of the accelerations along a direction (dq, dv, dtau), and the gradients of w a by q, v and tau: the
-/// matrices of forward_dynamics_derivatives times a vector from either side, at their cost and with their meaning.
+/// The derivative da (nv) of the accelerations along a direction (dq, dv, dtau), and the gradients of w·a by
+/// q, v and tau: products of the matrices of forward_dynamics_derivatives with a vector, at the cost of the
+/// matrices.
 template <class T>
 Solvability forward_dynamics_jvp(const Model& model, LoopWorkspace<T>& workspace, Numbers<T> q, Numbers<T> v,
                                  Numbers<T> tau, Numbers<T> dq, Numbers<T> dv, Numbers<T> dtau,

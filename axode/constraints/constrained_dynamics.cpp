@@ -10,7 +10,7 @@
 namespace axode {
 namespace {
 
-/// Room for multipliers where the caller gives none.
+/// Memory for multipliers if the caller provides none.
 template <class T> class Multipliers {
  public:
   Multipliers(const Model& model, const char* name, std::span<T> given) : given_(given) {
@@ -41,7 +41,7 @@ std::vector<int> driven(const Model& model, std::span<const int> drives) {
   return all;
 }
 
-/// M a + h of the tree; the system is at this motion afterwards.
+/// M a + h of the tree; the system has this motion afterwards.
 template <class T>
 Eigen::VectorX<T> tree_forces(LoopSystem<T>& system, Numbers<T> q, Numbers<T> v, Numbers<T> a,
                               const Loads<T>& loads) {
@@ -51,18 +51,19 @@ Eigen::VectorX<T> tree_forces(LoopSystem<T>& system, Numbers<T> q, Numbers<T> v,
   system.force(q.data(), v.data(), a.data(), loads, need.data());
   return need;
 }
-/// M a + h of the tree for accelerations that must keep the loops closed.
+/// M a + h of the tree; throws if the accelerations do not keep the loops closed.
 template <class T>
 Eigen::VectorX<T> closed_forces(LoopSystem<T>& system, Numbers<T> q, Numbers<T> v, Numbers<T> a,
                                 const Loads<T>& loads) {
   Eigen::VectorX<T> need = tree_forces(system, q, v, a, loads);
-  if constexpr (std::same_as<T, double>)  // single precision does not tell them from rounding
+  if constexpr (std::same_as<T, double>)  // in single precision they are rounding
     check_accelerations(system, q, v, a);
   return need;
 }
 
-/// The least drive forces of the velocities `drives` that do, with the loops, what forces `need` on the tree do. Where the
-/// system is; its rows are made afterwards.
+/// The least drive forces of the velocities `drives` that have, with forces of the loops, the same effect as
+/// the forces `need` on the tree (D7.10), at the present kinematics of the system. Makes the rows of the
+/// system.
 template <class T> struct DriveForces {
   using Vector = Eigen::VectorX<T>;
   using Matrix = Eigen::MatrixX<T>;
@@ -89,10 +90,10 @@ template <class T> struct DriveForces {
 
   IndependentRows<T> rows;
   Vector tau, by_loops;  ///< nv; their sum is `need`
-  T missing;             ///< part of what is needed that neither gives
+  T missing;             ///< the part of |need| that neither drives nor loops produce
 };
 
-/// After force() and make_rows().
+/// It follows force() and make_rows().
 template <class Rep, class T>
 void write_joint_wrenches(const Model& model, LoopSystem<T>& system, Numbers<T> lambda, WrenchPoint at,
                           std::span<Wrench<Rep, T>> W) {
@@ -181,7 +182,8 @@ Solvability impact(const Model& model, LoopWorkspace<T>& workspace, Numbers<T> q
                    std::type_identity_t<std::span<T>> v_after, std::type_identity_t<std::span<T>> impulses) {
   LoopSystem<T>& system = checked(model, workspace, q, v);
   check_size("v_after", v_after.size(), v.size(), "nv");
-  check_separate("impulses", impulses, "v", v), check_separate("impulses", impulses, "v_after", v_after);
+  check_separate("impulses", impulses, "v", v);
+  check_separate("impulses", impulses, "v_after", v_after);
   if (!(restitution >= T(0) && restitution <= T(1)))
     throw std::invalid_argument("restitution is " + to_text(static_cast<double>(restitution)) +
                                 "; it must be from 0 to 1");

@@ -31,8 +31,8 @@ namespace {
 using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 using Vector = Eigen::VectorXd;
 
-/// A configuration, the forces that are missing there, and how they change with it; where there are loops, along an
-/// orthonormal basis N of the velocities that these allow, which their own forces do not reach.
+/// A configuration, the unbalanced forces r and ∂r/∂q; with loops both are projected on an orthonormal basis
+/// N of the velocities that the loops allow.
 struct Iterate {
   std::vector<double> q;
   Vector r;
@@ -43,7 +43,7 @@ struct Iterate {
       : q(at.begin(), at.end()), r(model.nv()), dr_dq(model.nv(), model.nv()) {}
 };
 
-/// The drive forces that hold a configuration, compared with those that there are.
+/// Computes the unbalanced forces: the drive forces that a configuration needs minus the given forces.
 class Statics {
  public:
   Statics(const Model& model, std::span<const double> tau, const Loads<>& loads)
@@ -60,34 +60,36 @@ class Statics {
   }
 
   void evaluate(Iterate& at) {
-    at.r.resize(model_.nv()), at.dr_dq.resize(model_.nv(), model_.nv());
+    at.r.resize(model_.nv());
+    at.dr_dq.resize(model_.nv(), model_.nv());
     inverse_dynamics_derivatives(model_, workspace_, at.q, rest_, rest_,
                                  {as_span(at.dr_dq), as_span(by_v_), as_span(by_a_), as_span(at.r)}, loads_);
     at.r -= as_eigen(std::span<const double>(tau_));
     if (!model_.springs().empty()) {
       spring_forces(model_, workspace_, at.q, rest_, springs_);
       spring_force_derivatives(model_, workspace_, at.q, rest_, {as_span(by_a_), as_span(by_v_)});
-      at.r -= as_eigen(std::span<const double>(springs_)), at.dr_dq -= by_a_;
+      at.r -= as_eigen(std::span<const double>(springs_));
+      at.dr_dq -= by_a_;
     }
     if (loops_) close(at);
     at.residual = at.r.norm();
   }
 
  private:
-  /// The loops take what they can: r - Aᵀ λ is what is left.
+  /// Subtracts the forces of the loops: r - Aᵀ λ remains.
   void close(Iterate& at) {
     const Eigen::Index nv = model_.nv(), m = model_.loops().rows;
     Vector lambda(m), forces(nv);
-    Matrix by_q = Matrix::Zero(m, nv), by_v = by_q, closing = Matrix::Zero(nv, nv);
+    Matrix by_q = Matrix::Zero(m, nv), by_v = by_q, forces_q = Matrix::Zero(nv, nv);
     loops_->update_kinematics(at.q.data());
     const IndependentRows<double> rows(*loops_, ConstraintLevel::velocity);
     rows.least_multipliers(at.r, as_span(lambda));
     loops_->move(at.q.data(), rest_.data(), {}, forces.data());
     loops_->make_rows(ConstraintLevel::velocity);
-    loops_->differentiate(lambda.data(), by_q.data(), by_v.data(), closing.data());
+    loops_->differentiate(lambda.data(), by_q.data(), by_v.data(), forces_q.data());
     at.N = rows.kernel();
     at.r = Vector(at.N.transpose() * at.r);
-    at.dr_dq = Matrix(at.N.transpose() * (at.dr_dq - closing) * at.N);
+    at.dr_dq = Matrix(at.N.transpose() * (at.dr_dq - forces_q) * at.N);
   }
 
   const Model& model_;
@@ -99,14 +101,14 @@ class Statics {
   Matrix by_v_, by_a_;
 };
 
-/// -(∂r/∂q)⁺ r, at most 1 in each direction. Directions that change nothing but for rounding take no part.
+/// -(∂r/∂q)⁺ r, at most 1 in each direction. Directions that change r by rounding only are left out.
 Vector newton_step(const Iterate& at) {
   Vector step = -least_squares(at.dr_dq, at.r, 1e-10);
   if (at.N.rows() > 0) step = Vector(at.N * step);
   return step / std::max(1.0, step.lpNorm<Eigen::Infinity>());
 }
 
-/// Closes the loops. Whether they do.
+/// Closes the loops; returns whether it succeeded.
 bool closed(const Model& model, std::vector<double>& q) {
   if (model.loops().empty()) return true;
   AssemblyResult found = assemble(model, q);
@@ -114,7 +116,8 @@ bool closed(const Model& model, std::vector<double>& q) {
   return found.status == AssemblyStatus::closed;
 }
 
-/// Moves to where the residual is less, along the step or the longest of its halves. Whether there is such a place.
+/// Moves along the step, or along the longest of its halves that reduces the residual; returns whether there
+/// is one.
 bool improve(const Model& model, Statics& statics, const Vector& step, Iterate& at, Iterate& next) {
   constexpr int most_halves = 40;
   constexpr double decrease = 1e-4;

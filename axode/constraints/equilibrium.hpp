@@ -8,13 +8,13 @@
 namespace axode {
 
 struct EquilibriumOptions {
-  double tolerance = 1e-9;  ///< on the norm of the forces that are missing, N m and N
-  int iterations = 100;     ///< at most
+  double tolerance = 1e-9;  ///< on the norm of the unbalanced forces, N m and N
+  int iterations = 100;     ///< upper limit
 };
 
 enum class EquilibriumStatus {
-  solved,   ///< what is missing is within the tolerance
-  stalled,  ///< no part of the last step was an improvement: there is no equilibrium near, most likely
+  solved,           ///< the unbalanced forces are within the tolerance
+  stalled,          ///< no part of the last step was an improvement: probably no equilibrium is near
   iteration_limit,  ///< the iterations were used up
   open,             ///< the loops do not close near q0
 };
@@ -22,20 +22,20 @@ std::string_view to_string(EquilibriumStatus status);
 
 struct EquilibriumResult {
   EquilibriumStatus status{};
-  std::vector<double> q;  ///< the best configuration met
-  double residual = 0;    ///< norm of the forces that are missing there, N m and N
+  std::vector<double> q;  ///< the best configuration found
+  double residual = 0;    ///< norm of the unbalanced forces at q, N m and N
   int iterations = 0;
 };
 
-/// A configuration near q0 in which the system stays at rest under the drive forces tau, none where tau is empty: one where
-/// inverse dynamics at v = 0 and a = 0, gravity torques less the loads, is tau and what the springs and stops of the model add to
-/// it (`LE`), and the loops, which are closed. Newton's method on the configuration
-/// manifold with the exact ∂τ/∂q, along the velocities that the loops allow; a step is the smallest one where that is
-/// singular, at most 1 rad or m for each velocity, closed by assemble(),
-/// and halved until it is an improvement. Finds stable and unstable equilibria alike, and heeds no limits. Coulomb
-/// friction, which would hold a whole range of configurations, is not counted, nor is damping. O(n³) for each iteration;
-/// allocates. Throws std::invalid_argument for wrong sizes, a quaternion off 1, a load on a frame that does not exist and
-/// numbers that are not finite.
+/// Finds a configuration near q0 in which the system stays at rest under the drive forces tau, which are 0 if
+/// tau is empty: the inverse dynamics at v = 0 and a = 0 equals tau plus the forces of springs, stops (`LE`)
+/// and loops, and the loops are closed. Newton's method on the configuration manifold with the exact ∂τ/∂q,
+/// along the velocities that the loops allow. If ∂τ/∂q is singular, the least step is taken; a step is at
+/// most 1 rad or m for each velocity, closed by assemble(), and halved until it is an improvement. Equilibria
+/// may be stable or unstable; limits are ignored, and so are damping and Coulomb friction, with which a whole
+/// range of configurations would be at rest. O(n³) for each iteration; allocates. Throws
+/// std::invalid_argument for wrong sizes, quaternions that are not of unit norm, a load on a frame that does
+/// not exist and numbers that are not finite.
 [[nodiscard]] EquilibriumResult equilibrium(const Model& model, std::span<const double> q0,
                                             std::span<const double> tau = {}, const Loads<>& loads = {},
                                             const EquilibriumOptions& options = {});

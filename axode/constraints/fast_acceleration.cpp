@@ -1,8 +1,9 @@
 #include "axode/constraints/loop_system.hpp"
 #include "axode/recursion/instantiate.hpp"
 
-/// Accelerations of mechanisms with loops on the fast articulated bodies, about the bodies' origins. Only bodies where loops
-/// end are told about the origins of their roots as well, for the rows.
+/// Accelerations of mechanisms with loops by the fast articulated bodies (D4.12), about the origins of the
+/// bodies. Bodies at which loops end get their poses and motion about the origins of their roots as well, for
+/// the rows.
 namespace axode {
 
 template <class T>
@@ -15,8 +16,11 @@ bool LoopSystem<T>::accelerate_fast(const T* q, const T* v, const T* tau, const 
   auto* const moving = fast_->moving;
   auto* const V = dynamics_->recursion.motion.bodies.V;
   auto* const dV = dynamics_->recursion.motion.bodies.dV;
-  link_ = dynamics_->recursion.motion.bodies.link, origin_ = dynamics_->recursion.origin;
-  link_[0] = Link<Spatial, T>::root(), V[0] = {}, dV[0] = {{}, -t.g};
+  link_ = dynamics_->recursion.motion.bodies.link;
+  origin_ = dynamics_->recursion.origin;
+  link_[0] = Link<Spatial, T>::root();
+  V[0] = {};
+  dV[0] = {{}, -t.g};
   moving[0] = {};
   const bool sound = fast_->tree.prepare(
       t, q, v, tau, loads,
@@ -25,7 +29,8 @@ bool LoopSystem<T>::accelerate_fast(const T* q, const T* v, const T* tau, const 
         const int p = t->parent[i];
         const auto& d = bodies.body[i].r;
         auto& [r, r_dot] = moving[i];
-        r = p > 0 ? moving[p].r + d : typename Bodies::Vector{}, r_dot = moving[p].v + u;
+        r = p > 0 ? moving[p].r + d : typename Bodies::Vector{};
+        r_dot = moving[p].v + u;
         if (p == 0) origin_[i] = d;
         if (!table_.ends[index(i)]) return;
         const typename Bodies::Factor at(r);
@@ -39,10 +44,13 @@ bool LoopSystem<T>::accelerate_fast(const T* q, const T* v, const T* tau, const 
       for (int s = t->first_screw[i]; s < t->first_screw[i + 1]; ++s)
         f(t->iv[i] + s - t->first_screw[i], bodies.pivot[s]);
   };
-  each_velocity([&](int c, const auto& pivot) { root_[c] = value(pivot.D_inv), w_[c] = value(pivot.u); });
+  each_velocity([&](int c, const auto& pivot) {
+    root_[c] = value(pivot.D_inv);
+    w_[c] = value(pivot.u);
+  });
   root_ = root_.cwiseSqrt();
   w_.array() /= root_.array();
-  place_ends();
+  update_loop_ends();
   make_wrenches(ConstraintLevel::velocity);
   table_.each([&](std::size_t k, const auto& joint) {
     loops::bias(joint, at_[k].frames, at_[k].W.data(), motion_of_ends(k, V, dV),
@@ -52,7 +60,7 @@ bool LoopSystem<T>::accelerate_fast(const T* q, const T* v, const T* tau, const 
     each_register_of_rows<T>(count(table_.paths[k]),
                              [&](int row, auto n) { pull_rows_fast<n()>(table_.paths[k], at_[k], row); });
   multiply_rows();
-  for (const LoopPath& path : table_.paths) {  // rows that nearly vanish need a closer look
+  for (const LoopPath& path : table_.paths) {  // rows that nearly vanish need the general elimination
     constexpr T least_part = T(1e-10);
     T most(0);
     for (const int c : path.velocities) most = std::max(most, root_[c] * root_[c]);
@@ -70,7 +78,7 @@ bool LoopSystem<T>::accelerate_fast(const T* q, const T* v, const T* tau, const 
   return true;
 }
 
-/// As pull_rows(), with the wrenches about the origins of the bodies that they come to.
+/// pull_rows() with the wrenches about the origin of each body on the path.
 template <class T>
 template <int n>
 void LoopSystem<T>::pull_rows_fast(const LoopPath& path, const State& at, int row) noexcept {
@@ -83,15 +91,15 @@ void LoopSystem<T>::pull_rows_fast(const LoopPath& path, const State& at, int ro
   propagate_to_root(path, F_i, F_j, [&](int i, Wrenches& F) {
     const auto& body = bodies.body[i];
     const int first_screw = t->first_screw[i];
-    const auto eliminate = [&](int s, const auto& felt) {
+    const auto eliminate = [&](int s, const auto& u) {
       const int c = t->iv[i] + s - first_screw;
       const auto& pivot = bodies.pivot[s];
-      F.eliminate(felt, root_[c], &Y_(c, first(path) + row), felt, pivot.K_m, pivot.K_f);
+      F.eliminate(u, root_[c], &Y_(c, first(path) + row), u, pivot.K_m, pivot.K_f);
     };
-    if (is_hinge(t, i)) {  // of which K is about the predecessor's origin
-      const auto felt = dot(Wrenches::all(body.n), F.m);
+    if (is_hinge(t, i)) {  // K of a hinge is about the predecessor's origin
+      const auto u = dot(Wrenches::all(body.n), F.m);
       F.move(body.r);
-      eliminate(first_screw, felt);
+      eliminate(first_screw, u);
     } else {
       for (int s = t->first_screw[i + 1]; s-- > first_screw;) {
         const auto& pivot = bodies.pivot[s];

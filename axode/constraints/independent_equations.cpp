@@ -20,7 +20,8 @@ IndependentEquations independent_equations(const Model& model, std::span<const d
   const IndependentRows<double> rows(system, ConstraintLevel::velocity);
   const IndependentVelocities independent = independent_velocities(model, rows, velocities);
   IndependentEquations out;
-  out.velocities = independent.velocities, out.N = independent.N;
+  out.velocities = independent.velocities;
+  out.N = independent.N;
 
   Eigen::VectorXd gamma(model.loops().rows), forces(nv);
   Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> A(gamma.size(), nv), M(nv, nv);

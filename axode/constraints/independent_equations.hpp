@@ -8,19 +8,21 @@
 
 namespace axode {
 
-/// The equations of motion of a mechanism with loops in velocities y that are independent, some of those of its joints:
+/// The equations of motion of a mechanism with loops in independent velocities y, which are some of its joint
+/// velocities:
 ///   M y' + h = Nᵀ τ,   v = N y,   a = N y' + c.
 struct IndependentEquations {
-  std::vector<int> velocities;  ///< which of the nv they are, k
+  std::vector<int> velocities;  ///< the indices of the k independent velocities
   Eigen::MatrixXd N;            ///< nv × k; the identity in the rows of these velocities
-  Eigen::VectorXd c;            ///< nv; 0 there
+  Eigen::VectorXd c;            ///< nv; 0 in these rows
   Eigen::MatrixXd M;            ///< k × k, Nᵀ M N with the mass matrix of the tree
   Eigen::VectorXd h;            ///< k, Nᵀ (M c + h) with the forces of the tree
 };
 
-/// At a closed configuration and velocities that keep it closed. Without `velocities` those are taken that determine the
-/// others best. Allocates; O(nv³). Throws std::invalid_argument for wrong sizes, and where the velocities are more or fewer
-/// than the loops leave (nv less the rank of A), or do not determine the others at q.
+/// Computes them at a closed configuration and velocities that keep it closed. If `velocities` is empty,
+/// those are chosen that determine the others best. Allocates; O(nv³). Throws std::invalid_argument for wrong
+/// sizes, if the number of velocities is not nv minus the rank of A, and if they do not determine the others
+/// at q.
 [[nodiscard]] IndependentEquations independent_equations(const Model& model, std::span<const double> q,
                                                          std::span<const double> v,
                                                          std::span<const int> velocities = {},

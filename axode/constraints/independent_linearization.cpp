@@ -17,17 +17,16 @@ namespace {
 using Matrix = Eigen::MatrixXd;
 using RowByRow = LoopSystem<double>::RowByRow;
 
-/// ∂(A v)/∂q: what a configuration does to the rows of velocities v, which are the rows A a + γ of a motion that has v for
-/// accelerations and no velocities.
+/// ∂(A v)/∂q, from the rows A a + γ of a motion with the accelerations v and no velocities.
 RowByRow velocity_rows_by_q(LoopSystem<double>& system, std::span<const double> q,
                             std::span<const double> v) {
   const Eigen::Index nv = system.model().nv(), m = system.model().loops().rows;
   const Eigen::VectorXd still = Eigen::VectorXd::Zero(nv), lambda = Eigen::VectorXd::Zero(m);
   Eigen::VectorXd forces(nv);
-  RowByRow by_q = RowByRow::Zero(m, nv), by_v = by_q, closing = RowByRow::Zero(nv, nv);
+  RowByRow by_q = RowByRow::Zero(m, nv), by_v = by_q, unused = RowByRow::Zero(nv, nv);
   system.force(q.data(), still.data(), v.data(), {}, forces.data());
   system.make_rows(ConstraintLevel::velocity);
-  system.differentiate(lambda.data(), by_q.data(), by_v.data(), closing.data());
+  system.differentiate(lambda.data(), by_q.data(), by_v.data(), unused.data());
   return by_q;
 }
 
@@ -50,10 +49,12 @@ IndependentLinearization independent_linearization(const Model& model, std::span
   system.write(A.data());
 
   IndependentLinearization out;
-  out.velocities = chosen, out.N = independent.N;
+  out.velocities = chosen;
+  out.N = independent.N;
   out.D = dependent_part(independent, rows, A, -rows_q * out.N);
   const auto k = static_cast<Eigen::Index>(chosen.size());
-  out.A = Matrix::Zero(2 * k, 2 * k), out.B = Matrix::Zero(2 * k, nv);
+  out.A = Matrix::Zero(2 * k, 2 * k);
+  out.B = Matrix::Zero(2 * k, nv);
 
   Workspace<double> workspace(model);
   Eigen::VectorXd forces = as_eigen(tau);
@@ -67,16 +68,17 @@ IndependentLinearization independent_linearization(const Model& model, std::span
     return out;
   }
   spring_force_derivatives(model, workspace, q, v, {as_span(forces_q), as_span(forces_v)});
-  a_q += a_tau * forces_q, a_v += a_tau * forces_v;
+  a_q += a_tau * forces_q;
+  a_v += a_tau * forces_v;
 
   RowByRow bracket = RowByRow::Zero(nv, nv);
   subtract_ad(model.tree<double>(), v.data(), nv, bracket.data());
-  const auto of_chosen = [&](const Matrix& all) { return Matrix(all(chosen, Eigen::indexing::all)); };
-  out.A.topLeftCorner(k, k) = of_chosen(bracket * out.N);
+  const auto chosen_rows = [&](const Matrix& all) { return Matrix(all(chosen, Eigen::indexing::all)); };
+  out.A.topLeftCorner(k, k) = chosen_rows(bracket * out.N);
   out.A.topRightCorner(k, k).setIdentity();
-  out.A.bottomLeftCorner(k, k) = of_chosen(a_q * out.N + a_v * out.D);
-  out.A.bottomRightCorner(k, k) = of_chosen(a_v * out.N);
-  out.B.bottomRows(k) = of_chosen(a_tau);
+  out.A.bottomLeftCorner(k, k) = chosen_rows(a_q * out.N + a_v * out.D);
+  out.A.bottomRightCorner(k, k) = chosen_rows(a_v * out.N);
+  out.B.bottomRows(k) = chosen_rows(a_tau);
   return out;
 }
 

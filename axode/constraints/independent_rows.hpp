@@ -7,16 +7,16 @@
 
 namespace axode {
 
-/// Which rows of the loops are independent, in the order of the loops, and how the others depend on them: Gram and
-/// Schmidt's way on the columns of Y, where units do not matter. For reports and for what needs a rank; accelerations do
-/// not. Allocates, O(m² nv + nv³).
+/// Independent rows of the loops, in the order of the loops, and the dependencies of the redundant rows on
+/// them, by the Gram-Schmidt process on the columns of Y, which do not depend on units. It is for reports and
+/// computations that need a rank; accelerations do not. Allocates; O(m² nv + nv³).
 template <class T> class IndependentRows {
  public:
   using Vector = Eigen::VectorX<T>;
   using Matrix = Eigen::MatrixX<T>;
 
-  /// At the place where the system is. A row is redundant by others where what they leave of it is less than a part of its
-  /// size: 1e-8 (float 1e-4), or how far the loops are from closed.
+  /// Uses the present kinematics of the system. A row is redundant if its remainder without the rows before
+  /// it is less than `part` of its size.
   IndependentRows(LoopSystem<T>& system, ConstraintLevel level,
                   T part = std::same_as<T, float> ? T(1e-4) : T(1e-8));
 
@@ -25,11 +25,11 @@ template <class T> class IndependentRows {
   /// N with A N = 0: an orthonormal basis of the velocities that the loops allow, nv × (nv - rank).
   Matrix kernel() const;
 
-  /// λ with Aᵀ λ = f as far as there is one, least in Σ d² λ² with the sizes d of the rows.
+  /// The least-squares solution λ of Aᵀ λ = f with the least Σ d² λ² for the sizes d of the rows (D7.11).
   void least_multipliers(const Vector& f, std::span<T> lambda) const;
 
   std::vector<int> independent, redundant;
-  Matrix dependencies;  ///< m × redundant: the n with nᵀ A = 0
+  Matrix dependencies;  ///< m × number of redundant rows: columns n with nᵀ A = 0
 
  private:
   void find_dependencies(const Matrix& Y);

@@ -22,7 +22,7 @@ std::string names_of(const Model& model, std::span<const int> velocities) {
   return all;
 }
 
-/// The rows of the kernel that are farthest from dependent.
+/// The best conditioned rows of the kernel, by QR with column pivoting.
 std::vector<int> best_of(const Matrix& kernel) {
   if (kernel.cols() == 0) return {};  // a decomposition needs a column
   const Eigen::ColPivHouseholderQR<Matrix> qr(kernel.transpose());

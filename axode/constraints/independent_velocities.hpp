@@ -7,18 +7,19 @@
 
 namespace axode {
 
-/// Velocities that determine all others where the loops stay closed: v = N y.
+/// Independent velocities y, which determine all others while the loops stay closed: v = N y.
 struct IndependentVelocities {
-  std::vector<int> velocities;  ///< which of the nv they are, k
+  std::vector<int> velocities;  ///< the indices of the k independent velocities
   Eigen::MatrixXd N;            ///< nv × k; the identity in the rows of these velocities
 };
 
-/// Those that are asked for, or where none are the ones that determine the others best; at the place of the rows. Throws
-/// std::invalid_argument where they are more or fewer than the loops leave, or do not determine the others.
+/// The wanted velocities, or, if `wanted` is empty, those that determine the others best, at the
+/// configuration of the rows. Throws std::invalid_argument if their number is not that of the degrees of
+/// freedom, or if they do not determine the others.
 IndependentVelocities independent_velocities(const Model& model, const IndependentRows<double>& rows,
                                              std::span<const int> wanted);
 
-/// The x, 0 in the rows of the independent velocities, for which the kept rows of A x are b.
+/// The x, 0 in the rows of the independent velocities, with A x = b in the independent rows.
 Eigen::MatrixXd dependent_part(const IndependentVelocities& independent, const IndependentRows<double>& rows,
                                const Eigen::MatrixXd& A, const Eigen::MatrixXd& b);
 

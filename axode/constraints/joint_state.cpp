@@ -17,8 +17,10 @@ JointState joint_state(const Model& model, std::span<const SE3<>> C, std::span<c
   std::vector<double> q, v, rows;
   system.set_poses_and_twists(C, V, q, v);
   system.to_joint_state(q, v, out.q, out.v);
-  system.position_residual(q, rows), out.position_residual = largest_of(rows);
-  system.velocity_residual(q, v, rows), out.velocity_residual = largest_of(rows);
+  system.position_residual(q, rows);
+  out.position_residual = largest_of(rows);
+  system.velocity_residual(q, v, rows);
+  out.velocity_residual = largest_of(rows);
   return out;
 }
 

@@ -7,17 +7,16 @@
 
 namespace axode {
 
-/// Coordinates and velocities of the joints, and what they cannot say.
+/// Coordinates and velocities of the joints, and the part of a motion of bodies that they do not contain.
 struct JointState {
   std::vector<double> q, v;
-  double position_residual =
-      0;  ///< by how much joints and loops are open, the largest number of any, rad and m
-  double velocity_residual = 0;  ///< the same of their velocities, rad/s and m/s
+  double position_residual = 0;  ///< the largest residual of a joint or loop, rad and m
+  double velocity_residual = 0;  ///< the largest residual of velocities, rad/s and m/s
 };
 
-/// The state of the joints of bodies 0 to n_bodies() that have the poses C and the body-fixed twists V, in the user's frames:
-/// the way back from poses() and twists(). Of what is not a motion of the joints position_residual and velocity_residual say how much there is. Angles are
-/// those nearest to the ones of `near`, neutral where that is empty. Throws std::invalid_argument for wrong sizes. O(n).
+/// Computes the state of the joints from the poses C and the body-fixed twists V of bodies 0 to n_bodies() in
+/// the user's frames; the inverse of poses() and twists(). Angles are those nearest to the ones in `near`, or
+/// to the neutral ones if this is empty. Throws std::invalid_argument for wrong sizes. O(n).
 JointState joint_state(const Model& model, std::span<const SE3<>> C, std::span<const Twist<BodyFixed>> V,
                        std::span<const double> near = {});
 

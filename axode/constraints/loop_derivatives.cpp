@@ -1,8 +1,8 @@
 #include "axode/constraints/loop_system.hpp"
 #include "axode/recursion/instantiate.hpp"
 
-/// Derivatives of the rows of loops. What a direction does to the two bodies of a loop is written out; what that does to
-/// the rows comes from the rows themselves, run on dual numbers, whatever the type of the joint.
+/// Derivatives of the rows of loops. The motion of the two bodies along a direction is that of (D6.10); the
+/// rows follow from the code of each type of loop joint on dual numbers.
 namespace axode {
 namespace {
 
@@ -20,7 +20,7 @@ void LoopSystem<T>::differentiate(const T* lambda, T* by_q, T* by_v, T* constrai
     const LoopPath& path = table_.paths[k];
     const State& at = at_[k];
     const Wrench<Spatial, T> F = wrench(k, lambda);
-    // About origin(k): what belongs to the first body, or to one on the path to it, is seen from another origin.
+    // About origin(k). Screws on the path to the first body are about another origin.
     const auto about_O = [&](const auto& x, int body, int side) {
       const Vec3<T> from = side < 0 && body > 0 ? at.shift : Vec3<T>{};
       return Screw<T>{x.w, x.v - cross(x.w, from)};
@@ -32,12 +32,13 @@ void LoopSystem<T>::differentiate(const T* lambda, T* by_q, T* by_v, T* constrai
       const std::size_t e = c.side > 0 ? 1 : 0;
       const Screw<T> J = about_O(dynamics_->bodies.S[c.screw], c.body, c.side);
       const Screw<T> V_p = about_O(V[p], p, c.side), V_b = about_O(V[c.body], c.body, c.side);
-      const Screw<T> seen = V_end[e] - V_p, V_q = ad(J, seen);
-      const Screw<T> dV_q = ad(J, dV_end[e] - about_O(dV[p], p, c.side)) + ad(ad(V_p, J), seen);
+      const Screw<T> relative = V_end[e] - V_p, V_q = ad(J, relative);
+      const Screw<T> dV_q = ad(J, dV_end[e] - about_O(dV[p], p, c.side)) + ad(ad(V_p, J), relative);
       const Screw<T> dV_v = V_q + ad(V_b, J), none{};
       const auto of = [&](std::size_t end, const Screw<T>& X) { return end == e ? X : none; };
 
-      // W and A a + γ as the bodies move along X, their twists along dX and the rates of these along ddX.
+      // W and A a + γ if the bodies move along X, their twists change by dX, and the rates of the twists by
+      // ddX.
       const auto along = [&](const Screw<T>& X, const Screw<T>& dX, const Screw<T>& ddX,
                              loops::LoopWrenches<Lifted<T>>& W) {
         const loops::LoopFrames<Lifted<T>> frames{loops::lift(at.frames.a, of(0, X)),
@@ -62,7 +63,7 @@ void LoopSystem<T>::differentiate(const T* lambda, T* by_q, T* by_v, T* constrai
       for (const LoopColumn& of_k : path.columns) {
         const Screw<T> J_k = about_O(dynamics_->bodies.S[of_k.screw], of_k.body, of_k.side);
         T change = dF | twist(J_k);
-        if (of_k.side == c.side && c.body <= of_k.body) change += F | twist(ad(J, J_k));  // it moves along
+        if (of_k.side == c.side && c.body <= of_k.body) change += F | twist(ad(J, J_k));  // J_k moves along
         constraint_forces_by_q[of_k.velocity * nv + c.velocity] += of_k.side > 0 ? change : -change;
       }
     }

@@ -1,6 +1,7 @@
 #pragma once
 #include <Eigen/Core>
 #include <array>
+#include <concepts>
 #include <cstddef>
 #include <span>
 #include <vector>
@@ -14,11 +15,12 @@
 
 namespace axode {
 
-/// The rank of the rows of the loops, as LoopSystem::determine_rank() finds it at a closed configuration. Solutions
-/// with this rank give redundant rows multipliers of 0. An integration keeps the rank for a whole step, because
-/// rows that are redundant by geometry become independent as soon as the loops are a little open.
+/// Which rows of the loops are redundant, as LoopSystem::determine_rank() finds it at a closed configuration.
+/// Solutions with this rank give redundant rows multipliers of 0. An integration keeps the rank for a whole
+/// step, because rows that are redundant by geometry become independent as soon as the loops are a little
+/// open.
 struct RowRank {
-  std::vector<char> redundant = {};  ///< whether each row of A is redundant; empty where nothing was decided
+  std::vector<char> redundant = {};  ///< whether each row of A is redundant; empty before determine_rank()
 };
 
 /// The level at which constraints are imposed.
@@ -27,10 +29,11 @@ enum class ConstraintLevel {
   velocity,  ///< all rows A, A v = 0
 };
 
-/// The loops of a tree at a state, and the system that they make:
+/// The loops of a tree at a state, and the linear system of motion under them:
 ///   M a + h - Aᵀ λ = τ,   A a + γ = 0
-/// Articulated bodies factor M = Lᵀ D L, so that with Y = D^-½ L⁻ᵀ Aᵀ the multipliers come from Yᵀ Y λ = -(Yᵀ w + γ),
-/// w = D^-½ L⁻ᵀ (τ - h): Gauss' principle. One sweep up for each row, along the path of its loop. O(n + m d + m² d + m³).
+/// Articulated bodies factorise M = Lᵀ D L, so that Y = D^-½ L⁻ᵀ Aᵀ and Yᵀ Y λ = -(Yᵀ w + γ) with w = D^-½
+/// L⁻ᵀ (τ - h). Y takes one sweep to the root for each row, along the path of its loop. O(n + m d + m² d +
+/// m³) for m rows on paths of d joints. See (D7.1) to (D7.6) of docs/derivations.
 template <class T> class LoopSystem {
  public:
   using Vector = Eigen::VectorX<T>;
@@ -44,103 +47,111 @@ template <class T> class LoopSystem {
     return level == ConstraintLevel::velocity ? model_.loops().rows : model_.loops().residuals;
   }
 
-  /// a and λ at a state; all NaN where the tree without its loops has no accelerations. The place is unknown afterwards.
+  /// Computes a and λ at a state; both are NaN if the mass matrix of the tree is singular. The kinematics
+  /// have to be updated before any other call.
   Solvability accelerate(const T* q, const T* v, const T* tau, const Loads<T>& loads, T* a, T* lambda,
                          const RowRank& rank = {}) noexcept;
-  /// The forces (nv) of the tree at a motion, M a + h.
+  /// Computes the forces M a + h (nv) of the tree at a motion.
   void force(const T* q, const T* v, const T* a, const Loads<T>& loads, T* tau) noexcept;
-  /// v after the impulses of loops that close suddenly, (A v)⁺ = -e A v, and these impulses.
+  /// Computes v after an impact of the loops, A v⁺ = -e A v, and the impulses (D7.12).
   Solvability impact(const T* q, const T* v, const T& e, T* v_after, T* impulses) noexcept;
-  /// Velocities after the impulses, and the impulses, at the configuration of the last factorize(q) or determine_rank(q).
+  /// impact() at the configuration of the last factorize(q) or determine_rank(q).
   Solvability impact(const T* v, const T& e, T* v_after, T* impulses, const RowRank& rank = {}) noexcept;
-  /// The step x towards a closed configuration, r + R x = 0, that moves the masses least.
+  /// Computes the step x towards a closed configuration, r + R x = 0, that moves the masses least (D7.13).
   Solvability projection_step(const T* q, T* x, const RowRank& rank = {}) noexcept;
 
-  /// Decides at a closed q which rows are redundant; the rows of velocities are factorised there afterwards.
-  /// Decides nothing where the tree without its loops has no accelerations.
+  /// Decides which rows are redundant at a closed q, and leaves the rows A factorised there. Decides nothing
+  /// if the mass matrix of the tree is singular.
   Solvability determine_rank(const T* q, RowRank& rank) noexcept;
-  /// Determines the rank of the rows of velocities that are factorised already.
+  /// Decides it for rows A that are factorised already.
   void determine_rank(RowRank& rank) noexcept;
 
-  /// Links, screws and loops at q, or where bodies have the poses C, seen from an origin, which their joints need not allow.
+  /// Computes links, joint screws and loop ends at q, or for bodies that have the poses C about `origin`. The
+  /// joints need not allow these poses.
   void update_kinematics(const T* q) noexcept;
   void update_kinematics(const SE3<T>* C, const Vec3<T>& origin) noexcept;
-  /// And the forces h (nv) of the tree without accelerations, with the motion of all bodies.
+  /// Updates the kinematics with the motion of all bodies, and computes the bias forces h (nv) of the tree.
   void move(const T* q, const T* v, const Loads<T>& loads, T* h) noexcept {
     force(q, v, zero_.data(), loads, h);
   }
 
-  void residual(const T* q, T* r) const noexcept;  ///< after place() or move()
-  /// Makes the rows; A, or R.
+  void residual(const T* q, T* r) const noexcept;  ///< r(q), after update_kinematics() or move()
+  /// Computes the wrenches and the entries of the rows of a level, A or R.
   void make_rows(ConstraintLevel level) noexcept;
-  void make_wrenches(ConstraintLevel level) noexcept;  ///< without the entries
-  /// Entries of the rows, dense, m × nv.
+  void make_wrenches(ConstraintLevel level) noexcept;  ///< the wrenches alone
+  /// Writes the entries of the rows as a dense matrix, m × nv.
   void write(T* A) const noexcept;
   /// out = A x and out += Aᵀ λ.
   void times(const T* x, T* out) const noexcept;
   void add_transposed_times(const T* lambda, T* out) const noexcept;
-  /// γ; after move(), or for twists of bodies about the origins of their roots.
+  /// Computes γ (D6.7) after move(), or for given twists and rates of the bodies about the origins of their
+  /// roots.
   void bias(T* gamma) noexcept {
     bias(dynamics_->recursion.motion.bodies.V, dynamics_->recursion.motion.bodies.dV, gamma);
   }
   void bias(const Twist<Spatial, T>* V, const TwistRate<Spatial, T>* dV, T* gamma) const noexcept;
-  /// Wᵀ X of bodies that move with X about the origins of their roots, and of joint rates x.
+  /// out = A x (D6.6) for twists X of the bodies about the origins of their roots and joint rates x.
   void rates(const Twist<Spatial, T>* X, const T* x, T* out) const noexcept;
-  /// W λ on bodies, likewise, and on joints.
+  /// Adds the wrenches W λ to `on`, by body and about the origins of the roots, and the forces of couplings
+  /// to tau (nv).
   void add_wrenches(const T* lambda, Wrench<Spatial, T>* on, T* tau) const noexcept;
-  /// The wrenches that the joints transmit under multipliers λ, W[1] to W[n], each about the origin of its root, in
-  /// inertial axes. After force() and make_rows(ConstraintLevel::velocity).
+  /// Computes the wrenches that the joints transmit under multipliers λ, W[1] to W[n], each about the origin
+  /// of its root, in inertial axes. It follows force() and make_rows(ConstraintLevel::velocity).
   void joint_wrenches(const T* lambda, Wrench<Spatial, T>* W) noexcept;
 
-  /// Partial derivatives along q and v of A a + γ (m × nv), and along q of Aᵀ λ (nv × nv), [component, direction], at the
-  /// motion of force() and with the rows A made. Adds to what is there.
+  /// Adds the partial derivatives of A a + γ by q and v (m × nv), and of Aᵀ λ by q (nv × nv), [component,
+  /// direction], at the motion of force() and with the rows A made. See (D6.10) and (D6.11) of
+  /// docs/derivations.
   void differentiate(const T* lambda, T* by_q, T* by_v, T* constraint_forces_by_q) noexcept;
-
-  /// The rate of Rᵀ λ (nv) as the bodies move with their V; after move().
+  /// Computes the rate of Rᵀ λ (nv) as the bodies move with their twists; after move().
   void differentiate_residuals(const T* lambda, T* rate) noexcept;
 
-  /// The place q, with M and the rows A factorised.
+  /// Updates the kinematics, and factorises M and the rows A.
   Solvability factorize(const T* q, const RowRank& rank = {}) noexcept;
-  /// M = Lᵀ D L at the configuration of the links, where joints may have another armature than the model says.
+  /// Factorises M = Lᵀ D L at the present kinematics, with the armature of the model or with another one.
   Solvability factorize() noexcept { return factorize_with_armature(tree().armature.data()); }
   Solvability factorize_with_armature(const T* armature) noexcept;
-  /// Y and Yᵀ Y of the rows.
+  /// Computes Y, G = Yᵀ Y and the sizes d of the rows (D7.7).
   void factorize_rows() noexcept;
-  /// λ with Yᵀ Y λ = -b, least where that does not fix it, and as far as the rows agree with each other.
+  /// Solves G λ = -b: the least λ if rows are redundant, and the least-squares one if they contradict each
+  /// other (D7.8).
   void solve_rows(const T* b, T* lambda, const RowRank& rank = {}) noexcept;
-  /// Sets how small a part of a row solve_rows() ignores, by how far the loops are from closed at the place q.
-  /// Accelerations, impulses and steps towards closed configurations set it where they are.
+  /// Sets μ, the part of a row that solve_rows() ignores, by the residual of the loops at q (D7.9).
+  /// accelerate(), impact(q) and projection_step() do so themselves.
   void set_filter(const T* q, const RowRank& rank) noexcept;
-  /// The smallest part of a row, squared, that the rows before it left in the last solve_rows(); 1 if no row was in doubt. Near 0
-  /// branches of a motion meet, and accelerations are those of a mechanism with more freedoms.
+  /// The least pivot of a row in the last solve_rows(), relative to its size squared; 1 if all rows were far
+  /// from redundant. If it is near 0, branches of a motion meet, and accelerations are those of a mechanism
+  /// with more degrees of freedom.
   T weakest_row() const { return weakest_row_; }
-  /// b += Yᵀ D^-½ L⁻ᵀ x = A M⁻¹ x.
+  /// b += A M⁻¹ x.
   void add_response(const T* x, T* b) noexcept;
-  /// The part of the accelerations that forces τ (nv) add, M a - Aᵀ λ = τ with A a = 0; with the rows factorised.
+  /// Computes the accelerations a that forces τ (nv) add, M a - Aᵀ λ = τ with A a = 0, with the rows A
+  /// factorised (D7.14).
   void force_response(const T* tau, T* a) noexcept;
   /// x := M⁻¹ x.
   void solve(T* x) noexcept { dynamics_->bodies.solve(tree(), x); }
 
-  /// W λ on the second body of loop joint k and -W λ on the first, about origin(k); after make_rows().
+  /// The wrench W λ on the second body of loop joint k, about origin(k); -W λ acts on the first. After
+  /// make_rows().
   Wrench<Spatial, T> wrench(std::size_t k, const T* lambda) const noexcept;
   Vec3<T> origin(std::size_t k) const noexcept;
   /// The origins of the roots in the inertial frame, at the index of each root body.
   const Vec3<T>* root_origins() const { return origin_; }
 
-  /// D^-½ L⁻ᵀ Aᵀ, nv × m, and zeros up to a whole block.
+  /// D^-½ L⁻ᵀ Aᵀ, nv × m, padded with zero columns to a whole block.
   const RowByRow& Y() const { return Y_; }
-  /// The size of each row, no less than a tenth of the largest of its loop: it may be felt by no joint.
+  /// The size d of each row (D7.7).
   const Vector& scale() const { return scale_; }
   const LoopTable& table() const { return table_; }
   const Link<Spatial, T>& link(int i) const { return link_[i]; }
-  /// The tree without its loops.
+  /// The articulated bodies of the spanning tree.
   ArticulatedBodies<Spatial, T>& bodies() { return dynamics_->bodies; }
 
  private:
   struct State {
     loops::LoopFrames<T> frames;  ///< about origin(k)
-    Vec3<T> shift;                ///< from there to the origin of the first body's root
-    loops::LoopWrenches<T> W;
+    Vec3<T> shift;                ///< from origin(k) to the origin of the first body's root
+    loops::LoopWrenches<T> W;     ///< on the second body for unit multipliers
   };
   const Tree<T>& tree() const { return model_.tree<T>(); }
   static std::size_t index(int k) { return static_cast<std::size_t>(k); }
@@ -153,8 +164,8 @@ template <class T> class LoopSystem {
   const std::vector<LoopTable::VelocityBlock>& blocks() const {
     return level_ == ConstraintLevel::velocity ? table_.row_blocks : table_.residual_blocks;
   }
-  /// accelerate() with the fast articulated bodies; false, and a and λ not written, where these cannot, or where velocities
-  /// are coupled.
+  /// accelerate() with the fast articulated bodies. Returns false, without a and λ, if velocities are coupled
+  /// or a pivot is too small for them.
   bool accelerate_fast(const T* q, const T* v, const T* tau, const Loads<T>& loads, T* a, T* lambda,
                        const RowRank& rank) noexcept;
   /// The motion of the two bodies of a loop joint about origin(k).
@@ -169,12 +180,10 @@ template <class T> class LoopSystem {
         for (int r = 0; r < count(path); ++r) f(first(path) + r, column.velocity, *entry++);
     }
   }
-  template <int n> void pull_rows_fast(const LoopPath& path, const State& at, int row) noexcept;
-  /// Joint screws, and the loops between the bodies where they end.
-  void place_loops() noexcept;
-  void place_ends() noexcept;  ///< the loops alone
+  void update_loops() noexcept;      ///< joint screws and loop ends
+  void update_loop_ends() noexcept;  ///< the frames of the loop joints alone
   void make_entries() noexcept;
-  /// All that solve_rows() needs, at the place.
+  /// Factorises M and the rows of a level at the present kinematics.
   Solvability prepare(ConstraintLevel level, const T* q, const RowRank& rank) noexcept;
   /// w = D^-½ L⁻ᵀ x.
   void pull(const T* x) noexcept;
@@ -183,35 +192,40 @@ template <class T> class LoopSystem {
   /// b += Yᵀ w and w += Y λ.
   void add_to_rows(T* b) const noexcept;
   void add_to_velocities(const T* lambda) noexcept;
-  /// f(row) for the redundant ones of the rows that were made.
+  /// f(row) for the redundant rows among those of the present level.
   template <class F> void each_redundant(const RowRank& rank, const F& f) const;
-  /// solve_rows() where every row is far from depending on others, in one step; false, and λ not written, otherwise.
+  /// solve_rows() in one step. Returns false, without λ, unless every row is far from redundant.
   bool solve_sound_rows(const T* b, T* lambda, const RowRank& rank) noexcept;
-  /// The same for all rows, step by step.
+  /// solve_rows() by the proximal iteration (D7.8).
   void solve_filtered_rows(const T* b, T* lambda, const RowRank& rank) noexcept;
-  /// What is to be factorised.
+  /// Writes G + filter d² and the right side -b for the factorisation.
   void set_rows(const T* b, const T& filter, const RowRank& rank) noexcept;
   SE3<T> pose(const Loop::End& end, int root, const Vec3<T>& O) const noexcept;
   Wrench<Spatial, T> on_first(const State& at, const Wrench<Spatial, T>& W) const {
     return {W.m - cross(at.shift, W.f), W.f};
   }
-  /// Takes the wrenches of a loop on its two bodies to the ground: step(i, F) past the joint of body i.
+  /// Takes the wrenches of a loop on its two bodies to the ground: step(i, F) crosses the joint of body i.
   template <class Wrenches, class Step>
   void propagate_to_root(const LoopPath& path, Wrenches& F_i, Wrenches& F_j,
                          const Step& step) const noexcept {
     const auto& parent = tree()->parent;
     for (int i = path.ends[0].body; i != path.meeting; i = parent[i]) step(i, F_i);
     for (int j = path.ends[1].body; j != path.meeting; j = parent[j]) step(j, F_j);
-    F_j.m += F_i.m, F_j.f += F_i.f;
+    F_j.m += F_i.m;
+    F_j.f += F_i.f;
     for (int i = path.meeting; i > 0; i = parent[i]) step(i, F_j);
   }
+  /// Entries of Y for one row, for n rows of a loop, for n rows with the fast bodies, and for all rows of a
+  /// loop (D7.6).
   void pull_row(const LoopPath& path, int row, const Wrench<Spatial, T>& first,
                 const Wrench<Spatial, T>& second) noexcept;
   template <int n> void pull_rows(const LoopPath& path, const State& at, int row) noexcept;
+  template <int n> void pull_rows_fast(const LoopPath& path, const State& at, int row) noexcept;
   void pull_loop(const LoopPath& path, const State& at) noexcept;
   void multiply_rows() noexcept;  ///< Yᵀ Y, on and above the diagonal
 
-  /// What accelerate_fast() runs on: the tree, and the places and velocities of bodies against their roots.
+  /// Scratch of accelerate_fast(): the fast articulated bodies, and positions and velocities of the body
+  /// origins relative to the origins of their roots.
   struct FastKernel {
     using Bodies = typename FastForwardDynamics<T>::Bodies;
     struct OriginMotion {
@@ -229,16 +243,18 @@ template <class T> class LoopSystem {
   LoopTable table_;
   Link<Spatial, T>* link_ = nullptr;
   Vec3<T>* origin_ = nullptr;
-  std::vector<State> at_;  ///< of each loop joint
+  std::vector<State> at_;  ///< one for each loop joint
   ConstraintLevel level_ = ConstraintLevel::velocity;
-  T filter_, weakest_row_ = T(1);
-  std::vector<std::vector<T>> entries_;  ///< of each loop: A, a column of up to six rows for each LoopColumn
+  static constexpr T least_filter = std::same_as<T, float> ? T(1e-5) : T(1e-12);
+  T filter_ = least_filter;  ///< μ (D7.9)
+  T weakest_row_ = T(1);
+  std::vector<std::vector<T>> entries_;  ///< A by loops: a column of up to six rows for each LoopColumn
   RowByRow Y_, G_;
   RowCholesky<T> factor_;
-  RowByRow left_;  ///< of Y, by the rows that are independent
+  RowByRow left_;  ///< Y without its projection on the independent rows
   Eigen::RowVectorX<T> along_;
   Matrix basis_;
-  Vector root_;  ///< D^-½, by velocity
+  Vector root_;  ///< D^-½ (nv)
   Vector scale_, zero_, forces_, w_, b_, lambda_, step_, rest_, moved_;
 };
 

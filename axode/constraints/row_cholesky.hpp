@@ -4,15 +4,15 @@
 
 namespace axode {
 
-/// The factor Rᵀ D R of a symmetric positive matrix with some dozens of rows, R with ones on its diagonal, row by row in
-/// blocks of eight numbers: quicker than Eigen's own, which is made for large ones. Rows have room for a right side and up
-/// to a whole block, 0 where nothing stands.
+/// Factorisation Rᵀ D R of a symmetric positive matrix with some dozens of rows, R with a unit diagonal. Rows
+/// are stored in blocks of eight numbers, which is faster than Eigen's own for such sizes. A row has space
+/// for a right side, and is padded with zeros to a whole block.
 template <class T> class RowCholesky {
  public:
   using Matrix = Eigen::Matrix<T, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
   static constexpr Eigen::Index width = 8;
   static Eigen::Index room(Eigen::Index m) { return block(m + width); }
-  /// Where the block of column k begins.
+  /// The first column of the block of column k.
   static Eigen::Index block(Eigen::Index k) { return k / width * width; }
   static auto part(Matrix& A, Eigen::Index row, Eigen::Index begin) {
     return A.row(row).template segment<width>(begin);
@@ -21,11 +21,16 @@ template <class T> class RowCholesky {
     return A.row(row).template segment<width>(begin);
   }
 
-  void resize(Eigen::Index m) { R_.setZero(m, room(m)), inverse_.resize(m); }
-  /// The matrix on and above its diagonal and a right side in column m, then R without its diagonal.
+  void resize(Eigen::Index m) {
+    R_.setZero(m, room(m));
+    inverse_.resize(m);
+  }
+  /// Before factorize(): the matrix on and above its diagonal, and a right side in column m. Afterwards: R
+  /// without its diagonal.
   Matrix& matrix() { return R_; }
 
-  /// Of the first m rows, and R⁻ᵀ of the right side. False, and nothing of use there, where a pivot D_k is not sound(k, D_k).
+  /// Factorises the first m rows, and applies R⁻ᵀ to the right side. Returns false, and leaves no
+  /// factorisation, as soon as sound(k, D_k) is false for a pivot D_k.
   template <class Sound> bool factorize(Eigen::Index m, const Sound& sound) noexcept {
     for (Eigen::Index k = 0; k < m; ++k) {
       if (!sound(k, R_(k, k))) return false;
@@ -42,12 +47,15 @@ template <class T> class RowCholesky {
   void factorize(Eigen::Index m) noexcept {
     factorize(m, [](Eigen::Index, const T&) { return true; });
   }
-  /// x, which has room as rows have, for the right side that factorize() met. It is no longer there afterwards.
+  /// Solves for the right side given to factorize(), which is removed. x is as long as a row, room(m).
   void solve_right_side(Eigen::Index m, Eigen::VectorX<T>& x) noexcept {
-    for (Eigen::Index k = 0; k < m; ++k) x[k] = R_(k, m), R_(k, m) = T(0);
+    for (Eigen::Index k = 0; k < m; ++k) {
+      x[k] = R_(k, m);
+      R_(k, m) = T(0);
+    }
     solve_up(m, x);
   }
-  /// x := (Rᵀ D R)⁻¹ x after that.
+  /// x := (Rᵀ D R)⁻¹ x, after solve_right_side() or without a right side.
   void solve(Eigen::Index m, Eigen::VectorX<T>& x) const noexcept {
     for (Eigen::Index k = 0; k < m; ++k) {
       const T x_k = x[k];
@@ -59,8 +67,8 @@ template <class T> class RowCholesky {
   }
 
  private:
-  /// x := R⁻¹ x. Its own block number by number, for a vector just written so would be waited for; the last number found is
-  /// the last to be used.
+  /// x := R⁻¹ x. Numbers of the same block are used one by one, the last found last, because loading a vector
+  /// that was just written number by number stalls.
   void solve_up(Eigen::Index m, Eigen::VectorX<T>& x) const noexcept {
     for (Eigen::Index k = m; k-- > 0;) {
       const Eigen::Index next = block(k) + width;
@@ -73,7 +81,7 @@ template <class T> class RowCholesky {
   }
 
   Matrix R_;
-  Eigen::VectorX<T> inverse_;  ///< of D
+  Eigen::VectorX<T> inverse_;  ///< D⁻¹
 };
 
 }  // namespace axode

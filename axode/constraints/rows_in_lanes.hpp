@@ -8,7 +8,8 @@
 
 namespace axode {
 
-/// The wrenches F of n rows of a loop, from one of them on, on their way along a path to the ground, one in each lane.
+/// The wrenches F of n consecutive rows of a loop, one in each lane, on the sweep along a path to the ground
+/// (D7.6).
 template <class T, int n> struct RowsInLanes {
   using Rows = Batch<T, std::max(2U, std::bit_ceil(static_cast<unsigned>(n)))>;
   Vec3<Rows> m, f;
@@ -26,22 +27,24 @@ template <class T, int n> struct RowsInLanes {
   }
 
   friend RowsInLanes operator-(RowsInLanes F) {
-    F.m = -F.m, F.f = -F.f;
+    F.m = -F.m;
+    F.f = -F.f;
     return F;
   }
 
   /// A vector in all lanes.
   template <class Vector> static Vec3<Rows> all(const Vector& a) { return spread<Rows, T>(a); }
 
-  /// To a point from which the old one is at r.
+  /// Moves the wrenches to a point from which the old one is at r.
   template <class Vector> void move(const Vector& r) { m += cross(all(r), f); }
-  /// Of a velocity with pivot D that feels Sᵀ F, Y = D^-½ Sᵀ F is handed out in y, and F - U D⁻¹ Sᵀ F goes on: x U, or with x felt,
-  /// where U has D⁻¹ in it already.
+  /// Eliminates a velocity with pivot D and u = Sᵀ F. Stores D^-½ u in y and subtracts x U from the wrenches,
+  /// with x = D⁻¹ u, or with x = u if U contains D⁻¹ already. `root` is D^-½.
   template <class Vector>
-  void eliminate(const Rows& felt, const T& root, T* y, const Rows& x, const Vector& U_m, const Vector& U_f) {
-    const Rows Y = Rows(root) * felt;
+  void eliminate(const Rows& u, const T& root, T* y, const Rows& x, const Vector& U_m, const Vector& U_f) {
+    const Rows Y = Rows(root) * u;
     for (std::size_t r = 0; r < n; ++r) y[r] = Y[r];
-    m -= x * all(U_m), f -= x * all(U_f);
+    m -= x * all(U_m);
+    f -= x * all(U_f);
   }
 };
 

@@ -18,7 +18,7 @@ namespace axode::loops {
 template <class T> using SpatialWrench = Wrench<Spatial, T>;
 template <class T> using LoopWrenches = std::array<SpatialWrench<T>, 6>;
 
-/// The frames of a loop joint on its two bodies, seen from a common point O in inertial axes.
+/// The frames of a loop joint on its two bodies, relative to a common point O in inertial axes.
 template <class T> struct LoopFrames { SE3<T> a, b; };
 /// Spatial twists of the two bodies about O, and their rates without or with joint accelerations.
 template <class T> struct EndMotion { Screw<T> V_i, V_j, dV_i, dV_j; };

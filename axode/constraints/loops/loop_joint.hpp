@@ -9,10 +9,10 @@
 
 namespace axode {
 
-/// The types of loop joints. What one has to have is in loop_frames.hpp.
+/// The types of loop joints; loop_frames.hpp lists the members that a type must have.
 using LoopJoint = std::variant<loops::SubgroupClosure, loops::Universal, loops::Rod, loops::RollingContact>;
 
-/// The type of a kind; the size is that of Loop::size.
+/// The loop joint of a kind, with Loop::size.
 constexpr LoopJoint loop_joint(LoopKind kind, double pitch, double size, bool wheel) {
   if (kind == LoopKind::universal) return loops::Universal{size};
   if (kind == LoopKind::rod) return loops::Rod{size};
@@ -20,7 +20,7 @@ constexpr LoopJoint loop_joint(LoopKind kind, double pitch, double size, bool wh
   return loops::SubgroupClosure{traits(kind).free, pitch};
 }
 
-/// Whether the table of kinds says of each what its type says.
+/// Whether the numbers of rows in the table of kinds are those of the types.
 constexpr bool loop_kinds_have_the_rows_of_their_types() {
   for (const LoopTraits& kind : loop_kinds) {
     const auto agrees = [&](const auto& joint) {

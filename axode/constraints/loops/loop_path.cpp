@@ -31,23 +31,23 @@ LoopPath::LoopPath(const Tree<double>& tree, const LoopCoupling& coupling) : Loo
   add_bodies(topology, moved);
 }
 
-/// Bodies from some of them to the ground, and the velocities that give way there.
+/// Collects the bodies from those in `from` to the ground, and the velocities that are eliminated on the way.
 void LoopPath::add_bodies(const Topology& topology, const std::vector<int>& from) {
   std::set<int, std::greater<>> on_paths;
   for (const int last : from)
     for (int i = last; i > 0; i = topology.parent[i]) on_paths.insert(i);
   bodies.assign(on_paths.begin(), on_paths.end());
   const Topology::Ties& ties = topology.ties;
-  std::set<int> eliminate;
+  std::set<int> eliminated;
   for (const int i : bodies) {
     if (ties.own[i] < 0)
       for (int s = topology.first_screw[i]; s < topology.first_screw[i + 1]; ++s)
-        eliminate.insert(topology.iv[i] + s - topology.first_screw[i]);
+        eliminated.insert(topology.iv[i] + s - topology.first_screw[i]);
     for (int t = ties.begin[i]; t < ties.begin[i + 1]; ++t)
-      if (ties.up[t] < 0) eliminate.insert(ties.velocity[t]);
+      if (ties.up[t] < 0) eliminated.insert(ties.velocity[t]);
   }
-  for (int t = ties.begin[0]; t < ties.begin[1]; ++t) eliminate.insert(ties.velocity[t]);
-  velocities.assign(eliminate.begin(), eliminate.end());
+  for (int t = ties.begin[0]; t < ties.begin[1]; ++t) eliminated.insert(ties.velocity[t]);
+  velocities.assign(eliminated.begin(), eliminated.end());
 }
 
 }  // namespace axode

@@ -6,34 +6,34 @@
 
 namespace axode {
 
-/// A velocity that a loop feels: the column of A that belongs to a joint screw, or to a term of a coupling.
+/// A column of A with non-zero entries in the rows of a loop: a joint screw, or a term of a coupling.
 struct LoopColumn {
   int velocity;
   int screw = -1;     ///< -1 for a term of a coupling
-  int body = 0;       ///< whose joint has the screw
+  int body = 0;       ///< the body whose joint has the screw
   int side = 0;       ///< 1 on the path to the second body, -1 on that to the first
-  double factor = 0;  ///< of a term
+  double factor = 0;  ///< the factor of a term of a coupling
 };
 
 /// The constant part of a loop: its rows, and the paths on the tree that it closes.
 struct LoopPath {
   LoopPath(const Tree<double>& tree, const Loop& joint);
-  /// A coupling has no ends: they are at the ground.
+  /// The ends of a coupling are at the ground.
   LoopPath(const Tree<double>& tree, const LoopCoupling& coupling);
 
-  /// Rows of A, or of those that have a residual.
+  /// Consecutive rows, of A or of R.
   struct Range {
     int first, count;
     bool operator==(const Range&) const = default;
   };
 
-  Range rows, residuals;  ///< of this loop
+  Range rows, residuals;  ///< the rows of this loop in A and in R
   std::array<Loop::End, 2> ends = {};
-  std::array<int, 2> root{};        ///< of its bodies; 0 for the ground
+  std::array<int, 2> root{};        ///< the roots of its two bodies; 0 for the ground
   int meeting = 0;                  ///< the body where the two paths meet, 0 for the ground
-  std::vector<LoopColumn> columns;  ///< up to there
-  std::vector<int> bodies;          ///< on the paths to the ground, the last ones first
-  std::vector<int> velocities;      ///< that give way there
+  std::vector<LoopColumn> columns;  ///< joint screws from the two bodies up to `meeting`, or the terms
+  std::vector<int> bodies;          ///< all bodies on the paths to the ground, in descending order
+  std::vector<int> velocities;      ///< velocities that are eliminated on these paths, ascending
 
  private:
   explicit LoopPath(const LoopRows& of)

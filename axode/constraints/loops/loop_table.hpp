@@ -7,11 +7,11 @@
 
 namespace axode {
 
-/// The loops of a mechanism as the constraints read them, made once: each joint with its type, and couplings,
-/// which are constant rows of velocities.
+/// The constant part of all loops of a mechanism: each loop joint with its type, and couplings, which are
+/// constant rows of velocities.
 struct LoopTable {
   using Range = LoopPath::Range;
-  /// Consecutive velocities that feel the same rows as they give way.
+  /// Consecutive velocities (rows of Y) with non-zero entries for the same loop rows.
   struct VelocityBlock {
     int first, count;
     std::vector<Range> rows;
@@ -19,17 +19,23 @@ struct LoopTable {
 
   explicit LoopTable(const Model& model);
 
-  std::vector<LoopPath> paths;  ///< those of the joints, and after them those of the couplings
+  std::vector<LoopPath> paths;  ///< one for each joint, then one for each coupling
   std::vector<LoopJoint> joints;
-  std::vector<VelocityBlock> row_blocks,
-      residual_blocks;     ///< of rows of A, and of those that have a residual
-  std::vector<char> ends;  ///< n + 1: whether a loop joint ends at a body
+  std::vector<VelocityBlock> row_blocks, residual_blocks;  ///< for the rows A and for the rows R
+  std::vector<char> ends;                                  ///< n + 1: whether a loop joint ends at a body
 
   std::span<const LoopPath> of_couplings() const { return std::span(paths).subspan(joints.size()); }
-  /// f(k, joint) for every loop joint, with its type.
+  /// f(k, joint) for every loop joint, with its type. It is called in noexcept functions, which std::visit
+  /// may leave by an exception.
   template <class F> void each(const F& f) const {
-    for (std::size_t k = 0; k < joints.size(); ++k)
-      std::visit([&](const auto& joint) { f(k, joint); }, joints[k]);
+    for (std::size_t k = 0; k < joints.size(); ++k) {
+      const auto call = [&](const auto* joint) {
+        if (joint) f(k, *joint);
+      };
+      [&]<class... Types>(const std::variant<Types...>& joint) {
+        (call(std::get_if<Types>(&joint)), ...);
+      }(joints[k]);
+    }
   }
 };
 

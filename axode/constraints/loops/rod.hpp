@@ -3,7 +3,7 @@
 
 namespace axode::loops {
 
-/// A massless rod with a ball at either end, the origins of its two frames.
+/// A massless rod with ball joints at its ends, which are the origins of the two frames.
 struct Rod {
   double length = 0;  ///< m
 

@@ -3,8 +3,9 @@
 
 namespace axode::loops {
 
-/// A sphere or a wheel on the second body that rolls on a plane of the first. z of the first frame is the normal,
-/// z of the second the axis of the wheel. The row of the normal has a residual, the two tangential rows have none.
+/// A sphere or a wheel on the second body that rolls on a plane of the first. z of the first frame is the
+/// normal, z of the second the axis of the wheel. The row of the normal has a residual, the two tangential
+/// rows have none.
 struct RollingContact {
   double radius = 0;  ///< m
   bool wheel = false;
@@ -19,7 +20,7 @@ struct RollingContact {
     const Vec3<T> p = contact(at).p;
     for (const Vec3<T>* e : {&at.a.R.z, &at.a.R.x, &at.a.R.y}) *W++ = force_at(p, *e);
   }
-  /// The contact moves along the rim and along the plane.
+  /// The contact point moves along the rim and along the plane; d' is (D6.9).
   template <class T>
   void wrench_rates(const LoopFrames<T>& at, const EndMotion<T>& m, SpatialWrench<T>* dW) const {
     const Vec3<T>&n = at.a.R.z, &k = at.b.R.z;

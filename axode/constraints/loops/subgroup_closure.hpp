@@ -8,15 +8,15 @@
 
 namespace axode::loops {
 
-/// A loop joint that leaves a subgroup of SE(3) free, given by its free directions ω_x ω_y ω_z v_x v_y v_z in the
-/// frame of the joint, and by the pitch of a helical joint, whose v_z is bound to ω_z.
+/// A loop joint that leaves a subgroup of SE(3) free, given by its free directions ω_x ω_y ω_z v_x v_y v_z in
+/// the frame of the joint, and by the pitch of a helical joint, whose v_z is bound to ω_z.
 ///
-/// S spans the subalgebra of the joint, T the wrenches with Tᵀ S = 0. Of a relative pose D = g E the motion g in
-/// the subgroup is stripped off. The residual r = Tᵀ (log R_E; r_E) vanishes on the whole subgroup, however far the
-/// joint has moved; Tᵀ log D does not (it jumps at half a turn).
+/// S spans the subalgebra of the joint, T the wrenches with Tᵀ S = 0. Of a relative pose D = g E the motion g
+/// in the subgroup is stripped off. The residual r = Tᵀ (log R_E; r_E) vanishes on the whole subgroup,
+/// however far the joint has moved; Tᵀ log D does not (it jumps at half a turn).
 struct SubgroupClosure {
   std::array<bool, 6> free{};
-  double pitch = 0;  ///< m/rad, 0 of all but helical joints
+  double pitch = 0;  ///< m/rad, 0 unless the joint is helical
 
   constexpr int rows() const { return 6 - static_cast<int>(std::count(free.begin(), free.end(), true)); }
   constexpr int residuals() const { return rows(); }
@@ -30,14 +30,14 @@ struct SubgroupClosure {
       ++W;
     }
   }
-  /// The wrenches rest in the second body, W' = -ad_{V_j}ᵀ W, so that γ = W · (V'_j - V'_i + [V_j, V_i]).
+  /// The wrenches are fixed to the second body, W' = -ad_{V_j}ᵀ W, so that γ is (D6.8).
   template <class T>
   void bias(const LoopFrames<T>&, const SpatialWrench<T>* W, const EndMotion<T>& m, T* gamma) const {
     const Screw<T> Psi = m.dV_j - m.dV_i + ad(m.V_j, m.V_i);
     for (int k = 0, n = rows(); k < n; ++k) gamma[k] = power(W[k], Psi);
   }
 
-  /// E of D = g E, with g in the subgroup and E near the identity where the joint is nearly closed.
+  /// E of D = g E (D6.1), with g in the subgroup, and E near the identity if the joint is nearly closed.
   template <class T> SE3<T> strip(const SE3<T>& D) const {
     T theta(0);
     SO3<T> turn{};
@@ -63,7 +63,7 @@ struct SubgroupClosure {
       ++r;
     }
   }
-  /// In the frame of the joint r' = P X for X = D⁻¹ D', exactly, and P = Tᵀ on the subgroup:
+  /// In the frame of the joint r' = P X for X = D⁻¹ D', exactly, and P = Tᵀ on the subgroup (D6.4):
   ///   P = Tᵀ (I - K (Nᵀ K)⁻¹ Nᵀ) B
   /// with B = diag(dexp⁻¹_{-φ}, R_E), K = B Ad_E⁻¹ S and N the coordinates that strip makes 0.
   template <class T> void residual_wrenches(const LoopFrames<T>& at, SpatialWrench<T>* R) const {
@@ -81,7 +81,7 @@ struct SubgroupClosure {
       N[n] = k;
       ++n;
     }
-    std::array<std::array<T, 3>, 3> NK{{{T(1)}, {T(0), T(1)}, {T(0), T(0), T(1)}}};  // its columns
+    std::array<std::array<T, 3>, 3> NK{{{T(1)}, {T(0), T(1)}, {T(0), T(0), T(1)}}};  // columns
     for (std::size_t b = 0; b < n; ++b)
       for (std::size_t a = 0; a < n; ++a) NK[b][a] = K[b][N[a]];
     const auto column = [&](std::size_t b) { return Vec3<T>{NK[b][0], NK[b][1], NK[b][2]}; };

@@ -3,7 +3,8 @@
 
 namespace axode::loops {
 
-/// Two axes through one point, z of either frame, that keep their angle: a ball and one couple more.
+/// Two axes through one point, z of the two frames, with a constant angle: the rows of a ball joint and one
+/// couple.
 struct Universal {
   double cosine = 0;  ///< of the angle between the axes
   static constexpr SubgroupClosure ball{{true, true, true}};
