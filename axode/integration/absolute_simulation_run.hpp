@@ -12,8 +12,8 @@
 
 namespace axode {
 
-/// A run in absolute coordinates: q, v and a are those of the bodies, see AbsoluteSystem. What it takes is told in joint
-/// coordinates, with the accelerations of these.
+/// A motion in absolute coordinates: q, v and a are those of the bodies, see AbsoluteSystem. The trajectory
+/// is in joint coordinates, with the accelerations of these.
 class AbsoluteSimulationRun {
  public:
   using Vector = std::vector<double>;
@@ -49,7 +49,7 @@ class AbsoluteSimulationRun {
   double now() const { return run_.now(); }
   void stop(const Failure& failure) { run_.stop(failure); }
   const EnergyNorm& norm() const { return norm_; }
-  /// See SimulationRun; that of v_t are the velocities of the bodies.
+  /// See SimulationRun; v_t are the velocities of the bodies.
   double velocity_scale(const Vector& v_t, double h) const {
     return std::max(norm_.of_velocities(as_eigen(v_t)), run_.velocity_scale(h));
   }
@@ -57,7 +57,8 @@ class AbsoluteSimulationRun {
   // The schemes call these functions.
   Failure factorize(double t, Span q_t) { return checked(t, bodies_.factorize(q_t)); }
   Failure factorize_with_rank(double t, Span q_t) { return checked(t, bodies_.factorize_with_rank(q_t)); }
-  /// With springs, dampers and drives as they resist what moves with an acceleration: places by c_x, velocities by c_v.
+  /// Factorises with the resistance of springs, dampers and drives to a change x of accelerations that
+  /// changes q by c_x x and v by c_v x.
   Failure factorize(double t, Span q_t, Span v_t, double c_x, double c_v) {
     bodies_.to_joint_state(q_t, v_t, q_joints_, v_joints_);
     if (Failure failure = run_.joint_resistance(t, q_joints_, v_joints_, c_x, c_v, resistance_))
@@ -88,7 +89,8 @@ class AbsoluteSimulationRun {
     std::ranges::copy(x_, a_t.begin());
     return finite(x_) ? Failure{} : Failure{t, "accelerations are not finite"};
   }
-  /// Closes joints and loops again, by the displacement and the impulses that move the masses least, and is held there.
+  /// Projects onto joints and loops, by the displacement and the impulses that move the masses least, and
+  /// factorises there.
   Failure close(double t, Vector& q_1, Vector& v_1) {
     constexpr double closed = 1e-13, tolerable = 1e-6;
     double before = position_error(q_1);
@@ -98,9 +100,9 @@ class AbsoluteSimulationRun {
       project();
       group_.move(q_1, x_, q_1);
       const double now = position_error(q_1);
-      const bool done = !(now < 0.5 * before);  // as far as rounding lets it come, or not at all
+      const bool stalled = !(now < 0.5 * before);  // by rounding, or because they cannot be closed
       before = now;
-      if (done) break;
+      if (stalled) break;
     }
     if (!(before <= tolerable)) return {t, "joints and loops cannot be kept closed; a shorter step may help"};
     if (Failure failure = factorize_with_rank(t, q_1)) return failure;
@@ -109,7 +111,8 @@ class AbsoluteSimulationRun {
     as_eigen(v_1) += as_eigen(x_);
     return {};
   }
-  /// Takes the end of a step, closed again; dry friction is the force that the velocity says, and changes in steps.
+  /// Projects and appends the end of a step. Dry friction is the force of the sign of the velocity, and may
+  /// jump within a step.
   Failure take_up_to(double t_1, const StepEnd& end, const Attempt&) {
     Vector q_1(end.q.begin(), end.q.end()), v_1(end.v.begin(), end.v.end());
     if (Failure failure = close(t_1, q_1, v_1)) return failure;
@@ -118,7 +121,7 @@ class AbsoluteSimulationRun {
   }
   void begin_step() { weakest_row_ = 1; }
   double weakest_row() const { return weakest_row_; }
-  /// The same of a scheme that keeps joints and loops closed itself.
+  /// Appends the end of a step of a scheme that keeps joints and loops closed itself.
   Failure take_closed(double t, Span q_end, Span v_end) {
     bodies_.to_joint_state(q_end, v_end, q_joints_, v_joints_);
     bodies_.set_reference_angles(q_joints_);
@@ -146,7 +149,7 @@ class AbsoluteSimulationRun {
     }
     return inertia;
   }
-  /// x, by the impulses that take rows_ away.
+  /// Computes x of the impulses that remove rows_.
   void project() {
     as_eigen(rows_) *= -1;
     f_.assign(static_cast<std::size_t>(bodies_.nv()), 0.0);

@@ -105,11 +105,9 @@ bool ClosedMotion::close_places(std::span<double> q) {
     if (!system.projection_step(q.data(), x_.data(), rank_).ok()) return false;
     group_.move(q.data(), x_.data(), q.data());
     const double now = open();
-    if (!(now < 0.5 * before)) {  // as far as rounding lets it come, or not at all
-      before = now;
-      break;
-    }
+    const bool stalled = !(now < 0.5 * before);  // by rounding, or because the loops cannot be closed
     before = now;
+    if (stalled) break;
   }
   return before <= closed_enough;
 }

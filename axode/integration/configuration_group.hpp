@@ -4,10 +4,11 @@
 
 namespace axode {
 
-/// The configurations of a tree as a Lie group, the product of the joints' subgroups: all that a scheme knows of joints.
-/// Elements x, y of its algebra have nv numbers T, in the joints' left-trivialised directions; S is the tree's. Brackets vanish,
-/// and ⊕ is +, for joints of one velocity. Arguments are vectors of any kind, or pointers to their first numbers; results
-/// may take the place of arguments. O(n).
+/// The configurations of a tree as a Lie group, the product of the subgroups of the joints. Schemes know
+/// joints only by it. Elements x, y of the algebra have nv numbers T in the left-trivialised directions of
+/// the joints; S is the scalar of the tree. For joints of one velocity brackets vanish and ⊕ is +. Arguments
+/// are vectors of any kind, or pointers to their first numbers; results may share the memory of arguments.
+/// O(n).
 template <class T, class S = T> class ConfigurationGroup {
  public:
   explicit ConfigurationGroup(const Tree<S>& tree) : tree_(&tree) {
@@ -17,7 +18,7 @@ template <class T, class S = T> class ConfigurationGroup {
   /// Whether all joints have one velocity.
   bool commutes() const { return commutes_; }
 
-  /// q ⊕ x, quaternions brought back to norm 1 in second order.
+  /// q ⊕ x; the norm of quaternions is corrected to second order.
   void move(const auto& q, const auto& x, auto&& out) const noexcept {
     each_own_joint([&]<class Joint>(const Joint& joint, int i) {
       T* const to = first(out) + tree()->iq[i];
@@ -34,7 +35,7 @@ template <class T, class S = T> class ConfigurationGroup {
       joint.difference(first(q0) + tree()->iq[i], first(q1) + tree()->iq[i], first(out) + tree()->iv[i]);
     });
   }
-  /// x, with 0 for joints of one velocity.
+  /// x, with zeros for joints of one velocity.
   void noncommuting(const auto& x, auto&& out) const noexcept {
     each_block(first(x), first(x), first(out), [](const Screw<T>& X, const Screw<T>&) { return X; });
   }
@@ -42,13 +43,13 @@ template <class T, class S = T> class ConfigurationGroup {
   void bracket(const auto& x, const auto& y, auto&& out) const noexcept {
     each_block(first(x), first(y), first(out), [](const Screw<T>& X, const Screw<T>& Y) { return ad(X, Y); });
   }
-  /// dexp_{-x} y: the velocity of q ⊕ x where x' = y.
+  /// dexp_{-x} y: the velocity of q ⊕ x if x' = y.
   void velocity(const auto& x, const auto& y, auto&& out) const noexcept {
     each_block(
         first(x), first(y), first(out), [](const Screw<T>& X, const Screw<T>& Y) { return dexp(-X, Y); },
         first(y));
   }
-  /// Its derivative where y' = z: dexp_{-x} z + (D_{-y} dexp)_{-x} y, the acceleration of q ⊕ x.
+  /// dexp_{-x} z + (D_{-y} dexp)_{-x} y: the acceleration of q ⊕ x if x' = y and y' = z.
   void acceleration(const auto& x, const auto& y, const auto& z, auto&& out) const noexcept {
     each_own_joint([&]<class Joint>(const Joint& joint, int i) {
       const int c = tree()->iv[i];
@@ -68,13 +69,13 @@ template <class T, class S = T> class ConfigurationGroup {
         first(y));
   }
 
-  // And of momenta p, the duals of velocities:
+  // Transposed maps, on momenta p:
   /// ad_xᵀ p.
   void ad_transpose(const auto& x, const auto& p, auto&& out) const noexcept {
     each_dual_block(first(x), first(p), first(out),
                     [](const Screw<T>& X, const Screw<T>& P) { return ad(-X, P); });
   }
-  /// Ad_{exp x}ᵀ p: at q ⊕ x the momentum that p is at q.
+  /// Ad_{exp x}ᵀ p: the momentum p at q, expressed at q ⊕ x.
   void Ad_transpose(const auto& x, const auto& p, auto&& out) const noexcept {
     each_dual_block(
         first(x), first(p), first(out), [](const Screw<T>& X, const Screw<T>& P) { return Ad(exp(-X), P); },
@@ -86,6 +87,15 @@ template <class T, class S = T> class ConfigurationGroup {
         first(x), first(p), first(out), [](const Screw<T>& X, const Screw<T>& P) { return dexp(-X, P); },
         first(p));
   }
+  [[deprecated("use ad_transpose()")]] void cobracket(const auto& x, const auto& p, auto&& out) const {
+    ad_transpose(x, p, out);
+  }
+  [[deprecated("use Ad_transpose()")]] void carry(const auto& x, const auto& p, auto&& out) const {
+    Ad_transpose(x, p, out);
+  }
+  [[deprecated("use dexp_transpose()")]] void codexp(const auto& x, const auto& p, auto&& out) const {
+    dexp_transpose(x, p, out);
+  }
 
  private:
   const Tree<S>& tree() const { return *tree_; }
@@ -96,11 +106,11 @@ template <class T, class S = T> class ConfigurationGroup {
   template <class F> void each_own_joint(const F& f) const noexcept {
     for (const JointGroup& group : tree()->joint_groups)
       if (!group.coupled)
-        with_subgroup(group.kind, T(0), [&](const auto& joint) {  // no pitch has a part in any of this
+        with_subgroup(group.kind, T(0), [&](const auto& joint) {  // no map depends on the pitch
           for (int k = group.begin; k < group.end; ++k) f(joint, tree()->by_kind[k]);
         });
   }
-  /// S x, and x from it.
+  /// S x, and x of S x.
   template <class Joint> static Screw<T> screw(const Joint& joint, const T* x) noexcept {
     const Twist<BodyFixed, T> X = joint.twist(x);
     return {X.w, X.v};
@@ -109,7 +119,7 @@ template <class T, class S = T> class ConfigurationGroup {
     const auto x = joint.project(Wrench<BodyFixed, T>{X.w, X.v});
     for (int k = 0; k < joint.nv; ++k) out[k] = x[static_cast<std::size_t>(k)];
   }
-  /// f on the screws S x and S y of every joint of several velocities; the others get what `plain` has, or 0.
+  /// f of the screws S x and S y for every joint of several velocities; `plain`, or 0, for the others.
   template <class F>
   void each_block(const T* x, const T* y, T* out, const F& f, const T* plain = nullptr) const noexcept {
     each_own_joint([&]<class Joint>(const Joint& joint, int i) {
@@ -121,7 +131,8 @@ template <class T, class S = T> class ConfigurationGroup {
       }
     });
   }
-  /// The same on momenta. As screws (f; m), the Klein form, they are to Ad and ad what screws are, the other way round.
+  /// each_block() for momenta. With f and m exchanged (Klein form) they transform like screws, with the
+  /// inverse map.
   template <class F>
   void each_dual_block(const T* x, const T* p, T* out, const F& f, const T* plain = nullptr) const noexcept {
     each_block(

@@ -95,9 +95,13 @@ Reference::Reference(const Model& model, Trajectory motion)
 void Reference::find(double t) {
   if (!motion_) return;
   const double begin = motion_->t().front(), end = motion_->t().back();
-  const double rounding = 1e-12 * std::max(std::abs(begin), std::abs(end));  // of the times of stages
+  const double rounding =
+      1e-12 * std::max(std::abs(begin), std::abs(end));  // rounding of the times of stages
   motion_->at(std::clamp(t, begin, end), q_, v_, a_);
-  if (t < begin - rounding || t > end + rounding) std::ranges::fill(v_, 0.0), std::ranges::fill(a_, 0.0);
+  if (t < begin - rounding || t > end + rounding) {
+    std::ranges::fill(v_, 0.0);
+    std::ranges::fill(a_, 0.0);
+  }
 }
 
 Tracking::Tracking(const Model& model, const Gains& given, Reference reference)
@@ -152,9 +156,9 @@ void ComputedTorque::operator()(double t, Span q, Span v, std::span<double> tau)
   for (std::size_t c = 0; c < tau.size(); ++c) tau[c] -= springs_[c];
 }
 
-/// Accelerations are a = a₀ + R u for forces u of the drives. Those of the drives shall be w: B a₀ + B R u = w, where B takes
-/// the drives out of all velocities. Scaled by the diagonal of B R, which is symmetric, neither units nor the sizes of masses
-/// matter where there is no such u.
+/// Accelerations are a = a₀ + R u for drive forces u. The accelerations of the drives shall be w: B a₀ + B R
+/// u = w, where B selects the drives. If there is no such u, the least-squares solution is independent of
+/// units and masses, because the symmetric matrix B R is scaled by its diagonal.
 bool ComputedTorque::make_possible(Span q, Span v) {
   std::vector<int> drives;
   for (int c = 0; c < model_.nv(); ++c)

@@ -9,15 +9,16 @@
 #include "axode/integration/trajectory.hpp"
 #include "axode/model/workspace.hpp"
 
-/// Drives for SimulationOptions::drive and batch::rollout: what they make of (t, q, v) is written into tau (nv).
+/// Drives for SimulationOptions::drive and batch::rollout, which write drive forces tau (nv) for (t, q, v).
 namespace axode {
 
 using Drive = std::function<void(double t, std::span<const double> q, std::span<const double> v,
                                  std::span<double> tau)>;
 
-/// Forces that are given at times: in between on straight lines, or held until the next time; the first ones hold before and
-/// the last ones after. tau has a row of nv numbers for each time. Throws std::invalid_argument for no times, times that
-/// do not increase, a wrong size, and numbers that are not finite.
+/// Forces given at times, with linear interpolation or held until the next time; before the first and after
+/// the last time the forces of these hold. tau has a row of nv numbers for each time. Throws
+/// std::invalid_argument if there is no time, times do not increase, a size is wrong or a number is not
+/// finite.
 class SampledDrive {
  public:
   SampledDrive(const Model& model, std::span<const double> times, std::span<const double> tau,
@@ -30,18 +31,18 @@ class SampledDrive {
   bool hold_;
 };
 
-/// Where a controller is to lead: q_d, v_d and a_d at a time.
+/// The reference q_d, v_d and a_d of a controller as a function of time.
 class Reference {
  public:
-  /// Always the same; v and a are 0 where they are empty. Throws std::invalid_argument for wrong sizes, a quaternion off 1
-  /// and numbers that are not finite.
+  /// A constant reference; v and a are 0 if they are empty. Throws std::invalid_argument for wrong sizes,
+  /// quaternions that are not of unit norm and numbers that are not finite.
   Reference(const Model& model, std::span<const double> q, std::span<const double> v = {},
             std::span<const double> a = {});
-  /// Those of a motion, which rests where it begins before that, and where it ends after that. Throws
-  /// std::invalid_argument for one without a state or with other numbers of coordinates than the model.
+  /// A motion, at rest before its start and after its end. Throws std::invalid_argument if it has no state or
+  /// another number of coordinates than the model.
   Reference(const Model& model, Trajectory motion);
 
-  /// Finds them for a time.
+  /// Evaluates the reference at a time.
   void find(double t);
   const std::vector<double>& q() const { return q_; }
   const std::vector<double>& v() const { return v_; }
@@ -52,13 +53,13 @@ class Reference {
   std::vector<double> q_, v_, a_;
 };
 
-/// Gains of each velocity, or one number for all. Gains of 0 leave a joint, or a free base, to itself; those of passive
-/// joints are taken as 0.
+/// Gains for each velocity, or one number for all. With gains of 0 a joint or free base is not controlled;
+/// gains of passive joints are taken as 0.
 struct Gains {
   std::span<const double> kp, kd;
 };
 
-/// What controllers share: gains, and how far the state is from where it is to be.
+/// Common part of controllers: gains and the deviation from the reference.
 class Tracking {
  public:
   const std::vector<double>& kp() const { return kp_; }
@@ -67,7 +68,7 @@ class Tracking {
 
  protected:
   Tracking(const Model& model, const Gains& gains, Reference reference);
-  /// Finds the reference for a time, and the x with q ⊕ x = q_d.
+  /// Evaluates the reference at a time, and the x with q ⊕ x = q_d.
   void find(double t, std::span<const double> q);
 
   Model model_;
@@ -78,16 +79,17 @@ class Tracking {
   ConfigurationGroup<double> group_;
 };
 
-/// τ = kp x + kd (v_d - v) + feedforward, with q ⊕ x = q_d on the group of configurations, by the shorter way round on
-/// rotations: kp in N m/rad or N/m, kd in N m s/rad or N s/m. `clip` keeps it within the joints' limits of effort. Throws
-/// std::invalid_argument for gains that are negative, not finite or not one or nv numbers.
+/// τ = kp x + kd (v_d - v) + feedforward, with q ⊕ x = q_d on the group of configurations, by the shorter way
+/// round on rotations: kp in N m/rad or N/m, kd in N m s/rad or N s/m. `clip` limits τ to the effort limits
+/// of the joints. Throws std::invalid_argument if gains are negative or not finite, or if their number is not
+/// 1 or nv.
 class ProportionalDerivative : public Tracking {
  public:
   ProportionalDerivative(const Model& model, const Gains& gains, Reference reference, Drive feedforward = {},
                          bool clip = false);
   void operator()(double t, std::span<const double> q, std::span<const double> v, std::span<double> tau);
   const Drive& feedforward() const { return feedforward_; }
-  /// Of effort, of each velocity; empty where nothing is clipped.
+  /// The effort limit of each velocity; empty without clipping.
   const std::vector<double>& limit() const { return limit_; }
 
  private:
@@ -95,27 +97,29 @@ class ProportionalDerivative : public Tracking {
   Drive feedforward_;
 };
 
-/// τ = ID(q, v, a_d + kd (v_d - v) + kp x) less what the springs of the model do, so that x'' + kd x' + kp x = 0 for small
-/// x: kp in 1/s², kd in 1/s. Loads and joint losses are not known to it. Throws as ProportionalDerivative.
+/// τ = ID(q, v, a_d + kd (v_d - v) + kp x) minus the spring forces of the model, so that x'' + kd x' + kp x =
+/// 0 for small x: kp in 1/s², kd in 1/s. Loads and joint losses are not compensated. Throws as
+/// ProportionalDerivative.
 ///
-/// In a mechanism with loops or passive joints, passive joints get no force, and x holds accelerations of the
-/// drives alone. These accelerations are the wanted ones as far as the mechanism lets the drives make them,
-/// otherwise those nearest, each acceleration measured by the one that a unit force of its drive makes; τ is
-/// what inverse_dynamics() with loops gives for them. NaN where the mechanism has no accelerations. Allocates
-/// there; O(nv³ + nv d²) for d drives.
+/// In a mechanism with loops or passive joints, passive joints get no force, and the control law defines
+/// wanted accelerations of the drives only. If the drives can produce them, these are the accelerations;
+/// otherwise the nearest ones are, each measured by the acceleration that a unit force of its drive causes. τ
+/// is the inverse dynamics with loops. NaN if the mass matrix is singular. Allocates in this case; O(nv³ + nv
+/// d²) for d drives.
 class ComputedTorque : public Tracking {
  public:
   ComputedTorque(const Model& model, const Gains& gains, Reference reference);
   void operator()(double t, std::span<const double> q, std::span<const double> v, std::span<double> tau);
-  /// Whether it is the inverse dynamics of a tree that has a drive for every velocity.
+  /// Whether the mechanism is a tree with a drive for every velocity.
   bool drives_all() const { return !loops_; }
 
  private:
-  /// Replaces the wanted accelerations in x_ by those that the drives make; false where there are none.
+  /// Replaces the wanted accelerations in x_ by those that the drives produce; returns false if there are
+  /// none.
   bool make_possible(std::span<const double> q, std::span<const double> v);
 
   Workspace<> workspace_;
-  std::optional<LoopWorkspace<>> loops_;  ///< of a mechanism with loops or passive joints
+  std::optional<LoopWorkspace<>> loops_;  ///< for mechanisms with loops or passive joints
   std::vector<double> springs_;
 };
 

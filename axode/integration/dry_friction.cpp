@@ -16,15 +16,20 @@ DryFriction::DryFriction(const Tree<double>& tree, bool enabled) : tree_(&tree) 
 }
 
 void DryFriction::list_sticking() {
-  sticking_.clear(), sticking_joints_.clear();
+  sticking_.clear();
+  sticking_joints_.clear();
   for (std::size_t k = 0; k < joints_.size(); ++k)
-    if (joints_[k].direction == 0) sticking_.push_back(joints_[k].velocity), sticking_joints_.push_back(k);
+    if (joints_[k].direction == 0) {
+      sticking_.push_back(joints_[k].velocity);
+      sticking_joints_.push_back(k);
+    }
 }
 
 void DryFriction::start(Span v) {
   for (Joint& joint : joints_) {
     const double v_c = v[at(joint.velocity)];
-    joint.direction = (v_c > 0) - (v_c < 0), joint.force = 0;
+    joint.direction = (v_c > 0) - (v_c < 0);
+    joint.force = 0;
   }
   list_sticking();
 }
@@ -36,11 +41,14 @@ void DryFriction::add_losses(Span v, std::span<double> tau) const {
 
 void DryFriction::apply_sticking_forces(const Matrix& compliance, Span own, const EnergyNorm& norm,
                                         std::span<double> a) {
-  constexpr double by_friction = 1e-9,
-                   by_largest = 1e-13;  // of what its friction can make of a velocity, and of all
+  // Tolerances relative to the acceleration that the friction of a joint can cause, and to the largest one
+  // (D9.6).
+  constexpr double by_friction = 1e-9, by_largest = 1e-13;
   const auto k = static_cast<Eigen::Index>(sticking_joints_.size());
   const double size = norm.of_velocities(as_eigen(Span(a)));
-  A_.resize(k, k), a_0_.resize(k), tolerance_.resize(k);
+  A_.resize(k, k);
+  a_0_.resize(k);
+  tolerance_.resize(k);
   for (Eigen::Index i = 0; i < k; ++i) {
     const Joint& joint = sticking_joint(i);
     A_.row(i) = compliance.row(joint.velocity);
@@ -59,7 +67,7 @@ void DryFriction::apply_sticking_forces(const Matrix& compliance, Span own, cons
 }
 
 void DryFriction::factorize(double size) {
-  const double little = 1e-12 * size;  // with loops several may hold one motion, or one none at a dead centre
+  const double little = 1e-12 * size;  // with loops Φ may be singular
   const auto m = static_cast<Eigen::Index>(free_.size());
   factor_.resize(m);
   auto& F = factor_.matrix();
@@ -90,8 +98,8 @@ void DryFriction::constrain_derivatives(std::initializer_list<std::span<double>>
   }
 }
 
-/// By active sets: the forces that are not at their bounds go to the least with the others where they are, or as far as the first
-/// bound; at the least, that which presses against its bound from the wrong side is let go.
+/// Active sets: the forces inside their bounds go to the minimum with the others fixed, or to the first bound
+/// on the way. At the minimum, the force whose bound is active in the wrong direction is released.
 void DryFriction::find_forces(double size) {
   const Eigen::Index k = A_.rows();
   const auto accelerations = [&] {
@@ -109,7 +117,7 @@ void DryFriction::find_forces(double size) {
     const auto m = static_cast<Eigen::Index>(free_.size());
     factorize(size);
     bool blocked = false;
-    for (int twice = 0; twice < 2 && !blocked; ++twice) {  // which takes away what factorize() adds
+    for (int twice = 0; twice < 2 && !blocked; ++twice) {  // removes the regularisation of factorize()
       accelerations();
       step_.setZero();
       for (Eigen::Index r = 0; r < m; ++r) step_[r] = -a_[free_[at(r)]];
@@ -117,24 +125,30 @@ void DryFriction::find_forces(double size) {
       double part = 1;
       Eigen::Index first = -1;
       for (Eigen::Index r = 0; r < m; ++r) {
-        const Joint& of = sticking_joint(free_[at(r)]);
-        const double room = (step_[r] > 0 ? of.friction : -of.friction) - of.force;
-        if (std::abs(step_[r]) * part > std::abs(room)) part = room / step_[r], first = r;
+        const Joint& joint = sticking_joint(free_[at(r)]);
+        const double room = (step_[r] > 0 ? joint.friction : -joint.friction) - joint.force;
+        if (!(std::abs(step_[r]) * part > std::abs(room))) continue;
+        part = room / step_[r];
+        first = r;
       }
       for (Eigen::Index r = 0; r < m; ++r) sticking_joint(free_[at(r)]).force += part * step_[r];
       if (first < 0) continue;
-      Joint& of = sticking_joint(free_[at(first)]);
-      of.force = step_[first] > 0 ? of.friction : -of.friction;
-      bound_[static_cast<std::size_t>(free_[at(first)])] = blocked = true;
+      Joint& joint = sticking_joint(free_[at(first)]);
+      joint.force = step_[first] > 0 ? joint.friction : -joint.friction;
+      bound_[at(free_[at(first)])] = 1;
+      blocked = true;
     }
     accelerations();
     if (blocked) continue;
     Eigen::Index worst = -1;
     double most = 1e-3;
-    for (Eigen::Index i = 0; i < k; ++i)
-      if (bound_[at(i)])
-        if (const double wrong = a_[i] * (sticking_joint(i).force > 0 ? 1 : -1) / tolerance_[i]; wrong > most)
-          most = wrong, worst = i;
+    for (Eigen::Index i = 0; i < k; ++i) {
+      if (!bound_[at(i)]) continue;
+      const double wrong = a_[i] * (sticking_joint(i).force > 0 ? 1 : -1) / tolerance_[i];
+      if (!(wrong > most)) continue;
+      most = wrong;
+      worst = i;
+    }
     if (worst < 0) return;
     bound_[at(worst)] = 0;
   }
@@ -147,7 +161,7 @@ bool DryFriction::reverses(Span v_0, Span a_0, Span v_1, Span a_1, double h) con
     const std::size_t c = at(joint.velocity);
     const double y_0 = joint.direction * v_0[c], y_1 = joint.direction * v_1[c];
     if (y_1 < 0 || (y_1 == 0 && joint.direction * a_1[c] < 0)) return true;
-    // The cubic y(s) with the velocities and accelerations of both ends has its least value where y' = 0 and y'' > 0.
+    // The cubic y(s) with the velocities and accelerations of both ends has its minimum at y' = 0, y'' > 0.
     const double d_0 = joint.direction * h * a_0[c], d_1 = joint.direction * h * a_1[c], D = y_1 - y_0;
     const double k_3 = d_0 + d_1 - 2 * D, k_2 = 3 * D - 2 * d_0 - d_1;
     const double root = k_2 * k_2 - 3 * k_3 * d_0;
@@ -177,7 +191,8 @@ bool DryFriction::stop_sliding(std::span<double> v, Span a, double within) {
     if (joint.direction * v_c > std::max(0.0, braking) * within) continue;
     v_c = 0;
     if (joint.direction == 0 || !(braking > 0)) continue;
-    joint.force = -joint.direction * joint.friction, joint.direction = 0;
+    joint.force = -joint.direction * joint.friction;
+    joint.direction = 0;
     any = true;
   }
   list_sticking();

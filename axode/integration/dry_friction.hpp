@@ -10,73 +10,77 @@
 
 namespace axode {
 
-/// Losses of joints, of which Coulomb friction is any force in -f Sgn(v_c): a velocity v_c slides one way under a force that
-/// is constant, or sticks, v_c = 0, under whatever force up to f holds it. Which way is part of the state of a
-/// motion: it is kept through a step, so that forces are smooth there, and changes at the end of one.
+/// Losses of joints with Coulomb friction: a velocity v_c either slides in one direction under the constant
+/// force -f sign(v_c), or it sticks, v_c = 0, under any force up to f (D9.1). The direction of sliding is a
+/// part of the state: it is constant within a step, so that forces are smooth there, and changes at the end
+/// of a step.
 ///
-/// Forces x of those that stick make the accelerations a + Φ x with Φ = ∂a/∂τ. They are those of Gauss' principle, the least
-/// of x·(Φ x/2 + a) with |x_c| ≤ f_c: either a_c = 0, or x_c is at its bound against a_c.
+/// The forces x of sticking velocities change the accelerations to a + Φ x with Φ = ∂a/∂τ. By Gauss'
+/// principle they minimise x·(Φ x/2 + a) under |x_c| ≤ f_c (D9.4): either a_c = 0, or x_c is at its bound and
+/// opposes a_c.
 class DryFriction {
  public:
   using Span = std::span<const double>;
   using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-  /// Without joints where losses are not felt.
+  /// If not enabled, no joint has friction.
   DryFriction(const Tree<double>& tree, bool enabled);
 
-  /// Whether any joint has dry friction; otherwise losses are left to the dynamics.
+  /// Whether any joint has dry friction; otherwise the dynamics compute the losses.
   bool active() const { return !joints_.empty(); }
   /// Velocities that stick.
   const std::vector<int>& sticking() const { return sticking_; }
 
-  /// Every joint slides the way it moves; those at rest stick until release().
+  /// Every joint slides in the direction of its velocity; joints at rest stick until start_sliding().
   void start(Span v);
-  /// Damping, and friction of what slides.
+  /// Adds damping, and the friction of sliding joints.
   void add_losses(Span v, std::span<double> tau) const;
-  /// Takes a to the accelerations with what sticks held; `compliance` are the columns of Φ that belong to sticking(), `own` what
-  /// each would be on its diagonal without loops; `norm` measures a.
+  /// Changes a to the accelerations under the sticking forces. `compliance` has the columns of Φ for
+  /// sticking(), `own` their diagonal entries without loops; `norm` measures a.
   void apply_sticking_forces(const Matrix& compliance, Span own, const EnergyNorm& norm, std::span<double> a);
 
-  /// Takes derivatives of accelerations, [component, direction] and ∂a/∂τ first, to those with what sticks held.
+  /// Changes derivatives of accelerations, [component, direction] and ∂a/∂τ first, to those with v_c = 0 for
+  /// sticking velocities (D9.7).
   void constrain_derivatives(std::initializer_list<std::span<double>> derivatives);
 
-  /// The largest acceleration of what sticks that hold() has found since watch(), by what is told from none: more than 1 where
-  /// a joint cannot be held.
+  /// The largest acceleration of a sticking velocity in apply_sticking_forces() since reset_violation(),
+  /// relative to the tolerance (D9.6): more than 1 if friction cannot hold a joint.
   double violation() const { return violation_; }
   void reset_violation() { violation_ = 0; }
-  /// Whether what slides has turned between two ends of a step of length h, at its end or before.
+  /// Whether a sliding velocity has reversed within a step of length h with these states at its ends.
   bool reverses(Span v_0, Span a_0, Span v_1, Span a_1, double h) const;
-  /// When, to first order, the next that slides comes to rest from v and a, forwards or, where it has turned, backwards; 0 where
-  /// none does.
+  /// The time, to first order, until the first sliding velocity is 0, negative if it has reversed; 0 if there
+  /// is none.
   double time_to_stop(Span v, Span a) const;
 
-  /// v_c = 0 of what sticks, and of what came to rest less than a time ago or will sooner than that, which sticks now; whether
-  /// there is any.
+  /// Sets sticking velocities to 0, and lets those stick that came to rest, or will, within a time; returns
+  /// whether any did.
   bool stop_sliding(std::span<double> v, Span a, double within);
-  /// What could not be held by the last hold(), which found a, slides from now on.
+  /// Lets velocities slide that have an acceleration after apply_sticking_forces().
   void start_sliding(Span a);
 
  private:
   struct Joint {
     int velocity;
     double friction;
-    int direction;  ///< in which it slides, 1 or -1; 0: it sticks
-    double force;   ///< under which it sticks
+    int direction;  ///< direction of sliding, 1 or -1; 0: it sticks
+    double force;   ///< the force while it sticks
   };
   static std::size_t at(Eigen::Index c) { return static_cast<std::size_t>(c); }
   Joint& sticking_joint(Eigen::Index i) { return joints_[sticking_joints_[at(i)]]; }
   void list_sticking();
-  void factorize(double size);  ///< A, of that size without loops, of what is free
-  /// Forces of what sticks, from those of before, and a = Φ x + a_0 there.
+  void factorize(double size);  ///< factorises A of the free forces; `size` is that of Φ without loops
+  /// Computes the sticking forces, beginning with the last ones, and a = Φ x + a_0 of the sticking
+  /// velocities.
   void find_forces(double size);
 
   const Tree<double>* tree_;
   std::vector<Joint> joints_;
   std::vector<int> sticking_;
-  std::vector<std::size_t> sticking_joints_;  ///< which of the joints, in the order of sticking()
+  std::vector<std::size_t> sticking_joints_;  ///< indices of the joints, in the order of sticking()
   double violation_ = 0;
 
-  Matrix A_;  ///< of what sticks
+  Matrix A_;  ///< Φ of the sticking velocities
   Eigen::VectorXd a_0_, a_, tolerance_, step_;
   std::vector<char> bound_;
   std::vector<Eigen::Index> free_;

@@ -6,22 +6,22 @@
 
 #include "axode/integration/simulation.hpp"
 
-/// Every way to integrate, by name, as the command and the Python package offer them.
+/// All methods of integration by the names that the command and the Python package use.
 namespace axode {
 
-/// A motion that is asked for.
+/// The arguments of a simulation.
 struct MotionRequest {
   const Model& model;
   std::span<const double> q, v;
   double until;
-  double step;             ///< of one that adapts its steps, the first; 0: chosen
-  Tolerances tolerances;   ///< of one that adapts its steps
-  double spectral_radius;  ///< of generalised-α
+  double step;             ///< for an adaptive method the first step, 0: chosen automatically
+  Tolerances tolerances;   ///< for an adaptive method
+  double spectral_radius;  ///< for generalised-α
   const SimulationOptions& options;
 };
 
 struct Method {
-  bool adapts;  ///< its steps to tolerances; the others need their length
+  bool adapts;  ///< whether steps are adapted to tolerances; other methods need a step length
   Trajectory (*simulate)(const MotionRequest& x);
 };
 

@@ -9,9 +9,10 @@
 #include "axode/integration/tableau.hpp"
 #include "axode/lie/twist.hpp"
 
-/// Kinematic reconstruction: the motion C(t) of a body from its twist, by C' = C V^b or C' = V^s C (eq. Vbs). `twist(t)` is
-/// a Twist<Rep>. The results are the poses at all times, the first of which is C0; a step lies between any two of them.
-/// Throws std::invalid_argument for times that do not increase or are not finite, and for a faulty tableau.
+/// Kinematic reconstruction: the motion C(t) of a body from its twist, by C' = C V^b or C' = V^s C (eq. Vbs).
+/// `twist(t)` is a Twist<Rep>. The results are the poses at all times, the first of which is C0; a step lies
+/// between any two of them. Throws std::invalid_argument for times that do not increase or are not finite,
+/// and for a faulty tableau.
 namespace axode {
 
 /// Twists that are the left or right logarithmic derivative of a pose.
@@ -20,7 +21,7 @@ concept PoseRate = std::same_as<Rep, BodyFixed> || std::same_as<Rep, Spatial>;
 
 namespace reconstruction {
 
-/// step(C, t, h) from each time to the next.
+/// Applies step(C, t, h) from each time to the next.
 template <class Step>
 std::vector<SE3<>> in_steps(const SE3<>& C0, std::span<const double> times, const Step& step) {
   std::vector<SE3<>> C;
@@ -38,15 +39,15 @@ template <class X> X sum(const std::vector<double>& weights, double h, const std
   for (std::size_t j = 0; j < weights.size(); ++j) out = out + (h * weights[j]) * x[j];
   return out;
 }
-/// Displaced by a screw, body-fixed or spatial.
+/// C displaced by a screw, body-fixed or spatial.
 template <PoseRate Rep> SE3<> moved(const SE3<>& C, const Screw<>& X) {
   return std::same_as<Rep, BodyFixed> ? C * exp(X) : exp(X) * C;
 }
 
 }  // namespace reconstruction
 
-/// By Munthe-Kaas' method: a step is C exp(X), or exp(X) C, and X' = dexp_{-X}⁻¹ V^b, or dexp_X⁻¹ V^s (eq. Vdexp), is
-/// solved with a tableau, whose order this has.
+/// Munthe-Kaas' method: a step is C exp(X), or exp(X) C, where X' = dexp_{-X}⁻¹ V^b, or dexp_X⁻¹ V^s (eq.
+/// Vdexp), is solved with the order of the tableau.
 template <PoseRate Rep, std::invocable<double> F>
 std::vector<SE3<>> reconstruct(const SE3<>& C0, const F& twist, std::span<const double> times,
                                const Tableau& method = runge_kutta(4)) {
@@ -62,7 +63,7 @@ std::vector<SE3<>> reconstruct(const SE3<>& C0, const F& twist, std::span<const 
   });
 }
 
-/// By Magnus' series to fourth order, from two twists in each step, at the points of Gauss and Legendre:
+/// Magnus' series to fourth order, from the twists at the two Gauss-Legendre points of each step:
 /// X = h (V_1 + V_2) / 2 ± √3/12 h² [V_1, V_2], + for body-fixed twists.
 template <PoseRate Rep, std::invocable<double> F>
 std::vector<SE3<>> reconstruct_magnus(const SE3<>& C0, const F& twist, std::span<const double> times) {
@@ -75,7 +76,7 @@ std::vector<SE3<>> reconstruct_magnus(const SE3<>& C0, const F& twist, std::span
   });
 }
 
-/// By Munthe-Kaas on SO(3) × R³, where rotation and position are integrated apart; for comparison.
+/// Munthe-Kaas' method on SO(3) × R³, with separate rotation and position; for comparison.
 template <PoseRate Rep, std::invocable<double> F>
 std::vector<SE3<>> reconstruct_apart(const SE3<>& C0, const F& twist, std::span<const double> times,
                                      const Tableau& method = runge_kutta(4)) {

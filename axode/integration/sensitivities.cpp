@@ -29,7 +29,7 @@ using Matrix = GroupDerivatives::Matrix;
 using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 using Joints = GroupDerivatives::Joints;
 
-/// An argument or a result, and how many numbers it should have.
+/// An argument or a result, with the size that it must have.
 template <class T> struct Sized {
   const char* name;
   std::span<T> x;
@@ -39,8 +39,10 @@ template <class T> struct Sized {
 void check_motion(const Model& model, double step, const Loads<double>& loads, const Tableau& method,
                   std::initializer_list<Sized<const double>> arguments,
                   std::initializer_list<Sized<double>> results) {
-  check(method), check_step(step), check_loads(model, loads),
-      catalog::check_counts<"rollout sensitivities">(model);
+  check(method);
+  check_step(step);
+  check_loads(model, loads);
+  catalog::check_counts<"rollout sensitivities">(model);
   for (const auto& in : arguments) check_size(in.name, in.x.size(), in.size, in.meaning);
   for (const auto* out = results.begin(); out != results.end(); ++out) {
     check_size(out->name, out->x.size(), out->size, out->meaning);
@@ -51,12 +53,12 @@ void check_motion(const Model& model, double step, const Loads<double>& loads, c
   check_configuration(model, arguments.begin()->x);
 }
 
-/// How many steps the drive forces are for.
+/// The number of steps that have drive forces.
 std::size_t steps_of(const Model& model, Span tau) {
   return model.nv() == 0 ? 0 : tau.size() / static_cast<std::size_t>(model.nv());
 }
 
-/// The verdict on a motion and on its results, which are all NaN where it failed.
+/// Sets all results to NaN if the motion failed or a result is not finite; returns the reason.
 Solvability solved(Solvability verdict, std::initializer_list<std::span<double>> results) {
   for (const std::span<double> x : results) {
     const Solvability one = solved(verdict, static_cast<std::ptrdiff_t>(x.size()), x.data());
@@ -65,25 +67,26 @@ Solvability solved(Solvability verdict, std::initializer_list<std::span<double>>
   return verdict;
 }
 
-/// What the springs of a model add to the drive forces, and where these go; nothing where it has none.
+/// Forces of the springs of a model in addition to the drive forces, and their derivatives.
 class SpringTerms {
  public:
   explicit SpringTerms(const Model& model) : model_(model) {
     if (model.springs().empty()) return;
     workspace_.emplace(model);
     total_.resize(static_cast<std::size_t>(model.nv()));
-    by_q.resize(model.nv(), model.nv()), by_v = by_q;
+    by_q.resize(model.nv(), model.nv());
+    by_v = by_q;
   }
   bool any() const { return workspace_.has_value(); }
-  /// Of both.
+  /// The sum of spring and drive forces.
   const double* forces(Span q, Span v, const double* tau) {
     if (!any()) return tau;
     std::ranges::copy_n(tau, model_.nv(), total_.begin());
     if (finite(q))
-      add_spring_forces(model_, *workspace_, q, v, total_);  // else accelerations will not be either
+      add_spring_forces(model_, *workspace_, q, v, total_);  // otherwise accelerations are not finite either
     return total_.data();
   }
-  /// Takes by_q and by_v.
+  /// Computes by_q and by_v.
   void differentiate(Span q, Span v) {
     spring_force_derivatives(model_, *workspace_, q, v, {as_span(by_q), as_span(by_v)});
   }
@@ -101,8 +104,7 @@ void add_sum(const Vector& weights, double h, const std::vector<Matrix>& x, Matr
     if (const double w = h * weights[j]; w != 0) out += w * x[j];
 }
 
-/// Steps, and what becomes in them of displacements, a column for each direction: the lines of MuntheKaas,
-/// differentiated.
+/// Steps of MuntheKaas with their derivatives: displacements of the state, one column for each direction.
 class TangentSteps {
  public:
   TangentSteps(const Model& model, const Tableau& method, Span q_0, Span v_0, Eigen::Index directions)
@@ -122,9 +124,10 @@ class TangentSteps {
         dL_(method.b.size(), dq) {}
 
   Vector q, v;    ///< now
-  Matrix dq, dv;  ///< displaced by
+  Matrix dq, dv;  ///< displacements of q and v
 
-  /// A step of h. accelerate(q, v, dq, dv, a, da) writes a and da and returns whether it could.
+  /// Takes a step of length h. accelerate(q, v, dq, dv, a, da) writes a and da and returns whether it
+  /// succeeded.
   template <class Accelerate> bool run(double h, const Accelerate& accelerate) {
     const Tableau& m = method_;
     if (!accelerate(q.data(), v.data(), dq, dv, a_.data(), dL_[0])) return false;
@@ -133,26 +136,33 @@ class TangentSteps {
     const auto stage = [&](double, Span q_i, Span v_i, std::span<double> a_i) {
       ++i;
       displace(m.a[i], h, v_i.data());
-      dV_ = dv, add_sum(m.a[i], h, dL_, dV_);
+      dV_ = dv;
+      add_sum(m.a[i], h, dL_, dV_);
       if (!accelerate(q_i.data(), v_i.data(), eta_, dV_, a_i.data(), dL_[i])) return false;
       dK_[i].setZero();
-      maps_.add(&Joints::rate, dV_, dK_[i]), maps_.add(&Joints::turn, dtheta_, dK_[i]);
+      maps_.add(&Joints::rate, dV_, dK_[i]);
+      maps_.add(&Joints::turn, dtheta_, dK_[i]);
       return true;
     };
     if (!scheme_.run(0, q.data(), v.data(), a_.data(), h, stage)) return false;
-    v = scheme_.y, add_sum(m.b, h, dL_, dv);
+    v = scheme_.y;
+    add_sum(m.b, h, dL_, dv);
     if (m.b.size() == 1) dK_[0] = dv;
-    displace(m.b, h, v.data()), dq.swap(eta_);
+    displace(m.b, h, v.data());
+    dq.swap(eta_);
     group_.move(q.data(), scheme_.theta.data(), q.data());
     return true;
   }
 
  private:
-  /// dtheta and eta of q ⊕ theta.
+  /// Computes the displacements dtheta of theta and eta of q ⊕ theta.
   void displace(const Vector& weights, double h, const double* V) {
-    dtheta_.setZero(), add_sum(weights, h, dK_, dtheta_);
+    dtheta_.setZero();
+    add_sum(weights, h, dK_, dtheta_);
     maps_.at(scheme_.theta.data(), V);
-    eta_.setZero(), maps_.add(&Joints::carry, dq, eta_), maps_.add(&Joints::velocity, dtheta_, eta_);
+    eta_.setZero();
+    maps_.add(&Joints::carry, dq, eta_);
+    maps_.add(&Joints::velocity, dtheta_, eta_);
   }
 
   const Tableau& method_;
@@ -164,7 +174,7 @@ class TangentSteps {
   std::vector<Matrix> dK_, dL_;
 };
 
-/// A step whose stages are kept, with their mass matrices factorised, and the way back through it.
+/// A step that stores its stages with their factorised mass matrices, and its backward pass.
 class AdjointStep {
  public:
   AdjointStep(const Model& model, const Tableau& method, const Loads<double>& loads)
@@ -185,9 +195,9 @@ class AdjointStep {
     stages_.front().maps.at(v.data(), v.data());  // theta = 0
   }
 
-  Vector v, q;  ///< at the end, after find()
+  Vector v, q;  ///< the end of the step, after find()
 
-  /// Finds the stages of a step of h.
+  /// Computes the stages of a step of length h.
   Solvability find(double h, const double* q_0, const double* v_0, const double* tau) {
     Solvability verdict = take(stages_[0], Span(q_0, q.size()), Span(v_0, v.size()), tau);
     std::size_t i = 0;
@@ -206,27 +216,34 @@ class AdjointStep {
     return verdict;
   }
 
-  /// Takes weights on the end of that step to its start, and adds the gradients by tau and geometry, if there
-  /// is one.
+  /// Takes weights on the end of the step to its start, and adds the gradients by tau and, unless it is null,
+  /// geometry.
   void back(double h, Matrix& w_q, Matrix& w_v, double* by_tau, double* by_geometry) {
     const Tableau& m = method_;
     const bool euler = m.b.size() == 1;
-    w_theta_.setZero(), end_.add_transposed(&Joints::velocity, w_q, w_theta_);
+    w_theta_.setZero();
+    end_.add_transposed(&Joints::velocity, w_q, w_theta_);
     if (euler) w_v += h * w_theta_;
-    for (std::size_t i = 0; i < stages_.size(); ++i)
-      stages_[i].w_K = (euler ? 0 : h * m.b[i]) * w_theta_, stages_[i].w_L = (h * m.b[i]) * w_v;
-    sum_.setZero(), end_.add_transposed(&Joints::carry, w_q, sum_), w_q.swap(sum_);
+    for (std::size_t i = 0; i < stages_.size(); ++i) {
+      stages_[i].w_K = (euler ? 0 : h * m.b[i]) * w_theta_;
+      stages_[i].w_L = (h * m.b[i]) * w_v;
+    }
+    sum_.setZero();
+    end_.add_transposed(&Joints::carry, w_q, sum_);
+    w_q.swap(sum_);
     for (std::size_t i = stages_.size(); i-- > 0;) {
       Stage& stage = stages_[i];
-      weigh(stage, by_tau, by_geometry);
+      multiply(stage, by_tau, by_geometry);
       stage.maps.add_transposed(&Joints::carry, w_eta_, w_q);
       stage.maps.add_transposed(&Joints::rate, stage.w_K, w_V_);
       w_v += w_V_;
       w_theta_.setZero();
       stage.maps.add_transposed(&Joints::turn, stage.w_K, w_theta_);
       stage.maps.add_transposed(&Joints::velocity, w_eta_, w_theta_);
-      for (std::size_t j = 0; j < i; ++j)
-        stages_[j].w_K += (h * m.a[i][j]) * w_theta_, stages_[j].w_L += (h * m.a[i][j]) * w_V_;
+      for (std::size_t j = 0; j < i; ++j) {
+        stages_[j].w_K += (h * m.a[i][j]) * w_theta_;
+        stages_[j].w_L += (h * m.a[i][j]) * w_V_;
+      }
     }
   }
 
@@ -241,21 +258,25 @@ class AdjointStep {
   };
 
   Solvability take(Stage& stage, Span q_i, Span v_i, const double* tau) {
-    stage.q.assign(q_i.begin(), q_i.end()), stage.v.assign(v_i.begin(), v_i.end());
+    stage.q.assign(q_i.begin(), q_i.end());
+    stage.v.assign(v_i.begin(), v_i.end());
     return stage.dynamics->forward.run(tree_, q_i.data(), v_i.data(), springs_.forces(q_i, v_i, tau), loads_);
   }
-  /// w_eta and w_V of the acceleration of a stage, weighed with its w_L.
-  void weigh(Stage& stage, double* by_tau, double* by_geometry) {
+  /// Computes w_eta and w_V from the weights w_L of the acceleration of a stage.
+  void multiply(Stage& stage, double* by_tau, double* by_geometry) {
     ForwardVjp<double>& dynamics = *stage.dynamics;
     dynamics.weigh(tree_, stage.q.data(), stage.v.data(), stage.w_L.data(), loads_);
     for (std::size_t c = 0; c < v.size(); ++c) {
       const Eigen::Index row = static_cast<Eigen::Index>(c);
-      by_tau[c] += dynamics.mu[c], w_eta_(row) = dynamics.vjp.by_q[c], w_V_(row) = dynamics.vjp.by_v[c];
+      by_tau[c] += dynamics.mu[c];
+      w_eta_(row) = dynamics.vjp.by_q[c];
+      w_V_(row) = dynamics.vjp.by_v[c];
     }
     if (springs_.any()) {
       springs_.differentiate(stage.q, stage.v);
       const Eigen::Map<const Eigen::VectorXd> mu(dynamics.mu, w_eta_.rows());
-      w_eta_.noalias() += springs_.by_q.transpose() * mu, w_V_.noalias() += springs_.by_v.transpose() * mu;
+      w_eta_.noalias() += springs_.by_q.transpose() * mu;
+      w_V_.noalias() += springs_.by_v.transpose() * mu;
     }
     if (by_geometry)
       dynamics.vjp.each_parameter(tree_, stage.q.data(), stage.v.data(), dynamics.forward.a, dynamics.mu,
@@ -287,8 +308,9 @@ Solvability step_derivatives(const Model& model, Workspace<double>& workspace, S
                 {"end.B", end.B, 2 * nv * nv, "2nv * nv"}});
   const Tree<double>& tree = model.tree<double>();
   const Eigen::Index n = model.nv();
-  TangentSteps steps(model, method, q, v, 3 * n);  // along q, v and tau
-  steps.dq.leftCols(n).setIdentity(), steps.dv.middleCols(n, n).setIdentity();
+  TangentSteps steps(model, method, q, v, 3 * n);  // directions of q, v and tau
+  steps.dq.leftCols(n).setIdentity();
+  steps.dv.middleCols(n, n).setIdentity();
   Rows by_q(n, n), by_v(n, n), by_tau(n, n);
   SpringTerms springs(model);
   Arena arena = workspace.arena(model.topology());
@@ -303,15 +325,20 @@ Solvability step_derivatives(const Model& model, Workspace<double>& workspace, S
     std::copy_n(dynamics.forward.a, n, a);
     if (springs.any() && verdict.ok()) {
       springs.differentiate(q_s, v_s);
-      by_q.noalias() += by_tau * springs.by_q, by_v.noalias() += by_tau * springs.by_v;
+      by_q.noalias() += by_tau * springs.by_q;
+      by_v.noalias() += by_tau * springs.by_v;
     }
-    if (std::exchange(first, false))
+    if (std::exchange(first, false)) {
       da << by_q, by_v, by_tau;
-    else
-      da.noalias() = by_q * dq, da.noalias() += by_v * dv, da.rightCols(n) += by_tau;
+    } else {
+      da.noalias() = by_q * dq;
+      da.noalias() += by_v * dv;
+      da.rightCols(n) += by_tau;
+    }
     return verdict.ok();
   });
-  std::ranges::copy(steps.q, end.q.begin()), std::ranges::copy(steps.v, end.v.begin());
+  std::ranges::copy(steps.q, end.q.begin());
+  std::ranges::copy(steps.v, end.v.begin());
   Eigen::Map<Rows> A(end.A.data(), 2 * n, 2 * n), B(end.B.data(), 2 * n, n);
   A << steps.dq.leftCols(2 * n), steps.dv.leftCols(2 * n);
   B << steps.dq.rightCols(n), steps.dv.rightCols(n);
@@ -334,7 +361,8 @@ Solvability rollout_jvp(const Model& model, Span q, Span v, Span tau, double ste
       {{"dq_out", dq_out, (K + 1) * nv, "(K + 1) nv"}, {"dv_out", dv_out, (K + 1) * nv, "(K + 1) nv"}});
   const Tree<double>& tree = model.tree<double>();
   TangentSteps steps(model, method, q, v, 1);
-  std::ranges::copy(dq, steps.dq.data()), std::ranges::copy(dv, steps.dv.data());
+  std::ranges::copy(dq, steps.dq.data());
+  std::ranges::copy(dv, steps.dv.data());
   WithScratch<double, ForwardJvp<double>> dynamics(model.topology());
   SpringTerms springs(model);
   Vector dforces(nv);
@@ -355,13 +383,15 @@ Solvability rollout_jvp(const Model& model, Span q, Span v, Span tau, double ste
         springs.differentiate(q_s, v_s);
         Eigen::Map<Eigen::VectorXd> sum(dforces.data(), model.nv());
         sum = Eigen::Map<const Eigen::VectorXd>(dtau_k, model.nv());
-        sum.noalias() += springs.by_q * eta, sum.noalias() += springs.by_v * dV;
+        sum.noalias() += springs.by_q * eta;
+        sum.noalias() += springs.by_v * dV;
         along = dforces.data();
       }
       if (verdict.ok())
         verdict = dynamics->run(tree, q_i, v_i, springs.forces(q_s, v_s, tau_k), eta.data(), dV.data(), along,
                                 loads);
-      std::copy_n(dynamics->forward.a, nv, a), std::copy_n(dynamics->x, nv, da.data());
+      std::copy_n(dynamics->forward.a, nv, a);
+      std::copy_n(dynamics->x, nv, da.data());
       return verdict.ok();
     });
     write(k + 1);
@@ -398,9 +428,11 @@ Solvability rollout_vjp(const Model& model, Span q, Span v, Span tau, double ste
   };
   for (std::size_t k = 0; k < K && verdict.ok(); ++k) {
     verdict = find(k);
-    q_k.insert(q_k.end(), one.q.begin(), one.q.end()), v_k.insert(v_k.end(), one.v.begin(), one.v.end());
+    q_k.insert(q_k.end(), one.q.begin(), one.q.end());
+    v_k.insert(v_k.end(), one.v.begin(), one.v.end());
   }
-  std::ranges::fill(gradient.tau, 0.0), std::ranges::fill(gradient.geometry, 0.0);
+  std::ranges::fill(gradient.tau, 0.0);
+  std::ranges::fill(gradient.geometry, 0.0);
   const Eigen::Index n = model.nv();
   Matrix by_q = Eigen::Map<const Matrix>(w_q.data() + K * nv, n, 1),
          by_v = Eigen::Map<const Matrix>(w_v.data() + K * nv, n, 1);
@@ -411,7 +443,8 @@ Solvability rollout_vjp(const Model& model, Span q, Span v, Span tau, double ste
     by_q += Eigen::Map<const Matrix>(w_q.data() + k * nv, n, 1);
     by_v += Eigen::Map<const Matrix>(w_v.data() + k * nv, n, 1);
   }
-  std::copy_n(by_q.data(), nv, gradient.q.data()), std::copy_n(by_v.data(), nv, gradient.v.data());
+  std::copy_n(by_q.data(), nv, gradient.q.data());
+  std::copy_n(by_v.data(), nv, gradient.v.data());
   return solved(verdict, {gradient.q, gradient.v, gradient.tau, gradient.geometry});
 }
 

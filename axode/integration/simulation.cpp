@@ -23,7 +23,7 @@ namespace {
 using Vector = Eigen::VectorXd;
 using Span = std::span<const double>;
 
-/// The same on Hamilton's side, what floats seen from its centre of mass.
+/// A motion in (q, p), with floating bases relative to their centres of mass.
 class MomentumSimulationRun : public SimulationRun {
  public:
   MomentumSimulationRun(const Model& model, Span q_0, Span v_0, double until,
@@ -34,7 +34,7 @@ class MomentumSimulationRun : public SimulationRun {
         p_(model.nv()) {}
 
   FloatingBases& bases() { return bases_; }
-  /// The start: q, v and p = M v, against the frames of the bases.
+  /// q, v and p = M v at the start, relative to the frames of the bases.
   void initial_state(Vector& q_0, Vector& v_0, Vector& p_0) {
     q_0 = q;
     v_0 = v;
@@ -63,7 +63,7 @@ class MomentumSimulationRun : public SimulationRun {
     solve(v_t);
     return finite(v_t) ? Failure{} : not_finite(t, "the state is", as_span(v_t));
   }
-  /// v, and p' less ad_vᵀ p.
+  /// v, and f = p' - ad_vᵀ p.
   Failure rates(double t, const Vector& q_t, const Vector& p, Vector& v_t, Vector& f) {
     if (Failure failure = velocity(t, q_t, p, v_t)) return failure;
     if (Failure failure = partials(t, q_t, v_t, p_, f)) return failure;
@@ -74,22 +74,22 @@ class MomentumSimulationRun : public SimulationRun {
   Failure checked(double t, const Solvability& found) const {
     return found.ok() ? Failure{} : Failure{t, to_string(model_, found)};
   }
-  /// Takes away of p what opens loops; and closes them.
+  /// Projects p onto momenta that keep the loops closed, and q onto closed loops.
   Failure close(double t, const Vector& q_t, Vector& p) {
     return !loops_ || loops_->close_momenta(as_span(q_t), as_span(p)) ? Failure{} : Failure{t, open};
   }
   Failure close_places(double t, Vector& q_t) {
     return !loops_ || loops_->close_places(as_span(q_t)) ? Failure{} : Failure{t, open};
   }
-  /// Whether anything but weight acted on a base in the last evaluation.
+  /// Whether a load or drive acted on a base in the last evaluation.
   bool pushes_bases() const { return pushes_bases_; }
-  /// Takes the end of a step.
+  /// Appends the end of a step.
   Failure take_momenta(double t, const Vector& q_t, const Vector& p) {
     Vector q_1 = q_t, v_1, a_1(p.size());
     if (Failure failure = velocity(t, q_t, p, v_1)) return failure;
     bases_.from_moving_frame(t, q_1.data(), v_1.data());
     if (loops_) return take_closed(t, as_span(q_1), as_span(v_1));
-    Span tau;  // M is factorised there: a = M⁻¹ (τ - h)
+    Span tau;  // M is factorised at q_1: a = M⁻¹ (τ - h)
     if (Failure failure = joint_forces(t, as_span(q_1), as_span(v_1), tau)) return failure;
     const Vector none = Vector::Zero(p.size());
     inverse_dynamics(model_, workspace_, Span(as_span(q_1)), as_span(v_1), as_span(none), as_span(a_1),
@@ -109,7 +109,7 @@ class MomentumSimulationRun : public SimulationRun {
   bool pushes_bases_ = false;
 };
 
-/// f(run) in the coordinates asked for, and the motion.
+/// Runs f(run) in the coordinates of the options, and returns the motion.
 template <class F>
 Trajectory in_coordinates(const Model& model, Span q, Span v, double until, const SimulationOptions& options,
                           const F& f) {
@@ -123,7 +123,7 @@ Trajectory in_coordinates(const Model& model, Span q, Span v, double until, cons
   return std::move(run.trajectory);
 }
 
-/// For schemes on multipliers of places.
+/// Throws if a loop has rows without a residual.
 void check_holonomic(const Model& model) {
   for (const LoopRows& loop : model.loops().all)
     if (loop.rows != loop.residuals)
@@ -140,7 +140,7 @@ void check_relative(const SimulationOptions& options, const char* scheme) {
     throw std::invalid_argument(std::string(scheme) +
                                 " needs relative coordinates; in absolute coordinates use rattle");
 }
-/// Steps of a scheme that keeps joints and loops closed itself.
+/// Takes the steps of a scheme that keeps joints and loops closed itself.
 template <class Scheme>
 void take_closed_steps(AbsoluteSimulationRun& run, Scheme& scheme, double until, double step) {
   each_step(run, until, step, [&](double t_1) {
@@ -149,7 +149,7 @@ void take_closed_steps(AbsoluteSimulationRun& run, Scheme& scheme, double until,
   });
 }
 
-/// Conserving schemes are for forces without jumps, in steps of one length.
+/// Throws if forces have jumps or events would cut a step.
 void check_smooth(const Model& model, const SimulationOptions& options) {
   if (!options.events.empty())
     throw std::invalid_argument(
@@ -175,7 +175,8 @@ void check_smooth(const Model& model, const SimulationOptions& options) {
 
 Trajectory simulate_fixed(const Model& model, Span q, Span v, double until, double step,
                           const Tableau& method, const SimulationOptions& options) {
-  check(method), check_step(step);
+  check(method);
+  check_step(step);
   return in_coordinates(model, q, v, until, options,
                         [&](auto& run) { take_steps(run, until, step, method); });
 }
@@ -198,19 +199,21 @@ Trajectory simulate_stiff(const Model& model, Span q, Span v, double until, doub
   const Attempt attempt = [&](double t_1, StepEnd& end) {
     if (Failure failure = scheme.run(t_1, t_1 - run.now(), run.q, run.v, run.a)) return failure;
     end = {scheme.q, scheme.v, scheme.a};
-    return run.hold_at(t_1, end);
+    return run.check_sticking(t_1, end);
   };
   StepEnd end;
   each_step(run, until, step, [&](double t_1) {
     return take_until(run, t_1, end, attempt,
-                      [&] { run.friction_changed() ? scheme.begin(run.a) : scheme.go_on(); });
+                      [&] { run.friction_changed() ? scheme.restart(run.a) : scheme.accept(); });
   });
   return std::move(run.trajectory);
 }
 
 Trajectory simulate_rattle(const Model& model, Span q, Span v, double until, double step, int order,
                            const SimulationOptions& options) {
-  check_step(step), check_absolute(options, "RATTLE"), check_smooth(model, options);
+  check_step(step);
+  check_absolute(options, "RATTLE");
+  check_smooth(model, options);
   AbsoluteSimulationRun run(model, q, v, until, options);
   if (run.done()) return std::move(run.trajectory);
   Rattle scheme(run, order, run.q, run.v);
@@ -220,7 +223,8 @@ Trajectory simulate_rattle(const Model& model, Span q, Span v, double until, dou
 
 Trajectory simulate_half_explicit(const Model& model, Span q, Span v, double until, double step,
                                   const SimulationOptions& options) {
-  check_step(step), check_absolute(options, "the half-explicit method");
+  check_step(step);
+  check_absolute(options, "the half-explicit method");
   AbsoluteSimulationRun run(model, q, v, until, options);
   if (run.done()) return std::move(run.trajectory);
   HalfExplicit scheme(run, run.q, run.v);
@@ -230,7 +234,9 @@ Trajectory simulate_half_explicit(const Model& model, Span q, Span v, double unt
 
 Trajectory simulate_symplectic(const Model& model, Span q, Span v, double until, double step, int order,
                                const SimulationOptions& options) {
-  check_step(step), check_smooth(model, options), check_holonomic(model);
+  check_step(step);
+  check_smooth(model, options);
+  check_holonomic(model);
   check_relative(options, "a conserving scheme");
   MomentumSimulationRun run(model, q, v, until, options);
   if (run.done()) return std::move(run.trajectory);
@@ -252,7 +258,9 @@ Trajectory simulate_symplectic(const Model& model, Span q, Span v, double until,
 
 Trajectory simulate_momenta(const Model& model, Span q, Span v, double until, double step,
                             const Tableau& method, const SimulationOptions& options) {
-  check(method), check_step(step), check_smooth(model, options);
+  check(method);
+  check_step(step);
+  check_smooth(model, options);
   check_relative(options, "a scheme on momenta");
   MomentumSimulationRun run(model, q, v, until, options);
   if (run.done()) return std::move(run.trajectory);
@@ -284,12 +292,14 @@ Trajectory simulate_momenta(const Model& model, Span q, Span v, double until, do
     group.move(q_1, scheme.theta, q_1);
     y = as_eigen(scheme.y);
     p = y;
-    if ((failure = run.close_places(t_1, q_1))) return failure;
+    failure = run.close_places(t_1, q_1);
+    if (failure) return failure;
     bases.restore_centers(q_1.data());
     bases.to_momenta(q_1.data(), y.data(), p.data());
     const Vector before = p;
-    if ((failure = run.close(t_1, q_1, p))) return failure;
-    y += p - before;  // which is 0 of what floats
+    failure = run.close(t_1, q_1, p);
+    if (failure) return failure;
+    y += p - before;  // floating bases are not changed
     return run.take_momenta(t_1, q_1, p);
   });
   return std::move(run.trajectory);

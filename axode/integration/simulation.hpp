@@ -1,6 +1,7 @@
 #pragma once
 #include <functional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "axode/integration/tableau.hpp"
@@ -9,96 +10,110 @@
 
 namespace axode {
 
-/// A scalar function of a state whose zeros are met on the way.
+/// A scalar function of a state; the event occurs where its sign changes.
 struct Event {
   std::function<double(double t, std::span<const double> q, std::span<const double> v)> value;
-  int direction = 0;      ///< +1: only where it rises, -1: only where it falls
-  bool terminal = false;  ///< whether the motion ends there
+  int direction = 0;      ///< +1: only if the value rises, -1: only if it falls
+  bool terminal = false;  ///< whether the motion ends at the event
 };
 
-/// What a motion is computed in; it is told in those of the joints in any case.
+/// The coordinates in which a motion is computed; results are in those of the joints in any case.
 enum class Coordinates {
-  relative,         ///< those of the joints; loops are constraints
-  absolute,         ///< bodies are points of SE(3), and joints are constraints as well
-  absolute_SO3xR3,  ///< bodies are points of SO(3) × R³
+  relative,         ///< coordinates of the joints; loops are constraints
+  absolute,         ///< poses of bodies in SE(3); joints and loops are constraints
+  absolute_SO3xR3,  ///< poses of bodies in SO(3) × R³; joints and loops are constraints
 };
 
 struct SimulationOptions {
   Coordinates coordinates = Coordinates::relative;
-  /// Drive forces: tau (nv) at a time and state. Without it tau is 0. The springs of the model act besides.
+  /// Writes the drive forces tau (nv) at a time and state. Without it tau is 0. The springs of the model act
+  /// in addition.
   std::function<void(double t, std::span<const double> q, std::span<const double> v, std::span<double> tau)>
       drive = {};
   std::vector<AppliedWrench<>> loads = {};
-  /// Loads at a time and state, which it adds to those: wind, thrust, a contact.
+  /// Appends loads at a time and state to `loads`: wind, thrust, a contact.
   std::function<void(double t, std::span<const double> q, std::span<const double> v,
                      std::vector<AppliedWrench<>>& loads)>
       computed_loads = {};
-  /// Damping and dry friction of the joints. In relative coordinates what rests sticks as long as its friction can hold it: steps
-  /// end where a joint comes to rest or begins to slide. In absolute ones friction is -f sign(v).
+  /// Damping and dry friction of the joints. In relative coordinates a joint at rest sticks while its
+  /// friction can hold it: a step ends where a joint comes to rest or begins to slide. In absolute
+  /// coordinates friction is -f sign(v).
   bool joint_losses = false;
   std::vector<Event> events = {};
-  /// Told the time now and then; the motion ends where it returns false.
+  /// Called with the time at the end of each step; if it returns false, the motion ends.
   std::function<bool(double t)> monitor = {};
 };
 
-/// The motion from (q, v) at time 0 until a time, in steps of the same length (the last one shorter), with an explicit method on
-/// the group of configurations (Munthe-Kaas; that of one stage, Euler's, is semi-implicit: q moves with the new v). Where accelerations cannot
-/// be found or are not finite the trajectory ends, and says so. Throws std::invalid_argument for wrong sizes, a
-/// quaternion off 1, numbers that are not finite, until < 0 and step <= 0.
+/// Integrates the motion from (q, v) at time 0 until a time, in steps of one length (the last one may be
+/// shorter), with an explicit Runge-Kutta-Munthe-Kaas method on the group of configurations. The method of
+/// one stage, Euler's, is semi-implicit: q moves with the new v. If accelerations cannot be computed or are
+/// not finite, the trajectory ends early and has the reason. Throws std::invalid_argument for wrong sizes,
+/// quaternions that are not of unit norm, numbers that are not finite, until < 0 and step <= 0.
 Trajectory simulate_fixed(const Model& model, std::span<const double> q, std::span<const double> v,
                           double until, double step, const Tableau& method = runge_kutta(4),
                           const SimulationOptions& options = {});
 
-/// The same for stiff systems, by generalised-α on the group with Newton's method on exact derivatives of the dynamics:
-/// of second order, implicit, with numerical damping of what oscillates quickly. The spectral radius at infinity says how
-/// much is left of that in a step, 1 all and 0 nothing. Forces of the drive that depend on the state are differenced where
-/// Newton's method needs them. A step that does not converge ends the motion. Throws as simulate_fixed(), and for
-/// a radius outside of [0, 1].
+/// Integrates stiff systems by the generalised-α method on the group, with Newton's method on exact
+/// derivatives of the dynamics: of second order, implicit, with numerical damping of fast oscillations. The
+/// spectral radius at infinity is the part of such an oscillation that remains after a step: 1 all, 0
+/// nothing. Drive forces that depend on the state are differenced if Newton's method needs it. A step that
+/// does not converge ends the motion. Throws as simulate_fixed(), and for a radius outside [0, 1].
 ///
-/// In absolute coordinates joints and loops hold in places (index 3) or, stabilized, in velocities as well (index 2, after Gear,
-/// Gupta and Leimkuhler); there Newton's method takes M for the matrix, which stiff springs need short steps for. What rolls
-/// does so in velocities in either.
+/// In absolute coordinates joints and loops are imposed on positions (index 3) or, if stabilized, on
+/// positions and velocities (index 2, after Gear, Gupta and Leimkuhler). Newton's matrix is then M, with
+/// which stiff springs need short steps. Rolling contacts are imposed on velocities in both forms.
 Trajectory simulate_stiff(const Model& model, std::span<const double> q, std::span<const double> v,
                           double until, double step, double spectral_radius = 0.8,
                           const SimulationOptions& options = {}, bool stabilized = true);
 
-/// The same in absolute coordinates, which the options must ask for, by RATTLE (order 2) or its compositions (4: Suzuki's, 6:
-/// Kahan's and Li's): symplectic where forces have a potential, so that energy errors stay bounded; joints and loops hold to
-/// rounding, in places and in velocities. Damping and drives keep the order. So does what rolls, where it is symmetric and
-/// nothing is symplectic. Implicit; a step that does not converge ends the motion. Throws as simulate_fixed(), and for other
-/// orders, events, dry friction, stops and relative coordinates.
+/// Integrates in absolute coordinates, which the options must ask for, by RATTLE (order 2) or its
+/// compositions (4: Suzuki's, 6: Kahan's and Li's), see (D8.9) of docs/derivations. The method is symplectic
+/// if forces have a potential, so that energy errors stay bounded; joints and loops hold to rounding in
+/// positions and velocities. With damping, drives and rolling contacts it keeps its order, but is not
+/// symplectic. Implicit; a step that does not converge ends the motion. Throws as simulate_fixed(), and for
+/// other orders, events, dry friction, stops and relative coordinates.
 Trajectory simulate_rattle(const Model& model, std::span<const double> q, std::span<const double> v,
                            double until, double step, int order = 2, const SimulationOptions& options = {});
 
-/// The same in absolute coordinates by the half-explicit method of third order (Brasey, Hairer), as Munthe-Kaas': joints and
-/// loops hold to rounding in velocities, and in places on SE(3) for joints whose steps are motions. Throws as simulate_fixed(), and
+/// Integrates in absolute coordinates by the half-explicit method of third order (Brasey, Hairer) in the form
+/// of Munthe-Kaas. Joints and loops hold to rounding in velocities; in positions they hold on SE(3) for
+/// joints whose steps are motions of the joint, and are projected otherwise. Throws as simulate_fixed(), and
 /// for relative coordinates.
 Trajectory simulate_half_explicit(const Model& model, std::span<const double> q, std::span<const double> v,
                                   double until, double step, const SimulationOptions& options = {});
 
-/// The same on (q, p), by the midpoint rule on the group (order 2) or its compositions (4: Suzuki's, 6: Kahan's and Li's): symmetric,
-/// symplectic where forces have a potential, so that energy errors stay bounded; damping and drives enter by d'Alembert's
-/// principle. What floats is seen from its centre of mass, whose motion is exact, and its momentum is a state of its own: Π^s,
-/// under gravity L_c and P, are exact to rounding. Loops are closed by impulses at both ends of a step, in places and
-/// velocities. Implicit; a step that does not converge ends the motion. Throws as simulate_fixed(), for events, dry friction,
-/// what rolls, which has nothing symplectic, and other orders. (Armatures of joints with several velocities, which have momenta
-/// that do not turn with the joint, are forces here: order and momenta stay, symplecticity does not.)
+/// Integrates (q, p) by the midpoint rule on the group (order 2) or its compositions (4: Suzuki's, 6: Kahan's
+/// and Li's), see (D8.5) of docs/derivations. The method is symmetric, and symplectic if forces have a
+/// potential, so that energy errors stay bounded; damping and drives enter by d'Alembert's principle. A
+/// floating base is taken relative to its centre of mass, whose motion is exact, with its momentum as a
+/// state: Π^s, or under gravity L_c and P, are exact to rounding. Loops are closed in positions and
+/// velocities by impulses at both ends of a step (D8.7). Implicit; a step that does not converge ends the
+/// motion. Throws as simulate_fixed(), and for events, dry friction, rolling contacts and other orders.
+/// (Armatures of joints with several velocities have momenta that do not turn with the joint; they are
+/// treated as forces here, with which order and momenta are kept, but the method is not symplectic.)
 Trajectory simulate_symplectic(const Model& model, std::span<const double> q, std::span<const double> v,
                                double until, double step, int order = 2,
                                const SimulationOptions& options = {});
 
-/// The same, with momenta exact likewise, by an explicit method on the group of (q, p) (Munthe-Kaas), which is not symplectic.
-/// Loops are closed again after each step; it takes what rolls.
+template <class... Arguments>
+[[deprecated("use simulate_symplectic()")]] Trajectory simulate_conserving(Arguments&&... arguments) {
+  return simulate_symplectic(std::forward<Arguments>(arguments)...);
+}
+
+/// Integrates (q, p) with an explicit Runge-Kutta-Munthe-Kaas method. As in simulate_symplectic(), the
+/// momenta of floating bases are exact to rounding, but the method is not symplectic. Loops are closed again
+/// after each step; rolling contacts are allowed.
 Trajectory simulate_momenta(const Model& model, std::span<const double> q, std::span<const double> v,
                             double until, double step, const Tableau& method = runge_kutta(4),
                             const SimulationOptions& options = {});
 
 struct Tolerances {
   double relative = 1e-8, absolute = 1e-10;
-  double first_step = 0, largest_step = 0;  ///< 0: chosen, and unlimited
+  double first_step = 0, largest_step = 0;  ///< 0: chosen automatically, and unlimited
 };
-/// The same with a method that estimates its error, in steps as long as the error of q and v allows: in the algebra,
-/// where it is at most absolute + relative max(1, |θ|) in rad and m, and absolute + relative |v|, as root mean square.
+/// Integrates with Dormand's and Prince's method in adaptive steps. The error estimates of θ, the step of q
+/// in the algebra, and of v must be at most absolute + relative max(1, |θ|) in rad and m, and absolute +
+/// relative |v|, as root mean square.
 Trajectory simulate(const Model& model, std::span<const double> q, std::span<const double> v, double until,
                     const Tolerances& tolerances = {}, const SimulationOptions& options = {});
 

@@ -17,7 +17,7 @@
 namespace axode {
 namespace {
 
-/// The norm of gravity as a force on the whole mechanism, of which no joint feels more.
+/// The norm of gravity as a force on the whole mechanism, an upper bound of that on any joint.
 double weight_of(const Tree<double>& tree) {
   double mass = 0;
   for (int i = 1; i <= tree->n; ++i) mass += tree.M[i].m;
@@ -67,7 +67,7 @@ void SimulationRun::stop(const Failure& failure) {
   trajectory.stop_reason = "at t = " + std::to_string(failure.t) + " s: " + failure.why;
 }
 
-// What acts, and what comes of it.
+// Forces and accelerations.
 
 Failure SimulationRun::not_finite(double t, const char* what, Span x) const {
   return {t, what + std::string(" not finite at ") + joint_of(x)};
@@ -95,7 +95,7 @@ Failure SimulationRun::begin_evaluation(double t, Span q_t, Span v_t) {
   return finite(tau_) ? Failure{} : not_finite(t, "the drive forces are", as_span(tau_));
 }
 
-SimulationRun::Span SimulationRun::in_joints(Span q_t, Span v_t) {
+SimulationRun::Span SimulationRun::joint_force_sum(Span q_t, Span v_t) {
   forces_ = tau_;
   if (!model_.springs().empty()) add_spring_forces(model_, workspace_, q_t, v_t, as_span(forces_));
   if (friction_.active()) friction_.add_losses(v_t, as_span(forces_));
@@ -104,7 +104,7 @@ SimulationRun::Span SimulationRun::in_joints(Span q_t, Span v_t) {
 
 Failure SimulationRun::joint_forces(double t, Span q_t, Span v_t, Span& tau) {
   if (Failure failure = begin_evaluation(t, q_t, v_t)) return failure;
-  tau = in_joints(q_t, v_t);
+  tau = joint_force_sum(q_t, v_t);
   return {};
 }
 
@@ -131,7 +131,7 @@ Failure SimulationRun::residual(double t, const Vector& q_t, const Vector& v_t, 
   compute_loads(t, as_span(q_t), as_span(v_t));
   inverse_dynamics(model_, workspace_, as_span(q_t), as_span(v_t), as_span(a_t), as_span(r), loads());
   if (options_.drive) options_.drive(t, as_span(q_t), as_span(v_t), as_span(tau_));
-  r -= as_eigen(in_joints(as_span(q_t), as_span(v_t)));
+  r -= as_eigen(joint_force_sum(as_span(q_t), as_span(v_t)));
   for (const int c : friction_.sticking()) r[c] = a_t[c];
   return finite(r) ? Failure{} : not_finite(t, "forces are", as_span(r));
 }
@@ -151,7 +151,7 @@ void SimulationRun::residual_derivatives(const Vector& q_t, const Vector& v_t, c
   Eigen::Map<SquareMatrix> r_q(dr.q.data(), nv, nv), r_v(dr.v.data(), nv, nv), r_a(dr.a.data(), nv, nv);
   if (loops_) {
     compliance_.resize(nv, nv);
-    loops_->differentiate(q_s, v_s, in_joints(q_s, v_s), loads(), {dr.q, dr.v, as_span(compliance_)});
+    loops_->differentiate(q_s, v_s, joint_force_sum(q_s, v_s), loads(), {dr.q, dr.v, as_span(compliance_)});
     if (forces) {
       r_q += compliance_ * by_q;
       r_v += compliance_ * by_v;
@@ -219,7 +219,7 @@ void SimulationRun::add_resistance_of_drive(double t, Span q_t, Span v_t, double
 
 // Dry friction.
 
-/// Takes a, the accelerations last found, to those with what sticks held.
+/// Changes a, the last accelerations, to those under the sticking forces.
 void SimulationRun::apply_sticking_forces(Span q_t, std::span<double> a_t) {
   const std::vector<int>& sticking = friction_.sticking();
   columns_.resize(model_.nv(), static_cast<Eigen::Index>(sticking.size()));
@@ -245,15 +245,15 @@ void SimulationRun::begin_step() {
   weakest_row_ = 1;
 }
 
-Failure SimulationRun::hold_at(double t, const StepEnd& end) {
+Failure SimulationRun::check_sticking(double t, const StepEnd& end) {
   Vector a_end(end.v.size());
   begin_step();
   if (friction_.sticking().empty()) return {};
   return accelerate(t, as_span(end.q), as_span(end.v), as_span(a_end));
 }
 
-/// Accelerations at the end of an attempt, where the scheme did not say them.
-Failure SimulationRun::know_accelerations(double t, StepEnd& end) {
+/// Computes accelerations at the end of an attempt, unless the scheme has.
+Failure SimulationRun::ensure_accelerations(double t, StepEnd& end) {
   if (end.a.size() == end.v.size()) return {};
   end.a.resize(end.v.size());
   return accelerate(t, as_span(end.q), as_span(end.v), as_span(end.a));
@@ -264,7 +264,7 @@ bool SimulationRun::friction_changes(double t_0, double t_1, const StepEnd& end)
          friction_.reverses(as_span(v), as_span(a), as_span(end.v), as_span(end.a), t_1 - t_0);
 }
 
-/// Now: what slid until a time ago, or will until then, rests. Whether there was any.
+/// DryFriction::stop_sliding() at the present state.
 bool SimulationRun::stop_sliding(double within) {
   return friction_.stop_sliding(as_span(v), as_span(a), within);
 }
@@ -273,26 +273,26 @@ Failure SimulationRun::take_up_to(double t_1, StepEnd& end, const Attempt& attem
   friction_changed_ = false;
   if (!friction_.active()) return take(t_1, end);
   const double t_0 = now(), resolution = std::max(1e-13 * (t_1 - t_0), 1e-15 * t_1);
-  if (Failure failure = know_accelerations(t_1, end)) return failure;
+  if (Failure failure = ensure_accelerations(t_1, end)) return failure;
   if (!friction_changes(t_0, t_1, end)) {
     Failure failure = take(t_1, end);
     if (!failure && !done()) stop_sliding(0);
     return failure;
   }
-  double low = t_0, high = t_1, t = t_1, slip = friction_.violation(), rise = 0;
+  double low = t_0, high = t_1, t = t_1, violation = friction_.violation(), rate = 0;
   StepEnd after = end;
   for (int tries = 0; high - low > resolution; ++tries) {
-    // To first order: by what slips, which is told from two attempts, or by what turns.
+    // To first order, by the violation, from two attempts, or by the velocity that reverses.
     const double guess =
-        t + (rise > 0 ? -slip / rise : friction_.time_to_stop(as_span(end.v), as_span(end.a)));
-    const double before = t, slip_before = slip;
+        t + (rate > 0 ? -violation / rate : friction_.time_to_stop(as_span(end.v), as_span(end.a)));
+    const double before = t, violation_before = violation;
     t = guess > low && guess < high && tries % 4 != 3
             ? std::clamp(guess, low + 0.5 * resolution, high - 0.5 * resolution)
             : low + (high - low) / 2;
     if (Failure failure = attempt(t, end)) return failure;
-    if (Failure failure = know_accelerations(t, end)) return failure;
-    slip = friction_.violation();
-    rise = slip > 1 && slip_before > 1 ? (slip_before - slip) / (before - t) : 0;
+    if (Failure failure = ensure_accelerations(t, end)) return failure;
+    violation = friction_.violation();
+    rate = violation > 1 && violation_before > 1 ? (violation_before - violation) / (before - t) : 0;
     if (friction_changes(t_0, t, end)) {
       high = t;
       after = end;
@@ -332,7 +332,7 @@ Failure SimulationRun::take_closed(double t, Span q_end, Span v_end) {
 }
 
 Failure SimulationRun::record(double t, StepEnd end) {
-  if (Failure failure = know_accelerations(t, end)) return failure;
+  if (Failure failure = ensure_accelerations(t, end)) return failure;
   const double before = now();
   q = std::move(end.q);
   places_ = norm_.of_places(tree(), q);
@@ -341,7 +341,7 @@ Failure SimulationRun::record(double t, StepEnd end) {
   trajectory.append(t, as_span(q), as_span(v), as_span(a), as_span(tau_));
   ++trajectory.steps;
   if (!options_.events.empty())
-    if (Failure failure = meet_events(before, t)) return failure;
+    if (Failure failure = find_events(before, t)) return failure;
   if (!ended_ && options_.monitor && !options_.monitor(t)) return {t, "it was interrupted"};
   return {};
 }
@@ -354,16 +354,16 @@ std::vector<double> SimulationRun::values_at(double t, Span q_t, Span v_t) const
   return values;
 }
 
-/// The value of an event within the last step.
+/// The value of an event at a time in the last step.
 double SimulationRun::value_at(const Event& event, double t) const {
   Vector q_t(q.size()), v_t(v.size());
   trajectory.at(t, as_span(q_t), as_span(v_t));
   return event.value(t, as_span(q_t), as_span(v_t));
 }
 
-/// The number of parts of the last step, from a time on, in which no body turns by much more than a quarter turn. An event that
-/// depends on an attitude would come and go unseen in a longer part.
-int SimulationRun::parts_by_turning(double before) {
+/// The number of parts of the last step in which no body turns by much more than a quarter turn. In a longer
+/// part an event that depends on an attitude could occur and end unnoticed.
+int SimulationRun::parts_by_rotation(double before) {
   const double h = now() - before;
   const std::size_t k = trajectory.size() - 1;
   std::vector<Twist<BodyFixed>> V(static_cast<std::size_t>(model_.n_frames()));
@@ -375,15 +375,15 @@ int SimulationRun::parts_by_turning(double before) {
   return static_cast<int>(std::clamp(std::ceil(h * fastest / (std::numbers::pi / 2)), 1.0, 1e9));
 }
 
-/// Times in a part of the last step at which the value of an event, from `begin` to `end`, changes sign: once, or twice if its
-/// rates at both ends show that it goes towards zero and comes back.
-void SimulationRun::meet(std::size_t e, double before, double after, double begin, double end,
-                         std::vector<Trajectory::EventOccurrence>& met) const {
+/// Finds the times in a part of the last step at which the value of an event changes sign, from `begin` to
+/// `end`: once, or twice if its rates at both ends show that it approaches zero and returns.
+void SimulationRun::find_occurrences(std::size_t e, double before, double after, double begin, double end,
+                                     std::vector<Trajectory::EventOccurrence>& met) const {
   const Event& event = options_.events[e];
   const auto value = [&](double t) { return value_at(event, t); };
   const double near = 1e-6 * (after - before);
   double soon = value(before + near);
-  if (begin == 0) {  // it was met there
+  if (begin == 0) {  // the event has been found there
     before += near;
     begin = soon;
     soon = value(before + near);
@@ -400,7 +400,7 @@ void SimulationRun::meet(std::size_t e, double before, double after, double begi
   if ((begin < 0) != (end < 0)) return cross(before, after, begin < 0);
   if (!(sign * (soon - begin) < 0 && sign * (end - value(after - near)) > 0)) return;
   double low = before, high = after;
-  for (int k = 0; k < 40; ++k) {  // a third goes each time, on the side of the larger value
+  for (int k = 0; k < 40; ++k) {  // discards the third on the side of the larger value
     const double a_third = (high - low) / 3, one = low + a_third, two = high - a_third;
     const double at_one = sign * value(one), at_two = sign * value(two);
     if (std::min(at_one, at_two) < 0) {
@@ -413,18 +413,18 @@ void SimulationRun::meet(std::size_t e, double before, double after, double begi
   }
 }
 
-/// Looks for events between two times, the last step; where one is terminal the trajectory is cut off there.
-Failure SimulationRun::meet_events(double before, double after) {
+/// Finds the events of the last step, between two times; the trajectory ends at a terminal one.
+Failure SimulationRun::find_events(double before, double after) {
   const std::vector<double> next = values_at(after, as_span(q), as_span(v));
   std::vector<Trajectory::EventOccurrence> met;
-  const int parts = parts_by_turning(before);
+  const int parts = parts_by_rotation(before);
   for (std::size_t e = 0; e < next.size(); ++e) {
     double from = before, begin = values_[e];
     for (int k = 1; k <= parts; ++k) {
       const bool last = k == parts;
       const double to = last ? after : before + k * ((after - before) / parts);
       const double end = last ? next[e] : value_at(options_.events[e], to);
-      meet(e, from, to, begin, end, met);
+      find_occurrences(e, from, to, begin, end, met);
       from = to;
       begin = end;
     }

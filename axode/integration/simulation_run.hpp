@@ -16,14 +16,15 @@
 
 namespace axode {
 
-/// The end of a step; without accelerations where a scheme does not know them.
+/// The end of a step; a is empty if the scheme does not compute accelerations.
 struct StepEnd {
   Eigen::VectorXd q, v, a;
 };
-/// Computes the end of a step from now to t_1, and begins with begin_step().
+/// Computes the end of a step from the present time to t_1; calls begin_step() first.
 using Attempt = std::function<Failure(double t_1, StepEnd& end)>;
 
-/// What all schemes share: the motion so far in joint coordinates, accelerations, events, dry friction.
+/// A motion under integration, the common part of all schemes: the trajectory so far in joint coordinates,
+/// accelerations, events and dry friction.
 class SimulationRun {
  public:
   using Vector = Eigen::VectorXd;
@@ -31,46 +32,50 @@ class SimulationRun {
 
   SimulationRun(const Model& model, Span q_0, Span v_0, double until, const SimulationOptions& options);
 
-  /// Accelerations under what acts.
+  /// Computes accelerations under springs, drives, loads and friction.
   Failure accelerate(double t, Span q_t, Span v_t, std::span<double> a_t);
 
-  /// ID(q, v, a) - tau or, with loops, a - FD(q, v, tau), which is 0 where a is the acceleration; a of what sticks.
+  /// ID(q, v, a) - tau or, with loops, a - FD(q, v, tau), which is 0 if a is the acceleration; a itself for
+  /// sticking velocities.
   Failure residual(double t, const Vector& q_t, const Vector& v_t, const Vector& a_t, Vector& r);
   double size_of_residual(const Vector& r) const {
     return loops_ ? norm_.of_velocities(r) : norm_.of_forces(r);
   }
-  /// Its derivatives, without those of the drive: by q, v and a.
+  /// Derivatives of residual() by q, v and a, without those of the drive.
   void residual_derivatives(const Vector& q_t, const Vector& v_t, const Vector& a_t,
                             const InverseDynamicsDerivatives<double>& dr);
   bool is_driven() const { return static_cast<bool>(options_.drive); }
-  /// Minus the drive's part of the residual: tau or, with loops, what tau makes of accelerations, to first order.
+  /// The drive's part of the residual with the opposite sign: τ or, with loops, (∂a/∂τ) τ with ∂a/∂τ from the
+  /// last residual_derivatives(). Entries of sticking velocities are 0.
   Span drive(double t, const Vector& q_t, const Vector& v_t);
 
   const EnergyNorm& norm() const { return norm_; }
-  /// The size of what velocities are the sum of in a step of length h: their own, what the forces on the joints in the last
-  /// evaluation, or gravity, add to them, and some that is left where all rests.
+  /// The size of the terms of velocities in a step of length h: the velocities, the changes by gravity and by
+  /// the joint forces of the last evaluation, and a lower bound for a mechanism at rest.
   double velocity_scale(const Vector& v_t, double h) const {
     return std::max(norm_.of_velocities(v_t), velocity_scale(h));
   }
   double velocity_scale(double h) const {
     return std::max(std::abs(h) * std::max(weight_, norm_.of_forces(forces_)), 1e7 * place_resolution(h));
   }
-  /// The size of velocities that move the places of now in a step by no more than their rounding.
+  /// The size of velocities that change q in a step by no more than its rounding.
   double place_resolution(double h) const { return 1e-15 * places_ / std::abs(h); }
 
-  /// Goes from now to the end of a step at t_1, or to where dry friction changes before: a joint comes to rest, or begins to slide.
-  /// The last attempt so far is the one at t_1, with friction as it is now.
+  /// Takes the step to t_1, or to an earlier time at which dry friction changes: a joint comes to rest, or
+  /// begins to slide. The last attempt must be the one at t_1 under the present friction.
   Failure take_up_to(double t_1, StepEnd& end, const Attempt& attempt);
-  /// Before an attempt; it is one with friction as it is now.
+  /// Begins an attempt under the present friction.
   void begin_step();
   /// The least LoopSystem::weakest_row() of accelerations since begin_step().
   double weakest_row() const { return weakest_row_; }
   /// Whether the last step ended where friction changed, and accelerations with it.
   bool friction_changed() const { return friction_changed_; }
-  /// Sees whether what sticks can be held at the end of a step of a scheme that did not ask for accelerations there.
-  Failure hold_at(double t, const StepEnd& end);
+  /// Checks whether friction can hold the sticking joints at the end of a step, for schemes that did not
+  /// compute accelerations there.
+  Failure check_sticking(double t, const StepEnd& end);
 
-  /// Takes the end of a step, with the acceleration there where it is known. Loops are closed again, which changes it a little.
+  /// Takes the end of a step, with the acceleration there where it is known. Loops are closed again, which
+  /// changes it a little.
   Failure take(double t, const StepEnd& end);
   /// The same of a scheme that keeps loops closed itself.
   Failure take_closed(double t, Span q_end, Span v_end);
@@ -81,8 +86,9 @@ class SimulationRun {
   const Tree<double>& tree() const { return model_.tree<double>(); }
   /// tau of drives and springs at a state.
   Failure joint_forces(double t, Span q_t, Span v_t, Span& tau);
-  /// The inertia that springs, dampers and, by differences, the drive add to each velocity in an implicit step in which places move
-  /// with an acceleration by c_x and velocities by c_v; 0 where they would reduce it.
+  /// The inertia that springs, dampers and, by differences, the drive add to each velocity in an implicit
+  /// step in which places move with an acceleration by c_x and velocities by c_v; 0 where they would reduce
+  /// it.
   Failure joint_resistance(double t, Span q_t, Span v_t, double c_x, double c_v, std::vector<double>& out);
   Loads<double> loads() const { return {loads_, options_.joint_losses && !friction_.active()}; }
 
@@ -93,11 +99,11 @@ class SimulationRun {
   using SquareMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
   static constexpr const char* open = "the loops cannot be kept closed; a shorter step may help";
 
-  /// Takes an end of a step as it is.
+  /// Appends the end of a step without projection.
   Failure record(double t, StepEnd end);
-  /// tau of the drive, of the springs of the model and, where there is dry friction, of losses.
-  Span in_joints(Span q_t, Span v_t);
-  /// Drive forces and loads at a state.
+  /// The sum of drive and spring forces and, with dry friction, of losses.
+  Span joint_force_sum(Span q_t, Span v_t);
+  /// Computes drive forces and loads at a state.
   Failure begin_evaluation(double t, Span q_t, Span v_t);
   std::string joint_of(Span x) const;
   Failure not_finite(double t, const char* what, Span x) const;
@@ -109,29 +115,29 @@ class SimulationRun {
   DryFriction friction_;
   EnergyNorm norm_;
   double places_;                       ///< EnergyNorm::of_places() of q
-  double weight_;                       ///< of what gravity does to the mechanism, as a norm of forces
-  Vector tau_, forces_;                 ///< of the drive, and of all that acts on the joints
+  double weight_;                       ///< the norm of gravity as a force on the whole mechanism
+  Vector tau_, forces_;                 ///< drive forces, and the sum of all joint forces
   std::vector<AppliedWrench<>> loads_;  ///< now
 
  private:
   void compute_loads(double t, Span q_t, Span v_t);
   void apply_sticking_forces(Span q_t, std::span<double> a_t);
-  Failure know_accelerations(double t, StepEnd& end);
+  Failure ensure_accelerations(double t, StepEnd& end);
   bool friction_changes(double t_0, double t_1, const StepEnd& end) const;
   bool stop_sliding(double within);
   void add_resistance_of_drive(double t, Span q_t, Span v_t, double c_x, double c_v,
                                std::vector<double>& out);
   std::vector<double> values_at(double t, Span q_t, Span v_t) const;
   double value_at(const Event& event, double t) const;
-  int parts_by_turning(double before);
-  void meet(std::size_t e, double before, double after, double begin, double end,
-            std::vector<Trajectory::EventOccurrence>& met) const;
-  Failure meet_events(double before, double after);
+  int parts_by_rotation(double before);
+  void find_occurrences(std::size_t e, double before, double after, double begin, double end,
+                        std::vector<Trajectory::EventOccurrence>& met) const;
+  Failure find_events(double before, double after);
 
-  Vector driven_;            ///< of drive()
+  Vector driven_;            ///< the result of drive()
   SquareMatrix compliance_;  ///< ∂a/∂τ
-  SquareMatrix columns_;     ///< of what sticks
-  std::vector<double> own_;  ///< see DryFriction::hold()
+  SquareMatrix columns_;     ///< the columns of ∂a/∂τ of sticking velocities
+  std::vector<double> own_;  ///< see DryFriction::apply_sticking_forces()
   std::vector<double> values_;
   double until_, weakest_row_ = 1;
   bool ended_ = false, friction_changed_ = false;

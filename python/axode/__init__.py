@@ -137,6 +137,7 @@ from ._axode import version as __version__
 from .builder import Builder
 from .errors import AssemblyError, Fault, ModelError, NotFiniteError, SimulationError, SingularError, StatesError
 from .files import check, load
+from .former_names import install as _install_former_names
 from .records import (
     Equilibrium,
     ForwardDynamicsDerivatives,
@@ -159,6 +160,8 @@ from .records import (
 )
 from .simulation import reconstruct, rollout, simulate
 from .viewer import Viewer, view
+
+_install_former_names()
 
 #: The folder of the mechanisms that come with the package: arm7.toml, double_pendulum.toml, humanoid.urdf,
 #: machine.toml.

@@ -10,7 +10,7 @@
 
 namespace axode {
 
-/// The numbers that an AbsoluteSystem takes, as Eigen vectors; nothing is copied.
+/// A vector of an AbsoluteSystem as a vector of Eigen, without a copy.
 inline Eigen::Map<Eigen::VectorXd> as_eigen(std::vector<double>& x) {
   return {x.data(), static_cast<Eigen::Index>(x.size())};
 }
@@ -18,27 +18,29 @@ inline Eigen::Map<const Eigen::VectorXd> as_eigen(const std::vector<double>& x) 
   return {x.data(), static_cast<Eigen::Index>(x.size())};
 }
 
-/// What a step says that did not find its end.
+/// The reason for a step that did not converge.
 inline constexpr const char* no_convergence = "the step did not converge; a shorter one may";
 
-/// An iteration x += dx(x), of which Newton's method with a matrix that is nearly right is one, on its way to dx = 0. By Anderson's
-/// mixing: of the combinations of the last steps that which would have changed least is taken. So it comes through
-/// where the matrix has the wrong sign in a few directions, as where branches of a motion meet within a step.
+/// Anderson acceleration of a fixed-point iteration x += dx(x), such as Newton's method with an approximate
+/// matrix. Of the combinations of the last steps it takes that with the least predicted dx. It converges even
+/// if the matrix has the wrong sign in a few directions, as it may where branches of a motion meet within a
+/// step.
 class AndersonIteration {
  public:
   using Vector = Eigen::VectorXd;
   enum class Status { iterating, converged, diverged };
-  /// A part of x, and its dx.
+  /// A part of x with its dx.
   struct Part {
     Eigen::Ref<Vector> x;
     Eigen::Ref<const Vector> dx;
   };
 
-  /// The first part of x has velocities or accelerations, which are measured by a norm.
+  /// The first part of x has velocities or accelerations, which the norm measures.
   explicit AndersonIteration(const EnergyNorm& norm) : norm_(&norm) {}
 
-  /// Takes a step, of which the first part is measured, against a size. Where it comes no closer, not to half in four steps, it
-  /// settles where it came closest, but only if is_rounding() says that what dx is computed from is no more than that.
+  /// Takes a step. It has converged if the first part of dx is rounding against `size`. If dx does not halve
+  /// in four steps, the step with the least dx is the result, provided that is_rounding() says that the terms
+  /// of dx are rounding.
   template <class F> Status update(double size, std::initializer_list<Part> parts, const F& is_rounding) {
     constexpr double rounding = 2e-14, noisy = 1e-10, ill_conditioned = 1e-7;
     constexpr int most = 60, patience = 4;

@@ -9,11 +9,12 @@
 
 namespace axode {
 
-/// The step of Midpoint between impulses of the loops at its ends, with r(q) and its rows R, r' = R v:
+/// The step of Midpoint between impulses of the loops at its ends (D8.7), with r(q) and its rows R, r' = R v:
 ///   p_0⁺ = p_0 + h/2 R(q_0)ᵀ λ,   (q_1, p_1⁻) = midpoint step of (q_0, p_0⁺),   r(q_1) = 0.
-/// With p_1 = p_1⁻ + R(q_1)ᵀ μ for which R M⁻¹ p_1 = 0, which is for the System to find, it is symmetric and of second order,
-/// and symplectic on the closed configurations where the midpoint rule is. Newton's method takes M and R where the middle is
-/// expected for its matrix. A System is one of Midpoint's that has checked(t, solvability).
+/// The System projects p_1 = p_1⁻ + R(q_1)ᵀ μ so that R M⁻¹ p_1 = 0. With this the step is symmetric, of
+/// second order, and symplectic on the closed configurations if the midpoint rule is. Newton's matrix is made
+/// of M and R at the predicted middle of the step. A System is one of Midpoint that has also checked(t,
+/// solvability).
 template <class System> class ClosedMidpoint {
  public:
   using Vector = Eigen::VectorXd;
@@ -38,7 +39,7 @@ template <class System> class ClosedMidpoint {
         momenta_(model.nv()),
         r_(model.nv()) {}
 
-  /// From (q0, p0) at time t over h, as Midpoint. Loops are closed at q0.
+  /// Steps from (q0, p0) at time t over h, as Midpoint. Loops must be closed at q0.
   Failure run(double t, double h, const Vector& q0, const Vector& p0) {
     LoopSystem<double>&ends = ends_.system(model_), &middle = middle_.system(model_);
     constexpr auto places = ConstraintLevel::position;
@@ -47,14 +48,14 @@ template <class System> class ClosedMidpoint {
     middle.set_filter(q0.data(), rank_);
     ends.make_rows(places);
     ends.write(R_.data());
-    go(h / 2, q0, q_middle);
+    advance(h / 2, q0, q_middle);
     middle.update_kinematics(q_middle.data());
     if (Failure failure = system_->checked(t, middle.factorize())) return failure;
     middle.make_rows(places);
     middle.factorize_rows();
     AndersonIteration iteration(system_->norm());
     for (auto status = AndersonIteration::Status::iterating;;) {
-      go(h / 2, q0, q_middle);
+      advance(h / 2, q0, q_middle);
       p_0_ = p0 + h / 2 * (R_.transpose() * lambda_);
       group_.Ad_transpose(y_, p_0_, p);
       if (status == AndersonIteration::Status::converged) break;
@@ -65,7 +66,7 @@ template <class System> class ClosedMidpoint {
       r_ -= momenta_;
       const double scale = system_->velocity_scale(v, h);
       const double residual = system_->norm().of_forces(r_);
-      go(h, q0, q);
+      advance(h, q0, q);
       ends.update_kinematics(q.data());
       ends.residual(q.data(), rhs_.data());
       rhs_ /= h;
@@ -80,15 +81,15 @@ template <class System> class ClosedMidpoint {
     }
     p += h * f;
     group_.Ad_transpose(y_, p, p);
-    go(h, q0, q);
+    advance(h, q0, q);
     return {};
   }
 
-  Vector q, q_middle, p, v, f;  ///< after run(): at its end, v and f of its middle
+  Vector q, q_middle, p, v, f;  ///< after run(): at the end of the step, v and f in its middle
 
  private:
-  /// q_0 ⊕ part v, by y.
-  void go(double part, const Vector& q0, Vector& to) {
+  /// to = q_0 ⊕ y with y = part v.
+  void advance(double part, const Vector& q0, Vector& to) {
     y_ = part * v;
     group_.move(q0, y_, to);
   }

@@ -10,16 +10,17 @@ namespace axode {
 
 /// A step of generalised-α under constraints, on a group with constant M (Arnold, Brüls): with AlphaMeans
 ///   M a_1 = f(q_1, v_1) + ad_{v_1}ᵀ M v_1 + B_1ᵀ λ,   Φ(q_1) = 0                    (index 3)
-/// or, stabilised to index 2, with multipliers η of positions, B_1 v_1 = 0 besides:
+/// or, stabilised to index 2, with multipliers η of positions, also B_1 v_1 = 0:
 ///   x = h v_0 + h² ((1/2 - β) â_0 + β â_1 + β c M⁻¹ Bᵀ η).
-/// What rolls, N v_1 = 0 without a place, does so in either form, and where η moves it, too.
-/// Newton's method takes M, B and what joints resist their own motion with, which are those of where the step is expected to end,
-/// for its matrix; and so does the metric of c M⁻¹ Bᵀ η. A System is one of Rattle's that knows the resistance.
+/// Nonholonomic rows, N v_1 = 0, are imposed in both forms, and also on the displacement by η. Newton's
+/// matrix has M, B and the resistance of the joints (springs, dampers, drives) at the predicted end of the
+/// step; so has the metric of c M⁻¹ Bᵀ η. A System is one of Rattle that knows the resistance.
 template <class System> class ConstrainedAlpha {
  public:
   using Vector = std::vector<double>;
 
-  /// From a state with acceleration a_0 and multipliers, at which the system is held.
+  /// Starts at a state with acceleration a_0 and multipliers, at which the system is factorised with its
+  /// rank.
   ConstrainedAlpha(System& system, double spectral_radius, bool stabilized, const Vector& q_0,
                    const Vector& v_0, const Vector& a_0, const Vector& lambda_0)
       : q(q_0),
@@ -32,7 +33,7 @@ template <class System> class ConstrainedAlpha {
         a_(as_eigen(a_0)),
         mean_(a_) {}
 
-  /// Takes q, v and λ at time t to t + h.
+  /// Steps q, v and λ from time t to t + h.
   Failure run(double t, double h) {
     auto& bodies = system_->bodies();
     const std::size_t nv = v.size();
@@ -51,19 +52,19 @@ template <class System> class ConstrainedAlpha {
       bodies.momentum(a_1_, p_);
       as_eigen(r_) -= as_eigen(p_);
       bodies.add_constraint_forces(q_1_, lambda, r_);
-      bodies.position_residual(q_1_, open_, ConstraintLevel::velocity);
-      as_eigen(open_) /= -c_x;
+      bodies.position_residual(q_1_, gap_, ConstraintLevel::velocity);
+      as_eigen(gap_) /= -c_x;
       if (stabilized_) {
         bodies.velocity_residual(q_1_, v_1_, rhs_);
         as_eigen(rhs_) /= -c_v;
         bodies.solve(r_, rhs_, da_, dlambda_);
-        as_eigen(open_) -= as_eigen(rhs_);  // as B da is
-        bodies.set_nonholonomic_rates(q_1_, moved_, -1, open_);
+        as_eigen(gap_) -= as_eigen(rhs_);  // the part of B da
+        bodies.set_nonholonomic_rates(q_1_, moved_, -1, gap_);
         r_.assign(nv, 0.0);
-        bodies.solve(r_, open_, dmoved_, deta_);
+        bodies.solve(r_, gap_, dmoved_, deta_);
       } else {
-        bodies.set_nonholonomic_rates(q_1_, v_1_, -1 / c_v, open_);
-        bodies.solve(r_, open_, da_, dlambda_);
+        bodies.set_nonholonomic_rates(q_1_, v_1_, -1 / c_v, gap_);
+        bodies.solve(r_, gap_, da_, dlambda_);
         dmoved_.assign(nv, 0.0);
       }
       status =
@@ -82,7 +83,7 @@ template <class System> class ConstrainedAlpha {
   Vector q, v, lambda;
 
  private:
-  /// The end of a step in which the acceleration becomes a_1 and bodies are moved besides.
+  /// Computes the end of the step for the acceleration a_1 and the displacement by η.
   void end_with(double h) {
     v_1_.resize(v.size());
     Eigen::Map<Eigen::VectorXd> v_1 = as_eigen(v_1_);
@@ -96,7 +97,7 @@ template <class System> class ConstrainedAlpha {
   bool stabilized_;
   AlphaMeans means_;
   Eigen::VectorXd a_, mean_, mean_1_, x_;
-  Vector a_1_, v_1_, moved_, q_1_, r_, p_, open_, rhs_, da_, dlambda_, dmoved_, deta_;
+  Vector a_1_, v_1_, moved_, q_1_, r_, p_, gap_, rhs_, da_, dlambda_, dmoved_, deta_;
 };
 
 }  // namespace axode

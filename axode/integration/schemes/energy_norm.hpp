@@ -8,24 +8,25 @@
 
 namespace axode {
 
-/// Measures velocities in unlike units (rad/s, m/s) by their energies: |v| = √Σ m_c v_c², where m_c bounds the inertia M_cc that
-/// velocity c moves, and momenta and generalised forces by the dual norm |p| = √Σ p_c²/m_c. As |M v| is of the size of |v|, both
-/// sides of an equation can be compared, and no comparison depends on units. What has no inertia is not measured.
+/// A norm of velocities with different units (rad/s, m/s) by their energies: |v| = √Σ m_c v_c², where m_c
+/// bounds the inertia M_cc of velocity c; and the dual norm |p| = √Σ p_c²/m_c of momenta and forces. |M v| is
+/// of the size of |v|, so that the sides of an equation can be compared independently of units. Velocities
+/// without inertia are ignored.
 class EnergyNorm {
  public:
   using Vector = Eigen::VectorXd;
   using Argument = Eigen::Ref<const Vector>;
 
-  /// With the inertia m_c of each velocity.
+  /// Takes the inertia m_c of each velocity.
   explicit EnergyNorm(const Vector& inertia)
       : root_(inertia.cwiseSqrt()),
         inverse_root_((root_.array() > 0).select(root_.cwiseInverse(), Vector::Zero(root_.size()))) {}
-  /// With the bounds that the tree knows.
+  /// Takes the bounds of the tree.
   explicit EnergyNorm(const Tree<double>& tree) : EnergyNorm(inertia_of(tree)) {}
 
   double of_velocities(const Argument& v) const { return length(root_.cwiseProduct(v)); }
   double of_forces(const Argument& p) const { return length(inverse_root_.cwiseProduct(p)); }
-  /// That of a displacement of a radian of all rotations, and of lengths as large as those in q are.
+  /// The norm of a displacement by one radian for rotations, and by the present coordinate for lengths.
   double of_places(const Tree<double>& tree, const Argument& q) const {
     double squares = 0;
     for (int i = 1; i <= tree->n; ++i) {
@@ -41,11 +42,12 @@ class EnergyNorm {
   }
   /// √m_c.
   const Vector& weights() const { return root_; }
-  /// The velocity c that is of a size by itself; without inertia it gets that of the heaviest.
+  /// The value of velocity c that alone has a norm of `size`; without inertia it is that of the heaviest
+  /// velocity.
   double alone(Eigen::Index c, double size) const {
     return size / (root_[c] > 0 ? root_[c] : root_.maxCoeff());
   }
-  /// A small change of velocity c, v_c, for difference quotients where velocities are of a size.
+  /// A small change of velocity c, at v_c, for difference quotients if velocities have a norm of `size`.
   double increment(Eigen::Index c, double v_c, double size) const {
     return 1e-7 * std::max(std::abs(v_c), alone(c, size));
   }

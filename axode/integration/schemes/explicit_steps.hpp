@@ -8,17 +8,19 @@
 #include "axode/integration/schemes/munthe_kaas.hpp"
 #include "axode/integration/simulation_run.hpp"
 
-/// Explicit methods on a run: it has q, v and a of now on the group of tree(), accelerate(), and takes the ends of steps.
+/// Explicit methods. A Run has the present q, v and a on the group of tree(), accelerate(), and take_up_to()
+/// for ends of steps.
 namespace axode {
 
-/// Steps of one length from 0 on, the last as long as is left; take(t_1) goes to t_1, or ends the motion by a failure.
+/// Takes steps of one length from 0 on, a shorter one at the end; take(t_1) steps to t_1, and a failure ends
+/// the motion.
 template <class Run, class Take> void each_step(Run& run, double until, double step, const Take& take) {
   const double whole = std::ceil(until / step - 1e-9);
   for (double k = 1; k <= whole && !run.done(); ++k)
     if (Failure failure = take(k == whole ? until : k * step)) run.stop(failure);
 }
 
-/// Steps to t_1, or two where friction changes between; after(run) follows each.
+/// Steps to t_1, in several steps if friction changes in between; calls after() after each.
 template <class Run, class After>
 Failure take_until(Run& run, double t_1, StepEnd& end, const Attempt& attempt, const After& after) {
   while (run.now() < t_1 && !run.done()) {
@@ -29,7 +31,7 @@ Failure take_until(Run& run, double t_1, StepEnd& end, const Attempt& attempt, c
   return {};
 }
 
-/// The attempts of an explicit method.
+/// The function that attempts a step of an explicit method.
 template <class Run, class Scheme> Attempt attempts(Run& run, Scheme& scheme) {
   return [&, group = ConfigurationGroup<double>(run.tree())](double t_1, StepEnd& end) {
     const double t = run.now();
@@ -48,7 +50,7 @@ template <class Run, class Scheme> Attempt attempts(Run& run, Scheme& scheme) {
   };
 }
 
-/// Steps of one length until a time.
+/// Takes steps of one length until a time.
 template <class Run> void take_steps(Run& run, double until, double step, const Tableau& method) {
   MuntheKaas scheme(run.tree(), method);
   const Attempt attempt = attempts(run, scheme);
@@ -56,9 +58,9 @@ template <class Run> void take_steps(Run& run, double until, double step, const 
   each_step(run, until, step, [&](double t_1) { return take_until(run, t_1, end, attempt, [] {}); });
 }
 
-/// A drive force that jumps where the motion dwells, as -sign(v) does at rest, is crossed in ever shorter steps: so many are
-/// looked at together, and so many times as many are not begun, where one is shorter than anything that swings and
-/// dies out (s).
+/// A drive force that is discontinuous where the motion stays, as -sign(v) at rest, makes steps ever shorter.
+/// The motion ends if `stall_window` steps are on average shorter than `stall_step` (s), and more than
+/// `stall_ratio` times as many would be needed.
 inline constexpr int stall_window = 10'000;
 inline constexpr double stall_ratio = 1e5, stall_step = 1e-9;
 inline constexpr const char* jumps =
@@ -66,21 +68,22 @@ inline constexpr const char* jumps =
     "without bound; use a method of fixed steps (rk4), and give dry friction as a joint property that "
     "joint_losses counts";
 
-/// Where branches of a motion meet, rows of the loops depend on each other. Accelerations close by are those of a mechanism with more
-/// freedoms, so that the error estimate sees a jump that is not in the motion, and shorter steps would only look closer at
-/// it. So many steps in a row, after one without such rows, are taken with the length before and whatever their error estimate; an
-/// attempt with a row that is weaker than `too_weak` is repeated so many times with a part of the length.
+/// Where branches of a motion meet, rows of the loops are nearly redundant. Accelerations close by are those
+/// of a mechanism with more degrees of freedom, so that the error estimate shows a jump that the motion does
+/// not have, and shorter steps do not help. Up to `most_passing` consecutive steps, after one without such
+/// rows, keep the step length and ignore their error estimate; an attempt with a row weaker than `too_weak`
+/// is repeated up to `most_shortened` times, each shorter by the factor `shortened`.
 inline constexpr int most_passing = 20, most_shortened = 6;
 inline constexpr double too_weak = 1e-6, shortened = 0.85;
 
-/// Steps as long as the estimated error allows, with Dormand's and Prince's method.
+/// Takes adaptive steps with Dormand's and Prince's method.
 template <class Run> void take_adapted_steps(Run& run, double until, const Tolerances& tolerances) {
   const Tableau& method = runge_kutta(5);
   MuntheKaas scheme(run.tree(), method);
   const auto to_array = [](const auto& x) {
     return Eigen::Map<const Eigen::ArrayXd>(x.data(), static_cast<Eigen::Index>(x.size()));
   };
-  // The root mean square of the errors of q and v, each by what it may be.
+  // The root mean square of the errors of q and v, relative to their tolerances.
   const auto error_of_step = [&] {
     const double relative = tolerances.relative, absolute = tolerances.absolute;
     const auto theta = to_array(scheme.theta).abs().max(1.0);
@@ -91,7 +94,7 @@ template <class Run> void take_adapted_steps(Run& run, double until, const Toler
   };
   const double most = tolerances.largest_step > 0 ? tolerances.largest_step : until;
   double h = tolerances.first_step;
-  if (!(h > 0)) {  // in which little happens
+  if (!(h > 0)) {
     const Eigen::Index n = static_cast<Eigen::Index>(run.v.size());
     const double fastest = n > 0 ? to_array(run.v).abs().maxCoeff() : 0;
     const double largest = n > 0 ? to_array(run.a).abs().maxCoeff() : 0;
@@ -115,7 +118,7 @@ template <class Run> void take_adapted_steps(Run& run, double until, const Toler
     if (!last && !(length > 1e-15 * until))
       return run.stop({t, "the step became too short for the tolerances"});
     const double t_1 = last ? until : t + length;
-    if (Failure failure = attempt(t_1, end)) {  // perhaps the step was too long
+    if (Failure failure = attempt(t_1, end)) {  // the step may be too long
       if (h < 1e-9 * until) return run.stop(failure);
       ++run.trajectory.rejected;
       h *= 0.1;

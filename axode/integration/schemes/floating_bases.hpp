@@ -9,11 +9,13 @@
 
 namespace axode {
 
-/// What floats: every root on a free joint (without drive inertia and losses) that no loop ties to anything else, with all that it carries. The momentum Π of that is a
-/// state y of its own in the place of the p of the joint, against a frame that does not turn and falls with g t, in which nothing
-/// weighs. Where no wrench is applied the frame moves along with the centre of mass, with its velocity u at t = 0: then the linear
-/// momentum is 0, and the centre held in its place. So what nobody pushes has in every scheme an angular momentum about its
-/// centre, a linear one, and where nothing weighs a Π^s, that are exact to rounding, and its centre moves on a parabola.
+/// Floating bases: the root bodies on a free joint without armature, damping and friction that no loop
+/// connects to another body, each with its subtree. The spatial momentum Π^s of a subtree replaces the joint
+/// momentum p as a state. It is taken in a frame that does not rotate and falls with g, where gravity
+/// vanishes. If no wrench is applied, the frame also moves with the velocity u of the centre of mass at t =
+/// 0: then the linear momentum is 0 and the centre of mass is constant. Hence every scheme gives the linear
+/// momentum, and the angular momentum about the centre of mass, of a subtree without applied wrenches to
+/// rounding.
 class FloatingBases {
  public:
   FloatingBases(const Model& model, const double* q, const double* v, bool wrenches)
@@ -23,15 +25,16 @@ class FloatingBases {
     momenta->run(*kernel_, v);
     each_root(model.topology(), [&](int i) {
       const double mass = kernel_->M[i].m;
-      if ((*tree_)->kind[i] != Subgroup::free || !moves_freely(i) || tied(model, i) || !(mass > 0)) return;
+      if ((*tree_)->kind[i] != Subgroup::free || !moves_freely(i) || is_connected(model, i) || !(mass > 0))
+        return;
       const Vec3<> u = (1 / mass) * momenta->Pi[i].p;
       roots_.push_back({i, !wrenches, center(i), wrenches ? Vec3<>{} : u});
       gravity_[size(i)] = {};
     });
   }
-  /// The gravity that remains, for each root.
+  /// Gravity for each root: 0 for floating bases.
   std::span<const Vec3<>> gravity() const { return gravity_; }
-  /// Whether forces of nv numbers drive one of the bases.
+  /// Whether the forces tau (nv) act on one of the bases.
   bool driven_by(const double* tau) const {
     for (const Root& root : roots_)
       for (int k = 0; k < 6; ++k)
@@ -39,60 +42,60 @@ class FloatingBases {
     return false;
   }
 
-  /// From the inertial frame to the moving ones and back, at time t.
+  /// Converts from the inertial frame to the moving ones, and back, at time t.
   void to_moving_frame(double t, double* q, double* v) const { add(-1, t, q, v); }
   void from_moving_frame(double t, double* q, double* v) const { add(1, t, q, v); }
 
-  // Against the moving frames:
-  /// y where p is.
+  // The following functions are relative to the moving frames.
+  /// Replaces p by y.
   void begin(const double* q, double* y) const {
     for (const Root& root : roots_) {
       const Wrench<Spatial> Pi = coAd(pose(root, q), read<BodyFixed>(root, y));
-      write(root, Wrench<Spatial>{Pi.m, root.held ? Vec3<>{} : Pi.f}, y);
+      write(root, Wrench<Spatial>{Pi.m, root.constant ? Vec3<>{} : Pi.f}, y);
     }
   }
-  /// p of the bases from y.
+  /// Computes p of the bases from y.
   void to_momenta(const double* q, const double* y, double* p) const {
     for (const Root& root : roots_) write(root, coAd_inv(pose(root, q), read<Spatial>(root, y)), p);
   }
-  /// y' of the bases from f = p' - ad_vᵀ p, where anything but weight pushes them.
+  /// Computes y' of the bases from f = p' - ad_vᵀ p; 0 unless a load or drive acts on them.
   void rates(const double* q, bool pushed, const double* f, double* dy) {
     for (Root& root : roots_) {
       write(root, pushed ? coAd(pose(root, q), read<BodyFixed>(root, f)) : Wrench<Spatial>{}, dy);
-      root.held = root.held && !pushed;
+      root.constant = root.constant && !pushed;
     }
   }
-  /// y after a time h with f.
+  /// Advances y by a time h with f.
   void advance(const double* q, double h, bool pushed, double* f, double* y) {
     rates(q, pushed, f, f);
     for (const Root& root : roots_)
       for (int c = first(root); c < first(root) + 6; ++c) y[c] += h * f[c];
   }
-  /// Centres that are held back to their places.
+  /// Moves constant centres of mass back to their positions.
   void restore_centers(double* q) {
-    if (std::ranges::none_of(roots_, &Root::held)) return;
+    if (std::ranges::none_of(roots_, &Root::constant)) return;
     kernel_->run(*tree_, q);
     for (const Root& root : roots_)
-      if (root.held) move(root, root.center - center(root.body), q);
+      if (root.constant) move(root, root.center - center(root.body), q);
   }
 
  private:
   struct Root {
     int body;
-    bool held;
+    bool constant;
     Vec3<> center, u;  ///< at t = 0
   };
   static std::size_t size(int n) { return static_cast<std::size_t>(n); }
   int first(const Root& root) const { return (*tree_)->iv[root.body]; }
-  /// Whether nothing but wrenches acts on a base.
+  /// Whether the joint of a base has no armature, damping and friction.
   bool moves_freely(int i) const {
     for (int c = (*tree_)->iv[i]; c < (*tree_)->iv[i] + 6; ++c)
       if (tree_->armature[size(c)] != 0 || tree_->damping[size(c)] != 0 || tree_->friction[size(c)] != 0)
         return false;
     return true;
   }
-  /// Whether a loop ties a root, or what it carries, to something else.
-  bool tied(const Model& model, int i) const {
+  /// Whether a loop connects the subtree of a root to another body.
+  bool is_connected(const Model& model, int i) const {
     const auto carried = [&](int body) { return body >= i && body < (*tree_)->subtree_end[i]; };
     const auto its = [&](const LoopCoupling::Term& term) {
       return term.velocity >= (*tree_)->iv[i] && term.velocity < (*tree_)->iv[i] + 6;
@@ -104,7 +107,7 @@ class FloatingBases {
     return std::ranges::any_of(model.loops().joints, leaves) ||
            std::ranges::any_of(model.loops().couplings, binds);
   }
-  /// At the configuration of the kernel.
+  /// The centre of mass at the configuration of the kernel.
   Vec3<> center(int i) {
     const Inertia<>& M = kernel_->M[i];
     return kernel_->origin[i] + (1 / M.m) * M.h;

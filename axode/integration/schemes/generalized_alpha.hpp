@@ -8,7 +8,7 @@
 
 namespace axode {
 
-/// The means of generalised-α: with a mean acceleration â and x = h v_0 + ...,
+/// The averages of generalised-α with a mean acceleration â:
 ///   (1 - α_m) â_1 + α_m â_0 = (1 - α_f) a_1 + α_f a_0,   v_1 = v_0 + h ((1 - γ) â_0 + γ â_1),
 ///   x = h v_0 + h² ((1/2 - β) â_0 + β â_1).
 /// v_1 moves with a_1 as h γ c and x as h² β c, c = (1 - α_f) / (1 - α_m).
@@ -24,7 +24,7 @@ struct AlphaMeans {
         beta((gamma + 0.5) * (gamma + 0.5) / 4),
         c((1 - a_f) / (1 - a_m)) {}
 
-  /// â_1, v_1 and x of a step in which the acceleration goes from a_0 to a_1 and its mean starts with â_0.
+  /// Computes â_1, v_1 and x of a step from a_0 and â_0 with the new acceleration a_1.
   void advance(double h, const auto& v_0, const Vector& a_0, const Vector& mean_0, const auto& a_1,
                Vector& mean_1, auto& v_1, Vector& x) const {
     mean_1 = (a_f * a_0 - a_m * mean_0) / (1 - a_m) + c * a_1;
@@ -36,10 +36,9 @@ struct AlphaMeans {
 /// One step of generalised-α on the group: with AlphaMeans and q_1 = q_0 ⊕ x, it is solved for the a_1 with
 /// ID(q_1, v_1, a_1) = τ by Newton's method with
 ///   J = M + h γ c ∂ID/∂v + h² β c ∂ID/∂q dexp_{-x}.
-/// It is found where the change of a_1 is rounding, where the residual is rounding of the terms that it is the
-/// sum of, or where a_1 moves q_1 by no more than its rounding.
-/// A System has residual(t, q, v, a, r), which finds r = ID - τ; size_of_residual(r) and place_resolution(h), see SimulationRun;
-/// and what StepMatrix asks for.
+/// The iteration has converged if the change of a_1 is rounding, if the residual is rounding of its terms, or
+/// if the change of a_1 moves q_1 by no more than its rounding. A System has residual(t, q, v, a, r) with r =
+/// ID - τ; size_of_residual(r) and place_resolution(h), see SimulationRun; and the members for StepMatrix.
 template <class System> class GeneralizedAlpha {
  public:
   using Vector = Eigen::VectorXd;
@@ -57,7 +56,7 @@ template <class System> class GeneralizedAlpha {
         x_(tree->nv),
         r_(tree->nv) {}
 
-  /// From (q0, v0, a0) over h to q, v and a at time t.
+  /// Steps from (q0, v0, a0) over h to q, v and a at time t.
   Failure run(double t, double h, const Vector& q0, const Vector& v0, const Vector& a0) {
     constexpr int most = 40;
     const EnergyNorm& norm = system_->norm();
@@ -88,19 +87,19 @@ template <class System> class GeneralizedAlpha {
     }
     return {t, "Newton's method did not converge; a shorter step may help"};
   }
-  /// The next step goes on from the end of this one; or from where accelerations have jumped to a_0.
-  void go_on() { mean_0_ = mean_; }
-  void begin(const Vector& a_0) { mean_0_ = a_0; }
+  /// Accepts the step; or, after a jump of the accelerations to a_0, starts again.
+  void accept() { mean_0_ = mean_; }
+  void restart(const Vector& a_0) { mean_0_ = a_0; }
 
   Vector q, v, a;  ///< after run()
 
  private:
-  /// The end of a step in which the acceleration becomes a.
+  /// Computes the end of the step for the acceleration a.
   void end_with(double h, const Vector& q0, const Vector& v0, const Vector& a0) {
     means_.advance(h, v0, a0, mean_0_, a, mean_, v, x_);
     group_.move(q0, x_, q);
   }
-  /// With the drive's part from when Newton's method needs it on.
+  /// Makes Newton's matrix, with derivatives of the drive once they have been needed.
   void linearize(double t, double h, const Vector& q0) {
     const double c_x = h * h * means_.beta * means_.c, c_v = h * means_.gamma * means_.c;
     if (with_drive_)

@@ -7,8 +7,8 @@
 
 namespace axode {
 
-/// The derivatives of a ConfigurationGroup's ⊕ and rate: where q is displaced by η, x by δx and the velocity
-/// y by δy,
+/// Derivatives of ⊕ and rate() of a ConfigurationGroup: if q is displaced by η, x by δx and the velocity y by
+/// δy,
 ///   q ⊕ x is displaced by Ad_{exp(-x)} η + dexp_{-x} δx,
 ///   dexp⁻¹_{-x} y changes by dexp⁻¹_{-x} δy + (D dexp⁻¹_{-x} y) δx.
 /// The four maps are matrices for joints of several velocities; for the others they are 1, 1, 1 and 0.
@@ -17,12 +17,12 @@ class GroupDerivatives {
   using Matrix = Eigen::MatrixXd;  ///< a row for each velocity
   using Block = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, 6, 6>;
 
-  /// The maps of one joint, or the place of joints of one velocity in a row, which need none.
+  /// The maps of one joint, or a range of consecutive joints of one velocity, which need none.
   struct Joints {
-    int body;  ///< 0 for these
+    int body;  ///< 0 for a range of joints of one velocity
     Eigen::Index first, n;
-    Block carry{}, velocity{};  ///< of η and δx
-    Block rate{}, turn{};       ///< of δy and δx
+    Block carry{}, velocity{};  ///< maps of η and δx
+    Block rate{}, turn{};       ///< maps of δy and δx
   };
 
   explicit GroupDerivatives(const Tree<double>& tree) : tree_(&tree) {
@@ -40,7 +40,7 @@ class GroupDerivatives {
     }
   }
 
-  /// Takes the maps at x and y.
+  /// Computes the maps at x and y.
   void at(const double* x, const double* y) noexcept {
     for (Joints& joints : joints_)
       if (const int i = joints.body; i > 0)

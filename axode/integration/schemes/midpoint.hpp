@@ -10,20 +10,20 @@
 
 namespace axode {
 
-/// One step of the midpoint rule on the group for (q, p): with y = h v / 2 and q_m = q_0 ⊕ y,
+/// One step of the midpoint rule on the group for (q, p) (D8.5): with y = h v / 2 and q_m = q_0 ⊕ y,
 ///   p⁻ = Ad_{exp y}ᵀ p_0,   p⁺ = p⁻ + h f(t_m, q_m, v),   M(q_m) v = dexp_yᵀ (p_0 + p⁺) / 2,
 ///   q_1 = q_0 ⊕ 2 y,        p_1 = Ad_{exp y}ᵀ p⁺.
-/// It is symmetric and of second order, and symplectic where f = ∂L/∂q, as it follows from the discrete Lagrangian h L(q_m, v).
-/// (With M(q_m) v = (p⁻ + p⁺)/2 it is not, where joints have several velocities.) Forces that depend on v enter by
-/// d'Alembert's discrete principle.
+/// It is symmetric and of second order, and symplectic if f = ∂L/∂q, because it follows from the discrete
+/// Lagrangian h L(q_m, v). (With M(q_m) v = (p⁻ + p⁺)/2 it would not be, if joints have several velocities.)
+/// Forces that depend on v enter by d'Alembert's discrete principle.
 ///
-/// v is found with M, factorised once, in the place of Newton's matrix, and with that where the residual r does not become half as
-/// large in an iteration. It is found where its change is rounding, or where r is rounding of the terms that it is the sum of:
-/// where M is nearly singular only the latter shows. A stiff drive at rest has the rounding of q in its force: there v is found
-/// where it moves q by no more than that.
+/// The iteration for v uses M, factorised once, and Newton's matrix (D8.6) if the residual r does not halve
+/// in an iteration. It has converged if the change of v is rounding, or if r is rounding of its terms: if M
+/// is nearly singular only the latter occurs. The force of a stiff drive at rest contains the rounding of q:
+/// then it has converged if the change of v moves q by no more than that.
 ///
-/// A System has partials(t, q, v, p, f), which finds p = M v and f; factorize(t, q), which finds M, and solve(x), with it;
-/// norm(), velocity_scale(v, h) and place_resolution(h), see SimulationRun; and what StepMatrix asks for.
+/// A System has partials(t, q, v, p, f), which computes p = M v and f; factorize(t, q) and solve(x) with M;
+/// norm(), velocity_scale(v, h) and place_resolution(h), see SimulationRun; and the members for StepMatrix.
 template <class System> class Midpoint {
  public:
   using Vector = Eigen::VectorXd;
@@ -41,7 +41,8 @@ template <class System> class Midpoint {
         momenta_(tree->nv),
         r_(tree->nv) {}
 
-  /// From (q0, p0) at time t over h, which may be negative, from a guess in v to q, p, and what else is public.
+  /// Steps from (q0, p0) at time t over h, which may be negative, with a first guess in v. Sets the public
+  /// members.
   Failure run(double t, double h, const Vector& q0, const Vector& p0) {
     constexpr int most = 60;
     const EnergyNorm& norm = system_->norm();
@@ -70,7 +71,7 @@ template <class System> class Midpoint {
       const double change = norm.of_velocities(r_);
       if (change <= 1e-13 * scale || residual <= (slow ? 1e-13 : 1e-14) * std::max(terms, scale) ||
           (newton && slow && change <= system_->place_resolution(h))) {
-        // Along the last v, q and p alike: momenta depend on that they move together.
+        // q and p move along the same last v, on which the conservation of momenta depends.
         y_ = h / 2 * v;
         group_.Ad_transpose(y_, p0, p);
         p += h * f;
@@ -88,7 +89,7 @@ template <class System> class Midpoint {
     return {t + h, no_convergence};
   }
 
-  Vector q, q_middle, p, v, f;  ///< after run(): at its end, v and f of its middle
+  Vector q, q_middle, p, v, f;  ///< after run(): at the end of the step, v and f in its middle
 
  private:
   System* system_;

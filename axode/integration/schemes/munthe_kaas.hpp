@@ -8,9 +8,11 @@
 
 namespace axode {
 
-/// One step of an explicit Runge-Kutta method on (q, y), q on its group (Munthe-Kaas), y being v or momenta, for numbers T on a tree of S:
-///   θ_i = h Σ a_ij K_j,  Y_i = y + h Σ a_ij L_j,  (V_i, L_i) = (v, y')(t + c_i h, q ⊕ θ_i, Y_i),  K_i = dexp⁻¹_{-θ_i} V_i.
-/// With one stage it is Euler's; where y is v it is semi-implicit: q moves with the new v.
+/// One step of an explicit Runge-Kutta-Munthe-Kaas method on (q, y), with q on its group and y = v or
+/// momenta, for numbers T on a tree of S:
+///   θ_i = h Σ a_ij K_j,  Y_i = y + h Σ a_ij L_j,
+///   (V_i, L_i) = (v, y')(t + c_i h, q ⊕ θ_i, Y_i),  K_i = dexp⁻¹_{-θ_i} V_i.
+/// With one stage it is Euler's method; if y = v it is semi-implicit: q moves with the new v.
 template <class T = double, class S = T> class MuntheKaas {
  public:
   using Vector = std::vector<T>;
@@ -26,8 +28,8 @@ template <class T = double, class S = T> class MuntheKaas {
         L_(K_.size()),
         q_(static_cast<std::size_t>(tree->nq)) {}
 
-  /// With y = v, from (q0, v0), where the acceleration is a0, over h. accelerate(t, q, v, a) writes a and returns whether it could;
-  /// where it could not, neither can this.
+  /// Steps with y = v from (q0, v0), with the acceleration a0, over h. accelerate(t, q, v, a) writes a and
+  /// returns whether it succeeded; if not, the step fails.
   template <class Accelerate>
   bool run(double t, const T* q0, const T* v0, const T* a0, double h, const Accelerate& accelerate) {
     const auto rates = [&](double t_i, std::span<const T> q, std::span<const T> v, std::span<T> V,
@@ -36,17 +38,21 @@ template <class T = double, class S = T> class MuntheKaas {
       return accelerate(t_i, q, v, a);
     };
     if (!run(t, q0, v0, v0, a0, h, rates)) return false;
-    if (method_->b.size() == 1) std::ranges::copy(y, K_.begin()), sum(method_->b, h, K_, theta);
+    if (method_->b.size() > 1) return true;
+    std::ranges::copy(y, K_.begin());
+    sum(method_->b, h, K_, theta);
     return true;
   }
-  /// From (q0, y0), where the velocity is v0 and y' is dy0. rates(t, q, y, v, dy) writes both.
+  /// Steps from (q0, y0), with the velocity v0 and y' = dy0. rates(t, q, y, v, dy) writes v and dy.
   template <class Rates>
   bool run(double t, const T* q0, const T* y0, const T* v0, const T* dy0, double h, const Rates& rates) {
     const Tableau& m = *method_;
     const std::size_t nv = theta.size();
-    std::copy_n(v0, nv, K_.data()), std::copy_n(dy0, nv, L_.data());
+    std::copy_n(v0, nv, K_.data());
+    std::copy_n(dy0, nv, L_.data());
     for (std::size_t i = 1; i < m.b.size(); ++i) {
-      sum(m.a[i], h, K_, theta), advance(m.a[i], h, y0);
+      sum(m.a[i], h, K_, theta);
+      advance(m.a[i], h, y0);
       group_.move(q0, theta.data(), q_.data());
       const std::span<T> V = std::span(K_).subspan(i * nv, nv);
       if (!rates(t + m.c[i] * h, std::span<const T>(q_), std::span<const T>(y), V,
@@ -54,15 +60,19 @@ template <class T = double, class S = T> class MuntheKaas {
         return false;
       group_.rate(theta.data(), V.data(), V.data());
     }
-    if (!m.error.empty()) sum(m.error, h, K_, error_theta), sum(m.error, h, L_, error_y);
-    advance(m.b, h, y0), sum(m.b, h, K_, theta);
+    if (!m.error.empty()) {
+      sum(m.error, h, K_, error_theta);
+      sum(m.error, h, L_, error_y);
+    }
+    advance(m.b, h, y0);
+    sum(m.b, h, K_, theta);
     return true;
   }
 
   Vector theta, y;              ///< after run(): the step of q, and y at its end
-  Vector error_theta, error_y;  ///< of an embedded method
+  Vector error_theta, error_y;  ///< difference to an embedded method
 
-  /// y' at the end of the step where the last stage is there, otherwise nothing.
+  /// y' at the end of the step if the last stage is there, otherwise empty.
   std::span<const T> end() const {
     const Tableau& m = *method_;
     const bool there = m.b.back() == 0 && std::equal(m.a.back().begin(), m.a.back().end(), m.b.begin());

@@ -10,18 +10,21 @@
 
 namespace axode {
 
-/// Hamilton's side of a model: what a scheme on (q, p), p = M v, asks for. O(n) each, but for solve() with coupled joints.
+/// The Hamiltonian form of a model for schemes on (q, p), p = M v. O(n) each, except solve() with coupled
+/// joints.
 class PhaseSpace {
  public:
   explicit PhaseSpace(const Model& model)
       : tree_(&model.tree<double>()), group_(*tree_), kernels_(model.topology()), own_(size(model)) {}
 
-  /// p = M v and f = τ + ∂L/∂q with loads and losses, so that p' = f + ad_vᵀ p. Gravity is given for every root.
+  /// Computes p = M v and f = τ + ∂L/∂q with loads and losses, so that p' = f + ad_vᵀ p (D5.2). g has gravity
+  /// for each root.
   void partials(const double* q, const double* v, std::span<const Vec3<>> g, std::span<const double> tau,
                 const Loads<double>& loads, double* p, double* f) {
     const Tree<double>& tree = *tree_;
     kernels_->lagrangian.run(tree, q, v, g, loads.wrenches, p, f);
-    // Of joints with several velocities armatures have a momentum that, as forward_dynamics() has it, does not turn.
+    // Armatures of joints with several velocities have momenta that do not turn with the joint, as in
+    // forward_dynamics().
     for (int c = 0; c < tree->nv; ++c) own_[index(c)] = tree.armature[index(c)] * v[c];
     group_.ad_transpose(v, own_.data(), own_.data());
     for (int c = 0; c < tree->nv; ++c) {
@@ -29,13 +32,14 @@ class PhaseSpace {
       if (loads.joint_losses) f[c] -= joint_loss(tree, c, v[c]);
     }
   }
-  /// Makes solve() ready for a configuration.
+  /// Factorises M at q for solve().
   Solvability factorize(const double* q) {
     auto& [lagrangian, fast, motion, robust] = *kernels_;
     use_fast_ = (*tree_)->coupled_bodies.empty();
     if (use_fast_) {
       fast.maybe_singular = false;
-      fast.update_kinematics(*tree_, q), fast.factorize(*tree_);
+      fast.update_kinematics(*tree_, q);
+      fast.factorize(*tree_);
       use_fast_ = !fast.maybe_singular;
     }
     return use_fast_ ? Solvability{} : robust.factorize(*tree_, q, tree_->armature.data());

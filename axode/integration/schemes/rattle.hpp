@@ -10,22 +10,22 @@
 
 namespace axode {
 
-/// A step of RATTLE on a group with constant M, or of its symmetric composition: symplectic where forces have a potential,
-/// Φ(q) = 0 and B v = 0 at the ends of all steps. With x = h w,
+/// A step of RATTLE on a group with constant M (D8.9), or of its symmetric composition: symplectic if forces
+/// have a potential, with Φ(q) = 0 and B v = 0 at the ends of all steps. With x = h w,
 ///   dexp⁻¹_xᵀ M w = p_0 + h/2 f(q_0, v_0) + B_0ᵀ λ = k,   q_1 = q_0 ⊕ x,   Φ(q_1) = 0,
 ///   M v_1 = Ad_{exp x}ᵀ k + h/2 f(q_1, v_1) + B_1ᵀ λ_1,     B_1 v_1 = 0.
-/// Rows N of what rolls, which have no place, bind w in the middle instead: N(q_0 ⊕ x/2) w = 0, by the discrete principle of
-/// Lagrange and d'Alembert (Cortés, Martínez). So it is symmetric and keeps its order, but symplectic is nothing there.
-/// The second half is solved for the v_1 on which f may depend: so damping and drives keep the order. Newton's method takes
-/// M and B, where the step is expected to end, for its matrix.
+/// Nonholonomic rows N are imposed on w in the middle instead (D8.10), N(q_0 ⊕ x/2) w = 0, by the discrete
+/// principle of Lagrange and d'Alembert (Cortés, Martínez). With these the method is symmetric and keeps its
+/// order, but is not symplectic. The second half is solved for v_1, on which f may depend, so that damping
+/// and drives keep the order. Newton's matrix has M and B at the predicted end of the step.
 ///
-/// A System has the AbsoluteSystem as bodies(); forces(t, q, v, f), place(t, q), hold(t, q) and add_turning(v, f), which adds
-/// ad_vᵀ M v to f; norm() and velocity_scale(v, h), see SimulationRun.
+/// A System has the AbsoluteSystem as bodies(); forces(t, q, v, f), factorize(t, q), factorize_with_rank(t,
+/// q) and add_turning(v, f), which adds ad_vᵀ M v to f; norm() and velocity_scale(v, h), see SimulationRun.
 template <class System> class Rattle {
  public:
   using Vector = std::vector<double>;
 
-  /// From a state at which the system is held.
+  /// Starts at a state at which the system is factorised with its rank.
   Rattle(System& system, int order, const Vector& q_0, const Vector& v_0)
       : q(q_0),
         v(v_0),
@@ -33,7 +33,7 @@ template <class System> class Rattle {
         group_(system.bodies().group()),
         lengths_(symmetric_composition(order)) {}
 
-  /// Takes q and v at time t to t + h.
+  /// Steps q and v from time t to t + h.
   Failure run(double t, double h) {
     for (const double length : lengths_) {
       if (Failure failure = step(t, length * h)) return failure;
@@ -55,18 +55,19 @@ template <class System> class Rattle {
     x_.resize(v.size());
     q_1_.resize(q.size());
     q_middle_.resize(q.size());
-    // Where branches of a motion meet, the guess decides which one is followed: it is that of the accelerations.
+    // Where branches of a motion meet, the first guess decides which one is followed; it is that of the
+    // accelerations.
     r_ = f_;
     system_->add_turning(v, r_);
     bodies.bias(v, rhs_);
     bodies.solve(r_, rhs_, dw_, lambda_);
     as_eigen(w_) += h / 2 * as_eigen(dw_);
     as_eigen(lambda_) *= h / 2;
-    go(h, q_1_);
+    advance(h, q_1_);
     if (Failure failure = system_->factorize(t + h, q_1_)) return failure;
     AndersonIteration iteration(system_->norm());
     for (auto status = AndersonIteration::Status::iterating;;) {
-      go(h, q_1_);
+      advance(h, q_1_);
       k_ = k_0_;
       bodies.add_constraint_forces(q, lambda_, k_);
       if (status == AndersonIteration::Status::converged) break;
@@ -76,7 +77,7 @@ template <class System> class Rattle {
       bodies.position_residual(q_1_, rhs_, ConstraintLevel::velocity);
       as_eigen(rhs_) *= -1 / h;
       if (bodies.has_nonholonomic_rows()) {
-        go(h / 2, q_middle_);
+        advance(h / 2, q_middle_);
         bodies.set_nonholonomic_rates(q_middle_, w_, -1, rhs_);
       }
       bodies.solve(r_, rhs_, dw_, dlambda_);
@@ -92,7 +93,7 @@ template <class System> class Rattle {
     for (auto status = AndersonIteration::Status::iterating; status != AndersonIteration::Status::converged;
          old_ = f_) {
       if (Failure failure = system_->forces(t + h, q_1_, v, f_)) return failure;
-      if (old_ == f_) break;  // which does not depend on v
+      if (old_ == f_) break;  // f does not depend on v
       bodies.momentum(v, p_);
       as_eigen(r_) = as_eigen(k_) + h / 2 * as_eigen(f_) - as_eigen(p_);
       bodies.velocity_residual(q_1_, v, rhs_);
@@ -105,8 +106,8 @@ template <class System> class Rattle {
     return {};
   }
 
-  /// q ⊕ part w, by x.
-  void go(double part, Vector& to) {
+  /// to = q ⊕ x with x = part w.
+  void advance(double part, Vector& to) {
     as_eigen(x_) = part * as_eigen(w_);
     group_.move(q, x_, to);
   }

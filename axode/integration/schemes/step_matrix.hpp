@@ -9,23 +9,23 @@
 
 namespace axode {
 
-/// Newton's matrix of an implicit step, factorised: that of r = ID(q, v, a) - τ by a, where q = q_0 ⊕ x and where x and v move
-/// with a as c_x a and c_v a,
+/// Factorised Newton's matrix of an implicit step (D8.6): the derivative of r = ID(q, v, a) - τ by a, where q
+/// = q_0 ⊕ x and a change δa changes x by c_x δa and v by c_v δa,
 ///   J = M + c_v ∂r/∂v + c_x ∂r/∂q dexp_{-x}.
-/// A System has residual_derivatives(q, v, a, dr), those of ID; is_driven(); drive(t, q, v), which is τ; norm() and
-/// velocity_scale(v, h), see SimulationRun.
+/// A System has residual_derivatives(q, v, a, dr), the derivatives of ID; is_driven(); drive(t, q, v), which
+/// is τ; norm() and velocity_scale(v, h), see SimulationRun.
 template <class System> class StepMatrix {
  public:
   using Vector = Eigen::VectorXd;
 
   StepMatrix(System& system, const Tree<double>& tree) : system_(&system), group_(tree), q_(tree->nq) {}
 
-  /// Without the part of the drive.
+  /// Without the derivatives of the drive.
   void compute(const Vector& x, const Vector& q, const Vector& v, const Vector& a, double c_x, double c_v) {
     assemble(x, q, v, a, c_x, c_v);
     lu_.compute(J_);
   }
-  /// With it, by differences.
+  /// With the derivatives of the drive, by differences.
   void compute_with_drive(double t, const Vector& q_0, const Vector& x, const Vector& q, const Vector& v,
                           const Vector& a, double c_x, double c_v) {
     assemble(x, q, v, a, c_x, c_v);
@@ -39,12 +39,12 @@ template <class System> class StepMatrix {
   using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
   void assemble(const Vector& x, const Vector& q, const Vector& v, const Vector& a, double c_x, double c_v) {
-    // Schemes that never come here need no room.
+    // Memory is allocated only for schemes that use the matrix.
     for (Matrix* matrix : {&dq_, &dv_, &J_}) matrix->resize(v.size(), v.size());
     system_->residual_derivatives(q, v, a, {as_span(dq_), as_span(dv_), as_span(J_)});
     if (!group_.commutes()) {
       const Vector back = -x;
-      for (Eigen::Index i = 0; i < dq_.rows(); ++i)  // rows are momenta: dexp_{-x}ᵀ
+      for (Eigen::Index i = 0; i < dq_.rows(); ++i)  // rows transform like momenta, by dexp_{-x}ᵀ
         group_.dexp_transpose(back, dq_.row(i), dq_.row(i));
     }
     J_ += c_v * dv_ + c_x * dq_;

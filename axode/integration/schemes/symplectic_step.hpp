@@ -10,15 +10,16 @@
 
 namespace axode {
 
-/// A step of a symmetric composition of the midpoint rule on (q, p), what floats seen from its centre of mass. Velocities of
-/// the same part of the steps before, extrapolated, are the guesses. Part is Midpoint or ClosedMidpoint. A System is one of its
-/// that has with bases() its FloatingBases, says with pushes_bases() whether something acted on one of them in the last
-/// evaluation, and has p open no loops with close(t, q, p).
+/// A step of a symmetric composition (D8.11) of the midpoint rule on (q, p), with floating bases relative to
+/// their centres of mass. The first guess of v in each part is extrapolated from the same part of the last
+/// steps. Part is Midpoint or ClosedMidpoint. A System is one of theirs that has also bases(), its
+/// FloatingBases; pushes_bases(), whether a load or drive acted on one of them in the last evaluation; and
+/// close(t, q, p), which projects p onto closed loops.
 template <class System, class Part> class SymplecticStep {
  public:
   using Vector = Eigen::VectorXd;
 
-  /// From a state with p = M v.
+  /// Starts at a state with p = M v.
   SymplecticStep(System& system, Part part, int order, const Vector& q_0, const Vector& p_0,
                  const Vector& v_0)
       : q(q_0),
@@ -33,7 +34,7 @@ template <class System, class Part> class SymplecticStep {
     system.bases().to_momenta(q.data(), y_.data(), p.data());
   }
 
-  /// Takes q and p at time t to t + h.
+  /// Steps q and p from time t to t + h.
   Failure run(double t, double h) {
     FloatingBases& bases = system_->bases();
     for (std::size_t k = 0; k < lengths_.size(); ++k) {
@@ -55,7 +56,7 @@ template <class System, class Part> class SymplecticStep {
   Vector q, p;
 
  private:
-  /// The next of equally spaced values, from as many as four.
+  /// Extrapolation to the next of equally spaced values, from up to four.
   class Extrapolation {
    public:
     void take(const Vector& v) {
@@ -65,7 +66,7 @@ template <class System, class Part> class SymplecticStep {
         last_.leftCols(3) = last_.rightCols(3).eval();
       last_.rightCols(1) = v;
     }
-    /// Leaves v as it is before there are any.
+    /// Leaves v unchanged if there are no values yet.
     void extrapolate(Vector& v) const {
       static const Eigen::Matrix4d weights{{1, -1, 1, -1}, {0, 2, -3, 4}, {0, 0, 3, -6}, {0, 0, 0, 4}};
       const Eigen::Index n = last_.cols();
