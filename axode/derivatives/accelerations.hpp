@@ -6,10 +6,10 @@
 
 namespace axode {
 
-/// Accelerations at given forces, and after them x := M⁻¹ x for matrices of nv columns: where it is quickest, or in hybrid
-/// representation where joints are coupled or M may be singular.
+/// Accelerations at given forces, and then x := M⁻¹ x for matrices of nv columns, by the fast articulated
+/// bodies, or in hybrid representation if joints are coupled or M may be singular.
 template <class T> struct AccelerationsAndColumns {
-  /// On larger trees articulated bodies solve for columns in less time than products with M⁻¹ take.
+  /// On larger trees articulated bodies solve for columns faster than products with M⁻¹.
   static constexpr int most_velocities = 100;
   FastForwardDynamics<T> fast;
   using Bodies = typename FastForwardDynamics<T>::Bodies;
@@ -42,8 +42,8 @@ template <class T> struct AccelerationsAndColumns {
       for (std::ptrdiff_t r = 0; r < nv; ++r) matrix[r * nv + c] = x[r];
     }
   }
-  /// The same for a matrix that has entries only where one velocity moves the other, with M⁻¹ at hand, of which the products with
-  /// the few entries of a column are quicker on all but large trees.
+  /// Solves for a matrix with entries only where one velocity moves the other, given M⁻¹: products of M⁻¹
+  /// with the few entries of a column are faster except on large trees.
   void solve(const Tree<T>& tree, const T* M_inverse, T* matrix) noexcept {
     if (!is_fast || tree->nv > most_velocities) return solve(tree, matrix);
     using L = Lanes<T>;

@@ -2,19 +2,19 @@
 #include "axode/lie/inertia.hpp"
 #include "axode/lie/mat3.hpp"
 
-/// The derivative of everything along a displacement, written once. Everything behind a place in the tree is displaced
-/// along a screw J: for a velocity J is its joint screw, for a geometric parameter a unit screw at B_i, for a base any
-/// screw at its place. Everything is spatial: inertial axes, one point O for one tree.
+/// Derivatives of body wrenches when a subtree is displaced along a screw J: the joint screw of a velocity, a
+/// unit screw at B_i for a geometric parameter, any screw for a base. All quantities are spatial: inertial
+/// axes, one point O for one tree.
 ///
-/// Seen by one who is displaced along, the only thing that happened is that the ground under the place has gained the
-/// velocity ψ' and the acceleration ψ''. That changes the wrench of a body of inertia M, twist V and momentum M V by
-/// M ψ'' + B ψ', where B X = M' X - ad_Xᵀ M V is the Coriolis force of a velocity, once for each of the two.
+/// In a frame that is displaced with the subtree only the motion of its base changes, by the velocity ψ' and
+/// the acceleration ψ''. This changes the wrench of a body of inertia M, twist V and momentum M V by M ψ'' +
+/// B ψ', where B X = M' X - ad_Xᵀ M V is the Coriolis force of a velocity, once for each of the two.
 namespace axode {
 
 /// An element of se(3) in inertial axes: a twist, its rate, a screw and its rates.
 template <class T> using Motion6 = Twist<Spatial, T>;
 
-/// The first two time derivatives ψ' and ψ'' of a screw J where it is fixed to a body with V_p and V'_p.
+/// The first two time derivatives ψ' and ψ'' of a screw J that is fixed to a body with V_p and V'_p.
 /// See (D1.4) of docs/derivations.
 template <class T> struct CarriedScrew {
   Motion6<T> first, second;
@@ -23,14 +23,14 @@ template <class T> struct CarriedScrew {
       : first(ad(V_p, J)), second(ad(dV_p, J) + ad(V_p, first)) {}
 };
 
-/// B = 2 [[D, 0], [-p~, 0]] of bodies that move rigidly, each with its own twist: 12 numbers that add up. With the place r
-/// and the velocity r' of the mass, D = tr(E) 1 - E, E = ∫ r' rᵀ dm and p = ∫ r' dm: B X = 2 ∫ (r × (w × r'); w × r') dm.
-/// See (D1.9) to (D1.12) of docs/derivations.
+/// B = 2 [[D, 0], [-p~, 0]] of rigid bodies, each with its own twist: 12 numbers, which are summed over
+/// bodies. With the position r and the velocity r' of the mass, D = tr(E) 1 - E, E = ∫ r' rᵀ dm and p = ∫ r'
+/// dm: B X = 2 ∫ (r × (w × r'); w × r') dm. See (D1.9) to (D1.12) of docs/derivations.
 template <class T> struct CoriolisInertia {
   Mat3<T> D;
   Vec3<T> p;
 
-  /// Of one body with inertia M about O.
+  /// B of one body with inertia M about O.
   static constexpr CoriolisInertia of(const Inertia<T>& M, const Motion6<T>& V) {
     const Mat3<T> E = cross(V.w, matrix(binet_tensor(M.Theta))) + outer_product(V.v, M.h);
     return {
@@ -45,7 +45,7 @@ template <class T> struct CoriolisInertia {
   constexpr Vec3<T> transposed_times(const Motion6<T>& X) const {
     return T(2) * (transposed_times_(X.w) + cross(p, X.v));
   }
-  /// What a displacement of the bodies along J adds to it. See (D2.10) of docs/derivations.
+  /// The derivative of B along a displacement J of the bodies. See (D2.10) of docs/derivations.
   constexpr CoriolisInertia along(const Motion6<T>& J) const {
     const Vec3<T>& e = J.w;
     const T pv = dot(p, J.v);  // D' = e~ D - D e~ + p·v 1 - p vᵀ
@@ -55,7 +55,8 @@ template <class T> struct CoriolisInertia {
     return {turned + moved + outer_product(-p, J.v), cross(e, p)};
   }
   constexpr CoriolisInertia& operator+=(const CoriolisInertia& other) {
-    D += other.D, p += other.p;
+    D += other.D;
+    p += other.p;
     return *this;
   }
 

@@ -8,19 +8,19 @@
 
 namespace axode {
 
-/// ∂τ/∂q, ∂τ/∂v and ∂τ/∂a of inverse dynamics. For every joint screw and all columns behind it a row of products: 67 products
-/// and sums for a pair, in all three matrices. See (D1.17) of docs/derivations.
+/// ∂τ/∂q, ∂τ/∂v and ∂τ/∂a of inverse dynamics. Every joint screw is multiplied with all columns of its
+/// subtree: 67 products and sums for a pair, in all three matrices. See (D1.17) of docs/derivations.
 template <class T> struct FirstOrder {
   using L = Lanes<T>;
   using Number = typename L::Number;
   static constexpr int results = 5;
 
   MovingScrews<T> screws;
-  Arrays<T> effect;  ///< ScrewEffects of the columns
-  Arrays<T> line;    ///< results of one screw with the columns behind it
+  Arrays<T> effect;  ///< ScrewEffects by column
+  Arrays<T> line;    ///< products of one screw with the columns of its subtree
   BodyPoses<T> inertial;
-  LoadStiffness<T>* N;  ///< of the wrenches on each body, then of all behind it
-  Arrays<T> NtS;        ///< Nᵀ S of the columns
+  LoadStiffness<T>* N;  ///< of the wrenches on each body, then on its subtree
+  Arrays<T> NtS;        ///< Nᵀ S by column
   T* own;
 
   explicit FirstOrder(Arena& arena)
@@ -32,7 +32,7 @@ template <class T> struct FirstOrder {
         NtS(arena, 6, arena.topology().n_screws),
         own(arena.per_velocity<T>()) {}
 
-  /// The state, up to the effects of all screws.
+  /// Computes the effects of all screws at a state.
   template <class Real>
   void run(const Tree<Real>& tree, const T* q, const T* v, const T* a, const Loads<T>& loads) noexcept {
     run(tree, q, v, a, loads, cast<T>(tree.g));
@@ -45,7 +45,7 @@ template <class T> struct FirstOrder {
       if (!loads.wrenches.empty()) load(tree, q, loads.wrenches);
     compose(*tree.operator->(), !loads.wrenches.empty());
   }
-  /// From moving, loaded bodies to the effects of all screws.
+  /// Computes the effects of all screws from moving, loaded bodies.
   void compose(const Topology& topology, bool loaded) noexcept {
     screws.compose(topology);
     for (int c = 0; c < topology.n_screws; c += L::width) {
@@ -56,7 +56,7 @@ template <class T> struct FirstOrder {
     if (loaded) stiffen(topology);
   }
 
-  /// τ of the state; it may take the place of v or a.
+  /// Computes τ of the state; it may share the memory of v or a.
   template <class Real>
   void project(const Tree<Real>& tree, const T* v, const T* a, bool joint_losses, T* tau) const noexcept {
     joint_terms(tree, v, a, joint_losses, own);
@@ -69,7 +69,7 @@ template <class T> struct FirstOrder {
     }
   }
 
-  /// nv × nv each, [component, direction].
+  /// Writes nv × nv numbers each, [component, direction].
   template <class Real>
   void write(const Tree<Real>& tree, const Loads<T>& loads, T* dq, T* dv, T* da) noexcept {
     const std::ptrdiff_t nv = tree->nv;
@@ -105,7 +105,8 @@ template <class T> struct FirstOrder {
     }
   }
 
-  /// by_q(component, direction, part of ∂τ/∂q) and by_v, entry by entry; of velocities that joints share in several parts.
+  /// by_q(component, direction, part of ∂τ/∂q) and by_v, entry by entry; entries of
+  /// velocities that joints share come in several parts.
   template <class Real, class ByQ, class ByV>
   void each_entry(const Tree<Real>& tree, const Loads<T>& loads, const ByQ& by_q, const ByV& by_v) noexcept {
     for (int i = 1; i <= tree->n; ++i)
@@ -117,8 +118,8 @@ template <class T> struct FirstOrder {
       for (std::ptrdiff_t c = 0; c < tree->nv; ++c) by_v(c, c, T(tree.damping[static_cast<std::size_t>(c)]));
   }
 
-  /// f(wrench as it was given, body, place, moment, force) for the wrenches on moving bodies, in inertial axes, with the place
-  /// against O.
+  /// f(given wrench, body, point, moment, force) for the wrenches on moving bodies, in inertial axes, with
+  /// the point relative to O.
   template <class F>
   void each_load(const Tree<T>& tree, std::span<const AppliedWrench<T>> wrenches, const F& f) const noexcept {
     for (const AppliedWrench<T>& given : wrenches) {
@@ -139,11 +140,11 @@ template <class T> struct FirstOrder {
               });
   }
 
-  /// Where the parts of ScrewEffects stand.
+  /// Offsets of the parts of ScrewEffects.
   enum Part { S = 0, psi_2 = 6, sigma = 12, U = 18, P = 24, R = 30, psi_1 = 36, t = 39 };
 
  private:
-  /// The products of column l with those from begin on.
+  /// Multiplies column l with the columns from `begin` on.
   void multiply(int l, int begin, int end, bool loaded) noexcept {
     const Arrays<T> e = effect, n = NtS, out = line;  // local copies, which no result can overwrite
     Number x[psi_1 + 3];
@@ -168,10 +169,14 @@ template <class T> struct FirstOrder {
     for (int j = i; j < tree->subtree_end[i]; ++j)
       for (int k = tree->first_screw[j]; k < tree->first_screw[j + 1]; ++k) {
         const std::ptrdiff_t v_k = tree->iv[j] + k - tree->first_screw[j];
-        if (j > i)
-          by_q(v_l, v_k, line.array(0)[k]), by_v(v_l, v_k, line.array(1)[k]),
-              by_a(v_l, v_k, line.array(2)[k]);
-        by_q(v_k, v_l, line.array(3)[k]), by_v(v_k, v_l, line.array(4)[k]), by_a(v_k, v_l, line.array(2)[k]);
+        if (j > i) {
+          by_q(v_l, v_k, line.array(0)[k]);
+          by_v(v_l, v_k, line.array(1)[k]);
+          by_a(v_l, v_k, line.array(2)[k]);
+        }
+        by_q(v_k, v_l, line.array(3)[k]);
+        by_v(v_k, v_l, line.array(4)[k]);
+        by_a(v_k, v_l, line.array(2)[k]);
       }
   }
   [[gnu::noinline]] void stiffen(const Topology& topology) noexcept {
@@ -179,7 +184,8 @@ template <class T> struct FirstOrder {
     for (int i = 1; i <= topology.n; ++i)
       for (int c = topology.first_screw[i]; c < topology.first_screw[i + 1]; ++c) {
         const Wrench<Spatial, T> NS = N[i] * screws.screw(c), NtS_c = N[i].transposed_times(screws.screw(c));
-        NtS.set3(NtS_c.m, 0, c), NtS.set3(NtS_c.f, 3, c);
+        NtS.set3(NtS_c.m, 0, c);
+        NtS.set3(NtS_c.f, 3, c);
         for (int k = 0; k < 6; ++k) effect.array(P + k)[c] += entry(NS, k);
       }
   }

@@ -4,14 +4,14 @@
 
 namespace axode {
 
-/// The forces of a motion as power series in time, to any order, in spatial representation about the origins of the roots
-/// at t = 0: there a wrench is the rate of a momentum, so with Π = M V of each body
+/// The forces of a motion as power series in time, to any order, in spatial representation about the origins
+/// of the roots at t = 0, where a wrench is the rate of a momentum. With Π = M V of each body
 ///   (k + 1) M_{k+1} = Σ_{l<=k} (-ad_Vᵀ M - M ad_V)_{l, k-l}      Π_k = Σ_{l<=k} M_l V_{k-l}
-///   W_k = (k + 1) Π_{k+1} - (weight)_k - (loads)_k               τ_k = Σ_{l<=k} J_l|F_{k-l},  F = Σ W behind the joint.
+///   W_k = (k + 1) Π_{k+1} - (gravity)_k - (loads)_k   τ_k = Σ_{l<=k} J_l|F_{k-l},  F = Σ W over its subtree.
 /// Cost O(n k²). See (D3.9) to (D3.11) of docs/derivations.
 template <class T> class ForceSeries {
  public:
-  /// τ to this order.
+  /// The order of the series of τ.
   ForceSeries(const Tree<T>& tree, int order)
       : order_(order),
         stride_(order + 1),
@@ -24,7 +24,8 @@ template <class T> class ForceSeries {
 
   int order() const { return order_; }
 
-  /// From q and v, v', v'', ... (order + 2 rows of nv) to τ, τ', ... (order + 1 rows of nv), which may not overlap.
+  /// From q and v, v', v'', ... (order + 2 rows of nv) to τ, τ', ... (order + 1 rows of nv), which must not
+  /// overlap.
   void run(const Tree<T>& tree, const T* q, const T* rates, const Loads<T>& loads, T* tau) noexcept {
     motion_.run_about_roots(tree, q, rates);
     for (int k = 0; k <= order_; ++k) W(0, k) = {};
@@ -59,7 +60,7 @@ template <class T> class ForceSeries {
  private:
   Wrench<Spatial, T>& W(int i, int k) { return W_[static_cast<std::size_t>(i * stride_ + k)]; }
 
-  /// The wrench that the motion of body i and its weight ask for.
+  /// The wrench that the motion of body i under gravity requires.
   void set_inertial(const Tree<T>& tree, int i) noexcept {
     const auto V = [&](int k) {
       const Screw<T>& X = motion_.twist(i)[k];
@@ -78,7 +79,7 @@ template <class T> class ForceSeries {
       W(i, k) = {T(k + 1) * Pi.l - cross(M_[at(k)].h, tree.g), T(k + 1) * Pi.p - weight};
     }
   }
-  /// Less the loads, as their representations turn them.
+  /// Subtracts the loads, which turn as their representations define.
   void apply(const Tree<T>& tree, const T* q, std::span<const AppliedWrench<T>> wrenches) noexcept {
     for (int i = 1; i <= tree->n; ++i) {
       const int p = tree->parent[i];

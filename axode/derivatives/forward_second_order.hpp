@@ -4,11 +4,11 @@
 
 namespace axode {
 
-/// The second derivatives of w·a of forward dynamics into blocks, the last one tauq. With a(q, v, τ), μ = -M⁻¹ w, the blocks H of
-/// μ·τ at these accelerations, which `second` has, and Q = H_aq:
+/// The second derivatives of w·a of forward dynamics in blocks, the last one tauq. With a(q, v, τ), μ = -M⁻¹
+/// w, the blocks H of μ·τ at these accelerations, from `second`, and Q = H_aq:
 ///   tauq = M⁻¹ Q    qq = H_qq + P + Pᵀ, P = -tauqᵀ ∂τ/∂q    qv = H_qv - tauqᵀ ∂τ/∂v    vv = H_vv.
-/// No matrix but the results is kept: products with ∂τ/∂q and ∂τ/∂v are added entry by entry. solve(x) does x := M⁻¹ x for nv
-/// columns. See (D2.9) of docs/derivations.
+/// No matrix except the results is stored: products with ∂τ/∂q and ∂τ/∂v are added entry by entry. solve(x)
+/// computes x := M⁻¹ x for nv columns. See (D2.9) of docs/derivations.
 template <class T, class Real, class Solve>
 void accelerations_from(SecondOrder<T>& second, const Tree<Real>& tree, const Loads<T>& loads,
                         const HessianBlocks<T>& H, const Solve& solve) noexcept {
@@ -36,7 +36,7 @@ void accelerations_from(SecondOrder<T>& second, const Tree<Real>& tree, const Lo
   second.add_to(topology, loaded, {H.qq, H.qv, H.vv, nullptr});
 }
 
-/// The same at q, v and τ.
+/// Computes the second derivatives at q, v and τ.
 template <class T> struct ForwardSecondOrder {
   AccelerationsAndColumns<T> forward;
   SecondOrder<T> second;

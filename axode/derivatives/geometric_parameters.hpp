@@ -1,11 +1,12 @@
 #pragma once
 #include "axode/model/tree.hpp"
 
-/// Geometric parameters (section 6.2): B_i becomes B_i exp(U π), which displaces all that joint i moves along U. U is resolved in
-/// the frame that body i has while its joint is at zero: C_i = C_p B_i exp(U π) exp(X_i q_i).
+/// Geometric parameters (section 6.2): B_i becomes B_i exp(U π), which displaces the subtree of joint i along
+/// U. U is resolved in the frame that body i has while its joint is at zero: C_i = C_p B_i exp(U π) exp(X_i
+/// q_i).
 namespace axode {
 
-/// That frame, seen from the internal frame of body i, to which the joint has moved it.
+/// The frame at zero relative to the internal frame of body i, which the joint has moved.
 template <class T> SE3<T> frame_at_zero(const Tree<T>& tree, int i, const T* q) noexcept {
   return with_subgroup(tree->kind[i], tree.pitch[i], [&](const auto& joint) {
     const T own = tree.ratio[i] * q[tree->iq[i]] + tree.offset[i];
@@ -13,7 +14,8 @@ template <class T> SE3<T> frame_at_zero(const Tree<T>& tree, int i, const T* q) 
     return inverse(moved) * tree.frame_offset[i];
   });
 }
-/// f(u, screw) for the six unit screws of a frame, angular before linear, seen from where its pose is E.
+/// f(u, screw) for the six unit screws of a frame with the pose E, angular before linear, in the axes
+/// relative to which E is.
 template <class T, class F> void each_unit_screw(const SE3<T>& E, const F& f) noexcept {
   for (int u = 0; u < 6; ++u) {
     const auto one = [&](int k) { return T(u == k); };

@@ -5,18 +5,18 @@
 
 namespace axode {
 
-/// ∂τ/∂π of inverse dynamics. A parameter is a displacement like that of a joint; only that no joint's forces are asked for it.
+/// ∂τ/∂π of inverse dynamics. A parameter displaces a subtree like a joint, but has no force of its own.
 /// See (D1.18) of docs/derivations.
 template <class T> struct GeometryDerivatives {
   using L = Lanes<T>;
   using Number = typename L::Number;
 
   FirstOrder<T> state;
-  Arrays<T> line;  ///< what one parameter does to the columns behind it
+  Arrays<T> line;  ///< derivatives of the forces of all columns in the subtree by one parameter
 
   explicit GeometryDerivatives(Arena& arena) : state(arena), line(arena, 1, arena.topology().n_screws) {}
 
-  /// nv × n × 6.
+  /// Writes nv × n × 6 numbers.
   void run(const Tree<T>& tree, const T* q, const T* v, const T* a, const Loads<T>& loads, T* out) noexcept {
     const bool loaded = !loads.wrenches.empty();
     state.run(tree, q, v, a, loads);
@@ -64,7 +64,7 @@ template <class T> struct GeometryDerivatives {
   }
 };
 
-/// The same of forward dynamics, -M⁻¹ times it at the accelerations a.
+/// ∂a/∂π of forward dynamics: -M⁻¹ times ∂τ/∂π at the accelerations a.
 template <class T> struct ForwardGeometryDerivatives {
   AccelerationsAndColumns<T> forward;
   GeometryDerivatives<T> inverse;

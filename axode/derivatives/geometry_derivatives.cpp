@@ -11,7 +11,7 @@ template <class T> std::size_t parameters(const Model& model) {
   return static_cast<std::size_t>(model.n_bodies()) * 6;
 }
 
-/// f(i, u, screw) for all parameters that displace a place, with the screws as it sees them. O(d).
+/// f(i, u, screw) for all parameters that displace a place, with the screws in its frame. O(d).
 template <class T, class F>
 void each_parameter(const Tree<T>& tree, const T* q, const Place<T>& place, const F& f) noexcept {
   SE3<T> E = tree.frame_offset[place.frame] * place.offset;  // the place in the internal frame of body i
@@ -96,12 +96,12 @@ void jacobian_geometry_derivatives(const Model& model, Workspace<T>& workspace, 
   const Tree<T>& tree = model.tree<T>();
   const std::size_t nv = static_cast<std::size_t>(model.nv());
   std::fill(dJ.begin(), dJ.end(), Twist<BodyFixed, T>{});
-  // A parameter displaces the place and leaves the screws before it where they are; those behind it go along.
+  // A parameter displaces the place and the joint screws after it, and leaves the screws before it unchanged.
   CarryingScrews<T> screws(arena);
   screws.run(tree, q.data(), place);
   each_parameter(tree, q.data(), place, [&](int i, int u, const Screw<T>& X) {
     Twist<BodyFixed, T>* const to = dJ.data() + static_cast<std::size_t>((i - 1) * 6 + u) * nv;
-    for (int k = screws.count - 1; k >= 0 && screws.column[k].j < i; --k)  // ground first
+    for (int k = screws.count - 1; k >= 0 && screws.column[k].j < i; --k)  // in the order from the ground
       to[screws.column[k].c] += ad(screws.column[k].J, Twist<BodyFixed, T>{X.w, X.v});
   });
 }

@@ -4,20 +4,21 @@
 #include "axode/recursion/loads.hpp"
 #include "axode/recursion/solvability.hpp"
 
-/// Derivatives with respect to geometric parameters (section 6.2), six for each body: B_i becomes B_i exp(U π), C_i =
-/// C_p B_i exp(U π) exp(X_i q_i), with the six unit screws U of the frame that body i has while its joint is at zero, angular
-/// before linear. X_i, the inertia in the body's frame and the components of loads are held fixed. Units: per rad, per m.
-/// No allocation. std::invalid_argument for a wrong size, a quaternion off 1, a load on a frame that does not exist.
+/// Derivatives with respect to geometric parameters (section 6.2), six for each body: B_i becomes B_i exp(U
+/// π), C_i = C_p B_i exp(U π) exp(X_i q_i), with the six unit screws U of the frame that body i has while its
+/// joint is at zero, angular before linear. X_i, the inertia in the body's frame and the components of loads
+/// are held fixed. Units: per rad, per m. No allocation. Throws std::invalid_argument for a wrong size,
+/// quaternions that are not of unit norm, and a load on a frame that does not exist.
 namespace axode {
 
-/// ∂τ/∂π at (q, v, a): nv × n_bodies × 6 numbers, [component, body - 1, screw]. O(n d) on paths of d velocities.
-/// See (D1.18) of docs/derivations.
+/// ∂τ/∂π at (q, v, a): nv × n_bodies × 6 numbers, [component, body - 1, screw]. O(n d) on paths of d
+/// velocities. See (D1.18) of docs/derivations.
 template <class T>
 void inverse_dynamics_geometry_derivatives(const Model& model, Workspace<T>& workspace, Numbers<T> q,
                                            Numbers<T> v, Numbers<T> a,
                                            std::type_identity_t<std::span<T>> dtau,
                                            const std::type_identity_t<Loads<T>>& loads = {});
-/// ∂a/∂π at (q, v, τ), of that shape. O(n) for each parameter. Where the status is not ok(), NaN.
+/// ∂a/∂π at (q, v, τ), nv × n_bodies × 6 numbers. O(n) for each parameter. NaN if the status is not ok().
 template <class T>
 Solvability forward_dynamics_geometry_derivatives(const Model& model, Workspace<T>& workspace, Numbers<T> q,
                                                   Numbers<T> v, Numbers<T> tau,
@@ -29,20 +30,21 @@ template <class T>
 void inverse_dynamics_geometry_vjp(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v,
                                    Numbers<T> a, Numbers<T> w, std::type_identity_t<std::span<T>> gradient,
                                    const std::type_identity_t<Loads<T>>& loads = {});
-/// The gradient of w·a. O(n). Where the status is not ok(), NaN.
+/// The gradient of w·a with respect to π. O(n). NaN if the status is not ok().
 template <class T>
 Solvability forward_dynamics_geometry_vjp(const Model& model, Workspace<T>& workspace, Numbers<T> q,
                                           Numbers<T> v, Numbers<T> tau, Numbers<T> w,
                                           std::type_identity_t<std::span<T>> gradient,
                                           const std::type_identity_t<Loads<T>>& loads = {});
 
-/// How a place is displaced: the body-fixed twists C⁻¹ ∂C/∂π, 6 × n_bodies × 6 numbers, [component, body - 1, screw]; 0 for
-/// bodies that do not carry it. O(d), and the zeros.
+/// Displacements of a place: the body-fixed twists C⁻¹ ∂C/∂π, 6 × n_bodies × 6 numbers, [component, body - 1,
+/// screw]; 0 unless the place is in the subtree of the body. O(d), and the zeros.
 template <class T>
 void frame_geometry_jacobian(const Model& model, Workspace<T>& workspace, Numbers<T> q,
                              const std::type_identity_t<Place<T>>& place,
                              std::type_identity_t<std::span<T>> J);
-/// What becomes of its body-fixed Jacobian: n_bodies × 6 × nv twists, [body - 1, screw, velocity]. O(d²), and the zeros.
+/// Derivatives of the body-fixed Jacobian of a place: n_bodies × 6 × nv twists, [body - 1, screw, velocity].
+/// O(d²), and the zeros.
 template <class T>
 void jacobian_geometry_derivatives(const Model& model, Workspace<T>& workspace, Numbers<T> q,
                                    const std::type_identity_t<Place<T>>& place,

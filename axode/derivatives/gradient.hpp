@@ -3,11 +3,13 @@
 
 namespace axode {
 
-/// The gradient of λ·τ of inverse dynamics with respect to (q, v, a), from two sweeps. The adjoint of a body's wrench is the twist Λ
-/// that it would have if the joints moved with λ. Of all bodies behind a joint with the screw S, with V and V' of the
-/// predecessor and of all quantities in the axes of the body,
+/// The gradient of λ·τ of inverse dynamics with respect to (q, v, a), from two sweeps. The adjoint of the
+/// wrench of a body is the twist Λ that it would have if the joints moved with λ. Sums are over the subtree
+/// of a joint with the screw S; V and V' are those of the predecessor, and all quantities are in the axes of
+/// the body:
 ///   A = Σ M Λ, H = Σ Bᵀ Λ (a pure moment), n = Σ Nᵀ Λ, F the transmitted wrench:
-///   g = ad_Λᵀ F + ad_Vᵀ (H + ad_Vᵀ A) + ad_V'ᵀ A + n;   ∂/∂q = S|g, ∂/∂v = S|(H + ad_{V_p + V_i}ᵀ A), ∂/∂a = S|A.
+///   g = ad_Λᵀ F + ad_Vᵀ (H + ad_Vᵀ A) + ad_V'ᵀ A + n
+///   ∂/∂q = S|g, ∂/∂v = S|(H + ad_{V_p + V_i}ᵀ A), ∂/∂a = S|A
 /// About 380 products and sums per hinge. See (D1.21) to (D1.23) of docs/derivations.
 template <class G, class T> struct InverseDynamicsGradient {
   using Vector = typename G::Vector;
@@ -90,13 +92,13 @@ template <class G, class T> struct InverseDynamicsGradient {
     }
   }
 
-  /// A load W on body i, and what the representation in which it is constant makes of Λ: L(·)ᵀ.
+  /// Applies a load W on body i, and adds L(·)ᵀ of Λ for the representation in which the load is constant.
   void load(int i, const Wrench<BodyFixed, T>& W, const Wrench<BodyFixed, T>& n) noexcept {
     body[i].m -= Vector(W.m), body[i].f -= Vector(W.f);
     body[i].n_m -= Vector(n.m), body[i].n_f -= Vector(n.f);
   }
 
-  /// Adds to the gradients.
+  /// Adds the part of a body to the gradients.
   template <class S>
   void backward(const Tree<S>& tree, const T* v, const T* a, const T* lambda, T* by_q, T* by_v,
                 T* by_a) noexcept {
@@ -123,19 +125,22 @@ template <class G, class T> struct InverseDynamicsGradient {
       Body& to = body[tree->parent[i]];
       const Factor r(b.r);
       const Vector f = b.R * Spread(b.f), A = b.R * Spread(b.A_f);
-      to.f += f, to.m += b.R * Spread(b.m) + cross(r, Factor(f));
-      to.A_f += A, to.A_m += b.R * Spread(b.A_m) + cross(r, Factor(A));
+      to.f += f;
+      to.m += b.R * Spread(b.m) + cross(r, Factor(f));
+      to.A_f += A;
+      to.A_m += b.R * Spread(b.A_m) + cross(r, Factor(A));
       to.H += b.R * Spread(b.H);
       if (loaded) {
         const Vector n = b.R * Spread(b.n_f);
-        to.n_f += n, to.n_m += b.R * Spread(b.n_m) + cross(r, Factor(n));
+        to.n_f += n;
+        to.n_m += b.R * Spread(b.n_m) + cross(r, Factor(n));
       }
     }
   }
-  bool loaded = false;  ///< whether there is any n
+  bool loaded = false;  ///< whether there are loads, so that n is not 0
 
-  /// g of the bodies behind joint i, after backward(): the gradient with respect to a displacement before the joint,
-  /// whose twist is V_J.
+  /// g of the subtree of joint i, after backward(): the gradient with respect to a displacement before the
+  /// joint; the joint has the twist V_J.
   template <class S>
   Wrench<BodyFixed, T> by_displacement(const Tree<S>& tree, int i, const Twist<BodyFixed, T>& V_J, const T* a,
                                        const T* lambda) const noexcept {

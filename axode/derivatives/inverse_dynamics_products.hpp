@@ -17,7 +17,7 @@ template <class T> struct InverseDynamicsJvp {
   explicit InverseDynamicsJvp(Arena& arena)
       : tangent(arena), C(arena), eta(arena.per_body<Twist<BodyFixed, T>>()), out(arena.per_velocity<T>()) {}
 
-  /// The result may take the place of an argument.
+  /// The result may share the memory of an argument.
   template <class Real>
   void run(const Tree<Real>& tree, const T* q, const T* v, const T* a, const T* dq, const T* dv, const T* da,
            const Loads<T>& loads, T* dtau) noexcept {

@@ -14,7 +14,7 @@
 namespace axode {
 namespace {
 
-/// out += x y of n × n matrices, of which y has many zeros.
+/// out += x y of n × n matrices; y is sparse.
 template <class T>
 void add_product(std::span<const T> x, std::span<const T> y, std::size_t n, std::span<T> out) {
   for (std::size_t j = 0; j < n; ++j)
@@ -37,12 +37,16 @@ Solvability linearize(const Model& model, Workspace<T>& workspace, Numbers<T> q,
   check_separate("linear.B", B, "linear.A", A);
   const bool sprung = !model.springs().empty();
   const auto check_apart = [&](const char* name, std::span<const T> x) {
-    check_separate("linear.A", linear.A, name, x), check_separate("linear.B", linear.B, name, x);
+    check_separate("linear.A", linear.A, name, x);
+    check_separate("linear.B", linear.B, name, x);
   };
   check_apart("v", v);
-  if (sprung) check_apart("q", q), check_apart("tau", tau);
+  if (sprung) {
+    check_apart("q", q);
+    check_apart("tau", tau);
+  }
 
-  // The halves of A are free until the lower one is made of what is written there.
+  // The upper half of A serves as memory until the lower half is complete.
   const std::span<T> upper = A.first(width * n), lower = A.last(width * n);
   const std::span<T> da_dq = upper.first(n * n), da_dv = upper.last(n * n);
   const std::span<T> da_dtau = B.last(n * n), forces_dq = lower.first(n * n), forces_dv = lower.last(n * n);

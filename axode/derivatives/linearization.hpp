@@ -5,20 +5,20 @@
 
 namespace axode {
 
-/// Where A, 2nv × 2nv, and B, 2nv × nv, go, row by row, [component of x', component of x or δτ]. They may not overlap, nor
-/// take the place of v, or where there are springs of any argument.
+/// Receives A (2nv × 2nv) and B (2nv × nv), row by row, [component of x', component of x or δτ]. They must
+/// not overlap each other or v, nor, if the model has springs, any argument.
 template <class T> struct Linearization { std::span<T> A, B; };
 
-/// The linear system x' = A x + B δτ of small deviations x = (δ, δv) from the motion through a state: of q ⊕ δ, in the
-/// directions of `integrate`, of v + δv and τ + δτ. With the accelerations a of forward dynamics
+/// The linear system x' = A x + B δτ of small deviations x = (δ, δv) from the motion through a state: of q ⊕
+/// δ, in the directions of `integrate`, of v + δv and τ + δτ. With the accelerations a of forward dynamics
 ///     A = [-ad_v  I; ∂a/∂q  ∂a/∂v],    B = [0; ∂a/∂τ],
-/// where ad_v is the bracket of each joint's subgroup with its velocities (`ScrewProd`): two poses C and C exp(δ) that move
-/// with v and v + δv come apart at δ' = δv - [v, δ]. It is 0 at rest, and for joints with one velocity. Springs, dampers and
-/// stops of the model act, as in simulations: ∂a/∂q and ∂a/∂v are those with them. Where a = 0 and
-/// v = 0 A and B are those of an equilibrium, and constant; elsewhere they are those of an instant. Loads and losses as in
-/// forward_dynamics_derivatives, in whose units and at whose cost the lower halves come. No allocation. Throws
-/// std::invalid_argument for a wrong size, a quaternion off 1, a load on a frame that does not exist and results that
-/// overlap. Where the status is not ok(), everything is NaN.
+/// where ad_v is the bracket of each joint's subgroup with its velocities (`ScrewProd`): two poses C and C
+/// exp(δ) that move with v and v + δv separate at δ' = δv - [v, δ]. ad_v is 0 at rest, and for joints with
+/// one velocity. Springs, dampers and stops of the model act, as in simulations. If a = 0 and v = 0, A and B
+/// are those of an equilibrium, and constant; otherwise they are those of an instant. Loads, losses, units
+/// and cost are those of forward_dynamics_derivatives. No allocation. Throws std::invalid_argument for a
+/// wrong size, quaternions that are not of unit norm, a load on a frame that does not exist and results that
+/// overlap. If the status is not ok(), all results are NaN.
 template <class T>
 Solvability linearize(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v, Numbers<T> tau,
                       const std::type_identity_t<Linearization<T>>& linear,

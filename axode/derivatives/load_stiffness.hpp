@@ -2,11 +2,11 @@
 #include "axode/lie/mat3.hpp"
 #include "axode/lie/twist.hpp"
 
-/// Wrenches whose components are constant in a representation turn, or do not, with the body on which they act.
+/// A wrench with constant components in a representation may turn with the body on which it acts, or not.
 namespace axode {
 
-/// What a displacement X of a body adds to a load W on it, L(X) W, where W is constant in a representation; both
-/// resolved in the loaded frame. See (D1.14) of docs/derivations.
+/// The change L(X) W of a load W on a body that is displaced along X, if W is constant in a representation;
+/// both are resolved in the loaded frame. See (D1.14) of docs/derivations.
 template <class T>
 constexpr Wrench<BodyFixed, T> turned(Representation representation, const Wrench<BodyFixed, T>& W,
                                       const Twist<BodyFixed, T>& X) {
@@ -31,14 +31,14 @@ constexpr Wrench<BodyFixed, T> turned_transposed(Representation representation, 
   return {};
 }
 
-/// N of wrenches that are constant in a representation: with everything behind a place displaced along X the wrench that
-/// holds against them has gained N X, seen by one who is displaced along. N = [[A, -b~], [-f~, 0]], 15 numbers.
+/// N of wrenches that are constant in a representation: if a subtree is displaced along X, the wrench that
+/// balances them changes by N X in a frame that is displaced with it. N = [[A, -b~], [-f~, 0]], 15 numbers.
 /// See (D1.15) of docs/derivations.
 template <class T> struct LoadStiffness {
   Mat3<T> A;
   Vec3<T> b, f;
 
-  /// Of a wrench about the point r, in inertial axes; body-fixed ones add nothing.
+  /// N of a wrench at the point r, in inertial axes; it is 0 if the wrench is body-fixed.
   static constexpr LoadStiffness of(Representation representation, const Vec3<T>& r, const Vec3<T>& m,
                                     const Vec3<T>& f) {
     const auto minus = [](const Mat3<T>& X) { return T(-1) * X; };
@@ -57,7 +57,9 @@ template <class T> struct LoadStiffness {
     return {axode::transposed_times(A, X.w) + cross(f, X.v), cross(b, X.w)};
   }
   constexpr LoadStiffness& operator+=(const LoadStiffness& other) {
-    A += other.A, b += other.b, f += other.f;
+    A += other.A;
+    b += other.b;
+    f += other.f;
     return *this;
   }
 };

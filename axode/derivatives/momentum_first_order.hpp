@@ -4,19 +4,20 @@
 
 namespace axode {
 
-/// What a displacement along a joint screw S does to momenta, and to p' = Π|[V, S] of the kinetic energy. With the joint of l
-/// before that of k; where both are of one joint, the second line holds for any two:
+/// Derivatives of momenta, and of p' = Π|[V, S] of the kinetic energy, along a joint screw S. The joint of l
+/// is before that of k; if both are of one joint, the second line holds for any two:
 ///   d(Mv)_l/dq_k = S_l|D_k   dp'_l/dq_k = η_l|D_k    dp'_l/dv_k = η_l|U_k
 ///   d(Mv)_k/dq_l = U_k|ψ_l   dp'_k/dq_l = A_k|ψ_l    dp'_k/dv_l = A_k|S_l
 /// See (D5.3) and (D5.4) of docs/derivations.
 template <class T> struct MomentumEffects {
-  Motion6<T> S, psi, eta;  ///< ψ = [V_p, S] with the predecessor's twist, η = [V, S] with the body's
+  Motion6<T> S, psi,
+      eta;  ///< ψ = [V_p, S] with the twist of the predecessor, η = [V, S] with that of the body
   Wrench<Spatial, T> U, D, A;
 
   static constexpr std::size_t size = 36;
   using Entries = std::array<T, size>;
 
-  /// M is the inertia and Π the momentum of all that the joint moves.
+  /// M is the inertia and Π the momentum of the subtree of the joint.
   static constexpr MomentumEffects of(const Inertia<T>& M, const Wrench<Spatial, T>& Pi, const Motion6<T>& S,
                                       const Motion6<T>& V_p, const Motion6<T>& V) {
     const auto times_M = [&](const Motion6<T>& X) {
@@ -29,8 +30,8 @@ template <class T> struct MomentumEffects {
   }
 };
 
-/// The derivatives of (v, p') of momentum_form() by q and p. With (Mv)_q, F_q and F_v the derivatives of M v and of p' as
-/// functions of q and v:
+/// The derivatives of (v, p') of momentum_form() by q and p. With (Mv)_q, F_q and F_v the derivatives of M v
+/// and of p' as functions of q and v:
 ///   v_q = -M⁻¹ (Mv)_q, v_p = M⁻¹, p'_q = F_q + F_v v_q, p'_p = F_v M⁻¹.
 /// See (D5.5) of docs/derivations.
 template <class T> struct MomentumFirstOrder {
@@ -38,7 +39,7 @@ template <class T> struct MomentumFirstOrder {
   using Number = typename L::Number;
 
   AccelerationsAndColumns<T> forward;
-  FirstOrder<T> terms;  ///< gravity and loads, at rest; then a tree with the rates v in the place of V
+  FirstOrder<T> terms;  ///< gravity and loads, at rest; then the tree with the rates v instead of V
   Arrays<T> effect, line;
   T *v, *zero;
 
@@ -50,7 +51,7 @@ template <class T> struct MomentumFirstOrder {
         v(arena.per_velocity<T>()),
         zero(arena.per_velocity<T>()) {}
 
-  /// nv × nv each, [component, direction].
+  /// Writes nv × nv numbers each, [component, direction].
   Solvability run(const Tree<T>& tree, const T* q, const T* p, const Loads<T>& loads, T* v_q, T* v_p, T* dp_q,
                   T* dp_p) noexcept {
     const std::ptrdiff_t nv = tree->nv, entries = nv * nv;
@@ -73,7 +74,7 @@ template <class T> struct MomentumFirstOrder {
     const auto subtract_from = [nv](T* matrix) {
       return [=](std::ptrdiff_t r, std::ptrdiff_t direction, const T& x) { matrix[direction * nv + r] -= x; };
     };
-    // Transposed, row by row of directions: F_v in the place of p'_p and -(Mv)_q in that of v_q.
+    // Transposed, one row for each direction: F_v in the memory of p'_p, and -(Mv)_q in that of v_q.
     terms.run(tree, q, zero, zero, loads);
     terms.each_entry(tree, loads, subtract_from(dp_q), subtract_from(dp_p));
     move(tree, q);
@@ -81,7 +82,7 @@ template <class T> struct MomentumFirstOrder {
     forward.solve(tree, dp_p);
     for (std::ptrdiff_t l = 0; l < nv; ++l)
       for (std::ptrdiff_t k = 0; k < nv; ++k)
-        if (const T x = v_q[l * nv + k]; x != T(0))  // where k and l are on one path
+        if (const T x = v_q[l * nv + k]; x != T(0))  // k and l are on one path
           for (std::ptrdiff_t c = 0; c < nv; ++c) dp_q[l * nv + c] += x * dp_p[k * nv + c];
     for (T* const matrix : {v_q, dp_q, dp_p}) transpose(matrix, nv);
     forward.solve(tree, v_q);
@@ -95,7 +96,8 @@ template <class T> struct MomentumFirstOrder {
       for (std::ptrdiff_t c = 0; c < r; ++c) std::swap(matrix[r * n + c], matrix[c * n + r]);
   }
 
-  /// The effects of all screws. Without velocities, the accelerations v make V' and F of what V and Π are in truth.
+  /// Computes the effects of all screws. The recursion runs without velocities and with the accelerations v,
+  /// so that its V' and F are V and Π.
   void move(const Tree<T>& tree, const T* q) noexcept {
     MovingScrews<T>& screws = terms.screws;
     screws.run(tree, q, zero, v, {});
@@ -113,10 +115,10 @@ template <class T> struct MomentumFirstOrder {
     }
   }
 
-  /// Where the parts of MomentumEffects stand.
+  /// Offsets of the parts of MomentumEffects.
   enum Part { S = 0, psi = 6, eta = 12, U = 18, D = 24, A = 30 };
 
-  /// The products of column l with those from begin on.
+  /// Multiplies column l with the columns from `begin` on.
   void multiply(int l, int begin, int end) noexcept {
     Number x[U];
     for (int k = 0; k < U; ++k) x[k] = Number(effect.array(k)[l]);

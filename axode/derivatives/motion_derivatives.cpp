@@ -10,7 +10,7 @@
 namespace axode {
 namespace {
 
-/// One direction.
+/// A direction (dq, dv, da).
 template <class T> using Dual1 = Dual<T, 1>;
 template <class T> Vec3<Dual1<T>> with_derivative(const Vec3<T>& x, const Vec3<T>& dx) {
   return {{x.x, {dx.x}}, {x.y, {dx.y}}, {x.z, {dx.z}}};
@@ -29,12 +29,12 @@ template <class Rep, class T> Twist<Rep, T> derivative(const Vec3<Dual1<T>>& w, 
 
 template <class T> using V6 = Twist<BodyFixed, T>;
 
-/// A place on its way: pose, and body-fixed twist and rate.
+/// The motion of a place: pose, body-fixed twist and its rate.
 template <class T> struct MovingPlace {
   SE3<T> C;
   V6<T> V, dV;
 
-  /// From what changes body-fixed components, along a displacement X, to those in Rep.
+  /// Converts changes of body-fixed components along a displacement X to those in Rep.
   template <class Rep> MotionChange<Rep, T> in(const V6<T>& X, const V6<T>& by_V, const V6<T>& by_dV) const {
     if constexpr (std::same_as<Rep, BodyFixed>) {
       return {X, by_V, by_dV};
@@ -50,7 +50,7 @@ template <class T> struct MovingPlace {
   }
 };
 
-/// The motion of a place, and of all that carries it.
+/// The motion of a place and of the bodies on its path.
 template <class T> struct MotionTo {
   const Tree<T>& tree;
   TreeMotion<BodyFixed, T> motion;
@@ -67,8 +67,8 @@ template <class T> struct MotionTo {
     for (int i = body; i > 0; i = tree->parent[i]) at.C = motion.bodies.link[i].C_pi * at.C;
   }
 
-  /// f(c, J, ∂V/∂q, ∂V'/∂q, ∂V'/∂v) for every joint screw J that moves the place, all body-fixed; a velocity that several
-  /// joints share comes with each of them.
+  /// f(c, J, ∂V/∂q, ∂V'/∂q, ∂V'/∂v) for every joint screw J that moves the place, all body-fixed; a velocity
+  /// that several joints share occurs once for each.
   template <class F> void each_column(const F& f) const noexcept {
     const auto& [link, V, dV] = motion.bodies;
     SE3<T> E = in_body();  // the place in the internal frame of body i
@@ -76,7 +76,7 @@ template <class T> struct MotionTo {
       const V6<T> V_i = seen(E, V[i]);
       const SE3<T> from_place = inverse(E);
       E = link[i].C_pi * E;
-      // As if the ground under the joint had gained ψ = [V_p, J] and its rate.
+      // The base of the joint gains the velocity ψ = [V_p, J] and its rate.
       const V6<T> V_p = seen(E, V[tree->parent[i]]), dV_p = seen(E, dV[tree->parent[i]]);
       each_screw(tree, i, from_place, [&](int c, const Screw<T>& screw) {
         const V6<T> J{screw.w, screw.v}, psi = ad(V_p, J);
@@ -106,7 +106,10 @@ void motion_derivatives(const Model& model, Workspace<T>& workspace, Numbers<T> 
     std::fill(columns.begin(), columns.end(), Twist<Rep, T>{});
   const auto add = [](Twist<Rep, T>& to, const V6<T>& X) { to.w += X.w, to.v += X.v; };
   motion.each_column([&](int c, const V6<T>& J, const V6<T>& V_q, const V6<T>& dV_q, const V6<T>& dV_v) {
-    add(d.V_q[c], V_q), add(d.V_v[c], J), add(d.dV_q[c], dV_q), add(d.dV_v[c], dV_v);
+    add(d.V_q[c], V_q);
+    add(d.V_v[c], J);
+    add(d.dV_q[c], dV_q);
+    add(d.dV_v[c], dV_v);
   });
   const auto body_fixed = [](const Twist<Rep, T>& x) { return V6<T>{x.w, x.v}; };
   for (std::size_t c = 0; c < d.V_q.size(); ++c) {
@@ -143,13 +146,14 @@ void motion_vjp(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbe
   check_results<T>(
       model, {{"gradient.q", gradient.q, 1}, {"gradient.v", gradient.v, 1}, {"gradient.a", gradient.a, 1}});
   for (const auto& part : {gradient.q, gradient.v, gradient.a}) {
-    check_separate("gradient", part, "q", q), check_separate("gradient", part, "v", v);
+    check_separate("gradient", part, "q", q);
+    check_separate("gradient", part, "v", v);
     check_separate("gradient", part, "a", a);
   }
   Arena arena = workspace.arena(model.topology());
   const MotionTo<T> motion(model.tree<T>(), arena, q.data(), v.data(), a.data(), place);
   for (const auto& part : {gradient.q, gradient.v, gradient.a}) std::fill(part.begin(), part.end(), T(0));
-  // The weights of body-fixed components, from the images of unit changes.
+  // The weights of body-fixed components follow from the images of unit changes.
   Wrench<BodyFixed, T> X{}, V{}, dV{};
   for (int k = 0; k < 6; ++k) {
     const Vec3<T> e{T(k % 3 == 0), T(k % 3 == 1), T(k % 3 == 2)};

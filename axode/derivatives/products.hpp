@@ -3,8 +3,9 @@
 #include "axode/recursion/loads.hpp"
 #include "axode/recursion/solvability.hpp"
 
-/// Products of the derivatives of dynamics with vectors, without the matrices: O(n), no allocation. Directions and gradients have nv
-/// entries; directions of q are those of q ⊕ ε dq. Loads as in inverse_dynamics_derivatives().
+/// Products of the derivatives of dynamics with vectors, without the matrices: O(n), no allocation.
+/// Directions and gradients have nv entries; directions of q are those of q ⊕ ε dq. Loads act as in
+/// inverse_dynamics_derivatives().
 namespace axode {
 
 /// δτ = ∂τ/∂q dq + ∂τ/∂v dv + ∂τ/∂a da. About two and a half times inverse dynamics.
@@ -15,7 +16,7 @@ void inverse_dynamics_jvp(const Model& model, Workspace<T>& workspace, Numbers<T
                           std::type_identity_t<std::span<T>> dtau,
                           const std::type_identity_t<Loads<T>>& loads = {});
 
-/// Where the gradients of w·τ go: nv entries each. They may not overlap.
+/// Receives the gradients of w·τ, nv entries each. They must not overlap.
 template <class T> struct InverseDynamicsGradients { std::span<T> q, v, a; };
 /// The gradient of w·τ, wᵀ times the three matrices. See (D1.22) of docs/derivations.
 template <class T>
@@ -24,7 +25,7 @@ void inverse_dynamics_vjp(const Model& model, Workspace<T>& workspace, Numbers<T
                           const std::type_identity_t<InverseDynamicsGradients<T>>& gradient,
                           const std::type_identity_t<Loads<T>>& loads = {});
 
-/// δa = ∂a/∂q dq + ∂a/∂v dv + ∂a/∂τ dtau of forward dynamics. Where the status is not ok(), NaN.
+/// δa = ∂a/∂q dq + ∂a/∂v dv + ∂a/∂τ dtau of forward dynamics. NaN if the status is not ok().
 /// See (D1.24) of docs/derivations.
 template <class T>
 Solvability forward_dynamics_jvp(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v,
@@ -32,7 +33,7 @@ Solvability forward_dynamics_jvp(const Model& model, Workspace<T>& workspace, Nu
                                  std::type_identity_t<std::span<T>> da,
                                  const std::type_identity_t<Loads<T>>& loads = {});
 
-/// Where the gradients of w·a go.
+/// Receives the gradients of w·a, nv entries each. They must not overlap.
 template <class T> struct ForwardDynamicsGradients { std::span<T> q, v, tau; };
 /// The gradient of w·a. See (D1.24) of docs/derivations.
 template <class T>

@@ -9,13 +9,13 @@ namespace axode {
 
 template <class T> class ForceSeries;
 
-/// The time derivatives of the drive forces along a motion, τ, τ', τ'', ... to any order (section 6.3), and the way back. A motion
-/// is q and the derivatives of the velocities, v, v', v'', ..., all in the joints' left-trivialised directions; loads are
-/// constant in the representation in which they are given. Make one for a model and an order and evaluate it as often as
-/// needed; evaluation allocates nothing. One thread. See (D3.9) to (D3.11) of docs/derivations.
+/// The time derivatives of the drive forces along a motion, τ, τ', τ'', ... to any order (section 6.3), and
+/// the inverse. A motion is q and the derivatives of the velocities, v, v', v'', ..., all in the joints'
+/// left-trivialised directions; loads are constant in the representation in which they are given. Evaluation
+/// does not allocate; an object is for one thread. See (D3.9) to (D3.11) of docs/derivations.
 template <class T = double> class InverseDynamicsRates {
  public:
-  /// τ to its derivative of that order. Throws std::invalid_argument for a negative one.
+  /// Prepares the derivatives of τ up to an order. Throws std::invalid_argument if it is negative.
   InverseDynamicsRates(const Model& model, int order);
   ~InverseDynamicsRates();
   InverseDynamicsRates(InverseDynamicsRates&&) noexcept;
@@ -23,8 +23,8 @@ template <class T = double> class InverseDynamicsRates {
 
   int order() const;
 
-  /// From v, a, jerk, ...: (order + 2) nv numbers, row by row, to τ, τ', ...: (order + 1) nv numbers, which may not overlap
-  /// them. With loads.joint_losses friction adds to τ alone. O(n order²).
+  /// Computes τ, τ', ... ((order + 1) nv numbers, row by row) from v, a, jerk, ... ((order + 2) nv numbers);
+  /// they must not overlap. With loads.joint_losses friction adds to τ alone. O(n order²).
   void evaluate(Numbers<T> q, Numbers<T> rates, std::type_identity_t<std::span<T>> tau,
                 const std::type_identity_t<Loads<T>>& loads = {});
 
@@ -33,17 +33,18 @@ template <class T = double> class InverseDynamicsRates {
   std::unique_ptr<ForceSeries<T>> series_;
 };
 
-/// τ, τ' and τ'' by the recursions of Newton and Euler, differentiated twice, in Rep: BodyFixed or Hybrid. `rates` are v, a, jerk
-/// and snap, 4 nv numbers row by row, and tau has 3 nv, which may not overlap them. The same numbers as of InverseDynamicsRates
-/// of order 2, loads and losses too. O(n), no allocation. See (D3.1) to (D3.8) of docs/derivations.
+/// τ, τ' and τ'' by the recursions of Newton and Euler, differentiated twice, in Rep: BodyFixed or Hybrid.
+/// `rates` are v, a, jerk and snap, 4 nv numbers row by row, and tau has 3 nv, which must not overlap them.
+/// The results are those of InverseDynamicsRates of order 2, also with loads and losses. O(n), no allocation.
+/// See (D3.1) to (D3.8) of docs/derivations.
 template <class Rep, class T>
 void second_order_inverse_dynamics(const Model& model, Workspace<T>& workspace, Numbers<T> q,
                                    Numbers<T> rates, std::type_identity_t<std::span<T>> tau,
                                    const std::type_identity_t<Loads<T>>& loads = {});
 
-/// The way back: from q, v and τ, τ', ... (`forces`, k rows of nv) to a, jerk, ... (`rates`, as many). Each is affine in the one
-/// before with the matrix M. O(n k³) and a solution each. Where the status is not ok(), NaN. Allocates.
-/// See (D3.12) of docs/derivations.
+/// The inverse: computes a, jerk, ... (`rates`, k rows of nv) from q, v and τ, τ', ... (`forces`, k rows of
+/// nv). Each force is affine in its rate with the matrix M. O(n k³) and a solution each; allocates. NaN if
+/// the status is not ok(). See (D3.12) of docs/derivations.
 template <class T>
 Solvability forward_dynamics_rates(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v,
                                    Numbers<T> forces, std::type_identity_t<std::span<T>> rates,

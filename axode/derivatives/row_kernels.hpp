@@ -7,10 +7,11 @@
 #include "axode/fast/inverse_dynamics.hpp"
 #include "axode/table/functions.hpp"
 
-/// Kernels of rows of the table, written once for states in SIMD lanes and for tapes. A kernel takes all its memory in its
-/// constructor; run(tree, given, out) writes the results of the row one behind the other. Loads and losses are left out.
+/// Kernels of rows of the table, written once for states in SIMD lanes and for tapes. A kernel takes all its
+/// memory in its constructor; run(tree, given, out) writes the results of the row consecutively. Loads and
+/// losses are ignored.
 ///
-/// By is the way in which accelerations are found, on the scalar By::T:
+/// By is the algorithm for accelerations, on the scalar By::T:
 ///   accelerate(tree, q, v, tau, a) a = M⁻¹ (τ - h), and what the solutions need
 ///   solve_one(tree, x)             x := M⁻¹ x
 ///   solve(tree, X)                 X := M⁻¹ X for a matrix of nv columns, row by row
@@ -87,7 +88,7 @@ template <class By> struct RowKernel<Id("forward_dynamics"), By> {
     by.accelerate(tree, x[Input::q], x[Input::v], x[Input::tau], a);
   }
 };
-/// ∂a/∂x = -M⁻¹ ∂τ/∂x at these accelerations, and M⁻¹.
+/// ∂a/∂x = -M⁻¹ ∂τ/∂x at the accelerations of the state, and M⁻¹.
 template <class By> struct RowKernel<Id("forward_dynamics_derivatives"), By> {
   using T = typename By::T;
   RowKernel<Id("inverse_dynamics_derivatives"), By> inverse;
@@ -120,7 +121,7 @@ template <class By> struct RowKernel<Id("forward_dynamics_jvp"), By> {
     by.solve_one(tree, da);
   }
 };
-/// μ = M⁻¹ w is the gradient by τ, and minus the gradients of μ·ID those by q and v.
+/// μ = M⁻¹ w is the gradient by τ; the gradients by q and v are those of -μ·ID.
 template <class By> struct RowKernel<Id("forward_dynamics_vjp"), By> {
   using T = typename By::T;
   InverseDynamicsVjp<T> vjp;

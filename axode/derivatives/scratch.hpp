@@ -7,7 +7,7 @@
 #include "axode/derivatives/second_order_recursions.hpp"
 #include "axode/kinematics/path.hpp"
 
-/// What the functions of this floor take of a workspace, besides the kernels themselves.
+/// Scratch memory of the functions of this floor in addition to that of the kernels.
 namespace axode {
 
 template <class T> struct ForwardJvp {
@@ -18,7 +18,7 @@ template <class T> struct ForwardJvp {
   explicit ForwardJvp(Arena& arena)
       : forward(arena), jvp(arena), zero(arena.per_velocity<T>()), x(arena.per_velocity<T>()) {}
 
-  /// x = M⁻¹ (δτ - ∂τ/∂q δq - ∂τ/∂v δv), the derivatives those of inverse dynamics at the accelerations.
+  /// x = M⁻¹ (δτ - ∂τ/∂q δq - ∂τ/∂v δv) with the derivatives of inverse dynamics at the accelerations.
   /// See (D1.24) of docs/derivations.
   Solvability run(const Tree<T>& tree, const T* q, const T* v, const T* tau, const T* dq, const T* dv,
                   const T* dtau, const Loads<T>& loads) noexcept {
@@ -44,7 +44,8 @@ template <class T> struct ForwardVjp {
     if (verdict.ok()) weigh(tree, q, v, w, loads);
     return verdict;
   }
-  /// After forward.run(), the gradient of -μ·τ of inverse dynamics at the accelerations, with μ = M⁻¹ w.
+  /// Computes, after forward.run(), the gradient of -μ·τ of inverse dynamics at the accelerations, with μ =
+  /// M⁻¹ w.
   void weigh(const Tree<T>& tree, const T* q, const T* v, const T* w, const Loads<T>& loads) noexcept {
     std::copy_n(w, tree->nv, mu);
     forward.solve_one(tree, mu);
@@ -53,14 +54,14 @@ template <class T> struct ForwardVjp {
   }
 };
 
-/// The derivatives of one term of the equations of motion: what is left where all else is zero.
+/// The derivatives of one term of the equations of motion, with all other terms zero.
 template <class T> struct TermDerivatives {
   FirstOrder<T> state;
   T* zero;
 
   explicit TermDerivatives(Arena& arena) : state(arena), zero(arena.per_velocity<T>()) {}
 
-  /// At velocities v, or at rest. ∂/∂v is left out where there is no place for it.
+  /// Computes them at velocities v, or at rest. ∂/∂v is skipped if it has no memory.
   void run(const Tree<T>& tree, const T* q, const T* v, const Loads<T>& loads, const Vec3<T>& g, T* dq,
            T* dv) noexcept {
     std::fill_n(zero, tree->nv, T(0));
@@ -82,7 +83,7 @@ template <class T> struct EnergyGradient {
   explicit EnergyGradient(Arena& arena) : vjp(arena), zero(arena.per_velocity<T>()) {}
 };
 
-/// The joint screws of the bodies that carry a place, as it sees them, in the order in which they are met.
+/// The joint screws of the bodies on the path of a place, in its frame, beginning with the last body.
 template <class T> struct CarryingScrews {
   struct Column {
     int j, c;  ///< body and velocity
@@ -99,10 +100,10 @@ template <class T> struct CarryingScrews {
   }
 };
 
-/// The columns of both ends of a spring, on their paths to where these meet.
+/// The columns of both ends of a spring, on their paths up to the body where these meet.
 template <class T> struct SpringColumns {
   struct Column {
-    int end, body, c;  ///< which end; body and velocity
+    int end, body, c;  ///< the end, body and velocity
     Screw<T> X;
   };
   Column* column;

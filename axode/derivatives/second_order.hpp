@@ -4,8 +4,10 @@
 
 namespace axode {
 
-/// What the gradient of λ·τ depends on at a joint when the tree is displaced, with Λ as in InverseDynamicsGradient: A = M Λ,
-/// H = Bᵀ Λ (a pure moment) and the Coriolis inertia of Λ in the place of V, whose p is the force of A. They add up over bodies.
+/// The quantities on which the change of the gradient of λ·τ depends when the tree is displaced, with Λ as in
+/// InverseDynamicsGradient: A = M Λ,
+/// H = Bᵀ Λ (a pure moment) and the Coriolis inertia of Λ instead of V, whose p is the force of A. They
+/// are summed over bodies.
 /// See (D1.21) and (D2.2) of docs/derivations.
 template <class T> struct VirtualMomentum {
   Wrench<Spatial, T> A;
@@ -22,9 +24,9 @@ template <class T> struct VirtualMomentum {
   constexpr CoriolisInertia<T> B() const { return {D, A.f}; }
 };
 
-/// What a column contributes besides ScrewEffects. With l before k:
-///   qq_lk = χ_l|P_k + ψ''_l|Y_k + ψ'_l|X_k + S_l|Q_k       qv_lk = χ_l|R_k + ψ'_l|Z_k, qv_kl = σ_l|Y_k + S_l|X_k
-///   vv_lk = S_l|Z_k                                        aq_kl = χ_l|U_k,            aq_lk = S_l|Y_k
+/// Factors of the second derivatives by columns, in addition to ScrewEffects. With l before k:
+///   qq_lk = χ_l|P_k + ψ''_l|Y_k + ψ'_l|X_k + S_l|Q_k   qv_lk = χ_l|R_k + ψ'_l|Z_k, qv_kl = σ_l|Y_k + S_l|X_k
+///   vv_lk = S_l|Z_k                                    aq_kl = χ_l|U_k,            aq_lk = S_l|Y_k
 /// See (D2.7) and (D2.8) of docs/derivations.
 template <class T> struct ScrewCurvature {
   Motion6<T> chi, psi_1;
@@ -34,7 +36,7 @@ template <class T> struct ScrewCurvature {
   static constexpr std::size_t size = 42;
   using Entries = std::array<T, size>;
 
-  /// Λ_p of the predecessor.
+  /// Takes Λ_p of the predecessor.
   static constexpr ScrewCurvature of(const MovingInertia<T>& moved, const VirtualMomentum<T>& momentum,
                                      const Motion6<T>& S, const Motion6<T>& V_p, const Motion6<T>& Lambda_p) {
     const Motion6<T> chi = ad(Lambda_p, S), psi_1 = ad(V_p, S);
@@ -47,12 +49,12 @@ template <class T> struct ScrewCurvature {
   }
 };
 
-/// Where the blocks of a Hessian go: nv × nv each, [outer derivative][inner derivative]. qq is symmetric but inside joints of
-/// several velocities, where the outer displacement comes first.
+/// Receives the blocks of a Hessian, nv × nv each, [outer derivative][inner derivative]. qq is symmetric
+/// except within joints of several velocities, where the outer displacement comes first.
 template <class T> struct HessianBlocks { T *qq, *qv, *vv, *aq; };
 
-/// The second partial derivatives of λ·τ of inverse dynamics, in O(n d): about 400 products and sums for a hinge, and 114 for
-/// each pair of a joint and one before it.
+/// The second partial derivatives of λ·τ of inverse dynamics, in O(n d): about 400 products and sums for a
+/// hinge, and 114 for each pair of a joint and one before it.
 template <class T> struct SecondOrder {
   using L = Lanes<T>;
   using Number = typename L::Number;
@@ -60,10 +62,10 @@ template <class T> struct SecondOrder {
 
   FirstOrder<T> first;
   Motion6<T>* Lambda;
-  Arrays<T> Lambdas, momenta;  ///< of bodies: Λ; VirtualMomentum of each, then of all that its joint moves
-  Arrays<T> Lambda_p, momentum, curvature;  ///< of columns
+  Arrays<T> Lambdas, momenta;               ///< by body: Λ; VirtualMomentum of the body, then of its subtree
+  Arrays<T> Lambda_p, momentum, curvature;  ///< by column
   Arrays<T> line;
-  TwistToWrench<Spatial, T>* K;  ///< second derivatives of the loads' power on Λ
+  TwistToWrench<Spatial, T>* K;  ///< second derivatives of the power of the loads on Λ
 
   explicit SecondOrder(Arena& arena)
       : first(arena),
@@ -84,11 +86,14 @@ template <class T> struct SecondOrder {
     compute_adjoint_twists(topology, lambda);
     const bool loaded = !loads.wrenches.empty();
     if constexpr (std::same_as<Real, T>)
-      if (loaded) first.load(tree, q, loads.wrenches), add_load_hessian(tree, loads.wrenches);
+      if (loaded) {
+        first.load(tree, q, loads.wrenches);
+        add_load_hessian(tree, loads.wrenches);
+      }
     first.compose(topology, loaded);
     compose(topology, loaded);
   }
-  /// Adds the blocks that have memory.
+  /// Adds to the blocks that have memory.
   void add_to(const Topology& topology, bool loaded, const HessianBlocks<T>& H) noexcept {
     const std::ptrdiff_t nv = topology.nv;
     const auto add = [&](T* block, std::ptrdiff_t outer, std::ptrdiff_t inner, const T& x) {
@@ -121,7 +126,7 @@ template <class T> struct SecondOrder {
   using Part = typename FirstOrder<T>::Part;
   enum CurvaturePart { chi = 0, psi_1 = 6, X = 12, Y = 18, Z = 24, Q = 30, AS = 36 };
 
-  /// Λ and what it makes of each body.
+  /// Computes Λ and the virtual momentum of each body.
   void compute_adjoint_twists(const Topology& topology, const T* lambda) noexcept {
     Lambda[0] = {};
     set6(Lambdas, 0, Lambda[0]);
@@ -141,28 +146,30 @@ template <class T> struct SecondOrder {
         L::store(numbers[k], momenta.array(static_cast<int>(k)) + i);
     }
   }
-  /// -Λ|L(·)L(·)W of the loads: outer displacement from the left, inner from the right.
+  /// Adds -Λ|L(·)L(·)W of the loads to K: the outer displacement from the left, the inner from the right.
   [[gnu::noinline]] void add_load_hessian(const Tree<T>& tree,
                                           std::span<const AppliedWrench<T>> wrenches) noexcept {
     for (int i = 0; i <= tree->n; ++i) K[i] = {};
-    first.each_load(
-        tree, wrenches, [&](const auto& given, int i, const Vec3<T>& r, const Vec3<T>& m, const Vec3<T>& f) {
-          const Representation in = given.representation;
-          const Vec3<T> v = Lambda[i].v + cross(Lambda[i].w, r);  // of Λ, at the place of the load
-          const auto bent = [&](const Vec3<T>& x, const Vec3<T>& y, const Vec3<T>& w) {
-            return dot(x, y) * w - dot(y, w) * x;
-          };
-          K[i] += TwistToWrench<Spatial, T>::of([&](const Motion6<T>& D) -> Wrench<Spatial, T> {
-            switch (in) {
-              case Representation::body: break;
-              case Representation::spatial:
-                return coad(ad(Lambda[i], D), Wrench<Spatial, T>{m + cross(r, f), f});
-              case Representation::hybrid: return {bent(Lambda[i].w, m, D.w) + bent(v, f, D.w), {}};
-              case Representation::mixed: return {bent(v, f, D.w), {}};
-            }
-            return {};
-          });
-        });
+    first.each_load(tree, wrenches,
+                    [&](const auto& given, int i, const Vec3<T>& r, const Vec3<T>& m, const Vec3<T>& f) {
+                      const Representation in = given.representation;
+                      const Vec3<T> v =
+                          Lambda[i].v + cross(Lambda[i].w, r);  // the velocity of Λ at the point of the load
+                      const auto change_of = [&](const Vec3<T>& x, const Vec3<T>& y, const Vec3<T>& w) {
+                        return dot(x, y) * w - dot(y, w) * x;
+                      };
+                      K[i] += TwistToWrench<Spatial, T>::of([&](const Motion6<T>& D) -> Wrench<Spatial, T> {
+                        switch (in) {
+                          case Representation::body: break;
+                          case Representation::spatial:
+                            return coad(ad(Lambda[i], D), Wrench<Spatial, T>{m + cross(r, f), f});
+                          case Representation::hybrid:
+                            return {change_of(Lambda[i].w, m, D.w) + change_of(v, f, D.w), {}};
+                          case Representation::mixed: return {change_of(v, f, D.w), {}};
+                        }
+                        return {};
+                      });
+                    });
   }
   void compose(const Topology& topology, bool loaded) noexcept {
     sum_subtrees(topology, static_cast<int>(VirtualMomentum<T>::size), momenta, momentum);
@@ -186,13 +193,13 @@ template <class T> struct SecondOrder {
       }
   }
 
-  /// S_l|hat(A) S_k: inside a joint there is one bracket less.
+  /// S_l|hat(A) S_k: within a joint there is one bracket less.
   T own_bracket(int l, int k) const {
     T sum(0);
     for (int c = 0; c < 6; ++c) sum += curvature.array(AS + c)[k] * first.screws.S.array(c)[l];
     return sum;
   }
-  /// The products of column l with those from begin on.
+  /// Multiplies column l with the columns from `begin` on.
   void multiply(int l, int begin, int end, bool loaded) noexcept {
     const Arrays<T> e = first.effect, d = curvature,
                     out = line;  // local copies, which no result can overwrite

@@ -3,9 +3,9 @@
 #include "axode/fast/any_joint.hpp"
 #include "axode/recursion/inverse_dynamics.hpp"
 
-/// τ, τ' and τ'' of a motion by the recursions of Newton and Euler, differentiated twice (section 6.3). They read as the paper's:
-/// rates are rows of nv numbers v, a, jerk, snap, and three rows of forces come out. O(n). The same to any order, as power
-/// series in spatial representation, is ForceSeries.
+/// τ, τ' and τ'' of a motion by the recursions of Newton and Euler, differentiated twice (section 6.3).
+/// `rates` are the rows v, a, jerk and snap of nv numbers; the results are three rows of forces. O(n).
+/// ForceSeries computes the derivatives of any order, as power series in spatial representation.
 namespace axode {
 
 /// A load and its first two time derivatives in the frame of its body: W' = L(V) W.
@@ -13,7 +13,7 @@ namespace axode {
 template <class T> struct LoadRates {
   Wrench<BodyFixed, T> W[3];
 
-  /// V and V' are the body's.
+  /// Takes V and V' of the body.
   LoadRates(const ResolvedLoad<T>& on, const Twist<BodyFixed, T>& V, const Twist<BodyFixed, T>& dV) {
     const Twist<BodyFixed, T> V_f = on.there(V), dV_f = on.there(dV);
     const auto L = [&](const Twist<BodyFixed, T>& X, const Wrench<BodyFixed, T>& F) {
@@ -24,7 +24,7 @@ template <class T> struct LoadRates {
   }
 };
 
-/// What the drives themselves take, and how it changes.
+/// Forces of armatures and losses, and their first two time derivatives.
 template <class T> void drive_rates(const Tree<T>& tree, const T* rates, bool joint_losses, T* tau) noexcept {
   const int nv = tree->nv;
   joint_terms(tree, rates, rates + nv, joint_losses, tau);
@@ -36,18 +36,19 @@ template <class T> void drive_rates(const Tree<T>& tree, const T* rates, bool jo
 
 template <class Rep, class T> struct SecondOrderRecursion;
 
-/// Body-fixed twists: with S = X v a joint's twist, Ad the inverse transformation to the body and U_k the k-th derivative of Ad V_p,
+/// Body-fixed twists: with S = X v the twist of a joint, Ad the inverse transformation to the body and U_k
+/// the k-th derivative of Ad V_p,
 ///   (Ad)' = -ad_S Ad,  V = U + S,  V' = U_1 + S',  ...;  (Adᵀ)' = -Adᵀ ad_Sᵀ.
 /// See (D3.1) to (D3.5) of docs/derivations.
 template <class T> struct SecondOrderRecursion<BodyFixed, T> {
   using V6 = Twist<BodyFixed, T>;
   using W6 = Wrench<BodyFixed, T>;
   struct Body {
-    SE3<T> C;   ///< in the predecessor
-    V6 S, dS;   ///< of the joint
+    SE3<T> C;   ///< pose relative to the predecessor
+    V6 S, dS;   ///< joint twist and its derivative
     V6 V[4];    ///< twist and its derivatives, gravity not included
-    Vec3<T> g;  ///< gravity in the body's axes
-    W6 F[3];    ///< transmitted by the joint
+    Vec3<T> g;  ///< gravity in axes of the body
+    W6 F[3];    ///< wrench transmitted by the joint, and its derivatives
   };
   Body* body;
   BodyPoses<T> poses;
@@ -112,9 +113,9 @@ template <class T> struct SecondOrderRecursion<BodyFixed, T> {
   }
 };
 
-/// Hybrid twists: inertial axes, so that derivatives are those of vectors. d is the origin of a body against that of its
-/// predecessor, d' = v - v_p; everything that is fixed to a body turns with it.
-/// See (D3.6) to (D3.8) of docs/derivations.
+/// Hybrid twists: inertial axes, so that derivatives are those of vectors. d is the origin of a body relative
+/// to that of its predecessor, d' = v - v_p; vectors fixed to a body rotate with it. See (D3.6) to (D3.8) of
+/// docs/derivations.
 template <class T> struct SecondOrderRecursion<Hybrid, T> {
   using V6 = Twist<Hybrid, T>;
   using W6 = Wrench<Hybrid, T>;
@@ -192,10 +193,11 @@ template <class T> struct SecondOrderRecursion<Hybrid, T> {
     for (int i = tree->n; i > 0; --i) {
       const auto& [R, d, V, F] = body[i];
       const Vec3<T>&w = V[0].w, &dw = V[1].w;
-      // τ = J|F with J' = ω × J, seen from the body.
-      const W6 seen = F[1] - turn(w, F[0]), seen_2 = F[2] - turn(dw, F[0]) - turn(w, F[1]) - turn(w, seen);
-      project(tree, i, F[0], tau), project(tree, i, seen, tau + nv);
-      project(tree, i, seen_2, tau + 2 * static_cast<std::ptrdiff_t>(nv));
+      // τ = J|F with J' = ω × J, in axes of the body.
+      const W6 F_1 = F[1] - turn(w, F[0]), F_2 = F[2] - turn(dw, F[0]) - turn(w, F[1]) - turn(w, F_1);
+      project(tree, i, F[0], tau);
+      project(tree, i, F_1, tau + nv);
+      project(tree, i, F_2, tau + 2 * static_cast<std::ptrdiff_t>(nv));
       W6* const to = body[tree->parent[i]].F;
       to[0] += W6{F[0].m + cross(d[0], F[0].f), F[0].f};
       to[1] += W6{F[1].m + cross(d[1], F[0].f) + cross(d[0], F[1].f), F[1].f};

@@ -3,9 +3,9 @@
 
 namespace axode {
 
-/// Inverse dynamics and its derivative along one direction (δq, δv, δa): the tangent of the recursion on classical accelerations.
-/// For a hinge, with x' = Rᵀ x, δ(x') = (δx)' + x' × e_z δq. About 340 products and sums per hinge.
-/// It gives the numbers of (D1.20) of docs/derivations.
+/// Inverse dynamics and its derivative along one direction (δq, δv, δa): the tangent of the recursion on
+/// classical accelerations. For a hinge, with x' = Rᵀ x, δ(x') = (δx)' + x' × e_z δq. About 340 products and
+/// sums per hinge. See (D1.20) of docs/derivations.
 template <class G, class T> struct InverseDynamicsTangent {
   using Vector = typename G::Vector;
   using Factor = typename G::Factor;
@@ -93,13 +93,13 @@ template <class G, class T> struct InverseDynamicsTangent {
     }
   }
 
-  /// A load W on body i, and what the direction adds to it.
+  /// Applies a load W on body i, and its change along the direction.
   void load(int i, const Wrench<BodyFixed, T>& W, const Wrench<BodyFixed, T>& dW) noexcept {
     body[i].m -= Vector(W.m), body[i].f -= Vector(W.f);
     body[i].tangent_m -= Vector(dW.m), body[i].tangent_f -= Vector(dW.f);
   }
 
-  /// Adds to δτ.
+  /// Adds the part of a body to δτ.
   template <class S> void backward(const Tree<S>& tree, const T* dq, T* dtau) noexcept {
     for (int i = tree->n; i > 0; --i) {
       const Body& b = body[i];

@@ -3,28 +3,29 @@
 
 namespace axode {
 
-/// Where the second partial derivatives of nv results go: nv × nv × nv each, [component][outer derivative][inner derivative].
+/// Receives the second partial derivatives of nv results, nv × nv × nv each, [component][outer
+/// derivative][inner derivative].
 template <class T> struct SecondDerivatives { T *qq, *qv, *vv, *aq; };
 
-/// The second partial derivatives of inverse dynamics. Of three columns on one path the last one, d, knows what the others do to
-/// each other. With hat(W) X = -ad_Xᵀ W, B_S = B[M; S_d] and B_ψ = B[M; ψ'_d] + (what S_d adds to B) of all behind d, the entries
-/// of all orders of l, j and d are made of
-///   u = -S_j|hat(U) S_l     b = S_j|B_S S_l     f = S_j|B_S ψ'_l     r = S_j|hat(R) S_l     p = S_j|hat(P) S_l
+/// The second partial derivatives of inverse dynamics. The derivatives by three columns on one path follow
+/// from the last one, d. With hat(W) X = -ad_Xᵀ W, B_S = B[M; S_d] and B_ψ = B[M; ψ'_d] + (change of B along
+/// S_d) of the subtree of d, the entries of all orders of l, j and d are sums of
+///   u = -S_j|hat(U) S_l     b = S_j|B_S S_l     f = S_j|B_S ψ'_l    r = S_j|hat(R) S_l    p = S_j|hat(P) S_l
 ///   g = S_j|(B_S σ_l - hat(U) σ_l + B_ψ S_l)          h = -S_j|(hat(U) σ_l + hat(t) S_l) - ψ'_j|B_S S_l
 ///   G = S_j|(B_S ψ''_l - hat(U) ψ''_l + B_ψ ψ'_l)     H = -S_j|(hat(U) ψ''_l + hat(t) ψ'_l) - ψ'_j|B_S ψ'_l
-/// O(n d²) and nv³ zeros: about 400 products and sums for two columns, and 100 for three in each order of l and j.
-/// See (D2.10) to (D2.15) of docs/derivations.
+/// O(n d²) and nv³ zeros: about 400 products and sums for two columns, and 100 for three in each order of l
+/// and j. See (D2.10) to (D2.15) of docs/derivations.
 template <class T> struct SecondOrderTensors {
   using L = Lanes<T>;
   using Number = typename L::Number;
 
   FirstOrder<T> first;
-  Arrays<T> psi_1, B_S, B_psi;                         ///< of columns
-  int* begin;                                          ///< of bodies: where on its path its columns begin
-  int* velocity;                                       ///< of the columns on the path of a body
-  Arrays<T> path_S, path_psi, path_psi_2, path_sigma;  ///< of the same
-  Arrays<T> wrench;                                    ///< what column d makes of them: Wrenches
-  Arrays<T> line;                                      ///< the products of these with one of them: Products
+  Arrays<T> psi_1, B_S, B_psi;                         ///< by column
+  int* begin;                                          ///< by body: where its columns begin on its path
+  int* velocity;                                       ///< velocities of the columns on the path of a body
+  Arrays<T> path_S, path_psi, path_psi_2, path_sigma;  ///< S, ψ', ψ'' and σ of these columns
+  Arrays<T> wrench;                                    ///< products of column d with them: Wrenches
+  Arrays<T> line;                                      ///< products of the wrenches with one column: Products
 
   explicit SecondOrderTensors(Arena& arena)
       : first(arena),
@@ -52,7 +53,7 @@ template <class T> struct SecondOrderTensors {
       const int first_column = topology.first_screw[i], end = extend_path(topology, i);
       for (int e = begin[i]; e < end; ++e) {
         const Last d{first_column + e - begin[i], velocity[e], begin[i], end};
-        weigh(d);
+        compute_wrenches(d);
         for (int p = i; p > 0; p = topology.parent[p]) {
           const int begin_p = begin[p],
                     end_p = begin_p + topology.first_screw[p + 1] - topology.first_screw[p];
@@ -68,7 +69,7 @@ template <class T> struct SecondOrderTensors {
 
  private:
   using Part = typename FirstOrder<T>::Part;
-  /// The last column of three, the velocity that it is of, and where on its path those of its joint begin and end.
+  /// The last column of three, its velocity, and where the columns of its joint begin and end on its path.
   struct Last {
     int c;
     std::ptrdiff_t v;
@@ -90,7 +91,7 @@ template <class T> struct SecondOrderTensors {
     store(CoriolisInertia<Number>::of(moved.M, S), B_S);
     store(of_psi, B_psi);
   }
-  /// Puts the columns of body i behind those of its predecessor's path, and returns the end of its own.
+  /// Appends the columns of body i to those of the path of its predecessor, and returns their end.
   int extend_path(const Topology& topology, int i) noexcept {
     const int p = topology.parent[i];
     int e = begin[i] = p == 0 ? 0 : begin[p] + topology.first_screw[p + 1] - topology.first_screw[p];
@@ -106,7 +107,7 @@ template <class T> struct SecondOrderTensors {
     return e;
   }
 
-  void weigh(const Last& d) noexcept {
+  void compute_wrenches(const Last& d) noexcept {
     const auto spread = [&](const Arrays<T>& x, int k) {
       const Vec3<T> a = x.get3(k, d.c);
       return Vec3<Number>{Number(a.x), Number(a.y), Number(a.z)};
@@ -138,7 +139,8 @@ template <class T> struct SecondOrderTensors {
       store(-U_psi - Wrench<Spatial, Number>{cross(psi.w, t), {}}, for_H);
     }
   }
-  /// The products of what d makes of its path with column j of it, whose joint has those from begin_j to end_j.
+  /// Multiplies the wrenches of d with column j of the path, whose joint has the columns from begin_j to
+  /// end_j.
   void multiply(int j, const Last& d, int begin_j, int end_j) noexcept {
     Number S[6], psi[6];
     for (int k = 0; k < 6; ++k) S[k] = Number(path_S.array(k)[j]), psi[k] = Number(path_psi.array(k)[j]);
@@ -149,9 +151,12 @@ template <class T> struct SecondOrderTensors {
     const auto store = [out](const Number& x, int to, int c) { L::store(x, out.array(to) + c); };
     for (int c = 0; c < d.end; c += L::width) {
       const Number f_c = product(S, Bpsi, c);
-      store(product(S, US, c), u, c), store(product(S, BS, c), b, c);
-      store(f_c, f, c), store(f_c, also_f, c);
-      store(product(S, for_g, c), g, c), store(product(S, for_G, c), G, c);
+      store(product(S, US, c), u, c);
+      store(product(S, BS, c), b, c);
+      store(f_c, f, c);
+      store(f_c, also_f, c);
+      store(product(S, for_g, c), g, c);
+      store(product(S, for_G, c), G, c);
       if (c >= end_j) continue;
       store(product(S, for_h, c) - product(psi, BS, c), h, c);
       store(product(S, for_H, c) - product(psi, Bpsi, c), H, c);
@@ -162,7 +167,7 @@ template <class T> struct SecondOrderTensors {
         store(L::load(out.array(G) + c) + product(S, PS, c), G, c);
       }
   }
-  /// What has been multiplied goes to row d, and, where the joint of j is before that of d, to row j.
+  /// Adds the products to row d, and, if the joint of j is before that of d, to row j.
   void put(std::ptrdiff_t nv, int j, const Last& d, int begin_j, int end_j,
            const SecondDerivatives<T>& out) noexcept {
     const std::ptrdiff_t v_j = velocity[j];
@@ -193,7 +198,7 @@ template <class T> struct SecondOrderTensors {
   }
   /// Column l of the path.
   Motion6<T> screw(int l) const { return {path_S.get3(0, l), path_S.get3(3, l)}; }
-  /// Inside a joint there is one bracket less.
+  /// Within a joint there is one bracket less.
   void put_brackets(std::ptrdiff_t nv, const Last& d, T* vv) noexcept {
     const Inertia<T> M = first.screws.subtree_of_column(d.c).M;
     for (int l = d.begin; l < d.end; ++l) {

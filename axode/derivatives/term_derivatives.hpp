@@ -2,24 +2,26 @@
 #include "axode/kinematics/arguments.hpp"
 #include "axode/recursion/loads.hpp"
 
-/// Derivatives of the terms of the equations of motion M(q) a + C(q, v) v + g(q) = τ + Q(q, v), each for itself: nv × nv,
-/// [component, direction]. No allocation; O(n d) and the zeros. Directions and loads as in inverse_dynamics_derivatives().
+/// Derivatives of the terms of the equations of motion M(q) a + C(q, v) v + g(q) = τ + Q(q, v), each term on
+/// its own: nv × nv, [component, direction]. No allocation; O(n d) and the zeros. Directions and loads are
+/// those of inverse_dynamics_derivatives().
 namespace axode {
 
-/// ∂g/∂q.
+/// ∂g/∂q of the gravity forces.
 template <class T>
 void gravity_derivatives(const Model& model, Workspace<T>& workspace, Numbers<T> q,
                          std::type_identity_t<std::span<T>> dq);
 
-/// Where ∂/∂q and ∂/∂v of a vector go. They may not overlap.
+/// Receives ∂/∂q and ∂/∂v of a vector. They must not overlap.
 template <class T> struct StateDerivatives { std::span<T> q, v; };
 
-/// Those of C(q, v) v.
+/// The derivatives of C(q, v) v.
 template <class T>
 void coriolis_derivatives(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v,
                           const std::type_identity_t<StateDerivatives<T>>& d);
-/// Those of Q, by v with loads.joint_losses alone. By a component of a load Q has the derivative Jᵀ, see jacobian(), and
-/// accelerations M⁻¹ Jᵀ, see impulse_response().
+/// ∂Q/∂q and ∂Q/∂v of the generalised forces Q of the loads; ∂Q/∂v is 0 unless loads.joint_losses is set. The
+/// derivative of Q by one component of a load is a row of J, see jacobian(); that of the accelerations is a
+/// column of M⁻¹ Jᵀ, see impulse_response().
 template <class T>
 void generalized_load_derivatives(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v,
                                   const Loads<T>& loads, const std::type_identity_t<StateDerivatives<T>>& d);
