@@ -19,8 +19,8 @@ int direction_along(const std::array<bool, 6>& free) {
                                              : -1;
 }
 
-/// Whether the velocity of a joint along a direction is the rate of an angle that poses determine up to
-/// whole turns.
+/// Whether the velocity of a joint along a direction is the rate of an angle that poses determine up to whole
+/// turns.
 bool turns(const loops::SubgroupClosure& joint, std::size_t along) {
   return along == 2 && !joint.free[0] && joint.pitch == 0;
 }
@@ -30,25 +30,15 @@ AbsoluteSystem::AbsoluteSystem(const Model& model, BodyGroup kind)
     : model_(model),
       kind_(kind),
       n_(model.n_bodies()),
-      bound_(index(n_ + 1)),
-      leader_(index(n_ + 1)),
       joint_of_(index(model.nv())),
-      com_(index(n_ + 1)),
       group_tree_(group_of(0, 0, kind)),
       loops_(model),
       reference_q_(neutral(model)),
-      factorized_C_(index(n_ + 1)),
-      C_(index(n_ + 1)),
-      V_(index(n_ + 1)),
-      X_(index(n_ + 1)),
-      known_(index(n_ + 1)),
-      V_s_(index(n_ + 1)),
-      dV_s_(index(n_ + 1)),
-      on_(index(n_ + 1)),
-      through_(index(n_ + 1)),
       x_(index(model.nv())),
       tau_(x_.size()),
       b_(model.loops().rows) {
+  const auto resize = [&](auto&... by_body) { (by_body.resize(index(n_ + 1)), ...); };
+  resize(bound_, leader_, com_, factorized_C_, C_, V_, X_, known_, V_s_, dV_s_, on_, through_);
   for (int i = 1; i <= n_; ++i) {
     const Joint& joint = model.joint(i);
     const std::array<bool, 6> free = free_directions(joint.kind);

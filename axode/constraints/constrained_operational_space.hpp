@@ -23,8 +23,8 @@ Solvability inverse_operational_space_inertia(const Model& model, LoopWorkspace<
                                               const std::type_identity_t<Place<T>>& place,
                                               std::type_identity_t<std::span<T>> Lambda_inverse);
 
-/// The inverse of the mobility, 36 entries: the apparent inertia at the place. NaN unless the place can
-/// move in all six directions; Solvability has the number of directions. Allocates.
+/// The inverse of the mobility, 36 entries: the apparent inertia at the place. NaN unless the place can move
+/// in all six directions; Solvability has the number of directions. Allocates.
 template <RecursionRepresentation Rep = BodyFixed, class T>
 Solvability operational_space_inertia(const Model& model, LoopWorkspace<T>& workspace, Numbers<T> q,
                                       const std::type_identity_t<Place<T>>& place,

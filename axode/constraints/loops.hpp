@@ -52,8 +52,8 @@ void loop_residual_jacobian(const Model& model, LoopWorkspace<T>& workspace, Num
                             std::type_identity_t<std::span<T>> R);
 
 /// The product of the second derivatives of Σ λ_k r_k with a velocity: the rate of R(q)ᵀ λ (nv) as q moves
-/// with w (nv). Exact; it is the product with the Hessian if every
-/// velocity is the rate of a coordinate. O(n + m d).
+/// with w (nv). Exact; it is the product with the Hessian if every velocity is the rate of a coordinate. O(n
+/// + m d).
 template <class T>
 void loop_hessian_product(const Model& model, LoopWorkspace<T>& workspace, Numbers<T> q, Numbers<T> lambda,
                           Numbers<T> w, std::type_identity_t<std::span<T>> product);

@@ -14,8 +14,8 @@ namespace axode {
 /// An element of se(3) in inertial axes: a twist, its rate, a screw and its rates.
 template <class T> using Motion6 = Twist<Spatial, T>;
 
-/// The first two time derivatives ψ' and ψ'' of a screw J that is fixed to a body with V_p and V'_p.
-/// See (D1.4) of docs/derivations.
+/// The first two time derivatives ψ' and ψ'' of a screw J that is fixed to a body with V_p and V'_p. See
+/// (D1.4) of docs/derivations.
 template <class T> struct CarriedScrew {
   Motion6<T> first, second;
 

@@ -105,8 +105,8 @@ template <class T> struct FirstOrder {
     }
   }
 
-  /// by_q(component, direction, part of ∂τ/∂q) and by_v, entry by entry; entries of
-  /// velocities that joints share come in several parts.
+  /// by_q(component, direction, part of ∂τ/∂q) and by_v, entry by entry; entries of velocities that joints
+  /// share come in several parts.
   template <class Real, class ByQ, class ByV>
   void each_entry(const Tree<Real>& tree, const Loads<T>& loads, const ByQ& by_q, const ByV& by_v) noexcept {
     for (int i = 1; i <= tree->n; ++i)

@@ -5,8 +5,8 @@
 
 namespace axode {
 
-/// ∂τ/∂π of inverse dynamics. A parameter displaces a subtree like a joint, but has no force of its own.
-/// See (D1.18) of docs/derivations.
+/// ∂τ/∂π of inverse dynamics. A parameter displaces a subtree like a joint, but has no force of its own. See
+/// (D1.18) of docs/derivations.
 template <class T> struct GeometryDerivatives {
   using L = Lanes<T>;
   using Number = typename L::Number;

@@ -8,8 +8,8 @@
 /// inverse_dynamics_derivatives().
 namespace axode {
 
-/// δτ = ∂τ/∂q dq + ∂τ/∂v dv + ∂τ/∂a da. About two and a half times inverse dynamics.
-/// See (D1.20) of docs/derivations.
+/// δτ = ∂τ/∂q dq + ∂τ/∂v dv + ∂τ/∂a da. About two and a half times inverse dynamics. See (D1.20) of
+/// docs/derivations.
 template <class T>
 void inverse_dynamics_jvp(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v,
                           Numbers<T> a, Numbers<T> dq, Numbers<T> dv, Numbers<T> da,
@@ -25,8 +25,8 @@ void inverse_dynamics_vjp(const Model& model, Workspace<T>& workspace, Numbers<T
                           const std::type_identity_t<InverseDynamicsGradients<T>>& gradient,
                           const std::type_identity_t<Loads<T>>& loads = {});
 
-/// δa = ∂a/∂q dq + ∂a/∂v dv + ∂a/∂τ dtau of forward dynamics. NaN if the status is not ok().
-/// See (D1.24) of docs/derivations.
+/// δa = ∂a/∂q dq + ∂a/∂v dv + ∂a/∂τ dtau of forward dynamics. NaN if the status is not ok(). See (D1.24) of
+/// docs/derivations.
 template <class T>
 Solvability forward_dynamics_jvp(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v,
                                  Numbers<T> tau, Numbers<T> dq, Numbers<T> dv, Numbers<T> dtau,

@@ -18,8 +18,8 @@ template <class T> struct ForwardJvp {
   explicit ForwardJvp(Arena& arena)
       : forward(arena), jvp(arena), zero(arena.per_velocity<T>()), x(arena.per_velocity<T>()) {}
 
-  /// x = M⁻¹ (δτ - ∂τ/∂q δq - ∂τ/∂v δv) with the derivatives of inverse dynamics at the accelerations.
-  /// See (D1.24) of docs/derivations.
+  /// x = M⁻¹ (δτ - ∂τ/∂q δq - ∂τ/∂v δv) with the derivatives of inverse dynamics at the accelerations. See
+  /// (D1.24) of docs/derivations.
   Solvability run(const Tree<T>& tree, const T* q, const T* v, const T* tau, const T* dq, const T* dv,
                   const T* dtau, const Loads<T>& loads) noexcept {
     const Solvability verdict = forward.run(tree, q, v, tau, loads);

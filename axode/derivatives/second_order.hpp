@@ -5,10 +5,8 @@
 namespace axode {
 
 /// The quantities on which the change of the gradient of λ·τ depends when the tree is displaced, with Λ as in
-/// InverseDynamicsGradient: A = M Λ,
-/// H = Bᵀ Λ (a pure moment) and the Coriolis inertia of Λ instead of V, whose p is the force of A. They
-/// are summed over bodies.
-/// See (D1.21) and (D2.2) of docs/derivations.
+/// InverseDynamicsGradient: A = M Λ, H = Bᵀ Λ (a pure moment) and the Coriolis inertia of Λ instead of V,
+/// whose p is the force of A. They are summed over bodies. See (D1.21) and (D2.2) of docs/derivations.
 template <class T> struct VirtualMomentum {
   Wrench<Spatial, T> A;
   Vec3<T> H;

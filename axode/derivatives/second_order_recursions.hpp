@@ -8,8 +8,8 @@
 /// ForceSeries computes the derivatives of any order, as power series in spatial representation.
 namespace axode {
 
-/// A load and its first two time derivatives in the frame of its body: W' = L(V) W.
-/// See (D3.4) of docs/derivations.
+/// A load and its first two time derivatives in the frame of its body: W' = L(V) W. See (D3.4) of
+/// docs/derivations.
 template <class T> struct LoadRates {
   Wrench<BodyFixed, T> W[3];
 

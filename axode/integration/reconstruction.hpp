@@ -63,8 +63,8 @@ std::vector<SE3<>> reconstruct(const SE3<>& C0, const F& twist, std::span<const 
   });
 }
 
-/// Magnus' series to fourth order, from the twists at the two Gauss-Legendre points of each step:
-/// X = h (V_1 + V_2) / 2 ± √3/12 h² [V_1, V_2], + for body-fixed twists.
+/// Magnus' series to fourth order, from the twists at the two Gauss-Legendre points of each step: X = h (V_1
+/// + V_2) / 2 ± √3/12 h² [V_1, V_2], + for body-fixed twists.
 template <PoseRate Rep, std::invocable<double> F>
 std::vector<SE3<>> reconstruct_magnus(const SE3<>& C0, const F& twist, std::span<const double> times) {
   constexpr double root = 0.28867513459481287;  // √3/6
