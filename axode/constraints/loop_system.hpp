@@ -15,7 +15,7 @@
 
 namespace axode {
 
-/// Which rows of the loops are redundant, as LoopSystem::determine_rank() finds it at a closed configuration.
+/// The redundant rows of the loops, as LoopSystem::determine_rank() finds it at a closed configuration.
 /// Solutions with this rank give redundant rows multipliers of 0. An integration keeps the rank for a whole
 /// step, because rows that are redundant by geometry become independent as soon as the loops are a little
 /// open.

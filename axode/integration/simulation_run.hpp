@@ -77,7 +77,7 @@ class SimulationRun {
   /// Takes the end of a step, with the acceleration there where it is known. Loops are closed again, which
   /// changes it a little.
   Failure take(double t, const StepEnd& end);
-  /// The same of a scheme that keeps loops closed itself.
+  /// Appends the end of a step of a scheme that keeps loops closed itself.
   Failure take_closed(double t, Span q_end, Span v_end);
   /// Ends the motion.
   void stop(const Failure& failure);
