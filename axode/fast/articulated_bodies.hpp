@@ -32,8 +32,7 @@ template <class G, class T> struct FastArticulatedBodies {
     Vector m, f;  ///< bias wrench
     Tensor Theta;
   };
-  /// The sum of the inertias and wrenches that the children of a body contribute, except for the child which
-  /// is the next body.
+  /// The sum of the inertias and wrenches of the children of a body, except for the next body.
   struct ChildSum {
     Articulated M;
     Vector m, f;
@@ -129,8 +128,7 @@ template <class G, class T> struct FastArticulatedBodies {
   /// wrenches.
   template <class S> void factorize(const Tree<S>& tree, const T* tau) noexcept { sweep<true>(tree, tau); }
 
-  /// The forward sweep after factorize(tree, tau), from the roots to the leaves: the accelerations a of all
-  /// joints.
+  /// The forward sweep after factorize(tree, tau), from the roots on: the accelerations a of all joints.
   template <class S> void accelerate(const Tree<S>& tree, Motion* motion, T* a) const noexcept {
     Vector w{}, dv{};  // part of the acceleration of the body that is due to joint accelerations
     motion[0].w = w;
@@ -455,8 +453,7 @@ template <class G, class T> struct FastArticulatedBodies {
   template <class S> static T floor_of(const Tree<S>& tree, int s) noexcept {
     return T(pivot_threshold<S> * tree.inertia_scale[s]);
   }
-  /// Eliminates the hinge of body i. M becomes the inertia that the predecessor is given, about the
-  /// predecessor's origin.
+  /// Eliminates the hinge of body i. M becomes its part of the predecessor's inertia, about the origin there.
   template <class S>
   [[gnu::always_inline]] Pivot& eliminate_hinge(const Tree<S>& tree, int i, const S* armature,
                                                 Articulated& M) noexcept {
@@ -474,8 +471,7 @@ template <class G, class T> struct FastArticulatedBodies {
     c.D_inv = D_inv;
     return c;
   }
-  /// Eliminates the screws of joint i, which may be of any kind. M becomes the inertia that the predecessor
-  /// is given, about the predecessor's origin.
+  /// Eliminates the screws of joint i, which may be of any kind. M changes as in eliminate_hinge().
   template <class S>
   [[gnu::noinline]] void eliminate_screws(const Tree<S>& tree, int i, const S* armature,
                                           Articulated& M) noexcept {
