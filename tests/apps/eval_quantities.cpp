@@ -7,11 +7,11 @@
 
 #include "axode/catalog.hpp"
 #include "axode/dynamics.hpp"
-#include "axode/eigen.hpp"
 #include "axode/io.hpp"
 #include "tests/apps/run_command.hpp"
 
-/// Every quantity that `axode eval --help` lists, asked of a machine with all kinds of joints and of an arm.
+/// Every quantity that `axode eval --help` lists, asked of a machine with all kinds of joints and of an
+/// arm. Their numbers are compared with the Python package's in tests/python/test_table.py.
 namespace axode::test {
 namespace {
 
@@ -100,48 +100,6 @@ TEST(EvalQuantities, AllAnswerInJsonAndAsATable) {
         }
     }
   }
-}
-
-TEST(EvalQuantities, FitTogether) {
-  const std::string arm = robot("arm7.toml");
-  const Model model = load(arm);
-  const Json state = moving(model);
-  const Json results =
-      answer(arm, state,
-             "mass_matrix,coriolis_vector,gravity_torques,generalized_loads,inverse_dynamics,"
-             "forward_dynamics,momenta,momentum_form,kinetic_energy,regressor,"
-             "inertial_parameters,inverse_mass_matrix,coriolis_matrix");
-  const auto matrix = [&](const char* name) {
-    const std::vector<double> x = flat(results.at(name));
-    return Eigen::MatrixXd(
-        Eigen::Map<const Eigen::MatrixXd>(x.data(), 7, static_cast<int>(x.size()) / 7).transpose());
-  };
-  const auto vector = [&](const char* name) {
-    const std::vector<double> x = flat(results.at(name));
-    return Eigen::VectorXd(Eigen::Map<const Eigen::VectorXd>(x.data(), static_cast<int>(x.size())));
-  };
-  const auto given = [&](const char* name) {
-    const std::vector<double> x = flat(state.at(name));
-    return Eigen::VectorXd(Eigen::Map<const Eigen::VectorXd>(x.data(), static_cast<int>(x.size())));
-  };
-  const auto near = [](const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
-    return (a - b).norm() <= 1e-9 * (1 + b.norm());
-  };
-  const Eigen::MatrixXd M = matrix("mass_matrix");
-  const Eigen::VectorXd terms =
-      vector("coriolis_vector") + vector("gravity_torques") - vector("generalized_loads");
-  EXPECT_TRUE(near(vector("inverse_dynamics"), M * given("a") + terms));
-  EXPECT_TRUE(near(given("tau"), M * vector("forward_dynamics") + terms));
-  EXPECT_TRUE(near(matrix("inverse_mass_matrix") * (M * given("a")), given("a")));
-  EXPECT_TRUE(near(vector("momenta"), M * given("v")));
-  EXPECT_TRUE(near(matrix("coriolis_matrix") * given("v"), vector("coriolis_vector")));
-  EXPECT_NEAR(flat(results.at("kinetic_energy"))[0], 0.5 * given("v").dot(M * given("v")), 1e-9);
-  const std::vector<double> Y = flat(results.at("regressor"));
-  const Eigen::Map<const Eigen::Matrix<double, -1, -1, Eigen::RowMajor>> regressor(Y.data(), 7, 70);
-  EXPECT_TRUE(near(regressor * vector("inertial_parameters"),
-                   vector("inverse_dynamics") + vector("generalized_loads")));
-  const std::vector<double> v = flat(results.at("momentum_form").at("v"));
-  EXPECT_TRUE(near(Eigen::Map<const Eigen::VectorXd>(v.data(), 7), given("v")));
 }
 
 TEST(EvalQuantities, JointWrenchesCountLoops) {

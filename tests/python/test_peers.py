@@ -416,46 +416,6 @@ def test_mujoco_agrees_about_the_momentum_about_the_center_of_mass(peer):
         assert_close(h[k], [*data.subtree_angmom[0], *m.total_mass * data.subtree_linvel[0]])
 
 
-# ---------------------------------------------------------------- many states
-
-SINGLY = {  # one state after the other
-    "twists": lambda m, q, v, a: axode.twists(m, q, v, "hybrid"),
-    "accelerations": lambda m, q, v, a: axode.accelerations(m, q, v, a, "hybrid"),
-    "jacobian": lambda m, q, v, a: axode.jacobian(m, q, m.body_names[-1]),
-    "jacobian_rate": lambda m, q, v, a: axode.jacobian_rate(m, q, v, m.body_names[-1]),
-    "inverse_dynamics": lambda m, q, v, a: axode.inverse_dynamics(m, q, v, a, "spatial"),
-    "coriolis_matrix": lambda m, q, v, a: axode.coriolis_matrix(m, q, v),
-    "coriolis_vector": lambda m, q, v, a: axode.coriolis_vector(m, q, v),
-    "gravity_torques": lambda m, q, v, a: axode.gravity_torques(m, q),
-    "momenta": lambda m, q, v, a: axode.momenta(m, q, v),
-    "centroidal_momentum_matrix": lambda m, q, v, a: axode.centroidal_momentum_matrix(m, q),
-    "centroidal_momentum_matrix_rate": lambda m, q, v, a: axode.centroidal_momentum_matrix_rate(m, q, v),
-}
-IN_LANES = {  # which have sines of their own
-    "poses": lambda m, q, v, a: axode.poses(m, q),
-    "inverse_dynamics": lambda m, q, v, a: axode.inverse_dynamics(m, q, v, a),
-    "forward_dynamics": lambda m, q, v, a: axode.forward_dynamics(m, q, v, a),
-    "mass_matrix": lambda m, q, v, a: axode.mass_matrix(m, q),
-    "inverse_mass_matrix": lambda m, q, v, a: axode.inverse_mass_matrix(m, q),
-}
-
-
-@pytest.mark.parametrize("function", SINGLY)
-def test_many_states_are_the_single_ones_to_the_last_bit(case, function):
-    f = SINGLY[function]
-    single = [f(case.m, *state) for state in zip(case.q, case.v, case.a)]
-    np.testing.assert_array_equal(f(case.m, case.q, case.v, case.a), single)
-
-
-@pytest.mark.parametrize("function", IN_LANES)
-def test_many_states_in_lanes_are_the_single_ones(case, function):
-    if function in ("forward_dynamics", "inverse_mass_matrix") and case.singular():
-        pytest.skip("the mass matrix is singular")
-    f = IN_LANES[function]
-    single = [f(case.m, *state) for state in zip(case.q, case.v, case.a)]
-    assert_close(f(case.m, case.q, case.v, case.a), single, bound=1e-12)
-
-
 def test_mujoco_moves_likewise(peer):
     """Robots without coupled joints, by MuJoCo's Runge-Kutta method in short steps."""
     case, m, model, data = peer.case, peer.case.m, peer.robot.model, peer.robot.data

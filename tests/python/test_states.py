@@ -116,14 +116,8 @@ def test_other_threads_run_during_a_long_call(representation, threads):
         thread.join()
 
 
-def functions_of_states():
-    for name in axode.__all__:
-        function = getattr(axode, name)
-        if not inspect.isclass(function) and "threads: int" in (function.__doc__ or "").partition("\n")[0]:
-            yield name
-
-
-STATE_FUNCTIONS = sorted(functions_of_states())
+STATE_FUNCTIONS = sorted(name for name in axode.__all__ if not inspect.isclass(getattr(axode, name))
+                         and callable(getattr(axode, name)) and {"q", "threads"} <= set(inspect.signature(getattr(axode, name)).parameters))
 
 
 def test_every_function_of_the_state_is_called_here():
