@@ -119,8 +119,10 @@ def test_rows_are_counted_however_many():
         axode.twist_derivatives(table, np.zeros(0), np.zeros((2**31, 0)), "table")
 
 
-@pytest.mark.parametrize("name", ["jax", "torch", "casadi", "cuda", "distributed"])
-def test_a_module_that_needs_another_package_is_not_there_without_it(name):
+@pytest.mark.parametrize("name, what", {
+    "jax": "JAX: pip install jax", "torch": "PyTorch: pip install torch", "casadi": "CasADi: pip install casadi",
+    "cuda": "CuPy: pip install cupy-cuda12x", "distributed": "pyarrow: pip install pyarrow"}.items())
+def test_a_module_that_needs_another_package_is_not_there_without_it(name, what):
     needs = {"cuda": "cupy", "distributed": "pyarrow"}.get(name, name)
     program = f"""
 import sys; sys.modules[{needs!r}] = None
@@ -135,7 +137,7 @@ for get in (lambda: getattr(axode, {name!r}), lambda: __import__("axode.{name}")
     assert first == "False 3", done.stderr
     sentences = {line.partition(" ")[2] for line in rest}
     assert [line.partition(" ")[0] for line in rest] == ["AttributeError", "ImportError", "ImportError"]
-    assert len(sentences) == 1 and sentences.pop().startswith(f"axode.{name} needs ")
+    assert sentences == {f"axode.{name} needs {what}"}
 
 
 def test_views_that_run_backwards_or_stand_still_are_read_as_they_are():

@@ -151,16 +151,6 @@ def test_second_derivatives_are_those_of_differences_and_symmetric(name, quantit
     assert_second_derivatives(F, arguments(F, MODELS[name]), symmetric=quantity not in FROM_CASADI)
 
 
-def test_casadis_own_differences_say_the_same():
-    m = MODELS["machine"]
-    F = function("machine", "forward_dynamics")
-    library = axode.casadi.casadi_library(m, "forward_dynamics", flags=QUICK)
-    by_fd = ca.external(library.name, library.file, {"enable_forward": False, "enable_reverse": False,
-                                                     "enable_jacobian": False, "enable_fd": True})
-    x = arguments(F, m)
-    assert_near(jacobian(F, x), jacobian(by_fd, x), 1e-6)
-
-
 @pytest.mark.parametrize("quantity", ["forward_dynamics", "mass_matrix", "poses"])
 def test_the_length_of_quaternions_does_not_count(quantity):
     m, F = MODELS["machine"], function("machine", quantity)
@@ -395,9 +385,3 @@ def test_the_examples_in_docstrings_are_so():
     names = {"axode": axode, "np": np, "arm": ARM}
     for test in doctest.DocTestFinder(recurse=False).find(axode.casadi.function, globs=names):
         assert doctest.DocTestRunner().run(test).failed == 0 and test.examples
-
-
-def test_without_casadi_one_sentence_says_what_to_install():
-    program = "import sys; sys.modules['casadi'] = None\nimport axode\ntry:\n    axode.casadi\nexcept AttributeError as e:\n    print(e)"
-    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
-    assert done.stdout == 'axode.casadi needs CasADi: pip install casadi\n'

@@ -122,14 +122,6 @@ def test_the_example_finds_the_arms_whose_drives_are_too_weak(tmp_path):
     assert f"{np.median(peaks[:, 1]):.2f}" in done.stdout
 
 
-def test_without_pyarrow_a_sentence_says_what_to_install(tmp_path):
-    (tmp_path / "pyarrow.py").write_text("raise ImportError('none here')")
-    program = "import axode\ntry: axode.distributed\nexcept AttributeError as error: print(error)"
-    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True,
-                          env={**os.environ, "PYTHONPATH": str(tmp_path)})
-    assert done.stdout == "axode.distributed needs pyarrow: pip install pyarrow\n", done.stderr
-
-
 def test_without_ray_the_same_call_runs_in_one_process(tmp_path):
     (tmp_path / "ray.py").write_text("raise ImportError('none here')")
     write(tmp_path / "in.parquet", ARM, states(ARM, 50))

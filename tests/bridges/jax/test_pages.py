@@ -41,8 +41,5 @@ def test_a_gait_is_found(tmp_path):
     assert len(ast.literal_eval(re.sub(r"(?<=\d)\.?\s+(?=[-\d])", ", ", phases.partition(":")[2].strip()))) == 5
 
 
-def test_without_jax_a_sentence_says_what_is_missing():
-    program = "import sys; sys.modules['jax'] = None; import axode; axode.jax"
-    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True)
-    assert done.stderr.strip().endswith('AttributeError: axode.jax needs JAX: pip install jax')
+def test_jax_is_imported_only_if_it_is_asked_for():
     assert subprocess.run([sys.executable, "-c", "import axode, sys; sys.exit('jax' in sys.modules)"]).returncode == 0

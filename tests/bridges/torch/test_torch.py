@@ -651,9 +651,3 @@ print(axode.torch.handle(arm))
     done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, cwd=Path(__file__).parent)
     assert done.returncode == 0 and done.stderr == "", done.stderr
     assert done.stdout.strip() == axode.torch.handle(ARM)  # the same in another process
-
-
-def test_without_pytorch_a_sentence_says_what_to_install():
-    script = "import sys; sys.modules['torch'] = None; import axode; axode.torch"
-    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True)
-    assert done.stderr.strip().endswith('AttributeError: axode.torch needs PyTorch: pip install torch')
