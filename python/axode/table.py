@@ -33,7 +33,8 @@ class Row(NamedTuple):
     units: str
     takes: tuple[str, ...]
     choice: str
-    """The representation that the caller chooses: "none", that of the result ("representation") or that in which a recursion runs ("recursion")."""
+    """The representation that the caller chooses: "none", that of the result ("representation"), or that of the recursion
+    ("recursion")."""
     entry: int
     """Number of numbers in an entry of the result."""
     shape: tuple[str, ...]
@@ -46,8 +47,8 @@ class Row(NamedTuple):
     recorded: bool
     """Whether code can be generated for it, see axode.codegen."""
     counts: dict[str, tuple[str, str]]
-    """What becomes of loops, passive joints, springs and joint losses: "counted", "of_the_tree", "optional" or "refused", with a
-    sentence that says what to call instead or besides."""
+    """For loops, passive joints, springs and joint losses: "counted", "of_the_tree", "optional" or "refused", with a sentence
+    that names another function if there is one."""
 
     @property
     def arrays(self) -> tuple[str, ...]:
