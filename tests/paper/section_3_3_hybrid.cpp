@@ -59,7 +59,7 @@ TEST(Paper, HybridComInertiaRate) {
     const Mat6 ad_ws = ad_w(w_s(m, i)), M = to_matrix(M_c_h(m, i));
     eq.holds(rate(M_c_h_of_t(m, i)), -(ad_ws.transpose() * M + M * ad_ws));
     eq.holds(rate(M_c_h_of_t(m, i)),
-             inertia_rate(Twist<Spatial>{m.twist<Spatial>(i).w, {}}, Inertia<>(M_c_h(m, i))));
+             inertia_rate(Twist<Spatial>{vec3(w_s(m, i)), {}}, Inertia<>(M_c_h(m, i))));
     eq.holds(-ad_ws.transpose(), ad_ws);
   });
 }

@@ -11,7 +11,7 @@ TEST(Paper, RelativeAdRate) {
     const int p = m.predecessor(i);
     const Vec6 V_p = to_matrix(m.twist<BodyFixed>(p));
     eq.holds(rate(Ad(m.C_of_t(i, p))) * V_p, ad(Ad(m.C(i, p)) * V_p) * m.Xqd(i));
-    eq.holds(rate(Ad(m.C_of_t(i, p))) * V_p, m.bias<BodyFixed>(i));
+    eq.holds(rate(Ad(m.C_of_t(i, p))) * V_p, m.bias<BodyFixed>(i), m.V<BodyFixed>(i).squared_norm());
   });
 }
 

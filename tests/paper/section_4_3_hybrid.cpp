@@ -29,7 +29,7 @@ TEST(Paper, TranslationAdRate) {
     const Mat6 left = rate(Ad(m.r_of_t(i, p)));
     const Step s(m, i);
     eq.holds(left, s.ad_dr_ip);
-    eq.holds(left * s.V_p + s.ad_w_i * s.Xqd, m.bias<Hybrid>(i));
+    eq.holds(left * s.V_p + s.ad_w_i * s.Xqd, m.bias<Hybrid>(i), s.V_i.squared_norm());
     const Vec3d dr_i = to_matrix(m.twist<Hybrid>(i).v), dr_p = to_matrix(m.twist<Hybrid>(p).v);
     eq.holds(left, ad_v(dr_p) - ad_v(dr_i));
   });

@@ -106,12 +106,13 @@ MomentumState rates_by_spatial_momenta(const Motion& m) {
 TEST(Paper, PEsLine2) {
   each_body([](Equation& eq, const Motion& m, int i) {
     const Mat6 M = to_matrix(transform(m.C(i), m.M(i)));
-    Vec6 V;
-    for (const int j : m.path(i)) V += m.J<Spatial>(j, j) * m.qd(j);
-    eq.holds(M * V, m.Pi<Spatial>(i));
+    Matrix J_i(6, m.model().nv());
+    for (const int j : m.path(i)) J_i.set_block(0, velocity(m, j), m.J<Spatial>(j, j));
+    eq.holds(M * J_i * as_vector(m.v()), m.Pi<Spatial>(i));
     const MomentumState rates = rates_by_spatial_momenta(m);
-    eq.holds(as_vector(rates.v), as_vector(m.v()));
-    eq.holds(rates.dPi[i - 1], rate(m.Pi_of_t<Spatial>(i)));
+    const Matrix of_all = stacked(m, [&](int k) -> Vec6 { return rate(m.Pi_of_t<Spatial>(k)); });
+    eq.holds(M * J_i * as_vector(rates.v), m.Pi<Spatial>(i));
+    eq.holds(rates.dPi[i - 1], rate(m.Pi_of_t<Spatial>(i)), of_all.norm());
     eq.fails(M * m.J<Spatial>(i, i) * m.qd(i), m.Pi<Spatial>(i));  // with the screw J_i of joint i alone
   });
 }

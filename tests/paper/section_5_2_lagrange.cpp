@@ -99,8 +99,8 @@ TEST(Paper, ConjugateMomentumRate) {
     const Solvability solved = momentum_form(m.model(), workspace, m.q(), conjugate_momenta(m).p.entries(),
                                              drive_forces(m).entries(), v, dp, {.wrenches = m.loads()});
     EXPECT_TRUE(solved.ok());
-    eq.holds(s.qd, as_vector(v));
-    eq.holds(conjugate_momenta(m).dp, as_vector(dp));
+    eq.holds(conjugate_momenta(m).p, mass_matrix_of(m) * as_vector(v));
+    eq.holds(conjugate_momenta(m).dp, as_vector(dp), drive_forces(m).norm());
   });
 }
 
