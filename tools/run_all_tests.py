@@ -32,13 +32,14 @@ class Stage(NamedTuple):
 
 
 FEW_TREES = {"AXODE_RANDOM_TREES": "20"}
-LONG = "LargeTrees*:*MemoryOfCouplings*:LongChains*:HostileDescriptions.OnesWithMuch*:*OfManyUnknownLeaders*:*ManyJointsInAnyOrder*"
+LONG = "LargeTrees*:*MemoryOfCouplings*:LongChains*:HostileDescriptions.OnesWithMuch*:*OfManyUnknownLeaders*:*ManyJointsInAnyOrder*" \
+       ":WhatFunctionsCount*:*UnitsLaw*:UnitsOfLoops*"
 RELEASE = Stage("release", others="Examples|Guards|MustNotCompile|Package|Peers|Viewer")
-ASAN = Stage("asan", programs=f"*-{LONG}", environment={"AXODE_RANDOM_TREES": "5"})
+ASAN = Stage("asan", programs=f"*-{LONG}", environment=FEW_TREES)
 NIGHTLY = {
     "clang": Stage("clang", others="Examples|Guards|MustNotCompile"),
     "asan": Stage("asan", environment=FEW_TREES),
-    "asan-apps": Stage("asan-apps", others="Examples", environment=FEW_TREES),
+    "asan-apps": Stage("asan-apps", others="Examples", environment={"AXODE_RANDOM_TREES": "30"}),
     "tsan": Stage("tsan", programs="*Threads*:*ManyStates*",
                   environment={"AXODE_RANDOM_TREES": "3",  # it makes calls a hundred times as long
                                "TSAN_OPTIONS": "suppressions=tests/support/thread_sanitizer.txt"}),
