@@ -5,7 +5,7 @@
 #include <string_view>
 
 #include "axode/constraints/loops.hpp"
-#include "axode/dynamics/coriolis.hpp"
+#include "axode/dynamics/closed_form/coriolis.hpp"
 #include "axode/dynamics/joint_wrenches.hpp"
 #include "axode/fast/fast.hpp"
 #include "axode/kinematics/place.hpp"

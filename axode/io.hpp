@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-#include "axode/model/builder.hpp"
+#include "axode/model/building/builder.hpp"
 
 /// Reading and writing mechanisms: drawings (docs/drawing-format.md) and the formats of docs/formats.md.
 namespace axode {

@@ -1,11 +1,11 @@
 #pragma once
 #include "axode/kinematics/arguments.hpp"
 #include "axode/kinematics/center_of_mass.hpp"
-#include "axode/kinematics/higher_order.hpp"
+#include "axode/kinematics/higher_order/higher_order.hpp"
+#include "axode/kinematics/higher_order/jacobian_partials.hpp"
+#include "axode/kinematics/higher_order/joint_screws.hpp"
 #include "axode/kinematics/inverse_kinematics.hpp"
 #include "axode/kinematics/jacobian.hpp"
-#include "axode/kinematics/jacobian_partials.hpp"
-#include "axode/kinematics/joint_screws.hpp"
 #include "axode/kinematics/poses.hpp"
 #include "axode/kinematics/twists.hpp"
 

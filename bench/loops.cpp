@@ -2,7 +2,7 @@
 #include <algorithm>
 
 #include "axode/constraints.hpp"
-#include "axode/constraints/loop_system.hpp"
+#include "axode/constraints/loop_system/loop_system.hpp"
 #include "axode/integration/simulation.hpp"
 #include "bench/subjects.hpp"
 

@@ -29,54 +29,54 @@ endfunction()
 # quicker to compile.
 set(AXODE_PER_SCALAR
     kinematics/center_of_mass
-    kinematics/higher_order
-    kinematics/joint_screws
+    kinematics/higher_order/higher_order
+    kinematics/higher_order/joint_screws
     kinematics/poses
     constraints/constrained_derivatives
     constraints/constrained_dynamics
-    constraints/independent_rows
-    constraints/loop_rows
-    constraints/loop_system
+    constraints/loop_system/independent_rows
+    constraints/loop_system/loop_rows
+    constraints/loop_system/loop_system
     constraints/loops
-    constraints/fast_acceleration
+    constraints/loop_system/fast_acceleration
     derivatives/geometry_derivatives
     derivatives/linearization
     derivatives/momentum_form_derivatives
     derivatives/rates
     derivatives/spring_derivatives
     derivatives/term_derivatives
-    dynamics/coriolis
-    dynamics/definite_inverse
-    dynamics/energy
-    dynamics/mass_matrix_partials
-    dynamics/momentum
-    dynamics/momentum_form
-    dynamics/regressor
+    dynamics/closed_form/coriolis
+    dynamics/mass_matrix/definite_inverse
+    dynamics/momentum/energy
+    dynamics/mass_matrix/mass_matrix_partials
+    dynamics/momentum/momentum
+    dynamics/momentum/momentum_form
+    dynamics/closed_form/regressor
     dynamics/springs)
 set(AXODE_PER_REPRESENTATION
     kinematics/jacobian
-    kinematics/jacobian_partials
+    kinematics/higher_order/jacobian_partials
     kinematics/twists
     constraints/constrained_operational_space
     derivatives/motion_derivatives
-    dynamics/body_momenta
+    dynamics/momentum/body_momenta
     dynamics/joint_wrenches
     dynamics/operational_space
-    dynamics/twist_form)
+    dynamics/closed_form/twist_form)
 set(AXODE_PER_REPRESENTATION_AND_FAST
     dynamics/forward_dynamics
     dynamics/inverse_dynamics
-    dynamics/mass_matrix
-    dynamics/terms
+    dynamics/mass_matrix/mass_matrix
+    dynamics/closed_form/terms
     catalog/functions)
 
 set(AXODE_QUICK_PER_SCALAR
-    constraints/loop_derivatives
+    constraints/loop_system/loop_derivatives
     derivatives/forward_dynamics_derivatives
-    derivatives/hessian
+    derivatives/second_order/hessian
     derivatives/inverse_dynamics_derivatives
-    derivatives/products
-    derivatives/second_derivatives)
+    derivatives/products/products
+    derivatives/second_order/second_derivatives)
 
 axode_add_library(axode_core core)
 set_target_properties(axode_core PROPERTIES OUTPUT_NAME axode)
@@ -112,7 +112,7 @@ endfunction()
 
 # It is compiled in two parts: the demo does with the first, in double.
 set(floors_to_dynamics lie scalar model table recursion fast kinematics dynamics)
-set(floors_beyond_dynamics derivatives constraints constraints/loops integration catalog)
+set(floors_beyond_dynamics derivatives constraints integration catalog)
 set(library_of_double axode_core)
 set(library_of_float axode_float)
 set(instantiated AXODE_PER_SCALAR AXODE_QUICK_PER_SCALAR AXODE_PER_REPRESENTATION AXODE_PER_REPRESENTATION_AND_FAST)
@@ -130,7 +130,7 @@ target_precompile_headers(axode_often_included PRIVATE <algorithm> <array> <cmat
 function(axode_add_part part)
   set(sources)
   foreach(floor IN LISTS floors_${part})
-    file(GLOB more CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/axode/${floor}/*.cpp)
+    file(GLOB_RECURSE more CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/axode/${floor}/*.cpp)
     list(APPEND sources ${more})
   endforeach()
   foreach(source IN LISTS ${instantiated})
@@ -188,20 +188,20 @@ foreach(ISA sse2 avx2 avx512)
 endforeach()
 
 axode_add_library(axode_codegen codegen)
-file(GLOB sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/axode/codegen/*.cpp)
+file(GLOB_RECURSE sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/axode/codegen/*.cpp)
 target_sources(axode_codegen PRIVATE ${sources})
 target_link_libraries(axode_codegen PUBLIC axode_batch PRIVATE ${CMAKE_DL_LIBS})
 target_compile_definitions(axode_codegen PRIVATE AXODE_VERSION="${PROJECT_VERSION}")
 
 axode_add_library(axode_io io)
-file(GLOB sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/axode/io/*.cpp)
+file(GLOB_RECURSE sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/axode/io/*.cpp)
 axode_add_objects(axode_io axode_files ${sources})
 target_link_libraries(axode_files PRIVATE tinyxml2::tinyxml2)
 target_link_libraries(axode_io PUBLIC $<BUILD_INTERFACE:axode_core> $<INSTALL_INTERFACE:axode::axode> PRIVATE tinyxml2::tinyxml2)
 
 find_package(nlohmann_json REQUIRED)
 axode_add_library(axode_view view)
-file(GLOB sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/axode/view/*.cpp)
+file(GLOB_RECURSE sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/axode/view/*.cpp)
 target_sources(axode_view PRIVATE ${sources})
 target_link_libraries(
   axode_view PUBLIC $<BUILD_INTERFACE:axode_core> $<INSTALL_INTERFACE:axode::axode>

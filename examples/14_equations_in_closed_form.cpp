@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "axode/axode.hpp"
-#include "axode/dynamics/closed_form.hpp"
+#include "axode/dynamics/closed_form/closed_form.hpp"
 #include "axode/eigen.hpp"
 #include "axode/io.hpp"
 

@@ -3,7 +3,7 @@
 
 namespace axode::batch {
 
-/// Forward dynamics that was compiled for a model, see codegen/states_source.hpp. It takes `count` states;
+/// Forward dynamics that was compiled for a model, see codegen/c/states_source.hpp. It takes `count` states;
 /// their q, v and tau are contiguous, and so are the accelerations. `maybe_singular` receives a 1 for each state
 /// whose mass matrix may be singular.
 template <class S> struct CompiledDynamics {

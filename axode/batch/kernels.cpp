@@ -6,7 +6,7 @@
 #include <algorithm>
 
 #include "axode/batch/transpose.hpp"
-#include "axode/derivatives/row_kernels.hpp"
+#include "axode/derivatives/products/row_kernels.hpp"
 #include "axode/fast/articulated_bodies.hpp"
 #include "axode/fast/composite_bodies.hpp"
 #include "axode/fast/inverse_mass_matrix.hpp"

@@ -1,7 +1,7 @@
 #pragma once
 #include <vector>
 
-#include "axode/constraints/loop_system.hpp"
+#include "axode/constraints/loop_system/loop_system.hpp"
 #include "axode/constraints/loops.hpp"
 #include "axode/kinematics/check_arguments.hpp"
 

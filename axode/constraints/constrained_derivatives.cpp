@@ -3,7 +3,7 @@
 #include <Eigen/LU>
 
 #include "axode/constraints/check_loops.hpp"
-#include "axode/constraints/independent_rows.hpp"
+#include "axode/constraints/loop_system/independent_rows.hpp"
 #include "axode/derivatives/inverse_dynamics_derivatives.hpp"
 #include "axode/eigen.hpp"
 #include "axode/kinematics/check_arguments.hpp"

@@ -1,6 +1,6 @@
 #pragma once
 #include "axode/constraints/loops.hpp"
-#include "axode/derivatives/products.hpp"
+#include "axode/derivatives/products/products.hpp"
 #include "axode/recursion/solvability.hpp"
 
 namespace axode {

@@ -1,7 +1,7 @@
 #include "axode/constraints/constrained_dynamics.hpp"
 
 #include "axode/constraints/check_loops.hpp"
-#include "axode/constraints/independent_rows.hpp"
+#include "axode/constraints/loop_system/independent_rows.hpp"
 #include "axode/dynamics/wrench_frame.hpp"
 #include "axode/kinematics/check_arguments.hpp"
 #include "axode/recursion/instantiate.hpp"

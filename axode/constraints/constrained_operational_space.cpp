@@ -3,8 +3,8 @@
 #include <vector>
 
 #include "axode/constraints/check_loops.hpp"
-#include "axode/dynamics/definite_inverse.hpp"
 #include "axode/dynamics/inverse_frame_inertia.hpp"
+#include "axode/dynamics/mass_matrix/definite_inverse.hpp"
 #include "axode/kinematics/jacobian.hpp"
 #include "axode/lie/six.hpp"
 #include "axode/recursion/instantiate.hpp"

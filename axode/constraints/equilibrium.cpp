@@ -6,7 +6,7 @@
 #include <optional>
 
 #include "axode/constraints/assembly.hpp"
-#include "axode/constraints/independent_rows.hpp"
+#include "axode/constraints/loop_system/independent_rows.hpp"
 #include "axode/derivatives/inverse_dynamics_derivatives.hpp"
 #include "axode/derivatives/spring_derivatives.hpp"
 #include "axode/dynamics/springs.hpp"

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "axode/constraints/check_loops.hpp"
-#include "axode/constraints/independent_rows.hpp"
+#include "axode/constraints/loop_system/independent_rows.hpp"
 
 namespace axode {
 namespace {

@@ -1,6 +1,6 @@
 #include "axode/derivatives/forward_dynamics_derivatives.hpp"
 
-#include "axode/derivatives/forward_first_order.hpp"
+#include "axode/derivatives/displacement/forward_first_order.hpp"
 #include "axode/kinematics/checked.hpp"
 #include "axode/recursion/instantiate.hpp"
 

@@ -1,6 +1,6 @@
 #include "axode/derivatives/inverse_dynamics_derivatives.hpp"
 
-#include "axode/derivatives/first_order.hpp"
+#include "axode/derivatives/displacement/first_order.hpp"
 #include "axode/kinematics/checked.hpp"
 #include "axode/recursion/instantiate.hpp"
 

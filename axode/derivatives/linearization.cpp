@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <limits>
 
+#include "axode/derivatives/displacement/velocity_bracket.hpp"
 #include "axode/derivatives/forward_dynamics_derivatives.hpp"
 #include "axode/derivatives/spring_derivatives.hpp"
-#include "axode/derivatives/velocity_bracket.hpp"
 #include "axode/dynamics/springs.hpp"
 #include "axode/kinematics/check_arguments.hpp"
 #include "axode/recursion/instantiate.hpp"

@@ -1,6 +1,6 @@
 #include "axode/derivatives/momentum_form_derivatives.hpp"
 
-#include "axode/derivatives/momentum_first_order.hpp"
+#include "axode/derivatives/displacement/momentum_first_order.hpp"
 #include "axode/kinematics/checked.hpp"
 #include "axode/recursion/instantiate.hpp"
 

@@ -1,8 +1,8 @@
 #include "axode/derivatives/rates.hpp"
 
-#include "axode/derivatives/accelerations.hpp"
-#include "axode/derivatives/force_series.hpp"
-#include "axode/derivatives/scratch.hpp"
+#include "axode/derivatives/displacement/accelerations.hpp"
+#include "axode/derivatives/displacement/force_series.hpp"
+#include "axode/derivatives/displacement/scratch.hpp"
 #include "axode/kinematics/check_arguments.hpp"
 #include "axode/recursion/instantiate.hpp"
 #include "axode/table/check_counts.hpp"

@@ -1,6 +1,6 @@
 #include "axode/derivatives/spring_derivatives.hpp"
 
-#include "axode/derivatives/scratch.hpp"
+#include "axode/derivatives/displacement/scratch.hpp"
 #include "axode/dynamics/spring_elements.hpp"
 #include "axode/kinematics/checked.hpp"
 #include "axode/recursion/instantiate.hpp"

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
-#include "axode/dynamics/definite_inverse.hpp"
 #include "axode/dynamics/inverse_frame_inertia.hpp"
+#include "axode/dynamics/mass_matrix/definite_inverse.hpp"
 #include "axode/dynamics/scratch.hpp"
 #include "axode/kinematics/checked.hpp"
 #include "axode/kinematics/jacobian.hpp"

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "axode/constraints/absolute_system.hpp"
+#include "axode/constraints/absolute/absolute_system.hpp"
 #include "axode/integration/schemes/anderson_iteration.hpp"
 #include "axode/integration/simulation_run.hpp"
 #include "axode/model/finite.hpp"

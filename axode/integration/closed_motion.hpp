@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "axode/constraints/constrained_derivatives.hpp"
-#include "axode/constraints/loop_system.hpp"
+#include "axode/constraints/loop_system/loop_system.hpp"
 #include "axode/constraints/loops.hpp"
 #include "axode/integration/configuration_group.hpp"
 #include "axode/recursion/solvability.hpp"

@@ -7,7 +7,7 @@
 #include <string>
 
 #include "axode/constraints/constrained_dynamics.hpp"
-#include "axode/constraints/loop_system.hpp"
+#include "axode/constraints/loop_system/loop_system.hpp"
 #include "axode/dynamics/inverse_dynamics.hpp"
 #include "axode/dynamics/springs.hpp"
 #include "axode/eigen.hpp"

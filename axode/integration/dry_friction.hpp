@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "axode/constraints/row_cholesky.hpp"
+#include "axode/constraints/loop_system/row_cholesky.hpp"
 #include "axode/integration/schemes/energy_norm.hpp"
 #include "axode/model/tree.hpp"
 

@@ -8,8 +8,8 @@
 #include <utility>
 #include <vector>
 
-#include "axode/derivatives/forward_first_order.hpp"
-#include "axode/derivatives/scratch.hpp"
+#include "axode/derivatives/displacement/forward_first_order.hpp"
+#include "axode/derivatives/displacement/scratch.hpp"
 #include "axode/derivatives/spring_derivatives.hpp"
 #include "axode/dynamics/springs.hpp"
 #include "axode/eigen.hpp"

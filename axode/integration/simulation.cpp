@@ -6,7 +6,7 @@
 #include <string>
 
 #include "axode/dynamics/inverse_dynamics.hpp"
-#include "axode/dynamics/momentum.hpp"
+#include "axode/dynamics/momentum/momentum.hpp"
 #include "axode/integration/absolute_simulation_run.hpp"
 #include "axode/integration/schemes/closed_midpoint.hpp"
 #include "axode/integration/schemes/constrained_alpha.hpp"

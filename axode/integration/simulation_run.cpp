@@ -6,7 +6,7 @@
 #include "axode/derivatives/spring_derivatives.hpp"
 #include "axode/dynamics/forward_dynamics.hpp"
 #include "axode/dynamics/inverse_dynamics.hpp"
-#include "axode/dynamics/mass_matrix.hpp"
+#include "axode/dynamics/mass_matrix/mass_matrix.hpp"
 #include "axode/dynamics/springs.hpp"
 #include "axode/eigen.hpp"
 #include "axode/kinematics/check_arguments.hpp"

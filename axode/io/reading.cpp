@@ -7,8 +7,8 @@
 #include <unordered_set>
 #include <utility>
 
-#include "axode/model/nearest_name.hpp"
-#include "axode/model/placement.hpp"
+#include "axode/model/building/nearest_name.hpp"
+#include "axode/model/building/placement.hpp"
 
 namespace axode::io {
 namespace {

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "axode/io.hpp"
-#include "axode/io/toml.hpp"
-#include "axode/model/builder.hpp"
+#include "axode/io/drawing/toml.hpp"
+#include "axode/model/building/builder.hpp"
 
 /// Parts that all readers share: checks of texts and names, numbers, and the result of reading.
 namespace axode::io {

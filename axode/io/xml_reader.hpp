@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "axode/io/reading.hpp"
-#include "axode/model/nearest_name.hpp"
+#include "axode/model/building/nearest_name.hpp"
 #include "axode/model/shape_kinds.hpp"
 
 /// The base of the readers of XML formats.

@@ -3,7 +3,7 @@
 #include <string_view>
 
 #include "axode/lie/vec3.hpp"
-#include "axode/model/fault.hpp"
+#include "axode/model/building/fault.hpp"
 
 /// Texts of numbers and names for attributes of XML.
 namespace axode::io::xml {

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "axode/lie/inertia.hpp"
-#include "axode/model/fault.hpp"
+#include "axode/model/building/fault.hpp"
 #include "axode/model/loops.hpp"
 
 /// The description of a mechanism as an engineer gives it. ModelBuilder checks it and compiles it into a

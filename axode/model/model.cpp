@@ -1,6 +1,6 @@
 #include "axode/model/model.hpp"
 
-#include "axode/model/nearest_name.hpp"
+#include "axode/model/building/nearest_name.hpp"
 
 namespace axode {
 

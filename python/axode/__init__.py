@@ -137,7 +137,7 @@ from ._axode import version as __version__
 from .builder import Builder
 from .errors import AssemblyError, Fault, ModelError, NotFiniteError, SimulationError, SingularError, StatesError
 from .files import check, load
-from .former_names import install as _install_former_names
+from .support.former_names import install as _install_former_names
 from .records import (
     Equilibrium,
     ForwardDynamicsDerivatives,

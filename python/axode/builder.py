@@ -7,7 +7,7 @@ from typing import Any, Literal
 
 from numpy.typing import ArrayLike
 
-from . import signatures
+from .support import signatures
 from ._axode import Model
 
 __all__ = ["Builder"]

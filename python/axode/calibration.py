@@ -22,7 +22,8 @@ from typing import Any, NamedTuple, TypedDict
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from . import lie, signatures
+from . import lie
+from .support import signatures
 from ._axode import Model, frame_geometry_jacobian, poses
 from .convert import _array, _finite, _numbers
 from .identification import _in_words, _links_of_bodies, _triangle

@@ -24,10 +24,10 @@ try:
 except ImportError as error:
     raise ImportError('axode.casadi needs CasADi: pip install casadi') from error
 
-from . import coordinates, signatures
+from .support import coordinates, signatures
 from ._axode import Model
 from ._axode.codegen import CasadiLibrary, casadi_library
-from .coordinates import TURNING, product, turned, turned_in_plane
+from .support.coordinates import TURNING, product, turned, turned_in_plane
 from .records import Representation
 
 __all__ = ["function"]

@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from . import signatures
+from .support import signatures
 from ._axode.closed_form import (
     a_matrix,
     b_matrix,

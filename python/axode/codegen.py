@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from typing import Literal, NamedTuple, TypeAlias
 
-from . import signatures
+from .support import signatures
 from ._axode.codegen import Specialised, c_source, cache, clear_cache
 from .records import Representation
 

@@ -29,10 +29,11 @@ from weakref import WeakKeyDictionary
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from . import coordinates, lie, mujoco_model, signatures
+from . import lie, mujoco_model
+from .support import coordinates, signatures
 from ._axode import Model
 from ._axode import load_dict as _load_dict
-from .coordinates import NUMPY
+from .support.coordinates import NUMPY
 
 __all__ = ["from_mujoco", "from_pinocchio", "model_from_mujoco", "to_mujoco", "to_pinocchio"]
 

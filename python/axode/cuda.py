@@ -20,7 +20,7 @@ try:
 except ImportError as error:
     raise ImportError('axode.cuda needs CuPy: pip install cupy-cuda12x') from error
 
-from . import signatures
+from .support import signatures
 from ._axode import Model
 from .codegen import Function, c_source
 from .records import (

@@ -16,9 +16,10 @@ from typing import Any, Literal, NamedTuple, overload
 import numpy as np
 from numpy.typing import NDArray
 
-from . import jobs, parquet_states, signatures
+from .parallel import jobs, parquet_states
+from .support import signatures
 from ._axode import Model
-from .parquet_states import TableFunction
+from .parallel.parquet_states import TableFunction
 
 import pyarrow as pa  # type: ignore[import-not-found, import-untyped, unused-ignore]
 

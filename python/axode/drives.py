@@ -8,7 +8,8 @@ from __future__ import annotations
 
 from numpy.typing import ArrayLike
 
-from . import _axode, signatures
+from . import _axode
+from .support import signatures
 from ._axode import Model, Trajectory
 
 __all__ = ["PD", "ComputedTorque", "Sampled"]

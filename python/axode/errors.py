@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from . import signatures
+from .support import signatures
 
 if TYPE_CHECKING:
     from ._axode import Trajectory

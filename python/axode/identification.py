@@ -24,7 +24,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from . import signatures
+from .support import signatures
 from ._axode import Model, inverse_dynamics, jacobian_columns, regressor
 from .convert import _numbers
 from .records import Load

@@ -23,7 +23,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from . import signatures
+from .support import signatures
 from ._axode.lie import (
     acceleration,
     Ad,

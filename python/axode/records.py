@@ -7,7 +7,7 @@ from typing import Literal, NamedTuple, TypedDict
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from . import signatures
+from .support import signatures
 
 __all__ = ["Equilibrium", "ForwardDynamicsDerivatives", "ForwardDynamicsHessian", "IndependentEquations", "IndependentLinearization", "InverseDynamicsDerivatives",
            "InverseDynamicsHessian", "InverseKinematics", "JointState", "Linearization", "Load", "LoopMobility", "RedundantRow",

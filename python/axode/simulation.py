@@ -8,12 +8,13 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from . import _axode, signatures
+from . import _axode
+from .support import signatures
 from ._axode import Model, Trajectory
 from .codegen import Specialised
 from .drives import PD, ComputedTorque, Sampled
 from .errors import SimulationError, StatesError
-from .progress import progress_bar
+from .support.progress import progress_bar
 from .records import Load
 
 __all__ = ["reconstruct", "rollout", "simulate"]

@@ -21,9 +21,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from . import _axode, signatures
+from . import _axode
+from .support import signatures
 from ._axode import Model, Trajectory
-from .written_files import replacing
+from .support.written_files import replacing
 
 __all__ = ["Viewer", "view"]
 

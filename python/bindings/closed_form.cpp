@@ -1,9 +1,9 @@
-#include "axode/dynamics/closed_form.hpp"
+#include "axode/dynamics/closed_form/closed_form.hpp"
 
-#include "bindings.hpp"
-#include "choice.hpp"
-#include "conversions.hpp"
-#include "one_state.hpp"
+#include "python/bindings/support/bindings.hpp"
+#include "python/bindings/support/choice.hpp"
+#include "python/bindings/support/conversions.hpp"
+#include "python/bindings/support/one_state.hpp"
 
 namespace axode::python {
 namespace {

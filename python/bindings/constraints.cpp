@@ -1,22 +1,22 @@
-#include "constraints.hpp"
+#include "python/bindings/constraints.hpp"
 
 #include <nanobind/stl/string.h>
 
+#include "axode/constraints/absolute/joint_state.hpp"
 #include "axode/constraints/assembly.hpp"
 #include "axode/constraints/check_loops.hpp"
 #include "axode/constraints/constrained_derivatives.hpp"
 #include "axode/constraints/constrained_dynamics.hpp"
-#include "axode/constraints/independent_equations.hpp"
-#include "axode/constraints/independent_linearization.hpp"
-#include "axode/constraints/joint_state.hpp"
+#include "axode/constraints/independent/independent_equations.hpp"
+#include "axode/constraints/independent/independent_linearization.hpp"
 #include "axode/constraints/mobility.hpp"
 #include "axode/lie/representation_change.hpp"
-#include "bindings.hpp"
-#include "conversions.hpp"
-#include "named_tuple.hpp"
-#include "one_state.hpp"
-#include "raise.hpp"
-#include "text.hpp"
+#include "python/bindings/support/bindings.hpp"
+#include "python/bindings/support/conversions.hpp"
+#include "python/bindings/support/named_tuple.hpp"
+#include "python/bindings/support/one_state.hpp"
+#include "python/bindings/support/raise.hpp"
+#include "python/bindings/support/text.hpp"
 
 namespace axode::python {
 namespace {

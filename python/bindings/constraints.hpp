@@ -1,5 +1,5 @@
 #pragma once
-#include "state_function.hpp"
+#include "python/bindings/states/state_function.hpp"
 
 namespace axode::python {
 

@@ -1,11 +1,11 @@
 #include "axode/derivatives.hpp"
 #include "axode/constraints/equilibrium.hpp"
 
-#include "bindings.hpp"
-#include "conversions.hpp"
-#include "named_tuple.hpp"
-#include "one_state.hpp"
-#include "state_function.hpp"
+#include "python/bindings/states/state_function.hpp"
+#include "python/bindings/support/bindings.hpp"
+#include "python/bindings/support/conversions.hpp"
+#include "python/bindings/support/named_tuple.hpp"
+#include "python/bindings/support/one_state.hpp"
 
 /// Derivatives of dynamics. The types of several results are in axode.records.
 namespace axode::python {

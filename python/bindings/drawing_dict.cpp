@@ -1,10 +1,10 @@
 #include <sstream>
 
 #include "axode/io.hpp"
+#include "axode/io/drawing/toml.hpp"
 #include "axode/io/reading.hpp"
-#include "axode/io/toml.hpp"
-#include "description.hpp"
-#include "text.hpp"
+#include "python/bindings/support/description.hpp"
+#include "python/bindings/support/text.hpp"
 
 namespace axode::python {
 namespace {

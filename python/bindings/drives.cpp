@@ -1,8 +1,8 @@
-#include "drives.hpp"
+#include "python/bindings/drives.hpp"
 
-#include "bindings.hpp"
-#include "conversions.hpp"
-#include "one_state.hpp"
+#include "python/bindings/support/bindings.hpp"
+#include "python/bindings/support/conversions.hpp"
+#include "python/bindings/support/one_state.hpp"
 
 /// Drives for simulations. Arguments are documented in axode.drives.
 namespace axode::python {

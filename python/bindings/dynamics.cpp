@@ -2,12 +2,12 @@
 
 #include <nanobind/stl/string.h>
 
-#include "bindings.hpp"
-#include "choice.hpp"
-#include "constraints.hpp"
-#include "conversions.hpp"
-#include "raise.hpp"
-#include "state_function.hpp"
+#include "python/bindings/constraints.hpp"
+#include "python/bindings/states/state_function.hpp"
+#include "python/bindings/support/bindings.hpp"
+#include "python/bindings/support/choice.hpp"
+#include "python/bindings/support/conversions.hpp"
+#include "python/bindings/support/raise.hpp"
 
 namespace axode::python {
 namespace {

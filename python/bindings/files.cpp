@@ -6,13 +6,13 @@
 
 #include "axode/io.hpp"
 #include "axode/io/reading.hpp"
-#include "axode/model/edited.hpp"
-#include "bindings.hpp"
-#include "bound_model.hpp"
-#include "choice.hpp"
-#include "conversions.hpp"
-#include "description.hpp"
-#include "raise.hpp"
+#include "axode/model/building/edited.hpp"
+#include "python/bindings/support/bindings.hpp"
+#include "python/bindings/support/bound_model.hpp"
+#include "python/bindings/support/choice.hpp"
+#include "python/bindings/support/conversions.hpp"
+#include "python/bindings/support/description.hpp"
+#include "python/bindings/support/raise.hpp"
 
 namespace axode::python {
 namespace {

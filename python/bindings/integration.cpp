@@ -11,14 +11,14 @@
 #include "axode/batch.hpp"
 #include "axode/batch/portions.hpp"
 #include "axode/dynamics.hpp"
-#include "bindings.hpp"
-#include "choice.hpp"
-#include "conversions.hpp"
-#include "drives.hpp"
-#include "long_call.hpp"
-#include "one_state.hpp"
-#include "raise.hpp"
-#include "specialised.hpp"
+#include "python/bindings/drives.hpp"
+#include "python/bindings/states/specialised.hpp"
+#include "python/bindings/support/bindings.hpp"
+#include "python/bindings/support/choice.hpp"
+#include "python/bindings/support/conversions.hpp"
+#include "python/bindings/support/long_call.hpp"
+#include "python/bindings/support/one_state.hpp"
+#include "python/bindings/support/raise.hpp"
 
 /// Motion in time. Arguments are made ready, and documented, in axode.simulation.
 namespace axode::python {

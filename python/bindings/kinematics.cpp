@@ -3,13 +3,13 @@
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/tuple.h>
 
-#include "bindings.hpp"
-#include "choice.hpp"
-#include "conversions.hpp"
-#include "named_tuple.hpp"
-#include "one_state.hpp"
-#include "state_function.hpp"
-#include "text.hpp"
+#include "python/bindings/states/state_function.hpp"
+#include "python/bindings/support/bindings.hpp"
+#include "python/bindings/support/choice.hpp"
+#include "python/bindings/support/conversions.hpp"
+#include "python/bindings/support/named_tuple.hpp"
+#include "python/bindings/support/one_state.hpp"
+#include "python/bindings/support/text.hpp"
 
 namespace axode::python {
 namespace {

@@ -4,9 +4,9 @@
 
 #include <cmath>
 
-#include "bindings.hpp"
-#include "map_items.hpp"
-#include "named_tuple.hpp"
+#include "python/bindings/support/bindings.hpp"
+#include "python/bindings/support/map_items.hpp"
+#include "python/bindings/support/named_tuple.hpp"
 
 namespace axode::python {
 

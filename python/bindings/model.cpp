@@ -5,19 +5,19 @@
 #include <nanobind/stl/vector.h>
 
 #include "axode/io.hpp"
-#include "axode/model/builder.hpp"
+#include "axode/model/building/builder.hpp"
+#include "axode/model/building/edited.hpp"
 #include "axode/model/configuration.hpp"
-#include "axode/model/edited.hpp"
 #include "axode/model/inertial_parameters.hpp"
-#include "bindings.hpp"
-#include "bound_model.hpp"
-#include "choice.hpp"
-#include "conversions.hpp"
-#include "description.hpp"
-#include "one_state.hpp"
-#include "raise.hpp"
-#include "states.hpp"
-#include "text.hpp"
+#include "python/bindings/states/states.hpp"
+#include "python/bindings/support/bindings.hpp"
+#include "python/bindings/support/bound_model.hpp"
+#include "python/bindings/support/choice.hpp"
+#include "python/bindings/support/conversions.hpp"
+#include "python/bindings/support/description.hpp"
+#include "python/bindings/support/one_state.hpp"
+#include "python/bindings/support/raise.hpp"
+#include "python/bindings/support/text.hpp"
 
 namespace axode::python {
 namespace {

@@ -1,9 +1,9 @@
 #include <nanobind/stl/string_view.h>
 
-#include "array.hpp"
 #include "axode/catalog.hpp"
-#include "bindings.hpp"
-#include "raise.hpp"
+#include "python/bindings/support/array.hpp"
+#include "python/bindings/support/bindings.hpp"
+#include "python/bindings/support/raise.hpp"
 
 namespace {
 

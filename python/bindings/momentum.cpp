@@ -2,10 +2,10 @@
 
 #include <nanobind/stl/tuple.h>
 
-#include "bindings.hpp"
-#include "choice.hpp"
-#include "conversions.hpp"
-#include "state_function.hpp"
+#include "python/bindings/states/state_function.hpp"
+#include "python/bindings/support/bindings.hpp"
+#include "python/bindings/support/choice.hpp"
+#include "python/bindings/support/conversions.hpp"
 
 namespace axode::python {
 namespace {

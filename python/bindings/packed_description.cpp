@@ -1,7 +1,7 @@
 #include <tuple>
 #include <type_traits>
 
-#include "description.hpp"
+#include "python/bindings/support/description.hpp"
 
 namespace axode::python {
 namespace {

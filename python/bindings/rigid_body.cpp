@@ -1,8 +1,8 @@
 #include "axode/lie/newton_euler.hpp"
 #include "axode/lie/solids.hpp"
-#include "bindings.hpp"
-#include "choice.hpp"
-#include "map_items.hpp"
+#include "python/bindings/support/bindings.hpp"
+#include "python/bindings/support/choice.hpp"
+#include "python/bindings/support/map_items.hpp"
 
 namespace axode::python {
 namespace {

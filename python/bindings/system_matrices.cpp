@@ -1,10 +1,10 @@
 #include "axode/kinematics/system_matrices.hpp"
 
-#include "bindings.hpp"
-#include "choice.hpp"
-#include "conversions.hpp"
-#include "named_tuple.hpp"
-#include "one_state.hpp"
+#include "python/bindings/support/bindings.hpp"
+#include "python/bindings/support/choice.hpp"
+#include "python/bindings/support/conversions.hpp"
+#include "python/bindings/support/named_tuple.hpp"
+#include "python/bindings/support/one_state.hpp"
 
 namespace axode::python {
 namespace {

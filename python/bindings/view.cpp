@@ -5,9 +5,9 @@
 #include <sstream>
 
 #include "axode/model/configuration.hpp"
-#include "bindings.hpp"
-#include "long_call.hpp"
-#include "one_state.hpp"
+#include "python/bindings/support/bindings.hpp"
+#include "python/bindings/support/long_call.hpp"
+#include "python/bindings/support/one_state.hpp"
 
 /// Pages for a browser. Arguments are made ready, and documented, in axode.viewer.
 namespace axode::python {

@@ -1,4 +1,4 @@
-#include "apps/study.hpp"
+#include "apps/study/study.hpp"
 #include "tests/laws/law.hpp"
 
 /// Drive forces, accelerations of the joints and mass matrices do not depend on the frames of the bodies: in the user's,

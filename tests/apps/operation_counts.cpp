@@ -1,4 +1,4 @@
-#include "apps/study.hpp"
+#include "apps/study/study.hpp"
 #include "tests/laws/law.hpp"
 
 /// What the kernels cost: operations on numbers and on screws, in each representation and choice of body frames.

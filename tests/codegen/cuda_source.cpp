@@ -2,7 +2,7 @@
 #include <numeric>
 
 #include "axode/codegen.hpp"
-#include "axode/codegen/statement_order.hpp"
+#include "axode/codegen/tape/statement_order.hpp"
 #include "tests/laws/law.hpp"
 #include "tests/support/refused_arguments.hpp"
 

@@ -3,8 +3,8 @@
 #include <sstream>
 
 #include "axode/codegen.hpp"
-#include "axode/codegen/c_function.hpp"
-#include "axode/codegen/c_sine_cosine.hpp"
+#include "axode/codegen/c/c_function.hpp"
+#include "axode/codegen/c/c_sine_cosine.hpp"
 #include "axode/io.hpp"
 #include "tests/codegen/compiled.hpp"
 #include "tests/laws/law.hpp"

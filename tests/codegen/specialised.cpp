@@ -7,7 +7,7 @@
 
 #include "axode/codegen.hpp"
 #include "axode/io.hpp"
-#include "axode/model/builder.hpp"
+#include "axode/model/building/builder.hpp"
 #include "axode/model/configuration.hpp"
 #include "tests/codegen/specialised_models.hpp"
 #include "tests/laws/law.hpp"

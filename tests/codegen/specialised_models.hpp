@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "axode/codegen.hpp"
-#include "axode/model/builder.hpp"
+#include "axode/model/building/builder.hpp"
 #include "tests/apps/run_command.hpp"
 #include "tests/laws/law.hpp"
 #include "tests/support/random_states.hpp"

@@ -1,8 +1,8 @@
-#include "axode/constraints/absolute_system.hpp"
+#include "axode/constraints/absolute/absolute_system.hpp"
 
+#include "axode/constraints/absolute/joint_state.hpp"
 #include "axode/constraints/assembly.hpp"
 #include "axode/constraints/constrained_dynamics.hpp"
-#include "axode/constraints/joint_state.hpp"
 #include "axode/dynamics.hpp"
 #include "axode/integration/configuration_group.hpp"
 #include "axode/kinematics.hpp"

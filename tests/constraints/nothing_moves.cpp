@@ -1,5 +1,5 @@
 #include "axode/constraints.hpp"
-#include "axode/dynamics/mass_matrix.hpp"
+#include "axode/dynamics/mass_matrix/mass_matrix.hpp"
 #include "tests/constraints/mechanisms.hpp"
 #include "tests/laws/law.hpp"
 

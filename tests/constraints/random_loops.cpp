@@ -3,7 +3,7 @@
 #include <Eigen/QR>
 
 #include "axode/constraints/constrained_dynamics.hpp"
-#include "axode/constraints/independent_rows.hpp"
+#include "axode/constraints/loop_system/independent_rows.hpp"
 #include "axode/dynamics.hpp"
 #include "tests/laws/law.hpp"
 

@@ -1,4 +1,4 @@
-#include "axode/constraints/row_cholesky.hpp"
+#include "axode/constraints/loop_system/row_cholesky.hpp"
 
 #include <gtest/gtest.h>
 

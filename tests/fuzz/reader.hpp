@@ -5,7 +5,7 @@
 
 #include "axode/io.hpp"
 #include "axode/io/reading.hpp"
-#include "axode/model/builder.hpp"
+#include "axode/model/building/builder.hpp"
 
 namespace axode::test {
 

@@ -1,4 +1,4 @@
-#include "axode/constraints/absolute_system.hpp"
+#include "axode/constraints/absolute/absolute_system.hpp"
 #include "axode/constraints/loops.hpp"
 #include "axode/dynamics.hpp"
 #include "axode/io.hpp"

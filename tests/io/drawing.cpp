@@ -10,7 +10,7 @@
 #include "axode/io.hpp"
 #include "axode/kinematics.hpp"
 #include "axode/lie/screw_geometry.hpp"
-#include "axode/model/builder.hpp"
+#include "axode/model/building/builder.hpp"
 #include "axode/model/configuration.hpp"
 #include "tests/io/same_mechanism.hpp"
 #include "tests/support/shared_files.hpp"

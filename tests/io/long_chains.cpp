@@ -4,7 +4,7 @@
 #include <string>
 
 #include "axode/io.hpp"
-#include "axode/model/builder.hpp"
+#include "axode/model/building/builder.hpp"
 #include "tests/io/same_mechanism.hpp"
 
 namespace axode {

@@ -7,7 +7,7 @@
 
 #include "axode/dynamics.hpp"
 #include "axode/io.hpp"
-#include "axode/model/builder.hpp"
+#include "axode/model/building/builder.hpp"
 #include "axode/model/configuration.hpp"
 #include "axode/model/shape_kinds.hpp"
 #include "tests/io/same_mechanism.hpp"

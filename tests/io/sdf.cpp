@@ -9,8 +9,8 @@
 #include "axode/io.hpp"
 #include "axode/kinematics.hpp"
 #include "axode/lie/screw_geometry.hpp"
-#include "axode/model/builder.hpp"
-#include "axode/model/placement.hpp"
+#include "axode/model/building/builder.hpp"
+#include "axode/model/building/placement.hpp"
 #include "tests/io/same_mechanism.hpp"
 
 namespace axode::sdf_files {

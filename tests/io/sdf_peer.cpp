@@ -9,8 +9,8 @@
 
 #include "axode/io.hpp"
 #include "axode/lie/inertia.hpp"
-#include "axode/model/builder.hpp"
-#include "axode/model/placement.hpp"
+#include "axode/model/building/builder.hpp"
+#include "axode/model/building/placement.hpp"
 #include "tests/io/same_mechanism.hpp"
 
 namespace axode::sdf_peer {

@@ -1,4 +1,4 @@
-#include "axode/io/toml.hpp"
+#include "axode/io/drawing/toml.hpp"
 
 #include <gtest/gtest.h>
 

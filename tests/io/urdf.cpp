@@ -7,7 +7,7 @@
 
 #include "axode/io.hpp"
 #include "axode/lie/screw_geometry.hpp"
-#include "axode/model/builder.hpp"
+#include "axode/model/building/builder.hpp"
 #include "tests/io/same_mechanism.hpp"
 
 namespace axode {

@@ -1,4 +1,4 @@
-#include "axode/dynamics/closed_form.hpp"
+#include "axode/dynamics/closed_form/closed_form.hpp"
 #include "tests/laws/law.hpp"
 
 /// The terms of the equations of motion fit together, on trees with joints of all kinds, massless bodies and

@@ -1,5 +1,5 @@
 #include "axode/derivatives.hpp"
-#include "axode/derivatives/geometric_parameters.hpp"
+#include "axode/derivatives/displacement/geometric_parameters.hpp"
 #include "axode/dynamics/generic_dynamics.hpp"
 #include "axode/kinematics/path.hpp"
 #include "axode/model/configuration.hpp"

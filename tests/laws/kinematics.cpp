@@ -1,4 +1,4 @@
-#include "axode/kinematics/product_of_exponentials.hpp"
+#include "axode/kinematics/higher_order/product_of_exponentials.hpp"
 #include "tests/laws/law.hpp"
 #include "tests/support/series.hpp"
 

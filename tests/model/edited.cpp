@@ -1,11 +1,11 @@
-#include "axode/model/edited.hpp"
+#include "axode/model/building/edited.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <Eigen/LU>
 
-#include "axode/constraints/joint_state.hpp"
+#include "axode/constraints/absolute/joint_state.hpp"
 #include "axode/dynamics.hpp"
 #include "axode/eigen.hpp"
 #include "axode/kinematics.hpp"

@@ -6,7 +6,7 @@
 #include "axode/dynamics.hpp"
 #include "axode/io.hpp"
 #include "axode/model.hpp"
-#include "axode/model/edited.hpp"
+#include "axode/model/building/edited.hpp"
 #include "axode/model/joint_kinds.hpp"
 #include "tests/lie/random_quantities.hpp"
 #include "tests/support/comparison.hpp"

@@ -5,7 +5,7 @@
 #include <functional>
 
 #include "axode/dynamics.hpp"
-#include "axode/kinematics/product_of_exponentials.hpp"
+#include "axode/kinematics/higher_order/product_of_exponentials.hpp"
 #include "tests/model/random_mechanism.hpp"
 
 /// The three ways in which geometry may be given are one: what follows from them does not depend on the way.

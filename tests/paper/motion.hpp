@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "axode/axode.hpp"
-#include "axode/kinematics/product_of_exponentials.hpp"
+#include "axode/kinematics/higher_order/product_of_exponentials.hpp"
 #include "axode/lie/newton_euler.hpp"
 #include "axode/recursion/link.hpp"
 #include "tests/paper/series.hpp"

@@ -1,8 +1,8 @@
 #include <algorithm>
 
 #include "axode/derivatives/term_derivatives.hpp"
-#include "axode/dynamics/closed_form.hpp"
-#include "axode/dynamics/momentum_form.hpp"
+#include "axode/dynamics/closed_form/closed_form.hpp"
+#include "axode/dynamics/momentum/momentum_form.hpp"
 #include "tests/paper/energy.hpp"
 
 /// Section 5.2: Lagrange's equations, with the matrices of the whole system in body-fixed representation.

@@ -111,7 +111,7 @@ def test_the_packages_to_install_are_among_those_that_make_deps_installs():
 
 
 def test_nothing_is_installed_by_the_name_of_a_package_that_is_in_no_index():
-    for pattern in ("README.md", "docs/**/*.md", "python/axode/**/*.py", "apps/*.cpp"):
+    for pattern in ("README.md", "docs/**/*.md", "python/axode/**/*.py", "apps/**/*.cpp"):
         for file in SOURCE.glob(pattern):
             assert not re.search(r"pip install ['\"]?axode\b", file.read_text(encoding="utf-8")), file
 

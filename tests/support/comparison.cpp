@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "axode/model/fault.hpp"
+#include "axode/model/building/fault.hpp"
 
 namespace axode::test {
 

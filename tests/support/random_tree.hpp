@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "axode/model.hpp"
-#include "axode/model/placement.hpp"
+#include "axode/model/building/placement.hpp"
 #include "axode/recursion/loads.hpp"
 #include "tests/lie/random_quantities.hpp"
 

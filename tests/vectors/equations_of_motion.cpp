@@ -1,4 +1,4 @@
-#include "axode/dynamics/closed_form.hpp"
+#include "axode/dynamics/closed_form/closed_form.hpp"
 #include "tests/vectors/reference_state.hpp"
 
 /// Mass matrix, Coriolis matrices, forward dynamics, momenta, energies and regressors of every reference

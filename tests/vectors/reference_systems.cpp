@@ -1,4 +1,4 @@
-#include "axode/kinematics/product_of_exponentials.hpp"
+#include "axode/kinematics/higher_order/product_of_exponentials.hpp"
 #include "axode/lie/newton_euler.hpp"
 #include "tests/support/any_scalar.hpp"
 #include "tests/vectors/reference_state.hpp"

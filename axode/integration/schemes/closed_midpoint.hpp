@@ -2,7 +2,7 @@
 #include <Eigen/Core>
 #include <algorithm>
 
-#include "axode/constraints/loop_system.hpp"
+#include "axode/constraints/loop_system/loop_system.hpp"
 #include "axode/integration/configuration_group.hpp"
 #include "axode/integration/schemes/anderson_iteration.hpp"
 #include "axode/integration/schemes/midpoint.hpp"

@@ -1,7 +1,7 @@
 #pragma once
 #include <vector>
 
-#include "axode/constraints/absolute_system.hpp"
+#include "axode/constraints/absolute/absolute_system.hpp"
 #include "axode/integration/configuration_group.hpp"
 #include "axode/integration/schemes/anderson_iteration.hpp"
 #include "axode/integration/schemes/generalized_alpha.hpp"

@@ -21,7 +21,7 @@ try:
 except ImportError as error:
     raise ImportError('axode.jax needs JAX: pip install jax') from error
 
-from .. import signatures
+from ..support import signatures
 from .._axode import Model, check_counts
 from .calls import motion, state_function, twists_by
 from .mechanism import Array, Mechanism, cross, integrated, mechanism_of, rates_of, velocities_of

@@ -12,7 +12,7 @@ import jax.numpy as jnp  # type: ignore[import-not-found, unused-ignore]
 import numpy as np
 from numpy.typing import NDArray
 
-from .. import coordinates
+from ..support import coordinates
 from .._axode import Model
 from .._axode import jax as _jax
 

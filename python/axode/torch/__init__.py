@@ -10,7 +10,7 @@ Needs PyTorch: pip install torch.
 
 from __future__ import annotations
 
-from .. import signatures
+from ..support import signatures
 from .._axode import Model
 from ..codegen import Specialised
 from ..records import Representation

@@ -21,7 +21,7 @@ from torch import Tensor
 from .. import _axode
 from .._axode import Model, check_counts
 from ..codegen import Specialised
-from ..coordinates import TURNING
+from ..support.coordinates import TURNING
 from ..table import ROWS
 
 __all__: list[str] = []

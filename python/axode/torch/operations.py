@@ -10,7 +10,7 @@ import numpy as np
 import torch  # type: ignore[import-not-found, unused-ignore]
 from torch import Tensor
 
-from .. import coordinates
+from ..support import coordinates
 from .mechanism import Array, array, mechanism, sizes, with_parameters
 
 __all__: list[str] = []

@@ -246,7 +246,7 @@ def test_a_job_is_known_in_another_process_whatever_the_order_of_its_sets(tmp_pa
     program = tmp_path / "program.py"
     program.write_text("""
 import functools
-from axode.job_identity import digest
+from axode.parallel.job_identity import digest
 def member(words, m, q, among=frozenset("abcdefgh")): return q in {"p", "q", "r", "s"} and words
 print(digest(functools.partial(member, {"one", "two", "three", "four"})))
 """)

@@ -11,7 +11,8 @@ import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
-from axode import distributed, jobs
+from axode import distributed
+from axode.parallel import jobs
 from mechanisms import MECHANISMS
 from parquet_files import read, same, state_columns, states, write
 

@@ -8,7 +8,8 @@ import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
-from axode import distributed, parquet_states
+from axode import distributed
+from axode.parallel import parquet_states
 from mechanisms import MECHANISMS
 from parquet_files import lists, read, same, state_columns, states, write
 

@@ -1,0 +1,392 @@
+#include "apps/commands/chart.hpp"
+
+#include <fmt/format.h>
+#include <spawn.h>
+#include <sys/wait.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <optional>
+
+#include "apps/files/json_text.hpp"
+#include "apps/files/text_file.hpp"
+#include "apps/shell/choice.hpp"
+#include "apps/shell/commands.hpp"
+#include "apps/shell/table.hpp"
+
+extern char** environ;
+
+namespace axode::command {
+namespace {
+
+/// Colours that can also be distinguished with a colour vision deficiency. Lines of the second half are
+/// dashed.
+constexpr std::array<std::string_view, 8> palette{"#4477aa", "#ee7733", "#228833", "#aa3377",
+                                                  "#999933", "#33bbee", "#000000", "#cc3311"};
+constexpr std::size_t most_lines = palette.size(), most_points = 2000, longest_name = 28;
+constexpr std::size_t most_dots = 50;  ///< largest number of points of a line that has a dot for each
+
+// ----------------------------------------------------------------------------------------------------
+// gnuplot
+
+struct Outcome {
+  int status;
+  std::string out, err;
+};
+
+class TemporaryFile {
+ public:
+  TemporaryFile() : file_(std::tmpfile(), std::fclose) {
+    if (!file_) throw InputError("gnuplot: no temporary file can be created");
+  }
+  int descriptor() const { return fileno(file_.get()); }
+  void write(const std::string& text) {
+    if (std::fwrite(text.data(), 1, text.size(), file_.get()) != text.size() || std::fflush(file_.get()) != 0)
+      throw InputError("gnuplot: a temporary file cannot be written");
+    std::rewind(file_.get());
+  }
+  std::string text() {
+    std::rewind(file_.get());
+    std::string all;
+    std::array<char, 65536> block;
+    for (std::size_t n; (n = std::fread(block.data(), 1, block.size(), file_.get())) > 0;)
+      all.append(block.data(), n);
+    return all;
+  }
+
+ private:
+  std::unique_ptr<std::FILE, int (*)(std::FILE*)> file_;
+};
+
+/// The output of gnuplot for a script, which it reads from standard input; empty if gnuplot is not installed.
+std::optional<Outcome> gnuplot(const std::string& script) {
+  TemporaryFile in, out, err;
+  in.write(script);
+  posix_spawn_file_actions_t files;
+  posix_spawn_file_actions_init(&files);
+  posix_spawn_file_actions_adddup2(&files, in.descriptor(), 0);
+  posix_spawn_file_actions_adddup2(&files, out.descriptor(), 1);
+  posix_spawn_file_actions_adddup2(&files, err.descriptor(), 2);
+  std::array<std::string, 3> words{"gnuplot", "--default-settings", "-"};
+  std::array<char*, 4> argv{words[0].data(), words[1].data(), words[2].data(), nullptr};
+  pid_t child = 0;
+  const int failure = posix_spawnp(&child, argv[0], &files, nullptr, argv.data(), environ);
+  posix_spawn_file_actions_destroy(&files);
+  int status = 0;
+  if (failure != 0 || waitpid(child, &status, 0) != child) return std::nullopt;
+  return Outcome{status, out.text(), err.text()};
+}
+
+// -----------------------------------------------------------------------------------------------------
+// script
+
+/// A string of gnuplot for any text. All bytes except letters and blanks are written as numbers, digits too,
+/// because gnuplot takes a digit after such a number for a part of it. Control characters become blanks, and
+/// bytes that are not UTF-8 become question marks.
+std::string literal(const std::string& text) {
+  const std::string valid =
+      Json::parse(Json(text).dump(-1, ' ', false, Json::error_handler_t::replace)).get<std::string>();
+  std::string out = "\"";
+  for (const char c : valid) {
+    const auto byte = static_cast<unsigned char>(c);
+    if (byte < 0x20 || byte == 0x7f) {
+      out += ' ';
+    } else if (c == ' ' || (byte < 0x80 && std::isalpha(byte) != 0)) {
+      out += c;
+    } else {
+      out += fmt::format("\\{:03o}", byte);
+    }
+  }
+  return out + '"';
+}
+
+/// The text, shortened if it is longer.
+std::string shortened(std::string text, std::size_t longest) {
+  if (width(text) <= longest) return text;
+  while (width(text) > longest - 3) text.pop_back();
+  return text + "...";
+}
+std::string in_legend(const Curve& curve) { return shortened(curve.name, longest_name); }
+
+double range(const Curve& curve) {
+  const auto [low, high] = std::ranges::minmax(curve.y);
+  return high / 2 - low / 2;  // does not overflow
+}
+
+/// The curves that are drawn. If there are too many lines, they are the lines that change most, in their
+/// order.
+std::vector<const Curve*> chosen(const Panel& panel) {
+  std::vector<const Curve*> curves;
+  for (const Curve& curve : panel.curves)
+    if (!curve.y.empty()) curves.push_back(&curve);
+  if (curves.size() <= most_lines || curves.front()->kind != Curve::line) return curves;
+  std::vector<const Curve*> order = curves;
+  std::ranges::stable_sort(order, std::ranges::greater(), [](const Curve* curve) { return range(*curve); });
+  order.resize(most_lines);
+  std::erase_if(curves, [&](const Curve* curve) { return std::ranges::find(order, curve) == order.end(); });
+  return curves;
+}
+
+/// The indices of the points that are drawn. If there are too many, they are the lowest and the highest point
+/// of each of equal parts.
+std::vector<std::size_t> thinned(const std::vector<double>& y) {
+  std::vector<std::size_t> places;
+  const std::size_t parts = y.size() <= most_points ? y.size() : most_points / 2;
+  for (std::size_t part = 0; part < parts; ++part) {
+    const std::size_t first = part * y.size() / parts, end = (part + 1) * y.size() / parts;
+    const auto begin = y.begin() + static_cast<std::ptrdiff_t>(first);
+    const auto [low, high] = std::minmax_element(begin, y.begin() + static_cast<std::ptrdiff_t>(end));
+    const auto a = static_cast<std::size_t>(low - y.begin()), b = static_cast<std::size_t>(high - y.begin());
+    places.push_back(std::min(a, b));
+    if (a != b) places.push_back(std::max(a, b));
+  }
+  return places;
+}
+
+/// A step of 1, 2 or 5 times a power of ten, so that at most the given number of steps make the whole; 0 if
+/// there is no such step.
+double round_step(double whole, double most) {
+  if (!(whole > 0) || !std::isfinite(whole)) return 0;
+  const double power = std::pow(10, std::floor(std::log10(whole / most)));
+  for (const double digit : {1.0, 2.0, 5.0})
+    if (digit * power * most >= whole) return digit * power;
+  return 10 * power;
+}
+
+/// Writes a chart as a script of gnuplot, whose output is the picture.
+class Script {
+ public:
+  explicit Script(const Chart& chart) : chart_(chart) {
+    for (const Panel& panel : chart.panels) {
+      panels_.push_back(chosen(panel));
+      if (chart.legend == Chart::below_all) continue;
+      legend_ = std::max(legend_, width(note(panel)));
+      for (const Curve* curve : panels_.back()) legend_ = std::max(legend_, width(in_legend(*curve)) + 4);
+    }
+    const int rows = (static_cast<int>(chart.panels.size()) + chart.columns - 1) / chart.columns;
+    right_ = legend_ == 0 ? 20 : 40 + 9 * static_cast<int>(legend_);
+    gap_ = std::ranges::any_of(chart.panels, [&](const Panel& panel) { return slanted(panel); }) ? 104 : 62;
+    size_ = {chart.columns * (left + chart.width + right_), top + rows * (chart.height + gap_) + bottom()};
+  }
+
+  bool empty() const {
+    return std::ranges::all_of(panels_, [](const auto& curves) { return curves.empty(); });
+  }
+
+  std::string text(std::string_view terminal, int scale) {
+    text_ = fmt::format(
+        "set encoding utf8\nset terminal {} noenhanced size {},{} {}\n", terminal, scale * size_[0],
+        scale * size_[1],
+        scale == 1 ? "font \"sans-serif,12\""
+                   : fmt::format("font \"sans,12\" fontscale {0} linewidth {0} pointscale {0}", scale));
+    text_ +=
+        "set border 3 linecolor rgb \"#777777\"\nset tics nomirror textcolor rgb \"#222222\"\n"
+        "set grid linetype 1 linecolor rgb \"#e4e4e4\"\nset style fill solid 1 noborder\n";
+    text_ += fmt::format("set multiplot\nset label 1 {} at screen {},{} left font \",15\"\n",
+                         literal(shortened(chart_.title, static_cast<std::size_t>(size_[0] - left) / 11)),
+                         1.0 * left / size_[0], 1 - 20.0 / size_[1]);
+    for (std::size_t k = 0; k < panels_.size(); ++k)
+      if (!panels_[k].empty()) panel(k);
+    if (chart_.legend == Chart::below_all) text_ += legend_below();
+    return text_ + "unset multiplot\n";
+  }
+
+ private:
+  static constexpr int left = 84, top = 44;
+  int bottom() const { return chart_.legend == Chart::below_all ? 48 : 0; }
+
+  void panel(std::size_t place) {
+    const Panel& panel = chart_.panels[place];
+    const int row = static_cast<int>(place) / chart_.columns,
+              column = static_cast<int>(place) % chart_.columns;
+    const double x0 = column * (left + chart_.width + right_) + left;
+    const double y1 = size_[1] - top - row * (chart_.height + gap_) - (panel.title.empty() ? 0 : 16);
+    const double y0 = size_[1] - top - row * (chart_.height + gap_) - chart_.height;
+    text_ += fmt::format(
+        "set lmargin at screen {}\nset rmargin at screen {}\nset bmargin at screen {}\nset tmargin at screen "
+        "{}\n",
+        x0 / size_[0], (x0 + chart_.width) / size_[0], y0 / size_[1], y1 / size_[1]);
+    text_ += fmt::format("set title {} offset 0,-0.5\nset xlabel {}\nset ylabel {}\n", literal(panel.title),
+                         literal(panel.x_axis), literal(panel.y_axis));
+    text_ += panel.axes_through_zero
+                 ? "set xzeroaxis lt 1 lc rgb \"#777777\"\nset yzeroaxis lt 1 lc rgb \"#777777\"\n"
+                 : "unset xzeroaxis\nunset yzeroaxis\n";
+    text_ += axis('x', panel.log_x) + axis('y', panel.log_y) +
+             fmt::format("set boxwidth {} absolute\n", panel.bar_width);
+    text_ += ranges(panels_[place].front()->kind);
+    if (panel.log_x && powers_of_ten(panels_[place]) < 2) text_ += "set autoscale x\n";  // to the next ones
+    if (panel.x_range)
+      text_ += fmt::format("set xrange [{}:{}]\n", panel.x_range->first, panel.x_range->second);
+    text_ += fmt::format("set ytics {}\nset xtics norotate autofreq\n",
+                         panel.log_y ? "autofreq" : y_step(panels_[place]));
+    if (!panel.x_ticks.empty()) {
+      std::string ticks;
+      for (const auto& [x, name] : panel.x_ticks)
+        ticks += fmt::format("{}{} {}", ticks.empty() ? "" : ", ", literal(name), x);
+      text_ += "set xtics (" + ticks + ") scale 0" + (slanted(panel) ? " rotate by 20 right\n" : "\n");
+    }
+    legend(place, x0 + chart_.width + 16, y1);
+    const std::vector<const Curve*>& curves = panels_[place];
+    std::string plots;
+    for (std::size_t k = 0; k < curves.size(); ++k) {
+      data(*curves[k], k);
+      plots += (k == 0 ? "plot " : ", ") + plotted(*curves[k], k);
+    }
+    text_ += plots + "\nunset label 1\n";
+  }
+
+  /// Whether names below the panel are too long to stand side by side.
+  bool slanted(const Panel& panel) const {
+    std::size_t longest = 0;
+    for (const auto& [x, name] : panel.x_ticks) longest = std::max(longest, width(name));
+    return 7 * longest * panel.x_ticks.size() > static_cast<std::size_t>(chart_.width);
+  }
+
+  static std::string axis(char name, bool logarithmic) {
+    if (logarithmic) return fmt::format("set logscale {0} 10\nset format {0} \"%.0te%T\"\n", name);
+    return fmt::format("unset logscale {0}\nset format {0} \"%h\"\n", name);
+  }
+
+  /// The distance of numbers beside the panel that leaves some room for each.
+  std::string y_step(const std::vector<const Curve*>& curves) const {
+    double low = curves.front()->kind == Curve::bars ? 0 : curves.front()->y.front(), high = low;
+    for (const Curve* curve : curves)
+      for (const double y : curve->y) low = std::min(low, y), high = std::max(high, y);
+    const double step = round_step(high - low, chart_.height / 30.0);
+    return step > 0 ? fmt::format("{:.9g}", step) : "autofreq";
+  }
+
+  /// The number of powers of ten below a logarithmic axis that ends with its curves; only they have a number
+  /// there.
+  static double powers_of_ten(const std::vector<const Curve*>& curves) {
+    double low = curves.front()->x.front(), high = low;
+    for (const Curve* curve : curves)
+      for (const double x : curve->x) low = std::min(low, x), high = std::max(high, x);
+    return std::floor(std::log10(high)) - std::ceil(std::log10(low)) + 1;
+  }
+
+  static const char* ranges(Curve::Kind kind) {
+    switch (kind) {
+      case Curve::line: return "set autoscale xfix\nset offsets 0, 0, 0, 0\nset yrange [*:*]\n";
+      case Curve::points:
+        return "set autoscale x\nset offsets graph 0.05, graph 0.05, graph 0.05, graph 0.05\nset yrange "
+               "[*:*]\n";
+      case Curve::bars:
+      case Curve::marks: break;
+    }
+    return "set autoscale xfix\nset offsets 0.5, 0.5, 0, 0\nset yrange [0:*]\n";
+  }
+
+  /// The entry of the legend for lines that are not drawn.
+  std::string note(const Panel& panel) const {
+    const auto all = std::ranges::count_if(panel.curves, [](const Curve& curve) { return !curve.y.empty(); });
+    const std::size_t drawn = panels_[static_cast<std::size_t>(&panel - chart_.panels.data())].size();
+    return drawn < static_cast<std::size_t>(all) ? fmt::format("the {} of {} that change most", drawn, all)
+                                                 : "";
+  }
+
+  void legend(std::size_t place, double x, double y) {
+    if (chart_.legend == Chart::below_all) return void(text_ += "unset key\n");
+    text_ += fmt::format(
+        "set key at screen {},{} left top vertical maxrows 20 Left reverse noautotitle samplen 2 title {} "
+        "left\n",
+        x / size_[0], y / size_[1], literal(note(chart_.panels[place])));
+  }
+
+  /// The legend of the first panel, as wide as the chart. It is drawn as the legend of an empty plot.
+  std::string legend_below() const {
+    std::string text = fmt::format(
+        "set lmargin at screen 0\nset rmargin at screen 1\nset bmargin at screen 0\nset tmargin at screen "
+        "{}\n"
+        "unset border\nunset tics\nunset grid\nset title \"\"\nset xlabel \"\"\nset ylabel \"\"\nset xrange "
+        "[0:1]\n"
+        "set yrange [0:1]\nset key inside center center horizontal Left reverse noautotitle\n",
+        1.0 * bottom() / size_[1]);
+    for (std::size_t k = 0; k < panels_[0].size(); ++k) {
+      const Curve& curve = *panels_[0][k];
+      const std::string line = curve.kind == Curve::marks ? "lines linewidth 1.5" : "boxes";
+      text += fmt::format("{} NaN with {} linecolor rgb \"{}\" title {}", k == 0 ? "plot" : ",", line,
+                          color_of(curve, k), literal(in_legend(curve)));
+    }
+    return text + "\n";
+  }
+
+  static std::string_view color_of(const Curve& curve, std::size_t k) {
+    if (curve.kind == Curve::marks) return "#000000";
+    return palette[curve.color < 0 ? k % palette.size() : static_cast<std::size_t>(curve.color)];
+  }
+
+  void data(const Curve& curve, std::size_t k) {
+    text_ += fmt::format("$d{} << END\n", k);
+    for (const std::size_t i : thinned(curve.y))
+      text_ += fmt::format("{:.9g} {:.9g}\n", curve.x[i], curve.y[i]);
+    text_ += "END\n";
+  }
+
+  static std::string plotted(const Curve& curve, std::size_t k) {
+    std::string style;
+    switch (curve.kind) {
+      case Curve::line:
+        style = fmt::format("with {} linewidth 1.8 dashtype {}",
+                            curve.y.size() <= most_dots ? "linespoints pointtype 7 pointsize 0.4" : "lines",
+                            k < palette.size() / 2 ? "1" : "(8,4)");
+        break;
+      case Curve::points: style = "with points pointtype 7 pointsize 1"; break;
+      case Curve::bars:  // hatched where a colour comes again
+        style = k < palette.size() ? "with boxes"
+                                   : fmt::format("with boxes fillstyle pattern {}", k / palette.size());
+        break;
+      case Curve::marks: style = "with vectors nohead linewidth 1.5"; break;
+    }
+    return fmt::format("$d{} using {} {} linecolor rgb \"{}\" {}", k,
+                       curve.kind == Curve::marks ? "($1-0.5):2:(1):(0)" : "1:2", style, color_of(curve, k),
+                       curve.name.empty() ? "notitle" : "title " + literal(in_legend(curve)));
+  }
+
+  const Chart& chart_;
+  std::vector<std::vector<const Curve*>> panels_;
+  std::size_t legend_ = 0;
+  int right_, gap_;
+  std::array<int, 2> size_;
+  std::string text_;
+};
+
+}  // namespace
+
+ChartFile::ChartFile(std::string option, std::string file)
+    : option_(std::move(option)), file_(std::move(file)) {
+  static constexpr std::array<std::pair<std::string_view, Format>, 2> endings{
+      {{".svg", Format::svg}, {".png", Format::png}}};
+  format_ = choose(option_ + ": " + file_ + ": the ending", std::filesystem::path(file_).extension().string(),
+                   endings);
+  if (!gnuplot(""))
+    throw InputError(option_ +
+                     ": gnuplot draws it, and is not installed (on Debian: apt install gnuplot-nox)");
+}
+
+void ChartFile::draw(const Chart& chart) const {
+  Script script(chart);
+  if (script.empty()) throw InputError(option_ + ": there are no numbers to draw");
+  const std::optional<Outcome> drawn =
+      gnuplot(format_ == Format::svg ? script.text("svg background rgb \"white\"", 1)
+                                     : script.text("pngcairo background rgb \"white\"", 2));
+  if (!drawn || drawn->status != 0 || drawn->out.empty())
+    throw InputError(option_ + ": gnuplot could not draw it" + (drawn ? ": " + drawn->err : ""));
+  write_text(file_, drawn->out);
+}
+
+void add_plot_option(CLI::App& command, std::string& file) {
+  command.add_option("--plot", file, "Draw a .svg or .png")->type_name("FILE");
+}
+
+std::optional<ChartFile> chart_file(const std::string& file) {
+  if (file.empty()) return std::nullopt;
+  return ChartFile("--plot", file);
+}
+
+}  // namespace axode::command

@@ -1,0 +1,330 @@
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <memory>
+#include <optional>
+
+#include "apps/demo/tree_drawing.hpp"
+#include "apps/files/json_text.hpp"
+#include "apps/files/model_options.hpp"
+#include "apps/shell/choice.hpp"
+#include "apps/shell/commands.hpp"
+#include "apps/shell/table.hpp"
+#include "apps/shell/terminal.hpp"
+#include "axode/constraints/assembly.hpp"
+#include "axode/constraints/mobility.hpp"
+#include "axode/kinematics.hpp"
+
+namespace axode::command {
+namespace {
+
+struct Options {
+  ModelOptions mechanism;
+  std::string format = "table";
+};
+
+constexpr const char* footer = R"(Example:
+  axode info humanoid.urdf --base free
+
+Joints are listed with the indices of their coordinates q and velocities v: a joint with a rotation has
+one coordinate more (a quaternion x y z w) than velocities. Coupled joints have neither.
+
+For a mechanism with loops the command prints the degrees of freedom and the number of drives, which is
+the number of velocities of all joints that are not passive. A joint is passive if the drawing says so, and
+a free joint unless the drawing says passive = false.)";
+
+constexpr std::size_t most_warnings = 12;
+
+/// A number of each degree of freedom: its name in JSON, its heading, and the value that is not printed.
+struct DofField {
+  const char* name;
+  const char* heading;
+  double Dof::*value;
+};
+/// The numbers of springs and stops, which few joints have.
+constexpr std::array<DofField, 4> spring_fields{{{"stiffness", "stiffness", &Dof::stiffness},
+                                                 {"rest", "rest", &Dof::rest},
+                                                 {"stop_stiffness", "stop", &Dof::stop_stiffness},
+                                                 {"stop_damping", "its damping", &Dof::stop_damping}}};
+constexpr std::array<DofField, 7> dof_fields{{{"lower", "lower", &Dof::lower},
+                                              {"upper", "upper", &Dof::upper},
+                                              {"velocity", "speed", &Dof::velocity},
+                                              {"effort", "effort", &Dof::effort},
+                                              {"damping", "damping", &Dof::damping},
+                                              {"friction", "friction", &Dof::friction},
+                                              {"armature", "armature", &Dof::armature}}};
+
+/// The joint whose coordinate a term of a coupling is.
+const Joint& moved_by(const Model& model, const LoopCoupling::Term& term) {
+  return *std::ranges::find_if(model.joints(),
+                               [&](const Joint& j) { return !j.leader && j.iv == term.velocity; });
+}
+/// The sum that a coupling keeps at its offset.
+std::string sum(const Model& model, const LoopCoupling& coupling) {
+  std::string text;
+  for (const LoopCoupling::Term& term : coupling.terms) {
+    const bool negative = term.factor < 0;
+    text += text.empty() ? (negative ? "-" : "") : (negative ? " - " : " + ");
+    text += fmt::format("{} q({})", significant(std::abs(term.factor)), moved_by(model, term).name);
+  }
+  return text;
+}
+
+bool says_nothing(const Dof& dof, const DofField& field) { return dof.*field.value == Dof{}.*field.value; }
+
+/// The centre of mass with every joint at zero, null for a massless model.
+Json neutral_center_of_mass(const Model& model) {
+  if (!(model.total_mass() > 0)) return nullptr;
+  Workspace<> workspace(model);
+  return to_json(center_of_mass(model, workspace, neutral(model)));
+}
+
+/// Degrees of freedom at the closed configuration near the neutral one; empty if its loops cannot be closed.
+std::optional<int> degrees_of_freedom(const Model& model) {
+  const AssemblyResult closed = assemble(model, neutral(model));
+  if (closed.status != AssemblyStatus::closed) return std::nullopt;
+  return loop_mobility(model, closed.q).degrees_of_freedom;
+}
+
+std::ptrdiff_t number_of_drives(const Model& model) { return std::ranges::count(model.loops().driven, 1); }
+
+/// `3 degrees of freedom, 9 drives`, of a mechanism with loops.
+std::string freedom_and_drives(const Model& model) {
+  const std::ptrdiff_t n = number_of_drives(model);
+  const std::string drives = fmt::format("{} drive{}", n, n == 1 ? "" : "s");
+  if (const std::optional<int> freedom = degrees_of_freedom(model))
+    return fmt::format("{} degree{} of freedom, {}", *freedom, *freedom == 1 ? "" : "s", drives);
+  return drives + "; the loops do not close from the neutral configuration";
+}
+
+Json as_json(const Loop& loop, const Model& model) {
+  return {{"name", loop.name},
+          {"kind", to_string(loop.kind)},
+          {"rows", loop.rows},
+          {"between", {model.body(loop.ends[0].body).name, model.body(loop.ends[1].body).name}}};
+}
+Json as_json(const LoopCoupling& coupling, const Model& model) {
+  Json about{
+      {"name", coupling.name}, {"kind", "coupling"}, {"rows", coupling.rows}, {"offset", coupling.offset}};
+  for (const LoopCoupling::Term& term : coupling.terms)
+    about["terms"].push_back({{"joint", moved_by(model, term).name}, {"factor", term.factor}});
+  return about;
+}
+
+Json as_json(const Model& model) {
+  Json out{{"model", model.name()},
+           {"nq", model.nq()},
+           {"nv", model.nv()},
+           {"n_bodies", model.n_bodies()},
+           {"gravity", to_json(model.gravity())},
+           {"total_mass", model.total_mass()},
+           {"center_of_mass", neutral_center_of_mass(model)},
+           {"bodies", Json::array()},
+           {"joints", Json::array()},
+           {"frames", Json::array()},
+           {"springs", Json::array()},
+           {"loops", Json::array()},
+           {"warnings", Json::array()}};
+  for (int i = 1; i <= model.n_bodies(); ++i) {
+    const Body& body = model.body(i);
+    const Joint& joint = model.joint(i);
+    Json about{{"name", body.name},
+               {"predecessor", model.body(body.predecessor).name},
+               {"joint", joint.name},
+               {"mass", body.M.m}};
+    if (body.M.m > 0) {
+      about["center_of_mass"] = to_json(center_of_mass(body.M));
+      about["inertia_about_center_of_mass"] = to_json(inertia_about_com(body.M));
+    }
+    out["bodies"].push_back(about);
+    Json moves{{"name", joint.name}, {"kind", to_string(joint.kind)},
+               {"body", body.name},  {"iq", joint.iq},
+               {"nq", joint.nq},     {"iv", joint.iv},
+               {"nv", joint.nv}};
+    if (joint.kind == Subgroup::helical) moves["pitch"] = joint.pitch;
+    if (joint.passive) moves["passive"] = true;
+    if (joint.leader)
+      moves["follows"] = {{"joint", model.joint(joint.leader->joint).name},
+                          {"ratio", joint.leader->ratio},
+                          {"offset", joint.leader->offset}};
+    for (const DofField& field : dof_fields)
+      for (const Dof& dof : joint.dof) moves[field.name].push_back(dof.*field.value);
+    if (std::ranges::binary_search(model.springs().joints, i))
+      for (const DofField& field : spring_fields)
+        for (const Dof& dof : joint.dof) moves[field.name].push_back(dof.*field.value);
+    out["joints"].push_back(moves);
+  }
+  for (const Frame& frame : model.frames())
+    out["frames"].push_back(
+        {{"name", frame.name}, {"body", model.body(frame.body).name}, {"pose", to_json(frame.pose)}});
+  for (const Springs::Line& line : model.springs().lines) {
+    const auto& [a, b] = line.ends;
+    out["springs"].push_back({{"between", {model.frame(a.frame).name, model.frame(b.frame).name}},
+                              {"points", {to_json(a.point), to_json(b.point)}},
+                              {"stiffness", line.stiffness},
+                              {"rest", line.rest},
+                              {"damping", line.damping}});
+  }
+  for (const Loop& loop : model.loops().joints) out["loops"].push_back(as_json(loop, model));
+  for (const LoopCoupling& coupling : model.loops().couplings)
+    out["loops"].push_back(as_json(coupling, model));
+  if (!model.loops().empty()) {
+    const std::optional<int> freedom = degrees_of_freedom(model);
+    out["degrees_of_freedom"] = freedom ? Json(*freedom) : Json(nullptr);
+    out["drives"] = number_of_drives(model);
+  }
+  for (const Fault& fault : model.warnings()) out["warnings"].push_back(to_string(fault));
+  return out;
+}
+
+void print_joints(const Model& model) {
+  std::vector<std::string> headings{"#", "joint", "kind", "q", "v"};
+  for (const DofField& field : dof_fields) headings.emplace_back(field.heading);
+  headings.insert(headings.end(), {"pitch", "coupling"});
+  Table table(headings);
+  for (int i = 1; i <= model.n_bodies(); ++i) {
+    const Joint& joint = model.joint(i);
+    for (std::size_t d = 0; d < joint.dof.size(); ++d) {
+      const bool silent = std::all_of(dof_fields.begin(), dof_fields.end(), [&](const DofField& field) {
+        return says_nothing(joint.dof[d], field);
+      });
+      if (d > 0 && silent) continue;
+      std::vector<Cell> row;
+      if (d == 0) {
+        row = {std::to_string(i), joint.name,
+               std::string(to_string(joint.kind)) + (joint.passive ? ", passive" : ""),
+               slice('q', joint.iq, joint.nq), slice('v', joint.iv, joint.nv)};
+      } else {
+        row = {"", "", "", "", slice('v', joint.iv + static_cast<int>(d), 1)};
+      }
+      for (const DofField& field : dof_fields)
+        row.push_back(says_nothing(joint.dof[d], field) ? Cell("") : Cell(joint.dof[d].*field.value));
+      row.push_back(joint.kind == Subgroup::helical && d == 0 ? Cell(joint.pitch) : Cell(""));
+      row.push_back(d == 0 ? coupling(model, joint) : "");
+      table.row(std::move(row));
+    }
+  }
+  fmt::print("\n{} (rad or m, N m or N, and per s; pitch in m/rad)\n{}", in(Ink::heading, "joints"),
+             table.text());
+}
+
+void print_springs(const Model& model) {
+  std::vector<std::string> headings{"joint", "v"};
+  for (const DofField& field : spring_fields) headings.emplace_back(field.heading);
+  Table table(headings);
+  for (const int i : model.springs().joints) {
+    const Joint& joint = model.joint(i);
+    for (std::size_t d = 0; d < joint.dof.size(); ++d) {
+      std::vector<Cell> row{joint.name, slice('v', joint.iv + static_cast<int>(d), joint.nv > 0 ? 1 : 0)};
+      for (const DofField& field : spring_fields)
+        row.push_back(says_nothing(joint.dof[d], field) ? Cell("") : Cell(joint.dof[d].*field.value));
+      table.row(std::move(row));
+    }
+  }
+  if (!table.empty())
+    fmt::print("\n{} (rad or m, N m or N, and per s)\n{}", in(Ink::heading, "springs and stops"),
+               table.text());
+  Table lines({"between", "and", "stiffness", "rest", "damping"});
+  for (const Springs::Line& line : model.springs().lines)
+    lines.row({model.frame(line.ends[0].frame).name, model.frame(line.ends[1].frame).name, line.stiffness,
+               line.rest, line.damping});
+  if (!lines.empty())
+    fmt::print("\n{} (N/m, m, N s/m)\n{}", in(Ink::heading, "springs and dampers between frames"),
+               lines.text());
+}
+
+void print_loops(const Model& model) {
+  Table loops({"loop", "kind", "between", "and", "rows"}), couplings({"coupling", "", "offset"});
+  for (const Loop& loop : model.loops().joints)
+    loops.row({loop.name, std::string(to_string(loop.kind)), model.body(loop.ends[0].body).name,
+               model.body(loop.ends[1].body).name, std::to_string(loop.rows)});
+  for (const LoopCoupling& coupling : model.loops().couplings)
+    couplings.row({coupling.name, sum(model, coupling), coupling.offset});
+  if (!loops.empty()) fmt::print("\n{}\n{}", in(Ink::heading, "loops"), loops.text());
+  if (!couplings.empty())
+    fmt::print("\n{} (rad or m)\n{}", in(Ink::heading, "couplings of coordinates"), couplings.text());
+}
+
+void print_bodies(const Model& model) {
+  Table table({"#", "body", "mass", "com x", "com y", "com z"});
+  for (int i = 1; i <= model.n_bodies(); ++i) {
+    const Body& body = model.body(i);
+    if (body.M.m > 0) {
+      const Vec3<> c = center_of_mass(body.M);
+      table.row({std::to_string(i), body.name, body.M.m, c.x, c.y, c.z});
+    } else {
+      table.row({std::to_string(i), body.name, "massless"});
+    }
+  }
+  if (model.total_mass() > 0) {
+    Workspace<> workspace(model);
+    const Vec3<> c = center_of_mass(model, workspace, neutral(model));
+    table.rule().row({"", "all, in the inertial frame at q = 0", model.total_mass(), c.x, c.y, c.z});
+  }
+  fmt::print("\n{} (with what is fixed to them; kg, and centre of mass in the body frame, m)\n{}",
+             in(Ink::heading, "bodies"), table.text());
+}
+
+void print_frames(const Model& model) {
+  Table table({"frame", "on body", "x", "y", "z", "quaternion x", "y", "z", "w"});
+  for (int f = model.n_bodies() + 1; f < model.n_frames(); ++f) {
+    const Frame& frame = model.frame(f);
+    const Quaternion<> a = quaternion(frame.pose.R);
+    const Vec3<>& r = frame.pose.r;
+    table.row({frame.name, model.body(frame.body).name, r.x, r.y, r.z, a.x, a.y, a.z, a.w});
+  }
+  if (!table.empty())
+    fmt::print("\n{} (other than those of the bodies, in the frame of their body; m)\n{}",
+               in(Ink::heading, "frames"), table.text());
+}
+
+void print_warnings(const Model& model, const std::string& file) {
+  const auto warnings = model.warnings();
+  if (warnings.empty()) return;
+  fmt::print("\n{}\n", in(Ink::heading, "warnings"));
+  for (const Fault& fault : warnings.first(std::min(warnings.size(), most_warnings)))
+    fmt::print("  {}\n", in(Ink::warning, to_string(fault)));
+  if (warnings.size() > most_warnings)
+    fmt::print("  and {} more: axode check {}\n", warnings.size() - most_warnings, file);
+}
+
+void run(const Options& options) {
+  const Format format = choose("--format", options.format, formats);
+  const Model model = load(options.mechanism);
+  if (format == Format::json) {
+    fmt::print("{}", text(as_json(model)));
+    return;
+  }
+  const Vec3<>& g = model.gravity();
+  fmt::print("{}: {} moving bodies, {} frames, nq = {}, nv = {}, gravity ({}, {}, {}) m/s^2\n\n",
+             in(Ink::heading, model.name()), model.n_bodies(), model.n_frames(), model.nq(), model.nv(),
+             significant(g.x), significant(g.y), significant(g.z));
+  if (!model.loops().empty()) fmt::print("{}\n\n", freedom_and_drives(model));
+  fmt::print("{}", draw_tree(model));
+  print_joints(model);
+  print_springs(model);
+  print_loops(model);
+  print_bodies(model);
+  print_frames(model);
+  print_warnings(model, options.mechanism.files.front());
+}
+
+}  // namespace
+
+void add_info(CLI::App& app, int& exit_code) {
+  const auto options = std::make_shared<Options>();
+  CLI::App* info = app.add_subcommand(
+      "info", "Show the tree, joints, springs, loops, masses, frames and warnings of a mechanism");
+  add_model_options(*info, options->mechanism);
+  info->add_option("--format", options->format, "How to print; table if left out")->type_name(words(formats));
+  info->footer(footer);
+  info->callback([options, &exit_code] {
+    run(*options);
+    exit_code = all_well;
+  });
+}
+
+}  // namespace axode::command

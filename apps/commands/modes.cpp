@@ -1,0 +1,103 @@
+#include "apps/commands/modes.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
+#include <Eigen/QR>
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+namespace axode::command {
+namespace {
+
+using Matrix = Eigen::MatrixXd;
+
+/// Bound of numbers that are 0 to rounding, relative to the largest number of the balanced matrix.
+constexpr double zero_pivot = 1e-12, zero_part = 1e-10;
+
+/// An estimate of the largest frequency. With its inverse as the unit of time, the parts of A for
+/// displacements and for velocities have one size. It is at least 1/s, because a stiffness may be due to
+/// rounding.
+double largest_rate(const Matrix& A) {
+  const Eigen::Index nv = A.rows() / 2;
+  return std::sqrt(std::max(1.0, A.bottomLeftCorner(nv, nv).lpNorm<Eigen::Infinity>()));
+}
+
+struct Spectrum {
+  Eigen::VectorXcd eigenvalues;
+  Eigen::MatrixXcd eigenvectors;
+};
+
+/// A basis of the null space of A, to rounding relative to `scale`.
+Matrix null_space(const Matrix& A, double scale) {
+  Eigen::FullPivLU<Matrix> lu(A);
+  if (lu.maxPivot() <= zero_pivot * scale) return Matrix::Identity(A.cols(), A.cols());
+  lu.setThreshold(zero_pivot * scale / lu.maxPivot());
+  return lu.isInvertible() ? Matrix(A.cols(), 0) : Matrix(lu.kernel());
+}
+
+/// Eigenvalues other than 0, and their eigenvectors. Rounding would scatter a defective eigenvalue 0, as
+/// drifting bodies have it. Therefore the null space Q1 is split off, QᵀAQ = [0 X; 0 A2], then the null space
+/// of A2 and so on, until it is empty (Kublanovskaya 1966).
+Spectrum nonzero_spectrum(const Matrix& A, double scale) {
+  if (A.rows() == 0) return {};
+  const Matrix kernel = null_space(A, scale);
+  if (kernel.cols() == 0) {
+    const Eigen::EigenSolver<Matrix> solver(A);
+    if (solver.info() != Eigen::Success) throw std::runtime_error("the eigenvalues of A did not converge");
+    return {solver.eigenvalues(), solver.eigenvectors()};
+  }
+  const Matrix Q = Eigen::HouseholderQR<Matrix>(kernel).householderQ();
+  const Matrix Q1 = Q.leftCols(kernel.cols()), Q2 = Q.rightCols(A.cols() - kernel.cols());
+  Spectrum found = nonzero_spectrum(Q2.transpose() * A * Q2, scale);
+  const Eigen::MatrixXcd y = found.eigenvectors;
+  if (y.cols() > 0)
+    found.eigenvectors =
+        Q1 * (Q1.transpose() * A * Q2) * y * found.eigenvalues.cwiseInverse().asDiagonal() + Q2 * y;
+  return found;
+}
+
+Eigen::Index largest_entry(const Eigen::VectorXcd& x) {
+  Eigen::Index at = 0;
+  x.cwiseAbs().maxCoeff(&at);
+  return at;
+}
+
+/// The displacements of an eigenvector, scaled so that the largest is 1.
+Eigen::VectorXcd shape(const Eigen::VectorXcd& x) {
+  const Eigen::VectorXcd displacements = x.head(x.size() / 2);
+  return displacements / displacements[largest_entry(displacements)];
+}
+
+}  // namespace
+
+Modes modes(const Matrix& A) {
+  const Eigen::Index nv = A.rows() / 2;
+  if (nv == 0) return {};
+  const double rate = largest_rate(A);
+  Matrix balanced = A;
+  balanced.topRightCorner(nv, nv) *= rate;
+  balanced.bottomLeftCorner(nv, nv) /= rate;
+
+  const double scale = balanced.lpNorm<Eigen::Infinity>(), zero = zero_part * scale;
+
+  Modes found;
+  const Matrix kernel = null_space(balanced, scale);
+  for (Eigen::Index k = 0; k < kernel.cols(); ++k) found.all.push_back({0, shape(kernel.col(k))});
+  std::ranges::stable_sort(found.all, {}, [](const Mode& mode) { return largest_entry(mode.shape); });
+
+  const Spectrum spectrum = nonzero_spectrum(balanced, scale);
+  found.zeros = static_cast<int>(A.rows() - spectrum.eigenvalues.size());
+  const auto part = [&](double x) { return std::abs(x) <= zero ? 0 : x; };
+  std::vector<Mode> others;
+  for (Eigen::Index k = 0; k < spectrum.eigenvalues.size(); ++k) {
+    const std::complex<double> lambda = spectrum.eigenvalues[k];
+    if (part(lambda.imag()) >= 0)
+      others.push_back({{part(lambda.real()), part(lambda.imag())}, shape(spectrum.eigenvectors.col(k))});
+  }
+  std::ranges::stable_sort(others, {}, [](const Mode& mode) { return std::abs(mode.eigenvalue); });
+  found.all.insert(found.all.end(), others.begin(), others.end());
+  return found;
+}
+
+}  // namespace axode::command

@@ -1,0 +1,192 @@
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <filesystem>
+#include <memory>
+#include <set>
+
+#include "apps/commands/chart.hpp"
+#include "apps/files/csv_file.hpp"
+#include "apps/files/text_file.hpp"
+#include "apps/shell/choice.hpp"
+#include "apps/shell/commands.hpp"
+
+/// Charts of tables from any source.
+namespace axode::command {
+namespace {
+
+struct Options {
+  std::vector<std::string> tables;
+  std::string picture, logarithmic;
+  bool bars = false;
+};
+
+constexpr const char* footer =
+    R"(A TABLE is a CSV file with the names of its columns in the first line, as `axode simulate --output
+run.csv` writes it. The first column is the horizontal axis, and each other column is a curve. Columns
+with the same first word, or the same words before a colon, share a panel of that name: "q pin" and "q
+elbow" are the curves pin and elbow of the panel q. Cells that are empty or not finite are left out, and
+on logarithmic axes also numbers that are not above 1e-307. Each table has its own panels, side by side; a
+chart has room for 60 panels.
+
+Example:
+  axode simulate four_bar.toml --until 2 --output run.csv
+  axode plot run.csv --output run.svg
+
+With --bars the first column has names, and each number is a bar.)";
+
+constexpr std::size_t most_places = 60;
+constexpr double least_on_logarithmic_axes = 1e-307;  // gnuplot takes subnormal numbers for 0
+
+struct Logarithmic {
+  bool x = false, y = false;
+};
+constexpr std::array<std::pair<std::string_view, Logarithmic>, 3> logarithmic_axes{
+    {{"x", {true, false}}, {"y", {false, true}}, {"xy", {true, true}}}};
+
+/// The panel of a column, and its curve there.
+std::pair<std::string, std::string> split(const std::string& heading) {
+  const std::size_t colon = heading.find(": "), end = colon == std::string::npos ? heading.find(' ') : colon;
+  if (end == std::string::npos) return {heading, ""};
+  return {heading.substr(0, end), heading.substr(end + (end == colon ? 2 : 1))};
+}
+
+/// The panels of a table.
+class TableReader {
+ public:
+  TableReader(const std::string& file, bool bars, Logarithmic log, std::size_t most_panels)
+      : file_(file), bars_(bars), log_(log), most_panels_(most_panels) {}
+
+  std::vector<Panel> panels() {
+    for_rows_of_csv(read_text(file_), [&](std::size_t line, const std::vector<std::string>& cells) {
+      if (curves_.empty()) return read_headings(cells);
+      if (cells.size() != curves_.size() + 1)
+        throw InputError(fmt::format("{}:{}: there are {} columns; the first line has {}", file_, line,
+                                     cells.size(), curves_.size() + 1));
+      read_numbers(line, cells);
+    });
+    if (rows_ == 0)
+      throw InputError(file_ + ": expected a line with the names of columns, and numbers below it");
+    std::vector<Panel> panels;
+    for (std::size_t k = 0; k < curves_.size(); ++k) {
+      auto panel = std::ranges::find(panels, of_panels_[k], &Panel::y_axis);
+      if (panel == panels.end()) {
+        panels.push_back({.y_axis = of_panels_[k], .x_ticks = ticks_, .log_x = log_.x, .log_y = log_.y});
+        panel = panels.end() - 1;
+      }
+      panel->curves.push_back(std::move(curves_[k]));
+    }
+    if (bars_)
+      for (Panel& panel : panels) set_side_by_side(panel);
+    panels.back().x_axis = x_axis_;
+    return panels;
+  }
+
+ private:
+  void read_headings(const std::vector<std::string>& cells) {
+    if (cells.size() == 1)
+      throw InputError(
+          file_ +
+          ": there is only one column; the first one is the horizontal axis, and the others are drawn");
+    x_axis_ = cells.front();
+    for (std::size_t k = 1; k < cells.size(); ++k) {
+      auto [panel, curve] = split(cells[k]);
+      of_panels_.push_back(std::move(panel));
+      curves_.push_back({.name = std::move(curve), .kind = bars_ ? Curve::bars : Curve::line});
+    }
+    const std::size_t count = std::set<std::string>(of_panels_.begin(), of_panels_.end()).size();
+    if (count > most_panels_)
+      throw InputError(fmt::format(
+          "{}: its columns make {} panels, one of each first word; a chart has {} places, {} for this table",
+          file_, count, most_places, most_panels_));
+  }
+
+  double number(std::size_t line, const std::string& cell) const {
+    if (cell.empty()) return NAN;
+    const std::optional<double> x = number_in(cell);
+    if (!x) throw InputError(fmt::format("{}:{}: \"{}\" is not a number", file_, line, cell.substr(0, 40)));
+    return *x;
+  }
+
+  void read_numbers(std::size_t line, const std::vector<std::string>& cells) {
+    const double x = bars_ ? static_cast<double>(rows_) : number(line, cells.front());
+    if (bars_) ticks_.emplace_back(x, cells.front());
+    ++rows_;
+    for (std::size_t k = 0; k < curves_.size(); ++k) {
+      const double y = number(line, cells[k + 1]);
+      if (!is_drawn(x, log_.x) || !is_drawn(y, log_.y)) continue;
+      curves_[k].x.push_back(x);
+      curves_[k].y.push_back(y);
+    }
+  }
+
+  static bool is_drawn(double number, bool logarithmic) {
+    return std::isfinite(number) && (!logarithmic || number >= least_on_logarithmic_axes);
+  }
+
+  /// Adds the bars of each name, which are together 0.8 wide.
+  static void set_side_by_side(Panel& panel) {
+    const auto count = static_cast<double>(panel.curves.size());
+    panel.bar_width = 0.8 / count;
+    for (std::size_t k = 0; k < panel.curves.size(); ++k)
+      for (double& x : panel.curves[k].x) x += (static_cast<double>(k) - (count - 1) / 2) * panel.bar_width;
+    panel.x_range = {-0.5, static_cast<double>(panel.x_ticks.size()) - 0.5};
+  }
+
+  const std::string& file_;
+  bool bars_;
+  Logarithmic log_;
+  std::size_t most_panels_;
+  std::string x_axis_;
+  std::vector<std::string> of_panels_;
+  std::vector<Curve> curves_;
+  std::vector<std::pair<double, std::string>> ticks_;
+  std::size_t rows_ = 0;
+};
+
+void run(const Options& options, int& exit_code) {
+  const Logarithmic logarithmic =
+      options.logarithmic.empty() ? Logarithmic{} : choose("--log", options.logarithmic, logarithmic_axes);
+  if (options.bars && (logarithmic.x || logarithmic.y))
+    throw UsageError("--bars excludes --log; bars begin at 0, which has no logarithm");
+  const ChartFile picture("--output", options.picture);
+  std::vector<std::vector<Panel>> of_tables;
+  std::size_t rows = 0;
+  Chart chart{.columns = static_cast<int>(options.tables.size())};
+  for (const std::string& table : options.tables) {
+    of_tables.push_back(
+        TableReader(table, options.bars, logarithmic, most_places / options.tables.size()).panels());
+    rows = std::max(rows, of_tables.back().size());
+    of_tables.back().front().title = std::filesystem::path(table).stem().string();
+  }
+  if (chart.columns > 1) chart.width = 400;
+  if (rows == 1) chart.height = 320;
+  for (std::size_t row = 0; row < rows; ++row)
+    for (std::vector<Panel>& panels : of_tables)
+      chart.panels.push_back(row < panels.size() ? std::move(panels[row]) : Panel{});
+  picture.draw(chart);
+  fmt::print("{}: {} of {}\n", options.picture, options.bars ? "bars" : "curves",
+             fmt::join(options.tables, ", "));
+  exit_code = all_well;
+}
+
+}  // namespace
+
+void add_plot(CLI::App& app, int& exit_code) {
+  const auto options = std::make_shared<Options>();
+  CLI::App* plot = app.add_subcommand("plot", "Draw a chart of columns of numbers");
+  plot->add_option("table", options->tables, "CSV files, or - for standard input")
+      ->required()
+      ->type_name("FILE");
+  plot->add_option("--output", options->picture, "The .svg or .png to draw")->required()->type_name("FILE");
+  plot->add_option("--log", options->logarithmic, "Logarithmic axes; none if left out")
+      ->type_name(words(logarithmic_axes));
+  plot->add_flag("--bars", options->bars, "Bars instead of curves");
+  plot->footer(footer);
+  plot->callback([options, &exit_code] { run(*options, exit_code); });
+}
+
+}  // namespace axode::command

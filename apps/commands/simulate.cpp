@@ -1,0 +1,390 @@
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <csignal>
+#include <memory>
+#include <optional>
+
+#include "apps/commands/assembling.hpp"
+#include "apps/commands/chart.hpp"
+#include "apps/files/json_text.hpp"
+#include "apps/files/matrix_file.hpp"
+#include "apps/files/model_options.hpp"
+#include "apps/files/state.hpp"
+#include "apps/files/state_table.hpp"
+#include "apps/files/text_file.hpp"
+#include "apps/shell/choice.hpp"
+#include "apps/shell/commands.hpp"
+#include "apps/shell/table.hpp"
+#include "apps/shell/terminal.hpp"
+#include "axode/dynamics.hpp"
+#include "axode/eigen.hpp"
+#include "axode/integration.hpp"
+#include "axode/model/configuration.hpp"
+
+namespace axode::command {
+namespace {
+
+struct Options {
+  ModelOptions mechanism;
+  std::string state, target, method = "dopri5", coordinates = "relative", format = "table";
+  std::vector<double> gains;
+  double until = 1, relative = 1e-8, absolute = 1e-10, spectral_radius = 0.8;
+  std::optional<double> step;
+  int samples = 0;
+  bool joint_losses = false;
+  Assembling assembling;
+  std::vector<std::string> outputs;
+  std::string plot;
+};
+
+constexpr const char* footer =
+    R"(Simulates a mechanism from a state at t = 0 under gravity, constant drive forces and loads. The
+integration is on the Lie group of configurations: quaternions stay unit quaternions, and no orientation
+is singular.
+
+METHOD is dopri5 (adaptive steps), rk4 or euler (fixed steps of --step seconds; of fourth and of first
+order, the latter semi-implicit), or generalized_alpha (implicit, of second order, for stiff systems). The
+methods on (q, p) conserve the momenta of floating bases to rounding: midpoint, suzuki4 and kahan_li6
+(implicit, of second, fourth and sixth order), whose energy errors stay bounded, and rk4_momenta
+(explicit).
+
+--coordinates are relative (joint coordinates), absolute (bodies as points of SE(3), every joint a
+constraint) or absolute_SO3xR3 (bodies as points of SO(3) x R^3). In absolute coordinates dopri5, rk4 and
+euler project onto the constraints after each step. Further methods for absolute coordinates are rattle,
+rattle_suzuki4 and rattle_kahan_li6 (of second, fourth and sixth order; symplectic, or symmetric if there
+are rolling contacts), half_explicit (third order), generalized_alpha and generalized_alpha_index3.
+Results are always joint coordinates.
+
+With --pd a controller drives all joints, except passive joints and free joints on the ground, towards the
+q and v of --target by tau = KP (q_target - q) + KD (v_target - v); the difference of rotations is a
+rotation vector. It is added to the drive forces of STATE. Springs, dampers and stops of the mechanism
+always act.
+
+STATE is the JSON object of `axode eval` with the keys q, v, tau and loads; keys that are left out are
+neutral, at rest or 0. With --assemble the motion of a mechanism with loops begins at the nearest q and v
+that close the loops; the joints that --hold names keep their q and v of STATE.
+
+Example:
+  echo '{"q": {"pin": 2}}' | axode simulate double_pendulum.toml --state - --until 10 --output run.csv --plot run.svg
+
+The ending of FILE says what is written by --output: .json all that is known; .csv a row for each time
+with t, q, v, a, tau and the energy, under names; .npz these as arrays: q = numpy.load("run.npz")["q"].
+--plot draws q, v, tau and the energies over time. Ctrl-C ends the motion; what there is by then is
+written.)";
+
+volatile std::sig_atomic_t interrupted = 0;
+void interrupt(int) { interrupted = 1; }
+
+/// Catches Ctrl-C while the object exists.
+class Interruptible {
+ public:
+  Interruptible() : before_(std::signal(SIGINT, interrupt)) {}
+  ~Interruptible() { std::signal(SIGINT, before_); }
+  Interruptible(const Interruptible&) = delete;
+
+ private:
+  void (*before_)(int);
+};
+
+/// A progress bar on a terminal with the remaining time. It appears after one second.
+class Progress {
+ public:
+  explicit Progress(double until) : until_(until) {}
+  ~Progress() {
+    if (shown_) fmt::print(stderr, "\r{:60}\r", "");
+  }
+  void tell(double t) {
+    const auto now = Clock::now();
+    if (!is_terminal(stderr) || now - told_ < std::chrono::milliseconds(100)) return;
+    told_ = now;
+    const double gone = std::chrono::duration<double>(now - start_).count();
+    if (gone < 1 || t <= 0) return;
+    shown_ = true;
+    const int done = static_cast<int>(30 * t / until_);
+    fmt::print(stderr, "\r[{:#<{}}{:{}}] {} of {} s, {:.0f} s left ", "", done, "", 30 - done,
+               significant(t, 4), significant(until_, 4), gone * (until_ - t) / t);
+    std::fflush(stderr);
+  }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  double until_;
+  Clock::time_point start_ = Clock::now(), told_ = start_;
+  bool shown_ = false;
+};
+
+/// The constant drive forces of the state, and the controller of the options.
+Drive drive_of(const Model& model, const State& state, const Options& options) {
+  const Drive constant = [&state](double, std::span<const double>, std::span<const double>,
+                                  std::span<double> tau) { std::ranges::copy(state.tau, tau.begin()); };
+  if (options.gains.empty()) {
+    if (!options.target.empty())
+      throw UsageError("--target needs the gains of a controller; give --pd as well");
+    return constant;
+  }
+  const State target = options.target.empty() ? neutral_state(model) : read_state(model, options.target);
+  std::vector<double> kp(static_cast<std::size_t>(model.nv()), options.gains[0]),
+      kd(kp.size(), options.gains[1]);
+  for (int i = 1; i <= model.n_bodies(); ++i)
+    if (const Joint& joint = model.joint(i); joint.kind == Subgroup::free && model.body(i).predecessor == 0) {
+      std::fill_n(&kp[joint.iv], joint.nv, 0);
+      std::fill_n(&kd[joint.iv], joint.nv, 0);
+    }
+  return ProportionalDerivative(model, {kp, kd}, {model, target.q, target.v}, constant);
+}
+
+Trajectory motion_of(const Model& model, const State& state, const Drive& drive, const Options& options) {
+  SimulationOptions acting;
+  acting.drive = drive;
+  acting.loads = state.loads;
+  acting.joint_losses = options.joint_losses;
+  const Interruptible interruptible;
+  Progress progress(options.until);
+  acting.monitor = [&](double t) {
+    progress.tell(t);
+    return interrupted == 0;
+  };
+  const Method method = choose("--method", options.method, methods);
+  acting.coordinates = choose("--coordinates", options.coordinates, coordinate_kinds);
+  if (options.step) check_step(*options.step);
+  if (!method.adapts && !options.step)
+    throw UsageError("--step is missing; " + options.method + " takes fixed steps");
+  return method.simulate({model,
+                          state.q,
+                          state.v,
+                          options.until,
+                          options.step.value_or(0),
+                          {.relative = options.relative, .absolute = options.absolute},
+                          options.spectral_radius,
+                          acting});
+}
+
+/// The numbers of a motion that are written, a row for each time.
+struct Rows {
+  Eigen::VectorXd t, energy, kinetic_energy;
+  Eigen::MatrixXd q, v, a, tau;
+};
+Rows rows_of(const Trajectory& motion, const Drive& drive, int samples) {
+  const Model& model = motion.model();
+  std::vector<double> times(motion.t().begin(), motion.t().end());
+  if (samples > 0) {
+    times.clear();
+    for (int k = 0; k <= samples; ++k)
+      times.push_back(k == samples ? motion.t().back() : motion.t().back() * k / samples);
+  }
+  const auto N = static_cast<Eigen::Index>(times.size());
+  const Eigen::Index nq = model.nq(), nv = model.nv();
+  Rows rows{.t = Eigen::VectorXd(N),
+            .energy = Eigen::VectorXd(N),
+            .kinetic_energy = Eigen::VectorXd(N),
+            .q = Eigen::MatrixXd(N, nq),
+            .v = Eigen::MatrixXd(N, nv),
+            .a = Eigen::MatrixXd(N, nv),
+            .tau = Eigen::MatrixXd(N, nv)};
+  std::vector<double> q(static_cast<std::size_t>(model.nq())), v(static_cast<std::size_t>(model.nv())), a(v),
+      tau(v);
+  Workspace<> workspace(model);
+  for (Eigen::Index k = 0; k < N; ++k) {
+    const double t = times[static_cast<std::size_t>(k)];
+    motion.at(t, q, v, a);
+    drive(t, q, v, tau);
+    rows.t[k] = t;
+    for (const auto& [matrix, row] :
+         {std::pair{&rows.q, &q}, {&rows.v, &v}, {&rows.a, &a}, {&rows.tau, &tau}})
+      matrix->row(k) = as_eigen(std::span<const double>(*row)).transpose();
+    rows.kinetic_energy[k] = kinetic_energy(model, workspace, std::span<const double>(q), v);
+    rows.energy[k] = rows.kinetic_energy[k] + potential_energy(model, workspace, std::span<const double>(q)) +
+                     elastic_energy(model, workspace, std::span<const double>(q));
+  }
+  return rows;
+}
+
+/// All numbers side by side, with the names of the columns.
+std::string csv_of(const Model& model, const Rows& rows) {
+  std::vector<std::string> names{"t"};
+  const auto add = [&](const char* what, const std::vector<std::string>& all) {
+    for (const std::string& name : all) names.push_back(what + name);
+  };
+  add("q ", coordinate_names(model));
+  for (const char* what : {"v ", "a ", "tau "}) add(what, velocity_names(model));
+  names.push_back("energy");
+  Eigen::MatrixXd all(rows.t.size(), static_cast<Eigen::Index>(names.size()));
+  all << rows.t, rows.q, rows.v, rows.a, rows.tau, rows.energy;
+  return as_csv(all, names);
+}
+
+Json as_json(const Trajectory& motion, const Rows& rows, const Options& options) {
+  const Model& model = motion.model();
+  const auto list = [](const auto& numbers) {
+    return Json(std::vector<double>(numbers.begin(), numbers.end()));
+  };
+  const auto lists = [&](const Eigen::MatrixXd& matrix) {
+    Json all = Json::array();
+    for (const auto& row : matrix.rowwise()) all.push_back(list(row));
+    return all;
+  };
+  return {{"model", model.name()},
+          {"method", options.method},
+          {"computed_in", options.coordinates},
+          {"coordinates", coordinate_names(model)},
+          {"velocities", velocity_names(model)},
+          {"steps", motion.steps},
+          {"evaluations", motion.evaluations},
+          {"complete", motion.complete},
+          {"stopped", motion.stop_reason},
+          {"t", list(rows.t)},
+          {"q", lists(rows.q)},
+          {"v", lists(rows.v)},
+          {"a", lists(rows.a)},
+          {"tau", lists(rows.tau)},
+          {"energy", list(rows.energy)}};
+}
+
+std::string npz_of(const Rows& rows) {
+  return as_npz({{"t", rows.t, true},
+                 {"q", rows.q},
+                 {"v", rows.v},
+                 {"a", rows.a},
+                 {"tau", rows.tau},
+                 {"energy", rows.energy, true}});
+}
+
+/// A symbol with the units that it has for angles and for lengths.
+std::string with_units(const Model& model, const std::string& symbol, const char* of_angles,
+                       const char* of_lengths) {
+  bool angles = false, lengths = false, quaternions = false;
+  for (const Joint& joint : model.joints()) {
+    if (joint.leader) continue;
+    const bool slides = joint.kind == Subgroup::prismatic, floats = joint.kind == Subgroup::free;
+    angles |= !slides;
+    lengths |= slides || floats || joint.kind == Subgroup::planar;
+    quaternions |= floats || joint.kind == Subgroup::spherical;
+  }
+  std::string text = symbol;
+  if (angles) text += fmt::format(", {}", of_angles);
+  if (lengths) text += fmt::format(", {}", of_lengths);
+  return text + (symbol == "q" && quaternions ? ", quaternions" : "");
+}
+
+Chart chart_of(const Model& model, const Rows& rows) {
+  Chart chart{.title = model.name()};
+  const auto list = [](const auto& numbers) { return std::vector<double>(numbers.begin(), numbers.end()); };
+  const std::vector<double> t = list(rows.t);
+  const auto add = [&](const std::string& axis, const std::vector<std::string>& names,
+                       const Eigen::MatrixXd& columns) {
+    Panel panel{.y_axis = axis};
+    for (std::size_t k = 0; k < names.size(); ++k)
+      panel.curves.push_back(
+          {.name = names[k], .x = t, .y = list(columns.col(static_cast<Eigen::Index>(k)))});
+    chart.panels.push_back(panel);
+  };
+  const std::vector<std::string> velocities = velocity_names(model);
+  add(with_units(model, "q", "rad", "m"), coordinate_names(model), rows.q);
+  add(with_units(model, "v", "rad/s", "m/s"), velocities, rows.v);
+  if (!rows.tau.isZero(0)) add(with_units(model, "tau", "N m", "N"), velocities, rows.tau);
+  Eigen::MatrixXd energies(rows.t.size(), 3);
+  energies << rows.kinetic_energy, rows.energy - rows.kinetic_energy, rows.energy;
+  add("energy, J", {"kinetic", "potential", "total"}, energies);
+  chart.panels.back().x_axis = "t, s";
+  return chart;
+}
+
+void print(const Trajectory& motion, const Rows& rows) {
+  const std::size_t last = motion.size() - 1;
+  const auto numbers = [](std::span<const double> x) { return std::vector<double>(x.begin(), x.end()); };
+  fmt::print(
+      "{}", state_tables(motion.model(), numbers(motion.q(last)), {{"v", numbers(motion.v(last))}}, "per s"));
+  const Eigen::Index end = rows.energy.size() - 1;
+  fmt::print(
+      "\nat t = {} s after {} steps and {} evaluations; energy {} J at the start, {} J at the end, at most "
+      "{} J "
+      "off the start\n",
+      significant(motion.t().back()), motion.steps, motion.evaluations, significant(rows.energy[0]),
+      significant(rows.energy[end]), significant((rows.energy.array() - rows.energy[0]).abs().maxCoeff(), 2));
+}
+
+void run(const Options& options, int& exit_code) {
+  const Format format = choose("--format", options.format, formats);
+  if (options.samples < 0)
+    throw UsageError(fmt::format("--samples is {}; it must not be negative", options.samples));
+  std::vector<FileFormat> kinds;
+  for (const std::string& file : options.outputs) kinds.push_back(file_format(file));
+  const std::optional<ChartFile> plot = chart_file(options.plot);
+  const Model model = load(options.mechanism);
+  State state = options.state.empty() ? neutral_state(model) : read_state(model, options.state);
+  assemble(model, options.assembling, state);
+  const Drive drive = drive_of(model, state, options);
+  const Trajectory motion = motion_of(model, state, drive, options);
+  if (motion.size() == 0) throw InputError(motion.stop_reason);
+  const Rows rows = rows_of(motion, drive, options.samples);
+  for (std::size_t k = 0; k < kinds.size(); ++k) switch (kinds[k]) {
+      case FileFormat::json: write_text(options.outputs[k], text(as_json(motion, rows, options))); break;
+      case FileFormat::csv: write_text(options.outputs[k], csv_of(model, rows)); break;
+      case FileFormat::npz: write_text(options.outputs[k], npz_of(rows)); break;
+    }
+  if (plot) {
+    constexpr int smooth = 500;  // intervals; long steps would be drawn as straight lines
+    const bool coarse = options.samples == 0 && rows.t.size() < smooth;
+    plot->draw(chart_of(model, coarse ? rows_of(motion, drive, smooth) : rows));
+  }
+  if (format == Format::json) {
+    fmt::print("{}", text(as_json(motion, rows, options)));
+  } else {
+    print(motion, rows);
+  }
+  if (!motion.complete) throw InputError("the motion ended early, " + motion.stop_reason);
+  exit_code = all_well;
+}
+
+}  // namespace
+
+void add_simulate(CLI::App& app, int& exit_code) {
+  const auto options = std::make_shared<Options>();
+  CLI::App* simulate = app.add_subcommand("simulate", "Compute the motion from a state");
+  add_model_options(*simulate, options->mechanism);
+  simulate
+      ->add_option("--state", options->state, "JSON, - for standard input; neutral and at rest if left out")
+      ->type_name("FILE");
+  simulate->add_option("--until", options->until, "The end, s; 1 if left out")->type_name("NUMBER");
+  simulate->add_option("--method", options->method, "How to integrate; dopri5 if left out")
+      ->type_name("METHOD");
+  simulate->add_option("--coordinates", options->coordinates, "In which coordinates; relative if left out")
+      ->type_name(words(coordinate_kinds));
+  simulate->add_option("--step", options->step, "Length of a step, s; of the first one with dopri5")
+      ->type_name("NUMBER");
+  simulate->add_option("--rtol", options->relative, "Relative tolerance; 1e-8 if left out")
+      ->type_name("NUMBER");
+  simulate->add_option("--atol", options->absolute, "Absolute tolerance, rad, m; 1e-10 if left out")
+      ->type_name("NUMBER");
+  simulate
+      ->add_option(
+          "--spectral-radius", options->spectral_radius,
+          "Part of fast oscillations that generalized_alpha leaves after a step, 0 to 1; 0.8 if left out")
+      ->type_name("NUMBER");
+  simulate
+      ->add_option("--pd", options->gains, "Gains of a controller, N m/rad and N m s/rad, or N/m and N s/m")
+      ->type_name("KP,KD")
+      ->delimiter(',')
+      ->expected(2);
+  simulate
+      ->add_option("--target", options->target, "JSON, the target of --pd; neutral and at rest if left out")
+      ->type_name("FILE");
+  simulate->add_option("--samples", options->samples, "Write so many equal intervals instead of the steps")
+      ->type_name("NUMBER");
+  add_assembly_options(*simulate, options->assembling);
+  simulate->add_flag("--joint-losses", options->joint_losses, "Count damping and friction of the joints");
+  simulate->add_option("--output", options->outputs, "Write a .json, .csv or .npz; may be given again")
+      ->type_name("FILE")
+      ->allow_extra_args(false);
+  add_plot_option(*simulate, options->plot);
+  simulate->add_option("--format", options->format, "How to print; table if left out")
+      ->type_name(words(formats));
+  simulate->footer(footer);
+  simulate->callback([options, &exit_code] { run(*options, exit_code); });
+}
+
+}  // namespace axode::command

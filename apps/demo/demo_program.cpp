@@ -1,0 +1,15 @@
+#include <cstdio>
+#include <exception>
+
+#include "apps/demo/demo.hpp"
+
+/// `axode demo` as a program of its own, which `make demo` builds in a quarter of the time of the command.
+int main() {
+  try {
+    axode::command::show_demo();
+    return 0;
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "axode_demo: %s\n", error.what());
+    return 1;
+  }
+}

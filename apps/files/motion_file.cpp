@@ -1,0 +1,216 @@
+#include "apps/files/motion_file.hpp"
+
+#include <fmt/format.h>
+#include <zip.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cstring>
+#include <map>
+#include <memory>
+#include <optional>
+
+#include "apps/files/csv_file.hpp"
+#include "apps/files/json_text.hpp"
+#include "apps/files/matrix_file.hpp"
+#include "apps/files/text_file.hpp"
+#include "apps/shell/commands.hpp"
+#include "axode/model/configuration.hpp"
+
+namespace axode::command {
+namespace {
+
+/// Numbers row by row.
+struct Rows {
+  std::size_t rows = 0, columns = 0;
+  std::vector<double> numbers;
+};
+using Tables = std::map<std::string, Rows, std::less<>>;
+
+[[noreturn]] void refuse(const std::string& sentence) { throw InputError(sentence); }
+
+// ------------------------------------------------------------------------------------------------------ .csv
+
+/// The columns of these names side by side; empty if the first is missing.
+void gather(const std::vector<std::string>& headings, const std::vector<std::vector<double>>& lines,
+            const std::string& what, const std::vector<std::string>& names, const std::string& file,
+            Tables& out) {
+  std::vector<std::size_t> at;
+  for (const std::string& name : names) {
+    const std::string heading = name.empty() ? what : what + " " + name;
+    const auto found = std::ranges::find(headings, heading);
+    if (found == headings.end() && at.empty()) return;
+    if (found == headings.end()) refuse(fmt::format("{}: there is no column \"{}\"", file, heading));
+    at.push_back(static_cast<std::size_t>(found - headings.begin()));
+  }
+  Rows& rows = out[what];
+  rows = {lines.size(), at.size(), {}};
+  for (const std::vector<double>& line : lines)
+    for (const std::size_t k : at) rows.numbers.push_back(line[k]);
+}
+
+Tables read_csv(const Model& model, const std::string& file) {
+  std::vector<std::string> headings;
+  std::vector<std::vector<double>> lines;
+  for_rows_of_csv(read_text(file), [&](std::size_t number, const std::vector<std::string>& words) {
+    if (headings.empty()) return void(headings = words);
+    if (words.size() != headings.size())
+      refuse(fmt::format("{}:{}: there are {} columns; the first line has {}", file, number, words.size(),
+                         headings.size()));
+    std::vector<double>& numbers = lines.emplace_back();
+    for (const std::string& word : words) {
+      const std::optional<double> x = number_in(word);
+      if (!x) refuse(fmt::format("{}:{}: \"{}\" is not a number", file, number, word.substr(0, 40)));
+      numbers.push_back(*x);
+    }
+  });
+  Tables tables;
+  gather(headings, lines, "t", {""}, file, tables);
+  gather(headings, lines, "q", coordinate_names(model), file, tables);
+  for (const char* what : {"v", "a", "tau"})
+    gather(headings, lines, what, velocity_names(model), file, tables);
+  return tables;
+}
+
+// ------------------------------------------------------------------------------------------------------
+// .json
+
+Tables read_json(const std::string& file) {
+  const auto shallow = [&](int depth, Json::parse_event_t, Json&) {
+    if (depth > 8) refuse(file + ": it is nested deeper than a motion");
+    return true;
+  };
+  Json json;
+  try {
+    json = Json::parse(read_text(file), shallow);
+  } catch (const Json::exception& error) {
+    const std::string what = error.what();  // [json.exception.parse_error.101] parse error at line 1, ...
+    refuse(file + ": this is not JSON: " + what.substr(what.find("] ") + 2));
+  }
+  if (!json.is_object()) refuse(file + ": expected an object with t, q and v");
+  Tables tables;
+  for (const char* name : {"t", "q", "v", "a", "tau"}) {
+    if (!json.contains(name)) continue;
+    Rows& rows = tables[name];
+    const auto wrong = [&] {
+      refuse(fmt::format("{}: {} has no number for each time and column", file, name));
+    };
+    if (!json[name].is_array()) wrong();
+    for (const Json& entry : json[name]) {
+      const Json row = entry.is_array() ? entry : Json::array({entry});
+      if (rows.rows == 0) rows.columns = row.size();
+      if (row.size() != rows.columns ||
+          !std::ranges::all_of(row, [](const Json& x) { return x.is_number(); }))
+        wrong();
+      for (const Json& x : row) rows.numbers.push_back(x.get<double>());
+      ++rows.rows;
+    }
+  }
+  return tables;
+}
+
+// ------------------------------------------------------------------------------------------------------ .npz
+
+/// The value of a key in the header of an .npy file.
+std::string_view told(std::string_view header, std::string_view key) {
+  const std::size_t at = header.find(key);
+  return at == std::string_view::npos ? "" : header.substr(at + key.size());
+}
+
+Rows read_npy(const std::string& bytes, const std::string& name) {
+  const auto byte = [&](std::size_t k) {
+    return static_cast<std::size_t>(static_cast<unsigned char>(bytes[k]));
+  };
+  const auto wrong = [&](const std::string& why) { refuse(name + ": " + why); };
+  if (bytes.size() < 12 || !bytes.starts_with("\x93NUMPY")) wrong("it is not an array of numpy");
+  const bool first_version = byte(6) == 1;
+  const std::size_t begin = first_version ? 10 : 12,
+                    length = byte(8) | byte(9) << 8 | (first_version ? 0 : byte(10) << 16 | byte(11) << 24);
+  if (length > bytes.size() - begin) wrong("it is cut short");
+  const std::string_view header(&bytes[begin], length),
+      data(&bytes[begin + length], bytes.size() - begin - length);
+  if (!told(header, "'descr': ").starts_with("'<f8'") ||
+      !told(header, "'fortran_order': ").starts_with("False"))
+    wrong("it is not an array of float64 in C order");
+  std::vector<std::size_t> shape;
+  std::string_view list = told(header, "'shape': (");
+  list = list.substr(0, list.find(')'));
+  while (!list.empty()) {
+    std::size_t entry = 0;
+    const auto [end, error] = std::from_chars(list.data(), list.data() + list.size(), entry);
+    if (error != std::errc()) wrong("its shape cannot be read");
+    shape.push_back(entry);
+    list.remove_prefix(static_cast<std::size_t>(end - list.data()));
+    list.remove_prefix(std::min(list.find_first_not_of(", "), list.size()));
+  }
+  if (shape.empty() || shape.size() > 2)
+    wrong(fmt::format("it has {} axes; a motion has one or two", shape.size()));
+  Rows rows{shape[0], shape.size() == 2 ? shape[1] : 1, {}};
+  const std::size_t count = data.size() / sizeof(double);
+  if (data.size() % sizeof(double) != 0 || rows.rows > count || rows.columns > count + 1 ||
+      rows.rows * rows.columns != count)
+    wrong(fmt::format("it has {} bytes of numbers, which are not {} x {}", data.size(), rows.rows,
+                      rows.columns));
+  rows.numbers.resize(count);
+  if (count > 0) std::memcpy(rows.numbers.data(), data.data(), data.size());
+  return rows;
+}
+
+Tables read_npz(const std::string& file) {
+  constexpr std::uint64_t most = std::uint64_t{256} << 20;
+  int error = 0;
+  const std::unique_ptr<zip_t, void (*)(zip_t*)> archive(zip_open(file.c_str(), ZIP_RDONLY, &error),
+                                                         zip_discard);
+  if (archive == nullptr) refuse(file + ": it cannot be read as an .npz");
+  Tables tables;
+  for (const char* name : {"t", "q", "v", "a", "tau"}) {
+    const std::string entry = fmt::format("{}.npy", name), where = fmt::format("{}: {}", file, entry);
+    zip_stat_t told;
+    zip_stat_init(&told);
+    if (zip_stat(archive.get(), entry.c_str(), 0, &told) != 0) continue;
+    if (told.size > most) refuse(where + ": it has more than 256 MiB");
+    std::string bytes(told.size, '\0');
+    const std::unique_ptr<zip_file_t, int (*)(zip_file_t*)> stream(zip_fopen(archive.get(), entry.c_str(), 0),
+                                                                   zip_fclose);
+    if (stream == nullptr ||
+        zip_fread(stream.get(), bytes.data(), bytes.size()) != static_cast<zip_int64_t>(bytes.size()))
+      refuse(where + ": it cannot be read");
+    tables[name] = read_npy(bytes, where);
+  }
+  return tables;
+}
+
+}  // namespace
+
+ShownMotion read_motion(const Model& model, const std::string& file) {
+  Tables tables;
+  switch (file_format(file, "--motion")) {
+    case FileFormat::csv: tables = read_csv(model, file); break;
+    case FileFormat::json: tables = read_json(file); break;
+    case FileFormat::npz: tables = read_npz(file); break;
+  }
+  const std::size_t N = tables["t"].rows;
+  const auto take = [&](const char* name, int width, const char* meaning, bool needed) {
+    Rows& rows = tables[name];
+    if (rows.rows == 0 && !needed) return std::vector<double>{};
+    if (rows.rows != N || (N > 0 && rows.columns != static_cast<std::size_t>(width)))
+      refuse(fmt::format("{}: {} is {} x {}; model \"{}\" takes {} x {}{}", file, name, rows.rows,
+                         rows.columns, model.name(), N, width, meaning));
+    return std::move(rows.numbers);
+  };
+  if (N == 0) refuse(file + ": there are no times in it");
+  ShownMotion motion;
+  motion.t = take("t", 1, "", true);
+  motion.q = take("q", model.nq(), " (times x nq)", true);
+  motion.v = take("v", model.nv(), " (times x nv)", true);
+  motion.a = take("a", model.nv(), " (times x nv)", false);
+  motion.tau = take("tau", model.nv(), " (times x nv)", false);
+  try {
+    check(model, motion);
+  } catch (const std::invalid_argument& wrong) {
+    refuse(file + ": " + wrong.what());
+  }
+  return motion;
+}
+
+}  // namespace axode::command

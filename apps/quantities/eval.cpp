@@ -1,0 +1,315 @@
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <charconv>
+#include <cmath>
+#include <filesystem>
+#include <memory>
+#include <optional>
+
+#include "apps/commands/assembling.hpp"
+#include "apps/commands/chart.hpp"
+#include "apps/files/model_options.hpp"
+#include "apps/files/state_table.hpp"
+#include "apps/quantities/quantities.hpp"
+#include "apps/shell/choice.hpp"
+#include "apps/shell/commands.hpp"
+#include "apps/shell/terminal.hpp"
+#include "axode/model/building/builder.hpp"
+
+namespace axode::command {
+namespace {
+
+struct Options {
+  ModelOptions mechanism;
+  std::string state, want = "inverse_dynamics", representation = "body", gravity, plot, format = "table";
+  std::vector<std::string> frames;
+  std::string relative_to = "ground";
+  int order = 1;
+  std::string coriolis = "christoffel", at = "body";
+  bool joint_losses = false;
+  Assembling assembling;
+};
+
+constexpr const char* footer = R"(Quantities for --want (several are separated by commas):
+{quantities}
+
+A state is a JSON object with the keys q, v, a, jerk, snap, tau, p, dq, dv, da, dtau, w, loads and
+targets, all of
+which may be left out:
+  q, v, a, jerk, snap, tau, p; a direction dq, dv, da, dtau; weights w, 1 if absent:
+            arrays in the model's order (`axode info MODEL` shows it), or objects keyed by joint
+            name; a joint that is not named is neutral or at rest
+  loads     applied wrenches, a list of {"frame": NAME, "representation": "body", "wrench": [moment, force]}
+  targets   poses for inverse_kinematics, a list of {"frame": NAME, "pose": [four rows of four numbers]}
+Units are m, kg, s, rad. Rotations are quaternions x y z w. Twists, accelerations and wrenches have their
+angular part first, in the representation that --representation names.
+
+Example:
+  echo '{"q": {"A4": 0.5}, "loads": [{"frame": "flange", "wrench": [0, 0, 0, 0, 0, -20]}]}' |
+    axode eval arm7.toml --state - --want inverse_dynamics,poses --format json
+  echo '{"q": {"A2": 0.5}}' | axode simulate arm7.toml --state - --output run.csv
+  axode eval arm7.toml --state run.csv --want poses --frame flange --plot flange.svg
+
+A .csv with a row for each state, as `axode simulate --output` writes it, is a sweep: its columns are t
+and, each with a name of `axode info` behind it, q, v, a and tau. The table has the smallest and the
+largest of each number, --plot draws them over t, and the JSON has a list of values for each quantity.
+
+The JSON is {"model", "nq", "nv", "joints": [...], "results": {name: value}} with arrays in the order
+of "joints", poses, twists and accelerations keyed by frame, joint_wrenches keyed by joint. Jacobians are
+keyed by frame: six rows of nv entries; their partial derivatives are lists of them, outermost first.)";
+
+/// Functions of a state that the command does not offer, or offers in another way.
+constexpr std::pair<std::string_view, std::string_view> elsewhere[]{
+    {"assemble", "ask for \"assembly\", or close the loops of the state by --assemble"},
+    {"independent_linearization", "use axode linearize"},
+    {"jacobian_columns", "ask for \"jacobian\", whose columns off the path of the frame are 0"},
+    {"jacobian_derivative_along", "ask for \"jacobian_partials\", its derivatives along all directions"},
+    {"jacobian_derivatives", "ask for \"jacobian_derivative\" with --order"},
+    {"linearize", "use axode linearize"},
+    {"loop_hessian_product",
+     "a state has no multipliers to take it with; it is a function of the library alone"},
+    {"motion_vjp", "ask for \"motion_derivatives\", the matrices whose product with weights it is"},
+    {"rollout", "use axode simulate"},
+    {"rollout_derivatives", "a state has no forces of several steps; it is a function of the library alone"},
+    {"rollout_jvp", "a state has no forces of several steps; it is a function of the library alone"},
+    {"rollout_vjp", "a state has no forces of several steps; it is a function of the library alone"},
+    {"simulate", "use axode simulate"},
+    {"twist_derivatives", "ask for \"twist_derivative\" with --order"},
+    {"view", "use axode view"}};
+
+std::vector<Quantity> wanted(const std::string& list) {
+  std::vector<Quantity> chosen;
+  for (const std::string& name : CLI::detail::split(list, ',')) {
+    const auto& all = quantities();
+    const auto found =
+        std::find_if(all.begin(), all.end(), [&](const Quantity& q) { return q.name == name; });
+    for (const auto& [function, remedy] : elsewhere)
+      if (name == function) throw UsageError(fmt::format("--want: {} is not a quantity: {}", name, remedy));
+    if (found == all.end())
+      throw UsageError("--want: there is no quantity \"" + name + '"' +
+                       suggestion(name, all, [](const Quantity& q) { return q.name; }));
+    chosen.push_back(*found);
+  }
+  return chosen;
+}
+
+std::optional<Vec3<>> gravity_of(const std::string& text) {
+  if (text.empty()) return std::nullopt;
+  const UsageError wrong("--gravity: \"" + text +
+                         "\" is not three finite numbers in m/s^2, such as 0,0,-9.81");
+  const std::vector<std::string> words = CLI::detail::split(text, ',');
+  std::array<double, 3> g{};
+  if (words.size() != g.size()) throw wrong;
+  for (std::size_t k = 0; k < g.size(); ++k) {
+    const char* end = words[k].data() + words[k].size();
+    const auto [stop, failure] = std::from_chars(words[k].data(), end, g[k]);
+    if (failure != std::errc{} || stop != end || !std::isfinite(g[k])) throw wrong;
+  }
+  return Vec3<>{g[0], g[1], g[2]};
+}
+
+void require_finite(const Json& value, const std::string& where) {
+  if (value.is_number_float() && !std::isfinite(value.get<double>()))
+    throw InputError(where + " is not finite; the numbers of the state or the model are too large");
+  if (value.is_structured())
+    for (const auto& [key, entry] : value.items())
+      require_finite(entry, value.is_object() ? where + " of \"" + key + "\"" : where);
+}
+
+Json joint_layout(const Model& model) {
+  Json layout = Json::object();
+  for (const Joint& joint : model.joints())
+    if (!joint.leader)
+      layout[joint.name] = {{"kind", to_string(joint.kind)},
+                            {"iq", joint.iq},
+                            {"nq", joint.nq},
+                            {"iv", joint.iv},
+                            {"nv", joint.nv}};
+  return layout;
+}
+
+Json as_json(const Question& ask, const std::string& representation, const Json& results,
+             const Json& labels) {
+  Json joints = Json::array(), coupled = Json::array(), warnings = Json::array();
+  for (const Joint& joint : ask.model.joints()) (joint.leader ? coupled : joints).push_back(joint.name);
+  for (const Fault& fault : ask.model.warnings()) warnings.push_back(to_string(fault));
+  Json out{{"model", ask.model.name()}, {"nq", ask.model.nq()}, {"nv", ask.model.nv()}, {"joints", joints}};
+  if (!coupled.empty()) out["coupled_joints"] = coupled;
+  out["layout"] = joint_layout(ask.model);
+  out["representation"] = representation;
+  out["gravity"] = to_json(ask.model.gravity());
+  out["joint_losses"] = ask.joint_losses;
+  out["results"] = results;
+  out["labels"] = labels;
+  if (!warnings.empty()) out["warnings"] = warnings;
+  return out;
+}
+
+void print_warnings(const Question& ask, const Options& options) {
+  const auto warnings = ask.model.warnings();
+  if (warnings.empty()) return;
+  fmt::print("\n{}\n",
+             in(Ink::warning, fmt::format("{} warning{} about the model: axode check {}", warnings.size(),
+                                          warnings.size() == 1 ? "" : "s", options.mechanism.files.front())));
+}
+
+Answer finite_answer(const Quantity& quantity, const Question& ask) {
+  Answer answer = quantity.answer(ask);
+  require_finite(answer.value, std::string(quantity.name));
+  return answer;
+}
+
+std::string heading(const Quantity& quantity, const std::string& label) {
+  return "\n" + in(Ink::heading, quantity.name) + ": " + label + "\n";
+}
+
+/// Prints the quantities at one state.
+void run(const Options& options, Format format, const std::vector<Quantity>& chosen, Question& ask) {
+  ask.state = options.state.empty() ? neutral_state(ask.model) : read_state(ask.model, options.state);
+  assemble(ask.model, options.assembling, ask.state);
+  Json results = Json::object(), labels = Json::object();
+  std::string tables;
+  for (const Quantity& quantity : chosen) {
+    const Answer answer = finite_answer(quantity, ask);
+    const std::string name(quantity.name);
+    results[name] = answer.value;
+    labels[name] = answer.label;
+    tables += heading(quantity, answer.label) + answer.table.text();
+  }
+  if (format == Format::json) {
+    fmt::print("{}", text(as_json(ask, options.representation, results, labels)));
+    return;
+  }
+  fmt::print("{}{}",
+             state_tables(ask.model, ask.state.q, {{"v", ask.state.v}, {"a", ask.state.a}}, "per s, per s^2"),
+             tables);
+  print_warnings(ask, options);
+}
+
+/// The smallest and the largest value of each number of a quantity, and the states at which it has them.
+std::string extremes(const std::vector<Curve>& curves, const Sweep& sweep) {
+  const std::string at = sweep.timed ? "at t" : "at state";
+  Table table({"", "smallest", at, "largest", at});
+  for (const Curve& curve : curves) {
+    const auto low = std::ranges::min_element(curve.y), high = std::ranges::max_element(curve.y);
+    table.row({curve.name, *low, curve.x[static_cast<std::size_t>(low - curve.y.begin())], *high,
+               curve.x[static_cast<std::size_t>(high - curve.y.begin())]});
+  }
+  return table.text();
+}
+
+/// Prints the quantities at each state of a sweep.
+void run_sweep(const Options& options, Format format, const std::vector<Quantity>& chosen, Question& ask,
+               const std::optional<ChartFile>& plot) {
+  const Sweep sweep = read_sweep(ask.model, options.state);
+  Json results = Json::object(), labels = Json::object();
+  Chart chart{.title = ask.model.name()};
+  for (const Quantity& quantity : chosen) {
+    const std::string name(quantity.name);
+    std::vector<Curve> curves;
+    for (std::size_t i = 0; i < sweep.states.size(); ++i) {
+      ask.state = sweep.states[i];
+      assemble(ask.model, options.assembling, ask.state);
+      const Answer answer = finite_answer(quantity, ask);
+      results[name].push_back(answer.value);
+      labels[name] = answer.label;
+      const auto numbers = answer.table.numbers();
+      curves.resize(numbers.size());
+      for (std::size_t k = 0; k < numbers.size(); ++k) {
+        curves[k].name = numbers[k].first;
+        curves[k].x.push_back(sweep.t[i]);
+        curves[k].y.push_back(numbers[k].second);
+      }
+    }
+    const std::string label = labels[name];
+    chart.panels.push_back(
+        {.title = name + label.substr(std::min(label.rfind(';'), label.size())), .curves = curves});
+  }
+  if (plot) {
+    chart.panels.back().x_axis = sweep.timed ? "t, s" : "state";
+    plot->draw(chart);
+  }
+  if (format == Format::json) {
+    Json out = as_json(ask, options.representation, results, labels);
+    out["t"] = sweep.t;
+    fmt::print("{}", text(out));
+    return;
+  }
+  fmt::print("{}: {} states, {} from {} to {}\n", in(Ink::heading, ask.model.name()), sweep.states.size(),
+             sweep.timed ? "t" : "numbered", significant(sweep.t.front()), significant(sweep.t.back()));
+  for (std::size_t k = 0; k < chosen.size(); ++k)
+    fmt::print("{}{}", heading(chosen[k], labels[std::string(chosen[k].name)]),
+               extremes(chart.panels[k].curves, sweep));
+  print_warnings(ask, options);
+}
+
+void run(const Options& options) {
+  const std::vector<Quantity> chosen = wanted(options.want);
+  const Format format = choose("--format", options.format, formats);
+  const Representation representation = choose("--representation", options.representation, representations);
+  const std::optional<Vec3<>> gravity = gravity_of(options.gravity);
+  const bool sweeps = std::filesystem::path(options.state).extension() == ".csv";
+  if (!options.plot.empty() && !sweeps)
+    throw UsageError("--plot draws a sweep; give its states by --state FILE.csv");
+  const std::optional<ChartFile> plot = chart_file(options.plot);
+  Question ask{load(options.mechanism), {}, representation, options.joint_losses};
+  if (gravity) ask.model = ModelBuilder(ask.model).gravity(*gravity).build();
+  for (const std::string& name : options.frames) ask.frames.push_back(ask.model.frame_index(name));
+  ask.relative_to = ask.model.frame_index(options.relative_to);
+  ask.order = options.order;
+  ask.coriolis = choose("--coriolis", options.coriolis, coriolis_forms);
+  ask.at = choose("--at", options.at, wrench_points);
+  if (sweeps) {
+    run_sweep(options, format, chosen, ask, plot);
+  } else {
+    run(options, format, chosen, ask);
+  }
+}
+
+}  // namespace
+
+void add_eval(CLI::App& app, int& exit_code) {
+  const auto options = std::make_shared<Options>();
+  CLI::App* eval = app.add_subcommand("eval", "Compute quantities at a state");
+  add_model_options(*eval, options->mechanism);
+  eval->add_option("--state", options->state,
+                   "JSON, - for standard input, or a .csv of several; neutral and at rest if left out")
+      ->type_name("FILE");
+  add_assembly_options(*eval, options->assembling);
+  eval->add_option("--want", options->want, "What to compute, see below; inverse_dynamics if left out")
+      ->type_name("QUANTITIES");
+  eval->add_option("--representation", options->representation, "In which axes; body if left out")
+      ->type_name(words(representations));
+  eval->add_option("--gravity", options->gravity, "x,y,z in m/s^2 instead of what the file says")
+      ->type_name("NUMBERS");
+  eval->add_option("--frame", options->frames, "Only this frame; may be given again");
+  eval->add_option("--relative-to", options->relative_to, "The observer's frame of relative_jacobian")
+      ->capture_default_str();
+  eval->add_option("--order", options->order, "The order of derivatives, from 0")
+      ->check(CLI::Range(0, 12))
+      ->capture_default_str();
+  eval->add_option("--coriolis", options->coriolis, "The form of C")
+      ->type_name(words(coriolis_forms))
+      ->capture_default_str();
+  eval->add_option(
+          "--at", options->at,
+          "Reference point of the moments of joint_wrenches: origin of the body, or point of the joint")
+      ->type_name(words(wrench_points))
+      ->capture_default_str();
+  eval->add_flag("--joint-losses", options->joint_losses,
+                 "Count damping and friction of the joints as forces");
+  add_plot_option(*eval, options->plot);
+  eval->add_option("--format", options->format, "How to print; table if left out")->type_name(words(formats));
+  std::string list;
+  for (const Quantity& quantity : quantities())
+    list += fmt::format("  {:<39}{}\n", quantity.name, quantity.purpose);
+  std::string help = footer;
+  eval->footer(help.replace(help.find("{quantities}\n"), 13, list));
+  eval->callback([options, &exit_code] {
+    run(*options);
+    exit_code = all_well;
+  });
+}
+
+}  // namespace axode::command

@@ -1,0 +1,280 @@
+#include "apps/quantities/quantities.hpp"
+#include "apps/shell/commands.hpp"
+#include "axode/derivatives/rates.hpp"
+#include "axode/dynamics.hpp"
+#include "axode/eigen.hpp"
+#include "axode/kinematics.hpp"
+#include "axode/kinematics/system_matrices.hpp"
+#include "axode/model/inertial_parameters.hpp"
+
+/// Quantities with an order or with targets, matrices that are factors, and rates in the unknowns of a form.
+namespace axode::command {
+namespace {
+
+void require(const Question& ask, const Solvability& solvability) {
+  if (!solvability.ok()) throw InputError(to_string(ask.model, solvability));
+}
+
+std::string columns_label(const std::string& what, const Question& ask) {
+  return headline(what + ", a column for each velocity", ask.representation, twist_axes(ask.representation),
+                  "per unit of the velocity");
+}
+
+/// Six rows with an entry for each column.
+template <class Column> Json rows_of(std::span<const Column> columns) {
+  Json rows = Json::array();
+  for (int r = 0; r < 6; ++r) rows.push_back(Json::array());
+  for (const Column& column : columns) {
+    const auto x = to_eigen(column);
+    for (int r = 0; r < 6; ++r) rows[r].push_back(x[r]);
+  }
+  return rows;
+}
+/// The motion at the state, up to the given order of twist derivatives.
+HigherOrderMotion<> motion_of(const Question& ask, int order) {
+  std::vector<double> rates = ask.state.v;
+  for (const std::vector<double>* next : {&ask.state.a, &ask.state.jerk, &ask.state.snap})
+    rates.insert(rates.end(), next->begin(), next->end());
+  rates.resize((order + 1) * ask.model.nv());  // derivatives that are not given are 0
+  HigherOrderMotion<> motion(ask.model, order);
+  motion.evaluate(ask.state.q, rates);
+  return motion;
+}
+
+Answer jacobian_derivative_answer(const Question& ask) {
+  return with_representation(ask.representation, [&](auto rep) {
+    using Rep = decltype(rep);
+    const HigherOrderMotion<> motion = motion_of(ask, ask.order);
+    Answer answer{
+        columns_label("time derivative of order " + std::to_string(ask.order) + " of the Jacobian", ask),
+        Json::object(), Table({"frame", "velocity", "w x", "w y", "w z", "v x", "v y", "v z"})};
+    const std::vector<std::string> names = velocity_names(ask.model);
+    std::vector<TwistRate<Rep>> columns(ask.model.nv());
+    for (const int frame : frames_of(ask)) {
+      motion.jacobian_derivative<Rep>(frame, ask.order, columns);
+      const std::string& name = ask.model.frame(frame).name;
+      answer.value[name] = rows_of(std::span<const TwistRate<Rep>>(columns));
+      for (std::size_t c = 0; c < columns.size(); ++c) {
+        const auto& [w, v] = columns[c];
+        answer.table.row({c == 0 ? name : "", names[c], w.x, w.y, w.z, v.x, v.y, v.z});
+      }
+      answer.table.rule();
+    }
+    return answer;
+  });
+}
+
+Answer twist_derivative(const Question& ask, const std::string& name, int order) {
+  return with_representation(ask.representation, [&](auto rep) {
+    using Rep = decltype(rep);
+    const HigherOrderMotion<> motion = motion_of(ask, order);
+    Answer answer{
+        headline(name + ": time derivative of order " + std::to_string(order) + " of the twists' components",
+                 ask.representation, twist_axes(ask.representation), "rad, m and s"),
+        Json::object(), Table({"frame", "w x", "w y", "w z", "v x", "v y", "v z"})};
+    for (const int frame : frames_of(ask)) {
+      const TwistRate<Rep> V = motion.twist_derivative<Rep>(frame, order);
+      answer.value[ask.model.frame(frame).name] = to_json(V);
+      answer.table.row({ask.model.frame(frame).name, V.w.x, V.w.y, V.w.z, V.v.x, V.v.y, V.v.z});
+    }
+    return answer;
+  });
+}
+Answer jerk_answer(const Question& ask) { return twist_derivative(ask, "jerk", 2); }
+Answer snap_answer(const Question& ask) { return twist_derivative(ask, "snap", 3); }
+Answer twist_derivative_answer(const Question& ask) { return twist_derivative(ask, "twist", ask.order); }
+
+/// The tensor as nested lists: an index for each derivative, the outermost first, then six rows of nv
+/// entries.
+template <class Column> Json nested(std::span<const Column> tensor, int order, int nv) {
+  if (order == 0) return rows_of(tensor);
+  Json list = Json::array();
+  const std::size_t part = tensor.size() / nv;
+  for (int k = 0; k < nv; ++k) list.push_back(nested(tensor.subspan(k * part, part), order - 1, nv));
+  return list;
+}
+
+Answer jacobian_partials_answer(const Question& ask) {
+  return with_representation(ask.representation, [&](auto rep) {
+    using Rep = decltype(rep);
+    const int nv = ask.model.nv();
+    double size = nv;
+    for (int k = 0; k < ask.order; ++k) size *= nv;
+    if (size > 1e6)
+      throw InputError("jacobian_partials: order " + std::to_string(ask.order) +
+                       " has more than a million columns for " + std::to_string(nv) + " velocities");
+    Answer answer{columns_label("partial derivatives of order " + std::to_string(ask.order) +
+                                    " of the Jacobian; outermost derivative first",
+                                ask),
+                  Json::object(), Table({"frame", "entries", "largest"})};
+    Workspace<> workspace(ask.model);
+    std::vector<Twist<Rep>> J(static_cast<std::size_t>(size));
+    for (const int frame : frames_of(ask)) {
+      jacobian_partials<Rep>(ask.model, workspace, ask.state.q, frame, ask.order, J);
+      double largest = 0;
+      for (const Twist<Rep>& column : J) largest = std::max(largest, to_eigen(column).cwiseAbs().maxCoeff());
+      answer.value[ask.model.frame(frame).name] = nested(std::span<const Twist<Rep>>(J), ask.order, nv);
+      answer.table.row({ask.model.frame(frame).name, std::to_string(6 * J.size()), largest});
+    }
+    return answer;
+  });
+}
+
+Json dense(const SystemMatrix& M) {
+  const Eigen::MatrixXd D(M);
+  Json rows = Json::array();
+  for (int r = 0; r < D.rows(); ++r) {
+    rows.push_back(Json::array());
+    for (int c = 0; c < D.cols(); ++c) rows.back().push_back(D(r, c));
+  }
+  return rows;
+}
+Answer system_matrices_answer(const Question& ask) {
+  return with_representation(ask.representation, [&](auto rep) {
+    const SystemMatrices system = system_matrices<decltype(rep)>(ask.model, ask.state.q);
+    Answer answer{headline("V = A X v of all bodies, (I - D) A = I", ask.representation,
+                           twist_axes(ask.representation), "six rows for each body in the model's order"),
+                  Json{{"A", dense(system.A)}, {"D", dense(system.D)}, {"X", dense(system.X)}},
+                  Table({"matrix", "rows", "columns", "entries not zero"})};
+    for (const auto& [name, M] :
+         {std::pair("A", &system.A), std::pair("D", &system.D), std::pair("X", &system.X)})
+      answer.table.row({std::string(name), std::to_string(M->rows()), std::to_string(M->cols()),
+                        std::to_string(M->nonZeros())});
+    return answer;
+  });
+}
+
+Answer inverse_kinematics_answer(const Question& ask) {
+  if (ask.state.targets.empty())
+    throw InputError(
+        "inverse_kinematics: the state has no \"targets\"; give a list of {\"frame\", \"pose\"}");
+  const InverseKinematicsResult result = inverse_kinematics(ask.model, ask.state.targets, ask.state.q);
+  Answer answer{"a configuration in which the frames take the poses of the targets, from q; " +
+                    std::string(to_string(result.status)) + ", error " + significant(result.residual),
+                Json{{"status", to_string(result.status)},
+                     {"q", result.q},
+                     {"residual", result.residual},
+                     {"iterations", result.iterations},
+                     {"restarts", result.restarts}},
+                Table({"coordinate", "q"})};
+  const std::vector<std::string> names = coordinate_names(ask.model);
+  for (std::size_t k = 0; k < names.size(); ++k) answer.table.row({names[k], result.q[k]});
+  return answer;
+}
+
+Answer mass_matrix_factors_answer(const Question& ask) {
+  Workspace<> workspace(ask.model);
+  MassMatrixFactor<> factor(ask.model);
+  const int nv = ask.model.nv();
+  std::vector<double> M(static_cast<std::size_t>(nv) * static_cast<std::size_t>(nv)), D;
+  mass_matrix(ask.model, workspace, ask.state.q, M);
+  require(ask, factor.factorize(M));
+  const std::vector<std::string> names = velocity_names(ask.model);
+  std::vector<std::string> headings{"velocity"};
+  headings.insert(headings.end(), names.begin(), names.end());
+  Answer answer{"M = L^T D L; the table has L", Json{{"L", Json::array()}}, Table(std::move(headings))};
+  for (int r = 0; r < nv; ++r) {
+    std::vector<double> row;
+    for (int c = 0; c < nv; ++c) row.push_back(factor.L(r, c));
+    std::vector<Cell> cells{names[static_cast<std::size_t>(r)]};
+    cells.insert(cells.end(), row.begin(), row.end());
+    answer.table.row(std::move(cells));
+    answer.value["L"].push_back(std::move(row));
+    D.push_back(factor.D(r));
+  }
+  answer.value["D"] = D;
+  return answer;
+}
+
+/// The rates of a state of which each body has six unknowns: v, and a rate of type Rate by body.
+template <class Rate>
+Answer body_rates_answer(const Question& ask, std::string label, std::vector<std::string> headings,
+                         const char* key, const std::vector<double>& v, const std::vector<Rate>& rates) {
+  Answer answer{std::move(label), Json{{"v", v}, {key, Json::object()}}, Table(std::move(headings))};
+  for (int i = 1; i <= ask.model.n_bodies(); ++i) {
+    const auto& [x, y] = rates[i - 1];
+    answer.value[key][ask.model.body(i).name] = to_json(rates[i - 1]);
+    answer.table.row({ask.model.body(i).name, x.x, x.y, x.z, y.x, y.y, y.z});
+  }
+  return answer;
+}
+Answer twist_form_answer(const Question& ask) {
+  return with_representation(ask.representation, [&](auto rep) {
+    using Rep = decltype(rep);
+    Workspace<> workspace(ask.model);
+    const std::size_t n = ask.model.n_bodies();
+    std::vector<Twist<Rep>> V(ask.model.n_frames());
+    twists<Rep>(ask.model, workspace, ask.state.q, ask.state.v, V);
+    std::vector<double> v(ask.model.nv());
+    std::vector<TwistRate<Rep>> dV(n);
+    require(ask, twist_form<Rep>(ask.model, workspace, ask.state.q, std::span(V).subspan(1, n), ask.state.tau,
+                                 v, dV, ask.loads()));
+    return body_rates_answer(
+        ask,
+        headline("rates of the state (q, V) under the drive forces tau, V being the twists of "
+                 "the bodies at the state's v",
+                 ask.representation, twist_axes(ask.representation), "rad/s^2, m/s^2"),
+        {"body", "w' x", "w' y", "w' z", "v' x", "v' y", "v' z"}, "dV", v, dV);
+  });
+}
+Answer spatial_momentum_form_answer(const Question& ask) {
+  Workspace<> workspace(ask.model);
+  std::vector<Momentum<Spatial>> Pi(ask.model.n_bodies());
+  body_momenta<Spatial>(ask.model, workspace, ask.state.q, ask.state.v, Pi);
+  std::vector<double> v(ask.model.nv());
+  std::vector<Wrench<Spatial>> dPi(Pi.size());
+  require(ask,
+          spatial_momentum_form(ask.model, workspace, ask.state.q, Pi, ask.state.tau, v, dPi, ask.loads()));
+  return body_rates_answer(
+      ask,
+      "rates of the state (q, Pi) under the drive forces tau, Pi being the spatial momenta of "
+      "the bodies at the state's v; N m, N",
+      {"body", "l' x", "l' y", "l' z", "p' x", "p' y", "p' z"}, "dPi", v, dPi);
+}
+Answer inverse_dynamics_rates_answer(const Question& ask) {
+  std::vector<double> rates, tau(3 * ask.state.v.size());
+  for (const auto* row : {&ask.state.v, &ask.state.a, &ask.state.jerk, &ask.state.snap})
+    rates.insert(rates.end(), row->begin(), row->end());
+  InverseDynamicsRates<> forces(ask.model, 2);
+  forces.evaluate(ask.state.q, rates, tau, ask.loads());
+  Answer answer{"drive forces and their first and second time derivatives", Json::array(),
+                Table({"joint", "tau", "tau'", "tau\""})};
+  const std::vector<std::string> names = velocity_names(ask.model);
+  const std::size_t nv = names.size();
+  for (std::size_t order = 0; order < 3; ++order)
+    answer.value.push_back(std::vector(tau.begin() + order * nv, tau.begin() + (order + 1) * nv));
+  for (std::size_t k = 0; k < nv; ++k) answer.table.row({names[k], tau[k], tau[nv + k], tau[2 * nv + k]});
+  return answer;
+}
+Answer inertial_parameters_answer(const Question& ask) {
+  const std::vector<double> pi = inertial_parameters(ask.model);
+  Answer answer{"of every body in its frame, with what is fixed to it; kg, kg m, kg m^2", pi,
+                Table({"parameter", "pi"})};
+  const std::vector<std::string> names = parameter_names(ask.model);
+  for (std::size_t k = 0; k < names.size(); ++k) answer.table.row({names[k], pi[k]});
+  return answer;
+}
+
+}  // namespace
+
+std::vector<Quantity> other_quantities() {
+  return {
+      {"jacobian_derivative", "time derivative of --order of the Jacobian", jacobian_derivative_answer},
+      {"jacobian_partials", "partial derivatives of --order of the Jacobian by the configuration",
+       jacobian_partials_answer},
+      {"jerk", "second time derivatives of the twists", jerk_answer},
+      {"snap", "third time derivatives of the twists", snap_answer},
+      {"twist_derivative", "time derivatives of --order of the twists", twist_derivative_answer},
+      {"system_matrices", "the sparse factors A, D and X of the system Jacobian", system_matrices_answer},
+      {"inverse_kinematics", "joint coordinates for the poses in the state's \"targets\"",
+       inverse_kinematics_answer},
+      {"mass_matrix_factors", "L and D of M = L^T D L", mass_matrix_factors_answer},
+      {"twist_form", "rates of (q, V) under the drive forces tau", twist_form_answer},
+      {"spatial_momentum_form", "rates of (q, Pi) under the drive forces tau", spatial_momentum_form_answer},
+      {"inverse_dynamics_rates", "drive forces and their time derivatives, from a, jerk and snap",
+       inverse_dynamics_rates_answer},
+      {"inertial_parameters", "ten for every body", inertial_parameters_answer},
+  };
+}
+
+}  // namespace axode::command

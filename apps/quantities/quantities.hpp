@@ -1,0 +1,60 @@
+#pragma once
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "apps/files/json_text.hpp"
+#include "apps/files/state.hpp"
+#include "apps/shell/table.hpp"
+#include "axode/dynamics/closed_form/coriolis.hpp"
+#include "axode/dynamics/joint_wrenches.hpp"
+#include "axode/model/model.hpp"
+#include "axode/recursion/solvability.hpp"
+
+namespace axode::command {
+
+/// A question about a mechanism: the model, its state, and how to answer.
+struct Question {
+  Model model;
+  State state;
+  Representation representation = Representation::body;
+  bool joint_losses = false;
+  std::vector<int> frames = {};  ///< the frames of the question; all if empty
+  int relative_to = 0;           ///< the frame of the observer, for relative motion; 0 is the ground
+  int order = 1;                 ///< order of derivatives
+  CoriolisForm coriolis = CoriolisForm::christoffel;
+  WrenchPoint at = WrenchPoint::body;  ///< point of the moments of joint_wrenches
+
+  Loads<> loads() const { return {state.loads, joint_losses}; }
+};
+
+/// The answer to a question: a title with units and axes, and the value as JSON and as a table.
+struct Answer {
+  std::string label;
+  Json value;
+  Table table;
+};
+
+/// A quantity that `axode eval` can compute.
+struct Quantity {
+  std::string_view name, purpose;
+  std::function<Answer(const Question&)> answer;
+};
+/// All quantities in the order of the documentation: functions of the catalogue and other quantities.
+const std::vector<Quantity>& quantities();
+/// Quantities that are not in the catalogue: they take an order or targets, or their results are not only
+/// numbers.
+std::vector<Quantity> other_quantities();
+/// Quantities of closed loops.
+std::vector<Quantity> loop_quantities();
+
+/// The frames that the question names, or all but the inertial frame.
+std::vector<int> frames_of(const Question& ask);
+
+/// The axes and the reference point of the six components of a twist in a representation.
+std::string twist_axes(Representation representation);
+/// A title with the name of a quantity, its representation and axes, and its units.
+std::string headline(std::string_view what, Representation representation, const std::string& axes,
+                     std::string_view units);
+
+}  // namespace axode::command

@@ -1,0 +1,84 @@
+#pragma once
+#include <array>
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include "apps/shell/commands.hpp"
+#include "axode/catalog.hpp"
+#include "axode/dynamics/closed_form/coriolis.hpp"
+#include "axode/lie/twist.hpp"
+#include "axode/model/building/nearest_name.hpp"
+
+/// Words of the command line that stand for a value.
+namespace axode::command {
+
+enum class Format { table, json };
+
+inline constexpr std::array<std::pair<std::string_view, Format>, 2> formats{
+    {{"table", Format::table}, {"json", Format::json}}};
+
+inline constexpr std::array<std::pair<std::string_view, CoriolisForm>, 4> coriolis_forms{
+    {{"paper", CoriolisForm::paper},
+     {"skew", CoriolisForm::skew},
+     {"spatial", CoriolisForm::spatial},
+     {"christoffel", CoriolisForm::christoffel}}};
+
+inline constexpr std::array<std::pair<std::string_view, WrenchPoint>, 2> wrench_points{
+    {{"body", WrenchPoint::body}, {"joint", WrenchPoint::joint}}};
+
+/// `; did you mean "poses"?` for the nearest name, `; it is called "mass_matrix" here` for a name of other
+/// libraries, or `; names that contain it: "kinetic_energy", ...`; empty if there is no such name.
+template <class Range, class NameOf>
+std::string suggestion(std::string_view word, const Range& candidates, NameOf name_of) {
+  const std::string_view here = catalog::name_here(word);
+  for (const auto& candidate : candidates)
+    if (!here.empty() && here == name_of(candidate))
+      return "; it is called \"" + std::string(here) + "\" here";
+  std::string holding;
+  for (const auto& candidate : candidates) {
+    const std::string name(name_of(candidate));
+    if (word.size() > 2 && name.find(word) != std::string::npos)
+      holding += (holding.empty() ? "" : ", ") + ('"' + name + '"');
+  }
+  const std::string near = did_you_mean(word, candidates, name_of);
+  return near.empty() && !holding.empty() ? "; names that contain it: " + holding : near;
+}
+
+/// `"fre" is none of fixed, free; did you mean "free"?`, where names are the valid words.
+template <class Range, class NameOf>
+std::string none_of(std::string_view word, const Range& candidates, NameOf name_of) {
+  std::string sentence = '"' + std::string(word) + "\" is none of ";
+  const char* separator = "";
+  for (const auto& candidate : candidates) {
+    sentence += separator + std::string(name_of(candidate));
+    separator = ", ";
+  }
+  return sentence + suggestion(word, candidates, name_of);
+}
+
+/// The value of a word. Throws Error if there is no such word; `where` is the begin of the sentence.
+template <class Error = UsageError, class Value, std::size_t N>
+Value choose(const std::string& where, std::string_view word,
+             const std::array<std::pair<std::string_view, Value>, N>& choices) {
+  for (const auto& [name, value] : choices)
+    if (name == word) return value;
+  throw Error(where + ": " + none_of(word, choices, [](const auto& choice) { return choice.first; }));
+}
+
+/// The words as help shows them and completion offers them: `table|json`.
+template <class Choices> std::string words(const Choices& choices) {
+  std::string all;
+  for (const auto& choice : choices) all += (all.empty() ? "" : "|") + std::string(choice.first);
+  return all;
+}
+
+/// The word for a value.
+template <class Value, std::size_t N>
+std::string_view word_for(Value wanted, const std::array<std::pair<std::string_view, Value>, N>& choices) {
+  for (const auto& [name, value] : choices)
+    if (value == wanted) return name;
+  return "";
+}
+
+}  // namespace axode::command

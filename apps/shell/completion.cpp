@@ -1,0 +1,161 @@
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <memory>
+
+#include "apps/quantities/quantities.hpp"
+#include "apps/shell/choice.hpp"
+#include "apps/shell/command_line.hpp"
+#include "apps/shell/commands.hpp"
+#include "axode/codegen.hpp"
+#include "axode/integration.hpp"
+
+/// Completion of the words of `axode`: a shell asks the program for each word that is to be completed.
+namespace axode::command {
+namespace {
+
+constexpr const char* footer = R"(Example:
+  axode completion bash
+
+In ~/.bashrc: source <(axode completion bash). In ~/.zshrc, after compinit: source <(axode completion zsh).
+For fish: axode completion fish > ~/.config/fish/completions/axode.fish. `cmake --install` installs
+these files.
+The scripts call axode with the WORDS of a command line, and axode prints the completions of the last word.)";
+
+/// A shell calls axode with all words after `axode`, the last of which is to be completed. The output has a
+/// line for each completion: a word, a tab and a description. The output ":files" stands for the names of
+/// files.
+constexpr const char* bash = R"sh(# Completion of axode for bash.
+_axode() {
+  local words=("${COMP_WORDS[@]:1:COMP_CWORD}")
+  mapfile -t COMPREPLY < <("${COMP_WORDS[0]}" completion bash -- "${words[@]}" 2>/dev/null | cut -f 1)
+  if [[ ${COMPREPLY[0]} == :files ]]; then
+    compopt -o filenames 2>/dev/null
+    mapfile -t COMPREPLY < <(compgen -f -- "${COMP_WORDS[COMP_CWORD]#=}")
+  fi
+}
+complete -F _axode axode
+)sh";
+constexpr const char* zsh = R"sh(#compdef axode
+# Completion of axode for zsh. A blank takes the characters = and , at the end of a word away.
+_axode() {
+  local line word suffix
+  local -a shown
+  for line in ${(f)"$($words[1] completion zsh -- "${(@)words[2,CURRENT]}" 2>/dev/null)"}; do
+    word=${line%%$'\t'*} suffix=' ' shown=("${line/$'\t'/  -- }")
+    [[ $word == :files ]] && { _files; return }
+    [[ $word == *[=,] ]] && suffix=$word[-1] word=$word[1,-2]
+    compadd -q -S $suffix -l -d shown -- $word
+  done
+}
+if [[ $funcstack[1] == _axode ]]; then
+  _axode "$@"
+else
+  compdef _axode axode
+fi
+)sh";
+constexpr const char* fish = R"sh(# Completion of axode for fish.
+function __axode
+  set -l words (commandline -opc)
+  set -l word (commandline -ct)
+  set -l found ($words[1] completion fish -- $words[2..] "$word" 2>/dev/null)
+  if test "$found[1]" = :files
+    __fish_complete_path $word
+  else
+    printf '%s\n' $found
+  end
+end
+complete -c axode -f -a '(__axode)'
+)sh";
+
+constexpr std::array<std::pair<std::string_view, const char*>, 3> shells{
+    {{"bash", bash}, {"zsh", zsh}, {"fish", fish}}};
+
+/// The words, or files, that are valid at a place of the command line.
+struct Offer {
+  bool files = false;
+  bool list = false;                                            ///< whether commas separate several words
+  std::vector<std::pair<std::string, std::string>> words = {};  ///< words and descriptions
+};
+
+/// The words that an option takes. The type of its value is `FILE`, a list of words, as in `table|json`, or a name
+/// for many words.
+Offer offer(const CLI::Option& option) {
+  const std::string type = option.get_type_name();
+  Offer offer{.files = type.starts_with("FILE"), .list = type == "QUANTITIES" || type == "FUNCTIONS"};
+  const auto add = [&](const auto& all, const auto& name_of) {
+    for (const auto& one : all) offer.words.emplace_back(name_of(one), "");
+  };
+  if (type == "METHOD") add(methods, [](const auto& method) { return method.first; });
+  if (type == "QUANTITIES") add(quantities(), [](const Quantity& x) { return x.name; });
+  if (type == "FUNCTIONS") add(codegen::recorded_functions, std::identity());
+  if (type.find('|') != std::string::npos) add(CLI::detail::split(type, '|'), std::identity());
+  return offer;
+}
+
+/// The words that are valid if the word before is not an option with a value.
+Offer words_of(const CLI::App& command, bool is_option, bool with_equals) {
+  Offer all;
+  for (const CLI::App* sub : commands(command))
+    all.words.emplace_back(sub->get_name(), sub->get_description());
+  for (const CLI::Option* option : positionals(command)) {
+    const Offer one = offer(*option);
+    all.files |= one.files;
+    all.words.insert(all.words.end(), one.words.begin(), one.words.end());
+  }
+  if (!is_option && (all.files || !all.words.empty())) return all;
+  all = {};
+  for (const CLI::Option* option : command.get_options())
+    for (const std::string& name : flags(*option)) {
+      const bool before_value = with_equals && takes_value(*option) && name.starts_with("--");
+      all.words.emplace_back(name + (before_value ? "=" : ""), option->get_description());
+    }
+  return all;
+}
+
+/// The completions of the last of the words after `axode`, one in a line.
+std::string completions(const CLI::App& app, std::vector<std::string> words, std::string_view shell) {
+  std::string word = words.back(), head;  // a part of the word that stays
+  words.pop_back();
+  if (shell == "bash" && word == "=")
+    words.push_back(std::exchange(word, ""));  // --option=value is three words
+  if (!words.empty() && words.back() == "=") words.pop_back();
+  if (const std::size_t end = word.find('='); word.starts_with("--") && end != std::string::npos) {
+    words.push_back(word.substr(0, end));
+    head = word.substr(0, end + 1);
+  }
+  const CLI::App* command = &app;
+  const auto name = std::ranges::find_if(words, [](const std::string& x) { return !x.starts_with('-'); });
+  for (const CLI::App* sub : commands(app))
+    if (name != words.end() && sub->get_name() == *name) command = sub;
+  const CLI::Option* asked = words.empty() ? nullptr : command->get_option_no_throw(words.back());
+  const bool has_value = asked != nullptr && asked->nonpositional() && takes_value(*asked);
+  const Offer found = has_value ? offer(*asked) : words_of(*command, word.starts_with('-'), shell == "zsh");
+  if (found.files) return ":files\n";
+  if (found.list) head = word.substr(0, std::max(head.size(), word.rfind(',') + 1));
+  std::string lines;
+  for (const auto& [end, description] : found.words)
+    if (const std::string all = head + end; all.starts_with(word))
+      lines += fmt::format("{}{}\t{}\n", all, found.list && shell == "zsh" ? "," : "", description);
+  return lines;
+}
+
+}  // namespace
+
+void add_completion(CLI::App& app, int& exit_code) {
+  const auto shell = std::make_shared<std::string>();
+  const auto line = std::make_shared<std::vector<std::string>>();
+  CLI::App* completion =
+      app.add_subcommand("completion", "Print what makes a shell complete commands and options");
+  completion->add_option("SHELL", *shell, "The shell")->required()->type_name(words(shells));
+  completion->add_option("WORDS", *line, "Words after axode; the last one is completed");
+  completion->footer(footer);
+  completion->callback([&app, shell, line, &exit_code] {
+    const char* const script = choose("SHELL", *shell, shells);
+    fmt::print("{}", line->empty() ? script : completions(app, *line, *shell));
+    exit_code = all_well;
+  });
+}
+
+}  // namespace axode::command

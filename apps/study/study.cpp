@@ -1,0 +1,301 @@
+#include "apps/study/study.hpp"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <cmath>
+
+#include "apps/commands/chart.hpp"
+#include "apps/files/csv_file.hpp"
+#include "apps/files/json_text.hpp"
+#include "apps/files/model_options.hpp"
+#include "apps/files/text_file.hpp"
+#include "apps/shell/choice.hpp"
+#include "apps/shell/commands.hpp"
+#include "apps/shell/table.hpp"
+#include "apps/shell/terminal.hpp"
+#include "apps/study/call_timer.hpp"
+#include "axode/dynamics/mass_matrix/mass_matrix.hpp"
+
+namespace axode::command {
+namespace {
+
+struct Options {
+  ModelOptions mechanisms;
+  std::string csv, plot, format = "table";
+};
+
+constexpr const char* footer = R"(Example:
+  axode study double_pendulum.toml --csv study.csv --plot study.svg
+
+Measures every algorithm in every representation and four choices of body frames:
+  joint         joint frames: the axis of the joint is the z-axis of the body, at its origin
+  user          body frames of the file
+  com           frames at the centres of mass, parallel to the joint frames
+  construction  frames that coincide with the inertial frame at q = 0
+and the fast path, which belongs to no representation. The columns are:
+  mul, add, div, sqrt, sin cos   operations on numbers that the code executes, zeros and ones included
+  Ad, Ad_R, Ad_r                 twists, wrenches and screws transformed: by a pose, a rotation, a translation
+  M Ad, M Ad_R, M Ad_r           inertias transformed by a pose, a rotation, a translation
+  ad                             Lie brackets, of twists with twists or wrenches
+  ns                             time of one call in one thread, median, nanoseconds
+
+All of them are algorithms for trees: a mechanism with loops or couplings is refused. The results do not
+depend on the frames; see docs/comparative-study.md. The CSV has a line for each row of the tables. The
+plot shows times as bars and total operations as marks, scaled so that the mark of body-fixed twists in
+joint frames is at the end of its bar.)";
+
+/// A count of an effort: its heading in a table, its name in a file.
+struct Column {
+  std::string_view heading, name;
+  long (*count)(const Operations&);
+};
+template <ScrewOperation kind> long count_of(const Operations& x) { return x[kind]; }
+constexpr std::array<Column, 12> columns{
+    {{"mul", "mul", [](const Operations& x) { return x.products; }},
+     {"add", "add", [](const Operations& x) { return x.sums; }},
+     {"div", "div", [](const Operations& x) { return x.divisions; }},
+     {"sqrt", "sqrt", [](const Operations& x) { return x.roots; }},
+     {"sin cos", "sin_cos", [](const Operations& x) { return x.angles; }},
+     {"Ad", "screw_transformations", count_of<ScrewOperation::transformation>},
+     {"Ad_R", "screw_rotations", count_of<ScrewOperation::rotation>},
+     {"Ad_r", "screw_translations", count_of<ScrewOperation::translation>},
+     {"M Ad", "tensor_transformations", count_of<ScrewOperation::tensor_transformation>},
+     {"M Ad_R", "tensor_rotations", count_of<ScrewOperation::tensor_rotation>},
+     {"M Ad_r", "tensor_translations", count_of<ScrewOperation::tensor_translation>},
+     {"ad", "brackets", count_of<ScrewOperation::bracket>}}};
+
+constexpr std::string_view fast = "fast";
+constexpr std::array<std::string_view, 5> ways_to_compute{"body", "spatial", "hybrid", "mixed", fast};
+constexpr std::array<std::string_view, 4> frame_choices{"joint", "user", "com", "construction"};
+
+/// A representation and a choice of body frames, with which all algorithms are run.
+struct Variant {
+  std::string_view frames, representation;
+  std::unique_ptr<Subject> subject;
+  Operations (*operations)(Algorithm, const Model&, const State&);
+};
+
+template <class Frames>
+void add_variants(std::vector<Variant>& variants, std::string_view frames, const Model& model,
+                  const State& state) {
+  for (const auto& [name, representation] : representations)
+    with_representation(representation, [&, name = name](auto rep) {
+      variants.push_back({frames, name, make_subject<decltype(rep), Frames>(model, state),
+                          operations<decltype(rep), Frames>});
+    });
+  if constexpr (std::same_as<Frames, JointFrames>)
+    variants.push_back(
+        {frames, fast, make_subject<Fast, JointFrames>(model, state), operations<Fast, JointFrames>});
+}
+
+std::vector<Variant> variants_of(const Model& model, const State& state) {
+  std::vector<Variant> variants;
+  add_variants<JointFrames>(variants, "joint", model, state);
+  add_variants<UserFrames>(variants, "user", model, state);
+  add_variants<MassCenterFrames>(variants, "com", model, state);
+  add_variants<ConstructionFrames>(variants, "construction", model, state);
+  return variants;
+}
+
+/// A line that a terminal shows during long computations.
+void show_progress(std::string_view text) {
+  if (!is_terminal(stderr)) return;
+  fmt::print(stderr, "\r\033[K{}", text);
+  std::fflush(stderr);
+}
+
+bool needs_mass_matrix_inverse(Algorithm algorithm) {
+  return algorithm == Algorithm::forward_dynamics || algorithm == Algorithm::inverse_mass_matrix ||
+         algorithm == Algorithm::momentum_form;
+}
+
+Study studied(const Model& model) {
+  constexpr int rounds = 6, batches = 50;  // rounds: a temporary load of the machine slows all variants alike
+  const State state = random_state(model);
+  Study study{model.name(), model.n_bodies(), model.nv(), {}, {}};
+  Workspace<> workspace(model);
+  std::vector<double> inverse(static_cast<std::size_t>(model.nv()) * static_cast<std::size_t>(model.nv()));
+  const Solvability solvability = inverse_mass_matrix<Hybrid>(model, workspace, state.q, inverse);
+  if (!solvability.ok())
+    study.left_out = "forward_dynamics, inverse_mass_matrix and momentum_form are left out: " +
+                     to_string(model, solvability);
+
+  const std::vector<Variant> variants = variants_of(model, state);
+  std::vector<CallTimer> timers;
+  for (const auto& [name, algorithm] : algorithms)
+    for (const Variant& variant : variants) {
+      if (!variant.subject->can(algorithm) || (!solvability.ok() && needs_mass_matrix_inverse(algorithm)))
+        continue;
+      study.efforts.push_back({algorithm, variant.frames, variant.representation,
+                               variant.operations(algorithm, model, state), 0});
+      timers.emplace_back(
+          [&subject = *variant.subject, algorithm = algorithm](int calls) { subject.run(algorithm, calls); });
+    }
+  for (int round = 0; round < rounds; ++round) {
+    show_progress(fmt::format("{}: round {} of {}", model.name(), round + 1, rounds));
+    for (CallTimer& timer : timers) timer.sample(batches);
+  }
+  show_progress("");
+  for (std::size_t k = 0; k < timers.size(); ++k) study.efforts[k].seconds = timers[k].median();
+  return study;
+}
+
+double nanoseconds(const Effort& effort) { return std::round(1e10 * effort.seconds) / 10; }
+
+void print(const Study& study) {
+  fmt::print("{}\n", in(Ink::heading, fmt::format("{}: {} moving bodies, nv = {}", study.model, study.bodies,
+                                                  study.velocities)));
+  if (!study.left_out.empty()) fmt::print("{}\n", in(Ink::warning, study.left_out));
+  for (const auto& [name, algorithm] : algorithms) {
+    std::vector<std::string> headings{"frames", "representation"};
+    for (const Column& column : columns) headings.emplace_back(column.heading);
+    headings.emplace_back("ns");
+    Table table(headings);
+    std::string_view frames;
+    for (const Effort& effort : study.efforts) {
+      if (effort.algorithm != algorithm) continue;
+      if (!frames.empty() && effort.frames != frames) table.rule();
+      std::vector<Cell> row{std::string(effort.frames == frames ? "" : effort.frames),
+                            std::string(effort.representation)};
+      frames = effort.frames;
+      for (const Column& column : columns) {
+        const long count = column.count(effort.operations);
+        row.push_back(count == 0 ? Cell("") : Cell(static_cast<double>(count)));
+      }
+      row.emplace_back(nanoseconds(effort));
+      table.row(std::move(row));
+    }
+    if (!table.empty()) fmt::print("\n{}\n{}", in(Ink::heading, name), table.text());
+  }
+}
+
+std::string as_csv(const std::vector<Study>& studies) {
+  std::string out = "model,bodies,velocities,algorithm,frames,representation";
+  for (const Column& column : columns) out += fmt::format(",{}", column.name);
+  out += ",ns\n";
+  for (const Study& study : studies)
+    for (const Effort& effort : study.efforts) {
+      out += fmt::format("{},{},{},{},{},{}", quoted(study.model), study.bodies, study.velocities,
+                         word_for(effort.algorithm, algorithms), effort.frames, effort.representation);
+      for (const Column& column : columns) out += fmt::format(",{}", column.count(effort.operations));
+      out += fmt::format(",{}\n", nanoseconds(effort));
+    }
+  return out;
+}
+
+Json as_json(const std::vector<Study>& studies) {
+  Json out = Json::array();
+  for (const Study& study : studies) {
+    Json efforts = Json::array();
+    for (const Effort& effort : study.efforts) {
+      Json row{{"algorithm", word_for(effort.algorithm, algorithms)},
+               {"frames", effort.frames},
+               {"representation", effort.representation}};
+      for (const Column& column : columns) row[std::string(column.name)] = column.count(effort.operations);
+      row["ns"] = nanoseconds(effort);
+      efforts.push_back(row);
+    }
+    out.push_back({{"model", study.model},
+                   {"bodies", study.bodies},
+                   {"velocities", study.velocities},
+                   {"efforts", efforts}});
+    if (!study.left_out.empty()) out.back()["left_out"] = study.left_out;
+  }
+  return out;
+}
+
+/// The position of the bar of an effort: five bars for the joint frames, four for each of the others, with
+/// gaps between.
+double place_of(const Effort& effort) {
+  const auto number = [](const auto& names, std::string_view name) {
+    return static_cast<int>(std::ranges::find(names, name) - names.begin());
+  };
+  const int frames = number(frame_choices, effort.frames);
+  return number(ways_to_compute, effort.representation) + (frames == 0 ? 0 : 5.8 + 4.8 * (frames - 1));
+}
+
+Panel panel_of(const Study& study, Algorithm algorithm) {
+  Panel panel{.title = study.model + ": " + std::string(word_for(algorithm, algorithms)), .y_axis = "µs"};
+  for (std::size_t k = 0; k < ways_to_compute.size(); ++k)
+    panel.curves.push_back(
+        {.name = std::string(ways_to_compute[k]), .kind = Curve::bars, .color = static_cast<int>(k)});
+  Curve operations{.name = "operations", .kind = Curve::marks};
+  double scale = 0;
+  for (const Effort& effort : study.efforts) {
+    if (effort.algorithm != algorithm) continue;
+    const Operations& all = effort.operations;
+    const double sum = static_cast<double>(all.products + all.sums + all.divisions + all.roots + all.angles);
+    const double microseconds = 1e6 * effort.seconds, x = place_of(effort);
+    if (scale == 0) scale = microseconds / sum;
+    Curve& bars = panel.curves[static_cast<std::size_t>(
+        std::ranges::find(ways_to_compute, effort.representation) - ways_to_compute.begin())];
+    bars.x.push_back(x);
+    bars.y.push_back(microseconds);
+    operations.x.push_back(x);
+    operations.y.push_back(scale * sum);
+  }
+  if (scale == 0) return {};
+  panel.curves.push_back(operations);
+  panel.x_ticks = {{2, "joint"}, {7.3, "user"}, {12.1, "com"}, {16.9, "constr."}};
+  panel.x_range = {-0.8, 18.8};
+  return panel;
+}
+
+/// The chart of the studies, with a column for each model and a row for each algorithm.
+Chart chart_of(const std::vector<Study>& studies) {
+  Chart chart{
+      .columns = static_cast<int>(studies.size()), .width = 240, .height = 130, .legend = Chart::below_all};
+  for (const auto& [name, algorithm] : algorithms)
+    for (const Study& study : studies) chart.panels.push_back(panel_of(study, algorithm));
+  return chart;
+}
+
+void run(const Options& options) {
+  const Format format = choose("--format", options.format, formats);
+  const std::optional<ChartFile> plot = chart_file(options.plot);
+  const std::vector<Model> models = load_all(options.mechanisms);
+  for (std::size_t k = 0; k < models.size(); ++k) {
+    const std::string& file = options.mechanisms.files[k];
+    if (models[k].nv() == 0)
+      throw InputError(file + ": the model has no moving body; a study needs at least one");
+    if (!models[k].loops().empty())
+      throw InputError(
+          file +
+          ": the mechanism has loops or couplings, and a study compares algorithms for trees; leave its "
+          "[[loop]] and [[coupling]] tables out to study the tree, and call axode eval "
+          "or axode simulate to count them");
+  }
+  std::vector<Study> studies;
+  studies.reserve(models.size());
+  for (const Model& model : models) studies.push_back(studied(model));
+  if (!options.csv.empty()) write_text(options.csv, as_csv(studies));
+  if (plot) plot->draw(chart_of(studies));
+  if (format == Format::json) {
+    fmt::print("{}", text(as_json(studies)));
+    return;
+  }
+  for (std::size_t k = 0; k < studies.size(); ++k) {
+    if (k > 0) fmt::print("\n");
+    print(studies[k]);
+  }
+}
+
+}  // namespace
+
+void add_study(CLI::App& app, int& exit_code) {
+  const auto options = std::make_shared<Options>();
+  CLI::App* study = app.add_subcommand("study", "Compare representations and frames: operations and times");
+  add_model_options(*study, options->mechanisms, Files::several);
+  study->add_option("--csv", options->csv, "Write the numbers to this file")->type_name("FILE");
+  add_plot_option(*study, options->plot);
+  study->add_option("--format", options->format, "How to print; table if left out")
+      ->type_name(words(formats));
+  study->footer(footer);
+  study->callback([options, &exit_code] {
+    run(*options);
+    exit_code = all_well;
+  });
+}
+
+}  // namespace axode::command

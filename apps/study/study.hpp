@@ -1,0 +1,68 @@
+#pragma once
+#include <array>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "apps/files/state.hpp"
+#include "apps/study/framed_tree.hpp"
+#include "axode/scalar/counted.hpp"
+
+/// Compares the cost of algorithms, representations and choices of body frames.
+namespace axode::command {
+
+enum class Algorithm {
+  inverse_dynamics,
+  forward_dynamics,
+  mass_matrix,
+  inverse_mass_matrix,
+  accelerations,
+  momentum_form
+};
+inline constexpr std::array<std::pair<std::string_view, Algorithm>, 6> algorithms{
+    {{"inverse_dynamics", Algorithm::inverse_dynamics},
+     {"forward_dynamics", Algorithm::forward_dynamics},
+     {"mass_matrix", Algorithm::mass_matrix},
+     {"inverse_mass_matrix", Algorithm::inverse_mass_matrix},
+     {"accelerations", Algorithm::accelerations},
+     {"momentum_form", Algorithm::momentum_form}}};
+
+/// The frames of the library's own trees; FramedTree has others.
+struct JointFrames {};
+
+/// A model, a state, a representation and a choice of body frames, with which every algorithm can run.
+/// Algorithms that take drive forces or momenta get the accelerations or the velocities of the state as such.
+class Subject {
+ public:
+  virtual ~Subject() = default;
+  virtual bool can(Algorithm algorithm) const = 0;
+  virtual void run(Algorithm algorithm, int calls) = 0;
+  /// The result of one call of an algorithm, except accelerations; for the momentum form the velocities, then
+  /// the rates of the momenta.
+  virtual std::vector<double> results_of(Algorithm algorithm) = 0;
+};
+/// Makes a subject. Rep is BodyFixed, Spatial, Hybrid, Mixed, or Fast, with JointFrames only and without
+/// loads.
+template <class Rep, class Frames>
+std::unique_ptr<Subject> make_subject(const Model& model, const State& state);
+/// The operations of one call of an algorithm that the subject can run.
+template <class Rep, class Frames>
+Operations operations(Algorithm algorithm, const Model& model, const State& state);
+
+/// The cost of an algorithm in one variant.
+struct Effort {
+  Algorithm algorithm;
+  std::string_view frames, representation;
+  Operations operations;
+  double seconds;
+};
+struct Study {
+  std::string model;
+  int bodies, velocities;
+  std::vector<Effort> efforts;  ///< by algorithm, then frames, then representation
+  std::string left_out;         ///< a sentence if some algorithms cannot run
+};
+
+}  // namespace axode::command

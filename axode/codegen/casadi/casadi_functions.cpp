@@ -1,0 +1,398 @@
+#include "axode/codegen/casadi/casadi_functions.hpp"
+
+#include <algorithm>
+#include <optional>
+#include <utility>
+
+#include "axode/codegen/tape/differentiation.hpp"
+
+namespace axode::codegen {
+namespace {
+
+using Numbers = Composition::Numbers;
+
+/// The function f with quaternions divided by their norm.
+Recording normalised(const Model& model, const Recording& f) {
+  const Topology& topology = *model.tree<double>().topology();
+  if (topology.quaternion_bodies.empty()) return f;
+  Composition on;
+  std::vector<Numbers> x = on.arguments_of(f);
+  const Numbers q = x[0];
+  for (const int body : topology.quaternion_bodies) {
+    const std::size_t first = topology.iq[body];
+    Trace square;
+    for (std::size_t k = first; k < first + 4; ++k) square += q[k] * q[k];
+    const Trace shorter = 1 / sqrt(square);
+    for (std::size_t k = first; k < first + 4; ++k) x[0][k] = shorter * q[k];
+  }
+  return on.with(f.result, on(f, x));
+}
+
+/// a(q, v, tau) = M⁻¹ (tau - T(q, v, 0)) and its derivatives. With T at these accelerations, and x for q, v,
+/// tau:
+///
+///     M da = dtau - T_q dq - T_v dv,    mu = M⁻¹ w,    d²(w a) = - mu (T_xx + T_xa a_x + (T_xa a_x)ᵀ);
+///
+/// mu T_xa is 0 but for x = q, where mu T_qa a_x = - Kᵀ T_x with K = M⁻¹ (mu T_aq), and Kᵀ for x = tau.
+class Accelerations {
+ public:
+  explicit Accelerations(const Model& model)
+      : model_(model),
+        forces_(normalised(model, record(model, {"inverse_dynamics"}, false))),
+        forces_jacobian_(jacobian_of(forces_)) {
+    for (const Recording& solution : record_solutions(model))
+      solutions_.push_back(normalised(model, solution));
+  }
+
+  Recording value() const {
+    return shortest([](Composition& on, const State& at, const Recording&) { return on.with("a", at.a); });
+  }
+
+  Recording jacobian() const {
+    return shortest([&](Composition& on, const State& at, const Recording& solution) {
+      return on.with("jac", by_state(on, at, solution));
+    });
+  }
+  Recording tangent() const {
+    const Recording forces_tangent = tangent_of(forces_);
+    return shortest([&](Composition& on, const State& at, const Recording& solution) {
+      const Numbers dq = on.argument("fwd_q", model_.nq()), dv = on.argument("fwd_v", model_.nv());
+      Numbers rest = on.argument("fwd_tau", model_.nv());
+      subtract(rest, on(forces_tangent, {at.q, at.v, at.a, dq, dv, Numbers(rest.size())}));
+      return on.with("fwd", on(solution, {at.q, rest}));
+    });
+  }
+  Recording adjoint(const Weights& weights) const {
+    const Recording forces_adjoint = adjoint_of(forces_, {{"w"}, {model_.nv()}});
+    return shortest([&](Composition& on, const State& at, const Recording& solution) {
+      const Numbers mu = on(solution, {at.q, weights.on(on)});
+      Numbers out = on(forces_adjoint, {at.q, at.v, at.a, mu});
+      const std::size_t moving = out.size() - mu.size();
+      for (std::size_t k = 0; k < moving; ++k) out[k] = -out[k];
+      std::ranges::copy(mu, out.begin() + static_cast<std::ptrdiff_t>(moving));
+      return on.with("adj", std::move(out));
+    });
+  }
+  Recording hessian(const Weights& weights) const {
+    const Recording forces_hessian = hessian_of(forces_, {{"w"}, {model_.nv()}});
+    return shortest([&](Composition& on, const State& at, const Recording& solution) {
+      const Numbers mu = on(solution, {at.q, weights.on(on)});
+      const Numbers L = on(forces_hessian, {at.q, at.v, at.a, mu});
+      const std::size_t nq = at.q.size(), nv = at.v.size(), n = nq + 2 * nv, moving = nq + nv;
+      std::vector<Numbers> K;
+      for (std::size_t i = 0; i < nq; ++i) {
+        const auto by_a = L.begin() + static_cast<std::ptrdiff_t>(i * n + moving);
+        K.push_back(on(solution, {at.q, Numbers(by_a, by_a + static_cast<std::ptrdiff_t>(nv))}));
+      }
+      return on.with("hess", curvature(L, on(forces_jacobian_, {at.q, at.v, at.a}), K));
+    });
+  }
+
+ private:
+  struct State {
+    Numbers q, v, a;
+  };
+  State state(Composition& on, const Recording& solution) const {
+    State at{on.argument("q", model_.nq()), on.argument("v", model_.nv()), {}};
+    Numbers rest = on.argument("tau", model_.nv());
+    subtract(rest, on(forces_, {at.q, at.v, Numbers(rest.size())}));
+    at.a = on(solution, {at.q, rest});
+    return at;
+  }
+  static void subtract(Numbers& x, const Numbers& y) {
+    for (std::size_t k = 0; k < x.size(); ++k) x[k] -= y[k];
+  }
+  /// The recording with the fewest operations of make(composition, state, solution) for all solutions.
+  template <class Make> Recording shortest(const Make& make) const {
+    Recording best;
+    for (const Recording& solution : solutions_) {
+      Composition on;
+      Recording made = make(on, state(on, solution), solution);
+      if (best.nodes.empty() || operations(made).total() < operations(best).total()) best = std::move(made);
+    }
+    return best;
+  }
+  /// Columns of a by q, v and tau.
+  Numbers by_state(Composition& on, const State& at, const Recording& solution) const {
+    Numbers columns = on(forces_jacobian_, {at.q, at.v, at.a});
+    const std::size_t nv = at.v.size(), moving = at.q.size() + nv;
+    for (std::size_t c = 0; c < moving + nv; ++c) {
+      Numbers rest(nv);
+      for (std::size_t r = 0; r < nv; ++r) rest[r] = c < moving ? -columns[c * nv + r] : T(c - moving == r);
+      std::ranges::copy(on(solution, {at.q, rest}), columns.begin() + static_cast<std::ptrdiff_t>(c * nv));
+    }
+    // M⁻¹ is symmetric. Keep the half that each solution finds first, on its way to the leaves.
+    for (std::size_t c = 0; c < nv; ++c)
+      for (std::size_t r = c + 1; r < nv; ++r)
+        columns[(moving + c) * nv + r] = columns[(moving + r) * nv + c];
+    return columns;
+  }
+  /// The upper triangle of d²(w a), from L = mu T_xx, the columns of T_x and K = M⁻¹ (mu T_aq).
+  Numbers curvature(const Numbers& L, const Numbers& T_x, const std::vector<Numbers>& K) const {
+    const std::size_t nq = K.size(), nv = static_cast<std::size_t>(model_.nv()), n = nq + 2 * nv,
+                      moving = nq + nv;
+    const auto through_a = [&](std::size_t i, std::size_t j) {
+      Trace sum;
+      for (std::size_t k = 0; k < nv; ++k) sum += K[i][k] * T_x[j * nv + k];
+      return sum;
+    };
+    Numbers H(n * n);
+    for (std::size_t i = 0; i < moving; ++i)
+      for (std::size_t j = i; j < moving; ++j) {
+        H[i * n + j] = -L[i * n + j];
+        if (i < nq) H[i * n + j] += through_a(i, j);
+        if (j < nq) H[i * n + j] += through_a(j, i);
+      }
+    for (std::size_t i = 0; i < nq; ++i)
+      for (std::size_t j = 0; j < nv; ++j) H[i * n + moving + j] = -K[i][j];
+    return H;
+  }
+
+  using T = Trace;
+  const Model& model_;
+  Recording forces_, forces_jacobian_;
+  std::vector<Recording> solutions_;
+};
+
+/// Removes the results that are always 0. Returns the new index of each result, or -1 for a removed one.
+std::vector<int> keep_nonzeros(Recording& recording) {
+  std::vector<int> places;
+  Numbers kept;
+  for (const Trace& x : recording.results) {
+    const bool is_zero = x.is_constant() && x.factor() == 0;
+    places.push_back(is_zero ? -1 : static_cast<int>(kept.size()));
+    if (!is_zero) kept.push_back(x);
+  }
+  recording.results = std::move(kept);
+  return places;
+}
+
+Pattern dense(int rows, int columns) {
+  Pattern pattern{rows, columns};
+  for (int k = 0; k < rows * columns; ++k) pattern.entries.push_back(k);
+  return pattern;
+}
+
+/// A matrix whose entry (r, c) is result number result(r, c), or 0 if that is negative.
+template <class Result>
+CasadiOutput output(std::string name, int rows, int columns, std::size_t recording, const Result& result) {
+  CasadiOutput out{std::move(name), {rows, columns}, recording};
+  for (int c = 0; c < columns; ++c)
+    for (int r = 0; r < rows; ++r)
+      if (const int place = result(r, c); place >= 0) {
+        out.pattern.entries.push_back(c * rows + r);
+        out.results.push_back(place);
+      }
+  return out;
+}
+
+/// The matrices that CasADi gets for the results of a function.
+std::vector<CasadiOutput> matrices(const Model& model, const Function& function,
+                                   std::span<const std::string> frames, Recording& value) {
+  const int nv = model.nv();
+  value.results.push_back(1);
+  const std::vector<int> places = keep_nonzeros(value);
+  const int one = places.back();
+  const auto at = [&](int k) { return places[k]; };
+  const auto square = [&](int r, int c) { return at(r * nv + c); };
+  const catalog::Words& row = function.row.words();
+  if (row.entry == catalog::Entry::twist) return {output(value.result, 6, nv, 0, square)};
+  if (row.entry == catalog::Entry::pose) {
+    std::vector<CasadiOutput> all;
+    for (int f = 0; f < std::ssize(places) / 12; ++f)
+      all.push_back(output(function.is_of_a_frame() ? value.result : value.result + "_" + frames[f], 4, 4, 0,
+                           [&](int r, int c) { return r < 3   ? at(12 * f + 3 * c + r)
+                                                      : c < 3 ? -1
+                                                              : one; }));
+    return all;
+  }
+  if (row.shape.size() == 2) return {output(value.result, nv, nv, 0, square)};
+  return {output(value.result, nv, 1, 0, [&](int r, int) { return at(r); })};
+}
+
+/// Brings results into the order of the entries of the matrices.
+void put_in_order(std::vector<CasadiOutput>& outputs, Recording& value) {
+  Numbers ordered;
+  for (CasadiOutput& out : outputs)
+    for (int& result : out.results) {
+      ordered.push_back(value.results[result]);
+      result = static_cast<int>(ordered.size()) - 1;
+    }
+  value.results = std::move(ordered);
+}
+
+/// Makes the exported functions of a family from recordings.
+class Family {
+ public:
+  enum Kind : std::size_t { value, tangent, adjoint, jacobian, hessian };
+
+  Family(const std::string& name, std::vector<CasadiOutput> outputs, std::vector<Recording> recordings)
+      : name_(name), outputs_(std::move(outputs)), recordings_(std::move(recordings)) {
+    const Recording& f = recordings_[value];
+    for (std::size_t k = 0; k < f.arguments.size(); ++k)
+      inputs_.push_back({f.arguments[k], dense(f.lengths[k], 1)});
+    for (const CasadiInput& input : inputs_) n_ += input.pattern.rows;
+  }
+  CasadiFamily made() {
+    std::vector<CasadiInput> nominal = inputs_, directed, weighted;
+    for (const CasadiOutput& out : outputs_)
+      nominal.push_back({"out_" + out.name, {out.pattern.rows, out.pattern.columns}});
+    directed = weighted = nominal;
+    for (const CasadiInput& input : inputs_) directed.push_back({"fwd_" + input.name, input.pattern});
+    for (const CasadiOutput& out : outputs_) weighted.push_back({"adj_" + out.name, out.pattern});
+    std::vector<CasadiFunction> functions{{name_, inputs_, outputs_},
+                                          {"fwd1_" + name_, directed, changes()},
+                                          {"adj1_" + name_, weighted, gradients()},
+                                          {"jac_" + name_, nominal, first_derivatives(), true}};
+    if (recordings_.size() > hessian) {
+      for (const CasadiInput& input : inputs_)
+        weighted.push_back({"out_adj_" + input.name, {input.pattern.rows, 1}});
+      functions.push_back({"jac_adj1_" + name_, weighted, second_derivatives(), true});
+    }
+    return {std::move(recordings_), std::move(functions), {}};
+  }
+
+ private:
+  /// Calls use(output, input, block) for each block of the Jacobian; a block is a vector of columns.
+  template <class Use> void each_block(const std::vector<int>& places, const Use& use) const {
+    const std::size_t m = recordings_[value].results.size();
+    std::size_t row = 0;
+    for (const CasadiOutput& out : outputs_) {
+      std::size_t column = 0;
+      for (const CasadiInput& input : inputs_) {
+        const int rows = out.pattern.rows * out.pattern.columns;
+        std::vector<std::vector<int>> block;  // by column: the place of each entry of the output
+        for (int c = 0; c < input.pattern.rows; ++c) {
+          block.emplace_back(rows, -1);
+          for (std::size_t k = 0; k < out.pattern.entries.size(); ++k)
+            block.back()[static_cast<std::size_t>(out.pattern.entries[k])] =
+                places[(column + static_cast<std::size_t>(c)) * m + row + k];
+        }
+        use(out, input, block);
+        column += static_cast<std::size_t>(input.pattern.rows);
+      }
+      row += out.pattern.entries.size();
+    }
+  }
+  static int in(const std::vector<std::vector<int>>& block, int r, int c) { return block[c][r]; }
+  std::vector<CasadiOutput> first_derivatives() {
+    std::vector<CasadiOutput> blocks;
+    jacobian_places_ = keep_nonzeros(recordings_[jacobian]);
+    each_block(jacobian_places_, [&](const auto& out, const auto& input, const auto& block) {
+      blocks.push_back(output("jac_" + out.name + "_" + input.name, out.pattern.rows * out.pattern.columns,
+                              input.pattern.rows, jacobian, [&](int r, int c) { return in(block, r, c); }));
+    });
+    return blocks;
+  }
+  std::vector<CasadiOutput> changes() const {
+    std::vector<CasadiOutput> all = outputs_;
+    for (CasadiOutput& out : all) {
+      out.name = "fwd_" + out.name;
+      out.recording = tangent;
+    }
+    return all;
+  }
+  std::vector<CasadiOutput> gradients() const {
+    std::vector<CasadiOutput> all;
+    int first = 0;
+    for (const CasadiInput& input : inputs_) {
+      all.push_back(
+          output("adj_" + input.name, input.pattern.rows, 1, adjoint, [&](int r, int) { return first + r; }));
+      first += input.pattern.rows;
+    }
+    return all;
+  }
+  /// Derivatives by the inputs, by the outputs (0), and by the weights (the transposed Jacobian).
+  std::vector<CasadiOutput> second_derivatives() {
+    Recording& H = recordings_[hessian];
+    for (int i = 0; i < n_; ++i)
+      for (int j = 0; j < i; ++j) H.results[i * n_ + j] = 0;
+    const std::vector<int> places = keep_nonzeros(H);
+    std::vector<CasadiOutput> blocks;
+    int row = 0;
+    for (const CasadiInput& x : inputs_) {
+      const std::string name = "jac_adj_" + x.name + "_";
+      int column = 0;
+      for (const CasadiInput& y : inputs_) {
+        blocks.push_back(output(name + y.name, x.pattern.rows, y.pattern.rows, hessian, [&](int r, int c) {
+          const int i = std::min(row + r, column + c), j = std::max(row + r, column + c);
+          return places[i * n_ + j];
+        }));
+        column += y.pattern.rows;
+      }
+      for (const CasadiOutput& out : outputs_)
+        blocks.push_back(
+            {name + "out_" + out.name, {x.pattern.rows, out.pattern.rows * out.pattern.columns}});
+      each_block(jacobian_places_, [&](const auto& out, const auto& input, const auto& block) {
+        if (input.name == x.name)
+          blocks.push_back(output(name + "adj_" + out.name, x.pattern.rows,
+                                  out.pattern.rows * out.pattern.columns, jacobian,
+                                  [&](int r, int c) { return in(block, c, r); }));
+      });
+      row += x.pattern.rows;
+    }
+    return blocks;
+  }
+
+  std::string name_;
+  std::vector<CasadiInput> inputs_;
+  std::vector<CasadiOutput> outputs_;
+  std::vector<Recording> recordings_;
+  std::vector<int> jacobian_places_;
+  int n_ = 0;
+};
+
+/// The derivatives of M from which those of M⁻¹ are computed.
+CasadiInverse inverse_of(const Model& model, const CasadiOutput& out) {
+  const auto part = [](Recording recording) {
+    const std::vector<int> found = keep_nonzeros(recording);
+    std::vector<int> places;
+    for (std::size_t k = 0; k < found.size(); ++k)
+      if (found[k] >= 0) places.push_back(static_cast<int>(k));
+    return CasadiInverse::Part{std::move(recording), std::move(places)};
+  };
+  const int nq = model.nq(), nv = model.nv();
+  const Recording M = normalised(model, record(model, {"mass_matrix"}, false));
+  const Weights B{{"B"}, {nv * nv}};
+  return {nq,
+          nv,
+          out.pattern.entries,
+          "adj_" + out.name,
+          {part(tangent_of(M)), part(adjoint_of(M, B)), part(jacobian_of(M))}};
+}
+
+Weights weights_of(const std::vector<CasadiOutput>& outputs) {
+  Weights weights;
+  for (const CasadiOutput& out : outputs) {
+    weights.names.push_back("adj_" + out.name);
+    weights.lengths.push_back(static_cast<int>(out.results.size()));
+  }
+  return weights;
+}
+
+}  // namespace
+
+CasadiFamily casadi_family(const Model& model, const Function& function, const std::string& name,
+                           std::span<const std::string> frames) {
+  const std::optional<Accelerations> a =
+      function.is("forward_dynamics") ? std::optional<Accelerations>(model) : std::nullopt;
+  Recording f = a ? a->value() : normalised(model, record(model, function, false));
+  std::vector<CasadiOutput> outputs = matrices(model, function, frames, f);
+  put_in_order(outputs, f);
+  if (function.is("inverse_mass_matrix")) {
+    CasadiInverse inverse = inverse_of(model, outputs[0]);
+    std::vector<Recording> recordings{f};
+    for (std::size_t kind = 0; kind < CasadiInverse::kinds; ++kind)
+      recordings.push_back(inverse.signature(static_cast<CasadiInverse::Kind>(kind)));
+    CasadiFamily family = Family(name, std::move(outputs), std::move(recordings)).made();
+    family.inverse = std::move(inverse);
+    return family;
+  }
+  const Weights w = weights_of(outputs);
+  std::vector<Recording> recordings =
+      a ? std::vector{f, a->tangent(), a->adjoint(w), a->jacobian(), a->hessian(w)}
+        : std::vector{f, tangent_of(f), adjoint_of(f, w), jacobian_of(f), hessian_of(f, w)};
+  return Family(name, std::move(outputs), std::move(recordings)).made();
+}
+
+}  // namespace axode::codegen

@@ -1,0 +1,53 @@
+#pragma once
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "axode/codegen/casadi/casadi_inverse.hpp"
+#include "axode/codegen/tape/recording.hpp"
+
+/// The functions that CasADi calls, and the patterns of their matrices.
+namespace axode::codegen {
+
+/// The sparsity pattern of a matrix.
+struct Pattern {
+  int rows = 0, columns = 0;
+  std::vector<int> entries;  ///< row + rows column of each entry that may not be 0, ascending
+  bool is_dense() const { return static_cast<long>(entries.size()) == static_cast<long>(rows) * columns; }
+};
+struct CasadiInput {
+  std::string name;
+  Pattern pattern;
+};
+/// A matrix whose entries are results of a recording.
+struct CasadiOutput {
+  std::string name;
+  Pattern pattern;
+  std::size_t recording = 0;
+  std::vector<int> results{};  ///< the result that each entry is
+};
+/// A function that CasADi calls. Arguments of its recordings are its inputs of equal names.
+struct CasadiFunction {
+  std::string name;
+  std::vector<CasadiInput> inputs;
+  std::vector<CasadiOutput> outputs;
+  bool is_jacobian = false;  ///< whether matrices of several states are blocks on a diagonal
+};
+/// A function of the state and its derivatives by all arguments, under the names that CasADi looks for: NAME,
+/// fwd1_NAME, adj1_NAME, jac_NAME and jac_adj1_NAME. Each has a recording of its own. The inverse mass matrix
+/// has no jac_adj1_NAME, and the recordings of its derivatives are signatures of loops.
+struct CasadiFamily {
+  std::vector<Recording> recordings;
+  std::vector<CasadiFunction> functions;
+  std::optional<CasadiInverse> inverse;
+};
+
+/// Makes the functions for CasADi. The coordinates are nq independent numbers there, and quaternions are
+/// divided by their norm. Derivatives of forward dynamics are computed from those of inverse dynamics, T(q,
+/// v, a) = tau, derivatives of the inverse mass matrix from those of M, and all others by differentiation of
+/// recordings. `frames` are the names of frames as identifiers.
+CasadiFamily casadi_family(const Model& model, const Function& function, const std::string& name,
+                           std::span<const std::string> frames);
+
+}  // namespace axode::codegen

@@ -1,0 +1,108 @@
+#pragma once
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "axode/batch.hpp"
+#include "axode/catalog.hpp"
+#include "axode/codegen/c/c_source.hpp"
+
+namespace axode {
+
+struct SpecialisedOptions {
+  int lanes = 16;  ///< largest number of states in a register: 1, 2, 4, 8 or 16
+  std::vector<std::string> flags = {"-O3", "-march=native", "-ffp-contract=fast"};  ///< for the compiler
+  batch::Monitor monitor = {};  ///< called while the compiler runs; ends it by returning false
+};
+
+/// The error that the monitor returned false while the compiler ran.
+class CompilationEnded : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// Functions of one model as machine code. The constructor generates C for the model and compiles it ($CC,
+/// cc, clang or gcc), or takes the code from a cache. T is double or float. Threads may share one object.
+///
+///     const Specialised<> fast(arm, {{"inverse_dynamics"}});
+///     batch::Outcome outcome = batch::run(fast, {"inverse_dynamics"}, {.q = q, .v = v, .a = a}, tau, 4);
+///
+/// All other functions of the library need no compiler.
+template <class T = double> class Specialised {
+ public:
+  /// Throws std::invalid_argument if codegen::c_source() does and for other numbers of lanes, and
+  /// std::runtime_error if there is no compiler or it fails.
+  Specialised(const Model& model, std::span<const codegen::Function> functions,
+              SpecialisedOptions options = {});
+  Specialised(const Model& model, std::initializer_list<codegen::Function> functions,
+              SpecialisedOptions options = {})
+      : Specialised(model, std::span(functions.begin(), functions.size()), std::move(options)) {}
+
+  const Model& model() const { return model_; }
+  bool has(const codegen::Function& function) const;
+
+  /// Implements batch::run() below.
+  batch::Outcome run(const codegen::Function& function, const catalog::Arguments<T>& given, std::span<T> out,
+                     int threads, const batch::Monitor& monitor) const;
+
+  /// The forward dynamics that rollouts call.
+  batch::CompiledDynamics<T> compiled_dynamics() const;
+
+ private:
+  struct Code;
+  class Call;
+  Model model_;
+  std::shared_ptr<const Code> code_;
+};
+
+namespace batch {
+
+/// Computes a function that the model was specialised for in N states, which are contiguous as in
+/// axode/batch.hpp. Checks, threads and the monitor are those of a Model. The library's own function decides
+/// on states whose mass matrix may be singular. Results differ from the library's by rounding. The result of
+/// a state depends neither on its index nor on the number of threads, but a single state is computed without
+/// lanes and may differ by rounding. Also throws std::invalid_argument for a function that the model was
+/// specialised without, and for loads.
+template <class T>
+Outcome run(const Specialised<T>& model, const codegen::Function& function,
+            const catalog::Arguments<std::type_identity_t<T>>& given, std::type_identity_t<std::span<T>> out,
+            int threads = 1, const Monitor& monitor = {}) {
+  return model.run(function, given, out, threads, monitor);
+}
+
+/// Integrates N motions of a model that was specialised with forward_dynamics, see axode/batch.hpp. Motions
+/// with coupled joints are computed in lanes as well. Springs act, and with joint_losses damping and dry
+/// friction. Steps with friction are computed by the library's own functions.
+template <class T>
+Outcome rollout(const Specialised<T>& model, Numbers<T> q, Numbers<T> v, Numbers<T> tau, double step,
+                std::type_identity_t<std::span<T>> q_out, std::type_identity_t<std::span<T>> v_out,
+                const Tableau& method = runge_kutta(4), int threads = 1, const Monitor& monitor = {},
+                bool joint_losses = false) {
+  return rollout<T>(model.model(), q, v, tau, step, q_out, v_out, method, threads, monitor, joint_losses,
+                    model.compiled_dynamics());
+}
+template <class T>
+Outcome rollout(const Specialised<T>& model, Numbers<T> q, Numbers<T> v, const Drive& drive, std::size_t K,
+                double step, std::type_identity_t<std::span<T>> q_out,
+                std::type_identity_t<std::span<T>> v_out, const Tableau& method = runge_kutta(4),
+                int threads = 1, const Monitor& monitor = {}, bool joint_losses = false) {
+  return rollout<T>(model.model(), q, v, drive, K, step, q_out, v_out, method, threads, monitor, joint_losses,
+                    model.compiled_dynamics());
+}
+
+}  // namespace batch
+
+/// The cache of specialised models in $XDG_CACHE_HOME/axode, or in ~/.cache/axode.
+struct SpecialisedCache {
+  std::string folder;  ///< empty if there is no cache
+  std::size_t models = 0;
+  std::uintmax_t bytes = 0;
+};
+SpecialisedCache specialised_cache();
+/// Empties the cache, except for models that are being compiled. Loaded models remain usable.
+void clear_specialised_cache();
+
+}  // namespace axode

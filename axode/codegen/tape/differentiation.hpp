@@ -1,0 +1,66 @@
+#pragma once
+#include <span>
+#include <string>
+#include <vector>
+
+#include "axode/codegen/tape/recording.hpp"
+
+/// Recordings that are made from recordings: functions of functions, and derivatives by the rules of
+/// differentiation. If a number does not depend on another, its derivative is the constant 0; the other
+/// derivatives show the sparsity.
+namespace axode::codegen {
+
+/// A function that is composed of recordings, on a tape of its own.
+class Composition {
+ public:
+  using Numbers = std::vector<Trace>;
+
+  /// Adds an argument.
+  Numbers argument(const std::string& name, int n);
+  /// Adds the arguments of a function.
+  std::vector<Numbers> arguments_of(const Recording& f);
+  /// The results of a function. Its doubt is added to that of the composition.
+  Numbers operator()(const Recording& f, std::span<const Numbers> arguments);
+  Numbers operator()(const Recording& f, std::initializer_list<Numbers> arguments) {
+    return (*this)(f, std::span(arguments.begin(), arguments.size()));
+  }
+  /// The derivative of x in a direction. Entry k of `direction` is the direction of argument k; arguments
+  /// without an entry do not change.
+  Numbers along(const Numbers& x, std::span<const Numbers> direction) const;
+  /// The gradient of w x by the first arguments, contiguous.
+  Numbers gradient(const Numbers& x, const Numbers& w, std::size_t arguments) const;
+  /// The derivatives of x by the first arguments: contiguous columns, one for each of their entries.
+  Numbers jacobian(const Numbers& x, std::size_t arguments) const;
+
+  /// The recording of these results under the name `result`; the composition is empty afterwards.
+  Recording with(const std::string& result, Numbers results);
+
+ private:
+  /// The derivatives of the results of a recording on this tape, of which only some nodes are needed.
+  Numbers along(const Recording& made, const std::vector<char>& need,
+                std::span<const Numbers> direction) const;
+  /// The node of an entry of an argument.
+  std::size_t node(std::size_t argument, std::size_t entry) const;
+
+  Tape tape_;
+  Recording recording_;
+  std::vector<Numbers> inputs_;
+};
+
+/// The derivatives of a function by all its arguments x: contiguous columns, one for each entry of x.
+Recording jacobian_of(const Recording& f);
+/// The derivative of the results in a direction, with additional arguments fwd_q, ... for q, ...
+Recording tangent_of(const Recording& f);
+/// Additional arguments with a weight for each result.
+struct Weights {
+  std::vector<std::string> names;
+  std::vector<int> lengths;
+  /// Adds the arguments to a composition and returns their entries.
+  Composition::Numbers on(Composition& composition) const;
+};
+/// The gradient of w f by all arguments, contiguous.
+Recording adjoint_of(const Recording& f, const Weights& weights);
+/// The second derivatives of w f by all arguments as a square matrix.
+Recording hessian_of(const Recording& f, const Weights& weights);
+
+}  // namespace axode::codegen

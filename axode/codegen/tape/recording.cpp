@@ -1,0 +1,339 @@
+#include "axode/codegen/tape/recording.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include "axode/codegen/tape/differentiation.hpp"
+#include "axode/codegen/tape/traced_tree.hpp"
+#include "axode/derivatives/products/row_kernels.hpp"
+#include "axode/fast/inverse_mass_matrix.hpp"
+#include "axode/kinematics/path.hpp"
+#include "axode/model/workspace.hpp"
+#include "axode/recursion/articulated_bodies.hpp"
+#include "axode/recursion/composite_bodies.hpp"
+#include "axode/recursion/sparse_factor.hpp"
+
+namespace axode::codegen {
+namespace {
+
+using T = Trace;
+using Numbers = Composition::Numbers;
+
+template <class Kernel> using OnTape = WithScratch<T, Kernel>;
+
+/// Determines whether the mass matrix may be singular: whether a pivot is small compared with the inertia
+/// scale of its velocity at q = 0.
+class SingularityTest {
+ public:
+  SingularityTest(const Tree<double>& tree, double small) : inertia_scale_(tree->nv), small_(small) {
+    for (int i = 1; i <= tree->n; ++i)
+      for (int s = tree->first_screw[i]; s < tree->first_screw[i + 1]; ++s)
+        inertia_scale_[static_cast<std::size_t>(tree->iv[i] + s - tree->first_screw[i])] +=
+            tree.inertia_scale[s];
+  }
+  template <class Scale> void add(int c, const T& pivot, const Scale&) {
+    maybe_singular_ = maybe_singular_ || !(pivot > T(small_ * inertia_scale_[c]));
+  }
+  const Trace::Condition& verdict() const { return maybe_singular_; }
+
+ private:
+  std::vector<double> inertia_scale_;
+  double small_;
+  Trace::Condition maybe_singular_;
+};
+
+/// A function of a tree that is recorded.
+struct Traced {
+  Composition on;
+  Tree<T> constants;
+  std::string result;
+
+  Traced(const Tree<double>& tree, std::string_view name) : constants(cast<T>(tree)), result(name) {}
+  Numbers argument(std::string_view name, int n) { return on.argument(std::string(name), n); }
+  Recording with(Numbers results) { return on.with(result, std::move(results)); }
+  /// For results that are wrong if `doubt` is true.
+  Recording with(Numbers results, const Trace::Condition& maybe_singular) {
+    if (maybe_singular.is_constant() && maybe_singular.constant())  // a joint moves no mass at any q
+      std::ranges::fill(results, T(std::numeric_limits<double>::quiet_NaN()));
+    Recording recording = with(std::move(results));
+    recording.returns_singularity = true;
+    recording.maybe_singular = maybe_singular;
+    return recording;
+  }
+};
+
+/// Computes accelerations on a tape, by articulated bodies or by the mass matrix and its sparse factors. Both
+/// are body-fixed, because joint screws are then constant and sparse.
+template <bool factors> struct Solver {
+  using T = Trace;
+  using Bodies = std::conditional_t<factors, CompositeBodies<BodyFixed, T>, ArticulatedBodies<BodyFixed, T>>;
+  FastInverseDynamics<Plain<T>, T> bias;
+  Bodies bodies;
+  T *zero, *H;
+  double small = 0;  ///< relative pivot threshold
+  std::optional<Tree<T>> constants;
+  Trace::Condition maybe_singular;
+
+  explicit Solver(Arena& arena)
+      : bias(arena),
+        bodies(arena),
+        zero(arena.per_velocity<T>()),
+        H(arena.array<T>(arena.topology().nv * arena.topology().nv)) {}
+
+  void prepare(const Tree<double>& tree, const T* q) {
+    constants.emplace(cast<T>(tree));
+    SingularityTest check(tree, small);
+    std::fill_n(zero, tree->nv, T(0));
+    if constexpr (factors) {
+      std::fill_n(H, tree->nv * tree->nv, T(0));
+      bodies.run(*constants, q, constants->armature.data(), H);
+      axode::factorize(*constants, zero, H, check);  // Doubt has inertia scales of its own
+    } else {
+      bodies.links.run(*constants, q);
+      bodies.factorize(*constants, constants->armature.data(), check);
+    }
+    maybe_singular = check.verdict();
+  }
+  void accelerate(const Tree<double>& tree, const T* q, const T* v, const T* tau, T* a) {
+    std::fill_n(zero, tree->nv, T(0));
+    std::fill_n(a, tree->nv, T(0));
+    bias.forward(tree, q, v, zero, cast<T>(tree.g));
+    bias.backward(tree, a);
+    for (int c = 0; c < tree->nv; ++c) a[c] = tau[c] - a[c];
+    prepare(tree, q);
+    solve_one(tree, a);
+  }
+  void solve_one(const Tree<double>&, T* x) {
+    if constexpr (factors)
+      axode::solve(*constants, H, x);
+    else
+      bodies.solve(*constants, x);
+  }
+  void solve(const Tree<double>& tree, T* matrix) {
+    const std::size_t nv = tree->nv;
+    Numbers x(nv);
+    for (std::size_t c = 0; c < nv; ++c) {
+      for (std::size_t r = 0; r < nv; ++r) x[r] = matrix[r * nv + c];
+      solve_one(tree, x.data());
+      for (std::size_t r = 0; r < nv; ++r) matrix[r * nv + c] = x[r];
+    }
+  }
+  /// Solves for all unit vectors. The half of the symmetric result that each solution finds first, on its way
+  /// to the leaves, is mirrored, so that the tape drops the operations for the other half.
+  void inverse(const Tree<double>& tree, T* matrix) {
+    const std::size_t nv = tree->nv;
+    for (std::size_t k = 0; k < nv * nv; ++k) matrix[k] = T(k % (nv + 1) == 0);
+    solve(tree, matrix);
+    for (std::size_t r = 0; r < nv; ++r)
+      for (std::size_t c = 0; c < r; ++c) matrix[r * nv + c] = matrix[c * nv + r];
+  }
+};
+
+/// Whether the factors of the mass matrix are exact to rounding. On long paths they lose digits.
+bool factors_are_exact(const Tree<double>& tree) {
+  return tree->depth <= FastInverseMassMatrix<double>::longest_path;
+}
+
+/// Records a row of the table that has a kernel, whose results are numbers for velocities.
+template <catalog::Id id, class By> Recording record_row(const Tree<double>& tree, double small) {
+  constexpr const catalog::Words& row = id.words();
+  Traced traced(tree, row.together);
+  catalog::Read<T> given;
+  std::vector<Numbers> arguments;
+  for (const catalog::Input input : row.numbers()) {
+    arguments.push_back(traced.argument(to_string(input), input == catalog::Input::q ? tree->nq : tree->nv));
+    given[input] = arguments.back().data();
+  }
+  Numbers out(row.symbols.size() * static_cast<std::size_t>(std::pow(tree->nv, row.shape.size())));
+  OnTape<catalog::RowKernel<id, By>> kernel(*tree.topology());
+  if constexpr (row.may_fail) {
+    kernel->by.small = small;
+    kernel->run(tree, given, out.data());
+    return traced.with(std::move(out), kernel->by.maybe_singular);
+  } else {
+    kernel->run(tree, given, out.data());
+    return traced.with(std::move(out));
+  }
+}
+
+/// Records the mass matrix, body-fixed, because joint screws are then constant and sparse.
+Recording mass_matrix(const Tree<double>& tree) {
+  Traced traced(tree, "M");
+  const Numbers q = traced.argument("q", tree->nq);
+  OnTape<CompositeBodies<BodyFixed, T>> bodies(*tree.topology());
+  Numbers M(tree->nv * tree->nv);
+  bodies->run(traced.constants, q.data(), traced.constants.armature.data(), M.data());
+  return traced.with(std::move(M));
+}
+template <class By> Recording inverse_mass_matrix(const Tree<double>& tree, double small) {
+  Traced traced(tree, "M_inverse");
+  const Numbers q = traced.argument("q", tree->nq);
+  OnTape<By> by(*tree.topology());
+  by->small = small;
+  by->prepare(tree, q.data());
+  Numbers out(tree->nv * tree->nv);
+  by->inverse(tree, out.data());
+  return traced.with(std::move(out), by->maybe_singular);
+}
+template <class By> Recording solution(const Tree<double>& tree) {
+  Traced traced(tree, "x");
+  const Numbers q = traced.argument("q", tree->nq);
+  Numbers x = traced.argument("tau", tree->nv);
+  OnTape<By> by(*tree.topology());
+  by->small = pivot_threshold<double>;
+  by->prepare(tree, q.data());
+  by->solve_one(tree, x.data());
+  return traced.with(std::move(x), by->maybe_singular);
+}
+
+/// The twist of a frame for a unit of each velocity. Joint screws are computed on the path from the frame to
+/// the ground if the axes are the frame's, and from the poses of the bodies if they are inertial.
+template <class Rep> std::vector<Twist<Rep, T>> columns(Traced& traced, const Numbers& q, int frame) {
+  const Tree<T>& tree = traced.constants;
+  std::vector<Twist<Rep, T>> J(tree->nv);
+  const auto add = [&](int c, const Screw<T>& X) { J[c] += Twist<Rep, T>{X.w, X.v}; };
+  if constexpr (std::same_as<Rep, BodyFixed>) {
+    each_body_fixed_column(tree, q.data(), Place<T>(frame),
+                           [&](int, int c, const Screw<T>& X) { add(c, X); });
+  } else {
+    OnTape<BodyPoses<T>> poses(*tree.topology());
+    poses->run(tree, q.data());
+    const SE3<T>* C = poses->C;
+    const int body = tree->frame_body[frame];
+    const SE3<T> place = C[body] * tree.frame_offset[frame];
+    const Vec3<T> origin = std::same_as<Rep, Spatial> ? Vec3<T>{} : place.r;
+    for (int i = body; i > 0; i = tree->parent[i]) each_screw(tree, i, {C[i].R, C[i].r - origin}, add);
+    if constexpr (std::same_as<Rep, Mixed>)
+      for (auto& [w, v] : J) w = transpose(place.R) * w;
+  }
+  return J;
+}
+
+Recording jacobian(const Tree<double>& tree, int frame, Representation representation) {
+  Traced traced(tree, "J");
+  const Numbers q = traced.argument("q", tree->nq);
+  const std::size_t nv = tree->nv;
+  Numbers rows(6 * nv);
+  with_representation(representation, [&](auto rep) {
+    const auto J = columns<decltype(rep)>(traced, q, frame);
+    for (std::size_t c = 0; c < nv; ++c) {
+      const Vec3<T>&w = J[c].w, &v = J[c].v;
+      std::size_t r = 0;
+      for (const T& x : {w.x, w.y, w.z, v.x, v.y, v.z}) rows[r++ * nv + c] = x;
+    }
+  });
+  return traced.with(std::move(rows));
+}
+
+/// Records the poses of frames `first` to `last`, each as the columns of R, then r.
+Recording poses(const Tree<double>& tree, int first, int last) {
+  Traced traced(tree, "C");
+  const Numbers q = traced.argument("q", tree->nq);
+  OnTape<BodyPoses<T>> bodies(*tree.topology());
+  bodies->run(traced.constants, q.data());
+  Numbers out;
+  for (int f = first; f <= last; ++f) {
+    const SE3<T> C = bodies->C[tree->frame_body[f]] * traced.constants.frame_offset[f];
+    for (const Vec3<T>& x : {C.R.x, C.R.y, C.R.z, C.r}) out.insert(out.end(), {x.x, x.y, x.z});
+  }
+  return traced.with(std::move(out));
+}
+
+using Articulated = Solver<false>;
+using Factorized = Solver<true>;
+
+/// The functions that record a row of the table, with either solver if the row solves with M.
+struct Recorder {
+  using Of = Recording (*)(const Tree<double>&, double small);
+  Of by_bodies = nullptr, by_factors = nullptr;
+};
+constexpr auto recorders = [] {
+  std::array<Recorder, catalog::functions_of_state.size()> all{};
+  catalog::each_row([&]<catalog::Id id> {
+    if constexpr (id.words().tape && catalog::HasRowKernel<id, Articulated>)
+      all[id.index] = {record_row<id, Articulated>,
+                       id.words().may_fail ? record_row<id, Factorized> : nullptr};
+  });
+  all[catalog::Id("inverse_mass_matrix").index] = {inverse_mass_matrix<Articulated>,
+                                                   inverse_mass_matrix<Factorized>};
+  return all;
+}();
+
+}  // namespace
+
+std::vector<Recording> record_solutions(const Model& model) {
+  const Tree<double> tree = traced_tree(model.tree<double>());
+  std::vector<Recording> solutions{solution<Articulated>(tree)};
+  if (factors_are_exact(tree)) solutions.push_back(solution<Factorized>(tree));
+  return solutions;
+}
+
+Recording record(const Model& model, const Function& function, bool single_precision) {
+  const Tree<double> tree = traced_tree(model.tree<double>());
+  if (function.is("mass_matrix")) return mass_matrix(tree);
+  if (function.is("poses")) return poses(tree, 0, tree->n_frames() - 1);
+  if (function.is("pose")) return poses(tree, function.frame, function.frame);
+  if (function.is("jacobian")) return jacobian(tree, function.frame, function.representation);
+  const double small = single_precision ? pivot_threshold<float> : pivot_threshold<double>;
+  const Recorder& recorder = recorders[function.row.index];
+  Recording by_bodies = recorder.by_bodies(tree, small);
+  if (recorder.by_factors == nullptr || !factors_are_exact(tree)) return by_bodies;
+  Recording by_factors = recorder.by_factors(tree, small);
+  return operations(by_bodies).total() < operations(by_factors).total() ? by_bodies : by_factors;
+}
+
+std::array<int, 3> operands(const Tape::Node& node) {
+  using enum Tape::Operation;
+  switch (node.operation) {
+    case one:
+    case input: return {};
+    case scale:
+    case reciprocal:
+    case root:
+    case sine:
+    case cosine:
+    case negation: return {node.a};
+    default: return {node.a, node.b, node.condition};
+  }
+}
+
+std::vector<char> needed(const Recording& recording) {
+  std::vector<char> need(recording.nodes.size());
+  for (const T& x : recording.results) need[x.node()] = 1;
+  need[recording.maybe_singular.node()] = 1;
+  for (std::size_t k = need.size(); k-- > 0;)
+    if (need[k])
+      for (const int from : operands(recording.nodes[k])) need[from] = 1;
+  return need;
+}
+
+Operations operations(const Recording& recording) {
+  using enum Tape::Operation;
+  const std::vector<char> need = needed(recording);
+  const auto is_factor = [](double x) { return std::abs(x) != 1; };
+  Operations count;
+  for (const T& x : recording.results) count.products += !x.is_constant() && is_factor(x.factor());
+  for (std::size_t k = 0; k < need.size(); ++k) {
+    if (!need[k]) continue;
+    const Tape::Node& node = recording.nodes[k];
+    switch (node.operation) {
+      case scale: count.products += node.a != 0 && is_factor(node.factor); break;
+      case sum:
+        ++count.sums;
+        count.products += node.b != 0 && is_factor(node.factor);
+        break;
+      case product: ++count.products; break;
+      case reciprocal: ++count.divisions; break;
+      case root: ++count.roots; break;
+      case sine:
+      case cosine:
+      case angle: ++count.angles; break;
+      default: break;
+    }
+  }
+  return count;
+}
+
+}  // namespace axode::codegen

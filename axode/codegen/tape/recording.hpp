@@ -1,0 +1,39 @@
+#pragma once
+#include <array>
+#include <string>
+#include <vector>
+
+#include "axode/codegen/c/c_source.hpp"
+#include "axode/scalar/trace.hpp"
+
+namespace axode::codegen {
+
+/// A function as a list of operations that compute its results from its arguments.
+struct Recording {
+  std::vector<std::string> arguments;  ///< names of the arrays; their index is Tape::Node::a of an input
+  std::vector<int> lengths;            ///< length of each argument
+  std::string result;                  ///< the name of the array of results
+  std::vector<Tape::Node> nodes;
+  std::vector<Trace> results;
+  bool returns_singularity = false;
+  Trace::Condition
+      maybe_singular{};  ///< whether the mass matrix may be singular; used if returns_singularity
+};
+
+/// Records the kernel of a function, in the representation that needs the fewest operations.
+Recording record(const Model& model, const Function& function, bool single_precision);
+
+/// Records x = M⁻¹ tau, with arguments q and tau: by articulated bodies and, unless a path of the tree is
+/// long, by the factors of the mass matrix.
+std::vector<Recording> record_solutions(const Model& model);
+
+/// The number of operations that the results need.
+Operations operations(const Recording& recording);
+
+/// Determines for each node whether the results or the doubt depend on it.
+std::vector<char> needed(const Recording& recording);
+
+/// The nodes from which a node is computed. Unused entries are 0, the node of the number 1.
+std::array<int, 3> operands(const Tape::Node& node);
+
+}  // namespace axode::codegen

@@ -1,0 +1,266 @@
+#include <algorithm>
+#include <cmath>
+
+#include "axode/constraints/loop_system/loop_system.hpp"
+#include "axode/recursion/instantiate.hpp"
+
+/// The rows of loops in the velocities of M = Lᵀ D L, their rank, and the multipliers. See "Redundant rows"
+/// of docs/derivations/loop-dynamics.md.
+namespace axode {
+namespace {
+
+/// Bounds of μ (D7.9). A residual r of the loops makes redundant rows |r| d large, and the part r² / μ of
+/// them would enter a step: hence μ = (1e4 |r|)². In a motion the loops are closed to no less than rounding,
+/// and where branches meet 1 / σ times the residual would become motion: hence the larger lower bound.
+template <class T> constexpr bool is_float = std::same_as<T, float>;
+template <class T> constexpr T least_filter_in_motion = is_float<T> ? T(1e-4) : T(1e-9);
+template <class T> constexpr T most_filter = is_float<T> ? T(1e-4) : T(1e-6);
+/// Rows of which the other rows leave more than this part need no filter.
+template <class T> constexpr T sound_part = is_float<T> ? T(1e-2) : T(1e-3);
+template <class T> constexpr T converged = is_float<T> ? T(1e-5) : T(1e-12);
+constexpr int most_steps = 5;
+
+}  // namespace
+
+template <class T> void LoopSystem<T>::set_filter(const T* q, const RowRank& rank) noexcept {
+  residual(q, rest_.data());
+  const T open = rest_.head(size(ConstraintLevel::position)).squaredNorm();
+  const T least = rank.redundant.empty() ? least_filter : least_filter_in_motion<T>;
+  filter_ = std::clamp(T(1e8) * open, least, most_filter<T>);
+}
+
+/// The column of Y of one row, by the general backward sweep: of the unit wrench on the bodies of a loop
+/// joint, or of the factors of a coupling.
+template <class T>
+void LoopSystem<T>::pull_row(const LoopPath& path, int row, const Wrench<Spatial, T>& first,
+                             const Wrench<Spatial, T>& second) noexcept {
+  auto& bodies = dynamics_->bodies;
+  const Topology::Ties& ties = tree()->ties;
+  const auto at_rest = [&](int i) {
+    bodies.W[i] = {};
+    for (int t = ties.begin[i]; t < ties.begin[i + 1]; ++t) bodies.u_tie[t] = T(0);
+  };
+  at_rest(0);
+  for (const int i : path.bodies) at_rest(i);
+  bodies.W[path.ends[0].body] += first;
+  bodies.W[path.ends[1].body] -= second;
+  for (const LoopColumn& column : path.columns) zero_[column.velocity] += T(column.factor);
+  for (const int i : path.bodies) bodies.backward_step(tree(), i, zero_.data());
+  bodies.backward_step_at_ground(tree(), zero_.data());
+  for (const LoopColumn& column : path.columns) zero_[column.velocity] = T(0);
+  const auto put = [&](int c, const T& u, const T&) { Y_(c, row) = root_[c] * u; };
+  for (const int i : path.bodies) bodies.each_pivot(tree(), i, put);
+  bodies.each_pivot(tree(), 0, put);
+}
+
+/// n rows of a loop at once if no joints are coupled (D7.6): Y_c = Sᵀ F / √D and F -= U Sᵀ F / D for the
+/// wrenches F.
+template <class T>
+template <int n>
+void LoopSystem<T>::pull_rows(const LoopPath& path, const State& at, int row) noexcept {
+  const auto& bodies = dynamics_->bodies;
+  const Topology& topology = *tree().operator->();
+  using Wrenches = RowsInLanes<T, n>;
+  Wrenches F_i = -Wrenches(at.W, row), F_j(at.W, row);
+  F_i.move(-at.shift);
+  propagate_to_root(path, F_i, F_j, [&](int i, Wrenches& F) {
+    for (int s = topology.first_screw[i + 1] - 1; s >= topology.first_screw[i]; --s) {
+      const int c = topology.iv[i] + s - topology.first_screw[i];
+      const Twist<Spatial, T>& S = bodies.S[s];
+      const Wrench<Spatial, T>& U = bodies.U[s];
+      const auto u = dot(Wrenches::all(S.w), F.m) + dot(Wrenches::all(S.v), F.f);
+      F.eliminate(u, root_[c], &Y_(c, first(path) + row), u * (root_[c] * root_[c]), U.m, U.f);
+    }
+  });
+}
+
+template <class T> void LoopSystem<T>::pull_loop(const LoopPath& path, const State& at) noexcept {
+  if (!tree()->coupled_bodies.empty()) {
+    for (int r = 0; r < count(path); ++r) {
+      const Wrench<Spatial, T>& W = at.W[index(r)];
+      pull_row(path, first(path) + r, on_first(at, W), W);
+    }
+    return;
+  }
+  each_register_of_rows<T>(count(path), [&](int row, auto n) { pull_rows<n()>(path, at, row); });
+}
+
+template <class T> void LoopSystem<T>::factorize_rows() noexcept {
+  for (std::size_t k = 0; k < at_.size(); ++k) pull_loop(table_.paths[k], at_[k]);
+  for (const LoopPath& path : table_.of_couplings()) pull_row(path, first(path), {}, {});
+  multiply_rows();
+  // If the terms of a row cancel, for example because a loop repeats a joint of the tree, the row is
+  // rounding. Its size is therefore bounded below by its terms: those of the wrench on either end alone,
+  // moment and force apart, about the loop.
+  constexpr T least_part = T(1e-4);
+  const Topology& topology = *tree().operator->();
+  for (std::size_t k = 0; k < at_.size(); ++k) {
+    const LoopPath& path = table_.paths[k];
+    const auto& [a, b] = at_[k].frames;
+    T by_moment(0), by_force(0);
+    for (std::size_t e = 0; e < 2; ++e) {
+      const Vec3<T> place = e == 0 ? a.r - at_[k].shift : b.r;
+      for (int i = path.ends[e].body; i > 0; i = topology.parent[i])
+        for (int s = topology.first_screw[i]; s < topology.first_screw[i + 1]; ++s) {
+          const Twist<Spatial, T>& S = dynamics_->bodies.S[s];
+          const T root = root_[topology.iv[i] + s - topology.first_screw[i]];
+          const Vec3<T> v = S.v + cross(S.w, place);
+          by_moment += root * root * dot(S.w, S.w);
+          by_force += root * root * dot(v, v);
+        }
+    }
+    for (int r = 0; r < count(path); ++r) {
+      const Wrench<Spatial, T>& W = at_[k].W[index(r)];
+      const Vec3<T> m = W.m - cross(b.r, W.f);
+      T& scale = scale_[first(path) + r];
+      scale = std::max(scale, least_part * sqrt(dot(m, m) * by_moment + dot(W.f, W.f) * by_force));
+    }
+  }
+}
+
+template <class T> void LoopSystem<T>::multiply_rows() noexcept {
+  const int m = size(level_);
+  using Factor = RowCholesky<T>;
+  G_.setZero();
+  for (const LoopTable::VelocityBlock& group : blocks())
+    for (const Range& a : group.rows)
+      for (int ra = a.first; ra < a.first + a.count; ++ra) {
+        Eigen::Index from = Factor::block(ra);  // entries left of the diagonal are not used
+        for (const Range& b : group.rows) {
+          from = std::max(from, Factor::block(b.first));
+          for (; from < b.first + b.count; from += Factor::width) {
+            Eigen::Matrix<T, 1, Factor::width> sum = Factor::part(G_, ra, from);
+            for (int c = group.first; c < group.first + group.count; ++c)
+              sum += Y_(c, ra) * Factor::part(Y_, c, from);
+            Factor::part(G_, ra, from) = sum;
+          }
+        }
+      }
+  const T largest = m > 0 ? sqrt(G_.diagonal().head(m).maxCoeff()) : T(0);
+  for (const LoopPath& path : table_.paths) {
+    const auto own = G_.diagonal().segment(first(path), count(path));
+    const T floor = std::max(T(0.1) * sqrt(own.maxCoeff()), T(1e-6) * largest);
+    scale_.segment(first(path), count(path)) = own.cwiseSqrt().cwiseMax(floor > T(0) ? floor : T(1));
+  }
+}
+
+template <class T> Solvability LoopSystem<T>::determine_rank(const T* q, RowRank& rank) noexcept {
+  const Solvability verdict = factorize(q, rank);
+  if (!verdict.ok()) return verdict;
+  determine_rank(rank);
+  set_filter(q, rank);
+  return verdict;
+}
+
+template <class T> void LoopSystem<T>::determine_rank(RowRank& rank) noexcept {
+  const T part = is_float<T> ? T(1e-4) : T(1e-10);
+  filter_ = least_filter;
+  rank.redundant.assign(index(size(ConstraintLevel::velocity)), 1);
+  left_ = Y_;
+  Eigen::Index found = 0;
+  // Rows with a residual come first: if a row of a rolling contact repeats one, only the latter corrects
+  // positions.
+  for (const bool with_residual : {true, false})
+    for (; found < basis_.cols(); ++found) {
+      // The row with the largest remainder is next: near singular configurations small remainders are
+      // ill-conditioned.
+      int best = -1;
+      T most = part;
+      for (const LoopPath& path : table_.paths)
+        for (int r = 0; r < path.rows.count; ++r) {
+          const int k = path.rows.first + r;
+          if ((r < path.residuals.count) != with_residual || !rank.redundant[index(k)]) continue;
+          const T rest = left_.col(k).norm() / scale_[k];
+          if (!(rest > most)) continue;
+          best = k;
+          most = rest;
+        }
+      if (best < 0) break;
+      rank.redundant[index(best)] = 0;
+      auto q = basis_.col(found);
+      q = left_.col(best);
+      for (Eigen::Index j = 0; j < found; ++j) q -= basis_.col(j).dot(q) * basis_.col(j);
+      q.normalize();
+      along_.noalias() = q.transpose() * left_;
+      left_.noalias() -= q * along_;
+    }
+}
+
+template <class T>
+template <class F>
+void LoopSystem<T>::each_redundant(const RowRank& rank, const F& f) const {
+  if (rank.redundant.empty()) return;
+  for (const LoopPath& path : table_.paths)
+    for (int r = 0; r < count(path); ++r)
+      if (rank.redundant[index(path.rows.first + r)]) f(first(path) + r);
+}
+
+template <class T> void LoopSystem<T>::solve_rows(const T* b, T* lambda, const RowRank& rank) noexcept {
+  if (!solve_sound_rows(b, lambda, rank)) solve_filtered_rows(b, lambda, rank);
+}
+
+template <class T> void LoopSystem<T>::set_rows(const T* b, const T& filter, const RowRank& rank) noexcept {
+  const int m = size(level_);
+  auto& F = factor_.matrix();
+  F = G_;
+  for (int k = 0; k < m; ++k) {
+    F(k, k) += filter * scale_[k] * scale_[k];
+    F(k, m) = -b[k];
+  }
+  each_redundant(rank, [&](int k) {
+    F.row(k).setZero();
+    F.col(k).setZero();
+    F(k, k) = scale_[k] * scale_[k];
+  });
+}
+
+template <class T> bool LoopSystem<T>::solve_sound_rows(const T* b, T* lambda, const RowRank& rank) noexcept {
+  const int m = size(level_);
+  weakest_row_ = T(1);
+  set_rows(b, T(0), rank);
+  const auto is_sound = [&](Eigen::Index k, const T& D) { return D > sound_part<T> * scale_[k] * scale_[k]; };
+  if (!factor_.factorize(m, is_sound)) return false;
+  factor_.solve_right_side(m, step_);
+  std::copy_n(step_.data(), m, lambda);
+  return true;
+}
+
+template <class T>
+void LoopSystem<T>::solve_filtered_rows(const T* b, T* lambda, const RowRank& rank) noexcept {
+  const int m = size(level_);
+  for (int k = 0; k < m; ++k)
+    for (int j = 0; j < k; ++j) G_(k, j) = G_(j, k);
+  set_rows(b, filter_, rank);
+  factor_.factorize(m, [&](Eigen::Index k, const T& D) {
+    weakest_row_ = std::min(weakest_row_, D / (scale_[k] * scale_[k]) - filter_);
+    return true;
+  });
+  factor_.solve_right_side(m, step_);
+  Eigen::Map<Vector> x(lambda, m);
+  const Eigen::Map<const Vector> given(b, m);
+  auto step = step_.head(m), rest = rest_.head(m), moved = moved_.head(m);
+  x = step;
+  rest = given;
+  for (int n = 1;; ++n) {
+    moved_.setZero();
+    for (int k = 0; k < m; ++k) moved_ += step_[k] * G_.row(k).transpose();
+    rest += moved;  // G x + b
+    const T change = step.dot(moved), whole = x.dot(rest - given);
+    if (n == most_steps || !(change > converged<T> * converged<T> * whole)) break;
+    step = -rest;
+    each_redundant(rank, [&](int k) { step[k] = T(0); });
+    factor_.solve(m, step_);
+    x += step;
+  }
+}
+
+template void LoopSystem<AXODE_T>::set_filter(const AXODE_T*, const RowRank&) noexcept;
+template void LoopSystem<AXODE_T>::factorize_rows() noexcept;
+template void LoopSystem<AXODE_T>::multiply_rows() noexcept;
+template Solvability LoopSystem<AXODE_T>::determine_rank(const AXODE_T*, RowRank&) noexcept;
+template void LoopSystem<AXODE_T>::determine_rank(RowRank&) noexcept;
+template void LoopSystem<AXODE_T>::solve_rows(const AXODE_T*, AXODE_T*, const RowRank&) noexcept;
+template bool LoopSystem<AXODE_T>::solve_sound_rows(const AXODE_T*, AXODE_T*, const RowRank&) noexcept;
+template void LoopSystem<AXODE_T>::solve_filtered_rows(const AXODE_T*, AXODE_T*, const RowRank&) noexcept;
+
+}  // namespace axode

@@ -1,0 +1,261 @@
+#pragma once
+#include <Eigen/Core>
+#include <array>
+#include <concepts>
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "axode/constraints/loop_system/row_cholesky.hpp"
+#include "axode/constraints/loop_system/rows_in_lanes.hpp"
+#include "axode/constraints/loops/loop_table.hpp"
+#include "axode/fast/forward_dynamics.hpp"
+#include "axode/model/workspace.hpp"
+#include "axode/recursion/forward_dynamics.hpp"
+
+namespace axode {
+
+/// The redundant rows of the loops, as LoopSystem::determine_rank() finds it at a closed configuration.
+/// Solutions with this rank give redundant rows multipliers of 0. An integration keeps the rank for a whole
+/// step, because rows that are redundant by geometry become independent as soon as the loops are a little
+/// open.
+struct RowRank {
+  std::vector<char> redundant = {};  ///< whether each row of A is redundant; empty before determine_rank()
+};
+
+/// The level at which constraints are imposed.
+enum class ConstraintLevel {
+  position,  ///< the rows R that have a residual, r' = R v
+  velocity,  ///< all rows A, A v = 0
+};
+
+/// The loops of a tree at a state, and the linear system of motion under them:
+///   M a + h - Aᵀ λ = τ,   A a + γ = 0
+/// Articulated bodies factorise M = Lᵀ D L, so that Y = D^-½ L⁻ᵀ Aᵀ and Yᵀ Y λ = -(Yᵀ w + γ) with w = D^-½
+/// L⁻ᵀ (τ - h). Y takes one sweep to the root for each row, along the path of its loop. O(n + m d + m² d +
+/// m³) for m rows on paths of d joints. See (D7.1) to (D7.6) of docs/derivations.
+template <class T> class LoopSystem {
+ public:
+  using Vector = Eigen::VectorX<T>;
+  using Matrix = Eigen::MatrixX<T>;
+  using RowByRow = Eigen::Matrix<T, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
+  explicit LoopSystem(const Model& model);
+
+  const Model& model() const { return model_; }
+  int size(ConstraintLevel level) const {
+    return level == ConstraintLevel::velocity ? model_.loops().rows : model_.loops().residuals;
+  }
+
+  /// Computes a and λ at a state; both are NaN if the mass matrix of the tree is singular. The kinematics
+  /// have to be updated before any other call.
+  Solvability accelerate(const T* q, const T* v, const T* tau, const Loads<T>& loads, T* a, T* lambda,
+                         const RowRank& rank = {}) noexcept;
+  /// Computes the forces M a + h (nv) of the tree at a motion.
+  void force(const T* q, const T* v, const T* a, const Loads<T>& loads, T* tau) noexcept;
+  /// Computes v after an impact of the loops, A v⁺ = -e A v, and the impulses (D7.12).
+  Solvability impact(const T* q, const T* v, const T& e, T* v_after, T* impulses) noexcept;
+  /// impact() at the configuration of the last factorize(q) or determine_rank(q).
+  Solvability impact(const T* v, const T& e, T* v_after, T* impulses, const RowRank& rank = {}) noexcept;
+  /// Computes the step x towards a closed configuration, r + R x = 0, that moves the masses least (D7.13).
+  Solvability projection_step(const T* q, T* x, const RowRank& rank = {}) noexcept;
+
+  /// Decides which rows are redundant at a closed q, and leaves the rows A factorised there. Decides nothing
+  /// if the mass matrix of the tree is singular.
+  Solvability determine_rank(const T* q, RowRank& rank) noexcept;
+  /// Decides it for rows A that are factorised already.
+  void determine_rank(RowRank& rank) noexcept;
+
+  /// Computes links, joint screws and loop ends at q, or for bodies that have the poses C about `origin`. The
+  /// joints need not allow these poses.
+  void update_kinematics(const T* q) noexcept;
+  void update_kinematics(const SE3<T>* C, const Vec3<T>& origin) noexcept;
+  /// Updates the kinematics with the motion of all bodies, and computes the bias forces h (nv) of the tree.
+  void move(const T* q, const T* v, const Loads<T>& loads, T* h) noexcept {
+    force(q, v, zero_.data(), loads, h);
+  }
+
+  void residual(const T* q, T* r) const noexcept;  ///< r(q), after update_kinematics() or move()
+  /// Computes the wrenches and the entries of the rows of a level, A or R.
+  void make_rows(ConstraintLevel level) noexcept;
+  void make_wrenches(ConstraintLevel level) noexcept;  ///< the wrenches alone
+  /// Writes the entries of the rows as a dense matrix, m × nv.
+  void write(T* A) const noexcept;
+  /// out = A x and out += Aᵀ λ.
+  void times(const T* x, T* out) const noexcept;
+  void add_transposed_times(const T* lambda, T* out) const noexcept;
+  /// Computes γ (D6.7) after move(), or for given twists and rates of the bodies about the origins of their
+  /// roots.
+  void bias(T* gamma) noexcept {
+    bias(dynamics_->recursion.motion.bodies.V, dynamics_->recursion.motion.bodies.dV, gamma);
+  }
+  void bias(const Twist<Spatial, T>* V, const TwistRate<Spatial, T>* dV, T* gamma) const noexcept;
+  /// out = A x (D6.6) for twists X of the bodies about the origins of their roots and joint rates x.
+  void rates(const Twist<Spatial, T>* X, const T* x, T* out) const noexcept;
+  /// Adds the wrenches W λ to `on`, by body and about the origins of the roots, and the forces of couplings
+  /// to tau (nv).
+  void add_wrenches(const T* lambda, Wrench<Spatial, T>* on, T* tau) const noexcept;
+  /// Computes the wrenches that the joints transmit under multipliers λ, W[1] to W[n], each about the origin
+  /// of its root, in inertial axes. It follows force() and make_rows(ConstraintLevel::velocity).
+  void joint_wrenches(const T* lambda, Wrench<Spatial, T>* W) noexcept;
+
+  /// Adds the partial derivatives of A a + γ by q and v (m × nv), and of Aᵀ λ by q (nv × nv), [component,
+  /// direction], at the motion of force() and with the rows A made. See (D6.10) and (D6.11) of
+  /// docs/derivations.
+  void differentiate(const T* lambda, T* by_q, T* by_v, T* constraint_forces_by_q) noexcept;
+  /// Computes the rate of Rᵀ λ (nv) as the bodies move with their twists; after move().
+  void differentiate_residuals(const T* lambda, T* rate) noexcept;
+
+  /// Updates the kinematics, and factorises M and the rows A.
+  Solvability factorize(const T* q, const RowRank& rank = {}) noexcept;
+  /// Factorises M = Lᵀ D L at the present kinematics, with the armature of the model or with another one.
+  Solvability factorize() noexcept { return factorize_with_armature(tree().armature.data()); }
+  Solvability factorize_with_armature(const T* armature) noexcept;
+  /// Computes Y, G = Yᵀ Y and the sizes d of the rows (D7.7).
+  void factorize_rows() noexcept;
+  /// Solves G λ = -b: the least λ if rows are redundant, and the least-squares one if they contradict each
+  /// other (D7.8).
+  void solve_rows(const T* b, T* lambda, const RowRank& rank = {}) noexcept;
+  /// Sets μ, the part of a row that solve_rows() ignores, by the residual of the loops at q (D7.9).
+  /// accelerate(), impact(q) and projection_step() do so themselves.
+  void set_filter(const T* q, const RowRank& rank) noexcept;
+  /// The least pivot of a row in the last solve_rows(), relative to its size squared; 1 if all rows were far
+  /// from redundant. If it is near 0, branches of a motion meet, and accelerations are those of a mechanism
+  /// with more degrees of freedom.
+  T weakest_row() const { return weakest_row_; }
+  /// b += A M⁻¹ x.
+  void add_response(const T* x, T* b) noexcept;
+  /// Computes the accelerations a that forces τ (nv) add, M a - Aᵀ λ = τ with A a = 0, with the rows A
+  /// factorised (D7.14).
+  void force_response(const T* tau, T* a) noexcept;
+  /// x := M⁻¹ x.
+  void solve(T* x) noexcept { dynamics_->bodies.solve(tree(), x); }
+
+  /// The wrench W λ on the second body of loop joint k, about origin(k); -W λ acts on the first. After
+  /// make_rows().
+  Wrench<Spatial, T> wrench(std::size_t k, const T* lambda) const noexcept;
+  Vec3<T> origin(std::size_t k) const noexcept;
+  /// The origins of the roots in the inertial frame, at the index of each root body.
+  const Vec3<T>* root_origins() const { return origin_; }
+
+  /// D^-½ L⁻ᵀ Aᵀ, nv × m, padded with zero columns to a whole block.
+  const RowByRow& Y() const { return Y_; }
+  /// The size d of each row (D7.7).
+  const Vector& scale() const { return scale_; }
+  const LoopTable& table() const { return table_; }
+  const Link<Spatial, T>& link(int i) const { return link_[i]; }
+  /// The articulated bodies of the spanning tree.
+  ArticulatedBodies<Spatial, T>& bodies() { return dynamics_->bodies; }
+
+ private:
+  struct State {
+    loops::LoopFrames<T> frames;  ///< about origin(k)
+    Vec3<T> shift;                ///< from origin(k) to the origin of the first body's root
+    loops::LoopWrenches<T> W;     ///< on the second body for unit multipliers
+  };
+  const Tree<T>& tree() const { return model_.tree<T>(); }
+  static std::size_t index(int k) { return static_cast<std::size_t>(k); }
+  using Range = LoopPath::Range;
+  Range range(const LoopPath& path) const {
+    return level_ == ConstraintLevel::velocity ? path.rows : path.residuals;
+  }
+  int count(const LoopPath& path) const { return range(path).count; }
+  int first(const LoopPath& path) const { return range(path).first; }
+  const std::vector<LoopTable::VelocityBlock>& blocks() const {
+    return level_ == ConstraintLevel::velocity ? table_.row_blocks : table_.residual_blocks;
+  }
+  /// accelerate() with the fast articulated bodies. Returns false, without a and λ, if velocities are coupled
+  /// or a pivot is too small for them.
+  bool accelerate_fast(const T* q, const T* v, const T* tau, const Loads<T>& loads, T* a, T* lambda,
+                       const RowRank& rank) noexcept;
+  /// The motion of the two bodies of a loop joint about origin(k).
+  loops::EndMotion<T> motion_of_ends(std::size_t k, const Twist<Spatial, T>* V,
+                                     const TwistRate<Spatial, T>* dV) const noexcept;
+  /// f(row, velocity, entry) for the entries of the rows.
+  template <class F> void each_entry(const F& f) const {
+    for (std::size_t k = 0; k < entries_.size(); ++k) {
+      const LoopPath& path = table_.paths[k];
+      const T* entry = entries_[k].data();
+      for (const LoopColumn& column : path.columns)
+        for (int r = 0; r < count(path); ++r) f(first(path) + r, column.velocity, *entry++);
+    }
+  }
+  void update_loops() noexcept;      ///< joint screws and loop ends
+  void update_loop_ends() noexcept;  ///< the frames of the loop joints alone
+  void make_entries() noexcept;
+  /// Factorises M and the rows of a level at the present kinematics.
+  Solvability prepare(ConstraintLevel level, const T* q, const RowRank& rank) noexcept;
+  /// w = D^-½ L⁻ᵀ x.
+  void pull(const T* x) noexcept;
+  /// x = L⁻¹ D^-½ (w + Y λ).
+  void push(const T* lambda, T* x) noexcept;
+  /// b += Yᵀ w and w += Y λ.
+  void add_to_rows(T* b) const noexcept;
+  void add_to_velocities(const T* lambda) noexcept;
+  /// f(row) for the redundant rows among those of the present level.
+  template <class F> void each_redundant(const RowRank& rank, const F& f) const;
+  /// solve_rows() in one step. Returns false, without λ, unless every row is far from redundant.
+  bool solve_sound_rows(const T* b, T* lambda, const RowRank& rank) noexcept;
+  /// solve_rows() by the proximal iteration (D7.8).
+  void solve_filtered_rows(const T* b, T* lambda, const RowRank& rank) noexcept;
+  /// Writes G + filter d² and the right side -b for the factorisation.
+  void set_rows(const T* b, const T& filter, const RowRank& rank) noexcept;
+  SE3<T> pose(const Loop::End& end, int root, const Vec3<T>& O) const noexcept;
+  Wrench<Spatial, T> on_first(const State& at, const Wrench<Spatial, T>& W) const {
+    return {W.m - cross(at.shift, W.f), W.f};
+  }
+  /// Takes the wrenches of a loop on its two bodies to the ground: step(i, F) crosses the joint of body i.
+  template <class Wrenches, class Step>
+  void propagate_to_root(const LoopPath& path, Wrenches& F_i, Wrenches& F_j,
+                         const Step& step) const noexcept {
+    const auto& parent = tree()->parent;
+    for (int i = path.ends[0].body; i != path.meeting; i = parent[i]) step(i, F_i);
+    for (int j = path.ends[1].body; j != path.meeting; j = parent[j]) step(j, F_j);
+    F_j.m += F_i.m;
+    F_j.f += F_i.f;
+    for (int i = path.meeting; i > 0; i = parent[i]) step(i, F_j);
+  }
+  /// Entries of Y for one row, for n rows of a loop, for n rows with the fast bodies, and for all rows of a
+  /// loop (D7.6).
+  void pull_row(const LoopPath& path, int row, const Wrench<Spatial, T>& first,
+                const Wrench<Spatial, T>& second) noexcept;
+  template <int n> void pull_rows(const LoopPath& path, const State& at, int row) noexcept;
+  template <int n> void pull_rows_fast(const LoopPath& path, const State& at, int row) noexcept;
+  void pull_loop(const LoopPath& path, const State& at) noexcept;
+  void multiply_rows() noexcept;  ///< Yᵀ Y, on and above the diagonal
+
+  /// Scratch of accelerate_fast(): the fast articulated bodies, and positions and velocities of the body
+  /// origins relative to the origins of their roots.
+  struct FastKernel {
+    using Bodies = typename FastForwardDynamics<T>::Bodies;
+    struct OriginMotion {
+      typename Bodies::Vector r, v;
+    };
+    FastForwardDynamics<T> tree;
+    OriginMotion* moving;
+
+    explicit FastKernel(Arena& arena) : tree(arena), moving(arena.per_body<OriginMotion>()) {}
+  };
+
+  Model model_;
+  WithScratch<T, ForwardDynamicsRecursion<Spatial, T>> dynamics_;
+  WithScratch<T, FastKernel> fast_;
+  LoopTable table_;
+  Link<Spatial, T>* link_ = nullptr;
+  Vec3<T>* origin_ = nullptr;
+  std::vector<State> at_;  ///< one for each loop joint
+  ConstraintLevel level_ = ConstraintLevel::velocity;
+  static constexpr T least_filter = std::same_as<T, float> ? T(1e-5) : T(1e-12);
+  T filter_ = least_filter;  ///< μ (D7.9)
+  T weakest_row_ = T(1);
+  std::vector<std::vector<T>> entries_;  ///< A by loops: a column of up to six rows for each LoopColumn
+  RowByRow Y_, G_;
+  RowCholesky<T> factor_;
+  RowByRow left_;  ///< Y without its projection on the independent rows
+  Eigen::RowVectorX<T> along_;
+  Matrix basis_;
+  Vector root_;  ///< D^-½ (nv)
+  Vector scale_, zero_, forces_, w_, b_, lambda_, step_, rest_, moved_;
+};
+
+}  // namespace axode

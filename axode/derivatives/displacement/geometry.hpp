@@ -1,0 +1,91 @@
+#pragma once
+#include "axode/derivatives/displacement/accelerations.hpp"
+#include "axode/derivatives/displacement/first_order.hpp"
+#include "axode/derivatives/displacement/geometric_parameters.hpp"
+
+namespace axode {
+
+/// ∂τ/∂π of inverse dynamics. A parameter displaces a subtree like a joint, but has no force of its own. See
+/// (D1.18) of docs/derivations.
+template <class T> struct GeometryDerivatives {
+  using L = Lanes<T>;
+  using Number = typename L::Number;
+
+  FirstOrder<T> state;
+  Arrays<T> line;  ///< derivatives of the forces of all columns in the subtree by one parameter
+
+  explicit GeometryDerivatives(Arena& arena) : state(arena), line(arena, 1, arena.topology().n_screws) {}
+
+  /// Writes nv × n × 6 numbers.
+  void run(const Tree<T>& tree, const T* q, const T* v, const T* a, const Loads<T>& loads, T* out) noexcept {
+    const bool loaded = !loads.wrenches.empty();
+    state.run(tree, q, v, a, loads);
+    const MovingScrews<T>& screws = state.screws;
+    std::fill_n(out, static_cast<std::ptrdiff_t>(tree->nv) * tree->n * 6, T(0));
+    for (int i = 1; i <= tree->n; ++i) {
+      const int first = tree->first_screw[i], end = tree->first_screw[tree->subtree_end[i]];
+      const Motion6<T> V_p{screws.V_p.get3(0, first), screws.V_p.get3(3, first)},
+          dV_p{screws.dV_p.get3(0, first), screws.dV_p.get3(3, first)};
+      const MovingInertia<T> subtree = screws.subtree_of_column(first);
+      each_unit_screw(screws.pose(i) * frame_at_zero(tree, i, q), [&](int u, const Screw<T>& unit) {
+        const Motion6<T> J{unit.w, unit.v};
+        T* const column = out + (i - 1) * 6 + u;
+        const auto add = [&](int j, int c, const T& x) {
+          column[static_cast<std::ptrdiff_t>(tree->iv[j] + c - tree->first_screw[j]) * tree->n * 6] += x;
+        };
+        const CarriedScrew<T> psi(V_p, dV_p, J);
+        multiply(psi, J, first, end, loaded);
+        for (int j = i; j < tree->subtree_end[i]; ++j)
+          for (int c = tree->first_screw[j]; c < tree->first_screw[j + 1]; ++c) add(j, c, line.array(0)[c]);
+        const Momentum<Spatial, T> Pi = subtree.M * psi.second;
+        Wrench<Spatial, T> P = Wrench<Spatial, T>{Pi.l, Pi.p} + subtree.B * psi.first + coad(J, subtree.F);
+        if (loaded) P += state.N[i] * J;
+        for (int j = tree->parent[i]; j > 0; j = tree->parent[j])
+          for (int c = tree->first_screw[j]; c < tree->first_screw[j + 1]; ++c)
+            add(j, c, P | screws.screw(c));
+      });
+    }
+  }
+
+ private:
+  /// U_k|ψ'' + t_k·ω(ψ') + N_kᵀ S_k|J of the columns k, see ScrewEffects.
+  void multiply(const CarriedScrew<T>& psi, const Motion6<T>& J, int begin, int end, bool loaded) noexcept {
+    using Part = typename FirstOrder<T>::Part;
+    for (int c = begin; c < end; c += L::width) {
+      const auto several = [&](int k) { return L::load(state.effect.array(k) + c); };
+      Number sum(T(0));
+      for (int k = 0; k < 6; ++k) sum = sum + Number(entry(psi.second, k)) * several(Part::U + k);
+      sum = sum + Number(psi.first.w.x) * several(Part::t) + Number(psi.first.w.y) * several(Part::t + 1) +
+            Number(psi.first.w.z) * several(Part::t + 2);
+      if (loaded)
+        for (int k = 0; k < 6; ++k) sum = sum + Number(entry(J, k)) * L::load(state.NtS.array(k) + c);
+      L::store(sum, line.array(0) + c);
+    }
+  }
+};
+
+/// ∂a/∂π of forward dynamics: -M⁻¹ times ∂τ/∂π at the accelerations a.
+template <class T> struct ForwardGeometryDerivatives {
+  AccelerationsAndColumns<T> forward;
+  GeometryDerivatives<T> inverse;
+  T* x;
+
+  explicit ForwardGeometryDerivatives(Arena& arena)
+      : forward(arena), inverse(arena), x(arena.per_velocity<T>()) {}
+
+  Solvability run(const Tree<T>& tree, const T* q, const T* v, const T* tau, const Loads<T>& loads,
+                  T* out) noexcept {
+    const std::ptrdiff_t columns = static_cast<std::ptrdiff_t>(tree->n) * 6;
+    const Solvability verdict = forward.run(tree, q, v, tau, loads);
+    if (!verdict.ok()) return solved(verdict, tree->nv * columns, out);
+    inverse.run(tree, q, v, forward.a, loads, out);
+    for (std::ptrdiff_t k = 0; k < columns; ++k) {
+      for (std::ptrdiff_t c = 0; c < tree->nv; ++c) x[c] = -out[c * columns + k];
+      forward.solve_one(tree, x);
+      for (std::ptrdiff_t c = 0; c < tree->nv; ++c) out[c * columns + k] = x[c];
+    }
+    return solved(verdict, tree->nv * columns, out);
+  }
+};
+
+}  // namespace axode

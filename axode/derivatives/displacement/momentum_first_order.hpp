@@ -1,0 +1,153 @@
+#pragma once
+#include "axode/derivatives/displacement/accelerations.hpp"
+#include "axode/derivatives/displacement/first_order.hpp"
+
+namespace axode {
+
+/// Derivatives of momenta, and of p' = Π|[V, S] of the kinetic energy, along a joint screw S. The joint of l
+/// is before that of k; if both are of one joint, the second line holds for any two:
+///   d(Mv)_l/dq_k = S_l|D_k   dp'_l/dq_k = η_l|D_k    dp'_l/dv_k = η_l|U_k
+///   d(Mv)_k/dq_l = U_k|ψ_l   dp'_k/dq_l = A_k|ψ_l    dp'_k/dv_l = A_k|S_l
+/// See (D5.3) and (D5.4) of docs/derivations.
+template <class T> struct MomentumEffects {
+  Motion6<T> S, psi,
+      eta;  ///< ψ = [V_p, S] with the twist of the predecessor, η = [V, S] with that of the body
+  Wrench<Spatial, T> U, D, A;
+
+  static constexpr std::size_t size = 36;
+  using Entries = std::array<T, size>;
+
+  /// M is the inertia and Π the momentum of the subtree of the joint.
+  static constexpr MomentumEffects of(const Inertia<T>& M, const Wrench<Spatial, T>& Pi, const Motion6<T>& S,
+                                      const Motion6<T>& V_p, const Motion6<T>& V) {
+    const auto times_M = [&](const Motion6<T>& X) {
+      const Momentum<Spatial, T> p = M * X;
+      return Wrench<Spatial, T>{p.l, p.p};
+    };
+    const Motion6<T> psi = ad(V_p, S), eta = ad(V, S);
+    const Wrench<Spatial, T> carried = coad(S, Pi);
+    return {S, psi, eta, times_M(S), times_M(psi) + carried, times_M(eta) + carried};
+  }
+};
+
+/// The derivatives of (v, p') of momentum_form() by q and p. With (Mv)_q, F_q and F_v the derivatives of M v
+/// and of p' as functions of q and v:
+///   v_q = -M⁻¹ (Mv)_q, v_p = M⁻¹, p'_q = F_q + F_v v_q, p'_p = F_v M⁻¹.
+/// See (D5.5) of docs/derivations.
+template <class T> struct MomentumFirstOrder {
+  using L = Lanes<T>;
+  using Number = typename L::Number;
+
+  AccelerationsAndColumns<T> forward;
+  FirstOrder<T> terms;  ///< gravity and loads, at rest; then the tree with the rates v instead of V
+  Arrays<T> effect, line;
+  T *v, *zero;
+
+  explicit MomentumFirstOrder(Arena& arena)
+      : forward(arena),
+        terms(arena),
+        effect(arena, static_cast<int>(MomentumEffects<T>::size), arena.topology().n_screws),
+        line(arena, 6, arena.topology().n_screws),
+        v(arena.per_velocity<T>()),
+        zero(arena.per_velocity<T>()) {}
+
+  /// Writes nv × nv numbers each, [component, direction].
+  Solvability run(const Tree<T>& tree, const T* q, const T* p, const Loads<T>& loads, T* v_q, T* v_p, T* dp_q,
+                  T* dp_p) noexcept {
+    const std::ptrdiff_t nv = tree->nv, entries = nv * nv;
+    std::fill_n(zero, nv, T(0));
+    Solvability verdict = forward.run(tree, q, zero, zero, {});
+    if (verdict.ok()) {
+      std::copy_n(p, nv, v);
+      forward.solve_one(tree, v);
+      verdict = solved(verdict, nv, v);
+    }
+    if (!verdict.ok()) {
+      for (T* const matrix : {v_q, v_p, dp_q, dp_p}) verdict = solved(verdict, entries, matrix);
+      return verdict;
+    }
+
+    for (T* const matrix : {v_q, dp_q, dp_p}) std::fill_n(matrix, entries, T(0));
+    const auto add_to = [nv](T* matrix) {
+      return [=](std::ptrdiff_t r, std::ptrdiff_t direction, const T& x) { matrix[direction * nv + r] += x; };
+    };
+    const auto subtract_from = [nv](T* matrix) {
+      return [=](std::ptrdiff_t r, std::ptrdiff_t direction, const T& x) { matrix[direction * nv + r] -= x; };
+    };
+    // Transposed, one row for each direction: F_v in the memory of p'_p, and -(Mv)_q in that of v_q.
+    terms.run(tree, q, zero, zero, loads);
+    terms.each_entry(tree, loads, subtract_from(dp_q), subtract_from(dp_p));
+    move(tree, q);
+    each_entry(tree, subtract_from(v_q), add_to(dp_q), add_to(dp_p));
+    forward.solve(tree, dp_p);
+    for (std::ptrdiff_t l = 0; l < nv; ++l)
+      for (std::ptrdiff_t k = 0; k < nv; ++k)
+        if (const T x = v_q[l * nv + k]; x != T(0))  // k and l are on one path
+          for (std::ptrdiff_t c = 0; c < nv; ++c) dp_q[l * nv + c] += x * dp_p[k * nv + c];
+    for (T* const matrix : {v_q, dp_q, dp_p}) transpose(matrix, nv);
+    forward.solve(tree, v_q);
+    forward.inverse(tree, v_p);
+    return verdict;
+  }
+
+ private:
+  static void transpose(T* matrix, std::ptrdiff_t n) noexcept {
+    for (std::ptrdiff_t r = 0; r < n; ++r)
+      for (std::ptrdiff_t c = 0; c < r; ++c) std::swap(matrix[r * n + c], matrix[c * n + r]);
+  }
+
+  /// Computes the effects of all screws. The recursion runs without velocities and with the accelerations v,
+  /// so that its V' and F are V and Π.
+  void move(const Tree<T>& tree, const T* q) noexcept {
+    MovingScrews<T>& screws = terms.screws;
+    screws.run(tree, q, zero, v, {});
+    screws.compose(*tree.topology());
+    for (int i = 1; i <= tree->n; ++i)
+      for (int c = tree->first_screw[i]; c < tree->first_screw[i + 1]; ++c)
+        screws.V_i.set3(screws.dV.get3(0, i), 0, c), screws.V_i.set3(screws.dV.get3(3, i), 3, c);
+    for (int c = 0; c < tree->n_screws; c += L::width) {
+      const MovingInertia<Number> moved = screws.subtree_of_columns(c);
+      const auto numbers =
+          std::bit_cast<typename MomentumEffects<Number>::Entries>(MomentumEffects<Number>::of(
+              moved.M, moved.F, load6(screws.S, c), load6(screws.dV_p, c), load6(screws.V_i, c)));
+      for (std::size_t k = 0; k < numbers.size(); ++k)
+        L::store(numbers[k], effect.array(static_cast<int>(k)) + c);
+    }
+  }
+
+  /// Offsets of the parts of MomentumEffects.
+  enum Part { S = 0, psi = 6, eta = 12, U = 18, D = 24, A = 30 };
+
+  /// Multiplies column l with the columns from `begin` on.
+  void multiply(int l, int begin, int end) noexcept {
+    Number x[U];
+    for (int k = 0; k < U; ++k) x[k] = Number(effect.array(k)[l]);
+    static constexpr int pairs[][2] = {{S, D}, {eta, D}, {eta, U}, {psi, U}, {psi, A}, {S, A}};
+    for (int c = begin; c < end; c += L::width)
+      for (int n = 0; n < 6; ++n) {
+        Number sum(T(0));
+        for (int k = 0; k < 6; ++k)
+          sum = sum + x[pairs[n][0] + k] * L::load(effect.array(pairs[n][1] + k) + c);
+        L::store(sum, line.array(n) + c);
+      }
+  }
+
+  /// f(component, direction, part of the derivative) of (Mv)_q, F_q and F_v.
+  template <class MvByQ, class ByQ, class ByV>
+  void each_entry(const Tree<T>& tree, const MvByQ& Mv_by_q, const ByQ& by_q, const ByV& by_v) noexcept {
+    for (int i = 1; i <= tree->n; ++i)
+      for (int l = tree->first_screw[i]; l < tree->first_screw[i + 1]; ++l) {
+        multiply(l, tree->first_screw[i], tree->first_screw[tree->subtree_end[i]]);
+        const std::ptrdiff_t v_l = tree->iv[i] + l - tree->first_screw[i];
+        for (int j = i; j < tree->subtree_end[i]; ++j)
+          for (int k = tree->first_screw[j]; k < tree->first_screw[j + 1]; ++k) {
+            const std::ptrdiff_t v_k = tree->iv[j] + k - tree->first_screw[j];
+            const auto at = [&](int n) { return line.array(n)[k]; };
+            if (j > i) Mv_by_q(v_l, v_k, at(0)), by_q(v_l, v_k, at(1)), by_v(v_l, v_k, at(2));
+            Mv_by_q(v_k, v_l, at(3)), by_q(v_k, v_l, at(4)), by_v(v_k, v_l, at(5));
+          }
+      }
+  }
+};
+
+}  // namespace axode

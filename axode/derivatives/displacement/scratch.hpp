@@ -1,0 +1,123 @@
+#pragma once
+#include "axode/derivatives/displacement/accelerations.hpp"
+#include "axode/derivatives/displacement/geometry.hpp"
+#include "axode/derivatives/displacement/momentum_first_order.hpp"
+#include "axode/derivatives/products/inverse_dynamics_products.hpp"
+#include "axode/derivatives/second_order/forward_second_order.hpp"
+#include "axode/derivatives/second_order/second_order_recursions.hpp"
+#include "axode/kinematics/path.hpp"
+
+/// Scratch memory of the functions of this floor in addition to that of the kernels.
+namespace axode {
+
+template <class T> struct ForwardJvp {
+  AccelerationsAndColumns<T> forward;
+  InverseDynamicsJvp<T> jvp;
+  T *zero, *x;
+
+  explicit ForwardJvp(Arena& arena)
+      : forward(arena), jvp(arena), zero(arena.per_velocity<T>()), x(arena.per_velocity<T>()) {}
+
+  /// x = M⁻¹ (δτ - ∂τ/∂q δq - ∂τ/∂v δv) with the derivatives of inverse dynamics at the accelerations. See
+  /// (D1.24) of docs/derivations.
+  Solvability run(const Tree<T>& tree, const T* q, const T* v, const T* tau, const T* dq, const T* dv,
+                  const T* dtau, const Loads<T>& loads) noexcept {
+    const Solvability verdict = forward.run(tree, q, v, tau, loads);
+    if (!verdict.ok()) return verdict;
+    std::fill_n(zero, tree->nv, T(0));
+    jvp.run(tree, q, v, forward.a, dq, dv, zero, loads, x);
+    for (int c = 0; c < tree->nv; ++c) x[c] = dtau[c] - x[c];
+    forward.solve_one(tree, x);
+    return verdict;
+  }
+};
+template <class T> struct ForwardVjp {
+  AccelerationsAndColumns<T> forward;
+  InverseDynamicsVjp<T> vjp;
+  T* mu;
+
+  explicit ForwardVjp(Arena& arena) : forward(arena), vjp(arena), mu(arena.per_velocity<T>()) {}
+
+  Solvability run(const Tree<T>& tree, const T* q, const T* v, const T* tau, const T* w,
+                  const Loads<T>& loads) noexcept {
+    const Solvability verdict = forward.run(tree, q, v, tau, loads);
+    if (verdict.ok()) weigh(tree, q, v, w, loads);
+    return verdict;
+  }
+  /// Computes, after forward.run(), the gradient of -μ·τ of inverse dynamics at the accelerations, with μ =
+  /// M⁻¹ w.
+  void weigh(const Tree<T>& tree, const T* q, const T* v, const T* w, const Loads<T>& loads) noexcept {
+    std::copy_n(w, tree->nv, mu);
+    forward.solve_one(tree, mu);
+    vjp.run(tree, q, v, forward.a, mu, loads);
+    for (int c = 0; c < tree->nv; ++c) vjp.by_q[c] = -vjp.by_q[c], vjp.by_v[c] = -vjp.by_v[c];
+  }
+};
+
+/// The derivatives of one term of the equations of motion, with all other terms zero.
+template <class T> struct TermDerivatives {
+  FirstOrder<T> state;
+  T* zero;
+
+  explicit TermDerivatives(Arena& arena) : state(arena), zero(arena.per_velocity<T>()) {}
+
+  /// Computes them at velocities v, or at rest. ∂/∂v is skipped if it has no memory.
+  void run(const Tree<T>& tree, const T* q, const T* v, const Loads<T>& loads, const Vec3<T>& g, T* dq,
+           T* dv) noexcept {
+    std::fill_n(zero, tree->nv, T(0));
+    state.run(tree, q, v ? v : zero, zero, loads, g);
+    const std::ptrdiff_t nv = tree->nv;
+    const auto add_to = [nv](T* matrix) {
+      if (matrix) std::fill_n(matrix, nv * nv, T(0));
+      return [matrix, nv](std::ptrdiff_t r, std::ptrdiff_t c, const T& x) {
+        if (matrix) matrix[r * nv + c] += x;
+      };
+    };
+    state.each_entry(tree, loads, add_to(dq), add_to(dv));
+  }
+};
+template <class T> struct EnergyGradient {
+  InverseDynamicsVjp<T> vjp;
+  T* zero;
+
+  explicit EnergyGradient(Arena& arena) : vjp(arena), zero(arena.per_velocity<T>()) {}
+};
+
+/// The joint screws of the bodies on the path of a place, in its frame, beginning with the last body.
+template <class T> struct CarryingScrews {
+  struct Column {
+    int j, c;  ///< body and velocity
+    Twist<BodyFixed, T> J;
+  };
+  Column* column;
+  int count = 0;
+
+  explicit CarryingScrews(Arena& arena) : column(arena.per_screw<Column>()) {}
+  void run(const Tree<T>& tree, const T* q, const Place<T>& place) noexcept {
+    each_body_fixed_column(tree, q, place, [&](int j, int c, const Screw<T>& J) {
+      column[count++] = {j, c, {J.w, J.v}};
+    });
+  }
+};
+
+/// The columns of both ends of a spring, on their paths up to the body where these meet.
+template <class T> struct SpringColumns {
+  struct Column {
+    int end, body, c;  ///< the end, body and velocity
+    Screw<T> X;
+  };
+  Column* column;
+  int count = 0;
+
+  explicit SpringColumns(Arena& arena) : column(arena.per_screw<Column>()) {}
+};
+
+/// A Hessian for each component.
+template <class T> struct HessiansOfAccelerations {
+  ForwardSecondOrder<T> one;
+  T* w;
+
+  explicit HessiansOfAccelerations(Arena& arena) : one(arena), w(arena.per_velocity<T>()) {}
+};
+
+}  // namespace axode

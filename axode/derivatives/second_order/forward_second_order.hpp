@@ -1,0 +1,64 @@
+#pragma once
+#include "axode/derivatives/displacement/accelerations.hpp"
+#include "axode/derivatives/second_order/second_order.hpp"
+
+namespace axode {
+
+/// The second derivatives of w·a of forward dynamics in blocks, the last one tauq. With a(q, v, τ), μ = -M⁻¹
+/// w, the blocks H of μ·τ at these accelerations, from `second`, and Q = H_aq:
+///   tauq = M⁻¹ Q    qq = H_qq + P + Pᵀ, P = -tauqᵀ ∂τ/∂q    qv = H_qv - tauqᵀ ∂τ/∂v    vv = H_vv.
+/// No matrix except the results is stored: products with ∂τ/∂q and ∂τ/∂v are added entry by entry. solve(x)
+/// computes x := M⁻¹ x for nv columns. See (D2.9) of docs/derivations.
+template <class T, class Real, class Solve>
+void accelerations_from(SecondOrder<T>& second, const Tree<Real>& tree, const Loads<T>& loads,
+                        const HessianBlocks<T>& H, const Solve& solve) noexcept {
+  const Topology& topology = *tree.operator->();
+  const std::ptrdiff_t nv = topology.nv;
+  const bool loaded = !loads.wrenches.empty();
+  for (T* const block : {H.qq, H.qv, H.vv, H.aq}) std::fill_n(block, nv * nv, T(0));
+  second.add_to(topology, loaded, {nullptr, nullptr, nullptr, H.aq});
+  solve(H.aq);
+  // Pᵀ and (Qᵀ ∂a/∂v)ᵀ, whose rows are sums of rows of tauq.
+  const auto subtract = [&](T* block, std::ptrdiff_t direction, std::ptrdiff_t component, const T& x) {
+    const T* const from = H.aq + component * nv;
+    T* const to = block + direction * nv;
+    for (std::ptrdiff_t k = 0; k < nv; ++k) to[k] -= x * from[k];
+  };
+  second.first.each_entry(
+      tree, loads, [&](std::ptrdiff_t r, std::ptrdiff_t c, const T& x) { subtract(H.qq, c, r, x); },
+      [&](std::ptrdiff_t r, std::ptrdiff_t c, const T& x) { subtract(H.qv, c, r, x); });
+  for (std::ptrdiff_t r = 0; r < nv; ++r)
+    for (std::ptrdiff_t c = 0; c <= r; ++c) {
+      T &a = H.qq[r * nv + c], &b = H.qq[c * nv + r];
+      a = b = a + b;
+      if (c < r) std::swap(H.qv[r * nv + c], H.qv[c * nv + r]);
+    }
+  second.add_to(topology, loaded, {H.qq, H.qv, H.vv, nullptr});
+}
+
+/// Computes the second derivatives at q, v and τ.
+template <class T> struct ForwardSecondOrder {
+  AccelerationsAndColumns<T> forward;
+  SecondOrder<T> second;
+  T* mu;
+
+  explicit ForwardSecondOrder(Arena& arena) : forward(arena), second(arena), mu(arena.per_velocity<T>()) {}
+
+  Solvability run(const Tree<T>& tree, const T* q, const T* v, const T* tau, const T* w,
+                  const Loads<T>& loads, const HessianBlocks<T>& H) noexcept {
+    const std::ptrdiff_t nv = tree->nv;
+    const Solvability verdict = forward.run(tree, q, v, tau, loads);
+    if (!verdict.ok()) {
+      for (T* const block : {H.qq, H.qv, H.vv, H.aq})
+        std::fill_n(block, nv * nv, T(std::numeric_limits<double>::quiet_NaN()));
+      return verdict;
+    }
+    for (int c = 0; c < nv; ++c) mu[c] = -w[c];
+    forward.solve_one(tree, mu);
+    second.run(tree, q, v, forward.a, mu, loads);
+    accelerations_from(second, tree, loads, H, [&](T* x) { forward.solve(tree, x); });
+    return verdict;
+  }
+};
+
+}  // namespace axode

@@ -1,0 +1,227 @@
+#pragma once
+#include "axode/derivatives/displacement/first_order.hpp"
+#include "axode/lie/six.hpp"
+
+namespace axode {
+
+/// The quantities on which the change of the gradient of λ·τ depends when the tree is displaced, with Λ as in
+/// InverseDynamicsGradient: A = M Λ, H = Bᵀ Λ (a pure moment) and the Coriolis inertia of Λ instead of V,
+/// whose p is the force of A. They are summed over bodies. See (D1.21) and (D2.2) of docs/derivations.
+template <class T> struct VirtualMomentum {
+  Wrench<Spatial, T> A;
+  Vec3<T> H;
+  Mat3<T> D;
+
+  static constexpr std::size_t size = 18;
+  using Entries = std::array<T, size>;
+
+  static constexpr VirtualMomentum of(const MovingInertia<T>& body, const Motion6<T>& Lambda) {
+    const Momentum<Spatial, T> A = body.M * Lambda;
+    return {{A.l, A.p}, body.B.transposed_times(Lambda), CoriolisInertia<T>::of(body.M, Lambda).D};
+  }
+  constexpr CoriolisInertia<T> B() const { return {D, A.f}; }
+};
+
+/// Factors of the second derivatives by columns, in addition to ScrewEffects. With l before k:
+///   qq_lk = χ_l|P_k + ψ''_l|Y_k + ψ'_l|X_k + S_l|Q_k   qv_lk = χ_l|R_k + ψ'_l|Z_k, qv_kl = σ_l|Y_k + S_l|X_k
+///   vv_lk = S_l|Z_k                                    aq_kl = χ_l|U_k,            aq_lk = S_l|Y_k
+/// See (D2.7) and (D2.8) of docs/derivations.
+template <class T> struct ScrewCurvature {
+  Motion6<T> chi, psi_1;
+  Wrench<Spatial, T> X, Y, Z, Q;
+  Wrench<Spatial, T> AS;  ///< hat(A) S
+
+  static constexpr std::size_t size = 42;
+  using Entries = std::array<T, size>;
+
+  /// Takes Λ_p of the predecessor.
+  static constexpr ScrewCurvature of(const MovingInertia<T>& moved, const VirtualMomentum<T>& momentum,
+                                     const Motion6<T>& S, const Motion6<T>& V_p, const Motion6<T>& Lambda_p) {
+    const Motion6<T> chi = ad(Lambda_p, S), psi_1 = ad(V_p, S);
+    const Momentum<Spatial, T> M_chi = moved.M * chi;
+    const Wrench<Spatial, T> AS = coad(S, momentum.A), BS = momentum.B() * S;
+    const Wrench<Spatial, T> X = Wrench<Spatial, T>{moved.B.transposed_times(chi), {}} -
+                                 momentum.B() * psi_1 + coad(S, Wrench<Spatial, T>{momentum.H, {}}) +
+                                 T(2) * coad(psi_1, momentum.A);
+    return {chi, psi_1, X, Wrench<Spatial, T>{M_chi.l, M_chi.p} + AS, T(2) * AS - BS, {}, AS};
+  }
+};
+
+/// Receives the blocks of a Hessian, nv × nv each, [outer derivative][inner derivative]. qq is symmetric
+/// except within joints of several velocities, where the outer displacement comes first.
+template <class T> struct HessianBlocks { T *qq, *qv, *vv, *aq; };
+
+/// The second partial derivatives of λ·τ of inverse dynamics, in O(n d): about 400 products and sums for a
+/// hinge, and 114 for each pair of a joint and one before it.
+template <class T> struct SecondOrder {
+  using L = Lanes<T>;
+  using Number = typename L::Number;
+  static constexpr int results = 6;
+
+  FirstOrder<T> first;
+  Motion6<T>* Lambda;
+  Arrays<T> Lambdas, momenta;               ///< by body: Λ; VirtualMomentum of the body, then of its subtree
+  Arrays<T> Lambda_p, momentum, curvature;  ///< by column
+  Arrays<T> line;
+  TwistToWrench<Spatial, T>* K;  ///< second derivatives of the power of the loads on Λ
+
+  explicit SecondOrder(Arena& arena)
+      : first(arena),
+        Lambda(arena.per_body<Motion6<T>>()),
+        Lambdas(arena, 6, arena.topology().n + 1),
+        momenta(arena, static_cast<int>(VirtualMomentum<T>::size), arena.topology().n + 1),
+        Lambda_p(arena, 6, arena.topology().n_screws),
+        momentum(arena, static_cast<int>(VirtualMomentum<T>::size), arena.topology().n_screws),
+        curvature(arena, static_cast<int>(ScrewCurvature<T>::size), arena.topology().n_screws),
+        line(arena, results, arena.topology().n_screws),
+        K(arena.per_body<TwistToWrench<Spatial, T>>()) {}
+
+  template <class Real>
+  void run(const Tree<Real>& tree, const T* q, const T* v, const T* a, const T* lambda,
+           const Loads<T>& loads) noexcept {
+    const Topology& topology = *tree.operator->();
+    first.screws.run(tree, q, v, a, cast<T>(tree.g));
+    compute_adjoint_twists(topology, lambda);
+    const bool loaded = !loads.wrenches.empty();
+    if constexpr (std::same_as<Real, T>)
+      if (loaded) {
+        first.load(tree, q, loads.wrenches);
+        add_load_hessian(tree, loads.wrenches);
+      }
+    first.compose(topology, loaded);
+    compose(topology, loaded);
+  }
+  /// Adds to the blocks that have memory.
+  void add_to(const Topology& topology, bool loaded, const HessianBlocks<T>& H) noexcept {
+    const std::ptrdiff_t nv = topology.nv;
+    const auto add = [&](T* block, std::ptrdiff_t outer, std::ptrdiff_t inner, const T& x) {
+      if (block) block[outer * nv + inner] += x;
+    };
+    for (int i = 1; i <= topology.n; ++i) {
+      const int begin = topology.first_screw[i], next = topology.first_screw[i + 1],
+                end = topology.first_screw[topology.subtree_end[i]];
+      for (int l = begin; l < next; ++l) {
+        multiply(l, begin, end, loaded);
+        const std::ptrdiff_t v_l = topology.iv[i] + l - begin;
+        for (int j = i; j < topology.subtree_end[i]; ++j)
+          for (int k = topology.first_screw[j]; k < topology.first_screw[j + 1]; ++k) {
+            const std::ptrdiff_t v_k = topology.iv[j] + k - topology.first_screw[j];
+            add(H.qq, v_l, v_k, line.array(0)[k]);
+            add(H.qv, v_l, v_k, line.array(1)[k]);
+            add(H.aq, v_k, v_l, line.array(4)[k]);
+            add(H.vv, v_l, v_k, j == i ? line.array(3)[k] - own_bracket(l, k) : line.array(3)[k]);
+            if (j == i) continue;
+            add(H.qq, v_k, v_l, line.array(0)[k]);
+            add(H.qv, v_k, v_l, line.array(2)[k]);
+            add(H.vv, v_k, v_l, line.array(3)[k]);
+            add(H.aq, v_l, v_k, line.array(5)[k]);
+          }
+      }
+    }
+  }
+
+ private:
+  using Part = typename FirstOrder<T>::Part;
+  enum CurvaturePart { chi = 0, psi_1 = 6, X = 12, Y = 18, Z = 24, Q = 30, AS = 36 };
+
+  /// Computes Λ and the virtual momentum of each body.
+  void compute_adjoint_twists(const Topology& topology, const T* lambda) noexcept {
+    Lambda[0] = {};
+    set6(Lambdas, 0, Lambda[0]);
+    for (int i = 1; i <= topology.n; ++i) {
+      const Motion6<T> Lambda_before = Lambda[topology.parent[i]];
+      Lambda[i] = Lambda_before;
+      for (int s = topology.first_screw[i]; s < topology.first_screw[i + 1]; ++s) {
+        set6(Lambda_p, s, Lambda_before);
+        Lambda[i] += lambda[topology.iv[i] + s - topology.first_screw[i]] * first.screws.screw(s);
+      }
+      set6(Lambdas, i, Lambda[i]);
+    }
+    for (int i = 0; i <= topology.n; i += L::width) {
+      const auto numbers = std::bit_cast<typename VirtualMomentum<Number>::Entries>(
+          VirtualMomentum<Number>::of(first.screws.bodies(i), load6(Lambdas, i)));
+      for (std::size_t k = 0; k < numbers.size(); ++k)
+        L::store(numbers[k], momenta.array(static_cast<int>(k)) + i);
+    }
+  }
+  /// Adds -Λ|L(·)L(·)W of the loads to K: the outer displacement from the left, the inner from the right.
+  [[gnu::noinline]] void add_load_hessian(const Tree<T>& tree,
+                                          std::span<const AppliedWrench<T>> wrenches) noexcept {
+    for (int i = 0; i <= tree->n; ++i) K[i] = {};
+    first.each_load(tree, wrenches,
+                    [&](const auto& given, int i, const Vec3<T>& r, const Vec3<T>& m, const Vec3<T>& f) {
+                      const Representation in = given.representation;
+                      const Vec3<T> v =
+                          Lambda[i].v + cross(Lambda[i].w, r);  // the velocity of Λ at the point of the load
+                      const auto change_of = [&](const Vec3<T>& x, const Vec3<T>& y, const Vec3<T>& w) {
+                        return dot(x, y) * w - dot(y, w) * x;
+                      };
+                      K[i] += TwistToWrench<Spatial, T>::of([&](const Motion6<T>& D) -> Wrench<Spatial, T> {
+                        switch (in) {
+                          case Representation::body: break;
+                          case Representation::spatial:
+                            return coad(ad(Lambda[i], D), Wrench<Spatial, T>{m + cross(r, f), f});
+                          case Representation::hybrid:
+                            return {change_of(Lambda[i].w, m, D.w) + change_of(v, f, D.w), {}};
+                          case Representation::mixed: return {change_of(v, f, D.w), {}};
+                        }
+                        return {};
+                      });
+                    });
+  }
+  void compose(const Topology& topology, bool loaded) noexcept {
+    sum_subtrees(topology, static_cast<int>(VirtualMomentum<T>::size), momenta, momentum);
+    const MovingScrews<T>& screws = first.screws;
+    for (int c = 0; c < topology.n_screws; c += L::width) {
+      typename VirtualMomentum<Number>::Entries Pi;
+      for (std::size_t k = 0; k < Pi.size(); ++k) Pi[k] = L::load(momentum.array(static_cast<int>(k)) + c);
+      const auto numbers = std::bit_cast<typename ScrewCurvature<Number>::Entries>(
+          ScrewCurvature<Number>::of(screws.subtree_of_columns(c), std::bit_cast<VirtualMomentum<Number>>(Pi),
+                                     load6(screws.S, c), load6(screws.V_p, c), load6(Lambda_p, c)));
+      for (std::size_t k = 0; k < numbers.size(); ++k)
+        L::store(numbers[k], curvature.array(static_cast<int>(k)) + c);
+    }
+    if (!loaded) return;
+    sum_subtrees(topology, K);
+    for (int i = 1; i <= topology.n; ++i)
+      for (int c = topology.first_screw[i]; c < topology.first_screw[i + 1]; ++c) {
+        const Motion6<T> chi_c{curvature.get3(chi, c), curvature.get3(chi + 3, c)};
+        const Wrench<Spatial, T> Q_c = first.N[i].transposed_times(chi_c) + K[i] * screws.screw(c);
+        for (int k = 0; k < 6; ++k) curvature.array(Q + k)[c] = entry(Q_c, k);
+      }
+  }
+
+  /// S_l|hat(A) S_k: within a joint there is one bracket less.
+  T own_bracket(int l, int k) const {
+    T sum(0);
+    for (int c = 0; c < 6; ++c) sum += curvature.array(AS + c)[k] * first.screws.S.array(c)[l];
+    return sum;
+  }
+  /// Multiplies column l with the columns from `begin` on.
+  void multiply(int l, int begin, int end, bool loaded) noexcept {
+    const Arrays<T> e = first.effect, d = curvature,
+                    out = line;  // local copies, which no result can overwrite
+    Number S[6], psi_2[6], sigma[6], chi_l[6], psi_l[6];
+    for (int k = 0; k < 6; ++k) {
+      S[k] = Number(e.array(Part::S + k)[l]), psi_2[k] = Number(e.array(Part::psi_2 + k)[l]);
+      sigma[k] = Number(e.array(Part::sigma + k)[l]);
+      chi_l[k] = Number(d.array(chi + k)[l]), psi_l[k] = Number(d.array(psi_1 + k)[l]);
+    }
+    const auto product = [](const Number(&mine)[6], const Arrays<T>& theirs, int part, int c) {
+      return theirs.template product<6>(mine, part, c);
+    };
+    for (int c = begin; c < end; c += L::width) {
+      const Number SY = product(S, d, Y, c), SX = product(S, d, X, c);
+      Number qq = product(chi_l, e, Part::P, c) + product(psi_2, d, Y, c) + product(psi_l, d, X, c);
+      if (loaded) qq = qq + product(S, d, Q, c);
+      L::store(qq, out.array(0) + c);
+      L::store(product(chi_l, e, Part::R, c) + product(psi_l, d, Z, c), out.array(1) + c);
+      L::store(product(sigma, d, Y, c) + SX, out.array(2) + c);
+      L::store(product(S, d, Z, c), out.array(3) + c);
+      L::store(product(chi_l, e, Part::U, c), out.array(4) + c);
+      L::store(SY, out.array(5) + c);
+    }
+  }
+};
+
+}  // namespace axode

@@ -1,0 +1,211 @@
+#pragma once
+#include "axode/derivatives/displacement/first_order.hpp"
+
+namespace axode {
+
+/// Receives the second partial derivatives of nv results, nv × nv × nv each, [component][outer
+/// derivative][inner derivative].
+template <class T> struct SecondDerivatives { T *qq, *qv, *vv, *aq; };
+
+/// The second partial derivatives of inverse dynamics. The derivatives by three columns on one path follow
+/// from the last one, d. With hat(W) X = -ad_Xᵀ W, B_S = B[M; S_d] and B_ψ = B[M; ψ'_d] + (change of B along
+/// S_d) of the subtree of d, the entries of all orders of l, j and d are sums of
+///   u = -S_j|hat(U) S_l     b = S_j|B_S S_l     f = S_j|B_S ψ'_l    r = S_j|hat(R) S_l    p = S_j|hat(P) S_l
+///   g = S_j|(B_S σ_l - hat(U) σ_l + B_ψ S_l)          h = -S_j|(hat(U) σ_l + hat(t) S_l) - ψ'_j|B_S S_l
+///   G = S_j|(B_S ψ''_l - hat(U) ψ''_l + B_ψ ψ'_l)     H = -S_j|(hat(U) ψ''_l + hat(t) ψ'_l) - ψ'_j|B_S ψ'_l
+/// O(n d²) and nv³ zeros: about 400 products and sums for two columns, and 100 for three in each order of l
+/// and j. See (D2.10) to (D2.15) of docs/derivations.
+template <class T> struct SecondOrderTensors {
+  using L = Lanes<T>;
+  using Number = typename L::Number;
+
+  FirstOrder<T> first;
+  Arrays<T> psi_1, B_S, B_psi;                         ///< by column
+  int* begin;                                          ///< by body: where its columns begin on its path
+  int* velocity;                                       ///< velocities of the columns on the path of a body
+  Arrays<T> path_S, path_psi, path_psi_2, path_sigma;  ///< S, ψ', ψ'' and σ of these columns
+  Arrays<T> wrench;                                    ///< products of column d with them: Wrenches
+  Arrays<T> line;                                      ///< products of the wrenches with one column: Products
+
+  explicit SecondOrderTensors(Arena& arena)
+      : first(arena),
+        psi_1(arena, 6, arena.topology().n_screws),
+        B_S(arena, 12, arena.topology().n_screws),
+        B_psi(arena, 12, arena.topology().n_screws),
+        begin(arena.per_body<int>()),
+        velocity(arena.per_screw<int>()),
+        path_S(arena, 6, arena.topology().n_screws),
+        path_psi(arena, 6, arena.topology().n_screws),
+        path_psi_2(arena, 6, arena.topology().n_screws),
+        path_sigma(arena, 6, arena.topology().n_screws),
+        wrench(arena, 6 * wrenches, arena.topology().n_screws),
+        line(arena, products, arena.topology().n_screws) {}
+
+  template <class Real>
+  void run(const Tree<Real>& tree, const T* q, const T* v, const T* a,
+           const SecondDerivatives<T>& out) noexcept {
+    const Topology& topology = *tree.operator->();
+    first.run(tree, q, v, a, Loads<T>{});
+    for (int c = 0; c < topology.n_screws; c += L::width) find_twins(c);
+    const std::ptrdiff_t nv = topology.nv;
+    for (T* const tensor : {out.qq, out.qv, out.vv, out.aq}) std::fill_n(tensor, nv * nv * nv, T(0));
+    for (int i = 1; i <= topology.n; ++i) {
+      const int first_column = topology.first_screw[i], end = extend_path(topology, i);
+      for (int e = begin[i]; e < end; ++e) {
+        const Last d{first_column + e - begin[i], velocity[e], begin[i], end};
+        compute_wrenches(d);
+        for (int p = i; p > 0; p = topology.parent[p]) {
+          const int begin_p = begin[p],
+                    end_p = begin_p + topology.first_screw[p + 1] - topology.first_screw[p];
+          for (int j = begin_p; j < end_p; ++j) {
+            multiply(j, d, begin_p, end_p);
+            put(nv, j, d, begin_p, end_p, out);
+          }
+        }
+        if (end - begin[i] > 1) put_brackets(nv, d, out.vv);
+      }
+    }
+  }
+
+ private:
+  using Part = typename FirstOrder<T>::Part;
+  /// The last column of three, its velocity, and where the columns of its joint begin and end on its path.
+  struct Last {
+    int c;
+    std::ptrdiff_t v;
+    int begin, end;
+  };
+  enum Wrenches { US, BS, Bpsi, RS, PS, for_g, for_G, for_h, for_H, wrenches };
+  enum Products { u, b, f, also_f, g, G, h, H, products };
+
+  void find_twins(int c) noexcept {
+    const MovingScrews<T>& screws = first.screws;
+    const MovingInertia<Number> moved = screws.subtree_of_columns(c);
+    const Motion6<Number> S = load6(screws.S, c), psi = ad(load6(screws.V_p, c), S);
+    CoriolisInertia<Number> of_psi = CoriolisInertia<Number>::of(moved.M, psi);
+    of_psi += moved.B.along(S);
+    psi_1.store3(psi.w, 0, c), psi_1.store3(psi.v, 3, c);
+    const auto store = [&](const CoriolisInertia<Number>& B, const Arrays<T>& to) {
+      to.store3(B.D.x, 0, c), to.store3(B.D.y, 3, c), to.store3(B.D.z, 6, c), to.store3(B.p, 9, c);
+    };
+    store(CoriolisInertia<Number>::of(moved.M, S), B_S);
+    store(of_psi, B_psi);
+  }
+  /// Appends the columns of body i to those of the path of its predecessor, and returns their end.
+  int extend_path(const Topology& topology, int i) noexcept {
+    const int p = topology.parent[i];
+    int e = begin[i] = p == 0 ? 0 : begin[p] + topology.first_screw[p + 1] - topology.first_screw[p];
+    for (int c = topology.first_screw[i]; c < topology.first_screw[i + 1]; ++c, ++e) {
+      velocity[e] = topology.iv[i] + e - begin[i];
+      for (int k = 0; k < 6; ++k) {
+        path_S.array(k)[e] = first.screws.S.array(k)[c];
+        path_psi.array(k)[e] = psi_1.array(k)[c];
+        path_psi_2.array(k)[e] = first.effect.array(Part::psi_2 + k)[c];
+        path_sigma.array(k)[e] = first.effect.array(Part::sigma + k)[c];
+      }
+    }
+    return e;
+  }
+
+  void compute_wrenches(const Last& d) noexcept {
+    const auto spread = [&](const Arrays<T>& x, int k) {
+      const Vec3<T> a = x.get3(k, d.c);
+      return Vec3<Number>{Number(a.x), Number(a.y), Number(a.z)};
+    };
+    const auto effect = [&](int part) {
+      return Wrench<Spatial, Number>{spread(first.effect, part), spread(first.effect, part + 3)};
+    };
+    const auto twin = [&](const Arrays<T>& B) {
+      return CoriolisInertia<Number>{{spread(B, 0), spread(B, 3), spread(B, 6)}, spread(B, 9)};
+    };
+    const CoriolisInertia<Number> S_twin = twin(B_S), psi_twin = twin(B_psi);
+    const Wrench<Spatial, Number> U = effect(Part::U), P = effect(Part::P), R = effect(Part::R);
+    const Vec3<Number> t = spread(first.effect, Part::t);
+    for (int c = 0; c < d.end; c += L::width) {
+      const auto store = [&](const Wrench<Spatial, Number>& W, int to) {
+        wrench.store3(W.m, 6 * to, c), wrench.store3(W.f, 6 * to + 3, c);
+      };
+      const Motion6<Number> S = load6(path_S, c), psi = load6(path_psi, c), psi_2 = load6(path_psi_2, c),
+                            sigma = load6(path_sigma, c);
+      store(-coad(S, U), US);
+      store(S_twin * S, BS);
+      store(S_twin * psi, Bpsi);
+      store(coad(S, R), RS);
+      store(coad(S, P), PS);
+      const Wrench<Spatial, Number> U_sigma = coad(sigma, U), U_psi = coad(psi_2, U);
+      store(S_twin * sigma - U_sigma + psi_twin * S, for_g);
+      store(S_twin * psi_2 - U_psi + psi_twin * psi, for_G);
+      store(-U_sigma - Wrench<Spatial, Number>{cross(S.w, t), {}}, for_h);
+      store(-U_psi - Wrench<Spatial, Number>{cross(psi.w, t), {}}, for_H);
+    }
+  }
+  /// Multiplies the wrenches of d with column j of the path, whose joint has the columns from begin_j to
+  /// end_j.
+  void multiply(int j, const Last& d, int begin_j, int end_j) noexcept {
+    Number S[6], psi[6];
+    for (int k = 0; k < 6; ++k) S[k] = Number(path_S.array(k)[j]), psi[k] = Number(path_psi.array(k)[j]);
+    const Arrays<T> W = wrench, out = line;  // local copies, which no result can overwrite
+    const auto product = [W](const Number(&mine)[6], int with, int c) {
+      return W.template product<6>(mine, 6 * with, c);
+    };
+    const auto store = [out](const Number& x, int to, int c) { L::store(x, out.array(to) + c); };
+    for (int c = 0; c < d.end; c += L::width) {
+      const Number f_c = product(S, Bpsi, c);
+      store(product(S, US, c), u, c);
+      store(product(S, BS, c), b, c);
+      store(f_c, f, c);
+      store(f_c, also_f, c);
+      store(product(S, for_g, c), g, c);
+      store(product(S, for_G, c), G, c);
+      if (c >= end_j) continue;
+      store(product(S, for_h, c) - product(psi, BS, c), h, c);
+      store(product(S, for_H, c) - product(psi, Bpsi, c), H, c);
+    }
+    if (begin_j < d.begin)
+      for (int c = end_j; c < d.end; c += L::width) {
+        store(L::load(out.array(also_f) + c) + product(S, RS, c), also_f, c);
+        store(L::load(out.array(G) + c) + product(S, PS, c), G, c);
+      }
+  }
+  /// Adds the products to row d, and, if the joint of j is before that of d, to row j.
+  void put(std::ptrdiff_t nv, int j, const Last& d, int begin_j, int end_j,
+           const SecondDerivatives<T>& out) noexcept {
+    const std::ptrdiff_t v_j = velocity[j];
+    const auto at = [nv](std::ptrdiff_t row, std::ptrdiff_t outer, std::ptrdiff_t inner) {
+      return (row * nv + outer) * nv + inner;
+    };
+    const auto x = [&](Products of, int l) { return line.array(of)[l]; };
+    for (int l = 0; l < end_j; ++l) {
+      const std::ptrdiff_t v_l = velocity[l], lj = at(d.v, v_l, v_j), jl = at(d.v, v_j, v_l);
+      out.qq[lj] += x(H, l), out.qv[lj] -= x(f, l);
+      if (l < begin_j) {
+        out.qq[jl] += x(H, l), out.qv[jl] += x(h, l);
+        out.vv[lj] -= x(b, l), out.vv[jl] -= x(b, l);
+        out.aq[lj] += x(u, l);
+      } else {
+        out.vv[lj] -= x(b, l) + x(u, l);
+      }
+    }
+    if (begin_j == d.begin) return;
+    for (int l = 0; l < d.end; ++l) {
+      const std::ptrdiff_t v_l = velocity[l], ld = at(v_j, v_l, d.v), dl = at(v_j, d.v, v_l);
+      out.qq[ld] += x(G, l), out.qv[ld] += x(also_f, l), out.vv[ld] += x(b, l);
+      if (l >= end_j) out.aq[dl] -= x(u, l);
+      if (l >= d.begin) continue;
+      out.qq[dl] += x(G, l), out.qv[dl] += x(g, l), out.vv[dl] += x(b, l);
+      out.aq[ld] += x(b, l) + x(u, l);
+    }
+  }
+  /// Column l of the path.
+  Motion6<T> screw(int l) const { return {path_S.get3(0, l), path_S.get3(3, l)}; }
+  /// Within a joint there is one bracket less.
+  void put_brackets(std::ptrdiff_t nv, const Last& d, T* vv) noexcept {
+    const Inertia<T> M = first.screws.subtree_of_column(d.c).M;
+    for (int l = d.begin; l < d.end; ++l) {
+      const Momentum<Spatial, T> Pi = M * ad(screw(l), first.screws.screw(d.c));
+      for (int j = 0; j < d.begin; ++j) vv[(velocity[j] * nv + velocity[l]) * nv + d.v] -= Pi | screw(j);
+    }
+  }
+};
+
+}  // namespace axode

@@ -1,0 +1,124 @@
+#include "axode/io/drawing/construction_frame.hpp"
+
+#include <cmath>
+#include <string>
+#include <unordered_map>
+#include <utility>
+#include <variant>
+
+#include "axode/model/building/placement.hpp"
+#include "axode/model/joint_kinds.hpp"
+
+namespace axode::io {
+namespace {
+
+constexpr double noise = 1e-15;
+
+/// Sets the components to 0 that are rounding noise of numbers of the magnitude `scale`.
+Vec3<> clean(const Vec3<>& a, double scale) {
+  const auto each = [&](double x) { return std::abs(x) < noise * scale ? 0.0 : x; };
+  return {each(a.x), each(a.y), each(a.z)};
+}
+Sym3<> clean(const Sym3<>& A) {
+  const double scale = std::abs(trace(A));
+  const Vec3<> diagonal = clean(Vec3<>{A.xx, A.yy, A.zz}, scale),
+               products = clean(Vec3<>{A.xy, A.xz, A.yz}, scale);
+  return {diagonal.x, diagonal.y, diagonal.z, products.x, products.y, products.z};
+}
+Vec3<> clean_direction(const Vec3<>& a) {
+  const auto each = [&](double x) { return 1 - std::abs(x) < noise ? std::copysign(1.0, x) : x; };
+  const Vec3<> b = clean(a, 1);
+  return {each(b.x), each(b.y), each(b.z)};
+}
+SE3<> clean(const SE3<>& C) {
+  return {{clean_direction(C.R.x), clean_direction(C.R.y), clean_direction(C.R.z)}, clean(C.r, norm(C.r))};
+}
+
+bool same(const SO3<>& a, const SO3<>& b) {
+  return norm(a.x - b.x) <= 10 * noise && norm(a.y - b.y) <= 10 * noise && norm(a.z - b.z) <= 10 * noise;
+}
+
+/// The pose in the body frame of the frame in which axis and point of the joint are given.
+SE3<> given_frame(const Geometry& geometry) {
+  const auto* frames = std::get_if<InJointFrames>(&geometry);
+  return frames == nullptr ? SE3<>{} : frames->S_self;
+}
+
+/// Writes axis and point of a joint in the construction frame, and the geometry of its body as the pose A,
+/// unless the joint has to keep its joint frames.
+void move_joint(BodyDescription& body, const Placement& at) {
+  JointDescription& joint = body.joint;
+  if (!traits(joint.kind).axis && !traits(joint.kind).point) {
+    joint.axis = {0, 0, 1};
+    joint.point = {};
+    body.geometry = InConstructionFrame{clean(at.A)};
+    return;
+  }
+  const SE3<> given = at.A * given_frame(body.geometry);
+  const Vec3<> point = given * joint.point;
+  const Vec3<> axis = given.R * joint.axis;
+  if (joint.kind == JointKind::planar || joint.kind == JointKind::spherical) {
+    const SO3<> by_rule = joint.kind == JointKind::planar ? rotation_to((1 / norm(axis)) * axis) : SO3<>{};
+    if (!same(at.A.R * at.S_self.R, by_rule)) {
+      if (std::holds_alternative<InJointFrames>(body.geometry)) return;
+      body.geometry = InJointFrames{clean(at.B * at.S_self), clean(at.S_self)};
+      joint.axis = {0, 0, 1};
+      joint.point = {};
+      return;
+    }
+  }
+  joint.point = clean(point, norm(joint.point) + norm(given.r));
+  joint.axis = norm(axis) * clean_direction((1 / norm(axis)) * axis);
+  joint.second_axis = clean(given.R * joint.second_axis, norm(joint.second_axis));
+  body.geometry = InConstructionFrame{clean(at.A)};
+}
+
+/// Writes the inertia of a body with the pose A in the construction frame, about the centre of mass.
+void move_inertia(MassProperties& given, const SE3<>& A) {
+  if (given.in == GivenIn::construction_frame) return;
+  given.in = GivenIn::construction_frame;
+  if (given.about == InertiaAbout::frame_origin && given.mass > 0) {
+    const Inertia<> M{given.mass, given.mass * given.com, rotate(given.axes, given.Theta)};
+    given.Theta = inertia_about_com(M);
+    given.axes = {};
+  }
+  given.about = InertiaAbout::center_of_mass;
+  given.Theta = clean(rotate(A.R * given.axes, given.Theta));
+  given.axes = {};
+  given.com = clean(A * given.com, norm(given.com) + norm(A.r));
+}
+
+}  // namespace
+
+Description in_construction_frame(const Description& description) {
+  const auto placements = [](const Description& d) {
+    const Description expanded = expand(d);
+    const std::vector<Placement> all = reference_placements(expanded, depth_first_order(expanded));
+    std::unordered_map<std::string, Placement> by_name;
+    for (std::size_t k = 0; k < all.size(); ++k) by_name.emplace(expanded.bodies[k].name, all[k]);
+    return by_name;
+  };
+  Description result = description;
+  const auto given = placements(description);
+  for (BodyDescription& body : result.bodies) {
+    const Placement& at = given.at(body.name);
+    if (auto* drawn = std::get_if<InConstructionFrame>(&body.geometry)) {
+      drawn->A = clean(drawn->A);
+    } else {
+      move_joint(body, at);
+    }
+    const bool drawn = std::holds_alternative<InConstructionFrame>(body.geometry);
+    if (body.inertia && drawn) move_inertia(*body.inertia, at.A);
+  }
+  for (FrameDescription& frame : result.frames) {
+    const bool drawn = frame.in == GivenIn::construction_frame || frame.body == "ground";
+    frame.in = GivenIn::construction_frame;
+    frame.pose = clean(drawn ? frame.pose : given.at(frame.body).A * frame.pose);
+  }
+  const auto moved = placements(result);  // poses as a reader computes them, rotations to working precision
+  for (BodyDescription& body : result.bodies)
+    if (auto* drawn = std::get_if<InConstructionFrame>(&body.geometry)) drawn->A = moved.at(body.name).A;
+  return result;
+}
+
+}  // namespace axode::io

@@ -1,0 +1,13 @@
+#pragma once
+#include "axode/io/drawing/drawing_table.hpp"
+#include "axode/model/description.hpp"
+
+/// Loops and couplings of a drawing.
+namespace axode::io {
+
+/// These read a table [[loop]] or [[coupling]]; its number counts from 0. They return false if the table has
+/// faults, so that no further faults follow from an incomplete loop.
+bool read_loop(Table& table, std::size_t number, LoopDescription& loop);
+bool read_coupling(Table& table, std::size_t number, CouplingDescription& coupling);
+
+}  // namespace axode::io

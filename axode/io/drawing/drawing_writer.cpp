@@ -1,0 +1,261 @@
+#include <algorithm>
+#include <cmath>
+#include <ostream>
+#include <utility>
+#include <variant>
+
+#include "axode/io.hpp"
+#include "axode/io/drawing/construction_frame.hpp"
+#include "axode/model/joint_kinds.hpp"
+#include "axode/model/loops.hpp"
+#include "axode/model/shape_kinds.hpp"
+
+namespace axode {
+namespace {
+
+std::string text(double x) { return to_text(x == 0 ? 0.0 : x); }  // -0 becomes 0
+std::string text(std::string_view s) {
+  constexpr std::string_view digits = "0123456789ABCDEF";
+  std::string out = "\"";
+  for (const char c : s) {
+    const auto byte = static_cast<unsigned char>(c);
+    if (c == '"' || c == '\\') {
+      out += '\\';
+      out += c;
+    } else if (byte < 0x20 || byte == 0x7f) {
+      out += "\\u00";
+      out += digits[byte >> 4];
+      out += digits[byte & 15];
+    } else {
+      out += c;
+    }
+  }
+  return out + '"';
+}
+std::string text(const Vec3<>& a) { return "[" + text(a.x) + ", " + text(a.y) + ", " + text(a.z) + "]"; }
+std::string text(const SO3<>& R) {
+  const SO3<> rows = transpose(R);
+  return "[" + text(rows.x) + ", " + text(rows.y) + ", " + text(rows.z) + "]";
+}
+std::string text(const Sym3<>& A) {
+  std::string out = "[";
+  for (const double x : {A.xx, A.yy, A.zz, A.xy, A.xz}) out += text(x) + ", ";
+  return out + text(A.yz) + "]";
+}
+
+bool is_identity(const SO3<>& R) {
+  const auto is = [](const Vec3<>& a, double x, double y, double z) {
+    return a.x == x && a.y == y && a.z == z;
+  };
+  return is(R.x, 1, 0, 0) && is(R.y, 0, 1, 0) && is(R.z, 0, 0, 1);
+}
+bool is_zero(const Vec3<>& a) { return a.x == 0 && a.y == 0 && a.z == 0; }
+bool is_identity(const SE3<>& C) { return is_identity(C.R) && is_zero(C.r); }
+
+std::string text(const SE3<>& pose) {
+  const std::string rotation = is_identity(pose.R) ? "" : ", rotation = " + text(pose.R);
+  return "{ position = " + text(pose.r) + rotation + " }";
+}
+template <class T> std::string both(const std::array<T, 2>& x) {
+  return "[" + text(x[0]) + ", " + text(x[1]) + "]";
+}
+
+class DrawingWriter {
+ public:
+  explicit DrawingWriter(std::ostream& out) : out_(out) {}
+
+  void write(const Description& d) {
+    out_ << "# The mechanism with every joint at zero, in the construction frame. SI units.\n";
+    line("format", text("axode drawing 1"));
+    line("name", text(d.name));
+    line("gravity", text(d.gravity));
+    for (const BodyDescription& body : d.bodies) write(body);
+    for (const FrameDescription& frame : d.frames) write(frame);
+    for (const ShapeDescription& shape : d.shapes) write(shape, "shape");
+    for (const SpringDescription& spring : d.springs) write(spring);
+    for (const LoopDescription& loop : d.loops) write(loop);
+    for (const CouplingDescription& coupling : d.couplings) write(coupling);
+  }
+
+ private:
+  void line(std::string_view key, const std::string& value) { out_ << key << " = " << value << '\n'; }
+
+  void write(const BodyDescription& body) {
+    out_ << "\n[[body]]\n";
+    line("name", text(body.name));
+    line("on", text(body.predecessor));
+    write(body.geometry);
+    write(body.joint, std::holds_alternative<InJointFrames>(body.geometry));
+    if (body.inertia) write(*body.inertia, std::holds_alternative<InConstructionFrame>(body.geometry));
+    for (const ShapeDescription& shape : body.shapes) write(shape, "body.shape");
+  }
+
+  void write(const ShapeDescription& shape, std::string_view key) {
+    const ShapeTraits& kind = traits(shape.kind);
+    out_ << "\n[[" << key << "]]\n";
+    line("kind", text(kind.name));
+    if (!shape.name.empty()) line("name", text(shape.name));
+    line("role", text(to_string(shape.role)));
+    if (!kind.size.empty()) line(kind.size, text(shape.size));
+    if (kind.radius) line("radius", text(shape.radius));
+    if (kind.length) line("length", text(shape.length));
+    if (shape.kind == ShapeKind::mesh) {
+      line("file", text(shape.file));
+      if (norm(shape.scale - Vec3<>{1, 1, 1}) > 0) line("scale", text(shape.scale));
+    }
+    write(shape.pose);
+    if (const auto& c = shape.color)
+      line("color",
+           "[" + text((*c)[0]) + ", " + text((*c)[1]) + ", " + text((*c)[2]) + ", " + text((*c)[3]) + "]");
+  }
+
+  void write(const SE3<>& pose) {
+    line("position", text(pose.r));
+    if (!is_identity(pose.R)) line("rotation", text(pose.R));
+  }
+  void write(const Geometry& geometry) {
+    if (const auto* drawn = std::get_if<InConstructionFrame>(&geometry)) {
+      if (!is_identity(drawn->A)) line("A", text(drawn->A));
+    } else if (const auto* in_body = std::get_if<InBodyFrame>(&geometry)) {
+      line("B", text(in_body->B));
+    } else {
+      const auto& frames = std::get<InJointFrames>(geometry);
+      line("S_prev", text(frames.S_prev));
+      line("S_self", text(frames.S_self));
+    }
+  }
+
+  void write(const JointDescription& joint, bool in_joint_frame) {
+    const bool has_axis = traits(joint.kind).axis, still = !has_axis && !traits(joint.kind).point;
+    const bool said = joint.passive && joint.kind != JointKind::fixed;
+    if (still && joint.name.empty() && joint.dof.empty() && !said) {
+      line("joint", text(to_string(joint.kind)));
+      return;
+    }
+    if (!joint.name.empty()) line("joint.name", text(joint.name));
+    line("joint.kind", text(to_string(joint.kind)));
+    const bool along_z = joint.axis.x == 0 && joint.axis.y == 0 && joint.axis.z == 1;
+    if (has_axis && !(in_joint_frame && along_z)) line("joint.axis", text(joint.axis));
+    if (joint.kind == JointKind::universal) line("joint.second_axis", text(joint.second_axis));
+    if (!still && !(in_joint_frame && is_zero(joint.point))) line("joint.point", text(joint.point));
+    if (joint.kind == JointKind::helical) line("joint.pitch", text(joint.pitch));
+    if (said) line("joint.passive", *joint.passive ? "true" : "false");
+    if (joint.dof.size() == 1) {
+      for (const auto& [key, value] : entries(joint.dof[0])) line("joint." + key, value);
+    } else if (!joint.dof.empty()) {
+      line("joint.dof", "[");
+      for (const Dof& dof : joint.dof) {
+        const char* separator = "  { ";
+        for (const auto& [key, value] : entries(dof))
+          out_ << std::exchange(separator, ", ") << key << " = " << value;
+        out_ << (separator[0] == ',' ? " },\n" : "  {},\n");
+      }
+      out_ << "]\n";
+    }
+    if (joint.coupling) {
+      const Coupling& c = *joint.coupling;
+      line("joint.follows", "{ joint = " + text(c.leader) + ", ratio = " + text(c.ratio) +
+                                ", offset = " + text(c.offset) + " }");
+    }
+  }
+  static std::string pair(double stiffness, const char* key, double other) {
+    return "{ stiffness = " + text(stiffness) +
+           (other == 0 ? "" : ", " + std::string(key) + " = " + text(other)) + " }";
+  }
+  static std::vector<std::pair<std::string, std::string>> entries(const Dof& dof) {
+    std::vector<std::pair<std::string, std::string>> all;
+    if (std::isfinite(dof.lower) || std::isfinite(dof.upper))
+      all.emplace_back("limits", "[" + text(dof.lower) + ", " + text(dof.upper) + "]");
+    if (std::isfinite(dof.velocity)) all.emplace_back("velocity", text(dof.velocity));
+    if (std::isfinite(dof.effort)) all.emplace_back("effort", text(dof.effort));
+    if (dof.damping != 0) all.emplace_back("damping", text(dof.damping));
+    if (dof.friction != 0) all.emplace_back("friction", text(dof.friction));
+    if (dof.armature != 0) all.emplace_back("armature", text(dof.armature));
+    if (dof.stiffness != 0 || dof.rest != 0)
+      all.emplace_back("spring", pair(dof.stiffness, "rest", dof.rest));
+    if (dof.stop_stiffness != 0 || dof.stop_damping != 0)
+      all.emplace_back("stop", pair(dof.stop_stiffness, "damping", dof.stop_damping));
+    return all;
+  }
+
+  void write(const MassProperties& given, bool drawn) {
+    line("mass", text(given.mass));
+    line("com", text(given.com));
+    line("inertia", text(given.Theta));
+    const GivenIn usual = drawn ? GivenIn::construction_frame : GivenIn::body_frame;
+    if (given.in != usual)
+      line("inertia_in", text(given.in == GivenIn::body_frame ? "body" : "construction"));
+    if (given.about == InertiaAbout::frame_origin) line("inertia_about", text("origin"));
+    if (!is_identity(given.axes)) line("inertia_axes", "{ rotation = " + text(given.axes) + " }");
+  }
+
+  void write(const FrameDescription& frame) {
+    out_ << "\n[[frame]]\n";
+    line("name", text(frame.name));
+    line("on", text(frame.body));
+    if (frame.in == GivenIn::body_frame) line("in", text("body"));
+    write(frame.pose);
+  }
+
+  void write(const SpringDescription& spring) {
+    const bool in_body = spring.in == GivenIn::body_frame;
+    out_ << "\n[[spring]]\n";
+    line("between", both(spring.between));
+    if (!in_body || !is_zero(spring.points[0]) || !is_zero(spring.points[1])) {
+      line("points", both(spring.points));
+      if (in_body) line("in", text("body"));
+    }
+    if (spring.stiffness != 0 || spring.damping == 0) line("stiffness", text(spring.stiffness));
+    if (spring.rest != 0) line("rest", text(spring.rest));
+    if (spring.damping != 0) line("damping", text(spring.damping));
+  }
+
+  void write(const LoopDescription& loop) {
+    const bool named = loop.frames && is_identity((*loop.frames)[0]) && is_identity((*loop.frames)[1]);
+    out_ << "\n[[loop]]\n";
+    if (!loop.name.empty()) line("name", text(loop.name));
+    line(named ? "frames" : "between", both(loop.between));
+    line("kind", text(to_string(loop.kind)));
+    if (loop.frames && !named) line("frames", both(*loop.frames));
+    if (!loop.frames) write_place(loop);
+    const LoopTraits& kind = traits(loop.kind);
+    if (kind.has("pitch")) line("pitch", text(loop.pitch));
+    if (kind.has("length") && loop.length) line("length", text(*loop.length));
+    if (kind.has("angle") && loop.angle) line("angle", text(*loop.angle));
+    if (kind.has("wheel_axis") && loop.wheel_axis)
+      line("wheel_axis", loop.frames ? text("z") : text(*loop.wheel_axis));
+    if (kind.has("radius") && loop.radius) line("radius", text(*loop.radius));
+  }
+  /// Writes where a loop is drawn.
+  void write_place(const LoopDescription& loop) {
+    const LoopTraits& kind = traits(loop.kind);
+    if (kind.has("axis")) line("axis", text(loop.axis));
+    if (kind.has("second_axis")) line("second_axis", text(loop.second_axis));
+    if (kind.has("points")) line("points", both(loop.points));
+    if (kind.has("point") && (kind.located || !is_zero(loop.point))) line("point", text(loop.point));
+    if (kind.has("center")) line("center", text(loop.center));
+  }
+
+  /// Writes a coupling with its terms sorted by name, which is also the order in which they are read.
+  void write(const CouplingDescription& coupling) {
+    out_ << "\n[[coupling]]\n";
+    if (!coupling.name.empty()) line("name", text(coupling.name));
+    auto terms = coupling.terms;
+    std::ranges::sort(terms);
+    std::string all;
+    for (const auto& [joint, factor] : terms)
+      all += (all.empty() ? " " : ", ") + text(joint) + " = " + text(factor);
+    line("terms", "{" + all + " }");
+    if (coupling.offset != 0) line("offset", text(coupling.offset));
+  }
+
+  std::ostream& out_;
+};
+
+}  // namespace
+
+void write_drawing(const Model& model, std::ostream& out) {
+  DrawingWriter(out).write(io::in_construction_frame(model.description()));
+}
+
+}  // namespace axode

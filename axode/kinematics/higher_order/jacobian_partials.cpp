@@ -1,0 +1,73 @@
+#include "axode/kinematics/higher_order/jacobian_partials.hpp"
+
+#include <limits>
+
+#include "axode/kinematics/check_arguments.hpp"
+#include "axode/kinematics/higher_order/screw_partials.hpp"
+#include "axode/recursion/instantiate.hpp"
+
+namespace axode {
+namespace {
+
+/// nv^(order + 1), or the largest number if it overflows.
+std::size_t tensor_size(std::size_t nv, int order) {
+  constexpr std::size_t largest = std::numeric_limits<std::size_t>::max();
+  std::size_t size = nv;
+  for (int k = 0; k < order && nv > 0; ++k) size = size > largest / nv ? largest : size * nv;
+  return size;
+}
+
+}  // namespace
+
+template <RecursionRepresentation Rep, class T>
+void jacobian_partials(const Model& model, Workspace<T>& workspace, Numbers<T> q,
+                       const std::type_identity_t<Place<T>>& given, int order,
+                       std::type_identity_t<std::span<Twist<Rep, T>>> J, const std::function<bool()>& go_on) {
+  check_state(model, workspace, q);
+  const Place<T> place = found(model, given);
+  check_order(order, largest_partial_order);
+  check_size("J", J.size(), tensor_size(static_cast<std::size_t>(model.nv()), order), "nv^(order + 1)");
+  check_separate("J", J, "q", q);
+  for (Twist<Rep, T>& column : J) column = {};
+
+  const ScrewPath<T> path(model.tree<T>(), q.data(), place);
+  if (path.screws.empty()) return;
+  const ScrewPartials<Rep, T> partials(path, order, go_on);
+  const auto nv = static_cast<std::size_t>(model.nv());
+  partials.each_multi_index(order, [&](const std::vector<int>& alpha) {
+    std::size_t at = 0;
+    for (int k = order; k-- > 0;) at = at * nv + static_cast<std::size_t>(path.screws[alpha[k]].c);
+    partials.along(alpha, [&](int a, const Screw<T>& X) {
+      J[at * nv + static_cast<std::size_t>(path.screws[a].c)] += Twist<Rep, T>{X.w, X.v};
+    });
+  });
+}
+
+template <RecursionRepresentation Rep, class T>
+void jacobian_derivative_along(const Model& model, Workspace<T>& workspace, Numbers<T> q,
+                               const std::type_identity_t<Place<T>>& given, int order, Numbers<T> directions,
+                               std::type_identity_t<std::span<Twist<Rep, T>>> J) {
+  check_state(model, workspace, q);
+  const Place<T> place = found(model, given);
+  check_order(order, largest_partial_order);
+  check_size("directions", directions.size(), static_cast<std::size_t>(order * model.nv()), "order nv");
+  check_size("J", J.size(), static_cast<std::size_t>(model.nv()), "nv");
+  check_separate("J", J, "q", q);
+  check_separate("J", J, "directions", directions);
+  for (Twist<Rep, T>& column : J) column = {};
+  const ScrewPath<T> path(model.tree<T>(), q.data(), place);
+  const DirectionalDerivatives<T> derivatives(path, order, directions.data(), model.nv());
+  for (int a = 0; a < static_cast<int>(path.screws.size()); ++a) {
+    const Screw<T> X = derivatives.template of<Rep>(a);
+    J[path.screws[a].c] += Twist<Rep, T>{X.w, X.v};
+  }
+}
+
+template void jacobian_partials<AXODE_REP>(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>,
+                                           const Place<AXODE_T>&, int, std::span<Twist<AXODE_REP, AXODE_T>>,
+                                           const std::function<bool()>&);
+template void jacobian_derivative_along<AXODE_REP>(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>,
+                                                   const Place<AXODE_T>&, int, Numbers<AXODE_T>,
+                                                   std::span<Twist<AXODE_REP, AXODE_T>>);
+
+}  // namespace axode

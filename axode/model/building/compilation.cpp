@@ -1,0 +1,400 @@
+#include "axode/model/building/compilation.hpp"
+
+#include <algorithm>
+#include <string>
+#include <unordered_map>
+#include <utility>
+
+#include "axode/model/building/placement.hpp"
+#include "axode/model/finite.hpp"
+#include "axode/model/joint_kinds.hpp"
+
+namespace axode {
+namespace {
+
+/// A mechanism during its compilation into a model. Bodies that are fixed to others are merged into the
+/// bodies that carry them, and stay as frames.
+///
+/// Poses that are drawn in the construction frame are related to their neighbours by differences, and poses
+/// that are given relative to a neighbour never use the construction frame. Hence no digits are lost far from
+/// its origin.
+class Compiler {
+ public:
+  explicit Compiler(const Description& description)
+      : description_(description),
+        expanded_(expand(description)),
+        order_(depth_first_order(expanded_)),
+        placements_(reference_placements(expanded_, order_)),
+        on_(expanded_.bodies.size()) {
+    for (std::size_t d = 0; d < expanded_.bodies.size(); ++d) index_.emplace(expanded_.bodies[d].name, d);
+    Body ground;
+    ground.name = "ground";
+    bodies_.push_back(std::move(ground));
+    connections_.frame_body = {0};
+    add_body(0, Subgroup::free, {});
+    joints_.emplace_back();
+    frames_.push_back({"ground", 0, {}});
+  }
+
+  Compilation run() {
+    for (const int d : order_.order)
+      if (expanded_.bodies[d].joint.kind == JointKind::fixed)
+        merge(d);
+      else
+        add(d);
+    for (const FrameDescription& frame : description_.frames) add(frame);
+    couple();
+    for (int i = 1; i < n_bodies(); ++i) add_frame({bodies_[i].name, i, {}}, offset_[i]);
+    for (auto& [frame, offset] : extra_) add_frame(std::move(frame), offset);
+    const auto topology = std::make_shared<const Topology>(std::move(connections_));
+    number_joints(*topology);
+    Springs springs = springs_between_frames();
+    for (int i = 1; i <= topology->n; ++i)
+      if (std::ranges::any_of(joints_[i].dof,
+                              [](const Dof& dof) { return dof.stiffness > 0 || dof.stop_stiffness > 0; }))
+        springs.joints.push_back(i);
+    Loops loops = closed_loops(*topology);
+    for (int i = 0; i <= topology->n; ++i) bodies_[i].M = transform(inverse(offset_[i]), numbers_.M[i]);
+    Compilation out{std::move(bodies_),
+                    std::move(joints_),
+                    std::move(frames_),
+                    std::move(springs),
+                    std::move(loops),
+                    Tree<double>(topology, std::move(numbers_)),
+                    {}};
+    report_loops_within_bodies(out);
+    report_massless_subtrees(out);
+    report_overflow(out);
+    return out;
+  }
+
+ private:
+  /// The body of the model that carries a body of the description. The pose of its internal frame is relative
+  /// to the joint of the body, and that of the joint to the body frame, which may be far from both.
+  struct Carried {
+    int carrier = 0;
+    SE3<> S, F;
+  };
+  /// A pose relative to the body frame, expressed in the internal frame of the carrier.
+  static SE3<> in_carrier(const Carried& on, const SE3<>& C) { return relative(on.F, relative(on.S, C)); }
+
+  int n_bodies() const { return static_cast<int>(bodies_.size()); }
+
+  /// The inertia of body d in the internal frame of its carrier, which has pose J at q = 0.
+  Inertia<> inertia_of(int d, const SE3<>& J) const {
+    const BodyDescription& from = expanded_.bodies[d];
+    if (!from.inertia) return {};
+    const MassProperties& given = *from.inertia;
+    if (given.in == GivenIn::construction_frame) return inertia_in(J, given);
+    return is_drawn(from) ? inertia_in(J, placements_[d].A, given)
+                          : inertia_in(on_[d].F, expressed_in(on_[d].S, given));
+  }
+
+  void merge(int d) {
+    const int p = order_.predecessor[d];
+    const Placement& at = placements_[d];
+    const Carried on = p < 0 ? Carried{} : on_[p];
+    const SE3<>& J = internal_[on.carrier];
+    SE3<> offset;
+    if (is_drawn(expanded_.bodies[d])) {
+      offset = relative(J, at.A);
+      on_[d] = {on.carrier, relative(at.A, J), {}};
+    } else {
+      const SE3<> joint = in_carrier(on, at.S_prev);
+      offset = joint * inverse(at.S_self);
+      on_[d] = {on.carrier, at.S_self, inverse(joint)};
+    }
+    numbers_.M[on.carrier] += inertia_of(d, J);
+    extra_.push_back({{expanded_.bodies[d].name, on.carrier, inverse(offset_[on.carrier]) * offset}, offset});
+  }
+
+  void add(int d) {
+    const int p = order_.predecessor[d];
+    const Placement& at = placements_[d];
+    const BodyDescription& from = expanded_.bodies[d];
+    const Carried on = p < 0 ? Carried{} : on_[p];
+    const int parent = on.carrier;
+    const bool drawn = is_drawn(from);
+    const SE3<> B = drawn ? relative(internal_[parent], at.J) : in_carrier(on, at.S_prev);
+    const SE3<> J = drawn ? at.J : internal_[parent] * B;
+    const SE3<> offset = drawn ? relative(J, at.A) : inverse(at.S_self);
+    on_[d] = {n_bodies(), at.S_self, {}};
+    internal_.push_back(J);
+    connections_.parent.push_back(parent);
+    add_body(from.joint.pitch, traits(from.joint.kind).subgroup, offset, B);
+    numbers_.M.back() = inertia_of(d, J);
+    described_.push_back(d);
+
+    Joint joint;
+    joint.name = from.joint.name;
+    joint.kind = connections_.kind.back();
+    joint.pitch = from.joint.pitch;
+    joint.dof = from.joint.dof;
+    joint.passive = is_passive(from.joint, description_);
+    joint.dof.resize(static_cast<std::size_t>(traits(from.joint.kind).dof));
+    Body body;
+    body.name = from.name;
+    body.predecessor = parent;
+    body.A = at.A;
+    body.S_self = at.S_self;
+    body.S_prev = inverse(offset_[parent]) * B;
+    body.B = body.S_prev * inverse(at.S_self);
+    with_subgroup(joint.kind, joint.pitch, [&](const auto& s) {
+      for (int k = 0; k < s.nv; ++k) body.X.push_back(Ad(at.S_self, s.column(k)));
+    });
+    joints_.push_back(std::move(joint));
+    bodies_.push_back(std::move(body));
+  }
+
+  void add_body(double pitch, Subgroup kind, const SE3<>& offset, const SE3<>& B = {}) {
+    connections_.kind.push_back(kind);
+    numbers_.pitch.push_back(pitch);
+    numbers_.B.push_back(B);
+    numbers_.M.emplace_back();
+    offset_.push_back(offset);
+  }
+
+  void add(const FrameDescription& frame) {
+    const SE3<> pose = orthonormal(frame.pose);
+    const Carried on = frame.body == "ground" ? Carried{} : on_[index_.at(frame.body)];
+    const SE3<> offset =
+        frame.in == GivenIn::body_frame ? in_carrier(on, pose) : relative(internal_[on.carrier], pose);
+    extra_.push_back({{frame.name, on.carrier, inverse(offset_[on.carrier]) * offset}, offset});
+  }
+
+  void add_frame(Frame frame, const SE3<>& offset) {
+    connections_.frame_body.push_back(frame.body);
+    numbers_.frame_offset.push_back(offset);
+    frames_.push_back(std::move(frame));
+  }
+
+  std::unordered_map<std::string_view, int> frames_by_name() const {
+    std::unordered_map<std::string_view, int> frame;
+    for (std::size_t f = 0; f < frames_.size(); ++f) frame.emplace(frames_[f].name, static_cast<int>(f));
+    return frame;
+  }
+
+  /// The ends of the springs, each in its frame.
+  Springs springs_between_frames() const {
+    const std::unordered_map<std::string_view, int> frame = frames_by_name();
+    Springs springs;
+    for (const SpringDescription& from : description_.springs) {
+      Springs::Line line{.ends = {}, .stiffness = from.stiffness, .rest = from.rest, .damping = from.damping};
+      for (std::size_t k = 0; k < 2; ++k) {
+        const int f = frame.at(from.between[k]);
+        const SE3<> drawn = relative(internal_[frames_[f].body], {{}, from.points[k]});
+        line.ends[k] = {
+            f, from.in == GivenIn::body_frame ? from.points[k] : relative(numbers_.frame_offset[f], drawn).r};
+      }
+      springs.lines.push_back(line);
+    }
+    return springs;
+  }
+
+  /// Gives a loop joint or coupling the rows that follow the previous ones.
+  static void number(LoopRows& next, Loops& loops) {
+    next.first_row = loops.rows;
+    next.first_residual = loops.residuals;
+    loops.rows += next.rows;
+    loops.residuals += next.residuals;
+    loops.all.push_back(next);
+  }
+
+  /// Loop joints with their frames in internal frames of bodies, followed by the couplings of coordinates.
+  Loops closed_loops(const Topology& topology) const {
+    const std::unordered_map<std::string_view, int> frame = frames_by_name();
+    Loops loops;
+    for (std::size_t k = 0; k < description_.loops.size(); ++k) {
+      const LoopDescription& from = description_.loops[k];
+      Loop loop;
+      loop.name = loop_name(from, k);
+      loop.kind = from.kind;
+      loop.rows = traits(from.kind).rows;
+      loop.residuals = traits(from.kind).residuals;
+      loop.pitch = from.pitch;
+      loop.wheel = from.wheel_axis.has_value();
+      const DrawnLoop drawn = from.frames ? DrawnLoop{*from.frames, size_of(from)} : drawn_loop(from);
+      loop.size = drawn.size;
+      for (std::size_t e = 0; e < 2; ++e) {
+        const int f = frame.at(from.between[e]), body = frames_[f].body;
+        loop.ends[e] = {body, from.frames ? numbers_.frame_offset[f] * orthonormal(drawn.C[e])
+                                          : relative(internal_[body], drawn.C[e])};
+      }
+      number(loop, loops);
+      loops.joints.push_back(std::move(loop));
+    }
+    std::unordered_map<std::string_view, int> joint;
+    for (int i = 1; i < n_bodies(); ++i) joint.emplace(joints_[i].name, i);
+    for (std::size_t k = 0; k < description_.couplings.size(); ++k) {
+      const CouplingDescription& from = description_.couplings[k];
+      LoopCoupling coupling;
+      coupling.name = coupling_name(from, k);
+      coupling.offset = from.offset;
+      for (const auto& [name, factor] : from.terms) {
+        const int i = joint.at(name);
+        const Joint::Leader own = joints_[i].leader.value_or(Joint::Leader{i, 1, 0});
+        coupling.terms.push_back({topology.iq[i], topology.iv[i], factor * own.ratio});
+        coupling.offset -= factor * own.offset;
+      }
+      number(coupling, loops);
+      loops.couplings.push_back(std::move(coupling));
+    }
+    loops.driven.assign(static_cast<std::size_t>(topology.nv), 0);
+    for (int i = 1; i <= topology.n; ++i)
+      if (!joints_[i].passive && !joints_[i].leader)
+        with_subgroup(joints_[i].kind, joints_[i].pitch,
+                      [&](const auto& s) { std::fill_n(loops.driven.begin() + topology.iv[i], s.nv, 1); });
+    return loops;
+  }
+
+  /// Resolves q_i = ratio q_leader + offset through chains of couplings.
+  void couple() {
+    std::unordered_map<std::string_view, int> index;
+    for (int i = 1; i < n_bodies(); ++i) index.emplace(joints_[i].name, i);
+    const auto coupling_of = [&](int i) -> const std::optional<Coupling>& {
+      return expanded_.bodies[described_[i - 1]].joint.coupling;
+    };
+    for (int i = 1; i < n_bodies(); ++i) {
+      std::vector<int> chain;
+      int at = i;
+      while (coupling_of(at) && !joints_[at].leader) {
+        chain.push_back(at);
+        at = index.at(coupling_of(at)->leader);
+      }
+      for (; !chain.empty(); chain.pop_back()) {
+        const Coupling& own = *coupling_of(chain.back());
+        const Joint::Leader next = joints_[at].leader.value_or(Joint::Leader{at, 1, 0});
+        at = chain.back();
+        joints_[at].leader =
+            Joint::Leader{next.joint, own.ratio * next.ratio, own.ratio * next.offset + own.offset};
+      }
+    }
+    for (const Joint& joint : joints_) {
+      const Joint::Leader own = joint.leader.value_or(Joint::Leader{0, 1, 0});
+      connections_.leader.push_back(own.joint);
+      numbers_.ratio.push_back(own.ratio);
+      numbers_.offset.push_back(own.offset);
+    }
+  }
+
+  /// Numbers the coordinates and velocities of the joints and adds up the terms that belong to velocities.
+  void number_joints(const Topology& topology) {
+    numbers_.g = description_.gravity;
+    for (std::vector<double>* terms : {&numbers_.armature, &numbers_.damping, &numbers_.friction})
+      terms->assign(static_cast<std::size_t>(topology.nv), 0);
+    for (int i = 1; i <= topology.n; ++i) {
+      Joint& joint = joints_[i];
+      joint.iq = topology.iq[i];
+      joint.iv = topology.iv[i];
+      if (!joint.leader)
+        with_subgroup(joint.kind, joint.pitch, [&](const auto& s) { joint.nq = s.nq, joint.nv = s.nv; });
+      const double k = numbers_.ratio[i];  // power: a coupled joint moves k times as fast
+      for (std::size_t d = 0; d < joint.dof.size(); ++d) {
+        const std::size_t c = static_cast<std::size_t>(joint.iv) + d;
+        numbers_.armature[c] += k * k * joint.dof[d].armature;
+        numbers_.damping[c] += k * k * joint.dof[d].damping;
+        numbers_.friction[c] += std::abs(k) * joint.dof[d].friction;
+      }
+    }
+  }
+
+  /// A fault of body i of the model.
+  void note(Compilation& out, int i, Severity severity, Rule rule, std::string element,
+            const char* message) const {
+    const Source& source = i > 0 ? expanded_.bodies[described_[i - 1]].source : expanded_.source;
+    out.faults.push_back({severity, rule, std::move(element), message,
+                          source.file.empty() ? Source{expanded_.source.file, source.line} : source});
+  }
+
+  void report_loops_within_bodies(Compilation& out) const {
+    for (std::size_t k = 0; k < description_.loops.size(); ++k) {
+      const Loop& loop = out.loops.joints[k];
+      if (loop.ends[0].body != loop.ends[1].body) continue;
+      const LoopDescription& from = description_.loops[k];
+      out.faults.push_back(
+          {Severity::error, Rule::loop_within_body, "loop \"" + loop.name + '"',
+           "is between \"" + from.between[0] + "\" and \"" + from.between[1] +
+               "\", which do not move against each other",
+           from.source.file.empty() ? Source{expanded_.source.file, from.source.line} : from.source});
+    }
+  }
+
+  void report_massless_subtrees(Compilation& out) const {
+    const Tree<double>& tree = out.tree;
+    std::vector<double> mass(static_cast<std::size_t>(tree->n + 1));
+    for (int i = tree->n; i > 0; --i) {
+      mass[i] += tree.M[i].m;
+      mass[tree->parent[i]] += mass[i];
+    }
+    std::vector<bool> moves_mass(mass.size());  // itself or through the joints that follow it
+    for (int i = 1; i <= tree->n; ++i) {
+      const Joint& joint = out.joints[i];
+      const bool armature =
+          std::any_of(joint.dof.begin(), joint.dof.end(), [](const Dof& d) { return d.armature > 0; });
+      if (mass[i] > 0 || armature)
+        moves_mass[joint.leader && joint.leader->ratio != 0 ? joint.leader->joint : i] = true;
+    }
+    for (int i = 1; i <= tree->n; ++i)
+      if (!moves_mass[i] && !out.joints[i].leader) {
+        const bool cut = !out.loops.empty();
+        note(out, i, cut ? Severity::error : Severity::warning, Rule::moves_no_mass,
+             "joint \"" + out.joints[i].name + '"',
+             cut ? "moves no mass when the loops are cut; cut them at another joint, or describe the body "
+                   "that it moves as a rod"
+                 : "moves no mass; the mass matrix is singular: give the body that it moves a mass, or the "
+                   "joint an armature, or lock the joint, see reduced");
+      }
+  }
+
+  /// Numbers of a description can be finite and so large that results overflow; this reports them.
+  void report_overflow(Compilation& out) const {
+    const Tree<double>& tree = out.tree;
+    for (int i = 0; i <= tree->n; ++i) {
+      const Body& body = out.bodies[i];
+      const bool good = finite(body.A) && finite(body.B) && finite(body.M) && finite(tree.B[i]) &&
+                        finite(tree.M[i]) && finite(tree.ratio[i]) && finite(tree.offset[i]);
+      if (!good)
+        note(out, i, Severity::error, Rule::non_finite_number, "body \"" + body.name + '"',
+             "its numbers are so large that its pose, inertia or coupling overflows");
+    }
+    for (std::size_t f = 0; f < out.frames.size(); ++f)
+      if (!(finite(tree.frame_offset[f]) && finite(out.frames[f].pose)) &&
+          finite(out.bodies[out.frames[f].body].A))
+        note(out, out.frames[f].body, Severity::error, Rule::non_finite_number,
+             "frame \"" + out.frames[f].name + '"', "its numbers are so large that its pose overflows");
+    for (std::size_t k = 0; k < out.springs.lines.size(); ++k)
+      for (const Springs::Line::End& end : out.springs.lines[k].ends)
+        if (!finite(end.point) && finite(tree.frame_offset[end.frame]))
+          note(out, 0, Severity::error, Rule::non_finite_number, "spring " + std::to_string(k + 1),
+               "its numbers are so large that a point overflows");
+    for (const Loop& loop : out.loops.joints)
+      for (const Loop::End& end : loop.ends)
+        if (!finite(end.F) || !finite(loop.size))
+          note(out, 0, Severity::error, Rule::non_finite_number, "loop \"" + loop.name + '"',
+               "its numbers are so large that its frames overflow");
+  }
+
+  const Description& description_;
+  const Description expanded_;
+  const DepthFirstOrder order_;
+  const std::vector<Placement> placements_;
+  std::unordered_map<std::string_view, std::size_t> index_;
+  std::vector<Carried> on_;     ///< carrier of each body of the description
+  std::vector<int> described_;  ///< index in the description of bodies 1, 2, ... of the model
+  // The members below are indexed by bodies of the model, from the ground on.
+  Connections connections_{.parent = {0}};
+  TreeNumbers<double> numbers_{.frame_offset = {SE3<>{}}};
+  std::vector<SE3<>> internal_{SE3<>{}};  ///< internal frame in the construction frame, at q = 0
+  std::vector<SE3<>> offset_;             ///< frame of the user in the internal frame
+  std::vector<Body> bodies_;
+  std::vector<Joint> joints_;
+  std::vector<Frame> frames_;
+  std::vector<std::pair<Frame, SE3<>>>
+      extra_;  ///< frames that are no moving bodies, and their poses in internal frames
+};
+
+}  // namespace
+
+Compilation compile(const Description& description) { return Compiler(description).run(); }
+
+}  // namespace axode

@@ -1,0 +1,250 @@
+#include "axode/model/building/edited.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <string>
+#include <unordered_map>
+#include <unordered_set>
+
+#include "axode/model/building/builder.hpp"
+#include "axode/model/building/nearest_name.hpp"
+#include "axode/model/building/placement.hpp"
+#include "axode/model/configuration.hpp"
+#include "axode/model/inertial_parameters.hpp"
+#include "axode/model/joint_kinds.hpp"
+
+namespace axode {
+namespace {
+
+/// The mass properties of a body that has the inertia M in its frame.
+MassProperties mass_properties(const Inertia<>& M) {
+  return {.mass = M.m,
+          .com = M.m == 0 ? Vec3<>{} : center_of_mass(M),
+          .Theta = M.Theta,
+          .about = InertiaAbout::frame_origin};
+}
+
+/// Throws std::invalid_argument if two mechanisms have names in common; the names of the second one have a
+/// prefix.
+void check_names_differ(const Description& one, const Description& other, const std::string& prefix) {
+  std::unordered_set<std::string> places,
+      joints;  // bodies and frames share their names, joints and loops theirs
+  for (const BodyDescription& body : one.bodies) places.insert(body.name), joints.insert(joint_name(body));
+  for (const FrameDescription& frame : one.frames) places.insert(frame.name);
+  for (std::size_t k = 0; k < one.loops.size(); ++k) joints.insert(loop_name(one.loops[k], k));
+  for (std::size_t k = 0; k < one.couplings.size(); ++k) joints.insert(coupling_name(one.couplings[k], k));
+  std::string both;
+  const auto check = [&](const std::unordered_set<std::string>& taken, const std::string& name) {
+    if (taken.contains(prefix + name)) both += (both.empty() ? "\"" : ", \"") + prefix + name + '"';
+  };
+  for (const BodyDescription& body : other.bodies) check(places, body.name), check(joints, joint_name(body));
+  for (const FrameDescription& frame : other.frames) check(places, frame.name);
+  for (std::size_t k = 0; k < other.loops.size(); ++k) check(joints, loop_name(other.loops[k], k));
+  for (std::size_t k = 0; k < other.couplings.size(); ++k)
+    check(joints, coupling_name(other.couplings[k], k));
+  if (!both.empty())
+    throw std::invalid_argument("append: both models have " + both +
+                                "; give a prefix that makes them differ");
+}
+
+/// The frame on which another mechanism is mounted, with its pose on a body; it replaces the ground of the
+/// other one.
+struct Mount {
+  std::string carrier;
+  SE3<> pose;
+  std::string prefix;
+
+  std::string renamed(const std::string& name) const { return prefix + name; }
+  std::string place(const std::string& name) const { return name == "ground" ? carrier : renamed(name); }
+  /// The pose of a frame of the other mechanism relative to the frame that carries it now.
+  SE3<> from(const std::string& name) const { return name == "ground" ? pose : SE3<>{}; }
+};
+
+// Mounted bodies are described relative to bodies and frames, see in_joint_frames().
+void mount(BodyDescription& body, const Mount& at) {
+  body.joint.name = at.renamed(joint_name(body));
+  body.name = at.renamed(body.name);
+  if (body.joint.coupling) body.joint.coupling->leader = at.renamed(body.joint.coupling->leader);
+  SE3<>& S_prev = std::get<InJointFrames>(body.geometry).S_prev;
+  S_prev = at.from(body.predecessor) * S_prev;
+  body.predecessor = at.place(body.predecessor);
+}
+void mount(FrameDescription& frame, const Mount& at) {
+  frame.name = at.renamed(frame.name);
+  frame.pose = at.from(frame.body) * frame.pose;
+  frame.body = at.place(frame.body);
+}
+void mount(SpringDescription& spring, const Mount& at) {
+  for (std::size_t k = 0; k < 2; ++k) {
+    spring.points[k] = at.from(spring.between[k]) * spring.points[k];
+    spring.between[k] = at.place(spring.between[k]);
+  }
+}
+void mount(LoopDescription& loop, const Mount& at) {
+  for (std::size_t k = 0; k < 2; ++k) {
+    (*loop.frames)[k] = at.from(loop.between[k]) * (*loop.frames)[k];
+    loop.between[k] = at.place(loop.between[k]);
+  }
+}
+void mount(CouplingDescription& coupling, const Mount& at) {
+  for (auto& [joint, factor] : coupling.terms) joint = at.renamed(joint);
+}
+template <class Part> void mount_all(std::vector<Part>& parts, const Mount& at, std::vector<Part>& into) {
+  for (Part& part : parts) {
+    mount(part, at);
+    into.push_back(std::move(part));
+  }
+}
+
+/// Names loops and couplings that have no name, because the default names depend on how many precede.
+void name_loops(Description& description, const std::string& prefix) {
+  for (std::size_t k = 0; k < description.loops.size(); ++k)
+    description.loops[k].name = prefix + loop_name(description.loops[k], k);
+  for (std::size_t k = 0; k < description.couplings.size(); ++k)
+    description.couplings[k].name = prefix + coupling_name(description.couplings[k], k);
+}
+
+Model built(Description description) { return ModelBuilder(std::move(description)).build(); }
+
+}  // namespace
+
+Model with_parameters(const Model& model, std::span<const double> pi) {
+  check_size("pi", pi.size(), 10 * static_cast<std::size_t>(model.n_bodies()), "10 * n_bodies");
+  std::unordered_map<std::string_view, const Frame*> frames;
+  for (const Frame& frame : model.frames()) frames.emplace(frame.name, &frame);
+  Description description = expand(model.description());
+  for (BodyDescription& body : description.bodies) {
+    const int i = frames.at(body.name)->body;
+    if (i == 0) continue;
+    body.inertia.reset();
+    if (model.body(i).name != body.name) continue;
+    const auto own = pi.subspan(10 * static_cast<std::size_t>(i - 1)).first<10>();
+    const Inertia<> M = inertia_of(own);
+    if (M.m == 0 && (M.h.x != 0 || M.h.y != 0 || M.h.z != 0))
+      throw std::invalid_argument("pi: body \"" + body.name +
+                                  "\" has a first moment of mass but the mass 0; give it a mass");
+    if (inertial_parameters(M) != inertial_parameters(Inertia<>{})) body.inertia = mass_properties(M);
+  }
+  return built(std::move(description));
+}
+
+Model with_gravity(const Model& model, const Vec3<>& g) { return ModelBuilder(model).gravity(g).build(); }
+
+Model with_payload(const Model& model, std::string_view frame, const Inertia<>& M, std::string_view name) {
+  const Frame& at = model.frame(model.frame_index(frame));
+  const BodyDescription payload{.name = std::string(name),
+                                .predecessor = model.body(at.body).name,
+                                .geometry = InBodyFrame{at.pose},
+                                .inertia = mass_properties(M)};
+  BodyDescription alone = payload;
+  alone.predecessor = "ground";
+  ModelBuilder("payload").add(std::move(alone)).build();
+  Description description = expand(model.description());
+  description.bodies.push_back(payload);
+  return built(std::move(description));
+}
+
+Model append(const Model& model, std::string_view frame, const Model& other, std::string_view prefix,
+             const JointDescription& joint) {
+  const Frame& on = model.frame(model.frame_index(frame));
+  Mount at{model.body(on.body).name, on.pose, std::string(prefix)};
+  Description description = expand(model.description());
+  if (joint.kind != JointKind::fixed) {
+    BodyDescription base{
+        .name = {}, .predecessor = at.carrier, .joint = joint, .geometry = InBodyFrame{at.pose}};
+    if (joint.name.empty()) base.joint.name = at.prefix + "mount";
+    base.name = base.joint.name + ".base";
+    at.carrier = base.name;
+    at.pose = {};
+    description.bodies.push_back(std::move(base));
+  }
+  Description mounted = in_joint_frames(other.description());
+  check_names_differ(description, mounted, at.prefix);
+  name_loops(mounted, at.prefix);
+  const auto carrier = std::ranges::find(description.bodies, at.carrier, &BodyDescription::name);
+  std::vector<ShapeDescription>& shapes =
+      carrier == description.bodies.end() ? description.shapes : carrier->shapes;
+  for (ShapeDescription& shape : mounted.shapes) {
+    shape.pose = at.pose * shape.pose;
+    shapes.push_back(std::move(shape));
+  }
+  mount_all(mounted.bodies, at, description.bodies);
+  mount_all(mounted.frames, at, description.frames);
+  mount_all(mounted.springs, at, description.springs);
+  mount_all(mounted.loops, at, description.loops);
+  mount_all(mounted.couplings, at, description.couplings);
+  description.warnings.insert(description.warnings.end(), mounted.warnings.begin(), mounted.warnings.end());
+  return built(std::move(description));
+}
+
+namespace {
+
+/// Throws std::invalid_argument if a joint would act differently when it is reversed: the axes of several
+/// velocities are those of the body that the joint moves. Springs and losses of a spherical joint that are
+/// equal about all axes stay.
+void check_may_be_reversed(const JointDescription& joint, bool base) {
+  const auto of_own_axes = [](const Dof& dof) {
+    return dof.armature != 0 || dof.damping != 0 || dof.friction != 0 || dof.stiffness != 0;
+  };
+  const auto bounded = [](const Dof& dof) {
+    return std::isfinite(dof.lower) || std::isfinite(dof.upper) || std::isfinite(dof.velocity) ||
+           std::isfinite(dof.effort);
+  };
+  const auto differs = [&](const Dof& dof) {
+    const Dof& first = joint.dof[0];
+    return dof.armature != first.armature || dof.damping != first.damping || dof.friction != 0 ||
+           dof.stiffness != first.stiffness;
+  };
+  if (joint.dof.size() <= 1) return;
+  const bool isotropic =
+      joint.kind == JointKind::spherical && !base && std::ranges::none_of(joint.dof, differs);
+  if (std::ranges::any_of(joint.dof, bounded) || (!isotropic && std::ranges::any_of(joint.dof, of_own_axes)))
+    throw std::invalid_argument(
+        "rerooted: joint \"" + joint.name + "\" is " + std::string(to_string(joint.kind)) +
+        " and has limits, losses, springs or armatures, which would be along the axes of another body; "
+        "take them away first");
+}
+
+}  // namespace
+
+Model rerooted(const Model& model, std::string_view body) {
+  const Description expanded = expand(model.description());
+  Description description = in_joint_frames(model.description());
+  const DepthFirstOrder order = depth_first_order(expanded);
+  const std::vector<Placement> placements = reference_placements(expanded, order);
+  const auto named = std::ranges::find(description.bodies, body, &BodyDescription::name);
+  if (named == description.bodies.end())
+    throw std::invalid_argument(
+        "body \"" + std::string(body) + "\" is not described" +
+        did_you_mean(body, description.bodies, [](const BodyDescription& it) { return it.name; }));
+  std::vector<std::size_t> path;  // from the body to its root
+  for (int d = static_cast<int>(named - description.bodies.begin()); d >= 0; d = order.predecessor[d])
+    path.push_back(static_cast<std::size_t>(d));
+  const JointDescription held = description.bodies[path.back()].joint;
+  if (held.kind != JointKind::fixed && held.kind != JointKind::free)
+    throw std::invalid_argument("rerooted: body \"" + description.bodies[path.back()].name +
+                                "\" hangs on the ground by the joint \"" + held.name + "\", which is " +
+                                std::string(to_string(held.kind)) +
+                                "; only a root that is fixed or free can change places with another body");
+  if (path.size() > 1) check_may_be_reversed(held, true);
+  // A joint with the displacement C in its frames is reversed with C⁻¹, which is the same coordinate about
+  // -z.
+  for (std::size_t k = path.size() - 1; k > 0; --k) {
+    BodyDescription& behind = description.bodies[path[k]];
+    const BodyDescription& ahead = description.bodies[path[k - 1]];
+    check_may_be_reversed(ahead.joint, false);
+    const auto& frames = std::get<InJointFrames>(ahead.geometry);
+    behind.joint = ahead.joint;
+    if (traits(ahead.joint.kind).dof == 1) behind.joint.axis = {0, 0, -1};
+    behind.geometry = InJointFrames{frames.S_self, frames.S_prev};
+    behind.predecessor = ahead.name;
+  }
+  BodyDescription& root = description.bodies[path.front()];
+  root.joint = held;
+  root.geometry = InBodyFrame{placements[path.front()].A};
+  root.predecessor = "ground";
+  return built(std::move(description));
+}
+
+}  // namespace axode

@@ -1,0 +1,90 @@
+#include <string>
+#include <unordered_map>
+#include <utility>
+
+#include "axode/model/building/builder.hpp"
+#include "axode/model/building/nearest_name.hpp"
+#include "axode/model/building/placement.hpp"
+#include "axode/model/configuration.hpp"
+
+namespace axode {
+namespace {
+
+/// The coordinate of a joint of one velocity, which may follow another joint.
+double coordinate(const Joint& joint, std::span<const double> q) {
+  return joint.leader ? joint.leader->ratio * q[joint.iq] + joint.leader->offset : q[joint.iq];
+}
+
+/// C_J(q): the displacement of a joint in its joint frame.
+SE3<> displacement(const Joint& joint, std::span<const double> q) {
+  const double own = joint.leader ? coordinate(joint, q) : 0;
+  const double* q_i = joint.leader ? &own : &q[joint.iq];
+  return with_subgroup(joint.kind, joint.pitch, [&](const auto& s) { return s.pose(SE3<>{}, q_i); });
+}
+
+/// Leaves out the loops between bodies that do not move relative to each other; the other loops keep their
+/// names.
+void drop_still_loops(Description& description) {
+  std::unordered_map<std::string_view, std::string_view> carrier{{"ground", "ground"}};
+  for (const int d : depth_first_order(description).order) {
+    const BodyDescription& body = description.bodies[d];
+    const bool fixed = body.joint.kind == JointKind::fixed;
+    carrier.emplace(body.name, fixed ? carrier.at(body.predecessor) : body.name);
+  }
+  for (const FrameDescription& frame : description.frames)
+    carrier.emplace(frame.name, carrier.at(frame.body));
+  for (std::size_t k = 0; k < description.loops.size(); ++k)
+    description.loops[k].name = loop_name(description.loops[k], k);
+  std::erase_if(description.loops, [&](const LoopDescription& loop) {
+    return carrier.at(loop.between[0]) == carrier.at(loop.between[1]);
+  });
+}
+
+/// Moves the terms of locked joints into the offset; couplings without other terms are left out.
+void lock_terms(Description& description, const Model& model, const std::vector<bool>& is_locked,
+                std::span<const double> q) {
+  for (std::size_t k = 0; k < description.couplings.size(); ++k) {
+    CouplingDescription& coupling = description.couplings[k];
+    coupling.name = coupling_name(coupling, k);
+    std::erase_if(coupling.terms, [&](const auto& term) {
+      const int i = model.joint_index(term.first);
+      if (is_locked[i]) coupling.offset -= term.second * coordinate(model.joint(i), q);
+      return is_locked[i];
+    });
+  }
+  std::erase_if(description.couplings, [](const CouplingDescription& c) { return c.terms.empty(); });
+}
+
+}  // namespace
+
+Model reduced(const Model& model, std::span<const std::string_view> locked, std::span<const double> q) {
+  check_configuration(model, q);
+  std::vector<bool> is_locked(model.n_bodies() + 1);
+  for (const std::string_view name : locked) {
+    const int i = model.joint_index(name);
+    if (const auto& leader = model.joint(i).leader)
+      throw std::invalid_argument("reduced: joint \"" + std::string(name) + "\" follows joint \"" +
+                                  model.joint(leader->joint).name + "\"; lock that one");
+    is_locked[i] = true;
+  }
+  for (int i = 1; i <= model.n_bodies(); ++i)
+    if (const auto& leader = model.joint(i).leader; leader && is_locked[leader->joint]) is_locked[i] = true;
+
+  // Every body is described relative to its predecessor, so that nothing else depends on a locked joint; by
+  // joint frames, which are close to each other even if body frames are far away.
+  std::unordered_map<std::string_view, int> index;
+  for (int i = 1; i <= model.n_bodies(); ++i) index.emplace(model.body(i).name, i);
+  Description description = in_joint_frames(model.description());
+  for (BodyDescription& body : description.bodies) {
+    const auto moving = index.find(body.name);
+    if (moving == index.end() || !is_locked[moving->second]) continue;
+    InJointFrames& frames = std::get<InJointFrames>(body.geometry);
+    frames.S_prev = frames.S_prev * displacement(model.joint(moving->second), q);
+    body.joint = {.name = body.joint.name, .kind = JointKind::fixed};
+  }
+  drop_still_loops(description);
+  lock_terms(description, model, is_locked, q);
+  return ModelBuilder(std::move(description)).build();
+}
+
+}  // namespace axode

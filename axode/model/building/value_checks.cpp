@@ -1,0 +1,278 @@
+#include "axode/model/building/value_checks.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <initializer_list>
+#include <limits>
+#include <numbers>
+#include <utility>
+
+#include "axode/model/building/placement.hpp"
+#include "axode/model/finite.hpp"
+#include "axode/model/joint_kinds.hpp"
+#include "axode/model/loops.hpp"
+#include "axode/model/shape_kinds.hpp"
+
+namespace axode {
+namespace {
+
+constexpr double rotation_tolerance = 1e-6;
+constexpr double realisability_tolerance = 1e-9;
+
+bool zero(const Vec3<>& axis) { return axis.x == 0 && axis.y == 0 && axis.z == 0; }
+bool parallel(const Vec3<>& a, const Vec3<>& b) { return norm(cross(direction(a), direction(b))) < 1e-6; }
+
+/// Whether coordinate k of a joint is an angle with limits.
+bool is_angle(JointKind kind, std::size_t k) {
+  switch (kind) {
+    case JointKind::revolute:
+    case JointKind::helical:
+    case JointKind::universal: return true;
+    case JointKind::cylindrical:
+    case JointKind::planar: return k == 0;
+    default: return false;
+  }
+}
+
+/// Reports limits of more than two turns that are a round number of degrees.
+void angle_limits(const FaultySubject& at, const Dof& dof) {
+  constexpr double two_turns = 4 * std::numbers::pi, most = 720, round = 5;
+  const auto looks_like_degrees = [](double x) {
+    return std::abs(x) > two_turns && std::abs(x) <= most && std::fmod(x, round) == 0;
+  };
+  if (!looks_like_degrees(dof.lower) && !looks_like_degrees(dof.upper)) return;
+  const auto in_radians = [](double x) { return to_text(x * (std::numbers::pi / 180)); };
+  at.report_lenient(Rule::wrong_value, "limits are " + to_text(dof.lower) + " and " + to_text(dof.upper) +
+                                           " rad, which look like degrees; as degrees they would be " +
+                                           in_radians(dof.lower) + " and " + in_radians(dof.upper) + " rad");
+}
+
+void not_negative(const FaultySubject& at, std::initializer_list<std::pair<const char*, double>> values) {
+  for (const auto& [what, value] : values)
+    if (value < 0)
+      at.error(Rule::negative_value,
+               std::string(what) + " is " + to_text(value) + "; it must not be negative");
+}
+
+/// Checks that a joint can have its spring and stops.
+void springs(const FaultySubject& at, const JointDescription& joint, const Dof& dof) {
+  const bool stops = dof.stop_stiffness != 0 || dof.stop_damping != 0;
+  const int velocities = with_subgroup(traits(joint.kind).subgroup, 0.0, [](const auto& s) { return s.nv; });
+  const std::string a_kind =
+      "a " + std::string(to_string(joint.kind)) + " joint has several velocities that move together";
+  if (velocities > 1 && dof.rest != 0)
+    at.error(Rule::wrong_value, "a spring is at rest at " + to_text(dof.rest) + "; " + a_kind +
+                                    ", and its spring rests as drawn, at 0");
+  if (velocities > 1 && stops) {
+    at.error(Rule::wrong_value, "has stops; " + a_kind + " and has no limits to stop at");
+  } else if (stops && !std::isfinite(dof.lower) && !std::isfinite(dof.upper)) {
+    at.error(Rule::wrong_value, "has stops but no limits; they act beyond the limits");
+  }
+}
+
+}  // namespace
+
+bool check_pose(const FaultySubject& at, const std::string& what, const SE3<>& C) {
+  if (!finite(C)) {
+    at.error(Rule::non_finite_number, what + " is not finite");
+    return false;
+  }
+  const SO3<> G = transpose(C.R) * C.R;
+  const double off = std::max({std::abs(G.x.x - 1), std::abs(G.y.y - 1), std::abs(G.z.z - 1), std::abs(G.x.y),
+                               std::abs(G.x.z), std::abs(G.y.z)});
+  const double handed = dot(cross(C.R.x, C.R.y), C.R.z);
+  if (off <= rotation_tolerance && handed > 0) return true;
+  at.error(Rule::not_a_rotation,
+           handed >= 0 ? what + " is off a rotation by " + to_text(off) + "; RᵀR must be the identity to 1e-6"
+                       : what + " mirrors; a rotation has determinant +1");
+  return false;
+}
+
+/// Whether every number of the body is finite and every pose has a rotation.
+bool check_numbers(const BodyDescription& body, FaultCollector& faults) {
+  const FaultySubject in_body{faults, "body " + quoted(body.name), body.source};
+  const FaultySubject in_joint{faults, "joint " + quoted(joint_name(body)), joint_source(body)};
+  bool good = true;
+  const auto need = [&](bool is_finite, const FaultySubject& at, const char* what) {
+    if (!is_finite) at.error(Rule::non_finite_number, std::string(what) + " is not finite");
+    good &= is_finite;
+  };
+  const JointDescription& joint = body.joint;
+  need(finite(joint.axis), in_joint, "axis");
+  need(finite(joint.second_axis), in_joint, "second axis");
+  need(finite(joint.point), in_joint, "point");
+  need(finite(joint.pitch), in_joint, "pitch");
+  for (const Dof& dof : joint.dof) {
+    need(!std::isnan(dof.lower) && !std::isnan(dof.upper), in_joint, "a limit");
+    need(!std::isnan(dof.velocity) && !std::isnan(dof.effort), in_joint, "a limit");
+    need(finite(dof.damping) && finite(dof.friction) && finite(dof.armature), in_joint,
+         "damping, friction or armature");
+    need(finite(dof.stiffness) && finite(dof.rest) && finite(dof.stop_stiffness) && finite(dof.stop_damping),
+         in_joint, "a spring or stop");
+  }
+  if (joint.coupling)
+    need(finite(joint.coupling->ratio) && finite(joint.coupling->offset), in_joint, "the coupling");
+  if (const auto* drawn = std::get_if<InConstructionFrame>(&body.geometry)) {
+    good &= check_pose(in_body, "A", drawn->A);
+  } else if (const auto* frame = std::get_if<InBodyFrame>(&body.geometry)) {
+    good &= check_pose(in_body, "B", frame->B);
+  } else {
+    const auto& frames = std::get<InJointFrames>(body.geometry);
+    good &= check_pose(in_joint, "S_prev", frames.S_prev);
+    good &= check_pose(in_joint, "S_self", frames.S_self);
+  }
+  if (body.inertia) {
+    need(finite(body.inertia->mass), in_body, "mass");
+    need(finite(body.inertia->com), in_body, "centre of mass");
+    need(finite(body.inertia->Theta), in_body, "rotational inertia");
+    good &= check_pose(in_body, "the axes of the inertia", {body.inertia->axes, {}});
+  }
+  for (const ShapeDescription& it : body.shapes) good &= check_shape(in_body, it);
+  return good;
+}
+
+/// Whether every number of a shape is finite and its pose has a rotation. Sizes and colours that no shape has
+/// are reported as lenient faults.
+bool check_shape(const FaultySubject& at, const ShapeDescription& it) {
+  const ShapeTraits& kind = traits(it.kind);
+  const std::string of_it = " of a " + std::string(kind.name);
+  bool good = check_pose(at, "the pose" + of_it, it.pose);
+  const auto need = [&](bool is_finite, const std::string& what) {
+    if (!is_finite) at.error(Rule::non_finite_number, "the " + what + of_it + " is not finite");
+    good &= is_finite;
+  };
+  need(finite(it.size), "size");
+  need(finite(it.radius) && finite(it.length), "size");
+  need(finite(it.scale), "scale");
+  for (const double x : it.color.value_or(std::array<double, 4>{})) need(finite(x), "color");
+  if (!good) return false;
+  const auto positive = [&](std::string_view what, double x, bool may_be_zero = false) {
+    if (x < 0 || (x == 0 && !may_be_zero))
+      at.report_lenient(Rule::wrong_value,
+                        "the " + std::string(what) + of_it + " is " + to_text(x) + " m; it must be positive");
+  };
+  if (!kind.size.empty()) positive(kind.size, std::min({it.size.x, it.size.y, it.size.z}));
+  if (kind.radius) positive("radius", it.radius);
+  if (kind.length) positive("length", it.length, it.kind == ShapeKind::capsule);
+  if (it.color && std::ranges::any_of(*it.color, [](double x) { return x < 0 || x > 1; }))
+    at.report_lenient(Rule::wrong_value, "the color" + of_it + " is not between 0 and 1");
+  return true;
+}
+
+void check_joint(const BodyDescription& body, FaultCollector& faults) {
+  const JointDescription& joint = body.joint;
+  const std::string kind(to_string(joint.kind));
+  const FaultySubject at{faults, "joint " + quoted(joint_name(body)), joint_source(body)};
+  const bool universal = joint.kind == JointKind::universal;
+  if ((traits(joint.kind).axis && zero(joint.axis)) || (universal && zero(joint.second_axis))) {
+    at.error(Rule::zero_axis, "an axis is (0, 0, 0); an axis needs a direction");
+  } else if (universal && parallel(joint.axis, joint.second_axis)) {
+    at.error(Rule::parallel_axes,
+             "its two axes are parallel; the axes of a universal joint must not be parallel");
+  }
+  if (joint.pitch != 0 && joint.kind != JointKind::helical)
+    at.error(Rule::pitch_without_helix, "has a pitch of " + to_text(joint.pitch) + " m/rad but is " + kind +
+                                            "; only helical joints have a pitch");
+  const int n = traits(joint.kind).dof;
+  if (!joint.dof.empty() && static_cast<int>(joint.dof.size()) != n)
+    at.error(Rule::degrees_of_freedom, "describes " + std::to_string(joint.dof.size()) +
+                                           " degrees of freedom; a " + kind + " joint has " +
+                                           std::to_string(n));
+  for (std::size_t k = 0; k < joint.dof.size(); ++k)
+    if (is_angle(joint.kind, k)) angle_limits(at, joint.dof[k]);
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  for (const Dof& dof : joint.dof) {
+    if (dof.lower > dof.upper)
+      at.error(Rule::limits_crossed,
+               "lower limit " + to_text(dof.lower) + " is above upper limit " + to_text(dof.upper));
+    if (dof.lower <= dof.upper && (dof.lower == infinity || dof.upper == -infinity))
+      at.error(Rule::limits_crossed,
+               "limits " + to_text(dof.lower) + " and " + to_text(dof.upper) +
+                   " allow no position; the lower limit must be below inf and the upper one above -inf");
+    not_negative(at, {{"velocity limit", dof.velocity},
+                      {"effort limit", dof.effort},
+                      {"damping", dof.damping},
+                      {"friction", dof.friction},
+                      {"armature", dof.armature},
+                      {"stiffness of the spring", dof.stiffness},
+                      {"stiffness of the stops", dof.stop_stiffness},
+                      {"damping of the stops", dof.stop_damping}});
+    springs(at, joint, dof);
+  }
+}
+
+void check_inertia(const BodyDescription& body, FaultCollector& faults) {
+  if (!body.inertia) return;
+  const MassProperties& given = *body.inertia;
+  const FaultySubject at{faults, "body " + quoted(body.name), body.source};
+  if (given.mass < 0) {
+    at.error(Rule::mass_not_positive, "mass is " + to_text(given.mass) + " kg; a mass must be positive");
+  } else if (given.mass == 0) {
+    at.report_lenient(Rule::mass_not_positive,
+                      "mass is 0; a mass must be positive, and a massless body needs no mass at all");
+  } else {
+    // Whether a density can produce an inertia does not depend on the axes and the frame.
+    const double worst = realisability(inertia_in({}, given));
+    if (worst < -realisability_tolerance)
+      at.report_lenient(Rule::inertia_not_realisable,
+                        "no density can produce its inertia: a principal moment about the centre of mass "
+                        "exceeds the sum "
+                        "of the other two by " +
+                            to_text(std::round(-2e4 * worst) / 100) + " % of the largest, or is negative");
+  }
+}
+
+void check_spring(const FaultySubject& at, const SpringDescription& spring) {
+  if (!finite(spring.points[0]) || !finite(spring.points[1]) || !finite(spring.stiffness) ||
+      !finite(spring.rest) || !finite(spring.damping))
+    at.error(Rule::non_finite_number, "a point, stiffness, rest or damping is not finite");
+  not_negative(at, {{"stiffness", spring.stiffness}, {"rest", spring.rest}, {"damping", spring.damping}});
+}
+
+void check_loop(const FaultySubject& at, const LoopDescription& loop) {
+  bool good = finite(loop.axis) && finite(loop.second_axis) && finite(loop.point) && finite(loop.pitch) &&
+              finite(loop.points[0]) && finite(loop.points[1]) && finite(loop.center) &&
+              finite(loop.wheel_axis.value_or(Vec3<>{}));
+  for (const std::optional<double>& size : {loop.length, loop.radius, loop.angle})
+    good = good && finite(size.value_or(0));
+  if (!good) return at.error(Rule::non_finite_number, "a number is not finite");
+  const LoopTraits& kind = traits(loop.kind);
+  const bool helical = kind.has("pitch");
+  if (!helical && loop.pitch != 0)
+    at.error(Rule::pitch_without_helix, "has a pitch of " + to_text(loop.pitch) + " m/rad but is " +
+                                            std::string(to_string(loop.kind)) +
+                                            "; only helical joints have a pitch");
+  if (helical && loop.pitch == 0)
+    at.error(Rule::wrong_value, "has the pitch 0; make it revolute, or give a pitch in m/rad");
+  if (kind.has("angle") && loop.angle && std::abs(std::sin(*loop.angle)) < 1e-6)
+    at.error(Rule::parallel_axes, "the angle between its axes is " + to_text(*loop.angle) +
+                                      "; the axes of a universal joint must not be parallel");
+  for (const auto& [what, size] : {std::pair{"length", loop.length}, std::pair{"radius", loop.radius}})
+    if (size && !(*size > 0))
+      at.error(Rule::wrong_value, std::string(what) + " is " + to_text(*size) + " m; it must be positive");
+  if (loop.frames) {
+    check_pose(at, "the first frame", (*loop.frames)[0]);
+    check_pose(at, "the second frame", (*loop.frames)[1]);
+    if (kind.has("length") && !loop.length)
+      at.error(Rule::missing_element, "has no length; a rod between frames needs one, m");
+    if (kind.has("radius") && !loop.radius)
+      at.error(Rule::missing_element, "has no radius; a rolling body between frames needs one, m");
+    return;
+  }
+  const bool wheel = kind.has("wheel_axis") && loop.wheel_axis, universal = kind.has("second_axis");
+  if ((kind.has("axis") && zero(loop.axis)) || (universal && zero(loop.second_axis)) ||
+      (wheel && zero(*loop.wheel_axis)))
+    return at.error(Rule::zero_axis, "an axis is (0, 0, 0); an axis needs a direction");
+  if (universal && parallel(loop.axis, loop.second_axis))
+    at.error(Rule::parallel_axes,
+             "its two axes are parallel; the axes of a universal joint must not be parallel");
+  if (wheel && parallel(loop.axis, *loop.wheel_axis))
+    at.error(Rule::parallel_axes, "the wheel lies flat on the plane; its axis must not be the normal");
+  if (kind.has("points") && !(norm(loop.points[1] - loop.points[0]) > 0) && !loop.length)
+    at.error(Rule::wrong_value, "its two points coincide; a rod needs a length");
+  if (kind.has("center") && !(std::abs(dot(direction(loop.axis), loop.center - loop.point)) > 0))
+    at.error(Rule::wrong_value, "its centre lies in the plane; a rolling contact needs a radius");
+}
+
+}  // namespace axode

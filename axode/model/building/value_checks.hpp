@@ -1,0 +1,57 @@
+#pragma once
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "axode/model/building/builder.hpp"
+#include "axode/model/description.hpp"
+
+/// Checks of the values of single elements of a description: numbers, rotations, axes, limits and inertias.
+namespace axode {
+
+inline std::string quoted(std::string_view name) { return '"' + std::string(name) + '"'; }
+/// The source of a joint or, if it has none of its own, of its body.
+inline const Source& joint_source(const BodyDescription& body) {
+  return body.joint.source.line > 0 ? body.joint.source : body.source;
+}
+
+/// Collects the faults of a description.
+struct FaultCollector {
+  const Description& description;
+  Strictness strictness;
+  std::vector<Fault> all = description.warnings;
+
+  void note(Severity severity, Rule rule, std::string element, std::string message, const Source& source) {
+    all.push_back({severity, rule, std::move(element), std::move(message),
+                   source.file.empty() ? Source{description.source.file, source.line} : source});
+  }
+};
+
+/// An element of the description, for its faults.
+struct FaultySubject {
+  FaultCollector& faults;
+  std::string element;
+  const Source& source;
+
+  void error(Rule rule, std::string message) const {
+    faults.note(Severity::error, rule, element, std::move(message), source);
+  }
+  /// A fault that a lenient check reports as a warning.
+  void report_lenient(Rule rule, std::string message) const {
+    const bool strict = faults.strictness == Strictness::strict;
+    faults.note(strict ? Severity::error : Severity::warning, rule, element, std::move(message), source);
+  }
+};
+
+/// Whether the numbers of an element are finite and its pose has a rotation.
+bool check_pose(const FaultySubject& at, const std::string& what, const SE3<>& C);
+bool check_shape(const FaultySubject& at, const ShapeDescription& shape);
+bool check_numbers(const BodyDescription& body, FaultCollector& faults);
+/// These check elements whose numbers are finite, except that loops and springs may have any numbers.
+void check_joint(const BodyDescription& body, FaultCollector& faults);
+void check_inertia(const BodyDescription& body, FaultCollector& faults);
+void check_spring(const FaultySubject& at, const SpringDescription& spring);
+void check_loop(const FaultySubject& at, const LoopDescription& loop);
+
+}  // namespace axode

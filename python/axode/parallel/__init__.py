@@ -1,0 +1,1 @@
+"""Jobs over many states: their parts, their identity, and their files in Parquet."""

@@ -1,0 +1,29 @@
+"""Former names of attributes, which work for one minor version with a DeprecationWarning."""
+
+from __future__ import annotations
+
+import warnings
+from typing import Any
+
+from .._axode import Trajectory
+from ..records import JointState
+
+former_names: dict[type, dict[str, str]] = {
+    Trajectory: {"gap": "position_residuals", "slip": "velocity_residuals", "stopped": "stop_reason"},
+    JointState: {"gap": "position_residual", "slip": "velocity_residual"},
+}
+
+
+def _alias(owner: type, former: str, name: str) -> property:
+    def get(self: Any) -> Any:
+        warnings.warn(f"{owner.__name__}.{former} is now {name}", DeprecationWarning, stacklevel=2)
+        return getattr(self, name)
+
+    return property(get, doc=f"Former name of {name}.")
+
+
+def install() -> None:
+    """Adds the former names to their classes."""
+    for owner, names in former_names.items():
+        for former, name in names.items():
+            setattr(owner, former, _alias(owner, former, name))

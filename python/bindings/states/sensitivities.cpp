@@ -1,0 +1,169 @@
+#include "axode/integration/sensitivities.hpp"
+
+#include <nanobind/stl/tuple.h>
+
+#include "axode/batch/check_states.hpp"
+#include "python/bindings/states/states.hpp"
+#include "python/bindings/support/bindings.hpp"
+#include "python/bindings/support/named_tuple.hpp"
+
+/// Sensitivities of the motions that axode.rollout computes.
+namespace axode::python {
+
+using namespace nb::literals;
+
+namespace {
+
+/// What all motions are given.
+struct Motions {
+  const BoundModel& m;
+  States states;
+  Items v;
+  Rows tau;
+  double step;
+
+  Motions(const BoundModel& model, ArrayLike q, ArrayLike of_v, ArrayLike of_tau, double length, int threads)
+      : m(model),
+        states(model, q, threads),
+        v(states.velocities("v", of_v)),
+        tau(states, "tau", of_tau, "nv numbers for each step"),
+        step(length) {
+    check_step(step);
+    batch::check_states(*m, states.q(), threads);
+  }
+  nb::ssize_t K() const { return tau.count(); }
+  nb::ssize_t nv() const { return m->nv(); }
+  /// An argument with nv numbers for each state of a motion, or for each step.
+  Items rows(const char* name, ArrayLike given, nb::ssize_t count) const {
+    return states.items(name, given, {count, nv()}, "nv numbers in each row");
+  }
+
+  /// f(n, go_on) of every motion, which may take long: Ctrl-C is heard in its midst where it asks go_on().
+  /// Refuses what could not go on, with a result.
+  template <class F> void each(double microseconds, NewArray& result, const F& f) const {
+    std::vector<Solvability> found(states.count());
+    states.each_long(microseconds * static_cast<double>(K()),
+                     [&](std::size_t n, const Monitor& go_on) { found[n] = f(n, go_on); });
+    states.refuse(found, result);
+  }
+};
+
+nb::object rollout_derivatives_of(const BoundModel& m, ArrayLike q, ArrayLike v, ArrayLike tau, double step,
+                                  int threads) {
+  const Motions motions(m, q, v, tau, step, threads);
+  const nb::ssize_t K = motions.K(), nv = m->nv();
+  const Shape shape_A{K, 2 * nv, 2 * nv}, shape_B{K, 2 * nv, nv};
+  NewArray A = motions.states.result(shape_A), B = motions.states.result(shape_B);
+  motions.each(12 * quadratic_cost(*m), A, [&](std::size_t n, const Monitor& go_on) {
+    Workspace<> workspace(*m);
+    const std::span<const double> from = motions.states.q(n);
+    std::vector<double> q_k(from.begin(), from.end()), v_k(motions.v[n].begin(), motions.v[n].end()),
+        q_1(q_k), v_1(v_k);
+    const std::span<double> A_n = item(A, n, shape_A), B_n = item(B, n, shape_B);
+    std::ranges::fill(A_n, std::numeric_limits<double>::quiet_NaN());
+    std::ranges::fill(B_n, std::numeric_limits<double>::quiet_NaN());
+    const std::size_t width = v_k.size();
+    Solvability found;
+    for (std::size_t k = 0; k < static_cast<std::size_t>(K) && found.ok() && go_on(); ++k) {
+      found = step_derivatives(*m, workspace, q_k, v_k, motions.tau[n].subspan(k * width, width), step,
+                               {q_1, v_1, A_n.subspan(k * 4 * width * width, 4 * width * width),
+                                B_n.subspan(k * 2 * width * width, 2 * width * width)});
+      q_k.swap(q_1), v_k.swap(v_1);
+    }
+    return found;
+  });
+  return named_tuple("axode.records", "RolloutDerivatives", A.array(), B.array());
+}
+
+std::tuple<Array, Array> rollout_jvp_of(const BoundModel& m, ArrayLike q, ArrayLike v, ArrayLike tau,
+                                        double step, ArrayLike dq, ArrayLike dv, ArrayLike dtau,
+                                        int threads) {
+  const Motions motions(m, q, v, tau, step, threads);
+  const Items of_q = motions.states.velocities("dq", dq), of_v = motions.states.velocities("dv", dv),
+              of_tau = motions.rows("dtau", dtau, motions.K());
+  const Shape shape{motions.K() + 1, m->nv()};
+  NewArray q_out = motions.states.result(shape), v_out = motions.states.result(shape);
+  motions.each(15 * linear_cost(*m), v_out, [&](std::size_t n, const Monitor& go_on) {
+    return rollout_jvp(*m, motions.states.q(n), motions.v[n], motions.tau[n], step, of_q[n], of_v[n],
+                       of_tau[n], item(q_out, n, shape), item(v_out, n, shape), {}, runge_kutta(4), go_on);
+  });
+  return {q_out.array(), v_out.array()};
+}
+
+nb::object rollout_vjp_of(const BoundModel& m, ArrayLike q, ArrayLike v, ArrayLike tau, double step,
+                          ArrayLike w_q, ArrayLike w_v, int threads) {
+  const Motions motions(m, q, v, tau, step, threads);
+  const Items of_q = motions.rows("w_q", w_q, motions.K() + 1),
+              of_v = motions.rows("w_v", w_v, motions.K() + 1);
+  const Shape one{m->nv()}, steps{motions.K(), m->nv()}, bodies{m->n_bodies(), 6};
+  NewArray by_q = motions.states.result(one), by_v = motions.states.result(one),
+           by_tau = motions.states.result(steps), geometry = motions.states.result(bodies);
+  motions.each(20 * linear_cost(*m), by_q, [&](std::size_t n, const Monitor& go_on) {
+    return rollout_vjp(
+        *m, motions.states.q(n), motions.v[n], motions.tau[n], step, of_q[n], of_v[n],
+        {item(by_q, n, one), item(by_v, n, one), item(by_tau, n, steps), item(geometry, n, bodies)}, {},
+        runge_kutta(4), go_on);
+  });
+  return named_tuple("axode.records", "RolloutGradient", by_q.array(), by_v.array(), by_tau.array(),
+                     geometry.array());
+}
+
+}  // namespace
+
+void add_sensitivities(nb::module_& module) {
+  module.def(
+      "rollout_derivatives", &rollout_derivatives_of, "m"_a, "q"_a, "v"_a, "tau"_a, "step"_a, nb::kw_only(),
+      "threads"_a = 1,
+      nb::sig("def rollout_derivatives(m: Model, q: numpy.typing.ArrayLike, v: numpy.typing.ArrayLike, "
+              "tau: numpy.typing.ArrayLike, step: float, *, threads: int = 1) "
+              "-> axode.RolloutDerivatives"),
+      R"(
+(A, B) of every step of `rollout`: x_{k+1} = A_k x_k + B_k dtau_k of small deviations x = (dq, dv).
+
+A has shape (K, 2 nv, 2 nv), B (K, 2 nv, nv), with N in front of N motions. They are the exact derivatives of
+what a step computes; deviations of q are left-trivialised, q (+) dq as in `Model.integrate`. For a step from
+each of N states of its own let K be 1. O(n^2) a step, and products of matrices. SingularError or
+NotFiniteError, with A, where motions cannot go on; they are NaN from there.
+
+>>> A, B = axode.rollout_derivatives(arm, np.zeros(7), np.zeros(7), np.ones((20, 7)), 1e-3)
+>>> A.shape, B.shape
+((20, 14, 14), (20, 14, 7))
+)");
+  module.def("rollout_jvp", &rollout_jvp_of, "m"_a, "q"_a, "v"_a, "tau"_a, "step"_a, "dq"_a, "dv"_a, "dtau"_a,
+             nb::kw_only(), "threads"_a = 1, R"(
+(dq, dv) of all states of `rollout` where its start is displaced by dq and dv, and its drive forces by dtau.
+
+dq and dv have shape (nv,) or (N, nv), dtau that of tau, the results (K + 1, nv) or (N, K + 1, nv). Deviations
+as in `rollout_derivatives`, without its matrices. O(n) a step. SingularError or NotFiniteError where motions
+cannot go on; these are NaN.
+
+>>> q, v, tau, w = np.zeros(7), np.zeros(7), np.ones((20, 7)), np.arange(7.0)
+>>> dq, dv = axode.rollout_jvp(arm, q, v, tau, 1e-3, w, w, np.zeros((20, 7)))
+>>> A, B = axode.rollout_derivatives(arm, q, v, tau, 1e-3)
+>>> np.allclose(np.append(dq[1], dv[1]), A[0] @ np.append(w, w))
+True
+)");
+  module.def("rollout_vjp", &rollout_vjp_of, "m"_a, "q"_a, "v"_a, "tau"_a, "step"_a, "w_q"_a, "w_v"_a,
+             nb::kw_only(), "threads"_a = 1,
+             nb::sig("def rollout_vjp(m: Model, q: numpy.typing.ArrayLike, v: numpy.typing.ArrayLike, "
+                     "tau: numpy.typing.ArrayLike, step: float, w_q: numpy.typing.ArrayLike, "
+                     "w_v: numpy.typing.ArrayLike, *, threads: int = 1) -> axode.RolloutGradient"),
+             R"(
+(q, v, tau, geometry): the gradient of all states of `rollout`, weighed: of the sum of w_q . dq + w_v . dv.
+
+w_q and w_v have shape (K + 1, nv) or (N, K + 1, nv); deviations as in `rollout_derivatives`. By q and v of
+the start (nv,), by tau (K, nv), by geometric parameters (n_bodies, 6) as in `forward_dynamics_geometry_vjp`;
+with N in front of N motions. O(n) a step, without matrices; only the states are kept. SingularError or
+NotFiniteError, with the first, where motions cannot go on; these are NaN.
+
+>>> q, v, tau, step = np.zeros(7), np.zeros(7), np.ones((20, 7)), 1e-3
+>>> last = np.zeros((21, 7))
+>>> last[-1, 2] = 1  # the angle of the third joint at the end
+>>> gradient = axode.rollout_vjp(arm, q, v, tau, step, last, np.zeros((21, 7)))
+>>> dq, dv = axode.rollout_jvp(arm, q, v, tau, step, np.ones(7), np.ones(7), tau)
+>>> np.allclose(np.sum(gradient.q + gradient.v) + np.sum(gradient.tau), dq[-1, 2])
+True
+)");
+}
+
+}  // namespace axode::python

@@ -1,0 +1,28 @@
+#pragma once
+#include <variant>
+
+#include "axode/codegen.hpp"
+#include "python/bindings/support/bound_model.hpp"
+
+namespace axode::python {
+
+/// Specialised as Python holds it, with the model that it was made of.
+class BoundSpecialised {
+ public:
+  using Any = std::variant<Specialised<double>, Specialised<float>>;
+  BoundSpecialised(nb::object model, Any functions)
+      : model_(std::move(model)), functions_(std::move(functions)) {}
+
+  const nb::object& python_model() const { return model_; }
+  const BoundModel& model() const { return *nb::inst_ptr<BoundModel>(model_); }
+  const Any& functions() const { return functions_; }
+  bool is_single() const { return functions_.index() == 1; }
+  /// Throws nb::value_error for a function that it was made without.
+  void check(const codegen::Function& wanted) const;
+
+ private:
+  nb::object model_;
+  Any functions_;
+};
+
+}  // namespace axode::python

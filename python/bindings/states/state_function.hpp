@@ -1,0 +1,142 @@
+#pragma once
+#include <algorithm>
+#include <functional>
+#include <tuple>
+
+#include "axode/batch.hpp"
+#include "axode/catalog.hpp"
+#include "axode/kinematics/place.hpp"
+#include "python/bindings/states/states.hpp"
+#include "python/bindings/support/choice.hpp"
+
+namespace axode::python {
+
+/// What takes the library's place: a function of N states, whose arguments lie one behind the other.
+using Instead = std::function<batch::Outcome(const catalog::Arguments<double>&, std::span<double> out,
+                                             const batch::Monitor&)>;
+
+/// What a function of the state is given in Python; what it does not take stays as it is.
+struct Arguments {
+  ArrayLike q, v = {}, a = {}, tau = {}, p = {};
+  ArrayLike dq = {}, dv = {}, da = {}, dtau = {}, w = {};
+  Algorithm algorithm = {Representation::body};
+  LoadList loads = {};
+  bool joint_losses = false;
+  Place<> place = 0, base = 0;
+  CoriolisForm form = CoriolisForm::christoffel;
+  WrenchPoint at = WrenchPoint::body;
+  int threads = 1;
+  const Instead* instead = nullptr;
+};
+
+/// Those that are numbers of a state, and the inputs of a function that they are.
+struct ArgumentOfState {
+  catalog::Input input;
+  ArrayLike Arguments::*argument;
+};
+inline constexpr ArgumentOfState arguments_of_state[] = {
+    {catalog::Input::q, &Arguments::q},       {catalog::Input::v, &Arguments::v},
+    {catalog::Input::a, &Arguments::a},       {catalog::Input::tau, &Arguments::tau},
+    {catalog::Input::p, &Arguments::p},       {catalog::Input::dq, &Arguments::dq},
+    {catalog::Input::dv, &Arguments::dv},     {catalog::Input::da, &Arguments::da},
+    {catalog::Input::dtau, &Arguments::dtau}, {catalog::Input::weights, &Arguments::w}};
+constexpr ArrayLike Arguments::*argument_of(catalog::Input input) {
+  return std::ranges::find(arguments_of_state, input, &ArgumentOfState::input)->argument;
+}
+inline const char* name_of(catalog::Input input) { return to_string(input).data(); }
+
+/// A function of the catalogue for one state or N of them, in SIMD lanes where the library can.
+class StateFunction {
+ public:
+  explicit StateFunction(const char* name);
+  /// Throws nb::value_error for what is wrong with an argument, SingularError for states that cannot be solved and
+  /// NotFiniteError for those whose numbers overflow, both with the result.
+  Array operator()(const BoundModel& m, const Arguments& given) const;
+  /// With entries in rows, also where they are the columns of a matrix.
+  Array in_rows(const BoundModel& m, const Arguments& given) const;
+  /// Of a function with two results.
+  std::tuple<Array, Array> both(const BoundModel& m, const Arguments& given) const;
+  /// The result, or several in a named tuple, see record_of().
+  nb::object all(const BoundModel& m, const Arguments& given) const;
+
+ private:
+  using Row = catalog::Function<double>;
+  NewArray run(const BoundModel& m, const Arguments& given, const Row& row) const;
+  const Row& row(const Algorithm& algorithm) const;
+
+  catalog::Id id_;
+  std::array<const Row*, 5> rows_;      ///< by representation, and the fast one
+  std::vector<ArgumentOfState> takes_;  ///< besides q
+};
+
+/// The type of axode.records that has the results of a row; empty for one result.
+std::string record_of(const catalog::Words& row);
+
+/// `def name(self, arguments, options) -> its type of axode.records, or an array`.
+std::string signature(const catalog::Words& row, const char* self, const std::string& options);
+
+/// A docstring with what the row counts, in a line before its example.
+std::string documented(const char* name, std::string doc);
+
+/// A parameter for each number of a sequence, which may have none.
+template <class Parameter, std::size_t> using Each = Parameter;
+template <std::size_t> auto argument(const char* name) { return nb::arg(name); }
+template <std::size_t, class Value> auto argument(const char* name, Value&& value) {
+  return nb::arg(name) = std::forward<Value>(value);
+}
+template <std::size_t n> using Times = std::make_index_sequence<n>;
+
+/// Defines functions by their rows: arguments and options are those that the row takes, and the results those that it gives.
+class StateFunctions {
+ public:
+  explicit StateFunctions(nb::module_& module) : module_(module) {}
+
+  template <catalog::Id id> void define(const char* doc) const;
+
+ private:
+  nb::module_& module_;
+};
+
+template <catalog::Id id> void StateFunctions::define(const char* doc) const {
+  using catalog::Input, catalog::Choice;
+  constexpr const catalog::Words& row = id.words();
+  constexpr bool about_a_frame = row.takes_input(Input::place), takes_loads = row.takes_input(Input::loads);
+  using Way = std::conditional_t<row.choice == Choice::recursion, Algorithm, Representation>;
+  const char* const name = row.name.data();
+  const char* const first_way = Words<Way>::words[0].data();
+  std::string options;
+  if (about_a_frame) options += "frame: str | int, ";
+  if (takes_loads) options += "loads: collections.abc.Sequence[axode.Load] | None = None, ";
+  if (row.choice != Choice::none)
+    options += "representation: " + std::string(Words<Way>::name.text) + " = '" + first_way + "', ";
+  options += "*, ";
+  if (takes_loads) options += "joint_losses: bool = False, ";
+  if (about_a_frame) options += "offset: numpy.typing.ArrayLike | None = None, ";
+  options += "threads: int = 1";
+  [&]<std::size_t... n, std::size_t... f, std::size_t... l, std::size_t... w>(
+      std::index_sequence<n...>, std::index_sequence<f...>, std::index_sequence<l...>,
+      std::index_sequence<w...>) {
+    module_.def(
+        name,
+        [function = StateFunction(name)](const BoundModel& m, Each<ArrayLike, n>... numbers,
+                                         Each<FrameName, f>... frame, Each<LoadList, l>... loads,
+                                         Each<Way, w>... way, Each<bool, l>... joint_losses,
+                                         Each<ArrayLike, f>... offset, int threads) {
+          Arguments given{.q = {}, .threads = threads};
+          ((given.*argument_of(id.words().numbers()[n]) = numbers), ...);
+          ((given.place = place(m, frame, offset)), ...);
+          ((given.loads = loads), ...);
+          ((given.joint_losses = joint_losses), ...);
+          ((given.algorithm = {way}), ...);
+          return function.all(m, given);
+        },
+        nb::arg("m"), argument<n>(name_of(row.numbers()[n]))..., argument<f>("frame")...,
+        argument<l>("loads", nb::none())..., argument<w>("representation", first_way)..., nb::kw_only(),
+        argument<l>("joint_losses", false)..., argument<f>("offset", nb::none())..., nb::arg("threads") = 1,
+        nb::sig(signature(row, "m: Model", options).c_str()), documented(name, doc).c_str());
+  }
+  (Times<row.numbers().size()>(), Times<about_a_frame>(), Times<takes_loads>(),
+   Times<row.choice != Choice::none>());
+}
+
+}  // namespace axode::python

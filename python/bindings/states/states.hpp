@@ -1,0 +1,244 @@
+#pragma once
+#include <array>
+#include <atomic>
+#include <functional>
+#include <optional>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "axode/recursion/loads.hpp"
+#include "axode/recursion/solvability.hpp"
+#include "python/bindings/support/array.hpp"
+#include "python/bindings/support/bound_model.hpp"
+#include "python/bindings/support/choice.hpp"
+#include "python/bindings/support/long_call.hpp"
+#include "python/bindings/support/text.hpp"
+
+namespace axode::python {
+
+/// What one state costs by about how much, in microseconds; decides whether a call lets other threads run.
+double linear_cost(const Model& model);     ///< O(n): a recursion
+double quadratic_cost(const Model& model);  ///< O(n²): a matrix
+double cubic_cost(const Model& model);      ///< O(n³): a tensor
+double loop_cost(const Model& model);       ///< O(n² + m³): a system with m rows of loops
+
+/// One argument of a function of the state: an item, or N of them.
+class Items {
+ public:
+  Items(Numbers numbers, bool many, nb::ssize_t item_size)
+      : numbers_(std::move(numbers)), size_(item_size), step_(many ? item_size : 0) {}
+  std::span<const double> operator[](std::size_t k) const {
+    return {numbers_.data() + static_cast<nb::ssize_t>(k) * step_, static_cast<std::size_t>(size_)};
+  }
+  std::span<const double> all() const { return {numbers_.data(), static_cast<std::size_t>(numbers_.size())}; }
+
+ private:
+  Numbers numbers_;
+  nb::ssize_t size_, step_;
+};
+
+/// The states that a function is called with, one, shape (nq,), or N, shape (N, nq), and how it goes through
+/// them.
+class States {
+ public:
+  /// Throws nb::value_error for a wrong shape, numbers that are not finite, and threads < 1.
+  States(const BoundModel& model, ArrayLike q, int threads, const char* name = "q");
+
+  const Model& model() const { return bound_; }
+  bool many() const { return many_; }
+  std::size_t count() const { return count_; }
+  int threads() const { return threads_; }
+  std::span<const double> q(std::size_t k) const { return q_[k]; }
+  std::span<const double> q() const { return q_.all(); }
+
+  /// Another argument: an item for the one state, or one for each. `meaning` says what its shape is in words.
+  Items items(const char* name, ArrayLike given, const Shape& item, const char* meaning) const;
+  /// One with nq numbers.
+  Items configurations(const char* name, ArrayLike given) const;
+  /// One with nv numbers.
+  Items velocities(const char* name, ArrayLike given) const;
+
+  /// The array for an item, or N of them.
+  NewArray result(const Shape& item) const {
+    return NewArray(many_ ? item.times(static_cast<nb::ssize_t>(count_)) : item);
+  }
+
+  /// f(workspace, k) for every state k. Where that takes more than 20 us, other Python threads run and Ctrl-C ends it.
+  template <class W = Workspace<>, class F> void each(double microseconds, const F& f) const {
+    if (threads_ > 1 || takes_long(microseconds)) return on_cores<W>(f);
+    const BoundModel::Lease<W> workspace(bound_);
+    for (std::size_t k = 0; k < count_; ++k) run(k, [&] { f(*workspace, k); });
+  }
+  /// f() with other Python threads running.
+  template <class F> auto released(double microseconds, const F& f) const {
+    std::optional<nb::gil_scoped_release> released;
+    if (takes_long(microseconds)) released.emplace();
+    return f();
+  }
+  /// f(monitor) on all states at once, with other Python threads running, and Ctrl-C heard through the monitor.
+  template <class F> auto unlocked(double microseconds, const F& f) const {
+    LongCall call(takes_long(microseconds));
+    const auto outcome = f(call.monitor());
+    call.end();
+    return outcome;
+  }
+
+  /// f(k, go_on) for every state k, each of which may take long: Ctrl-C is heard in its midst where it asks go_on().
+  template <class F> void each_long(double microseconds, const F& f) const {
+    unlocked(microseconds, [&](const batch::Monitor& monitor) {
+      const std::thread::id caller = std::this_thread::get_id();
+      batch::MonitorThrottle throttle(monitor, count_);
+      std::atomic<bool> stopped = false;
+      const std::function<bool()> go_on = [&] {
+        if (std::this_thread::get_id() == caller && !stopped && !throttle.should_continue(0)) stopped = true;
+        return !stopped;
+      };
+      return batch::in_portions(
+          count_, 1, threads_, [&](std::size_t, std::size_t) { return go_on(); },
+          [&]() -> batch::Work { return [&](std::size_t k, std::size_t) { run(k, [&] { f(k, go_on); }); }; });
+    });
+  }
+
+  /// Throws SingularError or NotFiniteError, with the result, where some states could not be solved or have results that
+  /// are not finite. `found` has an entry for each state, or none; then `otherwise` says what is wrong.
+  void refuse(const std::vector<Solvability>& found, NewArray& result,
+              const Solvability& otherwise = {.not_finite = true}) const;
+
+ private:
+  bool takes_long(double microseconds) const { return microseconds * static_cast<double>(count_) > 20; }
+
+  /// f() for state k, which messages about one of many name.
+  template <class F> void run(std::size_t k, const F& f) const {
+    if (!many_) return f();
+    try {
+      f();
+    } catch (const std::invalid_argument& error) {
+      throw std::invalid_argument("state " + std::to_string(k) + ": " + error.what());
+    }
+  }
+  template <class W, class F> void on_cores(const F& f) const {
+    unlocked(100, [&](const batch::Monitor& monitor) {
+      return batch::in_portions(count_, 1, threads_, monitor, [&]() -> batch::Work {
+        return [&, workspace = std::make_shared<W>(model())](std::size_t k, std::size_t) {
+          run(k, [&] { f(*workspace, k); });
+        };
+      });
+    });
+  }
+
+  const BoundModel& bound_;
+  bool many_;
+  int threads_;
+  std::size_t count_;
+  Items q_;
+};
+
+/// An argument with some rows of nv numbers for each state.
+class Rows {
+ public:
+  Rows(const States& states, const char* name, ArrayLike given, const char* meaning);
+  int count() const { return count_; }
+  std::span<const double> operator[](std::size_t k) const { return items_[k]; }
+
+ private:
+  int count_;
+  Items items_;
+};
+
+/// A dict with some of these keys and all that are needed. Throws nb::value_error or nb::key_error that says
+/// where.
+template <std::size_t N>
+nb::dict entries_of(nb::handle given, const std::string& where, const std::array<std::string_view, N>& keys,
+                    std::initializer_list<const char*> needed) {
+  if (!nb::isinstance<nb::dict>(given))
+    throw nb::value_error((where + ": expected a dict, got " + type_of(given)).c_str());
+  nb::dict entries = nb::borrow<nb::dict>(given);
+  for (const auto& [key, value] : entries) choose(where + ": a key", key, keys, nb::key_error);
+  for (const char* key : needed)
+    if (!entries.contains(key)) throw nb::key_error((where + " has no " + key).c_str());
+  return entries;
+}
+
+/// The part of a result that belongs to state k.
+inline std::span<double> item(const NewArray& out, std::size_t k, const Shape& shape) {
+  const std::size_t size = static_cast<std::size_t>(shape.size());
+  return {out.data() + k * size, size};
+}
+
+/// f(workspace, k, out), where `out` is the item of state k. An f that can fail returns a Solvability.
+template <class F>
+NewArray each_item(const States& states, double microseconds, const Shape& shape, const F& f) {
+  NewArray out = states.result(shape);
+  std::vector<Solvability> found;
+  if constexpr (std::is_void_v<decltype(f(std::declval<Workspace<>&>(), 0, std::span<double>()))>) {
+    states.each(microseconds,
+                [&](Workspace<>& workspace, std::size_t k) { f(workspace, k, item(out, k, shape)); });
+  } else {
+    found.resize(states.count());
+    states.each(microseconds, [&](Workspace<>& workspace, std::size_t k) {
+      found[k] = f(workspace, k, item(out, k, shape));
+    });
+  }
+  states.refuse(found, out);
+  return out;
+}
+
+/// An argument with nv numbers for each state, and its name.
+struct Named {
+  const char* name;
+  ArrayLike given;
+};
+/// f(workspace, q, v, ..., out) for every state; v, ... are the named arguments.
+template <class F, class... More>
+NewArray map_states(const BoundModel& model, int threads, double microseconds, const Shape& shape,
+                    ArrayLike q, const F& f, const More&... more) {
+  const States states(model, q, threads);
+  const std::array<Items, sizeof...(More)> items{states.velocities(more.name, more.given)...};
+  return [&]<std::size_t... I>(std::index_sequence<I...>) {
+    return each_item(states, microseconds, shape,
+                     [&](Workspace<>& workspace, std::size_t k, std::span<double> out) {
+                       return f(workspace, states.q(k), items[I][k]..., out);
+                     });
+  }
+  (std::index_sequence_for<More...>());
+}
+
+/// `loads=` and `joint_losses=` of a call, annotated in Python as `Sequence[Load] | None`.
+struct LoadList {
+  PyObject* given = nullptr;
+};
+/// Wrenches on frames, each the same in all states or with one for each state.
+class AppliedLoads {
+ public:
+  AppliedLoads(const States& states, LoadList given, bool joint_losses);
+  bool none() const { return first_.empty() && !joint_losses_; }
+  std::size_t count() const { return first_.size(); }
+  /// f(loads) with the loads of state k.
+  template <class F> auto with(std::size_t k, const F& f) const {
+    if (!varies_) return f(Loads<double>{first_, joint_losses_});
+    const std::vector<AppliedWrench<double>> now = at(k);
+    return f(Loads<double>{now, joint_losses_});
+  }
+
+ private:
+  std::vector<AppliedWrench<double>> at(std::size_t k) const;
+
+  std::vector<AppliedWrench<double>> first_;
+  std::vector<Items> wrenches_;
+  bool varies_ = false, joint_losses_;
+};
+
+}  // namespace axode::python
+
+namespace nanobind::detail {
+
+template <> struct type_caster<axode::python::LoadList> {
+  NB_TYPE_CASTER(axode::python::LoadList, const_name("collections.abc.Sequence[axode.Load]"))
+  bool from_python(handle source, uint32_t, cleanup_list*) noexcept {
+    value.given = source.ptr();
+    return true;
+  }
+};
+
+}  // namespace nanobind::detail

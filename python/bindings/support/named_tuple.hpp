@@ -1,0 +1,11 @@
+#pragma once
+#include "python/bindings/support/array.hpp"
+
+namespace axode::python {
+
+/// A typing.NamedTuple of one of the package's modules.
+template <class... Entry> nb::object named_tuple(const char* module, const char* type, Entry&&... entries) {
+  return nb::module_::import_(module).attr(type)(nb::cast(std::forward<Entry>(entries))...);
+}
+
+}  // namespace axode::python

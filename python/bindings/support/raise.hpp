@@ -1,0 +1,24 @@
+#pragma once
+#include <string>
+#include <vector>
+
+#include "axode/model/building/fault.hpp"
+#include "python/bindings/support/array.hpp"
+
+/// The exceptions of axode/errors.py.
+namespace axode::python {
+
+nb::object fault_object(const Fault& fault);
+nb::list fault_list(std::span<const Fault> faults);
+
+/// Throws an error of axode.errors about states: what it says, their numbers, and the result as far as there is one.
+[[noreturn]] void raise_of_states(const char* error, const std::string& sentence,
+                                  const std::vector<std::size_t>& states, Array result);
+
+/// Throws an AssemblyError with the best configuration met.
+[[noreturn]] void raise_of_assembly(const std::string& sentence, Array q, double residual);
+
+/// ModelError of the library becomes axode.ModelError, UnknownName a KeyError.
+void translate_exceptions();
+
+}  // namespace axode::python

@@ -1,0 +1,85 @@
+#include <algorithm>
+#include <array>
+#include <limits>
+#include <utility>
+
+#include "python/bindings/support/bindings.hpp"
+#include "python/bindings/support/text.hpp"
+
+/// nanobind says of arguments that do not fit a function what it takes in C++'s words. Here Python is asked for a sentence.
+namespace axode::python {
+namespace {
+
+/// How nanobind's functions begin (nb_func in its nb_internals.h): what is called is a field of each. Python tells where it is,
+/// but not to a module for all later versions of it.
+static_assert(NB_VERSION_MAJOR == 3);
+struct Function {
+  PyVarObject head;
+  vectorcallfunc call;
+};
+
+/// What they call. There are a few, by the number and kind of arguments.
+std::array<vectorcallfunc, 8> nanobind_calls{};
+/// (function, arguments, keyword arguments) -> a sentence, or None.
+nb::handle explanation;
+
+/// What the explanation says in the place of the error that is set, where that is nanobind's.
+void explain(PyObject* function, PyObject* const* given, std::size_t count, PyObject* keywords) {
+  nb::python_error error;
+  try {
+    if (text_of(nb::str(error.value())).find("(): incompatible function arguments") != std::string::npos) {
+      const bool constructs = text_of(nb::getattr(nb::handle(function), "__name__")) == "__init__";
+      nb::list arguments;
+      for (std::size_t k = 0; k < count; ++k)  // Python must not see an object before it is made
+        arguments.append(k == 0 && constructs ? nb::none() : nb::borrow(nb::handle(given[k])));
+      nb::dict by_name;
+      if (keywords != nullptr)
+        for (const nb::handle name : nb::borrow<nb::tuple>(keywords))
+          by_name[name] = nb::handle(given[count++]);
+      const nb::object sentence = explanation(nb::handle(function), arguments, by_name);
+      if (!sentence.is_none()) return PyErr_SetObject(PyExc_TypeError, sentence.ptr());
+    }
+  } catch (nb::python_error& another) {
+    return another.restore();
+  }
+  error.restore();
+}
+
+/// What the highest two bits of a number of arguments say: Python's of the place in front of the arguments, and nanobind's that
+/// the object is about to be made.
+constexpr std::size_t flags = ~(std::numeric_limits<std::size_t>::max() >> 2);
+
+template <std::size_t k>
+PyObject* call(PyObject* function, PyObject* const* given, std::size_t count, PyObject* keywords) {
+  PyObject* const result = nanobind_calls[k](function, given, count, keywords);
+  if (result == nullptr && PyErr_ExceptionMatches(PyExc_TypeError))
+    explain(function, given, count & ~flags, keywords);
+  return result;
+}
+constexpr auto calls = []<std::size_t... k>(std::index_sequence<k...>) {
+  return std::array<vectorcallfunc, sizeof...(k)>{call<k>...};
+}
+(std::make_index_sequence<nanobind_calls.size()>());
+
+/// Has the explanation asked where one of nanobind's functions is called with arguments that do not fit.
+void explain_wrong_calls(nb::handle function, nb::handle asked) {
+  Function& of = *reinterpret_cast<Function*>(function.ptr());
+#ifndef Py_LIMITED_API
+  if (Py_TYPE(function.ptr())->tp_vectorcall_offset != offsetof(Function, call)) return;
+#endif
+  if (std::ranges::find(calls, of.call) != calls.end()) return;  // under another name
+  const auto place = std::ranges::find_if(
+      nanobind_calls, [&](vectorcallfunc known) { return known == nullptr || known == of.call; });
+  if (place == nanobind_calls.end()) return;
+  if (!explanation.is_valid()) explanation = nb::object(nb::borrow(asked)).release();
+  *place = of.call;
+  of.call = calls[static_cast<std::size_t>(place - nanobind_calls.begin())];
+}
+
+}  // namespace
+
+void add_wrong_calls(nb::module_& module) {
+  module.def("explain_wrong_calls", &explain_wrong_calls, nb::arg("function"), nb::arg("explanation"));
+}
+
+}  // namespace axode::python
