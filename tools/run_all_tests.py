@@ -131,7 +131,7 @@ seconds = {}  # of each test, by the folder of its results and its name
 
 
 def note_seconds(file, case, name):
-    seconds[str(file.parent.relative_to(SOURCE / "build")), name] = float(case.get("time") or 0)
+    seconds[str(file.parent.relative_to(SOURCE / "build")), name] = float((case.get("time") or "0").replace(",", "."))  # a test may have set a locale
 
 
 def print_slowest():

@@ -20,9 +20,10 @@ void check_closed(LoopSystem<double>& system, Numbers<double> q, Numbers<double>
   const double size = 1 + Eigen::Map<const Eigen::VectorXd>(v.data(), std::ssize(v)).norm();
   for (const LoopRows& loop : loops.all)
     if (const double rate = r.segment(loop.first_row, loop.rows).norm(); !(rate <= closed_enough * size))
-      throw std::invalid_argument("v tears loop \"" + loop.name + "\" open at " + to_text(rate) +
-                                  " (rad/s and m/s); assemble() finds velocities that do not, in a shell "
-                                  "--assemble, as \"axode eval FILE --assemble\"");
+      throw std::invalid_argument("v does not keep loop \"" + loop.name + "\" closed: A v is " +
+                                  to_text(rate) +
+                                  " (rad/s and m/s) and must be 0; assemble() finds such velocities, in a "
+                                  "shell --assemble, as \"axode eval FILE --assemble\"");
 }
 
 void check_accelerations(LoopSystem<double>& system, Numbers<double> q, Numbers<double> v,
@@ -43,18 +44,17 @@ void check_accelerations(LoopSystem<double>& system, Numbers<double> q, Numbers<
     if (error <= tolerance * size) continue;
     check_closed(system, q, v);
     throw std::invalid_argument(
-        "a tears loop \"" + loop.name + "\" open at " + to_text(error) +
-        " (rad/s^2 and m/s^2); A a + gamma must be 0, of loop_jacobian and loop_bias");
+        "a does not keep loop \"" + loop.name + "\" closed: A a + gamma is " + to_text(error) +
+        " (rad/s^2 and m/s^2) and must be 0, with A from loop_jacobian and gamma from loop_bias");
   }
 }
 
 void check_driven(double left, const char* task) {
   if (left > 1e-8)
-    throw std::invalid_argument(
-        "the drives cannot " + std::string(task) + ": " + to_text(left) +
-        " of the forces needed is in directions that no drive moves; drives are the joints "
-        "that are not passive (a free joint is, unless the drawing says passive = false), or those that are "
-        "named");
+    throw std::invalid_argument("the drives cannot " + std::string(task) + ": " + to_text(left) +
+                                " of the required forces (by norm) is in directions that no drive acts on; "
+                                "the drives are the joints that are not passive (a free joint is passive "
+                                "unless the drawing has passive = false), or the joints in `drives`");
 }
 
 }  // namespace axode

@@ -23,8 +23,7 @@ Solvability inverse_operational_space_inertia(const Model& model, Workspace<T>& 
                                               std::type_identity_t<std::span<T>> Lambda_inverse);
 
 template <RecursionRepresentation Rep = BodyFixed, class... Arguments>
-[[deprecated("use inverse_operational_space_inertia")]] Solvability inverse_operational_space_inertia(
-    Arguments&&... arguments) {
+[[deprecated("use inverse_operational_space_inertia")]] Solvability mobility(Arguments&&... arguments) {
   return inverse_operational_space_inertia<Rep>(std::forward<Arguments>(arguments)...);
 }
 

@@ -507,7 +507,7 @@ TEST(AbsoluteCoordinates, SchemesSayWhatTheyDoNotTake) {
   const auto run = [&](SimulationOptions options) {
     return [&, options] { return simulate_rattle(model, at.q, at.v, 1, 0.1, 2, options); };
   };
-  expect_refused(run({}), "RATTLE is for absolute coordinates; these are relative");
+  expect_refused(run({}), "RATTLE needs absolute coordinates, and these are relative");
   SimulationOptions with_event = in(Coordinates::absolute);
   with_event.events = {{.value = [](double, Span, Span) { return 1.0; }}};
   expect_refused(run(with_event), "events: conserving schemes do not support them");

@@ -354,7 +354,8 @@ TEST(Simulation, EndsWhereStepsBecomeHopelesslyShort) {
   options.drive = [](double, Span, Span v, std::span<double> tau) { tau[0] = v[0] > 0 ? -1e4 : 1e4; };
   const Trajectory stuck = simulate(slide({1, 0, 0}), Numbers{.2}, Numbers{0.1}, 10, {}, options);
   EXPECT_FALSE(stuck.complete);
-  EXPECT_THAT(stuck.stop_reason, testing::HasSubstr("a force is discontinuous at a state in which the motion stays"));
+  EXPECT_THAT(stuck.stop_reason,
+              testing::HasSubstr("a force is discontinuous at a state in which the motion stays"));
   EXPECT_LE(stuck.steps, 100'000u);
 }
 /// A force of sin t in inertial axes moves a body of 2 kg, which turns, by (t - sin t)/2; with drag it is that of a drive.
@@ -458,7 +459,7 @@ TEST(Simulation, RefusesWhatItCannotUse) {
   EXPECT_THAT(message_of([&] { (void)simulate(model, at.q, at.v, 1, {.relative = -1}); }),
               testing::StartsWith("relative tolerance is -1"));
   EXPECT_THAT(message_of([&] { (void)simulate(model, at.q, at.v, 1, {.relative = 0, .absolute = 0}); }),
-              testing::StartsWith("both tolerances are 0"));
+              testing::StartsWith("relative and absolute tolerance are 0"));
   const Trajectory motion = simulate(model, at.q, at.v, 0.1);
   Numbers q(at.q.size()), u(at.v.size());
   EXPECT_THAT(message_of([&] { motion.at(0.2, q, u); }), testing::StartsWith("t is 0.2"));

@@ -147,7 +147,6 @@ TEST_P(EveryFunction, RefusesWrongSizes) {
       if (wrong != size) {
         const std::string refusal =
             calls.call(function, calls.arguments.given(), {memory.data(), wrong}).refusal;
-        EXPECT_TRUE(refusal.starts_with(std::string(function.symbols[0]) + " has ")) << refusal;
         EXPECT_NE(refusal.find(" entries; expected "), std::string::npos) << refusal;
       }
   });

@@ -54,7 +54,7 @@ void read_place(Table& table, LoopDescription& loop) {
   if (traits(loop.kind).located)
     need("point", "one: [x, y, z] of a point on its axis or plane, or of its centre");
   need("points", "its ends, [[x, y, z], [x, y, z]]");
-  need("center", "that of the rolling body, [x, y, z]");
+  need("center", "the centre of the rolling body, [x, y, z]");
   if (reads("pitch") && table.has("pitch") == table.has("lead"))
     table.error(Rule::missing_element, "needs either pitch, m/rad, or lead, m for each turn");
 

@@ -355,9 +355,10 @@ bool read_spring(Table& table, std::size_t number, SpringDescription& spring) {
 
 /// Reads the tables of an array of the top. read(table, number, item) returns whether the item is complete.
 template <class Item, class Read>
-void read_all(Table& top, const std::string& key, const Read& read, std::vector<Item>& items) {
+void read_all(Table& top, std::string_view key, const Read& read, std::vector<Item>& items) {
   std::size_t number = 0;
-  for (Table& table : top.tables(key, "write [[" + key + "]] before the keys of each " + key)) {
+  const std::string name(key), rule = "write [[" + name + "]] before the keys of each " + name;
+  for (Table& table : top.tables(key, rule)) {
     Item item;
     item.source = {table.file(), table.line()};
     if (read(table, number++, item)) items.push_back(std::move(item));
