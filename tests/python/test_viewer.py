@@ -167,8 +167,8 @@ def test_states_and_motions_that_do_not_fit_are_refused(tmp_path, no_thread_is_l
                              ((PENDULUM, None, tmp_path / "none.csv"), "has no states"),
                              ((PENDULUM, None, tmp_path / "cut.csv"), "cut.csv"),
                              ((PENDULUM, None, tmp_path / "whole.npz"), "has no v"),
-                             ((PENDULUM, None, tmp_path / "cut.npz"), "is no .npz"),
-                             ((PENDULUM, None, tmp_path / "one.npz"), "is no .npz")]:
+                             ((PENDULUM, None, tmp_path / "cut.npz"), "is not an .npz"),
+                             ((PENDULUM, None, tmp_path / "one.npz"), "is not an .npz")]:
         with pytest.raises(ValueError, match=words):
             axode.view(*arguments, output=page)
     for what, kind in [(np.zeros((5, 7)), "ndarray"), ([[0.0] * 7], "list"), (3, "int")]:

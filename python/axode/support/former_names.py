@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import warnings
-from typing import Any
 
 from .._axode import Trajectory
 from ..records import JointState
@@ -15,10 +14,11 @@ former_names: dict[type, dict[str, str]] = {
 
 
 def _alias(owner: type, former: str, name: str) -> property:
-    def get(self: Any) -> Any:
+    def get(self: object) -> object:
         warnings.warn(f"{owner.__name__}.{former} is now {name}", DeprecationWarning, stacklevel=2)
         return getattr(self, name)
 
+    get.__name__, get.__module__ = former, owner.__module__  # so that it stands in the stubs of its class
     return property(get, doc=f"Former name of {name}.")
 
 

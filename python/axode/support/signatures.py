@@ -153,7 +153,7 @@ def explain_calls(module: str) -> None:
         value = getattr(here, name)
         if isinstance(value, FunctionType) and value.__module__ == module:
             setattr(here, name, explained(value, False))
-        elif isinstance(value, type) and value.__module__.startswith(__package__):
+        elif isinstance(value, type) and value.__module__.startswith(_axode.__name__.partition(".")[0]):
             for key, attribute in list(vars(value).items()):
                 function = getattr(attribute, "__func__", attribute)
                 if isinstance(function, FunctionType) and (key in ("__init__", "__new__") or not key.startswith("_")):
