@@ -17,8 +17,8 @@ struct AssemblyOptions {
 
 enum class AssemblyStatus {
   closed,
-  open,            ///< no small step from this guess closes the loops further
-  singular_guess,  ///< no velocity closes the loops to first order: the guess is stretched, folded or held
+  open,             ///< no small step from this guess closes the loops further
+  singular_guess,   ///< no velocity closes the loops to first order: the guess is stretched, folded or held
   iteration_limit,  ///< the iterations were used up, or the monitor ended the search
   singular,         ///< the loops are closed, but the mass matrix that velocities need is singular
 };

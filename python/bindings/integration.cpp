@@ -409,13 +409,13 @@ A motion, from `simulate`: at the ends of its steps, or at the times that were a
       .def_prop_ro(
           "position_residuals",
           [](const BoundTrajectory& x) { return to_array(x.motion.position_residuals); },
-          "By how much joints and loops were open at each end of a step, the largest of them, rad and m; in "
-          "absolute "
-          "coordinates only, otherwise empty.")
+          "Largest position residual of joints and loops at the end of each step, rad and m; empty unless "
+          "the coordinates are absolute.")
       .def_prop_ro(
           "velocity_residuals",
           [](const BoundTrajectory& x) { return to_array(x.motion.velocity_residuals); },
-          "The same of velocities, rad/s and m/s.")
+          "Largest velocity residual of joints and loops at the end of each step, rad/s and m/s; empty "
+          "unless the coordinates are absolute.")
       .def_prop_ro(
           "body_energy", [](const BoundTrajectory& x) { return to_array(x.motion.body_energies); },
           "Kinetic energy and potential energy of gravity at the end of each step from the motion of the "
@@ -425,7 +425,7 @@ A motion, from `simulate`: at the ends of its steps, or at the times that were a
           "Whether the motion reached its end or a terminal event.")
       .def_prop_ro(
           "stop_reason", [](const BoundTrajectory& x) { return nb::str(x.motion.stop_reason.c_str()); },
-          "What stopped it before, in a sentence, or ''.")
+          "Why the motion ended early, in a sentence; '' if it is complete.")
       .def_prop_ro(
           "events",
           [](const BoundTrajectory& x) {

@@ -259,7 +259,8 @@ TEST_P(ClosedMechanisms, AreNotDrivenWhereLoopsTear) {
   EXPECT_EQ(refusal(a), "");
   const double size = 1 + a.norm() + vector(at.v).squaredNorm();
   EXPECT_EQ(refusal(a + 1e-4 * size / (A * apart).norm() * apart), "") << "accelerations that were measured";
-  EXPECT_THAT(refusal(a + 1e-2 * size / (A * apart).norm() * apart), testing::StartsWith("a does not keep loop \""));
+  EXPECT_THAT(refusal(a + 1e-2 * size / (A * apart).norm() * apart),
+              testing::StartsWith("a does not keep loop \""));
   EXPECT_THAT(refusal(a + apart), testing::StartsWith("a does not keep loop \""));
   at.q = integrate(model, at.q, numbers(apart));
   EXPECT_THAT(refusal(a), testing::StartsWith("q leaves loop \"")) << "which is why";

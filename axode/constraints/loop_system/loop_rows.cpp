@@ -254,13 +254,6 @@ void LoopSystem<T>::solve_filtered_rows(const T* b, T* lambda, const RowRank& ra
   }
 }
 
-template void LoopSystem<AXODE_T>::set_filter(const AXODE_T*, const RowRank&) noexcept;
-template void LoopSystem<AXODE_T>::factorize_rows() noexcept;
-template void LoopSystem<AXODE_T>::multiply_rows() noexcept;
-template Solvability LoopSystem<AXODE_T>::determine_rank(const AXODE_T*, RowRank&) noexcept;
-template void LoopSystem<AXODE_T>::determine_rank(RowRank&) noexcept;
-template void LoopSystem<AXODE_T>::solve_rows(const AXODE_T*, AXODE_T*, const RowRank&) noexcept;
-template bool LoopSystem<AXODE_T>::solve_sound_rows(const AXODE_T*, AXODE_T*, const RowRank&) noexcept;
-template void LoopSystem<AXODE_T>::solve_filtered_rows(const AXODE_T*, AXODE_T*, const RowRank&) noexcept;
+// loop_system.cpp, which is compiled in one unit with this file, instantiates the members of LoopSystem.
 
 }  // namespace axode
