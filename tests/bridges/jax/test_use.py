@@ -249,7 +249,7 @@ def test_the_declarations_are_those_of_jaxlib(tmp_path):
     text += ("static_assert(axode::xla::major_version == XLA_FFI_API_MAJOR);\n"
              "static_assert(axode::xla::first_minor_version <= XLA_FFI_API_MINOR);\n")
     (tmp_path / "beside.cpp").write_text(text)
-    done = subprocess.run(["c++", "-std=c++20", "-fsyntax-only", "-Wno-invalid-offsetof", f"-I{SOURCE / 'python/bindings'}",
+    done = subprocess.run(["c++", "-std=c++20", "-fsyntax-only", "-Wno-invalid-offsetof", f"-I{SOURCE / 'python/bindings/support'}",
                            f"-I{jax.ffi.include_dir()}", tmp_path / "beside.cpp"], capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
 
