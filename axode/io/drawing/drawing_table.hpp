@@ -52,7 +52,7 @@ class Table {
   std::size_t faults() const { return notes_.faults.size(); }
 
   const toml::Value* take(std::string_view key) {
-    known_.push_back(key);
+    known_.emplace_back(key);
     return look(key);
   }
   void error(Rule rule, std::string message, const toml::Value* at = nullptr) const {
@@ -176,7 +176,7 @@ class Table {
   const toml::Table& entries_;
   int line_;
   std::string element_;
-  std::vector<std::string_view> known_;
+  std::vector<std::string> known_;
 };
 
 }  // namespace axode::io
