@@ -1,5 +1,6 @@
 #pragma once
 #include <cstdint>
+#include <functional>
 #include <iosfwd>
 #include <span>
 #include <string>
@@ -32,9 +33,10 @@ inline constexpr std::size_t largest_meshes = std::size_t{256} << 20;
 /// is shown.
 inline constexpr std::size_t longest_motion = 1'000'000;
 
-/// Configuration that a page shows first if no other is given: the neutral one, or, if the model has loops and
-/// they can be closed from there by assemble(), the closed one.
-std::vector<double> first_configuration(const Model& model);
+/// Configuration that a page shows first if no other is given: the neutral one, or, if the model has loops
+/// and they can be closed from there by assemble(), the closed one. The search ends if monitor() returns
+/// false.
+std::vector<double> first_configuration(const Model& model, const std::function<bool()>& monitor = {});
 
 /// Writes the scene that a page shows as JSON: bodies with their joints and inertias, frames, shapes with the
 /// contents of their mesh files, loops, the configuration q and a motion. The text can be embedded in an

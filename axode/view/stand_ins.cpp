@@ -1,6 +1,7 @@
 #include "axode/view/stand_ins.hpp"
 
 #include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <optional>
@@ -23,9 +24,9 @@ class Points {
 
   /// Point of the joint of body i; empty if the joint has no point.
   const std::optional<Vec3<>>& joint(int i) const { return joints_[i]; }
-  /// The points on a body, no two of which are nearer than a hundredth of the size.
+  /// The corners of the points on a body, no two of which are nearer than a hundredth of the size.
   std::vector<Vec3<>> distinct(int body) const;
-  /// Largest distance (m) between points of one body, or between its only point and the end of its bar.
+  /// Largest diagonal (m) of a box around the points of one body, or length of the bar of one with one point.
   double size() const { return size_; }
 
  private:
@@ -68,16 +69,32 @@ Points::Points(const Model& model)
       for (const Loop::End& end : loop.ends)
         all_[end.body].push_back((model.body(end.body).S_self * end.F).r);
   for (int i = 1; i <= model.n_bodies(); ++i) {
-    for (const Vec3<>& a : all_[i])
-      for (const Vec3<>& b : all_[i]) size_ = std::max(size_, norm(b - a));
+    if (all_[i].empty()) continue;
+    Eigen::AlignedBox3d box;
+    for (const Vec3<>& point : all_[i]) box.extend(to_eigen(point));
+    size_ = std::max(size_, box.diagonal().norm());
     const Inertia<>& M = model.body(i).M;
-    if (!all_[i].empty() && M.m > 0) size_ = std::max(size_, 2 * norm(center_of_mass(M) - all_[i].front()));
+    if (M.m > 0) size_ = std::max(size_, 2 * norm(center_of_mass(M) - all_[i].front()));
   }
+}
+
+/// The points, or, if they are many, those that lie farthest in one of many directions: a page computes the
+/// hull of these, and has to do with it in a moment.
+std::vector<Vec3<>> corners(const std::vector<Vec3<>>& points) {
+  constexpr int directions = 60;
+  if (points.size() <= directions) return points;
+  std::vector<Vec3<>> found;
+  for (int k = 0; k < directions; ++k) {  // a Fibonacci lattice on the sphere
+    const double z = 1 - (2 * k + 1.0) / directions, r = std::sqrt(1 - z * z), angle = k * 2.399963229728653;
+    const Vec3<> n{r * std::cos(angle), r * std::sin(angle), z};
+    found.push_back(*std::ranges::max_element(points, {}, [&](const Vec3<>& p) { return dot(n, p); }));
+  }
+  return found;
 }
 
 std::vector<Vec3<>> Points::distinct(int body) const {
   std::vector<Vec3<>> points;
-  for (const Vec3<>& point : all_[body])
+  for (const Vec3<>& point : corners(all_[body]))
     if (std::ranges::none_of(points, [&](const Vec3<>& p) { return norm(p - point) <= 0.01 * size_; }))
       points.push_back(point);
   return points;
@@ -100,14 +117,14 @@ StandIn hull(int body, std::vector<Vec3<>> points, double radius) {
 }
 
 /// The solid with the mass and inertia M of a body: a cylinder if exactly two principal moments are equal, an
-/// ellipsoid if not. Its kind is box, without a size, for a point mass.
-ShapeDescription solid(const Inertia<>& M) {
+/// ellipsoid if not. A point mass has none.
+std::optional<ShapeDescription> solid(const Inertia<>& M) {
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> moments(to_eigen(binet_tensor(inertia_about_com(M))));
   Eigen::Matrix3d axes = moments.eigenvectors();
   if (axes.determinant() < 0) axes.col(0) *= -1;
   const Eigen::Array3d second = (moments.eigenvalues().array() / M.m).max(0);  // of x, y and z, m²
   ShapeDescription shape{.pose = {from_eigen<SO3<>>(axes), center_of_mass(M)}};
-  if (!(second[2] > 0)) return shape;
+  if (!(second[2] > 0)) return std::nullopt;
   const auto equal = [&](int a, int b) { return second[b] - second[a] <= 1e-3 * second[2]; };
   if (equal(0, 1) == equal(1, 2)) {
     const double thinnest = 0.02 * std::sqrt(5 * second[2]);  // so that a sheet and a wire are visible
@@ -148,12 +165,11 @@ void add_body(std::vector<StandIn>& all, const Model& model, int i, const Points
       return;
     }
     if (has_arm) all.push_back({i, capsule(own[0], center_of_mass(M), radius)});
-    const ShapeDescription body = solid(M);
-    if (body.kind != ShapeKind::box) all.push_back({i, body});
+    if (const std::optional<ShapeDescription> body = solid(M)) all.push_back({i, *body});
   }
 }
 
-/// The pin, ball or pad of a joint whose axis is z of `pose`; the kind of box without a size if it has none.
+/// The pin, ball, pad or sleeve of a joint whose axis is z of `pose`. Free joints have none.
 ShapeDescription joint_part(Subgroup kind, const SE3<>& pose, double radius, const Color& color) {
   ShapeDescription shape{.pose = pose, .color = color};
   if (kind == Subgroup::revolute || kind == Subgroup::helical) {
@@ -171,7 +187,8 @@ ShapeDescription joint_part(Subgroup kind, const SE3<>& pose, double radius, con
   return shape;
 }
 
-/// What a loop joint looks like: the joint with the same freedom.
+/// The kind of tree joint that a loop joint is drawn like; none if its place does not matter or if it is a
+/// rolling contact.
 std::optional<Subgroup> like_joint(LoopKind kind) {
   const LoopTraits& loop = traits(kind);
   if (!loop.located || loop.has("center")) return std::nullopt;

@@ -54,11 +54,10 @@ void add_view(nb::module_& module) {
   module.def(
       "first_configuration",
       [](const BoundModel& m) {
-        std::vector<double> q;
-        {
-          const nb::gil_scoped_release released;
-          q = first_configuration(*m);
-        }
+        LongCall call(true);
+        const std::vector<double> q =
+            first_configuration(*m, [monitor = call.monitor()] { return monitor(0, 0); });
+        call.end();
         return to_array(q);
       },
       "m"_a, nb::sig("def first_configuration(m: Model) -> numpy.typing.NDArray[numpy.float64]"),

@@ -5,6 +5,7 @@
 #include <map>
 
 #include "axode/integration.hpp"
+#include "axode/view/stand_ins.hpp"
 #include "tests/model/random_loops.hpp"
 #include "tests/support/random_tree.hpp"
 #include "tests/support/shared_files.hpp"
@@ -378,6 +379,26 @@ TEST(StandIns, APlateJoinsTheTopsOfLegs) {
       *std::ranges::find_if(scene["shapes"], [](const Json& shape) { return shape["kind"] == "hull"; });
   EXPECT_EQ(plate["body"], model.body_index("platform"));
   EXPECT_EQ(plate["points"].size(), 6U);
+}
+
+/// A page computes the hull: of a body with very many points it gets the outermost ones.
+TEST(StandIns, OfManyPointsHaveTheCornersOfTheirHull) {
+  ModelBuilder builder("hedgehog");
+  builder.add(BodyDescription{.name = "body",
+                              .joint = {.kind = JointKind::free},
+                              .inertia = MassProperties{.mass = 1, .Theta = {1, 1, 1}}});
+  Random<double> random(1);
+  for (int k = 0; k < 70'000; ++k) {
+    const Vec3<> inside = random.vector();
+    builder.add(FrameDescription{
+        .name = std::to_string(k), .body = "body", .pose = {{}, (k < 6 ? 1 : 0.5) / norm(inside) * inside}});
+  }
+  const Model model = builder.build();
+  const std::vector<view::StandIn> parts = view::stand_ins(model, {false, false});
+  ASSERT_EQ(parts.size(), 1U);
+  EXPECT_GT(parts[0].hull.size(), 6U);
+  EXPECT_LE(parts[0].hull.size(), 60U);
+  for (const Vec3<>& point : parts[0].hull) EXPECT_GT(norm(point + parts[0].shape.pose.r), 0.49);
 }
 
 TEST(StandIns, DrivesHaveAColorOfTheirOwnAndHingesOnTheGroundAMount) {

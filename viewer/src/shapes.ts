@@ -13,6 +13,7 @@ import {
   type Material,
 } from "three";
 import { ConvexGeometry } from "three/addons/geometries/ConvexGeometry.js";
+import { mergeVertices } from "three/addons/utils/BufferGeometryUtils.js";
 import { Instances, type Item } from "./instances";
 import { matrixOf } from "./kinematics";
 import type { Part } from "./meshes";
@@ -46,7 +47,8 @@ const hulls = new WeakMap<Shape, BufferGeometry>();
 function hull(shape: Shape): BufferGeometry {
   const known = hulls.get(shape);
   if (known) return known;
-  const ball = new IcosahedronGeometry(shape.radius, 2).getAttribute("position");
+  const sphere = new IcosahedronGeometry(shape.radius, 2).deleteAttribute("normal").deleteAttribute("uv");
+  const ball = mergeVertices(sphere).getAttribute("position"); // each corner once
   const centres = shape.points.map((point) => new Vector3(...point));
   const geometry = new ConvexGeometry(
     centres.flatMap((centre) => Array.from({ length: ball.count }, (_, k) => new Vector3().fromBufferAttribute(ball, k).add(centre))),
