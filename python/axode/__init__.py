@@ -137,7 +137,6 @@ from ._axode import version as __version__
 from .builder import Builder
 from .errors import AssemblyError, Fault, ModelError, NotFiniteError, SimulationError, SingularError, StatesError
 from .files import check, load
-from .support.former_names import install as _install_former_names
 from .records import (
     Equilibrium,
     ForwardDynamicsDerivatives,
@@ -159,9 +158,10 @@ from .records import (
     Target,
 )
 from .simulation import reconstruct, rollout, simulate
+from .support import former_names as _former_names
 from .viewer import Viewer, view
 
-_install_former_names()
+_former_names.install()
 
 #: The folder of the mechanisms that come with the package: arm7.toml, double_pendulum.toml, humanoid.urdf,
 #: machine.toml.
@@ -215,9 +215,6 @@ __all__ = [
 #: Modules that need other packages, which are imported where one asks for them.
 BRIDGES = ("casadi", "cuda", "distributed", "jax", "torch")
 
-#: Names that changed; the former ones work until the next minor version.
-RENAMED = {"mobility": "inverse_operational_space_inertia"}
-
 if not TYPE_CHECKING:  # to a type checker every name would be known
 
     def __getattr__(name: str) -> Any:
@@ -226,9 +223,9 @@ if not TYPE_CHECKING:  # to a type checker every name would be known
                 return importlib.import_module(f"{__name__}.{name}")
             except ImportError as error:  # hasattr hears of AttributeError alone; `import axode.jax` raises this one
                 raise AttributeError(str(error)) from error
-        if name in RENAMED:
-            warnings.warn(f"axode.{name} is deprecated; use axode.{RENAMED[name]}", DeprecationWarning, stacklevel=2)
-            return globals()[RENAMED[name]]
+        if now := _former_names.functions.get(name):
+            warnings.warn(f"axode.{name} is now {now}", DeprecationWarning, stacklevel=2)
+            return globals()[now]
         message = f"module {__name__!r} has no attribute {name!r}"
         if (here := _name_here(name)) in __all__:
             raise AttributeError(f"{message}; it is called {here!r} here")

@@ -1,4 +1,4 @@
-"""Former names of attributes, which work for one minor version with a DeprecationWarning."""
+"""Former names of functions and attributes, which work for one minor version with a DeprecationWarning."""
 
 from __future__ import annotations
 
@@ -7,7 +7,8 @@ import warnings
 from .._axode import Trajectory
 from ..records import JointState
 
-former_names: dict[type, dict[str, str]] = {
+functions: dict[str, str] = {"mobility": "inverse_operational_space_inertia"}
+attributes: dict[type, dict[str, str]] = {
     Trajectory: {"gap": "position_residuals", "slip": "velocity_residuals", "stopped": "stop_reason"},
     JointState: {"gap": "position_residual", "slip": "velocity_residual"},
 }
@@ -23,7 +24,7 @@ def _alias(owner: type, former: str, name: str) -> property:
 
 
 def install() -> None:
-    """Adds the former names to their classes."""
-    for owner, names in former_names.items():
+    """Adds the former names of attributes to their classes."""
+    for owner, names in attributes.items():
         for former, name in names.items():
             setattr(owner, former, _alias(owner, former, name))
